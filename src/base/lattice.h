@@ -1,0 +1,65 @@
+/*
+ * The absolute integer lattice heights live on, and the pure functions over it.
+ *
+ *   base    int32, 2^-18 m, relative to a reference that is a multiple of 1024 m (BASE_NODATA: a hole)
+ *   offset  int32, 2^-20 m ("quanta"); a post without data has offset 0
+ *   pose    int64, 2^-20 m
+ *
+ * shaders/lib/lattice.glsl holds the same formulas; tests/gpu compares them bit for bit.
+ */
+#ifndef FURROW_BASE_LATTICE_H
+#define FURROW_BASE_LATTICE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define BASE_BITS 18
+#define OFFSET_BITS 20
+#define BASE_NODATA INT32_MIN
+#define REFERENCE_STEP 1024 /* metres */
+
+/* Nearest lattice value, halves away from zero. `metres` must be finite and below 2^40. */
+int64_t lattice_base(double metres);
+int64_t lattice_offset(double metres);
+double lattice_base_metres(int64_t base);
+double lattice_offset_metres(int64_t offset);
+
+/* The reference (metres, a multiple of 1024) for posts from `low` to `high` metres. */
+int32_t lattice_reference(double low, double high);
+/* True if every height from `low` to `high` fits int32 relative to their reference. */
+bool lattice_fits(double low, double high);
+
+/* A height relative to `reference` metres; NaN becomes BASE_NODATA. */
+int32_t lattice_base_relative(double metres, int32_t reference);
+
+/*
+ * Bilinear interpolation of a cell whose corners are a (south-west), b (south-east), c (north-west)
+ * and d (north-east), at (fx, fy) / 2^shift of the cell, 0 <= fx, fy <= 2^shift, 0 <= shift <= 14.
+ * Exact weighted sum in 64 bits, rounded to nearest (halves up); a post is nodata if any corner
+ * with weight is.
+ */
+int32_t lattice_interpolate(int32_t a, int32_t b, int32_t c, int32_t d, uint32_t fx, uint32_t fy,
+			    int shift);
+
+/*
+ * Fills a tile of a level below zero, (cells + 1)^2 posts, from the patch of level-0 posts it lies
+ * in: `patch` is patch_posts x patch_posts, patch_posts = lattice_patch_posts(cells, shift), its
+ * first post being the level-0 post at or south-west of the tile's first post. (sub_x, sub_y) is
+ * the tile's first post within the patch's first cell, in 2^-shift of a cell (0 unless
+ * 2^shift > cells).
+ */
+uint32_t lattice_patch_posts(uint32_t cells, int shift);
+void lattice_subdivide(const int32_t *patch, uint32_t cells, int shift, uint32_t sub_x,
+		       uint32_t sub_y, int32_t *posts);
+
+/*
+ * Decimation: writes every second post of a fine tile (cells + 1 squared) into its quadrant of the
+ * coarse tile that covers it. (qx, qy) is 0 or 1: the fine tile's low bits.
+ */
+void lattice_decimate_i32(const int32_t *fine, uint32_t cells, uint32_t qx, uint32_t qy,
+			  int32_t *coarse);
+void lattice_decimate_u8(const uint8_t *fine, uint32_t cells, uint32_t qx, uint32_t qy,
+			 uint8_t *coarse);
+
+#endif

@@ -1,0 +1,48 @@
+/*
+ * Statuses and the one message that goes with a failure.
+ *
+ * Whoever detects an error writes the whole message, once: "WHAT: WHY; WHAT TO DO". Everyone
+ * above only returns the status. The message is kept per thread; a worker that fails copies its
+ * own into a struct failure and the thread that reports it restores it.
+ */
+#ifndef FURROW_BASE_STATUS_H
+#define FURROW_BASE_STATUS_H
+
+#include <stdarg.h>
+#include <stddef.h>
+
+enum status {
+	STATUS_OK = 0,
+	STATUS_FAILED = -1,      /* failed while running: exit 1 */
+	STATUS_USAGE = -2,       /* wrong usage: exit 2 */
+	STATUS_INPUT = -3,       /* bad input: missing, unreadable, corrupt, out of range: exit 3 */
+	STATUS_NO_GL = -4,       /* no usable GL: exit 4 */
+	STATUS_INTERRUPTED = -5, /* Ctrl-C: exit 130 */
+};
+
+#define FURROW_CHECKED __attribute__((warn_unused_result))
+#define FURROW_PRINTF(at, first) __attribute__((format(printf, at, first)))
+
+/* A failure carried from one thread to another. */
+struct failure {
+	enum status status;
+	char message[512];
+};
+
+/* Sets this thread's message and returns `status`, so that `return fail_with(...)` reads well. */
+enum status fail_with(enum status status, const char *format, ...) FURROW_PRINTF(2, 3);
+/* The same for a failed allocation of `what`. */
+enum status fail_memory(const char *what);
+/* This thread's last message; "" if there was none. Valid until the next fail_with() here. */
+const char *failure_message(void);
+
+void failure_capture(struct failure *failure, enum status status);
+enum status failure_restore(const struct failure *failure);
+
+/* 0, 1, 2, 3, 4 or 130: the command's exit status. */
+int status_exit_code(enum status status);
+
+/* One line on stderr, "furrow: note: ...": told, but nothing failed. */
+void note(const char *format, ...) FURROW_PRINTF(1, 2);
+
+#endif

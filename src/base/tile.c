@@ -1,0 +1,177 @@
+#include "base/tile.h"
+
+#include <assert.h>
+#include <math.h>
+
+#define LEVEL_BIAS 32
+#define AXIS_BITS 28
+
+static uint64_t spread(uint64_t v)
+{
+	v = (v | v << 16) & 0x0000ffff0000ffffull;
+	v = (v | v << 8) & 0x00ff00ff00ff00ffull;
+	v = (v | v << 4) & 0x0f0f0f0f0f0f0f0full;
+	v = (v | v << 2) & 0x3333333333333333ull;
+	return (v | v << 1) & 0x5555555555555555ull;
+}
+
+static uint32_t gather(uint64_t v)
+{
+	v &= 0x5555555555555555ull;
+	v = (v | v >> 1) & 0x3333333333333333ull;
+	v = (v | v >> 2) & 0x0f0f0f0f0f0f0f0full;
+	v = (v | v >> 4) & 0x00ff00ff00ff00ffull;
+	v = (v | v >> 8) & 0x0000ffff0000ffffull;
+	return (uint32_t)(v | v >> 16);
+}
+
+uint64_t tile_key(struct tile tile)
+{
+	assert(tile.level >= -LEVEL_BIAS && tile.level < LEVEL_BIAS);
+	assert(tile.x < 1u << AXIS_BITS && tile.y < 1u << AXIS_BITS);
+	return (uint64_t)(tile.level + LEVEL_BIAS) << (2 * AXIS_BITS) | spread(tile.y) << 1 |
+	       spread(tile.x);
+}
+
+struct tile tile_from_key(uint64_t key)
+{
+	uint64_t morton = key & ((1ull << (2 * AXIS_BITS)) - 1);
+	return (struct tile){
+		.level = (int)(key >> (2 * AXIS_BITS) & 63) - LEVEL_BIAS,
+		.x = gather(morton),
+		.y = gather(morton >> 1),
+	};
+}
+
+bool tile_equal(struct tile a, struct tile b)
+{
+	return a.level == b.level && a.x == b.x && a.y == b.y;
+}
+
+struct tile tile_ancestor(struct tile tile, int level)
+{
+	assert(level >= tile.level);
+	int up = level - tile.level;
+	return (struct tile){level, up < 32 ? tile.x >> up : 0, up < 32 ? tile.y >> up : 0};
+}
+
+void tile_descendants(struct tile tile, int level, uint64_t *first, uint64_t *last)
+{
+	assert(level <= tile.level);
+	int down = tile.level - level;
+	*first = tile_key((struct tile){level, tile.x << down, tile.y << down});
+	*last = *first + ((1ull << (2 * down)) - 1);
+}
+
+double world_spacing(const struct world *world, int level)
+{
+	return ldexp(world->spacing, level);
+}
+
+int64_t world_posts(int64_t posts, int level)
+{
+	return level >= 0 ? ((posts - 1) >> level) + 1 : ((posts - 1) << -level) + 1;
+}
+
+static uint32_t tiles_along(int64_t posts, uint32_t cells, int level)
+{
+	int64_t span = level < 0 ? (posts - 1) << -level : posts - 1;
+	int64_t tiles = (span + cells - 1) / cells;
+	/* Halved, rounding up, so that every tile has its parent. */
+	for (int l = 0; l < level; l++)
+		tiles = (tiles + 1) / 2;
+	return tiles > 0 ? (uint32_t)tiles : 1;
+}
+
+uint32_t world_tiles_x(const struct world *world, int level)
+{
+	return tiles_along(world->width, world->cells, level);
+}
+
+uint32_t world_tiles_y(const struct world *world, int level)
+{
+	return tiles_along(world->height, world->cells, level);
+}
+
+int world_coarsest(const struct world *world)
+{
+	int level = 0;
+	while (world_tiles_x(world, level) > 1 || world_tiles_y(world, level) > 1)
+		level++;
+	return level;
+}
+
+int world_level_for(const struct world *world, double spacing)
+{
+	int level = world_coarsest(world);
+	while (level >= TILE_LEVEL_MIN && world_spacing(world, level) > spacing)
+		level--;
+	return level;
+}
+
+bool world_has(const struct world *world, struct tile tile)
+{
+	return tile.level >= TILE_LEVEL_MIN && tile.level <= world_coarsest(world) &&
+	       tile.x < world_tiles_x(world, tile.level) && tile.y < world_tiles_y(world, tile.level);
+}
+
+const char *world_problem(const struct world *world)
+{
+	if (world->cells < TILE_CELLS_MIN || world->cells > TILE_CELLS_MAX ||
+	    (world->cells & (world->cells - 1)) != 0)
+		return "a tile's side must be a power of two from 8 to 1024 cells";
+	if (world->width < 2 || world->height < 2)
+		return "a terrain needs at least 2 x 2 posts";
+	if (!(world->spacing > 0) || !isfinite(world->spacing) || world->spacing > 1e6)
+		return "the spacing must be above 0 and at most 1000 km";
+	/* So that tile x and y fit 28 bits down to TILE_LEVEL_MIN. */
+	int64_t limit = ((int64_t)world->cells << AXIS_BITS) >> -TILE_LEVEL_MIN;
+	if (world->width > limit || world->height > limit)
+		return "too many posts along a side for this tile size";
+	return 0;
+}
+
+struct post_rect post_rect_intersect(struct post_rect a, struct post_rect b)
+{
+	return (struct post_rect){
+		.x0 = a.x0 > b.x0 ? a.x0 : b.x0,
+		.y0 = a.y0 > b.y0 ? a.y0 : b.y0,
+		.x1 = a.x1 < b.x1 ? a.x1 : b.x1,
+		.y1 = a.y1 < b.y1 ? a.y1 : b.y1,
+	};
+}
+
+bool post_rect_empty(struct post_rect rect)
+{
+	return rect.x1 <= rect.x0 || rect.y1 <= rect.y0;
+}
+
+struct post_rect tile_post_rect(const struct world *world, struct tile tile)
+{
+	int64_t n = world->cells;
+	return (struct post_rect){
+		.x0 = tile.x * n,
+		.y0 = tile.y * n,
+		.x1 = tile.x * n + n + 1,
+		.y1 = tile.y * n + n + 1,
+	};
+}
+
+bool tile_range_of(const struct world *world, int level, struct post_rect rect, struct tile *first,
+		   struct tile *last)
+{
+	int64_t n = world->cells;
+	struct post_rect all = {0, 0, world_tiles_x(world, level) * n + 1,
+				world_tiles_y(world, level) * n + 1};
+	rect = post_rect_intersect(rect, all);
+	if (post_rect_empty(rect))
+		return false;
+	/* Post p lies in tiles floor(p / n) and, on an edge, also the one before it. */
+	int64_t fx = rect.x0 > 0 ? (rect.x0 - 1) / n : 0;
+	int64_t fy = rect.y0 > 0 ? (rect.y0 - 1) / n : 0;
+	int64_t lx = (rect.x1 - 1) / n, ly = (rect.y1 - 1) / n;
+	int64_t mx = (int64_t)world_tiles_x(world, level) - 1, my = (int64_t)world_tiles_y(world, level) - 1;
+	*first = (struct tile){level, (uint32_t)fx, (uint32_t)fy};
+	*last = (struct tile){level, (uint32_t)(lx < mx ? lx : mx), (uint32_t)(ly < my ? ly : my)};
+	return true;
+}

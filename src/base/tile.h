@@ -1,0 +1,72 @@
+/*
+ * Tiles, levels and the world they cut up.
+ *
+ * x counts east, y counts north, both from 0 at the world's south-west post. A tile of level L
+ * holds (n + 1) x (n + 1) posts and shares its edge posts with its neighbours. Level 0 is the
+ * source's spacing; level +k has 2^k times the spacing and is every 2^k-th post; level -k has
+ * 2^-k times the spacing.
+ */
+#ifndef FURROW_BASE_TILE_H
+#define FURROW_BASE_TILE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define TILE_LEVEL_MIN (-14) /* 2 * 14 bits of interpolation weight fit the 64-bit formula */
+#define TILE_LEVEL_MAX 28
+#define TILE_CELLS_MIN 8
+#define TILE_CELLS_MAX 1024
+
+struct tile {
+	int level;
+	uint32_t x, y; /* each below 2^28 */
+};
+
+/* What the keys mean in one store. */
+struct world {
+	int64_t width, height; /* posts at level 0, at least 2 each */
+	double spacing;        /* metres between posts at level 0 */
+	uint32_t cells;        /* N: cells along a tile's side, a power of two */
+};
+
+/* level (6 bits, biased by 32) above Morton(x, y) (2 x 28 bits): 62 bits, never negative as int64.
+ * All tiles below one ancestor at one level are one contiguous range of keys. */
+uint64_t tile_key(struct tile tile);
+struct tile tile_from_key(uint64_t key);
+bool tile_equal(struct tile a, struct tile b);
+
+/* The tile of a coarser (or the same) level that covers this one. */
+struct tile tile_ancestor(struct tile tile, int level);
+/* The keys of all descendants of `tile` at a finer (or the same) `level`: first..last inclusive. */
+void tile_descendants(struct tile tile, int level, uint64_t *first, uint64_t *last);
+
+double world_spacing(const struct world *world, int level);   /* metres */
+int64_t world_posts(int64_t posts, int level);                /* along a side of `posts` at level 0 */
+uint32_t world_tiles_x(const struct world *world, int level); /* at least 1 */
+uint32_t world_tiles_y(const struct world *world, int level);
+int world_coarsest(const struct world *world); /* first level of a single tile */
+/* The coarsest level whose spacing is at most `spacing` metres; TILE_LEVEL_MIN - 1 if none is. */
+int world_level_for(const struct world *world, double spacing);
+bool world_has(const struct world *world, struct tile tile);
+/* NULL if the world is one this program can hold, else why not (a static text). */
+const char *world_problem(const struct world *world);
+
+static inline uint32_t tile_posts(const struct world *world)
+{
+	return world->cells + 1;
+}
+
+/* A rectangle of posts of one level: x0 <= x < x1. Empty if x1 <= x0 or y1 <= y0. */
+struct post_rect {
+	int64_t x0, y0, x1, y1;
+};
+
+struct post_rect post_rect_intersect(struct post_rect a, struct post_rect b);
+bool post_rect_empty(struct post_rect rect);
+/* The posts of a tile, shared edges included. */
+struct post_rect tile_post_rect(const struct world *world, struct tile tile);
+/* The tiles (inclusive) of one level that hold any post of `rect`, edges included. False if none. */
+bool tile_range_of(const struct world *world, int level, struct post_rect rect, struct tile *first,
+		   struct tile *last);
+
+#endif

@@ -1,0 +1,116 @@
+/*
+ * dem: elevation sources to rows of posts, rows of posts to tiles, and rows of posts to rasters.
+ *
+ * Sources are opened through GDAL (PNG and raw heightmaps also without it), put together into one
+ * raster, projected to metres where they are not in metres, and read south to north in strips, so
+ * that memory does not grow with the source. A struct dem is used by one thread at a time.
+ */
+#ifndef FURROW_DEM_H
+#define FURROW_DEM_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/base.h"
+
+enum dem_resample { DEM_BILINEAR, DEM_CUBIC, DEM_NEAR };
+
+struct dem_params {
+	const char *const *sources; /* rasters, directories, or "@list.txt" */
+	size_t source_count;        /* at least 1 */
+	const char *s_srs;          /* overrides the sources' own; NULL: as they say */
+	const char *t_srs;          /* NULL or "auto": see cli.md */
+	double spacing;             /* metres; 0: the source's own (1 where it has no place) */
+	enum dem_resample resample;
+	const double *nodata; /* further values that mean nodata, in the source's unit */
+	size_t nodata_count;
+	bool fill; /* fill holes by interpolation from their rims */
+	bool has_height_range;
+	double height_min, height_max; /* metres that a PNG's 0 and full scale mean */
+};
+
+struct dem_info {
+	int64_t width, height; /* posts */
+	double spacing;        /* metres */
+	double unit;           /* metres of the source's own unit if it holds whole numbers, else 0 */
+	const char *srs;       /* WKT; "" for local metres. Owned by the dem */
+	double origin[2];      /* x, y of the south-west post in `srs` */
+	const char *vertical;  /* what is known of the vertical reference, "" if nothing */
+	const char *projected; /* what the sources were projected from, "" if they were not */
+	size_t source_count;   /* after directories and lists were opened */
+	const char *const *sources;
+	/* Where sources overlap: posts compared and by how much they disagree at most (metres). */
+	int64_t overlap_posts, overlap_differing;
+	double overlap_difference;
+};
+
+struct dem;
+
+enum status dem_open(const struct dem_params *params, struct dem **out) FURROW_CHECKED;
+void dem_close(struct dem *dem); /* takes NULL */
+const struct dem_info *dem_info(const struct dem *dem);
+
+/* Rows y0 .. y0 + rows - 1 counted from the south, `width` posts each, metres, NaN where nodata.
+ * Rows are best read in growing order. */
+enum status dem_read_rows(struct dem *dem, int64_t y0, int64_t rows, double *heights) FURROW_CHECKED;
+
+/* One tile as it is cut, finest first: every tile comes after the tiles it covers. */
+struct dem_tile {
+	struct tile tile;
+	const int32_t *codes; /* (cells + 1)^2 height codes, row 0 south; HEIGHT_CODE_NODATA */
+	double low, high;     /* metres, over the whole subtree; both NaN if all is nodata */
+	double error;         /* metres: most that this level's bilinear surface is off a finer post */
+};
+
+typedef enum status (*dem_tile_fn)(void *user, const struct dem_tile *tile);
+/* `done` of `total` level-0 rows; return other than STATUS_OK to stop (Ctrl-C). */
+typedef enum status (*dem_progress_fn)(void *user, int64_t done, int64_t total);
+typedef enum status (*dem_rows_fn)(void *user, int64_t y0, int64_t rows, double *heights);
+
+/*
+ * Cuts rows (asked for south to north from `rows`) into tiles of every level from 0 to the
+ * coarsest, decimating; heights are coded with `step` (base/height_code.h). A height that cannot be
+ * coded, and a tile whose relief is beyond the lattice, are STATUS_INPUT.
+ */
+enum status dem_cut(const struct world *world, double step, dem_rows_fn rows, void *rows_user,
+		    dem_tile_fn emit, void *emit_user, dem_progress_fn progress, void *progress_user)
+	FURROW_CHECKED;
+
+/* Synthetic terrain: any row of any size at once, the same posts whatever is asked with them. */
+enum dem_synth_kind { DEM_SYNTH_RIDGED, DEM_SYNTH_DUNES, DEM_SYNTH_PLAIN };
+
+struct dem_synth {
+	enum dem_synth_kind kind;
+	int64_t width, height;
+	double spacing, relief; /* metres */
+	uint64_t seed;
+};
+
+void dem_synth_rows(const struct dem_synth *synth, int64_t y0, int64_t rows, double *heights);
+
+/* Rasters out, row by row from the south, written aside and renamed when whole. */
+enum dem_raster_type { DEM_FLOAT32, DEM_INT32, DEM_UINT8, DEM_UINT16 };
+
+struct dem_raster {
+	const char *path;    /* .tif/.tiff (GDAL) or .png */
+	int64_t width, height;
+	enum dem_raster_type type; /* PNG: UINT8 and UINT16 only */
+	const char *srs;           /* WKT or "" */
+	double west, south;        /* SRS coordinates of the south-west post */
+	double spacing;
+	bool has_nodata;
+	double nodata;
+};
+
+struct dem_writer;
+enum status dem_writer_create(const struct dem_raster *raster, struct dem_writer **out) FURROW_CHECKED;
+/* The next rows to the north; `values` in the raster's own meaning, rounded to its type. */
+enum status dem_writer_rows(struct dem_writer *writer, int64_t rows, const double *values) FURROW_CHECKED;
+enum status dem_writer_publish(struct dem_writer *writer) FURROW_CHECKED; /* renames; still to be destroyed */
+void dem_writer_destroy(struct dem_writer *writer);                      /* removes what was not published */
+
+/* Coordinates: from `srs` (anything GDAL takes) to the store's WKT. Without GDAL: STATUS_FAILED. */
+enum status dem_transform(const char *from_srs, const char *to_wkt, size_t count, double *x, double *y)
+	FURROW_CHECKED;
+
+#endif

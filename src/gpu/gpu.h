@@ -1,0 +1,166 @@
+/*
+ * gpu: the one owner of EGL and GL. Others describe textures, programs and passes; only this folder
+ * calls GL. One thread creates a gpu and it alone may use it and everything made from it (asserted).
+ *
+ * OpenGL 4.5 core, headless: EGL surfaceless first, then device platforms. A GL error or a lost
+ * context is sticky: every later call that can fail returns it.
+ *
+ * Post = texel: row 0 of a tile's texture is its southern row. Clip space is lower-left, depth
+ * zero to one.
+ */
+#ifndef FURROW_GPU_H
+#define FURROW_GPU_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/base.h"
+
+struct gpu;
+struct gpu_texture;
+struct gpu_target;
+struct gpu_buffer;
+struct gpu_program;
+struct gpu_slots;
+
+struct gpu_info {
+	const char *vendor, *renderer, *version;
+	bool software;
+};
+
+/* What was made and run so far; live counts where that is what matters. */
+enum gpu_stage {
+	GPU_DISPLACE,
+	GPU_REDISTRIBUTE,
+	GPU_ATTRIBUTES,
+	GPU_PYRAMID,
+	GPU_RENDER,
+	GPU_SUBDIVIDE, /* Technique 4, when a tile below level 0 is loaded */
+	GPU_STAGES
+};
+
+struct gpu_stats {
+	uint64_t passes[GPU_STAGES];
+	uint32_t programs;  /* linked, alive */
+	uint32_t textures;  /* alive */
+	uint64_t bytes;     /* of textures and buffers alive */
+	uint64_t uploads, upload_bytes, read_backs, read_back_bytes;
+};
+
+/* --- context: gpu_context.c --- */
+struct gpu_params {
+	bool draws; /* a picture will be drawn: llvmpipe keeps its raster threads */
+};
+enum status gpu_create(const struct gpu_params *params, struct gpu **out) FURROW_CHECKED; /* STATUS_NO_GL */
+void gpu_destroy(struct gpu *gpu); /* after everything made from it; takes NULL */
+const struct gpu_info *gpu_info(const struct gpu *gpu);
+void gpu_stats(const struct gpu *gpu, struct gpu_stats *stats);
+/* The sticky failure, or a GL error since the last check; `what` names what was being done. */
+enum status gpu_check(struct gpu *gpu, const char *what) FURROW_CHECKED;
+void gpu_finish(struct gpu *gpu); /* benches only: waits for the driver */
+
+/* --- textures and targets: gpu_texture.c --- */
+enum gpu_format { GPU_R32I, GPU_R8UI, GPU_RGBA8, GPU_SRGB8_ALPHA8, GPU_DEPTH32F };
+
+/* layers 0: a plain 2D texture; otherwise an array. Contents start undefined. NEAREST, clamped. */
+enum status gpu_texture_create(struct gpu *gpu, enum gpu_format format, uint32_t width,
+			       uint32_t height, uint32_t layers, struct gpu_texture **out) FURROW_CHECKED;
+void gpu_texture_destroy(struct gpu_texture *texture);
+/* Rectangles are x, y, width, height in texels; data is tight. The clear value is int, unsigned or
+ * float as the format says (given as its bits in 4 words). */
+struct gpu_rect {
+	uint32_t x, y, width, height;
+};
+void gpu_texture_upload(struct gpu_texture *texture, uint32_t layer, struct gpu_rect rect, const void *data);
+void gpu_texture_read(struct gpu_texture *texture, uint32_t layer, struct gpu_rect rect, void *data); /* blocks */
+void gpu_texture_clear(struct gpu_texture *texture, uint32_t layer, struct gpu_rect rect, int32_t value);
+void gpu_texture_copy(struct gpu_texture *from, uint32_t from_layer, uint32_t from_x, uint32_t from_y,
+		      struct gpu_texture *to, uint32_t to_layer, struct gpu_rect to_rect);
+
+struct gpu_attachment {
+	struct gpu_texture *texture;
+	uint32_t layer;
+};
+/* An FBO. At most 4 colours; depth.texture may be NULL. Textures stay the caller's. */
+enum status gpu_target_create(struct gpu *gpu, const struct gpu_attachment *colours, uint32_t count,
+			      struct gpu_attachment depth, struct gpu_target **out) FURROW_CHECKED;
+void gpu_target_destroy(struct gpu_target *target);
+/* Floating-point and normalised attachments only; depth is cleared to 0 (reversed depth). */
+void gpu_target_clear(struct gpu_target *target, const float rgba[4]);
+
+/* --- programs: gpu_program.c --- */
+/* Shaders are files of shaders/, embedded by the build ("displace.frag"); `#include "lib/x.glsl"`
+ * is resolved. Each define is "NAME" or "NAME value": a variant. The same request returns the same
+ * program; the gpu keeps it. An error carries file:line and the driver's text. */
+#define GPU_DEFINES_MAX 12
+struct gpu_program_request {
+	const char *vertex, *fragment;
+	const char *defines[GPU_DEFINES_MAX]; /* NULL-terminated unless full */
+};
+enum status gpu_program_get(struct gpu *gpu, const struct gpu_program_request *request,
+			    struct gpu_program **out) FURROW_CHECKED;
+
+/* --- buffers: gpu_buffer.c --- */
+enum gpu_buffer_use { GPU_INDICES, GPU_STORAGE, GPU_UNIFORMS };
+enum status gpu_buffer_create(struct gpu *gpu, enum gpu_buffer_use use, size_t bytes,
+			      const void *data_or_null, struct gpu_buffer **out) FURROW_CHECKED;
+void gpu_buffer_destroy(struct gpu_buffer *buffer);
+void gpu_buffer_write(struct gpu_buffer *buffer, size_t offset, size_t bytes, const void *data);
+void gpu_buffer_read(struct gpu_buffer *buffer, size_t offset, size_t bytes, void *data); /* blocks */
+
+/* --- passes: gpu_pass.c --- */
+#define GPU_PASS_TEXTURES 8
+#define GPU_PASS_BUFFERS 4
+struct gpu_pass {
+	enum gpu_stage stage; /* what it counts as */
+	struct gpu_program *program;
+	struct gpu_target *target;
+	struct gpu_rect viewport; /* of the target; nothing outside is written */
+	struct gpu_texture *textures[GPU_PASS_TEXTURES]; /* layout(binding = i); NULL: none */
+	struct gpu_buffer *storage[GPU_PASS_BUFFERS];    /* layout(std430, binding = i) */
+	const void *params; /* std140 block, layout(binding = 0); copied; NULL: none */
+	size_t params_bytes; /* at most 16 KiB */
+	/* What is drawn. indices NULL: one triangle over the viewport (vertex shader full.vert makes
+	 * it from gl_VertexID). Otherwise triangles, uint16 indices, `instances` times. */
+	struct gpu_buffer *indices;
+	uint32_t index_count, instances;
+	bool depth_test;  /* reversed: GREATER */
+	bool cull_back;   /* counter-clockwise is front */
+};
+void gpu_pass_run(struct gpu *gpu, const struct gpu_pass *pass);
+
+/* --- slots: gpu_slots.c --- */
+/*
+ * Two pools, each slot allocated when first needed and reused from then on, never freed before the
+ * end. Base slots: a (cells + 1)^2 R32I texture (2^-18 m relative to the store's reference) and an
+ * FBO. Deform slots: offset R32I, and dirt R8UI if asked for, and an FBO over them; a base slot has
+ * one only while its tile is deformed.
+ */
+struct gpu_slot {
+	struct gpu_texture *base;
+	struct gpu_texture *offset; /* NULL: not deformed */
+	struct gpu_texture *dirt;   /* NULL: not deformed, or no such plane */
+	struct gpu_target *deform;  /* FBO over offset and dirt (colour 0, 1) */
+};
+enum status gpu_slots_create(struct gpu *gpu, uint32_t cells, uint32_t count, bool dirt,
+			     struct gpu_slots **out) FURROW_CHECKED;
+void gpu_slots_destroy(struct gpu_slots *slots);
+const struct gpu_slot *gpu_slots_get(const struct gpu_slots *slots, uint32_t slot);
+/* Base from posts, or from a patch of level-0 posts (lattice_subdivide's arguments) by a pass. */
+enum status gpu_slots_upload_base(struct gpu_slots *slots, uint32_t slot, const int32_t *posts) FURROW_CHECKED;
+enum status gpu_slots_subdivide_base(struct gpu_slots *slots, uint32_t slot, const int32_t *patch,
+				     int shift, uint32_t sub_x, uint32_t sub_y) FURROW_CHECKED;
+/* Gives the slot a deform slot, zeroed, if it has none. */
+enum status gpu_slots_deform(struct gpu_slots *slots, uint32_t slot) FURROW_CHECKED;
+/* Takes it away again (the tile in it is about to change). */
+void gpu_slots_undeform(struct gpu_slots *slots, uint32_t slot);
+enum status gpu_slots_upload_deform(struct gpu_slots *slots, uint32_t slot, const int32_t *offset,
+				    const uint8_t *dirt_or_null) FURROW_CHECKED;
+enum status gpu_slots_read_deform(struct gpu_slots *slots, uint32_t slot, int32_t *offset,
+				  uint8_t *dirt_or_null) FURROW_CHECKED;
+/* Writes every second post of `fine` (rows and columns inside `rect` of it, in its posts) into the
+ * coarse slot's offset and dirt at (to_x, to_y); `steps` levels apart (every 2^steps-th post). */
+enum status gpu_slots_decimate(struct gpu_slots *slots, uint32_t fine, struct gpu_rect rect, int steps,
+			       uint32_t coarse, uint32_t to_x, uint32_t to_y) FURROW_CHECKED;
+
+#endif

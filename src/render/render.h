@@ -1,0 +1,45 @@
+/*
+ * render: the picture. Draws what terrain selected from the slots, in one instanced draw a tile,
+ * with only the effects the scene names compiled in; reads it back and writes PNGs.
+ * For the GPU's thread.
+ */
+#ifndef FURROW_RENDER_H
+#define FURROW_RENDER_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/base.h"
+#include "gpu/gpu.h"
+#include "scene/scene.h"
+#include "terrain/terrain.h"
+
+struct render_camera {
+	double eye[3], target[3]; /* absolute metres */
+	double fov;               /* vertical, radians */
+};
+
+struct render_params {
+	struct gpu *gpu;
+	struct gpu_slots *slots;
+	const struct world *world;
+	int32_t reference;    /* metres */
+	double low, high;     /* of the terrain, for colours by height */
+	int width, height;
+	unsigned effects;     /* 1 << EFFECT_TEXTURE ... */
+	bool dirt;
+};
+
+struct render;
+
+enum status render_create(const struct render_params *params, struct render **out) FURROW_CHECKED;
+void render_destroy(struct render *render);
+/* The view terrain_select needs for this camera. */
+void render_view(const struct render *render, const struct render_camera *camera, struct terrain_view *view);
+enum status render_frame(struct render *render, const struct render_camera *camera,
+			 const struct terrain_selection *selection) FURROW_CHECKED;
+uint64_t render_triangles(const struct render *render); /* of the last frame */
+/* Writes the last frame; aside and renamed. */
+enum status render_write_png(struct render *render, const char *path) FURROW_CHECKED;
+
+#endif

@@ -1,0 +1,110 @@
+/*
+ * scene: a YAML file to a checked scene, and the one table that describes every effect.
+ *
+ * A scene is untrusted input: unknown keys, wrong types and out-of-range values are STATUS_INPUT
+ * with "FILE:LINE: KEY: WHY; what is allowed". All values are SI; angles in radians once checked.
+ * A struct scene is immutable after scene_load and owned by the caller.
+ */
+#ifndef FURROW_SCENE_H
+#define FURROW_SCENE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/base.h"
+#include "deform/deform.h"
+
+enum scene_coordinates { SCENE_LOCAL, SCENE_STORE, SCENE_SRS };
+enum scene_outside { SCENE_STOP, SCENE_SKIP };
+enum scene_camera_kind { SCENE_CHASE, SCENE_OVERHEAD, SCENE_FIXED };
+
+/* Every effect a scene can call for, in the order of src/scene/effects.c's table. */
+enum scene_effect {
+	EFFECT_DISPLACE,
+	EFFECT_BOX,
+	EFFECT_DIRT,
+	EFFECT_TEXTURE,
+	EFFECT_DETAIL,
+	EFFECT_FOG,
+	EFFECT_SKY,
+	EFFECT_GEOMORPH,
+	EFFECT_SKIRTS,
+	EFFECT_COUNT
+};
+
+struct scene_effect_row {
+	const char *name;    /* as the scene writes it */
+	const char *key;     /* the scene's key that calls for it: "redistribute.model" */
+	const char *define;  /* of the shader variant, "" if it has its own program */
+	const char *shader;  /* file */
+	const char *reads, *writes; /* planes */
+	int stencil;         /* posts read around a post it writes */
+	const char *what;    /* one line for a person */
+};
+const struct scene_effect_row *scene_effect_row(enum scene_effect effect);
+
+/* A pose in time. A path of points has no t, z or attitude: they follow from speed and ground. */
+struct scene_waypoint {
+	double t, x, y, z, yaw, pitch, roll; /* s, coordinates' unit, m, rad */
+};
+
+struct scene_path {
+	struct scene_waypoint *points;
+	size_t count;
+	double speed; /* m/s; points only */
+	bool loop;
+	bool timed;            /* from a poses file: t is given */
+	bool has_z, has_attitude;
+};
+
+struct scene_object {
+	char *name;
+	struct deform_shape shape;
+	struct scene_path path;
+	double sink; /* metres below the base at the path point */
+};
+
+struct scene_view {
+	bool present;
+	int width, height;
+	enum scene_camera_kind camera;
+	int target_object;     /* chase, overhead: index of the object */
+	double back, up;       /* chase, metres */
+	double over_height;    /* overhead, metres */
+	double eye[3], target[3]; /* fixed: local metres */
+	unsigned effects;      /* bits 1 << EFFECT_* */
+	int64_t images;        /* a PNG every so many steps; 0 none */
+};
+
+struct scene {
+	char *file;  /* as given */
+	char *store; /* resolved relative to the scene's file; NULL if none was named */
+	char *soil;  /* name, or NULL */
+	double time_step, end_time, gravity;
+	double spacing; /* 0: the store's own */
+	enum scene_coordinates coordinates;
+	char *srs; /* SCENE_SRS */
+	enum deform_model model;
+	int box_radius, box_repetitions;
+	bool dirt;
+	enum scene_outside outside;
+	struct scene_object *objects;
+	size_t object_count;
+	struct scene_view view;
+	uint32_t slots, loaders;
+	double prefetch; /* s */
+	char hash[33];   /* of what the file and the settings say, hex */
+};
+
+struct scene_setting {
+	const char *key, *value; /* dotted, objects by name */
+};
+
+enum status scene_load(const char *path, const struct scene_setting *settings, size_t count,
+		       struct scene **out) FURROW_CHECKED;
+void scene_destroy(struct scene *scene);
+
+/* The effects a scene calls for, as bits 1 << EFFECT_*. */
+unsigned scene_effects(const struct scene *scene);
+
+#endif

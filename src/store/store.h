@@ -1,0 +1,161 @@
+/*
+ * store: one SQLite file that holds a terrain's base and everything deformation added to it.
+ *
+ * Life: store_create -> store_put_base... -> store_publish (written aside as PATH.part, renamed
+ * when whole), then store_open for reading or writing. A store open for writing has one read-write
+ * connection, used by one thread at a time (the writer); any number of struct store_reader, one a
+ * thread, each with its own read-only connection. A second writer is refused with STATUS_FAILED.
+ * A store is untrusted: what does not check out is STATUS_INPUT and names the tile.
+ */
+#ifndef FURROW_STORE_H
+#define FURROW_STORE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/base.h"
+
+#define STORE_PLANE_OFFSET (1u << 0) /* int32 quanta: always there in a deformed tile */
+#define STORE_PLANE_DIRT (1u << 1)   /* uint8: how much the soil was pressed, 0 .. 255 */
+
+enum store_pack { STORE_PACK_FAST, STORE_PACK_SMALL };
+
+struct store_meta {
+	struct world world;
+	double step;          /* height code step in metres, 0: lossless float32 */
+	double max_error;     /* metres, as asked */
+	const char *srs;      /* WKT, "" for local metres */
+	double origin[2];     /* SRS coordinates of the south-west post */
+	const char *vertical; /* "" if unknown */
+	const char *sources;  /* one a line */
+	double low, high;     /* metres over all posts; filled by store_publish */
+	enum store_pack pack;
+};
+
+struct store_range {
+	double low, high; /* metres over the whole subtree; NaN both: all nodata */
+	double error;     /* metres, decimation error (base only) */
+};
+
+struct store;
+struct store_reader;
+
+/* --- making one --- */
+enum status store_create(const char *path, const struct store_meta *meta, bool overwrite,
+			 struct store **out) FURROW_CHECKED;
+/* Codes: (cells + 1)^2. Each tile once. */
+enum status store_put_base(struct store *store, struct tile tile, const int32_t *codes,
+			   const struct store_range *range) FURROW_CHECKED;
+enum status store_publish(struct store *store) FURROW_CHECKED; /* syncs and renames into place */
+
+/* --- using one --- */
+enum store_mode { STORE_READ, STORE_WRITE };
+struct store_options {
+	enum store_mode mode;
+	bool durable_full; /* synchronous=FULL */
+};
+enum status store_open(const char *path, const struct store_options *options, struct store **out)
+	FURROW_CHECKED;
+/* Checkpoints if it was written; takes NULL. An unpublished store is removed. */
+void store_close(struct store *store);
+
+const struct store_meta *store_meta(const struct store *store);
+/* The finest level: 0 until the first deformation fixed a finer one. */
+int store_finest(const struct store *store);
+bool store_has_working_level(const struct store *store, int *level);
+/* Fixes it at `level` in memory; written with the first epoch. STATUS_INPUT if another was fixed. */
+enum status store_set_working_level(struct store *store, int level) FURROW_CHECKED;
+
+/* --- reading: any thread, a reader each --- */
+enum status store_reader_create(struct store *store, struct store_reader **out) FURROW_CHECKED;
+void store_reader_destroy(struct store_reader *reader);
+
+/* Base of a tile of level >= 0. STATUS_INPUT if it is missing or does not check out. */
+enum status store_read_base(struct store_reader *reader, struct tile tile, int32_t *codes,
+			    struct store_range *range) FURROW_CHECKED;
+/* Range only, without decoding. */
+enum status store_read_base_range(struct store_reader *reader, struct tile tile, struct store_range *range)
+	FURROW_CHECKED;
+/* Planes asked for (a mask) that the tile has are filled and returned in *present; the others are
+ * zeroed. No row: *present = 0. offset or dirt may be NULL if not asked for. */
+enum status store_read_deformed(struct store_reader *reader, struct tile tile, unsigned planes,
+				int32_t *offset, uint8_t *dirt, unsigned *present) FURROW_CHECKED;
+/* Offset's range over the subtree, in metres; *found false without a row. */
+enum status store_read_offset_range(struct store_reader *reader, struct tile tile, double *low,
+				    double *high, bool *found) FURROW_CHECKED;
+/* Keys of the tiles with an offset row at `level`, in key order. */
+typedef enum status (*store_key_fn)(void *user, uint64_t key);
+enum status store_each_offset(struct store_reader *reader, int level, store_key_fn fn, void *user)
+	FURROW_CHECKED;
+
+/* --- epochs: the writer thread --- */
+struct store_page {
+	struct tile tile;      /* of the working level */
+	unsigned planes;       /* STORE_PLANE_* present */
+	const int32_t *offset; /* (cells + 1)^2, shared edges included */
+	const uint8_t *dirt;   /* NULL without the plane */
+};
+
+struct store_run {
+	const char *scene_hash; /* hex */
+	int64_t step;
+	double time; /* s */
+	const char *state; /* JSON: poses, ended */
+};
+
+struct store_epoch_result {
+	int64_t epoch; /* number of this commit, 1 for the first */
+	int64_t tiles_written, bytes_written; /* rows of all levels and tables */
+	/* Change of the sum over posts (a shared post once) of offsets below and above zero, quanta. */
+	int64_t below, above;
+};
+
+/* One transaction: the pages, every coarser level above them, the run's record. All or nothing. */
+enum status store_epoch(struct store *store, const struct store_page *pages, size_t count,
+			const struct store_run *run, struct store_epoch_result *result) FURROW_CHECKED;
+enum status store_checkpoint(struct store *store) FURROW_CHECKED;
+/* Drops every deformation and the working level; keeps the base. */
+enum status store_reset(struct store *store) FURROW_CHECKED;
+
+/* --- looking at one --- */
+struct store_numbers {
+	int64_t base_tiles, offset_tiles, soil_tiles;
+	int64_t file_bytes, base_bytes, offset_bytes, soil_bytes; /* blobs as stored */
+	int64_t epochs;
+	struct store_run last_run; /* scene_hash NULL if there was none; owned by the store */
+};
+enum status store_count(struct store *store, struct store_numbers *numbers) FURROW_CHECKED;
+
+struct store_check {
+	int64_t problems;   /* all of them, also those not passed to `problem` */
+	int64_t tiles;      /* rows checked */
+	int coarsest, finest;
+	int64_t offset_sum[TILE_LEVEL_MAX - TILE_LEVEL_MIN + 1]; /* by level - TILE_LEVEL_MIN: a shared post once */
+};
+typedef void (*store_problem_fn)(void *user, const char *text);
+typedef enum status (*store_progress_fn)(void *user, int64_t done, int64_t total);
+/* Everything: SQLite's own check, every hash, edges between neighbours, the pyramid, ranges. */
+enum status store_verify(struct store *store, store_problem_fn problem, store_progress_fn progress,
+			 void *user, struct store_check *check) FURROW_CHECKED;
+/* The hash of all rows (not of the file's bytes): "the same store". */
+enum status store_content_hash(struct store *store, uint64_t *hash) FURROW_CHECKED;
+
+/* --- posts out, at any level from the finest to the coarsest --- */
+enum store_layer { STORE_SURFACE, STORE_BASE, STORE_OFFSET, STORE_QUANTA, STORE_SOIL };
+/* Posts of `rect` (row 0 south) in metres (quanta and dirt as they are); NaN where nodata or outside.
+ * Below level 0 the base is interpolated; finer than the working level offsets are too. Base
+ * heights are the stored ones at level >= 0, those of the lattice below. */
+enum status store_read_posts(struct store_reader *reader, enum store_layer layer, int level,
+			     struct post_rect rect, double *values) FURROW_CHECKED;
+
+/* Height at a point (metres from the south-west post), bilinear between the posts of the finest
+ * level that is stored there. */
+struct store_sample {
+	double height, base, offset; /* metres; NaN where nodata */
+	bool nodata, outside;
+	unsigned dirt;
+};
+enum status store_sample(struct store_reader *reader, double x, double y, struct store_sample *sample)
+	FURROW_CHECKED;
+
+#endif

@@ -1,0 +1,60 @@
+/*
+ * terrain: which tiles a view needs, at which level, and what height the ground has at a point.
+ *
+ * Selection is the dissertation's: a tile is drawn at the level its distance asks for (radii), in
+ * doubles, relative to nothing but the world. Pure: no GL, no store; the source says what is where.
+ */
+#ifndef FURROW_TERRAIN_H
+#define FURROW_TERRAIN_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/base.h"
+
+/* Metres, store axes (x east, y north, z up), absolute. */
+struct terrain_view {
+	double eye[3];
+	double planes[5][4]; /* inward: a x + b y + c z + d >= 0 inside; left right bottom top far */
+	double radius;       /* a tile is divided when nearer than radius x its side */
+};
+
+struct terrain_source {
+	void *user;
+	/* Heights over the whole subtree, deformation included; false: nothing to draw there. */
+	bool (*bounds)(void *user, struct tile tile, double *low, double *high);
+	/* Resident now? Marks it used. */
+	bool (*resident)(void *user, struct tile tile, uint32_t *slot);
+	/* May this tile be divided further: its children exist (level > 0), or offset tiles below. */
+	bool (*divisible)(void *user, struct tile tile);
+};
+
+/* One drawn tile: the quadrants of it that no finer tile covers (bit 0 sw, 1 se, 2 nw, 3 ne). */
+struct terrain_draw {
+	struct tile tile;
+	uint32_t slot;
+	unsigned quadrants;
+	bool finest; /* nothing finer exists below: draw every post */
+	double low, high, distance;
+};
+
+#define TERRAIN_DRAWS_MAX 1024
+struct terrain_selection {
+	struct terrain_draw draws[TERRAIN_DRAWS_MAX]; /* near to far */
+	size_t draw_count;
+	uint64_t wanted[TERRAIN_DRAWS_MAX]; /* keys the ideal picture needs and that are not resident, by need */
+	size_t wanted_count;
+	size_t visited, culled, ideal; /* ideal: tiles the complete picture needs */
+};
+
+/* Coarser resident tiles stand in for what is not resident. */
+void terrain_select(const struct world *world, const struct terrain_view *view,
+		    const struct terrain_source *source, struct terrain_selection *selection);
+
+/* The five planes of a perspective camera. fov is vertical, radians; the axes are unit vectors. */
+void terrain_frustum(const double eye[3], const double forward[3], const double right[3],
+		     const double up[3], double fov, double aspect, double far, double planes[5][4]);
+bool terrain_box_visible(const double planes[5][4], const double low[3], const double high[3]);
+double terrain_box_distance(const double eye[3], const double low[3], const double high[3]);
+
+#endif

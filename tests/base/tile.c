@@ -1,0 +1,93 @@
+/* Keys, levels, and which tiles hold a post. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "base/base.h"
+
+static const struct world worlds[] = {
+	{1201, 2401, 90, 256}, {257, 257, 1, 256}, {258, 1025, 1, 256}, {65537, 65537, 0.5, 256},
+	{2, 2, 30, 64},	       {1280, 99, 2, 64},
+};
+#define WORLDS (sizeof worlds / sizeof *worlds)
+
+static void a_key_comes_back_as_its_tile(void **state)
+{
+	const struct tile tiles[] = {{0, 0, 0}, {-14, (1u << 28) - 1, 5}, {28, 0, 0}, {3, 123456, 654321}};
+	for (size_t i = 0; i < sizeof tiles / sizeof *tiles; i++) {
+		uint64_t key = tile_key(tiles[i]);
+		assert_true(key < (uint64_t)1 << 62);
+		assert_true(tile_equal(tile_from_key(key), tiles[i]));
+	}
+}
+
+static void every_tile_has_its_parent(void **state)
+{
+	for (size_t w = 0; w < WORLDS; w++)
+		for (int level = -4; level < world_coarsest(&worlds[w]); level++) {
+			uint32_t x = world_tiles_x(&worlds[w], level) - 1, y = world_tiles_y(&worlds[w], level) - 1;
+			assert_true(world_has(&worlds[w], (struct tile){level, x, y}));
+			assert_true(world_has(&worlds[w], tile_ancestor((struct tile){level, x, y}, level + 1)));
+		}
+}
+
+static void descendants_are_one_range_of_keys(void **state)
+{
+	struct tile parent = {2, 5, 9};
+	uint64_t first, last;
+	tile_descendants(parent, -1, &first, &last);
+	assert_int_equal(last - first + 1, 64);
+	for (uint64_t key = first; key <= last; key++)
+		assert_true(tile_equal(tile_ancestor(tile_from_key(key), 2), parent));
+}
+
+static void a_post_is_in_every_tile_that_shares_it(void **state)
+{
+	const struct world *world = &worlds[0];
+	for (int64_t y = 0; y <= 1024; y += 64)
+		for (int64_t x = 0; x <= 1024; x += 32) {
+			struct tile first, last;
+			struct post_rect post = {x, y, x + 1, y + 1};
+			assert_true(tile_range_of(world, 0, post, &first, &last));
+			for (uint32_t ty = 0; ty < world_tiles_y(world, 0); ty++)
+				for (uint32_t tx = 0; tx < world_tiles_x(world, 0); tx++) {
+					bool holds = !post_rect_empty(post_rect_intersect(
+						post, tile_post_rect(world, (struct tile){0, tx, ty})));
+					bool in = tx >= first.x && tx <= last.x && ty >= first.y && ty <= last.y;
+					assert_int_equal(holds, in);
+				}
+		}
+}
+
+static void a_spacing_picks_the_coarsest_level_that_is_fine_enough(void **state)
+{
+	const struct world *world = &worlds[0];
+	assert_int_equal(world_level_for(world, 90), 0);
+	assert_int_equal(world_level_for(world, 89.9), -1);
+	assert_int_equal(world_level_for(world, 0.1), -10);
+	assert_int_equal(world_level_for(world, 1e-4), TILE_LEVEL_MIN - 1);
+}
+
+static void a_world_that_cannot_be_held_says_why(void **state)
+{
+	assert_null(world_problem(&worlds[0]));
+	assert_non_null(world_problem(&(struct world){1201, 1201, 90, 100}));
+	assert_non_null(world_problem(&(struct world){1, 1201, 90, 256}));
+	assert_non_null(world_problem(&(struct world){1201, 1201, 0, 256}));
+	assert_non_null(world_problem(&(struct world){(int64_t)1 << 40, 1201, 90, 256}));
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_key_comes_back_as_its_tile),
+		cmocka_unit_test(every_tile_has_its_parent),
+		cmocka_unit_test(descendants_are_one_range_of_keys),
+		cmocka_unit_test(a_post_is_in_every_tile_that_shares_it),
+		cmocka_unit_test(a_spacing_picks_the_coarsest_level_that_is_fine_enough),
+		cmocka_unit_test(a_world_that_cannot_be_held_says_why),
+	};
+	return cmocka_run_group_tests_name("tile", tests, NULL, NULL);
+}

@@ -1,0 +1,7 @@
+/* furrow: the command. */
+#include <stdio.h>
+int main(void)
+{
+	puts("furrow " FURROW_VERSION);
+	return 0;
+}
