@@ -1,0 +1,326 @@
+/*
+ * Holes filled smoothly from their rims: a membrane over each hole, by a cascade of grids.
+ *
+ *   posts -> means of 2 x 2 -> ... -> one cell; then, from the coarsest down: holes start from the
+ *   coarser grid's bilinear surface and are relaxed (each hole the mean of its neighbours)
+ *
+ * The grids lie in a temporary file without a name and are worked on row by row, so that memory
+ * grows with a row only. A filled height lies between the lowest and highest of its surroundings; a
+ * post that has data comes from the source itself, unchanged.
+ */
+#include "dem_internal.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#define LEVELS_MAX 32
+#define SWEEPS 12 /* of relaxation a grid: half of them from the south, half from the north */
+
+struct level {
+	int64_t width, height, start; /* cells; first float in the file */
+};
+
+struct fill {
+	struct dem_grid grid;
+	struct dem_grid *source;
+	int file;
+	int levels;
+	struct level level[LEVELS_MAX];
+	float *rows[3]; /* of level 0's width */
+	uint8_t *known; /* one row: 1 where a cell has data */
+};
+
+/* A filled cell is marked in the file by a second plane of bytes: this grid's rows of `known`. */
+static int64_t known_offset(const struct fill *fill, int level, int64_t y)
+{
+	const struct level *top = &fill->level[fill->levels - 1], *at = &fill->level[level];
+	int64_t floats = top->start + top->width * top->height;
+	return floats * (int64_t)sizeof(float) + at->start + y * at->width;
+}
+
+static int64_t row_offset(const struct fill *fill, int level, int64_t y)
+{
+	const struct level *at = &fill->level[level];
+	return (at->start + y * at->width) * (int64_t)sizeof(float);
+}
+
+static enum status move(const struct fill *fill, bool write, void *data, size_t bytes, int64_t offset)
+{
+	char *at = data;
+	while (bytes > 0) {
+		ssize_t done = write ? pwrite(fill->file, at, bytes, (off_t)offset)
+				     : pread(fill->file, at, bytes, (off_t)offset);
+		if (done < 0 && errno == EINTR)
+			continue;
+		if (done <= 0)
+			return fail_with(STATUS_FAILED, "filling holes: the temporary file failed: %s; make room in "
+					 "TMPDIR", done < 0 ? strerror(errno) : "it ends early");
+		at += done;
+		bytes -= (size_t)done;
+		offset += done;
+	}
+	return STATUS_OK;
+}
+
+static enum status row_move(const struct fill *fill, bool write, int level, int64_t y, float *row)
+{
+	return move(fill, write, row, (size_t)fill->level[level].width * sizeof *row,
+		    row_offset(fill, level, y));
+}
+
+static enum status known_move(const struct fill *fill, bool write, int level, int64_t y)
+{
+	return move(fill, write, fill->known, (size_t)fill->level[level].width, known_offset(fill, level, y));
+}
+
+static enum status put_row(struct fill *fill, int level, int64_t y, float *row)
+{
+	for (int64_t x = 0; x < fill->level[level].width; x++)
+		fill->known[x] = !isnan(row[x]);
+	enum status status = row_move(fill, true, level, y, row);
+	return status == STATUS_OK ? known_move(fill, true, level, y) : status;
+}
+
+static enum status load_posts(struct fill *fill, bool *any, bool *holes)
+{
+	double *heights = mem_alloc((size_t)fill->grid.width, sizeof *heights);
+	if (heights == NULL)
+		return fail_memory("filling holes");
+	enum status status = STATUS_OK;
+	for (int64_t y = 0; status == STATUS_OK && y < fill->grid.height; y++) {
+		status = fill->source->read(fill->source, y, 1, heights);
+		for (int64_t x = 0; status == STATUS_OK && x < fill->grid.width; x++) {
+			fill->rows[0][x] = (float)heights[x];
+			*any = *any || !isnan(heights[x]);
+			*holes = *holes || isnan(heights[x]);
+		}
+		if (status == STATUS_OK)
+			status = put_row(fill, 0, y, fill->rows[0]);
+	}
+	mem_free(heights);
+	return status;
+}
+
+/* Cells of `level` are means of what is known of the four below. */
+static enum status coarsen(struct fill *fill, int level)
+{
+	const struct level *fine = &fill->level[level - 1], *here = &fill->level[level];
+	for (int64_t y = 0; y < here->height; y++) {
+		int64_t count = 2 * y + 1 < fine->height ? 2 : 1;
+		for (int64_t i = 0; i < count; i++) {
+			enum status status = row_move(fill, false, level - 1, 2 * y + i, fill->rows[i]);
+			if (status != STATUS_OK)
+				return status;
+		}
+		for (int64_t x = 0; x < here->width; x++) {
+			double sum = 0;
+			int known = 0;
+			for (int64_t i = 0; i < count; i++)
+				for (int64_t j = 2 * x; j < fine->width && j < 2 * x + 2; j++)
+					if (!isnan(fill->rows[i][j])) {
+						sum += (double)fill->rows[i][j];
+						known++;
+					}
+			fill->rows[2][x] = known > 0 ? (float)(sum / known) : NAN;
+		}
+		enum status status = put_row(fill, level, y, fill->rows[2]);
+		if (status != STATUS_OK)
+			return status;
+	}
+	return STATUS_OK;
+}
+
+/* Where a fine cell lies among the coarse ones, clamped at the rims. */
+static void between(int64_t fine, int64_t count, int64_t *low, int64_t *high, double *part)
+{
+	double at = ((double)fine - 0.5) / 2;
+	*low = (int64_t)floor(at);
+	*part = at - (double)*low;
+	*high = *low + 1 < count ? *low + 1 : count - 1;
+	*low = *low < 0 ? 0 : *low;
+}
+
+/* Holes of `level` from the grid above, which has none. */
+static enum status refine(struct fill *fill, int level)
+{
+	const struct level *here = &fill->level[level], *above = &fill->level[level + 1];
+	for (int64_t y = 0; y < here->height; y++) {
+		int64_t low, high, west, east;
+		double v, u;
+		between(y, above->height, &low, &high, &v);
+		enum status status = row_move(fill, false, level, y, fill->rows[2]);
+		if (status == STATUS_OK)
+			status = row_move(fill, false, level + 1, low, fill->rows[0]);
+		if (status == STATUS_OK)
+			status = row_move(fill, false, level + 1, high, fill->rows[1]);
+		for (int64_t x = 0; status == STATUS_OK && x < here->width; x++) {
+			if (!isnan(fill->rows[2][x]))
+				continue;
+			between(x, above->width, &west, &east, &u);
+			double south = (double)fill->rows[0][west] * (1 - u) + (double)fill->rows[0][east] * u;
+			double north = (double)fill->rows[1][west] * (1 - u) + (double)fill->rows[1][east] * u;
+			fill->rows[2][x] = (float)(south * (1 - v) + north * v);
+		}
+		if (status == STATUS_OK)
+			status = row_move(fill, true, level, y, fill->rows[2]);
+		if (status != STATUS_OK)
+			return status;
+	}
+	return STATUS_OK;
+}
+
+static void relax_row(float *row, const float *south, const float *north, const uint8_t *known,
+		      int64_t width)
+{
+	for (int64_t x = 0; x < width; x++) {
+		if (known[x])
+			continue;
+		double sum = 0;
+		int count = 0;
+		if (x > 0) {
+			sum += (double)row[x - 1];
+			count++;
+		}
+		if (x + 1 < width) {
+			sum += (double)row[x + 1];
+			count++;
+		}
+		if (south != NULL) {
+			sum += (double)*(south + x);
+			count++;
+		}
+		if (north != NULL) {
+			sum += (double)*(north + x);
+			count++;
+		}
+		if (count > 0)
+			row[x] = (float)(sum / count);
+	}
+}
+
+/* One sweep, each hole the mean of its neighbours, rows in one order or the other. */
+static enum status relax(struct fill *fill, int level, bool from_north)
+{
+	const struct level *here = &fill->level[level];
+	float *behind = fill->rows[0], *row = fill->rows[1], *ahead = fill->rows[2];
+	int64_t step = from_north ? -1 : 1, y = from_north ? here->height - 1 : 0;
+	enum status status = row_move(fill, false, level, y, row);
+	for (int64_t i = 0; status == STATUS_OK && i < here->height; i++, y += step) {
+		bool first = i == 0, last = i + 1 == here->height;
+		if (!last)
+			status = row_move(fill, false, level, y + step, ahead);
+		if (status == STATUS_OK)
+			status = known_move(fill, false, level, y);
+		if (status != STATUS_OK)
+			break;
+		if (memchr(fill->known, 0, (size_t)here->width) != NULL) {
+			relax_row(row, first ? NULL : behind, last ? NULL : ahead, fill->known, here->width);
+			status = row_move(fill, true, level, y, row);
+		}
+		float *spare = behind;
+		behind = row;
+		row = ahead;
+		ahead = spare;
+	}
+	return status;
+}
+
+static enum status solve(struct fill *fill)
+{
+	bool any = false, holes = false;
+	enum status status = load_posts(fill, &any, &holes);
+	if (status != STATUS_OK)
+		return status;
+	if (!any)
+		return fail_with(STATUS_INPUT, "filling holes: the sources hold no data at all; give others");
+	for (int level = 1; holes && status == STATUS_OK && level < fill->levels; level++)
+		status = coarsen(fill, level);
+	for (int level = fill->levels - 2; holes && status == STATUS_OK && level >= 0; level--) {
+		status = refine(fill, level);
+		for (int sweep = 0; status == STATUS_OK && sweep < SWEEPS; sweep++)
+			status = relax(fill, level, sweep % 2 != 0);
+	}
+	return status;
+}
+
+static enum status fill_read(struct dem_grid *grid, int64_t y0, int64_t rows, double *heights)
+{
+	struct fill *fill = (struct fill *)grid;
+	enum status status = fill->source->read(fill->source, y0, rows, heights);
+	for (int64_t y = 0; status == STATUS_OK && y < rows; y++) {
+		double *row = heights + y * grid->width;
+		status = row_move(fill, false, 0, y0 + y, fill->rows[0]);
+		for (int64_t x = 0; status == STATUS_OK && x < grid->width; x++)
+			if (isnan(row[x]))
+				row[x] = (double)fill->rows[0][x];
+	}
+	return status;
+}
+
+static void fill_destroy(struct dem_grid *grid)
+{
+	struct fill *fill = (struct fill *)grid;
+	dem_grid_destroy(fill->source);
+	if (fill->file >= 0)
+		close(fill->file);
+	for (int i = 0; i < 3; i++)
+		mem_free(fill->rows[i]);
+	mem_free(fill->known);
+	mem_free(fill);
+}
+
+static enum status open_file(struct fill *fill)
+{
+	const char *folder = getenv("TMPDIR");
+	char name[512];
+	int length = snprintf(name, sizeof name, "%s/furrow-fill-XXXXXX",
+			      folder != NULL && folder[0] != '\0' ? folder : "/tmp");
+	fill->file = length < (int)sizeof name ? mkstemp(name) : -1;
+	if (fill->file < 0)
+		return fail_with(STATUS_FAILED, "filling holes: no temporary file in %s: %s; set TMPDIR to a folder "
+				 "with room", folder != NULL ? folder : "/tmp", strerror(errno));
+	(void)unlink(name); /* it lives as long as it is open */
+	return STATUS_OK;
+}
+
+enum status dem_fill_create(struct dem_grid *grid, struct dem_grid **out)
+{
+	struct fill *fill = mem_calloc(1, sizeof *fill);
+	if (fill == NULL) {
+		dem_grid_destroy(grid);
+		return fail_memory("filling holes");
+	}
+	/* What is known of the source is known of this; the texts change hands. */
+	fill->grid = *grid;
+	fill->grid.read = fill_read;
+	fill->grid.destroy = fill_destroy;
+	grid->srs = grid->vertical = grid->projected = NULL;
+	fill->source = grid;
+	fill->file = -1;
+	int64_t width = grid->width, height = grid->height, start = 0;
+	for (;;) {
+		fill->level[fill->levels++] = (struct level){width, height, start};
+		start += width * height;
+		if (width == 1 && height == 1)
+			break;
+		width = (width + 1) / 2;
+		height = (height + 1) / 2;
+	}
+	enum status status = open_file(fill);
+	fill->known = mem_alloc((size_t)grid->width, 1);
+	for (int i = 0; i < 3; i++)
+		fill->rows[i] = mem_alloc((size_t)grid->width, sizeof *fill->rows[i]);
+	for (int i = 0; status == STATUS_OK && i < 3; i++)
+		if (fill->rows[i] == NULL || fill->known == NULL)
+			status = fail_memory("filling holes");
+	if (status == STATUS_OK)
+		status = solve(fill);
+	if (status != STATUS_OK) {
+		dem_grid_destroy(&fill->grid);
+		return status;
+	}
+	*out = &fill->grid;
+	return STATUS_OK;
+}

@@ -1,0 +1,188 @@
+/* The grid that GDAL's sources make: opened, put together, projected if need be, read by rows. */
+#include "dem_gdal.h"
+
+#include <cpl_conv.h>
+#include <cpl_error.h>
+#include <cpl_string.h>
+#include <stdio.h>
+
+#define BLOCK_CACHE_BYTES (64 << 20)
+
+struct gdal_grid {
+	struct dem_grid grid;
+	struct gdal_source *sources;
+	size_t source_count;
+	char *name; /* of the first source, for messages */
+	GDALDatasetH mosaic;
+	GDALDatasetH warped; /* NULL if the mosaic is read as it is */
+};
+
+static void gdal_destroy(struct dem_grid *grid)
+{
+	struct gdal_grid *gdal = (struct gdal_grid *)grid;
+	if (gdal->warped != NULL)
+		GDALClose(gdal->warped);
+	if (gdal->mosaic != NULL)
+		GDALClose(gdal->mosaic);
+	for (size_t i = 0; i < gdal->source_count; i++)
+		dem_source_finish(&gdal->sources[i]);
+	mem_free(gdal->sources);
+	mem_free(gdal->name);
+	mem_free(gdal);
+}
+
+static enum status gdal_read(struct dem_grid *grid, int64_t y0, int64_t rows, double *heights)
+{
+	struct gdal_grid *gdal = (struct gdal_grid *)grid;
+	GDALDatasetH dataset = gdal->warped != NULL ? gdal->warped : gdal->mosaic;
+	int width = (int)grid->width, top = (int)(grid->height - y0 - rows);
+	CPLErrorReset();
+	if (GDALRasterIO(GDALGetRasterBand(dataset, 1), GF_Read, 0, top, width, (int)rows, heights, width,
+			 (int)rows, GDT_Float64, 0, 0) != CE_None)
+		return fail_with(STATUS_INPUT, "%s: reading rows from %d failed: %s; check that every source "
+				 "is whole", gdal->name, top, dem_gdal_message());
+	for (int64_t low = 0, high = rows - 1; low < high; low++, high--)
+		for (int64_t x = 0; x < grid->width; x++) {
+			double kept = heights[low * grid->width + x];
+			heights[low * grid->width + x] = heights[high * grid->width + x];
+			heights[high * grid->width + x] = kept;
+		}
+	return STATUS_OK;
+}
+
+static enum status open_sources(struct gdal_grid *gdal, const struct dem_params *params,
+				const struct dem_list *list)
+{
+	OGRSpatialReferenceH override = NULL;
+	if (params->s_srs != NULL) {
+		override = dem_srs_parse(params->s_srs);
+		if (override == NULL)
+			return STATUS_INPUT;
+	}
+	enum status status = STATUS_OK;
+	for (size_t i = 0; status == STATUS_OK && i < list->count; i++) {
+		gdal->source_count = i + 1;
+		status = dem_source_init(&gdal->sources[i], params, list->paths[i], override, (int)i);
+	}
+	if (override != NULL)
+		OSRDestroySpatialReference(override);
+	return status;
+}
+
+/* Whole numbers in one unit keep it; of several the finest counts. */
+static double common_unit(const struct gdal_source *sources, size_t count)
+{
+	double unit = sources[0].unit;
+	for (size_t i = 1; i < count; i++)
+		unit = sources[i].unit < unit ? sources[i].unit : unit;
+	return unit;
+}
+
+enum status dem_gdal_open(const struct dem_params *params, const struct dem_list *list,
+			  struct dem_grid **out)
+{
+	dem_gdal_init();
+	struct gdal_grid *gdal = mem_calloc(1, sizeof *gdal);
+	if (gdal == NULL)
+		return fail_memory("opening the sources");
+	gdal->grid.destroy = gdal_destroy;
+	gdal->grid.read = gdal_read;
+	gdal->sources = mem_calloc(list->count, sizeof *gdal->sources);
+	gdal->name = mem_strdup(list->paths[0]);
+	enum status status = gdal->sources != NULL && gdal->name != NULL ? open_sources(gdal, params, list)
+									   : fail_memory("opening the sources");
+	if (status == STATUS_OK)
+		status = dem_mosaic(gdal->sources, gdal->source_count, &gdal->grid, &gdal->mosaic);
+	double place[6];
+	if (status == STATUS_OK && GDALGetGeoTransform(gdal->mosaic, place) != CE_None)
+		status = fail_with(STATUS_INPUT, "%s: its place got lost: %s; give it a geotransform", gdal->name,
+				   dem_gdal_message());
+	if (status == STATUS_OK)
+		status = dem_warp(params, gdal->mosaic, place, gdal->sources[0].srs, gdal->name, &gdal->grid,
+				  &gdal->warped);
+	if (status == STATUS_OK) {
+		gdal->grid.unit = common_unit(gdal->sources, gdal->source_count);
+		gdal->grid.vertical = mem_strdup(gdal->sources[0].vertical);
+		if (gdal->grid.vertical == NULL)
+			status = fail_memory("opening the sources");
+	}
+	if (status != STATUS_OK) {
+		dem_grid_destroy(&gdal->grid);
+		return status;
+	}
+	*out = &gdal->grid;
+	return STATUS_OK;
+}
+
+bool dem_gdal_knows(const char *path)
+{
+	dem_gdal_init();
+	return GDALIdentifyDriverEx(path, GDAL_OF_RASTER, NULL, NULL) != NULL;
+}
+
+const char *dem_gdal_message(void)
+{
+	static _Thread_local char text[320];
+	snprintf(text, sizeof text, "%s", CPLGetLastErrorMsg());
+	size_t length = strlen(text);
+	while (length > 0 && strchr(". \n", text[length - 1]) != NULL)
+		text[--length] = '\0';
+	return length > 0 ? text : "no reason given";
+}
+
+/* --- once --- */
+
+/* The pixel function of a source's vrt: values to metres. The meaning comes as text: scale, offset,
+ * whether single, how many nodata values, and these. A second source is a mask. */
+static CPLErr pixels_to_metres(void **sources, int source_count, void *data, int width, int height,
+			       GDALDataType from, GDALDataType to, int pixel_space, int line_space,
+			       CSLConstList arguments)
+{
+	const char *text = CSLFetchNameValue(arguments, "meaning");
+	if (text == NULL || from != GDT_Float64 || source_count < 1)
+		return CE_Failure;
+	char *end;
+	struct dem_meaning meaning = {.scale = CPLStrtod(text, &end)};
+	meaning.offset = CPLStrtod(end, &end);
+	meaning.single = CPLStrtod(end, &end) != 0;
+	meaning.nodata_count = (size_t)CPLStrtod(end, &end);
+	double *nodata = mem_alloc(meaning.nodata_count, sizeof *nodata);
+	double *row = mem_alloc((size_t)width, sizeof *row);
+	if (nodata == NULL || row == NULL) {
+		mem_free(nodata);
+		mem_free(row);
+		CPLError(CE_Failure, CPLE_OutOfMemory, "out of memory");
+		return CE_Failure;
+	}
+	for (size_t i = 0; i < meaning.nodata_count; i++)
+		nodata[i] = CPLStrtod(end, &end);
+	meaning.nodata = nodata;
+	for (int y = 0; y < height; y++) {
+		const double *values = (const double *)sources[0] + (size_t)y * (size_t)width;
+		const double *mask = source_count > 1 ?
+			(const double *)sources[1] + (size_t)y * (size_t)width : NULL;
+		for (int x = 0; x < width; x++)
+			row[x] = mask != NULL && mask[x] == 0 ? (double)NAN : dem_metres(&meaning, values[x]);
+		GDALCopyWords(row, GDT_Float64, sizeof *row, (char *)data + (ptrdiff_t)y * line_space, to,
+			      pixel_space, width);
+	}
+	mem_free(nodata);
+	mem_free(row);
+	return CE_None;
+}
+
+static void init_once(void)
+{
+	/* What GDAL has to say goes into our messages, never to stderr by itself. */
+	CPLSetErrorHandler(CPLQuietErrorHandler);
+	GDALAllRegister();
+	GDALSetCacheMax64(BLOCK_CACHE_BYTES);
+	GDALAddDerivedBandPixelFuncWithArgs("furrow_metres", pixels_to_metres, NULL);
+}
+
+void dem_gdal_init(void)
+{
+	static pthread_once_t once = PTHREAD_ONCE_INIT;
+	pthread_once(&once, init_once);
+	CPLErrorReset();
+}

@@ -1,0 +1,55 @@
+/* Inside dem, with GDAL: the sources as GDAL sees them, their mosaic, and its projection. */
+#ifndef FURROW_DEM_GDAL_H
+#define FURROW_DEM_GDAL_H
+
+#include <gdal.h>
+#include <ogr_srs_api.h>
+
+#include "dem_internal.h"
+
+/* One file. Its `vrt` is a small text in GDAL's memory files that gives its band 1 as metres, NaN
+ * where nodata, so that everything after it need not know of tags, scales and units. */
+struct gdal_source {
+	const char *path;
+	char *vrt; /* its name; NULL before it is made */
+	int width, height;
+	double place[6]; /* GDAL's geotransform: of pixel corners */
+	bool placed;
+	OGRSpatialReferenceH srs; /* NULL if unknown or local */
+	bool doubles;             /* heights are kept in 64 bits */
+	double unit;              /* as in dem_info */
+	char vertical[160];
+};
+
+void dem_gdal_init(void);           /* registers what is needed, once; any thread */
+const char *dem_gdal_message(void); /* what GDAL said last, until the next call in this thread */
+
+/* --- dem_source.c --- */
+enum status dem_source_init(struct gdal_source *source, const struct dem_params *params,
+			    const char *path, OGRSpatialReferenceH override, int number) FURROW_CHECKED;
+void dem_source_finish(struct gdal_source *source);
+
+/* --- dem_mosaic.c: several sources as one dataset, the first named on top; also compares them --- */
+enum status dem_mosaic(const struct gdal_source *sources, size_t count, struct dem_grid *grid,
+		       GDALDatasetH *out) FURROW_CHECKED;
+
+/* --- dem_srs.c --- */
+/* A new SRS with x east; NULL and a failure message if `text` is none. */
+OGRSpatialReferenceH dem_srs_parse(const char *text);
+/* Metres on the ground from (x, y) to (x + dx, y + dy); NaN if that cannot be said. */
+double dem_srs_ground(OGRSpatialReferenceH srs, double x, double y, double dx, double dy);
+/* The metric SRS for data around (x, y): UTM, or on other bodies an equirectangular. NULL: failed. */
+OGRSpatialReferenceH dem_srs_metric(OGRSpatialReferenceH srs, double x, double y);
+/* In dem's memory; NULL if that ran out. */
+char *dem_srs_wkt(OGRSpatialReferenceH srs);
+
+/* --- dem_warp.c --- */
+/*
+ * What is to be read from `mosaic`, whose geotransform and SRS are `place` and `srs`: itself, or a
+ * projection of it. Sets the grid's size, spacing, origin, srs and projected.
+ */
+enum status dem_warp(const struct dem_params *params, GDALDatasetH mosaic, const double place[6],
+		     OGRSpatialReferenceH srs, const char *name, struct dem_grid *grid,
+		     GDALDatasetH *warped) FURROW_CHECKED;
+
+#endif

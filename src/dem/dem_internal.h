@@ -1,0 +1,78 @@
+/*
+ * Inside dem: what stands between a file and rows of metres.
+ *
+ * A grid is something that rows can be read from: a raw heightmap, a PNG, GDAL's mosaic, or another
+ * grid with its holes filled. Grids own what they hold; dem_grid_destroy takes NULL.
+ */
+#ifndef FURROW_DEM_INTERNAL_H
+#define FURROW_DEM_INTERNAL_H
+
+#include "dem/dem.h"
+
+struct dem_grid {
+	/* As dem_read_rows; y0 .. y0 + rows lie within. */
+	enum status (*read)(struct dem_grid *grid, int64_t y0, int64_t rows, double *heights);
+	void (*destroy)(struct dem_grid *grid);
+	int64_t width, height; /* posts */
+	double spacing, unit;  /* as in dem_info */
+	double origin[2];
+	char *srs, *vertical, *projected; /* NULL: "" */
+	int64_t overlap_posts, overlap_differing;
+	double overlap_difference;
+};
+
+void dem_grid_destroy(struct dem_grid *grid); /* also frees the texts */
+
+/* --- dem_list.c: sources as named to files --- */
+struct dem_list {
+	char **paths;
+	size_t count, room;
+};
+
+/* Opens directories and "@lists". */
+enum status dem_list_init(struct dem_list *list, const char *const *sources, size_t count) FURROW_CHECKED;
+void dem_list_finish(struct dem_list *list);
+bool dem_path_ends(const char *path, const char *extension); /* in any case, ".png" */
+
+/* --- dem_nodata.c: what a stored value means --- */
+struct dem_meaning {
+	double scale, offset; /* metres = value * scale + offset */
+	const double *nodata; /* values as they are stored */
+	size_t nodata_count;
+	bool single; /* values are no more exact than a float: they are compared, and heights rounded, so */
+};
+
+double dem_metres(const struct dem_meaning *meaning, double value); /* NaN: nodata */
+/* Metres in a unit as GDAL names it ("ft"), 1 for "" and names not known. */
+double dem_unit_metres(const char *unit);
+
+/* --- grids --- */
+enum status dem_raw_open(const struct dem_params *params, const char *path, struct dem_grid **out)
+	FURROW_CHECKED;
+enum status dem_png_open(const struct dem_params *params, const char *path, struct dem_grid **out)
+	FURROW_CHECKED;
+/* Everything else, also several files as one (dem_gdal.c, or dem_nogdal.c). */
+enum status dem_gdal_open(const struct dem_params *params, const struct dem_list *list,
+			  struct dem_grid **out) FURROW_CHECKED;
+/* True if the file looks like a raster; for what lies in a directory. */
+bool dem_gdal_knows(const char *path);
+/* `grid` without holes; owns it from now on, also when it fails. */
+enum status dem_fill_create(struct dem_grid *grid, struct dem_grid **out) FURROW_CHECKED;
+
+/* --- writers --- */
+struct dem_sink {
+	/* One row, `y` counted from the south. */
+	enum status (*row)(struct dem_sink *sink, int64_t y, const double *values);
+	enum status (*finish)(struct dem_sink *sink); /* all of it is with the system */
+	void (*destroy)(struct dem_sink *sink);
+};
+
+/* `part` is the file to write; `raster` must outlive the sink. */
+enum status dem_gdal_sink(const struct dem_raster *raster, const char *part, struct dem_sink **out)
+	FURROW_CHECKED;
+enum status dem_png_sink(const struct dem_raster *raster, const char *part, struct dem_sink **out)
+	FURROW_CHECKED;
+/* `value` as the raster's type holds it, NaN as its nodata. */
+double dem_raster_value(const struct dem_raster *raster, double value);
+
+#endif

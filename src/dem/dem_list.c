@@ -1,0 +1,188 @@
+/*
+ * Sources as named to files: a directory stands for the rasters in it (by name, not deeper), and
+ * "@list.txt" for one source a line, taken from the list's own folder where it is there.
+ */
+#include "dem_internal.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+
+bool dem_path_ends(const char *path, const char *extension)
+{
+	size_t length = strlen(path), tail = strlen(extension);
+	return length > tail && strcasecmp(path + length - tail, extension) == 0;
+}
+
+static enum status list_add(struct dem_list *list, const char *path)
+{
+	if (list->count == list->room) {
+		size_t room = list->room > 0 ? 2 * list->room : 16;
+		char **paths = mem_realloc(list->paths, room, sizeof *paths);
+		if (paths == NULL)
+			return fail_memory("the list of sources");
+		list->paths = paths;
+		list->room = room;
+	}
+	char *copy = mem_strdup(path);
+	if (copy == NULL)
+		return fail_memory("the list of sources");
+	list->paths[list->count++] = copy;
+	return STATUS_OK;
+}
+
+static int by_name(const void *a, const void *b)
+{
+	return strcmp(*(char *const *)a, *(char *const *)b);
+}
+
+/* What lies beside rasters and is none, though some driver may claim it. */
+static bool is_sidecar(const char *name)
+{
+	static const char *const endings[] = {".hdr", ".prj", ".xml", ".tfw", ".wld", ".pgw", ".txt",
+		".md", ".csv", ".json", ".geojson", ".ovr", ".msk", ".html", ".pdf", ".part", ".qgz",
+		".zip", ".gz", ".shp", ".shx", ".dbf", ".cpg", ".yaml", ".furrow", ".blw", ".stx"};
+	if (name[0] == '.')
+		return true;
+	for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++)
+		if (dem_path_ends(name, endings[i]))
+			return true;
+	return false;
+}
+
+static bool is_raster(const char *path)
+{
+	struct stat file;
+	if (stat(path, &file) != 0 || !S_ISREG(file.st_mode))
+		return false;
+	return dem_path_ends(path, ".png") || dem_path_ends(path, ".raw") ||
+	       dem_path_ends(path, ".r16") || dem_gdal_knows(path);
+}
+
+static enum status add_directory(struct dem_list *list, const char *path)
+{
+	DIR *directory = opendir(path);
+	if (directory == NULL)
+		return fail_with(STATUS_INPUT, "%s: cannot read this directory: %s; check its permissions",
+				 path, strerror(errno));
+	size_t first = list->count;
+	enum status status = STATUS_OK;
+	struct dirent *entry;
+	while (status == STATUS_OK && (entry = readdir(directory)) != NULL) {
+		if (is_sidecar(entry->d_name))
+			continue;
+		size_t bytes = strlen(path) + strlen(entry->d_name) + 2;
+		char *full = mem_alloc(bytes, 1);
+		if (full == NULL) {
+			status = fail_memory("the list of sources");
+			break;
+		}
+		size_t length = strlen(path);
+		snprintf(full, bytes, "%s%s%s", path, length > 0 && path[length - 1] == '/' ? "" : "/",
+			 entry->d_name);
+		if (is_raster(full))
+			status = list_add(list, full);
+		mem_free(full);
+	}
+	closedir(directory);
+	if (status == STATUS_OK && list->count == first)
+		return fail_with(STATUS_INPUT, "%s: no raster in this directory; name the files themselves",
+				 path);
+	if (list->count > first)
+		qsort(list->paths + first, list->count - first, sizeof *list->paths, by_name);
+	return status;
+}
+
+static enum status add_one(struct dem_list *list, const char *path)
+{
+	struct stat file;
+	if (stat(path, &file) == 0) {
+		if (S_ISDIR(file.st_mode))
+			return add_directory(list, path);
+		if (file.st_size == 0 && S_ISREG(file.st_mode))
+			return fail_with(STATUS_INPUT, "%s: the file is empty; fetch it again", path);
+	} else if (errno != ENOENT && errno != ENOTDIR) {
+		return fail_with(STATUS_INPUT, "%s: cannot be read: %s; check its permissions", path,
+				 strerror(errno));
+	} else if (strncmp(path, "/vsi", 4) != 0 && strchr(path, ':') == NULL) {
+		return fail_with(STATUS_INPUT, "%s: no such file; check the name", path);
+	}
+	return list_add(list, path);
+}
+
+/* A line of the list at `list_path`: from its folder if it is there, else as it stands. */
+static enum status add_line(struct dem_list *list, const char *list_path, const char *line)
+{
+	const char *slash = strrchr(list_path, '/');
+	if (line[0] == '/' || slash == NULL)
+		return add_one(list, line);
+	size_t bytes = (size_t)(slash - list_path) + strlen(line) + 2;
+	char *full = mem_alloc(bytes, 1);
+	if (full == NULL)
+		return fail_memory("the list of sources");
+	snprintf(full, bytes, "%.*s/%s", (int)(slash - list_path), list_path, line);
+	struct stat file;
+	enum status status = add_one(list, stat(full, &file) == 0 ? full : line);
+	mem_free(full);
+	return status;
+}
+
+static enum status add_list(struct dem_list *list, const char *path)
+{
+	struct stat file;
+	if (stat(path, &file) == 0 && S_ISDIR(file.st_mode))
+		return fail_with(STATUS_INPUT, "@%s: a directory, not a list; name it without the @", path);
+	FILE *lines = fopen(path, "r");
+	if (lines == NULL)
+		return fail_with(STATUS_INPUT, "@%s: cannot open this list: %s; check the name", path,
+				 strerror(errno));
+	char *line = NULL;
+	size_t room = 0, first = list->count;
+	ssize_t length;
+	enum status status = STATUS_OK;
+	while (status == STATUS_OK && (length = getline(&line, &room, lines)) >= 0) {
+		char *start = line;
+		if (strncmp(start, "\xef\xbb\xbf", 3) == 0)
+			start += 3;
+		start += strspn(start, " \t");
+		size_t end = strlen(start);
+		while (end > 0 && strchr(" \t\r\n", start[end - 1]) != NULL)
+			start[--end] = '\0';
+		if (end > 0 && start[0] != '#')
+			status = add_line(list, path, start);
+	}
+	if (status == STATUS_OK && ferror(lines))
+		status = fail_with(STATUS_INPUT, "@%s: reading this list failed: %s; check the disk", path,
+				   strerror(errno));
+	free(line);
+	fclose(lines);
+	if (status == STATUS_OK && list->count == first)
+		return fail_with(STATUS_INPUT, "@%s: this list names no source; put one on each line", path);
+	return status;
+}
+
+enum status dem_list_init(struct dem_list *list, const char *const *sources, size_t count)
+{
+	*list = (struct dem_list){0};
+	for (size_t i = 0; i < count; i++) {
+		enum status status = sources[i][0] == '@' ? add_list(list, sources[i] + 1)
+							   : add_one(list, sources[i]);
+		if (status != STATUS_OK) {
+			dem_list_finish(list);
+			return status;
+		}
+	}
+	return STATUS_OK;
+}
+
+void dem_list_finish(struct dem_list *list)
+{
+	for (size_t i = 0; i < list->count; i++)
+		mem_free(list->paths[i]);
+	mem_free(list->paths);
+	*list = (struct dem_list){0};
+}

@@ -1,0 +1,35 @@
+/* What needs GDAL, in a build without it. */
+#include "dem_internal.h"
+
+enum status dem_gdal_open(const struct dem_params *params, const struct dem_list *list,
+			  struct dem_grid **out)
+{
+	(void)params;
+	(void)out;
+	return fail_with(STATUS_INPUT, "%s: this furrow was built without GDAL and reads only PNG and raw "
+			 "heightmaps; convert it, or build with GDAL", list->paths[0]);
+}
+
+bool dem_gdal_knows(const char *path)
+{
+	(void)path;
+	return false;
+}
+
+enum status dem_gdal_sink(const struct dem_raster *raster, const char *part, struct dem_sink **out)
+{
+	(void)part;
+	(void)out;
+	return fail_with(STATUS_FAILED, "%s: this furrow was built without GDAL and writes only PNG; name a "
+			 ".png, or build with GDAL", raster->path);
+}
+
+enum status dem_transform(const char *from_srs, const char *to_wkt, size_t count, double *x, double *y)
+{
+	(void)to_wkt;
+	(void)count;
+	(void)x;
+	(void)y;
+	return fail_with(STATUS_FAILED, "coordinates in \"%.80s\": this furrow was built without GDAL and "
+			 "knows no SRS; give local coordinates, or build with GDAL", from_srs);
+}

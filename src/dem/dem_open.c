@@ -1,0 +1,143 @@
+/* A struct dem: the sources' files, the grid made of them, and what is known of it. */
+#include "dem_internal.h"
+
+#define READ_POSTS (1 << 20) /* asked of a grid at once, about */
+
+struct dem {
+	struct dem_info info;
+	struct dem_list list;
+	struct dem_grid *grid;
+};
+
+void dem_grid_destroy(struct dem_grid *grid)
+{
+	if (grid == NULL)
+		return;
+	mem_free(grid->srs);
+	mem_free(grid->vertical);
+	mem_free(grid->projected);
+	grid->destroy(grid);
+}
+
+static bool is_raw(const char *path)
+{
+	return dem_path_ends(path, ".raw") || dem_path_ends(path, ".r16");
+}
+
+static bool is_plain(const char *path)
+{
+	return is_raw(path) || dem_path_ends(path, ".png");
+}
+
+static enum status params_check(const struct dem_params *params)
+{
+	if (params->source_count == 0)
+		return fail_with(STATUS_USAGE, "no source: nothing to open; name a raster, a directory or "
+				 "@list.txt");
+	if (!(params->spacing >= 0) || params->spacing > 1e6)
+		return fail_with(STATUS_USAGE, "spacing %g: not a distance between posts; give metres above 0",
+				 params->spacing);
+	if (params->has_height_range && !(params->height_min < params->height_max &&
+					  isfinite(params->height_max - params->height_min)))
+		return fail_with(STATUS_USAGE, "height range %g, %g: not a range; give MIN,MAX in metres",
+				 params->height_min, params->height_max);
+	return STATUS_OK;
+}
+
+static enum status grid_open(const struct dem_params *params, const struct dem_list *list,
+			     struct dem_grid **out)
+{
+	size_t plain = 0;
+	for (size_t i = 0; i < list->count; i++)
+		plain += is_plain(list->paths[i]) ? 1 : 0;
+	if (plain > 0 && list->count > 1)
+		return fail_with(STATUS_INPUT, "%s: a heightmap has no place among other sources; import it "
+				 "alone, or give it a place with gdal_translate",
+				 is_plain(list->paths[0]) ? list->paths[0] : list->paths[1]);
+	if (plain == 0 && params->has_height_range)
+		return fail_with(STATUS_USAGE, "height range: %s is neither a PNG nor a raw heightmap and "
+				 "says itself what it means; leave it out", list->paths[0]);
+	if (plain > 0 && params->t_srs != NULL && strcmp(params->t_srs, "auto") != 0)
+		return fail_with(STATUS_INPUT, "%s: has no place on a planet, so it cannot be projected; leave "
+				 "the target SRS out", list->paths[0]);
+	if (plain == 0)
+		return dem_gdal_open(params, list, out);
+	return is_raw(list->paths[0]) ? dem_raw_open(params, list->paths[0], out)
+				      : dem_png_open(params, list->paths[0], out);
+}
+
+enum status dem_open(const struct dem_params *params, struct dem **out)
+{
+	enum status status = params_check(params);
+	if (status != STATUS_OK)
+		return status;
+	struct dem *dem = mem_calloc(1, sizeof *dem);
+	if (dem == NULL)
+		return fail_memory("opening the sources");
+	status = dem_list_init(&dem->list, params->sources, params->source_count);
+	if (status == STATUS_OK)
+		status = grid_open(params, &dem->list, &dem->grid);
+	if (status == STATUS_OK && (dem->grid->width < 2 || dem->grid->height < 2))
+		status = fail_with(STATUS_INPUT, "%s: %lld x %lld posts are no terrain; it needs at least 2 x 2",
+				   dem->list.paths[0], (long long)dem->grid->width,
+				   (long long)dem->grid->height);
+	if (status == STATUS_OK && params->fill) {
+		struct dem_grid *holed = dem->grid;
+		dem->grid = NULL;
+		status = dem_fill_create(holed, &dem->grid);
+	}
+	if (status != STATUS_OK) {
+		dem_close(dem);
+		return status;
+	}
+	const struct dem_grid *grid = dem->grid;
+	dem->info = (struct dem_info){
+		.width = grid->width,
+		.height = grid->height,
+		.spacing = grid->spacing,
+		.unit = grid->unit,
+		.srs = grid->srs != NULL ? grid->srs : "",
+		.origin = {grid->origin[0], grid->origin[1]},
+		.vertical = grid->vertical != NULL ? grid->vertical : "",
+		.projected = grid->projected != NULL ? grid->projected : "",
+		.source_count = dem->list.count,
+		.sources = (const char *const *)dem->list.paths,
+		.overlap_posts = grid->overlap_posts,
+		.overlap_differing = grid->overlap_differing,
+		.overlap_difference = grid->overlap_difference,
+	};
+	*out = dem;
+	return STATUS_OK;
+}
+
+void dem_close(struct dem *dem)
+{
+	if (dem == NULL)
+		return;
+	dem_grid_destroy(dem->grid);
+	dem_list_finish(&dem->list);
+	mem_free(dem);
+}
+
+const struct dem_info *dem_info(const struct dem *dem)
+{
+	return &dem->info;
+}
+
+enum status dem_read_rows(struct dem *dem, int64_t y0, int64_t rows, double *heights)
+{
+	struct dem_grid *grid = dem->grid;
+	if (y0 < 0 || rows < 0 || y0 > grid->height - rows)
+		return fail_with(STATUS_FAILED, "rows %lld to %lld: beyond the %lld rows of the source; this "
+				 "is a bug", (long long)y0, (long long)(y0 + rows - 1),
+				 (long long)grid->height);
+	int64_t strip = READ_POSTS / grid->width;
+	strip = strip > 0 ? strip : 1;
+	for (int64_t y = 0; y < rows; y += strip) {
+		int64_t count = rows - y < strip ? rows - y : strip;
+		enum status status = grid->read(grid, y0 + y, count, heights + y * grid->width);
+		if (status != STATUS_OK)
+			return status;
+	}
+	return STATUS_OK;
+}

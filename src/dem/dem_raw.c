@@ -1,0 +1,91 @@
+/* Raw heightmaps: a square of little-endian uint16, the first row the northernmost. */
+#include "dem_internal.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <sys/stat.h>
+
+struct raw {
+	struct dem_grid grid;
+	FILE *file;
+	char *path;
+	struct dem_meaning meaning;
+	double *nodata;
+	uint8_t *row; /* 2 * width bytes */
+};
+
+static void raw_destroy(struct dem_grid *grid)
+{
+	struct raw *raw = (struct raw *)grid;
+	if (raw->file != NULL)
+		fclose(raw->file);
+	mem_free(raw->path);
+	mem_free(raw->nodata);
+	mem_free(raw->row);
+	mem_free(raw);
+}
+
+static enum status raw_read(struct dem_grid *grid, int64_t y0, int64_t rows, double *heights)
+{
+	struct raw *raw = (struct raw *)grid;
+	size_t bytes = 2 * (size_t)grid->width;
+	for (int64_t row = 0; row < rows; row++) {
+		int64_t from_north = grid->height - 1 - (y0 + row);
+		if (fseeko(raw->file, (off_t)(from_north * (int64_t)bytes), SEEK_SET) != 0 ||
+		    fread(raw->row, 1, bytes, raw->file) != bytes)
+			return fail_with(STATUS_INPUT, "%s: reading row %lld failed: %s; check the disk",
+					 raw->path, (long long)from_north, strerror(errno));
+		for (int64_t x = 0; x < grid->width; x++)
+			heights[row * grid->width + x] = dem_metres(
+				&raw->meaning, (double)(raw->row[2 * x] | raw->row[2 * x + 1] << 8));
+	}
+	return STATUS_OK;
+}
+
+enum status dem_raw_open(const struct dem_params *params, const char *path, struct dem_grid **out)
+{
+	struct raw *raw = mem_calloc(1, sizeof *raw);
+	if (raw == NULL)
+		return fail_memory(path);
+	raw->grid.destroy = raw_destroy;
+	enum status status;
+	raw->file = fopen(path, "rb");
+	struct stat file;
+	if (raw->file == NULL || fstat(fileno(raw->file), &file) != 0) {
+		status = fail_with(STATUS_INPUT, "%s: cannot be opened: %s; check its permissions", path,
+				   strerror(errno));
+		goto error;
+	}
+	int64_t posts = file.st_size / 2, side = (int64_t)llround(sqrt((double)posts));
+	if (file.st_size % 2 != 0 || side * side != posts) {
+		status = fail_with(STATUS_INPUT, "%s: %lld bytes are no square of 16-bit heights; give a square "
+				   "one, or a GeoTIFF", path, (long long)file.st_size);
+		goto error;
+	}
+	double span = params->has_height_range ? params->height_max - params->height_min : 65535;
+	raw->path = mem_strdup(path);
+	raw->row = mem_alloc((size_t)side, 2);
+	raw->nodata = mem_alloc(params->nodata_count, sizeof *raw->nodata);
+	if (raw->path == NULL || raw->row == NULL || raw->nodata == NULL) {
+		status = fail_memory(path);
+		goto error;
+	}
+	for (size_t i = 0; i < params->nodata_count; i++)
+		raw->nodata[i] = params->nodata[i];
+	raw->meaning = (struct dem_meaning){
+		.scale = span / 65535,
+		.offset = params->has_height_range ? params->height_min : 0,
+		.nodata = raw->nodata,
+		.nodata_count = params->nodata_count,
+		.single = true,
+	};
+	raw->grid.read = raw_read;
+	raw->grid.width = raw->grid.height = side;
+	raw->grid.spacing = params->spacing > 0 ? params->spacing : 1;
+	raw->grid.unit = raw->meaning.scale;
+	*out = &raw->grid;
+	return STATUS_OK;
+error:
+	dem_grid_destroy(&raw->grid);
+	return status;
+}

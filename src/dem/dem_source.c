@@ -1,0 +1,226 @@
+/* One file through GDAL: what it is, where it lies, and a VRT that gives it as metres. */
+#include "dem_gdal.h"
+
+#include <cpl_conv.h>
+#include <cpl_error.h>
+#include <cpl_string.h>
+#include <cpl_vsi.h>
+#include <stdatomic.h>
+#include <stdio.h>
+
+/* A place that is the default is no place. */
+static bool has_place(GDALDatasetH dataset, double place[6])
+{
+	if (GDALGetGeoTransform(dataset, place) != CE_None)
+		return false;
+	return place[0] != 0 || place[1] != 1 || place[2] != 0 || place[3] != 0 || place[4] != 0 ||
+	       fabs(place[5]) != 1;
+}
+
+static enum status place_source(struct gdal_source *source, GDALDatasetH dataset,
+				const struct dem_params *params, OGRSpatialReferenceH override)
+{
+	source->placed = has_place(dataset, source->place);
+	if (!source->placed) {
+		if (GDALGetGCPCount(dataset) > 0)
+			return fail_with(STATUS_INPUT, "%s: placed by ground control points only; project it with "
+					 "gdalwarp first", source->path);
+		double spacing = params->spacing > 0 ? params->spacing : 1;
+		double place[6] = {-spacing / 2, spacing, 0, (source->height - 0.5) * spacing, 0, -spacing};
+		memcpy(source->place, place, sizeof place);
+		return STATUS_OK;
+	}
+	double det = source->place[1] * source->place[5] - source->place[2] * source->place[4];
+	for (int i = 0; i < 6; i++)
+		if (!isfinite(source->place[i]))
+			det = 0;
+	if (det == 0)
+		return fail_with(STATUS_INPUT, "%s: its geotransform is singular; give it a proper one with "
+				 "gdal_translate -a_ullr", source->path);
+	OGRSpatialReferenceH own = override != NULL ? override : GDALGetSpatialRef(dataset);
+	if (own == NULL)
+		return STATUS_OK;
+	if (OSRIsGeocentric(own))
+		return fail_with(STATUS_INPUT, "%s: geocentric coordinates are no map; project it first",
+				 source->path);
+	source->srs = OSRClone(own);
+	if (source->srs == NULL)
+		return fail_memory(source->path);
+	OSRSetAxisMappingStrategy(source->srs, OAMS_TRADITIONAL_GIS_ORDER);
+	if (OSRIsLocal(source->srs)) {
+		/* Metres of its own, on no planet. */
+		double metres = OSRGetLinearUnits(source->srs, NULL);
+		for (int i = 0; i < 6; i++)
+			source->place[i] *= metres;
+		OSRDestroySpatialReference(source->srs);
+		source->srs = NULL;
+	}
+	return STATUS_OK;
+}
+
+/* The vertical unit in metres: the band's, or the vertical SRS's; also what to tell of it. */
+static double vertical_unit(struct gdal_source *source, GDALRasterBandH band)
+{
+	const char *unit = GDALGetRasterUnitType(band), *name = NULL;
+	double metres = 1;
+	if (source->srs != NULL && OSRIsCompound(source->srs)) {
+		name = OSRGetAttrValue(source->srs, "COMPD_CS|VERT_CS", 0);
+		metres = OSRGetTargetLinearUnits(source->srs, "COMPD_CS|VERT_CS", NULL);
+	}
+	if (unit != NULL && unit[0] != '\0')
+		metres = dem_unit_metres(unit);
+	if (!(metres > 0))
+		metres = 1;
+	if (metres != 1)
+		snprintf(source->vertical, sizeof source->vertical, "%s%sconverted from units of %.10g m",
+			 name != NULL ? name : "", name != NULL ? ", " : "", metres);
+	else
+		snprintf(source->vertical, sizeof source->vertical, "%s", name != NULL ? name : "");
+	if (source->srs != NULL && OSRIsCompound(source->srs))
+		OSRStripVertical(source->srs);
+	return metres;
+}
+
+static bool fits_float(GDALDataType type)
+{
+	return type == GDT_Byte || type == GDT_UInt16 || type == GDT_Int16 || type == GDT_Float32;
+}
+
+/* The nodata tag as it is stored; false without one. */
+static bool nodata_tag(GDALRasterBandH band, GDALDataType type, double *value)
+{
+	int has = 0;
+	if (type == GDT_Int64)
+		*value = (double)GDALGetRasterNoDataValueAsInt64(band, &has);
+	else if (type == GDT_UInt64)
+		*value = (double)GDALGetRasterNoDataValueAsUInt64(band, &has);
+	else
+		*value = GDALGetRasterNoDataValue(band, &has);
+	return has != 0;
+}
+
+struct text {
+	char *at, *end;
+};
+
+static void text_add(struct text *text, const char *format, ...) FURROW_PRINTF(2, 3);
+static void text_add(struct text *text, const char *format, ...)
+{
+	va_list args;
+	va_start(args, format);
+	int length = vsnprintf(text->at, (size_t)(text->end - text->at), format, args);
+	va_end(args);
+	text->at = length < text->end - text->at ? text->at + length : text->end;
+}
+
+static void text_add_source(struct text *text, const char *escaped, const char *band,
+			    const struct gdal_source *source, GDALRasterBandH handle)
+{
+	int block_x, block_y;
+	GDALGetBlockSize(handle, &block_x, &block_y);
+	text_add(text, "<SimpleSource><SourceFilename relativeToVRT=\"0\" shared=\"0\">%s</SourceFilename>"
+		 "<SourceBand>%s</SourceBand><SourceProperties RasterXSize=\"%d\" RasterYSize=\"%d\" "
+		 "DataType=\"%s\" BlockXSize=\"%d\" BlockYSize=\"%d\"/></SimpleSource>", escaped, band,
+		 source->width, source->height, GDALGetDataTypeName(GDALGetRasterDataType(handle)), block_x,
+		 block_y);
+}
+
+static enum status write_vrt(struct gdal_source *source, const struct dem_params *params,
+			     GDALRasterBandH band, double unit, int number)
+{
+	GDALDataType type = GDALGetRasterDataType(band);
+	int has_scale = 0, has_offset = 0;
+	double scale = GDALGetRasterScale(band, &has_scale), offset = GDALGetRasterOffset(band, &has_offset);
+	scale = has_scale && isfinite(scale) && scale != 0 ? scale : 1;
+	offset = has_offset && isfinite(offset) ? offset : 0;
+	bool whole = type != GDT_Float32 && type != GDT_Float64;
+	source->unit = whole ? fabs(scale * unit) : 0;
+	source->doubles = !fits_float(type);
+
+	char *escaped = CPLEscapeString(source->path, -1, CPLES_XML);
+	size_t bytes = 4096 + 2 * strlen(escaped) + 32 * params->nodata_count;
+	char *xml = mem_alloc(bytes, 1);
+	source->vrt = mem_alloc(64, 1);
+	if (xml == NULL || source->vrt == NULL) {
+		mem_free(xml);
+		CPLFree(escaped);
+		return fail_memory(source->path);
+	}
+	double tag = 0;
+	bool tagged = nodata_tag(band, type, &tag) && !isnan(tag);
+	const double *p = source->place;
+	struct text text = {xml, xml + bytes};
+	text_add(&text, "<VRTDataset rasterXSize=\"%d\" rasterYSize=\"%d\"><GeoTransform>%.17g, %.17g, %.17g, "
+		 "%.17g, %.17g, %.17g</GeoTransform><VRTRasterBand dataType=\"%s\" band=\"1\" "
+		 "subClass=\"VRTDerivedRasterBand\"><NoDataValue>nan</NoDataValue>"
+		 "<PixelFunctionType>furrow_metres</PixelFunctionType><PixelFunctionArguments meaning=\""
+		 "%.17g %.17g %d %zu", source->width, source->height, p[0], p[1], p[2], p[3], p[4], p[5],
+		 source->doubles ? "Float64" : "Float32", scale * unit, offset * unit, !source->doubles,
+		 params->nodata_count + (tagged ? 1 : 0));
+	if (tagged)
+		text_add(&text, " %.17g", tag);
+	for (size_t i = 0; i < params->nodata_count; i++)
+		text_add(&text, " %.17g", params->nodata[i]);
+	text_add(&text, "\"/><SourceTransferType>Float64</SourceTransferType>");
+	text_add_source(&text, escaped, "1", source, band);
+	if ((GDALGetMaskFlags(band) & (GMF_ALL_VALID | GMF_NODATA)) == 0)
+		text_add_source(&text, escaped, "mask,1", source, GDALGetMaskBand(band));
+	text_add(&text, "</VRTRasterBand></VRTDataset>");
+	CPLFree(escaped);
+
+	static atomic_uint_least64_t made;
+	snprintf(source->vrt, 64, "/vsimem/furrow/%llu-%d.vrt", (unsigned long long)atomic_fetch_add(&made, 1),
+		 number);
+	VSILFILE *file = VSIFOpenL(source->vrt, "wb");
+	size_t length = strlen(xml);
+	bool written = file != NULL && VSIFWriteL(xml, 1, length, file) == length;
+	if (file != NULL && VSIFCloseL(file) != 0)
+		written = false;
+	mem_free(xml);
+	return written ? STATUS_OK : fail_memory(source->path);
+}
+
+enum status dem_source_init(struct gdal_source *source, const struct dem_params *params,
+			    const char *path, OGRSpatialReferenceH override, int number)
+{
+	*source = (struct gdal_source){.path = path};
+	CPLErrorReset();
+	GDALDatasetH dataset = GDALOpenEx(path, GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR,
+					  NULL, NULL, NULL);
+	if (dataset == NULL)
+		return fail_with(STATUS_INPUT, "%s: cannot be opened as a raster: %s; give a whole raster that "
+				 "GDAL reads", path, dem_gdal_message());
+	enum status status = STATUS_OK;
+	double unit;
+	if (GDALGetRasterCount(dataset) < 1) {
+		status = fail_with(STATUS_INPUT, "%s: no raster band in it; name one of its subdatasets "
+				   "(gdalinfo lists them)", path);
+		goto close;
+	}
+	source->width = GDALGetRasterXSize(dataset);
+	source->height = GDALGetRasterYSize(dataset);
+	GDALRasterBandH band = GDALGetRasterBand(dataset, 1);
+	if (GDALDataTypeIsComplex(GDALGetRasterDataType(band)) || GDALGetRasterColorTable(band) != NULL) {
+		status = fail_with(STATUS_INPUT, "%s: its first band is %s, not heights; give an elevation "
+				   "raster", path,
+				   GDALGetRasterColorTable(band) != NULL ? "a palette of colours" : "complex");
+		goto close;
+	}
+	status = place_source(source, dataset, params, override);
+	if (status != STATUS_OK)
+		goto close;
+	unit = vertical_unit(source, band);
+	status = write_vrt(source, params, band, unit, number);
+close:
+	GDALClose(dataset);
+	return status;
+}
+
+void dem_source_finish(struct gdal_source *source)
+{
+	if (source->srs != NULL)
+		OSRDestroySpatialReference(source->srs);
+	if (source->vrt != NULL)
+		VSIUnlink(source->vrt);
+	mem_free(source->vrt);
+}

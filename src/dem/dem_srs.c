@@ -1,0 +1,183 @@
+/* Spatial reference systems: read, measured on the ground, chosen, and points moved between them. */
+#include "dem_gdal.h"
+
+#include <cpl_conv.h>
+#include <cpl_error.h>
+#include <stdio.h>
+
+#define SCALE_TOLERANCE 1e-3
+
+OGRSpatialReferenceH dem_srs_parse(const char *text)
+{
+	OGRSpatialReferenceH srs = OSRNewSpatialReference(NULL);
+	CPLErrorReset();
+	if (srs == NULL || OSRSetFromUserInput(srs, text) != OGRERR_NONE) {
+		if (srs != NULL)
+			OSRDestroySpatialReference(srs);
+		(void)fail_with(STATUS_INPUT, "SRS \"%.80s\": not understood: %s; give an EPSG code, WKT, PROJ or "
+				"IAU name", text, dem_gdal_message());
+		return NULL;
+	}
+	OSRSetAxisMappingStrategy(srs, OAMS_TRADITIONAL_GIS_ORDER);
+	return srs;
+}
+
+char *dem_srs_wkt(OGRSpatialReferenceH srs)
+{
+	const char *options[] = {"FORMAT=WKT2_2019", "MULTILINE=NO", NULL};
+	char *wkt = NULL;
+	if (OSRExportToWktEx(srs, &wkt, options) != OGRERR_NONE) {
+		CPLFree(wkt);
+		return NULL;
+	}
+	char *copy = mem_strdup(wkt);
+	CPLFree(wkt);
+	return copy;
+}
+
+/* Longitude and latitude in radians on the SRS's own datum, with its ellipsoid. */
+static bool on_ellipsoid(OGRSpatialReferenceH srs, int count, double *x, double *y)
+{
+	OGRSpatialReferenceH globe = OSRCloneGeogCS(srs);
+	if (globe == NULL)
+		return false;
+	OSRSetAxisMappingStrategy(globe, OAMS_TRADITIONAL_GIS_ORDER);
+	double radians = OSRGetAngularUnits(globe, NULL);
+	bool good = true;
+	if (!OSRIsGeographic(srs)) {
+		OGRCoordinateTransformationH move = OCTNewCoordinateTransformation(srs, globe);
+		good = move != NULL && OCTTransform(move, count, x, y, NULL);
+		if (move != NULL)
+			OCTDestroyCoordinateTransformation(move);
+	}
+	OSRDestroySpatialReference(globe);
+	for (int i = 0; i < count; i++) {
+		x[i] *= radians;
+		y[i] *= radians;
+		good = good && isfinite(x[i]) && fabs(y[i]) < 1.58;
+	}
+	return good;
+}
+
+double dem_srs_ground(OGRSpatialReferenceH srs, double x, double y, double dx, double dy)
+{
+	double lon[2] = {x - dx / 2, x + dx / 2}, lat[2] = {y - dy / 2, y + dy / 2};
+	OGRErr problem = OGRERR_NONE;
+	double a = OSRGetSemiMajor(srs, &problem), inverse = OSRGetInvFlattening(srs, NULL);
+	if (problem != OGRERR_NONE || !on_ellipsoid(srs, 2, lon, lat))
+		return (double)NAN;
+	double f = inverse != 0 ? 1 / inverse : 0, e2 = f * (2 - f), middle = (lat[0] + lat[1]) / 2;
+	double w = sqrt(1 - e2 * sin(middle) * sin(middle));
+	double east = remainder(lon[1] - lon[0], 2 * M_PI) * cos(middle) * a / w;
+	double north = (lat[1] - lat[0]) * a * (1 - e2) / (w * w * w);
+	return hypot(east, north);
+}
+
+/* True if a metre of `srs`, a metric one, is a metre on the ground at (lon, lat) in degrees. */
+static bool is_true_at(OGRSpatialReferenceH globe, OGRSpatialReferenceH srs, double lon, double lat)
+{
+	OGRCoordinateTransformationH move = OCTNewCoordinateTransformation(globe, srs);
+	bool good = move != NULL && OCTTransform(move, 1, &lon, &lat, NULL);
+	if (move != NULL)
+		OCTDestroyCoordinateTransformation(move);
+	return good && fabs(dem_srs_ground(srs, lon, lat, 10, 0) / 10 - 1) <= SCALE_TOLERANCE &&
+	       fabs(dem_srs_ground(srs, lon, lat, 0, 10) / 10 - 1) <= SCALE_TOLERANCE;
+}
+
+static OGRSpatialReferenceH projected_on(OGRSpatialReferenceH globe, const char *name)
+{
+	OGRSpatialReferenceH srs = OSRClone(globe);
+	if (srs != NULL && OSRSetProjCS(srs, name) != OGRERR_NONE) {
+		OSRDestroySpatialReference(srs);
+		return NULL;
+	}
+	if (srs != NULL)
+		OSRSetAxisMappingStrategy(srs, OAMS_TRADITIONAL_GIS_ORDER);
+	return srs;
+}
+
+/* On any body. Near a pole polar stereographic; else equirectangular, or where that is not true (it
+ * knows spheres only) transverse Mercator through the middle of the data. */
+static OGRSpatialReferenceH metric_on_body(OGRSpatialReferenceH globe, double lon, double lat)
+{
+	lon = round(lon * 1e4) / 1e4;
+	lat = round(lat * 1e4) / 1e4;
+	OGRSpatialReferenceH srs = projected_on(globe, "metres around the data");
+	if (srs == NULL)
+		return NULL;
+	if (fabs(lat) > 80) {
+		OSRSetPS(srs, lat, 0, 1, 0, 0);
+		return srs;
+	}
+	OSRSetEquirectangular2(srs, 0, lon, lat, 0, 0);
+	if (!is_true_at(globe, srs, lon, lat))
+		OSRSetTM(srs, lat, lon, 1, 0, 0);
+	return srs;
+}
+
+OGRSpatialReferenceH dem_srs_metric(OGRSpatialReferenceH srs, double x, double y)
+{
+	double radius = OSRGetSemiMajor(srs, NULL);
+	bool earth = radius > 6.35e6 && radius < 6.4e6;
+	OGRSpatialReferenceH globe = earth ? OSRNewSpatialReference(NULL) : OSRCloneGeogCS(srs), found = NULL;
+	OGRCoordinateTransformationH move = NULL;
+	if (globe == NULL || (earth && OSRImportFromEPSG(globe, 4326) != OGRERR_NONE))
+		goto done;
+	OSRSetAxisMappingStrategy(globe, OAMS_TRADITIONAL_GIS_ORDER);
+	move = OCTNewCoordinateTransformation(srs, globe);
+	if (move == NULL || !OCTTransform(move, 1, &x, &y, NULL) || !isfinite(x) || fabs(y) > 90)
+		goto done;
+	if (!earth || fabs(y) > 84) {
+		found = metric_on_body(globe, x, y);
+		goto done;
+	}
+	int zone = (int)floor((remainder(x, 360) + 180) / 6) + 1;
+	zone = zone > 60 ? 60 : zone;
+	found = OSRNewSpatialReference(NULL);
+	if (found != NULL && OSRImportFromEPSG(found, (y >= 0 ? 32600 : 32700) + zone) != OGRERR_NONE) {
+		OSRDestroySpatialReference(found);
+		found = NULL;
+	}
+	if (found != NULL)
+		OSRSetAxisMappingStrategy(found, OAMS_TRADITIONAL_GIS_ORDER);
+done:
+	if (move != NULL)
+		OCTDestroyCoordinateTransformation(move);
+	if (globe != NULL)
+		OSRDestroySpatialReference(globe);
+	return found;
+}
+
+enum status dem_transform(const char *from_srs, const char *to_wkt, size_t count, double *x, double *y)
+{
+	dem_gdal_init();
+	if (to_wkt[0] == '\0')
+		return fail_with(STATUS_INPUT, "coordinates in \"%.80s\": the store is local metres and lies on "
+				 "no planet; give local coordinates", from_srs);
+	OGRSpatialReferenceH from = dem_srs_parse(from_srs), to = NULL;
+	OGRCoordinateTransformationH move = NULL;
+	enum status status = STATUS_INPUT;
+	if (from == NULL || (to = dem_srs_parse(to_wkt)) == NULL)
+		goto done;
+	move = OCTNewCoordinateTransformation(from, to);
+	if (move == NULL) {
+		status = fail_with(STATUS_INPUT, "coordinates in \"%.80s\": no way to the store's SRS: %s; give "
+				   "others", from_srs, dem_gdal_message());
+		goto done;
+	}
+	status = STATUS_OK;
+	for (size_t i = 0; status == STATUS_OK && i < count; i++) {
+		double at[2] = {x[i], y[i]};
+		if (!OCTTransform(move, 1, &x[i], &y[i], NULL) || !isfinite(x[i]) || !isfinite(y[i]))
+			status = fail_with(STATUS_INPUT, "point %.10g, %.10g: is nowhere in the store's SRS; check "
+					   "that x is east (longitude) and comes first", at[0], at[1]);
+	}
+done:
+	if (move != NULL)
+		OCTDestroyCoordinateTransformation(move);
+	if (to != NULL)
+		OSRDestroySpatialReference(to);
+	if (from != NULL)
+		OSRDestroySpatialReference(from);
+	return status;
+}

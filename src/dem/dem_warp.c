@@ -1,0 +1,266 @@
+/*
+ * From the sources' grid to square posts in metres.
+ *
+ * What is in metres, square, upright and true to 0.1 % stays as it is, post for post. The rest goes
+ * through GDAL's warper, block by block; its kernels leave out what is NaN. A projected grid's
+ * posts lie at whole multiples of the spacing, a resampled one's start at the south-west post.
+ */
+#include "dem_gdal.h"
+
+#include <cpl_conv.h>
+#include <cpl_error.h>
+#include <cpl_string.h>
+#include <gdal_alg.h>
+#include <gdalwarper.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#define SCALE_TOLERANCE 1e-3
+#define WARP_MEMORY (64.0 * 1024 * 1024)
+#define APPROXIMATION 0.005 /* pixels that the transformation may be off */
+#define PROBES 33           /* points along a side at which the target's extent is taken */
+
+struct plan {
+	OGRSpatialReferenceH from, to; /* NULL both: without projection */
+	bool project, resample;
+	double spacing;
+	double origin[2]; /* the south-west post */
+	int64_t width, height;
+};
+
+static double round_to_3_digits(double v)
+{
+	char text[32];
+	snprintf(text, sizeof text, "%.3g", v);
+	return strtod(text, NULL);
+}
+
+static void post_at(const double place[6], double column, double row, double *x, double *y)
+{
+	*x = place[0] + (column + 0.5) * place[1] + (row + 0.5) * place[2];
+	*y = place[3] + (column + 0.5) * place[4] + (row + 0.5) * place[5];
+}
+
+/* Metres between posts along a row and along a column, and whether the SRS must be left. */
+static enum status measure(GDALDatasetH mosaic, const double place[6], OGRSpatialReferenceH srs,
+			   const char *name, double step[2], bool *unfit)
+{
+	double dx = hypot(place[1], place[4]), dy = hypot(place[2], place[5]);
+	step[0] = dx;
+	step[1] = dy;
+	*unfit = false;
+	if (srs == NULL)
+		return STATUS_OK;
+	double x, y;
+	post_at(place, (GDALGetRasterXSize(mosaic) - 1) / 2.0, (GDALGetRasterYSize(mosaic) - 1) / 2.0, &x, &y);
+	step[0] = dem_srs_ground(srs, x, y, place[1], place[4]);
+	step[1] = dem_srs_ground(srs, x, y, place[2], place[5]);
+	if (!(step[0] > 0) || !(step[1] > 0))
+		return fail_with(STATUS_INPUT, "%s: its middle at %.10g, %.10g is nowhere in its SRS: %s; name the "
+				 "right one with --s-srs", name, x, y, dem_gdal_message());
+	double unit = OSRIsGeographic(srs) ? 0 : OSRGetLinearUnits(srs, NULL);
+	*unfit = fabs(unit - 1) > 1e-12 || fabs(step[0] / dx - 1) > SCALE_TOLERANCE ||
+		 fabs(step[1] / dy - 1) > SCALE_TOLERANCE;
+	if (!*unfit) {
+		step[0] = dx;
+		step[1] = dy;
+	}
+	return STATUS_OK;
+}
+
+/* The target's SRS into plan->to (the caller's to destroy); plan->project says whether it is another. */
+static enum status choose_srs(struct plan *plan, const struct dem_params *params, GDALDatasetH mosaic,
+			      const double place[6], const char *name, bool unfit)
+{
+	bool asked = params->t_srs != NULL && strcmp(params->t_srs, "auto") != 0;
+	if (asked && plan->from == NULL)
+		return fail_with(STATUS_INPUT, "%s: says no SRS to project from; name it with --s-srs", name);
+	if (asked) {
+		plan->to = dem_srs_parse(params->t_srs);
+		if (plan->to == NULL)
+			return STATUS_INPUT;
+		if (!OSRIsProjected(plan->to) || fabs(OSRGetLinearUnits(plan->to, NULL) - 1) > 1e-12)
+			return fail_with(STATUS_INPUT, "target SRS \"%.80s\": is not in metres, and a store is; choose "
+					 "a metric projection or auto", params->t_srs);
+		if (OSRIsCompound(plan->to))
+			OSRStripVertical(plan->to);
+	} else if (unfit) {
+		double x, y;
+		post_at(place, (GDALGetRasterXSize(mosaic) - 1) / 2.0, (GDALGetRasterYSize(mosaic) - 1) / 2.0, &x,
+			&y);
+		plan->to = dem_srs_metric(plan->from, x, y);
+		if (plan->to == NULL)
+			return fail_with(STATUS_INPUT, "%s: found no metric projection for it: %s; name one with "
+					 "--t-srs", name, dem_gdal_message());
+	}
+	plan->project = plan->to != NULL && !OSRIsSame(plan->from, plan->to);
+	return STATUS_OK;
+}
+
+/* The target's posts: as many as lie within the source's outermost ones. */
+static enum status lay_out(struct plan *plan, GDALDatasetH mosaic, const double place[6], const char *name)
+{
+	int columns = GDALGetRasterXSize(mosaic), rows = GDALGetRasterYSize(mosaic);
+	double low[2] = {(double)INFINITY, (double)INFINITY}, high[2] = {-(double)INFINITY, -(double)INFINITY};
+	OGRCoordinateTransformationH move = NULL;
+	if (plan->project) {
+		move = OCTNewCoordinateTransformation(plan->from, plan->to);
+		if (move == NULL)
+			return fail_with(STATUS_INPUT, "%s: no way to project it: %s; name another target with "
+					 "--t-srs", name, dem_gdal_message());
+	}
+	for (int i = 0; i < PROBES * PROBES; i++) {
+		double x, y;
+		post_at(place, (columns - 1) * (double)(i % PROBES) / (PROBES - 1),
+			(rows - 1) * (double)(i / PROBES) / (PROBES - 1), &x, &y);
+		if (move != NULL && !OCTTransform(move, 1, &x, &y, NULL))
+			continue;
+		if (!isfinite(x) || !isfinite(y))
+			continue;
+		low[0] = fmin(low[0], x);
+		low[1] = fmin(low[1], y);
+		high[0] = fmax(high[0], x);
+		high[1] = fmax(high[1], y);
+	}
+	if (move != NULL)
+		OCTDestroyCoordinateTransformation(move);
+	double s = plan->spacing, count[2];
+	for (int i = 0; i < 2; i++) {
+		plan->origin[i] = plan->project ? ceil(low[i] / s - 1e-6) * s : low[i];
+		count[i] = floor((high[i] - plan->origin[i]) / s + 1e-6) + 1;
+		if (!(count[i] >= 2) || count[i] > 2e9)
+			return fail_with(STATUS_INPUT, "%s: projected with posts every %g m it is %.0f posts along a "
+					 "side; choose another --spacing or --t-srs", name, s, count[i]);
+	}
+	plan->width = (int64_t)count[0];
+	plan->height = (int64_t)count[1];
+	return STATUS_OK;
+}
+
+static void *make_transformer(const struct plan *plan, GDALDatasetH mosaic, const double target[6])
+{
+	char **options = CSLSetNameValue(NULL, "SRC_METHOD", "GEOTRANSFORM");
+	if (plan->project) {
+		char *from = dem_srs_wkt(plan->from), *to = dem_srs_wkt(plan->to);
+		if (from != NULL && to != NULL) {
+			options = CSLSetNameValue(options, "SRC_SRS", from);
+			options = CSLSetNameValue(options, "DST_SRS", to);
+		}
+		bool whole = from != NULL && to != NULL;
+		mem_free(from);
+		mem_free(to);
+		if (!whole) {
+			CSLDestroy(options);
+			return NULL;
+		}
+	}
+	void *exact = GDALCreateGenImgProjTransformer2(mosaic, NULL, options);
+	CSLDestroy(options);
+	if (exact == NULL)
+		return NULL;
+	GDALSetGenImgProjTransformerDstGeoTransform(exact, target);
+	void *close = GDALCreateApproxTransformer(GDALGenImgProjTransform, exact, APPROXIMATION);
+	if (close == NULL) {
+		GDALDestroyGenImgProjTransformer(exact);
+		return NULL;
+	}
+	GDALApproxTransformerOwnsSubtransformer(close, TRUE);
+	return close;
+}
+
+static enum status create(const struct plan *plan, const struct dem_params *params, GDALDatasetH mosaic,
+			  const char *name, GDALDatasetH *out)
+{
+	static const GDALResampleAlg kernels[] = {
+		[DEM_BILINEAR] = GRA_Bilinear, [DEM_CUBIC] = GRA_Cubic, [DEM_NEAR] = GRA_NearestNeighbour};
+	double s = plan->spacing;
+	double target[6] = {plan->origin[0] - s / 2, s, 0,
+			    plan->origin[1] + ((double)plan->height - 0.5) * s, 0, -s};
+	CPLErrorReset();
+	void *transformer = make_transformer(plan, mosaic, target);
+	GDALWarpOptions *options = transformer != NULL ? GDALCreateWarpOptions() : NULL;
+	if (options == NULL) {
+		if (transformer != NULL)
+			GDALDestroyApproxTransformer(transformer);
+		return fail_with(STATUS_INPUT, "%s: cannot be projected: %s; name another target with --t-srs", name,
+				 dem_gdal_message());
+	}
+	options->hSrcDS = mosaic;
+	options->eResampleAlg = kernels[params->resample];
+	options->eWorkingDataType = GDALGetRasterDataType(GDALGetRasterBand(mosaic, 1));
+	options->dfWarpMemoryLimit = WARP_MEMORY;
+	options->pfnTransformer = GDALApproxTransform;
+	options->pTransformerArg = transformer;
+	GDALWarpInitDefaultBandMapping(options, 1);
+	GDALWarpInitSrcNoDataReal(options, (double)NAN);
+	GDALWarpInitDstNoDataReal(options, (double)NAN);
+	options->papszWarpOptions = CSLSetNameValue(options->papszWarpOptions, "INIT_DEST", "NO_DATA");
+	*out = GDALCreateWarpedVRT(mosaic, (int)plan->width, (int)plan->height, target, options);
+	GDALDestroyWarpOptions(options);
+	if (*out == NULL) {
+		GDALDestroyApproxTransformer(transformer);
+		return fail_with(STATUS_INPUT, "%s: cannot be projected: %s; name another target with --t-srs", name,
+				 dem_gdal_message());
+	}
+	return STATUS_OK;
+}
+
+static enum status describe(const struct plan *plan, struct dem_grid *grid, const double step[2])
+{
+	grid->width = plan->width;
+	grid->height = plan->height;
+	grid->spacing = plan->spacing;
+	grid->origin[0] = plan->origin[0];
+	grid->origin[1] = plan->origin[1];
+	OGRSpatialReferenceH srs = plan->project ? plan->to : plan->from;
+	if (srs != NULL && (grid->srs = dem_srs_wkt(srs)) == NULL)
+		return fail_memory("the spatial reference system");
+	if (plan->project) {
+		const char *name = OSRGetName(plan->from);
+		char text[256];
+		snprintf(text, sizeof text, "%.150s, posts of about %.4g x %.4g m", name != NULL ? name : "unnamed",
+			 step[0], step[1]);
+		grid->projected = mem_strdup(text);
+		if (grid->projected == NULL)
+			return fail_memory("the spatial reference system");
+	}
+	return STATUS_OK;
+}
+
+enum status dem_warp(const struct dem_params *params, GDALDatasetH mosaic, const double place[6],
+		     OGRSpatialReferenceH srs, const char *name, struct dem_grid *grid,
+		     GDALDatasetH *warped)
+{
+	struct plan plan = {.from = srs};
+	double step[2];
+	bool unfit;
+	enum status status = measure(mosaic, place, srs, name, step, &unfit);
+	if (status == STATUS_OK)
+		status = choose_srs(&plan, params, mosaic, place, name, unfit);
+	if (status != STATUS_OK)
+		goto done;
+	bool upright = place[2] == 0 && place[4] == 0 && place[1] > 0 && place[5] < 0;
+	bool square = fabs(step[0] / step[1] - 1) < 1e-6;
+	/* Posts that stay keep their distance to the last bit; others get a clean one. */
+	double own = square && !plan.project ? step[0] : round_to_3_digits(sqrt(step[0] * step[1]));
+	plan.spacing = params->spacing > 0 ? params->spacing : own;
+	plan.resample = plan.project || !upright || !square || fabs(plan.spacing / own - 1) > 1e-6;
+	if (!plan.resample) {
+		plan.width = GDALGetRasterXSize(mosaic);
+		plan.height = GDALGetRasterYSize(mosaic);
+		post_at(place, 0, (double)(plan.height - 1), &plan.origin[0], &plan.origin[1]);
+	} else {
+		status = lay_out(&plan, mosaic, place, name);
+		if (status == STATUS_OK)
+			status = create(&plan, params, mosaic, name, warped);
+		if (status == STATUS_OK && params->spacing == 0)
+			note("%s: posts of %.6g x %.6g m become square posts of %g m", name, step[0], step[1],
+			     plan.spacing);
+	}
+	if (status == STATUS_OK)
+		status = describe(&plan, grid, step);
+done:
+	if (plan.to != NULL)
+		OSRDestroySpatialReference(plan.to);
+	return status;
+}

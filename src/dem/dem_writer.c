@@ -1,0 +1,146 @@
+/*
+ * Rasters out: written aside as PATH.part, from the south, and renamed when whole.
+ *
+ *   created -> rows... -> published
+ *      \__________\________ destroyed: the part is removed
+ */
+#include "dem_internal.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <unistd.h>
+
+struct dem_writer {
+	struct dem_raster raster;
+	char *path, *part, *srs;
+	struct dem_sink *sink;
+	int64_t next; /* row to come, from the south */
+	bool begun, published;
+};
+
+double dem_raster_value(const struct dem_raster *raster, double value)
+{
+	if (isnan(value)) {
+		if (raster->has_nodata)
+			return raster->nodata;
+		return raster->type == DEM_FLOAT32 ? value : 0;
+	}
+	double low = 0, high = 0;
+	switch (raster->type) {
+	case DEM_FLOAT32:
+		return value;
+	case DEM_INT32:
+		low = INT32_MIN;
+		high = INT32_MAX;
+		break;
+	case DEM_UINT8:
+		high = UINT8_MAX;
+		break;
+	case DEM_UINT16:
+		high = UINT16_MAX;
+		break;
+	}
+	value = round(value);
+	return value < low ? low : value > high ? high : value;
+}
+
+static bool is_tiff(const char *path)
+{
+	return dem_path_ends(path, ".tif") || dem_path_ends(path, ".tiff");
+}
+
+enum status dem_writer_create(const struct dem_raster *raster, struct dem_writer **out)
+{
+	bool png = dem_path_ends(raster->path, ".png");
+	if (!png && !is_tiff(raster->path))
+		return fail_with(STATUS_USAGE, "%s: no raster that can be written has this ending; name a .tif or "
+				 "a .png", raster->path);
+	if (png && raster->type != DEM_UINT8 && raster->type != DEM_UINT16)
+		return fail_with(STATUS_USAGE, "%s: a PNG holds no such values; name a .tif", raster->path);
+	if (raster->width < 1 || raster->height < 1 || raster->width > INT32_MAX ||
+	    raster->height > INT32_MAX)
+		return fail_with(STATUS_INPUT, "%s: %lld x %lld posts make no raster; ask for another size",
+				 raster->path, (long long)raster->width, (long long)raster->height);
+	struct dem_writer *writer = mem_calloc(1, sizeof *writer);
+	if (writer == NULL)
+		return fail_memory(raster->path);
+	size_t bytes = strlen(raster->path) + sizeof ".part";
+	writer->raster = *raster;
+	writer->path = mem_strdup(raster->path);
+	writer->srs = mem_strdup(raster->srs != NULL ? raster->srs : "");
+	writer->part = mem_alloc(bytes, 1);
+	enum status status;
+	if (writer->path == NULL || writer->srs == NULL || writer->part == NULL) {
+		status = fail_memory(raster->path);
+		goto error;
+	}
+	snprintf(writer->part, bytes, "%s.part", raster->path);
+	writer->raster.path = writer->path;
+	writer->raster.srs = writer->srs;
+	writer->begun = true;
+	status = png ? dem_png_sink(&writer->raster, writer->part, &writer->sink)
+		     : dem_gdal_sink(&writer->raster, writer->part, &writer->sink);
+	if (status != STATUS_OK)
+		goto error;
+	*out = writer;
+	return STATUS_OK;
+error:
+	dem_writer_destroy(writer);
+	return status;
+}
+
+enum status dem_writer_rows(struct dem_writer *writer, int64_t rows, const double *values)
+{
+	if (rows < 0 || rows > writer->raster.height - writer->next)
+		return fail_with(STATUS_FAILED, "%s: more rows than it has; this is a bug", writer->path);
+	for (int64_t row = 0; row < rows; row++) {
+		enum status status =
+			writer->sink->row(writer->sink, writer->next, values + row * writer->raster.width);
+		if (status != STATUS_OK)
+			return status;
+		writer->next++;
+	}
+	return STATUS_OK;
+}
+
+static enum status sync_part(const struct dem_writer *writer)
+{
+	int file = open(writer->part, O_RDONLY | O_CLOEXEC);
+	bool synced = file >= 0 && fsync(file) == 0;
+	int reason = errno;
+	if (file >= 0)
+		close(file);
+	return synced ? STATUS_OK
+		      : fail_with(STATUS_FAILED, "%s: cannot be brought to the disk: %s; check its room",
+				  writer->part, strerror(reason));
+}
+
+enum status dem_writer_publish(struct dem_writer *writer)
+{
+	if (writer->next != writer->raster.height)
+		return fail_with(STATUS_FAILED, "%s: %lld rows are missing; this is a bug", writer->path,
+				 (long long)(writer->raster.height - writer->next));
+	enum status status = writer->sink->finish(writer->sink);
+	if (status == STATUS_OK)
+		status = sync_part(writer);
+	if (status == STATUS_OK && rename(writer->part, writer->path) != 0)
+		status = fail_with(STATUS_FAILED, "%s: cannot be put in place: %s; check the folder's permissions",
+				   writer->path, strerror(errno));
+	writer->published = status == STATUS_OK;
+	return status;
+}
+
+void dem_writer_destroy(struct dem_writer *writer)
+{
+	if (writer == NULL)
+		return;
+	if (writer->sink != NULL)
+		writer->sink->destroy(writer->sink);
+	if (writer->begun && !writer->published)
+		(void)unlink(writer->part);
+	mem_free(writer->path);
+	mem_free(writer->part);
+	mem_free(writer->srs);
+	mem_free(writer);
+}

@@ -1,0 +1,107 @@
+/* GeoTIFF out: uncompressed rows, each its own strip, so that they may come from the south. */
+#include "dem_gdal.h"
+
+#include <cpl_conv.h>
+#include <cpl_error.h>
+#include <cpl_string.h>
+#include <errno.h>
+#include <stdio.h>
+
+struct gdal_sink {
+	struct dem_sink sink;
+	const struct dem_raster *raster;
+	GDALDatasetH dataset;
+	double *row;
+};
+
+static enum status refuse(const struct dem_raster *raster)
+{
+	return fail_with(STATUS_FAILED, "%s: cannot be written: %s; check the disk's room", raster->path,
+			 dem_gdal_message());
+}
+
+static enum status sink_row(struct dem_sink *sink, int64_t y, const double *values)
+{
+	struct gdal_sink *gdal = (struct gdal_sink *)sink;
+	int width = (int)gdal->raster->width;
+	for (int x = 0; x < width; x++)
+		gdal->row[x] = dem_raster_value(gdal->raster, values[x]);
+	CPLErrorReset();
+	if (GDALRasterIO(GDALGetRasterBand(gdal->dataset, 1), GF_Write, 0, (int)(gdal->raster->height - 1 - y),
+			 width, 1, gdal->row, width, 1, GDT_Float64, 0, 0) != CE_None)
+		return refuse(gdal->raster);
+	return STATUS_OK;
+}
+
+static enum status sink_finish(struct dem_sink *sink)
+{
+	struct gdal_sink *gdal = (struct gdal_sink *)sink;
+	CPLErrorReset();
+	/* 3.6's closing returns nothing; what went wrong is the last error. */
+	GDALFlushCache(gdal->dataset);
+	GDALClose(gdal->dataset);
+	gdal->dataset = NULL;
+	return CPLGetLastErrorType() >= CE_Failure ? refuse(gdal->raster) : STATUS_OK;
+}
+
+static void sink_destroy(struct dem_sink *sink)
+{
+	struct gdal_sink *gdal = (struct gdal_sink *)sink;
+	if (gdal->dataset != NULL)
+		GDALClose(gdal->dataset);
+	mem_free(gdal->row);
+	mem_free(gdal);
+}
+
+static enum status set_meaning(struct gdal_sink *gdal)
+{
+	const struct dem_raster *raster = gdal->raster;
+	double s = raster->spacing;
+	double place[6] = {raster->west - s / 2, s, 0, raster->south + ((double)raster->height - 0.5) * s, 0, -s};
+	if (GDALSetGeoTransform(gdal->dataset, place) != CE_None)
+		return refuse(raster);
+	if (raster->has_nodata &&
+	    GDALSetRasterNoDataValue(GDALGetRasterBand(gdal->dataset, 1), raster->nodata) != CE_None)
+		return refuse(raster);
+	if (raster->srs[0] == '\0')
+		return STATUS_OK;
+	OGRSpatialReferenceH srs = dem_srs_parse(raster->srs);
+	if (srs == NULL)
+		return STATUS_INPUT;
+	CPLErr set = GDALSetSpatialRef(gdal->dataset, srs);
+	OSRDestroySpatialReference(srs);
+	return set == CE_None ? STATUS_OK : refuse(raster);
+}
+
+enum status dem_gdal_sink(const struct dem_raster *raster, const char *part, struct dem_sink **out)
+{
+	static const GDALDataType types[] = {[DEM_FLOAT32] = GDT_Float32, [DEM_INT32] = GDT_Int32,
+					     [DEM_UINT8] = GDT_Byte, [DEM_UINT16] = GDT_UInt16};
+	dem_gdal_init();
+	struct gdal_sink *gdal = mem_calloc(1, sizeof *gdal);
+	if (gdal == NULL)
+		return fail_memory(raster->path);
+	gdal->sink = (struct dem_sink){sink_row, sink_finish, sink_destroy};
+	gdal->raster = raster;
+	gdal->row = mem_alloc((size_t)raster->width, sizeof *gdal->row);
+	enum status status = gdal->row != NULL ? STATUS_OK : fail_memory(raster->path);
+	GDALDriverH driver = GDALGetDriverByName("GTiff");
+	if (status == STATUS_OK) {
+		char **options = CSLSetNameValue(NULL, "BIGTIFF", "IF_SAFER");
+		options = CSLSetNameValue(options, "BLOCKYSIZE", "1");
+		gdal->dataset = driver != NULL ? GDALCreate(driver, part, (int)raster->width, (int)raster->height,
+							    1, types[raster->type], options) : NULL;
+		CSLDestroy(options);
+		status = gdal->dataset != NULL
+				 ? set_meaning(gdal)
+				 : fail_with(STATUS_FAILED, "%s: cannot be created: %s; check the folder and its "
+					     "permissions", raster->path,
+					     errno != 0 ? strerror(errno) : dem_gdal_message());
+	}
+	if (status != STATUS_OK) {
+		sink_destroy(&gdal->sink);
+		return status;
+	}
+	*out = &gdal->sink;
+	return STATUS_OK;
+}
