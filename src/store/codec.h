@@ -1,0 +1,51 @@
+/*
+ * A plane of (cells + 1)^2 int32 posts to bytes and back, alone: no neighbour is needed.
+ *
+ * INT32_MIN is nodata: it is kept exactly and costs the posts around it nothing. The same posts
+ * always give the same bytes. A struct codec is scratch memory for one thread.
+ */
+#ifndef FURROW_STORE_CODEC_H
+#define FURROW_STORE_CODEC_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/base.h"
+
+#define CODEC_NODATA INT32_MIN
+
+/* Written to the store: a number never changes its meaning. */
+enum codec_id {
+	CODEC_CONSTANT = 0, /* one int32: all posts */
+	CODEC_PACKED = 1,   /* residuals, bit widths by 32 */
+	CODEC_LZ4 = 2,      /* the same, then LZ4 */
+	CODEC_COUNT
+};
+
+struct codec {
+	uint32_t side;     /* posts along a side */
+	size_t room;       /* bytes the longest body takes */
+	uint32_t *rest;    /* side^2, rounded up to 32: zigzagged residuals */
+	int32_t *filled;   /* side^2: posts with holes filled, while encoding */
+	uint8_t *mask;     /* (side^2 + 7) / 8 */
+	uint8_t *body;     /* room */
+	uint8_t *squeezed; /* what LZ4 makes of `body` */
+	size_t squeezed_room;
+};
+
+enum status codec_init(struct codec *codec, uint32_t side) FURROW_CHECKED;
+void codec_finish(struct codec *codec);
+
+/* No blob of a plane is longer than this. */
+size_t codec_bound(const struct codec *codec);
+
+/* Bytes are the codec's own and valid until its next use. `hard`: LZ4HC. Cannot fail. */
+enum codec_id codec_encode(struct codec *codec, const int32_t *posts, bool hard,
+			   const void **bytes, size_t *size);
+
+/* False if the bytes are none that codec_encode() can have made; posts are then undefined. Reads
+ * and writes nothing out of bounds whatever the bytes. */
+bool codec_decode(struct codec *codec, int64_t id, const void *bytes, size_t size,
+		  int32_t *posts) FURROW_CHECKED;
+
+#endif

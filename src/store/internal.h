@@ -1,0 +1,157 @@
+/* What the files of this folder share: the connection, the rows, and small helpers over SQLite. */
+#ifndef FURROW_STORE_INTERNAL_H
+#define FURROW_STORE_INTERNAL_H
+
+#include <sqlite3.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/base.h"
+#include "store/codec.h"
+#include "store/store.h"
+
+#define STORE_APPLICATION_ID 0x46757277 /* "Furw" */
+#define STORE_VERSION 1
+#define STORE_BUSY_MS 5000
+#define STORE_HEIGHT_MAX 1e8 /* metres either way; beyond no body goes, and the lattice is exact */
+
+/* --- store_sql.c: SQLite with messages --- */
+
+/* A failed call on `db`, told: what was being done to the store at `path`. Never STATUS_OK. */
+enum status sql_fail(sqlite3 *db, int code, const char *path, const char *doing);
+enum status sql_exec(sqlite3 *db, const char *path, const char *doing, const char *sql) FURROW_CHECKED;
+/* Prepares *statement unless that was done before. */
+enum status sql_prepare(sqlite3 *db, const char *path, sqlite3_stmt **statement, const char *sql)
+	FURROW_CHECKED;
+/* First column of the first row. */
+enum status sql_integer(sqlite3 *db, const char *path, const char *sql, int64_t *value) FURROW_CHECKED;
+
+/* --- store_rows.c: the three tables, a row at a time --- */
+
+enum row_table { ROW_BASE, ROW_OFFSET, ROW_SOIL, ROW_TABLES };
+
+struct row {
+	struct tile tile;
+	double low, high; /* metres (soil: as it is); NaN both: nothing but nodata */
+	double error;     /* metres; base only */
+	int64_t codec;    /* not yet checked */
+	int64_t revision; /* the epoch that wrote it, 0: import */
+	uint64_t hash;
+	int64_t below, above; /* quanta, own sums; offset only */
+	unsigned planes;      /* soil only */
+	const void *bytes;    /* until the next use of the table */
+	size_t size;
+};
+
+/* A connection's statements and scratch. One thread. */
+struct rows {
+	sqlite3 *db;
+	const char *path;         /* the store's */
+	const struct world *world;
+	bool hard;                /* how blobs are packed */
+	struct codec codec;
+	int32_t *wide;            /* (cells + 1)^2 */
+	sqlite3_stmt *find[ROW_TABLES], *head[ROW_TABLES], *write[ROW_TABLES], *drop[ROW_TABLES],
+		*under[ROW_TABLES];
+};
+
+enum status rows_init(struct rows *rows, sqlite3 *db, const char *path, const struct world *world,
+		      bool hard) FURROW_CHECKED;
+void rows_finish(struct rows *rows); /* before the connection is closed */
+
+const char *rows_name(enum row_table table);
+/* "store.furrow: base tile level 1 x 2 y 3" into text. */
+void rows_text(const struct rows *rows, enum row_table table, struct tile tile, char *text, size_t room);
+/* Everything but the blob; checked for sense. */
+enum status rows_head(struct rows *rows, enum row_table table, struct tile tile, struct row *row,
+		      bool *found) FURROW_CHECKED;
+/* The row and its posts, its hash checked. Not found: posts are untouched. */
+enum status rows_read(struct rows *rows, enum row_table table, struct tile tile, int32_t *posts,
+		      struct row *row, bool *found) FURROW_CHECKED;
+/* Encodes the posts into the row (codec, hash, bytes, size are filled) and writes it unless
+ * `unless` is what it would be. */
+enum status rows_write(struct rows *rows, enum row_table table, const int32_t *posts, struct row *row,
+		       const uint64_t *unless, bool *written) FURROW_CHECKED;
+enum status rows_drop(struct rows *rows, enum row_table table, struct tile tile) FURROW_CHECKED;
+/* Range over the rows of the next finer level below `tile`, and how many there are. */
+enum status rows_under(struct rows *rows, enum row_table table, struct tile tile, double *low,
+		       double *high, int *count) FURROW_CHECKED;
+uint64_t rows_hash(const struct row *row);
+
+/* Range in metres (soil: as it is) of a plane's own posts; NaN if all are nodata. */
+void rows_range(enum row_table table, const int32_t *posts, size_t count, double step, double *low,
+		double *high);
+/* Sums of a tile's own offsets below and above zero: all but its last row and column, unless it is
+ * the world's last in that direction. */
+void rows_sums(const struct world *world, struct tile tile, const int32_t *posts, int64_t *below,
+	       int64_t *above);
+
+/* --- the store --- */
+
+struct store {
+	char *path;      /* as named in messages */
+	char *real_path; /* the file itself */
+	char *part_path; /* being written; NULL once published or if only opened */
+	char *lock_path;
+	int lock;        /* descriptor, -1: none */
+	bool overwrite;
+	bool writing;    /* opened for writing */
+	bool immutable;  /* a WAL store without its WAL where nothing can be made beside it */
+	bool durable_full;
+	bool transaction; /* creating: BEGIN was done */
+	sqlite3 *db;
+	struct rows rows;
+	struct store_meta meta; /* its texts are the store's own */
+	int32_t code_low, code_high; /* of the meta's low and high; low > high: all nodata */
+	bool has_working, working_stored;
+	int working;
+	int64_t epoch; /* the last one committed */
+	sqlite3_stmt *run_statement, *meta_statement;
+	char *run_scene, *run_state; /* given out by store_count() */
+};
+
+struct store_reader {
+	struct store *store;
+	sqlite3 *db;
+	struct rows rows;
+};
+
+/* --- store_connect.c --- */
+
+enum status connect_file(const char *path, const char *named, bool writing, bool immutable, sqlite3 **db)
+	FURROW_CHECKED;
+/* A reader's: falls back on `immutable` where that is safe, and says so. */
+enum status connect_reader(const char *path, const char *named, bool *immutable, sqlite3 **db)
+	FURROW_CHECKED;
+/* True if pages may be beside the file. `path` is a real one. */
+bool connect_has_wal(const char *path);
+
+/* --- store_schema.c --- */
+
+enum status schema_create(sqlite3 *db, const char *path) FURROW_CHECKED;
+/* STATUS_INPUT unless application_id, user_version and every object are what this program makes. */
+enum status schema_check(sqlite3 *db, const char *path) FURROW_CHECKED;
+
+/* --- store_meta.c --- */
+
+enum status meta_copy(struct store_meta *to, const struct store_meta *from) FURROW_CHECKED;
+void meta_finish(struct store_meta *meta);
+enum status meta_write(struct store *store) FURROW_CHECKED;
+enum status meta_read(struct store *store) FURROW_CHECKED; /* also the working level and the epoch */
+enum status meta_put_integer(struct store *store, const char *key, int64_t value) FURROW_CHECKED;
+enum status meta_put_real(struct store *store, const char *key, double value) FURROW_CHECKED;
+/* The working level as the file has it now. */
+enum status meta_working(sqlite3 *db, const char *path, const struct world *world, bool *has, int *level)
+	FURROW_CHECKED;
+
+/* --- store_lock.c: one writer --- */
+
+enum status lock_take(const char *lock_path, const char *named, int *descriptor) FURROW_CHECKED;
+void lock_drop(const char *lock_path, int descriptor); /* and removes the file */
+
+/* --- store_open.c --- */
+
+void store_finish(struct store *store); /* closes and frees; removes nothing but the lock */
+char *store_path_with(const char *path, const char *suffix);
+
+#endif

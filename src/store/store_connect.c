@@ -1,0 +1,92 @@
+/* Connections to a store's file, with what an untrusted file calls for. */
+#include "store/internal.h"
+
+#include <limits.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#define VALUE_BYTES (24 << 20) /* the largest plane coded, and texts, are below that */
+
+/* "file:PATH?immutable=1": what is special in a URI is escaped. */
+static char *uri_of(const char *path)
+{
+	static const char hex[] = "0123456789abcdef", tail[] = "?immutable=1";
+	char *uri = mem_alloc(3 * strlen(path) + sizeof "file:" + sizeof tail, 1);
+	if (uri == NULL)
+		return NULL;
+	char *to = uri + sprintf(uri, "file:");
+	for (const char *c = path; *c != '\0'; c++) {
+		if (*c == '?' || *c == '#' || *c == '%') {
+			*to++ = '%';
+			*to++ = hex[(unsigned char)*c >> 4];
+			*to++ = hex[*c & 15];
+		} else {
+			*to++ = *c;
+		}
+	}
+	memcpy(to, tail, sizeof tail);
+	return uri;
+}
+
+enum status connect_file(const char *path, const char *named, bool writing, bool immutable, sqlite3 **db)
+{
+	char *uri = immutable ? uri_of(path) : mem_strdup(path);
+	if (uri == NULL)
+		return fail_memory("opening a store");
+	int flags = SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE | (immutable ? SQLITE_OPEN_URI : 0) |
+		    (writing ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY);
+	*db = NULL;
+	int code = sqlite3_open_v2(uri, db, flags, NULL);
+	mem_free(uri);
+	enum status status = STATUS_OK;
+	if (code != SQLITE_OK)
+		status = sql_fail(*db, code, named, "opening it");
+	if (status == STATUS_OK) {
+		sqlite3_busy_timeout(*db, STORE_BUSY_MS);
+		sqlite3_db_config(*db, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, (int *)NULL);
+		sqlite3_db_config(*db, SQLITE_DBCONFIG_DEFENSIVE, 1, (int *)NULL);
+		sqlite3_db_config(*db, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, (int *)NULL);
+		sqlite3_db_config(*db, SQLITE_DBCONFIG_ENABLE_VIEW, 0, (int *)NULL);
+		sqlite3_limit(*db, SQLITE_LIMIT_LENGTH, VALUE_BYTES);
+		status = sql_exec(*db, named, "opening it", "PRAGMA cell_size_check=ON");
+	}
+	if (status != STATUS_OK) {
+		sqlite3_close(*db);
+		*db = NULL;
+	}
+	return status;
+}
+
+bool connect_has_wal(const char *path)
+{
+	char beside[PATH_MAX + 8];
+	struct stat file;
+	snprintf(beside, sizeof beside, "%s-wal", path);
+	return stat(beside, &file) == 0 && file.st_size > 0;
+}
+
+enum status connect_reader(const char *path, const char *named, bool *immutable, sqlite3 **db)
+{
+	enum status status = connect_file(path, named, false, *immutable, db);
+	if (status != STATUS_OK || *immutable)
+		return status;
+	int code = sqlite3_exec(*db, "SELECT count(*) FROM sqlite_schema", NULL, NULL, NULL);
+	if (code == SQLITE_OK)
+		return STATUS_OK;
+	/* A store whose writer did not end cleanly says WAL; where its folder cannot be written,
+	 * SQLite cannot make the file beside it that WAL needs, nor is one needed without a WAL. */
+	bool beside = (code & 0xff) == SQLITE_CANTOPEN || (code & 0xff) == SQLITE_READONLY;
+	if (!beside) {
+		status = sql_fail(*db, code, named, "opening it");
+	} else if (connect_has_wal(path)) {
+		status = fail_with(STATUS_INPUT, "%s: its last writer did not close it and its folder cannot be "
+				   "written; copy it and its -wal file to a folder that can", named);
+	}
+	sqlite3_close(*db);
+	*db = NULL;
+	if (status != STATUS_OK)
+		return status;
+	*immutable = true;
+	return connect_file(path, named, false, true, db);
+}

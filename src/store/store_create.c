@@ -1,0 +1,229 @@
+/*
+ * Making a store: beside its name, with no journal, in one transaction; renamed when whole.
+ *
+ *   create: PATH.part, locked -> put_base... -> publish: COMMIT, fsync, rename, fsync of the folder
+ *
+ * Whatever fails before the rename leaves PATH as it was, and close removes PATH.part.
+ */
+#include "store/internal.h"
+
+#include <assert.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <libgen.h>
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static enum status check_meta(const char *path, const struct store_meta *meta)
+{
+	const char *problem = world_problem(&meta->world);
+	if (problem != NULL)
+		return fail_with(STATUS_INPUT, "%s: %s; import another size", path, problem);
+	if (!(meta->step >= 0) || !isfinite(meta->step) || !isfinite(meta->max_error) ||
+	    !isfinite(meta->origin[0]) || !isfinite(meta->origin[1]))
+		return fail_with(STATUS_INPUT, "%s: its step, error and origin must be finite; give others", path);
+	return STATUS_OK;
+}
+
+/* The file itself, which need not be there: its folder must. */
+static enum status resolve(const char *path, char **real)
+{
+	char there[PATH_MAX];
+	if (realpath(path, there) != NULL) {
+		*real = mem_strdup(there);
+		return *real != NULL ? STATUS_OK : fail_memory("a store");
+	}
+	char *folder = mem_strdup(path), *name = mem_strdup(path);
+	enum status status = STATUS_OK;
+	*real = NULL;
+	if (folder == NULL || name == NULL) {
+		status = fail_memory("a store");
+	} else if (realpath(dirname(folder), there) == NULL) {
+		status = fail_with(STATUS_INPUT, "%s: cannot be made: %s; name a folder that is there", path,
+				   strerror(errno));
+	} else {
+		size_t room = strlen(there) + strlen(path) + 2;
+		*real = mem_alloc(room, 1);
+		if (*real == NULL)
+			status = fail_memory("a store");
+		else
+			snprintf(*real, room, "%s/%s", there, basename(name));
+	}
+	mem_free(folder);
+	mem_free(name);
+	return status;
+}
+
+static enum status refuse_existing(const struct store *store)
+{
+	struct stat file;
+	if (store->overwrite || lstat(store->real_path, &file) != 0)
+		return STATUS_OK;
+	return fail_with(STATUS_INPUT, "%s: it exists; give --overwrite to replace it, or another name",
+			 store->path);
+}
+
+static enum status begin_file(struct store *store)
+{
+	unlink(store->part_path); /* left by one that was killed: the lock is ours */
+	int file = open(store->part_path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+	if (file < 0)
+		return fail_with(STATUS_FAILED, "%s: cannot be made: %s; make its folder writable", store->path,
+				 strerror(errno));
+	close(file);
+	enum status status = connect_file(store->part_path, store->path, true, false, &store->db);
+	if (status != STATUS_OK)
+		return status;
+	sqlite3_db_config(store->db, SQLITE_DBCONFIG_DEFENSIVE, 0, (int *)NULL); /* for no journal */
+	status = sql_exec(store->db, store->path, "making the store",
+			  "PRAGMA page_size=16384; PRAGMA auto_vacuum=INCREMENTAL; PRAGMA journal_mode=OFF; PRAGMA synchronous=OFF; "
+			  "PRAGMA locking_mode=EXCLUSIVE; PRAGMA cache_size=-32000; BEGIN EXCLUSIVE");
+	if (status == STATUS_OK)
+		status = schema_create(store->db, store->path);
+	return status;
+}
+
+enum status store_create(const char *path, const struct store_meta *meta, bool overwrite,
+			 struct store **out)
+{
+	enum status status = check_meta(path, meta);
+	if (status != STATUS_OK)
+		return status;
+	struct store *store = mem_calloc(1, sizeof *store);
+	if (store == NULL)
+		return fail_memory("a store");
+	store->lock = -1;
+	store->overwrite = overwrite;
+	store->path = mem_strdup(path);
+	status = store->path != NULL ? meta_copy(&store->meta, meta) : fail_memory("a store");
+	if (status == STATUS_OK)
+		status = resolve(path, &store->real_path);
+	if (status == STATUS_OK)
+		status = refuse_existing(store);
+	if (status == STATUS_OK) {
+		store->lock_path = store_path_with(store->real_path, "-lock");
+		status = store->lock_path != NULL ? lock_take(store->lock_path, path, &store->lock)
+						  : fail_memory("a store");
+	}
+	if (status == STATUS_OK) {
+		store->part_path = store_path_with(store->real_path, ".part");
+		status = store->part_path != NULL ? begin_file(store) : fail_memory("a store");
+	}
+	if (status == STATUS_OK)
+		status = rows_init(&store->rows, store->db, store->path, &store->meta.world,
+				   meta->pack == STORE_PACK_SMALL);
+	if (status != STATUS_OK) {
+		store_close(store);
+		return status;
+	}
+	*out = store;
+	return STATUS_OK;
+}
+
+enum status store_put_base(struct store *store, struct tile tile, const int32_t *codes,
+			   const struct store_range *range)
+{
+	assert(store->part_path != NULL && tile.level >= 0 && world_has(&store->meta.world, tile));
+	struct row row = {.tile = tile, .low = range->low, .high = range->high, .error = range->error};
+	bool written;
+	return rows_write(&store->rows, ROW_BASE, codes, &row, NULL, &written);
+}
+
+/* --- publishing --- */
+
+static enum status check_whole(struct store *store)
+{
+	const struct world *world = &store->meta.world;
+	int64_t want = 0, have;
+	for (int level = 0; level <= world_coarsest(world); level++)
+		want += (int64_t)world_tiles_x(world, level) * world_tiles_y(world, level);
+	enum status status = sql_integer(store->db, store->path, "SELECT count(*) FROM base", &have);
+	if (status == STATUS_OK && have != want)
+		status = fail_with(STATUS_FAILED, "%s: %lld of %lld tiles were made; import it again", store->path,
+				   (long long)have, (long long)want);
+	return status;
+}
+
+static enum status take_range(struct store *store)
+{
+	struct row top;
+	bool found;
+	struct tile tile = {world_coarsest(&store->meta.world), 0, 0};
+	enum status status = rows_head(&store->rows, ROW_BASE, tile, &top, &found);
+	if (status != STATUS_OK)
+		return status;
+	assert(found);
+	store->meta.low = top.low;
+	store->meta.high = top.high;
+	return STATUS_OK;
+}
+
+static enum status sync_path(const struct store *store, const char *path, int flags)
+{
+	int file = open(path, flags | O_CLOEXEC);
+	bool synced = file >= 0 && fsync(file) == 0;
+	int error = errno;
+	if (file >= 0)
+		close(file);
+	return synced ? STATUS_OK
+		      : fail_with(STATUS_FAILED, "%s: cannot be synced: %s; check the disk", store->path,
+				  strerror(error));
+}
+
+static enum status rename_part(struct store *store)
+{
+	static const char *const suffixes[] = {"-wal", "-shm", "-journal"};
+	enum status status = refuse_existing(store);
+	if (status != STATUS_OK)
+		return status;
+	/* What belongs to a store that is replaced would be taken for the new one's. */
+	for (size_t i = 0; i < sizeof suffixes / sizeof *suffixes; i++) {
+		char *beside = store_path_with(store->real_path, suffixes[i]);
+		if (beside == NULL)
+			return fail_memory("a store");
+		int gone = unlink(beside) == 0 || errno == ENOENT;
+		mem_free(beside);
+		if (!gone)
+			return fail_with(STATUS_FAILED, "%s: its %s file cannot be removed: %s; remove it",
+					 store->path, suffixes[i], strerror(errno));
+	}
+	if (rename(store->part_path, store->real_path) != 0)
+		return fail_with(STATUS_FAILED, "%s: cannot be renamed into place: %s; make its folder writable",
+				 store->path, strerror(errno));
+	mem_free(store->part_path);
+	store->part_path = NULL;
+	char *folder = mem_strdup(store->real_path);
+	if (folder == NULL)
+		return fail_memory("a store");
+	status = sync_path(store, dirname(folder), O_RDONLY | O_DIRECTORY);
+	mem_free(folder);
+	return status;
+}
+
+enum status store_publish(struct store *store)
+{
+	assert(store->part_path != NULL);
+	enum status status = check_whole(store);
+	if (status == STATUS_OK)
+		status = take_range(store);
+	if (status == STATUS_OK)
+		status = meta_write(store);
+	if (status == STATUS_OK)
+		status = sql_exec(store->db, store->path, "writing it", "COMMIT");
+	if (status != STATUS_OK)
+		return status;
+	rows_finish(&store->rows);
+	sqlite3_finalize(store->meta_statement);
+	store->meta_statement = NULL;
+	int code = sqlite3_close(store->db);
+	store->db = NULL;
+	assert(code == SQLITE_OK);
+	(void)code;
+	status = sync_path(store, store->part_path, O_RDONLY);
+	return status == STATUS_OK ? rename_part(store) : status;
+}

@@ -1,0 +1,254 @@
+/*
+ * Epochs: pages of the working level and every coarser level above them, in one transaction.
+ *
+ *   BEGIN IMMEDIATE -> a climb for the offsets -> one for the dirt -> the run's record -> COMMIT
+ *
+ * A climb goes down from the coarsest tile to each page and writes on its way back up, so that one
+ * plane a level is held. Invariants: (1) a row exists iff a row exists below it (at the working
+ * level: iff it is not all zero); (2) what is written depends only on what the working level then
+ * holds, never on how it came about; (3) after a failure the file holds what it held before.
+ */
+#include "store/internal.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct order {
+	uint64_t key;
+	size_t page;
+};
+
+struct climb {
+	struct store *store;
+	const struct store_page *pages;
+	struct order *order; /* by key */
+	enum row_table table;
+	int32_t *planes[TILE_LEVEL_MAX - TILE_LEVEL_MIN + 1]; /* by level - TILE_LEVEL_MIN */
+	struct store_epoch_result *result;
+};
+
+static int order_compare(const void *a, const void *b)
+{
+	uint64_t x = ((const struct order *)a)->key, y = ((const struct order *)b)->key;
+	return x < y ? -1 : x > y;
+}
+
+static size_t plane_posts(const struct store *store)
+{
+	size_t side = tile_posts(&store->meta.world);
+	return side * side;
+}
+
+static enum status plane_at(struct climb *climb, int level, int32_t **plane)
+{
+	int32_t **held = &climb->planes[level - TILE_LEVEL_MIN];
+	if (*held == NULL)
+		*held = mem_alloc(plane_posts(climb->store), sizeof **held);
+	*plane = *held;
+	return *held != NULL ? STATUS_OK : fail_memory("an epoch");
+}
+
+/* Writes or drops one row; `exists`: it belongs there. */
+static enum status put_row(struct climb *climb, struct row *row, const int32_t *posts, bool exists)
+{
+	struct store *store = climb->store;
+	struct store_epoch_result *result = climb->result;
+	struct row old;
+	bool had, written;
+	enum status status = rows_head(&store->rows, climb->table, row->tile, &old, &had);
+	if (status != STATUS_OK)
+		return status;
+	row->revision = store->epoch + 1;
+	if (climb->table == ROW_SOIL)
+		row->planes = STORE_PLANE_DIRT;
+	else if (exists)
+		rows_sums(&store->meta.world, row->tile, posts, &row->below, &row->above);
+	if (climb->table == ROW_OFFSET && row->tile.level == store->working) {
+		result->below += row->below - (had ? old.below : 0);
+		result->above += row->above - (had ? old.above : 0);
+	}
+	if (!exists) {
+		result->tiles_written += had;
+		return had ? rows_drop(&store->rows, climb->table, row->tile) : STATUS_OK;
+	}
+	status = rows_write(&store->rows, climb->table, posts, row, had ? &old.hash : NULL, &written);
+	if (status == STATUS_OK && written) {
+		result->tiles_written++;
+		result->bytes_written += (int64_t)row->size;
+	}
+	return status;
+}
+
+static bool all_zero(const int32_t *posts, size_t count)
+{
+	for (size_t i = 0; i < count; i++)
+		if (posts[i] != 0)
+			return false;
+	return true;
+}
+
+static enum status put_page(struct climb *climb, const struct store_page *page, const int32_t **posts)
+{
+	size_t count = plane_posts(climb->store);
+	*posts = page->offset;
+	if (climb->table == ROW_SOIL) {
+		int32_t *wide;
+		enum status status = plane_at(climb, page->tile.level, &wide);
+		if (status != STATUS_OK)
+			return status;
+		for (size_t i = 0; i < count; i++)
+			wide[i] = page->dirt[i];
+		*posts = wide;
+	}
+	struct row row = {.tile = page->tile};
+	rows_range(climb->table, *posts, count, 0, &row.low, &row.high);
+	return put_row(climb, &row, *posts, !all_zero(*posts, count));
+}
+
+static enum status put_parent(struct climb *climb, struct tile tile, const int32_t *posts)
+{
+	double low, high;
+	int children;
+	struct row row = {.tile = tile};
+	enum status status = rows_under(&climb->store->rows, climb->table, tile, &low, &high, &children);
+	if (status != STATUS_OK)
+		return status;
+	rows_range(climb->table, posts, plane_posts(climb->store), 0, &row.low, &row.high);
+	if (children > 0) {
+		row.low = low < row.low ? low : row.low;
+		row.high = high > row.high ? high : row.high;
+	}
+	return put_row(climb, &row, posts, children > 0);
+}
+
+/* The pages first .. last - 1 of the order lie below (or are) the tile of `level`. */
+static enum status climb_tile(struct climb *climb, int level, size_t first, size_t last,
+			      const int32_t **posts)
+{
+	const struct store_page *page = &climb->pages[climb->order[first].page];
+	if (level == page->tile.level) {
+		assert(last == first + 1); /* each page once */
+		return put_page(climb, page, posts);
+	}
+	struct tile tile = tile_ancestor(page->tile, level);
+	const struct world *world = &climb->store->meta.world;
+	int32_t *mine;
+	struct row old;
+	bool had;
+	enum status status = plane_at(climb, level, &mine);
+	if (status == STATUS_OK)
+		status = rows_read(&climb->store->rows, climb->table, tile, mine, &old, &had);
+	if (status != STATUS_OK)
+		return status;
+	if (!had)
+		memset(mine, 0, plane_posts(climb->store) * sizeof *mine);
+	for (size_t i = first, next; i < last; i = next) {
+		struct tile child = tile_ancestor(tile_from_key(climb->order[i].key), level - 1);
+		for (next = i + 1; next < last; next++)
+			if (!tile_equal(tile_ancestor(tile_from_key(climb->order[next].key), level - 1), child))
+				break;
+		const int32_t *fine;
+		status = climb_tile(climb, level - 1, i, next, &fine);
+		if (status != STATUS_OK)
+			return status;
+		lattice_decimate_i32(fine, world->cells, child.x & 1, child.y & 1, mine);
+	}
+	*posts = mine;
+	return put_parent(climb, tile, mine);
+}
+
+static enum status climb_table(struct store *store, enum row_table table, const struct store_page *pages,
+			       size_t count, struct store_epoch_result *result)
+{
+	struct climb climb = {.store = store, .pages = pages, .table = table, .result = result};
+	unsigned plane = table == ROW_OFFSET ? STORE_PLANE_OFFSET : STORE_PLANE_DIRT;
+	size_t with = 0;
+	climb.order = mem_alloc(count, sizeof *climb.order);
+	if (climb.order == NULL)
+		return fail_memory("an epoch");
+	for (size_t i = 0; i < count; i++)
+		if (pages[i].planes & plane)
+			climb.order[with++] = (struct order){tile_key(pages[i].tile), i};
+	enum status status = STATUS_OK;
+	if (with > 0) {
+		const int32_t *top;
+		qsort(climb.order, with, sizeof *climb.order, order_compare);
+		status = climb_tile(&climb, world_coarsest(&store->meta.world), 0, with, &top);
+	}
+	for (size_t i = 0; i < sizeof climb.planes / sizeof *climb.planes; i++)
+		mem_free(climb.planes[i]);
+	mem_free(climb.order);
+	return status;
+}
+
+static enum status put_run(struct store *store, const struct store_run *run)
+{
+	enum status status = sql_prepare(store->db, store->path, &store->run_statement,
+					 "INSERT OR REPLACE INTO run(id, epoch, scene_hash, step, time, state) "
+					 "VALUES(1, ?1, ?2, ?3, ?4, ?5)");
+	if (status != STATUS_OK)
+		return status;
+	sqlite3_stmt *statement = store->run_statement;
+	sqlite3_bind_int64(statement, 1, store->epoch + 1);
+	sqlite3_bind_text(statement, 2, run->scene_hash, -1, SQLITE_STATIC);
+	sqlite3_bind_int64(statement, 3, run->step);
+	sqlite3_bind_double(statement, 4, run->time);
+	sqlite3_bind_text(statement, 5, run->state, -1, SQLITE_STATIC);
+	int code = sqlite3_step(statement);
+	if (code != SQLITE_DONE)
+		status = sql_fail(store->db, code, store->path, "writing the run's record");
+	sqlite3_reset(statement);
+	sqlite3_clear_bindings(statement);
+	return status;
+}
+
+static enum status put_all(struct store *store, const struct store_page *pages, size_t count,
+			   const struct store_run *run, struct store_epoch_result *result)
+{
+	enum status status = STATUS_OK;
+	if (!store->working_stored)
+		status = meta_put_integer(store, "working", store->working);
+	if (status == STATUS_OK)
+		status = climb_table(store, ROW_OFFSET, pages, count, result);
+	if (status == STATUS_OK)
+		status = climb_table(store, ROW_SOIL, pages, count, result);
+	if (status == STATUS_OK)
+		status = put_run(store, run);
+	if (status == STATUS_OK)
+		status = sql_exec(store->db, store->path, "committing an epoch", "COMMIT");
+	return status;
+}
+
+enum status store_epoch(struct store *store, const struct store_page *pages, size_t count,
+			const struct store_run *run, struct store_epoch_result *result)
+{
+	assert(store->writing && store->has_working);
+	for (size_t i = 0; i < count; i++)
+		assert(pages[i].tile.level == store->working && world_has(&store->meta.world, pages[i].tile));
+	*result = (struct store_epoch_result){.epoch = store->epoch + 1};
+	enum status status = sql_exec(store->db, store->path, "beginning an epoch", "BEGIN IMMEDIATE");
+	if (status != STATUS_OK)
+		return status;
+	status = put_all(store, pages, count, run, result);
+	if (status != STATUS_OK) {
+		/* Some errors have rolled back already. The message is the first failure's. */
+		if (!sqlite3_get_autocommit(store->db))
+			sqlite3_exec(store->db, "ROLLBACK", NULL, NULL, NULL);
+		return status;
+	}
+	store->working_stored = true;
+	store->epoch++;
+	return STATUS_OK;
+}
+
+enum status store_checkpoint(struct store *store)
+{
+	assert(store->writing);
+	int code = sqlite3_wal_checkpoint_v2(store->db, NULL, SQLITE_CHECKPOINT_PASSIVE, NULL, NULL);
+	/* Busy: somebody reads what the WAL holds; the next one goes further. */
+	if (code == SQLITE_OK || (code & 0xff) == SQLITE_BUSY)
+		return STATUS_OK;
+	return sql_fail(store->db, code, store->path, "checkpointing it");
+}

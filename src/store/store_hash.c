@@ -1,0 +1,116 @@
+/* "The same store": a hash of what the rows mean, not of how they are packed or when written. */
+#include "store/internal.h"
+
+#include <string.h>
+#include <xxhash.h>
+
+struct hashing {
+	struct store *store;
+	XXH3_state_t *state;
+	int32_t *posts;
+};
+
+static void add_words(struct hashing *hashing, const uint64_t *words, size_t count)
+{
+	for (size_t i = 0; i < count; i++) {
+		uint8_t bytes[8];
+		for (int b = 0; b < 8; b++)
+			bytes[b] = (uint8_t)(words[i] >> (8 * b));
+		XXH3_64bits_update(hashing->state, bytes, sizeof bytes);
+	}
+}
+
+static uint64_t real_word(double value)
+{
+	uint64_t word = 0;
+	if (value == value) /* NaN: 0 */
+		memcpy(&word, &value, sizeof word);
+	return word;
+}
+
+static void add_text(struct hashing *hashing, const char *text)
+{
+	uint64_t length = strlen(text);
+	add_words(hashing, &length, 1);
+	XXH3_64bits_update(hashing->state, text, length);
+}
+
+/* What the terrain is; not where it came from, nor how it is packed. */
+static void add_meta(struct hashing *hashing)
+{
+	const struct store *store = hashing->store;
+	const struct store_meta *meta = &store->meta;
+	const uint64_t words[] = {
+		(uint64_t)meta->world.width, (uint64_t)meta->world.height, meta->world.cells,
+		real_word(meta->world.spacing), real_word(meta->step), real_word(meta->max_error),
+		real_word(meta->origin[0]), real_word(meta->origin[1]), real_word(meta->low),
+		real_word(meta->high), store->working_stored,
+		store->working_stored ? (uint64_t)(int64_t)store->working : 0,
+	};
+	add_words(hashing, words, sizeof words / sizeof *words);
+	add_text(hashing, meta->srs);
+	add_text(hashing, meta->vertical);
+}
+
+static enum status add_row(struct hashing *hashing, enum row_table table, uint64_t key)
+{
+	struct rows *rows = &hashing->store->rows;
+	size_t side = tile_posts(rows->world), count = side * side;
+	struct tile tile = tile_from_key(key);
+	struct row row;
+	bool found;
+	if (!world_has(rows->world, tile) || tile_key(tile) != key)
+		return fail_with(STATUS_INPUT, "%s: it has a tile outside its terrain; the store is damaged, "
+				 "restore it", rows->path);
+	enum status status = rows_read(rows, table, tile, hashing->posts, &row, &found);
+	if (status != STATUS_OK)
+		return status;
+	const uint64_t words[] = {(uint64_t)table, key, real_word(row.low), real_word(row.high),
+				  real_word(row.error), (uint64_t)row.below, (uint64_t)row.above, row.planes};
+	add_words(hashing, words, sizeof words / sizeof *words);
+#if __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
+	for (size_t i = 0; i < count; i++)
+		hashing->posts[i] = (int32_t)__builtin_bswap32((uint32_t)hashing->posts[i]);
+#endif
+	XXH3_64bits_update(hashing->state, hashing->posts, count * sizeof *hashing->posts);
+	return STATUS_OK;
+}
+
+static enum status add_table(struct hashing *hashing, enum row_table table)
+{
+	static const char *const keys[ROW_TABLES] = {
+		"SELECT key FROM base ORDER BY key",
+		"SELECT key FROM \"offset\" ORDER BY key",
+		"SELECT key FROM soil ORDER BY key",
+	};
+	struct store *store = hashing->store;
+	sqlite3_stmt *statement = NULL;
+	enum status status = sql_prepare(store->db, store->path, &statement, keys[table]);
+	int code;
+	while (status == STATUS_OK && (code = sqlite3_step(statement)) != SQLITE_DONE)
+		status = code == SQLITE_ROW
+				 ? add_row(hashing, table, (uint64_t)sqlite3_column_int64(statement, 0))
+				 : sql_fail(store->db, code, store->path, "reading its tiles");
+	sqlite3_finalize(statement);
+	return status;
+}
+
+enum status store_content_hash(struct store *store, uint64_t *hash)
+{
+	size_t side = tile_posts(&store->meta.world);
+	struct hashing hashing = {.store = store, .state = XXH3_createState()};
+	hashing.posts = mem_alloc(side * side, sizeof *hashing.posts);
+	enum status status = hashing.posts != NULL && hashing.state != NULL ? STATUS_OK
+									     : fail_memory("a content hash");
+	if (status == STATUS_OK) {
+		XXH3_64bits_reset(hashing.state);
+		add_meta(&hashing);
+	}
+	for (int table = 0; table < ROW_TABLES && status == STATUS_OK; table++)
+		status = add_table(&hashing, (enum row_table)table);
+	if (status == STATUS_OK)
+		*hash = XXH3_64bits_digest(hashing.state);
+	mem_free(hashing.posts);
+	XXH3_freeState(hashing.state);
+	return status;
+}

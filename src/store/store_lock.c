@@ -1,0 +1,55 @@
+/*
+ * One writer a store: a lock on a file beside it, which the kernel drops with the process.
+ *
+ * Not on the store itself, since closing any descriptor of that would drop SQLite's own locks. The
+ * lock's file is removed by its holder; who then locks a file that is no longer there begins again.
+ */
+#include "store/internal.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static bool still_there(const char *lock_path, int descriptor)
+{
+	struct stat held, named;
+	return fstat(descriptor, &held) == 0 && stat(lock_path, &named) == 0 &&
+	       held.st_ino == named.st_ino && held.st_dev == named.st_dev;
+}
+
+enum status lock_take(const char *lock_path, const char *named, int *descriptor)
+{
+	for (;;) {
+		int lock = open(lock_path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+		if (lock < 0)
+			return fail_with(STATUS_FAILED, "%s: cannot be written: %s: %s; make its folder writable",
+					 named, lock_path, strerror(errno));
+		if (flock(lock, LOCK_EX | LOCK_NB) != 0) {
+			int error = errno;
+			close(lock);
+			if (error == EINTR)
+				continue;
+			if (error == EWOULDBLOCK)
+				return fail_with(STATUS_FAILED, "%s: another process is writing it; wait for it to end",
+						 named);
+			return fail_with(STATUS_FAILED, "%s: cannot be locked: %s; use a file system with locks",
+					 named, strerror(error));
+		}
+		if (still_there(lock_path, lock)) {
+			*descriptor = lock;
+			return STATUS_OK;
+		}
+		close(lock);
+	}
+}
+
+void lock_drop(const char *lock_path, int descriptor)
+{
+	if (descriptor < 0)
+		return;
+	unlink(lock_path); /* while it is held; a failure leaves an empty file that locks nothing */
+	close(descriptor);
+}

@@ -1,0 +1,264 @@
+/* The table of what is known of a store as a whole. Every key is checked for type and sense. */
+#include "store/internal.h"
+
+#include <math.h>
+#include <string.h>
+
+enum status meta_copy(struct store_meta *to, const struct store_meta *from)
+{
+	*to = *from;
+	to->srs = mem_strdup(from->srs != NULL ? from->srs : "");
+	to->vertical = mem_strdup(from->vertical != NULL ? from->vertical : "");
+	to->sources = mem_strdup(from->sources != NULL ? from->sources : "");
+	to->low = to->high = (double)NAN;
+	if (to->srs != NULL && to->vertical != NULL && to->sources != NULL)
+		return STATUS_OK;
+	meta_finish(to);
+	return fail_memory("a store");
+}
+
+void meta_finish(struct store_meta *meta)
+{
+	mem_free((void *)(uintptr_t)meta->srs);
+	mem_free((void *)(uintptr_t)meta->vertical);
+	mem_free((void *)(uintptr_t)meta->sources);
+	meta->srs = meta->vertical = meta->sources = NULL;
+}
+
+/* --- writing --- */
+
+static enum status put_begin(struct store *store, const char *key, sqlite3_stmt **statement)
+{
+	enum status status = sql_prepare(store->db, store->path, &store->meta_statement,
+					 "INSERT OR REPLACE INTO meta(key, value) VALUES(?1, ?2)");
+	*statement = store->meta_statement;
+	if (status == STATUS_OK)
+		sqlite3_bind_text(*statement, 1, key, -1, SQLITE_STATIC);
+	return status;
+}
+
+static enum status put_end(struct store *store)
+{
+	enum status status = STATUS_OK;
+	int code = sqlite3_step(store->meta_statement);
+	if (code != SQLITE_DONE)
+		status = sql_fail(store->db, code, store->path, "writing it");
+	sqlite3_reset(store->meta_statement);
+	sqlite3_clear_bindings(store->meta_statement);
+	return status;
+}
+
+enum status meta_put_integer(struct store *store, const char *key, int64_t value)
+{
+	sqlite3_stmt *statement;
+	enum status status = put_begin(store, key, &statement);
+	if (status != STATUS_OK)
+		return status;
+	sqlite3_bind_int64(statement, 2, value);
+	return put_end(store);
+}
+
+enum status meta_put_real(struct store *store, const char *key, double value)
+{
+	sqlite3_stmt *statement;
+	enum status status = put_begin(store, key, &statement);
+	if (status != STATUS_OK)
+		return status;
+	if (isnan(value))
+		sqlite3_bind_null(statement, 2);
+	else
+		sqlite3_bind_double(statement, 2, value);
+	return put_end(store);
+}
+
+static enum status put_text(struct store *store, const char *key, const char *value)
+{
+	sqlite3_stmt *statement;
+	enum status status = put_begin(store, key, &statement);
+	if (status != STATUS_OK)
+		return status;
+	sqlite3_bind_text(statement, 2, value, -1, SQLITE_STATIC);
+	return put_end(store);
+}
+
+enum status meta_write(struct store *store)
+{
+	const struct store_meta *meta = &store->meta;
+	const struct { const char *key; int64_t value; } integers[] = {
+		{"width", meta->world.width}, {"height", meta->world.height},
+		{"cells", meta->world.cells}, {"pack", meta->pack},
+	};
+	const struct { const char *key; double value; } reals[] = {
+		{"spacing", meta->world.spacing}, {"step", meta->step}, {"max_error", meta->max_error},
+		{"origin_x", meta->origin[0]}, {"origin_y", meta->origin[1]},
+		{"low", meta->low}, {"high", meta->high},
+	};
+	const struct { const char *key, *value; } texts[] = {
+		{"srs", meta->srs}, {"vertical", meta->vertical}, {"sources", meta->sources},
+	};
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < sizeof integers / sizeof *integers && status == STATUS_OK; i++)
+		status = meta_put_integer(store, integers[i].key, integers[i].value);
+	for (size_t i = 0; i < sizeof reals / sizeof *reals && status == STATUS_OK; i++)
+		status = meta_put_real(store, reals[i].key, reals[i].value);
+	for (size_t i = 0; i < sizeof texts / sizeof *texts && status == STATUS_OK; i++)
+		status = put_text(store, texts[i].key, texts[i].value);
+	return status;
+}
+
+/* --- reading --- */
+
+struct lookup {
+	sqlite3 *db;
+	const char *path;
+	sqlite3_stmt *statement;
+};
+
+static enum status bad_key(const struct lookup *lookup, const char *key)
+{
+	return fail_with(STATUS_INPUT, "%s: its header is wrong at '%s'; the store is damaged, restore or "
+			 "import it again", lookup->path, key);
+}
+
+/* *found false without that key. */
+static enum status look_up(struct lookup *lookup, const char *key, bool *found)
+{
+	enum status status = sql_prepare(lookup->db, lookup->path, &lookup->statement,
+					 "SELECT value FROM meta WHERE key = ?1");
+	if (status != STATUS_OK)
+		return status;
+	sqlite3_reset(lookup->statement);
+	sqlite3_bind_text(lookup->statement, 1, key, -1, SQLITE_STATIC);
+	int code = sqlite3_step(lookup->statement);
+	*found = code == SQLITE_ROW;
+	return code == SQLITE_ROW || code == SQLITE_DONE
+		       ? STATUS_OK
+		       : sql_fail(lookup->db, code, lookup->path, "reading its header");
+}
+
+static enum status get_integer(struct lookup *lookup, const char *key, int64_t low, int64_t high,
+			       int64_t *value)
+{
+	bool found;
+	enum status status = look_up(lookup, key, &found);
+	if (status != STATUS_OK)
+		return status;
+	if (!found || sqlite3_column_type(lookup->statement, 0) != SQLITE_INTEGER)
+		return bad_key(lookup, key);
+	*value = sqlite3_column_int64(lookup->statement, 0);
+	return *value >= low && *value <= high ? STATUS_OK : bad_key(lookup, key);
+}
+
+/* Finite, or (where allowed) NULL: NaN. */
+static enum status get_real(struct lookup *lookup, const char *key, bool may_lack, double *value)
+{
+	bool found;
+	enum status status = look_up(lookup, key, &found);
+	if (status != STATUS_OK)
+		return status;
+	int type = found ? sqlite3_column_type(lookup->statement, 0) : 0;
+	*value = type == SQLITE_FLOAT ? sqlite3_column_double(lookup->statement, 0) : (double)NAN;
+	bool good = type == SQLITE_FLOAT ? isfinite(*value) : may_lack && type == SQLITE_NULL;
+	return good ? STATUS_OK : bad_key(lookup, key);
+}
+
+static enum status get_text(struct lookup *lookup, const char *key, const char **value)
+{
+	bool found;
+	enum status status = look_up(lookup, key, &found);
+	if (status != STATUS_OK)
+		return status;
+	if (!found || sqlite3_column_type(lookup->statement, 0) != SQLITE_TEXT)
+		return bad_key(lookup, key);
+	const char *text = (const char *)sqlite3_column_text(lookup->statement, 0);
+	*value = text != NULL ? mem_strdup(text) : NULL;
+	return *value != NULL ? STATUS_OK : fail_memory("a store's header");
+}
+
+static enum status get_world(struct lookup *lookup, struct world *world)
+{
+	int64_t cells;
+	enum status status = get_integer(lookup, "width", 0, INT64_MAX, &world->width);
+	if (status == STATUS_OK)
+		status = get_integer(lookup, "height", 0, INT64_MAX, &world->height);
+	if (status == STATUS_OK)
+		status = get_integer(lookup, "cells", 0, TILE_CELLS_MAX, &cells);
+	if (status == STATUS_OK)
+		status = get_real(lookup, "spacing", false, &world->spacing);
+	if (status != STATUS_OK)
+		return status;
+	world->cells = (uint32_t)cells;
+	const char *problem = world_problem(world);
+	if (problem != NULL)
+		return fail_with(STATUS_INPUT, "%s: its header is wrong: %s; restore or import it again",
+				 lookup->path, problem);
+	return STATUS_OK;
+}
+
+static enum status get_working(struct lookup *lookup, const struct world *world, bool *has, int *level)
+{
+	enum status status = look_up(lookup, "working", has);
+	if (status != STATUS_OK || !*has)
+		return status;
+	int64_t value = 0;
+	status = get_integer(lookup, "working", TILE_LEVEL_MIN, world_coarsest(world), &value);
+	*level = (int)value;
+	return status;
+}
+
+enum status meta_working(sqlite3 *db, const char *path, const struct world *world, bool *has, int *level)
+{
+	struct lookup lookup = {.db = db, .path = path};
+	enum status status = get_working(&lookup, world, has, level);
+	sqlite3_finalize(lookup.statement);
+	return status;
+}
+
+static enum status get_all(struct lookup *lookup, struct store *store)
+{
+	struct store_meta *meta = &store->meta;
+	enum status status = get_world(lookup, &meta->world);
+	int64_t pack;
+	if (status == STATUS_OK)
+		status = get_integer(lookup, "pack", STORE_PACK_FAST, STORE_PACK_SMALL, &pack);
+	if (status == STATUS_OK)
+		meta->pack = (enum store_pack)pack;
+	const struct { const char *key; bool may_lack; double *value; } reals[] = {
+		{"step", false, &meta->step},          {"max_error", false, &meta->max_error},
+		{"origin_x", false, &meta->origin[0]}, {"origin_y", false, &meta->origin[1]},
+		{"low", true, &meta->low},             {"high", true, &meta->high},
+	};
+	for (size_t i = 0; i < sizeof reals / sizeof *reals && status == STATUS_OK; i++)
+		status = get_real(lookup, reals[i].key, reals[i].may_lack, reals[i].value);
+	if (status == STATUS_OK)
+		status = get_text(lookup, "srs", &meta->srs);
+	if (status == STATUS_OK)
+		status = get_text(lookup, "vertical", &meta->vertical);
+	if (status == STATUS_OK)
+		status = get_text(lookup, "sources", &meta->sources);
+	if (status == STATUS_OK)
+		status = get_working(lookup, &meta->world, &store->has_working, &store->working);
+	if (status != STATUS_OK)
+		return status;
+	store->working_stored = store->has_working;
+	if (meta->step < 0)
+		return bad_key(lookup, "step");
+	bool relief = !isnan(meta->low) || !isnan(meta->high);
+	if (relief && !(meta->low <= meta->high && fabs(meta->low) <= STORE_HEIGHT_MAX && fabs(meta->high) <= STORE_HEIGHT_MAX))
+		return bad_key(lookup, "low");
+	store->code_low = 1;
+	if (relief && (!height_code_encode(meta->low, meta->step, &store->code_low) ||
+		       !height_code_encode(meta->high, meta->step, &store->code_high)))
+		return bad_key(lookup, "step");
+	return STATUS_OK;
+}
+
+enum status meta_read(struct store *store)
+{
+	struct lookup lookup = {.db = store->db, .path = store->path};
+	enum status status = get_all(&lookup, store);
+	sqlite3_finalize(lookup.statement);
+	if (status != STATUS_OK)
+		return status;
+	return sql_integer(store->db, store->path, "SELECT coalesce(max(epoch), 0) FROM run", &store->epoch);
+}

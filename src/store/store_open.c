@@ -1,0 +1,186 @@
+/*
+ * Opening and closing.
+ *
+ *   published: one file, rollback journal mode
+ *     --open for writing--> lock taken, WAL
+ *     --close--> checkpoint, rollback mode again, one file; lock dropped
+ *
+ * A killed writer leaves FILE, FILE-wal and FILE-shm: the next that opens it, for reading or
+ * writing, sees the last epoch committed.
+ */
+#include "store/internal.h"
+
+#include <assert.h>
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+char *store_path_with(const char *path, const char *suffix)
+{
+	size_t room = strlen(path) + strlen(suffix) + 1;
+	char *with = mem_alloc(room, 1);
+	if (with != NULL)
+		snprintf(with, room, "%s%s", path, suffix);
+	return with;
+}
+
+static enum status find_file(struct store *store)
+{
+	char real[PATH_MAX];
+	struct stat file;
+	if (realpath(store->path, real) == NULL || stat(real, &file) != 0)
+		return fail_with(STATUS_INPUT, "%s: %s; check the path, or make one with furrow import", store->path,
+				 strerror(errno));
+	if (!S_ISREG(file.st_mode))
+		return fail_with(STATUS_INPUT, "%s: not a file; name a store", store->path);
+	if (file.st_size == 0)
+		return fail_with(STATUS_INPUT, "%s: it is empty, not a Furrow store; make one with furrow import",
+				 store->path);
+	store->real_path = mem_strdup(real);
+	store->lock_path = store_path_with(real, "-lock");
+	return store->real_path != NULL && store->lock_path != NULL ? STATUS_OK : fail_memory("a store");
+}
+
+/* SQLite counts a last page that is there in part. Within a transaction: nobody shortens it now. */
+static enum status check_length(struct store *store)
+{
+	int64_t pages, size;
+	struct stat file = {0};
+	enum status status = sql_exec(store->db, store->path, "opening it", "BEGIN");
+	if (status != STATUS_OK)
+		return status;
+	status = sql_integer(store->db, store->path, "PRAGMA page_count", &pages);
+	if (status == STATUS_OK)
+		status = sql_integer(store->db, store->path, "PRAGMA page_size", &size);
+	if (status == STATUS_OK && !connect_has_wal(store->real_path) &&
+	    (stat(store->real_path, &file) != 0 || file.st_size < pages * size))
+		status = fail_with(STATUS_INPUT, "%s: it was cut short: %lld bytes of %lld; restore or import it again",
+				   store->path, (long long)file.st_size, (long long)(pages * size));
+	sqlite3_exec(store->db, "ROLLBACK", NULL, NULL, NULL); /* only read */
+	return status;
+}
+
+static enum status connect_writer(struct store *store)
+{
+	if (access(store->real_path, W_OK) != 0)
+		return fail_with(STATUS_FAILED, "%s: cannot be written: %s; make the file writable", store->path,
+				 strerror(errno));
+	enum status status = lock_take(store->lock_path, store->path, &store->lock);
+	if (status == STATUS_OK)
+		status = connect_file(store->real_path, store->path, true, false, &store->db);
+	return status;
+}
+
+/* Only once the schema is known to be a store's. */
+static enum status begin_writing(struct store *store)
+{
+	return sql_exec(store->db, store->path, "opening it for writing",
+			store->durable_full
+				? "PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; PRAGMA wal_autocheckpoint=0"
+				: "PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL; PRAGMA wal_autocheckpoint=0");
+}
+
+enum status store_open(const char *path, const struct store_options *options, struct store **out)
+{
+	struct store *store = mem_calloc(1, sizeof *store);
+	if (store == NULL)
+		return fail_memory("a store");
+	store->lock = -1;
+	store->durable_full = options->durable_full;
+	store->path = mem_strdup(path);
+	enum status status = store->path != NULL ? find_file(store) : fail_memory("a store");
+	if (status == STATUS_OK && options->mode == STORE_WRITE)
+		status = connect_writer(store);
+	else if (status == STATUS_OK)
+		status = connect_reader(store->real_path, store->path, &store->immutable, &store->db);
+	if (status == STATUS_OK)
+		status = schema_check(store->db, store->path);
+	if (status == STATUS_OK)
+		status = check_length(store);
+	if (status == STATUS_OK)
+		status = meta_read(store);
+	if (status == STATUS_OK && options->mode == STORE_WRITE)
+		status = begin_writing(store);
+	if (status == STATUS_OK) {
+		store->writing = options->mode == STORE_WRITE;
+		status = rows_init(&store->rows, store->db, store->path, &store->meta.world,
+				   store->meta.pack == STORE_PACK_SMALL);
+	}
+	if (status != STATUS_OK) {
+		store_close(store);
+		return status;
+	}
+	*out = store;
+	return STATUS_OK;
+}
+
+/* Back to one file. Where that fails (another process reads it) everything is in the WAL still. */
+static void end_writing(struct store *store)
+{
+	sqlite3_busy_timeout(store->db, 100);
+	sqlite3_wal_checkpoint_v2(store->db, NULL, SQLITE_CHECKPOINT_TRUNCATE, NULL, NULL);
+	sqlite3_exec(store->db, "PRAGMA journal_mode=DELETE", NULL, NULL, NULL);
+}
+
+void store_close(struct store *store)
+{
+	if (store == NULL)
+		return;
+	rows_finish(&store->rows);
+	sqlite3_finalize(store->run_statement);
+	sqlite3_finalize(store->meta_statement);
+	if (store->writing)
+		end_writing(store);
+	int code = sqlite3_close(store->db);
+	assert(code == SQLITE_OK);
+	(void)code;
+	if (store->part_path != NULL && store->lock >= 0)
+		unlink(store->part_path);
+	lock_drop(store->lock_path, store->lock);
+	meta_finish(&store->meta);
+	mem_free(store->run_scene);
+	mem_free(store->run_state);
+	mem_free(store->path);
+	mem_free(store->real_path);
+	mem_free(store->part_path);
+	mem_free(store->lock_path);
+	mem_free(store);
+}
+
+/* --- what it is --- */
+
+const struct store_meta *store_meta(const struct store *store)
+{
+	return &store->meta;
+}
+
+int store_finest(const struct store *store)
+{
+	return store->has_working && store->working < 0 ? store->working : 0;
+}
+
+bool store_has_working_level(const struct store *store, int *level)
+{
+	if (store->has_working && level != NULL)
+		*level = store->working;
+	return store->has_working;
+}
+
+enum status store_set_working_level(struct store *store, int level)
+{
+	const struct world *world = &store->meta.world;
+	if (level < TILE_LEVEL_MIN || level > world_coarsest(world))
+		return fail_with(STATUS_INPUT, "%s: level %d cannot be deformed; give one from %d to %d", store->path,
+				 level, TILE_LEVEL_MIN, world_coarsest(world));
+	if (store->has_working && store->working != level)
+		return fail_with(STATUS_INPUT, "%s: it is deformed at a spacing of %g m, not %g m; use that spacing, "
+				 "or furrow reset", store->path, world_spacing(world, store->working),
+				 world_spacing(world, level));
+	store->has_working = true;
+	store->working = level;
+	return STATUS_OK;
+}

@@ -1,0 +1,309 @@
+/*
+ * Posts of any rectangle at any level, and the height at a point.
+ *
+ * Two passes over the rectangle: the base (which says where there is no data), then what
+ * deformation added. Each reads the tiles of the one level that holds it, at or coarser than the
+ * level asked for, and interpolates on the lattice as the shaders do. One transaction: what is read
+ * belongs to one epoch.
+ */
+#include "store/internal.h"
+
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+#define SHIFT_MAX 14 /* lattice_interpolate */
+
+struct reading {
+	struct store_reader *reader;
+	int level;
+	struct post_rect rect; /* asked for: the shape of `values` */
+	double *values;
+	int32_t *posts; /* one tile */
+	int32_t reference;
+};
+
+typedef double (*meaning_fn)(const struct reading *reading, double was, int32_t post);
+
+static double base_code(const struct reading *reading, double was, int32_t post)
+{
+	return height_code_metres(post, reading->reader->store->meta.step);
+}
+
+static double base_lattice(const struct reading *reading, double was, int32_t post)
+{
+	return post == BASE_NODATA ? (double)NAN : reading->reference + lattice_base_metres(post);
+}
+
+static double add_metres(const struct reading *reading, double was, int32_t post)
+{
+	return was + lattice_offset_metres(post);
+}
+
+static double add_as_is(const struct reading *reading, double was, int32_t post)
+{
+	return was + post;
+}
+
+/* Post (x, y) of the level asked for, which lies in the tile at (px, py) / 2^shift of its posts. */
+static int32_t post_at(const struct reading *reading, int shift, uint64_t px, uint64_t py)
+{
+	uint32_t cells = reading->reader->rows.world->cells, part = (1u << shift) - 1;
+	uint64_t cx = px >> shift, cy = py >> shift;
+	uint32_t fx = (uint32_t)px & part, fy = (uint32_t)py & part;
+	if (shift == 0)
+		return reading->posts[py * (cells + 1) + px];
+	if (cx == cells) { /* the last posts belong to the last cell */
+		cx--;
+		fx = part + 1;
+	}
+	if (cy == cells) {
+		cy--;
+		fy = part + 1;
+	}
+	const int32_t *p = reading->posts + cy * (cells + 1) + cx;
+	return lattice_interpolate(p[0], p[1], p[cells + 1], p[cells + 2], fx, fy, shift);
+}
+
+/* The part of `rect` that a tile `shift` levels coarser gives: its last row and column only where
+ * no tile follows. */
+static struct post_rect part_of(const struct reading *reading, struct tile tile, int shift,
+				struct post_rect rect)
+{
+	const struct world *world = reading->reader->rows.world;
+	struct post_rect own = tile_post_rect(world, tile);
+	bool last_x = tile.x + 1 == world_tiles_x(world, tile.level);
+	bool last_y = tile.y + 1 == world_tiles_y(world, tile.level);
+	own = (struct post_rect){own.x0 << shift, own.y0 << shift, ((own.x1 - 1) << shift) + last_x,
+				 ((own.y1 - 1) << shift) + last_y};
+	return post_rect_intersect(own, rect);
+}
+
+static void take_tile(const struct reading *reading, struct tile tile, int shift, struct post_rect part,
+		      meaning_fn meaning)
+{
+	uint64_t west = (uint64_t)tile.x * reading->reader->rows.world->cells << shift;
+	uint64_t south = (uint64_t)tile.y * reading->reader->rows.world->cells << shift;
+	int64_t width = reading->rect.x1 - reading->rect.x0;
+	for (int64_t y = part.y0; y < part.y1; y++) {
+		double *row = reading->values + (y - reading->rect.y0) * width - reading->rect.x0;
+		for (int64_t x = part.x0; x < part.x1; x++)
+			row[x] = meaning(reading, row[x],
+					 post_at(reading, shift, (uint64_t)x - west, (uint64_t)y - south));
+	}
+}
+
+/* One tile into reading->posts. */
+static enum status load_tile(struct reading *reading, enum row_table table, struct tile tile, bool *found)
+{
+	struct rows *rows = &reading->reader->rows;
+	struct row row;
+	if (table != ROW_BASE)
+		return rows_read(rows, table, tile, reading->posts, &row, found);
+	*found = true;
+	enum status status = store_read_base(reading->reader, tile, reading->posts, NULL);
+	if (status != STATUS_OK || reading->level >= 0)
+		return status;
+	size_t side = tile_posts(rows->world);
+	const struct store_meta *meta = &reading->reader->store->meta;
+	for (size_t i = 0; i < side * side; i++)
+		reading->posts[i] = lattice_base_relative(height_code_metres(reading->posts[i], meta->step),
+							  reading->reference);
+	return STATUS_OK;
+}
+
+/* Every tile of `source` that holds part of the (already cut) rectangle. */
+static enum status take_level(struct reading *reading, enum row_table table, int source,
+			      struct post_rect rect, meaning_fn meaning)
+{
+	int shift = source - reading->level;
+	assert(shift >= 0);
+	if (shift > SHIFT_MAX)
+		return fail_with(STATUS_INPUT, "%s: level %d is more than %d levels finer than what is stored; ask "
+				 "for a coarser one", reading->reader->rows.path, reading->level, SHIFT_MAX);
+	const struct world *world = reading->reader->rows.world;
+	/* A last post of the terrain may be the last of the tile before: none begins there. */
+	int64_t span = (int64_t)world->cells << shift;
+	uint32_t tiles_x = world_tiles_x(world, source), tiles_y = world_tiles_y(world, source);
+	uint32_t first_x = (uint32_t)(rect.x0 / span), first_y = (uint32_t)(rect.y0 / span);
+	first_x = first_x < tiles_x ? first_x : tiles_x - 1;
+	first_y = first_y < tiles_y ? first_y : tiles_y - 1;
+	for (uint32_t ty = first_y; ty < tiles_y && ty * span < rect.y1; ty++)
+		for (uint32_t tx = first_x; tx < tiles_x && tx * span < rect.x1; tx++) {
+			struct tile tile = {source, tx, ty};
+			struct post_rect part = part_of(reading, tile, shift, rect);
+			bool found;
+			if (post_rect_empty(part))
+				continue;
+			enum status status = load_tile(reading, table, tile, &found);
+			if (status != STATUS_OK)
+				return status;
+			if (found)
+				take_tile(reading, tile, shift, part, meaning);
+		}
+	return STATUS_OK;
+}
+
+static enum status read_layer(struct reading *reading, enum store_layer layer)
+{
+	struct store_reader *reader = reading->reader;
+	const struct world *world = reader->rows.world;
+	int level = reading->level, working = 0;
+	struct post_rect all = {0, 0, world_posts(world->width, level), world_posts(world->height, level)};
+	struct post_rect rect = post_rect_intersect(reading->rect, all);
+	if (post_rect_empty(rect))
+		return STATUS_OK;
+	bool deformed;
+	enum status status = meta_working(reader->db, reader->rows.path, world, &deformed, &working);
+	if (status == STATUS_OK)
+		status = take_level(reading, ROW_BASE, level > 0 ? level : 0, rect,
+				    level >= 0 ? base_code : base_lattice);
+	if (status != STATUS_OK || layer == STORE_BASE)
+		return status;
+	size_t count = (size_t)(reading->rect.x1 - reading->rect.x0) *
+		       (size_t)(reading->rect.y1 - reading->rect.y0);
+	for (size_t i = 0; i < count && layer != STORE_SURFACE; i++)
+		reading->values[i] = isnan(reading->values[i]) ? (double)NAN : 0;
+	if (!deformed)
+		return STATUS_OK;
+	return take_level(reading, layer == STORE_SOIL ? ROW_SOIL : ROW_OFFSET, level > working ? level : working,
+			  rect, layer == STORE_SURFACE || layer == STORE_OFFSET ? add_metres : add_as_is);
+}
+
+enum status store_read_posts(struct store_reader *reader, enum store_layer layer, int level,
+			     struct post_rect rect, double *values)
+{
+	const struct world *world = reader->rows.world;
+	const struct store_meta *meta = &reader->store->meta;
+	if (level < TILE_LEVEL_MIN || level > world_coarsest(world))
+		return fail_with(STATUS_INPUT, "%s: there is no level %d; give one from %d to %d", reader->rows.path,
+				 level, TILE_LEVEL_MIN, world_coarsest(world));
+	if (post_rect_empty(rect))
+		return STATUS_OK;
+	if (level < 0 && !isnan(meta->low) && !lattice_fits(meta->low, meta->high))
+		return fail_with(STATUS_INPUT, "%s: heights from %g to %g m are more relief than can be divided below level "
+				 "0; ask for level 0, or import with another --height-range", reader->rows.path,
+				 meta->low, meta->high);
+	size_t count = (size_t)(rect.x1 - rect.x0) * (size_t)(rect.y1 - rect.y0);
+	for (size_t i = 0; i < count; i++)
+		values[i] = (double)NAN;
+	struct reading reading = {
+		.reader = reader,
+		.level = level,
+		.rect = rect,
+		.values = values,
+		.reference = isnan(meta->low) ? 0 : lattice_reference(meta->low, meta->high),
+	};
+	size_t side = tile_posts(world);
+	reading.posts = mem_alloc(side * side, sizeof *reading.posts);
+	if (reading.posts == NULL)
+		return fail_memory("a tile");
+	bool outermost = sqlite3_get_autocommit(reader->db) != 0; /* store_sample() began one already */
+	enum status status = STATUS_OK;
+	if (outermost)
+		status = sql_exec(reader->db, reader->rows.path, "reading it", "BEGIN");
+	if (status == STATUS_OK) {
+		status = read_layer(&reading, layer);
+		if (outermost)
+			sqlite3_exec(reader->db, "ROLLBACK", NULL, NULL, NULL); /* only read */
+	}
+	mem_free(reading.posts);
+	return status;
+}
+
+/* --- a point --- */
+
+/* The finest level stored at the cell of level-0 posts (or finer) that holds (x, y). */
+static enum status level_at(struct store_reader *reader, double x, double y, int *level)
+{
+	const struct world *world = reader->rows.world;
+	bool deformed, found = false;
+	int working;
+	*level = 0;
+	enum status status = meta_working(reader->db, reader->rows.path, world, &deformed, &working);
+	if (status != STATUS_OK || !deformed || working >= 0)
+		return status;
+	double side = world_spacing(world, working) * world->cells;
+	uint32_t tx = (uint32_t)(x / side), ty = (uint32_t)(y / side);
+	uint32_t tiles_x = world_tiles_x(world, working), tiles_y = world_tiles_y(world, working);
+	struct tile tile = {working, tx < tiles_x ? tx : tiles_x - 1, ty < tiles_y ? ty : tiles_y - 1};
+	for (int table = ROW_OFFSET; table <= ROW_SOIL && status == STATUS_OK && !found; table++) {
+		struct row row;
+		status = rows_head(&reader->rows, (enum row_table)table, tile, &row, &found);
+	}
+	if (found)
+		*level = working;
+	return status;
+}
+
+/* The cell of `level` that holds (x, y), and where in it. */
+static struct post_rect cell_at(const struct world *world, int level, double x, double y, double *u,
+				double *v)
+{
+	double px = x / world_spacing(world, level), py = y / world_spacing(world, level);
+	int64_t width = world_posts(world->width, level), height = world_posts(world->height, level);
+	int64_t cx = (int64_t)px, cy = (int64_t)py;
+	cx = cx < width - 1 ? cx : width - 2;
+	cy = cy < height - 1 ? cy : height - 2;
+	*u = px - (double)cx;
+	*v = py - (double)cy;
+	return (struct post_rect){cx, cy, cx + 2, cy + 2};
+}
+
+static double bilinear(const double posts[4], double u, double v)
+{
+	const double weights[4] = {(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v};
+	double sum = 0;
+	for (int i = 0; i < 4; i++)
+		if (weights[i] != 0)
+			sum += weights[i] * posts[i];
+	return sum;
+}
+
+static enum status sample_inside(struct store_reader *reader, double x, double y, struct store_sample *sample)
+{
+	int level;
+	enum status status = level_at(reader, x, y, &level);
+	if (status != STATUS_OK)
+		return status;
+	double u, v, base[4], offset[4], dirt[4];
+	struct post_rect cell = cell_at(reader->rows.world, level, x, y, &u, &v);
+	status = store_read_posts(reader, STORE_BASE, level, cell, base);
+	if (status == STATUS_OK)
+		status = store_read_posts(reader, STORE_OFFSET, level, cell, offset);
+	if (status == STATUS_OK)
+		status = store_read_posts(reader, STORE_SOIL, level, cell, dirt);
+	if (status != STATUS_OK)
+		return status;
+	sample->base = bilinear(base, u, v);
+	sample->nodata = isnan(sample->base);
+	if (sample->nodata)
+		return STATUS_OK;
+	sample->offset = bilinear(offset, u, v);
+	sample->height = sample->base + sample->offset;
+	double nearest = dirt[(v >= 0.5) * 2 + (u >= 0.5)];
+	sample->dirt = isnan(nearest) ? 0 : (unsigned)nearest;
+	return STATUS_OK;
+}
+
+enum status store_sample(struct store_reader *reader, double x, double y, struct store_sample *sample)
+{
+	const struct world *world = reader->rows.world;
+	*sample = (struct store_sample){
+		.height = (double)NAN,
+		.base = (double)NAN,
+		.offset = (double)NAN,
+		.nodata = true,
+	};
+	if (!(x >= 0 && y >= 0 && x <= (double)(world->width - 1) * world->spacing &&
+	      y <= (double)(world->height - 1) * world->spacing)) {
+		sample->outside = true;
+		return STATUS_OK;
+	}
+	enum status status = sql_exec(reader->db, reader->rows.path, "reading it", "BEGIN");
+	if (status != STATUS_OK)
+		return status;
+	status = sample_inside(reader, x, y, sample);
+	sqlite3_exec(reader->db, "ROLLBACK", NULL, NULL, NULL); /* only read */
+	return status;
+}

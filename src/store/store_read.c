@@ -1,0 +1,183 @@
+/* Readers: a read-only connection each; whole tiles and their ranges. */
+#include "store/internal.h"
+
+#include <assert.h>
+#include <string.h>
+
+enum status store_reader_create(struct store *store, struct store_reader **out)
+{
+	assert(store->part_path == NULL);
+	struct store_reader *reader = mem_calloc(1, sizeof *reader);
+	if (reader == NULL)
+		return fail_memory("a reader");
+	reader->store = store;
+	bool immutable = store->immutable;
+	enum status status = connect_reader(store->real_path, store->path, &immutable, &reader->db);
+	/* The name may meanwhile be another file's. */
+	if (status == STATUS_OK)
+		status = schema_check(reader->db, store->path);
+	if (status == STATUS_OK)
+		status = rows_init(&reader->rows, reader->db, store->path, &store->meta.world, false);
+	if (status != STATUS_OK) {
+		store_reader_destroy(reader);
+		return status;
+	}
+	*out = reader;
+	return STATUS_OK;
+}
+
+void store_reader_destroy(struct store_reader *reader)
+{
+	if (reader == NULL)
+		return;
+	rows_finish(&reader->rows);
+	sqlite3_close(reader->db);
+	mem_free(reader);
+}
+
+static enum status missing(const struct store_reader *reader, struct tile tile)
+{
+	char text[256];
+	rows_text(&reader->rows, ROW_BASE, tile, text, sizeof text);
+	return fail_with(STATUS_INPUT, "%s: it is missing; the store is damaged, restore or import it again", text);
+}
+
+static void range_of(const struct row *row, struct store_range *range)
+{
+	*range = (struct store_range){row->low, row->high, row->error};
+}
+
+/* So that no caller needs to ask whether a height fits the lattice. */
+static bool codes_fit(const struct store *store, const int32_t *codes, size_t count)
+{
+	int32_t low = store->code_low, high = store->code_high;
+	bool bad = false;
+	for (size_t i = 0; i < count; i++)
+		bad |= (codes[i] != HEIGHT_CODE_NODATA) & ((codes[i] < low) | (codes[i] > high));
+	return !bad;
+}
+
+enum status store_read_base(struct store_reader *reader, struct tile tile, int32_t *codes,
+			    struct store_range *range)
+{
+	assert(tile.level >= 0);
+	struct row row;
+	bool found;
+	enum status status = rows_read(&reader->rows, ROW_BASE, tile, codes, &row, &found);
+	if (status == STATUS_OK && !found)
+		status = missing(reader, tile);
+	if (status != STATUS_OK)
+		return status;
+	size_t side = tile_posts(reader->rows.world);
+	if (!codes_fit(reader->store, codes, side * side)) {
+		char text[256];
+		rows_text(&reader->rows, ROW_BASE, tile, text, sizeof text);
+		return fail_with(STATUS_INPUT, "%s: it has heights beyond the store's range; the store is damaged, "
+				 "restore or import it again", text);
+	}
+	if (range != NULL)
+		range_of(&row, range);
+	return STATUS_OK;
+}
+
+enum status store_read_base_range(struct store_reader *reader, struct tile tile, struct store_range *range)
+{
+	assert(tile.level >= 0);
+	struct row row;
+	bool found;
+	enum status status = rows_head(&reader->rows, ROW_BASE, tile, &row, &found);
+	if (status == STATUS_OK && !found)
+		status = missing(reader, tile);
+	if (status == STATUS_OK)
+		range_of(&row, range);
+	return status;
+}
+
+static enum status read_dirt(struct store_reader *reader, struct tile tile, size_t count, uint8_t *dirt,
+			     bool *found)
+{
+	struct row row;
+	int32_t *wide = reader->rows.wide;
+	enum status status = rows_read(&reader->rows, ROW_SOIL, tile, wide, &row, found);
+	if (status != STATUS_OK || !*found) {
+		memset(dirt, 0, count);
+		return status;
+	}
+	bool fits = true;
+	for (size_t i = 0; i < count; i++) {
+		fits &= wide[i] >= 0 && wide[i] <= UINT8_MAX;
+		dirt[i] = (uint8_t)wide[i];
+	}
+	if (fits)
+		return STATUS_OK;
+	char text[256];
+	rows_text(&reader->rows, ROW_SOIL, tile, text, sizeof text);
+	return fail_with(STATUS_INPUT, "%s: its dirt is beyond 255; the store is damaged, restore it", text);
+}
+
+enum status store_read_deformed(struct store_reader *reader, struct tile tile, unsigned planes,
+				int32_t *offset, uint8_t *dirt, unsigned *present)
+{
+	size_t side = tile_posts(reader->rows.world), count = side * side;
+	struct row row;
+	bool found;
+	enum status status = STATUS_OK;
+	*present = 0;
+	if (planes & STORE_PLANE_OFFSET) {
+		status = rows_read(&reader->rows, ROW_OFFSET, tile, offset, &row, &found);
+		if (status != STATUS_OK)
+			return status;
+		if (found)
+			*present |= STORE_PLANE_OFFSET;
+		else
+			memset(offset, 0, count * sizeof *offset);
+	}
+	if (planes & STORE_PLANE_DIRT) {
+		status = read_dirt(reader, tile, count, dirt, &found);
+		if (found)
+			*present |= STORE_PLANE_DIRT;
+	}
+	return status;
+}
+
+enum status store_read_offset_range(struct store_reader *reader, struct tile tile, double *low,
+				    double *high, bool *found)
+{
+	struct row row;
+	enum status status = rows_head(&reader->rows, ROW_OFFSET, tile, &row, found);
+	if (status == STATUS_OK && *found) {
+		*low = row.low;
+		*high = row.high;
+	}
+	return status;
+}
+
+enum status store_each_offset(struct store_reader *reader, int level, store_key_fn fn, void *user)
+{
+	const struct world *world = reader->rows.world;
+	const char *path = reader->rows.path;
+	uint64_t first, last;
+	sqlite3_stmt *statement = NULL;
+	enum status status = sql_prepare(reader->db, path, &statement,
+					 "SELECT key FROM \"offset\" WHERE key BETWEEN ?1 AND ?2 ORDER BY key");
+	if (status != STATUS_OK)
+		return status;
+	/* A level is the key's upper bits. */
+	first = tile_key((struct tile){level, 0, 0});
+	last = first | (((uint64_t)1 << 56) - 1);
+	sqlite3_bind_int64(statement, 1, (sqlite3_int64)first);
+	sqlite3_bind_int64(statement, 2, (sqlite3_int64)last);
+	int code;
+	while (status == STATUS_OK && (code = sqlite3_step(statement)) != SQLITE_DONE) {
+		uint64_t key = (uint64_t)sqlite3_column_int64(statement, 0);
+		if (code != SQLITE_ROW)
+			status = sql_fail(reader->db, code, path, "reading its tiles");
+		else if (!world_has(world, tile_from_key(key)))
+			status = fail_with(STATUS_INPUT, "%s: it has an offset tile outside its terrain; the store is "
+					   "damaged, restore it", path);
+		else
+			status = fn(user, key);
+	}
+	sqlite3_finalize(statement);
+	return status;
+}

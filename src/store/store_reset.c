@@ -1,0 +1,26 @@
+/* Dropping every deformation at once. */
+#include "store/internal.h"
+
+#include <assert.h>
+
+enum status store_reset(struct store *store)
+{
+	assert(store->writing);
+	enum status status = sql_exec(store->db, store->path, "resetting it", "BEGIN IMMEDIATE");
+	if (status != STATUS_OK)
+		return status;
+	status = sql_exec(store->db, store->path, "resetting it",
+			  "DELETE FROM \"offset\"; DELETE FROM soil; DELETE FROM run; "
+			  "DELETE FROM meta WHERE key = 'working'; COMMIT");
+	if (status != STATUS_OK) {
+		if (!sqlite3_get_autocommit(store->db))
+			sqlite3_exec(store->db, "ROLLBACK", NULL, NULL, NULL);
+		return status;
+	}
+	store->has_working = store->working_stored = false;
+	store->working = 0;
+	store->epoch = 0;
+	/* The pages that are free now are given back to the disk; the base's mostly lie before them. */
+	status = sql_exec(store->db, store->path, "resetting it", "PRAGMA incremental_vacuum");
+	return status == STATUS_OK ? store_checkpoint(store) : status;
+}

@@ -1,0 +1,306 @@
+/*
+ * The rows of the three tile tables, read and written one at a time.
+ *
+ * Invariants: (1) no statement is left stepped: each is reset before the function that stepped it
+ * returns, except that rows_read() does so only after the blob was decoded; (2) a row whose hash or
+ * codec does not check out never reaches a caller; (3) the same posts, range and sums give the same
+ * hash: it covers everything in the row but its revision.
+ */
+#include "store/internal.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <xxhash.h>
+
+struct table {
+	const char *name;
+	const char *find, *head, *write, *drop, *under;
+};
+
+/* Columns 0..8: low, high, error, codec, revision, hash, below, above, planes; find: blob too. */
+#define TABLE(word, from, columns, written, values)                                                \
+	{                                                                                          \
+		.name = word,                                                                      \
+		.find = "SELECT " columns ", blob FROM " from " WHERE key = ?1",                   \
+		.head = "SELECT " columns " FROM " from " WHERE key = ?1",                         \
+		.write = "INSERT OR REPLACE INTO " from                                            \
+			 "(key, low, high, codec, revision, hash, blob" written ") "               \
+			 "VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7" values ")",                           \
+		.drop = "DELETE FROM " from " WHERE key = ?1",                                     \
+		.under = "SELECT min(low), max(high), count(*) FROM " from                         \
+			 " WHERE key BETWEEN ?1 AND ?2",                                           \
+	}
+
+static const struct table tables[ROW_TABLES] = {
+	TABLE("base", "base", "low, high, error, codec, revision, hash, 0, 0, 0", ", error", ", ?8"),
+	TABLE("offset", "\"offset\"", "low, high, 0.0, codec, revision, hash, below, above, 0",
+	      ", below, above", ", ?8, ?9"),
+	TABLE("soil", "soil", "low, high, 0.0, codec, revision, hash, 0, 0, planes", ", planes", ", ?8"),
+};
+
+enum status rows_init(struct rows *rows, sqlite3 *db, const char *path, const struct world *world,
+		      bool hard)
+{
+	*rows = (struct rows){.db = db, .path = path, .world = world, .hard = hard};
+	size_t side = tile_posts(world);
+	rows->wide = mem_alloc(side * side, sizeof *rows->wide);
+	if (rows->wide == NULL)
+		return fail_memory("a tile");
+	enum status status = codec_init(&rows->codec, (uint32_t)side);
+	if (status != STATUS_OK)
+		rows_finish(rows);
+	return status;
+}
+
+void rows_finish(struct rows *rows)
+{
+	for (int i = 0; i < ROW_TABLES; i++) {
+		sqlite3_finalize(rows->find[i]);
+		sqlite3_finalize(rows->head[i]);
+		sqlite3_finalize(rows->write[i]);
+		sqlite3_finalize(rows->drop[i]);
+		sqlite3_finalize(rows->under[i]);
+	}
+	codec_finish(&rows->codec);
+	mem_free(rows->wide);
+	*rows = (struct rows){0};
+}
+
+const char *rows_name(enum row_table table)
+{
+	return tables[table].name;
+}
+
+void rows_text(const struct rows *rows, enum row_table table, struct tile tile, char *text, size_t room)
+{
+	snprintf(text, room, "%s: %s tile level %d x %u y %u", rows->path, tables[table].name, tile.level,
+		 tile.x, tile.y);
+}
+
+static enum status row_bad(const struct rows *rows, enum row_table table, struct tile tile, const char *why)
+{
+	char text[256];
+	rows_text(rows, table, tile, text, sizeof text);
+	return fail_with(STATUS_INPUT, "%s: %s; the store is damaged, restore or import it again", text, why);
+}
+
+uint64_t rows_hash(const struct row *row)
+{
+	double reals[3] = {row->low, row->high, row->error};
+	uint64_t words[8] = {tile_key(row->tile), (uint64_t)row->codec};
+	for (int i = 0; i < 3; i++)
+		if (!isnan(reals[i])) /* NULL in the row: 0 here */
+			memcpy(&words[2 + i], &reals[i], sizeof reals[i]);
+	words[5] = (uint64_t)row->below;
+	words[6] = (uint64_t)row->above;
+	words[7] = row->planes;
+	uint8_t head[sizeof words];
+	for (size_t i = 0; i < sizeof head; i++)
+		head[i] = (uint8_t)(words[i / 8] >> i % 8 * 8);
+	return XXH3_64bits_withSeed(row->bytes, row->size, XXH3_64bits(head, sizeof head));
+}
+
+static double column_real(sqlite3_stmt *statement, int column)
+{
+	return sqlite3_column_type(statement, column) == SQLITE_NULL ? (double)NAN
+								       : sqlite3_column_double(statement, column);
+}
+
+static void take_head(sqlite3_stmt *statement, struct tile tile, struct row *row)
+{
+	*row = (struct row){
+		.tile = tile,
+		.low = column_real(statement, 0),
+		.high = column_real(statement, 1),
+		.error = sqlite3_column_double(statement, 2),
+		.codec = sqlite3_column_int64(statement, 3),
+		.revision = sqlite3_column_int64(statement, 4),
+		.hash = (uint64_t)sqlite3_column_int64(statement, 5),
+		.below = sqlite3_column_int64(statement, 6),
+		.above = sqlite3_column_int64(statement, 7),
+		.planes = (unsigned)sqlite3_column_int64(statement, 8),
+	};
+}
+
+static bool range_sane(enum row_table table, const struct row *row)
+{
+	if (isnan(row->low) || isnan(row->high))
+		return table == ROW_BASE && isnan(row->low) && isnan(row->high);
+	return row->low <= row->high && isfinite(row->low) && isfinite(row->high) && row->error >= 0 &&
+	       isfinite(row->error);
+}
+
+static enum status find_row(struct rows *rows, enum row_table table, struct tile tile, bool whole,
+			    struct row *row, bool *found, sqlite3_stmt **out)
+{
+	assert(world_has(rows->world, tile));
+	*found = false;
+	sqlite3_stmt **statement = whole ? &rows->find[table] : &rows->head[table];
+	enum status status = sql_prepare(rows->db, rows->path, statement,
+					 whole ? tables[table].find : tables[table].head);
+	if (status != STATUS_OK)
+		return status;
+	*out = *statement;
+	sqlite3_bind_int64(*out, 1, (sqlite3_int64)tile_key(tile));
+	int code = sqlite3_step(*out);
+	*found = code == SQLITE_ROW;
+	if (code == SQLITE_DONE)
+		return STATUS_OK;
+	if (code != SQLITE_ROW)
+		return sql_fail(rows->db, code, rows->path, "reading a tile");
+	take_head(*out, tile, row);
+	return range_sane(table, row) ? STATUS_OK : row_bad(rows, table, tile, "its range makes no sense");
+}
+
+enum status rows_head(struct rows *rows, enum row_table table, struct tile tile, struct row *row,
+		      bool *found)
+{
+	sqlite3_stmt *statement = NULL;
+	enum status status = find_row(rows, table, tile, false, row, found, &statement);
+	sqlite3_reset(statement);
+	return status;
+}
+
+static enum status take_blob(struct rows *rows, enum row_table table, sqlite3_stmt *statement,
+			     struct row *row, int32_t *posts)
+{
+	row->bytes = sqlite3_column_blob(statement, 9);
+	row->size = (size_t)sqlite3_column_bytes(statement, 9);
+	if (row->bytes == NULL)
+		return row_bad(rows, table, row->tile, "it is empty");
+	if (rows_hash(row) != row->hash)
+		return row_bad(rows, table, row->tile, "its hash is wrong");
+	if (!codec_decode(&rows->codec, row->codec, row->bytes, row->size, posts))
+		return row_bad(rows, table, row->tile, "it cannot be decoded");
+	return STATUS_OK;
+}
+
+enum status rows_read(struct rows *rows, enum row_table table, struct tile tile, int32_t *posts,
+		      struct row *row, bool *found)
+{
+	sqlite3_stmt *statement = NULL;
+	enum status status = find_row(rows, table, tile, true, row, found, &statement);
+	if (status == STATUS_OK && *found)
+		status = take_blob(rows, table, statement, row, posts);
+	sqlite3_reset(statement);
+	if (*found)
+		row->bytes = NULL;
+	return status;
+}
+
+static void bind_real(sqlite3_stmt *statement, int column, double value)
+{
+	if (isnan(value))
+		sqlite3_bind_null(statement, column);
+	else
+		sqlite3_bind_double(statement, column, value);
+}
+
+enum status rows_write(struct rows *rows, enum row_table table, const int32_t *posts, struct row *row,
+		       const uint64_t *unless, bool *written)
+{
+	*written = false;
+	row->codec = codec_encode(&rows->codec, posts, rows->hard, &row->bytes, &row->size);
+	row->hash = rows_hash(row);
+	if (unless != NULL && *unless == row->hash)
+		return STATUS_OK;
+	enum status status = sql_prepare(rows->db, rows->path, &rows->write[table], tables[table].write);
+	if (status != STATUS_OK)
+		return status;
+	sqlite3_stmt *statement = rows->write[table];
+	sqlite3_bind_int64(statement, 1, (sqlite3_int64)tile_key(row->tile));
+	bind_real(statement, 2, row->low);
+	bind_real(statement, 3, row->high);
+	sqlite3_bind_int64(statement, 4, row->codec);
+	sqlite3_bind_int64(statement, 5, row->revision);
+	sqlite3_bind_int64(statement, 6, (sqlite3_int64)row->hash);
+	sqlite3_bind_blob64(statement, 7, row->bytes, row->size, SQLITE_STATIC);
+	if (table == ROW_BASE)
+		sqlite3_bind_double(statement, 8, row->error);
+	else
+		sqlite3_bind_int64(statement, 8, table == ROW_OFFSET ? row->below : row->planes);
+	if (table == ROW_OFFSET)
+		sqlite3_bind_int64(statement, 9, row->above);
+	int code = sqlite3_step(statement);
+	if (code != SQLITE_DONE)
+		status = sql_fail(rows->db, code, rows->path, "writing a tile");
+	sqlite3_reset(statement);
+	sqlite3_bind_null(statement, 7);
+	*written = status == STATUS_OK;
+	return status;
+}
+
+enum status rows_drop(struct rows *rows, enum row_table table, struct tile tile)
+{
+	enum status status = sql_prepare(rows->db, rows->path, &rows->drop[table], tables[table].drop);
+	if (status != STATUS_OK)
+		return status;
+	sqlite3_bind_int64(rows->drop[table], 1, (sqlite3_int64)tile_key(tile));
+	int code = sqlite3_step(rows->drop[table]);
+	if (code != SQLITE_DONE)
+		status = sql_fail(rows->db, code, rows->path, "removing a tile");
+	sqlite3_reset(rows->drop[table]);
+	return status;
+}
+
+enum status rows_under(struct rows *rows, enum row_table table, struct tile tile, double *low,
+		       double *high, int *count)
+{
+	enum status status = sql_prepare(rows->db, rows->path, &rows->under[table], tables[table].under);
+	if (status != STATUS_OK)
+		return status;
+	sqlite3_stmt *statement = rows->under[table];
+	uint64_t first, last;
+	tile_descendants(tile, tile.level - 1, &first, &last);
+	sqlite3_bind_int64(statement, 1, (sqlite3_int64)first);
+	sqlite3_bind_int64(statement, 2, (sqlite3_int64)last);
+	int code = sqlite3_step(statement);
+	if (code == SQLITE_ROW) {
+		*low = column_real(statement, 0);
+		*high = column_real(statement, 1);
+		*count = sqlite3_column_int(statement, 2);
+	} else {
+		status = sql_fail(rows->db, code, rows->path, "reading a tile");
+	}
+	sqlite3_reset(statement);
+	return status;
+}
+
+void rows_range(enum row_table table, const int32_t *posts, size_t count, double step, double *low,
+		double *high)
+{
+	int32_t least = INT32_MAX, most = INT32_MIN;
+	for (size_t i = 0; i < count; i++) {
+		if (table == ROW_BASE && posts[i] == HEIGHT_CODE_NODATA)
+			continue;
+		least = posts[i] < least ? posts[i] : least;
+		most = posts[i] > most ? posts[i] : most;
+	}
+	*low = *high = (double)NAN;
+	if (least > most)
+		return;
+	/* Codes keep the order of heights. */
+	*low = table == ROW_BASE     ? height_code_metres(least, step)
+	       : table == ROW_OFFSET ? lattice_offset_metres(least)
+				     : least;
+	*high = table == ROW_BASE     ? height_code_metres(most, step)
+		: table == ROW_OFFSET ? lattice_offset_metres(most)
+				      : most;
+}
+
+void rows_sums(const struct world *world, struct tile tile, const int32_t *posts, int64_t *below,
+	       int64_t *above)
+{
+	uint32_t side = tile_posts(world);
+	uint32_t width = tile.x + 1 == world_tiles_x(world, tile.level) ? side : side - 1;
+	uint32_t height = tile.y + 1 == world_tiles_y(world, tile.level) ? side : side - 1;
+	*below = *above = 0;
+	for (uint32_t y = 0; y < height; y++)
+		for (uint32_t x = 0; x < width; x++) {
+			int64_t post = posts[(size_t)y * side + x];
+			*below += post < 0 ? post : 0;
+			*above += post > 0 ? post : 0;
+		}
+}

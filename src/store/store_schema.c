@@ -1,0 +1,90 @@
+/* The tables, and the check that a file has these and nothing else: no view, trigger or index that
+ * a stranger's file might bring is ever run. */
+#include "store/internal.h"
+
+#include <stdio.h>
+#include <string.h>
+
+struct object {
+	const char *name, *sql;
+};
+
+/* In the order of their names, as schema_check() reads them; FORMAT.md explains them. */
+static const struct object objects[] = {
+	{"base",
+	 "CREATE TABLE base(key INTEGER PRIMARY KEY, low REAL, high REAL, error REAL NOT NULL, "
+	 "codec INTEGER NOT NULL, revision INTEGER NOT NULL, hash INTEGER NOT NULL, blob BLOB NOT NULL)"},
+	{"meta", "CREATE TABLE meta(key TEXT PRIMARY KEY, value) WITHOUT ROWID"},
+	{"offset",
+	 "CREATE TABLE \"offset\"(key INTEGER PRIMARY KEY, low REAL, high REAL, below INTEGER NOT NULL, "
+	 "above INTEGER NOT NULL, codec INTEGER NOT NULL, revision INTEGER NOT NULL, "
+	 "hash INTEGER NOT NULL, blob BLOB NOT NULL)"},
+	{"run",
+	 "CREATE TABLE run(id INTEGER PRIMARY KEY CHECK (id = 1), epoch INTEGER NOT NULL, "
+	 "scene_hash TEXT NOT NULL, step INTEGER NOT NULL, time REAL NOT NULL, state TEXT NOT NULL)"},
+	{"soil",
+	 "CREATE TABLE soil(key INTEGER PRIMARY KEY, low REAL, high REAL, planes INTEGER NOT NULL, "
+	 "codec INTEGER NOT NULL, revision INTEGER NOT NULL, hash INTEGER NOT NULL, blob BLOB NOT NULL)"},
+};
+#define OBJECTS (sizeof objects / sizeof *objects)
+
+enum status schema_create(sqlite3 *db, const char *path)
+{
+	char header[128];
+	snprintf(header, sizeof header, "PRAGMA application_id=%d; PRAGMA user_version=%d",
+		 STORE_APPLICATION_ID, STORE_VERSION);
+	enum status status = sql_exec(db, path, "making the store", header);
+	for (size_t i = 0; i < OBJECTS && status == STATUS_OK; i++)
+		status = sql_exec(db, path, "making the store", objects[i].sql);
+	return status;
+}
+
+static bool object_is(sqlite3_stmt *statement, const struct object *object)
+{
+	const char *type = (const char *)sqlite3_column_text(statement, 0);
+	const char *name = (const char *)sqlite3_column_text(statement, 1);
+	const char *sql = (const char *)sqlite3_column_text(statement, 2);
+	return type != NULL && name != NULL && sql != NULL && strcmp(type, "table") == 0 &&
+	       strcmp(name, object->name) == 0 && strcmp(sql, object->sql) == 0;
+}
+
+static enum status check_objects(sqlite3 *db, const char *path)
+{
+	sqlite3_stmt *statement = NULL;
+	/* meta's own index is a WITHOUT ROWID table's: it has no sql and no row here. */
+	enum status status = sql_prepare(db, path, &statement,
+					 "SELECT type, name, sql FROM sqlite_schema ORDER BY name");
+	if (status != STATUS_OK)
+		return status;
+	size_t seen = 0;
+	bool same = true;
+	int code;
+	while ((code = sqlite3_step(statement)) == SQLITE_ROW && same) {
+		same = seen < OBJECTS && object_is(statement, &objects[seen]);
+		seen++;
+	}
+	if (same && code != SQLITE_DONE)
+		status = sql_fail(db, code, path, "reading its schema");
+	else if (!same || seen != OBJECTS)
+		status = fail_with(STATUS_INPUT, "%s: its tables are not those of a Furrow store of version %d; "
+				   "import it again", path, STORE_VERSION);
+	sqlite3_finalize(statement);
+	return status;
+}
+
+enum status schema_check(sqlite3 *db, const char *path)
+{
+	int64_t id, version;
+	enum status status = sql_integer(db, path, "PRAGMA application_id", &id);
+	if (status == STATUS_OK)
+		status = sql_integer(db, path, "PRAGMA user_version", &version);
+	if (status != STATUS_OK)
+		return status;
+	if (id != STORE_APPLICATION_ID)
+		return fail_with(STATUS_INPUT, "%s: not a Furrow store (application id %llx); make one with "
+				 "furrow import", path, (unsigned long long)id & 0xffffffffu);
+	if (version != STORE_VERSION)
+		return fail_with(STATUS_INPUT, "%s: a store of version %lld, this program knows version %d; use "
+				 "the furrow that made it", path, (long long)version, STORE_VERSION);
+	return check_objects(db, path);
+}

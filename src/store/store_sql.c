@@ -1,0 +1,70 @@
+/* Calls on SQLite that turn its codes into statuses and messages. */
+#include "store/internal.h"
+
+#include <errno.h>
+#include <string.h>
+
+enum status sql_fail(sqlite3 *db, int code, const char *path, const char *doing)
+{
+	const char *why = db != NULL ? sqlite3_errmsg(db) : sqlite3_errstr(code);
+	switch (code & 0xff) {
+	case SQLITE_CORRUPT:
+		return fail_with(STATUS_INPUT, "%s: %s: %s; the file is damaged or was cut short, "
+				 "restore or import it again", path, doing, why);
+	case SQLITE_NOTADB:
+		return fail_with(STATUS_INPUT, "%s: not a Furrow store: %s; make one with furrow import",
+				 path, why);
+	case SQLITE_CANTOPEN:
+		return fail_with(STATUS_INPUT, "%s: %s: %s; check the path and its permissions", path,
+				 doing, why);
+	case SQLITE_TOOBIG:
+		return fail_with(STATUS_INPUT, "%s: %s: %s; no store holds values as large, the file is "
+				 "damaged", path, doing, why);
+	case SQLITE_NOMEM:
+		return fail_memory(doing);
+	case SQLITE_FULL:
+		return fail_with(STATUS_FAILED, "%s: %s: %s; nothing was lost, free some disk space and "
+				 "go on", path, doing, why);
+	case SQLITE_IOERR:
+		return fail_with(STATUS_FAILED, "%s: %s: %s (%s); check the disk and its free space",
+				 path, doing, why, db != NULL ? strerror(sqlite3_system_errno(db)) : "?");
+	case SQLITE_BUSY:
+		return fail_with(STATUS_FAILED, "%s: %s: %s; wait for the other process to end", path,
+				 doing, why);
+	case SQLITE_READONLY:
+		return fail_with(STATUS_FAILED, "%s: %s: %s; make the file and its folder writable", path,
+				 doing, why);
+	default:
+		return fail_with(STATUS_FAILED, "%s: %s: %s; furrow verify says what is wrong with it",
+				 path, doing, why);
+	}
+}
+
+enum status sql_exec(sqlite3 *db, const char *path, const char *doing, const char *sql)
+{
+	int code = sqlite3_exec(db, sql, NULL, NULL, NULL);
+	return code == SQLITE_OK ? STATUS_OK : sql_fail(db, code, path, doing);
+}
+
+enum status sql_prepare(sqlite3 *db, const char *path, sqlite3_stmt **statement, const char *sql)
+{
+	if (*statement != NULL)
+		return STATUS_OK;
+	int code = sqlite3_prepare_v3(db, sql, -1, SQLITE_PREPARE_PERSISTENT, statement, NULL);
+	return code == SQLITE_OK ? STATUS_OK : sql_fail(db, code, path, "preparing a statement");
+}
+
+enum status sql_integer(sqlite3 *db, const char *path, const char *sql, int64_t *value)
+{
+	sqlite3_stmt *statement = NULL;
+	enum status status = sql_prepare(db, path, &statement, sql);
+	if (status != STATUS_OK)
+		return status;
+	int code = sqlite3_step(statement);
+	if (code == SQLITE_ROW)
+		*value = sqlite3_column_int64(statement, 0);
+	else
+		status = sql_fail(db, code, path, "reading it");
+	sqlite3_finalize(statement);
+	return status;
+}

@@ -1,0 +1,201 @@
+/*
+ * Everything that can be checked about a store:
+ *
+ *   SQLite's own check -> base tiles that are not there -> every row of every table (verify_tile.c)
+ *   -> the header's range
+ */
+#include "store/verify.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define CACHE_BYTES (48u << 20)
+
+void verify_tell(struct verifying *verifying, const char *format, ...)
+{
+	char text[512];
+	va_list args;
+	verifying->check->problems++;
+	if (verifying->problem == NULL)
+		return;
+	va_start(args, format);
+	vsnprintf(text, sizeof text, format, args);
+	va_end(args);
+	verifying->problem(verifying->user, text);
+}
+
+void verify_tell_tile(struct verifying *verifying, struct tile tile, const char *what)
+{
+	verify_tell(verifying, "%s tile level %d x %u y %u: %s", rows_name(verifying->table), tile.level, tile.x,
+	     tile.y, what);
+}
+
+/* --- SQLite's own check --- */
+
+static enum status check_file(struct verifying *verifying)
+{
+	struct store *store = verifying->store;
+	sqlite3_stmt *statement = NULL;
+	enum status status = sql_prepare(store->db, store->path, &statement, "PRAGMA integrity_check(100)");
+	if (status != STATUS_OK)
+		return status;
+	int code;
+	while ((code = sqlite3_step(statement)) == SQLITE_ROW) {
+		const char *text = (const char *)sqlite3_column_text(statement, 0);
+		char line[400];
+		if (text == NULL || strcmp(text, "ok") == 0)
+			continue;
+		snprintf(line, sizeof line, "file: %s", text);
+		for (char *c = line; *c != '\0'; c++)
+			*c = *c == '\n' ? ' ' : *c;
+		verify_tell(verifying, "%s", line);
+	}
+	if ((code & 0xff) == SQLITE_CORRUPT)
+		verify_tell(verifying, "file: %s", sqlite3_errmsg(store->db));
+	else if (code != SQLITE_DONE)
+		status = sql_fail(store->db, code, store->path, "checking it");
+	sqlite3_finalize(statement);
+	return status;
+}
+
+/* --- all of them --- */
+
+static enum status check_table(struct verifying *verifying, enum row_table table)
+{
+	static const char *const keys[ROW_TABLES] = {
+		"SELECT key FROM base ORDER BY key",
+		"SELECT key FROM \"offset\" ORDER BY key",
+		"SELECT key FROM soil ORDER BY key",
+	};
+	struct store *store = verifying->store;
+	sqlite3_stmt *statement = NULL;
+	enum status status = sql_prepare(store->db, store->path, &statement, keys[table]);
+	int code = SQLITE_DONE;
+	verifying->table = table;
+	while (status == STATUS_OK && (code = sqlite3_step(statement)) == SQLITE_ROW) {
+		uint64_t key = (uint64_t)sqlite3_column_int64(statement, 0);
+		struct tile tile = tile_from_key(key);
+		verifying->check->tiles++;
+		if (tile_key(tile) != key || !world_has(&store->meta.world, tile) ||
+		    (table == ROW_BASE && tile.level < 0))
+			verify_tell_tile(verifying, tile, "it is outside the terrain");
+		else
+			status = verify_tile(verifying, tile);
+		if (status == STATUS_OK && verifying->progress != NULL)
+			status = verifying->progress(verifying->user, verifying->check->tiles, verifying->total);
+	}
+	if (status == STATUS_OK && (code & 0xff) == SQLITE_CORRUPT)
+		verify_tell(verifying, "%s tiles: %s", rows_name(table), sqlite3_errmsg(store->db));
+	else if (status == STATUS_OK && code != SQLITE_DONE)
+		status = sql_fail(store->db, code, store->path, "reading its tiles");
+	sqlite3_finalize(statement);
+	return status;
+}
+
+/* Base tiles that should be there: a walk of all there can be, only if some are missing. */
+static enum status check_missing(struct verifying *verifying, int64_t have)
+{
+	const struct world *world = &verifying->store->meta.world;
+	int64_t want = 0;
+	for (int level = 0; level <= world_coarsest(world); level++)
+		want += (int64_t)world_tiles_x(world, level) * world_tiles_y(world, level);
+	verifying->table = ROW_BASE;
+	if (have >= want)
+		return STATUS_OK;
+	/* More than this are one problem, not that many lines. */
+	int64_t left = 1000;
+	for (int level = world_coarsest(world); level >= 0; level--)
+		for (uint32_t y = 0; y < world_tiles_y(world, level); y++)
+			for (uint32_t x = 0; x < world_tiles_x(world, level); x++) {
+				struct tile tile = {level, x, y};
+				struct row row;
+				bool found;
+				enum status status = rows_head(&verifying->store->rows, ROW_BASE, tile, &row, &found);
+				if (status != STATUS_OK && status != STATUS_INPUT)
+					return status;
+				if (status == STATUS_INPUT || found)
+					continue;
+				verify_tell_tile(verifying, tile, "it is missing");
+				if (--left == 0)
+					return STATUS_OK;
+			}
+	return STATUS_OK;
+}
+
+static enum status check_top(struct verifying *verifying)
+{
+	struct store *store = verifying->store;
+	struct tile tile = {world_coarsest(&store->meta.world), 0, 0};
+	struct row top;
+	bool found;
+	enum status status = rows_head(&store->rows, ROW_BASE, tile, &top, &found);
+	if (status == STATUS_OK && found &&
+	    !(verify_same(top.low, store->meta.low) && verify_same(top.high, store->meta.high)))
+		verify_tell(verifying, "header: its range is not that of the coarsest tile");
+	return status == STATUS_INPUT ? STATUS_OK : status;
+}
+
+static enum status check_all(struct verifying *verifying)
+{
+	struct store *store = verifying->store;
+	enum status status = check_file(verifying);
+	int64_t counts[ROW_TABLES] = {0};
+	for (int table = 0; table < ROW_TABLES && status == STATUS_OK; table++) {
+		static const char *const sql[ROW_TABLES] = {"SELECT count(*) FROM base",
+							    "SELECT count(*) FROM \"offset\"",
+							    "SELECT count(*) FROM soil"};
+		status = sql_integer(store->db, store->path, sql[table], &counts[table]);
+		verifying->total += counts[table];
+	}
+	if (status == STATUS_OK)
+		status = check_missing(verifying, counts[ROW_BASE]);
+	for (int table = 0; table < ROW_TABLES && status == STATUS_OK; table++)
+		status = check_table(verifying, (enum row_table)table);
+	return status == STATUS_OK ? check_top(verifying) : status;
+}
+
+enum status store_verify(struct store *store, store_problem_fn problem, store_progress_fn progress,
+			 void *user, struct store_check *check)
+{
+	*check = (struct store_check){
+		.coarsest = world_coarsest(&store->meta.world),
+		.finest = store_finest(store),
+	};
+	struct verifying *verifying = mem_calloc(1, sizeof *verifying);
+	if (verifying == NULL)
+		return fail_memory("verifying");
+	*verifying = (struct verifying){
+		.store = store,
+		.problem = problem,
+		.progress = progress,
+		.user = user,
+		.check = check,
+		.side = tile_posts(&store->meta.world),
+	};
+	size_t count = verifying->side * verifying->side, bytes = count * sizeof *verifying->posts;
+	size_t entries = CACHE_BYTES / bytes;
+	verifying->entry_count = entries < VERIFY_CACHE ? (uint32_t)entries : VERIFY_CACHE;
+	verifying->posts = mem_alloc(count, sizeof *verifying->posts);
+	verifying->expected = mem_alloc(count, sizeof *verifying->expected);
+	enum status status = STATUS_OK;
+	if (verifying->posts == NULL || verifying->expected == NULL)
+		status = fail_memory("verifying");
+	/* One transaction: what is compared belongs to one epoch. */
+	if (status == STATUS_OK)
+		status = sql_exec(store->db, store->path, "checking it", "BEGIN");
+	if (status == STATUS_OK) {
+		status = check_all(verifying);
+		if (status == STATUS_INPUT) { /* what could not even be read is what was asked for */
+			verify_tell(verifying, "%s", failure_message());
+			status = STATUS_OK;
+		}
+		sqlite3_exec(store->db, "ROLLBACK", NULL, NULL, NULL); /* only read */
+	}
+	for (uint32_t i = 0; i < verifying->entry_count; i++)
+		mem_free(verifying->entries[i].posts);
+	mem_free(verifying->posts);
+	mem_free(verifying->expected);
+	mem_free(verifying);
+	return status;
+}

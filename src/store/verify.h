@@ -1,0 +1,46 @@
+/* What the two halves of verifying share. */
+#ifndef FURROW_STORE_VERIFY_H
+#define FURROW_STORE_VERIFY_H
+
+#include <math.h>
+
+#include "store/internal.h"
+
+#define VERIFY_CACHE 128
+
+enum held { HELD_NOTHING, HELD_MISSING, HELD_BROKEN, HELD_POSTS };
+
+/* A decoded tile as neighbours and parents ask for it. */
+struct entry {
+	uint64_t key;
+	enum row_table table;
+	enum held held;
+	struct row row;
+	int32_t *posts;
+};
+
+struct verifying {
+	struct store *store;
+	store_problem_fn problem;
+	store_progress_fn progress;
+	void *user;
+	struct store_check *check;
+	int64_t total; /* rows */
+	enum row_table table;
+	size_t side;
+	int32_t *posts, *expected; /* the tile being checked, and what those below make of it */
+	struct entry entries[VERIFY_CACHE];
+	uint32_t entry_count;
+};
+
+static inline bool verify_same(double a, double b)
+{
+	return (isnan(a) && isnan(b)) || a == b;
+}
+
+void verify_tell(struct verifying *verifying, const char *format, ...) FURROW_PRINTF(2, 3);
+void verify_tell_tile(struct verifying *verifying, struct tile tile, const char *what);
+/* One row of verifying->table, of a tile that the world has. */
+enum status verify_tile(struct verifying *verifying, struct tile tile) FURROW_CHECKED;
+
+#endif

@@ -1,0 +1,208 @@
+/*
+ * One tile checked: it decodes, its range and sums, its edges against the tiles beside it, its
+ * posts against the tiles it covers, and that there is a tile above it.
+ *
+ * A tile that does not decode is named once, as itself; comparisons with it are left out. A missing
+ * row of offsets or soil counts as zeros, one of the base is named by store_verify.c.
+ */
+#include "store/verify.h"
+
+#include <math.h>
+#include <string.h>
+
+/* --- other tiles --- */
+
+/* Reads a tile; what is wrong with the store is no failure, `why` then says it. */
+static enum status read_tile(struct verifying *verifying, struct tile tile, int32_t *posts, struct row *row,
+			     enum held *held)
+{
+	bool found;
+	enum status status = rows_read(&verifying->store->rows, verifying->table, tile, posts, row, &found);
+	*held = status == STATUS_INPUT ? HELD_BROKEN : found ? HELD_POSTS : HELD_MISSING;
+	return status == STATUS_INPUT ? STATUS_OK : status;
+}
+
+static enum status other_tile(struct verifying *verifying, struct tile tile, struct entry **out)
+{
+	uint64_t key = tile_key(tile);
+	struct entry *entry = &verifying->entries[key % verifying->entry_count];
+	*out = entry;
+	if (entry->held != HELD_NOTHING && entry->key == key && entry->table == verifying->table)
+		return STATUS_OK;
+	entry->held = HELD_NOTHING;
+	entry->key = key;
+	entry->table = verifying->table;
+	size_t count = verifying->side * verifying->side;
+	if (entry->posts == NULL && (entry->posts = mem_alloc(count, sizeof *entry->posts)) == NULL)
+		return fail_memory("verifying");
+	return read_tile(verifying, tile, entry->posts, &entry->row, &entry->held);
+}
+
+/* --- one tile --- */
+
+static void widen(struct row *range, const struct row *with)
+{
+	if (isnan(with->low))
+		return;
+	range->low = isnan(range->low) || with->low < range->low ? with->low : range->low;
+	range->high = isnan(range->high) || with->high > range->high ? with->high : range->high;
+}
+
+static bool edge_same(const struct verifying *verifying, const int32_t *other, bool east)
+{
+	size_t side = verifying->side;
+	for (size_t i = 0; i < side; i++) {
+		int32_t mine = verifying->posts[east ? i * side + side - 1 : (side - 1) * side + i];
+		if (mine != (other != NULL ? other[east ? i * side : i] : 0))
+			return false;
+	}
+	return true;
+}
+
+/* To the west and south only against rows that are missing: those there were are checked from
+ * themselves. */
+static bool near_edge_zero(const struct verifying *verifying, bool west)
+{
+	size_t side = verifying->side;
+	for (size_t i = 0; i < side; i++)
+		if (verifying->posts[west ? i * side : i] != 0)
+			return false;
+	return true;
+}
+
+static enum status check_edges(struct verifying *verifying, struct tile tile)
+{
+	const struct world *world = &verifying->store->meta.world;
+	for (int north = 0; north < 2; north++) {
+		struct tile next = {tile.level, tile.x + !north, tile.y + (unsigned)north};
+		struct entry *other;
+		if (!world_has(world, next))
+			continue;
+		enum status status = other_tile(verifying, next, &other);
+		if (status != STATUS_OK)
+			return status;
+		bool compared = other->held == HELD_POSTS ||
+				(other->held == HELD_MISSING && verifying->table != ROW_BASE);
+		if (compared && !edge_same(verifying, other->held == HELD_POSTS ? other->posts : NULL, !north))
+			verify_tell_tile(verifying, tile, north ? "its north edge is not its neighbour's south edge"
+							 : "its east edge is not its neighbour's west edge");
+	}
+	for (int south = 0; south < 2 && verifying->table != ROW_BASE; south++) {
+		if (south ? tile.y == 0 : tile.x == 0)
+			continue;
+		struct tile before = {tile.level, tile.x - !south, tile.y - (unsigned)south};
+		struct entry *other;
+		enum status status = other_tile(verifying, before, &other);
+		if (status != STATUS_OK)
+			return status;
+		if (other->held == HELD_MISSING && !near_edge_zero(verifying, !south))
+			verify_tell_tile(verifying, tile, south ? "its south edge is not its neighbour's north edge"
+							 : "its west edge is not its neighbour's east edge");
+	}
+	return STATUS_OK;
+}
+
+/* What the tiles below make of this one: posts into `expected`, their ranges into `range`. */
+static enum status check_below(struct verifying *verifying, struct tile tile, struct row *range, bool *exact)
+{
+	const struct world *world = &verifying->store->meta.world;
+	size_t count = verifying->side * verifying->side;
+	bool base = verifying->table == ROW_BASE;
+	int children = 0;
+	*exact = true;
+	for (size_t i = 0; i < count; i++)
+		verifying->expected[i] = base ? HEIGHT_CODE_NODATA : 0;
+	for (unsigned i = 0; i < 4; i++) {
+		struct tile child = {tile.level - 1, 2 * tile.x + (i & 1), 2 * tile.y + (i >> 1)};
+		struct entry *other;
+		if (!world_has(world, child))
+			continue;
+		enum status status = other_tile(verifying, child, &other);
+		if (status != STATUS_OK)
+			return status;
+		if (other->held == HELD_BROKEN || (base && other->held == HELD_MISSING)) {
+			*exact = false;
+			children++;
+		}
+		if (other->held != HELD_POSTS)
+			continue;
+		children++;
+		widen(range, &other->row);
+		lattice_decimate_i32(other->posts, world->cells, i & 1, i >> 1, verifying->expected);
+	}
+	if (children == 0)
+		verify_tell_tile(verifying, tile, "there is no tile below it");
+	else if (*exact && memcmp(verifying->expected, verifying->posts, count * sizeof *verifying->posts) != 0)
+		verify_tell_tile(verifying, tile, "it is not every second post of the tiles below it");
+	return STATUS_OK;
+}
+
+static enum status check_above(struct verifying *verifying, struct tile tile)
+{
+	struct row above;
+	bool found;
+	enum status status = rows_head(&verifying->store->rows, verifying->table,
+				       tile_ancestor(tile, tile.level + 1), &above, &found);
+	if (status == STATUS_INPUT)
+		return STATUS_OK; /* told when it is that tile's turn */
+	if (status == STATUS_OK && !found)
+		verify_tell_tile(verifying, tile, "there is no tile above it");
+	return status;
+}
+
+static void check_values(struct verifying *verifying, const struct row *row)
+{
+	size_t count = verifying->side * verifying->side;
+	bool zero = true, small = true;
+	for (size_t i = 0; i < count; i++) {
+		zero &= verifying->posts[i] == 0;
+		small &= verifying->posts[i] >= 0 && verifying->posts[i] <= UINT8_MAX;
+	}
+	if (verifying->table != ROW_BASE && zero && row->tile.level == verifying->store->working)
+		verify_tell_tile(verifying, row->tile, "all its posts are zero, it should have no row");
+	if (verifying->table == ROW_SOIL && (!small || row->planes != STORE_PLANE_DIRT))
+		verify_tell_tile(verifying, row->tile, "its planes are none that this version knows");
+	if (verifying->table != ROW_OFFSET)
+		return;
+	int64_t below, above;
+	rows_sums(&verifying->store->meta.world, row->tile, verifying->posts, &below, &above);
+	if (below != row->below || above != row->above)
+		verify_tell_tile(verifying, row->tile, "its sums are not those of its posts");
+	verifying->check->offset_sum[row->tile.level - TILE_LEVEL_MIN] += below + above;
+}
+
+enum status verify_tile(struct verifying *verifying, struct tile tile)
+{
+	struct store *store = verifying->store;
+	const struct world *world = &store->meta.world;
+	int finest = verifying->table == ROW_BASE ? 0 : store->working, coarsest = world_coarsest(world);
+	if ((verifying->table != ROW_BASE && !store->working_stored) || tile.level < finest) {
+		verify_tell_tile(verifying, tile, "it is finer than the level that is deformed");
+		return STATUS_OK;
+	}
+	struct row row, range = {.low = (double)NAN, .high = (double)NAN};
+	enum held held;
+	enum status status = read_tile(verifying, tile, verifying->posts, &row, &held);
+	if (status != STATUS_OK)
+		return status;
+	if (held != HELD_POSTS) {
+		/* "store: base tile ...: why": the path is known to who asked. */
+		const char *text = failure_message(), *path = store->path;
+		size_t length = strlen(path);
+		verify_tell(verifying, "%s", strncmp(text, path, length) == 0 ? text + length + 2 : text);
+		return STATUS_OK;
+	}
+	check_values(verifying, &row);
+	rows_range(verifying->table, verifying->posts, verifying->side * verifying->side, store->meta.step,
+		   &range.low, &range.high);
+	bool exact = true;
+	if (tile.level > finest)
+		status = check_below(verifying, tile, &range, &exact);
+	if (status == STATUS_OK && exact && !(verify_same(range.low, row.low) && verify_same(range.high, row.high)))
+		verify_tell_tile(verifying, tile, "its range is not that of its posts and of those below");
+	if (status == STATUS_OK)
+		status = check_edges(verifying, tile);
+	if (status == STATUS_OK && tile.level < coarsest)
+		status = check_above(verifying, tile);
+	return status;
+}

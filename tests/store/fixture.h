@@ -1,0 +1,293 @@
+/* A small terrain with holes, and stores of it, for the tests of this folder. */
+#ifndef FURROW_TEST_STORE_FIXTURE_H
+#define FURROW_TEST_STORE_FIXTURE_H
+
+#include <dirent.h>
+#include <math.h>
+#include <stdarg.h>
+#include <setjmp.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "store/internal.h"
+
+#define UNUSED __attribute__((unused))
+
+#define assert_status(expression, wanted)                                                          \
+	do {                                                                                       \
+		enum status status_ = (expression);                                                \
+		if (status_ != (wanted))                                                           \
+			fail_msg("%s: status %d, not %d: %s", #expression, status_, wanted,        \
+				 failure_message());                                               \
+	} while (0)
+#define assert_ok(expression) assert_status(expression, STATUS_OK)
+
+static char folder[64];
+
+static UNUSED int folder_make(void **state)
+{
+	snprintf(folder, sizeof folder, "/tmp/furrow-store-XXXXXX");
+	return mkdtemp(folder) != NULL ? 0 : -1;
+}
+
+static UNUSED int folder_remove(void **state)
+{
+	DIR *dir = opendir(folder);
+	for (struct dirent *entry; dir != NULL && (entry = readdir(dir)) != NULL;) {
+		char path[512];
+		snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
+		unlink(path);
+	}
+	if (dir != NULL)
+		closedir(dir);
+	return rmdir(folder);
+}
+
+/* Files in the folder whose name begins with `name`. */
+static UNUSED int files_of(const char *name)
+{
+	int count = 0;
+	DIR *dir = opendir(folder);
+	for (struct dirent *entry; dir != NULL && (entry = readdir(dir)) != NULL;)
+		count += strncmp(entry->d_name, name, strlen(name)) == 0;
+	if (dir != NULL)
+		closedir(dir);
+	return count;
+}
+
+static UNUSED const char *in_folder(const char *name)
+{
+	static char paths[4][256];
+	static unsigned next;
+	char *path = paths[next++ % 4];
+	snprintf(path, sizeof paths[0], "%s/%s", folder, name);
+	return path;
+}
+
+static inline uint32_t mix(uint32_t x, uint32_t y, uint32_t seed)
+{
+	uint32_t h = x * 0x9e3779b1u ^ y * 0x85ebca77u ^ seed * 0xc2b2ae3du;
+	h = (h ^ h >> 15) * 0x2c1b3c6du;
+	h = (h ^ h >> 12) * 0x297a2d39u;
+	return h ^ h >> 15;
+}
+
+static const struct world world = {.width = 75, .height = 50, .spacing = 2, .cells = 16};
+#define STEP 0.0078125
+#define SIDE 17
+#define POSTS (SIDE * SIDE)
+
+/* The code of a level-0 post. */
+static UNUSED int32_t terrain(int64_t x, int64_t y)
+{
+	if (x < 0 || y < 0 || x >= world.width || y >= world.height)
+		return HEIGHT_CODE_NODATA;
+	if ((x >= 20 && x < 26 && y >= 30 && y < 33) || (x == 60 && y == 16))
+		return HEIGHT_CODE_NODATA;
+	return 128000 + (int32_t)(4000 * sin((double)x / 9) + 3000 * cos((double)y / 7)) +
+	       (int32_t)(mix((uint32_t)x, (uint32_t)y, 1) % 200);
+}
+
+static UNUSED void terrain_tile(struct tile tile, int32_t *codes, struct store_range *range)
+{
+	int32_t low = INT32_MAX, high = INT32_MIN;
+	int64_t scale = (int64_t)1 << tile.level, n = world.cells;
+	for (int64_t y = 0; y <= n; y++)
+		for (int64_t x = 0; x <= n; x++)
+			codes[y * (n + 1) + x] = terrain((tile.x * n + x) * scale, (tile.y * n + y) * scale);
+	for (int64_t y = tile.y * n * scale; y <= (tile.y + 1) * n * scale; y++)
+		for (int64_t x = tile.x * n * scale; x <= (tile.x + 1) * n * scale; x++) {
+			int32_t code = terrain(x, y);
+			if (code == HEIGHT_CODE_NODATA)
+				continue;
+			low = code < low ? code : low;
+			high = code > high ? code : high;
+		}
+	*range = (struct store_range){(double)NAN, (double)NAN, 0.25 * tile.level};
+	if (low <= high) {
+		range->low = low * STEP;
+		range->high = high * STEP;
+	}
+}
+
+static UNUSED struct store_meta terrain_meta(void)
+{
+	return (struct store_meta){
+		.world = world,
+		.step = STEP,
+		.max_error = STEP / 2,
+		.srs = "LOCAL_CS[\"here\"]",
+		.origin = {1000, -2000},
+		.vertical = "",
+		.sources = "a.tif\nb.tif",
+	};
+}
+
+static UNUSED void terrain_put(struct store *store)
+{
+	int32_t codes[POSTS];
+	struct store_range range;
+	for (int level = 0; level <= world_coarsest(&world); level++)
+		for (uint32_t y = 0; y < world_tiles_y(&world, level); y++)
+			for (uint32_t x = 0; x < world_tiles_x(&world, level); x++) {
+				struct tile tile = {level, x, y};
+				terrain_tile(tile, codes, &range);
+				assert_ok(store_put_base(store, tile, codes, &range));
+			}
+}
+
+static UNUSED void make_store(const char *path)
+{
+	struct store *store;
+	struct store_meta meta = terrain_meta();
+	assert_ok(store_create(path, &meta, true, &store));
+	terrain_put(store);
+	assert_ok(store_publish(store));
+	store_close(store);
+}
+
+static UNUSED struct store *open_store(const char *path, enum store_mode mode)
+{
+	struct store *store;
+	assert_ok(store_open(path, &(struct store_options){.mode = mode}, &store));
+	return store;
+}
+
+/* --- a deformation: a field of offsets over the working level's posts --- */
+
+struct field {
+	int level;
+	int64_t width, height; /* posts of whole tiles */
+	int32_t *offset;
+	uint8_t *dirt;
+};
+
+static UNUSED struct field field_make(int level)
+{
+	struct field field = {
+		.level = level,
+		.width = (int64_t)world_tiles_x(&world, level) * world.cells + 1,
+		.height = (int64_t)world_tiles_y(&world, level) * world.cells + 1,
+	};
+	field.offset = calloc((size_t)(field.width * field.height), sizeof *field.offset);
+	field.dirt = calloc((size_t)(field.width * field.height), 1);
+	assert_true(field.offset != NULL && field.dirt != NULL);
+	return field;
+}
+
+static UNUSED void field_free(struct field *field)
+{
+	free(field->offset);
+	free(field->dirt);
+}
+
+/* A rut of random posts around (cx, cy). */
+static UNUSED void field_dig(struct field *field, int64_t cx, int64_t cy, int64_t radius, uint32_t seed)
+{
+	int64_t width = world_posts(world.width, field->level), height = world_posts(world.height, field->level);
+	for (int64_t y = cy - radius; y <= cy + radius; y++)
+		for (int64_t x = cx - radius; x <= cx + radius; x++) {
+			if (x < 0 || y < 0 || x >= width || y >= height)
+				continue;
+			uint32_t h = mix((uint32_t)x, (uint32_t)y, seed);
+			field->offset[y * field->width + x] = (int32_t)(h % 400000) - 300000;
+			field->dirt[y * field->width + x] = (uint8_t)(h >> 24);
+		}
+}
+
+/* The tile's posts out of the field. */
+static UNUSED void field_tile(const struct field *field, struct tile tile, int32_t *offset, uint8_t *dirt)
+{
+	for (int64_t y = 0; y < SIDE; y++)
+		for (int64_t x = 0; x < SIDE; x++) {
+			int64_t i = (tile.y * 16 + y) * field->width + tile.x * 16 + x;
+			offset[y * SIDE + x] = field->offset[i];
+			dirt[y * SIDE + x] = field->dirt[i];
+		}
+}
+
+/* Commits the tiles that `rect` (posts of the field's level) touches. */
+static UNUSED enum status field_commit(const struct field *field, struct post_rect rect, struct store *store,
+				       int64_t step, struct store_epoch_result *result)
+{
+	struct tile first, last;
+	assert_true(tile_range_of(&world, field->level, rect, &first, &last));
+	size_t count = (size_t)(last.x - first.x + 1) * (last.y - first.y + 1), i = 0;
+	struct store_page *pages = calloc(count, sizeof *pages);
+	int32_t *offset = calloc(count * POSTS, sizeof *offset);
+	uint8_t *dirt = calloc(count * POSTS, 1);
+	assert_true(pages != NULL && offset != NULL && dirt != NULL);
+	for (uint32_t y = first.y; y <= last.y; y++)
+		for (uint32_t x = first.x; x <= last.x; x++, i++) {
+			struct tile tile = {field->level, x, y};
+			field_tile(field, tile, offset + i * POSTS, dirt + i * POSTS);
+			pages[i] = (struct store_page){tile, STORE_PLANE_OFFSET | STORE_PLANE_DIRT,
+						       offset + i * POSTS, dirt + i * POSTS};
+		}
+	struct store_run run = {"abc", step, (double)step / 10, "{\"poses\":[]}"};
+	enum status status = store_epoch(store, pages, count, &run, result);
+	free(pages);
+	free(offset);
+	free(dirt);
+	return status;
+}
+
+static UNUSED struct post_rect field_all(const struct field *field)
+{
+	return (struct post_rect){0, 0, field->width, field->height};
+}
+
+static UNUSED struct post_rect around(int64_t cx, int64_t cy, int64_t radius)
+{
+	return (struct post_rect){cx - radius, cy - radius, cx + radius + 1, cy + radius + 1};
+}
+
+static UNUSED void print_problem(void *user, const char *text)
+{
+	if (user == NULL)
+		printf("problem: %s\n", text);
+}
+
+static UNUSED struct store_check verified(struct store *store)
+{
+	struct store_check check;
+	assert_ok(store_verify(store, print_problem, NULL, NULL, &check));
+	assert_int_equal(check.problems, 0);
+	return check;
+}
+
+static UNUSED uint64_t content(struct store *store)
+{
+	uint64_t hash;
+	assert_ok(store_content_hash(store, &hash));
+	return hash;
+}
+
+/* SQL on a closed store's file, as somebody else might run it. */
+static UNUSED void raw_sql(const char *path, const char *sql)
+{
+	sqlite3 *db;
+	assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+	char *message = NULL;
+	if (sqlite3_exec(db, sql, NULL, NULL, &message) != SQLITE_OK)
+		fail_msg("%s: %s", sql, message);
+	sqlite3_close(db);
+}
+
+static UNUSED void copy_file(const char *from, const char *to)
+{
+	FILE *in = fopen(from, "rb"), *out = fopen(to, "wb");
+	assert_true(in != NULL && out != NULL);
+	char buffer[65536];
+	for (size_t size; (size = fread(buffer, 1, sizeof buffer, in)) > 0;)
+		assert_int_equal(fwrite(buffer, 1, size, out), size);
+	fclose(in);
+	assert_int_equal(fclose(out), 0);
+}
+
+#endif

@@ -1,0 +1,158 @@
+/* Files that are no stores, or once were: one line and STATUS_INPUT, never harm. */
+#include "fixture.h"
+
+static void write_file(const char *path, const char *text, size_t size)
+{
+	FILE *file = fopen(path, "wb");
+	assert_non_null(file);
+	assert_int_equal(fwrite(text, 1, size, file), size);
+	assert_int_equal(fclose(file), 0);
+}
+
+static void assert_refused(const char *path, const char *why)
+{
+	for (int writing = 0; writing < 2; writing++) {
+		struct store *store;
+		struct store_options options = {writing ? STORE_WRITE : STORE_READ, false};
+		assert_status(store_open(path, &options, &store), STATUS_INPUT);
+		if (strstr(failure_message(), why) == NULL || strstr(failure_message(), path) == NULL)
+			fail_msg("does not say '%s': %s", why, failure_message());
+		assert_null(strchr(failure_message(), '\n'));
+	}
+}
+
+static void what_is_no_store_is_refused(void **state)
+{
+	const char *path = in_folder("text");
+	char text[20000];
+	memset(text, 'x', sizeof text);
+	write_file(path, text, 0);
+	assert_refused(path, "empty");
+	write_file(path, text, 100);
+	assert_refused(path, "not a Furrow store");
+	write_file(path, text, sizeof text);
+	assert_refused(path, "not a Furrow store");
+	unlink(path);
+	raw_sql(path, "CREATE TABLE t(a)");
+	assert_refused(path, "not a Furrow store");
+}
+
+static void another_version_or_schema_is_refused(void **state)
+{
+	const char *path = in_folder("other.furrow");
+	static const struct {
+		const char *sql, *why;
+	} edits[] = {
+		{"PRAGMA user_version=2", "version 2"},
+		{"PRAGMA application_id=7", "application id 7"},
+		{"CREATE VIEW v AS SELECT 1", "tables"},
+		{"CREATE INDEX aaa ON base(low)", "tables"},
+		{"CREATE TRIGGER zzz AFTER INSERT ON run BEGIN DELETE FROM base; END", "tables"},
+		{"DROP TABLE soil", "tables"},
+		{"ALTER TABLE run ADD COLUMN more", "tables"},
+		{"DELETE FROM meta WHERE key = 'step'", "'step'"},
+		{"UPDATE meta SET value = 15 WHERE key = 'cells'", "power of two"},
+		{"UPDATE meta SET value = 9000000000000000000 WHERE key = 'width'", "too many posts"},
+		{"UPDATE meta SET value = 'wide' WHERE key = 'width'", "'width'"},
+		{"UPDATE meta SET value = 1e999 WHERE key = 'spacing'", "'spacing'"},
+		{"UPDATE meta SET value = -1.0 WHERE key = 'step'", "'step'"},
+		{"UPDATE meta SET value = 1e-300 WHERE key = 'step'", "'step'"},
+		{"UPDATE meta SET value = 1e7 WHERE key = 'high'", "'low'"},
+		{"UPDATE meta SET value = 3 WHERE key = 'srs'", "'srs'"},
+		{"UPDATE meta SET value = 9 WHERE key = 'pack'", "'pack'"},
+		{"INSERT INTO meta VALUES('working', 12)", "'working'"},
+	};
+	for (size_t i = 0; i < sizeof edits / sizeof *edits; i++) {
+		make_store(path);
+		raw_sql(path, edits[i].sql);
+		assert_refused(path, edits[i].why);
+	}
+}
+
+static void a_file_cut_short_is_refused(void **state)
+{
+	const char *path = in_folder("whole.furrow"), *cut = in_folder("short.furrow");
+	make_store(path);
+	struct stat file;
+	assert_int_equal(stat(path, &file), 0);
+	for (int i = 1; i < 16; i++) {
+		copy_file(path, cut);
+		assert_int_equal(truncate(cut, file.st_size * i / 16), 0);
+		assert_refused(cut, "furrow"); /* some "cut short", the shortest "not a store" */
+	}
+}
+
+/* Bytes changed anywhere: every outcome is one of a status and a message; sanitizers see to harm. */
+static void changed_bytes_do_no_harm(void **state)
+{
+	const char *path = in_folder("good.furrow"), *bad = in_folder("bad.furrow");
+	make_store(path);
+	struct store *store = open_store(path, STORE_WRITE);
+	assert_ok(store_set_working_level(store, -1));
+	struct field field = field_make(-1);
+	struct store_epoch_result result;
+	field_dig(&field, 64, 48, 20, 1);
+	assert_ok(field_commit(&field, field_all(&field), store, 1, &result));
+	store_close(store);
+	FILE *in = fopen(path, "rb");
+	struct stat stats;
+	assert_true(in != NULL && stat(path, &stats) == 0);
+	size_t size = (size_t)stats.st_size;
+	char *good = malloc(size), *bytes = malloc(size);
+	assert_int_equal(fread(good, 1, size, in), size);
+	fclose(in);
+	int opened = 0, refused = 0, found = 0;
+	for (uint32_t round = 0; round < 300; round++) {
+		memcpy(bytes, good, size);
+		for (uint32_t i = 0; i < 1 + round % 6; i++) {
+			uint32_t h = mix(round, i, 11);
+			/* Half of them where SQLite's own structures are. */
+			size_t page = h % (size / 16384) * 16384;
+			size_t at = h & 0x10000 ? (page + mix(h, 1, 1) % 200) % size : mix(h, 2, 1) % size;
+			bytes[at] = (char)mix(h, 3, 1);
+		}
+		write_file(bad, bytes, size);
+		struct store_options options = {round % 2 ? STORE_WRITE : STORE_READ, false};
+		enum status status = store_open(bad, &options, &store);
+		if (status != STATUS_OK) {
+			refused++;
+			continue;
+		}
+		opened++;
+		struct store_check check;
+		struct store_numbers numbers;
+		struct store_reader *reader = NULL;
+		uint64_t hash;
+		double values[64];
+		if (store_verify(store, NULL, NULL, NULL, &check) == STATUS_OK)
+			found += check.problems > 0;
+		int ignored = store_count(store, &numbers) + (int)store_content_hash(store, &hash);
+		if (store_reader_create(store, &reader) == STATUS_OK)
+			for (int level = -2; level <= world_coarsest(&store_meta(store)->world); level++)
+				ignored += store_read_posts(reader, STORE_SURFACE, level, (struct post_rect){8, 8, 16, 16},
+							    values);
+		(void)ignored;
+		store_reader_destroy(reader);
+		if (round % 2 && store_set_working_level(store, -1) == STATUS_OK &&
+		    memcmp(&store_meta(store)->world, &world, sizeof world) == 0) {
+			enum status committed = field_commit(&field, around(64, 48, 20), store, 2, &result);
+			(void)committed;
+		}
+		store_close(store);
+	}
+	assert_true(opened > 20 && refused > 5 && found > 20);
+	free(good);
+	free(bytes);
+	field_free(&field);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(what_is_no_store_is_refused),
+		cmocka_unit_test(another_version_or_schema_is_refused),
+		cmocka_unit_test(a_file_cut_short_is_refused),
+		cmocka_unit_test(changed_bytes_do_no_harm),
+	};
+	return cmocka_run_group_tests(tests, folder_make, folder_remove);
+}
