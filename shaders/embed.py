@@ -1,10 +1,12 @@
-"""Writes every GLSL file below a folder into a C table of {name, text}: embed.py FOLDER OUT.c"""
+"""Writes every GLSL file below a folder into a C table of {path, text}: embed.py FOLDER OUT.c"""
 import pathlib
 import sys
 
 folder, out = pathlib.Path(sys.argv[1]), sys.argv[2]
 with open(out, "w", encoding="ascii") as c:
-    c.write('#include "gpu/shader_table.h"\n\nconst struct shader_text shader_table[] = {\n')
+    c.write('#include "gpu/shader_table.h"\n\n')
+    c.write('#pragma GCC diagnostic ignored "-Woverlength-strings"\n\n')
+    c.write("const struct shader_text shader_table[] = {\n")
     for path in sorted(p for p in folder.rglob("*") if p.suffix in (".glsl", ".vert", ".frag")):
         c.write('\t{"%s",\n' % path.relative_to(folder).as_posix())
         for line in path.read_text(encoding="ascii").splitlines():

@@ -1,9 +1,11 @@
 /*
  * gpu: the one owner of EGL and GL. Others describe textures, programs and passes; only this folder
- * calls GL. One thread creates a gpu and it alone may use it and everything made from it (asserted).
+ * calls GL. One thread creates a gpu and it alone may use it and everything made from it (asserted);
+ * one gpu at a time in a process, made before threads that read the environment.
  *
- * OpenGL 4.5 core, headless: EGL surfaceless first, then device platforms. A GL error or a lost
- * context is sticky: every later call that can fail returns it.
+ * OpenGL 4.5 core, headless: EGL surfaceless first, then device platforms; hardware before software
+ * unless LIBGL_ALWAYS_SOFTWARE is set. A GL error or a lost context is sticky: every later call
+ * that can fail returns it, those that cannot do nothing, and reads give zeros.
  *
  * Post = texel: row 0 of a tile's texture is its southern row. Clip space is lower-left, depth
  * zero to one.
@@ -41,6 +43,8 @@ enum gpu_stage {
 
 struct gpu_stats {
 	uint64_t passes[GPU_STAGES];
+	double stage_ms[GPU_STAGES]; /* hardware: the GPU's time for the passes that have ended; software:
+				      * the caller's, since its timers cannot be believed */
 	uint32_t programs;  /* linked, alive */
 	uint32_t textures;  /* alive */
 	uint64_t bytes;     /* of textures and buffers alive */
@@ -54,7 +58,7 @@ struct gpu_params {
 enum status gpu_create(const struct gpu_params *params, struct gpu **out) FURROW_CHECKED; /* STATUS_NO_GL */
 void gpu_destroy(struct gpu *gpu); /* after everything made from it; takes NULL */
 const struct gpu_info *gpu_info(const struct gpu *gpu);
-void gpu_stats(const struct gpu *gpu, struct gpu_stats *stats);
+void gpu_stats(struct gpu *gpu, struct gpu_stats *stats);
 /* The sticky failure, or a GL error since the last check; `what` names what was being done. */
 enum status gpu_check(struct gpu *gpu, const char *what) FURROW_CHECKED;
 void gpu_finish(struct gpu *gpu); /* benches only: waits for the driver */
@@ -66,8 +70,8 @@ enum gpu_format { GPU_R32I, GPU_R8UI, GPU_RGBA8, GPU_SRGB8_ALPHA8, GPU_DEPTH32F 
 enum status gpu_texture_create(struct gpu *gpu, enum gpu_format format, uint32_t width,
 			       uint32_t height, uint32_t layers, struct gpu_texture **out) FURROW_CHECKED;
 void gpu_texture_destroy(struct gpu_texture *texture);
-/* Rectangles are x, y, width, height in texels; data is tight. The clear value is int, unsigned or
- * float as the format says (given as its bits in 4 words). */
+/* Rectangles are x, y, width, height in texels; data is tight. The clear value is the texel's bits:
+ * an int, the low byte, four bytes with red lowest, or a float's. */
 struct gpu_rect {
 	uint32_t x, y, width, height;
 };
@@ -81,7 +85,8 @@ struct gpu_attachment {
 	struct gpu_texture *texture;
 	uint32_t layer;
 };
-/* An FBO. At most 4 colours; depth.texture may be NULL. Textures stay the caller's. */
+/* An FBO. At most 4 colours of one size; depth.texture may be NULL, or else there may be no colours.
+ * Textures stay the caller's and must outlive it. */
 enum status gpu_target_create(struct gpu *gpu, const struct gpu_attachment *colours, uint32_t count,
 			      struct gpu_attachment depth, struct gpu_target **out) FURROW_CHECKED;
 void gpu_target_destroy(struct gpu_target *target);
@@ -101,6 +106,7 @@ enum status gpu_program_get(struct gpu *gpu, const struct gpu_program_request *r
 			    struct gpu_program **out) FURROW_CHECKED;
 
 /* --- buffers: gpu_buffer.c --- */
+/* Of fixed size; zeroed if there is no data. */
 enum gpu_buffer_use { GPU_INDICES, GPU_STORAGE, GPU_UNIFORMS };
 enum status gpu_buffer_create(struct gpu *gpu, enum gpu_buffer_use use, size_t bytes,
 			      const void *data_or_null, struct gpu_buffer **out) FURROW_CHECKED;
@@ -137,7 +143,7 @@ void gpu_pass_run(struct gpu *gpu, const struct gpu_pass *pass);
  * one only while its tile is deformed.
  */
 struct gpu_slot {
-	struct gpu_texture *base;
+	struct gpu_texture *base;   /* NULL: nothing was loaded here yet */
 	struct gpu_texture *offset; /* NULL: not deformed */
 	struct gpu_texture *dirt;   /* NULL: not deformed, or no such plane */
 	struct gpu_target *deform;  /* FBO over offset and dirt (colour 0, 1) */
@@ -146,6 +152,11 @@ enum status gpu_slots_create(struct gpu *gpu, uint32_t cells, uint32_t count, bo
 			     struct gpu_slots **out) FURROW_CHECKED;
 void gpu_slots_destroy(struct gpu_slots *slots);
 const struct gpu_slot *gpu_slots_get(const struct gpu_slots *slots, uint32_t slot);
+/* What the planes of all slots take, free deform slots included; scratch is not counted. */
+struct gpu_slots_bytes {
+	uint64_t base, offset, dirt;
+};
+void gpu_slots_bytes(const struct gpu_slots *slots, struct gpu_slots_bytes *bytes);
 /* Base from posts, or from a patch of level-0 posts (lattice_subdivide's arguments) by a pass. */
 enum status gpu_slots_upload_base(struct gpu_slots *slots, uint32_t slot, const int32_t *posts) FURROW_CHECKED;
 enum status gpu_slots_subdivide_base(struct gpu_slots *slots, uint32_t slot, const int32_t *patch,
@@ -158,8 +169,9 @@ enum status gpu_slots_upload_deform(struct gpu_slots *slots, uint32_t slot, cons
 				    const uint8_t *dirt_or_null) FURROW_CHECKED;
 enum status gpu_slots_read_deform(struct gpu_slots *slots, uint32_t slot, int32_t *offset,
 				  uint8_t *dirt_or_null) FURROW_CHECKED;
-/* Writes every second post of `fine` (rows and columns inside `rect` of it, in its posts) into the
- * coarse slot's offset and dirt at (to_x, to_y); `steps` levels apart (every 2^steps-th post). */
+/* Writes every 2^steps-th post of `fine` inside `rect` of it (in its posts), beginning with the
+ * rectangle's first, into the coarse slot's offset and dirt at (to_x, to_y). The rectangle's first
+ * post must be one the coarse level has. A fine slot that is not deformed counts as zeros. */
 enum status gpu_slots_decimate(struct gpu_slots *slots, uint32_t fine, struct gpu_rect rect, int steps,
 			       uint32_t coarse, uint32_t to_x, uint32_t to_y) FURROW_CHECKED;
 

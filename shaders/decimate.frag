@@ -1,0 +1,28 @@
+#version 450 core
+// A coarser tile's offsets (and dirt) from a finer one's: every 2^steps-th post, no filter.
+// DIRT: the tiles have a dirt plane.
+
+layout(binding = 0) uniform isampler2D fine_offset;
+#ifdef DIRT
+layout(binding = 1) uniform usampler2D fine_dirt;
+#endif
+
+layout(std140, binding = 0) uniform params {
+	ivec2 from; // the first fine post read
+	ivec2 to;   // the coarse post it goes to
+	int steps;
+};
+
+layout(location = 0) out int offset;
+#ifdef DIRT
+layout(location = 1) out uint dirt;
+#endif
+
+void main()
+{
+	ivec2 p = from + ((ivec2(gl_FragCoord.xy) - to) << steps);
+	offset = texelFetch(fine_offset, p, 0).r;
+#ifdef DIRT
+	dirt = texelFetch(fine_dirt, p, 0).r;
+#endif
+}

@@ -1,0 +1,48 @@
+#version 450 core
+// Redistribution `box`: the mean offset of the neighbourhood, where the sweep pressed the ground and
+// its end pose left it, and as far around as the filter reaches. One fragment a post of the window.
+// Define: RADIUS.
+
+layout(binding = 0) uniform isampler2DArray bases;
+layout(binding = 1) uniform isampler2DArray offsets;
+layout(binding = 2) uniform usampler2DArray contacts;
+
+layout(std140, binding = 0) uniform params {
+	ivec4 window; // posts in x and y; the layer
+};
+
+layout(location = 0) out int offset_out;
+
+const int BASE_NODATA = int(0x80000000u);
+
+void main()
+{
+	ivec2 post = ivec2(gl_FragCoord.xy);
+	ivec2 low = max(post - RADIUS, ivec2(0)), high = min(post + RADIUS, window.xy - 1);
+	offset_out = texelFetch(offsets, ivec3(post, window.z), 0).r;
+	if (texelFetch(bases, ivec3(post, window.z), 0).r == BASE_NODATA ||
+	    (texelFetch(contacts, ivec3(post, window.z), 0).r & 2u) != 0u)
+		return;
+	bool left = false;
+	for (int y = low.y; y <= high.y; y++)
+		for (int x = low.x; x <= high.x; x++)
+			left = left || (texelFetch(contacts, ivec3(x, y, window.z), 0).r & 3u) == 1u;
+	if (!left)
+		return;
+	// The sum of up to 81 offsets exceeds 32 bits: high and low halves apart, and counted from the
+	// lowest offset there is, since GLSL does not say how a negative number is divided.
+	uint count = 0u, high_sum = 0u, low_sum = 0u;
+	for (int y = low.y; y <= high.y; y++)
+		for (int x = low.x; x <= high.x; x++) {
+			if (texelFetch(bases, ivec3(x, y, window.z), 0).r == BASE_NODATA)
+				continue;
+			uint offset = uint(texelFetch(offsets, ivec3(x, y, window.z), 0).r) ^ 0x80000000u;
+			count++;
+			high_sum += offset >> 16;
+			low_sum += offset & 0xffffu;
+		}
+	// floor((sum + count / 2) / count), sum = high_sum * 2^16 + low_sum.
+	uint quotient = high_sum / count, rest = high_sum % count;
+	uint mean = (quotient << 16) + ((rest << 16) + low_sum + count / 2u) / count;
+	offset_out = int(mean ^ 0x80000000u);
+}

@@ -1,0 +1,17 @@
+// The parameters of one terrain draw, or of the sky: struct picture_params in src/render/internal.h.
+layout(std140, binding = 0) uniform picture {
+	mat4 project;     // metres relative to the eye, store axes, to clip space
+	vec4 right, up, forward; // the camera's axes; right and up scaled to the picture's edge; right.w: a pixel's angle
+	vec4 sun;         // direction to it
+	vec4 haze;        // extinction per metre at the eye, 1 / its scale height, metres; eye above low
+	vec4 relief;      // lowest height, 1 / relief, relief, height of the eye; metres
+	vec4 origin;      // the tile's south-west post relative to the eye; spacing; the eye above its lattice height
+	vec4 pattern;     // the tile's south-west post modulo the ground pattern's period, metres; metres a post
+	vec4 ground;      // its post in the level-0 tile, level-0 posts a post, level-0 spacing
+	vec4 detail;      // distance at which a stride of 1 has become 2; a skirt's depth a stride and at most
+	ivec4 tile;       // cells, first instance, the eye's lattice height / 2, cells along a block
+};
+
+const float half_base_metre = 1.0 / 131072.0; // metres of half a base height, 2^-17
+const float base_metre = 1.0 / 262144.0;      // of a base height, 2^-18
+const float offset_metre = 1.0 / 1048576.0;   // of an offset, 2^-20

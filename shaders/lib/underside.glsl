@@ -1,0 +1,114 @@
+// The underside of a swept object at a post of the window: whole numbers throughout, the same on
+// every driver. Distances are in 2^-fine m, heights in quanta (2^-20 m) from the window's own zero.
+
+#include "lib/int64.glsl"
+
+const int ONE = 1 << 28;   // of fractions
+const int REACH = (1 << 30) - 1;
+
+// F(i, j) = at + i * di + j * dj, in 64 bits, then an arithmetic shift: what src/deform/affine.h holds.
+struct functional {
+	ivec4 at_di;    // lo, hi of at; lo, hi of di
+	ivec4 dj_shift; // lo, hi of dj; the shift
+};
+
+// Clamped: beyond the window's reach only its sign matters.
+int functional_int(ivec4 at_di, ivec4 dj_shift, ivec2 post)
+{
+	i64 at = i64(at_di.y, uint(at_di.x)), di = i64(at_di.w, uint(at_di.z));
+	i64 dj = i64(dj_shift.y, uint(dj_shift.x));
+	i64 sum = i64_add(at, i64_add(i64_mul_int(di, post.x), i64_mul_int(dj, post.y)));
+	i64 v = i64_sar(sum, dj_shift.z);
+	return i64_to_int(i64_clamp(v, i64_from(-REACH), i64_from(REACH)));
+}
+
+// floor(sqrt(d)), 0 <= d < 2^62: a float's guess, one correction, and a proof.
+int square_root(i64 d)
+{
+	int q = int(sqrt(i64_to_float(d)));
+	if (q > 0)
+		q += int(floor(i64_to_float(i64_sub(d, i64_mul(q, q))) / (2.0 * float(q))));
+	for (int k = 0; k < 3; k++)
+		q -= int(i64_less(d, i64_mul(q, q)));
+	for (int k = 0; k < 3; k++)
+		q += 1 - int(i64_less(d, i64_mul(q + 1, q + 1)));
+	return q;
+}
+
+// (a * b) >> n, rounded to nearest; 1 <= n <= 62.
+int scaled(int a, int b, int n)
+{
+	i64 half_unit = i64_shl(i64_from(1), n - 1);
+	return i64_to_int(i64_sar(i64_add(i64_mul(a, b), half_unit), n));
+}
+
+struct body {
+	functional f[10];
+	ivec4 a; // wheel, sphere: radius, half the width, length of the motion, sine of its slope (of ONE)
+	ivec4 b; // height of the centre, rise of the motion, rise per length, its shift
+	ivec4 c; // x, w: from 2^-fine m to quanta, factor and shift; y, z: wheel: moves sideways; box:
+	         // number of planes, of slabs
+};
+
+layout(std140, binding = 0) uniform params {
+	body bodies[2]; // the sweep; its end pose
+	ivec4 zero;     // lo, hi: the window's zero height, quanta from the store's reference; the layer
+};
+
+#define AT(which, k, post) functional_int(bodies[which].f[k].at_di, bodies[which].f[k].dj_shift, post)
+
+#ifdef SHAPE_WHEEL
+// Along (0) and across (1) from the centre at the start; 2, 3: when in the motion (of ONE) the post
+// comes under the wheel's two sides, if it moves sideways at all (c.y).
+bool underside(int which, ivec2 post, out int height)
+{
+	ivec4 a = bodies[which].a, b = bodies[which].b, c = bodies[which].c;
+	int u = AT(which, 0, post), r = a.x;
+	int p = AT(which, 2, post), q = AT(which, 3, post);
+	bool sideways = c.y != 0;
+	int first = sideways ? max(0, min(p, q)) : 0, last = sideways ? min(ONE, max(p, q)) : ONE;
+	bool covered = first <= last && (sideways || abs(AT(which, 1, post)) <= a.y);
+	first = clamp(first, 0, ONE);
+	last = clamp(last, 0, ONE);
+	// x: from the centre to the post at the time they are nearest; the lowest is where the wheel
+	// is tangent to its own motion.
+	int low = max(u - scaled(last, a.z, 28), -r), high = min(u - scaled(first, a.z, 28), r);
+	covered = covered && low <= high;
+	int x = clamp(max(min(scaled(r, a.w, 28), high), low), -r, r);
+	int rise = a.z == 0 ? scaled(b.y < 0 ? last : first, b.y, 28) : scaled(u - x, b.z, b.w);
+	int up = square_root(i64_sub(i64_mul(r, r), i64_mul(x, x)));
+	height = b.x + rise - scaled(up, c.x, c.w);
+	return covered;
+}
+#endif
+
+#ifdef SHAPE_SPHERE
+// Along the motion (0) and across it (1).
+bool underside(int which, ivec2 post, out int height)
+{
+	int u = AT(which, 0, post), v = AT(which, 1, post), r = bodies[which].a.x;
+	int across = clamp(v, -r, r);
+	i64 ring_squared = i64_sub(i64_mul(r, r), i64_mul(across, across));
+	int ring = square_root(ring_squared);
+	int low = max(u - bodies[which].a.z, -ring), high = min(u, ring);
+	int x = max(min(scaled(ring, bodies[which].a.w, 28), high), low);
+	int bottom = square_root(i64_max(i64_sub(ring_squared, i64_mul(x, x)), i64_from(0)));
+	int rise = bodies[which].a.z == 0 ? min(bodies[which].b.y, 0) : scaled(u - x, bodies[which].b.z, bodies[which].b.w);
+	height = bodies[which].b.x + rise - scaled(bottom, bodies[which].c.x, bodies[which].c.w);
+	return abs(v) <= r && low <= high;
+}
+#endif
+
+#ifdef SHAPE_BOX
+// A box in motion is a zonotope: inside its slabs (f[6] ..), above its lower planes (f[0] ..).
+bool underside(int which, ivec2 post, out int height)
+{
+	height = -REACH;
+	for (int k = 0; k < bodies[which].c.z; k++)
+		if (abs(AT(which, 6 + k, post)) > ONE)
+			return false;
+	for (int k = 0; k < bodies[which].c.y; k++)
+		height = max(height, AT(which, k, post));
+	return true;
+}
+#endif

@@ -1,0 +1,142 @@
+/*
+ * The context's life, its counts, and its failure.
+ *
+ * States: usable -> failed, once and for good: the first GL error, loss of the context or failed
+ * creation is kept; from then on nothing calls GL any more except to destroy, and everything that
+ * can fail returns it.
+ */
+#include <string.h>
+
+#include "gpu/internal.h"
+
+bool gpu_usable(const struct gpu *gpu)
+{
+	assert(pthread_equal(gpu->owner, pthread_self()));
+	return gpu->failure.status == STATUS_OK;
+}
+
+enum status gpu_fail(struct gpu *gpu, enum status status)
+{
+	if (gpu->failure.status == STATUS_OK)
+		failure_capture(&gpu->failure, status);
+	return failure_restore(&gpu->failure);
+}
+
+static const char *error_name(GLenum error)
+{
+	switch (error) {
+	case GL_INVALID_ENUM:
+		return "invalid enum";
+	case GL_INVALID_VALUE:
+		return "invalid value";
+	case GL_INVALID_OPERATION:
+		return "invalid operation";
+	case GL_INVALID_FRAMEBUFFER_OPERATION:
+		return "invalid framebuffer operation";
+	case GL_OUT_OF_MEMORY:
+		return "out of memory";
+	default:
+		return "unknown error";
+	}
+}
+
+enum status gpu_check(struct gpu *gpu, const char *what)
+{
+	if (!gpu_usable(gpu))
+		return failure_restore(&gpu->failure);
+	if (glGetGraphicsResetStatus() != GL_NO_ERROR)
+		return gpu_fail(gpu, fail_with(STATUS_FAILED,
+			"%s: the GPU was reset and what was on it is lost; run again, what was committed is kept", what));
+	GLenum error = glGetError();
+	if (error == GL_NO_ERROR)
+		return STATUS_OK;
+	if (error == GL_OUT_OF_MEMORY)
+		return gpu_fail(gpu, fail_with(STATUS_FAILED,
+			"%s: the GPU is out of memory; lower cache.slots or close other programs", what));
+	return gpu_fail(gpu, fail_with(STATUS_FAILED,
+		"%s: GL says %s (%s); report this, or try another GL driver", what, error_name(error), gpu->info.renderer));
+}
+
+static const char *gl_text(GLenum name)
+{
+	const char *text = (const char *)glGetString(name);
+	return text != NULL ? text : "";
+}
+
+enum status gpu_create(const struct gpu_params *params, struct gpu **out)
+{
+	enum status status;
+	struct gpu *gpu = mem_calloc(1, sizeof *gpu);
+	if (gpu == NULL)
+		return fail_memory("GL context");
+	gpu->owner = pthread_self();
+	status = gpu_egl_open(params->draws, &gpu->egl);
+	if (status != STATUS_OK) {
+		mem_free(gpu);
+		return status;
+	}
+	gpu->info = (struct gpu_info){
+		.vendor = gl_text(GL_VENDOR),
+		.renderer = gl_text(GL_RENDERER),
+		.version = gl_text(GL_VERSION),
+		.software = gpu->egl.software,
+	};
+	/* What never changes. A vertex array is needed even by draws without attributes. */
+	glCreateVertexArrays(1, &gpu->vertex_array);
+	glBindVertexArray(gpu->vertex_array);
+	glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+	glDepthFunc(GL_GREATER);
+	glFrontFace(GL_CCW);
+	glCullFace(GL_BACK);
+	glDisable(GL_DITHER);
+	glPixelStorei(GL_PACK_ALIGNMENT, 1);
+	glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+	status = gpu_check(gpu, "GL context");
+	if (status != STATUS_OK) {
+		gpu_destroy(gpu);
+		return status;
+	}
+	*out = gpu;
+	return STATUS_OK;
+}
+
+void gpu_destroy(struct gpu *gpu)
+{
+	if (gpu == NULL)
+		return;
+	assert(pthread_equal(gpu->owner, pthread_self()));
+	assert(gpu->stats.textures == 0);
+	gpu_programs_finish(gpu);
+	gpu_ring_finish(gpu);
+	gpu_timer_finish(gpu);
+	glDeleteVertexArrays(1, &gpu->vertex_array);
+	gpu_egl_close(&gpu->egl);
+	mem_free(gpu);
+}
+
+const struct gpu_info *gpu_info(const struct gpu *gpu)
+{
+	return &gpu->info;
+}
+
+void gpu_stats(struct gpu *gpu, struct gpu_stats *stats)
+{
+	if (gpu_usable(gpu))
+		gpu_timer_collect(gpu);
+	*stats = gpu->stats;
+}
+
+void gpu_finish(struct gpu *gpu)
+{
+	if (gpu_usable(gpu))
+		glFinish();
+}
+
+void gpu_storage_barrier(struct gpu *gpu)
+{
+	if (!gpu->storage_written)
+		return;
+	glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT | GL_UNIFORM_BARRIER_BIT |
+			GL_ELEMENT_ARRAY_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT);
+	gpu->storage_written = false;
+}

@@ -1,0 +1,72 @@
+/*
+ * One pass: state, parameters, draw. Only what differs from the pass before is set; the cache is
+ * the gpu's and knows of every bind, since nothing else binds.
+ */
+#include "gpu/internal.h"
+
+static void set_flag(GLenum flag, bool *now, bool wanted)
+{
+	if (*now != wanted)
+		(wanted ? glEnable : glDisable)(flag);
+	*now = wanted;
+}
+
+static void bind_inputs(struct gpu *gpu, const struct gpu_pass *pass)
+{
+	for (GLuint i = 0; i < GPU_PASS_TEXTURES; i++) {
+		const struct gpu_texture *texture = pass->textures[i];
+		if (texture == NULL || texture == gpu->textures[i])
+			continue;
+		assert(texture->gpu == gpu);
+		glBindTextureUnit(i, texture->name);
+		gpu->textures[i] = texture;
+	}
+	for (GLuint i = 0; i < GPU_PASS_BUFFERS; i++) {
+		if (pass->storage[i] == NULL)
+			continue;
+		assert(pass->storage[i]->gpu == gpu && pass->storage[i]->use == GPU_STORAGE);
+		glBindBufferBase(GL_SHADER_STORAGE_BUFFER, i, pass->storage[i]->name);
+		gpu->storage_written = true;
+	}
+}
+
+static void draw(struct gpu *gpu, const struct gpu_pass *pass)
+{
+	if (pass->indices == NULL) {
+		glDrawArrays(GL_TRIANGLES, 0, 3);
+		return;
+	}
+	assert(pass->indices->use == GPU_INDICES && pass->index_count % 3 == 0);
+	assert(pass->index_count <= pass->indices->bytes / sizeof(uint16_t) && pass->instances > 0);
+	if (gpu->indices != pass->indices)
+		glVertexArrayElementBuffer(gpu->vertex_array, pass->indices->name);
+	gpu->indices = pass->indices;
+	glDrawElementsInstanced(GL_TRIANGLES, (GLsizei)pass->index_count, GL_UNSIGNED_SHORT, NULL,
+				(GLsizei)pass->instances);
+}
+
+void gpu_pass_run(struct gpu *gpu, const struct gpu_pass *pass)
+{
+	const struct gpu_rect *view = &pass->viewport;
+	const struct gpu_target *target = pass->target;
+	if (!gpu_usable(gpu) || view->width == 0 || view->height == 0)
+		return;
+	if (pass->params != NULL && gpu_ring_bind(gpu, pass->params, pass->params_bytes) != STATUS_OK)
+		return;
+	assert(target->gpu == gpu && pass->stage < GPU_STAGES);
+	assert(view->x <= target->width && view->width <= target->width - view->x);
+	assert(view->y <= target->height && view->height <= target->height - view->y);
+	gpu_timer_begin(gpu, pass->stage);
+	gpu_storage_barrier(gpu);
+	gpu_target_bind(gpu, target);
+	if (gpu->program != pass->program)
+		glUseProgram(pass->program->name);
+	gpu->program = pass->program;
+	bind_inputs(gpu, pass);
+	set_flag(GL_DEPTH_TEST, &gpu->depth_test, pass->depth_test);
+	set_flag(GL_CULL_FACE, &gpu->cull_back, pass->cull_back);
+	glViewport((GLint)view->x, (GLint)view->y, (GLsizei)view->width, (GLsizei)view->height);
+	draw(gpu, pass);
+	gpu_timer_end(gpu, pass->stage);
+	gpu->stats.passes[pass->stage]++;
+}

@@ -1,0 +1,152 @@
+/*
+ * Programs, linked when first asked for and kept until the gpu ends. The key of a request is its
+ * vertex and fragment file and its defines in their order.
+ */
+#include <stdio.h>
+#include <string.h>
+
+#include "gpu/internal.h"
+
+#define LOG_BYTES 4096
+
+static char *request_key(const struct gpu_program_request *request)
+{
+	size_t bytes = strlen(request->vertex) + strlen(request->fragment) + 3;
+	for (size_t i = 0; i < GPU_DEFINES_MAX && request->defines[i] != NULL; i++)
+		bytes += strlen(request->defines[i]) + 1;
+	char *key = mem_alloc(bytes, 1);
+	if (key == NULL)
+		return NULL;
+	size_t length = (size_t)snprintf(key, bytes, "%s\n%s\n", request->vertex, request->fragment);
+	for (size_t i = 0; i < GPU_DEFINES_MAX && request->defines[i] != NULL; i++)
+		length += (size_t)snprintf(key + length, bytes - length, "%s\n", request->defines[i]);
+	return key;
+}
+
+/* "shader FILE:LINE (DEFINES): what the driver says; what to do" */
+static enum status fail_compile(struct gpu *gpu, const struct gpu_shader *shader, const char *log,
+				const struct gpu_program_request *request)
+{
+	const char *file;
+	char text[256], place[16] = "", variant[128] = "";
+	size_t used = 0;
+	int line;
+	gpu_shader_locate(shader, log, &file, &line, text, sizeof text);
+	if (line > 0)
+		snprintf(place, sizeof place, ":%d", line);
+	for (size_t i = 0; i < GPU_DEFINES_MAX && request->defines[i] != NULL && used < sizeof variant; i++)
+		used += (size_t)snprintf(variant + used, sizeof variant - used, "%s%s", i == 0 ? " with " : ", ",
+					 request->defines[i]);
+	return fail_with(STATUS_FAILED, "shader %s%s%s: %s; report this, or try another GL driver than %.60s", file, place,
+			 variant, text, gpu->info.renderer);
+}
+
+static enum status compile(struct gpu *gpu, const struct shader_text *table, GLenum kind, const char *path,
+			   const struct gpu_program_request *request, GLuint *out)
+{
+	struct gpu_shader shader;
+	GLint ok = GL_FALSE;
+	GLuint name = 0;
+	enum status status = gpu_shader_assemble(table, path, request->defines, &shader);
+	if (status != STATUS_OK)
+		goto done;
+	name = glCreateShader(kind);
+	const char *text = shader.text;
+	GLint length = (GLint)shader.length;
+	glShaderSource(name, 1, &text, &length);
+	glCompileShader(name);
+	glGetShaderiv(name, GL_COMPILE_STATUS, &ok);
+	if (!ok) {
+		char log[LOG_BYTES] = "";
+		glGetShaderInfoLog(name, sizeof log, NULL, log);
+		status = fail_compile(gpu, &shader, log, request);
+		glDeleteShader(name);
+		goto done;
+	}
+	*out = name;
+done:
+	gpu_shader_finish(&shader);
+	return status;
+}
+
+static enum status link_program(struct gpu *gpu, const struct shader_text *table,
+				const struct gpu_program_request *request, GLuint *out)
+{
+	GLuint vertex = 0, fragment = 0, name = 0;
+	GLint ok = GL_FALSE;
+	enum status status = compile(gpu, table, GL_VERTEX_SHADER, request->vertex, request, &vertex);
+	if (status == STATUS_OK)
+		status = compile(gpu, table, GL_FRAGMENT_SHADER, request->fragment, request, &fragment);
+	if (status != STATUS_OK)
+		goto done;
+	name = glCreateProgram();
+	glAttachShader(name, vertex);
+	glAttachShader(name, fragment);
+	glLinkProgram(name);
+	glGetProgramiv(name, GL_LINK_STATUS, &ok);
+	if (!ok) {
+		char log[LOG_BYTES] = "";
+		struct gpu_shader none = {.files = {request->fragment}, .file_count = 1};
+		glGetProgramInfoLog(name, sizeof log, NULL, log);
+		status = fail_compile(gpu, &none, log, request);
+	} else {
+		status = gpu_check(gpu, request->fragment);
+	}
+	if (status != STATUS_OK)
+		glDeleteProgram(name);
+	else
+		*out = name;
+done:
+	glDeleteShader(vertex); /* 0 is ignored; an attached one lives on in the program */
+	glDeleteShader(fragment);
+	return status;
+}
+
+enum status gpu_program_get_from(struct gpu *gpu, const struct shader_text *table,
+				 const struct gpu_program_request *request, struct gpu_program **out)
+{
+	if (!gpu_usable(gpu))
+		return failure_restore(&gpu->failure);
+	char *key = request_key(request);
+	if (key == NULL)
+		return fail_memory("GL program");
+	for (struct gpu_program *program = gpu->programs; program != NULL; program = program->next) {
+		if (program->table == table && strcmp(program->key, key) == 0) {
+			mem_free(key);
+			*out = program;
+			return STATUS_OK;
+		}
+	}
+	struct gpu_program *program = mem_calloc(1, sizeof *program);
+	enum status status = program != NULL ? link_program(gpu, table, request, &program->name) : fail_memory("GL program");
+	if (status != STATUS_OK) {
+		mem_free(program);
+		mem_free(key);
+		return status;
+	}
+	program->key = key;
+	program->table = table;
+	program->next = gpu->programs;
+	gpu->programs = program;
+	gpu->stats.programs++;
+	*out = program;
+	return STATUS_OK;
+}
+
+enum status gpu_program_get(struct gpu *gpu, const struct gpu_program_request *request, struct gpu_program **out)
+{
+	return gpu_program_get_from(gpu, shader_table, request, out);
+}
+
+void gpu_programs_finish(struct gpu *gpu)
+{
+	while (gpu->programs != NULL) {
+		struct gpu_program *program = gpu->programs;
+		gpu->programs = program->next;
+		glDeleteProgram(program->name);
+		mem_free(program->key);
+		mem_free(program);
+		gpu->stats.programs--;
+	}
+	gpu->program = NULL;
+}

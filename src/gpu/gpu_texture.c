@@ -1,0 +1,234 @@
+/*
+ * Textures and the targets over them.
+ *
+ * Invariants: a texture has one mip level, samples NEAREST and clamped; data in and out is tight,
+ * in the format's own type, row 0 first. GL orders copies, clears, uploads and draws among
+ * themselves, so nothing here needs a barrier.
+ */
+#include <string.h>
+
+#include "gpu/internal.h"
+
+struct format {
+	GLenum internal, transfer, type;
+	uint32_t bytes;
+};
+
+static const struct format formats[] = {
+	[GPU_R32I] = {GL_R32I, GL_RED_INTEGER, GL_INT, 4},
+	[GPU_R8UI] = {GL_R8UI, GL_RED_INTEGER, GL_UNSIGNED_BYTE, 1},
+	[GPU_RGBA8] = {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, 4},
+	[GPU_SRGB8_ALPHA8] = {GL_SRGB8_ALPHA8, GL_RGBA, GL_UNSIGNED_BYTE, 4},
+	[GPU_DEPTH32F] = {GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, 4},
+};
+
+enum status gpu_texture_create(struct gpu *gpu, enum gpu_format format, uint32_t width,
+			       uint32_t height, uint32_t layers, struct gpu_texture **out)
+{
+	if (!gpu_usable(gpu))
+		return failure_restore(&gpu->failure);
+	assert(width > 0 && height > 0);
+	struct gpu_texture *texture = mem_alloc(1, sizeof *texture);
+	if (texture == NULL)
+		return fail_memory("texture");
+	*texture = (struct gpu_texture){
+		.gpu = gpu,
+		.kind = layers > 0 ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D,
+		.format = format,
+		.width = width,
+		.height = height,
+		.layers = layers > 0 ? layers : 1,
+	};
+	texture->bytes = (uint64_t)width * height * texture->layers * formats[format].bytes;
+	glCreateTextures(texture->kind, 1, &texture->name);
+	if (layers > 0)
+		glTextureStorage3D(texture->name, 1, formats[format].internal, (GLsizei)width, (GLsizei)height, (GLsizei)layers);
+	else
+		glTextureStorage2D(texture->name, 1, formats[format].internal, (GLsizei)width, (GLsizei)height);
+	glTextureParameteri(texture->name, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+	glTextureParameteri(texture->name, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+	glTextureParameteri(texture->name, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+	glTextureParameteri(texture->name, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+	enum status status = gpu_check(gpu, "texture");
+	if (status != STATUS_OK) {
+		glDeleteTextures(1, &texture->name);
+		mem_free(texture);
+		return status;
+	}
+	gpu->stats.textures++;
+	gpu->stats.bytes += texture->bytes;
+	*out = texture;
+	return STATUS_OK;
+}
+
+void gpu_texture_destroy(struct gpu_texture *texture)
+{
+	if (texture == NULL)
+		return;
+	struct gpu *gpu = texture->gpu;
+	assert(pthread_equal(gpu->owner, pthread_self()));
+	for (size_t i = 0; i < GPU_PASS_TEXTURES; i++)
+		if (gpu->textures[i] == texture)
+			gpu->textures[i] = NULL;
+	glDeleteTextures(1, &texture->name);
+	gpu->stats.textures--;
+	gpu->stats.bytes -= texture->bytes;
+	mem_free(texture);
+}
+
+static void assert_inside(const struct gpu_texture *texture, uint32_t layer, struct gpu_rect rect)
+{
+	assert(layer < texture->layers);
+	assert(rect.x <= texture->width && rect.width <= texture->width - rect.x);
+	assert(rect.y <= texture->height && rect.height <= texture->height - rect.y);
+	(void)texture, (void)layer, (void)rect;
+}
+
+static size_t rect_bytes(const struct gpu_texture *texture, struct gpu_rect rect)
+{
+	return (size_t)rect.width * rect.height * formats[texture->format].bytes;
+}
+
+void gpu_texture_upload(struct gpu_texture *texture, uint32_t layer, struct gpu_rect rect, const void *data)
+{
+	const struct format *format = &formats[texture->format];
+	assert_inside(texture, layer, rect);
+	if (!gpu_usable(texture->gpu) || rect.width == 0 || rect.height == 0)
+		return;
+	if (texture->kind == GL_TEXTURE_2D)
+		glTextureSubImage2D(texture->name, 0, (GLint)rect.x, (GLint)rect.y, (GLsizei)rect.width,
+				    (GLsizei)rect.height, format->transfer, format->type, data);
+	else
+		glTextureSubImage3D(texture->name, 0, (GLint)rect.x, (GLint)rect.y, (GLint)layer, (GLsizei)rect.width,
+				    (GLsizei)rect.height, 1, format->transfer, format->type, data);
+	texture->gpu->stats.uploads++;
+	texture->gpu->stats.upload_bytes += rect_bytes(texture, rect);
+}
+
+void gpu_texture_read(struct gpu_texture *texture, uint32_t layer, struct gpu_rect rect, void *data)
+{
+	const struct format *format = &formats[texture->format];
+	size_t bytes = rect_bytes(texture, rect);
+	assert_inside(texture, layer, rect);
+	if (bytes == 0)
+		return;
+	if (!gpu_usable(texture->gpu)) {
+		memset(data, 0, bytes);
+		return;
+	}
+	assert(bytes <= INT32_MAX);
+	glGetTextureSubImage(texture->name, 0, (GLint)rect.x, (GLint)rect.y, (GLint)layer, (GLsizei)rect.width,
+			     (GLsizei)rect.height, 1, format->transfer, format->type, (GLsizei)bytes, data);
+	texture->gpu->stats.read_backs++;
+	texture->gpu->stats.read_back_bytes += bytes;
+}
+
+void gpu_texture_clear(struct gpu_texture *texture, uint32_t layer, struct gpu_rect rect, int32_t value)
+{
+	const struct format *format = &formats[texture->format];
+	uint8_t byte = (uint8_t)value;
+	assert_inside(texture, layer, rect);
+	if (!gpu_usable(texture->gpu) || rect.width == 0 || rect.height == 0)
+		return;
+	glClearTexSubImage(texture->name, 0, (GLint)rect.x, (GLint)rect.y, (GLint)layer, (GLsizei)rect.width,
+			   (GLsizei)rect.height, 1, format->transfer, format->type,
+			   format->bytes == 1 ? (const void *)&byte : &value);
+}
+
+void gpu_texture_copy(struct gpu_texture *from, uint32_t from_layer, uint32_t from_x, uint32_t from_y,
+		      struct gpu_texture *to, uint32_t to_layer, struct gpu_rect to_rect)
+{
+	assert(from->gpu == to->gpu && from->format == to->format);
+	assert_inside(from, from_layer, (struct gpu_rect){from_x, from_y, to_rect.width, to_rect.height});
+	assert_inside(to, to_layer, to_rect);
+	if (!gpu_usable(to->gpu) || to_rect.width == 0 || to_rect.height == 0)
+		return;
+	glCopyImageSubData(from->name, from->kind, 0, (GLint)from_x, (GLint)from_y, (GLint)from_layer, to->name, to->kind,
+			   0, (GLint)to_rect.x, (GLint)to_rect.y, (GLint)to_layer, (GLsizei)to_rect.width,
+			   (GLsizei)to_rect.height, 1);
+}
+
+static void attach(struct gpu_target *target, GLenum point, struct gpu_attachment attachment)
+{
+	const struct gpu_texture *texture = attachment.texture;
+	assert(attachment.layer < texture->layers);
+	if (texture->kind == GL_TEXTURE_2D)
+		glNamedFramebufferTexture(target->name, point, texture->name, 0);
+	else
+		glNamedFramebufferTextureLayer(target->name, point, texture->name, 0, (GLint)attachment.layer);
+	assert(target->width == 0 || (target->width == texture->width && target->height == texture->height));
+	target->width = texture->width;
+	target->height = texture->height;
+}
+
+enum status gpu_target_create(struct gpu *gpu, const struct gpu_attachment *colours, uint32_t count,
+			      struct gpu_attachment depth, struct gpu_target **out)
+{
+	static const GLenum points[4] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2,
+					 GL_COLOR_ATTACHMENT3};
+	if (!gpu_usable(gpu))
+		return failure_restore(&gpu->failure);
+	assert(count <= 4 && (count > 0 || depth.texture != NULL));
+	struct gpu_target *target = mem_calloc(1, sizeof *target);
+	if (target == NULL)
+		return fail_memory("render target");
+	target->gpu = gpu;
+	target->colours = count;
+	glCreateFramebuffers(1, &target->name);
+	for (uint32_t i = 0; i < count; i++) {
+		enum gpu_format format = colours[i].texture->format;
+		attach(target, points[i], colours[i]);
+		target->srgb = target->srgb || format == GPU_SRGB8_ALPHA8;
+		target->integer = target->integer || format == GPU_R32I || format == GPU_R8UI;
+	}
+	if (depth.texture != NULL) {
+		attach(target, GL_DEPTH_ATTACHMENT, depth);
+		target->depth = true;
+	}
+	glNamedFramebufferDrawBuffers(target->name, (GLsizei)count, points);
+	enum status status = gpu_check(gpu, "render target");
+	if (status == STATUS_OK && glCheckNamedFramebufferStatus(target->name, GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+		status = gpu_fail(gpu, fail_with(STATUS_FAILED,
+			"render target: %s does not support it; use another GL driver", gpu->info.renderer));
+	if (status != STATUS_OK) {
+		glDeleteFramebuffers(1, &target->name);
+		mem_free(target);
+		return status;
+	}
+	*out = target;
+	return STATUS_OK;
+}
+
+void gpu_target_destroy(struct gpu_target *target)
+{
+	if (target == NULL)
+		return;
+	assert(pthread_equal(target->gpu->owner, pthread_self()));
+	if (target->gpu->target == target)
+		target->gpu->target = NULL;
+	glDeleteFramebuffers(1, &target->name);
+	mem_free(target);
+}
+
+void gpu_target_bind(struct gpu *gpu, const struct gpu_target *target)
+{
+	if (gpu->target != target)
+		glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target->name);
+	gpu->target = target;
+	if (gpu->srgb != target->srgb)
+		(target->srgb ? glEnable : glDisable)(GL_FRAMEBUFFER_SRGB);
+	gpu->srgb = target->srgb;
+}
+
+void gpu_target_clear(struct gpu_target *target, const float rgba[4])
+{
+	const float depth = 0;
+	assert(!target->integer);
+	if (!gpu_usable(target->gpu))
+		return;
+	gpu_target_bind(target->gpu, target);
+	for (uint32_t i = 0; i < target->colours; i++)
+		glClearNamedFramebufferfv(target->name, GL_COLOR, (GLint)i, rgba);
+	if (target->depth)
+		glClearNamedFramebufferfv(target->name, GL_DEPTH, 0, &depth);
+}

@@ -1,0 +1,130 @@
+/* The context: what it says of itself, that its counts return to nothing, that failure stays. */
+#include "gpu_test.h"
+
+static void it_says_what_it_is(void **state)
+{
+	(void)state;
+	need_gpu();
+	const struct gpu_info *info = gpu_info(test_gpu);
+	assert_true(strlen(info->vendor) > 0 && strlen(info->renderer) > 0);
+	assert_true(strncmp(info->version, "4.", 2) == 0 && info->version[2] >= '5');
+	assert_int_equal(info->software, strstr(info->renderer, "llvmpipe") != NULL);
+	assert_ok(gpu_check(test_gpu, "nothing"));
+	gpu_finish(test_gpu);
+}
+
+static void counts_return_to_nothing(void **state)
+{
+	struct gpu_stats stats;
+	struct gpu_texture *plane, *layers;
+	struct gpu_buffer *buffer;
+	struct gpu_target *target;
+	(void)state;
+	need_gpu();
+	assert_ok(gpu_texture_create(test_gpu, GPU_R32I, 17, 9, 0, &plane));
+	assert_ok(gpu_texture_create(test_gpu, GPU_R8UI, 10, 10, 3, &layers));
+	assert_ok(gpu_buffer_create(test_gpu, GPU_STORAGE, 1000, NULL, &buffer));
+	assert_ok(gpu_target_create(test_gpu, &(struct gpu_attachment){layers, 2}, 1, (struct gpu_attachment){NULL, 0}, &target));
+	gpu_stats(test_gpu, &stats);
+	assert_int_equal(stats.textures, 2);
+	assert_int_equal(stats.bytes, 17 * 9 * 4 + 300 + 1000);
+	gpu_target_destroy(target);
+	gpu_texture_destroy(plane);
+	gpu_texture_destroy(layers);
+	gpu_buffer_destroy(buffer);
+	gpu_stats(test_gpu, &stats);
+	assert_int_equal(stats.textures, 0);
+	assert_int_equal(stats.bytes, 0);
+}
+
+static void destroying_nothing_is_allowed(void **state)
+{
+	(void)state;
+	gpu_destroy(NULL);
+	gpu_texture_destroy(NULL);
+	gpu_target_destroy(NULL);
+	gpu_buffer_destroy(NULL);
+	gpu_slots_destroy(NULL);
+}
+
+static void a_second_context_after_the_first_works_and_draws(void **state)
+{
+	(void)state;
+	need_gpu();
+	close_gpu(NULL);
+	assert_ok(gpu_create(&(struct gpu_params){.draws = true}, &test_gpu));
+	assert_null(getenv("LP_NUM_THREADS"));
+	close_gpu(NULL);
+	assert_ok(gpu_create(&(struct gpu_params){.draws = false}, &test_gpu));
+}
+
+static void a_gl_error_is_told_and_stays(void **state)
+{
+	struct gpu_texture *texture;
+	struct gpu_buffer *buffer;
+	struct gpu_program *program;
+	int32_t texel = 5;
+	(void)state;
+	need_gpu();
+	assert_ok(gpu_texture_create(test_gpu, GPU_R32I, 1, 1, 0, &texture));
+	glEnable(0xffff);
+	assert_int_equal(gpu_check(test_gpu, "the test"), STATUS_FAILED);
+	assert_non_null(strstr(failure_message(), "the test: GL says invalid enum"));
+	(void)fail_with(STATUS_FAILED, "something else");
+	assert_int_equal(gpu_check(test_gpu, "later"), STATUS_FAILED);
+	assert_non_null(strstr(failure_message(), "the test: GL says invalid enum"));
+	assert_int_equal(gpu_buffer_create(test_gpu, GPU_INDICES, 6, NULL, &buffer), STATUS_FAILED);
+	assert_int_equal(gpu_program_get(test_gpu, &(struct gpu_program_request){"full.vert", "decimate.frag", {NULL}}, &program),
+			 STATUS_FAILED);
+	gpu_texture_upload(texture, 0, rect_of(0, 0, 1, 1), &texel);
+	gpu_texture_read(texture, 0, rect_of(0, 0, 1, 1), &texel);
+	assert_int_equal(texel, 0);
+	gpu_texture_destroy(texture);
+	close_gpu(NULL);
+	assert_ok(gpu_create(&(struct gpu_params){.draws = false}, &test_gpu));
+}
+
+static void more_memory_than_there_is_is_refused(void **state)
+{
+	struct gpu_texture *texture;
+	(void)state;
+	need_gpu();
+	assert_int_equal(gpu_texture_create(test_gpu, GPU_R32I, 16384, 16384, 2048, &texture), STATUS_FAILED);
+	assert_non_null(strstr(failure_message(), "texture: "));
+	struct gpu_stats stats;
+	gpu_stats(test_gpu, &stats);
+	assert_int_equal(stats.textures, 0);
+	assert_int_equal(stats.bytes, 0);
+	close_gpu(NULL);
+	assert_ok(gpu_create(&(struct gpu_params){.draws = false}, &test_gpu));
+}
+
+static void without_gl_it_says_so(void **state)
+{
+	(void)state;
+	need_gpu();
+	close_gpu(NULL);
+	setenv("MESA_GL_VERSION_OVERRIDE", "3.3", 1); /* drivers other than Mesa's do not listen */
+	enum status status = gpu_create(&(struct gpu_params){.draws = false}, &test_gpu);
+	unsetenv("MESA_GL_VERSION_OVERRIDE");
+	if (status == STATUS_OK)
+		skip();
+	assert_int_equal(status, STATUS_NO_GL);
+	assert_int_equal(strncmp(failure_message(), "GL: ", 4), 0);
+	assert_non_null(strstr(failure_message(), "; "));
+	assert_ok(gpu_create(&(struct gpu_params){.draws = false}, &test_gpu));
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(it_says_what_it_is),
+		cmocka_unit_test(counts_return_to_nothing),
+		cmocka_unit_test(destroying_nothing_is_allowed),
+		cmocka_unit_test(a_second_context_after_the_first_works_and_draws),
+		cmocka_unit_test(a_gl_error_is_told_and_stays),
+		cmocka_unit_test(more_memory_than_there_is_is_refused),
+		cmocka_unit_test(without_gl_it_says_so),
+	};
+	return cmocka_run_group_tests(tests, open_gpu, close_gpu);
+}

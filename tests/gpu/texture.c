@@ -1,0 +1,150 @@
+/* Textures: what goes in comes out, for every format, layer and rectangle; targets clear. */
+#include "gpu_test.h"
+
+enum { WIDTH = 21, HEIGHT = 13, LAYERS = 3 };
+
+static uint32_t format_bytes(enum gpu_format format)
+{
+	return format == GPU_R8UI ? 1 : 4;
+}
+
+/* What a texture should hold, moved by the same calls. */
+struct model {
+	uint8_t bytes[LAYERS][HEIGHT][WIDTH][4];
+};
+
+static void model_check(const struct model *model, struct gpu_texture *texture, uint32_t layers)
+{
+	uint8_t read[HEIGHT * WIDTH * 4];
+	uint32_t size = format_bytes(texture->format);
+	for (uint32_t layer = 0; layer < layers; layer++) {
+		gpu_texture_read(texture, layer, rect_of(0, 0, WIDTH, HEIGHT), read);
+		for (size_t i = 0; i < (size_t)HEIGHT * WIDTH; i++)
+			assert_memory_equal(read + i * size, model->bytes[layer][i / WIDTH][i % WIDTH], size);
+	}
+}
+
+static struct gpu_rect any_rect(void)
+{
+	uint32_t x = any_word() % WIDTH, y = any_word() % HEIGHT;
+	return rect_of(x, y, any_word() % (WIDTH - x + 1), any_word() % (HEIGHT - y + 1));
+}
+
+/* Texel bits that are a number in every format: floats of 1..2 for depth. */
+static uint32_t any_texel(enum gpu_format format)
+{
+	return format == GPU_DEPTH32F ? 0x3f000000u + any_word() % 0x800000u : any_word();
+}
+
+static void upload(struct model *model, struct gpu_texture *texture, uint32_t layer, struct gpu_rect rect)
+{
+	uint8_t data[HEIGHT * WIDTH * 4];
+	uint32_t size = format_bytes(texture->format);
+	size_t count = 0;
+	for (uint32_t y = rect.y; y < rect.y + rect.height; y++) {
+		for (uint32_t x = rect.x; x < rect.x + rect.width; x++) {
+			uint32_t texel = any_texel(texture->format);
+			memcpy(data + count++ * size, &texel, size);
+			memcpy(model->bytes[layer][y][x], &texel, size);
+		}
+	}
+	gpu_texture_upload(texture, layer, rect, data);
+}
+
+static void clear(struct model *model, struct gpu_texture *texture, uint32_t layer, struct gpu_rect rect)
+{
+	uint32_t texel = any_texel(texture->format);
+	for (uint32_t y = rect.y; y < rect.y + rect.height; y++)
+		for (uint32_t x = rect.x; x < rect.x + rect.width; x++)
+			memcpy(model->bytes[layer][y][x], &texel, format_bytes(texture->format));
+	gpu_texture_clear(texture, layer, rect, (int32_t)texel);
+}
+
+static void uploads_clears_and_copies_are_read_back_exactly(void **state)
+{
+	(void)state;
+	need_gpu();
+	for (int format = GPU_R32I; format <= GPU_DEPTH32F; format++) {
+		for (uint32_t layers = 0; layers <= LAYERS; layers += LAYERS) {
+			uint32_t count = layers > 0 ? layers : 1;
+			struct gpu_texture *texture, *other;
+			static struct model model, other_model;
+			assert_ok(gpu_texture_create(test_gpu, (enum gpu_format)format, WIDTH, HEIGHT, layers, &texture));
+			assert_ok(gpu_texture_create(test_gpu, (enum gpu_format)format, WIDTH, HEIGHT, 0, &other));
+			for (uint32_t layer = 0; layer < count; layer++)
+				upload(&model, texture, layer, rect_of(0, 0, WIDTH, HEIGHT));
+			clear(&other_model, other, 0, rect_of(0, 0, WIDTH, HEIGHT));
+			for (int i = 0; i < 20; i++) {
+				uint32_t layer = any_word() % count;
+				struct gpu_rect rect = any_rect();
+				upload(&model, texture, layer, any_rect());
+				clear(&model, texture, layer, any_rect());
+				uint32_t x = any_word() % (WIDTH - rect.width + 1), y = any_word() % (HEIGHT - rect.height + 1);
+				gpu_texture_copy(texture, layer, x, y, other, 0, rect);
+				for (uint32_t row = 0; row < rect.height; row++)
+					memcpy(other_model.bytes[0][rect.y + row][rect.x], model.bytes[layer][y + row][x], rect.width * 4);
+			}
+			model_check(&model, texture, count);
+			model_check(&other_model, other, 1);
+			assert_ok(gpu_check(test_gpu, "textures"));
+			gpu_texture_destroy(texture);
+			gpu_texture_destroy(other);
+		}
+	}
+}
+
+static void a_part_is_read_tightly(void **state)
+{
+	int32_t values[6 * 5], read[2 * 3];
+	(void)state;
+	need_gpu();
+	for (int i = 0; i < 30; i++)
+		values[i] = i;
+	struct gpu_texture *texture = ints_texture(values, 6, 5);
+	gpu_texture_read(texture, 0, rect_of(3, 1, 2, 3), read);
+	const int32_t expected[] = {9, 10, 15, 16, 21, 22};
+	assert_memory_equal(read, expected, sizeof read);
+	gpu_texture_destroy(texture);
+}
+
+static void a_target_clears_its_colours_and_its_depth(void **state)
+{
+	struct gpu_texture *linear, *srgb, *depth;
+	struct gpu_target *target, *srgb_target;
+	const float half[4] = {0.5f, 0, 1, 1};
+	uint8_t texel[4];
+	float near = 5;
+	(void)state;
+	need_gpu();
+	assert_ok(gpu_texture_create(test_gpu, GPU_RGBA8, 4, 4, 0, &linear));
+	assert_ok(gpu_texture_create(test_gpu, GPU_SRGB8_ALPHA8, 4, 4, 0, &srgb));
+	assert_ok(gpu_texture_create(test_gpu, GPU_DEPTH32F, 4, 4, 0, &depth));
+	assert_ok(gpu_target_create(test_gpu, &(struct gpu_attachment){linear, 0}, 1, (struct gpu_attachment){depth, 0}, &target));
+	assert_ok(gpu_target_create(test_gpu, &(struct gpu_attachment){srgb, 0}, 1, (struct gpu_attachment){NULL, 0}, &srgb_target));
+	gpu_texture_upload(depth, 0, rect_of(3, 3, 1, 1), &near);
+	gpu_target_clear(srgb_target, half);
+	gpu_target_clear(target, half);
+	gpu_texture_read(linear, 0, rect_of(3, 3, 1, 1), texel);
+	assert_in_range(texel[0], 127, 128);
+	assert_int_equal(texel[2], 255);
+	gpu_texture_read(srgb, 0, rect_of(3, 3, 1, 1), texel);
+	assert_in_range(texel[0], 187, 188); /* 0.5 linear, encoded */
+	gpu_texture_read(depth, 0, rect_of(3, 3, 1, 1), &near);
+	assert_true(near == 0);
+	assert_ok(gpu_check(test_gpu, "clears"));
+	gpu_target_destroy(target);
+	gpu_target_destroy(srgb_target);
+	gpu_texture_destroy(linear);
+	gpu_texture_destroy(srgb);
+	gpu_texture_destroy(depth);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(uploads_clears_and_copies_are_read_back_exactly),
+		cmocka_unit_test(a_part_is_read_tightly),
+		cmocka_unit_test(a_target_clears_its_colours_and_its_depth),
+	};
+	return cmocka_run_group_tests(tests, open_gpu, close_gpu);
+}
