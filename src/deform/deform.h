@@ -3,7 +3,7 @@
  * window: gather, displace, redistribute, scatter (with attributes).
  *
  * Results are integers and the same on every driver: an object's underside is evaluated at each
- * post from affine functionals of the post's place in the window (base/affine.h), in 64-bit
+ * post from affine functionals of the post's place in the window (affine.h), in 64-bit
  * fixed point. They do not depend on tiles: a window knows only global posts. For the GPU's thread.
  */
 #ifndef FURROW_DEFORM_H
@@ -69,7 +69,7 @@ struct deform_window {
 	struct post_rect read, write;
 };
 /* 0 windows: the sweep lies outside the world. STATUS_INPUT: more than DEFORM_WINDOWS_MAX needed. */
-enum status deform_windows(const struct deform *deform, const struct deform_sweep *sweep,
+enum status deform_windows(struct deform *deform, const struct deform_sweep *sweep,
 			   struct deform_window *windows, size_t *count) FURROW_CHECKED;
 
 /* A resident, pinned tile of the working level. */

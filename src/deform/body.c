@@ -1,0 +1,206 @@
+#include "deform/body.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Metres between two lattice places, exact before it is rounded. */
+static long double metres(int64_t quanta)
+{
+	return ldexpl((long double)quanta, -OFFSET_BITS);
+}
+
+struct motion {
+	long double x, y;   /* of the start, from the window's first post */
+	long double dx, dy; /* to the end */
+	int64_t z, dz;      /* quanta: start above the frame's zero, rise */
+};
+
+static struct motion motion_of(const struct deform_pose *from, const struct deform_pose *to,
+			       const struct body_frame *frame)
+{
+	return (struct motion){
+		.x = metres(from->x) - (long double)frame->x0 * frame->spacing,
+		.y = metres(from->y) - (long double)frame->y0 * frame->spacing,
+		.dx = metres(to->x - from->x),
+		.dy = metres(to->y - from->y),
+		.z = from->z - frame->zero,
+		.dz = to->z - from->z,
+	};
+}
+
+/* The post's place along the direction (c, s) from (x, y). */
+static struct functional along(const struct motion *m, long double c, long double s, double spacing,
+			       long double factor, long double plus, int scale, int shift)
+{
+	return functional_of((-(m->x * c + m->y * s)) * factor + plus, spacing * c * factor, spacing * s * factor, scale,
+			     shift);
+}
+
+/* Bits of fraction so that everything in the window stays below 2^29. */
+static int fine_bits(long double reach)
+{
+	int bits = 28 - ilogbl(reach);
+	return bits < 40 ? bits : 40;
+}
+
+/* rise per length as a multiplier of at most 30 bits and its shift. */
+static void slope_of(int64_t rise, int64_t length, int32_t *factor, int32_t *shift)
+{
+	*factor = 0;
+	*shift = 1;
+	if (rise == 0 || length == 0)
+		return;
+	long double slope = (long double)rise / (long double)length;
+	int bits = 27 - ilogbl(slope);
+	bits = bits < 60 ? bits : 60;
+	bits = bits > 1 ? bits : 1;
+	*factor = (int32_t)llrintl(ldexpl(slope, bits));
+	*shift = bits;
+}
+
+static long double window_reach(const struct motion *m, const struct body_frame *frame, long double radius)
+{
+	long double x = fmaxl(fabsl(m->x), fabsl(m->x - frame->width * frame->spacing)) + fabsl(m->dx);
+	long double y = fmaxl(fabsl(m->y), fabsl(m->y - frame->height * frame->spacing)) + fabsl(m->dy);
+	return hypotl(x, y) + radius;
+}
+
+static void fill_round(struct body *body, const struct motion *m, long double radius, long double half_width,
+		       long double length, int fine)
+{
+	int64_t run = llrintl(ldexpl(length, fine));
+	body->a[0] = (int32_t)llrintl(ldexpl(radius, fine));
+	body->a[1] = (int32_t)llrintl(ldexpl(half_width, fine));
+	body->a[2] = (int32_t)run;
+	long double rise = metres(m->dz);
+	body->a[3] = run != 0 ? (int32_t)llrintl(ldexpl(rise / hypotl(rise, length), 28)) : 0;
+	body->b[0] = (int32_t)m->z;
+	body->b[1] = (int32_t)m->dz;
+	slope_of(m->dz, run, &body->b[2], &body->b[3]);
+	body->c[0] = 2 << (fine < OFFSET_BITS ? OFFSET_BITS - fine : 0);
+	body->c[3] = 1 + (fine > OFFSET_BITS ? fine - OFFSET_BITS : 0);
+}
+
+static void wheel_of(const struct deform_shape *shape, const struct deform_pose *to, const struct motion *m,
+		     const struct body_frame *frame, struct body *body)
+{
+	long double c = cosl(to->yaw), s = sinl(to->yaw);
+	long double du = m->dx * c + m->dy * s, dv = m->dy * c - m->dx * s;
+	if (du < 0) { /* a wheel is the same both ways round: let it roll forwards */
+		c = -c;
+		s = -s;
+		du = -du;
+		dv = -dv;
+	}
+	int fine = fine_bits(window_reach(m, frame, shape->radius + shape->width));
+	long double half = shape->width / 2.0L;
+	fill_round(body, m, shape->radius, half, du, fine);
+	body->f[0] = along(m, c, s, frame->spacing, 1, 0, fine, 12);
+	body->f[1] = along(m, -s, c, frame->spacing, 1, 0, fine, 12);
+	if (llrintl(ldexpl(dv, fine)) != 0) {
+		body->c[1] = 1;
+		body->f[2] = along(m, -s, c, frame->spacing, 1 / dv, -half / dv, 28, 12);
+		body->f[3] = along(m, -s, c, frame->spacing, 1 / dv, half / dv, 28, 12);
+	}
+}
+
+static void sphere_of(const struct deform_shape *shape, const struct motion *m, const struct body_frame *frame,
+		      struct body *body)
+{
+	long double length = hypotl(m->dx, m->dy);
+	long double c = length > 0 ? m->dx / length : 1, s = length > 0 ? m->dy / length : 0;
+	int fine = fine_bits(window_reach(m, frame, shape->radius));
+	fill_round(body, m, shape->radius, 0, length, fine);
+	body->f[0] = along(m, c, s, frame->spacing, 1, 0, fine, 12);
+	body->f[1] = along(m, -s, c, frame->spacing, 1, 0, fine, 12);
+}
+
+void body_axes(const double size[3], double yaw, double pitch, double roll, double axes[3][3])
+{
+	double cy = cos(yaw), sy = sin(yaw), cp = cos(pitch), sp = sin(pitch), cr = cos(roll), sr = sin(roll);
+	/* Yaw, then nose up, then right side down. */
+	const double turned[3][3] = {
+		{cy * cp, sy * cp, sp},
+		{-sy * cr - cy * sp * sr, cy * cr - sy * sp * sr, cp * sr},
+		{sy * sr - cy * sp * cr, -cy * sr - sy * sp * cr, cp * cr},
+	};
+	for (int i = 0; i < 3; i++)
+		for (int k = 0; k < 3; k++)
+			axes[i][k] = turned[i][k] * size[i] / 2;
+}
+
+static void box_of(const struct deform_shape *shape, const struct deform_pose *to, const struct motion *m,
+		   const struct body_frame *frame, struct body *body)
+{
+	double g[4][3];
+	body_axes(shape->size, to->yaw, to->pitch, to->roll, g);
+	/* In quanta above the zero, and in metres along the ground. */
+	g[3][0] = (double)m->dx / 2;
+	g[3][1] = (double)m->dy / 2;
+	g[3][2] = (double)metres(m->dz) / 2;
+	long double x = m->x + m->dx / 2, y = m->y + m->dy / 2;
+	long double z = metres(m->z) + metres(m->dz) / 2;
+	int planes = 0, slabs = 0;
+	for (int p = 0; p < 4; p++)
+		for (int q = p + 1; q < 4; q++) {
+			long double n[3];
+			for (int k = 0; k < 3; k++)
+				n[k] = (long double)g[p][(k + 1) % 3] * g[q][(k + 2) % 3] -
+				       (long double)g[p][(k + 2) % 3] * g[q][(k + 1) % 3];
+			long double size = sqrtl(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+			if (size == 0 || fabsl(n[2]) < 1e-6L * size)
+				continue; /* no plane, or an upright one: a slab's business */
+			long double support = 0;
+			for (int k = 0; k < 4; k++)
+				support += fabsl(n[0] * g[k][0] + n[1] * g[k][1] + n[2] * g[k][2]);
+			long double gx = -n[0] / n[2], gy = -n[1] / n[2], low = z - support / fabsl(n[2]);
+			body->f[planes++] = functional_of(low - gx * x - gy * y, gx * frame->spacing, gy * frame->spacing,
+							  OFFSET_BITS, 12);
+		}
+	for (int p = 0; p < 4; p++) {
+		long double nx = -g[p][1], ny = g[p][0], half = 0;
+		if (nx == 0 && ny == 0)
+			continue;
+		for (int k = 0; k < 4; k++)
+			half += fabsl(nx * g[k][0] + ny * g[k][1]);
+		if (half < 1e-12L * hypotl(nx, ny))
+			continue; /* seen edge-on: the other slabs hold it */
+		nx /= half;
+		ny /= half;
+		body->f[6 + slabs++] = functional_of(-nx * x - ny * y, nx * frame->spacing, ny * frame->spacing, 28, 12);
+	}
+	body->c[1] = planes;
+	body->c[2] = slabs;
+}
+
+void body_of(const struct deform_shape *shape, const struct deform_pose *from, const struct deform_pose *to,
+	     const struct body_frame *frame, struct body *body)
+{
+	struct motion m = motion_of(from, to, frame);
+	memset(body, 0, sizeof *body);
+	switch (shape->kind) {
+	case DEFORM_WHEEL:
+		wheel_of(shape, to, &m, frame, body);
+		break;
+	case DEFORM_SPHERE:
+		sphere_of(shape, &m, frame, body);
+		break;
+	case DEFORM_BOX:
+		box_of(shape, to, &m, frame, body);
+		break;
+	}
+}
+
+void body_extent(const struct deform_shape *shape, const struct deform_pose *pose, double extent[2])
+{
+	double axes[3][3];
+	extent[0] = extent[1] = shape->radius;
+	if (shape->kind == DEFORM_WHEEL) {
+		extent[0] = fabs(cos(pose->yaw)) * shape->radius + fabs(sin(pose->yaw)) * shape->width / 2;
+		extent[1] = fabs(sin(pose->yaw)) * shape->radius + fabs(cos(pose->yaw)) * shape->width / 2;
+	} else if (shape->kind == DEFORM_BOX) {
+		body_axes(shape->size, pose->yaw, pose->pitch, pose->roll, axes);
+		for (int k = 0; k < 2; k++)
+			extent[k] = fabs(axes[0][k]) + fabs(axes[1][k]) + fabs(axes[2][k]);
+	}
+}

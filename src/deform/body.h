@@ -1,0 +1,26 @@
+/* An object in motion as whole numbers for the shader: what a window needs of a sweep. */
+#ifndef FURROW_DEFORM_BODY_H
+#define FURROW_DEFORM_BODY_H
+
+#include "deform/affine.h"
+#include "deform/deform.h"
+
+/* Where a window's first post lies, and its zero height. */
+struct body_frame {
+	int64_t x0, y0;        /* post */
+	int64_t width, height; /* posts */
+	double spacing;        /* metres */
+	int64_t zero;   /* quanta, absolute */
+};
+
+/* The motion from `from` to `to` (its attitude), seen from the frame. */
+void body_of(const struct deform_shape *shape, const struct deform_pose *from, const struct deform_pose *to,
+	     const struct body_frame *frame, struct body *body);
+/* Half the width of its shadow along x and y, metres. */
+void body_extent(const struct deform_shape *shape, const struct deform_pose *pose, double extent[2]);
+/* The three half-axes of a box in this attitude. */
+void body_axes(const double size[3], double yaw, double pitch, double roll, double axes[3][3]);
+/* A rise beyond which a sweep counts as a new contact, quanta. */
+#define BODY_RISE_MAX (1 << 29)
+
+#endif

@@ -1,0 +1,126 @@
+/*
+ * Gather from the tiles into a window, run the stages there, scatter to the tiles again.
+ *
+ * Invariant: a window's layer holds the ground as the tiles had it; nothing reaches a tile before
+ * deform_scatter, so windows of one sweep do not see each other.
+ */
+#include "deform/deform.h"
+
+#include <assert.h>
+
+#include "deform/internal.h"
+
+enum status deform_create(const struct deform_params *params, struct deform **out)
+{
+	struct deform *deform = mem_calloc(1, sizeof *deform);
+	if (deform == NULL)
+		return fail_memory("deformation");
+	deform->params = *params;
+	deform->spacing = world_spacing(params->world, params->level);
+	if (params->model == DEFORM_BOX_FILTER) {
+		deform->reach = params->box_radius;
+		/* A window's posts are right as far in as wrong ones from beyond its rim can reach. */
+		deform->border = (int64_t)params->box_radius * (params->box_repetitions + 1);
+	}
+	enum status status = gpu_buffer_create(params->gpu, GPU_STORAGE, sizeof(uint32_t), NULL, &deform->refusals);
+	if (status == STATUS_OK)
+		status = deform_need_layers(deform, 1);
+	if (status != STATUS_OK) {
+		deform_destroy(deform);
+		return status;
+	}
+	*out = deform;
+	return STATUS_OK;
+}
+
+void deform_destroy(struct deform *deform)
+{
+	if (deform == NULL)
+		return;
+	deform_drop_layers(deform);
+	gpu_buffer_destroy(deform->refusals);
+	mem_free(deform);
+}
+
+/* Where the posts that a tile and a rectangle share lie: in the tile, and in the window. */
+static bool shared(const struct deform *deform, struct tile tile, struct post_rect rect, struct post_rect window,
+		   struct gpu_rect *in_tile, struct gpu_rect *in_window)
+{
+	struct post_rect own = tile_post_rect(deform->params.world, tile);
+	struct post_rect both = post_rect_intersect(own, rect);
+	if (post_rect_empty(both))
+		return false;
+	uint32_t width = (uint32_t)(both.x1 - both.x0), height = (uint32_t)(both.y1 - both.y0);
+	*in_tile = (struct gpu_rect){(uint32_t)(both.x0 - own.x0), (uint32_t)(both.y0 - own.y0), width, height};
+	*in_window = (struct gpu_rect){(uint32_t)(both.x0 - window.x0), (uint32_t)(both.y0 - window.y0), width, height};
+	return true;
+}
+
+static void gather(struct deform *deform, struct post_rect read, uint32_t layer, const struct deform_tile *tiles,
+		   size_t count)
+{
+	struct gpu_rect all = {0, 0, (uint32_t)(read.x1 - read.x0), (uint32_t)(read.y1 - read.y0)};
+	const struct post_rect world = {0, 0, world_tiles_x(deform->params.world, deform->params.level) *
+							      (int64_t)deform->params.world->cells + 1,
+					world_tiles_y(deform->params.world, deform->params.level) *
+							      (int64_t)deform->params.world->cells + 1};
+	bool beyond = read.x0 < 0 || read.y0 < 0 || read.x1 > world.x1 || read.y1 > world.y1;
+	if (beyond) {
+		gpu_texture_clear(deform->bases, layer, all, BASE_NODATA);
+		gpu_texture_clear(deform->offsets[0], layer, all, 0);
+		if (deform->params.dirt)
+			gpu_texture_clear(deform->dirts[0], layer, all, 0);
+	}
+	for (size_t i = 0; i < count; i++) {
+		struct gpu_rect from, to;
+		if (!shared(deform, tiles[i].tile, read, read, &from, &to))
+			continue;
+		const struct gpu_slot *slot = gpu_slots_get(deform->params.slots, tiles[i].slot);
+		gpu_texture_copy(slot->base, 0, from.x, from.y, deform->bases, layer, to);
+		if (slot->offset != NULL)
+			gpu_texture_copy(slot->offset, 0, from.x, from.y, deform->offsets[0], layer, to);
+		else
+			gpu_texture_clear(deform->offsets[0], layer, to, 0);
+		if (deform->params.dirt && slot->dirt != NULL)
+			gpu_texture_copy(slot->dirt, 0, from.x, from.y, deform->dirts[0], layer, to);
+		else if (deform->params.dirt)
+			gpu_texture_clear(deform->dirts[0], layer, to, 0);
+	}
+}
+
+enum status deform_compute(struct deform *deform, const struct deform_sweep *sweep,
+			   const struct deform_window *window, uint32_t layer, const struct deform_tile *tiles,
+			   size_t count)
+{
+	assert(window->read.x1 - window->read.x0 <= SIDE && window->read.y1 - window->read.y0 <= SIDE);
+	assert(layer < deform->layers);
+	gather(deform, window->read, layer, tiles, count);
+	enum status status = deform_run_stages(deform, sweep, window, layer);
+	return status == STATUS_OK ? gpu_check(deform->params.gpu, "deformation") : status;
+}
+
+enum status deform_scatter(struct deform *deform, const struct deform_window *window, uint32_t layer,
+			   const struct deform_tile *tiles, size_t count)
+{
+	for (size_t i = 0; i < count; i++) {
+		struct gpu_rect to, from;
+		if (!shared(deform, tiles[i].tile, window->write, window->read, &to, &from))
+			continue;
+		enum status status = gpu_slots_deform(deform->params.slots, tiles[i].slot);
+		if (status != STATUS_OK)
+			return status;
+		const struct gpu_slot *slot = gpu_slots_get(deform->params.slots, tiles[i].slot);
+		gpu_texture_copy(deform->offsets[deform->scratch[layer].result], layer, from.x, from.y, slot->offset, 0, to);
+		if (deform->params.dirt)
+			gpu_texture_copy(deform->dirts[1], layer, from.x, from.y, slot->dirt, 0, to);
+	}
+	return gpu_check(deform->params.gpu, "deformation");
+}
+
+enum status deform_refused(struct deform *deform, uint64_t *posts)
+{
+	uint32_t count = 0;
+	gpu_buffer_read(deform->refusals, 0, sizeof count, &count);
+	*posts = count;
+	return gpu_check(deform->params.gpu, "refused posts");
+}

@@ -1,0 +1,90 @@
+/* Which posts a sweep can change, and the windows they are worked on in. */
+#include <math.h>
+
+#include "deform/body.h"
+#include "deform/internal.h"
+
+enum status deform_shape_check(const struct deform_shape *shape, double spacing)
+{
+	double least = shape->kind == DEFORM_WHEEL ? fmin(2 * shape->radius, shape->width) : 2 * shape->radius;
+	if (shape->kind == DEFORM_BOX)
+		least = fmin(shape->size[0], shape->size[1]);
+	double most = shape->kind == DEFORM_BOX ? hypot(shape->size[0], shape->size[1])
+						: 2 * shape->radius + shape->width;
+	double limit = (DEFORM_WINDOW_POSTS - 32) * 3 * spacing;
+	if (!(least > 0))
+		return fail_with(STATUS_INPUT, "shape: it has no width; give sizes above 0");
+	if (most > limit)
+		return fail_with(STATUS_INPUT, "shape: %g m across is too large for posts %g m apart; give at most %g m, or a "
+					       "coarser spacing",
+				 most, spacing, limit);
+	return STATUS_OK;
+}
+
+double deform_shape_reach(const struct deform_shape *shape, double pitch, double roll)
+{
+	if (shape->kind != DEFORM_BOX)
+		return shape->radius;
+	double axes[3][3];
+	body_axes(shape->size, 0, pitch, roll, axes);
+	return fabs(axes[0][2]) + fabs(axes[1][2]) + fabs(axes[2][2]);
+}
+
+bool deform_is_contact_only(const struct deform_sweep *sweep)
+{
+	int64_t rise = sweep->to.z - sweep->from.z;
+	return (sweep->to.x == sweep->from.x && sweep->to.y == sweep->from.y && rise == 0) || rise > BODY_RISE_MAX ||
+	       rise < -BODY_RISE_MAX;
+}
+
+/* First post at or above, last at or below, with one to spare for rounding. */
+static void span(const struct deform *deform, int64_t a, int64_t b, double extent, int64_t *first, int64_t *last)
+{
+	double low = lattice_offset_metres(a < b ? a : b) - extent, high = lattice_offset_metres(a > b ? a : b) + extent;
+	*first = (int64_t)floor(low / deform->spacing);
+	*last = (int64_t)ceil(high / deform->spacing) + 1;
+}
+
+static struct post_rect grown(struct post_rect rect, int64_t by)
+{
+	return (struct post_rect){rect.x0 - by, rect.y0 - by, rect.x1 + by, rect.y1 + by};
+}
+
+static int64_t floor_to(int64_t v, int64_t step)
+{
+	int64_t rest = v % step;
+	return v - rest - (rest < 0 ? step : 0);
+}
+
+enum status deform_windows(struct deform *deform, const struct deform_sweep *sweep,
+			   struct deform_window *windows, size_t *count)
+{
+	const struct deform_pose *from = deform_is_contact_only(sweep) ? &sweep->to : &sweep->from;
+	double extent[2];
+	struct post_rect foot;
+	body_extent(sweep->shape, &sweep->to, extent);
+	span(deform, from->x, sweep->to.x, extent[0], &foot.x0, &foot.x1);
+	span(deform, from->y, sweep->to.y, extent[1], &foot.y0, &foot.y1);
+	const struct post_rect world = {0, 0, world_posts(deform->params.world->width, deform->params.level),
+					world_posts(deform->params.world->height, deform->params.level)};
+	*count = 0;
+	struct post_rect write = post_rect_intersect(grown(foot, deform->reach), world);
+	if (post_rect_empty(write))
+		return STATUS_OK;
+	/* Cut on multiples of the core, so that the cuts are the terrain's, not the object's or the tiles'. */
+	int64_t core = DEFORM_WINDOW_POSTS - 2 * deform->border;
+	bool one = write.x1 - write.x0 <= core && write.y1 - write.y0 <= core;
+	int64_t x0 = one ? write.x0 : floor_to(write.x0, core), y0 = one ? write.y0 : floor_to(write.y0, core);
+	for (int64_t y = y0; y < write.y1; y += core)
+		for (int64_t x = x0; x < write.x1; x += core) {
+			if (*count == DEFORM_WINDOWS_MAX)
+				return fail_with(STATUS_INPUT, "shape: its footprint of %lld x %lld posts needs more than %d windows; "
+							       "make it smaller or the spacing coarser",
+						 (long long)(write.x1 - write.x0), (long long)(write.y1 - write.y0),
+						 DEFORM_WINDOWS_MAX);
+			struct deform_window *window = &windows[(*count)++];
+			window->write = post_rect_intersect(write, (struct post_rect){x, y, x + core, y + core});
+			window->read = grown(window->write, deform->border);
+		}
+	return deform_need_layers(deform, (uint32_t)*count);
+}
