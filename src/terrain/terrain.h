@@ -21,35 +21,48 @@ struct terrain_view {
 
 struct terrain_source {
 	void *user;
-	/* Heights over the whole subtree, deformation included; false: nothing to draw there. */
+	/* Heights over the whole subtree, deformation included; false: nothing to draw there (level
+	 * >= 0: all nodata; below: no offset tile there, so the parent goes on drawing that quadrant). */
 	bool (*bounds)(void *user, struct tile tile, double *low, double *high);
-	/* Resident now? Marks it used. */
+	/* Resident now? Marks it used. Asked only of tiles that would be drawn, and of the coarsest. */
 	bool (*resident)(void *user, struct tile tile, uint32_t *slot);
-	/* May this tile be divided further: its children exist (level > 0), or offset tiles below. */
+	/* May this tile be divided further: its children exist (level > 0), or offset tiles below.
+	 * Children outside the world are not asked about. */
 	bool (*divisible)(void *user, struct tile tile);
 };
 
 /* One drawn tile: the quadrants of it that no finer tile covers (bit 0 sw, 1 se, 2 nw, 3 ne). */
+#define TERRAIN_NO_SLOT UINT32_MAX
 struct terrain_draw {
 	struct tile tile;
 	uint32_t slot;
+	uint32_t ground; /* slot of the level-0 tile it lies in (its own if level >= 0), or TERRAIN_NO_SLOT */
 	unsigned quadrants;
-	bool finest; /* nothing finer exists below: draw every post */
-	double low, high, distance;
+	bool finest; /* nothing finer exists below */
+	double low, high, distance; /* metres; distance: eye to its box */
 };
 
 #define TERRAIN_DRAWS_MAX 1024
 struct terrain_selection {
 	struct terrain_draw draws[TERRAIN_DRAWS_MAX]; /* near to far */
 	size_t draw_count;
-	uint64_t wanted[TERRAIN_DRAWS_MAX]; /* keys the ideal picture needs and that are not resident, by need */
+	/* Keys the ideal picture needs and that are not resident: coarse first, then near to far. */
+	uint64_t wanted[TERRAIN_DRAWS_MAX];
 	size_t wanted_count;
 	size_t visited, culled, ideal; /* ideal: tiles the complete picture needs */
 };
 
-/* Coarser resident tiles stand in for what is not resident. */
+/*
+ * Coarser resident tiles stand in for what is not resident, quadrant by quadrant. While the coarsest
+ * tile is resident, every point of the ground in the frustum is drawn exactly once, also when an
+ * array is full (then tiles stay undivided). The coarsest is wanted whenever it is not resident, and
+ * so is the level-0 tile below which finer ones are drawn.
+ */
 void terrain_select(const struct world *world, const struct terrain_view *view,
 		    const struct terrain_source *source, struct terrain_selection *selection);
+
+/* Where a tile lies: its rectangle of ground, cut at the world's edge. */
+void terrain_box(const struct world *world, struct tile tile, double low[2], double high[2]);
 
 /* The five planes of a perspective camera. fov is vertical, radians; the axes are unit vectors. */
 void terrain_frustum(const double eye[3], const double forward[3], const double right[3],

@@ -1,0 +1,361 @@
+/* Which tiles a view draws: coverage, stand-ins, order and bounds, over random worlds. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+#include <math.h>
+#include <string.h>
+
+#include "terrain/terrain.h"
+
+/* A world whose ground is a sum of waves; some tiles below level 0 exist, some tiles are resident. */
+struct fake {
+	struct world world;
+	uint64_t seed;
+	int deepest;          /* offset tiles exist down to this level */
+	unsigned resident_of; /* resident if hash % 100 < this; the coarsest by root_resident */
+	bool root_resident;
+	bool everything_below; /* every tile below level 0 exists */
+};
+
+static uint64_t mix(uint64_t v)
+{
+	v = (v ^ v >> 31) * 0x7fb5d329728ea185ull;
+	v = (v ^ v >> 27) * 0x81dadef4bc2dd44dull;
+	return v ^ v >> 33;
+}
+
+static double unit(uint64_t *state)
+{
+	*state = mix(*state + 0x9e3779b97f4a7c15ull);
+	return (double)(*state >> 11) * 0x1p-53;
+}
+
+static double ground_height(double x, double y)
+{
+	return 40 * sin(x / 90) * cos(y / 70) + 6 * sin(x / 11 + y / 17);
+}
+
+/* Exists below zero: the tile and every tile above it up to level -1 are in the hash's half. */
+static bool exists(const struct fake *fake, struct tile tile)
+{
+	if (!world_has(&fake->world, tile))
+		return false;
+	for (int level = tile.level; level < 0; level++) {
+		struct tile at = tile_ancestor(tile, level);
+		if (at.level < fake->deepest)
+			return false;
+		if (!fake->everything_below && mix(tile_key(at) ^ fake->seed) % 100 < 45)
+			return false;
+	}
+	return true;
+}
+
+static bool fake_bounds(void *user, struct tile tile, double *low, double *high)
+{
+	const struct fake *fake = user;
+	double from[2], to[2];
+	if (!exists(fake, tile))
+		return false;
+	terrain_box(&fake->world, tile, from, to);
+	/* Loose but true: the waves' own slope bounds how far the middle can be missed. */
+	double x = (from[0] + to[0]) / 2, y = (from[1] + to[1]) / 2;
+	double reach = ((to[0] - from[0]) + (to[1] - from[1])) * 0.9;
+	*low = fmax(ground_height(x, y) - reach, -46);
+	*high = fmin(ground_height(x, y) + reach, 46);
+	return true;
+}
+
+static bool fake_resident(void *user, struct tile tile, uint32_t *slot)
+{
+	const struct fake *fake = user;
+	assert_true(exists(fake, tile));
+	*slot = (uint32_t)mix(tile_key(tile)) & 0xffff;
+	if (tile.level == world_coarsest(&fake->world))
+		return fake->root_resident;
+	return mix(tile_key(tile) * 3 + fake->seed) % 100 < fake->resident_of;
+}
+
+static bool fake_divisible(void *user, struct tile tile)
+{
+	const struct fake *fake = user;
+	if (tile.level > 0)
+		return true;
+	for (unsigned q = 0; q < 4; q++)
+		if (exists(fake, (struct tile){tile.level - 1, 2 * tile.x + (q & 1), 2 * tile.y + (q >> 1)}))
+			return true;
+	return false;
+}
+
+static void look(const double eye[3], const double target[3], double radius, struct terrain_view *view)
+{
+	double f[3], length = 0;
+	for (int i = 0; i < 3; i++)
+		length += (target[i] - eye[i]) * (target[i] - eye[i]);
+	for (int i = 0; i < 3; i++)
+		f[i] = (target[i] - eye[i]) / sqrt(length);
+	double flat = sqrt(f[0] * f[0] + f[1] * f[1]);
+	double right[3] = {flat > 1e-6 ? f[1] / flat : 1, flat > 1e-6 ? -f[0] / flat : 0, 0};
+	double up[3] = {right[1] * f[2] - right[2] * f[1], right[2] * f[0] - right[0] * f[2],
+			right[0] * f[1] - right[1] * f[0]};
+	terrain_frustum(eye, f, right, up, 0.9, 1.5, 5000, view->planes);
+	memcpy(view->eye, eye, sizeof view->eye);
+	view->radius = radius;
+}
+
+static void random_view(const struct fake *fake, uint64_t *random, struct terrain_view *view)
+{
+	double w = (double)(fake->world.width - 1) * fake->world.spacing;
+	double h = (double)(fake->world.height - 1) * fake->world.spacing;
+	double eye[3] = {w * (1.4 * unit(random) - 0.2), h * (1.4 * unit(random) - 0.2), 0};
+	double target[3] = {w * unit(random), h * unit(random), 0};
+	eye[2] = ground_height(eye[0], eye[1]) + 1 + 150 * unit(random) * unit(random);
+	look(eye, target, 0.3 + 1.5 * unit(random), view);
+}
+
+static void random_fake(uint64_t *random, struct fake *fake)
+{
+	*fake = (struct fake){
+		.world = {.width = 2 + (int64_t)(400 * unit(random)), .height = 2 + (int64_t)(300 * unit(random)),
+			  .spacing = 0.5 + 4 * unit(random), .cells = 8u << (int)(3 * unit(random))},
+		.seed = mix(*random), .deepest = -(int)(4 * unit(random)),
+		.resident_of = (unsigned)(101 * unit(random)), .root_resident = true,
+	};
+}
+
+static struct terrain_source source_of(struct fake *fake)
+{
+	return (struct terrain_source){fake, fake_bounds, fake_resident, fake_divisible};
+}
+
+static struct terrain_selection selection;
+
+static int times_drawn(const struct world *world, double x, double y)
+{
+	int times = 0;
+	for (size_t i = 0; i < selection.draw_count; i++) {
+		const struct terrain_draw *draw = &selection.draws[i];
+		double side = world_spacing(world, draw->tile.level) * world->cells;
+		double u = x / side - draw->tile.x, v = y / side - draw->tile.y;
+		if (u < 0 || v < 0 || u >= 1 || v >= 1)
+			continue;
+		times += draw->quadrants >> ((u >= 0.5 ? 1 : 0) + (v >= 0.5 ? 2 : 0)) & 1;
+	}
+	return times;
+}
+
+static bool in_frustum(const struct terrain_view *view, const double point[3])
+{
+	return terrain_box_visible(view->planes, point, point);
+}
+
+/* How many of a grid's points were in view; each of those must be drawn once. */
+static size_t check_coverage(const struct fake *fake, const struct terrain_view *view)
+{
+	size_t seen = 0;
+	double w = (double)(fake->world.width - 1) * fake->world.spacing;
+	double h = (double)(fake->world.height - 1) * fake->world.spacing;
+	for (int j = 0; j < 61; j++)
+		for (int i = 0; i < 61; i++) {
+			double point[3] = {w * (i + 0.37) / 61, h * (j + 0.61) / 61, 0};
+			point[2] = ground_height(point[0], point[1]);
+			int times = times_drawn(&fake->world, point[0], point[1]);
+			assert_true(times <= 1);
+			if (in_frustum(view, point)) {
+				assert_int_equal(times, 1);
+				seen++;
+			}
+		}
+	return seen;
+}
+
+static void every_visible_point_is_drawn_exactly_once(void **state)
+{
+	uint64_t random = 1;
+	size_t seen = 0, drawn = 0, wanted = 0;
+	for (int round = 0; round < 300; round++) {
+		struct fake fake;
+		struct terrain_view view;
+		random_fake(&random, &fake);
+		random_view(&fake, &random, &view);
+		struct terrain_source source = source_of(&fake);
+		terrain_select(&fake.world, &view, &source, &selection);
+		seen += check_coverage(&fake, &view);
+		drawn += selection.draw_count;
+		wanted += selection.wanted_count;
+	}
+	assert_true(seen > 50000 && drawn > 1000 && wanted > 1000);
+}
+
+static void draws_are_resident_and_come_near_to_far(void **state)
+{
+	uint64_t random = 2;
+	for (int round = 0; round < 200; round++) {
+		struct fake fake;
+		struct terrain_view view;
+		random_fake(&random, &fake);
+		random_view(&fake, &random, &view);
+		struct terrain_source source = source_of(&fake);
+		terrain_select(&fake.world, &view, &source, &selection);
+		for (size_t i = 0; i < selection.draw_count; i++) {
+			const struct terrain_draw *draw = &selection.draws[i];
+			uint32_t slot;
+			assert_true(fake_resident(&fake, draw->tile, &slot));
+			assert_int_equal(slot, draw->slot);
+			assert_true(draw->quadrants >= 1 && draw->quadrants <= 15);
+			assert_true(i == 0 || draw->distance >= draw[-1].distance);
+			assert_int_equal(draw->finest, !fake_divisible(&fake, draw->tile));
+			if (draw->tile.level >= 0)
+				assert_int_equal(draw->ground, draw->slot);
+		}
+		int level = TILE_LEVEL_MAX;
+		for (size_t i = 0; i < selection.wanted_count; i++) {
+			struct tile tile = tile_from_key(selection.wanted[i]);
+			uint32_t slot;
+			assert_false(fake_resident(&fake, tile, &slot));
+			assert_true(tile.level <= level);
+			level = tile.level;
+			for (size_t k = 0; k < i; k++)
+				assert_true(selection.wanted[k] != selection.wanted[i]);
+		}
+	}
+}
+
+static void with_everything_resident_each_point_has_the_level_its_distance_asks_for(void **state)
+{
+	uint64_t random = 3;
+	size_t checked = 0;
+	for (int round = 0; round < 150; round++) {
+		struct fake fake;
+		struct terrain_view view;
+		random_fake(&random, &fake);
+		fake.resident_of = 100;
+		random_view(&fake, &random, &view);
+		struct terrain_source source = source_of(&fake);
+		terrain_select(&fake.world, &view, &source, &selection);
+		assert_int_equal(selection.wanted_count, 0);
+		assert_int_equal(selection.ideal, selection.draw_count);
+		for (size_t i = 0; i < selection.draw_count; i++) {
+			const struct terrain_draw *draw = &selection.draws[i];
+			double side = world_spacing(&fake.world, draw->tile.level) * fake.world.cells;
+			/* A tile that is near is drawn only where nothing finer is. */
+			if (draw->distance < view.radius * side && draw->tile.level > 0)
+				assert_true(false);
+			if (draw->tile.level == world_coarsest(&fake.world))
+				continue;
+			/* And its parent was near, or it would not have been divided. */
+			double low[3], high[3];
+			struct tile parent = tile_ancestor(draw->tile, draw->tile.level + 1);
+			terrain_box(&fake.world, parent, low, high);
+			assert_true(fake_bounds(&fake, parent, &low[2], &high[2]));
+			assert_true(terrain_box_distance(view.eye, low, high) < view.radius * 2 * side);
+			checked++;
+		}
+	}
+	assert_true(checked > 1000);
+}
+
+static void a_coarser_tile_stands_in_for_what_is_not_resident(void **state)
+{
+	struct fake fake = {.world = {257, 257, 1, 64}, .seed = 9, .root_resident = true};
+	struct terrain_source source = source_of(&fake);
+	struct terrain_view view;
+	const double eye[3] = {128, 128, 60}, target[3] = {128.1, 128, 0};
+	look(eye, target, 2, &view);
+	terrain_select(&fake.world, &view, &source, &selection);
+	assert_int_equal(selection.draw_count, 1);
+	assert_int_equal(selection.draws[0].tile.level, 2);
+	assert_true(selection.ideal > 1);
+	assert_int_equal(selection.wanted_count, selection.ideal);
+	assert_true(check_coverage(&fake, &view) > 0);
+}
+
+static void without_the_coarsest_nothing_is_drawn_and_it_is_wanted_first(void **state)
+{
+	struct fake fake = {.world = {257, 257, 1, 64}, .seed = 9};
+	struct terrain_source source = source_of(&fake);
+	struct terrain_view view;
+	const double eye[3] = {128, 128, 60}, target[3] = {128.1, 128, 0};
+	look(eye, target, 2, &view);
+	terrain_select(&fake.world, &view, &source, &selection);
+	assert_int_equal(selection.draw_count, 0);
+	assert_true(selection.wanted[0] == tile_key((struct tile){2, 0, 0}));
+}
+
+static void full_arrays_stop_division_and_leave_no_hole(void **state)
+{
+	/* A radius so large that the picture asks for far more tiles than there is room for. */
+	struct fake fake = {.world = {1025, 1025, 1, 8}, .seed = 4, .resident_of = 100, .root_resident = true};
+	struct terrain_source source = source_of(&fake);
+	struct terrain_view view;
+	const double eye[3] = {-20, -20, 60}, target[3] = {400, 400, 0};
+	look(eye, target, 1000, &view);
+	for (unsigned share = 100; share >= 90; share -= 10) {
+		fake.resident_of = share;
+		terrain_select(&fake.world, &view, &source, &selection);
+		assert_true(selection.draw_count <= TERRAIN_DRAWS_MAX);
+		assert_true(selection.wanted_count <= TERRAIN_DRAWS_MAX);
+		if (share == 100)
+			assert_true(selection.draw_count > TERRAIN_DRAWS_MAX / 2);
+		assert_true(check_coverage(&fake, &view) > 500);
+	}
+}
+
+static void a_level_zero_tile_is_wanted_for_those_drawn_below_it(void **state)
+{
+	struct fake fake = {.world = {65, 65, 1, 64}, .seed = 4, .resident_of = 100, .root_resident = false,
+			    .deepest = -2, .everything_below = true};
+	struct terrain_source source = source_of(&fake);
+	struct terrain_view view;
+	const double eye[3] = {32, 32, 30}, target[3] = {32.1, 32, 0};
+	look(eye, target, 50, &view);
+	terrain_select(&fake.world, &view, &source, &selection);
+	assert_true(selection.draw_count > 1);
+	assert_int_equal(selection.wanted_count, 1);
+	for (size_t i = 0; i < selection.draw_count; i++) {
+		assert_int_equal(selection.draws[i].tile.level, -2);
+		assert_true(selection.draws[i].ground == TERRAIN_NO_SLOT);
+	}
+	fake.root_resident = true;
+	terrain_select(&fake.world, &view, &source, &selection);
+	uint32_t slot;
+	assert_true(fake_resident(&fake, (struct tile){0, 0, 0}, &slot));
+	assert_int_equal(selection.draws[0].ground, slot);
+}
+
+static void selection_does_not_depend_on_where_the_world_lies(void **state)
+{
+	/* Tiles about 10,000 km from the origin: the same tile is divided as near it. */
+	struct fake fake = {.world = {40000001, 1025, 0.25, 256}, .seed = 4, .resident_of = 100,
+			    .root_resident = true};
+	struct terrain_source source = source_of(&fake);
+	size_t counts[2];
+	for (int far = 0; far < 2; far++) {
+		double x = far ? 9990016.0 : 16384.0; /* both multiples of a coarse tile's side */
+		const double eye[3] = {x, 128, 60}, target[3] = {x + 100, 128, 0};
+		struct terrain_view view;
+		look(eye, target, 1, &view);
+		terrain_select(&fake.world, &view, &source, &selection);
+		counts[far] = 0;
+		for (size_t i = 0; i < selection.draw_count; i++)
+			counts[far] += selection.draws[i].tile.level == 0;
+	}
+	assert_true(counts[0] > 4);
+	assert_int_equal(counts[0], counts[1]);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(every_visible_point_is_drawn_exactly_once),
+		cmocka_unit_test(draws_are_resident_and_come_near_to_far),
+		cmocka_unit_test(with_everything_resident_each_point_has_the_level_its_distance_asks_for),
+		cmocka_unit_test(a_coarser_tile_stands_in_for_what_is_not_resident),
+		cmocka_unit_test(without_the_coarsest_nothing_is_drawn_and_it_is_wanted_first),
+		cmocka_unit_test(full_arrays_stop_division_and_leave_no_hole),
+		cmocka_unit_test(a_level_zero_tile_is_wanted_for_those_drawn_below_it),
+		cmocka_unit_test(selection_does_not_depend_on_where_the_world_lies),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
