@@ -50,7 +50,7 @@ struct scene_waypoint {
 
 struct scene_path {
 	struct scene_waypoint *points;
-	size_t count;
+	size_t count; /* at least 1 */
 	double speed; /* m/s; points only */
 	bool loop;
 	bool timed;            /* from a poses file: t is given */
@@ -93,13 +93,15 @@ struct scene {
 	struct scene_view view;
 	uint32_t slots, loaders;
 	double prefetch; /* s */
-	char hash[33];   /* of what the file and the settings say, hex */
+	char hash[33];   /* hex, of what decides the ground: not cache, view, store, end_time */
 };
 
 struct scene_setting {
 	const char *key, *value; /* dotted, objects by name */
 };
 
+/* The file (at most 1 MiB), the settings over it in order (values are YAML; `null` takes a key
+ * away) and the poses files it names (256 MiB each). STATUS_INPUT: what is wrong, and where. */
 enum status scene_load(const char *path, const struct scene_setting *settings, size_t count,
 		       struct scene **out) FURROW_CHECKED;
 void scene_destroy(struct scene *scene);

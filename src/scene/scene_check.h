@@ -1,0 +1,26 @@
+/*
+ * From typed values to the checked scene: defaults, units, references between keys, and what no
+ * single key can say about itself. What it refuses it refuses with the line of the key.
+ */
+#ifndef FURROW_SCENE_CHECK_H
+#define FURROW_SCENE_CHECK_H
+
+#include "scene/scene.h"
+#include "scene/scene_schema.h"
+#include "scene/scene_tree.h"
+
+/* Fills `scene`, zeroed but for its file. On failure what it holds so far is the caller's. */
+enum status scene_check(const struct scene_tree *tree, const struct raw_scene *raw,
+			struct scene *scene) FURROW_CHECKED;
+
+/* The parts of it, one a file. */
+enum status scene_check_objects(const struct scene_tree *tree, const struct raw_scene *raw,
+				struct scene *scene) FURROW_CHECKED;
+enum status scene_check_view(const struct scene_tree *tree, const struct raw_scene *raw,
+			     struct scene *scene) FURROW_CHECKED;
+
+/* scene->hash, of all that decides what the ground becomes: not of the cache, the view, the store's
+ * name, or when the drive ends. */
+enum status scene_hash(const struct raw_scene *raw, struct scene *scene) FURROW_CHECKED;
+
+#endif

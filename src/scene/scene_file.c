@@ -1,0 +1,67 @@
+/* Whole files into memory, up to a limit. */
+#include "scene/scene_file.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+enum status scene_file_read(const char *path, const char *told, size_t limit, char **bytes,
+			    size_t *length)
+{
+	enum status status = STATUS_OK;
+	char *text = NULL;
+	size_t used = 0, size = 0;
+	FILE *file = fopen(path, "rb");
+	if (file == NULL)
+		return fail_with(STATUS_INPUT, "%s: %s; name a file that can be read", told,
+				 strerror(errno));
+	for (;;) {
+		if (size - used < 2) {
+			size_t wanted = size == 0 ? 16384 : size * 2;
+			char *grown = mem_realloc(text, wanted, 1);
+			if (grown == NULL) {
+				status = fail_memory("reading the scene");
+				break;
+			}
+			text = grown;
+			size = wanted;
+		}
+		size_t got = fread(text + used, 1, size - used - 1, file);
+		used += got;
+		if (used > limit) {
+			status = fail_with(STATUS_INPUT, "%s: the file is too large; allowed: %zu bytes",
+					   told, limit);
+			break;
+		}
+		if (got == 0) {
+			if (ferror(file))
+				status = fail_with(STATUS_INPUT,
+						   "%s: %s; name a file that can be read", told,
+						   strerror(errno));
+			break;
+		}
+	}
+	fclose(file);
+	if (status != STATUS_OK) {
+		mem_free(text);
+		return status;
+	}
+	text[used] = '\0';
+	*bytes = text;
+	*length = used;
+	return STATUS_OK;
+}
+
+char *scene_file_beside(const char *file, const char *name)
+{
+	const char *slash = strrchr(file, '/');
+	if (name[0] == '/' || slash == NULL)
+		return mem_strdup(name);
+	size_t folder = (size_t)(slash - file) + 1;
+	char *path = mem_alloc(folder + strlen(name) + 1, 1);
+	if (path == NULL)
+		return NULL;
+	memcpy(path, file, folder);
+	memcpy(path + folder, name, strlen(name) + 1);
+	return path;
+}

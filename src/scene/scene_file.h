@@ -1,0 +1,17 @@
+/* Reading the files a scene is made of. */
+#ifndef FURROW_SCENE_FILE_H
+#define FURROW_SCENE_FILE_H
+
+#include <stddef.h>
+
+#include "base/base.h"
+
+/* All bytes of a file, followed by a NUL; freed with mem_free. STATUS_INPUT if it cannot be read
+ * or holds more than `limit` bytes; the message begins with `told`, the place to be named. */
+enum status scene_file_read(const char *path, const char *told, size_t limit, char **bytes,
+			    size_t *length) FURROW_CHECKED;
+
+/* `name` relative to the folder of `file`; NULL: no memory. Freed with mem_free. */
+char *scene_file_beside(const char *file, const char *name);
+
+#endif

@@ -1,0 +1,100 @@
+/* The hash of what a scene makes of the ground, over a little-endian list of its checked values. */
+#include <stdio.h>
+#include <string.h>
+#include <xxhash.h>
+
+#include "scene/scene_check.h"
+
+static void add_whole(XXH3_state_t *state, uint64_t value)
+{
+	unsigned char bytes[8];
+	for (int i = 0; i < 8; i++)
+		bytes[i] = (unsigned char)(value >> (8 * i));
+	XXH3_128bits_update(state, bytes, sizeof bytes);
+}
+
+static void add_number(XXH3_state_t *state, double value)
+{
+	uint64_t bits;
+	value += 0.0; /* minus zero is zero */
+	memcpy(&bits, &value, sizeof bits);
+	add_whole(state, bits);
+}
+
+static void add_text(XXH3_state_t *state, const char *text)
+{
+	add_whole(state, text == NULL ? UINT64_MAX : strlen(text));
+	if (text != NULL)
+		XXH3_128bits_update(state, text, strlen(text));
+}
+
+static void add_object(XXH3_state_t *state, const struct scene_object *object)
+{
+	const struct deform_shape *shape = &object->shape;
+	const struct scene_path *path = &object->path;
+	add_text(state, object->name);
+	add_whole(state, (uint64_t)shape->kind);
+	add_number(state, shape->radius);
+	add_number(state, shape->width);
+	for (int i = 0; i < 3; i++)
+		add_number(state, shape->size[i]);
+	add_number(state, object->sink);
+	add_number(state, path->speed);
+	add_whole(state, (uint64_t)path->loop | (uint64_t)path->timed << 1 |
+				 (uint64_t)path->has_z << 2 | (uint64_t)path->has_attitude << 3);
+	add_whole(state, path->count);
+	for (size_t i = 0; i < path->count; i++) {
+		const struct scene_waypoint *point = &path->points[i];
+		add_number(state, point->t);
+		add_number(state, point->x);
+		add_number(state, point->y);
+		add_number(state, point->z);
+		add_number(state, point->yaw);
+		add_number(state, point->pitch);
+		add_number(state, point->roll);
+	}
+}
+
+static void add_soil(XXH3_state_t *state, const struct raw_soil *soil)
+{
+	const double *numbers[] = {soil->bekker_kc,	    soil->bekker_kphi, soil->bekker_n,
+				   soil->cohesion,	    soil->friction_angle,
+				   soil->janosi_shear,	    soil->elastic_stiffness,
+				   soil->damping,	    soil->unit_weight};
+	add_text(state, soil->name);
+	for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+		add_whole(state, numbers[i] != NULL);
+		if (numbers[i] != NULL)
+			add_number(state, *numbers[i]);
+	}
+}
+
+enum status scene_hash(const struct raw_scene *raw, struct scene *scene)
+{
+	XXH3_state_t *state = XXH3_createState();
+	if (state == NULL)
+		return fail_memory("hashing the scene");
+	XXH3_128bits_reset(state);
+	add_text(state, "furrow scene 1");
+	add_number(state, scene->time_step);
+	add_number(state, scene->gravity);
+	add_number(state, scene->spacing);
+	add_whole(state, (uint64_t)scene->coordinates);
+	add_text(state, scene->srs);
+	add_whole(state, (uint64_t)scene->model);
+	add_whole(state, (uint64_t)scene->box_radius);
+	add_whole(state, (uint64_t)scene->box_repetitions);
+	add_whole(state, scene->dirt);
+	add_whole(state, (uint64_t)scene->outside);
+	add_whole(state, raw->soil != NULL);
+	if (raw->soil != NULL)
+		add_soil(state, raw->soil);
+	add_whole(state, scene->object_count);
+	for (size_t i = 0; i < scene->object_count; i++)
+		add_object(state, &scene->objects[i]);
+	XXH128_hash_t hash = XXH3_128bits_digest(state);
+	XXH3_freeState(state);
+	snprintf(scene->hash, sizeof scene->hash, "%016llx%016llx", (unsigned long long)hash.high64,
+		 (unsigned long long)hash.low64);
+	return STATUS_OK;
+}

@@ -1,0 +1,200 @@
+/* The tree against the schema; see scene_match.h. */
+#include "scene/scene_match.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "scene/scene_error.h"
+
+static enum status match_value(const char *file, const cyaml_schema_value_t *schema,
+			       const struct scene_node *node);
+
+static const char *kind_name(const struct scene_node *node)
+{
+	if (node->kind == SCENE_MAPPING)
+		return "is a mapping";
+	return node->kind == SCENE_SEQUENCE ? "is a list" : "is a single value";
+}
+
+static void range_text(const struct scene_limit *limit, char *text, size_t size)
+{
+	if (limit->low == limit->high)
+		snprintf(text, size, "%.10g", limit->low);
+	else
+		snprintf(text, size, "%s%.10g to %.10g", limit->above ? "above " : "", limit->low,
+			 limit->high);
+}
+
+bool scene_number_read(const char *text, bool whole, double *value)
+{
+	const char *digits = text + (*text == '-' || *text == '+');
+	size_t length = strspn(digits, whole ? "0123456789" : "0123456789.eE+-");
+	char *end;
+	if (length == 0 || digits[length] != '\0')
+		return false;
+	if (whole && digits[0] == '0' && length > 1)
+		return false;
+	*value = strtod(text, &end);
+	return *end == '\0';
+}
+
+static enum status match_number(const char *file, const struct scene_node *node, bool whole)
+{
+	char path[160], range[80] = "";
+	const struct scene_limit *limit;
+	double value = 0;
+	scene_node_path(node, true, path, sizeof path);
+	limit = scene_limit_of(path);
+	if (limit != NULL)
+		range_text(limit, range, sizeof range);
+	const char *kind = whole ? "a whole number" : "a number";
+	const char *space = range[0] == '\0' ? "" : ", ";
+	if (node->kind != SCENE_SCALAR)
+		return scene_error(file, node, "%s; allowed: %s%s%s", kind_name(node), kind, space,
+				   range);
+	errno = 0;
+	if (!node->plain || !scene_number_read(node->text, whole, &value))
+		return scene_error(file, node, "%s is not %s; allowed: %s%s%s",
+				   scene_quote(node->text).text, kind, kind, space, range);
+	if (errno == ERANGE || !isfinite(value) || fabs(value) > 1e15 ||
+	    (limit != NULL && (value < limit->low || value > limit->high ||
+			       (limit->above && value == limit->low))))
+		return scene_error(file, node, "%.40s %s; allowed: %s", node->text,
+				   limit != NULL && limit->why != NULL ? limit->why
+								       : "is out of range",
+				   range[0] == '\0' ? "-1e15 to 1e15" : range);
+	return STATUS_OK;
+}
+
+static enum status match_word(const char *file, const cyaml_schema_value_t *schema,
+			      const struct scene_node *node)
+{
+	struct scene_list words = {.length = 0};
+	char path[160];
+	for (uint32_t i = 0; i < schema->enumeration.count; i++) {
+		const char *word = schema->enumeration.strings[i].str;
+		if (node->kind == SCENE_SCALAR && strcmp(node->text, word) == 0)
+			return STATUS_OK;
+		scene_list_add(&words, word);
+	}
+	if (node->kind != SCENE_SCALAR)
+		return scene_error(file, node, "%s; allowed: %s", kind_name(node), words.text);
+	scene_node_path(node, true, path, sizeof path);
+	return scene_error(file, node, "%s %s; allowed: %s", scene_quote(node->text).text,
+			   scene_later(path, node->text) ? "is not in this version" : "is unknown",
+			   words.text);
+}
+
+static enum status match_text(const char *file, const cyaml_schema_value_t *schema,
+			      const struct scene_node *node)
+{
+	if (node->kind != SCENE_SCALAR)
+		return scene_error(file, node, "%s; allowed: text", kind_name(node));
+	size_t length = strlen(node->text);
+	if (length < schema->string.min)
+		return scene_error(file, node, "is empty; allowed: text");
+	if (length > schema->string.max)
+		return scene_error(file, node, "%s is too long; allowed: %u bytes",
+				   scene_quote(node->text).text, schema->string.max);
+	return STATUS_OK;
+}
+
+static const cyaml_schema_field_t *field_of(const cyaml_schema_field_t *fields, const char *key)
+{
+	for (; fields->key != NULL; fields++)
+		if (strcmp(fields->key, key) == 0)
+			return fields;
+	return NULL;
+}
+
+static enum status match_mapping(const char *file, const cyaml_schema_value_t *schema,
+				 const struct scene_node *node)
+{
+	const cyaml_schema_field_t *fields = schema->mapping.fields;
+	struct scene_list keys = {.length = 0};
+	char path[160];
+	for (const cyaml_schema_field_t *field = fields; field->key != NULL; field++)
+		scene_list_add(&keys, field->key);
+	if (node->kind != SCENE_MAPPING)
+		return scene_error(file, node, "%s; allowed: a mapping of %s", kind_name(node),
+				   keys.text);
+	scene_node_path(node, true, path, sizeof path);
+	for (const struct scene_node *child = node->first; child != NULL; child = child->next) {
+		const cyaml_schema_field_t *field = field_of(fields, child->key);
+		if (field == NULL)
+			return scene_error(file, child, "%s; allowed: %s",
+					   scene_later(path, child->key) ? "is not in this version"
+									 : "unknown key",
+					   keys.text);
+		enum status status = match_value(file, &field->value, child);
+		if (status != STATUS_OK)
+			return status;
+	}
+	for (const cyaml_schema_field_t *field = fields; field->key != NULL; field++)
+		if ((field->value.flags & CYAML_FLAG_OPTIONAL) == 0 &&
+		    scene_node_child(node, field->key) == NULL) {
+			struct scene_node here = *node;
+			here.parent = (struct scene_node *)node;
+			here.key = (char *)field->key;
+			return scene_error(file, &here, "is missing; needed here, of: %s", keys.text);
+		}
+	return STATUS_OK;
+}
+
+static enum status match_sequence(const char *file, const cyaml_schema_value_t *schema,
+				  const struct scene_node *node)
+{
+	uint32_t min = schema->sequence.min, max = schema->sequence.max;
+	char size[48];
+	if (min == max)
+		snprintf(size, sizeof size, "a list of %u", min);
+	else if (max == CYAML_UNLIMITED)
+		snprintf(size, sizeof size, "a list of at least %u", min);
+	else
+		snprintf(size, sizeof size, "a list of %u to %u", min, max);
+	if (node->kind != SCENE_SEQUENCE)
+		return scene_error(file, node, "%s; allowed: %s", kind_name(node), size);
+	if (node->count < min || node->count > max)
+		return scene_error(file, node, "holds %zu; allowed: %s", node->count, size);
+	for (const struct scene_node *child = node->first; child != NULL; child = child->next) {
+		enum status status = match_value(file, schema->sequence.entry, child);
+		if (status != STATUS_OK)
+			return status;
+	}
+	return STATUS_OK;
+}
+
+static enum status match_value(const char *file, const cyaml_schema_value_t *schema,
+			       const struct scene_node *node)
+{
+	switch (schema->type) {
+	case CYAML_INT:
+		return match_number(file, node, true);
+	case CYAML_FLOAT:
+		return match_number(file, node, false);
+	case CYAML_BOOL:
+		if (node->kind != SCENE_SCALAR)
+			return scene_error(file, node, "%s; allowed: true, false", kind_name(node));
+		if (!node->plain || (strcmp(node->text, "true") != 0 && strcmp(node->text, "false") != 0))
+			return scene_error(file, node, "%s is unknown; allowed: true, false",
+					   scene_quote(node->text).text);
+		return STATUS_OK;
+	case CYAML_ENUM:
+		return match_word(file, schema, node);
+	case CYAML_MAPPING:
+		return match_mapping(file, schema, node);
+	case CYAML_SEQUENCE:
+	case CYAML_SEQUENCE_FIXED:
+		return match_sequence(file, schema, node);
+	default:
+		return match_text(file, schema, node);
+	}
+}
+
+enum status scene_match(const struct scene_tree *tree)
+{
+	return match_value(tree->file, &scene_schema, tree->root);
+}

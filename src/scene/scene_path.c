@@ -1,0 +1,143 @@
+/* The reader of poses; see scene_path.h. */
+#include "scene/scene_path.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "scene/scene_error.h"
+#include "scene/scene_file.h"
+#include "scene/scene_match.h"
+
+#define COLUMNS 7
+#define RADIANS (3.14159265358979323846 / 180)
+
+static const struct {
+	const char *name;
+	double low, high;
+} columns[COLUMNS] = {
+	{"t", 0, 1e9},	       {"x", -1e9, 1e9},	{"y", -1e9, 1e9},      {"z", -1e6, 1e6},
+	{"yaw", -36000, 36000}, {"pitch", -36000, 36000}, {"roll", -36000, 36000},
+};
+
+struct reader {
+	const char *file;
+	struct scene_path *path;
+	size_t room;
+	int line;
+	int width; /* columns of every row; 0: not known yet */
+};
+
+static enum status refuse(const struct reader *reader, const char *why)
+{
+	return fail_with(STATUS_INPUT, "%s:%d: %s", reader->file, reader->line, why);
+}
+
+/* Cuts the line at its commas, in place, blanks around the fields gone. 0: too many. */
+static int split(char *line, char *fields[COLUMNS])
+{
+	int count = 0;
+	for (char *field = line, *comma; field != NULL; field = comma) {
+		comma = strchr(field, ',');
+		if (comma != NULL)
+			*comma++ = '\0';
+		if (count == COLUMNS)
+			return 0;
+		field += strspn(field, " \t");
+		size_t length = strlen(field);
+		while (length > 0 && strchr(" \t\r", field[length - 1]) != NULL)
+			field[--length] = '\0';
+		fields[count++] = field;
+	}
+	return count;
+}
+
+static enum status take_row(struct reader *reader, char *const fields[COLUMNS])
+{
+	struct scene_path *path = reader->path;
+	double values[COLUMNS] = {0};
+	for (int i = 0; i < reader->width; i++) {
+		if (!scene_number_read(fields[i], false, &values[i]))
+			return fail_with(STATUS_INPUT, "%s:%d: %s: %s is not a number; allowed: a number",
+					 reader->file, reader->line, columns[i].name,
+					 scene_quote(fields[i]).text);
+		if (!(values[i] >= columns[i].low && values[i] <= columns[i].high))
+			return fail_with(STATUS_INPUT,
+					 "%s:%d: %s: %.40s is out of range; allowed: %.10g to %.10g",
+					 reader->file, reader->line, columns[i].name, fields[i],
+					 columns[i].low, columns[i].high);
+	}
+	if (path->count > 0 && values[0] <= path->points[path->count - 1].t)
+		return fail_with(STATUS_INPUT, "%s:%d: t: %.40s does not grow; allowed: above %.10g",
+				 reader->file, reader->line, fields[0],
+				 path->points[path->count - 1].t);
+	if (path->count == reader->room) {
+		size_t room = reader->room == 0 ? 256 : reader->room * 2;
+		struct scene_waypoint *grown = mem_realloc(path->points, room, sizeof *grown);
+		if (grown == NULL)
+			return fail_memory("reading poses");
+		path->points = grown;
+		reader->room = room;
+	}
+	path->points[path->count++] = (struct scene_waypoint){
+		.t = values[0], .x = values[1], .y = values[2], .z = values[3],
+		.yaw = values[4] * RADIANS, .pitch = values[5] * RADIANS, .roll = values[6] * RADIANS};
+	return STATUS_OK;
+}
+
+static enum status take_line(struct reader *reader, char *line)
+{
+	char *fields[COLUMNS];
+	line += strspn(line, " \t\r");
+	if (line[0] == '\0')
+		return STATUS_OK;
+	int count = split(line, fields);
+	if (count != 3 && count != 4 && count != 7)
+		return refuse(reader, "not 3, 4 or 7 columns; allowed: t,x,y[,z[,yaw,pitch,roll]]");
+	if (reader->width == 0) {
+		reader->width = count;
+		reader->path->has_z = count > 3;
+		reader->path->has_attitude = count == 7;
+		if (strcmp(fields[0], "t") == 0) {
+			for (int i = 1; i < count; i++)
+				if (strcmp(fields[i], columns[i].name) != 0)
+					return refuse(reader, "not the names of the columns; allowed: "
+							      "t,x,y[,z[,yaw,pitch,roll]]");
+			return STATUS_OK;
+		}
+	}
+	if (count != reader->width)
+		return fail_with(STATUS_INPUT, "%s:%d: %d columns; allowed: %d, as in the lines before",
+				 reader->file, reader->line, count, reader->width);
+	return take_row(reader, fields);
+}
+
+enum status scene_path_read(const char *file, const char *told, struct scene_path *path)
+{
+	struct reader reader = {.file = file, .path = path};
+	char *bytes;
+	size_t length;
+	enum status status = scene_file_read(file, told, SCENE_POSES_BYTES, &bytes, &length);
+	if (status != STATUS_OK)
+		return status;
+	path->timed = true;
+	char *line = bytes, *end = bytes + length;
+	if (length >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0)
+		line += 3;
+	while (line < end && status == STATUS_OK) {
+		char *stop = memchr(line, '\n', (size_t)(end - line));
+		if (stop == NULL)
+			stop = end;
+		*stop = '\0';
+		reader.line++;
+		if (strlen(line) != (size_t)(stop - line))
+			status = refuse(&reader, "a NUL byte; allowed: text");
+		else
+			status = take_line(&reader, line);
+		line = stop + 1;
+	}
+	if (status == STATUS_OK && path->count == 0)
+		status = fail_with(STATUS_INPUT, "%s: no pose; allowed: at least one row of t,x,y", file);
+	mem_free(bytes);
+	return status;
+}

@@ -1,0 +1,199 @@
+/* The tables of scene_schema.h. */
+#include "scene/scene_schema.h"
+
+#include <string.h>
+
+#include "scene/scene.h"
+
+#define OPTIONAL CYAML_FLAG_OPTIONAL
+#define OPTIONAL_POINTER (CYAML_FLAG_OPTIONAL | CYAML_FLAG_POINTER)
+#define NEEDED CYAML_FLAG_DEFAULT
+
+static const cyaml_schema_value_t float_entry = {CYAML_VALUE_FLOAT(CYAML_FLAG_DEFAULT, double)};
+static const cyaml_schema_value_t int_entry = {CYAML_VALUE_INT(CYAML_FLAG_DEFAULT, int64_t)};
+static const cyaml_schema_value_t word_entry = {
+	CYAML_VALUE_STRING(CYAML_FLAG_POINTER, char *, 1, 64)};
+static const cyaml_schema_value_t point_entry = {
+	CYAML_VALUE_SEQUENCE_FIXED(CYAML_FLAG_DEFAULT, double, &float_entry, 2)};
+
+static const cyaml_schema_field_t wheel_fields[] = {
+	CYAML_FIELD_FLOAT("radius", NEEDED, struct raw_wheel, radius),
+	CYAML_FIELD_FLOAT("width", NEEDED, struct raw_wheel, width),
+	CYAML_FIELD_INT_PTR("lugs", OPTIONAL, struct raw_wheel, lugs),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_field_t sphere_fields[] = {
+	CYAML_FIELD_FLOAT("radius", NEEDED, struct raw_sphere, radius),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_field_t box_fields[] = {
+	CYAML_FIELD_SEQUENCE_FIXED("size", NEEDED, struct raw_box, size, &float_entry, 3),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_field_t shape_fields[] = {
+	CYAML_FIELD_MAPPING_PTR("wheel", OPTIONAL, struct raw_shape, wheel, wheel_fields),
+	CYAML_FIELD_MAPPING_PTR("sphere", OPTIONAL, struct raw_shape, sphere, sphere_fields),
+	CYAML_FIELD_MAPPING_PTR("box", OPTIONAL, struct raw_shape, box, box_fields),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_field_t path_fields[] = {
+	CYAML_FIELD_SEQUENCE("points", OPTIONAL_POINTER, struct raw_path, points, &point_entry, 1,
+			     CYAML_UNLIMITED),
+	CYAML_FIELD_FLOAT_PTR("speed", OPTIONAL, struct raw_path, speed),
+	CYAML_FIELD_BOOL_PTR("loop", OPTIONAL, struct raw_path, loop),
+	CYAML_FIELD_STRING_PTR("file", OPTIONAL, struct raw_path, file, 1, 4096),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_field_t object_fields[] = {
+	CYAML_FIELD_STRING_PTR("name", NEEDED, struct raw_object, name, 1, 64),
+	CYAML_FIELD_MAPPING("shape", NEEDED, struct raw_object, shape, shape_fields),
+	CYAML_FIELD_MAPPING("path", NEEDED, struct raw_object, path, path_fields),
+	CYAML_FIELD_FLOAT_PTR("sink", OPTIONAL, struct raw_object, sink),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_value_t object_entry = {
+	CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct raw_object, object_fields)};
+
+static const cyaml_schema_field_t soil_fields[] = {
+	CYAML_FIELD_STRING_PTR("name", OPTIONAL, struct raw_soil, name, 1, 64),
+	CYAML_FIELD_FLOAT_PTR("bekker_kc", OPTIONAL, struct raw_soil, bekker_kc),
+	CYAML_FIELD_FLOAT_PTR("bekker_kphi", OPTIONAL, struct raw_soil, bekker_kphi),
+	CYAML_FIELD_FLOAT_PTR("bekker_n", OPTIONAL, struct raw_soil, bekker_n),
+	CYAML_FIELD_FLOAT_PTR("cohesion", OPTIONAL, struct raw_soil, cohesion),
+	CYAML_FIELD_FLOAT_PTR("friction_angle", OPTIONAL, struct raw_soil, friction_angle),
+	CYAML_FIELD_FLOAT_PTR("janosi_shear", OPTIONAL, struct raw_soil, janosi_shear),
+	CYAML_FIELD_FLOAT_PTR("elastic_stiffness", OPTIONAL, struct raw_soil, elastic_stiffness),
+	CYAML_FIELD_FLOAT_PTR("damping", OPTIONAL, struct raw_soil, damping),
+	CYAML_FIELD_FLOAT_PTR("unit_weight", OPTIONAL, struct raw_soil, unit_weight),
+	CYAML_FIELD_END,
+};
+
+static const cyaml_strval_t model_words[] = {{"none", DEFORM_NONE}, {"box", DEFORM_BOX_FILTER}};
+static const cyaml_strval_t outside_words[] = {{"stop", SCENE_STOP}, {"skip", SCENE_SKIP}};
+
+static const cyaml_schema_field_t redistribute_fields[] = {
+	CYAML_FIELD_ENUM("model", NEEDED, struct raw_redistribute, model, model_words, 2),
+	CYAML_FIELD_INT_PTR("radius", OPTIONAL, struct raw_redistribute, radius),
+	CYAML_FIELD_INT_PTR("repetitions", OPTIONAL, struct raw_redistribute, repetitions),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_field_t output_fields[] = {
+	CYAML_FIELD_INT_PTR("forces", OPTIONAL, struct raw_output, forces),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_field_t overhead_fields[] = {
+	CYAML_FIELD_STRING_PTR("over", NEEDED, struct raw_overhead, over, 1, 64),
+	CYAML_FIELD_FLOAT("height", NEEDED, struct raw_overhead, height),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_field_t fixed_fields[] = {
+	CYAML_FIELD_SEQUENCE_FIXED("eye", NEEDED, struct raw_fixed, eye, &float_entry, 3),
+	CYAML_FIELD_SEQUENCE_FIXED("target", NEEDED, struct raw_fixed, target, &float_entry, 3),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_field_t camera_fields[] = {
+	CYAML_FIELD_STRING_PTR("chase", OPTIONAL, struct raw_camera, chase, 1, 64),
+	CYAML_FIELD_FLOAT_PTR("back", OPTIONAL, struct raw_camera, back),
+	CYAML_FIELD_FLOAT_PTR("up", OPTIONAL, struct raw_camera, up),
+	CYAML_FIELD_MAPPING_PTR("overhead", OPTIONAL, struct raw_camera, overhead, overhead_fields),
+	CYAML_FIELD_MAPPING_PTR("fixed", OPTIONAL, struct raw_camera, fixed, fixed_fields),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_field_t view_fields[] = {
+	CYAML_FIELD_SEQUENCE("size", OPTIONAL_POINTER, struct raw_view, size, &int_entry, 2, 2),
+	CYAML_FIELD_MAPPING("camera", NEEDED, struct raw_view, camera, camera_fields),
+	CYAML_FIELD_SEQUENCE("effects", OPTIONAL_POINTER, struct raw_view, effects, &word_entry, 0,
+			     CYAML_UNLIMITED),
+	CYAML_FIELD_INT_PTR("images", OPTIONAL, struct raw_view, images),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_field_t cache_fields[] = {
+	CYAML_FIELD_INT_PTR("slots", OPTIONAL, struct raw_cache, slots),
+	CYAML_FIELD_INT_PTR("loaders", OPTIONAL, struct raw_cache, loaders),
+	CYAML_FIELD_FLOAT_PTR("prefetch", OPTIONAL, struct raw_cache, prefetch),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_field_t scene_fields[] = {
+	CYAML_FIELD_INT("scene", NEEDED, struct raw_scene, scene),
+	CYAML_FIELD_STRING_PTR("store", OPTIONAL, struct raw_scene, store, 1, 4096),
+	CYAML_FIELD_FLOAT_PTR("time_step", OPTIONAL, struct raw_scene, time_step),
+	CYAML_FIELD_FLOAT("end_time", NEEDED, struct raw_scene, end_time),
+	CYAML_FIELD_FLOAT_PTR("gravity", OPTIONAL, struct raw_scene, gravity),
+	CYAML_FIELD_FLOAT_PTR("spacing", OPTIONAL, struct raw_scene, spacing),
+	CYAML_FIELD_STRING_PTR("coordinates", OPTIONAL, struct raw_scene, coordinates, 1, 65536),
+	CYAML_FIELD_MAPPING_PTR("soil", OPTIONAL, struct raw_scene, soil, soil_fields),
+	CYAML_FIELD_MAPPING_PTR("redistribute", OPTIONAL, struct raw_scene, redistribute,
+				redistribute_fields),
+	CYAML_FIELD_SEQUENCE("attributes", OPTIONAL_POINTER, struct raw_scene, attributes,
+			     &word_entry, 0, CYAML_UNLIMITED),
+	CYAML_FIELD_ENUM_PTR("outside", OPTIONAL, struct raw_scene, outside, outside_words, 2),
+	CYAML_FIELD_SEQUENCE("objects", OPTIONAL_POINTER, struct raw_scene, objects, &object_entry,
+			     0, 4096),
+	CYAML_FIELD_MAPPING_PTR("output", OPTIONAL, struct raw_scene, output, output_fields),
+	CYAML_FIELD_MAPPING_PTR("view", OPTIONAL, struct raw_scene, view, view_fields),
+	CYAML_FIELD_MAPPING_PTR("cache", OPTIONAL, struct raw_scene, cache, cache_fields),
+	CYAML_FIELD_END,
+};
+const cyaml_schema_value_t scene_schema = {
+	CYAML_VALUE_MAPPING(CYAML_FLAG_POINTER, struct raw_scene, scene_fields)};
+
+static const struct scene_limit limits[] = {
+	{"scene", 1, 1, false, "is no version of the format that is known"},
+	{"time_step", 0, 3600, true, NULL},
+	{"end_time", 0, 1e9, true, NULL},
+	{"gravity", 0, 1000, true, NULL},
+	{"spacing", 0, 1e6, true, NULL},
+	{"soil.bekker_kc", -1e12, 1e12, false, NULL},
+	{"soil.bekker_kphi", 0, 1e12, false, NULL},
+	{"soil.bekker_n", 0, 10, true, NULL},
+	{"soil.cohesion", 0, 1e9, false, NULL},
+	{"soil.friction_angle", 0, 89, false, NULL},
+	{"soil.janosi_shear", 0, 10, true, NULL},
+	{"soil.elastic_stiffness", 0, 1e12, true, NULL},
+	{"soil.damping", 0, 1e12, false, NULL},
+	{"soil.unit_weight", 0, 1e6, true, NULL},
+	{"redistribute.radius", 1, 4, false, NULL},
+	{"redistribute.repetitions", 1, 8, false, NULL},
+	{"objects[].shape.wheel.radius", 0.001, 1000, false, NULL},
+	{"objects[].shape.wheel.width", 0.001, 1000, false, NULL},
+	{"objects[].shape.wheel.lugs", 0, 0, false, "lugs are not in this version"},
+	{"objects[].shape.sphere.radius", 0.001, 1000, false, NULL},
+	{"objects[].shape.box.size[]", 0.001, 1000, false, NULL},
+	{"objects[].path.points[][]", -1e9, 1e9, false, NULL},
+	{"objects[].path.speed", 0, 10000, true, NULL},
+	{"objects[].sink", 0, 1000, false, NULL},
+	{"output.forces", 0, 0, false, "forces are not in this version"},
+	{"view.size[]", 1, 8192, false, NULL},
+	{"view.camera.back", 0, 1e6, false, NULL},
+	{"view.camera.up", 0, 1e6, false, NULL},
+	{"view.camera.overhead.height", 0, 1e6, true, NULL},
+	{"view.camera.fixed.eye[]", -1e9, 1e9, false, NULL},
+	{"view.camera.fixed.target[]", -1e9, 1e9, false, NULL},
+	{"view.images", 0, 1e9, false, NULL},
+	{"cache.slots", 4, 65536, false, NULL},
+	{"cache.loaders", 1, 16, false, NULL},
+	{"cache.prefetch", 0, 3600, false, NULL},
+};
+
+const struct scene_limit *scene_limit_of(const char *where)
+{
+	for (size_t i = 0; i < sizeof limits / sizeof limits[0]; i++)
+		if (strcmp(limits[i].where, where) == 0)
+			return &limits[i];
+	return NULL;
+}
+
+bool scene_later(const char *where, const char *word)
+{
+	static const struct {
+		const char *where, *word;
+	} later[] = {
+		{"redistribute.model", "sumner"}, {"redistribute.model", "slippage"},
+		{"redistribute.model", "scm"},    {"objects[].shape", "mesh"},
+		{"objects[]", "load"},
+	};
+	for (size_t i = 0; i < sizeof later / sizeof later[0]; i++)
+		if (strcmp(later[i].where, where) == 0 && strcmp(later[i].word, word) == 0)
+			return true;
+	return false;
+}

@@ -1,0 +1,114 @@
+/*
+ * What a scene may say: the typed values as cyaml loads them, the tables it loads them by, the
+ * ranges of the numbers, and the words that belong to later versions. The tables are also what
+ * scene_match checks the tree against, so that each key is described once.
+ */
+#ifndef FURROW_SCENE_SCHEMA_H
+#define FURROW_SCENE_SCHEMA_H
+
+#include <cyaml/cyaml.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* Optional values are pointers, NULL when absent. */
+struct raw_wheel {
+	double radius, width;
+	int64_t *lugs;
+};
+struct raw_sphere {
+	double radius;
+};
+struct raw_box {
+	double size[3];
+};
+struct raw_shape {
+	struct raw_wheel *wheel;
+	struct raw_sphere *sphere;
+	struct raw_box *box;
+};
+struct raw_path {
+	double (*points)[2];
+	uint32_t points_count;
+	double *speed;
+	bool *loop;
+	char *file;
+};
+struct raw_object {
+	char *name;
+	struct raw_shape shape;
+	struct raw_path path;
+	double *sink;
+};
+struct raw_soil {
+	char *name;
+	double *bekker_kc, *bekker_kphi, *bekker_n, *cohesion, *friction_angle, *janosi_shear;
+	double *elastic_stiffness, *damping, *unit_weight;
+};
+struct raw_redistribute {
+	int model; /* enum deform_model */
+	int64_t *radius, *repetitions;
+};
+struct raw_output {
+	int64_t *forces;
+};
+struct raw_overhead {
+	char *over;
+	double height;
+};
+struct raw_fixed {
+	double eye[3], target[3];
+};
+struct raw_camera {
+	char *chase;
+	double *back, *up;
+	struct raw_overhead *overhead;
+	struct raw_fixed *fixed;
+};
+struct raw_view {
+	int64_t *size;
+	uint32_t size_count;
+	struct raw_camera camera;
+	char **effects;
+	uint32_t effects_count;
+	int64_t *images;
+};
+struct raw_cache {
+	int64_t *slots, *loaders;
+	double *prefetch;
+};
+struct raw_scene {
+	int64_t scene;
+	char *store;
+	double *time_step;
+	double end_time;
+	double *gravity, *spacing;
+	char *coordinates;
+	struct raw_soil *soil;
+	struct raw_redistribute *redistribute;
+	char **attributes;
+	uint32_t attributes_count;
+	int *outside; /* enum scene_outside */
+	struct raw_object *objects;
+	uint32_t objects_count;
+	struct raw_output *output;
+	struct raw_view *view;
+	struct raw_cache *cache;
+};
+
+extern const cyaml_schema_value_t scene_schema;
+
+/* The range of the number at `where`, a path with anonymous indices: low .. high, without `low`
+ * itself if `above`. */
+struct scene_limit {
+	const char *where;
+	double low, high;
+	bool above;
+	const char *why; /* said in place of "is out of range", or NULL */
+};
+const struct scene_limit *scene_limit_of(const char *where); /* NULL: any finite number */
+
+/* True if `word`, a key or a value at `where`, is one that a later version knows. */
+bool scene_later(const char *where, const char *word);
+
+#endif

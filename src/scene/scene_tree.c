@@ -1,0 +1,291 @@
+/* YAML events to a tree of nodes with lines; see scene_tree.h for the limits it keeps. */
+#include "scene/scene_tree.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <yaml.h>
+
+#include "scene/scene_error.h"
+
+struct builder {
+	const char *file, *setting;
+	struct scene_node *root, *at; /* the open collection; NULL outside of any */
+	char *key;                    /* read, its value still to come */
+	int key_line;
+	int depth;
+};
+
+struct scene_node *scene_node_create(enum scene_kind kind, const char *key)
+{
+	struct scene_node *node = mem_calloc(1, sizeof *node);
+	if (node == NULL)
+		return NULL;
+	node->kind = kind;
+	if (key != NULL && (node->key = mem_strdup(key)) == NULL) {
+		mem_free(node);
+		return NULL;
+	}
+	return node;
+}
+
+void scene_node_append(struct scene_node *parent, struct scene_node *child)
+{
+	child->parent = parent;
+	child->next = NULL;
+	child->index = parent->count++;
+	if (parent->last == NULL)
+		parent->first = child;
+	else
+		parent->last->next = child;
+	parent->last = child;
+}
+
+void scene_node_remove(struct scene_node *child)
+{
+	struct scene_node *parent = child->parent, *before = NULL;
+	for (struct scene_node *node = parent->first; node != child; node = node->next)
+		before = node;
+	if (before == NULL)
+		parent->first = child->next;
+	else
+		before->next = child->next;
+	if (parent->last == child)
+		parent->last = before;
+	parent->count--;
+	for (struct scene_node *node = child->next; node != NULL; node = node->next)
+		node->index--;
+	child->parent = NULL;
+	child->next = NULL;
+}
+
+void scene_node_destroy(struct scene_node *node)
+{
+	if (node == NULL)
+		return;
+	for (struct scene_node *child = node->first, *next; child != NULL; child = next) {
+		next = child->next;
+		scene_node_destroy(child);
+	}
+	mem_free(node->key);
+	mem_free(node->text);
+	mem_free(node);
+}
+
+void scene_tree_finish(struct scene_tree *tree)
+{
+	scene_node_destroy(tree->root);
+	tree->root = NULL;
+}
+
+struct scene_node *scene_node_child(const struct scene_node *parent, const char *key)
+{
+	for (struct scene_node *node = parent->first; node != NULL; node = node->next)
+		if (node->key != NULL && strcmp(node->key, key) == 0)
+			return node;
+	return NULL;
+}
+
+void scene_node_path(const struct scene_node *node, bool anonymous, char *text, size_t size)
+{
+	size_t used = 0;
+	text[0] = '\0';
+	if (node->parent == NULL)
+		return;
+	scene_node_path(node->parent, anonymous, text, size);
+	used = strlen(text);
+	if (node->key != NULL)
+		snprintf(text + used, size - used, "%s%.40s", used == 0 ? "" : ".", node->key);
+	else if (anonymous)
+		snprintf(text + used, size - used, "[]");
+	else
+		snprintf(text + used, size - used, "[%zu]", node->index);
+}
+
+const struct scene_node *scene_tree_find(const struct scene_tree *tree, const char *format, ...)
+{
+	char path[160];
+	va_list args;
+	va_start(args, format);
+	vsnprintf(path, sizeof path, format, args);
+	va_end(args);
+	const struct scene_node *at = tree->root;
+	for (char *c = path; *c != '\0';) {
+		const struct scene_node *child;
+		if (*c == '.')
+			c++;
+		if (*c == '[') {
+			size_t index = strtoul(c + 1, &c, 10);
+			c++; /* the closing bracket */
+			child = at->first;
+			while (child != NULL && child->index != index)
+				child = child->next;
+		} else {
+			size_t length = strcspn(c, ".[");
+			char after = c[length];
+			c[length] = '\0';
+			child = scene_node_child(at, c);
+			c += length;
+			*c = after;
+		}
+		if (child == NULL)
+			return at;
+		at = child;
+	}
+	return at;
+}
+
+static enum status refuse(const struct builder *builder, int line, const char *why)
+{
+	if (builder->setting != NULL)
+		return fail_with(STATUS_INPUT, "%s: --set %s: %s", builder->file, builder->setting, why);
+	return fail_with(STATUS_INPUT, "%s:%d: %s", builder->file, line, why);
+}
+
+static bool text_is_clean(const char *text, size_t length)
+{
+	for (size_t i = 0; i < length; i++) {
+		unsigned char c = (unsigned char)text[i];
+		if ((c < 0x20 && c != '\n' && c != '\t') || c == 0x7f)
+			return false;
+	}
+	return true;
+}
+
+static enum status take_key(struct builder *builder, const char *text, int line)
+{
+	struct scene_node *at = builder->at;
+	if (scene_node_child(at, text) != NULL) {
+		struct scene_node here = {.line = line, .setting = builder->setting, .parent = at,
+					  .key = (char *)text};
+		return scene_error(builder->file, &here,
+				   "is written twice; allowed: each key once");
+	}
+	if (at->count >= SCENE_KEYS)
+		return refuse(builder, line, "too many keys in one mapping; allowed: 64");
+	builder->key = mem_strdup(text);
+	builder->key_line = line;
+	return builder->key == NULL ? fail_memory("reading the scene") : STATUS_OK;
+}
+
+/* Hangs a new node where the text has come to. */
+static enum status add(struct builder *builder, enum scene_kind kind, const char *text, bool plain,
+		       int line)
+{
+	struct scene_node *node = scene_node_create(kind, NULL);
+	if (node == NULL)
+		return fail_memory("reading the scene");
+	node->line = builder->key != NULL ? builder->key_line : line;
+	node->setting = builder->setting;
+	node->plain = plain;
+	node->key = builder->key;
+	builder->key = NULL;
+	if (builder->at != NULL)
+		scene_node_append(builder->at, node);
+	else
+		builder->root = node;
+	if (kind != SCENE_SCALAR) {
+		builder->at = node;
+		builder->depth++;
+		if (builder->depth > SCENE_DEPTH)
+			return refuse(builder, line, "nested too deeply; allowed: 16 levels");
+	} else if ((node->text = mem_strdup(text)) == NULL) {
+		return fail_memory("reading the scene");
+	}
+	return STATUS_OK;
+}
+
+static enum status take_event(struct builder *builder, const yaml_event_t *event)
+{
+	int line = (int)event->start_mark.line + 1;
+	bool key_due = builder->at != NULL && builder->at->kind == SCENE_MAPPING &&
+		       builder->key == NULL;
+	const char *text;
+	switch (event->type) {
+	case YAML_DOCUMENT_START_EVENT:
+		if (builder->root != NULL)
+			return refuse(builder, line, "a second document begins; allowed: one");
+		return STATUS_OK;
+	case YAML_ALIAS_EVENT:
+		return refuse(builder, line, "an alias (*name); allowed: the value written out");
+	case YAML_SCALAR_EVENT:
+		if (event->data.scalar.anchor != NULL || event->data.scalar.tag != NULL)
+			return refuse(builder, line, "an anchor or a tag; allowed: plain values");
+		text = (const char *)event->data.scalar.value;
+		if (!text_is_clean(text, event->data.scalar.length))
+			return refuse(builder, line, "a control character; allowed: printable text");
+		if (key_due)
+			return take_key(builder, text, line);
+		return add(builder, SCENE_SCALAR, text,
+			   event->data.scalar.style == YAML_PLAIN_SCALAR_STYLE, line);
+	case YAML_SEQUENCE_START_EVENT:
+	case YAML_MAPPING_START_EVENT:
+		if (event->type == YAML_SEQUENCE_START_EVENT
+			    ? event->data.sequence_start.anchor != NULL ||
+				      event->data.sequence_start.tag != NULL
+			    : event->data.mapping_start.anchor != NULL ||
+				      event->data.mapping_start.tag != NULL)
+			return refuse(builder, line, "an anchor or a tag; allowed: plain values");
+		if (key_due)
+			return refuse(builder, line, "a key that is no text; allowed: names");
+		return add(builder,
+			   event->type == YAML_SEQUENCE_START_EVENT ? SCENE_SEQUENCE : SCENE_MAPPING,
+			   NULL, false, line);
+	case YAML_SEQUENCE_END_EVENT:
+	case YAML_MAPPING_END_EVENT:
+		builder->at = builder->at->parent;
+		builder->depth--;
+		return STATUS_OK;
+	default:
+		return STATUS_OK;
+	}
+}
+
+static enum status parser_failed(const struct builder *builder, const yaml_parser_t *parser)
+{
+	if (parser->error == YAML_MEMORY_ERROR)
+		return fail_memory("reading the scene");
+	char why[200];
+	snprintf(why, sizeof why, "not YAML: %s; allowed: a YAML mapping",
+		 parser->problem != NULL ? parser->problem : "unreadable");
+	size_t line = parser->problem_mark.line;
+	if (parser->error == YAML_READER_ERROR)
+		line = parser->mark.line;
+	return refuse(builder, (int)line + 1, why);
+}
+
+enum status scene_tree_parse(const char *file, const char *setting, const char *text, size_t length,
+			     struct scene_node **out)
+{
+	struct builder builder = {.file = file, .setting = setting};
+	yaml_parser_t parser;
+	enum status status = STATUS_OK;
+	bool ended = false;
+
+	*out = NULL;
+	if (memchr(text, '\0', length) != NULL)
+		return refuse(&builder, 1, "a NUL byte; allowed: YAML in UTF-8");
+	if (!yaml_parser_initialize(&parser))
+		return fail_memory("reading the scene");
+	yaml_parser_set_encoding(&parser, YAML_UTF8_ENCODING);
+	yaml_parser_set_input_string(&parser, (const unsigned char *)text, length);
+	while (!ended && status == STATUS_OK) {
+		yaml_event_t event;
+		if (!yaml_parser_parse(&parser, &event)) {
+			status = parser_failed(&builder, &parser);
+			break;
+		}
+		ended = event.type == YAML_STREAM_END_EVENT;
+		status = take_event(&builder, &event);
+		yaml_event_delete(&event);
+	}
+	yaml_parser_delete(&parser);
+	mem_free(builder.key);
+	if (status == STATUS_OK && builder.root == NULL)
+		status = refuse(&builder, 1, "nothing is written here; allowed: a YAML value");
+	if (status != STATUS_OK)
+		scene_node_destroy(builder.root);
+	else
+		*out = builder.root;
+	return status;
+}

@@ -1,0 +1,103 @@
+/* The checked view: size, camera, effects. */
+#include <string.h>
+
+#include "scene/scene_check.h"
+#include "scene/scene_error.h"
+
+static enum status find_target(const struct scene_tree *tree, const struct scene *scene,
+			       const char *name, const char *key, int *target)
+{
+	struct scene_list names = {.length = 0};
+	for (size_t i = 0; i < scene->object_count; i++) {
+		if (strcmp(scene->objects[i].name, name) == 0) {
+			*target = (int)i;
+			return STATUS_OK;
+		}
+		scene_list_add(&names, scene->objects[i].name);
+	}
+	return scene_error(tree->file, scene_tree_find(tree, "%s", key),
+			   "%s is no object; allowed: %s", scene_quote(name).text,
+			   names.length > 0 ? names.text : "an object, of which there is none");
+}
+
+static enum status check_camera(const struct scene_tree *tree, const struct raw_camera *raw,
+				struct scene *scene)
+{
+	struct scene_view *view = &scene->view;
+	const struct scene_node *node = scene_tree_find(tree, "view.camera");
+	int named = (raw->chase != NULL) + (raw->overhead != NULL) + (raw->fixed != NULL);
+	if (named != 1)
+		return scene_error(tree->file, node,
+				   "names %d cameras; allowed: exactly one of chase, overhead, fixed",
+				   named);
+	if (raw->chase == NULL && (raw->back != NULL || raw->up != NULL))
+		return scene_error(tree->file,
+				   scene_tree_find(tree, raw->back != NULL ? "view.camera.back"
+									   : "view.camera.up"),
+				   "is not of this camera; allowed with: chase");
+	if (raw->chase != NULL) {
+		view->camera = SCENE_CHASE;
+		view->back = raw->back != NULL ? *raw->back : 12;
+		view->up = raw->up != NULL ? *raw->up : 5;
+		if (view->back == 0 && view->up == 0)
+			return scene_error(tree->file, node,
+					   "stands in its object; allowed: back or up above 0");
+		return find_target(tree, scene, raw->chase, "view.camera.chase",
+				   &view->target_object);
+	}
+	if (raw->overhead != NULL) {
+		view->camera = SCENE_OVERHEAD;
+		view->over_height = raw->overhead->height;
+		return find_target(tree, scene, raw->overhead->over, "view.camera.overhead.over",
+				   &view->target_object);
+	}
+	view->camera = SCENE_FIXED;
+	memcpy(view->eye, raw->fixed->eye, sizeof view->eye);
+	memcpy(view->target, raw->fixed->target, sizeof view->target);
+	if (view->eye[0] == view->target[0] && view->eye[1] == view->target[1] &&
+	    view->eye[2] == view->target[2])
+		return scene_error(tree->file, scene_tree_find(tree, "view.camera.fixed.target"),
+				   "is the eye; allowed: another place");
+	return STATUS_OK;
+}
+
+static enum status check_effects(const struct scene_tree *tree, const struct raw_view *raw,
+				 struct scene_view *view)
+{
+	struct scene_list names = {.length = 0};
+	for (int e = 0; e < EFFECT_COUNT; e++)
+		if (strcmp(scene_effect_row((enum scene_effect)e)->key, "view.effects") == 0)
+			scene_list_add(&names, scene_effect_row((enum scene_effect)e)->name);
+	for (uint32_t i = 0; i < raw->effects_count; i++) {
+		const struct scene_node *node = scene_tree_find(tree, "view.effects[%u]", i);
+		unsigned bit = 0;
+		for (int e = 0; e < EFFECT_COUNT; e++) {
+			const struct scene_effect_row *row = scene_effect_row((enum scene_effect)e);
+			if (strcmp(row->key, "view.effects") == 0 &&
+			    strcmp(row->name, raw->effects[i]) == 0)
+				bit = 1u << e;
+		}
+		if (bit == 0)
+			return scene_error(tree->file, node, "%s is unknown; allowed: %s",
+					   scene_quote(raw->effects[i]).text, names.text);
+		if ((view->effects & bit) != 0)
+			return scene_error(tree->file, node, "%s is named twice; allowed: once",
+					   scene_quote(raw->effects[i]).text);
+		view->effects |= bit;
+	}
+	return STATUS_OK;
+}
+
+enum status scene_check_view(const struct scene_tree *tree, const struct raw_scene *raw,
+			     struct scene *scene)
+{
+	struct scene_view *view = &scene->view;
+	if (raw->view == NULL)
+		return STATUS_OK;
+	view->present = true;
+	view->width = raw->view->size != NULL ? (int)raw->view->size[0] : 1280;
+	view->height = raw->view->size != NULL ? (int)raw->view->size[1] : 720;
+	view->images = raw->view->images != NULL ? *raw->view->images : 0;
+	enum status status = check_camera(tree, &raw->view->camera, scene);
+	return status != STATUS_OK ? status : check_effects(tree, raw->view, view);
+}

@@ -1,0 +1,187 @@
+/* What a good scene becomes. */
+#include "fixture.h"
+
+static struct scene *load(const char *text)
+{
+	struct scene *scene;
+	if (load_text(text, NULL, 0, &scene) != STATUS_OK)
+		fail_msg("%s", failure_message());
+	return scene;
+}
+
+static void the_manuals_scene_has_the_values_it_says(void **state)
+{
+	struct scene *scene = load(example);
+	assert_string_equal(scene->file, in_folder("scene.yaml"));
+	assert_string_equal(scene->store, in_folder("world.furrow"));
+	assert_string_equal(scene->soil, "dry_sand");
+	assert_true(scene->time_step == 0.02 && scene->end_time == 30 && scene->gravity == 9.81);
+	assert_true(scene->spacing == 0.125);
+	assert_int_equal(scene->coordinates, SCENE_LOCAL);
+	assert_int_equal(scene->model, DEFORM_BOX_FILTER);
+	assert_int_equal(scene->box_radius, 1);
+	assert_int_equal(scene->box_repetitions, 1);
+	assert_true(scene->dirt);
+	assert_int_equal(scene->outside, SCENE_STOP);
+	assert_int_equal(scene->object_count, 1);
+	const struct scene_object *wheel = &scene->objects[0];
+	assert_string_equal(wheel->name, "front_left");
+	assert_int_equal(wheel->shape.kind, DEFORM_WHEEL);
+	assert_true(wheel->shape.radius == 0.5 && wheel->shape.width == 0.4);
+	assert_int_equal(wheel->path.count, 2);
+	assert_true(wheel->path.points[0].x == 10 && wheel->path.points[0].y == 10);
+	assert_true(wheel->path.points[1].x == 90 && wheel->path.points[1].y == 40);
+	assert_true(wheel->path.speed == 5 && !wheel->path.loop && !wheel->path.timed);
+	assert_true(wheel->sink == 0.1);
+	assert_true(scene->view.present);
+	assert_int_equal(scene->view.width, 1280);
+	assert_int_equal(scene->view.height, 720);
+	assert_int_equal(scene->view.camera, SCENE_CHASE);
+	assert_int_equal(scene->view.target_object, 0);
+	assert_true(scene->view.back == 12 && scene->view.up == 5);
+	assert_int_equal(scene->view.images, 100);
+	assert_int_equal(scene->slots, 256);
+	assert_int_equal(scene->loaders, 2);
+	assert_true(scene->prefetch == 1.5);
+	assert_int_equal(strlen(scene->hash), 32);
+	assert_int_equal(scene_effects(scene), (1u << EFFECT_COUNT) - 1);
+	scene_destroy(scene);
+}
+
+static void what_is_absent_is_its_default_and_calls_for_nothing(void **state)
+{
+	struct scene *scene = load(minimal);
+	assert_null(scene->store);
+	assert_null(scene->soil);
+	assert_null(scene->srs);
+	assert_true(scene->time_step == 0.02 && scene->gravity == 9.81 && scene->spacing == 0);
+	assert_int_equal(scene->model, DEFORM_NONE);
+	assert_false(scene->dirt);
+	assert_false(scene->view.present);
+	assert_int_equal(scene->slots, 256);
+	assert_int_equal(scene->loaders, 2);
+	assert_true(scene->prefetch == 1.5 && scene->objects[0].sink == 0);
+	assert_int_equal(scene_effects(scene), 1u << EFFECT_DISPLACE);
+	scene_destroy(scene);
+}
+
+static void a_view_without_objects_deforms_nothing(void **state)
+{
+	struct scene *scene = load("scene: 1\nend_time: 1\nattributes: [dirt]\n"
+				   "redistribute: {model: box, radius: 2, repetitions: 3}\n"
+				   "view: {camera: {fixed: {eye: [1, 2, 3], target: [4, 5, -6]}}}\n");
+	assert_int_equal(scene->view.camera, SCENE_FIXED);
+	assert_true(scene->view.eye[2] == 3 && scene->view.target[2] == -6);
+	assert_int_equal(scene->view.width, 1280);
+	assert_int_equal(scene->box_radius, 2);
+	assert_int_equal(scene->box_repetitions, 3);
+	assert_int_equal(scene_effects(scene), 0);
+	scene_destroy(scene);
+}
+
+static void a_camera_may_be_written_flat_or_under_its_name(void **state)
+{
+	static const char *const cameras[] = {"{over: front_left, height: 40}",
+					      "{overhead: {over: front_left, height: 40}}"};
+	for (size_t i = 0; i < 2; i++) {
+		char *text = edited(example, "{chase: front_left, back: 12, up: 5}", cameras[i]);
+		struct scene *scene = load(text);
+		assert_int_equal(scene->view.camera, SCENE_OVERHEAD);
+		assert_int_equal(scene->view.target_object, 0);
+		assert_true(scene->view.over_height == 40);
+		scene_destroy(scene);
+		free(text);
+	}
+	char *text = edited(example, "{chase: front_left, back: 12, up: 5}",
+			    "{eye: [1, 2, 3], target: [0, 0, 0]}");
+	struct scene *scene = load(text);
+	assert_int_equal(scene->view.camera, SCENE_FIXED);
+	scene_destroy(scene);
+	free(text);
+}
+
+static void an_srs_is_whatever_is_neither_local_nor_store(void **state)
+{
+	char *text = edited(example, "coordinates: local", "coordinates: EPSG:4326");
+	struct scene *scene = load(text);
+	assert_int_equal(scene->coordinates, SCENE_SRS);
+	assert_string_equal(scene->srs, "EPSG:4326");
+	scene_destroy(scene);
+	free(text);
+	text = edited(example, "coordinates: local", "coordinates: store");
+	scene = load(text);
+	assert_int_equal(scene->coordinates, SCENE_STORE);
+	assert_null(scene->srs);
+	scene_destroy(scene);
+	free(text);
+}
+
+static void the_hash_is_of_what_the_ground_becomes(void **state)
+{
+	static const struct {
+		const char *from, *to;
+		bool same;
+	} edits[] = {
+		{"slots: 256", "slots: 16", true},
+		{"images: 100", "images: 1", true},
+		{"# they act in", "# or not, they act in", true},
+		{"store: world", "store: other", true},
+		{"end_time: 30", "end_time: 60", true},
+		{"speed: 5", "speed: 5.0", true},
+		{"speed: 5", "speed: 6", false},
+		{"sink: 0.1", "sink: 0.2", false},
+		{"[90, 40]", "[90, 41]", false},
+		{"time_step: 0.02", "time_step: 0.01", false},
+		{"radius: 0.5", "radius: 0.6", false},
+		{"name: front_left", "name: front_left2", false},
+		{"spacing: 0.125", "spacing: 0.25", false},
+		{"dry_sand", "lunar", false},
+		{"model: box", "model: none", false},
+		{"model: box", "model: box, radius: 2", false},
+		{"attributes: [dirt]", "attributes: []", false},
+		{"coordinates: local", "coordinates: store", false},
+		{"outside: stop", "outside: skip", false},
+		{"loop: false", "loop: true", false},
+	};
+	struct scene *first = load(example);
+	for (size_t i = 0; i < sizeof edits / sizeof edits[0]; i++) {
+		char *text = edited(example, edits[i].from, edits[i].to), *whole = text;
+		if (strstr(edits[i].to, "front_left2") != NULL) {
+			whole = edited(text, "chase: front_left", "chase: front_left2");
+			free(text);
+		}
+		struct scene *scene = load(whole);
+		if ((strcmp(scene->hash, first->hash) == 0) != edits[i].same)
+			fail_msg("%s: the hash is wrong to %s", edits[i].to,
+				 edits[i].same ? "differ" : "be the same");
+		scene_destroy(scene);
+		free(whole);
+	}
+	scene_destroy(first);
+}
+
+static void every_effect_has_a_row_that_says_what_it_costs(void **state)
+{
+	for (int e = 0; e < EFFECT_COUNT; e++) {
+		const struct scene_effect_row *row = scene_effect_row((enum scene_effect)e);
+		assert_non_null(row->name);
+		assert_true(row->shader[0] != '\0' && row->what[0] != '\0' && row->writes[0] != '\0');
+		for (int other = 0; other < e; other++)
+			assert_string_not_equal(row->name,
+						scene_effect_row((enum scene_effect)other)->name);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(the_manuals_scene_has_the_values_it_says),
+		cmocka_unit_test(what_is_absent_is_its_default_and_calls_for_nothing),
+		cmocka_unit_test(a_view_without_objects_deforms_nothing),
+		cmocka_unit_test(a_camera_may_be_written_flat_or_under_its_name),
+		cmocka_unit_test(an_srs_is_whatever_is_neither_local_nor_store),
+		cmocka_unit_test(the_hash_is_of_what_the_ground_becomes),
+		cmocka_unit_test(every_effect_has_a_row_that_says_what_it_costs),
+	};
+	return cmocka_run_group_tests(tests, make_folder, drop_folder);
+}
