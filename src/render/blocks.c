@@ -1,0 +1,116 @@
+/*
+ * Which parts of a tile are drawn at which stride: a quadtree of blocks, each a grid of the same
+ * number of cells, divided while nearer than its spacing's reach and culled by its box.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "render/internal.h"
+
+struct splitter {
+	struct render_blocks *blocks;
+	const struct terrain_view *view;
+	const struct terrain_draw *draw;
+	double spacing, reach;
+	double west, south;  /* metres, of the tile */
+	double limit[2];     /* the world's last post */
+	uint32_t side;       /* cells along a block */
+	size_t first;        /* of this tile's blocks */
+	enum status status;
+};
+
+uint32_t render_block_cells(const struct world *world)
+{
+	uint32_t half = world->cells / 2;
+	return half < RENDER_BLOCK_CELLS ? half : RENDER_BLOCK_CELLS;
+}
+
+static enum status append(struct render_blocks *blocks, uint32_t block)
+{
+	if (blocks->count == blocks->capacity) {
+		size_t capacity = blocks->capacity ? 2 * blocks->capacity : 1024;
+		uint32_t *grown = mem_realloc(blocks->blocks, capacity, sizeof *grown);
+		if (grown == NULL)
+			return fail_memory("the picture's blocks");
+		blocks->blocks = grown;
+		blocks->capacity = capacity;
+	}
+	blocks->blocks[blocks->count++] = block;
+	return STATUS_OK;
+}
+
+static void split(struct splitter *s, uint32_t x, uint32_t y, int stride)
+{
+	double size = s->side * s->spacing * (1 << stride);
+	double low[3] = {s->west + x * size, s->south + y * size, s->draw->low};
+	double high[3] = {fmin(low[0] + size, s->limit[0]), fmin(low[1] + size, s->limit[1]), s->draw->high};
+	if (s->status != STATUS_OK || low[0] >= s->limit[0] || low[1] >= s->limit[1] ||
+	    !terrain_box_visible(s->view->planes, low, high))
+		return;
+	double distance = terrain_box_distance(s->view->eye, low, high);
+	if (stride > 0 && distance < s->reach * s->spacing * (1 << stride)) {
+		/* Near ones first: they hide what is behind. */
+		uint32_t nearest = (s->view->eye[0] >= low[0] + size / 2 ? 1u : 0u) |
+				   (s->view->eye[1] >= low[1] + size / 2 ? 2u : 0u);
+		for (uint32_t i = 0; i < 4; i++)
+			split(s, 2 * x + ((i ^ nearest) & 1), 2 * y + ((i ^ nearest) >> 1), stride - 1);
+		return;
+	}
+	s->status = append(s->blocks, x | y << 10 | (uint32_t)stride << 20);
+}
+
+/* A block's edge needs no skirt where its neighbour is of the same tile and stride. */
+static void add_skirts(struct splitter *s, uint32_t *edge_strides, uint32_t across)
+{
+	uint32_t *blocks = s->blocks->blocks;
+	memset(edge_strides, 0xff, (size_t)across * across * sizeof *edge_strides);
+	for (size_t i = s->first; i < s->blocks->count; i++) {
+		uint32_t stride = blocks[i] >> 20 & 15, x = (blocks[i] & 1023) << stride, y = (blocks[i] >> 10 & 1023) << stride;
+		for (uint32_t v = 0; v < 1u << stride; v++)
+			for (uint32_t u = 0; u < 1u << stride; u++)
+				edge_strides[(y + v) * across + x + u] = stride;
+	}
+	double side = s->side * s->spacing;
+	for (size_t i = s->first; i < s->blocks->count; i++) {
+		uint32_t stride = blocks[i] >> 20 & 15, x = (blocks[i] & 1023) << stride, y = (blocks[i] >> 10 & 1023) << stride;
+		uint32_t size = 1u << stride;
+		/* Nor where the world ends. */
+		if (y == 0 ? s->south > 0 : edge_strides[(y - 1) * across + x] != stride)
+			blocks[i] |= RENDER_SKIRT_SOUTH;
+		if (x == 0 ? s->west > 0 : edge_strides[y * across + x - 1] != stride)
+			blocks[i] |= RENDER_SKIRT_WEST;
+		if (s->south + (y + size) * side < s->limit[1] &&
+		    (y + size >= across || edge_strides[(y + size) * across + x] != stride))
+			blocks[i] |= RENDER_SKIRT_NORTH;
+		if (s->west + (x + size) * side < s->limit[0] &&
+		    (x + size >= across || edge_strides[y * across + x + size] != stride))
+			blocks[i] |= RENDER_SKIRT_EAST;
+	}
+}
+
+enum status render_blocks_add(struct render_blocks *blocks, const struct world *world,
+			      const struct terrain_view *view, double reach, const struct terrain_draw *draw)
+{
+	uint32_t side = render_block_cells(world), across = world->cells / side;
+	double spacing = world_spacing(world, draw->tile.level);
+	struct splitter s = {
+		.blocks = blocks, .view = view, .draw = draw, .spacing = spacing, .reach = reach,
+		.west = draw->tile.x * spacing * world->cells, .south = draw->tile.y * spacing * world->cells,
+		.limit = {(double)(world->width - 1) * world->spacing, (double)(world->height - 1) * world->spacing},
+		.side = side, .first = blocks->count,
+	};
+	int stride = 0;
+	while (across >> stride > 2)
+		stride++;
+	for (uint32_t i = 0; i < 4; i++)
+		if (draw->quadrants >> i & 1)
+			split(&s, i & 1, i >> 1, stride);
+	if (s.status != STATUS_OK || blocks->count == s.first)
+		return s.status;
+	uint32_t *strides = mem_alloc((size_t)across * across, sizeof *strides);
+	if (strides == NULL)
+		return fail_memory("the picture's blocks");
+	add_skirts(&s, strides, across);
+	mem_free(strides);
+	return STATUS_OK;
+}

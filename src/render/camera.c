@@ -1,0 +1,55 @@
+/* A camera's axes, and the view terrain selects by. All in doubles. */
+#include <math.h>
+#include <string.h>
+
+#include "render/internal.h"
+
+/* Pixels a post's spacing may take before a finer tile is asked for, and a mesh cell before its
+ * stride is halved. Tiles are finer than the mesh: light is computed from their posts. */
+#define PIXELS_A_POST 6.0
+#define PIXELS_A_CELL 32.0
+/* Below this, blocks of one stride would be too small beside their distance to slide in time. */
+#define REACH_LEAST 24.0
+
+static double normalise(double v[3])
+{
+	double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+	for (int i = 0; i < 3; i++)
+		v[i] = length > 0 ? v[i] / length : 0;
+	return length;
+}
+
+void render_axes(const struct render *render, const struct render_camera *camera, struct render_axes *axes)
+{
+	double *f = axes->forward, *r = axes->right;
+	for (int i = 0; i < 3; i++)
+		f[i] = camera->target[i] - camera->eye[i];
+	if (normalise(f) == 0)
+		f[1] = 1;
+	r[0] = f[1];
+	r[1] = -f[0];
+	r[2] = 0;
+	if (normalise(r) < 1e-9) { /* straight up or down: north is the picture's top */
+		r[0] = 1;
+		r[1] = 0;
+	}
+	axes->up[0] = r[1] * f[2] - r[2] * f[1];
+	axes->up[1] = r[2] * f[0] - r[0] * f[2];
+	axes->up[2] = r[0] * f[1] - r[1] * f[0];
+	axes->focal = render->height / 2.0 / tan(camera->fov / 2);
+}
+
+double render_mesh_reach(const struct render_axes *axes)
+{
+	return fmax(axes->focal / PIXELS_A_CELL, REACH_LEAST);
+}
+
+void render_view(const struct render *render, const struct render_camera *camera, struct terrain_view *view)
+{
+	struct render_axes axes;
+	render_axes(render, camera, &axes);
+	memcpy(view->eye, camera->eye, sizeof view->eye);
+	terrain_frustum(camera->eye, axes.forward, axes.right, axes.up, camera->fov,
+			(double)render->width / render->height, RENDER_FAR, view->planes);
+	view->radius = fmax(axes.focal / PIXELS_A_POST, render_mesh_reach(&axes)) / render->world.cells;
+}

@@ -1,0 +1,242 @@
+/*
+ * One frame: each selected tile is one instanced draw of its visible blocks, then the sky where
+ * nothing was drawn. Positions are relative to the eye: the CPU subtracts in doubles and on the
+ * integer lattice, the shader only adds what is small.
+ */
+#include <cglm/cglm.h>
+#include <math.h>
+#include <string.h>
+
+#include "render/internal.h"
+
+/* A spacing at which ruts still have a shape (metres), and how much longer it reaches. */
+#define RUT_SPACING 0.3
+#define RUT_REACH 1.5
+
+/* From south-east, low enough to model the ground. */
+#define SUN_AZIMUTH 2.35 /* radians east of north */
+#define SUN_HEIGHT 0.61
+
+static void to_floats(float out[4], double x, double y, double z, double w)
+{
+	out[0] = (float)x;
+	out[1] = (float)y;
+	out[2] = (float)z;
+	out[3] = (float)w;
+}
+
+/* Reversed depth without a far plane: near is 1, infinity 0. */
+static void project(const struct render *render, const struct render_axes *axes, float matrix[16])
+{
+	mat4 view = GLM_MAT4_IDENTITY_INIT, lens = GLM_MAT4_ZERO_INIT, both;
+	for (int i = 0; i < 3; i++) {
+		view[i][0] = (float)axes->right[i];
+		view[i][1] = (float)axes->up[i];
+		view[i][2] = (float)-axes->forward[i];
+	}
+	lens[0][0] = (float)(2 * axes->focal / render->width);
+	lens[1][1] = (float)(2 * axes->focal / render->height);
+	lens[2][3] = -1;
+	lens[3][2] = (float)RENDER_NEAR;
+	glm_mat4_mul(lens, view, both);
+	memcpy(matrix, both, sizeof both);
+}
+
+static void fill_frame(const struct render *render, const struct render_camera *camera,
+		       const struct render_axes *axes, struct picture_params *params)
+{
+	double wide = render->width / 2.0 / axes->focal, high = render->height / 2.0 / axes->focal;
+	const double *r = axes->right, *u = axes->up, *f = axes->forward;
+	project(render, axes, params->project);
+	to_floats(params->right, r[0] * wide, r[1] * wide, r[2] * wide, 1 / axes->focal);
+	to_floats(params->up, u[0] * high, u[1] * high, u[2] * high, 0);
+	to_floats(params->forward, f[0], f[1], f[2], 0);
+	to_floats(params->sun, sin(SUN_AZIMUTH) * cos(SUN_HEIGHT), cos(SUN_AZIMUTH) * cos(SUN_HEIGHT),
+		  sin(SUN_HEIGHT), 0);
+
+	/* Clear air over large terrains; over small ones enough haze to soften the world's edge. */
+	double across = hypot((double)(render->world.width - 1), (double)(render->world.height - 1)) * render->world.spacing;
+	double extinction = fmin(fmax(0.6 / across, 1.8e-5), 2e-4), layer = fmin(fmax(0.1 * across, 900), 3500);
+	double above = fmax(camera->eye[2] - render->low, 0);
+	to_floats(params->haze, extinction * exp(-above / layer), 1 / layer, above, 0);
+	double relief = fmax(render->high - render->low, 1);
+	to_floats(params->relief, render->low, 1 / relief, relief, camera->eye[2]);
+}
+
+/* How far a tile's spacing reaches. What wheels leave is finer than the ground: cut more finely. */
+static double draw_reach(const struct render *render, const struct render_axes *axes, const struct terrain_draw *draw)
+{
+	bool ruts = gpu_slots_get(render->slots, draw->slot)->offset != NULL &&
+		    world_spacing(&render->world, draw->tile.level) <= RUT_SPACING;
+	return render_mesh_reach(axes) * (ruts ? RUT_REACH : 1);
+}
+
+static void fill_tile(const struct render *render, const struct render_camera *camera, double reach,
+		      const struct terrain_draw *draw, uint32_t first, struct picture_params *params)
+{
+	uint32_t cells = render->world.cells;
+	double spacing = world_spacing(&render->world, draw->tile.level);
+	double west = draw->tile.x * spacing * cells, south = draw->tile.y * spacing * cells;
+	double eye = camera->eye[2] - render->reference;
+	double half = fmin(fmax(round(ldexp(eye, BASE_BITS - 1)), -0x1p30 + 1), 0x1p30 - 1);
+	to_floats(params->origin, west - camera->eye[0], south - camera->eye[1], spacing, eye - ldexp(half, 1 - BASE_BITS));
+	to_floats(params->pattern, fmod(west, RENDER_PATTERN_PERIOD), fmod(south, RENDER_PATTERN_PERIOD), spacing, 0);
+	to_floats(params->detail, 2 * reach * spacing, 1.2 * spacing, fmax(draw->high - draw->low, spacing / 4), 0);
+	params->tile[0] = (int32_t)cells;
+	params->tile[1] = (int32_t)first;
+	params->tile[2] = (int32_t)half;
+	params->tile[3] = (int32_t)render_block_cells(&render->world);
+
+	struct tile top = draw->tile.level < 0 ? tile_ancestor(draw->tile, 0) : draw->tile;
+	double fine = draw->tile.level < 0 ? ldexp(1, draw->tile.level) : 1;
+	to_floats(params->ground, draw->tile.x * fine * cells - (double)top.x * cells,
+		  draw->tile.y * fine * cells - (double)top.y * cells, fine, world_spacing(&render->world, top.level));
+}
+
+static enum status tile_program(const struct render *render, const struct gpu_slot *slot, bool level0,
+				struct gpu_program **program)
+{
+	static const struct {
+		enum scene_effect effect;
+		const char *define;
+	} effects[] = {
+		{EFFECT_TEXTURE, "TEXTURE"}, {EFFECT_DETAIL, "DETAIL"}, {EFFECT_FOG, "FOG"},
+		{EFFECT_GEOMORPH, "GEOMORPH"}, {EFFECT_SKIRTS, "SKIRTS"},
+	};
+	struct gpu_program_request request = {.vertex = "terrain.vert", .fragment = "terrain.frag"};
+	size_t count = 0;
+	for (size_t i = 0; i < sizeof effects / sizeof *effects; i++)
+		if (render->effects >> effects[i].effect & 1)
+			request.defines[count++] = effects[i].define;
+	if (slot->offset != NULL)
+		request.defines[count++] = "OFFSET";
+	if (slot->offset != NULL && slot->dirt != NULL && render->dirt)
+		request.defines[count++] = "DIRT";
+	if (level0)
+		request.defines[count++] = "LEVEL0";
+	return gpu_program_get(render->gpu, &request, program);
+}
+
+struct drawn {
+	uint32_t first, count; /* blocks */
+};
+
+static enum status collect_blocks(struct render *render, const struct render_camera *camera, const struct render_axes *axes,
+				  const struct terrain_selection *selection, struct drawn *drawn)
+{
+	struct terrain_view view;
+	render_view(render, camera, &view);
+	render->blocks.count = 0;
+	for (size_t i = 0; i < selection->draw_count; i++) {
+		drawn[i].first = (uint32_t)render->blocks.count;
+		const struct terrain_draw *draw = &selection->draws[i];
+		enum status status = render_blocks_add(&render->blocks, &render->world, &view,
+						       draw_reach(render, axes, draw), draw);
+		if (status != STATUS_OK)
+			return status;
+		drawn[i].count = (uint32_t)render->blocks.count - drawn[i].first;
+	}
+	if (render->blocks.count == 0)
+		return STATUS_OK;
+	if (render->instance_room < render->blocks.count) {
+		gpu_buffer_destroy(render->instances);
+		render->instances = NULL;
+		render->instance_room = render->blocks.count * 3 / 2;
+		enum status status = gpu_buffer_create(render->gpu, GPU_STORAGE, render->instance_room * sizeof(uint32_t),
+						       NULL, &render->instances);
+		if (status != STATUS_OK) {
+			render->instance_room = 0;
+			return status;
+		}
+	}
+	gpu_buffer_write(render->instances, 0, render->blocks.count * sizeof(uint32_t), render->blocks.blocks);
+	return STATUS_OK;
+}
+
+static void count_triangles(struct render *render)
+{
+	uint64_t cells = render_block_cells(&render->world);
+	render->triangles = render->blocks.count * 2 * cells * cells;
+	if (render->effects >> EFFECT_SKIRTS & 1)
+		for (size_t i = 0; i < render->blocks.count; i++)
+			render->triangles += 2 * cells * (uint64_t)__builtin_popcount(render->blocks.blocks[i] >> 24);
+}
+
+static enum status draw_tile(struct render *render, const struct terrain_draw *draw, const struct drawn *drawn,
+			     struct picture_params *params)
+{
+	const struct gpu_slot *slot = gpu_slots_get(render->slots, draw->slot);
+	bool level0 = draw->tile.level < 0 && draw->ground != TERRAIN_NO_SLOT;
+	struct gpu_pass pass = {
+		.stage = GPU_RENDER,
+		.target = render->target,
+		.viewport = {0, 0, render->width, render->height},
+		.textures = {slot->base, slot->offset, NULL, NULL, render->noise},
+		.storage = {render->instances},
+		.params = params,
+		.params_bytes = sizeof *params,
+		.indices = render->indices,
+		.index_count = render->index_count,
+		.instances = drawn->count,
+		.depth_test = true,
+		.cull_back = true,
+	};
+	if (slot->offset != NULL && render->dirt)
+		pass.textures[2] = slot->dirt;
+	if (level0)
+		pass.textures[3] = gpu_slots_get(render->slots, draw->ground)->base;
+	enum status status = tile_program(render, slot, level0, &pass.program);
+	if (status == STATUS_OK)
+		gpu_pass_run(render->gpu, &pass);
+	return status;
+}
+
+static enum status draw_sky(struct render *render, const struct picture_params *params)
+{
+	const struct gpu_program_request request = {.vertex = "sky.vert", .fragment = "sky.frag"};
+	struct gpu_pass pass = {
+		.stage = GPU_RENDER,
+		.target = render->target,
+		.viewport = {0, 0, render->width, render->height},
+		.params = params,
+		.params_bytes = sizeof *params,
+		.depth_test = true,
+	};
+	enum status status = gpu_program_get(render->gpu, &request, &pass.program);
+	if (status == STATUS_OK)
+		gpu_pass_run(render->gpu, &pass);
+	return status;
+}
+
+enum status render_frame(struct render *render, const struct render_camera *camera,
+			 const struct terrain_selection *selection)
+{
+	static const float background[4] = {0.56f, 0.67f, 0.80f, 1};
+	struct render_axes axes;
+	render_axes(render, camera, &axes);
+	struct drawn *drawn = mem_alloc(selection->draw_count + 1, sizeof *drawn);
+	if (drawn == NULL)
+		return fail_memory("the picture's draws");
+	enum status status = collect_blocks(render, camera, &axes, selection, drawn);
+	if (status != STATUS_OK)
+		goto out;
+	count_triangles(render);
+	gpu_target_clear(render->target, background);
+
+	struct picture_params params = {0};
+	fill_frame(render, camera, &axes, &params);
+	for (size_t i = 0; status == STATUS_OK && i < selection->draw_count; i++) {
+		if (drawn[i].count == 0)
+			continue;
+		const struct terrain_draw *draw = &selection->draws[i];
+		fill_tile(render, camera, draw_reach(render, &axes, draw), draw, drawn[i].first, &params);
+		status = draw_tile(render, draw, &drawn[i], &params);
+	}
+	if (status == STATUS_OK && (render->effects >> EFFECT_SKY & 1))
+		status = draw_sky(render, &params);
+	if (status == STATUS_OK)
+		status = gpu_check(render->gpu, "drawing the picture");
+out:
+	mem_free(drawn);
+	return status;
+}

@@ -1,0 +1,80 @@
+/* What the files of render share. */
+#ifndef FURROW_RENDER_INTERNAL_H
+#define FURROW_RENDER_INTERNAL_H
+
+#include "render/render.h"
+
+/* Metres after which the ground's pattern repeats, a multiple of every scale it uses. */
+#define RENDER_PATTERN_PERIOD 16384.0
+#define RENDER_FAR 200000.0 /* metres */
+#define RENDER_NEAR 0.05
+
+/* shaders/lib/picture.glsl's block, std140. */
+struct picture_params {
+	float project[16];
+	float right[4], up[4], forward[4];
+	float sun[4];
+	float haze[4];
+	float relief[4];
+	float origin[4];
+	float pattern[4];
+	float ground[4];
+	float detail[4];
+	int32_t tile[4];
+};
+
+/* A camera's orthonormal axes and the size of a pixel. */
+struct render_axes {
+	double forward[3], right[3], up[3];
+	double focal; /* pixels a unit of tangent */
+};
+void render_axes(const struct render *render, const struct render_camera *camera, struct render_axes *axes);
+/* Metres from the eye, per metre of spacing, from which on a spacing is fine enough for the mesh. */
+double render_mesh_reach(const struct render_axes *axes);
+
+/* --- blocks.c: which parts of a tile are drawn at which stride --- */
+#define RENDER_BLOCK_CELLS 16
+#define RENDER_SKIRT_SOUTH (1u << 24)
+#define RENDER_SKIRT_NORTH (1u << 25)
+#define RENDER_SKIRT_WEST (1u << 26)
+#define RENDER_SKIRT_EAST (1u << 27)
+
+/* Blocks as the vertex shader reads them: x, y (in blocks of its stride, 10 bits each), log2 of the
+ * stride (4 bits), the edges that need a skirt. */
+struct render_blocks {
+	uint32_t *blocks;
+	size_t count, capacity;
+};
+uint32_t render_block_cells(const struct world *world);
+/* Appends the visible blocks of a draw, near or far by `reach`. */
+enum status render_blocks_add(struct render_blocks *blocks, const struct world *world,
+			      const struct terrain_view *view, double reach, const struct terrain_draw *draw) FURROW_CHECKED;
+
+/* --- noise.c --- */
+#define RENDER_NOISE_SIZE 256
+/* RGBA8 texels, RENDER_NOISE_SIZE squared: each one's 2 x 2 neighbours. */
+void render_noise_fill(uint8_t *texels);
+
+/* --- png.c --- */
+/* `pixels` are RGBA, row 0 at the bottom. Written as PATH.part, then renamed. */
+enum status render_png_write(const char *path, const uint8_t *pixels, uint32_t width, uint32_t height) FURROW_CHECKED;
+
+struct render {
+	struct gpu *gpu;
+	struct gpu_slots *slots;
+	struct world world;
+	int32_t reference;
+	double low, high;
+	uint32_t width, height;
+	unsigned effects;
+	bool dirt;
+	struct gpu_texture *colour, *depth, *noise; /* noise NULL without TEXTURE */
+	struct gpu_target *target;
+	struct gpu_buffer *indices, *instances;
+	uint32_t index_count;
+	size_t instance_room;
+	struct render_blocks blocks;
+	uint64_t triangles;
+};
+
+#endif

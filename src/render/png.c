@@ -1,0 +1,95 @@
+/* A picture to a PNG file: written aside as PATH.part, renamed when whole. */
+#include <errno.h>
+#include <png.h>
+#include <setjmp.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "render/internal.h"
+
+struct encoder {
+	png_structp png;
+	png_infop info;
+	const char *path;
+	enum status status;
+};
+
+static void encode_failed(png_structp png, png_const_charp why)
+{
+	struct encoder *encoder = png_get_error_ptr(png);
+	encoder->status = fail_with(STATUS_FAILED, "%s: cannot write the picture: %s; check space and permissions of its folder",
+				    encoder->path, errno != 0 ? strerror(errno) : why);
+	longjmp(png_jmpbuf(png), 1);
+}
+
+static void encode_warned(png_structp png, png_const_charp why)
+{
+	(void)png, (void)why;
+}
+
+/* Everything libpng may jump out of. `row` is RGB. */
+static void encode(struct encoder *encoder, FILE *file, const uint8_t *pixels, uint32_t width, uint32_t height,
+		   uint8_t *row)
+{
+	if (setjmp(png_jmpbuf(encoder->png)) != 0)
+		return;
+	png_init_io(encoder->png, file);
+	png_set_IHDR(encoder->png, encoder->info, width, height, 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
+		     PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+	png_set_sRGB(encoder->png, encoder->info, PNG_sRGB_INTENT_PERCEPTUAL);
+	png_set_compression_level(encoder->png, 3);
+	png_set_filter(encoder->png, 0, PNG_FILTER_SUB);
+	png_write_info(encoder->png, encoder->info);
+	for (uint32_t y = height; y-- > 0;) {
+		const uint8_t *from = pixels + (size_t)4 * width * y;
+		for (uint32_t x = 0; x < width; x++)
+			memcpy(row + (size_t)3 * x, from + (size_t)4 * x, 3);
+		png_write_row(encoder->png, row);
+	}
+	png_write_end(encoder->png, NULL);
+}
+
+static enum status write_file(FILE *file, const char *path, const uint8_t *pixels, uint32_t width, uint32_t height)
+{
+	struct encoder encoder = {.path = path};
+	uint8_t *row = mem_alloc(width, 3);
+	errno = 0;
+	encoder.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &encoder, encode_failed, encode_warned);
+	encoder.info = encoder.png != NULL ? png_create_info_struct(encoder.png) : NULL;
+	if (row == NULL || encoder.info == NULL)
+		encoder.status = fail_memory("a PNG");
+	else
+		encode(&encoder, file, pixels, width, height, row);
+	png_destroy_write_struct(&encoder.png, &encoder.info);
+	mem_free(row);
+	return encoder.status;
+}
+
+enum status render_png_write(const char *path, const uint8_t *pixels, uint32_t width, uint32_t height)
+{
+	size_t length = strlen(path) + sizeof ".part";
+	char *part = mem_alloc(length, 1);
+	if (part == NULL)
+		return fail_memory("a file's name");
+	snprintf(part, length, "%s.part", path);
+
+	enum status status;
+	FILE *file = fopen(part, "wb");
+	if (file == NULL) {
+		status = fail_with(STATUS_FAILED, "%s: cannot create it: %s; check that its folder exists and may be written",
+				   part, strerror(errno));
+		goto out;
+	}
+	status = write_file(file, path, pixels, width, height);
+	if (fclose(file) != 0 && status == STATUS_OK)
+		status = fail_with(STATUS_FAILED, "%s: cannot write it: %s; check the space left", part, strerror(errno));
+	if (status == STATUS_OK && rename(part, path) != 0)
+		status = fail_with(STATUS_FAILED, "%s: cannot put the picture there: %s; choose another folder", path,
+				   strerror(errno));
+	if (status != STATUS_OK)
+		unlink(part);
+out:
+	mem_free(part);
+	return status;
+}

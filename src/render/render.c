@@ -1,0 +1,133 @@
+/* A picture's life: what it is drawn into, the mesh of one block, the ground's noise. */
+#include <string.h>
+
+#include "render/internal.h"
+
+/* Vertices of a block: its grid row by row, then one row more for each edge's skirt (south, north,
+ * west, east). Counter-clockwise seen from above, skirts seen from outside. */
+static uint32_t fill_indices(uint16_t *indices, uint32_t cells, bool skirts)
+{
+	uint32_t side = cells + 1, count = 0;
+	for (uint32_t y = 0; y < cells; y++)
+		for (uint32_t x = 0; x < cells; x++) {
+			uint16_t a = (uint16_t)(y * side + x), b = (uint16_t)(a + 1);
+			uint16_t c = (uint16_t)(a + side), d = (uint16_t)(c + 1);
+			const uint16_t cell[6] = {a, b, d, a, d, c};
+			memcpy(indices + count, cell, sizeof cell);
+			count += 6;
+		}
+	for (uint32_t edge = 0; skirts && edge < 4; edge++)
+		for (uint32_t i = 0; i < cells; i++) {
+			uint32_t from = edge == 1 ? cells * side : edge == 3 ? cells : 0;
+			uint32_t step = edge < 2 ? 1 : side;
+			uint16_t top = (uint16_t)(from + i * step), next = (uint16_t)(top + step);
+			uint16_t foot = (uint16_t)(side * side + edge * side + i), after = (uint16_t)(foot + 1);
+			const uint16_t outward[6] = {top, foot, after, top, after, next};
+			const uint16_t inward[6] = {top, after, foot, top, next, after};
+			memcpy(indices + count, edge == 0 || edge == 3 ? outward : inward, sizeof outward);
+			count += 6;
+		}
+	return count;
+}
+
+static enum status create_mesh(struct render *render)
+{
+	uint32_t cells = render_block_cells(&render->world);
+	size_t most = 6 * ((size_t)cells * cells + 4 * (size_t)cells);
+	uint16_t *indices = mem_alloc(most, sizeof *indices);
+	if (indices == NULL)
+		return fail_memory("the picture's mesh");
+	render->index_count = fill_indices(indices, cells, render->effects >> EFFECT_SKIRTS & 1);
+	enum status status = gpu_buffer_create(render->gpu, GPU_INDICES, render->index_count * sizeof *indices,
+					       indices, &render->indices);
+	mem_free(indices);
+	return status;
+}
+
+static enum status create_noise(struct render *render)
+{
+	const uint32_t size = RENDER_NOISE_SIZE;
+	uint8_t *texels = mem_alloc((size_t)size * size, 4);
+	if (texels == NULL)
+		return fail_memory("the ground's noise");
+	render_noise_fill(texels);
+	enum status status = gpu_texture_create(render->gpu, GPU_RGBA8, size, size, 0, &render->noise);
+	if (status == STATUS_OK)
+		gpu_texture_upload(render->noise, 0, (struct gpu_rect){0, 0, size, size}, texels);
+	mem_free(texels);
+	return status;
+}
+
+static enum status create_target(struct render *render)
+{
+	struct gpu *gpu = render->gpu;
+	enum status status = gpu_texture_create(gpu, GPU_SRGB8_ALPHA8, render->width, render->height, 0, &render->colour);
+	if (status == STATUS_OK)
+		status = gpu_texture_create(gpu, GPU_DEPTH32F, render->width, render->height, 0, &render->depth);
+	if (status == STATUS_OK)
+		status = gpu_target_create(gpu, &(struct gpu_attachment){render->colour, 0}, 1,
+					   (struct gpu_attachment){render->depth, 0}, &render->target);
+	return status;
+}
+
+enum status render_create(const struct render_params *params, struct render **out)
+{
+	struct render *render = mem_calloc(1, sizeof *render);
+	if (render == NULL)
+		return fail_memory("the picture");
+	*render = (struct render){
+		.gpu = params->gpu,
+		.slots = params->slots,
+		.world = *params->world,
+		.reference = params->reference,
+		.low = params->low,
+		.high = params->high,
+		.width = (uint32_t)params->width,
+		.height = (uint32_t)params->height,
+		.effects = params->effects,
+		.dirt = params->dirt,
+	};
+	enum status status = create_target(render);
+	if (status == STATUS_OK)
+		status = create_mesh(render);
+	if (status == STATUS_OK && (render->effects >> EFFECT_TEXTURE & 1))
+		status = create_noise(render);
+	if (status != STATUS_OK) {
+		render_destroy(render);
+		return status;
+	}
+	*out = render;
+	return STATUS_OK;
+}
+
+void render_destroy(struct render *render)
+{
+	if (render == NULL)
+		return;
+	gpu_target_destroy(render->target);
+	gpu_texture_destroy(render->colour);
+	gpu_texture_destroy(render->depth);
+	gpu_texture_destroy(render->noise);
+	gpu_buffer_destroy(render->indices);
+	gpu_buffer_destroy(render->instances);
+	mem_free(render->blocks.blocks);
+	mem_free(render);
+}
+
+uint64_t render_triangles(const struct render *render)
+{
+	return render->triangles;
+}
+
+enum status render_write_png(struct render *render, const char *path)
+{
+	uint8_t *pixels = mem_alloc((size_t)render->width * render->height, 4);
+	if (pixels == NULL)
+		return fail_memory("the picture's pixels");
+	gpu_texture_read(render->colour, 0, (struct gpu_rect){0, 0, render->width, render->height}, pixels);
+	enum status status = gpu_check(render->gpu, "reading the picture back");
+	if (status == STATUS_OK)
+		status = render_png_write(path, pixels, render->width, render->height);
+	mem_free(pixels);
+	return status;
+}

@@ -1,0 +1,161 @@
+/* Which parts of a tile are drawn at which stride. No GL. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "render/internal.h"
+
+static const struct world world = {1025, 1025, 1, 256};
+
+static void look(double x, double y, double z, double tx, double ty, struct terrain_view *view)
+{
+	struct render render = {.world = world, .width = 1280, .height = 720};
+	struct render_camera camera = {{x, y, z}, {tx, ty, 0}, 0.9};
+	render_view(&render, &camera, view);
+}
+
+struct cell {
+	int times;
+	uint32_t stride;
+};
+
+static void count_cells(const struct render_blocks *blocks, uint32_t side, struct cell *cells)
+{
+	memset(cells, 0, 256 * 256 * sizeof *cells);
+	for (size_t i = 0; i < blocks->count; i++) {
+		uint32_t stride = 1u << (blocks->blocks[i] >> 20 & 15);
+		uint32_t x0 = (blocks->blocks[i] & 1023) * side * stride, y0 = (blocks->blocks[i] >> 10 & 1023) * side * stride;
+		for (uint32_t y = y0; y < y0 + side * stride; y++)
+			for (uint32_t x = x0; x < x0 + side * stride; x++) {
+				assert_true(x < 256 && y < 256);
+				cells[256 * y + x].times++;
+				cells[256 * y + x].stride = stride;
+			}
+	}
+}
+
+static void every_visible_cell_of_its_quadrants_is_drawn_once(void **state)
+{
+	struct cell *cells = test_malloc(256 * 256 * sizeof *cells);
+	uint32_t side = render_block_cells(&world);
+	size_t seen = 0;
+	for (int round = 0; round < 60; round++) {
+		struct render_blocks blocks = {0};
+		struct terrain_view view;
+		const struct terrain_view *looking = &view;
+		struct terrain_draw draw = {.tile = {0, 1, 2}, .quadrants = 1 + (unsigned)round % 15, .low = 0, .high = 5};
+		look(100.0 + 9 * round, 900.0 - 11 * round, 4.0 + round, 380, 640, &view);
+		assert_int_equal(render_blocks_add(&blocks, &world, &view, 30, &draw), STATUS_OK);
+		count_cells(&blocks, side, cells);
+		for (uint32_t y = 0; y < 256; y++)
+			for (uint32_t x = 0; x < 256; x++) {
+				double low[3] = {256 + x, 512 + y, 0}, high[3] = {257 + x, 513 + y, 5};
+				bool mine = draw.quadrants >> ((x >= 128) + 2 * (y >= 128)) & 1;
+				bool visible = terrain_box_visible(looking->planes, low, high);
+				assert_true(cells[256 * y + x].times <= mine);
+				if (mine && visible) {
+					assert_int_equal(cells[256 * y + x].times, 1);
+					seen++;
+				}
+			}
+		mem_free(blocks.blocks);
+	}
+	assert_true(seen > 100000);
+	test_free(cells);
+}
+
+static void strides_grow_with_distance_and_never_with_nearness(void **state)
+{
+	struct cell *cells = test_malloc(256 * 256 * sizeof *cells);
+	struct render_blocks blocks = {0};
+	struct terrain_view view;
+	struct terrain_draw draw = {.tile = {0, 0, 0}, .quadrants = 15, .low = 0, .high = 1};
+	look(128, -5, 3, 128, 200, &view);
+	assert_int_equal(render_blocks_add(&blocks, &world, &view, 30, &draw), STATUS_OK);
+	count_cells(&blocks, render_block_cells(&world), cells);
+	uint32_t before = 1;
+	for (uint32_t y = 0; y < 256; y++) {
+		const struct cell *cell = &cells[256 * y + 128];
+		assert_true(cell->times == 1 && cell->stride >= before);
+		/* A spacing is used only from its reach on. */
+		assert_true(cell->stride == 1 || y + 5 >= 30 * cell->stride);
+		before = cell->stride;
+	}
+	assert_true(before > 2);
+	mem_free(blocks.blocks);
+	test_free(cells);
+}
+
+static void skirts_hang_only_where_strides_or_tiles_meet(void **state)
+{
+	struct render_blocks blocks = {0};
+	struct terrain_view view;
+	struct terrain_draw draw = {.tile = {0, 1, 1}, .quadrants = 15, .low = 0, .high = 0};
+	look(384, 384, 3000, 384.1, 384, &view);
+	/* So far above that one stride does for all, the coarsest: 2 x 2 blocks. */
+	assert_int_equal(render_blocks_add(&blocks, &world, &view, 1, &draw), STATUS_OK);
+	assert_int_equal(blocks.count, 4);
+	for (size_t i = 0; i < blocks.count; i++) {
+		uint32_t x = blocks.blocks[i] & 1023, y = blocks.blocks[i] >> 10 & 1023;
+		assert_int_equal((blocks.blocks[i] & RENDER_SKIRT_WEST) != 0, x == 0);
+		assert_int_equal((blocks.blocks[i] & RENDER_SKIRT_EAST) != 0, x == 1);
+		assert_int_equal((blocks.blocks[i] & RENDER_SKIRT_SOUTH) != 0, y == 0);
+		assert_int_equal((blocks.blocks[i] & RENDER_SKIRT_NORTH) != 0, y == 1);
+	}
+	/* At the world's corner two sides border on nothing. */
+	blocks.count = 0;
+	draw.tile = (struct tile){0, 0, 0};
+	look(128, 128, 3000, 128.1, 128, &view);
+	assert_int_equal(render_blocks_add(&blocks, &world, &view, 1, &draw), STATUS_OK);
+	unsigned edges = 0;
+	for (size_t i = 0; i < blocks.count; i++)
+		edges |= blocks.blocks[i];
+	assert_int_equal(edges & (RENDER_SKIRT_SOUTH | RENDER_SKIRT_WEST), 0);
+	assert_true((edges & RENDER_SKIRT_NORTH) && (edges & RENDER_SKIRT_EAST));
+	mem_free(blocks.blocks);
+}
+
+static void the_smallest_tiles_have_blocks_too(void **state)
+{
+	const struct world small = {33, 33, 1, TILE_CELLS_MIN};
+	struct render_blocks blocks = {0};
+	struct terrain_view view;
+	struct terrain_draw draw = {.tile = {0, 1, 1}, .quadrants = 15, .low = 0, .high = 0};
+	look(12, 12, 30, 12.1, 12, &view);
+	assert_int_equal(render_blocks_add(&blocks, &small, &view, 100, &draw), STATUS_OK);
+	assert_int_equal(blocks.count * render_block_cells(&small) * render_block_cells(&small), 64);
+	mem_free(blocks.blocks);
+}
+
+static void running_out_of_memory_is_told(void **state)
+{
+	struct render_blocks blocks = {0};
+	struct terrain_view view;
+	struct terrain_draw draw = {.tile = {0, 1, 1}, .quadrants = 15, .low = 0, .high = 0};
+	look(384, 384, 30, 384.1, 384, &view);
+	for (uint64_t nth = 1; nth <= 2; nth++) {
+		blocks.count = 0;
+		mem_fail_nth(nth, 0);
+		assert_int_equal(render_blocks_add(&blocks, &world, &view, 30, &draw), STATUS_FAILED);
+		mem_fail_nth(0, 0);
+		mem_free(blocks.blocks);
+		blocks = (struct render_blocks){0};
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(every_visible_cell_of_its_quadrants_is_drawn_once),
+		cmocka_unit_test(strides_grow_with_distance_and_never_with_nearness),
+		cmocka_unit_test(skirts_hang_only_where_strides_or_tiles_meet),
+		cmocka_unit_test(the_smallest_tiles_have_blocks_too),
+		cmocka_unit_test(running_out_of_memory_is_told),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

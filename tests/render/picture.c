@@ -1,0 +1,447 @@
+/* The picture itself: holes, ruts, seams, repeatability, variants. Skipped without GL. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "render/internal.h"
+
+#define WIDTH 192
+#define HEIGHT 108
+#define CELLS 64
+#define POSTS (CELLS + 1)
+#define SLOTS 32
+#define ALL (1u << EFFECT_TEXTURE | 1u << EFFECT_DETAIL | 1u << EFFECT_FOG | 1u << EFFECT_SKY | 1u << EFFECT_GEOMORPH | 1u << EFFECT_SKIRTS)
+
+static const struct world world = {257, 257, 2, CELLS};
+static struct gpu *gpu; /* NULL: no GL */
+static struct gpu_slots *slots;
+static struct render *render;
+static struct terrain_selection selection;
+static uint64_t resident[SLOTS];
+static uint32_t resident_count;
+static double tile_radius; /* small tiles: several levels in one picture */
+
+#define need_gpu()                                                                                 \
+	do {                                                                                       \
+		if (gpu == NULL)                                                                   \
+			skip();                                                                    \
+	} while (0)
+
+#define assert_ok(call)                                                                            \
+	do {                                                                                       \
+		if ((call) != STATUS_OK)                                                           \
+			fail_msg("%s", failure_message());                                         \
+	} while (0)
+
+static int open_gpu(void **state)
+{
+	enum status status = gpu_create(&(struct gpu_params){.draws = true}, &gpu);
+	if (status == STATUS_NO_GL) {
+		print_message("%s\n", failure_message());
+		gpu = NULL;
+		return 0;
+	}
+	return status == STATUS_OK ? 0 : -1;
+}
+
+static int close_gpu(void **state)
+{
+	gpu_destroy(gpu);
+	return 0;
+}
+
+/* --- a world: hills with a grain, and what each test adds --- */
+
+static struct {
+	double hole[4];  /* west, south, east, north: nodata inside; metres */
+	double rut[4];   /* pressed by `deep` inside */
+	double deep, roughness;
+} ground;
+
+static double height_at(int64_t i, int64_t j)
+{
+	double x = (double)i * world.spacing, y = (double)j * world.spacing;
+	if (x >= ground.hole[0] && x <= ground.hole[2] && y >= ground.hole[1] && y <= ground.hole[3])
+		return (double)NAN;
+	double grain = sin(x * 1.7 + sin(y * 0.9) * 2) * sin(y * 1.3);
+	return 400 + ground.roughness * (12 * sin(x / 37) * cos(y / 29) + 0.8 * grain);
+}
+
+static int32_t offset_at(int64_t i, int64_t j)
+{
+	double x = (double)i * world.spacing, y = (double)j * world.spacing;
+	bool in = x >= ground.rut[0] && x <= ground.rut[2] && y >= ground.rut[1] && y <= ground.rut[3];
+	return in ? (int32_t)lattice_offset(-ground.deep) : 0;
+}
+
+static bool world_bounds(void *user, struct tile tile, double *low, double *high)
+{
+	*low = 400 - 14 * ground.roughness - ground.deep;
+	*high = 400 + 14 * ground.roughness;
+	return tile.level >= 0;
+}
+
+static bool world_resident(void *user, struct tile tile, uint32_t *slot)
+{
+	for (uint32_t i = 0; i < resident_count; i++)
+		if (resident[i] == tile_key(tile)) {
+			*slot = i;
+			return true;
+		}
+	return false;
+}
+
+static bool world_divisible(void *user, struct tile tile)
+{
+	return tile.level > 0;
+}
+
+static void load(struct tile tile)
+{
+	static int32_t base[POSTS * POSTS], offset[POSTS * POSTS];
+	bool any = false;
+	assert_true(resident_count < SLOTS);
+	for (int64_t j = 0; j < POSTS; j++)
+		for (int64_t i = 0; i < POSTS; i++) {
+			int64_t x = (tile.x * CELLS + i) << tile.level, y = (tile.y * CELLS + j) << tile.level;
+			bool in = x < world.width && y < world.height;
+			base[j * POSTS + i] = lattice_base_relative(in ? height_at(x, y) : (double)NAN, 0);
+			offset[j * POSTS + i] = in ? offset_at(x, y) : 0;
+			any = any || offset[j * POSTS + i] != 0;
+		}
+	assert_ok(gpu_slots_upload_base(slots, resident_count, base));
+	gpu_slots_undeform(slots, resident_count);
+	if (any)
+		assert_ok(gpu_slots_upload_deform(slots, resident_count, offset, NULL));
+	resident[resident_count++] = tile_key(tile);
+}
+
+static void begin(unsigned effects)
+{
+	struct render_params params = {
+		.gpu = gpu, .world = &world, .low = 380, .high = 420, .width = WIDTH, .height = HEIGHT,
+		.effects = effects,
+	};
+	assert_ok(gpu_slots_create(gpu, CELLS, SLOTS, false, &slots));
+	params.slots = slots;
+	assert_ok(render_create(&params, &render));
+	resident_count = 0;
+	tile_radius = 3;
+}
+
+static void end(void)
+{
+	render_destroy(render);
+	gpu_slots_destroy(slots);
+	render = NULL;
+	slots = NULL;
+}
+
+static uint8_t *draw(double x, double y, double up, double tx, double ty, double tz)
+{
+	const struct terrain_source source = {NULL, world_bounds, world_resident, world_divisible};
+	struct render_camera camera = {{x, y, 400 + up}, {tx, ty, 400 + tz}, 0.9};
+	struct terrain_view view;
+	render_view(render, &camera, &view);
+	view.radius = tile_radius;
+	for (;;) {
+		terrain_select(&world, &view, &source, &selection);
+		if (selection.wanted_count == 0)
+			break;
+		for (size_t i = 0; i < selection.wanted_count; i++)
+			load(tile_from_key(selection.wanted[i]));
+	}
+	assert_ok(render_frame(render, &camera, &selection));
+	uint8_t *pixels = test_malloc(4 * WIDTH * HEIGHT);
+	gpu_texture_read(render->colour, 0, (struct gpu_rect){0, 0, WIDTH, HEIGHT}, pixels);
+	return pixels;
+}
+
+static const uint8_t *pixel(const uint8_t *pixels, int x, int y)
+{
+	return pixels + 4 * (WIDTH * y + x);
+}
+
+/* What is seen where nothing was drawn, without the sky. */
+static void find_background(uint8_t background[4])
+{
+	uint8_t *pixels = draw(256, 256, 100, 256, 256.1, 900);
+	memcpy(background, pixels, 4);
+	test_free(pixels);
+}
+
+static int count_background(const uint8_t *pixels, const uint8_t background[4])
+{
+	int count = 0;
+	for (int i = 0; i < WIDTH * HEIGHT; i++)
+		count += memcmp(pixels + 4 * i, background, 4) == 0;
+	return count;
+}
+
+static int luminance(const uint8_t *p)
+{
+	return 2 * p[0] + 5 * p[1] + p[2];
+}
+
+static void no_sky_is_seen_through_the_ground(void **state)
+{
+	need_gpu();
+	const unsigned effects[] = {1u << EFFECT_SKIRTS, 1u << EFFECT_SKIRTS | 1u << EFFECT_GEOMORPH};
+	memset(&ground, 0, sizeof ground);
+	ground.roughness = 1;
+	for (size_t e = 0; e < 2; e++) {
+		begin(effects[e]);
+		uint8_t background[4];
+		find_background(background);
+		size_t most = 0;
+		for (int i = 0; i < 40; i++) {
+			/* Straight down, then as far ahead as the world's ground fills the picture. */
+			bool ahead = i % 2;
+			double x = 40 + 3.1 * i, y = 130 - 2.3 * i, turn = 0.5 + 0.015 * i;
+			tile_radius = 0.3 + 0.01 * i;
+			uint8_t *pixels = ahead ? draw(x, y, 40, x + 85 * cos(turn), y + 85 * sin(turn), -31) :
+						  draw(x + 90, y + 90, 16 + i, x + 90 + cos(i), y + 90 + sin(i), 0);
+			assert_int_equal(count_background(pixels, background), 0);
+			test_free(pixels);
+			most = selection.draw_count > most ? selection.draw_count : most;
+		}
+		assert_true(most >= 4);
+		end();
+	}
+}
+
+static void nodata_shows_what_is_behind_and_nothing_else_does(void **state)
+{
+	need_gpu();
+	memset(&ground, 0, sizeof ground);
+	ground.hole[0] = 190;
+	ground.hole[1] = 190;
+	ground.hole[2] = 210;
+	ground.hole[3] = 210;
+	begin(0);
+	uint8_t background[4];
+	find_background(background);
+	uint8_t *pixels = draw(200, 200, 100, 200, 200.001, 0);
+	/* Triangles from 188 to 212 touch a hole; a metre is this many pixels from 100 m above. */
+	double scale = HEIGHT / 2.0 / tan(0.45) / 100;
+	for (int y = 0; y < HEIGHT; y++)
+		for (int x = 0; x < WIDTH; x++) {
+			double dx = fabs(x + 0.5 - WIDTH / 2.0) / scale, dy = fabs(y + 0.5 - HEIGHT / 2.0) / scale;
+			double far = fmax(dx, dy);
+			bool corner = dx > 7 && dx < 13 && dy > 7 && dy < 13; /* half of it may be drawn */
+			if (fabs(far - 12) < 1 || corner)
+				continue;
+			assert_int_equal(memcmp(pixel(pixels, x, y), background, 4) == 0, far < 12);
+		}
+	test_free(pixels);
+	end();
+}
+
+static void a_rut_is_darker_than_the_ground_beside_it(void **state)
+{
+	need_gpu();
+	const unsigned effects[] = {0, 1u << EFFECT_TEXTURE, ALL};
+	memset(&ground, 0, sizeof ground);
+	ground.rut[0] = 194;
+	ground.rut[1] = 0;
+	ground.rut[2] = 206;
+	ground.rut[3] = 512;
+	ground.deep = 0.2;
+	for (size_t e = 0; e < 3; e++) {
+		begin(effects[e]);
+		uint8_t *pixels = draw(200, 200, 60, 200, 200.001, 0);
+		long in = 0, beside = 0;
+		for (int y = 0; y < HEIGHT; y++) {
+			in += luminance(pixel(pixels, WIDTH / 2, y));
+			beside += luminance(pixel(pixels, WIDTH / 2 + 30, y));
+		}
+		assert_true(in * 10 < beside * 9);
+		test_free(pixels);
+		end();
+	}
+}
+
+static void an_untouched_tile_has_a_program_without_offsets(void **state)
+{
+	need_gpu();
+	memset(&ground, 0, sizeof ground);
+	begin(1u << EFFECT_FOG);
+	struct gpu_stats before, after;
+	gpu_stats(gpu, &before);
+	test_free(draw(200, 200, 60, 200, 200.001, 0));
+	gpu_stats(gpu, &after);
+	assert_int_equal(after.programs - before.programs, 1);
+	assert_int_equal(after.passes[GPU_RENDER] - before.passes[GPU_RENDER], selection.draw_count);
+	end();
+}
+
+static void the_same_view_gives_the_same_bits(void **state)
+{
+	need_gpu();
+	memset(&ground, 0, sizeof ground);
+	ground.roughness = 1;
+	begin(ALL);
+	uint8_t *first = draw(100, 90, 25, 250, 260, -10), *other = draw(300, 90, 25, 250, 260, -10);
+	uint8_t *again = draw(100, 90, 25, 250, 260, -10);
+	assert_memory_equal(first, again, 4 * WIDTH * HEIGHT);
+	assert_memory_not_equal(first, other, 4 * WIDTH * HEIGHT);
+	test_free(first);
+	test_free(other);
+	test_free(again);
+	end();
+}
+
+/* Mean difference of two pictures' pixels, 0 .. 255. */
+static double difference(const uint8_t *a, const uint8_t *b)
+{
+	double sum = 0;
+	for (int i = 0; i < 4 * WIDTH * HEIGHT; i++)
+		sum += abs(a[i] - b[i]);
+	return sum / (3.0 * WIDTH * HEIGHT);
+}
+
+/* The largest jump between pictures five centimetres apart where the mesh changed: by how much more
+ * they differ than the pair before them, where only the eye had moved. */
+static double largest_jump(unsigned effects)
+{
+	double largest = 0, usual = 0;
+	int changes = 0;
+	begin(effects);
+	uint8_t *before = draw(60, 60, 20, 300, 300, 0);
+	uint64_t triangles = render_triangles(render);
+	for (int i = 1; i < 240; i++) {
+		uint8_t *now = draw(60 + 0.05 * i, 60, 20, 300, 300, 0);
+		double apart = difference(before, now);
+		if (render_triangles(render) != triangles) {
+			largest = fmax(largest, apart - usual);
+			changes++;
+		} else {
+			usual = apart;
+		}
+		triangles = render_triangles(render);
+		test_free(before);
+		before = now;
+	}
+	test_free(before);
+	end();
+	assert_true(changes > 3);
+	return largest;
+}
+
+static void geomorphing_takes_the_jumps_out_of_the_mesh(void **state)
+{
+	need_gpu();
+	memset(&ground, 0, sizeof ground);
+	ground.roughness = 1;
+	double without = largest_jump(0), with = largest_jump(1u << EFFECT_GEOMORPH);
+	assert_true(with < without / 3);
+}
+
+static void a_tile_looks_the_same_ten_thousand_kilometres_away(void **state)
+{
+	need_gpu();
+	static const struct world wide = {40000001, 40000001, 0.25, CELLS};
+	static int32_t base[POSTS * POSTS];
+	uint8_t *pixels[2];
+	for (int j = 0; j < POSTS; j++)
+		for (int i = 0; i < POSTS; i++)
+			base[j * POSTS + i] = lattice_base_relative(8000 + sin(i * 0.4) * cos(j * 0.3), 8192);
+	for (int far = 0; far < 2; far++) {
+		/* Moved by a whole number of the ground pattern's periods. */
+		uint32_t shift = far ? 600 * 16384 / 16 : 0;
+		struct render_params params = {
+			.gpu = gpu, .world = &wide, .reference = 8192, .low = 7999, .high = 8001, .width = WIDTH,
+			.height = HEIGHT, .effects = ALL & ~(1u << EFFECT_SKY),
+		};
+		struct render_camera camera = {{shift * 16.0 + 18, shift * 16.0 + 17, 8006}, {shift * 16.0 + 25, shift * 16.0 + 25, 8000}, 0.9};
+		assert_ok(gpu_slots_create(gpu, CELLS, 1, false, &slots));
+		params.slots = slots;
+		assert_ok(render_create(&params, &render));
+		assert_ok(gpu_slots_upload_base(slots, 0, base));
+		selection.draw_count = 1;
+		selection.draws[0] = (struct terrain_draw){
+			.tile = {0, shift + 1, shift + 1}, .quadrants = 15, .finest = true, .low = 7999, .high = 8001,
+		};
+		assert_ok(render_frame(render, &camera, &selection));
+		pixels[far] = test_malloc(4 * WIDTH * HEIGHT);
+		gpu_texture_read(render->colour, 0, (struct gpu_rect){0, 0, WIDTH, HEIGHT}, pixels[far]);
+		end();
+	}
+	assert_true(difference(pixels[0], pixels[1]) < 0.02);
+	test_free(pixels[0]);
+	test_free(pixels[1]);
+}
+
+static void every_choice_of_effects_draws(void **state)
+{
+	need_gpu();
+	memset(&ground, 0, sizeof ground);
+	ground.roughness = 1;
+	static int32_t posts[POSTS * POSTS];
+	static uint8_t dirt[POSTS * POSTS];
+	for (unsigned chosen = 0; chosen < 64; chosen++) {
+		struct render_params params = {
+			.gpu = gpu, .world = &world, .low = -1, .high = 1, .width = 32, .height = 16,
+			.effects = chosen << EFFECT_TEXTURE, .dirt = true,
+		};
+		assert_ok(gpu_slots_create(gpu, CELLS, 3, true, &slots));
+		params.slots = slots;
+		assert_ok(render_create(&params, &render));
+		for (uint32_t i = 0; i < 3; i++)
+			assert_ok(gpu_slots_upload_base(slots, i, posts));
+		assert_ok(gpu_slots_upload_deform(slots, 1, posts, dirt));
+		assert_ok(gpu_slots_upload_deform(slots, 2, posts, dirt));
+		selection.draw_count = 3;
+		for (uint32_t i = 0; i < 3; i++)
+			selection.draws[i] = (struct terrain_draw){
+				.tile = {i == 2 ? -1 : 0, i, 0}, .slot = i, .ground = i == 2 ? 0 : i, .quadrants = 15,
+				.low = -1, .high = 1,
+			};
+		struct render_camera camera = {{100, -30, 60}, {100, 64, 0}, 0.9};
+		assert_ok(render_frame(render, &camera, &selection));
+		assert_true(render_triangles(render) > 0);
+		end();
+	}
+}
+
+static void what_cannot_be_allocated_is_told(void **state)
+{
+	need_gpu();
+	struct render_params params = {
+		.gpu = gpu, .world = &world, .low = 0, .high = 1, .width = 32, .height = 16, .effects = ALL,
+	};
+	assert_ok(gpu_slots_create(gpu, CELLS, 1, false, &slots));
+	params.slots = slots;
+	enum status status = STATUS_FAILED;
+	int failed = 0;
+	for (uint64_t nth = 1; status != STATUS_OK; nth++) {
+		mem_fail_nth(nth, 0);
+		status = render_create(&params, &render);
+		mem_fail_nth(0, 0);
+		failed += status != STATUS_OK;
+		assert_true(nth < 100);
+	}
+	assert_true(failed >= 5);
+	end();
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(no_sky_is_seen_through_the_ground),
+		cmocka_unit_test(nodata_shows_what_is_behind_and_nothing_else_does),
+		cmocka_unit_test(a_rut_is_darker_than_the_ground_beside_it),
+		cmocka_unit_test(an_untouched_tile_has_a_program_without_offsets),
+		cmocka_unit_test(the_same_view_gives_the_same_bits),
+		cmocka_unit_test(geomorphing_takes_the_jumps_out_of_the_mesh),
+		cmocka_unit_test(a_tile_looks_the_same_ten_thousand_kilometres_away),
+		cmocka_unit_test(every_choice_of_effects_draws),
+		cmocka_unit_test(what_cannot_be_allocated_is_told),
+	};
+	return cmocka_run_group_tests(tests, open_gpu, close_gpu);
+}
