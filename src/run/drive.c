@@ -1,0 +1,239 @@
+/* One drive from a checked scene to run.json: opens everything, turns the crank, closes everything. */
+#include <errno.h>
+#include <math.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "dem/dem.h"
+#include "run/internal.h"
+
+#define EPOCH_AGE 1.0 /* s: how much of a drive a kill may cost */
+
+static enum status make_directory(const char *path)
+{
+	struct stat found;
+	if (mkdir(path, 0777) != 0 && errno != EEXIST)
+		return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be made", path, strerror(errno));
+	if (stat(path, &found) != 0 || !S_ISDIR(found.st_mode))
+		return fail_with(STATUS_FAILED, "%s: is not a folder; give another", path);
+	return STATUS_OK;
+}
+
+static enum status open_epochs(struct drive *drive)
+{
+	char path[4096];
+	snprintf(path, sizeof path, "%s/epochs.log", drive->params->directory);
+	drive->epochs = fopen(path, "w");
+	if (drive->epochs == NULL)
+		return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
+	return STATUS_OK;
+}
+
+/* Settles the working level: the store's, if it has one, must be what the scene asks for. */
+static enum status settle_level(struct drive *drive)
+{
+	const struct world *world = &drive->meta->world;
+	if (!isnan(drive->meta->low) && !lattice_fits(drive->meta->low, drive->meta->high))
+		return fail_with(STATUS_INPUT, "store: heights from %g to %g m are more relief than can be deformed (about 16 "
+					       "km); import a smaller part, or say what a PNG means with --height-range",
+				 drive->meta->low, drive->meta->high);
+	double asked = drive->scene->spacing;
+	int level = 0, fixed;
+	bool has = store_has_working_level(drive->store, &fixed);
+	if (asked > 0) {
+		level = world_level_for(world, asked);
+		if (level < TILE_LEVEL_MIN)
+			return fail_with(STATUS_INPUT, "spacing: %g m is finer than %g m, the finest this store can be divided to; "
+						       "raise it, or import with a finer --spacing",
+					 asked, world_spacing(world, TILE_LEVEL_MIN));
+	} else if (has) {
+		level = fixed;
+	}
+	if (has && fixed != level)
+		return fail_with(STATUS_INPUT, "spacing: this store is already deformed at %g m (level %d), the scene asks for "
+					       "level %d; use that spacing, or drop its ruts with furrow reset",
+				 world_spacing(world, fixed), fixed, level);
+	drive->level = level;
+	drive->spacing = world_spacing(world, level);
+	return store_set_working_level(drive->store, level);
+}
+
+/* The path's points in local metres. */
+static enum status local_points(const struct drive *drive, const struct scene_path *path, double (*points)[2])
+{
+	const struct scene *scene = drive->scene;
+	for (size_t i = 0; i < path->count; i++) {
+		points[i][0] = path->points[i].x;
+		points[i][1] = path->points[i].y;
+		if (scene->coordinates == SCENE_SRS) {
+			if (drive->meta->srs[0] == '\0')
+				return fail_with(STATUS_INPUT, "coordinates: %s, but the store has no reference system; use local",
+						 scene->srs);
+			enum status status =
+				dem_transform(scene->srs, drive->meta->srs, 1, &points[i][0], &points[i][1]);
+			if (status != STATUS_OK)
+				return status;
+		}
+		if (scene->coordinates != SCENE_LOCAL) {
+			points[i][0] -= drive->meta->origin[0];
+			points[i][1] -= drive->meta->origin[1];
+		}
+	}
+	return STATUS_OK;
+}
+
+static enum status mount_riders(struct drive *drive)
+{
+	const struct scene *scene = drive->scene;
+	drive->riders = mem_calloc(scene->object_count, sizeof *drive->riders);
+	drive->record = mem_calloc(1, pages_record_bytes(scene->object_count));
+	if (drive->riders == NULL || drive->record == NULL)
+		return fail_memory("the objects");
+	for (size_t i = 0; i < scene->object_count; i++) {
+		struct rider *rider = &drive->riders[i];
+		rider->object = &scene->objects[i];
+		const struct deform_shape *shape = &rider->object->shape;
+		const struct scene_path *path = &rider->object->path;
+		enum status status = deform_shape_check(shape, drive->spacing);
+		double(*points)[2] = mem_alloc(path->count, sizeof *points);
+		if (status == STATUS_OK && points == NULL)
+			status = fail_memory("a path");
+		if (status == STATUS_OK)
+			status = local_points(drive, path, points);
+		double turn_reach = fmax(shape->radius, hypot(hypot(shape->size[0], shape->size[1]), shape->size[2]) / 2);
+		if (status == STATUS_OK)
+			status = track_create(path, (const double(*)[2])points, drive->spacing, turn_reach, &rider->track);
+		mem_free(points);
+		if (status != STATUS_OK)
+			return status;
+	}
+	return STATUS_OK;
+}
+
+static enum status before_read_back(void *user, struct tile tile, uint32_t slot)
+{
+	struct drive *drive = user;
+	return drive->pyramid != NULL ? pyramid_flush_tile(drive->pyramid, drive->cache, tile, slot) : STATUS_OK;
+}
+
+static enum status start_gpu(struct drive *drive)
+{
+	const struct scene *scene = drive->scene;
+	struct gpu_params gpu = {.draws = scene->view.present};
+	enum status status = gpu_create(&gpu, &drive->gpu);
+	if (status == STATUS_OK)
+		status = gpu_slots_create(drive->gpu, drive->meta->world.cells, scene->slots, scene->dirt, &drive->slots);
+	struct deform_params deform = {
+		.gpu = drive->gpu,
+		.slots = drive->slots,
+		.world = &drive->meta->world,
+		.level = drive->level,
+		.reference = ground_reference(drive->store),
+		.model = scene->model,
+		.box_radius = scene->box_radius,
+		.box_repetitions = scene->box_repetitions,
+		.dirt = scene->dirt,
+	};
+	if (status == STATUS_OK && scene->object_count > 0)
+		status = deform_create(&deform, &drive->deform);
+	if (status == STATUS_OK && scene->view.present)
+		status = pyramid_create(&drive->meta->world, drive->level, drive->slots, &drive->pyramid);
+	return status;
+}
+
+static enum status start_pages(struct drive *drive)
+{
+	const struct scene *scene = drive->scene;
+	struct pages_params params = {
+		.store = drive->store,
+		.slots = drive->slots,
+		.level = drive->level,
+		.dirt = scene->dirt,
+		.count = scene->slots,
+		.loaders = scene->loaders,
+		.step_pages = drive_step_pages(drive),
+		.objects = scene->object_count,
+		.scene_hash = scene->hash,
+		.epochs = drive->epochs,
+		.epoch_age = EPOCH_AGE,
+		.before_read_back = before_read_back,
+		.user = drive,
+	};
+	enum status status = pages_create(&params, &drive->pages);
+	if (status == STATUS_OK)
+		drive->cache = pages_cache(drive->pages);
+	if (status == STATUS_OK && scene->view.present)
+		status = view_create(drive, &drive->view);
+	return status;
+}
+
+static enum status start(struct drive *drive)
+{
+	const char *path = drive->params->store != NULL ? drive->params->store : drive->scene->store;
+	if (path == NULL)
+		return fail_with(STATUS_INPUT, "%s: names no store; add store:, or give --store", drive->scene->file);
+	enum status status = make_directory(drive->params->directory);
+	struct store_options options = {STORE_WRITE, drive->params->durable_full};
+	if (status == STATUS_OK)
+		status = store_open(path, &options, &drive->store);
+	if (status != STATUS_OK)
+		return status;
+	drive->meta = store_meta(drive->store);
+	status = settle_level(drive);
+	if (status == STATUS_OK)
+		status = ground_create(drive->store, 16, &drive->ground);
+	if (status == STATUS_OK)
+		status = mount_riders(drive);
+	if (status == STATUS_OK)
+		status = open_epochs(drive);
+	if (status == STATUS_OK)
+		status = start_gpu(drive);
+	if (status == STATUS_OK)
+		status = start_pages(drive);
+	return status;
+}
+
+static void finish(struct drive *drive)
+{
+	view_destroy(drive->view);
+	pages_destroy(drive->pages);
+	pyramid_destroy(drive->pyramid);
+	deform_destroy(drive->deform);
+	gpu_slots_destroy(drive->slots);
+	gpu_destroy(drive->gpu);
+	for (size_t i = 0; drive->riders != NULL && i < drive->scene->object_count; i++)
+		track_destroy(drive->riders[i].track);
+	mem_free(drive->riders);
+	mem_free(drive->events);
+	mem_free(drive->record);
+	mem_free(drive->step_ms);
+	mem_free(drive->frame_ms);
+	if (drive->epochs != NULL)
+		fclose(drive->epochs);
+	ground_destroy(drive->ground);
+	store_close(drive->store);
+}
+
+enum status run_drive(const struct run_params *params, struct run_result *result)
+{
+	struct drive drive = {.params = params, .scene = params->scene};
+	*result = (struct run_result){.ended = "failed"};
+	enum status status = start(&drive);
+	if (status == STATUS_OK) {
+		status = drive_steps(&drive);
+		result->ended = status == STATUS_OK ? "complete"
+				: status == STATUS_INTERRUPTED ? "interrupted"
+							       : "failed";
+		result->steps = drive.step;
+		result->seconds = drive.seconds;
+		result->rtf = drive.seconds > 0 ? drive.time / drive.seconds : 0;
+		struct failure failure;
+		failure_capture(&failure, status);
+		result->json = report_json(&drive, result->ended);
+		enum status written = result->json != NULL ? report_write(params->directory, result->json)
+							   : fail_memory("run.json");
+		status = status == STATUS_OK ? written : failure_restore(&failure);
+	}
+	finish(&drive);
+	return status;
+}

@@ -1,0 +1,97 @@
+/* The state of one drive, shared by the files of src/run. Only the GPU's thread touches it. */
+#ifndef FURROW_RUN_INTERNAL_H
+#define FURROW_RUN_INTERNAL_H
+
+#include <stdio.h>
+
+#include "deform/deform.h"
+#include "gpu/gpu.h"
+#include "page/page.h"
+#include "run/ground.h"
+#include "run/pages.h"
+#include "run/pyramid.h"
+#include "run/run.h"
+#include "run/track.h"
+#include "store/store.h"
+
+struct view; /* run/view.c */
+
+/* One object on its way. */
+struct rider {
+	const struct scene_object *object;
+	struct track *track;
+	int64_t next;             /* station */
+	bool in_contact;          /* `last` was in contact: the next station sweeps from it */
+	struct deform_pose last;
+	double distance, sinkage; /* m */
+	uint64_t skipped;
+};
+
+/* One station due in a step, already set upon the ground. */
+struct event {
+	size_t rider;
+	double time;
+	bool contact; /* false: outside or over nodata, skipped */
+	double distance, sinkage;
+	struct deform_pose pose;
+};
+
+struct drive {
+	const struct run_params *params;
+	const struct scene *scene;
+	struct store *store;
+	const struct store_meta *meta;
+	int level;      /* the working level */
+	double spacing; /* metres, of the working level */
+	struct gpu *gpu;
+	struct gpu_slots *slots;
+	struct deform *deform;
+	struct ground *ground;
+	struct pages *pages;
+	struct page_cache *cache;
+	struct pyramid *pyramid; /* NULL without a view: nobody looks at coarser levels */
+	struct view *view;       /* NULL without one */
+	FILE *epochs;
+	struct rider *riders;
+	struct event *events;    /* of the present step */
+	size_t event_count, event_room;
+	struct pages_record *record;
+	double *step_ms;         /* of every step */
+	size_t step_room;
+	double *frame_ms;        /* of every frame; with a view */
+	size_t frames;
+	int64_t step;            /* steps done */
+	double time;             /* simulated, s */
+	double began, seconds;   /* wall clock of the loop */
+	uint64_t passes_most;    /* most tiles one window touched */
+	bool told_tiles;
+	bool torn;               /* inside a step's deformation */
+};
+
+/* steps.c */
+enum status drive_steps(struct drive *drive) FURROW_CHECKED;
+int64_t drive_step_count(const struct drive *drive);
+
+/* events.c: what is due, in the order of time, then of the scene. */
+enum status drive_collect_events(struct drive *drive, double until) FURROW_CHECKED;
+void drive_prefetch(struct drive *drive);
+
+/* sweep.c: one station's deformation. */
+enum status drive_sweep(struct drive *drive, struct rider *rider, const struct deform_pose *pose) FURROW_CHECKED;
+/* Most pages one step can touch, for the queue's bound. */
+uint32_t drive_step_pages(const struct drive *drive);
+
+/* view.c */
+enum status view_create(struct drive *drive, struct view **out) FURROW_CHECKED;
+void view_destroy(struct view *view);
+/* `image`: wait for what the picture needs and write it. */
+enum status view_frame(struct view *view, struct drive *drive, bool image) FURROW_CHECKED;
+/* A tile of the working level is deformed now: finer tiles exist below its ancestors. */
+enum status view_deformed(struct view *view, struct tile tile) FURROW_CHECKED;
+void view_figures(const struct view *view, double *triangles, uint64_t *starved);
+
+/* report.c */
+char *report_json(const struct drive *drive, const char *ended); /* NULL: out of memory */
+enum status report_write(const char *directory, const char *json) FURROW_CHECKED;
+
+#endif

@@ -1,0 +1,379 @@
+#include "run/pages.h"
+
+#include <assert.h>
+#include <errno.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "run/ground.h"
+
+#define FLAG_DEFORMED 1u
+#define GROUND_TILES 4
+#define CHECKPOINT_BYTES (64 << 20)
+
+/* A page's bytes: this, base posts or patch, offset, dirt. */
+struct head {
+	int shift; /* 0: the base is posts; else a patch to subdivide */
+	uint32_t sub_x, sub_y;
+};
+
+struct layout {
+	uint32_t cells;
+	size_t posts; /* of a tile */
+	size_t base, offset, dirt, bytes;
+};
+
+struct pages {
+	struct pages_params params;
+	struct layout layout;
+	struct page_cache *cache;
+	struct ground *grounds[16]; /* one a loader */
+	struct store_page *commit_pages; /* the writer's */
+	size_t commit_room;
+	int64_t uncheckpointed; /* bytes */
+	struct mutex mutex;     /* guards io */
+	struct pages_io io;
+};
+
+static struct layout layout_of(uint32_t cells, bool dirt)
+{
+	struct layout layout = {.cells = cells, .posts = (size_t)(cells + 1) * (cells + 1)};
+	layout.base = sizeof(struct head);
+	layout.offset = layout.base + layout.posts * sizeof(int32_t);
+	layout.dirt = layout.offset + layout.posts * sizeof(int32_t);
+	layout.bytes = layout.dirt + (dirt ? layout.posts : 0);
+	return layout;
+}
+
+static struct head *head_of(const struct page_image *image)
+{
+	return image->bytes;
+}
+
+static int32_t *base_of(const struct pages *pages, const struct page_image *image)
+{
+	return (int32_t *)((char *)image->bytes + pages->layout.base);
+}
+
+static int32_t *offset_of(const struct pages *pages, const struct page_image *image)
+{
+	return (int32_t *)((char *)image->bytes + pages->layout.offset);
+}
+
+static uint8_t *dirt_of(const struct pages *pages, const struct page_image *image)
+{
+	return pages->params.dirt ? (uint8_t *)image->bytes + pages->layout.dirt : NULL;
+}
+
+/* --- loader threads --- */
+
+static enum status load_base(struct pages *pages, struct ground *ground, struct tile tile,
+			     struct page_image *image)
+{
+	struct head *head = head_of(image);
+	*head = (struct head){0, 0, 0};
+	if (tile.level < 0)
+		return ground_patch(ground, tile, base_of(pages, image), &head->shift, &head->sub_x, &head->sub_y);
+	const int32_t *posts;
+	enum status status = ground_posts(ground, tile, &posts);
+	if (status == STATUS_OK)
+		memcpy(base_of(pages, image), posts, pages->layout.posts * sizeof *posts);
+	return status;
+}
+
+static enum status load_planes(struct pages *pages, struct ground *ground, struct tile tile,
+			       struct page_image *image, const struct page_image *queued)
+{
+	image->flags = 0;
+	if (queued != NULL) {
+		assert(queued->flags & FLAG_DEFORMED);
+		size_t planes = pages->layout.bytes - pages->layout.offset;
+		memcpy((char *)image->bytes + pages->layout.offset, (char *)queued->bytes + pages->layout.offset, planes);
+		image->flags = FLAG_DEFORMED;
+		return STATUS_OK;
+	}
+	if (tile.level < pages->params.level)
+		return STATUS_OK;
+	unsigned planes = STORE_PLANE_OFFSET | (pages->params.dirt ? STORE_PLANE_DIRT : 0), present;
+	enum status status = store_read_deformed(ground_reader(ground), tile, planes, offset_of(pages, image),
+						 dirt_of(pages, image), &present);
+	if (status == STATUS_OK && present != 0)
+		image->flags = FLAG_DEFORMED;
+	return status;
+}
+
+static enum status load(void *user, unsigned loader, struct page_image *image, const struct page_image *queued)
+{
+	struct pages *pages = user;
+	struct ground *ground = pages->grounds[loader];
+	struct tile tile = tile_from_key(image->key);
+	double started = clock_seconds();
+	enum status status = load_base(pages, ground, tile, image);
+	if (status == STATUS_OK)
+		status = load_planes(pages, ground, tile, image, queued);
+	mutex_lock(&pages->mutex);
+	pages->io.tiles_read++;
+	pages->io.bytes_read += (int64_t)pages->layout.bytes;
+	pages->io.load_ms += (clock_seconds() - started) * 1e3;
+	mutex_unlock(&pages->mutex);
+	return status;
+}
+
+/* --- the writer thread --- */
+
+static void write_state(const struct pages_record *record, size_t objects, char *text, size_t room)
+{
+	int used = snprintf(text, room, "{\"ended\":%s,\"poses\":[", record->ended ? "true" : "false");
+	for (size_t i = 0; i < objects && (size_t)used < room; i++)
+		used += snprintf(text + used, room - (size_t)used, "%s[%lld,%lld,%lld]", i > 0 ? "," : "",
+				 (long long)record->poses[i][0], (long long)record->poses[i][1],
+				 (long long)record->poses[i][2]);
+	if ((size_t)used < room)
+		snprintf(text + used, room - (size_t)used, "]}");
+}
+
+static enum status acknowledge(struct pages *pages, int64_t epoch, int64_t step)
+{
+	FILE *log = pages->params.epochs;
+	if (fprintf(log, "epoch %lld step %lld\n", (long long)epoch, (long long)step) < 0 || fflush(log) != 0)
+		return fail_with(STATUS_FAILED, "epochs.log: %s; free some disk space", strerror(errno));
+	return STATUS_OK;
+}
+
+static enum status commit(void *user, const struct page_image *const *images, size_t count, const void *bytes)
+{
+	struct pages *pages = user;
+	const struct pages_record *record = bytes;
+	double started = clock_seconds();
+	if (count > pages->commit_room) {
+		struct store_page *room = mem_realloc(pages->commit_pages, count, sizeof *room);
+		if (room == NULL)
+			return fail_memory("an epoch");
+		pages->commit_pages = room;
+		pages->commit_room = count;
+	}
+	for (size_t i = 0; i < count; i++)
+		pages->commit_pages[i] = (struct store_page){
+			.tile = tile_from_key(images[i]->key),
+			.planes = STORE_PLANE_OFFSET | (pages->params.dirt ? STORE_PLANE_DIRT : 0),
+			.offset = offset_of(pages, images[i]),
+			.dirt = dirt_of(pages, images[i]),
+		};
+	size_t room = 64 + 80 * pages->params.objects;
+	char *state = mem_alloc(room, 1);
+	if (state == NULL)
+		return fail_memory("an epoch");
+	write_state(record, pages->params.objects, state, room);
+	struct store_run run = {pages->params.scene_hash, record->step, record->time, state};
+	struct store_epoch_result result;
+	enum status status = store_epoch(pages->params.store, pages->commit_pages, count, &run, &result);
+	mem_free(state);
+	if (status != STATUS_OK)
+		return status;
+	status = acknowledge(pages, result.epoch, record->step);
+	pages->uncheckpointed += result.bytes_written;
+	if (status == STATUS_OK && pages->uncheckpointed > CHECKPOINT_BYTES) {
+		status = store_checkpoint(pages->params.store);
+		pages->uncheckpointed = 0;
+	}
+	mutex_lock(&pages->mutex);
+	pages->io.commits++;
+	pages->io.tiles_written += result.tiles_written;
+	pages->io.bytes_written += result.bytes_written;
+	pages->io.below += result.below;
+	pages->io.above += result.above;
+	pages->io.writeback_ms += (clock_seconds() - started) * 1e3;
+	mutex_unlock(&pages->mutex);
+	return status;
+}
+
+/* --- the GPU's thread --- */
+
+struct overlay {
+	struct pages *pages;
+	struct page_image *image;
+	struct tile tile;
+	uint32_t slot;
+	enum status status;
+};
+
+/* The posts of `fine` that are posts of `coarse` too: where they go. steps levels apart. */
+static bool overlaps(const struct pages *pages, struct tile fine, struct tile coarse, int *steps, uint32_t *to_x,
+		     uint32_t *to_y, struct gpu_rect *rect)
+{
+	if (fine.level != pages->params.level || fine.level >= coarse.level ||
+	    !tile_equal(tile_ancestor(fine, coarse.level), coarse))
+		return false;
+	uint64_t cells = pages->layout.cells, step = (uint64_t)1 << (*steps = coarse.level - fine.level);
+	/* First post of the fine tile, in its own posts from the coarse tile's first post. */
+	uint64_t x = fine.x * cells - (uint64_t)coarse.x * cells * step,
+		 y = fine.y * cells - (uint64_t)coarse.y * cells * step;
+	uint64_t skip_x = (step - x % step) % step, skip_y = (step - y % step) % step;
+	if (skip_x > cells || skip_y > cells)
+		return false;
+	*to_x = (uint32_t)((x + skip_x) / step);
+	*to_y = (uint32_t)((y + skip_y) / step);
+	*rect = (struct gpu_rect){(uint32_t)skip_x, (uint32_t)skip_y, (uint32_t)(cells + 1 - skip_x),
+				  (uint32_t)(cells + 1 - skip_y)};
+	return true;
+}
+
+static void overlay_queued(void *user, const struct page_image *fine)
+{
+	struct overlay *overlay = user;
+	struct pages *pages = overlay->pages;
+	int steps;
+	uint32_t to_x, to_y;
+	struct gpu_rect rect;
+	if (!overlaps(pages, tile_from_key(fine->key), overlay->tile, &steps, &to_x, &to_y, &rect))
+		return;
+	size_t stride = pages->layout.cells + 1;
+	if (!(overlay->image->flags & FLAG_DEFORMED)) {
+		memset((char *)overlay->image->bytes + pages->layout.offset, 0,
+		       pages->layout.bytes - pages->layout.offset);
+		overlay->image->flags |= FLAG_DEFORMED;
+	}
+	uint32_t step = 1u << steps;
+	for (uint32_t y = 0; y < rect.height; y += step)
+		for (uint32_t x = 0; x < rect.width; x += step) {
+			size_t from = (rect.y + y) * stride + rect.x + x, to = (to_y + y / step) * stride + to_x + x / step;
+			offset_of(pages, overlay->image)[to] = offset_of(pages, fine)[from];
+			if (pages->params.dirt)
+				dirt_of(pages, overlay->image)[to] = dirt_of(pages, fine)[from];
+		}
+}
+
+static void overlay_resident(void *user, uint64_t key, uint32_t slot, bool dirty)
+{
+	struct overlay *overlay = user;
+	int steps;
+	uint32_t to_x, to_y;
+	struct gpu_rect rect;
+	if (overlay->status != STATUS_OK || !dirty ||
+	    !overlaps(overlay->pages, tile_from_key(key), overlay->tile, &steps, &to_x, &to_y, &rect))
+		return;
+	struct gpu_slots *slots = overlay->pages->params.slots;
+	overlay->status = gpu_slots_deform(slots, overlay->slot);
+	if (overlay->status == STATUS_OK)
+		overlay->status = gpu_slots_decimate(slots, slot, rect, steps, overlay->slot, to_x, to_y);
+}
+
+static enum status upload(struct pages *pages, uint32_t slot, struct page_image *image)
+{
+	struct gpu_slots *slots = pages->params.slots;
+	struct head *head = head_of(image);
+	struct overlay overlay = {pages, image, tile_from_key(image->key), slot, STATUS_OK};
+	bool coarser = overlay.tile.level > pages->params.level;
+	if (coarser)
+		page_cache_each_queued(pages->cache, overlay_queued, &overlay);
+	enum status status =
+		head->shift == 0 ? gpu_slots_upload_base(slots, slot, base_of(pages, image))
+				 : gpu_slots_subdivide_base(slots, slot, base_of(pages, image), head->shift,
+							    head->sub_x, head->sub_y);
+	if (status != STATUS_OK)
+		return status;
+	if (image->flags & FLAG_DEFORMED)
+		status = gpu_slots_upload_deform(slots, slot, offset_of(pages, image), dirt_of(pages, image));
+	else
+		gpu_slots_undeform(slots, slot);
+	if (status == STATUS_OK && coarser)
+		page_cache_each_resident(pages->cache, overlay_resident, &overlay);
+	return status == STATUS_OK ? overlay.status : status;
+}
+
+static enum status read_back(struct pages *pages, uint32_t slot, struct page_image *image)
+{
+	struct tile tile = tile_from_key(image->key);
+	double started = clock_seconds();
+	enum status status = pages->params.before_read_back(pages->params.user, tile, slot);
+	if (status == STATUS_OK)
+		status = gpu_slots_read_deform(pages->params.slots, slot, offset_of(pages, image),
+					       dirt_of(pages, image));
+	image->flags = FLAG_DEFORMED;
+	mutex_lock(&pages->mutex);
+	pages->io.readback_ms += (clock_seconds() - started) * 1e3;
+	mutex_unlock(&pages->mutex);
+	return status;
+}
+
+static enum status execute(void *user, enum page_work_kind kind, uint32_t slot, struct page_image *image)
+{
+	return kind == PAGE_UPLOAD ? upload(user, slot, image) : read_back(user, slot, image);
+}
+
+/* --- life --- */
+
+static struct page_params cache_params(const struct pages_params *params, const struct layout *layout)
+{
+	uint32_t soft = params->count < 64 ? params->count : 64;
+	return (struct page_params){
+		.slots = params->count,
+		.loaders = params->loaders,
+		.page_bytes = layout->bytes,
+		.queue_soft = soft,
+		.queue_hard = soft + params->count + params->step_pages,
+		.epoch_age = params->epoch_age,
+		.record_bytes = pages_record_bytes(params->objects),
+	};
+}
+
+size_t pages_record_bytes(size_t objects)
+{
+	return sizeof(struct pages_record) + objects * sizeof(int64_t[3]);
+}
+
+uint64_t pages_budget(const struct pages_params *params)
+{
+	struct layout layout = layout_of(store_meta(params->store)->world.cells, params->dirt);
+	struct page_params cache = cache_params(params, &layout);
+	return (uint64_t)layout.bytes * (cache.queue_hard + 3 * cache.loaders);
+}
+
+enum status pages_create(const struct pages_params *params, struct pages **out)
+{
+	struct pages *pages = mem_calloc(1, sizeof *pages);
+	if (pages == NULL)
+		return fail_memory("the page cache");
+	assert(params->loaders >= 1 && params->loaders <= sizeof pages->grounds / sizeof *pages->grounds);
+	pages->params = *params;
+	mutex_init(&pages->mutex);
+	pages->layout = layout_of(store_meta(params->store)->world.cells, params->dirt);
+	enum status status = STATUS_OK;
+	for (uint32_t i = 0; i < params->loaders && status == STATUS_OK; i++)
+		status = ground_create(params->store, GROUND_TILES, &pages->grounds[i]);
+	struct page_params cache = cache_params(params, &pages->layout);
+	cache.io = (struct page_io){pages, load, commit};
+	cache.executor = (struct page_executor){pages, execute};
+	if (status == STATUS_OK)
+		status = page_cache_create(&cache, &pages->cache);
+	if (status != STATUS_OK) {
+		pages_destroy(pages);
+		return status;
+	}
+	*out = pages;
+	return STATUS_OK;
+}
+
+void pages_destroy(struct pages *pages)
+{
+	if (pages == NULL)
+		return;
+	page_cache_destroy(pages->cache);
+	for (uint32_t i = 0; i < pages->params.loaders; i++)
+		ground_destroy(pages->grounds[i]);
+	mem_free(pages->commit_pages);
+	mutex_finish(&pages->mutex);
+	mem_free(pages);
+}
+
+struct page_cache *pages_cache(struct pages *pages)
+{
+	return pages->cache;
+}
+
+void pages_io(struct pages *pages, struct pages_io *io)
+{
+	mutex_lock(&pages->mutex);
+	*io = pages->io;
+	mutex_unlock(&pages->mutex);
+}

@@ -1,0 +1,58 @@
+/*
+ * The adaptor between store, page cache and GPU: what a page's bytes mean.
+ *
+ * Loader threads read through a ground of their own; the writer thread commits epochs; the GPU's
+ * thread uploads and reads back. A page of the working level carries its offset (and dirt) when it
+ * was deformed; a coarser page is overlaid, when it becomes resident, with what is not committed.
+ */
+#ifndef FURROW_RUN_PAGES_H
+#define FURROW_RUN_PAGES_H
+
+#include <stdio.h>
+
+#include "base/base.h"
+#include "gpu/gpu.h"
+#include "page/page.h"
+#include "store/store.h"
+
+struct pages;
+
+struct pages_params {
+	struct store *store;
+	struct gpu_slots *slots; /* of params.count slots */
+	int level;               /* the working level */
+	bool dirt;
+	uint32_t count, loaders;
+	uint32_t step_pages;     /* most pages one step can change, for the queue's bound */
+	size_t objects;
+	const char *scene_hash;
+	FILE *epochs;            /* a line for each commit */
+	double epoch_age;        /* s */
+	/* Called before a page of the working level is read back: it may leave its slot after. */
+	enum status (*before_read_back)(void *user, struct tile tile, uint32_t slot);
+	void *user;
+};
+
+/* The run's record: kept with the tiles of the step it belongs to. */
+struct pages_record {
+	int64_t step;
+	double time;
+	bool ended;
+	int64_t poses[][3]; /* params.objects of them: x, y, z in 2^-20 m */
+};
+
+struct pages_io {
+	int64_t commits, tiles_read, tiles_written, bytes_read, bytes_written;
+	int64_t below, above; /* change of the sums of offsets, quanta */
+	double load_ms, readback_ms, writeback_ms;
+};
+
+enum status pages_create(const struct pages_params *params, struct pages **out) FURROW_CHECKED;
+/* Stops the threads; commits nothing. */
+void pages_destroy(struct pages *pages);
+struct page_cache *pages_cache(struct pages *pages);
+size_t pages_record_bytes(size_t objects);
+void pages_io(struct pages *pages, struct pages_io *io);
+uint64_t pages_budget(const struct pages_params *params); /* bytes of host buffers at most */
+
+#endif

@@ -1,0 +1,151 @@
+/* The step loop: events, deformation, epochs, frames; and the times it took. */
+#include <math.h>
+#include <unistd.h>
+
+#include "run/internal.h"
+
+int64_t drive_step_count(const struct drive *drive)
+{
+	const struct scene *scene = drive->scene;
+	int64_t whole = (int64_t)ceil(scene->end_time / scene->time_step - 1e-9);
+	if (drive->params->steps > 0 && drive->params->steps < whole)
+		whole = drive->params->steps;
+	return whole;
+}
+
+static double step_time(const struct scene *scene, int64_t step)
+{
+	double time = (double)step * scene->time_step;
+	/* The last step ends where the scene does, whatever the time step: the same stations are due. */
+	return time < scene->end_time * (1 - 1e-12) ? time : scene->end_time;
+}
+
+static void fill_record(struct drive *drive, bool ended)
+{
+	drive->record->step = drive->step;
+	drive->record->time = drive->time;
+	drive->record->ended = ended;
+	for (size_t i = 0; i < drive->scene->object_count; i++) {
+		const struct deform_pose *pose = &drive->riders[i].last;
+		drive->record->poses[i][0] = pose->x;
+		drive->record->poses[i][1] = pose->y;
+		drive->record->poses[i][2] = pose->z;
+	}
+}
+
+static enum status deform_step(struct drive *drive)
+{
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < drive->event_count && status == STATUS_OK; i++) {
+		struct event *event = &drive->events[i];
+		struct rider *rider = &drive->riders[event->rider];
+		if (!event->contact) {
+			rider->in_contact = false;
+			rider->skipped++;
+			continue;
+		}
+		rider->distance += event->distance;
+		rider->sinkage = event->sinkage;
+		status = drive_sweep(drive, rider, &event->pose);
+	}
+	return status;
+}
+
+static bool is_image_step(const struct drive *drive)
+{
+	int64_t every = drive->scene->view.images;
+	return every > 0 && drive->step % every == 0;
+}
+
+static enum status one_step(struct drive *drive)
+{
+	double until = step_time(drive->scene, drive->step + 1);
+	/* Before anything changes: a scene that leaves the ground stops at a step's end. */
+	enum status status = drive_collect_events(drive, until);
+	if (status == STATUS_OK)
+		status = page_cache_poll(drive->cache);
+	if (status == STATUS_OK && drive->scene->prefetch > 0)
+		drive_prefetch(drive);
+	if (status != STATUS_OK)
+		return status;
+	drive->torn = true;
+	status = deform_step(drive);
+	if (status == STATUS_OK && drive->pyramid != NULL)
+		status = pyramid_flush(drive->pyramid, drive->cache);
+	if (status != STATUS_OK)
+		return status;
+	drive->torn = false;
+	drive->step++;
+	drive->time = until;
+	fill_record(drive, false);
+	return page_cache_end_step(drive->cache, drive->record);
+}
+
+static void show_progress(const struct drive *drive, int64_t total, double *shown)
+{
+	double now = clock_seconds();
+	if (now - *shown < 0.2)
+		return;
+	*shown = now;
+	double elapsed = now - drive->began, rate = (double)drive->step / elapsed;
+	fprintf(stderr, "\rdrive: step %lld of %lld (%.0f %%), %.0f a second, %.0f s left\033[K",
+		(long long)drive->step, (long long)total, 100.0 * (double)drive->step / (double)total, rate,
+		(double)(total - drive->step) / rate);
+	fflush(stderr);
+}
+
+static enum status keep_time(struct drive *drive, double ms, double frame_ms)
+{
+	size_t index = (size_t)drive->step - 1;
+	if (index >= drive->step_room) {
+		size_t room = drive->step_room != 0 ? 2 * drive->step_room : 1024;
+		double *steps = mem_realloc(drive->step_ms, room, sizeof *steps);
+		if (steps != NULL)
+			drive->step_ms = steps;
+		double *frames = mem_realloc(drive->frame_ms, room, sizeof *frames);
+		if (frames != NULL)
+			drive->frame_ms = frames;
+		if (steps == NULL || frames == NULL)
+			return fail_memory("the steps' times");
+		drive->step_room = room;
+	}
+	drive->step_ms[index] = ms;
+	drive->frame_ms[index] = frame_ms;
+	return STATUS_OK;
+}
+
+enum status drive_steps(struct drive *drive)
+{
+	int64_t total = drive_step_count(drive);
+	bool terminal = drive->params->progress && isatty(STDERR_FILENO) != 0;
+	double shown = 0;
+	enum status status = STATUS_OK;
+	drive->began = clock_seconds();
+	while (drive->step < total && status == STATUS_OK) {
+		if (drive->params->stop != NULL && *drive->params->stop) {
+			status = fail_with(STATUS_INTERRUPTED, "drive: interrupted after step %lld; all of it is in the store",
+					   (long long)drive->step);
+			break;
+		}
+		double started = clock_seconds();
+		status = one_step(drive);
+		double stepped = clock_seconds(), framed = stepped;
+		if (status == STATUS_OK && drive->view != NULL) {
+			status = view_frame(drive->view, drive, is_image_step(drive));
+			framed = clock_seconds();
+		}
+		if (status == STATUS_OK)
+			status = keep_time(drive, (stepped - started) * 1e3, (framed - started) * 1e3);
+		if (terminal)
+			show_progress(drive, total, &shown);
+	}
+	if (terminal)
+		fputs("\r\033[K", stderr);
+	struct failure failure;
+	failure_capture(&failure, status);
+	fill_record(drive, status == STATUS_OK);
+	/* A step that failed half-way is no state to commit: the last epoch stands. */
+	enum status flushed = drive->torn ? STATUS_OK : page_cache_flush(drive->cache, drive->record);
+	drive->seconds = clock_seconds() - drive->began;
+	return status == STATUS_OK ? flushed : failure_restore(&failure);
+}

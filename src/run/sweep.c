@@ -1,0 +1,129 @@
+/* One station's deformation: pin the tiles its windows touch, compute, scatter, mark dirty. */
+#include <assert.h>
+#include <math.h>
+
+#include "run/internal.h"
+
+#define TILES_MAX 64
+
+struct held {
+	struct deform_tile tiles[TILES_MAX];
+	uint64_t keys[TILES_MAX];
+	size_t count;
+};
+
+static enum status hold(struct drive *drive, struct post_rect rect, struct held *held)
+{
+	const struct world *world = &drive->meta->world;
+	struct tile first, last;
+	held->count = 0;
+	if (!tile_range_of(world, drive->level, rect, &first, &last))
+		return STATUS_OK;
+	size_t needed = (size_t)(last.x - first.x + 1) * (last.y - first.y + 1);
+	if (needed > TILES_MAX || needed > drive->scene->slots)
+		return fail_with(STATUS_INPUT, "cache.slots: one window touches %zu tiles and there are %u slots; import with "
+					       "larger tiles, or raise cache.slots",
+				 needed, drive->scene->slots);
+	if (needed > 4 && !drive->told_tiles) {
+		note("tiles of %u cells are smaller than an object's window: it touches %zu of them at once, not four",
+		     world->cells, needed);
+		drive->told_tiles = true;
+	}
+	if (needed > drive->passes_most)
+		drive->passes_most = needed;
+	for (uint32_t y = first.y; y <= last.y; y++)
+		for (uint32_t x = first.x; x <= last.x; x++) {
+			struct tile tile = {drive->level, x, y};
+			held->tiles[held->count].tile = tile;
+			held->keys[held->count++] = tile_key(tile);
+		}
+	uint32_t slots[TILES_MAX];
+	enum status status = page_cache_pin_all(drive->cache, held->keys, held->count, slots);
+	if (status != STATUS_OK) {
+		held->count = 0;
+		return status;
+	}
+	for (size_t i = 0; i < held->count; i++)
+		held->tiles[i].slot = slots[i];
+	return STATUS_OK;
+}
+
+static void release(struct drive *drive, const struct held *held)
+{
+	for (size_t i = 0; i < held->count; i++)
+		page_cache_unpin(drive->cache, held->keys[i]);
+}
+
+/* Scatters a window; the held tiles that share a post of it are dirty then. */
+static enum status scatter(struct drive *drive, const struct deform_window *window, uint32_t layer,
+			   const struct held *held)
+{
+	struct deform_tile written[TILES_MAX] = {{{0, 0, 0}, 0}};
+	size_t count = 0;
+	for (size_t i = 0; i < held->count; i++)
+		if (!post_rect_empty(post_rect_intersect(window->write,
+							 tile_post_rect(&drive->meta->world, held->tiles[i].tile))))
+			written[count++] = held->tiles[i];
+	enum status status = deform_scatter(drive->deform, window, layer, written, count);
+	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+		page_cache_dirty(drive->cache, tile_key(written[i].tile));
+		if (drive->pyramid != NULL)
+			status = pyramid_changed(drive->pyramid, written[i].tile, window->write);
+		if (status == STATUS_OK && drive->view != NULL)
+			status = view_deformed(drive->view, written[i].tile);
+	}
+	return status;
+}
+
+enum status drive_sweep(struct drive *drive, struct rider *rider, const struct deform_pose *pose)
+{
+	struct deform_sweep sweep = {
+		.shape = &rider->object->shape,
+		.from = rider->in_contact ? rider->last : *pose,
+		.to = *pose,
+	};
+	struct deform_window windows[DEFORM_WINDOWS_MAX];
+	size_t count;
+	enum status status = deform_windows(drive->deform, &sweep, windows, &count);
+	struct held held = {.count = 0};
+	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+		status = hold(drive, windows[i].read, &held);
+		if (status == STATUS_OK)
+			status = deform_compute(drive->deform, &sweep, &windows[i], (uint32_t)i, held.tiles, held.count);
+		if (status == STATUS_OK && count == 1)
+			status = scatter(drive, &windows[0], 0, &held);
+		release(drive, &held);
+	}
+	/* Several windows read the ground as it was before any of them changed it. */
+	for (size_t i = 0; count > 1 && i < count && status == STATUS_OK; i++) {
+		status = hold(drive, windows[i].write, &held);
+		if (status == STATUS_OK)
+			status = scatter(drive, &windows[i], (uint32_t)i, &held);
+		release(drive, &held);
+	}
+	rider->in_contact = true;
+	rider->last = *pose;
+	return status;
+}
+
+uint32_t drive_step_pages(const struct drive *drive)
+{
+	/* Stations a step can bring an object, and the tiles they can lie on: a path's length crosses
+	 * at most two rows and two columns more than its extent asks for. */
+	double pages = 0, side = drive->spacing * drive->meta->world.cells;
+	for (size_t i = 0; i < drive->scene->object_count; i++) {
+		const struct scene_object *object = &drive->scene->objects[i];
+		double speed = object->path.speed;
+		const struct scene_waypoint *points = object->path.points;
+		for (size_t k = 1; object->path.timed && k < object->path.count; k++) {
+			double dt = points[k].t - points[k - 1].t;
+			if (dt > 0)
+				speed = fmax(speed, hypot(points[k].x - points[k - 1].x, points[k].y - points[k - 1].y) / dt);
+		}
+		double size = 2 * fmax(object->shape.radius, hypot(object->shape.size[0], object->shape.size[1])) +
+			      object->shape.width;
+		double along = speed * drive->scene->time_step / side + 2, across = ceil(size / side) + 1;
+		pages += 2 * along * across + across * across;
+	}
+	return pages < 1e6 ? (uint32_t)pages + 4 : 1000000;
+}

@@ -1,0 +1,181 @@
+/* What tests of whole drives share: a folder, a store from a function of posts, a scene, a drive. */
+#ifndef FURROW_TESTS_SUPPORT_H
+#define FURROW_TESTS_SUPPORT_H
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <cmocka.h>
+
+#include "dem/dem.h"
+#include "run/run.h"
+#include "store/store.h"
+
+/* A folder of its own for the test program, removed by support_leave. */
+static char support_folder[64];
+
+static inline int support_enter(void **state)
+{
+	strcpy(support_folder, "/tmp/furrow-test-XXXXXX");
+	return mkdtemp(support_folder) == NULL;
+}
+
+static inline int support_leave(void **state)
+{
+	char command[96];
+	snprintf(command, sizeof command, "rm -rf '%s'", support_folder);
+	return system(command);
+}
+
+static inline const char *support_path(const char *name)
+{
+	static char paths[64][128];
+	static int next;
+	char *path = paths[next++ % 64];
+	snprintf(path, sizeof paths[0], "%s/%s", support_folder, name);
+	return path;
+}
+
+#define must(call)                                                                                 \
+	do {                                                                                       \
+		if ((call) != STATUS_OK) {                                                         \
+			print_error("%s: %s\n", #call, failure_message());                        \
+			assert_true(!"" #call);                                                    \
+		}                                                                                  \
+	} while (0)
+
+/* Heights: a function of the post. */
+typedef double (*support_height)(int64_t x, int64_t y);
+
+struct support_ground {
+	const struct world *world;
+	support_height height;
+};
+
+static inline enum status support_rows(void *user, int64_t y0, int64_t rows, double *heights)
+{
+	const struct support_ground *ground = user;
+	for (int64_t y = 0; y < rows; y++)
+		for (int64_t x = 0; x < ground->world->width; x++)
+			*heights++ = ground->height(x, y0 + y);
+	return STATUS_OK;
+}
+
+static inline enum status support_put(void *user, const struct dem_tile *tile)
+{
+	struct store_range range = {tile->low, tile->high, tile->error};
+	return store_put_base(user, tile->tile, tile->codes, &range);
+}
+
+static inline void support_store(const char *path, struct world world, support_height height)
+{
+	struct support_ground ground = {&world, height};
+	struct store_meta meta = {.world = world, .step = 1.0 / 1024, .max_error = 1.0 / 2048, .srs = "",
+				  .vertical = "", .sources = "a function"};
+	struct store *store;
+	must(store_create(path, &meta, true, &store));
+	must(dem_cut(&world, meta.step, support_rows, &ground, support_put, store, NULL, NULL));
+	must(store_publish(store));
+	store_close(store);
+}
+
+static inline void support_write(const char *path, const char *text)
+{
+	FILE *file = fopen(path, "w");
+	assert_non_null(file);
+	assert_true(fputs(text, file) >= 0);
+	assert_int_equal(fclose(file), 0);
+}
+
+/* Drives; settings end with NULL: "key=value". Skips the test on a machine without GL. */
+static inline char *support_drive(const char *scene_path, const char *store, const char *const *settings)
+{
+	struct scene_setting split[16] = {{NULL, NULL}};
+	char texts[16][96];
+	size_t count = 0;
+	for (; settings != NULL && settings[count] != NULL; count++) {
+		snprintf(texts[count], sizeof texts[count], "%s", settings[count]);
+		char *equals = strchr(texts[count], '=');
+		*equals = '\0';
+		split[count] = (struct scene_setting){texts[count], equals + 1};
+	}
+	struct scene *scene;
+	must(scene_load(scene_path, split, count, &scene));
+	struct run_params params = {.scene = scene, .store = store, .directory = support_path("out")};
+	struct run_result result;
+	enum status status = run_drive(&params, &result);
+	scene_destroy(scene);
+	if (status == STATUS_NO_GL)
+		skip();
+	must(status);
+	return result.json;
+}
+
+/* An integer of run.json by name, wherever it first stands after `after`. */
+static inline long long support_figure(const char *json, const char *after, const char *name)
+{
+	const char *at = strstr(json, after);
+	char quoted[64];
+	snprintf(quoted, sizeof quoted, "\"%s\":", name);
+	at = at != NULL ? strstr(at, quoted) : NULL;
+	assert_non_null(at);
+	return atoll(at + strlen(quoted));
+}
+
+static inline void support_print_problem(void *user, const char *text)
+{
+	print_error("%s\n", text);
+}
+
+static inline uint64_t support_hash(const char *path)
+{
+	struct store *store;
+	uint64_t hash;
+	must(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
+	must(store_content_hash(store, &hash));
+	store_close(store);
+	return hash;
+}
+
+/* Verifies; returns the check. */
+static inline struct store_check support_verify(const char *path)
+{
+	struct store *store;
+	struct store_check check;
+	must(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
+	must(store_verify(store, support_print_problem, NULL, NULL, &check));
+	store_close(store);
+	assert_int_equal(check.problems, 0);
+	return check;
+}
+
+/* Offsets of `rect` at `level`, in quanta. Freed by the caller. */
+static inline double *support_quanta(const char *path, int level, struct post_rect rect)
+{
+	struct store *store;
+	struct store_reader *reader;
+	double *values = malloc((size_t)((rect.x1 - rect.x0) * (rect.y1 - rect.y0)) * sizeof *values);
+	must(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
+	must(store_reader_create(store, &reader));
+	must(store_read_posts(reader, STORE_QUANTA, level, rect, values));
+	store_reader_destroy(reader);
+	store_close(store);
+	return values;
+}
+
+/* Hills of a few metres with a hole in them; posts of `support_hills` are its arguments. */
+static inline double support_hills(int64_t x, int64_t y)
+{
+	uint32_t h = (uint32_t)x * 2654435761u ^ (uint32_t)y * 2246822519u;
+	h ^= h >> 15;
+	h *= 2654435761u;
+	return 100 + 3 * sin((double)x * 0.31) * cos((double)y * 0.23) + (double)(h >> 22) / 1024;
+}
+
+#endif
