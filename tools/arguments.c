@@ -1,0 +1,225 @@
+/* Parses a command's arguments against its table of options. */
+#include "command.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct given {
+	const struct command_option *option;
+	const char *value;
+};
+
+struct arguments {
+	const struct command *command;
+	const char **positional;
+	size_t positional_count;
+	struct given *given;
+	size_t given_count;
+};
+
+bool parse_number(const char *text, double *value)
+{
+	char *end;
+	double number = strtod(text, &end);
+	if (end == text || *end != '\0' || !isfinite(number))
+		return false;
+	*value = number;
+	return true;
+}
+
+static const struct command_option *find_option(const struct command *command, const char *name,
+						size_t length)
+{
+	for (const struct command_option *option = command->options; option->name != NULL; option++)
+		if (strlen(option->name) == length && strncmp(option->name, name, length) == 0)
+			return option;
+	return NULL;
+}
+
+static enum status take_option(struct arguments *arguments, const char *token, int argc, char **argv, int *at)
+{
+	const struct command *command = arguments->command;
+	const char *name = token + 1 + (token[1] == '-');
+	const char *equals = strchr(name, '=');
+	size_t length = equals != NULL ? (size_t)(equals - name) : strlen(name);
+	const struct command_option *option = find_option(command, name, length);
+	if (option == NULL)
+		return fail_with(STATUS_USAGE, "%s: %.*s is not an option; see furrow %s --help",
+				 command->name, (int)(length + (size_t)(name - token)), token, command->name);
+	const char *value = equals != NULL ? equals + 1 : NULL;
+	if (option->value == NULL && value != NULL)
+		return fail_with(STATUS_USAGE, "%s: %s takes no value; leave it out", command->name, token);
+	if (option->value != NULL && value == NULL) {
+		if (*at + 1 >= argc)
+			return fail_with(STATUS_USAGE, "%s: %s needs a value; give %s", command->name, token,
+					 option->value);
+		value = argv[++*at];
+	}
+	arguments->given[arguments->given_count++] = (struct given){option, value};
+	return STATUS_OK;
+}
+
+enum status arguments_parse(const struct command *command, int argc, char **argv, struct arguments **out)
+{
+	struct arguments *arguments = mem_calloc(1, sizeof *arguments);
+	if (arguments == NULL)
+		return fail_memory("arguments");
+	arguments->command = command;
+	arguments->positional = mem_calloc((size_t)argc + 1, sizeof *arguments->positional);
+	arguments->given = mem_calloc((size_t)argc + 1, sizeof *arguments->given);
+	enum status status = STATUS_OK;
+	if (arguments->positional == NULL || arguments->given == NULL)
+		status = fail_memory("arguments");
+	bool only_values = false;
+	for (int i = 0; i < argc && status == STATUS_OK; i++) {
+		double number;
+		if (!only_values && strcmp(argv[i], "--") == 0)
+			only_values = true;
+		else if (only_values || argv[i][0] != '-' || argv[i][1] == '\0' || parse_number(argv[i], &number))
+			arguments->positional[arguments->positional_count++] = argv[i];
+		else
+			status = take_option(arguments, argv[i], argc, argv, &i);
+	}
+	if (status != STATUS_OK) {
+		arguments_destroy(arguments);
+		return status;
+	}
+	*out = arguments;
+	return STATUS_OK;
+}
+
+void arguments_destroy(struct arguments *arguments)
+{
+	if (arguments == NULL)
+		return;
+	mem_free(arguments->positional);
+	mem_free(arguments->given);
+	mem_free(arguments);
+}
+
+size_t arguments_count(const struct arguments *arguments)
+{
+	return arguments->positional_count;
+}
+
+const char *arguments_at(const struct arguments *arguments, size_t index)
+{
+	return index < arguments->positional_count ? arguments->positional[index] : NULL;
+}
+
+enum status arguments_expect(const struct arguments *arguments, size_t least, size_t most)
+{
+	const struct command *command = arguments->command;
+	if (arguments->positional_count < least)
+		return fail_with(STATUS_USAGE, "%s: something is missing; usage: furrow %s", command->name,
+				 command->usage);
+	if (arguments->positional_count > most)
+		return fail_with(STATUS_USAGE, "%s: %s is one argument too many; usage: furrow %s",
+				 command->name, arguments->positional[most], command->usage);
+	return STATUS_OK;
+}
+
+const char *arguments_nth(const struct arguments *arguments, const char *option, size_t nth)
+{
+	for (size_t i = 0; i < arguments->given_count; i++)
+		if (strcmp(arguments->given[i].option->name, option) == 0 && nth-- == 0)
+			return arguments->given[i].value != NULL ? arguments->given[i].value : "";
+	return NULL;
+}
+
+bool arguments_flag(const struct arguments *arguments, const char *option)
+{
+	return arguments_nth(arguments, option, 0) != NULL;
+}
+
+const char *arguments_text(const struct arguments *arguments, const char *option)
+{
+	const char *last = NULL, *value;
+	for (size_t nth = 0; (value = arguments_nth(arguments, option, nth)) != NULL; nth++)
+		last = value;
+	return last;
+}
+
+static enum status bad_value(const struct arguments *arguments, const char *option, const char *text,
+			     const char *allowed)
+{
+	return fail_with(STATUS_USAGE, "%s: %s%s %s: not a value it takes; give %s",
+			 arguments->command->name, option[1] == '\0' ? "-" : "--", option, text, allowed);
+}
+
+enum status arguments_number(const struct arguments *arguments, const char *option, double low,
+			     double high, double *value)
+{
+	const char *text = arguments_text(arguments, option);
+	if (text == NULL)
+		return STATUS_OK;
+	double number;
+	if (!parse_number(text, &number) || number < low || number > high) {
+		char allowed[96];
+		snprintf(allowed, sizeof allowed, "a number from %g to %g", low, high);
+		return bad_value(arguments, option, text, allowed);
+	}
+	*value = number;
+	return STATUS_OK;
+}
+
+enum status arguments_integer(const struct arguments *arguments, const char *option, int64_t low,
+			      int64_t high, int64_t *value)
+{
+	const char *text = arguments_text(arguments, option);
+	if (text == NULL)
+		return STATUS_OK;
+	char *end;
+	errno = 0;
+	long long number = strtoll(text, &end, 10);
+	if (end == text || *end != '\0' || errno != 0 || number < low || number > high) {
+		char allowed[96];
+		snprintf(allowed, sizeof allowed, "a whole number from %lld to %lld", (long long)low,
+			 (long long)high);
+		return bad_value(arguments, option, text, allowed);
+	}
+	*value = number;
+	return STATUS_OK;
+}
+
+enum status arguments_numbers(const struct arguments *arguments, const char *option, size_t count,
+			      double *values, bool *given)
+{
+	const char *text = arguments_text(arguments, option);
+	*given = text != NULL;
+	if (text == NULL)
+		return STATUS_OK;
+	const char *at = text;
+	for (size_t i = 0; i < count; i++) {
+		char *end;
+		values[i] = strtod(at, &end);
+		if (end == at || !isfinite(values[i]) || *end != (i + 1 < count ? ',' : '\0')) {
+			char allowed[96];
+			snprintf(allowed, sizeof allowed, "%zu numbers parted by commas", count);
+			return bad_value(arguments, option, text, allowed);
+		}
+		at = end + 1;
+	}
+	return STATUS_OK;
+}
+
+enum status arguments_choice(const struct arguments *arguments, const char *option,
+			     const char *const *names, int *value)
+{
+	const char *text = arguments_text(arguments, option);
+	if (text == NULL)
+		return STATUS_OK;
+	char allowed[160] = "one of";
+	for (int i = 0; names[i] != NULL; i++) {
+		if (strcmp(names[i], text) == 0) {
+			*value = i;
+			return STATUS_OK;
+		}
+		size_t used = strlen(allowed);
+		snprintf(allowed + used, sizeof allowed - used, " %s", names[i]);
+	}
+	return bad_value(arguments, option, text, allowed);
+}

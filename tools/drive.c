@@ -1,0 +1,101 @@
+/* furrow drive: runs a scene over a store. */
+#include <stdio.h>
+#include <string.h>
+
+#include "command.h"
+#include "run/run.h"
+
+static const struct command_option options[] = {
+	{"o", "DIR", "where run.json, epochs.log and the pictures go"},
+	{"store", "STORE", "the terrain, instead of the scene's own"},
+	{"set", "KEY=VALUE", "overrides a key of the scene, as in cache.slots=16; may be repeated"},
+	{"steps", "N", "stop after N steps"},
+	{"durable", "KIND", "normal (default): a power cut may cost the last epochs; full: none"},
+	{"json", NULL, "print run.json on stdout"},
+	{NULL, NULL, NULL},
+};
+
+#define SETTINGS_MAX 64
+
+static enum status split_settings(const struct arguments *arguments, char *texts[], struct scene_setting *settings,
+				  size_t *count)
+{
+	const char *text;
+	for (*count = 0; (text = arguments_nth(arguments, "set", *count)) != NULL; ++*count) {
+		const char *equals = strchr(text, '=');
+		if (equals == NULL || equals == text)
+			return fail_with(STATUS_USAGE, "drive: --set %s: not KEY=VALUE; give one as in --set cache.slots=16",
+					 text);
+		if (*count == SETTINGS_MAX)
+			return fail_with(STATUS_USAGE, "drive: --set is given too often; %d at most", SETTINGS_MAX);
+		char *copy = texts[*count] = mem_strdup(text);
+		if (copy == NULL)
+			return fail_memory("settings");
+		copy[equals - text] = '\0';
+		settings[*count] = (struct scene_setting){copy, copy + (equals - text) + 1};
+	}
+	return STATUS_OK;
+}
+
+static void print_summary(const struct run_result *result, const char *directory)
+{
+	printf("%s: %lld steps in %.1f s (%.2f times real time), in %s/run.json\n", result->ended,
+	       (long long)result->steps, result->seconds, result->rtf, directory);
+}
+
+static enum status run(const struct arguments *arguments)
+{
+	static const char *const durable[] = {"normal", "full", NULL};
+	char *texts[SETTINGS_MAX] = {NULL};
+	struct scene_setting settings[SETTINGS_MAX];
+	size_t count = 0;
+	struct scene *scene = NULL;
+	struct run_result result = {.json = NULL};
+	int64_t steps = 0;
+	int durability = 0;
+	const char *directory = arguments_text(arguments, "o");
+	enum status status = arguments_expect(arguments, 1, 1);
+	if (status == STATUS_OK && directory == NULL)
+		status = fail_with(STATUS_USAGE, "drive: -o is missing; give a folder for run.json and the pictures");
+	if (status == STATUS_OK)
+		status = arguments_integer(arguments, "steps", 1, INT64_MAX, &steps);
+	if (status == STATUS_OK)
+		status = arguments_choice(arguments, "durable", durable, &durability);
+	if (status == STATUS_OK)
+		status = split_settings(arguments, texts, settings, &count);
+	if (status == STATUS_OK)
+		status = scene_load(arguments_at(arguments, 0), settings, count, &scene);
+	if (status == STATUS_OK) {
+		interrupt_catch();
+		bool json = arguments_flag(arguments, "json");
+		struct run_params params = {
+			.scene = scene,
+			.store = arguments_text(arguments, "store"),
+			.directory = directory,
+			.steps = steps,
+			.durable_full = durability == 1,
+			.progress = true,
+			.stop = &interrupted,
+		};
+		status = run_drive(&params, &result);
+		if (result.json != NULL && json)
+			puts(result.json);
+		else if (result.json != NULL)
+			print_summary(&result, directory);
+	}
+	mem_free(result.json);
+	scene_destroy(scene);
+	for (size_t i = 0; i < SETTINGS_MAX; i++)
+		mem_free(texts[i]);
+	return status;
+}
+
+const struct command command_drive = {
+	.name = "drive",
+	.usage = "drive SCENE -o DIR [--store STORE] [--set KEY=VALUE]... [--steps N] [--json]",
+	.summary = "run a scene: objects carve the terrain, pictures and figures come out",
+	.details = "Leaves in DIR: run.json (figures, also when interrupted), epochs.log (a line for each commit) and\n"
+		   "frame-NNNNNN.png. Ctrl-C ends it cleanly with everything committed, status 130.\n",
+	.options = options,
+	.run = run,
+};

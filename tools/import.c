@@ -1,0 +1,177 @@
+/* furrow import: elevation data to a store. */
+#include <stdio.h>
+#include <string.h>
+
+#include "command.h"
+#include "intake.h"
+
+static const struct command_option options[] = {
+	{"o", "STORE", "the store to make, usually NAME.furrow"},
+	{"tile", "N", "cells along a tile's side, a power of two from 8 to 1024 (256)"},
+	{"max-error", "M", "most a stored height may be off its source; 0: lossless (half the source's unit)"},
+	{"s-srs", "SRS", "the sources' reference system, if they do not say or say it wrong"},
+	{"t-srs", "SRS", "the store's, in metres; auto (default): UTM, or true at its latitude off Earth"},
+	{"spacing", "M", "metres between posts: resamples; for sources without a place, their own (1)"},
+	{"r", "METHOD", "resampling: bilinear (default), cubic or near"},
+	{"nodata", "V", "a value that means nodata though no tag says so; may be repeated"},
+	{"fill", NULL, "fill holes from their rims"},
+	{"height-range", "MIN,MAX", "metres that a PNG's 0 and full scale mean (one metre a unit)"},
+	{"pack", "KIND", "fast (default) or small"},
+	{"overwrite", NULL, "replace STORE"},
+	{"dry-run", NULL, "say what would be made, and make nothing"},
+	{NULL, NULL, NULL},
+};
+
+struct request {
+	const char *path;
+	struct dem_params dem;
+	int64_t tile;
+	double max_error; /* below 0: the default */
+	int pack;
+	double nodata[32];
+};
+
+static enum status read_request(const struct arguments *arguments, const char **sources, struct request *request)
+{
+	static const char *const methods[] = {"bilinear", "cubic", "near", NULL};
+	static const char *const packs[] = {"fast", "small", NULL};
+	int method = 0;
+	double range[2] = {0, 0};
+	request->path = arguments_text(arguments, "o");
+	if (request->path == NULL)
+		return fail_with(STATUS_USAGE, "import: -o is missing; give the store to make, as in -o world.furrow");
+	enum status status = arguments_expect(arguments, 1, SIZE_MAX);
+	for (size_t i = 0; i < arguments_count(arguments); i++)
+		sources[i] = arguments_at(arguments, i);
+	request->dem.sources = sources;
+	request->dem.source_count = arguments_count(arguments);
+	request->dem.s_srs = arguments_text(arguments, "s-srs");
+	request->dem.t_srs = arguments_text(arguments, "t-srs");
+	request->dem.fill = arguments_flag(arguments, "fill");
+	request->dem.nodata = request->nodata;
+	if (status == STATUS_OK)
+		status = arguments_integer(arguments, "tile", TILE_CELLS_MIN, TILE_CELLS_MAX, &request->tile);
+	if (status == STATUS_OK)
+		status = arguments_number(arguments, "max-error", 0, 1e4, &request->max_error);
+	if (status == STATUS_OK)
+		status = arguments_number(arguments, "spacing", 1e-4, 1e6, &request->dem.spacing);
+	if (status == STATUS_OK)
+		status = arguments_choice(arguments, "r", methods, &method);
+	if (status == STATUS_OK)
+		status = arguments_choice(arguments, "pack", packs, &request->pack);
+	if (status == STATUS_OK)
+		status = arguments_numbers(arguments, "height-range", 2, range, &request->dem.has_height_range);
+	request->dem.resample = (enum dem_resample)method;
+	request->dem.height_min = range[0];
+	request->dem.height_max = range[1];
+	const char *text;
+	for (size_t i = 0; status == STATUS_OK && (text = arguments_nth(arguments, "nodata", i)) != NULL; i++) {
+		if (i == sizeof request->nodata / sizeof *request->nodata)
+			return fail_with(STATUS_USAGE, "import: --nodata is given too often; 32 values at most");
+		if (!parse_number(text, &request->nodata[i]))
+			return fail_with(STATUS_USAGE, "import: --nodata %s: not a number; give one as in --nodata -32767",
+					 text);
+		request->dem.nodata_count = i + 1;
+	}
+	return status;
+}
+
+static void print_plan(const struct dem_info *info, const struct store_meta *meta)
+{
+	const struct world *world = &meta->world;
+	printf("%zu source%s%s%s\n", info->source_count, info->source_count == 1 ? "" : "s",
+	       info->projected[0] != '\0' ? ", projected from " : "", info->projected);
+	printf("%lld x %lld posts, %g m apart (%.3f x %.3f km), tiles of %u x %u posts, levels 0 to %d\n",
+	       (long long)info->width, (long long)info->height, info->spacing,
+	       (double)(info->width - 1) * info->spacing / 1e3, (double)(info->height - 1) * info->spacing / 1e3,
+	       world->cells + 1, world->cells + 1, world_coarsest(world));
+	if (meta->step > 0)
+		printf("stored heights off their source by at most %g m\n", meta->max_error);
+	else
+		puts("stored heights are their source's, lossless");
+	if (info->overlap_posts > 0)
+		printf("sources overlap at %lld posts and differ at %lld of them, by %g m at most; the first named "
+		       "wins\n",
+		       (long long)info->overlap_posts, (long long)info->overlap_differing,
+		       info->overlap_difference);
+}
+
+static char *join_lines(const char *const *lines, size_t count)
+{
+	size_t bytes = 1;
+	for (size_t i = 0; i < count; i++)
+		bytes += strlen(lines[i]) + 1;
+	char *text = mem_alloc(bytes, 1), *at = text;
+	for (size_t i = 0; text != NULL && i < count; i++)
+		at += sprintf(at, "%s%s", i > 0 ? "\n" : "", lines[i]);
+	if (text != NULL)
+		*at = '\0';
+	return text;
+}
+
+static enum status read_rows(void *user, int64_t y0, int64_t rows, double *heights)
+{
+	return dem_read_rows(user, y0, rows, heights);
+}
+
+static enum status run(const struct arguments *arguments)
+{
+	struct request request = {.tile = 256, .max_error = -1};
+	struct dem *dem = NULL;
+	char *lines = NULL;
+	const char **sources = mem_calloc(arguments_count(arguments) + 1, sizeof *sources);
+	enum status status = sources != NULL ? STATUS_OK : fail_memory("sources");
+	if (status == STATUS_OK)
+		status = read_request(arguments, sources, &request);
+	if (status == STATUS_OK)
+		status = dem_open(&request.dem, &dem);
+	if (status != STATUS_OK)
+		goto done;
+
+	const struct dem_info *info = dem_info(dem);
+	double max_error = request.max_error >= 0 ? request.max_error : intake_default_error(info->unit);
+	lines = join_lines(info->sources, info->source_count);
+	if (lines == NULL) {
+		status = fail_memory("sources");
+		goto done;
+	}
+	struct intake intake = {
+		.path = request.path,
+		.overwrite = arguments_flag(arguments, "overwrite"),
+		.rows = read_rows,
+		.rows_user = dem,
+		.meta = {
+			.world = {info->width, info->height, info->spacing, (uint32_t)request.tile},
+			.step = 2 * max_error,
+			.max_error = max_error,
+			.srs = info->srs,
+			.origin = {info->origin[0], info->origin[1]},
+			.vertical = info->vertical,
+			.sources = lines,
+			.pack = (enum store_pack)request.pack,
+		},
+	};
+	const char *problem = world_problem(&intake.meta.world);
+	if (problem != NULL) {
+		status = fail_with(STATUS_INPUT, "import: %s; change --tile, --spacing or the sources", problem);
+		goto done;
+	}
+	print_plan(info, &intake.meta);
+	if (!arguments_flag(arguments, "dry-run"))
+		status = intake_run(&intake);
+done:
+	dem_close(dem);
+	mem_free(lines);
+	mem_free(sources);
+	return status;
+}
+
+const struct command command_import = {
+	.name = "import",
+	.usage = "import SOURCE... -o STORE [options]",
+	.summary = "elevation data to a terrain store",
+	.details = "A SOURCE is a raster, a directory of them, or @list.txt. Several become one terrain; where they\n"
+		   "overlap the first named wins. The store is in metres: sources in degrees or feet are projected.\n",
+	.options = options,
+	.run = run,
+};

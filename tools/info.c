@@ -1,0 +1,152 @@
+/* furrow info: what a store holds. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "command.h"
+#include "json.h"
+#include "store/store.h"
+
+static const struct command_option options[] = {
+	{"json", NULL, "one JSON object"},
+	{NULL, NULL, NULL},
+};
+
+static void geotransform(const struct store_meta *meta, double out[6])
+{
+	const struct world *world = &meta->world;
+	double half = world->spacing / 2; /* a pixel's centre is its post */
+	out[0] = meta->origin[0] - half;
+	out[1] = world->spacing;
+	out[2] = 0;
+	out[3] = meta->origin[1] + (double)(world->height - 1) * world->spacing + half;
+	out[4] = 0;
+	out[5] = -world->spacing;
+}
+
+static cJSON *sources_json(const char *lines)
+{
+	cJSON *array = cJSON_CreateArray();
+	while (*lines != '\0') {
+		size_t length = strcspn(lines, "\n");
+		char line[4096];
+		snprintf(line, sizeof line, "%.*s", (int)length, lines);
+		cJSON_AddItemToArray(array, cJSON_CreateString(line));
+		lines += length + (lines[length] == '\n');
+	}
+	return array;
+}
+
+static cJSON *last_run_json(const struct store_numbers *numbers)
+{
+	if (numbers->last_run.scene_hash == NULL)
+		return cJSON_CreateNull();
+	cJSON *run = cJSON_CreateObject();
+	cJSON_AddStringToObject(run, "scene_hash", numbers->last_run.scene_hash);
+	json_integer(run, "step", numbers->last_run.step);
+	json_metres(run, "time", numbers->last_run.time);
+	json_integer(run, "epochs", numbers->epochs);
+	return run;
+}
+
+static enum status print_json(struct store *store, const struct store_numbers *numbers)
+{
+	const struct store_meta *meta = store_meta(store);
+	const struct world *world = &meta->world;
+	double transform[6];
+	geotransform(meta, transform);
+	int working;
+	cJSON *object = cJSON_CreateObject();
+	json_integer(object, "tile", world->cells);
+	json_metres(object, "spacing", world->spacing);
+	json_pair(object, "posts", (double)world->width, (double)world->height);
+	json_pair(object, "levels", store_finest(store), world_coarsest(world));
+	if (store_has_working_level(store, &working))
+		json_integer(object, "working_level", working);
+	else
+		cJSON_AddNullToObject(object, "working_level");
+	cJSON_AddStringToObject(object, "srs", meta->srs);
+	cJSON_AddItemToObject(object, "geotransform", cJSON_CreateDoubleArray(transform, 6));
+	cJSON_AddStringToObject(object, "vertical", meta->vertical);
+	json_pair(object, "origin", meta->origin[0], meta->origin[1]);
+	double bounds[4] = {meta->origin[0], meta->origin[1],
+			    meta->origin[0] + (double)(world->width - 1) * world->spacing,
+			    meta->origin[1] + (double)(world->height - 1) * world->spacing};
+	cJSON_AddItemToObject(object, "bounds", cJSON_CreateDoubleArray(bounds, 4));
+	cJSON_AddStringToObject(object, "nodata", "NaN");
+	json_metres(object, "max_error", meta->max_error);
+	json_pair(object, "height", meta->low, meta->high);
+	cJSON *tiles = cJSON_AddObjectToObject(object, "tiles");
+	json_integer(tiles, "base", numbers->base_tiles);
+	json_integer(tiles, "offset", numbers->offset_tiles);
+	json_integer(tiles, "soil", numbers->soil_tiles);
+	cJSON *bytes = cJSON_AddObjectToObject(object, "bytes");
+	json_integer(bytes, "file", numbers->file_bytes);
+	json_integer(bytes, "base", numbers->base_bytes);
+	json_integer(bytes, "offset", numbers->offset_bytes);
+	json_integer(bytes, "soil", numbers->soil_bytes);
+	cJSON_AddItemToObject(object, "sources", sources_json(meta->sources));
+	cJSON_AddItemToObject(object, "last_run", last_run_json(numbers));
+	return json_print(object);
+}
+
+static void print_text(struct store *store, const struct store_numbers *numbers)
+{
+	const struct store_meta *meta = store_meta(store);
+	const struct world *world = &meta->world;
+	int working;
+	printf("posts      %lld x %lld, %g m apart: %.3f x %.3f km\n", (long long)world->width,
+	       (long long)world->height, world->spacing, (double)(world->width - 1) * world->spacing / 1e3,
+	       (double)(world->height - 1) * world->spacing / 1e3);
+	printf("tiles      %u x %u posts; %lld base, %lld offset, %lld soil\n", world->cells + 1, world->cells + 1,
+	       (long long)numbers->base_tiles, (long long)numbers->offset_tiles, (long long)numbers->soil_tiles);
+	printf("levels     %d to %d", store_finest(store), world_coarsest(world));
+	if (store_has_working_level(store, &working))
+		printf("; deformed at level %d, %g m", working, world_spacing(world, working));
+	printf("\nheight     %.2f to %.2f m, ", meta->low, meta->high);
+	if (meta->step > 0)
+		printf("at most %g m off the source\n", meta->max_error);
+	else
+		puts("lossless");
+	printf("bytes      %lld file, %lld base (%.3f a post of level 0), %lld offset, %lld soil\n",
+	       (long long)numbers->file_bytes, (long long)numbers->base_bytes,
+	       (double)numbers->base_bytes / ((double)world->width * (double)world->height),
+	       (long long)numbers->offset_bytes, (long long)numbers->soil_bytes);
+	printf("origin     %.3f, %.3f (south-west post)\n", meta->origin[0], meta->origin[1]);
+	if (meta->vertical[0] != '\0')
+		printf("vertical   %s\n", meta->vertical);
+	printf("srs        %s\n", meta->srs[0] != '\0' ? meta->srs : "none: local metres");
+	for (const char *line = meta->sources; *line != '\0';) {
+		int length = (int)strcspn(line, "\n");
+		printf("source     %.*s\n", length, line);
+		line += length + (line[length] == '\n');
+	}
+	if (numbers->last_run.scene_hash != NULL)
+		printf("last run   scene %s, step %lld (%.3f s), %lld epochs\n", numbers->last_run.scene_hash,
+		       (long long)numbers->last_run.step, numbers->last_run.time, (long long)numbers->epochs);
+}
+
+static enum status run(const struct arguments *arguments)
+{
+	struct store *store = NULL;
+	struct store_numbers numbers;
+	enum status status = arguments_expect(arguments, 1, 1);
+	if (status == STATUS_OK)
+		status = store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_READ}, &store);
+	if (status == STATUS_OK)
+		status = store_count(store, &numbers);
+	if (status == STATUS_OK && arguments_flag(arguments, "json"))
+		status = print_json(store, &numbers);
+	else if (status == STATUS_OK)
+		print_text(store, &numbers);
+	store_close(store);
+	return status;
+}
+
+const struct command command_info = {
+	.name = "info",
+	.usage = "info STORE [--json]",
+	.summary = "what a store holds",
+	.options = options,
+	.run = run,
+};

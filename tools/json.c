@@ -1,0 +1,38 @@
+#include "json.h"
+
+#include <math.h>
+#include <stdio.h>
+
+void json_integer(cJSON *object, const char *name, int64_t value)
+{
+	char text[32];
+	snprintf(text, sizeof text, "%lld", (long long)value);
+	cJSON_AddRawToObject(object, name, text);
+}
+
+void json_metres(cJSON *object, const char *name, double value)
+{
+	if (isfinite(value))
+		cJSON_AddNumberToObject(object, name, value);
+	else
+		cJSON_AddNullToObject(object, name);
+}
+
+void json_pair(cJSON *object, const char *name, double a, double b)
+{
+	double values[2] = {a, b};
+	cJSON *array = cJSON_AddArrayToObject(object, name);
+	for (int i = 0; i < 2; i++)
+		cJSON_AddItemToArray(array, isfinite(values[i]) ? cJSON_CreateNumber(values[i]) : cJSON_CreateNull());
+}
+
+enum status json_print(cJSON *object)
+{
+	char *text = object != NULL ? cJSON_Print(object) : NULL;
+	cJSON_Delete(object);
+	if (text == NULL)
+		return fail_memory("JSON");
+	puts(text);
+	cJSON_free(text);
+	return STATUS_OK;
+}

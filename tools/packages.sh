@@ -1,0 +1,21 @@
+#!/bin/sh
+# Installs what Furrow builds with on Debian 12 (and its relatives). Nothing is done when all is there.
+set -eu
+packages="build-essential clang meson ninja-build pkg-config python3 libegl-dev libegl1 libgl1-mesa-dri
+libepoxy-dev liblz4-dev libsqlite3-dev libpng-dev libcmocka-dev libgdal-dev gdal-bin libcyaml-dev libyaml-dev
+libcglm-dev libxxhash-dev libcjson-dev"
+missing=
+for package in $packages; do
+	dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null | grep -qx installed || missing="$missing $package"
+done
+[ -z "$missing" ] && exit 0
+if ! command -v apt-get >/dev/null; then
+	echo "packages: this is not Debian; install the equivalents of:$missing" >&2
+	exit 1
+fi
+sudo=
+[ "$(id -u)" = 0 ] || sudo=sudo
+export DEBIAN_FRONTEND=noninteractive
+$sudo apt-get update -qq
+# shellcheck disable=SC2086
+$sudo apt-get install -y -qq --no-install-recommends $missing >/dev/null

@@ -1,0 +1,57 @@
+/* The progress line of long work, and Ctrl-C. */
+#include "command.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+volatile sig_atomic_t interrupted;
+
+static void on_signal(int number)
+{
+	interrupted = 1;
+}
+
+void interrupt_catch(void)
+{
+	struct sigaction action = {.sa_handler = on_signal, .sa_flags = SA_RESTART | SA_RESETHAND};
+	sigemptyset(&action.sa_mask);
+	sigaction(SIGINT, &action, NULL); /* a second Ctrl-C ends the process at once */
+	sigaction(SIGTERM, &action, NULL);
+}
+
+void progress_start(struct progress *progress, const char *what, const char *unit)
+{
+	*progress = (struct progress){
+		.what = what,
+		.unit = unit,
+		.started = clock_seconds(),
+		.terminal = isatty(STDERR_FILENO) != 0,
+	};
+}
+
+enum status progress_step(void *user, int64_t done, int64_t total)
+{
+	struct progress *progress = user;
+	double now = clock_seconds();
+	if (progress->terminal && now - progress->shown > 0.1) {
+		double elapsed = now - progress->started, rate = elapsed > 0 ? (double)done / elapsed : 0;
+		double left = rate > 0 ? (double)(total - done) / rate : 0;
+		fprintf(stderr, "\r%s: %lld of %lld %s (%.0f %%), %.0f a second, %.0f s left\033[K",
+			progress->what, (long long)done, (long long)total, progress->unit,
+			total > 0 ? 100.0 * (double)done / (double)total : 100.0, rate, left);
+		fflush(stderr);
+		progress->shown = now;
+	}
+	if (interrupted)
+		return fail_with(STATUS_INTERRUPTED, "%s: interrupted; run it again to start over",
+				 progress->what);
+	return STATUS_OK;
+}
+
+void progress_end(struct progress *progress)
+{
+	if (progress->terminal && progress->shown > 0)
+		fprintf(stderr, "\r\033[K");
+	progress->shown = 0;
+}

@@ -1,0 +1,35 @@
+/* furrow reset: drops every deformation. */
+#include <stdio.h>
+
+#include "command.h"
+#include "store/store.h"
+
+static const struct command_option options[] = {
+	{NULL, NULL, NULL},
+};
+
+static enum status run(const struct arguments *arguments)
+{
+	struct store *store = NULL;
+	struct store_numbers before;
+	enum status status = arguments_expect(arguments, 1, 1);
+	if (status == STATUS_OK)
+		status = store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_WRITE}, &store);
+	if (status == STATUS_OK)
+		status = store_count(store, &before);
+	if (status == STATUS_OK)
+		status = store_reset(store);
+	if (status == STATUS_OK)
+		printf("%s: %lld offset and %lld soil tiles dropped; the base is as it was imported\n",
+		       arguments_at(arguments, 0), (long long)before.offset_tiles, (long long)before.soil_tiles);
+	store_close(store);
+	return status;
+}
+
+const struct command command_reset = {
+	.name = "reset",
+	.usage = "reset STORE",
+	.summary = "drop every deformation, keep the base",
+	.options = options,
+	.run = run,
+};

@@ -1,0 +1,90 @@
+/* furrow verify: everything that can be checked about a store. */
+#include <stdio.h>
+
+#include "command.h"
+#include "json.h"
+#include "store/store.h"
+
+static const struct command_option options[] = {
+	{"json", NULL, "one JSON object: ok, problems, offset_sum"},
+	{NULL, NULL, NULL},
+};
+
+struct listing {
+	struct progress progress;
+	cJSON *problems; /* NULL: print them */
+};
+
+static void on_problem(void *user, const char *text)
+{
+	struct listing *listing = user;
+	if (listing->problems != NULL) {
+		cJSON_AddItemToArray(listing->problems, cJSON_CreateString(text));
+		return;
+	}
+	progress_end(&listing->progress);
+	puts(text);
+}
+
+static enum status on_progress(void *user, int64_t done, int64_t total)
+{
+	struct listing *listing = user;
+	return progress_step(&listing->progress, done, total);
+}
+
+static enum status print_json(cJSON *problems, const struct store_check *check)
+{
+	cJSON *object = cJSON_CreateObject();
+	cJSON_AddBoolToObject(object, "ok", check->problems == 0);
+	json_integer(object, "tiles", check->tiles);
+	cJSON_AddItemToObject(object, "problems", problems);
+	cJSON *sums = cJSON_AddObjectToObject(object, "offset_sum");
+	for (int level = check->finest; level <= check->coarsest; level++) {
+		char name[8];
+		snprintf(name, sizeof name, "%d", level);
+		json_integer(sums, name, check->offset_sum[level - TILE_LEVEL_MIN]);
+	}
+	return json_print(object);
+}
+
+static enum status run(const struct arguments *arguments)
+{
+	bool json = arguments_flag(arguments, "json");
+	struct store *store = NULL;
+	struct store_check check;
+	struct listing listing = {.problems = NULL};
+	enum status status = arguments_expect(arguments, 1, 1);
+	if (status != STATUS_OK)
+		return status;
+	const char *path = arguments_at(arguments, 0);
+	status = store_open(path, &(struct store_options){.mode = STORE_READ}, &store);
+	if (status != STATUS_OK)
+		return status;
+	if (json && (listing.problems = cJSON_CreateArray()) == NULL) {
+		store_close(store);
+		return fail_memory("JSON");
+	}
+	interrupt_catch();
+	progress_start(&listing.progress, path, "tiles");
+	status = store_verify(store, on_problem, on_progress, &listing, &check);
+	progress_end(&listing.progress);
+	if (status == STATUS_OK && json)
+		status = print_json(listing.problems, &check);
+	else
+		cJSON_Delete(listing.problems);
+	if (status == STATUS_OK && !json && check.problems == 0)
+		printf("%s: %lld tiles, all well\n", path, (long long)check.tiles);
+	if (status == STATUS_OK && check.problems > 0)
+		status = fail_with(STATUS_INPUT, "%s: %lld problems; restore it from a copy, or import it again", path,
+				   (long long)check.problems);
+	store_close(store);
+	return status;
+}
+
+const struct command command_verify = {
+	.name = "verify",
+	.usage = "verify STORE [--json]",
+	.summary = "check everything: SQLite, hashes, shared edges, pyramid",
+	.options = options,
+	.run = run,
+};
