@@ -1,0 +1,281 @@
+"""The command's contract: what each subcommand prints, what it refuses, and with which status."""
+import json
+import os
+import pathlib
+import subprocess
+import struct
+import sys
+import unittest
+import zlib
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+from furrow_test import FURROW, SCENE, SHARED, FurrowTest, has_gdal, main
+
+NO_GL = {"__EGL_VENDOR_LIBRARY_FILENAMES": "/nonexistent.json", "EGL_PLATFORM": "surfaceless"}
+
+
+def write_png16(path, width, height, value):
+    """A 16-bit grey PNG; value(x, y) with y from the top."""
+    rows = b"".join(b"\0" + b"".join(struct.pack(">H", value(x, y)) for x in range(width)) for y in range(height))
+
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 16, 0, 0, 0, 0)) +
+                     chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
+class Usage(FurrowTest):
+    def test_help_of_every_command_explains_it(self):
+        overview = self.ok("--help")
+        for command in "synth import info verify query export reset drive".split():
+            self.assertIn(command, overview)
+            self.assertIn("usage: furrow " + command, self.ok(command, "--help"))
+
+    def test_wrong_usage_is_status_2(self):
+        for arguments in (["frobnicate"], ["info"], ["info", "a", "b"], ["info", "a", "--frob"], ["synth", "-o"],
+                          ["synth", "-o", "x.furrow", "--posts", "12", "--spacing", "1"],
+                          ["synth", "-o", "x.xyz", "--posts", "12x12", "--spacing", "1"],
+                          ["import", "a.tif"], ["import", "a.tif", "-o", "b.furrow", "--tile", "100.5"],
+                          ["export", "s.furrow", "-o", "x.tif", "--layer", "mood"],
+                          ["query", "s.furrow", "1"], ["drive", "s.yaml"], ["drive", "s.yaml", "-o", "d", "--set", "x"]):
+            with self.subTest(arguments=arguments):
+                self.refused(2, *arguments)
+        self.assertEqual(self.furrow().returncode, 2)
+
+    def test_a_negative_number_is_a_value(self):
+        store = self.synth(posts="65x65")
+        point = self.json("query", store, "-3", "4")
+        self.assertTrue(point["nodata"])
+        self.assertIsNone(point["height"])
+
+
+class BadInput(FurrowTest):
+    def test_missing_empty_garbage_and_truncated_stores_are_status_3(self):
+        store = self.synth(posts="600x600")
+        (self.folder / "empty.furrow").touch()
+        (self.folder / "garbage.furrow").write_bytes(b"this is no store" * 500)
+        (self.folder / "short.furrow").write_bytes(store.read_bytes()[:30000])
+        for name in ("missing.furrow", "empty.furrow", "garbage.furrow", "short.furrow"):
+            for command in (["info"], ["verify"], ["query"], ["reset"]):
+                with self.subTest(name=name, command=command):
+                    self.assertIn(name, self.refused(3, command[0], name, *(["1", "1"] if command == ["query"] else [])))
+            with self.subTest(name=name, command="drive"):
+                self.refused(3, "drive", self.scene(), "--store", name, "-o", "out")
+
+    def test_missing_empty_and_garbage_sources_are_status_3_and_leave_nothing(self):
+        (self.folder / "empty.tif").touch()
+        (self.folder / "garbage.tif").write_bytes(b"II*\0 and then nothing of use" * 20)
+        (self.folder / "empty.png").touch()
+        for name in ("missing.tif", "empty.tif", "garbage.tif", "empty.png"):
+            with self.subTest(name=name):
+                self.assertIn(name, self.refused(3, "import", name, "-o", "out.furrow"))
+                self.assertEqual(sorted(p.name for p in self.folder.glob("out.furrow*")), [])
+
+    def test_an_existing_store_is_not_overwritten_unless_asked(self):
+        store = self.synth(posts="65x65")
+        before = store.read_bytes()
+        self.refused(3, "synth", "-o", store, "--posts", "65x65", "--spacing", "1")
+        self.assertEqual(store.read_bytes(), before)
+
+    def test_a_png_with_holes(self):
+        png = self.folder / "grey.png"
+        write_png16(png, 80, 70, lambda x, y: 0 if 30 < x < 40 and 20 < y < 30 else 100 + x + y)
+        self.ok("import", png, "-o", "holes.furrow", "--nodata", "0")
+        # Row 0 is south: y = 25 from the top is 44 from the bottom.
+        self.assertTrue(self.json("query", "holes.furrow", "35", "44")["nodata"])
+        self.assertEqual(self.json("query", "holes.furrow", "10", "20")["height"], 100 + 10 + 49)
+        error = self.refused(3, "export", "holes.furrow", "-o", "back.png")
+        self.assertIn("nodata", error)
+        self.assertEqual(list(self.folder.glob("back.png*")), [])
+        self.ok("export", "holes.furrow", "-o", "shade.png", "--layer", "hillshade")
+        scene = self.scene(SCENE.replace("[20, 20], [120, 90], [40, 130]", "[10, 40], [70, 48]")
+                           .replace("[22, 18], [122, 88], [42, 128]", "[10, 20], [70, 20]"))
+        result = self.furrow("drive", scene, "--store", "holes.furrow", "-o", "out")
+        if result.returncode == 4:
+            self.skipTest("no GL here")
+        self.assertEqual(result.returncode, 1)
+        self.assertRegex(result.stderr, r"furrow: left: no ground under it at .* after .* s; .*")
+        self.assertEqual(json.loads((self.folder / "out/run.json").read_text())["ended"], "failed")
+        report = self.drive(scene, "--store", "holes.furrow", "--set", "outside=skip")
+        self.assertGreater(report["objects"]["left"]["skipped"], 0)
+        self.assertTrue(self.json("verify", "holes.furrow")["ok"])
+
+    def test_more_relief_than_the_lattice_holds_imports_but_is_not_driven_on(self):
+        png = self.folder / "full.png"
+        write_png16(png, 80, 70, lambda x, y: 800 * x)
+        self.ok("import", png, "-o", "full.furrow")
+        self.assertEqual(self.json("query", "full.furrow", "10", "20")["height"], 8000)
+        self.assertIn("relief", self.refused(3, "drive", self.scene(), "--store", "full.furrow", "-o", "out"))
+        self.ok("import", png, "-o", "half.furrow", "--height-range", "0,500")
+        self.assertAlmostEqual(self.json("query", "half.furrow", "10", "20")["height"], 8000 / 65535 * 500, delta=0.01)
+
+    def test_a_scene_with_a_wrong_key_names_file_line_and_what_is_allowed(self):
+        store = self.synth(posts="65x65")
+        scene = self.scene(SCENE.replace("sink: 0.15", "sunk: 0.15", 1))
+        error = self.refused(3, "drive", scene, "--store", store, "-o", "out")
+        self.assertRegex(error, r"scene\.yaml:8: .*sunk.*sink")
+        self.assertFalse((self.folder / "out/run.json").exists())
+
+    def test_a_machine_without_gl_is_status_4(self):
+        store = self.synth(posts="65x65")
+        before = self.ok("info", store)
+        self.assertIn("GL", self.refused(4, "drive", self.scene(), "--store", store, "-o", "out", env=NO_GL))
+        self.assertEqual(self.ok("info", store), before)
+        # Everything else works there.
+        self.assertTrue(self.json("verify", store, env=NO_GL)["ok"])
+        self.json("info", store, env=NO_GL)
+
+    def test_another_spacing_is_refused_until_reset(self):
+        store = self.synth()
+        self.drive(self.scene(), "--store", store)
+        error = self.refused(3, "drive", self.scene(), "--store", store, "-o", "out", "--set", "spacing=0.125")
+        self.assertIn("reset", error)
+        self.ok("reset", store)
+        self.drive(self.scene(), "--store", store, "--set", "spacing=0.125")
+
+
+class RoundTrips(FurrowTest):
+    @unittest.skipUnless(has_gdal(), "needs gdal_translate")
+    def test_a_geotiff_comes_back_as_it_was(self):
+        self.ok("synth", "-o", "in.tif", "--posts", "301x233", "--spacing", "2", "--relief", "90")
+        self.ok("import", "in.tif", "-o", "s.furrow", "--max-error", "0", "--spacing", "2")
+        self.ok("export", "s.furrow", "-o", "out.tif", "--layer", "base")
+        checksums = []
+        for name in ("in.tif", "out.tif"):
+            info = json.loads(subprocess.run(["gdalinfo", "-json", "-checksum", str(self.folder / name)], check=True,
+                                             capture_output=True, text=True).stdout)
+            checksums.append((info["size"], info["bands"][0]["checksum"]))
+        self.assertEqual(*checksums)
+
+    def test_a_png_comes_back_as_it_was(self):
+        write_png16(self.folder / "in.png", 100, 61, lambda x, y: 7 * x + 300 * y)
+        self.ok("import", "in.png", "-o", "s.furrow")
+        self.ok("export", "s.furrow", "-o", "out.png")
+        self.ok("import", "out.png", "-o", "t.furrow")
+        for x, y in ((0, 0), (99, 60), (50, 30)):
+            self.assertEqual(self.json("query", "s.furrow", x, y)["height"], 7 * x + 300 * (60 - y))
+            self.assertEqual(self.json("query", "t.furrow", x, y)["height"], 7 * x + 300 * (60 - y))
+
+    def test_info_holds_what_the_contract_names(self):
+        info = self.json("info", self.synth(posts="600x400", spacing=2))
+        for key in ("tile spacing posts levels srs geotransform vertical origin bounds nodata max_error height tiles "
+                    "bytes sources last_run").split():
+            self.assertIn(key, info)
+        self.assertEqual(info["posts"], [600, 400])
+        self.assertEqual(info["levels"], [0, 2])
+        self.assertEqual(info["tiles"], {"base": 6 + 2 + 1, "offset": 0, "soil": 0})
+        self.assertEqual(info["geotransform"], [-1, 2, 0, 799, 0, -2])
+        self.assertIsNone(info["last_run"])
+
+    def test_query_reads_points_from_stdin(self):
+        store = self.synth(posts="65x65")
+        points = self.json("query", store, stdin="1 1\n2.5,3\n\n64 64\n65 1\n")["points"]
+        self.assertEqual([p["nodata"] for p in points], [False, False, False, True])
+        self.refused(3, "query", store, stdin="1 one\n")
+
+
+class Drives(FurrowTest):
+    def test_a_drive_leaves_ruts_figures_and_a_clean_store(self):
+        store = self.synth()
+        report = self.drive(self.scene(), "--store", store)
+        for key in ("ended steps seconds rtf fps step_ms stage_ms cache passes gl memory programs io volume "
+                    "objects").split():
+            self.assertIn(key, report)
+        self.assertEqual(report["ended"], "complete")
+        self.assertEqual(report["steps"], 80)
+        self.assertGreater(report["volume"]["removed"], 1)
+        self.assertAlmostEqual(report["objects"]["left"]["sinkage"], 0.15, places=4)
+        self.assertAlmostEqual(report["objects"]["left"]["distance"], 120, delta=1)
+        check = self.json("verify", store)
+        self.assertTrue(check["ok"], check["problems"])
+        self.assertEqual(check["offset_sum"]["-2"], report["volume"]["quanta"]["net"])
+        # The second station's place, on the path: the wheel's lowest point is sink below the base.
+        point = self.json("query", store, "70", "55")
+        self.assertLess(point["offset"], -0.05)
+        self.assertGreater(point["soil"]["dirt"], 0)
+        epochs = (self.folder / "out/epochs.log").read_text().splitlines()
+        self.assertEqual(len(epochs), report["io"]["commits"])
+        info = self.json("info", store)
+        self.assertEqual(info["last_run"]["step"], 80)
+        self.assertGreater(info["tiles"]["offset"], 0)
+        self.ok("reset", store)
+        self.assertEqual(self.json("query", store, "70", "55")["offset"], 0)
+        self.assertEqual(self.json("info", store)["tiles"]["offset"], 0)
+
+    def test_the_same_pass_twice_cuts_no_deeper(self):
+        store = self.synth()
+        scene = self.scene(SCENE.replace("model: box", "model: none"))
+        self.drive(scene, "--store", store)
+        first = self.json("verify", store)["offset_sum"]
+        self.drive(scene, "--store", store)
+        self.assertEqual(self.json("verify", store)["offset_sum"], first)
+
+    def test_ctrl_c_ends_cleanly_with_130(self):
+        import signal
+        import time
+        store = self.synth()
+        scene = self.scene(SCENE.replace("end_time: 4", "end_time: 4000").replace("speed: 30}", "speed: 30, loop: true}"))
+        process = subprocess.Popen([FURROW, "drive", scene, "--store", store, "-o", self.folder / "out"],
+                                   stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        for _ in range(200):
+            time.sleep(0.05)
+            log = self.folder / "out/epochs.log"
+            if process.poll() is not None or log.exists() and log.read_text():
+                break
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=120)
+        if process.returncode == 4:
+            self.skipTest("no GL here")
+        self.assertEqual(process.returncode, 130, errors)
+        self.assertEqual(len(errors.splitlines()), 1, errors)
+        report = json.loads((self.folder / "out/run.json").read_text())
+        self.assertEqual(report["ended"], "interrupted")
+        self.assertTrue(self.json("verify", store)["ok"])
+        self.assertEqual(self.json("info", store)["last_run"]["step"], report["steps"])
+
+    def test_pictures_are_written(self):
+        store = self.synth()
+        view = ("view: {size: [320, 180], camera: {chase: left, back: 8, up: 4}, "
+                "effects: [texture, fog, sky, skirts], images: 40}\n")
+        report = self.drive(self.scene(SCENE + view), "--store", store)
+        self.assertEqual(report["view"]["frames"], 80)
+        for name in ("frame-000040.png", "frame-000080.png"):
+            data = (self.folder / "out" / name).read_bytes()
+            self.assertEqual(data[:8], b"\x89PNG\r\n\x1a\n")
+            self.assertEqual(struct.unpack(">II", data[16:24]), (320, 180))
+        self.assertEqual(len(list((self.folder / "out").glob("*.png"))), 2)
+
+
+class RealElevation(FurrowTest):
+    @unittest.skipUnless((SHARED / "dem").is_dir() and has_gdal(), "needs the shared elevation data and GDAL")
+    def test_each_of_the_real_dems_imports_and_verifies(self):
+        dem = SHARED / "dem"
+        cases = {"bigtujunga.tif": [], "craterlake.tif": ["--nodata", "-32767"], "everest_voids.tif": [],
+                 "gabilan_dtm1m.bil": [], "heightmap16_1280.png": [], "mars_gale_ctx20m.tif": [], "sthelens.dem": []}
+        for name, extra in cases.items():
+            with self.subTest(name=name):
+                self.ok("import", dem / name, "-o", "real.furrow", "--overwrite", *extra)
+                check = self.json("verify", "real.furrow")
+                self.assertTrue(check["ok"], check["problems"])
+                os.remove(self.folder / "real.furrow")
+
+    @unittest.skipUnless((SHARED / "dem").is_dir() and has_gdal(), "needs the shared elevation data and GDAL")
+    def test_a_wheel_leaves_its_shape_in_a_90_m_mosaic(self):
+        dem = SHARED / "dem"
+        self.ok("import", dem / "N41E001.hgt", dem / "N42E001.hgt", "-o", "es.furrow")
+        spacing = self.json("info", "es.furrow")["spacing"]
+        scene = self.scene("scene: 1\ntime_step: 0.05\nend_time: 6\nspacing: 0.1\nredistribute: {model: none}\n"
+                           "objects:\n  - {name: a, shape: {wheel: {radius: 0.5, width: 0.4}}, sink: 0.1,\n"
+                           "     path: {points: [[40010, 60000], [40040, 60010]], speed: 5}}\n")
+        report = self.drive(scene, "--store", "es.furrow")
+        self.assertLessEqual(report["spacing"], 0.1)
+        self.assertGreater(report["spacing"], 0.05)
+        self.assertGreater(spacing, 60)
+        offset = self.json("query", "es.furrow", 40025, 60005)["offset"]
+        self.assertAlmostEqual(offset, -0.1, delta=0.02)
+        self.assertTrue(self.json("verify", "es.furrow")["ok"])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,80 @@
+"""What the tests of the command share: runs build/tools/furrow in a folder of its own."""
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+FURROW = os.environ["FURROW"]
+SHARED = pathlib.Path(os.environ.get("SHARED", "/nonexistent"))
+
+SCENE = """scene: 1
+time_step: 0.05
+end_time: 4
+spacing: 0.25
+redistribute: {model: box}
+attributes: [dirt]
+objects:
+  - {name: left, shape: {wheel: {radius: 0.8, width: 0.6}}, sink: 0.15,
+     path: {points: [[20, 20], [120, 90], [40, 130]], speed: 30}}
+  - {name: right, shape: {wheel: {radius: 0.8, width: 0.6}}, sink: 0.15,
+     path: {points: [[22, 18], [122, 88], [42, 128]], speed: 30}}
+cache: {slots: 16}
+"""
+
+
+def has_gdal():
+    return shutil.which("gdal_translate") is not None
+
+
+class FurrowTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="furrow-cli-"))
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+
+    def furrow(self, *arguments, stdin=None, env=None, cwd=None):
+        environment = dict(os.environ, **(env or {}))
+        return subprocess.run([FURROW, *map(str, arguments)], input=stdin, env=environment, cwd=cwd or self.folder,
+                              capture_output=True, text=True, timeout=280)
+
+    def ok(self, *arguments, **options):
+        result = self.furrow(*arguments, **options)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result.stdout
+
+    def json(self, *arguments, **options):
+        return json.loads(self.ok(*arguments, "--json", **options))
+
+    def refused(self, status, *arguments, **options):
+        """Exit `status` and one line: `furrow: WHAT: WHY; WHAT TO DO`."""
+        result = self.furrow(*arguments, **options)
+        self.assertEqual(result.returncode, status, result.stderr + result.stdout)
+        errors = [line for line in result.stderr.splitlines() if not line.startswith("furrow: note: ")]
+        self.assertEqual(len(errors), 1, result.stderr)
+        self.assertRegex(errors[0], r"^furrow: .+: .+; .+")
+        return errors[0]
+
+    def synth(self, name="world.furrow", posts="257x257", spacing=1, kind="ridged", relief=40):
+        self.ok("synth", "-o", name, "--posts", posts, "--spacing", spacing, "--kind", kind, "--relief", relief,
+                "--overwrite")
+        return self.folder / name
+
+    def scene(self, text=SCENE, name="scene.yaml"):
+        path = self.folder / name
+        path.write_text(text)
+        return path
+
+    def drive(self, *arguments, **options):
+        """run.json of a drive; skips where there is no GL."""
+        result = self.furrow("drive", *arguments, "-o", "out", "--json", **options)
+        if result.returncode == 4:
+            self.skipTest("no GL here: " + result.stderr.strip())
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return json.loads(result.stdout)
+
+
+def main():
+    unittest.main(verbosity=2, argv=[sys.argv[0], *sys.argv[1:]])
