@@ -99,6 +99,14 @@ enum status deform_compute(struct deform *deform, const struct deform_sweep *swe
 	return status == STATUS_OK ? gpu_check(deform->params.gpu, "deformation") : status;
 }
 
+enum status deform_warm(struct deform *deform, const struct deform_shape *shape)
+{
+	const struct deform_sweep sweep = {.shape = shape, .to = {.x = 1}}; /* in motion, however little */
+	const struct post_rect beyond = {-64, -64, -48, -48};
+	const struct deform_window window = {beyond, beyond};
+	return deform_compute(deform, &sweep, &window, 0, NULL, 0);
+}
+
 enum status deform_scatter(struct deform *deform, const struct deform_window *window, uint32_t layer,
 			   const struct deform_tile *tiles, size_t count)
 {

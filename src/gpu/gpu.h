@@ -61,7 +61,7 @@ const struct gpu_info *gpu_info(const struct gpu *gpu);
 void gpu_stats(struct gpu *gpu, struct gpu_stats *stats);
 /* The sticky failure, or a GL error since the last check; `what` names what was being done. */
 enum status gpu_check(struct gpu *gpu, const char *what) FURROW_CHECKED;
-void gpu_finish(struct gpu *gpu); /* benches only: waits for the driver */
+void gpu_finish(struct gpu *gpu); /* waits for the driver: benches, and before the first step */
 
 /* --- textures and targets: gpu_texture.c --- */
 enum gpu_format { GPU_R32I, GPU_R8UI, GPU_RGBA8, GPU_SRGB8_ALPHA8, GPU_DEPTH32F };

@@ -167,6 +167,24 @@ static enum status start_pages(struct drive *drive)
 	return status;
 }
 
+/* A driver compiles a program when it first draws with it: now, and not in a step. */
+static enum status warm_up(struct drive *drive)
+{
+	enum status status = STATUS_OK;
+	bool warm[3] = {false};
+	for (size_t i = 0; i < drive->scene->object_count && status == STATUS_OK; i++) {
+		const struct deform_shape *shape = &drive->scene->objects[i].shape;
+		if (!warm[shape->kind])
+			status = deform_warm(drive->deform, shape);
+		warm[shape->kind] = true;
+	}
+	if (status == STATUS_OK && drive->view != NULL)
+		status = view_warm(drive->view);
+	gpu_finish(drive->gpu);
+	gpu_stats(drive->gpu, &drive->before);
+	return status;
+}
+
 static enum status start(struct drive *drive)
 {
 	const char *path = drive->params->store != NULL ? drive->params->store : drive->scene->store;
@@ -190,6 +208,8 @@ static enum status start(struct drive *drive)
 		status = start_gpu(drive);
 	if (status == STATUS_OK)
 		status = start_pages(drive);
+	if (status == STATUS_OK)
+		status = warm_up(drive);
 	return status;
 }
 

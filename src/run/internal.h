@@ -58,6 +58,7 @@ struct drive {
 	struct pages_record *record;
 	double *step_ms;         /* of every step */
 	size_t step_room;
+	struct gpu_stats before; /* what warming up took: not the drive's */
 	double *frame_ms;        /* of every frame; with a view */
 	size_t frames;
 	int64_t step;            /* steps done */
@@ -84,6 +85,8 @@ uint32_t drive_step_pages(const struct drive *drive);
 /* view.c */
 enum status view_create(struct drive *drive, struct view **out) FURROW_CHECKED;
 void view_destroy(struct view *view);
+/* Loads what the first picture needs and draws it once, so that no step pays for either. */
+enum status view_warm(struct view *view) FURROW_CHECKED;
 /* `image`: wait for what the picture needs and write it. */
 enum status view_frame(struct view *view, struct drive *drive, bool image) FURROW_CHECKED;
 /* A tile of the working level is deformed now: finer tiles exist below its ancestors. */

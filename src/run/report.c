@@ -170,6 +170,10 @@ char *report_json(const struct drive *drive, const char *ended)
 	struct pages_io io;
 	uint64_t refused = 0;
 	gpu_stats(drive->gpu, &gpu);
+	for (int i = 0; i < GPU_STAGES; i++) {
+		gpu.passes[i] -= drive->before.passes[i];
+		gpu.stage_ms[i] -= drive->before.stage_ms[i];
+	}
 	page_cache_stats(drive->cache, &pages);
 	pages_io(drive->pages, &io);
 	if (drive->deform != NULL && deform_refused(drive->deform, &refused) != STATUS_OK)

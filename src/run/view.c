@@ -180,6 +180,16 @@ static enum status wait_for_wanted(struct view *view, const struct render_camera
 	return STATUS_OK;
 }
 
+enum status view_warm(struct view *view)
+{
+	struct render_camera camera;
+	place_camera(view, &camera);
+	enum status status = select_tiles(view, &camera);
+	if (status == STATUS_OK)
+		status = wait_for_wanted(view, &camera);
+	return status == STATUS_OK ? render_frame(view->render, &camera, view->selection) : status;
+}
+
 enum status view_frame(struct view *view, struct drive *drive, bool image)
 {
 	struct render_camera camera;
