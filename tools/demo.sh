@@ -7,7 +7,7 @@ sh tools/packages.sh
 ninja -C build --quiet tools/furrow
 furrow=build/tools/furrow
 mkdir -p demo
-$furrow synth -o demo/demo.tif --posts 2049x2049 --spacing 1 --kind ridged --relief 220 --seed 7
+$furrow synth -o demo/demo.tif --posts 2049x2049 --spacing 1 --kind ridged --relief 160 --seed 7
 $furrow import demo/demo.tif -o demo/demo.furrow --overwrite
 rm -rf demo/drive
 $furrow drive tools/scenes/demo.yaml --store demo/demo.furrow -o demo/drive
