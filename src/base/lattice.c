@@ -41,7 +41,7 @@ int32_t lattice_base_relative(double metres, int32_t reference)
 {
 	if (isnan(metres))
 		return BASE_NODATA;
-	int64_t value = lattice_base(metres) - ((int64_t)reference << BASE_BITS);
+	int64_t value = lattice_base(metres) - (int64_t)reference * (1 << BASE_BITS);
 	assert(value > INT32_MIN && value <= INT32_MAX);
 	return (int32_t)value;
 }

@@ -70,7 +70,7 @@ typedef enum status (*dem_rows_fn)(void *user, int64_t y0, int64_t rows, double 
 /*
  * Cuts rows (asked for south to north from `rows`) into tiles of every level from 0 to the
  * coarsest, decimating; heights are coded with `step` (base/height_code.h). A height that cannot be
- * coded, and a tile whose relief is beyond the lattice, are STATUS_INPUT.
+ * coded is STATUS_INPUT.
  */
 enum status dem_cut(const struct world *world, double step, dem_rows_fn rows, void *rows_user,
 		    dem_tile_fn emit, void *emit_user, dem_progress_fn progress, void *progress_user)

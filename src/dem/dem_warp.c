@@ -2,8 +2,9 @@
  * From the sources' grid to square posts in metres.
  *
  * What is in metres, square, upright and true to 0.1 % stays as it is, post for post. The rest goes
- * through GDAL's warper, block by block; its kernels leave out what is NaN. A projected grid's
- * posts lie at whole multiples of the spacing, a resampled one's start at the south-west post.
+ * through GDAL's warper, block by block; its kernels leave out what is NaN. Up to twice the source's
+ * spacing a post is a sample of the interpolated surface; beyond, GDAL widens the kernel. A projected
+ * grid's posts lie at whole multiples of the spacing, a resampled one's start at the south-west post.
  */
 #include "dem_gdal.h"
 
@@ -23,6 +24,7 @@
 struct plan {
 	OGRSpatialReferenceH from, to; /* NULL both: without projection */
 	bool project, resample;
+	bool sample; /* the kernel is not widened */
 	double spacing;
 	double origin[2]; /* the south-west post */
 	int64_t width, height;
@@ -195,6 +197,10 @@ static enum status create(const struct plan *plan, const struct dem_params *para
 	GDALWarpInitSrcNoDataReal(options, (double)NAN);
 	GDALWarpInitDstNoDataReal(options, (double)NAN);
 	options->papszWarpOptions = CSLSetNameValue(options->papszWarpOptions, "INIT_DEST", "NO_DATA");
+	if (plan->sample) {
+		options->papszWarpOptions = CSLSetNameValue(options->papszWarpOptions, "XSCALE", "1");
+		options->papszWarpOptions = CSLSetNameValue(options->papszWarpOptions, "YSCALE", "1");
+	}
 	*out = GDALCreateWarpedVRT(mosaic, (int)plan->width, (int)plan->height, target, options);
 	GDALDestroyWarpOptions(options);
 	if (*out == NULL) {
@@ -244,6 +250,7 @@ enum status dem_warp(const struct dem_params *params, GDALDatasetH mosaic, const
 	/* Posts that stay keep their distance to the last bit; others get a clean one. */
 	double own = square && !plan.project ? step[0] : round_to_3_digits(sqrt(step[0] * step[1]));
 	plan.spacing = params->spacing > 0 ? params->spacing : own;
+	plan.sample = plan.spacing <= 2 * fmin(step[0], step[1]);
 	plan.resample = plan.project || !upright || !square || fabs(plan.spacing / own - 1) > 1e-6;
 	if (!plan.resample) {
 		plan.width = GDALGetRasterXSize(mosaic);

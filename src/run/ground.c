@@ -181,7 +181,7 @@ enum status ground_height(struct ground *ground, int64_t x, int64_t y, int64_t *
 			return STATUS_OK;
 		sum += weight[i] * (double)corner[i];
 	}
-	*height = (int64_t)floor(sum * (1 << (OFFSET_BITS - BASE_BITS)) + 0.5) + ((int64_t)ground->reference << OFFSET_BITS);
+	*height = (int64_t)floor(sum * (1 << (OFFSET_BITS - BASE_BITS)) + 0.5) + (int64_t)ground->reference * (1 << OFFSET_BITS);
 	*any = true;
 	return STATUS_OK;
 }

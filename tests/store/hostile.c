@@ -57,7 +57,7 @@ static void another_version_or_schema_is_refused(void **state)
 		{"UPDATE meta SET value = 1e999 WHERE key = 'spacing'", "'spacing'"},
 		{"UPDATE meta SET value = -1.0 WHERE key = 'step'", "'step'"},
 		{"UPDATE meta SET value = 1e-300 WHERE key = 'step'", "'step'"},
-		{"UPDATE meta SET value = 1e7 WHERE key = 'high'", "'low'"},
+		{"UPDATE meta SET value = 1e9 WHERE key = 'high'", "'low'"},
 		{"UPDATE meta SET value = 3 WHERE key = 'srs'", "'srs'"},
 		{"UPDATE meta SET value = 9 WHERE key = 'pack'", "'pack'"},
 		{"INSERT INTO meta VALUES('working', 12)", "'working'"},

@@ -1,0 +1,215 @@
+/*
+ * page, inside: the structures one mutex guards, and what may be relied on between its sections.
+ *
+ * A page (a key the cache knows something about; ABSENT is: no page) and an image (host bytes):
+ *
+ *          prefetch, pin         loader takes it      io.load returns      PAGE_UPLOAD
+ *     ABSENT ---------> WANTED ---------> LOADING ---------> LOADED ---------> RESIDENT
+ *       ^                  |                 |                 |                  |
+ *       +--- abandoned ----+-- once stale ---+---- failed -----+---- evicted -----+
+ *                                                                                 | if dirty:
+ *          +-- commit failed --+                                   PAGE_READ_BACK |
+ *          v                   |   commit returned   oldest load is newer         |
+ *       waiting ------> committing --------> kept --------> unused       waiting <+
+ *
+ * Invariants, which asserts name:
+ *
+ *   1. A page is in one list: resident, urgent or prefetch (WANTED), or flights (LOADING, LOADED).
+ *   2. A page has a slot exactly when RESIDENT, and no slot has two pages.
+ *   3. A pinned or dirty page is RESIDENT; while it is dirty its newest bits are in its slot.
+ *   4. A key has at most one image waiting, one committing and one kept, each newer than the next.
+ *   5. An epoch takes every waiting image and every dirty page, between two steps; one at a time.
+ *   6. A kept image is visible as long as a load is on its way that began before its commit
+ *      returned; nothing is kept when no such load is.
+ *   7. A page LOADING is the loader's: the owner only marks it urgent or stale. The loader drops
+ *      what is stale; everything else it loaded is the owner's.
+ *   8. What is in a slot or dirty is only touched by the owner thread, so that it may walk the
+ *      resident list, and execute, without the mutex.
+ *   9. There are at most three images a loader on their way, of which prefetching has two, so
+ *      that a pin is always served. A load needs no slot until it is uploaded.
+ */
+#ifndef FURROW_PAGE_INTERNAL_H
+#define FURROW_PAGE_INTERNAL_H
+
+#include "page/page.h"
+
+#define PAGE_NO_SLOT UINT32_MAX
+#define PAGE_PIN_MOST 64
+#define PAGE_FLIGHTS_PER_LOADER 3
+#define PAGE_PREFETCHES_PER_LOADER 2
+
+enum page_image_place { PAGE_UNQUEUED, PAGE_KEPT, PAGE_COMMITTING, PAGE_WAITING };
+
+/* Host bytes; the queue finds them by key, readers refer to them. Back to the pool at no `refs`. */
+struct page_host {
+	struct page_image image;
+	enum page_image_place place;
+	uint32_t refs;          /* 1 by its list or by whoever fills it, 1 by each reader */
+	uint64_t kept_until;    /* KEPT: for loads whose `begun` is at most this */
+	struct failure failure; /* LOADED: what io.load returned */
+	struct page_host *prev, *next, *hash_next;
+	struct page_host *visit_next; /* the owner's, in page_cache_each_queued */
+};
+
+struct page_host_list {
+	struct page_host *first, *last; /* oldest first */
+	uint32_t count;
+};
+
+enum page_state { PAGE_WANTED, PAGE_LOADING, PAGE_LOADED, PAGE_RESIDENT };
+
+struct page {
+	uint64_t key;
+	enum page_state state;
+	bool urgent; /* not RESIDENT: a pin waits for it */
+	bool stale;  /* LOADING: drop it when it comes */
+	bool dirty;
+	uint32_t slot, pins;
+	uint64_t pinned_in;     /* the last step it was pinned in */
+	uint64_t begun;         /* LOADING, LOADED: the clock of loads when it was taken */
+	struct page_host *host; /* LOADING, LOADED; NULL if LOADED without memory for it */
+	struct page *prev, *next, *hash_next;
+};
+
+struct page_list {
+	struct page *first, *last; /* oldest first */
+	uint32_t count;
+};
+
+struct page_table {
+	struct page **buckets;
+	size_t mask;
+	struct page *pages, *unused; /* all there can be; those ABSENT, by hash_next */
+	struct page_list resident;   /* in order of use */
+	struct page_list urgent, prefetch, flights;
+	uint32_t pinned; /* pages with a pin */
+	uint32_t *free_slots, free_count;
+};
+
+struct page_queue {
+	struct page_host **buckets;
+	size_t mask;
+	struct page_host_list waiting, committing, kept;
+	struct page_host *unused; /* by next */
+};
+
+/* A growing set of keys. */
+struct page_touched {
+	uint64_t *keys; /* key + 1; 0: free */
+	size_t room, count;
+};
+
+struct page_loader {
+	struct page_cache *cache;
+	unsigned number;
+	struct thread thread;
+};
+
+struct page_cache {
+	struct page_params params;
+	pthread_t owner;
+	struct mutex mutex;
+	struct condition work; /* to loaders and writer: something to do, or stopping */
+	struct condition done; /* to the owner: a load or a commit came back */
+	bool stopping;
+	struct page_table table;
+	struct page_queue queue;
+	struct page_touched touched;
+	uint64_t load_clock; /* loads taken so far */
+	uint64_t step;       /* steps ended so far */
+	bool epoch_in_flight;
+	const struct page_image **epoch_images; /* room for queue_hard + slots */
+	void *epoch_record;
+	double dirty_since;     /* clock_seconds of the oldest change in no epoch; 0: none */
+	struct failure failure; /* sticky */
+	struct page_stats stats;
+	struct page_loader *loaders;
+	struct thread writer;
+};
+
+static inline size_t page_hash(uint64_t key)
+{
+	return (size_t)((key * 0x9e3779b97f4a7c15ull) >> 20);
+}
+
+static inline bool page_owner(const struct page_cache *cache)
+{
+	return pthread_equal(cache->owner, pthread_self()) != 0;
+}
+
+/* The sticky failure, if there is one; leaves the thread's message alone if not. */
+static inline enum status page_sticky_locked(const struct page_cache *cache)
+{
+	return cache->failure.status == STATUS_OK ? STATUS_OK : failure_restore(&cache->failure);
+}
+
+/* For assert only: everything above that can be seen without executing. */
+bool page_cache_sane_locked(const struct page_cache *cache);
+
+/* --- page_table.c --- */
+
+enum status page_table_init(struct page_table *table,
+			    const struct page_params *params) FURROW_CHECKED;
+void page_table_finish(struct page_table *table);
+struct page *page_table_find_locked(const struct page_table *table, uint64_t key);
+struct page *page_table_add_locked(struct page_table *table, uint64_t key, struct page_list *list);
+void page_table_forget_locked(struct page_table *table, struct page *page, struct page_list *list);
+void page_list_append(struct page_list *list, struct page *page);
+void page_list_remove(struct page_list *list, struct page *page);
+
+/* --- page_queue.c --- */
+
+enum status page_queue_init(struct page_queue *queue,
+			    const struct page_params *params) FURROW_CHECKED;
+void page_queue_finish(struct page_queue *queue);
+/* An image with one reference, from the pool or new; NULL without memory. The mutex is not held. */
+struct page_host *page_host_acquire(struct page_cache *cache, uint64_t key);
+void page_host_release_locked(struct page_cache *cache, struct page_host *host);
+struct page_host *page_queue_find_locked(const struct page_queue *queue, uint64_t key,
+					 enum page_image_place place);
+/* The newest version that the store may not have, or NULL. */
+struct page_host *page_queue_newest_locked(const struct page_queue *queue, uint64_t key);
+/* Takes the caller's reference; replaces an older version that waits. */
+void page_queue_wait_locked(struct page_cache *cache, struct page_host *host);
+void page_queue_begin_epoch_locked(struct page_cache *cache);
+void page_queue_end_epoch_locked(struct page_cache *cache, bool committed);
+/* Lets go of what no load on its way can have missed. */
+void page_queue_release_kept_locked(struct page_cache *cache);
+
+/* --- page_loader.c --- */
+
+void *page_loader_body(void *loader);
+/* The page is ABSENT. */
+void page_loads_want_locked(struct page_cache *cache, uint64_t key, bool urgent);
+void page_loads_make_urgent_locked(struct page_cache *cache, struct page *page);
+/* The page, not RESIDENT, is dropped: now, or when its load comes. */
+void page_loads_abandon_locked(struct page_cache *cache, struct page *page);
+/* Lets kept images go, by abandoning the loads they are kept for; not those a pin waits for. */
+void page_loads_abandon_late_locked(struct page_cache *cache);
+/* A LOADED page leaves the flights: for the LRU if it has a slot now, else it is forgotten. */
+void page_loads_land_locked(struct page_cache *cache, struct page *page, uint32_t slot);
+uint32_t page_loads_prefetching_locked(const struct page_cache *cache);
+/* When the oldest load began that will be installed; UINT64_MAX if none is on its way. */
+uint64_t page_loads_oldest_locked(const struct page_cache *cache);
+
+/* --- page_writer.c --- */
+
+void *page_writer_body(void *cache);
+
+/* --- page_evict.c: the owner's work list --- */
+
+/* Reads a dirty page back: it is clean and waits then. Failing is sticky; the page stays dirty. */
+enum status page_read_back(struct page_cache *cache, struct page *page) FURROW_CHECKED;
+/* The LOADED page becomes RESIDENT, or on failure ABSENT. A prefetched one (not urgent) becomes
+ * ABSENT without failure too, if its load failed or no page may go for it. */
+enum status page_install(struct page_cache *cache, struct page *page) FURROW_CHECKED;
+/* Whether a prefetched page could have a slot now. */
+bool page_prefetch_has_slot(const struct page_cache *cache);
+
+/* --- page_touched.c --- */
+
+enum status page_touched_reserve(struct page_touched *touched, size_t more) FURROW_CHECKED;
+void page_touched_add(struct page_touched *touched, uint64_t key); /* reserved before */
+void page_touched_finish(struct page_touched *touched);
+
+#endif

@@ -1,0 +1,230 @@
+/*
+ * Pins: making pages resident now, and asking for them ahead of time.
+ *
+ * A pin counts the slots first: what it wants and what is pinned already must fit, so that an
+ * eviction always finds a victim. Then it asks for everything, and pins each page as soon as it is
+ * resident, so that none is evicted for its siblings. If anything fails, all it did is undone.
+ */
+#include "page/page_internal.h"
+
+#include <assert.h>
+
+struct request {
+	const uint64_t *keys;
+	uint32_t *slots;
+	size_t count;
+	bool held[PAGE_PIN_MOST];
+	bool stalled;
+};
+
+static bool repeated(const struct request *request, size_t i)
+{
+	for (size_t j = 0; j < i; j++)
+		if (request->keys[j] == request->keys[i])
+			return true;
+	return false;
+}
+
+static enum status check_room_locked(const struct page_cache *cache, const struct request *request)
+{
+	uint32_t needed = cache->table.pinned, slots = cache->params.slots;
+	for (size_t i = 0; i < request->count; i++) {
+		const struct page *page = page_table_find_locked(&cache->table, request->keys[i]);
+		needed += !repeated(request, i) && (page == NULL || page->pins == 0);
+	}
+	if (needed <= slots)
+		return STATUS_OK;
+	return fail_with(STATUS_FAILED,
+			 "page cache: %u pages must be resident at once and there are %u slots; "
+			 "raise cache.slots to at least %u",
+			 needed, slots, needed);
+}
+
+static void hold_locked(struct page_cache *cache, struct request *request, size_t i,
+			struct page *page)
+{
+	struct page_table *table = &cache->table;
+	table->pinned += page->pins++ == 0;
+	page->pinned_in = cache->step;
+	page_list_remove(&table->resident, page);
+	page_list_append(&table->resident, page);
+	page_touched_add(&cache->touched, page->key);
+	request->slots[i] = page->slot;
+	request->held[i] = true;
+}
+
+/* Counts the access; the page is resident and pinned then, or on its way. */
+static void ask_locked(struct page_cache *cache, struct request *request, size_t i)
+{
+	struct page *page = page_table_find_locked(&cache->table, request->keys[i]);
+	if (page != NULL && page->state == PAGE_RESIDENT) {
+		cache->stats.hits++;
+		hold_locked(cache, request, i, page);
+		return;
+	}
+	cache->stats.misses++;
+	cache->stats.late += page != NULL;
+	/* A prefetch that failed is retried; a stale load is asked for again once it is gone. */
+	if (page != NULL && page->state == PAGE_LOADED && !page->urgent &&
+	    (page->host == NULL || page->host->failure.status != STATUS_OK)) {
+		page_loads_abandon_locked(cache, page);
+		page = NULL;
+	}
+	if (page == NULL)
+		page_loads_want_locked(cache, request->keys[i], true);
+	else if (!page->stale)
+		page_loads_make_urgent_locked(cache, page);
+}
+
+/* Waits until a wanted page is LOADED and returns it; NULL when all are held. */
+static struct page *next_loaded_locked(struct page_cache *cache, struct request *request)
+{
+	for (;;) {
+		bool waiting = false;
+		for (size_t i = 0; i < request->count; i++) {
+			if (request->held[i])
+				continue;
+			struct page *page = page_table_find_locked(&cache->table, request->keys[i]);
+			if (page != NULL && page->state == PAGE_LOADED)
+				return page;
+			if (page == NULL)
+				page_loads_want_locked(cache, request->keys[i], true);
+			if (page != NULL && page->state == PAGE_RESIDENT)
+				hold_locked(cache, request, i, page);
+			else
+				waiting = true;
+		}
+		if (!waiting)
+			return NULL;
+		cache->stats.stalls += !request->stalled;
+		request->stalled = true;
+		double began = clock_seconds();
+		condition_wait(&cache->done, &cache->mutex);
+		cache->stats.stall_ms += (clock_seconds() - began) * 1e3;
+	}
+}
+
+static void undo_locked(struct page_cache *cache, const struct request *request)
+{
+	for (size_t i = 0; i < request->count; i++) {
+		struct page *page = page_table_find_locked(&cache->table, request->keys[i]);
+		if (request->held[i])
+			cache->table.pinned -= --page->pins == 0;
+		else if (page != NULL && page->state != PAGE_RESIDENT)
+			page_loads_abandon_locked(cache, page);
+	}
+}
+
+enum status page_cache_pin_all(struct page_cache *cache, const uint64_t *keys, size_t count,
+			       uint32_t *slots)
+{
+	assert(page_owner(cache) && count <= PAGE_PIN_MOST);
+	struct request request = {.keys = keys, .slots = slots, .count = count};
+	mutex_lock(&cache->mutex);
+	assert(page_cache_sane_locked(cache));
+	enum status status = page_sticky_locked(cache);
+	if (status == STATUS_OK)
+		status = check_room_locked(cache, &request);
+	if (status == STATUS_OK)
+		status = page_touched_reserve(&cache->touched, count);
+	if (status != STATUS_OK)
+		goto unlock;
+	for (size_t i = 0; i < count; i++)
+		ask_locked(cache, &request, i);
+	struct page *page;
+	while (status == STATUS_OK && (page = next_loaded_locked(cache, &request)) != NULL) {
+		mutex_unlock(&cache->mutex);
+		status = page_install(cache, page);
+		mutex_lock(&cache->mutex);
+	}
+	if (status != STATUS_OK)
+		undo_locked(cache, &request);
+	assert(page_cache_sane_locked(cache));
+unlock:
+	mutex_unlock(&cache->mutex);
+	return status;
+}
+
+enum status page_cache_pin(struct page_cache *cache, uint64_t key, uint32_t *slot)
+{
+	return page_cache_pin_all(cache, &key, 1, slot);
+}
+
+void page_cache_unpin(struct page_cache *cache, uint64_t key)
+{
+	assert(page_owner(cache));
+	mutex_lock(&cache->mutex);
+	struct page *page = page_table_find_locked(&cache->table, key);
+	assert(page != NULL && page->pins > 0);
+	cache->table.pinned -= --page->pins == 0;
+	mutex_unlock(&cache->mutex);
+}
+
+void page_cache_dirty(struct page_cache *cache, uint64_t key)
+{
+	assert(page_owner(cache));
+	mutex_lock(&cache->mutex);
+	struct page *page = page_table_find_locked(&cache->table, key);
+	assert(page != NULL && page->pins > 0);
+	page->dirty = true;
+	if (cache->dirty_since == 0)
+		cache->dirty_since = clock_seconds();
+	mutex_unlock(&cache->mutex);
+}
+
+/* --- ahead of time --- */
+
+void page_cache_prefetch(struct page_cache *cache, uint64_t key)
+{
+	assert(page_owner(cache));
+	uint32_t most = PAGE_PREFETCHES_PER_LOADER * cache->params.loaders;
+	mutex_lock(&cache->mutex);
+	if (cache->failure.status == STATUS_OK && page_prefetch_has_slot(cache) &&
+	    page_table_find_locked(&cache->table, key) == NULL &&
+	    page_loads_prefetching_locked(cache) < most) {
+		page_loads_want_locked(cache, key, false);
+		cache->stats.prefetched++;
+	}
+	mutex_unlock(&cache->mutex);
+}
+
+bool page_cache_peek(struct page_cache *cache, uint64_t key, bool use, uint32_t *slot)
+{
+	assert(page_owner(cache));
+	mutex_lock(&cache->mutex);
+	struct page *page = page_table_find_locked(&cache->table, key);
+	bool resident = page != NULL && page->state == PAGE_RESIDENT;
+	if (resident) {
+		*slot = page->slot;
+		if (use) {
+			page_list_remove(&cache->table.resident, page);
+			page_list_append(&cache->table.resident, page);
+		}
+	}
+	mutex_unlock(&cache->mutex);
+	return resident;
+}
+
+static struct page *first_loaded_locked(const struct page_cache *cache)
+{
+	struct page *page = cache->table.flights.first;
+	while (page != NULL && page->state != PAGE_LOADED)
+		page = page->next;
+	return page;
+}
+
+enum status page_cache_poll(struct page_cache *cache)
+{
+	assert(page_owner(cache));
+	mutex_lock(&cache->mutex);
+	assert(page_cache_sane_locked(cache));
+	enum status status = page_sticky_locked(cache);
+	struct page *page;
+	while (status == STATUS_OK && (page = first_loaded_locked(cache)) != NULL) {
+		mutex_unlock(&cache->mutex);
+		status = page_install(cache, page);
+		mutex_lock(&cache->mutex);
+	}
+	mutex_unlock(&cache->mutex);
+	return status;
+}

@@ -1,0 +1,244 @@
+/*
+ * The host queue: versions of pages that are not in the store yet, or only just.
+ *
+ *     unused -> (filled by a read-back) -> waiting -> committing -> kept -> unused
+ *
+ * Every version is found by key, so that a load gets the newest one instead of what the store
+ * has. A newer version that waits replaces an older one that waits; one that is being committed
+ * stays as it is (invariant 4). An image with a reader leaves its list but not the memory.
+ *
+ * Memory: images come from the system when the pool has none and go back with the cache. How many
+ * there can be is bounded by who asks: evictions stop at queue_hard, an epoch adds the dirty slots,
+ * loads three each (9), and what is kept is at most the last epoch.
+ */
+#include "page/page_internal.h"
+
+#include <assert.h>
+
+enum status page_queue_init(struct page_queue *queue, const struct page_params *params)
+{
+	size_t buckets = 64;
+	while (buckets < (size_t)params->queue_hard + params->slots)
+		buckets *= 2;
+	queue->buckets = mem_calloc(buckets, sizeof *queue->buckets);
+	if (queue->buckets == NULL)
+		return fail_memory("the page queue");
+	queue->mask = buckets - 1;
+	return STATUS_OK;
+}
+
+static void host_free(struct page_host *host)
+{
+	mem_free(host->image.bytes);
+	mem_free(host);
+}
+
+static void list_free(struct page_host *host)
+{
+	while (host != NULL) {
+		struct page_host *next = host->next;
+		host_free(host);
+		host = next;
+	}
+}
+
+void page_queue_finish(struct page_queue *queue)
+{
+	list_free(queue->waiting.first);
+	list_free(queue->committing.first);
+	list_free(queue->kept.first);
+	list_free(queue->unused);
+	mem_free(queue->buckets);
+}
+
+/* --- images --- */
+
+struct page_host *page_host_acquire(struct page_cache *cache, uint64_t key)
+{
+	mutex_lock(&cache->mutex);
+	struct page_host *host = cache->queue.unused;
+	if (host != NULL)
+		cache->queue.unused = host->next;
+	mutex_unlock(&cache->mutex);
+	void *bytes = NULL;
+	if (host != NULL) {
+		bytes = host->image.bytes;
+	} else {
+		host = mem_alloc(1, sizeof *host);
+		if (host != NULL)
+			bytes = mem_alloc(1, cache->params.page_bytes);
+		if (bytes == NULL) {
+			mem_free(host);
+			return NULL;
+		}
+		mutex_lock(&cache->mutex);
+		cache->stats.host_bytes += cache->params.page_bytes;
+		mutex_unlock(&cache->mutex);
+	}
+	*host = (struct page_host){.image = {.key = key, .bytes = bytes}, .refs = 1};
+	return host;
+}
+
+void page_host_release_locked(struct page_cache *cache, struct page_host *host)
+{
+	assert(host->refs > 0);
+	if (--host->refs > 0)
+		return;
+	assert(host->place == PAGE_UNQUEUED);
+	host->next = cache->queue.unused;
+	cache->queue.unused = host;
+}
+
+/* --- places --- */
+
+static struct page_host_list *list_of(struct page_queue *queue, enum page_image_place place)
+{
+	assert(place != PAGE_UNQUEUED);
+	return place == PAGE_WAITING      ? &queue->waiting
+	       : place == PAGE_COMMITTING ? &queue->committing
+					  : &queue->kept;
+}
+
+/* After `before`, or first if that is NULL. */
+static void enter_locked(struct page_queue *queue, struct page_host *host,
+			 enum page_image_place place, struct page_host *before)
+{
+	struct page_host_list *list = list_of(queue, place);
+	host->place = place;
+	host->prev = before;
+	host->next = before != NULL ? before->next : list->first;
+	*(before != NULL ? &before->next : &list->first) = host;
+	*(host->next != NULL ? &host->next->prev : &list->last) = host;
+	list->count++;
+	struct page_host **bucket = &queue->buckets[page_hash(host->image.key) & queue->mask];
+	host->hash_next = *bucket;
+	*bucket = host;
+}
+
+static void leave_locked(struct page_queue *queue, struct page_host *host)
+{
+	struct page_host_list *list = list_of(queue, host->place);
+	*(host->prev != NULL ? &host->prev->next : &list->first) = host->next;
+	*(host->next != NULL ? &host->next->prev : &list->last) = host->prev;
+	list->count--;
+	struct page_host **at = &queue->buckets[page_hash(host->image.key) & queue->mask];
+	while (*at != host)
+		at = &(*at)->hash_next;
+	*at = host->hash_next;
+	host->place = PAGE_UNQUEUED;
+}
+
+struct page_host *page_queue_find_locked(const struct page_queue *queue, uint64_t key,
+					 enum page_image_place place)
+{
+	struct page_host *host = queue->buckets[page_hash(key) & queue->mask];
+	while (host != NULL && (host->image.key != key || host->place != place))
+		host = host->hash_next;
+	return host;
+}
+
+struct page_host *page_queue_newest_locked(const struct page_queue *queue, uint64_t key)
+{
+	struct page_host *newest = NULL;
+	for (struct page_host *host = queue->buckets[page_hash(key) & queue->mask]; host != NULL;
+	     host = host->hash_next)
+		if (host->image.key == key && (newest == NULL || host->place > newest->place))
+			newest = host;
+	return newest;
+}
+
+static void drop_version_locked(struct page_cache *cache, uint64_t key, enum page_image_place place)
+{
+	struct page_host *host = page_queue_find_locked(&cache->queue, key, place);
+	if (host == NULL)
+		return;
+	leave_locked(&cache->queue, host);
+	page_host_release_locked(cache, host);
+}
+
+void page_queue_wait_locked(struct page_cache *cache, struct page_host *host)
+{
+	struct page_queue *queue = &cache->queue;
+	drop_version_locked(cache, host->image.key, PAGE_WAITING);
+	enter_locked(queue, host, PAGE_WAITING, queue->waiting.last);
+	uint32_t queued = queue->waiting.count + queue->committing.count;
+	if (queued > cache->stats.queue_peak)
+		cache->stats.queue_peak = queued;
+}
+
+/* --- epochs --- */
+
+void page_queue_begin_epoch_locked(struct page_cache *cache)
+{
+	struct page_queue *queue = &cache->queue;
+	assert(queue->committing.count == 0); /* 5 */
+	while (queue->waiting.first != NULL) {
+		struct page_host *host = queue->waiting.first;
+		leave_locked(queue, host);
+		enter_locked(queue, host, PAGE_COMMITTING, queue->committing.last);
+	}
+}
+
+static void put_back_locked(struct page_cache *cache, struct page_host *host)
+{
+	if (page_queue_find_locked(&cache->queue, host->image.key, PAGE_WAITING) != NULL)
+		page_host_release_locked(cache, host);
+	else
+		enter_locked(&cache->queue, host, PAGE_WAITING, NULL);
+}
+
+void page_queue_end_epoch_locked(struct page_cache *cache, bool committed)
+{
+	struct page_queue *queue = &cache->queue;
+	while (queue->committing.first != NULL) {
+		struct page_host *host =
+			committed ? queue->committing.first : queue->committing.last;
+		leave_locked(queue, host);
+		if (committed) {
+			drop_version_locked(cache, host->image.key, PAGE_KEPT);
+			host->kept_until = cache->load_clock;
+			enter_locked(queue, host, PAGE_KEPT, queue->kept.last);
+		} else {
+			put_back_locked(cache, host);
+		}
+	}
+	page_queue_release_kept_locked(cache);
+}
+
+void page_queue_release_kept_locked(struct page_cache *cache)
+{
+	struct page_queue *queue = &cache->queue;
+	uint64_t oldest = page_loads_oldest_locked(cache);
+	while (queue->kept.first != NULL && queue->kept.first->kept_until < oldest) {
+		struct page_host *host = queue->kept.first;
+		leave_locked(queue, host);
+		page_host_release_locked(cache, host);
+	}
+}
+
+/* --- looking at it --- */
+
+void page_cache_each_queued(struct page_cache *cache, page_image_fn fn, void *user)
+{
+	assert(page_owner(cache));
+	struct page_queue *queue = &cache->queue;
+	struct page_host_list *lists[] = {&queue->kept, &queue->committing, &queue->waiting};
+	struct page_host *first = NULL, **end = &first, *next;
+	mutex_lock(&cache->mutex);
+	for (int i = 0; i < 3; i++)
+		for (struct page_host *host = lists[i]->first; host != NULL; host = host->next) {
+			host->refs++;
+			*end = host;
+			end = &host->visit_next;
+		}
+	*end = NULL;
+	mutex_unlock(&cache->mutex);
+	for (struct page_host *host = first; host != NULL; host = host->visit_next)
+		fn(user, &host->image);
+	mutex_lock(&cache->mutex);
+	for (struct page_host *host = first; host != NULL; host = next) {
+		next = host->visit_next;
+		page_host_release_locked(cache, host);
+	}
+	mutex_unlock(&cache->mutex);
+}

@@ -1,0 +1,44 @@
+/*
+ * The writer thread: commits the epochs the owner hands over, one at a time.
+ *
+ *     idle -> (page_queue_begin_epoch_locked, epoch_in_flight) -> io.commit -> idle
+ *
+ * While an epoch is in flight its images, the array of them and the record are the writer's to
+ * read and nobody's to write. A commit that fails is sticky: its images wait again.
+ */
+#include "page/page_internal.h"
+
+#include <assert.h>
+
+void *page_writer_body(void *argument)
+{
+	struct page_cache *cache = argument;
+	mutex_lock(&cache->mutex);
+	while (!cache->stopping) {
+		if (!cache->epoch_in_flight) {
+			condition_wait(&cache->work, &cache->mutex);
+			continue;
+		}
+		size_t count = 0;
+		for (struct page_host *host = cache->queue.committing.first; host != NULL;
+		     host = host->next)
+			cache->epoch_images[count++] = &host->image;
+		mutex_unlock(&cache->mutex);
+		const struct page_io *io = &cache->params.io;
+		enum status status =
+			io->commit(io->user, cache->epoch_images, count, cache->epoch_record);
+		mutex_lock(&cache->mutex);
+		if (status == STATUS_OK) {
+			cache->stats.commits++;
+			cache->stats.writebacks += count;
+		} else {
+			failure_capture(&cache->failure, status);
+		}
+		page_queue_end_epoch_locked(cache, status == STATUS_OK);
+		cache->epoch_in_flight = false;
+		assert(page_cache_sane_locked(cache));
+		condition_wake_all(&cache->done);
+	}
+	mutex_unlock(&cache->mutex);
+	return NULL;
+}

@@ -1,0 +1,350 @@
+/*
+ * A fake store, io and executor for the page cache, with gates to hold its threads at.
+ *
+ * A page is a key and a version; the store has the committed version of each key, a slot has what
+ * was uploaded or changed there, `model` has the newest. A coarse page (COARSE + i) shows the
+ * versions of the FAMILY fine pages below it, as a coarser level shows the finer one: its load
+ * takes them from the store, its upload overlays what is queued, then what is dirty in a slot.
+ *
+ * The fake has its own mutex. `model`, `pins` and the log belong to the owner thread.
+ */
+#ifndef FURROW_TESTS_PAGE_FAKE_H
+#define FURROW_TESTS_PAGE_FAKE_H
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+#include <sched.h>
+
+#include "page/page.h"
+
+enum { FINE = 128, FAMILY = 4, COARSE = 1000, SLOTS_MOST = 64, LOG_MOST = 4096 };
+
+struct content {
+	uint64_t key, version;
+	uint64_t family[FAMILY];
+};
+
+struct fake {
+	struct mutex mutex;
+	struct condition changed;
+	uint64_t store[FINE];
+	uint64_t record;  /* of the last commit */
+	bool hold_commits;
+	uint64_t hold_load; /* key + 1 whose load waits; UINT64_MAX: every one */
+	uint64_t fail_load; /* key + 1 */
+	unsigned fail_commits, loads_begun, commits_begun, yields;
+	uint64_t loaded[LOG_MOST]; /* keys, in the order their loads began */
+	const uint64_t (*snapshots)[FINE]; /* by record: what a commit must make of the store */
+	bool commit_differs, queued_differs; /* what was handed over is not what it should be */
+
+	pthread_t owner;
+	struct page_cache *cache;
+	uint64_t model[FINE];
+	struct content slots[SLOTS_MOST];
+	unsigned pins[SLOTS_MOST];
+	uint64_t fail_upload, fail_read_back; /* key + 1 */
+	uint64_t uploaded[LOG_MOST], read_back[LOG_MOST];
+	unsigned uploads, read_backs;
+};
+
+/* --- io --- */
+
+static inline enum status fake_load(void *user, unsigned loader, struct page_image *image,
+				    const struct page_image *queued)
+{
+	struct fake *fake = user;
+	struct content content = {.key = image->key};
+	(void)loader;
+	mutex_lock(&fake->mutex);
+	fake->loaded[fake->loads_begun++ % LOG_MOST] = image->key;
+	if (image->key < FINE)
+		content.version = fake->store[image->key];
+	else
+		for (unsigned i = 0; i < FAMILY; i++)
+			content.family[i] = fake->store[(image->key - COARSE) * FAMILY + i];
+	condition_wake_all(&fake->changed);
+	while (fake->hold_load == image->key + 1 || fake->hold_load == UINT64_MAX)
+		condition_wait(&fake->changed, &fake->mutex);
+	bool failing = fake->fail_load == image->key + 1;
+	fake->queued_differs |= queued != NULL && queued->key != image->key;
+	unsigned yields = fake->yields != 0 ? fake->loads_begun % fake->yields : 0;
+	mutex_unlock(&fake->mutex);
+	while (yields-- > 0)
+		sched_yield();
+	if (failing)
+		return fail_with(STATUS_INPUT, "tile %d: checksum; run furrow verify",
+				 (int)image->key);
+	if (queued != NULL)
+		memcpy(&content, queued->bytes, sizeof content);
+	memcpy(image->bytes, &content, sizeof content);
+	image->flags = 7;
+	return STATUS_OK;
+}
+
+static inline enum status fake_commit(void *user, const struct page_image *const *images,
+				      size_t count, const void *record)
+{
+	struct fake *fake = user;
+	enum status status = STATUS_OK;
+	mutex_lock(&fake->mutex);
+	fake->commits_begun++;
+	condition_wake_all(&fake->changed);
+	while (fake->hold_commits)
+		condition_wait(&fake->changed, &fake->mutex);
+	if (fake->fail_commits > 0) {
+		fake->fail_commits--;
+		status = fail_with(STATUS_FAILED, "store: disk is full; free some space");
+		goto unlock;
+	}
+	for (size_t i = 0; i < count; i++) {
+		const struct content *content = images[i]->bytes;
+		fake->commit_differs |= content->key != images[i]->key ||
+					content->version < fake->store[content->key];
+		fake->store[content->key] = content->version;
+	}
+	memcpy(&fake->record, record, sizeof fake->record);
+	if (fake->snapshots != NULL)
+		fake->commit_differs |= memcmp(fake->store, fake->snapshots[fake->record],
+					       sizeof fake->store) != 0;
+unlock:
+	mutex_unlock(&fake->mutex);
+	return status;
+}
+
+/* --- executor --- */
+
+struct fake_overlay {
+	struct fake *fake;
+	struct content *coarse;
+};
+
+static inline void fake_overlay_one(struct content *coarse, uint64_t key, uint64_t version)
+{
+	if (key < FINE && key / FAMILY == coarse->key - COARSE)
+		coarse->family[key % FAMILY] = version;
+}
+
+static inline void fake_overlay_queued(void *user, const struct page_image *image)
+{
+	const struct fake_overlay *overlay = user;
+	const struct content *content = image->bytes;
+	fake_overlay_one(overlay->coarse, content->key, content->version);
+}
+
+static inline void fake_overlay_resident(void *user, uint64_t key, uint32_t slot, bool dirty)
+{
+	const struct fake_overlay *overlay = user;
+	if (dirty)
+		fake_overlay_one(overlay->coarse, key, overlay->fake->slots[slot].version);
+}
+
+static inline enum status fake_execute(void *user, enum page_work_kind kind, uint32_t slot,
+				       struct page_image *image)
+{
+	struct fake *fake = user;
+	struct content *here = &fake->slots[slot];
+	assert_true(pthread_equal(fake->owner, pthread_self()));
+	assert_true(kind == PAGE_READ_BACK || fake->pins[slot] == 0);
+	if (kind == PAGE_READ_BACK) {
+		assert_int_equal(here->key, image->key);
+		if (fake->fail_read_back == image->key + 1)
+			return fail_with(STATUS_NO_GL, "GL: the context is lost; restart");
+		fake->read_back[fake->read_backs++ % LOG_MOST] = image->key;
+		memcpy(image->bytes, here, sizeof *here);
+		return STATUS_OK;
+	}
+	assert_int_equal(image->flags, 7);
+	memcpy(here, image->bytes, sizeof *here);
+	assert_int_equal(here->key, image->key);
+	if (fake->fail_upload == image->key + 1)
+		return fail_with(STATUS_NO_GL, "GL: out of memory; lower cache.slots");
+	fake->uploaded[fake->uploads++ % LOG_MOST] = image->key;
+	if (here->key >= COARSE) {
+		struct fake_overlay overlay = {fake, here};
+		page_cache_each_queued(fake->cache, fake_overlay_queued, &overlay);
+		page_cache_each_resident(fake->cache, fake_overlay_resident, &overlay);
+	}
+	return STATUS_OK;
+}
+
+/* --- life --- */
+
+static inline struct page_params fake_params(struct fake *fake, uint32_t slots, uint32_t loaders)
+{
+	return (struct page_params){
+		.slots = slots,
+		.loaders = loaders,
+		.page_bytes = sizeof(struct content),
+		.queue_soft = 8,
+		.queue_hard = 64,
+		.record_bytes = sizeof(uint64_t),
+		.io = {fake, fake_load, fake_commit},
+		.executor = {fake, fake_execute},
+	};
+}
+
+static inline void fake_init(struct fake *fake)
+{
+	memset(fake, 0, sizeof *fake);
+	mutex_init(&fake->mutex);
+	condition_init(&fake->changed);
+	fake->owner = pthread_self();
+	for (unsigned key = 0; key < FINE; key++)
+		fake->store[key] = fake->model[key] = 100;
+}
+
+static inline void fake_start(struct fake *fake, const struct page_params *params)
+{
+	fake_init(fake);
+	assert_int_equal(page_cache_create(params, &fake->cache), STATUS_OK);
+}
+
+static inline void fake_finish(struct fake *fake)
+{
+	page_cache_destroy(fake->cache);
+	assert_false(fake->commit_differs);
+	assert_false(fake->queued_differs);
+	condition_finish(&fake->changed);
+	mutex_finish(&fake->mutex);
+}
+
+/* --- gates, from any thread --- */
+
+static inline void fake_gate(struct fake *fake, uint64_t hold_load, bool hold_commits)
+{
+	mutex_lock(&fake->mutex);
+	fake->hold_load = hold_load;
+	fake->hold_commits = hold_commits;
+	condition_wake_all(&fake->changed);
+	mutex_unlock(&fake->mutex);
+}
+
+static inline void fake_await(struct fake *fake, unsigned loads, unsigned commits)
+{
+	mutex_lock(&fake->mutex);
+	while (fake->loads_begun < loads || fake->commits_begun < commits)
+		condition_wait(&fake->changed, &fake->mutex);
+	mutex_unlock(&fake->mutex);
+}
+
+/* Opens all gates from another thread once so many loads and commits began. */
+struct fake_opener {
+	struct fake *fake;
+	unsigned loads, commits;
+	struct thread thread;
+};
+
+static inline void *fake_opener_body(void *argument)
+{
+	struct fake_opener *opener = argument;
+	fake_await(opener->fake, opener->loads, opener->commits);
+	fake_gate(opener->fake, 0, false);
+	return NULL;
+}
+
+static inline void fake_open_later(struct fake_opener *opener, struct fake *fake, unsigned loads,
+				   unsigned commits)
+{
+	*opener = (struct fake_opener){.fake = fake, .loads = loads, .commits = commits};
+	enum status status = thread_start(&opener->thread, fake_opener_body, opener, "opener");
+	assert_int_equal(status, STATUS_OK);
+}
+
+/* --- what a step does --- */
+
+static inline struct page_stats fake_stats(struct fake *fake)
+{
+	struct page_stats stats;
+	page_cache_stats(fake->cache, &stats);
+	return stats;
+}
+
+static inline uint32_t fake_pin(struct fake *fake, uint64_t key)
+{
+	uint32_t slot = UINT32_MAX;
+	assert_int_equal(page_cache_pin(fake->cache, key, &slot), STATUS_OK);
+	assert_int_equal(fake->slots[slot].key, key);
+	if (key < FINE)
+		assert_int_equal(fake->slots[slot].version, fake->model[key]);
+	fake->pins[slot]++;
+	return slot;
+}
+
+static inline void fake_unpin(struct fake *fake, uint64_t key)
+{
+	uint32_t slot;
+	assert_true(page_cache_peek(fake->cache, key, false, &slot));
+	assert_true(fake->pins[slot]-- > 0);
+	page_cache_unpin(fake->cache, key);
+}
+
+static inline void fake_visit(struct fake *fake, uint64_t key)
+{
+	fake_pin(fake, key);
+	fake_unpin(fake, key);
+}
+
+/* Pins, changes and unpins a page. */
+static inline void fake_change(struct fake *fake, uint64_t key)
+{
+	uint32_t slot = fake_pin(fake, key);
+	fake->slots[slot].version = ++fake->model[key];
+	page_cache_dirty(fake->cache, key);
+	fake_unpin(fake, key);
+}
+
+static inline void fake_end_step(struct fake *fake, uint64_t record)
+{
+	assert_int_equal(page_cache_end_step(fake->cache, &record), STATUS_OK);
+}
+
+static inline void fake_flush(struct fake *fake, uint64_t record)
+{
+	assert_int_equal(page_cache_flush(fake->cache, &record), STATUS_OK);
+	assert_int_equal(fake->record, record);
+	assert_memory_equal(fake->store, fake->model, sizeof fake->store);
+}
+
+static inline bool fake_resident(struct fake *fake, uint64_t key)
+{
+	uint32_t slot;
+	return page_cache_peek(fake->cache, key, false, &slot);
+}
+
+static inline uint64_t fake_stored(struct fake *fake, uint64_t key)
+{
+	mutex_lock(&fake->mutex);
+	uint64_t version = fake->store[key];
+	mutex_unlock(&fake->mutex);
+	return version;
+}
+
+/* What page_cache_each_queued shows of one key: how often, and the last version. */
+struct fake_seen {
+	uint64_t key;
+	unsigned count;
+	uint64_t version;
+};
+
+static inline void fake_see(void *user, const struct page_image *image)
+{
+	struct fake_seen *seen = user;
+	if (image->key != seen->key)
+		return;
+	seen->count++;
+	seen->version = ((const struct content *)image->bytes)->version;
+}
+
+static inline struct fake_seen fake_queued(struct fake *fake, uint64_t key)
+{
+	struct fake_seen seen = {.key = key};
+	page_cache_each_queued(fake->cache, fake_see, &seen);
+	return seen;
+}
+
+#endif

@@ -1,0 +1,186 @@
+/* Prefetching: it makes pins hits, and takes nothing from the step that runs. */
+#include "page/fake.h"
+
+/* Polls until a prefetched page is resident; its load must be on its way and not held. */
+static void poll_until_resident(struct fake *fake, uint64_t key)
+{
+	while (!fake_resident(fake, key)) {
+		assert_int_equal(page_cache_poll(fake->cache), STATUS_OK);
+		sched_yield();
+	}
+}
+
+static void page_prefetched_and_polled_is_a_hit(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 4, 1);
+	(void)state;
+	fake_start(&fake, &params);
+	page_cache_prefetch(fake.cache, 5);
+	page_cache_prefetch(fake.cache, 5);
+	poll_until_resident(&fake, 5);
+	page_cache_prefetch(fake.cache, 5);
+	fake_visit(&fake, 5);
+	struct page_stats stats = fake_stats(&fake);
+	assert_int_equal(stats.prefetched, 1);
+	assert_int_equal(stats.hits, 1);
+	assert_int_equal(stats.misses, 0);
+	assert_int_equal(stats.stalls, 0);
+	fake_finish(&fake);
+}
+
+static void page_pin_of_a_prefetch_on_its_way_is_late(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 4, 1);
+	struct fake_opener opener;
+	(void)state;
+	fake_start(&fake, &params);
+	fake_gate(&fake, 5 + 1, false);
+	page_cache_prefetch(fake.cache, 5);
+	fake_await(&fake, 1, 0);
+	fake_open_later(&opener, &fake, 1, 0);
+	fake_visit(&fake, 5);
+	thread_join(&opener.thread);
+	struct page_stats stats = fake_stats(&fake);
+	assert_int_equal(stats.misses, 1);
+	assert_int_equal(stats.late, 1);
+	assert_int_equal(fake.loads_begun, 1);
+	fake_finish(&fake);
+}
+
+static void page_prefetch_never_evicts_what_the_step_pinned(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 4, 1);
+	(void)state;
+	fake_start(&fake, &params);
+	fake_visit(&fake, 9);
+	fake_end_step(&fake, 1);
+	fake_gate(&fake, 7 + 1, false);
+	page_cache_prefetch(fake.cache, 7); /* may take the slot of 9, if nobody else does */
+	fake_await(&fake, 2, 0);
+	fake_gate(&fake, 0, false);
+	/* The one loader is done with 7 when it takes 0. */
+	for (uint64_t key = 0; key < 4; key++)
+		fake_visit(&fake, key);
+	assert_int_equal(page_cache_poll(fake.cache), STATUS_OK);
+	for (uint64_t key = 0; key < 4; key++)
+		assert_true(fake_resident(&fake, key));
+	assert_false(fake_resident(&fake, 7));
+	page_cache_prefetch(fake.cache, 8); /* ignored: nothing can go for it */
+	assert_int_equal(fake_stats(&fake).prefetched, 1);
+	fake_end_step(&fake, 2);
+	fake_pin(&fake, 0);
+	page_cache_prefetch(fake.cache, 7); /* may take that of 1, the oldest of those not pinned */
+	poll_until_resident(&fake, 7);
+	assert_true(fake_resident(&fake, 0));
+	assert_false(fake_resident(&fake, 1));
+	fake_finish(&fake);
+}
+
+static void page_prefetch_evicts_dirty_pages_only_into_room(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 4, 1);
+	(void)state;
+	params.queue_soft = params.queue_hard = 4;
+	fake_start(&fake, &params);
+	for (uint64_t key = 0; key < 7; key++)
+		fake_change(&fake, key);
+	fake_end_step(&fake, 1); /* three wait, four are dirty in their slots */
+	assert_int_equal(fake.commits_begun, 0);
+	page_cache_prefetch(fake.cache, 20);
+	poll_until_resident(&fake, 20);
+	fake_visit(&fake, 20);
+	page_cache_prefetch(fake.cache, 21);
+	page_cache_prefetch(fake.cache, 22);
+	fake_await(&fake, 10, 0);
+	for (int i = 0; i < 100; i++) {
+		assert_int_equal(page_cache_poll(fake.cache), STATUS_OK);
+		sched_yield();
+	}
+	assert_int_equal(fake.read_backs, 4);
+	for (uint64_t key = 4; key < 7; key++)
+		assert_true(fake_resident(&fake, key));
+	fake_flush(&fake, 2);
+	fake_finish(&fake);
+}
+
+static void page_failed_prefetch_is_silent_and_retried(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 4, 1);
+	(void)state;
+	fake_start(&fake, &params);
+	fake.fail_load = 5 + 1;
+	page_cache_prefetch(fake.cache, 5);
+	page_cache_prefetch(fake.cache, 6);
+	poll_until_resident(&fake, 6); /* the one loader was done with 5 before */
+	assert_false(fake_resident(&fake, 5));
+	page_cache_prefetch(fake.cache, 5);
+	fake_visit(&fake, 7); /* so now it is, again, and not polled */
+	mutex_lock(&fake.mutex);
+	fake.fail_load = 0;
+	mutex_unlock(&fake.mutex);
+	fake_visit(&fake, 5);
+	fake_finish(&fake);
+}
+
+static void page_pins_overtake_prefetches(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 8, 1);
+	struct fake_opener opener;
+	(void)state;
+	fake_start(&fake, &params);
+	fake_gate(&fake, 1 + 1, false);
+	page_cache_prefetch(fake.cache, 1);
+	fake_await(&fake, 1, 0);
+	page_cache_prefetch(fake.cache, 2);
+	page_cache_prefetch(fake.cache, 3); /* ignored: two for each loader are on their way */
+	assert_int_equal(fake_stats(&fake).prefetched, 2);
+	const uint64_t keys[] = {4, 1};
+	uint32_t slots[2];
+	/* The gate opens when the pin is asked for, which is when 1 is late. */
+	fake_open_later(&opener, &fake, 1, 0);
+	assert_int_equal(page_cache_pin_all(fake.cache, keys, 2, slots), STATUS_OK);
+	thread_join(&opener.thread);
+	fake_visit(&fake, 2);
+	fake_finish(&fake);
+}
+
+/* Two prefetches wait for the one loader, unpolled; a pin of many pages is served all the same. */
+static void page_prefetches_that_nobody_polls_do_not_starve_pins(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 16, 1);
+	uint64_t keys[16];
+	uint32_t slots[16];
+	(void)state;
+	fake_start(&fake, &params);
+	page_cache_prefetch(fake.cache, 100);
+	page_cache_prefetch(fake.cache, 101);
+	fake_await(&fake, 2, 0);
+	for (uint64_t i = 0; i < 16; i++)
+		keys[i] = i;
+	assert_int_equal(page_cache_pin_all(fake.cache, keys, 16, slots), STATUS_OK);
+	assert_int_equal(page_cache_poll(fake.cache), STATUS_OK); /* every slot is pinned */
+	assert_false(fake_resident(&fake, 100));
+	assert_true(fake_stats(&fake).host_bytes <= 3 * sizeof(struct content));
+	fake_finish(&fake);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(page_prefetched_and_polled_is_a_hit),
+		cmocka_unit_test(page_pin_of_a_prefetch_on_its_way_is_late),
+		cmocka_unit_test(page_prefetch_never_evicts_what_the_step_pinned),
+		cmocka_unit_test(page_prefetch_evicts_dirty_pages_only_into_room),
+		cmocka_unit_test(page_failed_prefetch_is_silent_and_retried),
+		cmocka_unit_test(page_pins_overtake_prefetches),
+		cmocka_unit_test(page_prefetches_that_nobody_polls_do_not_starve_pins),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,341 @@
+/* Write-back: the queue, epochs, and what a load sees of what is not committed. */
+#include "page/fake.h"
+
+/* Evicts everything: the slots are full of other pages then. */
+static void push_out(struct fake *fake, uint32_t slots, uint64_t first)
+{
+	for (uint32_t i = 0; i < slots; i++)
+		fake_visit(fake, first + i);
+}
+
+static void page_reads_its_own_write_while_its_commit_is_blocked(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 4, 1);
+	(void)state;
+	params.queue_soft = 1;
+	fake_start(&fake, &params);
+	fake_change(&fake, 0);
+	push_out(&fake, 4, 10);
+	assert_int_equal(fake_queued(&fake, 0).count, 1);
+	fake_visit(&fake, 0); /* waiting: the store still has 100 */
+	fake_gate(&fake, 0, true);
+	fake_end_step(&fake, 1);
+	fake_await(&fake, 0, 1);
+	push_out(&fake, 4, 20);
+	fake_visit(&fake, 0); /* committing */
+	fake_change(&fake, 0);
+	push_out(&fake, 4, 10);
+	assert_int_equal(fake_queued(&fake, 0).count, 2);
+	assert_int_equal(fake_queued(&fake, 0).version, 102); /* oldest first */
+	fake_visit(&fake, 0); /* committing and a newer one waiting */
+	assert_int_equal(fake_stored(&fake, 0), 100);
+	fake_gate(&fake, 0, false);
+	fake_flush(&fake, 2);
+	fake_finish(&fake);
+}
+
+static void page_dirtied_while_being_committed_is_committed_again(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 4, 1);
+	(void)state;
+	params.queue_soft = 0;
+	fake_start(&fake, &params);
+	fake_gate(&fake, 0, true);
+	fake_change(&fake, 0);
+	fake_end_step(&fake, 1);
+	fake_await(&fake, 0, 1);
+	fake_change(&fake, 0); /* still resident, and dirty again */
+	fake_gate(&fake, 0, false);
+	fake_flush(&fake, 2);
+	assert_int_equal(fake_stored(&fake, 0), 102);
+	assert_int_equal(fake_stats(&fake).writebacks, 2);
+	fake_flush(&fake, 3); /* clean now: the record alone */
+	assert_int_equal(fake_stats(&fake).writebacks, 2);
+	assert_int_equal(fake_stats(&fake).commits, 3);
+	fake_finish(&fake);
+}
+
+static void page_evicted_in_a_step_is_committed_with_the_rest_of_it(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 4, 1);
+	(void)state;
+	params.queue_soft = 2;
+	fake_start(&fake, &params);
+	for (uint64_t key = 0; key < 8; key++) /* 4 of them are pushed out, past queue_soft */
+		fake_change(&fake, key);
+	assert_int_equal(fake.read_backs, 4);
+	assert_int_equal(fake_stats(&fake).commits, 0);
+	assert_int_equal(fake.commits_begun, 0);
+	fake_gate(&fake, 0, true);
+	fake_end_step(&fake, 1);
+	fake_await(&fake, 0, 1);
+	assert_int_equal(fake.read_backs, 8);
+	fake_gate(&fake, 0, false);
+	fake_flush(&fake, 2);
+	struct page_stats stats = fake_stats(&fake);
+	assert_int_equal(stats.writebacks, 8);
+	assert_int_equal(stats.queue_peak, 8);
+	fake_finish(&fake);
+}
+
+static void page_newer_version_replaces_the_one_that_waits(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 4, 1);
+	(void)state;
+	fake_start(&fake, &params);
+	for (int i = 0; i < 20; i++) {
+		fake_change(&fake, 0);
+		push_out(&fake, 4, 10);
+		assert_int_equal(fake_queued(&fake, 0).count, 1);
+		fake_end_step(&fake, 1);
+	}
+	assert_int_equal(fake_stats(&fake).queue_peak, 1);
+	fake_flush(&fake, 2);
+	assert_int_equal(fake_stats(&fake).writebacks, 1);
+	fake_finish(&fake);
+}
+
+static void page_queue_full_in_a_step_is_refused_and_nothing_lost(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 4, 2);
+	uint32_t slot;
+	(void)state;
+	params.queue_soft = 2;
+	params.queue_hard = 3;
+	fake_start(&fake, &params);
+	for (uint64_t key = 0; key < 7; key++)
+		fake_change(&fake, key);
+	assert_int_equal(page_cache_pin(fake.cache, 7, &slot), STATUS_FAILED);
+	assert_non_null(strstr(failure_message(), "raise cache.slots"));
+	/* Not sticky: what is resident can be used, and the step's end makes room. */
+	fake_visit(&fake, 6);
+	fake_end_step(&fake, 1);
+	fake_change(&fake, 7);
+	fake_flush(&fake, 2);
+	fake_finish(&fake);
+}
+
+/* The bound counts what is being committed; the step waits for that instead of failing. */
+static void page_queue_full_waits_for_the_commit_in_flight(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 4, 1);
+	struct fake_opener opener;
+	(void)state;
+	params.queue_soft = 3;
+	params.queue_hard = 7;
+	fake_start(&fake, &params);
+	for (uint64_t key = 0; key < 7; key++)
+		fake_change(&fake, key);
+	fake_gate(&fake, 0, true);
+	fake_end_step(&fake, 1);
+	fake_await(&fake, 0, 1);
+	fake_open_later(&opener, &fake, 12, 1);
+	for (uint64_t key = 10; key < 18; key++) /* the 5th pushes the 1st out */
+		fake_change(&fake, key);
+	thread_join(&opener.thread);
+	assert_true(fake_stats(&fake).queue_peak <= 7);
+	fake_flush(&fake, 2);
+	fake_finish(&fake);
+}
+
+static void page_failed_commit_is_sticky_and_keeps_every_image(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 4, 1);
+	uint64_t record = 1;
+	uint32_t slot;
+	(void)state;
+	fake_start(&fake, &params);
+	for (uint64_t key = 0; key < 6; key++)
+		fake_change(&fake, key);
+	fake.fail_commits = 1;
+	for (int i = 0; i < 3; i++) {
+		fail_with(STATUS_USAGE, "another");
+		assert_int_equal(page_cache_flush(fake.cache, &record), STATUS_FAILED);
+		assert_string_equal(failure_message(), "store: disk is full; free some space");
+		fail_with(STATUS_USAGE, "another");
+		assert_int_equal(page_cache_end_step(fake.cache, &record), STATUS_FAILED);
+		assert_string_equal(failure_message(), "store: disk is full; free some space");
+		fail_with(STATUS_USAGE, "another");
+		assert_int_equal(page_cache_pin(fake.cache, 5, &slot), STATUS_FAILED);
+		assert_string_equal(failure_message(), "store: disk is full; free some space");
+		assert_int_equal(page_cache_poll(fake.cache), STATUS_FAILED);
+	}
+	assert_int_equal(fake.commits_begun, 1);
+	for (uint64_t key = 0; key < 6; key++) {
+		assert_int_equal(fake_queued(&fake, key).count, 1);
+		assert_int_equal(fake_queued(&fake, key).version, fake.model[key]);
+	}
+	fake_finish(&fake);
+}
+
+/* Changed again while its commit is about to fail: the newer version stays, in any order. */
+static void page_failed_commit_does_not_bring_older_bits_back(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 4, 1);
+	uint64_t record = 2;
+	(void)state;
+	params.queue_soft = 0;
+	fake_start(&fake, &params);
+	fake.fail_commits = 1;
+	fake_gate(&fake, 0, true);
+	fake_change(&fake, 0);
+	fake_change(&fake, 1);
+	fake_end_step(&fake, 1);
+	fake_await(&fake, 0, 1);
+	fake_change(&fake, 0);
+	push_out(&fake, 4, 10);
+	fake_gate(&fake, 0, false);
+	assert_int_equal(page_cache_flush(fake.cache, &record), STATUS_FAILED);
+	assert_int_equal(fake_queued(&fake, 0).count, 1);
+	assert_int_equal(fake_queued(&fake, 0).version, 102);
+	assert_int_equal(fake_queued(&fake, 1).version, 101);
+	fake_finish(&fake);
+}
+
+static void page_failed_read_back_is_sticky_and_stays_dirty(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 2, 1);
+	uint64_t record = 1;
+	uint32_t slot;
+	(void)state;
+	fake_start(&fake, &params);
+	fake_change(&fake, 0);
+	fake_change(&fake, 1);
+	fake.fail_read_back = 0 + 1;
+	assert_int_equal(page_cache_pin(fake.cache, 2, &slot), STATUS_NO_GL);
+	fake.fail_read_back = 0;
+	assert_int_equal(page_cache_pin(fake.cache, 2, &slot), STATUS_NO_GL);
+	assert_int_equal(page_cache_flush(fake.cache, &record), STATUS_NO_GL);
+	assert_true(fake_resident(&fake, 0));
+	assert_true(fake_resident(&fake, 1));
+	fake_finish(&fake);
+}
+
+static void page_old_change_starts_an_epoch_and_a_young_one_does_not(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 4, 1);
+	(void)state;
+	for (int old = 0; old < 2; old++) {
+		params.epoch_age = old ? 1e-12 : 1e9;
+		fake_start(&fake, &params);
+		fake_end_step(&fake, 0); /* nothing changed: no epoch, however old */
+		fake_change(&fake, 0);
+		fake_end_step(&fake, 1);
+		if (old)
+			fake_await(&fake, 0, 1);
+		assert_int_equal(fake.read_backs, old);
+		fake_flush(&fake, 2);
+		assert_int_equal(fake_stats(&fake).commits, 1 + old);
+		fake_finish(&fake);
+	}
+}
+
+/* A load that got a queued image keeps it, though it is committed and its memory wanted. */
+static void page_late_load_cannot_resurrect_older_bits(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 4, 2);
+	(void)state;
+	params.queue_soft = 1;
+	fake_start(&fake, &params);
+	fake_change(&fake, 0);
+	push_out(&fake, 4, 10);
+	fake_gate(&fake, 0 + 1, true);
+	fake_end_step(&fake, 0);
+	uint64_t record = 1;
+	page_cache_prefetch(fake.cache, 0);
+	fake_await(&fake, 6, 1); /* both are held; the load reads what the commit writes */
+	fake_gate(&fake, 0 + 1, false);
+	assert_int_equal(page_cache_flush(fake.cache, &record), STATUS_OK);
+	for (uint64_t key = 30; key < 60; key++)
+		fake_change(&fake, key);
+	assert_int_equal(page_cache_flush(fake.cache, &record), STATUS_OK);
+	fake_gate(&fake, 0, false);
+	fake_visit(&fake, 0);
+	fake_flush(&fake, 2);
+	fake_finish(&fake);
+}
+
+static void page_committed_image_is_visible_to_loads_that_began_before(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 4, 2);
+	(void)state;
+	params.queue_soft = 1;
+	fake_start(&fake, &params);
+	fake_gate(&fake, COARSE + 1, false);
+	page_cache_prefetch(fake.cache, COARSE); /* has read 0 from the store, and is held */
+	fake_await(&fake, 1, 0);
+	fake_change(&fake, 0);
+	fake_flush(&fake, 1);
+	assert_int_equal(fake_queued(&fake, 0).count, 1); /* it may have missed this */
+	fake_gate(&fake, COARSE + 1 + 1, false);
+	page_cache_prefetch(fake.cache, COARSE + 1); /* this one cannot have */
+	fake_await(&fake, 3, 0);
+	uint32_t slot = fake_pin(&fake, COARSE);
+	assert_int_equal(fake.slots[slot].family[0], 101);
+	assert_int_equal(fake_queued(&fake, 0).count, 0); /* though the other one is on its way */
+	fake_unpin(&fake, COARSE);
+	fake_gate(&fake, 0, false);
+	fake_visit(&fake, COARSE + 1);
+	fake_change(&fake, 0);
+	fake_flush(&fake, 2);
+	assert_int_equal(fake_queued(&fake, 0).count, 0); /* no load on its way at all */
+	fake_finish(&fake);
+}
+
+/* What would make the cache keep more than one epoch is loaded again instead. */
+static void page_load_that_outlives_two_epochs_is_repeated(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 8, 2);
+	struct fake_opener opener;
+	(void)state;
+	fake_start(&fake, &params);
+	fake_gate(&fake, COARSE + 1, false);
+	page_cache_prefetch(fake.cache, COARSE);
+	fake_await(&fake, 1, 0);
+	for (uint64_t round = 1; round < 20; round++) {
+		for (uint64_t key = 0; key < 5; key++)
+			fake_change(&fake, key);
+		fake_flush(&fake, round);
+	}
+	assert_true(fake_stats(&fake).host_bytes <= (2 * 5 + 2 * 3) * sizeof(struct content));
+	fake_open_later(&opener, &fake, 6, 0);
+	uint32_t slot = fake_pin(&fake, COARSE);
+	thread_join(&opener.thread);
+	for (unsigned i = 0; i < FAMILY; i++)
+		assert_int_equal(fake.slots[slot].family[i], fake.model[i]);
+	assert_int_equal(fake_queued(&fake, 0).count, 0);
+	fake_finish(&fake);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(page_reads_its_own_write_while_its_commit_is_blocked),
+		cmocka_unit_test(page_dirtied_while_being_committed_is_committed_again),
+		cmocka_unit_test(page_evicted_in_a_step_is_committed_with_the_rest_of_it),
+		cmocka_unit_test(page_newer_version_replaces_the_one_that_waits),
+		cmocka_unit_test(page_queue_full_in_a_step_is_refused_and_nothing_lost),
+		cmocka_unit_test(page_queue_full_waits_for_the_commit_in_flight),
+		cmocka_unit_test(page_failed_commit_is_sticky_and_keeps_every_image),
+		cmocka_unit_test(page_failed_commit_does_not_bring_older_bits_back),
+		cmocka_unit_test(page_failed_read_back_is_sticky_and_stays_dirty),
+		cmocka_unit_test(page_old_change_starts_an_epoch_and_a_young_one_does_not),
+		cmocka_unit_test(page_late_load_cannot_resurrect_older_bits),
+		cmocka_unit_test(page_committed_image_is_visible_to_loads_that_began_before),
+		cmocka_unit_test(page_load_that_outlives_two_epochs_is_repeated),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
