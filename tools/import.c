@@ -17,6 +17,7 @@ static const struct command_option options[] = {
 	{"fill", NULL, "fill holes from their rims"},
 	{"height-range", "MIN,MAX", "metres that a PNG's 0 and full scale mean (one metre a unit)"},
 	{"pack", "KIND", "fast (default) or small"},
+	{"jobs", "N", "threads: 1, or 2 and more to cut and to store at once (the machine's cores)"},
 	{"overwrite", NULL, "replace STORE"},
 	{"dry-run", NULL, "say what would be made, and make nothing"},
 	{NULL, NULL, NULL},
@@ -25,7 +26,7 @@ static const struct command_option options[] = {
 struct request {
 	const char *path;
 	struct dem_params dem;
-	int64_t tile;
+	int64_t tile, jobs;
 	double max_error; /* below 0: the default */
 	int pack;
 	double nodata[32];
@@ -51,6 +52,8 @@ static enum status read_request(const struct arguments *arguments, const char **
 	request->dem.nodata = request->nodata;
 	if (status == STATUS_OK)
 		status = arguments_integer(arguments, "tile", TILE_CELLS_MIN, TILE_CELLS_MAX, &request->tile);
+	if (status == STATUS_OK)
+		status = arguments_integer(arguments, "jobs", 1, 256, &request->jobs);
 	if (status == STATUS_OK)
 		status = arguments_number(arguments, "max-error", 0, 1e4, &request->max_error);
 	if (status == STATUS_OK)
@@ -116,7 +119,7 @@ static enum status read_rows(void *user, int64_t y0, int64_t rows, double *heigh
 
 static enum status run(const struct arguments *arguments)
 {
-	struct request request = {.tile = 256, .max_error = -1};
+	struct request request = {.tile = 256, .jobs = thread_cores(), .max_error = -1};
 	struct dem *dem = NULL;
 	char *lines = NULL;
 	const char **sources = mem_calloc(arguments_count(arguments) + 1, sizeof *sources);
@@ -138,6 +141,7 @@ static enum status run(const struct arguments *arguments)
 	struct intake intake = {
 		.path = request.path,
 		.overwrite = arguments_flag(arguments, "overwrite"),
+		.jobs = request.jobs,
 		.rows = read_rows,
 		.rows_user = dem,
 		.meta = {

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 
 #include "command.h"
+#include "conveyor.h"
 
 double intake_default_error(double unit)
 {
@@ -15,6 +16,25 @@ static enum status put_tile(void *user, const struct dem_tile *tile)
 {
 	struct store_range range = {tile->low, tile->high, tile->error};
 	return store_put_base(user, tile->tile, tile->codes, &range);
+}
+
+/* Cuts and stores in turn, or at once in two threads. */
+static enum status cut_and_store(const struct intake *intake, struct store *store, struct progress *progress)
+{
+	const struct world *world = &intake->meta.world;
+	struct conveyor *conveyor = NULL;
+	if (intake->jobs < 2)
+		return dem_cut(world, intake->meta.step, intake->rows, intake->rows_user, put_tile, store, progress_step,
+			       progress);
+	enum status status = conveyor_create(store, world->cells, &conveyor);
+	if (status != STATUS_OK)
+		return status;
+	status = dem_cut(world, intake->meta.step, intake->rows, intake->rows_user, conveyor_put, conveyor, progress_step,
+			 progress);
+	struct failure failure;
+	failure_capture(&failure, status);
+	enum status stored = conveyor_finish(conveyor);
+	return status == STATUS_OK ? stored : failure_restore(&failure);
 }
 
 enum status intake_run(const struct intake *intake)
@@ -28,8 +48,7 @@ enum status intake_run(const struct intake *intake)
 	struct progress progress;
 	progress_start(&progress, intake->path, "rows");
 	const struct world *world = &intake->meta.world;
-	status = dem_cut(world, intake->meta.step, intake->rows, intake->rows_user, put_tile, store,
-			 progress_step, &progress);
+	status = cut_and_store(intake, store, &progress);
 	progress_end(&progress);
 	if (status == STATUS_OK)
 		status = store_publish(store);

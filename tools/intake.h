@@ -9,6 +9,7 @@ struct intake {
 	const char *path; /* of the store to make */
 	struct store_meta meta;
 	bool overwrite;
+	int64_t jobs; /* threads; more than 2 find nothing to do */
 	dem_rows_fn rows;
 	void *rows_user;
 };

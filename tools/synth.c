@@ -124,6 +124,7 @@ static enum status run(const struct arguments *arguments)
 	struct intake intake = {
 		.path = path,
 		.overwrite = arguments_flag(arguments, "overwrite"),
+		.jobs = thread_cores(),
 		.rows = synth_rows,
 		.rows_user = &synth,
 		.meta = {

@@ -157,6 +157,15 @@ class RoundTrips(FurrowTest):
             self.assertEqual(self.json("query", "s.furrow", x, y)["height"], 7 * x + 300 * (60 - y))
             self.assertEqual(self.json("query", "t.furrow", x, y)["height"], 7 * x + 300 * (60 - y))
 
+    def test_any_number_of_jobs_makes_the_same_store(self):
+        write_png16(self.folder / "in.png", 400, 310, lambda x, y: 7 * x + 30 * y)
+        for jobs in (1, 2, 5):
+            self.ok("import", "in.png", "-o", f"jobs{jobs}.furrow", "--tile", "32", "--jobs", jobs)
+            self.assertTrue(self.json("verify", f"jobs{jobs}.furrow")["ok"])
+        infos = [self.json("info", f"jobs{jobs}.furrow") for jobs in (1, 2, 5)]
+        self.assertEqual(infos[0], infos[1])
+        self.assertEqual(infos[0], infos[2])
+
     def test_info_holds_what_the_contract_names(self):
         info = self.json("info", self.synth(posts="600x400", spacing=2))
         for key in ("tile spacing posts levels srs geotransform vertical origin bounds nodata max_error height tiles "

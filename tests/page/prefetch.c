@@ -1,6 +1,8 @@
 /* Prefetching: it makes pins hits, and takes nothing from the step that runs. */
 #include "page/fake.h"
 
+#include "page/page_internal.h"
+
 /* Polls until a prefetched page is resident; its load must be on its way and not held. */
 static void poll_until_resident(struct fake *fake, uint64_t key)
 {
@@ -127,11 +129,24 @@ static void page_failed_prefetch_is_silent_and_retried(void **state)
 	fake_finish(&fake);
 }
 
+/* Opens the gate when a pin has asked for a page that no loader took. */
+static void *open_on_urgent(void *argument)
+{
+	struct fake *fake = argument;
+	for (bool asked = false; !asked; sched_yield()) {
+		mutex_lock(&fake->cache->mutex);
+		asked = fake->cache->table.urgent.count > 0;
+		mutex_unlock(&fake->cache->mutex);
+	}
+	fake_gate(fake, 0, false);
+	return NULL;
+}
+
 static void page_pins_overtake_prefetches(void **state)
 {
 	static struct fake fake;
 	struct page_params params = fake_params(&fake, 8, 1);
-	struct fake_opener opener;
+	struct thread opener;
 	(void)state;
 	fake_start(&fake, &params);
 	fake_gate(&fake, 1 + 1, false);
@@ -140,13 +155,12 @@ static void page_pins_overtake_prefetches(void **state)
 	page_cache_prefetch(fake.cache, 2);
 	page_cache_prefetch(fake.cache, 3); /* ignored: two for each loader are on their way */
 	assert_int_equal(fake_stats(&fake).prefetched, 2);
-	const uint64_t keys[] = {4, 1};
-	uint32_t slots[2];
-	/* The gate opens when the pin is asked for, which is when 1 is late. */
-	fake_open_later(&opener, &fake, 1, 0);
-	assert_int_equal(page_cache_pin_all(fake.cache, keys, 2, slots), STATUS_OK);
-	thread_join(&opener.thread);
+	assert_int_equal(thread_start(&opener, open_on_urgent, &fake, "opener"), STATUS_OK);
+	fake_visit(&fake, 4);
+	thread_join(&opener);
 	fake_visit(&fake, 2);
+	assert_int_equal(fake.loaded[1], 4);
+	assert_int_equal(fake.loaded[2], 2);
 	fake_finish(&fake);
 }
 

@@ -306,8 +306,8 @@ static void page_load_that_outlives_two_epochs_is_repeated(void **state)
 	page_cache_prefetch(fake.cache, COARSE);
 	fake_await(&fake, 1, 0);
 	for (uint64_t round = 1; round < 20; round++) {
-		for (uint64_t key = 0; key < 5; key++)
-			fake_change(&fake, key);
+		for (uint64_t i = 0; i < 5; i++)
+			fake_change(&fake, (round - 1) * 5 + i);
 		fake_flush(&fake, round);
 	}
 	assert_true(fake_stats(&fake).host_bytes <= (2 * 5 + 2 * 3) * sizeof(struct content));
