@@ -322,13 +322,6 @@ size_t pages_record_bytes(size_t objects)
 	return sizeof(struct pages_record) + objects * sizeof(int64_t[3]);
 }
 
-uint64_t pages_budget(const struct pages_params *params)
-{
-	struct layout layout = layout_of(store_meta(params->store)->world.cells, params->dirt);
-	struct page_params cache = cache_params(params, &layout);
-	return (uint64_t)layout.bytes * (cache.queue_hard + 3 * cache.loaders);
-}
-
 enum status pages_create(const struct pages_params *params, struct pages **out)
 {
 	struct pages *pages = mem_calloc(1, sizeof *pages);

@@ -53,6 +53,5 @@ void pages_destroy(struct pages *pages);
 struct page_cache *pages_cache(struct pages *pages);
 size_t pages_record_bytes(size_t objects);
 void pages_io(struct pages *pages, struct pages_io *io);
-uint64_t pages_budget(const struct pages_params *params); /* bytes of host buffers at most */
 
 #endif
