@@ -53,7 +53,11 @@ static enum status take_option(struct arguments *arguments, const char *token, i
 	if (option->value == NULL && value != NULL)
 		return fail_with(STATUS_USAGE, "%s: %s takes no value; leave it out", command->name, token);
 	if (option->value != NULL && value == NULL) {
-		if (*at + 1 >= argc)
+		double number;
+		const char *next = *at + 1 < argc ? argv[*at + 1] : NULL;
+		bool option_next = next != NULL && next[0] == '-' &&
+				   (next[1] == '-' || (next[1] >= 'a' && next[1] <= 'z')) && !parse_number(next, &number);
+		if (next == NULL || option_next)
 			return fail_with(STATUS_USAGE, "%s: %s needs a value; give %s", command->name, token,
 					 option->value);
 		value = argv[++*at];

@@ -45,8 +45,7 @@ static enum status read_request(const struct arguments *arguments, struct reques
 		status = arguments_numbers(arguments, "height-range", 2, request->range, &request->has_range);
 	if (status != STATUS_OK)
 		return status;
-	size_t length = strlen(request->path);
-	request->png = length > 4 && strcmp(request->path + length - 4, ".png") == 0;
+	request->png = dem_path_ends(request->path, ".png");
 	if (request->png && (request->layer == LAYER_OFFSET || request->layer == LAYER_QUANTA))
 		return fail_with(STATUS_USAGE, "export: a PNG holds no negative metres; write %s as .tif",
 				 layer_names[request->layer]);
@@ -64,16 +63,19 @@ static enum status find_rect(const struct request *request, const struct world *
 		return fail_with(STATUS_INPUT, "export: level %d is coarser than the store's coarsest; give at most %d",
 				 level, world_coarsest(world));
 	if (request->has_window) {
-		double spacing = world_spacing(world, level), slack = 1e-9;
-		const double *w = request->window;
-		double limit = 9e15;
-		if (fabs(w[0]) > limit || fabs(w[1]) > limit || fabs(w[2]) > limit || fabs(w[3]) > limit)
-			return fail_with(STATUS_INPUT, "export: --window is outside the terrain; give metres inside it");
+		double w[4];
+		for (int i = 0; i < 4; i++) {
+			w[i] = request->window[i] / world_spacing(world, level);
+			if (fabs(w[i]) > 1e15)
+				return fail_with(STATUS_INPUT, "export: --window is outside the terrain; give metres inside it");
+			/* A post asked for exactly is in, whatever the division rounded. */
+			w[i] += (i < 2 ? -1 : 1) * (1e-9 + 4e-16 * fabs(w[i]));
+		}
 		struct post_rect asked = {
-			.x0 = (int64_t)ceil(w[0] / spacing - slack),
-			.y0 = (int64_t)ceil(w[1] / spacing - slack),
-			.x1 = (int64_t)floor(w[2] / spacing + slack) + 1,
-			.y1 = (int64_t)floor(w[3] / spacing + slack) + 1,
+			.x0 = (int64_t)ceil(w[0]),
+			.y0 = (int64_t)ceil(w[1]),
+			.x1 = (int64_t)floor(w[2]) + 1,
+			.y1 = (int64_t)floor(w[3]) + 1,
 		};
 		*rect = post_rect_intersect(*rect, asked);
 	}
@@ -116,7 +118,6 @@ static enum status write_rows(const struct request *request, struct store_reader
 	double *values = mem_alloc(room, sizeof *values), *shaded = mem_alloc(room, sizeof *shaded);
 	enum status status = values != NULL && shaded != NULL ? STATUS_OK : fail_memory("rows to export");
 	struct progress progress;
-	interrupt_catch();
 	progress_start(&progress, request->path, "rows");
 	double unit = 1, zero = 0;
 	if (request->png && request->has_range) {
@@ -194,6 +195,7 @@ static enum status write_raster(const struct request *request, struct store *sto
 	struct dem_writer *writer = NULL;
 	struct store_reader *reader = NULL;
 	status = store_reader_create(store, &reader);
+	interrupt_catch();
 	if (status == STATUS_OK)
 		status = dem_writer_create(&raster, &writer);
 	if (status == STATUS_OK)

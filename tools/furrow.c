@@ -76,7 +76,7 @@ int main(int argc, char **argv)
 	if (status == STATUS_OK)
 		status = command->run(arguments);
 	arguments_destroy(arguments);
-	if (fflush(stdout) != 0 && status == STATUS_OK)
+	if ((fflush(stdout) != 0 || ferror(stdout)) && status == STATUS_OK)
 		status = fail_with(STATUS_FAILED, "stdout: cannot be written; check the disk or the pipe");
 	return report(status);
 }

@@ -41,10 +41,10 @@ enum status intake_run(const struct intake *intake)
 {
 	struct store *store = NULL;
 	double started = clock_seconds();
+	interrupt_catch();
 	enum status status = store_create(intake->path, &intake->meta, intake->overwrite, &store);
 	if (status != STATUS_OK)
 		return status;
-	interrupt_catch();
 	struct progress progress;
 	progress_start(&progress, intake->path, "rows");
 	const struct world *world = &intake->meta.world;

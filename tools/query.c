@@ -89,6 +89,8 @@ static enum status ask_lines(struct asking *asking)
 			status = ask(asking, x, y);
 	}
 	free(line);
+	if (status == STATUS_OK && !feof(stdin))
+		status = fail_with(STATUS_INPUT, "stdin: cannot be read; give lines of X Y");
 	return status;
 }
 

@@ -25,7 +25,7 @@ static enum status synth_rows(void *user, int64_t y0, int64_t rows, double *heig
 
 static enum status write_raster(struct dem_synth *synth, const char *path, bool png)
 {
-	enum { ROWS = 64 };
+	const int64_t most = ((int64_t)1 << 20) / synth->width, band = most < 1 ? 1 : most > 64 ? 64 : most; /* rows */
 	struct dem_raster raster = {
 		.path = path,
 		.width = synth->width,
@@ -36,17 +36,17 @@ static enum status write_raster(struct dem_synth *synth, const char *path, bool 
 	};
 	struct dem_writer *writer = NULL;
 	double *heights = NULL;
+	interrupt_catch();
 	enum status status = dem_writer_create(&raster, &writer);
 	if (status != STATUS_OK)
 		return status;
 	struct progress progress;
-	interrupt_catch();
 	progress_start(&progress, path, "rows");
-	heights = mem_alloc((size_t)synth->width * ROWS, sizeof *heights);
+	heights = mem_alloc((size_t)synth->width * (size_t)band, sizeof *heights);
 	if (heights == NULL)
 		status = fail_memory("synthetic rows");
-	for (int64_t y = 0; y < synth->height && status == STATUS_OK; y += ROWS) {
-		int64_t rows = synth->height - y < ROWS ? synth->height - y : ROWS;
+	for (int64_t y = 0; y < synth->height && status == STATUS_OK; y += band) {
+		int64_t rows = synth->height - y < band ? synth->height - y : band;
 		dem_synth_rows(synth, y, rows, heights);
 		status = dem_writer_rows(writer, rows, heights);
 		if (status == STATUS_OK)
@@ -61,12 +61,6 @@ static enum status write_raster(struct dem_synth *synth, const char *path, bool 
 		printf("%s: %lld x %lld posts, %g m apart\n", path, (long long)synth->width,
 		       (long long)synth->height, synth->spacing);
 	return status;
-}
-
-static bool ends_with(const char *text, const char *end)
-{
-	size_t length = strlen(text), tail = strlen(end);
-	return length > tail && strcmp(text + length - tail, end) == 0;
 }
 
 static enum status parse_posts(const char *text, struct dem_synth *synth)
@@ -111,9 +105,9 @@ static enum status run(const struct arguments *arguments)
 		return status;
 	synth.kind = (enum dem_synth_kind)kind;
 	synth.seed = (uint64_t)seed;
-	bool png = ends_with(path, ".png");
-	if (!ends_with(path, ".furrow")) {
-		if (!png && !ends_with(path, ".tif") && !ends_with(path, ".tiff"))
+	bool png = dem_path_ends(path, ".png");
+	if (!dem_path_ends(path, ".furrow")) {
+		if (!png && !dem_path_ends(path, ".tif") && !dem_path_ends(path, ".tiff"))
 			return fail_with(STATUS_USAGE, "synth: %s: no format goes by that ending; use .tif, .png or .furrow",
 					 path);
 		return write_raster(&synth, path, png);

@@ -18,6 +18,7 @@ layout(location = 1) out uint contact_out;
 
 const int BASE_NODATA = int(0x80000000u);
 const int OFFSET_LIMIT = 1 << 30;
+const int TOUCH = 4; // quanta; the sweep and its end are rounded apart
 
 void main()
 {
@@ -32,7 +33,9 @@ void main()
 		i64 wanted = i64_sub(i64_from(under), ground);
 		bool touches = !i64_less(i64_from(offset), wanted);
 		if (touches && i64_less(wanted, i64_from(-OFFSET_LIMIT))) {
-			atomicAdd(refused, 1u);
+			// The rim of one window is another's to count.
+			if (all(greaterThanEqual(post, written.xy)) && all(lessThan(post, written.zw)))
+				atomicAdd(refused, 1u);
 			touches = false;
 		}
 		if (touches) {
@@ -40,7 +43,7 @@ void main()
 			contact = 1u;
 		}
 #ifdef CONTACT
-		if (underside(1, post, under) && !i64_less(i64_add(ground, i64_from(offset)), i64_from(under)))
+		if (underside(1, post, under) && !i64_less(i64_add(ground, i64_from(offset + TOUCH)), i64_from(under)))
 			contact |= 2u;
 #endif
 	}

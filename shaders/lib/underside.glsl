@@ -53,6 +53,7 @@ struct body {
 layout(std140, binding = 0) uniform params {
 	body bodies[2]; // the sweep; its end pose
 	ivec4 zero;     // lo, hi: the window's zero height, quanta from the store's reference; the layer
+	ivec4 written;  // the posts this window writes: first, one behind the last
 };
 
 #define AT(which, k, post) functional_int(bodies[which].f[k].at_di, bodies[which].f[k].dj_shift, post)
@@ -72,10 +73,13 @@ bool underside(int which, ivec2 post, out int height)
 	last = clamp(last, 0, ONE);
 	// x: from the centre to the post at the time they are nearest; the lowest is where the wheel
 	// is tangent to its own motion.
-	int low = max(u - scaled(last, a.z, 28), -r), high = min(u - scaled(first, a.z, 28), r);
+	int at_last = u - scaled(last, a.z, 28), at_first = u - scaled(first, a.z, 28);
+	int low = max(at_last, -r), high = min(at_first, r);
 	covered = covered && low <= high;
 	int x = clamp(max(min(scaled(r, a.w, 28), high), low), -r, r);
-	int rise = a.z == 0 ? scaled(b.y < 0 ? last : first, b.y, 28) : scaled(u - x, b.z, b.w);
+	// A time that is known says more of the rise than a place: a wheel may slide while it hardly rolls.
+	bool lasts = x == at_last && (x != at_first || b.y < 0);
+	int rise = lasts || x == at_first ? scaled(lasts ? last : first, b.y, 28) : scaled(u - x, b.z, b.w);
 	int up = square_root(i64_sub(i64_mul(r, r), i64_mul(x, x)));
 	height = b.x + rise - scaled(up, c.x, c.w);
 	return covered;

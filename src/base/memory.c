@@ -76,8 +76,3 @@ uint64_t mem_peak_resident(void)
 {
 	return status_line("VmHWM");
 }
-
-uint64_t mem_resident(void)
-{
-	return status_line("VmRSS");
-}

@@ -18,8 +18,7 @@ void mem_free(void *memory);
  * 0 turns it off. Returns how many allocations were made since the last call. Not for production. */
 uint64_t mem_fail_nth(uint64_t nth, int forever);
 
-/* Peak resident set of this process in bytes (VmHWM), and the present one; 0 if unknown. */
+/* Peak resident set of this process in bytes (VmHWM); 0 if unknown. */
 uint64_t mem_peak_resident(void);
-uint64_t mem_resident(void);
 
 #endif

@@ -1,13 +1,10 @@
 #define _GNU_SOURCE
 #include "base/thread.h"
 
-#include <errno.h>
-#include <math.h>
 #include <sched.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 static void must(int error)
 {
@@ -37,11 +34,7 @@ void mutex_unlock(struct mutex *mutex)
 
 void condition_init(struct condition *condition)
 {
-	pthread_condattr_t attributes;
-	must(pthread_condattr_init(&attributes));
-	must(pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC));
-	must(pthread_cond_init(&condition->handle, &attributes));
-	pthread_condattr_destroy(&attributes);
+	must(pthread_cond_init(&condition->handle, NULL));
 }
 
 void condition_finish(struct condition *condition)
@@ -52,24 +45,6 @@ void condition_finish(struct condition *condition)
 void condition_wait(struct condition *condition, struct mutex *mutex)
 {
 	must(pthread_cond_wait(&condition->handle, &mutex->handle));
-}
-
-bool condition_wait_for(struct condition *condition, struct mutex *mutex, double seconds)
-{
-	struct timespec until;
-	clock_gettime(CLOCK_MONOTONIC, &until);
-	double whole = floor(seconds);
-	until.tv_sec += (time_t)whole;
-	until.tv_nsec += (long)((seconds - whole) * 1e9);
-	if (until.tv_nsec >= 1000000000L) {
-		until.tv_nsec -= 1000000000L;
-		until.tv_sec++;
-	}
-	int error = pthread_cond_timedwait(&condition->handle, &mutex->handle, &until);
-	if (error == ETIMEDOUT)
-		return false;
-	must(error);
-	return true;
 }
 
 void condition_wake_all(struct condition *condition)

@@ -28,11 +28,9 @@ void mutex_finish(struct mutex *mutex);
 void mutex_lock(struct mutex *mutex);
 void mutex_unlock(struct mutex *mutex);
 
-void condition_init(struct condition *condition); /* timed waits are on the monotonic clock */
+void condition_init(struct condition *condition);
 void condition_finish(struct condition *condition);
 void condition_wait(struct condition *condition, struct mutex *mutex);
-/* False when `seconds` passed without a wake. */
-bool condition_wait_for(struct condition *condition, struct mutex *mutex, double seconds);
 void condition_wake_all(struct condition *condition);
 
 /* Signals are blocked in the new thread, so that Ctrl-C always reaches the main one. */

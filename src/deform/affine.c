@@ -2,25 +2,31 @@
 
 #include <math.h>
 
-static void put(uint32_t words[2], long double value)
+#include "deform/deform.h"
+
+/* How far from its anchor an object's windows may reach, posts. */
+#define POSTS_FAR (DEFORM_WINDOWS_MAX * DEFORM_WINDOW_POSTS)
+
+static void put(uint32_t words[2], int64_t whole)
 {
-	int64_t whole = (int64_t)llrintl(value);
 	words[0] = (uint32_t)whole;
 	words[1] = (uint32_t)((uint64_t)whole >> 32);
 }
 
-struct functional functional_of(long double at, long double di, long double dj, int scale, int shift)
+struct functional functional_of(struct affine value, int scale, int shift, int64_t x0, int64_t y0)
 {
-	at = ldexpl(at, scale + shift);
-	di = ldexpl(di, scale + shift);
-	dj = ldexpl(dj, scale + shift);
-	while (fabsl(at) + 256 * (fabsl(di) + fabsl(dj)) > 0x1p62L) {
-		at /= 2;
-		di /= 2;
-		dj /= 2;
+	value.at = ldexpl(value.at, scale + shift);
+	value.dx = ldexpl(value.dx, scale + shift);
+	value.dy = ldexpl(value.dy, scale + shift);
+	for (; fabsl(value.at) + POSTS_FAR * (fabsl(value.dx) + fabsl(value.dy)) > 0x1p62L; shift -= shift > 0) {
+		value.at /= 2;
+		value.dx /= 2;
+		value.dy /= 2;
 	}
+	/* The half makes the shift round to nearest. */
+	int64_t at = llrintl(value.at + ldexpl(1, shift - 1)), di = llrintl(value.dx), dj = llrintl(value.dy);
 	struct functional functional = {.dj_shift = {0, 0, (uint32_t)shift, 0}};
-	put(functional.at_di, at);
+	put(functional.at_di, at + x0 * di + y0 * dj);
 	put(functional.at_di + 2, di);
 	put(functional.dj_shift, dj);
 	return functional;

@@ -18,8 +18,16 @@ struct body {
 	int32_t a[4], b[4], c[4]; /* what they hold: shaders/lib/underside.glsl */
 };
 
-/* value(i, j) = (at + i * di + j * dj) * 2^scale, kept with `shift` more bits. What does not fit 62
- * bits is halved down until it does: it lies beyond every window, only its sign counts. */
-struct functional functional_of(long double at, long double di, long double dj, int scale, int shift);
+/* A real at + x * dx + y * dy of the posts around an object; x and y counted from its anchor, a post
+ * that the object alone determines. */
+struct affine {
+	long double at, dx, dy;
+};
+
+/* The same times 2^scale for the window whose first post is (x0, y0) from the anchor, rounded to
+ * nearest; kept with `shift` more bits, or with what fits 62 bits. Rounded before it is moved: every
+ * window sees the same bits at a post. What does not fit at all is halved down until it does: at nearly every
+ * post only its sign counts. */
+struct functional functional_of(struct affine value, int scale, int shift, int64_t x0, int64_t y0);
 
 #endif

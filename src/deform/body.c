@@ -10,17 +10,34 @@ static long double metres(int64_t quanta)
 }
 
 struct motion {
-	long double x, y;   /* of the start, from the window's first post */
+	int64_t x0, y0;     /* the window's first post from the anchor: the post south-west of the end */
+	long double x, y;   /* of the start, from the anchor */
 	long double dx, dy; /* to the end */
 	int64_t z, dz;      /* quanta: start above the frame's zero, rise */
 };
 
+/* From the post `first` of the lattice to a place on it: every step but the last is exact, so that
+ * precision does not depend on where on the lattice this is. */
+static long double from_post(int64_t place, int64_t first, double spacing)
+{
+	double whole = (double)first * spacing, rest = fma((double)first, spacing, -whole);
+	return metres(place) - whole - rest;
+}
+
+static int64_t anchor_of(int64_t place, double spacing)
+{
+	return (int64_t)floor(lattice_offset_metres(place) / spacing);
+}
+
 static struct motion motion_of(const struct deform_pose *from, const struct deform_pose *to,
 			       const struct body_frame *frame)
 {
+	int64_t x = anchor_of(to->x, frame->spacing), y = anchor_of(to->y, frame->spacing);
 	return (struct motion){
-		.x = metres(from->x) - (long double)frame->x0 * frame->spacing,
-		.y = metres(from->y) - (long double)frame->y0 * frame->spacing,
+		.x0 = frame->x0 - x,
+		.y0 = frame->y0 - y,
+		.x = from_post(from->x, x, frame->spacing),
+		.y = from_post(from->y, y, frame->spacing),
 		.dx = metres(to->x - from->x),
 		.dy = metres(to->y - from->y),
 		.z = from->z - frame->zero,
@@ -32,14 +49,14 @@ static struct motion motion_of(const struct deform_pose *from, const struct defo
 static struct functional along(const struct motion *m, long double c, long double s, double spacing,
 			       long double factor, long double plus, int scale, int shift)
 {
-	return functional_of((-(m->x * c + m->y * s)) * factor + plus, spacing * c * factor, spacing * s * factor, scale,
-			     shift);
+	struct affine value = {(-(m->x * c + m->y * s)) * factor + plus, spacing * c * factor, spacing * s * factor};
+	return functional_of(value, scale, shift, m->x0, m->y0);
 }
 
-/* Bits of fraction so that everything in the window stays below 2^29. */
-static int fine_bits(long double reach)
+/* Bits of fraction so that the object and its way stay below 2^30: posts beyond are clamped. */
+static int fine_bits(const struct motion *m, long double size)
 {
-	int bits = 28 - ilogbl(reach);
+	int bits = 29 - ilogbl((hypotl(m->dx, m->dy) + size) * 1.001L);
 	return bits < 40 ? bits : 40;
 }
 
@@ -56,13 +73,6 @@ static void slope_of(int64_t rise, int64_t length, int32_t *factor, int32_t *shi
 	bits = bits > 1 ? bits : 1;
 	*factor = (int32_t)llrintl(ldexpl(slope, bits));
 	*shift = bits;
-}
-
-static long double window_reach(const struct motion *m, const struct body_frame *frame, long double radius)
-{
-	long double x = fmaxl(fabsl(m->x), fabsl(m->x - frame->width * frame->spacing)) + fabsl(m->dx);
-	long double y = fmaxl(fabsl(m->y), fabsl(m->y - frame->height * frame->spacing)) + fabsl(m->dy);
-	return hypotl(x, y) + radius;
 }
 
 static void fill_round(struct body *body, const struct motion *m, long double radius, long double half_width,
@@ -92,7 +102,7 @@ static void wheel_of(const struct deform_shape *shape, const struct deform_pose 
 		du = -du;
 		dv = -dv;
 	}
-	int fine = fine_bits(window_reach(m, frame, shape->radius + shape->width));
+	int fine = fine_bits(m, fmax(shape->radius, shape->width / 2));
 	long double half = shape->width / 2.0L;
 	fill_round(body, m, shape->radius, half, du, fine);
 	body->f[0] = along(m, c, s, frame->spacing, 1, 0, fine, 12);
@@ -109,7 +119,7 @@ static void sphere_of(const struct deform_shape *shape, const struct motion *m, 
 {
 	long double length = hypotl(m->dx, m->dy);
 	long double c = length > 0 ? m->dx / length : 1, s = length > 0 ? m->dy / length : 0;
-	int fine = fine_bits(window_reach(m, frame, shape->radius));
+	int fine = fine_bits(m, shape->radius);
 	fill_round(body, m, shape->radius, 0, length, fine);
 	body->f[0] = along(m, c, s, frame->spacing, 1, 0, fine, 12);
 	body->f[1] = along(m, -s, c, frame->spacing, 1, 0, fine, 12);
@@ -154,8 +164,8 @@ static void box_of(const struct deform_shape *shape, const struct deform_pose *t
 			for (int k = 0; k < 4; k++)
 				support += fabsl(n[0] * g[k][0] + n[1] * g[k][1] + n[2] * g[k][2]);
 			long double gx = -n[0] / n[2], gy = -n[1] / n[2], low = z - support / fabsl(n[2]);
-			body->f[planes++] = functional_of(low - gx * x - gy * y, gx * frame->spacing, gy * frame->spacing,
-							  OFFSET_BITS, 12);
+			struct affine plane = {low - gx * x - gy * y, gx * frame->spacing, gy * frame->spacing};
+			body->f[planes++] = functional_of(plane, OFFSET_BITS, 12, m->x0, m->y0);
 		}
 	for (int p = 0; p < 4; p++) {
 		long double nx = -g[p][1], ny = g[p][0], half = 0;
@@ -167,7 +177,8 @@ static void box_of(const struct deform_shape *shape, const struct deform_pose *t
 			continue; /* seen edge-on: the other slabs hold it */
 		nx /= half;
 		ny /= half;
-		body->f[6 + slabs++] = functional_of(-nx * x - ny * y, nx * frame->spacing, ny * frame->spacing, 28, 12);
+		struct affine slab = {-nx * x - ny * y, nx * frame->spacing, ny * frame->spacing};
+		body->f[6 + slabs++] = functional_of(slab, 28, 12, m->x0, m->y0);
 	}
 	body->c[1] = planes;
 	body->c[2] = slabs;

@@ -7,9 +7,8 @@
 
 /* Where a window's first post lies, and its zero height. */
 struct body_frame {
-	int64_t x0, y0;        /* post */
-	int64_t width, height; /* posts */
-	double spacing;        /* metres */
+	int64_t x0, y0; /* post */
+	double spacing; /* metres */
 	int64_t zero;   /* quanta, absolute */
 };
 

@@ -20,7 +20,7 @@ enum status deform_create(const struct deform_params *params, struct deform **ou
 	if (params->model == DEFORM_BOX_FILTER) {
 		deform->reach = params->box_radius;
 		/* A window's posts are right as far in as wrong ones from beyond its rim can reach. */
-		deform->border = (int64_t)params->box_radius * (params->box_repetitions + 1);
+		deform->border = (int64_t)params->box_radius * params->box_repetitions;
 	}
 	enum status status = gpu_buffer_create(params->gpu, GPU_STORAGE, sizeof(uint32_t), NULL, &deform->refusals);
 	if (status == STATUS_OK)

@@ -68,7 +68,8 @@ void deform_destroy(struct deform *deform);
 struct deform_window {
 	struct post_rect read, write;
 };
-/* 0 windows: the sweep lies outside the world. STATUS_INPUT: more than DEFORM_WINDOWS_MAX needed. */
+/* 0 windows: the sweep lies outside the world. STATUS_INPUT: more than DEFORM_WINDOWS_MAX needed, or a
+ * wheel whose axis is not level (roll). */
 enum status deform_windows(struct deform *deform, const struct deform_sweep *sweep,
 			   struct deform_window *windows, size_t *count) FURROW_CHECKED;
 

@@ -8,6 +8,7 @@
 struct displace_params {
 	struct body sweep, end;
 	uint32_t zero[4];
+	int32_t written[4];
 };
 
 struct window_params {
@@ -29,9 +30,10 @@ static enum status displace_program(struct deform *deform, enum deform_shape_kin
 	return status;
 }
 
-static enum status displace(struct deform *deform, const struct deform_sweep *sweep, struct post_rect read,
-			    uint32_t layer)
+static enum status displace(struct deform *deform, const struct deform_sweep *sweep,
+			    const struct deform_window *window, uint32_t layer)
 {
+	const struct post_rect read = window->read, write = window->write;
 	struct gpu_program *program;
 	enum status status = displace_program(deform, sweep->shape->kind, &program);
 	if (status != STATUS_OK)
@@ -40,24 +42,26 @@ static enum status displace(struct deform *deform, const struct deform_sweep *sw
 	struct body_frame frame = {
 		.x0 = read.x0,
 		.y0 = read.y0,
-		.width = read.x1 - read.x0,
-		.height = read.y1 - read.y0,
 		.spacing = deform->spacing,
 		.zero = sweep->to.z,
 	};
 	struct displace_params params;
 	body_of(sweep->shape, from, &sweep->to, &frame, &params.sweep);
 	body_of(sweep->shape, &sweep->to, &sweep->to, &frame, &params.end);
-	int64_t zero = frame.zero - ((int64_t)deform->params.reference << OFFSET_BITS);
+	int64_t zero = frame.zero - (int64_t)deform->params.reference * (1 << OFFSET_BITS);
 	params.zero[0] = (uint32_t)zero;
 	params.zero[1] = (uint32_t)((uint64_t)zero >> 32);
 	params.zero[2] = layer;
 	params.zero[3] = 0;
+	params.written[0] = (int32_t)(write.x0 - read.x0);
+	params.written[1] = (int32_t)(write.y0 - read.y0);
+	params.written[2] = (int32_t)(write.x1 - read.x0);
+	params.written[3] = (int32_t)(write.y1 - read.y0);
 	struct gpu_pass pass = {
 		.stage = GPU_DISPLACE,
 		.program = program,
 		.target = deform->scratch[layer].displaced,
-		.viewport = {0, 0, (uint32_t)frame.width, (uint32_t)frame.height},
+		.viewport = {0, 0, (uint32_t)(read.x1 - read.x0), (uint32_t)(read.y1 - read.y0)},
 		.textures = {deform->bases, deform->offsets[0]},
 		.storage = {deform->refusals},
 		.params = &params,
@@ -122,7 +126,7 @@ static enum status dirty(struct deform *deform, struct post_rect read, uint32_t 
 enum status deform_run_stages(struct deform *deform, const struct deform_sweep *sweep,
 			      const struct deform_window *window, uint32_t layer)
 {
-	enum status status = displace(deform, sweep, window->read, layer);
+	enum status status = displace(deform, sweep, window, layer);
 	/* An object that only stands uncovers nothing: there is nothing to smooth. */
 	if (status == STATUS_OK && deform->params.model == DEFORM_BOX_FILTER && !deform_is_contact_only(sweep))
 		status = filter(deform, window->read, layer);

@@ -4,14 +4,20 @@
 #include "deform/body.h"
 #include "deform/internal.h"
 
+/* Heights within an object are int32 quanta: its half and what a sweep may rise must fit. */
+#define SIZE_MAX_METRES 512.0
+
 enum status deform_shape_check(const struct deform_shape *shape, double spacing)
 {
-	double least = shape->kind == DEFORM_WHEEL ? fmin(2 * shape->radius, shape->width) : 2 * shape->radius;
-	if (shape->kind == DEFORM_BOX)
-		least = fmin(shape->size[0], shape->size[1]);
-	double most = shape->kind == DEFORM_BOX ? hypot(shape->size[0], shape->size[1])
-						: 2 * shape->radius + shape->width;
-	double limit = (DEFORM_WINDOW_POSTS - 32) * 3 * spacing;
+	double least = 2 * shape->radius, most = 2 * shape->radius;
+	if (shape->kind == DEFORM_WHEEL) {
+		least = fmin(least, shape->width);
+		most = hypot(most, shape->width);
+	} else if (shape->kind == DEFORM_BOX) {
+		least = fmin(fmin(shape->size[0], shape->size[1]), shape->size[2]);
+		most = hypot(hypot(shape->size[0], shape->size[1]), shape->size[2]);
+	}
+	double limit = fmin((DEFORM_WINDOW_POSTS - 32) * 3 * spacing, SIZE_MAX_METRES);
 	if (!(least > 0))
 		return fail_with(STATUS_INPUT, "shape: it has no width; give sizes above 0");
 	if (most > limit)
@@ -62,12 +68,15 @@ enum status deform_windows(struct deform *deform, const struct deform_sweep *swe
 	const struct deform_pose *from = deform_is_contact_only(sweep) ? &sweep->to : &sweep->from;
 	double extent[2];
 	struct post_rect foot;
+	*count = 0;
+	if (sweep->shape->kind == DEFORM_WHEEL && sweep->to.roll != 0)
+		return fail_with(STATUS_INPUT, "wheel: its axis lies level, and its pose has it rolled by %g rad; give roll 0",
+				 sweep->to.roll);
 	body_extent(sweep->shape, &sweep->to, extent);
 	span(deform, from->x, sweep->to.x, extent[0], &foot.x0, &foot.x1);
 	span(deform, from->y, sweep->to.y, extent[1], &foot.y0, &foot.y1);
 	const struct post_rect world = {0, 0, world_posts(deform->params.world->width, deform->params.level),
 					world_posts(deform->params.world->height, deform->params.level)};
-	*count = 0;
 	struct post_rect write = post_rect_intersect(grown(foot, deform->reach), world);
 	if (post_rect_empty(write))
 		return STATUS_OK;

@@ -88,6 +88,8 @@ struct dem_synth {
 
 void dem_synth_rows(const struct dem_synth *synth, int64_t y0, int64_t rows, double *heights);
 
+bool dem_path_ends(const char *path, const char *extension); /* in any case, as in ".png" */
+
 /* Rasters out, row by row from the south, written aside and renamed when whole. */
 enum dem_raster_type { DEM_FLOAT32, DEM_INT32, DEM_UINT8, DEM_UINT16 };
 

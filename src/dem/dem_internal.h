@@ -32,7 +32,6 @@ struct dem_list {
 /* Opens directories and "@lists". */
 enum status dem_list_init(struct dem_list *list, const char *const *sources, size_t count) FURROW_CHECKED;
 void dem_list_finish(struct dem_list *list);
-bool dem_path_ends(const char *path, const char *extension); /* in any case, ".png" */
 
 /* --- dem_nodata.c: what a stored value means --- */
 struct dem_meaning {

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "dem/dem.h"
 #include "run/internal.h"
@@ -22,6 +23,8 @@ static enum status make_directory(const char *path)
 static enum status open_epochs(struct drive *drive)
 {
 	char path[4096];
+	snprintf(path, sizeof path, "%s/run.json", drive->params->directory);
+	unlink(path); /* an earlier drive's */
 	snprintf(path, sizeof path, "%s/epochs.log", drive->params->directory);
 	drive->epochs = fopen(path, "w");
 	if (drive->epochs == NULL)
@@ -190,10 +193,8 @@ static enum status start(struct drive *drive)
 	const char *path = drive->params->store != NULL ? drive->params->store : drive->scene->store;
 	if (path == NULL)
 		return fail_with(STATUS_INPUT, "%s: names no store; add store:, or give --store", drive->scene->file);
-	enum status status = make_directory(drive->params->directory);
 	struct store_options options = {STORE_WRITE, drive->params->durable_full};
-	if (status == STATUS_OK)
-		status = store_open(path, &options, &drive->store);
+	enum status status = store_open(path, &options, &drive->store);
 	if (status != STATUS_OK)
 		return status;
 	drive->meta = store_meta(drive->store);
@@ -203,9 +204,12 @@ static enum status start(struct drive *drive)
 	if (status == STATUS_OK)
 		status = mount_riders(drive);
 	if (status == STATUS_OK)
-		status = open_epochs(drive);
-	if (status == STATUS_OK)
 		status = start_gpu(drive);
+	/* Nothing is left behind of a drive that could not begin. */
+	if (status == STATUS_OK)
+		status = make_directory(drive->params->directory);
+	if (status == STATUS_OK)
+		status = open_epochs(drive);
 	if (status == STATUS_OK)
 		status = start_pages(drive);
 	if (status == STATUS_OK)
@@ -252,7 +256,12 @@ enum status run_drive(const struct run_params *params, struct run_result *result
 		result->json = report_json(&drive, result->ended);
 		enum status written = result->json != NULL ? report_write(params->directory, result->json)
 							   : fail_memory("run.json");
-		status = status == STATUS_OK ? written : failure_restore(&failure);
+		if (written == STATUS_OK)
+			status = status == STATUS_OK ? status : failure_restore(&failure);
+		else if (status == STATUS_OK || status == STATUS_INTERRUPTED)
+			status = written;
+		else
+			failure_restore(&failure);
 	}
 	finish(&drive);
 	return status;

@@ -3,8 +3,14 @@
 
 #include "run/internal.h"
 
+#define EVENTS_MAX 1000000
+
 static enum status add_event(struct drive *drive, const struct event *event)
 {
+	if (drive->event_count == EVENTS_MAX)
+		return fail_with(STATUS_INPUT, "time_step: a step of %g s brings more than %d stations; make it shorter, or the "
+					       "spacing coarser",
+				 drive->scene->time_step, EVENTS_MAX);
 	if (drive->event_count == drive->event_room) {
 		size_t room = drive->event_room != 0 ? 2 * drive->event_room : 64;
 		struct event *events = mem_realloc(drive->events, room, sizeof *events);

@@ -57,7 +57,7 @@ struct drive {
 	size_t event_count, event_room;
 	struct pages_record *record;
 	double *step_ms;         /* of every step */
-	size_t step_room;
+	size_t step_room, timed; /* steps of which the times are known */
 	struct gpu_stats before; /* what warming up took: not the drive's */
 	double *frame_ms;        /* of every frame; with a view */
 	size_t frames;

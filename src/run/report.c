@@ -45,9 +45,7 @@ static double mean(const double *values, size_t count)
 
 static void add_times(cJSON *root, const struct drive *drive)
 {
-	size_t count = (size_t)drive->step;
-	if (drive->step_ms == NULL)
-		count = 0;
+	size_t count = drive->timed;
 	if (count > 0) {
 		qsort(drive->step_ms, count, sizeof *drive->step_ms, by_size);
 		qsort(drive->frame_ms, count, sizeof *drive->frame_ms, by_size);
@@ -176,8 +174,10 @@ char *report_json(const struct drive *drive, const char *ended)
 	}
 	page_cache_stats(drive->cache, &pages);
 	pages_io(drive->pages, &io);
-	if (drive->deform != NULL && deform_refused(drive->deform, &refused) != STATUS_OK)
-		refused = 0;
+	bool known = drive->deform == NULL || deform_refused(drive->deform, &refused) == STATUS_OK;
+	if (known && refused > 0)
+		note("%llu times a post would have been pressed deeper than an offset holds (1024 m): refused",
+		     (unsigned long long)refused);
 	cJSON *root = cJSON_CreateObject();
 	cJSON_AddStringToObject(root, "ended", ended);
 	integer(root, "steps", drive->step);
@@ -193,7 +193,7 @@ char *report_json(const struct drive *drive, const char *ended)
 	add_memory(root, drive, &gpu, &pages);
 	add_io(root, &io);
 	add_volume(root, drive, &io);
-	integer(root, "refused_posts", (int64_t)refused);
+	number(root, "refused_posts", known ? (double)refused : (double)NAN);
 	if (drive->view != NULL) {
 		double triangles;
 		uint64_t starved;

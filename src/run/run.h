@@ -32,7 +32,7 @@ struct run_result {
 	char *json; /* what run.json holds; free with mem_free */
 };
 
-/* run.json is written however it ends. */
+/* run.json is written however it ends, once it began: a drive that cannot begin leaves nothing. */
 enum status run_drive(const struct run_params *params, struct run_result *result) FURROW_CHECKED;
 
 #endif

@@ -96,7 +96,7 @@ static void show_progress(const struct drive *drive, int64_t total, double *show
 
 static enum status keep_time(struct drive *drive, double ms, double frame_ms)
 {
-	size_t index = (size_t)drive->step - 1;
+	size_t index = drive->timed;
 	if (index >= drive->step_room) {
 		size_t room = drive->step_room != 0 ? 2 * drive->step_room : 1024;
 		double *steps = mem_realloc(drive->step_ms, room, sizeof *steps);
@@ -111,6 +111,7 @@ static enum status keep_time(struct drive *drive, double ms, double frame_ms)
 	}
 	drive->step_ms[index] = ms;
 	drive->frame_ms[index] = frame_ms;
+	drive->timed++;
 	return STATUS_OK;
 }
 
@@ -147,5 +148,8 @@ enum status drive_steps(struct drive *drive)
 	/* A step that failed half-way is no state to commit: the last epoch stands. */
 	enum status flushed = drive->torn ? STATUS_OK : page_cache_flush(drive->cache, drive->record);
 	drive->seconds = clock_seconds() - drive->began;
-	return status == STATUS_OK ? flushed : failure_restore(&failure);
+	/* An interrupted drive that could not be committed has failed. */
+	if (flushed != STATUS_OK && (status == STATUS_OK || status == STATUS_INTERRUPTED))
+		return flushed;
+	return status == STATUS_OK ? status : failure_restore(&failure);
 }

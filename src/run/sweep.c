@@ -83,7 +83,7 @@ enum status drive_sweep(struct drive *drive, struct rider *rider, const struct d
 		.to = *pose,
 	};
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
-	size_t count;
+	size_t count = 0;
 	enum status status = deform_windows(drive->deform, &sweep, windows, &count);
 	struct held held = {.count = 0};
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
@@ -113,16 +113,9 @@ uint32_t drive_step_pages(const struct drive *drive)
 	double pages = 0, side = drive->spacing * drive->meta->world.cells;
 	for (size_t i = 0; i < drive->scene->object_count; i++) {
 		const struct scene_object *object = &drive->scene->objects[i];
-		double speed = object->path.speed;
-		const struct scene_waypoint *points = object->path.points;
-		for (size_t k = 1; object->path.timed && k < object->path.count; k++) {
-			double dt = points[k].t - points[k - 1].t;
-			if (dt > 0)
-				speed = fmax(speed, hypot(points[k].x - points[k - 1].x, points[k].y - points[k - 1].y) / dt);
-		}
 		double size = 2 * fmax(object->shape.radius, hypot(object->shape.size[0], object->shape.size[1])) +
 			      object->shape.width;
-		double along = speed * drive->scene->time_step / side + 2, across = ceil(size / side) + 1;
+		double along = track_fastest(drive->riders[i].track) * drive->scene->time_step / side + 2, across = ceil(size / side) + 1;
 		pages += 2 * along * across + across * across;
 	}
 	return pages < 1e6 ? (uint32_t)pages + 4 : 1000000;

@@ -115,6 +115,17 @@ int64_t track_stations(const struct track *track)
 	return whole + 1 + (posts - (double)whole > 1e-9);
 }
 
+double track_fastest(const struct track *track)
+{
+	double fastest = track->timed ? 0 : track->speed;
+	for (size_t i = 1; track->timed && i < track->count; i++) {
+		const struct track_point *a = &track->knots[i - 1].at, *b = &track->knots[i].at;
+		if (b->time > a->time)
+			fastest = fmax(fastest, hypot(b->x - a->x, b->y - a->y) / (b->time - a->time));
+	}
+	return fastest;
+}
+
 /* The stretch that begins at or before `key`, by length or by time: knots [k, k + 1]. */
 static size_t find(const struct track *track, double key, bool by_time)
 {
@@ -122,7 +133,8 @@ static size_t find(const struct track *track, double key, bool by_time)
 	while (high - low > 1) {
 		size_t middle = (low + high) / 2;
 		double at = by_time ? track->knots[middle].at.time : track->knots[middle].length;
-		if (at <= key)
+		/* A timed path that stands still is at a place from when it came there. */
+		if (by_time || !track->timed ? at <= key : at < key)
 			low = middle;
 		else
 			high = middle;
@@ -162,7 +174,7 @@ static void at_length(const struct track *track, double length, struct track_poi
 	}
 	size_t k = find(track, length, false);
 	double begin = track->knots[k].length, end = track->knots[k + 1].length;
-	double share = end > begin ? (length - begin) / (end - begin) : 1;
+	double share = end > begin ? (length - begin) / (end - begin) : 0;
 	between(track, k, share < 1 ? share : 1, point);
 	if (share >= 1 && track->timed)
 		*point = track->knots[k + 1].at;

@@ -29,6 +29,8 @@ void track_destroy(struct track *track);
 int64_t track_stations(const struct track *track); /* INT64_MAX for a loop */
 void track_station(const struct track *track, int64_t index, struct track_point *point);
 double track_station_time(const struct track *track, int64_t index);
+/* The fastest it goes along the ground, m/s. */
+double track_fastest(const struct track *track);
 /* Where the object is at `time` (held at the path's ends). */
 void track_at(const struct track *track, double time, struct track_point *point);
 

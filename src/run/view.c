@@ -158,6 +158,7 @@ static void ask_for_wanted(struct view *view)
 static enum status wait_for_wanted(struct view *view, const struct render_camera *camera)
 {
 	struct page_cache *cache = view->drive->cache;
+	const struct run_params *params = view->drive->params;
 	const struct timespec nap = {0, 500000};
 	double started = clock_seconds(), progressed = started;
 	size_t least = SIZE_MAX;
@@ -167,7 +168,7 @@ static enum status wait_for_wanted(struct view *view, const struct render_camera
 			least = view->selection->wanted_count;
 			progressed = now;
 		}
-		if (now - progressed > 0.25 || now - started > 10)
+		if (now - progressed > 1 || now - started > 10 || (params->stop != NULL && *params->stop))
 			break;
 		ask_for_wanted(view);
 		nanosleep(&nap, NULL);
@@ -177,7 +178,16 @@ static enum status wait_for_wanted(struct view *view, const struct render_camera
 		if (status != STATUS_OK)
 			return status;
 	}
-	return STATUS_OK;
+	if (view->selection->wanted_count == 0)
+		return STATUS_OK;
+	/* Few slots, or a tile that cannot be read: a prefetch would not say. */
+	uint32_t slot;
+	uint64_t key = view->selection->wanted[0];
+	enum status status = page_cache_pin(cache, key, &slot);
+	if (status != STATUS_OK)
+		return status;
+	page_cache_unpin(cache, key);
+	return select_tiles(view, camera);
 }
 
 enum status view_warm(struct view *view)
@@ -214,20 +224,26 @@ enum status view_frame(struct view *view, struct drive *drive, bool image)
 
 /* --- life --- */
 
-static double reach_of(const struct drive *drive)
+static enum status find_reach(const struct drive *drive, double *out)
 {
-	double reach = 0, low, high;
+	double reach = 0, deepest = 0, low, high;
 	bool found;
 	for (size_t i = 0; i < drive->scene->object_count; i++) {
 		const struct scene_object *object = &drive->scene->objects[i];
 		const double *size = object->shape.size;
 		reach = fmax(reach, object->sink + 2 * object->shape.radius +
 					    sqrt(size[0] * size[0] + size[1] * size[1] + size[2] * size[2]));
+		/* A path with heights of its own may dig as deep as it lies below the ground. */
+		for (size_t k = 0; object->path.has_z && k < object->path.count; k++)
+			deepest = fmax(deepest, drive->meta->high - object->path.points[k].z);
 	}
+	reach += deepest;
 	struct tile top = {world_coarsest(&drive->meta->world), 0, 0};
-	if (store_read_offset_range(ground_reader(drive->ground), top, &low, &high, &found) == STATUS_OK && found)
+	enum status status = store_read_offset_range(ground_reader(drive->ground), top, &low, &high, &found);
+	if (status == STATUS_OK && found)
 		reach = fmax(reach, fmax(-low, high));
-	return reach;
+	*out = reach;
+	return status;
 }
 
 enum status view_create(struct drive *drive, struct view **out)
@@ -237,7 +253,6 @@ enum status view_create(struct drive *drive, struct view **out)
 	if (view == NULL)
 		return fail_memory("the view");
 	view->drive = drive;
-	view->reach = reach_of(drive);
 	view->selection = mem_alloc(1, sizeof *view->selection);
 	struct render_params params = {
 		.gpu = drive->gpu,
@@ -252,6 +267,8 @@ enum status view_create(struct drive *drive, struct view **out)
 		.dirt = scene->dirt,
 	};
 	enum status status = view->selection != NULL ? STATUS_OK : fail_memory("the view");
+	if (status == STATUS_OK)
+		status = find_reach(drive, &view->reach);
 	if (status == STATUS_OK)
 		status = render_create(&params, &view->render);
 	int level;

@@ -139,7 +139,7 @@ const cyaml_schema_value_t scene_schema = {
 
 static const struct scene_limit limits[] = {
 	{"scene", 1, 1, false, "is no version of the format that is known"},
-	{"time_step", 0, 3600, true, NULL},
+	{"time_step", 1e-6, 3600, false, NULL},
 	{"end_time", 0, 1e9, true, NULL},
 	{"gravity", 0, 1000, true, NULL},
 	{"spacing", 0, 1e6, true, NULL},

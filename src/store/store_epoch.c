@@ -208,7 +208,7 @@ static enum status put_all(struct store *store, const struct store_page *pages, 
 			   const struct store_run *run, struct store_epoch_result *result)
 {
 	enum status status = STATUS_OK;
-	if (!store->working_stored)
+	if (!store->working_stored && count > 0)
 		status = meta_put_integer(store, "working", store->working);
 	if (status == STATUS_OK)
 		status = climb_table(store, ROW_OFFSET, pages, count, result);
@@ -238,7 +238,8 @@ enum status store_epoch(struct store *store, const struct store_page *pages, siz
 			sqlite3_exec(store->db, "ROLLBACK", NULL, NULL, NULL);
 		return status;
 	}
-	store->working_stored = true;
+	if (count > 0)
+		store->working_stored = true;
 	store->epoch++;
 	return STATUS_OK;
 }

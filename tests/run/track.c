@@ -101,6 +101,26 @@ static void a_timed_path_keeps_its_times_and_turns_the_short_way(void **state)
 	track_destroy(track);
 }
 
+static void a_timed_path_that_stands_still_is_there_from_when_it_came(void **state)
+{
+	struct scene_waypoint waypoints[4] = {{.t = 1}, {.t = 2}, {.t = 4}, {.t = 9}};
+	const double points[][2] = {{0, 0}, {0, 0}, {5, 0}, {5, 0}};
+	struct scene_path path = {.points = waypoints, .count = 4, .timed = true};
+	struct track *track = track_of(&path, points);
+	int64_t last = track_stations(track) - 1;
+	assert_int_equal(last, 20);
+	assert_true(track_station_time(track, 0) == 1);
+	assert_true(fabs(track_station_time(track, 10) - 3) < 1e-9);
+	assert_true(track_station_time(track, last) == 4);
+	assert_true(fabs(track_fastest(track) - 2.5) < 1e-9);
+	track_destroy(track);
+	path.count = 2;
+	track = track_of(&path, points);
+	assert_int_equal(track_stations(track), 1);
+	assert_true(track_station_time(track, 0) == 1);
+	track_destroy(track);
+}
+
 static void a_single_point_is_one_station(void **state)
 {
 	struct scene_waypoint waypoint = {0};
@@ -121,6 +141,7 @@ int main(void)
 		cmocka_unit_test(a_path_is_the_same_to_the_bit_wherever_it_lies),
 		cmocka_unit_test(a_loop_returns_to_its_start_for_ever),
 		cmocka_unit_test(a_timed_path_keeps_its_times_and_turns_the_short_way),
+		cmocka_unit_test(a_timed_path_that_stands_still_is_there_from_when_it_came),
 		cmocka_unit_test(a_single_point_is_one_station),
 	};
 	return cmocka_run_group_tests_name("track", tests, NULL, NULL);

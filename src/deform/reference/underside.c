@@ -1,0 +1,154 @@
+/*
+ * An object's underside along its way: at each time t (0 at the start, 1 at the end) the object
+ * is above a point of the ground or not, and so far from being so that the distance is convex in
+ * t, as is the height of its underside while it is. So: search for the time at which it is most
+ * above the point, bisect for when it comes and goes, search for the lowest between.
+ */
+#include <math.h>
+
+#include "deform/reference/reference.h"
+
+struct way {
+	const struct deform_sweep *sweep;
+	long double dx, dy, dz; /* start to end, metres */
+	long double x, y;       /* the point, from the start */
+	long double axes[3][3]; /* the object's own x, y, z */
+};
+
+/* At one time: how far the object is from being above the point (<= 0: it is), and its underside
+ * there, from the centre's height at the start. */
+struct sight {
+	long double outside, z;
+};
+
+/* Axis k of the object: x, y or z turned right side down, then nose up, then by the yaw. */
+static void turn(const struct deform_pose *pose, int k, long double v[3])
+{
+	long double a[3] = {k == 0, k == 1, k == 2}, b[3];
+	long double cr = cosl(pose->roll), sr = sinl(pose->roll), cp = cosl(pose->pitch), sp = sinl(pose->pitch);
+	long double cy = cosl(pose->yaw), sy = sinl(pose->yaw);
+	b[0] = a[0];
+	b[1] = a[1] * cr - a[2] * sr;
+	b[2] = a[1] * sr + a[2] * cr;
+	a[0] = b[0] * cp - b[2] * sp;
+	a[1] = b[1];
+	a[2] = b[0] * sp + b[2] * cp;
+	v[0] = a[0] * cy - a[1] * sy;
+	v[1] = a[0] * sy + a[1] * cy;
+	v[2] = a[2];
+}
+
+static struct sight see_wheel(const struct way *way, long double x, long double y)
+{
+	const struct deform_shape *shape = way->sweep->shape;
+	long double along = x * way->axes[0][0] + y * way->axes[0][1];
+	long double across = x * way->axes[1][0] + y * way->axes[1][1];
+	long double r = shape->radius;
+	return (struct sight){fmaxl(fabsl(along) - r, fabsl(across) - shape->width / 2.0L),
+			      -sqrtl(fmaxl(r * r - along * along, 0))};
+}
+
+static struct sight see_sphere(const struct way *way, long double x, long double y)
+{
+	long double r = way->sweep->shape->radius;
+	return (struct sight){hypotl(x, y) - r, -sqrtl(fmaxl(r * r - x * x - y * y, 0))};
+}
+
+/* The vertical line through the point, cut by the box's three pairs of faces. */
+static struct sight see_box(const struct way *way, long double x, long double y)
+{
+	long double enter = -1e30L, leave = 1e30L, beside = -1e30L;
+	for (int k = 0; k < 3; k++) {
+		const long double *v = way->axes[k];
+		long double half = way->sweep->shape->size[k] / 2.0L;
+		long double at = v[0] * x + v[1] * y;
+		if (fabsl(v[2]) < 1e-12L) {
+			beside = fmaxl(beside, fabsl(at) - half);
+			continue;
+		}
+		long double a = (-half - at) / v[2], b = (half - at) / v[2];
+		enter = fmaxl(enter, fminl(a, b));
+		leave = fminl(leave, fmaxl(a, b));
+	}
+	return (struct sight){fmaxl(enter - leave, beside), enter};
+}
+
+static struct sight see(const struct way *way, long double t)
+{
+	long double x = way->x - t * way->dx, y = way->y - t * way->dy;
+	struct sight sight = {0, 0};
+	switch (way->sweep->shape->kind) {
+	case DEFORM_WHEEL:
+		sight = see_wheel(way, x, y);
+		break;
+	case DEFORM_SPHERE:
+		sight = see_sphere(way, x, y);
+		break;
+	case DEFORM_BOX:
+		sight = see_box(way, x, y);
+		break;
+	}
+	sight.z += t * way->dz;
+	return sight;
+}
+
+static long double measured(const struct way *way, long double t, bool height)
+{
+	struct sight sight = see(way, t);
+	return height ? sight.z : sight.outside;
+}
+
+/* When the convex `height` or distance is least between two times. */
+static long double least(const struct way *way, long double a, long double b, bool height)
+{
+	for (int i = 0; i < 110; i++) {
+		long double p = a + (b - a) / 3, q = b - (b - a) / 3;
+		if (measured(way, p, height) < measured(way, q, height))
+			b = q;
+		else
+			a = p;
+	}
+	return (a + b) / 2;
+}
+
+/* The time nearest to `out` at which the object is above the point, as it is at `in`. */
+static long double edge(const struct way *way, long double in, long double out)
+{
+	if (see(way, out).outside <= 0)
+		return out;
+	for (int i = 0; i < 70; i++) {
+		long double middle = (in + out) / 2;
+		if (see(way, middle).outside <= 0)
+			in = middle;
+		else
+			out = middle;
+	}
+	return in;
+}
+
+bool reference_underside(const struct deform_sweep *sweep, long double x, long double y, long double *z)
+{
+	struct way way = {
+		.sweep = sweep,
+		.dx = ldexpl((long double)(sweep->to.x - sweep->from.x), -OFFSET_BITS),
+		.dy = ldexpl((long double)(sweep->to.y - sweep->from.y), -OFFSET_BITS),
+		.dz = ldexpl((long double)(sweep->to.z - sweep->from.z), -OFFSET_BITS),
+		.x = x,
+		.y = y,
+	};
+	struct deform_pose level = sweep->to;
+	if (sweep->shape->kind == DEFORM_WHEEL) /* its pitch only spins it */
+		level.pitch = 0;
+	for (int k = 0; k < 3; k++)
+		turn(&level, k, way.axes[k]);
+	long double above = least(&way, 0, 1, false);
+	for (int end = 0; end < 2; end++)
+		if (see(&way, end).outside < see(&way, above).outside)
+			above = end;
+	if (see(&way, above).outside > 0)
+		return false;
+	long double first = edge(&way, above, 0), last = edge(&way, above, 1);
+	long double lowest = see(&way, least(&way, first, last, true)).z;
+	*z = fminl(lowest, fminl(see(&way, first).z, see(&way, last).z));
+	return true;
+}

@@ -1,0 +1,179 @@
+/* Ground for the tests of deform: a block of resident tiles over a function of posts, without store or
+ * cache; and what a sweep makes of it, read back as one field of posts. */
+#ifndef FURROW_TESTS_DEFORM_GROUND_H
+#define FURROW_TESTS_DEFORM_GROUND_H
+
+#include <math.h>
+
+#include "../gpu/gpu_test.h"
+#include "deform/internal.h"
+#include "deform/reference/reference.h"
+
+typedef int32_t (*ground_height)(int64_t x, int64_t y); /* of a post of the block, base lattice */
+
+struct ground_params {
+	uint32_t cells, tiles; /* tiles a side */
+	int64_t first;         /* the block's first tile, in x and y */
+	double spacing;
+	ground_height height; /* NULL: flat, at 0 */
+	int32_t reference;
+	enum deform_model model;
+	int radius, repetitions; /* 0: 1 */
+	bool dirt;
+};
+
+struct ground {
+	struct ground_params params;
+	struct world world;
+	struct gpu_slots *slots;
+	struct deform *deform;
+	struct deform_tile *tiles;
+	size_t tile_count;
+	int64_t x0;    /* the block's first post, in x and y */
+	int64_t posts; /* a side of the block */
+	int32_t *base, *offset;
+	uint8_t *dirt;
+	struct deform_window windows[DEFORM_WINDOWS_MAX]; /* of the last sweep */
+	size_t window_count;
+};
+
+static inline void *ground_room(int64_t count, size_t size)
+{
+	void *room = mem_calloc((size_t)count, size);
+	assert_non_null(room);
+	return room;
+}
+
+static inline void ground_init(struct ground *ground, const struct ground_params *params)
+{
+	memset(ground, 0, sizeof *ground);
+	ground->params = *params;
+	int64_t cells = params->cells, side = (params->first + params->tiles) * cells + 1;
+	ground->world = (struct world){side, side, params->spacing, params->cells};
+	ground->x0 = params->first * cells;
+	ground->posts = (int64_t)params->tiles * cells + 1;
+	ground->tile_count = (size_t)params->tiles * params->tiles;
+	ground->tiles = ground_room((int64_t)ground->tile_count, sizeof *ground->tiles);
+	ground->base = ground_room(ground->posts * ground->posts, sizeof *ground->base);
+	ground->offset = ground_room(ground->posts * ground->posts, sizeof *ground->offset);
+	ground->dirt = ground_room(ground->posts * ground->posts, 1);
+	for (int64_t i = 0; i < ground->posts * ground->posts && params->height != NULL; i++)
+		ground->base[i] = params->height(i % ground->posts, i / ground->posts);
+	assert_ok(gpu_slots_create(test_gpu, params->cells, (uint32_t)ground->tile_count, params->dirt, &ground->slots));
+	int32_t *posts = ground_room((cells + 1) * (cells + 1), sizeof *posts);
+	for (uint32_t k = 0; k < ground->tile_count; k++) {
+		uint32_t tx = k % params->tiles, ty = k / params->tiles;
+		for (int64_t y = 0; y <= cells; y++)
+			memcpy(posts + y * (cells + 1), ground->base + (ty * cells + y) * ground->posts + tx * cells,
+			       (size_t)(cells + 1) * sizeof *posts);
+		ground->tiles[k] = (struct deform_tile){
+			{0, (uint32_t)params->first + tx, (uint32_t)params->first + ty}, k};
+		assert_ok(gpu_slots_upload_base(ground->slots, k, posts));
+	}
+	mem_free(posts);
+	struct deform_params deform = {
+		.gpu = test_gpu,
+		.slots = ground->slots,
+		.world = &ground->world,
+		.reference = params->reference,
+		.model = params->model,
+		.box_radius = params->radius + (params->radius == 0),
+		.box_repetitions = params->repetitions + (params->repetitions == 0),
+		.dirt = params->dirt,
+	};
+	assert_ok(deform_create(&deform, &ground->deform));
+}
+
+static inline void ground_finish(struct ground *ground)
+{
+	deform_destroy(ground->deform);
+	gpu_slots_destroy(ground->slots);
+	mem_free(ground->tiles);
+	mem_free(ground->base);
+	mem_free(ground->offset);
+	mem_free(ground->dirt);
+}
+
+/* As it was before anything drove on it. */
+static inline void ground_reset(struct ground *ground)
+{
+	for (uint32_t k = 0; k < ground->tile_count; k++)
+		gpu_slots_undeform(ground->slots, k);
+}
+
+static inline void ground_sweep(struct ground *ground, const struct deform_sweep *sweep)
+{
+	assert_ok(deform_windows(ground->deform, sweep, ground->windows, &ground->window_count));
+	for (size_t i = 0; i < ground->window_count; i++)
+		assert_ok(deform_compute(ground->deform, sweep, &ground->windows[i], (uint32_t)i, ground->tiles,
+					 ground->tile_count));
+	for (size_t i = 0; i < ground->window_count; i++)
+		assert_ok(deform_scatter(ground->deform, &ground->windows[i], (uint32_t)i, ground->tiles,
+					 ground->tile_count));
+}
+
+/* Reads offset and dirt of the whole block; posts that tiles share must be the same in all of them. */
+static inline void ground_read(struct ground *ground)
+{
+	int64_t cells = ground->params.cells, side = cells + 1;
+	int32_t *offset = ground_room(side * side, sizeof *offset);
+	uint8_t *dirt = ground_room(side * side, 1);
+	bool *known = ground_room(ground->posts * ground->posts, sizeof *known);
+	for (uint32_t k = 0; k < ground->tile_count; k++) {
+		assert_ok(gpu_slots_read_deform(ground->slots, k, offset, ground->params.dirt ? dirt : NULL));
+		for (int64_t i = 0; i < side * side; i++) {
+			int64_t x = k % ground->params.tiles * cells + i % side, y = k / ground->params.tiles * cells + i / side;
+			int64_t at = y * ground->posts + x;
+			if (known[at] && (ground->offset[at] != offset[i] || ground->dirt[at] != dirt[i]))
+				fail_msg("post %lld, %lld differs between the tiles that share it", (long long)x, (long long)y);
+			known[at] = true;
+			ground->offset[at] = offset[i];
+			ground->dirt[at] = dirt[i];
+		}
+	}
+	mem_free(offset);
+	mem_free(dirt);
+	mem_free(known);
+}
+
+/* The contact of every post of the block, of the last sweep's only window. */
+static inline uint8_t *ground_contacts(struct ground *ground)
+{
+	uint8_t *contacts = ground_room(ground->posts * ground->posts, 1);
+	uint8_t *window = ground_room(SIDE * SIDE, 1);
+	assert_int_equal(ground->window_count, 1);
+	struct post_rect read = ground->windows[0].read;
+	int64_t width = read.x1 - read.x0, height = read.y1 - read.y0;
+	gpu_texture_read(ground->deform->contacts, 0, rect_of(0, 0, (uint32_t)width, (uint32_t)height), window);
+	for (int64_t i = 0; i < width * height; i++) {
+		int64_t x = read.x0 + i % width - ground->x0, y = read.y0 + i / width - ground->x0;
+		if (x >= 0 && y >= 0 && x < ground->posts && y < ground->posts)
+			contacts[y * ground->posts + x] = window[i];
+	}
+	mem_free(window);
+	return contacts;
+}
+
+/* Metres from a place on the lattice to a post of the block. */
+static inline long double ground_from(const struct ground *ground, int64_t post, int64_t place)
+{
+	return (long double)(ground->x0 + post) * ground->params.spacing - ldexpl((long double)place, -OFFSET_BITS);
+}
+
+/* -1 .. 1 */
+static inline double any_share(void)
+{
+	return (double)any_word() / 2147483648.0 - 1;
+}
+
+/* The lattice place of a block's post, and then some: x and y in posts, z in metres. */
+static inline struct deform_pose ground_pose(const struct ground *ground, double x, double y, double z)
+{
+	return (struct deform_pose){
+		.x = lattice_offset(((double)ground->x0 + x) * ground->params.spacing),
+		.y = lattice_offset(((double)ground->x0 + y) * ground->params.spacing),
+		.z = lattice_offset(z),
+	};
+}
+
+#endif

@@ -1,0 +1,297 @@
+/* What the stages do at each post: press, refuse, touch, smooth, dirty; and what they leave alone. */
+#include "ground.h"
+
+static int32_t rough(int64_t x, int64_t y)
+{
+	uint32_t h = (uint32_t)x * 2654435761u ^ (uint32_t)y * 2246822519u;
+	h ^= h >> 15;
+	h *= 2654435761u;
+	return (int32_t)(h >> 17); /* 0 .. 0.125 m */
+}
+
+static int32_t holed(int64_t x, int64_t y)
+{
+	return (x * 5 + y * 3) % 11 == 0 ? BASE_NODATA : rough(x, y);
+}
+
+static const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4};
+static const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 0.7};
+
+static struct deform_sweep roll(const struct ground *ground, const struct deform_shape *shape, double x, double y,
+				double depth)
+{
+	double z = shape->radius - depth;
+	struct deform_sweep sweep = {shape, ground_pose(ground, x, y, z), ground_pose(ground, x + 1.7, y + 0.9, z)};
+	sweep.to.yaw = atan2(0.9, 1.7);
+	return sweep;
+}
+
+static int32_t *copy_of(const struct ground *ground)
+{
+	int32_t *copy = ground_room(ground->posts * ground->posts, sizeof *copy);
+	memcpy(copy, ground->offset, (size_t)(ground->posts * ground->posts) * sizeof *copy);
+	return copy;
+}
+
+static void only_ground_above_the_object_is_pressed(void **state)
+{
+	struct ground ground;
+	int pressed = 0, spared = 0;
+	(void)state;
+	need_gpu();
+	ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .first = 2, .spacing = 0.0625, .height = holed});
+	struct deform_sweep sweep = roll(&ground, &wheel, 31.3, 30.8, 0.05);
+	ground_sweep(&ground, &sweep);
+	ground_read(&ground);
+	for (int64_t i = 0; i < ground.posts * ground.posts; i++) {
+		long double z, x = ground_from(&ground, i % ground.posts, sweep.from.x);
+		long double y = ground_from(&ground, i / ground.posts, sweep.from.y);
+		long double under = 0, before = ldexpl(ground.base[i], 2);
+		bool covered = reference_underside(&sweep, x, y, &z);
+		if (covered)
+			under = ldexpl(z, OFFSET_BITS) + sweep.from.z;
+		if (ground.base[i] == BASE_NODATA || !covered || under > before + 4) {
+			assert_int_equal(ground.offset[i], 0);
+			spared += covered;
+		} else if (under < before - 4) {
+			assert_true(fabsl(before + ground.offset[i] - under) < 4);
+			pressed++;
+		}
+	}
+	assert_true(pressed > 20 && spared > 20);
+	ground_finish(&ground);
+}
+
+static void contacts_tell_what_was_pressed_and_what_is_held(void **state)
+{
+	struct ground ground;
+	int swept = 0, held = 0, left = 0;
+	(void)state;
+	need_gpu();
+	for (int round = 0; round < 6; round++) {
+		ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .first = 2, .spacing = 0.125,
+							     .height = holed, .model = DEFORM_NONE, .dirt = true});
+		struct deform_sweep sweep = roll(&ground, round % 2 ? &ball : &wheel, 30 + any_share(), 29 + any_share(), 0.05);
+		struct deform_sweep end = {sweep.shape, sweep.to, sweep.to};
+		ground_sweep(&ground, &sweep);
+		ground_read(&ground);
+		uint8_t *contacts = ground_contacts(&ground);
+		for (int64_t i = 0; i < ground.posts * ground.posts; i++) {
+			long double z, x = ground_from(&ground, i % ground.posts, sweep.from.x);
+			long double y = ground_from(&ground, i / ground.posts, sweep.from.y);
+			bool none = ground.base[i] == BASE_NODATA;
+			bool covered = reference_underside(&sweep, x, y, &z);
+			long double above = ldexpl(z, OFFSET_BITS) + sweep.from.z - 4 * (long double)ground.base[i];
+			if (none || !covered || above > 4)
+				assert_int_equal(contacts[i] & REFERENCE_SWEPT, 0);
+			else if (above < -4)
+				assert_int_equal(contacts[i] & REFERENCE_SWEPT, REFERENCE_SWEPT);
+			x = ground_from(&ground, i % ground.posts, end.from.x);
+			y = ground_from(&ground, i / ground.posts, end.from.y);
+			covered = reference_underside(&end, x, y, &z);
+			above = ldexpl(z, OFFSET_BITS) + end.from.z - 4 * (long double)ground.base[i] - ground.offset[i];
+			if (none || !covered || above > 8)
+				assert_int_equal(contacts[i] & REFERENCE_HELD, 0);
+			else if (above < 2)
+				assert_int_equal(contacts[i] & REFERENCE_HELD, REFERENCE_HELD);
+			swept += contacts[i] & 1;
+			held += contacts[i] >> 1;
+			left += contacts[i] == REFERENCE_SWEPT;
+		}
+		mem_free(contacts);
+		ground_finish(&ground);
+	}
+	assert_true(swept > 100 && held > 50 && left > 50);
+}
+
+static void the_box_filter_is_that_of_the_reference_bit_for_bit(void **state)
+{
+	(void)state;
+	need_gpu();
+	for (int round = 0; round < 24; round++) {
+		struct ground pressed, smoothed;
+		struct ground_params params = {.cells = 32, .tiles = 2, .first = 1, .spacing = 0.125, .height = holed};
+		ground_init(&pressed, &params);
+		params.model = DEFORM_BOX_FILTER;
+		params.radius = 1 + round % 4;
+		params.repetitions = 1 + round % 8;
+		ground_init(&smoothed, &params);
+		/* Whatever was there before, of both signs and to the ends of the range. */
+		int32_t *was = ground_room(33 * 33, sizeof *was);
+		for (uint32_t k = 0; k < 4 && round % 3 == 0; k++) {
+			for (int i = 0; i < 33 * 33; i++)
+				was[i] = i % 33 % 32 && i / 33 % 32 ? (int32_t)(any_share() * (round % 2 ? 1 << 30 : 4000)) : 0;
+			for (int i = 0; i < 33 * 33; i++)
+				if (smoothed.base[(k / 2 * 32 + i / 33) * 65 + k % 2 * 32 + i % 33] == BASE_NODATA)
+					was[i] = 0;
+			assert_ok(gpu_slots_upload_deform(pressed.slots, k, was, NULL));
+			assert_ok(gpu_slots_upload_deform(smoothed.slots, k, was, NULL));
+		}
+		mem_free(was);
+		/* Across the world's rim too. */
+		double x = round % 5 == 4 ? 62 : 31 + 3 * any_share();
+		struct deform_sweep sweep = roll(&smoothed, round % 2 ? &ball : &wheel, x, 30 + any_share(), 0.1);
+		ground_sweep(&pressed, &sweep);
+		ground_sweep(&smoothed, &sweep);
+		ground_read(&pressed);
+		ground_read(&smoothed);
+		uint8_t *contacts = ground_contacts(&smoothed);
+		int64_t bytes = smoothed.posts * smoothed.posts * (int64_t)sizeof *pressed.offset;
+		assert_memory_not_equal(pressed.offset, smoothed.offset, (size_t)bytes);
+		for (int i = 0; i < params.repetitions; i++)
+			assert_ok(reference_box((int)pressed.posts, (int)pressed.posts, pressed.base, contacts, params.radius,
+						pressed.offset));
+		for (int64_t i = 0; i < smoothed.posts * smoothed.posts; i++)
+			if (smoothed.offset[i] != pressed.offset[i])
+				fail_msg("radius %d, repetitions %d, post %lld, %lld: %d, not %d", params.radius, params.repetitions,
+					 (long long)(i % 65), (long long)(i / 65), smoothed.offset[i], pressed.offset[i]);
+		mem_free(contacts);
+		ground_finish(&pressed);
+		ground_finish(&smoothed);
+	}
+}
+
+static void an_object_at_rest_changes_nothing_more(void **state)
+{
+	struct ground ground;
+	(void)state;
+	need_gpu();
+	ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .first = 2, .spacing = 0.125, .height = rough,
+						     .model = DEFORM_BOX_FILTER, .radius = 2, .repetitions = 3});
+	struct deform_sweep sweep = roll(&ground, &wheel, 31.3, 30.8, 0.1), rest = {&wheel, sweep.to, sweep.to};
+	ground_sweep(&ground, &sweep);
+	ground_sweep(&ground, &rest); /* presses again what smoothing raised within its reach */
+	ground_read(&ground);
+	int32_t *before = copy_of(&ground);
+	for (int i = 0; i < 3; i++)
+		ground_sweep(&ground, &rest);
+	ground_read(&ground);
+	assert_memory_equal(ground.offset, before, (size_t)(ground.posts * ground.posts) * sizeof *before);
+	mem_free(before);
+	ground_finish(&ground);
+}
+
+static void what_an_object_rests_on_is_not_smoothed(void **state)
+{
+	struct ground pressed, smoothed;
+	int held = 0;
+	(void)state;
+	need_gpu();
+	struct ground_params params = {.cells = 32, .tiles = 2, .first = 2, .spacing = 0.0625};
+	ground_init(&pressed, &params);
+	params.model = DEFORM_BOX_FILTER;
+	ground_init(&smoothed, &params);
+	struct deform_sweep sweep = roll(&smoothed, &ball, 31.3, 30.8, 0.2);
+	ground_sweep(&pressed, &sweep);
+	ground_sweep(&smoothed, &sweep);
+	ground_read(&pressed);
+	ground_read(&smoothed);
+	struct deform_sweep end = {&ball, sweep.to, sweep.to};
+	for (int64_t i = 0; i < pressed.posts * pressed.posts; i++) {
+		long double z, x = ground_from(&pressed, i % pressed.posts, end.from.x);
+		long double y = ground_from(&pressed, i / pressed.posts, end.from.y);
+		if (!reference_underside(&end, x, y, &z) || ldexpl(z, OFFSET_BITS) + end.from.z > pressed.offset[i] + 1.5L)
+			continue;
+		assert_int_equal(smoothed.offset[i], pressed.offset[i]);
+		held++;
+	}
+	assert_true(held > 40);
+	ground_finish(&pressed);
+	ground_finish(&smoothed);
+}
+
+static void depths_beyond_the_range_are_refused_and_counted(void **state)
+{
+	struct ground ground;
+	uint64_t refused;
+	(void)state;
+	need_gpu();
+	ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .first = 2, .spacing = 0.25});
+	struct deform_shape box = {.kind = DEFORM_BOX, .size = {1.9, 0.9, 1}};
+	struct deform_sweep sweep = {&box, ground_pose(&ground, 32.5, 32.5, -1023.4), ground_pose(&ground, 32.5, 32.5, -1023.4)};
+	ground_sweep(&ground, &sweep);
+	ground_read(&ground);
+	assert_ok(deform_refused(ground.deform, &refused));
+	assert_int_equal(refused, 0);
+	assert_int_equal(ground.offset[32 * 65 + 32], lattice_offset(-1023.9));
+	ground_reset(&ground);
+	for (int i = 1; i <= 3; i++) { /* 8 x 4 posts each time */
+		sweep.from.z = sweep.to.z = lattice_offset(-1024 - i * 1000);
+		ground_sweep(&ground, &sweep);
+		assert_ok(deform_refused(ground.deform, &refused));
+		assert_int_equal(refused, i * 32);
+	}
+	ground_read(&ground);
+	for (int64_t i = 0; i < ground.posts * ground.posts; i++)
+		assert_int_equal(ground.offset[i], 0);
+	ground_finish(&ground);
+}
+
+static void dirt_grows_with_depth_where_the_sweep_touches(void **state)
+{
+	struct ground ground;
+	int dirty = 0;
+	(void)state;
+	need_gpu();
+	ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .first = 2, .spacing = 0.125, .height = holed,
+						     .model = DEFORM_BOX_FILTER, .dirt = true});
+	uint8_t *expected = ground_room(ground.posts * ground.posts, 1);
+	for (int round = 0; round < 3; round++) {
+		struct deform_sweep sweep = roll(&ground, &wheel, 28 + 2 * round, 30, 0.15 - 0.04 * round);
+		ground_sweep(&ground, &sweep);
+		ground_read(&ground);
+		uint8_t *contacts = ground_contacts(&ground);
+		for (int64_t i = 0; i < ground.posts * ground.posts; i++) {
+			int depth = ground.offset[i] < 0 ? -ground.offset[i] : 0, dirt = 96 + depth / 1024;
+			dirt = dirt < 255 ? dirt : 255;
+			if ((contacts[i] & REFERENCE_SWEPT) != 0 && dirt > expected[i])
+				expected[i] = (uint8_t)dirt;
+			dirty += expected[i] > 96;
+		}
+		assert_memory_equal(ground.dirt, expected, (size_t)(ground.posts * ground.posts));
+		mem_free(contacts);
+	}
+	assert_true(dirty > 40);
+	mem_free(expected);
+	ground_finish(&ground);
+}
+
+static void shapes_and_poses_beyond_limits_are_refused(void **state)
+{
+	struct ground ground;
+	struct deform_shape shape = {.kind = DEFORM_SPHERE, .radius = 257};
+	struct deform_window windows[DEFORM_WINDOWS_MAX];
+	size_t count;
+	(void)state;
+	assert_int_equal(deform_shape_check(&shape, 30), STATUS_INPUT);
+	shape.radius = 250;
+	assert_int_equal(deform_shape_check(&shape, 30), STATUS_OK);
+	assert_int_equal(deform_shape_check(&shape, 0.25), STATUS_INPUT);
+	assert_int_equal(deform_shape_check(&(struct deform_shape){.kind = DEFORM_BOX, .size = {1, 1, 0}}, 1), STATUS_INPUT);
+	assert_int_equal(deform_shape_check(&(struct deform_shape){.kind = DEFORM_WHEEL, .radius = 1}, 1), STATUS_INPUT);
+	assert_int_equal(deform_shape_check(&wheel, 0.015625), STATUS_OK);
+	need_gpu();
+	ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 1, .spacing = 0.25});
+	struct deform_sweep sweep = roll(&ground, &wheel, 16, 16, 0.1);
+	sweep.to.roll = 0.1;
+	assert_int_equal(deform_windows(ground.deform, &sweep, windows, &count), STATUS_INPUT);
+	sweep = roll(&ground, &wheel, -16, 16, 0.1);
+	assert_ok(deform_windows(ground.deform, &sweep, windows, &count));
+	assert_int_equal(count, 0);
+	ground_finish(&ground);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(only_ground_above_the_object_is_pressed),
+		cmocka_unit_test(contacts_tell_what_was_pressed_and_what_is_held),
+		cmocka_unit_test(the_box_filter_is_that_of_the_reference_bit_for_bit),
+		cmocka_unit_test(an_object_at_rest_changes_nothing_more),
+		cmocka_unit_test(what_an_object_rests_on_is_not_smoothed),
+		cmocka_unit_test(depths_beyond_the_range_are_refused_and_counted),
+		cmocka_unit_test(dirt_grows_with_depth_where_the_sweep_touches),
+		cmocka_unit_test(shapes_and_poses_beyond_limits_are_refused),
+	};
+	return cmocka_run_group_tests_name("deform/stages", tests, open_gpu, close_gpu);
+}
