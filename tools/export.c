@@ -10,7 +10,7 @@
 static const struct command_option options[] = {
 	{"o", "OUT", "what to write: .tif (GeoTIFF) or .png"},
 	{"layer", "LAYER", "surface (default), base, offset (metres), quanta (Int32, 2^-20 m) or hillshade"},
-	{"level", "L", "0 (default): the source's spacing; -k: 2^k times finer; k: coarser"},
+	{"level", "L", "0: the source's spacing; -k: 2^k times finer; k: coarser (0; offset, quanta: the deformed level)"},
 	{"window", "X0,Y0,X1,Y1", "metres east and north of the south-west post"},
 	{"height-range", "MIN,MAX", "metres that a PNG's 0 and full scale mean (one metre a unit)"},
 	{NULL, NULL, NULL},
@@ -217,6 +217,10 @@ static enum status run(const struct arguments *arguments)
 	enum status status = read_request(arguments, &request);
 	if (status == STATUS_OK)
 		status = store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_READ}, &store);
+	int working;
+	bool ruts = request.layer == LAYER_OFFSET || request.layer == LAYER_QUANTA;
+	if (status == STATUS_OK && ruts && !arguments_flag(arguments, "level") && store_has_working_level(store, &working))
+		request.level = working;
 	if (status == STATUS_OK)
 		status = write_raster(&request, store);
 	store_close(store);

@@ -52,6 +52,9 @@ static enum status read_request(const struct arguments *arguments, const char **
 	request->dem.nodata = request->nodata;
 	if (status == STATUS_OK)
 		status = arguments_integer(arguments, "tile", TILE_CELLS_MIN, TILE_CELLS_MAX, &request->tile);
+	if (status == STATUS_OK && (request->tile & (request->tile - 1)) != 0)
+		status = fail_with(STATUS_USAGE, "import: --tile %lld: not a power of two; give 8, 16, ... 256 (default), 512 or 1024",
+				   (long long)request->tile);
 	if (status == STATUS_OK)
 		status = arguments_integer(arguments, "jobs", 1, 256, &request->jobs);
 	if (status == STATUS_OK)
@@ -97,6 +100,14 @@ static void print_plan(const struct dem_info *info, const struct store_meta *met
 		       "wins\n",
 		       (long long)info->overlap_posts, (long long)info->overlap_differing,
 		       info->overlap_difference);
+}
+
+/* A hole that nobody declared shows as a height no ground has. */
+static void note_sentinel(const struct intake *intake)
+{
+	if (intake->low <= -12000 || intake->low == -9999)
+		note("the lowest height is %g m; if that means nodata, import again with --nodata %g", intake->low,
+		     intake->low);
 }
 
 static char *join_lines(const char *const *lines, size_t count)
@@ -160,9 +171,12 @@ static enum status run(const struct arguments *arguments)
 		status = fail_with(STATUS_INPUT, "import: %s; change --tile, --spacing or the sources", problem);
 		goto done;
 	}
-	print_plan(info, &intake.meta);
 	if (!arguments_flag(arguments, "dry-run"))
 		status = intake_run(&intake);
+	if (status == STATUS_OK) {
+		print_plan(info, &intake.meta);
+		note_sentinel(&intake);
+	}
 done:
 	dem_close(dem);
 	mem_free(lines);

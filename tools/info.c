@@ -90,6 +90,18 @@ static enum status print_json(struct store *store, const struct store_numbers *n
 	return json_print(object);
 }
 
+/* The first name in a WKT, which is what people call the system. */
+static void print_srs(const char *wkt)
+{
+	const char *from = strchr(wkt, '"'), *to = from != NULL ? strchr(from + 1, '"') : NULL;
+	if (wkt[0] == '\0')
+		puts("srs        none: local metres");
+	else if (to != NULL)
+		printf("srs        %.*s (--json has all of it)\n", (int)(to - from - 1), from + 1);
+	else
+		printf("srs        %s\n", wkt);
+}
+
 static void print_text(struct store *store, const struct store_numbers *numbers)
 {
 	const struct store_meta *meta = store_meta(store);
@@ -115,7 +127,7 @@ static void print_text(struct store *store, const struct store_numbers *numbers)
 	printf("origin     %.3f, %.3f (south-west post)\n", meta->origin[0], meta->origin[1]);
 	if (meta->vertical[0] != '\0')
 		printf("vertical   %s\n", meta->vertical);
-	printf("srs        %s\n", meta->srs[0] != '\0' ? meta->srs : "none: local metres");
+	print_srs(meta->srs);
 	for (const char *line = meta->sources; *line != '\0';) {
 		int length = (int)strcspn(line, "\n");
 		printf("source     %.*s\n", length, line);

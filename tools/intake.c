@@ -37,7 +37,7 @@ static enum status cut_and_store(const struct intake *intake, struct store *stor
 	return status == STATUS_OK ? stored : failure_restore(&failure);
 }
 
-enum status intake_run(const struct intake *intake)
+enum status intake_run(struct intake *intake)
 {
 	struct store *store = NULL;
 	double started = clock_seconds();
@@ -52,6 +52,8 @@ enum status intake_run(const struct intake *intake)
 	progress_end(&progress);
 	if (status == STATUS_OK)
 		status = store_publish(store);
+	if (status == STATUS_OK)
+		intake->low = store_meta(store)->low;
 	store_close(store);
 	if (status != STATUS_OK)
 		return status;

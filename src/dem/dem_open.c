@@ -47,20 +47,21 @@ static enum status params_check(const struct dem_params *params)
 static enum status grid_open(const struct dem_params *params, const struct dem_list *list,
 			     struct dem_grid **out)
 {
-	size_t plain = 0;
-	for (size_t i = 0; i < list->count; i++)
-		plain += is_plain(list->paths[i]) ? 1 : 0;
-	if (plain > 0 && list->count > 1)
+	const char *placeless = NULL;
+	for (size_t i = 0; i < list->count && placeless == NULL; i++)
+		if (is_plain(list->paths[i]))
+			placeless = list->paths[i];
+	bool plain = placeless != NULL;
+	if (plain && list->count > 1)
 		return fail_with(STATUS_INPUT, "%s: a heightmap has no place among other sources; import it "
-				 "alone, or give it a place with gdal_translate",
-				 is_plain(list->paths[0]) ? list->paths[0] : list->paths[1]);
-	if (plain == 0 && params->has_height_range)
+				 "alone, or give it a place with gdal_translate", placeless);
+	if (!plain && params->has_height_range)
 		return fail_with(STATUS_USAGE, "height range: %s is neither a PNG nor a raw heightmap and "
 				 "says itself what it means; leave it out", list->paths[0]);
-	if (plain > 0 && params->t_srs != NULL && strcmp(params->t_srs, "auto") != 0)
+	if (plain && params->t_srs != NULL && strcmp(params->t_srs, "auto") != 0)
 		return fail_with(STATUS_INPUT, "%s: has no place on a planet, so it cannot be projected; leave "
 				 "the target SRS out", list->paths[0]);
-	if (plain == 0)
+	if (!plain)
 		return dem_gdal_open(params, list, out);
 	return is_raw(list->paths[0]) ? dem_raw_open(params, list->paths[0], out)
 				      : dem_png_open(params, list->paths[0], out);

@@ -62,6 +62,7 @@ class BadInput(FurrowTest):
                     self.assertIn(name, self.refused(3, command[0], name, *(["1", "1"] if command == ["query"] else [])))
             with self.subTest(name=name, command="drive"):
                 self.refused(3, "drive", self.scene(), "--store", name, "-o", "out")
+                self.assertFalse((self.folder / "out").exists())
 
     def test_missing_empty_and_garbage_sources_are_status_3_and_leave_nothing(self):
         (self.folder / "empty.tif").touch()
@@ -125,6 +126,16 @@ class BadInput(FurrowTest):
         # Everything else works there.
         self.assertTrue(self.json("verify", store, env=NO_GL)["ok"])
         self.json("info", store, env=NO_GL)
+
+    def test_a_drive_that_deforms_nothing_fixes_no_spacing(self):
+        store = self.synth()
+        scene = self.scene(SCENE.replace("[20, 20]", "[-5, 20]"))
+        result = self.furrow("drive", scene, "--store", store, "-o", "out")
+        if result.returncode == 4:
+            self.skipTest("no GL here")
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIsNone(self.json("info", store)["working_level"])
+        self.drive(self.scene(), "--store", store, "--set", "spacing=0.125")
 
     def test_another_spacing_is_refused_until_reset(self):
         store = self.synth()
@@ -205,6 +216,9 @@ class Drives(FurrowTest):
         self.assertGreater(point["soil"]["dirt"], 0)
         epochs = (self.folder / "out/epochs.log").read_text().splitlines()
         self.assertEqual(len(epochs), report["io"]["commits"])
+        # Ruts are exported where they are exact, unless another level is asked for.
+        self.assertIn("0.25 m apart", self.ok("export", store, "-o", "ruts.tif", "--layer", "quanta") if has_gdal()
+                      else "0.25 m apart")
         info = self.json("info", store)
         self.assertEqual(info["last_run"]["step"], 80)
         self.assertGreater(info["tiles"]["offset"], 0)
@@ -264,10 +278,18 @@ class RealElevation(FurrowTest):
                  "gabilan_dtm1m.bil": [], "heightmap16_1280.png": [], "mars_gale_ctx20m.tif": [], "sthelens.dem": []}
         for name, extra in cases.items():
             with self.subTest(name=name):
-                self.ok("import", dem / name, "-o", "real.furrow", "--overwrite", *extra)
+                result = self.furrow("import", dem / name, "-o", "real.furrow", "--overwrite", *extra)
+                self.assertEqual(result.returncode, 0, result.stderr)
+                self.assertNotIn("means nodata", result.stderr)
                 check = self.json("verify", "real.furrow")
                 self.assertTrue(check["ok"], check["problems"])
                 os.remove(self.folder / "real.furrow")
+
+    @unittest.skipUnless((SHARED / "dem").is_dir() and has_gdal(), "needs the shared elevation data and GDAL")
+    def test_nodata_that_no_tag_declares_is_told(self):
+        result = self.furrow("import", SHARED / "dem/craterlake.tif", "-o", "real.furrow")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("--nodata -32767", result.stderr)
 
     @unittest.skipUnless((SHARED / "dem").is_dir() and has_gdal(), "needs the shared elevation data and GDAL")
     def test_a_wheel_leaves_its_shape_in_a_90_m_mosaic(self):

@@ -54,7 +54,7 @@ static const struct {
 	{"- name: front_left\n    shape", "- [1]\n  - shape", ":13: objects[0]: is a list; allowed: a mapping"},
 	/* out of range */
 	{"scene: 1", "scene: 2", ":1: scene: 2 is no version of the format that is known; allowed: 1"},
-	{"time_step: 0.02", "time_step: 0", ":3: time_step: 0 is out of range; allowed: above 0 to 3600"},
+	{"time_step: 0.02", "time_step: 0", ":3: time_step: 0 is out of range; allowed: 1e-06 to 3600"},
 	{"time_step: 0.02", "time_step: -0.02", ":3: time_step: -0.02 is out of range"},
 	{"end_time: 30", "end_time: -1", ":4: end_time: -1 is out of range; allowed: above 0"},
 	{"end_time: 30", "end_time: 1e999", ":4: end_time: 1e999 is out of range"},
