@@ -95,7 +95,7 @@ void main()
 	vec3 lit = albedo * (sunlight * facing + mix(groundlight, skylight, 0.5 + 0.5 * normal.z) * shade);
 #if defined OFFSET && defined DIRT
 	vec3 between = normalize(sun.xyz - normalize(place));
-	lit += wet * facing * pow(max(dot(normal, between), 0.0), 32.0) * 0.15 * sunlight;
+	lit += wet * facing * pow(max(dot(normal, between), 0.0), 24.0) * 0.05 * sunlight;
 #endif
 #ifdef FOG
 	lit = through_haze(lit, air);
