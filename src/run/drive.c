@@ -2,6 +2,7 @@
 #include <errno.h>
 #include <math.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -20,15 +21,22 @@ static enum status make_directory(const char *path)
 	return STATUS_OK;
 }
 
+/* The log is also what says that a drive writes into this folder; the lock goes with the process. */
 static enum status open_epochs(struct drive *drive)
 {
 	char path[4096];
-	snprintf(path, sizeof path, "%s/run.json", drive->params->directory);
-	unlink(path); /* an earlier drive's */
 	snprintf(path, sizeof path, "%s/epochs.log", drive->params->directory);
-	drive->epochs = fopen(path, "w");
+	drive->epochs = fopen(path, "a");
 	if (drive->epochs == NULL)
 		return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
+	if (flock(fileno(drive->epochs), LOCK_EX | LOCK_NB) != 0)
+		return fail_with(STATUS_FAILED, "%s: another drive writes into this folder; give another, or wait for it to "
+						"end",
+				 drive->params->directory);
+	if (ftruncate(fileno(drive->epochs), 0) != 0)
+		return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
+	snprintf(path, sizeof path, "%s/run.json", drive->params->directory);
+	unlink(path); /* an earlier drive's */
 	return STATUS_OK;
 }
 

@@ -112,8 +112,10 @@ static enum status load(void *user, unsigned loader, struct page_image *image, c
 	if (status == STATUS_OK)
 		status = load_planes(pages, ground, tile, image, queued);
 	mutex_lock(&pages->mutex);
-	pages->io.tiles_read++;
-	pages->io.bytes_read += (int64_t)pages->layout.bytes;
+	if (status == STATUS_OK) {
+		pages->io.tiles_read++;
+		pages->io.bytes_read += (int64_t)pages->layout.bytes; /* as decoded */
+	}
 	pages->io.load_ms += (clock_seconds() - started) * 1e3;
 	mutex_unlock(&pages->mutex);
 	return status;

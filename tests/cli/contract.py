@@ -257,6 +257,27 @@ class Drives(FurrowTest):
         self.assertTrue(self.json("verify", store)["ok"])
         self.assertEqual(self.json("info", store)["last_run"]["step"], report["steps"])
 
+    def test_a_second_drive_is_refused_the_same_store_and_the_same_folder(self):
+        import time
+        one, two = self.synth("one.furrow"), self.synth("two.furrow")
+        scene = self.scene(SCENE.replace("end_time: 4", "end_time: 4000").replace("speed: 30}", "speed: 30, loop: true}"))
+        process = subprocess.Popen([FURROW, "drive", scene, "--store", one, "-o", self.folder / "out"],
+                                   stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        try:
+            for _ in range(200):
+                time.sleep(0.05)
+                log = self.folder / "out/epochs.log"
+                if process.poll() is not None or log.exists() and log.read_text():
+                    break
+            if process.poll() == 4:
+                self.skipTest("no GL here")
+            self.assertIn("another process", self.refused(1, "drive", self.scene(name="b.yaml"), "--store", one, "-o", "b"))
+            self.assertFalse((self.folder / "b").exists())
+            self.assertIn("folder", self.refused(1, "drive", self.scene(name="b.yaml"), "--store", two, "-o", "out"))
+        finally:
+            process.kill()
+            process.communicate(timeout=60)
+
     def test_pictures_are_written(self):
         store = self.synth()
         view = ("view: {size: [320, 180], camera: {chase: left, back: 8, up: 4}, "
