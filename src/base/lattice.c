@@ -89,15 +89,10 @@ void lattice_subdivide(const int32_t *patch, uint32_t cells, int shift, uint32_t
 	}
 }
 
-#define DECIMATE(name, type)                                                                       \
-	void name(const type *fine, uint32_t cells, uint32_t qx, uint32_t qy, type *coarse)        \
-	{                                                                                          \
-		uint32_t half = cells / 2, stride = cells + 1;                                     \
-		for (uint32_t y = 0; y <= half; y++)                                               \
-			for (uint32_t x = 0; x <= half; x++)                                       \
-				coarse[(size_t)(qy * half + y) * stride + qx * half + x] =         \
-					fine[(size_t)2 * y * stride + 2 * x];                      \
-	}
-
-DECIMATE(lattice_decimate_i32, int32_t)
-DECIMATE(lattice_decimate_u8, uint8_t)
+void lattice_decimate_i32(const int32_t *fine, uint32_t cells, uint32_t qx, uint32_t qy, int32_t *coarse)
+{
+	uint32_t half = cells / 2, stride = cells + 1;
+	for (uint32_t y = 0; y <= half; y++)
+		for (uint32_t x = 0; x <= half; x++)
+			coarse[(size_t)(qy * half + y) * stride + qx * half + x] = fine[(size_t)2 * y * stride + 2 * x];
+}

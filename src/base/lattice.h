@@ -59,7 +59,5 @@ void lattice_subdivide(const int32_t *patch, uint32_t cells, int shift, uint32_t
  */
 void lattice_decimate_i32(const int32_t *fine, uint32_t cells, uint32_t qx, uint32_t qy,
 			  int32_t *coarse);
-void lattice_decimate_u8(const uint8_t *fine, uint32_t cells, uint32_t qx, uint32_t qy,
-			 uint8_t *coarse);
 
 #endif
