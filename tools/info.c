@@ -44,7 +44,7 @@ static cJSON *last_run_json(const struct store_numbers *numbers)
 	cJSON *run = cJSON_CreateObject();
 	cJSON_AddStringToObject(run, "scene_hash", numbers->last_run.scene_hash);
 	json_integer(run, "step", numbers->last_run.step);
-	json_metres(run, "time", numbers->last_run.time);
+	json_number(run, "time", numbers->last_run.time);
 	json_integer(run, "epochs", numbers->epochs);
 	return run;
 }
@@ -58,7 +58,7 @@ static enum status print_json(struct store *store, const struct store_numbers *n
 	int working;
 	cJSON *object = cJSON_CreateObject();
 	json_integer(object, "tile", world->cells);
-	json_metres(object, "spacing", world->spacing);
+	json_number(object, "spacing", world->spacing);
 	json_pair(object, "posts", (double)world->width, (double)world->height);
 	json_pair(object, "levels", store_finest(store), world_coarsest(world));
 	if (store_has_working_level(store, &working))
@@ -74,7 +74,7 @@ static enum status print_json(struct store *store, const struct store_numbers *n
 			    meta->origin[1] + (double)(world->height - 1) * world->spacing};
 	cJSON_AddItemToObject(object, "bounds", cJSON_CreateDoubleArray(bounds, 4));
 	cJSON_AddStringToObject(object, "nodata", "NaN");
-	json_metres(object, "max_error", meta->max_error);
+	json_number(object, "max_error", meta->max_error);
 	json_pair(object, "height", meta->low, meta->high);
 	cJSON *tiles = cJSON_AddObjectToObject(object, "tiles");
 	json_integer(tiles, "base", numbers->base_tiles);

@@ -3,21 +3,6 @@
 #include <math.h>
 #include <stdio.h>
 
-void json_integer(cJSON *object, const char *name, int64_t value)
-{
-	char text[32];
-	snprintf(text, sizeof text, "%lld", (long long)value);
-	cJSON_AddRawToObject(object, name, text);
-}
-
-void json_metres(cJSON *object, const char *name, double value)
-{
-	if (isfinite(value))
-		cJSON_AddNumberToObject(object, name, value);
-	else
-		cJSON_AddNullToObject(object, name);
-}
-
 void json_pair(cJSON *object, const char *name, double a, double b)
 {
 	double values[2] = {a, b};

@@ -59,11 +59,11 @@ static enum status ask(struct asking *asking, double x, double y)
 		return STATUS_OK;
 	}
 	cJSON *point = cJSON_CreateObject();
-	json_metres(point, "x", x);
-	json_metres(point, "y", y);
-	json_metres(point, "height", nodata ? (double)NAN : sample.height);
-	json_metres(point, "base", nodata ? (double)NAN : sample.base);
-	json_metres(point, "offset", nodata ? (double)NAN : sample.offset);
+	json_number(point, "x", x);
+	json_number(point, "y", y);
+	json_number(point, "height", nodata ? (double)NAN : sample.height);
+	json_number(point, "base", nodata ? (double)NAN : sample.base);
+	json_number(point, "offset", nodata ? (double)NAN : sample.offset);
 	cJSON_AddBoolToObject(point, "nodata", nodata);
 	cJSON_AddBoolToObject(point, "outside", sample.outside);
 	cJSON *soil = cJSON_AddObjectToObject(point, "soil");

@@ -40,7 +40,7 @@ static enum status open_epochs(struct drive *drive)
 	return STATUS_OK;
 }
 
-/* Settles the working level: the store's, if it has one, must be what the scene asks for. */
+/* Settles the working level; the store refuses another than it has. */
 static enum status settle_level(struct drive *drive)
 {
 	const struct world *world = &drive->meta->world;
@@ -49,21 +49,16 @@ static enum status settle_level(struct drive *drive)
 					       "km); import a smaller part, or say what a PNG means with --height-range",
 				 drive->meta->low, drive->meta->high);
 	double asked = drive->scene->spacing;
-	int level = 0, fixed;
-	bool has = store_has_working_level(drive->store, &fixed);
+	int level = 0;
 	if (asked > 0) {
 		level = world_level_for(world, asked);
 		if (level < TILE_LEVEL_MIN)
 			return fail_with(STATUS_INPUT, "spacing: %g m is finer than %g m, the finest this store can be divided to; "
 						       "raise it, or import with a finer --spacing",
 					 asked, world_spacing(world, TILE_LEVEL_MIN));
-	} else if (has) {
-		level = fixed;
+	} else {
+		store_has_working_level(drive->store, &level); /* stays 0 without one */
 	}
-	if (has && fixed != level)
-		return fail_with(STATUS_INPUT, "spacing: this store is already deformed at %g m (level %d), the scene asks for "
-					       "level %d; use that spacing, or drop its ruts with furrow reset",
-				 world_spacing(world, fixed), fixed, level);
 	drive->level = level;
 	drive->spacing = world_spacing(world, level);
 	return store_set_working_level(drive->store, level);

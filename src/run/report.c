@@ -1,27 +1,12 @@
 /* run.json: what a drive did and what it took. */
-#include <cJSON.h>
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "base/json.h"
 #include "run/internal.h"
-
-static void integer(cJSON *object, const char *name, int64_t value)
-{
-	char text[32];
-	snprintf(text, sizeof text, "%lld", (long long)value);
-	cJSON_AddRawToObject(object, name, text);
-}
-
-static void number(cJSON *object, const char *name, double value)
-{
-	if (isfinite(value))
-		cJSON_AddNumberToObject(object, name, value);
-	else
-		cJSON_AddNullToObject(object, name);
-}
 
 static int by_size(const void *a, const void *b)
 {
@@ -52,54 +37,54 @@ static void add_times(cJSON *root, const struct drive *drive)
 	}
 	/* A frame is a step and its picture; without a view a step alone. p99: of the slow end. */
 	cJSON *fps = cJSON_AddObjectToObject(root, "fps");
-	number(fps, "mean", 1e3 / mean(drive->frame_ms, count));
-	number(fps, "p50", 1e3 / percentile(drive->frame_ms, count, 0.5));
-	number(fps, "p99", 1e3 / percentile(drive->frame_ms, count, 0.99));
+	json_number(fps, "mean", 1e3 / mean(drive->frame_ms, count));
+	json_number(fps, "p50", 1e3 / percentile(drive->frame_ms, count, 0.5));
+	json_number(fps, "p99", 1e3 / percentile(drive->frame_ms, count, 0.99));
 	cJSON *step = cJSON_AddObjectToObject(root, "step_ms");
-	number(step, "p50", percentile(drive->step_ms, count, 0.5));
-	number(step, "p95", percentile(drive->step_ms, count, 0.95));
-	number(step, "p99", percentile(drive->step_ms, count, 0.99));
-	number(step, "max", percentile(drive->step_ms, count, 1));
+	json_number(step, "p50", percentile(drive->step_ms, count, 0.5));
+	json_number(step, "p95", percentile(drive->step_ms, count, 0.95));
+	json_number(step, "p99", percentile(drive->step_ms, count, 0.99));
+	json_number(step, "max", percentile(drive->step_ms, count, 1));
 }
 
 static void add_stages(cJSON *root, const struct gpu_stats *gpu, const struct pages_io *io)
 {
 	cJSON *stages = cJSON_AddObjectToObject(root, "stage_ms");
-	number(stages, "load", io->load_ms);
-	number(stages, "displace", gpu->stage_ms[GPU_DISPLACE]);
-	number(stages, "redistribute", gpu->stage_ms[GPU_REDISTRIBUTE]);
-	number(stages, "attributes", gpu->stage_ms[GPU_ATTRIBUTES]);
-	number(stages, "pyramid", gpu->stage_ms[GPU_PYRAMID]);
-	number(stages, "render", gpu->stage_ms[GPU_RENDER]);
-	number(stages, "readback", io->readback_ms);
-	number(stages, "writeback", io->writeback_ms);
+	json_number(stages, "load", io->load_ms);
+	json_number(stages, "displace", gpu->stage_ms[GPU_DISPLACE]);
+	json_number(stages, "redistribute", gpu->stage_ms[GPU_REDISTRIBUTE]);
+	json_number(stages, "attributes", gpu->stage_ms[GPU_ATTRIBUTES]);
+	json_number(stages, "pyramid", gpu->stage_ms[GPU_PYRAMID]);
+	json_number(stages, "render", gpu->stage_ms[GPU_RENDER]);
+	json_number(stages, "readback", io->readback_ms);
+	json_number(stages, "writeback", io->writeback_ms);
 }
 
 static void add_cache(cJSON *root, const struct drive *drive, const struct page_stats *stats)
 {
 	cJSON *cache = cJSON_AddObjectToObject(root, "cache");
-	integer(cache, "slots", drive->scene->slots);
-	integer(cache, "touched", (int64_t)stats->touched);
-	integer(cache, "hits", (int64_t)stats->hits);
-	integer(cache, "misses", (int64_t)stats->misses);
-	integer(cache, "prefetched", (int64_t)stats->prefetched);
-	integer(cache, "late", (int64_t)stats->late);
-	integer(cache, "evictions", (int64_t)stats->evictions);
-	integer(cache, "writebacks", (int64_t)stats->writebacks);
-	integer(cache, "stalls", (int64_t)stats->stalls);
-	number(cache, "stall_ms", stats->stall_ms);
+	json_integer(cache, "slots", drive->scene->slots);
+	json_integer(cache, "touched", (int64_t)stats->touched);
+	json_integer(cache, "hits", (int64_t)stats->hits);
+	json_integer(cache, "misses", (int64_t)stats->misses);
+	json_integer(cache, "prefetched", (int64_t)stats->prefetched);
+	json_integer(cache, "late", (int64_t)stats->late);
+	json_integer(cache, "evictions", (int64_t)stats->evictions);
+	json_integer(cache, "writebacks", (int64_t)stats->writebacks);
+	json_integer(cache, "stalls", (int64_t)stats->stalls);
+	json_number(cache, "stall_ms", stats->stall_ms);
 }
 
 static void add_gpu(cJSON *root, const struct drive *drive, const struct gpu_stats *stats)
 {
 	cJSON *passes = cJSON_AddObjectToObject(root, "passes");
-	integer(passes, "displace", (int64_t)stats->passes[GPU_DISPLACE]);
-	integer(passes, "redistribute", (int64_t)stats->passes[GPU_REDISTRIBUTE]);
-	integer(passes, "attributes", (int64_t)stats->passes[GPU_ATTRIBUTES]);
-	integer(passes, "pyramid", (int64_t)stats->passes[GPU_PYRAMID]);
-	integer(passes, "render", (int64_t)stats->passes[GPU_RENDER]);
-	integer(passes, "subdivide", (int64_t)stats->passes[GPU_SUBDIVIDE]);
-	integer(root, "tiles_per_window", (int64_t)drive->passes_most);
+	json_integer(passes, "displace", (int64_t)stats->passes[GPU_DISPLACE]);
+	json_integer(passes, "redistribute", (int64_t)stats->passes[GPU_REDISTRIBUTE]);
+	json_integer(passes, "attributes", (int64_t)stats->passes[GPU_ATTRIBUTES]);
+	json_integer(passes, "pyramid", (int64_t)stats->passes[GPU_PYRAMID]);
+	json_integer(passes, "render", (int64_t)stats->passes[GPU_RENDER]);
+	json_integer(passes, "subdivide", (int64_t)stats->passes[GPU_SUBDIVIDE]);
+	json_integer(root, "tiles_per_window", (int64_t)drive->passes_most);
 	const struct gpu_info *info = gpu_info(drive->gpu);
 	cJSON *gl = cJSON_AddObjectToObject(root, "gl");
 	cJSON_AddStringToObject(gl, "vendor", info->vendor);
@@ -114,25 +99,25 @@ static void add_memory(cJSON *root, const struct drive *drive, const struct gpu_
 	struct gpu_slots_bytes planes;
 	gpu_slots_bytes(drive->slots, &planes);
 	cJSON *memory = cJSON_AddObjectToObject(root, "memory");
-	integer(memory, "rss_peak", (int64_t)mem_peak_resident());
-	integer(memory, "gpu_bytes", (int64_t)gpu->bytes);
-	integer(memory, "host_bytes", (int64_t)pages->host_bytes);
+	json_integer(memory, "rss_peak", (int64_t)mem_peak_resident());
+	json_integer(memory, "gpu_bytes", (int64_t)gpu->bytes);
+	json_integer(memory, "host_bytes", (int64_t)pages->host_bytes);
 	cJSON *bytes = cJSON_AddObjectToObject(memory, "plane_bytes");
-	integer(bytes, "base", (int64_t)planes.base);
-	integer(bytes, "offset", (int64_t)planes.offset);
+	json_integer(bytes, "base", (int64_t)planes.base);
+	json_integer(bytes, "offset", (int64_t)planes.offset);
 	if (drive->scene->dirt)
-		integer(bytes, "dirt", (int64_t)planes.dirt);
-	integer(root, "programs", gpu->programs);
+		json_integer(bytes, "dirt", (int64_t)planes.dirt);
+	json_integer(root, "programs", gpu->programs);
 }
 
 static void add_io(cJSON *root, const struct pages_io *io)
 {
 	cJSON *object = cJSON_AddObjectToObject(root, "io");
-	integer(object, "tiles_read", io->tiles_read);
-	integer(object, "tiles_written", io->tiles_written);
-	integer(object, "bytes_read", io->bytes_read);
-	integer(object, "bytes_written", io->bytes_written);
-	integer(object, "commits", io->commits);
+	json_integer(object, "tiles_read", io->tiles_read);
+	json_integer(object, "tiles_written", io->tiles_written);
+	json_integer(object, "bytes_read", io->bytes_read);
+	json_integer(object, "bytes_written", io->bytes_written);
+	json_integer(object, "commits", io->commits);
 }
 
 static void add_volume(cJSON *root, const struct drive *drive, const struct pages_io *io)
@@ -140,13 +125,13 @@ static void add_volume(cJSON *root, const struct drive *drive, const struct page
 	double quantum = lattice_offset_metres(1) * drive->spacing * drive->spacing;
 	int64_t removed = -io->below, raised = io->above;
 	cJSON *volume = cJSON_AddObjectToObject(root, "volume");
-	number(volume, "removed", (double)removed * quantum);
-	number(volume, "raised", (double)raised * quantum);
-	number(volume, "net", (double)(raised - removed) * quantum);
+	json_number(volume, "removed", (double)removed * quantum);
+	json_number(volume, "raised", (double)raised * quantum);
+	json_number(volume, "net", (double)(raised - removed) * quantum);
 	cJSON *quanta = cJSON_AddObjectToObject(volume, "quanta");
-	integer(quanta, "removed", removed);
-	integer(quanta, "raised", raised);
-	integer(quanta, "net", raised - removed);
+	json_integer(quanta, "removed", removed);
+	json_integer(quanta, "raised", raised);
+	json_integer(quanta, "net", raised - removed);
 }
 
 static void add_objects(cJSON *root, const struct drive *drive)
@@ -155,9 +140,9 @@ static void add_objects(cJSON *root, const struct drive *drive)
 	for (size_t i = 0; i < drive->scene->object_count; i++) {
 		const struct rider *rider = &drive->riders[i];
 		cJSON *object = cJSON_AddObjectToObject(objects, rider->object->name);
-		number(object, "distance", rider->distance);
-		number(object, "sinkage", rider->sinkage);
-		integer(object, "skipped", (int64_t)rider->skipped);
+		json_number(object, "distance", rider->distance);
+		json_number(object, "sinkage", rider->sinkage);
+		json_integer(object, "skipped", (int64_t)rider->skipped);
 	}
 }
 
@@ -180,12 +165,12 @@ char *report_json(const struct drive *drive, const char *ended)
 		     (unsigned long long)refused);
 	cJSON *root = cJSON_CreateObject();
 	cJSON_AddStringToObject(root, "ended", ended);
-	integer(root, "steps", drive->step);
-	number(root, "seconds", drive->seconds);
-	number(root, "simulated", drive->time);
-	number(root, "rtf", drive->seconds > 0 ? drive->time / drive->seconds : 0);
-	number(root, "spacing", drive->spacing);
-	integer(root, "working_level", drive->level);
+	json_integer(root, "steps", drive->step);
+	json_number(root, "seconds", drive->seconds);
+	json_number(root, "simulated", drive->time);
+	json_number(root, "rtf", drive->seconds > 0 ? drive->time / drive->seconds : 0);
+	json_number(root, "spacing", drive->spacing);
+	json_integer(root, "working_level", drive->level);
 	add_times(root, drive);
 	add_stages(root, &gpu, &io);
 	add_cache(root, drive, &pages);
@@ -193,15 +178,15 @@ char *report_json(const struct drive *drive, const char *ended)
 	add_memory(root, drive, &gpu, &pages);
 	add_io(root, &io);
 	add_volume(root, drive, &io);
-	number(root, "refused_posts", known ? (double)refused : (double)NAN);
+	json_number(root, "refused_posts", known ? (double)refused : (double)NAN);
 	if (drive->view != NULL) {
 		double triangles;
 		uint64_t starved;
 		view_figures(drive->view, &triangles, &starved);
 		cJSON *view = cJSON_AddObjectToObject(root, "view");
-		integer(view, "frames", (int64_t)drive->frames);
-		number(view, "triangles", triangles);
-		integer(view, "starved", (int64_t)starved);
+		json_integer(view, "frames", (int64_t)drive->frames);
+		json_number(view, "triangles", triangles);
+		json_integer(view, "starved", (int64_t)starved);
 	}
 	add_objects(root, drive);
 	char *printed = cJSON_Print(root), *json = NULL;

@@ -1,0 +1,14 @@
+/*
+ * What everybody who writes JSON adds to cJSON: whole 64-bit numbers, and null for what is not finite.
+ * A failed allocation leaves the key out, as cJSON's own functions do. Not part of base.h.
+ */
+#ifndef FURROW_BASE_JSON_H
+#define FURROW_BASE_JSON_H
+
+#include <cJSON.h>
+#include <stdint.h>
+
+void json_integer(cJSON *object, const char *name, int64_t value);
+void json_number(cJSON *object, const char *name, double value); /* null if not finite */
+
+#endif
