@@ -1,23 +1,31 @@
 /*
  * The codec of tiles (FORMAT.md describes the bytes).
  *
- *   posts -> holes filled -> minus (left + up - corner) -> zigzag -> widths by 32 -> bits [-> LZ4]
+ *   posts -> holes foretold -> minus what is foretold -> zigzag -> widths by 16 -> bits [-> LZ4]
+ *                                                               -> byte planes -> zstd
  *
  * Invariants: (1) all arithmetic on posts is modulo 2^32, so that every int32 comes back; (2) a
- * hole is filled with what is predicted there, so its residual is 0 and decoding needs no mask
- * until the end; (3) nothing read from a blob is used as a length or a width before it was checked
- * against what is left of the blob and against the plane's own size.
+ * hole's residual is 0, so decoding needs no mask until the end; (3) nothing read from a blob is
+ * used as a length or a width before it was checked against what is left of the blob and against
+ * the plane's own size.
  */
 #include "store/codec.h"
 
 #include <assert.h>
 #include <lz4.h>
-#include <lz4hc.h>
 #include <string.h>
+#include <zstd.h>
 
-#define BLOCK 32
-#define FLAG_MASK 1u
+#include "store/codec_bits.h"
+#include "store/codec_kernels.h"
+#include "store/codec_residuals.h"
+
+#define FLAG_MASK 1u  /* there are holes */
+#define FLAG_WIDE 2u  /* a width is a byte, not half of one */
+#define FLAG_SLOPE 4u /* residuals are of the second order along rows */
 #define LENGTH_BYTES 4
+#define NARROW_MOST 15
+#define ZSTD_LEVEL 1 /* more gains 1 to 4 % on heights, and takes 50 times as long */
 
 static size_t plane_posts(const struct codec *codec)
 {
@@ -26,12 +34,17 @@ static size_t plane_posts(const struct codec *codec)
 
 static size_t plane_blocks(const struct codec *codec)
 {
-	return (plane_posts(codec) + BLOCK - 1) / BLOCK;
+	return (plane_posts(codec) + CODEC_BLOCK - 1) / CODEC_BLOCK;
 }
 
 static size_t mask_bytes(const struct codec *codec)
 {
 	return (plane_posts(codec) + 7) / 8;
+}
+
+static size_t larger(size_t a, size_t b)
+{
+	return a > b ? a : b;
 }
 
 static void put32(uint8_t *to, uint32_t value)
@@ -46,19 +59,29 @@ static uint32_t get32(const uint8_t *from)
 	       (uint32_t)from[3] << 24;
 }
 
-enum status codec_init(struct codec *codec, uint32_t side)
+enum status codec_init(struct codec *codec, uint32_t side, enum codec_effort effort)
 {
-	*codec = (struct codec){.side = side};
-	size_t mask_room = (size_t)LZ4_compressBound((int)mask_bytes(codec));
-	codec->room = 1 + LENGTH_BYTES + mask_room + plane_blocks(codec) * (1 + 4 * BLOCK);
-	codec->squeezed_room = LENGTH_BYTES + (size_t)LZ4_compressBound((int)codec->room);
-	codec->rest = mem_alloc(plane_blocks(codec) * BLOCK, sizeof *codec->rest);
-	codec->filled = mem_alloc(plane_posts(codec), sizeof *codec->filled);
+	*codec = (struct codec){.side = side, .effort = effort, .kernels = codec_kernels_best()};
+	size_t posts = plane_posts(codec), blocks = plane_blocks(codec);
+	size_t head = 1 + 4 + LENGTH_BYTES + (size_t)LZ4_compressBound((int)mask_bytes(codec));
+	codec->room = head + blocks * (1 + 4 * CODEC_BLOCK);
+	codec->squeezed_room = larger(LENGTH_BYTES + (size_t)LZ4_compressBound((int)codec->room),
+				      head + 1 + ZSTD_compressBound(4 * posts));
+	for (int slope = 0; slope < 2; slope++) {
+		codec->orders[slope] = mem_alloc(blocks * CODEC_BLOCK, sizeof *codec->orders[slope]);
+		codec->widths[slope] = mem_alloc(blocks, 1);
+	}
+	codec->filled = mem_alloc(posts, sizeof *codec->filled);
 	codec->mask = mem_alloc(mask_bytes(codec), 1);
 	codec->body = mem_alloc(codec->room, 1);
 	codec->squeezed = mem_alloc(codec->squeezed_room, 1);
-	if (codec->rest != NULL && codec->filled != NULL && codec->mask != NULL &&
-	    codec->body != NULL && codec->squeezed != NULL)
+	codec->zstd_in = ZSTD_createDCtx();
+	if (effort == CODEC_SMALL)
+		codec->zstd_out = ZSTD_createCCtx();
+	if (codec->orders[0] != NULL && codec->orders[1] != NULL && codec->widths[0] != NULL &&
+	    codec->widths[1] != NULL && codec->filled != NULL && codec->mask != NULL &&
+	    codec->body != NULL && codec->squeezed != NULL && codec->zstd_in != NULL &&
+	    (effort == CODEC_FAST || codec->zstd_out != NULL))
 		return STATUS_OK;
 	codec_finish(codec);
 	return fail_memory("the tile codec");
@@ -66,113 +89,155 @@ enum status codec_init(struct codec *codec, uint32_t side)
 
 void codec_finish(struct codec *codec)
 {
-	mem_free(codec->rest);
+	for (int slope = 0; slope < 2; slope++) {
+		mem_free(codec->orders[slope]);
+		mem_free(codec->widths[slope]);
+	}
 	mem_free(codec->filled);
 	mem_free(codec->mask);
 	mem_free(codec->body);
 	mem_free(codec->squeezed);
+	ZSTD_freeDCtx(codec->zstd_in);
+	ZSTD_freeCCtx(codec->zstd_out);
 	*codec = (struct codec){0};
 }
 
 size_t codec_bound(const struct codec *codec)
 {
-	return codec->room;
+	return codec->squeezed_room;
 }
 
 /* --- encoding --- */
 
-static uint32_t predict(const int32_t *posts, uint32_t side, uint32_t x, uint32_t y)
+static bool has_holes(const int32_t *posts, size_t count)
 {
-	const int32_t *p = posts + (size_t)y * side + x;
-	if (y == 0)
-		return x == 0 ? 0 : (uint32_t)p[-1];
-	uint32_t up = (uint32_t)p[-(ptrdiff_t)side];
-	return x == 0 ? up : (uint32_t)p[-1] + up - (uint32_t)p[-(ptrdiff_t)side - 1];
+	unsigned any = 0;
+	for (size_t i = 0; i < count; i++)
+		any |= posts[i] == CODEC_NODATA;
+	return any != 0;
 }
 
-static uint32_t zigzag(uint32_t value)
+static void take_mask(struct codec *codec, const int32_t *posts)
 {
-	return value << 1 ^ (0u - (value >> 31));
-}
-
-static uint32_t unzigzag(uint32_t value)
-{
-	return value >> 1 ^ (0u - (value & 1));
-}
-
-/* Residuals of all posts, holes filled; true if there was a hole, which codec->mask then names. */
-static bool take_residuals(struct codec *codec, const int32_t *posts)
-{
-	uint32_t side = codec->side;
 	size_t count = plane_posts(codec);
-	bool holes = false;
 	memset(codec->mask, 0, mask_bytes(codec));
-	for (uint32_t y = 0; y < side; y++)
-		for (uint32_t x = 0; x < side; x++) {
-			size_t i = (size_t)y * side + x;
-			uint32_t guess = predict(codec->filled, side, x, y);
-			codec->rest[i] = 0;
-			codec->filled[i] = (int32_t)guess;
-			if (posts[i] == CODEC_NODATA) {
-				codec->mask[i / 8] |= (uint8_t)(1u << i % 8);
-				holes = true;
-				continue;
-			}
-			codec->filled[i] = posts[i];
-			codec->rest[i] = zigzag((uint32_t)posts[i] - guess);
-		}
-	memset(codec->rest + count, 0, (plane_blocks(codec) * BLOCK - count) * sizeof *codec->rest);
-	return holes;
+	for (size_t i = 0; i < count; i++)
+		codec->mask[i / 8] |= (uint8_t)((posts[i] == CODEC_NODATA) << i % 8);
 }
 
-static unsigned width_of(const uint32_t *rest)
+static uint32_t first_post(const int32_t *posts, size_t count)
 {
-	uint32_t all = 0;
-	for (int i = 0; i < BLOCK; i++)
-		all |= rest[i];
-	return all == 0 ? 0 : 32 - (unsigned)__builtin_clz(all);
+	for (size_t i = 0; i < count; i++)
+		if (posts[i] != CODEC_NODATA)
+			return (uint32_t)posts[i];
+	return 0;
 }
 
-/* 4 * width bytes. */
-static void pack_block(const uint32_t *rest, unsigned width, uint8_t *to)
+/* Widths of the blocks; returns what they sum to. */
+static size_t take_widths(const uint32_t *rest, size_t blocks, uint8_t *widths)
 {
-	uint64_t bits = 0;
-	unsigned have = 0;
-	for (int i = 0; i < BLOCK; i++) {
-		bits |= (uint64_t)rest[i] << have;
-		have += width;
-		if (have >= 32) {
-			put32(to, (uint32_t)bits);
-			to += 4;
-			bits >>= 32;
-			have -= 32;
-		}
+	size_t sum = 0;
+	for (size_t i = 0; i < blocks; i++, rest += CODEC_BLOCK) {
+		uint32_t four[4] = {0}; /* one register of most machines */
+		for (int j = 0; j < CODEC_BLOCK; j += 4)
+			for (int lane = 0; lane < 4; lane++)
+				four[lane] |= rest[j + lane];
+		uint32_t all = four[0] | four[1] | four[2] | four[3];
+		widths[i] = (uint8_t)(all == 0 ? 0 : 32 - __builtin_clz(all));
+		sum += widths[i];
 	}
+	return sum;
 }
 
-static size_t write_body(struct codec *codec, bool holes)
+/* Residuals of both orders and their widths, into the codec. True: those with slopes pack better. */
+static bool choose_residuals(struct codec *codec, const int32_t *posts, uint32_t first, bool holes)
 {
-	uint8_t *to = codec->body;
-	*to++ = holes ? FLAG_MASK : 0;
-	if (holes) {
-		int bytes = (int)mask_bytes(codec);
-		int size = LZ4_compress_default((const char *)codec->mask, (char *)to + LENGTH_BYTES, bytes,
-						LZ4_compressBound(bytes));
-		assert(size > 0);
-		put32(to, (uint32_t)size);
-		to += LENGTH_BYTES + size;
+	size_t count = plane_posts(codec), blocks = plane_blocks(codec), sum[2];
+	for (int slope = 0; slope < 2; slope++) {
+		uint32_t *rest = codec->orders[slope];
+		residuals_take(posts, codec->side, first, slope != 0, holes, codec->filled, rest);
+		memset(rest + count, 0, (blocks * CODEC_BLOCK - count) * sizeof *rest);
+		sum[slope] = take_widths(rest, blocks, codec->widths[slope]);
 	}
+	return sum[1] < sum[0];
+}
+
+/* Flags, first post and mask: how a body and a zstd blob begin. */
+static uint8_t *write_head(struct codec *codec, uint8_t flags, uint32_t first, uint8_t *to)
+{
+	*to++ = flags;
+	put32(to, first);
+	to += 4;
+	if ((flags & FLAG_MASK) == 0)
+		return to;
+	int bytes = (int)mask_bytes(codec);
+	int size = LZ4_compress_default((const char *)codec->mask, (char *)to + LENGTH_BYTES, bytes,
+					LZ4_compressBound(bytes));
+	assert(size > 0);
+	put32(to, (uint32_t)size);
+	return to + LENGTH_BYTES + size;
+}
+
+/* Returns the body's bytes; *flat: how many blocks of it are zero. */
+static size_t write_body(struct codec *codec, uint8_t flags, uint32_t first, size_t *flat)
+{
+	bool slope = (flags & FLAG_SLOPE) != 0, wide = false;
 	size_t blocks = plane_blocks(codec);
-	uint8_t *widths = to;
-	to += blocks;
+	const uint8_t *widths = codec->widths[slope];
+	*flat = 0;
 	for (size_t i = 0; i < blocks; i++) {
-		widths[i] = (uint8_t)width_of(codec->rest + i * BLOCK);
-		if (widths[i] != 0)
-			pack_block(codec->rest + i * BLOCK, widths[i], to);
-		to += (size_t)4 * widths[i];
+		wide |= widths[i] > NARROW_MOST;
+		*flat += widths[i] == 0;
 	}
+	uint8_t *to = write_head(codec, (uint8_t)(flags | (wide ? FLAG_WIDE : 0)), first, codec->body);
+	if (wide) {
+		memcpy(to, widths, blocks);
+		to += blocks;
+	} else {
+		for (size_t i = 0; i < blocks; i += 2)
+			*to++ = (uint8_t)(widths[i] | (i + 1 < blocks ? widths[i + 1] << 4 : 0));
+	}
+	to = bits_pack(codec->orders[slope], widths, blocks, to);
 	assert((size_t)(to - codec->body) <= codec->room);
 	return (size_t)(to - codec->body);
+}
+
+/* True if LZ4 made it smaller by a sixteenth at least: less is not worth decoding twice. */
+static bool squeeze_lz4(struct codec *codec, size_t body, size_t *size)
+{
+	int squeezed = LZ4_compress_default((const char *)codec->body, (char *)codec->squeezed + LENGTH_BYTES,
+					    (int)body, (int)(codec->squeezed_room - LENGTH_BYTES));
+	if (squeezed <= 0 || (size_t)squeezed + LENGTH_BYTES > body - body / 16)
+		return false;
+	put32(codec->squeezed, (uint32_t)body);
+	*size = (size_t)squeezed + LENGTH_BYTES;
+	return true;
+}
+
+/* True if byte planes under zstd are smaller than `most`. */
+static bool squeeze_zstd(struct codec *codec, uint8_t flags, uint32_t first, size_t most, size_t *size)
+{
+	bool slope = (flags & FLAG_SLOPE) != 0;
+	size_t count = plane_posts(codec);
+	const uint32_t *rest = codec->orders[slope];
+	uint32_t all = 1;
+	for (size_t i = 0; i < count; i++)
+		all |= rest[i];
+	unsigned planes = (32 - (unsigned)__builtin_clz(all) + 7) / 8;
+	uint8_t *to = write_head(codec, flags, first, codec->squeezed);
+	*to++ = (uint8_t)planes;
+	uint8_t *from = (uint8_t *)codec->orders[!slope]; /* of no use by now, and as large as four planes */
+	for (unsigned plane = 0; plane < planes; plane++)
+		for (size_t i = 0; i < count; i++)
+			from[plane * count + i] = (uint8_t)(rest[i] >> (8 * plane));
+	size_t head = (size_t)(to - codec->squeezed);
+	size_t squeezed = ZSTD_compressCCtx(codec->zstd_out, to, codec->squeezed_room - head, from,
+					    planes * count, ZSTD_LEVEL);
+	/* It can fail for want of memory only; the plane is then packed the other way. */
+	if (ZSTD_isError(squeezed) || head + squeezed >= most)
+		return false;
+	*size = head + squeezed;
+	return true;
 }
 
 static bool is_constant(const int32_t *posts, size_t count)
@@ -183,8 +248,7 @@ static bool is_constant(const int32_t *posts, size_t count)
 	return true;
 }
 
-enum codec_id codec_encode(struct codec *codec, const int32_t *posts, bool hard,
-			   const void **bytes, size_t *size)
+enum codec_id codec_encode(struct codec *codec, const int32_t *posts, const void **bytes, size_t *size)
 {
 	*bytes = codec->body;
 	if (is_constant(posts, plane_posts(codec))) {
@@ -192,116 +256,156 @@ enum codec_id codec_encode(struct codec *codec, const int32_t *posts, bool hard,
 		*size = 4;
 		return CODEC_CONSTANT;
 	}
-	*size = write_body(codec, take_residuals(codec, posts));
-	const char *body = (const char *)codec->body;
-	char *to = (char *)codec->squeezed + LENGTH_BYTES;
-	int room = (int)(codec->squeezed_room - LENGTH_BYTES);
-	int squeezed = hard ? LZ4_compress_HC(body, to, (int)*size, room, LZ4HC_CLEVEL_DEFAULT)
-			    : LZ4_compress_default(body, to, (int)*size, room);
-	/* A sixteenth less, or decoding it twice is not worth it. */
-	if (squeezed <= 0 || (size_t)squeezed + LENGTH_BYTES > *size - *size / 16)
-		return CODEC_PACKED;
-	put32(codec->squeezed, (uint32_t)*size);
-	*bytes = codec->squeezed;
-	*size = (size_t)squeezed + LENGTH_BYTES;
-	return CODEC_LZ4;
+	bool holes = has_holes(posts, plane_posts(codec));
+	if (holes)
+		take_mask(codec, posts);
+	uint32_t first = first_post(posts, plane_posts(codec));
+	uint8_t flags = holes ? FLAG_MASK : 0;
+	if (choose_residuals(codec, posts, first, holes))
+		flags |= FLAG_SLOPE;
+	size_t flat, body = write_body(codec, flags, first, &flat);
+	*size = body;
+	if (codec->effort == CODEC_SMALL ? squeeze_zstd(codec, flags, first, body, size)
+					 : flat >= plane_blocks(codec) / 16 && squeeze_lz4(codec, body, size)) {
+		*bytes = codec->squeezed;
+		return codec->effort == CODEC_SMALL ? CODEC_ZSTD : CODEC_LZ4;
+	}
+	return CODEC_PACKED;
 }
 
 /* --- decoding --- */
 
-static bool little_endian(void)
-{
-	const uint16_t one = 1;
-	return *(const uint8_t *)&one == 1;
-}
+struct head {
+	uint8_t flags;
+	uint32_t first;
+};
 
-static uint64_t load64(const uint8_t *from)
+/* What write_head() wrote, the mask into codec->mask; moves `from` on. */
+static bool read_head(struct codec *codec, unsigned known, const uint8_t **from, size_t *left, struct head *head)
 {
-	uint64_t value;
-	memcpy(&value, from, sizeof value);
-	return little_endian() ? value : __builtin_bswap64(value);
-}
-
-/* 4 * width bytes are the block's; `left` of the blob follow `from` in all. */
-static void unpack_block(const uint8_t *from, size_t left, unsigned width, uint32_t *rest)
-{
-	uint8_t tail[4 * BLOCK + 8];
-	if (width == 0) {
-		memset(rest, 0, BLOCK * sizeof *rest);
-		return;
+	const uint8_t *at = *from;
+	if (*left < 5 || (at[0] & ~known) != 0)
+		return false;
+	*head = (struct head){at[0], get32(at + 1)};
+	at += 5;
+	*left -= 5;
+	if (head->flags & FLAG_MASK) {
+		if (*left < LENGTH_BYTES)
+			return false;
+		uint32_t size = get32(at);
+		at += LENGTH_BYTES;
+		*left -= LENGTH_BYTES;
+		int bytes = (int)mask_bytes(codec);
+		if (size > *left || size > (uint32_t)LZ4_compressBound(bytes) ||
+		    LZ4_decompress_safe((const char *)at, (char *)codec->mask, (int)size, bytes) != bytes)
+			return false;
+		at += size;
+		*left -= size;
 	}
-	if (left < (size_t)4 * width + 8) { /* loads are 8 bytes wide */
-		memcpy(tail, from, (size_t)4 * width);
-		memset(tail + (size_t)4 * width, 0, 8);
-		from = tail;
-	}
-	uint64_t mask = ((uint64_t)1 << width) - 1;
-	for (unsigned i = 0; i < BLOCK; i++)
-		rest[i] = unzigzag((uint32_t)(load64(from + i * width / 8) >> i * width % 8 & mask));
-}
-
-/* left + up - corner undone: a row is the one before it plus the running sum of its residuals. */
-static void undo_prediction(const uint32_t *rest, uint32_t side, int32_t *posts)
-{
-	for (uint32_t y = 0; y < side; y++) {
-		const uint32_t *r = rest + (size_t)y * side;
-		int32_t *row = posts + (size_t)y * side;
-		uint32_t sum = 0;
-		if (y == 0)
-			for (uint32_t x = 0; x < side; x++)
-				row[x] = (int32_t)(sum += r[x]);
-		else
-			for (uint32_t x = 0; x < side; x++)
-				row[x] = (int32_t)((uint32_t)row[(ptrdiff_t)x - side] + (sum += r[x]));
-	}
+	*from = at;
+	return true;
 }
 
 static void apply_mask(const struct codec *codec, int32_t *posts)
 {
 	size_t count = plane_posts(codec);
-	for (size_t i = 0; i < count; i++)
-		if (codec->mask[i / 8] >> i % 8 & 1)
-			posts[i] = CODEC_NODATA;
+	for (size_t byte = 0; byte < mask_bytes(codec); byte++)
+		for (unsigned bits = codec->mask[byte]; bits != 0; bits &= bits - 1) {
+			size_t post = 8 * byte + (size_t)__builtin_ctz(bits);
+			if (post < count)
+				posts[post] = CODEC_NODATA;
+		}
+}
+
+static void finish_posts(struct codec *codec, const struct head *head, int32_t *posts)
+{
+	codec->kernels->sum(codec->orders[0], codec->side, head->first, (head->flags & FLAG_SLOPE) != 0, posts);
+	if (head->flags & FLAG_MASK)
+		apply_mask(codec, posts);
+}
+
+/* The widths, a byte each, into `widths`; *payload: what their blocks take. */
+static bool read_widths(const struct codec *codec, bool wide, const uint8_t **from, size_t *left, uint8_t *widths,
+			size_t *payload)
+{
+	size_t blocks = plane_blocks(codec), bytes = wide ? blocks : (blocks + 1) / 2, sum = 0;
+	if (*left < bytes)
+		return false;
+	for (size_t i = 0; i < blocks; i++) {
+		unsigned width = wide ? (*from)[i] : (*from)[i / 2] >> (i % 2 * 4) & NARROW_MOST;
+		if (width > 32)
+			return false;
+		widths[i] = (uint8_t)width;
+		sum += width;
+	}
+	*payload = 2 * sum;
+	*from += bytes;
+	*left -= bytes;
+	return true;
+}
+
+/* All blocks; the last ones from a copy, so that reading beyond a block stays in bounds. */
+static void unpack_all(struct codec *codec, const uint8_t *from, size_t payload, const uint8_t *widths)
+{
+	uint8_t copy[CODEC_SLACK + 4 * CODEC_BLOCK + CODEC_SLACK];
+	size_t blocks = plane_blocks(codec), first = blocks, tail = 0;
+	while (first > 0 && tail < CODEC_SLACK)
+		tail += (size_t)2 * widths[--first];
+	codec->kernels->unpack(from, widths, first, codec->orders[0]);
+	memcpy(copy, from + (payload - tail), tail);
+	memset(copy + tail, 0, sizeof copy - tail);
+	codec->kernels->unpack(copy, widths + first, blocks - first, codec->orders[0] + first * CODEC_BLOCK);
 }
 
 static bool read_body(struct codec *codec, const uint8_t *from, size_t left, int32_t *posts)
 {
-	if (left < 1 || (from[0] & ~FLAG_MASK) != 0)
+	struct head head;
+	size_t payload;
+	uint8_t *widths = codec->widths[0];
+	if (!read_head(codec, FLAG_MASK | FLAG_WIDE | FLAG_SLOPE, &from, &left, &head) ||
+	    !read_widths(codec, (head.flags & FLAG_WIDE) != 0, &from, &left, widths, &payload) || payload != left)
 		return false;
-	bool holes = from[0] & FLAG_MASK;
-	from++;
-	left--;
-	if (holes) {
-		if (left < LENGTH_BYTES)
-			return false;
-		uint32_t size = get32(from);
-		from += LENGTH_BYTES;
-		left -= LENGTH_BYTES;
-		int bytes = (int)mask_bytes(codec);
-		if (size > left || size > (uint32_t)LZ4_compressBound(bytes) ||
-		    LZ4_decompress_safe((const char *)from, (char *)codec->mask, (int)size, bytes) != bytes)
-			return false;
-		from += size;
-		left -= size;
-	}
-	size_t blocks = plane_blocks(codec);
-	if (left < blocks)
+	unpack_all(codec, from, payload, widths);
+	finish_posts(codec, &head, posts);
+	return true;
+}
+
+static bool read_lz4(struct codec *codec, const uint8_t *from, size_t size, int32_t *posts)
+{
+	if (size < LENGTH_BYTES || size > codec->squeezed_room)
 		return false;
-	const uint8_t *widths = from;
-	from += blocks;
-	left -= blocks;
-	for (size_t i = 0; i < blocks; i++) {
-		if (widths[i] > 32 || (size_t)4 * widths[i] > left)
-			return false;
-		unpack_block(from, left, widths[i], codec->rest + i * BLOCK);
-		from += (size_t)4 * widths[i];
-		left -= (size_t)4 * widths[i];
-	}
-	if (left != 0)
+	uint32_t body = get32(from);
+	return body <= codec->room &&
+	       LZ4_decompress_safe((const char *)from + LENGTH_BYTES, (char *)codec->body,
+				   (int)(size - LENGTH_BYTES), (int)codec->room) == (int)body &&
+	       read_body(codec, codec->body, body, posts);
+}
+
+static uint32_t unzigzag(uint32_t value)
+{
+	return value >> 1 ^ (0u - (value & 1));
+}
+
+static bool read_zstd(struct codec *codec, const uint8_t *from, size_t left, int32_t *posts)
+{
+	struct head head;
+	size_t count = plane_posts(codec);
+	if (left > codec->squeezed_room || !read_head(codec, FLAG_MASK | FLAG_SLOPE, &from, &left, &head) || left < 1)
 		return false;
-	undo_prediction(codec->rest, codec->side, posts);
-	if (holes)
-		apply_mask(codec, posts);
+	unsigned planes = from[0];
+	if (planes < 1 || planes > 4 ||
+	    ZSTD_decompressDCtx(codec->zstd_in, codec->body, codec->room, from + 1, left - 1) != planes * count)
+		return false;
+	const uint8_t *plane = codec->body;
+	uint32_t *rest = codec->orders[0];
+	for (size_t i = 0; i < count; i++)
+		rest[i] = plane[i];
+	for (unsigned p = 1; p < planes; p++)
+		for (size_t i = 0; i < count; i++)
+			rest[i] |= (uint32_t)plane[p * count + i] << (8 * p);
+	for (size_t i = 0; i < count; i++)
+		rest[i] = unzigzag(rest[i]);
+	finish_posts(codec, &head, posts);
 	return true;
 }
 
@@ -318,14 +422,9 @@ bool codec_decode(struct codec *codec, int64_t id, const void *bytes, size_t siz
 	case CODEC_PACKED:
 		return size <= codec->room && read_body(codec, from, size, posts);
 	case CODEC_LZ4:
-		if (size < LENGTH_BYTES || size > codec->squeezed_room)
-			return false;
-		uint32_t body = get32(from);
-		if (body > codec->room ||
-		    LZ4_decompress_safe((const char *)from + LENGTH_BYTES, (char *)codec->body,
-					(int)(size - LENGTH_BYTES), (int)codec->room) != (int)body)
-			return false;
-		return read_body(codec, codec->body, body, posts);
+		return read_lz4(codec, from, size, posts);
+	case CODEC_ZSTD:
+		return read_zstd(codec, from, size, posts);
 	default:
 		return false;
 	}

@@ -17,31 +17,40 @@
 /* Written to the store: a number never changes its meaning. */
 enum codec_id {
 	CODEC_CONSTANT = 0, /* one int32: all posts */
-	CODEC_PACKED = 1,   /* residuals, bit widths by 32 */
+	CODEC_PACKED = 1,   /* residuals, bit widths by 16 */
 	CODEC_LZ4 = 2,      /* the same, then LZ4 */
+	CODEC_ZSTD = 3,     /* residuals, byte planes, then zstd */
 	CODEC_COUNT
 };
 
+/* How hard a plane is packed; all of it reads back through the same codec_decode(). */
+enum codec_effort { CODEC_FAST, CODEC_SMALL };
+
+struct codec_kernels;
+
 struct codec {
-	uint32_t side;     /* posts along a side */
-	size_t room;       /* bytes the longest body takes */
-	uint32_t *rest;    /* side^2, rounded up to 32: zigzagged residuals */
-	int32_t *filled;   /* side^2: posts with holes filled, while encoding */
-	uint8_t *mask;     /* (side^2 + 7) / 8 */
-	uint8_t *body;     /* room */
-	uint8_t *squeezed; /* what LZ4 makes of `body` */
+	uint32_t side;  /* posts along a side */
+	enum codec_effort effort;
+	const struct codec_kernels *kernels;
+	size_t room;    /* bytes the longest body takes */
+	uint32_t *orders[2];    /* side^2, rounded up to a block: residuals without and with slopes */
+	uint8_t *widths[2];     /* of their blocks */
+	int32_t *filled;        /* side^2: posts with holes filled, while encoding */
+	uint8_t *mask;          /* (side^2 + 7) / 8 */
+	uint8_t *body;          /* room */
+	uint8_t *squeezed;      /* what LZ4 or zstd makes of it */
 	size_t squeezed_room;
+	void *zstd_out, *zstd_in; /* contexts; out: only with CODEC_SMALL */
 };
 
-enum status codec_init(struct codec *codec, uint32_t side) FURROW_CHECKED;
+enum status codec_init(struct codec *codec, uint32_t side, enum codec_effort effort) FURROW_CHECKED;
 void codec_finish(struct codec *codec);
 
 /* No blob of a plane is longer than this. */
 size_t codec_bound(const struct codec *codec);
 
-/* Bytes are the codec's own and valid until its next use. `hard`: LZ4HC. Cannot fail. */
-enum codec_id codec_encode(struct codec *codec, const int32_t *posts, bool hard,
-			   const void **bytes, size_t *size);
+/* Bytes are the codec's own and valid until its next use. Cannot fail. */
+enum codec_id codec_encode(struct codec *codec, const int32_t *posts, const void **bytes, size_t *size);
 
 /* False if the bytes are none that codec_encode() can have made; posts are then undefined. Reads
  * and writes nothing out of bounds whatever the bytes. */

@@ -11,7 +11,7 @@
 #include "store/store.h"
 
 #define STORE_APPLICATION_ID 0x46757277 /* "Furw" */
-#define STORE_VERSION 1
+#define STORE_VERSION 2
 #define STORE_BUSY_MS 5000
 #define STORE_HEIGHT_MAX 1e8 /* metres either way; beyond no body goes, and the lattice is exact */
 
@@ -48,7 +48,6 @@ struct rows {
 	sqlite3 *db;
 	const char *path;         /* the store's */
 	const struct world *world;
-	bool hard;                /* how blobs are packed */
 	struct codec codec;
 	int32_t *wide;            /* (cells + 1)^2 */
 	sqlite3_stmt *find[ROW_TABLES], *head[ROW_TABLES], *write[ROW_TABLES], *drop[ROW_TABLES],
@@ -56,7 +55,7 @@ struct rows {
 };
 
 enum status rows_init(struct rows *rows, sqlite3 *db, const char *path, const struct world *world,
-		      bool hard) FURROW_CHECKED;
+		      enum codec_effort effort) FURROW_CHECKED;
 void rows_finish(struct rows *rows); /* before the connection is closed */
 
 const char *rows_name(enum row_table table);

@@ -116,7 +116,7 @@ enum status store_create(const char *path, const struct store_meta *meta, bool o
 	}
 	if (status == STATUS_OK)
 		status = rows_init(&store->rows, store->db, store->path, &store->meta.world,
-				   meta->pack == STORE_PACK_SMALL);
+				   meta->pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_FAST);
 	if (status != STATUS_OK) {
 		store_close(store);
 		return status;

@@ -108,7 +108,7 @@ enum status store_open(const char *path, const struct store_options *options, st
 	if (status == STATUS_OK) {
 		store->writing = options->mode == STORE_WRITE;
 		status = rows_init(&store->rows, store->db, store->path, &store->meta.world,
-				   store->meta.pack == STORE_PACK_SMALL);
+				   store->meta.pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_FAST);
 	}
 	if (status != STATUS_OK) {
 		store_close(store);

@@ -17,7 +17,7 @@ enum status store_reader_create(struct store *store, struct store_reader **out)
 	if (status == STATUS_OK)
 		status = schema_check(reader->db, store->path);
 	if (status == STATUS_OK)
-		status = rows_init(&reader->rows, reader->db, store->path, &store->meta.world, false);
+		status = rows_init(&reader->rows, reader->db, store->path, &store->meta.world, CODEC_FAST);
 	if (status != STATUS_OK) {
 		store_reader_destroy(reader);
 		return status;

@@ -41,14 +41,14 @@ static const struct table tables[ROW_TABLES] = {
 };
 
 enum status rows_init(struct rows *rows, sqlite3 *db, const char *path, const struct world *world,
-		      bool hard)
+		      enum codec_effort effort)
 {
-	*rows = (struct rows){.db = db, .path = path, .world = world, .hard = hard};
+	*rows = (struct rows){.db = db, .path = path, .world = world};
 	size_t side = tile_posts(world);
 	rows->wide = mem_alloc(side * side, sizeof *rows->wide);
 	if (rows->wide == NULL)
 		return fail_memory("a tile");
-	enum status status = codec_init(&rows->codec, (uint32_t)side);
+	enum status status = codec_init(&rows->codec, (uint32_t)side, effort);
 	if (status != STATUS_OK)
 		rows_finish(rows);
 	return status;
@@ -202,7 +202,7 @@ enum status rows_write(struct rows *rows, enum row_table table, const int32_t *p
 		       const uint64_t *unless, bool *written)
 {
 	*written = false;
-	row->codec = codec_encode(&rows->codec, posts, rows->hard, &row->bytes, &row->size);
+	row->codec = codec_encode(&rows->codec, posts, &row->bytes, &row->size);
 	row->hash = rows_hash(row);
 	if (unless != NULL && *unless == row->hash)
 		return STATUS_OK;

@@ -43,7 +43,7 @@ static void another_version_or_schema_is_refused(void **state)
 	static const struct {
 		const char *sql, *why;
 	} edits[] = {
-		{"PRAGMA user_version=2", "version 2"},
+		{"PRAGMA user_version=1", "version 1"},
 		{"PRAGMA application_id=7", "application id 7"},
 		{"CREATE VIEW v AS SELECT 1", "tables"},
 		{"CREATE INDEX aaa ON base(low)", "tables"},

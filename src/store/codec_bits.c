@@ -1,0 +1,50 @@
+#include "store/codec_bits.h"
+
+#include "store/codec_kernels.h"
+
+static inline void put(uint8_t *to, uint64_t bits, int bytes)
+{
+	for (int i = 0; i < bytes; i++)
+		to[i] = (uint8_t)(bits >> (8 * i));
+}
+
+/* With a width known to the compiler nothing of this but shifts and stores is left. */
+static inline __attribute__((always_inline)) void pack_block(const uint32_t *rest, unsigned width, uint8_t *to)
+{
+	uint64_t bits = 0;
+	unsigned have = 0;
+#pragma GCC unroll 16
+	for (int i = 0; i < CODEC_BLOCK; i++) {
+		bits |= (uint64_t)rest[i] << have;
+		have += width;
+		if (have >= 32) {
+			put(to, bits, 4);
+			to += 4;
+			bits >>= 32;
+			have -= 32;
+		}
+	}
+	put(to, bits, (int)(have / 8)); /* 16 widths are whole bytes */
+}
+
+#define WIDTH(w)                                                                                   \
+	case w:                                                                                    \
+		pack_block(rest, w, to);                                                           \
+		break
+#define WIDTHS(w) WIDTH(w); WIDTH(w + 1); WIDTH(w + 2); WIDTH(w + 3)
+
+uint8_t *bits_pack(const uint32_t *rest, const uint8_t *widths, size_t count, uint8_t *to)
+{
+	for (size_t block = 0; block < count; block++, rest += CODEC_BLOCK) {
+		switch (widths[block]) {
+			WIDTHS(1);
+			WIDTHS(5);
+			WIDTHS(9);
+			WIDTHS(13);
+		default:
+			pack_block(rest, widths[block], to);
+		}
+		to += (size_t)2 * widths[block];
+	}
+	return to;
+}

@@ -1,0 +1,30 @@
+/*
+ * The codec's two inner loops, once in plain C and once for each kind of machine that is worth it.
+ * All give the same bits; which one a machine runs is found out when a codec is made.
+ */
+#ifndef FURROW_STORE_CODEC_KERNELS_H
+#define FURROW_STORE_CODEC_KERNELS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/base.h"
+
+#define CODEC_BLOCK 16 /* residuals that share a width; 2 * width bytes */
+#define CODEC_SLACK 48 /* bytes that unpack may read beyond a block */
+
+struct codec_kernels {
+	const char *name;
+	/* `count` blocks of `widths` (each at most 32) to residuals, zigzag undone. `from` can be read
+	 * for CODEC_SLACK bytes beyond the last block. */
+	void (*unpack)(const uint8_t *from, const uint8_t *widths, size_t count, uint32_t *rest);
+	/* Residuals to posts: their sums along each row (with `slope`, from a row's second post on,
+	 * sums of sums), added to the row before it, which for row 0 is `first` everywhere. */
+	void (*sum)(const uint32_t *rest, uint32_t side, uint32_t first, bool slope, int32_t *posts);
+};
+
+extern const struct codec_kernels codec_plain;
+/* The fastest that this machine has. */
+const struct codec_kernels *codec_kernels_best(void);
+
+#endif

@@ -1,0 +1,48 @@
+/* The codec's inner loops in plain C: what every machine can run, and what defines the others. */
+#include <string.h>
+
+#include "store/codec_kernels.h"
+
+static uint64_t load64(const uint8_t *from)
+{
+	uint64_t value;
+	memcpy(&value, from, sizeof value);
+#if __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
+	value = __builtin_bswap64(value);
+#endif
+	return value;
+}
+
+static uint32_t unzigzag(uint32_t value)
+{
+	return value >> 1 ^ (0u - (value & 1));
+}
+
+static void plain_unpack(const uint8_t *from, const uint8_t *widths, size_t count, uint32_t *rest)
+{
+	for (size_t block = 0; block < count; block++, rest += CODEC_BLOCK) {
+		unsigned width = widths[block];
+		uint64_t mask = ((uint64_t)1 << width) - 1;
+		for (unsigned i = 0; i < CODEC_BLOCK; i++)
+			rest[i] = unzigzag((uint32_t)(load64(from + i * width / 8) >> i * width % 8 & mask));
+		from += (size_t)2 * width;
+	}
+}
+
+static void plain_sum(const uint32_t *rest, uint32_t side, uint32_t first, bool slope, int32_t *posts)
+{
+	const uint32_t keep = slope ? 1 : 0; /* of the step before */
+	for (uint32_t y = 0; y < side; y++) {
+		const uint32_t *r = rest + (size_t)y * side;
+		int32_t *row = posts + (size_t)y * side;
+		uint32_t rise = (y == 0 ? first : 0) + r[0], step = 0;
+		row[0] = (int32_t)(rise + (y == 0 ? 0 : (uint32_t)row[-(ptrdiff_t)side]));
+		for (uint32_t x = 1; x < side; x++) {
+			step = step * keep + r[x];
+			rise += step;
+			row[x] = (int32_t)(rise + (y == 0 ? 0 : (uint32_t)row[(ptrdiff_t)x - side]));
+		}
+	}
+}
+
+const struct codec_kernels codec_plain = {"plain", plain_unpack, plain_sum};
