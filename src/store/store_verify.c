@@ -78,10 +78,12 @@ static enum status check_table(struct verifying *verifying, enum row_table table
 		struct tile tile = tile_from_key(key);
 		verifying->check->tiles++;
 		if (tile_key(tile) != key || !world_has(&store->meta.world, tile) ||
-		    (table == ROW_BASE && tile.level < 0))
+		    (table == ROW_BASE && tile.level < 0)) {
 			verify_tell_tile(verifying, tile, "it is outside the terrain");
-		else
+		} else {
+			verifying->base_found += table == ROW_BASE;
 			status = verify_tile(verifying, tile);
+		}
 		if (status == STATUS_OK && verifying->progress != NULL)
 			status = verifying->progress(verifying->user, verifying->check->tiles, verifying->total);
 	}
@@ -94,14 +96,14 @@ static enum status check_table(struct verifying *verifying, enum row_table table
 }
 
 /* Base tiles that should be there: a walk of all there can be, only if some are missing. */
-static enum status check_missing(struct verifying *verifying, int64_t have)
+static enum status check_missing(struct verifying *verifying)
 {
 	const struct world *world = &verifying->store->meta.world;
 	int64_t want = 0;
 	for (int level = 0; level <= world_coarsest(world); level++)
 		want += (int64_t)world_tiles_x(world, level) * world_tiles_y(world, level);
 	verifying->table = ROW_BASE;
-	if (have >= want)
+	if (verifying->base_found >= want)
 		return STATUS_OK;
 	/* More than this are one problem, not that many lines. */
 	int64_t left = 1000;
@@ -140,18 +142,18 @@ static enum status check_all(struct verifying *verifying)
 {
 	struct store *store = verifying->store;
 	enum status status = check_file(verifying);
-	int64_t counts[ROW_TABLES] = {0};
 	for (int table = 0; table < ROW_TABLES && status == STATUS_OK; table++) {
 		static const char *const sql[ROW_TABLES] = {"SELECT count(*) FROM base",
 							    "SELECT count(*) FROM \"offset\"",
 							    "SELECT count(*) FROM soil"};
-		status = sql_integer(store->db, store->path, sql[table], &counts[table]);
-		verifying->total += counts[table];
+		int64_t count = 0;
+		status = sql_integer(store->db, store->path, sql[table], &count);
+		verifying->total += count;
 	}
-	if (status == STATUS_OK)
-		status = check_missing(verifying, counts[ROW_BASE]);
 	for (int table = 0; table < ROW_TABLES && status == STATUS_OK; table++)
 		status = check_table(verifying, (enum row_table)table);
+	if (status == STATUS_OK)
+		status = check_missing(verifying);
 	return status == STATUS_OK ? check_top(verifying) : status;
 }
 

@@ -26,6 +26,7 @@ struct verifying {
 	void *user;
 	struct store_check *check;
 	int64_t total; /* rows */
+	int64_t base_found; /* base rows within the terrain */
 	enum row_table table;
 	size_t side;
 	int32_t *posts, *expected; /* the tile being checked, and what those below make of it */
