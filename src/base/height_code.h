@@ -14,6 +14,7 @@
 #include <string.h>
 
 #define HEIGHT_CODE_NODATA INT32_MIN
+#define HEIGHT_MAX 1e8 /* metres either way; beyond no body goes, and the lattice is exact */
 
 static inline int32_t height_code_of_float(float value)
 {

@@ -13,7 +13,6 @@
 #define STORE_APPLICATION_ID 0x46757277 /* "Furw" */
 #define STORE_VERSION 2
 #define STORE_BUSY_MS 5000
-#define STORE_HEIGHT_MAX 1e8 /* metres either way; beyond no body goes, and the lattice is exact */
 
 /* --- store_sql.c: SQLite with messages --- */
 

@@ -244,10 +244,12 @@ static enum status get_all(struct lookup *lookup, struct store *store)
 	if (meta->step < 0)
 		return bad_key(lookup, "step");
 	bool relief = !isnan(meta->low) || !isnan(meta->high);
-	if (relief && !(meta->low <= meta->high && fabs(meta->low) <= STORE_HEIGHT_MAX && fabs(meta->high) <= STORE_HEIGHT_MAX))
+	if (relief && !(meta->low <= meta->high && fabs(meta->low) <= HEIGHT_MAX && fabs(meta->high) <= HEIGHT_MAX))
 		return bad_key(lookup, "low");
 	store->code_low = 1;
-	if (relief && (!height_code_encode(meta->low, meta->step, &store->code_low) ||
+	/* A low of zero may have been negative zero, whose code is lower: SQLite keeps only the one. */
+	double low = meta->low == 0 ? -0.0 : meta->low;
+	if (relief && (!height_code_encode(low, meta->step, &store->code_low) ||
 		       !height_code_encode(meta->high, meta->step, &store->code_high)))
 		return bad_key(lookup, "step");
 	return STATUS_OK;

@@ -88,7 +88,8 @@ static enum status row_bad(const struct rows *rows, enum row_table table, struct
 
 uint64_t rows_hash(const struct row *row)
 {
-	double reals[3] = {row->low, row->high, row->error};
+	/* SQLite keeps no negative zero. */
+	double reals[3] = {row->low + 0.0, row->high + 0.0, row->error};
 	uint64_t words[8] = {tile_key(row->tile), (uint64_t)row->codec};
 	for (int i = 0; i < 3; i++)
 		if (!isnan(reals[i])) /* NULL in the row: 0 here */

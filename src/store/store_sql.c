@@ -7,6 +7,7 @@
 enum status sql_fail(sqlite3 *db, int code, const char *path, const char *doing)
 {
 	const char *why = db != NULL ? sqlite3_errmsg(db) : sqlite3_errstr(code);
+	int reason = db != NULL ? sqlite3_system_errno(db) : 0; /* 0 too where a write came short */
 	switch (code & 0xff) {
 	case SQLITE_CORRUPT:
 		return fail_with(STATUS_INPUT, "%s: %s: %s; the file is damaged or was cut short, "
@@ -27,7 +28,7 @@ enum status sql_fail(sqlite3 *db, int code, const char *path, const char *doing)
 				 "go on", path, doing, why);
 	case SQLITE_IOERR:
 		return fail_with(STATUS_FAILED, "%s: %s: %s (%s); check the disk and its free space",
-				 path, doing, why, db != NULL ? strerror(sqlite3_system_errno(db)) : "?");
+				 path, doing, why, reason != 0 ? strerror(reason) : "it came short");
 	case SQLITE_BUSY:
 		return fail_with(STATUS_FAILED, "%s: %s: %s; wait for the other process to end", path,
 				 doing, why);
