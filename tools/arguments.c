@@ -20,11 +20,20 @@ struct arguments {
 	size_t given_count;
 };
 
-bool parse_number(const char *text, double *value)
+bool parse_number_or_infinity(const char *text, double *value)
 {
 	char *end;
 	double number = strtod(text, &end);
-	if (end == text || *end != '\0' || !isfinite(number))
+	if (end == text || *end != '\0' || isnan(number))
+		return false;
+	*value = number;
+	return true;
+}
+
+bool parse_number(const char *text, double *value)
+{
+	double number;
+	if (!parse_number_or_infinity(text, &number) || !isfinite(number))
 		return false;
 	*value = number;
 	return true;
@@ -56,7 +65,8 @@ static enum status take_option(struct arguments *arguments, const char *token, i
 		double number;
 		const char *next = *at + 1 < argc ? argv[*at + 1] : NULL;
 		bool option_next = next != NULL && next[0] == '-' &&
-				   (next[1] == '-' || (next[1] >= 'a' && next[1] <= 'z')) && !parse_number(next, &number);
+				   (next[1] == '-' || (next[1] >= 'a' && next[1] <= 'z')) &&
+				   !parse_number_or_infinity(next, &number);
 		if (next == NULL || option_next)
 			return fail_with(STATUS_USAGE, "%s: %s needs a value; give %s", command->name, token,
 					 option->value);

@@ -59,7 +59,8 @@ enum status arguments_numbers(const struct arguments *arguments, const char *opt
 enum status arguments_choice(const struct arguments *arguments, const char *option,
 			     const char *const *names, int *value) FURROW_CHECKED;
 /* The whole text is one finite number. */
-bool parse_number(const char *text, double *value);
+bool parse_number(const char *text, double *value); /* finite */
+bool parse_number_or_infinity(const char *text, double *value);
 
 /* --- while it runs: progress.c --- */
 /* Non-zero after Ctrl-C or SIGTERM. */

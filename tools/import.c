@@ -1,4 +1,5 @@
 /* furrow import: elevation data to a store. */
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -74,7 +75,7 @@ static enum status read_request(const struct arguments *arguments, const char **
 	for (size_t i = 0; status == STATUS_OK && (text = arguments_nth(arguments, "nodata", i)) != NULL; i++) {
 		if (i == sizeof request->nodata / sizeof *request->nodata)
 			return fail_with(STATUS_USAGE, "import: --nodata is given too often; 32 values at most");
-		if (!parse_number(text, &request->nodata[i]))
+		if (!parse_number_or_infinity(text, &request->nodata[i]))
 			return fail_with(STATUS_USAGE, "import: --nodata %s: not a number; give one as in --nodata -32767",
 					 text);
 		request->dem.nodata_count = i + 1;
@@ -102,12 +103,32 @@ static void print_plan(const struct dem_info *info, const struct store_meta *met
 		       info->overlap_difference);
 }
 
-/* A hole that nobody declared shows as a height no ground has. */
+/* A hole that nobody declared shows as a height no ground has; mixed with others it may be any. */
 static void note_sentinel(const struct intake *intake)
 {
-	if (intake->low <= -12000 || intake->low == -9999)
-		note("the lowest height is %g m; if that means nodata, import again with --nodata %g", intake->low,
-		     intake->low);
+	static const double usual[] = {-9999, -32767, -32768, -99999};
+	for (size_t i = 0; i < sizeof usual / sizeof usual[0]; i++)
+		if (intake->low == usual[i]) {
+			note("the lowest height is %g m; if that means nodata, import again with --nodata %g",
+			     intake->low, intake->low);
+			return;
+		}
+	if (intake->low <= -12000)
+		note("the lowest height is %g m; if a value of the sources means nodata, as -32767 often does, import "
+		     "again with --nodata and that value", intake->low);
+}
+
+/*
+ * Codes are whole steps. A step that is a power of two makes every stored height exact in a float,
+ * so that the bound holds in an exported raster too; the source's own unit makes whole numbers exact.
+ */
+static double step_for(double max_error, double unit)
+{
+	if (max_error == 0 || max_error == unit / 2)
+		return 2 * max_error;
+	int exponent;
+	(void)frexp(2 * max_error, &exponent);
+	return ldexp(1, exponent - 1);
 }
 
 static char *join_lines(const char *const *lines, size_t count)
@@ -157,7 +178,7 @@ static enum status run(const struct arguments *arguments)
 		.rows_user = dem,
 		.meta = {
 			.world = {info->width, info->height, info->spacing, (uint32_t)request.tile},
-			.step = 2 * max_error,
+			.step = step_for(max_error, info->unit),
 			.max_error = max_error,
 			.srs = info->srs,
 			.origin = {info->origin[0], info->origin[1]},

@@ -31,6 +31,44 @@ static void gdal_destroy(struct dem_grid *grid)
 	mem_free(gdal);
 }
 
+/* All of one source is read to see whether it can be. */
+static bool reads(const struct gdal_source *source)
+{
+	GDALDatasetH dataset = GDALOpen(source->vrt, GA_ReadOnly);
+	float *row = mem_alloc((size_t)source->width, sizeof *row);
+	bool good = dataset != NULL && row != NULL;
+	for (int y = 0; good && y < source->height; y++)
+		good = GDALRasterIO(GDALGetRasterBand(dataset, 1), GF_Read, 0, y, source->width, 1, row, source->width,
+				    1, GDT_Float32, 0, 0) == CE_None;
+	mem_free(row);
+	if (dataset != NULL)
+		GDALClose(dataset);
+	return good;
+}
+
+/* The source that GDAL's message is about: the one it names, or the first that cannot be read. */
+static const char *culprit(const struct gdal_grid *gdal, const char *message)
+{
+	const char *found = NULL;
+	for (size_t i = 0; i < gdal->source_count; i++) {
+		const char *path = gdal->sources[i].path;
+		if (strstr(message, path) != NULL && (found == NULL || strlen(path) > strlen(found)))
+			found = path;
+	}
+	for (size_t i = 0; found == NULL && i < gdal->source_count; i++)
+		if (gdal->source_count == 1 || !reads(&gdal->sources[i]))
+			found = gdal->sources[i].path;
+	return found != NULL ? found : gdal->name;
+}
+
+static enum status refuse_rows(const struct gdal_grid *gdal, int top)
+{
+	char message[320];
+	snprintf(message, sizeof message, "%s", dem_gdal_message());
+	return fail_with(STATUS_INPUT, "%s: reading it failed at row %d of the whole: %s; fetch or make that file again",
+			 culprit(gdal, message), top, message);
+}
+
 static enum status gdal_read(struct dem_grid *grid, int64_t y0, int64_t rows, double *heights)
 {
 	struct gdal_grid *gdal = (struct gdal_grid *)grid;
@@ -39,8 +77,7 @@ static enum status gdal_read(struct dem_grid *grid, int64_t y0, int64_t rows, do
 	CPLErrorReset();
 	if (GDALRasterIO(GDALGetRasterBand(dataset, 1), GF_Read, 0, top, width, (int)rows, heights, width,
 			 (int)rows, GDT_Float64, 0, 0) != CE_None)
-		return fail_with(STATUS_INPUT, "%s: reading rows from %d failed: %s; check that every source "
-				 "is whole", gdal->name, top, dem_gdal_message());
+		return refuse_rows(gdal, top);
 	for (int64_t low = 0, high = rows - 1; low < high; low++, high--)
 		for (int64_t x = 0; x < grid->width; x++) {
 			double kept = heights[low * grid->width + x];

@@ -54,13 +54,21 @@ static bool is_sidecar(const char *name)
 	return false;
 }
 
+/* What is called a raster is meant as one: broken, empty or unreadable it is refused by its name when
+ * it is opened, and not left out without a word. */
 static bool is_raster(const char *path)
 {
+	static const char *const endings[] = {".png", ".raw", ".r16", ".tif", ".tiff", ".hgt", ".bil", ".flt",
+		".asc", ".dem", ".img", ".vrt", ".dt0", ".dt1", ".dt2"};
 	struct stat file;
-	if (stat(path, &file) != 0 || !S_ISREG(file.st_mode))
+	if (stat(path, &file) != 0)
+		return true;
+	if (!S_ISREG(file.st_mode))
 		return false;
-	return dem_path_ends(path, ".png") || dem_path_ends(path, ".raw") ||
-	       dem_path_ends(path, ".r16") || dem_gdal_knows(path);
+	for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++)
+		if (dem_path_ends(path, endings[i]))
+			return true;
+	return dem_gdal_knows(path);
 }
 
 static enum status add_directory(struct dem_list *list, const char *path)

@@ -7,11 +7,14 @@ static bool same_value(double value, double nodata, bool single)
 {
 	if (value == nodata)
 		return true;
+	if (isinf(nodata))
+		return false;
+	/* No ground is that high: -3.4e38 means the lowest float, with all the digits it lacks. */
+	if (fabs(nodata) > 1e30)
+		return fabs(value - nodata) <= 1e-3 * fabs(nodata);
 	if (!single)
 		return false;
-	/* A tag is decimal text: huge sentinels are often written with too few digits. */
-	if (fabs(nodata) > 1e30)
-		return fabs(value - nodata) <= 1e-5 * fabs(nodata);
+	/* A tag is decimal text, often with fewer digits than the float it means. */
 	return (float)value == (float)nodata;
 }
 
@@ -22,7 +25,9 @@ double dem_metres(const struct dem_meaning *meaning, double value)
 	for (size_t i = 0; i < meaning->nodata_count; i++)
 		if (same_value(value, meaning->nodata[i], meaning->single))
 			return (double)NAN;
-	double metres = value * meaning->scale + meaning->offset;
+	double metres = value * meaning->scale;
+	if (meaning->offset != 0) /* adding a zero would make zero of negative zero */
+		metres += meaning->offset;
 	return meaning->single ? (double)(float)metres : metres;
 }
 

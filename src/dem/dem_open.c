@@ -125,6 +125,22 @@ const struct dem_info *dem_info(const struct dem *dem)
 	return &dem->info;
 }
 
+/* What no ground is: refused where it is seen, with its place. */
+static enum status check_heights(const struct dem_grid *grid, int64_t y0, int64_t rows, const double *heights)
+{
+	int64_t count = rows * grid->width, i = 0;
+	while (i < count && !(fabs(heights[i]) > HEIGHT_MAX))
+		i++;
+	if (i == count)
+		return STATUS_OK;
+	long long x = i % grid->width, y = y0 + i / grid->width;
+	if (isinf(heights[i]))
+		return fail_with(STATUS_INPUT, "post %lld, %lld: its height is infinite; name that value with --nodata or "
+				 "repair the source", x, y);
+	return fail_with(STATUS_INPUT, "post %lld, %lld: no ground is at %.9g m; if that value means nodata, name it "
+			 "with --nodata", x, y, heights[i]);
+}
+
 enum status dem_read_rows(struct dem *dem, int64_t y0, int64_t rows, double *heights)
 {
 	struct dem_grid *grid = dem->grid;
@@ -137,6 +153,8 @@ enum status dem_read_rows(struct dem *dem, int64_t y0, int64_t rows, double *hei
 	for (int64_t y = 0; y < rows; y += strip) {
 		int64_t count = rows - y < strip ? rows - y : strip;
 		enum status status = grid->read(grid, y0 + y, count, heights + y * grid->width);
+		if (status == STATUS_OK)
+			status = check_heights(grid, y0 + y, count, heights + y * grid->width);
 		if (status != STATUS_OK)
 			return status;
 	}

@@ -8,13 +8,13 @@
 #include <stdatomic.h>
 #include <stdio.h>
 
-/* A place that is the default is no place. */
+/* GDAL's default is no place; north up, it is one: a corner at 0, 0 and a spacing of 1. */
 static bool has_place(GDALDatasetH dataset, double place[6])
 {
 	if (GDALGetGeoTransform(dataset, place) != CE_None)
 		return false;
 	return place[0] != 0 || place[1] != 1 || place[2] != 0 || place[3] != 0 || place[4] != 0 ||
-	       fabs(place[5]) != 1;
+	       place[5] != 1;
 }
 
 static enum status place_source(struct gdal_source *source, GDALDatasetH dataset,
