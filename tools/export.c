@@ -27,7 +27,13 @@ struct request {
 	double window[4], range[2];
 };
 
-#define FLOAT_NODATA (-32767.0)
+/* NaN where a height might be taken for the usual value. */
+static double nodata_beside(const struct store_meta *meta)
+{
+	const double usual = -32767, deepest = 2048, highest = 2048; /* that offsets reach */
+	bool taken = meta->low - deepest <= usual && usual <= meta->high + highest;
+	return taken ? (double)NAN : usual;
+}
 
 static enum status read_request(const struct arguments *arguments, struct request *request)
 {
@@ -151,10 +157,6 @@ static enum status write_rows(const struct request *request, struct store_reader
 					break;
 				}
 			}
-		} else {
-			for (int64_t i = 0; i < width * rows; i++)
-				if (isnan(out[i]))
-					out[i] = request->layer == LAYER_QUANTA ? 0 : FLOAT_NODATA;
 		}
 		if (status == STATUS_OK)
 			status = dem_writer_rows(writer, rows, out);
@@ -190,7 +192,7 @@ static enum status write_raster(const struct request *request, struct store *sto
 		.south = meta->origin[1] + (double)rect.y0 * spacing,
 		.spacing = spacing,
 		.has_nodata = request->layer != LAYER_QUANTA,
-		.nodata = metres ? FLOAT_NODATA : 0,
+		.nodata = metres ? nodata_beside(meta) : 0,
 	};
 	struct dem_writer *writer = NULL;
 	struct store_reader *reader = NULL;
