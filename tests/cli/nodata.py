@@ -1,0 +1,113 @@
+"""Holes: a sentinel is nodata at every level and under every kernel, and never a height."""
+import math
+import pathlib
+import sys
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+from furrow_test import SHARED, main
+from raster_test import RasterTest
+import rasters
+
+LOWEST_FLOAT = -3.4028234663852886e38
+
+
+def holed(x, y):
+    """Blocks of holes of several sizes, which the levels meet differently."""
+    return (x // 7 + y // 5) % 4 == 0 or (x // 40 + y // 33) % 3 == 1 or x % 16 == 0 and y % 16 == 0
+
+
+def ground(x, y):
+    return 200 + 3 * math.sin(x / 9) * math.cos(y / 7) + 0.25 * ((x * 7 + y * 3) % 11)
+
+
+class Nodata(RasterTest):
+    def check_levels(self, sentinel, tag, *options):
+        width, height = 150, 117
+        self.make("in.tif", width, height, lambda x, y: sentinel if holed(x, y) else ground(x, y), nodata=tag)
+        self.ok("import", "in.tif", "-o", "s.furrow", "--tile", "8", "--overwrite", *options)
+        levels = self.json("info", "s.furrow")["levels"]
+        self.assertEqual(levels, [0, 5])
+        for level in (0, 1, 3, 5):
+            w, h, cells = self.exported("s.furrow", "--level", level)
+            self.assertEqual((w, h), ((width - 1 >> level) + 1, (height - 1 >> level) + 1))
+            for row in range(h):
+                for column in range(w):
+                    # Rows are decimated from the south.
+                    x, y = column << level, height - 1 - (h - 1 - row << level)
+                    value = cells[row * w + column]
+                    if holed(x, y):
+                        self.assertIsNone(value, (level, x, y))
+                    else:
+                        self.assertLessEqual(abs(value - ground(x, y)), 0.0011, (level, x, y))
+        self.assertTrue(self.json("verify", "s.furrow")["ok"])
+
+    def test_a_sentinel_does_not_drift_in_coarser_levels(self):
+        for sentinel, tag, options in ((-32767, -32767, []), (-9999, None, ["--nodata", "-9999"]),
+                                       (math.nan, None, []), (LOWEST_FLOAT, "-3.40282e+38", []),
+                                       (3.4028234663852886e38, None, ["--nodata", "3.4e38"])):
+            with self.subTest(sentinel=sentinel, tag=tag):
+                self.check_levels(sentinel, tag, *options)
+
+    def test_nodata_no_tag_declares_is_told_and_can_be_named(self):
+        for sentinel in (-32767, -32768, -9999):
+            with self.subTest(sentinel=sentinel):
+                self.make("in.tif", 40, 30, lambda x, y: sentinel if x < 9 else 100 + x, "h")
+                note = self.furrow("import", "in.tif", "-o", "s.furrow", "--overwrite").stderr
+                self.assertIn(f"--nodata {sentinel}", note)
+                note = self.furrow("import", "in.tif", "-o", "s.furrow", "--overwrite", "--nodata", sentinel).stderr
+                self.assertEqual(note, "")
+                self.assertEqual(self.json("info", "s.furrow")["height"], [109, 139])
+
+    def test_an_undeclared_sentinel_that_resampling_mixed_is_not_named_wrong(self):
+        self.make("in.tif", 60, 60, lambda x, y: -32767 if holed(x, y) else 300, "h", west=15, north=46, step=0.001,
+                  srs="EPSG:4326")
+        note = self.furrow("import", "in.tif", "-o", "s.furrow", "-r", "cubic").stderr
+        self.assertLess(self.json("info", "s.furrow")["height"][0], -32767)
+        self.assertIn("means nodata", note)
+        self.assertNotIn("--nodata -3", note)
+
+    @unittest.skipUnless((SHARED / "dem").is_dir(), "needs the shared elevation data")
+    def test_crater_lake_declares_nothing_and_is_a_third_holes(self):
+        crater = SHARED / "dem/craterlake.tif"
+        self.assertIn("--nodata -32767", self.furrow("import", crater, "-o", "mixed.furrow").stderr)
+        self.ok("import", crater, "-o", "s.furrow", "--nodata", "-32767")
+        low, high = self.json("info", "s.furrow")["height"]
+        self.assertGreaterEqual(low, 1289)
+        self.assertLessEqual(high, 1880)
+        _, _, cells = self.exported("s.furrow")
+        self.assertAlmostEqual(cells.count(None) / len(cells), 0.34, delta=0.02)
+
+    def test_no_kernel_reaches_over_a_holes_edge(self):
+        """Ground is 100 .. 101 m: whatever mixed with the sentinel lies far outside."""
+        def value(x, y, sentinel):
+            return sentinel if holed(x, y) else 100 + (x + y) % 2
+
+        degrees = {"west": 15, "north": 46, "step": 0.001, "srs": "EPSG:4326"}
+        for sentinel, place, spacings in ((LOWEST_FLOAT, degrees, (41, 560)), (3e38, {}, (7.7, 190))):
+            self.make("in.tif", 90, 80, lambda x, y: value(x, y, sentinel), nodata=repr(sentinel), **place)
+            for method in ("bilinear", "cubic", "near"):
+                for spacing in spacings:  # finer, and by a widened kernel
+                    with self.subTest(method=method, spacing=spacing):
+                        self.ok("import", "in.tif", "-o", "s.furrow", "--overwrite", "-r", method, "--spacing", spacing)
+                        low, high = self.json("info", "s.furrow")["height"]
+                        overshoot = 0.6 if method == "cubic" else 0.002
+                        self.assertGreaterEqual(low, 100 - overshoot)
+                        self.assertLessEqual(high, 101 + overshoot)
+
+    def test_a_hole_stays_a_hole_when_it_is_resampled(self):
+        self.make("in.tif", 90, 80, lambda x, y: -9999 if 30 <= x < 60 and 20 <= y < 50 else 50, nodata=-9999)
+        for method in ("bilinear", "cubic", "near"):
+            self.ok("import", "in.tif", "-o", "s.furrow", "--overwrite", "-r", method, "--spacing", "4")
+            for x, y, nodata in ((450, 440, True), (302 + 16, 440, True), (270, 440, False), (450, 260, False)):
+                self.assertEqual(self.json("query", "s.furrow", x, y)["nodata"], nodata, (method, x, y))
+
+    def test_a_real_height_of_minus_32767_is_no_nodata_in_an_export(self):
+        self.make("in.tif", 20, 20, lambda x, y: -32767 if x == 3 else -9999 if x == 5 else 7, "h", nodata=-9999)
+        self.ok("import", "in.tif", "-o", "s.furrow")
+        _, _, cells = self.exported("s.furrow")
+        self.assertEqual(cells[:7], [7, 7, 7, -32767, 7, None, 7])
+
+
+if __name__ == "__main__":
+    main()

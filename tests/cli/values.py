@@ -1,0 +1,145 @@
+"""What a stored value means: scale and offset, lossless bits, infinities, byte order, carriage returns."""
+import array
+import math
+import pathlib
+import struct
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+from furrow_test import main
+from raster_test import RasterTest
+import rasters
+
+
+class Values(RasterTest):
+    def test_scale_and_offset_tags_make_metres_and_nodata_is_as_stored(self):
+        # 500 as it is stored is nodata; 150 m is a height like others, and so is a stored 1500.
+        self.make("in.tif", 70, 50, lambda x, y: 500 if x == 4 else 1500 if x == 6 else 10 * x + y, "h", nodata=500,
+                  options=["-a_scale", "0.1", "-a_offset", "100"])
+        self.ok("import", "in.tif", "-o", "s.furrow")
+        info = self.json("info", "s.furrow")
+        self.assertAlmostEqual(info["max_error"], 0.05, places=12)
+        _, _, cells = self.exported("s.furrow")
+        for y in range(50):
+            for x in range(70):
+                stored = 10 * x + y
+                if x == 4 or stored == 500:
+                    self.assertIsNone(cells[70 * y + x])
+                else:
+                    self.assertAlmostEqual(cells[70 * y + x], 100 + 0.1 * (1500 if x == 6 else stored), places=4)
+
+    def test_a_negative_scale_keeps_the_bound(self):
+        self.make("in.tif", 30, 30, lambda x, y: 7 * x + y, "h", options=["-a_scale", "-0.25", "-a_offset", "3.5"])
+        self.ok("import", "in.tif", "-o", "s.furrow")
+        self.assertEqual(self.json("info", "s.furrow")["max_error"], 0.125)
+        _, _, cells = self.exported("s.furrow")
+        for i, value in enumerate(cells):
+            self.assertEqual(value, 3.5 - 0.25 * (7 * (i % 30) + i // 30))
+
+    def test_infinities_are_refused_with_their_place(self):
+        for height in (math.inf, -math.inf):
+            for options in ([], ["--max-error", "0"], ["--spacing", "7"], ["--spacing", "7", "-r", "cubic"]):
+                with self.subTest(height=height, options=options):
+                    self.make("in.tif", 60, 50, lambda x, y: height if (x, y) == (13, 20) else 5)
+                    error = self.refused(3, "import", "in.tif", "-o", "s.furrow", *options)
+                    self.assertIn("infinite", error)
+                    if "--spacing" not in options:
+                        self.assertIn("post 13, 29", error)
+                    self.assertEqual([p.name for p in self.folder.glob("s.furrow*")], [])
+        self.ok("import", "in.tif", "-o", "s.furrow", "--nodata", "-inf")
+        self.assertTrue(self.json("query", "s.furrow", "130", "290")["nodata"])
+
+    def test_a_height_that_no_ground_has_is_refused_lossless_too(self):
+        self.make("in.tif", 20, 20, lambda x, y: 3e38 if (x, y) == (7, 7) else 5)
+        self.assertIn("post 7, 12", self.refused(3, "import", "in.tif", "-o", "s.furrow", "--max-error", "0"))
+        self.assertEqual([p.name for p in self.folder.glob("s.furrow*")], [])
+
+    def test_lossless_keeps_every_bit_negative_zero_and_denormals_too(self):
+        patterns = [0x80000000, 0, 0x80000001, 1, 0x007fffff, 0x807fffff, 0x00800000, 0x3f800001, 0x449a522b, 0xc49a522b]
+        for first in (0, 1, 4):  # negative zero is the lowest of some tile, and the highest
+            bits = [patterns[(first + i // 41) % len(patterns)] for i in range(600)]
+            cells = array.array("f", struct.pack("<600I", *bits))
+            rasters.make(self.folder / "in.tif", 30, 20, cells)
+            self.ok("import", "in.tif", "-o", "s.furrow", "--max-error", "0", "--tile", "8", "--overwrite")
+            self.assertTrue(self.json("verify", "s.furrow")["ok"])
+            for layer in ("base", "surface"):
+                self.ok("export", "s.furrow", "-o", "out.tif", "--layer", layer)
+                back = rasters.pixels(self.folder / "out.tif", "f")[2]
+                self.assertEqual(back.tobytes(), cells.tobytes())
+
+    def test_a_terrain_of_negative_zeros_alone_is_whole(self):
+        cells = array.array("f", [-0.0] * 400)
+        rasters.make(self.folder / "in.tif", 20, 20, cells)
+        self.ok("import", "in.tif", "-o", "s.furrow", "--max-error", "0")
+        self.assertTrue(self.json("verify", "s.furrow")["ok"])
+        self.ok("export", "s.furrow", "-o", "out.tif")
+        self.assertEqual(rasters.pixels(self.folder / "out.tif", "f")[2].tobytes(), cells.tobytes())
+
+    def test_doubles_that_are_no_floats_are_not_called_lossless(self):
+        self.make("in.tif", 20, 20, lambda x, y: 0.1 if (x, y) == (3, 4) else 5, "d")
+        self.assertIn("post 3, 15", self.refused(3, "import", "in.tif", "-o", "s.furrow", "--max-error", "0"))
+        self.make("in.tif", 20, 20, lambda x, y: 16777217 if (x, y) == (3, 4) else 5, "i")
+        self.assertIn("post 3, 15", self.refused(3, "import", "in.tif", "-o", "s.furrow", "--max-error", "0"))
+        self.make("in.tif", 20, 20, lambda x, y: 0.5 * x, "d")
+        self.ok("import", "in.tif", "-o", "s.furrow", "--max-error", "0")
+
+
+class Bytes(RasterTest):
+    def values(self):
+        return array.array("h", [(257 * i) % 9001 - 300 for i in range(24 * 18)])
+
+    def check(self, source, values=None):
+        self.ok("import", source, "-o", "s.furrow", "--overwrite")
+        width, height, cells = self.exported("s.furrow")
+        self.assertEqual((width, height), (24, 18))
+        self.assertEqual(list(cells), [float(v) for v in (values or self.values())])
+        return self.json("info", "s.furrow")
+
+    def test_carriage_returns_in_headers_are_no_part_of_them(self):
+        values, wkt = self.values(), rasters.gdal("gdalsrsinfo", "-o", "wkt_esri", "--single-line", rasters.UTM).strip()
+        for end in ("\n", "\r\n"):
+            head = ["BYTEORDER I", "LAYOUT BIL", "NROWS 18", "NCOLS 24", "NBANDS 1", "NBITS 16", "PIXELTYPE SIGNEDINT",
+                    "ULXMAP 500005", "ULYMAP 4999995", "XDIM 10", "YDIM 10", "NODATA -9999", ""]
+            (self.folder / "in.bil").write_bytes(values.tobytes())
+            (self.folder / "in.hdr").write_bytes(end.join(head).encode())
+            (self.folder / "in.prj").write_bytes((wkt + end).encode())
+            with self.subTest(format="BIL", end=repr(end)):
+                self.assertEqual(self.check("in.bil")["geotransform"], [500000, 10, 0, 5000000, 0, -10])
+                self.assertIn("33", self.json("info", "s.furrow")["srs"])
+            rows = [" ".join(str(v) for v in values[24 * y:24 * y + 24]) for y in range(18)]
+            head = ["ncols 24", "nrows 18", "xllcorner 500000", "yllcorner 4999820", "cellsize 10", "NODATA_value -9999"]
+            (self.folder / "in.asc").write_bytes(end.join(head + rows + [""]).encode())
+            with self.subTest(format="ASCII grid", end=repr(end)):
+                self.assertEqual(self.check("in.asc")["geotransform"], [500000, 10, 0, 5000000, 0, -10])
+
+    def test_byte_order_is_the_sources(self):
+        values = self.values()
+        for letter, order in (("I", values), ("M", array.array("h", values))):
+            if letter == "M":
+                order.byteswap()
+            (self.folder / "in.bil").write_bytes(order.tobytes())
+            (self.folder / "in.hdr").write_text(
+                f"BYTEORDER {letter}\nNROWS 18\nNCOLS 24\nNBANDS 1\nNBITS 16\nPIXELTYPE SIGNEDINT\n")
+            with self.subTest(byteorder=letter):
+                self.check("in.bil")
+        for order in ("BIG", "LITTLE"):
+            rasters.make(self.folder / "in.tif", 24, 18, values, "h", options=["-co", f"ENDIANNESS={order}"])
+            with self.subTest(tiff=order):
+                self.assertEqual((self.folder / "in.tif").read_bytes()[:2], b"MM" if order == "BIG" else b"II")
+                self.check("in.tif")
+
+    def test_a_float_grid_of_either_byte_order(self):
+        values = array.array("f", [1.25 * i - 77 for i in range(24 * 18)])
+        for name, order in (("LSBFIRST", values), ("MSBFIRST", array.array("f", values))):
+            if name == "MSBFIRST":
+                order.byteswap()
+            (self.folder / "in.flt").write_bytes(order.tobytes())
+            (self.folder / "in.hdr").write_bytes(
+                ("ncols 24\r\nnrows 18\r\nxllcorner 0\r\nyllcorner 0\r\ncellsize 5\r\nNODATA_value -9999\r\n"
+                 f"BYTEORDER {name}\r\n").encode())
+            with self.subTest(byteorder=name):
+                self.check("in.flt", values)
+
+
+if __name__ == "__main__":
+    main()
