@@ -65,6 +65,9 @@ static enum status print_json(struct store *store, const struct store_numbers *n
 		json_integer(object, "working_level", working);
 	else
 		cJSON_AddNullToObject(object, "working_level");
+	char hash[17];
+	snprintf(hash, sizeof hash, "%016llx", (unsigned long long)store_base_hash(store));
+	cJSON_AddStringToObject(object, "base_hash", hash);
 	cJSON_AddStringToObject(object, "srs", meta->srs);
 	cJSON_AddItemToObject(object, "geotransform", cJSON_CreateDoubleArray(transform, 6));
 	cJSON_AddStringToObject(object, "vertical", meta->vertical);
@@ -124,6 +127,7 @@ static void print_text(struct store *store, const struct store_numbers *numbers)
 	       (long long)numbers->file_bytes, (long long)numbers->base_bytes,
 	       (double)numbers->base_bytes / ((double)world->width * (double)world->height),
 	       (long long)numbers->offset_bytes, (long long)numbers->soil_bytes);
+	printf("base       %016llx\n", (unsigned long long)store_base_hash(store));
 	printf("origin     %.3f, %.3f (south-west post)\n", meta->origin[0], meta->origin[1]);
 	if (meta->vertical[0] != '\0')
 		printf("vertical   %s\n", meta->vertical);

@@ -103,6 +103,7 @@ struct store {
 	int32_t code_low, code_high; /* of the meta's low and high; low > high: all nodata */
 	bool has_working, working_stored;
 	int working;
+	uint64_t base_hash; /* store_identity.c */
 	int64_t epoch; /* the last one committed */
 	sqlite3_stmt *run_statement, *meta_statement;
 	char *run_scene, *run_state; /* given out by store_count() */
@@ -138,9 +139,23 @@ enum status meta_write(struct store *store) FURROW_CHECKED;
 enum status meta_read(struct store *store) FURROW_CHECKED; /* also the working level and the epoch */
 enum status meta_put_integer(struct store *store, const char *key, int64_t value) FURROW_CHECKED;
 enum status meta_put_real(struct store *store, const char *key, double value) FURROW_CHECKED;
+/* The base's hash as a connection's file has it. */
+enum status meta_base_hash(sqlite3 *db, const char *path, uint64_t *hash) FURROW_CHECKED;
 /* The working level as the file has it now. */
 enum status meta_working(sqlite3 *db, const char *path, const struct world *world, bool *has, int *level)
 	FURROW_CHECKED;
+
+/* --- store_hash.c: what all hashes over numbers and texts share --- */
+
+struct XXH3_state_s;
+void hash_words(struct XXH3_state_s *state, const uint64_t *words, size_t count);
+void hash_text(struct XXH3_state_s *state, const char *text);
+uint64_t hash_real(double value); /* its bits; NaN: 0 */
+
+/* --- store_identity.c: which base a store has --- */
+
+/* From what the base's tables hold; the store's meta must be complete. */
+enum status identity_compute(struct store *store, uint64_t *hash) FURROW_CHECKED;
 
 /* --- store_lock.c: one writer --- */
 

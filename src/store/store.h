@@ -60,6 +60,8 @@ enum status store_open(const char *path, const struct store_options *options, st
 void store_close(struct store *store);
 
 const struct store_meta *store_meta(const struct store *store);
+/* Which base it has: a hash of what the terrain is and of every base row. */
+uint64_t store_base_hash(const struct store *store);
 /* The finest level: 0 until the first deformation fixed a finer one. */
 int store_finest(const struct store *store);
 bool store_has_working_level(const struct store *store, int *level);

@@ -212,6 +212,8 @@ enum status store_publish(struct store *store)
 	if (status == STATUS_OK)
 		status = take_range(store);
 	if (status == STATUS_OK)
+		status = identity_compute(store, &store->base_hash);
+	if (status == STATUS_OK)
 		status = meta_write(store);
 	if (status == STATUS_OK)
 		status = sql_exec(store->db, store->path, "writing it", "COMMIT");

@@ -4,23 +4,17 @@
 #include <string.h>
 #include <xxhash.h>
 
-struct hashing {
-	struct store *store;
-	XXH3_state_t *state;
-	int32_t *posts;
-};
-
-static void add_words(struct hashing *hashing, const uint64_t *words, size_t count)
+void hash_words(struct XXH3_state_s *state, const uint64_t *words, size_t count)
 {
 	for (size_t i = 0; i < count; i++) {
 		uint8_t bytes[8];
 		for (int b = 0; b < 8; b++)
 			bytes[b] = (uint8_t)(words[i] >> (8 * b));
-		XXH3_64bits_update(hashing->state, bytes, sizeof bytes);
+		XXH3_64bits_update(state, bytes, sizeof bytes);
 	}
 }
 
-static uint64_t real_word(double value)
+uint64_t hash_real(double value)
 {
 	uint64_t word = 0;
 	if (value == value) /* NaN: 0 */
@@ -28,12 +22,20 @@ static uint64_t real_word(double value)
 	return word;
 }
 
-static void add_text(struct hashing *hashing, const char *text)
+void hash_text(struct XXH3_state_s *state, const char *text)
 {
 	uint64_t length = strlen(text);
-	add_words(hashing, &length, 1);
-	XXH3_64bits_update(hashing->state, text, length);
+	hash_words(state, &length, 1);
+	XXH3_64bits_update(state, text, length);
 }
+
+/* --- the content --- */
+
+struct hashing {
+	struct store *store;
+	XXH3_state_t *state;
+	int32_t *posts;
+};
 
 /* What the terrain is; not where it came from, nor how it is packed. */
 static void add_meta(struct hashing *hashing)
@@ -42,14 +44,14 @@ static void add_meta(struct hashing *hashing)
 	const struct store_meta *meta = &store->meta;
 	const uint64_t words[] = {
 		(uint64_t)meta->world.width, (uint64_t)meta->world.height, meta->world.cells,
-		real_word(meta->world.spacing), real_word(meta->step), real_word(meta->max_error),
-		real_word(meta->origin[0]), real_word(meta->origin[1]), real_word(meta->low),
-		real_word(meta->high), store->working_stored,
+		hash_real(meta->world.spacing), hash_real(meta->step), hash_real(meta->max_error),
+		hash_real(meta->origin[0]), hash_real(meta->origin[1]), hash_real(meta->low),
+		hash_real(meta->high), store->working_stored,
 		store->working_stored ? (uint64_t)(int64_t)store->working : 0,
 	};
-	add_words(hashing, words, sizeof words / sizeof *words);
-	add_text(hashing, meta->srs);
-	add_text(hashing, meta->vertical);
+	hash_words(hashing->state, words, sizeof words / sizeof *words);
+	hash_text(hashing->state, meta->srs);
+	hash_text(hashing->state, meta->vertical);
 }
 
 static enum status add_row(struct hashing *hashing, enum row_table table, uint64_t key)
@@ -65,9 +67,9 @@ static enum status add_row(struct hashing *hashing, enum row_table table, uint64
 	enum status status = rows_read(rows, table, tile, hashing->posts, &row, &found);
 	if (status != STATUS_OK)
 		return status;
-	const uint64_t words[] = {(uint64_t)table, key, real_word(row.low), real_word(row.high),
-				  real_word(row.error), (uint64_t)row.below, (uint64_t)row.above, row.planes};
-	add_words(hashing, words, sizeof words / sizeof *words);
+	const uint64_t words[] = {(uint64_t)table, key, hash_real(row.low), hash_real(row.high),
+				  hash_real(row.error), (uint64_t)row.below, (uint64_t)row.above, row.planes};
+	hash_words(hashing->state, words, sizeof words / sizeof *words);
 #if __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
 	for (size_t i = 0; i < count; i++)
 		hashing->posts[i] = (int32_t)__builtin_bswap32((uint32_t)hashing->posts[i]);

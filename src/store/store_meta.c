@@ -87,6 +87,7 @@ enum status meta_write(struct store *store)
 	const struct { const char *key; int64_t value; } integers[] = {
 		{"width", meta->world.width}, {"height", meta->world.height},
 		{"cells", meta->world.cells}, {"pack", meta->pack},
+		{"base_hash", (int64_t)store->base_hash},
 	};
 	const struct { const char *key; double value; } reals[] = {
 		{"spacing", meta->world.spacing}, {"step", meta->step}, {"max_error", meta->max_error},
@@ -214,6 +215,22 @@ enum status meta_working(sqlite3 *db, const char *path, const struct world *worl
 	return status;
 }
 
+static enum status get_base_hash(struct lookup *lookup, uint64_t *hash)
+{
+	int64_t value = 0;
+	enum status status = get_integer(lookup, "base_hash", INT64_MIN, INT64_MAX, &value);
+	*hash = (uint64_t)value;
+	return status;
+}
+
+enum status meta_base_hash(sqlite3 *db, const char *path, uint64_t *hash)
+{
+	struct lookup lookup = {.db = db, .path = path};
+	enum status status = get_base_hash(&lookup, hash);
+	sqlite3_finalize(lookup.statement);
+	return status;
+}
+
 static enum status get_all(struct lookup *lookup, struct store *store)
 {
 	struct store_meta *meta = &store->meta;
@@ -236,6 +253,8 @@ static enum status get_all(struct lookup *lookup, struct store *store)
 		status = get_text(lookup, "vertical", &meta->vertical);
 	if (status == STATUS_OK)
 		status = get_text(lookup, "sources", &meta->sources);
+	if (status == STATUS_OK)
+		status = get_base_hash(lookup, &store->base_hash);
 	if (status == STATUS_OK)
 		status = get_working(lookup, &meta->world, &store->has_working, &store->working);
 	if (status != STATUS_OK)

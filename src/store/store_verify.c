@@ -2,7 +2,7 @@
  * Everything that can be checked about a store:
  *
  *   SQLite's own check -> base tiles that are not there -> every row of every table (verify_tile.c)
- *   -> the header's range
+ *   -> the header's range and the base's hash
  */
 #include "store/verify.h"
 
@@ -138,6 +138,15 @@ static enum status check_top(struct verifying *verifying)
 	return status == STATUS_INPUT ? STATUS_OK : status;
 }
 
+static enum status check_identity(struct verifying *verifying)
+{
+	uint64_t hash;
+	enum status status = identity_compute(verifying->store, &hash);
+	if (status == STATUS_OK && hash != verifying->store->base_hash)
+		verify_tell(verifying, "header: its base_hash is not that of its base tiles");
+	return status;
+}
+
 static enum status check_all(struct verifying *verifying)
 {
 	struct store *store = verifying->store;
@@ -154,7 +163,9 @@ static enum status check_all(struct verifying *verifying)
 		status = check_table(verifying, (enum row_table)table);
 	if (status == STATUS_OK)
 		status = check_missing(verifying);
-	return status == STATUS_OK ? check_top(verifying) : status;
+	if (status == STATUS_OK)
+		status = check_top(verifying);
+	return status == STATUS_OK ? check_identity(verifying) : status;
 }
 
 enum status store_verify(struct store *store, store_problem_fn problem, store_progress_fn progress,

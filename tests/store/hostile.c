@@ -43,7 +43,7 @@ static void another_version_or_schema_is_refused(void **state)
 	static const struct {
 		const char *sql, *why;
 	} edits[] = {
-		{"PRAGMA user_version=1", "version 1"},
+		{"PRAGMA user_version=3", "version 3"},
 		{"PRAGMA application_id=7", "application id 7"},
 		{"CREATE VIEW v AS SELECT 1", "tables"},
 		{"CREATE INDEX aaa ON base(low)", "tables"},
@@ -61,6 +61,8 @@ static void another_version_or_schema_is_refused(void **state)
 		{"UPDATE meta SET value = 3 WHERE key = 'srs'", "'srs'"},
 		{"UPDATE meta SET value = 9 WHERE key = 'pack'", "'pack'"},
 		{"INSERT INTO meta VALUES('working', 12)", "'working'"},
+		{"DELETE FROM meta WHERE key = 'base_hash'", "'base_hash'"},
+		{"UPDATE meta SET value = 'f00' WHERE key = 'base_hash'", "'base_hash'"},
 	};
 	for (size_t i = 0; i < sizeof edits / sizeof *edits; i++) {
 		make_store(path);

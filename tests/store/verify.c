@@ -232,6 +232,10 @@ static void a_wrong_range_or_sum_is_found(void **state)
 	path = deformed_store("range5.furrow");
 	raw_sql(path, "UPDATE meta SET value = value + 1.0 WHERE key = 'high'");
 	assert_told(path, "header");
+	path = deformed_store("identity.furrow");
+	raw_sql(path, "UPDATE meta SET value = value + 1 WHERE key = 'base_hash'");
+	assert_told(path, "header: its base_hash");
+	assert_int_equal(told_count, 1);
 	path = deformed_store("sum.furrow");
 	edit_row(path, ROW_OFFSET, (struct tile){-1, 3, 2}, edit_above);
 	assert_told(path, "offset tile level -1 x 3 y 2: its sums");

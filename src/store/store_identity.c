@@ -1,0 +1,57 @@
+/*
+ * Which base a store has: one hash over what the terrain is and over the hash of every base row, so
+ * that an overlay (store_overlay.c) can name the base it belongs to.
+ *
+ * It is of the base as it is stored: the same heights packed otherwise are another base. Where the
+ * terrain came from and how it was asked for are no part of it.
+ */
+#include "store/internal.h"
+
+#include <xxhash.h>
+
+static void add_meta(XXH3_state_t *state, const struct store_meta *meta)
+{
+	const uint64_t words[] = {
+		(uint64_t)meta->world.width, (uint64_t)meta->world.height, meta->world.cells,
+		hash_real(meta->world.spacing), hash_real(meta->step), hash_real(meta->origin[0]),
+		hash_real(meta->origin[1]), hash_real(meta->low), hash_real(meta->high),
+	};
+	hash_words(state, words, sizeof words / sizeof *words);
+	hash_text(state, meta->srs);
+	hash_text(state, meta->vertical);
+}
+
+static enum status add_rows(XXH3_state_t *state, sqlite3 *db, const char *path)
+{
+	sqlite3_stmt *statement = NULL;
+	enum status status = sql_prepare(db, path, &statement, "SELECT key, hash FROM base ORDER BY key");
+	int code;
+	while (status == STATUS_OK && (code = sqlite3_step(statement)) != SQLITE_DONE) {
+		if (code == SQLITE_ROW)
+			hash_words(state, (uint64_t[]){(uint64_t)sqlite3_column_int64(statement, 0),
+						       (uint64_t)sqlite3_column_int64(statement, 1)}, 2);
+		else
+			status = sql_fail(db, code, path, "reading its tiles");
+	}
+	sqlite3_finalize(statement);
+	return status;
+}
+
+enum status identity_compute(struct store *store, uint64_t *hash)
+{
+	XXH3_state_t *state = XXH3_createState();
+	if (state == NULL)
+		return fail_memory("a base's hash");
+	XXH3_64bits_reset(state);
+	add_meta(state, &store->meta);
+	enum status status = add_rows(state, store->db, store->path);
+	if (status == STATUS_OK)
+		*hash = XXH3_64bits_digest(state);
+	XXH3_freeState(state);
+	return status;
+}
+
+uint64_t store_base_hash(const struct store *store)
+{
+	return store->base_hash;
+}
