@@ -99,6 +99,10 @@ struct store {
 	bool transaction; /* creating: BEGIN was done */
 	sqlite3 *db;
 	struct rows rows;
+	char *base_path;    /* an overlay's: as stored, from its folder; NULL: a plain store */
+	struct store *under; /* an overlay's base, open for reading; NULL: a plain store */
+	struct rows *base;  /* where base tiles are: `rows`, or those of `under` */
+	bool made;          /* an overlay that this opening made */
 	struct store_meta meta; /* its texts are the store's own */
 	int32_t code_low, code_high; /* of the meta's low and high; low > high: all nodata */
 	bool has_working, working_stored;
@@ -111,9 +115,16 @@ struct store {
 
 struct store_reader {
 	struct store *store;
-	sqlite3 *db;
-	struct rows rows;
+	sqlite3 *db, *base_db; /* base_db: of an overlay's base, NULL for a plain store */
+	struct rows rows, base_rows;
+	struct rows *base; /* `rows` or `base_rows` */
 };
+
+/* The rows of `table`: an overlay's base tiles are in another file. */
+static inline struct rows *store_table(struct store *store, enum row_table table)
+{
+	return table == ROW_BASE ? store->base : &store->rows;
+}
 
 /* --- store_connect.c --- */
 
@@ -164,7 +175,17 @@ void lock_drop(const char *lock_path, int descriptor); /* and removes the file *
 
 /* --- store_open.c --- */
 
+/* `as_base`: for an overlay; one that is an overlay itself is refused. */
+enum status store_open_as(const char *path, const struct store_options *options, bool as_base,
+			  struct store **out) FURROW_CHECKED;
 void store_finish(struct store *store); /* closes and frees; removes nothing but the lock */
 char *store_path_with(const char *path, const char *suffix);
+
+/* --- store_overlay.c --- */
+
+/* Opens the base that `store` names, and sees that it is that base. */
+enum status overlay_connect(struct store *store) FURROW_CHECKED;
+/* False: no file's path, or one that no message could show. */
+bool overlay_path_fits(const char *path, size_t length);
 
 #endif

@@ -60,6 +60,8 @@ enum status store_open(const char *path, const struct store_options *options, st
 void store_close(struct store *store);
 
 const struct store_meta *store_meta(const struct store *store);
+/* An overlay's base, where it was found; NULL for a plain store. */
+const char *store_base_path(const struct store *store);
 /* Which base it has: a hash of what the terrain is and of every base row. */
 uint64_t store_base_hash(const struct store *store);
 /* The finest level: 0 until the first deformation fixed a finer one. */
@@ -67,6 +69,17 @@ int store_finest(const struct store *store);
 bool store_has_working_level(const struct store *store, int *level);
 /* Fixes it at `level` in memory; written with the first epoch. STATUS_INPUT if another was fixed. */
 enum status store_set_working_level(struct store *store, int level) FURROW_CHECKED;
+
+/* --- overlays: deformation in a file of its own, over a base that is only read --- */
+
+/* An overlay is used as a store is: its base tiles are the base's, all else is its own. STATUS_INPUT
+ * if `path` exists, or the base is deformed or an overlay itself. */
+enum status store_create_overlay(const char *path, const char *base_path) FURROW_CHECKED;
+/* Opens the overlay at `path`, made if it is not there; STATUS_INPUT if it is no overlay of that base. */
+enum status store_open_overlay(const char *path, const char *base_path, const struct store_options *options,
+			       struct store **out) FURROW_CHECKED;
+/* store_close() after a failure: what store_open_overlay() made is removed if it holds no epoch. */
+void store_abandon(struct store *store);
 
 /* --- reading: any thread, a reader each --- */
 enum status store_reader_create(struct store *store, struct store_reader **out) FURROW_CHECKED;

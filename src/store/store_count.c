@@ -5,10 +5,10 @@
 #include <string.h>
 #include <sys/stat.h>
 
-static enum status count_table(struct store *store, const char *sql, int64_t *tiles, int64_t *bytes)
+static enum status count_table(const struct rows *rows, const char *sql, int64_t *tiles, int64_t *bytes)
 {
 	sqlite3_stmt *statement = NULL;
-	enum status status = sql_prepare(store->db, store->path, &statement, sql);
+	enum status status = sql_prepare(rows->db, rows->path, &statement, sql);
 	if (status != STATUS_OK)
 		return status;
 	int code = sqlite3_step(statement);
@@ -16,7 +16,7 @@ static enum status count_table(struct store *store, const char *sql, int64_t *ti
 		*tiles = sqlite3_column_int64(statement, 0);
 		*bytes = sqlite3_column_int64(statement, 1);
 	} else {
-		status = sql_fail(store->db, code, store->path, "counting its tiles");
+		status = sql_fail(rows->db, code, rows->path, "counting its tiles");
 	}
 	sqlite3_finalize(statement);
 	return status;
@@ -62,13 +62,13 @@ enum status store_count(struct store *store, struct store_numbers *numbers)
 	if (stat(store->real_path, &file) != 0)
 		return fail_with(STATUS_FAILED, "%s: %s; check the path", store->path, strerror(errno));
 	numbers->file_bytes = file.st_size;
-	enum status status = count_table(store, "SELECT count(*), coalesce(sum(length(blob)), 0) FROM base",
+	enum status status = count_table(store->base, "SELECT count(*), coalesce(sum(length(blob)), 0) FROM base",
 					 &numbers->base_tiles, &numbers->base_bytes);
 	if (status == STATUS_OK)
-		status = count_table(store, "SELECT count(*), coalesce(sum(length(blob)), 0) FROM \"offset\"",
+		status = count_table(&store->rows, "SELECT count(*), coalesce(sum(length(blob)), 0) FROM \"offset\"",
 				     &numbers->offset_tiles, &numbers->offset_bytes);
 	if (status == STATUS_OK)
-		status = count_table(store, "SELECT count(*), coalesce(sum(length(blob)), 0) FROM soil",
+		status = count_table(&store->rows, "SELECT count(*), coalesce(sum(length(blob)), 0) FROM soil",
 				     &numbers->soil_tiles, &numbers->soil_bytes);
 	return status == STATUS_OK ? last_run(store, numbers) : status;
 }

@@ -98,6 +98,7 @@ enum status store_create(const char *path, const struct store_meta *meta, bool o
 	if (store == NULL)
 		return fail_memory("a store");
 	store->lock = -1;
+	store->base = &store->rows;
 	store->overwrite = overwrite;
 	store->path = mem_strdup(path);
 	status = store->path != NULL ? meta_copy(&store->meta, meta) : fail_memory("a store");
@@ -163,6 +164,14 @@ static enum status take_range(struct store *store)
 	return STATUS_OK;
 }
 
+static enum status take_base(struct store *store)
+{
+	enum status status = check_whole(store);
+	if (status == STATUS_OK)
+		status = take_range(store);
+	return status == STATUS_OK ? identity_compute(store, &store->base_hash) : status;
+}
+
 static enum status sync_path(const struct store *store, const char *path, int flags)
 {
 	int file = open(path, flags | O_CLOEXEC);
@@ -192,14 +201,17 @@ static enum status rename_part(struct store *store)
 			return fail_with(STATUS_FAILED, "%s: its %s file cannot be removed: %s; remove it",
 					 store->path, suffixes[i], strerror(errno));
 	}
-	if (rename(store->part_path, store->real_path) != 0)
-		return fail_with(STATUS_FAILED, "%s: cannot be renamed into place: %s; make its folder writable",
-				 store->path, strerror(errno));
-	mem_free(store->part_path);
-	store->part_path = NULL;
 	char *folder = mem_strdup(store->real_path);
 	if (folder == NULL)
 		return fail_memory("a store");
+	if (rename(store->part_path, store->real_path) != 0) {
+		status = fail_with(STATUS_FAILED, "%s: cannot be renamed into place: %s; make its folder writable",
+				   store->path, strerror(errno));
+		mem_free(folder);
+		return status;
+	}
+	mem_free(store->part_path);
+	store->part_path = NULL;
 	status = sync_path(store, dirname(folder), O_RDONLY | O_DIRECTORY);
 	mem_free(folder);
 	return status;
@@ -208,11 +220,8 @@ static enum status rename_part(struct store *store)
 enum status store_publish(struct store *store)
 {
 	assert(store->part_path != NULL);
-	enum status status = check_whole(store);
-	if (status == STATUS_OK)
-		status = take_range(store);
-	if (status == STATUS_OK)
-		status = identity_compute(store, &store->base_hash);
+	/* What an overlay says of its base was set when it was made. */
+	enum status status = store->base_path == NULL ? take_base(store) : STATUS_OK;
 	if (status == STATUS_OK)
 		status = meta_write(store);
 	if (status == STATUS_OK)

@@ -56,7 +56,7 @@ static void add_meta(struct hashing *hashing)
 
 static enum status add_row(struct hashing *hashing, enum row_table table, uint64_t key)
 {
-	struct rows *rows = &hashing->store->rows;
+	struct rows *rows = store_table(hashing->store, table);
 	size_t side = tile_posts(rows->world), count = side * side;
 	struct tile tile = tile_from_key(key);
 	struct row row;
@@ -85,14 +85,14 @@ static enum status add_table(struct hashing *hashing, enum row_table table)
 		"SELECT key FROM \"offset\" ORDER BY key",
 		"SELECT key FROM soil ORDER BY key",
 	};
-	struct store *store = hashing->store;
+	const struct rows *rows = store_table(hashing->store, table);
 	sqlite3_stmt *statement = NULL;
-	enum status status = sql_prepare(store->db, store->path, &statement, keys[table]);
+	enum status status = sql_prepare(rows->db, rows->path, &statement, keys[table]);
 	int code;
 	while (status == STATUS_OK && (code = sqlite3_step(statement)) != SQLITE_DONE)
 		status = code == SQLITE_ROW
 				 ? add_row(hashing, table, (uint64_t)sqlite3_column_int64(statement, 0))
-				 : sql_fail(store->db, code, store->path, "reading its tiles");
+				 : sql_fail(rows->db, code, rows->path, "reading its tiles");
 	sqlite3_finalize(statement);
 	return status;
 }

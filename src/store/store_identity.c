@@ -44,7 +44,7 @@ enum status identity_compute(struct store *store, uint64_t *hash)
 		return fail_memory("a base's hash");
 	XXH3_64bits_reset(state);
 	add_meta(state, &store->meta);
-	enum status status = add_rows(state, store->db, store->path);
+	enum status status = add_rows(state, store->base->db, store->base->path);
 	if (status == STATUS_OK)
 		*hash = XXH3_64bits_digest(state);
 	XXH3_freeState(state);

@@ -104,6 +104,8 @@ enum status meta_write(struct store *store)
 		status = meta_put_real(store, reals[i].key, reals[i].value);
 	for (size_t i = 0; i < sizeof texts / sizeof *texts && status == STATUS_OK; i++)
 		status = put_text(store, texts[i].key, texts[i].value);
+	if (status == STATUS_OK && store->base_path != NULL)
+		status = put_text(store, "base_path", store->base_path);
 	return status;
 }
 
@@ -231,6 +233,22 @@ enum status meta_base_hash(sqlite3 *db, const char *path, uint64_t *hash)
 	return status;
 }
 
+/* Only an overlay has it. */
+static enum status get_base_path(struct lookup *lookup, char **path)
+{
+	bool found;
+	enum status status = look_up(lookup, "base_path", &found);
+	if (status != STATUS_OK || !found)
+		return status;
+	const char *text = NULL;
+	if (sqlite3_column_type(lookup->statement, 0) == SQLITE_TEXT)
+		text = (const char *)sqlite3_column_text(lookup->statement, 0);
+	if (text == NULL || !overlay_path_fits(text, (size_t)sqlite3_column_bytes(lookup->statement, 0)))
+		return bad_key(lookup, "base_path");
+	*path = mem_strdup(text);
+	return *path != NULL ? STATUS_OK : fail_memory("a store's header");
+}
+
 static enum status get_all(struct lookup *lookup, struct store *store)
 {
 	struct store_meta *meta = &store->meta;
@@ -255,6 +273,8 @@ static enum status get_all(struct lookup *lookup, struct store *store)
 		status = get_text(lookup, "sources", &meta->sources);
 	if (status == STATUS_OK)
 		status = get_base_hash(lookup, &store->base_hash);
+	if (status == STATUS_OK)
+		status = get_base_path(lookup, &store->base_path);
 	if (status == STATUS_OK)
 		status = get_working(lookup, &meta->world, &store->has_working, &store->working);
 	if (status != STATUS_OK)

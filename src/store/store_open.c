@@ -84,12 +84,14 @@ static enum status begin_writing(struct store *store)
 				: "PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL; PRAGMA wal_autocheckpoint=0");
 }
 
-enum status store_open(const char *path, const struct store_options *options, struct store **out)
+enum status store_open_as(const char *path, const struct store_options *options, bool as_base,
+			  struct store **out)
 {
 	struct store *store = mem_calloc(1, sizeof *store);
 	if (store == NULL)
 		return fail_memory("a store");
 	store->lock = -1;
+	store->base = &store->rows;
 	store->durable_full = options->durable_full;
 	store->path = mem_strdup(path);
 	enum status status = store->path != NULL ? find_file(store) : fail_memory("a store");
@@ -103,6 +105,10 @@ enum status store_open(const char *path, const struct store_options *options, st
 		status = check_length(store);
 	if (status == STATUS_OK)
 		status = meta_read(store);
+	if (status == STATUS_OK && store->base_path != NULL)
+		status = as_base ? fail_with(STATUS_INPUT, "%s: it is an overlay itself; name the store that it is over",
+					     store->path)
+				 : overlay_connect(store);
 	if (status == STATUS_OK && options->mode == STORE_WRITE)
 		status = begin_writing(store);
 	if (status == STATUS_OK) {
@@ -118,6 +124,11 @@ enum status store_open(const char *path, const struct store_options *options, st
 	return STATUS_OK;
 }
 
+enum status store_open(const char *path, const struct store_options *options, struct store **out)
+{
+	return store_open_as(path, options, false, out);
+}
+
 /* Back to one file. Where that fails (another process reads it) everything is in the WAL still. */
 static void end_writing(struct store *store)
 {
@@ -126,10 +137,11 @@ static void end_writing(struct store *store)
 	sqlite3_exec(store->db, "PRAGMA journal_mode=DELETE", NULL, NULL, NULL);
 }
 
-void store_close(struct store *store)
+static void close_store(struct store *store, bool remove)
 {
 	if (store == NULL)
 		return;
+	store_close(store->under);
 	rows_finish(&store->rows);
 	sqlite3_finalize(store->run_statement);
 	sqlite3_finalize(store->meta_statement);
@@ -140,6 +152,8 @@ void store_close(struct store *store)
 	(void)code;
 	if (store->part_path != NULL && store->lock >= 0)
 		unlink(store->part_path);
+	if (remove)
+		unlink(store->real_path);
 	lock_drop(store->lock_path, store->lock);
 	meta_finish(&store->meta);
 	mem_free(store->run_scene);
@@ -148,7 +162,18 @@ void store_close(struct store *store)
 	mem_free(store->real_path);
 	mem_free(store->part_path);
 	mem_free(store->lock_path);
+	mem_free(store->base_path);
 	mem_free(store);
+}
+
+void store_close(struct store *store)
+{
+	close_store(store, false);
+}
+
+void store_abandon(struct store *store)
+{
+	close_store(store, store != NULL && store->made && store->epoch == 0);
 }
 
 /* --- what it is --- */

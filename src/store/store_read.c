@@ -4,6 +4,22 @@
 #include <assert.h>
 #include <string.h>
 
+static enum status connect(const struct store *store, sqlite3 **db, struct rows *rows)
+{
+	bool immutable = store->immutable;
+	uint64_t hash = 0;
+	enum status status = connect_reader(store->real_path, store->path, &immutable, db);
+	/* The name may meanwhile be another file's. */
+	if (status == STATUS_OK)
+		status = schema_check(*db, store->path);
+	if (status == STATUS_OK)
+		status = meta_base_hash(*db, store->path, &hash);
+	if (status == STATUS_OK && hash != store->base_hash)
+		status = fail_with(STATUS_INPUT, "%s: another store took its place since it was opened; begin again",
+				   store->path);
+	return status == STATUS_OK ? rows_init(rows, *db, store->path, &store->meta.world, CODEC_FAST) : status;
+}
+
 enum status store_reader_create(struct store *store, struct store_reader **out)
 {
 	assert(store->part_path == NULL);
@@ -11,13 +27,10 @@ enum status store_reader_create(struct store *store, struct store_reader **out)
 	if (reader == NULL)
 		return fail_memory("a reader");
 	reader->store = store;
-	bool immutable = store->immutable;
-	enum status status = connect_reader(store->real_path, store->path, &immutable, &reader->db);
-	/* The name may meanwhile be another file's. */
-	if (status == STATUS_OK)
-		status = schema_check(reader->db, store->path);
-	if (status == STATUS_OK)
-		status = rows_init(&reader->rows, reader->db, store->path, &store->meta.world, CODEC_FAST);
+	reader->base = store->under != NULL ? &reader->base_rows : &reader->rows;
+	enum status status = connect(store, &reader->db, &reader->rows);
+	if (status == STATUS_OK && store->under != NULL)
+		status = connect(store->under, &reader->base_db, &reader->base_rows);
 	if (status != STATUS_OK) {
 		store_reader_destroy(reader);
 		return status;
@@ -31,14 +44,16 @@ void store_reader_destroy(struct store_reader *reader)
 	if (reader == NULL)
 		return;
 	rows_finish(&reader->rows);
+	rows_finish(&reader->base_rows);
 	sqlite3_close(reader->db);
+	sqlite3_close(reader->base_db);
 	mem_free(reader);
 }
 
 static enum status missing(const struct store_reader *reader, struct tile tile)
 {
 	char text[256];
-	rows_text(&reader->rows, ROW_BASE, tile, text, sizeof text);
+	rows_text(reader->base, ROW_BASE, tile, text, sizeof text);
 	return fail_with(STATUS_INPUT, "%s: it is missing; the store is damaged, restore or import it again", text);
 }
 
@@ -63,7 +78,7 @@ enum status store_read_base(struct store_reader *reader, struct tile tile, int32
 	assert(tile.level >= 0);
 	struct row row;
 	bool found;
-	enum status status = rows_read(&reader->rows, ROW_BASE, tile, codes, &row, &found);
+	enum status status = rows_read(reader->base, ROW_BASE, tile, codes, &row, &found);
 	if (status == STATUS_OK && !found)
 		status = missing(reader, tile);
 	if (status != STATUS_OK)
@@ -71,7 +86,7 @@ enum status store_read_base(struct store_reader *reader, struct tile tile, int32
 	size_t side = tile_posts(reader->rows.world);
 	if (!codes_fit(reader->store, codes, side * side)) {
 		char text[256];
-		rows_text(&reader->rows, ROW_BASE, tile, text, sizeof text);
+		rows_text(reader->base, ROW_BASE, tile, text, sizeof text);
 		return fail_with(STATUS_INPUT, "%s: it has heights beyond the store's range; the store is damaged, "
 				 "restore or import it again", text);
 	}
@@ -85,7 +100,7 @@ enum status store_read_base_range(struct store_reader *reader, struct tile tile,
 	assert(tile.level >= 0);
 	struct row row;
 	bool found;
-	enum status status = rows_head(&reader->rows, ROW_BASE, tile, &row, &found);
+	enum status status = rows_head(reader->base, ROW_BASE, tile, &row, &found);
 	if (status == STATUS_OK && !found)
 		status = missing(reader, tile);
 	if (status == STATUS_OK)

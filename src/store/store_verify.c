@@ -33,11 +33,10 @@ void verify_tell_tile(struct verifying *verifying, struct tile tile, const char 
 
 /* --- SQLite's own check --- */
 
-static enum status check_file(struct verifying *verifying)
+static enum status check_file(struct verifying *verifying, const struct rows *rows, const char *name)
 {
-	struct store *store = verifying->store;
 	sqlite3_stmt *statement = NULL;
-	enum status status = sql_prepare(store->db, store->path, &statement, "PRAGMA integrity_check(100)");
+	enum status status = sql_prepare(rows->db, rows->path, &statement, "PRAGMA integrity_check(100)");
 	if (status != STATUS_OK)
 		return status;
 	int code;
@@ -46,17 +45,30 @@ static enum status check_file(struct verifying *verifying)
 		char line[400];
 		if (text == NULL || strcmp(text, "ok") == 0)
 			continue;
-		snprintf(line, sizeof line, "file: %s", text);
+		snprintf(line, sizeof line, "%s: %s", name, text);
 		for (char *c = line; *c != '\0'; c++)
 			*c = *c == '\n' ? ' ' : *c;
 		verify_tell(verifying, "%s", line);
 	}
 	if ((code & 0xff) == SQLITE_CORRUPT)
-		verify_tell(verifying, "file: %s", sqlite3_errmsg(store->db));
+		verify_tell(verifying, "%s: %s", name, sqlite3_errmsg(rows->db));
 	else if (code != SQLITE_DONE)
-		status = sql_fail(store->db, code, store->path, "checking it");
+		status = sql_fail(rows->db, code, rows->path, "checking it");
 	sqlite3_finalize(statement);
 	return status;
+}
+
+static enum status check_files(struct verifying *verifying)
+{
+	struct store *store = verifying->store;
+	enum status status = check_file(verifying, &store->rows, "file");
+	if (status != STATUS_OK || store->under == NULL)
+		return status;
+	int64_t own;
+	status = sql_integer(store->db, store->path, "SELECT count(*) FROM base", &own);
+	if (status == STATUS_OK && own != 0)
+		verify_tell(verifying, "file: it has base tiles, though it is an overlay");
+	return status == STATUS_OK ? check_file(verifying, store->base, "its base's file") : status;
 }
 
 /* --- all of them --- */
@@ -68,16 +80,16 @@ static enum status check_table(struct verifying *verifying, enum row_table table
 		"SELECT key FROM \"offset\" ORDER BY key",
 		"SELECT key FROM soil ORDER BY key",
 	};
-	struct store *store = verifying->store;
+	const struct rows *rows = store_table(verifying->store, table);
 	sqlite3_stmt *statement = NULL;
-	enum status status = sql_prepare(store->db, store->path, &statement, keys[table]);
+	enum status status = sql_prepare(rows->db, rows->path, &statement, keys[table]);
 	int code = SQLITE_DONE;
 	verifying->table = table;
 	while (status == STATUS_OK && (code = sqlite3_step(statement)) == SQLITE_ROW) {
 		uint64_t key = (uint64_t)sqlite3_column_int64(statement, 0);
 		struct tile tile = tile_from_key(key);
 		verifying->check->tiles++;
-		if (tile_key(tile) != key || !world_has(&store->meta.world, tile) ||
+		if (tile_key(tile) != key || !world_has(rows->world, tile) ||
 		    (table == ROW_BASE && tile.level < 0)) {
 			verify_tell_tile(verifying, tile, "it is outside the terrain");
 		} else {
@@ -88,9 +100,9 @@ static enum status check_table(struct verifying *verifying, enum row_table table
 			status = verifying->progress(verifying->user, verifying->check->tiles, verifying->total);
 	}
 	if (status == STATUS_OK && (code & 0xff) == SQLITE_CORRUPT)
-		verify_tell(verifying, "%s tiles: %s", rows_name(table), sqlite3_errmsg(store->db));
+		verify_tell(verifying, "%s tiles: %s", rows_name(table), sqlite3_errmsg(rows->db));
 	else if (status == STATUS_OK && code != SQLITE_DONE)
-		status = sql_fail(store->db, code, store->path, "reading its tiles");
+		status = sql_fail(rows->db, code, rows->path, "reading its tiles");
 	sqlite3_finalize(statement);
 	return status;
 }
@@ -113,7 +125,7 @@ static enum status check_missing(struct verifying *verifying)
 				struct tile tile = {level, x, y};
 				struct row row;
 				bool found;
-				enum status status = rows_head(&verifying->store->rows, ROW_BASE, tile, &row, &found);
+				enum status status = rows_head(verifying->store->base, ROW_BASE, tile, &row, &found);
 				if (status != STATUS_OK && status != STATUS_INPUT)
 					return status;
 				if (status == STATUS_INPUT || found)
@@ -131,7 +143,7 @@ static enum status check_top(struct verifying *verifying)
 	struct tile tile = {world_coarsest(&store->meta.world), 0, 0};
 	struct row top;
 	bool found;
-	enum status status = rows_head(&store->rows, ROW_BASE, tile, &top, &found);
+	enum status status = rows_head(store->base, ROW_BASE, tile, &top, &found);
 	if (status == STATUS_OK && found &&
 	    !(verify_same(top.low, store->meta.low) && verify_same(top.high, store->meta.high)))
 		verify_tell(verifying, "header: its range is not that of the coarsest tile");
@@ -150,13 +162,14 @@ static enum status check_identity(struct verifying *verifying)
 static enum status check_all(struct verifying *verifying)
 {
 	struct store *store = verifying->store;
-	enum status status = check_file(verifying);
+	enum status status = check_files(verifying);
 	for (int table = 0; table < ROW_TABLES && status == STATUS_OK; table++) {
 		static const char *const sql[ROW_TABLES] = {"SELECT count(*) FROM base",
 							    "SELECT count(*) FROM \"offset\"",
 							    "SELECT count(*) FROM soil"};
+		const struct rows *rows = store_table(store, (enum row_table)table);
 		int64_t count = 0;
-		status = sql_integer(store->db, store->path, sql[table], &count);
+		status = sql_integer(rows->db, rows->path, sql[table], &count);
 		verifying->total += count;
 	}
 	for (int table = 0; table < ROW_TABLES && status == STATUS_OK; table++)

@@ -17,7 +17,8 @@ static enum status read_tile(struct verifying *verifying, struct tile tile, int3
 			     enum held *held)
 {
 	bool found;
-	enum status status = rows_read(&verifying->store->rows, verifying->table, tile, posts, row, &found);
+	enum status status = rows_read(store_table(verifying->store, verifying->table), verifying->table, tile, posts,
+				       row, &found);
 	*held = status == STATUS_INPUT ? HELD_BROKEN : found ? HELD_POSTS : HELD_MISSING;
 	return status == STATUS_INPUT ? STATUS_OK : status;
 }
@@ -141,7 +142,7 @@ static enum status check_above(struct verifying *verifying, struct tile tile)
 {
 	struct row above;
 	bool found;
-	enum status status = rows_head(&verifying->store->rows, verifying->table,
+	enum status status = rows_head(store_table(verifying->store, verifying->table), verifying->table,
 				       tile_ancestor(tile, tile.level + 1), &above, &found);
 	if (status == STATUS_INPUT)
 		return STATUS_OK; /* told when it is that tile's turn */
@@ -187,7 +188,7 @@ enum status verify_tile(struct verifying *verifying, struct tile tile)
 		return status;
 	if (held != HELD_POSTS) {
 		/* "store: base tile ...: why": the path is known to who asked. */
-		const char *text = failure_message(), *path = store->path;
+		const char *text = failure_message(), *path = store_table(store, verifying->table)->path;
 		size_t length = strlen(path);
 		verify_tell(verifying, "%s", strncmp(text, path, length) == 0 ? text + length + 2 : text);
 		return STATUS_OK;

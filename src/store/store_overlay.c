@@ -1,0 +1,198 @@
+/*
+ * Overlays: a store without base tiles, which names the store that has them.
+ *
+ * Invariants: (1) the base is opened for reading only, and is no overlay; (2) a base whose hash or
+ * header is not what the overlay says is refused; (3) the path to it is from the overlay's folder,
+ * so that both may be moved together, and absolute where they share no folder.
+ */
+#include "store/internal.h"
+
+#include <errno.h>
+#include <libgen.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static const struct store_options reading = {.mode = STORE_READ};
+
+bool overlay_path_fits(const char *path, size_t length)
+{
+	bool fits = length > 0 && length < PATH_MAX && strlen(path) == length;
+	for (const char *c = path; fits && *c != '\0'; c++)
+		fits = (unsigned char)*c >= ' ' && *c != 0x7f;
+	return fits;
+}
+
+/* --- to the base and back --- */
+
+/* From `folder` to `file`, both real paths; NULL without memory. */
+static char *path_between(const char *folder, const char *file)
+{
+	size_t same = 0, at = 0, up = 0;
+	while (folder[at] != '\0' && folder[at] == file[at]) {
+		same = folder[at] == '/' ? at : same;
+		at++;
+	}
+	if (folder[at] == '\0' && file[at] == '/')
+		same = at;
+	for (const char *c = folder + same; *c != '\0'; c++)
+		up += *c == '/';
+	size_t room = 3 * up + strlen(file + same) + 1;
+	if (same == 0 || room > PATH_MAX)
+		return mem_strdup(file);
+	char *path = mem_alloc(room, 1), *to = path;
+	if (path == NULL)
+		return NULL;
+	for (size_t i = 0; i < up; i++)
+		to += sprintf(to, "../");
+	memcpy(to, file + same + 1, strlen(file + same));
+	return path;
+}
+
+/* Where the overlay says its base is; the file itself if it is there. NULL without memory. */
+static char *base_file(const struct store *store)
+{
+	char there[PATH_MAX];
+	char *named = NULL, *folder = mem_strdup(store->real_path);
+	if (folder == NULL)
+		return NULL;
+	size_t room = strlen(folder) + strlen(store->base_path) + 2;
+	if (store->base_path[0] == '/')
+		named = mem_strdup(store->base_path);
+	else if ((named = mem_alloc(room, 1)) != NULL)
+		snprintf(named, room, "%s/%s", dirname(folder), store->base_path);
+	mem_free(folder);
+	if (named == NULL || realpath(named, there) == NULL)
+		return named;
+	mem_free(named);
+	return mem_strdup(there);
+}
+
+/* The base's own message, in a sentence about the overlay. */
+static enum status base_unusable(const struct store *store, enum status status)
+{
+	struct failure failure;
+	failure_capture(&failure, status);
+	char *advice = strstr(failure.message, "; ");
+	if (status != STATUS_INPUT)
+		return status;
+	if (advice != NULL)
+		*advice = '\0';
+	return fail_with(STATUS_INPUT, "%s: its base cannot be used: %.320s; put the base back, or drive with another "
+			 "--overlay", store->path, failure.message);
+}
+
+static bool same_real(double a, double b)
+{
+	return memcmp(&a, &b, sizeof a) == 0 || (a != a && b != b);
+}
+
+/* All that a reader of the base's tiles takes from the overlay's header. */
+static bool same_terrain(const struct store_meta *a, const struct store_meta *b)
+{
+	return a->world.width == b->world.width && a->world.height == b->world.height &&
+	       a->world.cells == b->world.cells && same_real(a->world.spacing, b->world.spacing) &&
+	       same_real(a->step, b->step) && same_real(a->origin[0], b->origin[0]) &&
+	       same_real(a->origin[1], b->origin[1]) && same_real(a->low, b->low) &&
+	       same_real(a->high, b->high) && strcmp(a->srs, b->srs) == 0 &&
+	       strcmp(a->vertical, b->vertical) == 0;
+}
+
+enum status overlay_connect(struct store *store)
+{
+	char *path = base_file(store);
+	if (path == NULL)
+		return fail_memory("an overlay");
+	enum status status = store_open_as(path, &reading, true, &store->under);
+	mem_free(path);
+	if (status != STATUS_OK)
+		return base_unusable(store, status);
+	store->base = &store->under->rows;
+	if (store->under->base_hash != store->base_hash)
+		return fail_with(STATUS_INPUT, "%s: its base %s is another one now (base_hash %016llx, not %016llx); put the "
+				 "first one back, or drive with another --overlay", store->path, store->under->path,
+				 (unsigned long long)store->under->base_hash, (unsigned long long)store->base_hash);
+	if (!same_terrain(&store->meta, &store->under->meta))
+		return fail_with(STATUS_INPUT, "%s: its header is not that of its base %s; it is damaged, drive with another "
+				 "--overlay", store->path, store->under->path);
+	return STATUS_OK;
+}
+
+const char *store_base_path(const struct store *store)
+{
+	return store->under != NULL ? store->under->path : NULL;
+}
+
+/* --- making one --- */
+
+static enum status name_base(struct store *store, const struct store *base)
+{
+	store->meta.low = base->meta.low;
+	store->meta.high = base->meta.high;
+	store->base_hash = base->base_hash;
+	char *folder = mem_strdup(store->real_path);
+	if (folder != NULL)
+		store->base_path = path_between(dirname(folder), base->real_path);
+	mem_free(folder);
+	if (store->base_path == NULL)
+		return fail_memory("an overlay");
+	return overlay_path_fits(store->base_path, strlen(store->base_path))
+		       ? STATUS_OK
+		       : fail_with(STATUS_INPUT, "%s: its path has control characters; rename it", base->path);
+}
+
+enum status store_create_overlay(const char *path, const char *base_path)
+{
+	struct store *base = NULL, *store = NULL;
+	enum status status = store_open_as(base_path, &reading, true, &base);
+	if (status == STATUS_OK && base->has_working)
+		status = fail_with(STATUS_INPUT, "%s: it is deformed itself; furrow reset it first, or drive without "
+				   "--overlay", base_path);
+	if (status == STATUS_OK)
+		status = store_create(path, &base->meta, false, &store);
+	if (status == STATUS_OK)
+		status = name_base(store, base);
+	if (status == STATUS_OK)
+		status = store_publish(store);
+	store_close(store);
+	store_close(base);
+	return status;
+}
+
+/* --- one to write to --- */
+
+static enum status check_base(const struct store *store, const char *base_path)
+{
+	if (store->base_path == NULL)
+		return fail_with(STATUS_INPUT, "%s: it is a store of its own, not an overlay; name a file that is not there "
+				 "yet", store->path);
+	struct store *base = NULL;
+	enum status status = store_open_as(base_path, &reading, true, &base);
+	if (status == STATUS_OK && base->base_hash != store->base_hash)
+		status = fail_with(STATUS_INPUT, "%s: it is an overlay of %s, not of %s; give another name", store->path,
+				   store->under->path, base_path);
+	store_close(base);
+	return status;
+}
+
+enum status store_open_overlay(const char *path, const char *base_path, const struct store_options *options,
+			       struct store **out)
+{
+	struct stat file;
+	struct store *store = NULL;
+	bool absent = stat(path, &file) != 0 && errno == ENOENT;
+	enum status status = absent ? store_create_overlay(path, base_path) : STATUS_OK;
+	if (status == STATUS_OK)
+		status = store_open(path, options, &store);
+	if (status == STATUS_OK && !absent)
+		status = check_base(store, base_path);
+	if (status != STATUS_OK) {
+		store_close(store);
+		return status;
+	}
+	store->made = absent;
+	*out = store;
+	return STATUS_OK;
+}
