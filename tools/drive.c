@@ -8,6 +8,7 @@
 static const struct command_option options[] = {
 	{"o", "DIR", "where run.json, epochs.log and the pictures go"},
 	{"store", "STORE", "the terrain, instead of the scene's own"},
+	{"overlay", "FILE", "keeps the deformation in FILE and leaves the store as it is; made if absent"},
 	{"set", "KEY=VALUE", "overrides a key of the scene, as in cache.slots=16; may be repeated"},
 	{"steps", "N", "stop after N steps"},
 	{"durable", "KIND", "normal (default): a power cut may cost the last epochs; full: none"},
@@ -71,6 +72,7 @@ static enum status run(const struct arguments *arguments)
 		struct run_params params = {
 			.scene = scene,
 			.store = arguments_text(arguments, "store"),
+			.overlay = arguments_text(arguments, "overlay"),
 			.directory = directory,
 			.steps = steps,
 			.durable_full = durability == 1,
@@ -92,10 +94,12 @@ static enum status run(const struct arguments *arguments)
 
 const struct command command_drive = {
 	.name = "drive",
-	.usage = "drive SCENE -o DIR [--store STORE] [--set KEY=VALUE]... [--steps N] [--json]",
+	.usage = "drive SCENE -o DIR [--store STORE] [--overlay FILE] [--set KEY=VALUE]... [--steps N] [--json]",
 	.summary = "run a scene: objects carve the terrain, pictures and figures come out",
 	.details = "Leaves in DIR: run.json (figures, also when interrupted), epochs.log (a line for each commit) and\n"
-		   "frame-NNNNNN.png. Ctrl-C ends it cleanly with everything committed, status 130.\n",
+		   "frame-NNNNNN.png. Ctrl-C ends it cleanly with everything committed, status 130.\n"
+		   "An overlay is a store that names its base: every command takes it where it takes a store. Many\n"
+		   "drives over one store, each with its own, may run at once. Removing the file is the undo.\n",
 	.options = options,
 	.run = run,
 };

@@ -68,6 +68,10 @@ static enum status print_json(struct store *store, const struct store_numbers *n
 	char hash[17];
 	snprintf(hash, sizeof hash, "%016llx", (unsigned long long)store_base_hash(store));
 	cJSON_AddStringToObject(object, "base_hash", hash);
+	if (store_base_path(store) != NULL)
+		cJSON_AddStringToObject(object, "base", store_base_path(store));
+	else
+		cJSON_AddNullToObject(object, "base");
 	cJSON_AddStringToObject(object, "srs", meta->srs);
 	cJSON_AddItemToObject(object, "geotransform", cJSON_CreateDoubleArray(transform, 6));
 	cJSON_AddStringToObject(object, "vertical", meta->vertical);
@@ -127,7 +131,10 @@ static void print_text(struct store *store, const struct store_numbers *numbers)
 	       (long long)numbers->file_bytes, (long long)numbers->base_bytes,
 	       (double)numbers->base_bytes / ((double)world->width * (double)world->height),
 	       (long long)numbers->offset_bytes, (long long)numbers->soil_bytes);
-	printf("base       %016llx\n", (unsigned long long)store_base_hash(store));
+	printf("base       %016llx", (unsigned long long)store_base_hash(store));
+	if (store_base_path(store) != NULL)
+		printf(" in %s; this is an overlay", store_base_path(store));
+	putchar('\n');
 	printf("origin     %.3f, %.3f (south-west post)\n", meta->origin[0], meta->origin[1]);
 	if (meta->vertical[0] != '\0')
 		printf("vertical   %s\n", meta->vertical);

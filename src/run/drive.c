@@ -197,7 +197,9 @@ static enum status start(struct drive *drive)
 	if (path == NULL)
 		return fail_with(STATUS_INPUT, "%s: names no store; add store:, or give --store", drive->scene->file);
 	struct store_options options = {STORE_WRITE, drive->params->durable_full};
-	enum status status = store_open(path, &options, &drive->store);
+	const char *overlay = drive->params->overlay;
+	enum status status = overlay != NULL ? store_open_overlay(overlay, path, &options, &drive->store)
+					     : store_open(path, &options, &drive->store);
 	if (status != STATUS_OK)
 		return status;
 	drive->meta = store_meta(drive->store);
@@ -220,7 +222,7 @@ static enum status start(struct drive *drive)
 	return status;
 }
 
-static void finish(struct drive *drive)
+static void finish(struct drive *drive, enum status status)
 {
 	view_destroy(drive->view);
 	pages_destroy(drive->pages);
@@ -238,7 +240,10 @@ static void finish(struct drive *drive)
 	if (drive->epochs != NULL)
 		fclose(drive->epochs);
 	ground_destroy(drive->ground);
-	store_close(drive->store);
+	if (status == STATUS_OK)
+		store_close(drive->store);
+	else
+		store_abandon(drive->store);
 }
 
 enum status run_drive(const struct run_params *params, struct run_result *result)
@@ -266,6 +271,6 @@ enum status run_drive(const struct run_params *params, struct run_result *result
 		else
 			failure_restore(&failure);
 	}
-	finish(&drive);
+	finish(&drive, status);
 	return status;
 }

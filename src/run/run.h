@@ -13,6 +13,7 @@
 struct run_params {
 	const struct scene *scene;
 	const char *store;     /* path; overrides the scene's; may be NULL if that names one */
+	const char *overlay;   /* path of what keeps the deformation instead of the store; made if absent. May be NULL */
 	const char *directory; /* made if absent: run.json, epochs.log, frame-*.png */
 	int64_t steps;         /* 0: until end_time */
 	bool durable_full;

@@ -163,17 +163,21 @@ enum status store_create_overlay(const char *path, const char *base_path)
 
 /* --- one to write to --- */
 
-static enum status check_base(const struct store *store, const char *base_path)
+/* Before it is opened for writing, which would change a store that is none. */
+static enum status check_overlay(const char *path, const char *base_path)
 {
-	if (store->base_path == NULL)
-		return fail_with(STATUS_INPUT, "%s: it is a store of its own, not an overlay; name a file that is not there "
-				 "yet", store->path);
-	struct store *base = NULL;
-	enum status status = store_open_as(base_path, &reading, true, &base);
+	struct store *store = NULL, *base = NULL;
+	enum status status = store_open(path, &reading, &store);
+	if (status == STATUS_OK && store->under == NULL)
+		status = fail_with(STATUS_INPUT, "%s: it is a store of its own, not an overlay; name a file that is not "
+				   "there yet", path);
+	if (status == STATUS_OK)
+		status = store_open_as(base_path, &reading, true, &base);
 	if (status == STATUS_OK && base->base_hash != store->base_hash)
-		status = fail_with(STATUS_INPUT, "%s: it is an overlay of %s, not of %s; give another name", store->path,
+		status = fail_with(STATUS_INPUT, "%s: it is an overlay of %s, not of %s; give another name", path,
 				   store->under->path, base_path);
 	store_close(base);
+	store_close(store);
 	return status;
 }
 
@@ -181,18 +185,11 @@ enum status store_open_overlay(const char *path, const char *base_path, const st
 			       struct store **out)
 {
 	struct stat file;
-	struct store *store = NULL;
 	bool absent = stat(path, &file) != 0 && errno == ENOENT;
-	enum status status = absent ? store_create_overlay(path, base_path) : STATUS_OK;
+	enum status status = absent ? store_create_overlay(path, base_path) : check_overlay(path, base_path);
 	if (status == STATUS_OK)
-		status = store_open(path, options, &store);
-	if (status == STATUS_OK && !absent)
-		status = check_base(store, base_path);
-	if (status != STATUS_OK) {
-		store_close(store);
-		return status;
-	}
-	store->made = absent;
-	*out = store;
-	return STATUS_OK;
+		status = store_open(path, options, out);
+	if (status == STATUS_OK)
+		(*out)->made = absent;
+	return status;
 }

@@ -1,0 +1,206 @@
+"""drive --overlay: the base stays as it is, every command reads an overlay, and many are driven at once."""
+import hashlib
+import json
+import os
+import pathlib
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+from furrow_test import FURROW, SCENE, FurrowTest, has_gdal, main
+
+NO_GL = {"__EGL_VENDOR_LIBRARY_FILENAMES": "/nonexistent.json", "EGL_PLATFORM": "surfaceless"}
+OTHER = SCENE.replace("[120, 90]", "[200, 60]").replace("[122, 88]", "[202, 58]")
+
+
+def digest(path):
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+class Overlay(FurrowTest):
+    def deformation(self, store):
+        """What deformation added, row by row; not which epoch wrote it."""
+        with sqlite3.connect(self.folder / store) as db:
+            tables = {"offset": "key, low, high, below, above, codec, hash, blob",
+                      "soil": "key, low, high, planes, codec, hash, blob"}
+            rows = [db.execute(f'SELECT {columns} FROM "{table}" ORDER BY key').fetchall()
+                    for table, columns in tables.items()]
+        db.close()
+        self.assertGreater(len(rows[0]), 1)
+        self.assertGreater(len(rows[1]), 1)
+        return rows
+
+    def names(self, pattern="*"):
+        return sorted(path.name for path in self.folder.glob(pattern))
+
+
+class Drives(Overlay):
+    def test_an_overlay_holds_what_a_drive_into_a_copy_would(self):
+        store = self.synth()
+        (self.folder / "copy.furrow").write_bytes(store.read_bytes())
+        before = digest(store)
+        info = self.json("info", store)
+        self.assertIsNone(info["base"])
+        self.assertRegex(info["base_hash"], "^[0-9a-f]{16}$")
+        scene = self.scene()
+        report = self.drive(scene, "--store", store, "--overlay", "over.furrow")
+        self.assertEqual(digest(store), before)
+        self.drive(scene, "--store", "copy.furrow")
+        self.assertEqual(self.deformation("over.furrow"), self.deformation("copy.furrow"))
+        over, copy = self.json("info", "over.furrow"), self.json("info", "copy.furrow")
+        self.assertEqual(pathlib.Path(over["base"]), store.resolve())
+        for key in set(copy) - {"base", "bytes"}:
+            self.assertEqual(over[key], copy[key], key)
+        self.assertEqual(over["bytes"]["base"], copy["bytes"]["base"])
+        self.assertIn(str(store.resolve()), self.ok("info", "over.furrow"))
+        check = self.json("verify", "over.furrow")
+        self.assertTrue(check["ok"], check["problems"])
+        self.assertEqual(check["offset_sum"]["-2"], report["volume"]["quanta"]["net"])
+        self.assertEqual(self.ok("query", "over.furrow", "70", "55"), self.ok("query", "copy.furrow", "70", "55"))
+        self.assertLess(self.json("query", "over.furrow", "70", "55")["offset"], -0.05)
+        self.assertEqual(self.json("query", store, "70", "55")["offset"], 0)
+        # Again into it, as into the copy; by its name as a store too.
+        second = self.scene(OTHER, "other.yaml")
+        self.drive(second, "--store", store, "--overlay", "over.furrow")
+        self.drive(second, "--store", "copy.furrow")
+        self.assertEqual(self.deformation("over.furrow"), self.deformation("copy.furrow"))
+        self.drive(scene, "--store", "over.furrow")
+        self.drive(scene, "--store", "copy.furrow")
+        self.assertEqual(self.deformation("over.furrow"), self.deformation("copy.furrow"))
+        if has_gdal():
+            for layer in ("surface", "base", "quanta", "hillshade"):
+                for name in ("over", "copy"):
+                    self.ok("export", f"{name}.furrow", "-o", f"{name}.tif", "--layer", layer, "--level", "-1")
+                self.assertEqual(digest(self.folder / "over.tif"), digest(self.folder / "copy.tif"), layer)
+        # Nothing was done to the base, and nothing lies about.
+        self.assertEqual(digest(store), before)
+        self.assertEqual(self.names("*.furrow*"), ["copy.furrow", "over.furrow", "world.furrow"])
+        self.ok("reset", "over.furrow")
+        self.assertEqual(self.json("query", "over.furrow", "70", "55")["offset"], 0)
+        self.assertTrue(self.json("verify", "over.furrow")["ok"])
+        os.remove(self.folder / "over.furrow")
+        self.assertTrue(self.json("verify", store)["ok"])
+        self.assertEqual(self.json("info", store), info)
+
+    def test_drives_over_one_base_run_at_once(self):
+        store = self.synth()
+        before = digest(store)
+        loop = "speed: 30, loop: true}"
+        scenes = [self.scene(text.replace("end_time: 4", "end_time: 20").replace("speed: 30}", loop), name)
+                  for text, name in ((SCENE, "a.yaml"), (OTHER, "b.yaml"))]
+        for i, scene in enumerate(scenes):
+            self.drive(scene, "--store", store, "--overlay", f"alone{i}.furrow")
+        store.chmod(0o444)
+        processes = [subprocess.Popen([FURROW, "drive", scene, "--store", store, "--overlay", f"over{i % 2}-{i}.furrow",
+                                       "-o", f"out{i}"], cwd=self.folder, stderr=subprocess.PIPE, text=True,
+                                      stdout=subprocess.DEVNULL) for i, scene in enumerate(scenes * 2)]
+        for process in processes:
+            _, errors = process.communicate(timeout=280)
+            self.assertEqual(process.returncode, 0, errors)
+        for i in range(4):
+            self.assertEqual(self.deformation(f"over{i % 2}-{i}.furrow"), self.deformation(f"alone{i % 2}.furrow"))
+            self.assertTrue(self.json("verify", f"over{i % 2}-{i}.furrow")["ok"])
+        self.assertNotEqual(self.deformation("alone0.furrow"), self.deformation("alone1.furrow"))
+        self.assertEqual(digest(store), before)
+        self.assertEqual(self.names("world.furrow*"), ["world.furrow"])
+
+    def test_one_overlay_has_one_drive_and_its_base_may_be_driven_meanwhile(self):
+        store = self.synth()
+        endless = self.scene(SCENE.replace("end_time: 4", "end_time: 4000").replace("speed: 30}", "speed: 30, loop: true}"))
+        process = subprocess.Popen([FURROW, "drive", endless, "--store", store, "--overlay", "over.furrow", "-o", "out"],
+                                   cwd=self.folder, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
+        try:
+            for _ in range(400):
+                time.sleep(0.05)
+                log = self.folder / "out/epochs.log"
+                if process.poll() is not None or log.exists() and log.read_text():
+                    break
+            if process.poll() == 4:
+                self.skipTest("no GL here")
+            short = self.scene(OTHER, "short.yaml")
+            self.assertIn("another process", self.refused(1, "drive", short, "--store", store, "--overlay", "over.furrow",
+                                                          "-o", "b"))
+            self.assertEqual(self.furrow("drive", short, "--store", store, "-o", "c").returncode, 0)
+            # A kill leaves the overlay's last epoch.
+            process.send_signal(signal.SIGKILL)
+        finally:
+            process.kill()
+            process.communicate(timeout=60)
+        self.assertTrue(self.json("verify", "over.furrow")["ok"])
+        self.assertGreater(self.json("info", "over.furrow")["last_run"]["epochs"], 0)
+        self.assertTrue(self.json("verify", store)["ok"])
+
+
+class Refusals(Overlay):
+    def test_a_drive_that_cannot_begin_leaves_no_overlay(self):
+        store = self.synth(posts="65x65")
+        arguments = ("--store", store, "--overlay", "over.furrow", "-o", "out")
+        broken = self.scene(SCENE.replace("sink: 0.15", "sunk: 0.15", 1), "broken.yaml")
+        self.refused(3, "drive", broken, *arguments)
+        self.refused(4, "drive", self.scene(), *arguments, env=NO_GL)
+        self.refused(3, "drive", self.scene(), *arguments, "--set", "spacing=0.00001")
+        self.refused(3, "drive", self.scene(), "--store", store, "--overlay", "no/folder/over.furrow", "-o", "out")
+        self.refused(3, "drive", self.scene(), "--store", "absent.furrow", "--overlay", "over.furrow", "-o", "out")
+        self.assertEqual(self.names(), ["broken.yaml", "scene.yaml", "world.furrow"])
+
+    def test_an_overlay_that_was_there_is_kept_by_a_drive_that_fails(self):
+        store = self.synth()
+        self.drive(self.scene(), "--store", store, "--overlay", "over.furrow")
+        before = self.deformation("over.furrow")
+        self.refused(4, "drive", self.scene(), "--store", store, "--overlay", "over.furrow", "-o", "out", env=NO_GL)
+        self.assertEqual(self.deformation("over.furrow"), before)
+
+    def test_what_is_no_overlay_of_that_store_is_refused_and_kept(self):
+        store, other = self.synth(), self.synth("other.furrow", kind="dunes")
+        scene = self.scene()
+        self.drive(scene, "--store", store, "--overlay", "over.furrow")
+        before = {path: digest(path) for path in self.folder.glob("*.furrow")}
+
+        def refuse(base, overlay):
+            return self.refused(3, "drive", scene, "--store", base, "--overlay", overlay, "-o", "out")
+
+        self.assertIn("not of", refuse(other, "over.furrow"))
+        self.assertIn("not an overlay", refuse(store, "other.furrow"))
+        self.assertIn("not an overlay", refuse(store, store))
+        self.assertIn("overlay itself", refuse("over.furrow", "next.furrow"))
+        (self.folder / "text").write_text("no store")
+        self.assertIn("not a Furrow store", refuse(store, "text"))
+        self.assertIn("not a file", refuse(store, self.folder))
+        os.mkfifo(self.folder / "fifo")
+        self.assertIn("not a file", refuse(store, "fifo"))
+        self.drive(scene, "--store", other)
+        self.assertIn("reset", refuse(other, "next.furrow"))
+        self.assertFalse((self.folder / "next.furrow").exists())
+        del before[other]
+        self.assertEqual({path: digest(path) for path in before}, before)
+
+    def test_an_overlay_whose_base_is_gone_or_another_is_refused_by_every_command(self):
+        store = self.synth()
+        self.drive(self.scene(), "--store", store, "--overlay", "over.furrow")
+        os.rename(store, self.folder / "aside")
+        for change in ("No such file", "another one now"):
+            for command in (["info"], ["verify"], ["query", "1", "1"], ["reset"], ["export", "-o", "x.png"]):
+                error = self.refused(3, command[0], "over.furrow", *command[1:])
+                self.assertIn("over.furrow", error)
+                self.assertIn(str(store.resolve()), error)
+                self.assertIn(change, error)
+            self.assertEqual(self.names("over.furrow*") + self.names("x.png*"), ["over.furrow"])
+            self.synth(kind="dunes")
+        os.rename(self.folder / "aside", store)
+        self.assertTrue(self.json("verify", "over.furrow")["ok"])
+
+    def test_an_import_may_take_an_overlay_s_name(self):
+        store = self.synth()
+        self.drive(self.scene(), "--store", store, "--overlay", "over.furrow")
+        self.refused(3, "synth", "-o", "over.furrow", "--posts", "65x65", "--spacing", "1")
+        self.synth("over.furrow", posts="65x65")
+        self.assertIsNone(self.json("info", "over.furrow")["base"])
+        self.assertTrue(self.json("verify", "over.furrow")["ok"])
+
+
+if __name__ == "__main__":
+    main()
