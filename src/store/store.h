@@ -6,6 +6,9 @@
  * connection, used by one thread at a time (the writer); any number of struct store_reader, one a
  * thread, each with its own read-only connection. A second writer is refused with STATUS_FAILED.
  * A store is untrusted: what does not check out is STATUS_INPUT and names the tile.
+ *
+ * An overlay is a store without a base of its own: it names another's (store_create_overlay), which
+ * is only read then. It is opened, read and written as any store.
  */
 #ifndef FURROW_STORE_H
 #define FURROW_STORE_H

@@ -4,7 +4,7 @@
 #include <assert.h>
 #include <string.h>
 
-static enum status connect(const struct store *store, sqlite3 **db, struct rows *rows)
+static enum status connect_rows(const struct store *store, sqlite3 **db, struct rows *rows)
 {
 	bool immutable = store->immutable;
 	uint64_t hash = 0;
@@ -28,9 +28,9 @@ enum status store_reader_create(struct store *store, struct store_reader **out)
 		return fail_memory("a reader");
 	reader->store = store;
 	reader->base = store->under != NULL ? &reader->base_rows : &reader->rows;
-	enum status status = connect(store, &reader->db, &reader->rows);
+	enum status status = connect_rows(store, &reader->db, &reader->rows);
 	if (status == STATUS_OK && store->under != NULL)
-		status = connect(store->under, &reader->base_db, &reader->base_rows);
+		status = connect_rows(store->under, &reader->base_db, &reader->base_rows);
 	if (status != STATUS_OK) {
 		store_reader_destroy(reader);
 		return status;

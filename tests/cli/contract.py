@@ -180,7 +180,7 @@ class RoundTrips(FurrowTest):
     def test_info_holds_what_the_contract_names(self):
         info = self.json("info", self.synth(posts="600x400", spacing=2))
         for key in ("tile spacing posts levels srs geotransform vertical origin bounds nodata max_error height tiles "
-                    "bytes sources last_run").split():
+                    "bytes sources last_run base_hash base").split():
             self.assertIn(key, info)
         self.assertEqual(info["posts"], [600, 400])
         self.assertEqual(info["levels"], [0, 2])

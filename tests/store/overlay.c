@@ -27,6 +27,14 @@ static char *bytes_of(const char *path, size_t *size)
 	return bytes;
 }
 
+static void write_file(const char *path, const char *bytes, size_t size)
+{
+	FILE *file = fopen(path, "wb");
+	assert_non_null(file);
+	assert_int_equal(fwrite(bytes, 1, size, file), size);
+	assert_int_equal(fclose(file), 0);
+}
+
 static void assert_bytes(const char *path, const char *want, size_t want_size)
 {
 	size_t size;
@@ -556,6 +564,63 @@ static void a_killed_writer_leaves_its_last_epoch(void **state)
 	assert_int_equal(files_of("over.furrow"), 1);
 }
 
+/* Whatever becomes of it: a status and a message, no harm. */
+static void use(const char *overlay, bool write, int *opened, int *found)
+{
+	struct store *store;
+	struct store_check check;
+	struct store_reader *reader = NULL;
+	struct store_numbers numbers;
+	uint64_t hash;
+	double values[64];
+	if (store_open(overlay, write ? &writing : &reading, &store) != STATUS_OK)
+		return;
+	++*opened;
+	if (store_verify(store, NULL, NULL, NULL, &check) == STATUS_OK)
+		*found += check.problems > 0;
+	int ignored = store_count(store, &numbers) + (int)store_content_hash(store, &hash);
+	if (store_reader_create(store, &reader) == STATUS_OK)
+		for (int level = -2; level <= world_coarsest(&store_meta(store)->world); level++)
+			ignored += store_read_posts(reader, STORE_SURFACE, level, (struct post_rect){8, 8, 16, 16}, values);
+	(void)ignored;
+	store_reader_destroy(reader);
+	store_close(store);
+}
+
+static void changed_bytes_in_either_file_do_no_harm(void **state)
+{
+	const char *base = in_folder("base.furrow"), *overlay = in_folder("over.furrow");
+	make_both(base, overlay);
+	struct store *store = open_store(overlay, STORE_WRITE);
+	dig(store, 1, 2);
+	store_close(store);
+	const char *const files[] = {base, overlay};
+	int opened = 0, found = 0, rounds = 0;
+	for (int which = 0; which < 2; which++) {
+		size_t size;
+		char *good = bytes_of(files[which], &size), *bytes = malloc(size);
+		assert_non_null(bytes);
+		for (uint32_t round = 0; round < 120; round++, rounds++) {
+			memcpy(bytes, good, size);
+			for (uint32_t i = 0; i < 1 + round % 5; i++) {
+				uint32_t h = mix(round, i, 17);
+				size_t page = h % (size / 16384) * 16384;
+				size_t at = h & 0x10000 ? (page + mix(h, 1, 1) % 200) % size : mix(h, 2, 1) % size;
+				bytes[at] = (char)mix(h, 3, 1);
+			}
+			write_file(files[which], bytes, size);
+			use(overlay, round % 2 != 0, &opened, &found);
+		}
+		write_file(files[which], good, size);
+		free(good);
+		free(bytes);
+	}
+	assert_true(opened > 20 && rounds - opened > 5 && found > 20);
+	store = open_store(overlay, STORE_READ);
+	verified(store);
+	store_close(store);
+}
+
 static void every_allocation_may_fail(void **state)
 {
 	const char *base = in_folder("base.furrow"), *overlay = in_folder("memory.furrow");
@@ -610,6 +675,7 @@ int main(void)
 		cmocka_unit_test(damage_in_either_file_is_found),
 		cmocka_unit_test(the_base_and_its_folder_may_be_read_only),
 		cmocka_unit_test(a_killed_writer_leaves_its_last_epoch),
+		cmocka_unit_test(changed_bytes_in_either_file_do_no_harm),
 		cmocka_unit_test(every_allocation_may_fail),
 	};
 	return cmocka_run_group_tests(tests, folder_make, folder_remove);
