@@ -307,16 +307,18 @@ static void both_may_be_moved_together(void **state)
 	snprintf(base, sizeof base, "%s/base.furrow", to);
 	/* Where only the root is shared, the path is absolute: the overlay alone may be moved. */
 	assert_non_null(mkdtemp(far));
-	char there[96], moved[96];
+	char there[96], deeper[96], moved[96];
 	snprintf(there, sizeof there, "%s/over.furrow", far);
-	snprintf(moved, sizeof moved, "%s.moved", far);
+	snprintf(deeper, sizeof deeper, "%s/deeper", far);
+	snprintf(moved, sizeof moved, "%s/deeper/over.furrow", far);
+	assert_int_equal(mkdir(deeper, 0755), 0);
 	assert_ok(store_create_overlay(there, base));
 	assert_int_equal(rename(there, moved), 0);
 	store = open_store(moved, STORE_READ);
 	assert_string_equal(store_base_path(store), base);
 	store_close(store);
 	unlink(moved);
-	rmdir(far);
+	assert_int_equal(rmdir(deeper) + rmdir(far), 0);
 	unlink(overlay);
 	unlink(base);
 	snprintf(overlay, sizeof overlay, "%s/deep", to);
