@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#define EPOCH_MAX (INT64_C(1) << 53) /* nobody commits that many */
+
 enum status meta_copy(struct store_meta *to, const struct store_meta *from)
 {
 	*to = *from;
@@ -301,5 +303,8 @@ enum status meta_read(struct store *store)
 	sqlite3_finalize(lookup.statement);
 	if (status != STATUS_OK)
 		return status;
-	return sql_integer(store->db, store->path, "SELECT coalesce(max(epoch), 0) FROM run", &store->epoch);
+	status = sql_integer(store->db, store->path, "SELECT coalesce(max(epoch), 0) FROM run", &store->epoch);
+	if (status == STATUS_OK && (store->epoch < 0 || store->epoch > EPOCH_MAX))
+		return bad_key(&lookup, "epoch");
+	return status;
 }

@@ -118,16 +118,9 @@ static enum status read_dirt(struct store_reader *reader, struct tile tile, size
 		memset(dirt, 0, count);
 		return status;
 	}
-	bool fits = true;
-	for (size_t i = 0; i < count; i++) {
-		fits &= wide[i] >= 0 && wide[i] <= UINT8_MAX;
+	for (size_t i = 0; i < count; i++)
 		dirt[i] = (uint8_t)wide[i];
-	}
-	if (fits)
-		return STATUS_OK;
-	char text[256];
-	rows_text(&reader->rows, ROW_SOIL, tile, text, sizeof text);
-	return fail_with(STATUS_INPUT, "%s: its dirt is beyond 255; the store is damaged, restore it", text);
+	return STATUS_OK;
 }
 
 enum status store_read_deformed(struct store_reader *reader, struct tile tile, unsigned planes,

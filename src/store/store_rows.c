@@ -14,6 +14,8 @@
 #include <string.h>
 #include <xxhash.h>
 
+#define SUM_MAX ((int64_t)(TILE_CELLS_MAX + 1) * (TILE_CELLS_MAX + 1) << 31) /* of any tile's posts */
+
 struct table {
 	const char *name;
 	const char *find, *head, *write, *drop, *under;
@@ -125,8 +127,10 @@ static void take_head(sqlite3_stmt *statement, struct tile tile, struct row *row
 	};
 }
 
-static bool range_sane(enum row_table table, const struct row *row)
+static bool head_sane(enum row_table table, const struct row *row)
 {
+	if (row->below > 0 || row->below < -SUM_MAX || row->above < 0 || row->above > SUM_MAX)
+		return false;
 	if (isnan(row->low) || isnan(row->high))
 		return table == ROW_BASE && isnan(row->low) && isnan(row->high);
 	return row->low <= row->high && isfinite(row->low) && isfinite(row->high) && row->error >= 0 &&
@@ -152,7 +156,7 @@ static enum status find_row(struct rows *rows, enum row_table table, struct tile
 	if (code != SQLITE_ROW)
 		return sql_fail(rows->db, code, rows->path, "reading a tile");
 	take_head(*out, tile, row);
-	return range_sane(table, row) ? STATUS_OK : row_bad(rows, table, tile, "its range makes no sense");
+	return head_sane(table, row) ? STATUS_OK : row_bad(rows, table, tile, "its range or sums make no sense");
 }
 
 enum status rows_head(struct rows *rows, enum row_table table, struct tile tile, struct row *row,
@@ -162,6 +166,14 @@ enum status rows_head(struct rows *rows, enum row_table table, struct tile tile,
 	enum status status = find_row(rows, table, tile, false, row, found, &statement);
 	sqlite3_reset(statement);
 	return status;
+}
+
+static bool all_dirt(const int32_t *posts, size_t count)
+{
+	bool fits = true;
+	for (size_t i = 0; i < count; i++)
+		fits &= posts[i] >= 0 && posts[i] <= UINT8_MAX;
+	return fits;
 }
 
 static enum status take_blob(struct rows *rows, enum row_table table, sqlite3_stmt *statement,
@@ -175,6 +187,9 @@ static enum status take_blob(struct rows *rows, enum row_table table, sqlite3_st
 		return row_bad(rows, table, row->tile, "its hash is wrong");
 	if (!codec_decode(&rows->codec, row->codec, row->bytes, row->size, posts))
 		return row_bad(rows, table, row->tile, "it cannot be decoded");
+	size_t side = tile_posts(rows->world);
+	if (table == ROW_SOIL && !all_dirt(posts, side * side))
+		return row_bad(rows, table, row->tile, "its dirt is beyond 255");
 	return STATUS_OK;
 }
 

@@ -154,14 +154,12 @@ static enum status check_above(struct verifying *verifying, struct tile tile)
 static void check_values(struct verifying *verifying, const struct row *row)
 {
 	size_t count = verifying->side * verifying->side;
-	bool zero = true, small = true;
-	for (size_t i = 0; i < count; i++) {
+	bool zero = true;
+	for (size_t i = 0; i < count; i++)
 		zero &= verifying->posts[i] == 0;
-		small &= verifying->posts[i] >= 0 && verifying->posts[i] <= UINT8_MAX;
-	}
 	if (verifying->table != ROW_BASE && zero && row->tile.level == verifying->store->working)
 		verify_tell_tile(verifying, row->tile, "all its posts are zero, it should have no row");
-	if (verifying->table == ROW_SOIL && (!small || row->planes != STORE_PLANE_DIRT))
+	if (verifying->table == ROW_SOIL && row->planes != STORE_PLANE_DIRT)
 		verify_tell_tile(verifying, row->tile, "its planes are none that this version knows");
 	if (verifying->table != ROW_OFFSET)
 		return;

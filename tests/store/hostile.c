@@ -63,6 +63,8 @@ static void another_version_or_schema_is_refused(void **state)
 		{"INSERT INTO meta VALUES('working', 12)", "'working'"},
 		{"DELETE FROM meta WHERE key = 'base_hash'", "'base_hash'"},
 		{"UPDATE meta SET value = 'f00' WHERE key = 'base_hash'", "'base_hash'"},
+		{"INSERT INTO run VALUES(1, 9223372036854775807, '', 0, 0, '')", "'epoch'"},
+		{"INSERT INTO run VALUES(1, -1, '', 0, 0, '')", "'epoch'"},
 	};
 	for (size_t i = 0; i < sizeof edits / sizeof *edits; i++) {
 		make_store(path);
@@ -84,18 +86,83 @@ static void a_file_cut_short_is_refused(void **state)
 	}
 }
 
+static void make_deformed(const char *path, struct field *field)
+{
+	struct store_epoch_result result;
+	make_store(path);
+	struct store *store = open_store(path, STORE_WRITE);
+	assert_ok(store_set_working_level(store, -1));
+	*field = field_make(-1);
+	field_dig(field, 64, 48, 20, 1);
+	assert_ok(field_commit(field, field_all(field), store, 1, &result));
+	store_close(store);
+}
+
+/* An epoch takes the old sums from the new ones. */
+static void sums_that_no_tile_has_are_refused(void **state)
+{
+	const char *path = in_folder("sums.furrow");
+	static const char *const edits[] = {
+		"UPDATE \"offset\" SET below = -9223372036854775807 - 1", "UPDATE \"offset\" SET below = 1",
+		"UPDATE \"offset\" SET above = 9223372036854775807", "UPDATE \"offset\" SET above = -1",
+	};
+	for (size_t i = 0; i < sizeof edits / sizeof *edits; i++) {
+		struct field field;
+		struct store_epoch_result result;
+		make_deformed(path, &field);
+		raw_sql(path, edits[i]);
+		struct store *store = open_store(path, STORE_WRITE);
+		field_dig(&field, 64, 48, 20, 2);
+		assert_status(field_commit(&field, field_all(&field), store, 2, &result), STATUS_INPUT);
+		assert_non_null(strstr(failure_message(), "sums"));
+		store_close(store);
+		field_free(&field);
+	}
+}
+
+/* Written as a stranger might, its hash right: a post's dirt goes into 8 bits. */
+static void dirt_beyond_its_range_is_refused(void **state)
+{
+	const char *path = in_folder("dirt.furrow");
+	static const int32_t beyond[] = {256, -1, INT32_MIN};
+	for (size_t i = 0; i < sizeof beyond / sizeof *beyond; i++) {
+		struct field field;
+		int32_t posts[POSTS] = {0};
+		bool written;
+		make_deformed(path, &field);
+		struct store *store = open_store(path, STORE_WRITE);
+		struct row row = {.tile = {-1, 4, 3}, .low = 0, .high = 255, .planes = STORE_PLANE_DIRT};
+		posts[7] = beyond[i];
+		assert_ok(rows_write(&store->rows, ROW_SOIL, posts, &row, NULL, &written));
+		struct store_reader *reader;
+		struct store_sample sample;
+		double values[4];
+		uint8_t dirt[POSTS];
+		unsigned present;
+		assert_ok(store_reader_create(store, &reader));
+		/* Post (71, 48) of level -1. */
+		assert_status(store_sample(reader, 71, 48, &sample), STATUS_INPUT);
+		assert_non_null(strstr(failure_message(), "dirt"));
+		assert_status(store_read_posts(reader, STORE_SOIL, -1, (struct post_rect){71, 48, 73, 50}, values),
+			      STATUS_INPUT);
+		assert_status(store_read_deformed(reader, row.tile, STORE_PLANE_DIRT, NULL, dirt, &present), STATUS_INPUT);
+		store_reader_destroy(reader);
+		struct store_check check;
+		assert_ok(store_verify(store, NULL, NULL, NULL, &check));
+		assert_true(check.problems > 0);
+		store_close(store);
+		field_free(&field);
+	}
+}
+
 /* Bytes changed anywhere: every outcome is one of a status and a message; sanitizers see to harm. */
 static void changed_bytes_do_no_harm(void **state)
 {
 	const char *path = in_folder("good.furrow"), *bad = in_folder("bad.furrow");
-	make_store(path);
-	struct store *store = open_store(path, STORE_WRITE);
-	assert_ok(store_set_working_level(store, -1));
-	struct field field = field_make(-1);
+	struct field field;
+	struct store *store;
 	struct store_epoch_result result;
-	field_dig(&field, 64, 48, 20, 1);
-	assert_ok(field_commit(&field, field_all(&field), store, 1, &result));
-	store_close(store);
+	make_deformed(path, &field);
 	FILE *in = fopen(path, "rb");
 	struct stat stats;
 	assert_true(in != NULL && stat(path, &stats) == 0);
@@ -154,6 +221,8 @@ int main(void)
 		cmocka_unit_test(what_is_no_store_is_refused),
 		cmocka_unit_test(another_version_or_schema_is_refused),
 		cmocka_unit_test(a_file_cut_short_is_refused),
+		cmocka_unit_test(sums_that_no_tile_has_are_refused),
+		cmocka_unit_test(dirt_beyond_its_range_is_refused),
 		cmocka_unit_test(changed_bytes_do_no_harm),
 	};
 	return cmocka_run_group_tests(tests, folder_make, folder_remove);
