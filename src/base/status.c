@@ -13,9 +13,9 @@ enum status fail_with(enum status status, const char *format, ...)
 	vsnprintf(text, sizeof text, format, args);
 	va_end(args);
 	/* The arguments may have pointed into last_message itself, hence the copy; an error is
-	 * one line whatever a library put into its text. */
+	 * one line, and nothing that moves a terminal's cursor, whatever a file put into its text. */
 	for (char *c = text; *c != '\0'; c++)
-		if (*c == '\n' || *c == '\r')
+		if ((unsigned char)*c < 0x20 || *c == 0x7f)
 			*c = ' ';
 	memcpy(last_message, text, sizeof last_message);
 	return status;

@@ -72,6 +72,14 @@ static void a_long_message_is_still_one_line(void **state)
 	free(text);
 }
 
+static void a_message_holds_no_control_character(void **state)
+{
+	const struct scene_setting setting = {"a\x1b[2J\x7f\t..b", "1"};
+	struct scene *scene;
+	assert_int_equal(load_text(minimal, &setting, 1, &scene), STATUS_INPUT);
+	assert_says("--set a [2J  ..b: ");
+}
+
 static uint64_t random_next(uint64_t *state)
 {
 	*state ^= *state << 13;
@@ -220,6 +228,7 @@ int main(void)
 		cmocka_unit_test(a_huge_file_is_refused),
 		cmocka_unit_test(a_mapping_of_very_many_keys_is_refused),
 		cmocka_unit_test(a_long_message_is_still_one_line),
+		cmocka_unit_test(a_message_holds_no_control_character),
 		cmocka_unit_test(a_mutated_scene_loads_or_is_told_and_never_more),
 		cmocka_unit_test(a_mutated_poses_file_loads_or_is_told),
 		cmocka_unit_test(memory_that_runs_out_is_told_at_every_allocation),
