@@ -1,0 +1,134 @@
+/*
+ * Tile blobs: one that is hostile does no harm and takes no memory, and what is encoded comes back.
+ *
+ * An input: side of the plane, codec, then the blob. What decodes are posts; they, and the blob's
+ * bytes taken for posts in several ways, are encoded and decoded again.
+ */
+#include "fuzz.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "store/codec.h"
+
+#define HEAD 2
+/* What the codec may hold for a post: its residuals, its planes, a body and what is made of it. */
+#define BYTES_A_POST 32
+#define BYTES_MORE (1u << 20) /* LZ4's tables */
+
+const size_t fuzz_size_max = 16384;
+const char *const fuzz_words[] = {NULL};
+
+static const uint32_t sides[] = {9, 17, 9, 33, 9, 65, 17, 129};
+
+static uint32_t side_of(uint8_t byte)
+{
+	/* The largest there is takes long: seldom. */
+	return byte == 255 ? 1025 : sides[byte % (sizeof sides / sizeof *sides)];
+}
+
+static int64_t codec_of(uint8_t byte)
+{
+	return byte < 16 ? byte : (int8_t)byte;
+}
+
+static void check_round(struct codec *codec, const int32_t *posts, bool hard)
+{
+	const void *bytes;
+	size_t size, count = (size_t)codec->side * codec->side;
+	int64_t id = codec_encode(codec, posts, hard, &bytes, &size);
+	fuzz_check(size <= codec_bound(codec));
+	/* Decoding uses the codec's scratch, where the bytes are. */
+	void *copy = malloc(size);
+	int32_t *back = malloc(count * sizeof *back);
+	fuzz_check(copy != NULL && back != NULL);
+	memcpy(copy, bytes, size);
+	fuzz_check(codec_decode(codec, id, copy, size, back));
+	fuzz_check(memcmp(back, posts, count * sizeof *back) == 0);
+	free(copy);
+	free(back);
+}
+
+static int32_t word_at(const uint8_t *data, size_t size, size_t i)
+{
+	uint32_t value = 0;
+	for (size_t b = 0; b < 4; b++)
+		value |= (uint32_t)data[(4 * i + b) % size] << (8 * b);
+	return (int32_t)value;
+}
+
+/* The bytes as posts: as they are, as small numbers, as a slope with holes, as few values. */
+static void make_posts(const uint8_t *data, size_t size, int way, uint32_t side, int32_t *posts)
+{
+	for (size_t i = 0; i < (size_t)side * side; i++) {
+		uint8_t byte = data[i % size];
+		switch (way) {
+		case 0:
+			posts[i] = word_at(data, size, i);
+			break;
+		case 1:
+			posts[i] = byte;
+			break;
+		case 2:
+			posts[i] = byte < 32 ? CODEC_NODATA : (int32_t)(i % side * 100 + i / side * 7 + byte % 8);
+			break;
+		default:
+			posts[i] = byte < 200 ? 0 : byte < 220 ? CODEC_NODATA : byte < 240 ? INT32_MAX : -1;
+		}
+	}
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+	struct codec codec;
+	if (size < HEAD)
+		return 0;
+	uint32_t side = side_of(data[0]);
+	size_t count = (size_t)side * side;
+	int32_t *posts = malloc(count * sizeof *posts);
+	fuzz_check(posts != NULL);
+	fuzz_memory_allow(count * BYTES_A_POST + BYTES_MORE);
+	fuzz_check(codec_init(&codec, side) == STATUS_OK);
+	if (codec_decode(&codec, codec_of(data[1]), data + HEAD, size - HEAD, posts))
+		check_round(&codec, posts, data[1] & 1);
+	/* Posts of all ways from the smallest planes, of one from larger ones. */
+	for (int way = 0; way < 4 && size > HEAD && side < 1025; way++)
+		if (side <= 17 || way == data[1] % 4) {
+			make_posts(data + HEAD, size - HEAD, way, side, posts);
+			check_round(&codec, posts, way & 1);
+		}
+	codec_finish(&codec);
+	free(posts);
+	return 0;
+}
+
+/* Planes of each kind, encoded by the codec there is. */
+size_t fuzz_seed(size_t index, uint8_t *data, size_t room)
+{
+	uint8_t side_byte = (uint8_t)(index / 6);
+	if (side_byte >= 4)
+		return 0;
+	struct codec codec;
+	const void *bytes;
+	size_t size;
+	uint32_t side = side_of(side_byte);
+	int32_t *posts = malloc((size_t)side * side * sizeof *posts);
+	uint64_t random = index;
+	fuzz_check(posts != NULL && codec_init(&codec, side) == STATUS_OK);
+	for (size_t i = 0; i < (size_t)side * side; i++) {
+		uint64_t any = fuzz_random(&random);
+		const int32_t values[6] = {
+			7, (int32_t)(any % 256), (int32_t)any, (int32_t)(i * 3 + any % 4),
+			any % 9 == 0 ? CODEC_NODATA : (int32_t)(i % side * 50), i % 40 < 3 ? -(int32_t)i : 0,
+		};
+		posts[i] = values[index % 6];
+	}
+	data[0] = side_byte;
+	data[1] = (uint8_t)codec_encode(&codec, posts, false, &bytes, &size);
+	if (size > room - HEAD)
+		size = room - HEAD;
+	memcpy(data + HEAD, bytes, size);
+	codec_finish(&codec);
+	free(posts);
+	return size + HEAD;
+}

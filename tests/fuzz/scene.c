@@ -1,0 +1,190 @@
+/*
+ * Scenes: any text loads or is told in one line, twice the same, and takes no more memory than so
+ * many times its length.
+ *
+ * An input: the scene; after a line SCENE_POSES, the file poses.csv that it may name; after a line
+ * SCENE_SET, settings KEY=VALUE, one a line. No file but these two is ever opened: fopen is ours.
+ */
+#include "scene.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "scene/scene.h"
+
+/* A node of the tree, its texts, the typed copy and libyaml's: a byte "," or "-" makes a node. */
+#define BYTES_A_BYTE 1024
+#define BYTES_MORE (1u << 20)
+#define SETTINGS_MAX 16
+
+const size_t fuzz_size_max = 65536;
+const char *const fuzz_words[] = {
+	"scene: 1\n", "end_time: 1\n", "objects:\n", "  - name: b\n", "    shape: {sphere: {radius: 1}}\n",
+	"    path: {points: [[1, 2]], speed: 3}\n", "    path: {file: poses.csv}\n", "wheel", "sphere", "box",
+	"size: [1, 1, 1]", "loop: true", "sink: 0.1", "redistribute: {model: box, radius: 1, repetitions: 2}\n",
+	"attributes: [dirt]\n", "outside: skip\n", "coordinates: store\n", "coordinates: EPSG:4326\n",
+	"soil: {name: dry_sand}\n", "view:\n  size: [64, 48]\n", "  camera: {over: a, height: 3}\n",
+	"  camera: {chase: a, back: 1, up: 2}\n", "  camera: {eye: [0, 0, 1], target: [1, 1, 0]}\n",
+	"  effects: [texture, fog]\n", "  images: 5\n", "cache: {slots: 16, loaders: 1, prefetch: 0}\n",
+	"spacing: 0.5\n", "gravity: 0\n", "time_step: 1e-3\n", "store: s.furrow\n", "nan", ".inf", "-.inf", "1e309",
+	"0x10", "null", "~", "true", "[", "]", "{", "}", ": ", "- ", "\n", "  ", "\"", "'", "#", "&a ", "*a", "!!int ",
+	"|\n", ">\n", "---\n", "...\n", "%YAML 1.1\n", "? ", "<<: ", "\\x2f", "\xef\xbb\xbf", "\xc3", "\xf4\x8f\xbf\xbf",
+	"t,x,y,z,yaw,pitch,roll\n", "0,1,2\n", SCENE_POSES, SCENE_SET, "cache.slots=8\n", "objects.a.sink=1\n",
+	"view.camera={over: a, height: 3}\n", "objects=null\n", NULL,
+};
+
+/* --- nothing of the host --- */
+
+FILE *__real_fopen64(const char *path, const char *mode);
+FILE *__wrap_fopen64(const char *path, const char *mode);
+FILE *__wrap_fopen(const char *path, const char *mode);
+void __wrap_note(const char *format, ...);
+
+static bool loading;
+
+FILE *__wrap_fopen64(const char *path, const char *mode)
+{
+	if (!loading || strcmp(path, fuzz_path("scene.yaml")) == 0 || strcmp(path, fuzz_path("poses.csv")) == 0)
+		return __real_fopen64(path, mode);
+	errno = ENOENT;
+	return NULL;
+}
+
+FILE *__wrap_fopen(const char *path, const char *mode)
+{
+	return __wrap_fopen64(path, mode);
+}
+
+/* Thousands of lines that nobody reads. */
+void __wrap_note(const char *format, ...)
+{
+}
+
+/* --- what must hold --- */
+
+static void check_object(const struct scene_object *object)
+{
+	const struct scene_path *path = &object->path;
+	const struct deform_shape *shape = &object->shape;
+	fuzz_check(object->name != NULL && isfinite(object->sink));
+	fuzz_check(path->count > 0 && path->points != NULL);
+	fuzz_check(path->timed || (isfinite(path->speed) && path->speed > 0));
+	for (size_t i = 0; i < path->count; i++) {
+		const struct scene_waypoint *point = &path->points[i];
+		fuzz_check(isfinite(point->t) && isfinite(point->x) && isfinite(point->y) && isfinite(point->z));
+		fuzz_check(isfinite(point->yaw) && isfinite(point->pitch) && isfinite(point->roll));
+		fuzz_check(!path->timed || i == 0 || point->t > point[-1].t);
+	}
+	if (shape->kind == DEFORM_BOX)
+		fuzz_check(shape->size[0] > 0 && shape->size[1] > 0 && shape->size[2] > 0);
+	else
+		fuzz_check(shape->radius > 0 && isfinite(shape->radius));
+}
+
+static void check_scene(const struct scene *scene)
+{
+	const struct scene_view *view = &scene->view;
+	fuzz_check(isfinite(scene->end_time) && scene->end_time > 0);
+	fuzz_check(isfinite(scene->time_step) && scene->time_step > 0);
+	fuzz_check(isfinite(scene->gravity) && isfinite(scene->spacing) && isfinite(scene->prefetch));
+	fuzz_check(scene->slots >= 4 && scene->loaders >= 1);
+	fuzz_check(scene->object_count > 0 || view->present);
+	fuzz_check(strlen(scene->hash) == 32);
+	for (size_t i = 0; i < scene->object_count; i++)
+		check_object(&scene->objects[i]);
+	if (!view->present)
+		return;
+	fuzz_check(view->width > 0 && view->height > 0 && view->images >= 0);
+	if (view->camera != SCENE_FIXED)
+		fuzz_check(view->target_object >= 0 && (size_t)view->target_object < scene->object_count);
+	for (int i = 0; i < 3; i++)
+		fuzz_check(isfinite(view->eye[i]) && isfinite(view->target[i]));
+}
+
+static void check_message(enum status status)
+{
+	const char *text = failure_message();
+	fuzz_check(status == STATUS_INPUT || status == STATUS_USAGE);
+	fuzz_check(text[0] != '\0');
+	for (const char *c = text; *c != '\0'; c++)
+		fuzz_check((unsigned char)*c >= 0x20 && *c != 0x7f);
+	/* What scene_match passes, cyaml must take: its own words mean a hole. */
+	fuzz_check(strstr(text, "manual of scenes") == NULL);
+}
+
+/* --- the parts of an input --- */
+
+/* Where `line` begins a line of the text; its end if nowhere. */
+static char *find_line(char *text, const char *line)
+{
+	for (char *at = text; (at = strstr(at, line)) != NULL; at++)
+		if (at == text || at[-1] == '\n')
+			return at;
+	return text + strlen(text);
+}
+
+static size_t take_settings(char *text, struct scene_setting *settings)
+{
+	size_t count = 0;
+	for (char *line = strtok(text, "\n"); line != NULL && count < SETTINGS_MAX; line = strtok(NULL, "\n")) {
+		char *equals = strchr(line, '=');
+		if (equals == NULL)
+			continue;
+		*equals = '\0';
+		settings[count++] = (struct scene_setting){line, equals + 1};
+	}
+	return count;
+}
+
+static enum status load(const char *path, const struct scene_setting *settings, size_t count, size_t size,
+			struct scene **scene)
+{
+	fuzz_memory_allow(size * BYTES_A_BYTE + BYTES_MORE);
+	loading = true;
+	enum status status = scene_load(path, settings, count, scene);
+	loading = false;
+	fuzz_memory_allow_all();
+	fuzz_check((status == STATUS_OK) == (*scene != NULL));
+	return status;
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+	static char first_message[4096];
+	struct scene_setting settings[SETTINGS_MAX];
+	struct scene *scene, *again;
+	char *text = malloc(size + 1);
+	fuzz_check(text != NULL);
+	memcpy(text, data, size);
+	text[size] = '\0';
+	/* NUL bytes stay in the scene: without the parts there are none but the last. */
+	bool whole = memchr(text, '\0', size) != NULL;
+	char *set = whole ? text + size : find_line(text, SCENE_SET);
+	char *poses = whole ? text + size : find_line(text, SCENE_POSES);
+	char *end = poses < set ? poses : set;
+	const char *path = fuzz_path("scene.yaml"), *beside = fuzz_path("poses.csv");
+	fuzz_write(path, text, (size_t)(end - text));
+	unlink(beside);
+	if (poses < set)
+		fuzz_write(beside, poses + strlen(SCENE_POSES), (size_t)(set - poses) - strlen(SCENE_POSES));
+	size_t count = *set != '\0' ? take_settings(set + strlen(SCENE_SET), settings) : 0;
+
+	enum status status = load(path, settings, count, size, &scene);
+	if (status == STATUS_OK)
+		check_scene(scene);
+	else
+		check_message(status);
+	snprintf(first_message, sizeof first_message, "%s", status == STATUS_OK ? "" : failure_message());
+	fuzz_check(load(path, settings, count, size, &again) == status);
+	if (status == STATUS_OK)
+		fuzz_check(strcmp(scene->hash, again->hash) == 0);
+	else
+		fuzz_check(strcmp(first_message, failure_message()) == 0);
+	scene_destroy(scene);
+	scene_destroy(again);
+	free(text);
+	return 0;
+}

@@ -1,0 +1,119 @@
+/* Small stores, made by this version: each kind of base, untouched and deformed. */
+#include "store_file.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+struct kind {
+	struct world world;
+	double step;
+	int working;
+	bool deformed;
+	bool holes, flat;
+	int page_size; /* of the file: small ones leave more of an input to what matters; 0: as made */
+};
+
+static const struct kind kinds[] = {
+	{{20, 13, 2, 8}, 0.125, 0, false, false, false, 1024},
+	{{20, 13, 2, 8}, 0.125, -1, true, true, false, 1024},
+	{{30, 17, 0.5, 8}, 0, 0, true, true, false, 512},
+	{{40, 33, 1, 16}, 0.0078125, 1, true, false, false, 2048},
+	{{9, 9, 1, 8}, 1, -3, true, false, true, 512},
+	{{17, 17, 30, 8}, 0.125, 0, false, true, true, 512},
+	{{12, 9, 2, 8}, 0.125, -1, true, true, false, 0},
+};
+
+static int32_t code_at(const struct kind *kind, int64_t x, int64_t y)
+{
+	const struct world *world = &kind->world;
+	if (x >= world->width || y >= world->height || (kind->holes && (kind->flat || (x / 3 + y) % 7 == 0)))
+		return HEIGHT_CODE_NODATA;
+	int32_t code;
+	double metres = kind->flat ? 100 : 100 + 4 * (double)(x * 7 % 5) + (double)(y * y % 11);
+	fuzz_check(height_code_encode(metres, kind->step, &code));
+	return code;
+}
+
+static void put_tile(const struct kind *kind, struct tile tile, struct store *store)
+{
+	static int32_t codes[17 * 17];
+	const struct world *world = &kind->world;
+	int64_t side = tile_posts(world), scale = (int64_t)1 << tile.level;
+	struct store_range range = {(double)NAN, (double)NAN, 0.5 * tile.level};
+	for (int64_t i = 0; i < side * side; i++)
+		codes[i] = code_at(kind, ((int64_t)tile.x * world->cells + i % side) * scale,
+				   ((int64_t)tile.y * world->cells + i / side) * scale);
+	/* Over the whole subtree. */
+	for (int64_t y = (int64_t)tile.y * world->cells * scale; y <= (int64_t)(tile.y + 1) * world->cells * scale; y++)
+		for (int64_t x = (int64_t)tile.x * world->cells * scale; x <= (int64_t)(tile.x + 1) * world->cells * scale;
+		     x++) {
+			double metres = height_code_metres(code_at(kind, x, y), kind->step);
+			range.low = isnan(range.low) || metres < range.low ? metres : range.low;
+			range.high = isnan(range.high) || metres > range.high ? metres : range.high;
+		}
+	fuzz_check(store_put_base(store, tile, codes, &range) == STATUS_OK);
+}
+
+static void make_base(const struct kind *kind, const char *path)
+{
+	const struct world *world = &kind->world;
+	struct store_meta meta = {.world = *world, .step = kind->step, .max_error = 0.5, .srs = "LOCAL_CS[\"a\"]",
+				  .vertical = "", .sources = "a.tif\nb.tif"};
+	struct store *store;
+	fuzz_check(store_create(path, &meta, true, &store) == STATUS_OK);
+	for (int level = 0; level <= world_coarsest(world); level++)
+		for (uint32_t y = 0; y < world_tiles_y(world, level); y++)
+			for (uint32_t x = 0; x < world_tiles_x(world, level); x++)
+				put_tile(kind, (struct tile){level, x, y}, store);
+	fuzz_check(store_publish(store) == STATUS_OK);
+	store_close(store);
+}
+
+static void deform(const struct kind *kind, const char *path)
+{
+	static int32_t offset[17 * 17];
+	static uint8_t dirt[17 * 17];
+	uint32_t side = tile_posts(&kind->world);
+	struct store *store;
+	fuzz_check(store_open(path, &(struct store_options){.mode = STORE_WRITE}, &store) == STATUS_OK);
+	fuzz_check(store_set_working_level(store, kind->working) == STATUS_OK);
+	/* Nothing on the edges: neighbours need no row. */
+	for (uint32_t y = 1; y + 1 < side; y++)
+		for (uint32_t x = 1; x + 1 < side; x++) {
+			offset[y * side + x] = -(int32_t)(x * y * 4001 % 90000);
+			dirt[y * side + x] = (uint8_t)(x * 30);
+		}
+	struct store_page page = {{kind->working, 0, 0}, STORE_PLANE_OFFSET | STORE_PLANE_DIRT, offset, dirt};
+	struct store_run run = {"0123abcd", 12, 0.25, "{\"poses\":[],\"ended\":false}"};
+	struct store_epoch_result result;
+	fuzz_check(store_epoch(store, &page, 1, &run, &result) == STATUS_OK);
+	store_close(store);
+}
+
+static void repage(const char *path, int page_size)
+{
+	char sql[64];
+	sqlite3 *db;
+	if (page_size == 0)
+		return;
+	snprintf(sql, sizeof sql, "PRAGMA page_size=%d; VACUUM", page_size);
+	fuzz_check(sqlite3_open(path, &db) == SQLITE_OK);
+	fuzz_check(sqlite3_exec(db, sql, NULL, NULL, NULL) == SQLITE_OK);
+	sqlite3_close(db);
+}
+
+size_t fuzz_seed(size_t index, uint8_t *data, size_t room)
+{
+	if (index >= sizeof kinds / sizeof *kinds)
+		return 0;
+	const struct kind *kind = &kinds[index];
+	const char *path = store_file_fresh();
+	make_base(kind, path);
+	if (kind->deformed)
+		deform(kind, path);
+	repage(path, kind->page_size);
+	size_t size = fuzz_read(path, data, room);
+	fuzz_check(size > 0 && size <= room);
+	return size;
+}
