@@ -1,0 +1,349 @@
+"""The store beside GDAL and LMDB, all in one run: bytes, encode, decode, reads, write-backs, import.
+
+    store.py FURROW BENCH_STORE [--dem FOLDER] [--mosaic DEM...] [--posts N] [--json FILE] ...
+
+Prints a table with the ratio to GDAL and, where there is one, the bar; --json leaves every figure as
+JSON lines. README.md says what each row is. Nothing is asserted: the exit status is 0 if it ran."""
+import argparse
+import json
+import os
+import pathlib
+import shutil
+import sqlite3
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+
+BLOCK = 256
+LEVEL_0 = (32 << 56, (33 << 56) - 1)  # keys, FORMAT.md
+SUFFIXES = {".hgt", ".tif", ".bil", ".png", ".dem", ".asc", ".img", ".vrt"}
+LOWEST_GROUND = -12000  # metres: below it is a hole that no tag declares, as import's own note says
+GDAL_LERC = ["-of", "COG", "-co", "COMPRESS=LERC", "-co", "NUM_THREADS=2", "-co", "OVERVIEWS=NONE"]
+
+
+def parse():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("furrow", type=pathlib.Path)
+    parser.add_argument("bench_store", type=pathlib.Path)
+    parser.add_argument("--dem", type=pathlib.Path, help="a folder of DEMs: bytes, coding, reads of each")
+    parser.add_argument("--mosaic", nargs="+", default=[], help="DEMs imported as one terrain, timed")
+    parser.add_argument("--posts", type=int, default=16385, help="a side of the synthetic import (16385; 0: none)")
+    parser.add_argument("--max-error", action="append", default=[], help="bytes at this bound too (metres)")
+    parser.add_argument("--runs", type=int, default=5)
+    parser.add_argument("--no-write", action="store_true", help="leave the write-backs out")
+    parser.add_argument("--json", type=pathlib.Path, help="where the JSON lines go")
+    parser.add_argument("--folder", type=pathlib.Path, help="where the scratch files go (the system's)")
+    return parser.parse_args()
+
+
+class Bench:
+    def __init__(self, options, folder):
+        self.options, self.folder = options, folder
+        self.lines, self.rows = [], []
+        self.gdal = shutil.which("gdal_translate") is not None  # without it, our figures stand alone
+
+    def path(self, name):
+        return self.folder / name
+
+    def call(self, *command):
+        done = subprocess.run([str(c) for c in command], capture_output=True, text=True)
+        if done.returncode != 0:
+            sys.exit(f"store.py: {' '.join(map(str, command))}: {done.stderr.strip()}")
+        return done.stdout
+
+    def furrow(self, *arguments):
+        return self.call(self.options.furrow, *arguments)
+
+    def measure(self, *arguments):
+        text = self.call(self.options.bench_store, "--runs", self.options.runs, *arguments)
+        return [json.loads(line) for line in text.splitlines()]
+
+    def note(self, **line):
+        """A line of JSON; --json holds what is known so far even if the rest fails."""
+        self.lines.append({"bench": "store", **line})
+        if self.options.json:
+            self.options.json.write_text("".join(json.dumps(line) + "\n" for line in self.lines))
+
+    def row(self, what, data, ours, theirs, unit, bar=None, beside="GDAL"):
+        """`bar`: ("<=" or ">=", ratio)."""
+        ratio = ours / theirs if theirs else None
+        met = None
+        if bar and ratio is not None:
+            met = ratio <= bar[1] if bar[0] == "<=" else ratio >= bar[1]
+        self.rows.append((what, data, ours, theirs, beside, unit, ratio, bar, met))
+        self.note(row=what, data=data, furrow=ours, other=theirs, beside=beside, unit=unit, ratio=ratio,
+                  bar=bar and f"{bar[0]} {bar[1]}", met=met)
+        print(f"store.py: {what} {data} {ratio or 0:.3f}", file=sys.stderr, flush=True)
+
+
+def number(value):
+    if value is None:
+        return "-"
+    return f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.3g}"
+
+
+def print_table(rows):
+    head = ("row", "data", "furrow", "beside", "of", "unit", "ratio", "bar", "met")
+    cells = [head] + [(what, data, number(ours), number(theirs), beside, unit, "-" if ratio is None else f"{ratio:.3f}",
+                       f"{bar[0]} {bar[1]}" if bar else "", "" if met is None else "yes" if met else "NO")
+                      for what, data, ours, theirs, beside, unit, ratio, bar, met in rows]
+    widths = [max(len(line[i]) for line in cells) for i in range(len(head))]
+    for line in cells:
+        print("  ".join(cell.rjust(w) if 2 <= i <= 3 or i == 6 else cell.ljust(w)
+                        for i, (cell, w) in enumerate(zip(line, widths))).rstrip())
+
+
+# --- the same posts for both ---
+
+class Posts:
+    """A DEM as `furrow import` resamples it: the exact posts as a GeoTIFF, and that in other types."""
+
+    def __init__(self, bench, dem):
+        self.bench, self.name = bench, dem.name
+        self.source = [dem]
+        info = self.store("default")
+        if info["height"][0] is not None and info["height"][0] <= LOWEST_GROUND:
+            self.source += ["--nodata", info["height"][0]]
+            info = self.store("default")
+        self.default_error, self.size = info["max_error"], info["posts"]
+        self.highest = max(abs(height or 0) for height in info["height"])
+        self.store("exact", 0)
+        self.exact = bench.path(f"{self.name}.exact.tif")
+        bench.furrow("export", self.store_path("exact"), "--layer", "base", "--level", 0, "-o", self.exact)
+
+    def store_path(self, name):
+        return self.bench.path(f"{self.name}.{name}.furrow")
+
+    def store(self, name, max_error=None):
+        bound = [] if max_error is None else ["--max-error", max_error]
+        self.bench.furrow("import", *self.source, *bound, "-o", self.store_path(name), "--overwrite")
+        return json.loads(self.bench.furrow("info", self.store_path(name), "--json"))
+
+    def within(self, path, bound, of=None):
+        """Whether a raster's posts are within `bound` of the exact ones, and its holes theirs."""
+        found, = self.bench.measure("error", of or self.exact, path)
+        rounding = self.highest * 2 ** -23  # a float32's own
+        return found["same_size"] and found["holes_differ"] == 0 and found["error"] <= bound + rounding
+
+    def rasters(self, bound, exact):
+        """`exact` in the types GDAL may like better, with the MAX_Z_ERROR that keeps the bound."""
+        yield "Float32", exact, bound
+        nan = self.bench.path("nan.tif")
+        self.bench.call("gdalwarp", "-q", "-overwrite", "-srcnodata", -32767, "-dstnodata", "nan", exact, nan)
+        yield "Float32 NaN", nan, bound
+        # Rounded to whole metres, half a metre is spent: LERC then has to be lossless.
+        for kind in ("Int16", "UInt16"):
+            path = self.bench.path(f"{kind}.tif")
+            self.bench.call("gdal_translate", "-q", "-ot", kind, exact, path)
+            if self.within(path, bound, exact):
+                yield kind, path, 0
+
+
+def cog(bench, source, path, compression, bound, block):
+    extra = ["-co", "PREDICTOR=YES"] if compression == "ZSTD" else ["-co", f"MAX_Z_ERROR={bound}"]
+    bench.call("gdal_translate", "-q", "-of", "COG", "-co", f"COMPRESS={compression}", "-co", f"BLOCKSIZE={block}",
+               "-co", "OVERVIEWS=NONE", *extra, source, path)
+    return path
+
+
+# --- rows ---
+
+def level_0_bytes(store):
+    database = sqlite3.connect(f"file:{store}?mode=ro", uri=True)
+    found, = database.execute("SELECT sum(length(blob)) FROM base WHERE key BETWEEN ? AND ?", LEVEL_0).fetchone()
+    database.close()
+    return found
+
+
+def compare_bytes(bench, posts, bound):
+    """The finest level alone: the sum of our blobs, GDAL's smallest file that keeps the bound."""
+    store = posts.store_path("default")
+    if bound != posts.default_error:
+        store = posts.store_path("bound")
+        posts.store("bound", bound)
+    ours = level_0_bytes(store)
+    if not bench.gdal:
+        return ours, None
+    back = bench.path("back.tif")
+    bench.furrow("export", store, "--layer", "base", "--level", 0, "-o", back)
+    if not posts.within(back, bound):
+        sys.exit(f"store.py: {store}: a height is further off than {bound} m")
+    best = None
+    for kind, raster, error in posts.rasters(bound, posts.exact):
+        for block in (BLOCK, 2 * BLOCK):
+            made = cog(bench, raster, bench.path("bytes.tif"), "LERC_ZSTD", error, block)
+            size = made.stat().st_size
+            if posts.within(made, bound) and (best is None or size < best[0]):
+                best = size, kind, block, bench.measure("blocks", made)[0]["block_bytes"]
+    bench.note(row="bytes in full", data=posts.name, max_error=bound, blobs=ours, store_file=store.stat().st_size,
+               gdal_file=best[0], gdal_type=best[1], gdal_block=best[2], gdal_blocks=best[3])
+    return ours, best[0]
+
+
+def compare_reads(bench, posts):
+    """Encode, decode, read of the tiles that GDAL's blocks cover whole, cut from the south-west.
+    [(row, subject or "", tiles, tiles a second)]; of GDAL's types the fastest."""
+    wide, high = (n // BLOCK * BLOCK for n in posts.size)
+    cut = posts.exact
+    if bench.gdal and wide and high:
+        cut = bench.path("cut.tif")
+        bench.call("gdal_translate", "-q", "-srcwin", 0, posts.size[1] - high, wide, high, posts.exact, cut)
+    made = {}
+    for compression in ("LERC", "LERC_ZSTD", "ZSTD") if bench.gdal else ():
+        for kind, raster, error in posts.rasters(posts.default_error, cut):
+            if compression != "ZSTD" or kind != "Float32 NaN":  # the same to it
+                path = bench.path(f"{compression}.{kind.replace(' ', '')}.tif")
+                made[str(cog(bench, raster, path, compression, error, BLOCK))] = compression, kind
+    best = {}
+    paths = list(made)
+    for first in range(0, len(paths) or 1, 4):  # each beside our own, which stays the first's
+        for line in bench.measure("read", posts.store_path("default"), *paths[first:first + 4]):
+            compression, kind = made.get(line["subject"], (line["subject"], ""))
+            bench.note(row=line["row"] + " in full", data=posts.name, subject=compression, type=kind,
+                       tiles=line["tiles"], tiles_s=line["tiles_s"], mb_s=line["mb_s"])
+            name = line["row"], compression
+            if compression in ("", "lmdb") and first > 0:
+                continue
+            if name not in best or best[name][1] < line["tiles_s"]:
+                best[name] = line["tiles"], line["tiles_s"]
+    return best
+
+
+def over_all(found):
+    """{(row, subject): tiles a second} over all DEMs: all tiles in all the time."""
+    total = {}
+    for best in found:
+        for name, (tiles, rate) in best.items():
+            sums = total.setdefault(name, [0, 0])
+            sums[0] += tiles
+            sums[1] += tiles / rate
+    return {name: tiles / seconds for name, (tiles, seconds) in total.items()}
+
+
+READS = (("encode", "LERC"), ("encode", "LERC_ZSTD"), ("encode", "ZSTD"), ("decode", "LERC"), ("decode", "LERC_ZSTD"),
+         ("decode", "ZSTD"), ("decode native", "LERC"), ("read", "LERC"), ("read", "LERC_ZSTD"), ("read", "ZSTD"),
+         ("raw read", "lmdb"))
+
+
+def dems(bench, folder):
+    paths = [path for path in sorted(folder.iterdir()) if path.suffix.lower() in SUFFIXES]
+    all_posts = [Posts(bench, path) for path in paths]
+    for bound in [None, *map(float, bench.options.max_error)]:
+        label = "" if bound is None else f" at {bound:g} m"
+        sums = [0, 0]
+        for posts in all_posts:
+            sizes = compare_bytes(bench, posts, posts.default_error if bound is None else bound)
+            sums = [a + (b or 0) for a, b in zip(sums, sizes)]
+            bench.row("bytes" + label, posts.name, *sizes, "B", ("<=", 1.0) if bound is None else None, "LERC_ZSTD")
+        bench.row("bytes" + label, "all DEMs", sums[0], sums[1] or None, "B", ("<=", 0.8) if bound is None else None, "LERC_ZSTD")
+    found = []
+    for posts in all_posts:
+        best = compare_reads(bench, posts)
+        found.append(best)
+        bench.row("decode", posts.name, *(best.get(("decode", subject), (0, None))[1] for subject in ("", "LERC")),
+                  "tiles/s", (">=", 3), "LERC")
+    total = over_all(found)
+    for name, subject in READS:
+        bar = (">=", 3) if (name, subject) == ("decode", "LERC") else None
+        bench.row(name, "all DEMs", total[name, ""], total.get((name, subject)), "tiles/s", bar, subject)
+
+
+def writes(bench):
+    lines = bench.measure("write")
+    for line in lines:
+        bench.note(**{**line, "row": "write-back in full"})
+    for line in lines:
+        if line["subject"] != "":
+            continue
+        case = line["durability"], line["batch"]
+        for other in lines:
+            if other["subject"] != "" and (other["durability"], other["batch"]) == case:
+                bench.row("write-back", f"{case[0]}, by {case[1]}", line["pages_s"], other["pages_s"], "pages/s",
+                          beside=other["subject"])
+
+
+def timed(bench, command, made):
+    """Seconds and peak MB of a command that makes a file, which is removed first."""
+    made.unlink(missing_ok=True)
+    os.sync()
+    began = time.monotonic()
+    with open(bench.path("said"), "w") as said:
+        process = subprocess.Popen([str(c) for c in command], stdout=said, stderr=said)
+        _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode != 0:
+        sys.exit(f"store.py: {' '.join(map(str, command))}: {bench.path('said').read_text().strip()}")
+    return time.monotonic() - began, usage.ru_maxrss / 1024
+
+
+def compare_import(bench, data, sources, rasters, runs):
+    """`rasters`: {label: (what GDAL reads, further options)}; all take turns."""
+    store, out = bench.path("import.furrow"), bench.path("import.tif")
+    commands = {"": ([bench.options.furrow, "import", *sources, "-o", store], store)}
+    for label, (raster, more) in rasters.items():
+        commands[label] = (["gdal_translate", "-q", *GDAL_LERC, *more, raster, out], out)
+    seconds, peak, size = ({label: [] for label in commands} for _ in range(3))
+    for _ in range(runs):
+        for label, (command, made) in commands.items():
+            took, held = timed(bench, command, made)
+            seconds[label].append(took)
+            peak[label].append(held)
+            size[label] = made.stat().st_size
+    if not rasters:
+        bench.row("import", data, statistics.median(seconds[""]), None, "s")
+    for label in rasters:
+        ours, theirs = (statistics.median(seconds[name]) for name in ("", label))
+        bench.row("import", data, ours, theirs, "s", ("<=", 1.0), label)
+        bench.row("import, peak memory", data, max(peak[""]), max(peak[label]), "MB", None, label)
+    bench.note(row="import in full", data=data, seconds=seconds, peak_mb=peak, file_bytes=size)
+    for path in (store, out):
+        path.unlink(missing_ok=True)
+
+
+def synth(bench, posts):
+    terrain = bench.path("synth.tif")
+    bench.furrow("synth", "-o", terrain, "--posts", f"{posts}x{posts}", "--spacing", 1)
+    rasters = {"LERC": (terrain, []), "LERC same bound": (terrain, ["-co", "MAX_Z_ERROR=0.001"])}
+    compare_import(bench, f"synth {posts}", [terrain], rasters if bench.gdal else {}, min(3, bench.options.runs))
+    terrain.unlink()
+
+
+def mosaic(bench, sources):
+    if not bench.gdal:
+        compare_import(bench, f"mosaic of {len(sources)}", sources, {}, 2 * bench.options.runs)
+        return
+    joined, warped, store = bench.path("joined.vrt"), bench.path("warped.vrt"), bench.path("mosaic.furrow")
+    bench.furrow("import", *sources, "-o", store, "--overwrite")
+    info = json.loads(bench.furrow("info", store, "--json"))
+    bench.call("gdalbuildvrt", "-q", "-overwrite", joined, *sources)
+    place = info["geotransform"]
+    west, north, spacing = place[0], place[3], info["spacing"]
+    east, south = west + info["posts"][0] * spacing, north - info["posts"][1] * spacing
+    srs = bench.path("srs.wkt")
+    srs.write_text(info["srs"])
+    bench.call("gdalwarp", "-q", "-overwrite", "-of", "VRT", "-r", "bilinear", "-ot", "Float32", "-wo", "NUM_THREADS=2",
+               "-t_srs", srs, "-tr", spacing, spacing, "-te", west, south, east, north, joined, warped)
+    error = ["-co", f"MAX_Z_ERROR={info['max_error']}"]
+    compare_import(bench, f"mosaic of {len(sources)}", sources,
+                   {"LERC, not projected": (joined, []), "LERC, projected": (warped, error)}, 2 * bench.options.runs)
+
+
+def main():
+    options = parse()
+    with tempfile.TemporaryDirectory(prefix="furrow-store-", dir=options.folder) as name:
+        bench = Bench(options, pathlib.Path(name))
+        if options.dem:
+            dems(bench, options.dem)
+        if not options.no_write:
+            writes(bench)
+        if options.mosaic:
+            mosaic(bench, options.mosaic)
+        if options.posts:
+            synth(bench, options.posts)
+    print_table(bench.rows)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,151 @@
+/*
+ * Write-backs: pages of offsets with two ruts across each, committed in batches by store_epoch (one
+ * transaction: the pages, every coarser level above, the run's record), beside GDAL updating the
+ * same blocks of one level of a tiled GeoTIFF (no transaction, no pyramid).
+ */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "bench.h"
+#include "store/store.h"
+#include "store_bench.h"
+
+#define LEVEL (-3)
+#define SIDE 16 /* pages a side at LEVEL */
+#define PAGES (SIDE * SIDE)
+#define POSTS (BENCH_BLOCK + 1)
+#define CHECKPOINT_BYTES (64 << 20)
+
+/* Level 0 at 1 m: pages of 32 m, posts 0.125 m apart. */
+static const struct dem_synth ground = {
+	.kind = DEM_SYNTH_DUNES,
+	.width = SIDE / 8 * BENCH_BLOCK + 1,
+	.height = SIDE / 8 * BENCH_BLOCK + 1,
+	.spacing = 1,
+	.relief = 20,
+	.seed = 1,
+};
+
+struct pages {
+	struct store_page page[PAGES]; /* in the order they are written: along tracks */
+	int32_t *posts;
+};
+
+struct target {
+	struct store *store; /* one of the two */
+	struct bench_gdal *gdal;
+	bool sync;
+	int64_t step, uncheckpointed, bytes;
+};
+
+/* Metres a vehicle's two wheels press and raise at (x, y), on its `lap`th way along a row of pages. */
+static double rut(double x, double y, int lap)
+{
+	double middle = 16 + 4 * sin(x / 11) + 0.3 * sin(lap + x / 5), depth = 0;
+	double across = fmod(y, 32) - middle;
+	for (int wheel = -1; wheel <= 1; wheel += 2) {
+		double d = fabs(across - 0.9 * wheel);
+		double bottom = -0.08 - 0.02 * sin(x * 1.7 + lap) - 0.015 * cos(x / 2.3 + 2 * y);
+		if (d < 0.2)
+			depth += bottom;
+		else if (d < 0.45)
+			depth += (0.03 + 0.01 * sin(x * 3.1 + lap)) * sin((d - 0.2) / 0.25 * M_PI);
+	}
+	return depth;
+}
+
+static void fill(struct pages *pages, int lap)
+{
+	for (size_t i = 0; i < PAGES; i++) {
+		struct tile tile = {LEVEL, (uint32_t)(i % SIDE), (uint32_t)(i / SIDE)};
+		int32_t *posts = pages->posts + i * POSTS * POSTS;
+		for (uint32_t y = 0; y < POSTS; y++)
+			for (uint32_t x = 0; x < POSTS; x++)
+				posts[y * POSTS + x] = (int32_t)lround(
+					ldexp(rut((tile.x * 256.0 + x) * 0.125, (tile.y * 256.0 + y) * 0.125, lap), 20));
+		pages->page[i] = (struct store_page){tile, STORE_PLANE_OFFSET, posts, NULL};
+	}
+}
+
+static void commit(struct target *target, const struct store_page *pages, size_t count)
+{
+	if (target->gdal != NULL) {
+		for (size_t i = 0; i < count; i++)
+			bench_gdal_write(target->gdal, pages[i].tile, pages[i].offset);
+		bench_gdal_flush(target->gdal, target->sync);
+		return;
+	}
+	struct store_run run = {"00", target->step, 0.02 * (double)target->step, "{}"};
+	struct store_epoch_result result;
+	bench_must(store_epoch(target->store, pages, count, &run, &result));
+	target->step++;
+	target->bytes += result.bytes_written;
+	target->uncheckpointed += result.bytes_written;
+	if (target->uncheckpointed > CHECKPOINT_BYTES) { /* as a drive does */
+		bench_must(store_checkpoint(target->store));
+		target->uncheckpointed = 0;
+	}
+}
+
+/* All pages once, in batches; pages a second. */
+static double lap_of(struct target *target, const struct pages *pages, size_t batch)
+{
+	double began = clock_seconds();
+	for (size_t i = 0; i < PAGES; i += batch)
+		commit(target, pages->page + i, batch);
+	return PAGES / (clock_seconds() - began);
+}
+
+static void print(const char *subject, bool sync, size_t batch, double *rates, int runs)
+{
+	double rate = bench_median(rates, (size_t)runs);
+	printf("{\"bench\": \"store\", \"row\": \"write-back\", \"subject\": \"%s\", \"durability\": \"%s\", "
+	       "\"batch\": %zu, \"pages_s\": %.1f, \"commits_s\": %.1f}\n",
+	       subject, sync ? "full" : "normal", batch, rate, rate / (double)batch);
+	fflush(stdout);
+}
+
+/* One durability and batch, all three targets in turn. */
+static void measure(struct pages *pages, bool sync, size_t batch, int runs)
+{
+	static const char *const subjects[] = {"", "LERC", "ZSTD"};
+	struct target targets[3] = {{.sync = sync}, {.sync = sync}, {.sync = sync}};
+	static double rates[3][BENCH_RUNS_MAX];
+	const char *path = bench_path("write.furrow");
+	bench_store(path, &ground, BENCH_BLOCK);
+	bench_must(store_open(path, &(struct store_options){STORE_WRITE, sync}, &targets[0].store));
+	bench_must(store_set_working_level(targets[0].store, LEVEL));
+	size_t count = 1;
+	for (; count < 3; count++)
+		if (!bench_gdal_create(bench_path(count == 1 ? "lerc.tif" : "zstd.tif"), SIDE, subjects[count],
+				       &targets[count].gdal))
+			break;
+	for (int run = -1; run < runs; run++) { /* the first lap warms, on rows that are not there yet */
+		fill(pages, run + 1);
+		for (size_t i = 0; i < count; i++) {
+			double rate = lap_of(&targets[i], pages, batch);
+			if (run >= 0)
+				rates[i][run] = rate;
+		}
+	}
+	for (size_t i = 0; i < count; i++)
+		print(subjects[i], sync, batch, rates[i], runs);
+	for (size_t i = 1; i < count; i++)
+		bench_gdal_close(targets[i].gdal);
+	store_close(targets[0].store);
+}
+
+int bench_write(int runs)
+{
+	static const size_t batches[] = {1, 32, 256};
+	static struct pages pages;
+	pages.posts = mem_alloc((size_t)PAGES * POSTS * POSTS, sizeof *pages.posts);
+	if (pages.posts == NULL)
+		bench_must(fail_memory("pages"));
+	for (int sync = 0; sync < 2; sync++)
+		for (size_t i = 0; i < sizeof batches / sizeof *batches; i++)
+			measure(&pages, sync, batches[i], runs);
+	mem_free(pages.posts);
+	return 0;
+}
