@@ -2,7 +2,8 @@
  * What a store costs on one thread: coding, decoding, reading and writing back tiles, beside GDAL
  * and LMDB on the same posts. JSON lines; store.py runs it over data and prints the table.
  *
- *   bench_store read STORE [COG...]   bench_store write   bench_store error EXACT OTHER
+ *   bench_store read STORE [COG...]   bench_store write
+ *   bench_store error EXACT OTHER     bench_store blocks RASTER
  */
 #include <stdio.h>
 #include <stdlib.h>

@@ -43,8 +43,9 @@ void bench_gdal_read(struct bench_gdal *gdal, struct tile tile);
 void bench_gdal_encode(struct bench_gdal *gdal, struct tile tile);
 /* A new tiled GeoTIFF of Int32, `blocks` of 256 a side, open for updates. */
 bool bench_gdal_create(const char *path, uint32_t blocks, const char *compression, struct bench_gdal **out);
-/* `posts`: a tile's (256 + 1)^2. */
+/* `posts`: a tile's (256 + 1)^2; and whether that is what the file has. */
 void bench_gdal_write(struct bench_gdal *gdal, struct tile tile, const int32_t *posts);
+bool bench_gdal_holds(struct bench_gdal *gdal, struct tile tile, const int32_t *posts);
 void bench_gdal_flush(struct bench_gdal *gdal, bool sync);
 /* bench_store error EXACT OTHER: the most that a raster is off another. */
 int bench_error(const char *exact, const char *other);

@@ -199,13 +199,27 @@ bool bench_gdal_create(const char *path, uint32_t blocks, const char *compressio
 	return true;
 }
 
-void bench_gdal_write(struct bench_gdal *gdal, struct tile tile, const int32_t *posts)
+/* Without the shared edges, north up. */
+static void block_of(const int32_t *posts, int32_t *block)
 {
-	int32_t *block = (int32_t *)(void *)gdal->block;
 	for (size_t y = 0; y < BENCH_BLOCK; y++)
 		memcpy(block + (BENCH_BLOCK - 1 - y) * BENCH_BLOCK, posts + y * (BENCH_BLOCK + 1),
 		       BENCH_BLOCK * sizeof *block);
+}
+
+void bench_gdal_write(struct bench_gdal *gdal, struct tile tile, const int32_t *posts)
+{
+	int32_t *block = (int32_t *)(void *)gdal->block;
+	block_of(posts, block);
 	must(GDALWriteBlock(gdal->band, (int)tile.x, row_of(gdal, tile), block) == CE_None, gdal->path);
+}
+
+bool bench_gdal_holds(struct bench_gdal *gdal, struct tile tile, const int32_t *posts)
+{
+	int32_t *want = (int32_t *)(void *)gdal->heights;
+	block_of(posts, want);
+	read_block(gdal, tile, gdal->block);
+	return memcmp(gdal->block, want, BLOCK_POSTS * sizeof *want) == 0;
 }
 
 void bench_gdal_flush(struct bench_gdal *gdal, bool sync)
@@ -316,6 +330,11 @@ bool bench_gdal_create(const char *path, uint32_t blocks, const char *compressio
 
 void bench_gdal_write(struct bench_gdal *gdal, struct tile tile, const int32_t *posts)
 {
+}
+
+bool bench_gdal_holds(struct bench_gdal *gdal, struct tile tile, const int32_t *posts)
+{
+	return false;
 }
 
 void bench_gdal_flush(struct bench_gdal *gdal, bool sync)

@@ -36,7 +36,7 @@ struct target {
 	struct store *store; /* one of the two */
 	struct bench_gdal *gdal;
 	bool sync;
-	int64_t step, uncheckpointed, bytes;
+	int64_t step, uncheckpointed;
 };
 
 /* Metres a vehicle's two wheels press and raise at (x, y), on its `lap`th way along a row of pages. */
@@ -80,7 +80,6 @@ static void commit(struct target *target, const struct store_page *pages, size_t
 	struct store_epoch_result result;
 	bench_must(store_epoch(target->store, pages, count, &run, &result));
 	target->step++;
-	target->bytes += result.bytes_written;
 	target->uncheckpointed += result.bytes_written;
 	if (target->uncheckpointed > CHECKPOINT_BYTES) { /* as a drive does */
 		bench_must(store_checkpoint(target->store));
@@ -95,6 +94,32 @@ static double lap_of(struct target *target, const struct pages *pages, size_t ba
 	for (size_t i = 0; i < PAGES; i += batch)
 		commit(target, pages->page + i, batch);
 	return PAGES / (clock_seconds() - began);
+}
+
+/* That what was measured was done. */
+static void check(struct target *target, const struct pages *pages)
+{
+	struct store_reader *reader = NULL;
+	unsigned present;
+	bool good = true;
+	int32_t *found = mem_alloc(POSTS * POSTS, sizeof *found);
+	if (found == NULL)
+		bench_must(fail_memory("a page"));
+	if (target->gdal == NULL)
+		bench_must(store_reader_create(target->store, &reader));
+	for (size_t i = 0; i < PAGES; i += PAGES - 1) {
+		const struct store_page *page = &pages->page[i];
+		if (target->gdal != NULL) {
+			good &= bench_gdal_holds(target->gdal, page->tile, page->offset);
+			continue;
+		}
+		bench_must(store_read_deformed(reader, page->tile, STORE_PLANE_OFFSET, found, NULL, &present));
+		good &= memcmp(found, page->offset, POSTS * POSTS * sizeof *found) == 0;
+	}
+	if (!good)
+		bench_must(fail_with(STATUS_FAILED, "bench: a page that was written reads otherwise; this is a bug"));
+	store_reader_destroy(reader);
+	mem_free(found);
 }
 
 static void print(const char *subject, bool sync, size_t batch, double *rates, int runs)
@@ -129,6 +154,8 @@ static void measure(struct pages *pages, bool sync, size_t batch, int runs)
 				rates[i][run] = rate;
 		}
 	}
+	for (size_t i = 0; i < count; i++)
+		check(&targets[i], pages);
 	for (size_t i = 0; i < count; i++)
 		print(subjects[i], sync, batch, rates[i], runs);
 	for (size_t i = 1; i < count; i++)
