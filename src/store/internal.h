@@ -173,6 +173,11 @@ enum status identity_compute(struct store *store, uint64_t *hash) FURROW_CHECKED
 enum status lock_take(const char *lock_path, const char *named, int *descriptor) FURROW_CHECKED;
 void lock_drop(const char *lock_path, int descriptor); /* and removes the file */
 
+/* --- store_replace.c --- */
+
+/* The file at `path`, if it is a store, holds all of it afterwards: nothing that matters is beside it. */
+enum status replace_settle(const char *path, const char *named) FURROW_CHECKED;
+
 /* --- store_open.c --- */
 
 /* `as_base`: for an overlay; one that is an overlay itself is refused. */

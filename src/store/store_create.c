@@ -1,7 +1,8 @@
 /*
  * Making a store: beside its name, with no journal, in one transaction; renamed when whole.
  *
- *   create: PATH.part, locked -> put_base... -> publish: COMMIT, fsync, rename, fsync of the folder
+ *   create: PATH.part, locked -> put_base... -> publish: COMMIT, fsync, what is beside PATH goes,
+ *   fsync of the folder, rename, fsync of the folder
  *
  * Whatever fails before the rename leaves PATH as it was, and close removes PATH.part.
  */
@@ -172,9 +173,9 @@ static enum status take_base(struct store *store)
 	return status == STATUS_OK ? identity_compute(store, &store->base_hash) : status;
 }
 
-static enum status sync_path(const struct store *store, const char *path, int flags)
+static enum status sync_part(const struct store *store)
 {
-	int file = open(path, flags | O_CLOEXEC);
+	int file = open(store->part_path, O_RDONLY | O_CLOEXEC);
 	bool synced = file >= 0 && fsync(file) == 0;
 	int error = errno;
 	if (file >= 0)
@@ -184,36 +185,59 @@ static enum status sync_path(const struct store *store, const char *path, int fl
 				  strerror(error));
 }
 
-static enum status rename_part(struct store *store)
+/* What belongs to a store that is replaced would be taken for the new one's. */
+static enum status remove_beside(const struct store *store)
 {
 	static const char *const suffixes[] = {"-wal", "-shm", "-journal"};
-	enum status status = refuse_existing(store);
-	if (status != STATUS_OK)
-		return status;
-	/* What belongs to a store that is replaced would be taken for the new one's. */
-	for (size_t i = 0; i < sizeof suffixes / sizeof *suffixes; i++) {
+	enum status status = replace_settle(store->real_path, store->path);
+	for (size_t i = 0; i < sizeof suffixes / sizeof *suffixes && status == STATUS_OK; i++) {
 		char *beside = store_path_with(store->real_path, suffixes[i]);
 		if (beside == NULL)
 			return fail_memory("a store");
-		int gone = unlink(beside) == 0 || errno == ENOENT;
+		if (unlink(beside) != 0 && errno != ENOENT)
+			status = fail_with(STATUS_FAILED, "%s: its %s file cannot be removed: %s; remove it",
+					   store->path, suffixes[i], strerror(errno));
 		mem_free(beside);
-		if (!gone)
-			return fail_with(STATUS_FAILED, "%s: its %s file cannot be removed: %s; remove it",
-					 store->path, suffixes[i], strerror(errno));
 	}
-	char *folder = mem_strdup(store->real_path);
-	if (folder == NULL)
-		return fail_memory("a store");
-	if (rename(store->part_path, store->real_path) != 0) {
-		status = fail_with(STATUS_FAILED, "%s: cannot be renamed into place: %s; make its folder writable",
-				   store->path, strerror(errno));
-		mem_free(folder);
+	return status;
+}
+
+/* The folder is synced before, so that no power cut brings back what belonged to the older store,
+ * and after. Nothing but that last sync can fail once the name is the new store's. */
+static enum status rename_part(struct store *store, int folder)
+{
+	enum status status = refuse_existing(store);
+	if (status == STATUS_OK)
+		status = remove_beside(store);
+	if (status != STATUS_OK)
 		return status;
-	}
+	if (fsync(folder) != 0)
+		return fail_with(STATUS_FAILED, "%s: its folder cannot be synced: %s; check the disk", store->path,
+				 strerror(errno));
+	if (rename(store->part_path, store->real_path) != 0)
+		return fail_with(STATUS_FAILED, "%s: cannot be renamed into place: %s; make its folder writable",
+				 store->path, strerror(errno));
 	mem_free(store->part_path);
 	store->part_path = NULL;
-	status = sync_path(store, dirname(folder), O_RDONLY | O_DIRECTORY);
-	mem_free(folder);
+	if (fsync(folder) != 0)
+		return fail_with(STATUS_FAILED, "%s: is in place, but its folder cannot be synced: %s; check the disk, "
+				 "a power cut may undo it", store->path, strerror(errno));
+	return STATUS_OK;
+}
+
+static enum status put_in_place(struct store *store)
+{
+	char *path = mem_strdup(store->real_path);
+	if (path == NULL)
+		return fail_memory("a store");
+	int folder = open(dirname(path), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+	int error = errno;
+	mem_free(path);
+	if (folder < 0)
+		return fail_with(STATUS_FAILED, "%s: its folder cannot be opened: %s; make it readable", store->path,
+				 strerror(error));
+	enum status status = rename_part(store, folder);
+	close(folder);
 	return status;
 }
 
@@ -235,6 +259,6 @@ enum status store_publish(struct store *store)
 	store->db = NULL;
 	assert(code == SQLITE_OK);
 	(void)code;
-	status = sync_path(store, store->part_path, O_RDONLY);
-	return status == STATUS_OK ? rename_part(store) : status;
+	status = sync_part(store);
+	return status == STATUS_OK ? put_in_place(store) : status;
 }

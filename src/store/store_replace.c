@@ -1,0 +1,40 @@
+/*
+ * Before a store is replaced: what a killed writer left beside it goes back into it.
+ *
+ * Those files have to be gone before another file takes the name, or they would be taken for that
+ * one's. Should the rename then fail, the older store must still hold its last epoch.
+ */
+#include "store/internal.h"
+
+#include <sys/stat.h>
+
+static bool is_beside(const char *path, const char *suffix, bool *is)
+{
+	char *beside = store_path_with(path, suffix);
+	struct stat file;
+	*is = beside != NULL && stat(beside, &file) == 0 && file.st_size > 0;
+	mem_free(beside);
+	return beside != NULL;
+}
+
+enum status replace_settle(const char *path, const char *named)
+{
+	struct stat file;
+	bool wal, journal;
+	if (!is_beside(path, "-wal", &wal) || !is_beside(path, "-journal", &journal))
+		return fail_memory("a store");
+	if ((!wal && !journal) || stat(path, &file) != 0)
+		return STATUS_OK;
+	sqlite3 *db;
+	enum status status = connect_file(path, named, true, false, &db);
+	if (status != STATUS_OK)
+		return status;
+	int code = sqlite3_exec(db, "PRAGMA wal_checkpoint(TRUNCATE); PRAGMA journal_mode=DELETE", NULL, NULL, NULL);
+	/* What is no store, or a damaged one, is simply replaced. */
+	if (code != SQLITE_OK && (code & 0xff) != SQLITE_CORRUPT && (code & 0xff) != SQLITE_NOTADB)
+		status = sql_fail(db, code, named, "closing the store that is there");
+	else if (code == SQLITE_OK && connect_has_wal(path))
+		status = fail_with(STATUS_FAILED, "%s: cannot be replaced: another process reads it; wait for it to end", named);
+	sqlite3_close(db);
+	return status;
+}
