@@ -1,0 +1,68 @@
+/* Every Nth call of a kind fails, once and for good; and what a test says when that goes wrong. */
+#ifndef FURROW_TEST_FAULT_SWEEP_H
+#define FURROW_TEST_FAULT_SWEEP_H
+
+#include "../store/fixture.h"
+#include "fault_vfs.h"
+
+/* The fault that a trial is to arm: with fault_arm_for(), so that what fails can be named. */
+struct fault {
+	enum fault_kind kind;
+	uint64_t nth;
+	bool forever;
+};
+
+static struct fault fault_now;
+
+#define expect(condition)                                                                          \
+	do {                                                                                       \
+		if (!(condition))                                                                  \
+			fail_msg("%s %llu%s: not so: %s (%s)", fault_name(fault_now.kind),         \
+				 (unsigned long long)fault_now.nth,                                \
+				 fault_now.forever ? " and on" : "", #condition, failure_message()); \
+	} while (0)
+
+static UNUSED void fault_arm_for(const struct fault *fault)
+{
+	fault_now = *fault;
+	fault_arm(fault->kind, fault->nth, fault->forever);
+}
+
+/* A failure that was told: its status, and a message of the form WHAT: WHY; WHAT TO DO. It is the
+ * machine's failure and not the input's, but for a file that cannot be opened. */
+static UNUSED bool told(enum status status)
+{
+	const char *message = failure_message();
+	bool good = status == STATUS_FAILED || (status == STATUS_INPUT && fault_now.kind == FAULT_OPEN);
+	const char *why = strstr(message, ": ");
+	good = good && why != NULL && strstr(why, "; ") != NULL;
+	/* Forgotten: the next failure has to bring its own. */
+	if (good)
+		(void)!fail_with(STATUS_OK, "no message");
+	return good;
+}
+
+/* Returns how many calls of the fault's kind it made. */
+typedef uint64_t (*trial_fn)(const void *user, const struct fault *fault);
+
+/* At most about `most` Ns spread over the calls that a trial without a fault makes; returns how many
+ * were reached. With FAULT_COUNTS in the environment they are told. */
+static UNUSED uint64_t sweep(trial_fn trial, const void *user, enum fault_kind kind, uint64_t most)
+{
+	uint64_t ran = 0;
+	for (int forever = 0; forever < 2; forever++) {
+		struct fault fault = {kind, UINT64_MAX, forever};
+		uint64_t stride = trial(user, &fault) / most + 1;
+		for (fault.nth = 1;; fault.nth += stride) {
+			uint64_t calls = trial(user, &fault);
+			if (calls < fault.nth)
+				break;
+			ran++;
+		}
+	}
+	if (getenv("FAULT_COUNTS") != NULL)
+		print_message("%s: %llu\n", fault_name(kind), (unsigned long long)ran);
+	return ran;
+}
+
+#endif
