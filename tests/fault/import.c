@@ -117,12 +117,12 @@ static void expect_store(const char *path, uint64_t hash)
 }
 
 /* An import that failed or was done leaves nothing aside, unless the disk refuses to remove it. */
-static void expect_nothing_aside(const char *path)
+static void expect_nothing_aside(const char *path, const struct fault *fault)
 {
-	if (fault_now.kind == FAULT_CALL_UNLINK)
+	if (fault->kind == FAULT_CALL_UNLINK)
 		unlink(beside(path, ".part"));
 	expect(access(beside(path, ".part"), F_OK) != 0);
-	if (fault_now.kind == FAULT_CALL_UNLINK)
+	if (fault->kind == FAULT_CALL_UNLINK)
 		unlink(beside(path, "-lock"));
 	expect(access(beside(path, "-lock"), F_OK) != 0);
 }
@@ -139,7 +139,7 @@ static uint64_t trial(const void *user, const struct fault *fault)
 	bool in_place = status == STATUS_FAILED && strstr(failure_message(), "is in place") != NULL;
 	expect(status == STATUS_OK || told(status));
 	expect(calls >= fault->nth || status == STATUS_OK);
-	expect_nothing_aside(path);
+	expect_nothing_aside(path, fault);
 	if (status == STATUS_OK || in_place)
 		expect_store(path, hash_after);
 	else if (before == NOTHING)

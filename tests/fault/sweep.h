@@ -12,19 +12,20 @@ struct fault {
 	bool forever;
 };
 
-static struct fault fault_now;
+static char trial_name[96]; /* what is being tried, for a person */
+static bool trial_unopened; /* a file may be one that cannot be opened: that is the input's fault */
 
 #define expect(condition)                                                                          \
 	do {                                                                                       \
 		if (!(condition))                                                                  \
-			fail_msg("%s %llu%s: not so: %s (%s)", fault_name(fault_now.kind),         \
-				 (unsigned long long)fault_now.nth,                                \
-				 fault_now.forever ? " and on" : "", #condition, failure_message()); \
+			fail_msg("%s: not so: %s (%s)", trial_name, #condition, failure_message()); \
 	} while (0)
 
 static UNUSED void fault_arm_for(const struct fault *fault)
 {
-	fault_now = *fault;
+	snprintf(trial_name, sizeof trial_name, "%s %llu%s", fault_name(fault->kind),
+		 (unsigned long long)fault->nth, fault->forever ? " and on" : "");
+	trial_unopened = fault->kind == FAULT_OPEN;
 	fault_arm(fault->kind, fault->nth, fault->forever);
 }
 
@@ -33,11 +34,10 @@ static UNUSED void fault_arm_for(const struct fault *fault)
 static UNUSED bool told(enum status status)
 {
 	const char *message = failure_message();
-	bool good = status == STATUS_FAILED || (status == STATUS_INPUT && fault_now.kind == FAULT_OPEN);
+	bool good = status == STATUS_FAILED || (status == STATUS_INPUT && trial_unopened);
 	const char *why = strstr(message, ": ");
 	good = good && why != NULL && strstr(why, "; ") != NULL;
-	/* Forgotten: the next failure has to bring its own. */
-	if (good)
+	if (good) /* the next failure has to bring its own */
 		(void)!fail_with(STATUS_OK, "no message");
 	return good;
 }
