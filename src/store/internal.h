@@ -130,11 +130,12 @@ static inline struct rows *store_table(struct store *store, enum row_table table
 
 enum status connect_file(const char *path, const char *named, bool writing, bool immutable, sqlite3 **db)
 	FURROW_CHECKED;
-/* A reader's: falls back on `immutable` where that is safe, and says so. */
+/* A reader's: undoes what a journal says, and falls back on `immutable` where that is safe, and says so. */
 enum status connect_reader(const char *path, const char *named, bool *immutable, sqlite3 **db)
 	FURROW_CHECKED;
 /* True if pages may be beside the file. `path` is a real one. */
 bool connect_has_wal(const char *path);
+bool connect_has_journal(const char *path); /* a change to be undone may be */
 
 /* --- store_schema.c --- */
 

@@ -58,35 +58,59 @@ enum status connect_file(const char *path, const char *named, bool writing, bool
 	return status;
 }
 
+static bool has_beside(const char *path, const char *suffix)
+{
+	char beside[PATH_MAX + 16];
+	struct stat file;
+	snprintf(beside, sizeof beside, "%s%s", path, suffix);
+	return stat(beside, &file) == 0 && file.st_size > 0;
+}
+
 bool connect_has_wal(const char *path)
 {
-	char beside[PATH_MAX + 8];
-	struct stat file;
-	snprintf(beside, sizeof beside, "%s-wal", path);
-	return stat(beside, &file) == 0 && file.st_size > 0;
+	return has_beside(path, "-wal");
+}
+
+bool connect_has_journal(const char *path)
+{
+	return has_beside(path, "-journal");
+}
+
+/* After a power cut a journal may be back that a writer was done with: only who may write can undo it. */
+static enum status roll_back(const char *path, const char *named)
+{
+	sqlite3 *db;
+	enum status status = connect_file(path, named, true, false, &db);
+	if (status == STATUS_OK)
+		status = sql_exec(db, named, "undoing what a power cut left", "SELECT count(*) FROM sqlite_schema");
+	sqlite3_close(db);
+	return status;
 }
 
 enum status connect_reader(const char *path, const char *named, bool *immutable, sqlite3 **db)
 {
-	enum status status = connect_file(path, named, false, *immutable, db);
-	if (status != STATUS_OK || *immutable)
-		return status;
-	int code = sqlite3_exec(*db, "SELECT count(*) FROM sqlite_schema", NULL, NULL, NULL);
-	if (code == SQLITE_OK)
-		return STATUS_OK;
-	/* A store whose writer did not end cleanly says WAL; where its folder cannot be written,
-	 * SQLite cannot make the file beside it that WAL needs, nor is one needed without a WAL. */
-	bool beside = (code & 0xff) == SQLITE_CANTOPEN || (code & 0xff) == SQLITE_READONLY;
-	if (!beside) {
-		status = sql_fail(*db, code, named, "opening it");
-	} else if (connect_has_wal(path)) {
-		status = fail_with(STATUS_INPUT, "%s: its last writer did not close it and its folder cannot be "
-				   "written; copy it and its -wal file to a folder that can", named);
+	for (bool undone = false;; undone = true) {
+		enum status status = connect_file(path, named, false, *immutable, db);
+		if (status != STATUS_OK || *immutable)
+			return status;
+		int code = sqlite3_exec(*db, "SELECT count(*) FROM sqlite_schema", NULL, NULL, NULL);
+		if (code == SQLITE_OK)
+			return STATUS_OK;
+		/* A store whose writer did not end cleanly says WAL; where its folder cannot be written,
+		 * SQLite cannot make the file beside it that WAL needs, nor is one needed without a WAL. */
+		bool beside = (code & 0xff) == SQLITE_CANTOPEN || (code & 0xff) == SQLITE_READONLY;
+		bool journal = connect_has_journal(path);
+		if (!beside || (journal && undone))
+			status = sql_fail(*db, code, named, "opening it");
+		else if (!journal && connect_has_wal(path))
+			status = fail_with(STATUS_INPUT, "%s: its last writer did not close it and its folder cannot be "
+					   "written; copy it and its -wal file to a folder that can", named);
+		sqlite3_close(*db);
+		*db = NULL;
+		if (status == STATUS_OK && journal)
+			status = roll_back(path, named);
+		if (status != STATUS_OK)
+			return status;
+		*immutable = !journal;
 	}
-	sqlite3_close(*db);
-	*db = NULL;
-	if (status != STATUS_OK)
-		return status;
-	*immutable = true;
-	return connect_file(path, named, false, true, db);
 }

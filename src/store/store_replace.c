@@ -8,22 +8,10 @@
 
 #include <sys/stat.h>
 
-static bool is_beside(const char *path, const char *suffix, bool *is)
-{
-	char *beside = store_path_with(path, suffix);
-	struct stat file;
-	*is = beside != NULL && stat(beside, &file) == 0 && file.st_size > 0;
-	mem_free(beside);
-	return beside != NULL;
-}
-
 enum status replace_settle(const char *path, const char *named)
 {
 	struct stat file;
-	bool wal, journal;
-	if (!is_beside(path, "-wal", &wal) || !is_beside(path, "-journal", &journal))
-		return fail_memory("a store");
-	if ((!wal && !journal) || stat(path, &file) != 0)
+	if ((!connect_has_wal(path) && !connect_has_journal(path)) || stat(path, &file) != 0)
 		return STATUS_OK;
 	sqlite3 *db;
 	enum status status = connect_file(path, named, true, false, &db);
