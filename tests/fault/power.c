@@ -1,0 +1,177 @@
+/*
+ * Law 6 when the power is cut: after any operation of an import and of a run of epochs, whatever of
+ * the unsynced the disk then holds.
+ *
+ * Exhaustive over the operations; of what a disk may hold after each, SEEDS are tried: nothing that
+ * was not synced, all of it, and some of it in some order.
+ */
+#include "epochs.h"
+#include "intake.h"
+#include "power_vfs.h"
+
+#define SEEDS 12
+
+static void folder_empty(const char *of)
+{
+	DIR *dir = opendir(of);
+	assert_non_null(dir);
+	for (struct dirent *entry; (entry = readdir(dir)) != NULL;) {
+		char path[512];
+		snprintf(path, sizeof path, "%s/%s", of, entry->d_name);
+		if (entry->d_name[0] != '.')
+			unlink(path);
+	}
+	closedir(dir);
+}
+
+static void name_trial(const char *what, uint64_t cut, int seed)
+{
+	snprintf(trial_name, sizeof trial_name, "%s, power cut at operation %llu, disk %d", what,
+		 (unsigned long long)cut, seed);
+}
+
+static const char *image(const char *what, uint64_t cut, uint32_t seed)
+{
+	static char path[256];
+	name_trial(what, cut, (int)seed);
+	folder_empty(in_folder("cut"));
+	power_image(seed, in_folder("cut"));
+	snprintf(path, sizeof path, "%s", in_folder("cut/trial.furrow"));
+	return path;
+}
+
+/* --- an import --- */
+
+static uint64_t cut_import(enum before before, uint64_t cut)
+{
+	char path[256];
+	snprintf(path, sizeof path, "%s", in_folder("disk/trial.furrow"));
+	folder_empty(in_folder("disk"));
+	put_before(path, before);
+	name_trial("import", cut, -1);
+	power_begin(in_folder("disk"), cut);
+	enum status status = import(path);
+	uint64_t operations = power_end();
+	expect(status == STATUS_OK || operations >= cut);
+	expect(status == STATUS_OK || told(status));
+	for (uint32_t seed = 0; seed < SEEDS; seed++) {
+		const char *found = image("import", cut, seed);
+		bool there = access(found, F_OK) == 0;
+		expect(there || (before == NOTHING && status != STATUS_OK));
+		if (there)
+			expect_one_of(found, status == STATUS_OK || before == NOTHING ? hash_after : hash_before[before],
+				      hash_after);
+		if (seed % 3 != 0)
+			continue;
+		/* What is left of it is not in the next one's way. */
+		expect(import(found) == STATUS_OK);
+		expect_store(found, hash_after);
+		expect(access(beside(found, ".part"), F_OK) != 0 && access(beside(found, "-wal"), F_OK) != 0);
+	}
+	return operations;
+}
+
+static void every_import_cut(enum before before)
+{
+	uint64_t cut = 1;
+	while (cut_import(before, cut) >= cut)
+		cut++;
+	assert_true(cut > 10);
+	if (getenv("FAULT_COUNTS") != NULL)
+		print_message("power cuts: %llu\n", (unsigned long long)cut);
+}
+
+static void a_power_cut_leaves_no_part_of_an_import(void **state)
+{
+	every_import_cut(NOTHING);
+}
+
+static void a_power_cut_leaves_the_store_or_the_one_it_was_to_replace(void **state)
+{
+	every_import_cut(STORE);
+	every_import_cut(KILLED);
+}
+
+/* --- epochs --- */
+
+static uint64_t cut_epochs(bool durable_full, uint64_t cut)
+{
+	const char *what = durable_full ? "full" : "normal";
+	char path[256];
+	snprintf(path, sizeof path, "%s", in_folder("disk/trial.furrow"));
+	struct outcome outcome = {0};
+	struct store *store;
+	folder_empty(in_folder("disk"));
+	copy_file(in_folder("fresh"), path);
+	name_trial(what, cut, -1);
+	power_begin(in_folder("disk"), cut);
+	enum status status = store_open(path, &(struct store_options){STORE_WRITE, durable_full}, &store);
+	expect(status == STATUS_OK || told(status));
+	if (status == STATUS_OK) {
+		expect(store_set_working_level(store, LEVEL) == STATUS_OK);
+		drive(store, true, &outcome);
+		store_close(store);
+	}
+	uint64_t operations = power_end();
+	/* Closing is a checkpoint too. */
+	if (operations < cut)
+		outcome.checkpointed = outcome.acknowledged;
+	expect(operations >= cut || outcome.acknowledged == EPOCHS);
+	int least = durable_full ? outcome.acknowledged : outcome.checkpointed;
+	for (uint32_t seed = 0; seed < SEEDS; seed++) {
+		const char *found = image(what, cut, seed);
+		int epochs = look(found, least, outcome.acknowledged + outcome.unknown);
+		if (seed % 3 == 0)
+			go_on(found, epochs);
+	}
+	return operations;
+}
+
+static void every_epoch_cut(bool durable_full)
+{
+	uint64_t cut = 1;
+	while (cut_epochs(durable_full, cut) >= cut)
+		cut++;
+	assert_true(cut > 50);
+	if (getenv("FAULT_COUNTS") != NULL)
+		print_message("power cuts: %llu\n", (unsigned long long)cut);
+}
+
+static void a_power_cut_leaves_the_last_epoch_that_was_synced(void **state)
+{
+	every_epoch_cut(false);
+}
+
+static void a_power_cut_leaves_the_last_epoch_when_every_commit_is_synced(void **state)
+{
+	every_epoch_cut(true);
+}
+
+static int enter(void **state)
+{
+	if (folder_make(state) != 0)
+		return -1;
+	trial_unopened = true;
+	make_reference();
+	make_imports();
+	return mkdir(in_folder("disk"), 0777) + mkdir(in_folder("cut"), 0777);
+}
+
+static int leave(void **state)
+{
+	folder_empty(in_folder("disk"));
+	folder_empty(in_folder("cut"));
+	return rmdir(in_folder("disk")) + rmdir(in_folder("cut")) + folder_remove(state);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_power_cut_leaves_no_part_of_an_import),
+		cmocka_unit_test(a_power_cut_leaves_the_store_or_the_one_it_was_to_replace),
+		cmocka_unit_test(a_power_cut_leaves_the_last_epoch_that_was_synced),
+		cmocka_unit_test(a_power_cut_leaves_the_last_epoch_when_every_commit_is_synced),
+	};
+	power_install();
+	return cmocka_run_group_tests(tests, enter, leave);
+}
