@@ -27,7 +27,6 @@ struct bench {
 	struct store *store;
 	struct store_reader *reader;
 	double step;
-	bool hard;
 	struct tile *tiles;
 	size_t count, posts; /* tiles; posts of a tile */
 	struct codec codec;
@@ -67,7 +66,7 @@ static void encode(void *user, size_t i)
 	struct bench *bench = user;
 	const void *bytes;
 	size_t size;
-	codec_encode(&bench->codec, bench->planes[i], bench->hard, &bytes, &size);
+	codec_encode(&bench->codec, bench->planes[i], &bytes, &size);
 }
 
 static void decode(void *user, size_t i)
@@ -184,10 +183,10 @@ static void begin(struct bench *bench, const char *path)
 	bench_must(store_reader_create(bench->store, &bench->reader));
 	const struct store_meta *meta = store_meta(bench->store);
 	bench->step = meta->step;
-	bench->hard = meta->pack == STORE_PACK_SMALL;
 	bench->posts = (size_t)tile_posts(&meta->world) * tile_posts(&meta->world);
 	bench->tiles = bench_tiles(&meta->world, TILES_MOST, &bench->count);
-	bench_must(codec_init(&bench->codec, tile_posts(&meta->world)));
+	bench_must(codec_init(&bench->codec, tile_posts(&meta->world),
+			      meta->pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_FAST));
 	bench->planes = must_alloc(bench->count, sizeof *bench->planes);
 	bench->blobs = must_alloc(bench->count, sizeof *bench->blobs);
 	bench->out = must_alloc(bench->posts, sizeof *bench->out);
