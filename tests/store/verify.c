@@ -248,7 +248,7 @@ static void rows_that_do_not_belong_are_found(void **state)
 	assert_told(path, "offset tile level -1 x 3 y 2: all its posts are zero");
 	path = deformed_store("big.furrow");
 	edit_row(path, ROW_SOIL, (struct tile){-1, 3, 2}, edit_big);
-	assert_told(path, "soil tile level -1 x 3 y 2: its planes");
+	assert_told(path, "soil tile level -1 x 3 y 2: its dirt is beyond 255");
 	path = deformed_store("far.furrow");
 	raw_sql(path, "INSERT INTO \"offset\" SELECT key + 1000000, low, high, below, above, codec, revision, hash, "
 		      "blob FROM \"offset\" LIMIT 1");
