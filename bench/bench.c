@@ -42,9 +42,9 @@ const char *bench_path(const char *name)
 	return path;
 }
 
-static enum status rows(void *user, int64_t y0, int64_t count, double *heights)
+static enum status posts(void *user, struct post_rect rect, double *heights)
 {
-	dem_synth_rows(user, y0, count, heights);
+	dem_synth_posts(user, rect, heights);
 	return STATUS_OK;
 }
 
@@ -67,7 +67,8 @@ void bench_store(const char *path, const struct dem_synth *synth, uint32_t cells
 	};
 	struct store *store;
 	bench_must(store_create(path, &meta, true, &store));
-	bench_must(dem_cut(&meta.world, meta.step, rows, &copy, put, store, NULL, NULL));
+	bench_must(dem_cut(&(struct dem_cut){.world = &meta.world, .step = meta.step, .posts = posts, .posts_user = &copy,
+					     .emit = put, .emit_user = store}));
 	bench_must(store_publish(store));
 	store_close(store);
 }

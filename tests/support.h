@@ -58,12 +58,12 @@ struct support_ground {
 	support_height height;
 };
 
-static inline enum status support_rows(void *user, int64_t y0, int64_t rows, double *heights)
+static inline enum status support_posts(void *user, struct post_rect rect, double *heights)
 {
 	const struct support_ground *ground = user;
-	for (int64_t y = 0; y < rows; y++)
-		for (int64_t x = 0; x < ground->world->width; x++)
-			*heights++ = ground->height(x, y0 + y);
+	for (int64_t y = rect.y0; y < rect.y1; y++)
+		for (int64_t x = rect.x0; x < rect.x1; x++)
+			*heights++ = ground->height(x, y);
 	return STATUS_OK;
 }
 
@@ -80,7 +80,8 @@ static inline void support_store(const char *path, struct world world, support_h
 				  .vertical = "", .sources = "a function"};
 	struct store *store;
 	must(store_create(path, &meta, true, &store));
-	must(dem_cut(&world, meta.step, support_rows, &ground, support_put, store, NULL, NULL));
+	must(dem_cut(&(struct dem_cut){.world = &world, .step = meta.step, .posts = support_posts, .posts_user = &ground,
+				       .emit = support_put, .emit_user = store}));
 	must(store_publish(store));
 	store_close(store);
 }

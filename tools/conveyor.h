@@ -1,6 +1,6 @@
 /*
- * Tiles from the thread that cuts them to the one that codes and stores them, in order, through a
- * few buffers: the two halves of an import at once.
+ * Tiles from the thread that cuts them to the store: packed by several threads at once, stored in the
+ * order they were cut in.
  */
 #ifndef FURROW_TOOLS_CONVEYOR_H
 #define FURROW_TOOLS_CONVEYOR_H
@@ -10,11 +10,18 @@
 
 struct conveyor;
 
-/* From now on only the conveyor's thread uses the store, until conveyor_finish. */
-enum status conveyor_create(struct store *store, uint32_t cells, struct conveyor **out) FURROW_CHECKED;
-/* A dem_tile_fn: copies the tile; waits while all buffers are full. A failure of the other thread
- * comes back here. */
+/*
+ * `jobs` threads pack beside the one that cuts; with 1 that one does it all. The first `stored` tiles
+ * are in the store already and are let pass. From now on only the conveyor uses the store, until
+ * conveyor_finish.
+ */
+enum status conveyor_create(struct store *store, int64_t jobs, int64_t stored, struct conveyor **out)
+	FURROW_CHECKED;
+/* A dem_tile_fn: copies the tile; waits while all buffers are full. A failure of another thread comes
+ * back here. */
 enum status conveyor_put(void *conveyor, const struct dem_tile *tile) FURROW_CHECKED;
+/* A dem_known_fn: the tiles that are stored. */
+enum status conveyor_known(void *conveyor, struct tile tile, int32_t *codes, bool *known) FURROW_CHECKED;
 /* Waits until everything is stored; destroys it. */
 enum status conveyor_finish(struct conveyor *conveyor) FURROW_CHECKED;
 

@@ -1,7 +1,8 @@
 /* furrow import: elevation data to a store. */
-#include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "command.h"
 #include "intake.h"
@@ -18,7 +19,8 @@ static const struct command_option options[] = {
 	{"fill", NULL, "fill holes from their rims"},
 	{"height-range", "MIN,MAX", "metres that a PNG's 0 and full scale mean (one metre a unit)"},
 	{"pack", "KIND", "fast (default) or small"},
-	{"jobs", "N", "threads: 1, or 2 and more to cut and to store at once (the machine's cores)"},
+	{"jobs", "N", "threads that pack tiles beside the one that reads; 1: one for everything (the machine's cores)"},
+	{"resume", NULL, "go on with an import that was broken off or killed; the same store, whatever --jobs"},
 	{"overwrite", NULL, "replace STORE"},
 	{"dry-run", NULL, "say what would be made, and make nothing"},
 	{NULL, NULL, NULL},
@@ -69,6 +71,7 @@ static enum status read_request(const struct arguments *arguments, const char **
 	if (status == STATUS_OK)
 		status = arguments_numbers(arguments, "height-range", 2, range, &request->dem.has_height_range);
 	request->dem.resample = (enum dem_resample)method;
+	request->dem.jobs = request->jobs;
 	request->dem.height_min = range[0];
 	request->dem.height_max = range[1];
 	const char *text;
@@ -118,19 +121,6 @@ static void note_sentinel(const struct intake *intake)
 		     "again with --nodata and that value", intake->low);
 }
 
-/*
- * Codes are whole steps. A step that is a power of two makes every stored height exact in a float,
- * so that the bound holds in an exported raster too; the source's own unit makes whole numbers exact.
- */
-static double step_for(double max_error, double unit)
-{
-	if (max_error == 0 || max_error == unit / 2)
-		return 2 * max_error;
-	int exponent;
-	(void)frexp(2 * max_error, &exponent);
-	return ldexp(1, exponent - 1);
-}
-
 static char *join_lines(const char *const *lines, size_t count)
 {
 	size_t bytes = 1;
@@ -144,16 +134,49 @@ static char *join_lines(const char *const *lines, size_t count)
 	return text;
 }
 
-static enum status read_rows(void *user, int64_t y0, int64_t rows, double *heights)
+static enum status read_posts(void *user, struct post_rect rect, double *heights)
 {
-	return dem_read_rows(user, y0, rows, heights);
+	return dem_read(user, rect, heights);
+}
+
+/*
+ * All that decides what the store will hold, a line each: what was asked for and, for each source, its
+ * size and when it was last changed. NULL without memory.
+ */
+static char *describe_request(const struct request *request, const struct dem_info *info, double step)
+{
+	char *text = NULL;
+	size_t size = 0;
+	FILE *out = open_memstream(&text, &size);
+	if (out == NULL)
+		return NULL;
+	const struct dem_params *dem = &request->dem;
+	fprintf(out, "posts %lld %lld tile %lld step %.17g pack %d spacing %.17g origin %.17g %.17g\n",
+		(long long)info->width, (long long)info->height, (long long)request->tile, step, request->pack,
+		info->spacing, info->origin[0], info->origin[1]);
+	fprintf(out, "resample %d fill %d range %d %.17g %.17g nodata", (int)dem->resample, dem->fill,
+		dem->has_height_range, dem->height_min, dem->height_max);
+	for (size_t i = 0; i < dem->nodata_count; i++)
+		fprintf(out, " %.17g", dem->nodata[i]);
+	fprintf(out, "\nsrs %s\nfrom %s\n", info->srs, dem->s_srs != NULL ? dem->s_srs : "");
+	for (size_t i = 0; i < info->source_count; i++) {
+		struct stat file = {0};
+		(void)stat(info->sources[i], &file); /* what GDAL reads need not be a file */
+		fprintf(out, "%lld bytes of %lld.%09ld %s\n", (long long)file.st_size, (long long)file.st_mtim.tv_sec,
+			(long)file.st_mtim.tv_nsec, info->sources[i]);
+	}
+	bool whole = ferror(out) == 0;
+	if (fclose(out) == 0 && whole)
+		return text;
+	free(text);
+	return NULL;
 }
 
 static enum status run(const struct arguments *arguments)
 {
 	struct request request = {.tile = 256, .jobs = thread_cores(), .max_error = -1};
 	struct dem *dem = NULL;
-	char *lines = NULL;
+	char *lines = NULL, *description = NULL;
 	const char **sources = mem_calloc(arguments_count(arguments) + 1, sizeof *sources);
 	enum status status = sources != NULL ? STATUS_OK : fail_memory("sources");
 	if (status == STATUS_OK)
@@ -165,25 +188,29 @@ static enum status run(const struct arguments *arguments)
 
 	const struct dem_info *info = dem_info(dem);
 	double max_error = request.max_error >= 0 ? request.max_error : intake_default_error(info->unit);
+	double step = intake_step(max_error, info->unit);
 	lines = join_lines(info->sources, info->source_count);
-	if (lines == NULL) {
+	description = describe_request(&request, info, step);
+	if (lines == NULL || description == NULL) {
 		status = fail_memory("sources");
 		goto done;
 	}
 	struct intake intake = {
 		.path = request.path,
 		.overwrite = arguments_flag(arguments, "overwrite"),
+		.resume = arguments_flag(arguments, "resume"),
 		.jobs = request.jobs,
-		.rows = read_rows,
-		.rows_user = dem,
+		.posts = read_posts,
+		.posts_user = dem,
 		.meta = {
 			.world = {info->width, info->height, info->spacing, (uint32_t)request.tile},
-			.step = step_for(max_error, info->unit),
+			.step = step,
 			.max_error = max_error,
 			.srs = info->srs,
 			.origin = {info->origin[0], info->origin[1]},
 			.vertical = info->vertical,
 			.sources = lines,
+			.request = description,
 			.pack = (enum store_pack)request.pack,
 		},
 	};
@@ -201,6 +228,7 @@ static enum status run(const struct arguments *arguments)
 done:
 	dem_close(dem);
 	mem_free(lines);
+	free(description);
 	mem_free(sources);
 	return status;
 }

@@ -1,6 +1,7 @@
 /* Rows of posts into a store: cut, coded, written aside, renamed when whole. */
 #include "intake.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <sys/stat.h>
 
@@ -12,44 +13,67 @@ double intake_default_error(double unit)
 	return unit > 0 ? unit / 2 : 0.001;
 }
 
-static enum status put_tile(void *user, const struct dem_tile *tile)
+double intake_step(double max_error, double unit)
 {
-	struct store_range range = {tile->low, tile->high, tile->error};
-	return store_put_base(user, tile->tile, tile->codes, &range);
+	if (max_error == 0 || max_error == unit / 2)
+		return 2 * max_error;
+	int exponent;
+	(void)frexp(2 * max_error, &exponent);
+	return ldexp(1, exponent - 1);
 }
 
-/* Cuts and stores in turn, or at once in two threads. */
-static enum status cut_and_store(const struct intake *intake, struct store *store, struct progress *progress)
+static enum status cut_and_store(const struct intake *intake, struct store *store, int64_t stored,
+				 struct progress *progress)
 {
-	const struct world *world = &intake->meta.world;
 	struct conveyor *conveyor = NULL;
-	if (intake->jobs < 2)
-		return dem_cut(world, intake->meta.step, intake->rows, intake->rows_user, put_tile, store, progress_step,
-			       progress);
-	enum status status = conveyor_create(store, world->cells, &conveyor);
+	enum status status = conveyor_create(store, intake->jobs, stored, &conveyor);
 	if (status != STATUS_OK)
 		return status;
-	status = dem_cut(world, intake->meta.step, intake->rows, intake->rows_user, conveyor_put, conveyor, progress_step,
-			 progress);
+	status = dem_cut(&(struct dem_cut){
+		.world = &intake->meta.world,
+		.step = intake->meta.step,
+		.posts = intake->posts,
+		.posts_user = intake->posts_user,
+		.emit = conveyor_put,
+		.emit_user = conveyor,
+		.known = stored > 0 ? conveyor_known : NULL,
+		.known_user = conveyor,
+		.progress = progress_step,
+		.progress_user = progress,
+	});
 	struct failure failure;
 	failure_capture(&failure, status);
-	enum status stored = conveyor_finish(conveyor);
-	return status == STATUS_OK ? stored : failure_restore(&failure);
+	enum status done = conveyor_finish(conveyor);
+	return status == STATUS_OK ? done : failure_restore(&failure);
+}
+
+/* Ctrl-C: what is stored is kept for --resume. */
+static enum status suspend(const struct intake *intake, struct store *store)
+{
+	enum status status = store_suspend(store);
+	return status != STATUS_OK ? status
+				   : fail_with(STATUS_INTERRUPTED, "%s: interrupted; the same command with --resume goes on",
+					       intake->path);
 }
 
 enum status intake_run(struct intake *intake)
 {
 	struct store *store = NULL;
 	double started = clock_seconds();
+	int64_t stored = 0;
 	interrupt_catch();
-	enum status status = store_create(intake->path, &intake->meta, intake->overwrite, &store);
+	enum status status = intake->resume
+				     ? store_resume(intake->path, &intake->meta, intake->overwrite, &store, &stored)
+				     : store_create(intake->path, &intake->meta, intake->overwrite, &store);
 	if (status != STATUS_OK)
 		return status;
 	struct progress progress;
 	progress_start(&progress, intake->path, "rows");
 	const struct world *world = &intake->meta.world;
-	status = cut_and_store(intake, store, &progress);
+	status = cut_and_store(intake, store, stored, &progress);
 	progress_end(&progress);
+	if (status == STATUS_INTERRUPTED && intake->meta.request != NULL)
+		return suspend(intake, store);
 	if (status == STATUS_OK)
 		status = store_publish(store);
 	if (status == STATUS_OK)
@@ -57,6 +81,8 @@ enum status intake_run(struct intake *intake)
 	store_close(store);
 	if (status != STATUS_OK)
 		return status;
+	if (stored > 0)
+		printf("%s: %lld tiles were there from before\n", intake->path, (long long)stored);
 	struct stat file;
 	double bytes = stat(intake->path, &file) == 0 ? (double)file.st_size : 0;
 	double posts = (double)world->width * (double)world->height, seconds = clock_seconds() - started;

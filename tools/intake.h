@@ -7,18 +7,23 @@
 
 struct intake {
 	const char *path; /* of the store to make */
-	struct store_meta meta;
-	bool overwrite;
-	int64_t jobs; /* threads; more than 2 find nothing to do */
+	struct store_meta meta; /* with a request, what Ctrl-C breaks off can be resumed */
+	bool overwrite, resume;
+	int64_t jobs; /* threads that pack; 1: one thread for everything */
+	dem_posts_fn posts;
+	void *posts_user;
 	double low; /* out: the lowest height, metres; above 0 if nothing was made */
-	dem_rows_fn rows;
-	void *rows_user;
 };
 
 /* Makes the store whole or not at all, with a progress line, and says where it is. */
 enum status intake_run(struct intake *intake) FURROW_CHECKED;
 
-/* 0 was given as "the default": half the source's own unit, or a millimetre for floats. */
+/* Half the source's own unit, or a millimetre for floats (unit 0). */
 double intake_default_error(double unit);
+/*
+ * Codes are whole steps of this. A step that is a power of two makes every stored height exact in a float,
+ * so that the bound holds in an exported raster too; the source's own unit makes whole numbers exact.
+ */
+double intake_step(double max_error, double unit);
 
 #endif

@@ -17,9 +17,9 @@ static const struct command_option options[] = {
 	{NULL, NULL, NULL},
 };
 
-static enum status synth_rows(void *user, int64_t y0, int64_t rows, double *heights)
+static enum status synth_posts(void *user, struct post_rect rect, double *heights)
 {
-	dem_synth_rows(user, y0, rows, heights);
+	dem_synth_posts(user, rect, heights);
 	return STATUS_OK;
 }
 
@@ -47,7 +47,7 @@ static enum status write_raster(struct dem_synth *synth, const char *path, bool 
 		status = fail_memory("synthetic rows");
 	for (int64_t y = 0; y < synth->height && status == STATUS_OK; y += band) {
 		int64_t rows = synth->height - y < band ? synth->height - y : band;
-		dem_synth_rows(synth, y, rows, heights);
+		dem_synth_posts(synth, (struct post_rect){0, y, synth->width, y + rows}, heights);
 		status = dem_writer_rows(writer, rows, heights);
 		if (status == STATUS_OK)
 			status = progress_step(&progress, y + rows, synth->height);
@@ -119,12 +119,12 @@ static enum status run(const struct arguments *arguments)
 		.path = path,
 		.overwrite = arguments_flag(arguments, "overwrite"),
 		.jobs = thread_cores(),
-		.rows = synth_rows,
-		.rows_user = &synth,
+		.posts = synth_posts,
+		.posts_user = &synth,
 		.meta = {
 			.world = {synth.width, synth.height, synth.spacing, 256},
 			.max_error = intake_default_error(0),
-			.step = 2 * intake_default_error(0),
+			.step = intake_step(intake_default_error(0), 0),
 			.srs = "",
 			.vertical = "",
 			.sources = sources,

@@ -49,9 +49,13 @@ static inline bool height_code_encode(double metres, double step, int32_t *code)
 	double units = metres / step;
 	if (fabs(units) > 2147483000.0)
 		return false;
-	*code = (int32_t)llround(units);
+	*code = (int32_t)nearbyint(units); /* ties to even */
 	return true;
 }
+
+/* A row of them; returns how many were coded: `count`, or where the first is that cannot be. Ties between
+ * two codes go to the even one. */
+int64_t height_code_row(const double *metres, int64_t count, double step, int32_t *codes);
 
 static inline double height_code_metres(int32_t code, double step)
 {

@@ -24,6 +24,7 @@ struct dem_params {
 	enum dem_resample resample;
 	const double *nodata; /* further values that mean nodata, in the source's unit */
 	size_t nodata_count;
+	int64_t jobs; /* threads that may project; 0: 1 */
 	bool fill; /* fill holes by interpolation from their rims */
 	bool has_height_range;
 	double height_min, height_max; /* metres that a PNG's 0 and full scale mean */
@@ -50,9 +51,9 @@ enum status dem_open(const struct dem_params *params, struct dem **out) FURROW_C
 void dem_close(struct dem *dem); /* takes NULL */
 const struct dem_info *dem_info(const struct dem *dem);
 
-/* Rows y0 .. y0 + rows - 1 counted from the south, `width` posts each, metres, NaN where nodata.
- * Rows are best read in growing order. */
-enum status dem_read_rows(struct dem *dem, int64_t y0, int64_t rows, double *heights) FURROW_CHECKED;
+/* Posts of `rect` (row 0 south, within the terrain), row by row, metres, NaN where nodata. Best read in
+ * strips, from south to north. */
+enum status dem_read(struct dem *dem, struct post_rect rect, double *heights) FURROW_CHECKED;
 
 /* One tile as it is cut, finest first: every tile comes after the tiles it covers. */
 struct dem_tile {
@@ -63,18 +64,30 @@ struct dem_tile {
 };
 
 typedef enum status (*dem_tile_fn)(void *user, const struct dem_tile *tile);
-/* `done` of `total` level-0 rows; return other than STATUS_OK to stop (Ctrl-C). */
+/* `done` of `total` rows of level 0 (of every panel); return other than STATUS_OK to stop (Ctrl-C). */
 typedef enum status (*dem_progress_fn)(void *user, int64_t done, int64_t total);
-typedef enum status (*dem_rows_fn)(void *user, int64_t y0, int64_t rows, double *heights);
+/* As dem_read: posts of a rectangle. */
+typedef enum status (*dem_posts_fn)(void *user, struct post_rect rect, double *heights);
+/* A tile of level 0 cut before, by a cut that was broken off: its codes. *known false: not there. */
+typedef enum status (*dem_known_fn)(void *user, struct tile tile, int32_t *codes, bool *known);
 
-/*
- * Cuts rows (asked for south to north from `rows`) into tiles of every level from 0 to the
- * coarsest, decimating; heights are coded with `step` (base/height_code.h). A height that cannot be
- * coded is STATUS_INPUT.
- */
-enum status dem_cut(const struct world *world, double step, dem_rows_fn rows, void *rows_user,
-		    dem_tile_fn emit, void *emit_user, dem_progress_fn progress, void *progress_user)
-	FURROW_CHECKED;
+struct dem_cut {
+	const struct world *world;
+	double step; /* of height codes (base/height_code.h) */
+	dem_posts_fn posts;
+	void *posts_user;
+	dem_tile_fn emit;
+	void *emit_user;
+	dem_known_fn known; /* NULL: nothing is; else a cut emits the same tiles, and asks for fewer posts */
+	void *known_user;
+	dem_progress_fn progress; /* NULL: not told */
+	void *progress_user;
+	int64_t panel_posts; /* of a row that are held at once, about; 0: so that memory stays below 80 MB */
+};
+
+/* Cuts posts into tiles of every level from 0 to the coarsest, decimating. The order of the tiles depends
+ * on the world and panel_posts alone. A height that cannot be coded is STATUS_INPUT. */
+enum status dem_cut(const struct dem_cut *cut) FURROW_CHECKED;
 
 /* Synthetic terrain: any row of any size at once, the same posts whatever is asked with them. */
 enum dem_synth_kind { DEM_SYNTH_RIDGED, DEM_SYNTH_DUNES, DEM_SYNTH_PLAIN };
@@ -86,7 +99,7 @@ struct dem_synth {
 	uint64_t seed;
 };
 
-void dem_synth_rows(const struct dem_synth *synth, int64_t y0, int64_t rows, double *heights);
+void dem_synth_posts(const struct dem_synth *synth, struct post_rect rect, double *heights);
 
 bool dem_path_ends(const char *path, const char *extension); /* in any case, as in ".png" */
 

@@ -1,55 +1,70 @@
 /*
- * Rows of posts to tiles of every level, in one pass from south to north.
+ * Posts to tiles of every level, in one pass.
  *
- *   rows -> band 0 -> tiles of level 0 -> every second row and post -> band 1 -> ... -> coarsest
+ *   posts -> a band of rows -> tiles of level 0 -> every second post into the tile above -> ...
  *
- * A level holds one band: (cells + 1) rows as wide as its tiles. A full band is cut, decimated into
- * the next level's and begun again with its last row, which is the next tiles' first.
+ * The terrain is cut in panels from west to east, each from south to north, so that a band is never
+ * wider than memory allows; most terrains are one panel. A tile that is being put together from
+ * those below it is open. Of a level no coarser than a panel is wide, one row of tiles is open at
+ * once; of a coarser one, one column.
  *
- * Invariants: (1) a band's tiles are emitted before any of its rows reaches the coarser band, so a
- * tile comes after all it covers; (2) posts beyond the terrain are nodata in every band; (3) what is
- * known of a tile's subtree lies in its level's `under` until the tile is emitted.
+ * Invariants: (1) a tile is emitted as soon as the last of those below it was, so it comes after
+ * all it covers, and the order depends on the terrain's size only; (2) posts beyond the terrain are
+ * nodata; (3) the first row of a band is the last of the one before.
  */
 #include "dem/dem.h"
 
 #include <assert.h>
 #include <math.h>
 
+#include "dem_measure.h"
+
 #define STRIP_POSTS (1 << 20) /* of doubles asked for at once, about */
+#define PANEL_POSTS (1 << 23) /* of a band and, about as many again, of open tiles */
 
-/* What the tiles below one tile hold. */
-struct under {
-	double low, high, error; /* metres; low and high NaN while there is no data */
+struct open {
+	bool begun;
+	int32_t *codes; /* kept for the next tile in its place */
+	double low, high, error; /* metres, over what is below; low and high NaN while there is no data */
 };
 
-struct band {
-	uint32_t tiles_x, tiles_y;
-	int64_t width;       /* posts: tiles_x * cells + 1 */
-	uint32_t filled;     /* rows, of cells + 1 */
-	uint32_t tile_y;     /* of the band being filled */
-	int32_t *codes;      /* cells + 1 rows */
-	struct under *under; /* tiles_x; NULL at level 0 */
-};
-
-struct cut {
+struct cutting {
+	const struct dem_cut *cut;
 	const struct world *world;
-	double step;
-	dem_tile_fn emit;
-	void *emit_user;
+	size_t posts;        /* of a tile */
 	int coarsest;
-	struct band bands[TILE_LEVEL_MAX + 1];
-	int32_t *codes; /* of the tile being emitted */
-	double low, high; /* over all posts so far */
+	int panel_level;     /* a tile of this level is as wide as a panel */
+	int64_t panel;       /* the panel being cut */
+	int64_t x0, width;   /* its first post and how many */
+	int64_t stride;      /* posts of a band's row */
+	int32_t *band;       /* cells + 1 rows */
+	uint32_t filled;     /* rows */
+	uint32_t tile_y;     /* of the band */
+	int32_t *tile;       /* the one being emitted */
+	double *heights;
+	int64_t strip;       /* rows of them */
+	int64_t rows_done;   /* over all panels */
+	struct open *open[TILE_LEVEL_MAX + 1]; /* by level, from 1 */
 };
 
-static enum status band_full(struct cut *cut, int level);
-
-static void widen(struct under *range, double low, double high)
+static int64_t smaller(int64_t a, int64_t b)
 {
-	if (isnan(low))
-		return;
-	range->low = isnan(range->low) || low < range->low ? low : range->low;
-	range->high = isnan(range->high) || high > range->high ? high : range->high;
+	return a < b ? a : b;
+}
+
+static int64_t open_count(const struct cutting *cutting, int level)
+{
+	return level <= cutting->panel_level
+		       ? smaller((int64_t)1 << (cutting->panel_level - level), world_tiles_x(cutting->world, level))
+		       : world_tiles_y(cutting->world, level);
+}
+
+static struct open *open_at(const struct cutting *cutting, struct tile tile)
+{
+	int64_t at = tile.level <= cutting->panel_level
+			     ? tile.x - (cutting->panel << (cutting->panel_level - tile.level))
+			     : tile.y;
+	return &cutting->open[tile.level][at];
 }
 
 static void codes_clear(int32_t *codes, int64_t count)
@@ -58,142 +73,90 @@ static void codes_clear(int32_t *codes, int64_t count)
 		codes[i] = HEIGHT_CODE_NODATA;
 }
 
-static void codes_range(const int32_t *codes, size_t count, double step, struct under *range)
+static enum status begin_tile(const struct cutting *cutting, struct open *open)
 {
-	int32_t low = INT32_MAX, high = INT32_MIN;
-	bool any = false;
-	for (size_t i = 0; i < count; i++) {
-		if (codes[i] == HEIGHT_CODE_NODATA)
-			continue;
-		any = true;
-		low = codes[i] < low ? codes[i] : low;
-		high = codes[i] > high ? codes[i] : high;
-	}
-	/* Codes keep the order of heights, so the extremes are the decoded codes'. */
-	if (any)
-		widen(range, height_code_metres(low, step), height_code_metres(high, step));
+	if (open->codes == NULL)
+		open->codes = mem_alloc(cutting->posts, sizeof *open->codes);
+	if (open->codes == NULL)
+		return fail_memory("cutting tiles");
+	codes_clear(open->codes, (int64_t)cutting->posts);
+	open->begun = true;
+	open->low = open->high = (double)NAN;
+	open->error = 0;
+	return STATUS_OK;
 }
 
-/* How far a post is off the mean of the posts that are left when it is decimated away. */
-static double off_mean(double step, int32_t post, const int32_t *kept, int count)
+static void widen(struct open *open, double low, double high, double error)
 {
-	if (post == HEIGHT_CODE_NODATA)
-		return 0;
-	double sum = 0;
-	for (int i = 0; i < count; i++) {
-		if (kept[i] == HEIGHT_CODE_NODATA)
-			return 0;
-		sum += height_code_metres(kept[i], step);
-	}
-	return fabs(height_code_metres(post, step) - sum / count);
+	open->error = error > open->error ? error : open->error;
+	if (isnan(low))
+		return;
+	open->low = isnan(open->low) || low < open->low ? low : open->low;
+	open->high = isnan(open->high) || high > open->high ? high : open->high;
 }
 
-/* What decimating this tile loses: most that a post is off the bilinear surface of its even posts. */
-static double decimation_error(const int32_t *codes, uint32_t cells, double step)
+/* Emits a tile whose `loss` is what leaving out its odd posts loses, and puts it into the one above. */
+static enum status finish_tile(struct cutting *cutting, const struct dem_tile *tile, double loss)
 {
-	size_t stride = cells + 1;
-	double most = 0;
-	for (uint32_t y = 0; y < cells + 1; y++) {
-		for (uint32_t x = (y & 1) ? 0 : 1; x < cells + 1; x += (y & 1) ? 1 : 2) {
-			const int32_t *p = codes + y * stride + x;
-			double off;
-			if ((x & 1) != 0 && (y & 1) != 0)
-				off = off_mean(step, *p, (int32_t[]){p[-(ptrdiff_t)stride - 1],
-					p[-(ptrdiff_t)stride + 1], p[stride - 1], p[stride + 1]}, 4);
-			else if ((x & 1) != 0)
-				off = off_mean(step, *p, (int32_t[]){p[-1], p[1]}, 2);
-			else
-				off = off_mean(step, *p, (int32_t[]){p[-(ptrdiff_t)stride], p[stride]}, 2);
-			most = off > most ? off : most;
-		}
-	}
-	return most;
-}
-
-static enum status emit_tile(struct cut *cut, int level, uint32_t x)
-{
-	const struct band *band = &cut->bands[level];
-	uint32_t cells = cut->world->cells;
-	size_t posts = (size_t)cells + 1;
-	for (size_t y = 0; y < posts; y++)
-		memcpy(cut->codes + y * posts, band->codes + y * (size_t)band->width + (size_t)x * cells,
-		       posts * sizeof *cut->codes);
-	struct under under = {(double)NAN, (double)NAN, 0};
-	if (level == 0)
-		codes_range(cut->codes, posts * posts, cut->step, &under);
-	else
-		under = band->under[x];
-	struct dem_tile tile = {
-		.tile = {level, x, band->tile_y},
-		.codes = cut->codes,
-		.low = under.low,
-		.high = under.high,
-		.error = under.error,
-	};
-	enum status status = cut->emit(cut->emit_user, &tile);
-	if (status != STATUS_OK || level == cut->coarsest)
+	enum status status = cutting->cut->emit(cutting->cut->emit_user, tile);
+	if (status != STATUS_OK || tile->tile.level == cutting->coarsest)
 		return status;
-	struct under *above = &cut->bands[level + 1].under[x / 2];
-	double error = under.error + decimation_error(cut->codes, cells, cut->step);
-	widen(above, under.low, under.high);
-	above->error = error > above->error ? error : above->error;
-	return STATUS_OK;
+	struct tile at = tile->tile, above = tile_ancestor(at, at.level + 1);
+	struct open *open = open_at(cutting, above);
+	if (!open->begun)
+		status = begin_tile(cutting, open);
+	if (status != STATUS_OK)
+		return status;
+	const struct world *world = cutting->world;
+	lattice_decimate_i32(tile->codes, world->cells, at.x & 1, at.y & 1, open->codes);
+	widen(open, tile->low, tile->high, tile->error + loss);
+	bool last = ((at.x & 1) != 0 || at.x + 1 == world_tiles_x(world, at.level)) &&
+		    ((at.y & 1) != 0 || at.y + 1 == world_tiles_y(world, at.level));
+	if (!last)
+		return STATUS_OK;
+	open->begun = false;
+	struct dem_tile next = {above, open->codes, open->low, open->high, open->error};
+	loss = above.level < cutting->coarsest ? dem_measure(open->codes, world->cells, cutting->cut->step).loss : 0;
+	return finish_tile(cutting, &next, loss);
 }
 
-/* Every second row of a full band, of which row 0 is there already unless it is the first. */
-static enum status decimate_band(struct cut *cut, int level)
+/* --- bands --- */
+
+/* Codes of the band's tile number i, of which `to` may be all. */
+static void band_tile(const struct cutting *cutting, int64_t i, int32_t *to)
 {
-	const struct band *fine = &cut->bands[level];
-	struct band *coarse = &cut->bands[level + 1];
-	for (uint32_t y = fine->tile_y > 0 ? 2 : 0; y <= cut->world->cells; y += 2) {
-		const int32_t *from = fine->codes + (int64_t)y * fine->width;
-		int32_t *to = coarse->codes + (int64_t)coarse->filled * coarse->width;
-		int64_t count = (fine->width + 1) / 2;
-		for (int64_t x = 0; x < count; x++)
-			to[x] = from[2 * x];
-		codes_clear(to + count, coarse->width - count);
-		coarse->filled++;
-	}
-	return coarse->filled == cut->world->cells + 1 ? band_full(cut, level + 1) : STATUS_OK;
+	size_t side = tile_posts(cutting->world);
+	for (size_t y = 0; y < side; y++)
+		memcpy(to + y * side, cutting->band + (int64_t)y * cutting->stride + i * cutting->world->cells,
+		       side * sizeof *to);
 }
 
-static enum status band_full(struct cut *cut, int level)
+static int64_t band_tiles(const struct cutting *cutting)
 {
-	struct band *band = &cut->bands[level];
-	assert(band->filled == cut->world->cells + 1);
-	for (uint32_t x = 0; x < band->tiles_x; x++) {
-		enum status status = emit_tile(cut, level, x);
+	return (cutting->stride - 1) / cutting->world->cells;
+}
+
+static struct tile band_tile_at(const struct cutting *cutting, int64_t i)
+{
+	return (struct tile){0, (uint32_t)(cutting->x0 / cutting->world->cells + i), cutting->tile_y};
+}
+
+static enum status band_full(struct cutting *cutting)
+{
+	uint32_t cells = cutting->world->cells;
+	assert(cutting->filled == cells + 1);
+	for (int64_t i = 0; i < band_tiles(cutting); i++) {
+		band_tile(cutting, i, cutting->tile);
+		struct dem_measure measure = dem_measure(cutting->tile, cells, cutting->cut->step);
+		struct dem_tile tile = {band_tile_at(cutting, i), cutting->tile, measure.low, measure.high, 0};
+		enum status status = finish_tile(cutting, &tile, measure.loss);
 		if (status != STATUS_OK)
 			return status;
 	}
-	if (level < cut->coarsest) {
-		enum status status = decimate_band(cut, level);
-		if (status != STATUS_OK)
-			return status;
-	}
-	memcpy(band->codes, band->codes + (int64_t)cut->world->cells * band->width,
-	       (size_t)band->width * sizeof *band->codes);
-	band->filled = 1;
-	band->tile_y++;
-	for (uint32_t x = 0; band->under != NULL && x < band->tiles_x; x++)
-		band->under[x] = (struct under){(double)NAN, (double)NAN, 0};
-	return STATUS_OK;
-}
-
-/* What is north of the terrain, up to the coarsest tile's north edge. */
-static enum status finish_bands(struct cut *cut)
-{
-	for (int level = 0; level <= cut->coarsest; level++) {
-		struct band *band = &cut->bands[level];
-		while (band->tile_y < band->tiles_y) {
-			uint32_t left = cut->world->cells + 1 - band->filled;
-			codes_clear(band->codes + (int64_t)band->filled * band->width, left * band->width);
-			band->filled += left;
-			enum status status = band_full(cut, level);
-			if (status != STATUS_OK)
-				return status;
-		}
-	}
+	memcpy(cutting->band, cutting->band + cells * cutting->stride,
+	       (size_t)cutting->stride * sizeof *cutting->band);
+	cutting->filled = 1;
+	cutting->tile_y++;
 	return STATUS_OK;
 }
 
@@ -211,90 +174,143 @@ static enum status refuse_height(double height, double step, int64_t x, int64_t 
 			 (long long)x, (long long)y, height, step);
 }
 
-static enum status take_row(struct cut *cut, const double *heights, int64_t y)
+static enum status take_row(struct cutting *cutting, const double *heights, int64_t y)
 {
-	struct band *band = &cut->bands[0];
-	int32_t *codes = band->codes + (int64_t)band->filled * band->width;
-	double low = cut->low, high = cut->high;
-	for (int64_t x = 0; x < cut->world->width; x++) {
-		if (!height_code_encode(heights[x], cut->step, &codes[x]))
-			return refuse_height(heights[x], cut->step, x, y);
-		if (codes[x] == HEIGHT_CODE_NODATA)
-			continue;
-		double metres = height_code_metres(codes[x], cut->step);
-		low = metres < low ? metres : low;
-		high = metres > high ? metres : high;
-	}
-	codes_clear(codes + cut->world->width, band->width - cut->world->width);
-	cut->low = low;
-	cut->high = high;
-	band->filled++;
-	return band->filled == cut->world->cells + 1 ? band_full(cut, 0) : STATUS_OK;
+	int32_t *codes = cutting->band + (int64_t)cutting->filled * cutting->stride;
+	int64_t coded = height_code_row(heights, cutting->width, cutting->cut->step, codes);
+	if (coded < cutting->width)
+		return refuse_height(heights[coded], cutting->cut->step, cutting->x0 + coded, y);
+	codes_clear(codes + cutting->width, cutting->stride - cutting->width);
+	cutting->filled++;
+	return cutting->filled == cutting->world->cells + 1 ? band_full(cutting) : STATUS_OK;
 }
 
-static void cut_finish(struct cut *cut)
+/* The band as it was cut before, if it is known; otherwise the band is left as it is. */
+static enum status take_known(struct cutting *cutting, bool *known)
 {
-	for (int level = 0; level <= cut->coarsest; level++) {
-		mem_free(cut->bands[level].codes);
-		mem_free(cut->bands[level].under);
+	const struct dem_cut *cut = cutting->cut;
+	size_t side = tile_posts(cutting->world);
+	int64_t tiles = band_tiles(cutting);
+	*known = false;
+	if (cut->known == NULL)
+		return STATUS_OK;
+	/* Tiles become known in the order they are emitted in: with the last all are. */
+	for (int64_t i = tiles - 1; i >= 0; i--) {
+		enum status status = cut->known(cut->known_user, band_tile_at(cutting, i), cutting->tile, known);
+		if (status != STATUS_OK || !*known)
+			return status;
+		for (size_t y = 0; y < side; y++)
+			memcpy(cutting->band + (int64_t)y * cutting->stride + i * cutting->world->cells,
+			       cutting->tile + y * side, side * sizeof *cutting->tile);
 	}
-	mem_free(cut->codes);
-}
-
-static enum status cut_init(struct cut *cut)
-{
-	const struct world *world = cut->world;
-	size_t posts = (size_t)world->cells + 1;
-	cut->codes = mem_alloc(posts * posts, sizeof *cut->codes);
-	if (cut->codes == NULL)
-		return fail_memory("cutting tiles");
-	for (int level = 0; level <= cut->coarsest; level++) {
-		struct band *band = &cut->bands[level];
-		band->tiles_x = world_tiles_x(world, level);
-		band->tiles_y = world_tiles_y(world, level);
-		band->width = (int64_t)band->tiles_x * world->cells + 1;
-		band->codes = mem_alloc(posts * (size_t)band->width, sizeof *band->codes);
-		if (level > 0)
-			band->under = mem_alloc(band->tiles_x, sizeof *band->under);
-		if (band->codes == NULL || (level > 0 && band->under == NULL))
-			return fail_memory("cutting tiles");
-		for (uint32_t x = 0; level > 0 && x < band->tiles_x; x++)
-			band->under[x] = (struct under){(double)NAN, (double)NAN, 0};
-	}
+	cutting->filled = cutting->world->cells + 1;
 	return STATUS_OK;
 }
 
-enum status dem_cut(const struct world *world, double step, dem_rows_fn rows, void *rows_user,
-		    dem_tile_fn emit, void *emit_user, dem_progress_fn progress, void *progress_user)
+/* --- panels --- */
+
+static enum status progress(struct cutting *cutting, int64_t rows, int64_t panels)
 {
+	const struct dem_cut *cut = cutting->cut;
+	cutting->rows_done += rows;
+	return cut->progress == NULL ? STATUS_OK
+				     : cut->progress(cut->progress_user, cutting->rows_done,
+						     cutting->world->height * panels);
+}
+
+static enum status take_strip(struct cutting *cutting, int64_t y, int64_t rows)
+{
+	const struct dem_cut *cut = cutting->cut;
+	struct post_rect rect = {cutting->x0, y, cutting->x0 + cutting->width, y + rows};
+	enum status status = cut->posts(cut->posts_user, rect, cutting->heights);
+	for (int64_t row = 0; status == STATUS_OK && row < rows; row++)
+		status = take_row(cutting, cutting->heights + row * cutting->width, y + row);
+	return status;
+}
+
+static enum status cut_panel(struct cutting *cutting, int64_t panels)
+{
+	const struct world *world = cutting->world;
+	int64_t cells = world->cells, y = 0;
+	cutting->filled = 0;
+	cutting->tile_y = 0;
+	enum status status = STATUS_OK;
+	while (status == STATUS_OK && y < world->height) {
+		bool known = false;
+		int64_t band_end = smaller(cutting->tile_y * cells + cells + 1, world->height);
+		if (cutting->filled == (cutting->tile_y > 0)) /* it begins */
+			status = take_known(cutting, &known);
+		int64_t rows = known ? band_end - y : smaller(band_end - y, cutting->strip);
+		if (status == STATUS_OK)
+			status = known ? band_full(cutting) : take_strip(cutting, y, rows);
+		y += rows;
+		if (status == STATUS_OK)
+			status = progress(cutting, rows, panels);
+	}
+	/* What is north of the terrain, up to its last tiles' north edge. */
+	while (status == STATUS_OK && cutting->tile_y < world_tiles_y(world, 0)) {
+		int64_t left = cells + 1 - cutting->filled;
+		codes_clear(cutting->band + (int64_t)cutting->filled * cutting->stride, left * cutting->stride);
+		cutting->filled += (uint32_t)left;
+		status = band_full(cutting);
+	}
+	return status;
+}
+
+static enum status cutting_init(struct cutting *cutting)
+{
+	const struct world *world = cutting->world;
+	int64_t most = cutting->cut->panel_posts > 0 ? cutting->cut->panel_posts : PANEL_POSTS / world->cells;
+	cutting->posts = (size_t)tile_posts(world) * tile_posts(world);
+	cutting->coarsest = world_coarsest(world);
+	while (cutting->panel_level < cutting->coarsest &&
+	       (int64_t)world->cells << (cutting->panel_level + 1) <= most)
+		cutting->panel_level++;
+	int64_t tiles = smaller((int64_t)1 << cutting->panel_level, world_tiles_x(world, 0));
+	cutting->stride = tiles * world->cells + 1;
+	cutting->strip = STRIP_POSTS / smaller(cutting->stride, world->width);
+	cutting->strip = cutting->strip < 1 ? 1 : smaller(cutting->strip, world->cells);
+	cutting->heights = mem_alloc((size_t)(cutting->strip * cutting->stride), sizeof *cutting->heights);
+	cutting->band = mem_alloc((size_t)(tile_posts(world) * cutting->stride), sizeof *cutting->band);
+	cutting->tile = mem_alloc(cutting->posts, sizeof *cutting->tile);
+	bool whole = cutting->heights != NULL && cutting->band != NULL && cutting->tile != NULL;
+	for (int level = 1; level <= cutting->coarsest; level++) {
+		cutting->open[level] = mem_calloc((size_t)open_count(cutting, level), sizeof *cutting->open[level]);
+		whole = whole && cutting->open[level] != NULL;
+	}
+	return whole ? STATUS_OK : fail_memory("cutting tiles");
+}
+
+static void cutting_finish(struct cutting *cutting)
+{
+	for (int level = 1; level <= cutting->coarsest; level++) {
+		for (int64_t i = 0; cutting->open[level] != NULL && i < open_count(cutting, level); i++)
+			mem_free(cutting->open[level][i].codes);
+		mem_free(cutting->open[level]);
+	}
+	mem_free(cutting->heights);
+	mem_free(cutting->band);
+	mem_free(cutting->tile);
+}
+
+enum status dem_cut(const struct dem_cut *cut)
+{
+	const struct world *world = cut->world;
 	const char *problem = world_problem(world);
 	if (problem != NULL)
 		return fail_with(STATUS_INPUT, "terrain of %lld x %lld posts: %s; import another size",
 				 (long long)world->width, (long long)world->height, problem);
-	struct cut cut = {
-		.world = world,
-		.step = step,
-		.emit = emit,
-		.emit_user = emit_user,
-		.coarsest = world_coarsest(world),
-		.low = (double)INFINITY,
-		.high = -(double)INFINITY,
-	};
-	int64_t strip = STRIP_POSTS / world->width;
-	strip = strip < 1 ? 1 : strip > world->cells ? world->cells : strip;
-	double *heights = mem_alloc((size_t)strip * (size_t)world->width, sizeof *heights);
-	enum status status = heights != NULL ? cut_init(&cut) : fail_memory("cutting tiles");
-	for (int64_t y = 0; status == STATUS_OK && y < world->height; y += strip) {
-		int64_t count = world->height - y < strip ? world->height - y : strip;
-		status = rows(rows_user, y, count, heights);
-		for (int64_t row = 0; status == STATUS_OK && row < count; row++)
-			status = take_row(&cut, heights + row * world->width, y + row);
-		if (status == STATUS_OK && progress != NULL)
-			status = progress(progress_user, y + count, world->height);
+	struct cutting cutting = {.cut = cut, .world = world};
+	enum status status = cutting_init(&cutting);
+	int64_t span = (int64_t)world->cells << cutting.panel_level, tiles_x = world_tiles_x(world, 0);
+	int64_t panels = (tiles_x * world->cells + span - 1) / span;
+	for (int64_t panel = 0; status == STATUS_OK && panel < panels; panel++) {
+		cutting.panel = panel;
+		cutting.x0 = panel * span;
+		cutting.width = smaller(span + 1, world->width - cutting.x0);
+		cutting.stride = smaller(span, tiles_x * world->cells - cutting.x0) + 1;
+		status = cut_panel(&cutting, panels);
 	}
-	if (status == STATUS_OK)
-		status = finish_bands(&cut);
-	cut_finish(&cut);
-	mem_free(heights);
+	cutting_finish(&cutting);
 	return status;
 }

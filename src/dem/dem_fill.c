@@ -10,10 +10,7 @@
  */
 #include "dem_internal.h"
 
-#include <errno.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <unistd.h>
+#include "dem_scratch.h"
 
 #define LEVELS_MAX 32
 #define SWEEPS 12 /* of relaxation a grid: half of them from the south, half from the north */
@@ -25,7 +22,7 @@ struct level {
 struct fill {
 	struct dem_grid grid;
 	struct dem_grid *source;
-	int file;
+	struct dem_scratch scratch;
 	int levels;
 	struct level level[LEVELS_MAX];
 	float *rows[3]; /* of level 0's width */
@@ -48,20 +45,8 @@ static int64_t row_offset(const struct fill *fill, int level, int64_t y)
 
 static enum status move(const struct fill *fill, bool write, void *data, size_t bytes, int64_t offset)
 {
-	char *at = data;
-	while (bytes > 0) {
-		ssize_t done = write ? pwrite(fill->file, at, bytes, (off_t)offset)
-				     : pread(fill->file, at, bytes, (off_t)offset);
-		if (done < 0 && errno == EINTR)
-			continue;
-		if (done <= 0)
-			return fail_with(STATUS_FAILED, "filling holes: the temporary file failed: %s; make room in "
-					 "TMPDIR", done < 0 ? strerror(errno) : "it ends early");
-		at += done;
-		bytes -= (size_t)done;
-		offset += done;
-	}
-	return STATUS_OK;
+	return write ? dem_scratch_write(&fill->scratch, data, bytes, offset)
+		     : dem_scratch_read(&fill->scratch, data, bytes, offset);
 }
 
 static enum status row_move(const struct fill *fill, bool write, int level, int64_t y, float *row)
@@ -90,7 +75,7 @@ static enum status load_posts(struct fill *fill, bool *any, bool *holes)
 		return fail_memory("filling holes");
 	enum status status = STATUS_OK;
 	for (int64_t y = 0; status == STATUS_OK && y < fill->grid.height; y++) {
-		status = fill->source->read(fill->source, y, 1, heights);
+		status = fill->source->read(fill->source, (struct post_rect){0, y, fill->grid.width, y + 1}, heights);
 		for (int64_t x = 0; status == STATUS_OK && x < fill->grid.width; x++) {
 			fill->rows[0][x] = (float)heights[x];
 			*any = *any || !isnan(heights[x]);
@@ -245,16 +230,16 @@ static enum status solve(struct fill *fill)
 	return status;
 }
 
-static enum status fill_read(struct dem_grid *grid, int64_t y0, int64_t rows, double *heights)
+static enum status fill_read(struct dem_grid *grid, struct post_rect rect, double *heights)
 {
 	struct fill *fill = (struct fill *)grid;
-	enum status status = fill->source->read(fill->source, y0, rows, heights);
-	for (int64_t y = 0; status == STATUS_OK && y < rows; y++) {
-		double *row = heights + y * grid->width;
-		status = row_move(fill, false, 0, y0 + y, fill->rows[0]);
-		for (int64_t x = 0; status == STATUS_OK && x < grid->width; x++)
-			if (isnan(row[x]))
-				row[x] = (double)fill->rows[0][x];
+	int64_t width = rect.x1 - rect.x0;
+	enum status status = fill->source->read(fill->source, rect, heights);
+	for (int64_t y = rect.y0; status == STATUS_OK && y < rect.y1; y++, heights += width) {
+		status = row_move(fill, false, 0, y, fill->rows[0]);
+		for (int64_t x = 0; status == STATUS_OK && x < width; x++)
+			if (isnan(heights[x]))
+				heights[x] = (double)fill->rows[0][rect.x0 + x];
 	}
 	return status;
 }
@@ -263,26 +248,11 @@ static void fill_destroy(struct dem_grid *grid)
 {
 	struct fill *fill = (struct fill *)grid;
 	dem_grid_destroy(fill->source);
-	if (fill->file >= 0)
-		close(fill->file);
+	dem_scratch_close(&fill->scratch);
 	for (int i = 0; i < 3; i++)
 		mem_free(fill->rows[i]);
 	mem_free(fill->known);
 	mem_free(fill);
-}
-
-static enum status open_file(struct fill *fill)
-{
-	const char *folder = getenv("TMPDIR");
-	char name[512];
-	int length = snprintf(name, sizeof name, "%s/furrow-fill-XXXXXX",
-			      folder != NULL && folder[0] != '\0' ? folder : "/tmp");
-	fill->file = length < (int)sizeof name ? mkstemp(name) : -1;
-	if (fill->file < 0)
-		return fail_with(STATUS_FAILED, "filling holes: no temporary file in %s: %s; set TMPDIR to a folder "
-				 "with room", folder != NULL ? folder : "/tmp", strerror(errno));
-	(void)unlink(name); /* it lives as long as it is open */
-	return STATUS_OK;
 }
 
 enum status dem_fill_create(struct dem_grid *grid, struct dem_grid **out)
@@ -298,7 +268,7 @@ enum status dem_fill_create(struct dem_grid *grid, struct dem_grid **out)
 	fill->grid.destroy = fill_destroy;
 	grid->srs = grid->vertical = grid->projected = NULL;
 	fill->source = grid;
-	fill->file = -1;
+	fill->scratch.file = -1;
 	int64_t width = grid->width, height = grid->height, start = 0;
 	for (;;) {
 		fill->level[fill->levels++] = (struct level){width, height, start};
@@ -308,7 +278,7 @@ enum status dem_fill_create(struct dem_grid *grid, struct dem_grid **out)
 		width = (width + 1) / 2;
 		height = (height + 1) / 2;
 	}
-	enum status status = open_file(fill);
+	enum status status = dem_scratch_open(&fill->scratch, "filling holes");
 	fill->known = mem_alloc((size_t)grid->width, 1);
 	for (int i = 0; i < 3; i++)
 		fill->rows[i] = mem_alloc((size_t)grid->width, sizeof *fill->rows[i]);

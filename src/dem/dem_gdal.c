@@ -69,21 +69,18 @@ static enum status refuse_rows(const struct gdal_grid *gdal, int top)
 			 culprit(gdal, message), top, message);
 }
 
-static enum status gdal_read(struct dem_grid *grid, int64_t y0, int64_t rows, double *heights)
+static enum status gdal_read(struct dem_grid *grid, struct post_rect rect, double *heights)
 {
 	struct gdal_grid *gdal = (struct gdal_grid *)grid;
 	GDALDatasetH dataset = gdal->warped != NULL ? gdal->warped : gdal->mosaic;
-	int width = (int)grid->width, top = (int)(grid->height - y0 - rows);
+	int width = (int)(rect.x1 - rect.x0), rows = (int)(rect.y1 - rect.y0), top = (int)(grid->height - rect.y1);
+	GSpacing line = (GSpacing)width * (GSpacing)sizeof *heights;
 	CPLErrorReset();
-	if (GDALRasterIO(GDALGetRasterBand(dataset, 1), GF_Read, 0, top, width, (int)rows, heights, width,
-			 (int)rows, GDT_Float64, 0, 0) != CE_None)
+	/* Its rows come from the north: the last of ours first. */
+	if (GDALRasterIOEx(GDALGetRasterBand(dataset, 1), GF_Read, (int)rect.x0, top, width, rows,
+			   heights + (int64_t)(rows - 1) * width, width, rows, GDT_Float64, sizeof *heights, -line,
+			   NULL) != CE_None)
 		return refuse_rows(gdal, top);
-	for (int64_t low = 0, high = rows - 1; low < high; low++, high--)
-		for (int64_t x = 0; x < grid->width; x++) {
-			double kept = heights[low * grid->width + x];
-			heights[low * grid->width + x] = heights[high * grid->width + x];
-			heights[high * grid->width + x] = kept;
-		}
 	return STATUS_OK;
 }
 
@@ -198,8 +195,9 @@ static CPLErr pixels_to_metres(void **sources, int source_count, void *data, int
 		const double *values = (const double *)sources[0] + (size_t)y * (size_t)width;
 		const double *mask = source_count > 1 ?
 			(const double *)sources[1] + (size_t)y * (size_t)width : NULL;
-		for (int x = 0; x < width; x++)
-			row[x] = mask != NULL && mask[x] == 0 ? (double)NAN : dem_metres(&meaning, values[x]);
+		dem_metres(&meaning, values, width, row);
+		for (int x = 0; mask != NULL && x < width; x++)
+			row[x] = mask[x] == 0 ? (double)NAN : row[x];
 		GDALCopyWords(row, GDT_Float64, sizeof *row, (char *)data + (ptrdiff_t)y * line_space, to,
 			      pixel_space, width);
 	}

@@ -10,8 +10,8 @@
 #include "dem/dem.h"
 
 struct dem_grid {
-	/* As dem_read_rows; y0 .. y0 + rows lie within. */
-	enum status (*read)(struct dem_grid *grid, int64_t y0, int64_t rows, double *heights);
+	/* As dem_read; the rectangle lies within. */
+	enum status (*read)(struct dem_grid *grid, struct post_rect rect, double *heights);
 	void (*destroy)(struct dem_grid *grid);
 	int64_t width, height; /* posts */
 	double spacing, unit;  /* as in dem_info */
@@ -41,7 +41,8 @@ struct dem_meaning {
 	bool single; /* values are no more exact than a float: they are compared, and heights rounded, so */
 };
 
-double dem_metres(const struct dem_meaning *meaning, double value); /* NaN: nodata */
+/* A row of values to metres, NaN where nodata; may be the same row. */
+void dem_metres(const struct dem_meaning *meaning, const double *values, int64_t count, double *metres);
 /* Metres in a unit as GDAL names it ("ft"), 1 for "" and names not known. */
 double dem_unit_metres(const char *unit);
 

@@ -1,34 +1,49 @@
 /* What a stored value means: nodata or metres. NaN is always nodata. */
 #include "dem_internal.h"
 
+#include <math.h>
+#include <string.h>
 #include <strings.h>
 
-static bool same_value(double value, double nodata, bool single)
+#include "base/wide.h"
+
+/* Holes where values are `nodata`: without branches, so that it becomes vector code. */
+/* Holes where values are `nodata`: without branches, so that it becomes vector code. */
+FURROW_WIDE static void punch(const double *values, int64_t count, double nodata, bool single, double *metres)
 {
-	if (value == nodata)
-		return true;
-	if (isinf(nodata))
-		return false;
 	/* No ground is that high: -3.4e38 means the lowest float, with all the digits it lacks. */
-	if (fabs(nodata) > 1e30)
-		return fabs(value - nodata) <= 1e-3 * fabs(nodata);
-	if (!single)
-		return false;
+	double near = !isinf(nodata) && fabs(nodata) > 1e30 ? 1e-3 * fabs(nodata) : -1;
 	/* A tag is decimal text, often with fewer digits than the float it means. */
-	return (float)value == (float)nodata;
+	bool rounds = single && !isinf(nodata);
+	float rounded = (float)nodata;
+	for (int64_t i = 0; i < count; i++) {
+		bool same = (values[i] == nodata) | (rounds & ((float)values[i] == rounded)) |
+			    (fabs(values[i] - nodata) <= near);
+		metres[i] = same ? (double)NAN : metres[i];
+	}
 }
 
-double dem_metres(const struct dem_meaning *meaning, double value)
+static void run_to_metres(const struct dem_meaning *meaning, const double *values, int64_t count, double *metres)
 {
-	if (isnan(value))
-		return value;
+	double scale = meaning->scale, offset = meaning->offset;
+	for (int64_t i = 0; i < count; i++)
+		metres[i] = values[i] * scale;
+	for (int64_t i = 0; offset != 0 && i < count; i++) /* zero would make zero of negative zero */
+		metres[i] += offset;
+	for (int64_t i = 0; meaning->single && i < count; i++)
+		metres[i] = (double)(float)metres[i];
 	for (size_t i = 0; i < meaning->nodata_count; i++)
-		if (same_value(value, meaning->nodata[i], meaning->single))
-			return (double)NAN;
-	double metres = value * meaning->scale;
-	if (meaning->offset != 0) /* adding a zero would make zero of negative zero */
-		metres += meaning->offset;
-	return meaning->single ? (double)(float)metres : metres;
+		punch(values, count, meaning->nodata[i], meaning->single, metres);
+}
+
+void dem_metres(const struct dem_meaning *meaning, const double *values, int64_t count, double *metres)
+{
+	double run[512]; /* what is written may be what is read */
+	for (int64_t i = 0; i < count; i += 512) {
+		int64_t length = count - i < 512 ? count - i : 512;
+		run_to_metres(meaning, values + i, length, run);
+		memcpy(metres + i, run, (size_t)length * sizeof *run);
+	}
 }
 
 double dem_unit_metres(const char *unit)

@@ -1,6 +1,8 @@
 /* A struct dem: the sources' files, the grid made of them, and what is known of it. */
 #include "dem_internal.h"
 
+#include "base/wide.h"
+
 #define READ_POSTS (1 << 20) /* asked of a grid at once, about */
 
 struct dem {
@@ -125,15 +127,23 @@ const struct dem_info *dem_info(const struct dem *dem)
 	return &dem->info;
 }
 
-/* What no ground is: refused where it is seen, with its place. */
-static enum status check_heights(const struct dem_grid *grid, int64_t y0, int64_t rows, const double *heights)
+FURROW_WIDE static bool all_within(const double *heights, int64_t count)
 {
-	int64_t count = rows * grid->width, i = 0;
-	while (i < count && !(fabs(heights[i]) > HEIGHT_MAX))
-		i++;
-	if (i == count)
+	int64_t beyond = 0;
+	for (int64_t i = 0; i < count; i++)
+		beyond |= fabs(heights[i]) > HEIGHT_MAX;
+	return beyond == 0;
+}
+
+/* What no ground is: refused where it is seen, with its place. */
+static enum status check_heights(struct post_rect rect, const double *heights)
+{
+	int64_t width = rect.x1 - rect.x0, count = width * (rect.y1 - rect.y0), i = 0;
+	if (all_within(heights, count))
 		return STATUS_OK;
-	long long x = i % grid->width, y = y0 + i / grid->width;
+	while (!(fabs(heights[i]) > HEIGHT_MAX))
+		i++;
+	long long x = rect.x0 + i % width, y = rect.y0 + i / width;
 	if (isinf(heights[i]))
 		return fail_with(STATUS_INPUT, "post %lld, %lld: its height is infinite; name that value with --nodata or "
 				 "repair the source", x, y);
@@ -141,20 +151,21 @@ static enum status check_heights(const struct dem_grid *grid, int64_t y0, int64_
 			 "with --nodata", x, y, heights[i]);
 }
 
-enum status dem_read_rows(struct dem *dem, int64_t y0, int64_t rows, double *heights)
+enum status dem_read(struct dem *dem, struct post_rect rect, double *heights)
 {
 	struct dem_grid *grid = dem->grid;
-	if (y0 < 0 || rows < 0 || y0 > grid->height - rows)
-		return fail_with(STATUS_FAILED, "rows %lld to %lld: beyond the %lld rows of the source; this "
-				 "is a bug", (long long)y0, (long long)(y0 + rows - 1),
-				 (long long)grid->height);
-	int64_t strip = READ_POSTS / grid->width;
-	strip = strip > 0 ? strip : 1;
-	for (int64_t y = 0; y < rows; y += strip) {
-		int64_t count = rows - y < strip ? rows - y : strip;
-		enum status status = grid->read(grid, y0 + y, count, heights + y * grid->width);
+	int64_t width = rect.x1 - rect.x0;
+	if (rect.x0 < 0 || rect.y0 < 0 || width < 0 || rect.x1 > grid->width || rect.y1 > grid->height)
+		return fail_with(STATUS_FAILED, "posts %lld, %lld to %lld, %lld: beyond the %lld x %lld posts of the source; "
+				 "this is a bug", (long long)rect.x0, (long long)rect.y0, (long long)rect.x1 - 1,
+				 (long long)rect.y1 - 1, (long long)grid->width, (long long)grid->height);
+	int64_t strip = width > 0 && width < READ_POSTS ? READ_POSTS / width : 1;
+	for (int64_t y = rect.y0; width > 0 && y < rect.y1; y += strip, heights += strip * width) {
+		int64_t end = rect.y1 - y < strip ? rect.y1 : y + strip;
+		struct post_rect part = {rect.x0, y, rect.x1, end};
+		enum status status = grid->read(grid, part, heights);
 		if (status == STATUS_OK)
-			status = check_heights(grid, y0 + y, count, heights + y * grid->width);
+			status = check_heights(part, heights);
 		if (status != STATUS_OK)
 			return status;
 	}

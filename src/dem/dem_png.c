@@ -1,6 +1,7 @@
 /*
- * Grey PNGs in, through libpng. A PNG is stored from the north and cannot be read from the south,
- * so all of it is held, two bytes a post, up to a limit; larger ones are to be GeoTIFFs.
+ * Grey PNGs in, through libpng. A PNG is stored from the north and cannot be read from the south, so
+ * its rows go into a temporary file first, two bytes a post. An interlaced one is whole only at its
+ * end and is held in memory until then, up to a limit.
  */
 #include "dem_internal.h"
 
@@ -9,35 +10,46 @@
 #include <setjmp.h>
 #include <stdio.h>
 
-#define PNG_POSTS_MAX ((int64_t)1 << 28) /* half a gigabyte */
+#include "dem_scratch.h"
+
+#define INTERLACED_POSTS_MAX ((int64_t)1 << 26) /* 128 MB */
+#define SIDE_MAX (1 << 24)
 
 struct png {
 	struct dem_grid grid;
 	struct dem_meaning meaning;
 	double *nodata;
-	uint16_t *posts; /* the northernmost row first */
+	uint16_t *posts; /* a row, or all of an interlaced image */
+	struct dem_scratch scratch; /* the northernmost row first */
 };
 
 struct png_problem {
 	jmp_buf escape;
 	char text[160];
+	enum status status; /* of the temporary file */
 };
 
 static void png_destroy(struct dem_grid *grid)
 {
 	struct png *png = (struct png *)grid;
+	dem_scratch_close(&png->scratch);
 	mem_free(png->nodata);
 	mem_free(png->posts);
 	mem_free(png);
 }
 
-static enum status png_read(struct dem_grid *grid, int64_t y0, int64_t rows, double *heights)
+static enum status png_read(struct dem_grid *grid, struct post_rect rect, double *heights)
 {
 	struct png *png = (struct png *)grid;
-	for (int64_t row = 0; row < rows; row++) {
-		const uint16_t *from = png->posts + (grid->height - 1 - (y0 + row)) * grid->width;
-		for (int64_t x = 0; x < grid->width; x++)
-			heights[row * grid->width + x] = dem_metres(&png->meaning, from[x]);
+	int64_t width = rect.x1 - rect.x0;
+	for (int64_t y = rect.y0; y < rect.y1; y++, heights += width) {
+		int64_t from = (grid->height - 1 - y) * grid->width + rect.x0;
+		enum status status = dem_scratch_read(&png->scratch, png->posts, 2 * (size_t)width, 2 * from);
+		if (status != STATUS_OK)
+			return status;
+		for (int64_t x = 0; x < width; x++)
+			heights[x] = png->posts[x];
+		dem_metres(&png->meaning, heights, width, heights);
 	}
 	return STATUS_OK;
 }
@@ -55,21 +67,36 @@ static void on_warning(png_structp reader, png_const_charp text)
 	(void)text;
 }
 
-/* Rows as uint16; 8-bit ones are widened after reading, from the back. False: see problem->text. */
+/* A row of bytes becomes one of uint16, from its end. */
+static void widen_row(uint16_t *row, int64_t width)
+{
+	for (int64_t x = width; x-- > 0;)
+		row[x] = ((const uint8_t *)row)[x];
+}
+
+static void keep_row(png_structp reader, struct png *png, int bits, int64_t y, uint16_t *row)
+{
+	struct png_problem *problem = png_get_error_ptr(reader);
+	if (bits < 16)
+		widen_row(row, png->grid.width);
+	problem->status = dem_scratch_write(&png->scratch, row, 2 * (size_t)png->grid.width, 2 * y * png->grid.width);
+	if (problem->status != STATUS_OK)
+		png_error(reader, "its rows cannot be kept");
+}
+
+/* Its rows to the temporary file. False: see problem. */
 static bool decode(png_structp reader, png_infop header, FILE *file, struct png *png, int *full,
 		   struct png_problem *problem)
 {
 	if (setjmp(problem->escape) != 0)
 		return false;
 	png_init_io(reader, file);
-	png_set_user_limits(reader, 1 << 24, 1 << 24);
+	png_set_user_limits(reader, SIDE_MAX, SIDE_MAX);
 	png_read_info(reader, header);
-	png_uint_32 width = png_get_image_width(reader, header), height = png_get_image_height(reader, header);
+	int64_t width = png_get_image_width(reader, header), height = png_get_image_height(reader, header);
 	int bits = png_get_bit_depth(reader, header), colour = png_get_color_type(reader, header);
 	if (colour != PNG_COLOR_TYPE_GRAY && colour != PNG_COLOR_TYPE_GRAY_ALPHA)
 		png_error(reader, "it is in colour, and a heightmap is grey");
-	if ((int64_t)width * height > PNG_POSTS_MAX)
-		png_error(reader, "more than 268 million posts are too many for a PNG");
 	if (bits < 8)
 		png_set_expand_gray_1_2_4_to_8(reader);
 	if (colour == PNG_COLOR_TYPE_GRAY_ALPHA)
@@ -77,22 +104,23 @@ static bool decode(png_structp reader, png_infop header, FILE *file, struct png 
 	if (bits == 16)
 		png_set_swap(reader);
 	int passes = png_set_interlace_handling(reader);
+	if (passes > 1 && width * height > INTERLACED_POSTS_MAX)
+		png_error(reader, "it is interlaced, and more than 67 million posts of that are too many");
 	png_read_update_info(reader, header);
 	*full = bits == 16 ? 65535 : 255;
 	png->grid.width = width;
 	png->grid.height = height;
-	png->posts = mem_calloc((size_t)width * height, sizeof *png->posts);
+	png->posts = mem_calloc((size_t)(passes > 1 ? width * height : width), sizeof *png->posts);
 	if (png->posts == NULL)
 		png_error(reader, "out of memory");
 	for (int pass = 0; pass < passes; pass++)
-		for (png_uint_32 y = 0; y < height; y++)
-			png_read_row(reader, (png_bytep)(png->posts + (size_t)y * width), NULL);
+		for (int64_t y = 0; y < height; y++) {
+			uint16_t *row = png->posts + (passes > 1 ? y * width : 0);
+			png_read_row(reader, (png_bytep)row, NULL);
+			if (pass + 1 == passes)
+				keep_row(reader, png, bits, y, row);
+		}
 	png_read_end(reader, NULL);
-	for (png_uint_32 y = 0; bits < 16 && y < height; y++) {
-		uint16_t *row = png->posts + (size_t)y * width;
-		for (png_uint_32 x = width; x-- > 0;)
-			row[x] = ((const uint8_t *)row)[x];
-	}
 	return true;
 }
 
@@ -103,6 +131,11 @@ static enum status load(const char *path, struct png *png, int *full)
 		return fail_with(STATUS_INPUT, "%s: cannot be opened: %s; check its permissions", path,
 				 strerror(errno));
 	struct png_problem problem = {.text = "out of memory"};
+	enum status status = dem_scratch_open(&png->scratch, path);
+	if (status != STATUS_OK) {
+		fclose(file);
+		return status;
+	}
 	png_infop header = NULL;
 	png_structp reader = png_create_read_struct(PNG_LIBPNG_VER_STRING, &problem, on_error, on_warning);
 	if (reader != NULL)
@@ -110,6 +143,8 @@ static enum status load(const char *path, struct png *png, int *full)
 	bool done = header != NULL && decode(reader, header, file, png, full, &problem);
 	png_destroy_read_struct(&reader, &header, NULL);
 	fclose(file);
+	if (!done && problem.status != STATUS_OK)
+		return problem.status;
 	if (!done)
 		return fail_with(STATUS_INPUT, "%s: cannot be read as a PNG: %s; give a whole grey PNG or "
 				 "a GeoTIFF", path, problem.text);
@@ -122,6 +157,7 @@ enum status dem_png_open(const struct dem_params *params, const char *path, stru
 	if (png == NULL)
 		return fail_memory(path);
 	png->grid.destroy = png_destroy;
+	png->scratch.file = -1;
 	int full = 0;
 	enum status status = load(path, png, &full);
 	if (status != STATUS_OK)

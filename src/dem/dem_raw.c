@@ -25,19 +25,20 @@ static void raw_destroy(struct dem_grid *grid)
 	mem_free(raw);
 }
 
-static enum status raw_read(struct dem_grid *grid, int64_t y0, int64_t rows, double *heights)
+static enum status raw_read(struct dem_grid *grid, struct post_rect rect, double *heights)
 {
 	struct raw *raw = (struct raw *)grid;
-	size_t bytes = 2 * (size_t)grid->width;
-	for (int64_t row = 0; row < rows; row++) {
-		int64_t from_north = grid->height - 1 - (y0 + row);
-		if (fseeko(raw->file, (off_t)(from_north * (int64_t)bytes), SEEK_SET) != 0 ||
+	int64_t width = rect.x1 - rect.x0;
+	size_t bytes = 2 * (size_t)width;
+	for (int64_t y = rect.y0; y < rect.y1; y++, heights += width) {
+		int64_t from_north = grid->height - 1 - y;
+		if (fseeko(raw->file, (off_t)(2 * (from_north * grid->width + rect.x0)), SEEK_SET) != 0 ||
 		    fread(raw->row, 1, bytes, raw->file) != bytes)
 			return fail_with(STATUS_INPUT, "%s: reading row %lld failed: %s; check the disk",
 					 raw->path, (long long)from_north, strerror(errno));
-		for (int64_t x = 0; x < grid->width; x++)
-			heights[row * grid->width + x] = dem_metres(
-				&raw->meaning, (double)(raw->row[2 * x] | raw->row[2 * x + 1] << 8));
+		for (int64_t x = 0; x < width; x++)
+			heights[x] = (double)(raw->row[2 * x] | raw->row[2 * x + 1] << 8);
+		dem_metres(&raw->meaning, heights, width, heights);
 	}
 	return STATUS_OK;
 }

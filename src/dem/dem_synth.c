@@ -223,21 +223,22 @@ static void dunes_run(const struct dem_synth *synth, int64_t x, int64_t y, int c
 	}
 }
 
-void dem_synth_rows(const struct dem_synth *synth, int64_t y0, int64_t rows, double *heights)
+void dem_synth_posts(const struct dem_synth *synth, struct post_rect rect, double *heights)
 {
-	for (int64_t row = 0; row < rows; row++) {
-		for (int64_t x = 0; x < synth->width; x += RUN) {
-			int count = synth->width - x < RUN ? (int)(synth->width - x) : RUN;
-			double *out = heights + row * synth->width + x;
+	int64_t width = rect.x1 - rect.x0;
+	for (int64_t y = rect.y0; y < rect.y1; y++, heights += width) {
+		for (int64_t x = 0; x < width; x += RUN) {
+			int count = width - x < RUN ? (int)(width - x) : RUN;
+			double *out = heights + x;
 			switch (synth->kind) {
 			case DEM_SYNTH_RIDGED:
-				ridged_run(synth, x, y0 + row, count, out);
+				ridged_run(synth, rect.x0 + x, y, count, out);
 				break;
 			case DEM_SYNTH_DUNES:
-				dunes_run(synth, x, y0 + row, count, out);
+				dunes_run(synth, rect.x0 + x, y, count, out);
 				break;
 			case DEM_SYNTH_PLAIN:
-				plain_run(synth, x, y0 + row, count, out);
+				plain_run(synth, rect.x0 + x, y, count, out);
 				break;
 			}
 			for (int i = 0; i < count; i++)

@@ -197,6 +197,9 @@ static enum status create(const struct plan *plan, const struct dem_params *para
 	GDALWarpInitSrcNoDataReal(options, (double)NAN);
 	GDALWarpInitDstNoDataReal(options, (double)NAN);
 	options->papszWarpOptions = CSLSetNameValue(options->papszWarpOptions, "INIT_DEST", "NO_DATA");
+	char threads[24];
+	snprintf(threads, sizeof threads, "%lld", (long long)(params->jobs > 1 ? params->jobs : 1));
+	options->papszWarpOptions = CSLSetNameValue(options->papszWarpOptions, "NUM_THREADS", threads);
 	if (plan->sample) {
 		options->papszWarpOptions = CSLSetNameValue(options->papszWarpOptions, "XSCALE", "1");
 		options->papszWarpOptions = CSLSetNameValue(options->papszWarpOptions, "YSCALE", "1");

@@ -16,6 +16,7 @@
 #include <string.h>
 #include <zstd.h>
 
+#include "base/wide.h"
 #include "store/codec_bits.h"
 #include "store/codec_kernels.h"
 #include "store/codec_residuals.h"
@@ -109,7 +110,7 @@ size_t codec_bound(const struct codec *codec)
 
 /* --- encoding --- */
 
-static bool has_holes(const int32_t *posts, size_t count)
+FURROW_WIDE static bool has_holes(const int32_t *posts, size_t count)
 {
 	unsigned any = 0;
 	for (size_t i = 0; i < count; i++)
@@ -134,7 +135,7 @@ static uint32_t first_post(const int32_t *posts, size_t count)
 }
 
 /* Widths of the blocks; returns what they sum to. */
-static size_t take_widths(const uint32_t *rest, size_t blocks, uint8_t *widths)
+FURROW_WIDE static size_t take_widths(const uint32_t *rest, size_t blocks, uint8_t *widths)
 {
 	size_t sum = 0;
 	for (size_t i = 0; i < blocks; i++, rest += CODEC_BLOCK) {

@@ -1,5 +1,6 @@
 #include "store/codec_residuals.h"
 
+#include "base/wide.h"
 #include "store/codec.h"
 
 static uint32_t zigzag(uint32_t value)
@@ -8,7 +9,7 @@ static uint32_t zigzag(uint32_t value)
 }
 
 /* A row without holes, whose residuals depend on posts only. `before`: NULL for row 0. */
-static void take_row(const uint32_t *row, const uint32_t *before, uint32_t side, uint32_t first, bool slope,
+FURROW_WIDE static void take_row(const uint32_t *row, const uint32_t *before, uint32_t side, uint32_t first, bool slope,
 		     uint32_t *rest)
 {
 	rest[0] = zigzag(row[0] - (before != NULL ? before[0] : first));
@@ -49,7 +50,7 @@ static void take_row_with_holes(const int32_t *row, const int32_t *before, uint3
 	}
 }
 
-static bool row_has_holes(const int32_t *row, uint32_t side)
+FURROW_WIDE static bool row_has_holes(const int32_t *row, uint32_t side)
 {
 	unsigned any = 0;
 	for (uint32_t x = 0; x < side; x++)

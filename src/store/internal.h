@@ -70,6 +70,8 @@ enum status rows_read(struct rows *rows, enum row_table table, struct tile tile,
  * `unless` is what it would be. */
 enum status rows_write(struct rows *rows, enum row_table table, const int32_t *posts, struct row *row,
 		       const uint64_t *unless, bool *written) FURROW_CHECKED;
+/* Writes a row whose posts were encoded before: codec, hash, bytes and size are there. */
+enum status rows_put(struct rows *rows, enum row_table table, const struct row *row) FURROW_CHECKED;
 enum status rows_drop(struct rows *rows, enum row_table table, struct tile tile) FURROW_CHECKED;
 /* Range over the rows of the next finer level below `tile`, and how many there are. */
 enum status rows_under(struct rows *rows, enum row_table table, struct tile tile, double *low,
@@ -93,10 +95,13 @@ struct store {
 	char *lock_path;
 	int lock;        /* descriptor, -1: none */
 	bool overwrite;
+	bool keeps_part; /* closing leaves PATH.part */
 	bool writing;    /* opened for writing */
 	bool immutable;  /* a WAL store without its WAL where nothing can be made beside it */
 	bool durable_full;
-	bool transaction; /* creating: BEGIN was done */
+	int64_t commit_bytes; /* creating: a commit after so many */
+	int64_t uncommitted;  /* put since the last commit, at `committed` seconds */
+	double committed;
 	sqlite3 *db;
 	struct rows rows;
 	char *base_path;    /* an overlay's: as stored, from its folder; NULL: a plain store */
@@ -149,6 +154,10 @@ enum status meta_copy(struct store_meta *to, const struct store_meta *from) FURR
 void meta_finish(struct store_meta *meta);
 enum status meta_write(struct store *store) FURROW_CHECKED;
 enum status meta_read(struct store *store) FURROW_CHECKED; /* also the working level and the epoch */
+/* The request of a store that is being made: put when it is begun, asked for when that goes on, dropped by
+ * meta_write. *same false: another, or none. */
+enum status meta_put_request(struct store *store) FURROW_CHECKED;
+enum status meta_same_request(struct store *store, bool *same) FURROW_CHECKED;
 enum status meta_put_integer(struct store *store, const char *key, int64_t value) FURROW_CHECKED;
 enum status meta_put_real(struct store *store, const char *key, double value) FURROW_CHECKED;
 /* The base's hash as a connection's file has it. */
@@ -178,6 +187,16 @@ void lock_drop(const char *lock_path, int descriptor); /* and removes the file *
 
 /* The file at `path`, if it is a store, holds all of it afterwards: nothing that matters is beside it. */
 enum status replace_settle(const char *path, const char *named) FURROW_CHECKED;
+
+/* --- store_create.c --- */
+
+/* PATH.part and, after it, its journal: alone that undoes nothing, and would be taken for a later part's.
+ * False: errno says why. */
+bool create_remove_part(const struct store *store);
+
+/* --- store_put.c: base tiles of a store that is being made --- */
+
+enum status put_begin(struct store *store) FURROW_CHECKED; /* a transaction */
 
 /* --- store_open.c --- */
 

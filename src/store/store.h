@@ -1,8 +1,8 @@
 /*
  * store: one SQLite file that holds a terrain's base and everything deformation added to it.
  *
- * Life: store_create -> store_put_base... -> store_publish (written aside as PATH.part, renamed
- * when whole), then store_open for reading or writing. A store open for writing has one read-write
+ * Life: store_create (or store_resume) -> store_put_base... -> store_publish (written aside as
+ * PATH.part, renamed when whole), then store_open for reading or writing. A store open for writing has one read-write
  * connection, used by one thread at a time (the writer); any number of struct store_reader, one a
  * thread, each with its own read-only connection. A second writer is refused with STATUS_FAILED.
  * A store is untrusted: what does not check out is STATUS_INPUT and names the tile.
@@ -31,6 +31,7 @@ struct store_meta {
 	double origin[2];     /* SRS coordinates of the south-west post */
 	const char *vertical; /* "" if unknown */
 	const char *sources;  /* one a line */
+	const char *request;  /* while it is made: all that decides its rows, as text; "" or NULL: cannot be resumed */
 	double low, high;     /* metres over all posts; filled by store_publish */
 	enum store_pack pack;
 };
@@ -43,13 +44,39 @@ struct store_range {
 struct store;
 struct store_reader;
 
-/* --- making one --- */
+/* --- making one ---
+ *
+ * Beside its name, as PATH.part, with a commit now and then: a process that is killed leaves that, and
+ * store_resume goes on from its last commit. One thread at a time.
+ */
 enum status store_create(const char *path, const struct store_meta *meta, bool overwrite,
 			 struct store **out) FURROW_CHECKED;
-/* Codes: (cells + 1)^2. Each tile once. */
+/* store_create, or the one that was broken off: *tiles are there already, the first ones put. STATUS_INPUT if
+ * that was of another request. */
+enum status store_resume(const char *path, const struct store_meta *meta, bool overwrite, struct store **out,
+			 int64_t *tiles) FURROW_CHECKED;
+/* Codes: (cells + 1)^2. Each tile once, in an order that is the same whenever the same store is made. */
 enum status store_put_base(struct store *store, struct tile tile, const int32_t *codes,
 			   const struct store_range *range) FURROW_CHECKED;
+/* Codes of a tile put before; *found false: it was not. */
+enum status store_base_put(struct store *store, struct tile tile, int32_t *codes, bool *found) FURROW_CHECKED;
 enum status store_publish(struct store *store) FURROW_CHECKED; /* syncs and renames into place */
+/* Commits and closes, and leaves PATH.part for store_resume. Frees the store, also when it fails. */
+enum status store_suspend(struct store *store) FURROW_CHECKED;
+
+/* The same in two halves, since packing is the long one: any thread packs, with a packer of its own. */
+struct store_packer;
+struct store_packed {
+	int64_t codec;
+	const void *bytes; /* the packer's, until its next use */
+	size_t size;       /* at most store_packed_most() */
+};
+enum status store_packer_create(const struct store_meta *meta, struct store_packer **out) FURROW_CHECKED;
+void store_packer_destroy(struct store_packer *packer); /* takes NULL */
+size_t store_packed_most(const struct store_packer *packer);
+struct store_packed store_pack(struct store_packer *packer, const int32_t *codes);
+enum status store_put_packed(struct store *store, struct tile tile, const struct store_packed *packed,
+			     const struct store_range *range) FURROW_CHECKED;
 
 /* --- using one --- */
 enum store_mode { STORE_READ, STORE_WRITE };

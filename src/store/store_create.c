@@ -1,10 +1,11 @@
 /*
- * Making a store: beside its name, with no journal, in one transaction; renamed when whole.
+ * Making a store: beside its name, with a commit now and then (store_put.c); renamed when whole.
  *
  *   create: PATH.part, locked -> put_base... -> publish: COMMIT, fsync, what is beside PATH goes,
  *   fsync of the folder, rename, fsync of the folder
  *
- * Whatever fails before the rename leaves PATH as it was, and close removes PATH.part.
+ * Whatever fails before the rename leaves PATH as it was, and close removes PATH.part; a kill, or
+ * store_suspend, leaves it, and store_resume takes it up where it holds the same request.
  */
 #include "store/internal.h"
 
@@ -19,6 +20,8 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#define COMMIT_BYTES (16 << 20)
 
 static enum status check_meta(const char *path, const struct store_meta *meta)
 {
@@ -69,28 +72,84 @@ static enum status refuse_existing(const struct store *store)
 			 store->path);
 }
 
-static enum status begin_file(struct store *store)
+bool create_remove_part(const struct store *store)
 {
-	unlink(store->part_path); /* left by one that was killed: the lock is ours */
+	char journal[PATH_MAX + 16];
+	int length = snprintf(journal, sizeof journal, "%s-journal", store->part_path);
+	return (unlink(store->part_path) == 0 || errno == ENOENT) &&
+	       (length >= (int)sizeof journal || unlink(journal) == 0 || errno == ENOENT);
+}
+
+static enum status connect_part(struct store *store)
+{
+	enum status status = connect_file(store->part_path, store->path, true, false, &store->db);
+	return status == STATUS_OK ? sql_exec(store->db, store->path, "making the store",
+					      "PRAGMA page_size=16384; PRAGMA auto_vacuum=INCREMENTAL; "
+					      "PRAGMA journal_mode=DELETE; PRAGMA synchronous=FULL; "
+					      "PRAGMA locking_mode=EXCLUSIVE; PRAGMA cache_size=-32000")
+				   : status;
+}
+
+static enum status begin_part(struct store *store)
+{
+	store->keeps_part = false;
+	if (!create_remove_part(store)) /* left by one that was killed: the lock is ours */
+		return fail_with(STATUS_FAILED, "%s: what an earlier import left beside it cannot be removed: %s; make its "
+				 "folder writable", store->path, strerror(errno));
 	int file = open(store->part_path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
 	if (file < 0)
 		return fail_with(STATUS_FAILED, "%s: cannot be made: %s; make its folder writable", store->path,
 				 strerror(errno));
 	close(file);
-	enum status status = connect_file(store->part_path, store->path, true, false, &store->db);
-	if (status != STATUS_OK)
-		return status;
-	sqlite3_db_config(store->db, SQLITE_DBCONFIG_DEFENSIVE, 0, (int *)NULL); /* for no journal */
-	status = sql_exec(store->db, store->path, "making the store",
-			  "PRAGMA page_size=16384; PRAGMA auto_vacuum=INCREMENTAL; PRAGMA journal_mode=OFF; PRAGMA synchronous=OFF; "
-			  "PRAGMA locking_mode=EXCLUSIVE; PRAGMA cache_size=-32000; BEGIN EXCLUSIVE");
+	enum status status = connect_part(store);
+	if (status == STATUS_OK)
+		status = put_begin(store);
 	if (status == STATUS_OK)
 		status = schema_create(store->db, store->path);
-	return status;
+	return status == STATUS_OK ? meta_put_request(store) : status;
 }
 
-enum status store_create(const char *path, const struct store_meta *meta, bool overwrite,
-			 struct store **out)
+/* Takes up what is there. *resumed false: there is nothing, or it was killed before its first commit. */
+static enum status resume_part(struct store *store, bool *resumed)
+{
+	struct stat file;
+	*resumed = false;
+	if (stat(store->part_path, &file) != 0 || !S_ISREG(file.st_mode) || file.st_size == 0)
+		return STATUS_OK;
+	int64_t tables;
+	enum status status = connect_part(store);
+	if (status == STATUS_OK)
+		status = sql_integer(store->db, store->path, "SELECT count(*) FROM sqlite_schema", &tables);
+	if (status == STATUS_OK && tables == 0) { /* what was begun was undone */
+		sqlite3_close(store->db);
+		store->db = NULL;
+		return STATUS_OK;
+	}
+	bool same = false;
+	if (status == STATUS_OK)
+		status = schema_check(store->db, store->path);
+	if (status == STATUS_OK)
+		status = meta_same_request(store, &same);
+	*resumed = status == STATUS_OK;
+	if (status == STATUS_OK && !same)
+		status = fail_with(STATUS_INPUT, "%s: what was broken off was another import (sources that have changed, or "
+				   "other options); give the same again, or leave out --resume to begin anew", store->path);
+	return status == STATUS_OK ? put_begin(store) : status;
+}
+
+static enum status open_part(struct store *store, bool resume)
+{
+	bool resumed = false;
+	store->keeps_part = resume; /* until all is well: it may be hours of work */
+	store->part_path = store_path_with(store->real_path, ".part");
+	enum status status = store->part_path != NULL ? STATUS_OK : fail_memory("a store");
+	if (status == STATUS_OK && resume)
+		status = resume_part(store, &resumed);
+	return status != STATUS_OK || resumed ? status : begin_part(store);
+}
+
+static enum status make(const char *path, const struct store_meta *meta, bool overwrite, bool resume,
+			struct store **out)
 {
 	enum status status = check_meta(path, meta);
 	if (status != STATUS_OK)
@@ -101,6 +160,7 @@ enum status store_create(const char *path, const struct store_meta *meta, bool o
 	store->lock = -1;
 	store->base = &store->rows;
 	store->overwrite = overwrite;
+	store->commit_bytes = COMMIT_BYTES;
 	store->path = mem_strdup(path);
 	status = store->path != NULL ? meta_copy(&store->meta, meta) : fail_memory("a store");
 	if (status == STATUS_OK)
@@ -112,10 +172,8 @@ enum status store_create(const char *path, const struct store_meta *meta, bool o
 		status = store->lock_path != NULL ? lock_take(store->lock_path, path, &store->lock)
 						  : fail_memory("a store");
 	}
-	if (status == STATUS_OK) {
-		store->part_path = store_path_with(store->real_path, ".part");
-		status = store->part_path != NULL ? begin_file(store) : fail_memory("a store");
-	}
+	if (status == STATUS_OK)
+		status = open_part(store, resume);
 	if (status == STATUS_OK)
 		status = rows_init(&store->rows, store->db, store->path, &store->meta.world,
 				   meta->pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_FAST);
@@ -123,17 +181,28 @@ enum status store_create(const char *path, const struct store_meta *meta, bool o
 		store_close(store);
 		return status;
 	}
+	store->keeps_part = false;
 	*out = store;
 	return STATUS_OK;
 }
 
-enum status store_put_base(struct store *store, struct tile tile, const int32_t *codes,
-			   const struct store_range *range)
+enum status store_create(const char *path, const struct store_meta *meta, bool overwrite, struct store **out)
 {
-	assert(store->part_path != NULL && tile.level >= 0 && world_has(&store->meta.world, tile));
-	struct row row = {.tile = tile, .low = range->low, .high = range->high, .error = range->error};
-	bool written;
-	return rows_write(&store->rows, ROW_BASE, codes, &row, NULL, &written);
+	return make(path, meta, overwrite, false, out);
+}
+
+enum status store_resume(const char *path, const struct store_meta *meta, bool overwrite, struct store **out,
+			 int64_t *tiles)
+{
+	enum status status = make(path, meta, overwrite, true, out);
+	if (status != STATUS_OK)
+		return status;
+	status = sql_integer((*out)->db, path, "SELECT count(*) FROM base", tiles);
+	if (status != STATUS_OK) {
+		store_close(*out);
+		*out = NULL;
+	}
+	return status;
 }
 
 /* --- publishing --- */

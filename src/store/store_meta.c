@@ -12,8 +12,9 @@ enum status meta_copy(struct store_meta *to, const struct store_meta *from)
 	to->srs = mem_strdup(from->srs != NULL ? from->srs : "");
 	to->vertical = mem_strdup(from->vertical != NULL ? from->vertical : "");
 	to->sources = mem_strdup(from->sources != NULL ? from->sources : "");
+	to->request = mem_strdup(from->request != NULL ? from->request : "");
 	to->low = to->high = (double)NAN;
-	if (to->srs != NULL && to->vertical != NULL && to->sources != NULL)
+	if (to->srs != NULL && to->vertical != NULL && to->sources != NULL && to->request != NULL)
 		return STATUS_OK;
 	meta_finish(to);
 	return fail_memory("a store");
@@ -24,12 +25,13 @@ void meta_finish(struct store_meta *meta)
 	mem_free((void *)(uintptr_t)meta->srs);
 	mem_free((void *)(uintptr_t)meta->vertical);
 	mem_free((void *)(uintptr_t)meta->sources);
-	meta->srs = meta->vertical = meta->sources = NULL;
+	mem_free((void *)(uintptr_t)meta->request);
+	meta->srs = meta->vertical = meta->sources = meta->request = NULL;
 }
 
 /* --- writing --- */
 
-static enum status put_begin(struct store *store, const char *key, sqlite3_stmt **statement)
+static enum status begin_put(struct store *store, const char *key, sqlite3_stmt **statement)
 {
 	enum status status = sql_prepare(store->db, store->path, &store->meta_statement,
 					 "INSERT OR REPLACE INTO meta(key, value) VALUES(?1, ?2)");
@@ -39,7 +41,7 @@ static enum status put_begin(struct store *store, const char *key, sqlite3_stmt 
 	return status;
 }
 
-static enum status put_end(struct store *store)
+static enum status end_put(struct store *store)
 {
 	enum status status = STATUS_OK;
 	int code = sqlite3_step(store->meta_statement);
@@ -53,34 +55,34 @@ static enum status put_end(struct store *store)
 enum status meta_put_integer(struct store *store, const char *key, int64_t value)
 {
 	sqlite3_stmt *statement;
-	enum status status = put_begin(store, key, &statement);
+	enum status status = begin_put(store, key, &statement);
 	if (status != STATUS_OK)
 		return status;
 	sqlite3_bind_int64(statement, 2, value);
-	return put_end(store);
+	return end_put(store);
 }
 
 enum status meta_put_real(struct store *store, const char *key, double value)
 {
 	sqlite3_stmt *statement;
-	enum status status = put_begin(store, key, &statement);
+	enum status status = begin_put(store, key, &statement);
 	if (status != STATUS_OK)
 		return status;
 	if (isnan(value))
 		sqlite3_bind_null(statement, 2);
 	else
 		sqlite3_bind_double(statement, 2, value);
-	return put_end(store);
+	return end_put(store);
 }
 
 static enum status put_text(struct store *store, const char *key, const char *value)
 {
 	sqlite3_stmt *statement;
-	enum status status = put_begin(store, key, &statement);
+	enum status status = begin_put(store, key, &statement);
 	if (status != STATUS_OK)
 		return status;
 	sqlite3_bind_text(statement, 2, value, -1, SQLITE_STATIC);
-	return put_end(store);
+	return end_put(store);
 }
 
 enum status meta_write(struct store *store)
@@ -108,7 +110,13 @@ enum status meta_write(struct store *store)
 		status = put_text(store, texts[i].key, texts[i].value);
 	if (status == STATUS_OK && store->base_path != NULL)
 		status = put_text(store, "base_path", store->base_path);
-	return status;
+	return status == STATUS_OK ? sql_exec(store->db, store->path, "writing it", "DELETE FROM meta WHERE key = 'request'")
+				   : status;
+}
+
+enum status meta_put_request(struct store *store)
+{
+	return put_text(store, "request", store->meta.request);
 }
 
 /* --- reading --- */
@@ -178,6 +186,18 @@ static enum status get_text(struct lookup *lookup, const char *key, const char *
 	const char *text = (const char *)sqlite3_column_text(lookup->statement, 0);
 	*value = text != NULL ? mem_strdup(text) : NULL;
 	return *value != NULL ? STATUS_OK : fail_memory("a store's header");
+}
+
+enum status meta_same_request(struct store *store, bool *same)
+{
+	struct lookup lookup = {.db = store->db, .path = store->path};
+	enum status status = look_up(&lookup, "request", same);
+	if (status == STATUS_OK && *same) {
+		const char *text = (const char *)sqlite3_column_text(lookup.statement, 0);
+		*same = text != NULL && strcmp(text, store->meta.request) == 0;
+	}
+	sqlite3_finalize(lookup.statement);
+	return status;
 }
 
 static enum status get_world(struct lookup *lookup, struct world *world)

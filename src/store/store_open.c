@@ -150,8 +150,8 @@ static void close_store(struct store *store, bool remove)
 	int code = sqlite3_close(store->db);
 	assert(code == SQLITE_OK);
 	(void)code;
-	if (store->part_path != NULL && store->lock >= 0)
-		unlink(store->part_path);
+	if (store->part_path != NULL && store->lock >= 0 && !store->keeps_part)
+		create_remove_part(store);
 	if (remove)
 		unlink(store->real_path);
 	lock_drop(store->lock_path, store->lock);

@@ -217,11 +217,14 @@ static void bind_real(sqlite3_stmt *statement, int column, double value)
 enum status rows_write(struct rows *rows, enum row_table table, const int32_t *posts, struct row *row,
 		       const uint64_t *unless, bool *written)
 {
-	*written = false;
 	row->codec = codec_encode(&rows->codec, posts, &row->bytes, &row->size);
 	row->hash = rows_hash(row);
-	if (unless != NULL && *unless == row->hash)
-		return STATUS_OK;
+	*written = unless == NULL || *unless != row->hash;
+	return *written ? rows_put(rows, table, row) : STATUS_OK;
+}
+
+enum status rows_put(struct rows *rows, enum row_table table, const struct row *row)
+{
 	enum status status = sql_prepare(rows->db, rows->path, &rows->write[table], tables[table].write);
 	if (status != STATUS_OK)
 		return status;
@@ -244,7 +247,6 @@ enum status rows_write(struct rows *rows, enum row_table table, const int32_t *p
 		status = sql_fail(rows->db, code, rows->path, "writing a tile");
 	sqlite3_reset(statement);
 	sqlite3_bind_null(statement, 7);
-	*written = status == STATUS_OK;
 	return status;
 }
 

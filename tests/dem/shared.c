@@ -30,7 +30,7 @@ static struct seen look(struct dem *dem)
 	double *row = mem_alloc((size_t)info->width, sizeof *row);
 	struct seen seen = {1e9, -1e9, 0};
 	for (int64_t y = 0; y < info->height; y++) {
-		assert_int_equal(dem_read_rows(dem, y, 1, row), STATUS_OK);
+		assert_int_equal(read_rows(dem, y, 1, row), STATUS_OK);
 		for (int64_t x = 0; x < info->width; x++) {
 			if (isnan(row[x])) {
 				seen.holes++;

@@ -100,7 +100,7 @@ static void a_pixels_centre_is_its_post_and_row_0_is_south(void **state)
 		for (int x = 0; x < 9; x++)
 			assert_true(height_at(dem, x, y) == ramp(x, 6 - y));
 	double rows[4 * 9];
-	assert_int_equal(dem_read_rows(dem, 2, 4, rows), STATUS_OK);
+	assert_int_equal(read_rows(dem, 2, 4, rows), STATUS_OK);
 	assert_true(rows[9 + 1] == ramp(1, 3));
 	dem_close(dem);
 	dem_close(NULL);
@@ -464,7 +464,7 @@ static void a_cut_off_raster_is_refused(void **state)
 	enum status status = dem_open(&params, &dem);
 	double row[200];
 	for (int64_t y = 0; status == STATUS_OK && y < 200; y++)
-		status = dem_read_rows(dem, y, 1, row);
+		status = read_rows(dem, y, 1, row);
 	assert_int_equal(status, STATUS_INPUT);
 	assert_non_null(strstr(failure_message(), "whole2.tif"));
 	dem_close(dem);

@@ -11,10 +11,10 @@ enum before { NOTHING, STORE, KILLED, BEFORES };
 
 static uint64_t hash_before[BEFORES], hash_after;
 
-static enum status rows_of(void *user, int64_t y0, int64_t rows, double *heights)
+static enum status posts_of(void *user, struct post_rect rect, double *heights)
 {
-	for (int64_t y = y0; y < y0 + rows; y++)
-		for (int64_t x = 0; x < world.width; x++) {
+	for (int64_t y = rect.y0; y < rect.y1; y++)
+		for (int64_t x = rect.x0; x < rect.x1; x++) {
 			int32_t code = terrain(x, y);
 			*heights++ = code == HEIGHT_CODE_NODATA ? (double)NAN : code * STEP;
 		}
@@ -34,7 +34,9 @@ static UNUSED enum status import(const char *path)
 	enum status status = store_create(path, &meta, true, &store);
 	if (status != STATUS_OK)
 		return status;
-	status = dem_cut(&world, meta.step, rows_of, NULL, put_tile, store, NULL, NULL);
+	store->commit_bytes = 1000; /* some twenty commits */
+	status = dem_cut(&(struct dem_cut){.world = &world, .step = meta.step, .posts = posts_of, .emit = put_tile,
+					   .emit_user = store});
 	if (status == STATUS_OK)
 		status = store_publish(store);
 	store_close(store);

@@ -1,0 +1,108 @@
+/*
+ * Base tiles into a store that is being made, with a commit every so many bytes or seconds.
+ *
+ * What was committed survives a kill, and a power cut, since commits are synced. Packing needs no
+ * store and is apart from putting, so that threads can share it.
+ */
+#include "store/internal.h"
+
+#include <assert.h>
+
+#define COMMIT_SECONDS 2.0
+
+struct store_packer {
+	struct codec codec;
+};
+
+enum status store_packer_create(const struct store_meta *meta, struct store_packer **out)
+{
+	struct store_packer *packer = mem_calloc(1, sizeof *packer);
+	if (packer == NULL)
+		return fail_memory("packing tiles");
+	enum status status = codec_init(&packer->codec, tile_posts(&meta->world),
+					meta->pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_FAST);
+	if (status != STATUS_OK) {
+		mem_free(packer);
+		return status;
+	}
+	*out = packer;
+	return STATUS_OK;
+}
+
+void store_packer_destroy(struct store_packer *packer)
+{
+	if (packer != NULL)
+		codec_finish(&packer->codec);
+	mem_free(packer);
+}
+
+size_t store_packed_most(const struct store_packer *packer)
+{
+	return codec_bound(&packer->codec);
+}
+
+struct store_packed store_pack(struct store_packer *packer, const int32_t *codes)
+{
+	struct store_packed packed;
+	packed.codec = codec_encode(&packer->codec, codes, &packed.bytes, &packed.size);
+	return packed;
+}
+
+enum status put_begin(struct store *store)
+{
+	store->uncommitted = 0;
+	store->committed = clock_seconds();
+	return sql_exec(store->db, store->path, "making the store", "BEGIN EXCLUSIVE");
+}
+
+static enum status commit(struct store *store)
+{
+	return sql_exec(store->db, store->path, "writing it", "COMMIT");
+}
+
+enum status store_put_packed(struct store *store, struct tile tile, const struct store_packed *packed,
+			     const struct store_range *range)
+{
+	assert(store->part_path != NULL && tile.level >= 0 && world_has(&store->meta.world, tile));
+	struct row row = {
+		.tile = tile,
+		.low = range->low,
+		.high = range->high,
+		.error = range->error,
+		.codec = packed->codec,
+		.bytes = packed->bytes,
+		.size = packed->size,
+	};
+	row.hash = rows_hash(&row);
+	enum status status = rows_put(&store->rows, ROW_BASE, &row);
+	store->uncommitted += (int64_t)packed->size;
+	bool due = store->uncommitted >= store->commit_bytes || clock_seconds() - store->committed >= COMMIT_SECONDS;
+	if (status == STATUS_OK && due)
+		status = commit(store);
+	return status == STATUS_OK && due ? put_begin(store) : status;
+}
+
+enum status store_put_base(struct store *store, struct tile tile, const int32_t *codes,
+			   const struct store_range *range)
+{
+	struct store_packed packed;
+	packed.codec = codec_encode(&store->rows.codec, codes, &packed.bytes, &packed.size);
+	return store_put_packed(store, tile, &packed, range);
+}
+
+enum status store_base_put(struct store *store, struct tile tile, int32_t *codes, bool *found)
+{
+	struct row row;
+	return rows_read(&store->rows, ROW_BASE, tile, codes, &row, found);
+}
+
+enum status store_suspend(struct store *store)
+{
+	assert(store->part_path != NULL);
+	enum status status = commit(store);
+	struct failure failure;
+	failure_capture(&failure, status);
+	store->keeps_part = status == STATUS_OK;
+	store_close(store);
+	return status == STATUS_OK ? STATUS_OK : failure_restore(&failure);
+}
