@@ -129,6 +129,31 @@ static void a_base_is_known_by_its_hash(void **state)
 	}
 }
 
+/* SQLite keeps no negative zero in a column of reals, but does where the header is. */
+static void zeros_of_either_sign_make_a_base(void **state)
+{
+	const char *base = in_folder("zero.furrow"), *overlay = in_folder("zero.over");
+	struct store_meta meta = terrain_meta();
+	struct store *store;
+	int32_t codes[POSTS];
+	meta.world = (struct world){17, 17, 1, 16};
+	meta.step = 0;
+	meta.origin[0] = -0.0;
+	for (int i = 0; i < POSTS; i++)
+		codes[i] = height_code_of_float(i == 3 ? -0.0f : 5);
+	assert_ok(store_create(base, &meta, true, &store));
+	assert_ok(store_put_base(store, (struct tile){0, 0, 0}, codes, &(struct store_range){-0.0, 5, 0}));
+	assert_ok(store_publish(store));
+	store_close(store);
+	assert_ok(store_create_overlay(overlay, base));
+	store = open_store(base, STORE_READ);
+	verified(store);
+	store_close(store);
+	store = open_store(overlay, STORE_READ);
+	verified(store);
+	store_close(store);
+}
+
 static void only_an_untouched_plain_store_is_a_base(void **state)
 {
 	const char *base = in_folder("base.furrow"), *overlay = in_folder("over.furrow"), *next = in_folder("next.furrow");
@@ -343,6 +368,7 @@ int main(void)
 		cmocka_unit_test(an_overlay_is_the_store_it_would_have_been),
 		cmocka_unit_test(a_reset_overlay_is_as_it_was_made),
 		cmocka_unit_test(a_base_is_known_by_its_hash),
+		cmocka_unit_test(zeros_of_either_sign_make_a_base),
 		cmocka_unit_test(only_an_untouched_plain_store_is_a_base),
 		cmocka_unit_test(an_overlay_is_opened_over_its_own_base_only),
 		cmocka_unit_test(one_made_for_nothing_is_removed),
