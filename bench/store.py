@@ -158,14 +158,15 @@ def level_0_bytes(store):
 
 
 def compare_bytes(bench, posts, bound):
-    """The finest level alone: the sum of our blobs, GDAL's smallest file that keeps the bound."""
+    """{row: (ours, theirs)}: the finest level alone is the sum of our blobs and GDAL's smallest file
+    that keeps the bound."""
     store = posts.store_path("default")
     if bound != posts.default_error:
         store = posts.store_path("bound")
         posts.store("bound", bound)
     ours = level_0_bytes(store)
     if not bench.gdal:
-        return ours, None
+        return {"bytes": (ours, None)}
     back = bench.path("back.tif")
     bench.furrow("export", store, "--layer", "base", "--level", 0, "-o", back)
     if not posts.within(back, bound):
@@ -179,7 +180,8 @@ def compare_bytes(bench, posts, bound):
                 best = size, kind, block, bench.measure("blocks", made)[0]["block_bytes"]
     bench.note(row="bytes in full", data=posts.name, max_error=bound, blobs=ours, store_file=store.stat().st_size,
                gdal_file=best[0], gdal_type=best[1], gdal_block=best[2], gdal_blocks=best[3])
-    return ours, best[0]
+    return {"bytes": (ours, best[0]), "bytes, blocks alone": (ours, best[3]),
+            "bytes, whole file": (store.stat().st_size, best[0])}
 
 
 def compare_reads(bench, posts):
@@ -227,17 +229,26 @@ READS = (("encode", "LERC"), ("encode", "LERC_ZSTD"), ("encode", "ZSTD"), ("deco
          ("raw read", "lmdb"))
 
 
+def compare_all_bytes(bench, all_posts, bound):
+    """At each DEM's default bound (None), which has the bars, or at one for all."""
+    label = "" if bound is None else f" at {bound:g} m"
+    sums = {}
+    for posts in all_posts:
+        sizes = compare_bytes(bench, posts, posts.default_error if bound is None else bound)
+        for row, pair in sizes.items():
+            sums[row] = [a + (b or 0) for a, b in zip(sums.get(row, [0, 0]), pair)]
+        bar = ("<=", 1.0) if bound is None else None
+        bench.row("bytes" + label, posts.name, *sizes["bytes"], "B", bar, "LERC_ZSTD")
+    for row, (ours, theirs) in sums.items():
+        bar = ("<=", 0.8) if bound is None and row == "bytes" else None
+        bench.row(row + label, "all DEMs", ours, theirs or None, "B", bar, "LERC_ZSTD")
+
+
 def dems(bench, folder):
     paths = [path for path in sorted(folder.iterdir()) if path.suffix.lower() in SUFFIXES]
     all_posts = [Posts(bench, path) for path in paths]
     for bound in [None, *map(float, bench.options.max_error)]:
-        label = "" if bound is None else f" at {bound:g} m"
-        sums = [0, 0]
-        for posts in all_posts:
-            sizes = compare_bytes(bench, posts, posts.default_error if bound is None else bound)
-            sums = [a + (b or 0) for a, b in zip(sums, sizes)]
-            bench.row("bytes" + label, posts.name, *sizes, "B", ("<=", 1.0) if bound is None else None, "LERC_ZSTD")
-        bench.row("bytes" + label, "all DEMs", sums[0], sums[1] or None, "B", ("<=", 0.8) if bound is None else None, "LERC_ZSTD")
+        compare_all_bytes(bench, all_posts, bound)
     found = []
     for posts in all_posts:
         best = compare_reads(bench, posts)
@@ -265,17 +276,18 @@ def writes(bench):
 
 
 def timed(bench, command, made):
-    """Seconds and peak MB of a command that makes a file, which is removed first."""
+    """Seconds, processor seconds and peak MB of a command that makes a file, which is removed first."""
     made.unlink(missing_ok=True)
     os.sync()
     began = time.monotonic()
     with open(bench.path("said"), "w") as said:
         process = subprocess.Popen([str(c) for c in command], stdout=said, stderr=said)
         _, status, usage = os.wait4(process.pid, 0)
+    took = time.monotonic() - began
     process.returncode = os.waitstatus_to_exitcode(status)
     if process.returncode != 0:
         sys.exit(f"store.py: {' '.join(map(str, command))}: {bench.path('said').read_text().strip()}")
-    return time.monotonic() - began, usage.ru_maxrss / 1024
+    return took, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024
 
 
 def compare_import(bench, data, sources, rasters, runs):
@@ -284,20 +296,19 @@ def compare_import(bench, data, sources, rasters, runs):
     commands = {"": ([bench.options.furrow, "import", *sources, "-o", store], store)}
     for label, (raster, more) in rasters.items():
         commands[label] = (["gdal_translate", "-q", *GDAL_LERC, *more, raster, out], out)
-    seconds, peak, size = ({label: [] for label in commands} for _ in range(3))
+    figures, size = {label: [] for label in commands}, {}
     for _ in range(runs):
         for label, (command, made) in commands.items():
-            took, held = timed(bench, command, made)
-            seconds[label].append(took)
-            peak[label].append(held)
+            figures[label].append(timed(bench, command, made))
             size[label] = made.stat().st_size
-    if not rasters:
-        bench.row("import", data, statistics.median(seconds[""]), None, "s")
-    for label in rasters:
-        ours, theirs = (statistics.median(seconds[name]) for name in ("", label))
-        bench.row("import", data, ours, theirs, "s", ("<=", 1.0), label)
-        bench.row("import, peak memory", data, max(peak[""]), max(peak[label]), "MB", None, label)
-    bench.note(row="import in full", data=data, seconds=seconds, peak_mb=peak, file_bytes=size)
+    bench.note(row="import in full", data=data, seconds_processor_mb=figures, file_bytes=size)
+    median = {label: [statistics.median(column) for column in zip(*found)] for label, found in figures.items()}
+    for label in rasters or [None]:
+        theirs = median.get(label, [None] * 3)
+        beside = label or "GDAL"
+        bench.row("import", data, median[""][0], theirs[0], "s", ("<=", 1.0), beside)
+        bench.row("import, processor", data, median[""][1], theirs[1], "s", None, beside)
+        bench.row("import, peak memory", data, median[""][2], theirs[2], "MB", None, beside)
     for path in (store, out):
         path.unlink(missing_ok=True)
 
