@@ -39,6 +39,8 @@ void bench_gdal_close(struct bench_gdal *gdal);
 /* The block of a tile of level 0, past GDAL's cache: in its own type, or as float32 metres. */
 void bench_gdal_read_native(struct bench_gdal *gdal, struct tile tile);
 void bench_gdal_read(struct bench_gdal *gdal, struct tile tile);
+/* What that read: 256 x 256, row 0 north. */
+const float *bench_gdal_heights(const struct bench_gdal *gdal);
 /* Writes that block, read before, to a raster in memory of the same type, compression and error. */
 void bench_gdal_encode(struct bench_gdal *gdal, struct tile tile);
 /* A new tiled GeoTIFF of Int32, `blocks` of 256 a side, open for updates. */

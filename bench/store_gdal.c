@@ -136,6 +136,11 @@ void bench_gdal_read(struct bench_gdal *gdal, struct tile tile)
 		      sizeof *gdal->heights, BLOCK_POSTS);
 }
 
+const float *bench_gdal_heights(const struct bench_gdal *gdal)
+{
+	return gdal->heights;
+}
+
 /* --- encoding --- */
 
 static char **tiled(const char *compression, GDALDataType type)
@@ -317,6 +322,11 @@ void bench_gdal_read_native(struct bench_gdal *gdal, struct tile tile)
 
 void bench_gdal_read(struct bench_gdal *gdal, struct tile tile)
 {
+}
+
+const float *bench_gdal_heights(const struct bench_gdal *gdal)
+{
+	return NULL;
 }
 
 void bench_gdal_encode(struct bench_gdal *gdal, struct tile tile)

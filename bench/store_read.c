@@ -3,6 +3,7 @@
  * its bytes alone through SQLite and through LMDB; GDAL's block of the same posts from memory and
  * from a file. All of it hot, in one random order.
  */
+#include <math.h>
 #include <sqlite3.h>
 #include <stdio.h>
 #include <string.h>
@@ -15,6 +16,7 @@
 #define TILES_MOST 512
 #define COGS_MOST 8
 #define SECONDS 0.15 /* of a row, each run */
+#define HOLE (-32767.0f) /* metres */
 
 struct blob {
 	int64_t codec;
@@ -84,7 +86,7 @@ static void decode_metres(void *user, size_t i)
 	struct bench *bench = user;
 	const int32_t *codes = bench->out;
 	float *heights = bench->heights, step = (float)bench->step;
-	const int32_t hole = (int32_t)(-32767 / bench->step);
+	const int32_t hole = (int32_t)((double)HOLE / bench->step);
 	decode(user, i);
 	for (size_t p = 0, count = bench->posts; p < count; p++) {
 		int32_t code = codes[p] == CODEC_NODATA ? hole : codes[p];
@@ -99,7 +101,7 @@ static void decode_floats(void *user, size_t i)
 	decode(user, i);
 	for (size_t p = 0, count = bench->posts; p < count; p++) {
 		int32_t code = bench->out[p];
-		bench->heights[p] = code == CODEC_NODATA ? -32767.0f : height_code_to_float(code);
+		bench->heights[p] = code == CODEC_NODATA ? HOLE : height_code_to_float(code);
 	}
 }
 
@@ -227,6 +229,29 @@ static void end(struct bench *bench)
 	store_close(bench->store);
 }
 
+/* That both decode the same tiles: each is within the bound of the same posts. Where a terrain has no
+ * whole tile the rasters' blocks lie otherwise, and there is nothing to hold one against. */
+static void check(struct bench *bench, struct cog *cog, const char *path)
+{
+	const struct store_meta *meta = store_meta(bench->store);
+	if (meta->world.width < BENCH_BLOCK || meta->world.height < BENCH_BLOCK)
+		return;
+	for (size_t i = 0; i < bench->count; i++) {
+		(bench->step > 0 ? decode_metres : decode_floats)(bench, i);
+		cog_decode(cog, i);
+		const float *theirs = bench_gdal_heights(cog->memory);
+		for (size_t p = 0; p < (size_t)BENCH_BLOCK * BENCH_BLOCK; p++) {
+			size_t x = p % BENCH_BLOCK, y = BENCH_BLOCK - 1 - p / BENCH_BLOCK;
+			float ours = bench->heights[y * (BENCH_BLOCK + 1) + x];
+			/* A hole is any number to them. The last term is what float32 rounds. */
+			double most = 2 * meta->max_error + 4e-7 * fabs((double)ours);
+			if (ours > HOLE + 1 && fabs((double)ours - (double)theirs[p]) > most)
+				bench_must(fail_with(STATUS_INPUT, "%s: its blocks are not the store's tiles; cut it "
+						     "from the same posts, as store.py does", path));
+		}
+	}
+}
+
 static void print(const struct bench *bench, struct bench_row *row, int runs)
 {
 	double rate = bench_median(row->rates, (size_t)runs);
@@ -268,6 +293,7 @@ int bench_read(const char *path, char **cogs, int cog_count, int runs)
 		if (!bench_gdal_open(cogs[i], true, &cog->memory) || !bench_gdal_open(cogs[i], false, &cog->file))
 			break;
 		open_count++;
+		check(&bench, cog, cogs[i]);
 		count = add(rows, count, "encode", cogs[i], cog_encode, cog, block);
 		count = add(rows, count, "decode", cogs[i], cog_decode, cog, block);
 		count = add(rows, count, "decode native", cogs[i], cog_decode_native, cog, block);
