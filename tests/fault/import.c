@@ -6,7 +6,7 @@
  */
 #include "intake.h"
 
-#define MOST 150
+#define MOST 80
 
 /* An import that failed or was done leaves nothing aside, unless the disk refuses to remove it. */
 static void expect_nothing_aside(const char *path, const struct fault *fault)

@@ -50,7 +50,8 @@ static UNUSED const char *beside(const char *path, const char *suffix)
 	return with;
 }
 
-/* The older store, and the one that a killed writer left: with a WAL that holds its epochs. */
+/* The older store, larger than the new one, and what a killed writer left of it: with a WAL that holds
+ * its epochs. */
 static UNUSED void make_before(void)
 {
 	for (int before = STORE; before < BEFORES; before++) {
@@ -59,14 +60,14 @@ static UNUSED void make_before(void)
 		pid_t child = fork();
 		if (child == 0) {
 			struct store *store = open_store(path, STORE_WRITE);
-			struct field field = field_make(0);
+			struct field field = field_make(-2);
 			struct store_epoch_result result;
-			assert_ok(store_set_working_level(store, 0));
-			field_dig(&field, 30, 20, 12, 5);
+			assert_ok(store_set_working_level(store, -2));
+			field_dig(&field, 100, 90, 80, 5);
 			assert_ok(field_commit(&field, field_all(&field), store, 1, &result));
 			/* A part of it is in the file: without the rest of the WAL that is no store. */
 			assert_ok(store_checkpoint(store));
-			field_dig(&field, 50, 30, 12, 6);
+			field_dig(&field, 150, 80, 60, 6);
 			assert_ok(field_commit(&field, field_all(&field), store, 2, &result));
 			if (before == STORE)
 				store_close(store);
