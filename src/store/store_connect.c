@@ -1,10 +1,12 @@
 /* Connections to a store's file, with what an untrusted file calls for. */
 #include "store/internal.h"
 
+#include <libgen.h>
 #include <limits.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #define VALUE_BYTES (24 << 20) /* the largest plane coded, and texts, are below that */
 
@@ -76,6 +78,15 @@ bool connect_has_journal(const char *path)
 	return has_beside(path, "-journal");
 }
 
+/* Who may write can make the file that WAL needs: if that failed it would not always fail, and the
+ * store is not one that stays as it is. */
+static bool may_write(const char *path)
+{
+	char folder[PATH_MAX];
+	snprintf(folder, sizeof folder, "%s", path);
+	return access(path, W_OK) == 0 && access(dirname(folder), W_OK) == 0;
+}
+
 /* After a power cut a journal may be back that a writer was done with: only who may write can undo it. */
 static enum status roll_back(const char *path, const char *named)
 {
@@ -100,7 +111,7 @@ enum status connect_reader(const char *path, const char *named, bool *immutable,
 		 * SQLite cannot make the file beside it that WAL needs, nor is one needed without a WAL. */
 		bool beside = (code & 0xff) == SQLITE_CANTOPEN || (code & 0xff) == SQLITE_READONLY;
 		bool journal = connect_has_journal(path);
-		if (!beside || (journal && undone))
+		if (!beside || (journal && undone) || (!journal && may_write(path)))
 			status = sql_fail(*db, code, named, "opening it");
 		else if (!journal && connect_has_wal(path))
 			status = fail_with(STATUS_INPUT, "%s: its last writer did not close it and its folder cannot be "
