@@ -1,0 +1,362 @@
+/*
+ * Law 6 through the page cache and the run's adaptor (src/run/pages.c), without GL: whatever fails,
+ * it is told and goes on being told, no page that the store has not is let go, and the store holds
+ * exactly what the ground was at the end of the step of its last epoch.
+ *
+ * The slots are this file's own: it has the functions of gpu_slots.c that the adaptor calls, so that
+ * the linker takes no others. The threads' calls come in any order; some Ns of each kind are tried.
+ */
+#include "sweep.h"
+
+#include "run/pages.h"
+
+#define MOST 25
+#define LEVEL -1
+enum { SLOTS = 6, STEPS = 24, RADIUS = 5 };
+
+/* --- slots in memory --- */
+
+struct gpu_slots {
+	struct {
+		bool deformed;
+		int32_t offset[POSTS];
+		uint8_t dirt[POSTS];
+	} slots[SLOTS];
+};
+
+enum status gpu_slots_upload_base(struct gpu_slots *slots, uint32_t slot, const int32_t *posts)
+{
+	return STATUS_OK;
+}
+
+enum status gpu_slots_subdivide_base(struct gpu_slots *slots, uint32_t slot, const int32_t *patch, int shift,
+				     uint32_t sub_x, uint32_t sub_y)
+{
+	return STATUS_OK;
+}
+
+enum status gpu_slots_deform(struct gpu_slots *slots, uint32_t slot)
+{
+	if (!slots->slots[slot].deformed) {
+		memset(slots->slots[slot].offset, 0, sizeof slots->slots[slot].offset);
+		memset(slots->slots[slot].dirt, 0, sizeof slots->slots[slot].dirt);
+	}
+	slots->slots[slot].deformed = true;
+	return STATUS_OK;
+}
+
+void gpu_slots_undeform(struct gpu_slots *slots, uint32_t slot)
+{
+	slots->slots[slot].deformed = false;
+}
+
+enum status gpu_slots_upload_deform(struct gpu_slots *slots, uint32_t slot, const int32_t *offset,
+				    const uint8_t *dirt)
+{
+	slots->slots[slot].deformed = true;
+	memcpy(slots->slots[slot].offset, offset, sizeof slots->slots[slot].offset);
+	memcpy(slots->slots[slot].dirt, dirt, sizeof slots->slots[slot].dirt);
+	return STATUS_OK;
+}
+
+enum status gpu_slots_read_deform(struct gpu_slots *slots, uint32_t slot, int32_t *offset, uint8_t *dirt)
+{
+	memcpy(offset, slots->slots[slot].offset, sizeof slots->slots[slot].offset);
+	memcpy(dirt, slots->slots[slot].dirt, sizeof slots->slots[slot].dirt);
+	return STATUS_OK;
+}
+
+enum status gpu_slots_decimate(struct gpu_slots *slots, uint32_t fine, struct gpu_rect rect, int steps,
+			       uint32_t coarse, uint32_t to_x, uint32_t to_y)
+{
+	fail_msg("only the working level is resident here");
+	return STATUS_FAILED;
+}
+
+/* --- a drive of steps, each around the corner of four tiles --- */
+
+struct rig {
+	struct store *store;
+	struct gpu_slots slots;
+	struct pages *pages;
+	struct page_cache *cache;
+	FILE *log;
+	struct field field; /* the ground as it is now */
+	int steps;          /* that field has */
+};
+
+static void corner_of(int step, uint32_t *x, uint32_t *y)
+{
+	*x = 1 + (uint32_t)step * 2 % 9;
+	*y = 1 + (uint32_t)step % 6;
+}
+
+static void dig_step(struct field *field, int step)
+{
+	uint32_t x, y;
+	corner_of(step, &x, &y);
+	field_dig(field, 16 * x, 16 * y, RADIUS, (uint32_t)step);
+}
+
+static enum status nothing_before(void *user, struct tile tile, uint32_t slot)
+{
+	return STATUS_OK;
+}
+
+static enum status rig_open(struct rig *rig, const char *path)
+{
+	struct store_options options = {STORE_WRITE, false};
+	enum status status = store_open(path, &options, &rig->store);
+	if (status == STATUS_OK)
+		status = store_set_working_level(rig->store, LEVEL);
+	if (status != STATUS_OK)
+		return status;
+	struct pages_params params = {
+		.store = rig->store,
+		.slots = &rig->slots,
+		.level = LEVEL,
+		.dirt = true,
+		.count = SLOTS,
+		.loaders = 2,
+		.step_pages = 4,
+		.scene_hash = "abc",
+		.epochs = rig->log,
+		.before_read_back = nothing_before,
+	};
+	status = pages_create(&params, &rig->pages);
+	if (status == STATUS_OK)
+		rig->cache = pages_cache(rig->pages);
+	return status;
+}
+
+/* What the tile in the slot holds is what the ground was before the step. */
+static void step_tile(struct rig *rig, struct tile tile, uint32_t slot, const struct field *before)
+{
+	int32_t offset[POSTS];
+	uint8_t dirt[POSTS];
+	(void)!gpu_slots_deform(&rig->slots, slot);
+	field_tile(before, tile, offset, dirt);
+	expect(memcmp(rig->slots.slots[slot].offset, offset, sizeof offset) == 0);
+	expect(memcmp(rig->slots.slots[slot].dirt, dirt, sizeof dirt) == 0);
+	field_tile(&rig->field, tile, rig->slots.slots[slot].offset, rig->slots.slots[slot].dirt);
+	page_cache_dirty(rig->cache, tile_key(tile));
+	page_cache_unpin(rig->cache, tile_key(tile));
+}
+
+static enum status one_step(struct rig *rig, int step, struct pages_record *record)
+{
+	uint32_t x, y, slots[4];
+	uint64_t keys[4];
+	corner_of(step, &x, &y);
+	for (uint32_t i = 0; i < 4; i++)
+		keys[i] = tile_key((struct tile){LEVEL, x - 1 + i % 2, y - 1 + i / 2});
+	enum status status = page_cache_pin_all(rig->cache, keys, 4, slots);
+	if (status != STATUS_OK)
+		return status;
+	struct field before = field_make(LEVEL);
+	memcpy(before.offset, rig->field.offset, (size_t)(before.width * before.height) * sizeof *before.offset);
+	memcpy(before.dirt, rig->field.dirt, (size_t)(before.width * before.height));
+	dig_step(&rig->field, step);
+	rig->steps = step;
+	for (uint32_t i = 0; i < 4; i++)
+		step_tile(rig, tile_from_key(keys[i]), slots[i], &before);
+	field_free(&before);
+	record->step = step;
+	return page_cache_end_step(rig->cache, record);
+}
+
+/* --- what the store has, and what it has not --- */
+
+/* Epochs that were acknowledged. */
+static int acknowledged(const struct rig *rig)
+{
+	int lines = 0;
+	rewind(rig->log);
+	for (int c; (c = getc(rig->log)) != EOF;)
+		lines += c == '\n';
+	return lines;
+}
+
+struct held {
+	const struct rig *rig;
+	bool has[7][10]; /* y, x: the cache has what the ground is now */
+};
+
+static void hold(struct held *held, uint64_t key)
+{
+	struct tile tile = tile_from_key(key);
+	held->has[tile.y][tile.x] = true;
+}
+
+static void hold_queued(void *user, const struct page_image *image)
+{
+	hold(user, image->key);
+}
+
+static void hold_resident(void *user, uint64_t key, uint32_t slot, bool dirty)
+{
+	struct held *held = user;
+	int32_t offset[POSTS];
+	uint8_t dirt[POSTS];
+	if (!dirty)
+		return;
+	field_tile(&held->rig->field, tile_from_key(key), offset, dirt);
+	expect(memcmp(held->rig->slots.slots[slot].offset, offset, sizeof offset) == 0);
+	hold(held, key);
+}
+
+/* A page that differs from the store is dirty in its slot or in the queue. */
+static void expect_pages_kept(struct rig *rig)
+{
+	struct held held = {.rig = rig};
+	struct store_reader *reader;
+	page_cache_each_queued(rig->cache, hold_queued, &held);
+	page_cache_each_resident(rig->cache, hold_resident, &held);
+	expect(store_reader_create(rig->store, &reader) == STATUS_OK);
+	for (uint32_t y = 0; y < world_tiles_y(&world, LEVEL); y++)
+		for (uint32_t x = 0; x < world_tiles_x(&world, LEVEL); x++) {
+			int32_t offset[POSTS], stored[POSTS];
+			uint8_t dirt[POSTS], stored_dirt[POSTS];
+			unsigned present;
+			struct tile tile = {LEVEL, x, y};
+			field_tile(&rig->field, tile, offset, dirt);
+			expect(store_read_deformed(reader, tile, STORE_PLANE_OFFSET | STORE_PLANE_DIRT, stored,
+						   stored_dirt, &present) == STATUS_OK);
+			expect(held.has[y][x] || (memcmp(offset, stored, sizeof offset) == 0 &&
+						  memcmp(dirt, stored_dirt, sizeof dirt) == 0));
+		}
+	store_reader_destroy(reader);
+}
+
+/* The ground of the step that the last epoch says. */
+static void look(const char *path, int least, int most)
+{
+	struct store *store;
+	struct store_reader *reader;
+	struct store_check check;
+	struct store_numbers numbers;
+	expect(store_open(path, &(struct store_options){.mode = STORE_READ}, &store) == STATUS_OK);
+	expect(store_verify(store, print_problem, NULL, NULL, &check) == STATUS_OK);
+	expect(check.problems == 0);
+	expect(store_count(store, &numbers) == STATUS_OK);
+	expect(numbers.epochs >= least && numbers.epochs <= most);
+	struct field field = field_make(LEVEL);
+	for (int step = 1; numbers.epochs > 0 && step <= numbers.last_run.step; step++)
+		dig_step(&field, step);
+	size_t count = (size_t)(field.width * field.height);
+	double *values = malloc(count * sizeof *values);
+	expect(values != NULL && store_reader_create(store, &reader) == STATUS_OK);
+	expect(store_read_posts(reader, STORE_QUANTA, LEVEL, field_all(&field), values) == STATUS_OK);
+	for (size_t i = 0; i < count; i++)
+		expect(values[i] == field.offset[i] || values[i] != values[i]);
+	expect(store_read_posts(reader, STORE_SOIL, LEVEL, field_all(&field), values) == STATUS_OK);
+	for (size_t i = 0; i < count; i++)
+		expect(values[i] == field.dirt[i] || values[i] != values[i]);
+	store_reader_destroy(reader);
+	free(values);
+	field_free(&field);
+	store_close(store);
+}
+
+/* --- trials --- */
+
+static enum status drive(struct rig *rig)
+{
+	struct pages_record *record = calloc(1, pages_record_bytes(0));
+	assert_non_null(record);
+	enum status status = STATUS_OK;
+	for (int step = 1; step <= STEPS && status == STATUS_OK; step++)
+		status = one_step(rig, step, record);
+	if (status == STATUS_OK)
+		status = page_cache_flush(rig->cache, record);
+	free(record);
+	return status;
+}
+
+/* Only the writer writes: what it could not commit is not forgotten when the next thing is asked. */
+static void expect_sticky(struct rig *rig)
+{
+	struct pages_record *record = calloc(1, pages_record_bytes(0));
+	uint32_t slot;
+	assert_non_null(record);
+	expect(told(page_cache_end_step(rig->cache, record)));
+	expect(told(page_cache_flush(rig->cache, record)));
+	expect(told(page_cache_pin(rig->cache, tile_key((struct tile){LEVEL, 0, 0}), &slot)));
+	free(record);
+}
+
+static uint64_t trial_with(const struct fault *fault, FILE *log, bool log_fails)
+{
+	static struct rig rig;
+	const char *path = in_folder("trial.furrow");
+	unlink(path);
+	copy_file(in_folder("fresh"), path);
+	rig = (struct rig){.log = log, .field = field_make(LEVEL)};
+	fault_arm_for(fault);
+	enum status status = rig_open(&rig, path);
+	if (status == STATUS_OK)
+		status = drive(&rig);
+	expect(status == STATUS_OK || told(status));
+	if (status != STATUS_OK && rig.cache != NULL &&
+	    (log_fails || (fault->kind >= FAULT_WRITE && fault->kind <= FAULT_TORN_WRITE)))
+		expect_sticky(&rig);
+	uint64_t calls = fault_disarm();
+	if (rig.cache != NULL)
+		expect_pages_kept(&rig);
+	pages_destroy(rig.pages);
+	store_close(rig.store);
+	expect(calls >= fault->nth || log_fails || (status == STATUS_OK && rig.steps == STEPS));
+	/* The last may have been committed and not acknowledged. */
+	int least = log_fails ? 0 : acknowledged(&rig);
+	look(path, least, least + (status != STATUS_OK));
+	expect(status != STATUS_OK || least >= 3);
+	/* A writer that ends well tidies up after one that did not. */
+	store_close(open_store(path, STORE_WRITE));
+	expect(files_of("trial.furrow") == 1);
+	field_free(&rig.field);
+	return calls;
+}
+
+static uint64_t trial(const void *user, const struct fault *fault)
+{
+	FILE *log = tmpfile();
+	assert_non_null(log);
+	uint64_t calls = trial_with(fault, log, false);
+	fclose(log);
+	return calls;
+}
+
+static void a_failed_write_back_is_told_and_its_pages_are_kept(void **state)
+{
+	uint64_t ran = 0;
+	for (int kind = FAULT_NONE + 1; kind < FAULT_KINDS; kind++)
+		ran += sweep(trial, NULL, (enum fault_kind)kind, MOST);
+	assert_true(ran > 100);
+}
+
+static void an_epoch_that_cannot_be_acknowledged_is_told(void **state)
+{
+	FILE *log = fopen("/dev/full", "a+");
+	if (log == NULL)
+		skip();
+	trial_with(&(struct fault){FAULT_NONE, UINT64_MAX, false}, log, true);
+	fclose(log);
+}
+
+static int enter(void **state)
+{
+	if (folder_make(state) != 0)
+		return -1;
+	make_store(in_folder("fresh"));
+	return 0;
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_failed_write_back_is_told_and_its_pages_are_kept),
+		cmocka_unit_test(an_epoch_that_cannot_be_acknowledged_is_told),
+	};
+	fault_install();
+	return cmocka_run_group_tests(tests, enter, folder_remove);
+}
