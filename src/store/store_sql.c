@@ -7,7 +7,9 @@
 enum status sql_fail(sqlite3 *db, int code, const char *path, const char *doing)
 {
 	const char *why = db != NULL ? sqlite3_errmsg(db) : sqlite3_errstr(code);
-	int reason = db != NULL ? sqlite3_system_errno(db) : 0; /* 0 too where a write came short */
+	int error = db != NULL ? sqlite3_system_errno(db) : 0;
+	if (code == SQLITE_IOERR_NOMEM)
+		return fail_memory(doing);
 	switch (code & 0xff) {
 	case SQLITE_CORRUPT:
 		return fail_with(STATUS_INPUT, "%s: %s: %s; the file is damaged or was cut short, "
@@ -27,8 +29,8 @@ enum status sql_fail(sqlite3 *db, int code, const char *path, const char *doing)
 		return fail_with(STATUS_FAILED, "%s: %s: %s; nothing was lost, free some disk space and "
 				 "go on", path, doing, why);
 	case SQLITE_IOERR:
-		return fail_with(STATUS_FAILED, "%s: %s: %s (%s); check the disk and its free space",
-				 path, doing, why, reason != 0 ? strerror(reason) : "it came short");
+		return fail_with(STATUS_FAILED, "%s: %s: %s%s%s; check the disk and its free space", path, doing,
+				 why, error != 0 ? ": " : "", error != 0 ? strerror(error) : "");
 	case SQLITE_BUSY:
 		return fail_with(STATUS_FAILED, "%s: %s: %s; wait for the other process to end", path,
 				 doing, why);
