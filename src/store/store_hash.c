@@ -65,6 +65,12 @@ static enum status add_row(struct hashing *hashing, enum row_table table, uint64
 		return fail_with(STATUS_INPUT, "%s: it has a tile outside its terrain; the store is damaged, "
 				 "restore it", rows->path);
 	enum status status = rows_read(rows, table, tile, hashing->posts, &row, &found);
+	if (status == STATUS_OK && !found) { /* its keys are out of order: one way leads to it, another does not */
+		char text[256];
+		rows_text(rows, table, tile, text, sizeof text);
+		status = fail_with(STATUS_INPUT, "%s: it is listed and cannot be found; the store is damaged, restore or "
+				   "import it again", text);
+	}
 	if (status != STATUS_OK)
 		return status;
 	const uint64_t words[] = {(uint64_t)table, key, hash_real(row.low), hash_real(row.high),

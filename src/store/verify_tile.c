@@ -184,6 +184,10 @@ enum status verify_tile(struct verifying *verifying, struct tile tile)
 	enum status status = read_tile(verifying, tile, verifying->posts, &row, &held);
 	if (status != STATUS_OK)
 		return status;
+	if (held == HELD_MISSING) {
+		verify_tell_tile(verifying, tile, "it is listed and cannot be found");
+		return STATUS_OK;
+	}
 	if (held != HELD_POSTS) {
 		/* "store: base tile ...: why": the path is known to who asked. */
 		const char *text = failure_message(), *path = store_table(store, verifying->table)->path;

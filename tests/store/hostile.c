@@ -1,4 +1,5 @@
 /* Files that are no stores, or once were: one line and STATUS_INPUT, never harm. */
+#define _GNU_SOURCE /* memmem */
 #include "fixture.h"
 
 static void write_file(const char *path, const char *text, size_t size)
@@ -155,6 +156,44 @@ static void dirt_beyond_its_range_is_refused(void **state)
 	}
 }
 
+static void tell_lost(void *user, const char *text)
+{
+	assert_true(text[0] != '\0');
+	*(int *)user += strstr(text, "x 3 y 1: it is listed and cannot be found") != NULL;
+}
+
+/* SQLite's rows out of order: a scan meets what a search does not find. */
+static void a_tile_listed_that_cannot_be_found_is_told(void **state)
+{
+	const char *path = in_folder("order.furrow");
+	/* A row's key as SQLite writes it: tile (0, 0) of level 0, which becomes (3, 1). */
+	static const char first[9] = {(char)0x90, (char)0x80, (char)0x80, (char)0x80, (char)0x80,
+				      (char)0x80, (char)0x80, (char)0x80, 0};
+	char bytes[1 << 18];
+	char sql[80];
+	make_store(path);
+	snprintf(sql, sizeof sql, "DELETE FROM base WHERE key = %lld", (long long)tile_key((struct tile){0, 3, 1}));
+	raw_sql(path, sql);
+	FILE *file = fopen(path, "rb");
+	assert_non_null(file);
+	size_t size = fread(bytes, 1, sizeof bytes, file);
+	fclose(file);
+	char *at = memmem(bytes, size, first, sizeof first);
+	assert_true(at != NULL && size < sizeof bytes);
+	at[8] = 7;
+	write_file(path, bytes, size);
+
+	struct store *store = open_store(path, STORE_READ);
+	struct store_check check;
+	uint64_t hash;
+	int lost = 0;
+	assert_status(store_content_hash(store, &hash), STATUS_INPUT);
+	assert_non_null(strstr(failure_message(), "cannot be found"));
+	assert_ok(store_verify(store, tell_lost, NULL, &lost, &check));
+	assert_int_equal(lost, 1);
+	store_close(store);
+}
+
 /* Bytes changed anywhere: every outcome is one of a status and a message; sanitizers see to harm. */
 static void changed_bytes_do_no_harm(void **state)
 {
@@ -223,6 +262,7 @@ int main(void)
 		cmocka_unit_test(a_file_cut_short_is_refused),
 		cmocka_unit_test(sums_that_no_tile_has_are_refused),
 		cmocka_unit_test(dirt_beyond_its_range_is_refused),
+		cmocka_unit_test(a_tile_listed_that_cannot_be_found_is_told),
 		cmocka_unit_test(changed_bytes_do_no_harm),
 	};
 	return cmocka_run_group_tests(tests, folder_make, folder_remove);
