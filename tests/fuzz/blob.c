@@ -13,8 +13,9 @@
 #include "store/codec_kernels.h"
 
 #define HEAD 2
+#define KINDS 8
 /* What the codec may hold for a post: its residuals, its planes, a body and what is made of it. */
-#define BYTES_A_POST 32
+#define BYTES_A_POST (32 + 8) /* and a round's copies */
 #define BYTES_MORE (1u << 20) /* LZ4's tables */
 
 const size_t fuzz_size_max = 16384;
@@ -99,31 +100,36 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 	if (size < HEAD)
 		return 0;
 	uint32_t side = side_of(data[0]);
-	size_t count = (size_t)side * side;
-	int32_t *posts = malloc(count * sizeof *posts);
-	fuzz_check(posts != NULL);
-	fuzz_memory_allow(count * BYTES_A_POST + BYTES_MORE);
+	int64_t id = codec_of(data[1]);
+	size_t bytes = (size_t)side * side * sizeof(int32_t);
+	int32_t *posts = malloc(bytes), *first = malloc(bytes);
+	fuzz_check(posts != NULL && first != NULL);
+	fuzz_memory_allow(bytes / sizeof *posts * BYTES_A_POST + BYTES_MORE);
 	fuzz_check(codec_init(&codec, side, size % 2 == 0 ? CODEC_FAST : CODEC_SMALL) == STATUS_OK);
-	bool decodes = codec_decode(&codec, codec_of(data[1]), data + HEAD, size - HEAD, posts);
-	if (decodes)
-		check_alike(&codec, codec_of(data[1]), data + HEAD, size - HEAD, posts);
-	if (decodes)
-		check_round(&codec, posts);
+	bool good = codec_decode(&codec, id, data + HEAD, size - HEAD, first);
+	if (good) {
+		check_alike(&codec, id, data + HEAD, size - HEAD, first);
+		check_round(&codec, first);
+	}
 	/* Posts of all ways from the smallest planes, of one from larger ones. */
 	for (int way = 0; way < 4 && size > HEAD && side < 1025; way++)
 		if (side <= 17 || way == data[1] % 4) {
 			make_posts(data + HEAD, size - HEAD, way, side, posts);
 			check_round(&codec, posts);
 		}
+	/* Again, with scratch that others have used: nothing of it shows. */
+	fuzz_check(codec_decode(&codec, id, data + HEAD, size - HEAD, posts) == good);
+	fuzz_check(!good || memcmp(posts, first, bytes) == 0);
 	codec_finish(&codec);
 	free(posts);
+	free(first);
 	return 0;
 }
 
 /* Planes of each kind, encoded by the codec there is. */
 size_t fuzz_seed(size_t index, uint8_t *data, size_t room)
 {
-	uint8_t side_byte = (uint8_t)(index / 6);
+	uint8_t side_byte = (uint8_t)(index / KINDS);
 	if (side_byte >= 4)
 		return 0;
 	struct codec codec;
@@ -135,11 +141,12 @@ size_t fuzz_seed(size_t index, uint8_t *data, size_t room)
 	fuzz_check(posts != NULL && codec_init(&codec, side, index % 2 == 0 ? CODEC_FAST : CODEC_SMALL) == STATUS_OK);
 	for (size_t i = 0; i < (size_t)side * side; i++) {
 		uint64_t any = fuzz_random(&random);
-		const int32_t values[6] = {
+		const int32_t values[KINDS] = {
 			7, (int32_t)(any % 256), (int32_t)any, (int32_t)(i * 3 + any % 4),
 			any % 9 == 0 ? CODEC_NODATA : (int32_t)(i % side * 50), i % 40 < 3 ? -(int32_t)i : 0,
+			i == 0 ? CODEC_NODATA : 5, i + 1 == (size_t)side * side ? CODEC_NODATA : (int32_t)i,
 		};
-		posts[i] = values[index % 6];
+		posts[i] = values[index % KINDS];
 	}
 	data[0] = side_byte;
 	data[1] = (uint8_t)codec_encode(&codec, posts, &bytes, &size);

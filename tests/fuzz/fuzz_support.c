@@ -33,8 +33,11 @@ uint64_t fuzz_below(uint64_t *state, uint64_t bound)
 
 int64_t fuzz_integer(uint64_t *state)
 {
+	static const int64_t ends[] = {0, INT64_MIN, INT64_MAX, INT32_MIN, INT32_MAX, UINT32_MAX, 1, -1};
 	uint64_t near = fuzz_below(state, 5), bit = fuzz_below(state, 64);
-	switch (fuzz_below(state, 4)) {
+	switch (fuzz_below(state, 5)) {
+	case 4:
+		return ends[fuzz_below(state, sizeof ends / sizeof *ends)];
 	case 0:
 		return (int64_t)fuzz_below(state, 40) - 20;
 	case 1: /* about a power of two */

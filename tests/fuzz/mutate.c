@@ -64,7 +64,7 @@ static size_t change_once(uint8_t *data, size_t size, size_t room)
 	size_t at = below(size), count = 1 + below(below(4) ? 8 : 64);
 	if (count > size - at)
 		count = size - at;
-	switch (below(9)) {
+	switch (below(10)) {
 	case 0:
 		data[at] ^= (uint8_t)(1u << below(8));
 		return size;
@@ -90,6 +90,8 @@ static size_t change_once(uint8_t *data, size_t size, size_t room)
 		return size;
 	case 7:
 		return splice(data, size, room, at);
+	case 8: /* cut short */
+		return below(4) == 0 ? at + 1 : size;
 	default:
 		return insert_word(data, size, room, at);
 	}

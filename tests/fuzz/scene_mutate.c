@@ -1,6 +1,7 @@
 /* Changes of a scene's text that leave most of it a scene: lines, numbers, words. */
 #include "scene.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -50,8 +51,12 @@ static size_t number_text(char text[40])
 	switch (fuzz_below(&random_state, 3)) {
 	case 0:
 		return (size_t)snprintf(text, 40, "%lld", (long long)fuzz_integer(&random_state));
-	case 1:
-		return (size_t)snprintf(text, 40, "%.17g", fuzz_real(&random_state));
+	case 1: {
+		double value = fuzz_real(&random_state);
+		if (isinf(value)) /* as a number that is none by name */
+			return (size_t)snprintf(text, 40, "%s", value > 0 ? "1e999" : "-1e999");
+		return (size_t)snprintf(text, 40, "%.17g", value);
+	}
 	default:
 		return (size_t)snprintf(text, 40, "%.3f", (double)fuzz_below(&random_state, 100000) / 1000);
 	}
@@ -118,6 +123,9 @@ size_t fuzz_seed(size_t index, uint8_t *data, size_t room)
 		"view:\n  size: [64, 48]\n  camera: {over: a, height: 9}\n"
 		SCENE_POSES "0,1,2\n1,2,3\n"
 		SCENE_SET "view.camera={eye: [1, 2, 3], target: [0, 0, 0]}\n",
+		/* Mostly poses. */
+		"{scene: 1, end_time: 1, objects: [{name: a, shape: {sphere: {radius: 1}}, path: {file: poses.csv}}]}\n"
+		SCENE_POSES "t,x,y,z\n0,0,0,0\n1,0,0,0\n2,0,0,0\n3,1,0.5,-0.25\n4,1,1e1,1\n5.5,1,2,3\n6,1,2,3\n7,7,7,7\n",
 	};
 	if (index >= sizeof seeds / sizeof *seeds)
 		return 0;

@@ -62,10 +62,15 @@ static void change(sqlite3 *db, const char *sql, bool any)
 	sqlite3_finalize(statement);
 }
 
+#define ANY_KEY "UPDATE meta SET value = ?1 WHERE key = (SELECT key FROM meta LIMIT 1 OFFSET ?2 % 16)"
+
 static void change_meta(sqlite3 *db)
 {
 	static const char *const edits[] = {
-		"UPDATE meta SET value = ?1 WHERE key = (SELECT key FROM meta LIMIT 1 OFFSET ?2)",
+		ANY_KEY, ANY_KEY, ANY_KEY, ANY_KEY,
+		"UPDATE meta SET value = CAST(?1 AS INTEGER) WHERE key = 'cells'",
+		"UPDATE meta SET value = CAST(?1 AS INTEGER) WHERE key IN ('width', 'height')",
+		"UPDATE meta SET value = 1 << (?2 & 31) WHERE key IN ('width', 'height')",
 		"UPDATE meta SET value = CAST(?1 AS INTEGER) % 30 WHERE key IN ('working', 'pack')",
 		"UPDATE meta SET value = 8 << (?2 & 7) WHERE key = 'cells'",
 		"UPDATE meta SET value = value + ?2 - 20 WHERE key = 'width'",
