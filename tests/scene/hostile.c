@@ -1,4 +1,6 @@
 /* Text that was made to do harm, and memory that runs out. */
+#include <sys/stat.h>
+
 #include "fixture.h"
 
 static void refuses(const void *bytes, size_t length, const char *says)
@@ -78,6 +80,21 @@ static void a_message_holds_no_control_character(void **state)
 	struct scene *scene;
 	assert_int_equal(load_text(minimal, &setting, 1, &scene), STATUS_INPUT);
 	assert_says("--set a [2J  ..b: ");
+}
+
+static void poses_that_are_no_file_are_refused(void **state)
+{
+	struct scene *scene;
+	char *text = edited(minimal, "{points: [[1, 2]], speed: 3}", "{file: pipe}");
+	assert_int_equal(mkfifo(in_folder("pipe"), 0600), 0);
+	assert_int_equal(load_text(text, NULL, 0, &scene), STATUS_INPUT); /* and does not wait for a writer */
+	assert_says("\"pipe\": not a file; ");
+	unlink(in_folder("pipe"));
+	free(text);
+	text = edited(minimal, "{points: [[1, 2]], speed: 3}", "{file: /dev/zero}");
+	assert_int_equal(load_text(text, NULL, 0, &scene), STATUS_INPUT);
+	assert_says("\"/dev/zero\": not a file; ");
+	free(text);
 }
 
 static uint64_t random_next(uint64_t *state)
@@ -229,6 +246,7 @@ int main(void)
 		cmocka_unit_test(a_mapping_of_very_many_keys_is_refused),
 		cmocka_unit_test(a_long_message_is_still_one_line),
 		cmocka_unit_test(a_message_holds_no_control_character),
+		cmocka_unit_test(poses_that_are_no_file_are_refused),
 		cmocka_unit_test(a_mutated_scene_loads_or_is_told_and_never_more),
 		cmocka_unit_test(a_mutated_poses_file_loads_or_is_told),
 		cmocka_unit_test(memory_that_runs_out_is_told_at_every_allocation),
