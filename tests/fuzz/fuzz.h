@@ -53,7 +53,7 @@ size_t fuzz_read(const char *path, uint8_t *data, size_t room);
 /* --- fuzz_memory.c: every allocation of the process --- */
 
 /* Bytes that may be allocated beyond those that are now: the allocation that goes beyond ends the
- * process, where it is made. */
+ * process, where it is made. A target allows all again before it returns. */
 void fuzz_memory_allow(uint64_t bytes);
 void fuzz_memory_allow_all(void);
 /* Blocks now allocated. */
