@@ -12,6 +12,7 @@
 #include <cpl_error.h>
 #include <cpl_string.h>
 #include <gdal_alg.h>
+#include <gdal_vrt.h>
 #include <gdalwarper.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,6 +20,8 @@
 #define SCALE_TOLERANCE 1e-3
 #define WARP_MEMORY (64.0 * 1024 * 1024)
 #define APPROXIMATION 0.005 /* pixels that the transformation may be off */
+#define PIECE_PIXELS (16.0 * 1024 * 1024)
+#define PIECES_MAX 1024
 #define PROBES 33           /* points along a side at which the target's extent is taken */
 
 struct plan {
@@ -26,6 +29,7 @@ struct plan {
 	bool project, resample;
 	bool sample; /* the kernel is not widened */
 	double spacing;
+	double step[2];   /* metres between the source's posts */
 	double origin[2]; /* the south-west post */
 	int64_t width, height;
 };
@@ -170,14 +174,19 @@ static void *make_transformer(const struct plan *plan, GDALDatasetH mosaic, cons
 	return close;
 }
 
-static enum status create(const struct plan *plan, const struct dem_params *params, GDALDatasetH mosaic,
-			  const char *name, GDALDatasetH *out)
+/* A rectangle of the target's posts, rows counted from the north. */
+struct piece {
+	int64_t x, y, width, height;
+};
+
+static enum status create_piece(const struct plan *plan, const struct dem_params *params, GDALDatasetH mosaic,
+				const char *name, struct piece piece, GDALDatasetH *out)
 {
 	static const GDALResampleAlg kernels[] = {
 		[DEM_BILINEAR] = GRA_Bilinear, [DEM_CUBIC] = GRA_Cubic, [DEM_NEAR] = GRA_NearestNeighbour};
 	double s = plan->spacing;
-	double target[6] = {plan->origin[0] - s / 2, s, 0,
-			    plan->origin[1] + ((double)plan->height - 0.5) * s, 0, -s};
+	double target[6] = {plan->origin[0] + ((double)piece.x - 0.5) * s, s, 0,
+			    plan->origin[1] + ((double)(plan->height - piece.y) - 0.5) * s, 0, -s};
 	CPLErrorReset();
 	void *transformer = make_transformer(plan, mosaic, target);
 	GDALWarpOptions *options = transformer != NULL ? GDALCreateWarpOptions() : NULL;
@@ -200,11 +209,14 @@ static enum status create(const struct plan *plan, const struct dem_params *para
 	char threads[24];
 	snprintf(threads, sizeof threads, "%lld", (long long)(params->jobs > 1 ? params->jobs : 1));
 	options->papszWarpOptions = CSLSetNameValue(options->papszWarpOptions, "NUM_THREADS", threads);
-	if (plan->sample) {
-		options->papszWarpOptions = CSLSetNameValue(options->papszWarpOptions, "XSCALE", "1");
-		options->papszWarpOptions = CSLSetNameValue(options->papszWarpOptions, "YSCALE", "1");
+	/* GDAL would take the kernel's width from each block anew. */
+	static const char *const axes[] = {"XSCALE", "YSCALE"};
+	for (int i = 0; i < 2; i++) {
+		char text[32];
+		snprintf(text, sizeof text, "%.17g", plan->sample ? 1 : plan->step[i] / s);
+		options->papszWarpOptions = CSLSetNameValue(options->papszWarpOptions, axes[i], text);
 	}
-	*out = GDALCreateWarpedVRT(mosaic, (int)plan->width, (int)plan->height, target, options);
+	*out = GDALCreateWarpedVRT(mosaic, (int)piece.width, (int)piece.height, target, options);
 	GDALDestroyWarpOptions(options);
 	if (*out == NULL) {
 		GDALDestroyApproxTransformer(transformer);
@@ -214,7 +226,52 @@ static enum status create(const struct plan *plan, const struct dem_params *para
 	return STATUS_OK;
 }
 
-static enum status describe(const struct plan *plan, struct dem_grid *grid, const double step[2])
+/*
+ * GDAL warps a block of 512 x 128 posts at once with all of the source under it. Where that is much
+ * the target is made of pieces, none with more than PIECE_PIXELS under it, put together again.
+ */
+static enum status create(const struct plan *plan, const struct dem_params *params, GDALDatasetH mosaic,
+			  const char *name, GDALDatasetH *out)
+{
+	const double *step = plan->step;
+	double under = plan->spacing * plan->spacing / (step[0] * step[1]); /* source pixels a post */
+	double most = fmax(PIECE_PIXELS, under * (double)plan->width * (double)plan->height / PIECES_MAX);
+	if (plan->sample || under * 512 * 128 <= most)
+		return create_piece(plan, params, mosaic, name, (struct piece){0, 0, plan->width, plan->height}, out);
+	int64_t side = (int64_t)fmax(1, sqrt(most / under));
+	VRTDatasetH whole = VRTCreate((int)plan->width, (int)plan->height);
+	GDALDataType type = GDALGetRasterDataType(GDALGetRasterBand(mosaic, 1));
+	if (whole == NULL || GDALAddBand(whole, type, NULL) != CE_None) {
+		if (whole != NULL)
+			GDALClose(whole);
+		return fail_memory(name);
+	}
+	VRTSourcedRasterBandH band = (VRTSourcedRasterBandH)GDALGetRasterBand(whole, 1);
+	enum status status = STATUS_OK;
+	for (int64_t y = 0; status == STATUS_OK && y < plan->height; y += side)
+		for (int64_t x = 0; status == STATUS_OK && x < plan->width; x += side) {
+			struct piece piece = {x, y, plan->width - x < side ? plan->width - x : side,
+					      plan->height - y < side ? plan->height - y : side};
+			int w = (int)piece.width, h = (int)piece.height;
+			GDALDatasetH made;
+			status = create_piece(plan, params, mosaic, name, piece, &made);
+			if (status != STATUS_OK)
+				break;
+			CPLErr added = VRTAddSimpleSource(band, GDALGetRasterBand(made, 1), 0, 0, w, h, (int)x, (int)y, w, h,
+							  NULL, VRT_NODATA_UNSET);
+			GDALReleaseDataset(made); /* the whole holds it now */
+			if (added != CE_None)
+				status = fail_memory(name);
+		}
+	if (status != STATUS_OK) {
+		GDALClose(whole);
+		return status;
+	}
+	*out = whole;
+	return STATUS_OK;
+}
+
+static enum status describe(const struct plan *plan, struct dem_grid *grid)
 {
 	grid->width = plan->width;
 	grid->height = plan->height;
@@ -228,7 +285,7 @@ static enum status describe(const struct plan *plan, struct dem_grid *grid, cons
 		const char *name = OSRGetName(plan->from);
 		char text[256];
 		snprintf(text, sizeof text, "%.150s, posts of about %.4g x %.4g m", name != NULL ? name : "unnamed",
-			 step[0], step[1]);
+			 plan->step[0], plan->step[1]);
 		grid->projected = mem_strdup(text);
 		if (grid->projected == NULL)
 			return fail_memory("the spatial reference system");
@@ -241,7 +298,7 @@ enum status dem_warp(const struct dem_params *params, GDALDatasetH mosaic, const
 		     GDALDatasetH *warped)
 {
 	struct plan plan = {.from = srs};
-	double step[2];
+	double *step = plan.step;
 	bool unfit;
 	enum status status = measure(mosaic, place, srs, name, step, &unfit);
 	if (status == STATUS_OK)
@@ -268,7 +325,7 @@ enum status dem_warp(const struct dem_params *params, GDALDatasetH mosaic, const
 			     plan.spacing);
 	}
 	if (status == STATUS_OK)
-		status = describe(&plan, grid, step);
+		status = describe(&plan, grid);
 done:
 	if (plan.to != NULL)
 		OSRDestroySpatialReference(plan.to);
