@@ -79,6 +79,31 @@ static void a_world_that_cannot_be_held_says_why(void **state)
 	assert_non_null(world_problem(&(struct world){(int64_t)1 << 40, 1201, 90, 256}));
 }
 
+/* The largest world: posts, tiles and rectangles beyond 2^31 and 2^32, down to the finest level. */
+static void the_largest_world_is_counted_without_overflow(void **state)
+{
+	const struct world world = {(int64_t)1024 << 14, (int64_t)1024 << 14, 1, 1024};
+	assert_null(world_problem(&world));
+	assert_non_null(world_problem(&(struct world){world.width + 1, world.height, 1, 1024}));
+	assert_int_equal(world_coarsest(&world), 14);
+	for (int level = TILE_LEVEL_MIN; level <= 14; level++) {
+		uint32_t tiles = world_tiles_x(&world, level);
+		/* The last post has no cell after it: below level 0 that leaves tiles out. */
+		assert_int_equal(tiles, level >= 0 ? 1 << (14 - level)
+						   : (((world.width - 1) << -level) + 1023) / 1024);
+		struct tile last = {level, tiles - 1, tiles - 1};
+		assert_true(world_has(&world, last));
+		assert_true(tile_equal(tile_from_key(tile_key(last)), last));
+		struct post_rect rect = tile_post_rect(&world, last), one = {rect.x1 - 2, rect.y0 + 1, rect.x1 - 1,
+									     rect.y0 + 2};
+		assert_int_equal(rect.x1, (int64_t)tiles * 1024 + 1);
+		struct tile first, end;
+		assert_true(tile_range_of(&world, level, one, &first, &end));
+		assert_true(tile_equal(first, last) && tile_equal(end, last));
+	}
+	assert_int_equal(world_posts(world.width, TILE_LEVEL_MIN), ((world.width - 1) << 14) + 1);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -88,6 +113,7 @@ int main(void)
 		cmocka_unit_test(a_post_is_in_every_tile_that_shares_it),
 		cmocka_unit_test(a_spacing_picks_the_coarsest_level_that_is_fine_enough),
 		cmocka_unit_test(a_world_that_cannot_be_held_says_why),
+		cmocka_unit_test(the_largest_world_is_counted_without_overflow),
 	};
 	return cmocka_run_group_tests_name("tile", tests, NULL, NULL);
 }
