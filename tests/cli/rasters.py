@@ -53,6 +53,10 @@ def gdalinfo(path, *options):
     return json.loads(gdal("gdalinfo", "-json", *options, path))
 
 
+def proj4(wkt):
+    return gdal("gdalsrsinfo", "-o", "proj4", wkt).strip() if wkt else ""
+
+
 def nodata_of(path):
     return gdalinfo(path)["bands"][0].get("noDataValue")
 

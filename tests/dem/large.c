@@ -68,7 +68,7 @@ static void assert_rows(struct dem *dem, int64_t y, int64_t count, int64_t sourc
 {
 	int64_t width = dem_info(dem)->width;
 	double *rows = mem_alloc((size_t)(count * width), sizeof *rows);
-	assert_int_equal(dem_read_rows(dem, y, count, rows), STATUS_OK);
+	assert_int_equal(read_rows(dem, y, count, rows), STATUS_OK);
 	for (int64_t row = 0; row < count; row++)
 		for (int64_t x = 0; x < width; x++) {
 			double wanted = large_height(x % SIDE, y + row), height = rows[row * width + x];
@@ -140,9 +140,9 @@ static void a_raw_heightmap_beyond_2_31_posts_is_read_where_it_is_asked(void **s
 	struct dem *dem = open_one(path);
 	assert_int_equal(dem_info(dem)->width, side);
 	double *row = mem_alloc((size_t)side, sizeof *row);
-	assert_int_equal(dem_read_rows(dem, side - 1, 1, row), STATUS_OK);
+	assert_int_equal(read_rows(dem, side - 1, 1, row), STATUS_OK);
 	assert_true(row[0] == 12345 && row[side - 1] == 0);
-	assert_int_equal(dem_read_rows(dem, 0, 1, row), STATUS_OK);
+	assert_int_equal(read_rows(dem, 0, 1, row), STATUS_OK);
 	assert_true(row[0] == 0 && row[side - 1] == 54321);
 	mem_free(row);
 	dem_close(dem);
