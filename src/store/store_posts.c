@@ -13,6 +13,7 @@
 #include <string.h>
 
 #define SHIFT_MAX 14 /* lattice_interpolate */
+#define BESIDE 1e-7  /* of a cell: a point no further from a post is on it */
 
 struct reading {
 	struct store_reader *reader;
@@ -236,6 +237,12 @@ static enum status level_at(struct store_reader *reader, double x, double y, int
 	return status;
 }
 
+/* A part of a cell; a rounding beside a post is the post, or a hole next to it would take it. */
+static double snapped(double part)
+{
+	return fabs(part - round(part)) < BESIDE ? round(part) : part;
+}
+
 /* The cell of `level` that holds (x, y), and where in it. */
 static struct post_rect cell_at(const struct world *world, int level, double x, double y, double *u,
 				double *v)
@@ -245,8 +252,8 @@ static struct post_rect cell_at(const struct world *world, int level, double x, 
 	int64_t cx = (int64_t)px, cy = (int64_t)py;
 	cx = cx < width - 1 ? cx : width - 2;
 	cy = cy < height - 1 ? cy : height - 2;
-	*u = px - (double)cx;
-	*v = py - (double)cy;
+	*u = snapped(px - (double)cx);
+	*v = snapped(py - (double)cy);
 	return (struct post_rect){cx, cy, cx + 2, cy + 2};
 }
 
@@ -295,11 +302,14 @@ enum status store_sample(struct store_reader *reader, double x, double y, struct
 		.offset = (double)NAN,
 		.nodata = true,
 	};
-	if (!(x >= 0 && y >= 0 && x <= (double)(world->width - 1) * world->spacing &&
-	      y <= (double)(world->height - 1) * world->spacing)) {
+	double east = (double)(world->width - 1) * world->spacing, north = (double)(world->height - 1) * world->spacing;
+	double slack = BESIDE * world->spacing;
+	if (!(x >= -slack && y >= -slack && x <= east + slack && y <= north + slack)) {
 		sample->outside = true;
 		return STATUS_OK;
 	}
+	x = fmin(fmax(x, 0), east);
+	y = fmin(fmax(y, 0), north);
 	enum status status = sql_exec(reader->db, reader->rows.path, "reading it", "BEGIN");
 	if (status != STATUS_OK)
 		return status;
