@@ -78,6 +78,15 @@ class Places(RasterTest):
             found, = self.heights_at("s.furrow", [(15 + x / 1200, 47 - y / 1200)], "EPSG:4326")
             self.assertLess(abs(found - self.slope(x, y)), 0.08)
 
+    def test_a_query_at_a_post_beside_holes_is_that_post(self):
+        """A place that no binary fraction is exactly: rounding must not reach over to the hole next to it."""
+        self.make("in.tif", 40, 30, lambda x, y: 7 if (x + y) % 2 else -9, "h", nodata=-9, west=400814.8, north=3097562.1, step=87.2)
+        self.ok("import", "in.tif", "-o", "s.furrow")
+        posts = [(x, y) for x in range(40) for y in range(30)]
+        points = [(400814.8 + (x + 0.5) * 87.2, 3097562.1 - (y + 0.5) * 87.2) for x, y in posts]
+        for (x, y), height in zip(posts, self.heights_at("s.furrow", points, "store")):
+            self.assertEqual(height, 7 if (x + y) % 2 else None, (x, y))
+
     def test_levels_and_windows_export_in_their_place(self):
         self.make("in.tif", 50, 40, self.slope, "h")
         self.ok("import", "in.tif", "-o", "s.furrow", "--tile", "8")
