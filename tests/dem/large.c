@@ -155,13 +155,13 @@ static void synthetic_posts_beyond_2_31_do_not_repeat(void **state)
 	enum { WIDTH = 1 << 22 };
 	struct dem_synth synth = {DEM_SYNTH_RIDGED, WIDTH, WIDTH, 2, 120, 5};
 	double *here = mem_alloc(WIDTH, sizeof *here), *there = mem_alloc(WIDTH, sizeof *there);
-	dem_synth_rows(&synth, 5, 1, here);
-	dem_synth_rows(&synth, 5 + (1 << 10), 1, there); /* 2^32 posts on */
+	dem_synth_posts(&synth, (struct post_rect){0, 5, WIDTH, 6}, here);
+	dem_synth_posts(&synth, (struct post_rect){0, 5 + (1 << 10), WIDTH, 6 + (1 << 10)}, there); /* 2^32 posts on */
 	int64_t equal = 0;
 	for (int64_t x = 0; x < WIDTH; x++)
 		equal += here[x] == there[x];
 	assert_true(equal < WIDTH / 100);
-	dem_synth_rows(&synth, WIDTH - 1, 1, there);
+	dem_synth_posts(&synth, (struct post_rect){0, WIDTH - 1, WIDTH, WIDTH}, there);
 	for (int64_t x = 0; x < WIDTH; x++)
 		assert_true(isfinite(there[x]));
 	mem_free(here);
