@@ -138,5 +138,4 @@ static UNUSED void make_reference(void)
 	store_close(store);
 }
 
-
 #endif

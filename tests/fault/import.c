@@ -38,7 +38,7 @@ static uint64_t trial(const void *user, const struct fault *fault)
 		expect(access(path, F_OK) != 0);
 	else
 		expect_store(path, hash_before[before]);
-	/* The next one is not in the way of what this one left. */
+	/* What this one left is not in the next one's way. */
 	if (status != STATUS_OK && before == NOTHING && fault->forever) {
 		expect(import(path) == STATUS_OK);
 		expect_store(path, hash_after);

@@ -245,7 +245,8 @@ static void look(const char *path, int least, int most)
 		dig_step(&field, step);
 	size_t count = (size_t)(field.width * field.height);
 	double *values = malloc(count * sizeof *values);
-	expect(values != NULL && store_reader_create(store, &reader) == STATUS_OK);
+	assert_non_null(values);
+	expect(store_reader_create(store, &reader) == STATUS_OK);
 	expect(store_read_posts(reader, STORE_QUANTA, LEVEL, field_all(&field), values) == STATUS_OK);
 	for (size_t i = 0; i < count; i++)
 		expect(values[i] == field.offset[i] || values[i] != values[i]);
