@@ -154,8 +154,8 @@ enum status meta_copy(struct store_meta *to, const struct store_meta *from) FURR
 void meta_finish(struct store_meta *meta);
 enum status meta_write(struct store *store) FURROW_CHECKED;
 enum status meta_read(struct store *store) FURROW_CHECKED; /* also the working level and the epoch */
-/* The request of a store that is being made: put when it is begun, asked for when that goes on, dropped by
- * meta_write. *same false: another, or none. */
+/* The request that a store is made by: put when it is begun, asked for when that goes on, also where all was
+ * done but the renaming. *same false: another, or none. */
 enum status meta_put_request(struct store *store) FURROW_CHECKED;
 enum status meta_same_request(struct store *store, bool *same) FURROW_CHECKED;
 enum status meta_put_integer(struct store *store, const char *key, int64_t value) FURROW_CHECKED;

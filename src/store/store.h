@@ -31,7 +31,7 @@ struct store_meta {
 	double origin[2];     /* SRS coordinates of the south-west post */
 	const char *vertical; /* "" if unknown */
 	const char *sources;  /* one a line */
-	const char *request;  /* while it is made: all that decides its rows, as text; "" or NULL: cannot be resumed */
+	const char *request;  /* to make one: all that decides its rows, as text; "" or NULL: cannot be resumed */
 	double low, high;     /* metres over all posts; filled by store_publish */
 	enum store_pack pack;
 };

@@ -106,7 +106,7 @@ static enum status begin_part(struct store *store)
 		status = put_begin(store);
 	if (status == STATUS_OK)
 		status = schema_create(store->db, store->path);
-	return status == STATUS_OK ? meta_put_request(store) : status;
+	return status == STATUS_OK && store->meta.request[0] != '\0' ? meta_put_request(store) : status;
 }
 
 /* Takes up what is there. *resumed false: there is nothing, or it was killed before its first commit. */

@@ -110,8 +110,7 @@ enum status meta_write(struct store *store)
 		status = put_text(store, texts[i].key, texts[i].value);
 	if (status == STATUS_OK && store->base_path != NULL)
 		status = put_text(store, "base_path", store->base_path);
-	return status == STATUS_OK ? sql_exec(store->db, store->path, "writing it", "DELETE FROM meta WHERE key = 'request'")
-				   : status;
+	return status;
 }
 
 enum status meta_put_request(struct store *store)

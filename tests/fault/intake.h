@@ -21,26 +21,50 @@ static enum status posts_of(void *user, struct post_rect rect, double *heights)
 	return STATUS_OK;
 }
 
+struct putting {
+	struct store *store;
+	int64_t passing; /* tiles that are there from before */
+};
+
 static enum status put_tile(void *user, const struct dem_tile *tile)
 {
+	struct putting *putting = user;
 	struct store_range range = {tile->low, tile->high, tile->error};
-	return store_put_base(user, tile->tile, tile->codes, &range);
+	if (putting->passing-- > 0)
+		return STATUS_OK;
+	return store_put_base(putting->store, tile->tile, tile->codes, &range);
+}
+
+static enum status known_tile(void *user, struct tile tile, int32_t *codes, bool *known)
+{
+	struct putting *putting = user;
+	return store_base_put(putting->store, tile, codes, known);
+}
+
+/* *resumed: tiles of an import that was broken off and is gone on with; NULL: anew. */
+static enum status import_from(const char *path, int64_t *resumed)
+{
+	struct putting putting = {NULL, 0};
+	struct store_meta meta = terrain_meta();
+	meta.request = "this one";
+	enum status status = resumed != NULL ? store_resume(path, &meta, true, &putting.store, resumed)
+					     : store_create(path, &meta, true, &putting.store);
+	if (status != STATUS_OK)
+		return status;
+	putting.passing = resumed != NULL ? *resumed : 0;
+	putting.store->commit_bytes = 1000; /* some twenty commits */
+	status = dem_cut(&(struct dem_cut){.world = &world, .step = meta.step, .posts = posts_of, .emit = put_tile,
+					   .emit_user = &putting, .known = resumed != NULL ? known_tile : NULL,
+					   .known_user = &putting});
+	if (status == STATUS_OK)
+		status = store_publish(putting.store);
+	store_close(putting.store);
+	return status;
 }
 
 static UNUSED enum status import(const char *path)
 {
-	struct store *store;
-	struct store_meta meta = terrain_meta();
-	enum status status = store_create(path, &meta, true, &store);
-	if (status != STATUS_OK)
-		return status;
-	store->commit_bytes = 1000; /* some twenty commits */
-	status = dem_cut(&(struct dem_cut){.world = &world, .step = meta.step, .posts = posts_of, .emit = put_tile,
-					   .emit_user = store});
-	if (status == STATUS_OK)
-		status = store_publish(store);
-	store_close(store);
-	return status;
+	return import_from(path, NULL);
 }
 
 static UNUSED const char *beside(const char *path, const char *suffix)

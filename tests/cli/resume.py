@@ -1,0 +1,105 @@
+"""An import that is killed or interrupted goes on with --resume to the same store, whatever --jobs."""
+import os
+import random
+import signal
+import subprocess
+import time
+
+from furrow_test import FURROW, FurrowTest, main
+
+SIDE = 5121
+
+
+class Resume(FurrowTest):
+    def setUp(self):
+        super().setUp()
+        # Noise packs badly: enough bytes for several commits.
+        (self.folder / "noise.r16").write_bytes(random.Random(3).randbytes(2 * SIDE * SIDE))
+
+    def arguments(self, store, *more):
+        return ["import", "noise.r16", "-o", store, "--max-error", "0.01", *more]
+
+    def start(self, *more):
+        return subprocess.Popen([FURROW, *self.arguments("killed.furrow", *more)], cwd=self.folder,
+                                stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+
+    def stopped(self, number, after, *more):
+        """Its exit status, the process told `number` so many seconds after its first bytes."""
+        process = self.start(*more)
+        part = self.folder / "killed.furrow.part"
+        while process.poll() is None and not (part.exists() and part.stat().st_size > 1 << 20):
+            time.sleep(0.001)
+        time.sleep(after)
+        process.send_signal(number)
+        _, errors = process.communicate(timeout=100)
+        return process.returncode, errors
+
+    def hash_of(self, store):
+        return self.json("info", store)["base_hash"]
+
+    def test_killed_over_and_over_it_becomes_the_same_store(self):
+        started = time.monotonic()
+        self.ok(*self.arguments("whole.furrow", "--jobs", "2"))
+        took = time.monotonic() - started
+        chance = random.Random(int(os.environ.get("KILL_SEED", "7")))
+        part = self.folder / "killed.furrow.part"
+        kept = kills = 0
+        while not (self.folder / "killed.furrow").exists():
+            status, errors = self.stopped(signal.SIGKILL, chance.uniform(0, took), "--resume", "--jobs",
+                                          str(chance.choice([1, 2, 5])))
+            self.assertIn(status, (0, -signal.SIGKILL), errors)
+            kills += status != 0
+            if status != 0 and part.exists():
+                kept = max(kept, part.stat().st_size)
+            if kills > 60:  # were nothing kept, it would never end
+                self.ok(*self.arguments("killed.furrow", "--resume"))
+        self.assertGreater(kills, 0)
+        self.assertGreater(kept, 1 << 20)
+        self.assertEqual(self.hash_of("killed.furrow"), self.hash_of("whole.furrow"))
+        self.assertTrue(self.json("verify", "killed.furrow")["ok"])
+        self.assertEqual(sorted(p.name for p in self.folder.glob("killed*")), ["killed.furrow"])
+
+    def test_interrupted_it_says_how_to_go_on_and_does(self):
+        status, errors = self.stopped(signal.SIGINT, 0)
+        if status == 0:
+            self.skipTest("it was done before it could be interrupted")
+        self.assertEqual(status, 130, errors)
+        self.assertIn("--resume", errors)
+        self.assertFalse((self.folder / "killed.furrow").exists())
+        self.assertTrue((self.folder / "killed.furrow.part").exists())
+        output = self.ok(*self.arguments("killed.furrow", "--resume"))
+        self.assertRegex(output, r"[1-9]\d* tiles were there from before")
+        self.ok(*self.arguments("whole.furrow", "--jobs", "1"))
+        self.assertEqual(self.hash_of("killed.furrow"), self.hash_of("whole.furrow"))
+
+    def test_it_goes_on_as_the_same_import_only(self):
+        status, _ = self.stopped(signal.SIGINT, 0)
+        part = self.folder / "killed.furrow.part"
+        if status == 0:
+            self.skipTest("it was done before it could be interrupted")
+        before = part.read_bytes()
+        error = self.refused(3, *self.arguments("killed.furrow", "--resume", "--tile", "128"))
+        self.assertIn("--resume", error)
+        source = self.folder / "noise.r16"
+        os.utime(source, (1, 1))
+        self.refused(3, *self.arguments("killed.furrow", "--resume"))
+        self.assertEqual(part.stat().st_size, len(before))
+        # Without --resume it begins anew.
+        self.ok(*self.arguments("killed.furrow"))
+        self.assertFalse(part.exists())
+
+    def test_with_nothing_to_go_on_from_it_begins(self):
+        self.ok(*self.arguments("killed.furrow", "--resume"))
+        self.assertTrue(self.json("verify", "killed.furrow")["ok"])
+        self.refused(3, *self.arguments("killed.furrow", "--resume"))  # it exists
+
+    def test_a_damaged_part_is_refused_and_kept(self):
+        part = self.folder / "killed.furrow.part"
+        part.write_bytes(b"SQLite format 3\0" + bytes(5000))
+        self.refused(3, *self.arguments("killed.furrow", "--resume"))
+        self.assertTrue(part.exists())
+        self.ok(*self.arguments("killed.furrow"))
+
+
+if __name__ == "__main__":
+    main()
