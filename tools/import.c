@@ -95,7 +95,8 @@ static void print_plan(const struct dem_info *info, const struct store_meta *met
 	       (long long)info->width, (long long)info->height, info->spacing,
 	       (double)(info->width - 1) * info->spacing / 1e3, (double)(info->height - 1) * info->spacing / 1e3,
 	       world->cells + 1, world->cells + 1, world_coarsest(world));
-	if (meta->step > 0)
+	bool exact = meta->step == 0 || (info->whole && meta->step == info->unit);
+	if (!exact)
 		printf("stored heights off their source by at most %g m\n", meta->max_error);
 	else
 		puts("stored heights are their source's, lossless");
@@ -188,7 +189,7 @@ static enum status run(const struct arguments *arguments)
 
 	const struct dem_info *info = dem_info(dem);
 	double max_error = request.max_error >= 0 ? request.max_error : intake_default_error(info->unit);
-	double step = intake_step(max_error, info->unit);
+	double step = intake_step(max_error, info->unit, info->whole);
 	lines = join_lines(info->sources, info->source_count);
 	description = describe_request(&request, info, step);
 	if (lines == NULL || description == NULL) {

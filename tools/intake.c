@@ -13,8 +13,10 @@ double intake_default_error(double unit)
 	return unit > 0 ? unit / 2 : 0.001;
 }
 
-double intake_step(double max_error, double unit)
+double intake_step(double max_error, double unit, bool whole)
 {
+	if (whole && max_error <= unit / 2)
+		return unit;
 	if (max_error == 0 || max_error == unit / 2)
 		return 2 * max_error;
 	int exponent;

@@ -22,8 +22,9 @@ enum status intake_run(struct intake *intake) FURROW_CHECKED;
 double intake_default_error(double unit);
 /*
  * Codes are whole steps of this. A step that is a power of two makes every stored height exact in a float,
- * so that the bound holds in an exported raster too; the source's own unit makes whole numbers exact.
+ * so that the bound holds in an exported raster too; the source's own unit makes whole numbers exact, which
+ * no bound below half of it makes better. `whole`: as in dem_info.
  */
-double intake_step(double max_error, double unit);
+double intake_step(double max_error, double unit, bool whole);
 
 #endif

@@ -124,7 +124,7 @@ static enum status run(const struct arguments *arguments)
 		.meta = {
 			.world = {synth.width, synth.height, synth.spacing, 256},
 			.max_error = intake_default_error(0),
-			.step = intake_step(intake_default_error(0), 0),
+			.step = intake_step(intake_default_error(0), 0, false),
 			.srs = "",
 			.vertical = "",
 			.sources = sources,

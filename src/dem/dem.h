@@ -34,6 +34,7 @@ struct dem_info {
 	int64_t width, height; /* posts */
 	double spacing;        /* metres */
 	double unit;           /* metres of the source's own unit if it holds whole numbers, else 0 */
+	bool whole;            /* every height is a whole number of units, to the last bit: nothing was resampled */
 	const char *srs;       /* WKT; "" for local metres. Owned by the dem */
 	double origin[2];      /* x, y of the south-west post in `srs` */
 	const char *vertical;  /* what is known of the vertical reference, "" if nothing */

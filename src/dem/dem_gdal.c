@@ -112,6 +112,20 @@ static double common_unit(const struct gdal_source *sources, size_t count)
 	return unit;
 }
 
+/* Sources whose posts fall together are put together as they are; others are resampled. */
+static bool all_whole(const struct gdal_source *sources, size_t count, double unit)
+{
+	const double *first = sources[0].place;
+	bool whole = true;
+	for (size_t i = 0; i < count && whole; i++) {
+		const double *place = sources[i].place;
+		double east = (place[0] - first[0]) / first[1], south = (place[3] - first[3]) / first[5];
+		whole = sources[i].whole && sources[i].unit == unit && place[1] == first[1] && place[5] == first[5] &&
+			fabs(east - rint(east)) < 1e-6 && fabs(south - rint(south)) < 1e-6;
+	}
+	return whole;
+}
+
 enum status dem_gdal_open(const struct dem_params *params, const struct dem_list *list,
 			  struct dem_grid **out)
 {
@@ -136,6 +150,7 @@ enum status dem_gdal_open(const struct dem_params *params, const struct dem_list
 				  &gdal->warped);
 	if (status == STATUS_OK) {
 		gdal->grid.unit = common_unit(gdal->sources, gdal->source_count);
+		gdal->grid.whole = gdal->warped == NULL && all_whole(gdal->sources, gdal->source_count, gdal->grid.unit);
 		gdal->grid.vertical = mem_strdup(gdal->sources[0].vertical);
 		if (gdal->grid.vertical == NULL)
 			status = fail_memory("opening the sources");

@@ -18,6 +18,7 @@ struct gdal_source {
 	OGRSpatialReferenceH srs; /* NULL if unknown or local */
 	bool doubles;             /* heights are kept in 64 bits */
 	double unit;              /* as in dem_info */
+	bool whole;               /* heights are whole numbers of units, to the last bit */
 	char vertical[160];
 };
 

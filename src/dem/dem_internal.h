@@ -15,6 +15,7 @@ struct dem_grid {
 	void (*destroy)(struct dem_grid *grid);
 	int64_t width, height; /* posts */
 	double spacing, unit;  /* as in dem_info */
+	bool whole;
 	double origin[2];
 	char *srs, *vertical, *projected; /* NULL: "" */
 	int64_t overlap_posts, overlap_differing;
@@ -43,6 +44,8 @@ struct dem_meaning {
 
 /* A row of values to metres, NaN where nodata; may be the same row. */
 void dem_metres(const struct dem_meaning *meaning, const double *values, int64_t count, double *metres);
+/* True if whole numbers of this unit are exact: whole metres, or a power of two. 0 is none. */
+bool dem_unit_exact(double unit);
 /* Metres in a unit as GDAL names it ("ft"), 1 for "" and names not known. */
 double dem_unit_metres(const char *unit);
 

@@ -46,6 +46,12 @@ void dem_metres(const struct dem_meaning *meaning, const double *values, int64_t
 	}
 }
 
+bool dem_unit_exact(double unit)
+{
+	int exponent;
+	return unit > 0 && (unit == rint(unit) || frexp(unit, &exponent) == 0.5);
+}
+
 double dem_unit_metres(const char *unit)
 {
 	static const struct {

@@ -180,6 +180,7 @@ enum status dem_png_open(const struct dem_params *params, const char *path, stru
 	png->grid.read = png_read;
 	png->grid.spacing = params->spacing > 0 ? params->spacing : 1;
 	png->grid.unit = png->meaning.scale;
+	png->grid.whole = dem_unit_exact(png->grid.unit) && fmod(png->meaning.offset, png->grid.unit) == 0;
 	*out = &png->grid;
 	return STATUS_OK;
 error:

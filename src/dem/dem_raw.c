@@ -84,6 +84,7 @@ enum status dem_raw_open(const struct dem_params *params, const char *path, stru
 	raw->grid.width = raw->grid.height = side;
 	raw->grid.spacing = params->spacing > 0 ? params->spacing : 1;
 	raw->grid.unit = raw->meaning.scale;
+	raw->grid.whole = dem_unit_exact(raw->grid.unit) && fmod(raw->meaning.offset, raw->grid.unit) == 0;
 	*out = &raw->grid;
 	return STATUS_OK;
 error:

@@ -135,6 +135,7 @@ static enum status write_vrt(struct gdal_source *source, const struct dem_params
 	offset = has_offset && isfinite(offset) ? offset : 0;
 	bool whole = type != GDT_Float32 && type != GDT_Float64;
 	source->unit = whole ? fabs(scale * unit) : 0;
+	source->whole = whole && dem_unit_exact(source->unit) && fmod(offset * unit, source->unit) == 0;
 	source->doubles = !fits_float(type);
 
 	char *escaped = CPLEscapeString(source->path, -1, CPLES_XML);

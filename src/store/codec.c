@@ -307,22 +307,25 @@ static bool read_head(struct codec *codec, unsigned known, const uint8_t **from,
 	return true;
 }
 
+/* Holes come in runs: 64 posts at once where none or all of them is one. */
 static void apply_mask(const struct codec *codec, int32_t *posts)
 {
-	size_t count = plane_posts(codec);
-	for (size_t byte = 0; byte < mask_bytes(codec); byte++)
-		for (unsigned bits = codec->mask[byte]; bits != 0; bits &= bits - 1) {
-			size_t post = 8 * byte + (size_t)__builtin_ctz(bits);
-			if (post < count)
-				posts[post] = CODEC_NODATA;
-		}
-}
-
-static void finish_posts(struct codec *codec, const struct head *head, int32_t *posts)
-{
-	codec->kernels->sum(codec->orders[0], codec->side, head->first, (head->flags & FLAG_SLOPE) != 0, posts);
-	if (head->flags & FLAG_MASK)
-		apply_mask(codec, posts);
+	size_t bytes = mask_bytes(codec), count = plane_posts(codec);
+	for (size_t byte = 0; byte < bytes; byte += 8) {
+		uint64_t bits = 0;
+		size_t post = 8 * byte, room = count - post < 64 ? count - post : 64;
+		memcpy(&bits, codec->mask + byte, bytes - byte < 8 ? bytes - byte : 8);
+#if __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
+		bits = __builtin_bswap64(bits);
+#endif
+		bits &= room < 64 ? ((uint64_t)1 << room) - 1 : UINT64_MAX;
+		if (bits == UINT64_MAX)
+			for (int i = 0; i < 64; i++)
+				posts[post + (size_t)i] = CODEC_NODATA;
+		else
+			for (; bits != 0; bits &= bits - 1)
+				posts[post + (size_t)__builtin_ctzll(bits)] = CODEC_NODATA;
+	}
 }
 
 /* The widths, a byte each, into `widths`; *payload: what their blocks take. */
@@ -345,29 +348,59 @@ static bool read_widths(const struct codec *codec, bool wide, const uint8_t **fr
 	return true;
 }
 
-/* All blocks; the last ones from a copy, so that reading beyond a block stays in bounds. */
-static void unpack_all(struct codec *codec, const uint8_t *from, size_t payload, const uint8_t *widths)
-{
+/* The blocks of a body, some at a time. The last ones are a copy, with room to read beyond them. */
+struct blocks {
+	const uint8_t *from, *widths;
+	size_t direct; /* blocks before the copy's */
 	uint8_t copy[CODEC_SLACK + 4 * CODEC_BLOCK + CODEC_SLACK];
-	size_t blocks = plane_blocks(codec), first = blocks, tail = 0;
-	while (first > 0 && tail < CODEC_SLACK)
-		tail += (size_t)2 * widths[--first];
-	codec->kernels->unpack(from, widths, first, codec->orders[0]);
-	memcpy(copy, from + (payload - tail), tail);
-	memset(copy + tail, 0, sizeof copy - tail);
-	codec->kernels->unpack(copy, widths + first, blocks - first, codec->orders[0] + first * CODEC_BLOCK);
+};
+
+static void blocks_init(struct blocks *blocks, const uint8_t *from, size_t payload, const uint8_t *widths, size_t count)
+{
+	size_t tail = 0;
+	while (count > 0 && tail < CODEC_SLACK)
+		tail += (size_t)2 * widths[--count];
+	blocks->from = count > 0 ? from : blocks->copy;
+	blocks->widths = widths;
+	blocks->direct = count;
+	memcpy(blocks->copy, from + (payload - tail), tail);
+	memset(blocks->copy + tail, 0, sizeof blocks->copy - tail);
 }
 
+static void blocks_next(struct blocks *blocks, const struct codec_kernels *kernels, size_t count, uint32_t *rest)
+{
+	size_t some = count < blocks->direct ? count : blocks->direct;
+	if (some > 0) {
+		blocks->from = kernels->unpack(blocks->from, blocks->widths, some, rest);
+		blocks->direct -= some;
+		if (blocks->direct == 0)
+			blocks->from = blocks->copy;
+	}
+	blocks->from = kernels->unpack(blocks->from, blocks->widths + some, count - some, rest + some * CODEC_BLOCK);
+	blocks->widths += count;
+}
+
+/* As many rows as a block has residuals are whole blocks, and few enough for the nearest cache. */
 static bool read_body(struct codec *codec, const uint8_t *from, size_t left, int32_t *posts)
 {
 	struct head head;
-	size_t payload;
+	size_t payload, done = 0, count = plane_blocks(codec);
 	uint8_t *widths = codec->widths[0];
 	if (!read_head(codec, FLAG_MASK | FLAG_WIDE | FLAG_SLOPE, &from, &left, &head) ||
 	    !read_widths(codec, (head.flags & FLAG_WIDE) != 0, &from, &left, widths, &payload) || payload != left)
 		return false;
-	unpack_all(codec, from, payload, widths);
-	finish_posts(codec, &head, posts);
+	struct blocks blocks;
+	blocks_init(&blocks, from, payload, widths, count);
+	for (uint32_t y = 0; y < codec->side; y += CODEC_BLOCK) {
+		uint32_t rows = codec->side - y < CODEC_BLOCK ? codec->side - y : CODEC_BLOCK;
+		size_t some = count - done < codec->side ? count - done : codec->side;
+		blocks_next(&blocks, codec->kernels, some, codec->orders[0]);
+		codec->kernels->sum(codec->orders[0], codec->side, rows, y == 0 ? &head.first : NULL,
+				    (head.flags & FLAG_SLOPE) != 0, posts + (size_t)y * codec->side);
+		done += some;
+	}
+	if (head.flags & FLAG_MASK)
+		apply_mask(codec, posts);
 	return true;
 }
 
@@ -406,7 +439,9 @@ static bool read_zstd(struct codec *codec, const uint8_t *from, size_t left, int
 			rest[i] |= (uint32_t)plane[p * count + i] << (8 * p);
 	for (size_t i = 0; i < count; i++)
 		rest[i] = unzigzag(rest[i]);
-	finish_posts(codec, &head, posts);
+	codec->kernels->sum(rest, codec->side, codec->side, &head.first, (head.flags & FLAG_SLOPE) != 0, posts);
+	if (head.flags & FLAG_MASK)
+		apply_mask(codec, posts);
 	return true;
 }
 

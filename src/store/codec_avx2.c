@@ -49,7 +49,7 @@ AVX2 static inline __m256i unpack8(const uint8_t *from, unsigned width, const st
 	return _mm256_xor_si256(_mm256_srli_epi32(z, 1), sign);
 }
 
-AVX2 static void avx2_unpack(const uint8_t *from, const uint8_t *widths, size_t count, uint32_t *rest)
+AVX2 static const uint8_t *avx2_unpack(const uint8_t *from, const uint8_t *widths, size_t count, uint32_t *rest)
 {
 	struct plan plans[WIDTH_MOST + 1];
 	uint32_t planned = 0;
@@ -68,6 +68,7 @@ AVX2 static void avx2_unpack(const uint8_t *from, const uint8_t *widths, size_t 
 		}
 		from += (size_t)2 * width;
 	}
+	return from;
 }
 
 /* Running sums of eight lanes. */
@@ -108,12 +109,15 @@ AVX2 static void sum_row(const uint32_t *r, const int32_t *before, uint32_t side
 	}
 }
 
-AVX2 static void avx2_sum(const uint32_t *rest, uint32_t side, uint32_t first, bool slope, int32_t *posts)
+AVX2 static void avx2_sum(const uint32_t *rest, uint32_t side, uint32_t rows, const uint32_t *first, bool slope,
+			  int32_t *posts)
 {
-	sum_row(rest, NULL, side, first, slope, posts);
-	for (uint32_t y = 1; y < side; y++)
-		sum_row(rest + (size_t)y * side, posts + (size_t)(y - 1) * side, side, 0, slope,
-			posts + (size_t)y * side);
+	for (uint32_t y = 0; y < rows; y++, rest += side, posts += side) {
+		if (y == 0 && first != NULL)
+			sum_row(rest, NULL, side, *first, slope, posts);
+		else
+			sum_row(rest, posts - side, side, 0, slope, posts);
+	}
 }
 
 static const struct codec_kernels codec_avx2 = {"avx2", avx2_unpack, avx2_sum};

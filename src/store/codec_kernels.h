@@ -15,12 +15,14 @@
 
 struct codec_kernels {
 	const char *name;
-	/* `count` blocks of `widths` (each at most 32) to residuals, zigzag undone. `from` can be read
-	 * for CODEC_SLACK bytes beyond the last block. */
-	void (*unpack)(const uint8_t *from, const uint8_t *widths, size_t count, uint32_t *rest);
-	/* Residuals to posts: their sums along each row (with `slope`, from a row's second post on,
-	 * sums of sums), added to the row before it, which for row 0 is `first` everywhere. */
-	void (*sum)(const uint32_t *rest, uint32_t side, uint32_t first, bool slope, int32_t *posts);
+	/* `count` blocks of `widths` (each at most 32) to residuals, zigzag undone; returns their end.
+	 * `from` can be read for CODEC_SLACK bytes beyond it. */
+	const uint8_t *(*unpack)(const uint8_t *from, const uint8_t *widths, size_t count, uint32_t *rest);
+	/* Residuals of `rows` rows to posts: their sums along each row (with `slope`, from a row's second
+	 * post on, sums of sums), added to the row before it in `posts`, or to `first`, if that is not
+	 * NULL, for the first of the rows. */
+	void (*sum)(const uint32_t *rest, uint32_t side, uint32_t rows, const uint32_t *first, bool slope,
+		    int32_t *posts);
 };
 
 extern const struct codec_kernels codec_plain;

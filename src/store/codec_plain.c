@@ -18,7 +18,7 @@ static uint32_t unzigzag(uint32_t value)
 	return value >> 1 ^ (0u - (value & 1));
 }
 
-static void plain_unpack(const uint8_t *from, const uint8_t *widths, size_t count, uint32_t *rest)
+static const uint8_t *plain_unpack(const uint8_t *from, const uint8_t *widths, size_t count, uint32_t *rest)
 {
 	for (size_t block = 0; block < count; block++, rest += CODEC_BLOCK) {
 		unsigned width = widths[block];
@@ -27,20 +27,24 @@ static void plain_unpack(const uint8_t *from, const uint8_t *widths, size_t coun
 			rest[i] = unzigzag((uint32_t)(load64(from + i * width / 8) >> i * width % 8 & mask));
 		from += (size_t)2 * width;
 	}
+	return from;
 }
 
-static void plain_sum(const uint32_t *rest, uint32_t side, uint32_t first, bool slope, int32_t *posts)
+static void plain_sum(const uint32_t *rest, uint32_t side, uint32_t rows, const uint32_t *first, bool slope,
+		      int32_t *posts)
 {
 	const uint32_t keep = slope ? 1 : 0; /* of the step before */
-	for (uint32_t y = 0; y < side; y++) {
-		const uint32_t *r = rest + (size_t)y * side;
-		int32_t *row = posts + (size_t)y * side;
-		uint32_t rise = (y == 0 ? first : 0) + r[0], step = 0;
-		row[0] = (int32_t)(rise + (y == 0 ? 0 : (uint32_t)row[-(ptrdiff_t)side]));
+	for (uint32_t y = 0; y < rows; y++, rest += side, posts += side) {
+		bool alone = y == 0 && first != NULL; /* no row before it */
+		const int32_t *before = alone ? posts : posts - side;
+		uint32_t rise = (alone ? *first : (uint32_t)before[0]) + rest[0], step = 0;
+		uint32_t start = alone ? 0 : (uint32_t)before[0];
+		posts[0] = (int32_t)rise;
+		rise -= start;
 		for (uint32_t x = 1; x < side; x++) {
-			step = step * keep + r[x];
+			step = step * keep + rest[x];
 			rise += step;
-			row[x] = (int32_t)(rise + (y == 0 ? 0 : (uint32_t)row[(ptrdiff_t)x - side]));
+			posts[x] = (int32_t)(rise + (alone ? 0 : (uint32_t)before[x]));
 		}
 	}
 }
