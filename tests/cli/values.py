@@ -78,10 +78,24 @@ class Values(RasterTest):
     def test_doubles_that_are_no_floats_are_not_called_lossless(self):
         self.make("in.tif", 20, 20, lambda x, y: 0.1 if (x, y) == (3, 4) else 5, "d")
         self.assertIn("post 3, 15", self.refused(3, "import", "in.tif", "-o", "s.furrow", "--max-error", "0"))
-        self.make("in.tif", 20, 20, lambda x, y: 16777217 if (x, y) == (3, 4) else 5, "i")
-        self.assertIn("post 3, 15", self.refused(3, "import", "in.tif", "-o", "s.furrow", "--max-error", "0"))
         self.make("in.tif", 20, 20, lambda x, y: 0.5 * x, "d")
         self.ok("import", "in.tif", "-o", "s.furrow", "--max-error", "0")
+
+
+    def test_whole_numbers_are_kept_whole_at_any_bound(self):
+        """No float has 16777217; and a bound finer than their unit makes them no better, nor larger."""
+        self.make("in.tif", 20, 20, lambda x, y: 16777217 if (x, y) == (3, 4) else 5 * x - y, "i")
+        sizes = set()
+        for bound in ("0", "0.001", "0.5"):
+            self.ok("import", "in.tif", "-o", "s.furrow", "--max-error", bound, "--overwrite")
+            points = self.json("query", "s.furrow", 30, 150, 40, 150)["points"]
+            self.assertEqual([point["height"] for point in points], [16777217, 16])
+            sizes.add(self.json("info", "s.furrow")["bytes"]["base"])
+        self.assertEqual(len(sizes), 1)
+        self.make("scaled.tif", 20, 20, lambda x, y: 7 * x + y, "h",
+                  options=("-a_scale", "0.25", "-a_offset", "100"))
+        self.ok("import", "scaled.tif", "-o", "s.furrow", "--max-error", "0", "--overwrite")
+        self.assertEqual(self.json("query", "s.furrow", 30, 150)["points"][0]["height"], 0.25 * (7 * 3 + 4) + 100)
 
 
 class Bytes(RasterTest):
