@@ -155,8 +155,8 @@ static char *describe_request(const struct request *request, const struct dem_in
 	fprintf(out, "posts %lld %lld tile %lld step %.17g pack %d spacing %.17g origin %.17g %.17g\n",
 		(long long)info->width, (long long)info->height, (long long)request->tile, step, request->pack,
 		info->spacing, info->origin[0], info->origin[1]);
-	fprintf(out, "resample %d fill %d range %d %.17g %.17g nodata", (int)dem->resample, dem->fill,
-		dem->has_height_range, dem->height_min, dem->height_max);
+	fprintf(out, "panel %lld resample %d fill %d range %d %.17g %.17g nodata", (long long)info->panel_posts,
+		(int)dem->resample, dem->fill, dem->has_height_range, dem->height_min, dem->height_max);
 	for (size_t i = 0; i < dem->nodata_count; i++)
 		fprintf(out, " %.17g", dem->nodata[i]);
 	fprintf(out, "\nsrs %s\nfrom %s\n", info->srs, dem->s_srs != NULL ? dem->s_srs : "");
@@ -203,6 +203,7 @@ static enum status run(const struct arguments *arguments)
 		.jobs = request.jobs,
 		.posts = read_posts,
 		.posts_user = dem,
+		.panel_posts = info->panel_posts,
 		.meta = {
 			.world = {info->width, info->height, info->spacing, (uint32_t)request.tile},
 			.step = step,

@@ -40,6 +40,7 @@ static enum status cut_and_store(const struct intake *intake, struct store *stor
 		.emit_user = conveyor,
 		.known = stored > 0 ? conveyor_known : NULL,
 		.known_user = conveyor,
+		.panel_posts = intake->panel_posts,
 		.progress = progress_step,
 		.progress_user = progress,
 	});

@@ -12,6 +12,7 @@ struct intake {
 	int64_t jobs; /* threads that pack; 1: one thread for everything */
 	dem_posts_fn posts;
 	void *posts_user;
+	int64_t panel_posts; /* as in struct dem_cut */
 	double low; /* out: the lowest height, metres; above 0 if nothing was made */
 };
 

@@ -35,6 +35,7 @@ struct dem_info {
 	double spacing;        /* metres */
 	double unit;           /* metres of the source's own unit if it holds whole numbers, else 0 */
 	bool whole;            /* every height is a whole number of units, to the last bit: nothing was resampled */
+	int64_t panel_posts;   /* of a row that are best read at once, strip by strip, before others; 0: all */
 	const char *srs;       /* WKT; "" for local metres. Owned by the dem */
 	double origin[2];      /* x, y of the south-west post in `srs` */
 	const char *vertical;  /* what is known of the vertical reference, "" if nothing */
@@ -83,7 +84,7 @@ struct dem_cut {
 	void *known_user;
 	dem_progress_fn progress; /* NULL: not told */
 	void *progress_user;
-	int64_t panel_posts; /* of a row that are held at once, about; 0: so that memory stays below 80 MB */
+	int64_t panel_posts; /* of a row that are cut at once at most; 0: so that memory stays below 80 MB */
 };
 
 /* Cuts posts into tiles of every level from 0 to the coarsest, decimating. The order of the tiles depends

@@ -260,7 +260,8 @@ static enum status cut_panel(struct cutting *cutting, int64_t panels)
 static enum status cutting_init(struct cutting *cutting)
 {
 	const struct world *world = cutting->world;
-	int64_t most = cutting->cut->panel_posts > 0 ? cutting->cut->panel_posts : PANEL_POSTS / world->cells;
+	int64_t most = PANEL_POSTS / world->cells, asked = cutting->cut->panel_posts;
+	most = asked > 0 && asked < most ? asked : most;
 	cutting->posts = (size_t)tile_posts(world) * tile_posts(world);
 	cutting->coarsest = world_coarsest(world);
 	while (cutting->panel_level < cutting->coarsest &&

@@ -6,8 +6,6 @@
 #include <cpl_string.h>
 #include <stdio.h>
 
-#define BLOCK_CACHE_BYTES (64 << 20)
-
 struct gdal_grid {
 	struct dem_grid grid;
 	struct gdal_source *sources;
@@ -126,6 +124,16 @@ static bool all_whole(const struct gdal_source *sources, size_t count, double un
 	return whole;
 }
 
+/* The least of the sources', less where posts are projected and so spread over more rows. */
+static int64_t common_panel(const struct gdal_source *sources, size_t count, bool warped)
+{
+	int64_t panel = 0;
+	for (size_t i = 0; i < count; i++)
+		if (sources[i].panel_posts > 0 && (panel == 0 || sources[i].panel_posts < panel))
+			panel = sources[i].panel_posts;
+	return warped ? panel / 2 : panel;
+}
+
 enum status dem_gdal_open(const struct dem_params *params, const struct dem_list *list,
 			  struct dem_grid **out)
 {
@@ -150,6 +158,7 @@ enum status dem_gdal_open(const struct dem_params *params, const struct dem_list
 				  &gdal->warped);
 	if (status == STATUS_OK) {
 		gdal->grid.unit = common_unit(gdal->sources, gdal->source_count);
+		gdal->grid.panel_posts = common_panel(gdal->sources, gdal->source_count, gdal->warped != NULL);
 		gdal->grid.whole = gdal->warped == NULL && all_whole(gdal->sources, gdal->source_count, gdal->grid.unit);
 		gdal->grid.vertical = mem_strdup(gdal->sources[0].vertical);
 		if (gdal->grid.vertical == NULL)
@@ -226,7 +235,7 @@ static void init_once(void)
 	/* What GDAL has to say goes into our messages, never to stderr by itself. */
 	CPLSetErrorHandler(CPLQuietErrorHandler);
 	GDALAllRegister();
-	GDALSetCacheMax64(BLOCK_CACHE_BYTES);
+	GDALSetCacheMax64(DEM_CACHE_BYTES);
 	GDALAddDerivedBandPixelFuncWithArgs("furrow_metres", pixels_to_metres, NULL);
 }
 

@@ -18,9 +18,12 @@ struct gdal_source {
 	OGRSpatialReferenceH srs; /* NULL if unknown or local */
 	bool doubles;             /* heights are kept in 64 bits */
 	double unit;              /* as in dem_info */
+	int64_t panel_posts;      /* as in dem_info */
 	bool whole;               /* heights are whole numbers of units, to the last bit */
 	char vertical[160];
 };
+
+#define DEM_CACHE_BYTES (64 << 20) /* of decoded blocks that GDAL holds */
 
 void dem_gdal_init(void);           /* registers what is needed, once; any thread */
 const char *dem_gdal_message(void); /* what GDAL said last, until the next call in this thread */

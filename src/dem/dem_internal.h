@@ -16,6 +16,7 @@ struct dem_grid {
 	int64_t width, height; /* posts */
 	double spacing, unit;  /* as in dem_info */
 	bool whole;
+	int64_t panel_posts;
 	double origin[2];
 	char *srs, *vertical, *projected; /* NULL: "" */
 	int64_t overlap_posts, overlap_differing;

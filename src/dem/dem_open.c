@@ -99,6 +99,7 @@ enum status dem_open(const struct dem_params *params, struct dem **out)
 		.height = grid->height,
 		.spacing = grid->spacing,
 		.unit = grid->unit,
+		.panel_posts = grid->panel_posts,
 		.whole = grid->whole && !params->fill,
 		.srs = grid->srs != NULL ? grid->srs : "",
 		.origin = {grid->origin[0], grid->origin[1]},

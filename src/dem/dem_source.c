@@ -125,6 +125,16 @@ static void text_add_source(struct text *text, const char *escaped, const char *
 		 block_y);
 }
 
+/* A row of a raster's blocks is decoded once only if GDAL's cache holds it until it has been read. */
+static int64_t panel_of(GDALRasterBandH band)
+{
+	int block_x, block_y;
+	GDALGetBlockSize(band, &block_x, &block_y);
+	int64_t column = (int64_t)block_y * GDALGetDataTypeSizeBytes(GDALGetRasterDataType(band));
+	bool tiled = block_x < GDALGetRasterBandXSize(band) && block_y > 1;
+	return tiled ? DEM_CACHE_BYTES / 2 / column : 0;
+}
+
 static enum status write_vrt(struct gdal_source *source, const struct dem_params *params,
 			     GDALRasterBandH band, double unit, int number)
 {
@@ -137,6 +147,7 @@ static enum status write_vrt(struct gdal_source *source, const struct dem_params
 	source->unit = whole ? fabs(scale * unit) : 0;
 	source->whole = whole && dem_unit_exact(source->unit) && fmod(offset * unit, source->unit) == 0;
 	source->doubles = !fits_float(type);
+	source->panel_posts = panel_of(band);
 
 	char *escaped = CPLEscapeString(source->path, -1, CPLES_XML);
 	size_t bytes = 4096 + 2 * strlen(escaped) + 32 * params->nodata_count;
