@@ -110,11 +110,11 @@ static void print_plan(const struct dem_info *info, const struct store_meta *met
 /* A hole that nobody declared shows as a height no ground has; mixed with others it may be any. */
 static void note_sentinel(const struct intake *intake)
 {
-	static const double usual[] = {-9999, -32767, -32768, -99999};
+	static const double usual[] = {-9999, -32767, -32768, -99999, 32767, 99999};
 	for (size_t i = 0; i < sizeof usual / sizeof usual[0]; i++)
-		if (intake->low == usual[i]) {
-			note("the lowest height is %g m; if that means nodata, import again with --nodata %g",
-			     intake->low, intake->low);
+		if (intake->low == usual[i] || intake->high == usual[i]) {
+			note("the %s height is %g m; if that means nodata, import again with --nodata %g",
+			     usual[i] < 0 ? "lowest" : "highest", usual[i], usual[i]);
 			return;
 		}
 	if (intake->low <= -12000)

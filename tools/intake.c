@@ -79,8 +79,10 @@ enum status intake_run(struct intake *intake)
 		return suspend(intake, store);
 	if (status == STATUS_OK)
 		status = store_publish(store);
-	if (status == STATUS_OK)
+	if (status == STATUS_OK) {
 		intake->low = store_meta(store)->low;
+		intake->high = store_meta(store)->high;
+	}
 	store_close(store);
 	if (status != STATUS_OK)
 		return status;

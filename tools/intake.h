@@ -13,7 +13,7 @@ struct intake {
 	dem_posts_fn posts;
 	void *posts_user;
 	int64_t panel_posts; /* as in struct dem_cut */
-	double low; /* out: the lowest height, metres; above 0 if nothing was made */
+	double low, high; /* out: of all heights, metres; 0 both if nothing was made */
 };
 
 /* Makes the store whole or not at all, with a progress line, and says where it is. */
