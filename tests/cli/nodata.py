@@ -50,7 +50,7 @@ class Nodata(RasterTest):
                 self.check_levels(sentinel, tag, *options)
 
     def test_nodata_no_tag_declares_is_told_and_can_be_named(self):
-        for sentinel in (-32767, -32768, -9999):
+        for sentinel in (-32767, -32768, -9999, 32767):
             with self.subTest(sentinel=sentinel):
                 self.make("in.tif", 40, 30, lambda x, y: sentinel if x < 9 else 100 + x, "h")
                 note = self.furrow("import", "in.tif", "-o", "s.furrow", "--overwrite").stderr
