@@ -307,17 +307,22 @@ static bool read_head(struct codec *codec, unsigned known, const uint8_t **from,
 	return true;
 }
 
-/* Holes come in runs: 64 posts at once where none or all of them is one. */
-static void apply_mask(const struct codec *codec, int32_t *posts)
+static uint64_t mask_word(const uint8_t *mask, size_t bytes)
 {
-	size_t bytes = mask_bytes(codec), count = plane_posts(codec);
-	for (size_t byte = 0; byte < bytes; byte += 8) {
-		uint64_t bits = 0;
-		size_t post = 8 * byte, room = count - post < 64 ? count - post : 64;
-		memcpy(&bits, codec->mask + byte, bytes - byte < 8 ? bytes - byte : 8);
+	uint64_t word = 0;
+	memcpy(&word, mask, bytes);
 #if __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
-		bits = __builtin_bswap64(bits);
+	word = __builtin_bswap64(word);
 #endif
+	return word;
+}
+
+/* Holes come in runs: 64 posts at once where all of them are some. */
+static void apply_mask(const uint8_t *mask, size_t count, int32_t *posts)
+{
+	for (size_t post = 0; post < count; post += 64) {
+		size_t room = count - post < 64 ? count - post : 64;
+		uint64_t bits = mask_word(mask + post / 8, (room + 7) / 8);
 		bits &= room < 64 ? ((uint64_t)1 << room) - 1 : UINT64_MAX;
 		if (bits == UINT64_MAX)
 			for (int i = 0; i < 64; i++)
@@ -332,20 +337,29 @@ static void apply_mask(const struct codec *codec, int32_t *posts)
 static bool read_widths(const struct codec *codec, bool wide, const uint8_t **from, size_t *left, uint8_t *widths,
 			size_t *payload)
 {
-	size_t blocks = plane_blocks(codec), bytes = wide ? blocks : (blocks + 1) / 2, sum = 0;
+	size_t blocks = plane_blocks(codec), bytes = wide ? blocks : (blocks + 1) / 2;
 	if (*left < bytes)
 		return false;
-	for (size_t i = 0; i < blocks; i++) {
-		unsigned width = wide ? (*from)[i] : (*from)[i / 2] >> (i % 2 * 4) & NARROW_MOST;
-		if (width > 32)
-			return false;
-		widths[i] = (uint8_t)width;
-		sum += width;
+	if (wide) {
+		memcpy(widths, *from, blocks);
+	} else {
+		const uint8_t *pairs = *from;
+		for (size_t i = 0; i < blocks / 2; i++) {
+			widths[2 * i] = pairs[i] & NARROW_MOST;
+			widths[2 * i + 1] = pairs[i] >> 4;
+		}
+		if (blocks % 2 != 0)
+			widths[blocks - 1] = pairs[blocks / 2] & NARROW_MOST;
 	}
-	*payload = 2 * sum;
+	uint32_t sum = 0, beyond = 0;
+	for (size_t i = 0; i < blocks; i++) {
+		sum += widths[i];
+		beyond |= widths[i] > 32;
+	}
+	*payload = (size_t)2 * sum;
 	*from += bytes;
 	*left -= bytes;
-	return true;
+	return beyond == 0;
 }
 
 /* The blocks of a body, some at a time. The last ones are a copy, with room to read beyond them. */
@@ -380,6 +394,25 @@ static void blocks_next(struct blocks *blocks, const struct codec_kernels *kerne
 	blocks->widths += count;
 }
 
+/* Posts of whole rows from `y` on; `before` is the row before them, or stands for it, and then is the last
+ * of these. */
+static void finish_rows(struct codec *codec, const struct head *head, const uint32_t *rest, uint32_t y, uint32_t rows,
+			int32_t *before, int32_t *posts)
+{
+	size_t side = codec->side, at = y * side;
+	codec->kernels->sum(rest, codec->side, rows, before, (head->flags & FLAG_SLOPE) != 0, posts + at);
+	memcpy(before, posts + at + (rows - 1) * side, side * sizeof *before); /* as it was without its holes */
+	if (head->flags & FLAG_MASK)
+		apply_mask(codec->mask + at / 8, rows * side, posts + at);
+}
+
+static int32_t *row_of_first(struct codec *codec, uint32_t first)
+{
+	for (uint32_t x = 0; x < codec->side; x++)
+		codec->filled[x] = (int32_t)first;
+	return codec->filled;
+}
+
 /* As many rows as a block has residuals are whole blocks, and few enough for the nearest cache. */
 static bool read_body(struct codec *codec, const uint8_t *from, size_t left, int32_t *posts)
 {
@@ -390,17 +423,15 @@ static bool read_body(struct codec *codec, const uint8_t *from, size_t left, int
 	    !read_widths(codec, (head.flags & FLAG_WIDE) != 0, &from, &left, widths, &payload) || payload != left)
 		return false;
 	struct blocks blocks;
+	int32_t *before = row_of_first(codec, head.first);
 	blocks_init(&blocks, from, payload, widths, count);
 	for (uint32_t y = 0; y < codec->side; y += CODEC_BLOCK) {
 		uint32_t rows = codec->side - y < CODEC_BLOCK ? codec->side - y : CODEC_BLOCK;
 		size_t some = count - done < codec->side ? count - done : codec->side;
 		blocks_next(&blocks, codec->kernels, some, codec->orders[0]);
-		codec->kernels->sum(codec->orders[0], codec->side, rows, y == 0 ? &head.first : NULL,
-				    (head.flags & FLAG_SLOPE) != 0, posts + (size_t)y * codec->side);
+		finish_rows(codec, &head, codec->orders[0], y, rows, before, posts);
 		done += some;
 	}
-	if (head.flags & FLAG_MASK)
-		apply_mask(codec, posts);
 	return true;
 }
 
@@ -439,9 +470,7 @@ static bool read_zstd(struct codec *codec, const uint8_t *from, size_t left, int
 			rest[i] |= (uint32_t)plane[p * count + i] << (8 * p);
 	for (size_t i = 0; i < count; i++)
 		rest[i] = unzigzag(rest[i]);
-	codec->kernels->sum(rest, codec->side, codec->side, &head.first, (head.flags & FLAG_SLOPE) != 0, posts);
-	if (head.flags & FLAG_MASK)
-		apply_mask(codec, posts);
+	finish_rows(codec, &head, rest, 0, codec->side, row_of_first(codec, head.first), posts);
 	return true;
 }
 

@@ -87,12 +87,10 @@ AVX2 static inline __m256i last_of(__m256i v)
 }
 
 /* After a row's first post its posts are a whole number of eights: cells are a power of two from 8. */
-AVX2 static void sum_row(const uint32_t *r, const int32_t *before, uint32_t side, uint32_t first, bool slope,
-			 int32_t *row)
+AVX2 static void sum_row(const uint32_t *r, const int32_t *before, uint32_t side, bool slope, int32_t *row)
 {
-	uint32_t start = first + r[0];
-	__m256i sum = _mm256_set1_epi32((int)start), step = _mm256_setzero_si256();
-	row[0] = (int32_t)(start + (before != NULL ? (uint32_t)before[0] : 0));
+	__m256i sum = _mm256_set1_epi32((int)r[0]), step = _mm256_setzero_si256();
+	row[0] = (int32_t)(r[0] + (uint32_t)before[0]);
 	for (uint32_t x = 1; x < side; x += 8) {
 		__m256i v = scan8(_mm256_loadu_si256((const __m256i *)(const void *)(r + x)));
 		if (slope) {
@@ -102,22 +100,16 @@ AVX2 static void sum_row(const uint32_t *r, const int32_t *before, uint32_t side
 		}
 		__m256i posts = _mm256_add_epi32(v, sum);
 		sum = _mm256_add_epi32(sum, last_of(v));
-		if (before != NULL)
-			posts = _mm256_add_epi32(
-				posts, _mm256_loadu_si256((const __m256i *)(const void *)(before + x)));
+		posts = _mm256_add_epi32(posts, _mm256_loadu_si256((const __m256i *)(const void *)(before + x)));
 		_mm256_storeu_si256((__m256i *)(void *)(row + x), posts);
 	}
 }
 
-AVX2 static void avx2_sum(const uint32_t *rest, uint32_t side, uint32_t rows, const uint32_t *first, bool slope,
+AVX2 static void avx2_sum(const uint32_t *rest, uint32_t side, uint32_t rows, const int32_t *before, bool slope,
 			  int32_t *posts)
 {
-	for (uint32_t y = 0; y < rows; y++, rest += side, posts += side) {
-		if (y == 0 && first != NULL)
-			sum_row(rest, NULL, side, *first, slope, posts);
-		else
-			sum_row(rest, posts - side, side, 0, slope, posts);
-	}
+	for (uint32_t y = 0; y < rows; y++, rest += side, before = posts, posts += side)
+		sum_row(rest, before, side, slope, posts);
 }
 
 static const struct codec_kernels codec_avx2 = {"avx2", avx2_unpack, avx2_sum};

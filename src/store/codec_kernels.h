@@ -19,9 +19,8 @@ struct codec_kernels {
 	 * `from` can be read for CODEC_SLACK bytes beyond it. */
 	const uint8_t *(*unpack)(const uint8_t *from, const uint8_t *widths, size_t count, uint32_t *rest);
 	/* Residuals of `rows` rows to posts: their sums along each row (with `slope`, from a row's second
-	 * post on, sums of sums), added to the row before it in `posts`, or to `first`, if that is not
-	 * NULL, for the first of the rows. */
-	void (*sum)(const uint32_t *rest, uint32_t side, uint32_t rows, const uint32_t *first, bool slope,
+	 * post on, sums of sums), added to the row before it, the first one's to `before`. */
+	void (*sum)(const uint32_t *rest, uint32_t side, uint32_t rows, const int32_t *before, bool slope,
 		    int32_t *posts);
 };
 

@@ -30,21 +30,17 @@ static const uint8_t *plain_unpack(const uint8_t *from, const uint8_t *widths, s
 	return from;
 }
 
-static void plain_sum(const uint32_t *rest, uint32_t side, uint32_t rows, const uint32_t *first, bool slope,
+static void plain_sum(const uint32_t *rest, uint32_t side, uint32_t rows, const int32_t *before, bool slope,
 		      int32_t *posts)
 {
 	const uint32_t keep = slope ? 1 : 0; /* of the step before */
-	for (uint32_t y = 0; y < rows; y++, rest += side, posts += side) {
-		bool alone = y == 0 && first != NULL; /* no row before it */
-		const int32_t *before = alone ? posts : posts - side;
-		uint32_t rise = (alone ? *first : (uint32_t)before[0]) + rest[0], step = 0;
-		uint32_t start = alone ? 0 : (uint32_t)before[0];
-		posts[0] = (int32_t)rise;
-		rise -= start;
+	for (uint32_t y = 0; y < rows; y++, rest += side, before = posts, posts += side) {
+		uint32_t rise = rest[0], step = 0;
+		posts[0] = (int32_t)(rise + (uint32_t)before[0]);
 		for (uint32_t x = 1; x < side; x++) {
 			step = step * keep + rest[x];
 			rise += step;
-			posts[x] = (int32_t)(rise + (alone ? 0 : (uint32_t)before[x]));
+			posts[x] = (int32_t)(rise + (uint32_t)before[x]);
 		}
 	}
 }
