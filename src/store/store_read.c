@@ -1,4 +1,5 @@
 /* Readers: a read-only connection each; whole tiles and their ranges. */
+#include "base/wide.h"
 #include "store/internal.h"
 
 #include <assert.h>
@@ -62,14 +63,18 @@ static void range_of(const struct row *row, struct store_range *range)
 	*range = (struct store_range){row->low, row->high, row->error};
 }
 
+FURROW_WIDE static bool all_between(const int32_t *codes, size_t count, int32_t low, int32_t high)
+{
+	int32_t bad = 0;
+	for (size_t i = 0; i < count; i++)
+		bad |= (codes[i] != HEIGHT_CODE_NODATA) & ((codes[i] < low) | (codes[i] > high));
+	return bad == 0;
+}
+
 /* So that no caller needs to ask whether a height fits the lattice. */
 static bool codes_fit(const struct store *store, const int32_t *codes, size_t count)
 {
-	int32_t low = store->code_low, high = store->code_high;
-	bool bad = false;
-	for (size_t i = 0; i < count; i++)
-		bad |= (codes[i] != HEIGHT_CODE_NODATA) & ((codes[i] < low) | (codes[i] > high));
-	return !bad;
+	return all_between(codes, count, store->code_low, store->code_high);
 }
 
 enum status store_read_base(struct store_reader *reader, struct tile tile, int32_t *codes,
