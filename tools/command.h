@@ -58,8 +58,8 @@ enum status arguments_numbers(const struct arguments *arguments, const char *opt
 /* One of `names` (ended by NULL): its index. */
 enum status arguments_choice(const struct arguments *arguments, const char *option,
 			     const char *const *names, int *value) FURROW_CHECKED;
-/* The whole text is one finite number. */
-bool parse_number(const char *text, double *value); /* finite */
+/* The whole text is one number: a finite one, or one that may be infinite. */
+bool parse_number(const char *text, double *value);
 bool parse_number_or_infinity(const char *text, double *value);
 
 /* --- while it runs: progress.c --- */

@@ -8,7 +8,6 @@
 #include "base/wide.h"
 
 /* Holes where values are `nodata`: without branches, so that it becomes vector code. */
-/* Holes where values are `nodata`: without branches, so that it becomes vector code. */
 FURROW_WIDE static void punch(const double *values, int64_t count, double nodata, bool single, double *metres)
 {
 	/* No ground is that high: -3.4e38 means the lowest float, with all the digits it lacks. */

@@ -203,7 +203,6 @@ enum status put_begin(struct store *store) FURROW_CHECKED; /* a transaction */
 /* `as_base`: for an overlay; one that is an overlay itself is refused. */
 enum status store_open_as(const char *path, const struct store_options *options, bool as_base,
 			  struct store **out) FURROW_CHECKED;
-void store_finish(struct store *store); /* closes and frees; removes nothing but the lock */
 char *store_path_with(const char *path, const char *suffix);
 
 /* --- store_overlay.c --- */
