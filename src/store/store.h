@@ -86,7 +86,7 @@ struct store_options {
 };
 enum status store_open(const char *path, const struct store_options *options, struct store **out)
 	FURROW_CHECKED;
-/* Checkpoints if it was written; takes NULL. An unpublished store is removed. */
+/* Checkpoints if it was written; takes NULL. An unpublished store is removed, but for one that was resumed. */
 void store_close(struct store *store);
 
 const struct store_meta *store_meta(const struct store *store);

@@ -5,7 +5,8 @@
  *   fsync of the folder, rename, fsync of the folder
  *
  * Whatever fails before the rename leaves PATH as it was, and close removes PATH.part; a kill, or
- * store_suspend, leaves it, and store_resume takes it up where it holds the same request.
+ * store_suspend, leaves it, and store_resume takes it up where it holds the same request. One that was
+ * taken up is left in any case: it was there before, and may be hours of work.
  */
 #include "store/internal.h"
 
@@ -140,7 +141,7 @@ static enum status resume_part(struct store *store, bool *resumed)
 static enum status open_part(struct store *store, bool resume)
 {
 	bool resumed = false;
-	store->keeps_part = resume; /* until all is well: it may be hours of work */
+	store->keeps_part = resume;
 	store->part_path = store_path_with(store->real_path, ".part");
 	enum status status = store->part_path != NULL ? STATUS_OK : fail_memory("a store");
 	if (status == STATUS_OK && resume)
@@ -181,7 +182,6 @@ static enum status make(const char *path, const struct store_meta *meta, bool ov
 		store_close(store);
 		return status;
 	}
-	store->keeps_part = false;
 	*out = store;
 	return STATUS_OK;
 }

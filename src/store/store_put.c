@@ -102,7 +102,7 @@ enum status store_suspend(struct store *store)
 	enum status status = commit(store);
 	struct failure failure;
 	failure_capture(&failure, status);
-	store->keeps_part = status == STATUS_OK;
+	store->keeps_part = store->keeps_part || status == STATUS_OK;
 	store_close(store);
 	return status == STATUS_OK ? STATUS_OK : failure_restore(&failure);
 }

@@ -124,6 +124,55 @@ static void a_killed_import_leaves_nothing_in_the_way(void **state)
 	store_close(store);
 }
 
+/* Tiles of level 0 and above, from the `first` of them up to before `end`. */
+static void put_tiles(struct store *store, int64_t first, int64_t end)
+{
+	int64_t at = 0;
+	for (int level = 0; level <= world_coarsest(&world); level++)
+		for (uint32_t i = 0; i < world_tiles_x(&world, level) * world_tiles_y(&world, level); i++, at++) {
+			int32_t codes[POSTS];
+			struct store_range range;
+			struct tile tile = {level, i % world_tiles_x(&world, level), i / world_tiles_x(&world, level)};
+			terrain_tile(tile, codes, &range);
+			if (at >= first && at < end)
+				assert_ok(store_put_base(store, tile, codes, &range));
+		}
+}
+
+/* What was there before a command is not removed by its failure. */
+static void a_resumed_store_that_fails_is_kept(void **state)
+{
+	const char *path = in_folder("resumed.furrow");
+	struct store_meta meta = terrain_meta();
+	meta.request = "this one";
+	struct store *store;
+	int64_t tiles = 0;
+	assert_ok(store_create(path, &meta, false, &store));
+	put_tiles(store, 0, 5);
+	assert_ok(store_suspend(store));
+	assert_ok(store_resume(path, &meta, false, &store, &tiles));
+	assert_int_equal(tiles, 5);
+	store->commit_bytes = 1;
+	put_tiles(store, 5, 7);
+	assert_status(store_publish(store), STATUS_FAILED); /* not all tiles */
+	store_close(store);
+	assert_int_equal(files_of("resumed"), 1);
+	assert_ok(store_resume(path, &meta, false, &store, &tiles));
+	assert_int_equal(tiles, 7);
+	put_tiles(store, 7, INT64_MAX);
+	assert_ok(store_publish(store));
+	store_close(store);
+	assert_int_equal(files_of("resumed"), 1);
+	store = open_store(path, STORE_READ);
+	verified(store);
+	store_close(store);
+	/* Begun anew though it was asked to go on: nothing was there, nothing stays. */
+	assert_ok(store_resume(in_folder("anew.furrow"), &meta, false, &store, &tiles));
+	assert_int_equal(tiles, 0);
+	store_close(store);
+	assert_int_equal(files_of("anew"), 0);
+}
+
 static void an_existing_store_is_replaced_only_when_told(void **state)
 {
 	const char *path = in_folder("old.furrow");
@@ -349,6 +398,7 @@ int main(void)
 		cmocka_unit_test(lossless_codes_and_holes_everywhere_come_back),
 		cmocka_unit_test(what_is_not_published_leaves_nothing),
 		cmocka_unit_test(a_killed_import_leaves_nothing_in_the_way),
+		cmocka_unit_test(a_resumed_store_that_fails_is_kept),
 		cmocka_unit_test(an_existing_store_is_replaced_only_when_told),
 		cmocka_unit_test(a_second_writer_is_refused),
 		cmocka_unit_test(a_killed_writer_holds_no_lock),
