@@ -19,7 +19,7 @@ struct png {
 	struct dem_grid grid;
 	struct dem_meaning meaning;
 	double *nodata;
-	uint16_t *posts; /* a row, or all of an interlaced image */
+	uint16_t *posts; /* a row; while it is decoded, all of an interlaced image */
 	struct dem_scratch scratch; /* the northernmost row first */
 };
 
@@ -148,7 +148,9 @@ static enum status load(const char *path, struct png *png, int *full)
 	if (!done)
 		return fail_with(STATUS_INPUT, "%s: cannot be read as a PNG: %s; give a whole grey PNG or "
 				 "a GeoTIFF", path, problem.text);
-	return STATUS_OK;
+	mem_free(png->posts);
+	png->posts = mem_alloc((size_t)png->grid.width, sizeof *png->posts);
+	return png->posts != NULL ? STATUS_OK : fail_memory(path);
 }
 
 enum status dem_png_open(const struct dem_params *params, const char *path, struct dem_grid **out)
