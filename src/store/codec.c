@@ -62,6 +62,7 @@ static uint32_t get32(const uint8_t *from)
 
 enum status codec_init(struct codec *codec, uint32_t side, enum codec_effort effort)
 {
+	assert(side > 8 && side % 8 == 1); /* the kernels take eight posts at once */
 	*codec = (struct codec){.side = side, .effort = effort, .kernels = codec_kernels_best()};
 	size_t posts = plane_posts(codec), blocks = plane_blocks(codec);
 	size_t head = 1 + 4 + LENGTH_BYTES + (size_t)LZ4_compressBound((int)mask_bytes(codec));

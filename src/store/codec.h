@@ -29,7 +29,7 @@ enum codec_effort { CODEC_FAST, CODEC_SMALL };
 struct codec_kernels;
 
 struct codec {
-	uint32_t side;  /* posts along a side */
+	uint32_t side;  /* posts along a side: a multiple of 8, and 1 */
 	enum codec_effort effort;
 	const struct codec_kernels *kernels;
 	size_t room;    /* bytes the longest body takes */
