@@ -47,7 +47,9 @@ static enum status cut_and_store(const struct intake *intake, struct store *stor
 	struct failure failure;
 	failure_capture(&failure, status);
 	enum status done = conveyor_finish(conveyor);
-	return status == STATUS_OK ? done : failure_restore(&failure);
+	/* Beside an interruption, what failed is what is told. */
+	bool other = status == STATUS_OK || (status == STATUS_INTERRUPTED && done != STATUS_OK);
+	return other ? done : failure_restore(&failure);
 }
 
 /* Ctrl-C: what is stored is kept for --resume. */
