@@ -140,9 +140,18 @@ static enum status read_posts(void *user, struct post_rect rect, double *heights
 	return dem_read(user, rect, heights);
 }
 
+static void describe_file(FILE *out, const char *path)
+{
+	struct stat file = {0};
+	(void)stat(path, &file); /* what GDAL reads need not be a file */
+	fprintf(out, "%lld bytes of %lld.%09ld %s\n", (long long)file.st_size, (long long)file.st_mtim.tv_sec,
+		(long)file.st_mtim.tv_nsec, path);
+}
+
 /*
- * All that decides what the store will hold, a line each: what was asked for and, for each source, its
- * size and when it was last changed. NULL without memory.
+ * All that decides what the store will hold, a line each: what was asked for and, for each source and what
+ * it is made of, its size and when it was last changed; and by which program, for the order of the tiles and
+ * their bytes are its own. NULL without memory.
  */
 static char *describe_request(const struct request *request, const struct dem_info *info, double step)
 {
@@ -152,6 +161,7 @@ static char *describe_request(const struct request *request, const struct dem_in
 	if (out == NULL)
 		return NULL;
 	const struct dem_params *dem = &request->dem;
+	fputs("furrow " FURROW_VERSION "\n", out);
 	fprintf(out, "posts %lld %lld tile %lld step %.17g pack %d spacing %.17g origin %.17g %.17g\n",
 		(long long)info->width, (long long)info->height, (long long)request->tile, step, request->pack,
 		info->spacing, info->origin[0], info->origin[1]);
@@ -160,12 +170,10 @@ static char *describe_request(const struct request *request, const struct dem_in
 	for (size_t i = 0; i < dem->nodata_count; i++)
 		fprintf(out, " %.17g", dem->nodata[i]);
 	fprintf(out, "\nsrs %s\nfrom %s\n", info->srs, dem->s_srs != NULL ? dem->s_srs : "");
-	for (size_t i = 0; i < info->source_count; i++) {
-		struct stat file = {0};
-		(void)stat(info->sources[i], &file); /* what GDAL reads need not be a file */
-		fprintf(out, "%lld bytes of %lld.%09ld %s\n", (long long)file.st_size, (long long)file.st_mtim.tv_sec,
-			(long)file.st_mtim.tv_nsec, info->sources[i]);
-	}
+	for (size_t i = 0; i < info->source_count; i++)
+		describe_file(out, info->sources[i]);
+	for (size_t i = 0; i < info->file_count; i++)
+		describe_file(out, info->files[i]);
 	bool whole = ferror(out) == 0;
 	if (fclose(out) == 0 && whole)
 		return text;

@@ -42,6 +42,8 @@ struct dem_info {
 	const char *projected; /* what the sources were projected from, "" if they were not */
 	size_t source_count;   /* after directories and lists were opened */
 	const char *const *sources;
+	size_t file_count; /* what they are made of beside themselves, as far as GDAL says: parts of a VRT, sidecars */
+	const char *const *files;
 	/* Where sources overlap: posts compared and by how much they disagree at most (metres). */
 	int64_t overlap_posts, overlap_differing;
 	double overlap_difference;

@@ -267,6 +267,7 @@ enum status dem_fill_create(struct dem_grid *grid, struct dem_grid **out)
 	fill->grid.read = fill_read;
 	fill->grid.destroy = fill_destroy;
 	grid->srs = grid->vertical = grid->projected = NULL;
+	grid->files = (struct dem_list){0};
 	fill->source = grid;
 	fill->scratch.file = -1;
 	int64_t width = grid->width, height = grid->height, start = 0;

@@ -94,7 +94,8 @@ static enum status open_sources(struct gdal_grid *gdal, const struct dem_params 
 	enum status status = STATUS_OK;
 	for (size_t i = 0; status == STATUS_OK && i < list->count; i++) {
 		gdal->source_count = i + 1;
-		status = dem_source_init(&gdal->sources[i], params, list->paths[i], override, (int)i);
+		status = dem_source_init(&gdal->sources[i], params, list->paths[i], override, (int)i,
+					 &gdal->grid.files);
 	}
 	if (override != NULL)
 		OSRDestroySpatialReference(override);

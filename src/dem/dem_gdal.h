@@ -29,8 +29,9 @@ void dem_gdal_init(void);           /* registers what is needed, once; any threa
 const char *dem_gdal_message(void); /* what GDAL said last, until the next call in this thread */
 
 /* --- dem_source.c --- */
-enum status dem_source_init(struct gdal_source *source, const struct dem_params *params,
-			    const char *path, OGRSpatialReferenceH override, int number) FURROW_CHECKED;
+/* Adds to `files` what else it is made of. */
+enum status dem_source_init(struct gdal_source *source, const struct dem_params *params, const char *path,
+			    OGRSpatialReferenceH override, int number, struct dem_list *files) FURROW_CHECKED;
 void dem_source_finish(struct gdal_source *source);
 
 /* --- dem_mosaic.c: several sources as one dataset, the first named on top; also compares them --- */

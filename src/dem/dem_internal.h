@@ -9,6 +9,17 @@
 
 #include "dem/dem.h"
 
+/* --- dem_list.c: names of files --- */
+struct dem_list {
+	char **paths;
+	size_t count, room;
+};
+
+/* Sources as named to files: opens directories and "@lists". */
+enum status dem_list_init(struct dem_list *list, const char *const *sources, size_t count) FURROW_CHECKED;
+enum status dem_list_add(struct dem_list *list, const char *path) FURROW_CHECKED; /* copies it */
+void dem_list_finish(struct dem_list *list);
+
 struct dem_grid {
 	/* As dem_read; the rectangle lies within. */
 	enum status (*read)(struct dem_grid *grid, struct post_rect rect, double *heights);
@@ -19,21 +30,12 @@ struct dem_grid {
 	int64_t panel_posts;
 	double origin[2];
 	char *srs, *vertical, *projected; /* NULL: "" */
+	struct dem_list files; /* as in dem_info */
 	int64_t overlap_posts, overlap_differing;
 	double overlap_difference;
 };
 
 void dem_grid_destroy(struct dem_grid *grid); /* also frees the texts */
-
-/* --- dem_list.c: sources as named to files --- */
-struct dem_list {
-	char **paths;
-	size_t count, room;
-};
-
-/* Opens directories and "@lists". */
-enum status dem_list_init(struct dem_list *list, const char *const *sources, size_t count) FURROW_CHECKED;
-void dem_list_finish(struct dem_list *list);
 
 /* --- dem_nodata.c: what a stored value means --- */
 struct dem_meaning {

@@ -18,7 +18,7 @@ bool dem_path_ends(const char *path, const char *extension)
 	return length > tail && strcasecmp(path + length - tail, extension) == 0;
 }
 
-static enum status list_add(struct dem_list *list, const char *path)
+enum status dem_list_add(struct dem_list *list, const char *path)
 {
 	if (list->count == list->room) {
 		size_t room = list->room > 0 ? 2 * list->room : 16;
@@ -93,7 +93,7 @@ static enum status add_directory(struct dem_list *list, const char *path)
 		snprintf(full, bytes, "%s%s%s", path, length > 0 && path[length - 1] == '/' ? "" : "/",
 			 entry->d_name);
 		if (is_raster(full))
-			status = list_add(list, full);
+			status = dem_list_add(list, full);
 		mem_free(full);
 	}
 	closedir(directory);
@@ -119,7 +119,7 @@ static enum status add_one(struct dem_list *list, const char *path)
 	} else if (strncmp(path, "/vsi", 4) != 0 && strchr(path, ':') == NULL) {
 		return fail_with(STATUS_INPUT, "%s: no such file; check the name", path);
 	}
-	return list_add(list, path);
+	return dem_list_add(list, path);
 }
 
 /* A line of the list at `list_path`: from its folder if it is there, else as it stands. */

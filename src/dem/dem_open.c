@@ -18,6 +18,7 @@ void dem_grid_destroy(struct dem_grid *grid)
 	mem_free(grid->srs);
 	mem_free(grid->vertical);
 	mem_free(grid->projected);
+	dem_list_finish(&grid->files);
 	grid->destroy(grid);
 }
 
@@ -107,6 +108,8 @@ enum status dem_open(const struct dem_params *params, struct dem **out)
 		.projected = grid->projected != NULL ? grid->projected : "",
 		.source_count = dem->list.count,
 		.sources = (const char *const *)dem->list.paths,
+		.file_count = grid->files.count,
+		.files = (const char *const *)grid->files.paths,
 		.overlap_posts = grid->overlap_posts,
 		.overlap_differing = grid->overlap_differing,
 		.overlap_difference = grid->overlap_difference,

@@ -192,8 +192,19 @@ static enum status write_vrt(struct gdal_source *source, const struct dem_params
 	return written ? STATUS_OK : fail_memory(source->path);
 }
 
-enum status dem_source_init(struct gdal_source *source, const struct dem_params *params,
-			    const char *path, OGRSpatialReferenceH override, int number)
+static enum status add_files(GDALDatasetH dataset, const char *path, struct dem_list *files)
+{
+	char **names = GDALGetFileList(dataset);
+	enum status status = STATUS_OK;
+	for (char **name = names; status == STATUS_OK && name != NULL && *name != NULL; name++)
+		if (strcmp(*name, path) != 0)
+			status = dem_list_add(files, *name);
+	CSLDestroy(names);
+	return status;
+}
+
+enum status dem_source_init(struct gdal_source *source, const struct dem_params *params, const char *path,
+			    OGRSpatialReferenceH override, int number, struct dem_list *files)
 {
 	*source = (struct gdal_source){.path = path};
 	CPLErrorReset();
@@ -202,8 +213,10 @@ enum status dem_source_init(struct gdal_source *source, const struct dem_params 
 	if (dataset == NULL)
 		return fail_with(STATUS_INPUT, "%s: cannot be opened as a raster: %s; give a whole raster that "
 				 "GDAL reads", path, dem_gdal_message());
-	enum status status = STATUS_OK;
 	double unit;
+	enum status status = add_files(dataset, path, files);
+	if (status != STATUS_OK)
+		goto close;
 	if (GDALGetRasterCount(dataset) < 1) {
 		status = fail_with(STATUS_INPUT, "%s: no raster band in it; name one of its subdatasets "
 				   "(gdalinfo lists them)", path);

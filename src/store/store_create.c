@@ -133,8 +133,8 @@ static enum status resume_part(struct store *store, bool *resumed)
 		status = meta_same_request(store, &same);
 	*resumed = status == STATUS_OK;
 	if (status == STATUS_OK && !same)
-		status = fail_with(STATUS_INPUT, "%s: what was broken off was another import (sources that have changed, or "
-				   "other options); give the same again, or leave out --resume to begin anew", store->path);
+		status = fail_with(STATUS_INPUT, "%s: what was broken off was another import (sources that have changed, "
+				   "other options, another furrow); give the same again, or leave out --resume to begin anew", store->path);
 	return status == STATUS_OK ? put_begin(store) : status;
 }
 

@@ -4,20 +4,23 @@ import random
 import signal
 import subprocess
 import time
+import unittest
 
-from furrow_test import FURROW, FurrowTest, main
+from furrow_test import FURROW, FurrowTest, has_gdal, main
 
 SIDE = 5121
 
 
 class Resume(FurrowTest):
+    source = "noise.r16"
+
     def setUp(self):
         super().setUp()
         # Noise packs badly: enough bytes for several commits.
         (self.folder / "noise.r16").write_bytes(random.Random(3).randbytes(2 * SIDE * SIDE))
 
     def arguments(self, store, *more):
-        return ["import", "noise.r16", "-o", store, "--max-error", "0.01", *more]
+        return ["import", self.source, "-o", store, "--max-error", "0.01", *more]
 
     def start(self, *more):
         return subprocess.Popen([FURROW, *self.arguments("killed.furrow", *more)], cwd=self.folder,
@@ -87,6 +90,21 @@ class Resume(FurrowTest):
         # Without --resume it begins anew.
         self.ok(*self.arguments("killed.furrow"))
         self.assertFalse(part.exists())
+
+    @unittest.skipUnless(has_gdal(), "needs GDAL")
+    def test_what_a_source_is_made_of_is_part_of_the_import(self):
+        (self.folder / "noise.vrt").write_text(
+            f'<VRTDataset rasterXSize="{SIDE}" rasterYSize="{SIDE}"><VRTRasterBand dataType="UInt16" band="1" '
+            'subClass="VRTRawRasterBand"><SourceFilename relativeToVRT="1">noise.r16</SourceFilename><ByteOrder>LSB'
+            '</ByteOrder></VRTRasterBand></VRTDataset>')
+        self.source = "noise.vrt"
+        status, errors = self.stopped(signal.SIGINT, 0)
+        if status == 0 or "without GDAL" in errors:
+            self.skipTest("it was done before it could be interrupted, or cannot be read")
+        self.assertEqual(status, 130, errors)
+        os.utime(self.folder / "noise.r16", (1, 1))
+        self.assertIn("sources that have changed", self.refused(3, *self.arguments("killed.furrow", "--resume")))
+        self.assertTrue((self.folder / "killed.furrow.part").exists())
 
     def test_with_nothing_to_go_on_from_it_begins(self):
         self.ok(*self.arguments("killed.furrow", "--resume"))
