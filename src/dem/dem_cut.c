@@ -6,7 +6,8 @@
  * The terrain is cut in panels from west to east, each from south to north, so that a band is never
  * wider than memory allows; most terrains are one panel. A tile that is being put together from
  * those below it is open. Of a level no coarser than a panel is wide, one row of tiles is open at
- * once; of a coarser one, one column.
+ * once; of a coarser one, one column, of which one tile is in memory and the rest in a temporary file,
+ * since a terrain has no most height.
  *
  * Invariants: (1) a tile is emitted as soon as the last of those below it was, so it comes after
  * all it covers, and the order depends on the terrain's size only; (2) posts beyond the terrain are
@@ -18,6 +19,7 @@
 #include <math.h>
 
 #include "dem_measure.h"
+#include "dem_scratch.h"
 
 #define STRIP_POSTS (1 << 20) /* of doubles asked for at once, about */
 #define PANEL_POSTS (1 << 23) /* of a band and, about as many again, of open tiles */
@@ -45,6 +47,10 @@ struct cutting {
 	int64_t strip;       /* rows of them */
 	int64_t rows_done;   /* over all panels */
 	struct open *open[TILE_LEVEL_MAX + 1]; /* by level, from 1 */
+	/* Of levels coarser than a panel: whose codes are in memory, and where in the file those of the first are. */
+	struct open *held[TILE_LEVEL_MAX + 1];
+	int64_t first[TILE_LEVEL_MAX + 1]; /* tiles */
+	struct dem_scratch scratch;
 };
 
 static int64_t smaller(int64_t a, int64_t b)
@@ -71,6 +77,37 @@ static void codes_clear(int32_t *codes, int64_t count)
 {
 	for (int64_t i = 0; i < count; i++)
 		codes[i] = HEIGHT_CODE_NODATA;
+}
+
+static enum status move_codes(struct cutting *cutting, int level, struct open *open, bool write)
+{
+	int64_t tile = cutting->first[level] + (open - cutting->open[level]);
+	size_t bytes = cutting->posts * sizeof *open->codes;
+	return write ? dem_scratch_write(&cutting->scratch, open->codes, bytes, tile * (int64_t)bytes)
+		     : dem_scratch_read(&cutting->scratch, open->codes, bytes, tile * (int64_t)bytes);
+}
+
+/* The tile's codes into memory, if it has any; those of the one before it in its level make room. */
+static enum status hold(struct cutting *cutting, int level, struct open *open)
+{
+	struct open *before = cutting->held[level];
+	if (level <= cutting->panel_level || before == open)
+		return STATUS_OK;
+	enum status status = STATUS_OK;
+	if (before != NULL && before->begun) {
+		if (cutting->scratch.file < 0)
+			status = dem_scratch_open(&cutting->scratch, "cutting tiles");
+		if (status == STATUS_OK)
+			status = move_codes(cutting, level, before, true);
+	}
+	if (status != STATUS_OK)
+		return status;
+	if (before != NULL) {
+		open->codes = before->codes;
+		before->codes = NULL;
+	}
+	cutting->held[level] = open;
+	return open->begun ? move_codes(cutting, level, open, false) : STATUS_OK;
 }
 
 static enum status begin_tile(const struct cutting *cutting, struct open *open)
@@ -103,7 +140,8 @@ static enum status finish_tile(struct cutting *cutting, const struct dem_tile *t
 		return status;
 	struct tile at = tile->tile, above = tile_ancestor(at, at.level + 1);
 	struct open *open = open_at(cutting, above);
-	if (!open->begun)
+	status = hold(cutting, above.level, open);
+	if (status == STATUS_OK && !open->begun)
 		status = begin_tile(cutting, open);
 	if (status != STATUS_OK)
 		return status;
@@ -278,6 +316,7 @@ static enum status cutting_init(struct cutting *cutting)
 	for (int level = 1; level <= cutting->coarsest; level++) {
 		cutting->open[level] = mem_calloc((size_t)open_count(cutting, level), sizeof *cutting->open[level]);
 		whole = whole && cutting->open[level] != NULL;
+		cutting->first[level] = level == 1 ? 0 : cutting->first[level - 1] + open_count(cutting, level - 1);
 	}
 	return whole ? STATUS_OK : fail_memory("cutting tiles");
 }
@@ -289,6 +328,7 @@ static void cutting_finish(struct cutting *cutting)
 			mem_free(cutting->open[level][i].codes);
 		mem_free(cutting->open[level]);
 	}
+	dem_scratch_close(&cutting->scratch);
 	mem_free(cutting->heights);
 	mem_free(cutting->band);
 	mem_free(cutting->tile);
@@ -301,7 +341,7 @@ enum status dem_cut(const struct dem_cut *cut)
 	if (problem != NULL)
 		return fail_with(STATUS_INPUT, "terrain of %lld x %lld posts: %s; import another size",
 				 (long long)world->width, (long long)world->height, problem);
-	struct cutting cutting = {.cut = cut, .world = world};
+	struct cutting cutting = {.cut = cut, .world = world, .scratch = {.file = -1}};
 	enum status status = cutting_init(&cutting);
 	int64_t span = (int64_t)world->cells << cutting.panel_level, tiles_x = world_tiles_x(world, 0);
 	int64_t panels = (tiles_x * world->cells + span - 1) / span;
