@@ -14,7 +14,7 @@
 
 #define WORKERS_MOST 64
 #define PARCELS_MOST 64
-#define PARCEL_BYTES (48 << 20) /* that all parcels may take, about */
+#define PARCEL_BYTES (32 << 20) /* that all parcels may take, about */
 #define WORKER_BYTES (64 << 20) /* that all workers may take, about */
 #define WORKER_POST_BYTES 22    /* a packer's scratch for a post */
 
