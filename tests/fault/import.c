@@ -76,6 +76,45 @@ static void a_failed_import_leaves_the_epochs_of_a_killed_writer(void **state)
 	every_call(KILLED);
 }
 
+/* --- one that goes on --- */
+
+static uint64_t resume_trial(const void *user, const struct fault *fault)
+{
+	const char *path = in_folder("trial.furrow");
+	int64_t tiles = 0;
+	put_before(path, NOTHING);
+	unlink(beside(path, ".part-journal"));
+	copy_file(in_folder("broken.part"), beside(path, ".part"));
+	fault_arm_for(fault);
+	enum status status = import_from(path, &tiles);
+	uint64_t calls = fault_disarm();
+	bool in_place = access(path, F_OK) == 0;
+	expect(status == STATUS_OK || told(status));
+	expect(calls >= fault->nth ? status != STATUS_OK || !must_be_told(fault->kind) : status == STATUS_OK);
+	expect(status != STATUS_OK || (in_place && tiles == 20));
+	if (fault->kind == FAULT_CALL_UNLINK)
+		unlink(beside(path, "-lock"));
+	expect(access(beside(path, "-lock"), F_OK) != 0);
+	/* What was there is there, and is gone on from. */
+	if (!in_place) {
+		expect(access(beside(path, ".part"), F_OK) == 0);
+		expect(import_from(path, &tiles) == STATUS_OK);
+		expect(tiles >= 20);
+	}
+	expect_store(path, hash_after);
+	expect(access(beside(path, ".part"), F_OK) != 0);
+	return calls;
+}
+
+static void a_failed_import_that_went_on_loses_nothing(void **state)
+{
+	uint64_t ran = 0;
+	assert_ok(import_some(in_folder("broken"), NULL, 20));
+	for (int kind = FAULT_NONE + 1; kind < FAULT_KINDS; kind++)
+		ran += sweep(resume_trial, NULL, (enum fault_kind)kind, kind == FAULT_SQLITE_MEMORY ? MOST : UINT64_MAX);
+	assert_true(ran > 100);
+}
+
 static int enter(void **state)
 {
 	if (folder_make(state) != 0)
@@ -90,6 +129,7 @@ int main(void)
 		cmocka_unit_test(a_failed_import_leaves_nothing),
 		cmocka_unit_test(a_failed_import_leaves_the_store_it_was_to_replace),
 		cmocka_unit_test(a_failed_import_leaves_the_epochs_of_a_killed_writer),
+		cmocka_unit_test(a_failed_import_that_went_on_loses_nothing),
 	};
 	fault_install();
 	return cmocka_run_group_tests(tests, enter, folder_remove);

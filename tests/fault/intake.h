@@ -24,6 +24,7 @@ static enum status posts_of(void *user, struct post_rect rect, double *heights)
 struct putting {
 	struct store *store;
 	int64_t passing; /* tiles that are there from before */
+	int64_t left;    /* tiles until it is broken off; 0: never */
 };
 
 static enum status put_tile(void *user, const struct dem_tile *tile)
@@ -32,7 +33,8 @@ static enum status put_tile(void *user, const struct dem_tile *tile)
 	struct store_range range = {tile->low, tile->high, tile->error};
 	if (putting->passing-- > 0)
 		return STATUS_OK;
-	return store_put_base(putting->store, tile->tile, tile->codes, &range);
+	enum status status = store_put_base(putting->store, tile->tile, tile->codes, &range);
+	return status == STATUS_OK && putting->left > 0 && --putting->left == 0 ? STATUS_INTERRUPTED : status;
 }
 
 static enum status known_tile(void *user, struct tile tile, int32_t *codes, bool *known)
@@ -41,10 +43,11 @@ static enum status known_tile(void *user, struct tile tile, int32_t *codes, bool
 	return store_base_put(putting->store, tile, codes, known);
 }
 
-/* *resumed: tiles of an import that was broken off and is gone on with; NULL: anew. */
-static enum status import_from(const char *path, int64_t *resumed)
+/* *resumed: tiles of an import that was broken off and is gone on with; NULL: anew. `left`: tiles until it is
+ * broken off as by Ctrl-C; 0: never. */
+static enum status import_some(const char *path, int64_t *resumed, int64_t left)
 {
-	struct putting putting = {NULL, 0};
+	struct putting putting = {NULL, 0, left};
 	struct store_meta meta = terrain_meta();
 	meta.request = "this one";
 	enum status status = resumed != NULL ? store_resume(path, &meta, true, &putting.store, resumed)
@@ -56,10 +59,17 @@ static enum status import_from(const char *path, int64_t *resumed)
 	status = dem_cut(&(struct dem_cut){.world = &world, .step = meta.step, .posts = posts_of, .emit = put_tile,
 					   .emit_user = &putting, .known = resumed != NULL ? known_tile : NULL,
 					   .known_user = &putting});
+	if (status == STATUS_INTERRUPTED)
+		return store_suspend(putting.store);
 	if (status == STATUS_OK)
 		status = store_publish(putting.store);
 	store_close(putting.store);
 	return status;
+}
+
+static enum status import_from(const char *path, int64_t *resumed)
+{
+	return import_some(path, resumed, 0);
 }
 
 static UNUSED enum status import(const char *path)
