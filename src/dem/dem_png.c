@@ -101,8 +101,10 @@ static bool decode(png_structp reader, png_infop header, FILE *file, struct png 
 		png_set_expand_gray_1_2_4_to_8(reader);
 	if (colour == PNG_COLOR_TYPE_GRAY_ALPHA)
 		png_set_strip_alpha(reader);
+#if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
 	if (bits == 16)
 		png_set_swap(reader);
+#endif
 	int passes = png_set_interlace_handling(reader);
 	if (passes > 1 && width * height > INTERLACED_POSTS_MAX)
 		png_error(reader, "it is interlaced, and more than 67 million posts of that are too many");
