@@ -1,6 +1,8 @@
+#define _GNU_SOURCE
 #include "dem_scratch.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,7 +18,8 @@ enum status dem_scratch_open(struct dem_scratch *scratch, const char *doing)
 {
 	char name[512];
 	int length = snprintf(name, sizeof name, "%s/furrow-XXXXXX", folder());
-	scratch->file = length < (int)sizeof name ? mkstemp(name) : -1;
+	errno = ENAMETOOLONG;
+	scratch->file = length < (int)sizeof name ? mkostemp(name, O_CLOEXEC) : -1;
 	if (scratch->file < 0)
 		return fail_with(STATUS_FAILED, "%s: no temporary file in %s: %s; set TMPDIR to a folder with room", doing,
 				 folder(), strerror(errno));
