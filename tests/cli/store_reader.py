@@ -1,0 +1,377 @@
+"""A reader of stores, written from src/store/FORMAT.md alone: what it gets wrong, the page says wrong, or does not say.
+
+It shares no code with the program but SQLite and, where they are, the system's libxxhash and libzstd; LZ4 is its own.
+It checks as it reads what the page promises, and raises WrongStore where that does not hold.
+"""
+import ctypes
+import functools
+import math
+import pathlib
+import sqlite3
+import struct
+
+HOLE = -2**31
+WORD = 2**32 - 1
+SCHEMA = {
+    "meta": "meta(key TEXT PRIMARY KEY, value) WITHOUT ROWID",
+    "base": "base(key INTEGER PRIMARY KEY, low REAL, high REAL, error REAL NOT NULL, codec INTEGER NOT NULL, "
+            "revision INTEGER NOT NULL, hash INTEGER NOT NULL, blob BLOB NOT NULL)",
+    "offset": '"offset"(key INTEGER PRIMARY KEY, low REAL, high REAL, below INTEGER NOT NULL, above INTEGER NOT NULL, '
+              "codec INTEGER NOT NULL, revision INTEGER NOT NULL, hash INTEGER NOT NULL, blob BLOB NOT NULL)",
+    "soil": "soil(key INTEGER PRIMARY KEY, low REAL, high REAL, planes INTEGER NOT NULL, codec INTEGER NOT NULL, "
+            "revision INTEGER NOT NULL, hash INTEGER NOT NULL, blob BLOB NOT NULL)",
+    "run": "run(id INTEGER PRIMARY KEY CHECK (id = 1), epoch INTEGER NOT NULL, scene_hash TEXT NOT NULL, "
+           "step INTEGER NOT NULL, time REAL NOT NULL, state TEXT NOT NULL)",
+}
+META = {int: ("width", "height", "cells", "pack", "base_hash"), float: ("spacing", "step", "max_error", "origin_x", "origin_y"),
+        str: ("srs", "vertical", "sources")}
+SAME_IN_AN_OVERLAY = ("base_hash", "width", "height", "cells", "spacing", "step", "origin_x", "origin_y", "low", "high", "srs",
+                      "vertical")
+
+
+class WrongStore(Exception):
+    pass
+
+
+class NoLibrary(Exception):
+    pass
+
+
+def need(true, *what):
+    if not true:
+        raise WrongStore(" ".join(map(str, what)))
+
+
+@functools.cache
+def library(name):
+    try:
+        return ctypes.CDLL(name)
+    except OSError as error:
+        raise NoLibrary(str(error)) from error
+
+
+def xxh3(data, seed=0):
+    function = library("libxxhash.so.0").XXH3_64bits_withSeed
+    function.restype = ctypes.c_uint64
+    return function(bytes(data), ctypes.c_size_t(len(data)), ctypes.c_uint64(seed))
+
+
+def zstd(frame, size):
+    function = library("libzstd.so.1").ZSTD_decompress
+    function.restype = ctypes.c_size_t
+    out = ctypes.create_string_buffer(size + 1)
+    done = function(out, ctypes.c_size_t(size + 1), bytes(frame), ctypes.c_size_t(len(frame)))
+    need(done == size, "a zstd frame of", done, "bytes, not", size)
+    return out.raw[:size]
+
+
+def lz4(block, size):
+    """One LZ4 block, which has `size` bytes unpacked; and how many bytes of `block` it is: all."""
+    out, at = bytearray(), 0
+
+    def length(nibble):
+        nonlocal at
+        total, more = nibble, nibble == 15
+        while more:
+            total += block[at]
+            more = block[at] == 255
+            at += 1
+        return total
+
+    while True:
+        token = block[at]
+        at += 1
+        literals = length(token >> 4)
+        need(at + literals <= len(block), "an LZ4 block ends in its literals")
+        out += block[at:at + literals]
+        at += literals
+        if at == len(block):
+            break
+        back = block[at] | block[at + 1] << 8
+        at += 2
+        need(0 < back <= len(out), "an LZ4 match before the beginning")
+        for _ in range(length(token & 15) + 4):
+            out.append(out[-back])
+    need(len(out) == size, "an LZ4 block of", len(out), "bytes, not", size)
+    return bytes(out)
+
+
+def signed(word, bits=32):
+    return (word & 2**bits - 1) - ((word >> bits - 1 & 1) << bits)
+
+
+class Cursor:
+    def __init__(self, data):
+        self.data, self.at = data, 0
+
+    def take(self, size):
+        need(self.at + size <= len(self.data), "a blob ends early")
+        self.at += size
+        return self.data[self.at - size:self.at]
+
+    def u32(self):
+        return int.from_bytes(self.take(4), "little")
+
+    def rest(self):
+        return self.take(len(self.data) - self.at)
+
+
+def head(cursor, n, codec):
+    flags = cursor.take(1)[0]
+    need(flags < 8 and not (codec == 3 and flags & 2), "flags", flags)
+    first = cursor.u32()
+    holes = None
+    if flags & 1:
+        bits = lz4(cursor.take(cursor.u32()), -(-n // 8))
+        holes = [bits[i // 8] >> i % 8 & 1 for i in range(n)]
+    return flags, first, holes
+
+
+def packed_residuals(cursor, n, byte_widths):
+    blocks = -(-n // 16)
+    if byte_widths:
+        widths = list(cursor.take(blocks))
+    else:
+        widths = [byte >> shift & 15 for byte in cursor.take(-(-blocks // 2)) for shift in (0, 4)][:blocks]
+    residuals = []
+    for width in widths:
+        need(width <= 32, "a width of", width)
+        bits = int.from_bytes(cursor.take(2 * width), "little")
+        residuals += [bits >> i * width & 2**width - 1 for i in range(16)]
+    need(not any(residuals[n:]), "the last block is not filled up with zeros")
+    need(cursor.at == len(cursor.data), "something follows the blocks")
+    return residuals[:n]
+
+
+def zstd_residuals(cursor, n):
+    k = cursor.take(1)[0]
+    need(1 <= k <= 4, "k is", k)
+    data = zstd(cursor.rest(), k * n)
+    return [sum(data[byte * n + i] << 8 * byte for byte in range(k)) for i in range(n)]
+
+
+def undo_prediction(residuals, side, flags, first, holes):
+    above = [first] * side
+    posts = []
+    for row in range(side):
+        rise = step = 0
+        for x in range(side):
+            z = residuals[row * side + x]
+            r = z >> 1 ^ -(z & 1)
+            step = r + (step if flags & 4 and x > 1 else 0)
+            rise += step
+            above[x] = rise + above[x] & WORD
+        posts += map(signed, above)
+    if holes:
+        need(not any(z for z, hole in zip(residuals, holes) if hole), "a hole's residual is not 0")
+        posts = [HOLE if hole else post for post, hole in zip(posts, holes)]
+    return posts
+
+
+def decode(codec, blob, side):
+    """The side x side int32 posts of a plane, and the flags of its head (None where there is no head)."""
+    n = side * side
+    if codec == 0:
+        need(len(blob) == 4, "a constant of", len(blob), "bytes")
+        return [struct.unpack("<i", blob)[0]] * n, None
+    need(codec in (1, 2, 3), "codec", codec)
+    cursor = Cursor(blob)
+    if codec == 2:
+        size = cursor.u32()
+        cursor = Cursor(lz4(cursor.rest(), size))
+    flags, first, holes = head(cursor, n, codec)
+    residuals = zstd_residuals(cursor, n) if codec == 3 else packed_residuals(cursor, n, flags & 2)
+    return undo_prediction(residuals, side, flags, first, holes), flags
+
+
+def key_of(level, x, y):
+    morton = sum((x >> i & 1) << 2 * i | (y >> i & 1) << 2 * i + 1 for i in range(28))
+    return level + 32 << 56 | morton
+
+
+def unmorton(bits):
+    return sum((bits >> 2 * i & 1) << i for i in range(28))
+
+
+def bits_of(value):
+    return struct.pack("<d", value or 0.0) if isinstance(value, (float, type(None))) else struct.pack("<q", value)
+
+
+def half_away(value):
+    return int(math.copysign(math.floor(abs(value) + 0.5), value))
+
+
+def interpolated(posts, width, wide, high, k):
+    """wide x high posts (None: a hole), 2^k times as fine as `posts`, which are rows of `width`; all on one integer lattice."""
+    s = 2**k
+    weights = [[[(step, weight) for step, weight in ((0, (s - fx) * (s - fy)), (1, fx * (s - fy)), (width, (s - fx) * fy),
+                                                     (width + 1, fx * fy)) if weight] for fx in range(s)] for fy in range(s)]
+    fine = []
+    for y in range(high):
+        for x in range(wide):
+            at = y // s * width + x // s
+            total = 2**(2 * k - 1)
+            for step, weight in weights[y % s][x % s]:
+                if posts[at + step] is None:
+                    fine.append(None)
+                    break
+                total += posts[at + step] * weight
+            else:
+                fine.append(total >> 2 * k)
+    return fine
+
+
+class Row:
+    """One row of base, offset or soil: a field for each column; its posts are decoded when asked for."""
+
+    def __init__(self, record, side):
+        self.__dict__.update(dict(record))
+        self.side = side
+        self.level, self.x, self.y = (self.key >> 56) - 32, unmorton(self.key), unmorton(self.key >> 1)
+        need(key_of(self.level, self.x, self.y) == self.key, "key", self.key)
+
+    @functools.cached_property
+    def decoded(self):
+        return decode(self.codec, self.blob, self.side)
+
+    @property
+    def posts(self):
+        return self.decoded[0]
+
+    @property
+    def flags(self):
+        return self.decoded[1]
+
+    def expected_hash(self):
+        words = [getattr(self, name, 0) for name in ("key", "codec")]
+        words += [getattr(self, name, None) for name in ("low", "high", "error")]
+        words += [getattr(self, name, 0) for name in ("below", "above", "planes")]
+        return signed(xxh3(self.blob, xxh3(b"".join(map(bits_of, words)))), 64)
+
+
+class Store:
+    def __init__(self, path):
+        path = pathlib.Path(path)
+        db = sqlite3.connect(f"file:{path}?mode=ro", uri=True)
+        db.row_factory = sqlite3.Row
+        try:
+            self.check_file(db)
+            self.meta = {key: value for key, value in db.execute("SELECT key, value FROM meta")}
+            self.check_meta()
+            self.rows = {table: {record["key"]: Row(record, self.cells + 1)
+                                 for record in db.execute(f'SELECT * FROM "{table}" ORDER BY key')}
+                         for table in ("base", "offset", "soil")}
+            self.run = db.execute("SELECT * FROM run").fetchall()
+        finally:
+            db.close()
+        self.base_store = None
+        if "base_path" in self.meta:
+            self.base_store = Store(path.parent / self.meta["base_path"])
+            need("base_path" not in self.base_store.meta, "an overlay of an overlay")
+            need(not self.rows["base"], "an overlay with base rows")
+            for name in SAME_IN_AN_OVERLAY:
+                need(self.meta[name] == self.base_store.meta[name], name, "is not the base's")
+            self.rows["base"] = self.base_store.rows["base"]
+
+    def check_file(self, db):
+        for name, value in (("application_id", 0x46757277), ("user_version", 2), ("page_size", 16384), ("auto_vacuum", 2)):
+            found = db.execute(f"PRAGMA {name}").fetchone()[0]
+            need(found == value, name, found)
+        found = sorted(sql for sql, in db.execute("SELECT sql FROM sqlite_schema WHERE name NOT LIKE 'sqlite_%'"))
+        need(found == sorted("CREATE TABLE " + words for words in SCHEMA.values()), "tables", found)
+
+    def check_meta(self):
+        for kind, names in META.items():
+            for name in names:
+                need(type(self.meta.get(name)) is kind, name, repr(self.meta.get(name)))
+        for name in ("low", "high"):
+            need(type(self.meta[name]) in (float, type(None)), name)
+        self.width, self.height, self.cells = (self.meta[name] for name in ("width", "height", "cells"))
+        self.step = self.meta["step"]
+        self.working = self.meta.get("working")
+        need(self.cells in [2**i for i in range(3, 11)], "cells", self.cells)
+        self.coarsest = 0
+        while self.tiles(self.coarsest) != (1, 1):
+            self.coarsest += 1
+        need(self.working is None or -14 <= self.working <= self.coarsest, "working", self.working)
+
+    def tiles(self, level):
+        if level <= 0:
+            return tuple(max(1, -(-((posts - 1) << -level) // self.cells)) for posts in (self.width, self.height))
+        return tuple(-(-count // 2) for count in self.tiles(level - 1))
+
+    def size(self, level):
+        """Posts of the whole terrain."""
+        if level <= 0:
+            return (self.width - 1 << -level) + 1, (self.height - 1 << -level) + 1
+        return (self.width - 1 >> level) + 1, (self.height - 1 >> level) + 1
+
+    def plane(self, table, level, beyond):
+        """All posts of a level in rows from the south; `beyond`: what posts beyond the terrain must be."""
+        wide, high = self.size(level)
+        across, up = self.tiles(level)
+        plane = [None] * (wide * high)
+        side = self.cells + 1
+        for y in range(up):
+            for x in range(across):
+                row = self.rows[table].get(key_of(level, x, y))
+                need(row or table != "base", "no base row of level", level, "tile", x, y)
+                posts = row.posts if row else [0] * side**2
+                for j in range(side):
+                    for i in range(side):
+                        px, py, post = x * self.cells + i, y * self.cells + j, posts[j * side + i]
+                        if px >= wide or py >= high:
+                            need(post == beyond, table, "post", px, py, "beyond the terrain is", post)
+                            continue
+                        at = py * wide + px
+                        need(plane[at] in (None, post), table, "post", px, py, "differs between tiles")
+                        plane[at] = post
+        return plane
+
+    def height_of(self, code):
+        if code == HOLE:
+            return None
+        if self.step:
+            return code * self.step
+        return struct.unpack("<f", struct.pack("<I", code if code >= 0 else 2**31 - (code + 1) & WORD))[0]
+
+    @functools.cache
+    def base(self, level):
+        """Metres, None in a hole."""
+        if level >= 0:
+            return [self.height_of(code) for code in self.plane("base", level, HOLE)]
+        if self.meta["low"] is None:
+            wide, high = self.size(level)
+            return [None] * (wide * high)
+        middle = 1024 * half_away((self.meta["low"] + self.meta["high"]) / 2 / 1024)
+        lattice = [None if post is None else half_away(2**18 * post) - 2**18 * middle for post in self.base(0)]
+        return [None if post is None else middle + post / 2**18
+                for post in interpolated(lattice, self.width, *self.size(level), -level)]
+
+    @functools.cache
+    def offset(self, level):
+        """2^-20 m."""
+        wide, high = self.size(level)
+        if self.working is None:
+            return [0] * (wide * high)
+        if level >= self.working:
+            return self.plane("offset", level, 0)
+        width, height = self.size(self.working)
+        plane = self.plane("offset", self.working, 0)
+        # A working level above 0 may end before the terrain does: what is beyond it is 0.
+        padded = [post for y in range(height) for post in plane[y * width:(y + 1) * width] + [0]] + [0] * (width + 1)
+        fine = interpolated(padded, width + 1, wide, high, self.working - level)
+        return [0 if base is None else post for base, post in zip(self.base(level), fine)]
+
+    def soil(self, level):
+        return self.plane("soil", level, 0)
+
+    def expected_base_hash(self):
+        data = b"".join(bits_of(self.meta[name]) for name in
+                        ("width", "height", "cells", "spacing", "step", "origin_x", "origin_y", "low", "high"))
+        for name in ("srs", "vertical"):
+            text = self.meta[name].encode()
+            data += struct.pack("<Q", len(text)) + text
+        for key in sorted(self.rows["base"]):
+            data += struct.pack("<qq", key, self.rows["base"][key].hash)
+        return signed(xxh3(data), 64)
