@@ -13,11 +13,13 @@ struct gdal_grid {
 	char *name; /* of the first source, for messages */
 	GDALDatasetH mosaic;
 	GDALDatasetH warped; /* NULL if the mosaic is read as it is */
+	struct dem_layers *layers; /* instead of the mosaic, if that is read as it is and the sources fit; else NULL */
 };
 
 static void gdal_destroy(struct dem_grid *grid)
 {
 	struct gdal_grid *gdal = (struct gdal_grid *)grid;
+	dem_layers_destroy(gdal->layers);
 	if (gdal->warped != NULL)
 		GDALClose(gdal->warped);
 	if (gdal->mosaic != NULL)
@@ -73,13 +75,18 @@ static enum status gdal_read(struct dem_grid *grid, struct post_rect rect, doubl
 	GDALDatasetH dataset = gdal->warped != NULL ? gdal->warped : gdal->mosaic;
 	int width = (int)(rect.x1 - rect.x0), rows = (int)(rect.y1 - rect.y0), top = (int)(grid->height - rect.y1);
 	GSpacing line = (GSpacing)width * (GSpacing)sizeof *heights;
+	bool done;
 	CPLErrorReset();
+	if (gdal->layers != NULL) {
+		struct post_rect from_north = {rect.x0, top, rect.x1, top + rows};
+		enum status status = dem_layers_read(gdal->layers, from_north, heights, &done);
+		return status != STATUS_OK || done ? status : refuse_rows(gdal, top);
+	}
 	/* Its rows come from the north: the last of ours first. */
-	if (GDALRasterIOEx(GDALGetRasterBand(dataset, 1), GF_Read, (int)rect.x0, top, width, rows,
-			   heights + (int64_t)(rows - 1) * width, width, rows, GDT_Float64, sizeof *heights, -line,
-			   NULL) != CE_None)
-		return refuse_rows(gdal, top);
-	return STATUS_OK;
+	done = GDALRasterIOEx(GDALGetRasterBand(dataset, 1), GF_Read, (int)rect.x0, top, width, rows,
+			      heights + (int64_t)(rows - 1) * width, width, rows, GDT_Float64, sizeof *heights, -line,
+			      NULL) == CE_None;
+	return done ? STATUS_OK : refuse_rows(gdal, top);
 }
 
 static enum status open_sources(struct gdal_grid *gdal, const struct dem_params *params,
@@ -111,17 +118,12 @@ static double common_unit(const struct gdal_source *sources, size_t count)
 	return unit;
 }
 
-/* Sources whose posts fall together are put together as they are; others are resampled. */
+/* Sources whose posts do not fall together are resampled. */
 static bool all_whole(const struct gdal_source *sources, size_t count, double unit)
 {
-	const double *first = sources[0].place;
-	bool whole = true;
-	for (size_t i = 0; i < count && whole; i++) {
-		const double *place = sources[i].place;
-		double east = (place[0] - first[0]) / first[1], south = (place[3] - first[3]) / first[5];
-		whole = sources[i].whole && sources[i].unit == unit && place[1] == first[1] && place[5] == first[5] &&
-			fabs(east - rint(east)) < 1e-6 && fabs(south - rint(south)) < 1e-6;
-	}
+	bool whole = dem_layers_fit(sources, count);
+	for (size_t i = 0; i < count && whole; i++)
+		whole = sources[i].whole && sources[i].unit == unit;
 	return whole;
 }
 
@@ -161,6 +163,10 @@ enum status dem_gdal_open(const struct dem_params *params, const struct dem_list
 		gdal->grid.unit = common_unit(gdal->sources, gdal->source_count);
 		gdal->grid.panel_posts = common_panel(gdal->sources, gdal->source_count, gdal->warped != NULL);
 		gdal->grid.whole = gdal->warped == NULL && all_whole(gdal->sources, gdal->source_count, gdal->grid.unit);
+		if (gdal->warped == NULL && gdal->source_count > 1 && dem_layers_fit(gdal->sources, gdal->source_count))
+			status = dem_layers_create(gdal->sources, gdal->source_count, place, &gdal->layers);
+	}
+	if (status == STATUS_OK) {
 		gdal->grid.vertical = mem_strdup(gdal->sources[0].vertical);
 		if (gdal->grid.vertical == NULL)
 			status = fail_memory("opening the sources");

@@ -38,6 +38,18 @@ void dem_source_finish(struct gdal_source *source);
 enum status dem_mosaic(const struct gdal_source *sources, size_t count, struct dem_grid *grid,
 		       GDALDatasetH *out) FURROW_CHECKED;
 
+/* --- dem_layers.c: sources of one grid, the first named on top --- */
+struct dem_layers;
+/* True if all posts of the sources are posts of one grid. */
+bool dem_layers_fit(const struct gdal_source *sources, size_t count);
+/* `place`: the geotransform of all of them together. */
+enum status dem_layers_create(const struct gdal_source *sources, size_t count, const double place[6],
+			      struct dem_layers **out) FURROW_CHECKED;
+void dem_layers_destroy(struct dem_layers *layers); /* takes NULL */
+/* Columns and rows from the north-west; heights row by row from the south. *done false: GDAL says why not. */
+enum status dem_layers_read(struct dem_layers *layers, struct post_rect rect, double *heights, bool *done)
+	FURROW_CHECKED;
+
 /* --- dem_srs.c --- */
 /* A new SRS with x east; NULL and a failure message if `text` is none. */
 OGRSpatialReferenceH dem_srs_parse(const char *text);
