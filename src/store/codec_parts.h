@@ -1,0 +1,41 @@
+/* What encoding and decoding share: the parts of a blob, and how many posts and blocks a plane has. */
+#ifndef FURROW_STORE_CODEC_PARTS_H
+#define FURROW_STORE_CODEC_PARTS_H
+
+#include "store/codec.h"
+#include "store/codec_kernels.h"
+
+#define CODEC_MASK 1u  /* there are holes */
+#define CODEC_WIDE 2u  /* a width is a byte, not half of one */
+#define CODEC_SLOPE 4u /* residuals are of the second order along rows */
+#define CODEC_LENGTH_BYTES 4
+#define CODEC_NARROW_MOST 15
+
+static inline size_t plane_posts(const struct codec *codec)
+{
+	return (size_t)codec->side * codec->side;
+}
+
+static inline size_t plane_blocks(const struct codec *codec)
+{
+	return (plane_posts(codec) + CODEC_BLOCK - 1) / CODEC_BLOCK;
+}
+
+static inline size_t mask_bytes(const struct codec *codec)
+{
+	return (plane_posts(codec) + 7) / 8;
+}
+
+static inline void put32(uint8_t *to, uint32_t value)
+{
+	for (int i = 0; i < 4; i++)
+		to[i] = (uint8_t)(value >> (8 * i));
+}
+
+static inline uint32_t get32(const uint8_t *from)
+{
+	return (uint32_t)from[0] | (uint32_t)from[1] << 8 | (uint32_t)from[2] << 16 |
+	       (uint32_t)from[3] << 24;
+}
+
+#endif
