@@ -318,7 +318,23 @@ def synth(bench, posts):
     bench.furrow("synth", "-o", terrain, "--posts", f"{posts}x{posts}", "--spacing", 1)
     rasters = {"LERC": (terrain, []), "LERC same bound": (terrain, ["-co", "MAX_Z_ERROR=0.001"])}
     compare_import(bench, f"synth {posts}", [terrain], rasters if bench.gdal else {}, min(3, bench.options.runs))
+    if bench.gdal:
+        quarters(bench, terrain, posts)
     terrain.unlink()
+
+
+def quarters(bench, terrain, posts):
+    """A quarter of the terrain as four rasters in metres that share their edge posts, as map sheets do."""
+    side, joined, sheets = posts // 4 + 1, bench.path("joined.vrt"), []
+    for i in range(4):
+        x, y = i % 2 * (side - 1), i // 2 * (side - 1)
+        sheets.append(bench.path(f"sheet{i}.tif"))
+        bench.call("gdal_translate", "-q", "-srcwin", x, y, side, side, "-a_srs", "EPSG:32633", "-a_ullr", 500000 + x,
+                   5000000 - y, 500000 + x + side, 5000000 - y - side, terrain, sheets[-1])
+    bench.call("gdalbuildvrt", "-q", "-overwrite", joined, *sheets)
+    compare_import(bench, f"four sheets of {side}", sheets, {"LERC": (joined, [])}, bench.options.runs)
+    for sheet in sheets:
+        sheet.unlink()
 
 
 def mosaic(bench, sources):
