@@ -28,6 +28,8 @@ cache: {slots: 16}
 
 
 class FormatTest(RasterTest):
+    nodata = {}  # of a layer's raster
+
     def grid(self, name, width, height, value, cell=2):
         """An ESRI ASCII grid; value(x, y) of posts from the south-west, None: nodata."""
         rows = [" ".join("-9999" if (v := value(x, y)) is None else format(v, ".19f") for x in range(width))
@@ -47,7 +49,9 @@ class FormatTest(RasterTest):
         south_up = array.array(code)
         for y in reversed(range(height)):
             south_up += cells[y * width:(y + 1) * width]
-        return width, height, south_up, rasters.nodata_of(self.folder / "read.tif")
+        if layer not in self.nodata:
+            self.nodata[layer] = rasters.nodata_of(self.folder / "read.tif")
+        return width, height, south_up, self.nodata[layer]
 
     def same_posts(self, path, store, layer, level):
         """The reader's posts and the export's, bit for bit."""
@@ -67,6 +71,12 @@ class FormatTest(RasterTest):
             first = [(i % width, i // width, read[i], exported[i]) for i in wrong[:5]]
             self.fail(f"{layer} level {level}: {len(wrong)} of {width * height} posts, first x, y, read, exported: {first}")
         return read
+
+    def needs(self, name):
+        try:
+            store_reader.library(name)
+        except store_reader.NoLibrary as error:
+            self.skipTest(str(error))
 
     def hashes(self, path, store):
         try:
@@ -143,6 +153,8 @@ class Bases(FormatTest):
         self.grid("in.asc", 75, 50, self.mixed)
         seen = set()
         for pack in ("fast", "small"):
+            if pack == "small":
+                self.needs("libzstd.so.1")
             for error in ("0.01", "0"):
                 with self.subTest(pack=pack, error=error):
                     path = self.import_("in.asc", "--tile", "16", "--pack", pack, "--max-error", error)
@@ -171,7 +183,7 @@ class Bases(FormatTest):
     def test_tiles_of_synthetic_terrain(self):
         for kind in ("ridged", "dunes", "plain"):
             with self.subTest(kind=kind):
-                self.whole_base(self.synth(posts="70x99", kind=kind, spacing=0.7), levels=(-1, 0))
+                self.whole_base(self.synth(posts="70x99", kind=kind, spacing=0.7), levels=(-1,))
 
     def test_the_page_has_the_words_of_the_tables(self):
         self.synth(posts="65x65")
@@ -201,7 +213,6 @@ class Deformed(FormatTest):
         side = store.cells + 1
         for table, unit in (("offset", 2**-20), ("soil", 1)):
             rows = store.rows[table]
-            self.assertGreater(len(rows), 1)
             for row in rows.values():
                 finer = self.covered(rows, row)
                 self.assertEqual(bool(finer), row.level > store.working)
@@ -220,6 +231,7 @@ class Deformed(FormatTest):
 
     def whole_deformation(self, path, levels=(-3, -2, -1, 0, 1)):
         store = Store(path)
+        self.assertGreater(min(len(store.rows["offset"]), len(store.rows["soil"])), 1)
         sums = self.json("verify", path)["offset_sum"]
         for level in range(store.working, store.coarsest + 1):
             offsets, soil = store.offset(level), store.soil(level)
@@ -281,10 +293,7 @@ class Deformed(FormatTest):
         path = self.import_("in.asc", "--tile", "16")
         store = Store(path)
         up = 5 * 2**19 + 1
-        try:
-            store_reader.xxh3(b"")
-        except store_reader.NoLibrary as error:
-            self.skipTest(str(error))
+        self.needs("libxxhash.so.0")
         with contextlib.closing(sqlite3.connect(path)) as db, db:
             for tile in store.rows["base"].values():
                 across, north = store.tiles(tile.level)
@@ -299,8 +308,10 @@ class Deformed(FormatTest):
         check = self.json("verify", path)
         self.assertTrue(check["ok"], check["problems"])
         self.assertEqual(check["offset_sum"], {str(level): up * ((64 >> level) + 1)**2 for level in range(3)})
-        self.same_posts(path, Store(path), "quanta", -1)
-        self.same_posts(path, Store(path), "surface", 0)
+        store = Store(path)
+        self.deformation_rows(store)
+        self.same_posts(path, store, "quanta", -1)
+        self.same_posts(path, store, "surface", 0)
 
 
 if __name__ == "__main__":

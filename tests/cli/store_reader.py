@@ -23,10 +23,11 @@ SCHEMA = {
     "run": "run(id INTEGER PRIMARY KEY CHECK (id = 1), epoch INTEGER NOT NULL, scene_hash TEXT NOT NULL, "
            "step INTEGER NOT NULL, time REAL NOT NULL, state TEXT NOT NULL)",
 }
-META = {int: ("width", "height", "cells", "pack", "base_hash"), float: ("spacing", "step", "max_error", "origin_x", "origin_y"),
+META = {int: ("width", "height", "cells", "pack", "base_hash"),
+        float: ("spacing", "step", "max_error", "origin_x", "origin_y"),
         str: ("srs", "vertical", "sources")}
-SAME_IN_AN_OVERLAY = ("base_hash", "width", "height", "cells", "spacing", "step", "origin_x", "origin_y", "low", "high", "srs",
-                      "vertical")
+SAME_IN_AN_OVERLAY = ("base_hash", "width", "height", "cells", "spacing", "step", "origin_x", "origin_y", "low", "high",
+                      "srs", "vertical")
 
 
 class WrongStore(Exception):
