@@ -86,7 +86,7 @@ struct dem_cut {
 	void *known_user;
 	dem_progress_fn progress; /* NULL: not told */
 	void *progress_user;
-	int64_t panel_posts; /* of a row that are cut at once at most; 0: so that memory stays below 80 MB */
+	int64_t panel_posts; /* of a row that are cut at once at most; 0: so that memory stays below 100 MB */
 };
 
 /* Cuts posts into tiles of every level from 0 to the coarsest, decimating. The order of the tiles depends

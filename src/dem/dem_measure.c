@@ -1,6 +1,7 @@
 /*
  * A tile measured twice over: the plain way with heights, for holes and floats, and the way most
- * tiles go, with whole codes that the compiler makes vector code of. Both give the same.
+ * tiles go, with whole codes that the compiler makes vector code of. Both give the same, but
+ * for a loss's rounding where the step is no power of two.
  */
 #include "dem_measure.h"
 

@@ -52,7 +52,7 @@ size_t codec_bound(const struct codec *codec);
 /* Bytes are the codec's own and valid until its next use. Cannot fail. */
 enum codec_id codec_encode(struct codec *codec, const int32_t *posts, const void **bytes, size_t *size);
 
-/* False if the bytes are none that codec_encode() can have made; posts are then undefined. Reads
+/* False if the bytes are no blob of a plane of this size (FORMAT.md); posts are then undefined. Reads
  * and writes nothing out of bounds whatever the bytes. */
 bool codec_decode(struct codec *codec, int64_t id, const void *bytes, size_t size,
 		  int32_t *posts) FURROW_CHECKED;
