@@ -87,7 +87,7 @@ static enum status connect_part(struct store *store)
 	return status == STATUS_OK ? sql_exec(store->db, store->path, "making the store",
 					      "PRAGMA page_size=16384; PRAGMA auto_vacuum=INCREMENTAL; "
 					      "PRAGMA journal_mode=DELETE; PRAGMA synchronous=FULL; "
-					      "PRAGMA locking_mode=EXCLUSIVE; PRAGMA cache_size=-32000")
+					      "PRAGMA locking_mode=EXCLUSIVE; PRAGMA cache_size=-16000")
 				   : status;
 }
 

@@ -88,6 +88,32 @@ static void a_reference_makes_earths_heights_fit(void **state)
 	assert_int_equal(lattice_base_relative((double)NAN, reference), BASE_NODATA);
 }
 
+/* A row is coded as its heights are one by one, up to the first that cannot be. */
+static void a_row_of_heights_is_coded_as_each(void **state)
+{
+	static const double wild[] = {0, -0.0, 0.001, 0.003, 1e5, -4294967.2, 4294967.0, 4294966.0, 4294966.5, 8589934.0,
+				      -8589934.5, 1e300, (double)INFINITY, -(double)INFINITY, 5.5};
+	enum { WILD = sizeof wild / sizeof *wild };
+	for (int round = 0; round < 4000; round++) {
+		double heights[64], step = round % 3 == 0 ? 0 : 0.002;
+		int32_t row[64], one = 0;
+		int64_t good = 0;
+		for (int i = 0; i < 64; i++) {
+			int64_t any = any_height();
+			heights[i] = any % 41 == 0  ? (double)NAN
+				     : any % 97 == 0 ? wild[(uint64_t)any / 97 % WILD]
+						     : (double)(float)(any / 7919.0);
+		}
+		while (good < 64 && height_code_encode(heights[good], step, &one))
+			good++;
+		assert_int_equal(height_code_row(heights, 64, step, row), good);
+		for (int64_t i = 0; i < good; i++) {
+			assert_true(height_code_encode(heights[i], step, &one));
+			assert_int_equal(row[i], one);
+		}
+	}
+}
+
 static void height_codes_keep_the_promised_error(void **state)
 {
 	for (int i = 0; i < 20000; i++) {
@@ -121,6 +147,7 @@ int main(void)
 		cmocka_unit_test(interpolation_ignores_a_hole_without_weight),
 		cmocka_unit_test(subdividing_twice_as_fine_and_decimating_gives_the_coarser_tile),
 		cmocka_unit_test(a_reference_makes_earths_heights_fit),
+		cmocka_unit_test(a_row_of_heights_is_coded_as_each),
 		cmocka_unit_test(height_codes_keep_the_promised_error),
 	};
 	return cmocka_run_group_tests_name("lattice", tests, NULL, NULL);

@@ -92,6 +92,11 @@ class Values(RasterTest):
             self.assertEqual([point["height"] for point in points], [16777217, 16])
             sizes.add(self.json("info", "s.furrow")["bytes"]["base"])
         self.assertEqual(len(sizes), 1)
+        self.make("rough.tif", 40, 40, lambda x, y: 37 * x * y % 101, "h")
+        for bound in ("0.5", "3"):
+            self.ok("import", "rough.tif", "-o", "s.furrow", "--max-error", bound, "--overwrite")
+            sizes.add(self.json("info", "s.furrow")["bytes"]["base"])
+        self.assertEqual(len(sizes), 3)  # a coarser bound is smaller
         self.make("scaled.tif", 20, 20, lambda x, y: 7 * x + y, "h",
                   options=("-a_scale", "0.25", "-a_offset", "100"))
         self.ok("import", "scaled.tif", "-o", "s.furrow", "--max-error", "0", "--overwrite")

@@ -170,6 +170,27 @@ static void smooth_terrain_takes_less_than_a_byte_a_post(void **state)
 	codec_finish(&codec);
 }
 
+/* Between rows it bends: where the difference of two rows grows from post to post, by as much each time. */
+static void the_order_of_residuals_that_packs_better_is_taken(void **state)
+{
+	struct codec codec;
+	assert_ok(codec_init(&codec, CODEC_SIDE, CODEC_FAST));
+	static int32_t posts[CODEC_POSTS];
+	const void *bytes;
+	size_t bent, rough;
+	for (int32_t i = 0; i < CODEC_POSTS; i++) {
+		int32_t x = i % CODEC_SIDE, y = i / CODEC_SIDE;
+		posts[i] = 3 * x * x * y;
+	}
+	codec_encode(&codec, posts, &bytes, &bent);
+	assert_true(bent < CODEC_POSTS * 3 / 4); /* else ten bits a post */
+	for (int32_t i = 0; i < CODEC_POSTS; i++)
+		posts[i] = (int32_t)(random_bits() % 16);
+	codec_encode(&codec, posts, &bytes, &rough);
+	assert_true(rough < CODEC_POSTS * 7 / 8 + 600); /* six bits and widths; else seven */
+	codec_finish(&codec);
+}
+
 /* Mutations of real blobs, cut and grown, under every id: only the sanitizers can tell harm. */
 static void hostile_bytes_do_no_harm(void **state)
 {
@@ -257,6 +278,7 @@ int main(void)
 		cmocka_unit_test(sums_are_alike_everywhere),
 		cmocka_unit_test(a_hole_costs_the_posts_around_it_little),
 		cmocka_unit_test(smooth_terrain_takes_less_than_a_byte_a_post),
+		cmocka_unit_test(the_order_of_residuals_that_packs_better_is_taken),
 		cmocka_unit_test(hostile_bytes_do_no_harm),
 		cmocka_unit_test(lengths_that_do_not_fit_are_refused),
 		cmocka_unit_test(failed_allocations_are_told),
