@@ -228,7 +228,8 @@ static enum status create_piece(const struct plan *plan, const struct dem_params
 
 /*
  * GDAL warps a block of 512 x 128 posts at once with all of the source under it. Where that is much
- * the target is made of pieces, none with more than PIECE_PIXELS under it, put together again.
+ * the target is made of pieces with PIECE_PIXELS under each (more, where that were over PIECES_MAX of them),
+ * put together again.
  */
 static enum status create(const struct plan *plan, const struct dem_params *params, GDALDatasetH mosaic,
 			  const char *name, GDALDatasetH *out)
