@@ -1,4 +1,5 @@
 /* The furrow command: finds the subcommand, prints its one-line error, returns its status. */
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -48,6 +49,7 @@ static bool is_help(const char *text)
 
 int main(int argc, char **argv)
 {
+	(void)signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is a failed write, which is told */
 	if (argc >= 2 && (is_help(argv[1]) || strcmp(argv[1], "help") == 0)) {
 		print_overview(stdout);
 		return 0;

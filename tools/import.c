@@ -95,8 +95,7 @@ static void print_plan(const struct dem_info *info, const struct store_meta *met
 	       (long long)info->width, (long long)info->height, info->spacing,
 	       (double)(info->width - 1) * info->spacing / 1e3, (double)(info->height - 1) * info->spacing / 1e3,
 	       world->cells + 1, world->cells + 1, world_coarsest(world));
-	bool exact = meta->step == 0 || (info->whole && meta->step == info->unit);
-	if (!exact)
+	if (meta->max_error > 0)
 		printf("stored heights off their source by at most %g m\n", meta->max_error);
 	else
 		puts("stored heights are their source's, lossless");
@@ -111,7 +110,8 @@ static void print_plan(const struct dem_info *info, const struct store_meta *met
 static void note_sentinel(const struct intake *intake)
 {
 	static const double usual[] = {-9999, -32767, -32768, -99999, 32767, 99999};
-	for (size_t i = 0; i < sizeof usual / sizeof usual[0]; i++)
+	/* Coarser heights may be off a sentinel that they come from, or be on one that they do not. */
+	for (size_t i = 0; i < sizeof usual / sizeof usual[0] && intake->meta.max_error < 1; i++)
 		if (intake->low == usual[i] || intake->high == usual[i]) {
 			note("the %s height is %g m; if that means nodata, import again with --nodata %g",
 			     usual[i] < 0 ? "lowest" : "highest", usual[i], usual[i]);

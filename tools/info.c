@@ -123,7 +123,7 @@ static void print_text(struct store *store, const struct store_numbers *numbers)
 	if (store_has_working_level(store, &working))
 		printf("; deformed at level %d, %g m", working, world_spacing(world, working));
 	printf("\nheight     %.2f to %.2f m, ", meta->low, meta->high);
-	if (meta->step > 0)
+	if (meta->max_error > 0)
 		printf("at most %g m off the source\n", meta->max_error);
 	else
 		puts("lossless");

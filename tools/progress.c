@@ -18,6 +18,7 @@ void interrupt_catch(void)
 	sigemptyset(&action.sa_mask);
 	sigaction(SIGINT, &action, NULL); /* a second Ctrl-C ends the process at once */
 	sigaction(SIGTERM, &action, NULL);
+	sigaction(SIGHUP, &action, NULL);
 }
 
 void progress_start(struct progress *progress, const char *what, const char *unit)

@@ -13,7 +13,7 @@ static const struct command_option options[] = {
 	{"kind", "KIND", "ridged (default), dunes or plain"},
 	{"relief", "M", "metres from the lowest to the highest it may reach (300; dunes 40; plain 20)"},
 	{"seed", "S", "another number, another terrain (1)"},
-	{"overwrite", NULL, "replace OUT"},
+	{"overwrite", NULL, "replace a store; rasters are replaced in any case"},
 	{NULL, NULL, NULL},
 };
 

@@ -75,8 +75,8 @@ static enum status run(const struct arguments *arguments)
 	if (status == STATUS_OK && !json && check.problems == 0)
 		printf("%s: %lld tiles, all well\n", path, (long long)check.tiles);
 	if (status == STATUS_OK && check.problems > 0)
-		status = fail_with(STATUS_INPUT, "%s: %lld problems; restore it from a copy, or import it again", path,
-				   (long long)check.problems);
+		status = fail_with(STATUS_INPUT, "%s: %lld problem%s; restore it from a copy, or import it again", path,
+				   (long long)check.problems, check.problems == 1 ? "" : "s");
 	store_close(store);
 	return status;
 }

@@ -18,6 +18,7 @@
 #include <stdlib.h>
 
 #define SCALE_TOLERANCE 1e-3
+#define SCALE_TOLD 5e-3
 #define WARP_MEMORY (64.0 * 1024 * 1024)
 #define APPROXIMATION 0.005 /* pixels that the transformation may be off */
 #define PIECE_PIXELS (16.0 * 1024 * 1024)
@@ -272,6 +273,21 @@ static enum status create(const struct plan *plan, const struct dem_params *para
 	return STATUS_OK;
 }
 
+/* Where the target's metres are not those on the ground, ruts and wheels are of another size there. */
+static void note_scale(const struct plan *plan, const char *name)
+{
+	double worst = 0, s = plan->spacing;
+	for (int i = 0; plan->to != NULL && i < 9; i++) {
+		double x = plan->origin[0] + i % 3 * 0.5 * (double)(plan->width - 1) * s;
+		double y = plan->origin[1] + i / 3 * 0.5 * (double)(plan->height - 1) * s;
+		worst = fmax(worst, fabs(dem_srs_ground(plan->to, x, y, s, 0) / s - 1)); /* NaN: passed over */
+		worst = fmax(worst, fabs(dem_srs_ground(plan->to, x, y, 0, s) / s - 1));
+	}
+	if (worst > SCALE_TOLD)
+		note("%s: in its target SRS distances are up to %.2g %% off those on the ground; import less at once, or choose "
+		     "a --t-srs that is true there", name, 100 * worst);
+}
+
 static enum status describe(const struct plan *plan, struct dem_grid *grid)
 {
 	grid->width = plan->width;
@@ -321,6 +337,8 @@ enum status dem_warp(const struct dem_params *params, GDALDatasetH mosaic, const
 		status = lay_out(&plan, mosaic, place, name);
 		if (status == STATUS_OK)
 			status = create(&plan, params, mosaic, name, warped);
+		if (status == STATUS_OK)
+			note_scale(&plan, name);
 		if (status == STATUS_OK && params->spacing == 0)
 			note("%s: posts of %.6g x %.6g m become square posts of %g m", name, step[0], step[1],
 			     plan.spacing);

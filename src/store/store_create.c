@@ -64,13 +64,40 @@ static enum status resolve(const char *path, char **real)
 	return status;
 }
 
+/* By SQLite's header and our application id in it: also one of another version, or damaged further on. */
+static enum status looks_like_a_store(const struct store *store, bool *looks)
+{
+	static const uint8_t id[4] = {STORE_APPLICATION_ID >> 24, STORE_APPLICATION_ID >> 16 & 0xff,
+				      STORE_APPLICATION_ID >> 8 & 0xff, STORE_APPLICATION_ID & 0xff};
+	uint8_t header[72];
+	int file = open(store->real_path, O_RDONLY | O_CLOEXEC);
+	ssize_t length = file >= 0 ? read(file, header, sizeof header) : -1;
+	int error = errno;
+	if (file >= 0)
+		close(file);
+	if (length < 0)
+		return fail_with(STATUS_FAILED, "%s: what is to be replaced cannot be read: %s; check its permissions",
+				 store->path, strerror(error));
+	*looks = length == 0 || (length == (ssize_t)sizeof header && memcmp(header, "SQLite format 3", 16) == 0 &&
+				 memcmp(header + 68, id, sizeof id) == 0);
+	return STATUS_OK;
+}
+
+/* Only a store is ever replaced: a name given by mistake is somebody's DEM. */
 static enum status refuse_existing(const struct store *store)
 {
 	struct stat file;
-	if (store->overwrite || lstat(store->real_path, &file) != 0)
+	if (lstat(store->real_path, &file) != 0)
 		return STATUS_OK;
-	return fail_with(STATUS_INPUT, "%s: it exists; give --overwrite to replace it, or another name",
-			 store->path);
+	if (!store->overwrite)
+		return fail_with(STATUS_INPUT, "%s: it exists; give --overwrite to replace it, or another name",
+				 store->path);
+	bool looks = false;
+	enum status status = S_ISREG(file.st_mode) ? looks_like_a_store(store, &looks) : STATUS_OK;
+	if (status != STATUS_OK || looks)
+		return status;
+	return fail_with(STATUS_INPUT, "%s: it is no Furrow store, and --overwrite replaces nothing else; give another "
+			 "name, or remove it", store->path);
 }
 
 bool create_remove_part(const struct store *store)

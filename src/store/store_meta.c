@@ -202,7 +202,15 @@ enum status meta_same_request(struct store *store, bool *same)
 static enum status get_world(struct lookup *lookup, struct world *world)
 {
 	int64_t cells;
-	enum status status = get_integer(lookup, "width", 0, INT64_MAX, &world->width);
+	bool begun, whole = false;
+	enum status status = look_up(lookup, "request", &begun);
+	if (status == STATUS_OK)
+		status = look_up(lookup, "width", &whole);
+	if (status == STATUS_OK && begun && !whole)
+		return fail_with(STATUS_INPUT, "%s: an import that is not done; the same furrow import with --resume goes on "
+				 "with it", lookup->path);
+	if (status == STATUS_OK)
+		status = get_integer(lookup, "width", 0, INT64_MAX, &world->width);
 	if (status == STATUS_OK)
 		status = get_integer(lookup, "height", 0, INT64_MAX, &world->height);
 	if (status == STATUS_OK)

@@ -85,6 +85,6 @@ enum status schema_check(sqlite3 *db, const char *path)
 				 "furrow import", path, (unsigned long long)id & 0xffffffffu);
 	if (version != STORE_VERSION)
 		return fail_with(STATUS_INPUT, "%s: a store of version %lld, this program knows version %d; use "
-				 "the furrow that made it", path, (long long)version, STORE_VERSION);
+				 "the furrow that made it, or import it again", path, (long long)version, STORE_VERSION);
 	return check_objects(db, path);
 }

@@ -79,6 +79,16 @@ class BadInput(FurrowTest):
         self.refused(3, "synth", "-o", store, "--posts", "65x65", "--spacing", "1")
         self.assertEqual(store.read_bytes(), before)
 
+    def test_only_a_store_is_ever_replaced(self):
+        """Not a DEM whose name was given by mistake, its own source's above all."""
+        self.ok("synth", "-o", "dem.png", "--posts", "33x33", "--spacing", "1")
+        before = (self.folder / "dem.png").read_bytes()
+        (self.folder / "folder").mkdir()
+        for name in ("dem.png", "folder"):
+            self.assertIn("no Furrow store", self.refused(3, "import", "dem.png", "-o", name, "--overwrite"))
+        self.assertEqual((self.folder / "dem.png").read_bytes(), before)
+        self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["dem.png", "folder"])
+
     def test_a_png_with_holes(self):
         png = self.folder / "grey.png"
         write_png16(png, 80, 70, lambda x, y: 0 if 30 < x < 40 and 20 < y < 30 else 100 + x + y)

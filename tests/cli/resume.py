@@ -90,6 +90,8 @@ class Resume(FurrowTest):
         self.assertIn("--resume", errors)
         self.assertFalse((self.folder / "killed.furrow").exists())
         self.assertTrue((self.folder / "killed.furrow.part").exists())
+        for command in ("info", "verify"):
+            self.assertIn("--resume", self.refused(3, command, "killed.furrow.part"))
         output = self.ok(*self.arguments("killed.furrow", "--resume"))
         self.assertRegex(output, r"[1-9]\d* tiles were there from before")
         self.ok(*self.arguments("whole.furrow", "--jobs", "1"))

@@ -47,6 +47,14 @@ class Places(RasterTest):
                 self.make("in.tif", 50, 40, self.slope, "h", options=["-mo", f"AREA_OR_POINT={meaning}"])
                 self.check_metres("in.tif")
 
+    def test_a_projection_that_is_not_true_there_is_told(self):
+        """At 46.9 degrees a metre of web Mercator is 0.68 m on the ground."""
+        self.make("in.tif", 50, 40, self.slope, "h", **self.DEGREES)
+        told = self.furrow("import", "in.tif", "-o", "s.furrow", "--t-srs", "EPSG:3857", "--dry-run").stderr
+        self.assertRegex(told, r"up to 3[12](\.\d+)? % off")
+        told = self.furrow("import", "in.tif", "-o", "s.furrow", "--dry-run").stderr
+        self.assertNotIn("% off", told)
+
     def test_a_corner_at_zero_and_a_spacing_of_one_is_a_place(self):
         self.make("in.tif", 50, 40, self.slope, "h", west=0.0, north=0.0, step=1.0, srs=None)
         self.check_metres("in.tif")

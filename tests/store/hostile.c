@@ -68,6 +68,7 @@ static void another_version_or_schema_is_refused(void **state)
 		{"INSERT INTO run VALUES(1, -1, '', 0, 0, '')", "'epoch'"},
 	};
 	for (size_t i = 0; i < sizeof edits / sizeof *edits; i++) {
+		unlink(path);
 		make_store(path);
 		raw_sql(path, edits[i].sql);
 		assert_refused(path, edits[i].why);
