@@ -4,7 +4,7 @@
  * fault_install() puts a shim over SQLite's default VFS (the store opens with that), one over its
  * allocator, and takes the store's own calls (calls.h). Calls are counted only while a fault is
  * armed; any thread may make them, one arms and disarms. Nothing is synced really: power is not
- * cut here (power_vfs.h does that).
+ * cut here (power_disk.h is for that).
  */
 #ifndef FURROW_TEST_FAULT_VFS_H
 #define FURROW_TEST_FAULT_VFS_H

@@ -7,6 +7,7 @@
  */
 #include "epochs.h"
 #include "intake.h"
+#include "power_disk.h"
 #include "power_vfs.h"
 
 #define SEEDS 12
@@ -35,7 +36,7 @@ static const char *image(const char *what, uint64_t cut, uint32_t seed)
 	static char path[256];
 	name_trial(what, cut, (int)seed);
 	folder_empty(in_folder("cut"));
-	power_image(seed, in_folder("cut"));
+	power_disk_image(seed, in_folder("cut"));
 	snprintf(path, sizeof path, "%s", in_folder("cut/trial.furrow"));
 	return path;
 }
