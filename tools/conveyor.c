@@ -239,7 +239,7 @@ enum status conveyor_known(void *user, struct tile tile, int32_t *codes, bool *k
 	mutex_lock(&conveyor->mutex);
 	while (conveyor->storing)
 		condition_wait(&conveyor->changed, &conveyor->mutex);
-	enum status status = store_base_put(conveyor->store, tile, codes, known);
+	enum status status = store_get_base(conveyor->store, tile, codes, known);
 	mutex_unlock(&conveyor->mutex);
 	conveyor->known_ended = status != STATUS_OK || !*known;
 	return status;

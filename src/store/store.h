@@ -59,7 +59,7 @@ enum status store_resume(const char *path, const struct store_meta *meta, bool o
 enum status store_put_base(struct store *store, struct tile tile, const int32_t *codes,
 			   const struct store_range *range) FURROW_CHECKED;
 /* Codes of a tile put before; *found false: it was not. */
-enum status store_base_put(struct store *store, struct tile tile, int32_t *codes, bool *found) FURROW_CHECKED;
+enum status store_get_base(struct store *store, struct tile tile, int32_t *codes, bool *found) FURROW_CHECKED;
 enum status store_publish(struct store *store) FURROW_CHECKED; /* syncs and renames into place */
 /* Commits and closes, and leaves PATH.part for store_resume. Frees the store, also when it fails. */
 enum status store_suspend(struct store *store) FURROW_CHECKED;

@@ -90,7 +90,7 @@ enum status store_put_base(struct store *store, struct tile tile, const int32_t 
 	return store_put_packed(store, tile, &packed, range);
 }
 
-enum status store_base_put(struct store *store, struct tile tile, int32_t *codes, bool *found)
+enum status store_get_base(struct store *store, struct tile tile, int32_t *codes, bool *found)
 {
 	struct row row;
 	return rows_read(&store->rows, ROW_BASE, tile, codes, &row, found);
