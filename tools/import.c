@@ -122,6 +122,14 @@ static void note_sentinel(const struct intake *intake)
 		     "again with --nodata and that value", intake->low);
 }
 
+/* What a run that makes something would refuse. */
+static void note_output(const struct intake *intake)
+{
+	struct stat file;
+	if (!intake->overwrite && stat(intake->path, &file) == 0)
+		note("%s: it exists; without --overwrite it is not replaced", intake->path);
+}
+
 static char *join_lines(const char *const *lines, size_t count)
 {
 	size_t bytes = 1;
@@ -229,7 +237,9 @@ static enum status run(const struct arguments *arguments)
 		status = fail_with(STATUS_INPUT, "import: %s; change --tile, --spacing or the sources", problem);
 		goto done;
 	}
-	if (!arguments_flag(arguments, "dry-run"))
+	if (arguments_flag(arguments, "dry-run"))
+		note_output(&intake);
+	else
 		status = intake_run(&intake);
 	if (status == STATUS_OK) {
 		print_plan(info, &intake.meta);

@@ -23,7 +23,7 @@ struct gdal_source {
 	char vertical[160];
 };
 
-#define DEM_CACHE_BYTES (64 << 20) /* of decoded blocks that GDAL holds */
+#define DEM_CACHE_BYTES (48 << 20) /* of decoded blocks that GDAL holds */
 
 void dem_gdal_init(void);           /* registers what is needed, once; any thread */
 const char *dem_gdal_message(void); /* what GDAL said last, until the next call in this thread */

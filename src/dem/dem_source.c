@@ -222,6 +222,8 @@ enum status dem_source_init(struct gdal_source *source, const struct dem_params 
 				   "(gdalinfo lists them)", path);
 		goto close;
 	}
+	if (GDALGetRasterCount(dataset) > 1)
+		note("%s: has %d bands; its first is taken for heights", path, GDALGetRasterCount(dataset));
 	source->width = GDALGetRasterXSize(dataset);
 	source->height = GDALGetRasterYSize(dataset);
 	GDALRasterBandH band = GDALGetRasterBand(dataset, 1);

@@ -79,6 +79,15 @@ class BadInput(FurrowTest):
         self.refused(3, "synth", "-o", store, "--posts", "65x65", "--spacing", "1")
         self.assertEqual(store.read_bytes(), before)
 
+    def test_a_dry_run_makes_nothing_and_tells_what_is_in_the_way(self):
+        store = self.synth(posts="33x33")
+        self.ok("synth", "-o", "dem.png", "--posts", "33x33", "--spacing", "1")
+        before = store.read_bytes()
+        for options, told in (([], True), (["--overwrite"], False)):
+            result = self.furrow("import", "dem.png", "-o", store, "--dry-run", *options)
+            self.assertEqual((result.returncode, "exists" in result.stderr), (0, told))
+        self.assertEqual(store.read_bytes(), before)
+
     def test_only_a_store_is_ever_replaced(self):
         """Not a DEM whose name was given by mistake, its own source's above all."""
         self.ok("synth", "-o", "dem.png", "--posts", "33x33", "--spacing", "1")

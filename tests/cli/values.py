@@ -103,6 +103,13 @@ class Values(RasterTest):
         self.assertEqual(self.json("query", "s.furrow", 30, 150)["points"][0]["height"], 0.25 * (7 * 3 + 4) + 100)
 
 
+    def test_of_several_bands_the_first_is_taken_and_that_is_told(self):
+        self.make("one.tif", 20, 20, lambda x, y: 3 * x + y, "h")
+        rasters.gdal("gdal_translate", "-q", "-b", "1", "-b", "1", "-b", "1", self.folder / "one.tif", self.folder / "in.tif")
+        self.assertIn("3 bands", self.furrow("import", "in.tif", "-o", "s.furrow").stderr)
+        self.assertEqual(self.json("query", "s.furrow", 30, 150)["points"][0]["height"], 3 * 3 + 4)
+
+
 class Bytes(RasterTest):
     def values(self):
         return array.array("h", [(257 * i) % 9001 - 300 for i in range(24 * 18)])
