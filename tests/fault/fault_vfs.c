@@ -8,6 +8,7 @@
 
 #include "base/base.h"
 #include "calls.h"
+#include "through.h"
 
 static sqlite3_vfs *real, shim;
 static sqlite3_mem_methods real_memory;
@@ -52,26 +53,11 @@ const char *fault_name(enum fault_kind kind)
 
 /* --- files --- */
 
-struct file {
-	sqlite3_file base;
-	sqlite3_file *real; /* behind this */
-};
-
-static sqlite3_file *real_of(sqlite3_file *file)
-{
-	return ((struct file *)file)->real;
-}
-
-static int file_close(sqlite3_file *file)
-{
-	return real_of(file)->pMethods->xClose(real_of(file));
-}
-
 static int file_read(sqlite3_file *file, void *bytes, int count, sqlite3_int64 at)
 {
 	if (hit(FAULT_READ))
 		return SQLITE_IOERR_READ;
-	int code = real_of(file)->pMethods->xRead(real_of(file), bytes, count, at);
+	int code = through_methods.xRead(file, bytes, count, at);
 	if (code == SQLITE_OK && hit(FAULT_SHORT_READ)) {
 		memset((char *)bytes + count / 2, 0, (size_t)(count - count / 2));
 		return SQLITE_IOERR_SHORT_READ;
@@ -86,15 +72,15 @@ static int file_write(sqlite3_file *file, const void *bytes, int count, sqlite3_
 	if (hit(FAULT_FULL))
 		return SQLITE_FULL;
 	if (hit(FAULT_TORN_WRITE)) {
-		real_of(file)->pMethods->xWrite(real_of(file), bytes, count / 2, at);
+		through_methods.xWrite(file, bytes, count / 2, at);
 		return SQLITE_IOERR_WRITE;
 	}
-	return real_of(file)->pMethods->xWrite(real_of(file), bytes, count, at);
+	return through_methods.xWrite(file, bytes, count, at);
 }
 
 static int file_truncate(sqlite3_file *file, sqlite3_int64 size)
 {
-	return hit(FAULT_TRUNCATE) ? SQLITE_IOERR_TRUNCATE : real_of(file)->pMethods->xTruncate(real_of(file), size);
+	return hit(FAULT_TRUNCATE) ? SQLITE_IOERR_TRUNCATE : through_methods.xTruncate(file, size);
 }
 
 static int file_sync(sqlite3_file *file, int flags)
@@ -104,88 +90,54 @@ static int file_sync(sqlite3_file *file, int flags)
 
 static int file_size(sqlite3_file *file, sqlite3_int64 *size)
 {
-	return hit(FAULT_SIZE) ? SQLITE_IOERR_FSTAT : real_of(file)->pMethods->xFileSize(real_of(file), size);
+	return hit(FAULT_SIZE) ? SQLITE_IOERR_FSTAT : through_methods.xFileSize(file, size);
 }
 
 static int file_lock(sqlite3_file *file, int level)
 {
-	return hit(FAULT_LOCK) ? SQLITE_IOERR_LOCK : real_of(file)->pMethods->xLock(real_of(file), level);
-}
-
-static int file_unlock(sqlite3_file *file, int level)
-{
-	return real_of(file)->pMethods->xUnlock(real_of(file), level);
+	return hit(FAULT_LOCK) ? SQLITE_IOERR_LOCK : through_methods.xLock(file, level);
 }
 
 static int file_check_lock(sqlite3_file *file, int *reserved)
 {
 	return hit(FAULT_LOCK) ? SQLITE_IOERR_CHECKRESERVEDLOCK
-			       : real_of(file)->pMethods->xCheckReservedLock(real_of(file), reserved);
-}
-
-static int file_control(sqlite3_file *file, int what, void *argument)
-{
-	return real_of(file)->pMethods->xFileControl(real_of(file), what, argument);
-}
-
-static int file_sector(sqlite3_file *file)
-{
-	return real_of(file)->pMethods->xSectorSize(real_of(file));
-}
-
-static int file_device(sqlite3_file *file)
-{
-	return real_of(file)->pMethods->xDeviceCharacteristics(real_of(file));
+			       : through_methods.xCheckReservedLock(file, reserved);
 }
 
 static int file_shared_map(sqlite3_file *file, int page, int size, int extend, void volatile **memory)
 {
 	return hit(FAULT_SHARED) ? SQLITE_IOERR_SHMMAP
-				 : real_of(file)->pMethods->xShmMap(real_of(file), page, size, extend, memory);
+				 : through_methods.xShmMap(file, page, size, extend, memory);
 }
 
 static int file_shared_lock(sqlite3_file *file, int first, int count, int flags)
 {
 	if ((flags & SQLITE_SHM_LOCK) && hit(FAULT_SHARED))
 		return SQLITE_IOERR_SHMLOCK;
-	return real_of(file)->pMethods->xShmLock(real_of(file), first, count, flags);
+	return through_methods.xShmLock(file, first, count, flags);
 }
 
-static void file_shared_barrier(sqlite3_file *file)
+static sqlite3_io_methods methods;
+
+static void make_methods(void)
 {
-	real_of(file)->pMethods->xShmBarrier(real_of(file));
+	methods = through_methods;
+	methods.xRead = file_read;
+	methods.xWrite = file_write;
+	methods.xTruncate = file_truncate;
+	methods.xSync = file_sync;
+	methods.xFileSize = file_size;
+	methods.xLock = file_lock;
+	methods.xCheckReservedLock = file_check_lock;
+	methods.xShmMap = file_shared_map;
+	methods.xShmLock = file_shared_lock;
 }
-
-static int file_shared_unmap(sqlite3_file *file, int remove)
-{
-	return real_of(file)->pMethods->xShmUnmap(real_of(file), remove);
-}
-
-static const sqlite3_io_methods methods = {
-	.iVersion = 2, /* no mapping of the file itself: every read is seen */
-	.xClose = file_close,
-	.xRead = file_read,
-	.xWrite = file_write,
-	.xTruncate = file_truncate,
-	.xSync = file_sync,
-	.xFileSize = file_size,
-	.xLock = file_lock,
-	.xUnlock = file_unlock,
-	.xCheckReservedLock = file_check_lock,
-	.xFileControl = file_control,
-	.xSectorSize = file_sector,
-	.xDeviceCharacteristics = file_device,
-	.xShmMap = file_shared_map,
-	.xShmLock = file_shared_lock,
-	.xShmBarrier = file_shared_barrier,
-	.xShmUnmap = file_shared_unmap,
-};
 
 /* --- names --- */
 
 static int shim_open(sqlite3_vfs *vfs, const char *name, sqlite3_file *file, int flags, int *out)
 {
-	struct file *opened = (struct file *)file;
+	struct through *opened = (struct through *)file;
 	opened->base.pMethods = NULL;
 	opened->real = (sqlite3_file *)(opened + 1);
 	if (hit(FAULT_OPEN))
@@ -252,6 +204,7 @@ static int call_unlink(const char *path)
 
 void fault_install(void)
 {
+	make_methods();
 	static const struct calls calls = {call_open, call_fsync, call_rename, call_unlink};
 	int code = sqlite3_config(SQLITE_CONFIG_GETMALLOC, &real_memory);
 	assert(code == SQLITE_OK);
@@ -262,7 +215,7 @@ void fault_install(void)
 	assert(code == SQLITE_OK);
 	real = sqlite3_vfs_find(NULL);
 	shim = *real;
-	shim.szOsFile = (int)sizeof(struct file) + real->szOsFile;
+	shim.szOsFile = (int)sizeof(struct through) + real->szOsFile;
 	shim.zName = "fault";
 	shim.xOpen = shim_open;
 	shim.xDelete = shim_delete;

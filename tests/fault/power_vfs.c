@@ -17,6 +17,7 @@
 
 #include "calls.h"
 #include "power_disk.h"
+#include "through.h"
 
 static sqlite3_vfs *real, shim;
 static bool kept; /* between begin and end */
@@ -53,8 +54,7 @@ static const char *name_to_make(const char *path)
 /* --- files of SQLite --- */
 
 struct file {
-	sqlite3_file base;
-	sqlite3_file *real;
+	struct through through;
 	int inode; /* -1: not kept */
 };
 
@@ -68,19 +68,9 @@ static bool is_kept(sqlite3_file *file)
 	return kept && file_of(file)->inode >= 0;
 }
 
-static sqlite3_file *real_of(sqlite3_file *file)
-{
-	return file_of(file)->real;
-}
-
-static int file_close(sqlite3_file *file)
-{
-	return real_of(file)->pMethods->xClose(real_of(file));
-}
-
 static int file_read(sqlite3_file *file, void *bytes, int count, sqlite3_int64 at)
 {
-	return stopped() ? SQLITE_IOERR_READ : real_of(file)->pMethods->xRead(real_of(file), bytes, count, at);
+	return stopped() ? SQLITE_IOERR_READ : through_methods.xRead(file, bytes, count, at);
 }
 
 static int file_write(sqlite3_file *file, const void *bytes, int count, sqlite3_int64 at)
@@ -89,7 +79,7 @@ static int file_write(sqlite3_file *file, const void *bytes, int count, sqlite3_
 		return SQLITE_IOERR_WRITE;
 	if (is_kept(file) && !power_disk_write(file_of(file)->inode, (size_t)at, (size_t)count, bytes))
 		return SQLITE_IOERR_WRITE;
-	return real_of(file)->pMethods->xWrite(real_of(file), bytes, count, at);
+	return through_methods.xWrite(file, bytes, count, at);
 }
 
 static int file_truncate(sqlite3_file *file, sqlite3_int64 size)
@@ -98,7 +88,7 @@ static int file_truncate(sqlite3_file *file, sqlite3_int64 size)
 		return SQLITE_IOERR_TRUNCATE;
 	if (is_kept(file) && !power_disk_truncate(file_of(file)->inode, (size_t)size))
 		return SQLITE_IOERR_TRUNCATE;
-	return real_of(file)->pMethods->xTruncate(real_of(file), size);
+	return through_methods.xTruncate(file, size);
 }
 
 static int file_sync(sqlite3_file *file, int flags)
@@ -112,83 +102,31 @@ static int file_sync(sqlite3_file *file, int flags)
 
 static int file_size(sqlite3_file *file, sqlite3_int64 *size)
 {
-	return stopped() ? SQLITE_IOERR_FSTAT : real_of(file)->pMethods->xFileSize(real_of(file), size);
+	return stopped() ? SQLITE_IOERR_FSTAT : through_methods.xFileSize(file, size);
 }
 
 static int file_lock(sqlite3_file *file, int level)
 {
-	return stopped() ? SQLITE_IOERR_LOCK : real_of(file)->pMethods->xLock(real_of(file), level);
+	return stopped() ? SQLITE_IOERR_LOCK : through_methods.xLock(file, level);
 }
 
-static int file_unlock(sqlite3_file *file, int level)
+static sqlite3_io_methods methods;
+
+static void make_methods(void)
 {
-	return real_of(file)->pMethods->xUnlock(real_of(file), level);
+	methods = through_methods;
+	methods.xRead = file_read;
+	methods.xWrite = file_write;
+	methods.xTruncate = file_truncate;
+	methods.xSync = file_sync;
+	methods.xFileSize = file_size;
+	methods.xLock = file_lock;
 }
-
-static int file_check_lock(sqlite3_file *file, int *reserved)
-{
-	return real_of(file)->pMethods->xCheckReservedLock(real_of(file), reserved);
-}
-
-static int file_control(sqlite3_file *file, int what, void *argument)
-{
-	return real_of(file)->pMethods->xFileControl(real_of(file), what, argument);
-}
-
-static int file_sector(sqlite3_file *file)
-{
-	return real_of(file)->pMethods->xSectorSize(real_of(file));
-}
-
-static int file_device(sqlite3_file *file)
-{
-	return real_of(file)->pMethods->xDeviceCharacteristics(real_of(file));
-}
-
-static int file_shared_map(sqlite3_file *file, int page, int size, int extend, void volatile **memory)
-{
-	return real_of(file)->pMethods->xShmMap(real_of(file), page, size, extend, memory);
-}
-
-static int file_shared_lock(sqlite3_file *file, int first, int count, int flags)
-{
-	return real_of(file)->pMethods->xShmLock(real_of(file), first, count, flags);
-}
-
-static void file_shared_barrier(sqlite3_file *file)
-{
-	real_of(file)->pMethods->xShmBarrier(real_of(file));
-}
-
-static int file_shared_unmap(sqlite3_file *file, int remove)
-{
-	return real_of(file)->pMethods->xShmUnmap(real_of(file), remove);
-}
-
-static const sqlite3_io_methods methods = {
-	.iVersion = 2,
-	.xClose = file_close,
-	.xRead = file_read,
-	.xWrite = file_write,
-	.xTruncate = file_truncate,
-	.xSync = file_sync,
-	.xFileSize = file_size,
-	.xLock = file_lock,
-	.xUnlock = file_unlock,
-	.xCheckReservedLock = file_check_lock,
-	.xFileControl = file_control,
-	.xSectorSize = file_sector,
-	.xDeviceCharacteristics = file_device,
-	.xShmMap = file_shared_map,
-	.xShmLock = file_shared_lock,
-	.xShmBarrier = file_shared_barrier,
-	.xShmUnmap = file_shared_unmap,
-};
 
 static int shim_open(sqlite3_vfs *vfs, const char *path, sqlite3_file *file, int flags, int *out)
 {
 	struct file *opened = (struct file *)file;
-	*opened = (struct file){.real = (sqlite3_file *)(opened + 1), .inode = -1};
+	*opened = (struct file){.through.real = (sqlite3_file *)(opened + 1), .inode = -1};
 	if (stopped())
 		return SQLITE_CANTOPEN;
 	const char *made = (flags & SQLITE_OPEN_CREATE) != 0 ? name_to_make(path) : NULL;
@@ -197,9 +135,9 @@ static int shim_open(sqlite3_vfs *vfs, const char *path, sqlite3_file *file, int
 	const char *name = name_in_folder(path);
 	if (name != NULL)
 		opened->inode = power_disk_find(name);
-	int code = real->xOpen(real, path, opened->real, flags, out);
-	if (opened->real->pMethods != NULL)
-		opened->base.pMethods = &methods;
+	int code = real->xOpen(real, path, opened->through.real, flags, out);
+	if (opened->through.real->pMethods != NULL)
+		opened->through.base.pMethods = &methods;
 	return code;
 }
 
@@ -277,6 +215,7 @@ static int call_unlink(const char *path)
 
 void power_install(void)
 {
+	make_methods();
 	static const struct calls calls = {call_open, call_fsync, call_rename, call_unlink};
 	real = sqlite3_vfs_find(NULL);
 	shim = *real;
