@@ -83,8 +83,7 @@ static enum status move_codes(struct cutting *cutting, int level, struct open *o
 {
 	int64_t tile = cutting->first[level] + (open - cutting->open[level]);
 	size_t bytes = cutting->posts * sizeof *open->codes;
-	return write ? dem_scratch_write(&cutting->scratch, open->codes, bytes, tile * (int64_t)bytes)
-		     : dem_scratch_read(&cutting->scratch, open->codes, bytes, tile * (int64_t)bytes);
+	return dem_scratch_move(&cutting->scratch, write, open->codes, bytes, tile * (int64_t)bytes);
 }
 
 /* The tile's codes into memory, if it has any; those of the one before it in its level make room. */

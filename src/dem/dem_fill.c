@@ -43,21 +43,16 @@ static int64_t row_offset(const struct fill *fill, int level, int64_t y)
 	return (at->start + y * at->width) * (int64_t)sizeof(float);
 }
 
-static enum status move(const struct fill *fill, bool write, void *data, size_t bytes, int64_t offset)
-{
-	return write ? dem_scratch_write(&fill->scratch, data, bytes, offset)
-		     : dem_scratch_read(&fill->scratch, data, bytes, offset);
-}
-
 static enum status row_move(const struct fill *fill, bool write, int level, int64_t y, float *row)
 {
-	return move(fill, write, row, (size_t)fill->level[level].width * sizeof *row,
-		    row_offset(fill, level, y));
+	return dem_scratch_move(&fill->scratch, write, row,
+				(size_t)fill->level[level].width * sizeof *row, row_offset(fill, level, y));
 }
 
 static enum status known_move(const struct fill *fill, bool write, int level, int64_t y)
 {
-	return move(fill, write, fill->known, (size_t)fill->level[level].width, known_offset(fill, level, y));
+	return dem_scratch_move(&fill->scratch, write, fill->known, (size_t)fill->level[level].width,
+				known_offset(fill, level, y));
 }
 
 static enum status put_row(struct fill *fill, int level, int64_t y, float *row)

@@ -44,7 +44,7 @@ static enum status png_read(struct dem_grid *grid, struct post_rect rect, double
 	int64_t width = rect.x1 - rect.x0;
 	for (int64_t y = rect.y0; y < rect.y1; y++, heights += width) {
 		int64_t from = (grid->height - 1 - y) * grid->width + rect.x0;
-		enum status status = dem_scratch_read(&png->scratch, png->posts, 2 * (size_t)width, 2 * from);
+		enum status status = dem_scratch_move(&png->scratch, false, png->posts, 2 * (size_t)width, 2 * from);
 		if (status != STATUS_OK)
 			return status;
 		for (int64_t x = 0; x < width; x++)
@@ -79,7 +79,7 @@ static void keep_row(png_structp reader, struct png *png, int bits, int64_t y, u
 	struct png_problem *problem = png_get_error_ptr(reader);
 	if (bits < 16)
 		widen_row(row, png->grid.width);
-	problem->status = dem_scratch_write(&png->scratch, row, 2 * (size_t)png->grid.width, 2 * y * png->grid.width);
+	problem->status = dem_scratch_move(&png->scratch, true, row, 2 * (size_t)png->grid.width, 2 * y * png->grid.width);
 	if (problem->status != STATUS_OK)
 		png_error(reader, "its rows cannot be kept");
 }

@@ -40,29 +40,15 @@ static enum status failed(const char *why)
 			 "with room", folder(), why);
 }
 
-enum status dem_scratch_read(const struct dem_scratch *scratch, void *data, size_t bytes, int64_t offset)
+enum status dem_scratch_move(const struct dem_scratch *scratch, bool write, void *data, size_t bytes, int64_t offset)
 {
 	for (char *at = data; bytes > 0;) {
-		ssize_t done = pread(scratch->file, at, bytes, (off_t)offset);
+		ssize_t done = write ? pwrite(scratch->file, at, bytes, (off_t)offset)
+				     : pread(scratch->file, at, bytes, (off_t)offset);
 		if (done < 0 && errno == EINTR)
 			continue;
 		if (done <= 0)
-			return failed(done < 0 ? strerror(errno) : "it ends early");
-		at += done;
-		bytes -= (size_t)done;
-		offset += done;
-	}
-	return STATUS_OK;
-}
-
-enum status dem_scratch_write(const struct dem_scratch *scratch, const void *data, size_t bytes, int64_t offset)
-{
-	for (const char *at = data; bytes > 0;) {
-		ssize_t done = pwrite(scratch->file, at, bytes, (off_t)offset);
-		if (done < 0 && errno == EINTR)
-			continue;
-		if (done <= 0)
-			return failed(done < 0 ? strerror(errno) : "it takes no more");
+			return failed(done < 0 ? strerror(errno) : write ? "it takes no more" : "it ends early");
 		at += done;
 		bytes -= (size_t)done;
 		offset += done;

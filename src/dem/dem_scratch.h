@@ -2,6 +2,7 @@
 #ifndef FURROW_DEM_SCRATCH_H
 #define FURROW_DEM_SCRATCH_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -14,9 +15,8 @@ struct dem_scratch {
 /* In TMPDIR, or /tmp. `doing` begins the message. */
 enum status dem_scratch_open(struct dem_scratch *scratch, const char *doing) FURROW_CHECKED;
 void dem_scratch_close(struct dem_scratch *scratch);
-/* All of `bytes` at `offset`, or STATUS_FAILED. */
-enum status dem_scratch_read(const struct dem_scratch *scratch, void *data, size_t bytes, int64_t offset) FURROW_CHECKED;
-enum status dem_scratch_write(const struct dem_scratch *scratch, const void *data, size_t bytes, int64_t offset)
+/* All of `bytes` at `offset`, into the file or (not `write`) from it, or STATUS_FAILED. */
+enum status dem_scratch_move(const struct dem_scratch *scratch, bool write, void *data, size_t bytes, int64_t offset)
 	FURROW_CHECKED;
 
 #endif

@@ -175,11 +175,6 @@ static bool read_lz4(struct codec *codec, const uint8_t *from, size_t size, int3
 	       read_body(codec, codec->body, body, posts);
 }
 
-static uint32_t unzigzag(uint32_t value)
-{
-	return value >> 1 ^ (0u - (value & 1));
-}
-
 static bool read_zstd(struct codec *codec, const uint8_t *from, size_t left, int32_t *posts)
 {
 	struct head head;
@@ -198,7 +193,7 @@ static bool read_zstd(struct codec *codec, const uint8_t *from, size_t left, int
 		for (size_t i = 0; i < count; i++)
 			rest[i] |= (uint32_t)plane[p * count + i] << (8 * p);
 	for (size_t i = 0; i < count; i++)
-		rest[i] = unzigzag(rest[i]);
+		rest[i] = codec_unzigzag(rest[i]);
 	finish_rows(codec, &head, rest, 0, codec->side, row_of_first(codec, head.first), posts);
 	return true;
 }

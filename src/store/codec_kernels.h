@@ -13,6 +13,11 @@
 #define CODEC_BLOCK 16 /* residuals that share a width; 2 * width bytes */
 #define CODEC_SLACK 48 /* bytes that unpack may read beyond a block */
 
+static inline uint32_t codec_unzigzag(uint32_t value)
+{
+	return value >> 1 ^ (0u - (value & 1));
+}
+
 struct codec_kernels {
 	const char *name;
 	/* `count` blocks of `widths` (each at most 32) to residuals, zigzag undone; returns their end.

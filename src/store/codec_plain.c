@@ -13,18 +13,13 @@ static uint64_t load64(const uint8_t *from)
 	return value;
 }
 
-static uint32_t unzigzag(uint32_t value)
-{
-	return value >> 1 ^ (0u - (value & 1));
-}
-
 static const uint8_t *plain_unpack(const uint8_t *from, const uint8_t *widths, size_t count, uint32_t *rest)
 {
 	for (size_t block = 0; block < count; block++, rest += CODEC_BLOCK) {
 		unsigned width = widths[block];
 		uint64_t mask = ((uint64_t)1 << width) - 1;
 		for (unsigned i = 0; i < CODEC_BLOCK; i++)
-			rest[i] = unzigzag((uint32_t)(load64(from + i * width / 8) >> i * width % 8 & mask));
+			rest[i] = codec_unzigzag((uint32_t)(load64(from + i * width / 8) >> i * width % 8 & mask));
 		from += (size_t)2 * width;
 	}
 	return from;
