@@ -234,6 +234,7 @@ static void finish(struct drive *drive, enum status status)
 		track_destroy(drive->riders[i].track);
 	mem_free(drive->riders);
 	mem_free(drive->events);
+	wishes_finish(&drive->wishes);
 	mem_free(drive->record);
 	mem_free(drive->step_ms);
 	mem_free(drive->frame_ms);

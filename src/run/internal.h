@@ -12,6 +12,7 @@
 #include "run/pyramid.h"
 #include "run/run.h"
 #include "run/track.h"
+#include "run/wishes.h"
 #include "store/store.h"
 
 struct view; /* run/view.c */
@@ -55,6 +56,7 @@ struct drive {
 	struct rider *riders;
 	struct event *events;    /* of the present step */
 	size_t event_count, event_room;
+	struct wishes wishes;    /* pages needed soon */
 	struct pages_record *record;
 	double *step_ms;         /* of every step */
 	size_t step_room, timed; /* steps of which the times are known */
@@ -75,7 +77,7 @@ int64_t drive_step_count(const struct drive *drive);
 
 /* events.c: what is due, in the order of time, then of the scene. */
 enum status drive_collect_events(struct drive *drive, double until) FURROW_CHECKED;
-void drive_prefetch(struct drive *drive);
+enum status drive_prefetch(struct drive *drive) FURROW_CHECKED;
 
 /* sweep.c: one station's deformation. */
 enum status drive_sweep(struct drive *drive, struct rider *rider, const struct deform_pose *pose) FURROW_CHECKED;

@@ -65,7 +65,7 @@ static enum status one_step(struct drive *drive)
 	if (status == STATUS_OK)
 		status = page_cache_poll(drive->cache);
 	if (status == STATUS_OK && drive->scene->prefetch > 0)
-		drive_prefetch(drive);
+		status = drive_prefetch(drive);
 	if (status != STATUS_OK)
 		return status;
 	drive->torn = true;
