@@ -24,6 +24,7 @@ struct gpu_target;
 struct gpu_buffer;
 struct gpu_program;
 struct gpu_slots;
+struct gpu_staging;
 
 struct gpu_info {
 	const char *vendor, *renderer, *version;
@@ -80,6 +81,26 @@ void gpu_texture_read(struct gpu_texture *texture, uint32_t layer, struct gpu_re
 void gpu_texture_clear(struct gpu_texture *texture, uint32_t layer, struct gpu_rect rect, int32_t value);
 void gpu_texture_copy(struct gpu_texture *from, uint32_t from_layer, uint32_t from_x, uint32_t from_y,
 		      struct gpu_texture *to, uint32_t to_layer, struct gpu_rect to_rect);
+
+/* --- staging: gpu_staging.c --- */
+/*
+ * Host memory that the GPU reads and writes: one buffer, mapped for as long as it lives. Transfers
+ * are begun in the order of all other work: after a read into it the texture may at once be drawn
+ * into, uploaded to or cleared. Any number may be begun; from the first until the staging is idle
+ * again, their bytes are the GPU's, and the others anybody's.
+ */
+enum status gpu_staging_create(struct gpu *gpu, size_t bytes, struct gpu_staging **out) FURROW_CHECKED;
+void gpu_staging_destroy(struct gpu_staging *staging); /* waits for what is under way; takes NULL */
+/* Aligned for any plane; the same address for life. Any thread may use them while it is idle. */
+void *gpu_staging_bytes(struct gpu_staging *staging);
+/* Whether all that was begun with it is over. Never waits. After a failure, which gpu_check tells,
+ * it is idle, whatever the bytes are. */
+bool gpu_staging_idle(struct gpu_staging *staging);
+/* `offset` in bytes, a multiple of a texel's. A read after a failure gives zeros. */
+void gpu_texture_upload_from(struct gpu_texture *texture, uint32_t layer, struct gpu_rect rect,
+			     struct gpu_staging *staging, size_t offset);
+void gpu_texture_read_into(struct gpu_texture *texture, uint32_t layer, struct gpu_rect rect,
+			   struct gpu_staging *staging, size_t offset);
 
 struct gpu_attachment {
 	struct gpu_texture *texture;

@@ -84,9 +84,14 @@ static void assert_inside(const struct gpu_texture *texture, uint32_t layer, str
 	(void)texture, (void)layer, (void)rect;
 }
 
-static size_t rect_bytes(const struct gpu_texture *texture, struct gpu_rect rect)
+size_t gpu_texel_bytes(const struct gpu_texture *texture)
 {
-	return (size_t)rect.width * rect.height * formats[texture->format].bytes;
+	return formats[texture->format].bytes;
+}
+
+size_t gpu_rect_bytes(const struct gpu_texture *texture, struct gpu_rect rect)
+{
+	return (size_t)rect.width * rect.height * gpu_texel_bytes(texture);
 }
 
 void gpu_texture_upload(struct gpu_texture *texture, uint32_t layer, struct gpu_rect rect, const void *data)
@@ -102,13 +107,13 @@ void gpu_texture_upload(struct gpu_texture *texture, uint32_t layer, struct gpu_
 		glTextureSubImage3D(texture->name, 0, (GLint)rect.x, (GLint)rect.y, (GLint)layer, (GLsizei)rect.width,
 				    (GLsizei)rect.height, 1, format->transfer, format->type, data);
 	texture->gpu->stats.uploads++;
-	texture->gpu->stats.upload_bytes += rect_bytes(texture, rect);
+	texture->gpu->stats.upload_bytes += gpu_rect_bytes(texture, rect);
 }
 
 void gpu_texture_read(struct gpu_texture *texture, uint32_t layer, struct gpu_rect rect, void *data)
 {
 	const struct format *format = &formats[texture->format];
-	size_t bytes = rect_bytes(texture, rect);
+	size_t bytes = gpu_rect_bytes(texture, rect);
 	assert_inside(texture, layer, rect);
 	if (bytes == 0)
 		return;

@@ -91,6 +91,18 @@ struct gpu_texture {
 	uint64_t bytes;
 };
 
+size_t gpu_texel_bytes(const struct gpu_texture *texture);
+size_t gpu_rect_bytes(const struct gpu_texture *texture, struct gpu_rect rect);
+
+struct gpu_staging {
+	struct gpu *gpu;
+	GLuint name;
+	size_t bytes;
+	uint8_t *map;
+	GLsync fence; /* NULL: idle */
+	bool direct;  /* transfers take the mapped bytes as any other memory and are over at once */
+};
+
 struct gpu_target {
 	struct gpu *gpu;
 	GLuint name;
