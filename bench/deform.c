@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "bench.h"
 #include "deform/deform.h"
@@ -63,12 +64,15 @@ static void measure(enum deform_model model, bool dirt, bool draws, struct figur
 	struct deform *deform;
 	bench_must(gpu_create(&(struct gpu_params){.draws = draws}, &gpu));
 	bench_must(gpu_slots_create(gpu, world.cells, SIDE * SIDE, dirt, &slots));
-	int32_t *flat = mem_calloc((size_t)tile_posts(&world) * tile_posts(&world), sizeof *flat);
+	size_t flat_bytes = (size_t)tile_posts(&world) * tile_posts(&world) * sizeof(int32_t);
+	struct gpu_staging *flat;
+	bench_must(gpu_staging_create(gpu, flat_bytes, &flat));
+	memset(gpu_staging_bytes(flat), 0, flat_bytes);
 	for (uint32_t i = 0; i < SIDE * SIDE; i++) {
-		bench_must(gpu_slots_upload_base(slots, i, flat));
+		bench_must(gpu_slots_upload_base(slots, i, flat, 0));
 		bench_must(gpu_slots_deform(slots, i));
 	}
-	mem_free(flat);
+	gpu_staging_destroy(flat);
 	struct deform_params params = {gpu, slots, &world, 0, 0, model, 1, 1, dirt};
 	bench_must(deform_create(&params, &deform));
 	static double ms[STEPS];

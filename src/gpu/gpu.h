@@ -178,18 +178,24 @@ struct gpu_slots_bytes {
 	uint64_t base, offset, dirt;
 };
 void gpu_slots_bytes(const struct gpu_slots *slots, struct gpu_slots_bytes *bytes);
+/* Planes are tight in staging, row 0 first, each at an offset in bytes; a plane of int32 posts at a
+ * multiple of 4. What follows only begins transfers, none of them waits for one. */
+#define GPU_NO_PLANE SIZE_MAX /* an offset: it is not there, or not wanted */
 /* Base from posts, or from a patch of level-0 posts (lattice_subdivide's arguments) by a pass. */
-enum status gpu_slots_upload_base(struct gpu_slots *slots, uint32_t slot, const int32_t *posts) FURROW_CHECKED;
-enum status gpu_slots_subdivide_base(struct gpu_slots *slots, uint32_t slot, const int32_t *patch,
-				     int shift, uint32_t sub_x, uint32_t sub_y) FURROW_CHECKED;
+enum status gpu_slots_upload_base(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
+				  size_t posts) FURROW_CHECKED;
+enum status gpu_slots_subdivide_base(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
+				     size_t patch, int shift, uint32_t sub_x, uint32_t sub_y) FURROW_CHECKED;
 /* Gives the slot a deform slot, zeroed, if it has none. */
 enum status gpu_slots_deform(struct gpu_slots *slots, uint32_t slot) FURROW_CHECKED;
 /* Takes it away again (the tile in it is about to change). */
 void gpu_slots_undeform(struct gpu_slots *slots, uint32_t slot);
-enum status gpu_slots_upload_deform(struct gpu_slots *slots, uint32_t slot, const int32_t *offset,
-				    const uint8_t *dirt_or_null) FURROW_CHECKED;
-enum status gpu_slots_read_deform(struct gpu_slots *slots, uint32_t slot, int32_t *offset,
-				  uint8_t *dirt_or_null) FURROW_CHECKED;
+/* dirt may be GPU_NO_PLANE: uploaded as zeros, not read. A slot without a plane ignores an upload to
+ * it and reads as zeros, there at once. */
+enum status gpu_slots_upload_deform(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
+				    size_t offset, size_t dirt) FURROW_CHECKED;
+enum status gpu_slots_read_deform(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
+				  size_t offset, size_t dirt) FURROW_CHECKED;
 /* Writes every 2^steps-th post of `fine` inside `rect` of it (in its posts), beginning with the
  * rectangle's first, into the coarse slot's offset and dirt at (to_x, to_y). The rectangle's first
  * post must be one the coarse level has. A fine slot that is not deformed counts as zeros. */

@@ -13,7 +13,7 @@
 
 #include "gpu/internal.h"
 
-#define SCRATCH_COUNT 4 /* patches in flight before an upload has to wait for a pass */
+#define SCRATCH_COUNT 4 /* patches in flight before an upload queues behind the pass of another */
 
 struct deform_slot {
 	struct deform_slot *next; /* of all that were made */
@@ -120,19 +120,20 @@ static enum status need_base(struct gpu_slots *slots, struct entry *entry)
 	return gpu_texture_create(slots->gpu, GPU_R32I, slots->cells + 1, slots->cells + 1, 0, &entry->slot.base);
 }
 
-enum status gpu_slots_upload_base(struct gpu_slots *slots, uint32_t slot, const int32_t *posts)
+enum status gpu_slots_upload_base(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
+				  size_t posts)
 {
 	struct entry *entry = entry_of(slots, slot);
 	enum status status = need_base(slots, entry);
 	if (status != STATUS_OK)
 		return status;
-	gpu_texture_upload(entry->slot.base, 0, whole(slots), posts);
+	gpu_texture_upload_from(entry->slot.base, 0, whole(slots), staging, posts);
 	return gpu_check(slots->gpu, "upload of a tile");
 }
 
 /* The next scratch texture, with the patch in it. */
-static enum status upload_patch(struct gpu_slots *slots, const int32_t *patch, uint32_t stride,
-				struct gpu_texture **out)
+static enum status upload_patch(struct gpu_slots *slots, struct gpu_staging *staging, size_t patch,
+				uint32_t stride, struct gpu_texture **out)
 {
 	struct gpu_texture **scratch = &slots->scratch[slots->next_scratch];
 	if (*scratch == NULL) {
@@ -142,13 +143,13 @@ static enum status upload_patch(struct gpu_slots *slots, const int32_t *patch, u
 			return status;
 	}
 	slots->next_scratch = (slots->next_scratch + 1) % SCRATCH_COUNT;
-	gpu_texture_upload(*scratch, 0, (struct gpu_rect){0, 0, stride, stride}, patch);
+	gpu_texture_upload_from(*scratch, 0, (struct gpu_rect){0, 0, stride, stride}, staging, patch);
 	*out = *scratch;
 	return STATUS_OK;
 }
 
-enum status gpu_slots_subdivide_base(struct gpu_slots *slots, uint32_t slot, const int32_t *patch,
-				     int shift, uint32_t sub_x, uint32_t sub_y)
+enum status gpu_slots_subdivide_base(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
+				     size_t patch, int shift, uint32_t sub_x, uint32_t sub_y)
 {
 	static const struct gpu_program_request request = {"full.vert", "subdivide.frag", {NULL}};
 	struct entry *entry = entry_of(slots, slot);
@@ -166,7 +167,7 @@ enum status gpu_slots_subdivide_base(struct gpu_slots *slots, uint32_t slot, con
 		status = gpu_target_create(slots->gpu, &(struct gpu_attachment){entry->slot.base, 0}, 1,
 					   (struct gpu_attachment){NULL, 0}, &entry->base_target);
 	if (status == STATUS_OK)
-		status = upload_patch(slots, patch, params.stride, &scratch);
+		status = upload_patch(slots, staging, patch, params.stride, &scratch);
 	if (status != STATUS_OK)
 		return status;
 	gpu_pass_run(slots->gpu, &(struct gpu_pass){
@@ -258,34 +259,38 @@ void gpu_slots_undeform(struct gpu_slots *slots, uint32_t slot)
 	entry->slot.deform = NULL;
 }
 
-enum status gpu_slots_upload_deform(struct gpu_slots *slots, uint32_t slot, const int32_t *offset,
-				    const uint8_t *dirt_or_null)
+enum status gpu_slots_upload_deform(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
+				    size_t offset, size_t dirt)
 {
 	struct entry *entry = entry_of(slots, slot);
 	enum status status = need_deform(slots, entry);
 	if (status != STATUS_OK)
 		return status;
-	gpu_texture_upload(entry->slot.offset, 0, whole(slots), offset);
-	if (entry->slot.dirt != NULL && dirt_or_null != NULL)
-		gpu_texture_upload(entry->slot.dirt, 0, whole(slots), dirt_or_null);
+	gpu_texture_upload_from(entry->slot.offset, 0, whole(slots), staging, offset);
+	if (entry->slot.dirt != NULL && dirt != GPU_NO_PLANE)
+		gpu_texture_upload_from(entry->slot.dirt, 0, whole(slots), staging, dirt);
 	else if (entry->slot.dirt != NULL)
 		gpu_texture_clear(entry->slot.dirt, 0, whole(slots), 0);
 	return gpu_check(slots->gpu, "upload of offsets");
 }
 
-enum status gpu_slots_read_deform(struct gpu_slots *slots, uint32_t slot, int32_t *offset,
-				  uint8_t *dirt_or_null)
+static void read_plane(const struct gpu_slots *slots, struct gpu_texture *plane, size_t texel,
+		       struct gpu_staging *staging, size_t offset)
+{
+	size_t posts = (size_t)(slots->cells + 1) * (slots->cells + 1);
+	if (plane != NULL)
+		gpu_texture_read_into(plane, 0, whole(slots), staging, offset);
+	else
+		memset((char *)gpu_staging_bytes(staging) + offset, 0, posts * texel);
+}
+
+enum status gpu_slots_read_deform(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
+				  size_t offset, size_t dirt)
 {
 	const struct entry *entry = entry_of(slots, slot);
-	size_t posts = (size_t)(slots->cells + 1) * (slots->cells + 1);
-	if (entry->slot.offset != NULL)
-		gpu_texture_read(entry->slot.offset, 0, whole(slots), offset);
-	else
-		memset(offset, 0, posts * sizeof *offset);
-	if (entry->slot.dirt != NULL && dirt_or_null != NULL)
-		gpu_texture_read(entry->slot.dirt, 0, whole(slots), dirt_or_null);
-	else if (dirt_or_null != NULL)
-		memset(dirt_or_null, 0, posts);
+	read_plane(slots, entry->slot.offset, sizeof(int32_t), staging, offset);
+	if (dirt != GPU_NO_PLANE)
+		read_plane(slots, entry->slot.dirt, sizeof(uint8_t), staging, dirt);
 	return gpu_check(slots->gpu, "read back of offsets");
 }
 

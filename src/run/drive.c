@@ -152,6 +152,7 @@ static enum status start_pages(struct drive *drive)
 	const struct scene *scene = drive->scene;
 	struct pages_params params = {
 		.store = drive->store,
+		.gpu = drive->gpu,
 		.slots = drive->slots,
 		.level = drive->level,
 		.dirt = scene->dirt,

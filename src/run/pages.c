@@ -2,6 +2,7 @@
 
 #include <assert.h>
 #include <errno.h>
+#include <sched.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -27,6 +28,7 @@ struct pages {
 	struct pages_params params;
 	struct layout layout;
 	struct page_cache *cache;
+	struct gpu_staging *staging; /* a page's bytes on their way; the GPU's thread only */
 	struct ground *grounds[16]; /* one a loader */
 	struct store_page *commit_pages; /* the writer's */
 	size_t commit_room;
@@ -260,6 +262,19 @@ static void overlay_resident(void *user, uint64_t key, uint32_t slot, bool dirty
 		overlay->status = gpu_slots_decimate(slots, slot, rect, steps, overlay->slot, to_x, to_y);
 }
 
+/* Waits for the one transfer there is. */
+static char *staging_bytes(struct pages *pages)
+{
+	while (!gpu_staging_idle(pages->staging))
+		sched_yield();
+	return gpu_staging_bytes(pages->staging);
+}
+
+static size_t dirt_place(const struct pages *pages)
+{
+	return pages->params.dirt ? pages->layout.dirt : GPU_NO_PLANE;
+}
+
 static enum status upload(struct pages *pages, uint32_t slot, struct page_image *image)
 {
 	struct gpu_slots *slots = pages->params.slots;
@@ -268,14 +283,15 @@ static enum status upload(struct pages *pages, uint32_t slot, struct page_image 
 	bool coarser = overlay.tile.level > pages->params.level;
 	if (coarser)
 		page_cache_each_queued(pages->cache, overlay_queued, &overlay);
+	memcpy(staging_bytes(pages), image->bytes, pages->layout.bytes);
 	enum status status =
-		head->shift == 0 ? gpu_slots_upload_base(slots, slot, base_of(pages, image))
-				 : gpu_slots_subdivide_base(slots, slot, base_of(pages, image), head->shift,
-							    head->sub_x, head->sub_y);
+		head->shift == 0 ? gpu_slots_upload_base(slots, slot, pages->staging, pages->layout.base)
+				 : gpu_slots_subdivide_base(slots, slot, pages->staging, pages->layout.base,
+							    head->shift, head->sub_x, head->sub_y);
 	if (status != STATUS_OK)
 		return status;
 	if (image->flags & FLAG_DEFORMED)
-		status = gpu_slots_upload_deform(slots, slot, offset_of(pages, image), dirt_of(pages, image));
+		status = gpu_slots_upload_deform(slots, slot, pages->staging, pages->layout.offset, dirt_place(pages));
 	else
 		gpu_slots_undeform(slots, slot);
 	if (status == STATUS_OK && coarser)
@@ -288,9 +304,17 @@ static enum status read_back(struct pages *pages, uint32_t slot, struct page_ima
 	struct tile tile = tile_from_key(image->key);
 	double started = clock_seconds();
 	enum status status = pages->params.before_read_back(pages->params.user, tile, slot);
-	if (status == STATUS_OK)
-		status = gpu_slots_read_deform(pages->params.slots, slot, offset_of(pages, image),
-					       dirt_of(pages, image));
+	if (status == STATUS_OK) {
+		(void)staging_bytes(pages);
+		status = gpu_slots_read_deform(pages->params.slots, slot, pages->staging, pages->layout.offset,
+					       dirt_place(pages));
+	}
+	if (status == STATUS_OK) {
+		const char *bytes = staging_bytes(pages);
+		status = gpu_check(pages->params.gpu, "read back of offsets");
+		memcpy((char *)image->bytes + pages->layout.offset, bytes + pages->layout.offset,
+		       pages->layout.bytes - pages->layout.offset);
+	}
 	image->flags = FLAG_DEFORMED;
 	mutex_lock(&pages->mutex);
 	pages->io.readback_ms += (clock_seconds() - started) * 1e3;
@@ -333,7 +357,7 @@ enum status pages_create(const struct pages_params *params, struct pages **out)
 	pages->params = *params;
 	mutex_init(&pages->mutex);
 	pages->layout = layout_of(store_meta(params->store)->world.cells, params->dirt);
-	enum status status = STATUS_OK;
+	enum status status = gpu_staging_create(params->gpu, pages->layout.bytes, &pages->staging);
 	for (uint32_t i = 0; i < params->loaders && status == STATUS_OK; i++)
 		status = ground_create(params->store, GROUND_TILES, &pages->grounds[i]);
 	struct page_params cache = cache_params(params, &pages->layout);
@@ -354,6 +378,7 @@ void pages_destroy(struct pages *pages)
 	if (pages == NULL)
 		return;
 	page_cache_destroy(pages->cache);
+	gpu_staging_destroy(pages->staging);
 	for (uint32_t i = 0; i < pages->params.loaders; i++)
 		ground_destroy(pages->grounds[i]);
 	mem_free(pages->commit_pages);

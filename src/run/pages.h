@@ -19,6 +19,7 @@ struct pages;
 
 struct pages_params {
 	struct store *store;
+	struct gpu *gpu;
 	struct gpu_slots *slots; /* of params.count slots */
 	int level;               /* the working level */
 	bool dirt;

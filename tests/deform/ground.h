@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "../gpu/gpu_test.h"
+#include "../gpu/staged.h"
 #include "deform/internal.h"
 #include "deform/reference/reference.h"
 
@@ -68,7 +69,7 @@ static inline void ground_init(struct ground *ground, const struct ground_params
 			       (size_t)(cells + 1) * sizeof *posts);
 		ground->tiles[k] = (struct deform_tile){
 			{0, (uint32_t)params->first + tx, (uint32_t)params->first + ty}, k};
-		assert_ok(gpu_slots_upload_base(ground->slots, k, posts));
+		assert_ok(staged_upload_base(test_gpu, ground->slots, params->cells, k, posts));
 	}
 	mem_free(posts);
 	struct deform_params deform = {
@@ -120,7 +121,8 @@ static inline void ground_read(struct ground *ground)
 	uint8_t *dirt = ground_room(side * side, 1);
 	bool *known = ground_room(ground->posts * ground->posts, sizeof *known);
 	for (uint32_t k = 0; k < ground->tile_count; k++) {
-		assert_ok(gpu_slots_read_deform(ground->slots, k, offset, ground->params.dirt ? dirt : NULL));
+		assert_ok(staged_read_deform(test_gpu, ground->slots, ground->params.cells, k, offset,
+					     ground->params.dirt ? dirt : NULL));
 		for (int64_t i = 0; i < side * side; i++) {
 			int64_t x = k % ground->params.tiles * cells + i % side, y = k / ground->params.tiles * cells + i / side;
 			int64_t at = y * ground->posts + x;

@@ -124,8 +124,8 @@ static void the_box_filter_is_that_of_the_reference_bit_for_bit(void **state)
 			for (int i = 0; i < 33 * 33; i++)
 				if (smoothed.base[(k / 2 * 32 + i / 33) * 65 + k % 2 * 32 + i % 33] == BASE_NODATA)
 					was[i] = 0;
-			assert_ok(gpu_slots_upload_deform(pressed.slots, k, was, NULL));
-			assert_ok(gpu_slots_upload_deform(smoothed.slots, k, was, NULL));
+			assert_ok(staged_upload_deform(test_gpu, pressed.slots, 32, k, was, NULL));
+			assert_ok(staged_upload_deform(test_gpu, smoothed.slots, 32, k, was, NULL));
 		}
 		mem_free(was);
 		/* Across the world's rim too. */

@@ -3,7 +3,7 @@
  * it is told and goes on being told, no page that the store has not is let go, and the store holds
  * exactly what the ground was at the end of the step of its last epoch.
  *
- * The slots are this file's own: it has the functions of gpu_slots.c that the adaptor calls, so that
+ * Staging and slots are this file's own: it has the functions of gpu that the adaptor calls, so that
  * the linker takes no others. The threads' calls come in any order; some Ns of each kind are tried.
  */
 #include "sweep.h"
@@ -14,7 +14,33 @@
 #define LEVEL -1
 enum { SLOTS = 6, STEPS = 24, RADIUS = 5 };
 
-/* --- slots in memory --- */
+/* --- staging, which is its bytes and no more, and slots in memory --- */
+
+enum status gpu_staging_create(struct gpu *gpu, size_t bytes, struct gpu_staging **out)
+{
+	*out = mem_alloc(1, bytes);
+	return *out != NULL ? STATUS_OK : fail_memory("staging");
+}
+
+void gpu_staging_destroy(struct gpu_staging *staging)
+{
+	mem_free(staging);
+}
+
+void *gpu_staging_bytes(struct gpu_staging *staging)
+{
+	return staging;
+}
+
+bool gpu_staging_idle(struct gpu_staging *staging)
+{
+	return true;
+}
+
+enum status gpu_check(struct gpu *gpu, const char *what)
+{
+	return STATUS_OK;
+}
 
 struct gpu_slots {
 	struct {
@@ -24,13 +50,13 @@ struct gpu_slots {
 	} slots[SLOTS];
 };
 
-enum status gpu_slots_upload_base(struct gpu_slots *slots, uint32_t slot, const int32_t *posts)
+enum status gpu_slots_upload_base(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging, size_t posts)
 {
 	return STATUS_OK;
 }
 
-enum status gpu_slots_subdivide_base(struct gpu_slots *slots, uint32_t slot, const int32_t *patch, int shift,
-				     uint32_t sub_x, uint32_t sub_y)
+enum status gpu_slots_subdivide_base(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
+				     size_t patch, int shift, uint32_t sub_x, uint32_t sub_y)
 {
 	return STATUS_OK;
 }
@@ -50,19 +76,20 @@ void gpu_slots_undeform(struct gpu_slots *slots, uint32_t slot)
 	slots->slots[slot].deformed = false;
 }
 
-enum status gpu_slots_upload_deform(struct gpu_slots *slots, uint32_t slot, const int32_t *offset,
-				    const uint8_t *dirt)
+enum status gpu_slots_upload_deform(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
+				    size_t offset, size_t dirt)
 {
 	slots->slots[slot].deformed = true;
-	memcpy(slots->slots[slot].offset, offset, sizeof slots->slots[slot].offset);
-	memcpy(slots->slots[slot].dirt, dirt, sizeof slots->slots[slot].dirt);
+	memcpy(slots->slots[slot].offset, (char *)staging + offset, sizeof slots->slots[slot].offset);
+	memcpy(slots->slots[slot].dirt, (char *)staging + dirt, sizeof slots->slots[slot].dirt);
 	return STATUS_OK;
 }
 
-enum status gpu_slots_read_deform(struct gpu_slots *slots, uint32_t slot, int32_t *offset, uint8_t *dirt)
+enum status gpu_slots_read_deform(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging, size_t offset,
+				  size_t dirt)
 {
-	memcpy(offset, slots->slots[slot].offset, sizeof slots->slots[slot].offset);
-	memcpy(dirt, slots->slots[slot].dirt, sizeof slots->slots[slot].dirt);
+	memcpy((char *)staging + offset, slots->slots[slot].offset, sizeof slots->slots[slot].offset);
+	memcpy((char *)staging + dirt, slots->slots[slot].dirt, sizeof slots->slots[slot].dirt);
 	return STATUS_OK;
 }
 

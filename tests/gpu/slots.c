@@ -1,5 +1,6 @@
 /* Slots: allocated when needed, reused, and their passes the same as base's pure functions. */
 #include "gpu_test.h"
+#include "staged.h"
 
 static int32_t *random_ints(size_t count)
 {
@@ -47,17 +48,17 @@ static void planes_are_allocated_when_first_needed_and_reused(void **state)
 	assert_ok(gpu_slots_create(test_gpu, N, 100, true, &slots));
 	assert_int_equal(textures_alive(), 0);
 	assert_null(gpu_slots_get(slots, 7)->base);
-	assert_ok(gpu_slots_upload_base(slots, 7, posts));
-	assert_ok(gpu_slots_upload_base(slots, 7, posts));
+	assert_ok(staged_upload_base(test_gpu, slots, N, 7, posts));
+	assert_ok(staged_upload_base(test_gpu, slots, N, 7, posts));
 	assert_int_equal(textures_alive(), 1);
 	assert_non_null(gpu_slots_get(slots, 7)->base);
 	assert_null(gpu_slots_get(slots, 7)->offset);
 
 	memset(dirt, 9, sizeof dirt);
-	assert_ok(gpu_slots_upload_deform(slots, 7, posts, dirt));
+	assert_ok(staged_upload_deform(test_gpu, slots, N, 7, posts, dirt));
 	assert_int_equal(textures_alive(), 3);
 	assert_ok(gpu_slots_deform(slots, 7)); /* has one: keeps what is in it */
-	assert_ok(gpu_slots_read_deform(slots, 7, offset, dirt));
+	assert_ok(staged_read_deform(test_gpu, slots, N, 7, offset, dirt));
 	assert_memory_equal(offset, posts, sizeof offset);
 	assert_int_equal(dirt[POSTS - 1], 9);
 	struct gpu_texture *home = gpu_slots_get(slots, 7)->offset;
@@ -67,20 +68,20 @@ static void planes_are_allocated_when_first_needed_and_reused(void **state)
 	assert_null(gpu_slots_get(slots, 7)->offset);
 	assert_null(gpu_slots_get(slots, 7)->dirt);
 	assert_null(gpu_slots_get(slots, 7)->deform);
-	assert_ok(gpu_slots_read_deform(slots, 7, offset, dirt));
+	assert_ok(staged_read_deform(test_gpu, slots, N, 7, offset, dirt));
 	assert_memory_equal(offset, zeros, sizeof offset);
 
 	assert_ok(gpu_slots_deform(slots, 50)); /* another slot takes it over, zeroed */
 	assert_ptr_equal(gpu_slots_get(slots, 50)->offset, home);
 	assert_int_equal(textures_alive(), 3);
-	assert_ok(gpu_slots_read_deform(slots, 50, offset, dirt));
+	assert_ok(staged_read_deform(test_gpu, slots, N, 50, offset, dirt));
 	assert_memory_equal(offset, zeros, sizeof offset);
 	assert_memory_equal(dirt, zeros, sizeof dirt);
 
 	memset(dirt, 9, sizeof dirt);
-	assert_ok(gpu_slots_upload_deform(slots, 50, posts, dirt));
-	assert_ok(gpu_slots_upload_deform(slots, 50, posts, NULL)); /* no dirt given: clean */
-	assert_ok(gpu_slots_read_deform(slots, 50, offset, dirt));
+	assert_ok(staged_upload_deform(test_gpu, slots, N, 50, posts, dirt));
+	assert_ok(staged_upload_deform(test_gpu, slots, N, 50, posts, NULL)); /* no dirt given: clean */
+	assert_ok(staged_read_deform(test_gpu, slots, N, 50, offset, dirt));
 	assert_memory_equal(dirt, zeros, sizeof dirt);
 	struct gpu_slots_bytes bytes;
 	gpu_slots_bytes(slots, &bytes);
@@ -105,7 +106,7 @@ static void without_dirt_there_is_no_dirt_plane(void **state)
 	assert_null(gpu_slots_get(slots, 0)->dirt);
 	assert_int_equal(textures_alive(), 1);
 	memset(dirt, 1, sizeof dirt);
-	assert_ok(gpu_slots_read_deform(slots, 0, offset, dirt));
+	assert_ok(staged_read_deform(test_gpu, slots, N, 0, offset, dirt));
 	assert_memory_equal(dirt, zeros, sizeof dirt);
 	gpu_slots_destroy(slots);
 }
@@ -127,7 +128,7 @@ static void subdivision_is_that_of_base_at_every_level(void **state)
 				uint32_t sub_x = i == 0 ? tiles - 1 : any_word() % tiles, sub_y = i == 1 ? tiles - 1 : any_word() % tiles;
 				int32_t *patch = random_ints((size_t)stride * stride);
 				lattice_subdivide(patch, n, shift, sub_x * n, sub_y * n, expected);
-				assert_ok(gpu_slots_subdivide_base(slots, (uint32_t)i % 3, patch, shift, sub_x * n, sub_y * n));
+				assert_ok(staged_subdivide_base(test_gpu, slots, n, (uint32_t)i % 3, patch, shift, sub_x * n, sub_y * n));
 				gpu_texture_read(gpu_slots_get(slots, (uint32_t)i % 3)->base, 0, rect_of(0, 0, n + 1, n + 1), read);
 				assert_memory_equal(read, expected, posts * sizeof *read);
 				mem_free(patch);
@@ -137,6 +138,34 @@ static void subdivision_is_that_of_base_at_every_level(void **state)
 		gpu_slots_destroy(slots);
 		mem_free(expected);
 		mem_free(read);
+	}
+}
+
+/* More patches than there are scratch textures, all in one staging, and nobody waits between. */
+static void patches_in_flight_do_not_mix(void **state)
+{
+	enum { CELLS = 16, COUNT = 12, SIDE = CELLS / 2 + 1, PATCH = SIDE * SIDE, TILE = (CELLS + 1) * (CELLS + 1) };
+	int32_t expected[TILE], read[TILE];
+	struct gpu_staging *staging;
+	struct gpu_slots *slots;
+	(void)state;
+	need_gpu();
+	for (int direct = 0; direct < 2; direct++) {
+		assert_int_equal(lattice_patch_posts(CELLS, 1), SIDE);
+		assert_ok(gpu_slots_create(test_gpu, CELLS, COUNT, false, &slots));
+		int32_t *patches = random_ints(COUNT * PATCH);
+		assert_ok(staged_from(test_gpu, patches, COUNT * PATCH * sizeof *patches, NULL, 0, &staging));
+		staging->direct = direct == 1;
+		for (uint32_t i = 0; i < COUNT; i++)
+			assert_ok(gpu_slots_subdivide_base(slots, i, staging, STAGED_AT + i * PATCH * sizeof *patches, 1, 0, 0));
+		for (uint32_t i = 0; i < COUNT; i++) {
+			lattice_subdivide(patches + i * PATCH, CELLS, 1, 0, 0, expected);
+			gpu_texture_read(gpu_slots_get(slots, i)->base, 0, rect_of(0, 0, CELLS + 1, CELLS + 1), read);
+			assert_memory_equal(read, expected, sizeof read);
+		}
+		gpu_staging_destroy(staging);
+		gpu_slots_destroy(slots);
+		mem_free(patches);
 	}
 }
 
@@ -155,13 +184,13 @@ static void pair_init(struct pair *pair)
 	pair->fine_dirt = random_bytes(POSTS);
 	pair->coarse_dirt = random_bytes(POSTS);
 	assert_ok(gpu_slots_create(test_gpu, N, 2, true, &pair->slots));
-	assert_ok(gpu_slots_upload_deform(pair->slots, 0, pair->fine, pair->fine_dirt));
-	assert_ok(gpu_slots_upload_deform(pair->slots, 1, pair->coarse, pair->coarse_dirt));
+	assert_ok(staged_upload_deform(test_gpu, pair->slots, N, 0, pair->fine, pair->fine_dirt));
+	assert_ok(staged_upload_deform(test_gpu, pair->slots, N, 1, pair->coarse, pair->coarse_dirt));
 }
 
 static void pair_check(struct pair *pair)
 {
-	assert_ok(gpu_slots_read_deform(pair->slots, 1, pair->read, pair->read_dirt));
+	assert_ok(staged_read_deform(test_gpu, pair->slots, N, 1, pair->read, pair->read_dirt));
 	assert_memory_equal(pair->read, pair->coarse, sizeof pair->read);
 	assert_memory_equal(pair->read_dirt, pair->coarse_dirt, sizeof pair->read_dirt);
 }
@@ -232,12 +261,12 @@ static void decimation_through_levels_is_decimation_by_steps(void **state)
 	need_gpu();
 	int32_t *fine = random_ints(POSTS);
 	assert_ok(gpu_slots_create(test_gpu, N, 4, false, &slots));
-	assert_ok(gpu_slots_upload_deform(slots, 0, fine, NULL));
+	assert_ok(staged_upload_deform(test_gpu, slots, N, 0, fine, NULL));
 	assert_ok(gpu_slots_decimate(slots, 0, rect_of(0, 0, N + 1, N + 1), 2, 3, 0, 0));
 	assert_ok(gpu_slots_decimate(slots, 0, rect_of(0, 0, N + 1, N + 1), 1, 1, 0, 0));
 	assert_ok(gpu_slots_decimate(slots, 1, rect_of(0, 0, N / 2 + 1, N / 2 + 1), 1, 2, 0, 0));
-	assert_ok(gpu_slots_read_deform(slots, 3, direct, NULL));
-	assert_ok(gpu_slots_read_deform(slots, 2, stepwise, NULL));
+	assert_ok(staged_read_deform(test_gpu, slots, N, 3, direct, NULL));
+	assert_ok(staged_read_deform(test_gpu, slots, N, 2, stepwise, NULL));
 	assert_memory_equal(direct, stepwise, sizeof direct);
 	gpu_slots_destroy(slots);
 	mem_free(fine);
@@ -266,26 +295,28 @@ static void an_untouched_fine_tile_decimates_as_zeros(void **state)
 static void a_failed_allocation_loses_nothing(void **state)
 {
 	enum { M = 8, COUNT = (M + 1) * (M + 1) };
-	int32_t posts[COUNT] = {1}, read[COUNT], patch[25] = {0};
+	int32_t posts[COUNT] = {1}, read[COUNT];
+	struct gpu_staging *staging;
 	(void)state;
 	need_gpu();
+	assert_ok(staged_from(test_gpu, posts, sizeof posts, NULL, 0, &staging));
 	for (uint64_t nth = 1;; nth++) {
 		struct gpu_slots *slots = NULL;
 		mem_fail_nth(nth, 0);
 		enum status status = gpu_slots_create(test_gpu, M, 2, true, &slots);
 		if (status == STATUS_OK)
-			status = gpu_slots_upload_base(slots, 0, posts);
+			status = gpu_slots_upload_base(slots, 0, staging, STAGED_AT);
 		if (status == STATUS_OK)
-			status = gpu_slots_subdivide_base(slots, 0, patch, 1, 0, 0);
+			status = gpu_slots_subdivide_base(slots, 0, staging, STAGED_AT, 1, 0, 0);
 		if (status == STATUS_OK)
-			status = gpu_slots_upload_deform(slots, 0, posts, NULL);
+			status = gpu_slots_upload_deform(slots, 0, staging, STAGED_AT, GPU_NO_PLANE);
 		if (status == STATUS_OK)
 			status = gpu_slots_decimate(slots, 0, rect_of(0, 0, M + 1, M + 1), 1, 1, 0, 0);
 		bool reached = mem_fail_nth(0, 0) >= nth;
 		assert_int_equal(status, reached ? STATUS_FAILED : STATUS_OK);
 		if (slots != NULL) {
-			assert_ok(gpu_slots_upload_deform(slots, 0, posts, NULL));
-			assert_ok(gpu_slots_read_deform(slots, 0, read, NULL));
+			assert_ok(staged_upload_deform(test_gpu, slots, M, 0, posts, NULL));
+			assert_ok(staged_read_deform(test_gpu, slots, M, 0, read, NULL));
 			assert_memory_equal(read, posts, sizeof read);
 		}
 		gpu_slots_destroy(slots);
@@ -293,6 +324,7 @@ static void a_failed_allocation_loses_nothing(void **state)
 		if (!reached)
 			break;
 	}
+	gpu_staging_destroy(staging);
 }
 
 int main(void)
@@ -302,6 +334,7 @@ int main(void)
 		cmocka_unit_test(planes_are_allocated_when_first_needed_and_reused),
 		cmocka_unit_test(without_dirt_there_is_no_dirt_plane),
 		cmocka_unit_test(subdivision_is_that_of_base_at_every_level),
+		cmocka_unit_test(patches_in_flight_do_not_mix),
 		cmocka_unit_test(decimation_of_a_tile_is_that_of_base),
 		cmocka_unit_test(decimation_writes_the_changed_posts_and_no_others),
 		cmocka_unit_test(decimation_through_levels_is_decimation_by_steps),

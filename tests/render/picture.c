@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../gpu/staged.h"
 #include "render/internal.h"
 
 #define WIDTH 192
@@ -114,10 +115,10 @@ static void load(struct tile tile)
 			offset[j * POSTS + i] = in ? offset_at(x, y) : 0;
 			any = any || offset[j * POSTS + i] != 0;
 		}
-	assert_ok(gpu_slots_upload_base(slots, resident_count, base));
+	assert_ok(staged_upload_base(gpu, slots, CELLS, resident_count, base));
 	gpu_slots_undeform(slots, resident_count);
 	if (any)
-		assert_ok(gpu_slots_upload_deform(slots, resident_count, offset, NULL));
+		assert_ok(staged_upload_deform(gpu, slots, CELLS, resident_count, offset, NULL));
 	resident[resident_count++] = tile_key(tile);
 }
 
@@ -362,7 +363,7 @@ static void a_tile_looks_the_same_ten_thousand_kilometres_away(void **state)
 		assert_ok(gpu_slots_create(gpu, CELLS, 1, false, &slots));
 		params.slots = slots;
 		assert_ok(render_create(&params, &render));
-		assert_ok(gpu_slots_upload_base(slots, 0, base));
+		assert_ok(staged_upload_base(gpu, slots, CELLS, 0, base));
 		selection.draw_count = 1;
 		selection.draws[0] = (struct terrain_draw){
 			.tile = {0, shift + 1, shift + 1}, .quadrants = 15, .finest = true, .low = 7999, .high = 8001,
@@ -393,9 +394,9 @@ static void every_choice_of_effects_draws(void **state)
 		params.slots = slots;
 		assert_ok(render_create(&params, &render));
 		for (uint32_t i = 0; i < 3; i++)
-			assert_ok(gpu_slots_upload_base(slots, i, posts));
-		assert_ok(gpu_slots_upload_deform(slots, 1, posts, dirt));
-		assert_ok(gpu_slots_upload_deform(slots, 2, posts, dirt));
+			assert_ok(staged_upload_base(gpu, slots, CELLS, i, posts));
+		assert_ok(staged_upload_deform(gpu, slots, CELLS, 1, posts, dirt));
+		assert_ok(staged_upload_deform(gpu, slots, CELLS, 2, posts, dirt));
 		selection.draw_count = 3;
 		for (uint32_t i = 0; i < 3; i++)
 			selection.draws[i] = (struct terrain_draw){

@@ -3,6 +3,7 @@
  * working level, whether it was there when the ground changed or came later, and whatever of the
  * change is in a slot, in the queue or in the store by then.
  */
+#include "../gpu/staged.h"
 #include "../support.h"
 
 #include "run/internal.h"
@@ -50,6 +51,7 @@ static void rig_open(struct rig *rig, const char *path, uint32_t slots)
 						   ground_reference(drive->store), DEFORM_BOX_FILTER, 1, 1, true},
 			   &drive->deform));
 	must(pages_create(&(struct pages_params){.store = drive->store,
+						 .gpu = drive->gpu,
 						 .slots = drive->slots,
 						 .level = LEVEL,
 						 .dirt = true,
@@ -107,7 +109,7 @@ static void read_tile(struct rig *rig, struct tile tile, int32_t *offset, uint8_
 	memset(offset, 0, posts * sizeof *offset);
 	memset(dirt, 0, posts);
 	if (gpu_slots_get(rig->drive.slots, slot)->offset != NULL)
-		must(gpu_slots_read_deform(rig->drive.slots, slot, offset, dirt));
+		must(staged_read_deform(rig->drive.gpu, rig->drive.slots, CELLS, slot, offset, dirt));
 	page_cache_unpin(rig->drive.cache, tile_key(tile));
 }
 
