@@ -82,12 +82,15 @@ static double work_ms(struct rig *rig)
 
 static void transfer(struct rig *rig, bool upload, bool mapped)
 {
-	if (!mapped)
-		upload ? gpu_texture_upload(rig->textures[0], 0, whole, rig->posts) : gpu_texture_read(rig->textures[0], 0, whole, rig->posts);
+	struct gpu_texture *tile = rig->textures[0];
+	if (mapped && upload)
+		gpu_texture_upload_from(tile, 0, whole, rig->staging, 0);
+	else if (mapped)
+		gpu_texture_read_into(tile, 0, whole, rig->staging, 0);
 	else if (upload)
-		gpu_texture_upload_from(rig->textures[0], 0, whole, rig->staging, 0);
+		gpu_texture_upload(tile, 0, whole, rig->posts);
 	else
-		gpu_texture_read_into(rig->textures[0], 0, whole, rig->staging, 0);
+		gpu_texture_read(tile, 0, whole, rig->posts);
 	bench_must(gpu_check(rig->gpu, "bench"));
 }
 
@@ -108,10 +111,11 @@ static void measure(struct rig *rig, bool upload, bool mapped, enum work work)
 		call[run] = (called - queued) * 1e6;
 		over[run] = (ended - queued) * 1e6;
 	}
-	printf("{\"bench\": \"transfer\", \"what\": \"%s\", \"by\": \"%s\", \"behind\": \"%s\", \"draws\": %s, \"queue_us\": %.1f, "
-	       "\"call_us\": %.1f, \"over_us\": %.1f, \"gl\": \"%s\"}\n",
+	printf("{\"bench\": \"transfer\", \"what\": \"%s\", \"by\": \"%s\", \"behind\": \"%s\", \"draws\": %s, "
+	       "\"queue_us\": %.1f, \"call_us\": %.1f, \"over_us\": %.1f, \"gl\": \"%s\"}\n",
 	       upload ? "upload" : "read", mapped ? "mapped" : "pointer", work_names[work], rig->draws ? "true" : "false",
-	       bench_median(queue, RUNS), bench_median(call, RUNS), bench_median(over, RUNS), gpu_info(rig->gpu)->renderer);
+	       bench_median(queue, RUNS), bench_median(call, RUNS), bench_median(over, RUNS),
+	       gpu_info(rig->gpu)->renderer);
 	fflush(stdout);
 }
 

@@ -51,7 +51,8 @@ static void planes_are_allocated_when_first_needed_and_reused(void **state)
 	assert_ok(staged_upload_base(test_gpu, slots, N, 7, posts));
 	assert_ok(staged_upload_base(test_gpu, slots, N, 7, posts));
 	assert_int_equal(textures_alive(), 1);
-	assert_non_null(gpu_slots_get(slots, 7)->base);
+	gpu_texture_read(gpu_slots_get(slots, 7)->base, 0, rect_of(0, 0, N + 1, N + 1), offset);
+	assert_memory_equal(offset, posts, sizeof offset);
 	assert_null(gpu_slots_get(slots, 7)->offset);
 
 	memset(dirt, 9, sizeof dirt);

@@ -192,6 +192,9 @@ static void memory_that_is_idle_again_is_ones_own(void **state)
 			memset(gpu_staging_bytes(staging), round, BYTES);
 			gpu_texture_read(tile, 0, whole, seen);
 			assert_memory_equal(seen, data, BYTES);
+			gpu_texture_upload(tile, 0, rect_of(0, 0, SIDE, 1), seen + BYTES / 2); /* a pointer still is one */
+			gpu_texture_read(tile, 0, rect_of(0, 0, SIDE, 1), seen);
+			assert_memory_equal(seen, seen + BYTES / 2, SIDE * 4);
 		}
 		gpu_staging_destroy(staging);
 		gpu_texture_destroy(tile);
@@ -284,6 +287,7 @@ static void failed(struct gpu_staging *staging, struct gpu_texture *tile, const 
 {
 	struct gpu_staging *another;
 	int32_t *map = gpu_staging_bytes(staging);
+	GLsync fence = staging->fence;
 	assert_true(gpu_staging_idle(staging));
 	assert_int_equal(gpu_check(test_gpu, "later"), STATUS_FAILED);
 	assert_non_null(strstr(failure_message(), what));
@@ -294,6 +298,7 @@ static void failed(struct gpu_staging *staging, struct gpu_texture *tile, const 
 	assert_true(gpu_staging_idle(staging));
 	assert_int_equal(map[0], 5);
 	assert_int_equal(map[1], 0);
+	assert_ptr_equal(staging->fence, fence); /* GL was not called */
 	gpu_staging_destroy(staging);
 	gpu_texture_destroy(tile);
 	close_gpu(NULL);
@@ -308,6 +313,8 @@ static void a_wait_that_fails_is_told_and_stays(void **state)
 	struct gpu_staging *staging = staging_of(64, 0);
 	gpu_texture_read_into(tile, 0, rect_of(0, 0, 1, 1), staging, 0);
 	glDeleteSync(staging->fence); /* GL forgets it: waits for it fail */
+	assert_true(gpu_staging_idle(staging));
+	assert_null(staging->fence);
 	failed(staging, tile, "transfer of a tile: GL says invalid value");
 }
 
