@@ -1,10 +1,13 @@
 #define _GNU_SOURCE
 #include "base/thread.h"
 
+#include <errno.h>
+#include <math.h>
 #include <sched.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 static void must(int error)
 {
@@ -34,7 +37,11 @@ void mutex_unlock(struct mutex *mutex)
 
 void condition_init(struct condition *condition)
 {
-	must(pthread_cond_init(&condition->handle, NULL));
+	pthread_condattr_t attributes;
+	must(pthread_condattr_init(&attributes));
+	must(pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC));
+	must(pthread_cond_init(&condition->handle, &attributes));
+	must(pthread_condattr_destroy(&attributes));
 }
 
 void condition_finish(struct condition *condition)
@@ -45,6 +52,21 @@ void condition_finish(struct condition *condition)
 void condition_wait(struct condition *condition, struct mutex *mutex)
 {
 	must(pthread_cond_wait(&condition->handle, &mutex->handle));
+}
+
+void condition_wait_for(struct condition *condition, struct mutex *mutex, double seconds)
+{
+	struct timespec until;
+	must(clock_gettime(CLOCK_MONOTONIC, &until));
+	double whole = floor(seconds);
+	until.tv_sec += (time_t)whole;
+	until.tv_nsec += (long)((seconds - whole) * 1e9);
+	if (until.tv_nsec >= 1000000000) {
+		until.tv_sec++;
+		until.tv_nsec -= 1000000000;
+	}
+	int error = pthread_cond_timedwait(&condition->handle, &mutex->handle, &until);
+	must(error == ETIMEDOUT ? 0 : error);
 }
 
 void condition_wake_all(struct condition *condition)

@@ -31,6 +31,8 @@ void mutex_unlock(struct mutex *mutex);
 void condition_init(struct condition *condition);
 void condition_finish(struct condition *condition);
 void condition_wait(struct condition *condition, struct mutex *mutex);
+/* As condition_wait, but for at most so many seconds. */
+void condition_wait_for(struct condition *condition, struct mutex *mutex, double seconds);
 void condition_wake_all(struct condition *condition);
 
 /* Signals are blocked in the new thread, so that Ctrl-C always reaches the main one. */

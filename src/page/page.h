@@ -2,15 +2,20 @@
  * page: decides which tiles are resident, and keeps what was changed until it is committed.
  *
  * It knows neither GL nor SQLite. The owner (one thread, the one that owns GL) asks for pages by
- * key, executes the work list the cache emits ("upload 7", "read back 9"), and says when a step is
+ * key, executes the work the cache hands it ("upload 7", "read back 9"), and says when a step is
  * over. Loader threads call io.load, one writer thread calls io.commit; both outside the mutex.
+ * The owner begins an upload or a read-back and does not wait for it: the cache asks later whether
+ * it is settled, and until then leaves its image alone.
  *
  * Every function is for the owner thread unless it says otherwise.
  *
  *     ABSENT -> LOADING -> LOADED -> (upload) -> RESIDENT -> (read back, if dirty) -> ABSENT
  *                                                   |  ^                 |
  *                                                  pin unpin             v
- *                                                              queue -> committing -> gone
+ *                                                      queue (filling -> full) -> committing -> gone
+ *
+ * The page that goes for another is the least recently used one that is not pinned; one that is
+ * wished for goes only if there is no other. Use is a pin, or a picture's peek.
  */
 #ifndef FURROW_PAGE_H
 #define FURROW_PAGE_H
@@ -21,16 +26,20 @@
 #include "base/base.h"
 
 /* A page's bytes on the host. What they mean is the io's and the executor's business. */
+enum page_image_kind { PAGE_LOADED_IMAGE, PAGE_CHANGED_IMAGE }; /* all planes; those a step changes */
 struct page_image {
 	uint64_t key;
-	unsigned flags; /* the io's own: which planes are filled, kind of base */
-	void *bytes;    /* params.page_bytes, owned by the cache */
+	unsigned flags; /* the io's own: which planes are filled */
+	bool overlays;  /* set by io.load: its upload looks at the queue's versions of other pages */
+	void *bytes;    /* executor.create's */
+	void *memory;   /* executor.create's own */
 };
 
 struct page_io {
 	void *user;
-	/* A loader thread (0 .. loaders - 1): fill `image`. `queued` is the newest version of this page
-	 * that is not in the store yet, or NULL: its read-back planes are newer than the store's. */
+	/* A loader thread (0 .. loaders - 1; the owner is 0 without loaders): fill `image`. `queued` is
+	 * the newest version of this page that is not in the store yet, or NULL: the planes it has are
+	 * newer than the store's. */
 	enum status (*load)(void *user, unsigned loader, struct page_image *image,
 			    const struct page_image *queued);
 	/* The writer thread: commit `images` and `record` as one epoch, all or nothing. */
@@ -38,41 +47,48 @@ struct page_io {
 			      const void *record);
 };
 
-/* The work list: what the owner must do to slots, in this order. */
-enum page_work_kind {
-	PAGE_UPLOAD,    /* fill slot `slot` from `image` */
-	PAGE_READ_BACK, /* fill `image` (what changed: the io knows which planes) from slot `slot` */
-};
+/* What the owner does to slots and to the memory that feeds them; all in the order it is asked. */
 struct page_executor {
 	void *user;
-	enum status (*execute)(void *user, enum page_work_kind kind, uint32_t slot,
-			       struct page_image *image);
+	/* Sets image->bytes and image->memory; kept until destroy, which may wait. */
+	enum status (*create)(void *user, enum page_image_kind kind, struct page_image *image);
+	void (*destroy)(void *user, struct page_image *image);
+	/* Begin to fill the slot from the image, or the image from the slot. */
+	enum status (*upload)(void *user, uint32_t slot, struct page_image *image);
+	enum status (*read_back)(void *user, uint32_t slot, struct page_image *image);
+	/* Whether what was begun last with this image is over; never waits. */
+	enum status (*settled)(void *user, const struct page_image *image, bool *settled);
 };
 
 struct page_params {
 	uint32_t slots;   /* at least 1 */
-	uint32_t loaders; /* threads, at least 1 */
-	size_t page_bytes;
-	uint32_t queue_soft; /* pages waiting for a commit at which page_cache_end_step starts an epoch */
-	uint32_t queue_hard; /* the bound: more than this is STATUS_FAILED */
-	double epoch_age;    /* seconds after which a change is committed; 0: only on a full queue */
+	uint32_t loaders; /* threads; 0: the owner loads, and nothing ahead of time */
+	/* Changed pages (dirty, or waiting for a commit) at which page_cache_end_step starts an epoch;
+	 * at twice as many it waits for the one in flight. */
+	uint32_t queue_soft;
+	uint32_t queue_most; /* images for changed pages: PAGE_QUEUE_MOST; needing more is STATUS_FAILED */
+	double epoch_age;    /* seconds after which a change is committed; 0: only by their number */
 	size_t record_bytes; /* of the run's record, copied at each epoch */
 	struct page_io io;
 	struct page_executor executor;
 };
+/* Enough for any step that changes `step_pages` pages: as many wait, at most, as are committed. */
+#define PAGE_QUEUE_MOST(soft, step_pages) (2 * (2 * (soft) + (step_pages)))
+/* Images for loads, made at once and kept. */
+uint32_t page_load_images(uint32_t loaders);
 
 struct page_stats {
 	uint64_t hits, misses;    /* accesses by page_cache_pin that found it resident, or not */
-	uint64_t prefetched;      /* loads begun by page_cache_prefetch */
+	uint64_t prefetched;      /* loads begun for a wish */
+	uint64_t cancelled;       /* wishes given up before they were resident */
 	uint64_t late;            /* misses whose load was already on its way */
 	uint64_t evictions;       /* pages that gave up their slot */
 	uint64_t writebacks;      /* pages committed */
-	uint64_t stalls;          /* times the owner waited for a page */
+	uint64_t stalls;          /* times the owner waited: for a page, for the queue, for an epoch */
 	double stall_ms;
 	uint64_t touched;         /* different pages ever pinned */
 	uint64_t commits;         /* epochs whose commit returned */
-	uint32_t queue_peak;      /* pages waiting for a commit, at most */
-	uint64_t host_bytes;      /* host buffers allocated */
+	uint32_t queue_peak;      /* images of changed pages made */
 };
 
 struct page_cache;
@@ -91,16 +107,23 @@ void page_cache_unpin(struct page_cache *cache, uint64_t key);
 /* The pinned page now differs from the store. */
 void page_cache_dirty(struct page_cache *cache, uint64_t key);
 
-/* Asks for a page without waiting; ignored when nothing can be evicted for it. */
-void page_cache_prefetch(struct page_cache *cache, uint64_t key);
+/* The whole wish list, soonest needed first, each key once: these are loaded ahead, in this order, as far
+ * as there are slots that this step has not used, and stay if anything else can go. What was wished
+ * before and is not in the list is cancelled. */
+void page_cache_want(struct page_cache *cache, const uint64_t *keys, size_t count);
+/* How far the last list is: some of it is on its way; or all is resident, so that until it changes it
+ * need not be given again; or neither, for want of slots, or since a load failed or something else
+ * had to have a slot. */
+enum page_wishes { PAGE_WISHES_COMING, PAGE_WISHES_HERE, PAGE_WISHES_SHORT };
+enum page_wishes page_cache_wishes(struct page_cache *cache);
 /* True, with its slot, if resident now; no wait, no load, no pin. With `use` it becomes the most
- * recently used. The slot is valid until the next call that can evict (pin, prefetch, poll). */
+ * recently used. The slot is valid until the next call that can evict (pin, poll). */
 bool page_cache_peek(struct page_cache *cache, uint64_t key, bool use, uint32_t *slot);
 /* Executes the work that is ready (finished loads become resident), without waiting. */
 enum status page_cache_poll(struct page_cache *cache) FURROW_CHECKED;
 
-/* The step is over and every page is consistent: starts an epoch if the queue is full enough or a
- * change is old enough. `record` (record_bytes) goes into it. Dirty pages are read back now and
+/* The step is over and every page is consistent: starts an epoch if enough changed or a change is
+ * old enough. `record` (record_bytes) goes into it. Dirty pages are read back as they are now and
  * committed in the background; they are clean unless dirtied again. Sticky failures surface here. */
 enum status page_cache_end_step(struct page_cache *cache, const void *record) FURROW_CHECKED;
 /* Commits everything and waits for it. */
@@ -108,7 +131,8 @@ enum status page_cache_flush(struct page_cache *cache, const void *record) FURRO
 
 /* Versions of pages that a load which began before now may have missed: those waiting for a commit,
  * and those committed after the oldest load still on its way began. Oldest first. An executor that
- * uploads a coarser level overlays them, and then what each_resident shows. */
+ * uploads an image that `overlays` looks at them, and then at what each_resident shows; all are
+ * filled then. At other times one whose read-back is not settled is not shown. */
 typedef void (*page_image_fn)(void *user, const struct page_image *image);
 void page_cache_each_queued(struct page_cache *cache, page_image_fn fn, void *user);
 /* Resident pages, any order. */

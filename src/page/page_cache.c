@@ -25,13 +25,13 @@ static enum status start_threads(struct page_cache *cache)
 
 enum status page_cache_create(const struct page_params *params, struct page_cache **out)
 {
-	assert(params->slots >= 1 && params->loaders >= 1);
-	assert(params->queue_hard >= params->queue_soft);
+	assert(params->slots >= 1);
 	struct page_cache *cache = mem_calloc(1, sizeof *cache);
 	if (cache == NULL)
 		return fail_memory("the page cache");
 	cache->params = *params;
 	cache->owner = pthread_self();
+	cache->step = 1;
 	mutex_init(&cache->mutex);
 	condition_init(&cache->work);
 	condition_init(&cache->done);
@@ -39,14 +39,15 @@ enum status page_cache_create(const struct page_params *params, struct page_cach
 	if (status == STATUS_OK)
 		status = page_queue_init(&cache->queue, params);
 	if (status == STATUS_OK) {
-		cache->loaders = mem_calloc(params->loaders, sizeof *cache->loaders);
-		cache->epoch_images = mem_calloc((size_t)params->queue_hard + params->slots,
-						 sizeof *cache->epoch_images);
+		cache->loaders = mem_calloc(params->loaders > 0 ? params->loaders : 1, sizeof *cache->loaders);
+		cache->epoch_images = mem_calloc(params->queue_most, sizeof *cache->epoch_images);
 		cache->epoch_record = mem_calloc(1, params->record_bytes);
 		if (cache->loaders == NULL || cache->epoch_images == NULL ||
 		    cache->epoch_record == NULL)
 			status = fail_memory("the page cache");
 	}
+	for (uint32_t i = 0; i < page_load_images(params->loaders) && status == STATUS_OK; i++)
+		status = page_host_make(cache, PAGE_LOADED_IMAGE);
 	if (status == STATUS_OK)
 		status = start_threads(cache);
 	if (status != STATUS_OK) {
@@ -71,8 +72,14 @@ void page_cache_destroy(struct page_cache *cache)
 	mutex_lock(&cache->mutex);
 	while (cache->table.flights.first != NULL)
 		page_loads_abandon_locked(cache, cache->table.flights.first);
+	/* The executor's memory waits for what it has begun, when it is destroyed. */
+	for (struct page_host *host = cache->busy.first, *next; host != NULL; host = next) {
+		next = host->busy_next;
+		host->filling = false;
+		page_host_release_locked(cache, host);
+	}
 	mutex_unlock(&cache->mutex);
-	page_queue_finish(&cache->queue);
+	page_queue_finish(cache);
 	page_table_finish(&cache->table);
 	page_touched_finish(&cache->touched);
 	mem_free(cache->loaders);
@@ -92,21 +99,24 @@ static enum status read_back_dirty(struct page_cache *cache)
 	for (struct page *page = cache->table.resident.first; page != NULL && status == STATUS_OK;
 	     page = page->next)
 		if (page->dirty)
-			status = page_read_back(cache, page);
+			status = page_read_back(cache, page, false);
 	return status;
 }
 
-static enum status wait_for_epoch_locked(struct page_cache *cache)
+/* Until no epoch is in flight; a stall if a step waits for it. */
+static enum status wait_for_epoch_locked(struct page_cache *cache, bool stall)
 {
-	while (cache->epoch_in_flight)
-		condition_wait(&cache->done, &cache->mutex);
-	return page_sticky_locked(cache);
+	enum status status = page_sticky_locked(cache);
+	bool stalled = false;
+	while (cache->epoch != PAGE_EPOCH_NONE && status == STATUS_OK)
+		status = stall ? page_stall_locked(cache, &stalled) : page_wait_locked(cache);
+	return status;
 }
 
-static enum status start_epoch(struct page_cache *cache, const void *record)
+static enum status start_epoch(struct page_cache *cache, const void *record, bool stall)
 {
 	mutex_lock(&cache->mutex);
-	enum status status = wait_for_epoch_locked(cache);
+	enum status status = wait_for_epoch_locked(cache, stall);
 	if (status == STATUS_OK)
 		page_loads_abandon_late_locked(cache);
 	mutex_unlock(&cache->mutex);
@@ -118,22 +128,21 @@ static enum status start_epoch(struct page_cache *cache, const void *record)
 	page_queue_begin_epoch_locked(cache);
 	memcpy(cache->epoch_record, record, cache->params.record_bytes);
 	cache->dirty_since = 0;
-	cache->epoch_in_flight = true;
 	assert(page_cache_sane_locked(cache));
 	condition_wake_all(&cache->work);
 	mutex_unlock(&cache->mutex);
-	return STATUS_OK;
+	return page_settle(cache);
 }
 
-/* A full queue or an old change calls for an epoch. It waits for the one in flight only when the
- * queue would not hold much more. */
+/* Many changes or an old one call for an epoch. It waits for the one in flight only when twice as
+ * many are there: what can wait for a commit stays bounded then, however fast things change. */
 static bool epoch_is_due_locked(const struct page_cache *cache)
 {
 	const struct page_params *params = &cache->params;
-	uint32_t waiting = cache->queue.waiting.count;
-	if (cache->epoch_in_flight)
-		return waiting > params->queue_soft + (params->queue_hard - params->queue_soft) / 2;
-	return waiting >= params->queue_soft ||
+	uint32_t changed = cache->queue.waiting.count + cache->table.dirty;
+	if (cache->epoch != PAGE_EPOCH_NONE)
+		return changed >= 2 * params->queue_soft;
+	return changed >= params->queue_soft ||
 	       (params->epoch_age > 0 && cache->dirty_since > 0 &&
 		clock_seconds() - cache->dirty_since > params->epoch_age);
 }
@@ -141,23 +150,26 @@ static bool epoch_is_due_locked(const struct page_cache *cache)
 enum status page_cache_end_step(struct page_cache *cache, const void *record)
 {
 	assert(page_owner(cache));
+	enum status status = page_settle(cache);
 	mutex_lock(&cache->mutex);
 	assert(page_cache_sane_locked(cache));
 	cache->step++;
-	enum status status = page_sticky_locked(cache);
+	cache->table.used = 0;
+	if (status == STATUS_OK)
+		status = page_sticky_locked(cache);
 	bool due = status == STATUS_OK && epoch_is_due_locked(cache);
 	mutex_unlock(&cache->mutex);
-	return due ? start_epoch(cache, record) : status;
+	return due ? start_epoch(cache, record, true) : status;
 }
 
 enum status page_cache_flush(struct page_cache *cache, const void *record)
 {
 	assert(page_owner(cache));
-	enum status status = start_epoch(cache, record);
+	enum status status = start_epoch(cache, record, false);
 	if (status != STATUS_OK)
 		return status;
 	mutex_lock(&cache->mutex);
-	status = wait_for_epoch_locked(cache);
+	status = wait_for_epoch_locked(cache, false);
 	mutex_unlock(&cache->mutex);
 	return status;
 }

@@ -3,27 +3,61 @@
  *
  *     LOADED -> take a slot (free, or of the least recently used page that may go) -> upload
  *
- * A dirty page goes to the queue before its slot is given away, and only once it is read back does
- * it count as clean: whatever fails on the way, its newest bits are still in its slot or already
- * wait. The executor is called without the mutex (8).
+ * A dirty page goes to the queue before its slot is given away, and only once its read-back has begun
+ * does it count as clean: the executor keeps the order, so whatever is uploaded over it comes after.
+ * Whatever fails on the way, its newest bits are still in its slot or already wait. The executor is
+ * called without the mutex (8).
  */
 #include "page/page_internal.h"
 
 #include <assert.h>
 
-enum status page_read_back(struct page_cache *cache, struct page *page)
+/* An image for a changed page; NULL without failure only if `ahead`. There is one for every page of a
+ * step that changes no more of them than it said: what waits is less than twice queue_soft before the
+ * step, and so is what is committed, or kept after that. */
+static enum status take_image(struct page_cache *cache, uint64_t key, bool ahead,
+			      struct page_host **out)
+{
+	const struct page_queue *queue = &cache->queue;
+	*out = NULL;
+	enum status status = page_settle(cache);
+	if (status != STATUS_OK)
+		return status;
+	mutex_lock(&cache->mutex);
+	*out = page_host_acquire_locked(cache, PAGE_CHANGED_IMAGE, key);
+	bool make = *out == NULL && queue->made[PAGE_CHANGED_IMAGE] < cache->params.queue_most;
+	uint32_t waiting = queue->waiting.count;
+	mutex_unlock(&cache->mutex);
+	if (*out != NULL)
+		return STATUS_OK;
+	if (!make)
+		return ahead ? STATUS_OK
+			     : fail_with(STATUS_FAILED, "page cache: the queue is full, %u changed pages "
+					 "wait for the step's end; raise cache.slots", waiting);
+	status = page_host_make(cache, PAGE_CHANGED_IMAGE);
+	if (status != STATUS_OK)
+		return status;
+	mutex_lock(&cache->mutex);
+	*out = page_host_acquire_locked(cache, PAGE_CHANGED_IMAGE, key);
+	mutex_unlock(&cache->mutex);
+	return STATUS_OK;
+}
+
+enum status page_read_back(struct page_cache *cache, struct page *page, bool ahead)
 {
 	assert(page->state == PAGE_RESIDENT && page->dirty); /* 3 */
 	const struct page_executor *executor = &cache->params.executor;
-	struct page_host *host = page_host_acquire(cache, page->key);
-	if (host == NULL)
-		return fail_memory("reading a page back");
-	enum status status =
-		executor->execute(executor->user, PAGE_READ_BACK, page->slot, &host->image);
+	struct page_host *host;
+	enum status status = take_image(cache, page->key, ahead, &host);
+	if (status != STATUS_OK || host == NULL)
+		return status;
+	status = executor->read_back(executor->user, page->slot, &host->image);
 	mutex_lock(&cache->mutex);
 	if (status == STATUS_OK) {
+		page_busy_add_locked(cache, host, true);
 		page_queue_wait_locked(cache, host);
 		page->dirty = false;
+		cache->table.dirty--;
 	} else {
 		failure_capture(&cache->failure, status);
 		page_host_release_locked(cache, host);
@@ -32,46 +66,25 @@ enum status page_read_back(struct page_cache *cache, struct page *page)
 	return status;
 }
 
-/* A prefetch takes nothing from the step that runs. */
-static struct page *find_victim(const struct page_cache *cache, bool prefetch)
+/* The least recently used page that may go: of those nobody wishes for, or else the one whose need is
+ * farthest off. What is loaded ahead takes nothing that is wished for, nor from the step that runs. */
+static struct page *find_victim(const struct page_cache *cache, bool ahead)
 {
-	struct page *page = cache->table.resident.first;
-	while (page != NULL && (page->pins > 0 || (prefetch && page->pinned_in == cache->step)))
-		page = page->next;
-	return page;
+	struct page *farthest = NULL;
+	for (struct page *page = cache->table.resident.first; page != NULL; page = page->next) {
+		bool wished = page_wished(cache, page);
+		if (page->pins > 0 || (ahead && (wished || page->used_in == cache->step)))
+			continue;
+		if (!wished)
+			return page;
+		if (farthest == NULL || page->wished_at > farthest->wished_at)
+			farthest = page;
+	}
+	return farthest;
 }
 
-bool page_prefetch_has_slot(const struct page_cache *cache)
-{
-	return cache->table.free_count > 0 || find_victim(cache, true) != NULL;
-}
-
-/* Room in the queue for one more version of `key`, waiting for the commit in flight if that gives
- * it. A prefetch does not wait: `*room` is false then. */
-static enum status make_room(struct page_cache *cache, uint64_t key, bool prefetch, bool *room)
-{
-	struct page_queue *queue = &cache->queue;
-	uint32_t hard = cache->params.queue_hard;
-	mutex_lock(&cache->mutex);
-	if (queue->waiting.count + queue->committing.count + queue->kept.count >= hard)
-		page_loads_abandon_late_locked(cache);
-	*room = page_queue_find_locked(queue, key, PAGE_WAITING) != NULL;
-	while (!*room && !prefetch && cache->epoch_in_flight &&
-	       queue->waiting.count + queue->committing.count >= hard)
-		condition_wait(&cache->done, &cache->mutex);
-	*room = *room || queue->waiting.count + queue->committing.count < hard;
-	enum status status = page_sticky_locked(cache);
-	if (status == STATUS_OK && !*room && !prefetch)
-		status = fail_with(STATUS_FAILED,
-				   "page cache: the queue is full, %u changed pages wait for the "
-				   "step's end; raise cache.slots",
-				   queue->waiting.count);
-	mutex_unlock(&cache->mutex);
-	return status;
-}
-
-/* A slot for a page; PAGE_NO_SLOT without failure only for a prefetch that finds none. */
-static enum status take_slot(struct page_cache *cache, bool prefetch, uint32_t *slot)
+/* A slot for a page; PAGE_NO_SLOT without failure only if `ahead`. */
+static enum status take_slot(struct page_cache *cache, bool ahead, uint32_t *slot)
 {
 	struct page_table *table = &cache->table;
 	mutex_lock(&cache->mutex);
@@ -79,29 +92,40 @@ static enum status take_slot(struct page_cache *cache, bool prefetch, uint32_t *
 	mutex_unlock(&cache->mutex);
 	if (*slot != PAGE_NO_SLOT)
 		return STATUS_OK;
-	struct page *page = find_victim(cache, prefetch);
-	assert(page != NULL || prefetch); /* page_cache_pin_all counted the slots */
+	struct page *page = find_victim(cache, ahead);
+	assert(page != NULL || ahead); /* page_cache_pin_all counted the slots */
 	if (page == NULL)
 		return STATUS_OK;
 	if (page->dirty) {
-		bool room;
-		enum status status = make_room(cache, page->key, prefetch, &room);
-		if (status == STATUS_OK && !room)
-			return STATUS_OK;
-		if (status == STATUS_OK)
-			status = page_read_back(cache, page);
-		if (status != STATUS_OK)
+		enum status status = page_read_back(cache, page, ahead);
+		if (status != STATUS_OK || page->dirty)
 			return status;
 	}
 	mutex_lock(&cache->mutex);
 	*slot = page->slot;
+	table->used -= page->used_in == cache->step;
+	cache->wishes_kept = cache->wishes_kept && !page_wished(cache, page);
 	page_table_forget_locked(table, page, &table->resident);
 	cache->stats.evictions++;
 	mutex_unlock(&cache->mutex);
 	return STATUS_OK;
 }
 
-enum status page_install(struct page_cache *cache, struct page *page)
+/* Whether the image may be uploaded: one that overlays needs every read-back there (10). */
+static enum status wait_for_fills(struct page_cache *cache, const struct page_host *host, bool ahead,
+				  bool *ready)
+{
+	enum status status = STATUS_OK;
+	bool stalled = false;
+	mutex_lock(&cache->mutex);
+	while (status == STATUS_OK && host->image.overlays && cache->queue.filling > 0 && !ahead)
+		status = page_stall_locked(cache, &stalled);
+	*ready = !host->image.overlays || cache->queue.filling == 0;
+	mutex_unlock(&cache->mutex);
+	return status;
+}
+
+enum status page_install(struct page_cache *cache, struct page *page, bool *later)
 {
 	assert(page->state == PAGE_LOADED);
 	const struct page_executor *executor = &cache->params.executor;
@@ -109,24 +133,30 @@ enum status page_install(struct page_cache *cache, struct page *page)
 	uint32_t slot = PAGE_NO_SLOT;
 	enum status loaded = STATUS_OK, status = STATUS_OK;
 	mutex_lock(&cache->mutex);
-	bool prefetch = !page->urgent;
-	page->urgent = true; /* making room must not abandon it now */
+	bool ahead = !page->urgent, ready = true;
 	mutex_unlock(&cache->mutex);
-	if (host == NULL)
-		loaded = fail_memory("loading a page");
-	else if (host->failure.status != STATUS_OK)
+	if (host->failure.status != STATUS_OK)
 		loaded = failure_restore(&host->failure);
 	else
-		status = take_slot(cache, prefetch, &slot);
-	bool uploaded = false;
-	if (slot != PAGE_NO_SLOT) {
-		status = executor->execute(executor->user, PAGE_UPLOAD, slot, &host->image);
-		uploaded = status == STATUS_OK;
-	}
+		status = take_slot(cache, ahead, &slot);
+	if (status == STATUS_OK && slot != PAGE_NO_SLOT) /* what went for it is being read back */
+		status = wait_for_fills(cache, host, ahead, &ready);
+	*later = loaded == STATUS_OK && status == STATUS_OK && (slot == PAGE_NO_SLOT || !ready);
+	bool upload = slot != PAGE_NO_SLOT && status == STATUS_OK && ready;
+	if (upload)
+		status = executor->upload(executor->user, slot, &host->image);
+	bool uploaded = upload && status == STATUS_OK;
 	mutex_lock(&cache->mutex);
 	if (slot != PAGE_NO_SLOT && !uploaded)
 		cache->table.free_slots[cache->table.free_count++] = slot;
-	page_loads_land_locked(cache, page, uploaded ? slot : PAGE_NO_SLOT);
+	if (!*later) {
+		if (upload) /* had it failed half-way, the executor might still read the image */
+			page_busy_add_locked(cache, host, false);
+		cache->wishes_kept = cache->wishes_kept && uploaded;
+		page_loads_land_locked(cache, page, uploaded ? slot : PAGE_NO_SLOT);
+	}
 	mutex_unlock(&cache->mutex);
-	return loaded != STATUS_OK && !prefetch ? loaded : status;
+	if (loaded != STATUS_OK)
+		return ahead ? STATUS_OK : loaded;
+	return status == STATUS_OK ? page_settle(cache) : status;
 }

@@ -3,18 +3,18 @@
  *
  * A page (a key the cache knows something about; ABSENT is: no page) and an image (host bytes):
  *
- *          prefetch, pin         loader takes it      io.load returns      PAGE_UPLOAD
+ *          want, pin            loader takes it      io.load returns        upload
  *     ABSENT ---------> WANTED ---------> LOADING ---------> LOADED ---------> RESIDENT
  *       ^                  |                 |                 |                  |
  *       +--- abandoned ----+-- once stale ---+---- failed -----+---- evicted -----+
  *                                                                                 | if dirty:
- *          +-- commit failed --+                                   PAGE_READ_BACK |
+ *          +-- commit failed --+                                        read back |
  *          v                   |   commit returned   oldest load is newer         |
  *       waiting ------> committing --------> kept --------> unused       waiting <+
  *
  * Invariants, which asserts name:
  *
- *   1. A page is in one list: resident, urgent or prefetch (WANTED), or flights (LOADING, LOADED).
+ *   1. A page is in one list: resident, urgent or wished (WANTED), or flights (LOADING, LOADED).
  *   2. A page has a slot exactly when RESIDENT, and no slot has two pages.
  *   3. A pinned or dirty page is RESIDENT; while it is dirty its newest bits are in its slot.
  *   4. A key has at most one image waiting, one committing and one kept, each newer than the next.
@@ -25,8 +25,11 @@
  *      what is stale; everything else it loaded is the owner's.
  *   8. What is in a slot or dirty is only touched by the owner thread, so that it may walk the
  *      resident list, and execute, without the mutex.
- *   9. There are at most three images a loader on their way, of which prefetching has two, so
+ *   9. There are at most three images a loader on their way, of which wishes have two, so
  *      that a pin is always served. A load needs no slot until it is uploaded.
+ *  10. An image that the executor has begun to fill or to read is in `busy`, in the order begun, and
+ *      neither read nor used again before it is settled: no load of its key begins, no epoch with it
+ *      is handed over, and no page that overlays is uploaded while one is filling.
  */
 #ifndef FURROW_PAGE_INTERNAL_H
 #define FURROW_PAGE_INTERNAL_H
@@ -36,19 +39,22 @@
 #define PAGE_NO_SLOT UINT32_MAX
 #define PAGE_PIN_MOST 64
 #define PAGE_FLIGHTS_PER_LOADER 3
-#define PAGE_PREFETCHES_PER_LOADER 2
+#define PAGE_WISHES_PER_LOADER 2
 
 enum page_image_place { PAGE_UNQUEUED, PAGE_KEPT, PAGE_COMMITTING, PAGE_WAITING };
 
 /* Host bytes; the queue finds them by key, readers refer to them. Back to the pool at no `refs`. */
 struct page_host {
 	struct page_image image;
+	enum page_image_kind kind;
 	enum page_image_place place;
-	uint32_t refs;          /* 1 by its list or by whoever fills it, 1 by each reader */
+	bool filling;           /* a read-back into it is not settled */
+	uint32_t refs;          /* 1 by its list or by whoever fills it, 1 by each reader, 1 by `busy` */
 	uint64_t kept_until;    /* KEPT: for loads whose `begun` is at most this */
 	struct failure failure; /* LOADED: what io.load returned */
 	struct page_host *prev, *next, *hash_next;
 	struct page_host *visit_next; /* the owner's, in page_cache_each_queued */
+	struct page_host *busy_next;  /* the owner's */
 };
 
 struct page_host_list {
@@ -65,9 +71,12 @@ struct page {
 	bool stale;  /* LOADING: drop it when it comes */
 	bool dirty;
 	uint32_t slot, pins;
-	uint64_t pinned_in;     /* the last step it was pinned in */
+	uint64_t used_in;       /* the last step it was pinned or drawn in */
+	uint64_t wished_in;     /* the last wish list that had it, and where */
+	size_t wished_at;
+	uint64_t polled;        /* LOADED: the last poll that could not install it */
 	uint64_t begun;         /* LOADING, LOADED: the clock of loads when it was taken */
-	struct page_host *host; /* LOADING, LOADED; NULL if LOADED without memory for it */
+	struct page_host *host; /* LOADING, LOADED */
 	struct page *prev, *next, *hash_next;
 };
 
@@ -81,8 +90,10 @@ struct page_table {
 	size_t mask;
 	struct page *pages, *unused; /* all there can be; those ABSENT, by hash_next */
 	struct page_list resident;   /* in order of use */
-	struct page_list urgent, prefetch, flights;
+	struct page_list urgent, wished, flights;
 	uint32_t pinned; /* pages with a pin */
+	uint32_t used;   /* resident pages used in this step */
+	uint32_t dirty;
 	uint32_t *free_slots, free_count;
 };
 
@@ -90,7 +101,21 @@ struct page_queue {
 	struct page_host **buckets;
 	size_t mask;
 	struct page_host_list waiting, committing, kept;
-	struct page_host *unused; /* by next */
+	struct page_host *unused[2]; /* by kind; by next */
+	uint32_t made[2];
+	uint32_t filling;            /* images with a read-back that is not settled */
+	uint32_t epoch_filling;      /* of those, committing */
+};
+
+/* Owner's: images in the executor's hands. */
+struct page_busy {
+	struct page_host *first, *last;
+};
+
+enum page_epoch {
+	PAGE_EPOCH_NONE,
+	PAGE_EPOCH_FILLING,    /* begun; some of its read-backs are not settled */
+	PAGE_EPOCH_COMMITTING, /* the writer's */
 };
 
 /* A growing set of keys. */
@@ -116,9 +141,13 @@ struct page_cache {
 	struct page_queue queue;
 	struct page_touched touched;
 	uint64_t load_clock; /* loads taken so far */
-	uint64_t step;       /* steps ended so far */
-	bool epoch_in_flight;
-	const struct page_image **epoch_images; /* room for queue_hard + slots */
+	uint64_t step;       /* steps begun so far: pages that were never used say 0 */
+	uint64_t wish_list;  /* lists so far */
+	bool wishes_kept;    /* nothing of the last list was lost since, nor left out */
+	uint64_t polls;
+	struct page_busy busy;
+	enum page_epoch epoch;
+	const struct page_image **epoch_images; /* room for queue_most */
 	void *epoch_record;
 	double dirty_since;     /* clock_seconds of the oldest change in no epoch; 0: none */
 	struct failure failure; /* sticky */
@@ -161,9 +190,12 @@ void page_list_remove(struct page_list *list, struct page *page);
 
 enum status page_queue_init(struct page_queue *queue,
 			    const struct page_params *params) FURROW_CHECKED;
-void page_queue_finish(struct page_queue *queue);
-/* An image with one reference, from the pool or new; NULL without memory. The mutex is not held. */
-struct page_host *page_host_acquire(struct page_cache *cache, uint64_t key);
+void page_queue_finish(struct page_cache *cache);
+/* The owner: one more image of the kind, in the pool. */
+enum status page_host_make(struct page_cache *cache, enum page_image_kind kind) FURROW_CHECKED;
+/* An image with one reference from the pool; NULL if that is empty. */
+struct page_host *page_host_acquire_locked(struct page_cache *cache, enum page_image_kind kind,
+					   uint64_t key);
 void page_host_release_locked(struct page_cache *cache, struct page_host *host);
 struct page_host *page_queue_find_locked(const struct page_queue *queue, uint64_t key,
 					 enum page_image_place place);
@@ -176,11 +208,23 @@ void page_queue_end_epoch_locked(struct page_cache *cache, bool committed);
 /* Lets go of what no load on its way can have missed. */
 void page_queue_release_kept_locked(struct page_cache *cache);
 
+/* --- page_busy.c: what the executor has begun --- */
+
+void page_busy_add_locked(struct page_cache *cache, struct page_host *host, bool filling);
+/* Lets go of what is settled, without waiting. Failing is sticky. */
+enum status page_settle(struct page_cache *cache) FURROW_CHECKED;
+/* The owner waits until a thread or the executor may have got further. Sticky failures end it. */
+enum status page_wait_locked(struct page_cache *cache) FURROW_CHECKED;
+/* The same, counted: `*stalled` says whether this occasion was counted before. */
+enum status page_stall_locked(struct page_cache *cache, bool *stalled) FURROW_CHECKED;
+
 /* --- page_loader.c --- */
 
 void *page_loader_body(void *loader);
+/* Takes the next page and loads it, letting the mutex go meanwhile; false if there is none to take. */
+bool page_load_next_locked(struct page_cache *cache, unsigned loader);
 /* The page is ABSENT. */
-void page_loads_want_locked(struct page_cache *cache, uint64_t key, bool urgent);
+struct page *page_loads_want_locked(struct page_cache *cache, uint64_t key, bool urgent);
 void page_loads_make_urgent_locked(struct page_cache *cache, struct page *page);
 /* The page, not RESIDENT, is dropped: now, or when its load comes. */
 void page_loads_abandon_locked(struct page_cache *cache, struct page *page);
@@ -188,7 +232,8 @@ void page_loads_abandon_locked(struct page_cache *cache, struct page *page);
 void page_loads_abandon_late_locked(struct page_cache *cache);
 /* A LOADED page leaves the flights: for the LRU if it has a slot now, else it is forgotten. */
 void page_loads_land_locked(struct page_cache *cache, struct page *page, uint32_t slot);
-uint32_t page_loads_prefetching_locked(const struct page_cache *cache);
+/* Flights for wishes. */
+uint32_t page_loads_ahead_locked(const struct page_cache *cache);
 /* When the oldest load began that will be installed; UINT64_MAX if none is on its way. */
 uint64_t page_loads_oldest_locked(const struct page_cache *cache);
 
@@ -198,13 +243,18 @@ void *page_writer_body(void *cache);
 
 /* --- page_evict.c: the owner's work list --- */
 
-/* Reads a dirty page back: it is clean and waits then. Failing is sticky; the page stays dirty. */
-enum status page_read_back(struct page_cache *cache, struct page *page) FURROW_CHECKED;
-/* The LOADED page becomes RESIDENT, or on failure ABSENT. A prefetched one (not urgent) becomes
- * ABSENT without failure too, if its load failed or no page may go for it. */
-enum status page_install(struct page_cache *cache, struct page *page) FURROW_CHECKED;
-/* Whether a prefetched page could have a slot now. */
-bool page_prefetch_has_slot(const struct page_cache *cache);
+/* Begins to read a dirty page back: it is clean and waits then. Without an image for it, it stays
+ * dirty, which `ahead` is no failure. Failing in the executor is sticky. */
+enum status page_read_back(struct page_cache *cache, struct page *page, bool ahead) FURROW_CHECKED;
+/* The LOADED page becomes RESIDENT, or on failure ABSENT. A wished one (not urgent) becomes ABSENT
+ * without failure too if its load failed; `*later` if it cannot be installed yet. */
+enum status page_install(struct page_cache *cache, struct page *page, bool *later) FURROW_CHECKED;
+
+/* --- page_wish.c --- */
+
+/* The page is the most recently used. */
+void page_use_locked(struct page_cache *cache, struct page *page);
+bool page_wished(const struct page_cache *cache, const struct page *page);
 
 /* --- page_touched.c --- */
 

@@ -1,30 +1,37 @@
 /*
  * Loads: who wants what, the loader threads, and the loads that are on their way.
  *
- *     WANTED (urgent or prefetch, in order of asking) -> LOADING -> LOADED -> the owner installs it
+ *     WANTED (urgent, in order of asking, or wished) -> LOADING -> LOADED -> the owner installs it
  *
- * Loaders take what a pin waits for first. A load gets its image when it is taken, so that a pin
- * of many pages needs no more memory than one of a few. The flights are in the order they began,
- * so that the first one says which committed images must still be kept (6).
+ * Loaders take what a pin waits for first, and none whose newest version is still being read back
+ * (10). A load gets its image when it is taken, so that a pin of many pages needs no more memory than
+ * one of a few. The flights are in the order they began, so that the first one says which committed
+ * images must still be kept (6). Without loaders the owner takes what its own pin waits for.
  */
 #include "page/page_internal.h"
 
 #include <assert.h>
 
-void page_loads_want_locked(struct page_cache *cache, uint64_t key, bool urgent)
+uint32_t page_load_images(uint32_t loaders)
+{
+	return PAGE_FLIGHTS_PER_LOADER * (loaders > 0 ? loaders : 1);
+}
+
+struct page *page_loads_want_locked(struct page_cache *cache, uint64_t key, bool urgent)
 {
 	struct page_table *table = &cache->table;
 	struct page *page =
-		page_table_add_locked(table, key, urgent ? &table->urgent : &table->prefetch);
+		page_table_add_locked(table, key, urgent ? &table->urgent : &table->wished);
 	page->urgent = urgent;
 	condition_wake_all(&cache->work);
+	return page;
 }
 
 void page_loads_make_urgent_locked(struct page_cache *cache, struct page *page)
 {
 	assert(page->state != PAGE_RESIDENT && !page->stale);
 	if (page->state == PAGE_WANTED && !page->urgent) {
-		page_list_remove(&cache->table.prefetch, page);
+		page_list_remove(&cache->table.wished, page);
 		page_list_append(&cache->table.urgent, page);
 	}
 	page->urgent = true;
@@ -35,8 +42,7 @@ static void drop_locked(struct page_cache *cache, struct page *page)
 	struct page_host *host = page->host;
 	page->host = NULL;
 	page_table_forget_locked(&cache->table, page, &cache->table.flights);
-	if (host != NULL)
-		page_host_release_locked(cache, host);
+	page_host_release_locked(cache, host);
 	page_queue_release_kept_locked(cache);
 	condition_wake_all(&cache->work); /* there is room for another flight */
 }
@@ -47,7 +53,7 @@ void page_loads_abandon_locked(struct page_cache *cache, struct page *page)
 	struct page_table *table = &cache->table;
 	if (page->state == PAGE_WANTED) {
 		page_table_forget_locked(table, page,
-					 page->urgent ? &table->urgent : &table->prefetch);
+					 page->urgent ? &table->urgent : &table->wished);
 	} else if (page->state == PAGE_LOADED) {
 		drop_locked(cache, page);
 	} else {
@@ -91,9 +97,9 @@ void page_loads_land_locked(struct page_cache *cache, struct page *page, uint32_
 	condition_wake_all(&cache->work);
 }
 
-uint32_t page_loads_prefetching_locked(const struct page_cache *cache)
+uint32_t page_loads_ahead_locked(const struct page_cache *cache)
 {
-	uint32_t count = cache->table.prefetch.count;
+	uint32_t count = 0;
 	for (const struct page *page = cache->table.flights.first; page != NULL; page = page->next)
 		count += !page->urgent && !page->stale;
 	return count;
@@ -109,32 +115,68 @@ uint64_t page_loads_oldest_locked(const struct page_cache *cache)
 
 /* --- the threads --- */
 
-/* The next page to load, now LOADING; NULL if there is none or too many are on their way. */
+/* The first page of the list whose newest bits can be read now. */
+static struct page *first_readable_locked(const struct page_cache *cache, const struct page_list *list)
+{
+	struct page *page = list->first;
+	for (; page != NULL; page = page->next) {
+		const struct page_host *queued = page_queue_newest_locked(&cache->queue, page->key);
+		if (queued == NULL || !queued->filling)
+			return page;
+	}
+	return NULL;
+}
+
+/* The next page to load, now LOADING and with an image; NULL if there is none to take now. */
 static struct page *take_locked(struct page_cache *cache)
 {
 	struct page_table *table = &cache->table;
-	struct page_list *list = table->urgent.first != NULL ? &table->urgent : &table->prefetch;
-	struct page *page = list->first;
-	if (page == NULL || table->flights.count >= PAGE_FLIGHTS_PER_LOADER * cache->params.loaders)
+	uint32_t most = page_load_images(cache->params.loaders);
+	if (cache->queue.unused[PAGE_LOADED_IMAGE] == NULL || table->flights.count >= most)
 		return NULL; /* 9 */
+	struct page_list *list = &table->urgent;
+	struct page *page = first_readable_locked(cache, list);
+	if (page == NULL && page_loads_ahead_locked(cache) < PAGE_WISHES_PER_LOADER * cache->params.loaders) {
+		list = &table->wished;
+		page = first_readable_locked(cache, list);
+		cache->stats.prefetched += page != NULL;
+	}
+	if (page == NULL)
+		return NULL;
 	page_list_remove(list, page);
 	page_list_append(&table->flights, page);
 	page->state = PAGE_LOADING;
 	page->begun = ++cache->load_clock;
+	page->host = page_host_acquire_locked(cache, PAGE_LOADED_IMAGE, page->key);
 	return page;
 }
 
-static struct page_host *load(struct page_loader *loader, uint64_t key, struct page_host *queued)
+bool page_load_next_locked(struct page_cache *cache, unsigned loader)
 {
-	struct page_cache *cache = loader->cache;
-	struct page_host *host = page_host_acquire(cache, key);
-	if (host == NULL)
-		return NULL;
 	const struct page_io *io = &cache->params.io;
-	enum status status = io->load(io->user, loader->number, &host->image,
-				      queued != NULL ? &queued->image : NULL);
+	struct page *page = take_locked(cache);
+	if (page == NULL)
+		return false;
+	struct page_host *host = page->host;
+	struct page_host *queued = page_queue_newest_locked(&cache->queue, page->key);
+	if (queued != NULL)
+		queued->refs++;
+	mutex_unlock(&cache->mutex);
+	enum status status =
+		io->load(io->user, loader, &host->image, queued != NULL ? &queued->image : NULL);
 	failure_capture(&host->failure, status);
-	return host;
+	mutex_lock(&cache->mutex);
+	if (queued != NULL)
+		page_host_release_locked(cache, queued);
+	assert(page->host == host && page->state == PAGE_LOADING); /* 7 */
+	if (page->stale) {
+		page->stale = false;
+		drop_locked(cache, page);
+	} else {
+		page->state = PAGE_LOADED;
+	}
+	condition_wake_all(&cache->done);
+	return true;
 }
 
 void *page_loader_body(void *argument)
@@ -142,31 +184,9 @@ void *page_loader_body(void *argument)
 	struct page_loader *loader = argument;
 	struct page_cache *cache = loader->cache;
 	mutex_lock(&cache->mutex);
-	while (!cache->stopping) {
-		struct page *page = take_locked(cache);
-		if (page == NULL) {
+	while (!cache->stopping)
+		if (!page_load_next_locked(cache, loader->number))
 			condition_wait(&cache->work, &cache->mutex);
-			continue;
-		}
-		uint64_t key = page->key;
-		struct page_host *queued = page_queue_newest_locked(&cache->queue, key);
-		if (queued != NULL)
-			queued->refs++;
-		mutex_unlock(&cache->mutex);
-		struct page_host *host = load(loader, key, queued);
-		mutex_lock(&cache->mutex);
-		if (queued != NULL)
-			page_host_release_locked(cache, queued);
-		assert(page->key == key && page->state == PAGE_LOADING); /* 7 */
-		page->host = host;
-		if (page->stale) {
-			page->stale = false;
-			drop_locked(cache, page);
-		} else {
-			page->state = PAGE_LOADED;
-		}
-		condition_wake_all(&cache->done);
-	}
 	mutex_unlock(&cache->mutex);
 	return NULL;
 }

@@ -1,5 +1,5 @@
 /*
- * Pins: making pages resident now, and asking for them ahead of time.
+ * Pins: making pages resident now; and looking whether they are.
  *
  * A pin counts the slots first: what it wants and what is pinned already must fit, so that an
  * eviction always finds a victim. Then it asks for everything, and pins each page as soon as it is
@@ -45,9 +45,7 @@ static void hold_locked(struct page_cache *cache, struct request *request, size_
 {
 	struct page_table *table = &cache->table;
 	table->pinned += page->pins++ == 0;
-	page->pinned_in = cache->step;
-	page_list_remove(&table->resident, page);
-	page_list_append(&table->resident, page);
+	page_use_locked(cache, page);
 	page_touched_add(&cache->touched, page->key);
 	request->slots[i] = page->slot;
 	request->held[i] = true;
@@ -66,7 +64,7 @@ static void ask_locked(struct page_cache *cache, struct request *request, size_t
 	cache->stats.late += page != NULL;
 	/* A prefetch that failed is retried; a stale load is asked for again once it is gone. */
 	if (page != NULL && page->state == PAGE_LOADED && !page->urgent &&
-	    (page->host == NULL || page->host->failure.status != STATUS_OK)) {
+	    page->host->failure.status != STATUS_OK) {
 		page_loads_abandon_locked(cache, page);
 		page = NULL;
 	}
@@ -76,8 +74,9 @@ static void ask_locked(struct page_cache *cache, struct request *request, size_t
 		page_loads_make_urgent_locked(cache, page);
 }
 
-/* Waits until a wanted page is LOADED and returns it; NULL when all are held. */
-static struct page *next_loaded_locked(struct page_cache *cache, struct request *request)
+/* Waits until a wanted page is LOADED; *loaded NULL when all are held. */
+static enum status next_loaded_locked(struct page_cache *cache, struct request *request,
+				      struct page **loaded)
 {
 	for (;;) {
 		bool waiting = false;
@@ -85,8 +84,9 @@ static struct page *next_loaded_locked(struct page_cache *cache, struct request 
 			if (request->held[i])
 				continue;
 			struct page *page = page_table_find_locked(&cache->table, request->keys[i]);
+			*loaded = page;
 			if (page != NULL && page->state == PAGE_LOADED)
-				return page;
+				return STATUS_OK;
 			if (page == NULL)
 				page_loads_want_locked(cache, request->keys[i], true);
 			if (page != NULL && page->state == PAGE_RESIDENT)
@@ -94,13 +94,19 @@ static struct page *next_loaded_locked(struct page_cache *cache, struct request 
 			else
 				waiting = true;
 		}
+		*loaded = NULL;
 		if (!waiting)
-			return NULL;
-		cache->stats.stalls += !request->stalled;
-		request->stalled = true;
+			return STATUS_OK;
 		double began = clock_seconds();
-		condition_wait(&cache->done, &cache->mutex);
-		cache->stats.stall_ms += (clock_seconds() - began) * 1e3;
+		if (cache->params.loaders == 0 && page_load_next_locked(cache, 0)) {
+			cache->stats.stalls += !request->stalled;
+			cache->stats.stall_ms += (clock_seconds() - began) * 1e3;
+			request->stalled = true;
+			continue;
+		}
+		enum status status = page_stall_locked(cache, &request->stalled);
+		if (status != STATUS_OK)
+			return status;
 	}
 }
 
@@ -132,10 +138,14 @@ enum status page_cache_pin_all(struct page_cache *cache, const uint64_t *keys, s
 	for (size_t i = 0; i < count; i++)
 		ask_locked(cache, &request, i);
 	struct page *page;
-	while (status == STATUS_OK && (page = next_loaded_locked(cache, &request)) != NULL) {
+	while ((status = next_loaded_locked(cache, &request, &page)) == STATUS_OK && page != NULL) {
+		bool later;
+		page_loads_make_urgent_locked(cache, page);
 		mutex_unlock(&cache->mutex);
-		status = page_install(cache, page);
+		status = page_install(cache, page, &later);
 		mutex_lock(&cache->mutex);
+		if (status != STATUS_OK)
+			break;
 	}
 	if (status != STATUS_OK)
 		undo_locked(cache, &request);
@@ -166,27 +176,14 @@ void page_cache_dirty(struct page_cache *cache, uint64_t key)
 	mutex_lock(&cache->mutex);
 	struct page *page = page_table_find_locked(&cache->table, key);
 	assert(page != NULL && page->pins > 0);
+	cache->table.dirty += !page->dirty;
 	page->dirty = true;
 	if (cache->dirty_since == 0)
 		cache->dirty_since = clock_seconds();
 	mutex_unlock(&cache->mutex);
 }
 
-/* --- ahead of time --- */
-
-void page_cache_prefetch(struct page_cache *cache, uint64_t key)
-{
-	assert(page_owner(cache));
-	uint32_t most = PAGE_PREFETCHES_PER_LOADER * cache->params.loaders;
-	mutex_lock(&cache->mutex);
-	if (cache->failure.status == STATUS_OK && page_prefetch_has_slot(cache) &&
-	    page_table_find_locked(&cache->table, key) == NULL &&
-	    page_loads_prefetching_locked(cache) < most) {
-		page_loads_want_locked(cache, key, false);
-		cache->stats.prefetched++;
-	}
-	mutex_unlock(&cache->mutex);
-}
+/* --- without waiting --- */
 
 bool page_cache_peek(struct page_cache *cache, uint64_t key, bool use, uint32_t *slot)
 {
@@ -196,19 +193,18 @@ bool page_cache_peek(struct page_cache *cache, uint64_t key, bool use, uint32_t 
 	bool resident = page != NULL && page->state == PAGE_RESIDENT;
 	if (resident) {
 		*slot = page->slot;
-		if (use) {
-			page_list_remove(&cache->table.resident, page);
-			page_list_append(&cache->table.resident, page);
-		}
+		if (use)
+			page_use_locked(cache, page);
 	}
 	mutex_unlock(&cache->mutex);
 	return resident;
 }
 
+/* A page that is loaded and that this poll has not tried. */
 static struct page *first_loaded_locked(const struct page_cache *cache)
 {
 	struct page *page = cache->table.flights.first;
-	while (page != NULL && page->state != PAGE_LOADED)
+	while (page != NULL && (page->state != PAGE_LOADED || page->polled == cache->polls))
 		page = page->next;
 	return page;
 }
@@ -216,13 +212,18 @@ static struct page *first_loaded_locked(const struct page_cache *cache)
 enum status page_cache_poll(struct page_cache *cache)
 {
 	assert(page_owner(cache));
+	enum status status = page_settle(cache);
 	mutex_lock(&cache->mutex);
 	assert(page_cache_sane_locked(cache));
-	enum status status = page_sticky_locked(cache);
+	if (status == STATUS_OK)
+		status = page_sticky_locked(cache);
+	cache->polls++;
 	struct page *page;
 	while (status == STATUS_OK && (page = first_loaded_locked(cache)) != NULL) {
+		bool later;
+		page->polled = cache->polls;
 		mutex_unlock(&cache->mutex);
-		status = page_install(cache, page);
+		status = page_install(cache, page, &later);
 		mutex_lock(&cache->mutex);
 	}
 	mutex_unlock(&cache->mutex);

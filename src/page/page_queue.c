@@ -1,15 +1,15 @@
 /*
- * The host queue: versions of pages that are not in the store yet, or only just.
+ * Images, and the host queue: versions of pages that are not in the store yet, or only just.
  *
- *     unused -> (filled by a read-back) -> waiting -> committing -> kept -> unused
+ *     unused -> waiting (a read-back fills it) -> committing -> kept -> unused
  *
  * Every version is found by key, so that a load gets the newest one instead of what the store
  * has. A newer version that waits replaces an older one that waits; one that is being committed
  * stays as it is (invariant 4). An image with a reader leaves its list but not the memory.
  *
- * Memory: images come from the system when the pool has none and go back with the cache. How many
- * there can be is bounded by who asks: evictions stop at queue_hard, an epoch adds the dirty slots,
- * loads three each (9), and what is kept is at most the last epoch.
+ * Memory: those for loads are made with the cache (9), those for changed pages when first needed, at
+ * most queue_most; all go back with the cache. One taken by a load comes back when its upload is
+ * settled, one of a changed page when it is committed and no load can have missed it.
  */
 #include "page/page_internal.h"
 
@@ -18,7 +18,7 @@
 enum status page_queue_init(struct page_queue *queue, const struct page_params *params)
 {
 	size_t buckets = 64;
-	while (buckets < (size_t)params->queue_hard + params->slots)
+	while (buckets < params->queue_most)
 		buckets *= 2;
 	queue->buckets = mem_calloc(buckets, sizeof *queue->buckets);
 	if (queue->buckets == NULL)
@@ -27,55 +27,66 @@ enum status page_queue_init(struct page_queue *queue, const struct page_params *
 	return STATUS_OK;
 }
 
-static void host_free(struct page_host *host)
+static void list_free(struct page_cache *cache, struct page_host *host)
 {
-	mem_free(host->image.bytes);
-	mem_free(host);
-}
-
-static void list_free(struct page_host *host)
-{
+	const struct page_executor *executor = &cache->params.executor;
 	while (host != NULL) {
 		struct page_host *next = host->next;
-		host_free(host);
+		executor->destroy(executor->user, &host->image);
+		mem_free(host);
 		host = next;
 	}
 }
 
-void page_queue_finish(struct page_queue *queue)
+void page_queue_finish(struct page_cache *cache)
 {
-	list_free(queue->waiting.first);
-	list_free(queue->committing.first);
-	list_free(queue->kept.first);
-	list_free(queue->unused);
+	struct page_queue *queue = &cache->queue;
+	list_free(cache, queue->waiting.first);
+	list_free(cache, queue->committing.first);
+	list_free(cache, queue->kept.first);
+	list_free(cache, queue->unused[PAGE_LOADED_IMAGE]);
+	list_free(cache, queue->unused[PAGE_CHANGED_IMAGE]);
 	mem_free(queue->buckets);
 }
 
 /* --- images --- */
 
-struct page_host *page_host_acquire(struct page_cache *cache, uint64_t key)
+static void give_back_locked(struct page_queue *queue, struct page_host *host)
 {
-	mutex_lock(&cache->mutex);
-	struct page_host *host = cache->queue.unused;
-	if (host != NULL)
-		cache->queue.unused = host->next;
-	mutex_unlock(&cache->mutex);
-	void *bytes = NULL;
-	if (host != NULL) {
-		bytes = host->image.bytes;
-	} else {
-		host = mem_alloc(1, sizeof *host);
-		if (host != NULL)
-			bytes = mem_alloc(1, cache->params.page_bytes);
-		if (bytes == NULL) {
-			mem_free(host);
-			return NULL;
-		}
-		mutex_lock(&cache->mutex);
-		cache->stats.host_bytes += cache->params.page_bytes;
-		mutex_unlock(&cache->mutex);
+	host->next = queue->unused[host->kind];
+	queue->unused[host->kind] = host;
+}
+
+enum status page_host_make(struct page_cache *cache, enum page_image_kind kind)
+{
+	const struct page_executor *executor = &cache->params.executor;
+	struct page_host *host = mem_calloc(1, sizeof *host);
+	if (host == NULL)
+		return fail_memory("an image of a page");
+	host->kind = kind;
+	enum status status = executor->create(executor->user, kind, &host->image);
+	if (status != STATUS_OK) {
+		mem_free(host);
+		return status;
 	}
-	*host = (struct page_host){.image = {.key = key, .bytes = bytes}, .refs = 1};
+	mutex_lock(&cache->mutex);
+	cache->queue.made[kind]++;
+	if (kind == PAGE_CHANGED_IMAGE)
+		cache->stats.queue_peak = cache->queue.made[kind];
+	give_back_locked(&cache->queue, host);
+	mutex_unlock(&cache->mutex);
+	return STATUS_OK;
+}
+
+struct page_host *page_host_acquire_locked(struct page_cache *cache, enum page_image_kind kind,
+					   uint64_t key)
+{
+	struct page_host *host = cache->queue.unused[kind];
+	if (host == NULL)
+		return NULL;
+	cache->queue.unused[kind] = host->next;
+	struct page_image image = {.key = key, .bytes = host->image.bytes, .memory = host->image.memory};
+	*host = (struct page_host){.image = image, .kind = kind, .refs = 1};
 	return host;
 }
 
@@ -84,9 +95,9 @@ void page_host_release_locked(struct page_cache *cache, struct page_host *host)
 	assert(host->refs > 0);
 	if (--host->refs > 0)
 		return;
-	assert(host->place == PAGE_UNQUEUED);
-	host->next = cache->queue.unused;
-	cache->queue.unused = host;
+	assert(host->place == PAGE_UNQUEUED && !host->filling);
+	give_back_locked(&cache->queue, host);
+	condition_wake_all(&cache->work);
 }
 
 /* --- places --- */
@@ -161,9 +172,6 @@ void page_queue_wait_locked(struct page_cache *cache, struct page_host *host)
 	struct page_queue *queue = &cache->queue;
 	drop_version_locked(cache, host->image.key, PAGE_WAITING);
 	enter_locked(queue, host, PAGE_WAITING, queue->waiting.last);
-	uint32_t queued = queue->waiting.count + queue->committing.count;
-	if (queued > cache->stats.queue_peak)
-		cache->stats.queue_peak = queued;
 }
 
 /* --- epochs --- */
@@ -176,7 +184,9 @@ void page_queue_begin_epoch_locked(struct page_cache *cache)
 		struct page_host *host = queue->waiting.first;
 		leave_locked(queue, host);
 		enter_locked(queue, host, PAGE_COMMITTING, queue->committing.last);
+		queue->epoch_filling += host->filling;
 	}
+	cache->epoch = queue->epoch_filling > 0 ? PAGE_EPOCH_FILLING : PAGE_EPOCH_COMMITTING;
 }
 
 static void put_back_locked(struct page_cache *cache, struct page_host *host)
@@ -227,6 +237,8 @@ void page_cache_each_queued(struct page_cache *cache, page_image_fn fn, void *us
 	mutex_lock(&cache->mutex);
 	for (int i = 0; i < 3; i++)
 		for (struct page_host *host = lists[i]->first; host != NULL; host = host->next) {
+			if (host->filling)
+				continue;
 			host->refs++;
 			*end = host;
 			end = &host->visit_next;

@@ -2,7 +2,7 @@
  * The page table: key to page, the lists pages are in, the slots nobody has.
  *
  * Nothing here allocates after page_table_init: there are as many pages as can ever be known at
- * once, which is one a slot, what one pin may ask for, and what is prefetched or stale (9).
+ * once, which is one a slot, what one pin may ask for, what is on its way (9), and a wish a slot.
  */
 #include "page/page_internal.h"
 
@@ -10,8 +10,7 @@
 
 static size_t pages_most(const struct page_params *params)
 {
-	return (size_t)params->slots + PAGE_PIN_MOST +
-	       (size_t)PAGE_FLIGHTS_PER_LOADER * params->loaders;
+	return 2 * (size_t)params->slots + PAGE_PIN_MOST + page_load_images(params->loaders);
 }
 
 enum status page_table_init(struct page_table *table, const struct page_params *params)
@@ -133,22 +132,26 @@ static bool queue_sane_locked(const struct page_cache *cache)
 	uint64_t oldest = page_loads_oldest_locked(cache);
 	if (queue->kept.first != NULL && queue->kept.first->kept_until < oldest)
 		return false; /* 6 */
-	return cache->epoch_in_flight || queue->committing.count == 0; /* 5 */
+	return cache->epoch != PAGE_EPOCH_NONE || queue->committing.count == 0; /* 5 */
 }
 
 bool page_cache_sane_locked(const struct page_cache *cache)
 {
 	const struct page_table *table = &cache->table;
-	uint32_t pinned = 0;
-	for (const struct page *page = table->resident.first; page != NULL; page = page->next)
+	uint32_t pinned = 0, dirty = 0, used = 0;
+	for (const struct page *page = table->resident.first; page != NULL; page = page->next) {
 		pinned += page->pins > 0;
-	return pinned == table->pinned &&
+		dirty += page->dirty;
+		used += page->used_in == cache->step;
+	}
+	return pinned == table->pinned && dirty == table->dirty && used == table->used &&
 	       table->resident.count + table->free_count <= cache->params.slots && /* 2 */
-	       table->flights.count <= PAGE_FLIGHTS_PER_LOADER * cache->params.loaders && /* 9 */
-	       page_loads_prefetching_locked(cache) <=
-		       PAGE_PREFETCHES_PER_LOADER * cache->params.loaders && /* 9 */
+	       table->flights.count <= page_load_images(cache->params.loaders) && /* 9 */
+	       page_loads_ahead_locked(cache) <=
+		       PAGE_WISHES_PER_LOADER * cache->params.loaders && /* 9 */
+	       cache->queue.made[PAGE_CHANGED_IMAGE] <= cache->params.queue_most &&
 	       list_sane_locked(table, &table->resident) &&
 	       list_sane_locked(table, &table->urgent) &&
-	       list_sane_locked(table, &table->prefetch) &&
+	       list_sane_locked(table, &table->wished) &&
 	       list_sane_locked(table, &table->flights) && queue_sane_locked(cache);
 }

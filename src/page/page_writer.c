@@ -1,7 +1,7 @@
 /*
  * The writer thread: commits the epochs the owner hands over, one at a time.
  *
- *     idle -> (page_queue_begin_epoch_locked, epoch_in_flight) -> io.commit -> idle
+ *     idle -> (page_queue_begin_epoch_locked, all read-backs settled) -> io.commit -> idle
  *
  * While an epoch is in flight its images, the array of them and the record are the writer's to
  * read and nobody's to write. A commit that fails is sticky: its images wait again.
@@ -15,7 +15,7 @@ void *page_writer_body(void *argument)
 	struct page_cache *cache = argument;
 	mutex_lock(&cache->mutex);
 	while (!cache->stopping) {
-		if (!cache->epoch_in_flight) {
+		if (cache->epoch != PAGE_EPOCH_COMMITTING) {
 			condition_wait(&cache->work, &cache->mutex);
 			continue;
 		}
@@ -35,7 +35,7 @@ void *page_writer_body(void *argument)
 			failure_capture(&cache->failure, status);
 		}
 		page_queue_end_epoch_locked(cache, status == STATUS_OK);
-		cache->epoch_in_flight = false;
+		cache->epoch = PAGE_EPOCH_NONE;
 		assert(page_cache_sane_locked(cache));
 		condition_wake_all(&cache->done);
 	}

@@ -171,6 +171,8 @@ static enum status start_pages(struct drive *drive)
 		drive->cache = pages_cache(drive->pages);
 	if (status == STATUS_OK && scene->view.present)
 		status = view_create(drive, &drive->view);
+	if (status == STATUS_OK)
+		status = prefetch_create(drive, &drive->prefetch);
 	return status;
 }
 
@@ -185,6 +187,8 @@ static enum status warm_up(struct drive *drive)
 			status = deform_warm(drive->deform, shape);
 		warm[shape->kind] = true;
 	}
+	if (status == STATUS_OK)
+		status = prefetch_first(drive->prefetch);
 	if (status == STATUS_OK && drive->view != NULL)
 		status = view_warm(drive->view);
 	gpu_finish(drive->gpu);
@@ -226,6 +230,7 @@ static enum status start(struct drive *drive)
 static void finish(struct drive *drive, enum status status)
 {
 	view_destroy(drive->view);
+	prefetch_destroy(drive->prefetch);
 	pages_destroy(drive->pages);
 	pyramid_destroy(drive->pyramid);
 	deform_destroy(drive->deform);
@@ -235,7 +240,6 @@ static void finish(struct drive *drive, enum status status)
 		track_destroy(drive->riders[i].track);
 	mem_free(drive->riders);
 	mem_free(drive->events);
-	wishes_finish(&drive->wishes);
 	mem_free(drive->record);
 	mem_free(drive->step_ms);
 	mem_free(drive->frame_ms);

@@ -90,30 +90,3 @@ enum status drive_collect_events(struct drive *drive, double until)
 		rider->next++;
 	}
 }
-
-enum status drive_prefetch(struct drive *drive)
-{
-	enum { LOOKS = 8 };
-	const struct world *world = &drive->meta->world;
-	wishes_clear(&drive->wishes);
-	for (size_t i = 0; i < drive->scene->object_count; i++)
-		for (int look = 1; look <= LOOKS; look++) {
-			struct track_point point;
-			track_at(drive->riders[i].track, drive->time + drive->scene->prefetch * look / LOOKS, &point);
-			double px = floor(point.x / drive->spacing), py = floor(point.y / drive->spacing);
-			struct tile tile = {drive->level, 0, 0};
-			if (px < 0 || py < 0 || px / world->cells >= world_tiles_x(world, drive->level) ||
-			    py / world->cells >= world_tiles_y(world, drive->level))
-				continue;
-			tile.x = (uint32_t)(px / world->cells);
-			tile.y = (uint32_t)(py / world->cells);
-			enum status status = wishes_add(&drive->wishes, tile_key(tile), point.time);
-			if (status != STATUS_OK)
-				return status;
-		}
-	const uint64_t *keys;
-	size_t count = wishes_order(&drive->wishes, &keys);
-	for (size_t i = 0; i < count; i++)
-		page_cache_prefetch(drive->cache, keys[i]);
-	return STATUS_OK;
-}

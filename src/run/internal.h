@@ -15,7 +15,8 @@
 #include "run/wishes.h"
 #include "store/store.h"
 
-struct view; /* run/view.c */
+struct view;     /* run/view.c */
+struct prefetch; /* run/prefetch.c */
 
 /* One object on its way. */
 struct rider {
@@ -56,7 +57,7 @@ struct drive {
 	struct rider *riders;
 	struct event *events;    /* of the present step */
 	size_t event_count, event_room;
-	struct wishes wishes;    /* pages needed soon */
+	struct prefetch *prefetch;
 	struct pages_record *record;
 	double *step_ms;         /* of every step */
 	size_t step_room, timed; /* steps of which the times are known */
@@ -77,7 +78,14 @@ int64_t drive_step_count(const struct drive *drive);
 
 /* events.c: what is due, in the order of time, then of the scene. */
 enum status drive_collect_events(struct drive *drive, double until) FURROW_CHECKED;
-enum status drive_prefetch(struct drive *drive) FURROW_CHECKED;
+
+/* prefetch.c: what is loaded ahead. */
+enum status prefetch_create(struct drive *drive, struct prefetch **out) FURROW_CHECKED;
+void prefetch_destroy(struct prefetch *prefetch);
+/* Before each step: asks for what will be needed. */
+enum status prefetch_step(struct prefetch *prefetch) FURROW_CHECKED;
+/* Before the first: waits for it too, as far as there are slots, so that no step pays. */
+enum status prefetch_first(struct prefetch *prefetch) FURROW_CHECKED;
 
 /* sweep.c: one station's deformation. */
 enum status drive_sweep(struct drive *drive, struct rider *rider, const struct deform_pose *pose) FURROW_CHECKED;

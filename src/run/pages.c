@@ -2,7 +2,6 @@
 
 #include <assert.h>
 #include <errno.h>
-#include <sched.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -11,8 +10,10 @@
 #define FLAG_DEFORMED 1u
 #define GROUND_TILES 4
 #define CHECKPOINT_BYTES (64 << 20)
+#define EPOCH_BYTES ((size_t)16 << 20)
 
-/* A page's bytes: this, base posts or patch, offset, dirt. */
+/* A loaded image's bytes: this, base posts or patch, and the planes: offset, dirt. A changed one's: the
+ * planes alone. */
 struct head {
 	int shift; /* 0: the base is posts; else a patch to subdivide */
 	uint32_t sub_x, sub_y;
@@ -20,19 +21,21 @@ struct head {
 
 struct layout {
 	uint32_t cells;
-	size_t posts; /* of a tile */
-	size_t base, offset, dirt, bytes;
+	size_t posts;                /* of a tile */
+	size_t base, planes, loaded; /* bytes: where they begin, and all of a loaded image */
+	size_t dirt, changed;        /* bytes: from the planes' begin, and all of them */
 };
 
 struct pages {
 	struct pages_params params;
 	struct layout layout;
 	struct page_cache *cache;
-	struct gpu_staging *staging; /* a page's bytes on their way; the GPU's thread only */
 	struct ground *grounds[16]; /* one a loader */
 	struct store_page *commit_pages; /* the writer's */
 	size_t commit_room;
 	int64_t uncheckpointed; /* bytes */
+	double readback_ms;     /* the GPU's thread's, and */
+	uint64_t host_bytes;
 	struct mutex mutex;     /* guards io */
 	struct pages_io io;
 };
@@ -40,31 +43,37 @@ struct pages {
 static struct layout layout_of(uint32_t cells, bool dirt)
 {
 	struct layout layout = {.cells = cells, .posts = (size_t)(cells + 1) * (cells + 1)};
+	layout.dirt = layout.posts * sizeof(int32_t);
+	layout.changed = layout.dirt + (dirt ? layout.posts : 0);
 	layout.base = sizeof(struct head);
-	layout.offset = layout.base + layout.posts * sizeof(int32_t);
-	layout.dirt = layout.offset + layout.posts * sizeof(int32_t);
-	layout.bytes = layout.dirt + (dirt ? layout.posts : 0);
+	layout.planes = layout.base + layout.posts * sizeof(int32_t);
+	layout.loaded = layout.planes + layout.changed;
 	return layout;
 }
 
-static struct head *head_of(const struct page_image *image)
+static struct head *head_of(const struct page_image *loaded)
 {
-	return image->bytes;
+	return loaded->bytes;
 }
 
-static int32_t *base_of(const struct pages *pages, const struct page_image *image)
+static int32_t *base_of(const struct pages *pages, const struct page_image *loaded)
 {
-	return (int32_t *)((char *)image->bytes + pages->layout.base);
+	return (int32_t *)((char *)loaded->bytes + pages->layout.base);
 }
 
-static int32_t *offset_of(const struct pages *pages, const struct page_image *image)
+static int32_t *offset_in(void *planes)
 {
-	return (int32_t *)((char *)image->bytes + pages->layout.offset);
+	return planes;
 }
 
-static uint8_t *dirt_of(const struct pages *pages, const struct page_image *image)
+static uint8_t *dirt_in(const struct pages *pages, void *planes)
 {
-	return pages->params.dirt ? (uint8_t *)image->bytes + pages->layout.dirt : NULL;
+	return pages->params.dirt ? (uint8_t *)planes + pages->layout.dirt : NULL;
+}
+
+static void *loaded_planes(const struct pages *pages, const struct page_image *loaded)
+{
+	return (char *)loaded->bytes + pages->layout.planes;
 }
 
 /* --- loader threads --- */
@@ -87,18 +96,18 @@ static enum status load_planes(struct pages *pages, struct ground *ground, struc
 			       struct page_image *image, const struct page_image *queued)
 {
 	image->flags = 0;
+	image->overlays = tile.level > pages->params.level;
+	void *planes = loaded_planes(pages, image);
 	if (queued != NULL) {
-		assert(queued->flags & FLAG_DEFORMED);
-		size_t planes = pages->layout.bytes - pages->layout.offset;
-		memcpy((char *)image->bytes + pages->layout.offset, (char *)queued->bytes + pages->layout.offset, planes);
+		memcpy(planes, queued->bytes, pages->layout.changed);
 		image->flags = FLAG_DEFORMED;
 		return STATUS_OK;
 	}
 	if (tile.level < pages->params.level)
 		return STATUS_OK;
-	unsigned planes = STORE_PLANE_OFFSET | (pages->params.dirt ? STORE_PLANE_DIRT : 0), present;
-	enum status status = store_read_deformed(ground_reader(ground), tile, planes, offset_of(pages, image),
-						 dirt_of(pages, image), &present);
+	unsigned wanted = STORE_PLANE_OFFSET | (pages->params.dirt ? STORE_PLANE_DIRT : 0), present;
+	enum status status = store_read_deformed(ground_reader(ground), tile, wanted, offset_in(planes),
+						 dirt_in(pages, planes), &present);
 	if (status == STATUS_OK && present != 0)
 		image->flags = FLAG_DEFORMED;
 	return status;
@@ -116,7 +125,7 @@ static enum status load(void *user, unsigned loader, struct page_image *image, c
 	mutex_lock(&pages->mutex);
 	if (status == STATUS_OK) {
 		pages->io.tiles_read++;
-		pages->io.bytes_read += (int64_t)pages->layout.bytes; /* as decoded */
+		pages->io.bytes_read += (int64_t)pages->layout.loaded; /* as decoded */
 	}
 	pages->io.load_ms += (clock_seconds() - started) * 1e3;
 	mutex_unlock(&pages->mutex);
@@ -160,8 +169,8 @@ static enum status commit(void *user, const struct page_image *const *images, si
 		pages->commit_pages[i] = (struct store_page){
 			.tile = tile_from_key(images[i]->key),
 			.planes = STORE_PLANE_OFFSET | (pages->params.dirt ? STORE_PLANE_DIRT : 0),
-			.offset = offset_of(pages, images[i]),
-			.dirt = dirt_of(pages, images[i]),
+			.offset = offset_in(images[i]->bytes),
+			.dirt = dirt_in(pages, images[i]->bytes),
 		};
 	size_t room = 64 + 80 * pages->params.objects;
 	char *state = mem_alloc(room, 1);
@@ -232,18 +241,18 @@ static void overlay_queued(void *user, const struct page_image *fine)
 	if (!overlaps(pages, tile_from_key(fine->key), overlay->tile, &steps, &to_x, &to_y, &rect))
 		return;
 	size_t stride = pages->layout.cells + 1;
+	void *planes = loaded_planes(pages, overlay->image);
 	if (!(overlay->image->flags & FLAG_DEFORMED)) {
-		memset((char *)overlay->image->bytes + pages->layout.offset, 0,
-		       pages->layout.bytes - pages->layout.offset);
+		memset(planes, 0, pages->layout.changed);
 		overlay->image->flags |= FLAG_DEFORMED;
 	}
 	uint32_t step = 1u << steps;
 	for (uint32_t y = 0; y < rect.height; y += step)
 		for (uint32_t x = 0; x < rect.width; x += step) {
 			size_t from = (rect.y + y) * stride + rect.x + x, to = (to_y + y / step) * stride + to_x + x / step;
-			offset_of(pages, overlay->image)[to] = offset_of(pages, fine)[from];
+			offset_in(planes)[to] = offset_in(fine->bytes)[from];
 			if (pages->params.dirt)
-				dirt_of(pages, overlay->image)[to] = dirt_of(pages, fine)[from];
+				dirt_in(pages, planes)[to] = dirt_in(pages, fine->bytes)[from];
 		}
 }
 
@@ -262,84 +271,109 @@ static void overlay_resident(void *user, uint64_t key, uint32_t slot, bool dirty
 		overlay->status = gpu_slots_decimate(slots, slot, rect, steps, overlay->slot, to_x, to_y);
 }
 
-/* Waits for the one transfer there is. */
-static char *staging_bytes(struct pages *pages)
+/* Where the dirt is in an image whose planes begin at `planes`. */
+static size_t dirt_place(const struct pages *pages, size_t planes)
 {
-	while (!gpu_staging_idle(pages->staging))
-		sched_yield();
-	return gpu_staging_bytes(pages->staging);
+	return pages->params.dirt ? planes + pages->layout.dirt : GPU_NO_PLANE;
 }
 
-static size_t dirt_place(const struct pages *pages)
+static enum status upload(void *user, uint32_t slot, struct page_image *image)
 {
-	return pages->params.dirt ? pages->layout.dirt : GPU_NO_PLANE;
-}
-
-static enum status upload(struct pages *pages, uint32_t slot, struct page_image *image)
-{
+	struct pages *pages = user;
 	struct gpu_slots *slots = pages->params.slots;
+	struct gpu_staging *staging = image->memory;
+	const struct layout *layout = &pages->layout;
 	struct head *head = head_of(image);
 	struct overlay overlay = {pages, image, tile_from_key(image->key), slot, STATUS_OK};
-	bool coarser = overlay.tile.level > pages->params.level;
-	if (coarser)
+	if (image->overlays)
 		page_cache_each_queued(pages->cache, overlay_queued, &overlay);
-	memcpy(staging_bytes(pages), image->bytes, pages->layout.bytes);
 	enum status status =
-		head->shift == 0 ? gpu_slots_upload_base(slots, slot, pages->staging, pages->layout.base)
-				 : gpu_slots_subdivide_base(slots, slot, pages->staging, pages->layout.base,
-							    head->shift, head->sub_x, head->sub_y);
+		head->shift == 0 ? gpu_slots_upload_base(slots, slot, staging, layout->base)
+				 : gpu_slots_subdivide_base(slots, slot, staging, layout->base, head->shift,
+							    head->sub_x, head->sub_y);
 	if (status != STATUS_OK)
 		return status;
 	if (image->flags & FLAG_DEFORMED)
-		status = gpu_slots_upload_deform(slots, slot, pages->staging, pages->layout.offset, dirt_place(pages));
+		status = gpu_slots_upload_deform(slots, slot, staging, layout->planes,
+						 dirt_place(pages, layout->planes));
 	else
 		gpu_slots_undeform(slots, slot);
-	if (status == STATUS_OK && coarser)
+	if (status == STATUS_OK && image->overlays)
 		page_cache_each_resident(pages->cache, overlay_resident, &overlay);
 	return status == STATUS_OK ? overlay.status : status;
 }
 
-static enum status read_back(struct pages *pages, uint32_t slot, struct page_image *image)
+static enum status read_back(void *user, uint32_t slot, struct page_image *image)
 {
-	struct tile tile = tile_from_key(image->key);
+	struct pages *pages = user;
 	double started = clock_seconds();
-	enum status status = pages->params.before_read_back(pages->params.user, tile, slot);
-	if (status == STATUS_OK) {
-		(void)staging_bytes(pages);
-		status = gpu_slots_read_deform(pages->params.slots, slot, pages->staging, pages->layout.offset,
-					       dirt_place(pages));
-	}
-	if (status == STATUS_OK) {
-		const char *bytes = staging_bytes(pages);
-		status = gpu_check(pages->params.gpu, "read back of offsets");
-		memcpy((char *)image->bytes + pages->layout.offset, bytes + pages->layout.offset,
-		       pages->layout.bytes - pages->layout.offset);
-	}
+	enum status status =
+		pages->params.before_read_back(pages->params.user, tile_from_key(image->key), slot);
+	if (status == STATUS_OK)
+		status = gpu_slots_read_deform(pages->params.slots, slot, image->memory, 0, dirt_place(pages, 0));
 	image->flags = FLAG_DEFORMED;
-	mutex_lock(&pages->mutex);
-	pages->io.readback_ms += (clock_seconds() - started) * 1e3;
-	mutex_unlock(&pages->mutex);
+	pages->readback_ms += (clock_seconds() - started) * 1e3;
 	return status;
 }
 
-static enum status execute(void *user, enum page_work_kind kind, uint32_t slot, struct page_image *image)
+static enum status settled(void *user, const struct page_image *image, bool *settled)
 {
-	return kind == PAGE_UPLOAD ? upload(user, slot, image) : read_back(user, slot, image);
+	const struct pages *pages = user;
+	*settled = gpu_staging_idle(image->memory);
+	return *settled ? gpu_check(pages->params.gpu, "uploads and read-backs") : STATUS_OK;
+}
+
+static enum status create_image(void *user, enum page_image_kind kind, struct page_image *image)
+{
+	struct pages *pages = user;
+	size_t bytes = kind == PAGE_LOADED_IMAGE ? pages->layout.loaded : pages->layout.changed;
+	struct gpu_staging *staging;
+	enum status status = gpu_staging_create(pages->params.gpu, bytes, &staging);
+	if (status != STATUS_OK)
+		return status;
+	image->memory = staging;
+	image->bytes = gpu_staging_bytes(staging);
+	pages->host_bytes += bytes;
+	return STATUS_OK;
+}
+
+static void destroy_image(void *user, struct page_image *image)
+{
+	gpu_staging_destroy(image->memory);
 }
 
 /* --- life --- */
 
+/* Changed pages for an epoch: more make it cheaper a page, and take memory. */
+static uint32_t epoch_pages(uint32_t slots, const struct layout *layout)
+{
+	enum { LEAST = 4, MOST = 64 };
+	size_t fit = EPOCH_BYTES / layout->changed;
+	uint32_t pages = fit < LEAST ? LEAST : fit > MOST ? MOST : (uint32_t)fit;
+	return pages < slots ? pages : slots;
+}
+
 static struct page_params cache_params(const struct pages_params *params, const struct layout *layout)
 {
-	uint32_t soft = params->count < 64 ? params->count : 64;
+	uint32_t soft = epoch_pages(params->count, layout);
 	return (struct page_params){
 		.slots = params->count,
 		.loaders = params->loaders,
-		.page_bytes = layout->bytes,
 		.queue_soft = soft,
-		.queue_hard = soft + params->count + params->step_pages,
+		.queue_most = PAGE_QUEUE_MOST(soft, params->step_pages),
 		.epoch_age = params->epoch_age,
 		.record_bytes = pages_record_bytes(params->objects),
+	};
+}
+
+void pages_budget(const struct pages_params *params, struct pages_budget *budget)
+{
+	struct layout layout = layout_of(store_meta(params->store)->world.cells, params->dirt);
+	struct page_params cache = cache_params(params, &layout);
+	*budget = (struct pages_budget){
+		.slots = params->count * (uint64_t)(layout.posts * sizeof(int32_t) + layout.changed),
+		.loads = page_load_images(params->loaders) * (uint64_t)layout.loaded,
+		.queue = cache.queue_most * (uint64_t)layout.changed,
 	};
 }
 
@@ -348,21 +382,27 @@ size_t pages_record_bytes(size_t objects)
 	return sizeof(struct pages_record) + objects * sizeof(int64_t[3]);
 }
 
+/* Without loaders the GPU's thread reads. */
+static uint32_t reader_count(const struct pages_params *params)
+{
+	return params->loaders > 0 ? params->loaders : 1;
+}
+
 enum status pages_create(const struct pages_params *params, struct pages **out)
 {
 	struct pages *pages = mem_calloc(1, sizeof *pages);
 	if (pages == NULL)
 		return fail_memory("the page cache");
-	assert(params->loaders >= 1 && params->loaders <= sizeof pages->grounds / sizeof *pages->grounds);
+	assert(params->loaders <= sizeof pages->grounds / sizeof *pages->grounds);
 	pages->params = *params;
 	mutex_init(&pages->mutex);
 	pages->layout = layout_of(store_meta(params->store)->world.cells, params->dirt);
-	enum status status = gpu_staging_create(params->gpu, pages->layout.bytes, &pages->staging);
-	for (uint32_t i = 0; i < params->loaders && status == STATUS_OK; i++)
+	enum status status = STATUS_OK;
+	for (uint32_t i = 0; i < reader_count(params) && status == STATUS_OK; i++)
 		status = ground_create(params->store, GROUND_TILES, &pages->grounds[i]);
 	struct page_params cache = cache_params(params, &pages->layout);
 	cache.io = (struct page_io){pages, load, commit};
-	cache.executor = (struct page_executor){pages, execute};
+	cache.executor = (struct page_executor){pages, create_image, destroy_image, upload, read_back, settled};
 	if (status == STATUS_OK)
 		status = page_cache_create(&cache, &pages->cache);
 	if (status != STATUS_OK) {
@@ -378,8 +418,7 @@ void pages_destroy(struct pages *pages)
 	if (pages == NULL)
 		return;
 	page_cache_destroy(pages->cache);
-	gpu_staging_destroy(pages->staging);
-	for (uint32_t i = 0; i < pages->params.loaders; i++)
+	for (uint32_t i = 0; i < reader_count(&pages->params); i++)
 		ground_destroy(pages->grounds[i]);
 	mem_free(pages->commit_pages);
 	mutex_finish(&pages->mutex);
@@ -396,4 +435,6 @@ void pages_io(struct pages *pages, struct pages_io *io)
 	mutex_lock(&pages->mutex);
 	*io = pages->io;
 	mutex_unlock(&pages->mutex);
+	io->readback_ms = pages->readback_ms;
+	io->host_bytes = pages->host_bytes;
 }

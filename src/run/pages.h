@@ -42,10 +42,17 @@ struct pages_record {
 	int64_t poses[][3]; /* params.objects of them: x, y, z in 2^-20 m */
 };
 
+/* Bytes at most: of planes in slots, of images for loads, of images of changed pages. */
+struct pages_budget {
+	uint64_t slots, loads, queue;
+};
+void pages_budget(const struct pages_params *params, struct pages_budget *budget);
+
 struct pages_io {
 	int64_t commits, tiles_read, tiles_written, bytes_read, bytes_written;
 	int64_t below, above; /* change of the sums of offsets, quanta */
 	double load_ms, readback_ms, writeback_ms;
+	uint64_t host_bytes; /* of images made so far; they are kept */
 };
 
 enum status pages_create(const struct pages_params *params, struct pages **out) FURROW_CHECKED;

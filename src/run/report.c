@@ -68,6 +68,7 @@ static void add_cache(cJSON *root, const struct drive *drive, const struct page_
 	json_integer(cache, "hits", (int64_t)stats->hits);
 	json_integer(cache, "misses", (int64_t)stats->misses);
 	json_integer(cache, "prefetched", (int64_t)stats->prefetched);
+	json_integer(cache, "cancelled", (int64_t)stats->cancelled);
 	json_integer(cache, "late", (int64_t)stats->late);
 	json_integer(cache, "evictions", (int64_t)stats->evictions);
 	json_integer(cache, "writebacks", (int64_t)stats->writebacks);
@@ -94,14 +95,14 @@ static void add_gpu(cJSON *root, const struct drive *drive, const struct gpu_sta
 }
 
 static void add_memory(cJSON *root, const struct drive *drive, const struct gpu_stats *gpu,
-		       const struct page_stats *pages)
+		       const struct pages_io *io)
 {
 	struct gpu_slots_bytes planes;
 	gpu_slots_bytes(drive->slots, &planes);
 	cJSON *memory = cJSON_AddObjectToObject(root, "memory");
 	json_integer(memory, "rss_peak", (int64_t)mem_peak_resident());
 	json_integer(memory, "gpu_bytes", (int64_t)gpu->bytes);
-	json_integer(memory, "host_bytes", (int64_t)pages->host_bytes);
+	json_integer(memory, "host_bytes", (int64_t)io->host_bytes);
 	cJSON *bytes = cJSON_AddObjectToObject(memory, "plane_bytes");
 	json_integer(bytes, "base", (int64_t)planes.base);
 	json_integer(bytes, "offset", (int64_t)planes.offset);
@@ -175,7 +176,7 @@ char *report_json(const struct drive *drive, const char *ended)
 	add_stages(root, &gpu, &io);
 	add_cache(root, drive, &pages);
 	add_gpu(root, drive, &gpu);
-	add_memory(root, drive, &gpu, &pages);
+	add_memory(root, drive, &gpu, &io);
 	add_io(root, &io);
 	add_volume(root, drive, &io);
 	json_number(root, "refused_posts", known ? (double)refused : (double)NAN);

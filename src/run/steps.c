@@ -64,8 +64,8 @@ static enum status one_step(struct drive *drive)
 	enum status status = drive_collect_events(drive, until);
 	if (status == STATUS_OK)
 		status = page_cache_poll(drive->cache);
-	if (status == STATUS_OK && drive->scene->prefetch > 0)
-		status = drive_prefetch(drive);
+	if (status == STATUS_OK)
+		status = prefetch_step(drive->prefetch);
 	if (status != STATUS_OK)
 		return status;
 	drive->torn = true;

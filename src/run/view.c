@@ -150,8 +150,7 @@ static enum status select_tiles(struct view *view, const struct render_camera *c
 
 static void ask_for_wanted(struct view *view)
 {
-	for (size_t i = 0; i < view->selection->wanted_count; i++)
-		page_cache_prefetch(view->drive->cache, view->selection->wanted[i]);
+	page_cache_want(view->drive->cache, view->selection->wanted, view->selection->wanted_count);
 }
 
 /* A picture that is kept waits for its tiles, unless the slots cannot hold them. */

@@ -171,7 +171,7 @@ static const struct scene_limit limits[] = {
 	{"view.camera.fixed.target[]", -1e9, 1e9, false, NULL},
 	{"view.images", 0, 1e9, false, NULL},
 	{"cache.slots", 4, 65536, false, NULL},
-	{"cache.loaders", 1, 16, false, NULL},
+	{"cache.loaders", 0, 16, false, NULL},
 	{"cache.prefetch", 0, 3600, false, NULL},
 };
 

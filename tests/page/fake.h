@@ -6,6 +6,9 @@
  * versions of the FAMILY fine pages below it, as a coarser level shows the finer one: its load
  * takes them from the store, its upload overlays what is queued, then what is dirty in a slot.
  *
+ * The executor is as late as `settle_after` says: until an image was asked about that often, a
+ * read-back has only rubbish in it, and an upload's must not have changed.
+ *
  * The fake has its own mutex. `model`, `pins` and the log belong to the owner thread.
  */
 #ifndef FURROW_TESTS_PAGE_FAKE_H
@@ -29,6 +32,14 @@ struct content {
 	uint64_t family[FAMILY];
 };
 
+/* What the executor has begun with an image. */
+struct fake_memory {
+	enum page_image_kind kind;
+	unsigned asks; /* until it is settled */
+	bool busy, filling;
+	struct content content; /* what the image will have, or must still have */
+};
+
 struct fake {
 	struct mutex mutex;
 	struct condition changed;
@@ -48,6 +59,9 @@ struct fake {
 	struct content slots[SLOTS_MOST];
 	unsigned pins[SLOTS_MOST];
 	uint64_t fail_upload, fail_read_back; /* key + 1 */
+	unsigned settle_after;                /* asks; 0: settled when begun */
+	bool fail_settle;
+	unsigned images[2];                   /* alive, by kind */
 	uint64_t uploaded[LOG_MOST], read_back[LOG_MOST];
 	unsigned uploads, read_backs;
 };
@@ -83,6 +97,7 @@ static inline enum status fake_load(void *user, unsigned loader, struct page_ima
 		memcpy(&content, queued->bytes, sizeof content);
 	memcpy(image->bytes, &content, sizeof content);
 	image->flags = 7;
+	image->overlays = image->key >= COARSE;
 	return STATUS_OK;
 }
 
@@ -143,24 +158,85 @@ static inline void fake_overlay_resident(void *user, uint64_t key, uint32_t slot
 		fake_overlay_one(overlay->coarse, key, overlay->fake->slots[slot].version);
 }
 
-static inline enum status fake_execute(void *user, enum page_work_kind kind, uint32_t slot,
-				       struct page_image *image)
+static inline enum status fake_create(void *user, enum page_image_kind kind, struct page_image *image)
+{
+	struct fake *fake = user;
+	struct fake_memory *memory = mem_calloc(1, sizeof *memory);
+	image->bytes = mem_calloc(1, sizeof(struct content));
+	if (memory == NULL || image->bytes == NULL) {
+		mem_free(memory);
+		mem_free(image->bytes);
+		return fail_memory("an image");
+	}
+	memory->kind = kind;
+	image->memory = memory;
+	fake->images[kind]++;
+	return STATUS_OK;
+}
+
+static inline void fake_destroy(void *user, struct page_image *image)
+{
+	struct fake *fake = user;
+	struct fake_memory *memory = image->memory;
+	fake->images[memory->kind]--;
+	mem_free(image->bytes);
+	mem_free(memory);
+}
+
+static inline void fake_begin(struct fake *fake, struct page_image *image, const struct content *content,
+			      bool filling)
+{
+	struct fake_memory *memory = image->memory;
+	assert_false(memory->busy);
+	*memory = (struct fake_memory){memory->kind, fake->settle_after, true, filling, *content};
+	if (filling)
+		memset(image->bytes, 0xee, sizeof *content);
+}
+
+static inline enum status fake_settled(void *user, const struct page_image *image, bool *settled)
+{
+	struct fake *fake = user;
+	struct fake_memory *memory = image->memory;
+	assert_true(pthread_equal(fake->owner, pthread_self()));
+	assert_true(memory->busy);
+	if (fake->fail_settle)
+		return fail_with(STATUS_NO_GL, "GL: the context is lost; restart");
+	*settled = memory->asks == 0;
+	memory->asks -= memory->asks > 0;
+	if (!*settled)
+		return STATUS_OK;
+	if (memory->filling)
+		memcpy(image->bytes, &memory->content, sizeof memory->content);
+	assert_memory_equal(image->bytes, &memory->content, sizeof memory->content);
+	memory->busy = false;
+	return STATUS_OK;
+}
+
+static inline enum status fake_read_back(void *user, uint32_t slot, struct page_image *image)
+{
+	struct fake *fake = user;
+	const struct content *here = &fake->slots[slot];
+	assert_true(pthread_equal(fake->owner, pthread_self()));
+	assert_int_equal(((struct fake_memory *)image->memory)->kind, PAGE_CHANGED_IMAGE);
+	assert_int_equal(here->key, image->key);
+	if (fake->fail_read_back == image->key + 1)
+		return fail_with(STATUS_NO_GL, "GL: the context is lost; restart");
+	fake->read_back[fake->read_backs++ % LOG_MOST] = image->key;
+	fake_begin(fake, image, here, true);
+	return STATUS_OK;
+}
+
+static inline enum status fake_upload(void *user, uint32_t slot, struct page_image *image)
 {
 	struct fake *fake = user;
 	struct content *here = &fake->slots[slot];
 	assert_true(pthread_equal(fake->owner, pthread_self()));
-	assert_true(kind == PAGE_READ_BACK || fake->pins[slot] == 0);
-	if (kind == PAGE_READ_BACK) {
-		assert_int_equal(here->key, image->key);
-		if (fake->fail_read_back == image->key + 1)
-			return fail_with(STATUS_NO_GL, "GL: the context is lost; restart");
-		fake->read_back[fake->read_backs++ % LOG_MOST] = image->key;
-		memcpy(image->bytes, here, sizeof *here);
-		return STATUS_OK;
-	}
+	assert_int_equal(((struct fake_memory *)image->memory)->kind, PAGE_LOADED_IMAGE);
+	assert_int_equal(fake->pins[slot], 0);
 	assert_int_equal(image->flags, 7);
 	memcpy(here, image->bytes, sizeof *here);
 	assert_int_equal(here->key, image->key);
+	fake_begin(fake, image, here, false);
 	if (fake->fail_upload == image->key + 1)
 		return fail_with(STATUS_NO_GL, "GL: out of memory; lower cache.slots");
 	fake->uploaded[fake->uploads++ % LOG_MOST] = image->key;
@@ -179,12 +255,11 @@ static inline struct page_params fake_params(struct fake *fake, uint32_t slots, 
 	return (struct page_params){
 		.slots = slots,
 		.loaders = loaders,
-		.page_bytes = sizeof(struct content),
 		.queue_soft = 8,
-		.queue_hard = 64,
+		.queue_most = 64,
 		.record_bytes = sizeof(uint64_t),
 		.io = {fake, fake_load, fake_commit},
-		.executor = {fake, fake_execute},
+		.executor = {fake, fake_create, fake_destroy, fake_upload, fake_read_back, fake_settled},
 	};
 }
 
@@ -207,6 +282,8 @@ static inline void fake_start(struct fake *fake, const struct page_params *param
 static inline void fake_finish(struct fake *fake)
 {
 	page_cache_destroy(fake->cache);
+	assert_int_equal(fake->images[PAGE_LOADED_IMAGE], 0);
+	assert_int_equal(fake->images[PAGE_CHANGED_IMAGE], 0);
 	assert_false(fake->commit_differs);
 	assert_false(fake->queued_differs);
 	condition_finish(&fake->changed);
@@ -289,6 +366,11 @@ static inline void fake_visit(struct fake *fake, uint64_t key)
 	fake_unpin(fake, key);
 }
 
+static inline void fake_want(struct fake *fake, uint64_t key)
+{
+	page_cache_want(fake->cache, &key, 1);
+}
+
 /* Pins, changes and unpins a page. */
 static inline void fake_change(struct fake *fake, uint64_t key)
 {
@@ -322,6 +404,35 @@ static inline uint64_t fake_stored(struct fake *fake, uint64_t key)
 	uint64_t version = fake->store[key];
 	mutex_unlock(&fake->mutex);
 	return version;
+}
+
+/* --- where the newest bits of every page are: in the store, in the queue, in a dirty slot --- */
+
+static inline void fake_find_newest(void *user, const struct page_image *image)
+{
+	uint64_t *newest = user;
+	newest[image->key] = ((const struct content *)image->bytes)->version;
+}
+
+static inline void fake_find_dirty(void *user, uint64_t key, uint32_t slot, bool dirty)
+{
+	struct fake_overlay *overlay = user;
+	if (dirty)
+		overlay->fake->model[key] -= overlay->fake->slots[slot].version;
+}
+
+/* Leaves the model useless. Read-backs must be settled. */
+static inline void fake_check_nothing_is_lost(struct fake *fake)
+{
+	uint64_t newest[FINE];
+	struct fake_overlay overlay = {fake, NULL};
+	mutex_lock(&fake->mutex);
+	memcpy(newest, fake->store, sizeof newest);
+	mutex_unlock(&fake->mutex);
+	page_cache_each_queued(fake->cache, fake_find_newest, newest);
+	page_cache_each_resident(fake->cache, fake_find_dirty, &overlay); /* 0 for those it has */
+	for (unsigned key = 0; key < FINE; key++)
+		assert_true(fake->model[key] == 0 || fake->model[key] == newest[key]);
 }
 
 /* What page_cache_each_queued shows of one key: how often, and the last version. */

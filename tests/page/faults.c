@@ -10,7 +10,7 @@ static enum status short_run(struct fake *fake)
 	for (uint64_t step = 0; step < 12 && status == STATUS_OK; step++) {
 		const uint64_t keys[] = {step, step + 1, step + 13, step + 14};
 		uint32_t slots[4];
-		page_cache_prefetch(fake->cache, step + 2);
+		fake_want(fake, step + 2);
 		status = page_cache_pin_all(fake->cache, keys, 4, slots);
 		for (int i = 0; i < 4 && status == STATUS_OK; i++) {
 			fake->slots[slots[i]].version = ++fake->model[keys[i]];
@@ -68,8 +68,7 @@ static void page_destroy_waits_for_loads_and_commits_on_their_way(void **state)
 		fake_change(&fake, 0);
 		fake_gate(&fake, UINT64_MAX, true);
 		fake_end_step(&fake, 1);
-		for (uint64_t key = 10; key < 14; key++)
-			page_cache_prefetch(fake.cache, key);
+		page_cache_want(fake.cache, (const uint64_t[]){10, 11, 12, 13}, 4);
 		fake_await(&fake, 3, 1);
 		fake_open_later(&opener, &fake, 3, 1);
 		page_cache_destroy(fake.cache); /* sanitizers see what it would leave behind */

@@ -18,10 +18,11 @@ static void page_prefetched_and_polled_is_a_hit(void **state)
 	struct page_params params = fake_params(&fake, 4, 1);
 	(void)state;
 	fake_start(&fake, &params);
-	page_cache_prefetch(fake.cache, 5);
-	page_cache_prefetch(fake.cache, 5);
+	fake_want(&fake, 5);
+	fake_want(&fake, 5);
 	poll_until_resident(&fake, 5);
-	page_cache_prefetch(fake.cache, 5);
+	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_HERE);
+	fake_want(&fake, 5);
 	fake_visit(&fake, 5);
 	struct page_stats stats = fake_stats(&fake);
 	assert_int_equal(stats.prefetched, 1);
@@ -39,7 +40,7 @@ static void page_pin_of_a_prefetch_on_its_way_is_late(void **state)
 	(void)state;
 	fake_start(&fake, &params);
 	fake_gate(&fake, 5 + 1, false);
-	page_cache_prefetch(fake.cache, 5);
+	fake_want(&fake, 5);
 	fake_await(&fake, 1, 0);
 	fake_open_later(&opener, &fake, 1, 0);
 	fake_visit(&fake, 5);
@@ -60,7 +61,7 @@ static void page_prefetch_never_evicts_what_the_step_pinned(void **state)
 	fake_visit(&fake, 9);
 	fake_end_step(&fake, 1);
 	fake_gate(&fake, 7 + 1, false);
-	page_cache_prefetch(fake.cache, 7); /* may take the slot of 9, if nobody else does */
+	fake_want(&fake, 7); /* may take the slot of 9, if nobody else does */
 	fake_await(&fake, 2, 0);
 	fake_gate(&fake, 0, false);
 	/* The one loader is done with 7 when it takes 0. */
@@ -70,11 +71,12 @@ static void page_prefetch_never_evicts_what_the_step_pinned(void **state)
 	for (uint64_t key = 0; key < 4; key++)
 		assert_true(fake_resident(&fake, key));
 	assert_false(fake_resident(&fake, 7));
-	page_cache_prefetch(fake.cache, 8); /* ignored: nothing can go for it */
+	fake_want(&fake, 8); /* not honoured: nothing can go for it */
+	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_SHORT);
 	assert_int_equal(fake_stats(&fake).prefetched, 1);
 	fake_end_step(&fake, 2);
 	fake_pin(&fake, 0);
-	page_cache_prefetch(fake.cache, 7); /* may take that of 1, the oldest of those not pinned */
+	fake_want(&fake, 7); /* may take that of 1, the oldest of those not pinned */
 	poll_until_resident(&fake, 7);
 	assert_true(fake_resident(&fake, 0));
 	assert_false(fake_resident(&fake, 1));
@@ -86,17 +88,17 @@ static void page_prefetch_evicts_dirty_pages_only_into_room(void **state)
 	static struct fake fake;
 	struct page_params params = fake_params(&fake, 4, 1);
 	(void)state;
-	params.queue_soft = params.queue_hard = 4;
+	params.queue_soft = 100;
+	params.queue_most = 4;
 	fake_start(&fake, &params);
 	for (uint64_t key = 0; key < 7; key++)
 		fake_change(&fake, key);
 	fake_end_step(&fake, 1); /* three wait, four are dirty in their slots */
 	assert_int_equal(fake.commits_begun, 0);
-	page_cache_prefetch(fake.cache, 20);
+	fake_want(&fake, 20);
 	poll_until_resident(&fake, 20);
 	fake_visit(&fake, 20);
-	page_cache_prefetch(fake.cache, 21);
-	page_cache_prefetch(fake.cache, 22);
+	page_cache_want(fake.cache, (const uint64_t[]){21, 22}, 2);
 	fake_await(&fake, 10, 0);
 	for (int i = 0; i < 100; i++) {
 		assert_int_equal(page_cache_poll(fake.cache), STATUS_OK);
@@ -105,7 +107,115 @@ static void page_prefetch_evicts_dirty_pages_only_into_room(void **state)
 	assert_int_equal(fake.read_backs, 4);
 	for (uint64_t key = 4; key < 7; key++)
 		assert_true(fake_resident(&fake, key));
-	fake_flush(&fake, 2);
+	assert_int_equal(fake_stats(&fake).stalls, 7);
+	fake_check_nothing_is_lost(&fake);
+	fake_finish(&fake);
+}
+
+/* In the order of the list, whatever was asked for before; and what is not in it is not loaded. */
+static void page_wishes_are_loaded_soonest_first_and_cancelled(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 8, 1);
+	(void)state;
+	fake_start(&fake, &params);
+	fake_gate(&fake, 1 + 1, false);
+	page_cache_want(fake.cache, (const uint64_t[]){1, 2, 3, 4}, 4);
+	fake_await(&fake, 1, 0);
+	page_cache_want(fake.cache, (const uint64_t[]){6, 4, 3}, 3); /* 1 is stale, 2 never begins */
+	assert_int_equal(fake_stats(&fake).cancelled, 2);
+	fake_gate(&fake, 0, false);
+	poll_until_resident(&fake, 3);
+	const uint64_t expected[] = {1, 6, 4, 3};
+	assert_memory_equal(fake.loaded, expected, sizeof expected);
+	assert_int_equal(fake.loads_begun, 4);
+	assert_false(fake_resident(&fake, 1));
+	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_HERE);
+	page_cache_want(fake.cache, NULL, 0);
+	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_HERE);
+	assert_true(fake_resident(&fake, 3)); /* it stays, as what was used */
+	fake_finish(&fake);
+}
+
+/* What is wished for goes last, the farthest need first; a wish pushes out nothing that is wished. */
+static void page_wished_pages_stay(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 4, 1);
+	(void)state;
+	fake_start(&fake, &params);
+	for (uint64_t key = 0; key < 4; key++)
+		fake_visit(&fake, key);
+	fake_end_step(&fake, 1);
+	page_cache_want(fake.cache, (const uint64_t[]){0, 2, 1}, 3);
+	fake_visit(&fake, 10); /* for 3, though that was used last */
+	assert_false(fake_resident(&fake, 3));
+	fake_visit(&fake, 11); /* for 10, which nobody wishes for */
+	assert_false(fake_resident(&fake, 10));
+	uint32_t held = fake_pin(&fake, 11);
+	(void)held;
+	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_HERE);
+	fake_visit(&fake, 12); /* for 1: it is needed last */
+	assert_false(fake_resident(&fake, 1));
+	assert_true(fake_resident(&fake, 0) && fake_resident(&fake, 2));
+	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_SHORT);
+	fake_unpin(&fake, 11);
+	fake_end_step(&fake, 2);
+	/* Four wishes for four slots: the fifth is not honoured, and none goes for another. */
+	page_cache_want(fake.cache, (const uint64_t[]){0, 2, 20, 21, 22}, 5);
+	poll_until_resident(&fake, 20);
+	poll_until_resident(&fake, 21);
+	assert_true(fake_resident(&fake, 0) && fake_resident(&fake, 2));
+	for (int i = 0; i < 100; i++)
+		assert_int_equal(page_cache_poll(fake.cache), STATUS_OK);
+	assert_false(fake_resident(&fake, 22));
+	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_SHORT);
+	fake_finish(&fake);
+}
+
+/* A picture's use protects as a pin's does: a budget below what is drawn does not spin. */
+static void page_prefetch_never_evicts_what_is_drawn(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 4, 1);
+	uint32_t slot;
+	(void)state;
+	fake_start(&fake, &params);
+	for (uint64_t key = 0; key < 4; key++)
+		fake_visit(&fake, key);
+	for (uint64_t frame = 1; frame < 20; frame++) {
+		fake_end_step(&fake, frame);
+		for (uint64_t key = 0; key < 4; key++)
+			assert_true(page_cache_peek(fake.cache, key, true, &slot));
+		page_cache_want(fake.cache, (const uint64_t[]){10, 11, 12, 13}, 4);
+		assert_int_equal(page_cache_poll(fake.cache), STATUS_OK);
+		sched_yield();
+	}
+	assert_int_equal(fake.loads_begun, 4);
+	assert_int_equal(fake_stats(&fake).evictions, 0);
+	fake_finish(&fake);
+}
+
+/* Without loaders the owner loads what it pins, and nothing ahead. */
+static void page_without_loaders_the_owner_loads(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 4, 0);
+	(void)state;
+	fake_start(&fake, &params);
+	fake_want(&fake, 5);
+	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_HERE);
+	assert_int_equal(page_cache_poll(fake.cache), STATUS_OK);
+	assert_int_equal(fake.loads_begun, 0);
+	for (uint64_t key = 0; key < 20; key++)
+		fake_change(&fake, key);
+	fake.fail_load = 30 + 1;
+	uint32_t slot;
+	assert_int_equal(page_cache_pin(fake.cache, 30, &slot), STATUS_INPUT);
+	fake_flush(&fake, 1);
+	struct page_stats stats = fake_stats(&fake);
+	assert_int_equal(stats.misses, 21);
+	assert_int_equal(stats.stalls, 21);
 	fake_finish(&fake);
 }
 
@@ -116,11 +226,10 @@ static void page_failed_prefetch_is_silent_and_retried(void **state)
 	(void)state;
 	fake_start(&fake, &params);
 	fake.fail_load = 5 + 1;
-	page_cache_prefetch(fake.cache, 5);
-	page_cache_prefetch(fake.cache, 6);
+	page_cache_want(fake.cache, (const uint64_t[]){5, 6}, 2);
 	poll_until_resident(&fake, 6); /* the one loader was done with 5 before */
 	assert_false(fake_resident(&fake, 5));
-	page_cache_prefetch(fake.cache, 5);
+	fake_want(&fake, 5);
 	fake_visit(&fake, 7); /* so now it is, again, and not polled */
 	mutex_lock(&fake.mutex);
 	fake.fail_load = 0;
@@ -150,11 +259,9 @@ static void page_pins_overtake_prefetches(void **state)
 	(void)state;
 	fake_start(&fake, &params);
 	fake_gate(&fake, 1 + 1, false);
-	page_cache_prefetch(fake.cache, 1);
+	page_cache_want(fake.cache, (const uint64_t[]){1, 2, 3}, 3);
 	fake_await(&fake, 1, 0);
-	page_cache_prefetch(fake.cache, 2);
-	page_cache_prefetch(fake.cache, 3); /* ignored: two for each loader are on their way */
-	assert_int_equal(fake_stats(&fake).prefetched, 2);
+	assert_int_equal(fake_stats(&fake).prefetched, 1);
 	assert_int_equal(thread_start(&opener, open_on_urgent, &fake, "opener"), STATUS_OK);
 	fake_visit(&fake, 4);
 	thread_join(&opener);
@@ -173,15 +280,14 @@ static void page_prefetches_that_nobody_polls_do_not_starve_pins(void **state)
 	uint32_t slots[16];
 	(void)state;
 	fake_start(&fake, &params);
-	page_cache_prefetch(fake.cache, 100);
-	page_cache_prefetch(fake.cache, 101);
+	page_cache_want(fake.cache, (const uint64_t[]){100, 101}, 2);
 	fake_await(&fake, 2, 0);
 	for (uint64_t i = 0; i < 16; i++)
 		keys[i] = i;
 	assert_int_equal(page_cache_pin_all(fake.cache, keys, 16, slots), STATUS_OK);
 	assert_int_equal(page_cache_poll(fake.cache), STATUS_OK); /* every slot is pinned */
 	assert_false(fake_resident(&fake, 100));
-	assert_true(fake_stats(&fake).host_bytes <= 3 * sizeof(struct content));
+	assert_int_equal(fake.images[PAGE_LOADED_IMAGE], 3);
 	fake_finish(&fake);
 }
 
@@ -192,6 +298,10 @@ int main(void)
 		cmocka_unit_test(page_pin_of_a_prefetch_on_its_way_is_late),
 		cmocka_unit_test(page_prefetch_never_evicts_what_the_step_pinned),
 		cmocka_unit_test(page_prefetch_evicts_dirty_pages_only_into_room),
+		cmocka_unit_test(page_wishes_are_loaded_soonest_first_and_cancelled),
+		cmocka_unit_test(page_wished_pages_stay),
+		cmocka_unit_test(page_prefetch_never_evicts_what_is_drawn),
+		cmocka_unit_test(page_without_loaders_the_owner_loads),
 		cmocka_unit_test(page_failed_prefetch_is_silent_and_retried),
 		cmocka_unit_test(page_pins_overtake_prefetches),
 		cmocka_unit_test(page_prefetches_that_nobody_polls_do_not_starve_pins),

@@ -93,54 +93,158 @@ static void page_newer_version_replaces_the_one_that_waits(void **state)
 		assert_int_equal(fake_queued(&fake, 0).count, 1);
 		fake_end_step(&fake, 1);
 	}
-	assert_int_equal(fake_stats(&fake).queue_peak, 1);
+	assert_int_equal(fake_stats(&fake).queue_peak, 2); /* the newer is there before the older goes */
 	fake_flush(&fake, 2);
 	assert_int_equal(fake_stats(&fake).writebacks, 1);
 	fake_finish(&fake);
 }
 
+/* A step that changes more than the queue was made for. */
 static void page_queue_full_in_a_step_is_refused_and_nothing_lost(void **state)
 {
 	static struct fake fake;
 	struct page_params params = fake_params(&fake, 4, 2);
+	uint64_t record = 1;
 	uint32_t slot;
 	(void)state;
 	params.queue_soft = 2;
-	params.queue_hard = 3;
+	params.queue_most = 3;
 	fake_start(&fake, &params);
 	for (uint64_t key = 0; key < 7; key++)
 		fake_change(&fake, key);
 	assert_int_equal(page_cache_pin(fake.cache, 7, &slot), STATUS_FAILED);
 	assert_non_null(strstr(failure_message(), "raise cache.slots"));
-	/* Not sticky: what is resident can be used, and the step's end makes room. */
-	fake_visit(&fake, 6);
-	fake_end_step(&fake, 1);
-	fake_change(&fake, 7);
-	fake_flush(&fake, 2);
+	fake_visit(&fake, 6); /* not sticky: what is resident can be used */
+	assert_int_equal(page_cache_end_step(fake.cache, &record), STATUS_FAILED);
+	assert_int_equal(fake.commits_begun, 0);
+	fake_check_nothing_is_lost(&fake);
 	fake_finish(&fake);
 }
 
-/* The bound counts what is being committed; the step waits for that instead of failing. */
-static void page_queue_full_waits_for_the_commit_in_flight(void **state)
+/* However fast things change, at most so much waits: the step's end waits for the commit instead. */
+static void page_many_changes_wait_for_the_commit_in_flight(void **state)
 {
 	static struct fake fake;
 	struct page_params params = fake_params(&fake, 4, 1);
 	struct fake_opener opener;
 	(void)state;
 	params.queue_soft = 3;
-	params.queue_hard = 7;
+	params.queue_most = PAGE_QUEUE_MOST(3, 7);
 	fake_start(&fake, &params);
 	for (uint64_t key = 0; key < 7; key++)
 		fake_change(&fake, key);
 	fake_gate(&fake, 0, true);
 	fake_end_step(&fake, 1);
 	fake_await(&fake, 0, 1);
-	fake_open_later(&opener, &fake, 12, 1);
-	for (uint64_t key = 10; key < 18; key++) /* the 5th pushes the 1st out */
+	for (uint64_t key = 10; key < 15; key++)
 		fake_change(&fake, key);
+	fake_end_step(&fake, 2); /* five: it goes on, or nobody would ever open the gate */
+	fake_change(&fake, 15);
+	uint64_t stalls = fake_stats(&fake).stalls;
+	fake_open_later(&opener, &fake, 0, 1);
+	fake_end_step(&fake, 3);
 	thread_join(&opener.thread);
-	assert_true(fake_stats(&fake).queue_peak <= 7);
+	assert_in_range(fake_stats(&fake).commits, 1, 2);
+	assert_in_range(fake_stats(&fake).stalls, stalls, stalls + 1);
+	assert_true(fake_stats(&fake).queue_peak <= 7 + 6);
 	fake_flush(&fake, 2);
+	assert_int_equal(fake_stats(&fake).writebacks, 13);
+	fake_finish(&fake);
+}
+
+/* --- an executor that takes its time --- */
+
+/* Evicted and wanted again at once: the load waits until the read-back is there. */
+static void page_wanted_while_it_is_read_back_waits_for_that(void **state)
+{
+	static struct fake fake;
+	(void)state;
+	for (uint32_t loaders = 0; loaders < 3; loaders++) {
+		struct page_params params = fake_params(&fake, 4, loaders);
+		fake_start(&fake, &params);
+		fake.settle_after = 5;
+		for (int i = 0; i < 20; i++) {
+			fake_change(&fake, 0);
+			push_out(&fake, 4, 10 + 4 * (uint64_t)(i % 2));
+		}
+		fake_flush(&fake, 1);
+		fake_finish(&fake);
+	}
+}
+
+/* An epoch is handed over when the last of its read-backs is there, and not before. */
+static void page_epoch_waits_for_its_read_backs_without_stopping_the_steps(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 8, 1);
+	(void)state;
+	params.queue_soft = 4;
+	fake_start(&fake, &params);
+	fake.settle_after = 3;
+	for (uint64_t key = 0; key < 5; key++)
+		fake_change(&fake, key);
+	uint64_t stalls = fake_stats(&fake).stalls;
+	fake_end_step(&fake, 1); /* asks once */
+	unsigned polls = 0;
+	for (; fake_stats(&fake).commits == 0 && polls < 1000000; polls++) {
+		if (polls == 0)
+			assert_int_equal(fake.commits_begun, 0);
+		assert_int_equal(page_cache_poll(fake.cache), STATUS_OK);
+		sched_yield();
+	}
+	assert_true(polls >= 3 && polls < 1000000);
+	assert_int_equal(fake_stats(&fake).stalls, stalls);
+	fake_flush(&fake, 2);
+	fake_finish(&fake);
+}
+
+/* A coarse page shows what was evicted just before it came, though that is still being read back. */
+static void page_overlay_waits_for_read_backs(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 4, 1);
+	(void)state;
+	fake_start(&fake, &params);
+	fake.settle_after = 4;
+	for (uint64_t key = 0; key < FAMILY; key++)
+		fake_change(&fake, key);
+	uint32_t slot = fake_pin(&fake, COARSE); /* takes the slot of 0 */
+	for (unsigned i = 0; i < FAMILY; i++)
+		assert_int_equal(fake.slots[slot].family[i], fake.model[i]);
+	fake_unpin(&fake, COARSE);
+	fake_change(&fake, 4);
+	fake_end_step(&fake, 1);
+	fake_want(&fake, COARSE + 1); /* ahead: installed later, and whole as well */
+	fake_await(&fake, FAMILY + 3, 0);
+	fake_change(&fake, 5);
+	fake_change(&fake, 6);
+	fake_change(&fake, 7);
+	fake_end_step(&fake, 2);
+	while (!page_cache_peek(fake.cache, COARSE + 1, false, &slot))
+		assert_int_equal(page_cache_poll(fake.cache), STATUS_OK);
+	for (unsigned i = 0; i < FAMILY; i++)
+		assert_int_equal(fake.slots[slot].family[i], fake.model[FAMILY + i]);
+	fake_flush(&fake, 3);
+	fake_finish(&fake);
+}
+
+/* What an executor that failed has read is not committed. */
+static void page_read_back_that_never_settles_is_not_committed(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 4, 1);
+	uint64_t record = 1;
+	(void)state;
+	params.queue_soft = 0;
+	fake_start(&fake, &params);
+	fake.settle_after = 1;
+	fake_change(&fake, 0);
+	fake.fail_settle = true;
+	assert_int_equal(page_cache_end_step(fake.cache, &record), STATUS_NO_GL);
+	assert_int_equal(page_cache_poll(fake.cache), STATUS_NO_GL);
+	assert_int_equal(page_cache_flush(fake.cache, &record), STATUS_NO_GL);
+	assert_int_equal(fake.commits_begun, 0);
+	assert_int_equal(fake_stored(&fake, 0), 100);
 	fake_finish(&fake);
 }
 
@@ -253,7 +357,7 @@ static void page_late_load_cannot_resurrect_older_bits(void **state)
 	fake_gate(&fake, 0 + 1, true);
 	fake_end_step(&fake, 0);
 	uint64_t record = 1;
-	page_cache_prefetch(fake.cache, 0);
+	fake_want(&fake, 0);
 	fake_await(&fake, 6, 1); /* both are held; the load reads what the commit writes */
 	fake_gate(&fake, 0 + 1, false);
 	assert_int_equal(page_cache_flush(fake.cache, &record), STATUS_OK);
@@ -274,13 +378,13 @@ static void page_committed_image_is_visible_to_loads_that_began_before(void **st
 	params.queue_soft = 1;
 	fake_start(&fake, &params);
 	fake_gate(&fake, COARSE + 1, false);
-	page_cache_prefetch(fake.cache, COARSE); /* has read 0 from the store, and is held */
+	fake_want(&fake, COARSE); /* has read 0 from the store, and is held */
 	fake_await(&fake, 1, 0);
 	fake_change(&fake, 0);
 	fake_flush(&fake, 1);
 	assert_int_equal(fake_queued(&fake, 0).count, 1); /* it may have missed this */
 	fake_gate(&fake, COARSE + 1 + 1, false);
-	page_cache_prefetch(fake.cache, COARSE + 1); /* this one cannot have */
+	page_cache_want(fake.cache, (const uint64_t[]){COARSE, COARSE + 1}, 2); /* this one cannot have */
 	fake_await(&fake, 3, 0);
 	uint32_t slot = fake_pin(&fake, COARSE);
 	assert_int_equal(fake.slots[slot].family[0], 101);
@@ -303,14 +407,14 @@ static void page_load_that_outlives_two_epochs_is_repeated(void **state)
 	(void)state;
 	fake_start(&fake, &params);
 	fake_gate(&fake, COARSE + 1, false);
-	page_cache_prefetch(fake.cache, COARSE);
+	fake_want(&fake, COARSE);
 	fake_await(&fake, 1, 0);
 	for (uint64_t round = 1; round < 20; round++) {
 		for (uint64_t i = 0; i < 5; i++)
 			fake_change(&fake, (round - 1) * 5 + i);
 		fake_flush(&fake, round);
 	}
-	assert_true(fake_stats(&fake).host_bytes <= (2 * 5 + 2 * 3) * sizeof(struct content));
+	assert_true(fake_stats(&fake).queue_peak <= 2 * 5);
 	fake_open_later(&opener, &fake, 6, 0);
 	uint32_t slot = fake_pin(&fake, COARSE);
 	thread_join(&opener.thread);
@@ -328,7 +432,11 @@ int main(void)
 		cmocka_unit_test(page_evicted_in_a_step_is_committed_with_the_rest_of_it),
 		cmocka_unit_test(page_newer_version_replaces_the_one_that_waits),
 		cmocka_unit_test(page_queue_full_in_a_step_is_refused_and_nothing_lost),
-		cmocka_unit_test(page_queue_full_waits_for_the_commit_in_flight),
+		cmocka_unit_test(page_many_changes_wait_for_the_commit_in_flight),
+		cmocka_unit_test(page_wanted_while_it_is_read_back_waits_for_that),
+		cmocka_unit_test(page_epoch_waits_for_its_read_backs_without_stopping_the_steps),
+		cmocka_unit_test(page_overlay_waits_for_read_backs),
+		cmocka_unit_test(page_read_back_that_never_settles_is_not_committed),
 		cmocka_unit_test(page_failed_commit_is_sticky_and_keeps_every_image),
 		cmocka_unit_test(page_failed_commit_does_not_bring_older_bits_back),
 		cmocka_unit_test(page_failed_read_back_is_sticky_and_stays_dirty),

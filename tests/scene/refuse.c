@@ -77,7 +77,7 @@ static const struct {
 	{"images: 100", "images: -1", ":22: view.images: -1 is out of range; allowed: 0 to"},
 	{"slots: 256", "slots: 3", ":23: cache.slots: 3 is out of range; allowed: 4 to 65536"},
 	{"slots: 256", "slots: 99999999999999999999", ":23: cache.slots: 99999999999999999999 is out of"},
-	{"loaders: 2", "loaders: 0", ":23: cache.loaders: 0 is out of range; allowed: 1 to 16"},
+	{"loaders: 2", "loaders: 17", ":23: cache.loaders: 17 is out of range; allowed: 0 to 16"},
 	{"prefetch: 1.5", "prefetch: -1", ":23: cache.prefetch: -1 is out of range; allowed: 0 to"},
 	/* unknown words */
 	{"model: box", "model: bxo", ":9: redistribute.model: \"bxo\" is unknown; allowed: none, box"},

@@ -1,0 +1,86 @@
+/*
+ * What the executor has begun and not finished: uploads that still read their image, read-backs that
+ * still fill theirs (10). It finishes in the order it was asked, so only the first is looked at.
+ */
+#include "page/page_internal.h"
+
+#include <assert.h>
+
+#define NAP 1e-4 /* s, between two looks at the executor, which wakes nobody */
+
+void page_busy_add_locked(struct page_cache *cache, struct page_host *host, bool filling)
+{
+	struct page_busy *busy = &cache->busy;
+	host->refs++;
+	host->filling = filling;
+	cache->queue.filling += filling;
+	host->busy_next = NULL;
+	*(busy->last != NULL ? &busy->last->busy_next : &busy->first) = host;
+	busy->last = host;
+}
+
+static void settle_first_locked(struct page_cache *cache)
+{
+	struct page_busy *busy = &cache->busy;
+	struct page_queue *queue = &cache->queue;
+	struct page_host *host = busy->first;
+	busy->first = host->busy_next;
+	if (busy->first == NULL)
+		busy->last = NULL;
+	if (host->filling) {
+		host->filling = false;
+		queue->filling--;
+		queue->epoch_filling -= host->place == PAGE_COMMITTING;
+	}
+	if (cache->epoch == PAGE_EPOCH_FILLING && queue->epoch_filling == 0)
+		cache->epoch = PAGE_EPOCH_COMMITTING;
+	page_host_release_locked(cache, host);
+	condition_wake_all(&cache->work);
+}
+
+enum status page_settle(struct page_cache *cache)
+{
+	const struct page_executor *executor = &cache->params.executor;
+	while (cache->busy.first != NULL) {
+		bool settled = false;
+		enum status status =
+			executor->settled(executor->user, &cache->busy.first->image, &settled);
+		if (status == STATUS_OK && !settled)
+			return STATUS_OK;
+		mutex_lock(&cache->mutex);
+		if (status == STATUS_OK)
+			settle_first_locked(cache);
+		else
+			failure_capture(&cache->failure, status);
+		mutex_unlock(&cache->mutex);
+		if (status != STATUS_OK)
+			return status;
+	}
+	return STATUS_OK;
+}
+
+enum status page_wait_locked(struct page_cache *cache)
+{
+	const struct page_host *first = cache->busy.first;
+	if (first == NULL) {
+		condition_wait(&cache->done, &cache->mutex);
+		return page_sticky_locked(cache);
+	}
+	mutex_unlock(&cache->mutex);
+	enum status status = page_settle(cache);
+	mutex_lock(&cache->mutex);
+	/* A thread may have called meanwhile: never sleep long. */
+	if (status == STATUS_OK && cache->busy.first == first)
+		condition_wait_for(&cache->done, &cache->mutex, NAP);
+	return status == STATUS_OK ? page_sticky_locked(cache) : status;
+}
+
+enum status page_stall_locked(struct page_cache *cache, bool *stalled)
+{
+	cache->stats.stalls += !*stalled;
+	*stalled = true;
+	double began = clock_seconds();
+	enum status status = page_wait_locked(cache);
+	cache->stats.stall_ms += (clock_seconds() - began) * 1e3;
+	return status;
+}

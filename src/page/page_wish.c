@@ -1,0 +1,97 @@
+/*
+ * Wishes: what is loaded ahead, in which order, and what stays for it.
+ *
+ * A list replaces the one before. It is honoured from its front, as far as there are slots that this
+ * step has not used: so a page that is wished for always finds one that may go for it, and wishes
+ * never push each other, or what is being drawn, out. What is no longer wished is let go wherever it
+ * is on its way.
+ */
+#include "page/page_internal.h"
+
+#include <assert.h>
+
+void page_use_locked(struct page_cache *cache, struct page *page)
+{
+	struct page_table *table = &cache->table;
+	table->used += page->used_in != cache->step;
+	page->used_in = cache->step;
+	page_list_remove(&table->resident, page);
+	page_list_append(&table->resident, page);
+}
+
+bool page_wished(const struct page_cache *cache, const struct page *page)
+{
+	return page->wished_in == cache->wish_list && page->wished_in > 0;
+}
+
+/* The page takes its place in the list; false if it cannot, since a stale load of it is on its way. */
+static bool wish_locked(struct page_cache *cache, uint64_t key, size_t at)
+{
+	struct page_table *table = &cache->table;
+	struct page *page = page_table_find_locked(table, key);
+	if (page != NULL && page->stale)
+		return false;
+	if (page == NULL) {
+		page = page_loads_want_locked(cache, key, false);
+	} else if (page->state == PAGE_WANTED) {
+		page_list_remove(&table->wished, page);
+		page_list_append(&table->wished, page);
+	}
+	page->wished_in = cache->wish_list;
+	page->wished_at = at;
+	return true;
+}
+
+static void cancel_locked(struct page_cache *cache)
+{
+	struct page_table *table = &cache->table;
+	struct page *next;
+	/* Those wished for again went behind the others. */
+	while (table->wished.first != NULL && !page_wished(cache, table->wished.first)) {
+		page_loads_abandon_locked(cache, table->wished.first);
+		cache->stats.cancelled++;
+	}
+	for (struct page *page = table->flights.first; page != NULL; page = next) {
+		next = page->next;
+		if (page->urgent || page->stale || page_wished(cache, page))
+			continue;
+		page_loads_abandon_locked(cache, page);
+		cache->stats.cancelled++;
+	}
+}
+
+void page_cache_want(struct page_cache *cache, const uint64_t *keys, size_t count)
+{
+	assert(page_owner(cache));
+	if (cache->params.loaders == 0)
+		return; /* nobody loads ahead */
+	mutex_lock(&cache->mutex);
+	assert(cache->table.urgent.count == 0);
+	uint32_t room = cache->params.slots - cache->table.used;
+	cache->wish_list++;
+	cache->wishes_kept = true;
+	for (size_t i = 0; i < count; i++) {
+		const struct page *page = page_table_find_locked(&cache->table, keys[i]);
+		bool used = page != NULL && page->state == PAGE_RESIDENT && page->used_in == cache->step;
+		if (!used && room == 0) {
+			cache->wishes_kept = false;
+			break;
+		}
+		room -= !used;
+		if (!wish_locked(cache, keys[i], i))
+			cache->wishes_kept = false;
+	}
+	cancel_locked(cache);
+	assert(page_cache_sane_locked(cache));
+	mutex_unlock(&cache->mutex);
+}
+
+enum page_wishes page_cache_wishes(struct page_cache *cache)
+{
+	assert(page_owner(cache));
+	mutex_lock(&cache->mutex);
+	bool coming = cache->table.wished.count > 0 || page_loads_ahead_locked(cache) > 0;
+	bool here = cache->wishes_kept || cache->params.loaders == 0;
+	mutex_unlock(&cache->mutex);
+	return coming ? PAGE_WISHES_COMING : here ? PAGE_WISHES_HERE : PAGE_WISHES_SHORT;
+}
