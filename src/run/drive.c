@@ -241,8 +241,6 @@ static void finish(struct drive *drive, enum status status)
 	mem_free(drive->riders);
 	mem_free(drive->events);
 	mem_free(drive->record);
-	mem_free(drive->step_ms);
-	mem_free(drive->frame_ms);
 	if (drive->epochs != NULL)
 		fclose(drive->epochs);
 	ground_destroy(drive->ground);

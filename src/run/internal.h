@@ -11,6 +11,7 @@
 #include "run/pages.h"
 #include "run/pyramid.h"
 #include "run/run.h"
+#include "run/times.h"
 #include "run/track.h"
 #include "run/wishes.h"
 #include "store/store.h"
@@ -59,10 +60,8 @@ struct drive {
 	size_t event_count, event_room;
 	struct prefetch *prefetch;
 	struct pages_record *record;
-	double *step_ms;         /* of every step */
-	size_t step_room, timed; /* steps of which the times are known */
+	struct times step_ms, frame_ms; /* a frame is a step and its picture; without a view a step alone */
 	struct gpu_stats before; /* what warming up took: not the drive's */
-	double *frame_ms;        /* of every frame; with a view */
 	size_t frames;
 	int64_t step;            /* steps done */
 	double time;             /* simulated, s */

@@ -1,50 +1,24 @@
 /* run.json: what a drive did and what it took. */
 #include <errno.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "base/json.h"
 #include "run/internal.h"
 
-static int by_size(const void *a, const void *b)
-{
-	double x = *(const double *)a, y = *(const double *)b;
-	return (x > y) - (x < y);
-}
-
-/* `sorted`, growing. */
-static double percentile(const double *sorted, size_t count, double share)
-{
-	return count > 0 ? sorted[(size_t)(share * (double)(count - 1) + 0.5)] : (double)NAN;
-}
-
-static double mean(const double *values, size_t count)
-{
-	double sum = 0;
-	for (size_t i = 0; i < count; i++)
-		sum += values[i];
-	return count > 0 ? sum / (double)count : (double)NAN;
-}
-
 static void add_times(cJSON *root, const struct drive *drive)
 {
-	size_t count = drive->timed;
-	if (count > 0) {
-		qsort(drive->step_ms, count, sizeof *drive->step_ms, by_size);
-		qsort(drive->frame_ms, count, sizeof *drive->frame_ms, by_size);
-	}
-	/* A frame is a step and its picture; without a view a step alone. p99: of the slow end. */
+	/* p99 of frames a second: of the slow end. */
 	cJSON *fps = cJSON_AddObjectToObject(root, "fps");
-	json_number(fps, "mean", 1e3 / mean(drive->frame_ms, count));
-	json_number(fps, "p50", 1e3 / percentile(drive->frame_ms, count, 0.5));
-	json_number(fps, "p99", 1e3 / percentile(drive->frame_ms, count, 0.99));
+	json_number(fps, "mean", 1e3 / times_mean(&drive->frame_ms));
+	json_number(fps, "p50", 1e3 / times_percentile(&drive->frame_ms, 0.5));
+	json_number(fps, "p99", 1e3 / times_percentile(&drive->frame_ms, 0.99));
 	cJSON *step = cJSON_AddObjectToObject(root, "step_ms");
-	json_number(step, "p50", percentile(drive->step_ms, count, 0.5));
-	json_number(step, "p95", percentile(drive->step_ms, count, 0.95));
-	json_number(step, "p99", percentile(drive->step_ms, count, 0.99));
-	json_number(step, "max", percentile(drive->step_ms, count, 1));
+	json_number(step, "p50", times_percentile(&drive->step_ms, 0.5));
+	json_number(step, "p95", times_percentile(&drive->step_ms, 0.95));
+	json_number(step, "p99", times_percentile(&drive->step_ms, 0.99));
+	json_number(step, "max", times_percentile(&drive->step_ms, 1));
 }
 
 static void add_stages(cJSON *root, const struct gpu_stats *gpu, const struct pages_io *io)

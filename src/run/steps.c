@@ -94,27 +94,6 @@ static void show_progress(const struct drive *drive, int64_t total, double *show
 	fflush(stderr);
 }
 
-static enum status keep_time(struct drive *drive, double ms, double frame_ms)
-{
-	size_t index = drive->timed;
-	if (index >= drive->step_room) {
-		size_t room = drive->step_room != 0 ? 2 * drive->step_room : 1024;
-		double *steps = mem_realloc(drive->step_ms, room, sizeof *steps);
-		if (steps != NULL)
-			drive->step_ms = steps;
-		double *frames = mem_realloc(drive->frame_ms, room, sizeof *frames);
-		if (frames != NULL)
-			drive->frame_ms = frames;
-		if (steps == NULL || frames == NULL)
-			return fail_memory("the steps' times");
-		drive->step_room = room;
-	}
-	drive->step_ms[index] = ms;
-	drive->frame_ms[index] = frame_ms;
-	drive->timed++;
-	return STATUS_OK;
-}
-
 enum status drive_steps(struct drive *drive)
 {
 	int64_t total = drive_step_count(drive);
@@ -135,8 +114,10 @@ enum status drive_steps(struct drive *drive)
 			status = view_frame(drive->view, drive, is_image_step(drive));
 			framed = clock_seconds();
 		}
-		if (status == STATUS_OK)
-			status = keep_time(drive, (stepped - started) * 1e3, (framed - started) * 1e3);
+		if (status == STATUS_OK) {
+			times_add(&drive->step_ms, (stepped - started) * 1e3);
+			times_add(&drive->frame_ms, (framed - started) * 1e3);
+		}
 		if (terminal)
 			show_progress(drive, total, &shown);
 	}
