@@ -7,7 +7,9 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <time.h>
+#include <unistd.h>
 
 static void must(int error)
 {
@@ -96,6 +98,13 @@ void thread_join(struct thread *thread)
 		return;
 	must(pthread_join(thread->handle, NULL));
 	thread->started = false;
+}
+
+void thread_background(void)
+{
+	/* A thread's own on Linux, and upon what the process has: it may be a polite one already. */
+	id_t self = (id_t)gettid();
+	setpriority(PRIO_PROCESS, self, getpriority(PRIO_PROCESS, self) + 10);
 }
 
 int thread_cores(void)

@@ -40,6 +40,10 @@ enum status thread_start(struct thread *thread, void *(*body)(void *), void *arg
 			 const char *name) FURROW_CHECKED;
 void thread_join(struct thread *thread); /* nothing if it was never started */
 
+/* Called by the thread it is for: it runs after those that did not call it where cores are few. Where that is
+ * not to be had nothing changes. */
+void thread_background(void);
+
 int thread_cores(void); /* cores this process may run on, at least 1 */
 
 #endif

@@ -1,3 +1,11 @@
+/*
+ * Invariants, of what the mutex guards:
+ * 1. An entry with `used` 0 is empty; else its posts are whole, and no two have the same key.
+ * 2. `latest` is the entry the owner used last, NULL before. Only the owner's own misses take it.
+ * 3. Posts are read and changed under the mutex. Reading a tile is long: a warming thread does it without, into
+ *    posts no entry refers to, and then trades them for an entry's. Only the owner reads with the mutex held:
+ *    nobody is more urgent.
+ */
 #include "run/ground.h"
 
 #include <assert.h>
@@ -6,17 +14,21 @@
 
 struct entry {
 	uint64_t key;
-	uint64_t used; /* 0: empty */
+	uint64_t used; /* by the clock */
 	int32_t *posts;
 };
 
 struct ground {
-	struct store_reader *reader;
+	struct store_reader *reader; /* the owner's */
 	const struct store_meta *meta;
 	int32_t reference;
-	struct entry *entries;
 	uint32_t count;
-	uint64_t clock;
+	struct mutex mutex; /* guards the rest */
+	struct entry *entries;
+	struct entry *latest;
+	int32_t *spare; /* left over from a trade; may be NULL */
+	uint64_t clock, waits;
+	double wait_ms;
 };
 
 int32_t ground_reference(const struct store *store)
@@ -30,6 +42,8 @@ enum status ground_create(struct store *store, uint32_t tiles, struct ground **o
 	struct ground *ground = mem_calloc(1, sizeof *ground);
 	if (ground == NULL)
 		return fail_memory("the ground");
+	assert(tiles >= 1);
+	mutex_init(&ground->mutex);
 	ground->meta = store_meta(store);
 	ground->reference = ground_reference(store);
 	ground->count = tiles;
@@ -52,6 +66,8 @@ void ground_destroy(struct ground *ground)
 	for (uint32_t i = 0; ground->entries != NULL && i < ground->count; i++)
 		mem_free(ground->entries[i].posts);
 	mem_free(ground->entries);
+	mem_free(ground->spare);
+	mutex_finish(&ground->mutex);
 	store_reader_destroy(ground->reader);
 	mem_free(ground);
 }
@@ -61,36 +77,77 @@ struct store_reader *ground_reader(struct ground *ground)
 	return ground->reader;
 }
 
-enum status ground_posts(struct ground *ground, struct tile tile, const int32_t **posts)
+static struct entry *find(struct ground *ground, uint64_t key)
+{
+	for (uint32_t i = 0; i < ground->count; i++)
+		if (ground->entries[i].used != 0 && ground->entries[i].key == key)
+			return &ground->entries[i];
+	return NULL;
+}
+
+/* The one used longest ago but for `spared`; NULL if there is no other. */
+static struct entry *oldest(struct ground *ground, const struct entry *spared)
+{
+	struct entry *oldest = NULL;
+	for (uint32_t i = 0; i < ground->count; i++) {
+		struct entry *entry = &ground->entries[i];
+		if (entry != spared && (oldest == NULL || entry->used < oldest->used))
+			oldest = entry;
+	}
+	return oldest;
+}
+
+static int32_t *alloc_posts(const struct ground *ground)
+{
+	size_t side = tile_posts(&ground->meta->world);
+	return mem_alloc(side * side, sizeof(int32_t));
+}
+
+static enum status read_posts(const struct ground *ground, struct store_reader *reader, struct tile tile, int32_t *posts)
+{
+	size_t side = tile_posts(&ground->meta->world), count = side * side;
+	struct store_range range;
+	enum status status = store_read_base(reader, tile, posts, &range);
+	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+		posts[i] = lattice_base_relative(height_code_metres(posts[i], ground->meta->step), ground->reference);
+	return status;
+}
+
+/* For the owner; the posts are there while the mutex is held. */
+static enum status posts_locked(struct ground *ground, struct tile tile, const int32_t **posts)
 {
 	assert(tile.level >= 0);
 	uint64_t key = tile_key(tile);
-	struct entry *oldest = &ground->entries[0];
-	for (uint32_t i = 0; i < ground->count; i++) {
-		struct entry *entry = &ground->entries[i];
-		if (entry->used != 0 && entry->key == key) {
-			entry->used = ++ground->clock;
-			*posts = entry->posts;
-			return STATUS_OK;
-		}
-		if (entry->used < oldest->used)
-			oldest = entry;
+	struct entry *entry = find(ground, key);
+	if (entry == NULL) {
+		double began = clock_seconds();
+		entry = oldest(ground, NULL);
+		if (entry->posts == NULL && (entry->posts = alloc_posts(ground)) == NULL)
+			return fail_memory("a base tile");
+		entry->used = 0; /* until it is whole */
+		enum status status = read_posts(ground, ground->reader, tile, entry->posts);
+		if (status != STATUS_OK)
+			return status;
+		entry->key = key;
+		ground->waits++;
+		ground->wait_ms += (clock_seconds() - began) * 1e3;
 	}
-	size_t side = tile_posts(&ground->meta->world), count = side * side;
-	if (oldest->posts == NULL && (oldest->posts = mem_alloc(count, sizeof *oldest->posts)) == NULL)
-		return fail_memory("a base tile");
-	oldest->used = 0; /* until it is whole */
-	struct store_range range;
-	enum status status = store_read_base(ground->reader, tile, oldest->posts, &range);
-	if (status != STATUS_OK)
-		return status;
-	for (size_t i = 0; i < count; i++)
-		oldest->posts[i] = lattice_base_relative(height_code_metres(oldest->posts[i], ground->meta->step),
-							 ground->reference);
-	oldest->key = key;
-	oldest->used = ++ground->clock;
-	*posts = oldest->posts;
+	entry->used = ++ground->clock;
+	ground->latest = entry;
+	*posts = entry->posts;
 	return STATUS_OK;
+}
+
+enum status ground_posts(struct ground *ground, struct tile tile, int32_t *posts)
+{
+	size_t side = tile_posts(&ground->meta->world);
+	const int32_t *there;
+	mutex_lock(&ground->mutex);
+	enum status status = posts_locked(ground, tile, &there);
+	if (status == STATUS_OK)
+		memcpy(posts, there, side * side * sizeof *posts);
+	mutex_unlock(&ground->mutex);
+	return status;
 }
 
 enum status ground_patch(struct ground *ground, struct tile tile, int32_t *patch, int *shift, uint32_t *sub_x,
@@ -104,14 +161,14 @@ enum status ground_patch(struct ground *ground, struct tile tile, int32_t *patch
 	uint32_t cx = (uint32_t)(x >> *shift) & mask, cy = (uint32_t)(y >> *shift) & mask;
 	*sub_x = (uint32_t)(x & part);
 	*sub_y = (uint32_t)(y & part);
-	const int32_t *posts;
-	enum status status = ground_posts(ground, tile_ancestor(tile, 0), &posts);
-	if (status != STATUS_OK)
-		return status;
 	uint32_t side = lattice_patch_posts(cells, *shift);
-	for (uint32_t row = 0; row < side; row++)
+	const int32_t *posts;
+	mutex_lock(&ground->mutex);
+	enum status status = posts_locked(ground, tile_ancestor(tile, 0), &posts);
+	for (uint32_t row = 0; row < side && status == STATUS_OK; row++)
 		memcpy(patch + (size_t)row * side, posts + (size_t)(cy + row) * stride + cx, side * sizeof *patch);
-	return STATUS_OK;
+	mutex_unlock(&ground->mutex);
+	return status;
 }
 
 static void widen(const int32_t *posts, uint32_t width, uint32_t height, uint32_t stride, int32_t *low,
@@ -139,18 +196,35 @@ enum status ground_range(struct ground *ground, struct tile tile, double *low, d
 	}
 	uint32_t cells = ground->meta->world.cells;
 	uint64_t x = (uint64_t)tile.x * cells >> -tile.level, y = (uint64_t)tile.y * cells >> -tile.level;
-	const int32_t *posts;
-	enum status status = ground_posts(ground, tile_ancestor(tile, 0), &posts);
-	if (status != STATUS_OK)
-		return status;
 	uint32_t side = lattice_patch_posts(cells, -tile.level);
 	int32_t lowest = INT32_MAX, highest = INT32_MIN;
-	widen(posts + (size_t)(y & (cells - 1)) * (cells + 1) + (x & (cells - 1)), side, side, cells + 1, &lowest,
-	      &highest);
+	const int32_t *posts;
+	mutex_lock(&ground->mutex);
+	enum status status = posts_locked(ground, tile_ancestor(tile, 0), &posts);
+	if (status == STATUS_OK)
+		widen(posts + (size_t)(y & (cells - 1)) * (cells + 1) + (x & (cells - 1)), side, side, cells + 1, &lowest,
+		      &highest);
+	mutex_unlock(&ground->mutex);
+	if (status != STATUS_OK)
+		return status;
 	*any = lowest <= highest;
 	*low = ground->reference + lattice_base_metres(lowest);
 	*high = ground->reference + lattice_base_metres(highest);
 	return STATUS_OK;
+}
+
+/* The level-0 cell a height at (x, y) comes from, within the world: the last one reaches to its edge. */
+static void cell_of(const struct world *world, double x, double y, int64_t *cx, int64_t *cy)
+{
+	*cx = (int64_t)x < world->width - 1 ? (int64_t)x : world->width - 2;
+	*cy = (int64_t)y < world->height - 1 ? (int64_t)y : world->height - 2;
+}
+
+struct tile ground_tile(const struct world *world, double x, double y)
+{
+	int64_t cx, cy;
+	cell_of(world, x, y, &cx, &cy);
+	return (struct tile){0, (uint32_t)(cx / world->cells), (uint32_t)(cy / world->cells)};
 }
 
 enum status ground_height(struct ground *ground, int64_t x, int64_t y, int64_t *height, bool *any)
@@ -160,18 +234,18 @@ enum status ground_height(struct ground *ground, int64_t x, int64_t y, int64_t *
 	*any = false;
 	if (px < 0 || py < 0 || px > (double)(world->width - 1) || py > (double)(world->height - 1))
 		return STATUS_OK;
-	int64_t cx = (int64_t)px, cy = (int64_t)py;
-	cx = cx < world->width - 1 ? cx : world->width - 2;
-	cy = cy < world->height - 1 ? cy : world->height - 2;
+	int64_t cx, cy, cells = world->cells;
+	cell_of(world, px, py, &cx, &cy);
 	double u = px - (double)cx, v = py - (double)cy;
-	int64_t cells = world->cells;
 	const int32_t *posts;
-	struct tile tile = {0, (uint32_t)(cx / cells), (uint32_t)(cy / cells)};
-	enum status status = ground_posts(ground, tile, &posts);
+	int32_t corner[4] = {0};
+	mutex_lock(&ground->mutex);
+	enum status status = posts_locked(ground, ground_tile(world, px, py), &posts);
+	for (int i = 0; i < 4 && status == STATUS_OK; i++)
+		corner[i] = posts[(cy % cells + i / 2) * (cells + 1) + cx % cells + i % 2];
+	mutex_unlock(&ground->mutex);
 	if (status != STATUS_OK)
 		return status;
-	const int32_t *post = posts + (cy % cells) * (cells + 1) + cx % cells;
-	const int32_t corner[4] = {post[0], post[1], post[cells + 1], post[cells + 2]};
 	const double weight[4] = {(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v};
 	double sum = 0;
 	for (int i = 0; i < 4; i++) {
@@ -184,4 +258,51 @@ enum status ground_height(struct ground *ground, int64_t x, int64_t y, int64_t *
 	*height = (int64_t)floor(sum * (1 << (OFFSET_BITS - BASE_BITS)) + 0.5) + (int64_t)ground->reference * (1 << OFFSET_BITS);
 	*any = true;
 	return STATUS_OK;
+}
+
+void ground_waits(struct ground *ground, uint64_t *count, double *ms)
+{
+	mutex_lock(&ground->mutex);
+	*count = ground->waits;
+	*ms = ground->wait_ms;
+	mutex_unlock(&ground->mutex);
+}
+
+bool ground_touch(struct ground *ground, struct tile tile)
+{
+	mutex_lock(&ground->mutex);
+	struct entry *entry = find(ground, tile_key(tile));
+	if (entry != NULL)
+		entry->used = ++ground->clock;
+	mutex_unlock(&ground->mutex);
+	return entry != NULL;
+}
+
+enum status ground_warm(struct ground *ground, struct store_reader *reader, struct tile tile)
+{
+	assert(tile.level >= 0);
+	if (ground_touch(ground, tile))
+		return STATUS_OK;
+	mutex_lock(&ground->mutex);
+	int32_t *posts = ground->spare;
+	ground->spare = NULL;
+	mutex_unlock(&ground->mutex);
+	if (posts == NULL && (posts = alloc_posts(ground)) == NULL)
+		return fail_memory("a base tile");
+	enum status status = read_posts(ground, reader, tile, posts);
+	mutex_lock(&ground->mutex);
+	/* The owner may have read it meanwhile: one copy is enough. */
+	struct entry *entry = find(ground, tile_key(tile));
+	if (status == STATUS_OK && entry == NULL && (entry = oldest(ground, ground->latest)) != NULL) {
+		int32_t *old = entry->posts;
+		*entry = (struct entry){tile_key(tile), ++ground->clock, posts};
+		posts = old;
+	}
+	if (ground->spare == NULL) {
+		ground->spare = posts;
+		posts = NULL;
+	}
+	mutex_unlock(&ground->mutex);
+	mem_free(posts);
+	return status;
 }

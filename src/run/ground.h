@@ -1,6 +1,10 @@
 /*
- * The base as the lattice has it, on the CPU: decoded tiles of levels >= 0, a few kept. For the page
- * loaders (one each), for resting objects on the ground, and for bounds to cull by. One thread each.
+ * The base as the lattice has it, on the CPU: decoded tiles of levels >= 0, the last used of them kept. For the
+ * page loaders (one each), for resting objects on the ground, and for bounds to cull by.
+ *
+ * A ground has one owner, the thread that calls all of this but ground_touch and ground_warm. With those others
+ * bring what the owner will ask for: they change when a tile is read, never what is found. What is not there the
+ * owner reads itself; ground_waits counts that.
  */
 #ifndef FURROW_RUN_GROUND_H
 #define FURROW_RUN_GROUND_H
@@ -10,14 +14,15 @@
 
 struct ground;
 
-/* Keeps up to `tiles` decoded tiles. The store must outlive it. */
+/* Keeps up to `tiles` decoded tiles, at least 1, of (cells + 1)^2 int32 each, and one more for each thread that
+ * warms it. The store must outlive it. */
 enum status ground_create(struct store *store, uint32_t tiles, struct ground **out) FURROW_CHECKED;
 void ground_destroy(struct ground *ground);
 struct store_reader *ground_reader(struct ground *ground);
 int32_t ground_reference(const struct store *store); /* metres, of all bases of this store */
 
-/* (cells + 1)^2 posts relative to the reference; valid until the next call. level >= 0. */
-enum status ground_posts(struct ground *ground, struct tile tile, const int32_t **posts) FURROW_CHECKED;
+/* Copies the (cells + 1)^2 posts, relative to the reference. level >= 0. */
+enum status ground_posts(struct ground *ground, struct tile tile, int32_t *posts) FURROW_CHECKED;
 /* The arguments of lattice_subdivide for a tile below level 0. `patch`: room for (cells + 1)^2. */
 enum status ground_patch(struct ground *ground, struct tile tile, int32_t *patch, int *shift, uint32_t *sub_x,
 			 uint32_t *sub_y) FURROW_CHECKED;
@@ -28,5 +33,17 @@ enum status ground_range(struct ground *ground, struct tile tile, double *low, d
  * *any false outside the world and where a corner with weight is nodata. */
 enum status ground_height(struct ground *ground, int64_t x, int64_t y, int64_t *height, bool *any)
 	FURROW_CHECKED;
+/* How often the owner read a tile itself, and how long that took. */
+void ground_waits(struct ground *ground, uint64_t *count, double *ms);
+
+/* --- any thread --- */
+
+/* The level-0 tile whose posts a height at (x, y), in posts of level 0, comes from. Within the world only. */
+struct tile ground_tile(const struct world *world, double x, double y);
+/* Whether it is there; if so it is kept as one just used. */
+bool ground_touch(struct ground *ground, struct tile tile);
+/* Puts a tile there, read with the caller's own reader and without holding the owner up. In its place goes the one
+ * used longest ago, never the owner's last. On failure nothing changed. */
+enum status ground_warm(struct ground *ground, struct store_reader *reader, struct tile tile) FURROW_CHECKED;
 
 #endif

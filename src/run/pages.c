@@ -85,11 +85,7 @@ static enum status load_base(struct pages *pages, struct ground *ground, struct 
 	*head = (struct head){0, 0, 0};
 	if (tile.level < 0)
 		return ground_patch(ground, tile, base_of(pages, image), &head->shift, &head->sub_x, &head->sub_y);
-	const int32_t *posts;
-	enum status status = ground_posts(ground, tile, &posts);
-	if (status == STATUS_OK)
-		memcpy(base_of(pages, image), posts, pages->layout.posts * sizeof *posts);
-	return status;
+	return ground_posts(ground, tile, base_of(pages, image));
 }
 
 static enum status load_planes(struct pages *pages, struct ground *ground, struct tile tile,
