@@ -10,6 +10,8 @@
 #include "run/internal.h"
 
 #define EPOCH_AGE 1.0 /* s: how much of a drive a kill may cost */
+#define GROUND_BYTES (64 << 20)
+enum { GROUND_LEAST = 16, GROUND_MOST = 256 }; /* tiles */
 
 static enum status make_directory(const char *path)
 {
@@ -116,6 +118,47 @@ static enum status mount_riders(struct drive *drive)
 	return STATUS_OK;
 }
 
+/* Tiles of the ground: a few for each object, while that is not too much. */
+static uint32_t ground_tiles(const struct drive *drive)
+{
+	size_t side = tile_posts(&drive->meta->world), most = GROUND_BYTES / (side * side * sizeof(int32_t));
+	size_t tiles = 4 + 4 * drive->scene->object_count;
+	tiles = tiles < most ? tiles : most;
+	tiles = tiles < GROUND_MOST ? tiles : GROUND_MOST;
+	return tiles > GROUND_LEAST ? (uint32_t)tiles : GROUND_LEAST;
+}
+
+/* Ahead of everything: it reads while the GPU's programs are made. */
+static enum status start_scout(struct drive *drive)
+{
+	const struct scene *scene = drive->scene;
+	if (scene->prefetch == 0 || scene->object_count == 0)
+		return STATUS_OK;
+	const struct track **tracks = mem_alloc(scene->object_count, sizeof *tracks);
+	if (tracks == NULL)
+		return fail_memory("the scout");
+	for (size_t i = 0; i < scene->object_count; i++)
+		tracks[i] = drive->riders[i].track;
+	uint32_t tiles = ground_tiles(drive);
+	bool follows = scene->view.present && scene->view.camera != SCENE_FIXED;
+	struct scout_params params = {
+		.store = drive->store,
+		.ground = drive->ground,
+		.tiles = tiles - tiles / 4, /* the rest is for what the view asks for, and for what was passed */
+		.tracks = tracks,
+		.count = scene->object_count,
+		.post = drive->spacing,
+		.camera = follows ? view_places : NULL,
+		.user = drive,
+		.camera_speed = follows ? track_fastest(tracks[scene->view.target_object]) : 0,
+		.prefetch = scene->prefetch,
+		.end = scene->end_time,
+	};
+	enum status status = scout_create(&params, &drive->scout);
+	mem_free(tracks);
+	return status;
+}
+
 static enum status before_read_back(void *user, struct tile tile, uint32_t slot)
 {
 	struct drive *drive = user;
@@ -176,7 +219,8 @@ static enum status start_pages(struct drive *drive)
 	return status;
 }
 
-/* A driver compiles a program when it first draws with it: now, and not in a step. */
+/* A driver compiles a program when it first draws with it: now, and not in a step. The ground of the first steps is
+ * read by then too. */
 static enum status warm_up(struct drive *drive)
 {
 	enum status status = STATUS_OK;
@@ -189,10 +233,13 @@ static enum status warm_up(struct drive *drive)
 	}
 	if (status == STATUS_OK)
 		status = prefetch_first(drive->prefetch);
+	if (drive->scout != NULL)
+		scout_wait(drive->scout);
 	if (status == STATUS_OK && drive->view != NULL)
 		status = view_warm(drive->view);
 	gpu_finish(drive->gpu);
 	gpu_stats(drive->gpu, &drive->before);
+	ground_waits(drive->ground, &drive->waits_before, &drive->wait_ms_before);
 	return status;
 }
 
@@ -210,9 +257,11 @@ static enum status start(struct drive *drive)
 	drive->meta = store_meta(drive->store);
 	status = settle_level(drive);
 	if (status == STATUS_OK)
-		status = ground_create(drive->store, 16, &drive->ground);
+		status = ground_create(drive->store, ground_tiles(drive), &drive->ground);
 	if (status == STATUS_OK)
 		status = mount_riders(drive);
+	if (status == STATUS_OK)
+		status = start_scout(drive);
 	if (status == STATUS_OK)
 		status = start_gpu(drive);
 	/* Nothing is left behind of a drive that could not begin. */
@@ -229,6 +278,7 @@ static enum status start(struct drive *drive)
 
 static void finish(struct drive *drive, enum status status)
 {
+	scout_destroy(drive->scout);
 	view_destroy(drive->view);
 	prefetch_destroy(drive->prefetch);
 	pages_destroy(drive->pages);

@@ -11,6 +11,7 @@
 #include "run/pages.h"
 #include "run/pyramid.h"
 #include "run/run.h"
+#include "run/scout.h"
 #include "run/times.h"
 #include "run/track.h"
 #include "run/wishes.h"
@@ -50,6 +51,7 @@ struct drive {
 	struct gpu_slots *slots;
 	struct deform *deform;
 	struct ground *ground;
+	struct scout *scout;     /* NULL without prefetch, or without an object */
 	struct pages *pages;
 	struct page_cache *cache;
 	struct pyramid *pyramid; /* NULL without a view: nobody looks at coarser levels */
@@ -62,6 +64,8 @@ struct drive {
 	struct pages_record *record;
 	struct times step_ms, frame_ms; /* a frame is a step and its picture; without a view a step alone */
 	struct gpu_stats before; /* what warming up took: not the drive's */
+	uint64_t waits_before;   /* of the ground's */
+	double wait_ms_before;
 	size_t frames;
 	int64_t step;            /* steps done */
 	double time;             /* simulated, s */
@@ -100,6 +104,9 @@ enum status view_warm(struct view *view) FURROW_CHECKED;
 enum status view_frame(struct view *view, struct drive *drive, bool image) FURROW_CHECKED;
 /* A tile of the working level is deformed now: finer tiles exist below its ancestors. */
 enum status view_deformed(struct view *view, struct tile tile) FURROW_CHECKED;
+/* The places (metres, local) whose ground the camera stands or looks on at `time`: none to two. `user` is the
+ * drive. Any thread. */
+size_t view_places(const void *user, double time, double places[2][2]);
 void view_figures(const struct view *view, double *triangles, uint64_t *starved);
 
 /* report.c */

@@ -46,8 +46,12 @@ static void add_cache(cJSON *root, const struct drive *drive, const struct page_
 	json_integer(cache, "late", (int64_t)stats->late);
 	json_integer(cache, "evictions", (int64_t)stats->evictions);
 	json_integer(cache, "writebacks", (int64_t)stats->writebacks);
-	json_integer(cache, "stalls", (int64_t)stats->stalls);
-	json_number(cache, "stall_ms", stats->stall_ms);
+	/* For a page, or for the ground to set an object upon. */
+	uint64_t waits;
+	double wait_ms;
+	ground_waits(drive->ground, &waits, &wait_ms);
+	json_integer(cache, "stalls", (int64_t)(stats->stalls + waits - drive->waits_before));
+	json_number(cache, "stall_ms", stats->stall_ms + wait_ms - drive->wait_ms_before);
 }
 
 static void add_gpu(cJSON *root, const struct drive *drive, const struct gpu_stats *stats)

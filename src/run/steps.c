@@ -77,6 +77,8 @@ static enum status one_step(struct drive *drive)
 	drive->torn = false;
 	drive->step++;
 	drive->time = until;
+	if (drive->scout != NULL)
+		scout_tell(drive->scout, until);
 	fill_record(drive, false);
 	return page_cache_end_step(drive->cache, drive->record);
 }
