@@ -1,6 +1,7 @@
 /* The base on the CPU: patches, ranges and heights against the posts they come from. */
 #include "../support.h"
 
+#include "damage.h"
 #include "run/ground.h"
 
 static const struct world world = {129, 97, 1.5, 32};
@@ -98,12 +99,205 @@ static void a_range_bounds_every_post_below_it(void **state)
 	store_close(store);
 }
 
+
+static struct store_reader *open_reader(struct store *store)
+{
+	struct store_reader *reader;
+	must(store_reader_create(store, &reader));
+	return reader;
+}
+
+static uint64_t waits(struct ground *ground)
+{
+	uint64_t count;
+	double ms;
+	ground_waits(ground, &count, &ms);
+	assert_true((count > 0) == (ms > 0));
+	return count;
+}
+
+static struct tile tile_at(int i)
+{
+	return (struct tile){0, (uint32_t)i % world_tiles_x(&world, 0), (uint32_t)i / world_tiles_x(&world, 0)};
+}
+
+/* Some post of a tile, as its owner asks for it. */
+static void use(struct ground *ground, struct tile tile, int salt)
+{
+	uint32_t n = world.cells;
+	int64_t x = tile.x * n + 1 + (uint32_t)(salt * 7) % (n - 1), y = tile.y * n + 1 + (uint32_t)(salt * 11) % (n - 1);
+	int64_t height;
+	bool any;
+	must(ground_height(ground, lattice_offset((double)x * 1.5), lattice_offset((double)y * 1.5), &height, &any));
+	assert_int_equal(any, !isnan(holed(x, y)));
+	double metres = round(support_hills(x, y) * 1024) / 1024;
+	assert_true(!any || fabs(lattice_offset_metres(height) - metres) < 1e-5);
+}
+
+static void what_was_warmed_is_found_without_a_wait(void **state)
+{
+	struct store *store = open_store();
+	struct store_reader *reader = open_reader(store);
+	struct ground *ground;
+	must(ground_create(store, 12, &ground));
+	for (int i = 0; i < 12; i++) {
+		assert_false(ground_touch(ground, tile_at(i)));
+		if (i % 2 == 0)
+			must(ground_warm(ground, reader, tile_at(i)));
+	}
+	for (int i = 0; i < 12; i += 2)
+		use(ground, tile_at(i), i);
+	assert_int_equal(waits(ground), 0);
+	for (int i = 0; i < 12; i++)
+		use(ground, tile_at(i), i);
+	assert_int_equal(waits(ground), 6);
+	/* The same posts, whoever read them. */
+	int32_t warmed[33 * 33], read[33 * 33];
+	struct ground *other;
+	must(ground_create(store, 1, &other));
+	for (int i = 0; i < 12; i++) {
+		must(ground_posts(ground, tile_at(i), warmed));
+		must(ground_posts(other, tile_at(i), read));
+		assert_memory_equal(warmed, read, sizeof read);
+	}
+	assert_int_equal(waits(ground), 6);
+	assert_int_equal(waits(other), 12);
+	ground_destroy(other);
+	ground_destroy(ground);
+	store_reader_destroy(reader);
+	store_close(store);
+}
+
+static void warming_evicts_what_was_used_longest_ago_and_never_the_owners_last(void **state)
+{
+	struct store *store = open_store();
+	struct store_reader *reader = open_reader(store);
+	struct ground *ground;
+	must(ground_create(store, 3, &ground));
+	for (int i = 0; i < 3; i++)
+		must(ground_warm(ground, reader, tile_at(i)));
+	assert_true(ground_touch(ground, tile_at(0)));
+	must(ground_warm(ground, reader, tile_at(1))); /* there already: used again, not read again */
+	must(ground_warm(ground, reader, tile_at(3)));
+	assert_true(ground_touch(ground, tile_at(0)) && ground_touch(ground, tile_at(1)) && ground_touch(ground, tile_at(3)));
+	assert_false(ground_touch(ground, tile_at(2)));
+	ground_destroy(ground);
+	for (uint32_t tiles = 1; tiles <= 3; tiles++) {
+		must(ground_create(store, tiles, &ground));
+		use(ground, tile_at(0), 1);
+		for (int i = 1; i < 12; i++) {
+			must(ground_warm(ground, reader, tile_at(i)));
+			use(ground, tile_at(0), i);
+		}
+		assert_int_equal(waits(ground), 1);
+		/* The owner's own miss takes any. */
+		use(ground, tile_at(5), 1);
+		assert_int_equal(ground_touch(ground, tile_at(0)), tiles > 1);
+		ground_destroy(ground);
+	}
+	store_reader_destroy(reader);
+	store_close(store);
+}
+
+static void a_tile_that_cannot_be_warmed_changes_nothing(void **state)
+{
+	struct tile none = tile_at(7);
+	support_store(support_path("ground.furrow"), world, holed);
+	damage(support_path("ground.furrow"), none);
+	struct store *store;
+	must(store_open(support_path("ground.furrow"), &(struct store_options){.mode = STORE_READ}, &store));
+	struct store_reader *reader = open_reader(store);
+	struct ground *ground;
+	must(ground_create(store, 2, &ground));
+	must(ground_warm(ground, reader, tile_at(0)));
+	must(ground_warm(ground, reader, tile_at(1)));
+	for (int i = 0; i < 5; i++)
+		assert_int_equal(ground_warm(ground, reader, none), STATUS_INPUT);
+	assert_false(ground_touch(ground, none));
+	must(ground_warm(ground, reader, tile_at(2)));
+	assert_true(ground_touch(ground, tile_at(1)) && ground_touch(ground, tile_at(2)));
+	ground_destroy(ground);
+	must(ground_create(store, 2, &ground));
+	mem_fail_nth(1, 0);
+	assert_int_equal(ground_warm(ground, reader, tile_at(4)), STATUS_FAILED);
+	mem_fail_nth(0, 0);
+	must(ground_warm(ground, reader, tile_at(4)));
+	use(ground, tile_at(4), 1);
+	assert_int_equal(waits(ground), 0);
+	ground_destroy(ground);
+	store_reader_destroy(reader);
+	store_close(store);
+}
+
+struct hammer {
+	struct thread thread;
+	struct ground *ground;
+	struct store_reader *reader;
+	uint32_t random;
+};
+
+enum { BLOWS = 3000 };
+
+static void *hammer_body(void *argument)
+{
+	struct hammer *hammer = argument;
+	for (int i = 0; i < BLOWS; i++) {
+		hammer->random = hammer->random * 1664525 + 1013904223;
+		struct tile tile = tile_at((int)((hammer->random >> 16) % 12));
+		if (i % 5 == 0)
+			ground_touch(hammer->ground, tile);
+		else if (ground_warm(hammer->ground, hammer->reader, tile) != STATUS_OK)
+			return hammer;
+	}
+	return NULL;
+}
+
+static void an_owner_reads_right_while_two_threads_warm(void **state)
+{
+	struct store *store = open_store();
+	const uint32_t tiles[] = {1, 2, 5};
+	for (size_t t = 0; t < 3; t++) {
+		struct ground *ground;
+		must(ground_create(store, tiles[t], &ground));
+		struct hammer hammers[2] = {{.random = 1}, {.random = 2}};
+		for (int i = 0; i < 2; i++) {
+			hammers[i].ground = ground;
+			hammers[i].reader = open_reader(store);
+			must(thread_start(&hammers[i].thread, hammer_body, &hammers[i], "hammer"));
+		}
+		int32_t patch[33 * 33];
+		for (int i = 0; i < BLOWS; i++) {
+			int shift;
+			uint32_t sub_x, sub_y;
+			double low, high;
+			bool any;
+			use(ground, tile_at(i * 5 % 12), i);
+			if (i % 7 == 0)
+				must(ground_patch(ground, (struct tile){-2, 3, 2}, patch, &shift, &sub_x, &sub_y));
+			if (i % 11 == 0)
+				must(ground_range(ground, (struct tile){-1, 5, 1}, &low, &high, &any));
+		}
+		for (int i = 0; i < 2; i++) {
+			void *failed;
+			assert_int_equal(pthread_join(hammers[i].thread.handle, &failed), 0);
+			assert_null(failed);
+			store_reader_destroy(hammers[i].reader);
+		}
+		ground_destroy(ground);
+	}
+	store_close(store);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_patch_subdivides_to_the_interpolated_tile),
 		cmocka_unit_test(a_height_is_bilinear_and_misses_only_holes_and_the_outside),
 		cmocka_unit_test(a_range_bounds_every_post_below_it),
+		cmocka_unit_test(what_was_warmed_is_found_without_a_wait),
+		cmocka_unit_test(warming_evicts_what_was_used_longest_ago_and_never_the_owners_last),
+		cmocka_unit_test(a_tile_that_cannot_be_warmed_changes_nothing),
+		cmocka_unit_test(an_owner_reads_right_while_two_threads_warm),
 	};
 	return cmocka_run_group_tests_name("ground", tests, support_enter, support_leave);
 }

@@ -1,0 +1,388 @@
+/*
+ * What the scout brings: objects are led over their tracks as a drive leads them, and the ground's waits counted.
+ * Where a test waits for the scout after each step there must be none.
+ */
+#include "../support.h"
+
+#include "damage.h"
+#include "run/scout.h"
+
+/* 32 x 32 tiles of 32 m. */
+static const struct world world = {1025, 1025, 1, 32};
+static const double post = 0.25;
+static const char *store_path;
+
+enum { MOST = 12 };
+
+struct party {
+	struct store *store;
+	struct ground *ground;
+	struct scout *scout;
+	struct track *tracks[MOST];
+	size_t count;
+	int64_t next[MOST];
+	uint64_t unread; /* heights that could not be had */
+};
+
+static struct track *track_of(struct scene_path path, const double (*points)[2])
+{
+	static const struct scene_waypoint none[8];
+	struct track *track;
+	if (path.points == NULL)
+		path.points = (struct scene_waypoint *)none;
+	must(track_create(&path, points, post, 1, &track));
+	return track;
+}
+
+static void party_open(struct party *party, uint32_t tiles)
+{
+	*party = (struct party){.count = 0};
+	must(store_open(store_path, &(struct store_options){.mode = STORE_READ}, &party->store));
+	must(ground_create(party->store, tiles, &party->ground));
+}
+
+static void party_join(struct party *party, struct track *track)
+{
+	party->tracks[party->count++] = track;
+}
+
+/* As a drive has it: a quarter of the ground is not the scout's. */
+static void party_scout(struct party *party, uint32_t tiles, double prefetch, double end)
+{
+	struct scout_params params = {
+		.store = party->store,
+		.ground = party->ground,
+		.tiles = tiles - tiles / 4,
+		.tracks = (const struct track *const *)party->tracks,
+		.count = party->count,
+		.post = post,
+		.prefetch = prefetch,
+		.end = end,
+	};
+	must(scout_create(&params, &party->scout));
+}
+
+static void party_close(struct party *party)
+{
+	scout_destroy(party->scout);
+	for (size_t i = 0; i < party->count; i++)
+		track_destroy(party->tracks[i]);
+	ground_destroy(party->ground);
+	store_close(party->store);
+}
+
+static uint64_t waits(const struct party *party)
+{
+	uint64_t count;
+	double ms;
+	ground_waits(party->ground, &count, &ms);
+	return count;
+}
+
+/* A height, checked against the posts it comes from. */
+static void stand(struct party *party, const struct track_point *point)
+{
+	int64_t height;
+	bool any;
+	if (ground_height(party->ground, point->qx, point->qy, &height, &any) != STATUS_OK) {
+		party->unread++;
+		return;
+	}
+	assert_int_equal(any, point->x >= 0 && point->x <= 1024 && point->y >= 0 && point->y <= 1024);
+	if (!any)
+		return;
+	int64_t cx = (int64_t)fmin(point->x, 1023), cy = (int64_t)fmin(point->y, 1023);
+	double u = point->x - (double)cx, v = point->y - (double)cy, expected = 0;
+	for (int k = 0; k < 4; k++)
+		expected += round(support_hills(cx + k % 2, cy + k / 2) * 1024) / 1024 * (k % 2 ? u : 1 - u) * (k / 2 ? v : 1 - v);
+	assert_true(fabs(lattice_offset_metres(height) - expected) < 1e-5);
+}
+
+/* One step: the stations due until `until`, then word of it. */
+static void step(struct party *party, double until, bool wait)
+{
+	for (size_t i = 0; i < party->count; i++)
+		for (struct track_point point; party->next[i] < track_stations(party->tracks[i]); party->next[i]++) {
+			if (track_station_time(party->tracks[i], party->next[i]) > until)
+				break;
+			track_station(party->tracks[i], party->next[i], &point);
+			stand(party, &point);
+		}
+	if (party->scout == NULL)
+		return;
+	scout_tell(party->scout, until);
+	if (wait)
+		scout_wait(party->scout);
+}
+
+/* Leads them all until `end`; returns the waits. */
+static uint64_t lead(struct party *party, double dt, double end)
+{
+	if (party->scout != NULL)
+		scout_wait(party->scout);
+	for (int64_t i = 1; (double)(i - 1) * dt < end; i++)
+		step(party, fmin((double)i * dt, end), true);
+	return waits(party);
+}
+
+static struct track *diagonal(double speed)
+{
+	/* Through tile corners, along an edge and back across the edges. */
+	static const double points[][2] = {{10, 10}, {1010, 1010}, {1010, 320}, {20, 320}, {30, 990}, {31, 20}};
+	return track_of((struct scene_path){.count = 6, .speed = speed}, points);
+}
+
+static void no_step_reads_what_the_scout_could_bring(void **state)
+{
+	const double prefetches[] = {0.2, 1.5, 100, 3600};
+	struct party party;
+	party_open(&party, 16);
+	party_join(&party, diagonal(40));
+	assert_true(lead(&party, 0.05, 120) > 100); /* by itself */
+	party_close(&party);
+	for (int i = 0; i < 4; i++) {
+		party_open(&party, 16);
+		party_join(&party, diagonal(40));
+		party_scout(&party, 16, prefetches[i], 120);
+		assert_int_equal(lead(&party, 0.05, 120), 0);
+		party_close(&party);
+	}
+	/* With hardly any room, and in long steps: never so far ahead that what is needed sooner goes. */
+	party_open(&party, 6);
+	party_join(&party, diagonal(40));
+	party_scout(&party, 6, 3600, 120);
+	assert_int_equal(lead(&party, 0.4, 120), 0);
+	party_close(&party);
+}
+
+static void many_objects_share_a_small_ground(void **state)
+{
+	struct party party;
+	party_open(&party, 32);
+	for (int i = 0; i < 8; i++) {
+		const double points[][2] = {{20 + 100 * i, 16}, {110 + 90 * i, 1000}, {1000 - 80 * i, 40}};
+		party_join(&party, track_of((struct scene_path){.count = 3, .speed = 5 + 3 * i}, points));
+	}
+	party_scout(&party, 32, 100, 60);
+	assert_int_equal(lead(&party, 0.1, 60), 0);
+	party_close(&party);
+}
+
+static void a_loop_is_followed_round_and_round(void **state)
+{
+	const double points[][2] = {{30, 30}, {200, 40}, {180, 170}};
+	for (int small = 0; small < 2; small++) {
+		struct party party;
+		party_open(&party, small ? 8 : 64);
+		party_join(&party, track_of((struct scene_path){.count = 3, .speed = 30, .loop = true}, points));
+		party_scout(&party, small ? 8 : 64, 2, 100);
+		assert_int_equal(lead(&party, 0.1, 100), 0);
+		assert_true(party.next[0] > 5 * 500 / 0.25);
+		party_close(&party);
+	}
+}
+
+static void a_timed_path_is_followed_through_its_rests_and_leaps(void **state)
+{
+	/* It begins late, rests, leaps 700 m within 0.1 s, and turns where it stands. */
+	struct scene_waypoint waypoints[] = {{.t = 3}, {.t = 5}, {.t = 20}, {.t = 20.1}, {.t = 25, .yaw = 3}, {.t = 40}};
+	const double points[][2] = {{100, 100}, {180, 120}, {180, 120}, {700, 600}, {700, 600}, {900, 100}};
+	for (int attitude = 0; attitude < 2; attitude++) {
+		struct party party;
+		party_open(&party, 48);
+		struct scene_path path = {.points = waypoints, .count = 6, .timed = true, .has_attitude = attitude};
+		party_join(&party, track_of(path, points));
+		party_scout(&party, 48, 1, 45);
+		assert_int_equal(lead(&party, 0.05, 45), 0);
+		assert_int_equal(party.next[0], track_stations(party.tracks[0]));
+		party_close(&party);
+	}
+}
+
+static void paths_may_leave_the_world_and_touch_its_last_posts(void **state)
+{
+	const double points[][2] = {{-300, 500}, {500, 500}, {1024, 1024}, {1024, 600}, {1100, -50}, {600, 0}, {0, 0}, {0, 1024}};
+	struct party party;
+	party_open(&party, 16);
+	party_join(&party, track_of((struct scene_path){.count = 8, .speed = 35}, points));
+	const double away[][2] = {{-1e6, 4e5}, {5e6, 4e5}};
+	party_join(&party, track_of((struct scene_path){.count = 2, .speed = 50}, away));
+	party_scout(&party, 16, 2, 150);
+	assert_int_equal(lead(&party, 0.1, 150), 0);
+	party_close(&party);
+}
+
+/* As a chase: 60 m behind on the track, and where the object is. */
+static size_t camera(const void *user, double time, double places[2][2])
+{
+	const struct party *party = user;
+	struct track_point point;
+	for (int i = 0; i < 2; i++) {
+		track_at(party->tracks[0], time - 2 * i, &point);
+		places[i][0] = point.x;
+		places[i][1] = point.y + 70 * i;
+	}
+	return 2;
+}
+
+static void the_camera_finds_its_ground_too(void **state)
+{
+	for (int told = 0; told < 2; told++) {
+		struct party party;
+		party_open(&party, 32);
+		party_join(&party, diagonal(30));
+		struct scout_params params = {
+			.store = party.store,
+			.ground = party.ground,
+			.tiles = 24,
+			.tracks = (const struct track *const *)party.tracks,
+			.count = 1,
+			.post = post,
+			.camera = told ? camera : NULL,
+			.user = &party,
+			.camera_speed = 30,
+			.prefetch = 1.5,
+			.end = 100,
+		};
+		must(scout_create(&params, &party.scout));
+		scout_wait(party.scout);
+		for (int i = 1; i <= 1000; i++) {
+			double places[2][2];
+			step(&party, i * 0.1, true);
+			camera(&party, i * 0.1, places);
+			for (int k = 0; k < 2; k++) {
+				struct track_point point = {.qx = lattice_offset(places[k][0]), .qy = lattice_offset(places[k][1]),
+							    .x = places[k][0], .y = places[k][1]};
+				point.x = lattice_offset_metres(point.qx);
+				point.y = lattice_offset_metres(point.qy);
+				stand(&party, &point);
+			}
+		}
+		assert_int_equal(waits(&party) == 0, told);
+		party_close(&party);
+	}
+}
+
+static void a_tile_that_cannot_be_read_is_left_to_who_needs_it(void **state)
+{
+	const char *path = store_path;
+	store_path = support_path("damaged.furrow");
+	support_store(store_path, world, support_hills);
+	damage(store_path, (struct tile){0, 5, 5});
+	struct party party;
+	party_open(&party, 16);
+	party_join(&party, diagonal(40));
+	party_scout(&party, 16, 3, 20);
+	assert_int_equal(lead(&party, 0.05, 20), 0); /* all others were brought */
+	assert_true(party.unread > 100);
+	assert_false(ground_touch(party.ground, (struct tile){0, 5, 5}));
+	party_close(&party);
+	store_path = path;
+}
+
+static void it_goes_on_beside_an_owner_who_does_not_wait(void **state)
+{
+	for (uint32_t tiles = 2; tiles <= 32; tiles *= 4) {
+		struct party party;
+		party_open(&party, tiles);
+		party_join(&party, diagonal(40));
+		party_join(&party, diagonal(90));
+		party_scout(&party, tiles, 5, 100);
+		for (int i = 1; i <= 400; i++)
+			step(&party, i * 0.25, false);
+		scout_wait(party.scout);
+		party_close(&party);
+	}
+}
+
+static void it_stops_wherever_it_is(void **state)
+{
+	for (int i = 0; i < 30; i++) {
+		struct party party;
+		party_open(&party, 64);
+		party_join(&party, diagonal(40));
+		party_scout(&party, 64, 3600, 3600);
+		if (i % 3 > 0)
+			step(&party, i, i % 3 == 2);
+		party_close(&party);
+	}
+}
+
+static void what_cannot_be_had_is_said(void **state)
+{
+	struct party party;
+	party_open(&party, 4);
+	party_join(&party, diagonal(40));
+	struct scout_params params = {.store = party.store, .ground = party.ground, .tiles = 3, .count = 1, .post = post,
+				      .tracks = (const struct track *const *)party.tracks, .prefetch = 1, .end = 10};
+	for (uint64_t nth = 1;; nth++) {
+		struct scout *scout = NULL;
+		mem_fail_nth(nth, 0);
+		enum status status = scout_create(&params, &scout);
+		mem_fail_nth(0, 0);
+		if (status == STATUS_OK) {
+			assert_true(nth > 3);
+			scout_destroy(scout);
+			break;
+		}
+		assert_int_equal(status, STATUS_FAILED);
+		assert_null(scout);
+	}
+	scout_destroy(NULL);
+	party_close(&party);
+}
+
+/* --- whole drives --- */
+
+static void no_prefetch_shows_in_what_a_drive_leaves(void **state)
+{
+	static const char scene_text[] = "scene: 1\ntime_step: 0.1\nend_time: 12\nspacing: 0.5\nobjects:\n"
+					 "  - {name: a, shape: {wheel: {radius: 0.9, width: 0.7}}, sink: 0.2,\n"
+					 "     path: {points: [[20, 20], [400, 380]], speed: 40}}\n"
+					 "  - {name: b, shape: {sphere: {radius: 1.5}}, sink: 0.5,\n"
+					 "     path: {points: [[64, 300], [64, 100], [300, 96]], speed: 25, loop: true}}\n";
+	const char *scene = support_path("scene.yaml");
+	support_write(scene, scene_text);
+	const char *const settings[] = {"cache.prefetch=0", "cache.prefetch=1.5", "cache.prefetch=100"};
+	const struct world small = {513, 513, 1, 32};
+	uint64_t first = 0;
+	for (int i = 0; i < 3; i++) {
+		const char *path = support_path("drive.furrow");
+		support_store(path, small, support_hills);
+		char *json = support_drive(scene, path, (const char *[]){settings[i], "cache.slots=256", NULL});
+		/* Every new tile under an object is waited for where nobody goes ahead. */
+		if (i == 0)
+			assert_true(support_figure(json, "\"cache\"", "stalls") > support_figure(json, "\"cache\"", "misses"));
+		mem_free(json);
+		uint64_t hash = support_hash(path);
+		first = i == 0 ? hash : first;
+		assert_true(hash == first);
+	}
+}
+
+static int enter(void **state)
+{
+	if (support_enter(state) != 0)
+		return 1;
+	store_path = support_path("scout.furrow");
+	support_store(store_path, world, support_hills);
+	return 0;
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(no_step_reads_what_the_scout_could_bring),
+		cmocka_unit_test(many_objects_share_a_small_ground),
+		cmocka_unit_test(a_loop_is_followed_round_and_round),
+		cmocka_unit_test(a_timed_path_is_followed_through_its_rests_and_leaps),
+		cmocka_unit_test(paths_may_leave_the_world_and_touch_its_last_posts),
+		cmocka_unit_test(the_camera_finds_its_ground_too),
+		cmocka_unit_test(a_tile_that_cannot_be_read_is_left_to_who_needs_it),
+		cmocka_unit_test(it_goes_on_beside_an_owner_who_does_not_wait),
+		cmocka_unit_test(it_stops_wherever_it_is),
+		cmocka_unit_test(what_cannot_be_had_is_said),
+		cmocka_unit_test(no_prefetch_shows_in_what_a_drive_leaves),
+	};
+	return cmocka_run_group_tests_name("scout", tests, enter, support_leave);
+}
