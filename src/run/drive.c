@@ -239,7 +239,7 @@ static enum status warm_up(struct drive *drive)
 		status = view_warm(drive->view);
 	gpu_finish(drive->gpu);
 	gpu_stats(drive->gpu, &drive->before);
-	ground_waits(drive->ground, &drive->waits_before, &drive->wait_ms_before);
+	ground_figures(drive->ground, &drive->ground_before);
 	return status;
 }
 

@@ -27,8 +27,8 @@ struct ground {
 	struct entry *entries;
 	struct entry *latest;
 	int32_t *spare; /* left over from a trade; may be NULL */
-	uint64_t clock, waits;
-	double wait_ms;
+	uint64_t clock;
+	struct ground_figures figures;
 };
 
 int32_t ground_reference(const struct store *store)
@@ -129,8 +129,9 @@ static enum status posts_locked(struct ground *ground, struct tile tile, const i
 		if (status != STATUS_OK)
 			return status;
 		entry->key = key;
-		ground->waits++;
-		ground->wait_ms += (clock_seconds() - began) * 1e3;
+		ground->figures.reads++;
+		ground->figures.waits++;
+		ground->figures.wait_ms += (clock_seconds() - began) * 1e3;
 	}
 	entry->used = ++ground->clock;
 	ground->latest = entry;
@@ -260,11 +261,10 @@ enum status ground_height(struct ground *ground, int64_t x, int64_t y, int64_t *
 	return STATUS_OK;
 }
 
-void ground_waits(struct ground *ground, uint64_t *count, double *ms)
+void ground_figures(struct ground *ground, struct ground_figures *figures)
 {
 	mutex_lock(&ground->mutex);
-	*count = ground->waits;
-	*ms = ground->wait_ms;
+	*figures = ground->figures;
 	mutex_unlock(&ground->mutex);
 }
 
@@ -291,6 +291,7 @@ enum status ground_warm(struct ground *ground, struct store_reader *reader, stru
 		return fail_memory("a base tile");
 	enum status status = read_posts(ground, reader, tile, posts);
 	mutex_lock(&ground->mutex);
+	ground->figures.reads += status == STATUS_OK;
 	/* The owner may have read it meanwhile: one copy is enough. */
 	struct entry *entry = find(ground, tile_key(tile));
 	if (status == STATUS_OK && entry == NULL && (entry = oldest(ground, ground->latest)) != NULL) {

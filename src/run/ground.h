@@ -2,9 +2,9 @@
  * The base as the lattice has it, on the CPU: decoded tiles of levels >= 0, the last used of them kept. For the
  * page loaders (one each), for resting objects on the ground, and for bounds to cull by.
  *
- * A ground has one owner, the thread that calls all of this but ground_touch and ground_warm. With those others
+ * A ground has one owner, the thread that calls all of this but the last few. With those others
  * bring what the owner will ask for: they change when a tile is read, never what is found. What is not there the
- * owner reads itself; ground_waits counts that.
+ * owner reads itself, and waits.
  */
 #ifndef FURROW_RUN_GROUND_H
 #define FURROW_RUN_GROUND_H
@@ -33,11 +33,14 @@ enum status ground_range(struct ground *ground, struct tile tile, double *low, d
  * *any false outside the world and where a corner with weight is nodata. */
 enum status ground_height(struct ground *ground, int64_t x, int64_t y, int64_t *height, bool *any)
 	FURROW_CHECKED;
-/* How often the owner read a tile itself, and how long that took. */
-void ground_waits(struct ground *ground, uint64_t *count, double *ms);
 
 /* --- any thread --- */
 
+struct ground_figures {
+	uint64_t reads, waits; /* tiles read by whoever, and those of them that the owner read itself */
+	double wait_ms;
+};
+void ground_figures(struct ground *ground, struct ground_figures *figures);
 /* The level-0 tile whose posts a height at (x, y), in posts of level 0, comes from. Within the world only. */
 struct tile ground_tile(const struct world *world, double x, double y);
 /* Whether it is there; if so it is kept as one just used. */

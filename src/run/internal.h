@@ -64,8 +64,7 @@ struct drive {
 	struct pages_record *record;
 	struct times step_ms, frame_ms; /* a frame is a step and its picture; without a view a step alone */
 	struct gpu_stats before; /* what warming up took: not the drive's */
-	uint64_t waits_before;   /* of the ground's */
-	double wait_ms_before;
+	struct ground_figures ground_before;
 	size_t frames;
 	int64_t step;            /* steps done */
 	double time;             /* simulated, s */

@@ -34,7 +34,8 @@ static void add_stages(cJSON *root, const struct gpu_stats *gpu, const struct pa
 	json_number(stages, "writeback", io->writeback_ms);
 }
 
-static void add_cache(cJSON *root, const struct drive *drive, const struct page_stats *stats)
+static void add_cache(cJSON *root, const struct drive *drive, const struct page_stats *stats,
+		      const struct ground_figures *ground)
 {
 	cJSON *cache = cJSON_AddObjectToObject(root, "cache");
 	json_integer(cache, "slots", drive->scene->slots);
@@ -47,11 +48,9 @@ static void add_cache(cJSON *root, const struct drive *drive, const struct page_
 	json_integer(cache, "evictions", (int64_t)stats->evictions);
 	json_integer(cache, "writebacks", (int64_t)stats->writebacks);
 	/* For a page, or for the ground to set an object upon. */
-	uint64_t waits;
-	double wait_ms;
-	ground_waits(drive->ground, &waits, &wait_ms);
-	json_integer(cache, "stalls", (int64_t)(stats->stalls + waits - drive->waits_before));
-	json_number(cache, "stall_ms", stats->stall_ms + wait_ms - drive->wait_ms_before);
+	const struct ground_figures *before = &drive->ground_before;
+	json_integer(cache, "stalls", (int64_t)(stats->stalls + ground->waits - before->waits));
+	json_number(cache, "stall_ms", stats->stall_ms + ground->wait_ms - before->wait_ms);
 }
 
 static void add_gpu(cJSON *root, const struct drive *drive, const struct gpu_stats *stats)
@@ -89,12 +88,14 @@ static void add_memory(cJSON *root, const struct drive *drive, const struct gpu_
 	json_integer(root, "programs", gpu->programs);
 }
 
-static void add_io(cJSON *root, const struct pages_io *io)
+static void add_io(cJSON *root, const struct drive *drive, const struct pages_io *io,
+		   const struct ground_figures *ground)
 {
+	int64_t side = tile_posts(&drive->meta->world), reads = (int64_t)ground->reads;
 	cJSON *object = cJSON_AddObjectToObject(root, "io");
-	json_integer(object, "tiles_read", io->tiles_read);
+	json_integer(object, "tiles_read", io->tiles_read + reads);
 	json_integer(object, "tiles_written", io->tiles_written);
-	json_integer(object, "bytes_read", io->bytes_read);
+	json_integer(object, "bytes_read", io->bytes_read + reads * side * side * (int64_t)sizeof(int32_t));
 	json_integer(object, "bytes_written", io->bytes_written);
 	json_integer(object, "commits", io->commits);
 }
@@ -138,6 +139,8 @@ char *report_json(const struct drive *drive, const char *ended)
 	}
 	page_cache_stats(drive->cache, &pages);
 	pages_io(drive->pages, &io);
+	struct ground_figures ground;
+	ground_figures(drive->ground, &ground);
 	bool known = drive->deform == NULL || deform_refused(drive->deform, &refused) == STATUS_OK;
 	if (known && refused > 0)
 		note("%llu times a post would have been pressed deeper than an offset holds (1024 m): refused",
@@ -152,10 +155,10 @@ char *report_json(const struct drive *drive, const char *ended)
 	json_integer(root, "working_level", drive->level);
 	add_times(root, drive);
 	add_stages(root, &gpu, &io);
-	add_cache(root, drive, &pages);
+	add_cache(root, drive, &pages, &ground);
 	add_gpu(root, drive, &gpu);
 	add_memory(root, drive, &gpu, &io);
-	add_io(root, &io);
+	add_io(root, drive, &io);
 	add_volume(root, drive, &io);
 	json_number(root, "refused_posts", known ? (double)refused : (double)NAN);
 	if (drive->view != NULL) {

@@ -1,7 +1,7 @@
 /*
  * A thread that goes ahead of the objects, and of the camera that follows one, and brings the ground's tiles they
- * will ask for, so that no step reads the store. What it does shows in ground_waits alone: a tile it has not
- * brought, or could not read, the ground's owner reads itself, and tells of it.
+ * will ask for, so that no step reads the store. What it does shows in ground_figures alone: a tile it has
+ * not brought, or could not read, the ground's owner reads itself, and tells of it.
  *
  * It looks `prefetch` seconds of simulated time ahead, but only as far as `tiles` tiles reach: the soonest needed.
  */

@@ -109,11 +109,10 @@ static struct store_reader *open_reader(struct store *store)
 
 static uint64_t waits(struct ground *ground)
 {
-	uint64_t count;
-	double ms;
-	ground_waits(ground, &count, &ms);
-	assert_true((count > 0) == (ms > 0));
-	return count;
+	struct ground_figures figures;
+	ground_figures(ground, &figures);
+	assert_true((figures.waits > 0) == (figures.wait_ms > 0) && figures.reads >= figures.waits);
+	return figures.waits;
 }
 
 static struct tile tile_at(int i)
@@ -162,6 +161,9 @@ static void what_was_warmed_is_found_without_a_wait(void **state)
 	}
 	assert_int_equal(waits(ground), 6);
 	assert_int_equal(waits(other), 12);
+	struct ground_figures figures;
+	ground_figures(ground, &figures);
+	assert_int_equal(figures.reads, 12);
 	ground_destroy(other);
 	ground_destroy(ground);
 	store_reader_destroy(reader);
@@ -288,6 +290,37 @@ static void an_owner_reads_right_while_two_threads_warm(void **state)
 	store_close(store);
 }
 
+static void *all_body(void *argument)
+{
+	struct hammer *hammer = argument;
+	for (int i = 0; i < 12; i++)
+		if (ground_warm(hammer->ground, hammer->reader, tile_at(i)) != STATUS_OK)
+			return hammer;
+	return NULL;
+}
+
+static void two_threads_that_bring_the_same_tiles_leave_one_of_each(void **state)
+{
+	struct store *store = open_store();
+	struct hammer hammers[2] = {{.reader = open_reader(store)}, {.reader = open_reader(store)}};
+	for (int round = 0; round < 100; round++) {
+		struct ground *ground;
+		must(ground_create(store, 12, &ground));
+		for (int i = 0; i < 2; i++) {
+			hammers[i].ground = ground;
+			must(thread_start(&hammers[i].thread, all_body, &hammers[i], "hammer"));
+		}
+		for (int i = 0; i < 2; i++)
+			thread_join(&hammers[i].thread);
+		for (int i = 0; i < 12; i++)
+			assert_true(ground_touch(ground, tile_at(i)));
+		ground_destroy(ground);
+	}
+	for (int i = 0; i < 2; i++)
+		store_reader_destroy(hammers[i].reader);
+	store_close(store);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -297,6 +330,7 @@ int main(void)
 		cmocka_unit_test(what_was_warmed_is_found_without_a_wait),
 		cmocka_unit_test(warming_evicts_what_was_used_longest_ago_and_never_the_owners_last),
 		cmocka_unit_test(a_tile_that_cannot_be_warmed_changes_nothing),
+		cmocka_unit_test(two_threads_that_bring_the_same_tiles_leave_one_of_each),
 		cmocka_unit_test(an_owner_reads_right_while_two_threads_warm),
 	};
 	return cmocka_run_group_tests_name("ground", tests, support_enter, support_leave);

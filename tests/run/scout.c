@@ -73,10 +73,16 @@ static void party_close(struct party *party)
 
 static uint64_t waits(const struct party *party)
 {
-	uint64_t count;
-	double ms;
-	ground_waits(party->ground, &count, &ms);
-	return count;
+	struct ground_figures figures;
+	ground_figures(party->ground, &figures);
+	return figures.waits;
+}
+
+static uint64_t reads(const struct party *party)
+{
+	struct ground_figures figures;
+	ground_figures(party->ground, &figures);
+	return figures.reads;
 }
 
 /* A height, checked against the posts it comes from. */
@@ -152,6 +158,54 @@ static void no_step_reads_what_the_scout_could_bring(void **state)
 	party_join(&party, diagonal(40));
 	party_scout(&party, 6, 3600, 120);
 	assert_int_equal(lead(&party, 0.4, 120), 0);
+	party_close(&party);
+}
+
+static void corners_that_are_cut_are_not_missed(void **state)
+{
+	/* Just beside the diagonals, half a metre of a third tile at each corner. */
+	const double points[][2] = {{10.3, 10}, {1010.3, 1010}, {1010, 14.3}, {14, 1010.3}, {20, 700}, {700, 20.4}};
+	struct party party;
+	party_open(&party, 24);
+	party_join(&party, track_of((struct scene_path){.count = 6, .speed = 40}, points));
+	party_scout(&party, 24, 1.5, 130);
+	assert_int_equal(lead(&party, 0.05, 130), 0);
+	party_close(&party);
+}
+
+/* Four tiles under a loop, and the 26 of a line that passes on. */
+static void nothing_is_read_twice_without_need(void **state)
+{
+	const double near[][2] = {{20, 20}, {40, 20}, {40, 40}, {20, 40}}, line[][2] = {{200, 16}, {1000, 16}};
+	struct party party;
+	party_open(&party, 16);
+	party_join(&party, track_of((struct scene_path){.count = 4, .speed = 5, .loop = true}, near));
+	party_join(&party, track_of((struct scene_path){.count = 2, .speed = 20}, line));
+	party_scout(&party, 16, 8, 40);
+	assert_int_equal(lead(&party, 0.1, 40), 0);
+	assert_int_equal(reads(&party), 4 + 26);
+	party_close(&party);
+}
+
+static void what_the_owner_reads_for_itself_costs_no_more_than_it_pushed_out(void **state)
+{
+	const double points[][2] = {{48, 48}, {144, 48}, {144, 112}, {48, 112}}; /* ten tiles */
+	struct party party;
+	party_open(&party, 16);
+	party_join(&party, track_of((struct scene_path){.count = 4, .speed = 40, .loop = true}, points));
+	party_scout(&party, 16, 9, 100);
+	assert_int_equal(lead(&party, 0.1, 20), 0);
+	assert_int_equal(reads(&party), 10);
+	for (int i = 0; i < 10; i++) {
+		struct track_point point = {.x = 650 + 32 * i, .y = 650};
+		point.qx = lattice_offset(point.x);
+		point.qy = lattice_offset(point.y);
+		stand(&party, &point);
+	}
+	assert_int_equal(reads(&party), 20);
+	scout_tell(party.scout, 22);
+	scout_wait(party.scout);
+	assert_int_equal(reads(&party), 20 + 4);
 	party_close(&party);
 }
 
@@ -373,6 +427,9 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(no_step_reads_what_the_scout_could_bring),
+		cmocka_unit_test(corners_that_are_cut_are_not_missed),
+		cmocka_unit_test(nothing_is_read_twice_without_need),
+		cmocka_unit_test(what_the_owner_reads_for_itself_costs_no_more_than_it_pushed_out),
 		cmocka_unit_test(many_objects_share_a_small_ground),
 		cmocka_unit_test(a_loop_is_followed_round_and_round),
 		cmocka_unit_test(a_timed_path_is_followed_through_its_rests_and_leaps),
