@@ -2,9 +2,9 @@
  * The base as the lattice has it, on the CPU: decoded tiles of levels >= 0, the last used of them kept. For the
  * page loaders (one each), for resting objects on the ground, and for bounds to cull by.
  *
- * A ground has one owner, the thread that calls all of this but the last few. With those others
- * bring what the owner will ask for: they change when a tile is read, never what is found. What is not there the
- * owner reads itself, and waits.
+ * A ground has one owner, the thread that calls all of this but the last few functions. With those others bring
+ * what the owner will ask for: they change when a tile is read, never what is found. What is not there the owner
+ * reads itself, and waits.
  */
 #ifndef FURROW_RUN_GROUND_H
 #define FURROW_RUN_GROUND_H

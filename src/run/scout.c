@@ -4,7 +4,8 @@
  * the list are brought, soonest first. It looks again when an eighth of what it saw has passed.
  *
  * Invariants:
- * 1. The walkers and the list are the thread's own; `told`, `look_at` and `stopping` are atomic; the rest does not change.
+ * 1. The walkers and the list are the thread's own; `told`, `look_at` and `stopping` are atomic; but for `asleep`
+ *    the rest does not change.
  * 2. It sleeps only while told < look_at. It writes look_at and then reads told, who tells writes told and then
  *    reads look_at, and wakes it with the mutex held: one of the two sees the other.
  * 3. The list is shorter than the ground holds, and what is there of it is marked as used before anything is
