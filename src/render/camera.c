@@ -52,4 +52,5 @@ void render_view(const struct render *render, const struct render_camera *camera
 	terrain_frustum(camera->eye, axes.forward, axes.right, axes.up, camera->fov,
 			(double)render->width / render->height, RENDER_FAR, view->planes);
 	view->radius = fmax(axes.focal / PIXELS_A_POST, render_mesh_reach(&axes)) / render->world.cells;
+	view->finest = TILE_LEVEL_MIN;
 }

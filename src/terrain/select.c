@@ -10,10 +10,12 @@
  *   2. Draws a tile gives up (because an ancestor must draw their ground) are always the last ones,
  *      so giving up is shortening the array.
  *   3. A place is kept free for each tile that is being divided: it may have to stand in.
+ *   4. What is divided, and so what is needed, does not depend on what is resident; each needed tile
+ *      that is not resident is wanted once.
  */
-#include "terrain/terrain.h"
-
 #include <stdlib.h>
+
+#include "terrain/internal.h"
 
 struct want {
 	uint64_t key;
@@ -65,28 +67,7 @@ static bool append(struct selector *s, const struct terrain_draw *draw)
 	return true;
 }
 
-static struct tile child_of(struct tile tile, unsigned quadrant)
-{
-	return (struct tile){tile.level - 1, 2 * tile.x + (quadrant & 1), 2 * tile.y + (quadrant >> 1)};
-}
-
-/* A tile in its box; low and high are of its heights. */
-struct place {
-	struct tile tile;
-	double low[3], high[3], distance;
-};
-
-static void place_at(const struct selector *s, struct tile tile, double low, double high,
-		     struct place *place)
-{
-	place->tile = tile;
-	terrain_box(s->world, tile, place->low, place->high);
-	place->low[2] = low;
-	place->high[2] = high;
-	place->distance = terrain_box_distance(s->view->eye, place->low, place->high);
-}
-
-static bool in_view(struct selector *s, const struct place *place)
+static bool in_view(struct selector *s, const struct terrain_place *place)
 {
 	if (terrain_box_visible(s->view->planes, place->low, place->high))
 		return true;
@@ -94,11 +75,11 @@ static bool in_view(struct selector *s, const struct place *place)
 	return false;
 }
 
-static bool cover(struct selector *s, const struct place *place);
+static bool cover(struct selector *s, const struct terrain_place *place);
 
 /* What of a divided tile is left for the tile itself: `own` has nothing finer, `standing` should be
  * drawn finer and cannot. */
-static void cover_children(struct selector *s, const struct place *place, unsigned *own,
+static void cover_children(struct selector *s, const struct terrain_place *place, unsigned *own,
 			   unsigned *standing)
 {
 	struct tile tile = place->tile;
@@ -111,24 +92,33 @@ static void cover_children(struct selector *s, const struct place *place, unsign
 
 	for (unsigned i = 0; i < 4; i++) {
 		unsigned quadrant = nearest ^ i;
-		struct tile child = child_of(tile, quadrant);
-		struct place there;
+		struct tile child = terrain_child(tile, quadrant);
+		struct terrain_place there;
 		double low, high;
 		if (!world_has(s->world, child))
 			continue;
 		if (s->source->bounds(s->source->user, child, &low, &high)) {
-			place_at(s, child, low, high, &there);
+			terrain_put(s->world, s->view, child, low, high, &there);
 			if (!cover(s, &there))
 				*standing |= 1u << quadrant;
 		} else if (tile.level <= 0) {
-			place_at(s, child, place->low[2], place->high[2], &there);
+			terrain_put(s->world, s->view, child, place->low[2], place->high[2], &there);
 			if (in_view(s, &there))
 				*own |= 1u << quadrant;
 		}
 	}
 }
 
-static bool cover(struct selector *s, const struct place *place)
+/* Below level 0 the ground's broad shape is read from the level-0 tile: the picture needs it too. */
+static void need_ground(struct selector *s, const struct terrain_place *place)
+{
+	uint32_t slot;
+	s->out->needed++;
+	if (!s->source->resident(s->source->user, place->tile, &slot))
+		want(s, place->tile, place->distance);
+}
+
+static bool cover(struct selector *s, const struct terrain_place *place)
 {
 	struct terrain_selection *out = s->out;
 	struct tile tile = place->tile;
@@ -138,26 +128,34 @@ static bool cover(struct selector *s, const struct place *place)
 	if (!in_view(s, place))
 		return true;
 
-	bool divisible = tile.level > TILE_LEVEL_MIN && s->source->divisible(s->source->user, tile);
-	double side = world_spacing(s->world, tile.level) * s->world->cells;
+	bool divisible = s->source->divisible(s->source->user, tile);
+	bool coarsest = tile.level == world_coarsest(s->world);
+	bool ground = false;
 	unsigned own = 15, standing = 0;
-	if (divisible && place->distance < s->view->radius * side) {
+	if (divisible && terrain_near(s->view, tile, place->ratio)) {
+		size_t ideal = out->ideal;
 		own = 0;
 		s->open++;
 		cover_children(s, place, &own, &standing);
 		s->open--;
+		ground = tile.level == 0 && own == 0 && out->ideal > ideal;
+		if (ground && !coarsest)
+			need_ground(s, place);
 		if ((own | standing) == 0)
 			return true;
 	}
-	if (own)
+	if (own) {
 		out->ideal++;
+		out->needed += !coarsest;
+	}
 
 	struct terrain_draw draw = {
 		.tile = tile, .ground = TERRAIN_NO_SLOT, .quadrants = own | standing, .finest = !divisible,
+		.stands_in = own == 0 && !ground && !coarsest,
 		.low = place->low[2], .high = place->high[2], .distance = place->distance,
 	};
 	if (!s->source->resident(s->source->user, tile, &draw.slot)) {
-		if (own)
+		if (own && !coarsest)
 			want(s, tile, place->distance);
 		out->draw_count = mark;
 		return false;
@@ -174,7 +172,6 @@ static int compare_draws(const void *a, const void *b)
 	return left < right ? -1 : left > right;
 }
 
-/* Below level 0 the ground's broad shape is read from the level-0 tile. */
 static void find_ground(struct selector *s)
 {
 	struct terrain_selection *out = s->out;
@@ -184,10 +181,8 @@ static void find_ground(struct selector *s)
 		if (draw->tile.level >= 0)
 			continue;
 		struct tile tile = tile_ancestor(draw->tile, 0);
-		if (!s->source->resident(s->source->user, tile, &draw->ground)) {
+		if (!s->source->resident(s->source->user, tile, &draw->ground))
 			draw->ground = TERRAIN_NO_SLOT;
-			want(s, tile, draw->distance);
-		}
 	}
 }
 
@@ -196,16 +191,17 @@ void terrain_select(const struct world *world, const struct terrain_view *view,
 {
 	struct selector s = {.world = world, .view = view, .source = source, .out = selection};
 	struct tile root = {world_coarsest(world), 0, 0};
-	struct place place;
+	struct terrain_place place;
 	double low, high;
 	uint32_t slot;
 
 	selection->draw_count = selection->wanted_count = 0;
-	selection->visited = selection->culled = selection->ideal = 0;
+	selection->visited = selection->culled = selection->ideal = selection->needed = 0;
 	if (!source->bounds(source->user, root, &low, &high))
 		return;
-	place_at(&s, root, low, high, &place);
-	/* It stands in for everything: never let it age. */
+	terrain_put(world, view, root, low, high, &place);
+	/* It stands in for everything, seen or not. */
+	selection->needed = 1;
 	if (!source->resident(source->user, root, &slot))
 		want(&s, root, place.distance);
 	cover(&s, &place);
@@ -213,11 +209,7 @@ void terrain_select(const struct world *world, const struct terrain_view *view,
 	find_ground(&s);
 
 	qsort(s.wants, s.want_count, sizeof *s.wants, compare_wants);
-	for (size_t i = 0; i < s.want_count; i++) {
-		bool again = false; /* a level-0 tile may be wanted for several below it */
-		for (size_t k = selection->wanted_count; k-- > 0 && !again;)
-			again = selection->wanted[k] == s.wants[i].key;
-		if (!again)
-			selection->wanted[selection->wanted_count++] = s.wants[i].key;
-	}
+	for (size_t i = 0; i < s.want_count; i++)
+		selection->wanted[i] = s.wants[i].key;
+	selection->wanted_count = s.want_count;
 }

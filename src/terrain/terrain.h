@@ -17,6 +17,7 @@ struct terrain_view {
 	double eye[3];
 	double planes[5][4]; /* inward: a x + b y + c z + d >= 0 inside; left right bottom top far */
 	double radius;       /* a tile is divided when nearer than radius x its side */
+	int finest;          /* no tile of this level or a finer one is divided; at least TILE_LEVEL_MIN */
 };
 
 struct terrain_source {
@@ -24,7 +25,8 @@ struct terrain_source {
 	/* Heights over the whole subtree, deformation included; false: nothing to draw there (level
 	 * >= 0: all nodata; below: no offset tile there, so the parent goes on drawing that quadrant). */
 	bool (*bounds)(void *user, struct tile tile, double *low, double *high);
-	/* Resident now? Marks it used. Asked only of tiles that would be drawn, and of the coarsest. */
+	/* Resident now? Asked only of tiles the picture needs or that could stand in for those. A source
+	 * that says no to all gets every tile of the picture as wanted. */
 	bool (*resident)(void *user, struct tile tile, uint32_t *slot);
 	/* May this tile be divided further: its children exist (level > 0), or offset tiles below.
 	 * Children outside the world are not asked about. */
@@ -39,6 +41,7 @@ struct terrain_draw {
 	uint32_t ground; /* slot of the level-0 tile it lies in (its own if level >= 0), or TERRAIN_NO_SLOT */
 	unsigned quadrants;
 	bool finest; /* nothing finer exists below */
+	bool stands_in; /* the complete picture does not need it: only finer tiles that are not resident */
 	double low, high, distance; /* metres; distance: eye to its box */
 };
 
@@ -46,10 +49,12 @@ struct terrain_draw {
 struct terrain_selection {
 	struct terrain_draw draws[TERRAIN_DRAWS_MAX]; /* near to far */
 	size_t draw_count;
-	/* Keys the ideal picture needs and that are not resident: coarse first, then near to far. */
+	/* Keys the complete picture needs and that are not resident: coarse first, then near to far. */
 	uint64_t wanted[TERRAIN_DRAWS_MAX];
 	size_t wanted_count;
-	size_t visited, culled, ideal; /* ideal: tiles the complete picture needs */
+	size_t visited, culled;
+	size_t ideal;  /* tiles the complete picture draws */
+	size_t needed; /* those it needs resident: the drawn, level 0 under finer ones, the coarsest */
 };
 
 /*
@@ -60,6 +65,12 @@ struct terrain_selection {
  */
 void terrain_select(const struct world *world, const struct terrain_view *view,
 		    const struct terrain_source *source, struct terrain_selection *selection);
+
+/* Makes the view coarser, by radius and finest, until its picture needs at most `budget` tiles (or
+ * the coarsest alone): what was furthest for its size goes first. False if it had to. A view that
+ * fits stays as it is. Costs as much as selecting the result. */
+bool terrain_fit(const struct world *world, const struct terrain_source *source, size_t budget,
+		 struct terrain_view *view);
 
 /* Where a tile lies: its rectangle of ground, cut at the world's edge. */
 void terrain_box(const struct world *world, struct tile tile, double low[2], double high[2]);

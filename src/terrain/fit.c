@@ -1,0 +1,135 @@
+/*
+ * How coarse a view must be to need no more tiles than there are places for.
+ *
+ * Tiles are divided in the order in which a growing radius would divide them, until the next would
+ * need more than the budget; the radius ends before that one. What is drawn then is what
+ * terrain_select draws with a smaller radius: no other rule, and a function of the view alone, so
+ * that a camera that stands still gets the same picture again and again.
+ *
+ * Invariants:
+ *   1. `needed` is at least what terrain_select would count if every tile divided here were.
+ *   2. Tiles of one ratio are divided together or not at all: no radius lies between them. The eye
+ *      inside a box is ratio 0 at any level: there it is the levels that part them, coarser first.
+ */
+#include <float.h>
+
+#include "terrain/internal.h"
+
+#define NODES_MAX (2 * TERRAIN_DRAWS_MAX)
+
+/* A tile that the view as it was would divide. */
+struct node {
+	struct tile tile;
+	double ratio; /* not less than its parent's */
+	double low, high;
+};
+
+struct fitter {
+	const struct world *world;
+	const struct terrain_view *view;
+	const struct terrain_source *source;
+	struct node heap[NODES_MAX]; /* next to divide first */
+	size_t count;
+	size_t needed;
+	bool full; /* a node had no place */
+};
+
+static bool before(const struct node *a, const struct node *b)
+{
+	return a->ratio != b->ratio ? a->ratio < b->ratio : a->tile.level > b->tile.level;
+}
+
+static void push(struct fitter *fitter, const struct node *node)
+{
+	if (fitter->count == NODES_MAX) {
+		fitter->full = true;
+		return;
+	}
+	size_t at = fitter->count++;
+	for (; at > 0 && before(node, &fitter->heap[(at - 1) / 2]); at = (at - 1) / 2)
+		fitter->heap[at] = fitter->heap[(at - 1) / 2];
+	fitter->heap[at] = *node;
+}
+
+static struct node pop(struct fitter *fitter)
+{
+	struct node *heap = fitter->heap, first = heap[0], last = heap[--fitter->count];
+	size_t at = 0;
+	for (;;) {
+		size_t next = 2 * at + 1;
+		if (next + 1 < fitter->count && before(&heap[next + 1], &heap[next]))
+			next++;
+		if (next >= fitter->count || !before(&heap[next], &last))
+			break;
+		heap[at] = heap[next];
+		at = next;
+	}
+	heap[at] = last;
+	return first;
+}
+
+static bool in_view(const struct fitter *fitter, const struct terrain_place *place)
+{
+	return terrain_box_visible(fitter->view->planes, place->low, place->high);
+}
+
+/* A tile the picture may need. False: it is out of view. */
+static bool enter(struct fitter *fitter, struct tile tile, double low, double high, double least)
+{
+	struct terrain_place place;
+	terrain_put(fitter->world, fitter->view, tile, low, high, &place);
+	if (!in_view(fitter, &place))
+		return false;
+	struct node node = {tile, place.ratio > least ? place.ratio : least, low, high};
+	if (terrain_near(fitter->view, tile, node.ratio) && fitter->source->divisible(fitter->source->user, tile))
+		push(fitter, &node);
+	return true;
+}
+
+static void divide(struct fitter *fitter, const struct node *node)
+{
+	size_t children = 0;
+	bool own = false;
+	for (unsigned quadrant = 0; quadrant < 4; quadrant++) {
+		struct tile child = terrain_child(node->tile, quadrant);
+		struct terrain_place place;
+		double low, high;
+		if (!world_has(fitter->world, child))
+			continue;
+		if (fitter->source->bounds(fitter->source->user, child, &low, &high)) {
+			children += enter(fitter, child, low, high, node->ratio);
+		} else if (node->tile.level <= 0) {
+			terrain_put(fitter->world, fitter->view, child, node->low, node->high, &place);
+			own = own || in_view(fitter, &place);
+		}
+	}
+	bool coarsest = node->tile.level == world_coarsest(fitter->world);
+	bool ground = node->tile.level == 0 && children > 0;
+	fitter->needed += children - !(coarsest || ground || own);
+}
+
+bool terrain_fit(const struct world *world, const struct terrain_source *source, size_t budget,
+		 struct terrain_view *view)
+{
+	struct fitter fitter = {.world = world, .view = view, .source = source, .needed = 1};
+	double low, high;
+	struct tile root = {world_coarsest(world), 0, 0};
+	if (!source->bounds(source->user, root, &low, &high) || !enter(&fitter, root, low, high, 0))
+		return true;
+	while (fitter.count > 0) {
+		double ratio = fitter.heap[0].ratio;
+		int level = fitter.heap[0].tile.level;
+		while (fitter.count > 0 && !fitter.full && fitter.heap[0].ratio == ratio &&
+		       (ratio > 0 || fitter.heap[0].tile.level == level)) {
+			struct node node = pop(&fitter);
+			divide(&fitter, &node);
+		}
+		if (fitter.needed <= budget && !fitter.full)
+			continue;
+		view->radius = ratio > 0 ? ratio : DBL_MIN;
+		if (ratio == 0)
+			view->finest = level;
+		return false;
+	}
+	return true;
+}

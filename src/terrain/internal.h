@@ -1,0 +1,37 @@
+/* What selecting and fitting share: a tile in its box, and when it is divided. */
+#ifndef FURROW_TERRAIN_INTERNAL_H
+#define FURROW_TERRAIN_INTERNAL_H
+
+#include "terrain/terrain.h"
+
+/* A tile in its box; the third of low and high is of its heights. */
+struct terrain_place {
+	struct tile tile;
+	double low[3], high[3];
+	double distance; /* metres, eye to box */
+	double ratio;    /* of that to the tile's side */
+};
+
+static inline struct tile terrain_child(struct tile tile, unsigned quadrant)
+{
+	return (struct tile){tile.level - 1, 2 * tile.x + (quadrant & 1), 2 * tile.y + (quadrant >> 1)};
+}
+
+static inline void terrain_put(const struct world *world, const struct terrain_view *view, struct tile tile,
+			       double low, double high, struct terrain_place *place)
+{
+	place->tile = tile;
+	terrain_box(world, tile, place->low, place->high);
+	place->low[2] = low;
+	place->high[2] = high;
+	place->distance = terrain_box_distance(view->eye, place->low, place->high);
+	place->ratio = place->distance / (world_spacing(world, tile.level) * world->cells);
+}
+
+/* One expression for both: what is fitted must be what is selected, to the last bit. */
+static inline bool terrain_near(const struct terrain_view *view, struct tile tile, double ratio)
+{
+	return tile.level > view->finest && ratio < view->radius;
+}
+
+#endif
