@@ -281,6 +281,7 @@ static void finish(struct drive *drive, enum status status)
 	scout_destroy(drive->scout);
 	view_destroy(drive->view);
 	prefetch_destroy(drive->prefetch);
+	wishes_finish(&drive->wishes);
 	pages_destroy(drive->pages);
 	pyramid_destroy(drive->pyramid);
 	deform_destroy(drive->deform);

@@ -17,7 +17,7 @@
 #include "run/wishes.h"
 #include "store/store.h"
 
-struct view;     /* run/view.c */
+struct view;     /* run/view.h */
 struct prefetch; /* run/prefetch.c */
 
 /* One object on its way. */
@@ -60,6 +60,7 @@ struct drive {
 	struct rider *riders;
 	struct event *events;    /* of the present step */
 	size_t event_count, event_room;
+	struct wishes wishes;    /* pages needed in and after the present step */
 	struct prefetch *prefetch;
 	struct pages_record *record;
 	struct times step_ms, frame_ms; /* a frame is a step and its picture; without a view a step alone */
@@ -106,7 +107,14 @@ enum status view_deformed(struct view *view, struct tile tile) FURROW_CHECKED;
 /* The places (metres, local) whose ground the camera stands or looks on at `time`: none to two. `user` is the
  * drive. Any thread. */
 size_t view_places(const void *user, double time, double places[2][2]);
-void view_figures(const struct view *view, double *triangles, uint64_t *starved);
+/* Adds what the last picture lacked, needed now, and what pictures will need while `prefetch` lasts. */
+enum status view_wishes(struct view *view, struct wishes *wishes) FURROW_CHECKED;
+struct view_figures {
+	double triangles;   /* a frame */
+	uint64_t starved;   /* frames drawn coarser than asked for: a tile stood in, or coarsened */
+	uint64_t coarsened; /* frames cut to what the slots hold */
+};
+void view_figures(const struct view *view, struct view_figures *figures);
 
 /* report.c */
 char *report_json(const struct drive *drive, const char *ended); /* NULL: out of memory */

@@ -52,3 +52,32 @@ enum status key_map_put(struct key_map *map, uint64_t key, double a, double b)
 	*pair = (struct key_pair){key, a, b};
 	return STATUS_OK;
 }
+
+void key_cache_finish(struct key_cache *cache)
+{
+	key_map_finish(&cache->young);
+	key_map_finish(&cache->old);
+}
+
+enum status key_cache_put(struct key_cache *cache, uint64_t key, double a, double b)
+{
+	if (cache->young.count >= cache->most) {
+		key_map_finish(&cache->old);
+		cache->old = cache->young;
+		cache->young = (struct key_map){NULL, 0, 0};
+	}
+	return key_map_put(&cache->young, key, a, b);
+}
+
+enum status key_cache_find(struct key_cache *cache, uint64_t key, struct key_pair *pair, bool *found)
+{
+	const struct key_pair *known = key_map_find(&cache->young, key);
+	bool aged = known == NULL;
+	if (aged)
+		known = key_map_find(&cache->old, key);
+	*found = known != NULL;
+	if (!*found)
+		return STATUS_OK;
+	*pair = *known;
+	return aged ? key_cache_put(cache, key, pair->a, pair->b) : STATUS_OK;
+}

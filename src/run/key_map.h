@@ -1,4 +1,7 @@
-/* Tile keys to a pair of doubles: an open-addressed table that only grows. One thread. */
+/*
+ * Tile keys to a pair of doubles: an open-addressed table that only grows, and a cache made of two
+ * of them whose memory is bounded. One thread.
+ */
 #ifndef FURROW_RUN_KEY_MAP_H
 #define FURROW_RUN_KEY_MAP_H
 
@@ -18,5 +21,17 @@ void key_map_finish(struct key_map *map);
 /* NULL if absent. Valid until the next put. */
 const struct key_pair *key_map_find(const struct key_map *map, uint64_t key);
 enum status key_map_put(struct key_map *map, uint64_t key, double a, double b) FURROW_CHECKED;
+
+/* Two generations: what is asked for moves to the younger; when that is full it becomes the older,
+ * and the one before it is forgotten. What was asked for within the last `most` keys is kept. */
+struct key_cache {
+	struct key_map young, old;
+	size_t most; /* keys in each, at least 1 */
+};
+
+void key_cache_finish(struct key_cache *cache);
+enum status key_cache_find(struct key_cache *cache, uint64_t key, struct key_pair *pair, bool *found)
+	FURROW_CHECKED;
+enum status key_cache_put(struct key_cache *cache, uint64_t key, double a, double b) FURROW_CHECKED;
 
 #endif

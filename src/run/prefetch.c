@@ -31,8 +31,7 @@ struct lookout {
 struct prefetch {
 	struct drive *drive;
 	struct lookout *lookouts; /* one an object */
-	struct wishes wishes;
-	const uint64_t *keys;     /* of the wishes, in order */
+	const uint64_t *keys;     /* of drive->wishes, in order */
 	size_t key_count;
 };
 
@@ -60,7 +59,6 @@ void prefetch_destroy(struct prefetch *prefetch)
 	for (size_t i = 0; i < prefetch->drive->scene->object_count; i++)
 		mem_free(prefetch->lookouts[i].tiles);
 	mem_free(prefetch->lookouts);
-	wishes_finish(&prefetch->wishes);
 	mem_free(prefetch);
 }
 
@@ -150,15 +148,17 @@ static enum status look_ahead(struct prefetch *prefetch, bool *changed)
 
 static enum status gather(struct prefetch *prefetch)
 {
-	const struct drive *drive = prefetch->drive;
+	struct drive *drive = prefetch->drive;
 	enum status status = STATUS_OK;
-	wishes_clear(&prefetch->wishes);
+	wishes_clear(&drive->wishes);
 	for (size_t i = 0; i < drive->scene->object_count; i++) {
 		const struct lookout *lookout = &prefetch->lookouts[i];
 		for (size_t k = 0; k < lookout->count && status == STATUS_OK; k++)
-			status = wishes_add(&prefetch->wishes, lookout->tiles[k].key, lookout->tiles[k].from);
+			status = wishes_add(&drive->wishes, lookout->tiles[k].key, lookout->tiles[k].from);
 	}
-	prefetch->key_count = wishes_order(&prefetch->wishes, &prefetch->keys);
+	if (status == STATUS_OK && drive->view != NULL)
+		status = view_wishes(drive->view, &drive->wishes);
+	prefetch->key_count = wishes_order(&drive->wishes, &prefetch->keys);
 	return status;
 }
 

@@ -162,13 +162,13 @@ char *report_json(const struct drive *drive, const char *ended)
 	add_volume(root, drive, &io);
 	json_number(root, "refused_posts", known ? (double)refused : (double)NAN);
 	if (drive->view != NULL) {
-		double triangles;
-		uint64_t starved;
-		view_figures(drive->view, &triangles, &starved);
+		struct view_figures figures;
+		view_figures(drive->view, &figures);
 		cJSON *view = cJSON_AddObjectToObject(root, "view");
 		json_integer(view, "frames", (int64_t)drive->frames);
-		json_number(view, "triangles", triangles);
-		json_integer(view, "starved", (int64_t)starved);
+		json_number(view, "triangles", figures.triangles);
+		json_integer(view, "starved", (int64_t)figures.starved);
+		json_integer(view, "coarsened", (int64_t)figures.coarsened);
 	}
 	add_objects(root, drive);
 	char *printed = cJSON_Print(root), *json = NULL;

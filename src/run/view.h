@@ -1,0 +1,57 @@
+/* The picture of a drive, shared by the files view*.c. Only the GPU's thread touches it. */
+#ifndef FURROW_RUN_VIEW_H
+#define FURROW_RUN_VIEW_H
+
+#include "render/render.h"
+#include "run/internal.h"
+#include "run/key_map.h"
+#include "run/key_set.h"
+#include "terrain/terrain.h"
+
+/* What the picture of one time needs: tiles, in the order of need. */
+struct view_look {
+	double time; /* simulated, s */
+	size_t count;
+	uint64_t keys[2 * TERRAIN_DRAWS_MAX];
+};
+
+#define VIEW_LOOKS 4 /* times looked ahead to */
+
+struct view {
+	struct drive *drive;
+	struct render *render;
+	struct key_set deformed;  /* tiles with offset tiles at or below them; 11 to 21 bytes each, for good */
+	struct key_cache ranges;  /* of bases; a: NaN where nothing is */
+	double reach;             /* metres deformation can add to a tile's bounds */
+	size_t budget;            /* slots one picture may need */
+	size_t room;              /* slots this picture and those ahead may need together */
+	bool coarse;              /* the last selection was cut to the budget */
+	bool told;
+	struct terrain_selection *selection;
+	struct view_look *now;    /* the last picture */
+	struct view_look *ahead;  /* VIEW_LOOKS of them, each replaced in turn */
+	unsigned turn;
+	struct key_set seen;      /* while wishes are put together */
+	uint64_t starved;         /* frames drawn coarser than asked for, for any reason */
+	uint64_t coarsened;       /* of those: the budget was the reason */
+	double triangles;         /* summed over frames */
+	enum status failed;       /* of a source callback */
+};
+
+/* view_camera.c */
+void view_place_camera(const struct view *view, double time, struct render_camera *camera);
+
+/* view_source.c */
+void view_find_room(struct view *view);
+/* Selects what `camera` sees, cut to the budget. With `everything`, as if nothing were resident:
+ * the selection's wanted tiles are the whole picture. Marks nothing used. */
+enum status view_select(struct view *view, const struct render_camera *camera, bool everything) FURROW_CHECKED;
+/* What was selected is used now; without `stand_ins` only what the complete picture needs. */
+void view_mark_used(struct view *view, bool stand_ins);
+
+/* view_ahead.c: what pictures will need. */
+void view_keep_now(struct view *view);
+/* Looks at one of the times ahead; call once a frame, after it was selected and kept. */
+enum status view_look_ahead(struct view *view) FURROW_CHECKED;
+
+#endif

@@ -1,0 +1,147 @@
+/*
+ * What terrain asks of a drive: where there is ground, what of it is resident, what may be divided.
+ * And how much of it a picture may need: no more than the slots that deformation leaves it.
+ */
+#include <math.h>
+
+#include "run/view.h"
+
+/* A base's range does not change: read once, kept while it is asked for. */
+static enum status base_range(struct view *view, struct tile tile, struct key_pair *range)
+{
+	uint64_t key = tile_key(tile);
+	bool found, any = false;
+	enum status status = key_cache_find(&view->ranges, key, range, &found);
+	if (status != STATUS_OK || found)
+		return status;
+	status = ground_range(view->drive->ground, tile, &range->a, &range->b, &any);
+	if (status != STATUS_OK)
+		return status;
+	if (!any)
+		range->a = NAN;
+	return key_cache_put(&view->ranges, key, range->a, range->b);
+}
+
+static bool bounds(void *user, struct tile tile, double *low, double *high)
+{
+	struct view *view = user;
+	const struct drive *drive = view->drive;
+	if (!world_has(&drive->meta->world, tile))
+		return false;
+	bool deformed = key_set_has(&view->deformed, tile_key(tile));
+	if (tile.level < 0 && !deformed)
+		return false;
+	struct key_pair range = {.a = NAN};
+	enum status status = base_range(view, tile, &range);
+	if (status != STATUS_OK) {
+		view->failed = status;
+		return false;
+	}
+	double slack = deformed ? view->reach : 0;
+	*low = range.a - slack;
+	*high = range.b + slack;
+	return !isnan(range.a);
+}
+
+static bool resident(void *user, struct tile tile, uint32_t *slot)
+{
+	struct view *view = user;
+	return page_cache_peek(view->drive->cache, tile_key(tile), false, slot);
+}
+
+static bool divisible(void *user, struct tile tile)
+{
+	struct view *view = user;
+	bool deformed = key_set_has(&view->deformed, tile_key(tile));
+	/* Offsets live at the working level: nothing finer than it knows of them. */
+	return deformed ? tile.level > view->drive->level : tile.level > 0;
+}
+
+enum status view_deformed(struct view *view, struct tile tile)
+{
+	int coarsest = world_coarsest(&view->drive->meta->world);
+	for (int level = tile.level; level <= coarsest; level++) {
+		uint64_t key = tile_key(tile_ancestor(tile, level));
+		if (key_set_has(&view->deformed, key))
+			return STATUS_OK;
+		enum status status = key_set_add(&view->deformed, key);
+		if (status != STATUS_OK)
+			return status;
+	}
+	return STATUS_OK;
+}
+
+static bool not_resident(void *user, struct tile tile, uint32_t *slot)
+{
+	return false;
+}
+
+/* --- selecting --- */
+
+/* Tiles that are being divided need places in a selection too. */
+#define MOST (TERRAIN_DRAWS_MAX - 2 * (TILE_LEVEL_MAX - TILE_LEVEL_MIN))
+
+void view_find_room(struct view *view)
+{
+	/* Of each object what one window touches, and once more for where it goes next. */
+	const struct scene *scene = view->drive->scene;
+	size_t half = scene->slots / 2, hold = 2 * 4 * scene->object_count;
+	hold = hold < 4 ? 4 : hold;
+	view->room = scene->slots - (hold < half ? hold : half);
+	/* And the loads on their way. */
+	size_t loads = 3 * (size_t)scene->loaders, quarter = view->room / 4;
+	view->budget = view->room - (loads < quarter ? loads : quarter);
+	if (view->budget > MOST)
+		view->budget = MOST;
+}
+
+static void tell(struct view *view)
+{
+	size_t needed = view->selection->needed;
+	if (view->told)
+		return;
+	view->told = true;
+	if (view->budget == MOST)
+		note("the view needs %zu tiles and draws at most %d: drawn coarser; import with larger tiles", needed, MOST);
+	else
+		note("the view needs %zu slots and has %zu of %u: drawn coarser; raise cache.slots", needed, view->budget,
+		     view->drive->scene->slots);
+}
+
+enum status view_select(struct view *view, const struct render_camera *camera, bool everything)
+{
+	const struct world *world = &view->drive->meta->world;
+	const struct terrain_source source = {view, bounds, everything ? not_resident : resident, divisible};
+	struct terrain_view whole, looking;
+	render_view(view->render, camera, &whole);
+	view->failed = STATUS_OK;
+	looking = whole;
+	/* Most often the whole view fits, or did not in the last picture either. */
+	bool fits = !view->coarse || terrain_fit(world, &source, view->budget, &looking);
+	terrain_select(world, &looking, &source, view->selection);
+	if (fits && view->selection->needed > view->budget) {
+		tell(view);
+		fits = terrain_fit(world, &source, view->budget, &looking);
+		terrain_select(world, &looking, &source, view->selection);
+	}
+	view->coarse = !fits;
+	return view->failed;
+}
+
+void view_mark_used(struct view *view, bool stand_ins)
+{
+	struct page_cache *cache = view->drive->cache;
+	const struct terrain_selection *selection = view->selection;
+	uint32_t slot;
+	/* Near to far: the nearest last, which is the last to go; and after it what stands in for all. */
+	for (size_t i = selection->draw_count; i-- > 0;) {
+		const struct terrain_draw *draw = &selection->draws[i];
+		if (draw->stands_in && !stand_ins)
+			continue;
+		page_cache_peek(cache, tile_key(draw->tile), true, &slot);
+		if (draw->tile.level < 0)
+			page_cache_peek(cache, tile_key(tile_ancestor(draw->tile, 0)), true, &slot);
+	}
+	struct tile coarsest = {world_coarsest(&view->drive->meta->world), 0, 0};
+	page_cache_peek(cache, tile_key(coarsest), true, &slot);
+}

@@ -1,0 +1,343 @@
+/*
+ * A view and the slots it lives in: it settles in any number of them, looks ahead without touching
+ * anything, and asks for what it needs in the order of need.
+ */
+#include "../support.h"
+
+#include <time.h>
+
+#include "run/view.h"
+
+enum { CELLS = 16 };
+static const struct world world = {513, 513, 1, CELLS};
+
+struct rig {
+	struct drive drive;
+	struct scene scene;
+	struct scene_object object;
+	struct scene_waypoint points[2];
+	struct rider rider;
+	struct run_params params;
+};
+
+static enum status before_read_back(void *user, struct tile tile, uint32_t slot)
+{
+	return STATUS_OK; /* nothing is ever dirty here */
+}
+
+/* A wide view from a corner; or, with a speed, one behind an object that crosses the terrain. */
+static void rig_open(struct rig *rig, uint32_t slots, double speed, double prefetch)
+{
+	struct drive *drive = &rig->drive;
+	const char *path = support_path("view.furrow");
+	*rig = (struct rig){.points = {{.x = 40, .y = 60}, {.x = 460, .y = 440}}};
+	rig->object = (struct scene_object){
+		.name = "it",
+		.shape = {.kind = DEFORM_SPHERE, .radius = 0.5},
+		.path = {.points = rig->points, .count = 2, .speed = speed},
+	};
+	rig->scene = (struct scene){
+		.slots = slots, .loaders = 2, .prefetch = prefetch, .objects = &rig->object, .object_count = 1,
+		.view = {.present = true, .width = 320, .height = 180, .camera = speed > 0 ? SCENE_CHASE : SCENE_FIXED,
+			 .back = 12, .up = 5, .eye = {20, 20, 130}, .target = {200, 220, 100}},
+	};
+	if (access(path, F_OK) != 0)
+		support_store(path, world, support_hills);
+	must(store_open(path, &(struct store_options){.mode = STORE_READ}, &drive->store)); /* nothing is deformed */
+	drive->scene = &rig->scene;
+	rig->params.directory = support_folder;
+	drive->params = &rig->params;
+	drive->meta = store_meta(drive->store);
+	drive->spacing = world.spacing;
+	drive->riders = &rig->rider;
+	rig->rider.object = &rig->object;
+	const double places[2][2] = {{40, 60}, {460, 440}};
+	must(track_create(&rig->object.path, places, 1, 1, &rig->rider.track));
+	drive->epochs = tmpfile();
+	assert_non_null(drive->epochs);
+	enum status status = gpu_create(&(struct gpu_params){.draws = true}, &drive->gpu);
+	if (status == STATUS_NO_GL) {
+		store_close(drive->store);
+		skip();
+	}
+	must(status);
+	must(gpu_slots_create(drive->gpu, CELLS, slots, false, &drive->slots));
+	must(ground_create(drive->store, 16, &drive->ground));
+	must(pages_create(&(struct pages_params){.store = drive->store,
+						 .slots = drive->slots,
+						 .count = slots,
+						 .loaders = 2,
+						 .step_pages = 16,
+						 .scene_hash = "0",
+						 .epochs = drive->epochs,
+						 .epoch_age = 1000,
+						 .before_read_back = before_read_back},
+			  &drive->pages));
+	drive->cache = pages_cache(drive->pages);
+	drive->record = calloc(1, pages_record_bytes(1));
+	must(view_create(drive, &drive->view));
+}
+
+static void rig_close(struct rig *rig)
+{
+	struct drive *drive = &rig->drive;
+	view_destroy(drive->view);
+	pages_destroy(drive->pages);
+	ground_destroy(drive->ground);
+	gpu_slots_destroy(drive->slots);
+	gpu_destroy(drive->gpu);
+	track_destroy(rig->rider.track);
+	wishes_finish(&drive->wishes);
+	store_close(drive->store);
+	fclose(drive->epochs);
+	free(drive->record);
+}
+
+static void nap(void)
+{
+	nanosleep(&(struct timespec){0, 1000000}, NULL);
+}
+
+/* A step in which nothing is deformed, and its picture. */
+static void step(struct rig *rig, double time_step)
+{
+	struct drive *drive = &rig->drive;
+	must(page_cache_poll(drive->cache));
+	must(drive_prefetch(drive));
+	drive->time += time_step;
+	drive->step++;
+	must(page_cache_end_step(drive->cache, drive->record));
+	must(view_frame(drive->view, drive, false));
+}
+
+static uint64_t traffic(struct rig *rig)
+{
+	struct page_stats stats;
+	page_cache_stats(rig->drive.cache, &stats);
+	return stats.prefetched + stats.evictions + stats.misses;
+}
+
+/* --- slots --- */
+
+static void a_still_view_settles_in_any_number_of_slots(void **state)
+{
+	const uint32_t counts[] = {4, 5, 8, 16, 64, 400};
+	size_t drawn = 0;
+	for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
+		struct rig rig;
+		rig_open(&rig, counts[i], 0, 1.5);
+		struct view *view = rig.drive.view;
+		int frames = 0;
+		uint64_t before = 0;
+		for (int quiet = 0; quiet < 30; quiet++) {
+			assert_true(frames++ < 3000); /* or it never comes to rest */
+			step(&rig, 0.02);
+			nap();
+			assert_true(view->selection->draw_count > 0);
+			if (traffic(&rig) != before)
+				quiet = 0;
+			before = traffic(&rig);
+		}
+		/* All of the picture that fits is there, and so it stays. */
+		assert_int_equal(view->selection->wanted_count, 0);
+		assert_true(view->selection->needed <= view->budget && view->budget < counts[i]);
+		assert_true(view->selection->draw_count >= drawn);
+		drawn = view->selection->draw_count;
+		struct view_figures at_rest, later;
+		view_figures(view, &at_rest);
+		for (int k = 0; k < 20; k++)
+			step(&rig, 0.02);
+		assert_int_equal(traffic(&rig), before);
+		view_figures(view, &later);
+		assert_int_equal(later.coarsened, counts[i] < 400 ? frames + 20 : 0);
+		assert_int_equal(later.starved - at_rest.starved, counts[i] < 400 ? 20 : 0);
+		rig_close(&rig);
+	}
+	assert_true(drawn > 50);
+}
+
+static void a_picture_that_is_kept_has_all_that_fits(void **state)
+{
+	const uint32_t counts[] = {4, 8, 64, 400};
+	for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
+		struct rig rig;
+		rig_open(&rig, counts[i], 0, 0);
+		must(view_frame(rig.drive.view, &rig.drive, true));
+		assert_int_equal(rig.drive.view->selection->wanted_count, 0);
+		struct view_figures figures;
+		view_figures(rig.drive.view, &figures);
+		assert_int_equal(figures.starved, counts[i] < 400);
+		rig_close(&rig);
+	}
+}
+
+/* --- ahead --- */
+
+struct residents {
+	uint64_t keys[1024];
+	size_t count;
+};
+
+static void resident(void *user, uint64_t key, uint32_t slot, bool dirty)
+{
+	struct residents *residents = user;
+	residents->keys[residents->count++] = key;
+}
+
+/* Steps until the view has nothing to wish for at this time. */
+static void load_wishes(struct rig *rig)
+{
+	struct drive *drive = &rig->drive;
+	for (int tries = 0;; tries++) {
+		assert_true(tries < 3000);
+		wishes_clear(&drive->wishes);
+		must(view_wishes(drive->view, &drive->wishes));
+		if (drive->wishes.count == 0)
+			return;
+		for (size_t i = 0; i < drive->wishes.count; i++)
+			page_cache_prefetch(drive->cache, drive->wishes.wishes[i].key);
+		nap();
+		must(page_cache_poll(drive->cache));
+	}
+}
+
+static uint64_t starved_frames(double prefetch)
+{
+	struct rig rig;
+	rig_open(&rig, 128, 25, prefetch);
+	must(view_warm(rig.drive.view));
+	for (int i = 0; i < 150; i++) {
+		load_wishes(&rig); /* whatever was wished for is there in time */
+		step(&rig, 0.1);
+	}
+	struct view_figures figures;
+	view_figures(rig.drive.view, &figures);
+	assert_int_equal(figures.coarsened, 0);
+	rig_close(&rig);
+	return figures.starved;
+}
+
+static void looking_ahead_a_moving_picture_lacks_less(void **state)
+{
+	uint64_t without = starved_frames(0), with = starved_frames(2);
+	assert_true(without >= 15);
+	assert_true(with * 5 <= without);
+}
+
+static void wishes_are_what_is_lacking_now_then_what_will_be(void **state)
+{
+	struct rig rig;
+	rig_open(&rig, 128, 25, 2);
+	struct drive *drive = &rig.drive;
+	struct view *view = drive->view;
+	size_t soon = 0, ahead = 0;
+	for (int i = 0; i < 60; i++) {
+		must(page_cache_poll(drive->cache));
+		drive->time += 0.1;
+		must(page_cache_end_step(drive->cache, drive->record));
+		must(view_frame(view, drive, false));
+		/* What the frame lacked, before it looked ahead. */
+		struct render_camera camera;
+		view_place_camera(view, drive->time, &camera);
+		must(view_select(view, &camera, false));
+		wishes_clear(&drive->wishes);
+		must(view_wishes(view, &drive->wishes));
+		const struct wish *wishes = drive->wishes.wishes;
+		size_t count = drive->wishes.count, lacking = view->selection->wanted_count;
+		assert_true(count >= lacking && view->seen.count <= view->room);
+		for (size_t k = 0; k < count; k++) {
+			uint32_t slot;
+			assert_false(page_cache_peek(drive->cache, wishes[k].key, false, &slot));
+			if (k < lacking) {
+				assert_true(wishes[k].key == view->selection->wanted[k]);
+				assert_true(wishes[k].time == drive->time);
+			} else {
+				assert_true(wishes[k].time > drive->time && wishes[k].time <= drive->time + 2);
+			}
+			assert_true(k == 0 || wishes[k].time >= wishes[k - 1].time);
+		}
+		soon += lacking;
+		ahead += count - lacking;
+		if (i % 3 == 0)
+			load_wishes(&rig);
+	}
+	assert_true(soon > 10 && ahead > 10);
+	rig_close(&rig);
+}
+
+static void looking_ahead_marks_nothing_used(void **state)
+{
+	struct rig rig;
+	rig_open(&rig, 128, 25, 2);
+	must(view_warm(rig.drive.view));
+	for (int i = 0; i < 40; i++) {
+		step(&rig, 0.1);
+		load_wishes(&rig);
+		struct residents before = {.count = 0}, after = {.count = 0};
+		page_cache_each_resident(rig.drive.cache, resident, &before);
+		must(view_look_ahead(rig.drive.view));
+		wishes_clear(&rig.drive.wishes);
+		must(view_wishes(rig.drive.view, &rig.drive.wishes));
+		page_cache_each_resident(rig.drive.cache, resident, &after);
+		/* Least recently used first: the order is the marks. */
+		assert_memory_equal(&before, &after, sizeof before);
+	}
+	rig_close(&rig);
+}
+
+static void what_a_frame_drew_was_used_last(void **state)
+{
+	struct rig rig;
+	rig_open(&rig, 128, 25, 2);
+	must(view_warm(rig.drive.view));
+	for (int i = 0; i < 40; i++) {
+		load_wishes(&rig);
+		step(&rig, 0.1);
+		struct residents residents = {.count = 0};
+		page_cache_each_resident(rig.drive.cache, resident, &residents);
+		const struct view_look *now = rig.drive.view->now;
+		uint32_t slot;
+		size_t drawn = 0;
+		for (size_t k = 0; k < now->count; k++)
+			drawn += page_cache_peek(rig.drive.cache, now->keys[k], false, &slot);
+		struct key_set last = {NULL, 0, 0};
+		for (size_t k = residents.count - drawn - 1; k < residents.count; k++) /* and the coarsest */
+			must(key_set_add(&last, residents.keys[k]));
+		for (size_t k = 0; k < now->count; k++)
+			assert_true(key_set_has(&last, now->keys[k]) ||
+				    !page_cache_peek(rig.drive.cache, now->keys[k], false, &slot));
+		key_set_finish(&last);
+	}
+	rig_close(&rig);
+}
+
+/* --- the camera --- */
+
+static void the_camera_ahead_is_the_camera_when_that_time_has_come(void **state)
+{
+	struct rig rig;
+	rig_open(&rig, 64, 25, 2);
+	struct render_camera ahead, then;
+	rig.drive.time = 3;
+	view_place_camera(rig.drive.view, 5, &ahead);
+	rig.drive.time = 5;
+	view_place_camera(rig.drive.view, 5, &then);
+	assert_memory_equal(&ahead, &then, sizeof then);
+	view_place_camera(rig.drive.view, 3, &then);
+	assert_true(hypot(then.eye[0] - ahead.eye[0], then.eye[1] - ahead.eye[1]) > 49);
+	rig_close(&rig);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_still_view_settles_in_any_number_of_slots),
+		cmocka_unit_test(a_picture_that_is_kept_has_all_that_fits),
+		cmocka_unit_test(looking_ahead_a_moving_picture_lacks_less),
+		cmocka_unit_test(wishes_are_what_is_lacking_now_then_what_will_be),
+		cmocka_unit_test(looking_ahead_marks_nothing_used),
+		cmocka_unit_test(what_a_frame_drew_was_used_last),
+		cmocka_unit_test(the_camera_ahead_is_the_camera_when_that_time_has_come),
+	};
+	return cmocka_run_group_tests_name("view", tests, support_enter, support_leave);
+}
