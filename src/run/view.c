@@ -184,6 +184,7 @@ void view_destroy(struct view *view)
 		return;
 	render_destroy(view->render);
 	key_set_finish(&view->deformed);
+	key_set_finish(&view->expected);
 	key_set_finish(&view->seen);
 	key_cache_finish(&view->ranges);
 	mem_free(view->selection);

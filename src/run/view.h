@@ -21,6 +21,7 @@ struct view {
 	struct drive *drive;
 	struct render *render;
 	struct key_set deformed;  /* tiles with offset tiles at or below them; 11 to 21 bytes each, for good */
+	struct key_set expected;  /* the same of tiles that will be deformed; empty but while looking ahead */
 	struct key_cache ranges;  /* of bases; a: NaN where nothing is */
 	double reach;             /* metres deformation can add to a tile's bounds */
 	size_t budget;            /* slots one picture may need */
@@ -43,6 +44,8 @@ void view_place_camera(const struct view *view, double time, struct render_camer
 
 /* view_source.c */
 void view_find_room(struct view *view);
+/* Adds a tile and all above it. */
+enum status view_add_chain(const struct view *view, struct key_set *set, struct tile tile) FURROW_CHECKED;
 /* Selects what `camera` sees, cut to the budget. With `everything`, as if nothing were resident:
  * the selection's wanted tiles are the whole picture. Marks nothing used. */
 enum status view_select(struct view *view, const struct render_camera *camera, bool everything) FURROW_CHECKED;

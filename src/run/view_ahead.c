@@ -2,8 +2,8 @@
  * What pictures will need: the last one what it did not have, and those at a few times ahead.
  *
  * A look ahead is a selection that pretends nothing is resident: its wanted tiles are the whole
- * picture of that time. One is made a frame, in rotation, and kept until it is replaced or its time
- * has passed.
+ * picture of that time, of a ground as divided as the objects will have left it. One is made a
+ * frame, in rotation, and kept until it is replaced or its time has passed.
  *
  * Invariant: the last picture and the wishes are together no more tiles than `room`. So what is
  * loaded ahead of time never pushes out what is on screen or what is needed sooner, and a view that
@@ -24,6 +24,19 @@ void view_keep_now(struct view *view)
 		now->keys[now->count++] = tile_key(selection->draws[i].tile);
 }
 
+/* Where the objects will be by then the ground is divided: the step's wishes tell. */
+static enum status expect_tracks(struct view *view, double time)
+{
+	const struct wishes *wishes = &view->drive->wishes;
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < wishes->count && status == STATUS_OK; i++) {
+		struct tile tile = tile_from_key(wishes->wishes[i].key);
+		if (tile.level == view->drive->level && wishes->wishes[i].time <= time)
+			status = view_add_chain(view, &view->expected, tile);
+	}
+	return status;
+}
+
 enum status view_look_ahead(struct view *view)
 {
 	const struct scene *scene = view->drive->scene;
@@ -35,11 +48,16 @@ enum status view_look_ahead(struct view *view)
 	bool coarse = view->coarse;
 	look->time = view->drive->time + scene->prefetch * (turn + 1) / VIEW_LOOKS;
 	view_place_camera(view, look->time, &camera);
-	enum status status = view_select(view, &camera, true);
+	enum status status = expect_tracks(view, look->time);
+	if (status == STATUS_OK)
+		status = view_select(view, &camera, true);
+	key_set_clear(&view->expected);
 	view->coarse = coarse;
+	if (status != STATUS_OK)
+		return status;
 	look->count = view->selection->wanted_count;
 	memcpy(look->keys, view->selection->wanted, look->count * sizeof *look->keys);
-	return status;
+	return STATUS_OK;
 }
 
 /* Soonest first; those whose time has passed are left out. */

@@ -22,13 +22,20 @@ static enum status base_range(struct view *view, struct tile tile, struct key_pa
 	return key_cache_put(&view->ranges, key, range->a, range->b);
 }
 
+/* Has offsets at or below it, or will have by the time that is looked at. */
+static bool is_deformed(const struct view *view, struct tile tile)
+{
+	uint64_t key = tile_key(tile);
+	return key_set_has(&view->deformed, key) || (view->expected.count > 0 && key_set_has(&view->expected, key));
+}
+
 static bool bounds(void *user, struct tile tile, double *low, double *high)
 {
 	struct view *view = user;
 	const struct drive *drive = view->drive;
 	if (!world_has(&drive->meta->world, tile))
 		return false;
-	bool deformed = key_set_has(&view->deformed, tile_key(tile));
+	bool deformed = is_deformed(view, tile);
 	if (tile.level < 0 && !deformed)
 		return false;
 	struct key_pair range = {.a = NAN};
@@ -52,23 +59,28 @@ static bool resident(void *user, struct tile tile, uint32_t *slot)
 static bool divisible(void *user, struct tile tile)
 {
 	struct view *view = user;
-	bool deformed = key_set_has(&view->deformed, tile_key(tile));
+	bool deformed = is_deformed(view, tile);
 	/* Offsets live at the working level: nothing finer than it knows of them. */
 	return deformed ? tile.level > view->drive->level : tile.level > 0;
 }
 
-enum status view_deformed(struct view *view, struct tile tile)
+enum status view_add_chain(const struct view *view, struct key_set *set, struct tile tile)
 {
 	int coarsest = world_coarsest(&view->drive->meta->world);
 	for (int level = tile.level; level <= coarsest; level++) {
 		uint64_t key = tile_key(tile_ancestor(tile, level));
-		if (key_set_has(&view->deformed, key))
+		if (key_set_has(set, key))
 			return STATUS_OK;
-		enum status status = key_set_add(&view->deformed, key);
+		enum status status = key_set_add(set, key);
 		if (status != STATUS_OK)
 			return status;
 	}
 	return STATUS_OK;
+}
+
+enum status view_deformed(struct view *view, struct tile tile)
+{
+	return view_add_chain(view, &view->deformed, tile);
 }
 
 static bool not_resident(void *user, struct tile tile, uint32_t *slot)

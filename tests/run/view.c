@@ -265,6 +265,39 @@ static void wishes_are_what_is_lacking_now_then_what_will_be(void **state)
 	rig_close(&rig);
 }
 
+static size_t below_zero(const struct view *view)
+{
+	size_t count = 0;
+	for (int i = 0; i < VIEW_LOOKS; i++)
+		for (size_t k = 0; k < view->ahead[i].count; k++)
+			count += tile_from_key(view->ahead[i].keys[k]).level < 0;
+	return count;
+}
+
+static void looking_ahead_the_ground_is_divided_where_the_objects_will_be(void **state)
+{
+	struct rig rig;
+	rig_open(&rig, 128, 25, 2);
+	struct drive *drive = &rig.drive;
+	for (int i = 0; i < VIEW_LOOKS; i++)
+		must(view_look_ahead(drive->view));
+	assert_int_equal(below_zero(drive->view), 0);
+	drive->level = -2;
+	drive->spacing = 0.25;
+	must(drive_prefetch(drive));
+	for (int i = 0; i < VIEW_LOOKS; i++)
+		must(view_look_ahead(drive->view));
+	assert_true(below_zero(drive->view) >= 8);
+	/* Not yet: the picture of now has nothing finer than the ground. */
+	must(view_frame(drive->view, drive, false));
+	const struct view_look *now = drive->view->now;
+	assert_true(now->count > 20);
+	for (size_t i = 0; i < now->count; i++)
+		assert_true(tile_from_key(now->keys[i]).level >= 0);
+	assert_int_equal(drive->view->deformed.count, 0);
+	rig_close(&rig);
+}
+
 static void looking_ahead_marks_nothing_used(void **state)
 {
 	struct rig rig;
@@ -335,6 +368,7 @@ int main(void)
 		cmocka_unit_test(a_picture_that_is_kept_has_all_that_fits),
 		cmocka_unit_test(looking_ahead_a_moving_picture_lacks_less),
 		cmocka_unit_test(wishes_are_what_is_lacking_now_then_what_will_be),
+		cmocka_unit_test(looking_ahead_the_ground_is_divided_where_the_objects_will_be),
 		cmocka_unit_test(looking_ahead_marks_nothing_used),
 		cmocka_unit_test(what_a_frame_drew_was_used_last),
 		cmocka_unit_test(the_camera_ahead_is_the_camera_when_that_time_has_come),
