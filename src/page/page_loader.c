@@ -183,6 +183,7 @@ void *page_loader_body(void *argument)
 {
 	struct page_loader *loader = argument;
 	struct page_cache *cache = loader->cache;
+	thread_background();
 	mutex_lock(&cache->mutex);
 	while (!cache->stopping)
 		if (!page_load_next_locked(cache, loader->number))

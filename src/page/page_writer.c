@@ -13,6 +13,7 @@
 void *page_writer_body(void *argument)
 {
 	struct page_cache *cache = argument;
+	thread_background();
 	mutex_lock(&cache->mutex);
 	while (!cache->stopping) {
 		if (cache->epoch != PAGE_EPOCH_COMMITTING) {

@@ -158,7 +158,7 @@ char *report_json(const struct drive *drive, const char *ended)
 	add_cache(root, drive, &pages, &ground);
 	add_gpu(root, drive, &gpu);
 	add_memory(root, drive, &gpu, &io);
-	add_io(root, drive, &io);
+	add_io(root, drive, &io, &ground);
 	add_volume(root, drive, &io);
 	json_number(root, "refused_posts", known ? (double)refused : (double)NAN);
 	if (drive->view != NULL) {

@@ -8,11 +8,10 @@
 
 /* --- frames --- */
 
-/* The only place that asks for what a selection wanted: all of it, and nothing else. */
+/* Asks for what a selection wanted while a picture waits: all of it, and nothing else. */
 static void ask(struct view *view)
 {
-	for (size_t i = 0; i < view->selection->wanted_count; i++)
-		page_cache_prefetch(view->drive->cache, view->selection->wanted[i]);
+	page_cache_want(view->drive->cache, view->selection->wanted, view->selection->wanted_count);
 }
 
 /* Waits for the coarsest tile that is missing. It says why, where a prefetch would not. */

@@ -25,6 +25,17 @@ static enum status before_read_back(void *user, struct tile tile, uint32_t slot)
 	return STATUS_OK; /* nothing is ever dirty here */
 }
 
+/* At the drive's level, which the objects' windows are of. */
+static void start_prefetch(struct drive *drive)
+{
+	prefetch_destroy(drive->prefetch);
+	deform_destroy(drive->deform);
+	struct deform_params params = {.gpu = drive->gpu, .slots = drive->slots, .world = &drive->meta->world,
+				       .level = drive->level};
+	must(deform_create(&params, &drive->deform));
+	must(prefetch_create(drive, &drive->prefetch));
+}
+
 /* A wide view from a corner; or, with a speed, one behind an object that crosses the terrain. */
 static void rig_open(struct rig *rig, uint32_t slots, double speed, double prefetch)
 {
@@ -63,7 +74,8 @@ static void rig_open(struct rig *rig, uint32_t slots, double speed, double prefe
 	must(status);
 	must(gpu_slots_create(drive->gpu, CELLS, slots, false, &drive->slots));
 	must(ground_create(drive->store, 16, &drive->ground));
-	must(pages_create(&(struct pages_params){.store = drive->store,
+	must(pages_create(&(struct pages_params){.gpu = drive->gpu,
+						 .store = drive->store,
 						 .slots = drive->slots,
 						 .count = slots,
 						 .loaders = 2,
@@ -76,14 +88,17 @@ static void rig_open(struct rig *rig, uint32_t slots, double speed, double prefe
 	drive->cache = pages_cache(drive->pages);
 	drive->record = calloc(1, pages_record_bytes(1));
 	must(view_create(drive, &drive->view));
+	start_prefetch(drive);
 }
 
 static void rig_close(struct rig *rig)
 {
 	struct drive *drive = &rig->drive;
+	prefetch_destroy(drive->prefetch);
 	view_destroy(drive->view);
 	pages_destroy(drive->pages);
 	ground_destroy(drive->ground);
+	deform_destroy(drive->deform);
 	gpu_slots_destroy(drive->slots);
 	gpu_destroy(drive->gpu);
 	track_destroy(rig->rider.track);
@@ -103,7 +118,7 @@ static void step(struct rig *rig, double time_step)
 {
 	struct drive *drive = &rig->drive;
 	must(page_cache_poll(drive->cache));
-	must(drive_prefetch(drive));
+	must(prefetch_step(drive->prefetch));
 	drive->time += time_step;
 	drive->step++;
 	must(page_cache_end_step(drive->cache, drive->record));
@@ -194,8 +209,9 @@ static void load_wishes(struct rig *rig)
 		must(view_wishes(drive->view, &drive->wishes));
 		if (drive->wishes.count == 0)
 			return;
-		for (size_t i = 0; i < drive->wishes.count; i++)
-			page_cache_prefetch(drive->cache, drive->wishes.wishes[i].key);
+		const uint64_t *keys;
+		size_t count = wishes_order(&drive->wishes, &keys);
+		page_cache_want(drive->cache, keys, count);
 		nap();
 		must(page_cache_poll(drive->cache));
 	}
@@ -309,7 +325,8 @@ static void looking_ahead_the_ground_is_divided_where_the_objects_will_be(void *
 	assert_int_equal(below_zero(drive->view), 0);
 	drive->level = -2;
 	drive->spacing = 0.25;
-	must(drive_prefetch(drive));
+	start_prefetch(drive);
+	must(prefetch_step(drive->prefetch));
 	for (int i = 0; i < VIEW_LOOKS; i++)
 		must(view_look_ahead(drive->view));
 	assert_true(below_zero(drive->view) >= 8);
