@@ -11,6 +11,7 @@ static const struct command_option options[] = {
 	{"overlay", "FILE", "keeps the deformation in FILE and leaves the store as it is; made if absent"},
 	{"set", "KEY=VALUE", "overrides a key of the scene, as in cache.slots=16; may be repeated"},
 	{"steps", "N", "stop after N steps"},
+	{"trace", "FILE", "what was asked of the page cache, for furrow cache-sim"},
 	{"durable", "KIND", "normal (default): a power cut may cost the last epochs; full: none"},
 	{"json", NULL, "print run.json on stdout"},
 	{NULL, NULL, NULL},
@@ -74,6 +75,7 @@ static enum status run(const struct arguments *arguments)
 			.store = arguments_text(arguments, "store"),
 			.overlay = arguments_text(arguments, "overlay"),
 			.directory = directory,
+			.trace = arguments_text(arguments, "trace"),
 			.steps = steps,
 			.durable_full = durability == 1,
 			.progress = true,
@@ -94,7 +96,8 @@ static enum status run(const struct arguments *arguments)
 
 const struct command command_drive = {
 	.name = "drive",
-	.usage = "drive SCENE -o DIR [--store STORE] [--overlay FILE] [--set KEY=VALUE]... [--steps N] [--json]",
+	.usage = "drive SCENE -o DIR [--store STORE] [--overlay FILE] [--set KEY=VALUE]... [--steps N] "
+		 "[--trace FILE] [--json]",
 	.summary = "run a scene: objects carve the terrain, pictures and figures come out",
 	.details = "Leaves in DIR: run.json (figures, also when interrupted), epochs.log (a line for each commit) and\n"
 		   "frame-NNNNNN.png. Ctrl-C ends it cleanly with everything committed, status 130.\n"

@@ -8,6 +8,7 @@
 static const struct command *const commands[] = {
 	&command_synth,	 &command_import, &command_info,  &command_verify,
 	&command_query,	 &command_export, &command_reset, &command_drive,
+	&command_cache_sim,
 };
 
 #define COMMANDS (sizeof commands / sizeof *commands)
@@ -18,7 +19,7 @@ static void print_overview(FILE *out)
 	      "usage: furrow COMMAND ...        furrow COMMAND --help explains it\n\n",
 	      out);
 	for (size_t i = 0; i < COMMANDS; i++)
-		fprintf(out, "  %-8s %s\n", commands[i]->name, commands[i]->summary);
+		fprintf(out, "  %-9s %s\n", commands[i]->name, commands[i]->summary);
 	fputs("\nexit status: 0 done, 1 failed while running, 2 wrong usage, 3 bad input, 4 no usable GL\n", out);
 }
 

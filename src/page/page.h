@@ -71,6 +71,7 @@ struct page_params {
 	size_t record_bytes; /* of the run's record, copied at each epoch */
 	struct page_io io;
 	struct page_executor executor;
+	struct page_trace *trace; /* every access is noted there; NULL: nowhere */
 };
 /* Enough for any step that changes `step_pages` pages: as many wait, at most, as are committed. */
 #define PAGE_QUEUE_MOST(soft, step_pages) (2 * (2 * (soft) + (step_pages)))
@@ -140,5 +141,57 @@ typedef void (*page_resident_fn)(void *user, uint64_t key, uint32_t slot, bool d
 void page_cache_each_resident(struct page_cache *cache, page_resident_fn fn, void *user);
 
 void page_cache_stats(struct page_cache *cache, struct page_stats *stats);
+
+/*
+ * --- traces: what was asked of a cache, kept to judge it by ---
+ *
+ * An access is a key of a pin or a peek with `use`. A trace is written beside its file and is that
+ * file only once it is whole; page_trace.c says what is in it. One thread at a time a trace.
+ */
+enum page_access { PAGE_ACCESS_PIN, PAGE_ACCESS_DRAW, PAGE_ACCESS_KINDS };
+struct page_trace;
+
+/* STATUS_FAILED if `path` cannot be written, or is there and is no trace. */
+enum status page_trace_create(const char *path, struct page_trace **out) FURROW_CHECKED;
+/* `step` never falls; `key` is below 2^62; `resident`: the cache had it. A failure is kept for
+ * page_trace_status, and nothing more is noted. Takes NULL: nothing. */
+void page_trace_access(struct page_trace *trace, uint64_t step, uint64_t key, enum page_access kind,
+		       bool resident);
+/* What went wrong so far. Takes NULL. */
+enum status page_trace_status(const struct page_trace *trace) FURROW_CHECKED;
+/* Makes the trace whole and puts it in place; nothing may be noted after. Takes NULL. */
+enum status page_trace_publish(struct page_trace *trace) FURROW_CHECKED;
+/* Leaves nothing behind unless it was published. Takes NULL. */
+void page_trace_destroy(struct page_trace *trace);
+
+/* A trace in memory: tiles by number, in the order in which they were first asked for. */
+struct page_accesses {
+	size_t count;
+	uint32_t *tiles; /* of each access: the tile's number */
+	uint64_t *steps; /* of each access */
+	uint32_t tile_count;
+	uint64_t *keys;  /* of each tile */
+	uint64_t hits[PAGE_ACCESS_KINDS], misses[PAGE_ACCESS_KINDS]; /* of the cache that was traced */
+};
+
+/* STATUS_INPUT if the file is missing, no trace, cut or damaged. Any thread. */
+enum status page_accesses_read(const char *path, struct page_accesses *out) FURROW_CHECKED;
+void page_accesses_finish(struct page_accesses *accesses);
+
+/* --- simulation: how often other policies would have missed --- */
+
+enum page_policy { PAGE_LRU, PAGE_CLOCK, PAGE_ARC, PAGE_S3FIFO, PAGE_OPT, PAGE_POLICIES };
+/* Below this many slots S3-FIFO keeps nothing: its small queue would hold one page or none. */
+#define PAGE_S3FIFO_SLOTS_MIN 20
+
+/* Called now and then; another status than STATUS_OK ends the simulation with it. */
+typedef enum status (*page_sim_progress_fn)(void *user, int64_t done, int64_t total);
+
+/* The misses of `policy` with slots[i] slots (at least 1 each) into misses[i]: a cache that starts
+ * empty, pins nothing, prefetches nothing and counts as libCacheSim does with objects of size 1.
+ * `done` and `total` are accesses. Any thread. */
+enum status page_sim(const struct page_accesses *accesses, enum page_policy policy, const uint32_t *slots,
+		     size_t count, page_sim_progress_fn progress, void *user,
+		     uint64_t *misses) FURROW_CHECKED;
 
 #endif

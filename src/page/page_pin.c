@@ -13,7 +13,8 @@ struct request {
 	const uint64_t *keys;
 	uint32_t *slots;
 	size_t count;
-	bool held[PAGE_PIN_MOST];
+	bool held[PAGE_PIN_MOST], hit[PAGE_PIN_MOST];
+	size_t asked;
 	bool stalled;
 };
 
@@ -55,7 +56,9 @@ static void hold_locked(struct page_cache *cache, struct request *request, size_
 static void ask_locked(struct page_cache *cache, struct request *request, size_t i)
 {
 	struct page *page = page_table_find_locked(&cache->table, request->keys[i]);
+	request->asked++;
 	if (page != NULL && page->state == PAGE_RESIDENT) {
+		request->hit[i] = true;
 		cache->stats.hits++;
 		hold_locked(cache, request, i, page);
 		return;
@@ -152,6 +155,8 @@ enum status page_cache_pin_all(struct page_cache *cache, const uint64_t *keys, s
 	assert(page_cache_sane_locked(cache));
 unlock:
 	mutex_unlock(&cache->mutex);
+	for (size_t i = 0; i < request.asked; i++)
+		page_trace_access(cache->params.trace, cache->step, keys[i], PAGE_ACCESS_PIN, request.hit[i]);
 	return status;
 }
 
@@ -197,6 +202,8 @@ bool page_cache_peek(struct page_cache *cache, uint64_t key, bool use, uint32_t 
 			page_use_locked(cache, page);
 	}
 	mutex_unlock(&cache->mutex);
+	if (use)
+		page_trace_access(cache->params.trace, cache->step, key, PAGE_ACCESS_DRAW, resident);
 	return resident;
 }
 

@@ -206,6 +206,7 @@ static enum status start_pages(struct drive *drive)
 		.scene_hash = scene->hash,
 		.epochs = drive->epochs,
 		.epoch_age = EPOCH_AGE,
+		.trace = drive->trace,
 		.before_read_back = before_read_back,
 		.user = drive,
 	};
@@ -269,6 +270,8 @@ static enum status start(struct drive *drive)
 		status = make_directory(drive->params->directory);
 	if (status == STATUS_OK)
 		status = open_epochs(drive);
+	if (status == STATUS_OK && drive->params->trace != NULL)
+		status = page_trace_create(drive->params->trace, &drive->trace);
 	if (status == STATUS_OK)
 		status = start_pages(drive);
 	if (status == STATUS_OK)
@@ -283,6 +286,7 @@ static void finish(struct drive *drive, enum status status)
 	prefetch_destroy(drive->prefetch);
 	wishes_finish(&drive->wishes);
 	pages_destroy(drive->pages);
+	page_trace_destroy(drive->trace);
 	pyramid_destroy(drive->pyramid);
 	deform_destroy(drive->deform);
 	gpu_slots_destroy(drive->slots);
@@ -301,6 +305,17 @@ static void finish(struct drive *drive, enum status status)
 		store_abandon(drive->store);
 }
 
+/* Also of a drive that failed or was interrupted: it began. Its own failure goes before the trace's. */
+static enum status publish_trace(struct drive *drive, enum status status)
+{
+	struct failure failure;
+	failure_capture(&failure, status);
+	enum status published = page_trace_publish(drive->trace);
+	if (published != STATUS_OK && (status == STATUS_OK || status == STATUS_INTERRUPTED))
+		return published;
+	return status == STATUS_OK ? STATUS_OK : failure_restore(&failure);
+}
+
 enum status run_drive(const struct run_params *params, struct run_result *result)
 {
 	struct drive drive = {.params = params, .scene = params->scene};
@@ -308,6 +323,7 @@ enum status run_drive(const struct run_params *params, struct run_result *result
 	enum status status = start(&drive);
 	if (status == STATUS_OK) {
 		status = drive_steps(&drive);
+		status = publish_trace(&drive, status);
 		result->ended = status == STATUS_OK ? "complete"
 				: status == STATUS_INTERRUPTED ? "interrupted"
 							       : "failed";

@@ -54,6 +54,7 @@ struct drive {
 	struct scout *scout;     /* NULL without prefetch, or without an object */
 	struct pages *pages;
 	struct page_cache *cache;
+	struct page_trace *trace; /* NULL: none is asked for */
 	struct pyramid *pyramid; /* NULL without a view: nobody looks at coarser levels */
 	struct view *view;       /* NULL without one */
 	FILE *epochs;

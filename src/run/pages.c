@@ -359,6 +359,7 @@ static struct page_params cache_params(const struct pages_params *params, const 
 		.queue_most = PAGE_QUEUE_MOST(soft, params->step_pages),
 		.epoch_age = params->epoch_age,
 		.record_bytes = pages_record_bytes(params->objects),
+		.trace = params->trace,
 	};
 }
 

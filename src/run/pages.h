@@ -29,6 +29,7 @@ struct pages_params {
 	const char *scene_hash;
 	FILE *epochs;            /* a line for each commit */
 	double epoch_age;        /* s */
+	struct page_trace *trace; /* may be NULL */
 	/* Called before a page of the working level is read back: it may leave its slot after. */
 	enum status (*before_read_back)(void *user, struct tile tile, uint32_t slot);
 	void *user;

@@ -15,6 +15,7 @@ struct run_params {
 	const char *store;     /* path; overrides the scene's; may be NULL if that names one */
 	const char *overlay;   /* path of what keeps the deformation instead of the store; made if absent. May be NULL */
 	const char *directory; /* made if absent: run.json, epochs.log, frame-*.png */
+	const char *trace;     /* path: every access to the page cache goes there, as page/page.h says. May be NULL */
 	int64_t steps;         /* 0: until end_time */
 	bool durable_full;
 	bool progress;         /* a line on stderr */
@@ -33,7 +34,7 @@ struct run_result {
 	char *json; /* what run.json holds; free with mem_free */
 };
 
-/* run.json is written however it ends, once it began: a drive that cannot begin leaves nothing. */
+/* run.json and the trace are written however it ends, once it began: a drive that cannot begin leaves nothing. */
 enum status run_drive(const struct run_params *params, struct run_result *result) FURROW_CHECKED;
 
 #endif

@@ -116,6 +116,8 @@ enum status drive_steps(struct drive *drive)
 			status = view_frame(drive->view, drive, is_image_step(drive));
 			framed = clock_seconds();
 		}
+		if (status == STATUS_OK)
+			status = page_trace_status(drive->trace);
 		if (status == STATUS_OK) {
 			times_add(&drive->step_ms, (stepped - started) * 1e3);
 			times_add(&drive->frame_ms, (framed - started) * 1e3);

@@ -1,0 +1,23 @@
+/*
+ * CLOCK, as first in, first out with reinsertion: a page that was used since it came, or since the
+ * hand last passed it, gets another round.
+ */
+#include "page/page_sim.h"
+
+bool page_sim_clock(struct sim_cache *cache, uint32_t page)
+{
+	if (sim_in(cache, 0, page)) {
+		cache->pages[page].uses = 1;
+		return true;
+	}
+	while (cache->queues[0].count >= cache->slots) {
+		uint32_t oldest = sim_take(cache, 0);
+		if (cache->pages[oldest].uses == 0)
+			continue;
+		cache->pages[oldest].uses = 0;
+		sim_add(cache, 0, oldest);
+	}
+	cache->pages[page].uses = 0;
+	sim_add(cache, 0, page);
+	return false;
+}

@@ -1,0 +1,223 @@
+/*
+ * Writing a trace: FILE.part while it grows, FILE once it is whole.
+ *
+ * Noting an access costs the step a look-up and a few bytes into a buffer, and every 64 KiB a write.
+ * 1. Nothing is noted after a failure: what is in place is a whole trace or none.
+ * 2. A file that is no trace is never replaced, and two drives never write the same one: the .part is
+ *    locked, and the lock goes with the process.
+ */
+#include <assert.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <xxhash.h>
+
+#include "page/page_trace_format.h"
+
+#define BUFFER_BYTES ((size_t)1 << 16)
+#define RECORDS_MOST 64 /* bytes that one call adds, at most */
+
+struct page_trace {
+	char *path, *part;
+	int file; /* -1: not begun */
+	bool published;
+	uint8_t *buffer;
+	size_t used;
+	XXH3_state_t *hash;
+	struct page_trace_index index;
+	uint64_t step, accesses;
+	struct failure failure; /* sticky */
+};
+
+static enum status cannot_write(const struct page_trace *trace)
+{
+	return fail_with(STATUS_FAILED, "%s: the trace cannot be written: %s; free some disk space, or give another file",
+			 trace->path, strerror(errno));
+}
+
+static enum status flush(struct page_trace *trace)
+{
+	XXH3_64bits_update(trace->hash, trace->buffer, trace->used);
+	for (size_t at = 0; at < trace->used;) {
+		ssize_t written = write(trace->file, trace->buffer + at, trace->used - at);
+		if (written < 0 && errno == EINTR)
+			continue;
+		if (written < 0)
+			return cannot_write(trace);
+		at += (size_t)written;
+	}
+	trace->used = 0;
+	return STATUS_OK;
+}
+
+static void put_bytes(struct page_trace *trace, uint64_t value, int count)
+{
+	page_trace_store(trace->buffer + trace->used, value, count);
+	trace->used += (size_t)count;
+}
+
+static void put_number(struct page_trace *trace, uint64_t value)
+{
+	for (; value >= 0x80; value >>= 7)
+		trace->buffer[trace->used++] = (uint8_t)(value | 0x80);
+	trace->buffer[trace->used++] = (uint8_t)value;
+}
+
+/* --- life --- */
+
+/* 2 */
+static enum status check_replaceable(const char *path)
+{
+	char magic[sizeof TRACE_MAGIC - 1];
+	struct stat found;
+	if (stat(path, &found) != 0)
+		return errno == ENOENT ? STATUS_OK
+				       : fail_with(STATUS_FAILED, "%s: %s; give another file for the trace", path,
+						   strerror(errno));
+	bool replaceable = S_ISREG(found.st_mode) && found.st_size == 0;
+	if (S_ISREG(found.st_mode) && !replaceable) {
+		FILE *file = fopen(path, "rb");
+		replaceable = file != NULL && fread(magic, sizeof magic, 1, file) == 1 &&
+			      memcmp(magic, TRACE_MAGIC, sizeof magic) == 0;
+		if (file != NULL)
+			fclose(file);
+	}
+	return replaceable ? STATUS_OK
+			   : fail_with(STATUS_FAILED, "%s: is there and is no trace; give another file", path);
+}
+
+static enum status begin(struct page_trace *trace)
+{
+	int file = open(trace->part, O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+	if (file < 0)
+		return fail_with(STATUS_FAILED, "%s: %s; give a file that can be written", trace->part, strerror(errno));
+	if (flock(file, LOCK_EX | LOCK_NB) != 0) {
+		close(file);
+		return fail_with(STATUS_FAILED, "%s: another drive writes this trace; give another file", trace->path);
+	}
+	trace->file = file;
+	struct stat found; /* what a killed drive left is written over */
+	if (fstat(file, &found) != 0 || (found.st_size > 0 && ftruncate(file, 0) != 0))
+		return cannot_write(trace);
+	memcpy(trace->buffer, TRACE_MAGIC, sizeof TRACE_MAGIC - 1);
+	trace->used = sizeof TRACE_MAGIC - 1;
+	put_bytes(trace, TRACE_VERSION, 4);
+	return STATUS_OK;
+}
+
+enum status page_trace_create(const char *path, struct page_trace **out)
+{
+	enum status status = check_replaceable(path);
+	if (status != STATUS_OK)
+		return status;
+	struct page_trace *trace = mem_calloc(1, sizeof *trace);
+	if (trace == NULL)
+		return fail_memory("a trace");
+	trace->file = -1;
+	size_t room = strlen(path) + sizeof ".part";
+	trace->path = mem_strdup(path);
+	trace->part = mem_alloc(room, 1);
+	trace->buffer = mem_alloc(BUFFER_BYTES, 1);
+	trace->hash = XXH3_createState();
+	if (trace->path == NULL || trace->part == NULL || trace->buffer == NULL || trace->hash == NULL) {
+		status = fail_memory("a trace");
+	} else {
+		XXH3_64bits_reset(trace->hash);
+		snprintf(trace->part, room, "%s.part", path);
+		status = begin(trace);
+	}
+	if (status != STATUS_OK) {
+		page_trace_destroy(trace);
+		return status;
+	}
+	*out = trace;
+	return STATUS_OK;
+}
+
+void page_trace_destroy(struct page_trace *trace)
+{
+	if (trace == NULL)
+		return;
+	if (trace->file >= 0) {
+		if (!trace->published)
+			(void)unlink(trace->part);
+		close(trace->file);
+	}
+	page_trace_index_finish(&trace->index);
+	XXH3_freeState(trace->hash);
+	mem_free(trace->buffer);
+	mem_free(trace->part);
+	mem_free(trace->path);
+	mem_free(trace);
+}
+
+/* --- what is noted --- */
+
+static enum status note_access(struct page_trace *trace, uint64_t step, uint64_t key, enum page_access kind,
+			       bool resident)
+{
+	uint32_t number;
+	bool fresh;
+	enum status status = page_trace_index_put(&trace->index, key, &number, &fresh);
+	if (status == STATUS_OK && BUFFER_BYTES - trace->used < RECORDS_MOST)
+		status = flush(trace);
+	if (status != STATUS_OK)
+		return status;
+	if (step > trace->step)
+		put_number(trace, (step - trace->step) << 1 | 1);
+	put_number(trace, (uint64_t)number << 3 | (uint64_t)resident << 2 | (uint64_t)kind << 1);
+	if (fresh)
+		put_bytes(trace, key, 8);
+	trace->step = step;
+	trace->accesses++;
+	return STATUS_OK;
+}
+
+void page_trace_access(struct page_trace *trace, uint64_t step, uint64_t key, enum page_access kind,
+		       bool resident)
+{
+	if (trace == NULL || trace->failure.status != STATUS_OK)
+		return; /* 1 */
+	assert(!trace->published && step >= trace->step && key >> TRACE_KEY_BITS == 0);
+	enum status status = note_access(trace, step, key, kind, resident);
+	if (status != STATUS_OK)
+		failure_capture(&trace->failure, status);
+}
+
+enum status page_trace_status(const struct page_trace *trace)
+{
+	return trace == NULL || trace->failure.status == STATUS_OK ? STATUS_OK : failure_restore(&trace->failure);
+}
+
+enum status page_trace_publish(struct page_trace *trace)
+{
+	enum status status = page_trace_status(trace);
+	if (trace == NULL || status != STATUS_OK)
+		return status;
+	if (BUFFER_BYTES - trace->used < RECORDS_MOST)
+		status = flush(trace);
+	if (status == STATUS_OK) {
+		put_number(trace, 1);
+		put_bytes(trace, trace->accesses, 8);
+		put_bytes(trace, trace->index.count, 8);
+		status = flush(trace);
+	}
+	if (status == STATUS_OK) {
+		put_bytes(trace, XXH3_64bits_digest(trace->hash), 8);
+		status = flush(trace);
+	}
+	if (status == STATUS_OK && fsync(trace->file) != 0)
+		status = cannot_write(trace);
+	if (status == STATUS_OK && rename(trace->part, trace->path) != 0)
+		status = fail_with(STATUS_FAILED, "%s: cannot be put in place: %s; check the folder's permissions",
+				   trace->path, strerror(errno));
+	trace->published = status == STATUS_OK;
+	if (status != STATUS_OK)
+		failure_capture(&trace->failure, status);
+	return status;
+}

@@ -1,0 +1,24 @@
+/* The miss curves of furrow cache-sim as an SVG. */
+#ifndef FURROW_TOOLS_CACHE_PLOT_H
+#define FURROW_TOOLS_CACHE_PLOT_H
+
+#include <stdio.h>
+
+#include "page/page.h"
+
+#define CACHE_SIZES_MAX 64
+
+struct cache_curves {
+	const char *title; /* the trace's path */
+	const struct page_accesses *accesses;
+	size_t count; /* of slots, which grow */
+	uint32_t slots[CACHE_SIZES_MAX];
+	bool wanted[PAGE_POLICIES];
+	uint64_t misses[PAGE_POLICIES][CACHE_SIZES_MAX];
+};
+
+extern const char *const cache_policy_labels[PAGE_POLICIES];
+
+void cache_plot_write(const struct cache_curves *curves, FILE *file);
+
+#endif

@@ -1,0 +1,296 @@
+/* furrow cache-sim: how often caches of other policies and sizes would have missed in a traced drive. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "aside.h"
+#include "cache_plot.h"
+#include "command.h"
+#include "json.h"
+
+#define SLOTS_MOST 1000000000 /* no cache has more */
+#define SIZES_FEW 6           /* fewer powers of two than this are filled up by their square roots of two */
+
+static const struct command_option options[] = {
+	{"policy", "LIST", "some of lru,clock,arc,s3fifo,opt (all)"},
+	{"slots", "LIST", "sizes, as in 16,32,64 (powers of two from 4 to the number of tiles)"},
+	{"json", NULL, "one JSON object: accesses, tiles, slots, policies {NAME: {misses, miss_ratio}}"},
+	{"csv", "FILE", "writes the trace as text for other simulators"},
+	{"plot", "FILE", "writes the miss curves as an SVG"},
+	{NULL, NULL, NULL},
+};
+
+static const char *const policy_names[PAGE_POLICIES] = {"lru", "clock", "arc", "s3fifo", "opt"};
+
+/* --- what is asked --- */
+
+/* The next item of a list parted by commas, or NULL after the last. */
+static const char *next_item(const char **at, size_t *length)
+{
+	const char *item = *at;
+	if (item == NULL)
+		return NULL;
+	*length = strcspn(item, ",");
+	*at = item[*length] == ',' ? item + *length + 1 : NULL;
+	return item;
+}
+
+static enum status read_policies(const struct arguments *arguments, bool wanted[PAGE_POLICIES])
+{
+	const char *at = arguments_text(arguments, "policy"), *item;
+	size_t length;
+	for (int i = 0; i < PAGE_POLICIES; i++)
+		wanted[i] = at == NULL;
+	while ((item = next_item(&at, &length)) != NULL) {
+		int found = -1;
+		for (int i = 0; i < PAGE_POLICIES; i++)
+			if (strlen(policy_names[i]) == length && strncmp(policy_names[i], item, length) == 0)
+				found = i;
+		if (found < 0)
+			return fail_with(STATUS_USAGE, "cache-sim: --policy %.*s: is no policy it knows; give some of "
+						       "lru,clock,arc,s3fifo,opt",
+					 (int)length, item);
+		wanted[found] = true;
+	}
+	return STATUS_OK;
+}
+
+/* Sorted, each once. */
+static void add_size(struct cache_curves *curves, uint32_t slots)
+{
+	size_t at = curves->count;
+	while (at > 0 && curves->slots[at - 1] >= slots)
+		at--;
+	if (at < curves->count && curves->slots[at] == slots)
+		return;
+	memmove(&curves->slots[at + 1], &curves->slots[at], (curves->count - at) * sizeof *curves->slots);
+	curves->slots[at] = slots;
+	curves->count++;
+}
+
+static enum status read_sizes(const struct arguments *arguments, struct cache_curves *curves)
+{
+	const char *at = arguments_text(arguments, "slots"), *item;
+	size_t length;
+	while ((item = next_item(&at, &length)) != NULL) {
+		char *end;
+		long long slots = strtoll(item, &end, 10);
+		if (end != item + length || length == 0 || slots < 1 || slots > SLOTS_MOST)
+			return fail_with(STATUS_USAGE, "cache-sim: --slots %.*s: is no number of slots; give whole numbers "
+						       "from 1 to %d, as in 16,32,64",
+					 (int)length, item, SLOTS_MOST);
+		if (curves->count == CACHE_SIZES_MAX)
+			return fail_with(STATUS_USAGE, "cache-sim: --slots: are too many sizes; give at most %d",
+					 CACHE_SIZES_MAX);
+		add_size(curves, (uint32_t)slots);
+	}
+	return STATUS_OK;
+}
+
+static void default_sizes(struct cache_curves *curves)
+{
+	uint32_t tiles = curves->accesses->tile_count;
+	bool few = tiles < 4u << (SIZES_FEW - 1);
+	for (double slots = 4; slots < tiles; slots *= few ? sqrt(2) : 2)
+		add_size(curves, (uint32_t)lround(slots));
+	add_size(curves, tiles > 0 ? tiles : 1);
+}
+
+/* An output that would take the trace's place, or another output's. */
+static enum status check_outputs(const char *trace, const char *const outputs[2])
+{
+	struct stat in, out;
+	for (int i = 0; i < 2; i++)
+		if (outputs[i] != NULL && stat(trace, &in) == 0 && stat(outputs[i], &out) == 0 &&
+		    in.st_dev == out.st_dev && in.st_ino == out.st_ino)
+			return fail_with(STATUS_USAGE, "cache-sim: %s: is the trace itself; give another file", outputs[i]);
+	if (outputs[0] != NULL && outputs[1] != NULL && strcmp(outputs[0], outputs[1]) == 0)
+		return fail_with(STATUS_USAGE, "cache-sim: %s: cannot be both table and plot; give two files", outputs[0]);
+	return STATUS_OK;
+}
+
+/* --- what comes out --- */
+
+static enum status simulate(struct cache_curves *curves)
+{
+	enum status status = STATUS_OK;
+	for (int policy = 0; policy < PAGE_POLICIES && status == STATUS_OK; policy++) {
+		if (!curves->wanted[policy])
+			continue;
+		struct progress progress;
+		progress_start(&progress, curves->title, "accesses");
+		status = page_sim(curves->accesses, (enum page_policy)policy, curves->slots, curves->count, progress_step,
+				  &progress, curves->misses[policy]);
+		progress_end(&progress);
+	}
+	return status;
+}
+
+static double ratio(uint64_t part, uint64_t whole)
+{
+	return whole > 0 ? (double)part / (double)whole : (double)NAN;
+}
+
+static void print_table(const struct cache_curves *curves)
+{
+	const struct page_accesses *accesses = curves->accesses;
+	const uint64_t *hits = accesses->hits, *misses = accesses->misses;
+	bool both = curves->wanted[PAGE_LRU] && curves->wanted[PAGE_OPT];
+	printf("%s: %zu accesses to %u tiles (so many misses at least)\n", curves->title, accesses->count,
+	       accesses->tile_count);
+	printf("traced: %llu pinned (%llu missed), %llu drawn (%llu missed)\n\n%10s",
+	       (unsigned long long)(hits[PAGE_ACCESS_PIN] + misses[PAGE_ACCESS_PIN]),
+	       (unsigned long long)misses[PAGE_ACCESS_PIN],
+	       (unsigned long long)(hits[PAGE_ACCESS_DRAW] + misses[PAGE_ACCESS_DRAW]),
+	       (unsigned long long)misses[PAGE_ACCESS_DRAW], "slots");
+	for (int policy = 0; policy < PAGE_POLICIES; policy++)
+		if (curves->wanted[policy])
+			printf("%22s", cache_policy_labels[policy]);
+	printf("%s\n", both ? "   LRU/OPT" : "");
+	for (size_t i = 0; i < curves->count; i++) {
+		printf("%10u", curves->slots[i]);
+		for (int policy = 0; policy < PAGE_POLICIES; policy++)
+			if (curves->wanted[policy])
+				printf("%12llu %8.4f%%", (unsigned long long)curves->misses[policy][i],
+				       100 * ratio(curves->misses[policy][i], accesses->count));
+		if (both)
+			printf("%10.3f", ratio(curves->misses[PAGE_LRU][i], curves->misses[PAGE_OPT][i]));
+		putchar('\n');
+	}
+}
+
+static void add_kind(cJSON *object, const char *name, const struct page_accesses *accesses, enum page_access kind)
+{
+	cJSON *traced = cJSON_AddObjectToObject(object, name);
+	json_integer(traced, "hits", (int64_t)accesses->hits[kind]);
+	json_integer(traced, "misses", (int64_t)accesses->misses[kind]);
+}
+
+static void add_number(cJSON *array, double value)
+{
+	cJSON_AddItemToArray(array, isfinite(value) ? cJSON_CreateNumber(value) : cJSON_CreateNull());
+}
+
+static enum status print_json(const struct cache_curves *curves)
+{
+	const struct page_accesses *accesses = curves->accesses;
+	cJSON *object = cJSON_CreateObject();
+	json_integer(object, "accesses", (int64_t)accesses->count);
+	json_integer(object, "tiles", accesses->tile_count);
+	cJSON *traced = cJSON_AddObjectToObject(object, "traced");
+	add_kind(traced, "pin", accesses, PAGE_ACCESS_PIN);
+	add_kind(traced, "draw", accesses, PAGE_ACCESS_DRAW);
+	cJSON *slots = cJSON_AddArrayToObject(object, "slots");
+	for (size_t i = 0; i < curves->count; i++)
+		add_number(slots, curves->slots[i]);
+	cJSON *policies = cJSON_AddObjectToObject(object, "policies");
+	for (int policy = 0; policy < PAGE_POLICIES; policy++) {
+		if (!curves->wanted[policy])
+			continue;
+		cJSON *one = cJSON_AddObjectToObject(policies, policy_names[policy]);
+		cJSON *misses = cJSON_AddArrayToObject(one, "misses");
+		cJSON *ratios = cJSON_AddArrayToObject(one, "miss_ratio");
+		for (size_t i = 0; i < curves->count; i++) {
+			add_number(misses, (double)curves->misses[policy][i]);
+			add_number(ratios, ratio(curves->misses[policy][i], accesses->count));
+		}
+	}
+	return json_print(object);
+}
+
+static enum status write_csv(const struct page_accesses *accesses, FILE *file)
+{
+	fputs("time,obj_id,obj_size\n", file);
+	for (size_t i = 0; i < accesses->count && !ferror(file); i++) {
+		fprintf(file, "%llu,%llu,1\n", (unsigned long long)accesses->steps[i],
+			(unsigned long long)accesses->keys[accesses->tiles[i]]);
+		if (interrupted)
+			return fail_with(STATUS_INTERRUPTED, "cache-sim: interrupted; run it again to start over");
+	}
+	return STATUS_OK;
+}
+
+static enum status write_outputs(const struct cache_curves *curves, const char *const outputs[2])
+{
+	struct aside asides[2] = {{NULL, NULL, NULL}, {NULL, NULL, NULL}};
+	enum status status = STATUS_OK;
+	for (int i = 0; i < 2 && status == STATUS_OK; i++) {
+		if (outputs[i] == NULL)
+			continue;
+		status = aside_begin(&asides[i], outputs[i]);
+		if (status == STATUS_OK && i == 0)
+			status = write_csv(curves->accesses, asides[i].file);
+		else if (status == STATUS_OK)
+			cache_plot_write(curves, asides[i].file);
+		if (status == STATUS_OK)
+			status = aside_whole(&asides[i]);
+	}
+	for (int i = 0; i < 2 && status == STATUS_OK; i++)
+		if (outputs[i] != NULL)
+			status = aside_publish(&asides[i]);
+	aside_finish(&asides[0]);
+	aside_finish(&asides[1]);
+	return status;
+}
+
+static enum status run(const struct arguments *arguments)
+{
+	struct page_accesses accesses = {.count = 0};
+	struct cache_curves curves = {.title = arguments_at(arguments, 0), .accesses = &accesses};
+	const char *const outputs[2] = {arguments_text(arguments, "csv"), arguments_text(arguments, "plot")};
+	enum status status = arguments_expect(arguments, 1, 1);
+	if (status == STATUS_OK)
+		status = read_policies(arguments, curves.wanted);
+	if (status == STATUS_OK)
+		status = read_sizes(arguments, &curves);
+	if (status == STATUS_OK)
+		status = check_outputs(curves.title, outputs);
+	if (status == STATUS_OK)
+		status = page_accesses_read(curves.title, &accesses);
+	if (status == STATUS_OK) {
+		interrupt_catch();
+		if (curves.count == 0)
+			default_sizes(&curves);
+		status = simulate(&curves);
+	}
+	if (status == STATUS_OK)
+		status = write_outputs(&curves, outputs);
+	if (status == STATUS_OK && curves.wanted[PAGE_S3FIFO] && curves.slots[0] < PAGE_S3FIFO_SLOTS_MIN)
+		note("S3-FIFO keeps nothing with fewer than %d slots: a tenth of them, its small queue, must be two",
+		     PAGE_S3FIFO_SLOTS_MIN);
+	if (status == STATUS_OK && arguments_flag(arguments, "json"))
+		status = print_json(&curves);
+	else if (status == STATUS_OK)
+		print_table(&curves);
+	page_accesses_finish(&accesses);
+	return status;
+}
+
+const struct command command_cache_sim = {
+	.name = "cache-sim",
+	.usage = "cache-sim TRACE [--policy lru,clock,arc,s3fifo,opt] [--slots 16,32,64] [--json] [--csv FILE] "
+		 "[--plot FILE.svg]",
+	.summary = "replay a drive's trace: how often would other caches have missed",
+	.details =
+		"TRACE is what furrow drive --trace left. Each simulated cache starts empty, pins nothing and fetches\n"
+		"nothing ahead of time, so its misses are not quite those that run.json counts. OPT knows the future:\n"
+		"no cache that fetches on demand misses less. The counts are those of libCacheSim (2024 to 2026) with objects of size 1.\n"
+		"\n"
+		"--csv: a line an access, of step, tile key and size 1, under a header line. libCacheSim reads it with\n"
+		"  cachesim FILE csv lru,clock,arc,s3fifo 16,32,64 --ignore-obj-size 1 \\\n"
+		"      -t \"time-col=1,obj-id-col=2,obj-size-col=3,obj-id-is-num=true,has-header=true,delimiter=,\"\n"
+		"and its belady from the same lines once its traceConv made them an oracleGeneral trace.\n"
+		"\n"
+		"A trace is binary: 8 bytes \"furrowPT\", uint32 version (1), then records. Each begins with a number in\n"
+		"LEB128; whole numbers are little-endian.\n"
+		"  tile << 3 | hit << 2 | drawn << 1   an access: tiles are numbered from 0 as they first come, and the\n"
+		"                                      first of each is followed by its key (uint64). drawn: looked at\n"
+		"                                      for a picture; else pinned to be deformed, or looked up\n"
+		"  steps << 1 | 1                      the accesses that follow are so many steps later\n"
+		"  1                                   the end: accesses, tiles and the XXH3 of all before (uint64 each)\n"
+		"That is one to three bytes an access, since a drive names few tiles over and over.\n",
+	.options = options,
+	.run = run,
+};
