@@ -8,10 +8,12 @@
 
 #include <math.h>
 
-enum { WIDTH = 860, HEIGHT = 500, LEFT = 84, RIGHT = 150, TOP = 56, BOTTOM = 60 };
+enum { WIDTH = 920, HEIGHT = 500, LEFT = 100, RIGHT = 180, TOP = 56, BOTTOM = 60 };
 
 const char *const cache_policy_labels[PAGE_POLICIES] = {"LRU", "CLOCK", "ARC", "S3-FIFO", "OPT"};
-static const char *const colours[PAGE_POLICIES] = {"#0072b2", "#e69f00", "#009e73", "#cc79a7", "#d55e00"};
+static const char *const colours[PAGE_POLICIES] = {"#2a86c8", "#e69f00", "#009e73", "#cc79a7", "#d55e00"};
+/* Drawn from the last to the first, so that curves which coincide lie upon one another like bands. */
+static const double widths[PAGE_POLICIES] = {1.4, 2.8, 4.2, 5.6, 1.8};
 
 struct frame {
 	double low, high; /* log2 of slots */
@@ -113,13 +115,14 @@ static void write_axes(const struct frame *frame, FILE *file)
 
 static void write_curve(const struct cache_curves *curves, const struct frame *frame, int policy, FILE *file)
 {
-	fprintf(file, "<polyline fill=\"none\" stroke=\"%s\" stroke-width=\"2\" points=\"", colours[policy]);
+	fprintf(file, "<polyline fill=\"none\" stroke=\"%s\" stroke-width=\"%.1f\" points=\"", colours[policy],
+		widths[policy]);
 	for (size_t i = first_drawn(curves, policy); i < curves->count; i++)
 		fprintf(file, "%.1f,%.1f ", x_of(frame, curves->slots[i]),
 			y_of(frame, (double)curves->misses[policy][i]));
 	fputs("\"/>\n", file);
 	for (size_t i = first_drawn(curves, policy); i < curves->count; i++)
-		fprintf(file, "<circle r=\"3\" fill=\"%s\" cx=\"%.1f\" cy=\"%.1f\"/>\n", colours[policy],
+		fprintf(file, "<circle r=\"%.1f\" fill=\"%s\" cx=\"%.1f\" cy=\"%.1f\"/>\n", widths[policy] / 2 + 1, colours[policy],
 			x_of(frame, curves->slots[i]), y_of(frame, (double)curves->misses[policy][i]));
 }
 
@@ -133,17 +136,19 @@ void cache_plot_write(const struct cache_curves *curves, FILE *file)
 	fprintf(file,
 		"<line class=\"floor\" stroke-dasharray=\"5 4\" x1=\"%d\" x2=\"%d\" y1=\"%.1f\" y2=\"%.1f\"/>\n", LEFT,
 		WIDTH - RIGHT, floor_y, floor_y);
+	for (int policy = PAGE_POLICIES; policy-- > 0;)
+		if (curves->wanted[policy])
+			write_curve(curves, &frame, policy, file);
 	for (int policy = 0; policy < PAGE_POLICIES; policy++) {
 		if (!curves->wanted[policy])
 			continue;
-		write_curve(curves, &frame, policy, file);
 		char from[24];
 		snprintf(from, sizeof from, " (from %d)", PAGE_S3FIFO_SLOTS_MIN);
 		int y = TOP + 12 + 22 * row++;
 		fprintf(file,
-			"<line stroke=\"%s\" stroke-width=\"2\" x1=\"%d\" x2=\"%d\" y1=\"%d\" y2=\"%d\"/>\n"
+			"<line stroke=\"%s\" stroke-width=\"%.1f\" x1=\"%d\" x2=\"%d\" y1=\"%d\" y2=\"%d\"/>\n"
 			"<text x=\"%d\" y=\"%d\">%s%s</text>\n",
-			colours[policy], x, x + 24, y, y, x + 32, y + 4, cache_policy_labels[policy],
+			colours[policy], widths[policy], x, x + 24, y, y, x + 32, y + 4, cache_policy_labels[policy],
 			first_drawn(curves, policy) > 0 ? from : "");
 	}
 	int y = TOP + 12 + 22 * row;
