@@ -25,8 +25,7 @@ struct sim_cache {
 	uint32_t slots;
 	struct sim_page *pages;
 	struct sim_queue queues[SIM_QUEUES];
-	double target;        /* ARC: how many of the slots are T1's */
-	bool evicted;         /* S3-FIFO: anything, ever */
+	double target; /* ARC: how many of the slots are T1's */
 };
 
 /* One access: true for a hit. */

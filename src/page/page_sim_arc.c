@@ -7,18 +7,19 @@
  */
 #include "page/page_sim.h"
 
+#include <assert.h>
 #include <math.h>
 
 enum { T1, T2, B1, B2 };
 
+/* All slots are taken. If T1 has them all, the target is less: B1 is empty then, so that it was not raised
+ * just now, and a page from B2 lowered it. */
 static void replace(struct sim_cache *cache, bool from_b2)
 {
 	double t1 = cache->queues[T1].count;
 	bool first = t1 > 0 && (t1 > cache->target || (t1 == cache->target && from_b2));
-	if (first || cache->queues[T2].count == 0)
-		sim_add(cache, B1, sim_take(cache, T1));
-	else
-		sim_add(cache, B2, sim_take(cache, T2));
+	assert(cache->queues[first ? T1 : T2].count > 0);
+	sim_add(cache, first ? B1 : B2, sim_take(cache, first ? T1 : T2));
 }
 
 /* Room for a page that is known nowhere. */

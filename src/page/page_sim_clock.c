@@ -17,7 +17,6 @@ bool page_sim_clock(struct sim_cache *cache, uint32_t page)
 		cache->pages[oldest].uses = 0;
 		sim_add(cache, 0, oldest);
 	}
-	cache->pages[page].uses = 0;
-	sim_add(cache, 0, page);
+	sim_add(cache, 0, page); /* unused: it is new, or left unused */
 	return false;
 }

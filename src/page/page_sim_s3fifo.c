@@ -1,7 +1,8 @@
 /*
  * S3-FIFO (Yang and others, 2023), as libCacheSim has it since October 2024: a tenth of the slots is a
  * small queue, what was used twice in it goes to the main one, what was not is remembered; and until
- * anything is evicted, what finds the small queue full goes to the main one at once.
+ * anything is evicted, what finds the small queue full goes to the main one at once. (From then on the
+ * main queue never has less than its nine tenths, so that the small one has room after an eviction.)
  *
  * A page is taken into the small queue only if that has more than one slot: with fewer than
  * PAGE_S3FIFO_SLOTS_MIN slots in all, nothing ever is.
@@ -69,13 +70,12 @@ bool page_sim_s3fifo(struct sim_cache *cache, uint32_t page)
 	if (cache->slots < PAGE_S3FIFO_SLOTS_MIN)
 		return false;
 	while (queues[SMALL].count + queues[MAIN].count >= cache->slots) {
-		cache->evicted = true;
 		if (queues[MAIN].count > cache->slots - small || queues[SMALL].count == 0)
 			evict_main(cache);
 		else
 			evict_small(cache);
 	}
-	if (remembered || (!cache->evicted && queues[SMALL].count >= small)) {
+	if (remembered || queues[SMALL].count >= small) {
 		add_main(cache, page, 0);
 	} else {
 		at->uses = 0;

@@ -2,7 +2,7 @@
  * Writing a trace: FILE.part while it grows, FILE once it is whole.
  *
  * Noting an access costs the step a look-up and a few bytes into a buffer, and every 64 KiB a write.
- * 1. Nothing is noted after a failure: what is in place is a whole trace or none.
+ * 1. Nothing is noted or put in place after a failure: what is in place is a whole trace or none.
  * 2. A file that is no trace is never replaced, and two drives never write the same one: the .part is
  *    locked, and the lock goes with the process.
  */
@@ -20,7 +20,7 @@
 #include "page/page_trace_format.h"
 
 #define BUFFER_BYTES ((size_t)1 << 16)
-#define RECORDS_MOST 64 /* bytes that one call adds, at most */
+#define RECORDS_MOST 64 /* bytes that an access and the end add, at most */
 
 struct page_trace {
 	char *path, *part;
@@ -199,14 +199,10 @@ enum status page_trace_publish(struct page_trace *trace)
 	enum status status = page_trace_status(trace);
 	if (trace == NULL || status != STATUS_OK)
 		return status;
-	if (BUFFER_BYTES - trace->used < RECORDS_MOST)
-		status = flush(trace);
-	if (status == STATUS_OK) {
-		put_number(trace, 1);
-		put_bytes(trace, trace->accesses, 8);
-		put_bytes(trace, trace->index.count, 8);
-		status = flush(trace);
-	}
+	put_number(trace, 1);
+	put_bytes(trace, trace->accesses, 8);
+	put_bytes(trace, trace->index.count, 8);
+	status = flush(trace);
 	if (status == STATUS_OK) {
 		put_bytes(trace, XXH3_64bits_digest(trace->hash), 8);
 		status = flush(trace);

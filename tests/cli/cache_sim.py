@@ -317,7 +317,12 @@ class CacheSim(FurrowTest):
         self.assertFalse((self.folder / "out" / "run.json").exists())
         self.assertEqual([name for name in self.here() if name.endswith(".part")], [])
 
-    def test_a_full_disk_under_the_trace_fails_the_drive_and_loses_nothing(self):
+    def endless(self):
+        text = (self.folder / "scene.yaml").read_text().replace("end_time: 4", "end_time: 100000")
+        (self.folder / "scene.yaml").write_text(text.replace("speed: 200", "speed: 200, loop: true"))
+
+    def test_a_full_disk_under_the_trace_ends_the_drive_and_loses_nothing(self):
+        self.endless()
         (self.folder / "t.trace.part").symlink_to("/dev/full")
         result = self.furrow("drive", "scene.yaml", "-o", "out", "--trace", "t.trace", "--overlay", "a.furrow")
         if result.returncode == 4:
@@ -328,12 +333,22 @@ class CacheSim(FurrowTest):
         run = json.loads((self.folder / "out" / "run.json").read_text())
         self.assertEqual(run["ended"], "failed")
         self.assertEqual(self.json("info", "a.furrow")["last_run"]["step"], run["steps"])
-        self.drive("scene.yaml", "--overlay", "b.furrow")
+        self.drive("scene.yaml", "--overlay", "b.furrow", "--steps", run["steps"])
         self.assertEqual(self.json("verify", "a.furrow"), self.json("verify", "b.furrow"))
 
+    def test_a_full_disk_at_the_traces_end_fails_the_drive(self):
+        (self.folder / "t.trace.part").symlink_to("/dev/full")
+        result = self.furrow("drive", "scene.yaml", "-o", "out", "--trace", "t.trace")
+        if result.returncode == 4:
+            self.skipTest("no GL here")
+        self.assertEqual(result.returncode, 1, result.stderr)
+        run = json.loads((self.folder / "out" / "run.json").read_text())
+        self.assertEqual((run["ended"], run["steps"]), ("failed", 40))
+        self.assertEqual(self.json("info", "hills.furrow")["last_run"]["step"], 40)
+        self.assertFalse((self.folder / "t.trace").exists())
+
     def test_an_interrupted_drive_leaves_a_whole_trace(self):
-        text = (self.folder / "scene.yaml").read_text().replace("end_time: 4", "end_time: 100000")
-        (self.folder / "scene.yaml").write_text(text.replace("speed: 200", "speed: 200, loop: true"))
+        self.endless()
         process = subprocess.Popen([FURROW, "drive", "scene.yaml", "-o", "out", "--trace", "t.trace"], cwd=self.folder,
                                    stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         log = self.folder / "out" / "epochs.log"
