@@ -276,7 +276,8 @@ const struct command command_cache_sim = {
 	.details =
 		"TRACE is what furrow drive --trace left. Each simulated cache starts empty, pins nothing and fetches\n"
 		"nothing ahead of time, so its misses are not quite those that run.json counts. OPT knows the future:\n"
-		"no cache that fetches on demand misses less. The counts are those of libCacheSim (2024 to 2026) with objects of size 1.\n"
+		"no cache that fetches on demand misses less. The rules are libCacheSim's (of 2024 to 2026), every object\n"
+		"of size 1.\n"
 		"\n"
 		"--csv: a line an access, of step, tile key and size 1, under a header line. libCacheSim reads it with\n"
 		"  cachesim FILE csv lru,clock,arc,s3fifo 16,32,64 --ignore-obj-size 1 \\\n"

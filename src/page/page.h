@@ -188,7 +188,7 @@ enum page_policy { PAGE_LRU, PAGE_CLOCK, PAGE_ARC, PAGE_S3FIFO, PAGE_OPT, PAGE_P
 typedef enum status (*page_sim_progress_fn)(void *user, int64_t done, int64_t total);
 
 /* The misses of `policy` with slots[i] slots (at least 1 each) into misses[i]: a cache that starts
- * empty, pins nothing, prefetches nothing and counts as libCacheSim does with objects of size 1.
+ * empty, pins nothing, prefetches nothing, by libCacheSim's rules for objects of size 1.
  * `done` and `total` are accesses. Any thread. */
 enum status page_sim(const struct page_accesses *accesses, enum page_policy policy, const uint32_t *slots,
 		     size_t count, page_sim_progress_fn progress, void *user,

@@ -2,7 +2,7 @@
  * Simulation of a policy over a trace, at many sizes.
  *
  * The rules are those of libCacheSim (as of 2024 to 2026) where objects have size 1, so that its
- * counts and these are the same: a miss first makes room, then inserts, and what is inserted is no
+ * counts and these may be compared: a miss first makes room, then inserts, and what is inserted is no
  * victim of its own insertion. CLOCK, ARC and S3-FIFO take a pass a size.
  */
 #include "page/page_sim.h"
