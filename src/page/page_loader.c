@@ -33,6 +33,7 @@ void page_loads_make_urgent_locked(struct page_cache *cache, struct page *page)
 	if (page->state == PAGE_WANTED && !page->urgent) {
 		page_list_remove(&cache->table.wished, page);
 		page_list_append(&cache->table.urgent, page);
+		condition_wake_all(&cache->work); /* for wishes there may be no room now */
 	}
 	page->urgent = true;
 }

@@ -280,12 +280,15 @@ static void page_prefetches_that_nobody_polls_do_not_starve_pins(void **state)
 	uint32_t slots[16];
 	(void)state;
 	fake_start(&fake, &params);
-	page_cache_want(fake.cache, (const uint64_t[]){100, 101}, 2);
+	page_cache_want(fake.cache, (const uint64_t[]){100, 101, 102}, 3);
 	fake_await(&fake, 2, 0);
+	sched_yield();
+	fake_visit(&fake, 102); /* wished for, and no loader will take it as that */
 	for (uint64_t i = 0; i < 16; i++)
 		keys[i] = i;
 	assert_int_equal(page_cache_pin_all(fake.cache, keys, 16, slots), STATUS_OK);
 	assert_int_equal(page_cache_poll(fake.cache), STATUS_OK); /* every slot is pinned */
+	assert_false(fake_resident(&fake, 102));
 	assert_false(fake_resident(&fake, 100));
 	assert_int_equal(fake.images[PAGE_LOADED_IMAGE], 3);
 	fake_finish(&fake);

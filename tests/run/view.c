@@ -48,7 +48,7 @@ static void rig_open(struct rig *rig, uint32_t slots, double speed, double prefe
 		.path = {.points = rig->points, .count = 2, .speed = speed},
 	};
 	rig->scene = (struct scene){
-		.slots = slots, .loaders = 2, .prefetch = prefetch, .objects = &rig->object, .object_count = 1,
+		.end_time = 1000, .slots = slots, .loaders = 2, .prefetch = prefetch, .objects = &rig->object, .object_count = 1,
 		.view = {.present = true, .width = 320, .height = 180, .camera = speed > 0 ? SCENE_CHASE : SCENE_FIXED,
 			 .back = 12, .up = 5, .eye = {20, 20, 130}, .target = {200, 220, 100}},
 	};
