@@ -76,7 +76,7 @@ static void commit(struct target *target, const struct store_page *pages, size_t
 		bench_gdal_flush(target->gdal, target->sync);
 		return;
 	}
-	struct store_run run = {"00", target->step, 0.02 * (double)target->step, "{}"};
+	struct store_run run = {.scene_hash = "00", .step = target->step, .time = 0.02 * (double)target->step, .state = "{}"};
 	struct store_epoch_result result;
 	bench_must(store_epoch(target->store, pages, count, &run, &result));
 	target->step++;

@@ -9,7 +9,6 @@
 
 #define FLAG_DEFORMED 1u
 #define GROUND_TILES 4
-#define CHECKPOINT_BYTES (64 << 20)
 #define EPOCH_BYTES ((size_t)16 << 20)
 
 /* A loaded image's bytes: this, base posts or patch, and the planes: offset, dirt. A changed one's: the
@@ -33,7 +32,6 @@ struct pages {
 	struct ground *grounds[16]; /* one a loader */
 	struct store_page *commit_pages; /* the writer's */
 	size_t commit_room;
-	int64_t uncheckpointed; /* bytes */
 	double readback_ms;     /* the GPU's thread's, and */
 	uint64_t host_bytes;
 	struct mutex mutex;     /* guards io */
@@ -173,18 +171,20 @@ static enum status commit(void *user, const struct page_image *const *images, si
 	if (state == NULL)
 		return fail_memory("an epoch");
 	write_state(record, pages->params.objects, state, room);
-	struct store_run run = {pages->params.scene_hash, record->step, record->time, state};
+	struct store_run run = {
+		.scene_hash = pages->params.scene_hash,
+		.step = record->step,
+		.time = record->time,
+		.state = state,
+	};
 	struct store_epoch_result result;
 	enum status status = store_epoch(pages->params.store, pages->commit_pages, count, &run, &result);
 	mem_free(state);
 	if (status != STATUS_OK)
 		return status;
 	status = acknowledge(pages, result.epoch, record->step);
-	pages->uncheckpointed += result.bytes_written;
-	if (status == STATUS_OK && pages->uncheckpointed > CHECKPOINT_BYTES) {
-		status = store_checkpoint(pages->params.store);
-		pages->uncheckpointed = 0;
-	}
+	if (status == STATUS_OK)
+		status = store_bound_wal(pages->params.store);
 	mutex_lock(&pages->mutex);
 	pages->io.commits++;
 	pages->io.tiles_written += result.tiles_written;

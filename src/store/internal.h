@@ -114,6 +114,9 @@ struct store {
 	int working;
 	uint64_t base_hash; /* store_identity.c */
 	int64_t epoch; /* the last one committed */
+	int64_t frame_bytes;  /* of the WAL: a page with its head */
+	int64_t wal_bytes;    /* in use after the last commit */
+	int64_t wal_patience; /* from this on a checkpoint waits for readers */
 	sqlite3_stmt *run_statement, *meta_statement;
 	char *run_scene, *run_state; /* given out by store_count() */
 };
@@ -141,6 +144,11 @@ enum status connect_reader(const char *path, const char *named, bool *immutable,
 /* True if pages may be beside the file. `path` is a real one. */
 bool connect_has_wal(const char *path);
 bool connect_has_journal(const char *path); /* a change to be undone may be */
+
+/* --- store_wal.c --- */
+
+/* Only once the schema is known to be a store's. */
+enum status wal_begin(struct store *store) FURROW_CHECKED;
 
 /* --- store_schema.c --- */
 

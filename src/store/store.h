@@ -141,13 +141,6 @@ struct store_page {
 	const uint8_t *dirt;   /* NULL without the plane */
 };
 
-struct store_run {
-	const char *scene_hash; /* hex */
-	int64_t step;
-	double time; /* s */
-	const char *state; /* JSON: poses, ended */
-};
-
 struct store_epoch_result {
 	int64_t epoch; /* number of this commit, 1 for the first */
 	int64_t tiles_written, bytes_written; /* rows of all levels and tables */
@@ -155,10 +148,25 @@ struct store_epoch_result {
 	int64_t below, above;
 };
 
+struct store_run {
+	const char *scene_hash; /* hex */
+	int64_t step;
+	double time; /* s */
+	const char *state; /* JSON: all else that it goes on from */
+	/* Where that tells what this epoch changed too: called once that is known, within the transaction, and
+	 * what it returns is the state. NULL: out of memory. */
+	const char *(*describe)(void *user, const struct store_epoch_result *result);
+	void *user;
+};
+
 /* One transaction: the pages, every coarser level above them, the run's record. All or nothing. */
 enum status store_epoch(struct store *store, const struct store_page *pages, size_t count,
 			const struct store_run *run, struct store_epoch_result *result) FURROW_CHECKED;
+/* Into the file what readers let, without waiting for any. */
 enum status store_checkpoint(struct store *store) FURROW_CHECKED;
+/* After an epoch: a checkpoint once the WAL has grown to some 64 MB, so that it stays about that long. Waits,
+ * but briefly, only for a reader that keeps it from being used again while it grows well beyond. */
+enum status store_bound_wal(struct store *store) FURROW_CHECKED;
 /* Drops every deformation and the working level; keeps the base. */
 enum status store_reset(struct store *store) FURROW_CHECKED;
 
@@ -170,6 +178,8 @@ struct store_numbers {
 	struct store_run last_run; /* scene_hash NULL if there was none; owned by the store */
 };
 enum status store_count(struct store *store, struct store_numbers *numbers) FURROW_CHECKED;
+/* The last run alone, as in store_numbers. */
+enum status store_last_run(struct store *store, struct store_run *run) FURROW_CHECKED;
 
 struct store_check {
 	int64_t problems;   /* all of them, also those not passed to `problem` */

@@ -29,9 +29,11 @@ static enum status keep_text(char **kept, const unsigned char *text)
 	return *kept != NULL ? STATUS_OK : fail_memory("the run's record");
 }
 
-static enum status last_run(struct store *store, struct store_numbers *numbers)
+static enum status last_run(struct store *store, int64_t *epoch, struct store_run *run)
 {
 	sqlite3_stmt *statement = NULL;
+	*epoch = 0;
+	*run = (struct store_run){0};
 	enum status status = sql_prepare(store->db, store->path, &statement,
 					 "SELECT epoch, scene_hash, step, time, state FROM run WHERE id = 1");
 	if (status != STATUS_OK)
@@ -41,8 +43,8 @@ static enum status last_run(struct store *store, struct store_numbers *numbers)
 		status = keep_text(&store->run_scene, sqlite3_column_text(statement, 1));
 		if (status == STATUS_OK)
 			status = keep_text(&store->run_state, sqlite3_column_text(statement, 4));
-		numbers->epochs = sqlite3_column_int64(statement, 0);
-		numbers->last_run = (struct store_run){
+		*epoch = sqlite3_column_int64(statement, 0);
+		*run = (struct store_run){
 			.scene_hash = store->run_scene,
 			.step = sqlite3_column_int64(statement, 2),
 			.time = sqlite3_column_double(statement, 3),
@@ -53,6 +55,12 @@ static enum status last_run(struct store *store, struct store_numbers *numbers)
 	}
 	sqlite3_finalize(statement);
 	return status;
+}
+
+enum status store_last_run(struct store *store, struct store_run *run)
+{
+	int64_t epoch;
+	return last_run(store, &epoch, run);
 }
 
 enum status store_count(struct store *store, struct store_numbers *numbers)
@@ -70,5 +78,5 @@ enum status store_count(struct store *store, struct store_numbers *numbers)
 	if (status == STATUS_OK)
 		status = count_table(&store->rows, "SELECT count(*), coalesce(sum(length(blob)), 0) FROM soil",
 				     &numbers->soil_tiles, &numbers->soil_bytes);
-	return status == STATUS_OK ? last_run(store, numbers) : status;
+	return status == STATUS_OK ? last_run(store, &numbers->epochs, &numbers->last_run) : status;
 }

@@ -183,8 +183,12 @@ static enum status climb_table(struct store *store, enum row_table table, const 
 	return status;
 }
 
-static enum status put_run(struct store *store, const struct store_run *run)
+static enum status put_run(struct store *store, const struct store_run *run,
+			   const struct store_epoch_result *result)
 {
+	const char *state = run->describe != NULL ? run->describe(run->user, result) : run->state;
+	if (state == NULL)
+		return fail_memory("the run's record");
 	enum status status = sql_prepare(store->db, store->path, &store->run_statement,
 					 "INSERT OR REPLACE INTO run(id, epoch, scene_hash, step, time, state) "
 					 "VALUES(1, ?1, ?2, ?3, ?4, ?5)");
@@ -195,7 +199,7 @@ static enum status put_run(struct store *store, const struct store_run *run)
 	sqlite3_bind_text(statement, 2, run->scene_hash, -1, SQLITE_STATIC);
 	sqlite3_bind_int64(statement, 3, run->step);
 	sqlite3_bind_double(statement, 4, run->time);
-	sqlite3_bind_text(statement, 5, run->state, -1, SQLITE_STATIC);
+	sqlite3_bind_text(statement, 5, state, -1, SQLITE_STATIC);
 	int code = sqlite3_step(statement);
 	if (code != SQLITE_DONE)
 		status = sql_fail(store->db, code, store->path, "writing the run's record");
@@ -215,7 +219,7 @@ static enum status put_all(struct store *store, const struct store_page *pages, 
 	if (status == STATUS_OK)
 		status = climb_table(store, ROW_SOIL, pages, count, result);
 	if (status == STATUS_OK)
-		status = put_run(store, run);
+		status = put_run(store, run, result);
 	if (status == STATUS_OK)
 		status = sql_exec(store->db, store->path, "committing an epoch", "COMMIT");
 	return status;
@@ -242,14 +246,4 @@ enum status store_epoch(struct store *store, const struct store_page *pages, siz
 		store->working_stored = true;
 	store->epoch++;
 	return STATUS_OK;
-}
-
-enum status store_checkpoint(struct store *store)
-{
-	assert(store->writing);
-	int code = sqlite3_wal_checkpoint_v2(store->db, NULL, SQLITE_CHECKPOINT_PASSIVE, NULL, NULL);
-	/* Busy: somebody reads what the WAL holds; the next one goes further. */
-	if (code == SQLITE_OK || (code & 0xff) == SQLITE_BUSY)
-		return STATUS_OK;
-	return sql_fail(store->db, code, store->path, "checkpointing it");
 }

@@ -75,15 +75,6 @@ static enum status connect_writer(struct store *store)
 	return status;
 }
 
-/* Only once the schema is known to be a store's. */
-static enum status begin_writing(struct store *store)
-{
-	return sql_exec(store->db, store->path, "opening it for writing",
-			store->durable_full
-				? "PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; PRAGMA wal_autocheckpoint=0"
-				: "PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL; PRAGMA wal_autocheckpoint=0");
-}
-
 enum status store_open_as(const char *path, const struct store_options *options, bool as_base,
 			  struct store **out)
 {
@@ -110,7 +101,7 @@ enum status store_open_as(const char *path, const struct store_options *options,
 					     store->path)
 				 : overlay_connect(store);
 	if (status == STATUS_OK && options->mode == STORE_WRITE)
-		status = begin_writing(store);
+		status = wal_begin(store);
 	if (status == STATUS_OK) {
 		store->writing = options->mode == STORE_WRITE;
 		status = rows_init(&store->rows, store->db, store->path, &store->meta.world,

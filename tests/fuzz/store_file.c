@@ -230,7 +230,7 @@ static bool commit(struct store *store, bool clean, uint64_t hash)
 		}
 	if (good) {
 		struct store_page page = {tile, STORE_PLANE_OFFSET | STORE_PLANE_DIRT, offset, dirt};
-		struct store_run run = {"00", 1, 0.5, "{}"};
+		struct store_run run = {.scene_hash = "00", .step = 1, .time = 0.5, .state = "{}"};
 		struct store_epoch_result result;
 		enum status status = store_epoch(store, &page, 1, &run, &result);
 		good = status == STATUS_OK;

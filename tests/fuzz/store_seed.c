@@ -88,7 +88,7 @@ static void deform(const struct kind *kind, const char *path)
 			dirt[y * side + x] = (uint8_t)(x * 30);
 		}
 	struct store_page page = {{kind->working, 0, 0}, STORE_PLANE_OFFSET | STORE_PLANE_DIRT, offset, dirt};
-	struct store_run run = {"0123abcd", 12, 0.25, "{\"poses\":[],\"ended\":false}"};
+	struct store_run run = {.scene_hash = "0123abcd", .step = 12, .time = 0.25, .state = "{\"poses\":[],\"ended\":false}"};
 	struct store_epoch_result result;
 	fuzz_check(store_epoch(store, &page, 1, &run, &result) == STATUS_OK);
 	store_close(store);

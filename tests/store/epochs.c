@@ -156,7 +156,7 @@ static void pages_without_dirt_leave_the_soil_alone(void **state)
 	uint8_t dirt[POSTS] = {[100] = 200}, soil[POSTS];
 	unsigned present;
 	struct store_page page = {{0, 1, 1}, STORE_PLANE_OFFSET | STORE_PLANE_DIRT, offset, dirt};
-	struct store_run run = {"abc", 1, 0.5, "{}"};
+	struct store_run run = {.scene_hash = "abc", .step = 1, .time = 0.5, .state = "{}"};
 	struct store_epoch_result result;
 	assert_ok(store_epoch(store, &page, 1, &run, &result));
 	page.planes = STORE_PLANE_OFFSET;

@@ -229,7 +229,7 @@ static UNUSED enum status field_commit(const struct field *field, struct post_re
 			pages[i] = (struct store_page){tile, STORE_PLANE_OFFSET | STORE_PLANE_DIRT,
 						       offset + i * POSTS, dirt + i * POSTS};
 		}
-	struct store_run run = {"abc", step, (double)step / 10, "{\"poses\":[]}"};
+	struct store_run run = {.scene_hash = "abc", .step = step, .time = (double)step / 10, .state = "{\"poses\":[]}"};
 	enum status status = store_epoch(store, pages, count, &run, result);
 	free(pages);
 	free(offset);

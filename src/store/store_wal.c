@@ -1,0 +1,75 @@
+/*
+ * Keeping the WAL short while a store is written.
+ *
+ * A checkpoint that could copy everything lets the next epoch begin at the WAL's start again, unless a reader
+ * is in it just then; one that a reader holds back, or that lets this happen over and over, is repeated in the
+ * mode that waits. Until a reader that stays has gone nothing helps, and the WAL grows; then it is cut
+ * (journal_size_limit).
+ */
+#include "store/internal.h"
+
+#include <assert.h>
+#include <stdio.h>
+
+#define WAL_BYTES (64 << 20)
+#define FRAME_HEAD 24 /* before each page */
+#define WAIT_MS 100
+
+static int committed(void *user, sqlite3 *db, const char *schema, int frames)
+{
+	struct store *store = user;
+	store->wal_bytes = frames * store->frame_bytes;
+	return SQLITE_OK;
+}
+
+enum status wal_begin(struct store *store)
+{
+	char pragmas[128];
+	snprintf(pragmas, sizeof pragmas,
+		 "PRAGMA journal_mode=WAL; PRAGMA synchronous=%s; PRAGMA wal_autocheckpoint=0; "
+		 "PRAGMA journal_size_limit=%d",
+		 store->durable_full ? "FULL" : "NORMAL", WAL_BYTES);
+	enum status status = sql_exec(store->db, store->path, "opening it for writing", pragmas);
+	if (status == STATUS_OK)
+		status = sql_integer(store->db, store->path, "PRAGMA page_size", &store->frame_bytes);
+	store->frame_bytes += FRAME_HEAD;
+	store->wal_patience = 2 * (int64_t)WAL_BYTES;
+	/* After the pragma: to SQLite its automatic checkpoints are such a hook. */
+	sqlite3_wal_hook(store->db, committed, store);
+	return status;
+}
+
+/* *whole: nothing is left in the WAL that the file has not. */
+static enum status checkpoint(struct store *store, int mode, bool *whole)
+{
+	int frames = 0, copied = 0;
+	int code = sqlite3_wal_checkpoint_v2(store->db, NULL, mode, &frames, &copied);
+	/* Busy: somebody reads what the WAL holds; the next one goes further. */
+	bool busy = (code & 0xff) == SQLITE_BUSY;
+	*whole = code == SQLITE_OK && frames == copied;
+	return code == SQLITE_OK || busy ? STATUS_OK : sql_fail(store->db, code, store->path, "checkpointing it");
+}
+
+enum status store_checkpoint(struct store *store)
+{
+	bool whole;
+	assert(store->writing);
+	return checkpoint(store, SQLITE_CHECKPOINT_PASSIVE, &whole);
+}
+
+enum status store_bound_wal(struct store *store)
+{
+	bool whole;
+	assert(store->writing);
+	if (store->wal_bytes < WAL_BYTES)
+		return STATUS_OK;
+	enum status status = checkpoint(store, SQLITE_CHECKPOINT_PASSIVE, &whole);
+	if (status != STATUS_OK || store->wal_bytes < store->wal_patience)
+		return status;
+	sqlite3_busy_timeout(store->db, WAIT_MS);
+	status = checkpoint(store, SQLITE_CHECKPOINT_TRUNCATE, &whole);
+	sqlite3_busy_timeout(store->db, STORE_BUSY_MS);
+	/* A reader that stays is not waited for at every epoch. */
+	store->wal_patience = (whole ? 0 : store->wal_bytes - WAL_BYTES) + 2 * (int64_t)WAL_BYTES;
+	return status;
+}
