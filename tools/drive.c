@@ -10,7 +10,8 @@ static const struct command_option options[] = {
 	{"store", "STORE", "the terrain, instead of the scene's own"},
 	{"overlay", "FILE", "keeps the deformation in FILE and leaves the store as it is; made if absent"},
 	{"set", "KEY=VALUE", "overrides a key of the scene, as in cache.slots=16; may be repeated"},
-	{"steps", "N", "stop after N steps"},
+	{"steps", "N", "stop after N steps, counted from the scene's start"},
+	{"resume", NULL, "go on from the last committed step, to the same bits as in one go"},
 	{"trace", "FILE", "what was asked of the page cache, for furrow cache-sim"},
 	{"durable", "KIND", "normal (default): a power cut may cost the last epochs; full: none"},
 	{"json", NULL, "print run.json on stdout"},
@@ -77,6 +78,7 @@ static enum status run(const struct arguments *arguments)
 			.directory = directory,
 			.trace = arguments_text(arguments, "trace"),
 			.steps = steps,
+			.resume = arguments_flag(arguments, "resume"),
 			.durable_full = durability == 1,
 			.progress = true,
 			.stop = &interrupted,
@@ -96,11 +98,13 @@ static enum status run(const struct arguments *arguments)
 
 const struct command command_drive = {
 	.name = "drive",
-	.usage = "drive SCENE -o DIR [--store STORE] [--overlay FILE] [--set KEY=VALUE]... [--steps N] "
+	.usage = "drive SCENE -o DIR [--store STORE] [--overlay FILE] [--set KEY=VALUE]... [--steps N] [--resume] "
 		 "[--trace FILE] [--json]",
 	.summary = "run a scene: objects carve the terrain, pictures and figures come out",
 	.details = "Leaves in DIR: run.json (figures, also when interrupted), epochs.log (a line for each commit) and\n"
 		   "frame-NNNNNN.png. Ctrl-C ends it cleanly with everything committed, status 130.\n"
+		   "--resume goes on where a drive of the same scene into the same store ended or was killed (end_time, cache and\n"
+		   "view may differ by then), and begins where there was none; run.json's resumed_from says at which step.\n"
 		   "An overlay is a store that names its base: every command takes it where it takes a store. Many\n"
 		   "drives over one store, each with its own, may run at once. Removing the file is the undo.\n",
 	.options = options,

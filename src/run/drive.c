@@ -28,17 +28,30 @@ static enum status open_epochs(struct drive *drive)
 {
 	char path[4096];
 	snprintf(path, sizeof path, "%s/epochs.log", drive->params->directory);
-	drive->epochs = fopen(path, "a");
+	drive->epochs = fopen(path, "a+");
 	if (drive->epochs == NULL)
 		return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
 	if (flock(fileno(drive->epochs), LOCK_EX | LOCK_NB) != 0)
 		return fail_with(STATUS_FAILED, "%s: another drive writes into this folder; give another, or wait for it to "
 						"end",
 				 drive->params->directory);
-	if (ftruncate(fileno(drive->epochs), 0) != 0)
-		return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
+	return STATUS_OK;
+}
+
+/* What an earlier drive left, but for the lines a resumed one goes on with; a kill may have torn the last. */
+static enum status clear_folder(struct drive *drive)
+{
+	char path[4096];
+	long whole = 0;
+	for (int c; drive->resumed && (c = getc(drive->epochs)) != EOF;)
+		if (c == '\n')
+			whole = ftell(drive->epochs);
+	if (whole < 0 || ferror(drive->epochs) || ftruncate(fileno(drive->epochs), whole) != 0)
+		return fail_with(STATUS_FAILED, "%s/epochs.log: %s; give a folder that can be written",
+				 drive->params->directory, strerror(errno));
+	rewind(drive->epochs);
 	snprintf(path, sizeof path, "%s/run.json", drive->params->directory);
-	unlink(path); /* an earlier drive's */
+	unlink(path);
 	return STATUS_OK;
 }
 
@@ -94,7 +107,7 @@ static enum status mount_riders(struct drive *drive)
 {
 	const struct scene *scene = drive->scene;
 	drive->riders = mem_calloc(scene->object_count, sizeof *drive->riders);
-	drive->record = mem_calloc(1, pages_record_bytes(scene->object_count));
+	drive->record = mem_calloc(1, record_bytes(scene->object_count));
 	if (drive->riders == NULL || drive->record == NULL)
 		return fail_memory("the objects");
 	for (size_t i = 0; i < scene->object_count; i++) {
@@ -202,8 +215,9 @@ static enum status start_pages(struct drive *drive)
 		.count = scene->slots,
 		.loaders = scene->loaders,
 		.step_pages = drive_step_pages(drive),
-		.objects = scene->object_count,
-		.scene_hash = scene->hash,
+		.scene = scene,
+		.below = drive->record->below,
+		.above = drive->record->above,
 		.epochs = drive->epochs,
 		.epoch_age = EPOCH_AGE,
 		.trace = drive->trace,
@@ -244,13 +258,15 @@ static enum status warm_up(struct drive *drive)
 	return status;
 }
 
-static enum status start(struct drive *drive)
+/* What there is to be done. */
+static enum status prepare(struct drive *drive)
 {
 	const char *path = drive->params->store != NULL ? drive->params->store : drive->scene->store;
 	if (path == NULL)
 		return fail_with(STATUS_INPUT, "%s: names no store; add store:, or give --store", drive->scene->file);
 	struct store_options options = {STORE_WRITE, drive->params->durable_full};
 	const char *overlay = drive->params->overlay;
+	drive->path = overlay != NULL ? overlay : path;
 	enum status status = overlay != NULL ? store_open_overlay(overlay, path, &options, &drive->store)
 					     : store_open(path, &options, &drive->store);
 	if (status != STATUS_OK)
@@ -261,8 +277,15 @@ static enum status start(struct drive *drive)
 		status = ground_create(drive->store, ground_tiles(drive), &drive->ground);
 	if (status == STATUS_OK)
 		status = mount_riders(drive);
-	if (status == STATUS_OK)
-		status = start_scout(drive);
+	if (status == STATUS_OK && drive->params->resume)
+		status = drive_resume(drive);
+	return status;
+}
+
+/* What changes something. */
+static enum status start(struct drive *drive)
+{
+	enum status status = start_scout(drive);
 	if (status == STATUS_OK)
 		status = start_gpu(drive);
 	/* Nothing is left behind of a drive that could not begin. */
@@ -276,7 +299,9 @@ static enum status start(struct drive *drive)
 		status = start_pages(drive);
 	if (status == STATUS_OK)
 		status = warm_up(drive);
-	return status;
+	if (status == STATUS_OK)
+		status = clear_folder(drive);
+	return status == STATUS_OK ? drive_begin(drive) : status;
 }
 
 static void finish(struct drive *drive, enum status status)
@@ -316,31 +341,48 @@ static enum status publish_trace(struct drive *drive, enum status status)
 	return status == STATUS_OK ? STATUS_OK : failure_restore(&failure);
 }
 
+/* run.json, unless `keep` and there is one. */
+static enum status report(const struct drive *drive, bool keep, struct run_result *result)
+{
+	char path[4096];
+	snprintf(path, sizeof path, "%s/run.json", drive->params->directory);
+	result->steps = drive->step;
+	result->seconds = drive->seconds;
+	result->rtf = drive->seconds > 0 ? (drive->time - drive->resumed_time) / drive->seconds : 0;
+	result->json = report_json(drive, result->ended);
+	if (result->json == NULL)
+		return fail_memory("run.json");
+	return keep && access(path, F_OK) == 0 ? STATUS_OK : report_write(drive->params->directory, result->json);
+}
+
+static enum status run_steps(struct drive *drive, struct run_result *result)
+{
+	enum status status = publish_trace(drive, drive_steps(drive));
+	result->ended = status == STATUS_OK ? "complete"
+			: status == STATUS_INTERRUPTED ? "interrupted"
+						       : "failed";
+	struct failure failure;
+	failure_capture(&failure, status);
+	enum status written = report(drive, false, result);
+	if (written == STATUS_OK)
+		return status == STATUS_OK ? status : failure_restore(&failure);
+	return status == STATUS_OK || status == STATUS_INTERRUPTED ? written : failure_restore(&failure);
+}
+
 enum status run_drive(const struct run_params *params, struct run_result *result)
 {
 	struct drive drive = {.params = params, .scene = params->scene};
 	*result = (struct run_result){.ended = "failed"};
-	enum status status = start(&drive);
-	if (status == STATUS_OK) {
-		status = drive_steps(&drive);
-		status = publish_trace(&drive, status);
-		result->ended = status == STATUS_OK ? "complete"
-				: status == STATUS_INTERRUPTED ? "interrupted"
-							       : "failed";
-		result->steps = drive.step;
-		result->seconds = drive.seconds;
-		result->rtf = drive.seconds > 0 ? drive.time / drive.seconds : 0;
-		struct failure failure;
-		failure_capture(&failure, status);
-		result->json = report_json(&drive, result->ended);
-		enum status written = result->json != NULL ? report_write(params->directory, result->json)
-							   : fail_memory("run.json");
-		if (written == STATUS_OK)
-			status = status == STATUS_OK ? status : failure_restore(&failure);
-		else if (status == STATUS_OK || status == STATUS_INTERRUPTED)
-			status = written;
-		else
-			failure_restore(&failure);
+	enum status status = prepare(&drive);
+	if (status == STATUS_OK && drive.nothing_left) {
+		result->ended = "complete";
+		status = make_directory(params->directory);
+		if (status == STATUS_OK)
+			status = report(&drive, true, result);
+	} else if (status == STATUS_OK) {
+		status = start(&drive);
+		if (status == STATUS_OK)
+			status = run_steps(&drive, result);
 	}
 	finish(&drive, status);
 	return status;

@@ -30,8 +30,7 @@ static enum status no_ground(const struct rider *rider, const struct track_point
 			 rider->object->name, point->x, point->y, point->time);
 }
 
-/* Sets the object on the ground at a station. */
-static enum status set_down(struct drive *drive, struct rider *rider, int64_t station, struct event *event)
+enum status drive_set_down(struct drive *drive, struct rider *rider, int64_t station, struct event *event)
 {
 	struct track_point point;
 	track_station(rider->track, station, &point);
@@ -82,7 +81,7 @@ enum status drive_collect_events(struct drive *drive, double until)
 		if (event.time == INFINITY)
 			return STATUS_OK;
 		struct rider *rider = &drive->riders[event.rider];
-		enum status status = set_down(drive, rider, rider->next, &event);
+		enum status status = drive_set_down(drive, rider, rider->next, &event);
 		if (status == STATUS_OK)
 			status = add_event(drive, &event);
 		if (status != STATUS_OK)

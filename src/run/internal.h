@@ -10,6 +10,7 @@
 #include "run/ground.h"
 #include "run/pages.h"
 #include "run/pyramid.h"
+#include "run/record.h"
 #include "run/run.h"
 #include "run/scout.h"
 #include "run/times.h"
@@ -28,7 +29,7 @@ struct rider {
 	bool in_contact;          /* `last` was in contact: the next station sweeps from it */
 	struct deform_pose last;
 	double distance, sinkage; /* m */
-	uint64_t skipped;
+	int64_t skipped;
 };
 
 /* One station due in a step, already set upon the ground. */
@@ -43,6 +44,7 @@ struct event {
 struct drive {
 	const struct run_params *params;
 	const struct scene *scene;
+	const char *path; /* of the store that is driven */
 	struct store *store;
 	const struct store_meta *meta;
 	int level;      /* the working level */
@@ -63,13 +65,17 @@ struct drive {
 	size_t event_count, event_room;
 	struct wishes wishes;    /* pages needed in and after the present step */
 	struct prefetch *prefetch;
-	struct pages_record *record;
+	struct record *record;   /* as the last whole step, or what was resumed, left it */
 	struct times step_ms, frame_ms; /* a frame is a step and its picture; without a view a step alone */
 	struct gpu_stats before; /* what warming up took: not the drive's */
 	struct ground_figures ground_before;
 	size_t frames;
-	int64_t step;            /* steps done */
-	double time;             /* simulated, s */
+	int64_t step;            /* steps done since the scene's start */
+	double time;             /* simulated since then, s */
+	bool resumed;            /* from these: */
+	int64_t resumed_from;
+	double resumed_time;
+	bool nothing_left;       /* of what was resumed */
 	double began, seconds;   /* wall clock of the loop */
 	uint64_t passes_most;    /* most tiles one window touched */
 	bool told_tiles;
@@ -77,11 +83,21 @@ struct drive {
 };
 
 /* steps.c */
+/* Everything stands: commits that the drive began, or goes on where it was. */
+enum status drive_begin(struct drive *drive) FURROW_CHECKED;
 enum status drive_steps(struct drive *drive) FURROW_CHECKED;
 int64_t drive_step_count(const struct drive *drive);
+double drive_steps_until(const struct scene *scene, double time); /* whole ones */
+double drive_step_time(const struct scene *scene, int64_t step); /* s: when it is done */
+
+/* resume.c: sets the drive to where the store's last one of this scene is. The riders are mounted. */
+enum status drive_resume(struct drive *drive) FURROW_CHECKED;
 
 /* events.c: what is due, in the order of time, then of the scene. */
 enum status drive_collect_events(struct drive *drive, double until) FURROW_CHECKED;
+/* The object upon the ground at a station: pose, contact, distance and sinkage are filled. */
+enum status drive_set_down(struct drive *drive, struct rider *rider, int64_t station, struct event *event)
+	FURROW_CHECKED;
 
 /* prefetch.c: what is loaded ahead. */
 enum status prefetch_create(struct drive *drive, struct prefetch **out) FURROW_CHECKED;

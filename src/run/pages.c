@@ -128,15 +128,21 @@ static enum status load(void *user, unsigned loader, struct page_image *image, c
 
 /* --- the writer thread --- */
 
-static void write_state(const struct pages_record *record, size_t objects, char *text, size_t room)
+/* What the writer thread makes the record's text of. */
+struct describing {
+	struct pages *pages;
+	const struct record *record;
+	char *state;
+};
+
+static const char *describe(void *user, const struct store_epoch_result *result)
 {
-	int used = snprintf(text, room, "{\"ended\":%s,\"poses\":[", record->ended ? "true" : "false");
-	for (size_t i = 0; i < objects && (size_t)used < room; i++)
-		used += snprintf(text + used, room - (size_t)used, "%s[%lld,%lld,%lld]", i > 0 ? "," : "",
-				 (long long)record->poses[i][0], (long long)record->poses[i][1],
-				 (long long)record->poses[i][2]);
-	if ((size_t)used < room)
-		snprintf(text + used, room - (size_t)used, "]}");
+	struct describing *describing = user;
+	const struct pages_params *params = &describing->pages->params;
+	const struct pages_io *io = &describing->pages->io; /* of these the writer's alone */
+	describing->state = record_print(describing->record, params->scene, io->below + result->below,
+					 io->above + result->above);
+	return describing->state;
 }
 
 static enum status acknowledge(struct pages *pages, int64_t epoch, int64_t step)
@@ -150,7 +156,7 @@ static enum status acknowledge(struct pages *pages, int64_t epoch, int64_t step)
 static enum status commit(void *user, const struct page_image *const *images, size_t count, const void *bytes)
 {
 	struct pages *pages = user;
-	const struct pages_record *record = bytes;
+	const struct record *record = bytes;
 	double started = clock_seconds();
 	if (count > pages->commit_room) {
 		struct store_page *room = mem_realloc(pages->commit_pages, count, sizeof *room);
@@ -166,20 +172,17 @@ static enum status commit(void *user, const struct page_image *const *images, si
 			.offset = offset_in(images[i]->bytes),
 			.dirt = dirt_in(pages, images[i]->bytes),
 		};
-	size_t room = 64 + 80 * pages->params.objects;
-	char *state = mem_alloc(room, 1);
-	if (state == NULL)
-		return fail_memory("an epoch");
-	write_state(record, pages->params.objects, state, room);
+	struct describing describing = {pages, record, NULL};
 	struct store_run run = {
-		.scene_hash = pages->params.scene_hash,
+		.scene_hash = pages->params.scene->hash,
 		.step = record->step,
 		.time = record->time,
-		.state = state,
+		.describe = describe,
+		.user = &describing,
 	};
 	struct store_epoch_result result;
 	enum status status = store_epoch(pages->params.store, pages->commit_pages, count, &run, &result);
-	mem_free(state);
+	mem_free(describing.state);
 	if (status != STATUS_OK)
 		return status;
 	status = acknowledge(pages, result.epoch, record->step);
@@ -358,7 +361,7 @@ static struct page_params cache_params(const struct pages_params *params, const 
 		.queue_soft = soft,
 		.queue_most = PAGE_QUEUE_MOST(soft, params->step_pages),
 		.epoch_age = params->epoch_age,
-		.record_bytes = pages_record_bytes(params->objects),
+		.record_bytes = record_bytes(params->scene->object_count),
 		.trace = params->trace,
 	};
 }
@@ -374,11 +377,6 @@ void pages_budget(const struct pages_params *params, struct pages_budget *budget
 	};
 }
 
-size_t pages_record_bytes(size_t objects)
-{
-	return sizeof(struct pages_record) + objects * sizeof(int64_t[3]);
-}
-
 /* Without loaders the GPU's thread reads. */
 static uint32_t reader_count(const struct pages_params *params)
 {
@@ -392,6 +390,8 @@ enum status pages_create(const struct pages_params *params, struct pages **out)
 		return fail_memory("the page cache");
 	assert(params->loaders <= sizeof pages->grounds / sizeof *pages->grounds);
 	pages->params = *params;
+	pages->io.below = params->below;
+	pages->io.above = params->above;
 	mutex_init(&pages->mutex);
 	pages->layout = layout_of(store_meta(params->store)->world.cells, params->dirt);
 	enum status status = STATUS_OK;

@@ -13,6 +13,8 @@
 #include "base/base.h"
 #include "gpu/gpu.h"
 #include "page/page.h"
+#include "run/record.h"
+#include "scene/scene.h"
 #include "store/store.h"
 
 struct pages;
@@ -25,22 +27,14 @@ struct pages_params {
 	bool dirt;
 	uint32_t count, loaders;
 	uint32_t step_pages;     /* most pages one step can change, for the queue's bound */
-	size_t objects;
-	const char *scene_hash;
+	const struct scene *scene; /* whose record goes with each epoch */
+	int64_t below, above;    /* what this drive changed the sums of offsets by before, quanta */
 	FILE *epochs;            /* a line for each commit */
 	double epoch_age;        /* s */
 	struct page_trace *trace; /* may be NULL */
 	/* Called before a page of the working level is read back: it may leave its slot after. */
 	enum status (*before_read_back)(void *user, struct tile tile, uint32_t slot);
 	void *user;
-};
-
-/* The run's record: kept with the tiles of the step it belongs to. */
-struct pages_record {
-	int64_t step;
-	double time;
-	bool ended;
-	int64_t poses[][3]; /* params.objects of them: x, y, z in 2^-20 m */
 };
 
 /* Bytes at most: of planes in slots, of images for loads, of images of changed pages. */
@@ -51,7 +45,7 @@ void pages_budget(const struct pages_params *params, struct pages_budget *budget
 
 struct pages_io {
 	int64_t commits, tiles_read, tiles_written, bytes_read, bytes_written;
-	int64_t below, above; /* change of the sums of offsets, quanta */
+	int64_t below, above; /* change of the sums of offsets by the drive as a whole, quanta */
 	double load_ms, readback_ms, writeback_ms;
 	uint64_t host_bytes; /* of images made so far; they are kept */
 };
@@ -60,7 +54,6 @@ enum status pages_create(const struct pages_params *params, struct pages **out) 
 /* Stops the threads; commits nothing. */
 void pages_destroy(struct pages *pages);
 struct page_cache *pages_cache(struct pages *pages);
-size_t pages_record_bytes(size_t objects);
 void pages_io(struct pages *pages, struct pages_io *io);
 
 #endif

@@ -100,10 +100,10 @@ static void add_io(cJSON *root, const struct drive *drive, const struct pages_io
 	json_integer(object, "commits", io->commits);
 }
 
-static void add_volume(cJSON *root, const struct drive *drive, const struct pages_io *io)
+static void add_volume(cJSON *root, const struct drive *drive, int64_t below, int64_t above)
 {
 	double quantum = lattice_offset_metres(1) * drive->spacing * drive->spacing;
-	int64_t removed = -io->below, raised = io->above;
+	int64_t removed = -below, raised = above;
 	cJSON *volume = cJSON_AddObjectToObject(root, "volume");
 	json_number(volume, "removed", (double)removed * quantum);
 	json_number(volume, "raised", (double)raised * quantum);
@@ -122,15 +122,26 @@ static void add_objects(cJSON *root, const struct drive *drive)
 		cJSON *object = cJSON_AddObjectToObject(objects, rider->object->name);
 		json_number(object, "distance", rider->distance);
 		json_number(object, "sinkage", rider->sinkage);
-		json_integer(object, "skipped", (int64_t)rider->skipped);
+		json_integer(object, "skipped", rider->skipped);
 	}
 }
 
-char *report_json(const struct drive *drive, const char *ended)
+static void add_view(cJSON *root, const struct drive *drive)
+{
+	struct view_figures figures;
+	view_figures(drive->view, &figures);
+	cJSON *view = cJSON_AddObjectToObject(root, "view");
+	json_integer(view, "frames", (int64_t)drive->frames);
+	json_number(view, "triangles", figures.triangles);
+	json_integer(view, "starved", (int64_t)figures.starved);
+	json_integer(view, "coarsened", (int64_t)figures.coarsened);
+}
+
+/* What this process did and what it took. */
+static void add_process(cJSON *root, const struct drive *drive, const struct pages_io *io)
 {
 	struct gpu_stats gpu;
 	struct page_stats pages;
-	struct pages_io io;
 	uint64_t refused = 0;
 	gpu_stats(drive->gpu, &gpu);
 	for (int i = 0; i < GPU_STAGES; i++) {
@@ -138,39 +149,44 @@ char *report_json(const struct drive *drive, const char *ended)
 		gpu.stage_ms[i] -= drive->before.stage_ms[i];
 	}
 	page_cache_stats(drive->cache, &pages);
-	pages_io(drive->pages, &io);
 	struct ground_figures ground;
 	ground_figures(drive->ground, &ground);
 	bool known = drive->deform == NULL || deform_refused(drive->deform, &refused) == STATUS_OK;
 	if (known && refused > 0)
 		note("%llu times a post would have been pressed deeper than an offset holds (1024 m): refused",
 		     (unsigned long long)refused);
+	json_number(root, "seconds", drive->seconds);
+	json_number(root, "rtf", drive->seconds > 0 ? (drive->time - drive->resumed_time) / drive->seconds : 0);
+	add_times(root, drive);
+	add_stages(root, &gpu, io);
+	add_cache(root, drive, &pages, &ground);
+	add_gpu(root, drive, &gpu);
+	add_memory(root, drive, &gpu, io);
+	add_io(root, drive, io, &ground);
+	json_number(root, "refused_posts", known ? (double)refused : (double)NAN);
+	if (drive->view != NULL)
+		add_view(root, drive);
+}
+
+char *report_json(const struct drive *drive, const char *ended)
+{
+	struct pages_io io = {.below = drive->record->below, .above = drive->record->above};
+	if (drive->pages != NULL)
+		pages_io(drive->pages, &io);
 	cJSON *root = cJSON_CreateObject();
 	cJSON_AddStringToObject(root, "ended", ended);
 	json_integer(root, "steps", drive->step);
-	json_number(root, "seconds", drive->seconds);
 	json_number(root, "simulated", drive->time);
-	json_number(root, "rtf", drive->seconds > 0 ? drive->time / drive->seconds : 0);
+	if (drive->resumed)
+		json_integer(root, "resumed_from", drive->resumed_from);
+	else
+		cJSON_AddNullToObject(root, "resumed_from");
 	json_number(root, "spacing", drive->spacing);
 	json_integer(root, "working_level", drive->level);
-	add_times(root, drive);
-	add_stages(root, &gpu, &io);
-	add_cache(root, drive, &pages, &ground);
-	add_gpu(root, drive, &gpu);
-	add_memory(root, drive, &gpu, &io);
-	add_io(root, drive, &io, &ground);
-	add_volume(root, drive, &io);
-	json_number(root, "refused_posts", known ? (double)refused : (double)NAN);
-	if (drive->view != NULL) {
-		struct view_figures figures;
-		view_figures(drive->view, &figures);
-		cJSON *view = cJSON_AddObjectToObject(root, "view");
-		json_integer(view, "frames", (int64_t)drive->frames);
-		json_number(view, "triangles", figures.triangles);
-		json_integer(view, "starved", (int64_t)figures.starved);
-		json_integer(view, "coarsened", (int64_t)figures.coarsened);
-	}
+	add_volume(root, drive, io.below, io.above);
 	add_objects(root, drive);
+	if (drive->pages != NULL)
+		add_process(root, drive, &io);
 	char *printed = cJSON_Print(root), *json = NULL;
 	cJSON_Delete(root);
 	if (printed != NULL)

@@ -16,15 +16,11 @@ struct run_params {
 	const char *overlay;   /* path of what keeps the deformation instead of the store; made if absent. May be NULL */
 	const char *directory; /* made if absent: run.json, epochs.log, frame-*.png */
 	const char *trace;     /* path: every access to the page cache goes there, as page/page.h says. May be NULL */
-	int64_t steps;         /* 0: until end_time */
+	int64_t steps;         /* since the scene's start; 0: until end_time */
+	bool resume;           /* go on from the store's last drive of this scene, to the same bits; begin if there was none */
 	bool durable_full;
 	bool progress;         /* a line on stderr */
 	const volatile sig_atomic_t *stop; /* becomes non-zero: end cleanly, STATUS_INTERRUPTED. May be NULL */
-};
-
-struct run_object {
-	double distance, sinkage; /* m travelled; m under the base at the end */
-	uint64_t skipped;         /* stations without contact: outside, or nodata */
 };
 
 struct run_result {
@@ -34,7 +30,14 @@ struct run_result {
 	char *json; /* what run.json holds; free with mem_free */
 };
 
-/* run.json and the trace are written however it ends, once it began: a drive that cannot begin leaves nothing. */
+/*
+ * run.json and the trace are written however it ends, once it began: a drive that cannot begin leaves nothing.
+ * What run.json tells of the drive is of the drive as a whole, also after a resume: ended, steps, simulated, volume, objects; all else
+ * (seconds and rtf, times, cache, passes, memory, io, refused_posts, view) is of the process that wrote it.
+ *
+ * Resumed with nothing left to do: needs no GL, tells the drive as a whole alone, and writes run.json only where
+ * there is none.
+ */
 enum status run_drive(const struct run_params *params, struct run_result *result) FURROW_CHECKED;
 
 #endif

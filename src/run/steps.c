@@ -4,32 +4,43 @@
 
 #include "run/internal.h"
 
+double drive_steps_until(const struct scene *scene, double time)
+{
+	return ceil(time / scene->time_step - 1e-9);
+}
+
 int64_t drive_step_count(const struct drive *drive)
 {
-	const struct scene *scene = drive->scene;
-	int64_t whole = (int64_t)ceil(scene->end_time / scene->time_step - 1e-9);
+	int64_t whole = (int64_t)drive_steps_until(drive->scene, drive->scene->end_time);
 	if (drive->params->steps > 0 && drive->params->steps < whole)
 		whole = drive->params->steps;
 	return whole;
 }
 
-static double step_time(const struct scene *scene, int64_t step)
+double drive_step_time(const struct scene *scene, int64_t step)
 {
 	double time = (double)step * scene->time_step;
 	/* The last step ends where the scene does, whatever the time step: the same stations are due. */
 	return time < scene->end_time * (1 - 1e-12) ? time : scene->end_time;
 }
 
-static void fill_record(struct drive *drive, bool ended)
+static void fill_record(struct drive *drive)
 {
-	drive->record->step = drive->step;
-	drive->record->time = drive->time;
-	drive->record->ended = ended;
+	struct record *record = drive->record;
+	record->step = drive->step;
+	record->time = drive->time;
+	record->level = drive->level;
+	record->ended = false;
 	for (size_t i = 0; i < drive->scene->object_count; i++) {
-		const struct deform_pose *pose = &drive->riders[i].last;
-		drive->record->poses[i][0] = pose->x;
-		drive->record->poses[i][1] = pose->y;
-		drive->record->poses[i][2] = pose->z;
+		const struct rider *rider = &drive->riders[i];
+		record->objects[i] = (struct record_object){
+			.next = rider->next,
+			.in_contact = rider->in_contact,
+			.last = rider->last,
+			.distance = rider->distance,
+			.sinkage = rider->sinkage,
+			.skipped = rider->skipped,
+		};
 	}
 }
 
@@ -57,9 +68,21 @@ static bool is_image_step(const struct drive *drive)
 	return every > 0 && drive->step % every == 0;
 }
 
+enum status drive_begin(struct drive *drive)
+{
+	/* Killed before its first epoch it is not to be taken for the drive before it. */
+	if (!drive->resumed) {
+		fill_record(drive);
+		return page_cache_flush(drive->cache, drive->record);
+	}
+	/* The step was committed; its picture may not have been written. */
+	bool image = drive->view != NULL && drive->step > 0 && is_image_step(drive);
+	return image ? view_frame(drive->view, drive, true) : STATUS_OK;
+}
+
 static enum status one_step(struct drive *drive)
 {
-	double until = step_time(drive->scene, drive->step + 1);
+	double until = drive_step_time(drive->scene, drive->step + 1);
 	/* Before anything changes: a scene that leaves the ground stops at a step's end. */
 	enum status status = drive_collect_events(drive, until);
 	if (status == STATUS_OK)
@@ -79,7 +102,7 @@ static enum status one_step(struct drive *drive)
 	drive->time = until;
 	if (drive->scout != NULL)
 		scout_tell(drive->scout, until);
-	fill_record(drive, false);
+	fill_record(drive);
 	return page_cache_end_step(drive->cache, drive->record);
 }
 
@@ -89,7 +112,7 @@ static void show_progress(const struct drive *drive, int64_t total, double *show
 	if (now - *shown < 0.2)
 		return;
 	*shown = now;
-	double elapsed = now - drive->began, rate = (double)drive->step / elapsed;
+	double elapsed = now - drive->began, rate = (double)(drive->step - drive->resumed_from) / elapsed;
 	fprintf(stderr, "\rdrive: step %lld of %lld (%.0f %%), %.0f a second, %.0f s left\033[K",
 		(long long)drive->step, (long long)total, 100.0 * (double)drive->step / (double)total, rate,
 		(double)(total - drive->step) / rate);
@@ -129,7 +152,7 @@ enum status drive_steps(struct drive *drive)
 		fputs("\r\033[K", stderr);
 	struct failure failure;
 	failure_capture(&failure, status);
-	fill_record(drive, status == STATUS_OK);
+	drive->record->ended = status == STATUS_OK;
 	/* A step that failed half-way is no state to commit: the last epoch stands. */
 	enum status flushed = drive->torn ? STATUS_OK : page_cache_flush(drive->cache, drive->record);
 	drive->seconds = clock_seconds() - drive->began;

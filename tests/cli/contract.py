@@ -6,23 +6,11 @@ import subprocess
 import struct
 import sys
 import unittest
-import zlib
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FURROW, SCENE, SHARED, FurrowTest, has_gdal, main
+from furrow_test import FURROW, SCENE, SHARED, FurrowTest, has_gdal, main, write_png16
 
 NO_GL = {"__EGL_VENDOR_LIBRARY_FILENAMES": "/nonexistent.json", "EGL_PLATFORM": "surfaceless"}
-
-
-def write_png16(path, width, height, value):
-    """A 16-bit grey PNG; value(x, y) with y from the top."""
-    rows = b"".join(b"\0" + b"".join(struct.pack(">H", value(x, y)) for x in range(width)) for y in range(height))
-
-    def chunk(kind, data):
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-
-    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 16, 0, 0, 0, 0)) +
-                     chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
 
 
 class Usage(FurrowTest):

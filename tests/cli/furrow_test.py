@@ -3,10 +3,12 @@ import json
 import os
 import pathlib
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
 import unittest
+import zlib
 
 FURROW = os.environ["FURROW"]
 SHARED = pathlib.Path(os.environ.get("SHARED", "/nonexistent"))
@@ -24,6 +26,17 @@ objects:
      path: {points: [[22, 18], [122, 88], [42, 128]], speed: 30}}
 cache: {slots: 16}
 """
+
+
+def write_png16(path, width, height, value):
+    """A 16-bit grey PNG; value(x, y) with y from the top."""
+    rows = b"".join(b"\0" + b"".join(struct.pack(">H", value(x, y)) for x in range(width)) for y in range(height))
+
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 16, 0, 0, 0, 0)) +
+                     chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
 
 
 def has_gdal():

@@ -130,6 +130,8 @@ static enum status nothing_before(void *user, struct tile tile, uint32_t slot)
 	return STATUS_OK;
 }
 
+static const struct scene scene = {.hash = "abc"};
+
 static enum status rig_open(struct rig *rig, const char *path)
 {
 	struct store_options options = {STORE_WRITE, false};
@@ -146,7 +148,7 @@ static enum status rig_open(struct rig *rig, const char *path)
 		.count = SLOTS,
 		.loaders = 2,
 		.step_pages = 4,
-		.scene_hash = "abc",
+		.scene = &scene,
 		.epochs = rig->log,
 		.before_read_back = nothing_before,
 	};
@@ -170,7 +172,7 @@ static void step_tile(struct rig *rig, struct tile tile, uint32_t slot, const st
 	page_cache_unpin(rig->cache, tile_key(tile));
 }
 
-static enum status one_step(struct rig *rig, int step, struct pages_record *record)
+static enum status one_step(struct rig *rig, int step, struct record *record)
 {
 	uint32_t x, y, slots[4];
 	uint64_t keys[4];
@@ -290,7 +292,7 @@ static void look(const char *path, int least, int most)
 
 static enum status drive(struct rig *rig)
 {
-	struct pages_record *record = calloc(1, pages_record_bytes(0));
+	struct record *record = calloc(1, record_bytes(0));
 	assert_non_null(record);
 	enum status status = STATUS_OK;
 	for (int step = 1; step <= STEPS && status == STATUS_OK; step++)
@@ -304,7 +306,7 @@ static enum status drive(struct rig *rig)
 /* Only the writer writes: what it could not commit is not forgotten when the next thing is asked. */
 static void expect_sticky(struct rig *rig)
 {
-	struct pages_record *record = calloc(1, pages_record_bytes(0));
+	struct record *record = calloc(1, record_bytes(0));
 	uint32_t slot;
 	assert_non_null(record);
 	expect(told(page_cache_end_step(rig->cache, record)));

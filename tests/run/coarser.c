@@ -28,7 +28,7 @@ static enum status before_read_back(void *user, struct tile tile, uint32_t slot)
 static void rig_open(struct rig *rig, const char *path, uint32_t slots)
 {
 	struct drive *drive = &rig->drive;
-	*rig = (struct rig){.scene = {.slots = slots}, .rider = {.object = &object}};
+	*rig = (struct rig){.scene = {.slots = slots, .hash = "0"}, .rider = {.object = &object}};
 	support_store(path, world, support_hills);
 	must(store_open(path, &(struct store_options){.mode = STORE_WRITE}, &drive->store));
 	must(store_set_working_level(drive->store, LEVEL));
@@ -58,14 +58,14 @@ static void rig_open(struct rig *rig, const char *path, uint32_t slots)
 						 .count = slots,
 						 .loaders = 2,
 						 .step_pages = 64,
-						 .scene_hash = "0",
+						 .scene = &rig->scene,
 						 .epochs = drive->epochs,
 						 .epoch_age = 0.01,
 						 .before_read_back = before_read_back,
 						 .user = drive},
 			  &drive->pages));
 	drive->cache = pages_cache(drive->pages);
-	drive->record = calloc(1, pages_record_bytes(0));
+	drive->record = calloc(1, record_bytes(0));
 }
 
 static void rig_close(struct rig *rig)

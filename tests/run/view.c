@@ -80,13 +80,13 @@ static void rig_open(struct rig *rig, uint32_t slots, double speed, double prefe
 						 .count = slots,
 						 .loaders = 2,
 						 .step_pages = 16,
-						 .scene_hash = "0",
+						 .scene = &rig->scene,
 						 .epochs = drive->epochs,
 						 .epoch_age = 1000,
 						 .before_read_back = before_read_back},
 			  &drive->pages));
 	drive->cache = pages_cache(drive->pages);
-	drive->record = calloc(1, pages_record_bytes(1));
+	drive->record = calloc(1, record_bytes(1));
 	must(view_create(drive, &drive->view));
 	start_prefetch(drive);
 }

@@ -1,0 +1,48 @@
+/*
+ * The run's record: what is committed with each epoch, so that a drive can go on from there to the same bits.
+ *
+ * Step, time and the scene's hash have columns of their own in the store (struct store_run); the rest is its
+ * state, a JSON object whose numbers are texts, since JSON's do not hold 64 bits: whole ones in decimal, reals in
+ * C's hexadecimal form, which is exact. A record that is read is a stranger's.
+ */
+#ifndef FURROW_RUN_RECORD_H
+#define FURROW_RUN_RECORD_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/base.h"
+#include "deform/deform.h"
+#include "scene/scene.h"
+#include "store/store.h"
+
+/* What an object carries from step to step. */
+struct record_object {
+	int64_t next;             /* station */
+	bool in_contact;          /* at `last`, which the next station sweeps from */
+	struct deform_pose last;
+	double distance, sinkage; /* m */
+	int64_t skipped;          /* stations without contact */
+};
+
+struct record {
+	int64_t step;         /* done since the scene's start */
+	double time;          /* s */
+	int level;            /* the working level */
+	bool ended;           /* the drive was complete with this step */
+	int64_t below, above; /* what the drive changed the sums of offsets by, quanta: only of one that was read */
+	struct record_object objects[]; /* as many as the scene has, in its order */
+};
+
+size_t record_bytes(size_t objects);
+/* The state, for mem_free; NULL: out of memory. Any thread. */
+char *record_print(const struct record *record, const struct scene *scene, int64_t below, int64_t above);
+/* `record` has room for the scene's objects. STATUS_INPUT unless all is there and makes sense of itself; that it
+ * fits the ground and the paths is the caller's to see. */
+enum status record_parse(const struct store_run *run, const char *store, const struct scene *scene,
+			 struct record *record) FURROW_CHECKED;
+/* The record of the store at that path is not to be used: why. */
+enum status record_damaged(const char *store, const char *why);
+
+#endif

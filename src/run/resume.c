@@ -1,0 +1,111 @@
+/*
+ * Going on from the store's last drive of the same scene.
+ *
+ * Nearly all of a record follows from its step's time: which stations are behind, and where the last of them set
+ * the object down. What a record says that is not so was not written by a drive of this scene.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "run/internal.h"
+
+static bool near(int64_t a, int64_t b)
+{
+	int64_t metre = lattice_offset(1);
+	return a > b - metre && a < b + metre;
+}
+
+static enum status check_object(struct drive *drive, struct rider *rider, const struct record_object *object)
+{
+	const struct record *record = drive->record;
+	const char *store = drive->path;
+	struct event event = {.time = 0};
+	if (record->step == 0 && object->next == 0)
+		return object->in_contact ? record_damaged(store, "contact before the first step") : STATUS_OK;
+	int64_t stations = track_stations(rider->track);
+	if (object->next > stations ||
+	    (object->next > 0 && track_station_time(rider->track, object->next - 1) > record->time) ||
+	    (object->next < stations && track_station_time(rider->track, object->next) <= record->time))
+		return record_damaged(store, "stations that are not those of its time");
+	if (object->next == 0)
+		return object->in_contact ? record_damaged(store, "contact before the first station") : STATUS_OK;
+	enum status status = drive_set_down(drive, rider, object->next - 1, &event);
+	if (status != STATUS_OK)
+		return status;
+	/* Not to the bit: another machine's mathematics may have made it. */
+	const struct deform_pose *pose = &event.pose, *last = &object->last;
+	if (object->in_contact != event.contact ||
+	    (event.contact && !(near(last->x, pose->x) && near(last->y, pose->y) && near(last->z, pose->z))))
+		return record_damaged(store, "an object is not where its path was");
+	return STATUS_OK;
+}
+
+static enum status check(struct drive *drive)
+{
+	const struct record *record = drive->record;
+	const char *store = drive->path;
+	/* The last step may have been cut short by the end_time that was. */
+	double whole = (double)record->step * drive->scene->time_step;
+	if (drive_steps_until(drive->scene, record->time) != (double)record->step &&
+	    fabs(record->time - whole) > 1e-12 * whole)
+		return record_damaged(store, "its step and its time do not agree");
+	if (record->level != drive->level)
+		return record_damaged(store, "its level is not the store's");
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < drive->scene->object_count && status == STATUS_OK; i++)
+		status = check_object(drive, &drive->riders[i], &record->objects[i]);
+	return status;
+}
+
+static void restore(struct drive *drive)
+{
+	const struct record *record = drive->record;
+	drive->resumed = true;
+	drive->step = record->step;
+	drive->time = record->time;
+	/* The scene ends later now: its last step is done to its end. */
+	if (record->step > 0 && record->time < drive_step_time(drive->scene, record->step) * (1 - 1e-12))
+		drive->step--;
+	drive->resumed_from = drive->step;
+	drive->resumed_time = drive->time;
+	int64_t total = drive_step_count(drive);
+	drive->nothing_left = drive->step > total || (drive->step == total && record->ended);
+	for (size_t i = 0; i < drive->scene->object_count; i++) {
+		const struct record_object *object = &record->objects[i];
+		struct rider *rider = &drive->riders[i];
+		rider->next = object->next;
+		rider->in_contact = object->in_contact;
+		rider->last = object->last;
+		rider->distance = object->distance;
+		rider->sinkage = object->sinkage;
+		rider->skipped = object->skipped;
+	}
+}
+
+enum status drive_resume(struct drive *drive)
+{
+	const char *store = drive->path;
+	struct store_run run;
+	enum status status = store_last_run(drive->store, &run);
+	if (status != STATUS_OK)
+		return status;
+	if (run.scene_hash == NULL) {
+		note("%s: nothing was driven there; begins at step 0", store);
+		return STATUS_OK;
+	}
+	if (strcmp(run.scene_hash, drive->scene->hash) != 0)
+		return fail_with(STATUS_INPUT, "%s: its last drive, to step %lld, was of another scene (%.8s, not %.8s); resume with "
+				 "that scene, or drive this one without --resume", store, (long long)run.step,
+				 run.scene_hash, drive->scene->hash);
+	status = record_parse(&run, store, drive->scene, drive->record);
+	if (status == STATUS_OK)
+		status = check(drive);
+	if (status != STATUS_OK)
+		return status;
+	restore(drive);
+	if (drive->nothing_left)
+		note("%s: this scene was driven to step %lld, %g s, already; nothing is left to do", store,
+		     (long long)run.step, run.time);
+	return STATUS_OK;
+}

@@ -1,0 +1,243 @@
+"""drive --resume: where it goes on, where it begins, what it refuses. tests/laws/resume.py kills."""
+import hashlib
+import json
+import pathlib
+import shutil
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+from furrow_test import FURROW, SCENE, FurrowTest, main, write_png16
+
+NO_GL = {"__EGL_VENDOR_LIBRARY_FILENAMES": "/nonexistent.json", "EGL_PLATFORM": "surfaceless"}
+WHOLE = "ended steps simulated spacing working_level volume objects".split()
+
+
+class Resume(FurrowTest):
+    def setUp(self):
+        super().setUp()
+        self.store = self.synth()
+        self.copies = 0
+
+    def copy(self):
+        """Another store that was never driven."""
+        self.copies += 1
+        return pathlib.Path(shutil.copy(self.store, self.folder / f"copy{self.copies}.furrow"))
+
+    def rows(self, store):
+        db = sqlite3.connect(store)
+        found = [db.execute(sql).fetchall() for sql in (
+            'SELECT key, low, high, below, above, codec, hash, blob FROM "offset" ORDER BY key',
+            "SELECT key, low, high, planes, codec, hash, blob FROM soil ORDER BY key")]
+        db.close()
+        self.assertGreater(len(found[0]), 1)
+        return found
+
+    def kept(self, store):
+        """All that a drive changes; the file's header counts openings too."""
+        db = sqlite3.connect(store)
+        run = db.execute("SELECT * FROM run").fetchall()
+        db.close()
+        return self.rows(store), run, self.log(), (self.folder / "out/run.json").read_text()
+
+    def assert_same(self, a, b):
+        """Reports and stores."""
+        for key in WHOLE:
+            self.assertEqual(a[0][key], b[0][key])
+        self.assertTrue(self.rows(a[1]) == self.rows(b[1]))
+
+    def pieces(self, scene, store, *pieces):
+        """Driven with these options one after the other, all but the first resumed."""
+        report = None
+        for i, options in enumerate(pieces):
+            before = report["steps"] if report else None
+            report = self.drive(scene, "--store", store, *(["--resume"] if i > 0 else []), *options)
+            self.assertEqual(report["resumed_from"], before)
+        return report, store
+
+    def log(self):
+        return [line.split() for line in (self.folder / "out/epochs.log").read_text().splitlines()]
+
+    def test_in_pieces_it_is_what_it_is_in_one_go(self):
+        for step in (0.05, 0.37):
+            scene = self.scene(SCENE.replace("time_step: 0.05", f"time_step: {step}"))
+            whole = self.pieces(scene, self.copy(), [])
+            self.assertEqual(whole[0]["steps"], 80 if step == 0.05 else 11)
+            in_pieces = self.pieces(scene, self.copy(), ["--steps", 1], ["--steps", 2], ["--steps", 7],
+                                    ["--set", "cache.slots=4", "--set", "cache.prefetch=0"])
+            self.assert_same(in_pieces, whole)
+            log = self.log()
+            self.assertEqual([int(step) for _, _, _, step in log if step != "0"][:3], [1, 2, 7])
+            self.assertEqual([int(epoch) for _, epoch, _, _ in log], list(range(1, len(log) + 1)))
+
+    def test_a_scene_that_ends_later_now_goes_on(self):
+        # 1 s is 2.7 steps: the third is done to its end.
+        for step, first, total in ((0.05, 20, 80), (0.37, 3, 11)):
+            scene = self.scene(SCENE.replace("time_step: 0.05", f"time_step: {step}"))
+            whole = self.pieces(scene, self.copy(), [])
+            store = self.copy()
+            report = self.drive(scene, "--store", store, "--set", "end_time=1")
+            self.assertEqual(report["steps"], first)
+            self.assertEqual(report["simulated"], 1)
+            report = self.drive(scene, "--store", store, "--resume", "--set", "end_time=1.05")
+            self.assertEqual(report["simulated"], 1.05)
+            report = self.drive(scene, "--store", store, "--resume")
+            self.assertEqual(report["steps"], total)
+            self.assert_same((report, store), whole)
+
+    def test_where_nothing_was_driven_it_begins(self):
+        scene = self.scene()
+        whole = self.pieces(scene, self.copy(), [])
+        for options, driven in (([], self.store), (["--overlay", "over.furrow"], self.folder / "over.furrow")):
+            result = self.furrow("drive", scene, "--store", self.store, *options, "-o", "out", "--resume", "--json")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertIn("note: ", result.stderr)
+            self.assertIn("step 0", result.stderr)
+            report = json.loads(result.stdout)
+            self.assertIsNone(report["resumed_from"])
+            self.assert_same((report, driven), whole)
+            self.ok("reset", self.store)
+
+    def test_what_is_complete_is_left_as_it_is(self):
+        scene = self.scene()
+        report = self.drive(scene, "--store", self.store)
+        before = self.kept(self.store)
+        for options in ([], ["--set", "end_time=3"], ["--steps", 80], ["--steps", 12], ["--set", "cache.slots=9"]):
+            # Nothing is drawn, nor is it asked whether it could be.
+            result = self.furrow("drive", scene, "--store", self.store, "-o", "out", "--resume", "--json", *options, env=NO_GL)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertRegex(result.stderr, "^furrow: note: .*step 80, 4 s, already.*\n$")
+            again = json.loads(result.stdout)
+            self.assertEqual(again["resumed_from"], 80)
+            for key in WHOLE:
+                self.assertEqual(again[key], report[key])
+            self.assertTrue(self.kept(self.store) == before)
+        # Killed after the last commit, a drive has not told.
+        (self.folder / "out/run.json").unlink()
+        self.ok("drive", scene, "--store", self.store, "-o", "out", "--resume")
+        told = json.loads((self.folder / "out/run.json").read_text())
+        self.assertEqual({key: told[key] for key in WHOLE}, {key: report[key] for key in WHOLE})
+
+    def test_without_resume_it_begins_again(self):
+        scene = self.scene()
+        self.drive(scene, "--store", self.store, "--steps", 30)
+        report = self.drive(scene, "--store", self.store)
+        self.assertIsNone(report["resumed_from"])
+        self.assertEqual(report["steps"], 80)
+        self.assertEqual(self.log()[0][3], "0")
+        self.assertEqual(len(self.log()), report["io"]["commits"])
+        self.assertAlmostEqual(report["objects"]["left"]["distance"], 120, delta=1)
+
+    def test_another_scene_is_refused_and_a_cache_or_a_view_is_no_other_scene(self):
+        scene = self.scene()
+        self.drive(scene, "--store", self.store, "--steps", 30)
+        before = self.kept(self.store)
+        for setting in ("time_step=0.1", "objects.left.sink=0.1", "redistribute.model=none", "outside=skip", "spacing=0.125"):
+            error = self.refused(3, "drive", scene, "--store", self.store, "-o", "out", "--resume", "--set", setting)
+            self.assertRegex(error, "without --resume|furrow reset")
+            self.assertTrue(self.kept(self.store) == before)
+        report = self.drive(self.scene(SCENE + "view: {size: [64, 64], camera: {overhead: {over: left, height: 40}}, images: 40}\n"), "--store", self.store, "--resume",
+                            "--set", "cache.loaders=1")
+        self.assertEqual((report["resumed_from"], report["steps"]), (30, 80))
+
+    def test_a_damaged_record_is_refused_and_named(self):
+        scene = self.scene()
+        self.drive(scene, "--store", self.store, "--steps", 30)
+        for change in ("state = 'x'", "state = '{}'", "state = replace(state, 'left', 'lost')", "state = replace(state, '\"next\":\"', '\"next\":\"1')",
+                       "state = replace(state, '\"in_contact\":true', '\"in_contact\":false')",
+                       "state = replace(state, '\"x\":\"', '\"x\":\"9')", "state = replace(state, '\"y\":\"', '\"y\":\"-')",
+                       "state = replace(state, '\"z\":\"', '\"z\":\"12')", "state = replace(state, '\"level\":\"-2', '\"level\":\"-1')",
+                       "step = 29", "step = 31", "step = -1", "time = 1.49", "time = 1.51", "time = -1", "time = 1e300",
+                       "step = 0, time = 0"):
+            with self.subTest(change=change):
+                damaged = pathlib.Path(shutil.copy(self.store, self.folder / "damaged.furrow"))
+                db = sqlite3.connect(damaged)
+                with db:
+                    self.assertEqual(db.execute(f"UPDATE run SET {change}").rowcount, 1)
+                db.close()
+                before = self.kept(damaged)
+                error = self.refused(3, "drive", scene, "--store", damaged, "-o", "other", "--resume")
+                self.assertIn("damaged.furrow", error)
+                self.assertIn("without --resume", error)
+                self.assertTrue(self.kept(damaged) == before)
+                self.assertFalse((self.folder / "other").exists())
+
+    def test_a_torn_line_is_dropped_and_the_others_are_kept(self):
+        scene = self.scene()
+        self.drive(scene, "--store", self.store, "--steps", 30)
+        log = self.folder / "out/epochs.log"
+        kept = log.read_text()
+        log.write_text(kept + "epoch 3 st")
+        self.drive(scene, "--store", self.store, "--resume", "--steps", 50)
+        text = log.read_text()
+        self.assertTrue(text.startswith(kept + "epoch 3 step "))
+        self.assertTrue(text.endswith(" step 50\n"))
+        shutil.rmtree(self.folder / "out")
+        self.drive(scene, "--store", self.store, "--resume")
+        self.assertEqual(self.log()[0][1], str(int(text.split()[-3]) + 1))
+
+    def test_interrupted_it_goes_on(self):
+        scene = self.scene(SCENE.replace("end_time: 4", "end_time: 60").replace("speed: 30}", "speed: 30, loop: true}"))
+        whole = self.pieces(scene, self.copy(), [])
+        shutil.rmtree(self.folder / "out")
+        log, done, resumed = self.folder / "out/epochs.log", 0, []
+        for commits in (2, 1, 1):
+            before = len(log.read_text().splitlines()) if resumed else 0
+            process = subprocess.Popen([FURROW, "drive", scene, "--store", self.store, "-o", "out", *resumed], cwd=self.folder,
+                                       stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
+            while process.poll() is None and not (log.exists() and len(log.read_text().splitlines()) >= before + commits):
+                time.sleep(0.005)
+            process.send_signal(signal.SIGINT)
+            _, errors = process.communicate(timeout=280)
+            report = json.loads((self.folder / "out/run.json").read_text())
+            if report["ended"] == "complete":
+                break
+            self.assertEqual(process.returncode, 130, errors)
+            self.assertEqual(report["resumed_from"], done if resumed else None)
+            self.assertGreaterEqual(report["steps"], done)
+            done, resumed = report["steps"], ["--resume"]
+            self.assertEqual(self.json("info", self.store)["last_run"]["step"], done)
+        report = self.drive(scene, "--store", self.store, "--resume")
+        self.assert_same((report, self.store), whole)
+
+    def test_a_drive_that_ran_out_of_ground_stops_there_again(self):
+        write_png16(self.folder / "holes.png", 150, 150, lambda x, y: 0 if x > 80 else 100 + (x * 7 + y) % 5)
+        self.ok("import", "holes.png", "-o", "holes.furrow", "--nodata", "0")
+        scene = self.scene(SCENE.replace("outside", "").replace("[40, 130]", "[10, 130]"))
+        skip = ["--set", "outside=skip"]
+        self.drive(scene, "--store", self.store, "--steps", 1)  # skips without GL
+        self.assertIn("no ground", self.refused(1, "drive", scene, "--store", "holes.furrow", "-o", "out"))
+        stopped = json.loads((self.folder / "out/run.json").read_text())
+        rows = self.rows(self.folder / "holes.furrow")
+        self.assertIn("no ground", self.refused(1, "drive", scene, "--store", "holes.furrow", "-o", "out", "--resume"))
+        again = json.loads((self.folder / "out/run.json").read_text())
+        self.assertEqual(again["resumed_from"], stopped["steps"])
+        for key in WHOLE:
+            self.assertEqual(again[key], stopped[key])
+        self.assertTrue(self.rows(self.folder / "holes.furrow") == rows)
+        # Skipping, at every step over the hole and out of it.
+        for name in ("whole", "pieces"):
+            self.ok("import", "holes.png", "-o", f"{name}.furrow", "--nodata", "0")
+        whole = self.pieces(scene, self.folder / "whole.furrow", skip)
+        self.assertGreater(whole[0]["objects"]["left"]["skipped"], 0)
+        in_pieces = self.pieces(scene, self.folder / "pieces.furrow", *([*skip, "--steps", n] for n in (39, 41, 58, 60, 61, 62)), skip)
+        self.assert_same(in_pieces, whole)
+
+    def test_a_picture_of_the_step_that_was_committed_is_not_left_out(self):
+        scene = self.scene(SCENE + "view: {size: [64, 48], camera: {chase: left, back: 8, up: 4}, images: 20}\n")
+        self.drive(scene, "--store", self.copy())
+        out = self.folder / "out"
+        wanted = {path.name: hashlib.sha256(path.read_bytes()).digest() for path in out.glob("*.png")}
+        self.assertEqual(len(wanted), 4)
+        shutil.rmtree(out)
+        self.drive(scene, "--store", self.store, "--steps", 40)
+        (out / "frame-000040.png").unlink()
+        self.drive(scene, "--store", self.store, "--resume")
+        self.assertEqual({path.name: hashlib.sha256(path.read_bytes()).digest() for path in out.glob("*.png")}, wanted)
+
+
+if __name__ == "__main__":
+    main()
