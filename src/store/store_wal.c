@@ -12,6 +12,7 @@
 #include <stdio.h>
 
 #define WAL_BYTES (64 << 20)
+#define PATIENCE (2 * WAL_BYTES)
 #define FRAME_HEAD 24 /* before each page */
 #define WAIT_MS 100
 
@@ -33,7 +34,7 @@ enum status wal_begin(struct store *store)
 	if (status == STATUS_OK)
 		status = sql_integer(store->db, store->path, "PRAGMA page_size", &store->frame_bytes);
 	store->frame_bytes += FRAME_HEAD;
-	store->wal_patience = 2 * (int64_t)WAL_BYTES;
+	store->wal_patience = PATIENCE;
 	/* After the pragma: to SQLite its automatic checkpoints are such a hook. */
 	sqlite3_wal_hook(store->db, committed, store);
 	return status;
@@ -61,8 +62,10 @@ enum status store_bound_wal(struct store *store)
 {
 	bool whole;
 	assert(store->writing);
-	if (store->wal_bytes < WAL_BYTES)
+	if (store->wal_bytes < WAL_BYTES) {
+		store->wal_patience = PATIENCE;
 		return STATUS_OK;
+	}
 	enum status status = checkpoint(store, SQLITE_CHECKPOINT_PASSIVE, &whole);
 	if (status != STATUS_OK || store->wal_bytes < store->wal_patience)
 		return status;
@@ -70,6 +73,6 @@ enum status store_bound_wal(struct store *store)
 	status = checkpoint(store, SQLITE_CHECKPOINT_TRUNCATE, &whole);
 	sqlite3_busy_timeout(store->db, STORE_BUSY_MS);
 	/* A reader that stays is not waited for at every epoch. */
-	store->wal_patience = (whole ? 0 : store->wal_bytes - WAL_BYTES) + 2 * (int64_t)WAL_BYTES;
+	store->wal_patience = whole ? PATIENCE : store->wal_bytes + WAL_BYTES;
 	return status;
 }

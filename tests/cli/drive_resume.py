@@ -235,6 +235,13 @@ class Resume(FurrowTest):
         shutil.rmtree(out)
         self.drive(scene, "--store", self.store, "--steps", 40)
         (out / "frame-000040.png").unlink()
+        # So it is found when the kill came after the last step's commit, before that of the end.
+        with sqlite3.connect(self.store) as db:
+            db.execute("UPDATE run SET state = replace(state, '\"ended\":true', '\"ended\":false')")
+        db.close()
+        report = self.drive(scene, "--store", self.store, "--resume", "--steps", 40)
+        self.assertEqual((report["ended"], report["resumed_from"], report["view"]["frames"]), ("complete", 40, 1))
+        (out / "frame-000040.png").unlink()
         self.drive(scene, "--store", self.store, "--resume")
         self.assertEqual({path.name: hashlib.sha256(path.read_bytes()).digest() for path in out.glob("*.png")}, wanted)
 

@@ -163,7 +163,7 @@ class Campaign:
 
     def drive_once(self, round_, kills):
         """From the start to the end, with at most so many kills."""
-        committed, resume = (0, 0), False
+        committed, resume, told = (0, 0), False, False
         while True:
             process, out, store = self.start(round_, resume)
             self.counts["resumed"] += resume
@@ -182,12 +182,16 @@ class Campaign:
             self.test.assertIn(process.returncode, (-signal.SIGINT, 130) if gently else (-signal.SIGKILL,), (self.name, errors))
             self.counts["interrupts" if gently else "kills"] += 1
             committed = self.look(out, store, committed)
+            # Killed when all was done and told: the next will find nothing left, and leave that as it is.
+            report = out / "run.json"
+            told = report.exists() and json.loads(report.read_text())["ended"] == "complete"
             resume = True
         report, found = self.result(out, store)
         for part, (got, wanted) in enumerate(zip(found, self.wanted)):
             self.test.assertTrue(got == wanted, f"{self.name}: {'rows figures pictures'.split()[part]} are not those of a "
                                                 f"drive that was left alone: {(got, wanted) if part == 1 else ''}")
-        self.test.assertEqual(report["resumed_from"], committed[1] if committed[0] > 0 else None)
+        if not told:
+            self.test.assertEqual(report["resumed_from"], committed[1] if committed[0] > 0 else None)
         self.counts["drives"] += 1
 
     def run(self, kills):
