@@ -1,4 +1,7 @@
-/* furrow synth: synthetic terrain, as a raster or as a store. */
+/*
+ * furrow synth: synthetic terrain, as a raster or as a store. A post is a pure function of where it is,
+ * so that rows are worked out by several threads at once and their number changes no bit.
+ */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,18 +16,58 @@ static const struct command_option options[] = {
 	{"kind", "KIND", "ridged (default), dunes or plain"},
 	{"relief", "M", "metres from the lowest to the highest it may reach (300; dunes 40; plain 20)"},
 	{"seed", "S", "another number, another terrain (1)"},
+	{"jobs", "N", "threads that work posts out, and as many that pack tiles; 1: one for everything (the machine's cores)"},
 	{"overwrite", NULL, "replace a store; rasters are replaced in any case"},
 	{NULL, NULL, NULL},
 };
 
-static enum status synth_posts(void *user, struct post_rect rect, double *heights)
+#define JOBS_MOST 64
+
+struct making {
+	struct dem_synth synth;
+	int64_t jobs; /* 1 to JOBS_MOST */
+};
+
+struct job {
+	const struct dem_synth *synth;
+	struct post_rect rect;
+	double *heights;
+	struct thread thread;
+};
+
+static void *job_run(void *argument)
 {
-	dem_synth_posts(user, rect, heights);
-	return STATUS_OK;
+	struct job *job = argument;
+	dem_synth_posts(job->synth, job->rect, job->heights);
+	return NULL;
 }
 
-static enum status write_raster(struct dem_synth *synth, const char *path, bool png)
+/* A dem_posts_fn: some rows a job; this thread's own are the first. */
+static enum status make_posts(void *user, struct post_rect rect, double *heights)
 {
+	const struct making *making = user;
+	struct job jobs[JOBS_MOST] = {{0}};
+	int64_t rows = rect.y1 - rect.y0, width = rect.x1 - rect.x0;
+	int64_t count = rows < making->jobs ? rows : making->jobs;
+	enum status status = STATUS_OK;
+	for (int64_t i = count - 1; i >= 0 && status == STATUS_OK; i--) {
+		int64_t first = rows * i / count, end = rows * (i + 1) / count;
+		jobs[i].synth = &making->synth;
+		jobs[i].rect = (struct post_rect){rect.x0, rect.y0 + first, rect.x1, rect.y0 + end};
+		jobs[i].heights = heights + first * width;
+		if (i > 0)
+			status = thread_start(&jobs[i].thread, job_run, &jobs[i], "furrow-synth");
+		else
+			job_run(&jobs[i]);
+	}
+	for (int64_t i = 1; i < count; i++)
+		thread_join(&jobs[i].thread);
+	return status;
+}
+
+static enum status write_raster(struct making *making, const char *path, bool png)
+{
+	const struct dem_synth *synth = &making->synth;
 	const int64_t most = ((int64_t)1 << 20) / synth->width, band = most < 1 ? 1 : most > 64 ? 64 : most; /* rows */
 	struct dem_raster raster = {
 		.path = path,
@@ -47,8 +90,9 @@ static enum status write_raster(struct dem_synth *synth, const char *path, bool 
 		status = fail_memory("synthetic rows");
 	for (int64_t y = 0; y < synth->height && status == STATUS_OK; y += band) {
 		int64_t rows = synth->height - y < band ? synth->height - y : band;
-		dem_synth_posts(synth, (struct post_rect){0, y, synth->width, y + rows}, heights);
-		status = dem_writer_rows(writer, rows, heights);
+		status = make_posts(making, (struct post_rect){0, y, synth->width, y + rows}, heights);
+		if (status == STATUS_OK)
+			status = dem_writer_rows(writer, rows, heights);
 		if (status == STATUS_OK)
 			status = progress_step(&progress, y + rows, synth->height);
 	}
@@ -82,47 +126,50 @@ static enum status run(const struct arguments *arguments)
 	static const char *const kinds[] = {"ridged", "dunes", "plain", NULL};
 	static const double reliefs[] = {300, 40, 20};
 	const char *path = arguments_text(arguments, "o");
-	struct dem_synth synth = {.spacing = 0, .relief = 0};
+	struct making making = {.jobs = thread_cores() < JOBS_MOST ? thread_cores() : JOBS_MOST};
+	struct dem_synth *synth = &making.synth;
 	int kind = 0;
 	int64_t seed = 1;
 	enum status status = arguments_expect(arguments, 0, 0);
 	if (status == STATUS_OK && path == NULL)
 		status = fail_with(STATUS_USAGE, "synth: -o is missing; give a file ending in .tif, .png or .furrow");
 	if (status == STATUS_OK)
-		status = parse_posts(arguments_text(arguments, "posts"), &synth);
+		status = parse_posts(arguments_text(arguments, "posts"), synth);
 	if (status == STATUS_OK)
-		status = arguments_number(arguments, "spacing", 1e-4, 1e5, &synth.spacing);
-	if (status == STATUS_OK && synth.spacing == 0)
+		status = arguments_number(arguments, "spacing", 1e-4, 1e5, &synth->spacing);
+	if (status == STATUS_OK && synth->spacing == 0)
 		status = fail_with(STATUS_USAGE, "synth: --spacing is missing; give metres between posts");
 	if (status == STATUS_OK)
 		status = arguments_choice(arguments, "kind", kinds, &kind);
-	synth.relief = reliefs[kind];
+	synth->relief = reliefs[kind];
 	if (status == STATUS_OK)
-		status = arguments_number(arguments, "relief", 0, 15000, &synth.relief);
+		status = arguments_number(arguments, "relief", 0, 15000, &synth->relief);
 	if (status == STATUS_OK)
 		status = arguments_integer(arguments, "seed", 0, INT64_MAX, &seed);
+	if (status == STATUS_OK)
+		status = arguments_integer(arguments, "jobs", 1, JOBS_MOST, &making.jobs);
 	if (status != STATUS_OK)
 		return status;
-	synth.kind = (enum dem_synth_kind)kind;
-	synth.seed = (uint64_t)seed;
+	synth->kind = (enum dem_synth_kind)kind;
+	synth->seed = (uint64_t)seed;
 	bool png = dem_path_ends(path, ".png");
 	if (!dem_path_ends(path, ".furrow")) {
 		if (!png && !dem_path_ends(path, ".tif") && !dem_path_ends(path, ".tiff"))
 			return fail_with(STATUS_USAGE, "synth: %s: no format goes by that ending; use .tif, .png or .furrow",
 					 path);
-		return write_raster(&synth, path, png);
+		return write_raster(&making, path, png);
 	}
 	char sources[96];
-	snprintf(sources, sizeof sources, "synthetic %s, relief %g m, seed %lld", kinds[kind], synth.relief,
+	snprintf(sources, sizeof sources, "synthetic %s, relief %g m, seed %lld", kinds[kind], synth->relief,
 		 (long long)seed);
 	struct intake intake = {
 		.path = path,
 		.overwrite = arguments_flag(arguments, "overwrite"),
-		.jobs = thread_cores(),
-		.posts = synth_posts,
-		.posts_user = &synth,
+		.jobs = making.jobs,
+		.posts = make_posts,
+		.posts_user = &making,
 		.meta = {
-			.world = {synth.width, synth.height, synth.spacing, 256},
+			.world = {synth->width, synth->height, synth->spacing, 256},
 			.max_error = intake_default_error(0),
 			.step = intake_step(intake_default_error(0), 0, false),
 			.srs = "",
@@ -136,7 +183,7 @@ static enum status run(const struct arguments *arguments)
 const struct command command_synth = {
 	.name = "synth",
 	.usage = "synth -o OUT.tif|OUT.png|OUT.furrow --posts WxH --spacing M [--kind ridged|dunes|plain] "
-		 "[--relief M] [--seed S]",
+		 "[--relief M] [--seed S] [--jobs N]",
 	.summary = "make a synthetic terrain of any size",
 	.options = options,
 	.run = run,

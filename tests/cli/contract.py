@@ -1,4 +1,5 @@
 """The command's contract: what each subcommand prints, what it refuses, and with which status."""
+import hashlib
 import json
 import os
 import pathlib
@@ -183,6 +184,19 @@ class RoundTrips(FurrowTest):
         infos = [self.json("info", f"jobs{jobs}.furrow") for jobs in (1, 2, 5)]
         self.assertEqual(infos[0], infos[1])
         self.assertEqual(infos[0], infos[2])
+
+    def test_any_number_of_jobs_makes_the_same_synthetic_terrain(self):
+        made = []
+        for jobs in (1, 2, 5):
+            terrain = ("--posts", "300x263", "--spacing", "1", "--jobs", jobs, "-o")
+            self.ok("synth", *terrain, f"jobs{jobs}.furrow")
+            self.ok("synth", *terrain, f"jobs{jobs}.png")
+            picture = hashlib.sha256((self.folder / f"jobs{jobs}.png").read_bytes()).hexdigest()
+            made.append((self.json("info", f"jobs{jobs}.furrow"), picture))
+        self.assertEqual(made[0], made[1])
+        self.assertEqual(made[0], made[2])
+        for jobs in (0, 65):
+            self.refused(2, "synth", *terrain, "none.furrow", "--jobs", jobs)
 
     def test_info_holds_what_the_contract_names(self):
         info = self.json("info", self.synth(posts="600x400", spacing=2))
