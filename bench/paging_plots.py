@@ -1,7 +1,7 @@
 """The pictures of paging.py as SVG: grouped bars, and lines over time."""
 import html
 
-COLOURS = ("#4477aa", "#66ccee", "#228833", "#ccbb44", "#ee6677", "#aa3377")
+COLOURS = ("#4477aa", "#66ccee", "#228833", "#ccbb44", "#ee6677", "#aa3377", "#bbbbbb", "#000000")
 WIDTH, HEIGHT, LEFT, TOP, BOTTOM = 900, 420, 60, 40, 70
 
 
