@@ -308,7 +308,9 @@ def policy_bars(bars, simulated):
 def memory_bars(bars, big, small):
     """Memory grows while slots fill: no bar for a drive that fills them late."""
     for count, median in big.items():
-        if count != ALL and median["growth"] is not None and median["touched"] >= 4 * count:
+        if count == ALL:
+            continue
+        if median["growth"] is not None and median["touched"] >= 4 * count:
             bars.add("memory's growth, second half", f"straight, {count} slots", 100 * median["growth"], 1,
                      median["growth"] < 0.01, " %")
         if count in small:
