@@ -156,7 +156,7 @@ enum status page_cache_pin_all(struct page_cache *cache, const uint64_t *keys, s
 unlock:
 	mutex_unlock(&cache->mutex);
 	for (size_t i = 0; i < request.asked; i++)
-		page_trace_access(cache->params.trace, cache->step, keys[i], PAGE_ACCESS_PIN, request.hit[i]);
+		page_trace_access(cache->params.trace, cache->step - 1, keys[i], PAGE_ACCESS_PIN, request.hit[i]);
 	return status;
 }
 
@@ -203,7 +203,7 @@ bool page_cache_peek(struct page_cache *cache, uint64_t key, bool use, uint32_t 
 	}
 	mutex_unlock(&cache->mutex);
 	if (use)
-		page_trace_access(cache->params.trace, cache->step, key, PAGE_ACCESS_DRAW, resident);
+		page_trace_access(cache->params.trace, cache->step - 1, key, PAGE_ACCESS_DRAW, resident);
 	return resident;
 }
 

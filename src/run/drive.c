@@ -248,8 +248,10 @@ static enum status warm_up(struct drive *drive)
 	}
 	if (status == STATUS_OK)
 		status = prefetch_first(drive->prefetch);
-	if (drive->scout != NULL)
+	if (drive->scout != NULL) {
+		scout_tell(drive->scout, drive->time);
 		scout_wait(drive->scout);
+	}
 	if (status == STATUS_OK && drive->view != NULL)
 		status = view_warm(drive->view);
 	gpu_finish(drive->gpu);
