@@ -152,7 +152,7 @@ static enum status start_scout(struct drive *drive)
 		return fail_memory("the scout");
 	for (size_t i = 0; i < scene->object_count; i++)
 		tracks[i] = drive->riders[i].track;
-	uint32_t tiles = ground_tiles(drive);
+	uint32_t tiles = drive->ground_tiles;
 	bool follows = scene->view.present && scene->view.camera != SCENE_FIXED;
 	struct scout_params params = {
 		.store = drive->store,
@@ -198,6 +198,8 @@ static enum status start_gpu(struct drive *drive)
 	};
 	if (status == STATUS_OK && scene->object_count > 0)
 		status = deform_create(&deform, &drive->deform);
+	if (status == STATUS_OK)
+		status = budget_check(drive);
 	if (status == STATUS_OK && scene->view.present)
 		status = pyramid_create(&drive->meta->world, drive->level, drive->slots, &drive->pyramid);
 	return status;
@@ -214,7 +216,7 @@ static enum status start_pages(struct drive *drive)
 		.dirt = scene->dirt,
 		.count = scene->slots,
 		.loaders = scene->loaders,
-		.step_pages = drive_step_pages(drive),
+		.step_pages = budget_step_pages(drive),
 		.scene = scene,
 		.below = drive->record->below,
 		.above = drive->record->above,
@@ -256,7 +258,6 @@ static enum status warm_up(struct drive *drive)
 		status = view_warm(drive->view);
 	gpu_finish(drive->gpu);
 	gpu_stats(drive->gpu, &drive->before);
-	ground_figures(drive->ground, &drive->ground_before);
 	return status;
 }
 
@@ -276,7 +277,9 @@ static enum status prepare(struct drive *drive)
 	drive->meta = store_meta(drive->store);
 	status = settle_level(drive);
 	if (status == STATUS_OK)
-		status = ground_create(drive->store, ground_tiles(drive), &drive->ground);
+		drive->ground_tiles = ground_tiles(drive);
+	if (status == STATUS_OK)
+		status = ground_create(drive->store, drive->ground_tiles, &drive->ground);
 	if (status == STATUS_OK)
 		status = mount_riders(drive);
 	if (status == STATUS_OK && drive->params->resume)

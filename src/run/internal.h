@@ -41,6 +41,12 @@ struct event {
 	struct deform_pose pose;
 };
 
+/* The step's thread waited: for a page, for an epoch, or for the ground to set an object upon. */
+struct stalls {
+	uint64_t count;
+	double ms;
+};
+
 struct drive {
 	const struct run_params *params;
 	const struct scene *scene;
@@ -53,6 +59,7 @@ struct drive {
 	struct gpu_slots *slots;
 	struct deform *deform;
 	struct ground *ground;
+	uint32_t ground_tiles;   /* it keeps at most */
 	struct scout *scout;     /* NULL without prefetch, or without an object */
 	struct pages *pages;
 	struct page_cache *cache;
@@ -68,7 +75,9 @@ struct drive {
 	struct record *record;   /* as the last whole step, or what was resumed, left it */
 	struct times step_ms, frame_ms; /* a frame is a step and its picture; without a view a step alone */
 	struct gpu_stats before; /* what warming up took: not the drive's */
-	struct ground_figures ground_before;
+	struct stalls stalls_before; /* the first step */
+	struct stalls stalls_settled; /* in the first second of the loop, once it is over: settled */
+	bool settled;
 	size_t frames;
 	int64_t step;            /* steps done since the scene's start */
 	double time;             /* simulated since then, s */
@@ -77,6 +86,7 @@ struct drive {
 	double resumed_time;
 	bool nothing_left;       /* of what was resumed */
 	double began, seconds;   /* wall clock of the loop */
+	size_t window_tiles;     /* that one window can touch */
 	uint64_t passes_most;    /* most tiles one window touched */
 	bool told_tiles;
 	bool torn;               /* inside a step's deformation */
@@ -87,6 +97,7 @@ struct drive {
 enum status drive_begin(struct drive *drive) FURROW_CHECKED;
 enum status drive_steps(struct drive *drive) FURROW_CHECKED;
 int64_t drive_step_count(const struct drive *drive);
+void drive_stalls(const struct drive *drive, struct stalls *stalls); /* since the first step */
 double drive_steps_until(const struct scene *scene, double time); /* whole ones */
 double drive_step_time(const struct scene *scene, int64_t step); /* s: when it is done */
 
@@ -109,8 +120,15 @@ enum status prefetch_first(struct prefetch *prefetch) FURROW_CHECKED;
 
 /* sweep.c: one station's deformation. */
 enum status drive_sweep(struct drive *drive, struct rider *rider, const struct deform_pose *pose) FURROW_CHECKED;
+
+/* budget.c */
+#define BUDGET_WINDOW_TILES 64 /* that a window may touch at most */
+/* STATUS_INPUT, with the number needed, if there are fewer slots than one window touches tiles. */
+enum status budget_check(struct drive *drive) FURROW_CHECKED;
 /* Most pages one step can touch, for the queue's bound. */
-uint32_t drive_step_pages(const struct drive *drive);
+uint32_t budget_step_pages(const struct drive *drive);
+/* Of everything that holds tiles; the drive has begun. */
+void budget_bytes(const struct drive *drive, struct pages_budget *budget);
 
 /* view.c */
 enum status view_create(struct drive *drive, struct view **out) FURROW_CHECKED;

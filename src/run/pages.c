@@ -366,17 +366,6 @@ static struct page_params cache_params(const struct pages_params *params, const 
 	};
 }
 
-void pages_budget(const struct pages_params *params, struct pages_budget *budget)
-{
-	struct layout layout = layout_of(store_meta(params->store)->world.cells, params->dirt);
-	struct page_params cache = cache_params(params, &layout);
-	*budget = (struct pages_budget){
-		.slots = params->count * (uint64_t)(layout.posts * sizeof(int32_t) + layout.changed),
-		.loads = page_load_images(params->loaders) * (uint64_t)layout.loaded,
-		.queue = cache.queue_most * (uint64_t)layout.changed,
-	};
-}
-
 /* Without loaders the GPU's thread reads. */
 static uint32_t reader_count(const struct pages_params *params)
 {
@@ -434,4 +423,18 @@ void pages_io(struct pages *pages, struct pages_io *io)
 	mutex_unlock(&pages->mutex);
 	io->readback_ms = pages->readback_ms;
 	io->host_bytes = pages->host_bytes;
+}
+
+void pages_budget(const struct pages *pages, struct pages_budget *budget)
+{
+	const struct pages_params *params = &pages->params;
+	const struct layout *layout = &pages->layout;
+	struct page_params cache = cache_params(params, layout);
+	uint64_t plane = layout->posts * sizeof(int32_t);
+	*budget = (struct pages_budget){
+		.slots = params->count * (plane + layout->changed),
+		.loads = page_load_images(params->loaders) * (uint64_t)layout->loaded,
+		.queue = cache.queue_most * (uint64_t)layout->changed,
+		.ground = reader_count(params) * (GROUND_TILES + 1) * plane,
+	};
 }

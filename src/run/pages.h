@@ -37,11 +37,11 @@ struct pages_params {
 	void *user;
 };
 
-/* Bytes at most: of planes in slots, of images for loads, of images of changed pages. */
+/* Bytes at most: of planes in slots, of images for loads, of images of changed pages, and of the base
+ * tiles that those who load keep. */
 struct pages_budget {
-	uint64_t slots, loads, queue;
+	uint64_t slots, loads, queue, ground;
 };
-void pages_budget(const struct pages_params *params, struct pages_budget *budget);
 
 struct pages_io {
 	int64_t commits, tiles_read, tiles_written, bytes_read, bytes_written;
@@ -55,5 +55,6 @@ enum status pages_create(const struct pages_params *params, struct pages **out) 
 void pages_destroy(struct pages *pages);
 struct page_cache *pages_cache(struct pages *pages);
 void pages_io(struct pages *pages, struct pages_io *io);
+void pages_budget(const struct pages *pages, struct pages_budget *budget);
 
 #endif

@@ -34,8 +34,7 @@ static void add_stages(cJSON *root, const struct gpu_stats *gpu, const struct pa
 	json_number(stages, "writeback", io->writeback_ms);
 }
 
-static void add_cache(cJSON *root, const struct drive *drive, const struct page_stats *stats,
-		      const struct ground_figures *ground)
+static void add_cache(cJSON *root, const struct drive *drive, const struct page_stats *stats)
 {
 	cJSON *cache = cJSON_AddObjectToObject(root, "cache");
 	json_integer(cache, "slots", drive->scene->slots);
@@ -47,10 +46,11 @@ static void add_cache(cJSON *root, const struct drive *drive, const struct page_
 	json_integer(cache, "late", (int64_t)stats->late);
 	json_integer(cache, "evictions", (int64_t)stats->evictions);
 	json_integer(cache, "writebacks", (int64_t)stats->writebacks);
-	/* For a page, or for the ground to set an object upon. */
-	const struct ground_figures *before = &drive->ground_before;
-	json_integer(cache, "stalls", (int64_t)(stats->stalls + ground->waits - before->waits));
-	json_number(cache, "stall_ms", stats->stall_ms + ground->wait_ms - before->wait_ms);
+	struct stalls stalls;
+	drive_stalls(drive, &stalls);
+	json_integer(cache, "stalls", (int64_t)stalls.count);
+	json_number(cache, "stall_ms", stalls.ms);
+	json_integer(cache, "stalls_late", drive->settled ? (int64_t)(stalls.count - drive->stalls_settled.count) : 0);
 }
 
 static void add_gpu(cJSON *root, const struct drive *drive, const struct gpu_stats *stats)
@@ -80,6 +80,15 @@ static void add_memory(cJSON *root, const struct drive *drive, const struct gpu_
 	json_integer(memory, "rss_peak", (int64_t)mem_peak_resident());
 	json_integer(memory, "gpu_bytes", (int64_t)gpu->bytes);
 	json_integer(memory, "host_bytes", (int64_t)io->host_bytes);
+	/* What may be taken at most, whatever the terrain's size and the drive's length. */
+	struct pages_budget most;
+	budget_bytes(drive, &most);
+	cJSON *budget = cJSON_AddObjectToObject(memory, "budget");
+	json_integer(budget, "slots", (int64_t)most.slots);
+	json_integer(budget, "loads", (int64_t)most.loads);
+	json_integer(budget, "queue", (int64_t)most.queue);
+	json_integer(budget, "ground", (int64_t)most.ground);
+	json_integer(budget, "total", (int64_t)(most.slots + most.loads + most.queue + most.ground));
 	cJSON *bytes = cJSON_AddObjectToObject(memory, "plane_bytes");
 	json_integer(bytes, "base", (int64_t)planes.base);
 	json_integer(bytes, "offset", (int64_t)planes.offset);
@@ -159,7 +168,7 @@ static void add_process(cJSON *root, const struct drive *drive, const struct pag
 	json_number(root, "rtf", drive->seconds > 0 ? (drive->time - drive->resumed_time) / drive->seconds : 0);
 	add_times(root, drive);
 	add_stages(root, &gpu, io);
-	add_cache(root, drive, &pages, &ground);
+	add_cache(root, drive, &pages);
 	add_gpu(root, drive, &gpu);
 	add_memory(root, drive, &gpu, io);
 	add_io(root, drive, io, &ground);

@@ -106,6 +106,18 @@ static enum status one_step(struct drive *drive)
 	return page_cache_end_step(drive->cache, drive->record);
 }
 
+void drive_stalls(const struct drive *drive, struct stalls *stalls)
+{
+	struct page_stats pages;
+	struct ground_figures ground;
+	page_cache_stats(drive->cache, &pages);
+	ground_figures(drive->ground, &ground);
+	*stalls = (struct stalls){
+		.count = pages.stalls + ground.waits - drive->stalls_before.count,
+		.ms = pages.stall_ms + ground.wait_ms - drive->stalls_before.ms,
+	};
+}
+
 static void show_progress(const struct drive *drive, int64_t total, double *shown)
 {
 	double now = clock_seconds();
@@ -125,6 +137,7 @@ enum status drive_steps(struct drive *drive)
 	bool terminal = drive->params->progress && isatty(STDERR_FILENO) != 0;
 	double shown = 0;
 	enum status status = STATUS_OK;
+	drive_stalls(drive, &drive->stalls_before);
 	drive->began = clock_seconds();
 	while (drive->step < total && status == STATUS_OK) {
 		if (drive->params->stop != NULL && *drive->params->stop) {
@@ -144,6 +157,10 @@ enum status drive_steps(struct drive *drive)
 		if (status == STATUS_OK) {
 			times_add(&drive->step_ms, (stepped - started) * 1e3);
 			times_add(&drive->frame_ms, (framed - started) * 1e3);
+		}
+		if (!drive->settled && framed - drive->began > 1) {
+			drive_stalls(drive, &drive->stalls_settled);
+			drive->settled = true;
 		}
 		if (terminal)
 			show_progress(drive, total, &shown);

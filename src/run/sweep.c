@@ -1,14 +1,11 @@
 /* One station's deformation: pin the tiles its windows touch, compute, scatter, mark dirty. */
 #include <assert.h>
-#include <math.h>
 
 #include "run/internal.h"
 
-#define TILES_MAX 64
-
 struct held {
-	struct deform_tile tiles[TILES_MAX];
-	uint64_t keys[TILES_MAX];
+	struct deform_tile tiles[BUDGET_WINDOW_TILES];
+	uint64_t keys[BUDGET_WINDOW_TILES];
 	size_t count;
 };
 
@@ -20,10 +17,7 @@ static enum status hold(struct drive *drive, struct post_rect rect, struct held 
 	if (!tile_range_of(world, drive->level, rect, &first, &last))
 		return STATUS_OK;
 	size_t needed = (size_t)(last.x - first.x + 1) * (last.y - first.y + 1);
-	if (needed > TILES_MAX || needed > drive->scene->slots)
-		return fail_with(STATUS_INPUT, "cache.slots: one window touches %zu tiles and there are %u slots; import with "
-					       "larger tiles, or raise cache.slots",
-				 needed, drive->scene->slots);
+	assert(needed <= drive->window_tiles);
 	if (needed > 4 && !drive->told_tiles) {
 		note("tiles of %u cells are smaller than an object's window: it touches %zu of them at once, not four",
 		     world->cells, needed);
@@ -37,7 +31,7 @@ static enum status hold(struct drive *drive, struct post_rect rect, struct held 
 			held->tiles[held->count].tile = tile;
 			held->keys[held->count++] = tile_key(tile);
 		}
-	uint32_t slots[TILES_MAX];
+	uint32_t slots[BUDGET_WINDOW_TILES];
 	enum status status = page_cache_pin_all(drive->cache, held->keys, held->count, slots);
 	if (status != STATUS_OK) {
 		held->count = 0;
@@ -58,7 +52,7 @@ static void release(struct drive *drive, const struct held *held)
 static enum status scatter(struct drive *drive, const struct deform_window *window, uint32_t layer,
 			   const struct held *held)
 {
-	struct deform_tile written[TILES_MAX] = {{{0, 0, 0}, 0}};
+	struct deform_tile written[BUDGET_WINDOW_TILES] = {{{0, 0, 0}, 0}};
 	size_t count = 0;
 	for (size_t i = 0; i < held->count; i++)
 		if (!post_rect_empty(post_rect_intersect(window->write,
@@ -104,19 +98,4 @@ enum status drive_sweep(struct drive *drive, struct rider *rider, const struct d
 	rider->in_contact = true;
 	rider->last = *pose;
 	return status;
-}
-
-uint32_t drive_step_pages(const struct drive *drive)
-{
-	/* Stations a step can bring an object, and the tiles they can lie on: a path's length crosses
-	 * at most two rows and two columns more than its extent asks for. */
-	double pages = 0, side = drive->spacing * drive->meta->world.cells;
-	for (size_t i = 0; i < drive->scene->object_count; i++) {
-		const struct scene_object *object = &drive->scene->objects[i];
-		double size = 2 * fmax(object->shape.radius, hypot(object->shape.size[0], object->shape.size[1])) +
-			      object->shape.width;
-		double along = track_fastest(drive->riders[i].track) * drive->scene->time_step / side + 2, across = ceil(size / side) + 1;
-		pages += 2 * along * across + across * across;
-	}
-	return pages < 1e6 ? (uint32_t)pages + 4 : 1000000;
 }

@@ -3,6 +3,7 @@ import hashlib
 import json
 import os
 import pathlib
+import re
 import subprocess
 import struct
 import sys
@@ -52,6 +53,34 @@ class BadInput(FurrowTest):
             with self.subTest(name=name, command="drive"):
                 self.refused(3, "drive", self.scene(), "--store", name, "-o", "out")
                 self.assertFalse((self.folder / "out").exists())
+
+    def test_slots_below_what_a_step_needs_are_refused_with_the_number(self):
+        """Before anything is made; and with that number of slots it runs, within what it says it takes."""
+        self.ok("synth", "-o", "dem.png", "--posts", "513x513", "--spacing", "1")
+        self.ok("import", "dem.png", "-o", "small.furrow", "--tile", "64", "--spacing", "1")
+        scene = self.scene("""
+scene: 1
+time_step: 0.1
+end_time: 2
+objects:
+  - name: plate
+    shape: {box: {size: [120, 80, 2]}}
+    path: {points: [[150, 150], [330, 350]], speed: 40}
+    sink: 0.2
+cache: {slots: 4}
+""")
+        told = self.refused(3, "drive", scene, "--store", "small.furrow", "-o", "out")
+        needed = int(re.search(r"there are 4 slots; give at least (\d+)", told).group(1))
+        self.assertFalse((self.folder / "out").exists())
+        self.refused(3, "drive", scene, "--store", "small.furrow", "-o", "out", "--set", f"cache.slots={needed - 1}")
+        run = json.loads(self.ok("drive", scene, "--store", "small.furrow", "-o", "out", "--json", "--set",
+                                 f"cache.slots={needed}"))
+        self.assertLessEqual(run["tiles_per_window"], needed)
+        self.assertGreater(run["tiles_per_window"], 4)
+        budget, memory = run["memory"]["budget"], run["memory"]
+        self.assertEqual(budget["total"], sum(budget[name] for name in ("slots", "loads", "queue", "ground")))
+        self.assertLessEqual(memory["host_bytes"], budget["loads"] + budget["queue"])
+        self.assertLessEqual(sum(memory["plane_bytes"].values()), budget["slots"])
 
     def test_missing_empty_and_garbage_sources_are_status_3_and_leave_nothing(self):
         (self.folder / "empty.tif").touch()

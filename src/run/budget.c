@@ -1,0 +1,86 @@
+/* What a drive needs at least, and what it takes at most: found before it begins. */
+#include <math.h>
+
+#include "run/internal.h"
+
+/* However it is turned, the object lies within this of its centre, metres. */
+static double bound_of(const struct deform_shape *shape)
+{
+	if (shape->kind == DEFORM_WHEEL)
+		return hypot(shape->radius, shape->width / 2);
+	if (shape->kind == DEFORM_SPHERE)
+		return shape->radius;
+	return hypot(hypot(shape->size[0], shape->size[1]), shape->size[2]) / 2;
+}
+
+/* Tiles that so many posts in a row can lie in, shared edges included. */
+static size_t tiles_across(int64_t posts, uint32_t cells, int64_t most)
+{
+	int64_t tiles = (posts - 1) / cells + 2;
+	return (size_t)(tiles < most ? tiles : most);
+}
+
+/* Of the sphere around the object, a station's sweep in the middle of the world. */
+static size_t window_tiles(const struct drive *drive, const struct deform_shape *shape)
+{
+	const struct world *world = &drive->meta->world;
+	const struct deform_shape around = {.kind = DEFORM_SPHERE, .radius = bound_of(shape)};
+	int64_t post = lattice_offset(drive->spacing);
+	int64_t x = lattice_offset((double)(world->width - 1) * world->spacing / 2);
+	int64_t y = lattice_offset((double)(world->height - 1) * world->spacing / 2);
+	struct deform_sweep sweep = {.shape = &around, .from = {.x = x, .y = y}, .to = {.x = x + post, .y = y + post}};
+	struct deform_window windows[DEFORM_WINDOWS_MAX];
+	size_t count, most = 0;
+	int64_t wide = world_tiles_x(world, drive->level), high = world_tiles_y(world, drive->level);
+	if (deform_windows(drive->deform, &sweep, windows, &count) != STATUS_OK) {
+		/* The sphere needs too many; the object, which is smaller, needs none larger than this. */
+		count = 1;
+		windows[0].read = (struct post_rect){0, 0, DEFORM_WINDOW_POSTS, DEFORM_WINDOW_POSTS};
+	}
+	for (size_t i = 0; i < count; i++) {
+		const struct post_rect *read = &windows[i].read;
+		size_t tiles = tiles_across(read->x1 - read->x0, world->cells, wide) *
+			       tiles_across(read->y1 - read->y0, world->cells, high);
+		most = tiles > most ? tiles : most;
+	}
+	return most;
+}
+
+enum status budget_check(struct drive *drive)
+{
+	const struct scene *scene = drive->scene;
+	for (size_t i = 0; i < scene->object_count; i++) {
+		size_t tiles = window_tiles(drive, &scene->objects[i].shape);
+		if (tiles > BUDGET_WINDOW_TILES)
+			return fail_with(STATUS_INPUT, "%s: it touches up to %zu tiles of %u cells at once, and %d is the "
+						       "most; import with larger tiles (--tile)",
+					 scene->objects[i].name, tiles, drive->meta->world.cells, BUDGET_WINDOW_TILES);
+		if (tiles > scene->slots)
+			return fail_with(STATUS_INPUT, "cache.slots: %s touches up to %zu tiles at once and there are %u slots; "
+						       "give at least %zu, or import with larger tiles (--tile)",
+					 scene->objects[i].name, tiles, scene->slots, tiles);
+		if (tiles > drive->window_tiles)
+			drive->window_tiles = tiles;
+	}
+	return STATUS_OK;
+}
+
+uint32_t budget_step_pages(const struct drive *drive)
+{
+	/* Stations a step can bring an object, and the tiles they can lie on: a path's length crosses
+	 * at most two rows and two columns more than its extent asks for. */
+	double pages = 0, side = drive->spacing * drive->meta->world.cells;
+	for (size_t i = 0; i < drive->scene->object_count; i++) {
+		double size = 2 * bound_of(&drive->scene->objects[i].shape) + 16 * drive->spacing; /* and what is smoothed around it */
+		double along = track_fastest(drive->riders[i].track) * drive->scene->time_step / side + 2, across = ceil(size / side) + 1;
+		pages += 2 * along * across + across * across;
+	}
+	return pages < 1e6 ? (uint32_t)pages + 4 : 1000000;
+}
+
+void budget_bytes(const struct drive *drive, struct pages_budget *budget)
+{
+	uint64_t side = tile_posts(&drive->meta->world);
+	pages_budget(drive->pages, budget);
+	budget->ground += ((uint64_t)drive->ground_tiles + 1) * side * side * sizeof(int32_t);
+}
