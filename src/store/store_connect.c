@@ -52,6 +52,9 @@ enum status connect_file(const char *path, const char *named, bool writing, bool
 		sqlite3_db_config(*db, SQLITE_DBCONFIG_ENABLE_VIEW, 0, (int *)NULL);
 		sqlite3_limit(*db, SQLITE_LIMIT_LENGTH, VALUE_BYTES);
 		status = sql_exec(*db, named, "opening it", "PRAGMA cell_size_check=ON");
+		/* A reader comes back to the tree's inner pages, and hardly to a tile; there are many readers. */
+		if (status == STATUS_OK && !writing)
+			status = sql_exec(*db, named, "opening it", "PRAGMA cache_size=-512");
 	}
 	if (status != STATUS_OK) {
 		sqlite3_close(*db);
