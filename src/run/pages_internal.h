@@ -1,0 +1,70 @@
+/*
+ * The adaptor's inside, shared by the files pages*.c: what a page's bytes are, and who may touch what.
+ *
+ *     loader threads --- pages_io.c ---> image ---> pages_slots.c ---> slot      (base, planes)
+ *     the writer     <-- pages_io.c ---- image <--- pages_slots.c <--- slot      (planes)
+ */
+#ifndef FURROW_RUN_PAGES_INTERNAL_H
+#define FURROW_RUN_PAGES_INTERNAL_H
+
+#include "run/ground.h"
+#include "run/pages.h"
+
+#define PAGES_DEFORMED 1u /* page_image.flags: its planes are filled */
+
+/* A loaded image's bytes: this, base posts or patch, and the planes: offset, dirt. A changed one's: the
+ * planes alone. */
+struct pages_head {
+	int shift; /* 0: the base is posts; else a patch to subdivide */
+	uint32_t sub_x, sub_y;
+};
+
+struct pages_layout {
+	uint32_t cells;
+	size_t posts;                /* of a tile */
+	size_t base, planes, loaded; /* bytes: where they begin, and all of a loaded image */
+	size_t dirt, changed;        /* bytes: from the planes' begin, and all of them */
+};
+
+struct pages {
+	struct pages_params params;
+	struct pages_layout layout;
+	struct page_cache *cache;
+	struct ground *grounds[16];      /* one a loader */
+	struct store_page *commit_pages; /* the writer's */
+	size_t commit_room;
+	double readback_ms;              /* the GPU's thread's, and */
+	uint64_t host_bytes;
+	struct mutex mutex;              /* guards io */
+	struct pages_io io;
+};
+
+static inline struct pages_head *pages_head(const struct page_image *loaded)
+{
+	return loaded->bytes;
+}
+
+static inline int32_t *pages_base(const struct pages *pages, const struct page_image *loaded)
+{
+	return (int32_t *)((char *)loaded->bytes + pages->layout.base);
+}
+
+static inline void *pages_planes(const struct pages *pages, const struct page_image *loaded)
+{
+	return (char *)loaded->bytes + pages->layout.planes;
+}
+
+static inline int32_t *pages_offset(void *planes)
+{
+	return planes;
+}
+
+static inline uint8_t *pages_dirt(const struct pages *pages, void *planes)
+{
+	return pages->params.dirt ? (uint8_t *)planes + pages->layout.dirt : NULL;
+}
+
+struct page_io pages_io_of(struct pages *pages);             /* pages_io.c */
+struct page_executor pages_executor_of(struct pages *pages); /* pages_slots.c */
+
+#endif

@@ -1,0 +1,136 @@
+/* Pages from the store and back: loads on the loader threads, epochs on the writer's. */
+#include <assert.h>
+#include <errno.h>
+#include <string.h>
+
+#include "run/pages_internal.h"
+
+/* --- loader threads --- */
+
+static enum status load_base(struct pages *pages, struct ground *ground, struct tile tile,
+			     struct page_image *image)
+{
+	struct pages_head *head = pages_head(image);
+	*head = (struct pages_head){0, 0, 0};
+	if (tile.level < 0)
+		return ground_patch(ground, tile, pages_base(pages, image), &head->shift, &head->sub_x, &head->sub_y);
+	return ground_posts(ground, tile, pages_base(pages, image));
+}
+
+static enum status load_planes(struct pages *pages, struct ground *ground, struct tile tile,
+			       struct page_image *image, const struct page_image *queued)
+{
+	image->flags = 0;
+	image->overlays = tile.level > pages->params.level;
+	void *planes = pages_planes(pages, image);
+	if (queued != NULL) {
+		memcpy(planes, queued->bytes, pages->layout.changed);
+		image->flags = PAGES_DEFORMED;
+		return STATUS_OK;
+	}
+	if (tile.level < pages->params.level)
+		return STATUS_OK;
+	unsigned wanted = STORE_PLANE_OFFSET | (pages->params.dirt ? STORE_PLANE_DIRT : 0), present;
+	enum status status = store_read_deformed(ground_reader(ground), tile, wanted, pages_offset(planes),
+						 pages_dirt(pages, planes), &present);
+	if (status == STATUS_OK && present != 0)
+		image->flags = PAGES_DEFORMED;
+	return status;
+}
+
+static enum status load(void *user, unsigned loader, struct page_image *image, const struct page_image *queued)
+{
+	struct pages *pages = user;
+	struct ground *ground = pages->grounds[loader];
+	struct tile tile = tile_from_key(image->key);
+	double started = clock_seconds();
+	enum status status = load_base(pages, ground, tile, image);
+	if (status == STATUS_OK)
+		status = load_planes(pages, ground, tile, image, queued);
+	mutex_lock(&pages->mutex);
+	if (status == STATUS_OK) {
+		pages->io.tiles_read++;
+		pages->io.bytes_read += (int64_t)pages->layout.loaded; /* as decoded */
+	}
+	pages->io.load_ms += (clock_seconds() - started) * 1e3;
+	mutex_unlock(&pages->mutex);
+	return status;
+}
+
+/* --- the writer thread --- */
+
+/* What the writer thread makes the record's text of. */
+struct describing {
+	struct pages *pages;
+	const struct record *record;
+	char *state;
+};
+
+static const char *describe(void *user, const struct store_epoch_result *result)
+{
+	struct describing *describing = user;
+	const struct pages_params *params = &describing->pages->params;
+	const struct pages_io *io = &describing->pages->io; /* of these the writer's alone */
+	describing->state = record_print(describing->record, params->scene, io->below + result->below,
+					 io->above + result->above);
+	return describing->state;
+}
+
+static enum status acknowledge(struct pages *pages, int64_t epoch, int64_t step)
+{
+	FILE *log = pages->params.epochs;
+	if (fprintf(log, "epoch %lld step %lld\n", (long long)epoch, (long long)step) < 0 || fflush(log) != 0)
+		return fail_with(STATUS_FAILED, "epochs.log: %s; free some disk space", strerror(errno));
+	return STATUS_OK;
+}
+
+static enum status commit(void *user, const struct page_image *const *images, size_t count, const void *bytes)
+{
+	struct pages *pages = user;
+	const struct record *record = bytes;
+	double started = clock_seconds();
+	if (count > pages->commit_room) {
+		struct store_page *room = mem_realloc(pages->commit_pages, count, sizeof *room);
+		if (room == NULL)
+			return fail_memory("an epoch");
+		pages->commit_pages = room;
+		pages->commit_room = count;
+	}
+	for (size_t i = 0; i < count; i++)
+		pages->commit_pages[i] = (struct store_page){
+			.tile = tile_from_key(images[i]->key),
+			.planes = STORE_PLANE_OFFSET | (pages->params.dirt ? STORE_PLANE_DIRT : 0),
+			.offset = pages_offset(images[i]->bytes),
+			.dirt = pages_dirt(pages, images[i]->bytes),
+		};
+	struct describing describing = {pages, record, NULL};
+	struct store_run run = {
+		.scene_hash = pages->params.scene->hash,
+		.step = record->step,
+		.time = record->time,
+		.describe = describe,
+		.user = &describing,
+	};
+	struct store_epoch_result result;
+	enum status status = store_epoch(pages->params.store, pages->commit_pages, count, &run, &result);
+	mem_free(describing.state);
+	if (status != STATUS_OK)
+		return status;
+	status = acknowledge(pages, result.epoch, record->step);
+	if (status == STATUS_OK)
+		status = store_bound_wal(pages->params.store);
+	mutex_lock(&pages->mutex);
+	pages->io.commits++;
+	pages->io.tiles_written += result.tiles_written;
+	pages->io.bytes_written += result.bytes_written;
+	pages->io.below += result.below;
+	pages->io.above += result.above;
+	pages->io.writeback_ms += (clock_seconds() - started) * 1e3;
+	mutex_unlock(&pages->mutex);
+	return status;
+}
+
+struct page_io pages_io_of(struct pages *pages)
+{
+	return (struct page_io){pages, load, commit};
+}

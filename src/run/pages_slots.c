@@ -1,0 +1,155 @@
+/*
+ * Pages into slots and out of them, on the GPU's thread: transfers that are begun, and later settled.
+ *
+ * A coarser level than the working one is overlaid when it becomes resident: with the versions that are
+ * not in the store yet, then with what is dirty in a slot, so that it is the decimation of the finer
+ * one (law 4) also between two commits.
+ */
+#include <string.h>
+
+#include "run/pages_internal.h"
+
+struct overlay {
+	struct pages *pages;
+	struct page_image *image;
+	struct tile tile;
+	uint32_t slot;
+	enum status status;
+};
+
+/* The posts of `fine` that are posts of `coarse` too: where they go. steps levels apart. */
+static bool overlaps(const struct pages *pages, struct tile fine, struct tile coarse, int *steps, uint32_t *to_x,
+		     uint32_t *to_y, struct gpu_rect *rect)
+{
+	if (fine.level != pages->params.level || fine.level >= coarse.level ||
+	    !tile_equal(tile_ancestor(fine, coarse.level), coarse))
+		return false;
+	uint64_t cells = pages->layout.cells, step = (uint64_t)1 << (*steps = coarse.level - fine.level);
+	/* First post of the fine tile, in its own posts from the coarse tile's first post. */
+	uint64_t x = fine.x * cells - (uint64_t)coarse.x * cells * step,
+		 y = fine.y * cells - (uint64_t)coarse.y * cells * step;
+	uint64_t skip_x = (step - x % step) % step, skip_y = (step - y % step) % step;
+	if (skip_x > cells || skip_y > cells)
+		return false;
+	*to_x = (uint32_t)((x + skip_x) / step);
+	*to_y = (uint32_t)((y + skip_y) / step);
+	*rect = (struct gpu_rect){(uint32_t)skip_x, (uint32_t)skip_y, (uint32_t)(cells + 1 - skip_x),
+				  (uint32_t)(cells + 1 - skip_y)};
+	return true;
+}
+
+static void overlay_queued(void *user, const struct page_image *fine)
+{
+	struct overlay *overlay = user;
+	struct pages *pages = overlay->pages;
+	int steps;
+	uint32_t to_x, to_y;
+	struct gpu_rect rect;
+	if (!overlaps(pages, tile_from_key(fine->key), overlay->tile, &steps, &to_x, &to_y, &rect))
+		return;
+	size_t stride = pages->layout.cells + 1;
+	void *planes = pages_planes(pages, overlay->image);
+	if (!(overlay->image->flags & PAGES_DEFORMED)) {
+		memset(planes, 0, pages->layout.changed);
+		overlay->image->flags |= PAGES_DEFORMED;
+	}
+	uint32_t step = 1u << steps;
+	for (uint32_t y = 0; y < rect.height; y += step)
+		for (uint32_t x = 0; x < rect.width; x += step) {
+			size_t from = (rect.y + y) * stride + rect.x + x, to = (to_y + y / step) * stride + to_x + x / step;
+			pages_offset(planes)[to] = pages_offset(fine->bytes)[from];
+			if (pages->params.dirt)
+				pages_dirt(pages, planes)[to] = pages_dirt(pages, fine->bytes)[from];
+		}
+}
+
+static void overlay_resident(void *user, uint64_t key, uint32_t slot, bool dirty)
+{
+	struct overlay *overlay = user;
+	int steps;
+	uint32_t to_x, to_y;
+	struct gpu_rect rect;
+	if (overlay->status != STATUS_OK || !dirty ||
+	    !overlaps(overlay->pages, tile_from_key(key), overlay->tile, &steps, &to_x, &to_y, &rect))
+		return;
+	struct gpu_slots *slots = overlay->pages->params.slots;
+	overlay->status = gpu_slots_deform(slots, overlay->slot);
+	if (overlay->status == STATUS_OK)
+		overlay->status = gpu_slots_decimate(slots, slot, rect, steps, overlay->slot, to_x, to_y);
+}
+
+/* Where the dirt is in an image whose planes begin at `planes`. */
+static size_t dirt_place(const struct pages *pages, size_t planes)
+{
+	return pages->params.dirt ? planes + pages->layout.dirt : GPU_NO_PLANE;
+}
+
+static enum status upload(void *user, uint32_t slot, struct page_image *image)
+{
+	struct pages *pages = user;
+	struct gpu_slots *slots = pages->params.slots;
+	struct gpu_staging *staging = image->memory;
+	const struct pages_layout *layout = &pages->layout;
+	struct pages_head *head = pages_head(image);
+	struct overlay overlay = {pages, image, tile_from_key(image->key), slot, STATUS_OK};
+	if (image->overlays)
+		page_cache_each_queued(pages->cache, overlay_queued, &overlay);
+	enum status status =
+		head->shift == 0 ? gpu_slots_upload_base(slots, slot, staging, layout->base)
+				 : gpu_slots_subdivide_base(slots, slot, staging, layout->base, head->shift,
+							    head->sub_x, head->sub_y);
+	if (status != STATUS_OK)
+		return status;
+	if (image->flags & PAGES_DEFORMED)
+		status = gpu_slots_upload_deform(slots, slot, staging, layout->planes,
+						 dirt_place(pages, layout->planes));
+	else
+		gpu_slots_undeform(slots, slot);
+	if (status == STATUS_OK && image->overlays)
+		page_cache_each_resident(pages->cache, overlay_resident, &overlay);
+	return status == STATUS_OK ? overlay.status : status;
+}
+
+static enum status read_back(void *user, uint32_t slot, struct page_image *image)
+{
+	struct pages *pages = user;
+	double started = clock_seconds();
+	enum status status =
+		pages->params.before_read_back(pages->params.user, tile_from_key(image->key), slot);
+	if (status == STATUS_OK)
+		status = gpu_slots_read_deform(pages->params.slots, slot, image->memory, 0, dirt_place(pages, 0));
+	image->flags = PAGES_DEFORMED;
+	pages->readback_ms += (clock_seconds() - started) * 1e3;
+	return status;
+}
+
+static enum status settled(void *user, const struct page_image *image, bool *settled)
+{
+	const struct pages *pages = user;
+	*settled = gpu_staging_idle(image->memory);
+	return *settled ? gpu_check(pages->params.gpu, "uploads and read-backs") : STATUS_OK;
+}
+
+static enum status create_image(void *user, enum page_image_kind kind, struct page_image *image)
+{
+	struct pages *pages = user;
+	size_t bytes = kind == PAGE_LOADED_IMAGE ? pages->layout.loaded : pages->layout.changed;
+	struct gpu_staging *staging;
+	enum status status = gpu_staging_create(pages->params.gpu, bytes, &staging);
+	if (status != STATUS_OK)
+		return status;
+	image->memory = staging;
+	image->bytes = gpu_staging_bytes(staging);
+	pages->host_bytes += bytes;
+	return STATUS_OK;
+}
+
+static void destroy_image(void *user, struct page_image *image)
+{
+	gpu_staging_destroy(image->memory);
+}
+
+struct page_executor pages_executor_of(struct pages *pages)
+{
+	return (struct page_executor){pages, create_image, destroy_image, upload, read_back, settled};
+}
