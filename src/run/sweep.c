@@ -17,7 +17,7 @@ static enum status hold(struct drive *drive, struct post_rect rect, struct held 
 	if (!tile_range_of(world, drive->level, rect, &first, &last))
 		return STATUS_OK;
 	size_t needed = (size_t)(last.x - first.x + 1) * (last.y - first.y + 1);
-	assert(needed <= drive->window_tiles);
+	assert(needed <= BUDGET_WINDOW_TILES); /* budget_check */
 	if (needed > 4 && !drive->told_tiles) {
 		note("tiles of %u cells are smaller than an object's window: it touches %zu of them at once, not four",
 		     world->cells, needed);

@@ -52,9 +52,6 @@ enum status connect_file(const char *path, const char *named, bool writing, bool
 		sqlite3_db_config(*db, SQLITE_DBCONFIG_ENABLE_VIEW, 0, (int *)NULL);
 		sqlite3_limit(*db, SQLITE_LIMIT_LENGTH, VALUE_BYTES);
 		status = sql_exec(*db, named, "opening it", "PRAGMA cell_size_check=ON");
-		/* A reader comes back to the tree's inner pages, and hardly to a tile; there are many readers. */
-		if (status == STATUS_OK && !writing)
-			status = sql_exec(*db, named, "opening it", "PRAGMA cache_size=-512");
 	}
 	if (status != STATUS_OK) {
 		sqlite3_close(*db);
@@ -101,15 +98,28 @@ static enum status roll_back(const char *path, const char *named)
 	return status;
 }
 
+/* A reader comes back to the tree's inner pages, and hardly to a tile; there are many readers. */
+static enum status keep_little(sqlite3 **db, const char *named)
+{
+	enum status status = sql_exec(*db, named, "opening it", "PRAGMA cache_size=-512");
+	if (status != STATUS_OK) {
+		sqlite3_close(*db);
+		*db = NULL;
+	}
+	return status;
+}
+
 enum status connect_reader(const char *path, const char *named, bool *immutable, sqlite3 **db)
 {
 	for (bool undone = false;; undone = true) {
 		enum status status = connect_file(path, named, false, *immutable, db);
-		if (status != STATUS_OK || *immutable)
+		if (status != STATUS_OK)
 			return status;
+		if (*immutable)
+			return keep_little(db, named);
 		int code = sqlite3_exec(*db, "SELECT count(*) FROM sqlite_schema", NULL, NULL, NULL);
 		if (code == SQLITE_OK)
-			return STATUS_OK;
+			return keep_little(db, named);
 		/* A store whose writer did not end cleanly says WAL; where its folder cannot be written,
 		 * SQLite cannot make the file beside it that WAL needs, nor is one needed without a WAL. */
 		bool beside = (code & 0xff) == SQLITE_CANTOPEN || (code & 0xff) == SQLITE_READONLY;
