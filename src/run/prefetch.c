@@ -4,8 +4,9 @@
  *
  * Each object has a lookout that goes along its path before it, station by station, and notes the
  * tiles of the very windows the object will have there: since when and until when each is needed. A
- * tile stays noted until the object has left it. Invariants: (1) an object's tiles are in the order in
- * which they are first needed; (2) what is noted depends on the paths and the time alone.
+ * tile stays noted until the object has left it. A drive that runs faster than real time looks ahead as
+ * much farther, so that loads have `prefetch` seconds by the clock too. Invariants: (1) an object's tiles are in the order in
+ * which they are first needed; (2) what is loaded ahead never decides what comes out, only when.
  */
 #include <assert.h>
 #include <math.h>
@@ -33,6 +34,7 @@ struct prefetch {
 	struct lookout *lookouts; /* one an object */
 	const uint64_t *keys;     /* of drive->wishes, in order */
 	size_t key_count;
+	size_t passed;            /* tiles forgotten since they were ordered */
 };
 
 enum status prefetch_create(struct drive *drive, struct prefetch **out)
@@ -111,23 +113,35 @@ static enum status note_station(struct prefetch *prefetch, struct lookout *looko
 	return status;
 }
 
-/* Forgets what the object has left; true if there was any. */
-static bool forget_passed(struct lookout *lookout, double now)
+/* Forgets what the object has left; returns how many. */
+static size_t forget_passed(struct lookout *lookout, double now)
 {
-	size_t kept = 0;
-	if (lookout->count == 0 || lookout->tiles[0].until >= now)
-		return false;
-	for (size_t i = 0; i < lookout->count; i++)
+	size_t kept = 0, count = lookout->count;
+	if (count == 0 || lookout->tiles[0].until >= now)
+		return 0;
+	for (size_t i = 0; i < count; i++)
 		if (lookout->tiles[i].until >= now)
 			lookout->tiles[kept++] = lookout->tiles[i];
 	lookout->count = kept;
-	return true;
+	return count - kept;
 }
 
+/* Simulated seconds. */
+static double reach(const struct drive *drive)
+{
+	const double settled = 0.05; /* s: before, the pace says little */
+	double elapsed = drive->began > 0 ? clock_seconds() - drive->began : 0;
+	double pace = (drive->time - drive->resumed_time) / fmax(elapsed, settled);
+	return drive->scene->prefetch * fmax(pace, 1);
+}
+
+/* *changed: there is something new, or enough was left behind. */
 static enum status look_ahead(struct prefetch *prefetch, bool *changed)
 {
 	const struct drive *drive = prefetch->drive;
-	double until = fmin(drive->time + drive->scene->prefetch, drive->scene->end_time);
+	double ahead = reach(drive), until = fmin(drive->time + ahead, drive->scene->end_time);
+	if (drive->scout != NULL)
+		scout_reach(drive->scout, ahead);
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < drive->scene->object_count; i++) {
 		struct lookout *lookout = &prefetch->lookouts[i];
@@ -139,8 +153,9 @@ static enum status look_ahead(struct prefetch *prefetch, bool *changed)
 			lookout->station++;
 		}
 		*changed |= lookout->count != before;
-		*changed |= forget_passed(lookout, drive->time);
+		prefetch->passed += forget_passed(lookout, drive->time);
 	}
+	*changed |= prefetch->passed * 8 > prefetch->key_count;
 	return status;
 }
 
@@ -158,6 +173,7 @@ static enum status gather(struct prefetch *prefetch)
 	}
 	if (status == STATUS_OK && drive->view != NULL)
 		status = view_wishes(drive->view, &drive->wishes);
+	prefetch->passed = 0;
 	prefetch->key_count = wishes_order(&drive->wishes, &prefetch->keys);
 	return status;
 }

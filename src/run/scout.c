@@ -4,8 +4,8 @@
  * the list are brought, soonest first. It looks again when an eighth of what it saw has passed.
  *
  * Invariants:
- * 1. The walkers and the list are the thread's own; `told`, `look_at` and `stopping` are atomic; but for `asleep`
- *    the rest does not change.
+ * 1. The walkers and the list are the thread's own; `told`, `look_at`, `reach` and `stopping` are atomic; but for
+ *    `asleep` the rest does not change.
  * 2. It sleeps only while told < look_at. It writes look_at and then reads told, who tells writes told and then
  *    reads look_at, and wakes it with the mutex held: one of the two sees the other.
  * 3. The list is shorter than the ground holds, and what is there of it is marked as used before anything is
@@ -41,7 +41,7 @@ struct scout {
 	struct mutex mutex;
 	struct condition changed; /* of what the sleeping and the waiting go by */
 	bool asleep;              /* guarded by the mutex */
-	_Atomic double told, look_at; /* s */
+	_Atomic double told, look_at, reach; /* s; reach: how far ahead */
 	atomic_bool stopping;
 };
 
@@ -122,7 +122,7 @@ static void go_on(const struct scout *scout, struct walker *walker)
 /* Lists what is needed from `now` on; returns until when that is all. */
 static double look(struct scout *scout, double now)
 {
-	double until = fmin(now + scout->params.prefetch, scout->params.end);
+	double until = fmin(now + atomic_load(&scout->reach), scout->params.end);
 	scout->listed = 0;
 	for (size_t i = 0; i < scout->walker_count; i++)
 		begin(scout, &scout->walkers[i], now);
@@ -203,6 +203,7 @@ enum status scout_create(const struct scout_params *params, struct scout **out)
 	mutex_init(&scout->mutex);
 	condition_init(&scout->changed);
 	atomic_init(&scout->told, 0);
+	atomic_init(&scout->reach, params->prefetch);
 	atomic_init(&scout->look_at, (double)INFINITY);
 	atomic_init(&scout->stopping, false);
 	scout->walkers = mem_calloc(params->count + 1, sizeof *scout->walkers);
@@ -242,6 +243,11 @@ void scout_destroy(struct scout *scout)
 	condition_finish(&scout->changed);
 	mutex_finish(&scout->mutex);
 	mem_free(scout);
+}
+
+void scout_reach(struct scout *scout, double seconds)
+{
+	atomic_store(&scout->reach, seconds);
 }
 
 void scout_tell(struct scout *scout, double time)

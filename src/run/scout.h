@@ -33,6 +33,8 @@ struct scout_params {
 /* Starts at time 0. */
 enum status scout_create(const struct scout_params *params, struct scout **out) FURROW_CHECKED;
 void scout_destroy(struct scout *scout); /* takes NULL */
+/* How far ahead it looks from now on, simulated seconds; until then `prefetch`. Waits for nothing. */
+void scout_reach(struct scout *scout, double seconds);
 /* What time it is: no less than before. Waits for nothing. */
 void scout_tell(struct scout *scout, double time);
 /* Until everything is there that it would bring at the time last told. */
