@@ -209,6 +209,24 @@ static void what_the_owner_reads_for_itself_costs_no_more_than_it_pushed_out(voi
 	party_close(&party);
 }
 
+/* A drive faster than real time has it look farther. */
+static void it_looks_as_far_as_it_is_told(void **state)
+{
+	const double points[][2] = {{48, 48}, {976, 48}}; /* a tile each 1.6 s */
+	struct party party;
+	party_open(&party, 64);
+	party_join(&party, track_of((struct scene_path){.count = 2, .speed = 20}, points));
+	party_scout(&party, 48, 2, 100);
+	scout_wait(party.scout);
+	uint64_t before = reads(&party);
+	assert_in_range(before, 1, 4);
+	scout_reach(party.scout, 32);
+	scout_tell(party.scout, 2);
+	scout_wait(party.scout);
+	assert_in_range(reads(&party), before + 18, before + 23);
+	party_close(&party);
+}
+
 static void many_objects_share_a_small_ground(void **state)
 {
 	struct party party;
@@ -430,6 +448,7 @@ int main(void)
 		cmocka_unit_test(corners_that_are_cut_are_not_missed),
 		cmocka_unit_test(nothing_is_read_twice_without_need),
 		cmocka_unit_test(what_the_owner_reads_for_itself_costs_no_more_than_it_pushed_out),
+		cmocka_unit_test(it_looks_as_far_as_it_is_told),
 		cmocka_unit_test(many_objects_share_a_small_ground),
 		cmocka_unit_test(a_loop_is_followed_round_and_round),
 		cmocka_unit_test(a_timed_path_is_followed_through_its_rests_and_leaps),
