@@ -74,8 +74,11 @@ void page_loads_abandon_late_locked(struct page_cache *cache)
 	for (struct page *page = cache->table.flights.first; page != NULL && page->begun <= until;
 	     page = next) {
 		next = page->next;
-		if (!page->urgent)
-			page_loads_abandon_locked(cache, page);
+		if (page->urgent || page->stale)
+			continue;
+		page_loads_abandon_locked(cache, page);
+		cache->stats.cancelled++;
+		cache->wishes_kept = false;
 	}
 }
 

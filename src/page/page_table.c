@@ -2,7 +2,8 @@
  * The page table: key to page, the lists pages are in, the slots nobody has.
  *
  * Nothing here allocates after page_table_init: there are as many pages as can ever be known at
- * once, which is one a slot, what one pin may ask for, what is on its way (9), and a wish a slot.
+ * once, which is one a slot, what one pin may ask for, what is on its way (9), and a wish a slot; and
+ * as many again, of the list before, while a list replaces another.
  */
 #include "page/page_internal.h"
 
@@ -10,7 +11,7 @@
 
 static size_t pages_most(const struct page_params *params)
 {
-	return 2 * (size_t)params->slots + PAGE_PIN_MOST + page_load_images(params->loaders);
+	return 3 * (size_t)params->slots + PAGE_PIN_MOST + page_load_images(params->loaders);
 }
 
 enum status page_table_init(struct page_table *table, const struct page_params *params)

@@ -25,7 +25,7 @@
 
 #include "page/page.h"
 
-enum { FINE = 128, FAMILY = 4, COARSE = 1000, SLOTS_MOST = 64, LOG_MOST = 4096 };
+enum { FINE = 128, FAMILY = 4, COARSE = 1000, SLOTS_MOST = 128, LOG_MOST = 4096 };
 
 struct content {
 	uint64_t key, version;

@@ -238,6 +238,55 @@ static void page_failed_prefetch_is_silent_and_retried(void **state)
 	fake_finish(&fake);
 }
 
+/* Nothing of either list has begun, and every slot is taken: all of both are known at once. */
+static void page_wish_lists_may_have_nothing_in_common(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, SLOTS_MOST, 1);
+	uint64_t keys[2][SLOTS_MOST];
+	(void)state;
+	fake_start(&fake, &params);
+	for (uint64_t key = 0; key < SLOTS_MOST; key++) {
+		fake_visit(&fake, key);
+		keys[0][key] = 2000 + key;
+		keys[1][key] = 3000 + key;
+	}
+	fake_end_step(&fake, 1);
+	keys[0][0] = COARSE; /* the one that is begun */
+	fake_gate(&fake, COARSE + 1, false);
+	page_cache_want(fake.cache, keys[0], SLOTS_MOST);
+	fake_await(&fake, SLOTS_MOST + 1, 0);
+	page_cache_want(fake.cache, keys[1], SLOTS_MOST);
+	page_cache_want(fake.cache, NULL, 0);
+	fake_gate(&fake, 0, false);
+	fake_finish(&fake);
+}
+
+/* A load on its way for two epochs keeps the first one's images, and is given up for the second. */
+static void page_wish_given_up_for_an_epoch_is_not_here(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 4, 1);
+	(void)state;
+	fake_start(&fake, &params);
+	fake_change(&fake, 1);
+	fake_gate(&fake, 5 + 1, false);
+	fake_want(&fake, 5);
+	fake_await(&fake, 2, 0);
+	fake_flush(&fake, 1);
+	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_COMING);
+	fake_flush(&fake, 2);
+	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_SHORT);
+	assert_int_equal(fake_stats(&fake).cancelled, 1);
+	fake_gate(&fake, 0, false);
+	while (!fake_resident(&fake, 5)) {
+		fake_want(&fake, 5);
+		assert_int_equal(page_cache_poll(fake.cache), STATUS_OK);
+		sched_yield();
+	}
+	fake_finish(&fake);
+}
+
 /* Opens the gate when a pin has asked for a page that no loader took. */
 static void *open_on_urgent(void *argument)
 {
@@ -306,6 +355,8 @@ int main(void)
 		cmocka_unit_test(page_prefetch_never_evicts_what_is_drawn),
 		cmocka_unit_test(page_without_loaders_the_owner_loads),
 		cmocka_unit_test(page_failed_prefetch_is_silent_and_retried),
+		cmocka_unit_test(page_wish_lists_may_have_nothing_in_common),
+		cmocka_unit_test(page_wish_given_up_for_an_epoch_is_not_here),
 		cmocka_unit_test(page_pins_overtake_prefetches),
 		cmocka_unit_test(page_prefetches_that_nobody_polls_do_not_starve_pins),
 	};
