@@ -9,6 +9,7 @@
 #include "base/json.h"
 
 #define VERSION 1
+#define SUM_MOST (INT64_MAX / 4) /* so that what a drive adds, and their differences, are numbers too */
 
 size_t record_bytes(size_t objects)
 {
@@ -149,7 +150,8 @@ static enum status parse_root(const cJSON *root, const char *store, struct recor
 	record->level = (int)level;
 	if (!get_bool(root, "ended", &record->ended))
 		return record_damaged(store, "whether it ended");
-	if (!get_whole(root, "below", INT64_MIN, &record->below) || !get_whole(root, "above", INT64_MIN, &record->above))
+	if (!get_whole(root, "below", -SUM_MOST, &record->below) || record->below > SUM_MOST ||
+	    !get_whole(root, "above", -SUM_MOST, &record->above) || record->above > SUM_MOST)
 		return record_damaged(store, "its sums");
 	return STATUS_OK;
 }
