@@ -75,8 +75,9 @@ enum status drive_begin(struct drive *drive)
 		fill_record(drive);
 		return page_cache_flush(drive->cache, drive->record);
 	}
-	/* The step was committed; its picture may not have been written. */
-	bool image = drive->view != NULL && drive->step > 0 && is_image_step(drive);
+	/* The step was committed; its picture may not have been written. One that was cut short is yet to end. */
+	bool ended = drive->step == drive->record->step;
+	bool image = drive->view != NULL && drive->step > 0 && ended && is_image_step(drive);
 	return image ? view_frame(drive->view, drive, true) : STATUS_OK;
 }
 

@@ -88,6 +88,15 @@ class Resume(FurrowTest):
             self.assertEqual(report["steps"], total)
             self.assert_same((report, store), whole)
 
+    def test_a_step_that_was_cut_short_leaves_the_picture_before_it(self):
+        view = "view: {size: [160, 90], camera: {overhead: {over: left, height: 40}}, effects: [texture], images: 1}\n"
+        scene = self.scene(SCENE.replace("time_step: 0.05", "time_step: 0.37") + view)
+        self.drive(scene, "--store", self.store, "--set", "end_time=1")
+        pictures = [self.folder / f"out/frame-{step:06}.png" for step in (1, 2)]
+        before = [hashlib.sha256(picture.read_bytes()).hexdigest() for picture in pictures]
+        self.drive(scene, "--store", self.store, "--resume")
+        self.assertEqual([hashlib.sha256(picture.read_bytes()).hexdigest() for picture in pictures], before)
+
     def test_where_nothing_was_driven_it_begins(self):
         scene = self.scene()
         whole = self.pieces(scene, self.copy(), [])
