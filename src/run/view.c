@@ -26,34 +26,37 @@ static enum status load_first(struct view *view, const struct render_camera *cam
 	return view_select(view, camera, false);
 }
 
-/* A picture that is kept waits for its tiles. They fit: it ends when they are there, or when one
- * cannot be read. */
+/* A picture that is kept waits for its tiles, however long. They fit: it ends when they are there. What comes no
+ * nearer, or what no loader brings, is pinned: that says why, if it cannot be read. */
 static enum status wait_for_wanted(struct view *view, const struct render_camera *camera)
 {
-	struct page_cache *cache = view->drive->cache;
-	const struct run_params *params = view->drive->params;
+	const struct drive *drive = view->drive;
+	const volatile sig_atomic_t *stop = drive->params->stop;
 	const struct timespec nap = {0, 500000};
-	double started = clock_seconds(), progressed = started;
+	double progressed = clock_seconds();
 	size_t least = SIZE_MAX;
-	while (view->selection->wanted_count > 0) {
+	enum status status = STATUS_OK;
+	while (view->selection->wanted_count > 0 && status == STATUS_OK) {
 		double now = clock_seconds();
 		if (view->selection->wanted_count < least) {
 			least = view->selection->wanted_count;
 			progressed = now;
 		}
-		if (now - progressed > 1 || now - started > 10 || (params->stop != NULL && *params->stop))
+		if (stop != NULL && *stop)
 			return load_first(view, camera);
 		/* What only stands in meanwhile must not be in the way of what it stands in for. */
 		view_mark_used(view, false);
 		ask(view);
+		if (drive->scene->loaders == 0 || now - progressed > 1) {
+			status = load_first(view, camera);
+			continue;
+		}
 		nanosleep(&nap, NULL);
-		enum status status = page_cache_poll(cache);
+		status = page_cache_poll(drive->cache);
 		if (status == STATUS_OK)
 			status = view_select(view, camera, false);
-		if (status != STATUS_OK)
-			return status;
 	}
-	return STATUS_OK;
+	return status;
 }
 
 static bool has_ground(const struct view *view)

@@ -48,8 +48,9 @@ static void the_same_pictures_whatever_loads_the_tiles(void **state)
 		{"cache.slots=512", "cache.loaders=1", "cache.prefetch=0", NULL},
 		{"cache.slots=512", "cache.loaders=3", "cache.prefetch=2", NULL},
 		{"cache.slots=700", "cache.loaders=2", "cache.prefetch=0.3", NULL},
+		{"cache.slots=512", "cache.loaders=0", NULL},
 	};
-	for (int run = 0; run < 3; run++) {
+	for (int run = 0; run < 4; run++) {
 		char *json = watch(support_path("same.furrow"), settings[run]);
 		assert_int_equal(support_figure(json, "\"view\"", "coarsened"), 0);
 		assert_int_equal(support_figure(json, "\"view\"", "frames"), 40);
