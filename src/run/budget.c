@@ -20,7 +20,14 @@ static size_t tiles_across(int64_t posts, uint32_t cells, int64_t most)
 	return (size_t)(tiles < most ? tiles : most);
 }
 
-/* Of the sphere around the object, a station's sweep in the middle of the world. */
+/* Elsewhere between its posts an object can touch one more of them in a row; a window has no more than it has. */
+static int64_t at_most(int64_t posts)
+{
+	return posts < DEFORM_WINDOW_POSTS ? posts + 1 : DEFORM_WINDOW_POSTS;
+}
+
+/* Of the sphere around the object, a station's sweep in the middle of the world. Where several windows are cut from
+ * it depends on the place: one may have all there is in a row. */
 static size_t window_tiles(const struct drive *drive, const struct deform_shape *shape)
 {
 	const struct world *world = &drive->meta->world;
@@ -30,20 +37,15 @@ static size_t window_tiles(const struct drive *drive, const struct deform_shape 
 	int64_t y = lattice_offset((double)(world->height - 1) * world->spacing / 2);
 	struct deform_sweep sweep = {.shape = &around, .from = {.x = x, .y = y}, .to = {.x = x + post, .y = y + post}};
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
-	size_t count, most = 0;
-	int64_t wide = world_tiles_x(world, drive->level), high = world_tiles_y(world, drive->level);
-	if (deform_windows(drive->deform, &sweep, windows, &count) != STATUS_OK) {
-		/* The sphere needs too many; the object, which is smaller, needs none larger than this. */
-		count = 1;
-		windows[0].read = (struct post_rect){0, 0, DEFORM_WINDOW_POSTS, DEFORM_WINDOW_POSTS};
+	struct post_rect all = {0, 0, DEFORM_WINDOW_POSTS, DEFORM_WINDOW_POSTS};
+	size_t count;
+	/* The sphere may need too many; the object, which is smaller, needs none larger than a window. */
+	if (deform_windows(drive->deform, &sweep, windows, &count) == STATUS_OK) {
+		const struct post_rect *first = &windows[0].read, *last = &windows[count - 1].read;
+		all = (struct post_rect){first->x0, first->y0, last->x1, last->y1};
 	}
-	for (size_t i = 0; i < count; i++) {
-		const struct post_rect *read = &windows[i].read;
-		size_t tiles = tiles_across(read->x1 - read->x0, world->cells, wide) *
-			       tiles_across(read->y1 - read->y0, world->cells, high);
-		most = tiles > most ? tiles : most;
-	}
-	return most;
+	return tiles_across(at_most(all.x1 - all.x0), world->cells, world_tiles_x(world, drive->level)) *
+	       tiles_across(at_most(all.y1 - all.y0), world->cells, world_tiles_y(world, drive->level));
 }
 
 enum status budget_check(struct drive *drive)

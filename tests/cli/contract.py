@@ -82,6 +82,24 @@ cache: {slots: 4}
         self.assertLessEqual(memory["host_bytes"], budget["loads"] + budget["queue"])
         self.assertLessEqual(sum(memory["plane_bytes"].values()), budget["slots"])
 
+    def test_the_slots_asked_for_are_enough_wherever_the_object_lies_between_posts(self):
+        self.ok("synth", "-o", "dem.png", "--posts", "129x129", "--spacing", "1")
+        self.ok("import", "dem.png", "-o", "tiny.furrow", "--tile", "8", "--spacing", "1")
+        for radius in (0.28, 0.305, 0.345, 0.37):
+            scene = self.scene(f"""
+scene: 1
+time_step: 0.1
+end_time: 1
+spacing: 0.125
+objects:
+  - {{name: ball, shape: {{sphere: {{radius: {radius}}}}}, path: {{points: [[20, 20], [100, 90]], speed: 60}}, sink: 0.05}}
+""")
+            told = self.furrow("drive", scene, "--store", "tiny.furrow", "-o", "out", "--set", "cache.slots=4").stderr
+            found = re.search(r"give at least (\d+)", told)
+            run = json.loads(self.ok("drive", scene, "--store", "tiny.furrow", "-o", "out", "--json", "--set",
+                                     f"cache.slots={found.group(1) if found else 4}"))
+            self.assertLessEqual(run["tiles_per_window"], int(found.group(1)) if found else 4)
+
     def test_missing_empty_and_garbage_sources_are_status_3_and_leave_nothing(self):
         (self.folder / "empty.tif").touch()
         (self.folder / "garbage.tif").write_bytes(b"II*\0 and then nothing of use" * 20)
