@@ -135,6 +135,21 @@ static double reach(const struct drive *drive)
 	return drive->scene->prefetch * fmax(pace, 1);
 }
 
+/* On along the path until then; and no further once `most` tiles are noted. True in *news if one is new. */
+static enum status go_on(struct prefetch *prefetch, struct lookout *lookout, const struct rider *rider, double until,
+			 size_t most, bool *news)
+{
+	size_t before = lookout->count;
+	enum status status = STATUS_OK;
+	while (status == STATUS_OK && lookout->count < most && lookout->station < track_stations(rider->track) &&
+	       track_station_time(rider->track, lookout->station) <= until) {
+		status = note_station(prefetch, lookout, rider);
+		lookout->station++;
+	}
+	*news |= lookout->count != before;
+	return status;
+}
+
 /* *changed: there is something new, or enough was left behind. */
 static enum status look_ahead(struct prefetch *prefetch, bool *changed)
 {
@@ -146,14 +161,12 @@ static enum status look_ahead(struct prefetch *prefetch, bool *changed)
 	for (size_t i = 0; i < drive->scene->object_count; i++) {
 		struct lookout *lookout = &prefetch->lookouts[i];
 		const struct rider *rider = &drive->riders[i];
-		size_t before = lookout->count;
-		while (status == STATUS_OK && lookout->station < track_stations(rider->track) &&
-		       track_station_time(rider->track, lookout->station) <= until) {
-			status = note_station(prefetch, lookout, rider);
-			lookout->station++;
-		}
-		*changed |= lookout->count != before;
+		if (status == STATUS_OK)
+			status = go_on(prefetch, lookout, rider, drive->time, SIZE_MAX, changed);
 		prefetch->passed += forget_passed(lookout, drive->time);
+		/* More than a slot each is never loaded ahead, however far it looks. */
+		if (status == STATUS_OK)
+			status = go_on(prefetch, lookout, rider, until, drive->scene->slots, changed);
 	}
 	*changed |= prefetch->passed * 8 > prefetch->key_count;
 	return status;

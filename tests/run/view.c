@@ -340,6 +340,27 @@ static void looking_ahead_the_ground_is_divided_where_the_objects_will_be(void *
 	rig_close(&rig);
 }
 
+static void however_far_it_looks_an_object_wishes_for_no_more_than_the_slots(void **state)
+{
+	struct rig rig;
+	rig_open(&rig, 8, 25, 1000);
+	struct drive *drive = &rig.drive;
+	drive->level = -4;
+	drive->spacing = world.spacing / 16;
+	start_prefetch(drive);
+	for (drive->time = 0; drive->time < 2; drive->time += 0.1) {
+		must(prefetch_step(drive->prefetch));
+		size_t count = 0, next = 0;
+		for (size_t i = 0; i < drive->wishes.count; i++) {
+			count += tile_from_key(drive->wishes.wishes[i].key).level == -4;
+			next += tile_from_key(drive->wishes.wishes[i].key).level == -4 &&
+				drive->wishes.wishes[i].time <= drive->time + 0.05;
+		}
+		assert_true(next > 0 && count < 8 + 4); /* the last station has a window of four */
+	}
+	rig_close(&rig);
+}
+
 static void looking_ahead_marks_nothing_used(void **state)
 {
 	struct rig rig;
@@ -412,6 +433,7 @@ int main(void)
 		cmocka_unit_test(wishes_are_what_is_lacking_now_then_what_will_be),
 		cmocka_unit_test(wishes_ahead_are_soonest_first_and_end_with_the_room),
 		cmocka_unit_test(looking_ahead_the_ground_is_divided_where_the_objects_will_be),
+		cmocka_unit_test(however_far_it_looks_an_object_wishes_for_no_more_than_the_slots),
 		cmocka_unit_test(looking_ahead_marks_nothing_used),
 		cmocka_unit_test(what_a_frame_drew_was_used_last),
 		cmocka_unit_test(the_camera_ahead_is_the_camera_when_that_time_has_come),
