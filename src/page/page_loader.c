@@ -52,6 +52,7 @@ void page_loads_abandon_locked(struct page_cache *cache, struct page *page)
 {
 	assert(page->state != PAGE_RESIDENT);
 	struct page_table *table = &cache->table;
+	cache->wishes_kept = cache->wishes_kept && !page_wished(cache, page);
 	if (page->state == PAGE_WANTED) {
 		page_table_forget_locked(table, page,
 					 page->urgent ? &table->urgent : &table->wished);

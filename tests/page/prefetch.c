@@ -173,6 +173,32 @@ static void page_wished_pages_stay(void **state)
 	fake_finish(&fake);
 }
 
+/* A wish whose load is given up, since it would have to be done again, is no longer here. */
+static void page_wish_that_outlives_two_epochs_is_short(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 8, 2);
+	(void)state;
+	fake_start(&fake, &params);
+	fake_gate(&fake, COARSE + 1, false);
+	fake_want(&fake, COARSE);
+	fake_await(&fake, 1, 0);
+	for (uint64_t record = 1; record < 3; record++) {
+		assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_COMING);
+		fake_change(&fake, 0);
+		fake_flush(&fake, record);
+	}
+	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_SHORT);
+	fake_gate(&fake, 0, false);
+	while (page_cache_wishes(fake.cache) != PAGE_WISHES_HERE) {
+		fake_want(&fake, COARSE);
+		assert_int_equal(page_cache_poll(fake.cache), STATUS_OK);
+		sched_yield();
+	}
+	assert_true(fake_resident(&fake, COARSE));
+	fake_finish(&fake);
+}
+
 /* A picture's use protects as a pin's does: a budget below what is drawn does not spin. */
 static void page_prefetch_never_evicts_what_is_drawn(void **state)
 {
@@ -352,6 +378,7 @@ int main(void)
 		cmocka_unit_test(page_prefetch_evicts_dirty_pages_only_into_room),
 		cmocka_unit_test(page_wishes_are_loaded_soonest_first_and_cancelled),
 		cmocka_unit_test(page_wished_pages_stay),
+		cmocka_unit_test(page_wish_that_outlives_two_epochs_is_short),
 		cmocka_unit_test(page_prefetch_never_evicts_what_is_drawn),
 		cmocka_unit_test(page_without_loaders_the_owner_loads),
 		cmocka_unit_test(page_failed_prefetch_is_silent_and_retried),
