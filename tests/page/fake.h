@@ -47,7 +47,8 @@ struct fake {
 	uint64_t record;  /* of the last commit */
 	bool hold_commits;
 	uint64_t hold_load; /* key + 1 whose load waits; UINT64_MAX: every one */
-	uint64_t fail_load; /* key + 1 */
+	uint64_t fail_load;  /* key + 1 */
+	uint64_t fail_loads; /* bit key % 64: loads of all such keys fail */
 	unsigned fail_commits, loads_begun, commits_begun, yields;
 	uint64_t loaded[LOG_MOST]; /* keys, in the order their loads began */
 	const uint64_t (*snapshots)[FINE]; /* by record: what a commit must make of the store */
@@ -58,7 +59,8 @@ struct fake {
 	uint64_t model[FINE];
 	struct content slots[SLOTS_MOST];
 	unsigned pins[SLOTS_MOST];
-	uint64_t fail_upload, fail_read_back; /* key + 1 */
+	uint64_t fail_upload;                 /* key + 1 */
+	uint64_t fail_read_back;              /* key + 1; UINT64_MAX: every one */
 	unsigned settle_after;                /* asks; 0: settled when begun */
 	bool fail_settle;
 	unsigned images[2];                   /* alive, by kind */
@@ -84,7 +86,7 @@ static inline enum status fake_load(void *user, unsigned loader, struct page_ima
 	condition_wake_all(&fake->changed);
 	while (fake->hold_load == image->key + 1 || fake->hold_load == UINT64_MAX)
 		condition_wait(&fake->changed, &fake->mutex);
-	bool failing = fake->fail_load == image->key + 1;
+	bool failing = fake->fail_load == image->key + 1 || (fake->fail_loads >> image->key % 64 & 1) != 0;
 	fake->queued_differs |= queued != NULL && queued->key != image->key;
 	unsigned yields = fake->yields != 0 ? fake->loads_begun % fake->yields : 0;
 	mutex_unlock(&fake->mutex);
@@ -219,7 +221,7 @@ static inline enum status fake_read_back(void *user, uint32_t slot, struct page_
 	assert_true(pthread_equal(fake->owner, pthread_self()));
 	assert_int_equal(((struct fake_memory *)image->memory)->kind, PAGE_CHANGED_IMAGE);
 	assert_int_equal(here->key, image->key);
-	if (fake->fail_read_back == image->key + 1)
+	if (fake->fail_read_back == image->key + 1 || fake->fail_read_back == UINT64_MAX)
 		return fail_with(STATUS_NO_GL, "GL: the context is lost; restart");
 	fake->read_back[fake->read_backs++ % LOG_MOST] = image->key;
 	fake_begin(fake, image, here, true);
@@ -364,6 +366,13 @@ static inline void fake_visit(struct fake *fake, uint64_t key)
 {
 	fake_pin(fake, key);
 	fake_unpin(fake, key);
+}
+
+/* Evicts everything: the slots are full of other pages then. */
+static inline void fake_push_out(struct fake *fake, uint32_t slots, uint64_t first)
+{
+	for (uint32_t i = 0; i < slots; i++)
+		fake_visit(fake, first + i);
 }
 
 static inline void fake_want(struct fake *fake, uint64_t key)

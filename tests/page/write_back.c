@@ -1,12 +1,5 @@
-/* Write-back: the queue, epochs, and what a load sees of what is not committed. */
+/* Write-back: the queue, epochs, and what a load sees of what is not committed. hazards.c goes on. */
 #include "page/fake.h"
-
-/* Evicts everything: the slots are full of other pages then. */
-static void push_out(struct fake *fake, uint32_t slots, uint64_t first)
-{
-	for (uint32_t i = 0; i < slots; i++)
-		fake_visit(fake, first + i);
-}
 
 static void page_reads_its_own_write_while_its_commit_is_blocked(void **state)
 {
@@ -16,44 +9,22 @@ static void page_reads_its_own_write_while_its_commit_is_blocked(void **state)
 	params.queue_soft = 1;
 	fake_start(&fake, &params);
 	fake_change(&fake, 0);
-	push_out(&fake, 4, 10);
+	fake_push_out(&fake, 4, 10);
 	assert_int_equal(fake_queued(&fake, 0).count, 1);
 	fake_visit(&fake, 0); /* waiting: the store still has 100 */
 	fake_gate(&fake, 0, true);
 	fake_end_step(&fake, 1);
 	fake_await(&fake, 0, 1);
-	push_out(&fake, 4, 20);
+	fake_push_out(&fake, 4, 20);
 	fake_visit(&fake, 0); /* committing */
 	fake_change(&fake, 0);
-	push_out(&fake, 4, 10);
+	fake_push_out(&fake, 4, 10);
 	assert_int_equal(fake_queued(&fake, 0).count, 2);
 	assert_int_equal(fake_queued(&fake, 0).version, 102); /* oldest first */
 	fake_visit(&fake, 0); /* committing and a newer one waiting */
 	assert_int_equal(fake_stored(&fake, 0), 100);
 	fake_gate(&fake, 0, false);
 	fake_flush(&fake, 2);
-	fake_finish(&fake);
-}
-
-static void page_dirtied_while_being_committed_is_committed_again(void **state)
-{
-	static struct fake fake;
-	struct page_params params = fake_params(&fake, 4, 1);
-	(void)state;
-	params.queue_soft = 0;
-	fake_start(&fake, &params);
-	fake_gate(&fake, 0, true);
-	fake_change(&fake, 0);
-	fake_end_step(&fake, 1);
-	fake_await(&fake, 0, 1);
-	fake_change(&fake, 0); /* still resident, and dirty again */
-	fake_gate(&fake, 0, false);
-	fake_flush(&fake, 2);
-	assert_int_equal(fake_stored(&fake, 0), 102);
-	assert_int_equal(fake_stats(&fake).writebacks, 2);
-	fake_flush(&fake, 3); /* clean now: the record alone */
-	assert_int_equal(fake_stats(&fake).writebacks, 2);
-	assert_int_equal(fake_stats(&fake).commits, 3);
 	fake_finish(&fake);
 }
 
@@ -89,7 +60,7 @@ static void page_newer_version_replaces_the_one_that_waits(void **state)
 	fake_start(&fake, &params);
 	for (int i = 0; i < 20; i++) {
 		fake_change(&fake, 0);
-		push_out(&fake, 4, 10);
+		fake_push_out(&fake, 4, 10);
 		assert_int_equal(fake_queued(&fake, 0).count, 1);
 		fake_end_step(&fake, 1);
 	}
@@ -165,7 +136,7 @@ static void page_wanted_while_it_is_read_back_waits_for_that(void **state)
 		fake.settle_after = 5;
 		for (int i = 0; i < 20; i++) {
 			fake_change(&fake, 0);
-			push_out(&fake, 4, 10 + 4 * (uint64_t)(i % 2));
+			fake_push_out(&fake, 4, 10 + 4 * (uint64_t)(i % 2));
 		}
 		fake_flush(&fake, 1);
 		fake_finish(&fake);
@@ -295,7 +266,7 @@ static void page_failed_commit_does_not_bring_older_bits_back(void **state)
 	fake_end_step(&fake, 1);
 	fake_await(&fake, 0, 1);
 	fake_change(&fake, 0);
-	push_out(&fake, 4, 10);
+	fake_push_out(&fake, 4, 10);
 	fake_gate(&fake, 0, false);
 	assert_int_equal(page_cache_flush(fake.cache, &record), STATUS_FAILED);
 	assert_int_equal(fake_queued(&fake, 0).count, 1);
@@ -344,91 +315,10 @@ static void page_old_change_starts_an_epoch_and_a_young_one_does_not(void **stat
 	}
 }
 
-/* A load that got a queued image keeps it, though it is committed and its memory wanted. */
-static void page_late_load_cannot_resurrect_older_bits(void **state)
-{
-	static struct fake fake;
-	struct page_params params = fake_params(&fake, 4, 2);
-	(void)state;
-	params.queue_soft = 1;
-	fake_start(&fake, &params);
-	fake_change(&fake, 0);
-	push_out(&fake, 4, 10);
-	fake_gate(&fake, 0 + 1, true);
-	fake_end_step(&fake, 0);
-	uint64_t record = 1;
-	fake_want(&fake, 0);
-	fake_await(&fake, 6, 1); /* both are held; the load reads what the commit writes */
-	fake_gate(&fake, 0 + 1, false);
-	assert_int_equal(page_cache_flush(fake.cache, &record), STATUS_OK);
-	for (uint64_t key = 30; key < 60; key++)
-		fake_change(&fake, key);
-	assert_int_equal(page_cache_flush(fake.cache, &record), STATUS_OK);
-	fake_gate(&fake, 0, false);
-	fake_visit(&fake, 0);
-	fake_flush(&fake, 2);
-	fake_finish(&fake);
-}
-
-static void page_committed_image_is_visible_to_loads_that_began_before(void **state)
-{
-	static struct fake fake;
-	struct page_params params = fake_params(&fake, 4, 2);
-	(void)state;
-	params.queue_soft = 1;
-	fake_start(&fake, &params);
-	fake_gate(&fake, COARSE + 1, false);
-	fake_want(&fake, COARSE); /* has read 0 from the store, and is held */
-	fake_await(&fake, 1, 0);
-	fake_change(&fake, 0);
-	fake_flush(&fake, 1);
-	assert_int_equal(fake_queued(&fake, 0).count, 1); /* it may have missed this */
-	fake_gate(&fake, COARSE + 1 + 1, false);
-	page_cache_want(fake.cache, (const uint64_t[]){COARSE, COARSE + 1}, 2); /* this one cannot have */
-	fake_await(&fake, 3, 0);
-	uint32_t slot = fake_pin(&fake, COARSE);
-	assert_int_equal(fake.slots[slot].family[0], 101);
-	assert_int_equal(fake_queued(&fake, 0).count, 0); /* though the other one is on its way */
-	fake_unpin(&fake, COARSE);
-	fake_gate(&fake, 0, false);
-	fake_visit(&fake, COARSE + 1);
-	fake_change(&fake, 0);
-	fake_flush(&fake, 2);
-	assert_int_equal(fake_queued(&fake, 0).count, 0); /* no load on its way at all */
-	fake_finish(&fake);
-}
-
-/* What would make the cache keep more than one epoch is loaded again instead. */
-static void page_load_that_outlives_two_epochs_is_repeated(void **state)
-{
-	static struct fake fake;
-	struct page_params params = fake_params(&fake, 8, 2);
-	struct fake_opener opener;
-	(void)state;
-	fake_start(&fake, &params);
-	fake_gate(&fake, COARSE + 1, false);
-	fake_want(&fake, COARSE);
-	fake_await(&fake, 1, 0);
-	for (uint64_t round = 1; round < 20; round++) {
-		for (uint64_t i = 0; i < 5; i++)
-			fake_change(&fake, (round - 1) * 5 + i);
-		fake_flush(&fake, round);
-	}
-	assert_true(fake_stats(&fake).queue_peak <= 2 * 5);
-	fake_open_later(&opener, &fake, 6, 0);
-	uint32_t slot = fake_pin(&fake, COARSE);
-	thread_join(&opener.thread);
-	for (unsigned i = 0; i < FAMILY; i++)
-		assert_int_equal(fake.slots[slot].family[i], fake.model[i]);
-	assert_int_equal(fake_queued(&fake, 0).count, 0);
-	fake_finish(&fake);
-}
-
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(page_reads_its_own_write_while_its_commit_is_blocked),
-		cmocka_unit_test(page_dirtied_while_being_committed_is_committed_again),
 		cmocka_unit_test(page_evicted_in_a_step_is_committed_with_the_rest_of_it),
 		cmocka_unit_test(page_newer_version_replaces_the_one_that_waits),
 		cmocka_unit_test(page_queue_full_in_a_step_is_refused_and_nothing_lost),
@@ -441,9 +331,6 @@ int main(void)
 		cmocka_unit_test(page_failed_commit_does_not_bring_older_bits_back),
 		cmocka_unit_test(page_failed_read_back_is_sticky_and_stays_dirty),
 		cmocka_unit_test(page_old_change_starts_an_epoch_and_a_young_one_does_not),
-		cmocka_unit_test(page_late_load_cannot_resurrect_older_bits),
-		cmocka_unit_test(page_committed_image_is_visible_to_loads_that_began_before),
-		cmocka_unit_test(page_load_that_outlives_two_epochs_is_repeated),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
