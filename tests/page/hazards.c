@@ -161,6 +161,7 @@ static void page_evicted_and_wanted_at_once_is_read_from_its_copy(void **state)
 			fake_visit(&fake, 20); /* in its slot */
 			assert_false(fake_resident(&fake, 0));
 			assert_int_equal(fake.cache->queue.filling, 1);
+			assert_int_equal(fake_queued(&fake, 0).count, 0); /* not shown: it is rubbish yet */
 			unsigned loads = fake.loads_begun;
 			fake_end_step(&fake, 1);
 			if (wished) {

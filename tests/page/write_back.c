@@ -199,6 +199,23 @@ static void page_overlay_waits_for_read_backs(void **state)
 	fake_finish(&fake);
 }
 
+/* A pin that has to wait for read-backs sleeps, and says that it waited: here once more than for its load. */
+static void page_pin_that_waits_for_read_backs_is_a_stall(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 4, 0);
+	(void)state;
+	fake_start(&fake, &params);
+	for (uint64_t key = 0; key < FAMILY; key++)
+		fake_change(&fake, key);
+	fake.settle_after = 5;
+	uint64_t stalls = fake_stats(&fake).stalls;
+	fake_visit(&fake, COARSE);
+	assert_int_equal(fake_stats(&fake).stalls, stalls + 2);
+	fake_flush(&fake, 1);
+	fake_finish(&fake);
+}
+
 /* What an executor that failed has read is not committed. */
 static void page_read_back_that_never_settles_is_not_committed(void **state)
 {
@@ -326,6 +343,7 @@ int main(void)
 		cmocka_unit_test(page_wanted_while_it_is_read_back_waits_for_that),
 		cmocka_unit_test(page_epoch_waits_for_its_read_backs_without_stopping_the_steps),
 		cmocka_unit_test(page_overlay_waits_for_read_backs),
+		cmocka_unit_test(page_pin_that_waits_for_read_backs_is_a_stall),
 		cmocka_unit_test(page_read_back_that_never_settles_is_not_committed),
 		cmocka_unit_test(page_failed_commit_is_sticky_and_keeps_every_image),
 		cmocka_unit_test(page_failed_commit_does_not_bring_older_bits_back),

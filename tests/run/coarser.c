@@ -1,5 +1,5 @@
 /*
- * Law 4 where it can be seen before a commit: a coarser tile in a slot is the decimation of the
+ * A coarser level goes stale after an edit: never. Law 4 where it can be seen before a commit: a coarser tile in a slot is the decimation of the
  * working level, whether it was there when the ground changed or came later, and whatever of the
  * change is in a slot, in the queue or in the store by then.
  */
