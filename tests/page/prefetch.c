@@ -12,6 +12,18 @@ static void poll_until_resident(struct fake *fake, uint64_t key)
 	}
 }
 
+/* Until so many are loaded, and nobody took them from there. */
+static void await_loaded(struct fake *fake, unsigned count)
+{
+	for (unsigned loaded = 0; loaded < count; sched_yield()) {
+		loaded = 0;
+		mutex_lock(&fake->cache->mutex);
+		for (const struct page *page = fake->cache->table.flights.first; page != NULL; page = page->next)
+			loaded += page->state == PAGE_LOADED;
+		mutex_unlock(&fake->cache->mutex);
+	}
+}
+
 static void page_prefetched_and_polled_is_a_hit(void **state)
 {
 	static struct fake fake;
@@ -171,6 +183,53 @@ static void page_wished_pages_stay(void **state)
 	assert_false(fake_resident(&fake, 22));
 	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_SHORT);
 	fake_finish(&fake);
+}
+
+/* Those that were honoured have lost their room since: what is there stays, and the last one waits. */
+static void page_wish_pushes_out_no_other(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 4, 2);
+	(void)state;
+	fake_start(&fake, &params);
+	fake_gate(&fake, 2 + 1, false);
+	page_cache_want(fake.cache, (const uint64_t[]){0, 1, 2}, 3);
+	poll_until_resident(&fake, 0);
+	poll_until_resident(&fake, 1);
+	fake_pin(&fake, 10);
+	fake_pin(&fake, 11);
+	fake_gate(&fake, 0, false);
+	await_loaded(&fake, 1);
+	assert_int_equal(page_cache_poll(fake.cache), STATUS_OK);
+	assert_true(fake_resident(&fake, 0) && fake_resident(&fake, 1));
+	assert_false(fake_resident(&fake, 2));
+	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_COMING);
+	fake_unpin(&fake, 11);
+	fake_end_step(&fake, 1);
+	poll_until_resident(&fake, 2); /* for 11 */
+	assert_false(fake_resident(&fake, 11));
+	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_HERE);
+	fake_finish(&fake);
+}
+
+/* A loader that had no room for another goes on when a load before it is uploaded, or cannot be, though
+ * the executor still has that image. */
+static void page_next_wish_is_loaded_while_uploads_are_on_their_way(void **state)
+{
+	(void)state;
+	for (int failing = 0; failing < 2; failing++) {
+		static struct fake fake;
+		struct page_params params = fake_params(&fake, 8, 1);
+		fake_start(&fake, &params);
+		page_cache_want(fake.cache, (const uint64_t[]){1, 2, 3}, 3);
+		await_loaded(&fake, 2);
+		assert_int_equal(fake.loads_begun, 2);
+		fake.settle_after = 1000;
+		fake.fail_upload = failing ? 1 + 1 : 0;
+		assert_int_equal(page_cache_poll(fake.cache), failing ? STATUS_NO_GL : STATUS_OK);
+		fake_await(&fake, 3, 0);
+		fake_finish(&fake);
+	}
 }
 
 /* A wish whose load is given up, since it would have to be done again, is no longer here. */
@@ -378,6 +437,8 @@ int main(void)
 		cmocka_unit_test(page_prefetch_evicts_dirty_pages_only_into_room),
 		cmocka_unit_test(page_wishes_are_loaded_soonest_first_and_cancelled),
 		cmocka_unit_test(page_wished_pages_stay),
+		cmocka_unit_test(page_wish_pushes_out_no_other),
+		cmocka_unit_test(page_next_wish_is_loaded_while_uploads_are_on_their_way),
 		cmocka_unit_test(page_wish_that_outlives_two_epochs_is_short),
 		cmocka_unit_test(page_prefetch_never_evicts_what_is_drawn),
 		cmocka_unit_test(page_without_loaders_the_owner_loads),
