@@ -79,7 +79,6 @@ void page_loads_abandon_late_locked(struct page_cache *cache)
 			continue;
 		page_loads_abandon_locked(cache, page);
 		cache->stats.cancelled++;
-		cache->wishes_kept = false;
 	}
 }
 

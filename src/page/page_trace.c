@@ -96,13 +96,16 @@ static enum status begin(struct page_trace *trace)
 	int file = open(trace->part, O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
 	if (file < 0)
 		return fail_with(STATUS_FAILED, "%s: %s; give a file that can be written", trace->part, strerror(errno));
-	if (flock(file, LOCK_EX | LOCK_NB) != 0) {
+	/* Between the two another drive may have published this very file, which is no .part any more. */
+	struct stat found, named;
+	if (flock(file, LOCK_EX | LOCK_NB) != 0 || stat(trace->part, &named) != 0 || fstat(file, &found) != 0 ||
+	    found.st_ino != named.st_ino) {
 		close(file);
 		return fail_with(STATUS_FAILED, "%s: another drive writes this trace; give another file", trace->path);
 	}
 	trace->file = file;
-	struct stat found; /* what a killed drive left is written over */
-	if (fstat(file, &found) != 0 || (found.st_size > 0 && ftruncate(file, 0) != 0))
+	/* What a killed drive left is written over. */
+	if (found.st_size > 0 && ftruncate(file, 0) != 0)
 		return cannot_write(trace);
 	memcpy(trace->buffer, TRACE_MAGIC, sizeof TRACE_MAGIC - 1);
 	trace->used = sizeof TRACE_MAGIC - 1;
@@ -129,7 +132,9 @@ enum status page_trace_create(const char *path, struct page_trace **out)
 	} else {
 		XXH3_64bits_reset(trace->hash);
 		snprintf(trace->part, room, "%s.part", path);
-		status = begin(trace);
+		status = check_replaceable(trace->part);
+		if (status == STATUS_OK)
+			status = begin(trace);
 	}
 	if (status != STATUS_OK) {
 		page_trace_destroy(trace);

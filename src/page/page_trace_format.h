@@ -23,7 +23,7 @@
 #define TRACE_HEADER 12   /* bytes */
 #define TRACE_KEY_BITS 62 /* tile_key's */
 #define TRACE_NUMBER_MOST 10 /* bytes of a LEB128 of 64 bits */
-#define TRACE_ACCESSES_MOST (1u << 30) /* that are read: what is counted twice over fits 32 bits */
+#define TRACE_ACCESSES_MOST ((1u << 30) - 2) /* that are read: sums over twice as many fit 31 bits */
 
 /* Keys to their numbers: an open-addressed table, at most half full. */
 struct page_trace_index {

@@ -381,6 +381,8 @@ enum status run_drive(const struct run_params *params, struct run_result *result
 	enum status status = prepare(&drive);
 	if (status == STATUS_OK && drive.nothing_left) {
 		result->ended = "complete";
+		if (params->trace != NULL)
+			note("%s: no trace is written, since nothing is left to drive", params->trace);
 		status = make_directory(params->directory);
 		if (status == STATUS_OK)
 			status = report(&drive, true, result);

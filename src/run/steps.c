@@ -126,6 +126,8 @@ static void show_progress(const struct drive *drive, int64_t total, double *show
 		return;
 	*shown = now;
 	double elapsed = now - drive->began, rate = (double)(drive->step - drive->resumed_from) / elapsed;
+	if (rate <= 0)
+		return;
 	fprintf(stderr, "\rdrive: step %lld of %lld (%.0f %%), %.0f a second, %.0f s left\033[K",
 		(long long)drive->step, (long long)total, 100.0 * (double)drive->step / (double)total, rate,
 		(double)(total - drive->step) / rate);
