@@ -132,7 +132,9 @@ enum status page_trace_create(const char *path, struct page_trace **out)
 	} else {
 		XXH3_64bits_reset(trace->hash);
 		snprintf(trace->part, room, "%s.part", path);
-		status = check_replaceable(trace->part);
+		struct stat found; /* a device may be given for it; a file that is no trace keeps what it has */
+		if (stat(trace->part, &found) == 0 && S_ISREG(found.st_mode))
+			status = check_replaceable(trace->part);
 		if (status == STATUS_OK)
 			status = begin(trace);
 	}
