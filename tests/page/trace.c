@@ -369,6 +369,10 @@ static void page_trace_replaces_traces_only(void **state)
 	assert_int_equal(page_trace_create(in_folder("text"), &trace), STATUS_FAILED);
 	assert_non_null(strstr(failure_message(), "is no trace"));
 	assert_int_equal(read_file(in_folder("text")).size, 12);
+	write_file(in_folder("new.part"), "a letter", 8);
+	assert_int_equal(page_trace_create(in_folder("new"), &trace), STATUS_FAILED);
+	assert_int_equal(read_file(in_folder("new.part")).size, 8);
+	assert_int_equal(remove(in_folder("new.part")), 0);
 	assert_int_equal(page_trace_create(folder, &trace), STATUS_FAILED);
 	assert_int_equal(page_trace_create(in_folder("no/where"), &trace), STATUS_FAILED);
 	/* One that is given up leaves the older one as it was. */
