@@ -284,6 +284,8 @@ static enum status prepare(struct drive *drive)
 		status = mount_riders(drive);
 	if (status == STATUS_OK && drive->params->resume)
 		status = drive_resume(drive);
+	else if (status == STATUS_OK)
+		drive_tell_unfinished(drive);
 	return status;
 }
 

@@ -103,6 +103,7 @@ double drive_step_time(const struct scene *scene, int64_t step); /* s: when it i
 
 /* resume.c: sets the drive to where the store's last one of this scene is. The riders are mounted. */
 enum status drive_resume(struct drive *drive) FURROW_CHECKED;
+void drive_tell_unfinished(const struct drive *drive); /* that it could be resumed, and is not */
 
 /* events.c: what is due, in the order of time, then of the scene. */
 enum status drive_collect_events(struct drive *drive, double until) FURROW_CHECKED;

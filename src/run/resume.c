@@ -83,6 +83,18 @@ static void restore(struct drive *drive)
 	}
 }
 
+void drive_tell_unfinished(const struct drive *drive)
+{
+	struct store_run run;
+	struct record *record = mem_calloc(1, record_bytes(drive->scene->object_count));
+	if (record != NULL && store_last_run(drive->store, &run) == STATUS_OK && run.scene_hash != NULL && run.step > 0 &&
+	    strcmp(run.scene_hash, drive->scene->hash) == 0 &&
+	    record_parse(&run, drive->path, drive->scene, record) == STATUS_OK && !record->ended)
+		note("%s: this scene was driven to step %lld there and not to its end; it begins anew, over those ruts "
+		     "(--resume would go on)", drive->path, (long long)run.step);
+	mem_free(record);
+}
+
 enum status drive_resume(struct drive *drive)
 {
 	const char *store = drive->path;

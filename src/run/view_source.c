@@ -93,31 +93,42 @@ static bool not_resident(void *user, struct tile tile, uint32_t *slot)
 /* Tiles that are being divided need places in a selection too. */
 #define MOST (TERRAIN_DRAWS_MAX - 2 * (TILE_LEVEL_MAX - TILE_LEVEL_MIN))
 
-void view_find_room(struct view *view)
+/* Of so many slots, those that pictures and what is loaded ahead for them may take; *budget: one picture. */
+static size_t room_of(const struct scene *scene, size_t slots, size_t *budget)
 {
 	/* Of each object what one window touches, and once more for where it goes next. */
-	const struct scene *scene = view->drive->scene;
-	size_t half = scene->slots / 2, hold = 2 * 4 * scene->object_count;
+	size_t half = slots / 2, hold = 2 * 4 * scene->object_count;
 	hold = hold < 4 ? 4 : hold;
-	view->room = scene->slots - (hold < half ? hold : half);
+	size_t room = slots - (hold < half ? hold : half);
 	/* And the loads on their way. */
-	size_t loads = 3 * (size_t)scene->loaders, quarter = view->room / 4;
-	view->budget = view->room - (loads < quarter ? loads : quarter);
-	if (view->budget > MOST)
-		view->budget = MOST;
+	size_t loads = 3 * (size_t)scene->loaders, quarter = room / 4;
+	*budget = room - (loads < quarter ? loads : quarter);
+	if (*budget > MOST)
+		*budget = MOST;
+	return room;
+}
+
+void view_find_room(struct view *view)
+{
+	const struct scene *scene = view->drive->scene;
+	view->room = room_of(scene, scene->slots, &view->budget);
 }
 
 static void tell(struct view *view)
 {
-	size_t needed = view->selection->needed;
+	const struct scene *scene = view->drive->scene;
+	size_t needed = view->selection->needed, enough = scene->slots, budget = view->budget;
 	if (view->told)
 		return;
 	view->told = true;
-	if (view->budget == MOST)
+	if (view->budget == MOST) {
 		note("the view needs %zu tiles and draws at most %d: drawn coarser; import with larger tiles", needed, MOST);
-	else
-		note("the view needs %zu slots and has %zu of %u: drawn coarser; raise cache.slots", needed, view->budget,
-		     view->drive->scene->slots);
+		return;
+	}
+	while (budget < needed && budget < MOST)
+		room_of(scene, ++enough, &budget);
+	note("the view needs %zu tiles here, and of %u slots objects and loads leave it %zu: drawn coarser, without the finest "
+	     "ruts; give cache.slots at least %zu", needed, scene->slots, view->budget, enough);
 }
 
 enum status view_select(struct view *view, const struct render_camera *camera, bool everything)
