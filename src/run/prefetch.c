@@ -130,8 +130,9 @@ static size_t forget_passed(struct lookout *lookout, double now)
 static double reach(const struct drive *drive)
 {
 	const double settled = 0.05; /* s: before, the pace says little */
-	double elapsed = drive->began > 0 ? clock_seconds() - drive->began : 0;
-	double pace = (drive->time - drive->resumed_time) / fmax(elapsed, settled);
+	if (drive->began <= 0) /* before the first step */
+		return drive->scene->prefetch;
+	double pace = (drive->time - drive->resumed_time) / fmax(clock_seconds() - drive->began, settled);
 	return drive->scene->prefetch * fmax(pace, 1);
 }
 

@@ -237,6 +237,7 @@ static uint64_t starved_frames(double prefetch)
 static void looking_ahead_a_moving_picture_lacks_less(void **state)
 {
 	uint64_t without = starved_frames(0), with = starved_frames(2);
+	print_message("starved frames: %d without, %d with\n", (int)without, (int)with);
 	assert_true(without >= 15);
 	assert_true(with * 5 <= without);
 }
