@@ -5,12 +5,11 @@
  * Each object has a lookout that goes along its path before it, station by station, and notes the
  * tiles of the very windows the object will have there: since when and until when each is needed. A
  * tile stays noted until the object has left it. A drive that runs faster than real time looks ahead as
- * much farther, so that loads have `prefetch` seconds by the clock too. Invariants: (1) an object's tiles are in the order in
- * which they are first needed; (2) what is loaded ahead never decides what comes out, only when.
+ * much farther, so that loads have `prefetch` seconds by the clock too. Invariants: (1) an object's tiles
+ * are in the order in which they are first needed; (2) what is loaded ahead never decides what comes out,
+ * only when.
  */
-#include <assert.h>
 #include <math.h>
-#include <string.h>
 #include <time.h>
 
 #include "run/internal.h"
@@ -195,6 +194,8 @@ static enum status gather(struct prefetch *prefetch)
 enum status prefetch_step(struct prefetch *prefetch)
 {
 	struct drive *drive = prefetch->drive;
+	if (drive->scene->prefetch <= 0 && drive->view == NULL)
+		return STATUS_OK; /* nobody wishes for anything */
 	bool changed = drive->view != NULL || prefetch->keys == NULL;
 	enum status status = STATUS_OK;
 	if (drive->scene->prefetch > 0)
