@@ -40,7 +40,7 @@ static struct deform_pose pose_of(int step, int number)
 static void one_step(struct deform *deform, int step)
 {
 	for (int number = 0; number < 4; number++) {
-		struct deform_sweep sweep = {&wheel, pose_of(step, number), pose_of(step + 1, number)};
+		struct deform_sweep sweep = {.shape = &wheel, .from = pose_of(step, number), .to = pose_of(step + 1, number)};
 		struct deform_window windows[DEFORM_WINDOWS_MAX];
 		size_t count;
 		bench_must(deform_windows(deform, &sweep, windows, &count));
@@ -73,7 +73,15 @@ static void measure(enum deform_model model, bool dirt, bool draws, struct figur
 		bench_must(gpu_slots_deform(slots, i));
 	}
 	gpu_staging_destroy(flat);
-	struct deform_params params = {gpu, slots, &world, 0, 0, model, 1, 1, dirt};
+	struct deform_params params = {
+		.gpu = gpu,
+		.slots = slots,
+		.world = &world,
+		.model = model,
+		.box_radius = 1,
+		.box_repetitions = 1,
+		.dirt = dirt,
+	};
 	bench_must(deform_create(&params, &deform));
 	static double ms[STEPS];
 	double medians[RUNS], p95s[RUNS];

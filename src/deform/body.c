@@ -199,6 +199,9 @@ void body_of(const struct deform_shape *shape, const struct deform_pose *from, c
 	case DEFORM_BOX:
 		box_of(shape, to, &m, frame, body);
 		break;
+	case DEFORM_MESH:
+	case DEFORM_SHAPES:
+		break; /* no closed form */
 	}
 }
 

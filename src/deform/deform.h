@@ -15,29 +15,61 @@
 #include "base/base.h"
 #include "gpu/gpu.h"
 
-enum deform_shape_kind { DEFORM_WHEEL, DEFORM_SPHERE, DEFORM_BOX };
+enum deform_shape_kind { DEFORM_WHEEL, DEFORM_SPHERE, DEFORM_BOX, DEFORM_MESH, DEFORM_SHAPES };
+
+/* Triangles in the object's own axes, metres. Owned by whoever made it; outlives every use. */
+struct deform_mesh {
+	float (*vertices)[3];
+	uint32_t (*triangles)[3]; /* indices into vertices; either way round */
+	uint32_t vertex_count, triangle_count;
+	double low[3], high[3];   /* of the vertices */
+};
 
 struct deform_shape {
 	enum deform_shape_kind kind;
 	double radius;  /* wheel, sphere: metres */
 	double width;   /* wheel: metres along its axis */
 	double size[3]; /* box: metres along its own x (forward), y (left), z (up) */
+	int lugs;       /* wheel: bars across its rim, evenly spaced, that turn with it; 0: smooth */
+	double lug_height, lug_thickness; /* metres beyond the radius, and along the rim */
+	const struct deform_mesh *mesh;
 };
 
 /* The object's centre, and its attitude: yaw about z from east to north, then pitch (nose up), then
- * roll (right side down), radians. A wheel's axis is its own y; it rolls along its own x. */
+ * roll (right side down), radians. A wheel's axis is its own y; it rolls along its own x. `turn`: how
+ * far a wheel has turned about it, forwards, radians: where its lugs are. */
 struct deform_pose {
 	int64_t x, y, z; /* 2^-20 m from the south-west post; z absolute */
-	double yaw, pitch, roll;
+	double yaw, pitch, roll, turn;
 };
 
 /* A translation with the attitude of `to`. A first contact has from == to. */
 struct deform_sweep {
 	const struct deform_shape *shape;
 	struct deform_pose from, to;
+	double seconds; /* that it took; 0: none, no rate counts */
+	double turned;  /* wheel: radians about its axis meanwhile (slip 0: way / radius) */
+	double load;    /* N, downwards; 0: to.z is prescribed. Otherwise to.z is about where it will stand */
+	uint32_t object; /* whose forces these are: index */
 };
 
-enum deform_model { DEFORM_NONE, DEFORM_BOX_FILTER };
+enum deform_model { DEFORM_NONE, DEFORM_BOX_FILTER, DEFORM_SUMNER, DEFORM_SLIPPAGE, DEFORM_SCM, DEFORM_MODELS };
+
+/* One class of soil, SI, angles in radians. Ranges: scene. */
+struct deform_soil {
+	double bekker_kc, bekker_kphi, bekker_n; /* N/m^(n+1), N/m^(n+2), 1 */
+	double cohesion, friction_angle;         /* Pa, rad */
+	double janosi_shear;                     /* K, m */
+	double elastic_stiffness, damping;       /* Pa/m, Pa s/m */
+	double unit_weight;                      /* N/m3 */
+	/* Sumner's: angles in rad; shares of 1. */
+	double theta_in, theta_out, theta_stop, roughness, compression;
+	double repose; /* rad: scm's heaped soil stands at this */
+};
+#define DEFORM_SOILS 16
+
+/* The named soils: Wong 2008, and Sumner's three. STATUS_INPUT with those there are if it is none. */
+enum status deform_soil_named(const char *name, struct deform_soil *soil) FURROW_CHECKED;
 
 struct deform_params {
 	struct gpu *gpu;
@@ -48,8 +80,18 @@ struct deform_params {
 	enum deform_model model;
 	int box_radius;      /* posts, 1 .. 4 */
 	int box_repetitions; /* 1 .. 8 */
+	/* Conserving models: */
+	struct deform_soil soils[DEFORM_SOILS];
+	int soil_count;      /* 1, or as many as the slots' class planes tell apart */
+	int iterations;      /* of sliding: a sweep's, and an interval's; 1 .. 8 */
+	double depth;        /* metres of loose soil below the base; INFINITY: no bottom */
+	double bulldozing;   /* scm: share of the plastic flow that is laid on the ring, 0 .. 1 */
+	bool forces;         /* sums them for deform_forces */
 	bool dirt;
 };
+
+/* The planes that a model keeps: a mask of PLANE_BIT. */
+unsigned deform_planes(enum deform_model model, bool dirt);
 
 struct deform;
 

@@ -21,7 +21,7 @@ static struct deform_sweep roll(const struct ground *ground, const struct deform
 				double depth)
 {
 	double z = shape->radius - depth;
-	struct deform_sweep sweep = {shape, ground_pose(ground, x, y, z), ground_pose(ground, x + 1.7, y + 0.9, z)};
+	struct deform_sweep sweep = {.shape = shape, .from = ground_pose(ground, x, y, z), .to = ground_pose(ground, x + 1.7, y + 0.9, z)};
 	sweep.to.yaw = atan2(0.9, 1.7);
 	return sweep;
 }
@@ -72,7 +72,7 @@ static void contacts_tell_what_was_pressed_and_what_is_held(void **state)
 		ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .first = 2, .spacing = 0.125,
 							     .height = holed, .model = DEFORM_NONE, .dirt = true});
 		struct deform_sweep sweep = roll(&ground, round % 2 ? &ball : &wheel, 30 + any_share(), 29 + any_share(), 0.05);
-		struct deform_sweep end = {sweep.shape, sweep.to, sweep.to};
+		struct deform_sweep end = {.shape = sweep.shape, .from = sweep.to, .to = sweep.to};
 		ground_sweep(&ground, &sweep);
 		ground_read(&ground);
 		uint8_t *contacts = ground_contacts(&ground);
@@ -158,7 +158,8 @@ static void an_object_at_rest_changes_nothing_more(void **state)
 	need_gpu();
 	ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .first = 2, .spacing = 0.125, .height = rough,
 						     .model = DEFORM_BOX_FILTER, .radius = 2, .repetitions = 3});
-	struct deform_sweep sweep = roll(&ground, &wheel, 31.3, 30.8, 0.1), rest = {&wheel, sweep.to, sweep.to};
+	struct deform_sweep sweep = roll(&ground, &wheel, 31.3, 30.8, 0.1);
+	struct deform_sweep rest = {.shape = &wheel, .from = sweep.to, .to = sweep.to};
 	ground_sweep(&ground, &sweep);
 	ground_sweep(&ground, &rest); /* presses again what smoothing raised within its reach */
 	ground_read(&ground);
@@ -186,7 +187,7 @@ static void what_an_object_rests_on_is_not_smoothed(void **state)
 	ground_sweep(&smoothed, &sweep);
 	ground_read(&pressed);
 	ground_read(&smoothed);
-	struct deform_sweep end = {&ball, sweep.to, sweep.to};
+	struct deform_sweep end = {.shape = &ball, .from = sweep.to, .to = sweep.to};
 	for (int64_t i = 0; i < pressed.posts * pressed.posts; i++) {
 		long double z, x = ground_from(&pressed, i % pressed.posts, end.from.x);
 		long double y = ground_from(&pressed, i / pressed.posts, end.from.y);
@@ -208,7 +209,7 @@ static void depths_beyond_the_range_are_refused_and_counted(void **state)
 	need_gpu();
 	ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .first = 2, .spacing = 0.25});
 	struct deform_shape box = {.kind = DEFORM_BOX, .size = {1.9, 0.9, 1}};
-	struct deform_sweep sweep = {&box, ground_pose(&ground, 32.5, 32.5, -1023.4), ground_pose(&ground, 32.5, 32.5, -1023.4)};
+	struct deform_sweep sweep = {.shape = &box, .from = ground_pose(&ground, 32.5, 32.5, -1023.4), .to = ground_pose(&ground, 32.5, 32.5, -1023.4)};
 	ground_sweep(&ground, &sweep);
 	ground_read(&ground);
 	assert_ok(deform_refused(ground.deform, &refused));

@@ -93,7 +93,7 @@ static struct deform_sweep any_sweep(const struct ground *ground, const struct d
 	double dx = number % 4 == 1 ? 0 : any_share() * far, dy = number % 4 == 1 ? 0 : any_share() * far;
 	double dz = number % 4 == 2 ? 0 : any_share() * far * spacing * (number % 3 == 0 ? 3 : 0.5);
 	double x = middle + any_share(), y = middle + any_share();
-	struct deform_sweep sweep = {shape, ground_pose(ground, x, y, -BELOW), ground_pose(ground, x + dx, y + dy, dz - BELOW)};
+	struct deform_sweep sweep = {.shape = shape, .from = ground_pose(ground, x, y, -BELOW), .to = ground_pose(ground, x + dx, y + dy, dz - BELOW)};
 	static const double straight[] = {0, 1.5707963267948966, 3.141592653589793, 0.7853981633974483};
 	sweep.to.yaw = number % 7 == 3 ? straight[number % 4] : any_share() * 4;
 	if (number % 7 == 5 && number % 4 != 1) /* along its heading, or exactly across it */

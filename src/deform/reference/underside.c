@@ -87,6 +87,9 @@ static struct sight see(const struct way *way, long double t)
 	case DEFORM_BOX:
 		sight = see_box(way, x, y);
 		break;
+	case DEFORM_MESH:
+	case DEFORM_SHAPES:
+		break;
 	}
 	sight.z += t * way->dz;
 	return sight;

@@ -1,0 +1,23 @@
+#include "base/plane.h"
+
+#include <assert.h>
+
+static const struct {
+	const char *name;
+	size_t bytes;
+} planes[PLANES] = {
+	[PLANE_OFFSET] = {"offset", 4},	  [PLANE_DIRT] = {"dirt", 1},	[PLANE_HEAPED] = {"heaped", 4},
+	[PLANE_PRESSED] = {"pressed", 4}, [PLANE_SHEAR] = {"shear", 2},
+};
+
+size_t plane_bytes(enum plane plane)
+{
+	assert((unsigned)plane < PLANES);
+	return planes[plane].bytes;
+}
+
+const char *plane_name(enum plane plane)
+{
+	assert((unsigned)plane < PLANES);
+	return planes[plane].name;
+}
