@@ -47,8 +47,15 @@ static void rig_open(struct rig *rig, const char *path, uint32_t slots)
 	must(gpu_slots_create(drive->gpu, CELLS, slots, true, &drive->slots));
 	must(ground_create(drive->store, 4, &drive->ground));
 	must(pyramid_create(&drive->meta->world, LEVEL, drive->slots, &drive->pyramid));
-	must(deform_create(&(struct deform_params){drive->gpu, drive->slots, &drive->meta->world, LEVEL,
-						   ground_reference(drive->store), DEFORM_BOX_FILTER, 1, 1, true},
+	must(deform_create(&(struct deform_params){.gpu = drive->gpu,
+						   .slots = drive->slots,
+						   .world = &drive->meta->world,
+						   .level = LEVEL,
+						   .reference = ground_reference(drive->store),
+						   .model = DEFORM_BOX_FILTER,
+						   .box_radius = 1,
+						   .box_repetitions = 1,
+						   .dirt = true},
 			   &drive->deform));
 	must(pages_create(&(struct pages_params){.store = drive->store,
 						 .gpu = drive->gpu,
