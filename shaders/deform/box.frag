@@ -3,6 +3,8 @@
 // its end pose left it, and as far around as the filter reaches. One fragment a post of the window.
 // Define: RADIUS.
 
+#include "lib/window.glsl"
+
 layout(binding = 0) uniform isampler2DArray bases;
 layout(binding = 1) uniform isampler2DArray offsets;
 layout(binding = 2) uniform usampler2DArray contacts;
@@ -13,20 +15,18 @@ layout(std140, binding = 0) uniform params {
 
 layout(location = 0) out int offset_out;
 
-const int BASE_NODATA = int(0x80000000u);
-
 void main()
 {
 	ivec2 post = ivec2(gl_FragCoord.xy);
 	ivec2 low = max(post - RADIUS, ivec2(0)), high = min(post + RADIUS, window.xy - 1);
 	offset_out = texelFetch(offsets, ivec3(post, window.z), 0).r;
 	if (texelFetch(bases, ivec3(post, window.z), 0).r == BASE_NODATA ||
-	    (texelFetch(contacts, ivec3(post, window.z), 0).r & 2u) != 0u)
+	    (texelFetch(contacts, ivec3(post, window.z), 0).r & HELD) != 0u)
 		return;
 	bool left = false;
 	for (int y = low.y; y <= high.y; y++)
 		for (int x = low.x; x <= high.x; x++)
-			left = left || (texelFetch(contacts, ivec3(x, y, window.z), 0).r & 3u) == 1u;
+			left = left || (texelFetch(contacts, ivec3(x, y, window.z), 0).r & (PRESSED | HELD)) == PRESSED;
 	if (!left)
 		return;
 	// The sum of up to 81 offsets exceeds 32 bits: high and low halves apart, and counted from the

@@ -52,8 +52,6 @@ struct body {
 
 layout(std140, binding = 0) uniform params {
 	body bodies[2]; // the sweep; its end pose
-	ivec4 zero;     // lo, hi: the window's zero height, quanta from the store's reference; the layer
-	ivec4 written;  // the posts this window writes: first, one behind the last
 };
 
 #define AT(which, k, post) functional_int(bodies[which].f[k].at_di, bodies[which].f[k].dj_shift, post)

@@ -16,13 +16,14 @@ enum status deform_create(const struct deform_params *params, struct deform **ou
 	if (deform == NULL)
 		return fail_memory("deformation");
 	deform->params = *params;
+	deform->planes = deform_planes(params->model, params->dirt);
 	deform->spacing = world_spacing(params->world, params->level);
 	if (params->model == DEFORM_BOX_FILTER) {
 		deform->reach = params->box_radius;
 		/* A window's posts are right as far in as wrong ones from beyond its rim can reach. */
 		deform->border = (int64_t)params->box_radius * params->box_repetitions;
 	}
-	enum status status = gpu_buffer_create(params->gpu, GPU_STORAGE, sizeof(uint32_t), NULL, &deform->refusals);
+	enum status status = gpu_buffer_create(params->gpu, GPU_STORAGE, sizeof(struct deform_tally), NULL, &deform->tally);
 	if (status == STATUS_OK)
 		status = deform_need_layers(deform, 1);
 	if (status != STATUS_OK) {
@@ -38,7 +39,7 @@ void deform_destroy(struct deform *deform)
 	if (deform == NULL)
 		return;
 	deform_drop_layers(deform);
-	gpu_buffer_destroy(deform->refusals);
+	gpu_buffer_destroy(deform->tally);
 	mem_free(deform);
 }
 
@@ -56,6 +57,11 @@ static bool shared(const struct deform *deform, struct tile tile, struct post_re
 	return true;
 }
 
+static struct gpu_texture *slot_plane(const struct gpu_slot *slot, enum plane plane)
+{
+	return plane == PLANE_OFFSET ? slot->offset : plane == PLANE_DIRT ? slot->dirt : NULL;
+}
+
 static void gather(struct deform *deform, struct post_rect read, uint32_t layer, const struct deform_tile *tiles,
 		   size_t count)
 {
@@ -65,26 +71,24 @@ static void gather(struct deform *deform, struct post_rect read, uint32_t layer,
 					world_tiles_y(deform->params.world, deform->params.level) *
 							      (int64_t)deform->params.world->cells + 1};
 	bool beyond = read.x0 < 0 || read.y0 < 0 || read.x1 > world.x1 || read.y1 > world.y1;
-	if (beyond) {
+	for (int plane = 0; beyond && plane < PLANES; plane++)
+		if (deform->planes & PLANE_BIT(plane))
+			gpu_texture_clear(deform->planes_of[0][plane], layer, all, 0);
+	if (beyond)
 		gpu_texture_clear(deform->bases, layer, all, BASE_NODATA);
-		gpu_texture_clear(deform->offsets[0], layer, all, 0);
-		if (deform->params.dirt)
-			gpu_texture_clear(deform->dirts[0], layer, all, 0);
-	}
 	for (size_t i = 0; i < count; i++) {
 		struct gpu_rect from, to;
 		if (!shared(deform, tiles[i].tile, read, read, &from, &to))
 			continue;
 		const struct gpu_slot *slot = gpu_slots_get(deform->params.slots, tiles[i].slot);
 		gpu_texture_copy(slot->base, 0, from.x, from.y, deform->bases, layer, to);
-		if (slot->offset != NULL)
-			gpu_texture_copy(slot->offset, 0, from.x, from.y, deform->offsets[0], layer, to);
-		else
-			gpu_texture_clear(deform->offsets[0], layer, to, 0);
-		if (deform->params.dirt && slot->dirt != NULL)
-			gpu_texture_copy(slot->dirt, 0, from.x, from.y, deform->dirts[0], layer, to);
-		else if (deform->params.dirt)
-			gpu_texture_clear(deform->dirts[0], layer, to, 0);
+		for (int plane = 0; plane < PLANES; plane++) {
+			struct gpu_texture *into = deform->planes_of[0][plane], *held = slot_plane(slot, (enum plane)plane);
+			if (into != NULL && held != NULL)
+				gpu_texture_copy(held, 0, from.x, from.y, into, layer, to);
+			else if (into != NULL)
+				gpu_texture_clear(into, layer, to, 0);
+		}
 	}
 }
 
@@ -118,17 +122,16 @@ enum status deform_scatter(struct deform *deform, const struct deform_window *wi
 		if (status != STATUS_OK)
 			return status;
 		const struct gpu_slot *slot = gpu_slots_get(deform->params.slots, tiles[i].slot);
-		gpu_texture_copy(deform->offsets[deform->scratch[layer].result], layer, from.x, from.y, slot->offset, 0, to);
-		if (deform->params.dirt)
-			gpu_texture_copy(deform->dirts[1], layer, from.x, from.y, slot->dirt, 0, to);
+		for (int plane = 0; plane < PLANES; plane++)
+			if (deform->planes & PLANE_BIT(plane))
+				gpu_texture_copy(deform->planes_of[deform->scratch[layer].now[plane]][plane], layer, from.x,
+						 from.y, slot_plane(slot, (enum plane)plane), 0, to);
 	}
 	return gpu_check(deform->params.gpu, "deformation");
 }
 
-enum status deform_refused(struct deform *deform, uint64_t *posts)
+enum status deform_tally(struct deform *deform, struct deform_tally *tally)
 {
-	uint32_t count = 0;
-	gpu_buffer_read(deform->refusals, 0, sizeof count, &count);
-	*posts = count;
-	return gpu_check(deform->params.gpu, "refused posts");
+	gpu_buffer_read(deform->tally, 0, sizeof *tally, tally);
+	return gpu_check(deform->params.gpu, "what deformation counts");
 }

@@ -1,6 +1,6 @@
 /*
  * deform: what an object does to the ground, on the GPU, in the dissertation's four stages over one
- * window: gather, displace, redistribute, scatter (with attributes).
+ * window: gather, displace, redistribute, scatter (with attributes). SOIL.md says what happens in which.
  *
  * Results are integers and the same on every driver: an object's underside is evaluated at each
  * post from affine functionals of the post's place in the window (affine.h), in 64-bit
@@ -133,7 +133,13 @@ enum status deform_warm(struct deform *deform, const struct deform_shape *shape)
 enum status deform_scatter(struct deform *deform, const struct deform_window *window, uint32_t layer,
 			   const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
 
-/* Posts at which a depth beyond an offset's range was refused since the start. Blocks: at the end. */
-enum status deform_refused(struct deform *deform, uint64_t *posts) FURROW_CHECKED;
+/* What is counted on the GPU since the start. */
+struct deform_tally {
+	int64_t compacted; /* quanta summed over posts: what conserving models lost for good */
+	uint64_t refused;  /* posts that would have gone beyond an offset's range */
+	uint64_t confined; /* posts whose soil found no free post, and was compacted */
+};
+/* Blocks: at the end. */
+enum status deform_tally(struct deform *deform, struct deform_tally *tally) FURROW_CHECKED;
 
 #endif

@@ -6,25 +6,44 @@
 
 #define SIDE DEFORM_WINDOW_POSTS
 
-/* The scratch of one window; planes only as the parameters call for them. */
-struct layer {
-	struct gpu_target *displaced; /* offsets[1] and contacts */
-	struct gpu_target *filtered[2]; /* offsets[0], offsets[1] */
-	struct gpu_target *dirtied;   /* dirts[1] */
-	int result;                   /* which of offsets holds it */
+/* FBOs over one layer of the scratch; those that the parameters do not call for are NULL. */
+enum scratch_target {
+	TO_UNDER,   /* under, rest */
+	TO_PRESSED, /* what the model's press writes */
+	TO_FIRST,   /* offset plane 0, and what slides with it */
+	TO_SECOND,  /* the same, 1 */
+	TO_DIRT,    /* dirt plane 1 */
+	TO_BARE,    /* nothing: images and buffers */
+	SCRATCH_TARGETS
 };
+
+/* The scratch of one window. */
+struct layer {
+	struct gpu_target *to[SCRATCH_TARGETS];
+	int now[PLANES]; /* which of planes[0 .. 1][plane] holds the result so far */
+};
+
+struct deform;
+
+/* One model: what a press does once the underside is known, and all that follows it in the window. */
+typedef enum status (*deform_model_fn)(struct deform *deform, const struct deform_sweep *sweep,
+				       const struct deform_window *window, uint32_t layer);
 
 struct deform {
 	struct deform_params params;
+	unsigned planes; /* deform_planes() */
 	double spacing;
 	int64_t reach;  /* posts beyond the footprint that change */
 	int64_t border; /* posts beyond those that are read */
 	uint32_t layers; /* that the textures have */
-	struct gpu_texture *bases, *offsets[2], *contacts, *dirts[2];
+	struct gpu_texture *bases;
+	struct gpu_texture *under, *rest;      /* rest NULL: nobody asks */
+	struct gpu_texture *contacts;          /* PRESSED, HELD; NULL: nobody asks */
+	struct gpu_texture *planes_of[2][PLANES]; /* [0] is gathered into */
 	struct layer scratch[DEFORM_WINDOWS_MAX];
-	struct gpu_program *displace[3]; /* by shape; made when first needed */
-	struct gpu_program *box, *dirt;
-	struct gpu_buffer *refusals;
+	struct gpu_program *under_program[DEFORM_SHAPES]; /* made when first needed, as all of them */
+	struct gpu_program *none, *box, *dirt;
+	struct gpu_buffer *tally;              /* struct deform_tally */
 };
 
 /* A sweep that is no motion: its end pose alone presses. */
@@ -33,6 +52,33 @@ bool deform_is_contact_only(const struct deform_sweep *sweep);
 /* scratch.c: textures and targets for `layers` windows. */
 enum status deform_need_layers(struct deform *deform, uint32_t layers) FURROW_CHECKED;
 void deform_drop_layers(struct deform *deform);
+bool deform_needs_contacts(const struct deform *deform);
+
+/* A program by its place: made when first asked for. */
+enum status deform_program(struct deform *deform, const struct gpu_program_request *request,
+			   struct gpu_program **place) FURROW_CHECKED;
+
+/* std140 twins of what most passes over a window begin with. */
+struct window_params {
+	int32_t window[4]; /* posts in x and y; the layer */
+};
+struct press_params {
+	uint32_t zero[4];   /* lo, hi: the window's zero height, quanta from the store's reference; the layer */
+	int32_t written[4]; /* the posts this window writes: first, one behind the last */
+};
+struct press_params deform_press_params(const struct deform *deform, const struct deform_sweep *sweep,
+					const struct deform_window *window, uint32_t layer);
+struct window_params deform_window_params(struct post_rect read, uint32_t layer);
+
+/* underside.c: the object over the window, into `under` and `rest`. */
+enum status deform_underside(struct deform *deform, const struct deform_sweep *sweep,
+			     const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
+
+/* model_*.c */
+enum status deform_none(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
+			uint32_t layer) FURROW_CHECKED;
+enum status deform_box(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
+		       uint32_t layer) FURROW_CHECKED;
 
 /* stages.c: the passes over a gathered window. */
 enum status deform_run_stages(struct deform *deform, const struct deform_sweep *sweep,

@@ -6,55 +6,80 @@
 void deform_drop_layers(struct deform *deform)
 {
 	for (uint32_t i = 0; i < DEFORM_WINDOWS_MAX; i++) {
-		struct layer *layer = &deform->scratch[i];
-		gpu_target_destroy(layer->displaced);
-		gpu_target_destroy(layer->filtered[0]);
-		gpu_target_destroy(layer->filtered[1]);
-		gpu_target_destroy(layer->dirtied);
-		memset(layer, 0, sizeof *layer);
+		for (int k = 0; k < SCRATCH_TARGETS; k++)
+			gpu_target_destroy(deform->scratch[i].to[k]);
+		memset(&deform->scratch[i], 0, sizeof deform->scratch[i]);
 	}
-	struct gpu_texture **textures[] = {&deform->bases,	 &deform->offsets[0], &deform->offsets[1],
-					   &deform->contacts, &deform->dirts[0],   &deform->dirts[1]};
+	struct gpu_texture **textures[] = {&deform->bases, &deform->under, &deform->rest, &deform->contacts};
 	for (size_t i = 0; i < sizeof textures / sizeof *textures; i++) {
 		gpu_texture_destroy(*textures[i]);
 		*textures[i] = NULL;
 	}
+	for (int i = 0; i < 2; i++)
+		for (int plane = 0; plane < PLANES; plane++) {
+			gpu_texture_destroy(deform->planes_of[i][plane]);
+			deform->planes_of[i][plane] = NULL;
+		}
 	deform->layers = 0;
 }
 
-static bool needs_contacts(const struct deform *deform)
+bool deform_needs_contacts(const struct deform *deform)
 {
-	return deform->params.model == DEFORM_BOX_FILTER || deform->params.dirt;
+	return deform->params.model != DEFORM_NONE || deform->params.dirt;
+}
+
+static enum gpu_format format_of(enum plane plane)
+{
+	return plane_bytes(plane) == 1 ? GPU_R8UI : plane_bytes(plane) == 2 ? GPU_R16UI : GPU_R32I;
 }
 
 static enum status make_textures(struct deform *deform, uint32_t layers)
 {
 	struct gpu *gpu = deform->params.gpu;
 	enum status status = gpu_texture_create(gpu, GPU_R32I, SIDE, SIDE, layers, &deform->bases);
-	for (int i = 0; i < 2 && status == STATUS_OK; i++)
-		status = gpu_texture_create(gpu, GPU_R32I, SIDE, SIDE, layers, &deform->offsets[i]);
-	if (status == STATUS_OK && needs_contacts(deform))
+	if (status == STATUS_OK)
+		status = gpu_texture_create(gpu, GPU_R32I, SIDE, SIDE, layers, &deform->under);
+	if (status == STATUS_OK && deform_needs_contacts(deform))
+		status = gpu_texture_create(gpu, GPU_R32I, SIDE, SIDE, layers, &deform->rest);
+	if (status == STATUS_OK && deform_needs_contacts(deform))
 		status = gpu_texture_create(gpu, GPU_R8UI, SIDE, SIDE, layers, &deform->contacts);
-	for (int i = 0; i < 2 && status == STATUS_OK && deform->params.dirt; i++)
-		status = gpu_texture_create(gpu, GPU_R8UI, SIDE, SIDE, layers, &deform->dirts[i]);
+	for (int plane = 0; plane < PLANES; plane++)
+		for (int i = 0; i < 2 && status == STATUS_OK && (deform->planes & PLANE_BIT(plane)); i++)
+			status = gpu_texture_create(gpu, format_of((enum plane)plane), SIDE, SIDE, layers,
+						    &deform->planes_of[i][plane]);
 	return status;
+}
+
+struct attachments {
+	struct gpu_attachment list[8];
+	uint32_t count;
+};
+
+/* NULL: not called for. */
+static void attach(struct attachments *to, struct gpu_texture *texture, uint32_t layer)
+{
+	if (texture != NULL)
+		to->list[to->count++] = (struct gpu_attachment){texture, layer};
 }
 
 static enum status make_targets(struct deform *deform, uint32_t number)
 {
 	struct gpu *gpu = deform->params.gpu;
-	struct layer *layer = &deform->scratch[number];
-	const struct gpu_attachment none = {NULL, 0};
-	struct gpu_attachment colours[2] = {{deform->offsets[1], number}, {deform->contacts, number}};
-	enum status status =
-		gpu_target_create(gpu, colours, needs_contacts(deform) ? 2 : 1, none, &layer->displaced);
-	for (int i = 0; i < 2 && status == STATUS_OK && deform->params.model == DEFORM_BOX_FILTER; i++) {
-		struct gpu_attachment offsets = {deform->offsets[i], number};
-		status = gpu_target_create(gpu, &offsets, 1, none, &layer->filtered[i]);
+	struct attachments of[SCRATCH_TARGETS] = {{.count = 0}};
+	attach(&of[TO_UNDER], deform->under, number);
+	attach(&of[TO_UNDER], deform->rest, number);
+	attach(&of[TO_PRESSED], deform->planes_of[1][PLANE_OFFSET], number);
+	attach(&of[TO_PRESSED], deform->contacts, number);
+	if (deform->params.model == DEFORM_BOX_FILTER) {
+		attach(&of[TO_FIRST], deform->planes_of[0][PLANE_OFFSET], number);
+		attach(&of[TO_SECOND], deform->planes_of[1][PLANE_OFFSET], number);
 	}
-	struct gpu_attachment dirt = {deform->dirts[1], number};
-	if (status == STATUS_OK && deform->params.dirt)
-		status = gpu_target_create(gpu, &dirt, 1, none, &layer->dirtied);
+	attach(&of[TO_DIRT], deform->planes_of[1][PLANE_DIRT], number);
+	enum status status = STATUS_OK;
+	for (int k = 0; k < SCRATCH_TARGETS && status == STATUS_OK; k++)
+		if (of[k].count > 0)
+			status = gpu_target_create(gpu, of[k].list, of[k].count, (struct gpu_attachment){NULL, 0},
+						   &deform->scratch[number].to[k]);
 	return status;
 }
 

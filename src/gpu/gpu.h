@@ -65,14 +65,14 @@ enum status gpu_check(struct gpu *gpu, const char *what) FURROW_CHECKED;
 void gpu_finish(struct gpu *gpu); /* waits for the driver: benches, and before the first step */
 
 /* --- textures and targets: gpu_texture.c --- */
-enum gpu_format { GPU_R32I, GPU_R8UI, GPU_RGBA8, GPU_SRGB8_ALPHA8, GPU_DEPTH32F };
+enum gpu_format { GPU_R32I, GPU_R16UI, GPU_R8UI, GPU_RGBA32I, GPU_RGBA8, GPU_SRGB8_ALPHA8, GPU_DEPTH32F };
 
 /* layers 0: a plain 2D texture; otherwise an array. Contents start undefined. NEAREST, clamped. */
 enum status gpu_texture_create(struct gpu *gpu, enum gpu_format format, uint32_t width,
 			       uint32_t height, uint32_t layers, struct gpu_texture **out) FURROW_CHECKED;
 void gpu_texture_destroy(struct gpu_texture *texture);
 /* Rectangles are x, y, width, height in texels; data is tight. The clear value is the texel's bits:
- * an int, the low byte, four bytes with red lowest, or a float's. */
+ * an int (of RGBA32I: of each of the four), the low bytes, four bytes with red lowest, or a float's. */
 struct gpu_rect {
 	uint32_t x, y, width, height;
 };
@@ -106,16 +106,19 @@ struct gpu_attachment {
 	struct gpu_texture *texture;
 	uint32_t layer;
 };
-/* An FBO. At most 4 colours of one size; depth.texture may be NULL, or else there may be no colours.
+/* An FBO. At most 8 colours of one size; depth.texture may be NULL, or else there may be no colours.
  * Textures stay the caller's and must outlive it. */
 enum status gpu_target_create(struct gpu *gpu, const struct gpu_attachment *colours, uint32_t count,
 			      struct gpu_attachment depth, struct gpu_target **out) FURROW_CHECKED;
+/* One without attachments, for passes that only write images and storage buffers. */
+enum status gpu_target_create_bare(struct gpu *gpu, uint32_t width, uint32_t height,
+				   struct gpu_target **out) FURROW_CHECKED;
 void gpu_target_destroy(struct gpu_target *target);
 /* Floating-point and normalised attachments only; depth is cleared to 0 (reversed depth). */
 void gpu_target_clear(struct gpu_target *target, const float rgba[4]);
 
 /* --- programs: gpu_program.c --- */
-/* Shaders are files of shaders/, embedded by the build ("displace.frag"); `#include "lib/x.glsl"`
+/* Shaders are files of shaders/, embedded by the build ("deform/none.frag"); `#include "lib/x.glsl"`
  * is resolved. Each define is "NAME" or "NAME value": a variant. The same request returns the same
  * program; the gpu keeps it. An error carries file:line and the driver's text. */
 #define GPU_DEFINES_MAX 12
@@ -134,10 +137,15 @@ enum status gpu_buffer_create(struct gpu *gpu, enum gpu_buffer_use use, size_t b
 void gpu_buffer_destroy(struct gpu_buffer *buffer);
 void gpu_buffer_write(struct gpu_buffer *buffer, size_t offset, size_t bytes, const void *data);
 void gpu_buffer_read(struct gpu_buffer *buffer, size_t offset, size_t bytes, void *data); /* blocks */
+/* As gpu_texture_read_into; offsets are multiples of 4. */
+void gpu_buffer_read_into(struct gpu_buffer *buffer, size_t offset, size_t bytes, struct gpu_staging *staging,
+			  size_t staging_offset);
+void gpu_buffer_clear(struct gpu_buffer *buffer, size_t offset, size_t bytes); /* to zeros; multiples of 4 */
 
 /* --- passes: gpu_pass.c --- */
 #define GPU_PASS_TEXTURES 8
 #define GPU_PASS_BUFFERS 4
+#define GPU_PASS_IMAGES 8
 struct gpu_pass {
 	enum gpu_stage stage; /* what it counts as */
 	struct gpu_program *program;
@@ -145,10 +153,14 @@ struct gpu_pass {
 	struct gpu_rect viewport; /* of the target; nothing outside is written */
 	struct gpu_texture *textures[GPU_PASS_TEXTURES]; /* layout(binding = i); NULL: none */
 	struct gpu_buffer *storage[GPU_PASS_BUFFERS];    /* layout(std430, binding = i) */
+	/* layout(binding = i), read and written, all layers of an array; integer formats. What a pass writes
+	 * every later pass, copy and read sees. Not the target's own textures. */
+	struct gpu_texture *images[GPU_PASS_IMAGES];
 	const void *params; /* std140 block, layout(binding = 0); copied; NULL: none */
 	size_t params_bytes; /* at most 16 KiB */
 	/* What is drawn. indices NULL: one triangle over the viewport (vertex shader full.vert makes
-	 * it from gl_VertexID). Otherwise triangles, uint16 indices, `instances` times. */
+	 * it from gl_VertexID), or, if there are `instances`, so many strips of four vertices. Otherwise
+	 * triangles, uint16 indices, `instances` times. */
 	struct gpu_buffer *indices;
 	uint32_t index_count, instances;
 	bool depth_test;  /* reversed: GREATER */

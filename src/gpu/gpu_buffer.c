@@ -50,7 +50,7 @@ void gpu_buffer_write(struct gpu_buffer *buffer, size_t offset, size_t bytes, co
 	assert(offset <= buffer->bytes && bytes <= buffer->bytes - offset);
 	if (!gpu_usable(gpu) || bytes == 0)
 		return;
-	gpu_storage_barrier(gpu);
+	gpu_written_barrier(gpu);
 	glNamedBufferSubData(buffer->name, (GLintptr)offset, (GLsizeiptr)bytes, data);
 	gpu->stats.uploads++;
 	gpu->stats.upload_bytes += bytes;
@@ -64,8 +64,38 @@ void gpu_buffer_read(struct gpu_buffer *buffer, size_t offset, size_t bytes, voi
 		memset(data, 0, bytes);
 		return;
 	}
-	gpu_storage_barrier(gpu);
+	gpu_written_barrier(gpu);
 	glGetNamedBufferSubData(buffer->name, (GLintptr)offset, (GLsizeiptr)bytes, data);
 	gpu->stats.read_backs++;
 	gpu->stats.read_back_bytes += bytes;
+}
+
+void gpu_buffer_read_into(struct gpu_buffer *buffer, size_t offset, size_t bytes, struct gpu_staging *staging,
+			  size_t staging_offset)
+{
+	struct gpu *gpu = buffer->gpu;
+	assert(staging->gpu == gpu && (offset | staging_offset | bytes) % 4 == 0);
+	assert(staging_offset <= staging->bytes && bytes <= staging->bytes - staging_offset);
+	assert(offset <= buffer->bytes && bytes <= buffer->bytes - offset);
+	if (staging->direct || !gpu_usable(gpu)) {
+		gpu_buffer_read(buffer, offset, bytes, staging->map + staging_offset);
+		return;
+	}
+	gpu_written_barrier(gpu);
+	glCopyNamedBufferSubData(buffer->name, staging->name, (GLintptr)offset, (GLintptr)staging_offset,
+				 (GLsizeiptr)bytes);
+	gpu->stats.read_backs++;
+	gpu->stats.read_back_bytes += bytes;
+	gpu_staging_fence(staging);
+}
+
+void gpu_buffer_clear(struct gpu_buffer *buffer, size_t offset, size_t bytes)
+{
+	struct gpu *gpu = buffer->gpu;
+	assert((offset | bytes) % 4 == 0 && offset <= buffer->bytes && bytes <= buffer->bytes - offset);
+	if (!gpu_usable(gpu) || bytes == 0)
+		return;
+	gpu_written_barrier(gpu);
+	glClearNamedBufferSubData(buffer->name, GL_R32UI, (GLintptr)offset, (GLsizeiptr)bytes, GL_RED_INTEGER,
+				  GL_UNSIGNED_INT, NULL);
 }

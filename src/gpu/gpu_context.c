@@ -132,11 +132,17 @@ void gpu_finish(struct gpu *gpu)
 		glFinish();
 }
 
-void gpu_storage_barrier(struct gpu *gpu)
+void gpu_written_barrier(struct gpu *gpu)
 {
-	if (!gpu->storage_written)
-		return;
-	glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT | GL_UNIFORM_BARRIER_BIT |
-			GL_ELEMENT_ARRAY_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT);
+	GLbitfield bits = 0;
+	if (gpu->storage_written)
+		bits |= GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT | GL_UNIFORM_BARRIER_BIT |
+			GL_ELEMENT_ARRAY_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT;
+	if (gpu->images_written)
+		bits |= GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT |
+			GL_FRAMEBUFFER_BARRIER_BIT | GL_PIXEL_BUFFER_BARRIER_BIT;
+	if (bits != 0)
+		glMemoryBarrier(bits);
 	gpu->storage_written = false;
+	gpu->images_written = false;
 }

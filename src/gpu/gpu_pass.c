@@ -28,12 +28,27 @@ static void bind_inputs(struct gpu *gpu, const struct gpu_pass *pass)
 		glBindBufferBase(GL_SHADER_STORAGE_BUFFER, i, pass->storage[i]->name);
 		gpu->storage_written = true;
 	}
+	for (GLuint i = 0; i < GPU_PASS_IMAGES; i++) {
+		const struct gpu_texture *image = pass->images[i];
+		if (image == NULL)
+			continue;
+		assert(image->gpu == gpu && gpu_format_is_integer(image->format));
+		if (image != gpu->images[i])
+			glBindImageTexture(i, image->name, 0, image->kind == GL_TEXTURE_2D_ARRAY, 0, GL_READ_WRITE,
+					   gpu_format_internal(image->format));
+		gpu->images[i] = image;
+		gpu->images_written = true;
+	}
 }
 
 static void draw(struct gpu *gpu, const struct gpu_pass *pass)
 {
-	if (pass->indices == NULL) {
+	if (pass->indices == NULL && pass->instances == 0) {
 		glDrawArrays(GL_TRIANGLES, 0, 3);
+		return;
+	}
+	if (pass->indices == NULL) {
+		glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, (GLsizei)pass->instances);
 		return;
 	}
 	assert(pass->indices->use == GPU_INDICES && pass->index_count % 3 == 0);
@@ -57,7 +72,7 @@ void gpu_pass_run(struct gpu *gpu, const struct gpu_pass *pass)
 	assert(view->x <= target->width && view->width <= target->width - view->x);
 	assert(view->y <= target->height && view->height <= target->height - view->y);
 	gpu_timer_begin(gpu, pass->stage);
-	gpu_storage_barrier(gpu);
+	gpu_written_barrier(gpu);
 	gpu_target_bind(gpu, target);
 	if (gpu->program != pass->program)
 		glUseProgram(pass->program->name);

@@ -99,7 +99,7 @@ bool gpu_staging_idle(struct gpu_staging *staging)
 	return !gpu_usable(staging->gpu) || staging->fence == NULL || pass_fence(staging, 0);
 }
 
-static void put_fence(struct gpu_staging *staging)
+void gpu_staging_fence(struct gpu_staging *staging)
 {
 	struct gpu *gpu = staging->gpu;
 	glDeleteSync(staging->fence);
@@ -131,7 +131,7 @@ void gpu_texture_upload_from(struct gpu_texture *texture, uint32_t layer, struct
 	glBindBuffer(GL_PIXEL_UNPACK_BUFFER, staging->name);
 	gpu_texture_upload(texture, layer, rect, (const void *)offset);
 	glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
-	put_fence(staging);
+	gpu_staging_fence(staging);
 }
 
 /* The mapping is coherent: what GL writes into it is seen when the fence has passed, and
@@ -147,5 +147,5 @@ void gpu_texture_read_into(struct gpu_texture *texture, uint32_t layer, struct g
 	glBindBuffer(GL_PIXEL_PACK_BUFFER, staging->name);
 	gpu_texture_read(texture, layer, rect, (void *)offset);
 	glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
-	put_fence(staging);
+	gpu_staging_fence(staging);
 }

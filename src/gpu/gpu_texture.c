@@ -3,7 +3,7 @@
  *
  * Invariants: a texture has one mip level, samples NEAREST and clamped; data in and out is tight,
  * in the format's own type, row 0 first. GL orders copies, clears, uploads and draws among
- * themselves, so nothing here needs a barrier.
+ * themselves; only what passes wrote as images needs a barrier.
  */
 #include <string.h>
 
@@ -16,7 +16,9 @@ struct format {
 
 static const struct format formats[] = {
 	[GPU_R32I] = {GL_R32I, GL_RED_INTEGER, GL_INT, 4},
+	[GPU_R16UI] = {GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT, 2},
 	[GPU_R8UI] = {GL_R8UI, GL_RED_INTEGER, GL_UNSIGNED_BYTE, 1},
+	[GPU_RGBA32I] = {GL_RGBA32I, GL_RGBA_INTEGER, GL_INT, 16},
 	[GPU_RGBA8] = {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, 4},
 	[GPU_SRGB8_ALPHA8] = {GL_SRGB8_ALPHA8, GL_RGBA, GL_UNSIGNED_BYTE, 4},
 	[GPU_DEPTH32F] = {GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, 4},
@@ -70,6 +72,9 @@ void gpu_texture_destroy(struct gpu_texture *texture)
 	for (size_t i = 0; i < GPU_PASS_TEXTURES; i++)
 		if (gpu->textures[i] == texture)
 			gpu->textures[i] = NULL;
+	for (size_t i = 0; i < GPU_PASS_IMAGES; i++)
+		if (gpu->images[i] == texture)
+			gpu->images[i] = NULL;
 	glDeleteTextures(1, &texture->name);
 	gpu->stats.textures--;
 	gpu->stats.bytes -= texture->bytes;
@@ -100,6 +105,7 @@ void gpu_texture_upload(struct gpu_texture *texture, uint32_t layer, struct gpu_
 	assert_inside(texture, layer, rect);
 	if (!gpu_usable(texture->gpu) || rect.width == 0 || rect.height == 0)
 		return;
+	gpu_written_barrier(texture->gpu);
 	if (texture->kind == GL_TEXTURE_2D)
 		glTextureSubImage2D(texture->name, 0, (GLint)rect.x, (GLint)rect.y, (GLsizei)rect.width,
 				    (GLsizei)rect.height, format->transfer, format->type, data);
@@ -122,6 +128,7 @@ void gpu_texture_read(struct gpu_texture *texture, uint32_t layer, struct gpu_re
 		return;
 	}
 	assert(bytes <= INT32_MAX);
+	gpu_written_barrier(texture->gpu);
 	glGetTextureSubImage(texture->name, 0, (GLint)rect.x, (GLint)rect.y, (GLint)layer, (GLsizei)rect.width,
 			     (GLsizei)rect.height, 1, format->transfer, format->type, (GLsizei)bytes, data);
 	texture->gpu->stats.read_backs++;
@@ -131,13 +138,16 @@ void gpu_texture_read(struct gpu_texture *texture, uint32_t layer, struct gpu_re
 void gpu_texture_clear(struct gpu_texture *texture, uint32_t layer, struct gpu_rect rect, int32_t value)
 {
 	const struct format *format = &formats[texture->format];
+	const int32_t all[4] = {value, value, value, value};
 	uint8_t byte = (uint8_t)value;
+	uint16_t half = (uint16_t)value;
 	assert_inside(texture, layer, rect);
 	if (!gpu_usable(texture->gpu) || rect.width == 0 || rect.height == 0)
 		return;
+	gpu_written_barrier(texture->gpu);
 	glClearTexSubImage(texture->name, 0, (GLint)rect.x, (GLint)rect.y, (GLint)layer, (GLsizei)rect.width,
 			   (GLsizei)rect.height, 1, format->transfer, format->type,
-			   format->bytes == 1 ? (const void *)&byte : &value);
+			   format->bytes == 1 ? (const void *)&byte : format->bytes == 2 ? (const void *)&half : all);
 }
 
 void gpu_texture_copy(struct gpu_texture *from, uint32_t from_layer, uint32_t from_x, uint32_t from_y,
@@ -148,9 +158,20 @@ void gpu_texture_copy(struct gpu_texture *from, uint32_t from_layer, uint32_t fr
 	assert_inside(to, to_layer, to_rect);
 	if (!gpu_usable(to->gpu) || to_rect.width == 0 || to_rect.height == 0)
 		return;
+	gpu_written_barrier(to->gpu);
 	glCopyImageSubData(from->name, from->kind, 0, (GLint)from_x, (GLint)from_y, (GLint)from_layer, to->name, to->kind,
 			   0, (GLint)to_rect.x, (GLint)to_rect.y, (GLint)to_layer, (GLsizei)to_rect.width,
 			   (GLsizei)to_rect.height, 1);
+}
+
+bool gpu_format_is_integer(enum gpu_format format)
+{
+	return formats[format].transfer == GL_RED_INTEGER || formats[format].transfer == GL_RGBA_INTEGER;
+}
+
+GLenum gpu_format_internal(enum gpu_format format)
+{
+	return formats[format].internal;
 }
 
 static void attach(struct gpu_target *target, GLenum point, struct gpu_attachment attachment)
@@ -166,31 +187,9 @@ static void attach(struct gpu_target *target, GLenum point, struct gpu_attachmen
 	target->height = texture->height;
 }
 
-enum status gpu_target_create(struct gpu *gpu, const struct gpu_attachment *colours, uint32_t count,
-			      struct gpu_attachment depth, struct gpu_target **out)
+/* Complete: the caller's. Otherwise it is destroyed. */
+static enum status seal(struct gpu *gpu, struct gpu_target *target, struct gpu_target **out)
 {
-	static const GLenum points[4] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2,
-					 GL_COLOR_ATTACHMENT3};
-	if (!gpu_usable(gpu))
-		return failure_restore(&gpu->failure);
-	assert(count <= 4 && (count > 0 || depth.texture != NULL));
-	struct gpu_target *target = mem_calloc(1, sizeof *target);
-	if (target == NULL)
-		return fail_memory("render target");
-	target->gpu = gpu;
-	target->colours = count;
-	glCreateFramebuffers(1, &target->name);
-	for (uint32_t i = 0; i < count; i++) {
-		enum gpu_format format = colours[i].texture->format;
-		attach(target, points[i], colours[i]);
-		target->srgb = target->srgb || format == GPU_SRGB8_ALPHA8;
-		target->integer = target->integer || format == GPU_R32I || format == GPU_R8UI;
-	}
-	if (depth.texture != NULL) {
-		attach(target, GL_DEPTH_ATTACHMENT, depth);
-		target->depth = true;
-	}
-	glNamedFramebufferDrawBuffers(target->name, (GLsizei)count, points);
 	enum status status = gpu_check(gpu, "render target");
 	if (status == STATUS_OK && glCheckNamedFramebufferStatus(target->name, GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
 		status = gpu_fail(gpu, fail_with(STATUS_FAILED,
@@ -202,6 +201,50 @@ enum status gpu_target_create(struct gpu *gpu, const struct gpu_attachment *colo
 	}
 	*out = target;
 	return STATUS_OK;
+}
+
+enum status gpu_target_create(struct gpu *gpu, const struct gpu_attachment *colours, uint32_t count,
+			      struct gpu_attachment depth, struct gpu_target **out)
+{
+	static const GLenum points[8] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2,
+					 GL_COLOR_ATTACHMENT3, GL_COLOR_ATTACHMENT4, GL_COLOR_ATTACHMENT5,
+					 GL_COLOR_ATTACHMENT6, GL_COLOR_ATTACHMENT7};
+	if (!gpu_usable(gpu))
+		return failure_restore(&gpu->failure);
+	assert(count <= 8 && (count > 0 || depth.texture != NULL));
+	struct gpu_target *target = mem_calloc(1, sizeof *target);
+	if (target == NULL)
+		return fail_memory("render target");
+	target->gpu = gpu;
+	target->colours = count;
+	glCreateFramebuffers(1, &target->name);
+	for (uint32_t i = 0; i < count; i++) {
+		enum gpu_format format = colours[i].texture->format;
+		attach(target, points[i], colours[i]);
+		target->srgb = target->srgb || format == GPU_SRGB8_ALPHA8;
+		target->integer = target->integer || gpu_format_is_integer(format);
+	}
+	if (depth.texture != NULL) {
+		attach(target, GL_DEPTH_ATTACHMENT, depth);
+		target->depth = true;
+	}
+	glNamedFramebufferDrawBuffers(target->name, (GLsizei)count, points);
+	return seal(gpu, target, out);
+}
+
+enum status gpu_target_create_bare(struct gpu *gpu, uint32_t width, uint32_t height, struct gpu_target **out)
+{
+	if (!gpu_usable(gpu))
+		return failure_restore(&gpu->failure);
+	assert(width > 0 && height > 0);
+	struct gpu_target *target = mem_calloc(1, sizeof *target);
+	if (target == NULL)
+		return fail_memory("render target");
+	*target = (struct gpu_target){.gpu = gpu, .width = width, .height = height};
+	glCreateFramebuffers(1, &target->name);
+	glNamedFramebufferParameteri(target->name, GL_FRAMEBUFFER_DEFAULT_WIDTH, (GLint)width);
+	glNamedFramebufferParameteri(target->name, GL_FRAMEBUFFER_DEFAULT_HEIGHT, (GLint)height);
+	return seal(gpu, target, out);
 }
 
 void gpu_target_destroy(struct gpu_target *target)

@@ -70,17 +70,19 @@ struct gpu {
 	const struct gpu_program *program;
 	const struct gpu_target *target;
 	const struct gpu_texture *textures[GPU_PASS_TEXTURES];
+	const struct gpu_texture *images[GPU_PASS_IMAGES];
 	const struct gpu_buffer *indices;
 	bool depth_test, cull_back, srgb;
 	bool storage_written; /* a pass had storage buffers; no barrier since */
+	bool images_written;  /* a pass had images; no barrier since */
 };
 
 /* Asserts that the caller is the owner. True if nothing failed so far: GL may be called. */
 bool gpu_usable(const struct gpu *gpu);
 /* Records a failure as the sticky one and returns its status. */
 enum status gpu_fail(struct gpu *gpu, enum status status);
-/* Before GL reads or writes what a pass may have written into storage buffers. */
-void gpu_storage_barrier(struct gpu *gpu);
+/* Before GL reads or writes what a pass may have written into storage buffers or images. */
+void gpu_written_barrier(struct gpu *gpu);
 
 struct gpu_texture {
 	struct gpu *gpu;
@@ -91,6 +93,8 @@ struct gpu_texture {
 	uint64_t bytes;
 };
 
+bool gpu_format_is_integer(enum gpu_format format);
+GLenum gpu_format_internal(enum gpu_format format);
 size_t gpu_texel_bytes(const struct gpu_texture *texture);
 size_t gpu_rect_bytes(const struct gpu_texture *texture, struct gpu_rect rect);
 
@@ -102,6 +106,9 @@ struct gpu_staging {
 	GLsync fence; /* NULL: idle */
 	bool direct;  /* transfers take the mapped bytes as any other memory and are over at once */
 };
+
+/* Behind a transfer that was begun with it. */
+void gpu_staging_fence(struct gpu_staging *staging);
 
 struct gpu_target {
 	struct gpu *gpu;

@@ -151,7 +151,7 @@ static void add_process(cJSON *root, const struct drive *drive, const struct pag
 {
 	struct gpu_stats gpu;
 	struct page_stats pages;
-	uint64_t refused = 0;
+	struct deform_tally tally = {.refused = 0};
 	gpu_stats(drive->gpu, &gpu);
 	for (int i = 0; i < GPU_STAGES; i++) {
 		gpu.passes[i] -= drive->before.passes[i];
@@ -160,10 +160,10 @@ static void add_process(cJSON *root, const struct drive *drive, const struct pag
 	page_cache_stats(drive->cache, &pages);
 	struct ground_figures ground;
 	ground_figures(drive->ground, &ground);
-	bool known = drive->deform == NULL || deform_refused(drive->deform, &refused) == STATUS_OK;
-	if (known && refused > 0)
+	bool known = drive->deform == NULL || deform_tally(drive->deform, &tally) == STATUS_OK;
+	if (known && tally.refused > 0)
 		note("%llu times a post would have been pressed deeper than an offset holds (1024 m): refused",
-		     (unsigned long long)refused);
+		     (unsigned long long)tally.refused);
 	json_number(root, "seconds", drive->seconds);
 	json_number(root, "rtf", drive->seconds > 0 ? (drive->time - drive->resumed_time) / drive->seconds : 0);
 	add_times(root, drive);
@@ -172,7 +172,7 @@ static void add_process(cJSON *root, const struct drive *drive, const struct pag
 	add_gpu(root, drive, &gpu);
 	add_memory(root, drive, &gpu, io);
 	add_io(root, drive, io, &ground);
-	json_number(root, "refused_posts", known ? (double)refused : (double)NAN);
+	json_number(root, "refused_posts", known ? (double)tally.refused : (double)NAN);
 	if (drive->view != NULL)
 		add_view(root, drive);
 }

@@ -4,7 +4,7 @@
 #include "scene/scene.h"
 
 static const struct scene_effect_row rows[EFFECT_COUNT] = {
-	[EFFECT_DISPLACE] = {"displace", "objects", "", "deform/displace.frag", "base, offset",
+	[EFFECT_DISPLACE] = {"displace", "objects", "", "deform/none.frag", "base, offset",
 			     "offset", 0, "presses each object's underside into the ground"},
 	[EFFECT_BOX] = {"box", "redistribute.model", "", "deform/box.frag", "base, offset", "offset",
 			1, "smooths the trail: the mean offset of the posts around each"},

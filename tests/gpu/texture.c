@@ -5,17 +5,26 @@ enum { WIDTH = 21, HEIGHT = 13, LAYERS = 3 };
 
 static uint32_t format_bytes(enum gpu_format format)
 {
-	return format == GPU_R8UI ? 1 : 4;
+	switch (format) {
+	case GPU_R8UI:
+		return 1;
+	case GPU_R16UI:
+		return 2;
+	case GPU_RGBA32I:
+		return 16;
+	default:
+		return 4;
+	}
 }
 
 /* What a texture should hold, moved by the same calls. */
 struct model {
-	uint8_t bytes[LAYERS][HEIGHT][WIDTH][4];
+	uint8_t bytes[LAYERS][HEIGHT][WIDTH][16];
 };
 
 static void model_check(const struct model *model, struct gpu_texture *texture, uint32_t layers)
 {
-	uint8_t read[HEIGHT * WIDTH * 4];
+	uint8_t read[HEIGHT * WIDTH * 16];
 	uint32_t size = format_bytes(texture->format);
 	for (uint32_t layer = 0; layer < layers; layer++) {
 		gpu_texture_read(texture, layer, rect_of(0, 0, WIDTH, HEIGHT), read);
@@ -38,14 +47,14 @@ static uint32_t any_texel(enum gpu_format format)
 
 static void upload(struct model *model, struct gpu_texture *texture, uint32_t layer, struct gpu_rect rect)
 {
-	uint8_t data[HEIGHT * WIDTH * 4];
+	uint8_t data[HEIGHT * WIDTH * 16];
 	uint32_t size = format_bytes(texture->format);
 	size_t count = 0;
 	for (uint32_t y = rect.y; y < rect.y + rect.height; y++) {
 		for (uint32_t x = rect.x; x < rect.x + rect.width; x++) {
-			uint32_t texel = any_texel(texture->format);
-			memcpy(data + count++ * size, &texel, size);
-			memcpy(model->bytes[layer][y][x], &texel, size);
+			uint32_t texel[4] = {any_texel(texture->format), any_word(), any_word(), any_word()};
+			memcpy(data + count++ * size, texel, size);
+			memcpy(model->bytes[layer][y][x], texel, size);
 		}
 	}
 	gpu_texture_upload(texture, layer, rect, data);
@@ -53,11 +62,11 @@ static void upload(struct model *model, struct gpu_texture *texture, uint32_t la
 
 static void clear(struct model *model, struct gpu_texture *texture, uint32_t layer, struct gpu_rect rect)
 {
-	uint32_t texel = any_texel(texture->format);
+	uint32_t one = any_texel(texture->format), texel[4] = {one, one, one, one};
 	for (uint32_t y = rect.y; y < rect.y + rect.height; y++)
 		for (uint32_t x = rect.x; x < rect.x + rect.width; x++)
-			memcpy(model->bytes[layer][y][x], &texel, format_bytes(texture->format));
-	gpu_texture_clear(texture, layer, rect, (int32_t)texel);
+			memcpy(model->bytes[layer][y][x], texel, format_bytes(texture->format));
+	gpu_texture_clear(texture, layer, rect, (int32_t)one);
 }
 
 static void uploads_clears_and_copies_are_read_back_exactly(void **state)
@@ -82,7 +91,8 @@ static void uploads_clears_and_copies_are_read_back_exactly(void **state)
 				uint32_t x = any_word() % (WIDTH - rect.width + 1), y = any_word() % (HEIGHT - rect.height + 1);
 				gpu_texture_copy(texture, layer, x, y, other, 0, rect);
 				for (uint32_t row = 0; row < rect.height; row++)
-					memcpy(other_model.bytes[0][rect.y + row][rect.x], model.bytes[layer][y + row][x], rect.width * 4);
+					memcpy(other_model.bytes[0][rect.y + row][rect.x], model.bytes[layer][y + row][x],
+					       rect.width * sizeof model.bytes[0][0][0]);
 			}
 			model_check(&model, texture, count);
 			model_check(&other_model, other, 1);

@@ -46,7 +46,7 @@ static void a_bare_scene_displaces_and_nothing_else(void **state)
 	assert_int_equal(figures.attributes, 0);
 	assert_int_equal(figures.pyramid, 0);
 	assert_int_equal(figures.render, 0);
-	assert_int_equal(figures.programs, 1);
+	assert_int_equal(figures.programs, 2); /* the underside, and what it presses */
 	assert_int_equal(figures.soil, 0);
 }
 

@@ -1,0 +1,21 @@
+#version 450 core
+// The underside of a swept object above each post of the window: quanta from the window's zero height.
+// Defines: SHAPE_WHEEL, SHAPE_SPHERE or SHAPE_BOX; REST: also as it lies at the sweep's end.
+
+#include "lib/underside.glsl"
+#include "lib/window.glsl"
+
+layout(location = 0) out int under_out;
+#ifdef REST
+layout(location = 1) out int rest_out;
+#endif
+
+void main()
+{
+	ivec2 post = ivec2(gl_FragCoord.xy);
+	int height;
+	under_out = underside(0, post, height) ? height : UNDER_NONE;
+#ifdef REST
+	rest_out = underside(1, post, height) ? height : UNDER_NONE;
+#endif
+}
