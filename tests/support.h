@@ -73,17 +73,23 @@ static inline enum status support_put(void *user, const struct dem_tile *tile)
 	return store_put_base(user, tile->tile, tile->codes, &range);
 }
 
-static inline void support_store(const char *path, struct world world, support_height height)
+/* Its south-west post at these coordinates of its SRS. */
+static inline void support_store_at(const char *path, struct world world, support_height height, double x, double y)
 {
 	struct support_ground ground = {&world, height};
 	struct store_meta meta = {.world = world, .step = 1.0 / 1024, .max_error = 1.0 / 2048, .srs = "",
-				  .vertical = "", .sources = "a function"};
+				  .vertical = "", .sources = "a function", .origin = {x, y}};
 	struct store *store;
 	must(store_create(path, &meta, true, &store));
 	must(dem_cut(&(struct dem_cut){.world = &world, .step = meta.step, .posts = support_posts, .posts_user = &ground,
 				       .emit = support_put, .emit_user = store}));
 	must(store_publish(store));
 	store_close(store);
+}
+
+static inline void support_store(const char *path, struct world world, support_height height)
+{
+	support_store_at(path, world, height, 0, 0);
 }
 
 static inline void support_write(const char *path, const char *text)

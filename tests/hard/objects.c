@@ -1,0 +1,229 @@
+/* Objects that are too small, too large, too fast, in the wrong place or in each other's way, under every model. */
+#include "hard.h"
+
+#define EACH_MODEL(model) \
+	for (const struct hard_model *model = hard_models; model < hard_models + HARD_MODELS; model++)
+
+static void an_object_smaller_than_a_post_presses_one_at_most(void **state)
+{
+	EACH_MODEL(model) {
+		const char *store = hard_store("tiny.furrow");
+		char *json = hard_drive(model, "end_time: 2\nobjects:\n"
+				"  - {name: on, shape: {sphere: {radius: 0.01}}, sink: 0.01, path: {points: [[40, 40], [42, 40]], speed: 1}}\n"
+				"  - {name: off, shape: {sphere: {radius: 0.01}}, sink: 0.01, path: {points: [[60.5, 60.5]], speed: 1}}\n",
+				store, NULL);
+		double *quanta = support_quanta(store, 0, (struct post_rect){56, 56, 66, 66});
+		for (int i = 0; i < 100; i++)
+			assert_true(quanta[i] == 0); /* between posts: nothing is under it */
+		free(quanta);
+		mem_free(json);
+	}
+}
+
+static void an_object_larger_than_a_window_is_worked_on_in_several(void **state)
+{
+	EACH_MODEL(model) {
+		const char *store = hard_store("huge.furrow");
+		char *json = hard_drive(model, "end_time: 2\nspacing: 0.125\nobjects:\n"
+				"  - {name: moon, shape: {sphere: {radius: 20}}, sink: 0.4, path: {points: [[50, 60], [50.5, 60.25]], speed: 1}}\n"
+				"  - {name: plate, shape: {box: {size: [40, 34, 2]}}, sink: 0.2, path: {points: [[80, 70], [80.25, 70]], speed: 1}}\n",
+				store, NULL);
+		assert_true(support_figure(json, "\"quanta\"", "removed") > 0);
+		mem_free(json);
+	}
+}
+
+static void outside_the_world_nothing_happens_and_it_is_counted(void **state)
+{
+	EACH_MODEL(model) {
+		const char *store = hard_store("outside.furrow");
+		uint64_t before = support_hash(store);
+		char *json = hard_drive(model, "end_time: 3\noutside: skip\nobjects:\n"
+				"  - {name: lost, shape: {wheel: {radius: 0.9, width: 0.7}}, sink: 0.2,\n"
+				"     path: {points: [[-500, -500], [-400, 900]], speed: 40}}\n", store, NULL);
+		assert_int_equal(support_figure(json, "\"quanta\"", "removed"), 0);
+		assert_true(support_figure(json, "\"lost\"", "skipped") > 50);
+		(void)before;
+		mem_free(json);
+	}
+}
+
+static double holed(int64_t x, int64_t y)
+{
+	return x > 30 && x < 50 && y > 20 && y < 70 ? (double)NAN : hard_rough(x, y);
+}
+
+static void over_nodata_no_soil_is_lost_into_the_hole(void **state)
+{
+	EACH_MODEL(model) {
+		const char *store = support_path("holed.furrow");
+		support_store(store, hard_world, holed);
+		char *json = hard_drive(model, "end_time: 6\nspacing: 0.25\noutside: skip\nobjects:\n"
+				"  - {name: a, shape: {wheel: {radius: 0.9, width: 0.7}}, sink: 0.3, path: {points: [[20, 40], [70, 44]], speed: 10}}\n"
+				"  - {name: b, shape: {sphere: {radius: 2}}, sink: 0.3, path: {points: [[50.2, 30], [50.2, 60]], speed: 8}}\n",
+				store, NULL);
+		assert_true(support_figure(json, "\"a\"", "skipped") > 10);
+		double *quanta = support_quanta(store, -2, (struct post_rect){31 * 4, 21 * 4, 49 * 4, 69 * 4});
+		for (int i = 0; i < 18 * 4 * 48 * 4; i++)
+			assert_true(quanta[i] == 0 || isnan(quanta[i]));
+		free(quanta);
+		mem_free(json);
+	}
+}
+
+static void half_over_the_edge_of_the_world_soil_stays_inside(void **state)
+{
+	EACH_MODEL(model) {
+		const char *store = hard_store("edge.furrow");
+		char *json = hard_drive(model, "end_time: 6\nspacing: 0.25\noutside: skip\nobjects:\n"
+				"  - {name: rim, shape: {wheel: {radius: 0.9, width: 0.7}}, sink: 0.3, path: {points: [[0, 20], [0, 60]], speed: 10}}\n"
+				"  - {name: corner, shape: {sphere: {radius: 3}}, sink: 0.5, path: {points: [[124, 124], [132, 132]], speed: 4}}\n",
+				store, NULL);
+		assert_true(support_figure(json, "\"quanta\"", "removed") > 0);
+		assert_true(support_figure(json, "\"corner\"", "skipped") > 5);
+		mem_free(json);
+	}
+}
+
+static void a_hundred_metres_in_one_step_leave_the_rut_of_a_slow_drive(void **state)
+{
+	EACH_MODEL(model) {
+		double *first = NULL;
+		struct post_rect rect = {0, 0, 512, 512};
+		const char *const steps[] = {"time_step=1", "time_step=0.02"};
+		for (int i = 0; i < 2; i++) {
+			const char *store = hard_store("fast.furrow");
+			mem_free(hard_drive(model, "end_time: 1\nspacing: 0.25\nobjects:\n"
+				"  - {name: bullet, shape: {wheel: {radius: 0.9, width: 0.7}}, sink: 0.2,\n"
+				"     path: {points: [[10, 10], [110, 20.5]], speed: 101}}\n", store, (const char *[]){steps[i], NULL}));
+			double *quanta = support_quanta(store, -2, rect);
+			if (first == NULL)
+				first = quanta;
+			else {
+				assert_memory_equal(quanta, first, 512 * 512 * sizeof *quanta);
+				free(quanta);
+			}
+		}
+		free(first);
+	}
+}
+
+/* After the first contact, and what it set sliding, no pass. */
+static void standing_still_costs_nothing(void **state)
+{
+	EACH_MODEL(model) {
+		long long passes[2];
+		const char *const ends[] = {"end_time=20", "end_time=60"};
+		for (int i = 0; i < 2; i++) {
+			char *json = hard_drive(model, "time_step: 0.1\nend_time: 10\nspacing: 0.25\nobjects:\n"
+				"  - {name: stone, shape: {sphere: {radius: 1.5}}, sink: 0.3, path: {points: [[40, 40]], speed: 1}}\n"
+				"  - {name: slab, shape: {box: {size: [3, 2, 1]}}, sink: 0.1, path: {points: [[60.3, 40.2]], speed: 1}}\n",
+				hard_store("still.furrow"), (const char *[]){ends[i], NULL});
+			passes[i] = support_figure(json, "\"passes\"", "displace") + support_figure(json, "\"passes\"", "redistribute");
+			mem_free(json);
+		}
+		assert_true(passes[0] > 0);
+		assert_int_equal(passes[0], passes[1]);
+	}
+}
+
+static void starting_deep_inside_the_ground_is_a_hole_and_no_more(void **state)
+{
+	EACH_MODEL(model) {
+		char *json = hard_drive(model, "end_time: 3\nspacing: 0.25\nobjects:\n"
+				"  - {name: mole, shape: {wheel: {radius: 0.9, width: 0.7}}, sink: 5, path: {points: [[30, 30], [40, 34]], speed: 5}}\n"
+				"  - {name: buried, shape: {box: {size: [2, 2, 1]}}, sink: 30, path: {points: [[70, 70]], speed: 5}}\n",
+				hard_store("inside.furrow"), NULL);
+		assert_true(support_figure(json, "\"quanta\"", "removed") > 0);
+		mem_free(json);
+	}
+}
+
+static void two_that_overlap_in_one_step_each_order_repeats(void **state)
+{
+	static const char *const orders[] = {
+		"  - {name: a, shape: {wheel: {radius: 0.9, width: 0.7}}, sink: 0.2, path: {points: [[30, 30], [60, 31]], speed: 10}}\n"
+		"  - {name: b, shape: {sphere: {radius: 1.2}}, sink: 0.3, path: {points: [[60, 30.5], [30, 30.5]], speed: 10}}\n",
+		"  - {name: b, shape: {sphere: {radius: 1.2}}, sink: 0.3, path: {points: [[60, 30.5], [30, 30.5]], speed: 10}}\n"
+		"  - {name: a, shape: {wheel: {radius: 0.9, width: 0.7}}, sink: 0.2, path: {points: [[30, 30], [60, 31]], speed: 10}}\n",
+	};
+	EACH_MODEL(model)
+		for (int order = 0; order < 2; order++) {
+			uint64_t hashes[2];
+			for (int i = 0; i < 2; i++) {
+				char rest[1024];
+				snprintf(rest, sizeof rest, "time_step: 3\nend_time: 3\nspacing: 0.25\nobjects:\n%s", orders[order]);
+				const char *store = hard_store("two.furrow");
+				mem_free(hard_drive(model, rest, store, NULL));
+				hashes[i] = support_hash(store);
+			}
+			assert_true(hashes[0] == hashes[1]);
+		}
+}
+
+/* Law 10. Poses are prescribed: also scm's, whose rates are those of the path and not of the steps. */
+static void time_steps_of_a_tenth_a_hundredth_and_a_thousandth_leave_the_same_bits(void **state)
+{
+	const char *const steps[] = {"time_step=0.1", "time_step=0.01", "time_step=0.001"};
+	EACH_MODEL(model) {
+		uint64_t first = 0;
+		for (int i = 0; i < 3; i++) {
+			const char *store = hard_store("step.furrow");
+			mem_free(hard_drive(model, "end_time: 3\nspacing: 0.25\nobjects:\n"
+				"  - {name: rear, shape: {wheel: {radius: 0.9, width: 0.7}}, sink: 0.2, path: {points: [[20, 20], [50, 42]], speed: 10}}\n"
+				"  - {name: across, shape: {sphere: {radius: 1.5}}, sink: 0.4, path: {points: [[20, 27], [40, 27], [50, 20]], speed: 9}}\n",
+				store, (const char *[]){steps[i], NULL}));
+			uint64_t hash = support_hash(store);
+			if (i == 0)
+				first = hash;
+			assert_true(hash == first);
+		}
+	}
+}
+
+static void every_model_works_from_one_metre_to_a_sixty_fourth(void **state)
+{
+	const char *const spacings[] = {"spacing=1", "spacing=0.25", "spacing=0.0625", "spacing=0.015625"};
+	EACH_MODEL(model)
+		for (int i = 0; i < 4; i++) {
+			char *json = hard_drive(model, "end_time: 0.5\nspacing: 1\nobjects:\n"
+				"  - {name: wheel, shape: {wheel: {radius: 0.9, width: 0.8}}, sink: 0.2, path: {points: [[40, 40], [41, 40.4]], speed: 3}}\n",
+				hard_store("spacing.furrow"), (const char *[]){spacings[i], NULL});
+			assert_true(support_figure(json, "\"quanta\"", "removed") > 0);
+			mem_free(json);
+		}
+}
+
+static void beyond_an_offsets_range_it_is_refused_counted_and_nothing_is_lost(void **state)
+{
+	const char *poses = support_path("deep.csv");
+	support_write(poses, "t,x,y,z\n0,40,40,-1500\n1,44,41,-1500\n");
+	EACH_MODEL(model) {
+		char rest[512];
+		snprintf(rest, sizeof rest, "end_time: 1\nspacing: 0.25\nobjects:\n"
+			 "  - {name: deep, shape: {sphere: {radius: 1.5}}, path: {file: %s}}\n", poses);
+		char *json = hard_drive(model, rest, hard_store("deep.furrow"), NULL);
+		assert_true(support_figure(json, "{", "refused_posts") > 0);
+		assert_int_equal(support_figure(json, "\"quanta\"", "removed"), 0);
+		mem_free(json);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(an_object_smaller_than_a_post_presses_one_at_most),
+		cmocka_unit_test(an_object_larger_than_a_window_is_worked_on_in_several),
+		cmocka_unit_test(outside_the_world_nothing_happens_and_it_is_counted),
+		cmocka_unit_test(over_nodata_no_soil_is_lost_into_the_hole),
+		cmocka_unit_test(half_over_the_edge_of_the_world_soil_stays_inside),
+		cmocka_unit_test(a_hundred_metres_in_one_step_leave_the_rut_of_a_slow_drive),
+		cmocka_unit_test(standing_still_costs_nothing),
+		cmocka_unit_test(starting_deep_inside_the_ground_is_a_hole_and_no_more),
+		cmocka_unit_test(two_that_overlap_in_one_step_each_order_repeats),
+		cmocka_unit_test(time_steps_of_a_tenth_a_hundredth_and_a_thousandth_leave_the_same_bits),
+		cmocka_unit_test(every_model_works_from_one_metre_to_a_sixty_fourth),
+		cmocka_unit_test(beyond_an_offsets_range_it_is_refused_counted_and_nothing_is_lost),
+	};
+	return cmocka_run_group_tests_name("hard objects", tests, support_enter, support_leave);
+}
