@@ -63,7 +63,7 @@ static void measure(enum deform_model model, bool dirt, bool draws, struct figur
 	struct gpu_slots *slots;
 	struct deform *deform;
 	bench_must(gpu_create(&(struct gpu_params){.draws = draws}, &gpu));
-	bench_must(gpu_slots_create(gpu, world.cells, SIDE * SIDE, dirt, &slots));
+	bench_must(gpu_slots_create(gpu, world.cells, SIDE * SIDE, deform_planes(model, dirt), &slots));
 	size_t flat_bytes = (size_t)tile_posts(&world) * tile_posts(&world) * sizeof(int32_t);
 	struct gpu_staging *flat;
 	bench_must(gpu_staging_create(gpu, flat_bytes, &flat));

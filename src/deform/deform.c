@@ -57,11 +57,6 @@ static bool shared(const struct deform *deform, struct tile tile, struct post_re
 	return true;
 }
 
-static struct gpu_texture *slot_plane(const struct gpu_slot *slot, enum plane plane)
-{
-	return plane == PLANE_OFFSET ? slot->offset : plane == PLANE_DIRT ? slot->dirt : NULL;
-}
-
 static void gather(struct deform *deform, struct post_rect read, uint32_t layer, const struct deform_tile *tiles,
 		   size_t count)
 {
@@ -83,7 +78,7 @@ static void gather(struct deform *deform, struct post_rect read, uint32_t layer,
 		const struct gpu_slot *slot = gpu_slots_get(deform->params.slots, tiles[i].slot);
 		gpu_texture_copy(slot->base, 0, from.x, from.y, deform->bases, layer, to);
 		for (int plane = 0; plane < PLANES; plane++) {
-			struct gpu_texture *into = deform->planes_of[0][plane], *held = slot_plane(slot, (enum plane)plane);
+			struct gpu_texture *into = deform->planes_of[0][plane], *held = slot->planes[plane];
 			if (into != NULL && held != NULL)
 				gpu_texture_copy(held, 0, from.x, from.y, into, layer, to);
 			else if (into != NULL)
@@ -125,7 +120,7 @@ enum status deform_scatter(struct deform *deform, const struct deform_window *wi
 		for (int plane = 0; plane < PLANES; plane++)
 			if (deform->planes & PLANE_BIT(plane))
 				gpu_texture_copy(deform->planes_of[deform->scratch[layer].now[plane]][plane], layer, from.x,
-						 from.y, slot_plane(slot, (enum plane)plane), 0, to);
+						 from.y, slot->planes[plane], 0, to);
 	}
 	return gpu_check(deform->params.gpu, "deformation");
 }

@@ -17,6 +17,7 @@
 #include <stdint.h>
 
 #include "base/base.h"
+#include "base/plane.h"
 
 struct gpu;
 struct gpu_texture;
@@ -72,7 +73,7 @@ enum status gpu_texture_create(struct gpu *gpu, enum gpu_format format, uint32_t
 			       uint32_t height, uint32_t layers, struct gpu_texture **out) FURROW_CHECKED;
 void gpu_texture_destroy(struct gpu_texture *texture);
 /* Rectangles are x, y, width, height in texels; data is tight. The clear value is the texel's bits:
- * an int (of RGBA32I: of each of the four), the low bytes, four bytes with red lowest, or a float's. */
+ * an int (of RGBA32I: of each of the four), the low byte or two, four bytes with red lowest, or a float's. */
 struct gpu_rect {
 	uint32_t x, y, width, height;
 };
@@ -172,45 +173,56 @@ void gpu_pass_run(struct gpu *gpu, const struct gpu_pass *pass);
 /*
  * Two pools, each slot allocated when first needed and reused from then on, never freed before the
  * end. Base slots: a (cells + 1)^2 R32I texture (2^-18 m relative to the store's reference) and an
- * FBO. Deform slots: offset R32I, and dirt R8UI if asked for, and an FBO over them; a base slot has
- * one only while its tile is deformed.
+ * FBO, and classes of soil (R8UI) where those are loaded. Deform slots: planes (base/plane.h), each in
+ * a texture of its own format; a base slot has one only while its tile is deformed.
+ *
+ * Offset and dirt are drawn: every deformed tile has them, coarser ones too. The others are state of
+ * the working level alone, there once gpu_slots_deform or an upload asked for them.
  */
+#define GPU_DRAWN_PLANES (PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DIRT))
 struct gpu_slot {
-	struct gpu_texture *base;   /* NULL: nothing was loaded here yet */
-	struct gpu_texture *offset; /* NULL: not deformed */
-	struct gpu_texture *dirt;   /* NULL: not deformed, or no such plane */
-	struct gpu_target *deform;  /* FBO over offset and dirt (colour 0, 1) */
+	struct gpu_texture *base;           /* NULL: nothing was loaded here yet */
+	struct gpu_texture *classes;        /* NULL: none were loaded here yet */
+	struct gpu_texture *planes[PLANES]; /* NULL: not deformed, or no such plane: zeros */
+	struct gpu_target *target;          /* FBO over offset and dirt (colour 0, 1); NULL: not deformed */
 };
-enum status gpu_slots_create(struct gpu *gpu, uint32_t cells, uint32_t count, bool dirt,
+/* `planes`: a mask of those that there may be at all; the offset always is. */
+enum status gpu_slots_create(struct gpu *gpu, uint32_t cells, uint32_t count, unsigned planes,
 			     struct gpu_slots **out) FURROW_CHECKED;
+unsigned gpu_slots_planes(const struct gpu_slots *slots); /* that mask */
 void gpu_slots_destroy(struct gpu_slots *slots);
 const struct gpu_slot *gpu_slots_get(const struct gpu_slots *slots, uint32_t slot);
 /* What the planes of all slots take, free deform slots included; scratch is not counted. */
 struct gpu_slots_bytes {
-	uint64_t base, offset, dirt;
+	uint64_t base, classes, planes[PLANES];
 };
 void gpu_slots_bytes(const struct gpu_slots *slots, struct gpu_slots_bytes *bytes);
 /* Planes are tight in staging, row 0 first, each at an offset in bytes; a plane of int32 posts at a
- * multiple of 4. What follows only begins transfers, none of them waits for one. */
+ * multiple of 4, one of uint16 at one of 2. What follows only begins transfers, none of them waits for one. */
 #define GPU_NO_PLANE SIZE_MAX /* an offset: it is not there, or not wanted */
 /* Base from posts, or from a patch of level-0 posts (lattice_subdivide's arguments) by a pass. */
 enum status gpu_slots_upload_base(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
 				  size_t posts) FURROW_CHECKED;
 enum status gpu_slots_subdivide_base(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
 				     size_t patch, int shift, uint32_t sub_x, uint32_t sub_y) FURROW_CHECKED;
-/* Gives the slot a deform slot, zeroed, if it has none. */
+/* The class of soil of every post, uint8. Until another upload they are those of this tile. */
+enum status gpu_slots_upload_classes(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
+				     size_t classes) FURROW_CHECKED;
+/* Gives the slot a deform slot with every plane that there may be; those it did not have are zeros. */
 enum status gpu_slots_deform(struct gpu_slots *slots, uint32_t slot) FURROW_CHECKED;
 /* Takes it away again (the tile in it is about to change). */
 void gpu_slots_undeform(struct gpu_slots *slots, uint32_t slot);
-/* dirt may be GPU_NO_PLANE: uploaded as zeros, not read. A slot without a plane ignores an upload to
- * it and reads as zeros, there at once. */
+/* An offset for each plane. Uploaded: all of the slot's deform slot; a plane with GPU_NO_PLANE is zeros.
+ * Read: those with an offset; one that the slot has not is zeros, there at once. Planes that the slots
+ * were not created with are ignored, and read as zeros. */
 enum status gpu_slots_upload_deform(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
-				    size_t offset, size_t dirt) FURROW_CHECKED;
+				    const size_t places[PLANES]) FURROW_CHECKED;
 enum status gpu_slots_read_deform(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
-				  size_t offset, size_t dirt) FURROW_CHECKED;
+				  const size_t places[PLANES]) FURROW_CHECKED;
 /* Writes every 2^steps-th post of `fine` inside `rect` of it (in its posts), beginning with the
  * rectangle's first, into the coarse slot's offset and dirt at (to_x, to_y). The rectangle's first
- * post must be one the coarse level has. A fine slot that is not deformed counts as zeros. */
+ * post must be one the coarse level has. A fine slot that is not deformed counts as zeros; a coarse one
+ * gets a deform slot, zeroed, with the planes that are drawn. */
 enum status gpu_slots_decimate(struct gpu_slots *slots, uint32_t fine, struct gpu_rect rect, int steps,
 			       uint32_t coarse, uint32_t to_x, uint32_t to_y) FURROW_CHECKED;
 

@@ -5,9 +5,11 @@
  * A deform slot: absent -> held by one base slot -> free -> held again. Never freed before the end.
  *
  * Invariants:
- *   1. slot.offset, slot.dirt and slot.deform are all of the slot's deform slot, or all NULL.
- *   2. A deform slot is held by exactly one base slot, or is in the free list.
- *   3. dirt exists in every deform slot or in none.
+ *   1. slot.planes and slot.target are of the slot's deform slot, or all NULL.
+ *   2. A deform slot is held by exactly one base slot, or is in one of the free lists.
+ *   3. A deform slot has all planes that are drawn from its making on, others once they were wanted: a
+ *      coarser tile's has them only if a tile of the working level held it before.
+ *   4. There are never more deform slots than base slots.
  */
 #include <string.h>
 
@@ -18,7 +20,7 @@
 struct deform_slot {
 	struct deform_slot *next; /* of all that were made */
 	struct deform_slot *free; /* of the free ones */
-	struct gpu_texture *offset, *dirt;
+	struct gpu_texture *planes[PLANES];
 	struct gpu_target *target;
 };
 
@@ -31,9 +33,9 @@ struct entry {
 struct gpu_slots {
 	struct gpu *gpu;
 	uint32_t cells, count;
-	bool dirt;
+	unsigned planes;
 	struct entry *entries;
-	struct deform_slot *all, *free;
+	struct deform_slot *all, *free[2]; /* those with state planes apart */
 	struct gpu_texture *scratch[SCRATCH_COUNT];
 	uint32_t next_scratch;
 };
@@ -47,13 +49,12 @@ static struct entry *entry_of(const struct gpu_slots *slots, uint32_t slot)
 {
 	assert(slot < slots->count);
 	struct entry *entry = &slots->entries[slot];
-	assert((entry->home != NULL) == (entry->slot.offset != NULL));
-	assert((entry->home != NULL) == (entry->slot.deform != NULL));
-	assert((entry->slot.dirt != NULL) == (entry->home != NULL && slots->dirt));
+	assert((entry->home != NULL) == (entry->slot.planes[PLANE_OFFSET] != NULL));
+	assert((entry->home != NULL) == (entry->slot.target != NULL));
 	return entry;
 }
 
-enum status gpu_slots_create(struct gpu *gpu, uint32_t cells, uint32_t count, bool dirt,
+enum status gpu_slots_create(struct gpu *gpu, uint32_t cells, uint32_t count, unsigned planes,
 			     struct gpu_slots **out)
 {
 	assert(cells > 0 && count > 0);
@@ -64,16 +65,27 @@ enum status gpu_slots_create(struct gpu *gpu, uint32_t cells, uint32_t count, bo
 		mem_free(entries);
 		return fail_memory("slots");
 	}
-	*slots = (struct gpu_slots){.gpu = gpu, .cells = cells, .count = count, .dirt = dirt, .entries = entries};
+	*slots = (struct gpu_slots){
+		.gpu = gpu,
+		.cells = cells,
+		.count = count,
+		.planes = planes | PLANE_BIT(PLANE_OFFSET),
+		.entries = entries,
+	};
 	*out = slots;
 	return STATUS_OK;
+}
+
+unsigned gpu_slots_planes(const struct gpu_slots *slots)
+{
+	return slots->planes;
 }
 
 static void deform_slot_destroy(struct deform_slot *home)
 {
 	gpu_target_destroy(home->target);
-	gpu_texture_destroy(home->offset);
-	gpu_texture_destroy(home->dirt);
+	for (int plane = 0; plane < PLANES; plane++)
+		gpu_texture_destroy(home->planes[plane]);
 	mem_free(home);
 }
 
@@ -89,6 +101,7 @@ void gpu_slots_destroy(struct gpu_slots *slots)
 	for (uint32_t i = 0; i < slots->count; i++) {
 		gpu_target_destroy(slots->entries[i].base_target);
 		gpu_texture_destroy(slots->entries[i].slot.base);
+		gpu_texture_destroy(slots->entries[i].slot.classes);
 	}
 	for (uint32_t i = 0; i < SCRATCH_COUNT; i++)
 		gpu_texture_destroy(slots->scratch[i]);
@@ -101,16 +114,21 @@ const struct gpu_slot *gpu_slots_get(const struct gpu_slots *slots, uint32_t slo
 	return &entry_of(slots, slot)->slot;
 }
 
+static uint64_t bytes_of(const struct gpu_texture *texture)
+{
+	return texture != NULL ? texture->bytes : 0;
+}
+
 void gpu_slots_bytes(const struct gpu_slots *slots, struct gpu_slots_bytes *bytes)
 {
 	*bytes = (struct gpu_slots_bytes){0};
-	for (uint32_t i = 0; i < slots->count; i++)
-		if (slots->entries[i].slot.base != NULL)
-			bytes->base += slots->entries[i].slot.base->bytes;
-	for (const struct deform_slot *home = slots->all; home != NULL; home = home->next) {
-		bytes->offset += home->offset->bytes;
-		bytes->dirt += home->dirt != NULL ? home->dirt->bytes : 0;
+	for (uint32_t i = 0; i < slots->count; i++) {
+		bytes->base += bytes_of(slots->entries[i].slot.base);
+		bytes->classes += bytes_of(slots->entries[i].slot.classes);
 	}
+	for (const struct deform_slot *home = slots->all; home != NULL; home = home->next)
+		for (int plane = 0; plane < PLANES; plane++)
+			bytes->planes[plane] += bytes_of(home->planes[plane]);
 }
 
 static enum status need_base(struct gpu_slots *slots, struct entry *entry)
@@ -182,20 +200,47 @@ enum status gpu_slots_subdivide_base(struct gpu_slots *slots, uint32_t slot, str
 	return gpu_check(slots->gpu, "subdivision of a tile");
 }
 
+enum status gpu_slots_upload_classes(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
+				     size_t classes)
+{
+	struct entry *entry = entry_of(slots, slot);
+	uint32_t posts = slots->cells + 1;
+	enum status status = STATUS_OK;
+	if (entry->slot.classes == NULL)
+		status = gpu_texture_create(slots->gpu, GPU_R8UI, posts, posts, 0, &entry->slot.classes);
+	if (status != STATUS_OK)
+		return status;
+	gpu_texture_upload_from(entry->slot.classes, 0, whole(slots), staging, classes);
+	return gpu_check(slots->gpu, "upload of classes");
+}
+
+/* --- deform slots --- */
+
+static enum status plane_create(struct gpu_slots *slots, struct deform_slot *home, int plane)
+{
+	static const enum gpu_format formats[PLANES] = {
+		[PLANE_OFFSET] = GPU_R32I,  [PLANE_DIRT] = GPU_R8UI,   [PLANE_HEAPED] = GPU_R32I,
+		[PLANE_PRESSED] = GPU_R32I, [PLANE_SHEAR] = GPU_R16UI,
+	};
+	uint32_t posts = slots->cells + 1;
+	return gpu_texture_create(slots->gpu, formats[plane], posts, posts, 0, &home->planes[plane]);
+}
+
 static enum status deform_slot_create(struct gpu_slots *slots, struct deform_slot **out)
 {
-	uint32_t posts = slots->cells + 1;
 	struct deform_slot *home = mem_calloc(1, sizeof *home);
 	if (home == NULL)
 		return fail_memory("deform slot");
-	enum status status = gpu_texture_create(slots->gpu, GPU_R32I, posts, posts, 0, &home->offset);
-	if (status == STATUS_OK && slots->dirt)
-		status = gpu_texture_create(slots->gpu, GPU_R8UI, posts, posts, 0, &home->dirt);
-	if (status == STATUS_OK) {
-		struct gpu_attachment planes[2] = {{home->offset, 0}, {home->dirt, 0}};
-		status = gpu_target_create(slots->gpu, planes, slots->dirt ? 2 : 1, (struct gpu_attachment){NULL, 0},
-					   &home->target);
-	}
+	struct gpu_attachment drawn[PLANES];
+	uint32_t count = 0;
+	enum status status = STATUS_OK;
+	for (int plane = 0; plane < PLANES && status == STATUS_OK; plane++)
+		if (slots->planes & GPU_DRAWN_PLANES & PLANE_BIT(plane)) {
+			status = plane_create(slots, home, plane);
+			drawn[count++] = (struct gpu_attachment){home->planes[plane], 0};
+		}
+	if (status == STATUS_OK)
+		status = gpu_target_create(slots->gpu, drawn, count, (struct gpu_attachment){NULL, 0}, &home->target);
 	if (status != STATUS_OK) {
 		deform_slot_destroy(home);
 		return status;
@@ -206,93 +251,140 @@ static enum status deform_slot_create(struct gpu_slots *slots, struct deform_slo
 	return STATUS_OK;
 }
 
-/* Gives the entry a deform slot, whatever is in it, if it has none. */
-static enum status need_deform(struct gpu_slots *slots, struct entry *entry)
+static bool has_state(const struct deform_slot *home)
 {
-	struct deform_slot *home = slots->free;
-	if (entry->home != NULL)
-		return STATUS_OK;
+	for (int plane = 0; plane < PLANES; plane++)
+		if (home->planes[plane] != NULL && !(GPU_DRAWN_PLANES & PLANE_BIT(plane)))
+			return true;
+	return false;
+}
+
+/* A free deform slot, if it can be one that suits; NULL: there is none. */
+static struct deform_slot *take_free(struct gpu_slots *slots, bool state)
+{
+	struct deform_slot **list = slots->free[state] != NULL ? &slots->free[state] : &slots->free[!state];
+	struct deform_slot *home = *list;
 	if (home != NULL) {
-		slots->free = home->free;
+		*list = home->free;
 		home->free = NULL;
-	} else {
+	}
+	return home;
+}
+
+static enum status hold(struct gpu_slots *slots, struct entry *entry, bool state)
+{
+	struct deform_slot *home = take_free(slots, state);
+	if (home == NULL) {
 		enum status status = deform_slot_create(slots, &home);
 		if (status != STATUS_OK)
 			return status;
 	}
 	entry->home = home;
-	entry->slot.offset = home->offset;
-	entry->slot.dirt = home->dirt;
-	entry->slot.deform = home->target;
+	entry->slot.target = home->target;
 	return STATUS_OK;
 }
 
-static void clear_deform(const struct entry *entry, struct gpu_rect rect)
+static void release(struct gpu_slots *slots, struct entry *entry)
 {
-	gpu_texture_clear(entry->slot.offset, 0, rect, 0);
-	if (entry->slot.dirt != NULL)
-		gpu_texture_clear(entry->slot.dirt, 0, rect, 0);
+	struct deform_slot **list = &slots->free[has_state(entry->home)];
+	entry->home->free = *list;
+	*list = entry->home;
+	entry->home = NULL;
+	entry->slot.target = NULL;
+	memset(entry->slot.planes, 0, sizeof entry->slot.planes);
+}
+
+static void clear_planes(const struct entry *entry, unsigned planes, struct gpu_rect rect)
+{
+	for (int plane = 0; plane < PLANES; plane++)
+		if ((planes & PLANE_BIT(plane)) && entry->slot.planes[plane] != NULL)
+			gpu_texture_clear(entry->slot.planes[plane], 0, rect, 0);
+}
+
+/* Gives the entry these planes of the slots', and those that are drawn, where it lacks any; *fresh: the ones
+ * that hold whatever they held. All of them or, after a failure, none. */
+static enum status need_planes(struct gpu_slots *slots, struct entry *entry, unsigned planes, unsigned *fresh)
+{
+	enum status status = STATUS_OK;
+	planes = (planes | GPU_DRAWN_PLANES) & slots->planes;
+	*fresh = 0;
+	bool had = entry->home != NULL;
+	if (!had)
+		status = hold(slots, entry, (planes & ~GPU_DRAWN_PLANES) != 0);
+	for (int plane = 0; plane < PLANES && status == STATUS_OK; plane++) {
+		if (!(planes & PLANE_BIT(plane)) || entry->slot.planes[plane] != NULL)
+			continue;
+		if (entry->home->planes[plane] == NULL)
+			status = plane_create(slots, entry->home, plane);
+		entry->slot.planes[plane] = entry->home->planes[plane];
+		*fresh |= PLANE_BIT(plane);
+	}
+	if (status == STATUS_OK)
+		return STATUS_OK;
+	for (int plane = 0; plane < PLANES; plane++)
+		if (*fresh & PLANE_BIT(plane))
+			entry->slot.planes[plane] = NULL;
+	if (!had && entry->home != NULL)
+		release(slots, entry);
+	return status;
+}
+
+static enum status deform_with(struct gpu_slots *slots, struct entry *entry, unsigned planes)
+{
+	unsigned fresh;
+	enum status status = need_planes(slots, entry, planes, &fresh);
+	if (status != STATUS_OK)
+		return status;
+	clear_planes(entry, fresh, whole(slots));
+	return gpu_check(slots->gpu, "deform slot");
 }
 
 enum status gpu_slots_deform(struct gpu_slots *slots, uint32_t slot)
 {
-	struct entry *entry = entry_of(slots, slot);
-	if (entry->home != NULL)
-		return gpu_check(slots->gpu, "deform slot");
-	enum status status = need_deform(slots, entry);
-	if (status != STATUS_OK)
-		return status;
-	clear_deform(entry, whole(slots));
-	return gpu_check(slots->gpu, "deform slot");
+	return deform_with(slots, entry_of(slots, slot), slots->planes);
 }
 
 void gpu_slots_undeform(struct gpu_slots *slots, uint32_t slot)
 {
 	struct entry *entry = entry_of(slots, slot);
-	if (entry->home == NULL)
-		return;
-	entry->home->free = slots->free;
-	slots->free = entry->home;
-	entry->home = NULL;
-	entry->slot.offset = NULL;
-	entry->slot.dirt = NULL;
-	entry->slot.deform = NULL;
+	if (entry->home != NULL)
+		release(slots, entry);
 }
 
 enum status gpu_slots_upload_deform(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
-				    size_t offset, size_t dirt)
+				    const size_t places[PLANES])
 {
 	struct entry *entry = entry_of(slots, slot);
-	enum status status = need_deform(slots, entry);
+	unsigned given = 0, fresh;
+	for (int plane = 0; plane < PLANES; plane++)
+		given |= places[plane] != GPU_NO_PLANE ? PLANE_BIT(plane) : 0;
+	enum status status = need_planes(slots, entry, given, &fresh);
 	if (status != STATUS_OK)
 		return status;
-	gpu_texture_upload_from(entry->slot.offset, 0, whole(slots), staging, offset);
-	if (entry->slot.dirt != NULL && dirt != GPU_NO_PLANE)
-		gpu_texture_upload_from(entry->slot.dirt, 0, whole(slots), staging, dirt);
-	else if (entry->slot.dirt != NULL)
-		gpu_texture_clear(entry->slot.dirt, 0, whole(slots), 0);
+	for (int plane = 0; plane < PLANES; plane++)
+		if (entry->slot.planes[plane] != NULL && places[plane] != GPU_NO_PLANE)
+			gpu_texture_upload_from(entry->slot.planes[plane], 0, whole(slots), staging, places[plane]);
+	clear_planes(entry, ~given, whole(slots));
 	return gpu_check(slots->gpu, "upload of offsets");
 }
 
-static void read_plane(const struct gpu_slots *slots, struct gpu_texture *plane, size_t texel,
-		       struct gpu_staging *staging, size_t offset)
-{
-	size_t posts = (size_t)(slots->cells + 1) * (slots->cells + 1);
-	if (plane != NULL)
-		gpu_texture_read_into(plane, 0, whole(slots), staging, offset);
-	else
-		memset((char *)gpu_staging_bytes(staging) + offset, 0, posts * texel);
-}
-
 enum status gpu_slots_read_deform(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
-				  size_t offset, size_t dirt)
+				  const size_t places[PLANES])
 {
 	const struct entry *entry = entry_of(slots, slot);
-	read_plane(slots, entry->slot.offset, sizeof(int32_t), staging, offset);
-	if (dirt != GPU_NO_PLANE)
-		read_plane(slots, entry->slot.dirt, sizeof(uint8_t), staging, dirt);
+	size_t posts = (size_t)(slots->cells + 1) * (slots->cells + 1);
+	for (int plane = 0; plane < PLANES; plane++) {
+		if (places[plane] == GPU_NO_PLANE)
+			continue;
+		if (entry->slot.planes[plane] != NULL)
+			gpu_texture_read_into(entry->slot.planes[plane], 0, whole(slots), staging, places[plane]);
+		else
+			memset((char *)gpu_staging_bytes(staging) + places[plane], 0, posts * plane_bytes(plane));
+	}
 	return gpu_check(slots->gpu, "read back of offsets");
 }
+
+/* --- coarser tiles --- */
 
 /* Of `length` posts, how many are kept, beginning with the first. */
 static uint32_t kept(uint32_t length, int steps)
@@ -319,16 +411,16 @@ enum status gpu_slots_decimate(struct gpu_slots *slots, uint32_t fine, struct gp
 	assert((1u << shift) > slots->cells || ((rect.x | rect.y) & ((1u << shift) - 1)) == 0);
 	assert(to_x <= slots->cells && into.width <= slots->cells + 1 - to_x);
 	assert(to_y <= slots->cells && into.height <= slots->cells + 1 - to_y);
-	if (from->slot.offset == NULL && to->slot.offset == NULL)
+	if (from->home == NULL && to->home == NULL)
 		return STATUS_OK; /* zero to zero */
-	enum status status = gpu_slots_deform(slots, coarse);
+	enum status status = deform_with(slots, to, GPU_DRAWN_PLANES);
 	if (status != STATUS_OK)
 		return status;
-	if (from->slot.offset == NULL) {
-		clear_deform(to, into);
+	if (from->home == NULL) {
+		clear_planes(to, GPU_DRAWN_PLANES, into);
 		return gpu_check(slots->gpu, "decimation");
 	}
-	status = gpu_program_get(slots->gpu, slots->dirt ? &with_dirt : &plain, &program);
+	status = gpu_program_get(slots->gpu, slots->planes & PLANE_BIT(PLANE_DIRT) ? &with_dirt : &plain, &program);
 	if (status != STATUS_OK)
 		return status;
 	struct {
@@ -341,9 +433,9 @@ enum status gpu_slots_decimate(struct gpu_slots *slots, uint32_t fine, struct gp
 	gpu_pass_run(slots->gpu, &(struct gpu_pass){
 		.stage = GPU_PYRAMID,
 		.program = program,
-		.target = to->slot.deform,
+		.target = to->slot.target,
 		.viewport = into,
-		.textures = {from->slot.offset, from->slot.dirt},
+		.textures = {from->slot.planes[PLANE_OFFSET], from->slot.planes[PLANE_DIRT]},
 		.params = &params,
 		.params_bytes = sizeof params,
 	});

@@ -66,7 +66,7 @@ static void fill_frame(const struct render *render, const struct render_camera *
 /* How far a tile's spacing reaches. What wheels leave is finer than the ground: cut more finely. */
 static double draw_reach(const struct render *render, const struct render_axes *axes, const struct terrain_draw *draw)
 {
-	bool ruts = gpu_slots_get(render->slots, draw->slot)->offset != NULL &&
+	bool ruts = gpu_slots_get(render->slots, draw->slot)->target != NULL &&
 		    world_spacing(&render->world, draw->tile.level) <= RUT_SPACING;
 	return render_mesh_reach(axes) * (ruts ? RUT_REACH : 1);
 }
@@ -108,9 +108,9 @@ static enum status tile_program(const struct render *render, const struct gpu_sl
 	for (size_t i = 0; i < sizeof effects / sizeof *effects; i++)
 		if (render->effects >> effects[i].effect & 1)
 			request.defines[count++] = effects[i].define;
-	if (slot->offset != NULL)
+	if (slot->target != NULL)
 		request.defines[count++] = "OFFSET";
-	if (slot->offset != NULL && slot->dirt != NULL && render->dirt)
+	if (slot->planes[PLANE_DIRT] != NULL && render->dirt)
 		request.defines[count++] = "DIRT";
 	if (level0)
 		request.defines[count++] = "LEVEL0";
@@ -171,7 +171,7 @@ static enum status draw_tile(struct render *render, const struct terrain_draw *d
 		.stage = GPU_RENDER,
 		.target = render->target,
 		.viewport = {0, 0, render->width, render->height},
-		.textures = {slot->base, slot->offset, NULL, NULL, render->noise},
+		.textures = {slot->base, slot->planes[PLANE_OFFSET], NULL, NULL, render->noise},
 		.storage = {render->instances},
 		.params = params,
 		.params_bytes = sizeof *params,
@@ -181,8 +181,8 @@ static enum status draw_tile(struct render *render, const struct terrain_draw *d
 		.depth_test = true,
 		.cull_back = true,
 	};
-	if (slot->offset != NULL && render->dirt)
-		pass.textures[2] = slot->dirt;
+	if (render->dirt)
+		pass.textures[2] = slot->planes[PLANE_DIRT];
 	if (level0)
 		pass.textures[3] = gpu_slots_get(render->slots, draw->ground)->base;
 	enum status status = tile_program(render, slot, level0, &pass.program);

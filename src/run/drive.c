@@ -184,7 +184,8 @@ static enum status start_gpu(struct drive *drive)
 	struct gpu_params gpu = {.draws = scene->view.present};
 	enum status status = gpu_create(&gpu, &drive->gpu);
 	if (status == STATUS_OK)
-		status = gpu_slots_create(drive->gpu, drive->meta->world.cells, scene->slots, scene->dirt, &drive->slots);
+		status = gpu_slots_create(drive->gpu, drive->meta->world.cells, scene->slots,
+					  deform_planes(scene->model, scene->dirt), &drive->slots);
 	struct deform_params deform = {
 		.gpu = drive->gpu,
 		.slots = drive->slots,
@@ -213,7 +214,6 @@ static enum status start_pages(struct drive *drive)
 		.gpu = drive->gpu,
 		.slots = drive->slots,
 		.level = drive->level,
-		.dirt = scene->dirt,
 		.count = scene->slots,
 		.loaders = scene->loaders,
 		.step_pages = budget_step_pages(drive),

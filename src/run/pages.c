@@ -4,13 +4,17 @@
 #include "run/pages_internal.h"
 
 #define GROUND_TILES 4
+#define ALIGN sizeof(int32_t) /* of a plane, whatever is before it */
 #define EPOCH_BYTES ((size_t)16 << 20)
 
-static struct pages_layout layout_of(uint32_t cells, bool dirt)
+static struct pages_layout layout_of(uint32_t cells, unsigned planes)
 {
 	struct pages_layout layout = {.cells = cells, .posts = (size_t)(cells + 1) * (cells + 1)};
-	layout.dirt = layout.posts * sizeof(int32_t);
-	layout.changed = layout.dirt + (dirt ? layout.posts : 0);
+	for (int plane = 0; plane < PLANES; plane++) {
+		layout.places[plane] = layout.changed;
+		if (planes & PLANE_BIT(plane))
+			layout.changed += (layout.posts * plane_bytes(plane) + ALIGN - 1) / ALIGN * ALIGN;
+	}
 	layout.base = sizeof(struct pages_head);
 	layout.planes = layout.base + layout.posts * sizeof(int32_t);
 	layout.loaded = layout.planes + layout.changed;
@@ -56,7 +60,8 @@ enum status pages_create(const struct pages_params *params, struct pages **out)
 	pages->io.below = params->below;
 	pages->io.above = params->above;
 	mutex_init(&pages->mutex);
-	pages->layout = layout_of(store_meta(params->store)->world.cells, params->dirt);
+	pages->planes = gpu_slots_planes(params->slots);
+	pages->layout = layout_of(store_meta(params->store)->world.cells, pages->planes);
 	enum status status = STATUS_OK;
 	for (uint32_t i = 0; i < reader_count(params) && status == STATUS_OK; i++)
 		status = ground_create(params->store, GROUND_TILES, &pages->grounds[i]);
@@ -106,7 +111,7 @@ void pages_budget(const struct pages *pages, struct pages_budget *budget)
 	struct page_params cache = cache_params(params, layout);
 	uint64_t plane = layout->posts * sizeof(int32_t);
 	*budget = (struct pages_budget){
-		.slots = params->count * (plane + layout->changed),
+		.slots = params->count * (plane + layout->changed), /* base and planes */
 		.loads = page_load_images(params->loaders) * (uint64_t)layout->loaded,
 		.queue = cache.queue_most * (uint64_t)layout->changed,
 		.ground = reader_count(params) * (GROUND_TILES + 1) * plane,

@@ -2,8 +2,8 @@
  * The adaptor between store, page cache and GPU: what a page's bytes mean.
  *
  * Loader threads read through a ground of their own; the writer thread commits epochs; the GPU's
- * thread uploads and reads back. A page of the working level carries its offset (and dirt) when it
- * was deformed; a coarser page is overlaid, when it becomes resident, with what is not committed.
+ * thread uploads and reads back. A page of the working level carries its planes when it was
+ * deformed; a coarser page, which has those that are drawn, is overlaid, when it becomes resident, with what is not committed.
  */
 #ifndef FURROW_RUN_PAGES_H
 #define FURROW_RUN_PAGES_H
@@ -24,7 +24,6 @@ struct pages_params {
 	struct gpu *gpu;
 	struct gpu_slots *slots; /* of params.count slots */
 	int level;               /* the working level */
-	bool dirt;
 	uint32_t count, loaders;
 	uint32_t step_pages;     /* most pages one step can change, for the queue's bound */
 	const struct scene *scene; /* whose record goes with each epoch */

@@ -10,10 +10,8 @@
 #include "run/ground.h"
 #include "run/pages.h"
 
-#define PAGES_DEFORMED 1u /* page_image.flags: its planes are filled */
-
-/* A loaded image's bytes: this, base posts or patch, and the planes: offset, dirt. A changed one's: the
- * planes alone. */
+/* A loaded image's bytes: this, base posts or patch, and the planes. A changed one's: the planes alone.
+ * page_image.flags: the planes that are filled; 0: not deformed. */
 struct pages_head {
 	int shift; /* 0: the base is posts; else a patch to subdivide */
 	uint32_t sub_x, sub_y;
@@ -23,11 +21,13 @@ struct pages_layout {
 	uint32_t cells;
 	size_t posts;                /* of a tile */
 	size_t base, planes, loaded; /* bytes: where they begin, and all of a loaded image */
-	size_t dirt, changed;        /* bytes: from the planes' begin, and all of them */
+	size_t places[PLANES];       /* bytes from the planes' begin; of those there are */
+	size_t changed;              /* bytes: all of the planes */
 };
 
 struct pages {
 	struct pages_params params;
+	unsigned planes; /* the slots' */
 	struct pages_layout layout;
 	struct page_cache *cache;
 	struct ground *grounds[16];      /* one a loader */
@@ -54,14 +54,10 @@ static inline void *pages_planes(const struct pages *pages, const struct page_im
 	return (char *)loaded->bytes + pages->layout.planes;
 }
 
-static inline int32_t *pages_offset(void *planes)
+/* In an image whose planes begin at `planes`. */
+static inline void *pages_plane(const struct pages *pages, void *planes, enum plane plane)
 {
-	return planes;
-}
-
-static inline uint8_t *pages_dirt(const struct pages *pages, void *planes)
-{
-	return pages->params.dirt ? (uint8_t *)planes + pages->layout.dirt : NULL;
+	return (char *)planes + pages->layout.places[plane];
 }
 
 struct page_io pages_io_of(struct pages *pages);             /* pages_io.c */

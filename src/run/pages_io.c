@@ -25,16 +25,17 @@ static enum status load_planes(struct pages *pages, struct ground *ground, struc
 	void *planes = pages_planes(pages, image);
 	if (queued != NULL) {
 		memcpy(planes, queued->bytes, pages->layout.changed);
-		image->flags = PAGES_DEFORMED;
+		image->flags = queued->flags;
 		return STATUS_OK;
 	}
 	if (tile.level < pages->params.level)
 		return STATUS_OK;
-	unsigned wanted = STORE_PLANE_OFFSET | (pages->params.dirt ? STORE_PLANE_DIRT : 0), present;
-	enum status status = store_read_deformed(ground_reader(ground), tile, wanted, pages_offset(planes),
-						 pages_dirt(pages, planes), &present);
-	if (status == STATUS_OK && present != 0)
-		image->flags = PAGES_DEFORMED;
+	unsigned wanted = pages->planes & (STORE_PLANE_OFFSET | STORE_PLANE_DIRT), present;
+	enum status status = store_read_deformed(ground_reader(ground), tile, wanted,
+						 pages_plane(pages, planes, PLANE_OFFSET),
+						 pages_plane(pages, planes, PLANE_DIRT), &present);
+	if (status == STATUS_OK)
+		image->flags = present;
 	return status;
 }
 
@@ -99,9 +100,9 @@ static enum status commit(void *user, const struct page_image *const *images, si
 	for (size_t i = 0; i < count; i++)
 		pages->commit_pages[i] = (struct store_page){
 			.tile = tile_from_key(images[i]->key),
-			.planes = STORE_PLANE_OFFSET | (pages->params.dirt ? STORE_PLANE_DIRT : 0),
-			.offset = pages_offset(images[i]->bytes),
-			.dirt = pages_dirt(pages, images[i]->bytes),
+			.planes = images[i]->flags & (STORE_PLANE_OFFSET | STORE_PLANE_DIRT),
+			.offset = pages_plane(pages, images[i]->bytes, PLANE_OFFSET),
+			.dirt = pages_plane(pages, images[i]->bytes, PLANE_DIRT),
 		};
 	struct describing describing = {pages, record, NULL};
 	struct store_run run = {

@@ -38,6 +38,13 @@ static bool overlaps(const struct pages *pages, struct tile fine, struct tile co
 	return true;
 }
 
+static void copy_post(const struct pages *pages, void *fine, size_t from, void *coarse, size_t to)
+{
+	((int32_t *)pages_plane(pages, coarse, PLANE_OFFSET))[to] = ((int32_t *)pages_plane(pages, fine, PLANE_OFFSET))[from];
+	if (pages->planes & PLANE_BIT(PLANE_DIRT))
+		((uint8_t *)pages_plane(pages, coarse, PLANE_DIRT))[to] = ((uint8_t *)pages_plane(pages, fine, PLANE_DIRT))[from];
+}
+
 static void overlay_queued(void *user, const struct page_image *fine)
 {
 	struct overlay *overlay = user;
@@ -49,17 +56,14 @@ static void overlay_queued(void *user, const struct page_image *fine)
 		return;
 	size_t stride = pages->layout.cells + 1;
 	void *planes = pages_planes(pages, overlay->image);
-	if (!(overlay->image->flags & PAGES_DEFORMED)) {
+	if (overlay->image->flags == 0)
 		memset(planes, 0, pages->layout.changed);
-		overlay->image->flags |= PAGES_DEFORMED;
-	}
+	overlay->image->flags = pages->planes & GPU_DRAWN_PLANES;
 	uint32_t step = 1u << steps;
 	for (uint32_t y = 0; y < rect.height; y += step)
 		for (uint32_t x = 0; x < rect.width; x += step) {
 			size_t from = (rect.y + y) * stride + rect.x + x, to = (to_y + y / step) * stride + to_x + x / step;
-			pages_offset(planes)[to] = pages_offset(fine->bytes)[from];
-			if (pages->params.dirt)
-				pages_dirt(pages, planes)[to] = pages_dirt(pages, fine->bytes)[from];
+			copy_post(pages, fine->bytes, from, planes, to);
 		}
 }
 
@@ -73,15 +77,14 @@ static void overlay_resident(void *user, uint64_t key, uint32_t slot, bool dirty
 	    !overlaps(overlay->pages, tile_from_key(key), overlay->tile, &steps, &to_x, &to_y, &rect))
 		return;
 	struct gpu_slots *slots = overlay->pages->params.slots;
-	overlay->status = gpu_slots_deform(slots, overlay->slot);
-	if (overlay->status == STATUS_OK)
-		overlay->status = gpu_slots_decimate(slots, slot, rect, steps, overlay->slot, to_x, to_y);
+	overlay->status = gpu_slots_decimate(slots, slot, rect, steps, overlay->slot, to_x, to_y);
 }
 
-/* Where the dirt is in an image whose planes begin at `planes`. */
-static size_t dirt_place(const struct pages *pages, size_t planes)
+/* Where those of `wanted` are in an image whose planes begin at `planes`. */
+static void places_of(const struct pages *pages, unsigned wanted, size_t planes, size_t places[PLANES])
 {
-	return pages->params.dirt ? planes + pages->layout.dirt : GPU_NO_PLANE;
+	for (int plane = 0; plane < PLANES; plane++)
+		places[plane] = wanted & PLANE_BIT(plane) ? planes + pages->layout.places[plane] : GPU_NO_PLANE;
 }
 
 static enum status upload(void *user, uint32_t slot, struct page_image *image)
@@ -100,9 +103,10 @@ static enum status upload(void *user, uint32_t slot, struct page_image *image)
 							    head->sub_x, head->sub_y);
 	if (status != STATUS_OK)
 		return status;
-	if (image->flags & PAGES_DEFORMED)
-		status = gpu_slots_upload_deform(slots, slot, staging, layout->planes,
-						 dirt_place(pages, layout->planes));
+	size_t places[PLANES];
+	places_of(pages, image->flags, layout->planes, places);
+	if (image->flags != 0)
+		status = gpu_slots_upload_deform(slots, slot, staging, places);
 	else
 		gpu_slots_undeform(slots, slot);
 	if (status == STATUS_OK && image->overlays)
@@ -114,11 +118,13 @@ static enum status read_back(void *user, uint32_t slot, struct page_image *image
 {
 	struct pages *pages = user;
 	double started = clock_seconds();
+	size_t places[PLANES];
+	places_of(pages, pages->planes, 0, places);
 	enum status status =
 		pages->params.before_read_back(pages->params.user, tile_from_key(image->key), slot);
 	if (status == STATUS_OK)
-		status = gpu_slots_read_deform(pages->params.slots, slot, image->memory, 0, dirt_place(pages, 0));
-	image->flags = PAGES_DEFORMED;
+		status = gpu_slots_read_deform(pages->params.slots, slot, image->memory, places);
+	image->flags = pages->planes;
 	pages->readback_ms += (clock_seconds() - started) * 1e3;
 	return status;
 }

@@ -84,11 +84,9 @@ static enum status decimate(struct pyramid *pyramid, struct page_cache *cache, c
 		int64_t cells = pyramid->world->cells;
 		struct gpu_rect rect = {(uint32_t)(x0 - own.x0), (uint32_t)(y0 - own.y0),
 					(uint32_t)(change->rect.x1 - x0), (uint32_t)(change->rect.y1 - y0)};
-		enum status status = gpu_slots_deform(pyramid->slots, coarse);
-		if (status == STATUS_OK)
-			status = gpu_slots_decimate(pyramid->slots, slot, rect, steps, coarse,
-						    (uint32_t)((x0 >> steps) - above.x * cells),
-						    (uint32_t)((y0 >> steps) - above.y * cells));
+		enum status status = gpu_slots_decimate(pyramid->slots, slot, rect, steps, coarse,
+							(uint32_t)((x0 >> steps) - above.x * cells),
+							(uint32_t)((y0 >> steps) - above.y * cells));
 		if (status != STATUS_OK)
 			return status;
 	}

@@ -91,9 +91,9 @@ static void add_memory(cJSON *root, const struct drive *drive, const struct gpu_
 	json_integer(budget, "total", (int64_t)(most.slots + most.loads + most.queue + most.ground));
 	cJSON *bytes = cJSON_AddObjectToObject(memory, "plane_bytes");
 	json_integer(bytes, "base", (int64_t)planes.base);
-	json_integer(bytes, "offset", (int64_t)planes.offset);
-	if (drive->scene->dirt)
-		json_integer(bytes, "dirt", (int64_t)planes.dirt);
+	for (int plane = 0; plane < PLANES; plane++)
+		if (gpu_slots_planes(drive->slots) & PLANE_BIT(plane))
+			json_integer(bytes, plane_name(plane), (int64_t)planes.planes[plane]);
 	json_integer(root, "programs", gpu->programs);
 }
 

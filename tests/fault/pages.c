@@ -50,6 +50,11 @@ struct gpu_slots {
 	} slots[SLOTS];
 };
 
+unsigned gpu_slots_planes(const struct gpu_slots *slots)
+{
+	return GPU_DRAWN_PLANES;
+}
+
 enum status gpu_slots_upload_base(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging, size_t posts)
 {
 	return STATUS_OK;
@@ -77,19 +82,19 @@ void gpu_slots_undeform(struct gpu_slots *slots, uint32_t slot)
 }
 
 enum status gpu_slots_upload_deform(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
-				    size_t offset, size_t dirt)
+				    const size_t places[PLANES])
 {
 	slots->slots[slot].deformed = true;
-	memcpy(slots->slots[slot].offset, (char *)staging + offset, sizeof slots->slots[slot].offset);
-	memcpy(slots->slots[slot].dirt, (char *)staging + dirt, sizeof slots->slots[slot].dirt);
+	memcpy(slots->slots[slot].offset, (char *)staging + places[PLANE_OFFSET], sizeof slots->slots[slot].offset);
+	memcpy(slots->slots[slot].dirt, (char *)staging + places[PLANE_DIRT], sizeof slots->slots[slot].dirt);
 	return STATUS_OK;
 }
 
-enum status gpu_slots_read_deform(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging, size_t offset,
-				  size_t dirt)
+enum status gpu_slots_read_deform(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
+				  const size_t places[PLANES])
 {
-	memcpy((char *)staging + offset, slots->slots[slot].offset, sizeof slots->slots[slot].offset);
-	memcpy((char *)staging + dirt, slots->slots[slot].dirt, sizeof slots->slots[slot].dirt);
+	memcpy((char *)staging + places[PLANE_OFFSET], slots->slots[slot].offset, sizeof slots->slots[slot].offset);
+	memcpy((char *)staging + places[PLANE_DIRT], slots->slots[slot].dirt, sizeof slots->slots[slot].dirt);
 	return STATUS_OK;
 }
 
@@ -144,7 +149,6 @@ static enum status rig_open(struct rig *rig, const char *path)
 		.store = rig->store,
 		.slots = &rig->slots,
 		.level = LEVEL,
-		.dirt = true,
 		.count = SLOTS,
 		.loaders = 2,
 		.step_pages = 4,

@@ -29,6 +29,8 @@ static void decimate_bytes(const uint8_t *fine, uint32_t cells, uint32_t qx, uin
 			coarse[(qy * half + y) * stride + qx * half + x] = fine[2 * y * stride + 2 * x];
 }
 
+#define ALL ((1u << PLANES) - 1)
+
 static uint32_t textures_alive(void)
 {
 	struct gpu_stats stats;
@@ -45,7 +47,7 @@ static void planes_are_allocated_when_first_needed_and_reused(void **state)
 	(void)state;
 	need_gpu();
 	posts = random_ints(POSTS);
-	assert_ok(gpu_slots_create(test_gpu, N, 100, true, &slots));
+	assert_ok(gpu_slots_create(test_gpu, N, 100, PLANE_BIT(PLANE_DIRT), &slots));
 	assert_int_equal(textures_alive(), 0);
 	assert_null(gpu_slots_get(slots, 7)->base);
 	assert_ok(staged_upload_base(test_gpu, slots, N, 7, posts));
@@ -53,7 +55,7 @@ static void planes_are_allocated_when_first_needed_and_reused(void **state)
 	assert_int_equal(textures_alive(), 1);
 	gpu_texture_read(gpu_slots_get(slots, 7)->base, 0, rect_of(0, 0, N + 1, N + 1), offset);
 	assert_memory_equal(offset, posts, sizeof offset);
-	assert_null(gpu_slots_get(slots, 7)->offset);
+	assert_null(gpu_slots_get(slots, 7)->target);
 
 	memset(dirt, 9, sizeof dirt);
 	assert_ok(staged_upload_deform(test_gpu, slots, N, 7, posts, dirt));
@@ -62,18 +64,18 @@ static void planes_are_allocated_when_first_needed_and_reused(void **state)
 	assert_ok(staged_read_deform(test_gpu, slots, N, 7, offset, dirt));
 	assert_memory_equal(offset, posts, sizeof offset);
 	assert_int_equal(dirt[POSTS - 1], 9);
-	struct gpu_texture *home = gpu_slots_get(slots, 7)->offset;
+	struct gpu_texture *home = gpu_slots_get(slots, 7)->planes[PLANE_OFFSET];
 
 	gpu_slots_undeform(slots, 7);
 	gpu_slots_undeform(slots, 7);
-	assert_null(gpu_slots_get(slots, 7)->offset);
-	assert_null(gpu_slots_get(slots, 7)->dirt);
-	assert_null(gpu_slots_get(slots, 7)->deform);
+	assert_null(gpu_slots_get(slots, 7)->planes[PLANE_OFFSET]);
+	assert_null(gpu_slots_get(slots, 7)->planes[PLANE_DIRT]);
+	assert_null(gpu_slots_get(slots, 7)->target);
 	assert_ok(staged_read_deform(test_gpu, slots, N, 7, offset, dirt));
 	assert_memory_equal(offset, zeros, sizeof offset);
 
 	assert_ok(gpu_slots_deform(slots, 50)); /* another slot takes it over, zeroed */
-	assert_ptr_equal(gpu_slots_get(slots, 50)->offset, home);
+	assert_ptr_equal(gpu_slots_get(slots, 50)->planes[PLANE_OFFSET], home);
 	assert_int_equal(textures_alive(), 3);
 	assert_ok(staged_read_deform(test_gpu, slots, N, 50, offset, dirt));
 	assert_memory_equal(offset, zeros, sizeof offset);
@@ -87,8 +89,8 @@ static void planes_are_allocated_when_first_needed_and_reused(void **state)
 	struct gpu_slots_bytes bytes;
 	gpu_slots_bytes(slots, &bytes);
 	assert_int_equal(bytes.base, POSTS * 4);
-	assert_int_equal(bytes.offset, POSTS * 4);
-	assert_int_equal(bytes.dirt, POSTS);
+	assert_int_equal(bytes.planes[PLANE_OFFSET], POSTS * 4);
+	assert_int_equal(bytes.planes[PLANE_DIRT], POSTS);
 	gpu_slots_destroy(slots);
 	assert_int_equal(textures_alive(), 0);
 	mem_free(posts);
@@ -102,14 +104,155 @@ static void without_dirt_there_is_no_dirt_plane(void **state)
 	struct gpu_slots *slots;
 	(void)state;
 	need_gpu();
-	assert_ok(gpu_slots_create(test_gpu, N, 2, false, &slots));
+	assert_ok(gpu_slots_create(test_gpu, N, 2, 0, &slots));
 	assert_ok(gpu_slots_deform(slots, 0));
-	assert_null(gpu_slots_get(slots, 0)->dirt);
+	assert_null(gpu_slots_get(slots, 0)->planes[PLANE_DIRT]);
 	assert_int_equal(textures_alive(), 1);
 	memset(dirt, 1, sizeof dirt);
 	assert_ok(staged_read_deform(test_gpu, slots, N, 0, offset, dirt));
 	assert_memory_equal(dirt, zeros, sizeof dirt);
 	gpu_slots_destroy(slots);
+}
+
+/* All of one tile's planes, each with bits of its own. */
+struct tile_planes {
+	void *planes[PLANES];
+};
+
+static struct tile_planes random_planes(uint32_t cells)
+{
+	struct tile_planes tile;
+	for (int plane = 0; plane < PLANES; plane++)
+		tile.planes[plane] = random_bytes(staged_posts(cells) * plane_bytes(plane));
+	return tile;
+}
+
+static void free_planes(struct tile_planes tile)
+{
+	for (int plane = 0; plane < PLANES; plane++)
+		mem_free(tile.planes[plane]);
+}
+
+/* That the slot has the given planes of `tile`, and zeros for the others. */
+static void assert_planes(struct gpu_slots *slots, uint32_t cells, uint32_t slot, struct tile_planes tile, unsigned given)
+{
+	struct tile_planes read = random_planes(cells);
+	assert_ok(staged_read_planes(test_gpu, slots, cells, slot, read.planes));
+	for (int plane = 0; plane < PLANES; plane++) {
+		size_t bytes = staged_posts(cells) * plane_bytes(plane);
+		if (!(given & PLANE_BIT(plane)))
+			memset(tile.planes[plane], 0, bytes);
+		assert_memory_equal(read.planes[plane], tile.planes[plane], bytes);
+	}
+	free_planes(read);
+}
+
+static void every_plane_comes_back_the_same_bits(void **state)
+{
+	enum { CELLS = 16 };
+	(void)state;
+	need_gpu();
+	for (unsigned planes = 0; planes <= ALL; planes++) {
+		struct gpu_slots *slots;
+		struct tile_planes tile = random_planes(CELLS);
+		const void *given[PLANES];
+		assert_ok(gpu_slots_create(test_gpu, CELLS, 2, planes, &slots));
+		assert_int_equal(gpu_slots_planes(slots), planes | PLANE_BIT(PLANE_OFFSET));
+		assert_ok(staged_upload_planes(test_gpu, slots, CELLS, 0, (const void *const *)tile.planes));
+		assert_int_equal(textures_alive(), __builtin_popcount(planes | PLANE_BIT(PLANE_OFFSET)));
+		assert_planes(slots, CELLS, 0, tile, planes | PLANE_BIT(PLANE_OFFSET));
+
+			/* Over it another of which not all are given: the others are zeros. */
+		struct tile_planes next = random_planes(CELLS);
+		unsigned some = PLANE_BIT(PLANE_OFFSET) | (any_word() & ALL);
+		for (int plane = 0; plane < PLANES; plane++)
+			given[plane] = some & PLANE_BIT(plane) ? next.planes[plane] : NULL;
+		assert_ok(staged_upload_planes(test_gpu, slots, CELLS, 0, given));
+		assert_planes(slots, CELLS, 0, next, some & gpu_slots_planes(slots));
+		gpu_slots_destroy(slots);
+		free_planes(tile);
+		free_planes(next);
+	}
+}
+
+static void state_planes_are_those_of_the_working_level(void **state)
+{
+	enum { CELLS = 16, COUNT = 3, TILE = (CELLS + 1) * (CELLS + 1) };
+	struct gpu_slots *slots;
+	struct gpu_slots_bytes bytes;
+	(void)state;
+	need_gpu();
+	struct tile_planes tile = random_planes(CELLS);
+	assert_ok(gpu_slots_create(test_gpu, CELLS, COUNT, ALL, &slots));
+	assert_ok(staged_upload_deform(test_gpu, slots, CELLS, 0, tile.planes[PLANE_OFFSET], tile.planes[PLANE_DIRT]));
+	assert_null(gpu_slots_get(slots, 0)->planes[PLANE_PRESSED]); /* it had none in the store */
+	assert_ok(gpu_slots_decimate(slots, 0, rect_of(0, 0, CELLS + 1, CELLS + 1), 1, 1, 0, 0));
+	gpu_slots_bytes(slots, &bytes);
+	assert_int_equal(bytes.planes[PLANE_OFFSET], 2 * TILE * 4);
+	assert_int_equal(bytes.planes[PLANE_HEAPED] + bytes.planes[PLANE_PRESSED] + bytes.planes[PLANE_SHEAR], 0);
+
+	assert_ok(gpu_slots_deform(slots, 0)); /* about to be written: all, and those it had as they were */
+	assert_non_null(gpu_slots_get(slots, 0)->planes[PLANE_SHEAR]);
+	assert_planes(slots, CELLS, 0, tile, GPU_DRAWN_PLANES);
+	free_planes(tile);
+	tile = random_planes(CELLS);
+	assert_ok(staged_upload_planes(test_gpu, slots, CELLS, 0, (const void *const *)tile.planes));
+	gpu_slots_bytes(slots, &bytes);
+	assert_int_equal(bytes.planes[PLANE_PRESSED], TILE * 4);
+	assert_int_equal(bytes.planes[PLANE_SHEAR], TILE * 2);
+
+	/* A coarser tile that takes over such a deform slot shows nothing of it. */
+	gpu_slots_undeform(slots, 0);
+	gpu_slots_undeform(slots, 1);
+	assert_ok(gpu_slots_deform(slots, 2)); /* the one with state planes */
+	assert_planes(slots, CELLS, 2, tile, 0);
+	gpu_slots_undeform(slots, 2);
+	for (uint32_t i = 0; i < 2; i++)
+		assert_ok(staged_upload_deform(test_gpu, slots, CELLS, i, tile.planes[PLANE_OFFSET], NULL));
+	assert_null(gpu_slots_get(slots, 0)->planes[PLANE_HEAPED]);
+	assert_null(gpu_slots_get(slots, 1)->planes[PLANE_HEAPED]);
+	gpu_slots_bytes(slots, &bytes);
+	assert_int_equal(bytes.planes[PLANE_OFFSET], 2 * TILE * 4);
+	assert_int_equal(bytes.planes[PLANE_PRESSED], TILE * 4);
+
+	/* However they change hands: never more of a plane than there are slots. */
+	for (int i = 0; i < 100; i++) {
+		uint32_t slot = any_word() % COUNT;
+		gpu_slots_undeform(slots, slot);
+		if (i % 3 == 0)
+			assert_ok(gpu_slots_deform(slots, slot));
+		else
+			assert_ok(staged_upload_deform(test_gpu, slots, CELLS, slot, tile.planes[PLANE_OFFSET], NULL));
+	}
+	gpu_slots_bytes(slots, &bytes);
+	for (int plane = 0; plane < PLANES; plane++)
+		assert_in_range(bytes.planes[plane], 0, COUNT * TILE * plane_bytes((enum plane)plane));
+	gpu_slots_destroy(slots);
+	free_planes(tile);
+}
+
+static void classes_are_there_once_they_are_loaded(void **state)
+{
+	enum { CELLS = 16, TILE = (CELLS + 1) * (CELLS + 1) };
+	uint8_t read[TILE];
+	struct gpu_slots *slots;
+	struct gpu_slots_bytes bytes;
+	struct gpu_staging *staging;
+	(void)state;
+	need_gpu();
+	uint8_t *classes = random_bytes(TILE);
+	assert_ok(gpu_slots_create(test_gpu, CELLS, 2, 0, &slots));
+	assert_null(gpu_slots_get(slots, 1)->classes);
+	assert_ok(staged_from(test_gpu, classes, TILE, &staging));
+	assert_ok(gpu_slots_upload_classes(slots, 1, staging, STAGED_AT));
+	gpu_texture_read(gpu_slots_get(slots, 1)->classes, 0, rect_of(0, 0, CELLS + 1, CELLS + 1), read);
+	assert_memory_equal(read, classes, sizeof read);
+	assert_null(gpu_slots_get(slots, 0)->classes);
+	gpu_slots_bytes(slots, &bytes);
+	assert_int_equal(bytes.classes, TILE);
+	gpu_staging_destroy(staging);
+	gpu_slots_destroy(slots);
+	mem_free(classes);
 }
 
 static void subdivision_is_that_of_base_at_every_level(void **state)
@@ -122,7 +265,7 @@ static void subdivision_is_that_of_base_at_every_level(void **state)
 		struct gpu_slots *slots;
 		assert_non_null(expected);
 		assert_non_null(read);
-		assert_ok(gpu_slots_create(test_gpu, n, 3, false, &slots));
+		assert_ok(gpu_slots_create(test_gpu, n, 3, 0, &slots));
 		for (int shift = 1; shift <= 14; shift++) {
 			for (int i = 0; i < 6; i++) { /* more than there are scratch textures */
 				uint32_t stride = lattice_patch_posts(n, shift), tiles = (1u << shift) > n ? (1u << shift) / n : 1;
@@ -153,9 +296,9 @@ static void patches_in_flight_do_not_mix(void **state)
 	need_gpu();
 	for (int direct = 0; direct < 2; direct++) {
 		assert_int_equal(lattice_patch_posts(CELLS, 1), SIDE);
-		assert_ok(gpu_slots_create(test_gpu, CELLS, COUNT, false, &slots));
+		assert_ok(gpu_slots_create(test_gpu, CELLS, COUNT, 0, &slots));
 		int32_t *patches = random_ints(COUNT * PATCH);
-		assert_ok(staged_from(test_gpu, patches, COUNT * PATCH * sizeof *patches, NULL, 0, &staging));
+		assert_ok(staged_from(test_gpu, patches, COUNT * PATCH * sizeof *patches, &staging));
 		staging->direct = direct == 1;
 		for (uint32_t i = 0; i < COUNT; i++)
 			assert_ok(gpu_slots_subdivide_base(slots, i, staging, STAGED_AT + i * PATCH * sizeof *patches, 1, 0, 0));
@@ -184,7 +327,7 @@ static void pair_init(struct pair *pair)
 	pair->coarse = random_ints(POSTS);
 	pair->fine_dirt = random_bytes(POSTS);
 	pair->coarse_dirt = random_bytes(POSTS);
-	assert_ok(gpu_slots_create(test_gpu, N, 2, true, &pair->slots));
+	assert_ok(gpu_slots_create(test_gpu, N, 2, PLANE_BIT(PLANE_DIRT), &pair->slots));
 	assert_ok(staged_upload_deform(test_gpu, pair->slots, N, 0, pair->fine, pair->fine_dirt));
 	assert_ok(staged_upload_deform(test_gpu, pair->slots, N, 1, pair->coarse, pair->coarse_dirt));
 }
@@ -261,7 +404,7 @@ static void decimation_through_levels_is_decimation_by_steps(void **state)
 	(void)state;
 	need_gpu();
 	int32_t *fine = random_ints(POSTS);
-	assert_ok(gpu_slots_create(test_gpu, N, 4, false, &slots));
+	assert_ok(gpu_slots_create(test_gpu, N, 4, 0, &slots));
 	assert_ok(staged_upload_deform(test_gpu, slots, N, 0, fine, NULL));
 	assert_ok(gpu_slots_decimate(slots, 0, rect_of(0, 0, N + 1, N + 1), 2, 3, 0, 0));
 	assert_ok(gpu_slots_decimate(slots, 0, rect_of(0, 0, N + 1, N + 1), 1, 1, 0, 0));
@@ -288,7 +431,7 @@ static void an_untouched_fine_tile_decimates_as_zeros(void **state)
 	pair_check(&pair);
 	gpu_slots_undeform(pair.slots, 1);
 	assert_ok(gpu_slots_decimate(pair.slots, 0, rect_of(0, 0, N + 1, N + 1), 1, 1, 0, 0));
-	assert_null(gpu_slots_get(pair.slots, 1)->offset);
+	assert_null(gpu_slots_get(pair.slots, 1)->target);
 	pair_finish(&pair);
 }
 
@@ -296,29 +439,37 @@ static void an_untouched_fine_tile_decimates_as_zeros(void **state)
 static void a_failed_allocation_loses_nothing(void **state)
 {
 	enum { M = 8, COUNT = (M + 1) * (M + 1) };
-	int32_t posts[COUNT] = {1}, read[COUNT];
+	int32_t posts[COUNT] = {1}, read[COUNT], zeros[COUNT] = {0};
+	const size_t places[PLANES] = {STAGED_AT, GPU_NO_PLANE, GPU_NO_PLANE, STAGED_AT, GPU_NO_PLANE};
 	struct gpu_staging *staging;
 	(void)state;
 	need_gpu();
-	assert_ok(staged_from(test_gpu, posts, sizeof posts, NULL, 0, &staging));
+	assert_ok(staged_from(test_gpu, posts, sizeof posts, &staging));
 	for (uint64_t nth = 1;; nth++) {
 		struct gpu_slots *slots = NULL;
 		mem_fail_nth(nth, 0);
-		enum status status = gpu_slots_create(test_gpu, M, 2, true, &slots);
+		enum status status = gpu_slots_create(test_gpu, M, 2, ALL, &slots);
 		if (status == STATUS_OK)
 			status = gpu_slots_upload_base(slots, 0, staging, STAGED_AT);
 		if (status == STATUS_OK)
 			status = gpu_slots_subdivide_base(slots, 0, staging, STAGED_AT, 1, 0, 0);
 		if (status == STATUS_OK)
-			status = gpu_slots_upload_deform(slots, 0, staging, STAGED_AT, GPU_NO_PLANE);
+			status = gpu_slots_upload_deform(slots, 0, staging, places);
+		if (status == STATUS_OK)
+			status = gpu_slots_upload_classes(slots, 0, staging, STAGED_AT);
+		if (status == STATUS_OK)
+			status = gpu_slots_deform(slots, 0);
 		if (status == STATUS_OK)
 			status = gpu_slots_decimate(slots, 0, rect_of(0, 0, M + 1, M + 1), 1, 1, 0, 0);
 		bool reached = mem_fail_nth(0, 0) >= nth;
 		assert_int_equal(status, reached ? STATUS_FAILED : STATUS_OK);
 		if (slots != NULL) {
 			assert_ok(staged_upload_deform(test_gpu, slots, M, 0, posts, NULL));
+			assert_ok(gpu_slots_deform(slots, 0));
 			assert_ok(staged_read_deform(test_gpu, slots, M, 0, read, NULL));
 			assert_memory_equal(read, posts, sizeof read);
+			assert_ok(staged_read_planes(test_gpu, slots, M, 0, (void *[PLANES]){[PLANE_PRESSED] = read}));
+			assert_memory_equal(read, zeros, sizeof read);
 		}
 		gpu_slots_destroy(slots);
 		assert_int_equal(textures_alive(), 0);
@@ -334,6 +485,9 @@ int main(void)
 		cmocka_unit_test(a_failed_allocation_loses_nothing), /* first: while no program is linked */
 		cmocka_unit_test(planes_are_allocated_when_first_needed_and_reused),
 		cmocka_unit_test(without_dirt_there_is_no_dirt_plane),
+		cmocka_unit_test(every_plane_comes_back_the_same_bits),
+		cmocka_unit_test(state_planes_are_those_of_the_working_level),
+		cmocka_unit_test(classes_are_there_once_they_are_loaded),
 		cmocka_unit_test(subdivision_is_that_of_base_at_every_level),
 		cmocka_unit_test(patches_in_flight_do_not_mix),
 		cmocka_unit_test(decimation_of_a_tile_is_that_of_base),

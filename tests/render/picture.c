@@ -128,7 +128,7 @@ static void begin(unsigned effects)
 		.gpu = gpu, .world = &world, .low = 380, .high = 420, .width = WIDTH, .height = HEIGHT,
 		.effects = effects,
 	};
-	assert_ok(gpu_slots_create(gpu, CELLS, SLOTS, false, &slots));
+	assert_ok(gpu_slots_create(gpu, CELLS, SLOTS, 0, &slots));
 	params.slots = slots;
 	assert_ok(render_create(&params, &render));
 	resident_count = 0;
@@ -360,7 +360,7 @@ static void a_tile_looks_the_same_ten_thousand_kilometres_away(void **state)
 			.height = HEIGHT, .effects = ALL & ~(1u << EFFECT_SKY),
 		};
 		struct render_camera camera = {{shift * 16.0 + 18, shift * 16.0 + 17, 8006}, {shift * 16.0 + 25, shift * 16.0 + 25, 8000}, 0.9};
-		assert_ok(gpu_slots_create(gpu, CELLS, 1, false, &slots));
+		assert_ok(gpu_slots_create(gpu, CELLS, 1, 0, &slots));
 		params.slots = slots;
 		assert_ok(render_create(&params, &render));
 		assert_ok(staged_upload_base(gpu, slots, CELLS, 0, base));
@@ -390,7 +390,7 @@ static void every_choice_of_effects_draws(void **state)
 			.gpu = gpu, .world = &world, .low = -1, .high = 1, .width = 32, .height = 16,
 			.effects = chosen << EFFECT_TEXTURE, .dirt = true,
 		};
-		assert_ok(gpu_slots_create(gpu, CELLS, 3, true, &slots));
+		assert_ok(gpu_slots_create(gpu, CELLS, 3, PLANE_BIT(PLANE_DIRT), &slots));
 		params.slots = slots;
 		assert_ok(render_create(&params, &render));
 		for (uint32_t i = 0; i < 3; i++)
@@ -416,7 +416,7 @@ static void what_cannot_be_allocated_is_told(void **state)
 	struct render_params params = {
 		.gpu = gpu, .world = &world, .low = 0, .high = 1, .width = 32, .height = 16, .effects = ALL,
 	};
-	assert_ok(gpu_slots_create(gpu, CELLS, 1, false, &slots));
+	assert_ok(gpu_slots_create(gpu, CELLS, 1, 0, &slots));
 	params.slots = slots;
 	enum status status = STATUS_FAILED;
 	int failed = 0;

@@ -44,7 +44,7 @@ static void rig_open(struct rig *rig, const char *path, uint32_t slots)
 		skip();
 	}
 	must(status);
-	must(gpu_slots_create(drive->gpu, CELLS, slots, true, &drive->slots));
+	must(gpu_slots_create(drive->gpu, CELLS, slots, PLANE_BIT(PLANE_DIRT), &drive->slots));
 	must(ground_create(drive->store, 4, &drive->ground));
 	must(pyramid_create(&drive->meta->world, LEVEL, drive->slots, &drive->pyramid));
 	must(deform_create(&(struct deform_params){.gpu = drive->gpu,
@@ -61,7 +61,6 @@ static void rig_open(struct rig *rig, const char *path, uint32_t slots)
 						 .gpu = drive->gpu,
 						 .slots = drive->slots,
 						 .level = LEVEL,
-						 .dirt = true,
 						 .count = slots,
 						 .loaders = 2,
 						 .step_pages = 64,
@@ -115,7 +114,7 @@ static void read_tile(struct rig *rig, struct tile tile, int32_t *offset, uint8_
 	must(page_cache_pin(rig->drive.cache, tile_key(tile), &slot));
 	memset(offset, 0, posts * sizeof *offset);
 	memset(dirt, 0, posts);
-	if (gpu_slots_get(rig->drive.slots, slot)->offset != NULL)
+	if (gpu_slots_get(rig->drive.slots, slot)->target != NULL)
 		must(staged_read_deform(rig->drive.gpu, rig->drive.slots, CELLS, slot, offset, dirt));
 	page_cache_unpin(rig->drive.cache, tile_key(tile));
 }

@@ -72,7 +72,7 @@ static void rig_open(struct rig *rig, uint32_t slots, double speed, double prefe
 		skip();
 	}
 	must(status);
-	must(gpu_slots_create(drive->gpu, CELLS, slots, false, &drive->slots));
+	must(gpu_slots_create(drive->gpu, CELLS, slots, 0, &drive->slots));
 	must(ground_create(drive->store, 16, &drive->ground));
 	must(pages_create(&(struct pages_params){.gpu = drive->gpu,
 						 .store = drive->store,
