@@ -22,6 +22,16 @@ enum scene_camera_kind { SCENE_CHASE, SCENE_OVERHEAD, SCENE_FIXED };
 enum scene_effect {
 	EFFECT_DISPLACE,
 	EFFECT_BOX,
+	EFFECT_SUMNER,
+	EFFECT_SLIPPAGE,
+	EFFECT_SCM,
+	EFFECT_SPREAD,
+	EFFECT_SHED,
+	EFFECT_SLIDE,
+	EFFECT_SOIL_MAP,
+	EFFECT_MESH,
+	EFFECT_LOAD,
+	EFFECT_FORCES,
 	EFFECT_DIRT,
 	EFFECT_TEXTURE,
 	EFFECT_DETAIL,
@@ -61,7 +71,10 @@ struct scene_object {
 	char *name;
 	struct deform_shape shape;
 	struct scene_path path;
-	double sink; /* metres below the base at the path point */
+	struct deform_mesh *mesh; /* owned: what shape.mesh is, or NULL */
+	double sink; /* metres below the base at the path point; 0 with a load */
+	double load; /* N that the soil carries instead, model scm; 0: none */
+	double slip; /* of a wheel, model scm: 1 - way / (radius x angle turned), or less than 0 as it is dragged */
 };
 
 struct scene_view {
@@ -79,21 +92,32 @@ struct scene_view {
 struct scene {
 	char *file;  /* as given */
 	char *store; /* resolved relative to the scene's file; NULL if none was named */
-	char *soil;  /* name, or NULL */
 	double time_step, end_time, gravity;
 	double spacing; /* 0: the store's own */
 	enum scene_coordinates coordinates;
 	char *srs; /* SCENE_SRS */
 	enum deform_model model;
 	int box_radius, box_repetitions;
+	/* Models that move soil, and 0 for the others: */
+	int iterations;    /* of sliding */
+	double interval;   /* s of simulated time between those of the ground at large */
+	double depth;      /* metres of loose soil below the base; INFINITY: no bottom */
+	double bulldozing; /* share */
+	struct deform_soil soils[DEFORM_SOILS]; /* with a map the first is for where it says nothing else */
+	int soil_count;
+	char *soil_map;          /* a raster, resolved relative to the scene's file; NULL: soils[0] everywhere */
+	uint8_t soil_class[256]; /* a value of the map: index of its soil */
+	uint64_t soil_map_hash[2]; /* of the raster's bytes */
 	bool dirt;
 	enum scene_outside outside;
 	struct scene_object *objects;
 	size_t object_count;
+	double forces;      /* rows of objects.csv a second of simulated time; 0: none */
+	int forces_delay;   /* steps later that they may be read back; 0: at once, waiting */
 	struct scene_view view;
 	uint32_t slots, loaders;
 	double prefetch; /* s */
-	char hash[33];   /* hex, of what decides the ground: not cache, view, store, end_time */
+	char hash[33];   /* hex, of what decides the ground: not cache, view, output, store, end_time */
 };
 
 struct scene_setting {
@@ -101,7 +125,7 @@ struct scene_setting {
 };
 
 /* The file (at most 1 MiB), the settings over it in order (values are YAML; `null` takes a key
- * away) and the poses files it names (256 MiB each). STATUS_INPUT: what is wrong, and where. */
+ * away) and the files it names: poses (256 MiB each), meshes, the map of soils (1 GiB). STATUS_INPUT: what is wrong, and where. */
 enum status scene_load(const char *path, const struct scene_setting *settings, size_t count,
 		       struct scene **out) FURROW_CHECKED;
 void scene_destroy(struct scene *scene);

@@ -1,6 +1,7 @@
-/* The scene outside its objects and its view; see scene_check.h. */
+/* The scene outside its objects, its soil and its view; see scene_check.h. */
 #include "scene/scene_check.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "scene/scene_error.h"
@@ -22,48 +23,72 @@ static enum status copy(char **out, const char *text)
 	return *out == NULL ? fail_memory("reading the scene") : STATUS_OK;
 }
 
-static enum status check_soil(const struct scene_tree *tree, const struct raw_soil *soil,
-			      struct scene *scene)
+#define MODEL(model) (1u << (model))
+#define SOILS_MODELS (MODEL(DEFORM_SUMNER) | MODEL(DEFORM_SLIPPAGE) | MODEL(DEFORM_SCM))
+
+/* No parameter of another model is passed over in silence. */
+static enum status check_parameters(const struct scene_tree *tree, const struct raw_redistribute *raw)
 {
-	static const char *const names[] = {
-		"dry_sand",	 "sandy_loam_15", "sandy_loam_22", "clayey_38",
-		"heavy_clay_25", "heavy_clay_40", "lean_clay_22",  "lete_sand",
-		"upland_loam_51", "snow_us",	  "snow_sweden",   "lunar"};
-	struct scene_list list = {.length = 0};
-	bool known = false;
-	if (soil == NULL)
-		return STATUS_OK;
-	for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
-		known = known || (soil->name != NULL && strcmp(soil->name, names[i]) == 0);
-		scene_list_add(&list, names[i]);
+	const struct {
+		const char *key;
+		const void *value;
+		unsigned models;
+	} parameters[] = {
+		{"radius", raw->radius, MODEL(DEFORM_BOX_FILTER)},
+		{"repetitions", raw->repetitions, MODEL(DEFORM_BOX_FILTER)},
+		{"iterations", raw->iterations, SOILS_MODELS},
+		{"interval", raw->interval, SOILS_MODELS},
+		{"depth", raw->depth, SOILS_MODELS},
+		{"bulldozing", raw->bulldozing, MODEL(DEFORM_SCM)},
+	};
+	for (size_t i = 0; i < sizeof parameters / sizeof parameters[0]; i++) {
+		struct scene_list models = {.length = 0};
+		if (parameters[i].value == NULL || (parameters[i].models >> raw->model & 1) != 0)
+			continue;
+		for (int model = 0; model < DEFORM_MODELS; model++)
+			if ((parameters[i].models >> model & 1) != 0)
+				scene_list_add(&models, scene_model_word((enum deform_model)model));
+		return scene_error(tree->file, scene_tree_find(tree, "redistribute.%s", parameters[i].key),
+				   "is no parameter of model %s; allowed with: %s",
+				   scene_model_word((enum deform_model)raw->model), models.text);
 	}
-	if (soil->name != NULL && !known)
-		return scene_error(tree->file, scene_tree_find(tree, "soil.name"),
-				   "%s is unknown; allowed: %s", scene_quote(soil->name).text,
-				   list.text);
-	note("%s: soil: is checked but not read: no model of this version depends on it", tree->file);
-	return soil->name != NULL ? copy(&scene->soil, soil->name) : STATUS_OK;
+	return STATUS_OK;
 }
 
 static enum status check_redistribute(const struct scene_tree *tree,
-				      const struct raw_redistribute *redistribute,
-				      struct scene *scene)
+				      const struct raw_redistribute *raw, struct scene *scene)
 {
-	scene->model = DEFORM_NONE;
-	scene->box_radius = 1;
-	scene->box_repetitions = 1;
-	if (redistribute == NULL)
+	const struct raw_redistribute none = {.model = DEFORM_NONE};
+	if (raw == NULL)
+		raw = &none;
+	scene->model = (enum deform_model)raw->model;
+	scene->box_radius = (int)whole_or(raw->radius, 1);
+	scene->box_repetitions = (int)whole_or(raw->repetitions, 1);
+	if ((SOILS_MODELS >> scene->model & 1) != 0) {
+		scene->iterations = (int)whole_or(raw->iterations, 4);
+		scene->interval = number_or(raw->interval, 0.02);
+		scene->depth = number_or(raw->depth, scene->model == DEFORM_SCM ? 0 : (double)INFINITY);
+	}
+	if (scene->model == DEFORM_SCM)
+		scene->bulldozing = number_or(raw->bulldozing, 0.5);
+	return check_parameters(tree, raw);
+}
+
+static enum status check_output(const struct scene_tree *tree, const struct raw_output *output,
+				struct scene *scene)
+{
+	if (output == NULL)
 		return STATUS_OK;
-	scene->model = (enum deform_model)redistribute->model;
-	if (scene->model == DEFORM_NONE &&
-	    (redistribute->radius != NULL || redistribute->repetitions != NULL))
-		return scene_error(tree->file,
-				   scene_tree_find(tree, redistribute->radius != NULL
-								 ? "redistribute.radius"
-								 : "redistribute.repetitions"),
-				   "is no parameter of model none; allowed with: box");
-	scene->box_radius = (int)whole_or(redistribute->radius, 1);
-	scene->box_repetitions = (int)whole_or(redistribute->repetitions, 1);
+	if (output->forces == NULL && output->delay != NULL)
+		return scene_error(tree->file, scene_tree_find(tree, "output.delay"),
+				   "is of forces, and none are asked for; allowed with: forces");
+	if (output->forces == NULL)
+		return STATUS_OK;
+	if (*output->forces > 0 && scene->model != DEFORM_SCM)
+		return scene_error(tree->file, scene_tree_find(tree, "output.forces"),
+				   "no model but scm computes forces; allowed with: redistribute: {model: scm}");
+	scene->forces = *output->forces;
+	scene->forces_delay = scene->forces > 0 ? (int)whole_or(output->delay, 2) : 0;
 	return STATUS_OK;
 }
 
@@ -119,9 +144,10 @@ enum status scene_check(const struct scene_tree *tree, const struct raw_scene *r
 	if ((status = check_coordinates(raw, scene)) != STATUS_OK ||
 	    (status = check_redistribute(tree, raw->redistribute, scene)) != STATUS_OK ||
 	    (status = check_attributes(tree, raw, scene)) != STATUS_OK ||
+	    (status = check_output(tree, raw->output, scene)) != STATUS_OK ||
 	    (status = scene_check_objects(tree, raw, scene)) != STATUS_OK ||
 	    (status = scene_check_view(tree, raw, scene)) != STATUS_OK ||
-	    (status = check_soil(tree, raw->soil, scene)) != STATUS_OK)
+	    (status = scene_check_soil(tree, raw, scene)) != STATUS_OK)
 		return status;
-	return scene_hash(raw, scene);
+	return scene_hash(scene);
 }

@@ -16,11 +16,17 @@ enum status scene_check(const struct scene_tree *tree, const struct raw_scene *r
 /* The parts of it, one a file. */
 enum status scene_check_objects(const struct scene_tree *tree, const struct raw_scene *raw,
 				struct scene *scene) FURROW_CHECKED;
+/* Fills the shape, and the mesh, of objects[index]. */
+enum status scene_check_shape(const struct scene_tree *tree, const struct raw_shape *raw, size_t index,
+			      struct scene_object *object) FURROW_CHECKED;
+/* After the objects. */
+enum status scene_check_soil(const struct scene_tree *tree, const struct raw_scene *raw,
+			     struct scene *scene) FURROW_CHECKED;
 enum status scene_check_view(const struct scene_tree *tree, const struct raw_scene *raw,
 			     struct scene *scene) FURROW_CHECKED;
 
-/* scene->hash, of all that decides what the ground becomes: not of the cache, the view, the store's
- * name, or when the drive ends. */
-enum status scene_hash(const struct raw_scene *raw, struct scene *scene) FURROW_CHECKED;
+/* scene->hash, of all that decides what the ground becomes: not of the cache, the view, the output, the
+ * store's name, or when the drive ends. */
+enum status scene_hash(struct scene *scene) FURROW_CHECKED;
 
 #endif

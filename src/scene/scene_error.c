@@ -44,6 +44,20 @@ struct scene_quote scene_quote(const char *text)
 	return quote;
 }
 
+struct scene_told scene_told(const char *file, const struct scene_node *node, const char *value)
+{
+	struct scene_told told;
+	char path[80];
+	scene_node_path(node, false, path, sizeof path);
+	if (node->setting != NULL)
+		snprintf(told.text, sizeof told.text, "%.100s: --set %.40s: %s: %s", file, node->setting, path,
+			 scene_quote(value).text);
+	else
+		snprintf(told.text, sizeof told.text, "%.120s:%d: %s: %s", file, node->line, path,
+			 scene_quote(value).text);
+	return told;
+}
+
 void scene_list_add(struct scene_list *list, const char *word)
 {
 	int written = snprintf(list->text + list->length, sizeof list->text - list->length, "%s%s",

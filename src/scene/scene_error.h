@@ -14,6 +14,12 @@ struct scene_quote {
 };
 struct scene_quote scene_quote(const char *text);
 
+/* "FILE:LINE: KEY: "VALUE"", for messages about a file that the scene names at `node`. */
+struct scene_told {
+	char text[300];
+};
+struct scene_told scene_told(const char *file, const struct scene_node *node, const char *value);
+
 /* A list "a, b, c" under construction; what does not fit is cut. */
 struct scene_list {
 	char text[320];

@@ -1,9 +1,11 @@
-/* Whole files into memory, up to a limit. */
+/* Whole files into memory, or through a hash, up to a limit. */
 #include "scene/scene_file.h"
 
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <xxhash.h>
 
 enum status scene_file_read(const char *path, const char *told, size_t limit, char **bytes,
 			    size_t *length)
@@ -50,6 +52,46 @@ enum status scene_file_read(const char *path, const char *told, size_t limit, ch
 	*bytes = text;
 	*length = used;
 	return STATUS_OK;
+}
+
+static enum status hash_bytes(FILE *file, const char *told, uint64_t limit, XXH3_state_t *state)
+{
+	char bytes[16384];
+	uint64_t used = 0;
+	size_t got;
+	while ((got = fread(bytes, 1, sizeof bytes, file)) > 0) {
+		used += got;
+		if (used > limit)
+			return fail_with(STATUS_INPUT, "%s: the file is too large; allowed: %llu bytes", told,
+					 (unsigned long long)limit);
+		XXH3_128bits_update(state, bytes, got);
+	}
+	if (ferror(file))
+		return fail_with(STATUS_INPUT, "%s: %s; name a file that can be read", told, strerror(errno));
+	return STATUS_OK;
+}
+
+enum status scene_file_hash(const char *path, const char *told, uint64_t limit, uint64_t hash[2])
+{
+	struct stat stats;
+	if (stat(path, &stats) == 0 && !S_ISREG(stats.st_mode))
+		return fail_with(STATUS_INPUT, "%s: not a file; name one", told);
+	FILE *file = fopen(path, "rb");
+	if (file == NULL)
+		return fail_with(STATUS_INPUT, "%s: %s; name a file that can be read", told, strerror(errno));
+	XXH3_state_t *state = XXH3_createState();
+	if (state == NULL) {
+		fclose(file);
+		return fail_memory("hashing a file");
+	}
+	XXH3_128bits_reset(state);
+	enum status status = hash_bytes(file, told, limit, state);
+	XXH128_hash_t all = XXH3_128bits_digest(state);
+	hash[0] = all.low64;
+	hash[1] = all.high64;
+	XXH3_freeState(state);
+	fclose(file);
+	return status;
 }
 
 char *scene_file_beside(const char *file, const char *name)

@@ -11,6 +11,11 @@
 enum status scene_file_read(const char *path, const char *told, size_t limit, char **bytes,
 			    size_t *length) FURROW_CHECKED;
 
+/* The hash of all bytes of a regular file (a scene is a stranger's: it may name a pipe that nobody writes
+ * to, or a device). STATUS_INPUT as above. */
+enum status scene_file_hash(const char *path, const char *told, uint64_t limit, uint64_t hash[2])
+	FURROW_CHECKED;
+
 /* `name` relative to the folder of `file`; NULL: no memory. Freed with mem_free. */
 char *scene_file_beside(const char *file, const char *name);
 

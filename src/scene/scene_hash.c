@@ -55,21 +55,80 @@ static void add_object(XXH3_state_t *state, const struct scene_object *object)
 	}
 }
 
-static void add_soil(XXH3_state_t *state, const struct raw_soil *soil)
+/* What began to count after scenes were first hashed follows them, each part after its letter: a scene that
+ * has none of it keeps its hash. */
+static void add_part(XXH3_state_t *state, char letter, size_t index)
 {
-	const double *numbers[] = {soil->bekker_kc,	    soil->bekker_kphi, soil->bekker_n,
-				   soil->cohesion,	    soil->friction_angle,
-				   soil->janosi_shear,	    soil->elastic_stiffness,
-				   soil->damping,	    soil->unit_weight};
-	add_text(state, soil->name);
-	for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
-		add_whole(state, numbers[i] != NULL);
-		if (numbers[i] != NULL)
-			add_number(state, *numbers[i]);
-	}
+	add_whole(state, (uint64_t)letter);
+	add_whole(state, index);
 }
 
-enum status scene_hash(const struct raw_scene *raw, struct scene *scene)
+static void add_mesh(XXH3_state_t *state, size_t index, const struct deform_mesh *mesh)
+{
+	add_part(state, 'm', index);
+	add_whole(state, mesh->vertex_count);
+	for (uint32_t i = 0; i < mesh->vertex_count; i++)
+		for (int k = 0; k < 3; k++)
+			add_number(state, (double)mesh->vertices[i][k]);
+	add_whole(state, mesh->triangle_count);
+	for (uint32_t i = 0; i < mesh->triangle_count; i++)
+		for (int k = 0; k < 3; k++)
+			add_whole(state, mesh->triangles[i][k]);
+}
+
+static void add_object_more(XXH3_state_t *state, size_t index, const struct scene_object *object)
+{
+	const struct deform_shape *shape = &object->shape;
+	if (shape->lugs > 0) {
+		add_part(state, 'g', index);
+		add_whole(state, (uint64_t)shape->lugs);
+		add_number(state, shape->lug_height);
+		add_number(state, shape->lug_thickness);
+	}
+	if (object->load > 0) {
+		add_part(state, 'l', index);
+		add_number(state, object->load);
+	}
+	if (object->slip != 0) {
+		add_part(state, 's', index);
+		add_number(state, object->slip);
+	}
+	if (object->mesh != NULL)
+		add_mesh(state, index, object->mesh);
+}
+
+static void add_soil(XXH3_state_t *state, const struct deform_soil *soil)
+{
+	const double numbers[] = {soil->bekker_kc,	   soil->bekker_kphi, soil->bekker_n,
+				  soil->cohesion,	   soil->friction_angle,
+				  soil->janosi_shear,	   soil->elastic_stiffness,
+				  soil->damping,	   soil->unit_weight, soil->theta_in,
+				  soil->theta_out,	   soil->theta_stop,  soil->roughness,
+				  soil->compression,	   soil->repose};
+	_Static_assert(sizeof numbers == sizeof *soil, "every parameter counts");
+	for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
+		add_number(state, numbers[i]);
+}
+
+static void add_soils(XXH3_state_t *state, const struct scene *scene)
+{
+	add_part(state, 'e', 0);
+	add_whole(state, (uint64_t)scene->iterations);
+	add_number(state, scene->interval);
+	add_number(state, scene->depth);
+	add_number(state, scene->bulldozing);
+	add_whole(state, (uint64_t)scene->soil_count);
+	for (int i = 0; i < scene->soil_count; i++)
+		add_soil(state, &scene->soils[i]);
+	if (scene->soil_map == NULL)
+		return;
+	add_part(state, 'c', 0);
+	add_whole(state, scene->soil_map_hash[0]);
+	add_whole(state, scene->soil_map_hash[1]);
+	XXH3_128bits_update(state, scene->soil_class, sizeof scene->soil_class);
+}
+
+enum status scene_hash(struct scene *scene)
 {
 	XXH3_state_t *state = XXH3_createState();
 	if (state == NULL)
@@ -86,12 +145,14 @@ enum status scene_hash(const struct raw_scene *raw, struct scene *scene)
 	add_whole(state, (uint64_t)scene->box_repetitions);
 	add_whole(state, scene->dirt);
 	add_whole(state, (uint64_t)scene->outside);
-	add_whole(state, raw->soil != NULL);
-	if (raw->soil != NULL)
-		add_soil(state, raw->soil);
+	add_whole(state, 0); /* once whether soil was named */
 	add_whole(state, scene->object_count);
 	for (size_t i = 0; i < scene->object_count; i++)
 		add_object(state, &scene->objects[i]);
+	for (size_t i = 0; i < scene->object_count; i++)
+		add_object_more(state, i, &scene->objects[i]);
+	if (scene->soil_count > 0)
+		add_soils(state, scene);
 	XXH128_hash_t hash = XXH3_128bits_digest(state);
 	XXH3_freeState(state);
 	snprintf(scene->hash, sizeof scene->hash, "%016llx%016llx", (unsigned long long)hash.high64,

@@ -73,7 +73,6 @@ static enum status match_word(const char *file, const cyaml_schema_value_t *sche
 			      const struct scene_node *node)
 {
 	struct scene_list words = {.length = 0};
-	char path[160];
 	for (uint32_t i = 0; i < schema->enumeration.count; i++) {
 		const char *word = schema->enumeration.strings[i].str;
 		if (node->kind == SCENE_SCALAR && strcmp(node->text, word) == 0)
@@ -82,9 +81,7 @@ static enum status match_word(const char *file, const cyaml_schema_value_t *sche
 	}
 	if (node->kind != SCENE_SCALAR)
 		return scene_error(file, node, "%s; allowed: %s", kind_name(node), words.text);
-	scene_node_path(node, true, path, sizeof path);
-	return scene_error(file, node, "%s %s; allowed: %s", scene_quote(node->text).text,
-			   scene_later(path, node->text) ? "is not in this version" : "is unknown",
+	return scene_error(file, node, "%s is unknown; allowed: %s", scene_quote(node->text).text,
 			   words.text);
 }
 
@@ -115,20 +112,15 @@ static enum status match_mapping(const char *file, const cyaml_schema_value_t *s
 {
 	const cyaml_schema_field_t *fields = schema->mapping.fields;
 	struct scene_list keys = {.length = 0};
-	char path[160];
 	for (const cyaml_schema_field_t *field = fields; field->key != NULL; field++)
 		scene_list_add(&keys, field->key);
 	if (node->kind != SCENE_MAPPING)
 		return scene_error(file, node, "%s; allowed: a mapping of %s", kind_name(node),
 				   keys.text);
-	scene_node_path(node, true, path, sizeof path);
 	for (const struct scene_node *child = node->first; child != NULL; child = child->next) {
 		const cyaml_schema_field_t *field = field_of(fields, child->key);
 		if (field == NULL)
-			return scene_error(file, child, "%s; allowed: %s",
-					   scene_later(path, child->key) ? "is not in this version"
-									 : "unknown key",
-					   keys.text);
+			return scene_error(file, child, "unknown key; allowed: %s", keys.text);
 		enum status status = match_value(file, &field->value, child);
 		if (status != STATUS_OK)
 			return status;

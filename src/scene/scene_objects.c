@@ -1,5 +1,4 @@
-/* The checked objects: shapes, paths, names. */
-#include <stdio.h>
+/* The checked objects: names, paths, what they bear. */
 #include <string.h>
 
 #include "scene/scene_check.h"
@@ -21,27 +20,6 @@ static enum status check_name(const struct scene_tree *tree, const struct scene 
 			return scene_error(tree->file, node,
 					   "%s is the name of another object; allowed: unique names",
 					   scene_quote(name).text);
-	return STATUS_OK;
-}
-
-static enum status check_shape(const struct scene_tree *tree, const struct raw_shape *raw,
-			       size_t index, struct deform_shape *shape)
-{
-	int named = (raw->wheel != NULL) + (raw->sphere != NULL) + (raw->box != NULL);
-	if (named != 1)
-		return scene_error(tree->file, scene_tree_find(tree, "objects[%zu].shape", index),
-				   "names %d shapes; allowed: exactly one of wheel, sphere, box", named);
-	if (raw->wheel != NULL) {
-		shape->kind = DEFORM_WHEEL;
-		shape->radius = raw->wheel->radius;
-		shape->width = raw->wheel->width;
-	} else if (raw->sphere != NULL) {
-		shape->kind = DEFORM_SPHERE;
-		shape->radius = raw->sphere->radius;
-	} else {
-		shape->kind = DEFORM_BOX;
-		memcpy(shape->size, raw->box->size, sizeof shape->size);
-	}
 	return STATUS_OK;
 }
 
@@ -82,12 +60,32 @@ static enum status check_path(const struct scene_tree *tree, const struct raw_pa
 	char *file = scene_file_beside(tree->file, raw->file);
 	if (file == NULL)
 		return fail_memory("reading poses");
-	char told[300];
-	snprintf(told, sizeof told, "%.120s:%d: objects[%zu].path.file: %s", tree->file, node->line,
-		 index, scene_quote(raw->file).text);
-	enum status status = scene_path_read(file, told, path);
+	enum status status = scene_path_read(file, scene_told(tree->file, node, raw->file).text, path);
 	mem_free(file);
 	return status;
+}
+
+/* What only forces can decide: of model scm. */
+static enum status check_forces(const struct scene_tree *tree, const struct raw_object *raw,
+				const struct scene *scene, size_t index)
+{
+	const struct scene_object *object = &scene->objects[index];
+	const char *model = scene_model_word(scene->model);
+	const struct scene_node *load = scene_tree_find(tree, "objects[%zu].load", index);
+	const struct scene_node *slip = scene_tree_find(tree, "objects[%zu].slip", index);
+	if (raw->load != NULL && raw->sink != NULL)
+		return scene_error(tree->file, load, "sink is given too; allowed: one of sink, load");
+	if (raw->load != NULL && scene->model != DEFORM_SCM)
+		return scene_error(tree->file, load, "model %s computes no force that carries it; allowed with: "
+				   "redistribute: {model: scm}", model);
+	if (raw->load != NULL && object->path.has_z)
+		return scene_error(tree->file, load, "its poses say z already; allowed with: poses t,x,y, or points");
+	if (raw->slip != NULL && object->shape.kind != DEFORM_WHEEL)
+		return scene_error(tree->file, slip, "only a wheel slips; allowed with: wheel");
+	if (raw->slip != NULL && scene->model != DEFORM_SCM)
+		return scene_error(tree->file, slip, "model %s does not depend on it; allowed with: redistribute: "
+				   "{model: scm}", model);
+	return STATUS_OK;
 }
 
 enum status scene_check_objects(const struct scene_tree *tree, const struct raw_scene *raw,
@@ -112,9 +110,12 @@ enum status scene_check_objects(const struct scene_tree *tree, const struct raw_
 		if (object->name == NULL)
 			return fail_memory("reading the objects");
 		object->sink = from->sink != NULL ? *from->sink : 0;
+		object->load = from->load != NULL ? *from->load : 0;
+		object->slip = from->slip != NULL ? *from->slip : 0;
 		if ((status = check_name(tree, scene, i)) != STATUS_OK ||
-		    (status = check_shape(tree, &from->shape, i, &object->shape)) != STATUS_OK ||
-		    (status = check_path(tree, &from->path, i, &object->path)) != STATUS_OK)
+		    (status = scene_check_shape(tree, &from->shape, i, object)) != STATUS_OK ||
+		    (status = check_path(tree, &from->path, i, &object->path)) != STATUS_OK ||
+		    (status = check_forces(tree, from, scene, i)) != STATUS_OK)
 			return status;
 		if (object->path.has_z && from->sink != NULL)
 			note("%s: objects[%zu].sink: is not used: its poses say z", tree->file, i);

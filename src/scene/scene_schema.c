@@ -1,6 +1,7 @@
 /* The tables of scene_schema.h. */
 #include "scene/scene_schema.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "scene/scene.h"
@@ -20,6 +21,8 @@ static const cyaml_schema_field_t wheel_fields[] = {
 	CYAML_FIELD_FLOAT("radius", NEEDED, struct raw_wheel, radius),
 	CYAML_FIELD_FLOAT("width", NEEDED, struct raw_wheel, width),
 	CYAML_FIELD_INT_PTR("lugs", OPTIONAL, struct raw_wheel, lugs),
+	CYAML_FIELD_FLOAT_PTR("lug_height", OPTIONAL, struct raw_wheel, lug_height),
+	CYAML_FIELD_FLOAT_PTR("lug_thickness", OPTIONAL, struct raw_wheel, lug_thickness),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t sphere_fields[] = {
@@ -30,10 +33,16 @@ static const cyaml_schema_field_t box_fields[] = {
 	CYAML_FIELD_SEQUENCE_FIXED("size", NEEDED, struct raw_box, size, &float_entry, 3),
 	CYAML_FIELD_END,
 };
+static const cyaml_schema_field_t mesh_fields[] = {
+	CYAML_FIELD_STRING_PTR("file", NEEDED, struct raw_mesh, file, 1, 4096),
+	CYAML_FIELD_FLOAT_PTR("scale", OPTIONAL, struct raw_mesh, scale),
+	CYAML_FIELD_END,
+};
 static const cyaml_schema_field_t shape_fields[] = {
 	CYAML_FIELD_MAPPING_PTR("wheel", OPTIONAL, struct raw_shape, wheel, wheel_fields),
 	CYAML_FIELD_MAPPING_PTR("sphere", OPTIONAL, struct raw_shape, sphere, sphere_fields),
 	CYAML_FIELD_MAPPING_PTR("box", OPTIONAL, struct raw_shape, box, box_fields),
+	CYAML_FIELD_MAPPING_PTR("mesh", OPTIONAL, struct raw_shape, mesh, mesh_fields),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t path_fields[] = {
@@ -49,36 +58,73 @@ static const cyaml_schema_field_t object_fields[] = {
 	CYAML_FIELD_MAPPING("shape", NEEDED, struct raw_object, shape, shape_fields),
 	CYAML_FIELD_MAPPING("path", NEEDED, struct raw_object, path, path_fields),
 	CYAML_FIELD_FLOAT_PTR("sink", OPTIONAL, struct raw_object, sink),
+	CYAML_FIELD_FLOAT_PTR("load", OPTIONAL, struct raw_object, load),
+	CYAML_FIELD_FLOAT_PTR("slip", OPTIONAL, struct raw_object, slip),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_value_t object_entry = {
 	CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct raw_object, object_fields)};
 
+/* A soil's keys: of `type`, whose struct raw_class is at `own`, which ends in a point or is nothing. */
+#define SOIL_FIELDS(type, own) \
+	CYAML_FIELD_STRING_PTR("name", OPTIONAL, type, own name, 1, 64), \
+	CYAML_FIELD_FLOAT_PTR("bekker_kc", OPTIONAL, type, own bekker_kc), \
+	CYAML_FIELD_FLOAT_PTR("bekker_kphi", OPTIONAL, type, own bekker_kphi), \
+	CYAML_FIELD_FLOAT_PTR("bekker_n", OPTIONAL, type, own bekker_n), \
+	CYAML_FIELD_FLOAT_PTR("cohesion", OPTIONAL, type, own cohesion), \
+	CYAML_FIELD_FLOAT_PTR("friction_angle", OPTIONAL, type, own friction_angle), \
+	CYAML_FIELD_FLOAT_PTR("janosi_shear", OPTIONAL, type, own janosi_shear), \
+	CYAML_FIELD_FLOAT_PTR("elastic_stiffness", OPTIONAL, type, own elastic_stiffness), \
+	CYAML_FIELD_FLOAT_PTR("damping", OPTIONAL, type, own damping), \
+	CYAML_FIELD_FLOAT_PTR("unit_weight", OPTIONAL, type, own unit_weight), \
+	CYAML_FIELD_FLOAT_PTR("repose", OPTIONAL, type, own repose), \
+	CYAML_FIELD_FLOAT_PTR("theta_in", OPTIONAL, type, own theta_in), \
+	CYAML_FIELD_FLOAT_PTR("theta_out", OPTIONAL, type, own theta_out), \
+	CYAML_FIELD_FLOAT_PTR("theta_stop", OPTIONAL, type, own theta_stop), \
+	CYAML_FIELD_FLOAT_PTR("roughness", OPTIONAL, type, own roughness), \
+	CYAML_FIELD_FLOAT_PTR("compression", OPTIONAL, type, own compression)
+
+static const cyaml_schema_field_t class_fields[] = {
+	CYAML_FIELD_INT("value", NEEDED, struct raw_class, value),
+	SOIL_FIELDS(struct raw_class, ),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_field_t elsewhere_fields[] = {
+	SOIL_FIELDS(struct raw_class, ),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_value_t class_entry = {
+	CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct raw_class, class_fields)};
 static const cyaml_schema_field_t soil_fields[] = {
-	CYAML_FIELD_STRING_PTR("name", OPTIONAL, struct raw_soil, name, 1, 64),
-	CYAML_FIELD_FLOAT_PTR("bekker_kc", OPTIONAL, struct raw_soil, bekker_kc),
-	CYAML_FIELD_FLOAT_PTR("bekker_kphi", OPTIONAL, struct raw_soil, bekker_kphi),
-	CYAML_FIELD_FLOAT_PTR("bekker_n", OPTIONAL, struct raw_soil, bekker_n),
-	CYAML_FIELD_FLOAT_PTR("cohesion", OPTIONAL, struct raw_soil, cohesion),
-	CYAML_FIELD_FLOAT_PTR("friction_angle", OPTIONAL, struct raw_soil, friction_angle),
-	CYAML_FIELD_FLOAT_PTR("janosi_shear", OPTIONAL, struct raw_soil, janosi_shear),
-	CYAML_FIELD_FLOAT_PTR("elastic_stiffness", OPTIONAL, struct raw_soil, elastic_stiffness),
-	CYAML_FIELD_FLOAT_PTR("damping", OPTIONAL, struct raw_soil, damping),
-	CYAML_FIELD_FLOAT_PTR("unit_weight", OPTIONAL, struct raw_soil, unit_weight),
+	SOIL_FIELDS(struct raw_soil, all.),
+	CYAML_FIELD_STRING_PTR("map", OPTIONAL, struct raw_soil, map, 1, 4096),
+	CYAML_FIELD_SEQUENCE("classes", OPTIONAL_POINTER, struct raw_soil, classes, &class_entry, 1,
+			     DEFORM_SOILS - 1),
+	CYAML_FIELD_MAPPING_PTR("default", OPTIONAL, struct raw_soil, elsewhere, elsewhere_fields),
 	CYAML_FIELD_END,
 };
 
-static const cyaml_strval_t model_words[] = {{"none", DEFORM_NONE}, {"box", DEFORM_BOX_FILTER}};
+static const cyaml_strval_t model_words[] = {{"none", DEFORM_NONE},
+					     {"box", DEFORM_BOX_FILTER},
+					     {"sumner", DEFORM_SUMNER},
+					     {"slippage", DEFORM_SLIPPAGE},
+					     {"scm", DEFORM_SCM}};
 static const cyaml_strval_t outside_words[] = {{"stop", SCENE_STOP}, {"skip", SCENE_SKIP}};
 
 static const cyaml_schema_field_t redistribute_fields[] = {
-	CYAML_FIELD_ENUM("model", NEEDED, struct raw_redistribute, model, model_words, 2),
+	CYAML_FIELD_ENUM("model", NEEDED, struct raw_redistribute, model, model_words,
+			 DEFORM_MODELS),
 	CYAML_FIELD_INT_PTR("radius", OPTIONAL, struct raw_redistribute, radius),
 	CYAML_FIELD_INT_PTR("repetitions", OPTIONAL, struct raw_redistribute, repetitions),
+	CYAML_FIELD_INT_PTR("iterations", OPTIONAL, struct raw_redistribute, iterations),
+	CYAML_FIELD_FLOAT_PTR("interval", OPTIONAL, struct raw_redistribute, interval),
+	CYAML_FIELD_FLOAT_PTR("depth", OPTIONAL, struct raw_redistribute, depth),
+	CYAML_FIELD_FLOAT_PTR("bulldozing", OPTIONAL, struct raw_redistribute, bulldozing),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t output_fields[] = {
-	CYAML_FIELD_INT_PTR("forces", OPTIONAL, struct raw_output, forces),
+	CYAML_FIELD_FLOAT_PTR("forces", OPTIONAL, struct raw_output, forces),
+	CYAML_FIELD_INT_PTR("delay", OPTIONAL, struct raw_output, delay),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t overhead_fields[] = {
@@ -137,6 +183,14 @@ static const cyaml_schema_field_t scene_fields[] = {
 const cyaml_schema_value_t scene_schema = {
 	CYAML_VALUE_MAPPING(CYAML_FLAG_POINTER, struct raw_scene, scene_fields)};
 
+const char *scene_model_word(enum deform_model model)
+{
+	size_t at = 0;
+	while (model_words[at].val != (int64_t)model)
+		at++;
+	return model_words[at].str;
+}
+
 static const struct scene_limit limits[] = {
 	{"scene", 1, 1, false, "is no version of the format that is known"},
 	{"time_step", 1e-6, 3600, false, NULL},
@@ -145,24 +199,41 @@ static const struct scene_limit limits[] = {
 	{"spacing", 0, 1e6, true, NULL},
 	{"soil.bekker_kc", -1e12, 1e12, false, NULL},
 	{"soil.bekker_kphi", 0, 1e12, false, NULL},
-	{"soil.bekker_n", 0, 10, true, NULL},
+	{"soil.bekker_n", 0, 3, true, NULL},
 	{"soil.cohesion", 0, 1e9, false, NULL},
 	{"soil.friction_angle", 0, 89, false, NULL},
 	{"soil.janosi_shear", 0, 10, true, NULL},
 	{"soil.elastic_stiffness", 0, 1e12, true, NULL},
 	{"soil.damping", 0, 1e12, false, NULL},
 	{"soil.unit_weight", 0, 1e6, true, NULL},
+	{"soil.repose", 0, 89, true, NULL},
+	{"soil.theta_in", 0, 90, true, NULL},
+	{"soil.theta_out", 0, 90, true, NULL},
+	{"soil.theta_stop", 0, 90, true, NULL},
+	{"soil.roughness", 0, 0.2, true, "is out of the range in which slides come to rest"},
+	{"soil.compression", 0, 1, false, NULL},
+	{"soil.value", 0, 255, false, NULL},
 	{"redistribute.radius", 1, 4, false, NULL},
 	{"redistribute.repetitions", 1, 8, false, NULL},
+	{"redistribute.iterations", 1, 8, false, NULL},
+	{"redistribute.interval", 0, 3600, true, NULL},
+	{"redistribute.depth", 0, 1e6, false, NULL},
+	{"redistribute.bulldozing", 0, 1, false, NULL},
 	{"objects[].shape.wheel.radius", 0.001, 1000, false, NULL},
 	{"objects[].shape.wheel.width", 0.001, 1000, false, NULL},
-	{"objects[].shape.wheel.lugs", 0, 0, false, "lugs are not in this version"},
+	{"objects[].shape.wheel.lugs", 0, 128, false, NULL},
+	{"objects[].shape.wheel.lug_height", 0, 1000, true, NULL},
+	{"objects[].shape.wheel.lug_thickness", 0, 1000, true, NULL},
 	{"objects[].shape.sphere.radius", 0.001, 1000, false, NULL},
 	{"objects[].shape.box.size[]", 0.001, 1000, false, NULL},
+	{"objects[].shape.mesh.scale", 0, 1000, true, NULL},
 	{"objects[].path.points[][]", -1e9, 1e9, false, NULL},
 	{"objects[].path.speed", 0, 10000, true, NULL},
 	{"objects[].sink", 0, 1000, false, NULL},
-	{"output.forces", 0, 0, false, "forces are not in this version"},
+	{"objects[].load", 0, 1e9, true, NULL},
+	{"objects[].slip", -0.99, 0.99, false, NULL},
+	{"output.forces", 0, 1e6, false, NULL},
+	{"output.delay", 0, 64, false, NULL},
 	{"view.size[]", 1, 8192, false, NULL},
 	{"view.camera.back", 0, 1e6, false, NULL},
 	{"view.camera.up", 0, 1e6, false, NULL},
@@ -177,23 +248,15 @@ static const struct scene_limit limits[] = {
 
 const struct scene_limit *scene_limit_of(const char *where)
 {
+	static const char *const soils[] = {"soil.default.", "soil.classes[]."};
+	char place[160];
+	for (size_t i = 0; i < sizeof soils / sizeof soils[0]; i++)
+		if (strncmp(where, soils[i], strlen(soils[i])) == 0) {
+			snprintf(place, sizeof place, "soil.%s", where + strlen(soils[i]));
+			where = place;
+		}
 	for (size_t i = 0; i < sizeof limits / sizeof limits[0]; i++)
 		if (strcmp(limits[i].where, where) == 0)
 			return &limits[i];
 	return NULL;
-}
-
-bool scene_later(const char *where, const char *word)
-{
-	static const struct {
-		const char *where, *word;
-	} later[] = {
-		{"redistribute.model", "sumner"}, {"redistribute.model", "slippage"},
-		{"redistribute.model", "scm"},    {"objects[].shape", "mesh"},
-		{"objects[]", "load"},
-	};
-	for (size_t i = 0; i < sizeof later / sizeof later[0]; i++)
-		if (strcmp(later[i].where, where) == 0 && strcmp(later[i].word, word) == 0)
-			return true;
-	return false;
 }

@@ -1,7 +1,7 @@
 /*
  * What a scene may say: the typed values as cyaml loads them, the tables it loads them by, the
- * ranges of the numbers, and the words that belong to later versions. The tables are also what
- * scene_match checks the tree against, so that each key is described once.
+ * ranges of the numbers. The tables are also what scene_match checks the tree against, so that each
+ * key is described once.
  */
 #ifndef FURROW_SCENE_SCHEMA_H
 #define FURROW_SCENE_SCHEMA_H
@@ -11,10 +11,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "deform/deform.h"
+
 /* Optional values are pointers, NULL when absent. */
 struct raw_wheel {
 	double radius, width;
 	int64_t *lugs;
+	double *lug_height, *lug_thickness;
 };
 struct raw_sphere {
 	double radius;
@@ -22,10 +25,15 @@ struct raw_sphere {
 struct raw_box {
 	double size[3];
 };
+struct raw_mesh {
+	char *file;
+	double *scale;
+};
 struct raw_shape {
 	struct raw_wheel *wheel;
 	struct raw_sphere *sphere;
 	struct raw_box *box;
+	struct raw_mesh *mesh;
 };
 struct raw_path {
 	double (*points)[2];
@@ -38,19 +46,31 @@ struct raw_object {
 	char *name;
 	struct raw_shape shape;
 	struct raw_path path;
-	double *sink;
+	double *sink, *load, *slip;
 };
-struct raw_soil {
+/* One class of soil, angles in degrees. */
+struct raw_class {
+	int64_t value; /* in a table: the raster's */
 	char *name;
 	double *bekker_kc, *bekker_kphi, *bekker_n, *cohesion, *friction_angle, *janosi_shear;
-	double *elastic_stiffness, *damping, *unit_weight;
+	double *elastic_stiffness, *damping, *unit_weight, *repose;
+	double *theta_in, *theta_out, *theta_stop, *roughness, *compression;
+};
+struct raw_soil {
+	struct raw_class all; /* of the only soil there is */
+	char *map;
+	struct raw_class *classes;
+	uint32_t classes_count;
+	struct raw_class *elsewhere;
 };
 struct raw_redistribute {
 	int model; /* enum deform_model */
-	int64_t *radius, *repetitions;
+	int64_t *radius, *repetitions, *iterations;
+	double *interval, *depth, *bulldozing;
 };
 struct raw_output {
-	int64_t *forces;
+	double *forces;
+	int64_t *delay;
 };
 struct raw_overhead {
 	char *over;
@@ -98,8 +118,10 @@ struct raw_scene {
 
 extern const cyaml_schema_value_t scene_schema;
 
+const char *scene_model_word(enum deform_model model); /* as the scene writes it */
+
 /* The range of the number at `where`, a path with anonymous indices: low .. high, without `low`
- * itself if `above`. */
+ * itself if `above`. A soil's are those of `soil.`, wherever it is written. */
 struct scene_limit {
 	const char *where;
 	double low, high;
@@ -107,8 +129,5 @@ struct scene_limit {
 	const char *why; /* said in place of "is out of range", or NULL */
 };
 const struct scene_limit *scene_limit_of(const char *where); /* NULL: any finite number */
-
-/* True if `word`, a key or a value at `where`, is one that a later version knows. */
-bool scene_later(const char *where, const char *word);
 
 #endif

@@ -142,12 +142,21 @@ static enum status refuse(const struct builder *builder, int line, const char *w
 	return fail_with(STATUS_INPUT, "%s:%d: %s", builder->file, line, why);
 }
 
+/* An escape can write what YAML does not take as it is, and what would break a line: C1 controls, line
+ * and paragraph separators, byte order marks, what is no character. */
 static bool text_is_clean(const char *text, size_t length)
 {
+	static const char *const unclean[] = {"\xe2\x80\xa8", "\xe2\x80\xa9", "\xef\xbb\xbf", "\xef\xbf\xbe",
+					      "\xef\xbf\xbf"};
 	for (size_t i = 0; i < length; i++) {
 		unsigned char c = (unsigned char)text[i];
 		if ((c < 0x20 && c != '\n' && c != '\t') || c == 0x7f)
 			return false;
+		if (c == 0xc2 && i + 1 < length && (unsigned char)text[i + 1] < 0xa0)
+			return false;
+		for (size_t k = 0; k < sizeof unclean / sizeof unclean[0]; k++)
+			if (length - i >= 3 && memcmp(text + i, unclean[k], 3) == 0)
+				return false;
 	}
 	return true;
 }

@@ -14,6 +14,7 @@
 #include <string.h>
 
 #include "scene/scene.h"
+#include "scene/scene_mesh.h"
 
 /* A node of the tree, its texts, the typed copy and libyaml's: a byte "," or "-" makes a node. */
 #define BYTES_A_BYTE 1024
@@ -33,6 +34,13 @@ const char *const fuzz_words[] = {
 	"0x10", "null", "~", "true", "[", "]", "{", "}", ": ", "- ", "\n", "  ", "\"", "'", "#", "&a ", "*a", "!!int ",
 	"|\n", ">\n", "---\n", "...\n", "%YAML 1.1\n", "? ", "<<: ", "\\x2f", "\xef\xbb\xbf", "\xc3", "\xf4\x8f\xbf\xbf",
 	"t,x,y,z,yaw,pitch,roll\n", "0,1,2\n", SCENE_POSES, SCENE_SET, "cache.slots=8\n", "objects.a.sink=1\n",
+	"redistribute: {model: sumner, iterations: 2, interval: 0.1, depth: 1}\n", "redistribute: {model: slippage}\n",
+	"redistribute: {model: scm, depth: 0.1, bulldozing: 0.4}\n", "scm", "load: 4000", "slip: 0.2",
+	"shape: {mesh: {file: foot.obj, scale: 2}}", "lugs: 12, lug_height: 0.02, lug_thickness: 0.01",
+	"output: {forces: 50, delay: 0}\n", "soil: {map: poses.csv, classes: {1: lunar, 2: {name: mud}}, default: snow}\n",
+	"soil: {cohesion: 0, friction_angle: 30, unit_weight: 16000, repose: 30}\n",
+	"soil: {theta_in: 40, theta_out: 25, theta_stop: 40, roughness: 0.2, compression: 0.3}\n",
+	"soil: {bekker_kc: -1, bekker_kphi: 100, bekker_n: 1}\n", "soil.classes.3=lunar\n", "objects.a.load=10\n",
 	"view.camera={over: a, height: 3}\n", "objects=null\n", NULL,
 };
 
@@ -42,6 +50,8 @@ FILE *__real_fopen64(const char *path, const char *mode);
 FILE *__wrap_fopen64(const char *path, const char *mode);
 FILE *__wrap_fopen(const char *path, const char *mode);
 void __wrap_note(const char *format, ...);
+enum status __wrap_scene_mesh_load(const char *path, const char *told, double scale, struct deform_mesh **out);
+void __wrap_scene_mesh_destroy(struct deform_mesh *mesh);
 
 static bool loading;
 
@@ -63,9 +73,38 @@ void __wrap_note(const char *format, ...)
 {
 }
 
+/* One mesh there is, without a reader; readers are tested with meshes. */
+enum status __wrap_scene_mesh_load(const char *path, const char *told, double scale, struct deform_mesh **out)
+{
+	static const float corners[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+	static const uint32_t sides[4][3] = {{0, 1, 2}, {0, 1, 3}, {0, 2, 3}, {1, 2, 3}};
+	if (strcmp(path, fuzz_path("foot.obj")) != 0)
+		return fail_with(STATUS_INPUT, "%s: not found; name a mesh", told);
+	struct deform_mesh *mesh = mem_calloc(1, sizeof *mesh);
+	fuzz_check(mesh != NULL);
+	mesh->vertex_count = mesh->triangle_count = 4;
+	mesh->vertices = mem_alloc(4, sizeof *mesh->vertices);
+	mesh->triangles = mem_alloc(4, sizeof *mesh->triangles);
+	fuzz_check(mesh->vertices != NULL && mesh->triangles != NULL);
+	for (int i = 0; i < 12; i++)
+		mesh->vertices[i / 3][i % 3] = corners[i / 3][i % 3] * (float)scale;
+	memcpy(mesh->triangles, sides, sizeof sides);
+	*out = mesh;
+	return STATUS_OK;
+}
+
+void __wrap_scene_mesh_destroy(struct deform_mesh *mesh)
+{
+	if (mesh == NULL)
+		return;
+	mem_free(mesh->vertices);
+	mem_free(mesh->triangles);
+	mem_free(mesh);
+}
+
 /* --- what must hold --- */
 
-static void check_object(const struct scene_object *object)
+static void check_object(const struct scene *scene, const struct scene_object *object)
 {
 	const struct scene_path *path = &object->path;
 	const struct deform_shape *shape = &object->shape;
@@ -80,8 +119,37 @@ static void check_object(const struct scene_object *object)
 	}
 	if (shape->kind == DEFORM_BOX)
 		fuzz_check(shape->size[0] > 0 && shape->size[1] > 0 && shape->size[2] > 0);
+	else if (shape->kind == DEFORM_MESH)
+		fuzz_check(object->mesh != NULL && shape->mesh == object->mesh);
 	else
 		fuzz_check(shape->radius > 0 && isfinite(shape->radius));
+	fuzz_check(shape->lugs >= 0 && shape->lugs <= 128 && (shape->lugs == 0) == (shape->lug_height == 0));
+	fuzz_check(shape->lug_height <= shape->radius && (shape->lugs == 0) == (shape->lug_thickness == 0));
+	fuzz_check(object->load >= 0 && object->load <= 1e9 && fabs(object->slip) < 1);
+	fuzz_check((object->load == 0 && object->slip == 0) || scene->model == DEFORM_SCM);
+	fuzz_check(object->load == 0 || (object->sink == 0 && !path->has_z));
+}
+
+static void check_soils(const struct scene *scene)
+{
+	bool moves = scene->model >= DEFORM_SUMNER;
+	fuzz_check(scene->model < DEFORM_MODELS && scene->soil_count <= DEFORM_SOILS);
+	fuzz_check((scene->soil_count > 0) == moves && (scene->iterations > 0) == moves);
+	fuzz_check(!moves || (scene->interval > 0 && scene->depth >= 0));
+	for (int i = 0; i < 256; i++)
+		fuzz_check(scene->soil_class[i] == 0 || (scene->soil_map != NULL && scene->soil_class[i] < scene->soil_count));
+	for (int i = 0; i < scene->soil_count; i++) {
+		const struct deform_soil *soil = &scene->soils[i];
+		double values[sizeof *soil / sizeof(double)];
+		memcpy(values, soil, sizeof values);
+		for (size_t k = 0; k < sizeof values / sizeof *values; k++)
+			fuzz_check(isfinite(values[k]) && (values[k] >= 0 || values[k] == soil->bekker_kc));
+		fuzz_check(scene->model != DEFORM_SUMNER || (soil->roughness > 0 && soil->roughness <= 0.2));
+		fuzz_check(scene->model != DEFORM_SUMNER || (soil->theta_stop >= soil->theta_out && soil->theta_in > 0));
+		fuzz_check(scene->model != DEFORM_SLIPPAGE || soil->unit_weight > 0);
+		fuzz_check(scene->model != DEFORM_SCM || (soil->bekker_n > 0 && soil->repose > 0 && soil->janosi_shear > 0));
+		fuzz_check(scene->model != DEFORM_SCM || soil->bekker_kc > 0 || soil->bekker_kphi > 0);
+	}
 }
 
 static void check_scene(const struct scene *scene)
@@ -94,7 +162,10 @@ static void check_scene(const struct scene *scene)
 	fuzz_check(scene->object_count > 0 || view->present);
 	fuzz_check(strlen(scene->hash) == 32);
 	for (size_t i = 0; i < scene->object_count; i++)
-		check_object(&scene->objects[i]);
+		check_object(scene, &scene->objects[i]);
+	check_soils(scene);
+	fuzz_check(scene->forces >= 0 && (scene->forces == 0 || scene->model == DEFORM_SCM));
+	fuzz_check(scene->forces_delay >= 0 && scene->forces_delay <= 64);
 	if (!view->present)
 		return;
 	fuzz_check(view->width > 0 && view->height > 0 && view->images >= 0);

@@ -123,6 +123,19 @@ size_t fuzz_seed(size_t index, uint8_t *data, size_t room)
 		"view:\n  size: [64, 48]\n  camera: {over: a, height: 9}\n"
 		SCENE_POSES "0,1,2\n1,2,3\n"
 		SCENE_SET "view.camera={eye: [1, 2, 3], target: [0, 0, 0]}\n",
+		"scene: 1\nend_time: 1\nsoil:\n  map: poses.csv\n  classes:\n    1: dry_sand\n"
+		"    2: {name: lete_sand, cohesion: 500}\n  default: lunar\n"
+		"redistribute: {model: scm, iterations: 4, interval: 0.02, depth: 0.5, bulldozing: 0.3}\nobjects:\n"
+		"  - name: a\n    shape: {wheel: {radius: 0.5, width: 0.4, lugs: 12, lug_height: 0.02, lug_thickness: 0.03}}\n"
+		"    path: {points: [[1, 2]], speed: 3}\n    load: 4000\n    slip: 0.2\n"
+		"  - {name: b, shape: {mesh: {file: foot.obj, scale: 2}}, path: {points: [[1, 2]], speed: 3}}\n"
+		"output: {forces: 50, delay: 2}\n" SCENE_POSES "any bytes\n" SCENE_SET "soil.classes.3=mud\n",
+		"scene: 1\nend_time: 1\nsoil:\n  bekker_kc: 1e3\n  bekker_kphi: 1.5e6\n  bekker_n: 1.1\n  cohesion: 1040\n"
+		"  friction_angle: 28\n  janosi_shear: 0.02\n  elastic_stiffness: 4e7\n  damping: 3e4\n  unit_weight: 16e3\n"
+		"  repose: 30\n  theta_in: 46\n  theta_out: 25\n  theta_stop: 46\n  roughness: 0.2\n  compression: 0.3\n"
+		"redistribute: {model: sumner}\nobjects:\n"
+		"  - {name: a, shape: {box: {size: [1, 2, 3]}}, path: {points: [[1, 2]], speed: 3}, sink: 0.1}\n"
+		SCENE_SET "redistribute.model=slippage\n",
 		/* Mostly poses. */
 		"{scene: 1, end_time: 1, objects: [{name: a, shape: {sphere: {radius: 1}}, path: {file: poses.csv}}]}\n"
 		SCENE_POSES "t,x,y,z\n0,0,0,0\n1,0,0,0\n2,0,0,0\n3,1,0.5,-0.25\n4,1,1e1,1\n5.5,1,2,3\n6,1,2,3\n7,7,7,7\n",

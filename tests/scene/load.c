@@ -14,7 +14,7 @@ static void the_manuals_scene_has_the_values_it_says(void **state)
 	struct scene *scene = load(example);
 	assert_string_equal(scene->file, in_folder("scene.yaml"));
 	assert_string_equal(scene->store, in_folder("world.furrow"));
-	assert_string_equal(scene->soil, "dry_sand");
+	assert_int_equal(scene->soil_count, 0); /* box reads none */
 	assert_true(scene->time_step == 0.02 && scene->end_time == 30 && scene->gravity == 9.81);
 	assert_true(scene->spacing == 0.125);
 	assert_int_equal(scene->coordinates, SCENE_LOCAL);
@@ -44,7 +44,9 @@ static void the_manuals_scene_has_the_values_it_says(void **state)
 	assert_int_equal(scene->loaders, 2);
 	assert_true(scene->prefetch == 1.5);
 	assert_int_equal(strlen(scene->hash), 32);
-	assert_int_equal(scene_effects(scene), (1u << EFFECT_COUNT) - 1);
+	unsigned view = 1u << EFFECT_TEXTURE | 1u << EFFECT_DETAIL | 1u << EFFECT_FOG | 1u << EFFECT_SKY |
+			1u << EFFECT_GEOMORPH | 1u << EFFECT_SKIRTS;
+	assert_int_equal(scene_effects(scene), view | 1u << EFFECT_DISPLACE | 1u << EFFECT_BOX | 1u << EFFECT_DIRT);
 	scene_destroy(scene);
 }
 
@@ -52,8 +54,14 @@ static void what_is_absent_is_its_default_and_calls_for_nothing(void **state)
 {
 	struct scene *scene = load(minimal);
 	assert_null(scene->store);
-	assert_null(scene->soil);
+	assert_int_equal(scene->soil_count, 0);
+	assert_null(scene->soil_map);
 	assert_null(scene->srs);
+	assert_true(scene->forces == 0 && scene->forces_delay == 0);
+	assert_true(scene->objects[0].load == 0 && scene->objects[0].slip == 0);
+	assert_null(scene->objects[0].mesh);
+	assert_int_equal(scene->objects[0].shape.lugs, 0);
+	assert_true(scene->iterations == 0 && scene->interval == 0 && scene->depth == 0 && scene->bulldozing == 0);
 	assert_true(scene->time_step == 0.02 && scene->gravity == 9.81 && scene->spacing == 0);
 	assert_int_equal(scene->model, DEFORM_NONE);
 	assert_false(scene->dirt);
@@ -135,7 +143,11 @@ static void the_hash_is_of_what_the_ground_becomes(void **state)
 		{"radius: 0.5", "radius: 0.6", false},
 		{"name: front_left", "name: front_left2", false},
 		{"spacing: 0.125", "spacing: 0.25", false},
-		{"dry_sand", "lunar", false},
+		{"dry_sand", "lunar", true}, /* box reads no soil */
+		{"soil: {name: dry_sand}", "", true},
+		{"lugs: 0", "lugs: 4", false},
+		{"lugs: 0", "lugs: 0", true},
+		{"view:", "output: {forces: 0}\nview:", true},
 		{"model: box", "model: none", false},
 		{"model: box", "model: box, radius: 2", false},
 		{"attributes: [dirt]", "attributes: []", false},
@@ -160,6 +172,19 @@ static void the_hash_is_of_what_the_ground_becomes(void **state)
 	scene_destroy(first);
 }
 
+/* From before there were soils: what a record of then says must still be found to be the same scene. */
+static void a_scene_of_earlier_models_keeps_its_hash(void **state)
+{
+	struct scene *scene = load(minimal);
+	assert_string_equal(scene->hash, "0ea1a9a657162712342febeafb989b12");
+	scene_destroy(scene);
+	char *text = edited(example, "soil: {name: dry_sand}\n", "");
+	scene = load(text);
+	assert_string_equal(scene->hash, "dd22223eb9db9e26c1a16f70935571a3");
+	scene_destroy(scene);
+	free(text);
+}
+
 static void every_effect_has_a_row_that_says_what_it_costs(void **state)
 {
 	for (int e = 0; e < EFFECT_COUNT; e++) {
@@ -181,6 +206,7 @@ int main(void)
 		cmocka_unit_test(a_camera_may_be_written_flat_or_under_its_name),
 		cmocka_unit_test(an_srs_is_whatever_is_neither_local_nor_store),
 		cmocka_unit_test(the_hash_is_of_what_the_ground_becomes),
+		cmocka_unit_test(a_scene_of_earlier_models_keeps_its_hash),
 		cmocka_unit_test(every_effect_has_a_row_that_says_what_it_costs),
 	};
 	return cmocka_run_group_tests(tests, make_folder, drop_folder);

@@ -81,7 +81,9 @@ static void a_wrong_setting_is_told_as_one(void **state)
 		{{"end_time", "*a"}, "--set end_time: an alias"},
 		{{"end_time", "null"}, "end_time: is missing"},
 		{{"redistribute", "{radius: 2}"}, "--set redistribute: redistribute.model: is missing"},
-		{{"redistribute.model", "scm"}, "\"scm\" is not in this version; allowed: none, box"},
+		{{"redistribute.model", "mud"}, "\"mud\" is unknown; allowed: none, box, sumner, slippage, scm"},
+		{{"objects.front_left.load", "1"}, "--set objects.front_left.load: objects[0].load: sink is given too"},
+		{{"soil.classes", "{1: lunar}"}, "--set soil.classes: soil.classes: is of a map, and there is none"},
 		{{"view.camera.chase", "b"}, "--set view.camera.chase: view.camera.chase: \"b\" is no object"},
 	};
 	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {

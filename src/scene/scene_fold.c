@@ -1,0 +1,102 @@
+/* The shorthands of a scene; see scene_fold.h. */
+#include "scene/scene_fold.h"
+
+#include <string.h>
+
+#include "scene/scene_error.h"
+
+/* A camera may be written flat, {over, height}, as well as under its name: moves the keys there. */
+static enum status fold_camera(struct scene_node *camera, const char *name,
+			       const char *const keys[2])
+{
+	struct scene_node *inner = NULL;
+	if (scene_node_child(camera, name) != NULL)
+		return STATUS_OK;
+	for (int i = 0; i < 2; i++) {
+		struct scene_node *child = scene_node_child(camera, keys[i]);
+		if (child == NULL)
+			continue;
+		if (inner == NULL) {
+			inner = scene_node_create(SCENE_MAPPING, name);
+			if (inner == NULL)
+				return fail_memory("reading the scene");
+			inner->line = child->line;
+			inner->setting = child->setting;
+			scene_node_append(camera, inner);
+		}
+		scene_node_remove(child);
+		scene_node_append(inner, child);
+	}
+	return STATUS_OK;
+}
+
+static enum status fold_cameras(const struct scene_tree *tree)
+{
+	static const char *const overhead[] = {"over", "height"}, *const fixed[] = {"eye", "target"};
+	struct scene_node *view = scene_node_child(tree->root, "view");
+	struct scene_node *camera = view != NULL ? scene_node_child(view, "camera") : NULL;
+	if (camera == NULL || camera->kind != SCENE_MAPPING)
+		return STATUS_OK;
+	enum status status = fold_camera(camera, "overhead", overhead);
+	return status != STATUS_OK ? status : fold_camera(camera, "fixed", fixed);
+}
+
+/* A text below `parent`, which takes it; it is freed if that fails. */
+static enum status add_text(struct scene_node *parent, const char *key, char *text, bool plain)
+{
+	struct scene_node *node = scene_node_create(SCENE_SCALAR, key);
+	if (node == NULL) {
+		mem_free(text);
+		return fail_memory("reading the scene");
+	}
+	node->text = text;
+	node->plain = plain;
+	node->line = parent->line;
+	node->setting = parent->setting;
+	scene_node_append(parent, node);
+	return STATUS_OK;
+}
+
+/* `dry_sand` is `{name: dry_sand}`. */
+static enum status fold_name(struct scene_node *soil)
+{
+	if (soil->kind != SCENE_SCALAR)
+		return STATUS_OK;
+	char *text = soil->text;
+	soil->text = NULL;
+	soil->kind = SCENE_MAPPING;
+	return add_text(soil, "name", text, soil->plain);
+}
+
+static enum status fold_class(const struct scene_tree *tree, struct scene_node *soil)
+{
+	enum status status = fold_name(soil);
+	if (status != STATUS_OK || soil->kind != SCENE_MAPPING)
+		return status;
+	const struct scene_node *value = scene_node_child(soil, "value");
+	if (value != NULL)
+		return scene_error(tree->file, value, "is said by the key; allowed: each value once");
+	char *key = soil->key;
+	soil->key = NULL; /* in a list */
+	return add_text(soil, "value", key, true);
+}
+
+static enum status fold_soil(const struct scene_tree *tree)
+{
+	struct scene_node *soil = scene_node_child(tree->root, "soil");
+	struct scene_node *elsewhere = soil != NULL ? scene_node_child(soil, "default") : NULL;
+	struct scene_node *classes = soil != NULL ? scene_node_child(soil, "classes") : NULL;
+	enum status status = elsewhere != NULL ? fold_name(elsewhere) : STATUS_OK;
+	if (classes == NULL || classes->kind != SCENE_MAPPING)
+		return status;
+	for (struct scene_node *node = classes->first; node != NULL && status == STATUS_OK; node = node->next)
+		status = fold_class(tree, node);
+	classes->kind = SCENE_SEQUENCE;
+	return status;
+}
+
+enum status scene_fold(struct scene_tree *tree)
+{
+	enum status status = fold_cameras(tree);
+	return status != STATUS_OK ? status : fold_soil(tree);
+}

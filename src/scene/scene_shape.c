@@ -1,0 +1,71 @@
+/* The checked shape of an object. */
+#include <string.h>
+
+#include "scene/scene_check.h"
+#include "scene/scene_error.h"
+#include "scene/scene_file.h"
+#include "scene/scene_mesh.h"
+
+/* Of the radius, where the scene does not say. */
+#define LUG_HEIGHT 0.05
+#define LUG_THICKNESS 0.1
+
+static enum status check_wheel(const struct scene_tree *tree, const struct raw_wheel *raw, size_t index,
+			       struct deform_shape *shape)
+{
+	shape->kind = DEFORM_WHEEL;
+	shape->radius = raw->radius;
+	shape->width = raw->width;
+	shape->lugs = raw->lugs != NULL ? (int)*raw->lugs : 0;
+	if (shape->lugs == 0) {
+		const char *key = raw->lug_height != NULL ? "lug_height" : "lug_thickness";
+		if (raw->lug_height == NULL && raw->lug_thickness == NULL)
+			return STATUS_OK;
+		return scene_error(tree->file, scene_tree_find(tree, "objects[%zu].shape.wheel.%s", index, key),
+				   "is of lugs, and the wheel has none; allowed with: lugs above 0");
+	}
+	shape->lug_height = raw->lug_height != NULL ? *raw->lug_height : LUG_HEIGHT * raw->radius;
+	shape->lug_thickness = raw->lug_thickness != NULL ? *raw->lug_thickness : LUG_THICKNESS * raw->radius;
+	if (shape->lug_height > shape->radius)
+		return scene_error(tree->file, scene_tree_find(tree, "objects[%zu].shape.wheel.lug_height", index),
+				   "%.10g is out of range; allowed: above 0 to the wheel's radius, %.10g",
+				   shape->lug_height, shape->radius);
+	return STATUS_OK;
+}
+
+static enum status check_mesh(const struct scene_tree *tree, const struct raw_mesh *raw, size_t index,
+			      struct scene_object *object)
+{
+	const struct scene_node *node = scene_tree_find(tree, "objects[%zu].shape.mesh.file", index);
+	char *file = scene_file_beside(tree->file, raw->file);
+	if (file == NULL)
+		return fail_memory("reading a mesh");
+	object->shape.kind = DEFORM_MESH;
+	enum status status = scene_mesh_load(file, scene_told(tree->file, node, raw->file).text,
+					     raw->scale != NULL ? *raw->scale : 1, &object->mesh);
+	mem_free(file);
+	object->shape.mesh = object->mesh;
+	return status;
+}
+
+enum status scene_check_shape(const struct scene_tree *tree, const struct raw_shape *raw, size_t index,
+			      struct scene_object *object)
+{
+	struct deform_shape *shape = &object->shape;
+	int named = (raw->wheel != NULL) + (raw->sphere != NULL) + (raw->box != NULL) + (raw->mesh != NULL);
+	if (named != 1)
+		return scene_error(tree->file, scene_tree_find(tree, "objects[%zu].shape", index),
+				   "names %d shapes; allowed: exactly one of wheel, sphere, box, mesh", named);
+	if (raw->wheel != NULL)
+		return check_wheel(tree, raw->wheel, index, shape);
+	if (raw->mesh != NULL)
+		return check_mesh(tree, raw->mesh, index, object);
+	if (raw->sphere != NULL) {
+		shape->kind = DEFORM_SPHERE;
+		shape->radius = raw->sphere->radius;
+	} else {
+		shape->kind = DEFORM_BOX;
+		memcpy(shape->size, raw->box->size, sizeof shape->size);
+	}
+	return STATUS_OK;
+}

@@ -1,0 +1,204 @@
+/* The checked soils: by name, by parameters, one everywhere or classes by a map. */
+#include <math.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "scene/scene_check.h"
+#include "scene/scene_error.h"
+#include "scene/scene_file.h"
+
+#define MAP_BYTES ((uint64_t)1 << 30)
+#define SUMNER (1u << DEFORM_SUMNER)
+#define SLIPPAGE (1u << DEFORM_SLIPPAGE)
+#define SCM (1u << DEFORM_SCM)
+
+#define PARAMETER(name, unit, models) \
+	{#name, offsetof(struct raw_class, name), offsetof(struct deform_soil, name), unit, models}
+#define DEGREE (3.14159265358979323846 / 180)
+
+static const struct parameter {
+	const char *key;
+	size_t from, to;
+	double unit;
+	unsigned models; /* that do not run without it, and have no default for it */
+} parameters[] = {
+	PARAMETER(bekker_kc, 1, SCM),
+	PARAMETER(bekker_kphi, 1, SCM),
+	PARAMETER(bekker_n, 1, SCM),
+	PARAMETER(cohesion, 1, SLIPPAGE | SCM),
+	PARAMETER(friction_angle, DEGREE, SLIPPAGE | SCM),
+	PARAMETER(janosi_shear, 1, SCM),
+	PARAMETER(elastic_stiffness, 1, SCM),
+	PARAMETER(damping, 1, SCM),
+	PARAMETER(unit_weight, 1, SLIPPAGE),
+	PARAMETER(repose, DEGREE, 0),
+	PARAMETER(theta_in, DEGREE, SUMNER),
+	PARAMETER(theta_out, DEGREE, SUMNER),
+	PARAMETER(theta_stop, DEGREE, SUMNER),
+	PARAMETER(roughness, 1, SUMNER),
+	PARAMETER(compression, 1, SUMNER),
+};
+#define PARAMETERS (sizeof parameters / sizeof parameters[0])
+
+static const double *given(const struct raw_class *raw, const struct parameter *parameter)
+{
+	const double *value;
+	memcpy(&value, (const char *)raw + parameter->from, sizeof value);
+	return value;
+}
+
+static enum status take_name(const struct scene_tree *tree, const char *name, const char *where,
+			     struct deform_soil *soil)
+{
+	enum status status = deform_soil_named(name, soil);
+	if (status != STATUS_INPUT)
+		return status;
+	/* Its message ends in the names there are. */
+	return scene_error(tree->file, scene_tree_find(tree, "%s.name", where), "%s is unknown; allowed:%s",
+			   scene_quote(name).text, strrchr(failure_message(), ':') + 1);
+}
+
+/* The soil written at `where`. */
+static enum status check_class(const struct scene_tree *tree, const struct raw_class *raw, const char *where,
+			       enum deform_model model, struct deform_soil *soil)
+{
+	struct scene_list missing = {.length = 0};
+	*soil = (struct deform_soil){.cohesion = 0};
+	enum status status = raw->name != NULL ? take_name(tree, raw->name, where, soil) : STATUS_OK;
+	if (status != STATUS_OK)
+		return status;
+	for (size_t i = 0; i < PARAMETERS; i++) {
+		const double *value = given(raw, &parameters[i]);
+		if (value != NULL)
+			*(double *)((char *)soil + parameters[i].to) = *value * parameters[i].unit;
+		else if (raw->name == NULL && (parameters[i].models >> model & 1) != 0)
+			scene_list_add(&missing, parameters[i].key);
+	}
+	if (missing.length > 0)
+		return scene_error(tree->file, scene_tree_find(tree, "%s", where),
+				   "model %s needs %s too; allowed: a name, or all of these",
+				   scene_model_word(model), missing.text);
+	if (raw->name == NULL && raw->repose == NULL)
+		soil->repose = soil->friction_angle;
+	if (model == DEFORM_SCM && soil->repose <= 0)
+		return scene_error(tree->file, scene_tree_find(tree, "%s", where),
+				   "without friction it needs repose too; allowed: above 0 to 89");
+	if (model == DEFORM_SUMNER && soil->theta_stop < soil->theta_out)
+		return scene_error(tree->file,
+				   scene_tree_find(tree, "%s.%s", where,
+						   raw->theta_stop != NULL ? "theta_stop" : "theta_out"),
+				   "theta_stop is below theta_out; allowed: %.4g to 90", soil->theta_out / DEGREE);
+	return STATUS_OK;
+}
+
+/* Metres: scm's b of an object whose shape says it; 0: it depends on the contact. */
+static double contact_width(const struct deform_shape *shape)
+{
+	if (shape->kind == DEFORM_WHEEL)
+		return shape->width;
+	return shape->kind == DEFORM_BOX ? fmin(shape->size[0], shape->size[1]) : 0;
+}
+
+/* A soil that is lighter to press the deeper it is pressed is none: k_c / b + k_phi must be above 0. */
+static enum status check_bearing(const struct scene_tree *tree, const struct scene *scene, const char *where,
+				 const struct deform_soil *soil)
+{
+	const struct scene_node *node = scene_tree_find(tree, "%s.bekker_kc", where);
+	if (soil->bekker_kc <= 0 && soil->bekker_kphi <= 0)
+		return scene_error(tree->file, node, "bekker_kc and bekker_kphi bear nothing; allowed: one of them above 0");
+	for (size_t i = 0; i < scene->object_count; i++) {
+		double width = contact_width(&scene->objects[i].shape);
+		double modulus = width > 0 ? soil->bekker_kc / width + soil->bekker_kphi : 1;
+		if (modulus <= 0)
+			return scene_error(tree->file, node,
+					   "bekker_kc / b + bekker_kphi is %.4g under %s, whose b is %.4g m; "
+					   "allowed: above 0", modulus, scene->objects[i].name, width);
+	}
+	return STATUS_OK;
+}
+
+static enum status check_map(const struct scene_tree *tree, const struct raw_soil *raw, bool read,
+			     struct scene *scene)
+{
+	const struct scene_node *node = scene_tree_find(tree, "soil.map");
+	bool alone = raw->all.name == NULL;
+	for (size_t i = 0; i < PARAMETERS; i++)
+		alone = alone && given(&raw->all, &parameters[i]) == NULL;
+	if (!alone)
+		return scene_error(tree->file, node, "does not go with a soil beside it; allowed: map, classes, "
+				   "default");
+	if (raw->classes == NULL || raw->elsewhere == NULL)
+		return scene_error(tree->file, node, "has no %s; allowed: map with classes, {1: dry_sand, ...}, and "
+				   "default, a soil", raw->classes == NULL ? "classes" : "default");
+	if (!read)
+		return STATUS_OK;
+	scene->soil_map = scene_file_beside(tree->file, raw->map);
+	if (scene->soil_map == NULL)
+		return fail_memory("reading the map of soils");
+	return scene_file_hash(scene->soil_map, scene_told(tree->file, node, raw->map).text, MAP_BYTES,
+			       scene->soil_map_hash);
+}
+
+static enum status check_classes(const struct scene_tree *tree, const struct raw_soil *raw, struct scene *scene)
+{
+	for (uint32_t i = 0; i < raw->classes_count; i++) {
+		const struct raw_class *class = &raw->classes[i];
+		char where[40];
+		snprintf(where, sizeof where, "soil.classes[%u]", i);
+		if (scene->soil_class[class->value] != 0)
+			return scene_error(tree->file, scene_tree_find(tree, "%s.value", where),
+					   "%d is another class; allowed: each value once", (int)class->value);
+		enum status status = check_class(tree, class, where, scene->model, &scene->soils[i + 1]);
+		if (status != STATUS_OK)
+			return status;
+		scene->soil_class[class->value] = (uint8_t)(i + 1);
+	}
+	scene->soil_count = 1 + (int)raw->classes_count;
+	return STATUS_OK;
+}
+
+static enum status check_bearings(const struct scene_tree *tree, const struct scene *scene, bool mapped)
+{
+	enum status status = STATUS_OK;
+	for (int i = 0; i < scene->soil_count && status == STATUS_OK; i++) {
+		char where[40];
+		snprintf(where, sizeof where, "soil.classes[%d]", i - 1);
+		status = check_bearing(tree, scene, i > 0 ? where : mapped ? "soil.default" : "soil",
+				       &scene->soils[i]);
+	}
+	return status;
+}
+
+enum status scene_check_soil(const struct scene_tree *tree, const struct raw_scene *raw, struct scene *scene)
+{
+	const struct raw_soil *soil = raw->soil;
+	bool read = scene->model != DEFORM_NONE && scene->model != DEFORM_BOX_FILTER;
+	if (soil == NULL && !read)
+		return STATUS_OK;
+	if (soil == NULL)
+		return scene_error(tree->file, scene_tree_find(tree, "redistribute.model"),
+				   "%s needs a soil, and none is given; write soil: {name: dry_sand}, or another",
+				   scene_model_word(scene->model));
+	bool mapped = soil->map != NULL;
+	if (!mapped && (soil->classes != NULL || soil->elsewhere != NULL))
+		return scene_error(tree->file,
+				   scene_tree_find(tree, soil->classes != NULL ? "soil.classes" : "soil.default"),
+				   "is of a map, and there is none; allowed with: map");
+	enum status status = mapped ? check_map(tree, soil, read, scene) : STATUS_OK;
+	if (status == STATUS_OK)
+		status = check_class(tree, mapped ? soil->elsewhere : &soil->all, mapped ? "soil.default" : "soil",
+				     scene->model, &scene->soils[0]);
+	scene->soil_count = 1;
+	if (status == STATUS_OK)
+		status = check_classes(tree, soil, scene);
+	if (status == STATUS_OK && scene->model == DEFORM_SCM)
+		status = check_bearings(tree, scene, mapped);
+	if (read || status != STATUS_OK)
+		return status;
+	memset(scene->soils, 0, sizeof scene->soils);
+	memset(scene->soil_class, 0, sizeof scene->soil_class);
+	scene->soil_count = 0;
+	note("%s: soil: is not used: model %s does not depend on it", tree->file, scene_model_word(scene->model));
+	return STATUS_OK;
+}
