@@ -57,15 +57,16 @@ const struct scene_effect_row *scene_effect_row(enum scene_effect effect)
 static unsigned model_effects(enum deform_model model)
 {
 	switch (model) {
+	case DEFORM_NONE:
+		return 1u << EFFECT_DISPLACE;
 	case DEFORM_BOX_FILTER:
-		return 1u << EFFECT_BOX;
+		return 1u << EFFECT_DISPLACE | 1u << EFFECT_BOX;
 	case DEFORM_SUMNER:
 		return 1u << EFFECT_SUMNER | 1u << EFFECT_SPREAD | 1u << EFFECT_SHED;
 	case DEFORM_SLIPPAGE:
 		return 1u << EFFECT_SLIPPAGE | 1u << EFFECT_SPREAD | 1u << EFFECT_SLIDE;
 	case DEFORM_SCM:
 		return 1u << EFFECT_SCM | 1u << EFFECT_SPREAD | 1u << EFFECT_SLIDE;
-	case DEFORM_NONE:
 	case DEFORM_MODELS:
 		break;
 	}
@@ -76,7 +77,7 @@ unsigned scene_effects(const struct scene *scene)
 {
 	unsigned effects = 0;
 	if (scene->object_count > 0) {
-		effects |= 1u << EFFECT_DISPLACE | model_effects(scene->model);
+		effects |= model_effects(scene->model);
 		if (scene->dirt)
 			effects |= 1u << EFFECT_DIRT;
 		if (scene->soil_map != NULL)

@@ -1,0 +1,511 @@
+/* Soils, models' parameters, loads, slip, lugs and forces: what they become, and what is refused. */
+#include <math.h>
+#include <sys/stat.h>
+
+#include "fixture.h"
+
+#define DEGREE (3.14159265358979323846 / 180)
+
+static const char base[] = "scene: 1\n"
+			   "end_time: 1\n"
+			   "soil: {name: dry_sand}\n"
+			   "redistribute: {model: scm}\n"
+			   "objects:\n"
+			   "  - name: a\n"
+			   "    shape: {wheel: {radius: 0.5, width: 0.4}}\n"
+			   "    path: {points: [[1, 2]], speed: 3}\n";
+
+#define EVERY \
+	"bekker_kc: -100, bekker_kphi: 2000, bekker_n: 1.5, cohesion: 7, friction_angle: 30, janosi_shear: 0.03, " \
+	"elastic_stiffness: 4e6, damping: 5, unit_weight: 16000, repose: 31, theta_in: 41, theta_out: 21, " \
+	"theta_stop: 22, roughness: 0.1, compression: 0.25"
+
+static struct scene *load_edited(const char *text, const char *from, const char *to)
+{
+	char *changed = edited(text, from, to);
+	struct scene *scene;
+	if (load_text(changed, NULL, 0, &scene) != STATUS_OK)
+		fail_msg("%s: %s", to, failure_message());
+	free(changed);
+	return scene;
+}
+
+static void refuse(const char *from, const char *to, const char *says)
+{
+	char *text = edited(base, from, to);
+	struct scene *scene;
+	enum status status = load_text(text, NULL, 0, &scene);
+	free(text);
+	if (status != STATUS_INPUT)
+		fail_msg("\"%s\" gives %d: %s", to, status, failure_message());
+	assert_null(scene);
+	assert_says("scene.yaml:");
+	assert_says(says);
+	assert_says("; ");
+}
+
+static void a_soil_by_name_is_that_of_the_table(void **state)
+{
+	static const char *const names[] = {"dry_sand", "sandy_loam_15", "lete_sand", "snow_us", "lunar", "sand", "mud", "snow"};
+	for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+		struct deform_soil known;
+		struct scene *scene = load_edited(base, "dry_sand", names[i]);
+		assert_int_equal(deform_soil_named(names[i], &known), STATUS_OK);
+		assert_int_equal(scene->soil_count, 1);
+		assert_memory_equal(&scene->soils[0], &known, sizeof known);
+		assert_null(scene->soil_map);
+		scene_destroy(scene);
+	}
+	refuse("dry_sand", "wet_sand", ":3: soil.name: \"wet_sand\" is unknown; allowed: dry_sand, sandy_loam_15, ");
+	refuse("dry_sand", "wet_sand", ", lunar, sand, mud, snow");
+	refuse("soil: {name: dry_sand}", "soil: dry_sand", ":3: soil: is a single value; allowed: a mapping of name");
+	refuse("soil: {name: dry_sand}\n", "", ":3: redistribute.model: scm needs a soil, and none is given; write "
+					       "soil: {name: dry_sand}");
+}
+
+static void every_parameter_may_be_given_and_counts_over_the_names(void **state)
+{
+	const struct deform_soil all = {
+		.bekker_kc = -100, .bekker_kphi = 2000, .bekker_n = 1.5, .cohesion = 7, .friction_angle = 30 * DEGREE,
+		.janosi_shear = 0.03, .elastic_stiffness = 4e6, .damping = 5, .unit_weight = 16000, .repose = 31 * DEGREE,
+		.theta_in = 41 * DEGREE, .theta_out = 21 * DEGREE, .theta_stop = 22 * DEGREE, .roughness = 0.1,
+		.compression = 0.25};
+	static const char *const soils[] = {EVERY, "name: lunar, " EVERY};
+	for (size_t i = 0; i < 2; i++) {
+		struct scene *scene = load_edited(base, "name: dry_sand", soils[i]);
+		assert_memory_equal(&scene->soils[0], &all, sizeof all);
+		scene_destroy(scene);
+	}
+	struct deform_soil sand;
+	assert_int_equal(deform_soil_named("dry_sand", &sand), STATUS_OK);
+	struct scene *scene = load_edited(base, "dry_sand", "dry_sand, friction_angle: 33, cohesion: 0");
+	assert_true(scene->soils[0].friction_angle == 33 * DEGREE && scene->soils[0].cohesion == 0);
+	assert_true(scene->soils[0].repose == sand.repose && scene->soils[0].bekker_n == sand.bekker_n);
+	scene_destroy(scene);
+	scene = load_edited(base, "{name: dry_sand}\nredistribute: {model: scm}",
+			    "{bekker_kc: 0, bekker_kphi: 1, bekker_n: 1, cohesion: 0, friction_angle: 33, janosi_shear: 1, "
+			    "elastic_stiffness: 1, damping: 0}\nredistribute: {model: scm}");
+	assert_true(scene->soils[0].repose == 33 * DEGREE);
+	scene_destroy(scene);
+}
+
+static void without_a_name_all_that_the_model_needs_must_be_given(void **state)
+{
+	refuse("name: dry_sand", "cohesion: 3, bekker_n: 1", ":3: soil: model scm needs bekker_kc, bekker_kphi, friction_angle, "
+							    "janosi_shear, elastic_stiffness, damping too; allowed: a name, or");
+	refuse("{name: dry_sand}\nredistribute: {model: scm", "{cohesion: 3}\nredistribute: {model: slippage",
+	       ":3: soil: model slippage needs friction_angle, unit_weight too");
+	refuse("{name: dry_sand}\nredistribute: {model: scm", "{}\nredistribute: {model: sumner",
+	       ":3: soil: model sumner needs theta_in, theta_out, theta_stop, roughness, compression too");
+	refuse("name: dry_sand", "bekker_kc: 1, bekker_kphi: 1, bekker_n: 1, cohesion: 1, friction_angle: 0, janosi_shear: 1, "
+				 "elastic_stiffness: 1, damping: 1", ":3: soil: without friction it needs repose too; allowed: above 0 to 89");
+	struct scene *scene = load_edited(base, "{name: dry_sand}\nredistribute: {model: scm",
+					  "{cohesion: 3, friction_angle: 0, unit_weight: 1}\nredistribute: {model: slippage");
+	assert_true(scene->soils[0].cohesion == 3 && scene->soils[0].friction_angle == 0);
+	scene_destroy(scene);
+	scene = load_edited(base, "{name: dry_sand}\nredistribute: {model: scm",
+			    "{theta_in: 90, theta_out: 20, theta_stop: 20, roughness: 0.2, compression: 1}\n"
+			    "redistribute: {model: sumner");
+	assert_true(fabs(scene->soils[0].theta_in - 90 * DEGREE) < 1e-15 && scene->soils[0].roughness == 0.2);
+	scene_destroy(scene);
+}
+
+/* Each at its limits, which are taken, and beyond, which is told with them. */
+static void limits_are_taken_and_what_is_beyond_is_not(void **state)
+{
+	static const struct {
+		const char *from, *format; /* of the base; of the value */
+		const char *good[3], *bad[3], *says;
+	} limits[] = {
+		{"dry_sand", "dry_sand, bekker_kc: %s", {"-1e5", "1e12"}, {"-1.1e12", "1.1e12", ".nan"}, "soil.bekker_kc: "},
+		{"dry_sand", "dry_sand, bekker_kc: %s", {"0"}, {"-2e12", "2e12"}, "allowed: -1e+12 to 1e+12"},
+		{"dry_sand", "dry_sand, bekker_kphi: %s", {"0", "1e12"}, {"-1", "1.1e12"}, "allowed: 0 to 1e+12"},
+		{"dry_sand", "dry_sand, bekker_n: %s", {"1e-9", "3"}, {"0", "3.01", "-1"}, "allowed: above 0 to 3"},
+		{"dry_sand", "dry_sand, cohesion: %s", {"0", "1e9"}, {"-1", "1.1e9"}, "allowed: 0 to 1000000000"},
+		{"dry_sand", "dry_sand, friction_angle: %s", {"0", "89"}, {"-0.1", "89.1"}, "allowed: 0 to 89"},
+		{"dry_sand", "dry_sand, repose: %s", {"0.001", "89"}, {"0", "-1", "89.1"}, "allowed: above 0 to 89"},
+		{"dry_sand", "dry_sand, janosi_shear: %s", {"1e-6", "10"}, {"0", "10.1"}, "allowed: above 0 to 10"},
+		{"dry_sand", "dry_sand, elastic_stiffness: %s", {"1", "1e12"}, {"0", "1.1e12"}, "allowed: above 0 to 1e+12"},
+		{"dry_sand", "dry_sand, damping: %s", {"0", "1e12"}, {"-1", "1.1e12"}, "allowed: 0 to 1e+12"},
+		{"dry_sand", "dry_sand, unit_weight: %s", {"1", "1e6"}, {"0", "1.1e6"}, "allowed: above 0 to 1000000"},
+		{"dry_sand", "dry_sand, theta_in: %s", {"0.1", "90"}, {"0", "90.1"}, "allowed: above 0 to 90"},
+		{"dry_sand", "dry_sand, theta_out: %s", {"0.1", "90"}, {"0", "90.1"}, "allowed: above 0 to 90"},
+		{"dry_sand", "dry_sand, theta_stop: %s", {"0.1", "90"}, {"0", "90.1"}, "allowed: above 0 to 90"},
+		{"dry_sand", "dry_sand, roughness: %s", {"1e-3", "0.2"}, {"0", "0.21"}, "come to rest; allowed: above 0 to 0.2"},
+		{"dry_sand", "dry_sand, compression: %s", {"0", "1"}, {"-0.1", "1.1"}, "allowed: 0 to 1"},
+		{"dry_sand", "dry_sand, cohesion: %s", {"5"}, {".inf", "nan", "1e999"}, "soil.cohesion: "},
+		{"model: scm", "model: scm, iterations: %s", {"1", "8"}, {"0", "9"}, "allowed: 1 to 8"},
+		{"model: scm", "model: scm, interval: %s", {"1e-6", "3600"}, {"0", "3601"}, "allowed: above 0 to 3600"},
+		{"model: scm", "model: scm, depth: %s", {"0", "1e6"}, {"-1", ".inf", "1.1e6"}, "0 to 1000000"},
+		{"model: scm", "model: scm, bulldozing: %s", {"0", "1"}, {"-0.1", "1.1"}, "allowed: 0 to 1"},
+		{"0.4}", "0.4, lugs: %s}", {"0", "128"}, {"-1", "129"}, "allowed: 0 to 128"},
+		{"0.4}", "0.4, lugs: 4, lug_height: %s}", {"1e-3", "0.5"}, {"0", "0.51"}, "allowed: above 0 to "},
+		{"0.4}", "0.4, lugs: 4, lug_thickness: %s}", {"1e-3", "1000"}, {"0", "1001"}, "allowed: above 0 to 1000"},
+		{"3}\n", "3}\n    load: %s\n", {"1e-3", "1e9"}, {"0", "-1", "1.1e9"}, "allowed: above 0 to 1000000000"},
+		{"3}\n", "3}\n    slip: %s\n", {"-0.99", "0.99"}, {"-1", "1", "nan"}, "objects[0].slip: "},
+		{"3}\n", "3}\noutput: {forces: %s}\n", {"0", "0.1", "1e6"}, {"-1", "1.1e6"}, "allowed: 0 to 1000000"},
+		{"3}\n", "3}\noutput: {forces: 1, delay: %s}\n", {"0", "64"}, {"-1", "65"}, "allowed: 0 to 64"},
+		{"wheel: {radius: 0.5, width: 0.4}", "mesh: {file: a.obj, scale: %s}", {NULL}, {"0", "1001"},
+		 "allowed: above 0 to 1000"},
+	};
+	for (size_t i = 0; i < sizeof limits / sizeof limits[0]; i++) {
+		char value[200];
+		for (size_t k = 0; k < 3 && limits[i].good[k] != NULL; k++) {
+			snprintf(value, sizeof value, limits[i].format, limits[i].good[k]);
+			scene_destroy(load_edited(base, limits[i].from, value));
+		}
+		for (size_t k = 0; k < 3 && limits[i].bad[k] != NULL; k++) {
+			snprintf(value, sizeof value, limits[i].format, limits[i].bad[k]);
+			refuse(limits[i].from, value, limits[i].says);
+		}
+	}
+}
+
+static void what_no_soil_can_be_is_refused(void **state)
+{
+	/* b: 0.4 m, the wheel's width. */
+	refuse("dry_sand", "dry_sand, bekker_kphi: 1000, bekker_kc: -400", ":3: soil.bekker_kc: bekker_kc / b + bekker_kphi is 0 "
+									  "under a, whose b is 0.4 m; allowed: above 0");
+	scene_destroy(load_edited(base, "dry_sand", "dry_sand, bekker_kphi: 1000, bekker_kc: -399"));
+	refuse("dry_sand}\nredistribute: {model: scm}\nobjects:\n  - name: a\n    shape: {wheel: {radius: 0.5, width: 0.4}}",
+	       "dry_sand, bekker_kphi: 1000, bekker_kc: -400}\nredistribute: {model: scm}\nobjects:\n  - name: a\n"
+	       "    shape: {box: {size: [0.5, 0.3, 0.1]}}", "whose b is 0.3 m");
+	refuse("dry_sand", "dry_sand, bekker_kphi: 0, bekker_kc: 0", ":3: soil.bekker_kc: bekker_kc and bekker_kphi bear nothing");
+	refuse("{name: dry_sand}\nredistribute: {model: scm", "{name: dry_sand, theta_stop: 20}\nredistribute: {model: sumner",
+	       ":3: soil.theta_stop: theta_stop is below theta_out; allowed: 24.98 to 90");
+	refuse("{name: dry_sand}\nredistribute: {model: scm", "{name: dry_sand, theta_out: 80}\nredistribute: {model: sumner",
+	       ":3: soil.theta_out: theta_stop is below theta_out; allowed: 80 to 90");
+}
+
+static void a_model_has_its_own_parameters_with_their_defaults(void **state)
+{
+	static const struct {
+		const char *model;
+		enum deform_model is;
+		double depth, bulldozing;
+	} models[] = {{"sumner", DEFORM_SUMNER, (double)INFINITY, 0},
+		      {"slippage", DEFORM_SLIPPAGE, (double)INFINITY, 0},
+		      {"scm", DEFORM_SCM, 0, 0.5}};
+	for (size_t i = 0; i < 3; i++) {
+		struct scene *scene = load_edited(base, "scm", models[i].model);
+		assert_int_equal(scene->model, models[i].is);
+		assert_int_equal(scene->iterations, 4);
+		assert_true(scene->interval == 0.02 && scene->depth == models[i].depth);
+		assert_true(scene->bulldozing == models[i].bulldozing);
+		scene_destroy(scene);
+	}
+	struct scene *scene = load_edited(base, "model: scm", "model: scm, iterations: 2, interval: 0.5, depth: 1.5, bulldozing: 0.25");
+	assert_int_equal(scene->iterations, 2);
+	assert_true(scene->interval == 0.5 && scene->depth == 1.5 && scene->bulldozing == 0.25);
+	scene_destroy(scene);
+	refuse("model: scm", "model: scm, radius: 2", ":4: redistribute.radius: is no parameter of model scm; allowed with: box");
+	refuse("model: scm", "model: none, repetitions: 2", "repetitions: is no parameter of model none; allowed with: box");
+	refuse("model: scm", "model: box, iterations: 2", "is no parameter of model box; allowed with: sumner, slippage, scm");
+	refuse("model: scm", "model: none, interval: 2", "interval: is no parameter of model none");
+	refuse("model: scm", "model: box, depth: 2", "depth: is no parameter of model box");
+	refuse("model: scm", "model: sumner, bulldozing: 1", "is no parameter of model sumner; allowed with: scm");
+	refuse("model: scm", "model: slippage, bulldozing: 0", "is no parameter of model slippage; allowed with: scm");
+	refuse("model: scm", "model: mud", ":4: redistribute.model: \"mud\" is unknown; allowed: none, box, sumner, slippage, scm");
+}
+
+static const char mapped[] = "{map: soils.png, classes: {1: lunar, 7: {name: lete_sand, cohesion: 500}, 255: snow}, default: mud}";
+
+static void a_map_gives_each_value_its_soil(void **state)
+{
+	write_text("soils.png", "any bytes");
+	struct scene *scene = load_edited(base, "{name: dry_sand}", mapped);
+	struct deform_soil known;
+	assert_int_equal(scene->soil_count, 4);
+	assert_string_equal(scene->soil_map, in_folder("soils.png"));
+	for (int value = 0; value < 256; value++)
+		assert_int_equal(scene->soil_class[value], value == 1 ? 1 : value == 7 ? 2 : value == 255 ? 3 : 0);
+	assert_int_equal(deform_soil_named("mud", &known), STATUS_OK);
+	assert_memory_equal(&scene->soils[0], &known, sizeof known);
+	assert_int_equal(deform_soil_named("lete_sand", &known), STATUS_OK);
+	known.cohesion = 500;
+	assert_memory_equal(&scene->soils[2], &known, sizeof known);
+	assert_int_equal(scene_effects(scene) & 1u << EFFECT_SOIL_MAP, 1u << EFFECT_SOIL_MAP);
+	char hash[33];
+	strcpy(hash, scene->hash);
+	scene_destroy(scene);
+	/* The same as a list, and with settings. */
+	scene = load_edited(base, "{name: dry_sand}", "{map: soils.png, classes: [{value: 1, name: lunar}, {value: 7, name: lete_sand, "
+			    "cohesion: 500}, {value: 255, name: snow}], default: {name: mud}}");
+	assert_string_equal(scene->hash, hash);
+	scene_destroy(scene);
+	const struct scene_setting settings[] = {{"soil.classes.1", "dry_sand"}, {"soil.classes.7.cohesion", "9"},
+						 {"soil.classes.255", "null"}, {"soil.classes.2", "{name: sand, roughness: 0.1}"},
+						 {"soil.default", "lunar"}};
+	char *text = edited(base, "{name: dry_sand}", mapped);
+	assert_int_equal(load_text(text, settings, 5, &scene), STATUS_OK);
+	free(text);
+	assert_int_equal(scene->soil_count, 4);
+	assert_int_equal(scene->soil_class[255], 0);
+	assert_int_equal(scene->soil_class[2], 3);
+	assert_true(scene->soils[2].cohesion == 9 && scene->soils[3].roughness == 0.1);
+	assert_true(scene->soils[0].unit_weight == 2500);
+	scene_destroy(scene);
+	/* What the raster holds counts, not what it is called. */
+	write_text("soils.png", "other bytes");
+	scene = load_edited(base, "{name: dry_sand}", mapped);
+	assert_string_not_equal(scene->hash, hash);
+	scene_destroy(scene);
+	unlink(in_folder("soils.png"));
+	write_text("other.png", "any bytes");
+	text = edited(mapped, "soils.png", "other.png");
+	scene = load_edited(base, "{name: dry_sand}", text);
+	assert_string_equal(scene->hash, hash);
+	scene_destroy(scene);
+	free(text);
+	unlink(in_folder("other.png"));
+}
+
+static void what_is_wrong_with_a_map_is_told(void **state)
+{
+	static const struct {
+		const char *soil, *says;
+	} cases[] = {
+		{"{map: m.png, classes: {1: lunar}}", ":3: soil.map: has no default; allowed: map with classes"},
+		{"{map: m.png, default: lunar}", ":3: soil.map: has no classes; allowed: map with classes"},
+		{"{name: lunar, classes: {1: lunar}}", ":3: soil.classes: is of a map, and there is none; allowed with: map"},
+		{"{name: lunar, default: lunar}", ":3: soil.default: is of a map, and there is none"},
+		{"{map: m.png, classes: {1: lunar}, default: lunar, name: lunar}", ":3: soil.map: does not go with a soil beside it"},
+		{"{map: m.png, classes: {1: lunar}, default: lunar, cohesion: 1}", ":3: soil.map: does not go with a soil beside it"},
+		{"{map: m.png, classes: {1: moon}, default: lunar}", ":3: soil.classes[0].name: \"moon\" is unknown; allowed: dry_sand"},
+		{"{map: m.png, classes: {1: lunar}, default: moon}", ":3: soil.default.name: \"moon\" is unknown; allowed: dry_sand"},
+		{"{map: m.png, classes: {256: lunar}, default: lunar}", ":3: soil.classes[0].value: 256 is out of range; allowed: 0 to 255"},
+		{"{map: m.png, classes: {-1: lunar}, default: lunar}", "soil.classes[0].value: -1 is out of range; allowed: 0 to 255"},
+		{"{map: m.png, classes: {one: lunar}, default: lunar}", "soil.classes[0].value: \"one\" is not a whole number"},
+		{"{map: m.png, classes: {1: lunar, 1: mud}, default: lunar}", "soil.classes.1: is written twice"},
+		{"{map: m.png, classes: {1: lunar, +1: mud}, default: lunar}", "soil.classes[1].value: 1 is another class; allowed: each value once"},
+		{"{map: m.png, classes: {1: {value: 2, name: mud}}, default: lunar}", "value: is said by the key"},
+		{"{map: m.png, classes: {1: {colour: red}}, default: lunar}", "soil.classes[0].colour: unknown key; allowed: value, name"},
+		{"{map: m.png, classes: {1: {cohesion: -1}}, default: lunar}", "soil.classes[0].cohesion: -1 is out of range; allowed: 0 to"},
+		{"{map: m.png, classes: {1: lunar}, default: {roughness: 0.3}}", "soil.default.roughness: 0.3 is out of the range in which "
+										 "slides come to rest; allowed: above 0 to 0.2"},
+		{"{map: m.png, classes: {1: {cohesion: 1}}, default: lunar}", ":3: soil.classes[0]: model scm needs bekker_kc, "},
+		{"{map: m.png, classes: {1: [lunar]}, default: lunar}", "is a list; allowed: a mapping of value, name"},
+		{"{map: m.png, classes: {}, default: lunar}", ":3: soil.classes: holds 0; allowed: a list of 1 to 15"},
+		{"{map: m.png, classes: lunar, default: lunar}", ":3: soil.classes: is a single value; allowed: a list of 1 to 15"},
+		{"{map: m.png, classes: {1: lunar}, default: [lunar]}", ":3: soil.default: is a list; allowed: a mapping of name"},
+		{"{map: m.png, classes: {1: lunar, 2: {name: lunar, bekker_kc: -4e5}}, default: lunar}",
+		 ":3: soil.classes[1].bekker_kc: bekker_kc / b + bekker_kphi is -1.8e+05 under a"},
+		{"{map: absent.png, classes: {1: lunar}, default: lunar}", ":3: soil.map: \"absent.png\": No such file"},
+		{"{map: /dev/zero, classes: {1: lunar}, default: lunar}", ":3: soil.map: \"/dev/zero\": not a file; "},
+		{"{map: \"\", classes: {1: lunar}, default: lunar}", ":3: soil.map: is empty; allowed: text"},
+	};
+	write_text("m.png", "m");
+	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
+		refuse("{name: dry_sand}", cases[i].soil, cases[i].says);
+	char classes[400] = "{map: m.png, default: lunar, classes: {";
+	for (int i = 0; i < 15; i++)
+		snprintf(classes + strlen(classes), sizeof classes - strlen(classes), "%d: mud%s", i * 17, i < 14 ? ", " : "}}");
+	struct scene *scene = load_edited(base, "{name: dry_sand}", classes);
+	assert_int_equal(scene->soil_count, DEFORM_SOILS);
+	assert_int_equal(scene->soil_class[14 * 17], 15);
+	scene_destroy(scene);
+	strcpy(classes + strlen(classes) - 2, ", 3: mud}}");
+	refuse("{name: dry_sand}", classes, ":3: soil.classes: holds 16; allowed: a list of 1 to 15");
+	assert_int_equal(mkfifo(in_folder("pipe"), 0600), 0);
+	refuse("{name: dry_sand}", "{map: pipe, classes: {1: lunar}, default: lunar}", "\"pipe\": not a file; ");
+	unlink(in_folder("pipe"));
+	unlink(in_folder("m.png"));
+}
+
+static void a_soil_that_no_model_reads_is_checked_and_costs_nothing(void **state)
+{
+	static const char *const models[] = {"none", "box"};
+	for (size_t i = 0; i < 2; i++) {
+		struct scene *with = load_edited(base, "scm", models[i]);
+		char *text = edited(base, "soil: {name: dry_sand}\n", "");
+		struct scene *without = load_edited(text, "scm", models[i]);
+		assert_int_equal(with->soil_count, 0);
+		assert_string_equal(with->hash, without->hash);
+		scene_destroy(with);
+		scene_destroy(without);
+		free(text);
+		/* And its map is not even looked for. */
+		text = edited(base, "{name: dry_sand}", mapped);
+		with = load_edited(text, "scm", models[i]);
+		assert_null(with->soil_map);
+		for (int value = 0; value < 256; value++)
+			assert_int_equal(with->soil_class[value], 0);
+		scene_destroy(with);
+		free(text);
+	}
+	refuse("{name: dry_sand}\nredistribute: {model: scm}", "{name: wet_sand}\nredistribute: {model: box}", "\"wet_sand\" is unknown");
+}
+
+static void a_load_takes_the_place_of_a_sinkage(void **state)
+{
+	struct scene *scene = load_edited(base, "3}\n", "3}\n    load: 4000\n    slip: -0.25\n");
+	assert_true(scene->objects[0].load == 4000 && scene->objects[0].sink == 0 && scene->objects[0].slip == -0.25);
+	assert_int_equal(scene_effects(scene), 1u << EFFECT_SCM | 1u << EFFECT_SPREAD | 1u << EFFECT_SLIDE | 1u << EFFECT_LOAD);
+	scene_destroy(scene);
+	refuse("3}\n", "3}\n    load: 1\n    sink: 0\n", ":9: objects[0].load: sink is given too; allowed: one of sink, load");
+	refuse("scm}\nobjects:\n  - name: a\n", "box}\nobjects:\n  - name: a\n    load: 4\n", ":7: objects[0].load: model box computes no "
+	       "force that carries it; allowed with: redistribute: {model: scm}");
+	refuse("scm}\nobjects:\n  - name: a\n", "sumner}\nobjects:\n  - name: a\n    load: 4\n", "model sumner computes no force");
+	refuse("scm}\nobjects:\n  - name: a\n", "sumner}\nobjects:\n  - name: a\n    slip: 0.1\n", ":7: objects[0].slip: model sumner does "
+	       "not depend on it; allowed with: redistribute: {model: scm}");
+	refuse("wheel: {radius: 0.5, width: 0.4}}\n", "sphere: {radius: 0.5}}\n    slip: 0\n", ":8: objects[0].slip: only a wheel slips; "
+											 "allowed with: wheel");
+	write_text("poses.csv", "0,1,2,3\n");
+	refuse("{points: [[1, 2]], speed: 3}\n", "{file: poses.csv}\n    load: 4\n", ":9: objects[0].load: its poses say z already; allowed with");
+	write_text("poses.csv", "0,1,2\n");
+	scene = load_edited(base, "{points: [[1, 2]], speed: 3}\n", "{file: poses.csv}\n    load: 4\n");
+	assert_true(scene->objects[0].load == 4);
+	scene_destroy(scene);
+	unlink(in_folder("poses.csv"));
+}
+
+static void lugs_have_a_height_and_a_thickness(void **state)
+{
+	struct scene *scene = load_edited(base, "0.4}", "0.4, lugs: 12}");
+	const struct deform_shape *shape = &scene->objects[0].shape;
+	assert_int_equal(shape->lugs, 12);
+	assert_true(shape->lug_height == 0.025 && shape->lug_thickness == 0.05);
+	scene_destroy(scene);
+	scene = load_edited(base, "0.4}", "0.4, lugs: 1, lug_height: 0.5, lug_thickness: 0.2}");
+	shape = &scene->objects[0].shape;
+	assert_true(shape->lugs == 1 && shape->lug_height == 0.5 && shape->lug_thickness == 0.2);
+	scene_destroy(scene);
+	refuse("0.4}", "0.4, lug_height: 0.1}", ":7: objects[0].shape.wheel.lug_height: is of lugs, and the wheel has none; allowed with: lugs above 0");
+	refuse("0.4}", "0.4, lugs: 0, lug_thickness: 0.1}", ":7: objects[0].shape.wheel.lug_thickness: is of lugs");
+	refuse("0.4}", "0.4, lugs: 2, lug_height: 0.6}", ":7: objects[0].shape.wheel.lug_height: 0.6 is out of range; allowed: above 0 to "
+							 "the wheel's radius, 0.5");
+	refuse("0.4}", "0.4, lugs: 2.5}", "\"2.5\" is not a whole number; allowed: a whole number, 0 to 128");
+}
+
+static void forces_are_of_scm_and_their_delay_of_forces(void **state)
+{
+	struct scene *scene = load_edited(base, "3}\n", "3}\noutput: {forces: 50}\n");
+	assert_true(scene->forces == 50);
+	assert_int_equal(scene->forces_delay, 2);
+	assert_true((scene_effects(scene) >> EFFECT_FORCES & 1) == 1);
+	scene_destroy(scene);
+	scene = load_edited(base, "3}\n", "3}\noutput: {forces: 0.5, delay: 0}\n");
+	assert_true(scene->forces == 0.5);
+	assert_int_equal(scene->forces_delay, 0);
+	scene_destroy(scene);
+	scene = load_edited(base, "3}\n", "3}\noutput: {}\n");
+	assert_true(scene->forces == 0);
+	assert_true((scene_effects(scene) >> EFFECT_FORCES & 1) == 0);
+	scene_destroy(scene);
+	refuse("3}\n", "3}\noutput: {delay: 1}\n", ":9: output.delay: is of forces, and none are asked for; allowed with: forces");
+	refuse("scm}", "slippage}\noutput: {forces: 1}", ":5: output.forces: no model but scm computes forces; allowed with: redistribute: "
+							 "{model: scm}");
+	scene_destroy(load_edited(base, "scm}", "slippage}\noutput: {forces: 0}"));
+}
+
+static void each_model_calls_for_its_own_effects(void **state)
+{
+	static const struct {
+		const char *model;
+		unsigned effects;
+	} models[] = {
+		{"none", 1u << EFFECT_DISPLACE},
+		{"box", 1u << EFFECT_DISPLACE | 1u << EFFECT_BOX},
+		{"sumner", 1u << EFFECT_SUMNER | 1u << EFFECT_SPREAD | 1u << EFFECT_SHED},
+		{"slippage", 1u << EFFECT_SLIPPAGE | 1u << EFFECT_SPREAD | 1u << EFFECT_SLIDE},
+		{"scm", 1u << EFFECT_SCM | 1u << EFFECT_SPREAD | 1u << EFFECT_SLIDE},
+	};
+	for (size_t i = 0; i < sizeof models / sizeof models[0]; i++) {
+		struct scene *scene = load_edited(base, "scm", models[i].model);
+		assert_int_equal(scene_effects(scene), models[i].effects);
+		scene_destroy(scene);
+	}
+}
+
+static void the_hash_is_of_all_that_decides_how_the_ground_gives_way(void **state)
+{
+	static const struct {
+		const char *from, *to;
+		bool same;
+	} edits[] = {
+		{"3}\n", "3}\noutput: {forces: 50, delay: 4}\n", true},
+		{"dry_sand", "dry_sand, bekker_n: 1.1", true}, /* as the name says */
+		{"model: scm", "model: scm, iterations: 4, interval: 0.02, depth: 0, bulldozing: 0.5", true},
+		{"0.4}", "0.4, lugs: 0}", true},
+		{"dry_sand", "lunar", false},
+		{"dry_sand", "dry_sand, bekker_kc: 1", false},
+		{"dry_sand", "dry_sand, repose: 1", false},
+		{"dry_sand", "dry_sand, compression: 1", false},
+		{"model: scm", "model: slippage", false},
+		{"model: scm", "model: scm, iterations: 5", false},
+		{"model: scm", "model: scm, interval: 0.03", false},
+		{"model: scm", "model: scm, depth: 1", false},
+		{"model: scm", "model: scm, bulldozing: 0.6", false},
+		{"3}\n", "3}\n    load: 5\n", false},
+		{"3}\n", "3}\n    slip: 0.1\n", false},
+		{"0.4}", "0.4, lugs: 3}", false},
+		{"0.4}", "0.4, lugs: 3, lug_height: 0.1}", false},
+		{"0.4}", "0.4, lugs: 3, lug_thickness: 0.1}", false},
+		{"{name: dry_sand}", "{map: scene.yaml, classes: {1: dry_sand}, default: dry_sand}", false},
+		{"{name: dry_sand}", "{map: m.png, classes: {1: dry_sand}, default: dry_sand}", false},
+		{"{name: dry_sand}", "{map: m.png, classes: {2: dry_sand}, default: dry_sand}", false},
+	};
+	char hashes[sizeof edits / sizeof edits[0]][33];
+	struct scene *first = load_edited(base, "scene: 1", "scene: 1");
+	write_text("m.png", "m");
+	for (size_t i = 0; i < sizeof edits / sizeof edits[0]; i++) {
+		struct scene *scene = load_edited(base, edits[i].from, edits[i].to);
+		if ((strcmp(scene->hash, first->hash) == 0) != edits[i].same)
+			fail_msg("%s: the hash is wrong to %s", edits[i].to, edits[i].same ? "differ" : "be the same");
+		strcpy(hashes[i], scene->hash);
+		for (size_t k = 0; k < i && !edits[i].same; k++)
+			assert_string_not_equal(hashes[i], hashes[k]);
+		scene_destroy(scene);
+	}
+	scene_destroy(first);
+	unlink(in_folder("m.png"));
+}
+
+static void memory_that_runs_out_is_told_at_every_allocation(void **state)
+{
+	const struct scene_setting settings[] = {{"soil.classes.3", "mud"}, {"objects.a.load", "40"}};
+	struct scene *scene;
+	char *text = edited(base, "{name: dry_sand}", mapped);
+	write_text("scene.yaml", text);
+	write_text("soils.png", "any bytes");
+	uint64_t nth = 0;
+	enum status status;
+	do {
+		mem_fail_nth(++nth, 0);
+		status = scene_load(in_folder("scene.yaml"), settings, 2, &scene);
+		mem_fail_nth(0, 0);
+		if (status != STATUS_OK) {
+			assert_int_equal(status, STATUS_FAILED);
+			assert_null(scene);
+			assert_says("out of memory");
+		}
+	} while (status != STATUS_OK && nth < 10000);
+	assert_int_equal(status, STATUS_OK);
+	assert_true(nth > 100);
+	scene_destroy(scene);
+	unlink(in_folder("soils.png"));
+	unlink(in_folder("scene.yaml"));
+	free(text);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_soil_by_name_is_that_of_the_table),
+		cmocka_unit_test(every_parameter_may_be_given_and_counts_over_the_names),
+		cmocka_unit_test(without_a_name_all_that_the_model_needs_must_be_given),
+		cmocka_unit_test(limits_are_taken_and_what_is_beyond_is_not),
+		cmocka_unit_test(what_no_soil_can_be_is_refused),
+		cmocka_unit_test(a_model_has_its_own_parameters_with_their_defaults),
+		cmocka_unit_test(a_map_gives_each_value_its_soil),
+		cmocka_unit_test(what_is_wrong_with_a_map_is_told),
+		cmocka_unit_test(a_soil_that_no_model_reads_is_checked_and_costs_nothing),
+		cmocka_unit_test(a_load_takes_the_place_of_a_sinkage),
+		cmocka_unit_test(lugs_have_a_height_and_a_thickness),
+		cmocka_unit_test(forces_are_of_scm_and_their_delay_of_forces),
+		cmocka_unit_test(each_model_calls_for_its_own_effects),
+		cmocka_unit_test(the_hash_is_of_all_that_decides_how_the_ground_gives_way),
+		cmocka_unit_test(memory_that_runs_out_is_told_at_every_allocation),
+	};
+	return cmocka_run_group_tests(tests, make_folder, drop_folder);
+}
