@@ -128,6 +128,31 @@ enum status dem_writer_rows(struct dem_writer *writer, int64_t rows, const doubl
 enum status dem_writer_publish(struct dem_writer *writer) FURROW_CHECKED; /* renames; still to be destroyed */
 void dem_writer_destroy(struct dem_writer *writer);                      /* removes what was not published */
 
+/*
+ * A raster of classes, whole numbers from 0 to 255, beside a store: which each post of any level is of. A handle
+ * is for one thread at a time: a thread that reads opens its own (10 MB, and for a PNG a temporary file of two
+ * bytes a pixel). The file is untrusted.
+ */
+struct dem_classes_params {
+	/* A grey PNG of 8 or 16 bits, a pixel a post of level 0 from the store's north-west one, north up; or,
+	 * with GDAL, a GeoTIFF in any SRS. One without an SRS is in the store's coordinates. */
+	const char *path;
+	const struct world *world;
+	const char *srs;  /* the store's WKT; "" for local metres */
+	double origin[2]; /* its south-west post there */
+};
+struct dem_classes;
+/* Copies what it is given. STATUS_INPUT: what the file is instead. */
+enum status dem_classes_open(const struct dem_classes_params *params, struct dem_classes **out) FURROW_CHECKED;
+void dem_classes_close(struct dem_classes *classes); /* takes NULL */
+/*
+ * For each post of `rect` of `level` (row 0 south, row by row, at most 2^18 a row; it may lie beyond the world)
+ * table[the value of the pixel nearest to it], `absent` where the raster has none: beyond it, and nodata.
+ * STATUS_INPUT: it cannot be read, or a value is no class.
+ */
+enum status dem_classes_read(struct dem_classes *classes, int level, struct post_rect rect,
+			     const uint8_t table[256], uint8_t absent, uint8_t *out) FURROW_CHECKED;
+
 /* Coordinates: from `srs` (anything GDAL takes) to the store's WKT. Without GDAL: STATUS_FAILED. */
 enum status dem_transform(const char *from_srs, const char *to_wkt, size_t count, double *x, double *y)
 	FURROW_CHECKED;

@@ -1,5 +1,5 @@
 /* What needs GDAL, in a build without it. */
-#include "dem_internal.h"
+#include "dem_classes.h"
 
 enum status dem_gdal_open(const struct dem_params *params, const struct dem_list *list,
 			  struct dem_grid **out)
@@ -32,4 +32,11 @@ enum status dem_transform(const char *from_srs, const char *to_wkt, size_t count
 	(void)y;
 	return fail_with(STATUS_FAILED, "coordinates in \"%.80s\": this furrow was built without GDAL and "
 			 "knows no SRS; give local coordinates, or build with GDAL", from_srs);
+}
+
+enum status dem_classes_gdal_open(const struct dem_classes_params *params, struct dem_raster_of_classes **out)
+{
+	(void)out;
+	return fail_with(STATUS_INPUT, "%s: this furrow was built without GDAL and reads classes only from PNG; convert it, "
+			 "or build with GDAL", params->path);
 }

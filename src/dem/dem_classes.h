@@ -1,0 +1,26 @@
+/* Inside dem: a raster of classes, a PNG or through GDAL, and where its pixels are. */
+#ifndef FURROW_DEM_CLASSES_H
+#define FURROW_DEM_CLASSES_H
+
+#include "dem_internal.h"
+
+#define DEM_CLASS_NONE INT32_MIN     /* a pixel's value: nodata */
+#define DEM_CLASSES_WINDOW (1 << 20) /* pixels that are read at once at most */
+
+struct dem_raster_of_classes {
+	/* From posts of level 0, counted from the south-west one, to columns and rows, counted from the
+	 * north-west corner of the raster (the middle of its first pixel is 0.5, 0.5). NaN: nowhere. */
+	void (*locate)(struct dem_raster_of_classes *raster, size_t count, double *x, double *y);
+	/* Values of pixels, rows from the north; at most DEM_CLASSES_WINDOW. */
+	enum status (*window)(struct dem_raster_of_classes *raster, struct post_rect pixels, int32_t *values);
+	void (*destroy)(struct dem_raster_of_classes *raster);
+	int64_t width, height; /* pixels */
+};
+
+/* `params` outlives the raster. */
+enum status dem_classes_png_open(const struct dem_classes_params *params, struct dem_raster_of_classes **out)
+	FURROW_CHECKED;
+enum status dem_classes_gdal_open(const struct dem_classes_params *params, struct dem_raster_of_classes **out)
+	FURROW_CHECKED;
+
+#endif

@@ -1,0 +1,192 @@
+/*
+ * Classes of a GeoTIFF in any SRS. Each post is transformed by itself: GDAL may choose between ways from
+ * one SRS to another by where the points of a call lie, and a post's class must not depend on its neighbours.
+ */
+#include <cpl_error.h>
+#include <math.h>
+
+#include "dem_classes.h"
+#include "dem_gdal.h"
+
+struct gdal_of_classes {
+	struct dem_raster_of_classes raster;
+	const struct dem_classes_params *params;
+	GDALDatasetH dataset;
+	GDALRasterBandH band;
+	GDALRasterBandH mask; /* NULL: all pixels are valid */
+	unsigned char *masked;
+	double pixels[6]; /* the geotransform's inverse */
+	OGRCoordinateTransformationH move; /* NULL: none is needed */
+	double turn; /* the raster's unit in a full circle of longitude; 0: x is none */
+};
+
+static void gdal_destroy(struct dem_raster_of_classes *raster)
+{
+	struct gdal_of_classes *gdal = (struct gdal_of_classes *)raster;
+	if (gdal->move != NULL)
+		OCTDestroyCoordinateTransformation(gdal->move);
+	if (gdal->dataset != NULL)
+		GDALClose(gdal->dataset);
+	mem_free(gdal->masked);
+	mem_free(gdal);
+}
+
+static bool lies_in(const struct gdal_of_classes *gdal, double x, double y, double pixel[2])
+{
+	const double *p = gdal->pixels;
+	pixel[0] = p[0] + p[1] * x + p[2] * y;
+	pixel[1] = p[3] + p[4] * x + p[5] * y;
+	return pixel[0] >= 0 && pixel[0] <= (double)gdal->raster.width && pixel[1] >= 0 &&
+	       pixel[1] <= (double)gdal->raster.height;
+}
+
+/* Longitudes may be counted from elsewhere: 190 in the raster is -170 here. */
+static void place_pixel(const struct gdal_of_classes *gdal, double *x, double *y)
+{
+	double plain[2], around[2];
+	bool in = lies_in(gdal, *x, *y, plain);
+	if (!in && gdal->turn > 0 &&
+	    (lies_in(gdal, *x + gdal->turn, *y, around) || lies_in(gdal, *x - gdal->turn, *y, around))) {
+		plain[0] = around[0];
+		plain[1] = around[1];
+	}
+	*x = plain[0];
+	*y = plain[1];
+}
+
+static void gdal_locate(struct dem_raster_of_classes *raster, size_t count, double *x, double *y)
+{
+	const struct gdal_of_classes *gdal = (const struct gdal_of_classes *)raster;
+	const struct dem_classes_params *params = gdal->params;
+	for (size_t i = 0; i < count; i++) {
+		x[i] = params->origin[0] + x[i] * params->world->spacing;
+		y[i] = params->origin[1] + y[i] * params->world->spacing;
+		if (gdal->move != NULL && !OCTTransform(gdal->move, 1, &x[i], &y[i], NULL))
+			x[i] = y[i] = (double)NAN;
+		else
+			place_pixel(gdal, &x[i], &y[i]);
+	}
+}
+
+static enum status gdal_window(struct dem_raster_of_classes *raster, struct post_rect pixels, int32_t *values)
+{
+	struct gdal_of_classes *gdal = (struct gdal_of_classes *)raster;
+	int x = (int)pixels.x0, y = (int)pixels.y0, width = (int)(pixels.x1 - pixels.x0),
+	    height = (int)(pixels.y1 - pixels.y0);
+	CPLErrorReset();
+	CPLErr problem =
+		GDALRasterIO(gdal->band, GF_Read, x, y, width, height, values, width, height, GDT_Int32, 0, 0);
+	if (problem == CE_None && gdal->mask != NULL)
+		problem = GDALRasterIO(gdal->mask, GF_Read, x, y, width, height, gdal->masked, width, height, GDT_Byte,
+				       0, 0);
+	if (problem != CE_None)
+		return fail_with(STATUS_INPUT, "%s: reading it failed at column %d, row %d: %s; fetch or make that file "
+				 "again", gdal->params->path, x, y, dem_gdal_message());
+	for (int64_t i = 0; gdal->mask != NULL && i < (int64_t)width * height; i++)
+		if (gdal->masked[i] == 0)
+			values[i] = DEM_CLASS_NONE;
+	return STATUS_OK;
+}
+
+static enum status take_band(struct gdal_of_classes *gdal)
+{
+	const char *path = gdal->params->path;
+	int bands = GDALGetRasterCount(gdal->dataset);
+	bool alone = bands == 1 || (bands == 2 && GDALGetRasterColorInterpretation(GDALGetRasterBand(gdal->dataset, 2)) ==
+						  GCI_AlphaBand);
+	if (!alone)
+		return fail_with(STATUS_INPUT, "%s: has %d bands, and a map of classes is one; take one out with "
+				 "gdal_translate -b", path, bands);
+	gdal->band = GDALGetRasterBand(gdal->dataset, 1);
+	GDALDataType type = GDALGetRasterDataType(gdal->band);
+	if (!GDALDataTypeIsInteger(type) || GDALDataTypeIsComplex(type))
+		return fail_with(STATUS_INPUT, "%s: holds %s, and classes are whole numbers from 0 to 255; make it "
+				 "bytes with gdal_translate -ot Byte", path, GDALGetDataTypeName(type));
+	gdal->raster.width = GDALGetRasterXSize(gdal->dataset);
+	gdal->raster.height = GDALGetRasterYSize(gdal->dataset);
+	if ((GDALGetMaskFlags(gdal->band) & GMF_ALL_VALID) == 0) {
+		gdal->mask = GDALGetMaskBand(gdal->band);
+		gdal->masked = mem_alloc(DEM_CLASSES_WINDOW, 1);
+		if (gdal->masked == NULL)
+			return fail_memory(path);
+	}
+	return STATUS_OK;
+}
+
+/* From the store's SRS to the raster's, unless they are the same. */
+static enum status take_way(struct gdal_of_classes *gdal, OGRSpatialReferenceH srs)
+{
+	const struct dem_classes_params *params = gdal->params;
+	if (params->srs[0] == '\0')
+		return fail_with(STATUS_INPUT, "%s: lies on a planet, and the store is local metres; give a map without "
+				 "an SRS, in metres from the south-west post, or a PNG", params->path);
+	OGRSpatialReferenceH store = dem_srs_parse(params->srs);
+	if (store == NULL)
+		return STATUS_INPUT;
+	enum status status = STATUS_OK;
+	if (!OSRIsSame(store, srs)) {
+		gdal->move = OCTNewCoordinateTransformation(store, srs);
+		if (gdal->move == NULL)
+			status = fail_with(STATUS_INPUT, "%s: no way from the store's SRS to its own: %s; project it with "
+					   "gdalwarp", params->path, dem_gdal_message());
+	}
+	if (OSRIsGeographic(srs))
+		gdal->turn = 2 * M_PI / OSRGetAngularUnits(srs, NULL);
+	OSRDestroySpatialReference(store);
+	return status;
+}
+
+static enum status take_place(struct gdal_of_classes *gdal)
+{
+	const char *path = gdal->params->path;
+	double place[6];
+	if (GDALGetGeoTransform(gdal->dataset, place) != CE_None)
+		return fail_with(STATUS_INPUT, "%s: has no place; give it one with gdal_translate -a_ullr, or give a PNG, "
+				 "a pixel a post", path);
+	bool finite = true;
+	for (int i = 0; i < 6; i++)
+		finite = finite && isfinite(place[i]);
+	if (!finite || !GDALInvGeoTransform(place, gdal->pixels))
+		return fail_with(STATUS_INPUT, "%s: its geotransform has no area; give it a place with gdal_translate "
+				 "-a_ullr", path);
+	OGRSpatialReferenceH known = GDALGetSpatialRef(gdal->dataset);
+	if (known == NULL || OSRIsLocal(known))
+		return STATUS_OK; /* in the store's own coordinates */
+	OGRSpatialReferenceH srs = OSRClone(known);
+	if (srs == NULL)
+		return fail_memory(path);
+	OSRSetAxisMappingStrategy(srs, OAMS_TRADITIONAL_GIS_ORDER);
+	enum status status = take_way(gdal, srs);
+	OSRDestroySpatialReference(srs);
+	return status;
+}
+
+enum status dem_classes_gdal_open(const struct dem_classes_params *params, struct dem_raster_of_classes **out)
+{
+	/* A scene is a stranger's: no format that names further files, or places on the net. */
+	static const char *const drivers[] = {"GTiff", NULL};
+	dem_gdal_init();
+	struct gdal_of_classes *gdal = mem_calloc(1, sizeof *gdal);
+	if (gdal == NULL)
+		return fail_memory(params->path);
+	gdal->params = params;
+	gdal->raster.locate = gdal_locate;
+	gdal->raster.window = gdal_window;
+	gdal->raster.destroy = gdal_destroy;
+	gdal->dataset = GDALOpenEx(params->path, GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, drivers,
+				   NULL, NULL);
+	enum status status = STATUS_OK;
+	if (gdal->dataset == NULL)
+		status = fail_with(STATUS_INPUT, "%s: cannot be opened as a map of classes: %s; give a whole GeoTIFF or "
+				   "a grey PNG", params->path, dem_gdal_message());
+	if (status == STATUS_OK)
+		status = take_band(gdal);
+	if (status == STATUS_OK)
+		status = take_place(gdal);
+	if (status != STATUS_OK) {
+		gdal_destroy(&gdal->raster);
+		return status;
+	}
+	*out = &gdal->raster;
+	return STATUS_OK;
+}

@@ -1,0 +1,112 @@
+/* Classes of a grey PNG, which has no place: a pixel a post of level 0, from the north-west post. Read as a
+ * heightmap of whole metres. */
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "dem_classes.h"
+
+#define PNG_PIXELS ((int64_t)1 << 30) /* two bytes each in a temporary file */
+
+struct png_of_classes {
+	struct dem_raster_of_classes raster;
+	const struct dem_classes_params *params;
+	struct dem_grid *grid;
+	double *row;
+};
+
+static void png_destroy(struct dem_raster_of_classes *raster)
+{
+	struct png_of_classes *png = (struct png_of_classes *)raster;
+	dem_grid_destroy(png->grid);
+	mem_free(png->row);
+	mem_free(png);
+}
+
+static void png_locate(struct dem_raster_of_classes *raster, size_t count, double *x, double *y)
+{
+	const struct png_of_classes *png = (const struct png_of_classes *)raster;
+	double north = (double)(png->params->world->height - 1);
+	for (size_t i = 0; i < count; i++) {
+		x[i] = x[i] + 0.5;
+		y[i] = north - y[i] + 0.5;
+	}
+}
+
+static enum status png_window(struct dem_raster_of_classes *raster, struct post_rect pixels, int32_t *values)
+{
+	struct png_of_classes *png = (struct png_of_classes *)raster;
+	int64_t width = pixels.x1 - pixels.x0;
+	for (int64_t row = pixels.y0; row < pixels.y1; row++, values += width) {
+		int64_t y = raster->height - 1 - row; /* the grid's are from the south */
+		enum status status =
+			png->grid->read(png->grid, (struct post_rect){pixels.x0, y, pixels.x1, y + 1}, png->row);
+		if (status != STATUS_OK)
+			return status;
+		for (int64_t x = 0; x < width; x++)
+			values[x] = (int32_t)png->row[x];
+	}
+	return STATUS_OK;
+}
+
+static int64_t big_endian(const unsigned char bytes[4])
+{
+	return (int64_t)bytes[0] << 24 | bytes[1] << 16 | bytes[2] << 8 | bytes[3];
+}
+
+/* Of the header: what the heightmaps' reader would take, and classes are not. */
+static enum status png_check(const char *path)
+{
+	unsigned char header[26];
+	FILE *file = fopen(path, "rb");
+	if (file == NULL)
+		return fail_with(STATUS_INPUT, "%s: cannot be opened: %s; name a grey PNG or a GeoTIFF", path,
+				 strerror(errno));
+	size_t got = fread(header, 1, sizeof header, file);
+	fclose(file);
+	if (got < sizeof header || memcmp(header, "\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16) != 0)
+		return fail_with(STATUS_INPUT, "%s: is not a PNG; give a grey PNG or a GeoTIFF", path);
+	int bits = header[24], colour = header[25];
+	if ((colour & 3) != 0)
+		return fail_with(STATUS_INPUT, "%s: is in colour, and classes are numbers; give a grey PNG or a GeoTIFF",
+				 path);
+	if (bits != 8 && bits != 16)
+		return fail_with(STATUS_INPUT, "%s: has %d bits a pixel; give one of 8 or 16", path, bits);
+	int64_t width = big_endian(header + 16), height = big_endian(header + 20);
+	if (height > 0 && width > PNG_PIXELS / height)
+		return fail_with(STATUS_INPUT, "%s: %lld x %lld pixels are too many in a PNG; give a GeoTIFF", path,
+				 (long long)width, (long long)height);
+	return STATUS_OK;
+}
+
+enum status dem_classes_png_open(const struct dem_classes_params *params, struct dem_raster_of_classes **out)
+{
+	const struct dem_params plain = {.source_count = 1};
+	enum status status = png_check(params->path);
+	if (status != STATUS_OK)
+		return status;
+	struct png_of_classes *png = mem_calloc(1, sizeof *png);
+	if (png == NULL)
+		return fail_memory(params->path);
+	png->params = params;
+	status = dem_png_open(&plain, params->path, &png->grid);
+	if (status == STATUS_OK) {
+		int64_t width = png->grid->width < DEM_CLASSES_WINDOW ? png->grid->width : DEM_CLASSES_WINDOW;
+		png->row = mem_alloc((size_t)width, sizeof *png->row);
+		if (png->row == NULL)
+			status = fail_memory(params->path);
+	}
+	if (status != STATUS_OK) {
+		png_destroy(&png->raster);
+		return status;
+	}
+	png->raster = (struct dem_raster_of_classes){
+		.locate = png_locate,
+		.window = png_window,
+		.destroy = png_destroy,
+		.width = png->grid->width,
+		.height = png->grid->height,
+	};
+	*out = &png->raster;
+	return STATUS_OK;
+}
