@@ -1,7 +1,9 @@
 /*
  * The reference of deform: the same ground and the same objects in floating point on the CPU, by
  * brute force and in the plainest words. For tests and accuracy only; it shares nothing with what
- * it checks but the poses. Pure; any thread.
+ * it checks but the poses and the soils. No state but the ground's; any thread, a ground at a time.
+ *
+ * What it must agree with is ../SOIL.md. Its soil is divisible: no quanta, nothing is rounded.
  */
 #ifndef FURROW_DEFORM_REFERENCE_H
 #define FURROW_DEFORM_REFERENCE_H
@@ -18,5 +20,109 @@ bool reference_underside(const struct deform_sweep *sweep, long double x, long d
 #define REFERENCE_HELD 2  /* contact: the object rests on it at the end */
 enum status reference_box(int width, int height, const int32_t *base, const uint8_t *contact, int radius,
 			  int32_t *offset) FURROW_CHECKED;
+
+/*
+ * A field of posts, row 0 the southern, row by row; metres. Volume: the sum of the offsets, times a
+ * post's area, plus `compacted`, never changes but for what rounding in doubles does.
+ */
+struct reference_ground {
+	int width, height;
+	int64_t left, bottom;   /* the global post that the first one is */
+	double spacing;
+	struct post_rect written; /* posts of the field: spreading and sliding stay within */
+	double *base, *offset;    /* surface: base + offset */
+	double *heaped;           /* scm: undisturbed surface: base + heaped */
+	double *pressed, *shear;  /* scm: largest sinkage along the normal, shear displacement; so far */
+	double *carried;          /* what the last press has lifted and not yet laid down, of height */
+	uint8_t *contact;         /* of the last press */
+	bool *hole;
+	double compacted;         /* m3, gone for good */
+	double confined;          /* m3 of it: had no free post to go to */
+};
+
+/* Flat at 0, no hole, all of it written. */
+enum status reference_ground_init(struct reference_ground *ground, int width, int height, double spacing) FURROW_CHECKED;
+void reference_ground_finish(struct reference_ground *ground);
+/* m3: of the offsets, of what is carried and of what was compacted. */
+double reference_volume(const struct reference_ground *ground);
+/* The height that the object's underside has above each post, over the sweep and at its end; absolute
+ * metres, INFINITY where it never is. */
+void reference_undersides(const struct reference_ground *ground, const struct deform_sweep *sweep, double *under,
+			  double *rest);
+
+/* On the object, about its centre at the sweep's end. */
+struct reference_forces {
+	double force[3], moment[3]; /* N, N m: east, north, up */
+	double normal; /* N: the vertical part of the normal stress: what carries a load */
+	double area;   /* m2 of posts that it rests on */
+	double sinkage; /* m, the deepest of those */
+	double work;   /* J that the soil's yielding took over the sweep */
+};
+
+/* Press: what becomes of each post under the object. Sets contact and carried. */
+void reference_none(struct reference_ground *ground, const double *under, const double *rest);
+void reference_sumner(struct reference_ground *ground, const struct deform_soil *soil, const double *under,
+		      const double *rest);
+void reference_slippage(struct reference_ground *ground, const double *under, const double *rest);
+/* The object is moved down by `lower` metres, the whole sweep. */
+void reference_scm(struct reference_ground *ground, const struct deform_soil *soil, double bulldozing,
+		   const struct deform_sweep *sweep, const double *under, const double *rest, double lower,
+		   struct reference_forces *forces);
+/* The normal force of reference_scm, nothing changed. */
+double reference_scm_normal(const struct reference_ground *ground, const struct deform_soil *soil,
+			    const struct deform_sweep *sweep, const double *under, const double *rest, double lower);
+
+/* Lays down what is carried. */
+void reference_spread(struct reference_ground *ground);
+
+/* Slides `iterations` times, or fewer once nothing moves more than `tolerance` metres; how far the last moved
+ * any post is *moved. DEFORM_SUMNER, DEFORM_SLIPPAGE, DEFORM_SCM. */
+enum status reference_slide(struct reference_ground *ground, const struct deform_params *params, long iterations,
+			    double tolerance, double *moved) FURROW_CHECKED;
+/* The difference of height that stands between two posts `distance` metres apart. */
+double reference_stands(const struct deform_params *params, double distance);
+
+/* By how much the whole sweep, which is level, must be lowered for the soil to carry sweep->load; metres. STATUS_INPUT:
+ * nothing under the object carries it. */
+enum status reference_load(const struct reference_ground *ground, const struct deform_soil *soil,
+			   const struct deform_sweep *sweep, const double *under, const double *rest,
+			   double *lower) FURROW_CHECKED;
+/* One sweep: press, spread, slide; with a load, level at to.z before it is lowered. Of the parameters only those of the model count, and the first soil;
+ * DEFORM_BOX_FILTER has reference_box. A load needs DEFORM_SCM; *lower is what reference_load says, else 0.
+ * Forces are 0 but for DEFORM_SCM. */
+enum status reference_sweep(struct reference_ground *ground, const struct deform_params *params,
+			    const struct deform_sweep *sweep, struct reference_forces *forces,
+			    double *lower) FURROW_CHECKED;
+
+/* Closed forms: wheel.c. Width: the k_c / b of Bekker's formula. */
+double reference_stiffness(const struct deform_soil *soil, double width);                    /* Pa/m^n */
+double reference_bekker(const struct deform_soil *soil, double width, double sinkage);       /* Pa */
+double reference_plate(const struct deform_soil *soil, double width, double pressure);       /* sinkage, m */
+double reference_janosi(const struct deform_soil *soil, double pressure, double displacement); /* Pa */
+/* Bekker's towed rigid wheel, m; and the resistance that compaction makes at a sinkage, N. */
+double reference_towed(const struct deform_soil *soil, double load, double width, double diameter);
+double reference_resistance(const struct deform_soil *soil, double width, double sinkage);
+/* The load that the exact arc of a rigid wheel carries with vertical stresses alone, N: in front of the
+ * axle the soil yields; behind it it springs back (`rebound`) or is not touched. And its inverse. */
+double reference_arc_load(const struct deform_soil *soil, double sinkage, double width, double radius, bool rebound);
+double reference_arc(const struct deform_soil *soil, double load, double width, double radius, bool rebound);
+
+struct reference_wheel {
+	double radius, width; /* m */
+	double slip;          /* 1 - way / (radius x turned); below 0: it is dragged */
+	double a0, a1;        /* where the greatest stress is: (a0 + a1 slip) of the entry angle */
+};
+struct reference_wheel_forces {
+	double load, drawbar, torque; /* N, N, N m */
+};
+struct reference_wheel_forces reference_wong_reece(const struct deform_soil *soil, const struct reference_wheel *wheel,
+						   double sinkage);
+/* The sinkage at which it carries the load, m. */
+double reference_wong_reece_sinkage(const struct deform_soil *soil, const struct reference_wheel *wheel, double load);
+
+/* Closed forms: slope.c. Slopes in rad. The least factor of safety of a slope over all planes, and the height at
+ * which that is 1 (INFINITY: for no height). */
+double reference_safety(const struct deform_soil *soil, double slope, double height);
+double reference_culmann(const struct deform_soil *soil, double slope);
 
 #endif

@@ -1,0 +1,90 @@
+/* One sweep of an object, and the height at which the soil carries it. */
+#include <assert.h>
+#include <math.h>
+
+#include "deform/reference/reference.h"
+
+#define DEEPEST 1024 /* metres: no offset goes further */
+
+enum status reference_load(const struct reference_ground *ground, const struct deform_soil *soil,
+			   const struct deform_sweep *sweep, const double *under, const double *rest, double *lower)
+{
+	/* From where it does not touch the ground to where it is carried. */
+	double low = INFINITY, step = 1e-3;
+	for (int i = 0; i < ground->width * ground->height; i++)
+		if (rest[i] < INFINITY && !ground->hole[i])
+			low = fmin(low, fmin(under[i], rest[i]) - ground->base[i] - ground->heaped[i]);
+	double high = low;
+	do {
+		if (low == INFINITY || step > DEEPEST)
+			return fail_with(STATUS_INPUT, "load: no ground under the object carries %g N; set it on the ground",
+					 sweep->load);
+		high += step;
+		step *= 2;
+	} while (reference_scm_normal(ground, soil, sweep, under, rest, high) < sweep->load);
+	for (int i = 0; i < 60; i++) {
+		double middle = (low + high) / 2;
+		if (reference_scm_normal(ground, soil, sweep, under, rest, middle) < sweep->load)
+			low = middle;
+		else
+			high = middle;
+	}
+	*lower = high;
+	return STATUS_OK;
+}
+
+static enum status press(struct reference_ground *ground, const struct deform_params *params,
+			 const struct deform_sweep *sweep, const double *under, const double *rest,
+			 struct reference_forces *forces, double *lower)
+{
+	const struct deform_soil *soil = &params->soils[0];
+	switch (params->model) {
+	case DEFORM_NONE:
+		reference_none(ground, under, rest);
+		break;
+	case DEFORM_SUMNER:
+		reference_sumner(ground, soil, under, rest);
+		break;
+	case DEFORM_SLIPPAGE:
+		reference_slippage(ground, under, rest);
+		break;
+	case DEFORM_SCM:
+		if (sweep->load > 0) {
+			enum status status = reference_load(ground, soil, sweep, under, rest, lower);
+			if (status != STATUS_OK)
+				return status;
+		}
+		reference_scm(ground, soil, params->bulldozing, sweep, under, rest, *lower, forces);
+		break;
+	case DEFORM_BOX_FILTER:
+	case DEFORM_MODELS:
+		assert(!"a model of this file");
+	}
+	return STATUS_OK;
+}
+
+enum status reference_sweep(struct reference_ground *ground, const struct deform_params *params,
+			    const struct deform_sweep *sweep, struct reference_forces *forces, double *lower)
+{
+	assert(sweep->load == 0 || params->model == DEFORM_SCM);
+	size_t count = (size_t)ground->width * (size_t)ground->height;
+	double *under = mem_alloc(count, sizeof *under), *rest = mem_alloc(count, sizeof *rest), moved;
+	enum status status = STATUS_OK;
+	*forces = (struct reference_forces){0};
+	*lower = 0;
+	if (under == NULL || rest == NULL) {
+		status = fail_memory("reference");
+	} else {
+		struct deform_sweep level = *sweep;
+		if (sweep->load > 0) /* what is looked for is the height of all of it */
+			level.from.z = level.to.z;
+		reference_undersides(ground, &level, under, rest);
+		status = press(ground, params, sweep, under, rest, forces, lower);
+	}
+	mem_free(under);
+	mem_free(rest);
+	if (status != STATUS_OK || params->model == DEFORM_NONE)
+		return status;
+	reference_spread(ground);
+	return reference_slide(ground, params, params->iterations, 0, &moved);
+}

@@ -1,0 +1,142 @@
+/* Numbers 5 and 6 of the soil models: a vertical cut stands to its height, a pile at its angle. */
+#include <stdio.h>
+
+#include "bed.h"
+
+static struct deform_soil cut_soil(void)
+{
+	return (struct deform_soil){.cohesion = 4140, .friction_angle = 13 * RADIANS, .unit_weight = 16e3};
+}
+
+static struct deform_params slippage(struct deform_soil soil)
+{
+	return (struct deform_params){
+		.model = DEFORM_SLIPPAGE, .soils = {soil}, .soil_count = 1, .iterations = 4, .depth = INFINITY,
+	};
+}
+
+static void a_vertical_cut_stands_after_culmann(void **state)
+{
+	(void)state;
+	struct deform_soil soil = cut_soil();
+	bed_near("height, m", reference_culmann(&soil, 90 * RADIANS), 1.301, 0.0005 / 1.301);
+	/* And by trying every plane, for that slope and others. */
+	for (int slope = 20; slope <= 90; slope += 10) {
+		double height = reference_culmann(&soil, slope * RADIANS);
+		char what[64];
+		snprintf(what, sizeof what, "safety of that height at %d degrees", slope);
+		bed_near(what, reference_safety(&soil, slope * RADIANS, height), 1, 1e-6);
+		assert_true(reference_safety(&soil, slope * RADIANS, height * 1.01) < 1);
+		assert_true(reference_safety(&soil, slope * RADIANS, height * 0.99) > 1);
+	}
+	assert_true(reference_culmann(&soil, 12.9 * RADIANS) == INFINITY);
+}
+
+static double cliff;
+
+static double cliff_ground(int x, int y)
+{
+	(void)y;
+	return x < 8 ? cliff : 0;
+}
+
+static double fallen(const struct bed_kind *kind, double height, double spacing)
+{
+	struct bed_params params = {.width = 16, .height = 5, .spacing = spacing, .ground = cliff_ground,
+				    .deform = slippage(cut_soil())};
+	cliff = height;
+	void *bed = kind->make(&params);
+	kind->settle(bed, 1e-7);
+	double drop = height - kind->surface(bed, 7, 2);
+	assert_true(fabs(kind->volume(bed)) < 1e-9);
+	kind->destroy(bed);
+	return drop;
+}
+
+/*
+ * Between posts a cut is no steeper than atan(H / d), and stands higher by that: dH = d cos phi / (1 - sin phi) to first
+ * order, 1.26 d. What stands and what slips lies a millimetre from that.
+ */
+static void a_cut_between_posts_stands_to_that_and_slips_above(void **state)
+{
+	static const double spacings[] = {1.0 / 4096, 1.0 / 64, 0.05};
+	struct deform_soil soil = cut_soil();
+	for (size_t i = 0; i < sizeof spacings / sizeof *spacings; i++) {
+		struct deform_params params = slippage(soil);
+		double stands = reference_stands(&params, spacings[i]);
+		double first_order = spacings[i] * cos(soil.friction_angle) / (1 - sin(soil.friction_angle));
+		bed_near("stands, m", stands, 1.3012 + first_order, 0.0002 + pow(spacings[i] / 1.3, 2));
+		bed_near("its safety", reference_safety(&soil, atan(stands / spacings[i]), stands), 1, 1e-6);
+		assert_true(fallen(*state, stands - 0.001, spacings[i]) == 0);
+		assert_true(fallen(*state, stands + 0.001, spacings[i]) > 0.0001);
+	}
+	/* At a spacing that can be neglected, the number itself. */
+	assert_true(fallen(*state, 1.300, 1.0 / 4096) == 0);
+	assert_true(fallen(*state, 1.303, 1.0 / 4096) > 0);
+}
+
+#define MIDDLE 40
+
+static double column_ground(int x, int y)
+{
+	return abs(x - MIDDLE) <= 2 && abs(y - MIDDLE) <= 2 ? 20 : 0;
+}
+
+/*
+ * Along rows, columns and diagonals the slope is the angle's and no post of these is further than a post's drop from the
+ * cone. Between them only those eight are looked at: there a face of the pile is steeper by up to 1 / cos(22.5 degrees).
+ */
+static void a_pile_of_sand_relaxes_to_its_angle(void **state)
+{
+	static const int ways[8][2] = {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}};
+	const struct bed_kind *kind = *state;
+	double spacing = 0.1, steep = tan(30 * RADIANS), volume = 0;
+	struct bed_params params = {.width = 2 * MIDDLE + 1, .height = 2 * MIDDLE + 1, .spacing = spacing, .ground = column_ground,
+				    .deform = slippage((struct deform_soil){.friction_angle = 30 * RADIANS, .unit_weight = 16e3})};
+	void *bed = kind->make(&params);
+	kind->settle(bed, 1e-9);
+	double top = kind->surface(bed, MIDDLE, MIDDLE), steepest = 0, face = 0, furthest = 0;
+	for (int k = 0; k < 8; k++) {
+		double step = spacing * hypot(ways[k][0], ways[k][1]), here = top;
+		for (int i = 1; i < MIDDLE; i++) {
+			double next = kind->surface(bed, MIDDLE + i * ways[k][0], MIDDLE + i * ways[k][1]);
+			double off = fabs(next - fmax(0, top - i * step * steep)) / (step * steep);
+			steepest = fmax(steepest, (here - next) / step);
+			furthest = fmax(furthest, off);
+			here = next;
+		}
+		/* Half way down a row or a column the slope itself, neither less nor more. */
+		if (k % 2 == 0)
+			bed_near("slope of ten posts", (kind->surface(bed, MIDDLE + 5 * ways[k][0], MIDDLE + 5 * ways[k][1]) -
+							kind->surface(bed, MIDDLE + 15 * ways[k][0], MIDDLE + 15 * ways[k][1])) /
+						       (10 * step), steep, 1e-4);
+	}
+	for (int y = 0; y < params.height; y++)
+		for (int x = 0; x < params.width; x++) {
+			volume += kind->surface(bed, x, y) * spacing * spacing;
+			if (x == 0 || y == 0 || x + 1 == params.width || y + 1 == params.height)
+				continue;
+			double east = kind->surface(bed, x + 1, y) - kind->surface(bed, x - 1, y);
+			double north = kind->surface(bed, x, y + 1) - kind->surface(bed, x, y - 1);
+			face = fmax(face, hypot(east, north) / (2 * spacing));
+		}
+	print_message("steepest of two neighbours %.6f of tan 30, furthest from the cone %.3f of a post, steepest face %.3f\n",
+		      steepest / steep, furthest, face / steep);
+	assert_true(steepest < steep * 1.0001);
+	assert_true(furthest < 1);
+	assert_true(face < steep / cos(22.5 * RADIANS) * 1.001);
+	bed_near("height, and a cone's of that volume, m", top, cbrt(3 * 5 * steep * steep / M_PI), steep * spacing / top);
+	bed_near("volume, m3", volume, 25 * 20 * spacing * spacing, 1e-12);
+	assert_true(fabs(kind->volume(bed)) < 1e-11);
+	kind->destroy(bed);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_vertical_cut_stands_after_culmann),
+		bed_tests(a_cut_between_posts_stands_to_that_and_slips_above),
+		bed_tests(a_pile_of_sand_relaxes_to_its_angle),
+	};
+	return cmocka_run_group_tests_name("validation/slope", tests, NULL, NULL);
+}

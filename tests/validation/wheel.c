@@ -1,0 +1,124 @@
+/* Number 4 of the soil models: a wheel that is towed. */
+#include <stdio.h>
+
+#include "bed.h"
+
+static const struct towed {
+	const char *soil;
+	double load, width, diameter; /* N, m, m */
+	double millimetres, resistance; /* as printed */
+} wheels[] = {
+	{"lunar", 283, 0.23, 0.81, 18.33, 31.9},
+	{"dry_sand", 5000, 0.3, 1, 78.87, 1056},
+};
+#define WHEELS (sizeof wheels / sizeof *wheels)
+
+static void a_towed_wheel_sinks_after_bekker(void **state)
+{
+	(void)state;
+	for (size_t i = 0; i < WHEELS; i++) {
+		struct deform_soil soil = bed_soil(wheels[i].soil);
+		double sinkage = reference_towed(&soil, wheels[i].load, wheels[i].width, wheels[i].diameter);
+		bed_near(wheels[i].soil, sinkage * 1e3, wheels[i].millimetres, 0.005 / wheels[i].millimetres);
+		bed_near("its resistance, N", reference_resistance(&soil, wheels[i].width, sinkage), wheels[i].resistance,
+			 (i == 0 ? 0.05 : 0.5) / wheels[i].resistance);
+	}
+}
+
+struct rut {
+	double sinkage, resistance; /* m; N: the work of a metre's soil yielding */
+};
+
+/* Rolls without slip, an axle `shift` of a post past one, until it has left what it stood on at first. */
+static struct rut roll(const struct bed_kind *kind, const struct towed *wheel, const struct deform_soil *soil,
+		       double spacing, double shift)
+{
+	double radius = wheel->diameter / 2, contact = sqrt(wheel->millimetres / 1e3 * wheel->diameter);
+	int stations = (int)(1.3 * contact / spacing) + 1, rim = 3;
+	int width = (int)(wheel->diameter / spacing) + stations + 2 * rim, height = (int)lround(wheel->width / spacing) + 2 * rim;
+	struct bed_params params = bed_scm(width, height, spacing, *soil);
+	struct deform_shape shape = {.kind = DEFORM_WHEEL, .radius = radius, .width = wheel->width};
+	double x = ceil(rim + radius / spacing) + shift, y = (height - 1) / 2.0;
+	struct deform_pose start = bed_pose(x, y, radius, spacing);
+	struct deform_sweep sweep = {.shape = &shape, .from = start, .to = start, .load = wheel->load};
+	struct reference_forces forces;
+	struct rut rut;
+	void *bed = kind->make(&params);
+	kind->sweep(bed, &sweep, &forces, &rut.sinkage);
+	double standing = rut.sinkage;
+	sweep.turned = spacing / radius;
+	for (int i = 1; i <= stations; i++) {
+		sweep.from = sweep.to;
+		sweep.to = bed_pose(x + i, y, radius, spacing);
+		kind->sweep(bed, &sweep, &forces, &rut.sinkage);
+	}
+	/* Rolling it stands on its front half only. */
+	assert_true(rut.sinkage > 1.1 * standing);
+	bed_near("the load that is carried, N", forces.normal, wheel->load, 1e-6);
+	rut.resistance = forces.work / spacing;
+	kind->destroy(bed);
+	return rut;
+}
+
+/*
+ * A sum over posts is off by half a post at the lowest of the arc, where the stress is greatest and ends; sinkage goes with the
+ * load's 2 / (2 n + 1). A tenth more for what is of second order.
+ */
+static double allowed(const struct towed *wheel, const struct deform_soil *soil, double spacing)
+{
+	double stress = reference_bekker(soil, wheel->width, wheel->millimetres / 1e3);
+	return 1.1 * stress * wheel->width * spacing / 2 / wheel->load * 2 / (2 * soil->bekker_n + 1);
+}
+
+static const struct {
+	size_t wheel;
+	double spacing, shift;
+} rolls[] = {{0, 0.01, 0}, {0, 0.23 / 12, 0.1}, {1, 0.02, 0}, {1, 0.02, 0.5}};
+
+/* Bekker's wheel stands on soil that does not spring back, and its arc is a parabola: 0.5 % off at these depths. */
+static void a_wheel_on_posts_sinks_as_a_towed_one(void **state)
+{
+	for (size_t i = 0; i < sizeof rolls / sizeof *rolls; i++) {
+		const struct towed *wheel = &wheels[rolls[i].wheel];
+		struct deform_soil soil = bed_soil(wheel->soil);
+		soil.elastic_stiffness = 1e12;
+		double arc = reference_arc(&soil, wheel->load, wheel->width, wheel->diameter / 2, false);
+		double error = allowed(wheel, &soil, rolls[i].spacing);
+		print_message("%s, posts of %g m\n", wheel->soil, rolls[i].spacing);
+		struct rut rut = roll(*state, wheel, &soil, rolls[i].spacing, rolls[i].shift);
+		bed_near("the arc's sinkage, and Bekker's, m", arc,
+			 reference_towed(&soil, wheel->load, wheel->width, wheel->diameter), 0.005);
+		bed_near("sinkage, and the arc's, m", rut.sinkage, arc, error);
+		bed_near("sinkage, mm", rut.sinkage * 1e3, wheel->millimetres, error + 0.005);
+		/* It goes with the sinkage's n + 1, and to second order. */
+		double share = 1.05 * (soil.bekker_n + 1) * (error + 0.005);
+		bed_near("resistance, N", rut.resistance, wheel->resistance, share);
+	}
+}
+
+/* The named soils do spring back, and carry some of the load behind the axle: the stress begins and ends at nothing there,
+ * over a post or two at least, and a sum over posts is off by a quarter at most of what it else is. */
+static void a_wheel_on_elastic_soil_sinks_less(void **state)
+{
+	for (size_t i = 0; i < sizeof rolls / sizeof *rolls; i++) {
+		const struct towed *wheel = &wheels[rolls[i].wheel];
+		struct deform_soil soil = bed_soil(wheel->soil);
+		double arc = reference_arc(&soil, wheel->load, wheel->width, wheel->diameter / 2, true);
+		print_message("%s, posts of %g m\n", wheel->soil, rolls[i].spacing);
+		assert_true(arc < 0.95 * reference_towed(&soil, wheel->load, wheel->width, wheel->diameter));
+		struct rut rut = roll(*state, wheel, &soil, rolls[i].spacing, rolls[i].shift);
+		bed_near("sinkage, and the arc's, m", rut.sinkage, arc, allowed(wheel, &soil, rolls[i].spacing) / 4);
+		bed_near("resistance, and of the arc's, N", rut.resistance,
+			 reference_resistance(&soil, wheel->width, rut.sinkage), 0.01);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_towed_wheel_sinks_after_bekker),
+		bed_tests(a_wheel_on_posts_sinks_as_a_towed_one),
+		bed_tests(a_wheel_on_elastic_soil_sinks_less),
+	};
+	return cmocka_run_group_tests_name("validation/wheel", tests, NULL, NULL);
+}
