@@ -35,7 +35,7 @@ class Plot:
             self.text.append(f'<line x1="{LEFT}" x2="{WIDTH - RIGHT}" y1="{at:.1f}" y2="{at:.1f}" stroke="#ddd"/>'
                              f'<text x="{LEFT - 6}" y="{at + 4:.1f}" text-anchor="end">{tick:g}</text>')
         self.text.append(f'<text x="{(LEFT + WIDTH - RIGHT) / 2}" y="{HEIGHT - 12}" text-anchor="middle">'
-                         f'{html.escape(x[0])}</text><text x="6" y="{TOP - 6}">{html.escape(y[0])}</text>')
+                         f'{html.escape(x[0])}</text><text x="6" y="{TOP - 10}">{html.escape(y[0])}</text>')
 
     def share(self, value, axis):
         low, high = axis[1], axis[2]
