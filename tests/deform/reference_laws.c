@@ -362,6 +362,35 @@ static void heaped_soil_is_undisturbed(void **state)
 	assert_true(ground.heaped[POST(9, 9)] == 0 && fabs(ground.pressed[POST(9, 9)] - 0.1) < 1e-6);
 	assert_true(ground.heaped[POST(7, 7)] == 0);
 	assert_true(fabs(reference_volume(&ground)) < 1e-14);
+	/* Pushed a centimetre into the top of the heap. */
+	double heap = ground.heaped[POST(7, 9)];
+	plate.size[0] = plate.size[1] = 0.1;
+	sweep.from = sweep.to = at(&ground, 7, 9, 0.5 + heap - 0.01);
+	params.bulldozing = 0;
+	swept(&ground, &params, &sweep, &forces);
+	double upright = forces.sinkage / 0.01; /* of the heap's normal */
+	assert_true(upright > 0.5 && upright <= 1 + 1e-4 && fabs(ground.pressed[POST(7, 9)] - forces.sinkage) < 1e-15);
+	reference_ground_finish(&ground);
+}
+
+static void what_is_pressed_and_what_is_held_is_told(void **state)
+{
+	(void)state;
+	struct deform_params params = with(DEFORM_SLIPPAGE, "dry_sand");
+	struct deform_shape plate = {.kind = DEFORM_BOX, .size = {0.4, 0.4, 1}};
+	struct reference_ground ground = made(20, 20, 0.1);
+	struct deform_sweep sweep = {.shape = &plate, .from = at(&ground, 8.5, 9.5, 0.4), .to = at(&ground, 11.5, 9.5, 0.4)};
+	struct reference_forces forces;
+	swept(&ground, &params, &sweep, &forces);
+	for (int y = 0; y < 20; y++)
+		for (int x = 0; x < 20; x++) {
+			bool row = y >= 8 && y <= 11;
+			assert_int_equal(ground.contact[POST(x, y)], row && x >= 7 && x <= 9     ? REFERENCE_SWEPT
+								     : row && x >= 10 && x <= 13 ? REFERENCE_SWEPT | REFERENCE_HELD
+												 : 0);
+		}
+	/* Held: still the plate's underside, though beside it soil was laid down. */
+	assert_true(fabs(ground.offset[POST(13, 10)] + 0.1) < 1e-6 && ground.offset[POST(14, 10)] > 0);
 	reference_ground_finish(&ground);
 }
 
@@ -377,6 +406,7 @@ int main(void)
 		cmocka_unit_test(shear_is_against_the_way_of_the_rim),
 		cmocka_unit_test(a_load_is_carried_wherever_there_is_ground),
 		cmocka_unit_test(heaped_soil_is_undisturbed),
+		cmocka_unit_test(what_is_pressed_and_what_is_held_is_told),
 	};
 	return cmocka_run_group_tests_name("deform/reference_laws", tests, NULL, NULL);
 }

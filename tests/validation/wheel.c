@@ -113,10 +113,52 @@ static void a_wheel_on_elastic_soil_sinks_less(void **state)
 	}
 }
 
+/* Where the stresses of the rim have an antiderivative. */
+static void the_rims_integrals_are_what_they_are_on_paper(void **state)
+{
+	(void)state;
+	struct deform_soil soil = bed_soil("dry_sand");
+	struct reference_wheel wheel = {.radius = 0.5, .width = 0.3, .slip = 0.4};
+	double sinkage = 0.06, entry = acos(1 - sinkage / wheel.radius), r = wheel.radius, b = wheel.width, c = 2000;
+	/* No shear, all stress in front: the arc's load, and Bekker's resistance. */
+	soil.friction_angle = soil.cohesion = 0;
+	struct reference_wheel_forces forces = reference_wong_reece(&soil, &wheel, sinkage);
+	double arc = reference_arc_load(&soil, sinkage, b, r, false), resistance = reference_resistance(&soil, b, sinkage);
+	bed_near("load, N", forces.load, arc, 1e-6);
+	bed_near("drawbar, N", forces.drawbar, -resistance, 1e-6);
+	assert_true(forces.torque == 0);
+	/* All of the cohesion at once. */
+	soil.cohesion = c;
+	soil.janosi_shear = 1e-9;
+	forces = reference_wong_reece(&soil, &wheel, sinkage);
+	bed_near("torque of cohesion, N m", forces.torque, r * r * b * c * entry, 1e-6);
+	bed_near("drawbar, N", forces.drawbar, r * b * c * sin(entry) - resistance, 1e-5);
+	bed_near("load, N", forces.load, r * b * c * (1 - cos(entry)) + arc, 1e-5);
+	/* Cohesion in proportion to the displacement: K far off. */
+	soil.janosi_shear = 1e3;
+	for (wheel.slip = -0.5; wheel.slip < 1; wheel.slip += 0.25) {
+		double displacement = r * (entry * entry / 2 - (1 - wheel.slip) * (entry * sin(entry) - (1 - cos(entry))));
+		forces = reference_wong_reece(&soil, &wheel, sinkage);
+		bed_near("torque of a little cohesion, N m", forces.torque, r * r * b * c / 1e3 * displacement, 1e-3);
+	}
+	/* The greatest stress half way: behind it the stresses of the front again, the other way round. */
+	soil = bed_soil("dry_sand");
+	soil.friction_angle = soil.cohesion = 0;
+	wheel = (struct reference_wheel){.radius = 0.5, .width = 0.3, .a0 = 0.25, .a1 = 0.5, .slip = 0.5};
+	double sum = 0, most = 0.5 * entry;
+	for (int i = 0; i < 100000; i++) {
+		double angle = (i + 0.5) / 100000 * entry, like = angle > most ? angle : entry - angle;
+		sum += reference_bekker(&soil, b, r * (cos(like) - cos(entry))) * cos(angle) * r * b * entry / 100000;
+	}
+	bed_near("load, the greatest stress in the middle, N", reference_wong_reece(&soil, &wheel, sinkage).load, sum, 1e-6);
+	bed_near("and its sinkage, m", reference_wong_reece_sinkage(&soil, &wheel, sum), sinkage, 1e-6);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_towed_wheel_sinks_after_bekker),
+		cmocka_unit_test(the_rims_integrals_are_what_they_are_on_paper),
 		bed_tests(a_wheel_on_posts_sinks_as_a_towed_one),
 		bed_tests(a_wheel_on_elastic_soil_sinks_less),
 	};
