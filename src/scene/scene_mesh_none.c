@@ -1,0 +1,8 @@
+/* In place of scene_mesh_import.c in a build without assimp. */
+#include "scene/scene_mesh_import.h"
+
+enum status scene_mesh_import(const char *path, const char *told, struct mesh_corners *corners)
+{
+	*corners = (struct mesh_corners){0};
+	return fail_with(STATUS_INPUT, "%s: this build reads no meshes; build it with assimp (-Dmesh=enabled)", told);
+}
