@@ -9,13 +9,6 @@ static long double metres(int64_t quanta)
 	return ldexpl((long double)quanta, -OFFSET_BITS);
 }
 
-struct motion {
-	int64_t x0, y0;     /* the window's first post from the anchor: the post south-west of the end */
-	long double x, y;   /* of the start, from the anchor */
-	long double dx, dy; /* to the end */
-	int64_t z, dz;      /* quanta: start above the frame's zero, rise */
-};
-
 /* From the post `first` of the lattice to a place on it: every step but the last is exact, so that
  * precision does not depend on where on the lattice this is. */
 static long double from_post(int64_t place, int64_t first, double spacing)
@@ -29,11 +22,11 @@ static int64_t anchor_of(int64_t place, double spacing)
 	return (int64_t)floor(lattice_offset_metres(place) / spacing);
 }
 
-static struct motion motion_of(const struct deform_pose *from, const struct deform_pose *to,
-			       const struct body_frame *frame)
+struct body_motion body_motion_of(const struct deform_pose *from, const struct deform_pose *to,
+				  const struct body_frame *frame)
 {
 	int64_t x = anchor_of(to->x, frame->spacing), y = anchor_of(to->y, frame->spacing);
-	return (struct motion){
+	return (struct body_motion){
 		.x0 = frame->x0 - x,
 		.y0 = frame->y0 - y,
 		.x = from_post(from->x, x, frame->spacing),
@@ -46,7 +39,7 @@ static struct motion motion_of(const struct deform_pose *from, const struct defo
 }
 
 /* The post's place along the direction (c, s) from (x, y). */
-static struct functional along(const struct motion *m, long double c, long double s, double spacing,
+static struct functional along(const struct body_motion *m, long double c, long double s, double spacing,
 			       long double factor, long double plus, int scale, int shift)
 {
 	struct affine value = {(-(m->x * c + m->y * s)) * factor + plus, spacing * c * factor, spacing * s * factor};
@@ -54,7 +47,7 @@ static struct functional along(const struct motion *m, long double c, long doubl
 }
 
 /* Bits of fraction so that the object and its way stay below 2^30: posts beyond are clamped. */
-static int fine_bits(const struct motion *m, long double size)
+static int fine_bits(const struct body_motion *m, long double size)
 {
 	int bits = 29 - ilogbl((hypotl(m->dx, m->dy) + size) * 1.001L);
 	return bits < 40 ? bits : 40;
@@ -75,7 +68,7 @@ static void slope_of(int64_t rise, int64_t length, int32_t *factor, int32_t *shi
 	*shift = bits;
 }
 
-static void fill_round(struct body *body, const struct motion *m, long double radius, long double half_width,
+static void fill_round(struct body *body, const struct body_motion *m, long double radius, long double half_width,
 		       long double length, int fine)
 {
 	int64_t run = llrintl(ldexpl(length, fine));
@@ -91,7 +84,7 @@ static void fill_round(struct body *body, const struct motion *m, long double ra
 	body->c[3] = 1 + (fine > OFFSET_BITS ? fine - OFFSET_BITS : 0);
 }
 
-static void wheel_of(const struct deform_shape *shape, const struct deform_pose *to, const struct motion *m,
+static void wheel_of(const struct deform_shape *shape, const struct deform_pose *to, const struct body_motion *m,
 		     const struct body_frame *frame, struct body *body)
 {
 	long double c = cosl(to->yaw), s = sinl(to->yaw);
@@ -114,7 +107,7 @@ static void wheel_of(const struct deform_shape *shape, const struct deform_pose 
 	}
 }
 
-static void sphere_of(const struct deform_shape *shape, const struct motion *m, const struct body_frame *frame,
+static void sphere_of(const struct deform_shape *shape, const struct body_motion *m, const struct body_frame *frame,
 		      struct body *body)
 {
 	long double length = hypotl(m->dx, m->dy);
@@ -139,7 +132,7 @@ void body_axes(const double size[3], double yaw, double pitch, double roll, doub
 			axes[i][k] = turned[i][k] * size[i] / 2;
 }
 
-static void box_of(const struct deform_shape *shape, const struct deform_pose *to, const struct motion *m,
+static void box_of(const struct deform_shape *shape, const struct deform_pose *to, const struct body_motion *m,
 		   const struct body_frame *frame, struct body *body)
 {
 	double g[4][3];
@@ -187,7 +180,7 @@ static void box_of(const struct deform_shape *shape, const struct deform_pose *t
 void body_of(const struct deform_shape *shape, const struct deform_pose *from, const struct deform_pose *to,
 	     const struct body_frame *frame, struct body *body)
 {
-	struct motion m = motion_of(from, to, frame);
+	struct body_motion m = body_motion_of(from, to, frame);
 	memset(body, 0, sizeof *body);
 	switch (shape->kind) {
 	case DEFORM_WHEEL:
@@ -205,13 +198,37 @@ void body_of(const struct deform_shape *shape, const struct deform_pose *from, c
 	}
 }
 
+double body_wheel_radius(const struct deform_shape *shape)
+{
+	return shape->lugs > 0 ? hypot(shape->radius + shape->lug_height, shape->lug_thickness / 2) : shape->radius;
+}
+
+/* Of the box around it. */
+static void mesh_extent(const struct deform_mesh *mesh, const struct deform_pose *pose, double extent[2])
+{
+	const double unit[3] = {2, 2, 2};
+	double axes[3][3];
+	body_axes(unit, pose->yaw, pose->pitch, pose->roll, axes);
+	for (int k = 0; k < 2; k++) {
+		double low = 0, high = 0;
+		for (int i = 0; i < 3; i++) {
+			low += fmin(axes[i][k] * mesh->low[i], axes[i][k] * mesh->high[i]);
+			high += fmax(axes[i][k] * mesh->low[i], axes[i][k] * mesh->high[i]);
+		}
+		extent[k] = fmax(fabs(low), fabs(high));
+	}
+}
+
 void body_extent(const struct deform_shape *shape, const struct deform_pose *pose, double extent[2])
 {
 	double axes[3][3];
 	extent[0] = extent[1] = shape->radius;
 	if (shape->kind == DEFORM_WHEEL) {
-		extent[0] = fabs(cos(pose->yaw)) * shape->radius + fabs(sin(pose->yaw)) * shape->width / 2;
-		extent[1] = fabs(sin(pose->yaw)) * shape->radius + fabs(cos(pose->yaw)) * shape->width / 2;
+		double radius = body_wheel_radius(shape);
+		extent[0] = fabs(cos(pose->yaw)) * radius + fabs(sin(pose->yaw)) * shape->width / 2;
+		extent[1] = fabs(sin(pose->yaw)) * radius + fabs(cos(pose->yaw)) * shape->width / 2;
+	} else if (shape->kind == DEFORM_MESH) {
+		mesh_extent(shape->mesh, pose, extent);
 	} else if (shape->kind == DEFORM_BOX) {
 		body_axes(shape->size, pose->yaw, pose->pitch, pose->roll, axes);
 		for (int k = 0; k < 2; k++)

@@ -12,6 +12,15 @@ struct body_frame {
 	int64_t zero;   /* quanta, absolute */
 };
 
+struct body_motion {
+	int64_t x0, y0;     /* the window's first post from the anchor: the post south-west of the end */
+	long double x, y;   /* of the start, from the anchor, metres */
+	long double dx, dy; /* to the end */
+	int64_t z, dz;      /* quanta: start above the frame's zero, rise */
+};
+
+struct body_motion body_motion_of(const struct deform_pose *from, const struct deform_pose *to,
+				  const struct body_frame *frame);
 /* The motion from `from` to `to` (its attitude), seen from the frame. */
 void body_of(const struct deform_shape *shape, const struct deform_pose *from, const struct deform_pose *to,
 	     const struct body_frame *frame, struct body *body);
@@ -19,6 +28,8 @@ void body_of(const struct deform_shape *shape, const struct deform_pose *from, c
 void body_extent(const struct deform_shape *shape, const struct deform_pose *pose, double extent[2]);
 /* The three half-axes of a box in this attitude. */
 void body_axes(const double size[3], double yaw, double pitch, double roll, double axes[3][3]);
+/* To the end of its lugs. */
+double body_wheel_radius(const struct deform_shape *shape);
 /* A rise beyond which a sweep counts as a new contact, quanta. */
 #define BODY_RISE_MAX (1 << 29)
 

@@ -39,6 +39,7 @@ void deform_destroy(struct deform *deform)
 	if (deform == NULL)
 		return;
 	deform_drop_layers(deform);
+	deform_facets_destroy(deform->facets);
 	gpu_buffer_destroy(deform->tally);
 	mem_free(deform);
 }

@@ -97,6 +97,8 @@ struct deform;
 
 /* STATUS_INPUT, with the limit, if the shape cannot be simulated at this spacing. */
 enum status deform_shape_check(const struct deform_shape *shape, double spacing) FURROW_CHECKED;
+/* However it is turned, the object lies within this of its centre, metres. */
+double deform_shape_bound(const struct deform_shape *shape);
 /* Height of the lowest point below the centre for this attitude, metres (positive). */
 double deform_shape_reach(const struct deform_shape *shape, double pitch, double roll);
 

@@ -5,6 +5,7 @@
 #include "deform/deform.h"
 
 #define SIDE DEFORM_WINDOW_POSTS
+#define UNDER_NONE INT32_MAX /* lib/window.glsl: the object is not above the post */
 
 /* FBOs over one layer of the scratch; those that the parameters do not call for are NULL. */
 enum scratch_target {
@@ -43,6 +44,8 @@ struct deform {
 	struct layer scratch[DEFORM_WINDOWS_MAX];
 	struct gpu_program *under_program[DEFORM_SHAPES]; /* made when first needed, as all of them */
 	struct gpu_program *none, *box, *dirt;
+	struct gpu_program *facet;
+	struct facets *facets;                 /* meshes' and lugs': made when first needed */
 	struct gpu_buffer *tally;              /* struct deform_tally */
 };
 
@@ -73,6 +76,25 @@ struct window_params deform_window_params(struct post_rect read, uint32_t layer)
 /* underside.c: the object over the window, into `under` and `rest`. */
 enum status deform_underside(struct deform *deform, const struct deform_sweep *sweep,
 			     const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
+
+/* facets.c: the lowest of triangles in motion over the window, into `under` and `rest` by minimum. Begun, added to and
+ * ended for one window at a time. */
+struct facet;
+enum status deform_facets_begin(struct deform *deform, struct post_rect read, uint32_t layer) FURROW_CHECKED;
+/* Room for one more; it counts once it is kept. */
+struct facet *deform_facets_next(struct deform *deform);
+void deform_facets_keep(struct deform *deform);
+void deform_facets_end(struct deform *deform);
+void deform_facets_destroy(struct facets *facets);
+
+/* mesh.c: a mesh over the window; and what its vertices say of it. */
+enum status deform_mesh(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
+			uint32_t layer) FURROW_CHECKED;
+double deform_mesh_reach(const struct deform_mesh *mesh, double pitch, double roll);
+
+/* lugs.c: a wheel's lugs over the window, where the smooth wheel was drawn. */
+enum status deform_lugs(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
+			uint32_t layer) FURROW_CHECKED;
 
 /* model_*.c */
 enum status deform_none(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,

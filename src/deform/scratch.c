@@ -80,6 +80,8 @@ static enum status make_targets(struct deform *deform, uint32_t number)
 		if (of[k].count > 0)
 			status = gpu_target_create(gpu, of[k].list, of[k].count, (struct gpu_attachment){NULL, 0},
 						   &deform->scratch[number].to[k]);
+	if (status == STATUS_OK)
+		status = gpu_target_create_bare(gpu, SIDE, SIDE, &deform->scratch[number].to[TO_BARE]);
 	return status;
 }
 

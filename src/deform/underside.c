@@ -15,6 +15,8 @@ enum status deform_underside(struct deform *deform, const struct deform_sweep *s
 {
 	static const char *const shapes[DEFORM_SHAPES] = {"SHAPE_WHEEL", "SHAPE_SPHERE", "SHAPE_BOX"};
 	enum deform_shape_kind kind = sweep->shape->kind;
+	if (kind == DEFORM_MESH)
+		return deform_mesh(deform, sweep, window, layer);
 	const struct gpu_program_request request = {
 		.vertex = "full.vert",
 		.fragment = "deform/under.frag",
@@ -42,5 +44,5 @@ enum status deform_underside(struct deform *deform, const struct deform_sweep *s
 		.params = &params,
 		.params_bytes = sizeof params,
 	});
-	return STATUS_OK;
+	return kind == DEFORM_WHEEL && sweep->shape->lugs > 0 ? deform_lugs(deform, sweep, window, layer) : STATUS_OK;
 }

@@ -6,13 +6,43 @@
 
 /* Heights within an object are int32 quanta: its half and what a sweep may rise must fit. */
 #define SIZE_MAX_METRES 512.0
+#define LUGS_MAX 360
+
+static enum status check_lugs(const struct deform_shape *shape)
+{
+	if (shape->lugs < 0 || shape->lugs > LUGS_MAX)
+		return fail_with(STATUS_INPUT, "wheel: %d lugs; give 0 to %d", shape->lugs, LUGS_MAX);
+	if (shape->lugs > 0 && (!(shape->lug_height > 0) || !(shape->lug_thickness > 0)))
+		return fail_with(STATUS_INPUT, "wheel: its lugs have no size; give lug_height and lug_thickness above 0");
+	double room = 2 * M_PI * shape->radius / (shape->lugs > 0 ? shape->lugs : 1);
+	if (shape->lugs > 0 && shape->lug_thickness > room)
+		return fail_with(STATUS_INPUT, "wheel: %d lugs %g m thick do not fit around it; give at most %g m", shape->lugs,
+				 shape->lug_thickness, room);
+	return STATUS_OK;
+}
+
+/* Across in any attitude, about its origin: windows are cut around that. */
+static double mesh_across(const struct deform_mesh *mesh)
+{
+	double squares = 0;
+	for (int k = 0; k < 3; k++) {
+		double far = fmax(fabs(mesh->low[k]), fabs(mesh->high[k]));
+		squares += far * far;
+	}
+	return 2 * sqrt(squares);
+}
 
 enum status deform_shape_check(const struct deform_shape *shape, double spacing)
 {
 	double least = 2 * shape->radius, most = 2 * shape->radius;
+	enum status status = shape->kind == DEFORM_WHEEL ? check_lugs(shape) : STATUS_OK;
+	if (status != STATUS_OK)
+		return status;
 	if (shape->kind == DEFORM_WHEEL) {
 		least = fmin(least, shape->width);
-		most = hypot(most, shape->width);
+		most = hypot(2 * body_wheel_radius(shape), shape->width);
+	} else if (shape->kind == DEFORM_MESH) {
+		least = most = mesh_across(shape->mesh); /* a sheet has no thickness, and is a surface */
 	} else if (shape->kind == DEFORM_BOX) {
 		least = fmin(fmin(shape->size[0], shape->size[1]), shape->size[2]);
 		most = hypot(hypot(shape->size[0], shape->size[1]), shape->size[2]);
@@ -27,10 +57,28 @@ enum status deform_shape_check(const struct deform_shape *shape, double spacing)
 	return STATUS_OK;
 }
 
+double deform_shape_bound(const struct deform_shape *shape)
+{
+	switch (shape->kind) {
+	case DEFORM_WHEEL:
+		return hypot(body_wheel_radius(shape), shape->width / 2);
+	case DEFORM_BOX:
+		return hypot(hypot(shape->size[0], shape->size[1]), shape->size[2]) / 2;
+	case DEFORM_MESH:
+		return mesh_across(shape->mesh) / 2;
+	case DEFORM_SPHERE:
+	case DEFORM_SHAPES:
+		break;
+	}
+	return shape->radius;
+}
+
 double deform_shape_reach(const struct deform_shape *shape, double pitch, double roll)
 {
+	if (shape->kind == DEFORM_MESH)
+		return deform_mesh_reach(shape->mesh, pitch, roll);
 	if (shape->kind != DEFORM_BOX)
-		return shape->radius;
+		return shape->radius + (shape->kind == DEFORM_WHEEL && shape->lugs > 0 ? shape->lug_height : 0);
 	double axes[3][3];
 	body_axes(shape->size, 0, pitch, roll, axes);
 	return fabs(axes[0][2]) + fabs(axes[1][2]) + fabs(axes[2][2]);

@@ -3,16 +3,6 @@
 
 #include "run/internal.h"
 
-/* However it is turned, the object lies within this of its centre, metres. */
-static double bound_of(const struct deform_shape *shape)
-{
-	if (shape->kind == DEFORM_WHEEL)
-		return hypot(shape->radius, shape->width / 2);
-	if (shape->kind == DEFORM_SPHERE)
-		return shape->radius;
-	return hypot(hypot(shape->size[0], shape->size[1]), shape->size[2]) / 2;
-}
-
 /* Tiles that so many posts in a row can lie in, shared edges included. */
 static size_t tiles_across(int64_t posts, uint32_t cells, int64_t most)
 {
@@ -31,7 +21,7 @@ static int64_t at_most(int64_t posts)
 static size_t window_tiles(const struct drive *drive, const struct deform_shape *shape)
 {
 	const struct world *world = &drive->meta->world;
-	const struct deform_shape around = {.kind = DEFORM_SPHERE, .radius = bound_of(shape)};
+	const struct deform_shape around = {.kind = DEFORM_SPHERE, .radius = deform_shape_bound(shape)};
 	int64_t post = lattice_offset(drive->spacing);
 	int64_t x = lattice_offset((double)(world->width - 1) * world->spacing / 2);
 	int64_t y = lattice_offset((double)(world->height - 1) * world->spacing / 2);
@@ -73,7 +63,7 @@ uint32_t budget_step_pages(const struct drive *drive)
 	 * at most two rows and two columns more than its extent asks for. */
 	double pages = 0, side = drive->spacing * drive->meta->world.cells;
 	for (size_t i = 0; i < drive->scene->object_count; i++) {
-		double size = 2 * bound_of(&drive->scene->objects[i].shape) + 16 * drive->spacing; /* and what is smoothed around it */
+		double size = 2 * deform_shape_bound(&drive->scene->objects[i].shape) + 16 * drive->spacing; /* and what is smoothed around it */
 		double along = track_fastest(drive->riders[i].track) * drive->scene->time_step / side + 2, across = ceil(size / side) + 1;
 		pages += 2 * along * across + across * across;
 	}

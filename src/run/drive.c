@@ -121,7 +121,7 @@ static enum status mount_riders(struct drive *drive)
 			status = fail_memory("a path");
 		if (status == STATUS_OK)
 			status = local_points(drive, path, points);
-		double turn_reach = fmax(shape->radius, hypot(hypot(shape->size[0], shape->size[1]), shape->size[2]) / 2);
+		double turn_reach = shape->kind == DEFORM_WHEEL ? shape->radius : deform_shape_bound(shape);
 		if (status == STATUS_OK)
 			status = track_create(path, (const double(*)[2])points, drive->spacing, turn_reach, &rider->track);
 		mem_free(points);
@@ -241,12 +241,12 @@ static enum status start_pages(struct drive *drive)
 static enum status warm_up(struct drive *drive)
 {
 	enum status status = STATUS_OK;
-	bool warm[3] = {false};
+	bool warm[DEFORM_SHAPES][2] = {{false}}; /* without lugs, and with */
 	for (size_t i = 0; i < drive->scene->object_count && status == STATUS_OK; i++) {
 		const struct deform_shape *shape = &drive->scene->objects[i].shape;
-		if (!warm[shape->kind])
+		if (!warm[shape->kind][shape->lugs > 0])
 			status = deform_warm(drive->deform, shape);
-		warm[shape->kind] = true;
+		warm[shape->kind][shape->lugs > 0] = true;
 	}
 	if (status == STATUS_OK)
 		status = prefetch_first(drive->prefetch);

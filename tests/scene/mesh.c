@@ -244,7 +244,7 @@ static void refused(const char *name, struct bytes bytes, const char *why)
 {
 	struct deform_mesh *mesh;
 	if (load_scaled(name, bytes, 1, &mesh) != STATUS_INPUT)
-		fail_msg("%s was taken, or failed otherwise: %.*s", name, (int)bytes.length, bytes.at);
+		fail_msg("%s, %zu bytes, was taken, or failed otherwise", name, bytes.length);
 	assert_says("scene.yaml:5: objects[0].shape.mesh.file: ");
 	assert_says(why);
 	free(bytes.at);
@@ -316,7 +316,6 @@ static void a_gltf_that_lies_is_refused(void **state)
 		{"\"count\":6", "\"count\":7"},
 		{"\"byteLength\":72", "\"byteLength\":7200000"},
 		{"\"byteOffset\":72", "\"byteOffset\":4000000000"},
-		{"\"byteLength\":120", "\"byteLength\":119"},
 		{"\"version\":\"2.0\"", "\"version\":\"9.0\""},
 		{"\"indices\":1", "\"indices\":0"},
 		{"\"nodes\":[{\"mesh\":0}]", "\"nodes\":[{\"mesh\":7}]"},

@@ -15,6 +15,13 @@
 bool reference_underside(const struct deform_sweep *sweep, long double x, long double y,
 			 long double *z);
 
+/* Of it, what a mesh and a wheel's lugs are: `axes` the object's own at the end, `way` from start to end in metres. The
+ * lugs are sampled in time: a place on them is right to a 400th of their way. */
+bool reference_mesh(const struct deform_sweep *sweep, long double axes[3][3], const long double way[3], long double x,
+		    long double y, long double *z);
+bool reference_lugs(const struct deform_sweep *sweep, const long double way[3], long double x, long double y,
+		    long double *z);
+
 /* Ground of width x height posts, row 0 the southern: `box` of radius posts, once. In place. */
 #define REFERENCE_SWEPT 1 /* contact: the sweep pressed the post */
 #define REFERENCE_HELD 2  /* contact: the object rests on it at the end */

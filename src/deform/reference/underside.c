@@ -129,6 +129,20 @@ static long double edge(const struct way *way, long double in, long double out)
 	return in;
 }
 
+static bool smooth(const struct way *way, long double *z)
+{
+	long double above = least(way, 0, 1, false);
+	for (int end = 0; end < 2; end++)
+		if (see(way, end).outside < see(way, above).outside)
+			above = end;
+	if (see(way, above).outside > 0)
+		return false;
+	long double first = edge(way, above, 0), last = edge(way, above, 1);
+	long double lowest = see(way, least(way, first, last, true)).z;
+	*z = fminl(lowest, fminl(see(way, first).z, see(way, last).z));
+	return true;
+}
+
 bool reference_underside(const struct deform_sweep *sweep, long double x, long double y, long double *z)
 {
 	struct way way = {
@@ -144,14 +158,13 @@ bool reference_underside(const struct deform_sweep *sweep, long double x, long d
 		level.pitch = 0;
 	for (int k = 0; k < 3; k++)
 		turn(&level, k, way.axes[k]);
-	long double above = least(&way, 0, 1, false);
-	for (int end = 0; end < 2; end++)
-		if (see(&way, end).outside < see(&way, above).outside)
-			above = end;
-	if (see(&way, above).outside > 0)
-		return false;
-	long double first = edge(&way, above, 0), last = edge(&way, above, 1);
-	long double lowest = see(&way, least(&way, first, last, true)).z;
-	*z = fminl(lowest, fminl(see(&way, first).z, see(&way, last).z));
+	const long double whole[3] = {way.dx, way.dy, way.dz};
+	if (sweep->shape->kind == DEFORM_MESH)
+		return reference_mesh(sweep, way.axes, whole, x, y, z);
+	long double lug;
+	bool covered = smooth(&way, z);
+	if (sweep->shape->kind != DEFORM_WHEEL || sweep->shape->lugs == 0 || !reference_lugs(sweep, whole, x, y, &lug))
+		return covered;
+	*z = covered ? fminl(*z, lug) : lug;
 	return true;
 }

@@ -1,0 +1,51 @@
+#version 450 core
+// The lowest a facet is above a post, over the sweep and at its end, into what is lowest there so far.
+// Define: REST.
+
+#include "lib/facet.glsl"
+
+layout(std140, binding = 0) uniform params {
+	ivec4 window; // posts in x and y; the layer
+};
+
+layout(binding = 0, r32i) uniform iimage2DArray under;
+#ifdef REST
+layout(binding = 1, r32i) uniform iimage2DArray rest;
+#endif
+
+layout(location = 0) flat in int number;
+
+void main()
+{
+	facet f = facets[number];
+	ivec3 at = ivec3(ivec2(gl_FragCoord.xy), window.z);
+	ivec2 post = at.xy - f.base.xy, place = post << 16;
+	i64 height = affine(f.plane, post);
+	int plane_shift = int(uint(f.cover.w) >> 24) - 64;
+	// When it is above the post: behind the edges that enter, before those that leave.
+	bool inside[3] = bool[3](left_of(f.corners.xy, f.corners.zw, place), left_of(f.corners.zw, f.third.xy, place),
+				 left_of(f.third.xy, f.corners.xy, place));
+	int first = 0, last = ONE;
+	bool swept = true;
+	for (int k = 0; k < 3; k++) {
+		int kind = (f.cover.z >> (2 + 2 * k)) & 3;
+		int when = fraction_of(affine(f.edges[k], post), ((f.cover.w >> (8 * k)) & 255) - 64);
+		first = kind == EDGE_ENTERS ? max(first, when) : first;
+		last = kind == EDGE_LEAVES ? min(last, when) : last;
+		swept = swept && (kind != 0 || inside[k]);
+	}
+	if (swept && first <= last) {
+		int when = f.base.z < 0 ? last : first;
+		i64 change = i64_sar(i64_mul(when, f.base.z), (f.cover.z >> 8) & 255);
+		int v = fraction_of(i64_add(height, change), plane_shift);
+		v = clamp(v, f.third.z - max(f.base.w, 0), f.third.w + max(-f.base.w, 0));
+		imageAtomicMin(under, at, v);
+	}
+	if ((f.cover.z & 1) != 0 && inside[0] && inside[1] && inside[2]) {
+		int v = clamp(fraction_of(height, plane_shift), f.third.z, f.third.w);
+		imageAtomicMin(under, at, v);
+#ifdef REST
+		imageAtomicMin(rest, at, v);
+#endif
+	}
+}

@@ -1,0 +1,152 @@
+#include "deform/facet.h"
+
+#include <math.h>
+#include <string.h>
+
+#define UNIT (1 << FACET_BITS)
+#define ONE_BITS 28       /* of shares of the way */
+#define COEFFICIENT 30    /* bits of what is multiplied with a number of posts */
+#define STEEPEST 0x1p46   /* quanta a post: what is steeper is narrower than 2^-FACET_BITS posts */
+#define ASIDE 16          /* an edge that moves less than 2^-FACET_BITS / ASIDE posts aside moves along itself */
+
+enum edge_kind { EDGE_ALONG, EDGE_ENTERS, EDGE_LEAVES };
+
+static int64_t cross(int64_t ax, int64_t ay, int64_t bx, int64_t by)
+{
+	return ax * by - ay * bx;
+}
+
+static int32_t least(int32_t a, int32_t b)
+{
+	return a < b ? a : b;
+}
+
+static int32_t most(int32_t a, int32_t b)
+{
+	return a > b ? a : b;
+}
+
+static int64_t floor_posts(int64_t place)
+{
+	return place >> FACET_BITS;
+}
+
+static int64_t ceil_posts(int64_t place)
+{
+	return (place + UNIT - 1) >> FACET_BITS;
+}
+
+/* at + i di + j dj in 2^-shift, as large as its coefficients allow; the half makes a shift right round to nearest.
+ * A negative shift is one to the left. */
+static int affine_of(double at, double di, double dj, int shift_most, int32_t words[4])
+{
+	double slope = fmax(fabs(di), fabs(dj));
+	int shift = slope > 0 ? COEFFICIENT - 1 - ilogb(slope) : shift_most;
+	shift = shift < shift_most ? shift : shift_most;
+	int64_t whole = llrint(ldexp(at, shift)) + (shift > 0 ? (int64_t)1 << (shift - 1) : 0);
+	words[0] = (int32_t)(uint32_t)whole;
+	words[1] = (int32_t)(uint32_t)((uint64_t)whole >> 32);
+	words[2] = (int32_t)lrint(ldexp(di, shift));
+	words[3] = (int32_t)lrint(ldexp(dj, shift));
+	return shift;
+}
+
+/* When in the motion, counted back from its end, the edge passes over the facet's post (i, j). */
+static enum edge_kind edge_of(const int32_t from[2], const int32_t to[2], const struct facet_motion *motion, int32_t words[4],
+			      int *shift)
+{
+	int64_t x = (int64_t)to[0] - from[0], y = (int64_t)to[1] - from[1];
+	int64_t aside = cross(x, y, motion->x, motion->y);
+	*shift = 0;
+	memset(words, 0, 4 * sizeof *words);
+	if ((double)(aside < 0 ? -aside : aside) * ASIDE < hypot((double)x, (double)y))
+		return EDGE_ALONG;
+	double one = ldexp(1, ONE_BITS) / (double)aside;
+	*shift = affine_of(-(double)cross(x, y, -(int64_t)from[0], -(int64_t)from[1]) * one, (double)y * UNIT * one,
+			   -(double)x * UNIT * one, COEFFICIENT, words);
+	return aside > 0 ? EDGE_ENTERS : EDGE_LEAVES;
+}
+
+/* What the height at a post changes by over the whole motion, counted back, as a factor of at most 31 bits of a
+ * share, and its shift; in the plane's own fractions. */
+static int32_t rate_of(double rate, int *shift)
+{
+	*shift = 0;
+	if (rate == 0)
+		return 0;
+	*shift = COEFFICIENT - 1 - ilogb(rate) + ONE_BITS;
+	*shift = *shift < 62 ? *shift : 62;
+	return (int32_t)lrint(ldexp(rate, *shift - ONE_BITS));
+}
+
+/* The posts it is ever above: first and last, from the anchor. */
+static bool covers(const int32_t at[3], int32_t motion, int64_t posts[2])
+{
+	int64_t low = least(least(at[0], at[1]), at[2]), high = most(most(at[0], at[1]), at[2]);
+	posts[0] = ceil_posts(low - most(motion, 0));
+	posts[1] = floor_posts(high - least(motion, 0));
+	return posts[0] <= posts[1];
+}
+
+/* The same within a window's side: first, and one behind the last in the high half. */
+static bool clipped(const int64_t posts[2], int64_t first, int32_t side, int32_t *word)
+{
+	int64_t low = posts[0] - first, high = posts[1] + 1 - first;
+	low = low > 0 ? low : 0;
+	high = high < side ? high : side;
+	if (low >= high)
+		return false;
+	*word = (int32_t)(low | high << 16);
+	return true;
+}
+
+bool facet_of(const struct facet_corner corners[3], const struct facet_motion *motion, bool resting,
+	      const struct facet_window *window, struct facet *facet)
+{
+	const struct facet_corner *c[3] = {&corners[0], &corners[1], &corners[2]};
+	int64_t posts[2][2];
+	if (!covers((const int32_t[3]){c[0]->x, c[1]->x, c[2]->x}, motion->x, posts[0]) ||
+	    !covers((const int32_t[3]){c[0]->y, c[1]->y, c[2]->y}, motion->y, posts[1]) ||
+	    !clipped(posts[0], window->x0, window->width, &facet->cover[0]) ||
+	    !clipped(posts[1], window->y0, window->height, &facet->cover[1]))
+		return false;
+	int64_t area = cross((int64_t)c[1]->x - c[0]->x, (int64_t)c[1]->y - c[0]->y, (int64_t)c[2]->x - c[0]->x,
+			     (int64_t)c[2]->y - c[0]->y);
+	if (area == 0)
+		return false;
+	if (area < 0) {
+		const struct facet_corner *other = c[1];
+		c[1] = c[2];
+		c[2] = other;
+		area = -area;
+	}
+	int32_t at[3][2];
+	for (int k = 0; k < 3; k++) {
+		at[k][0] = (int32_t)(c[k]->x - posts[0][0] * UNIT);
+		at[k][1] = (int32_t)(c[k]->y - posts[1][0] * UNIT);
+	}
+	double x1 = (double)at[1][0] - at[0][0], y1 = (double)at[1][1] - at[0][1], z1 = c[1]->z - c[0]->z;
+	double x2 = (double)at[2][0] - at[0][0], y2 = (double)at[2][1] - at[0][1], z2 = c[2]->z - c[0]->z;
+	double di = (z1 * y2 - z2 * y1) / (double)area * UNIT, dj = (z2 * x1 - z1 * x2) / (double)area * UNIT;
+	if (!(fmax(fabs(di), fabs(dj)) < STEEPEST))
+		return false;
+	int shifts[4], rate_shift, kinds = resting;
+	shifts[3] = affine_of(c[0]->z - (di * at[0][0] + dj * at[0][1]) / UNIT, di, dj, 12, facet->plane);
+	for (int k = 0; k < 3; k++)
+		kinds |= (int)edge_of(at[k], at[(k + 1) % 3], motion, facet->edges[k], &shifts[k]) << (2 + 2 * k);
+	double rate = (di * motion->x + dj * motion->y) / UNIT - motion->z;
+	facet->base[2] = rate_of(ldexp(rate, shifts[3]), &rate_shift);
+	facet->base[0] = (int32_t)(posts[0][0] - window->x0);
+	facet->base[1] = (int32_t)(posts[1][0] - window->y0);
+	facet->base[3] = motion->z;
+	facet->cover[2] = kinds | rate_shift << 8;
+	facet->cover[3] = (shifts[0] + 64) | (shifts[1] + 64) << 8 | (shifts[2] + 64) << 16 | (int32_t)((uint32_t)(shifts[3] + 64) << 24);
+	for (int k = 0; k < 2; k++) {
+		facet->corners[k] = at[0][k];
+		facet->corners[2 + k] = at[1][k];
+		facet->third[k] = at[2][k];
+	}
+	facet->third[2] = (int32_t)floor(fmin(fmin(c[0]->z, c[1]->z), c[2]->z));
+	facet->third[3] = (int32_t)ceil(fmax(fmax(c[0]->z, c[1]->z), c[2]->z));
+	return true;
+}

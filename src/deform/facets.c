@@ -1,0 +1,101 @@
+/*
+ * Triangles in motion drawn over a window: each as a rectangle around the posts it can be above, by instances; the
+ * fragment decides in whole numbers and keeps the lowest by an atomic minimum, so their order does not matter.
+ */
+#include "deform/facet.h"
+#include "deform/internal.h"
+
+#define ROOM 4096 /* facets a draw: half a megabyte */
+
+struct facets {
+	struct gpu_buffer *buffer;
+	struct post_rect read;
+	uint32_t layer, count;
+	bool drawn; /* the program was run: drivers compile it then */
+	struct facet list[ROOM];
+};
+
+void deform_facets_destroy(struct facets *facets)
+{
+	if (facets == NULL)
+		return;
+	gpu_buffer_destroy(facets->buffer);
+	mem_free(facets);
+}
+
+static enum status make(struct deform *deform)
+{
+	struct facets *facets = mem_calloc(1, sizeof *facets);
+	if (facets == NULL)
+		return fail_memory("the triangles of objects");
+	enum status status = gpu_buffer_create(deform->params.gpu, GPU_STORAGE, sizeof facets->list, NULL, &facets->buffer);
+	if (status != STATUS_OK) {
+		mem_free(facets);
+		return status;
+	}
+	deform->facets = facets;
+	return STATUS_OK;
+}
+
+enum status deform_facets_begin(struct deform *deform, struct post_rect read, uint32_t layer)
+{
+	const struct gpu_program_request request = {
+		.vertex = "deform/facet.vert",
+		.fragment = "deform/facet.frag",
+		.defines = {deform->rest != NULL ? "REST" : NULL},
+	};
+	enum status status = deform_program(deform, &request, &deform->facet);
+	if (status == STATUS_OK && deform->facets == NULL)
+		status = make(deform);
+	if (status != STATUS_OK)
+		return status;
+	deform->facets->read = read;
+	deform->facets->layer = layer;
+	deform->facets->count = 0;
+	return STATUS_OK;
+}
+
+static void draw(struct deform *deform)
+{
+	struct facets *facets = deform->facets;
+	struct window_params params = deform_window_params(facets->read, facets->layer);
+	gpu_buffer_write(facets->buffer, 0, facets->count * sizeof facets->list[0], facets->list);
+	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
+		.stage = GPU_DISPLACE,
+		.program = deform->facet,
+		.target = deform->scratch[facets->layer].to[TO_BARE],
+		.viewport = {0, 0, (uint32_t)params.window[0], (uint32_t)params.window[1]},
+		.storage = {facets->buffer},
+		.images = {deform->under, deform->rest},
+		.params = &params,
+		.params_bytes = sizeof params,
+		.instances = facets->count,
+	});
+	facets->count = 0;
+	facets->drawn = true;
+}
+
+struct facet *deform_facets_next(struct deform *deform)
+{
+	if (deform->facets->count == ROOM)
+		draw(deform);
+	return &deform->facets->list[deform->facets->count];
+}
+
+void deform_facets_keep(struct deform *deform)
+{
+	deform->facets->count++;
+}
+
+void deform_facets_end(struct deform *deform)
+{
+	struct facets *facets = deform->facets;
+	if (facets->count == 0 && !facets->drawn)
+		/* Its first edge leaves before the motion begins: it is above no post. */
+		facets->list[facets->count++] = (struct facet){
+			.cover = {1 << 16, 1 << 16, 2 << 2, 64 | 64 << 8 | 64 << 16 | 64 << 24},
+			.edges = {{-1, -1, 0, 0}},
+		};
+	if (facets->count > 0)
+		draw(deform);
+}

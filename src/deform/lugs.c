@@ -1,0 +1,152 @@
+/*
+ * A wheel's lugs: bars across its rim, as long as it is wide, that stand out from it and turn with it. The smooth wheel
+ * is there already; here the lower faces of the bars are drawn over it, and the lower of the two is the underside.
+ *
+ * A sweep translates; a bar also turns about the axle. It is taken to go straight from where it is at the sweep's
+ * start to where it is at its end, in the attitude of the one and of the other (a bar of a rolling wheel hardly leaves its
+ * place on the ground). Where the wheel turns far, as when it spins, it does so in steps of at most STEP.
+ *
+ * Turned by a bar's share of a turn the wheel is the same to the bit: the phase is a whole number of 2^-32 of that.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "deform/body.h"
+#include "deform/facet.h"
+#include "deform/internal.h"
+
+#define STEP 0.2     /* radians */
+#define STEPS_MAX 32 /* more than that in one post, and every place on the rim was passed */
+
+/* In the wheel's own plane: along its heading, and up; metres. */
+struct spot {
+	double u, w;
+};
+
+/* One window's drawing. */
+struct lugs {
+	struct deform *deform;
+	const struct deform_shape *shape;
+	const struct body_motion *motion;
+	struct facet_window window;
+	double c, s; /* of the yaw */
+};
+
+/* A bar's section at an angle from straight down, forwards going back and up: inner corners on the rim's inside. */
+static void section(const struct deform_shape *shape, double angle, struct spot corners[4])
+{
+	double half = shape->lug_thickness / 2;
+	double inner = sqrt(fmax(0, shape->radius * shape->radius - half * half)), outer = shape->radius + shape->lug_height;
+	double c = cos(angle), s = sin(angle);
+	const double out[4] = {inner, outer, outer, inner}, along[4] = {-half, -half, half, half};
+	for (int k = 0; k < 4; k++)
+		corners[k] = (struct spot){-s * out[k] - c * along[k], -c * out[k] + s * along[k]};
+}
+
+static struct spot centre_of(const struct deform_shape *shape, double angle)
+{
+	return (struct spot){-sin(angle) * shape->radius, -cos(angle) * shape->radius};
+}
+
+/* Under the smooth wheel's top half nothing of a bar shows, except beyond the rim. */
+static bool shows(const struct deform_shape *shape, const struct spot corners[4])
+{
+	for (int k = 0; k < 4; k++)
+		if (corners[k].w < 0 || fabs(corners[k].u) > shape->radius)
+			return true;
+	return false;
+}
+
+/* A place of the wheel when `share` of the way is behind it. */
+static struct facet_corner corner_of(const struct lugs *lugs, struct spot spot, double side, double share)
+{
+	const struct body_motion *m = lugs->motion;
+	double posts = ldexp(1, FACET_BITS) / lugs->deform->spacing;
+	double x = (double)(m->x + share * m->dx) + spot.u * lugs->c - side * lugs->s;
+	double y = (double)(m->y + share * m->dy) + spot.u * lugs->s + side * lugs->c;
+	return (struct facet_corner){
+		.x = (int32_t)lrint(x * posts),
+		.y = (int32_t)lrint(y * posts),
+		.z = (double)m->z + share * (double)m->dz + ldexp(spot.w, OFFSET_BITS),
+	};
+}
+
+/* A bar whose section is `corners` at the end of its way, which is `motion`. */
+static void draw_bar(struct lugs *lugs, const struct spot corners[4], double share, const struct facet_motion *motion,
+		     bool resting)
+{
+	for (int k = 0; k < 3; k++) { /* the fourth face lies in the wheel */
+		const struct spot *a = &corners[k], *b = &corners[k + 1];
+		if (b->u >= a->u)
+			continue; /* it looks up, or aside: what is below it is lower */
+		double half = lugs->shape->width / 2;
+		const struct facet_corner at[4] = {corner_of(lugs, *a, -half, share), corner_of(lugs, *b, -half, share),
+						   corner_of(lugs, *b, half, share), corner_of(lugs, *a, half, share)};
+		const struct facet_corner halves[2][3] = {{at[0], at[1], at[2]}, {at[0], at[2], at[3]}};
+		for (int i = 0; i < 2; i++)
+			if (facet_of(halves[i], motion, resting, &lugs->window, deform_facets_next(lugs->deform)))
+				deform_facets_keep(lugs->deform);
+	}
+}
+
+/* From one angle to the next, while the wheel goes from one share of its way to the other. */
+static void draw_step(struct lugs *lugs, const double angles[2], const double shares[2], bool last)
+{
+	struct spot corners[2][4];
+	for (int k = 0; k < 2; k++)
+		section(lugs->shape, angles[k], corners[k]);
+	if (!shows(lugs->shape, corners[0]) && !shows(lugs->shape, corners[1]))
+		return;
+	struct spot from = centre_of(lugs->shape, angles[0]), to = centre_of(lugs->shape, angles[1]);
+	/* The rounding of the whole way is that of its ends, so that at rest there is none. */
+	struct facet_corner start = corner_of(lugs, from, 0, shares[0]), end = corner_of(lugs, to, 0, shares[1]);
+	struct facet_motion motion = {end.x - start.x, end.y - start.y, (int32_t)lrint(end.z - start.z)};
+	draw_bar(lugs, corners[1], shares[1], &motion, last);
+	if (angles[0] == angles[1])
+		return;
+	/* Its first attitude, where that would be at the end. */
+	for (int k = 0; k < 4; k++) {
+		corners[0][k].u += to.u - from.u;
+		corners[0][k].w += to.w - from.w;
+	}
+	draw_bar(lugs, corners[0], shares[1], &motion, false);
+}
+
+/* The angle of the first bar, less than a bar's share of a turn. */
+static double phase_of(double turn, double share)
+{
+	double bars = turn / share;
+	return (double)(uint32_t)(int64_t)llrint(ldexp(bars - floor(bars), 32)) * ldexp(share, -32);
+}
+
+enum status deform_lugs(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
+			uint32_t layer)
+{
+	const struct deform_shape *shape = sweep->shape;
+	const struct post_rect read = window->read;
+	const struct body_frame frame = {.x0 = read.x0, .y0 = read.y0, .spacing = deform->spacing, .zero = sweep->to.z};
+	const struct deform_pose *from = deform_is_contact_only(sweep) ? &sweep->to : &sweep->from;
+	enum status status = deform_facets_begin(deform, read, layer);
+	if (status != STATUS_OK)
+		return status;
+	struct body_motion motion = body_motion_of(from, &sweep->to, &frame);
+	struct lugs lugs = {
+		.deform = deform,
+		.shape = shape,
+		.motion = &motion,
+		.window = {motion.x0, motion.y0, (int32_t)(read.x1 - read.x0), (int32_t)(read.y1 - read.y0)},
+		.c = cos(sweep->to.yaw),
+		.s = sin(sweep->to.yaw),
+	};
+	double share = 2 * M_PI / shape->lugs, turned = sweep->to.turn - from->turn, end = phase_of(sweep->to.turn, share);
+	int steps = (int)fmin(fmax(ceil(fabs(turned) / STEP), 1), STEPS_MAX);
+	for (int i = 0; i < shape->lugs; i++)
+		for (int k = 0; k < steps; k++) {
+			const double shares[2] = {(double)k / steps, (double)(k + 1) / steps};
+			double angle = end + i * share;
+			draw_step(&lugs, (const double[2]){angle - (1 - shares[0]) * turned, angle - (1 - shares[1]) * turned}, shares,
+				  k + 1 == steps);
+		}
+	deform_facets_end(deform);
+	return STATUS_OK;
+}

@@ -1,0 +1,91 @@
+/*
+ * A mesh in motion over a window. Its underside, exactly: at a post the lowest of all its triangles over the
+ * sweep, whichever way round they are, so a mesh may be concave, open or cut through itself. A sheet that stands exactly
+ * upright is seen edge-on and presses nothing where no other triangle shares its edges.
+ *
+ * Vertices are turned in doubles and snapped to 2^-FACET_BITS posts along the ground; all that follows
+ * from them at a post is whole numbers.
+ */
+#include <math.h>
+
+#include "deform/body.h"
+#include "deform/facet.h"
+#include "deform/internal.h"
+
+static const double unit[3] = {2, 2, 2}; /* of which half is one */
+
+static void turn(const float vertex[3], double axes[3][3], double at[3])
+{
+	for (int k = 0; k < 3; k++)
+		at[k] = vertex[0] * axes[0][k] + vertex[1] * axes[1][k] + vertex[2] * axes[2][k];
+}
+
+double deform_mesh_reach(const struct deform_mesh *mesh, double pitch, double roll)
+{
+	double axes[3][3], lowest = 0;
+	body_axes(unit, 0, pitch, roll, axes);
+	for (uint32_t i = 0; i < mesh->vertex_count; i++) {
+		const float *v = mesh->vertices[i];
+		double z = v[0] * axes[0][2] + v[1] * axes[1][2] + v[2] * axes[2][2];
+		lowest = i == 0 ? z : fmin(lowest, z);
+	}
+	return -lowest;
+}
+
+/* Where the vertices are at the sweep's end. */
+static void place(const struct deform_mesh *mesh, const struct deform_pose *to, const struct body_motion *motion,
+		  double spacing, struct facet_corner *corners)
+{
+	double axes[3][3], posts = ldexp(1, FACET_BITS) / spacing;
+	double x = (double)(motion->x + motion->dx), y = (double)(motion->y + motion->dy), z = (double)(motion->z + motion->dz);
+	body_axes(unit, to->yaw, to->pitch, to->roll, axes);
+	for (uint32_t i = 0; i < mesh->vertex_count; i++) {
+		double at[3];
+		turn(mesh->vertices[i], axes, at);
+		corners[i] = (struct facet_corner){
+			.x = (int32_t)lrint((x + at[0]) * posts),
+			.y = (int32_t)lrint((y + at[1]) * posts),
+			.z = z + ldexp(at[2], OFFSET_BITS),
+		};
+	}
+}
+
+static void draw(struct deform *deform, const struct deform_mesh *mesh, const struct facet_corner *corners,
+		 const struct facet_motion *motion, const struct facet_window *around)
+{
+	for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+		const uint32_t *index = mesh->triangles[t];
+		const struct facet_corner at[3] = {corners[index[0]], corners[index[1]], corners[index[2]]};
+		if (facet_of(at, motion, true, around, deform_facets_next(deform)))
+			deform_facets_keep(deform);
+	}
+	deform_facets_end(deform);
+}
+
+enum status deform_mesh(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
+			uint32_t layer)
+{
+	const struct deform_mesh *mesh = sweep->shape->mesh;
+	const struct post_rect read = window->read;
+	const struct gpu_rect all = {0, 0, (uint32_t)(read.x1 - read.x0), (uint32_t)(read.y1 - read.y0)};
+	const struct body_frame frame = {.x0 = read.x0, .y0 = read.y0, .spacing = deform->spacing, .zero = sweep->to.z};
+	const struct deform_pose *from = deform_is_contact_only(sweep) ? &sweep->to : &sweep->from;
+	struct body_motion motion = body_motion_of(from, &sweep->to, &frame);
+	struct facet_corner *corners = mem_alloc(mesh->vertex_count, sizeof *corners);
+	if (corners == NULL)
+		return fail_memory("the vertices of a mesh");
+	enum status status = deform_facets_begin(deform, read, layer);
+	if (status == STATUS_OK) {
+		double posts = ldexp(1, FACET_BITS) / deform->spacing;
+		struct facet_motion by = {(int32_t)lrint((double)motion.dx * posts), (int32_t)lrint((double)motion.dy * posts),
+					  (int32_t)motion.dz};
+		struct facet_window around = {motion.x0, motion.y0, (int32_t)all.width, (int32_t)all.height};
+		gpu_texture_clear(deform->under, layer, all, UNDER_NONE);
+		if (deform->rest != NULL)
+			gpu_texture_clear(deform->rest, layer, all, UNDER_NONE);
+		place(mesh, &sweep->to, &motion, deform->spacing, corners);
+		draw(deform, mesh, corners, &by, &around);
+	}
+	mem_free(corners);
+	return status;
+}
