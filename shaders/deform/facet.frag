@@ -25,19 +25,26 @@ void main()
 	// When it is above the post: behind the edges that enter, before those that leave.
 	bool inside[3] = bool[3](left_of(f.corners.xy, f.corners.zw, place), left_of(f.corners.zw, f.third.xy, place),
 				 left_of(f.third.xy, f.corners.xy, place));
-	int first = 0, last = ONE;
+	int first = 0, last = ONE, comes = -1, goes = -1; // and by which edge
 	bool swept = true;
 	for (int k = 0; k < 3; k++) {
 		int kind = (f.cover.z >> (2 + 2 * k)) & 3;
 		int when = fraction_of(affine(f.edges[k], post), ((f.cover.w >> (8 * k)) & 255) - 64);
-		first = kind == EDGE_ENTERS ? max(first, when) : first;
-		last = kind == EDGE_LEAVES ? min(last, when) : last;
+		bool later = kind == EDGE_ENTERS && when > first, sooner = kind == EDGE_LEAVES && when < last;
+		first = later ? when : first;
+		comes = later ? k : comes;
+		last = sooner ? when : last;
+		goes = sooner ? k : goes;
 		swept = swept && (kind != 0 || inside[k]);
 	}
 	if (swept && first <= last) {
-		int when = f.base.z < 0 ? last : first;
-		i64 change = i64_sar(i64_mul(when, f.base.z), (f.cover.z >> 8) & 255);
+		// In between its height changes evenly: the lowest is at one end, on an edge or where the motion ends.
+		bool later = f.base.z < 0;
+		int edge = later ? goes : comes;
+		i64 change = later ? i64_sar(i64_mul(ONE, f.base.z), (f.cover.z >> 8) & 63) : i64_from(0);
 		int v = fraction_of(i64_add(height, change), plane_shift);
+		if (edge >= 0)
+			v = fraction_of(affine(f.sides[edge], post), ((f.cover.z >> (14 + 6 * edge)) & 63) - 32);
 		v = clamp(v, f.third.z - max(f.base.w, 0), f.third.w + max(-f.base.w, 0));
 		imageAtomicMin(under, at, v);
 	}

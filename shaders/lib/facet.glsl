@@ -8,10 +8,12 @@ struct facet {
 	ivec4 corners; // x, y; x, y: at the end, counter-clockwise
 	ivec4 third;   // x, y; the lowest and the highest of the three
 	ivec4 cover;   // posts of the window it is ever above, in x and in y: first, one behind the last << 16;
-	               // bit 0: rests, two bits an edge from bit 2 on, rate's shift << 8; four shifts + 64
-	ivec4 base;    // its own post, of the window; rate; rise of the motion
+	               // bit 0: rests, two bits an edge from bit 2 on, rate's shift << 8, six bits a side from bit
+	               // 14 on: its shift + 32; the shifts of the edges and of the plane + 64, a byte each
+	ivec4 base;    // its own post, of the window; how much lower it was at a post at the start; rise of the motion
 	ivec4 plane;   // height at the end: lo, hi at its own post; a post east, north
 	ivec4 edges[3]; // when an edge passes over a post: the same
+	ivec4 sides[3]; // how high it is then: the same
 };
 
 layout(std430, binding = 0) readonly buffer facet_list {

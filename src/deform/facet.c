@@ -51,20 +51,33 @@ static int affine_of(double at, double di, double dj, int shift_most, int32_t wo
 	return shift;
 }
 
-/* When in the motion, counted back from its end, the edge passes over the facet's post (i, j). */
-static enum edge_kind edge_of(const int32_t from[2], const int32_t to[2], const struct facet_motion *motion, int32_t words[4],
-			      int *shift)
+/* One edge of a facet in motion. */
+struct edge {
+	const int32_t *from, *to; /* x, y from the facet's post */
+	double z, rise;           /* of `from`; to `to` */
+	enum edge_kind kind;
+	int when_shift, side_shift;
+};
+
+/* When in the motion, counted back from its end, the edge passes over the facet's post (i, j), and how high it is then:
+ * the plane that it sweeps over. */
+static void edge_of(struct edge *edge, const struct facet_motion *motion, int32_t when[4], int32_t side[4])
 {
-	int64_t x = (int64_t)to[0] - from[0], y = (int64_t)to[1] - from[1];
+	int64_t x = (int64_t)edge->to[0] - edge->from[0], y = (int64_t)edge->to[1] - edge->from[1];
 	int64_t aside = cross(x, y, motion->x, motion->y);
-	*shift = 0;
-	memset(words, 0, 4 * sizeof *words);
+	memset(when, 0, 4 * sizeof *when);
+	memset(side, 0, 4 * sizeof *side);
+	edge->when_shift = edge->side_shift = 0;
+	edge->kind = EDGE_ALONG;
 	if ((double)(aside < 0 ? -aside : aside) * ASIDE < hypot((double)x, (double)y))
-		return EDGE_ALONG;
-	double one = ldexp(1, ONE_BITS) / (double)aside;
-	*shift = affine_of(-(double)cross(x, y, -(int64_t)from[0], -(int64_t)from[1]) * one, (double)y * UNIT * one,
-			   -(double)x * UNIT * one, COEFFICIENT, words);
-	return aside > 0 ? EDGE_ENTERS : EDGE_LEAVES;
+		return;
+	double one = ldexp(1, ONE_BITS) / (double)aside, unit = UNIT / (double)aside;
+	edge->kind = aside > 0 ? EDGE_ENTERS : EDGE_LEAVES;
+	edge->when_shift = affine_of(-(double)cross(x, y, -(int64_t)edge->from[0], -(int64_t)edge->from[1]) * one,
+				     (double)y * UNIT * one, -(double)x * UNIT * one, COEFFICIENT, when);
+	double di = (edge->rise * motion->y - (double)motion->z * (double)y) * unit;
+	double dj = ((double)x * motion->z - edge->rise * motion->x) * unit;
+	edge->side_shift = affine_of(edge->z - (di * edge->from[0] + dj * edge->from[1]) / UNIT, di, dj, 12, side);
 }
 
 /* What the height at a post changes by over the whole motion, counted back, as a factor of at most 31 bits of a
@@ -130,16 +143,22 @@ bool facet_of(const struct facet_corner corners[3], const struct facet_motion *m
 	double di = (z1 * y2 - z2 * y1) / (double)area * UNIT, dj = (z2 * x1 - z1 * x2) / (double)area * UNIT;
 	if (!(fmax(fabs(di), fabs(dj)) < STEEPEST))
 		return false;
-	int shifts[4], rate_shift, kinds = resting;
+	int shifts[4], rate_shift;
+	uint32_t kinds = resting;
 	shifts[3] = affine_of(c[0]->z - (di * at[0][0] + dj * at[0][1]) / UNIT, di, dj, 12, facet->plane);
-	for (int k = 0; k < 3; k++)
-		kinds |= (int)edge_of(at[k], at[(k + 1) % 3], motion, facet->edges[k], &shifts[k]) << (2 + 2 * k);
+	for (int k = 0; k < 3; k++) {
+		int next = (k + 1) % 3;
+		struct edge edge = {.from = at[k], .to = at[next], .z = c[k]->z, .rise = c[next]->z - c[k]->z};
+		edge_of(&edge, motion, facet->edges[k], facet->sides[k]);
+		shifts[k] = edge.when_shift;
+		kinds |= (uint32_t)edge.kind << (2 + 2 * k) | (uint32_t)(edge.side_shift + 32) << (14 + 6 * k);
+	}
 	double rate = (di * motion->x + dj * motion->y) / UNIT - motion->z;
 	facet->base[2] = rate_of(ldexp(rate, shifts[3]), &rate_shift);
 	facet->base[0] = (int32_t)(posts[0][0] - window->x0);
 	facet->base[1] = (int32_t)(posts[1][0] - window->y0);
 	facet->base[3] = motion->z;
-	facet->cover[2] = kinds | rate_shift << 8;
+	facet->cover[2] = (int32_t)(kinds | (uint32_t)rate_shift << 8);
 	facet->cover[3] = (shifts[0] + 64) | (shifts[1] + 64) << 8 | (shifts[2] + 64) << 16 | (int32_t)((uint32_t)(shifts[3] + 64) << 24);
 	for (int k = 0; k < 2; k++) {
 		facet->corners[k] = at[0][k];

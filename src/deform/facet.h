@@ -15,7 +15,7 @@
 
 /* std430 twin of `struct facet`: what its words hold is told there. */
 struct facet {
-	int32_t corners[4], third[4], cover[4], base[4], plane[4], edges[3][4];
+	int32_t corners[4], third[4], cover[4], base[4], plane[4], edges[3][4], sides[3][4];
 };
 
 /* x, y from the anchor in 2^-FACET_BITS posts; z in quanta above the frame's zero. */
