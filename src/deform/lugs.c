@@ -3,8 +3,9 @@
  * is there already; here the lower faces of the bars are drawn over it, and the lower of the two is the underside.
  *
  * A sweep translates; a bar also turns about the axle. It is taken to go straight from where it is at the sweep's
- * start to where it is at its end, in the attitude of the one and of the other (a bar of a rolling wheel hardly leaves its
- * place on the ground). Where the wheel turns far, as when it spins, it does so in steps of at most STEP.
+ * start to where it is at its end, the first half in the attitude of its start and the second in that of its end (a bar of
+ * a rolling wheel hardly leaves its place on the ground). That is off by half the turn times a bar's half diagonal at
+ * most. Where the wheel turns far, as when it spins, it does so in steps of at most STEP.
  *
  * Turned by a bar's share of a turn the wheel is the same to the bit: the phase is a whole number of 2^-32 of that.
  */
@@ -89,6 +90,15 @@ static void draw_bar(struct lugs *lugs, const struct spot corners[4], double sha
 	}
 }
 
+/* A bar, `corners` at the end, whose middle goes from one place to another. */
+static void draw_half(struct lugs *lugs, const struct spot corners[4], const struct spot middle[2], const double shares[2],
+		      bool resting)
+{
+	struct facet_corner start = corner_of(lugs, middle[0], 0, shares[0]), end = corner_of(lugs, middle[1], 0, shares[1]);
+	struct facet_motion motion = {end.x - start.x, end.y - start.y, (int32_t)lrint(end.z - start.z)};
+	draw_bar(lugs, corners, shares[1], &motion, resting);
+}
+
 /* From one angle to the next, while the wheel goes from one share of its way to the other. */
 static void draw_step(struct lugs *lugs, const double angles[2], const double shares[2], bool last)
 {
@@ -98,18 +108,18 @@ static void draw_step(struct lugs *lugs, const double angles[2], const double sh
 	if (!shows(lugs->shape, corners[0]) && !shows(lugs->shape, corners[1]))
 		return;
 	struct spot from = centre_of(lugs->shape, angles[0]), to = centre_of(lugs->shape, angles[1]);
-	/* The rounding of the whole way is that of its ends, so that at rest there is none. */
-	struct facet_corner start = corner_of(lugs, from, 0, shares[0]), end = corner_of(lugs, to, 0, shares[1]);
-	struct facet_motion motion = {end.x - start.x, end.y - start.y, (int32_t)lrint(end.z - start.z)};
-	draw_bar(lugs, corners[1], shares[1], &motion, last);
-	if (angles[0] == angles[1])
+	if (angles[0] == angles[1]) {
+		draw_half(lugs, corners[1], (const struct spot[2]){from, to}, shares, last);
 		return;
-	/* Its first attitude, where that would be at the end. */
-	for (int k = 0; k < 4; k++) {
-		corners[0][k].u += to.u - from.u;
-		corners[0][k].w += to.w - from.w;
 	}
-	draw_bar(lugs, corners[0], shares[1], &motion, false);
+	struct spot middle = {(from.u + to.u) / 2, (from.w + to.w) / 2};
+	double half = (shares[0] + shares[1]) / 2;
+	for (int k = 0; k < 4; k++) {
+		corners[0][k].u += middle.u - from.u;
+		corners[0][k].w += middle.w - from.w;
+	}
+	draw_half(lugs, corners[0], (const struct spot[2]){from, middle}, (const double[2]){shares[0], half}, false);
+	draw_half(lugs, corners[1], (const struct spot[2]){middle, to}, (const double[2]){half, shares[1]}, last);
 }
 
 /* The angle of the first bar, less than a bar's share of a turn. */

@@ -114,6 +114,18 @@ static inline void ground_sweep(struct ground *ground, const struct deform_sweep
 					 ground->tile_count));
 }
 
+/* Whether a post of the block lies in what the last sweep was to write. */
+static inline bool ground_written(const struct ground *ground, int64_t at)
+{
+	int64_t x = at % ground->posts + ground->x0, y = at / ground->posts + ground->x0;
+	for (size_t i = 0; i < ground->window_count; i++) {
+		struct post_rect write = ground->windows[i].write;
+		if (x >= write.x0 && x < write.x1 && y >= write.y0 && y < write.y1)
+			return true;
+	}
+	return false;
+}
+
 /* Reads offset and dirt of the whole block; posts that tiles share must be the same in all of them. */
 static inline void ground_read(struct ground *ground)
 {

@@ -3,7 +3,7 @@
 
 #include "deform/reference/reference.h"
 
-#define LOOKS 400
+#define LOOKS 100
 
 /* The vertical line at `u` of the wheel's own plane, cut by the bar at an angle: its lower end. */
 static bool cut(const struct deform_shape *shape, long double angle, long double u, long double *w)

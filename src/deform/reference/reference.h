@@ -16,7 +16,7 @@ bool reference_underside(const struct deform_sweep *sweep, long double x, long d
 			 long double *z);
 
 /* Of it, what a mesh and a wheel's lugs are: `axes` the object's own at the end, `way` from start to end in metres. The
- * lugs are sampled in time: a place on them is right to a 400th of their way. */
+ * lugs are sampled in time: a place on them is right to a 100th of their way. */
 bool reference_mesh(const struct deform_sweep *sweep, long double axes[3][3], const long double way[3], long double x,
 		    long double y, long double *z);
 bool reference_lugs(const struct deform_sweep *sweep, const long double way[3], long double x, long double y,
