@@ -64,7 +64,7 @@ static void fill(struct pages *pages, int lap)
 			for (uint32_t x = 0; x < POSTS; x++)
 				posts[y * POSTS + x] = (int32_t)lround(
 					ldexp(rut((tile.x * 256.0 + x) * 0.125, (tile.y * 256.0 + y) * 0.125, lap), 20));
-		pages->page[i] = (struct store_page){tile, STORE_PLANE_OFFSET, posts, NULL};
+		pages->page[i] = (struct store_page){.tile = tile, .planes = {[PLANE_OFFSET] = posts}};
 	}
 }
 
@@ -72,7 +72,7 @@ static void commit(struct target *target, const struct store_page *pages, size_t
 {
 	if (target->gdal != NULL) {
 		for (size_t i = 0; i < count; i++)
-			bench_gdal_write(target->gdal, pages[i].tile, pages[i].offset);
+			bench_gdal_write(target->gdal, pages[i].tile, pages[i].planes[PLANE_OFFSET]);
 		bench_gdal_flush(target->gdal, target->sync);
 		return;
 	}
@@ -110,11 +110,11 @@ static void check(struct target *target, const struct pages *pages)
 	for (size_t i = 0; i < PAGES; i += PAGES - 1) {
 		const struct store_page *page = &pages->page[i];
 		if (target->gdal != NULL) {
-			good &= bench_gdal_holds(target->gdal, page->tile, page->offset);
+			good &= bench_gdal_holds(target->gdal, page->tile, page->planes[PLANE_OFFSET]);
 			continue;
 		}
-		bench_must(store_read_deformed(reader, page->tile, STORE_PLANE_OFFSET, found, NULL, &present));
-		good &= memcmp(found, page->offset, POSTS * POSTS * sizeof *found) == 0;
+		bench_must(store_read_deformed(reader, page->tile, PLANE_BIT(PLANE_OFFSET), (void *[PLANES]){found}, &present));
+		good &= memcmp(found, page->planes[PLANE_OFFSET], POSTS * POSTS * sizeof *found) == 0;
 	}
 	if (!good)
 		bench_must(fail_with(STATUS_FAILED, "bench: a page that was written reads otherwise; this is a bug"));

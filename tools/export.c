@@ -9,15 +9,26 @@
 
 static const struct command_option options[] = {
 	{"o", "OUT", "what to write: .tif (GeoTIFF) or .png"},
-	{"layer", "LAYER", "surface (default), base, offset (metres), quanta (Int32, 2^-20 m) or hillshade"},
-	{"level", "L", "0: the source's spacing; -k: 2^k times finer; k: coarser (0; offset, quanta: the deformed level)"},
+	{"layer", "LAYER", "surface (default), base, offset, heaped, pressed, shear (metres), quanta (Int32, 2^-20 m) or hillshade"},
+	{"level", "L", "0: the source's spacing; -k: 2^k times finer; k: coarser (0; offset to quanta: the deformed level)"},
 	{"window", "X0,Y0,X1,Y1", "metres east and north of the south-west post"},
 	{"height-range", "MIN,MAX", "metres that a PNG's 0 and full scale mean (one metre a unit)"},
 	{NULL, NULL, NULL},
 };
 
-enum layer { LAYER_SURFACE, LAYER_BASE, LAYER_OFFSET, LAYER_QUANTA, LAYER_HILLSHADE };
-static const char *const layer_names[] = {"surface", "base", "offset", "quanta", "hillshade", NULL};
+/* Those in metres first; of what deformation left: from the offset to the quanta. */
+enum layer {
+	LAYER_SURFACE,
+	LAYER_BASE,
+	LAYER_OFFSET,
+	LAYER_HEAPED,
+	LAYER_PRESSED,
+	LAYER_SHEAR,
+	LAYER_QUANTA,
+	LAYER_HILLSHADE
+};
+static const char *const layer_names[] = {"surface", "base",   "offset",    "heaped", "pressed",
+					  "shear",   "quanta", "hillshade", NULL};
 
 struct request {
 	const char *path;
@@ -33,6 +44,11 @@ static double nodata_beside(const struct store_meta *meta)
 	const double usual = -32767, deepest = 2048, highest = 2048; /* that offsets reach */
 	bool taken = meta->low - deepest <= usual && usual <= meta->high + highest;
 	return taken ? (double)NAN : usual;
+}
+
+static bool is_ruts(const struct request *request)
+{
+	return request->layer >= LAYER_OFFSET && request->layer <= LAYER_QUANTA;
 }
 
 static enum status read_request(const struct arguments *arguments, struct request *request)
@@ -52,7 +68,7 @@ static enum status read_request(const struct arguments *arguments, struct reques
 	if (status != STATUS_OK)
 		return status;
 	request->png = dem_path_ends(request->path, ".png");
-	if (request->png && (request->layer == LAYER_OFFSET || request->layer == LAYER_QUANTA))
+	if (request->png && is_ruts(request))
 		return fail_with(STATUS_USAGE, "export: a PNG holds no negative metres; write %s as .tif",
 				 layer_names[request->layer]);
 	if (request->has_range && request->range[0] >= request->range[1])
@@ -116,8 +132,8 @@ static void hillshade(const double *surface, int64_t width, int64_t rows, double
 static enum status write_rows(const struct request *request, struct store_reader *reader,
 			      const struct world *world, struct post_rect rect, struct dem_writer *writer)
 {
-	static const enum store_layer store_layers[] = {STORE_SURFACE, STORE_BASE, STORE_OFFSET, STORE_QUANTA,
-							STORE_SURFACE};
+	static const enum store_layer store_layers[] = {STORE_SURFACE, STORE_BASE,  STORE_OFFSET, STORE_HEAPED,
+							STORE_PRESSED, STORE_SHEAR, STORE_QUANTA, STORE_SURFACE};
 	enum { ROWS = 64 };
 	int64_t width = rect.x1 - rect.x0, total = rect.y1 - rect.y0, border = request->layer == LAYER_HILLSHADE;
 	size_t room = (size_t)(width + 2) * (ROWS + 2);
@@ -178,7 +194,7 @@ static enum status write_raster(const struct request *request, struct store *sto
 	enum status status = find_rect(request, world, &rect);
 	if (status != STATUS_OK)
 		return status;
-	bool metres = request->layer <= LAYER_OFFSET;
+	bool metres = request->layer < LAYER_QUANTA;
 	struct dem_raster raster = {
 		.path = request->path,
 		.width = rect.x1 - rect.x0,
@@ -220,8 +236,7 @@ static enum status run(const struct arguments *arguments)
 	if (status == STATUS_OK)
 		status = store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_READ}, &store);
 	int working;
-	bool ruts = request.layer == LAYER_OFFSET || request.layer == LAYER_QUANTA;
-	if (status == STATUS_OK && ruts && !arguments_flag(arguments, "level") && store_has_working_level(store, &working))
+	if (status == STATUS_OK && is_ruts(&request) && !arguments_flag(arguments, "level") && store_has_working_level(store, &working))
 		request.level = working;
 	if (status == STATUS_OK)
 		status = write_raster(&request, store);
@@ -231,8 +246,8 @@ static enum status run(const struct arguments *arguments)
 
 const struct command command_export = {
 	.name = "export",
-	.usage = "export STORE -o OUT.tif|OUT.png [--layer surface|base|offset|quanta|hillshade] [--level L] "
-		 "[--window X0,Y0,X1,Y1]",
+	.usage = "export STORE -o OUT.tif|OUT.png [--layer surface|base|offset|heaped|pressed|shear|quanta|hillshade] "
+		 "[--level L] [--window X0,Y0,X1,Y1]",
 	.summary = "posts of a store as a GeoTIFF or a PNG",
 	.details = "Rasters are north up, one pixel a post, and carry the store's reference system. Levels finer than\n"
 		   "what is stored are interpolated.\n",

@@ -37,6 +37,15 @@ static cJSON *sources_json(const char *lines)
 	return array;
 }
 
+/* Of all planes but the offset. */
+static int64_t soil_sum(const int64_t numbers[PLANES])
+{
+	int64_t sum = 0;
+	for (int plane = PLANE_DIRT; plane < PLANES; plane++)
+		sum += numbers[plane];
+	return sum;
+}
+
 static cJSON *last_run_json(const struct store_numbers *numbers)
 {
 	if (numbers->last_run.scene_hash == NULL)
@@ -85,13 +94,20 @@ static enum status print_json(struct store *store, const struct store_numbers *n
 	json_pair(object, "height", meta->low, meta->high);
 	cJSON *tiles = cJSON_AddObjectToObject(object, "tiles");
 	json_integer(tiles, "base", numbers->base_tiles);
-	json_integer(tiles, "offset", numbers->offset_tiles);
-	json_integer(tiles, "soil", numbers->soil_tiles);
+	json_integer(tiles, "offset", numbers->plane_tiles[PLANE_OFFSET]);
+	json_integer(tiles, "soil", soil_sum(numbers->plane_tiles));
 	cJSON *bytes = cJSON_AddObjectToObject(object, "bytes");
 	json_integer(bytes, "file", numbers->file_bytes);
 	json_integer(bytes, "base", numbers->base_bytes);
-	json_integer(bytes, "offset", numbers->offset_bytes);
-	json_integer(bytes, "soil", numbers->soil_bytes);
+	json_integer(bytes, "offset", numbers->plane_bytes[PLANE_OFFSET]);
+	json_integer(bytes, "soil", soil_sum(numbers->plane_bytes));
+	cJSON *soil = cJSON_AddObjectToObject(object, "soil");
+	for (int plane = PLANE_DIRT; plane < PLANES; plane++) {
+		cJSON *one = cJSON_AddObjectToObject(soil, plane_name((enum plane)plane));
+		json_integer(one, "tiles", numbers->plane_tiles[plane]);
+		json_integer(one, "bytes", numbers->plane_bytes[plane]);
+	}
+	json_integer(object, "compacted", numbers->compacted);
 	cJSON_AddItemToObject(object, "sources", sources_json(meta->sources));
 	cJSON_AddItemToObject(object, "last_run", last_run_json(numbers));
 	return json_print(object);
@@ -118,7 +134,8 @@ static void print_text(struct store *store, const struct store_numbers *numbers)
 	       (long long)world->height, world->spacing, (double)(world->width - 1) * world->spacing / 1e3,
 	       (double)(world->height - 1) * world->spacing / 1e3);
 	printf("tiles      %u x %u posts; %lld base, %lld offset, %lld soil\n", world->cells + 1, world->cells + 1,
-	       (long long)numbers->base_tiles, (long long)numbers->offset_tiles, (long long)numbers->soil_tiles);
+	       (long long)numbers->base_tiles, (long long)numbers->plane_tiles[PLANE_OFFSET],
+	       (long long)soil_sum(numbers->plane_tiles));
 	printf("levels     %d to %d", store_finest(store), world_coarsest(world));
 	if (store_has_working_level(store, &working))
 		printf("; deformed at level %d, %g m", working, world_spacing(world, working));
@@ -130,7 +147,9 @@ static void print_text(struct store *store, const struct store_numbers *numbers)
 	printf("bytes      %lld file, %lld base (%.3f a post of level 0), %lld offset, %lld soil\n",
 	       (long long)numbers->file_bytes, (long long)numbers->base_bytes,
 	       (double)numbers->base_bytes / ((double)world->width * (double)world->height),
-	       (long long)numbers->offset_bytes, (long long)numbers->soil_bytes);
+	       (long long)numbers->plane_bytes[PLANE_OFFSET], (long long)soil_sum(numbers->plane_bytes));
+	if (numbers->compacted != 0)
+		printf("compacted  %lld quanta\n", (long long)numbers->compacted);
 	printf("base       %016llx", (unsigned long long)store_base_hash(store));
 	if (store_base_path(store) != NULL)
 		printf(" in %s; this is an overlay", store_base_path(store));

@@ -11,7 +11,7 @@
 
 static const struct command_option options[] = {
 	{"srs", "SRS", "what X and Y are in (metres from the south-west post); \"store\": the store's own"},
-	{"json", NULL, "one JSON object: points, each with height, base, offset, nodata, soil"},
+	{"json", NULL, "one JSON object: points, each with height, base, offset, nodata, soil (in metres but for dirt)"},
 	{NULL, NULL, NULL},
 };
 
@@ -68,6 +68,15 @@ static enum status ask(struct asking *asking, double x, double y)
 	cJSON_AddBoolToObject(point, "outside", sample.outside);
 	cJSON *soil = cJSON_AddObjectToObject(point, "soil");
 	json_integer(soil, "dirt", sample.dirt);
+	const struct {
+		enum plane plane;
+		double value;
+	} state[] = {
+		{PLANE_HEAPED, sample.heaped}, {PLANE_PRESSED, sample.pressed}, {PLANE_SHEAR, sample.shear},
+	};
+	for (size_t i = 0; i < sizeof state / sizeof *state; i++)
+		if (sample.planes & PLANE_BIT(state[i].plane))
+			json_number(soil, plane_name(state[i].plane), state[i].value);
 	cJSON_AddItemToArray(asking->points, point);
 	asking->only = point;
 	return STATUS_OK;

@@ -17,11 +17,14 @@ static enum status run(const struct arguments *arguments)
 		status = store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_WRITE}, &store);
 	if (status == STATUS_OK)
 		status = store_count(store, &before);
+	int64_t soil = 0;
+	for (int plane = PLANE_DIRT; plane < PLANES && status == STATUS_OK; plane++)
+		soil += before.plane_tiles[plane];
 	if (status == STATUS_OK)
 		status = store_reset(store);
 	if (status == STATUS_OK)
 		printf("%s: %lld offset and %lld soil tiles dropped; the base is as it was imported\n",
-		       arguments_at(arguments, 0), (long long)before.offset_tiles, (long long)before.soil_tiles);
+		       arguments_at(arguments, 0), (long long)before.plane_tiles[PLANE_OFFSET], (long long)soil);
 	store_close(store);
 	return status;
 }

@@ -6,7 +6,7 @@
 #include "store/store.h"
 
 static const struct command_option options[] = {
-	{"json", NULL, "one JSON object: ok, problems, offset_sum"},
+	{"json", NULL, "one JSON object: ok, problems, offset_sum, compacted"},
 	{NULL, NULL, NULL},
 };
 
@@ -44,6 +44,7 @@ static enum status print_json(cJSON *problems, const struct store_check *check)
 		snprintf(name, sizeof name, "%d", level);
 		json_integer(sums, name, check->offset_sum[level - TILE_LEVEL_MIN]);
 	}
+	json_integer(object, "compacted", check->compacted);
 	return json_print(object);
 }
 

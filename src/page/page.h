@@ -26,7 +26,8 @@
 #include "base/base.h"
 
 /* A page's bytes on the host. What they mean is the io's and the executor's business. */
-enum page_image_kind { PAGE_LOADED_IMAGE, PAGE_CHANGED_IMAGE }; /* all planes; those a step changes */
+/* All planes; those a step changes; what else goes into an epoch. */
+enum page_image_kind { PAGE_LOADED_IMAGE, PAGE_CHANGED_IMAGE, PAGE_SNAPSHOT_IMAGE, PAGE_IMAGE_KINDS };
 struct page_image {
 	uint64_t key;
 	unsigned flags; /* the io's own: which planes are filled */
@@ -42,9 +43,10 @@ struct page_io {
 	 * newer than the store's. */
 	enum status (*load)(void *user, unsigned loader, struct page_image *image,
 			    const struct page_image *queued);
-	/* The writer thread: commit `images` and `record` as one epoch, all or nothing. */
+	/* The writer thread: commit `images`, `record` and the snapshot (NULL: there is none) as one epoch,
+	 * all or nothing. */
 	enum status (*commit)(void *user, const struct page_image *const *images, size_t count,
-			      const void *record);
+			      const void *record, const struct page_image *snapshot);
 };
 
 /* What the owner does to slots and to the memory that feeds them; all in the order it is asked. */
@@ -56,6 +58,9 @@ struct page_executor {
 	/* Begin to fill the slot from the image, or the image from the slot. */
 	enum status (*upload)(void *user, uint32_t slot, struct page_image *image);
 	enum status (*read_back)(void *user, uint32_t slot, struct page_image *image);
+	/* Begin to fill the image from what is no page's and changes with the steps, as it is when an epoch
+	 * begins. NULL: there is nothing such. */
+	enum status (*snapshot)(void *user, struct page_image *image);
 	/* Whether what was begun last with this image is over; never waits. */
 	enum status (*settled)(void *user, const struct page_image *image, bool *settled);
 };

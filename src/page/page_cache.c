@@ -2,7 +2,7 @@
  * The cache as a whole: its life, its epochs, its numbers.
  *
  * An epoch starts only in page_cache_end_step and page_cache_flush, where every page is as a step
- * left it: what is dirty is read back, and with all that waits and the record it is one commit (5).
+ * left it: what is dirty is read back, and with all that waits, the record and the snapshot it is one commit (5).
  * So a page evicted in the middle of a step is never committed before the rest of that step.
  */
 #include "page/page_internal.h"
@@ -21,6 +21,17 @@ static enum status start_threads(struct page_cache *cache)
 		status = thread_start(&loader->thread, page_loader_body, loader, "furrow-load");
 	}
 	return status;
+}
+
+static enum status make_snapshot(struct page_cache *cache)
+{
+	enum status status = page_host_make(cache, PAGE_SNAPSHOT_IMAGE);
+	if (status != STATUS_OK)
+		return status;
+	mutex_lock(&cache->mutex);
+	cache->epoch_snapshot = page_host_acquire_locked(cache, PAGE_SNAPSHOT_IMAGE, 0);
+	mutex_unlock(&cache->mutex);
+	return STATUS_OK;
 }
 
 enum status page_cache_create(const struct page_params *params, struct page_cache **out)
@@ -48,6 +59,8 @@ enum status page_cache_create(const struct page_params *params, struct page_cach
 	}
 	for (uint32_t i = 0; i < page_load_images(params->loaders) && status == STATUS_OK; i++)
 		status = page_host_make(cache, PAGE_LOADED_IMAGE);
+	if (status == STATUS_OK && params->executor.snapshot != NULL)
+		status = make_snapshot(cache);
 	if (status == STATUS_OK)
 		status = start_threads(cache);
 	if (status != STATUS_OK) {
@@ -78,6 +91,10 @@ void page_cache_destroy(struct page_cache *cache)
 		host->filling = false;
 		page_host_release_locked(cache, host);
 	}
+	if (cache->epoch_snapshot != NULL) {
+		cache->epoch_snapshot->place = PAGE_UNQUEUED;
+		page_host_release_locked(cache, cache->epoch_snapshot);
+	}
 	mutex_unlock(&cache->mutex);
 	page_queue_finish(cache);
 	page_table_finish(&cache->table);
@@ -103,6 +120,22 @@ static enum status read_back_dirty(struct page_cache *cache)
 	return status;
 }
 
+/* Behind the read-backs, so that whoever waits for the first waits for no more than it must. */
+static enum status take_snapshot(struct page_cache *cache)
+{
+	const struct page_executor *executor = &cache->params.executor;
+	if (executor->snapshot == NULL)
+		return STATUS_OK;
+	enum status status = executor->snapshot(executor->user, &cache->epoch_snapshot->image);
+	mutex_lock(&cache->mutex);
+	if (status == STATUS_OK)
+		page_busy_add_locked(cache, cache->epoch_snapshot, true);
+	else
+		failure_capture(&cache->failure, status);
+	mutex_unlock(&cache->mutex);
+	return status;
+}
+
 /* Until no epoch is in flight; a stall if a step waits for it. */
 static enum status wait_for_epoch_locked(struct page_cache *cache, bool stall)
 {
@@ -122,6 +155,8 @@ static enum status start_epoch(struct page_cache *cache, const void *record, boo
 	mutex_unlock(&cache->mutex);
 	if (status == STATUS_OK)
 		status = read_back_dirty(cache);
+	if (status == STATUS_OK)
+		status = take_snapshot(cache);
 	if (status != STATUS_OK)
 		return status;
 	mutex_lock(&cache->mutex);

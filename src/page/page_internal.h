@@ -101,8 +101,8 @@ struct page_queue {
 	struct page_host **buckets;
 	size_t mask;
 	struct page_host_list waiting, committing, kept;
-	struct page_host *unused[2]; /* by kind; by next */
-	uint32_t made[2];
+	struct page_host *unused[PAGE_IMAGE_KINDS]; /* by kind; by next */
+	uint32_t made[PAGE_IMAGE_KINDS];
 	uint32_t filling;            /* images with a read-back that is not settled */
 	uint32_t epoch_filling;      /* of those, committing */
 };
@@ -149,6 +149,7 @@ struct page_cache {
 	enum page_epoch epoch;
 	const struct page_image **epoch_images; /* room for queue_most */
 	void *epoch_record;
+	struct page_host *epoch_snapshot; /* the one there is, referred to for good, in no list; NULL: none */
 	double dirty_since;     /* clock_seconds of the oldest change in no epoch; 0: none */
 	struct failure failure; /* sticky */
 	struct page_stats stats;

@@ -44,8 +44,8 @@ void page_queue_finish(struct page_cache *cache)
 	list_free(cache, queue->waiting.first);
 	list_free(cache, queue->committing.first);
 	list_free(cache, queue->kept.first);
-	list_free(cache, queue->unused[PAGE_LOADED_IMAGE]);
-	list_free(cache, queue->unused[PAGE_CHANGED_IMAGE]);
+	for (int kind = 0; kind < PAGE_IMAGE_KINDS; kind++)
+		list_free(cache, queue->unused[kind]);
 	mem_free(queue->buckets);
 }
 
@@ -186,6 +186,10 @@ void page_queue_begin_epoch_locked(struct page_cache *cache)
 		enter_locked(queue, host, PAGE_COMMITTING, queue->committing.last);
 		queue->epoch_filling += host->filling;
 	}
+	if (cache->epoch_snapshot != NULL) {
+		cache->epoch_snapshot->place = PAGE_COMMITTING;
+		queue->epoch_filling += cache->epoch_snapshot->filling;
+	}
 	cache->epoch = queue->epoch_filling > 0 ? PAGE_EPOCH_FILLING : PAGE_EPOCH_COMMITTING;
 }
 
@@ -212,6 +216,8 @@ void page_queue_end_epoch_locked(struct page_cache *cache, bool committed)
 			put_back_locked(cache, host);
 		}
 	}
+	if (cache->epoch_snapshot != NULL)
+		cache->epoch_snapshot->place = PAGE_UNQUEUED;
 	page_queue_release_kept_locked(cache);
 }
 

@@ -3,7 +3,7 @@
  *
  *     idle -> (page_queue_begin_epoch_locked, all read-backs settled) -> io.commit -> idle
  *
- * While an epoch is in flight its images, the array of them and the record are the writer's to
+ * While an epoch is in flight its images, the array of them, the record and the snapshot are the writer's to
  * read and nobody's to write. A commit that fails is sticky: its images wait again.
  */
 #include "page/page_internal.h"
@@ -27,7 +27,8 @@ void *page_writer_body(void *argument)
 		mutex_unlock(&cache->mutex);
 		const struct page_io *io = &cache->params.io;
 		enum status status =
-			io->commit(io->user, cache->epoch_images, count, cache->epoch_record);
+			io->commit(io->user, cache->epoch_images, count, cache->epoch_record,
+				   cache->epoch_snapshot != NULL ? &cache->epoch_snapshot->image : NULL);
 		mutex_lock(&cache->mutex);
 		if (status == STATUS_OK) {
 			cache->stats.commits++;

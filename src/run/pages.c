@@ -7,7 +7,7 @@
 #define ALIGN sizeof(int32_t) /* of a plane, whatever is before it */
 #define EPOCH_BYTES ((size_t)16 << 20)
 
-static struct pages_layout layout_of(uint32_t cells, unsigned planes)
+static struct pages_layout layout_of(uint32_t cells, unsigned planes, bool classes)
 {
 	struct pages_layout layout = {.cells = cells, .posts = (size_t)(cells + 1) * (cells + 1)};
 	for (int plane = 0; plane < PLANES; plane++) {
@@ -17,7 +17,8 @@ static struct pages_layout layout_of(uint32_t cells, unsigned planes)
 	}
 	layout.base = sizeof(struct pages_head);
 	layout.planes = layout.base + layout.posts * sizeof(int32_t);
-	layout.loaded = layout.planes + layout.changed;
+	layout.classes = layout.planes + layout.changed;
+	layout.loaded = layout.classes + (classes ? layout.posts : 0);
 	return layout;
 }
 
@@ -59,9 +60,10 @@ enum status pages_create(const struct pages_params *params, struct pages **out)
 	pages->params = *params;
 	pages->io.below = params->below;
 	pages->io.above = params->above;
+	pages->io.compacted = params->compacted;
 	mutex_init(&pages->mutex);
 	pages->planes = gpu_slots_planes(params->slots);
-	pages->layout = layout_of(store_meta(params->store)->world.cells, pages->planes);
+	pages->layout = layout_of(store_meta(params->store)->world.cells, pages->planes, params->classes != NULL);
 	enum status status = STATUS_OK;
 	for (uint32_t i = 0; i < reader_count(params) && status == STATUS_OK; i++)
 		status = ground_create(params->store, GROUND_TILES, &pages->grounds[i]);
@@ -111,7 +113,7 @@ void pages_budget(const struct pages *pages, struct pages_budget *budget)
 	struct page_params cache = cache_params(params, layout);
 	uint64_t plane = layout->posts * sizeof(int32_t);
 	*budget = (struct pages_budget){
-		.slots = params->count * (plane + layout->changed), /* base and planes */
+		.slots = params->count * (plane + layout->changed + (params->classes != NULL ? layout->posts : 0)),
 		.loads = page_load_images(params->loaders) * (uint64_t)layout->loaded,
 		.queue = cache.queue_most * (uint64_t)layout->changed,
 		.ground = reader_count(params) * (GROUND_TILES + 1) * plane,

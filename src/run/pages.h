@@ -3,7 +3,7 @@
  *
  * Loader threads read through a ground of their own; the writer thread commits epochs; the GPU's
  * thread uploads and reads back. A page of the working level carries its planes when it was
- * deformed; a coarser page, which has those that are drawn, is overlaid, when it becomes resident, with what is not committed.
+ * deformed, and classes of soil where there are such; a coarser page, which has the planes that are drawn, is overlaid, when it becomes resident, with what is not committed.
  */
 #ifndef FURROW_RUN_PAGES_H
 #define FURROW_RUN_PAGES_H
@@ -19,6 +19,10 @@
 
 struct pages;
 
+/* What an epoch's snapshot holds, little-endian: quanta that were compacted since the drive's beginning
+ * (int64), posts that refused and that confined (uint64 each). */
+#define PAGES_TALLY_BYTES 24
+
 struct pages_params {
 	struct store *store;
 	struct gpu *gpu;
@@ -28,11 +32,18 @@ struct pages_params {
 	uint32_t step_pages;     /* most pages one step can change, for the queue's bound */
 	const struct scene *scene; /* whose record goes with each epoch */
 	int64_t below, above;    /* what this drive changed the sums of offsets by before, quanta */
+	int64_t compacted;       /* what it compacted before, quanta */
 	FILE *epochs;            /* a line for each commit */
 	double epoch_age;        /* s */
 	struct page_trace *trace; /* may be NULL */
 	/* Called before a page of the working level is read back: it may leave its slot after. */
 	enum status (*before_read_back)(void *user, struct tile tile, uint32_t slot);
+	/* The GPU's thread, when an epoch begins: begins to read the tally, as the step left it, into the staging's
+	 * PAGES_TALLY_BYTES; it is committed with what that step left in the pages. NULL: there is none. */
+	enum status (*snapshot)(void *user, struct gpu_staging *staging);
+	/* A loader thread, of which each has its number: the class of soil of every post of a tile of the working
+	 * level. NULL: there are no classes, and nothing is made for them. */
+	enum status (*classes)(void *user, unsigned loader, struct tile tile, uint8_t *classes);
 	void *user;
 };
 
@@ -45,6 +56,7 @@ struct pages_budget {
 struct pages_io {
 	int64_t commits, tiles_read, tiles_written, bytes_read, bytes_written;
 	int64_t below, above; /* change of the sums of offsets by the drive as a whole, quanta */
+	int64_t compacted;    /* by the drive as a whole, quanta */
 	double load_ms, readback_ms, writeback_ms;
 	uint64_t host_bytes; /* of images made so far; they are kept */
 };

@@ -10,7 +10,8 @@
 #include "run/ground.h"
 #include "run/pages.h"
 
-/* A loaded image's bytes: this, base posts or patch, and the planes. A changed one's: the planes alone.
+/* A loaded image's bytes: this, base posts or patch, the planes, and classes if there are such. A changed one's:
+ * the planes alone. A snapshot's: the tally.
  * page_image.flags: the planes that are filled; 0: not deformed. */
 struct pages_head {
 	int shift; /* 0: the base is posts; else a patch to subdivide */
@@ -20,7 +21,7 @@ struct pages_head {
 struct pages_layout {
 	uint32_t cells;
 	size_t posts;                /* of a tile */
-	size_t base, planes, loaded; /* bytes: where they begin, and all of a loaded image */
+	size_t base, planes, classes, loaded; /* bytes: where they begin, and all of a loaded image */
 	size_t places[PLANES];       /* bytes from the planes' begin; of those there are */
 	size_t changed;              /* bytes: all of the planes */
 };
@@ -33,6 +34,7 @@ struct pages {
 	struct ground *grounds[16];      /* one a loader */
 	struct store_page *commit_pages; /* the writer's */
 	size_t commit_room;
+	int64_t tallied;                 /* the writer's: compacted as of the last commit, by the tally */
 	double readback_ms;              /* the GPU's thread's, and */
 	uint64_t host_bytes;
 	struct mutex mutex;              /* guards io */

@@ -30,10 +30,12 @@ static enum status load_planes(struct pages *pages, struct ground *ground, struc
 	}
 	if (tile.level < pages->params.level)
 		return STATUS_OK;
-	unsigned wanted = pages->planes & (STORE_PLANE_OFFSET | STORE_PLANE_DIRT), present;
-	enum status status = store_read_deformed(ground_reader(ground), tile, wanted,
-						 pages_plane(pages, planes, PLANE_OFFSET),
-						 pages_plane(pages, planes, PLANE_DIRT), &present);
+	unsigned wanted = tile.level == pages->params.level ? pages->planes : pages->planes & GPU_DRAWN_PLANES, present;
+	void *into[PLANES] = {NULL};
+	for (int plane = 0; plane < PLANES; plane++)
+		if (wanted & PLANE_BIT(plane))
+			into[plane] = pages_plane(pages, planes, (enum plane)plane);
+	enum status status = store_read_deformed(ground_reader(ground), tile, wanted, into, &present);
 	if (status == STATUS_OK)
 		image->flags = present;
 	return status;
@@ -48,6 +50,9 @@ static enum status load(void *user, unsigned loader, struct page_image *image, c
 	enum status status = load_base(pages, ground, tile, image);
 	if (status == STATUS_OK)
 		status = load_planes(pages, ground, tile, image, queued);
+	if (status == STATUS_OK && pages->params.classes != NULL && tile.level == pages->params.level)
+		status = pages->params.classes(pages->params.user, loader, tile,
+					       (uint8_t *)image->bytes + pages->layout.classes);
 	mutex_lock(&pages->mutex);
 	if (status == STATUS_OK) {
 		pages->io.tiles_read++;
@@ -64,6 +69,7 @@ static enum status load(void *user, unsigned loader, struct page_image *image, c
 struct describing {
 	struct pages *pages;
 	const struct record *record;
+	int64_t compacted; /* in this epoch */
 	char *state;
 };
 
@@ -72,8 +78,12 @@ static const char *describe(void *user, const struct store_epoch_result *result)
 	struct describing *describing = user;
 	const struct pages_params *params = &describing->pages->params;
 	const struct pages_io *io = &describing->pages->io; /* of these the writer's alone */
-	describing->state = record_print(describing->record, params->scene, io->below + result->below,
-					 io->above + result->above);
+	const struct record_sums sums = {
+		.below = io->below + result->below,
+		.above = io->above + result->above,
+		.compacted = io->compacted + describing->compacted,
+	};
+	describing->state = record_print(describing->record, params->scene, &sums);
 	return describing->state;
 }
 
@@ -85,7 +95,26 @@ static enum status acknowledge(struct pages *pages, int64_t epoch, int64_t step)
 	return STATUS_OK;
 }
 
-static enum status commit(void *user, const struct page_image *const *images, size_t count, const void *bytes)
+/* Of the tally; 0 without one. */
+static int64_t tally_compacted(const struct page_image *snapshot)
+{
+	uint64_t value = 0;
+	for (int i = 0; i < 8 && snapshot != NULL; i++)
+		value |= (uint64_t)((const uint8_t *)snapshot->bytes)[i] << (8 * i);
+	return (int64_t)value;
+}
+
+static struct store_page store_page_of(const struct pages *pages, const struct page_image *image)
+{
+	struct store_page page = {.tile = tile_from_key(image->key)};
+	for (int plane = 0; plane < PLANES; plane++)
+		if (image->flags & PLANE_BIT(plane))
+			page.planes[plane] = pages_plane(pages, image->bytes, (enum plane)plane);
+	return page;
+}
+
+static enum status commit(void *user, const struct page_image *const *images, size_t count, const void *bytes,
+			  const struct page_image *snapshot)
 {
 	struct pages *pages = user;
 	const struct record *record = bytes;
@@ -98,17 +127,14 @@ static enum status commit(void *user, const struct page_image *const *images, si
 		pages->commit_room = count;
 	}
 	for (size_t i = 0; i < count; i++)
-		pages->commit_pages[i] = (struct store_page){
-			.tile = tile_from_key(images[i]->key),
-			.planes = images[i]->flags & (STORE_PLANE_OFFSET | STORE_PLANE_DIRT),
-			.offset = pages_plane(pages, images[i]->bytes, PLANE_OFFSET),
-			.dirt = pages_plane(pages, images[i]->bytes, PLANE_DIRT),
-		};
-	struct describing describing = {pages, record, NULL};
+		pages->commit_pages[i] = store_page_of(pages, images[i]);
+	int64_t tally = tally_compacted(snapshot);
+	struct describing describing = {pages, record, tally - pages->tallied, NULL};
 	struct store_run run = {
 		.scene_hash = pages->params.scene->hash,
 		.step = record->step,
 		.time = record->time,
+		.compacted = tally - pages->tallied,
 		.describe = describe,
 		.user = &describing,
 	};
@@ -117,6 +143,7 @@ static enum status commit(void *user, const struct page_image *const *images, si
 	mem_free(describing.state);
 	if (status != STATUS_OK)
 		return status;
+	pages->tallied = tally;
 	status = acknowledge(pages, result.epoch, record->step);
 	if (status == STATUS_OK)
 		status = store_bound_wal(pages->params.store);
@@ -126,6 +153,7 @@ static enum status commit(void *user, const struct page_image *const *images, si
 	pages->io.bytes_written += result.bytes_written;
 	pages->io.below += result.below;
 	pages->io.above += result.above;
+	pages->io.compacted += run.compacted;
 	pages->io.writeback_ms += (clock_seconds() - started) * 1e3;
 	mutex_unlock(&pages->mutex);
 	return status;

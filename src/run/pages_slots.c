@@ -103,6 +103,10 @@ static enum status upload(void *user, uint32_t slot, struct page_image *image)
 							    head->sub_x, head->sub_y);
 	if (status != STATUS_OK)
 		return status;
+	if (pages->params.classes != NULL && overlay.tile.level == pages->params.level)
+		status = gpu_slots_upload_classes(slots, slot, staging, layout->classes);
+	if (status != STATUS_OK)
+		return status;
 	size_t places[PLANES];
 	places_of(pages, image->flags, layout->planes, places);
 	if (image->flags != 0)
@@ -129,6 +133,12 @@ static enum status read_back(void *user, uint32_t slot, struct page_image *image
 	return status;
 }
 
+static enum status snapshot(void *user, struct page_image *image)
+{
+	struct pages *pages = user;
+	return pages->params.snapshot(pages->params.user, image->memory);
+}
+
 static enum status settled(void *user, const struct page_image *image, bool *settled)
 {
 	const struct pages *pages = user;
@@ -139,7 +149,12 @@ static enum status settled(void *user, const struct page_image *image, bool *set
 static enum status create_image(void *user, enum page_image_kind kind, struct page_image *image)
 {
 	struct pages *pages = user;
-	size_t bytes = kind == PAGE_LOADED_IMAGE ? pages->layout.loaded : pages->layout.changed;
+	const size_t sizes[PAGE_IMAGE_KINDS] = {
+		[PAGE_LOADED_IMAGE] = pages->layout.loaded,
+		[PAGE_CHANGED_IMAGE] = pages->layout.changed,
+		[PAGE_SNAPSHOT_IMAGE] = PAGES_TALLY_BYTES,
+	};
+	size_t bytes = sizes[kind];
 	struct gpu_staging *staging;
 	enum status status = gpu_staging_create(pages->params.gpu, bytes, &staging);
 	if (status != STATUS_OK)
@@ -157,5 +172,13 @@ static void destroy_image(void *user, struct page_image *image)
 
 struct page_executor pages_executor_of(struct pages *pages)
 {
-	return (struct page_executor){pages, create_image, destroy_image, upload, read_back, settled};
+	return (struct page_executor){
+		.user = pages,
+		.create = create_image,
+		.destroy = destroy_image,
+		.upload = upload,
+		.read_back = read_back,
+		.snapshot = pages->params.snapshot != NULL ? snapshot : NULL,
+		.settled = settled,
+	};
 }

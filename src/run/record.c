@@ -8,7 +8,7 @@
 
 #include "base/json.h"
 
-#define VERSION 1
+#define VERSION 2
 #define SUM_MOST (INT64_MAX / 4) /* so that what a drive adds, and their differences, are numbers too */
 
 size_t record_bytes(size_t objects)
@@ -48,13 +48,14 @@ static bool put_object(cJSON *objects, const struct record_object *from, const c
 	       put_whole(object, "skipped", from->skipped);
 }
 
-char *record_print(const struct record *record, const struct scene *scene, int64_t below, int64_t above)
+char *record_print(const struct record *record, const struct scene *scene, const struct record_sums *sums)
 {
 	cJSON *root = cJSON_CreateObject(), *objects;
 	bool whole = cJSON_AddNumberToObject(root, "version", VERSION) != NULL &&
 		     put_whole(root, "level", record->level) &&
-		     cJSON_AddBoolToObject(root, "ended", record->ended) != NULL && put_whole(root, "below", below) &&
-		     put_whole(root, "above", above) && (objects = cJSON_AddArrayToObject(root, "objects")) != NULL;
+		     cJSON_AddBoolToObject(root, "ended", record->ended) != NULL &&
+		     put_whole(root, "below", sums->below) && put_whole(root, "above", sums->above) &&
+		     put_whole(root, "compacted", sums->compacted) && (objects = cJSON_AddArrayToObject(root, "objects")) != NULL;
 	for (size_t i = 0; i < scene->object_count && whole; i++)
 		whole = put_object(objects, &record->objects[i], scene->objects[i].name);
 	char *printed = whole ? cJSON_PrintUnformatted(root) : NULL, *text = NULL;
@@ -150,8 +151,10 @@ static enum status parse_root(const cJSON *root, const char *store, struct recor
 	record->level = (int)level;
 	if (!get_bool(root, "ended", &record->ended))
 		return record_damaged(store, "whether it ended");
-	if (!get_whole(root, "below", -SUM_MOST, &record->below) || record->below > SUM_MOST ||
-	    !get_whole(root, "above", -SUM_MOST, &record->above) || record->above > SUM_MOST)
+	struct record_sums *sums = &record->sums;
+	if (!get_whole(root, "below", -SUM_MOST, &sums->below) || sums->below > SUM_MOST ||
+	    !get_whole(root, "above", -SUM_MOST, &sums->above) || sums->above > SUM_MOST ||
+	    !get_whole(root, "compacted", -SUM_MOST, &sums->compacted) || sums->compacted > SUM_MOST)
 		return record_damaged(store, "its sums");
 	return STATUS_OK;
 }

@@ -26,18 +26,23 @@ struct record_object {
 	int64_t skipped;          /* stations without contact */
 };
 
+/* What the drive changed the sums of offsets below and above zero by, and what it compacted: quanta. */
+struct record_sums {
+	int64_t below, above, compacted;
+};
+
 struct record {
 	int64_t step;         /* done since the scene's start */
 	double time;          /* s */
 	int level;            /* the working level */
 	bool ended;           /* the drive was complete with this step */
-	int64_t below, above; /* what the drive changed the sums of offsets by, quanta: only of one that was read */
+	struct record_sums sums; /* only of one that was read */
 	struct record_object objects[]; /* as many as the scene has, in its order */
 };
 
 size_t record_bytes(size_t objects);
 /* The state, for mem_free; NULL: out of memory. Any thread. */
-char *record_print(const struct record *record, const struct scene *scene, int64_t below, int64_t above);
+char *record_print(const struct record *record, const struct scene *scene, const struct record_sums *sums);
 /* `record` has room for the scene's objects. STATUS_INPUT unless all is there and makes sense of itself; that it
  * fits the ground and the paths is the caller's to see. */
 enum status record_parse(const struct store_run *run, const char *store, const struct scene *scene,

@@ -91,6 +91,8 @@ static void add_memory(cJSON *root, const struct drive *drive, const struct gpu_
 	json_integer(budget, "total", (int64_t)(most.slots + most.loads + most.queue + most.ground));
 	cJSON *bytes = cJSON_AddObjectToObject(memory, "plane_bytes");
 	json_integer(bytes, "base", (int64_t)planes.base);
+	if (planes.classes > 0)
+		json_integer(bytes, "classes", (int64_t)planes.classes);
 	for (int plane = 0; plane < PLANES; plane++)
 		if (gpu_slots_planes(drive->slots) & PLANE_BIT(plane))
 			json_integer(bytes, plane_name(plane), (int64_t)planes.planes[plane]);
@@ -109,18 +111,20 @@ static void add_io(cJSON *root, const struct drive *drive, const struct pages_io
 	json_integer(object, "commits", io->commits);
 }
 
-static void add_volume(cJSON *root, const struct drive *drive, int64_t below, int64_t above)
+static void add_volume(cJSON *root, const struct drive *drive, const struct pages_io *io)
 {
 	double quantum = lattice_offset_metres(1) * drive->spacing * drive->spacing;
-	int64_t removed = -below, raised = above;
+	int64_t removed = -io->below, raised = io->above;
 	cJSON *volume = cJSON_AddObjectToObject(root, "volume");
 	json_number(volume, "removed", (double)removed * quantum);
 	json_number(volume, "raised", (double)raised * quantum);
 	json_number(volume, "net", (double)(raised - removed) * quantum);
+	json_number(volume, "compacted", (double)io->compacted * quantum);
 	cJSON *quanta = cJSON_AddObjectToObject(volume, "quanta");
 	json_integer(quanta, "removed", removed);
 	json_integer(quanta, "raised", raised);
 	json_integer(quanta, "net", raised - removed);
+	json_integer(quanta, "compacted", io->compacted);
 }
 
 static void add_objects(cJSON *root, const struct drive *drive)
@@ -179,7 +183,8 @@ static void add_process(cJSON *root, const struct drive *drive, const struct pag
 
 char *report_json(const struct drive *drive, const char *ended)
 {
-	struct pages_io io = {.below = drive->record->below, .above = drive->record->above};
+	const struct record_sums *sums = &drive->record->sums;
+	struct pages_io io = {.below = sums->below, .above = sums->above, .compacted = sums->compacted};
 	if (drive->pages != NULL)
 		pages_io(drive->pages, &io);
 	cJSON *root = cJSON_CreateObject();
@@ -192,7 +197,7 @@ char *report_json(const struct drive *drive, const char *ended)
 		cJSON_AddNullToObject(root, "resumed_from");
 	json_number(root, "spacing", drive->spacing);
 	json_integer(root, "working_level", drive->level);
-	add_volume(root, drive, io.below, io.above);
+	add_volume(root, drive, &io);
 	add_objects(root, drive);
 	if (drive->pages != NULL)
 		add_process(root, drive, &io);

@@ -11,7 +11,7 @@
 #include "store/store.h"
 
 #define STORE_APPLICATION_ID 0x46757277 /* "Furw" */
-#define STORE_VERSION 2
+#define STORE_VERSION 3
 #define STORE_BUSY_MS 5000
 
 /* --- store_sql.c: SQLite with messages --- */
@@ -25,19 +25,36 @@ enum status sql_prepare(sqlite3 *db, const char *path, sqlite3_stmt **statement,
 /* First column of the first row. */
 enum status sql_integer(sqlite3 *db, const char *path, const char *sql, int64_t *value) FURROW_CHECKED;
 
-/* --- store_rows.c: the three tables, a row at a time --- */
+/* --- store_rows.c: the tables of tiles, a row at a time --- */
 
-enum row_table { ROW_BASE, ROW_OFFSET, ROW_SOIL, ROW_TABLES };
+/* The base's, and one for each plane. */
+enum row_table { ROW_BASE, ROW_OFFSET, ROW_DIRT, ROW_HEAPED, ROW_PRESSED, ROW_SHEAR, ROW_TABLES };
+
+static inline enum row_table row_table_of(enum plane plane)
+{
+	return (enum row_table)(ROW_OFFSET + (int)plane);
+}
+
+/* Not for the base. */
+static inline enum plane row_plane(enum row_table table)
+{
+	return (enum plane)(table - ROW_OFFSET);
+}
+
+/* The soil's state: of the working level alone, without a pyramid. */
+static inline bool row_is_state(enum row_table table)
+{
+	return table >= ROW_HEAPED;
+}
 
 struct row {
 	struct tile tile;
-	double low, high; /* metres (soil: as it is); NaN both: nothing but nodata */
+	double low, high; /* metres (dirt: as it is); NaN both: nothing but nodata */
 	double error;     /* metres; base only */
 	int64_t codec;    /* not yet checked */
 	int64_t revision; /* the epoch that wrote it, 0: import */
 	uint64_t hash;
 	int64_t below, above; /* quanta, own sums; offset only */
-	unsigned planes;      /* soil only */
 	const void *bytes;    /* until the next use of the table */
 	size_t size;
 };
@@ -58,6 +75,7 @@ enum status rows_init(struct rows *rows, sqlite3 *db, const char *path, const st
 void rows_finish(struct rows *rows); /* before the connection is closed */
 
 const char *rows_name(enum row_table table);
+const char *rows_sql_name(enum row_table table); /* quoted where it must be */
 /* "store.furrow: base tile level 1 x 2 y 3" into text. */
 void rows_text(const struct rows *rows, enum row_table table, struct tile tile, char *text, size_t room);
 /* Everything but the blob; checked for sense. */
@@ -76,11 +94,14 @@ enum status rows_drop(struct rows *rows, enum row_table table, struct tile tile)
 /* Range over the rows of the next finer level below `tile`, and how many there are. */
 enum status rows_under(struct rows *rows, enum row_table table, struct tile tile, double *low,
 		       double *high, int *count) FURROW_CHECKED;
-uint64_t rows_hash(const struct row *row);
+uint64_t rows_hash(enum row_table table, const struct row *row);
 
-/* Range in metres (soil: as it is) of a plane's own posts; NaN if all are nodata. */
+/* A post in metres (dirt: as it is). */
+double rows_metres(enum row_table table, int32_t post, double step);
+/* Range in metres (dirt: as it is) of a plane's own posts; NaN if all are nodata. */
 void rows_range(enum row_table table, const int32_t *posts, size_t count, double step, double *low,
 		double *high);
+bool rows_all_zero(const int32_t *posts, size_t count);
 /* Sums of a tile's own offsets below and above zero: all but its last row and column, unless it is
  * the world's last in that direction. */
 void rows_sums(const struct world *world, struct tile tile, const int32_t *posts, int64_t *below,
@@ -112,6 +133,7 @@ struct store {
 	int32_t code_low, code_high; /* of the meta's low and high; low > high: all nodata */
 	bool has_working, working_stored;
 	int working;
+	int64_t compacted; /* writing: as of the last epoch */
 	uint64_t base_hash; /* store_identity.c */
 	int64_t epoch; /* the last one committed */
 	int64_t frame_bytes;  /* of the WAL: a page with its head */
@@ -170,6 +192,10 @@ enum status meta_put_integer(struct store *store, const char *key, int64_t value
 enum status meta_put_real(struct store *store, const char *key, double value) FURROW_CHECKED;
 /* The base's hash as a connection's file has it. */
 enum status meta_base_hash(sqlite3 *db, const char *path, uint64_t *hash) FURROW_CHECKED;
+/* What an epoch adds; store->compacted stays as it was. */
+enum status meta_add_compacted(struct store *store, int64_t more) FURROW_CHECKED;
+/* Quanta lost for good, as the file has it now. */
+enum status meta_compacted(sqlite3 *db, const char *path, int64_t *compacted) FURROW_CHECKED;
 /* The working level as the file has it now. */
 enum status meta_working(sqlite3 *db, const char *path, const struct world *world, bool *has, int *level)
 	FURROW_CHECKED;
@@ -185,6 +211,12 @@ uint64_t hash_real(double value); /* its bits; NaN: 0 */
 
 /* From what the base's tables hold; the store's meta must be complete. */
 enum status identity_compute(struct store *store, uint64_t *hash) FURROW_CHECKED;
+
+/* --- store_state.c: the soil's state in an epoch --- */
+
+/* One plane of it: written where pages have it; where they have not, dropped. */
+enum status state_put(struct store *store, enum row_table table, const struct store_page *pages, size_t count,
+		      struct store_epoch_result *result) FURROW_CHECKED;
 
 /* --- store_lock.c: one writer --- */
 

@@ -17,9 +17,7 @@
 #include <stdint.h>
 
 #include "base/base.h"
-
-#define STORE_PLANE_OFFSET (1u << 0) /* int32 quanta: always there in a deformed tile */
-#define STORE_PLANE_DIRT (1u << 1)   /* uint8: how much the soil was pressed, 0 .. 255 */
+#include "base/plane.h"
 
 enum store_pack { STORE_PACK_FAST, STORE_PACK_SMALL };
 
@@ -121,10 +119,11 @@ enum status store_read_base(struct store_reader *reader, struct tile tile, int32
 /* Range only, without decoding. */
 enum status store_read_base_range(struct store_reader *reader, struct tile tile, struct store_range *range)
 	FURROW_CHECKED;
-/* Planes asked for (a mask) that the tile has are filled and returned in *present; the others are
- * zeroed. No row: *present = 0. offset or dirt may be NULL if not asked for. */
-enum status store_read_deformed(struct store_reader *reader, struct tile tile, unsigned planes,
-				int32_t *offset, uint8_t *dirt, unsigned *present) FURROW_CHECKED;
+/* Planes asked for (a mask of PLANE_BIT) that the tile has are filled, in their own types, and returned
+ * in *present; the others are zeroed. planes[] of those not asked for may be NULL. Planes of the soil's
+ * state are of the working level alone. STATUS_INPUT if a row does not check out. */
+enum status store_read_deformed(struct store_reader *reader, struct tile tile, unsigned wanted,
+				void *const planes[PLANES], unsigned *present) FURROW_CHECKED;
 /* Offset's range over the subtree, in metres; *found false without a row. */
 enum status store_read_offset_range(struct store_reader *reader, struct tile tile, double *low,
 				    double *high, bool *found) FURROW_CHECKED;
@@ -135,10 +134,11 @@ enum status store_each_offset(struct store_reader *reader, int level, store_key_
 
 /* --- epochs: the writer thread --- */
 struct store_page {
-	struct tile tile;      /* of the working level */
-	unsigned planes;       /* STORE_PLANE_* present */
-	const int32_t *offset; /* (cells + 1)^2, shared edges included */
-	const uint8_t *dirt;   /* NULL without the plane */
+	struct tile tile; /* of the working level */
+	/* (cells + 1)^2 each, in the plane's own type, shared edges included. NULL: without that plane, which
+	 * then stays as it is, but for the soil's state: that is of ground which is no more, and is dropped,
+	 * in the tile and in the posts that others share with it. The offset must be there. */
+	const void *planes[PLANES];
 };
 
 struct store_epoch_result {
@@ -152,6 +152,7 @@ struct store_run {
 	const char *scene_hash; /* hex */
 	int64_t step;
 	double time; /* s */
+	int64_t compacted; /* quanta summed over posts that were lost for good since the epoch before */
 	const char *state; /* JSON: all else that it goes on from */
 	/* Where that tells what this epoch changed too: called once that is known, within the transaction, and
 	 * what it returns is the state. NULL: out of memory. */
@@ -172,9 +173,9 @@ enum status store_reset(struct store *store) FURROW_CHECKED;
 
 /* --- looking at one --- */
 struct store_numbers {
-	int64_t base_tiles, offset_tiles, soil_tiles;
-	int64_t file_bytes, base_bytes, offset_bytes, soil_bytes; /* blobs as stored */
-	int64_t epochs;
+	int64_t base_tiles, plane_tiles[PLANES];
+	int64_t file_bytes, base_bytes, plane_bytes[PLANES]; /* blobs as stored */
+	int64_t epochs, compacted;
 	struct store_run last_run; /* scene_hash NULL if there was none; owned by the store */
 };
 enum status store_count(struct store *store, struct store_numbers *numbers) FURROW_CHECKED;
@@ -185,6 +186,7 @@ struct store_check {
 	int64_t problems;   /* all of them, also those not passed to `problem` */
 	int64_t tiles;      /* rows checked */
 	int coarsest, finest;
+	int64_t compacted;  /* quanta that were lost for good, as the store says */
 	int64_t offset_sum[TILE_LEVEL_MAX - TILE_LEVEL_MIN + 1]; /* by level - TILE_LEVEL_MIN: a shared post once */
 };
 typedef void (*store_problem_fn)(void *user, const char *text);
@@ -196,10 +198,21 @@ enum status store_verify(struct store *store, store_problem_fn problem, store_pr
 enum status store_content_hash(struct store *store, uint64_t *hash) FURROW_CHECKED;
 
 /* --- posts out, at any level from the finest to the coarsest --- */
-enum store_layer { STORE_SURFACE, STORE_BASE, STORE_OFFSET, STORE_QUANTA, STORE_SOIL };
+enum store_layer {
+	STORE_SURFACE,
+	STORE_BASE,
+	STORE_OFFSET,
+	STORE_QUANTA,
+	STORE_SOIL, /* dirt */
+	STORE_HEAPED,
+	STORE_PRESSED,
+	STORE_SHEAR,
+	STORE_LAYERS
+};
 /* Posts of `rect` (row 0 south) in metres (quanta and dirt as they are); NaN where nodata or outside.
- * Below level 0 the base is interpolated; finer than the working level offsets are too. Base
- * heights are the stored ones at level >= 0, those of the lattice below. */
+ * Below level 0 the base is interpolated; finer than the working level offsets, and what is kept beside
+ * them, are too. Base heights are the stored ones at level >= 0, those of the lattice below.
+ * STATUS_INPUT for the soil's state (heaped, pressed, shear) at a level coarser than the working one. */
 enum status store_read_posts(struct store_reader *reader, enum store_layer layer, int level,
 			     struct post_rect rect, double *values) FURROW_CHECKED;
 
@@ -209,6 +222,8 @@ struct store_sample {
 	double height, base, offset; /* metres; NaN where nodata */
 	bool nodata, outside;
 	unsigned dirt;
+	unsigned planes; /* a mask: of those that the tile there has */
+	double heaped, pressed, shear; /* metres, of the nearest post */
 };
 enum status store_sample(struct store_reader *reader, double x, double y, struct store_sample *sample)
 	FURROW_CHECKED;

@@ -2,12 +2,15 @@
 #include "store/internal.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 
-static enum status count_table(const struct rows *rows, const char *sql, int64_t *tiles, int64_t *bytes)
+static enum status count_table(const struct rows *rows, enum row_table table, int64_t *tiles, int64_t *bytes)
 {
+	char sql[96];
 	sqlite3_stmt *statement = NULL;
+	snprintf(sql, sizeof sql, "SELECT count(*), coalesce(sum(length(blob)), 0) FROM %s", rows_sql_name(table));
 	enum status status = sql_prepare(rows->db, rows->path, &statement, sql);
 	if (status != STATUS_OK)
 		return status;
@@ -70,13 +73,11 @@ enum status store_count(struct store *store, struct store_numbers *numbers)
 	if (stat(store->real_path, &file) != 0)
 		return fail_with(STATUS_FAILED, "%s: %s; check the path", store->path, strerror(errno));
 	numbers->file_bytes = file.st_size;
-	enum status status = count_table(store->base, "SELECT count(*), coalesce(sum(length(blob)), 0) FROM base",
-					 &numbers->base_tiles, &numbers->base_bytes);
+	enum status status = count_table(store->base, ROW_BASE, &numbers->base_tiles, &numbers->base_bytes);
+	for (int plane = 0; plane < PLANES && status == STATUS_OK; plane++)
+		status = count_table(&store->rows, row_table_of((enum plane)plane), &numbers->plane_tiles[plane],
+				     &numbers->plane_bytes[plane]);
 	if (status == STATUS_OK)
-		status = count_table(&store->rows, "SELECT count(*), coalesce(sum(length(blob)), 0) FROM \"offset\"",
-				     &numbers->offset_tiles, &numbers->offset_bytes);
-	if (status == STATUS_OK)
-		status = count_table(&store->rows, "SELECT count(*), coalesce(sum(length(blob)), 0) FROM soil",
-				     &numbers->soil_tiles, &numbers->soil_bytes);
+		status = meta_compacted(store->db, store->path, &numbers->compacted);
 	return status == STATUS_OK ? last_run(store, &numbers->epochs, &numbers->last_run) : status;
 }

@@ -1,10 +1,11 @@
 /*
  * Epochs: pages of the working level and every coarser level above them, in one transaction.
  *
- *   BEGIN IMMEDIATE -> a climb for the offsets -> one for the dirt -> the run's record -> COMMIT
+ *   BEGIN IMMEDIATE -> a climb for the offsets -> one for the dirt -> the soil's state
+ *   -> what was compacted, the run's record -> COMMIT
  *
  * A climb goes down from the coarsest tile to each page and writes on its way back up, so that one
- * plane a level is held. Invariants: (1) a row exists iff a row exists below it (at the working
+ * plane a level is held. The soil's state has no coarser levels (store_state.c). Invariants: (1) a row exists iff a row exists below it (at the working
  * level: iff it is not all zero); (2) what is written depends only on what the working level then
  * holds, never on how it came about; (3) after a failure the file holds what it held before.
  */
@@ -61,9 +62,7 @@ static enum status put_row(struct climb *climb, struct row *row, const int32_t *
 	if (status != STATUS_OK)
 		return status;
 	row->revision = store->epoch + 1;
-	if (climb->table == ROW_SOIL)
-		row->planes = STORE_PLANE_DIRT;
-	else if (exists)
+	if (climb->table == ROW_OFFSET && exists)
 		rows_sums(&store->meta.world, row->tile, posts, &row->below, &row->above);
 	if (climb->table == ROW_OFFSET && row->tile.level == store->working) {
 		result->below += row->below - (had ? old.below : 0);
@@ -81,30 +80,23 @@ static enum status put_row(struct climb *climb, struct row *row, const int32_t *
 	return status;
 }
 
-static bool all_zero(const int32_t *posts, size_t count)
-{
-	for (size_t i = 0; i < count; i++)
-		if (posts[i] != 0)
-			return false;
-	return true;
-}
-
 static enum status put_page(struct climb *climb, const struct store_page *page, const int32_t **posts)
 {
 	size_t count = plane_posts(climb->store);
-	*posts = page->offset;
-	if (climb->table == ROW_SOIL) {
+	*posts = page->planes[PLANE_OFFSET];
+	if (climb->table == ROW_DIRT) {
 		int32_t *wide;
 		enum status status = plane_at(climb, page->tile.level, &wide);
 		if (status != STATUS_OK)
 			return status;
+		const uint8_t *dirt = page->planes[PLANE_DIRT];
 		for (size_t i = 0; i < count; i++)
-			wide[i] = page->dirt[i];
+			wide[i] = dirt[i];
 		*posts = wide;
 	}
 	struct row row = {.tile = page->tile};
 	rows_range(climb->table, *posts, count, 0, &row.low, &row.high);
-	return put_row(climb, &row, *posts, !all_zero(*posts, count));
+	return put_row(climb, &row, *posts, !rows_all_zero(*posts, count));
 }
 
 static enum status put_parent(struct climb *climb, struct tile tile, const int32_t *posts)
@@ -163,13 +155,12 @@ static enum status climb_table(struct store *store, enum row_table table, const 
 			       size_t count, struct store_epoch_result *result)
 {
 	struct climb climb = {.store = store, .pages = pages, .table = table, .result = result};
-	unsigned plane = table == ROW_OFFSET ? STORE_PLANE_OFFSET : STORE_PLANE_DIRT;
 	size_t with = 0;
 	climb.order = mem_alloc(count, sizeof *climb.order);
 	if (climb.order == NULL)
 		return fail_memory("an epoch");
 	for (size_t i = 0; i < count; i++)
-		if (pages[i].planes & plane)
+		if (pages[i].planes[row_plane(table)] != NULL)
 			climb.order[with++] = (struct order){tile_key(pages[i].tile), i};
 	enum status status = STATUS_OK;
 	if (with > 0) {
@@ -217,7 +208,11 @@ static enum status put_all(struct store *store, const struct store_page *pages, 
 	if (status == STATUS_OK)
 		status = climb_table(store, ROW_OFFSET, pages, count, result);
 	if (status == STATUS_OK)
-		status = climb_table(store, ROW_SOIL, pages, count, result);
+		status = climb_table(store, ROW_DIRT, pages, count, result);
+	for (int table = ROW_HEAPED; table < ROW_TABLES && status == STATUS_OK; table++)
+		status = state_put(store, (enum row_table)table, pages, count, result);
+	if (status == STATUS_OK)
+		status = meta_add_compacted(store, run->compacted);
 	if (status == STATUS_OK)
 		status = put_run(store, run, result);
 	if (status == STATUS_OK)
@@ -230,7 +225,8 @@ enum status store_epoch(struct store *store, const struct store_page *pages, siz
 {
 	assert(store->writing && store->has_working);
 	for (size_t i = 0; i < count; i++)
-		assert(pages[i].tile.level == store->working && world_has(&store->meta.world, pages[i].tile));
+		assert(pages[i].tile.level == store->working && world_has(&store->meta.world, pages[i].tile) &&
+		       pages[i].planes[PLANE_OFFSET] != NULL);
 	*result = (struct store_epoch_result){.epoch = store->epoch + 1};
 	enum status status = sql_exec(store->db, store->path, "beginning an epoch", "BEGIN IMMEDIATE");
 	if (status != STATUS_OK)
@@ -244,6 +240,7 @@ enum status store_epoch(struct store *store, const struct store_page *pages, siz
 	}
 	if (count > 0)
 		store->working_stored = true;
+	store->compacted += run->compacted;
 	store->epoch++;
 	return STATUS_OK;
 }

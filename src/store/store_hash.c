@@ -1,6 +1,7 @@
 /* "The same store": a hash of what the rows mean, not of how they are packed or when written. */
 #include "store/internal.h"
 
+#include <stdio.h>
 #include <string.h>
 #include <xxhash.h>
 
@@ -47,7 +48,7 @@ static void add_meta(struct hashing *hashing)
 		hash_real(meta->world.spacing), hash_real(meta->step), hash_real(meta->max_error),
 		hash_real(meta->origin[0]), hash_real(meta->origin[1]), hash_real(meta->low),
 		hash_real(meta->high), store->working_stored,
-		store->working_stored ? (uint64_t)(int64_t)store->working : 0,
+		store->working_stored ? (uint64_t)(int64_t)store->working : 0, (uint64_t)store->compacted,
 	};
 	hash_words(hashing->state, words, sizeof words / sizeof *words);
 	hash_text(hashing->state, meta->srs);
@@ -74,7 +75,7 @@ static enum status add_row(struct hashing *hashing, enum row_table table, uint64
 	if (status != STATUS_OK)
 		return status;
 	const uint64_t words[] = {(uint64_t)table, key, hash_real(row.low), hash_real(row.high),
-				  hash_real(row.error), (uint64_t)row.below, (uint64_t)row.above, row.planes};
+				  hash_real(row.error), (uint64_t)row.below, (uint64_t)row.above};
 	hash_words(hashing->state, words, sizeof words / sizeof *words);
 #if __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
 	for (size_t i = 0; i < count; i++)
@@ -86,14 +87,11 @@ static enum status add_row(struct hashing *hashing, enum row_table table, uint64
 
 static enum status add_table(struct hashing *hashing, enum row_table table)
 {
-	static const char *const keys[ROW_TABLES] = {
-		"SELECT key FROM base ORDER BY key",
-		"SELECT key FROM \"offset\" ORDER BY key",
-		"SELECT key FROM soil ORDER BY key",
-	};
+	char keys[64];
 	const struct rows *rows = store_table(hashing->store, table);
 	sqlite3_stmt *statement = NULL;
-	enum status status = sql_prepare(rows->db, rows->path, &statement, keys[table]);
+	snprintf(keys, sizeof keys, "SELECT key FROM %s ORDER BY key", rows_sql_name(table));
+	enum status status = sql_prepare(rows->db, rows->path, &statement, keys);
 	int code;
 	while (status == STATUS_OK && (code = sqlite3_step(statement)) != SQLITE_DONE)
 		status = code == SQLITE_ROW

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#define COMPACTED_MAX (INT64_MAX / 4) /* either way; so that sums of such are numbers too */
 #define EPOCH_MAX (INT64_C(1) << 53) /* nobody commits that many */
 
 enum status meta_copy(struct store_meta *to, const struct store_meta *from)
@@ -246,6 +247,35 @@ enum status meta_working(sqlite3 *db, const char *path, const struct world *worl
 	return status;
 }
 
+/* No such key: nothing. */
+static enum status get_compacted(struct lookup *lookup, int64_t *compacted)
+{
+	bool found;
+	enum status status = look_up(lookup, "compacted", &found);
+	*compacted = 0;
+	if (status != STATUS_OK || !found)
+		return status;
+	return get_integer(lookup, "compacted", -COMPACTED_MAX, COMPACTED_MAX, compacted);
+}
+
+enum status meta_compacted(sqlite3 *db, const char *path, int64_t *compacted)
+{
+	struct lookup lookup = {.db = db, .path = path};
+	enum status status = get_compacted(&lookup, compacted);
+	sqlite3_finalize(lookup.statement);
+	return status;
+}
+
+enum status meta_add_compacted(struct store *store, int64_t more)
+{
+	int64_t sum;
+	if (more == 0)
+		return STATUS_OK;
+	if (__builtin_add_overflow(store->compacted, more, &sum) || sum > COMPACTED_MAX || sum < -COMPACTED_MAX)
+		return fail_with(STATUS_FAILED, "%s: more soil was compacted than it can count; furrow reset it", store->path);
+	return meta_put_integer(store, "compacted", sum);
+}
+
 static enum status get_base_hash(struct lookup *lookup, uint64_t *hash)
 {
 	int64_t value = 0;
@@ -306,6 +336,8 @@ static enum status get_all(struct lookup *lookup, struct store *store)
 		status = get_base_path(lookup, &store->base_path);
 	if (status == STATUS_OK)
 		status = get_working(lookup, &meta->world, &store->has_working, &store->working);
+	if (status == STATUS_OK)
+		status = get_compacted(lookup, &store->compacted);
 	if (status != STATUS_OK)
 		return status;
 	store->working_stored = store->has_working;

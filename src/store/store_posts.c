@@ -46,6 +46,22 @@ static double add_as_is(const struct reading *reading, double was, int32_t post)
 	return was + post;
 }
 
+static double add_shear(const struct reading *reading, double was, int32_t post)
+{
+	return was + rows_metres(ROW_SHEAR, post, 0);
+}
+
+/* What a layer adds to its base, or to nothing. */
+static const struct {
+	enum row_table table;
+	meaning_fn meaning;
+} added[STORE_LAYERS] = {
+	[STORE_SURFACE] = {ROW_OFFSET, add_metres}, [STORE_OFFSET] = {ROW_OFFSET, add_metres},
+	[STORE_QUANTA] = {ROW_OFFSET, add_as_is},   [STORE_SOIL] = {ROW_DIRT, add_as_is},
+	[STORE_HEAPED] = {ROW_HEAPED, add_metres},  [STORE_PRESSED] = {ROW_PRESSED, add_metres},
+	[STORE_SHEAR] = {ROW_SHEAR, add_shear},
+};
+
 /* Post (x, y) of the level asked for, which lies in the tile at (px, py) / 2^shift of its posts. */
 static int32_t post_at(const struct reading *reading, int shift, uint64_t px, uint64_t py)
 {
@@ -167,8 +183,10 @@ static enum status read_layer(struct reading *reading, enum store_layer layer)
 		reading->values[i] = isnan(reading->values[i]) ? (double)NAN : 0;
 	if (!deformed)
 		return STATUS_OK;
-	return take_level(reading, layer == STORE_SOIL ? ROW_SOIL : ROW_OFFSET, level > working ? level : working,
-			  rect, layer == STORE_SURFACE || layer == STORE_OFFSET ? add_metres : add_as_is);
+	if (row_is_state(added[layer].table) && level > working)
+		return fail_with(STATUS_INPUT, "%s: level %d has no state of the soil; ask for level %d, which is deformed, or a "
+				 "finer one", reader->rows.path, level, working);
+	return take_level(reading, added[layer].table, level > working ? level : working, rect, added[layer].meaning);
 }
 
 enum status store_read_posts(struct store_reader *reader, enum store_layer layer, int level,
@@ -214,25 +232,29 @@ enum status store_read_posts(struct store_reader *reader, enum store_layer layer
 
 /* --- a point --- */
 
-/* The finest level stored at the cell of level-0 posts (or finer) that holds (x, y). */
-static enum status level_at(struct store_reader *reader, double x, double y, int *level)
+/* The finest level stored at the cell of level-0 posts (or finer) that holds (x, y), and the planes that
+ * the tile of the working level there has. */
+static enum status level_at(struct store_reader *reader, double x, double y, int *level, unsigned *planes)
 {
 	const struct world *world = reader->rows.world;
-	bool deformed, found = false;
+	bool deformed;
 	int working;
 	*level = 0;
+	*planes = 0;
 	enum status status = meta_working(reader->db, reader->rows.path, world, &deformed, &working);
-	if (status != STATUS_OK || !deformed || working >= 0)
+	if (status != STATUS_OK || !deformed)
 		return status;
 	double side = world_spacing(world, working) * world->cells;
 	uint32_t tx = (uint32_t)(x / side), ty = (uint32_t)(y / side);
 	uint32_t tiles_x = world_tiles_x(world, working), tiles_y = world_tiles_y(world, working);
 	struct tile tile = {working, tx < tiles_x ? tx : tiles_x - 1, ty < tiles_y ? ty : tiles_y - 1};
-	for (int table = ROW_OFFSET; table <= ROW_SOIL && status == STATUS_OK && !found; table++) {
+	for (int plane = 0; plane < PLANES && status == STATUS_OK; plane++) {
 		struct row row;
-		status = rows_head(&reader->rows, (enum row_table)table, tile, &row, &found);
+		bool found;
+		status = rows_head(&reader->rows, row_table_of((enum plane)plane), tile, &row, &found);
+		*planes |= found ? PLANE_BIT(plane) : 0;
 	}
-	if (found)
+	if (*planes != 0 && working < 0)
 		*level = working;
 	return status;
 }
@@ -267,19 +289,44 @@ static double bilinear(const double posts[4], double u, double v)
 	return sum;
 }
 
+/* A layer at the post that is nearest; 0 in a hole. */
+static enum status nearest(struct store_reader *reader, enum store_layer layer, int level, struct post_rect cell,
+			   double u, double v, double *value)
+{
+	double posts[4];
+	enum status status = store_read_posts(reader, layer, level, cell, posts);
+	if (status == STATUS_OK)
+		*value = posts[(v >= 0.5) * 2 + (u >= 0.5)];
+	if (status == STATUS_OK && isnan(*value))
+		*value = 0;
+	return status;
+}
+
 static enum status sample_inside(struct store_reader *reader, double x, double y, struct store_sample *sample)
 {
 	int level;
-	enum status status = level_at(reader, x, y, &level);
+	enum status status = level_at(reader, x, y, &level, &sample->planes);
 	if (status != STATUS_OK)
 		return status;
-	double u, v, base[4], offset[4], dirt[4];
+	double u, v, base[4], offset[4], dirt = 0;
 	struct post_rect cell = cell_at(reader->rows.world, level, x, y, &u, &v);
 	status = store_read_posts(reader, STORE_BASE, level, cell, base);
 	if (status == STATUS_OK)
 		status = store_read_posts(reader, STORE_OFFSET, level, cell, offset);
 	if (status == STATUS_OK)
-		status = store_read_posts(reader, STORE_SOIL, level, cell, dirt);
+		status = nearest(reader, STORE_SOIL, level, cell, u, v, &dirt);
+	const struct {
+		enum plane plane;
+		enum store_layer layer;
+		double *value;
+	} state[] = {
+		{PLANE_HEAPED, STORE_HEAPED, &sample->heaped},
+		{PLANE_PRESSED, STORE_PRESSED, &sample->pressed},
+		{PLANE_SHEAR, STORE_SHEAR, &sample->shear},
+	};
+	for (size_t i = 0; i < sizeof state / sizeof *state && status == STATUS_OK; i++)
+		if (sample->planes & PLANE_BIT(state[i].plane))
+			status = nearest(reader, state[i].layer, level, cell, u, v, state[i].value);
 	if (status != STATUS_OK)
 		return status;
 	sample->base = bilinear(base, u, v);
@@ -288,8 +335,7 @@ static enum status sample_inside(struct store_reader *reader, double x, double y
 		return STATUS_OK;
 	sample->offset = bilinear(offset, u, v);
 	sample->height = sample->base + sample->offset;
-	double nearest = dirt[(v >= 0.5) * 2 + (u >= 0.5)];
-	sample->dirt = isnan(nearest) ? 0 : (unsigned)nearest;
+	sample->dirt = (unsigned)dirt;
 	return STATUS_OK;
 }
 

@@ -73,7 +73,7 @@ enum status store_put_packed(struct store *store, struct tile tile, const struct
 		.bytes = packed->bytes,
 		.size = packed->size,
 	};
-	row.hash = rows_hash(&row);
+	row.hash = rows_hash(ROW_BASE, &row);
 	enum status status = rows_put(&store->rows, ROW_BASE, &row);
 	store->uncommitted += (int64_t)packed->size;
 	bool due = store->uncommitted >= store->commit_bytes || clock_seconds() - store->committed >= COMMIT_SECONDS;

@@ -113,42 +113,51 @@ enum status store_read_base_range(struct store_reader *reader, struct tile tile,
 	return status;
 }
 
-static enum status read_dirt(struct store_reader *reader, struct tile tile, size_t count, uint8_t *dirt,
-			     bool *found)
+/* From the codec's words into the plane's own texels. */
+static void narrow(enum plane plane, const int32_t *wide, size_t count, void *texels)
+{
+	switch (plane_bytes(plane)) {
+	case sizeof(uint8_t):
+		for (size_t i = 0; i < count; i++)
+			((uint8_t *)texels)[i] = (uint8_t)wide[i];
+		break;
+	case sizeof(uint16_t):
+		for (size_t i = 0; i < count; i++)
+			((uint16_t *)texels)[i] = (uint16_t)wide[i];
+		break;
+	default:
+		assert(wide == texels);
+	}
+}
+
+static enum status read_plane(struct store_reader *reader, struct tile tile, enum plane plane, size_t count,
+			      void *texels, bool *found)
 {
 	struct row row;
-	int32_t *wide = reader->rows.wide;
-	enum status status = rows_read(&reader->rows, ROW_SOIL, tile, wide, &row, found);
-	if (status != STATUS_OK || !*found) {
-		memset(dirt, 0, count);
+	int32_t *wide = plane_bytes(plane) == sizeof *wide ? texels : reader->rows.wide;
+	enum status status = rows_read(&reader->rows, row_table_of(plane), tile, wide, &row, found);
+	if (status != STATUS_OK)
 		return status;
-	}
-	for (size_t i = 0; i < count; i++)
-		dirt[i] = (uint8_t)wide[i];
+	if (*found)
+		narrow(plane, wide, count, texels);
+	else
+		memset(texels, 0, count * plane_bytes(plane));
 	return STATUS_OK;
 }
 
-enum status store_read_deformed(struct store_reader *reader, struct tile tile, unsigned planes,
-				int32_t *offset, uint8_t *dirt, unsigned *present)
+enum status store_read_deformed(struct store_reader *reader, struct tile tile, unsigned wanted,
+				void *const planes[PLANES], unsigned *present)
 {
-	size_t side = tile_posts(reader->rows.world), count = side * side;
-	struct row row;
-	bool found;
+	size_t side = tile_posts(reader->rows.world);
 	enum status status = STATUS_OK;
 	*present = 0;
-	if (planes & STORE_PLANE_OFFSET) {
-		status = rows_read(&reader->rows, ROW_OFFSET, tile, offset, &row, &found);
-		if (status != STATUS_OK)
-			return status;
+	for (int plane = 0; plane < PLANES && status == STATUS_OK; plane++) {
+		bool found = false;
+		if (!(wanted & PLANE_BIT(plane)))
+			continue;
+		status = read_plane(reader, tile, (enum plane)plane, side * side, planes[plane], &found);
 		if (found)
-			*present |= STORE_PLANE_OFFSET;
-		else
-			memset(offset, 0, count * sizeof *offset);
-	}
-	if (planes & STORE_PLANE_DIRT) {
-		status = read_dirt(reader, tile, count, dirt, &found);
-		if (found)
-			*present |= STORE_PLANE_DIRT;
+			*present |= PLANE_BIT(plane);
 	}
 	return status;
 }

@@ -10,8 +10,9 @@ enum status store_reset(struct store *store)
 	if (status != STATUS_OK)
 		return status;
 	status = sql_exec(store->db, store->path, "resetting it",
-			  "DELETE FROM \"offset\"; DELETE FROM soil; DELETE FROM run; "
-			  "DELETE FROM meta WHERE key = 'working'; COMMIT");
+			  "DELETE FROM \"offset\"; DELETE FROM dirt; DELETE FROM heaped; DELETE FROM pressed; "
+			  "DELETE FROM shear; DELETE FROM run; "
+			  "DELETE FROM meta WHERE key IN ('working', 'compacted'); COMMIT");
 	if (status != STATUS_OK) {
 		if (!sqlite3_get_autocommit(store->db))
 			sqlite3_exec(store->db, "ROLLBACK", NULL, NULL, NULL);
@@ -19,6 +20,7 @@ enum status store_reset(struct store *store)
 	}
 	store->has_working = store->working_stored = false;
 	store->working = 0;
+	store->compacted = 0;
 	store->epoch = 0;
 	/* The pages that are free now are given back to the disk; the base's mostly lie before them. */
 	status = sql_exec(store->db, store->path, "resetting it", "PRAGMA incremental_vacuum");

@@ -1,5 +1,5 @@
 /*
- * The rows of the three tile tables, read and written one at a time.
+ * The rows of the tables of tiles, read and written one at a time.
  *
  * Invariants: (1) no statement is left stepped: each is reset before the function that stepped it
  * returns, except that rows_read() does so only after the blob was decoded; (2) a row whose hash or
@@ -17,14 +17,15 @@
 #define SUM_MAX ((int64_t)(TILE_CELLS_MAX + 1) * (TILE_CELLS_MAX + 1) << 31) /* of any tile's posts */
 
 struct table {
-	const char *name;
+	const char *name, *sql_name;
 	const char *find, *head, *write, *drop, *under;
 };
 
-/* Columns 0..8: low, high, error, codec, revision, hash, below, above, planes; find: blob too. */
+/* Columns 0..7: low, high, error, codec, revision, hash, below, above; find: blob too. */
 #define TABLE(word, from, columns, written, values)                                                \
 	{                                                                                          \
 		.name = word,                                                                      \
+		.sql_name = from,                                                                  \
 		.find = "SELECT " columns ", blob FROM " from " WHERE key = ?1",                   \
 		.head = "SELECT " columns " FROM " from " WHERE key = ?1",                         \
 		.write = "INSERT OR REPLACE INTO " from                                            \
@@ -35,11 +36,15 @@ struct table {
 			 " WHERE key BETWEEN ?1 AND ?2",                                           \
 	}
 
+#define PLANE_TABLE(word) TABLE(word, word, "low, high, 0.0, codec, revision, hash, 0, 0", "", "")
+
 static const struct table tables[ROW_TABLES] = {
-	TABLE("base", "base", "low, high, error, codec, revision, hash, 0, 0, 0", ", error", ", ?8"),
-	TABLE("offset", "\"offset\"", "low, high, 0.0, codec, revision, hash, below, above, 0",
-	      ", below, above", ", ?8, ?9"),
-	TABLE("soil", "soil", "low, high, 0.0, codec, revision, hash, 0, 0, planes", ", planes", ", ?8"),
+	TABLE("base", "base", "low, high, error, codec, revision, hash, 0, 0", ", error", ", ?8"),
+	TABLE("offset", "\"offset\"", "low, high, 0.0, codec, revision, hash, below, above", ", below, above", ", ?8, ?9"),
+	PLANE_TABLE("dirt"),
+	PLANE_TABLE("heaped"),
+	PLANE_TABLE("pressed"),
+	PLANE_TABLE("shear"),
 };
 
 enum status rows_init(struct rows *rows, sqlite3 *db, const char *path, const struct world *world,
@@ -75,6 +80,11 @@ const char *rows_name(enum row_table table)
 	return tables[table].name;
 }
 
+const char *rows_sql_name(enum row_table table)
+{
+	return tables[table].sql_name;
+}
+
 void rows_text(const struct rows *rows, enum row_table table, struct tile tile, char *text, size_t room)
 {
 	snprintf(text, room, "%s: %s tile level %d x %u y %u", rows->path, tables[table].name, tile.level,
@@ -88,7 +98,7 @@ static enum status row_bad(const struct rows *rows, enum row_table table, struct
 	return fail_with(STATUS_INPUT, "%s: %s; the store is damaged, restore or import it again", text, why);
 }
 
-uint64_t rows_hash(const struct row *row)
+uint64_t rows_hash(enum row_table table, const struct row *row)
 {
 	/* SQLite keeps no negative zero. */
 	double reals[3] = {row->low + 0.0, row->high + 0.0, row->error};
@@ -98,7 +108,7 @@ uint64_t rows_hash(const struct row *row)
 			memcpy(&words[2 + i], &reals[i], sizeof reals[i]);
 	words[5] = (uint64_t)row->below;
 	words[6] = (uint64_t)row->above;
-	words[7] = row->planes;
+	words[7] = table; /* that no row passes for one of another */
 	uint8_t head[sizeof words];
 	for (size_t i = 0; i < sizeof head; i++)
 		head[i] = (uint8_t)(words[i / 8] >> i % 8 * 8);
@@ -123,7 +133,6 @@ static void take_head(sqlite3_stmt *statement, struct tile tile, struct row *row
 		.hash = (uint64_t)sqlite3_column_int64(statement, 5),
 		.below = sqlite3_column_int64(statement, 6),
 		.above = sqlite3_column_int64(statement, 7),
-		.planes = (unsigned)sqlite3_column_int64(statement, 8),
 	};
 }
 
@@ -168,28 +177,32 @@ enum status rows_head(struct rows *rows, enum row_table table, struct tile tile,
 	return status;
 }
 
-static bool all_dirt(const int32_t *posts, size_t count)
+/* What posts of a table may be; the base's are read against the header's. */
+static bool all_fit(enum row_table table, const int32_t *posts, size_t count)
 {
+	static const int32_t most[ROW_TABLES] = {
+		[ROW_DIRT] = UINT8_MAX, [ROW_PRESSED] = INT32_MAX, [ROW_SHEAR] = UINT16_MAX,
+	};
 	bool fits = true;
-	for (size_t i = 0; i < count; i++)
-		fits &= posts[i] >= 0 && posts[i] <= UINT8_MAX;
+	for (size_t i = 0; i < count && most[table] != 0; i++)
+		fits &= posts[i] >= 0 && posts[i] <= most[table];
 	return fits;
 }
 
 static enum status take_blob(struct rows *rows, enum row_table table, sqlite3_stmt *statement,
 			     struct row *row, int32_t *posts)
 {
-	row->bytes = sqlite3_column_blob(statement, 9);
-	row->size = (size_t)sqlite3_column_bytes(statement, 9);
+	row->bytes = sqlite3_column_blob(statement, 8);
+	row->size = (size_t)sqlite3_column_bytes(statement, 8);
 	if (row->bytes == NULL)
 		return row_bad(rows, table, row->tile, "it is empty");
-	if (rows_hash(row) != row->hash)
+	if (rows_hash(table, row) != row->hash)
 		return row_bad(rows, table, row->tile, "its hash is wrong");
 	if (!codec_decode(&rows->codec, row->codec, row->bytes, row->size, posts))
 		return row_bad(rows, table, row->tile, "it cannot be decoded");
 	size_t side = tile_posts(rows->world);
-	if (table == ROW_SOIL && !all_dirt(posts, side * side))
-		return row_bad(rows, table, row->tile, "its dirt is beyond 255");
+	if (!all_fit(table, posts, side * side))
+		return row_bad(rows, table, row->tile, "it has posts beyond its plane's range");
 	return STATUS_OK;
 }
 
@@ -218,7 +231,7 @@ enum status rows_write(struct rows *rows, enum row_table table, const int32_t *p
 		       const uint64_t *unless, bool *written)
 {
 	row->codec = codec_encode(&rows->codec, posts, &row->bytes, &row->size);
-	row->hash = rows_hash(row);
+	row->hash = rows_hash(table, row);
 	*written = unless == NULL || *unless != row->hash;
 	return *written ? rows_put(rows, table, row) : STATUS_OK;
 }
@@ -238,10 +251,10 @@ enum status rows_put(struct rows *rows, enum row_table table, const struct row *
 	sqlite3_bind_blob64(statement, 7, row->bytes, row->size, SQLITE_STATIC);
 	if (table == ROW_BASE)
 		sqlite3_bind_double(statement, 8, row->error);
-	else
-		sqlite3_bind_int64(statement, 8, table == ROW_OFFSET ? row->below : row->planes);
-	if (table == ROW_OFFSET)
+	if (table == ROW_OFFSET) {
+		sqlite3_bind_int64(statement, 8, row->below);
 		sqlite3_bind_int64(statement, 9, row->above);
+	}
 	int code = sqlite3_step(statement);
 	if (code != SQLITE_DONE)
 		status = sql_fail(rows->db, code, rows->path, "writing a tile");
@@ -286,6 +299,14 @@ enum status rows_under(struct rows *rows, enum row_table table, struct tile tile
 	return status;
 }
 
+double rows_metres(enum row_table table, int32_t post, double step)
+{
+	return table == ROW_BASE    ? height_code_metres(post, step)
+	       : table == ROW_DIRT  ? post
+	       : table == ROW_SHEAR ? ldexp(post, -16)
+				    : lattice_offset_metres(post);
+}
+
 void rows_range(enum row_table table, const int32_t *posts, size_t count, double step, double *low,
 		double *high)
 {
@@ -300,12 +321,16 @@ void rows_range(enum row_table table, const int32_t *posts, size_t count, double
 	if (least > most)
 		return;
 	/* Codes keep the order of heights. */
-	*low = table == ROW_BASE     ? height_code_metres(least, step)
-	       : table == ROW_OFFSET ? lattice_offset_metres(least)
-				     : least;
-	*high = table == ROW_BASE     ? height_code_metres(most, step)
-		: table == ROW_OFFSET ? lattice_offset_metres(most)
-				      : most;
+	*low = rows_metres(table, least, step);
+	*high = rows_metres(table, most, step);
+}
+
+bool rows_all_zero(const int32_t *posts, size_t count)
+{
+	for (size_t i = 0; i < count; i++)
+		if (posts[i] != 0)
+			return false;
+	return true;
 }
 
 void rows_sums(const struct world *world, struct tile tile, const int32_t *posts, int64_t *below,

@@ -9,22 +9,28 @@ struct object {
 	const char *name, *sql;
 };
 
+/* A plane's but the offset's. */
+#define PLANE_TABLE(name)                                                                          \
+	"CREATE TABLE " name "(key INTEGER PRIMARY KEY, low REAL, high REAL, "                     \
+	"codec INTEGER NOT NULL, revision INTEGER NOT NULL, hash INTEGER NOT NULL, blob BLOB NOT NULL)"
+
 /* In the order of their names, as schema_check() reads them; FORMAT.md explains them. */
 static const struct object objects[] = {
 	{"base",
 	 "CREATE TABLE base(key INTEGER PRIMARY KEY, low REAL, high REAL, error REAL NOT NULL, "
 	 "codec INTEGER NOT NULL, revision INTEGER NOT NULL, hash INTEGER NOT NULL, blob BLOB NOT NULL)"},
+	{"dirt", PLANE_TABLE("dirt")},
+	{"heaped", PLANE_TABLE("heaped")},
 	{"meta", "CREATE TABLE meta(key TEXT PRIMARY KEY, value) WITHOUT ROWID"},
 	{"offset",
 	 "CREATE TABLE \"offset\"(key INTEGER PRIMARY KEY, low REAL, high REAL, below INTEGER NOT NULL, "
 	 "above INTEGER NOT NULL, codec INTEGER NOT NULL, revision INTEGER NOT NULL, "
 	 "hash INTEGER NOT NULL, blob BLOB NOT NULL)"},
+	{"pressed", PLANE_TABLE("pressed")},
 	{"run",
 	 "CREATE TABLE run(id INTEGER PRIMARY KEY CHECK (id = 1), epoch INTEGER NOT NULL, "
 	 "scene_hash TEXT NOT NULL, step INTEGER NOT NULL, time REAL NOT NULL, state TEXT NOT NULL)"},
-	{"soil",
-	 "CREATE TABLE soil(key INTEGER PRIMARY KEY, low REAL, high REAL, planes INTEGER NOT NULL, "
-	 "codec INTEGER NOT NULL, revision INTEGER NOT NULL, hash INTEGER NOT NULL, blob BLOB NOT NULL)"},
+	{"shear", PLANE_TABLE("shear")},
 };
 #define OBJECTS (sizeof objects / sizeof *objects)
 

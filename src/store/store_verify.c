@@ -75,14 +75,11 @@ static enum status check_files(struct verifying *verifying)
 
 static enum status check_table(struct verifying *verifying, enum row_table table)
 {
-	static const char *const keys[ROW_TABLES] = {
-		"SELECT key FROM base ORDER BY key",
-		"SELECT key FROM \"offset\" ORDER BY key",
-		"SELECT key FROM soil ORDER BY key",
-	};
+	char keys[64];
 	const struct rows *rows = store_table(verifying->store, table);
 	sqlite3_stmt *statement = NULL;
-	enum status status = sql_prepare(rows->db, rows->path, &statement, keys[table]);
+	snprintf(keys, sizeof keys, "SELECT key FROM %s ORDER BY key", rows_sql_name(table));
+	enum status status = sql_prepare(rows->db, rows->path, &statement, keys);
 	int code = SQLITE_DONE;
 	verifying->table = table;
 	while (status == STATUS_OK && (code = sqlite3_step(statement)) == SQLITE_ROW) {
@@ -164,12 +161,11 @@ static enum status check_all(struct verifying *verifying)
 	struct store *store = verifying->store;
 	enum status status = check_files(verifying);
 	for (int table = 0; table < ROW_TABLES && status == STATUS_OK; table++) {
-		static const char *const sql[ROW_TABLES] = {"SELECT count(*) FROM base",
-							    "SELECT count(*) FROM \"offset\"",
-							    "SELECT count(*) FROM soil"};
+		char sql[64];
 		const struct rows *rows = store_table(store, (enum row_table)table);
 		int64_t count = 0;
-		status = sql_integer(rows->db, rows->path, sql[table], &count);
+		snprintf(sql, sizeof sql, "SELECT count(*) FROM %s", rows_sql_name((enum row_table)table));
+		status = sql_integer(rows->db, rows->path, sql, &count);
 		verifying->total += count;
 	}
 	for (int table = 0; table < ROW_TABLES && status == STATUS_OK; table++)
@@ -178,6 +174,8 @@ static enum status check_all(struct verifying *verifying)
 		status = check_missing(verifying);
 	if (status == STATUS_OK)
 		status = check_top(verifying);
+	if (status == STATUS_OK)
+		status = meta_compacted(store->db, store->path, &verifying->check->compacted);
 	return status == STATUS_OK ? check_identity(verifying) : status;
 }
 

@@ -3,7 +3,7 @@
  * posts against the tiles it covers, and that there is a tile above it.
  *
  * A tile that does not decode is named once, as itself; comparisons with it are left out. A missing
- * row of offsets or soil counts as zeros, one of the base is named by store_verify.c.
+ * row of a plane counts as zeros, one of the base is named by store_verify.c.
  */
 #include "store/verify.h"
 
@@ -159,8 +159,6 @@ static void check_values(struct verifying *verifying, const struct row *row)
 		zero &= verifying->posts[i] == 0;
 	if (verifying->table != ROW_BASE && zero && row->tile.level == verifying->store->working)
 		verify_tell_tile(verifying, row->tile, "all its posts are zero, it should have no row");
-	if (verifying->table == ROW_SOIL && row->planes != STORE_PLANE_DIRT)
-		verify_tell_tile(verifying, row->tile, "its planes are none that this version knows");
 	if (verifying->table != ROW_OFFSET)
 		return;
 	int64_t below, above;
@@ -177,6 +175,10 @@ enum status verify_tile(struct verifying *verifying, struct tile tile)
 	int finest = verifying->table == ROW_BASE ? 0 : store->working, coarsest = world_coarsest(world);
 	if ((verifying->table != ROW_BASE && !store->working_stored) || tile.level < finest) {
 		verify_tell_tile(verifying, tile, "it is finer than the level that is deformed");
+		return STATUS_OK;
+	}
+	if (row_is_state(verifying->table) && tile.level > finest) {
+		verify_tell_tile(verifying, tile, "it is coarser than the level that is deformed, which alone has it");
 		return STATUS_OK;
 	}
 	struct row row, range = {.low = (double)NAN, .high = (double)NAN};
@@ -205,7 +207,7 @@ enum status verify_tile(struct verifying *verifying, struct tile tile)
 		verify_tell_tile(verifying, tile, "its range is not that of its posts and of those below");
 	if (status == STATUS_OK)
 		status = check_edges(verifying, tile);
-	if (status == STATUS_OK && tile.level < coarsest)
+	if (status == STATUS_OK && tile.level < coarsest && !row_is_state(verifying->table))
 		status = check_above(verifying, tile);
 	return status;
 }

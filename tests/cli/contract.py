@@ -248,7 +248,7 @@ class RoundTrips(FurrowTest):
     def test_info_holds_what_the_contract_names(self):
         info = self.json("info", self.synth(posts="600x400", spacing=2))
         for key in ("tile spacing posts levels srs geotransform vertical origin bounds nodata max_error height tiles "
-                    "bytes sources last_run base_hash base").split():
+                    "bytes soil compacted sources last_run base_hash base").split():
             self.assertIn(key, info)
         self.assertEqual(info["posts"], [600, 400])
         self.assertEqual(info["levels"], [0, 2])
@@ -278,6 +278,7 @@ class Drives(FurrowTest):
         check = self.json("verify", store)
         self.assertTrue(check["ok"], check["problems"])
         self.assertEqual(check["offset_sum"]["-2"], report["volume"]["quanta"]["net"])
+        self.assertEqual((check["compacted"], report["volume"]["quanta"]["compacted"], report["volume"]["compacted"]), (0, 0, 0))
         # The second station's place, on the path: the wheel's lowest point is sink below the base.
         point = self.json("query", store, "70", "55")
         self.assertLess(point["offset"], -0.05)

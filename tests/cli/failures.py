@@ -179,7 +179,7 @@ class SeamsThatDisagree(RasterTest):
 
 
 class Damage(FurrowTest):
-    NAMES = {"base": "base tile", "offset": "offset tile", "soil": "soil tile"}
+    NAMES = {"base": "base tile", "offset": "offset tile", "dirt": "dirt tile"}
 
     @staticmethod
     def tile_of(key):
@@ -233,7 +233,7 @@ class Damage(FurrowTest):
     def test_verify_names_broken_ruts_too(self):
         store = self.synth()
         self.drive(self.scene(), "--store", store)
-        self.check(store, [("offset", "blob", 0), ("offset", "range", 2), ("soil", "blob", 1), ("base", "hash", 0)])
+        self.check(store, [("offset", "blob", 0), ("offset", "range", 2), ("dirt", "blob", 1), ("base", "hash", 0)])
 
     def test_a_key_of_no_tile_is_told(self):
         store = self.synth(posts="500x400")

@@ -8,7 +8,7 @@ import struct
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import main
+from furrow_test import has_gdal, main
 from raster_test import RasterTest
 import rasters
 import store_reader
@@ -191,7 +191,7 @@ class Bases(FormatTest):
         words = " ".join(page.split())
         with contextlib.closing(sqlite3.connect(self.folder / "world.furrow")) as db:
             tables = db.execute("SELECT sql FROM sqlite_schema WHERE name NOT LIKE 'sqlite_%'").fetchall()
-        self.assertEqual(len(tables), 5)
+        self.assertEqual(len(tables), 8)
         for sql, in tables:
             self.assertTrue("`" + sql.removeprefix("CREATE TABLE ") + "`" in words, sql)
 
@@ -211,9 +211,15 @@ class Deformed(FormatTest):
     def deformation_rows(self, store):
         """What the page says of rows of offsets and soil beside their posts, from the posts."""
         side = store.cells + 1
-        for table, unit in (("offset", 2**-20), ("soil", 1)):
+        for table, unit in (("offset", 2**-20), ("dirt", 1), ("heaped", 2**-20), ("pressed", 2**-20), ("shear", 2**-16)):
             rows = store.rows[table]
             for row in rows.values():
+                if table not in ("offset", "dirt"):
+                    self.assertEqual(row.level, store.working)
+                    self.assertTrue(any(row.posts))
+                    self.assertEqual((row.low, row.high), (min(row.posts) * unit, max(row.posts) * unit))
+                    self.assertTrue(1 <= row.revision <= store.run[0]["epoch"])
+                    continue
                 finer = self.covered(rows, row)
                 self.assertEqual(bool(finer), row.level > store.working)
                 self.assertTrue(finer or any(row.posts))
@@ -221,8 +227,7 @@ class Deformed(FormatTest):
                 self.assertEqual(row.high, max([post * unit for post in row.posts] + [tile.high for tile in finer]))
                 self.assertTrue(row.level == store.coarsest or key_of(row.level + 1, row.x // 2, row.y // 2) in rows)
                 self.assertTrue(1 <= row.revision <= store.run[0]["epoch"])
-                if table == "soil":
-                    self.assertEqual(row.planes, 2)
+                if table == "dirt":
                     continue
                 across, up = store.tiles(row.level)
                 own = [row.posts[y * side + x] for y in range(side - (row.y + 1 < up))
@@ -231,10 +236,11 @@ class Deformed(FormatTest):
 
     def whole_deformation(self, path, levels=(-3, -2, -1, 0, 1)):
         store = Store(path)
-        self.assertGreater(min(len(store.rows["offset"]), len(store.rows["soil"])), 1)
+        self.assertGreater(min(len(store.rows["offset"]), len(store.rows["dirt"])), 1)
         sums = self.json("verify", path)["offset_sum"]
+        self.assertEqual(self.json("info", path)["compacted"], store.compacted)
         for level in range(store.working, store.coarsest + 1):
-            offsets, soil = store.offset(level), store.soil(level)
+            offsets, soil = store.offset(level), store.dirt(level)
             rows = [row for row in store.rows["offset"].values() if row.level == level]
             self.assertEqual(sum(row.below + row.above for row in rows), sum(offsets))
             self.assertEqual(sums[str(level)], sum(offsets))
@@ -252,7 +258,7 @@ class Deformed(FormatTest):
 
     def same_soil(self, path, store):
         wide, _ = store.size(store.working)
-        soil = store.soil(store.working)
+        soil = store.dirt(store.working)
         posts = [at for at, dirt in enumerate(soil) if dirt][::7] + [0, len(soil) - 1]
         size = store.meta["spacing"] * 2**store.working
         lines = "".join(f"{at % wide * size!r} {at // wide * size!r}\n" for at in posts)
@@ -300,18 +306,40 @@ class Deformed(FormatTest):
                 counted = (16 + (tile.x + 1 == across)) * (16 + (tile.y + 1 == north))
                 record = {"key": tile.key, "low": up / 2**20, "high": up / 2**20, "below": 0, "above": up * counted,
                           "codec": 0, "revision": 1, "hash": 0, "blob": struct.pack("<i", up)}
-                record["hash"] = store_reader.Row(record, 17).expected_hash()
+                record["hash"] = store_reader.Row(record, 17, "offset").expected_hash()
                 db.execute('INSERT INTO "offset" VALUES (:key, :low, :high, :below, :above, :codec, :revision, :hash, :blob)',
                            record)
+            # What is kept of the soil's state, of the working level alone.
+            for table, unit, value in (("heaped", 2**-20, -3), ("pressed", 2**-20, 2**19 + 1), ("shear", 2**-16, 65535)):
+                for tile in store.rows["base"].values():
+                    if tile.level > 0:
+                        continue
+                    record = {"key": tile.key, "low": value * unit, "high": value * unit, "codec": 0, "revision": 1,
+                              "blob": struct.pack("<i", value)}
+                    record["hash"] = store_reader.Row(record, 17, table).expected_hash()
+                    db.execute(f"INSERT INTO {table} VALUES (:key, :low, :high, :codec, :revision, :hash, :blob)", record)
             db.execute("INSERT INTO meta VALUES ('working', 0)")
+            db.execute("INSERT INTO meta VALUES ('compacted', -5)")
             db.execute("INSERT INTO run VALUES (1, 1, '', 1, 0.5, '')")
         check = self.json("verify", path)
         self.assertTrue(check["ok"], check["problems"])
         self.assertEqual(check["offset_sum"], {str(level): up * ((64 >> level) + 1)**2 for level in range(3)})
+        self.assertEqual(check["compacted"], -5)
         store = Store(path)
         self.deformation_rows(store)
         self.same_posts(path, store, "quanta", -1)
         self.same_posts(path, store, "surface", 0)
+        point, info = self.json("query", path, "20", "30.5"), self.json("info", path)
+        self.assertEqual(point["soil"], {"dirt": 0, "heaped": -3 / 2**20, "pressed": 0.5 + 2**-20, "shear": 65535 / 65536})
+        self.assertEqual(info["compacted"], -5)
+        self.assertEqual({name: found["tiles"] for name, found in info["soil"].items()},
+                         {"dirt": 0, "heaped": 16, "pressed": 16, "shear": 16})
+        self.assertEqual((info["tiles"]["soil"], info["bytes"]["soil"]), (48, 48 * 4))
+        if has_gdal():
+            self.assertIn("2 m apart", self.ok("export", path, "-o", "heaped.tif", "--layer", "heaped"))
+        self.ok("reset", path)
+        info = self.json("info", path)
+        self.assertEqual((info["tiles"]["soil"], info["tiles"]["offset"], info["compacted"]), (0, 0, 0))
 
 
 if __name__ == "__main__":

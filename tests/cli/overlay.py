@@ -24,7 +24,7 @@ class Overlay(FurrowTest):
         """What deformation added, row by row; not which epoch wrote it."""
         with sqlite3.connect(self.folder / store) as db:
             tables = {"offset": "key, low, high, below, above, codec, hash, blob",
-                      "soil": "key, low, high, planes, codec, hash, blob"}
+                      "dirt": "key, low, high, codec, hash, blob"}
             rows = [db.execute(f'SELECT {columns} FROM "{table}" ORDER BY key').fetchall()
                     for table, columns in tables.items()]
         db.close()

@@ -18,11 +18,12 @@ SCHEMA = {
             "revision INTEGER NOT NULL, hash INTEGER NOT NULL, blob BLOB NOT NULL)",
     "offset": '"offset"(key INTEGER PRIMARY KEY, low REAL, high REAL, below INTEGER NOT NULL, above INTEGER NOT NULL, '
               "codec INTEGER NOT NULL, revision INTEGER NOT NULL, hash INTEGER NOT NULL, blob BLOB NOT NULL)",
-    "soil": "soil(key INTEGER PRIMARY KEY, low REAL, high REAL, planes INTEGER NOT NULL, codec INTEGER NOT NULL, "
-            "revision INTEGER NOT NULL, hash INTEGER NOT NULL, blob BLOB NOT NULL)",
+    **{plane: plane + "(key INTEGER PRIMARY KEY, low REAL, high REAL, codec INTEGER NOT NULL, revision INTEGER NOT NULL, "
+              "hash INTEGER NOT NULL, blob BLOB NOT NULL)" for plane in ("dirt", "heaped", "pressed", "shear")},
     "run": "run(id INTEGER PRIMARY KEY CHECK (id = 1), epoch INTEGER NOT NULL, scene_hash TEXT NOT NULL, "
            "step INTEGER NOT NULL, time REAL NOT NULL, state TEXT NOT NULL)",
 }
+TABLES = ("base", "offset", "dirt", "heaped", "pressed", "shear")  # by the number that is hashed
 META = {int: ("width", "height", "cells", "pack", "base_hash"),
         float: ("spacing", "step", "max_error", "origin_x", "origin_y"),
         str: ("srs", "vertical", "sources")}
@@ -223,11 +224,11 @@ def interpolated(posts, width, wide, high, k):
 
 
 class Row:
-    """One row of base, offset or soil: a field for each column; its posts are decoded when asked for."""
+    """One row of base, or of a plane: a field for each column; its posts are decoded when asked for."""
 
-    def __init__(self, record, side):
+    def __init__(self, record, side, table):
         self.__dict__.update(dict(record))
-        self.side = side
+        self.side, self.table = side, TABLES.index(table)
         self.level, self.x, self.y = (self.key >> 56) - 32, unmorton(self.key), unmorton(self.key >> 1)
         need(key_of(self.level, self.x, self.y) == self.key, "key", self.key)
 
@@ -246,7 +247,7 @@ class Row:
     def expected_hash(self):
         words = [getattr(self, name, 0) for name in ("key", "codec")]
         words += [getattr(self, name, None) for name in ("low", "high", "error")]
-        words += [getattr(self, name, 0) for name in ("below", "above", "planes")]
+        words += [getattr(self, name, 0) for name in ("below", "above", "table")]
         return signed(xxh3(self.blob, xxh3(b"".join(map(bits_of, words)))), 64)
 
 
@@ -259,9 +260,9 @@ class Store:
             self.check_file(db)
             self.meta = {key: value for key, value in db.execute("SELECT key, value FROM meta")}
             self.check_meta()
-            self.rows = {table: {record["key"]: Row(record, self.cells + 1)
+            self.rows = {table: {record["key"]: Row(record, self.cells + 1, table)
                                  for record in db.execute(f'SELECT * FROM "{table}" ORDER BY key')}
-                         for table in ("base", "offset", "soil")}
+                         for table in TABLES}
             self.run = db.execute("SELECT * FROM run").fetchall()
         finally:
             db.close()
@@ -275,7 +276,7 @@ class Store:
             self.rows["base"] = self.base_store.rows["base"]
 
     def check_file(self, db):
-        for name, value in (("application_id", 0x46757277), ("user_version", 2), ("page_size", 16384), ("auto_vacuum", 2)):
+        for name, value in (("application_id", 0x46757277), ("user_version", 3), ("page_size", 16384), ("auto_vacuum", 2)):
             found = db.execute(f"PRAGMA {name}").fetchone()[0]
             need(found == value, name, found)
         found = sorted(sql for sql, in db.execute("SELECT sql FROM sqlite_schema WHERE name NOT LIKE 'sqlite_%'"))
@@ -290,6 +291,8 @@ class Store:
         self.width, self.height, self.cells = (self.meta[name] for name in ("width", "height", "cells"))
         self.step = self.meta["step"]
         self.working = self.meta.get("working")
+        self.compacted = self.meta.get("compacted", 0)
+        need(type(self.compacted) is int and abs(self.compacted) < 2**61, "compacted", repr(self.compacted))
         need(self.cells in [2**i for i in range(3, 11)], "cells", self.cells)
         self.coarsest = 0
         while self.tiles(self.coarsest) != (1, 1):
@@ -364,8 +367,8 @@ class Store:
         fine = interpolated(padded, width + 1, wide, high, self.working - level)
         return [0 if base is None else post for base, post in zip(self.base(level), fine)]
 
-    def soil(self, level):
-        return self.plane("soil", level, 0)
+    def dirt(self, level):
+        return self.plane("dirt", level, 0)
 
     def expected_base_hash(self):
         data = b"".join(bits_of(self.meta[name]) for name in

@@ -19,9 +19,7 @@ static UNUSED struct post_rect dig(struct field *field, int number)
 		field_dig(field, cx, cy, 7, (uint32_t)number);
 		return rect;
 	}
-	size_t posts = (size_t)(field->width * field->height);
-	memset(field->offset, 0, posts * sizeof *field->offset);
-	memset(field->dirt, 0, posts);
+	field_clear(field);
 	return field_all(field);
 }
 

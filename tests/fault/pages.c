@@ -45,14 +45,14 @@ enum status gpu_check(struct gpu *gpu, const char *what)
 struct gpu_slots {
 	struct {
 		bool deformed;
-		int32_t offset[POSTS];
-		uint8_t dirt[POSTS];
+		int32_t planes[PLANES][POSTS]; /* of texels of any size */
+		uint8_t classes[POSTS];
 	} slots[SLOTS];
 };
 
 unsigned gpu_slots_planes(const struct gpu_slots *slots)
 {
-	return GPU_DRAWN_PLANES;
+	return (1u << PLANES) - 1;
 }
 
 enum status gpu_slots_upload_base(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging, size_t posts)
@@ -68,10 +68,8 @@ enum status gpu_slots_subdivide_base(struct gpu_slots *slots, uint32_t slot, str
 
 enum status gpu_slots_deform(struct gpu_slots *slots, uint32_t slot)
 {
-	if (!slots->slots[slot].deformed) {
-		memset(slots->slots[slot].offset, 0, sizeof slots->slots[slot].offset);
-		memset(slots->slots[slot].dirt, 0, sizeof slots->slots[slot].dirt);
-	}
+	if (!slots->slots[slot].deformed)
+		memset(slots->slots[slot].planes, 0, sizeof slots->slots[slot].planes);
 	slots->slots[slot].deformed = true;
 	return STATUS_OK;
 }
@@ -85,16 +83,31 @@ enum status gpu_slots_upload_deform(struct gpu_slots *slots, uint32_t slot, stru
 				    const size_t places[PLANES])
 {
 	slots->slots[slot].deformed = true;
-	memcpy(slots->slots[slot].offset, (char *)staging + places[PLANE_OFFSET], sizeof slots->slots[slot].offset);
-	memcpy(slots->slots[slot].dirt, (char *)staging + places[PLANE_DIRT], sizeof slots->slots[slot].dirt);
+	for (int plane = 0; plane < PLANES; plane++) {
+		size_t bytes = POSTS * plane_bytes((enum plane)plane);
+		memset(slots->slots[slot].planes[plane], 0, bytes);
+		if (places[plane] != GPU_NO_PLANE)
+			memcpy(slots->slots[slot].planes[plane], (char *)staging + places[plane], bytes);
+	}
 	return STATUS_OK;
 }
 
 enum status gpu_slots_read_deform(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
 				  const size_t places[PLANES])
 {
-	memcpy((char *)staging + places[PLANE_OFFSET], slots->slots[slot].offset, sizeof slots->slots[slot].offset);
-	memcpy((char *)staging + places[PLANE_DIRT], slots->slots[slot].dirt, sizeof slots->slots[slot].dirt);
+	for (int plane = 0; plane < PLANES; plane++)
+		memcpy((char *)staging + places[plane], slots->slots[slot].planes[plane], POSTS * plane_bytes((enum plane)plane));
+	return STATUS_OK;
+}
+
+static uint8_t class_of(struct tile tile, int post)
+{
+	return (uint8_t)(mix(tile.x, tile.y, (uint32_t)post) & 15);
+}
+
+enum status gpu_slots_upload_classes(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging, size_t classes)
+{
+	memcpy(slots->slots[slot].classes, (char *)staging + classes, POSTS);
 	return STATUS_OK;
 }
 
@@ -137,6 +150,31 @@ static enum status nothing_before(void *user, struct tile tile, uint32_t slot)
 
 static const struct scene scene = {.hash = "abc"};
 
+/* What the steps up to this one compacted; less at times, where soil springs back. */
+static int64_t compacted_by(int64_t step)
+{
+	return step * 1000000007 - (step % 3) * INT64_C(5000000000);
+}
+
+#define COMPACTED_BEFORE (-99)
+
+static enum status take_tally(void *user, struct gpu_staging *staging)
+{
+	const struct rig *rig = user;
+	int64_t tally[3] = {compacted_by(rig->steps)};
+	_Static_assert(sizeof tally == PAGES_TALLY_BYTES, "the tally");
+	memcpy(staging, tally, sizeof tally);
+	return STATUS_OK;
+}
+
+static enum status give_classes(void *user, unsigned loader, struct tile tile, uint8_t *classes)
+{
+	expect(loader < 2 && tile.level == LEVEL);
+	for (int i = 0; i < POSTS; i++)
+		classes[i] = class_of(tile, i);
+	return STATUS_OK;
+}
+
 static enum status rig_open(struct rig *rig, const char *path)
 {
 	struct store_options options = {STORE_WRITE, false};
@@ -154,7 +192,11 @@ static enum status rig_open(struct rig *rig, const char *path)
 		.step_pages = 4,
 		.scene = &scene,
 		.epochs = rig->log,
+		.compacted = COMPACTED_BEFORE,
 		.before_read_back = nothing_before,
+		.snapshot = take_tally,
+		.classes = give_classes,
+		.user = rig,
 	};
 	status = pages_create(&params, &rig->pages);
 	if (status == STATUS_OK)
@@ -165,13 +207,15 @@ static enum status rig_open(struct rig *rig, const char *path)
 /* What the tile in the slot holds is what the ground was before the step. */
 static void step_tile(struct rig *rig, struct tile tile, uint32_t slot, const struct field *before)
 {
-	int32_t offset[POSTS];
-	uint8_t dirt[POSTS];
+	for (int i = 0; i < POSTS; i++)
+		expect(rig->slots.slots[slot].classes[i] == class_of(tile, i));
 	(void)!gpu_slots_deform(&rig->slots, slot);
-	field_tile(before, tile, offset, dirt);
-	expect(memcmp(rig->slots.slots[slot].offset, offset, sizeof offset) == 0);
-	expect(memcmp(rig->slots.slots[slot].dirt, dirt, sizeof dirt) == 0);
-	field_tile(&rig->field, tile, rig->slots.slots[slot].offset, rig->slots.slots[slot].dirt);
+	for (int plane = 0; plane < PLANES; plane++) {
+		int32_t texels[POSTS];
+		field_tile_plane(before, tile, (enum plane)plane, texels);
+		expect(memcmp(rig->slots.slots[slot].planes[plane], texels, POSTS * plane_bytes((enum plane)plane)) == 0);
+		field_tile_plane(&rig->field, tile, (enum plane)plane, rig->slots.slots[slot].planes[plane]);
+	}
 	page_cache_dirty(rig->cache, tile_key(tile));
 	page_cache_unpin(rig->cache, tile_key(tile));
 }
@@ -187,8 +231,9 @@ static enum status one_step(struct rig *rig, int step, struct record *record)
 	if (status != STATUS_OK)
 		return status;
 	struct field before = field_make(LEVEL);
-	memcpy(before.offset, rig->field.offset, (size_t)(before.width * before.height) * sizeof *before.offset);
-	memcpy(before.dirt, rig->field.dirt, (size_t)(before.width * before.height));
+	for (int plane = 0; plane < PLANES; plane++)
+		memcpy(before.planes[plane], rig->field.planes[plane],
+		       (size_t)(before.width * before.height) * plane_bytes((enum plane)plane));
 	dig_step(&rig->field, step);
 	rig->steps = step;
 	for (uint32_t i = 0; i < 4; i++)
@@ -234,8 +279,25 @@ static void hold_resident(void *user, uint64_t key, uint32_t slot, bool dirty)
 	if (!dirty)
 		return;
 	field_tile(&held->rig->field, tile_from_key(key), offset, dirt);
-	expect(memcmp(held->rig->slots.slots[slot].offset, offset, sizeof offset) == 0);
+	expect(memcmp(held->rig->slots.slots[slot].planes[PLANE_OFFSET], offset, sizeof offset) == 0);
 	hold(held, key);
+}
+
+/* Every plane of the tile. */
+static bool stored_is(struct store_reader *reader, const struct field *field, struct tile tile)
+{
+	int32_t stored[PLANES][POSTS], texels[POSTS];
+	void *planes[PLANES];
+	unsigned present;
+	bool same = true;
+	for (int plane = 0; plane < PLANES; plane++)
+		planes[plane] = stored[plane];
+	expect(store_read_deformed(reader, tile, (1u << PLANES) - 1, planes, &present) == STATUS_OK);
+	for (int plane = 0; plane < PLANES; plane++) {
+		field_tile_plane(field, tile, (enum plane)plane, texels);
+		same &= memcmp(stored[plane], texels, POSTS * plane_bytes((enum plane)plane)) == 0;
+	}
+	return same;
 }
 
 /* A page that differs from the store is dirty in its slot or in the queue. */
@@ -248,15 +310,8 @@ static void expect_pages_kept(struct rig *rig)
 	expect(store_reader_create(rig->store, &reader) == STATUS_OK);
 	for (uint32_t y = 0; y < world_tiles_y(&world, LEVEL); y++)
 		for (uint32_t x = 0; x < world_tiles_x(&world, LEVEL); x++) {
-			int32_t offset[POSTS], stored[POSTS];
-			uint8_t dirt[POSTS], stored_dirt[POSTS];
-			unsigned present;
 			struct tile tile = {LEVEL, x, y};
-			field_tile(&rig->field, tile, offset, dirt);
-			expect(store_read_deformed(reader, tile, STORE_PLANE_OFFSET | STORE_PLANE_DIRT, stored,
-						   stored_dirt, &present) == STATUS_OK);
-			expect(held.has[y][x] || (memcmp(offset, stored, sizeof offset) == 0 &&
-						  memcmp(dirt, stored_dirt, sizeof dirt) == 0));
+			expect(held.has[y][x] || stored_is(reader, &rig->field, tile));
 		}
 	store_reader_destroy(reader);
 }
@@ -276,18 +331,21 @@ static void look(const char *path, int least, int most)
 	struct field field = field_make(LEVEL);
 	for (int step = 1; numbers.epochs > 0 && step <= numbers.last_run.step; step++)
 		dig_step(&field, step);
-	size_t count = (size_t)(field.width * field.height);
-	double *values = malloc(count * sizeof *values);
-	assert_non_null(values);
 	expect(store_reader_create(store, &reader) == STATUS_OK);
-	expect(store_read_posts(reader, STORE_QUANTA, LEVEL, field_all(&field), values) == STATUS_OK);
-	for (size_t i = 0; i < count; i++)
-		expect(values[i] == field.offset[i] || values[i] != values[i]);
-	expect(store_read_posts(reader, STORE_SOIL, LEVEL, field_all(&field), values) == STATUS_OK);
-	for (size_t i = 0; i < count; i++)
-		expect(values[i] == field.dirt[i] || values[i] != values[i]);
+	for (uint32_t y = 0; y < world_tiles_y(&world, LEVEL); y++)
+		for (uint32_t x = 0; x < world_tiles_x(&world, LEVEL); x++)
+			expect(stored_is(reader, &field, (struct tile){LEVEL, x, y}));
 	store_reader_destroy(reader);
-	free(values);
+	/* What was compacted belongs to the same step, and so does the record's share of it. */
+	int64_t compacted = numbers.epochs > 0 ? compacted_by(numbers.last_run.step) : 0;
+	expect(numbers.compacted == compacted && check.compacted == compacted);
+	if (numbers.epochs > 0) {
+		struct record *record = calloc(1, record_bytes(0));
+		assert_non_null(record);
+		expect(record_parse(&numbers.last_run, "trial", &scene, record) == STATUS_OK);
+		expect(record->sums.compacted == compacted + COMPACTED_BEFORE);
+		free(record);
+	}
 	field_free(&field);
 	store_close(store);
 }

@@ -97,7 +97,7 @@ static void read_windows(struct store_reader *reader, const struct world *world,
 		int64_t width = world_posts(world->width, level), height = world_posts(world->height, level);
 		int64_t x = i % 3 == 0 ? -4 : i % 3 == 1 ? width / 2 : width - WINDOW / 2;
 		int64_t y = i % 2 == 0 ? -4 : height - WINDOW / 2;
-		enum store_layer layer = (enum store_layer)((hash >> 8) + (unsigned)i) % (STORE_SOIL + 1);
+		enum store_layer layer = (enum store_layer)((hash >> 8) + (unsigned)i) % STORE_LAYERS;
 		/* Below level 0 more relief than the lattice holds is refused, and levels far from what is stored. */
 		must(clean && level >= 0 && layer == STORE_BASE,
 		     store_read_posts(reader, layer, level, (struct post_rect){x, y, x + WINDOW, y + WINDOW}, values));
@@ -115,15 +115,38 @@ static void read_samples(struct store_reader *reader, const struct world *world)
 			continue;
 		fuzz_check(sample.dirt <= UINT8_MAX);
 		fuzz_check(sample.nodata || (isfinite(sample.height) && isfinite(sample.base)));
+		fuzz_check(isfinite(sample.heaped) && sample.pressed >= 0 && sample.shear >= 0 && sample.shear < 1);
 	}
+}
+
+#define ALL_PLANES ((1u << PLANES) - 1)
+
+struct planes {
+	void *of[PLANES];
+};
+
+static struct planes planes_make(size_t posts)
+{
+	struct planes planes;
+	for (int plane = 0; plane < PLANES; plane++) {
+		planes.of[plane] = malloc(posts * plane_bytes((enum plane)plane));
+		fuzz_check(planes.of[plane] != NULL);
+	}
+	return planes;
+}
+
+static void planes_free(struct planes *planes)
+{
+	for (int plane = 0; plane < PLANES; plane++)
+		free(planes->of[plane]);
 }
 
 static void read_tiles(struct store_reader *reader, const struct world *world, int finest, bool clean, uint64_t hash)
 {
 	size_t posts = posts_of(world->cells);
 	int32_t *codes = malloc(posts * sizeof *codes);
-	uint8_t *dirt = malloc(posts);
-	fuzz_check(codes != NULL && dirt != NULL);
+	struct planes planes = planes_make(posts);
+	fuzz_check(codes != NULL);
 	for (int level = finest; level <= world_coarsest(world); level++) {
 		struct tile tile = {level, (uint32_t)(hash % world_tiles_x(world, level)),
 				    (uint32_t)(hash >> 32) % world_tiles_y(world, level)};
@@ -137,12 +160,11 @@ static void read_tiles(struct store_reader *reader, const struct world *world, i
 			must(clean, store_read_base_range(reader, tile, &range));
 		}
 		must(clean, store_read_offset_range(reader, tile, &low, &high, &found));
-		must(clean, store_read_deformed(reader, tile, STORE_PLANE_OFFSET | STORE_PLANE_DIRT, codes, dirt,
-						&present));
+		must(clean, store_read_deformed(reader, tile, ALL_PLANES, planes.of, &present));
 		must(clean, store_each_offset(reader, level, take_key, &keys));
 	}
 	free(codes);
-	free(dirt);
+	planes_free(&planes);
 }
 
 static void read_all(struct store *store, bool clean, uint64_t hash)
@@ -191,14 +213,13 @@ static bool look(struct store *store)
 /* --- writing --- */
 
 /* The tile as it is: its edges are its neighbours' too, and stay. */
-static bool read_page(struct store *store, struct tile tile, int32_t *offset, uint8_t *dirt)
+static bool read_page(struct store *store, struct tile tile, const struct planes *planes)
 {
 	struct store_reader *reader;
 	unsigned present;
 	if (!done(store_reader_create(store, &reader)))
 		return false;
-	bool good = done(store_read_deformed(reader, tile, STORE_PLANE_OFFSET | STORE_PLANE_DIRT, offset, dirt,
-					     &present));
+	bool good = done(store_read_deformed(reader, tile, ALL_PLANES, planes->of, &present));
 	store_reader_destroy(reader);
 	return good;
 }
@@ -217,19 +238,23 @@ static bool commit(struct store *store, bool clean, uint64_t hash)
 		return true;
 	struct tile tile = {level, (uint32_t)(hash % world_tiles_x(world, level)),
 			    (uint32_t)(hash >> 40) % world_tiles_y(world, level)};
-	int32_t *offset = malloc(posts * sizeof *offset);
-	uint8_t *dirt = malloc(posts);
-	fuzz_check(offset != NULL && dirt != NULL);
-	bool good = read_page(store, tile, offset, dirt);
+	struct planes planes = planes_make(posts);
+	bool good = read_page(store, tile, &planes);
 	fuzz_check(good || !clean);
 	for (size_t y = 1; y + 1 < side; y++)
 		for (size_t x = 1; x + 1 < side; x++) {
 			size_t i = y * side + x;
-			offset[i] = (int32_t)(hash >> i % 32);
-			dirt[i] = (uint8_t)(hash >> i % 48);
+			((int32_t *)planes.of[PLANE_OFFSET])[i] = (int32_t)(hash >> i % 32);
+			((uint8_t *)planes.of[PLANE_DIRT])[i] = (uint8_t)(hash >> i % 48);
+			((int32_t *)planes.of[PLANE_HEAPED])[i] = (int32_t)(hash >> i % 31);
+			((int32_t *)planes.of[PLANE_PRESSED])[i] = (int32_t)(hash >> i % 30 & INT32_MAX);
+			((uint16_t *)planes.of[PLANE_SHEAR])[i] = (uint16_t)(hash >> i % 45);
 		}
 	if (good) {
-		struct store_page page = {tile, STORE_PLANE_OFFSET | STORE_PLANE_DIRT, offset, dirt};
+		struct store_page page = {.tile = tile};
+		/* Now and then a model that keeps no state. */
+		for (int plane = 0; plane < ((hash >> 50 & 1) != 0 ? PLANES : PLANE_HEAPED); plane++)
+			page.planes[plane] = planes.of[plane];
 		struct store_run run = {.scene_hash = "00", .step = 1, .time = 0.5, .state = "{}"};
 		struct store_epoch_result result;
 		enum status status = store_epoch(store, &page, 1, &run, &result);
@@ -237,8 +262,7 @@ static bool commit(struct store *store, bool clean, uint64_t hash)
 		must(clean, status);
 		must(clean, store_checkpoint(store));
 	}
-	free(offset);
-	free(dirt);
+	planes_free(&planes);
 	return good;
 }
 

@@ -16,7 +16,7 @@ static uint64_t below(uint64_t bound)
 	return fuzz_below(&random_state, bound);
 }
 
-static const char *const tables[ROW_TABLES] = {"base", "\"offset\"", "soil"};
+static const char *const tables[ROW_TABLES] = {"base", "\"offset\"", "dirt", "heaped", "pressed", "shear"};
 
 /* --- single values --- */
 
@@ -80,6 +80,7 @@ static void change_meta(sqlite3 *db)
 		"UPDATE meta SET value = 0.0 WHERE key = 'step'",
 		"DELETE FROM meta WHERE key = (SELECT key FROM meta LIMIT 1 OFFSET ?2)",
 		"INSERT OR REPLACE INTO meta VALUES('working', (?2 & 31) - 15)",
+		"INSERT OR REPLACE INTO meta VALUES('compacted', ?1)",
 		"UPDATE run SET epoch = ?1", "UPDATE run SET step = ?1", "UPDATE run SET time = ?1",
 		"UPDATE run SET state = ?1", "UPDATE run SET scene_hash = ?1",
 		"UPDATE meta SET value = -1e8 WHERE key = 'low'", "UPDATE meta SET value = 1e8 WHERE key = 'high'",
@@ -91,14 +92,14 @@ static void change_meta(sqlite3 *db)
 
 static void change_row(sqlite3 *db)
 {
-	static const char *const columns[ROW_TABLES][7] = {
+	static const char *const columns[][7] = { /* the base's, the offset's, any other plane's */
 		{"low", "high", "error", "codec", "revision", "key", "blob"},
 		{"low", "high", "below", "above", "codec", "key", "blob"},
-		{"low", "high", "planes", "codec", "revision", "key", "blob"},
+		{"low", "high", "hash", "codec", "revision", "key", "blob"},
 	};
 	char sql[256];
 	size_t table = below(ROW_TABLES), other = below(ROW_TABLES);
-	const char *name = tables[table], *column = columns[table][below(7)];
+	const char *name = tables[table], *column = columns[table < ROW_DIRT ? table : ROW_DIRT][below(7)];
 	switch (below(6)) {
 	case 0:
 	case 1:
@@ -160,7 +161,7 @@ static double real_or_nan(sqlite3_stmt *statement, int column)
 								       : sqlite3_column_double(statement, column);
 }
 
-static void fix_row(sqlite3_stmt *find, sqlite3_stmt *write)
+static void fix_row(enum row_table table, sqlite3_stmt *find, sqlite3_stmt *write)
 {
 	struct row row = {
 		.tile = tile_from_key((uint64_t)sqlite3_column_int64(find, 0)),
@@ -170,13 +171,12 @@ static void fix_row(sqlite3_stmt *find, sqlite3_stmt *write)
 		.codec = sqlite3_column_int64(find, 4),
 		.below = sqlite3_column_int64(find, 5),
 		.above = sqlite3_column_int64(find, 6),
-		.planes = (unsigned)sqlite3_column_int64(find, 7),
-		.bytes = sqlite3_column_blob(find, 8),
-		.size = (size_t)sqlite3_column_bytes(find, 8),
+		.bytes = sqlite3_column_blob(find, 7),
+		.size = (size_t)sqlite3_column_bytes(find, 7),
 	};
 	if (row.bytes == NULL)
 		return;
-	sqlite3_bind_int64(write, 1, (sqlite3_int64)rows_hash(&row));
+	sqlite3_bind_int64(write, 1, (sqlite3_int64)rows_hash(table, &row));
 	sqlite3_bind_int64(write, 2, sqlite3_column_int64(find, 0));
 	sqlite3_step(write);
 	sqlite3_reset(write);
@@ -184,18 +184,19 @@ static void fix_row(sqlite3_stmt *find, sqlite3_stmt *write)
 
 static void fix_hashes(sqlite3 *db)
 {
-	static const char *const columns[ROW_TABLES] = {"error, codec, 0, 0, 0", "0.0, codec, below, above, 0",
-							"0.0, codec, 0, 0, planes"};
 	for (int table = 0; table < ROW_TABLES; table++) {
 		char sql[160];
 		sqlite3_stmt *find = NULL, *write = NULL;
-		snprintf(sql, sizeof sql, "SELECT key, low, high, %s, blob FROM %s ORDER BY key", columns[table],
+		snprintf(sql, sizeof sql, "SELECT key, low, high, %s, blob FROM %s ORDER BY key",
+			 table == ROW_BASE     ? "error, codec, 0, 0"
+			 : table == ROW_OFFSET ? "0.0, codec, below, above"
+					       : "0.0, codec, 0, 0",
 			 tables[table]);
 		if (sqlite3_prepare_v2(db, sql, -1, &find, NULL) == SQLITE_OK) {
 			snprintf(sql, sizeof sql, "UPDATE %s SET hash = ?1 WHERE key = ?2", tables[table]);
 			if (sqlite3_prepare_v2(db, sql, -1, &write, NULL) == SQLITE_OK)
 				while (sqlite3_step(find) == SQLITE_ROW)
-					fix_row(find, write);
+					fix_row((enum row_table)table, find, write);
 		}
 		sqlite3_finalize(find);
 		sqlite3_finalize(write);

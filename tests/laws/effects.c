@@ -33,7 +33,9 @@ static struct figures drive(const char *extra)
 	struct store_numbers numbers;
 	must(store_open(store, &(struct store_options){.mode = STORE_READ}, &opened));
 	must(store_count(opened, &numbers));
-	figures.soil = numbers.soil_tiles;
+	figures.soil = 0;
+	for (int plane = PLANE_DIRT; plane < PLANES; plane++)
+		figures.soil += numbers.plane_tiles[plane];
 	store_close(opened);
 	return figures;
 }

@@ -62,7 +62,11 @@ def rows(store):
     db = sqlite3.connect(store)
     found = [db.execute(sql).fetchall() for sql in (
         'SELECT key, low, high, below, above, codec, hash, blob FROM "offset" ORDER BY key',
-        "SELECT key, low, high, planes, codec, hash, blob FROM soil ORDER BY key")]
+        "SELECT key, low, high, codec, hash, blob FROM dirt ORDER BY key",
+        "SELECT key, low, high, codec, hash, blob FROM heaped ORDER BY key",
+        "SELECT key, low, high, codec, hash, blob FROM pressed ORDER BY key",
+        "SELECT key, low, high, codec, hash, blob FROM shear ORDER BY key",
+        "SELECT value FROM meta WHERE key = 'compacted'")]
     db.close()
     return found
 

@@ -62,8 +62,8 @@ struct fake {
 	uint64_t fail_upload;                 /* key + 1 */
 	uint64_t fail_read_back;              /* key + 1; UINT64_MAX: every one */
 	unsigned settle_after;                /* asks; 0: settled when begun */
-	bool fail_settle;
-	unsigned images[2];                   /* alive, by kind */
+	bool fail_settle, fail_snapshot;
+	unsigned images[PAGE_IMAGE_KINDS];    /* alive, by kind */
 	uint64_t uploaded[LOG_MOST], read_back[LOG_MOST];
 	unsigned uploads, read_backs;
 };
@@ -103,8 +103,16 @@ static inline enum status fake_load(void *user, unsigned loader, struct page_ima
 	return STATUS_OK;
 }
 
+static inline uint64_t fake_sum(const uint64_t versions[FINE])
+{
+	uint64_t sum = 0;
+	for (unsigned key = 0; key < FINE; key++)
+		sum += versions[key];
+	return sum;
+}
+
 static inline enum status fake_commit(void *user, const struct page_image *const *images,
-				      size_t count, const void *record)
+				      size_t count, const void *record, const struct page_image *snapshot)
 {
 	struct fake *fake = user;
 	enum status status = STATUS_OK;
@@ -125,6 +133,8 @@ static inline enum status fake_commit(void *user, const struct page_image *const
 		fake->store[content->key] = content->version;
 	}
 	memcpy(&fake->record, record, sizeof fake->record);
+	if (snapshot != NULL)
+		fake->commit_differs |= ((const struct content *)snapshot->bytes)->version != fake_sum(fake->store);
 	if (fake->snapshots != NULL)
 		fake->commit_differs |= memcmp(fake->store, fake->snapshots[fake->record],
 					       sizeof fake->store) != 0;
@@ -228,6 +238,18 @@ static inline enum status fake_read_back(void *user, uint32_t slot, struct page_
 	return STATUS_OK;
 }
 
+/* The sum of all versions, which must be that of what is committed with it. */
+static inline enum status fake_snapshot(void *user, struct page_image *image)
+{
+	struct fake *fake = user;
+	assert_true(pthread_equal(fake->owner, pthread_self()));
+	assert_int_equal(((struct fake_memory *)image->memory)->kind, PAGE_SNAPSHOT_IMAGE);
+	if (fake->fail_snapshot)
+		return fail_with(STATUS_NO_GL, "GL: the context is lost; restart");
+	fake_begin(fake, image, &(struct content){.version = fake_sum(fake->model)}, true);
+	return STATUS_OK;
+}
+
 static inline enum status fake_upload(void *user, uint32_t slot, struct page_image *image)
 {
 	struct fake *fake = user;
@@ -261,7 +283,7 @@ static inline struct page_params fake_params(struct fake *fake, uint32_t slots, 
 		.queue_most = 64,
 		.record_bytes = sizeof(uint64_t),
 		.io = {fake, fake_load, fake_commit},
-		.executor = {fake, fake_create, fake_destroy, fake_upload, fake_read_back, fake_settled},
+		.executor = {fake, fake_create, fake_destroy, fake_upload, fake_read_back, NULL, fake_settled},
 	};
 }
 
@@ -286,6 +308,7 @@ static inline void fake_finish(struct fake *fake)
 	page_cache_destroy(fake->cache);
 	assert_int_equal(fake->images[PAGE_LOADED_IMAGE], 0);
 	assert_int_equal(fake->images[PAGE_CHANGED_IMAGE], 0);
+	assert_int_equal(fake->images[PAGE_SNAPSHOT_IMAGE], 0);
 	assert_false(fake->commit_differs);
 	assert_false(fake->queued_differs);
 	condition_finish(&fake->changed);

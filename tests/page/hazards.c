@@ -144,6 +144,62 @@ static void page_dirtied_while_it_is_copied_is_committed_again(void **state)
 	fake_finish(&fake);
 }
 
+/* What goes with an epoch beside its pages is as the step left it, and no commit begins before it is there. */
+static void page_snapshot_is_of_the_step_that_is_committed(void **state)
+{
+	(void)state;
+	for (int dirty = 0; dirty < 2; dirty++) {
+		static struct fake fake;
+		struct page_params params = fake_params(&fake, 4, 1);
+		params.queue_soft = 0;
+		params.executor.snapshot = fake_snapshot;
+		fake_start(&fake, &params);
+		fake.settle_after = 3;
+		for (uint64_t step = 1; step <= 3; step++) {
+			uint64_t commits = fake_stats(&fake).commits;
+			if (dirty)
+				fake_change(&fake, 0);
+			fake_end_step(&fake, step);
+			assert_int_equal(fake.cache->queue.filling, 1 + dirty);
+			mutex_lock(&fake.mutex);
+			assert_int_equal(fake.commits_begun, commits);
+			mutex_unlock(&fake.mutex);
+			if (dirty) /* the steps go on meanwhile */
+				fake_change(&fake, 0);
+			while (fake_stats(&fake).commits == commits) {
+				assert_int_equal(page_cache_poll(fake.cache), STATUS_OK);
+				sched_yield();
+			}
+			mutex_lock(&fake.mutex);
+			assert_false(fake.commit_differs);
+			mutex_unlock(&fake.mutex);
+		}
+		fake_flush(&fake, 4);
+		assert_int_equal(fake_sum(fake.store), fake_sum(fake.model));
+		fake_finish(&fake);
+	}
+}
+
+static void page_snapshot_that_fails_is_sticky(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 4, 1);
+	const uint64_t record = 1;
+	uint32_t slot;
+	(void)state;
+	params.queue_soft = 0;
+	params.executor.snapshot = fake_snapshot;
+	fake_start(&fake, &params);
+	fake_change(&fake, 0);
+	fake.fail_snapshot = true;
+	assert_int_equal(page_cache_end_step(fake.cache, &record), STATUS_NO_GL);
+	fake.fail_snapshot = false;
+	assert_int_equal(page_cache_end_step(fake.cache, &record), STATUS_NO_GL);
+	assert_int_equal(page_cache_pin(fake.cache, 1, &slot), STATUS_NO_GL);
+	assert_int_equal(fake.commits_begun, 0);
+	fake_finish(&fake);
+}
+
 /* --- a load races its own eviction --- */
 
 /* Evicted, and wanted again before the executor has copied it: no load begins until it has. */
@@ -238,6 +294,8 @@ int main(void)
 		cmocka_unit_test(page_load_that_outlives_two_epochs_is_repeated),
 		cmocka_unit_test(page_dirtied_while_being_committed_is_committed_again),
 		cmocka_unit_test(page_dirtied_while_it_is_copied_is_committed_again),
+		cmocka_unit_test(page_snapshot_is_of_the_step_that_is_committed),
+		cmocka_unit_test(page_snapshot_that_fails_is_sticky),
 		cmocka_unit_test(page_evicted_and_wanted_at_once_is_read_from_its_copy),
 		cmocka_unit_test(page_pinned_while_its_given_up_load_runs_is_loaded_again),
 	};

@@ -40,7 +40,7 @@ static char *printed(void)
 	record->level = -3;
 	record->ended = true;
 	memcpy(record->objects, objects, sizeof objects);
-	char *text = record_print(record, &scene, -SUM_MOST, SUM_MOST);
+	char *text = record_print(record, &scene, &(struct record_sums){-SUM_MOST, SUM_MOST, SUM_MOST - 1});
 	assert_non_null(text);
 	free(record);
 	return text;
@@ -63,7 +63,8 @@ static void it_comes_back_to_the_bit(void **state)
 	struct record *record = room();
 	assert_int_equal(parse(text, 7, 0.1, &scene, record), STATUS_OK);
 	assert_true(record->step == 7 && same_real(record->time, 0.1) && record->level == -3 && record->ended);
-	assert_true(record->below == -SUM_MOST && record->above == SUM_MOST);
+	assert_true(record->sums.below == -SUM_MOST && record->sums.above == SUM_MOST &&
+		    record->sums.compacted == SUM_MOST - 1);
 	for (int i = 0; i < 2; i++) {
 		const struct record_object *a = &record->objects[i], *b = &objects[i];
 		assert_true(a->next == b->next && a->in_contact == b->in_contact && a->skipped == b->skipped);
@@ -113,7 +114,7 @@ static void steps_and_times_that_are_none_are_refused(void **state)
 static void any_value_that_is_not_what_it_must_be_is_refused(void **state)
 {
 	static const struct { const char *from, *to; } changes[] = {
-		{"\"version\":1", "\"version\":2"}, {"\"version\":1", "\"version\":\"1\""}, {"\"version\":1,", ""},
+		{"\"version\":2", "\"version\":1"}, {"\"version\":2", "\"version\":\"2\""}, {"\"version\":2,", ""},
 		{"\"level\":\"-3\"", "\"level\":-3"}, {"\"-3\"", "\"-15\""}, {"\"-3\"", "\"29\""}, {"\"-3\"", "\"\""},
 		{"\"-3\"", "\"-\""}, {"\"-3\"", "\" -3\""}, {"\"-3\"", "\"-3x\""}, {"\"-3\"", "null"},
 		{"\"ended\":true", "\"ended\":1"}, {"\"ended\":true", "\"ended\":\"true\""}, {"\"ended\"", "\"Ended\""},
@@ -121,7 +122,8 @@ static void any_value_that_is_not_what_it_must_be_is_refused(void **state)
 		{"\"-9223372036854775808\"", "\"-9223372036854775809\""}, {"\"below\"", "\"b\""},
 		{"\"above\":\"2305843009213693951\"", "\"above\":\"2305843009213693952\""},
 		{"\"above\":\"2", "\"above\":\"-3"}, {"\"below\":\"-2305843009213693951\"", "\"below\":\"-2305843009213693952\""},
-		{"\"below\":\"-2", "\"below\":\"3"},
+		{"\"below\":\"-2", "\"below\":\"3"}, {"\"compacted\":\"2", "\"compacted\":\"3"},
+		{"\"compacted\":\"2", "\"compacted\":\"-3"}, {"\"compacted\"", "\"compact\""},
 		{"\"objects\":[", "\"objects\":[{},"}, {"\"objects\":[{", "\"objects\":[[],{"}, {"\"objects\"", "\"things\""},
 		{"\"name\":\"left\"", "\"name\":\"right\""}, {"\"name\":\"left\"", "\"name\":3"},
 		{"\"next\":\"9223372036854775807\"", "\"next\":\"-1\""}, {"\"next\":\"9223372036854775807\"", "\"next\":\"1\""},
@@ -144,7 +146,7 @@ static void any_value_that_is_not_what_it_must_be_is_refused(void **state)
 			 at + strlen(changes[i].from));
 		refused(changed, 1, 1, &scene);
 	}
-	for (const char *other[] = {"", "null", "[]", "{}", "1", "{\"version\":1}", NULL}, **at = other; *at != NULL; at++)
+	for (const char *other[] = {"", "null", "[]", "{}", "1", "{\"version\":2}", NULL}, **at = other; *at != NULL; at++)
 		refused(*at, 1, 1, &scene);
 	mem_free(text);
 }

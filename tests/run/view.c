@@ -392,7 +392,7 @@ static void dig(double metres)
 	must(store_open(support_path("view.furrow"), &(struct store_options){.mode = STORE_WRITE}, &store));
 	must(store_set_working_level(store, 0));
 	offset[5 * (CELLS + 1) + 7] = (int32_t)lattice_offset(-metres);
-	const struct store_page page = {.tile = {0, 3, 2}, .planes = STORE_PLANE_OFFSET, .offset = offset};
+	const struct store_page page = {.tile = {0, 3, 2}, .planes = {[PLANE_OFFSET] = offset}};
 	const struct store_run run = {.scene_hash = "0", .step = 1, .state = "{}"};
 	must(store_epoch(store, &page, 1, &run, &result));
 	store_close(store);

@@ -27,8 +27,9 @@ static void assert_level(struct store_reader *reader, const struct field *field)
 			uint8_t dirt[POSTS], want_dirt[POSTS];
 			unsigned present;
 			struct tile tile = {field->level, x, y};
-			assert_ok(store_read_deformed(reader, tile, STORE_PLANE_OFFSET | STORE_PLANE_DIRT, offset,
-						      dirt, &present));
+			void *const planes[PLANES] = {[PLANE_OFFSET] = offset, [PLANE_DIRT] = dirt};
+			assert_ok(store_read_deformed(reader, tile, PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DIRT), planes,
+						      &present));
 			field_tile(field, tile, want, want_dirt);
 			assert_memory_equal(offset, want, sizeof want);
 			assert_memory_equal(dirt, want_dirt, sizeof want_dirt);
@@ -98,13 +99,12 @@ static void content_does_not_depend_on_how_it_was_split(void **state)
 		if (way == 1) { /* dug elsewhere and everywhere, then filled again */
 			field_dig(&field, 80, 60, 60, 99);
 			assert_ok(field_commit(&field, field_all(&field), store, step++, &result));
-			memset(field.offset, 0, (size_t)(field.width * field.height) * sizeof *field.offset);
-			memset(field.dirt, 0, (size_t)(field.width * field.height));
+			field_clear(&field);
 			assert_ok(field_commit(&field, field_all(&field), store, step++, &result));
 			struct store_numbers numbers;
 			assert_ok(store_count(store, &numbers));
-			assert_int_equal(numbers.offset_tiles, 0);
-			assert_int_equal(numbers.soil_tiles, 0);
+			for (int plane = 0; plane < PLANES; plane++)
+				assert_int_equal(numbers.plane_tiles[plane], 0);
 		}
 		for (int i = 0; i < 5; i++) {
 			field_dig(&field, 20 + 25 * i, 40 + 5 * i, 7, (uint32_t)i);
@@ -117,7 +117,7 @@ static void content_does_not_depend_on_how_it_was_split(void **state)
 		hashes[way] = content(store);
 		struct store_numbers numbers;
 		assert_ok(store_count(store, &numbers));
-		rows[way] = numbers.offset_tiles;
+		rows[way] = numbers.plane_tiles[PLANE_OFFSET] + numbers.plane_tiles[PLANE_PRESSED];
 		assert_int_equal(numbers.epochs, step);
 		field_free(&field);
 		store_close(store);
@@ -155,19 +155,20 @@ static void pages_without_dirt_leave_the_soil_alone(void **state)
 	int32_t offset[POSTS] = {[100] = -5}, got[POSTS];
 	uint8_t dirt[POSTS] = {[100] = 200}, soil[POSTS];
 	unsigned present;
-	struct store_page page = {{0, 1, 1}, STORE_PLANE_OFFSET | STORE_PLANE_DIRT, offset, dirt};
+	struct store_page page = {{0, 1, 1}, {[PLANE_OFFSET] = offset, [PLANE_DIRT] = dirt}};
 	struct store_run run = {.scene_hash = "abc", .step = 1, .time = 0.5, .state = "{}"};
 	struct store_epoch_result result;
 	assert_ok(store_epoch(store, &page, 1, &run, &result));
-	page.planes = STORE_PLANE_OFFSET;
-	page.dirt = NULL;
+	page.planes[PLANE_DIRT] = NULL;
 	offset[100] = -6;
 	assert_ok(store_epoch(store, &page, 1, &run, &result));
 	assert_int_equal(result.below, -1);
 	struct store_reader *reader;
 	assert_ok(store_reader_create(store, &reader));
-	assert_ok(store_read_deformed(reader, page.tile, STORE_PLANE_OFFSET | STORE_PLANE_DIRT, got, soil, &present));
-	assert_int_equal(present, STORE_PLANE_OFFSET | STORE_PLANE_DIRT);
+	void *const planes[PLANES] = {[PLANE_OFFSET] = got, [PLANE_DIRT] = soil};
+	unsigned both = PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DIRT);
+	assert_ok(store_read_deformed(reader, page.tile, both, planes, &present));
+	assert_int_equal(present, both);
 	assert_int_equal(got[100], -6);
 	assert_int_equal(soil[100], 200);
 	double low, high;
@@ -177,6 +178,152 @@ static void pages_without_dirt_leave_the_soil_alone(void **state)
 	assert_ok(store_read_offset_range(reader, (struct tile){0, 0, 0}, &low, &high, &found));
 	assert_false(found);
 	store_reader_destroy(reader);
+	store_close(store);
+}
+
+/* Every plane of the working level comes back, as the field has it; coarser ones have no state. */
+static void assert_planes(struct store *store, const struct field *field)
+{
+	struct store_reader *reader;
+	assert_ok(store_reader_create(store, &reader));
+	for (int level = field->level; level <= world_coarsest(&world); level++)
+		for (uint32_t y = 0; y < world_tiles_y(&world, level); y++)
+			for (uint32_t x = 0; x < world_tiles_x(&world, level); x++) {
+				static int32_t texels[PLANES][POSTS], want[POSTS];
+				void *planes[PLANES];
+				unsigned present, all = (1u << PLANES) - 1;
+				for (int plane = 0; plane < PLANES; plane++)
+					memset(planes[plane] = texels[plane], 0xa5, sizeof texels[plane]);
+				assert_ok(store_read_deformed(reader, (struct tile){level, x, y}, all, planes, &present));
+				for (int plane = 0; plane < PLANES; plane++) {
+					size_t bytes = POSTS * plane_bytes((enum plane)plane);
+					memset(want, 0, sizeof want);
+					if (level == field->level)
+						field_tile_plane(field, (struct tile){level, x, y}, (enum plane)plane, want);
+					else if (plane < PLANE_HEAPED)
+						continue;
+					assert_memory_equal(texels[plane], want, bytes);
+					bool zero = true;
+					for (size_t i = 0; i < bytes; i++)
+						zero &= ((char *)want)[i] == 0;
+					assert_int_equal((present >> plane & 1) == 0, zero);
+				}
+			}
+	store_reader_destroy(reader);
+}
+
+static void every_plane_comes_back_the_same_bits(void **state)
+{
+	const char *path = in_folder("bits.furrow");
+	for (int level = -2; level <= 1; level++) {
+		make_store(path);
+		struct store *store = open_store(path, STORE_WRITE);
+		assert_ok(store_set_working_level(store, level));
+		struct field field = field_make(level);
+		struct store_epoch_result result;
+		for (int i = 0; i < 4; i++) {
+			int64_t cx = mix((uint32_t)i, 1, 5) % world_posts(world.width, level);
+			int64_t cy = mix((uint32_t)i, 2, 5) % world_posts(world.height, level);
+			field_dig(&field, cx, cy, 9, (uint32_t)i);
+			assert_ok(field_commit(&field, around(cx, cy, 9), store, i, &result));
+		}
+		assert_planes(store, &field);
+		store_close(store);
+		store = open_store(path, STORE_READ);
+		assert_planes(store, &field);
+		verified(store);
+		store_close(store);
+		field_free(&field);
+	}
+}
+
+/* A model without state digs where one with it did: what was known of that ground is forgotten, in those tiles
+ * and on the edges that others share with them, and nowhere else; the dirt stays. */
+static void a_drive_without_state_forgets_it_where_it_digs(void **state)
+{
+	const char *path = in_folder("forget.furrow");
+	make_store(path);
+	struct store *store = open_store(path, STORE_WRITE);
+	assert_ok(store_set_working_level(store, -1));
+	struct field field = field_make(-1);
+	struct store_epoch_result result;
+	field_dig(&field, 64, 48, 40, 1); /* 25 tiles */
+	assert_ok(field_commit(&field, field_all(&field), store, 1, &result));
+
+	struct post_rect dug = {66, 50, 70, 80}; /* tiles 4,3 and 4,4; up to the middle of the second: both are written */
+	for (int64_t y = dug.y0; y < dug.y1; y++)
+		for (int64_t x = dug.x0; x < dug.x1; x++)
+			field.offset[y * field.width + x] = -7;
+	field.carried = PLANE_BIT(PLANE_OFFSET);
+	assert_ok(field_commit(&field, dug, store, 2, &result));
+	for (int plane = PLANE_HEAPED; plane < PLANES; plane++)
+		for (int64_t y = 48; y <= 80; y++)
+			for (int64_t x = 64; x <= 80; x++) {
+				size_t size = plane_bytes((enum plane)plane);
+				memset((char *)field.planes[plane] + (size_t)(y * field.width + x) * size, 0, size);
+			}
+	verified(store);
+	assert_planes(store, &field);
+
+	/* The same pages again: nothing is left to forget. */
+	assert_ok(field_commit(&field, dug, store, 3, &result));
+	assert_int_equal(result.tiles_written, 0);
+	/* And with state once more. */
+	field.carried = (1u << PLANES) - 1;
+	field_dig(&field, 70, 60, 12, 2);
+	assert_ok(field_commit(&field, around(70, 60, 12), store, 4, &result));
+	verified(store);
+	assert_planes(store, &field);
+	/* All at once, where nothing beside keeps any. */
+	field.carried = PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DIRT);
+	assert_ok(field_commit(&field, field_all(&field), store, 5, &result));
+	struct store_numbers numbers;
+	assert_ok(store_count(store, &numbers));
+	assert_int_equal(numbers.plane_tiles[PLANE_HEAPED] + numbers.plane_tiles[PLANE_PRESSED], 0);
+	assert_int_equal(numbers.plane_tiles[PLANE_SHEAR], 0);
+	assert_true(numbers.plane_tiles[PLANE_DIRT] > 0);
+	verified(store);
+	store_close(store);
+	field_free(&field);
+}
+
+static void what_was_compacted_is_counted(void **state)
+{
+	const char *path = in_folder("compacted.furrow");
+	make_store(path);
+	struct store *store = open_store(path, STORE_WRITE);
+	uint64_t fresh = content(store);
+	assert_ok(store_set_working_level(store, 0));
+	struct store_run run = {.scene_hash = "abc", .step = 1, .time = 0.5, .state = "{}"};
+	struct store_epoch_result result;
+	struct store_numbers numbers;
+	int64_t sum = 0;
+	static const int64_t more[] = {5, 0, -7, INT64_C(1) << 60, -(INT64_C(1) << 50)};
+	for (size_t i = 0; i < sizeof more / sizeof *more; i++) {
+		run.compacted = more[i];
+		assert_ok(store_epoch(store, NULL, 0, &run, &result));
+		sum += more[i];
+		assert_int_equal(verified(store).compacted, sum);
+		store_close(store);
+		store = open_store(path, STORE_WRITE);
+		assert_ok(store_set_working_level(store, 0));
+		assert_ok(store_count(store, &numbers));
+		assert_int_equal(numbers.compacted, sum);
+	}
+	/* More than it counts is told, and nothing of that epoch is there. */
+	static const int64_t most[] = {INT64_MAX, (INT64_C(1) << 60) + (INT64_C(1) << 51)};
+	for (size_t i = 0; i < 2; i++) {
+		uint64_t before = content(store);
+		run.compacted = most[i];
+		assert_status(store_epoch(store, NULL, 0, &run, &result), STATUS_FAILED);
+		assert_true(content(store) == before);
+	}
+	run.compacted = 1;
+	assert_ok(store_epoch(store, NULL, 0, &run, &result));
+	assert_int_equal(verified(store).compacted, sum + 1);
+	assert_ok(store_reset(store));
+	assert_int_equal(verified(store).compacted, 0);
+	assert_true(content(store) == fresh);
 	store_close(store);
 }
 
@@ -215,7 +362,9 @@ static void a_working_level_is_fixed_by_the_first_epoch_until_reset(void **state
 	assert_true(content(store) == fresh);
 	assert_ok(store_count(store, &numbers));
 	assert_null(numbers.last_run.scene_hash);
-	assert_int_equal(numbers.offset_tiles + numbers.soil_tiles + numbers.epochs, 0);
+	for (int plane = 0; plane < PLANES; plane++)
+		assert_int_equal(numbers.plane_tiles[plane], 0);
+	assert_int_equal(numbers.epochs, 0);
 	assert_ok(store_set_working_level(store, -2));
 	verified(store);
 	field_free(&field);
@@ -365,6 +514,9 @@ int main(void)
 		cmocka_unit_test(content_does_not_depend_on_how_it_was_split),
 		cmocka_unit_test(rows_that_did_not_change_are_not_written),
 		cmocka_unit_test(pages_without_dirt_leave_the_soil_alone),
+		cmocka_unit_test(every_plane_comes_back_the_same_bits),
+		cmocka_unit_test(a_drive_without_state_forgets_it_where_it_digs),
+		cmocka_unit_test(what_was_compacted_is_counted),
 		cmocka_unit_test(a_working_level_is_fixed_by_the_first_epoch_until_reset),
 		cmocka_unit_test(a_failed_epoch_leaves_the_one_before),
 		cmocka_unit_test(a_killed_writer_leaves_its_last_epoch),

@@ -163,9 +163,17 @@ static UNUSED struct store *open_store(const char *path, enum store_mode mode)
 struct field {
 	int level;
 	int64_t width, height; /* posts of whole tiles */
-	int32_t *offset;
+	unsigned carried;      /* planes that are committed: at first all */
+	void *planes[PLANES];
+	int32_t *offset;       /* of planes, and */
 	uint8_t *dirt;
 };
+
+static UNUSED void field_clear(struct field *field)
+{
+	for (int plane = 0; plane < PLANES; plane++)
+		memset(field->planes[plane], 0, (size_t)(field->width * field->height) * plane_bytes((enum plane)plane));
+}
 
 static UNUSED struct field field_make(int level)
 {
@@ -174,16 +182,20 @@ static UNUSED struct field field_make(int level)
 		.width = (int64_t)world_tiles_x(&world, level) * world.cells + 1,
 		.height = (int64_t)world_tiles_y(&world, level) * world.cells + 1,
 	};
-	field.offset = calloc((size_t)(field.width * field.height), sizeof *field.offset);
-	field.dirt = calloc((size_t)(field.width * field.height), 1);
-	assert_true(field.offset != NULL && field.dirt != NULL);
+	field.carried = (1u << PLANES) - 1;
+	for (int plane = 0; plane < PLANES; plane++) {
+		field.planes[plane] = calloc((size_t)(field.width * field.height), plane_bytes((enum plane)plane));
+		assert_non_null(field.planes[plane]);
+	}
+	field.offset = field.planes[PLANE_OFFSET];
+	field.dirt = field.planes[PLANE_DIRT];
 	return field;
 }
 
 static UNUSED void field_free(struct field *field)
 {
-	free(field->offset);
-	free(field->dirt);
+	for (int plane = 0; plane < PLANES; plane++)
+		free(field->planes[plane]);
 }
 
 /* A rut of random posts around (cx, cy). */
@@ -195,20 +207,29 @@ static UNUSED void field_dig(struct field *field, int64_t cx, int64_t cy, int64_
 			if (x < 0 || y < 0 || x >= width || y >= height)
 				continue;
 			uint32_t h = mix((uint32_t)x, (uint32_t)y, seed);
-			field->offset[y * field->width + x] = (int32_t)(h % 400000) - 300000;
-			field->dirt[y * field->width + x] = (uint8_t)(h >> 24);
+			int64_t i = y * field->width + x;
+			field->offset[i] = (int32_t)(h % 400000) - 300000;
+			field->dirt[i] = (uint8_t)(h >> 24);
+			((int32_t *)field->planes[PLANE_HEAPED])[i] = (int32_t)(h >> 3 & 0xffff) - 0x4000;
+			((int32_t *)field->planes[PLANE_PRESSED])[i] = (int32_t)(h >> 7 & 0x7ffff);
+			((uint16_t *)field->planes[PLANE_SHEAR])[i] = (uint16_t)(h >> 5);
 		}
+}
+
+static UNUSED void field_tile_plane(const struct field *field, struct tile tile, enum plane plane, void *texels)
+{
+	size_t size = plane_bytes(plane);
+	for (int64_t y = 0; y < SIDE; y++) {
+		int64_t i = (tile.y * 16 + y) * field->width + tile.x * 16;
+		memcpy((char *)texels + (size_t)y * SIDE * size, (char *)field->planes[plane] + (size_t)i * size, SIDE * size);
+	}
 }
 
 /* The tile's posts out of the field. */
 static UNUSED void field_tile(const struct field *field, struct tile tile, int32_t *offset, uint8_t *dirt)
 {
-	for (int64_t y = 0; y < SIDE; y++)
-		for (int64_t x = 0; x < SIDE; x++) {
-			int64_t i = (tile.y * 16 + y) * field->width + tile.x * 16 + x;
-			offset[y * SIDE + x] = field->offset[i];
-			dirt[y * SIDE + x] = field->dirt[i];
-		}
+	field_tile_plane(field, tile, PLANE_OFFSET, offset);
+	field_tile_plane(field, tile, PLANE_DIRT, dirt);
 }
 
 /* Commits the tiles that `rect` (posts of the field's level) touches. */
@@ -219,21 +240,23 @@ static UNUSED enum status field_commit(const struct field *field, struct post_re
 	assert_true(tile_range_of(&world, field->level, rect, &first, &last));
 	size_t count = (size_t)(last.x - first.x + 1) * (last.y - first.y + 1), i = 0;
 	struct store_page *pages = calloc(count, sizeof *pages);
-	int32_t *offset = calloc(count * POSTS, sizeof *offset);
-	uint8_t *dirt = calloc(count * POSTS, 1);
-	assert_true(pages != NULL && offset != NULL && dirt != NULL);
+	int32_t(*texels)[PLANES][POSTS] = calloc(count, sizeof *texels);
+	assert_true(pages != NULL && texels != NULL);
 	for (uint32_t y = first.y; y <= last.y; y++)
 		for (uint32_t x = first.x; x <= last.x; x++, i++) {
 			struct tile tile = {field->level, x, y};
-			field_tile(field, tile, offset + i * POSTS, dirt + i * POSTS);
-			pages[i] = (struct store_page){tile, STORE_PLANE_OFFSET | STORE_PLANE_DIRT,
-						       offset + i * POSTS, dirt + i * POSTS};
+			pages[i].tile = tile;
+			for (int plane = 0; plane < PLANES; plane++) {
+				if (!(field->carried & PLANE_BIT(plane)))
+					continue;
+				field_tile_plane(field, tile, (enum plane)plane, texels[i][plane]);
+				pages[i].planes[plane] = texels[i][plane];
+			}
 		}
 	struct store_run run = {.scene_hash = "abc", .step = step, .time = (double)step / 10, .state = "{\"poses\":[]}"};
 	enum status status = store_epoch(store, pages, count, &run, result);
 	free(pages);
-	free(offset);
-	free(dirt);
+	free(texels);
 	return status;
 }
 

@@ -44,12 +44,13 @@ static void another_version_or_schema_is_refused(void **state)
 	static const struct {
 		const char *sql, *why;
 	} edits[] = {
-		{"PRAGMA user_version=3", "version 3"},
+		{"PRAGMA user_version=2", "version 2"},
+		{"PRAGMA user_version=4", "version 4"},
 		{"PRAGMA application_id=7", "application id 7"},
 		{"CREATE VIEW v AS SELECT 1", "tables"},
 		{"CREATE INDEX aaa ON base(low)", "tables"},
 		{"CREATE TRIGGER zzz AFTER INSERT ON run BEGIN DELETE FROM base; END", "tables"},
-		{"DROP TABLE soil", "tables"},
+		{"DROP TABLE shear", "tables"},
 		{"ALTER TABLE run ADD COLUMN more", "tables"},
 		{"DELETE FROM meta WHERE key = 'step'", "'step'"},
 		{"UPDATE meta SET value = 15 WHERE key = 'cells'", "power of two"},
@@ -122,38 +123,62 @@ static void sums_that_no_tile_has_are_refused(void **state)
 	}
 }
 
-/* Written as a stranger might, its hash right: a post's dirt goes into 8 bits. */
-static void dirt_beyond_its_range_is_refused(void **state)
+/* Written as a stranger might, its hash right: a post's dirt goes into 8 bits, and so on. */
+static void planes_beyond_their_range_are_refused(void **state)
 {
-	const char *path = in_folder("dirt.furrow");
-	static const int32_t beyond[] = {256, -1, INT32_MIN};
-	for (size_t i = 0; i < sizeof beyond / sizeof *beyond; i++) {
+	const char *path = in_folder("plane.furrow");
+	static const struct {
+		enum plane plane;
+		enum store_layer layer;
+		int32_t beyond;
+	} cases[] = {
+		{PLANE_DIRT, STORE_SOIL, 256},        {PLANE_DIRT, STORE_SOIL, -1},    {PLANE_DIRT, STORE_SOIL, INT32_MIN},
+		{PLANE_PRESSED, STORE_PRESSED, -1},   {PLANE_SHEAR, STORE_SHEAR, -1},  {PLANE_SHEAR, STORE_SHEAR, 65536},
+		{PLANE_PRESSED, STORE_PRESSED, INT32_MIN},
+	};
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct field field;
 		int32_t posts[POSTS] = {0};
 		bool written;
 		make_deformed(path, &field);
 		struct store *store = open_store(path, STORE_WRITE);
-		struct row row = {.tile = {-1, 4, 3}, .low = 0, .high = 255, .planes = STORE_PLANE_DIRT};
-		posts[7] = beyond[i];
-		assert_ok(rows_write(&store->rows, ROW_SOIL, posts, &row, NULL, &written));
+		struct row row = {.tile = {-1, 4, 3}, .low = 0, .high = 255};
+		posts[7] = cases[i].beyond;
+		assert_ok(rows_write(&store->rows, row_table_of(cases[i].plane), posts, &row, NULL, &written));
 		struct store_reader *reader;
 		struct store_sample sample;
 		double values[4];
-		uint8_t dirt[POSTS];
+		uint32_t texels[POSTS];
 		unsigned present;
+		void *planes[PLANES] = {NULL};
+		planes[cases[i].plane] = texels;
 		assert_ok(store_reader_create(store, &reader));
 		/* Post (71, 48) of level -1. */
 		assert_status(store_sample(reader, 71, 48, &sample), STATUS_INPUT);
-		assert_non_null(strstr(failure_message(), "dirt"));
-		assert_status(store_read_posts(reader, STORE_SOIL, -1, (struct post_rect){71, 48, 73, 50}, values),
+		assert_non_null(strstr(failure_message(), plane_name(cases[i].plane)));
+		assert_status(store_read_posts(reader, cases[i].layer, -1, (struct post_rect){71, 48, 73, 50}, values),
 			      STATUS_INPUT);
-		assert_status(store_read_deformed(reader, row.tile, STORE_PLANE_DIRT, NULL, dirt, &present), STATUS_INPUT);
+		assert_status(store_read_deformed(reader, row.tile, PLANE_BIT(cases[i].plane), planes, &present),
+			      STATUS_INPUT);
 		store_reader_destroy(reader);
 		struct store_check check;
 		assert_ok(store_verify(store, NULL, NULL, NULL, &check));
 		assert_true(check.problems > 0);
 		store_close(store);
 		field_free(&field);
+	}
+}
+
+static void what_was_compacted_must_be_a_number(void **state)
+{
+	const char *path = in_folder("compacted.furrow");
+	static const char *const edits[] = {"'many'", "1.5", "NULL", "9223372036854775807", "-2305843009213693952"};
+	for (size_t i = 0; i < sizeof edits / sizeof *edits; i++) {
+		char sql[128];
+		make_store(path);
+		snprintf(sql, sizeof sql, "INSERT INTO meta(key, value) VALUES('compacted', %s)", edits[i]);
+		raw_sql(path, sql);
+		assert_refused(path, "'compacted'");
 	}
 }
 
@@ -262,7 +287,8 @@ int main(void)
 		cmocka_unit_test(another_version_or_schema_is_refused),
 		cmocka_unit_test(a_file_cut_short_is_refused),
 		cmocka_unit_test(sums_that_no_tile_has_are_refused),
-		cmocka_unit_test(dirt_beyond_its_range_is_refused),
+		cmocka_unit_test(planes_beyond_their_range_are_refused),
+		cmocka_unit_test(what_was_compacted_must_be_a_number),
 		cmocka_unit_test(a_tile_listed_that_cannot_be_found_is_told),
 		cmocka_unit_test(changed_bytes_do_no_harm),
 	};

@@ -61,8 +61,8 @@ static void an_overlay_is_the_store_it_would_have_been(void **state)
 	assert_ok(store_count(plain, &numbers[1]));
 	assert_int_equal(numbers[0].base_tiles, numbers[1].base_tiles);
 	assert_int_equal(numbers[0].base_bytes, numbers[1].base_bytes);
-	assert_int_equal(numbers[0].offset_tiles, numbers[1].offset_tiles);
-	assert_true(numbers[0].offset_tiles > 0 && numbers[0].epochs == 3);
+	assert_int_equal(numbers[0].plane_tiles[PLANE_OFFSET], numbers[1].plane_tiles[PLANE_OFFSET]);
+	assert_true(numbers[0].plane_tiles[PLANE_OFFSET] > 0 && numbers[0].epochs == 3);
 	assert_true(store_base_hash(over) == store_base_hash(plain));
 	assert_string_equal(store_base_path(over), base);
 	assert_null(store_base_path(plain));

@@ -9,25 +9,27 @@ static int32_t base_post(int64_t x, int64_t y)
 	return lattice_base_relative(height_code_metres(terrain(x, y), STEP), reference);
 }
 
-static int32_t field_post(const struct field *field, bool dirt, int64_t x, int64_t y)
+static int32_t field_post(const struct field *field, enum plane plane, int64_t x, int64_t y)
 {
 	if (x >= field->width || y >= field->height)
 		return 0;
 	int64_t i = y * field->width + x;
-	return dirt ? field->dirt[i] : field->offset[i];
+	return plane == PLANE_DIRT    ? field->dirt[i]
+	       : plane == PLANE_SHEAR ? ((uint16_t *)field->planes[plane])[i]
+				      : ((int32_t *)field->planes[plane])[i];
 }
 
 /* A post of `level` from what deformation left, by the definition. */
-static int32_t deformed_post(const struct field *field, bool dirt, int level, int64_t x, int64_t y)
+static int32_t deformed_post(const struct field *field, enum plane plane, int level, int64_t x, int64_t y)
 {
 	if (level >= field->level) {
 		int up = level - field->level;
-		return field_post(field, dirt, x << up, y << up);
+		return field_post(field, plane, x << up, y << up);
 	}
 	int shift = field->level - level;
 	int64_t cx = x >> shift, cy = y >> shift, mask = ((int64_t)1 << shift) - 1;
-	return lattice_interpolate(field_post(field, dirt, cx, cy), field_post(field, dirt, cx + 1, cy),
-				   field_post(field, dirt, cx, cy + 1), field_post(field, dirt, cx + 1, cy + 1),
+	return lattice_interpolate(field_post(field, plane, cx, cy), field_post(field, plane, cx + 1, cy),
+				   field_post(field, plane, cx, cy + 1), field_post(field, plane, cx + 1, cy + 1),
 				   (uint32_t)(x & mask), (uint32_t)(y & mask), shift);
 }
 
@@ -49,10 +51,13 @@ static double post_of(const struct field *field, enum store_layer layer, int lev
 	double base = base_metres(level, x, y);
 	if (isnan(base) || layer == STORE_BASE)
 		return base;
-	int32_t value = deformed_post(field, layer == STORE_SOIL, level, x, y);
-	return layer == STORE_SURFACE  ? base + lattice_offset_metres(value)
-	       : layer == STORE_OFFSET ? lattice_offset_metres(value)
-				       : value;
+	static const enum plane planes[STORE_LAYERS] = {[STORE_SOIL] = PLANE_DIRT, [STORE_HEAPED] = PLANE_HEAPED,
+							[STORE_PRESSED] = PLANE_PRESSED, [STORE_SHEAR] = PLANE_SHEAR};
+	int32_t value = deformed_post(field, planes[layer], level, x, y);
+	return layer == STORE_SURFACE				      ? base + lattice_offset_metres(value)
+	       : layer == STORE_QUANTA || planes[layer] == PLANE_DIRT ? value
+	       : planes[layer] == PLANE_SHEAR			      ? value / 65536.0
+								      : lattice_offset_metres(value);
 }
 
 static void assert_rect(struct store_reader *reader, const struct field *field, enum store_layer layer,
@@ -89,7 +94,14 @@ static void posts_are_those_of_the_definition(void **state)
 		struct store_reader *reader;
 		assert_ok(store_reader_create(store, &reader));
 		for (int level = -3; level <= world_coarsest(&world); level++)
-			for (int layer = STORE_SURFACE; layer <= STORE_SOIL; layer++) {
+			for (int layer = STORE_SURFACE; layer < STORE_LAYERS; layer++) {
+				double value;
+				if (layer >= STORE_HEAPED && level > working) { /* it is of the working level alone */
+					assert_status(store_read_posts(reader, (enum store_layer)layer, level,
+								       (struct post_rect){0, 0, 1, 1}, &value), STATUS_INPUT);
+					assert_non_null(strstr(failure_message(), "has no state of the soil"));
+					continue;
+				}
 				int64_t w = world_posts(world.width, level), h = world_posts(world.height, level);
 				struct post_rect rects[] = {
 					{-3, -2, w + 5, h + 4},       {w / 3, h / 4, w / 3 + 7, h / 4 + 3},
@@ -173,7 +185,7 @@ static void a_point_lies_between_the_finest_posts_stored_there(void **state)
 		struct tile tile = {-2, (uint32_t)(x / 0.5) / 16, (uint32_t)(y / 0.5) / 16};
 		int32_t offset[POSTS];
 		unsigned present;
-		assert_ok(store_read_deformed(reader, tile, STORE_PLANE_OFFSET, offset, NULL, &present));
+		assert_ok(store_read_deformed(reader, tile, PLANE_BIT(PLANE_OFFSET), (void *[PLANES]){offset}, &present));
 		int level = present ? -2 : 0;
 		double want = between(&field, STORE_BASE, level, x, y);
 		assert_false(sample.outside);
@@ -196,6 +208,12 @@ static void a_point_lies_between_the_finest_posts_stored_there(void **state)
 	assert_true(!sample.nodata && sample.base == terrain(74, 49) * STEP);
 	assert_ok(store_sample(reader, 50, 40, &sample));
 	assert_int_equal(sample.dirt, field.dirt[80 * field.width + 100]);
+	assert_int_equal(sample.planes, (1u << PLANES) - 1);
+	assert_true(sample.heaped == lattice_offset_metres(field_post(&field, PLANE_HEAPED, 100, 80)) && sample.heaped != 0);
+	assert_true(sample.pressed == lattice_offset_metres(field_post(&field, PLANE_PRESSED, 100, 80)) && sample.pressed > 0);
+	assert_true(sample.shear == field_post(&field, PLANE_SHEAR, 100, 80) / 65536.0 && sample.shear > 0);
+	assert_ok(store_sample(reader, 5, 5, &sample));
+	assert_true(sample.planes == 0 && sample.heaped == 0 && sample.pressed == 0 && sample.shear == 0);
 	static const double outside[][2] = {{-0.001, 5}, {148.001, 5}, {5, -1}, {5, 98.001}, {NAN, 5}};
 	for (size_t i = 0; i < 5; i++) {
 		assert_ok(store_sample(reader, outside[i][0], outside[i][1], &sample));

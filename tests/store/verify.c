@@ -107,6 +107,13 @@ static void edit_big(struct row *row, int32_t *posts)
 	posts[0] = 256;
 }
 
+static void edit_plane_edge(struct row *row, int32_t *posts)
+{
+	posts[5 * SIDE + SIDE - 1] ^= 1;
+	row->low = 0;
+	row->high = INT32_MAX; /* not what this is about */
+}
+
 static void sql_tile(const char *path, const char *format, struct tile tile)
 {
 	char sql[512];
@@ -124,7 +131,10 @@ static void a_sound_store_has_no_problem(void **state)
 	struct store *store = open_store(path, STORE_READ);
 	struct store_numbers numbers;
 	assert_ok(store_count(store, &numbers));
-	assert_int_equal(check.tiles, numbers.base_tiles + numbers.offset_tiles + numbers.soil_tiles);
+	int64_t tiles = numbers.base_tiles;
+	for (int plane = 0; plane < PLANES; plane++)
+		tiles += numbers.plane_tiles[plane];
+	assert_int_equal(check.tiles, tiles);
 	store_close(store);
 }
 
@@ -133,13 +143,13 @@ static void a_flipped_byte_is_named(void **state)
 	const char *path = deformed_store("flip.furrow");
 	struct tile tiles[] = {{0, 2, 1}, {-1, 3, 2}, {-1, 3, 2}};
 	static const char *const names[] = {"base tile level 0 x 2 y 1", "offset tile level -1 x 3 y 2",
-					    "soil tile level -1 x 3 y 2"};
+					    "dirt tile level -1 x 3 y 2"};
 	static const char *const sql[] = {
 		"UPDATE base SET blob = CAST(substr(blob, 1, 9) || x'5b' || substr(blob, 11) AS BLOB) "
 		"WHERE key = %lld",
 		"UPDATE \"offset\" SET blob = CAST(substr(blob, 1, 9) || x'5b' || substr(blob, 11) AS BLOB) "
 		"WHERE key = %lld",
-		"UPDATE soil SET blob = CAST(substr(blob, 1, 9) || x'5b' || substr(blob, 11) AS BLOB) "
+		"UPDATE dirt SET blob = CAST(substr(blob, 1, 9) || x'5b' || substr(blob, 11) AS BLOB) "
 		"WHERE key = %lld",
 	};
 	for (int i = 0; i < 3; i++) {
@@ -182,6 +192,59 @@ static void a_broken_edge_is_found(void **state)
 	assert_true(was_told("offset tile level -1 x 4 y 3: its west edge"));
 }
 
+static void every_plane_s_damage_is_found(void **state)
+{
+	for (int plane = 0; plane < PLANES; plane++) {
+		enum row_table table = row_table_of((enum plane)plane);
+		const char *name = plane_name((enum plane)plane);
+		struct tile tile = {-1, 3, 2};
+		char sql[256], text[128];
+		const char *path = deformed_store("planes.furrow");
+		edit_row(path, table, tile, edit_plane_edge);
+		snprintf(text, sizeof text, "%s tile level -1 x 3 y 2: its east edge", name);
+		assert_told(path, text);
+
+		path = deformed_store("planes2.furrow");
+		snprintf(sql, sizeof sql, "UPDATE \"%s\" SET blob = blob || x'00' WHERE key = %%lld", name);
+		sql_tile(path, sql, tile);
+		snprintf(text, sizeof text, "%s tile level -1 x 3 y 2: its hash", name);
+		assert_told(path, text);
+
+		path = deformed_store("planes3.furrow");
+		snprintf(sql, sizeof sql, "DELETE FROM \"%s\" WHERE key = %%lld", name);
+		sql_tile(path, sql, (struct tile){-1, 3, 3});
+		snprintf(text, sizeof text, "%s tile level -1 x 3 y 2: its north edge", name);
+		assert_told(path, text);
+
+		path = deformed_store("planes4.furrow");
+		edit_row(path, table, tile, edit_low);
+		snprintf(text, sizeof text, "%s tile level -1 x 3 y 2: its range", name);
+		assert_told(path, text);
+	}
+}
+
+static void a_row_of_another_plane_is_found(void **state)
+{
+	const char *path = deformed_store("other.furrow");
+	char sql[256];
+	snprintf(sql, sizeof sql, "DELETE FROM heaped; INSERT INTO heaped SELECT * FROM pressed");
+	raw_sql(path, sql);
+	assert_told(path, "heaped tile level -1 x 3 y 2: its hash");
+}
+
+/* The soil's state has no coarser levels. */
+static void state_at_a_coarser_level_is_found(void **state)
+{
+	const char *path = deformed_store("coarser.furrow");
+	struct store *store = open_store(path, STORE_WRITE);
+	struct row row = {.tile = {0, 1, 1}, .low = 0, .high = lattice_offset_metres(1)};
+	int32_t posts[POSTS] = {[5 * SIDE + 5] = 1};
+	bool written;
+	assert_ok(rows_write(&store->rows, ROW_PRESSED, posts, &row, NULL, &written));
+	store_close(store);
+	assert_told(path, "pressed tile level 0 x 1 y 1: it is coarser than the level that is deformed");
+}
+
 static void a_broken_pyramid_is_found(void **state)
 {
 	const char *path = deformed_store("pyramid.furrow");
@@ -191,13 +254,13 @@ static void a_broken_pyramid_is_found(void **state)
 	edit_row(path, ROW_OFFSET, (struct tile){0, 1, 1}, edit_odd);
 	assert_told(path, "offset tile level 0 x 1 y 1: it is not every second post");
 	path = deformed_store("pyramid3.furrow");
-	edit_row(path, ROW_SOIL, (struct tile){1, 0, 0}, edit_odd);
-	assert_told(path, "soil tile level 1 x 0 y 0: it is not every second post");
+	edit_row(path, ROW_DIRT, (struct tile){1, 0, 0}, edit_odd);
+	assert_told(path, "dirt tile level 1 x 0 y 0: it is not every second post");
 	path = deformed_store("pyramid4.furrow");
 	sql_tile(path, "DELETE FROM \"offset\" WHERE key = %lld", (struct tile){1, 0, 0});
 	assert_told(path, "there is no tile above it");
 	path = deformed_store("pyramid5.furrow");
-	raw_sql(path, "DELETE FROM soil WHERE key < (SELECT max(key) FROM soil) - 1");
+	raw_sql(path, "DELETE FROM dirt WHERE key < (SELECT max(key) FROM dirt) - 1");
 	assert_told(path, "there is no tile below it");
 }
 
@@ -247,8 +310,8 @@ static void rows_that_do_not_belong_are_found(void **state)
 	edit_row(path, ROW_OFFSET, (struct tile){-1, 3, 2}, edit_zero);
 	assert_told(path, "offset tile level -1 x 3 y 2: all its posts are zero");
 	path = deformed_store("big.furrow");
-	edit_row(path, ROW_SOIL, (struct tile){-1, 3, 2}, edit_big);
-	assert_told(path, "soil tile level -1 x 3 y 2: its dirt is beyond 255");
+	edit_row(path, ROW_DIRT, (struct tile){-1, 3, 2}, edit_big);
+	assert_told(path, "dirt tile level -1 x 3 y 2: it has posts beyond its plane's range");
 	path = deformed_store("far.furrow");
 	raw_sql(path, "INSERT INTO \"offset\" SELECT key + 1000000, low, high, below, above, codec, revision, hash, "
 		      "blob FROM \"offset\" LIMIT 1");
@@ -285,11 +348,17 @@ static void content_is_what_the_rows_mean(void **state)
 	store = open_store(path, STORE_READ);
 	assert_true(content(store) == hash);
 	store_close(store);
-	/* But a post. */
-	edit_row(path, ROW_OFFSET, (struct tile){-1, 3, 2}, edit_odd);
-	store = open_store(path, STORE_READ);
-	assert_true(content(store) != hash);
-	store_close(store);
+	/* But a post, and what was compacted. */
+	for (int plane = 0; plane <= PLANES; plane++) {
+		path = deformed_store("content2.furrow");
+		if (plane < PLANES)
+			edit_row(path, row_table_of((enum plane)plane), (struct tile){-1, 3, 2}, edit_odd);
+		else
+			raw_sql(path, "INSERT INTO meta(key, value) VALUES('compacted', 1)");
+		store = open_store(path, STORE_READ);
+		assert_true(content(store) != hash);
+		store_close(store);
+	}
 }
 
 int main(void)
@@ -299,6 +368,9 @@ int main(void)
 		cmocka_unit_test(a_flipped_byte_is_named),
 		cmocka_unit_test(a_row_moved_to_another_key_is_found),
 		cmocka_unit_test(a_broken_edge_is_found),
+		cmocka_unit_test(every_plane_s_damage_is_found),
+		cmocka_unit_test(a_row_of_another_plane_is_found),
+		cmocka_unit_test(state_at_a_coarser_level_is_found),
 		cmocka_unit_test(a_broken_pyramid_is_found),
 		cmocka_unit_test(a_missing_base_tile_is_named),
 		cmocka_unit_test(a_wrong_range_or_sum_is_found),

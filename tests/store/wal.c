@@ -48,8 +48,8 @@ static int64_t write_epoch(struct store *store, int step)
 	struct store_epoch_result result;
 	size_t posts = (CELLS + 1) * (CELLS + 1);
 	for (int i = 0; i < TILES * TILES; i++)
-		pages[i] = (struct store_page){{LEVEL, (uint32_t)(i % TILES), (uint32_t)(i / TILES)}, STORE_PLANE_OFFSET,
-					       planes + (size_t)((i + step) % (TILES * TILES)) * posts, NULL};
+		pages[i] = (struct store_page){{LEVEL, (uint32_t)(i % TILES), (uint32_t)(i / TILES)},
+					       {planes + (size_t)((i + step) % (TILES * TILES)) * posts}};
 	assert_ok(store_epoch(store, pages, TILES * TILES, &run, &result));
 	assert_ok(store_bound_wal(store));
 	return result.bytes_written;
@@ -66,7 +66,8 @@ static void *read_tiles(void *argument)
 	for (uint32_t i = 0; failed == 0 && !atomic_load(&over); i++) {
 		unsigned present;
 		struct tile tile = {LEVEL, i % TILES, i / TILES % TILES};
-		failed = store_read_deformed(reader, tile, STORE_PLANE_OFFSET, offset, NULL, &present) != STATUS_OK;
+		failed = store_read_deformed(reader, tile, PLANE_BIT(PLANE_OFFSET), (void *[PLANES]){offset}, &present) !=
+			 STATUS_OK;
 	}
 	store_reader_destroy(reader);
 	free(offset);

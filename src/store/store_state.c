@@ -1,0 +1,138 @@
+/*
+ * The soil's state (heaped, pressed, shear) in an epoch: a row a tile of the working level, and no pyramid,
+ * since nobody draws it.
+ *
+ * A page without a plane of the state was changed by a model that keeps none: what the plane says there is
+ * of ground which is no more. Its row is dropped, and the posts that tiles beside it share with it become
+ * zero, so that a shared post has one value still. Invariant: a row exists iff it is not all zero.
+ */
+#include "store/internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+struct state {
+	struct store *store;
+	enum row_table table;
+	uint64_t *dropped; /* keys of pages without the plane, sorted */
+	size_t drop_count;
+	int32_t *posts;
+	struct store_epoch_result *result;
+};
+
+static int compare_keys(const void *a, const void *b)
+{
+	uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+	return x < y ? -1 : x > y;
+}
+
+static bool is_dropped(const struct state *state, struct tile tile)
+{
+	uint64_t key = tile_key(tile);
+	return bsearch(&key, state->dropped, state->drop_count, sizeof key, compare_keys) != NULL;
+}
+
+/* The tile's row becomes what state->posts holds. */
+static enum status put_posts(struct state *state, struct tile tile)
+{
+	struct rows *rows = &state->store->rows;
+	size_t side = tile_posts(rows->world), count = side * side;
+	struct row old, row = {.tile = tile, .revision = state->store->epoch + 1};
+	bool had, written;
+	enum status status = rows_head(rows, state->table, tile, &old, &had);
+	if (status != STATUS_OK)
+		return status;
+	if (rows_all_zero(state->posts, count)) {
+		state->result->tiles_written += had;
+		return had ? rows_drop(rows, state->table, tile) : STATUS_OK;
+	}
+	rows_range(state->table, state->posts, count, 0, &row.low, &row.high);
+	status = rows_write(rows, state->table, state->posts, &row, had ? &old.hash : NULL, &written);
+	if (status == STATUS_OK && written) {
+		state->result->tiles_written++;
+		state->result->bytes_written += (int64_t)row.size;
+	}
+	return status;
+}
+
+static enum status put_page(struct state *state, const struct store_page *page)
+{
+	enum plane plane = row_plane(state->table);
+	size_t side = tile_posts(state->store->rows.world), count = side * side;
+	const void *texels = page->planes[plane];
+	if (plane_bytes(plane) == sizeof(int32_t))
+		memcpy(state->posts, texels, count * sizeof *state->posts);
+	else
+		for (size_t i = 0; i < count; i++)
+			state->posts[i] = ((const uint16_t *)texels)[i];
+	return put_posts(state, page->tile);
+}
+
+/* The posts that `tile` shares with the tile dx, dy of it: zero in state->posts. */
+static void clear_shared(const struct state *state, int dx, int dy)
+{
+	size_t side = tile_posts(state->store->rows.world);
+	size_t x0 = dx > 0 ? side - 1 : 0, x1 = dx < 0 ? 1 : side;
+	size_t y0 = dy > 0 ? side - 1 : 0, y1 = dy < 0 ? 1 : side;
+	for (size_t y = y0; y < y1; y++)
+		memset(state->posts + y * side + x0, 0, (x1 - x0) * sizeof *state->posts);
+}
+
+/* A tile beside one that was dropped: everything it shares with any that was. */
+static enum status trim(struct state *state, struct tile tile)
+{
+	struct rows *rows = &state->store->rows;
+	struct row row;
+	bool found;
+	enum status status = rows_read(rows, state->table, tile, state->posts, &row, &found);
+	if (status != STATUS_OK || !found)
+		return status;
+	for (int at = 0; at < 9; at++) {
+		int dx = at % 3 - 1, dy = at / 3 - 1;
+		struct tile other = {tile.level, tile.x + (uint32_t)dx, tile.y + (uint32_t)dy};
+		if (world_has(rows->world, other) && is_dropped(state, other))
+			clear_shared(state, dx, dy);
+	}
+	return put_posts(state, tile);
+}
+
+static enum status drop(struct state *state, struct tile tile)
+{
+	struct rows *rows = &state->store->rows;
+	struct row row;
+	bool had;
+	enum status status = rows_head(rows, state->table, tile, &row, &had);
+	if (status != STATUS_OK || !had)
+		return status; /* what others share with it is zero then */
+	status = rows_drop(rows, state->table, tile);
+	state->result->tiles_written++;
+	for (int at = 0; at < 9 && status == STATUS_OK; at++) {
+		struct tile other = {tile.level, tile.x + (uint32_t)(at % 3 - 1), tile.y + (uint32_t)(at / 3 - 1)};
+		if (world_has(rows->world, other) && !is_dropped(state, other))
+			status = trim(state, other);
+	}
+	return status;
+}
+
+enum status state_put(struct store *store, enum row_table table, const struct store_page *pages, size_t count,
+		      struct store_epoch_result *result)
+{
+	size_t side = tile_posts(&store->meta.world);
+	struct state state = {.store = store, .table = table, .result = result};
+	state.dropped = mem_alloc(count + 1, sizeof *state.dropped);
+	state.posts = mem_alloc(side * side, sizeof *state.posts);
+	enum status status = state.dropped != NULL && state.posts != NULL ? STATUS_OK : fail_memory("an epoch");
+	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+		if (pages[i].planes[row_plane(table)] == NULL)
+			state.dropped[state.drop_count++] = tile_key(pages[i].tile);
+	if (status == STATUS_OK)
+		qsort(state.dropped, state.drop_count, sizeof *state.dropped, compare_keys);
+	for (size_t i = 0; i < state.drop_count && status == STATUS_OK; i++)
+		status = drop(&state, tile_from_key(state.dropped[i]));
+	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+		if (pages[i].planes[row_plane(table)] != NULL)
+			status = put_page(&state, &pages[i]);
+	mem_free(state.dropped);
+	mem_free(state.posts);
+	return status;
+}
