@@ -149,16 +149,10 @@ static enum status take_place(struct gdal_of_classes *gdal)
 	if (!finite || !GDALInvGeoTransform(place, gdal->pixels))
 		return fail_with(STATUS_INPUT, "%s: its geotransform has no area; give it a place with gdal_translate "
 				 "-a_ullr", path);
-	OGRSpatialReferenceH known = GDALGetSpatialRef(gdal->dataset);
-	if (known == NULL || OSRIsLocal(known))
+	OGRSpatialReferenceH srs = GDALGetSpatialRef(gdal->dataset); /* with its axes as the geotransform's */
+	if (srs == NULL || OSRIsLocal(srs))
 		return STATUS_OK; /* in the store's own coordinates */
-	OGRSpatialReferenceH srs = OSRClone(known);
-	if (srs == NULL)
-		return fail_memory(path);
-	OSRSetAxisMappingStrategy(srs, OAMS_TRADITIONAL_GIS_ORDER);
-	enum status status = take_way(gdal, srs);
-	OSRDestroySpatialReference(srs);
-	return status;
+	return take_way(gdal, srs);
 }
 
 enum status dem_classes_gdal_open(const struct dem_classes_params *params, struct dem_raster_of_classes **out)
