@@ -26,8 +26,10 @@ static const struct scene_effect_row rows[EFFECT_COUNT] = {
 			  "slides soil down what is steeper than it can stand"},
 	[EFFECT_SOIL_MAP] = {"soil_map", "soil.map", "SOIL_MAP", "lib/soil.glsl", "class", "class", 0,
 			     "reads which soil each post is of"},
-	[EFFECT_MESH] = {"mesh", "objects.shape.mesh", "", "deform/mesh.frag", "", "underside", 0,
+	[EFFECT_MESH] = {"mesh", "objects.shape.mesh", "", "deform/facet.frag", "", "underside", 0,
 			 "finds the underside of a shape made of triangles"},
+	[EFFECT_LUGS] = {"lugs", "objects.shape.wheel.lugs", "", "deform/facet.frag", "", "underside", 0,
+			 "finds the underside of the bars across a wheel's rim, as they turn"},
 	[EFFECT_LOAD] = {"load", "objects.load", "", "deform/forces.frag", STATE, "height", 1,
 			 "finds how deep an object stands for the soil to carry its load"},
 	[EFFECT_FORCES] = {"forces", "output.forces", "", "deform/forces.frag", STATE, "forces", 1,
@@ -88,6 +90,8 @@ unsigned scene_effects(const struct scene *scene)
 	for (size_t i = 0; i < scene->object_count; i++) {
 		if (scene->objects[i].shape.kind == DEFORM_MESH)
 			effects |= 1u << EFFECT_MESH;
+		if (scene->objects[i].shape.lugs > 0)
+			effects |= 1u << EFFECT_LUGS;
 		if (scene->objects[i].load > 0)
 			effects |= 1u << EFFECT_LOAD;
 	}

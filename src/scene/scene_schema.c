@@ -217,7 +217,7 @@ static const struct scene_limit limits[] = {
 	{"redistribute.repetitions", 1, 8, false, NULL},
 	{"redistribute.iterations", 1, 8, false, NULL},
 	{"redistribute.interval", 0, 3600, true, NULL},
-	{"redistribute.depth", 0, 1e6, false, NULL},
+	{"redistribute.depth", 0, 1024, false, NULL},
 	{"redistribute.bulldozing", 0, 1, false, NULL},
 	{"objects[].shape.wheel.radius", 0.001, 1000, false, NULL},
 	{"objects[].shape.wheel.width", 0.001, 1000, false, NULL},

@@ -136,7 +136,7 @@ static void limits_are_taken_and_what_is_beyond_is_not(void **state)
 		{"dry_sand", "dry_sand, cohesion: %s", {"5"}, {".inf", "nan", "1e999"}, "soil.cohesion: "},
 		{"model: scm", "model: scm, iterations: %s", {"1", "8"}, {"0", "9"}, "allowed: 1 to 8"},
 		{"model: scm", "model: scm, interval: %s", {"1e-6", "3600"}, {"0", "3601"}, "allowed: above 0 to 3600"},
-		{"model: scm", "model: scm, depth: %s", {"0", "1e6"}, {"-1", ".inf", "1.1e6"}, "0 to 1000000"},
+		{"model: scm", "model: scm, depth: %s", {"0", "1024"}, {"-1", ".inf", "1025"}, "0 to 1024"},
 		{"model: scm", "model: scm, bulldozing: %s", {"0", "1"}, {"-0.1", "1.1"}, "allowed: 0 to 1"},
 		{"0.4}", "0.4, lugs: %s}", {"0", "128"}, {"-1", "129"}, "allowed: 0 to 128"},
 		{"0.4}", "0.4, lugs: 4, lug_height: %s}", {"1e-3", "0.5"}, {"0", "0.51"}, "allowed: above 0 to "},
@@ -365,6 +365,7 @@ static void lugs_have_a_height_and_a_thickness(void **state)
 	const struct deform_shape *shape = &scene->objects[0].shape;
 	assert_int_equal(shape->lugs, 12);
 	assert_true(shape->lug_height == 0.025 && shape->lug_thickness == 0.05);
+	assert_true((scene_effects(scene) >> EFFECT_LUGS & 1) == 1);
 	scene_destroy(scene);
 	scene = load_edited(base, "0.4}", "0.4, lugs: 1, lug_height: 0.5, lug_thickness: 0.2}");
 	shape = &scene->objects[0].shape;
@@ -375,6 +376,52 @@ static void lugs_have_a_height_and_a_thickness(void **state)
 	refuse("0.4}", "0.4, lugs: 2, lug_height: 0.6}", ":7: objects[0].shape.wheel.lug_height: 0.6 is out of range; allowed: above 0 to "
 							 "the wheel's radius, 0.5");
 	refuse("0.4}", "0.4, lugs: 2.5}", "\"2.5\" is not a whole number; allowed: a whole number, 0 to 128");
+}
+
+static void a_mesh_is_read_beside_the_scene_and_counts_by_its_triangles(void **state)
+{
+	static const char obj[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n";
+	static const char wheel[] = "wheel: {radius: 0.5, width: 0.4}", mesh[] = "mesh: {file: foot.obj}";
+	char hash[33];
+	struct scene *scene;
+	refuse(wheel, mesh, ":7: objects[0].shape.mesh.file: \"foot.obj\": ");
+	write_text("foot.obj", obj);
+	char *text = edited(base, wheel, mesh);
+	if (load_text(text, NULL, 0, &scene) != STATUS_OK) {
+		assert_says("reads no meshes");
+		free(text);
+		unlink(in_folder("foot.obj"));
+		skip();
+	}
+	const struct scene_object *foot = &scene->objects[0];
+	assert_int_equal(foot->shape.kind, DEFORM_MESH);
+	assert_ptr_equal(foot->shape.mesh, foot->mesh);
+	assert_int_equal(foot->mesh->triangle_count, 4);
+	assert_true(foot->mesh->high[2] == 1);
+	assert_true((scene_effects(scene) >> EFFECT_MESH & 1) == 1);
+	strcpy(hash, scene->hash);
+	scene_destroy(scene);
+	scene = load_edited(base, wheel, "mesh: {file: foot.obj, scale: 2}");
+	assert_true(scene->objects[0].mesh->high[2] == 2);
+	assert_string_not_equal(scene->hash, hash);
+	scene_destroy(scene);
+	/* Its triangles, not its bytes or its name. */
+	static const struct {
+		const char *from, *to;
+		bool same;
+	} edits[] = {{"v 0 0 0", "# a foot\nv 0 0 0", true}, {"v 0 0 1", "v 0 0 2", false}, {"f 2 3 4\n", "", false}};
+	for (size_t i = 0; i < 3; i++) {
+		char *other = edited(obj, edits[i].from, edits[i].to);
+		write_text("foot.obj", other);
+		free(other);
+		assert_int_equal(load_text(text, NULL, 0, &scene), STATUS_OK);
+		assert_true((strcmp(scene->hash, hash) == 0) == edits[i].same);
+		scene_destroy(scene);
+	}
+	/* What is refused after it was read does not keep it. */
+	refuse("wheel: {radius: 0.5, width: 0.4}}\n", "mesh: {file: foot.obj}}\n    slip: 0.1\n", "only a wheel slips");
+	free(text);
+	unlink(in_folder("foot.obj"));
 }
 
 static void forces_are_of_scm_and_their_delay_of_forces(void **state)
@@ -502,6 +549,7 @@ int main(void)
 		cmocka_unit_test(a_soil_that_no_model_reads_is_checked_and_costs_nothing),
 		cmocka_unit_test(a_load_takes_the_place_of_a_sinkage),
 		cmocka_unit_test(lugs_have_a_height_and_a_thickness),
+		cmocka_unit_test(a_mesh_is_read_beside_the_scene_and_counts_by_its_triangles),
 		cmocka_unit_test(forces_are_of_scm_and_their_delay_of_forces),
 		cmocka_unit_test(each_model_calls_for_its_own_effects),
 		cmocka_unit_test(the_hash_is_of_all_that_decides_how_the_ground_gives_way),
