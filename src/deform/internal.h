@@ -39,15 +39,22 @@ struct deform {
 	struct gpu_texture *bases;
 	struct gpu_texture *under, *rest;      /* rest NULL: nobody asks */
 	struct gpu_texture *contacts;          /* PRESSED, HELD; NULL: nobody asks */
+	struct gpu_texture *carried, *deposits; /* conserving models: quanta, before and after deform_spread */
+	struct gpu_texture *classes;           /* of soil; NULL: there is but one */
 	struct gpu_texture *planes_of[2][PLANES]; /* [0] is gathered into */
 	struct layer scratch[DEFORM_WINDOWS_MAX];
 	struct gpu_program *under_program[DEFORM_SHAPES]; /* made when first needed, as all of them */
-	struct gpu_program *none, *box, *dirt;
+	struct gpu_program *none, *box, *press, *dirt, *spread;
+	struct gpu_program *excess[2];         /* [first iteration] */
+	int32_t stands[DEFORM_SOILS][2];       /* difference of heights, axial and diagonal; quanta */
 	struct gpu_buffer *tally;              /* struct deform_tally */
 };
 
 /* A sweep that is no motion: its end pose alone presses. */
 bool deform_is_contact_only(const struct deform_sweep *sweep);
+
+/* Whether a model moves soil, and loses none but what is compacted. */
+bool deform_conserves(enum deform_model model);
 
 /* scratch.c: textures and targets for `layers` windows. */
 enum status deform_need_layers(struct deform *deform, uint32_t layers) FURROW_CHECKED;
@@ -70,6 +77,9 @@ struct press_params deform_press_params(const struct deform *deform, const struc
 					const struct deform_window *window, uint32_t layer);
 struct window_params deform_window_params(struct post_rect read, uint32_t layer);
 
+/* The written posts, in the window's layer. */
+struct gpu_rect deform_written(const struct deform_window *window);
+
 /* underside.c: the object over the window, into `under` and `rest`. */
 enum status deform_underside(struct deform *deform, const struct deform_sweep *sweep,
 			     const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
@@ -79,6 +89,22 @@ enum status deform_none(struct deform *deform, const struct deform_sweep *sweep,
 			uint32_t layer) FURROW_CHECKED;
 enum status deform_box(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
 		       uint32_t layer) FURROW_CHECKED;
+
+/* spread.c: from `carried`, which a press wrote (at most 2^23 quanta a post), into `deposits`. */
+enum status deform_spread(struct deform *deform, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
+
+/* slide.c: the model's rule over a window's written posts, `iterations` times; the first time the deposits are laid
+ * down too. From planes_of[now] to planes_of[now], offset and heaped. */
+enum status deform_slide(struct deform *deform, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
+/* What follows from the parameters. */
+void deform_slide_prepare(struct deform *deform);
+
+enum status deform_sumner(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
+			  uint32_t layer) FURROW_CHECKED;
+enum status deform_slippage(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
+			    uint32_t layer) FURROW_CHECKED;
+/* Classes of soil that a shader's parameters have room for. */
+int deform_soil_slots(const struct deform *deform);
 
 /* stages.c: the passes over a gathered window. */
 enum status deform_run_stages(struct deform *deform, const struct deform_sweep *sweep,

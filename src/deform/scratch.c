@@ -10,7 +10,8 @@ void deform_drop_layers(struct deform *deform)
 			gpu_target_destroy(deform->scratch[i].to[k]);
 		memset(&deform->scratch[i], 0, sizeof deform->scratch[i]);
 	}
-	struct gpu_texture **textures[] = {&deform->bases, &deform->under, &deform->rest, &deform->contacts};
+	struct gpu_texture **textures[] = {&deform->bases, &deform->under, &deform->rest, &deform->contacts,
+					   &deform->carried, &deform->deposits, &deform->classes};
 	for (size_t i = 0; i < sizeof textures / sizeof *textures; i++) {
 		gpu_texture_destroy(*textures[i]);
 		*textures[i] = NULL;
@@ -43,6 +44,13 @@ static enum status make_textures(struct deform *deform, uint32_t layers)
 		status = gpu_texture_create(gpu, GPU_R32I, SIDE, SIDE, layers, &deform->rest);
 	if (status == STATUS_OK && deform_needs_contacts(deform))
 		status = gpu_texture_create(gpu, GPU_R8UI, SIDE, SIDE, layers, &deform->contacts);
+	bool conserves = deform_conserves(deform->params.model);
+	if (status == STATUS_OK && conserves)
+		status = gpu_texture_create(gpu, GPU_R32I, SIDE, SIDE, layers, &deform->carried);
+	if (status == STATUS_OK && conserves)
+		status = gpu_texture_create(gpu, GPU_R32I, SIDE, SIDE, layers, &deform->deposits);
+	if (status == STATUS_OK && conserves && deform->params.soil_count > 1)
+		status = gpu_texture_create(gpu, GPU_R8UI, SIDE, SIDE, layers, &deform->classes);
 	for (int plane = 0; plane < PLANES; plane++)
 		for (int i = 0; i < 2 && status == STATUS_OK && (deform->planes & PLANE_BIT(plane)); i++)
 			status = gpu_texture_create(gpu, format_of((enum plane)plane), SIDE, SIDE, layers,
@@ -70,9 +78,11 @@ static enum status make_targets(struct deform *deform, uint32_t number)
 	attach(&of[TO_UNDER], deform->rest, number);
 	attach(&of[TO_PRESSED], deform->planes_of[1][PLANE_OFFSET], number);
 	attach(&of[TO_PRESSED], deform->contacts, number);
-	if (deform->params.model == DEFORM_BOX_FILTER) {
-		attach(&of[TO_FIRST], deform->planes_of[0][PLANE_OFFSET], number);
-		attach(&of[TO_SECOND], deform->planes_of[1][PLANE_OFFSET], number);
+	attach(&of[TO_PRESSED], deform->carried, number);
+	bool conserves = deform_conserves(deform->params.model);
+	for (int i = 0; i < 2 && (conserves || deform->params.model == DEFORM_BOX_FILTER); i++) {
+		attach(&of[TO_FIRST + i], deform->planes_of[i][PLANE_OFFSET], number);
+		attach(&of[TO_FIRST + i], deform->planes_of[i][PLANE_HEAPED], number);
 	}
 	attach(&of[TO_DIRT], deform->planes_of[1][PLANE_DIRT], number);
 	enum status status = STATUS_OK;
@@ -80,6 +90,8 @@ static enum status make_targets(struct deform *deform, uint32_t number)
 		if (of[k].count > 0)
 			status = gpu_target_create(gpu, of[k].list, of[k].count, (struct gpu_attachment){NULL, 0},
 						   &deform->scratch[number].to[k]);
+	if (status == STATUS_OK && conserves)
+		status = gpu_target_create_bare(gpu, SIDE, SIDE, &deform->scratch[number].to[TO_BARE]);
 	return status;
 }
 
