@@ -5,10 +5,9 @@
 #include "lib/tally.glsl"
 #include "lib/window.glsl"
 
-layout(binding = 0) uniform isampler2DArray bases;
-layout(binding = 1) uniform usampler2DArray contacts;
-layout(binding = 2) uniform isampler2DArray carries;
-layout(binding = 0, r32i) uniform iimage2DArray deposits;
+layout(binding = 0, r8ui) readonly uniform uimage2DArray contacts;
+layout(binding = 1, r32i) readonly uniform iimage2DArray carries;
+layout(binding = 2, r32i) uniform iimage2DArray deposits;
 
 layout(std140, binding = 0) uniform params {
 	ivec4 place;   // the layer
@@ -20,7 +19,7 @@ const ivec2 WAYS[4] = ivec2[4](ivec2(0, -1), ivec2(-1, 0), ivec2(1, 0), ivec2(0,
 void main()
 {
 	ivec2 post = ivec2(gl_FragCoord.xy);
-	int amount = texelFetch(carries, ivec3(post, place.x), 0).r;
+	int amount = imageLoad(carries, ivec3(post, place.x)).r;
 	bvec4 found = bvec4(false);
 	bool goes_on = amount > 0;
 	int far = 0;
@@ -32,7 +31,7 @@ void main()
 			bool inside = all(greaterThanEqual(p, written.xy)) && all(lessThan(p, written.zw));
 			ivec3 at = ivec3(clamp(p, written.xy, written.zw - 1), place.x);
 			within = within || inside;
-			found[way] = inside && texelFetch(contacts, at, 0).r == 0u && texelFetch(bases, at, 0).r != BASE_NODATA;
+			found[way] = inside && imageLoad(contacts, at).r == 0u;
 		}
 		goes_on = within && !any(found);
 	}

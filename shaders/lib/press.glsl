@@ -24,7 +24,7 @@ layout(std140, binding = 0) uniform params {
 struct press {
 	int offset;
 	uint fell;    // quanta
-	uint contact; // 0 without CONTACT
+	uint contact;
 	bool written; // the rim of one window is another's to count
 };
 
@@ -36,7 +36,7 @@ press press_at(ivec2 post)
 	int offset = texelFetch(offsets, at, 0).r;
 	int under = texelFetch(unders, at, 0).r;
 	p.written = all(greaterThanEqual(post, written.xy)) && all(lessThan(post, written.zw));
-	p.contact = 0u;
+	p.contact = base == BASE_NODATA ? HOLE : 0u;
 	p.fell = 0u;
 	// The underside as an offset: from the base, in 64 bits, since it may be far away.
 	i64 ground = i64_sub(i64_shl(i64_from(base), 2), i64(zero.y, uint(zero.x)));
@@ -50,7 +50,7 @@ press press_at(ivec2 post)
 	if (touches) {
 		p.fell = uint(offset) - uint(i64_to_int(wanted));
 		offset = i64_to_int(wanted);
-		p.contact = PRESSED;
+		p.contact |= PRESSED;
 	}
 #ifdef CONTACT
 	int rest = texelFetch(rests, at, 0).r;

@@ -31,10 +31,9 @@ enum status deform_create(const struct deform_params *params, struct deform **ou
 	if (deform_conserves(params->model)) {
 		/* What is pressed is laid down beside it, and slides on by a post an iteration. */
 		deform->reach = params->iterations + 2;
+		deform->border = 1; /* whose heights are looked at */
 		deform_slide_prepare(deform);
 	}
-	if (params->model == DEFORM_SCM)
-		deform->border = 1; /* for the surface's normal */
 	enum status status = gpu_buffer_create(params->gpu, GPU_STORAGE, sizeof(struct deform_tally), NULL, &deform->tally);
 	if (status == STATUS_OK)
 		status = deform_need_layers(deform, 1);

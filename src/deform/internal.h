@@ -10,8 +10,11 @@
 enum scratch_target {
 	TO_UNDER,   /* under, rest */
 	TO_PRESSED, /* what the model's press writes */
-	TO_FIRST,   /* offset plane 0, and what slides with it */
+	TO_FIRST,   /* box: offset plane 0 */
 	TO_SECOND,  /* the same, 1 */
+	TO_BEGUN,   /* sliding: offset plane 0, heights, and what else it begins with */
+	TO_HEIGHTS_0, TO_HEIGHTS_1,
+	TO_SLID,    /* offset plane 1, and what slides with it */
 	TO_DIRT,    /* dirt plane 1 */
 	TO_BARE,    /* nothing: images and buffers */
 	SCRATCH_TARGETS
@@ -40,12 +43,13 @@ struct deform {
 	struct gpu_texture *under, *rest;      /* rest NULL: nobody asks */
 	struct gpu_texture *contacts;          /* PRESSED, HELD; NULL: nobody asks */
 	struct gpu_texture *carried, *deposits; /* conserving models: quanta, before and after deform_spread */
+	struct gpu_texture *heights[2], *stills, *floors; /* while it slides; floors NULL: all soil is loose */
 	struct gpu_texture *classes;           /* of soil; NULL: there is but one */
 	struct gpu_texture *planes_of[2][PLANES]; /* [0] is gathered into */
 	struct layer scratch[DEFORM_WINDOWS_MAX];
 	struct gpu_program *under_program[DEFORM_SHAPES]; /* made when first needed, as all of them */
 	struct gpu_program *none, *box, *press, *dirt, *spread;
-	struct gpu_program *excess[2];         /* [first iteration] */
+	struct gpu_program *slide_begin, *excess[2]; /* [last iteration] */
 	int32_t stands[DEFORM_SOILS][2];       /* difference of heights, axial and diagonal; quanta */
 	struct gpu_buffer *tally;              /* struct deform_tally */
 };
@@ -79,6 +83,8 @@ struct window_params deform_window_params(struct post_rect read, uint32_t layer)
 
 /* The written posts, in the window's layer. */
 struct gpu_rect deform_written(const struct deform_window *window);
+/* All of them. */
+struct gpu_rect deform_window_rect(const struct deform_window *window);
 
 /* underside.c: the object over the window, into `under` and `rest`. */
 enum status deform_underside(struct deform *deform, const struct deform_sweep *sweep,
@@ -93,9 +99,15 @@ enum status deform_box(struct deform *deform, const struct deform_sweep *sweep, 
 /* spread.c: from `carried`, which a press wrote (at most 2^23 quanta a post), into `deposits`. */
 enum status deform_spread(struct deform *deform, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
 
-/* slide.c: the model's rule over a window's written posts, `iterations` times; the first time the deposits are laid
- * down too. From planes_of[now] to planes_of[now], offset and heaped. */
+/* slide.c: lays the deposits down, then the model's rule over a window's written posts, `iterations` times. A press
+ * has left offsets in planes_of[1], and so does this; heaped soil wherever it says in now[]. */
 enum status deform_slide(struct deform *deform, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
+struct slide_place {
+	uint32_t layer;
+	struct gpu_rect all, written; /* what is worked on; what exchanges soil */
+};
+#define STEEP_RELIEF 500.0 /* metres; in a world of less no two posts are too far apart in height */
+bool deform_is_bounded(const struct deform *deform);
 /* What follows from the parameters. */
 void deform_slide_prepare(struct deform *deform);
 

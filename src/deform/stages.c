@@ -32,6 +32,12 @@ struct gpu_rect deform_written(const struct deform_window *window)
 				 (uint32_t)(write.x1 - write.x0), (uint32_t)(write.y1 - write.y0)};
 }
 
+struct gpu_rect deform_window_rect(const struct deform_window *window)
+{
+	return (struct gpu_rect){0, 0, (uint32_t)(window->read.x1 - window->read.x0),
+				 (uint32_t)(window->read.y1 - window->read.y0)};
+}
+
 static enum status dirty(struct deform *deform, struct post_rect read, uint32_t layer)
 {
 	static const struct gpu_program_request request = {.vertex = "full.vert", .fragment = "deform/dirt.frag"};

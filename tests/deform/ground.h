@@ -25,6 +25,7 @@ struct ground_params {
 	int soil_count;                  /* 0: 1 */
 	int iterations;                  /* 0: 4 */
 	double depth;                    /* m; 0: no bottom */
+	double relief;                   /* m; 0: not known */
 };
 
 struct ground {
@@ -87,6 +88,7 @@ static inline void ground_init(struct ground *ground, const struct ground_params
 		.dirt = params->dirt,
 		.soil_count = params->soil_count + (params->soil_count == 0),
 		.iterations = params->iterations != 0 ? params->iterations : 4,
+		.relief = params->relief != 0 ? params->relief : (double)INFINITY,
 		.depth = params->depth != 0 ? params->depth : (double)INFINITY,
 	};
 	assert_ok(deform_soil_named("dry_sand", &deform.soils[0]));
