@@ -1,7 +1,7 @@
 #version 450 core
 // Before sliding: the deposits are laid down, and the heights that slide are worked out. One fragment a post.
 // Defines: DEPOSITS: there are any; HEAPED: the heaped soil moves along; BOUNDED: only loose soil
-// slides; STEEP: neighbours may lie 512 m apart and more.
+// slides; STEEP: neighbours may lie 512 m apart and more; HELD_STILL: so is what an object rests on.
 
 #include "lib/slide.glsl"
 #include "lib/tally.glsl"
@@ -17,6 +17,7 @@ layout(binding = 4, r32i) readonly uniform iimage2DArray heaps;
 #endif
 
 layout(std140, binding = 0) uniform params {
+	ivec4 region;  // regions.vert's
 	ivec4 place;   // the layer; loose soil below the base, quanta
 	ivec4 written; // the posts that exchange: first, one behind the last
 };
@@ -45,7 +46,12 @@ void main()
 	heap = imageLoad(heaps, at).r;
 #endif
 	bool ours = all(greaterThanEqual(post, written.xy)) && all(lessThan(post, written.zw));
-	bool still = !ours || (imageLoad(contacts, at).r & (HELD | HOLE)) != 0u;
+#ifdef HELD_STILL
+	const uint stays = HELD | HOLE;
+#else
+	const uint stays = HOLE;
+#endif
+	bool still = !ours || (imageLoad(contacts, at).r & stays) != 0u;
 #ifdef DEPOSITS
 	uint deposit = ours ? uint(imageLoad(deposits, at).r) : 0u;
 	uint room = uint(max(0, SLIDE_HIGH - max(offset, heap)));

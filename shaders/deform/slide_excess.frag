@@ -2,9 +2,10 @@
 // Sliding by what a difference of heights exceeds one that stands: once, between each post and its
 // eight neighbours. One fragment a post.
 // Defines: BOUNDED: only loose soil slides; SOILS: classes of soil that the parameters hold; LAST: back to
-// offsets; HEAPED: and the heaped soil has moved along.
+// offsets; HEAPED: and the heaped soil has moved along; FLAGS: and where something changed, over blocks.
 
 #include "lib/slide.glsl"
+#include "lib/slid.glsl"
 
 layout(binding = 0, r32i) readonly uniform iimage2DArray heights;
 #ifdef BOUNDED
@@ -13,28 +14,12 @@ layout(binding = 1, r32i) readonly uniform iimage2DArray floors;
 #if SOILS > 1
 layout(binding = 2, r8ui) readonly uniform uimage2DArray classes;
 #endif
-#ifdef LAST
-layout(binding = 3, r32i) readonly uniform iimage2DArray bases;
-layout(binding = 4, r32i) readonly uniform iimage2DArray offsets; // before
-layout(binding = 5, r8ui) readonly uniform uimage2DArray stills;
-#ifdef HEAPED
-layout(binding = 6, r32i) readonly uniform iimage2DArray heaps; // before
-#endif
-#endif
 
 layout(std140, binding = 0) uniform params {
-	ivec4 place;         // the layer
+	ivec4 region;        // regions.vert's
+	ivec4 place;         // the layer; near a block's side is within so many posts of it
 	ivec4 stands[SOILS]; // difference of heights that stands: axial, diagonal
 };
-
-#ifdef LAST
-layout(location = 0) out int offset_out;
-#ifdef HEAPED
-layout(location = 1) out int heap_out;
-#endif
-#else
-layout(location = 0) out int height_out;
-#endif
 
 ivec2 stands_at(ivec3 at)
 {
@@ -71,17 +56,5 @@ void main()
 		amount = other == STILL ? 0 : max(amount, 0);
 		change += gives ? -amount : amount;
 	}
-	if (height != STILL)
-		height += change;
-#ifdef LAST
-	int before = imageLoad(offsets, at).r;
-	bool still = imageLoad(stills, at).r != 0u;
-	int offset = still ? before : int(uint(height) - uint(imageLoad(bases, at).r) * 4u);
-	offset_out = offset;
-#ifdef HEAPED
-	heap_out = imageLoad(heaps, at).r + (offset - before);
-#endif
-#else
-	height_out = height;
-#endif
+	slid(at, height, change, place.y);
 }

@@ -14,6 +14,7 @@ enum scratch_target {
 	TO_SECOND,  /* the same, 1 */
 	TO_BEGUN,   /* sliding: offset plane 0, heights, and what else it begins with */
 	TO_HEIGHTS_0, TO_HEIGHTS_1,
+	TO_SHED,    /* sumner: what is shed, where `carried` was */
 	TO_SLID,    /* offset plane 1, and what slides with it */
 	TO_DIRT,    /* dirt plane 1 */
 	TO_BARE,    /* nothing: images and buffers */
@@ -32,6 +33,13 @@ struct deform;
 typedef enum status (*deform_model_fn)(struct deform *deform, const struct deform_sweep *sweep,
 				       const struct deform_window *window, uint32_t layer);
 
+/* Differences of heights that stand, axial and diagonal, quanta. */
+struct slide_soil {
+	int32_t stands[2];
+	int32_t held[2], stop[2]; /* sumner: beside a held post; where all are within these nothing slides */
+	uint32_t share[8];        /* sumner: of 2^32, for 1 .. 8 neighbours */
+};
+
 struct deform {
 	struct deform_params params;
 	unsigned planes; /* deform_planes() */
@@ -49,8 +57,8 @@ struct deform {
 	struct layer scratch[DEFORM_WINDOWS_MAX];
 	struct gpu_program *under_program[DEFORM_SHAPES]; /* made when first needed, as all of them */
 	struct gpu_program *none, *box, *press, *dirt, *spread;
-	struct gpu_program *slide_begin, *excess[2]; /* [last iteration] */
-	int32_t stands[DEFORM_SOILS][2];       /* difference of heights, axial and diagonal; quanta */
+	struct gpu_program *slide_begin[2], *slide[2][2], *shed[2]; /* [over blocks][last iteration] */
+	struct slide_soil soils[DEFORM_SOILS];
 	struct gpu_buffer *tally;              /* struct deform_tally */
 };
 
@@ -105,7 +113,13 @@ enum status deform_slide(struct deform *deform, const struct deform_window *wind
 struct slide_place {
 	uint32_t layer;
 	struct gpu_rect all, written; /* what is worked on; what exchanges soil */
+	/* Over blocks: a square of `side` posts each, so many in a row, of which the block and its rim are right. */
+	uint32_t blocks, side, columns;
+	uint32_t first;               /* of the list: whose flags come first */
+	struct gpu_buffer *flags;
 };
+enum status deform_slide_run(struct deform *deform, const struct slide_place *place) FURROW_CHECKED;
+int64_t deform_slide_rim(const struct deform *deform); /* posts */
 #define STEEP_RELIEF 500.0 /* metres; in a world of less no two posts are too far apart in height */
 bool deform_is_bounded(const struct deform *deform);
 /* What follows from the parameters. */

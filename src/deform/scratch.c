@@ -105,6 +105,8 @@ static enum status make_targets(struct deform *deform, uint32_t number)
 		attach(&of[TO_BEGUN], deform->floors, number);
 		attach(&of[TO_HEIGHTS_0], deform->heights[0], number);
 		attach(&of[TO_HEIGHTS_1], deform->heights[1], number);
+		if (deform->params.model == DEFORM_SUMNER)
+			attach(&of[TO_SHED], deform->carried, number);
 		attach(&of[TO_SLID], deform->planes_of[1][PLANE_OFFSET], number);
 		attach(&of[TO_SLID], deform->planes_of[1][PLANE_HEAPED], number);
 	}
