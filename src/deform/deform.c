@@ -10,6 +10,11 @@
 
 #include "deform/internal.h"
 
+bool deform_conserves(enum deform_model model)
+{
+	return model == DEFORM_SUMNER || model == DEFORM_SLIPPAGE || model == DEFORM_SCM;
+}
+
 enum status deform_create(const struct deform_params *params, struct deform **out)
 {
 	struct deform *deform = mem_calloc(1, sizeof *deform);
@@ -22,6 +27,12 @@ enum status deform_create(const struct deform_params *params, struct deform **ou
 		deform->reach = params->box_radius;
 		/* A window's posts are right as far in as wrong ones from beyond its rim can reach. */
 		deform->border = (int64_t)params->box_radius * params->box_repetitions;
+	}
+	if (deform_conserves(params->model)) {
+		/* What is pressed is laid down beside it, and slides on by a post an iteration. */
+		deform->reach = params->iterations + 2;
+		deform->border = 1; /* whose heights are looked at */
+		deform_slide_prepare(deform);
 	}
 	enum status status = gpu_buffer_create(params->gpu, GPU_STORAGE, sizeof(struct deform_tally), NULL, &deform->tally);
 	if (status == STATUS_OK)

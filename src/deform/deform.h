@@ -84,6 +84,7 @@ struct deform_params {
 	struct deform_soil soils[DEFORM_SOILS];
 	int soil_count;      /* 1, or as many as the slots' class planes tell apart */
 	int iterations;      /* of sliding: a sweep's, and an interval's; 1 .. 8 */
+	double relief;       /* metres between the world's lowest and highest post; INFINITY: not known */
 	double depth;        /* metres of loose soil below the base; INFINITY: no bottom */
 	double bulldozing;   /* scm: share of the plastic flow that is laid on the ring, 0 .. 1 */
 	bool forces;         /* sums them for deform_forces */

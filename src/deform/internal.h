@@ -11,8 +11,12 @@
 enum scratch_target {
 	TO_UNDER,   /* under, rest */
 	TO_PRESSED, /* what the model's press writes */
-	TO_FIRST,   /* offset plane 0, and what slides with it */
+	TO_FIRST,   /* box: offset plane 0 */
 	TO_SECOND,  /* the same, 1 */
+	TO_BEGUN,   /* sliding: offset plane 0, heights, and what else it begins with */
+	TO_HEIGHTS_0, TO_HEIGHTS_1,
+	TO_SHED,    /* sumner: what is shed, where `carried` was */
+	TO_SLID,    /* offset plane 1, and what slides with it */
 	TO_DIRT,    /* dirt plane 1 */
 	TO_BARE,    /* nothing: images and buffers */
 	SCRATCH_TARGETS
@@ -30,6 +34,13 @@ struct deform;
 typedef enum status (*deform_model_fn)(struct deform *deform, const struct deform_sweep *sweep,
 				       const struct deform_window *window, uint32_t layer);
 
+/* Differences of heights that stand, axial and diagonal, quanta. */
+struct slide_soil {
+	int32_t stands[2];
+	int32_t held[2], stop[2]; /* sumner: beside a held post; where all are within these nothing slides */
+	uint32_t share[8];        /* sumner: of 2^32, for 1 .. 8 neighbours */
+};
+
 struct deform {
 	struct deform_params params;
 	unsigned planes; /* deform_planes() */
@@ -40,17 +51,25 @@ struct deform {
 	struct gpu_texture *bases;
 	struct gpu_texture *under, *rest;      /* rest NULL: nobody asks */
 	struct gpu_texture *contacts;          /* PRESSED, HELD; NULL: nobody asks */
+	struct gpu_texture *carried, *deposits; /* conserving models: quanta, before and after deform_spread */
+	struct gpu_texture *heights[2], *stills, *floors; /* while it slides; floors NULL: all soil is loose */
+	struct gpu_texture *classes;           /* of soil; NULL: there is but one */
 	struct gpu_texture *planes_of[2][PLANES]; /* [0] is gathered into */
 	struct layer scratch[DEFORM_WINDOWS_MAX];
 	struct gpu_program *under_program[DEFORM_SHAPES]; /* made when first needed, as all of them */
-	struct gpu_program *none, *box, *dirt;
+	struct gpu_program *none, *box, *press, *dirt, *spread;
 	struct gpu_program *facet;
 	struct facets *facets;                 /* meshes' and lugs': made when first needed */
+	struct gpu_program *slide_begin[2], *slide[2][2], *shed[2]; /* [over blocks][last iteration] */
+	struct slide_soil soils[DEFORM_SOILS];
 	struct gpu_buffer *tally;              /* struct deform_tally */
 };
 
 /* A sweep that is no motion: its end pose alone presses. */
 bool deform_is_contact_only(const struct deform_sweep *sweep);
+
+/* Whether a model moves soil, and loses none but what is compacted. */
+bool deform_conserves(enum deform_model model);
 
 /* scratch.c: textures and targets for `layers` windows. */
 enum status deform_need_layers(struct deform *deform, uint32_t layers) FURROW_CHECKED;
@@ -72,6 +91,11 @@ struct press_params {
 struct press_params deform_press_params(const struct deform *deform, const struct deform_sweep *sweep,
 					const struct deform_window *window, uint32_t layer);
 struct window_params deform_window_params(struct post_rect read, uint32_t layer);
+
+/* The written posts, in the window's layer. */
+struct gpu_rect deform_written(const struct deform_window *window);
+/* All of them. */
+struct gpu_rect deform_window_rect(const struct deform_window *window);
 
 /* underside.c: the object over the window, into `under` and `rest`. */
 enum status deform_underside(struct deform *deform, const struct deform_sweep *sweep,
@@ -101,6 +125,34 @@ enum status deform_none(struct deform *deform, const struct deform_sweep *sweep,
 			uint32_t layer) FURROW_CHECKED;
 enum status deform_box(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
 		       uint32_t layer) FURROW_CHECKED;
+
+/* spread.c: from `carried`, which a press wrote (at most 2^23 quanta a post), into `deposits`. */
+enum status deform_spread(struct deform *deform, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
+
+/* slide.c: lays the deposits down, then the model's rule over a window's written posts, `iterations` times. A press
+ * has left offsets in planes_of[1], and so does this; heaped soil wherever it says in now[]. */
+enum status deform_slide(struct deform *deform, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
+struct slide_place {
+	uint32_t layer;
+	struct gpu_rect all, written; /* what is worked on; what exchanges soil */
+	/* Over blocks: a square of `side` posts each, so many in a row, of which the block and its rim are right. */
+	uint32_t blocks, side, columns;
+	uint32_t first;               /* of the list: whose flags come first */
+	struct gpu_buffer *flags;
+};
+enum status deform_slide_run(struct deform *deform, const struct slide_place *place) FURROW_CHECKED;
+int64_t deform_slide_rim(const struct deform *deform); /* posts */
+#define STEEP_RELIEF 500.0 /* metres; in a world of less no two posts are too far apart in height */
+bool deform_is_bounded(const struct deform *deform);
+/* What follows from the parameters. */
+void deform_slide_prepare(struct deform *deform);
+
+enum status deform_sumner(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
+			  uint32_t layer) FURROW_CHECKED;
+enum status deform_slippage(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
+			    uint32_t layer) FURROW_CHECKED;
+/* Classes of soil that a shader's parameters have room for. */
+int deform_soil_slots(const struct deform *deform);
 
 /* stages.c: the passes over a gathered window. */
 enum status deform_run_stages(struct deform *deform, const struct deform_sweep *sweep,

@@ -25,6 +25,19 @@ struct window_params deform_window_params(struct post_rect read, uint32_t layer)
 	return (struct window_params){{(int32_t)(read.x1 - read.x0), (int32_t)(read.y1 - read.y0), (int32_t)layer, 0}};
 }
 
+struct gpu_rect deform_written(const struct deform_window *window)
+{
+	const struct post_rect read = window->read, write = window->write;
+	return (struct gpu_rect){(uint32_t)(write.x0 - read.x0), (uint32_t)(write.y0 - read.y0),
+				 (uint32_t)(write.x1 - write.x0), (uint32_t)(write.y1 - write.y0)};
+}
+
+struct gpu_rect deform_window_rect(const struct deform_window *window)
+{
+	return (struct gpu_rect){0, 0, (uint32_t)(window->read.x1 - window->read.x0),
+				 (uint32_t)(window->read.y1 - window->read.y0)};
+}
+
 static enum status dirty(struct deform *deform, struct post_rect read, uint32_t layer)
 {
 	static const struct gpu_program_request request = {.vertex = "full.vert", .fragment = "deform/dirt.frag"};
@@ -53,6 +66,8 @@ enum status deform_run_stages(struct deform *deform, const struct deform_sweep *
 	static const deform_model_fn models[DEFORM_MODELS] = {
 		[DEFORM_NONE] = deform_none,
 		[DEFORM_BOX_FILTER] = deform_box,
+		[DEFORM_SUMNER] = deform_sumner,
+		[DEFORM_SLIPPAGE] = deform_slippage,
 	};
 	memset(deform->scratch[layer].now, 0, sizeof deform->scratch[layer].now);
 	enum status status = deform_underside(deform, sweep, window, layer);

@@ -21,6 +21,11 @@ struct ground_params {
 	enum deform_model model;
 	int radius, repetitions; /* 0: 1 */
 	bool dirt;
+	const struct deform_soil *soils; /* NULL: dry_sand */
+	int soil_count;                  /* 0: 1 */
+	int iterations;                  /* 0: 4 */
+	double depth;                    /* m; 0: no bottom */
+	double relief;                   /* m; 0: not known */
 };
 
 struct ground {
@@ -82,7 +87,14 @@ static inline void ground_init(struct ground *ground, const struct ground_params
 		.box_radius = params->radius + (params->radius == 0),
 		.box_repetitions = params->repetitions + (params->repetitions == 0),
 		.dirt = params->dirt,
+		.soil_count = params->soil_count + (params->soil_count == 0),
+		.iterations = params->iterations != 0 ? params->iterations : 4,
+		.relief = params->relief != 0 ? params->relief : (double)INFINITY,
+		.depth = params->depth != 0 ? params->depth : (double)INFINITY,
 	};
+	assert_ok(deform_soil_named("dry_sand", &deform.soils[0]));
+	for (int i = 0; i < deform.soil_count && params->soils != NULL; i++)
+		deform.soils[i] = params->soils[i];
 	assert_ok(deform_create(&deform, &ground->deform));
 }
 

@@ -1,0 +1,87 @@
+#version 450 core
+// Before sliding: the deposits are laid down, and the heights that slide are worked out. One fragment a post.
+// Defines: DEPOSITS: there are any; HEAPED: the heaped soil moves along; BOUNDED: only loose soil
+// slides; STEEP: neighbours may lie 512 m apart and more; HELD_STILL: so is what an object rests on.
+
+#include "lib/slide.glsl"
+#include "lib/tally.glsl"
+
+layout(binding = 0, r32i) readonly uniform iimage2DArray bases;
+layout(binding = 1, r32i) readonly uniform iimage2DArray offsets;
+layout(binding = 2, r8ui) readonly uniform uimage2DArray contacts;
+#ifdef DEPOSITS
+layout(binding = 3, r32i) readonly uniform iimage2DArray deposits;
+#endif
+#ifdef HEAPED
+layout(binding = 4, r32i) readonly uniform iimage2DArray heaps;
+#endif
+
+layout(std140, binding = 0) uniform params {
+	ivec4 region;  // regions.vert's
+	ivec4 place;   // the layer; loose soil below the base, quanta
+	ivec4 written; // the posts that exchange: first, one behind the last
+};
+
+layout(location = 0) out int offset_out;
+layout(location = 1) out int height_out;
+layout(location = 2) out uint still_out;
+#ifdef HEAPED
+layout(location = 3) out int heap_out;
+#define FLOOR 4
+#else
+#define FLOOR 3
+#endif
+#ifdef BOUNDED
+layout(location = FLOOR) out int floor_out;
+#endif
+
+void main()
+{
+	ivec2 post = ivec2(gl_FragCoord.xy);
+	ivec3 at = ivec3(post, place.x);
+	int base = imageLoad(bases, at).r;
+	int offset = imageLoad(offsets, at).r;
+	int heap = offset; // what counts as loose, from the base
+#ifdef HEAPED
+	heap = imageLoad(heaps, at).r;
+#endif
+	bool ours = all(greaterThanEqual(post, written.xy)) && all(lessThan(post, written.zw));
+#ifdef HELD_STILL
+	const uint stays = HELD | HOLE;
+#else
+	const uint stays = HOLE;
+#endif
+	bool still = !ours || (imageLoad(contacts, at).r & stays) != 0u;
+#ifdef DEPOSITS
+	uint deposit = ours ? uint(imageLoad(deposits, at).r) : 0u;
+	uint room = uint(max(0, SLIDE_HIGH - max(offset, heap)));
+	if (deposit > room) {
+		tally_add(COMPACTED, deposit - room);
+		tally_add(REFUSED, 1u);
+		deposit = room;
+	}
+	offset += int(deposit);
+	heap += int(deposit);
+	if (!still && (min(offset, heap) < SLIDE_LOW || max(offset, heap) > SLIDE_HIGH))
+		tally_add(REFUSED, 1u);
+#endif
+	still = still || min(offset, heap) < SLIDE_LOW || max(offset, heap) > SLIDE_HIGH;
+#ifdef STEEP
+	// Holes count as far away too, which changes nothing: a post beside one is still.
+	for (int k = 0; k < 8; k++) {
+		int other = imageLoad(bases, ivec3(post + SLIDE_NEAR[k], place.x)).r;
+		int apart = base - other;
+		bool wrapped = ((base ^ other) & (base ^ apart)) < 0;
+		still = still || wrapped || abs(apart) >= 1 << 27;
+	}
+#endif
+	offset_out = offset;
+	height_out = still ? STILL : int(uint(base) * 4u + uint(offset));
+	still_out = uint(still);
+#ifdef HEAPED
+	heap_out = heap;
+#endif
+#ifdef BOUNDED
+	floor_out = int(uint(base) * 4u + uint(offset) - uint(heap) - uint(place.y));
+#endif
+}

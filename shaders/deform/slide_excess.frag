@@ -1,0 +1,60 @@
+#version 450 core
+// Sliding by what a difference of heights exceeds one that stands: once, between each post and its
+// eight neighbours. One fragment a post.
+// Defines: BOUNDED: only loose soil slides; SOILS: classes of soil that the parameters hold; LAST: back to
+// offsets; HEAPED: and the heaped soil has moved along; FLAGS: and where something changed, over blocks.
+
+#include "lib/slide.glsl"
+#include "lib/slid.glsl"
+
+layout(binding = 0, r32i) readonly uniform iimage2DArray heights;
+#ifdef BOUNDED
+layout(binding = 1, r32i) readonly uniform iimage2DArray floors;
+#endif
+#if SOILS > 1
+layout(binding = 2, r8ui) readonly uniform uimage2DArray classes;
+#endif
+
+layout(std140, binding = 0) uniform params {
+	ivec4 region;        // regions.vert's
+	ivec4 place;         // the layer; near a block's side is within so many posts of it
+	ivec4 stands[SOILS]; // difference of heights that stands: axial, diagonal
+};
+
+ivec2 stands_at(ivec3 at)
+{
+#if SOILS > 1
+	return stands[min(int(imageLoad(classes, at).r), SOILS - 1)].xy;
+#else
+	return stands[0].xy;
+#endif
+}
+
+void main()
+{
+	ivec3 at = ivec3(ivec2(gl_FragCoord.xy), place.x);
+	int height = imageLoad(heights, at).r;
+	ivec2 stand = stands_at(at);
+#ifdef BOUNDED
+	int loose = max(0, height - imageLoad(floors, at).r) >> 3;
+#endif
+	int change = 0;
+	for (int k = 0; k < 8; k++) {
+		ivec3 there = at + ivec3(SLIDE_NEAR[k], 0);
+		int other = imageLoad(heights, there).r;
+		int difference = height - other, high = abs(difference);
+		bool gives = difference > 0;
+#if SOILS > 1
+		ivec2 both = gives ? stand : stands_at(there);
+#else
+		ivec2 both = stand;
+#endif
+		int amount = min(min((high - (k < 4 ? both.x : both.y) + 7) >> 3, high >> 3), SLIDE_MOST);
+#ifdef BOUNDED
+		amount = min(amount, gives ? loose : max(0, other - imageLoad(floors, there).r) >> 3);
+#endif
+		amount = other == STILL ? 0 : max(amount, 0);
+		change += gives ? -amount : amount;
+	}
+	slid(at, height, change, place.y);
+}

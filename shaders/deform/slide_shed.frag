@@ -1,0 +1,57 @@
+#version 450 core
+// Sumner's erosion, what each post sheds: the share that goes to a neighbour, and to which. One fragment a post.
+// Define: SOILS: classes of soil that the parameters hold.
+
+#include "lib/slide.glsl"
+
+layout(binding = 0, r32i) readonly uniform iimage2DArray heights;
+layout(binding = 1, r8ui) readonly uniform uimage2DArray contacts;
+#if SOILS > 1
+layout(binding = 2, r8ui) readonly uniform uimage2DArray classes;
+#endif
+
+struct sumner {
+	ivec4 out_in;     // difference of heights from which soil goes: axial, diagonal; the same beside a held post
+	ivec4 stop;       // one that must be exceeded for any to go: axial, diagonal
+	uvec4 few, many;  // of 2^32: the share that goes to each of 1 .. 8 posts of the sum of their differences
+};
+
+layout(std140, binding = 0) uniform params {
+	ivec4 region; // regions.vert's
+	ivec4 place;  // the layer
+	sumner soils[SOILS];
+};
+
+layout(location = 0) out int shed_out; // the share, and from bit 23 on the neighbours that get it
+
+const int DIFFERENCE_MOST = 1 << 26; // so that eight of them are a number
+
+void main()
+{
+	ivec3 at = ivec3(ivec2(gl_FragCoord.xy), place.x);
+#if SOILS > 1
+	sumner soil = soils[min(int(imageLoad(classes, at).r), SOILS - 1)];
+#else
+	sumner soil = soils[0];
+#endif
+	int height = imageLoad(heights, at).r;
+	bool held = (imageLoad(contacts, at).r & HELD) != 0u, starts = false;
+	int to = 0, count = 0, sum = 0;
+	for (int k = 0; k < 8; k++) {
+		ivec3 there = at + ivec3(SLIDE_NEAR[k], 0);
+		int other = imageLoad(heights, there).r, difference = height - other;
+		bool pair_held = held || (imageLoad(contacts, there).r & HELD) != 0u;
+		ivec2 goes = pair_held ? soil.out_in.zw : soil.out_in.xy;
+		bool open = other != STILL;
+		starts = starts || (open && difference > (k < 4 ? soil.stop.x : soil.stop.y));
+		bool steep = open && difference > (k < 4 ? goes.x : goes.y);
+		to |= steep ? 1 << (23 + k) : 0;
+		count += int(steep);
+		sum += steep ? min(difference, DIFFERENCE_MOST) : 0;
+	}
+	uint part = count == 1 ? soil.few.x : count == 2 ? soil.few.y : count == 3 ? soil.few.z : count == 4 ? soil.few.w
+		  : count == 5 ? soil.many.x : count == 6 ? soil.many.y : count == 7 ? soil.many.z : soil.many.w;
+	uint share, low;
+	umulExtended(uint(sum), part, share, low);
+	shed_out = starts && count > 0 && height != STILL ? to | min(int(share), SLIDE_MOST) : 0;
+}

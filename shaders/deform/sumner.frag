@@ -1,0 +1,28 @@
+#version 450 core
+// Sumner's soil under an object: of what is pressed away a share is compacted, the rest is carried to the
+// posts around. One fragment a post of the window. Defines: CONTACT; SOILS: classes that the
+// parameters hold.
+
+#define PRESS_MORE uvec4 kept[SOILS]; // of 2^31: what is carried of what is pressed away
+#include "lib/press.glsl"
+
+#if SOILS > 1
+layout(binding = 4) uniform usampler2DArray classes;
+#endif
+
+layout(location = 0) out int offset_out;
+layout(location = 1) out uint contact_out;
+layout(location = 2) out int carried_out;
+
+void main()
+{
+	ivec2 post = ivec2(gl_FragCoord.xy);
+	press p = press_at(post);
+	offset_out = p.offset;
+	contact_out = p.contact;
+#if SOILS > 1
+	carried_out = press_carry(p, kept[min(int(texelFetch(classes, ivec3(post, zero.z), 0).r), SOILS - 1)].x);
+#else
+	carried_out = press_carry(p, kept[0].x);
+#endif
+}

@@ -1,0 +1,76 @@
+// Where the underside lies below the surface, the surface becomes it. Define CONTACT: which posts that
+// are is asked for too. PRESS_MORE: what a model adds to the parameters.
+
+#include "lib/int64.glsl"
+#include "lib/tally.glsl"
+#include "lib/window.glsl"
+
+layout(binding = 0) uniform isampler2DArray bases;
+layout(binding = 1) uniform isampler2DArray offsets;
+layout(binding = 2) uniform isampler2DArray unders;
+#ifdef CONTACT
+layout(binding = 3) uniform isampler2DArray rests;
+#endif
+
+#ifndef PRESS_MORE
+#define PRESS_MORE
+#endif
+layout(std140, binding = 0) uniform params {
+	ivec4 zero;    // lo, hi: the window's zero height, quanta from the store's reference; the layer
+	ivec4 written; // the posts this window writes: first, one behind the last
+	PRESS_MORE
+};
+
+struct press {
+	int offset;
+	uint fell;    // quanta
+	uint contact;
+	bool written; // the rim of one window is another's to count
+};
+
+press press_at(ivec2 post)
+{
+	press p;
+	ivec3 at = ivec3(post, zero.z);
+	int base = texelFetch(bases, at, 0).r;
+	int offset = texelFetch(offsets, at, 0).r;
+	int under = texelFetch(unders, at, 0).r;
+	p.written = all(greaterThanEqual(post, written.xy)) && all(lessThan(post, written.zw));
+	p.contact = base == BASE_NODATA ? HOLE : 0u;
+	p.fell = 0u;
+	// The underside as an offset: from the base, in 64 bits, since it may be far away.
+	i64 ground = i64_sub(i64_shl(i64_from(base), 2), i64(zero.y, uint(zero.x)));
+	i64 wanted = i64_sub(i64_from(under), ground);
+	bool touches = base != BASE_NODATA && under != UNDER_NONE && !i64_less(i64_from(offset), wanted);
+	if (touches && i64_less(wanted, i64_from(-OFFSET_LIMIT))) {
+		if (p.written)
+			tally_add(REFUSED, 1u);
+		touches = false;
+	}
+	if (touches) {
+		p.fell = uint(offset) - uint(i64_to_int(wanted));
+		offset = i64_to_int(wanted);
+		p.contact |= PRESSED;
+	}
+#ifdef CONTACT
+	int rest = texelFetch(rests, at, 0).r;
+	if (base != BASE_NODATA && rest != UNDER_NONE &&
+	    !i64_less(i64_add(ground, i64_from(offset + TOUCH)), i64_from(rest)))
+		p.contact |= HELD;
+#endif
+	p.offset = offset;
+	return p;
+}
+
+// A share of what fell is carried to the posts around, 2^-31; the rest is gone for good.
+const uint CARRIED_MOST = 1u << 23; // so that no sum of them is beyond 32 bits
+
+int press_carry(press p, uint share)
+{
+	uint high, low;
+	umulExtended(p.fell, share, high, low);
+	uint carried = min((high << 1) | (low >> 31), CARRIED_MOST);
+	if (p.written && p.fell > carried)
+		tally_add(COMPACTED, p.fell - carried);
+	return int(carried);
+}

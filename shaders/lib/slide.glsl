@@ -1,0 +1,12 @@
+// Sliding works on heights, 4 base + offset, in 32 bits that wrap: all that counts are differences of
+// neighbours, and those that are too far apart for it (slide_begin.frag) are still.
+
+#include "lib/window.glsl"
+
+const int STILL = int(0x80000000u); // a height: gives nothing and takes nothing
+const int SLIDE_MOST = 1 << 22;     // passes between two posts at once, quanta
+// Beyond these an offset takes no part: eight iterations with eight neighbours cannot take one out of its range.
+const int SLIDE_LOW = -OFFSET_LIMIT + (1 << 28), SLIDE_HIGH = OFFSET_LIMIT - (1 << 28);
+
+const ivec2 SLIDE_NEAR[8] = ivec2[8](ivec2(0, -1), ivec2(-1, 0), ivec2(1, 0), ivec2(0, 1), ivec2(-1, -1),
+				     ivec2(1, -1), ivec2(-1, 1), ivec2(1, 1)); // four axial, four diagonal

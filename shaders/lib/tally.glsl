@@ -1,0 +1,14 @@
+// What is counted since the start, in 64 bits each: struct deform_tally in src/deform/deform.h.
+
+layout(std430, binding = 0) buffer tally {
+	uint tally_words[6]; // compacted, refused, confined: lo, hi
+};
+
+const int COMPACTED = 0, REFUSED = 2, CONFINED = 4;
+
+void tally_add(int what, uint amount)
+{
+	uint before = atomicAdd(tally_words[what], amount);
+	if (before + amount < before)
+		atomicAdd(tally_words[what + 1], 1u);
+}

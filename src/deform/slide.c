@@ -1,0 +1,292 @@
+/*
+ * Sliding: `iterations` of the model's rule. One pass turns offsets into heights, the last one turns them back.
+ *
+ * Invariants: (1) what a post gives the other end of the pair takes: the sum of a window's written
+ * posts changes by what was deposited and not compacted, and by nothing else; (2) nothing passes the rim of what is
+ * written. Both ends work out the same number from the same integers, in whatever window or block they lie.
+ */
+#include <assert.h>
+#include <math.h>
+#include <stdio.h>
+
+#include "deform/internal.h"
+#include "deform/stand.h"
+
+/* std140 twins. */
+struct slide_params {
+	int32_t region[4], place[4];
+};
+struct begin_params {
+	struct slide_params slide;
+	int32_t written[4];
+};
+struct excess_params {
+	struct slide_params slide;
+	int32_t stands[DEFORM_SOILS][4];
+};
+struct shed_params {
+	struct slide_params slide;
+	struct {
+		int32_t out_in[4], stop[4];
+		uint32_t share[8];
+	} soils[DEFORM_SOILS];
+};
+
+int deform_soil_slots(const struct deform *deform)
+{
+	return deform->params.soil_count > 1 ? DEFORM_SOILS : 1;
+}
+
+bool deform_is_bounded(const struct deform *deform)
+{
+	return deform->params.model != DEFORM_SUMNER && isfinite(deform->params.depth);
+}
+
+static bool is_heaped(const struct deform *deform)
+{
+	return (deform->planes & PLANE_BIT(PLANE_HEAPED)) != 0;
+}
+
+static bool is_steep(const struct deform *deform)
+{
+	return !(deform->params.relief < STEEP_RELIEF);
+}
+
+/* A post is right once all around it that it depends on are: an iteration of Sumner's looks two posts far. */
+int64_t deform_slide_rim(const struct deform *deform)
+{
+	int64_t iterations = deform->params.iterations;
+	return (deform->params.model == DEFORM_SUMNER ? 2 * iterations : iterations) + is_steep(deform);
+}
+
+static int32_t loose_depth(const struct deform *deform)
+{
+	double quanta = floor(ldexp(deform->params.depth, OFFSET_BITS)), most = (1 << 30) - 1;
+	return (int32_t)(quanta < most ? quanta : most);
+}
+
+static void prepare_excess(struct deform *deform, const struct deform_soil *soil, int32_t stands[2])
+{
+	for (int k = 0; k < 2; k++) {
+		double apart = k == 0 ? deform->spacing : deform->spacing * M_SQRT2;
+		stands[k] = deform->params.model == DEFORM_SCM ? deform_stands_at(soil->repose, apart)
+							       : deform_stands_cohesive(soil, apart);
+	}
+}
+
+static void prepare_sumner(struct deform *deform, const struct deform_soil *soil, struct slide_soil *to)
+{
+	for (int k = 0; k < 2; k++) {
+		double apart = k == 0 ? deform->spacing : deform->spacing * M_SQRT2;
+		to->stands[k] = deform_stands_at(soil->theta_out, apart);
+		to->held[k] = deform_stands_at(soil->theta_in, apart);
+		to->stop[k] = deform_stands_at(soil->theta_stop, apart);
+	}
+	for (int n = 1; n <= 8; n++)
+		to->share[n - 1] = (uint32_t)floor(ldexp(soil->roughness, 32) / (n * n));
+}
+
+void deform_slide_prepare(struct deform *deform)
+{
+	for (int i = 0; i < deform->params.soil_count; i++)
+		if (deform->params.model == DEFORM_SUMNER)
+			prepare_sumner(deform, &deform->params.soils[i], &deform->soils[i]);
+		else
+			prepare_excess(deform, &deform->params.soils[i], deform->soils[i].stands);
+}
+
+/* One more define of a request, if it is called for. */
+static void define(struct gpu_program_request *request, const char *name, bool wanted)
+{
+	size_t count = 0;
+	while (request->defines[count] != NULL)
+		count++;
+	assert(count < GPU_DEFINES_MAX);
+	if (wanted)
+		request->defines[count] = name;
+}
+
+/* `trim`: posts along each side of a block's square that are not needed any more. */
+static struct slide_params slide_params(const struct slide_place *place, int64_t trim, int64_t more)
+{
+	return (struct slide_params){
+		.region = {(int32_t)place->side, (int32_t)place->columns, (int32_t)trim, (int32_t)place->first},
+		.place = {(int32_t)place->layer, (int32_t)more},
+	};
+}
+
+static const char *vertex_of(const struct slide_place *place)
+{
+	return place->blocks > 0 ? "deform/regions.vert" : "full.vert";
+}
+
+/* From planes_of[1] into planes_of[0] and the heights. */
+static enum status begin(struct deform *deform, const struct slide_place *place)
+{
+	bool blocks = place->blocks > 0;
+	struct gpu_program_request request = {.vertex = vertex_of(place), .fragment = "deform/slide_begin.frag"};
+	define(&request, "DEPOSITS", !blocks);
+	define(&request, "HEAPED", is_heaped(deform));
+	define(&request, "BOUNDED", deform_is_bounded(deform));
+	define(&request, "STEEP", is_steep(deform));
+	define(&request, "HELD_STILL", deform->params.model != DEFORM_SUMNER);
+	struct gpu_program **program = &deform->slide_begin[blocks];
+	enum status status = deform_program(deform, &request, program);
+	if (status != STATUS_OK)
+		return status;
+	struct gpu_rect written = place->written;
+	const struct begin_params params = {
+		.slide = slide_params(place, 0, deform_is_bounded(deform) ? loose_depth(deform) : 0),
+		.written = {(int32_t)written.x, (int32_t)written.y, (int32_t)(written.x + written.width),
+			    (int32_t)(written.y + written.height)},
+	};
+	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
+		.stage = GPU_REDISTRIBUTE,
+		.program = *program,
+		.target = deform->scratch[place->layer].to[TO_BEGUN],
+		.viewport = place->all,
+		.instances = place->blocks,
+		.images = {deform->bases, deform->planes_of[1][PLANE_OFFSET], deform->contacts,
+			   blocks ? NULL : deform->deposits, deform->planes_of[1][PLANE_HEAPED]},
+		.storage = {deform->tally},
+		.params = &params,
+		.params_bytes = sizeof params,
+	});
+	return STATUS_OK;
+}
+
+/* What an iteration ends with. */
+static void define_end(struct deform *deform, const struct slide_place *place, bool last,
+		       struct gpu_program_request *request)
+{
+	define(request, "LAST", last);
+	define(request, "HEAPED", last && is_heaped(deform));
+	define(request, "FLAGS", last && place->blocks > 0);
+}
+
+static void run(struct deform *deform, const struct slide_place *place, int iteration, struct gpu_pass *pass)
+{
+	bool last = iteration == deform->params.iterations - 1;
+	pass->stage = GPU_REDISTRIBUTE;
+	pass->target = deform->scratch[place->layer].to[last ? TO_SLID : iteration % 2 == 0 ? TO_HEIGHTS_1 : TO_HEIGHTS_0];
+	pass->viewport = place->all;
+	pass->instances = place->blocks;
+	pass->images[0] = deform->heights[iteration % 2];
+	pass->images[3] = last ? deform->bases : NULL;
+	pass->images[4] = last ? deform->planes_of[0][PLANE_OFFSET] : NULL;
+	pass->images[5] = last ? deform->stills : NULL;
+	pass->images[6] = last ? deform->planes_of[0][PLANE_HEAPED] : NULL;
+	pass->storage[1] = last && place->blocks > 0 ? place->flags : NULL;
+	gpu_pass_run(deform->params.gpu, pass);
+}
+
+static enum status excess(struct deform *deform, const struct slide_place *place, int iteration)
+{
+	bool last = iteration == deform->params.iterations - 1;
+	char soils[16];
+	struct gpu_program_request request = {.vertex = vertex_of(place), .fragment = "deform/slide_excess.frag"};
+	snprintf(soils, sizeof soils, "SOILS %d", deform_soil_slots(deform));
+	define(&request, soils, true);
+	define(&request, "BOUNDED", deform_is_bounded(deform));
+	define_end(deform, place, last, &request);
+	struct gpu_program **program = &deform->slide[place->blocks > 0][last];
+	enum status status = deform_program(deform, &request, program);
+	if (status != STATUS_OK)
+		return status;
+	int64_t rim = deform_slide_rim(deform), left = deform->params.iterations - 1 - iteration;
+	struct excess_params params = {.slide = slide_params(place, rim - left, rim)};
+	for (int i = 0; i < deform->params.soil_count; i++)
+		for (int k = 0; k < 2; k++)
+			params.stands[i][k] = deform->soils[i].stands[k];
+	run(deform, place, iteration, &(struct gpu_pass){
+		.program = *program,
+		.images = {NULL, deform->floors, deform->classes},
+		.params = &params,
+		.params_bytes = (size_t)((char *)params.stands[deform_soil_slots(deform)] - (char *)&params),
+	});
+	return STATUS_OK;
+}
+
+static enum status shed(struct deform *deform, const struct slide_place *place, int iteration)
+{
+	char soils[16];
+	struct gpu_program_request request = {.vertex = vertex_of(place), .fragment = "deform/slide_shed.frag"};
+	snprintf(soils, sizeof soils, "SOILS %d", deform_soil_slots(deform));
+	define(&request, soils, true);
+	struct gpu_program **program = &deform->shed[place->blocks > 0];
+	enum status status = deform_program(deform, &request, program);
+	if (status != STATUS_OK)
+		return status;
+	int64_t rim = deform_slide_rim(deform), left = deform->params.iterations - 1 - iteration;
+	struct shed_params params = {.slide = slide_params(place, rim - 2 * left - 1, rim)};
+	for (int i = 0; i < deform->params.soil_count; i++) {
+		const struct slide_soil *soil = &deform->soils[i];
+		for (int k = 0; k < 2; k++) {
+			params.soils[i].out_in[k] = soil->stands[k];
+			params.soils[i].out_in[2 + k] = soil->held[k];
+			params.soils[i].stop[k] = soil->stop[k];
+		}
+		for (int n = 0; n < 8; n++)
+			params.soils[i].share[n] = soil->share[n];
+	}
+	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
+		.stage = GPU_REDISTRIBUTE,
+		.program = *program,
+		.target = deform->scratch[place->layer].to[TO_SHED],
+		.viewport = place->all,
+		.instances = place->blocks,
+		.images = {deform->heights[iteration % 2], deform->contacts, deform->classes},
+		.params = &params,
+		.params_bytes = (size_t)((char *)&params.soils[deform_soil_slots(deform)] - (char *)&params),
+	});
+	return STATUS_OK;
+}
+
+static enum status shed_and_take(struct deform *deform, const struct slide_place *place, int iteration)
+{
+	bool last = iteration == deform->params.iterations - 1;
+	enum status status = shed(deform, place, iteration);
+	if (status != STATUS_OK)
+		return status;
+	struct gpu_program_request request = {.vertex = vertex_of(place), .fragment = "deform/slide_take.frag"};
+	define_end(deform, place, last, &request);
+	struct gpu_program **program = &deform->slide[place->blocks > 0][last];
+	status = deform_program(deform, &request, program);
+	if (status != STATUS_OK)
+		return status;
+	int64_t rim = deform_slide_rim(deform), left = deform->params.iterations - 1 - iteration;
+	const struct slide_params params = slide_params(place, rim - 2 * left, rim);
+	run(deform, place, iteration, &(struct gpu_pass){
+		.program = *program,
+		.images = {NULL, deform->carried},
+		.params = &params,
+		.params_bytes = sizeof params,
+	});
+	return STATUS_OK;
+}
+
+enum status deform_slide_run(struct deform *deform, const struct slide_place *place)
+{
+	bool sumner = deform->params.model == DEFORM_SUMNER;
+	enum status status = begin(deform, place);
+	for (int i = 0; i < deform->params.iterations && status == STATUS_OK; i++)
+		status = (sumner ? shed_and_take : excess)(deform, place, i);
+	return status;
+}
+
+enum status deform_slide(struct deform *deform, const struct deform_window *window, uint32_t layer)
+{
+	struct layer *scratch = &deform->scratch[layer];
+	const struct slide_place place = {
+		.layer = layer,
+		.all = deform_window_rect(window),
+		.written = deform_written(window),
+	};
+	assert(scratch->now[PLANE_OFFSET] == 1);
+	/* The heaped soil lies beside the offset: a press need not touch it. */
+	if (is_heaped(deform) && scratch->now[PLANE_HEAPED] == 0)
+		gpu_texture_copy(deform->planes_of[0][PLANE_HEAPED], layer, 0, 0, deform->planes_of[1][PLANE_HEAPED],
+				 layer, place.all);
+	scratch->now[PLANE_HEAPED] = 1;
+	return deform_slide_run(deform, &place);
+}

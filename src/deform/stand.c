@@ -1,0 +1,50 @@
+/*
+ * Angles and strengths as whole quanta between two posts.
+ *
+ * A slope of height H and angle b fails by Culmann's plane wedge where H > 4 c sin b cos phi / (gamma (1 - cos(b - phi))):
+ * Taylor, Fundamentals of Soil Mechanics, 1948; here b follows from H, since the slope is that between two posts.
+ */
+#include "deform/stand.h"
+
+#include <math.h>
+
+#include "base/base.h"
+
+#define UPRIGHT (89.95 * M_PI / 180) /* an angle no lower stands whatever its height */
+
+static int32_t whole(double metres)
+{
+	double quanta = floor(ldexp(metres, OFFSET_BITS));
+	return quanta < INT32_MAX ? (int32_t)quanta : INT32_MAX;
+}
+
+int32_t deform_stands_at(double angle, double apart)
+{
+	return angle < UPRIGHT ? whole(tan(angle) * apart) : INT32_MAX;
+}
+
+static bool slips(const struct deform_soil *soil, double apart, int32_t quanta)
+{
+	double height = ldexp(quanta, -OFFSET_BITS), slope = atan2(height, apart), over = slope - soil->friction_angle;
+	if (over <= 0)
+		return false;
+	/* 1 - cos x, without what it loses where x is small. */
+	double half = sin(over / 2), driving = soil->unit_weight * 2 * half * half;
+	return height * driving > 4 * soil->cohesion * sin(slope) * cos(soil->friction_angle);
+}
+
+int32_t deform_stands_cohesive(const struct deform_soil *soil, double apart)
+{
+	int32_t stands = deform_stands_at(soil->friction_angle, apart), fails = INT32_MAX;
+	if (soil->cohesion <= 0 || stands == INT32_MAX || !slips(soil, apart, fails))
+		return soil->cohesion <= 0 ? stands : INT32_MAX;
+	/* Above phi the steeper the slope, the higher it is and the less stands: it fails from one height on. */
+	while (fails - stands > 1) {
+		int32_t middle = stands + (fails - stands) / 2;
+		if (slips(soil, apart, middle))
+			fails = middle;
+		else
+			stands = middle;
+	}
+	return stands;
+}
