@@ -12,3 +12,10 @@ void tally_add(int what, uint amount)
 	if (before + amount < before)
 		atomicAdd(tally_words[what + 1], 1u);
 }
+
+// 64 bits, of either sign: low, high.
+void tally_sum(int what, uvec2 words)
+{
+	uint before = atomicAdd(tally_words[what], words.x);
+	atomicAdd(tally_words[what + 1], words.y + uint(before + words.x < before));
+}

@@ -9,11 +9,9 @@ static long double metres(int64_t quanta)
 	return ldexpl((long double)quanta, -OFFSET_BITS);
 }
 
-/* From the post `first` of the lattice to a place on it: every step but the last is exact, so that
- * precision does not depend on where on the lattice this is. */
-static long double from_post(int64_t place, int64_t first, double spacing)
+long double body_from_post(int64_t place, int64_t post, double spacing)
 {
-	double whole = (double)first * spacing, rest = fma((double)first, spacing, -whole);
+	double whole = (double)post * spacing, rest = fma((double)post, spacing, -whole);
 	return metres(place) - whole - rest;
 }
 
@@ -29,8 +27,8 @@ struct body_motion body_motion_of(const struct deform_pose *from, const struct d
 	return (struct body_motion){
 		.x0 = frame->x0 - x,
 		.y0 = frame->y0 - y,
-		.x = from_post(from->x, x, frame->spacing),
-		.y = from_post(from->y, y, frame->spacing),
+		.x = body_from_post(from->x, x, frame->spacing),
+		.y = body_from_post(from->y, y, frame->spacing),
 		.dx = metres(to->x - from->x),
 		.dy = metres(to->y - from->y),
 		.z = from->z - frame->zero,

@@ -26,6 +26,8 @@ void body_of(const struct deform_shape *shape, const struct deform_pose *from, c
 	     const struct body_frame *frame, struct body *body);
 /* Half the width of its shadow along x and y, metres. */
 void body_extent(const struct deform_shape *shape, const struct deform_pose *pose, double extent[2]);
+/* Metres from a post of the lattice to a place on it: exact but for its last rounding, wherever that is. */
+long double body_from_post(int64_t place, int64_t post, double spacing);
 /* The three half-axes of a box in this attitude. */
 void body_axes(const double size[3], double yaw, double pitch, double roll, double axes[3][3]);
 /* To the end of its lugs. */

@@ -52,6 +52,8 @@ void deform_destroy(struct deform *deform)
 	deform_drop_layers(deform);
 	deform_facets_destroy(deform->facets);
 	gpu_buffer_destroy(deform->tally);
+	gpu_buffer_destroy(deform->tries);
+	deform_forces_destroy(deform);
 	mem_free(deform);
 }
 
@@ -89,6 +91,10 @@ static void gather(struct deform *deform, struct post_rect read, uint32_t layer,
 			continue;
 		const struct gpu_slot *slot = gpu_slots_get(deform->params.slots, tiles[i].slot);
 		gpu_texture_copy(slot->base, 0, from.x, from.y, deform->bases, layer, to);
+		if (deform->classes != NULL && slot->classes != NULL)
+			gpu_texture_copy(slot->classes, 0, from.x, from.y, deform->classes, layer, to);
+		else if (deform->classes != NULL)
+			gpu_texture_clear(deform->classes, layer, to, 0);
 		for (int plane = 0; plane < PLANES; plane++) {
 			struct gpu_texture *into = deform->planes_of[0][plane], *held = slot->planes[plane];
 			if (into != NULL && held != NULL)

@@ -50,7 +50,7 @@ struct deform_sweep {
 	double seconds; /* that it took; 0: none, no rate counts */
 	double turned;  /* wheel: radians about its axis meanwhile (slip 0: way / radius) */
 	double load;    /* N, downwards; 0: to.z is prescribed. Otherwise to.z is about where it will stand */
-	uint32_t object; /* whose forces these are: index */
+	uint64_t tag;    /* not 0: its forces are summed, and told by deform_forces_take under this tag */
 };
 
 enum deform_model { DEFORM_NONE, DEFORM_BOX_FILTER, DEFORM_SUMNER, DEFORM_SLIPPAGE, DEFORM_SCM, DEFORM_MODELS };
@@ -87,7 +87,6 @@ struct deform_params {
 	double relief;       /* metres between the world's lowest and highest post; INFINITY: not known */
 	double depth;        /* metres of loose soil below the base; INFINITY: no bottom */
 	double bulldozing;   /* scm: share of the plastic flow that is laid on the ring, 0 .. 1 */
-	bool forces;         /* sums them for deform_forces */
 	bool dirt;
 };
 
@@ -144,5 +143,24 @@ struct deform_tally {
 };
 /* Blocks: at the end. */
 enum status deform_tally(struct deform *deform, struct deform_tally *tally) FURROW_CHECKED;
+
+/* What the soil does to an object: of a sweep with a tag, under DEFORM_SCM. Summed in whole numbers over the posts it
+ * rests on at the sweep's end, each rounded to 1/16 Pa times its area. */
+struct deform_forces {
+	uint64_t tag;
+	double force[3];      /* N on the object: east, north, up */
+	double moment[3];     /* N m about its centre */
+	double sinkage;       /* m: the deepest it rests below the undisturbed surface */
+	double area;          /* m2 of posts it rests on */
+	int64_t z;            /* 2^-20 m: of its centre; with a load, where it was found to stand */
+	uint32_t saturated;   /* posts whose share exceeded 2^31 sixteenths of a pascal, and count as that */
+	bool sunk;            /* the soil does not carry the load: it is as deep as its height */
+};
+/* Begins to bring what was summed since the last call; does not wait. */
+enum status deform_forces_begin(struct deform *deform) FURROW_CHECKED;
+/* The next of what was begun, in the order of the sweeps. *taken false: there is none, or (unless `wait`) it is not there
+ * yet. */
+enum status deform_forces_take(struct deform *deform, bool wait, struct deform_forces *forces,
+			       bool *taken) FURROW_CHECKED;
 
 #endif

@@ -62,6 +62,9 @@ struct deform {
 	struct facets *facets;                 /* meshes' and lugs': made when first needed */
 	struct gpu_program *slide_begin[2], *slide[2][2], *shed[2]; /* [over blocks][last iteration] */
 	struct slide_soil soils[DEFORM_SOILS];
+	struct gpu_program *scm[8], *find[8]; /* by their defines, as bits */
+	struct forces *forces;                /* NULL until a sweep asks */
+	struct gpu_buffer *tries;             /* of load.c; NULL until a sweep needs it */
 	struct gpu_buffer *tally;              /* struct deform_tally */
 };
 
@@ -125,6 +128,39 @@ enum status deform_none(struct deform *deform, const struct deform_sweep *sweep,
 			uint32_t layer) FURROW_CHECKED;
 enum status deform_box(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
 		       uint32_t layer) FURROW_CHECKED;
+
+enum status deform_scm(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
+		       uint32_t layer) FURROW_CHECKED;
+
+/* std140 twin of lib/soil.glsl's block. */
+struct scm_soil {
+	float a[4], b[4];
+};
+struct scm_params {
+	int32_t zero[4], written[4];
+	float scale[4], way[4], spin[4], place[4], load[4];
+	struct scm_soil soils[DEFORM_SOILS];
+};
+/* Rows of a window, DEFORM_ROWS_ABREAST invocations side by side. */
+#define DEFORM_ROWS_ABREAST 4
+struct gpu_rect deform_rows(const struct scm_params *params);
+
+/* load.c: the size of the object's patch and the height at which the soil carries it, as far as they are not known: into
+ * `tries`; *last: the try the press goes by. */
+enum deform_find { DEFORM_FIND_PATCH = 1, DEFORM_FIND_LOAD = 2 };
+enum status deform_find(struct deform *deform, const struct scm_params *params, uint32_t layer, unsigned what,
+			int *last) FURROW_CHECKED;
+
+/* Forces are whole sixteenths of a pascal times a post's area; moments that times an arm. */
+#define DEFORM_UNITS_A_PASCAL 16
+/* forces.c: the record that this sweep's windows add to. */
+enum status deform_forces_record(struct deform *deform, const struct deform_sweep *sweep, bool first_window, double arm,
+				 struct gpu_buffer **records, uint32_t *record) FURROW_CHECKED;
+void deform_forces_destroy(struct deform *deform);
+
+/* windows.c: the posts a sweep can change; whether they fit one window. */
+struct post_rect deform_reached(const struct deform *deform, const struct deform_sweep *sweep);
+bool deform_fits_window(const struct deform *deform, struct post_rect reached);
 
 /* spread.c: from `carried`, which a press wrote (at most 2^23 quanta a post), into `deposits`. */
 enum status deform_spread(struct deform *deform, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;

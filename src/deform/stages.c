@@ -68,6 +68,7 @@ enum status deform_run_stages(struct deform *deform, const struct deform_sweep *
 		[DEFORM_BOX_FILTER] = deform_box,
 		[DEFORM_SUMNER] = deform_sumner,
 		[DEFORM_SLIPPAGE] = deform_slippage,
+		[DEFORM_SCM] = deform_scm,
 	};
 	memset(deform->scratch[layer].now, 0, sizeof deform->scratch[layer].now);
 	enum status status = deform_underside(deform, sweep, window, layer);

@@ -110,27 +110,46 @@ static int64_t floor_to(int64_t v, int64_t step)
 	return v - rest - (rest < 0 ? step : 0);
 }
 
-enum status deform_windows(struct deform *deform, const struct deform_sweep *sweep,
-			   struct deform_window *windows, size_t *count)
+struct post_rect deform_reached(const struct deform *deform, const struct deform_sweep *sweep)
 {
 	const struct deform_pose *from = deform_is_contact_only(sweep) ? &sweep->to : &sweep->from;
 	double extent[2];
 	struct post_rect foot;
-	*count = 0;
-	if (sweep->shape->kind == DEFORM_WHEEL && sweep->to.roll != 0)
-		return fail_with(STATUS_INPUT, "wheel: its axis lies level, and its pose has it rolled by %g rad; give roll 0",
-				 sweep->to.roll);
 	body_extent(sweep->shape, &sweep->to, extent);
 	span(deform, from->x, sweep->to.x, extent[0], &foot.x0, &foot.x1);
 	span(deform, from->y, sweep->to.y, extent[1], &foot.y0, &foot.y1);
 	const struct post_rect world = {0, 0, world_posts(deform->params.world->width, deform->params.level),
 					world_posts(deform->params.world->height, deform->params.level)};
-	struct post_rect write = post_rect_intersect(grown(foot, deform->reach), world);
+	return post_rect_intersect(grown(foot, deform->reach), world);
+}
+
+static int64_t core_of(const struct deform *deform)
+{
+	return DEFORM_WINDOW_POSTS - 2 * deform->border;
+}
+
+bool deform_fits_window(const struct deform *deform, struct post_rect reached)
+{
+	return reached.x1 - reached.x0 <= core_of(deform) && reached.y1 - reached.y0 <= core_of(deform);
+}
+
+enum status deform_windows(struct deform *deform, const struct deform_sweep *sweep,
+			   struct deform_window *windows, size_t *count)
+{
+	*count = 0;
+	if (sweep->shape->kind == DEFORM_WHEEL && sweep->to.roll != 0)
+		return fail_with(STATUS_INPUT, "wheel: its axis lies level, and its pose has it rolled by %g rad; give roll 0",
+				 sweep->to.roll);
+	struct post_rect write = deform_reached(deform, sweep);
 	if (post_rect_empty(write))
 		return STATUS_OK;
 	/* Cut on multiples of the core, so that the cuts are the terrain's, not the object's or the tiles'. */
-	int64_t core = DEFORM_WINDOW_POSTS - 2 * deform->border;
-	bool one = write.x1 - write.x0 <= core && write.y1 - write.y0 <= core;
+	int64_t core = core_of(deform);
+	bool one = deform_fits_window(deform, write);
+	if (!one && sweep->load > 0)
+		return fail_with(STATUS_INPUT, "load: an object of %lld x %lld posts is too large for one; give sink instead, or a "
+					       "coarser spacing than %g m",
+				 (long long)(write.x1 - write.x0), (long long)(write.y1 - write.y0), deform->spacing);
 	int64_t x0 = one ? write.x0 : floor_to(write.x0, core), y0 = one ? write.y0 : floor_to(write.y0, core);
 	for (int64_t y = y0; y < write.y1; y += core)
 		for (int64_t x = x0; x < write.x1; x += core) {

@@ -24,8 +24,9 @@ struct ground_params {
 	const struct deform_soil *soils; /* NULL: dry_sand */
 	int soil_count;                  /* 0: 1 */
 	int iterations;                  /* 0: 4 */
-	double depth;                    /* m; 0: no bottom */
+	double depth;                    /* m; 0: no bottom, of scm none below what is heaped */
 	double relief;                   /* m; 0: not known */
+	double bulldozing;
 };
 
 struct ground {
@@ -90,7 +91,8 @@ static inline void ground_init(struct ground *ground, const struct ground_params
 		.soil_count = params->soil_count + (params->soil_count == 0),
 		.iterations = params->iterations != 0 ? params->iterations : 4,
 		.relief = params->relief != 0 ? params->relief : (double)INFINITY,
-		.depth = params->depth != 0 ? params->depth : (double)INFINITY,
+		.depth = params->depth != 0 ? params->depth : params->model == DEFORM_SCM ? 0 : (double)INFINITY,
+		.bulldozing = params->bulldozing,
 	};
 	assert_ok(deform_soil_named("dry_sand", &deform.soils[0]));
 	for (int i = 0; i < deform.soil_count && params->soils != NULL; i++)

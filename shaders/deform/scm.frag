@@ -1,0 +1,143 @@
+#version 450 core
+// scm: the object presses, and the soil answers. One invocation a row, as soil.glsl says. In place: of its neighbours a post
+// reads only the base and what is heaped on it, which stay as they are.
+// Defines: FORCES: sums what acts on the object; PATCH: b was counted; LOAD: the height was found.
+
+#include "lib/soil.glsl"
+#include "lib/tally.glsl"
+#if defined(PATCH) || defined(LOAD)
+#include "lib/found.glsl"
+#endif
+
+layout(binding = 3, r32i) uniform restrict iimage2DArray offsets;
+layout(binding = 4, r32i) uniform restrict iimage2DArray presseds;
+layout(binding = 5, r16ui) uniform restrict uimage2DArray shears;
+layout(binding = 6, r8ui) uniform writeonly restrict uimage2DArray contacts;
+layout(binding = 7, r32i) uniform writeonly restrict iimage2DArray carries;
+
+#ifdef FORCES
+// Of each sweep that asks for it, 16 words: force and moment, 64 bits a component; posts in contact; the deepest sinkage,
+// quanta; the height found, quanta; posts whose share was too large to count.
+layout(std430, binding = 1) restrict buffer records {
+	int record[];
+};
+
+const int POSTS = 12, DEEPEST = 13, RAISED = 14, SATURATED = 15;
+const int SUNK = int(0x80000000u); // beside the saturated: the soil does not carry it
+const float MOST = 2147483000.0;
+
+void record_add(int at, total t)
+{
+	uvec2 words = total_words(t);
+	uint before = uint(atomicAdd(record[at], int(words.x)));
+	atomicAdd(record[at + 1], int(words.y + uint(before + words.x < before)));
+}
+#endif
+
+const int CARRIED_MOST = 1 << 23;
+
+void main()
+{
+	int y = row_of_pass();
+	if (y >= written.w)
+		return;
+	int raised = 0;
+	float by_width = scale.w;
+#ifdef LOAD
+	attempt found = found_next(zero.w >> 16, int(load.y));
+	raised = found.at;
+#endif
+#ifdef PATCH
+	by_width = found_by_width(tries[zero.w >> 16].posts, place.w);
+#endif
+	int first = written.z, last = written.x;
+	for (int x = written.x; x < written.z; x++) {
+		bool touches = may_touch(ground_at(x, y), object_at(x, y, raised));
+		first = touches ? min(first, x) : first;
+		last = touches ? x + 1 : last;
+	}
+	total lost = total(0, 0u);
+	uint over = 0u;
+#ifdef FORCES
+	total force[3] = total[3](lost, lost, lost), moment[3] = total[3](lost, lost, lost);
+	int deepest = 0, posts = 0, saturated = 0;
+#endif
+	ground west = ground_at(first - 1, y), g = ground_at(first, y), east;
+	for (int x = first; x < last; x++, west = g, g = east) {
+		ivec3 post = ivec3(x, y, zero.z);
+		east = ground_at(x + 1, y);
+		object o = object_at(x, y, raised);
+		vec3 n = normal_of(west, g, east, ground_at(x, y - 1), ground_at(x, y + 1));
+		soil s = soil_at(x, y);
+		int pressed = imageLoad(presseds, post).r, offset = imageLoad(offsets, post).r;
+		int heaped = imageLoad(heaps, post).r;
+		uint shear = imageLoad(shears, post).r;
+		answer a = answer_of(s, by_width, n.z, g, o, pressed);
+		bool touched = a.touched && may_touch(g, o);
+		bool held = a.held && touched;
+
+		float before = float(pressed) * QUANTUM;
+		float was_plastic = plastic_part(s, before, yield_stress(s, by_width, before));
+		int released = int(round(min(a.plastic / n.z * 1048576.0, 1.9e9)));
+		int had = int(round(min(was_plastic / n.z * 1048576.0, 1.9e9)));
+		int sunk = held ? g.height - o.rests : released;
+		bool refused = touched && (g.far || sunk > OFFSET_LIMIT || abs(heaped - sunk) > OFFSET_LIMIT);
+		over += uint(refused);
+		touched = touched && !refused;
+		held = held && !refused;
+		int carried = touched ? int(min(spin.w * float(max(released - had, 0)), float(CARRIED_MOST))) : 0;
+		int lower = touched ? heaped - sunk : offset;
+		total_add(lost, offset - lower - carried);
+
+		vec3 at = from_centre(x, y, o, raised), surface = way_of_surface(at);
+		vec3 along = surface - dot(surface, n) * n;
+		float slid = length(along);
+		uint sheared = held ? min(shear + uint(round(min(slid, 1.0) * 65536.0)), 65535u) : shear;
+		if (touched) {
+			imageStore(offsets, post, ivec4(lower));
+			imageStore(presseds, post, ivec4(a.most));
+			imageStore(shears, post, uvec4(sheared));
+			imageStore(contacts, post, uvec4(PRESSED | (held ? HELD : 0u)));
+			imageStore(carries, post, ivec4(carried));
+		}
+#ifdef FORCES
+		float normal = a.stress + damped(s, surface, n);
+		float mobilised = 1.0 - exp2(-min(float(sheared) * s.b.z * (1.442695 / 65536.0), 100.0));
+		float tangent = (s.b.x + normal * s.b.y) * mobilised;
+		vec3 f = (normal * n - (slid > 1e-9 ? tangent / slid : 0.0) * along) * scale.z;
+		vec3 m = cross(at * place.z, f);
+		f = held ? f : vec3(0.0);
+		m = held ? m : vec3(0.0);
+		vec3 large = max(abs(f), abs(m));
+		saturated += int(max(large.x, max(large.y, large.z)) > MOST);
+		for (int i = 0; i < 3; i++) {
+			total_add(force[i], int(round(clamp(f[i], -MOST, MOST))));
+			total_add(moment[i], int(round(clamp(m[i], -MOST, MOST))));
+		}
+		posts += int(held);
+		deepest = max(deepest, held ? sunk : 0);
+#endif
+	}
+#if defined(FORCES) && defined(LOAD)
+	if (y == written.y) {
+		record[(zero.w & 0xffff) * 16 + RAISED] = raised;
+		if (found.top > -2000000000 && raised <= found.top - int(load.y) + 1)
+			atomicOr(record[(zero.w & 0xffff) * 16 + SATURATED], SUNK);
+	}
+#endif
+	if (last <= first)
+		return;
+	tally_sum(COMPACTED, total_words(lost));
+	if (over > 0u)
+		tally_add(REFUSED, over);
+#ifdef FORCES
+	int to = (zero.w & 0xffff) * 16;
+	for (int i = 0; i < 3; i++) {
+		record_add(to + 2 * i, force[i]);
+		record_add(to + 6 + 2 * i, moment[i]);
+	}
+	atomicAdd(record[to + POSTS], posts);
+	atomicMax(record[to + DEEPEST], deepest);
+	atomicAdd(record[to + SATURATED], saturated);
+#endif
+}

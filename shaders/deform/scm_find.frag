@@ -1,0 +1,93 @@
+#version 450 core
+// scm, before the press: a sum over the posts that an object touches, for one try at finding the size of its patch, or the
+// height at which the soil carries it. One invocation a row, as soil.glsl says.
+// Defines: GAP: the height of its first contact; COUNT: the posts touched; otherwise what the soil bears of the load.
+// PATCH: b follows from the count.
+
+#include "lib/soil.glsl"
+#include "lib/found.glsl"
+
+layout(binding = 3, r32i) uniform readonly restrict iimage2DArray presseds;
+
+const int NOWHERE = -2000000000;
+
+#ifdef GAP
+void find(int y, int first, int last)
+{
+	int highest = NOWHERE;
+	for (int x = first; x < last; x++) {
+		ground g = ground_at(x, y);
+		object o = object_at(x, y, 0);
+		bool above = g.base != BASE_NODATA && !g.far && o.rests != UNDER_NONE;
+		highest = max(highest, above ? g.height - min(o.rests, FAR_QUANTA) : NOWHERE);
+	}
+	if (highest > NOWHERE)
+		atomicMax(tries[0].gap, uint(highest) ^ 0x80000000u);
+}
+#elif defined(COUNT)
+void find(int y, int first, int last)
+{
+	attempt a = found_next(zero.w, int(load.y));
+	uint posts = 0u;
+	for (int x = first; x < last; x++) {
+		ground g = ground_at(x, y);
+		object o = object_at(x, y, a.at);
+		posts += uint(g.base != BASE_NODATA && o.rests < g.height);
+	}
+	if (posts > 0u)
+		atomicAdd(tries[zero.w].posts, posts);
+}
+#else
+void add_to(int k, bool stiff, uvec2 words)
+{
+	if (stiff) {
+		uint before = atomicAdd(tries[k].stiff[0], words.x);
+		atomicAdd(tries[k].stiff[1], words.y + uint(before + words.x < before));
+	} else {
+		uint before = atomicAdd(tries[k].force[0], words.x);
+		atomicAdd(tries[k].force[1], words.y + uint(before + words.x < before));
+	}
+}
+
+void find(int y, int first, int last)
+{
+	int k = zero.w;
+	attempt a = found_next(k, int(load.y));
+#ifdef PATCH
+	float by_width = found_by_width(tries[k].posts, place.w);
+#else
+	float by_width = scale.w;
+#endif
+	if (y == written.y) {
+		tries[k].low = a.low;
+		tries[k].high = a.high;
+		tries[k].top = a.top;
+		tries[k].at = a.at;
+		tries[k].done = a.done;
+	}
+	total force = total(0, 0u), stiff = total(0, 0u);
+	float unit = 67108864.0 * place.w / load.x;
+	for (int x = first; x < last && a.done == 0u; x++) {
+		ground g = ground_at(x, y);
+		object o = object_at(x, y, a.at);
+		vec3 n = normal_of(ground_at(x - 1, y), g, ground_at(x + 1, y), ground_at(x, y - 1), ground_at(x, y + 1));
+		soil s = soil_at(x, y);
+		answer w = answer_of(s, by_width, n.z, g, o, imageLoad(presseds, ivec3(x, y, zero.z)).r);
+		bool bears = w.held && may_touch(g, o) && !g.far;
+		float stress = w.stress + damped(s, way_of_surface(from_centre(x, y, o, a.at)), n);
+		total_add(force, bears ? int(round(min(stress * n.z * unit, 1e9))) : 0);
+		total_add(stiff, bears ? int(round(min(w.stiff * n.z * n.z * QUANTUM * unit, 1e9))) : 0);
+	}
+	if (a.done == 0u) {
+		add_to(k, false, total_words(force));
+		add_to(k, true, total_words(stiff));
+	}
+}
+#endif
+
+void main()
+{
+	int y = row_of_pass();
+	if (y < written.w)
+		find(y, written.x, written.z);
+}

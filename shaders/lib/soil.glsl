@@ -1,0 +1,197 @@
+// What the passes of scm share: the ground and the object at a post, and the soil's answer. SOIL.md
+// says what it is. A pass has one invocation a row of the window's written posts, each with a loop over
+// its posts: sums stay in registers, and posts that nothing touches are passed over.
+// Heights are quanta (2^-20 m) from the object's centre as prescribed; stress is Pa.
+// Defines: SOIL_MAP: posts differ in their soil.
+
+#include "lib/window.glsl"
+
+const float QUANTUM = 1.0 / 1048576.0;
+const int FAR = (1 << 28) - (1 << 18); // of 2^-18 m: beyond it ground and object are no matter of each other
+const int FAR_QUANTA = (1 << 30) - (1 << 20);
+const float STEEPEST = 19.974984;      // slope at which the normal's z is 0.05: taken for all that is steeper
+const float STRESS_MOST = 1e20;        // Pa: whatever soil and sinkage, nothing becomes infinite
+const int SOILS = 16;
+const int COLUMNS = 4;                 // of rows in the pass's viewport: blocks of pixels are whole
+
+struct soil {
+	vec4 a; // k_c, k_phi, n, 1 / K_e
+	vec4 b; // c, tan phi, 1 / K, damping
+};
+
+layout(std140, binding = 0) uniform params {
+	ivec4 zero;    // the centre, 2^-18 m from the store's reference, and 0 .. 3 quanta; the layer; the record, or the try
+	ivec4 written; // the posts this window writes: first, one behind the last
+	vec4 scale;    // slope of a quantum between posts; metres between posts; units of force a pascal; 1 / b
+	vec4 way;      // of the object, m; 1 / s that it took
+	vec4 spin;     // about its centre meanwhile, rad; share of the plastic flow that is laid aside
+	vec4 place;    // post (0, 0) from the centre, m; 1 / unit of length in moments; square metres a post
+	vec4 load;     // N; how deep the object may sink below its first contact, quanta
+	soil soils[SOILS];
+};
+
+layout(binding = 0, r32i) uniform readonly restrict iimage2DArray bases;
+layout(binding = 1, r32i) uniform readonly restrict iimage2DArray heaps;
+layout(binding = 2, r32i) uniform readonly restrict iimage2DArray rests;
+layout(binding = 0) uniform isampler2DArray unders;
+#ifdef SOIL_MAP
+layout(binding = 1) uniform usampler2DArray classes;
+#endif
+
+// The row of this invocation; written.w and beyond: none.
+int row_of_pass()
+{
+	ivec2 at = ivec2(gl_FragCoord.xy);
+	return written.y + at.x + COLUMNS * at.y;
+}
+
+// The undisturbed ground: base and what is heaped on it.
+struct ground {
+	int base, height;
+	bool far; // it is not where `height` says, but out of reach
+};
+
+ground ground_at(int x, int y)
+{
+	ivec3 post = ivec3(x, y, zero.z);
+	ground g;
+	g.base = imageLoad(bases, post).r;
+	int d = g.base - zero.x;
+	bool wraps = ((g.base ^ zero.x) & (g.base ^ d)) < 0;
+	d = wraps ? (g.base < 0 ? -FAR : FAR) : d;
+	g.far = abs(d) >= FAR;
+	g.height = clamp(4 * clamp(d, -FAR, FAR) - zero.y + imageLoad(heaps, post).r, -FAR_QUANTA, FAR_QUANTA);
+	return g;
+}
+
+float rise_between(ground low, ground at, ground high)
+{
+	bool no_low = low.base == BASE_NODATA, no_high = high.base == BASE_NODATA;
+	float rise = float((no_high ? at.height : high.height) - (no_low ? at.height : low.height)) * scale.x;
+	return no_low || no_high ? rise : 0.5 * rise;
+}
+
+vec3 normal_of(ground west, ground at, ground east, ground south, ground north)
+{
+	vec2 slope = vec2(rise_between(west, at, east), rise_between(south, at, north));
+	float steep = dot(slope, slope);
+	slope *= min(1.0, STEEPEST * inversesqrt(max(steep, 1.0)));
+	float ca = inversesqrt(1.0 + dot(slope, slope));
+	return vec3(-slope * ca, ca);
+}
+
+soil soil_at(int x, int y)
+{
+#ifdef SOIL_MAP
+	return soils[min(int(texelFetch(classes, ivec3(x, y, zero.z), 0).r), SOILS - 1)];
+#else
+	return soils[0];
+#endif
+}
+
+// Pa: what it bears at sinkage z, m, as it yields.
+float yield_stress(soil s, float by_width, float z)
+{
+	float k = s.a.x * by_width + s.a.y;
+	return z > 0.0 ? min(k * exp2(s.a.z * log2(max(z, QUANTUM))), STRESS_MOST) : 0.0;
+}
+
+// m: what stays of sinkage z when nothing presses any more.
+float plastic_part(soil s, float z, float yields)
+{
+	return max(0.0, z - yields * s.a.w);
+}
+
+// Sinkage, along the normal, of a height in the ground: whole quanta, so that what is kept is what was compared.
+int sinkage_of(float ca, ground g, int height)
+{
+	return int(round(clamp(ca * float(g.height - height), 0.0, 1.9e9)));
+}
+
+// The lowest the object is over the sweep, and where it rests, `raised` higher than prescribed.
+// UNDER_NONE: nowhere above the post.
+struct object {
+	int lowest, rests;
+};
+
+object object_at(int x, int y, int raised)
+{
+	object o;
+	int rest = imageLoad(rests, ivec3(x, y, zero.z)).r;
+	int lowest = min(rest, texelFetch(unders, ivec3(x, y, zero.z), 0).r);
+	o.rests = rest == UNDER_NONE ? UNDER_NONE : max(rest, -FAR_QUANTA) + raised;
+	o.lowest = lowest == UNDER_NONE ? UNDER_NONE : max(lowest, -FAR_QUANTA) + raised;
+	return o;
+}
+
+bool may_touch(ground g, object o)
+{
+	return g.base != BASE_NODATA && o.lowest < g.height;
+}
+
+// What a post becomes, and how it bears the object.
+struct answer {
+	int most;      // sinkage, quanta: the largest so far
+	float plastic; // of it, m: what stays
+	float yields;  // Pa: at the largest
+	int sunk;      // quanta: under the object as it rests
+	bool touched, held;
+	float stress;  // Pa
+	float stiff;   // Pa/m: how it grows with the sinkage
+};
+
+answer answer_of(soil s, float by_width, float ca, ground g, object o, int most)
+{
+	answer a;
+	int deepest = sinkage_of(ca, g, o.lowest);
+	a.most = max(most, deepest);
+	a.sunk = o.rests != UNDER_NONE ? sinkage_of(ca, g, o.rests) : 0;
+	float z = float(a.most) * QUANTUM;
+	a.yields = yield_stress(s, by_width, z);
+	a.plastic = plastic_part(s, z, a.yields);
+	// What bears it is linear from nothing, where all is plastic, to the yield.
+	float elastic = max(z - a.plastic, 1e-9), sunk = float(a.sunk) * QUANTUM;
+	a.touched = deepest > 0 && (deepest == a.most || float(deepest) * QUANTUM > a.plastic);
+	a.held = a.sunk > 0 && (a.sunk == a.most || sunk > a.plastic);
+	bool flows = a.sunk == a.most;
+	a.stress = !a.held ? 0.0 : flows ? a.yields : a.yields * clamp((sunk - a.plastic) / elastic, 0.0, 1.0);
+	a.stiff = !a.held ? 0.0 : flows ? a.yields * s.a.z / max(z, QUANTUM) : a.yields / elastic;
+	return a;
+}
+
+vec3 from_centre(int x, int y, object o, int raised)
+{
+	return vec3(place.xy + scale.y * vec2(x, y), float(o.rests - raised) * QUANTUM);
+}
+
+// m over the sweep: of the object's surface at a place from its centre, relative to the ground.
+vec3 way_of_surface(vec3 at)
+{
+	return way.xyz + cross(spin.xyz, at);
+}
+
+// Pa more: soil that is pressed fast.
+float damped(soil s, vec3 surface_way, vec3 normal)
+{
+	return s.b.w * max(0.0, -dot(surface_way, normal)) * way.w;
+}
+
+// A sum of at most 2^15 whole numbers, exactly, without carries.
+struct total {
+	int high;
+	uint low;
+};
+
+void total_add(inout total t, int value)
+{
+	t.high += value >> 16;
+	t.low += uint(value) & 0xffffu;
+}
+
+// Its two's complement in 64 bits: low, high.
+uvec2 total_words(total t)
+{
+	uint carry;
+	uint low = uaddCarry(uint(t.high) << 16, t.low, carry);
+	return uvec2(low, uint(t.high >> 16) + carry);
+}

@@ -1,0 +1,77 @@
+/*
+ * What a press must know beforehand and only the ground can tell: how many posts the object touches, and at which height
+ * the soil carries its load. Found on the GPU, a pass a try; nothing is read back.
+ *
+ * A try sums over the window, and every invocation of the next works out from that where to look
+ * (lib/found.glsl), so that none waits for another. Once it is found the tries left look at no post.
+ */
+#include "deform/internal.h"
+
+#define TRIES 32 /* a bracket of 2^26 quanta, 64 m, is halved to one; a smooth soil takes four */
+
+struct attempt {
+	uint32_t words[12]; /* lib/found.glsl */
+};
+
+static enum status find_program(struct deform *deform, const char *what, int place, bool patch, struct gpu_program **program)
+{
+	struct gpu_program_request request = {.vertex = "full.vert", .fragment = "deform/scm_find.frag"};
+	size_t count = 0;
+	if (what != NULL)
+		request.defines[count++] = what;
+	if (patch)
+		request.defines[count++] = "PATCH";
+	if (deform->classes != NULL)
+		request.defines[count++] = "SOIL_MAP";
+	enum status status = deform_program(deform, &request, &deform->find[place + 4 * patch]);
+	*program = deform->find[place + 4 * patch];
+	return status;
+}
+
+static void run(struct deform *deform, struct gpu_program *program, const struct scm_params *params, uint32_t layer, int try)
+{
+	struct scm_params now = *params;
+	now.zero[3] = try;
+	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
+		.stage = GPU_DISPLACE,
+		.program = program,
+		.target = deform->scratch[layer].to[TO_BARE],
+		.viewport = deform_rows(&now),
+		.textures = {deform->under, deform->classes},
+		.images = {deform->bases, deform->planes_of[0][PLANE_HEAPED], deform->rest,
+			   deform->planes_of[0][PLANE_PRESSED]},
+		.storage = {[2] = deform->tries},
+		.params = &now,
+		.params_bytes = sizeof now,
+	});
+}
+
+enum status deform_find(struct deform *deform, const struct scm_params *params, uint32_t layer, unsigned what, int *last)
+{
+	bool patch = what & DEFORM_FIND_PATCH, load = what & DEFORM_FIND_LOAD;
+	struct gpu_program *gap = NULL, *count = NULL, *bears = NULL;
+	enum status status = STATUS_OK;
+	*last = load ? TRIES - 1 : 0;
+	if (deform->tries == NULL)
+		status = gpu_buffer_create(deform->params.gpu, GPU_STORAGE, TRIES * sizeof(struct attempt), NULL, &deform->tries);
+	if (status == STATUS_OK && load)
+		status = find_program(deform, "GAP", 0, false, &gap);
+	if (status == STATUS_OK && load)
+		status = find_program(deform, NULL, 1, patch, &bears);
+	if (status == STATUS_OK && patch)
+		status = find_program(deform, "COUNT", 2, false, &count);
+	if (status != STATUS_OK)
+		return status;
+	gpu_buffer_clear(deform->tries, 0, TRIES * sizeof(struct attempt));
+	if (load)
+		run(deform, gap, params, layer, 0);
+	for (int try = 1; try < *last; try++) {
+		if (patch)
+			run(deform, count, params, layer, try);
+		run(deform, bears, params, layer, try);
+	}
+	/* The press looks where the tries ended. */
+	if (patch)
+		run(deform, count, params, layer, *last);
+	return STATUS_OK;
+}
