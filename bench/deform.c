@@ -13,6 +13,7 @@
 
 #define STEPS 400
 #define RUNS 5
+#define SCM_STEPS 200
 #define SIDE 4 /* tiles a side */
 
 static const struct world world = {SIDE * 256 + 1, SIDE * 256 + 1, 0.125, 256};
@@ -37,33 +38,33 @@ static struct deform_pose pose_of(int step, int number)
 	};
 }
 
+static void sweep_tiles(struct deform *deform, const struct world *ground, const struct deform_sweep *sweep)
+{
+	struct deform_window windows[DEFORM_WINDOWS_MAX];
+	size_t count;
+	bench_must(deform_windows(deform, sweep, windows, &count));
+	struct deform_tile tiles[16];
+	size_t tile_count = 0;
+	struct tile first, last;
+	if (count != 1 || !tile_range_of(ground, 0, windows[0].read, &first, &last))
+		bench_must(fail_with(STATUS_FAILED, "bench: the path leaves the terrain; mend it"));
+	for (uint32_t y = first.y; y <= last.y; y++)
+		for (uint32_t x = first.x; x <= last.x; x++)
+			tiles[tile_count++] = (struct deform_tile){{0, x, y}, y * SIDE + x};
+	bench_must(deform_compute(deform, sweep, &windows[0], 0, tiles, tile_count));
+	bench_must(deform_scatter(deform, &windows[0], 0, tiles, tile_count));
+}
+
 static void one_step(struct deform *deform, int step)
 {
 	for (int number = 0; number < 4; number++) {
 		struct deform_sweep sweep = {.shape = &wheel, .from = pose_of(step, number), .to = pose_of(step + 1, number)};
-		struct deform_window windows[DEFORM_WINDOWS_MAX];
-		size_t count;
-		bench_must(deform_windows(deform, &sweep, windows, &count));
-		struct deform_tile tiles[16];
-		size_t tile_count = 0;
-		struct tile first, last;
-		if (count != 1 || !tile_range_of(&world, 0, windows[0].read, &first, &last))
-			bench_must(fail_with(STATUS_FAILED, "bench: the path leaves the terrain; mend it"));
-		for (uint32_t y = first.y; y <= last.y; y++)
-			for (uint32_t x = first.x; x <= last.x; x++)
-				tiles[tile_count++] = (struct deform_tile){{0, x, y}, y * SIDE + x};
-		bench_must(deform_compute(deform, &sweep, &windows[0], 0, tiles, tile_count));
-		bench_must(deform_scatter(deform, &windows[0], 0, tiles, tile_count));
+		sweep_tiles(deform, &world, &sweep);
 	}
 }
 
-static void measure(enum deform_model model, bool dirt, bool draws, struct figures *figures)
+static void fill_flat(struct gpu *gpu, struct gpu_slots *slots)
 {
-	struct gpu *gpu;
-	struct gpu_slots *slots;
-	struct deform *deform;
-	bench_must(gpu_create(&(struct gpu_params){.draws = draws}, &gpu));
-	bench_must(gpu_slots_create(gpu, world.cells, SIDE * SIDE, deform_planes(model, dirt), &slots));
 	size_t flat_bytes = (size_t)tile_posts(&world) * tile_posts(&world) * sizeof(int32_t);
 	struct gpu_staging *flat;
 	bench_must(gpu_staging_create(gpu, flat_bytes, &flat));
@@ -73,6 +74,16 @@ static void measure(enum deform_model model, bool dirt, bool draws, struct figur
 		bench_must(gpu_slots_deform(slots, i));
 	}
 	gpu_staging_destroy(flat);
+}
+
+static void measure(enum deform_model model, bool dirt, bool draws, struct figures *figures)
+{
+	struct gpu *gpu;
+	struct gpu_slots *slots;
+	struct deform *deform;
+	bench_must(gpu_create(&(struct gpu_params){.draws = draws}, &gpu));
+	bench_must(gpu_slots_create(gpu, world.cells, SIDE * SIDE, deform_planes(model, dirt), &slots));
+	fill_flat(gpu, slots);
 	struct deform_params params = {
 		.gpu = gpu,
 		.slots = slots,
@@ -105,10 +116,62 @@ static void measure(enum deform_model model, bool dirt, bool draws, struct figur
 	gpu_destroy(gpu);
 }
 
+/* A cylinder's drive at 2 m/s over 1 cm posts, 0.1 m deep, with its rim and its forces; one station a step. */
+static void measure_scm(int wheels, bool draws)
+{
+	static const struct world fine = {SIDE * 256 + 1, SIDE * 256 + 1, 0.01, 256};
+	struct gpu *gpu;
+	struct gpu_slots *slots;
+	struct deform *deform;
+	struct deform_params params = {.world = &fine, .model = DEFORM_SCM, .soil_count = 1, .iterations = 4, .bulldozing = 0.5};
+	bench_must(gpu_create(&(struct gpu_params){.draws = draws}, &gpu));
+	bench_must(gpu_slots_create(gpu, fine.cells, SIDE * SIDE, deform_planes(DEFORM_SCM, false), &slots));
+	fill_flat(gpu, slots);
+	bench_must(deform_soil_named("dry_sand", &params.soils[0]));
+	params.gpu = gpu;
+	params.slots = slots;
+	bench_must(deform_create(&params, &deform));
+	static double ms[SCM_STEPS];
+	double median[RUNS];
+	for (int run = 0; run < RUNS; run++) {
+		for (int step = 0; step < SCM_STEPS; step++) {
+			gpu_finish(gpu);
+			double began = clock_seconds();
+			for (int number = 0; number < wheels; number++) {
+				struct deform_sweep sweep = {.shape = &wheel, .seconds = 0.005, .turned = 0.02 / 0.8, .tag = 1};
+				struct deform_pose pose = {.x = lattice_offset(1.5 + 0.01 * step), .z = lattice_offset(0.4),
+							   .y = lattice_offset(1 + 2.0 * number)};
+				sweep.from = sweep.to = pose;
+				sweep.to.x = lattice_offset(1.5 + 0.01 * (step + 1));
+				sweep_tiles(deform, &fine, &sweep);
+			}
+			bench_must(deform_forces_begin(deform));
+			struct deform_forces forces;
+			bool taken = true;
+			while (taken)
+				bench_must(deform_forces_take(deform, true, &forces, &taken));
+			gpu_finish(gpu);
+			ms[step] = (clock_seconds() - began) * 1e3;
+		}
+		for (uint32_t i = 0; i < SIDE * SIDE; i++)
+			gpu_slots_undeform(slots, i);
+		median[run] = bench_median(ms, SCM_STEPS);
+	}
+	printf("{\"bench\": \"deform\", \"model\": \"scm\", \"wheels\": %d, \"posts_m\": 0.01, \"draws\": %s, \"step_ms\": %.3f, "
+	       "\"gl\": \"%s\"}\n",
+	       wheels, draws ? "true" : "false", bench_median(median, RUNS), gpu_info(gpu)->renderer);
+	fflush(stdout);
+	deform_destroy(deform);
+	gpu_slots_destroy(slots);
+	gpu_destroy(gpu);
+}
+
 int main(int argc, char **argv)
 {
 	/* A process settles llvmpipe's threads once: draws or not is an argument. */
 	bool draws = argc > 1 && argv[1][0] == 'd';
+	for (int wheels = 1; wheels <= 4; wheels += 3)
+		measure_scm(wheels, draws);
 	for (int model = DEFORM_NONE; model <= DEFORM_BOX_FILTER; model++)
 		for (int dirt = 0; dirt < 2; dirt++) {
 			struct figures f;
