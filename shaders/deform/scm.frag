@@ -52,7 +52,10 @@ void main()
 #endif
 	int first = written.z, last = written.x;
 	for (int x = written.x; x < written.z; x++) {
-		bool touches = may_touch(ground_at(x, y), object_at(x, y, raised));
+		ground g = ground_at(x, y);
+		bool touches = may_touch(g, object_at(x, y, raised));
+		if (g.base == BASE_NODATA)
+			imageStore(contacts, ivec3(x, y, zero.z), uvec4(HOLE));
 		first = touches ? min(first, x) : first;
 		last = touches ? x + 1 : last;
 	}

@@ -71,6 +71,12 @@ static bool shared(const struct deform *deform, struct tile tile, struct post_re
 	return true;
 }
 
+/* What scm presses in place lies where sliding begins. */
+int deform_gathers_into(const struct deform *deform, int plane)
+{
+	return deform->params.model == DEFORM_SCM && (plane == PLANE_OFFSET || plane == PLANE_HEAPED);
+}
+
 static void gather(struct deform *deform, struct post_rect read, uint32_t layer, const struct deform_tile *tiles,
 		   size_t count)
 {
@@ -82,7 +88,7 @@ static void gather(struct deform *deform, struct post_rect read, uint32_t layer,
 	bool beyond = read.x0 < 0 || read.y0 < 0 || read.x1 > world.x1 || read.y1 > world.y1;
 	for (int plane = 0; beyond && plane < PLANES; plane++)
 		if (deform->planes & PLANE_BIT(plane))
-			gpu_texture_clear(deform->planes_of[0][plane], layer, all, 0);
+			gpu_texture_clear(deform->planes_of[deform_gathers_into(deform, plane)][plane], layer, all, 0);
 	if (beyond)
 		gpu_texture_clear(deform->bases, layer, all, BASE_NODATA);
 	for (size_t i = 0; i < count; i++) {
@@ -96,7 +102,7 @@ static void gather(struct deform *deform, struct post_rect read, uint32_t layer,
 		else if (deform->classes != NULL)
 			gpu_texture_clear(deform->classes, layer, to, 0);
 		for (int plane = 0; plane < PLANES; plane++) {
-			struct gpu_texture *into = deform->planes_of[0][plane], *held = slot->planes[plane];
+			struct gpu_texture *into = deform->planes_of[deform_gathers_into(deform, plane)][plane], *held = slot->planes[plane];
 			if (into != NULL && held != NULL)
 				gpu_texture_copy(held, 0, from.x, from.y, into, layer, to);
 			else if (into != NULL)

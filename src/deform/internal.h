@@ -54,7 +54,7 @@ struct deform {
 	struct gpu_texture *carried, *deposits; /* conserving models: quanta, before and after deform_spread */
 	struct gpu_texture *heights[2], *stills, *floors; /* while it slides; floors NULL: all soil is loose */
 	struct gpu_texture *classes;           /* of soil; NULL: there is but one */
-	struct gpu_texture *planes_of[2][PLANES]; /* [0] is gathered into */
+	struct gpu_texture *planes_of[2][PLANES]; /* [0] is gathered into, or what deform_gathers_into says */
 	struct layer scratch[DEFORM_WINDOWS_MAX];
 	struct gpu_program *under_program[DEFORM_SHAPES]; /* made when first needed, as all of them */
 	struct gpu_program *none, *box, *press, *dirt, *spread;
@@ -70,6 +70,8 @@ struct deform {
 
 /* A sweep that is no motion: its end pose alone presses. */
 bool deform_is_contact_only(const struct deform_sweep *sweep);
+
+int deform_gathers_into(const struct deform *deform, int plane);
 
 /* Whether a model moves soil, and loses none but what is compacted. */
 bool deform_conserves(enum deform_model model);

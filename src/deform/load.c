@@ -38,7 +38,7 @@ static void run(struct deform *deform, struct gpu_program *program, const struct
 		.target = deform->scratch[layer].to[TO_BARE],
 		.viewport = deform_rows(&now),
 		.textures = {deform->under, deform->classes},
-		.images = {deform->bases, deform->planes_of[0][PLANE_HEAPED], deform->rest,
+		.images = {deform->bases, deform->planes_of[1][PLANE_HEAPED], deform->rest,
 			   deform->planes_of[0][PLANE_PRESSED]},
 		.storage = {[2] = deform->tries},
 		.params = &now,

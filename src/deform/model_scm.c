@@ -131,7 +131,7 @@ static enum status press(struct deform *deform, const struct deform_sweep *sweep
 		.target = deform->scratch[layer].to[TO_BARE],
 		.viewport = deform_rows(&params),
 		.textures = {deform->under, deform->classes},
-		.images = {deform->bases, deform->planes_of[0][PLANE_HEAPED], deform->rest, deform->planes_of[0][PLANE_OFFSET],
+		.images = {deform->bases, deform->planes_of[1][PLANE_HEAPED], deform->rest, deform->planes_of[1][PLANE_OFFSET],
 			   deform->planes_of[0][PLANE_PRESSED], deform->planes_of[0][PLANE_SHEAR], deform->contacts,
 			   deform->carried},
 		.storage = {deform->tally, records, deform->tries},
@@ -144,6 +144,7 @@ static enum status press(struct deform *deform, const struct deform_sweep *sweep
 enum status deform_scm(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
 		       uint32_t layer)
 {
+	deform->scratch[layer].now[PLANE_OFFSET] = deform->scratch[layer].now[PLANE_HEAPED] = 1;
 	enum status status = press(deform, sweep, window, layer);
 	if (status == STATUS_OK)
 		status = deform_spread(deform, window, layer);
