@@ -123,7 +123,7 @@ static void measure_scm(int wheels, bool draws)
 	struct gpu *gpu;
 	struct gpu_slots *slots;
 	struct deform *deform;
-	struct deform_params params = {.world = &fine, .model = DEFORM_SCM, .soil_count = 1, .iterations = 4, .bulldozing = 0.5};
+	struct deform_params params = {.world = &fine, .model = DEFORM_SCM, .soil_count = 1, .iterations = 4, .bulldozing = 0.5, .relief = 100};
 	bench_must(gpu_create(&(struct gpu_params){.draws = draws}, &gpu));
 	bench_must(gpu_slots_create(gpu, fine.cells, SIDE * SIDE, deform_planes(DEFORM_SCM, false), &slots));
 	fill_flat(gpu, slots);
