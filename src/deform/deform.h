@@ -102,6 +102,10 @@ double deform_shape_bound(const struct deform_shape *shape);
 /* Height of the lowest point below the centre for this attitude, metres (positive). */
 double deform_shape_reach(const struct deform_shape *shape, double pitch, double roll);
 
+/* About how deep the object sinks under a load, m: a wheel by Bekker's formula for one that is towed, others as plates.
+ * For where to begin looking. */
+double deform_sinkage_guess(const struct deform_shape *shape, const struct deform_soil *soil, double load);
+
 enum status deform_create(const struct deform_params *params, struct deform **out) FURROW_CHECKED;
 void deform_destroy(struct deform *deform);
 

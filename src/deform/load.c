@@ -5,6 +5,8 @@
  * A try sums over the window, and every invocation of the next works out from that where to look
  * (lib/found.glsl), so that none waits for another. Once it is found the tries left look at no post.
  */
+#include <math.h>
+
 #include "deform/internal.h"
 
 #define TRIES 32 /* a bracket of 2^26 quanta, 64 m, is halved to one; a smooth soil takes four */
@@ -74,4 +76,21 @@ enum status deform_find(struct deform *deform, const struct scm_params *params, 
 	if (patch)
 		run(deform, count, params, layer, *last);
 	return STATUS_OK;
+}
+
+double deform_sinkage_guess(const struct deform_shape *shape, const struct deform_soil *soil, double load)
+{
+	double n = soil->bekker_n, sinkage;
+	if (shape->kind == DEFORM_BOX) {
+		double width = fmin(shape->size[0], shape->size[1]), k = soil->bekker_kc / width + soil->bekker_kphi;
+		sinkage = pow(load / (shape->size[0] * shape->size[1] * k), 1 / n);
+	} else if (shape->kind == DEFORM_MESH) {
+		sinkage = 0;
+	} else {
+		double width = shape->kind == DEFORM_WHEEL ? shape->width : shape->radius;
+		double k = soil->bekker_kc / width + soil->bekker_kphi;
+		sinkage = pow(3 * load / (width * k * fmax(3 - n, 0.1) * sqrt(2 * shape->radius)), 2 / (2 * n + 1));
+	}
+	double most = deform_shape_reach(shape, 0, 0);
+	return sinkage < most ? sinkage : most;
 }

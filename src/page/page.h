@@ -74,6 +74,9 @@ struct page_params {
 	uint32_t queue_most; /* images for changed pages: PAGE_QUEUE_MOST; needing more is STATUS_FAILED */
 	double epoch_age;    /* seconds after which a change is committed; 0: only by their number */
 	size_t record_bytes; /* of the run's record, copied at each epoch */
+	/* The owner, before the record of an epoch is taken; NULL: nothing to do. */
+	enum status (*before_epoch)(void *user);
+	void *before_epoch_user;
 	struct page_io io;
 	struct page_executor executor;
 	struct page_trace *trace; /* every access is noted there; NULL: nowhere */

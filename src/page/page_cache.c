@@ -155,6 +155,8 @@ static enum status start_epoch(struct page_cache *cache, const void *record, boo
 	mutex_unlock(&cache->mutex);
 	if (status == STATUS_OK)
 		status = read_back_dirty(cache);
+	if (status == STATUS_OK && cache->params.before_epoch != NULL)
+		status = cache->params.before_epoch(cache->params.before_epoch_user);
 	if (status == STATUS_OK)
 		status = take_snapshot(cache);
 	if (status != STATUS_OK)

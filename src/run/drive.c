@@ -195,15 +195,29 @@ static enum status start_gpu(struct drive *drive)
 		.model = scene->model,
 		.box_radius = scene->box_radius,
 		.box_repetitions = scene->box_repetitions,
+		.soil_count = scene->soil_count,
+		.iterations = scene->iterations,
+		.relief = isnan(drive->meta->low) ? 0 : drive->meta->high - drive->meta->low,
+		.depth = scene->depth,
+		.bulldozing = scene->bulldozing,
 		.dirt = scene->dirt,
 	};
+	memcpy(deform.soils, scene->soils, sizeof deform.soils);
 	if (status == STATUS_OK && scene->object_count > 0)
 		status = deform_create(&deform, &drive->deform);
+	if (status == STATUS_OK)
+		status = forces_create(drive, &drive->forces);
 	if (status == STATUS_OK)
 		status = budget_check(drive);
 	if (status == STATUS_OK && scene->view.present)
 		status = pyramid_create(&drive->meta->world, drive->level, drive->slots, &drive->pyramid);
 	return status;
+}
+
+static enum status before_epoch(void *user)
+{
+	struct drive *drive = user;
+	return forces_settle(drive->forces, drive->record);
 }
 
 static enum status start_pages(struct drive *drive)
@@ -225,6 +239,7 @@ static enum status start_pages(struct drive *drive)
 		.epoch_age = EPOCH_AGE,
 		.trace = drive->trace,
 		.before_read_back = before_read_back,
+		.before_epoch = before_epoch,
 		.user = drive,
 	};
 	enum status status = pages_create(&params, &drive->pages);
@@ -309,6 +324,8 @@ static enum status start(struct drive *drive)
 		status = warm_up(drive);
 	if (status == STATUS_OK)
 		status = clear_folder(drive);
+	if (status == STATUS_OK)
+		status = forces_open(drive);
 	return status == STATUS_OK ? drive_begin(drive) : status;
 }
 
@@ -320,6 +337,7 @@ static void finish(struct drive *drive, enum status status)
 	wishes_finish(&drive->wishes);
 	pages_destroy(drive->pages);
 	page_trace_destroy(drive->trace);
+	forces_destroy(drive->forces);
 	pyramid_destroy(drive->pyramid);
 	deform_destroy(drive->deform);
 	gpu_slots_destroy(drive->slots);

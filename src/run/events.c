@@ -34,6 +34,7 @@ enum status drive_set_down(struct drive *drive, struct rider *rider, int64_t sta
 {
 	struct track_point point;
 	track_station(rider->track, station, &point);
+	event->next_time = station + 1 < track_stations(rider->track) ? track_station_time(rider->track, station + 1) : INFINITY;
 	event->pose = (struct deform_pose){
 		.x = point.qx,
 		.y = point.qy,
@@ -52,6 +53,9 @@ enum status drive_set_down(struct drive *drive, struct rider *rider, int64_t sta
 	double reach = deform_shape_reach(&rider->object->shape, point.pitch, point.roll);
 	if (rider->object->path.has_z)
 		event->pose.z = lattice_offset(point.z);
+	else if (rider->object->load > 0)
+		event->pose.z = ground + lattice_offset(reach - deform_sinkage_guess(&rider->object->shape, &drive->scene->soils[0],
+										     rider->object->load));
 	else
 		event->pose.z = ground + lattice_offset(reach - rider->object->sink);
 	event->sinkage = lattice_offset_metres(ground - event->pose.z) + reach;
@@ -59,6 +63,7 @@ enum status drive_set_down(struct drive *drive, struct rider *rider, int64_t sta
 		struct track_point before;
 		track_station(rider->track, station - 1, &before);
 		event->distance = hypot(point.x - before.x, point.y - before.y);
+		event->seconds = point.time - before.time;
 	}
 	return STATUS_OK;
 }

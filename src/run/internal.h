@@ -20,6 +20,7 @@
 
 struct view;     /* run/view.h */
 struct prefetch; /* run/prefetch.c */
+struct forces;   /* run/forces.c */
 
 /* One object on its way. */
 struct rider {
@@ -29,6 +30,7 @@ struct rider {
 	bool in_contact;          /* `last` was in contact: the next station sweeps from it */
 	struct deform_pose last;
 	double distance, sinkage; /* m */
+	int64_t stands;           /* 2^-20 m: with a load, the height it was found at */
 	int64_t skipped;
 };
 
@@ -38,6 +40,8 @@ struct event {
 	double time;
 	bool contact; /* false: outside or over nodata, skipped */
 	double distance, sinkage;
+	double seconds;   /* since the station before */
+	double next_time; /* of the next; INFINITY: there is none */
 	struct deform_pose pose;
 };
 
@@ -58,6 +62,7 @@ struct drive {
 	struct gpu *gpu;
 	struct gpu_slots *slots;
 	struct deform *deform;
+	struct forces *forces;   /* NULL: nothing asks for any */
 	struct ground *ground;
 	uint32_t ground_tiles;   /* it keeps at most */
 	struct scout *scout;     /* NULL without prefetch, or without an object */
@@ -119,8 +124,29 @@ enum status prefetch_step(struct prefetch *prefetch) FURROW_CHECKED;
 /* Before the first: waits for it too, as far as there are slots, so that no step pays. */
 enum status prefetch_first(struct prefetch *prefetch) FURROW_CHECKED;
 
-/* sweep.c: one station's deformation. */
-enum status drive_sweep(struct drive *drive, struct rider *rider, const struct deform_pose *pose) FURROW_CHECKED;
+/* sweep.c: one station's deformation. `last`: no other of this object follows in this step. */
+enum status drive_sweep(struct drive *drive, const struct event *event, bool last) FURROW_CHECKED;
+
+/* forces.c; a NULL forces is none. */
+enum status forces_create(struct drive *drive, struct forces **out) FURROW_CHECKED; /* NULL: nothing asks for any */
+void forces_destroy(struct forces *forces);
+/* objects.csv: anew, or cut to what a resumed drive goes on from. */
+enum status forces_open(struct drive *drive) FURROW_CHECKED;
+/* The rows until then: before an event, with what stands so far. */
+enum status forces_rows(struct forces *forces, double until, bool inclusive) FURROW_CHECKED;
+/* The tag for the sweep of an event; 0: its forces are not asked for. */
+uint64_t forces_ask(struct forces *forces, size_t object, const struct event *event, bool last_in_step);
+/* It touches nothing there. */
+void forces_absent(struct forces *forces, size_t object, const struct event *event);
+/* What is due after so many steps is used. `until`: the step's end, s. */
+enum status forces_end_step(struct forces *forces, double until) FURROW_CHECKED;
+/* Everything that was asked for is used, whatever waits for it; into the record too. */
+enum status forces_settle(struct forces *forces, struct record *record) FURROW_CHECKED;
+struct forces_figures {
+	uint64_t saturated; /* posts whose share was too large to count */
+	uint64_t sunk;      /* sweeps in which the soil did not carry the load */
+};
+void forces_figures(const struct forces *forces, struct forces_figures *figures);
 
 /* budget.c */
 #define BUDGET_WINDOW_TILES 64 /* that a window may touch at most */

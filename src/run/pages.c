@@ -40,6 +40,8 @@ static struct page_params cache_params(const struct pages_params *params, const 
 		.queue_soft = soft,
 		.queue_most = PAGE_QUEUE_MOST(soft, params->step_pages),
 		.epoch_age = params->epoch_age,
+		.before_epoch = params->before_epoch,
+		.before_epoch_user = params->user,
 		.record_bytes = record_bytes(params->scene->object_count),
 		.trace = params->trace,
 	};

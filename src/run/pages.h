@@ -44,7 +44,9 @@ struct pages_params {
 	/* A loader thread, of which each has its number: the class of soil of every post of a tile of the working
 	 * level. NULL: there are no classes, and nothing is made for them. */
 	enum status (*classes)(void *user, unsigned loader, struct tile tile, uint8_t *classes);
-	void *user;
+	/* The GPU's thread, before an epoch takes the record; may be NULL. */
+	enum status (*before_epoch)(void *user);
+	void *user; /* of all of them */
 };
 
 /* Bytes at most: of planes in slots, of images for loads, of images of changed pages, and of the base

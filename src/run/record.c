@@ -32,6 +32,17 @@ static bool put_real(cJSON *object, const char *name, double value)
 	return cJSON_AddStringToObject(object, name, text) != NULL;
 }
 
+static bool put_force(cJSON *object, const struct record_force *force)
+{
+	static const char *const names[] = {"fx", "fy", "fz", "tx", "ty", "tz"};
+	cJSON *to = cJSON_AddObjectToObject(object, "force");
+	bool whole = to != NULL && put_real(to, "sinkage", force->sinkage) && put_real(to, "area", force->area) &&
+		     put_whole(to, "z", force->z);
+	for (int i = 0; i < 6 && whole; i++)
+		whole = put_real(to, names[i], i < 3 ? force->force[i] : force->moment[i - 3]);
+	return whole;
+}
+
 static bool put_object(cJSON *objects, const struct record_object *from, const char *name)
 {
 	cJSON *object = cJSON_CreateObject();
@@ -44,6 +55,7 @@ static bool put_object(cJSON *objects, const struct record_object *from, const c
 	       put_whole(object, "x", from->last.x) && put_whole(object, "y", from->last.y) &&
 	       put_whole(object, "z", from->last.z) && put_real(object, "yaw", from->last.yaw) &&
 	       put_real(object, "pitch", from->last.pitch) && put_real(object, "roll", from->last.roll) &&
+	       put_real(object, "turn", from->last.turn) && put_force(object, &from->force) &&
 	       put_real(object, "distance", from->distance) && put_real(object, "sinkage", from->sinkage) &&
 	       put_whole(object, "skipped", from->skipped);
 }
@@ -101,6 +113,17 @@ static bool get_bool(const cJSON *object, const char *name, bool *value)
 	return cJSON_IsBool(item);
 }
 
+static bool get_force(const cJSON *object, struct record_force *force)
+{
+	static const char *const names[] = {"fx", "fy", "fz", "tx", "ty", "tz"};
+	const cJSON *from = cJSON_GetObjectItemCaseSensitive(object, "force");
+	bool whole = get_real(from, "sinkage", &force->sinkage) && get_real(from, "area", &force->area) &&
+		     get_whole(from, "z", INT64_MIN, &force->z);
+	for (int i = 0; i < 6 && whole; i++)
+		whole = get_real(from, names[i], i < 3 ? &force->force[i] : &force->moment[i - 3]);
+	return whole;
+}
+
 static bool get_object(const cJSON *object, const char *name, struct record_object *to)
 {
 	const char *named = get_text(object, "name");
@@ -108,7 +131,8 @@ static bool get_object(const cJSON *object, const char *name, struct record_obje
 	       get_bool(object, "in_contact", &to->in_contact) && get_whole(object, "x", INT64_MIN, &to->last.x) &&
 	       get_whole(object, "y", INT64_MIN, &to->last.y) && get_whole(object, "z", INT64_MIN, &to->last.z) &&
 	       get_real(object, "yaw", &to->last.yaw) && get_real(object, "pitch", &to->last.pitch) &&
-	       get_real(object, "roll", &to->last.roll) && get_real(object, "distance", &to->distance) &&
+	       get_real(object, "roll", &to->last.roll) &&
+	       get_real(object, "turn", &to->last.turn) && get_force(object, &to->force) && get_real(object, "distance", &to->distance) &&
 	       to->distance >= 0 && get_real(object, "sinkage", &to->sinkage) &&
 	       get_whole(object, "skipped", 0, &to->skipped) && to->skipped <= to->next;
 }

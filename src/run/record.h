@@ -17,6 +17,13 @@
 #include "scene/scene.h"
 #include "store/store.h"
 
+/* What the soil did to it, as it was last asked for; all zero: nothing. */
+struct record_force {
+	double force[3], moment[3]; /* N, N m */
+	double sinkage, area;       /* m, m2 */
+	int64_t z;                  /* 2^-20 m */
+};
+
 /* What an object carries from step to step. */
 struct record_object {
 	int64_t next;             /* station */
@@ -24,6 +31,7 @@ struct record_object {
 	struct deform_pose last;
 	double distance, sinkage; /* m */
 	int64_t skipped;          /* stations without contact */
+	struct record_force force;
 };
 
 /* What the drive changed the sums of offsets below and above zero by, and what it compacted: quanta. */

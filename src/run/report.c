@@ -135,6 +135,8 @@ static void add_objects(cJSON *root, const struct drive *drive)
 		cJSON *object = cJSON_AddObjectToObject(objects, rider->object->name);
 		json_number(object, "distance", rider->distance);
 		json_number(object, "sinkage", rider->sinkage);
+		if (rider->object->load > 0 && rider->in_contact)
+			json_number(object, "z", lattice_offset_metres(rider->stands));
 		json_integer(object, "skipped", rider->skipped);
 	}
 }

@@ -79,6 +79,7 @@ static void restore(struct drive *drive)
 		rider->last = object->last;
 		rider->distance = object->distance;
 		rider->sinkage = object->sinkage;
+		rider->stands = object->force.z;
 		rider->skipped = object->skipped;
 	}
 }

@@ -39,27 +39,33 @@ static void fill_record(struct drive *drive)
 			.last = rider->last,
 			.distance = rider->distance,
 			.sinkage = rider->sinkage,
+			.force = record->objects[i].force, /* forces_settle's */
 			.skipped = rider->skipped,
 		};
 	}
 }
 
-static enum status deform_step(struct drive *drive)
+static enum status deform_step(struct drive *drive, double until)
 {
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < drive->event_count && status == STATUS_OK; i++) {
 		struct event *event = &drive->events[i];
 		struct rider *rider = &drive->riders[event->rider];
+		status = forces_rows(drive->forces, event->time, false);
+		if (status != STATUS_OK)
+			return status;
 		if (!event->contact) {
 			rider->in_contact = false;
 			rider->skipped++;
+			forces_absent(drive->forces, event->rider, event);
 			continue;
 		}
 		rider->distance += event->distance;
-		rider->sinkage = event->sinkage;
-		status = drive_sweep(drive, rider, &event->pose);
+		if (rider->object->load == 0)
+			rider->sinkage = event->sinkage;
+		status = drive_sweep(drive, event, event->next_time > until);
 	}
-	return status;
+	return status == STATUS_OK ? forces_end_step(drive->forces, until) : status;
 }
 
 static bool is_image_step(const struct drive *drive)
@@ -93,7 +99,7 @@ static enum status one_step(struct drive *drive)
 	if (status != STATUS_OK)
 		return status;
 	drive->torn = true;
-	status = deform_step(drive);
+	status = deform_step(drive, until);
 	if (status == STATUS_OK && drive->pyramid != NULL)
 		status = pyramid_flush(drive->pyramid, drive->cache);
 	if (status != STATUS_OK)

@@ -1,5 +1,6 @@
 /* One station's deformation: pin the tiles its windows touch, compute, scatter, mark dirty. */
 #include <assert.h>
+#include <math.h>
 
 #include "run/internal.h"
 
@@ -69,17 +70,42 @@ static enum status scatter(struct drive *drive, const struct deform_window *wind
 	return status;
 }
 
-enum status drive_sweep(struct drive *drive, struct rider *rider, const struct deform_pose *pose)
+/* How it rolled from one station to the next: by its slip s, as far as way / (r (1 - s)). */
+static void roll(const struct rider *rider, const struct event *event, struct deform_sweep *sweep)
 {
+	const struct scene_object *object = rider->object;
+	sweep->seconds = event->seconds;
+	if (object->shape.kind != DEFORM_WHEEL)
+		return;
+	double along = lattice_offset_metres(sweep->to.x - sweep->from.x) * cos(sweep->to.yaw) +
+		       lattice_offset_metres(sweep->to.y - sweep->from.y) * sin(sweep->to.yaw);
+	sweep->turned = along / (object->shape.radius * (1 - object->slip));
+	sweep->to.turn = remainder(sweep->from.turn + sweep->turned, 2 * M_PI);
+}
+
+enum status drive_sweep(struct drive *drive, const struct event *event, bool last)
+{
+	struct rider *rider = &drive->riders[event->rider];
 	struct deform_sweep sweep = {
 		.shape = &rider->object->shape,
-		.from = rider->in_contact ? rider->last : *pose,
-		.to = *pose,
+		.from = rider->in_contact ? rider->last : event->pose,
+		.to = event->pose,
+		.load = rider->object->load,
 	};
+	sweep.to.turn = sweep.from.turn = rider->last.turn;
+	if (rider->in_contact)
+		roll(rider, event, &sweep);
+	/* Where it stood is not known here, and need not be: it presses as it stands now. */
+	if (sweep.load > 0)
+		sweep.from.z = sweep.to.z;
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	size_t count = 0;
 	enum status status = deform_windows(drive->deform, &sweep, windows, &count);
 	struct held held = {.count = 0};
+	if (status == STATUS_OK && count > 0)
+		sweep.tag = forces_ask(drive->forces, event->rider, event, last);
+	else
+		forces_absent(drive->forces, event->rider, event);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 		status = hold(drive, windows[i].read, &held);
 		if (status == STATUS_OK)
@@ -96,6 +122,6 @@ enum status drive_sweep(struct drive *drive, struct rider *rider, const struct d
 		release(drive, &held);
 	}
 	rider->in_contact = true;
-	rider->last = *pose;
+	rider->last = sweep.to;
 	return status;
 }

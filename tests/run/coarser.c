@@ -33,6 +33,7 @@ static void rig_open(struct rig *rig, const char *path, uint32_t slots)
 	must(store_open(path, &(struct store_options){.mode = STORE_WRITE}, &drive->store));
 	must(store_set_working_level(drive->store, LEVEL));
 	drive->scene = &rig->scene;
+	drive->riders = &rig->rider;
 	drive->meta = store_meta(drive->store);
 	drive->level = LEVEL;
 	drive->spacing = world_spacing(&world, LEVEL);
@@ -91,13 +92,13 @@ static void rig_close(struct rig *rig)
 static void roll(struct rig *rig, int step)
 {
 	double angle = step * 0.05, x = 64 + 50 * sin(angle), y = 64 + 45 * sin(2.1 * angle);
-	struct deform_pose pose = {.x = lattice_offset(x), .y = lattice_offset(y)};
+	struct event event = {.contact = true, .pose = {.x = lattice_offset(x), .y = lattice_offset(y)}};
 	int64_t ground;
 	bool any;
-	must(ground_height(rig->drive.ground, pose.x, pose.y, &ground, &any));
+	must(ground_height(rig->drive.ground, event.pose.x, event.pose.y, &ground, &any));
 	assert_true(any);
-	pose.z = ground + lattice_offset(sphere.radius - 0.4);
-	must(drive_sweep(&rig->drive, &rig->rider, &pose));
+	event.pose.z = ground + lattice_offset(sphere.radius - 0.4);
+	must(drive_sweep(&rig->drive, &event, true));
 }
 
 static void end_step(struct rig *rig)

@@ -1,0 +1,312 @@
+/*
+ * What the soil does to the objects, as it comes from the GPU: objects.csv, and how deep and how high those stand that
+ * carry a load.
+ *
+ * A row is for a multiple of 1 / output.forces; each object's is that of its latest station until then, at most a post
+ * behind where it is, and it holds while the object stands. Only sweeps that a row asks for are summed. What was asked in
+ * a step is used `delay` steps later, whenever it came: so the rows, and what a commit keeps of them, are the same
+ * however fast the GPU is. It is waited for only if it is not there by then, and at a commit.
+ */
+#include <assert.h>
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "run/internal.h"
+
+#define LOAD_DELAY 2 /* steps, where only loads ask */
+
+static const char header[] = "t,name,x,y,z,sinkage,fx,fy,fz,tx,ty,tz,slip,contact_area\n";
+
+/* What an object's latest station is known by. */
+struct standing {
+	uint64_t tag; /* 0: it touches nothing; or no row is its */
+	struct deform_pose pose;
+	bool placed;  /* it was set down once */
+};
+
+/* A row that waits, or (t < 0) a loaded object's height. */
+struct entry {
+	int64_t step; /* when it was asked for */
+	double t;
+	size_t object;
+	struct standing at;
+	bool ready;
+	struct record_force force;
+};
+
+struct forces {
+	struct drive *drive;
+	FILE *csv; /* NULL: only loads ask */
+	double rate;
+	int delay;
+	int64_t row;                /* the next */
+	uint64_t tag, tag_before;   /* the last; before this step */
+	struct standing *standing;  /* by object */
+	struct record_force *known; /* the latest that came of each: of known_tag */
+	uint64_t *known_tag;
+	struct entry *entries;      /* [first, count) wait, in their order */
+	size_t first, count, room;
+	uint64_t saturated, sunk;   /* posts; sweeps */
+};
+
+static bool any_load(const struct scene *scene)
+{
+	for (size_t i = 0; i < scene->object_count; i++)
+		if (scene->objects[i].load > 0)
+			return true;
+	return false;
+}
+
+enum status forces_create(struct drive *drive, struct forces **out)
+{
+	const struct scene *scene = drive->scene;
+	*out = NULL;
+	if (scene->object_count == 0 || (scene->forces == 0 && !any_load(scene)))
+		return STATUS_OK;
+	struct forces *forces = mem_calloc(1, sizeof *forces);
+	if (forces == NULL)
+		return fail_memory("forces");
+	forces->drive = drive;
+	forces->rate = scene->forces;
+	forces->delay = scene->forces > 0 ? scene->forces_delay : LOAD_DELAY;
+	forces->standing = mem_calloc(scene->object_count, sizeof *forces->standing);
+	forces->known = mem_calloc(scene->object_count, sizeof *forces->known);
+	forces->known_tag = mem_calloc(scene->object_count, sizeof *forces->known_tag);
+	*out = forces;
+	if (forces->standing == NULL || forces->known == NULL || forces->known_tag == NULL)
+		return fail_memory("forces");
+	for (size_t i = 0; drive->resumed && i < scene->object_count; i++) {
+		const struct record_object *object = &drive->record->objects[i];
+		if (object->next == 0)
+			continue;
+		forces->standing[i] = (struct standing){object->in_contact ? 1 : 0, object->last, true};
+		forces->known[i] = object->force;
+		forces->known_tag[i] = 1;
+	}
+	forces->tag = forces->tag_before = 1; /* 1: before the drive was resumed */
+	while (drive->resumed && (double)forces->row <= drive->record->time * forces->rate && forces->rate > 0 &&
+	       (double)forces->row / forces->rate <= drive->record->time)
+		forces->row++;
+	return STATUS_OK;
+}
+
+void forces_destroy(struct forces *forces)
+{
+	if (forces == NULL)
+		return;
+	if (forces->csv != NULL)
+		fclose(forces->csv);
+	mem_free(forces->standing);
+	mem_free(forces->known);
+	mem_free(forces->known_tag);
+	mem_free(forces->entries);
+	mem_free(forces);
+}
+
+/* Where the rows at or before `time` end; a kill may have torn the last line. */
+static long whole_until(FILE *file, double time)
+{
+	char line[1024];
+	long end = 0;
+	while (fgets(line, sizeof line, file) != NULL && strchr(line, '\n') != NULL) {
+		if (end == 0 ? strcmp(line, header) != 0 : strtod(line, NULL) > time * (1 + 1e-8))
+			break;
+		end = ftell(file);
+	}
+	return end;
+}
+
+enum status forces_open(struct drive *drive)
+{
+	struct forces *forces = drive->forces;
+	char path[4096];
+	snprintf(path, sizeof path, "%s/objects.csv", drive->params->directory);
+	if (forces == NULL || forces->rate == 0) {
+		unlink(path); /* another drive's */
+		return STATUS_OK;
+	}
+	forces->csv = fopen(path, drive->resumed ? "a+" : "w+");
+	long end = 0;
+	if (forces->csv != NULL && drive->resumed) {
+		rewind(forces->csv);
+		end = whole_until(forces->csv, drive->record->time);
+	}
+	if (forces->csv == NULL || end < 0 || ftruncate(fileno(forces->csv), end) != 0 ||
+	    fseek(forces->csv, 0, SEEK_END) != 0 || (end == 0 && fputs(header, forces->csv) < 0))
+		return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
+	return STATUS_OK;
+}
+
+/* --- asking --- */
+
+static enum status add_entry(struct forces *forces, const struct entry *entry)
+{
+	if (forces->first > 0 && forces->count == forces->room) {
+		forces->count -= forces->first;
+		memmove(forces->entries, forces->entries + forces->first, forces->count * sizeof *forces->entries);
+		forces->first = 0;
+	}
+	if (forces->count == forces->room) {
+		size_t room = forces->room != 0 ? 2 * forces->room : 64;
+		struct entry *entries = mem_realloc(forces->entries, room, sizeof *entries);
+		if (entries == NULL)
+			return fail_memory("forces");
+		forces->entries = entries;
+		forces->room = room;
+	}
+	struct entry *added = &forces->entries[forces->count++];
+	*added = *entry;
+	size_t i = entry->object;
+	added->ready = entry->at.tag == 0 || forces->known_tag[i] == entry->at.tag;
+	if (added->ready && entry->at.tag != 0)
+		added->force = forces->known[i];
+	else if (added->ready)
+		added->force = (struct record_force){.z = entry->at.pose.z};
+	return STATUS_OK;
+}
+
+enum status forces_rows(struct forces *forces, double until, bool inclusive)
+{
+	if (forces == NULL || forces->rate == 0)
+		return STATUS_OK;
+	enum status status = STATUS_OK;
+	for (;; forces->row++) {
+		double t = (double)forces->row / forces->rate;
+		if (t > until || (!inclusive && t == until))
+			return status;
+		for (size_t i = 0; i < forces->drive->scene->object_count && status == STATUS_OK; i++)
+			if (forces->standing[i].placed)
+				status = add_entry(forces, &(struct entry){.step = forces->drive->step, .t = t, .object = i, .at = forces->standing[i]});
+		if (status != STATUS_OK)
+			return status;
+	}
+}
+
+uint64_t forces_ask(struct forces *forces, size_t object, const struct event *event, bool last_in_step)
+{
+	if (forces == NULL)
+		return 0;
+	const struct rider *rider = &forces->drive->riders[object];
+	bool asked = last_in_step && rider->object->load > 0;
+	if (forces->rate > 0) {
+		/* The next row, and whether it is this station's. */
+		double row = (double)forces->row / forces->rate;
+		asked = asked || event->next_time > row;
+	}
+	struct standing *standing = &forces->standing[object];
+	*standing = (struct standing){asked ? ++forces->tag : 0, event->pose, true};
+	return standing->tag;
+}
+
+void forces_absent(struct forces *forces, size_t object, const struct event *event)
+{
+	if (forces == NULL)
+		return;
+	struct standing *standing = &forces->standing[object];
+	struct deform_pose pose = event->pose;
+	if (!event->contact)
+		pose.z = standing->pose.z; /* there is no ground to stand on */
+	*standing = (struct standing){0, pose, true};
+}
+
+/* --- using --- */
+
+static void arrived(struct forces *forces, const struct deform_forces *from)
+{
+	struct record_force force = {.sinkage = from->sinkage, .area = from->area, .z = from->z};
+	memcpy(force.force, from->force, sizeof force.force);
+	memcpy(force.moment, from->moment, sizeof force.moment);
+	forces->saturated += from->saturated;
+	forces->sunk += from->sunk;
+	for (size_t i = 0; i < forces->drive->scene->object_count; i++)
+		if (forces->standing[i].tag == from->tag) {
+			forces->known[i] = force;
+			forces->known_tag[i] = from->tag;
+		}
+	for (size_t i = forces->first; i < forces->count; i++)
+		if (forces->entries[i].at.tag == from->tag) {
+			forces->entries[i].force = force;
+			forces->entries[i].ready = true;
+		}
+}
+
+static enum status write_row(struct forces *forces, const struct entry *entry)
+{
+	const struct scene_object *object = &forces->drive->scene->objects[entry->object];
+	const struct record_force *force = &entry->force;
+	const struct deform_pose *pose = &entry->at.pose;
+	int printed = fprintf(forces->csv, "%.9g,%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n", entry->t, object->name,
+			      lattice_offset_metres(pose->x), lattice_offset_metres(pose->y), lattice_offset_metres(force->z),
+			      force->sinkage, force->force[0], force->force[1], force->force[2], force->moment[0],
+			      force->moment[1], force->moment[2], object->slip, force->area);
+	return printed > 0 ? STATUS_OK
+			   : fail_with(STATUS_FAILED, "%s/objects.csv: %s; free some disk space", forces->drive->params->directory,
+				       strerror(errno));
+}
+
+/* Uses the entries of steps until `step`, in order; what is not there is waited for. */
+static enum status use(struct forces *forces, int64_t step)
+{
+	enum status status = STATUS_OK;
+	for (; forces->first < forces->count && forces->entries[forces->first].step <= step; forces->first++) {
+		struct entry *entry = &forces->entries[forces->first];
+		while (!entry->ready) {
+			struct deform_forces came;
+			bool taken;
+			status = deform_forces_take(forces->drive->deform, true, &came, &taken);
+			if (status != STATUS_OK)
+				return status;
+			assert(taken);
+			arrived(forces, &came);
+		}
+		if (entry->t >= 0) {
+			status = write_row(forces, entry);
+		} else {
+			forces->drive->riders[entry->object].sinkage = entry->force.sinkage;
+			forces->drive->riders[entry->object].stands = entry->force.z;
+		}
+		if (status != STATUS_OK)
+			return status;
+	}
+	if (forces->csv != NULL && fflush(forces->csv) != 0)
+		return fail_with(STATUS_FAILED, "%s/objects.csv: %s; free some disk space", forces->drive->params->directory,
+				 strerror(errno));
+	return STATUS_OK;
+}
+
+enum status forces_end_step(struct forces *forces, double until)
+{
+	if (forces == NULL)
+		return STATUS_OK;
+	const struct scene *scene = forces->drive->scene;
+	enum status status = forces_rows(forces, until, true);
+	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++)
+		if (scene->objects[i].load > 0 && forces->standing[i].tag > forces->tag_before)
+			status = add_entry(forces, &(struct entry){.step = forces->drive->step, .t = -1, .object = i, .at = forces->standing[i]});
+	forces->tag_before = forces->tag;
+	if (status == STATUS_OK)
+		status = deform_forces_begin(forces->drive->deform);
+	return status == STATUS_OK ? use(forces, forces->drive->step - forces->delay) : status;
+}
+
+enum status forces_settle(struct forces *forces, struct record *record)
+{
+	if (forces == NULL)
+		return STATUS_OK;
+	enum status status = use(forces, INT64_MAX);
+	for (size_t i = 0; i < forces->drive->scene->object_count; i++) {
+		record->objects[i].force = forces->known[i];
+		record->objects[i].sinkage = forces->drive->riders[i].sinkage;
+	}
+	return status;
+}
+
+void forces_figures(const struct forces *forces, struct forces_figures *figures)
+{
+	*figures = (struct forces_figures){0};
+	if (forces != NULL)
+		*figures = (struct forces_figures){forces->saturated, forces->sunk};
+}
