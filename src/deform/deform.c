@@ -154,3 +154,8 @@ enum status deform_tally(struct deform *deform, struct deform_tally *tally)
 	gpu_buffer_read(deform->tally, 0, sizeof *tally, tally);
 	return gpu_check(deform->params.gpu, "what deformation counts");
 }
+
+void deform_tally_read_into(struct deform *deform, struct gpu_staging *staging, size_t offset)
+{
+	gpu_buffer_read_into(deform->tally, 0, sizeof(struct deform_tally), staging, offset);
+}

@@ -147,6 +147,8 @@ struct deform_tally {
 };
 /* Blocks: at the end. */
 enum status deform_tally(struct deform *deform, struct deform_tally *tally) FURROW_CHECKED;
+/* The same as bytes, without waiting: sizeof(struct deform_tally), as gpu_buffer_read_into. */
+void deform_tally_read_into(struct deform *deform, struct gpu_staging *staging, size_t offset);
 
 /* What the soil does to an object: of a sweep with a tag, under DEFORM_SCM. Summed in whole numbers over the posts it
  * rests on at the sweep's end, each rounded to 1/16 Pa times its area. */

@@ -220,6 +220,19 @@ static enum status before_epoch(void *user)
 	return forces_settle(drive->forces, drive->record);
 }
 
+static enum status tally_snapshot(void *user, struct gpu_staging *staging)
+{
+	const struct drive *drive = user;
+	deform_tally_read_into(drive->deform, staging, 0);
+	return STATUS_OK;
+}
+
+static enum status soil_classes(void *user, unsigned loader, struct tile tile, uint8_t *classes)
+{
+	const struct drive *drive = user;
+	return soil_map_read(drive->soil_map, loader, tile, classes);
+}
+
 static enum status start_pages(struct drive *drive)
 {
 	const struct scene *scene = drive->scene;
@@ -240,6 +253,8 @@ static enum status start_pages(struct drive *drive)
 		.trace = drive->trace,
 		.before_read_back = before_read_back,
 		.before_epoch = before_epoch,
+		.snapshot = drive->deform != NULL ? tally_snapshot : NULL,
+		.classes = drive->soil_map != NULL ? soil_classes : NULL,
 		.user = drive,
 	};
 	enum status status = pages_create(&params, &drive->pages);
@@ -297,6 +312,8 @@ static enum status prepare(struct drive *drive)
 	if (status == STATUS_OK)
 		status = ground_create(drive->store, drive->ground_tiles, &drive->ground);
 	if (status == STATUS_OK)
+		status = soil_map_open(drive->scene, drive->meta, &drive->soil_map);
+	if (status == STATUS_OK)
 		status = mount_riders(drive);
 	if (status == STATUS_OK && drive->params->resume)
 		status = drive_resume(drive);
@@ -336,6 +353,7 @@ static void finish(struct drive *drive, enum status status)
 	prefetch_destroy(drive->prefetch);
 	wishes_finish(&drive->wishes);
 	pages_destroy(drive->pages);
+	soil_map_close(drive->soil_map);
 	page_trace_destroy(drive->trace);
 	forces_destroy(drive->forces);
 	pyramid_destroy(drive->pyramid);

@@ -13,6 +13,7 @@
 #include "run/record.h"
 #include "run/run.h"
 #include "run/scout.h"
+#include "run/soil_map.h"
 #include "run/times.h"
 #include "run/track.h"
 #include "run/wishes.h"
@@ -62,6 +63,7 @@ struct drive {
 	struct gpu *gpu;
 	struct gpu_slots *slots;
 	struct deform *deform;
+	struct soil_map *soil_map; /* NULL: one soil */
 	struct forces *forces;   /* NULL: nothing asks for any */
 	struct ground *ground;
 	uint32_t ground_tiles;   /* it keeps at most */

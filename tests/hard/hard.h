@@ -22,7 +22,7 @@ static const struct hard_model hard_models[] = {
 	{"slippage", "redistribute: {model: slippage}\nsoil: {name: dry_sand}\n", true},
 	{"scm", "redistribute: {model: scm}\nsoil: {name: dry_sand}\noutput: {forces: 20}\n", true},
 };
-#define HARD_MODELS 2
+#define HARD_MODELS (sizeof hard_models / sizeof hard_models[0])
 
 /* A scene of this model; `rest`: everything but version, model, soil and output. */
 static inline const char *hard_scene(const struct hard_model *model, const char *rest)
