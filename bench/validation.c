@@ -95,15 +95,17 @@ static void rig(const double *spacings, size_t count)
 			printf(", \"wong_reece_%s_mm\": [", sands[s].name);
 			for (size_t k = 0; k < 3; k++)
 				printf("%s%.4f", k == 0 ? "" : ", ", reference_wong_reece_sinkage(&soil, &wheel, loads[k]) * 1e3);
-			printf("]");
+			double sinkage = reference_wong_reece_sinkage(&soil, &wheel, loads[0]);
+			printf("], \"wong_reece_%s_drawbar_n\": %.4f", sands[s].name, reference_wong_reece(&soil, &wheel, sinkage).drawbar);
 		}
 		printf(", \"scm_mm\": [");
 		for (size_t k = 0; k < 3; k++)
 			printf("%s%.4f", k == 0 ? "" : ", ", reference_arc(&soil, loads[k], WIDTH, RADIUS, true) * 1e3);
-		printf("], \"posts_mm\": {");
+		printf("], \"posts\": {");
 		for (size_t k = 0; k < count; k++) {
 			struct rut rut = rolled(&soil, loads[0], WIDTH, RADIUS, slip, spacings[k]);
-			printf("%s\"%g\": %.4f", k == 0 ? "" : ", ", spacings[k] * 1e3, rut.sinkage * 1e3);
+			printf("%s\"%g\": {\"mm\": %.4f, \"drawbar_n\": %.4f, \"resistance_n\": %.4f}", k == 0 ? "" : ", ",
+			       spacings[k] * 1e3, rut.sinkage * 1e3, rut.drawbar, rut.resistance);
 			fflush(stdout);
 		}
 		printf("}}\n");

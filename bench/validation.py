@@ -108,13 +108,13 @@ def towed_table(lines):
 
 
 def rig_tables(lines):
-    spacings = list(lines[0]["posts_mm"])
+    spacings = list(lines[0]["posts"])
     table(["slip", "measured", "Wong-Reece, loose", "Wong-Reece, compact", "scm, closed"] +
           [f"scm, posts of {spacing} mm" for spacing in spacings],
           [[f'{line["slip"]:g}', f'{line["measured_mm"]:.1f}'] +
            ["{:.2f} ({:.2f} .. {:.2f})".format(*line[name]) for name in
             ("wong_reece_loose_mm", "wong_reece_compact_mm", "scm_mm")] +
-           [f'{line["posts_mm"][spacing]:.2f}' for spacing in spacings] for line in lines])
+           [f'{line["posts"][spacing]["mm"]:.2f}' for spacing in spacings] for line in lines])
 
     def errors(pairs):
         """rms and greatest in mm, rms of the relative ones."""
@@ -122,6 +122,12 @@ def rig_tables(lines):
         share = [(got / wanted - 1) ** 2 for got, wanted in pairs]
         return (f"{math.sqrt(sum(e * e for e in off) / len(off)):.3f}", f"{max(off, key=abs):+.3f}",
                 f"{math.sqrt(sum(share) / len(share)) * 100:.2f} %")
+
+    finest = spacings[-1]
+    table(["slip", "drawbar, N: Wong-Reece, loose", "compact", f"scm, posts of {finest} mm", "scm less the soil's yielding"],
+          [[f'{line["slip"]:g}', f'{line["wong_reece_loose_drawbar_n"]:.2f}', f'{line["wong_reece_compact_drawbar_n"]:.2f}',
+            f'{line["posts"][finest]["drawbar_n"]:.2f}',
+            f'{line["posts"][finest]["drawbar_n"] - line["posts"][finest]["resistance_n"]:.2f}'] for line in lines])
 
     none, rows = ("", "", ""), []
     for name, key in (("Wong-Reece, loose sand", "wong_reece_loose_mm"),
@@ -131,7 +137,7 @@ def rig_tables(lines):
         rows.append([name + ", slip -0.2 .. 0 alone", *none, *errors([(line[key][0], line["measured_mm"]) for line in low])])
     for spacing in spacings:
         rows.append([f"scm, posts of {spacing} mm",
-                     *errors([(line["posts_mm"][spacing], line["scm_mm"][0]) for line in lines]), *none])
+                     *errors([(line["posts"][spacing]["mm"], line["scm_mm"][0]) for line in lines]), *none])
     table(["", "numerical: rms mm", "greatest mm", "rms share", "model: rms mm", "greatest mm", "rms share"], rows)
 
 
@@ -155,8 +161,8 @@ def draw(lines, folder):
                                      ("wong_reece_compact_mm", "Wong-Reece, compact sand"))):
         plot.band([(line["slip"], line[key][1], line[key][2]) for line in rig], COLOURS[i])
         plot.line(name, [(line["slip"], line[key][0]) for line in rig], COLOURS[i])
-    for i, spacing in enumerate(rig[0]["posts_mm"]):
-        plot.dots(f"scm, posts of {spacing} mm", [(line["slip"], line["posts_mm"][spacing]) for line in rig], COLOURS[3 + i],
+    for i, spacing in enumerate(rig[0]["posts"]):
+        plot.dots(f"scm, posts of {spacing} mm", [(line["slip"], line["posts"][spacing]["mm"]) for line in rig], COLOURS[3 + i],
                   filled=False)
     plot.dots("measured", [(line["slip"], line["measured_mm"]) for line in rig], "#000000")
     plot.write(folder / "validation-wheel.svg")
