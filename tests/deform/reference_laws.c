@@ -270,7 +270,8 @@ static void forces_are_those_of_a_plate(void **state)
 	sweep.seconds = 0.5;
 	double deeper = sunk + 1.0 / 1024;
 	swept(&ground, &params, &sweep, &forces);
-	assert_true(fabs(forces.normal / ((reference_bekker(soil, 0.8, deeper) + soil->damping / 512) * area) - 1) < 1e-9);
+	assert_true(fabs(forces.normal / (reference_bekker(soil, 0.8, deeper) * area) - 1) < 1e-9);
+	assert_true(fabs(forces.force[2] / (forces.normal + soil->damping / 512 * area) - 1) < 1e-9);
 	/* Pressed on its eastern half only: the moment about y turns its nose, which is east, up. */
 	struct reference_ground half = made(30, 30, 0.1);
 	for (int i = 0; i < 900; i++)

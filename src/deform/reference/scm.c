@@ -6,6 +6,8 @@
 
 #include "deform/reference/reference.h"
 
+#define STEEPEST 19.974984 /* the normal's z is 0.05 */
+
 struct vector {
 	double x, y, z;
 };
@@ -18,7 +20,8 @@ struct post {
 	double largest;       /* z_max' */
 	double plastic;       /* what of that stays */
 	double stress;        /* along the normal */
-	bool held;
+	double damping;       /* besides: what comes of the speed */
+	bool touched, held;
 };
 
 static double dot(struct vector a, struct vector b)
@@ -37,22 +40,24 @@ static double plastic_of(const struct deform_soil *soil, double stiffness, doubl
 	return fmax(0, largest - stiffness * pow(largest, soil->bekker_n) / soil->elastic_stiffness);
 }
 
-/* Undisturbed surface; beside the field and at holes, that of `otherwise`. */
-static double undisturbed(const struct reference_ground *ground, int x, int y, int otherwise)
+/* How steep the undisturbed surface is along x or y: between the neighbours that there are. */
+static double slope(const struct reference_ground *ground, int at, int dx, int dy)
 {
-	int at = y * ground->width + x;
-	if (x < 0 || y < 0 || x >= ground->width || y >= ground->height || ground->hole[at])
-		at = otherwise;
-	return ground->base[at] + ground->heaped[at];
+	int x = at % ground->width, y = at / ground->width, low = at, high = at;
+	if (x >= dx && y >= dy && !ground->hole[at - dy * ground->width - dx])
+		low = at - dy * ground->width - dx;
+	if (x + dx < ground->width && y + dy < ground->height && !ground->hole[at + dy * ground->width + dx])
+		high = at + dy * ground->width + dx;
+	double rise = ground->base[high] + ground->heaped[high] - ground->base[low] - ground->heaped[low];
+	return low == at || high == at ? rise / ground->spacing : rise / (2 * ground->spacing);
 }
 
 static struct vector normal_at(const struct reference_ground *ground, int at)
 {
-	int x = at % ground->width, y = at / ground->width;
-	double east = (undisturbed(ground, x + 1, y, at) - undisturbed(ground, x - 1, y, at)) / (2 * ground->spacing);
-	double north = (undisturbed(ground, x, y + 1, at) - undisturbed(ground, x, y - 1, at)) / (2 * ground->spacing);
-	double length = sqrt(1 + east * east + north * north);
-	return (struct vector){-east / length, -north / length, 1 / length};
+	double east = slope(ground, at, 1, 0), north = slope(ground, at, 0, 1), steep = hypot(east, north);
+	/* A wall has no sinkage along its normal: what is steeper than this is taken as this steep. */
+	double less = fmin(1, STEEPEST / fmax(steep, 1)), length = hypot(1, less * steep);
+	return (struct vector){-east * less / length, -north * less / length, 1 / length};
 }
 
 /* b of Bekker's formula: a wheel's width, a box's short side, else the radius of a disc as large as what
@@ -105,16 +110,17 @@ static struct post post_of(const struct reference_ground *ground, const struct d
 		post.deepest = post.normal.z * (undisturbed_here - (fmin(under, rest) - lower));
 	post.largest = fmax(ground->pressed[at], post.deepest);
 	post.plastic = plastic_of(soil, stiffness, post.largest);
+	post.touched = post.deepest > post.plastic;
 	post.held = post.sinkage > post.plastic;
 	if (!post.held)
 		return post;
-	if (post.sinkage == post.largest)
-		post.stress = stiffness * pow(post.sinkage, soil->bekker_n);
-	else
-		post.stress = soil->elastic_stiffness * (post.sinkage - post.plastic);
+	/* Where it yields, that; below, in proportion: K_e, or what is steeper where all of the sinkage is elastic. */
+	post.stress = stiffness * pow(post.largest, soil->bekker_n);
+	if (post.sinkage < post.largest)
+		post.stress *= (post.sinkage - post.plastic) / (post.largest - post.plastic);
 	if (sweep->seconds > 0) {
 		double inwards = -dot(way_at(sweep, from_centre(ground, sweep, at, rest)), post.normal) / sweep->seconds;
-		post.stress += soil->damping * fmax(0, inwards);
+		post.damping = soil->damping * fmax(0, inwards);
 	}
 	return post;
 }
@@ -140,11 +146,12 @@ static void add_forces(struct reference_ground *ground, const struct deform_soil
 	struct vector along = {way.x - into * post->normal.x, way.y - into * post->normal.y, way.z - into * post->normal.z};
 	double moved = sqrt(dot(along, along));
 	ground->shear[at] += moved;
-	double shear = moved > 0 ? reference_janosi(soil, post->stress, ground->shear[at]) / moved : 0;
+	double stress = post->stress + post->damping;
+	double shear = moved > 0 ? reference_janosi(soil, stress, ground->shear[at]) / moved : 0;
 	struct vector force = {
-		(post->stress * post->normal.x - shear * along.x) * area,
-		(post->stress * post->normal.y - shear * along.y) * area,
-		(post->stress * post->normal.z - shear * along.z) * area,
+		(stress * post->normal.x - shear * along.x) * area,
+		(stress * post->normal.y - shear * along.y) * area,
+		(stress * post->normal.z - shear * along.z) * area,
 	};
 	struct vector moment = cross(arm, force);
 	forces->force[0] += force.x;
@@ -172,12 +179,13 @@ void reference_scm(struct reference_ground *ground, const struct deform_soil *so
 			continue;
 		struct post post = post_of(ground, soil, stiffness, sweep, i, under[i], rest[i], lower);
 		double before = plastic_of(soil, stiffness, ground->pressed[i]), was = ground->offset[i];
+		if (!post.touched)
+			continue;
 		if (post.held)
 			ground->offset[i] = rest[i] - lower - ground->base[i];
-		else if (post.largest > 0)
+		else
 			ground->offset[i] = ground->heaped[i] - post.plastic / post.normal.z;
-		if (post.deepest > before)
-			ground->contact[i] |= REFERENCE_SWEPT;
+		ground->contact[i] |= REFERENCE_SWEPT;
 		if (post.held)
 			ground->contact[i] |= REFERENCE_HELD;
 		ground->carried[i] = bulldozing * (post.plastic - before) / post.normal.z;

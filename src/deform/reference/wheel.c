@@ -49,9 +49,9 @@ static double weight(int i)
 double reference_arc_load(const struct deform_soil *soil, double sinkage, double width, double radius, bool rebound)
 {
 	double front = acos(1 - sinkage / radius), sum = 0;
-	double stays = sinkage - reference_bekker(soil, width, sinkage) / soil->elastic_stiffness;
-	double behind = acos(1 - (sinkage - fmax(0, stays)) / radius);
-	for (int i = 0; i <= PIECES; i++) {
+	double most = reference_bekker(soil, width, sinkage), stays = fmax(0, sinkage - most / soil->elastic_stiffness);
+	double behind = acos(1 - (sinkage - stays) / radius);
+	for (int i = 0; i <= PIECES && sinkage > 0; i++) {
 		/* From the point of contact; with its square the integrand is smooth there, as sqrt(z) is not. */
 		double u = (double)i / PIECES, angle = front * (1 - u * u);
 		double deep = fmax(0, sinkage - radius * (1 - cos(angle)));
@@ -60,7 +60,7 @@ double reference_arc_load(const struct deform_soil *soil, double sinkage, double
 			continue;
 		angle = behind * u;
 		deep = sinkage - radius * (1 - cos(angle));
-		sum += weight(i) * soil->elastic_stiffness * fmax(0, deep - fmax(0, stays)) * radius * cos(angle) * behind;
+		sum += weight(i) * most * fmax(0, deep - stays) / (sinkage - stays) * radius * cos(angle) * behind;
 	}
 	return width * sum;
 }
