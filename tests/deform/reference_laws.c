@@ -395,6 +395,32 @@ static void what_is_pressed_and_what_is_held_is_told(void **state)
 	reference_ground_finish(&ground);
 }
 
+/* Also beside a hole, where only one neighbour says so, and on a wall, which has a bound. */
+static void stress_is_along_the_undisturbed_normal(void **state)
+{
+	(void)state;
+	struct deform_params params = with(DEFORM_SCM, "dry_sand");
+	struct deform_shape plate = {.kind = DEFORM_BOX, .size = {0.1, 0.1, 1}};
+	struct reference_ground ground = made(20, 20, 0.1);
+	struct reference_forces forces;
+	params.bulldozing = params.iterations = 0;
+	for (int hole = 0; hole < 2; hole++) {
+		struct deform_sweep sweep = {.shape = &plate, .from = at(&ground, 9, 9 + hole, 0.85), .to = at(&ground, 9, 9 + hole, 0.85)};
+		for (int i = 0; i < 400; i++)
+			ground.base[i] = 0.05 * (i % 20);
+		ground.hole[POST(8, 10)] = hole;
+		swept(&ground, &params, &sweep, &forces);
+		assert_true(fabs(forces.force[0] / forces.force[2] + 0.5) < 1e-9 && fabs(forces.force[1]) < 1e-9);
+		assert_true(fabs(forces.sinkage - 0.1 / sqrt(1.25)) < 1e-5);
+	}
+	struct deform_sweep sweep = {.shape = &plate, .from = at(&ground, 10, 5, 9.5), .to = at(&ground, 10, 5, 9.5)};
+	for (int i = 0; i < 400; i++)
+		ground.base[i] = i % 20 < 10 ? 0 : 10;
+	swept(&ground, &params, &sweep, &forces);
+	assert_true(fabs(forces.sinkage - 0.05) < 1e-6);
+	reference_ground_finish(&ground);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -408,6 +434,7 @@ int main(void)
 		cmocka_unit_test(a_load_is_carried_wherever_there_is_ground),
 		cmocka_unit_test(heaped_soil_is_undisturbed),
 		cmocka_unit_test(what_is_pressed_and_what_is_held_is_told),
+		cmocka_unit_test(stress_is_along_the_undisturbed_normal),
 	};
 	return cmocka_run_group_tests_name("deform/reference_laws", tests, NULL, NULL);
 }
