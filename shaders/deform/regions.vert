@@ -2,7 +2,7 @@
 // One strip a block: its square of posts in the atlas, less what the pass need not work out any more.
 
 layout(std140, binding = 0) uniform regions {
-	ivec4 region; // a square's side; squares in a row; trimmed from each side of it; the first block
+	ivec4 squares; // a square's side; squares in a row; trimmed from each side of it; the first block
 };
 
 #define ATLAS_POSTS 256.0 /* DEFORM_WINDOW_POSTS */
@@ -11,8 +11,8 @@ flat out ivec3 block; // the first post that is drawn; the block
 
 void main()
 {
-	ivec2 square = ivec2(gl_InstanceID % region.y, gl_InstanceID / region.y);
-	ivec2 first = square * region.x + region.z, corner = ivec2(gl_VertexID & 1, gl_VertexID >> 1);
-	block = ivec3(first, region.w + gl_InstanceID);
-	gl_Position = vec4(vec2(first + corner * (region.x - 2 * region.z)) * (2.0 / ATLAS_POSTS) - 1.0, 0.0, 1.0);
+	ivec2 square = ivec2(gl_InstanceID % squares.y, gl_InstanceID / squares.y);
+	ivec2 first = square * squares.x + squares.z, corner = ivec2(gl_VertexID & 1, gl_VertexID >> 1);
+	block = ivec3(first, squares.w + gl_InstanceID);
+	gl_Position = vec4(vec2(first + corner * (squares.x - 2 * squares.z)) * (2.0 / ATLAS_POSTS) - 1.0, 0.0, 1.0);
 }

@@ -46,12 +46,10 @@ void main()
 	heap = imageLoad(heaps, at).r;
 #endif
 	bool ours = all(greaterThanEqual(post, written.xy)) && all(lessThan(post, written.zw));
+	bool still = !ours || base == BASE_NODATA;
 #ifdef HELD_STILL
-	const uint stays = HELD | HOLE;
-#else
-	const uint stays = HOLE;
+	still = still || (imageLoad(contacts, at).r & HELD) != 0u;
 #endif
-	bool still = !ours || (imageLoad(contacts, at).r & stays) != 0u;
 #ifdef DEPOSITS
 	uint deposit = ours ? uint(imageLoad(deposits, at).r) : 0u;
 	uint room = uint(max(0, SLIDE_HIGH - max(offset, heap)));

@@ -37,6 +37,10 @@ enum status deform_create(const struct deform_params *params, struct deform **ou
 	enum status status = gpu_buffer_create(params->gpu, GPU_STORAGE, sizeof(struct deform_tally), NULL, &deform->tally);
 	if (status == STATUS_OK)
 		status = deform_need_layers(deform, 1);
+	if (status == STATUS_OK && deform_conserves(params->model))
+		status = awake_create(deform);
+	if (status == STATUS_OK && deform_conserves(params->model))
+		status = interval_create(deform);
 	if (status != STATUS_OK) {
 		deform_destroy(deform);
 		return status;
@@ -49,6 +53,8 @@ void deform_destroy(struct deform *deform)
 {
 	if (deform == NULL)
 		return;
+	interval_destroy(deform->interval);
+	awake_destroy(deform->awake);
 	deform_drop_layers(deform);
 	deform_facets_destroy(deform->facets);
 	gpu_buffer_destroy(deform->tally);
@@ -77,24 +83,31 @@ int deform_gathers_into(const struct deform *deform, int plane)
 	return deform->params.model == DEFORM_SCM && (plane == PLANE_OFFSET || plane == PLANE_HEAPED);
 }
 
-static void gather(struct deform *deform, struct post_rect read, uint32_t layer, const struct deform_tile *tiles,
-		   size_t count)
+static int which(const struct deform *deform, int plane, bool atlas)
 {
-	struct gpu_rect all = {0, 0, (uint32_t)(read.x1 - read.x0), (uint32_t)(read.y1 - read.y0)};
+	return atlas ? 1 : deform_gathers_into(deform, plane);
+}
+
+void deform_gather(struct deform *deform, struct post_rect read, uint32_t layer, uint32_t x, uint32_t y, bool atlas,
+		   unsigned planes, const struct deform_tile *tiles, size_t count)
+{
+	struct gpu_rect all = {x, y, (uint32_t)(read.x1 - read.x0), (uint32_t)(read.y1 - read.y0)};
 	const struct post_rect world = {0, 0, world_tiles_x(deform->params.world, deform->params.level) *
 							      (int64_t)deform->params.world->cells + 1,
 					world_tiles_y(deform->params.world, deform->params.level) *
 							      (int64_t)deform->params.world->cells + 1};
 	bool beyond = read.x0 < 0 || read.y0 < 0 || read.x1 > world.x1 || read.y1 > world.y1;
 	for (int plane = 0; beyond && plane < PLANES; plane++)
-		if (deform->planes & PLANE_BIT(plane))
-			gpu_texture_clear(deform->planes_of[deform_gathers_into(deform, plane)][plane], layer, all, 0);
+		if (planes & PLANE_BIT(plane))
+			gpu_texture_clear(deform->planes_of[which(deform, plane, atlas)][plane], layer, all, 0);
 	if (beyond)
 		gpu_texture_clear(deform->bases, layer, all, BASE_NODATA);
 	for (size_t i = 0; i < count; i++) {
 		struct gpu_rect from, to;
 		if (!shared(deform, tiles[i].tile, read, read, &from, &to))
 			continue;
+		to.x += x;
+		to.y += y;
 		const struct gpu_slot *slot = gpu_slots_get(deform->params.slots, tiles[i].slot);
 		gpu_texture_copy(slot->base, 0, from.x, from.y, deform->bases, layer, to);
 		if (deform->classes != NULL && slot->classes != NULL)
@@ -102,10 +115,12 @@ static void gather(struct deform *deform, struct post_rect read, uint32_t layer,
 		else if (deform->classes != NULL)
 			gpu_texture_clear(deform->classes, layer, to, 0);
 		for (int plane = 0; plane < PLANES; plane++) {
-			struct gpu_texture *into = deform->planes_of[deform_gathers_into(deform, plane)][plane], *held = slot->planes[plane];
-			if (into != NULL && held != NULL)
+			if (!(planes & PLANE_BIT(plane)))
+				continue;
+			struct gpu_texture *into = deform->planes_of[which(deform, plane, atlas)][plane], *held = slot->planes[plane];
+			if (held != NULL)
 				gpu_texture_copy(held, 0, from.x, from.y, into, layer, to);
-			else if (into != NULL)
+			else
 				gpu_texture_clear(into, layer, to, 0);
 		}
 	}
@@ -117,7 +132,7 @@ enum status deform_compute(struct deform *deform, const struct deform_sweep *swe
 {
 	assert(window->read.x1 - window->read.x0 <= SIDE && window->read.y1 - window->read.y0 <= SIDE);
 	assert(layer < deform->layers);
-	gather(deform, window->read, layer, tiles, count);
+	deform_gather(deform, window->read, layer, 0, 0, false, deform->planes, tiles, count);
 	enum status status = deform_run_stages(deform, sweep, window, layer);
 	return status == STATUS_OK ? gpu_check(deform->params.gpu, "deformation") : status;
 }
@@ -130,23 +145,33 @@ enum status deform_warm(struct deform *deform, const struct deform_shape *shape)
 	return deform_compute(deform, &sweep, &window, 0, NULL, 0);
 }
 
-enum status deform_scatter(struct deform *deform, const struct deform_window *window, uint32_t layer,
-			   const struct deform_tile *tiles, size_t count)
+enum status deform_scatter_from(struct deform *deform, struct post_rect write, const struct scatter_from *scatter,
+				const struct deform_tile *tiles, size_t count)
 {
 	for (size_t i = 0; i < count; i++) {
 		struct gpu_rect to, from;
-		if (!shared(deform, tiles[i].tile, window->write, window->read, &to, &from))
+		if (!shared(deform, tiles[i].tile, write, write, &to, &from))
 			continue;
 		enum status status = gpu_slots_deform(deform->params.slots, tiles[i].slot);
 		if (status != STATUS_OK)
 			return status;
 		const struct gpu_slot *slot = gpu_slots_get(deform->params.slots, tiles[i].slot);
 		for (int plane = 0; plane < PLANES; plane++)
-			if (deform->planes & PLANE_BIT(plane))
-				gpu_texture_copy(deform->planes_of[deform->scratch[layer].now[plane]][plane], layer, from.x,
-						 from.y, slot->planes[plane], 0, to);
+			if (scatter->planes[plane] != NULL)
+				gpu_texture_copy(scatter->planes[plane], scatter->layer, scatter->x + from.x, scatter->y + from.y,
+						 slot->planes[plane], 0, to);
 	}
 	return gpu_check(deform->params.gpu, "deformation");
+}
+
+enum status deform_scatter(struct deform *deform, const struct deform_window *window, uint32_t layer,
+			   const struct deform_tile *tiles, size_t count)
+{
+	struct gpu_rect written = deform_written(window);
+	struct scatter_from from = {.layer = layer, .x = written.x, .y = written.y};
+	for (int plane = 0; plane < PLANES; plane++)
+		from.planes[plane] = deform->planes_of[deform->scratch[layer].now[plane]][plane];
+	return deform_scatter_from(deform, window->write, &from, tiles, count);
 }
 
 enum status deform_tally(struct deform *deform, struct deform_tally *tally)

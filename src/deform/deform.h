@@ -139,6 +139,44 @@ enum status deform_warm(struct deform *deform, const struct deform_shape *shape)
 enum status deform_scatter(struct deform *deform, const struct deform_window *window, uint32_t layer,
 			   const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
 
+/*
+ * Awake blocks: where the ground may slide on. Time and again (SOIL.md) the whole lattice makes `iterations`
+ * iterations of the sliding rule; only blocks of DEFORM_BLOCK x DEFORM_BLOCK posts that are awake are worked on. They are a
+ * superset of those that change, so what the ground becomes does not depend on which they are. Of models that
+ * conserve; for others nothing is ever awake.
+ */
+#define DEFORM_BLOCK 32
+#define DEFORM_BLOCKS_MAX 16384
+struct deform_block {
+	int64_t x, y; /* posts / DEFORM_BLOCK */
+};
+/* Those posts have changed, or what held them has gone. */
+enum status deform_wake(struct deform *deform, struct post_rect changed) FURROW_CHECKED;
+enum status deform_wake_block(struct deform *deform, struct deform_block block) FURROW_CHECKED; /* inside the world */
+/* All that are awake, in an order that they alone decide; valid until the next call. STATUS_FAILED: more than
+ * DEFORM_BLOCKS_MAX. Hardly ever waits. */
+enum status deform_awake(struct deform *deform, const struct deform_block **blocks, size_t *count) FURROW_CHECKED;
+
+/* An object where its last station put it. */
+struct deform_rest {
+	const struct deform_shape *shape;
+	struct deform_pose pose;
+};
+/* One interval: begin; gather each of `count` blocks; only then scatter each; end. Nothing to do if there are none. The
+ * objects stay the caller's until the end; what they rest on is held. */
+enum status deform_interval_begin(struct deform *deform, const struct deform_rest *objects, size_t object_count,
+				  size_t *count) FURROW_CHECKED;
+struct post_rect deform_interval_reads(const struct deform *deform, size_t block);
+struct post_rect deform_interval_writes(const struct deform *deform, size_t block);
+/* `tiles`: all that hold a post of what it reads, or writes. In the order of blocks. */
+enum status deform_interval_gather(struct deform *deform, size_t block, const struct deform_tile *tiles,
+				   size_t count) FURROW_CHECKED;
+enum status deform_interval_scatter(struct deform *deform, size_t block, const struct deform_tile *tiles,
+				    size_t count) FURROW_CHECKED;
+enum status deform_interval_end(struct deform *deform) FURROW_CHECKED;
+/* Posts along a side of what a block reads, at most. */
+int64_t deform_interval_side(const struct deform *deform);
+
 /* What is counted on the GPU since the start. */
 struct deform_tally {
 	int64_t compacted; /* quanta summed over posts: what conserving models lost for good */

@@ -18,6 +18,7 @@ enum scratch_target {
 	TO_SHED,    /* sumner: what is shed, where `carried` was */
 	TO_SLID,    /* offset plane 1, and what slides with it */
 	TO_DIRT,    /* dirt plane 1 */
+	TO_HELD,    /* contacts alone */
 	TO_BARE,    /* nothing: images and buffers */
 	SCRATCH_TARGETS
 };
@@ -55,9 +56,11 @@ struct deform {
 	struct gpu_texture *heights[2], *stills, *floors; /* while it slides; floors NULL: all soil is loose */
 	struct gpu_texture *classes;           /* of soil; NULL: there is but one */
 	struct gpu_texture *planes_of[2][PLANES]; /* [0] is gathered into, or what deform_gathers_into says */
-	struct layer scratch[DEFORM_WINDOWS_MAX];
+	struct layer scratch[DEFORM_WINDOWS_MAX + 1]; /* [layers]: the atlas of blocks, of models that conserve */
+	struct awake *awake;                   /* NULL: of others */
+	struct interval *interval;
 	struct gpu_program *under_program[DEFORM_SHAPES]; /* made when first needed, as all of them */
-	struct gpu_program *none, *box, *press, *dirt, *spread;
+	struct gpu_program *none, *box, *press, *dirt, *spread, *held;
 	struct gpu_program *facet;
 	struct facets *facets;                 /* meshes' and lugs': made when first needed */
 	struct gpu_program *slide_begin[2], *slide[2][2], *shed[2]; /* [over blocks][last iteration] */
@@ -191,6 +194,29 @@ enum status deform_slippage(struct deform *deform, const struct deform_sweep *sw
 			    uint32_t layer) FURROW_CHECKED;
 /* Classes of soil that a shader's parameters have room for. */
 int deform_soil_slots(const struct deform *deform);
+
+/* deform.c: the planes of a rectangle of posts to a place of a layer (of the atlas: planes_of[1]), and from there to
+ * tiles. */
+void deform_gather(struct deform *deform, struct post_rect read, uint32_t layer, uint32_t x, uint32_t y, bool atlas,
+		   unsigned planes, const struct deform_tile *tiles, size_t count);
+struct scatter_from {
+	struct gpu_texture *planes[PLANES]; /* NULL: stays as it is */
+	uint32_t layer, x, y;
+};
+enum status deform_scatter_from(struct deform *deform, struct post_rect write, const struct scatter_from *from,
+				const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
+
+/* awake.c */
+enum status awake_create(struct deform *deform) FURROW_CHECKED;
+void awake_destroy(struct awake *awake); /* takes NULL */
+/* The blocks of an interval that begins: the list stays as it is until awake_visited. */
+enum status awake_visit(struct deform *deform, const struct deform_block **blocks, size_t *count) FURROW_CHECKED;
+/* They were worked on; `flags` says what changed in each. */
+enum status awake_visited(struct deform *deform, struct gpu_buffer *flags) FURROW_CHECKED;
+
+/* interval.c */
+enum status interval_create(struct deform *deform) FURROW_CHECKED;
+void interval_destroy(struct interval *interval); /* takes NULL */
 
 /* stages.c: the passes over a gathered window. */
 enum status deform_run_stages(struct deform *deform, const struct deform_sweep *sweep,

@@ -5,7 +5,7 @@
 
 void deform_drop_layers(struct deform *deform)
 {
-	for (uint32_t i = 0; i < DEFORM_WINDOWS_MAX; i++) {
+	for (uint32_t i = 0; i <= DEFORM_WINDOWS_MAX; i++) {
 		for (int k = 0; k < SCRATCH_TARGETS; k++)
 			gpu_target_destroy(deform->scratch[i].to[k]);
 		memset(&deform->scratch[i], 0, sizeof deform->scratch[i]);
@@ -103,6 +103,7 @@ static enum status make_targets(struct deform *deform, uint32_t number)
 		attach(&of[TO_BEGUN], deform->stills, number);
 		attach(&of[TO_BEGUN], deform->planes_of[0][PLANE_HEAPED], number);
 		attach(&of[TO_BEGUN], deform->floors, number);
+		attach(&of[TO_HELD], deform->contacts, number);
 		attach(&of[TO_HEIGHTS_0], deform->heights[0], number);
 		attach(&of[TO_HEIGHTS_1], deform->heights[1], number);
 		if (deform->params.model == DEFORM_SUMNER)
@@ -127,8 +128,9 @@ enum status deform_need_layers(struct deform *deform, uint32_t layers)
 		return STATUS_OK;
 	/* Growing loses what the layers hold: a sweep grows them before its first window. */
 	deform_drop_layers(deform);
-	enum status status = make_textures(deform, layers);
-	for (uint32_t i = 0; i < layers && status == STATUS_OK; i++)
+	uint32_t all = layers + deform_conserves(deform->params.model); /* and the atlas */
+	enum status status = make_textures(deform, all);
+	for (uint32_t i = 0; i < all && status == STATUS_OK; i++)
 		status = make_targets(deform, i);
 	if (status == STATUS_OK)
 		deform->layers = layers;

@@ -1,0 +1,31 @@
+#version 450 core
+// Which posts of a block an object rests on. One fragment a post of what the object's window and the
+// block's square share.
+
+#include "lib/int64.glsl"
+#include "lib/window.glsl"
+
+layout(binding = 0, r32i) readonly uniform iimage2DArray rests;
+layout(binding = 1, r32i) readonly uniform iimage2DArray bases;
+layout(binding = 2, r32i) readonly uniform iimage2DArray offsets;
+
+layout(std140, binding = 0) uniform params {
+	ivec4 zero;   // lo, hi: the window's zero height, quanta from the store's reference; the window's layer, the atlas'
+	ivec4 window; // where its first post lies in the atlas
+};
+
+layout(location = 0) out uint contact_out;
+
+void main()
+{
+	ivec2 post = ivec2(gl_FragCoord.xy);
+	ivec3 at = ivec3(post, zero.w);
+	int base = imageLoad(bases, at).r, offset = imageLoad(offsets, at).r;
+	int rest = imageLoad(rests, ivec3(post - window.xy, zero.z)).r;
+	i64 ground = i64_sub(i64_shl(i64_from(base), 2), i64(zero.y, uint(zero.x)));
+	bool held = base != BASE_NODATA && rest != UNDER_NONE &&
+		    !i64_less(i64_add(ground, i64_from(offset + TOUCH)), i64_from(rest));
+	if (!held)
+		discard; // what another object holds stays held
+	contact_out = HELD;
+}

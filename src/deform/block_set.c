@@ -1,0 +1,86 @@
+#include "deform/block_set.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void block_set_finish(struct block_set *set)
+{
+	mem_free(set->blocks);
+	mem_free(set->places);
+	*set = (struct block_set){.count = 0};
+}
+
+static size_t place_of(const struct block_set *set, struct deform_block block)
+{
+	uint64_t hash = (uint64_t)block.x * 0x9e3779b97f4a7c15u ^ (uint64_t)block.y * 0xc2b2ae3d27d4eb4fu;
+	size_t place = (size_t)((hash ^ hash >> 32) & (set->room - 1));
+	for (;; place = (place + 1) & (set->room - 1)) {
+		uint32_t at = set->places[place];
+		if (at == 0 || (set->blocks[at - 1].x == block.x && set->blocks[at - 1].y == block.y))
+			return place;
+	}
+}
+
+static void index_all(struct block_set *set)
+{
+	memset(set->places, 0, set->room * sizeof *set->places);
+	for (size_t i = 0; i < set->count; i++)
+		set->places[place_of(set, set->blocks[i])] = (uint32_t)i + 1;
+}
+
+static enum status grow(struct block_set *set)
+{
+	size_t room = set->room != 0 ? 2 * set->room : 128;
+	struct deform_block *blocks = mem_realloc(set->blocks, room / 2, sizeof *blocks);
+	if (blocks == NULL)
+		return fail_memory("the awake blocks");
+	set->blocks = blocks;
+	uint32_t *places = mem_realloc(set->places, room, sizeof *places);
+	if (places == NULL)
+		return fail_memory("the awake blocks");
+	set->places = places;
+	set->room = room;
+	index_all(set);
+	return STATUS_OK;
+}
+
+enum status block_set_add(struct block_set *set, struct deform_block block)
+{
+	if (2 * set->count == set->room) {
+		enum status status = grow(set);
+		if (status != STATUS_OK)
+			return status;
+	}
+	size_t place = place_of(set, block);
+	if (set->places[place] == 0) {
+		set->blocks[set->count++] = block;
+		set->places[place] = (uint32_t)set->count;
+	}
+	return STATUS_OK;
+}
+
+void block_set_clear(struct block_set *set)
+{
+	if (set->count > 0)
+		memset(set->places, 0, set->room * sizeof *set->places);
+	set->count = 0;
+}
+
+/* The one with the higher differing bit decides. */
+static int morton(const void *pa, const void *pb)
+{
+	const struct deform_block *a = pa, *b = pb;
+	uint64_t dx = (uint64_t)(a->x ^ b->x), dy = (uint64_t)(a->y ^ b->y);
+	if (dx == 0 && dy == 0)
+		return 0;
+	bool by_x = dy < dx && dy < (dx ^ dy);
+	return (by_x ? a->x < b->x : a->y < b->y) ? -1 : 1;
+}
+
+void block_set_sort(struct block_set *set)
+{
+	if (set->count > 0)
+		qsort(set->blocks, set->count, sizeof *set->blocks, morton);
+	if (set->count > 0)
+		index_all(set);
+}

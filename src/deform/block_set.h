@@ -1,0 +1,20 @@
+/* A set of blocks: a list, and a table of places in it. One thread. Starts as {0}. */
+#ifndef FURROW_DEFORM_BLOCK_SET_H
+#define FURROW_DEFORM_BLOCK_SET_H
+
+#include "deform/deform.h"
+
+struct block_set {
+	struct deform_block *blocks; /* `count` of them, in the order in which they came */
+	uint32_t *places;            /* 1 + the index in blocks; 0: none */
+	size_t count, room;          /* room: of places, a power of two or 0; blocks have half of it */
+};
+
+void block_set_finish(struct block_set *set);
+enum status block_set_add(struct block_set *set, struct deform_block block) FURROW_CHECKED;
+/* Empties it and keeps the memory. */
+void block_set_clear(struct block_set *set);
+/* Along a Morton curve: what lies on a tile comes together, whatever the tiles' size. No block lies below 0. */
+void block_set_sort(struct block_set *set);
+
+#endif

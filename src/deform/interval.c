@@ -1,0 +1,269 @@
+/*
+ * An interval: all awake blocks make `iterations` iterations of the sliding rule, as if the whole lattice did.
+ *
+ * Blocks lie in an atlas, a layer like a window's, as many as it holds at a time, each in a square with a rim as
+ * wide as wrong values from beyond it can come. What they become waits in `results` until all have been
+ * gathered: no block sees what another has become.
+ */
+#include <assert.h>
+
+#include "deform/internal.h"
+
+#define RESULT_COLUMNS (SIDE / DEFORM_BLOCK)
+#define RESULTS (RESULT_COLUMNS * RESULT_COLUMNS) /* blocks a layer */
+
+struct interval {
+	const struct deform_block *blocks;
+	size_t count;
+	const struct deform_rest *objects;
+	size_t object_count;
+	uint32_t side, columns, batch; /* posts of a square, squares in a row, and in the atlas */
+	struct gpu_texture *results[PLANES];
+	uint32_t result_layers;
+	struct gpu_buffer *flags;      /* a word a block */
+};
+
+/* std140 twin of held.frag's block. */
+struct held_params {
+	uint32_t zero[4];
+	int32_t window[4];
+};
+
+int64_t deform_interval_side(const struct deform *deform)
+{
+	return DEFORM_BLOCK + 2 * deform_slide_rim(deform);
+}
+
+enum status interval_create(struct deform *deform)
+{
+	struct interval *interval = mem_calloc(1, sizeof *interval);
+	if (interval == NULL)
+		return fail_memory("the awake blocks");
+	deform->interval = interval;
+	interval->side = (uint32_t)deform_interval_side(deform);
+	interval->columns = SIDE / interval->side;
+	interval->batch = interval->columns * interval->columns;
+	return gpu_buffer_create(deform->params.gpu, GPU_STORAGE, DEFORM_BLOCKS_MAX * sizeof(uint32_t), NULL,
+				 &interval->flags);
+}
+
+static void drop_results(struct interval *interval)
+{
+	for (int plane = 0; plane < PLANES; plane++) {
+		gpu_texture_destroy(interval->results[plane]);
+		interval->results[plane] = NULL;
+	}
+	interval->result_layers = 0;
+}
+
+void interval_destroy(struct interval *interval)
+{
+	if (interval == NULL)
+		return;
+	drop_results(interval);
+	gpu_buffer_destroy(interval->flags);
+	mem_free(interval);
+}
+
+/* What slides. */
+static unsigned planes_of(const struct deform *deform)
+{
+	return deform->planes & (PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_HEAPED));
+}
+
+static enum status need_results(struct deform *deform, size_t blocks)
+{
+	struct interval *interval = deform->interval;
+	uint32_t layers = interval->result_layers;
+	while ((size_t)layers * RESULTS < blocks)
+		layers = layers != 0 ? 2 * layers : 1;
+	if (layers == interval->result_layers)
+		return STATUS_OK;
+	drop_results(interval);
+	enum status status = STATUS_OK;
+	for (int plane = 0; plane < PLANES && status == STATUS_OK; plane++)
+		if (planes_of(deform) & PLANE_BIT(plane))
+			status = gpu_texture_create(deform->params.gpu, GPU_R32I, SIDE, SIDE, layers, &interval->results[plane]);
+	if (status == STATUS_OK)
+		interval->result_layers = layers;
+	else
+		drop_results(interval);
+	return status;
+}
+
+static struct deform_sweep rest_sweep(const struct deform_rest *object)
+{
+	return (struct deform_sweep){.shape = object->shape, .from = object->pose, .to = object->pose};
+}
+
+enum status deform_interval_begin(struct deform *deform, const struct deform_rest *objects, size_t object_count,
+				  size_t *count)
+{
+	struct interval *interval = deform->interval;
+	*count = 0;
+	if (interval == NULL)
+		return STATUS_OK;
+	enum status status = awake_visit(deform, &interval->blocks, &interval->count);
+	if (status != STATUS_OK || interval->count == 0)
+		return status;
+	interval->objects = objects;
+	interval->object_count = object_count;
+	/* As many layers as the objects' windows will need: growing later would lose what is gathered. */
+	for (size_t i = 0; i < object_count && status == STATUS_OK; i++) {
+		const struct deform_sweep sweep = rest_sweep(&objects[i]);
+		struct deform_window windows[DEFORM_WINDOWS_MAX];
+		size_t needed;
+		status = deform_windows(deform, &sweep, windows, &needed);
+	}
+	if (status == STATUS_OK)
+		status = need_results(deform, interval->count);
+	gpu_buffer_clear(interval->flags, 0, interval->count * sizeof(uint32_t));
+	*count = interval->count;
+	return status;
+}
+
+struct post_rect deform_interval_writes(const struct deform *deform, size_t block)
+{
+	const struct world *world = deform->params.world;
+	const struct deform_block *at = &deform->interval->blocks[block];
+	int64_t x = at->x * DEFORM_BLOCK, y = at->y * DEFORM_BLOCK;
+	return post_rect_intersect((struct post_rect){x, y, x + DEFORM_BLOCK, y + DEFORM_BLOCK},
+				   (struct post_rect){0, 0, world_posts(world->width, deform->params.level),
+						      world_posts(world->height, deform->params.level)});
+}
+
+struct post_rect deform_interval_reads(const struct deform *deform, size_t block)
+{
+	const struct deform_block *at = &deform->interval->blocks[block];
+	int64_t rim = deform_slide_rim(deform), x = at->x * DEFORM_BLOCK - rim, y = at->y * DEFORM_BLOCK - rim;
+	return (struct post_rect){x, y, x + deform->interval->side, y + deform->interval->side};
+}
+
+/* Where a block's square begins in the atlas. */
+static void place_of(const struct interval *interval, size_t block, uint32_t *x, uint32_t *y)
+{
+	uint32_t square = (uint32_t)(block % interval->batch);
+	*x = square % interval->columns * interval->side;
+	*y = square / interval->columns * interval->side;
+}
+
+/* One window of an object at rest, whose underside is in layer 0, over one block. */
+static enum status hold(struct deform *deform, const struct deform_rest *object, struct post_rect window, size_t block)
+{
+	static const struct gpu_program_request request = {.vertex = "full.vert", .fragment = "deform/held.frag"};
+	struct post_rect square = deform_interval_reads(deform, block), both = post_rect_intersect(window, square);
+	uint32_t x, y;
+	if (post_rect_empty(both))
+		return STATUS_OK;
+	enum status status = deform_program(deform, &request, &deform->held);
+	if (status != STATUS_OK)
+		return status;
+	place_of(deform->interval, block, &x, &y);
+	int64_t zero = object->pose.z - (int64_t)deform->params.reference * (1 << OFFSET_BITS);
+	const struct held_params params = {
+		.zero = {(uint32_t)zero, (uint32_t)((uint64_t)zero >> 32), 0, deform->layers},
+		.window = {(int32_t)(window.x0 - square.x0 + x), (int32_t)(window.y0 - square.y0 + y)},
+	};
+	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
+		.stage = GPU_REDISTRIBUTE,
+		.program = deform->held,
+		.target = deform->scratch[deform->layers].to[TO_HELD],
+		.viewport = {(uint32_t)(both.x0 - square.x0) + x, (uint32_t)(both.y0 - square.y0) + y,
+			     (uint32_t)(both.x1 - both.x0), (uint32_t)(both.y1 - both.y0)},
+		.images = {deform->rest, deform->bases, deform->planes_of[1][PLANE_OFFSET]},
+		.params = &params,
+		.params_bytes = sizeof params,
+	});
+	return STATUS_OK;
+}
+
+static bool overlaps(const struct deform *deform, struct post_rect window, size_t first, size_t last)
+{
+	for (size_t block = first; block <= last; block++)
+		if (!post_rect_empty(post_rect_intersect(window, deform_interval_reads(deform, block))))
+			return true;
+	return false;
+}
+
+/* What an object rests on is held, as at the end of a sweep. */
+static enum status hold_all(struct deform *deform, const struct deform_rest *object, size_t first, size_t last)
+{
+	const struct deform_sweep sweep = rest_sweep(object);
+	struct deform_window windows[DEFORM_WINDOWS_MAX];
+	size_t count;
+	enum status status = deform_windows(deform, &sweep, windows, &count);
+	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+		if (!overlaps(deform, windows[i].read, first, last))
+			continue;
+		status = deform_underside(deform, &sweep, &windows[i], 0);
+		for (size_t block = first; block <= last && status == STATUS_OK; block++)
+			status = hold(deform, object, windows[i].read, block);
+	}
+	return status;
+}
+
+/* The atlas is full, or this was the last block. */
+static enum status compute(struct deform *deform, size_t first, size_t last)
+{
+	struct interval *interval = deform->interval;
+	const struct gpu_rect atlas = {0, 0, SIDE, SIDE};
+	uint32_t rim = (uint32_t)deform_slide_rim(deform);
+	enum status status = STATUS_OK;
+	gpu_texture_clear(deform->contacts, deform->layers, atlas, 0);
+	for (size_t i = 0; i < interval->object_count && status == STATUS_OK; i++)
+		status = hold_all(deform, &interval->objects[i], first, last);
+	const struct slide_place place = {
+		.layer = deform->layers,
+		.all = atlas,
+		.written = atlas,
+		.blocks = (uint32_t)(last - first + 1),
+		.side = interval->side,
+		.columns = interval->columns,
+		.first = (uint32_t)first,
+		.flags = interval->flags,
+	};
+	if (status == STATUS_OK)
+		status = deform_slide_run(deform, &place);
+	for (size_t block = first; block <= last && status == STATUS_OK; block++)
+		for (int plane = 0; plane < PLANES; plane++) {
+			uint32_t x, y, to = (uint32_t)(block % RESULTS);
+			place_of(interval, block, &x, &y);
+			if (interval->results[plane] != NULL)
+				gpu_texture_copy(deform->planes_of[1][plane], deform->layers, x + rim, y + rim,
+						 interval->results[plane], (uint32_t)(block / RESULTS),
+						 (struct gpu_rect){to % RESULT_COLUMNS * DEFORM_BLOCK,
+								   to / RESULT_COLUMNS * DEFORM_BLOCK, DEFORM_BLOCK, DEFORM_BLOCK});
+		}
+	return status == STATUS_OK ? gpu_check(deform->params.gpu, "sliding") : status;
+}
+
+enum status deform_interval_gather(struct deform *deform, size_t block, const struct deform_tile *tiles, size_t count)
+{
+	struct interval *interval = deform->interval;
+	uint32_t x, y;
+	assert(block < interval->count);
+	place_of(interval, block, &x, &y);
+	deform_gather(deform, deform_interval_reads(deform, block), deform->layers, x, y, true, planes_of(deform), tiles, count);
+	if (block % interval->batch != interval->batch - 1 && block != interval->count - 1)
+		return STATUS_OK;
+	return compute(deform, block - block % interval->batch, block);
+}
+
+enum status deform_interval_scatter(struct deform *deform, size_t block, const struct deform_tile *tiles, size_t count)
+{
+	const struct interval *interval = deform->interval;
+	uint32_t at = (uint32_t)(block % RESULTS);
+	struct scatter_from from = {
+		.layer = (uint32_t)(block / RESULTS),
+		.x = at % RESULT_COLUMNS * DEFORM_BLOCK,
+		.y = at / RESULT_COLUMNS * DEFORM_BLOCK,
+	};
+	for (int plane = 0; plane < PLANES; plane++)
+		from.planes[plane] = interval->results[plane];
+	return deform_scatter_from(deform, deform_interval_writes(deform, block), &from, tiles, count);
+}
+
+enum status deform_interval_end(struct deform *deform)
+{
+	return awake_visited(deform, deform->interval->flags);
+}
