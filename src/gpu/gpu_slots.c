@@ -358,6 +358,8 @@ enum status gpu_slots_upload_deform(struct gpu_slots *slots, uint32_t slot, stru
 	unsigned given = 0, fresh;
 	for (int plane = 0; plane < PLANES; plane++)
 		given |= places[plane] != GPU_NO_PLANE ? PLANE_BIT(plane) : 0;
+	if (entry->home != NULL) /* another tile's: this one may lack planes that it had */
+		release(slots, entry);
 	enum status status = need_planes(slots, entry, given, &fresh);
 	if (status != STATUS_OK)
 		return status;
