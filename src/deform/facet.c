@@ -26,6 +26,27 @@ static int32_t most(int32_t a, int32_t b)
 	return a > b ? a : b;
 }
 
+static double larger(double a, double b)
+{
+	return a > b ? a : b;
+}
+
+/* ldexp(1, n) and ilogb(v) of ordinary numbers: a mesh asks for ten of them a triangle. */
+static double power_of_two(int n)
+{
+	uint64_t bits = (uint64_t)(n + 1023) << 52;
+	double v;
+	memcpy(&v, &bits, sizeof v);
+	return v;
+}
+
+static int exponent_of(double v)
+{
+	uint64_t bits;
+	memcpy(&bits, &v, sizeof bits);
+	return (int)(bits >> 52 & 0x7ff) - 1023;
+}
+
 static int64_t floor_posts(int64_t place)
 {
 	return place >> FACET_BITS;
@@ -40,14 +61,14 @@ static int64_t ceil_posts(int64_t place)
  * A negative shift is one to the left. */
 static int affine_of(double at, double di, double dj, int shift_most, int32_t words[4])
 {
-	double slope = fmax(fabs(di), fabs(dj));
-	int shift = slope > 0 ? COEFFICIENT - 1 - ilogb(slope) : shift_most;
+	int shift = COEFFICIENT - 1 - exponent_of(larger(fabs(di), fabs(dj)));
 	shift = shift < shift_most ? shift : shift_most;
-	int64_t whole = llrint(ldexp(at, shift)) + (shift > 0 ? (int64_t)1 << (shift - 1) : 0);
+	double scale = power_of_two(shift);
+	int64_t whole = llrint(at * scale) + (shift > 0 ? (int64_t)1 << (shift - 1) : 0);
 	words[0] = (int32_t)(uint32_t)whole;
 	words[1] = (int32_t)(uint32_t)((uint64_t)whole >> 32);
-	words[2] = (int32_t)lrint(ldexp(di, shift));
-	words[3] = (int32_t)lrint(ldexp(dj, shift));
+	words[2] = (int32_t)lrint(di * scale);
+	words[3] = (int32_t)lrint(dj * scale);
 	return shift;
 }
 
@@ -69,9 +90,9 @@ static void edge_of(struct edge *edge, const struct facet_motion *motion, int32_
 	memset(side, 0, 4 * sizeof *side);
 	edge->when_shift = edge->side_shift = 0;
 	edge->kind = EDGE_ALONG;
-	if ((double)(aside < 0 ? -aside : aside) * ASIDE < hypot((double)x, (double)y))
+	if ((double)aside * (double)aside * ASIDE * ASIDE < (double)x * (double)x + (double)y * (double)y)
 		return;
-	double one = ldexp(1, ONE_BITS) / (double)aside, unit = UNIT / (double)aside;
+	double one = power_of_two(ONE_BITS) / (double)aside, unit = UNIT / (double)aside;
 	edge->kind = aside > 0 ? EDGE_ENTERS : EDGE_LEAVES;
 	edge->when_shift = affine_of(-(double)cross(x, y, -(int64_t)edge->from[0], -(int64_t)edge->from[1]) * one,
 				     (double)y * UNIT * one, -(double)x * UNIT * one, COEFFICIENT, when);
@@ -87,9 +108,9 @@ static int32_t rate_of(double rate, int *shift)
 	*shift = 0;
 	if (rate == 0)
 		return 0;
-	*shift = COEFFICIENT - 1 - ilogb(rate) + ONE_BITS;
+	*shift = COEFFICIENT - 1 - exponent_of(rate) + ONE_BITS;
 	*shift = *shift < 62 ? *shift : 62;
-	return (int32_t)lrint(ldexp(rate, *shift - ONE_BITS));
+	return (int32_t)lrint(rate * power_of_two(*shift - ONE_BITS));
 }
 
 /* The posts it is ever above: first and last, from the anchor. */
@@ -141,7 +162,7 @@ bool facet_of(const struct facet_corner corners[3], const struct facet_motion *m
 	double x1 = (double)at[1][0] - at[0][0], y1 = (double)at[1][1] - at[0][1], z1 = c[1]->z - c[0]->z;
 	double x2 = (double)at[2][0] - at[0][0], y2 = (double)at[2][1] - at[0][1], z2 = c[2]->z - c[0]->z;
 	double di = (z1 * y2 - z2 * y1) / (double)area * UNIT, dj = (z2 * x1 - z1 * x2) / (double)area * UNIT;
-	if (!(fmax(fabs(di), fabs(dj)) < STEEPEST))
+	if (!(larger(fabs(di), fabs(dj)) < STEEPEST))
 		return false;
 	int shifts[4], rate_shift;
 	uint32_t kinds = resting;
@@ -154,7 +175,7 @@ bool facet_of(const struct facet_corner corners[3], const struct facet_motion *m
 		kinds |= (uint32_t)edge.kind << (2 + 2 * k) | (uint32_t)(edge.side_shift + 32) << (14 + 6 * k);
 	}
 	double rate = (di * motion->x + dj * motion->y) / UNIT - motion->z;
-	facet->base[2] = rate_of(ldexp(rate, shifts[3]), &rate_shift);
+	facet->base[2] = rate_of(rate * power_of_two(shifts[3]), &rate_shift);
 	facet->base[0] = (int32_t)(posts[0][0] - window->x0);
 	facet->base[1] = (int32_t)(posts[1][0] - window->y0);
 	facet->base[3] = motion->z;

@@ -5,7 +5,7 @@
 #include "deform/facet.h"
 #include "deform/internal.h"
 
-#define ROOM 4096 /* facets a draw: half a megabyte */
+#define ROOM 512 /* facets a draw: drivers hand out so many bytes without asking the system */
 
 struct facets {
 	struct gpu_buffer *buffer;

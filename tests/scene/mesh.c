@@ -10,18 +10,20 @@ static const int sides[8][3] = {{0, 2, 1}, {0, 3, 2}, {0, 1, 4}, {3, 5, 2}, {0, 
 
 struct bytes {
 	unsigned char *at;
-	size_t length;
+	size_t length, room;
 };
 
 static void add(struct bytes *bytes, const void *more, size_t length)
 {
-	unsigned char *grown = realloc(bytes->at, bytes->length + length + 1);
-	if (grown == NULL)
-		abort();
-	memcpy(grown + bytes->length, more, length);
-	bytes->at = grown;
+	if (bytes->length + length + 1 > bytes->room) {
+		bytes->room = 2 * (bytes->length + length + 1);
+		bytes->at = realloc(bytes->at, bytes->room);
+		if (bytes->at == NULL)
+			abort();
+	}
+	memcpy(bytes->at + bytes->length, more, length);
 	bytes->length += length;
-	grown[bytes->length] = '\0';
+	bytes->at[bytes->length] = '\0';
 }
 
 #define ADD(bytes, ...)                                                                            \
@@ -32,7 +34,7 @@ static void add(struct bytes *bytes, const void *more, size_t length)
 
 static struct bytes obj_wedge(void)
 {
-	struct bytes obj = {NULL, 0};
+	struct bytes obj = {NULL, 0, 0};
 	ADD(&obj, "# a wedge\nmtllib none.mtl\no wedge\n");
 	for (int v = 0; v < 6; v++)
 		ADD(&obj, "v %g %g %g\n", (double)wedge[v][0], (double)wedge[v][1], (double)wedge[v][2]);
@@ -42,7 +44,7 @@ static struct bytes obj_wedge(void)
 
 static struct bytes ascii_wedge(void)
 {
-	struct bytes stl = {NULL, 0};
+	struct bytes stl = {NULL, 0, 0};
 	ADD(&stl, "solid wedge\n");
 	for (int t = 0; t < 8; t++) {
 		ADD(&stl, "facet normal 0 0 0\nouter loop\n");
@@ -57,7 +59,7 @@ static struct bytes ascii_wedge(void)
 
 static struct bytes binary_stl(const float (*corners)[3], uint32_t triangles)
 {
-	struct bytes stl = {NULL, 0};
+	struct bytes stl = {NULL, 0, 0};
 	char head[80] = "wedge";
 	const float normal[3] = {0, 0, 0};
 	const uint16_t rest = 0;
@@ -82,7 +84,7 @@ static struct bytes binary_wedge(void)
 /* The wedge as a glTF has it: left, up, front. */
 static struct bytes gltf_buffer(void)
 {
-	struct bytes buffer = {NULL, 0};
+	struct bytes buffer = {NULL, 0, 0};
 	for (int v = 0; v < 6; v++)
 		add(&buffer, (const float[3]){wedge[v][1], wedge[v][2], wedge[v][0]}, 3 * sizeof(float));
 	for (int i = 0; i < 24; i++)
@@ -101,14 +103,14 @@ static struct bytes gltf_buffer(void)
 
 static struct bytes text_of(const char *text)
 {
-	struct bytes bytes = {NULL, 0};
+	struct bytes bytes = {NULL, 0, 0};
 	add(&bytes, text, strlen(text));
 	return bytes;
 }
 
 static struct bytes glb(const char *json, struct bytes buffer)
 {
-	struct bytes all = {NULL, 0}, text = text_of(json);
+	struct bytes all = {NULL, 0, 0}, text = text_of(json);
 	while (text.length % 4 != 0)
 		add(&text, " ", 1);
 	const uint32_t head[] = {0x46546c67, 2, (uint32_t)(12 + 8 + text.length + 8 + buffer.length), (uint32_t)text.length,
@@ -291,12 +293,12 @@ static void what_is_cut_short_is_refused(void **state)
 	char *inside = edited(GLTF, ",\"uri\":\"wedge.bin\"", "");
 	struct bytes packed = glb(inside, buffer);
 	for (size_t length = 1; length < whole.length; length += length < 90 ? 7 : 31) {
-		struct bytes cut = {NULL, 0};
+		struct bytes cut = {NULL, 0, 0};
 		add(&cut, whole.at, length);
 		refused("a.stl", cut, "");
 	}
 	for (size_t length = 1; length < packed.length; length += length < 40 ? 3 : 37) {
-		struct bytes cut = {NULL, 0};
+		struct bytes cut = {NULL, 0, 0};
 		add(&cut, packed.at, length);
 		refused("a.glb", cut, "");
 	}
@@ -354,7 +356,7 @@ static void nothing_but_the_meshs_own_folder_is_opened(void **state)
 static void a_million_triangles_and_no_more(void **state)
 {
 	/* A mesh of 8 shown by 125,001 nodes. */
-	struct bytes json = {NULL, 0}, buffer = gltf_buffer();
+	struct bytes json = {NULL, 0, 0}, buffer = gltf_buffer();
 	ADD(&json, "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"children\":[1");
 	for (int i = 2; i <= 125001; i++)
 		ADD(&json, ",%d", i);
