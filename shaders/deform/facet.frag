@@ -13,11 +13,10 @@ layout(binding = 0, r32i) uniform iimage2DArray under;
 layout(binding = 1, r32i) uniform iimage2DArray rest;
 #endif
 
-layout(location = 0) flat in int number;
+layout(location = 0) flat in facet f;
 
 void main()
 {
-	facet f = facets[number];
 	ivec3 at = ivec3(ivec2(gl_FragCoord.xy), window.z);
 	ivec2 post = at.xy - f.base.xy, place = post << 16;
 	i64 height = affine(f.plane, post);

@@ -8,15 +8,15 @@ layout(std140, binding = 0) uniform params {
 	ivec4 window; // posts in x and y; the layer
 };
 
-const int FEW = 4;
+const int FEW = 2;
 
-layout(location = 0) flat out int number;
+layout(location = 0) flat out facet f;
 
 void main()
 {
 	ivec2 cover = facets[gl_InstanceID].cover.xy, low = cover & 0xffff, size = (cover >> 16) - low;
 	ivec2 corner = ivec2(gl_VertexID & 1, gl_VertexID >> 1);
 	corner = size.x <= FEW && size.y <= FEW ? low + size * 2 * (gl_VertexID < 3 ? corner : ivec2(0, 1)) : low + size * corner;
-	number = gl_InstanceID;
+	f = facets[gl_InstanceID];
 	gl_Position = vec4(vec2(corner) / vec2(window.xy) * 2.0 - 1.0, 0.0, 1.0);
 }
