@@ -1,7 +1,13 @@
 /*
- * What deformation costs: four wheels of 0.5 m radius and 0.4 m width, one station each a step, at
- * 0.125 m posts, under each model, without dirt and with. Wall clock around a finish; the median of
- * the steps of the median run. "draws": with the raster threads a process that draws keeps.
+ * What deformation costs, by model, spacing and number of objects: wheels of 0.5 m radius and 0.4 m width,
+ * 0.1 m deep, at 2 m/s over flat ground, one station a step (a post of travel), with the ground's
+ * intervals every 0.02 s, forces read back each step under scm, and every tile resident.
+ *
+ * Wall clock around a finish. step_ms is the mean over all steps, intervals included; p50 and p95 of
+ * single steps beside it; of several runs in turn the median. posts_per_s: posts of the windows that
+ * were written. copy_fraction: the bytes of the planes of those posts, once read and once written, a
+ * second, over what memcpy moves in the same process. "draws": with the raster threads a process that
+ * draws keeps. "quick": fewer runs.
  */
 #include <math.h>
 #include <stdio.h>
@@ -11,181 +17,264 @@
 #include "bench.h"
 #include "deform/deform.h"
 
-#define STEPS 400
-#define RUNS 5
-#define SCM_STEPS 200
-#define SIDE 4 /* tiles a side */
+enum { STEPS = 400, RUNS = 5, SIDE = 5, CELLS = 256, WHEELS_MOST = 4 };
 
-static const struct world world = {SIDE * 256 + 1, SIDE * 256 + 1, 0.125, 256};
 static const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4};
+static const char *const model_names[DEFORM_MODELS] = {"none", "box", "sumner", "slippage", "scm"};
 
-struct figures {
-	double median, p95;
-	struct gpu_stats stats;
-	char renderer[256];
+struct bench_case {
+	enum deform_model model;
+	double spacing;
+	int wheels;
+	bool dirt;
 };
 
-static struct deform_pose pose_of(int step, int number)
+struct ground {
+	struct bench_case of;
+	struct world world;
+	struct gpu *gpu;
+	struct gpu_slots *slots;
+	struct deform *deform;
+	struct deform_rest rests[WHEELS_MOST];
+	double posts; /* written by windows */
+};
+
+struct figures {
+	double mean, p50, p95; /* ms a step */
+	double posts, passes;  /* a step */
+};
+
+static struct deform_pose pose_of(const struct ground *ground, int step, int number)
 {
-	/* Across the corners of tiles: 32 m tiles, a diagonal through them. */
-	double along = 10 + 0.125 * step, side = number % 2 ? 0.9 : -0.9, back = number / 2 ? 2.6 : 0;
-	double yaw = M_PI / 4, c = cos(yaw), s = sin(yaw);
+	/* Begins a little before a tile's edge, and beside one. */
+	double start = (CELLS - 40) * ground->of.spacing, lane = CELLS * ground->of.spacing + 2.0 * number;
+	if (start < 1)
+		start = 1;
 	return (struct deform_pose){
-		.x = lattice_offset((along - back) * c - side * s + 4),
-		.y = lattice_offset((along - back) * s + side * c + 4),
+		.x = lattice_offset(start + ground->of.spacing * step),
+		.y = lattice_offset(lane),
 		.z = lattice_offset(0.4),
-		.yaw = yaw,
 	};
 }
 
-static void sweep_tiles(struct deform *deform, const struct world *ground, const struct deform_sweep *sweep)
+/* Every tile that shares a post with the rectangle. */
+static size_t tiles_of(const struct ground *ground, struct post_rect rect, struct deform_tile tiles[SIDE * SIDE])
 {
-	struct deform_window windows[DEFORM_WINDOWS_MAX];
-	size_t count;
-	bench_must(deform_windows(deform, sweep, windows, &count));
-	struct deform_tile tiles[16];
-	size_t tile_count = 0;
+	size_t count = 0;
 	struct tile first, last;
-	if (count != 1 || !tile_range_of(ground, 0, windows[0].read, &first, &last))
+	if (!tile_range_of(&ground->world, 0, rect, &first, &last))
 		bench_must(fail_with(STATUS_FAILED, "bench: the path leaves the terrain; mend it"));
 	for (uint32_t y = first.y; y <= last.y; y++)
 		for (uint32_t x = first.x; x <= last.x; x++)
-			tiles[tile_count++] = (struct deform_tile){{0, x, y}, y * SIDE + x};
-	bench_must(deform_compute(deform, sweep, &windows[0], 0, tiles, tile_count));
-	bench_must(deform_scatter(deform, &windows[0], 0, tiles, tile_count));
+			tiles[count++] = (struct deform_tile){{0, x, y}, y * SIDE + x};
+	return count;
 }
 
-static void one_step(struct deform *deform, int step)
+static void sweep(struct ground *ground, int step, int number)
 {
-	for (int number = 0; number < 4; number++) {
-		struct deform_sweep sweep = {.shape = &wheel, .from = pose_of(step, number), .to = pose_of(step + 1, number)};
-		sweep_tiles(deform, &world, &sweep);
+	double seconds = ground->of.spacing / 2;
+	struct deform_sweep sweep = {
+		.shape = &wheel,
+		.from = pose_of(ground, step, number),
+		.to = pose_of(ground, step + 1, number),
+		.seconds = seconds,
+		.turned = ground->of.spacing / (wheel.radius * 0.8), /* slip 0.2 */
+		.tag = ground->of.model == DEFORM_SCM ? 1 : 0,
+	};
+	struct deform_window windows[DEFORM_WINDOWS_MAX];
+	struct deform_tile tiles[SIDE * SIDE];
+	size_t count;
+	bench_must(deform_windows(ground->deform, &sweep, windows, &count));
+	for (size_t i = 0; i < count; i++)
+		bench_must(deform_compute(ground->deform, &sweep, &windows[i], (uint32_t)i, tiles,
+					  tiles_of(ground, windows[i].read, tiles)));
+	for (size_t i = 0; i < count; i++) {
+		const struct post_rect write = windows[i].write;
+		bench_must(deform_scatter(ground->deform, &windows[i], (uint32_t)i, tiles, tiles_of(ground, write, tiles)));
+		ground->posts += (double)((write.x1 - write.x0) * (write.y1 - write.y0));
 	}
+	ground->rests[number] = (struct deform_rest){&wheel, sweep.to};
 }
 
-static void fill_flat(struct gpu *gpu, struct gpu_slots *slots)
+static void interval(struct ground *ground)
 {
-	size_t flat_bytes = (size_t)tile_posts(&world) * tile_posts(&world) * sizeof(int32_t);
+	struct deform_tile tiles[SIDE * SIDE];
+	size_t count;
+	bench_must(deform_interval_begin(ground->deform, ground->rests, (size_t)ground->of.wheels, &count));
+	for (size_t i = 0; i < count; i++)
+		bench_must(deform_interval_gather(ground->deform, i, tiles,
+						  tiles_of(ground, deform_interval_reads(ground->deform, i), tiles)));
+	for (size_t i = 0; i < count; i++)
+		bench_must(deform_interval_scatter(ground->deform, i, tiles,
+						   tiles_of(ground, deform_interval_writes(ground->deform, i), tiles)));
+	if (count > 0)
+		bench_must(deform_interval_end(ground->deform));
+}
+
+static void take_forces(struct ground *ground)
+{
+	struct deform_forces forces;
+	bool taken = true;
+	bench_must(deform_forces_begin(ground->deform));
+	while (taken)
+		bench_must(deform_forces_take(ground->deform, true, &forces, &taken));
+}
+
+static void one_step(struct ground *ground, int step)
+{
+	double seconds = ground->of.spacing / 2;
+	for (int number = 0; number < ground->of.wheels; number++)
+		sweep(ground, step, number);
+	if (floor((step + 1) * seconds / 0.02) > floor(step * seconds / 0.02))
+		interval(ground);
+	if (ground->of.model == DEFORM_SCM)
+		take_forces(ground);
+}
+
+static void open_ground(const struct bench_case *of, bool draws, struct ground *ground)
+{
+	*ground = (struct ground){.of = *of, .world = {SIDE * CELLS + 1, SIDE * CELLS + 1, of->spacing, CELLS}};
+	bench_must(gpu_create(&(struct gpu_params){.draws = draws}, &ground->gpu));
+	bench_must(gpu_slots_create(ground->gpu, CELLS, SIDE * SIDE, deform_planes(of->model, of->dirt), &ground->slots));
+	size_t flat_bytes = (size_t)(CELLS + 1) * (CELLS + 1) * sizeof(int32_t);
 	struct gpu_staging *flat;
-	bench_must(gpu_staging_create(gpu, flat_bytes, &flat));
+	bench_must(gpu_staging_create(ground->gpu, flat_bytes, &flat));
 	memset(gpu_staging_bytes(flat), 0, flat_bytes);
-	for (uint32_t i = 0; i < SIDE * SIDE; i++) {
-		bench_must(gpu_slots_upload_base(slots, i, flat, 0));
-		bench_must(gpu_slots_deform(slots, i));
-	}
+	for (uint32_t i = 0; i < SIDE * SIDE; i++)
+		bench_must(gpu_slots_upload_base(ground->slots, i, flat, 0));
 	gpu_staging_destroy(flat);
-}
-
-static void measure(enum deform_model model, bool dirt, bool draws, struct figures *figures)
-{
-	struct gpu *gpu;
-	struct gpu_slots *slots;
-	struct deform *deform;
-	bench_must(gpu_create(&(struct gpu_params){.draws = draws}, &gpu));
-	bench_must(gpu_slots_create(gpu, world.cells, SIDE * SIDE, deform_planes(model, dirt), &slots));
-	fill_flat(gpu, slots);
 	struct deform_params params = {
-		.gpu = gpu,
-		.slots = slots,
-		.world = &world,
-		.model = model,
+		.gpu = ground->gpu,
+		.slots = ground->slots,
+		.world = &ground->world,
+		.model = of->model,
 		.box_radius = 1,
 		.box_repetitions = 1,
-		.dirt = dirt,
+		.soil_count = 1,
+		.iterations = 4,
+		.depth = of->model == DEFORM_SCM ? 0 : INFINITY,
+		.bulldozing = 0.5,
+		.dirt = of->dirt,
 	};
-	bench_must(deform_create(&params, &deform));
-	static double ms[STEPS];
-	double medians[RUNS], p95s[RUNS];
-	for (int run = 0; run < RUNS; run++) {
-		for (int step = 0; step < STEPS; step++) {
-			gpu_finish(gpu);
-			double began = clock_seconds();
-			one_step(deform, step);
-			gpu_finish(gpu);
-			ms[step] = (clock_seconds() - began) * 1e3;
-		}
-		medians[run] = bench_median(ms, STEPS);
-		p95s[run] = ms[STEPS * 95 / 100];
-	}
-	figures->median = bench_median(medians, RUNS);
-	figures->p95 = bench_median(p95s, RUNS);
-	gpu_stats(gpu, &figures->stats);
-	snprintf(figures->renderer, sizeof figures->renderer, "%s", gpu_info(gpu)->renderer);
-	deform_destroy(deform);
-	gpu_slots_destroy(slots);
-	gpu_destroy(gpu);
+	bench_must(deform_soil_named(of->model == DEFORM_SUMNER ? "sand" : "dry_sand", &params.soils[0]));
+	bench_must(deform_create(&params, &ground->deform));
+	bench_must(deform_warm(ground->deform, &wheel));
 }
 
-/* A cylinder's drive at 2 m/s over 1 cm posts, 0.1 m deep, with its rim and its forces; one station a step. */
-static void measure_scm(int wheels, bool draws)
+static void close_ground(struct ground *ground)
 {
-	static const struct world fine = {SIDE * 256 + 1, SIDE * 256 + 1, 0.01, 256};
-	struct gpu *gpu;
-	struct gpu_slots *slots;
-	struct deform *deform;
-	struct deform_params params = {.world = &fine, .model = DEFORM_SCM, .soil_count = 1, .iterations = 4, .bulldozing = 0.5, .relief = 100};
-	bench_must(gpu_create(&(struct gpu_params){.draws = draws}, &gpu));
-	bench_must(gpu_slots_create(gpu, fine.cells, SIDE * SIDE, deform_planes(DEFORM_SCM, false), &slots));
-	fill_flat(gpu, slots);
-	bench_must(deform_soil_named("dry_sand", &params.soils[0]));
-	params.gpu = gpu;
-	params.slots = slots;
-	bench_must(deform_create(&params, &deform));
-	static double ms[SCM_STEPS];
-	double median[RUNS];
-	for (int run = 0; run < RUNS; run++) {
-		for (int step = 0; step < SCM_STEPS; step++) {
-			gpu_finish(gpu);
-			double began = clock_seconds();
-			for (int number = 0; number < wheels; number++) {
-				struct deform_sweep sweep = {.shape = &wheel, .seconds = 0.005, .turned = 0.02 / 0.8, .tag = 1};
-				struct deform_pose pose = {.x = lattice_offset(1.5 + 0.01 * step), .z = lattice_offset(0.4),
-							   .y = lattice_offset(1 + 2.0 * number)};
-				sweep.from = sweep.to = pose;
-				sweep.to.x = lattice_offset(1.5 + 0.01 * (step + 1));
-				sweep_tiles(deform, &fine, &sweep);
-			}
-			bench_must(deform_forces_begin(deform));
-			struct deform_forces forces;
-			bool taken = true;
-			while (taken)
-				bench_must(deform_forces_take(deform, true, &forces, &taken));
-			gpu_finish(gpu);
-			ms[step] = (clock_seconds() - began) * 1e3;
-		}
-		for (uint32_t i = 0; i < SIDE * SIDE; i++)
-			gpu_slots_undeform(slots, i);
-		median[run] = bench_median(ms, SCM_STEPS);
+	deform_destroy(ground->deform);
+	gpu_slots_destroy(ground->slots);
+	gpu_destroy(ground->gpu);
+}
+
+static uint64_t passes(struct gpu *gpu)
+{
+	struct gpu_stats stats;
+	gpu_stats(gpu, &stats);
+	return stats.passes[GPU_DISPLACE] + stats.passes[GPU_REDISTRIBUTE] + stats.passes[GPU_ATTRIBUTES];
+}
+
+/* Over fresh ground each time. */
+static void run_once(struct ground *ground, struct figures *figures)
+{
+	static double ms[STEPS];
+	double sum = 0;
+	for (uint32_t i = 0; i < SIDE * SIDE; i++) {
+		gpu_slots_undeform(ground->slots, i);
+		bench_must(gpu_slots_deform(ground->slots, i));
 	}
-	printf("{\"bench\": \"deform\", \"model\": \"scm\", \"wheels\": %d, \"posts_m\": 0.01, \"draws\": %s, \"step_ms\": %.3f, "
-	       "\"gl\": \"%s\"}\n",
-	       wheels, draws ? "true" : "false", bench_median(median, RUNS), gpu_info(gpu)->renderer);
+	ground->posts = 0;
+	uint64_t before = passes(ground->gpu);
+	for (int step = 0; step < STEPS; step++) {
+		gpu_finish(ground->gpu);
+		double began = clock_seconds();
+		one_step(ground, step);
+		gpu_finish(ground->gpu);
+		ms[step] = (clock_seconds() - began) * 1e3;
+		sum += ms[step];
+	}
+	figures->mean = sum / STEPS;
+	figures->p50 = bench_median(ms, STEPS);
+	figures->p95 = ms[STEPS * 95 / 100];
+	figures->posts = ground->posts / STEPS;
+	figures->passes = (double)(passes(ground->gpu) - before) / STEPS;
+}
+
+/* Bytes a second, read and written, of a block that no cache holds. */
+static double copy_rate(void)
+{
+	enum { BYTES = 64 << 20, TIMES = 7 };
+	char *from = malloc(BYTES), *to = malloc(BYTES);
+	double rates[TIMES];
+	if (from == NULL || to == NULL)
+		bench_must(fail_memory("bench"));
+	memset(from, 1, BYTES);
+	memset(to, 2, BYTES);
+	for (int i = 0; i < TIMES; i++) {
+		double began = clock_seconds();
+		memcpy(to, from, BYTES);
+		rates[i] = 2.0 * BYTES / (clock_seconds() - began);
+		from[i] = to[BYTES - 1 - i];
+	}
+	free(from);
+	free(to);
+	return bench_median(rates, TIMES);
+}
+
+static size_t post_bytes(const struct bench_case *of)
+{
+	size_t bytes = sizeof(int32_t); /* base */
+	for (int plane = 0; plane < PLANES; plane++)
+		if (deform_planes(of->model, of->dirt) & PLANE_BIT(plane))
+			bytes += plane_bytes((enum plane)plane);
+	return bytes;
+}
+
+static void measure(const struct bench_case *of, bool draws, int runs, double rate)
+{
+	struct ground ground;
+	struct figures each[RUNS];
+	double mean[RUNS], p50[RUNS], p95[RUNS];
+	open_ground(of, draws, &ground);
+	run_once(&ground, &each[0]); /* warms */
+	for (int i = 0; i < runs; i++) {
+		run_once(&ground, &each[i]);
+		mean[i] = each[i].mean;
+		p50[i] = each[i].p50;
+		p95[i] = each[i].p95;
+	}
+	double ms = bench_median(mean, (size_t)runs), posts_per_s = each[0].posts / ms * 1e3;
+	printf("{\"bench\": \"deform\", \"model\": \"%s\", \"posts_m\": %g, \"wheels\": %d, \"dirt\": %s, \"draws\": %s, "
+	       "\"step_ms\": %.3f, \"p50\": %.3f, \"p95\": %.3f, \"posts\": %.0f, \"posts_per_s\": %.3g, \"passes\": %.1f, "
+	       "\"post_bytes\": %zu, \"copy_fraction\": %.4f, \"gl\": \"%s\"}\n",
+	       model_names[of->model], of->spacing, of->wheels, of->dirt ? "true" : "false", draws ? "true" : "false", ms,
+	       bench_median(p50, (size_t)runs), bench_median(p95, (size_t)runs), each[0].posts, posts_per_s, each[0].passes,
+	       post_bytes(of), posts_per_s * (double)post_bytes(of) * 2 / rate, gpu_info(ground.gpu)->renderer);
 	fflush(stdout);
-	deform_destroy(deform);
-	gpu_slots_destroy(slots);
-	gpu_destroy(gpu);
+	close_ground(&ground);
+}
+
+static bool says(int argc, char **argv, const char *word)
+{
+	for (int i = 1; i < argc; i++)
+		if (strcmp(argv[i], word) == 0)
+			return true;
+	return false;
 }
 
 int main(int argc, char **argv)
 {
+	static const double spacings[] = {0.25, 0.125, 0.03125, 0.01};
 	/* A process settles llvmpipe's threads once: draws or not is an argument. */
-	bool draws = argc > 1 && argv[1][0] == 'd';
-	for (int wheels = 1; wheels <= 4; wheels += 3)
-		measure_scm(wheels, draws);
-	for (int model = DEFORM_NONE; model <= DEFORM_BOX_FILTER; model++)
-		for (int dirt = 0; dirt < 2; dirt++) {
-			struct figures f;
-			measure((enum deform_model)model, dirt, draws, &f);
-			double steps = (double)STEPS * RUNS;
-			printf("{\"bench\": \"deform\", \"model\": \"%s\", \"dirt\": %s, \"wheels\": 4, \"posts_m\": 0.125, "
-			       "\"draws\": %s, \"step_ms\": %.3f, \"step_ms_p95\": %.3f, \"passes\": %.1f, \"gl\": \"%s\"}\n",
-			       model == DEFORM_NONE ? "none" : "box", dirt ? "true" : "false", draws ? "true" : "false", f.median,
-			       f.p95,
-			       (double)(f.stats.passes[GPU_DISPLACE] + f.stats.passes[GPU_REDISTRIBUTE] +
-					f.stats.passes[GPU_ATTRIBUTES]) /
-				       steps,
-			       f.renderer);
-			fflush(stdout);
-		}
+	bool draws = says(argc, argv, "draws"), quick = says(argc, argv, "quick");
+	double rate = copy_rate();
+	printf("{\"bench\": \"deform\", \"memcpy_bytes_per_s\": %.3g}\n", rate);
+	for (int model = 0; model < DEFORM_MODELS; model++)
+		for (size_t s = 0; s < sizeof spacings / sizeof spacings[0]; s++)
+			for (int wheels = 1; wheels <= WHEELS_MOST; wheels *= 4)
+				for (int dirt = 0; dirt < (spacings[s] == 0.125 ? 2 : 1); dirt++)
+					measure(&(struct bench_case){(enum deform_model)model, spacings[s], wheels, dirt == 1}, draws,
+						quick ? 1 : RUNS, rate);
 	return 0;
 }
