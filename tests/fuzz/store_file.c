@@ -23,7 +23,7 @@
 #define TEXTS 6               /* copies of a text that is as long as the file */
 /* SQLite's own: two connections' caches, values as long as the file; and one that only says that it is as
  * long as the limit that the store sets (store_connect.c): SQLite makes room for it before it looks. */
-#define SQLITE_BYTES (24u << 20)
+#define SQLITE_BYTES (36u << 20)
 #define SQLITE_FILES 8
 
 #define WINDOW 24
