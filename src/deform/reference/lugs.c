@@ -31,14 +31,14 @@ bool reference_lugs(const struct deform_sweep *sweep, const long double way[3], 
 		    long double *z)
 {
 	const struct deform_shape *shape = sweep->shape;
-	long double c = cosl(sweep->to.yaw), s = sinl(sweep->to.yaw), turned = (long double)sweep->to.turn - sweep->from.turn;
+	long double c = cosl(sweep->to.yaw), s = sinl(sweep->to.yaw), turned = sweep->turned;
 	bool found = false, moves = way[0] != 0 || way[1] != 0 || way[2] != 0 || turned != 0;
 	for (int look = moves ? 0 : LOOKS; look <= LOOKS; look++) {
 		long double t = (long double)look / LOOKS, px = x - t * way[0], py = y - t * way[1], w;
 		if (fabsl(py * c - px * s) > shape->width / 2.0L)
 			continue;
 		for (int i = 0; i < shape->lugs; i++) {
-			long double angle = sweep->from.turn + t * turned + 2 * 3.14159265358979323846264L * i / shape->lugs;
+			long double angle = sweep->to.turn - (1 - t) * turned + 2 * 3.14159265358979323846264L * i / shape->lugs;
 			if (!cut(shape, angle, px * c + py * s, &w))
 				continue;
 			*z = found ? fminl(*z, w + t * way[2]) : w + t * way[2];
