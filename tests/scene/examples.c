@@ -7,9 +7,11 @@
 #include <cmocka.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "scene/scene.h"
 
+/* NULL: it has meshes, and this build none. */
 static struct scene *load(const char *name)
 {
 	char path[1024];
@@ -18,9 +20,11 @@ static struct scene *load(const char *name)
 	if (scenes == NULL)
 		skip();
 	snprintf(path, sizeof path, "%s/%s.yaml", scenes, name);
-	if (scene_load(path, NULL, 0, &scene) != STATUS_OK)
+	if (scene_load(path, NULL, 0, &scene) == STATUS_OK)
+		return scene;
+	if (strstr(failure_message(), "this build reads no meshes") == NULL)
 		fail_msg("%s", failure_message());
-	return scene;
+	return NULL;
 }
 
 static void every_example_loads_and_stays_within_its_ground(void **state)
@@ -33,9 +37,12 @@ static void every_example_loads_and_stays_within_its_ground(void **state)
 	} examples[] = {
 		{"demo", 4, 40, 130, true},  {"rover", 6, 40, 100, true}, {"table2", 4, 40, 410, true},
 		{"convoy", 12, 20, 200, true}, {"shapes", 3, 40, 85, true}, {"bare", 1, 40, 100, false},
+		{"foot", 2, 59, 66, true}, {"tracks", 2, 40, 90, true},
 	};
 	for (size_t e = 0; e < sizeof examples / sizeof examples[0]; e++) {
 		struct scene *scene = load(examples[e].name);
+		if (scene == NULL)
+			continue;
 		assert_int_equal(scene->object_count, examples[e].objects);
 		assert_int_equal(scene->view.present, examples[e].view);
 		for (size_t i = 0; i < scene->object_count; i++)
