@@ -183,6 +183,31 @@ static inline uint8_t *ground_contacts(struct ground *ground)
 	return contacts;
 }
 
+/* What rests at a sweep's end is what an object is above that only stands there. */
+static inline void assert_rests_where_it_ends(struct ground *ground, const struct deform_sweep *sweep)
+{
+	struct gpu_rect all = rect_of(0, 0, SIDE, SIDE);
+	int32_t *rest = ground_room(SIDE * SIDE, sizeof *rest), *under = ground_room(SIDE * SIDE, sizeof *under);
+	assert_ok(deform_windows(ground->deform, sweep, ground->windows, &ground->window_count));
+	const struct deform_window *window = &ground->windows[0];
+	assert_ok(deform_underside(ground->deform, sweep, window, 0));
+	gpu_texture_read(ground->deform->rest, 0, all, rest);
+	struct deform_sweep standing = *sweep;
+	standing.from = standing.to;
+	standing.turned = 0;
+	assert_ok(deform_underside(ground->deform, &standing, window, 0));
+	gpu_texture_read(ground->deform->under, 0, all, under);
+	int above = 0;
+	for (int64_t y = 0; y < window->read.y1 - window->read.y0; y++)
+		for (int64_t x = 0; x < window->read.x1 - window->read.x0; x++) {
+			assert_int_equal(rest[y * SIDE + x], under[y * SIDE + x]);
+			above += under[y * SIDE + x] != UNDER_NONE;
+		}
+	assert_true(above > 20);
+	mem_free(rest);
+	mem_free(under);
+}
+
 /* Metres from a place on the lattice to a post of the block. */
 static inline long double ground_from(const struct ground *ground, int64_t post, int64_t place)
 {

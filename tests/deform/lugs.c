@@ -156,17 +156,10 @@ static void without_lugs_it_is_the_smooth_wheel(void **state)
 	sweep.shape = &none;
 	int32_t *b = swept(&ground, &sweep);
 	assert_memory_equal(a, b, (size_t)(ground.posts * ground.posts) * sizeof *a);
-	/* With lugs it presses what it pressed, or deeper. */
 	mem_free(b);
 	sweep.shape = &lugged;
-	ground_reset(&ground);
-	ground_sweep(&ground, &sweep);
-	uint8_t *contacts = ground_contacts(&ground);
-	int held = 0;
-	for (int64_t k = 0; k < ground.posts * ground.posts; k++)
-		held += contacts[k] == 3;
-	assert_true(held > 0);
-	mem_free(contacts);
+	sweep.turned = 0.1;
+	assert_rests_where_it_ends(&ground, &sweep);
 	mem_free(a);
 	ground_finish(&ground);
 }

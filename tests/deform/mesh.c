@@ -356,6 +356,22 @@ static void what_stands_under_an_arch_is_left_standing(void **state)
 	ground_finish(&ground);
 }
 
+static void it_rests_where_it_ends(void **state)
+{
+	static struct made made;
+	struct ground ground;
+	(void)state;
+	need_gpu();
+	ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .spacing = 0.0625, .model = DEFORM_BOX_FILTER, .radius = 1});
+	for (int k = 0; k < 20; k++) {
+		make_any(&made, k % 5, 1);
+		struct deform_shape shape = {.kind = DEFORM_MESH, .mesh = &made.mesh};
+		struct deform_sweep sweep = any_sweep(&ground, &shape, k);
+		assert_rests_where_it_ends(&ground, &sweep);
+	}
+	ground_finish(&ground);
+}
+
 static void ten_thousand_kilometres_away_are_the_same_bits(void **state)
 {
 	static const double fine[] = {0.25, 0.140625, 0.0009765625 * 93};
@@ -435,6 +451,7 @@ int main(void)
 		cmocka_unit_test(a_brick_is_the_box),
 		cmocka_unit_test(a_fine_ball_is_the_sphere),
 		cmocka_unit_test(what_stands_under_an_arch_is_left_standing),
+		cmocka_unit_test(it_rests_where_it_ends),
 		cmocka_unit_test(ten_thousand_kilometres_away_are_the_same_bits),
 		cmocka_unit_test(shapes_know_their_size),
 		cmocka_unit_test(any_number_of_triangles),
