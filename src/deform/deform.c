@@ -142,7 +142,8 @@ enum status deform_warm(struct deform *deform, const struct deform_shape *shape)
 	const struct deform_sweep sweep = {.shape = shape, .to = {.x = 1}}; /* in motion, however little */
 	const struct post_rect beyond = {-64, -64, -48, -48};
 	const struct deform_window window = {beyond, beyond};
-	return deform_compute(deform, &sweep, &window, 0, NULL, 0);
+	enum status status = deform_compute(deform, &sweep, &window, 0, NULL, 0);
+	return status == STATUS_OK && deform->interval != NULL ? interval_warm(deform, shape) : status;
 }
 
 enum status deform_scatter_from(struct deform *deform, struct post_rect write, const struct scatter_from *scatter,

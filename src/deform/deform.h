@@ -93,6 +93,9 @@ struct deform_params {
 /* The planes that a model keeps: a mask of PLANE_BIT. */
 unsigned deform_planes(enum deform_model model, bool dirt);
 
+/* Whether it moves soil, and loses none but what is compacted. */
+bool deform_conserves(enum deform_model model);
+
 struct deform;
 
 /* STATUS_INPUT, with the limit, if the shape cannot be simulated at this spacing. */

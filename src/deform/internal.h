@@ -76,9 +76,6 @@ bool deform_is_contact_only(const struct deform_sweep *sweep);
 
 int deform_gathers_into(const struct deform *deform, int plane);
 
-/* Whether a model moves soil, and loses none but what is compacted. */
-bool deform_conserves(enum deform_model model);
-
 /* scratch.c: textures and targets for `layers` windows. */
 enum status deform_need_layers(struct deform *deform, uint32_t layers) FURROW_CHECKED;
 void deform_drop_layers(struct deform *deform);
@@ -216,6 +213,8 @@ enum status awake_visited(struct deform *deform, struct gpu_buffer *flags) FURRO
 
 /* interval.c */
 enum status interval_create(struct deform *deform) FURROW_CHECKED;
+/* As deform_warm. */
+enum status interval_warm(struct deform *deform, const struct deform_shape *shape) FURROW_CHECKED;
 void interval_destroy(struct interval *interval); /* takes NULL */
 
 /* stages.c: the passes over a gathered window. */

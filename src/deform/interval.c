@@ -249,6 +249,23 @@ enum status deform_interval_gather(struct deform *deform, size_t block, const st
 	return compute(deform, block - block % interval->batch, block);
 }
 
+enum status interval_warm(struct deform *deform, const struct deform_shape *shape)
+{
+	static const struct deform_block beyond = {-4, -4};
+	struct interval *interval = deform->interval;
+	const struct deform_rest object = {.shape = shape};
+	interval->blocks = &beyond;
+	interval->count = 1;
+	interval->object_count = 0;
+	enum status status = need_results(deform, 1);
+	if (status == STATUS_OK)
+		status = deform_interval_gather(deform, 0, NULL, 0);
+	if (status == STATUS_OK)
+		status = hold(deform, &object, deform_interval_reads(deform, 0), 0);
+	interval->count = 0;
+	return status;
+}
+
 enum status deform_interval_scatter(struct deform *deform, size_t block, const struct deform_tile *tiles, size_t count)
 {
 	const struct interval *interval = deform->interval;

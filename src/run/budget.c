@@ -38,9 +38,25 @@ static size_t window_tiles(const struct drive *drive, const struct deform_shape 
 	       tiles_across(at_most(all.y1 - all.y0), world->cells, world_tiles_y(world, drive->level));
 }
 
+/* Of a block's square. */
+static size_t block_tiles(const struct drive *drive)
+{
+	const struct world *world = &drive->meta->world;
+	int64_t side = deform_interval_side(drive->deform);
+	return tiles_across(side, world->cells, world_tiles_x(world, drive->level)) *
+	       tiles_across(side, world->cells, world_tiles_y(world, drive->level));
+}
+
 enum status budget_check(struct drive *drive)
 {
 	const struct scene *scene = drive->scene;
+	size_t block = drive->deform != NULL && deform_conserves(scene->model) ? block_tiles(drive) : 0;
+	if (block > BUDGET_WINDOW_TILES || block > scene->slots)
+		return fail_with(STATUS_INPUT, "cache.slots: a block of ground that slides touches up to %zu tiles of %u cells at "
+					       "once, and there are %u slots (at most %d are used); give more, or import with "
+					       "larger tiles (--tile)",
+				 block, drive->meta->world.cells, scene->slots, BUDGET_WINDOW_TILES);
+	drive->window_tiles = block;
 	for (size_t i = 0; i < scene->object_count; i++) {
 		size_t tiles = window_tiles(drive, &scene->objects[i].shape);
 		if (tiles > BUDGET_WINDOW_TILES)
@@ -67,6 +83,10 @@ uint32_t budget_step_pages(const struct drive *drive)
 		double along = track_fastest(drive->riders[i].track) * drive->scene->time_step / side + 2, across = ceil(size / side) + 1;
 		pages += 2 * along * across + across * across;
 	}
+	/* What slides on behind them: a block on a tile of its own each, at worst. */
+	if (deform_conserves(drive->scene->model))
+		pages += fmin(DEFORM_BLOCKS_MAX, (double)world_tiles_x(&drive->meta->world, drive->level) *
+							 world_tiles_y(&drive->meta->world, drive->level));
 	return pages < 1e6 ? (uint32_t)pages + 4 : 1000000;
 }
 

@@ -107,8 +107,9 @@ static enum status mount_riders(struct drive *drive)
 {
 	const struct scene *scene = drive->scene;
 	drive->riders = mem_calloc(scene->object_count, sizeof *drive->riders);
+	drive->rests = mem_calloc(scene->object_count, sizeof *drive->rests);
 	drive->record = mem_calloc(1, record_bytes(scene->object_count));
-	if (drive->riders == NULL || drive->record == NULL)
+	if (drive->riders == NULL || drive->rests == NULL || drive->record == NULL)
 		return fail_memory("the objects");
 	for (size_t i = 0; i < scene->object_count; i++) {
 		struct rider *rider = &drive->riders[i];
@@ -205,6 +206,8 @@ static enum status start_gpu(struct drive *drive)
 	memcpy(deform.soils, scene->soils, sizeof deform.soils);
 	if (status == STATUS_OK && scene->object_count > 0)
 		status = deform_create(&deform, &drive->deform);
+	for (size_t i = 0; i < drive->record->awake_count && status == STATUS_OK; i++)
+		status = deform_wake_block(drive->deform, drive->record->awake[i]);
 	if (status == STATUS_OK)
 		status = forces_create(drive, &drive->forces);
 	if (status == STATUS_OK)
@@ -363,6 +366,7 @@ static void finish(struct drive *drive, enum status status)
 	for (size_t i = 0; drive->riders != NULL && i < drive->scene->object_count; i++)
 		track_destroy(drive->riders[i].track);
 	mem_free(drive->riders);
+	mem_free(drive->rests);
 	mem_free(drive->events);
 	mem_free(drive->record);
 	if (drive->epochs != NULL)

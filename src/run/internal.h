@@ -75,6 +75,9 @@ struct drive {
 	struct view *view;       /* NULL without one */
 	FILE *epochs;
 	struct rider *riders;
+	struct deform_rest *rests; /* room for all objects */
+	int64_t intervals;       /* of sliding, done or passed since the scene's start */
+	uint64_t blocks_visited;
 	struct event *events;    /* of the present step */
 	size_t event_count, event_room;
 	struct wishes wishes;    /* pages needed in and after the present step */
@@ -126,7 +129,29 @@ enum status prefetch_step(struct prefetch *prefetch) FURROW_CHECKED;
 /* Before the first: waits for it too, as far as there are slots, so that no step pays. */
 enum status prefetch_first(struct prefetch *prefetch) FURROW_CHECKED;
 
-/* sweep.c: one station's deformation. `last`: no other of this object follows in this step. */
+/* Tiles that are pinned together. */
+#define BUDGET_WINDOW_TILES 64 /* that a window may touch at most */
+struct held_tiles {
+	struct deform_tile tiles[BUDGET_WINDOW_TILES];
+	uint64_t keys[BUDGET_WINDOW_TILES];
+	size_t count;
+};
+
+/* awake.c: the ground at large */
+/* What is over at `time` is: of the scene's start, or of what was resumed. */
+void drive_intervals_from(struct drive *drive, double time);
+/* All intervals before `time`, or also the one at it. */
+enum status drive_intervals(struct drive *drive, double time, bool at_it) FURROW_CHECKED;
+/* What the rider rests on it rests on no longer. */
+enum status drive_let_go(struct drive *drive, const struct rider *rider) FURROW_CHECKED;
+
+/* sweep.c: one station's deformation. */
+/* Pins all tiles that hold a post of the rectangle; none after a failure. */
+enum status drive_hold(struct drive *drive, struct post_rect rect, struct held_tiles *held) FURROW_CHECKED;
+void drive_release(struct drive *drive, struct held_tiles *held);
+/* The posts of the rectangle have changed in the held tiles: all who must know are told. */
+enum status drive_mark(struct drive *drive, struct post_rect rect, const struct held_tiles *held) FURROW_CHECKED;
+/* `last`: no other of this object follows in this step. */
 enum status drive_sweep(struct drive *drive, const struct event *event, bool last) FURROW_CHECKED;
 
 /* forces.c; a NULL forces is none. */
@@ -151,7 +176,6 @@ struct forces_figures {
 void forces_figures(const struct forces *forces, struct forces_figures *figures);
 
 /* budget.c */
-#define BUDGET_WINDOW_TILES 64 /* that a window may touch at most */
 /* STATUS_INPUT, with the number needed, if there are fewer slots than one window touches tiles. */
 enum status budget_check(struct drive *drive) FURROW_CHECKED;
 /* Most pages one step can touch, for the queue's bound. */

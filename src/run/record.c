@@ -60,6 +60,21 @@ static bool put_object(cJSON *objects, const struct record_object *from, const c
 	       put_whole(object, "skipped", from->skipped);
 }
 
+/* "x,y;" for each block. */
+static bool put_awake(cJSON *root, const struct record *record)
+{
+	const size_t most = 2 * 20 + 3;
+	char *text = mem_alloc(record->awake_count * most + 1, 1), *at = text;
+	if (text == NULL)
+		return false;
+	*at = '\0';
+	for (size_t i = 0; i < record->awake_count; i++)
+		at += snprintf(at, most, "%lld,%lld;", (long long)record->awake[i].x, (long long)record->awake[i].y);
+	bool whole = cJSON_AddStringToObject(root, "awake", text) != NULL;
+	mem_free(text);
+	return whole;
+}
+
 char *record_print(const struct record *record, const struct scene *scene, const struct record_sums *sums)
 {
 	cJSON *root = cJSON_CreateObject(), *objects;
@@ -67,7 +82,7 @@ char *record_print(const struct record *record, const struct scene *scene, const
 		     put_whole(root, "level", record->level) &&
 		     cJSON_AddBoolToObject(root, "ended", record->ended) != NULL &&
 		     put_whole(root, "below", sums->below) && put_whole(root, "above", sums->above) &&
-		     put_whole(root, "compacted", sums->compacted) && (objects = cJSON_AddArrayToObject(root, "objects")) != NULL;
+		     put_whole(root, "compacted", sums->compacted) && put_awake(root, record) && (objects = cJSON_AddArrayToObject(root, "objects")) != NULL;
 	for (size_t i = 0; i < scene->object_count && whole; i++)
 		whole = put_object(objects, &record->objects[i], scene->objects[i].name);
 	char *printed = whole ? cJSON_PrintUnformatted(root) : NULL, *text = NULL;
@@ -137,6 +152,33 @@ static bool get_object(const cJSON *object, const char *name, struct record_obje
 	       get_whole(object, "skipped", 0, &to->skipped) && to->skipped <= to->next;
 }
 
+/* A number of a block, and the character behind it. */
+static bool get_place(const char **at, char behind, int64_t *value)
+{
+	char *end;
+	if (**at < '0' || **at > '9')
+		return false;
+	errno = 0;
+	*value = strtoll(*at, &end, 10);
+	*at = end + 1;
+	return errno == 0 && *end == behind;
+}
+
+static bool get_awake(const cJSON *root, struct record *record)
+{
+	const char *at = get_text(root, "awake");
+	record->awake_count = 0;
+	if (at == NULL)
+		return false;
+	while (*at != '\0') {
+		struct deform_block *block = &record->awake[record->awake_count];
+		if (record->awake_count == DEFORM_BLOCKS_MAX || !get_place(&at, ',', &block->x) || !get_place(&at, ';', &block->y))
+			return false;
+		record->awake_count++;
+	}
+	return true;
+}
+
 enum status record_damaged(const char *store, const char *why)
 {
 	return fail_with(STATUS_INPUT, "%s: what its last drive left to go on from is damaged: %s; drive without --resume, "
@@ -180,6 +222,8 @@ static enum status parse_root(const cJSON *root, const char *store, struct recor
 	    !get_whole(root, "above", -SUM_MOST, &sums->above) || sums->above > SUM_MOST ||
 	    !get_whole(root, "compacted", -SUM_MOST, &sums->compacted) || sums->compacted > SUM_MOST)
 		return record_damaged(store, "its sums");
+	if (!get_awake(root, record))
+		return record_damaged(store, "what was awake");
 	return STATUS_OK;
 }
 

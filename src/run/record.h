@@ -45,6 +45,8 @@ struct record {
 	int level;            /* the working level */
 	bool ended;           /* the drive was complete with this step */
 	struct record_sums sums; /* only of one that was read */
+	size_t awake_count;   /* blocks where the ground may slide on */
+	struct deform_block awake[DEFORM_BLOCKS_MAX];
 	struct record_object objects[]; /* as many as the scene has, in its order */
 };
 

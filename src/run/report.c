@@ -141,6 +141,15 @@ static void add_objects(cJSON *root, const struct drive *drive)
 	}
 }
 
+static void add_slide(cJSON *root, const struct drive *drive, const struct page_stats *pages)
+{
+	int64_t side = (drive->meta->world.cells + DEFORM_BLOCK - 1) / DEFORM_BLOCK;
+	cJSON *slide = cJSON_AddObjectToObject(root, "slide");
+	json_integer(slide, "awake", (int64_t)drive->record->awake_count);
+	json_integer(slide, "visited", (int64_t)drive->blocks_visited);
+	json_integer(slide, "possible", (int64_t)pages->touched * side * side);
+}
+
 static void add_view(cJSON *root, const struct drive *drive)
 {
 	struct view_figures figures;
@@ -179,6 +188,8 @@ static void add_process(cJSON *root, const struct drive *drive, const struct pag
 	add_memory(root, drive, &gpu, io);
 	add_io(root, drive, io, &ground);
 	json_number(root, "refused_posts", known ? (double)tally.refused : (double)NAN);
+	if (deform_conserves(drive->scene->model))
+		add_slide(root, drive, &pages);
 	if (drive->view != NULL)
 		add_view(root, drive);
 }

@@ -52,6 +52,14 @@ static enum status check(struct drive *drive)
 		return record_damaged(store, "its step and its time do not agree");
 	if (record->level != drive->level)
 		return record_damaged(store, "its level is not the store's");
+	const struct world *world = &drive->meta->world;
+	int64_t width = world_posts(world->width, drive->level), height = world_posts(world->height, drive->level);
+	for (size_t i = 0; i < record->awake_count; i++)
+		if (record->awake[i].x >= (width + DEFORM_BLOCK - 1) / DEFORM_BLOCK ||
+		    record->awake[i].y >= (height + DEFORM_BLOCK - 1) / DEFORM_BLOCK)
+			return record_damaged(store, "what was awake lies beyond the ground");
+	if (record->awake_count > 0 && !deform_conserves(drive->scene->model))
+		return record_damaged(store, "something is awake that cannot be");
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < drive->scene->object_count && status == STATUS_OK; i++)
 		status = check_object(drive, &drive->riders[i], &record->objects[i]);

@@ -1,5 +1,6 @@
 /* The step loop: events, deformation, epochs, frames; and the times it took. */
 #include <math.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "run/internal.h"
@@ -24,9 +25,19 @@ double drive_step_time(const struct scene *scene, int64_t step)
 	return time < scene->end_time * (1 - 1e-12) ? time : scene->end_time;
 }
 
-static void fill_record(struct drive *drive)
+static enum status fill_record(struct drive *drive)
 {
 	struct record *record = drive->record;
+	const struct deform_block *awake;
+	size_t count = 0;
+	if (drive->deform != NULL) {
+		enum status status = deform_awake(drive->deform, &awake, &count);
+		if (status != STATUS_OK)
+			return status;
+	}
+	if (count > 0)
+		memcpy(record->awake, awake, count * sizeof *awake);
+	record->awake_count = count;
 	record->step = drive->step;
 	record->time = drive->time;
 	record->level = drive->level;
@@ -43,6 +54,7 @@ static void fill_record(struct drive *drive)
 			.skipped = rider->skipped,
 		};
 	}
+	return STATUS_OK;
 }
 
 static enum status deform_step(struct drive *drive, double until)
@@ -51,10 +63,13 @@ static enum status deform_step(struct drive *drive, double until)
 	for (size_t i = 0; i < drive->event_count && status == STATUS_OK; i++) {
 		struct event *event = &drive->events[i];
 		struct rider *rider = &drive->riders[event->rider];
-		status = forces_rows(drive->forces, event->time, false);
+		status = drive_intervals(drive, event->time, false);
+		if (status == STATUS_OK)
+			status = forces_rows(drive->forces, event->time, false);
 		if (status != STATUS_OK)
 			return status;
 		if (!event->contact) {
+			status = drive_let_go(drive, rider);
 			rider->in_contact = false;
 			rider->skipped++;
 			forces_absent(drive->forces, event->rider, event);
@@ -65,6 +80,8 @@ static enum status deform_step(struct drive *drive, double until)
 			rider->sinkage = event->sinkage;
 		status = drive_sweep(drive, event, event->next_time > until);
 	}
+	if (status == STATUS_OK)
+		status = drive_intervals(drive, until, true);
 	return status == STATUS_OK ? forces_end_step(drive->forces, until) : status;
 }
 
@@ -76,10 +93,11 @@ static bool is_image_step(const struct drive *drive)
 
 enum status drive_begin(struct drive *drive)
 {
+	drive_intervals_from(drive, drive->time);
 	/* Killed before its first epoch it is not to be taken for the drive before it. */
 	if (!drive->resumed) {
-		fill_record(drive);
-		return page_cache_flush(drive->cache, drive->record);
+		enum status status = fill_record(drive);
+		return status == STATUS_OK ? page_cache_flush(drive->cache, drive->record) : status;
 	}
 	/* The step was committed; its picture may not have been written. One that was cut short is yet to end. */
 	bool ended = drive->step == drive->record->step;
@@ -109,8 +127,8 @@ static enum status one_step(struct drive *drive)
 	drive->time = until;
 	if (drive->scout != NULL)
 		scout_tell(drive->scout, until);
-	fill_record(drive);
-	return page_cache_end_step(drive->cache, drive->record);
+	status = fill_record(drive);
+	return status == STATUS_OK ? page_cache_end_step(drive->cache, drive->record) : status;
 }
 
 void drive_stalls(const struct drive *drive, struct stalls *stalls)

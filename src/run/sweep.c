@@ -4,13 +4,7 @@
 
 #include "run/internal.h"
 
-struct held {
-	struct deform_tile tiles[BUDGET_WINDOW_TILES];
-	uint64_t keys[BUDGET_WINDOW_TILES];
-	size_t count;
-};
-
-static enum status hold(struct drive *drive, struct post_rect rect, struct held *held)
+enum status drive_hold(struct drive *drive, struct post_rect rect, struct held_tiles *held)
 {
 	const struct world *world = &drive->meta->world;
 	struct tile first, last;
@@ -43,31 +37,36 @@ static enum status hold(struct drive *drive, struct post_rect rect, struct held 
 	return STATUS_OK;
 }
 
-static void release(struct drive *drive, const struct held *held)
+void drive_release(struct drive *drive, struct held_tiles *held)
 {
 	for (size_t i = 0; i < held->count; i++)
 		page_cache_unpin(drive->cache, held->keys[i]);
+	held->count = 0;
 }
 
-/* Scatters a window; the held tiles that share a post of it are dirty then. */
-static enum status scatter(struct drive *drive, const struct deform_window *window, uint32_t layer,
-			   const struct held *held)
+enum status drive_mark(struct drive *drive, struct post_rect rect, const struct held_tiles *held)
 {
-	struct deform_tile written[BUDGET_WINDOW_TILES] = {{{0, 0, 0}, 0}};
-	size_t count = 0;
-	for (size_t i = 0; i < held->count; i++)
-		if (!post_rect_empty(post_rect_intersect(window->write,
-							 tile_post_rect(&drive->meta->world, held->tiles[i].tile))))
-			written[count++] = held->tiles[i];
-	enum status status = deform_scatter(drive->deform, window, layer, written, count);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
-		page_cache_dirty(drive->cache, tile_key(written[i].tile));
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < held->count && status == STATUS_OK; i++) {
+		struct tile tile = held->tiles[i].tile;
+		if (post_rect_empty(post_rect_intersect(rect, tile_post_rect(&drive->meta->world, tile))))
+			continue;
+		page_cache_dirty(drive->cache, held->keys[i]);
 		if (drive->pyramid != NULL)
-			status = pyramid_changed(drive->pyramid, written[i].tile, window->write);
+			status = pyramid_changed(drive->pyramid, tile, rect);
 		if (status == STATUS_OK && drive->view != NULL)
-			status = view_deformed(drive->view, written[i].tile);
+			status = view_deformed(drive->view, tile);
 	}
 	return status;
+}
+
+static enum status scatter(struct drive *drive, const struct deform_window *window, uint32_t layer,
+			   const struct held_tiles *held)
+{
+	enum status status = deform_scatter(drive->deform, window, layer, held->tiles, held->count);
+	if (status == STATUS_OK)
+		status = drive_mark(drive, window->write, held);
+	return status == STATUS_OK ? deform_wake(drive->deform, window->write) : status;
 }
 
 /* How it rolled from one station to the next: by its slip s, as far as way / (r (1 - s)). */
@@ -101,25 +100,28 @@ enum status drive_sweep(struct drive *drive, const struct event *event, bool las
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	size_t count = 0;
 	enum status status = deform_windows(drive->deform, &sweep, windows, &count);
-	struct held held = {.count = 0};
+	struct held_tiles held = {.count = 0};
 	if (status == STATUS_OK && count > 0)
 		sweep.tag = forces_ask(drive->forces, event->rider, event, last);
 	else
 		forces_absent(drive->forces, event->rider, event);
+	/* What it stood on is free, if it has jumped or turned. */
+	if (status == STATUS_OK)
+		status = drive_let_go(drive, rider);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
-		status = hold(drive, windows[i].read, &held);
+		status = drive_hold(drive, windows[i].read, &held);
 		if (status == STATUS_OK)
 			status = deform_compute(drive->deform, &sweep, &windows[i], (uint32_t)i, held.tiles, held.count);
 		if (status == STATUS_OK && count == 1)
 			status = scatter(drive, &windows[0], 0, &held);
-		release(drive, &held);
+		drive_release(drive, &held);
 	}
 	/* Several windows read the ground as it was before any of them changed it. */
 	for (size_t i = 0; count > 1 && i < count && status == STATUS_OK; i++) {
-		status = hold(drive, windows[i].write, &held);
+		status = drive_hold(drive, windows[i].write, &held);
 		if (status == STATUS_OK)
 			status = scatter(drive, &windows[i], (uint32_t)i, &held);
-		release(drive, &held);
+		drive_release(drive, &held);
 	}
 	rider->in_contact = true;
 	rider->last = sweep.to;

@@ -31,8 +31,8 @@ static const char *model(const char *name)
 	return setting;
 }
 
-static const char *const models[] = {"none", "box"};
-#define MODELS 2
+static const char *const models[] = {"none", "box", "sumner", "slippage", "scm"};
+#define MODELS 5
 
 static const char *fresh_store(const char *name, struct world shape)
 {
