@@ -208,6 +208,47 @@ static inline void assert_rests_where_it_ends(struct ground *ground, const struc
 	mem_free(under);
 }
 
+/* Of a sweep that is made to ask. */
+static inline struct deform_forces ground_forces(struct ground *ground, const struct deform_sweep *sweep)
+{
+	static uint64_t tag;
+	struct deform_sweep asked = *sweep;
+	struct deform_forces forces;
+	bool taken;
+	asked.tag = ++tag;
+	ground_sweep(ground, &asked);
+	assert_ok(deform_forces_begin(ground->deform));
+	assert_ok(deform_forces_take(ground->deform, true, &forces, &taken));
+	assert_true(taken && forces.tag == tag);
+	return forces;
+}
+
+/* One plane of the block, int32 whatever it is kept in; posts that tiles share must be the same in all of them. */
+static inline int32_t *ground_plane(struct ground *ground, enum plane plane)
+{
+	int64_t cells = ground->params.cells, side = cells + 1;
+	int32_t *all = ground_room(ground->posts * ground->posts, sizeof *all);
+	bool *known = ground_room(ground->posts * ground->posts, sizeof *known);
+	char *posts = ground_room(side * side, 4);
+	for (uint32_t k = 0; k < ground->tile_count; k++) {
+		void *planes[PLANES] = {NULL};
+		planes[plane] = posts;
+		assert_ok(staged_read_planes(test_gpu, ground->slots, ground->params.cells, k, planes));
+		for (int64_t i = 0; i < side * side; i++) {
+			int64_t at = (k / ground->params.tiles * cells + i / side) * ground->posts + k % ground->params.tiles * cells + i % side;
+			int32_t value = plane_bytes(plane) == 4   ? ((int32_t *)posts)[i]
+					: plane_bytes(plane) == 2 ? ((uint16_t *)posts)[i]
+								  : ((uint8_t *)posts)[i];
+			assert_true(!known[at] || all[at] == value);
+			known[at] = true;
+			all[at] = value;
+		}
+	}
+	mem_free(known);
+	mem_free(posts);
+	return all;
+}
+
 /* Metres from a place on the lattice to a post of the block. */
 static inline long double ground_from(const struct ground *ground, int64_t post, int64_t place)
 {

@@ -1,0 +1,161 @@
+/* Loads: the height found on the GPU is that at which the soil's normal force is the load, against a bisection in double. */
+#include "ground.h"
+
+#define LOADS 7
+
+static const char *const soils[] = {"dry_sand", "sandy_loam_15", "sandy_loam_22", "clayey_38", "heavy_clay_25", "heavy_clay_40",
+				    "lean_clay_22", "lete_sand", "upland_loam_51", "snow_us", "snow_sweden", "lunar"};
+
+/* Posts' heights of the underside above the object's lowest, m; fresh flat ground. */
+struct field {
+	double *above;
+	size_t count;
+};
+
+static struct field field_of(const struct ground *ground, const struct deform_sweep *sweep)
+{
+	struct field field = {ground_room(ground->posts * ground->posts, sizeof *field.above), 0};
+	double reach = deform_shape_reach(sweep->shape, 0, 0);
+	for (int64_t i = 0; i < ground->posts * ground->posts; i++) {
+		long double z;
+		if (reference_underside(sweep, ground_from(ground, i % ground->posts, sweep->to.x),
+					ground_from(ground, i / ground->posts, sweep->to.y), &z))
+			field.above[field.count++] = (double)z + reach;
+	}
+	return field;
+}
+
+/* N at a sinkage of the lowest point. */
+static double force_at(const struct field *field, const struct deform_soil *soil, double width, double spacing, double sinkage)
+{
+	double sum = 0;
+	size_t touched = 0;
+	for (size_t i = 0; i < field->count; i++)
+		if (field->above[i] < sinkage) {
+			sum += pow(sinkage - field->above[i], soil->bekker_n);
+			touched++;
+		}
+	double post = spacing * spacing, b = width > 0 ? width : sqrt((double)touched * post / M_PI);
+	return touched > 0 ? (soil->bekker_kc / b + soil->bekker_kphi) * sum * post : 0;
+}
+
+static void try_shape(const struct deform_shape *shape, double width, double spacing)
+{
+	double reach = deform_shape_reach(shape, 0, 0);
+	for (size_t k = 0; k < sizeof soils / sizeof *soils; k++) {
+		struct ground ground;
+		struct deform_soil soil;
+		assert_ok(deform_soil_named(soils[k], &soil));
+		ground_init(&ground, &(struct ground_params){.cells = 64, .tiles = 2, .first = 2, .spacing = spacing, .model = DEFORM_SCM,
+							     .soils = &soil});
+		for (int i = 0; i < LOADS; i++) {
+			double load = pow(10, i);
+			struct deform_pose pose = ground_pose(&ground, 64.37, 64.21, reach - deform_sinkage_guess(shape, &soil, load));
+			struct deform_sweep sweep = {.shape = shape, .from = pose, .to = pose, .load = load};
+			struct field field = field_of(&ground, &sweep);
+			ground_reset(&ground);
+			struct deform_forces forces = ground_forces(&ground, &sweep);
+			double sinkage = reach - lattice_offset_metres(forces.z), quantum = 0x1p-20;
+			double low = force_at(&field, &soil, width, spacing, sinkage - 1.5 * quantum);
+			double high = force_at(&field, &soil, width, spacing, sinkage + 1.5 * quantum);
+			bool carried = force_at(&field, &soil, width, spacing, 2 * reach) > load;
+			assert_true(forces.sunk == !carried);
+			if (carried && (low > load * (1 + 1e-5) || high < load * (1 - 1e-5)))
+				fail_msg("%s, %g N: sunk %.9g m, which bears %.9g to %.9g N", soils[k], load, sinkage, low, high);
+			assert_true(carried || fabs(sinkage - 2 * reach) < 1e-3); /* of its first post */
+			mem_free(field.above);
+		}
+		ground_finish(&ground);
+	}
+}
+
+static void plates_stand_where_the_soil_carries_them(void **state)
+{
+	const struct deform_shape plate = {.kind = DEFORM_BOX, .size = {0.6, 0.3, 0.4}};
+	(void)state;
+	need_gpu();
+	try_shape(&plate, 0.3, 0.03125);
+}
+
+static void wheels_stand_where_the_soil_carries_them(void **state)
+{
+	const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.3};
+	(void)state;
+	need_gpu();
+	try_shape(&wheel, 0.3, 0.03125);
+}
+
+static void spheres_stand_where_the_soil_carries_them(void **state)
+{
+	const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 0.5};
+	(void)state;
+	need_gpu();
+	try_shape(&ball, 0, 0.03125);
+}
+
+static void the_guess_does_not_matter(void **state)
+{
+	const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.3};
+	struct ground ground;
+	int64_t z = 0;
+	(void)state;
+	need_gpu();
+	ground_init(&ground, &(struct ground_params){.cells = 64, .tiles = 2, .first = 2, .spacing = 0.03125, .model = DEFORM_SCM});
+	const double guesses[] = {0.45, 0.5, 0.2, 3, -3, 400, -400};
+	for (size_t i = 0; i < sizeof guesses / sizeof *guesses; i++) {
+		ground_reset(&ground);
+		struct deform_pose pose = ground_pose(&ground, 64.37, 64.21, guesses[i]);
+		struct deform_sweep sweep = {.shape = &wheel, .from = pose, .to = pose, .load = 3000};
+		struct deform_forces forces = ground_forces(&ground, &sweep);
+		assert_true(i == 0 || llabs(forces.z - z) <= 1);
+		z = i == 0 ? forces.z : z;
+	}
+	ground_finish(&ground);
+}
+
+/* It stands on what it left itself: no deeper, as often as it stands there. */
+static void a_wheel_that_stands_again_stands_as_high(void **state)
+{
+	const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.3};
+	struct ground ground;
+	(void)state;
+	need_gpu();
+	ground_init(&ground, &(struct ground_params){.cells = 64, .tiles = 2, .first = 2, .spacing = 0.03125, .model = DEFORM_SCM});
+	struct deform_pose pose = ground_pose(&ground, 64.37, 64.21, 0.45);
+	struct deform_sweep sweep = {.shape = &wheel, .from = pose, .to = pose, .load = 3000};
+	int64_t z = ground_forces(&ground, &sweep).z;
+	for (int i = 0; i < 20; i++)
+		assert_true(llabs(ground_forces(&ground, &sweep).z - z) <= 1);
+	ground_finish(&ground);
+}
+
+static void an_object_over_nothing_stays_where_it_is(void **state)
+{
+	const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.3};
+	struct ground ground;
+	struct deform_tally tally;
+	(void)state;
+	need_gpu();
+	ground_init(&ground, &(struct ground_params){.cells = 64, .tiles = 2, .first = 0, .spacing = 0.03125, .model = DEFORM_SCM});
+	/* Its rim reaches over the world's edge, itself not. */
+	struct deform_pose pose = ground_pose(&ground, -17, 64, 0.45);
+	struct deform_sweep sweep = {.shape = &wheel, .from = pose, .to = pose, .load = 3000};
+	struct deform_forces forces = ground_forces(&ground, &sweep);
+	assert_true(forces.z == pose.z && forces.force[2] == 0 && forces.area == 0 && !forces.sunk);
+	assert_ok(deform_tally(ground.deform, &tally));
+	assert_int_equal(tally.compacted, 0);
+	ground_finish(&ground);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(plates_stand_where_the_soil_carries_them),
+		cmocka_unit_test(wheels_stand_where_the_soil_carries_them),
+		cmocka_unit_test(spheres_stand_where_the_soil_carries_them),
+		cmocka_unit_test(the_guess_does_not_matter),
+		cmocka_unit_test(a_wheel_that_stands_again_stands_as_high),
+		cmocka_unit_test(an_object_over_nothing_stays_where_it_is),
+	};
+	return cmocka_run_group_tests_name("deform/load", tests, open_gpu, close_gpu);
+}
