@@ -180,7 +180,8 @@ bool facet_of(const struct facet_corner corners[3], const struct facet_motion *m
 	facet->base[1] = (int32_t)(posts[1][0] - window->y0);
 	facet->base[3] = motion->z;
 	facet->cover[2] = (int32_t)(kinds | (uint32_t)rate_shift << 8);
-	facet->cover[3] = (shifts[0] + 64) | (shifts[1] + 64) << 8 | (shifts[2] + 64) << 16 | (int32_t)((uint32_t)(shifts[3] + 64) << 24);
+	facet->cover[3] = (int32_t)((uint32_t)(shifts[0] + 64) | (uint32_t)(shifts[1] + 64) << 8 |
+				    (uint32_t)(shifts[2] + 64) << 16 | (uint32_t)(shifts[3] + 64) << 24);
 	for (int k = 0; k < 2; k++) {
 		facet->corners[k] = at[0][k];
 		facet->corners[2 + k] = at[1][k];

@@ -7,7 +7,8 @@
  * a rolling wheel hardly leaves its place on the ground). That is off by half the turn times a bar's half diagonal at
  * most. Where the wheel turns far, as when it spins, it does so in steps of at most STEP.
  *
- * What it turned by is the sweep's own: poses may leave whole turns out. Turned by a bar's share of a turn the wheel is the same to the bit: the phase is a whole number of 2^-32 of that.
+ * What it turned by is the sweep's own: poses may leave whole turns out. Turned by a bar's share of a turn the wheel is
+ * the same to the bit: the phase is a whole number of 2^-32 of that.
  */
 #include <math.h>
 #include <string.h>
@@ -148,7 +149,8 @@ enum status deform_lugs(struct deform *deform, const struct deform_sweep *sweep,
 		.c = cos(sweep->to.yaw),
 		.s = sin(sweep->to.yaw),
 	};
-	double share = 2 * M_PI / shape->lugs, turned = deform_is_contact_only(sweep) ? 0 : sweep->turned, end = phase_of(sweep->to.turn, share);
+	double share = 2 * M_PI / shape->lugs, turned = deform_is_contact_only(sweep) ? 0 : sweep->turned;
+	double end = phase_of(sweep->to.turn, share);
 	int steps = (int)fmin(fmax(ceil(fabs(turned) / STEP), 1), STEPS_MAX);
 	for (int i = 0; i < shape->lugs; i++)
 		for (int k = 0; k < steps; k++) {
