@@ -65,12 +65,11 @@ void main()
 #endif
 	still = still || min(offset, heap) < SLIDE_LOW || max(offset, heap) > SLIDE_HIGH;
 #ifdef STEEP
-	// Holes count as far away too, which changes nothing: a post beside one is still.
 	for (int k = 0; k < 8; k++) {
 		int other = imageLoad(bases, ivec3(post + SLIDE_NEAR[k], place.x)).r;
 		int apart = base - other;
 		bool wrapped = ((base ^ other) & (base ^ apart)) < 0;
-		still = still || wrapped || abs(apart) >= 1 << 27;
+		still = still || (other != BASE_NODATA && (wrapped || abs(apart) >= 1 << 27));
 	}
 #endif
 	offset_out = offset;

@@ -55,7 +55,11 @@ static enum status one_interval(struct drive *drive, size_t *blocks)
 	}
 	if (status == STATUS_OK && *blocks > 0)
 		status = deform_interval_end(drive->deform);
+	struct page_stats pages;
+	int64_t side = (drive->meta->world.cells + DEFORM_BLOCK - 1) / DEFORM_BLOCK;
+	page_cache_stats(drive->cache, &pages);
 	drive->blocks_visited += *blocks;
+	drive->blocks_possible += pages.touched * (uint64_t)(side * side);
 	return status;
 }
 

@@ -77,7 +77,7 @@ struct drive {
 	struct rider *riders;
 	struct deform_rest *rests; /* room for all objects */
 	int64_t intervals;       /* of sliding, done or passed since the scene's start */
-	uint64_t blocks_visited;
+	uint64_t blocks_visited, blocks_possible; /* had all of each touched tile been visited */
 	struct event *events;    /* of the present step */
 	size_t event_count, event_room;
 	struct wishes wishes;    /* pages needed in and after the present step */

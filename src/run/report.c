@@ -141,13 +141,12 @@ static void add_objects(cJSON *root, const struct drive *drive)
 	}
 }
 
-static void add_slide(cJSON *root, const struct drive *drive, const struct page_stats *pages)
+static void add_slide(cJSON *root, const struct drive *drive)
 {
-	int64_t side = (drive->meta->world.cells + DEFORM_BLOCK - 1) / DEFORM_BLOCK;
 	cJSON *slide = cJSON_AddObjectToObject(root, "slide");
 	json_integer(slide, "awake", (int64_t)drive->record->awake_count);
 	json_integer(slide, "visited", (int64_t)drive->blocks_visited);
-	json_integer(slide, "possible", (int64_t)pages->touched * side * side);
+	json_integer(slide, "possible", (int64_t)drive->blocks_possible);
 }
 
 static void add_view(cJSON *root, const struct drive *drive)
@@ -189,7 +188,7 @@ static void add_process(cJSON *root, const struct drive *drive, const struct pag
 	add_io(root, drive, io, &ground);
 	json_number(root, "refused_posts", known ? (double)tally.refused : (double)NAN);
 	if (deform_conserves(drive->scene->model))
-		add_slide(root, drive, &pages);
+		add_slide(root, drive);
 	if (drive->view != NULL)
 		add_view(root, drive);
 }

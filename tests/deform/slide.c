@@ -81,16 +81,10 @@ static bool still_at(const struct slab *of, int x, int y, bool held_too)
 		int px = x + k % 3 - 1, py = y + k / 3 - 1;
 		bool inside = px >= 0 && py >= 0 && px < N && py < N;
 		int64_t other = inside ? of->base[py * N + px] : 40 << 18;
-		if (llabs(of->base[i] - other) >= 512 << 18)
+		if (other != BASE_NODATA && llabs(of->base[i] - other) >= 512 << 18)
 			return true;
 	}
 	return false;
-}
-
-static int32_t stands(const struct ground *ground, const struct slab *of, int from, bool diagonal, const int32_t (*which)[2])
-{
-	(void)ground;
-	return which[of->classes[from]][diagonal];
 }
 
 static int64_t least(int64_t a, int64_t b)
@@ -101,11 +95,8 @@ static int64_t least(int64_t a, int64_t b)
 /* What slides from post `i` to `j` in one iteration of the excess rule. */
 static int64_t excess(const struct ground *ground, const struct slab *of, int i, int j, bool diagonal)
 {
-	static int32_t table[DEFORM_SOILS][2];
-	for (int s = 0; s < DEFORM_SOILS; s++)
-		memcpy(table[s], ground->deform->soils[s].stands, sizeof table[s]);
 	int64_t drop = height_of(of, i) - height_of(of, j);
-	int64_t over = drop - stands(ground, of, i, diagonal, (const int32_t(*)[2])table);
+	int64_t over = drop - ground->deform->soils[of->classes[i]].stands[diagonal];
 	if (over <= 0)
 		return 0;
 	int64_t amount = least(least((over + 7) / 8, drop / 8), 4 << 20);

@@ -48,6 +48,8 @@ SCENES = {
     "holes": (HEAD.format(step=0.03, end=240, model="box") + ASTRAY + "cache: {slots: 9}\n", "holes.furrow", []),
     "overlay": (HEAD.format(step=0.11, end=120, model="none") + "attributes: [dirt]\n" + WHEELS + "cache: {slots: 12}\n",
                 "hills.furrow", ["--overlay"]),
+    "sliding": (HEAD.format(step=0.07, end=60, model="slippage, interval: 0.05") + "soil: {name: clayey_38}\n" +
+                WHEELS + "cache: {slots: 40}\n", "hills.furrow", []),
     "pictures": (HEAD.format(step=0.05, end=24.5, model="box") + WHEELS + "cache: {slots: 120}\n" + PICTURES,
                  "hills.furrow", []),
 }
