@@ -41,6 +41,9 @@ static char *printed(void)
 	record->level = -3;
 	record->ended = true;
 	memcpy(record->objects, objects, sizeof objects);
+	record->awake_count = 2;
+	record->awake[0] = (struct deform_block){3, 4};
+	record->awake[1] = (struct deform_block){INT64_C(1) << 33, 0};
 	char *text = record_print(record, &scene, &(struct record_sums){-SUM_MOST, SUM_MOST, SUM_MOST - 1});
 	assert_non_null(text);
 	free(record);
@@ -66,6 +69,8 @@ static void it_comes_back_to_the_bit(void **state)
 	assert_true(record->step == 7 && same_real(record->time, 0.1) && record->level == -3 && record->ended);
 	assert_true(record->sums.below == -SUM_MOST && record->sums.above == SUM_MOST &&
 		    record->sums.compacted == SUM_MOST - 1);
+	assert_true(record->awake_count == 2 && record->awake[0].x == 3 && record->awake[0].y == 4);
+	assert_true(record->awake[1].x == INT64_C(1) << 33 && record->awake[1].y == 0);
 	for (int i = 0; i < 2; i++) {
 		const struct record_object *a = &record->objects[i], *b = &objects[i];
 		assert_true(a->next == b->next && a->in_contact == b->in_contact && a->skipped == b->skipped);
@@ -126,6 +131,8 @@ static void any_value_that_is_not_what_it_must_be_is_refused(void **state)
 		{"\"above\":\"2", "\"above\":\"-3"}, {"\"below\":\"-2305843009213693951\"", "\"below\":\"-2305843009213693952\""},
 		{"\"below\":\"-2", "\"below\":\"3"}, {"\"compacted\":\"2", "\"compacted\":\"3"},
 		{"\"compacted\":\"2", "\"compacted\":\"-3"}, {"\"compacted\"", "\"compact\""},
+		{"\"awake\"", "\"asleep\""}, {"\"3,4;", "\"3,4"}, {"\"3,4;", "\"3;4,"}, {"\"3,4;", "\"-3,4;"}, {"\"3,4;", "\"3,;"},
+		{"\"3,4;", "\"3,4;;"}, {"\"3,4;", "\"9223372036854775808,4;"}, {"\"awake\":\"", "\"awake\":[\"\"],\"a\":\""},
 		{"\"objects\":[", "\"objects\":[{},"}, {"\"objects\":[{", "\"objects\":[[],{"}, {"\"objects\"", "\"things\""},
 		{"\"name\":\"left\"", "\"name\":\"right\""}, {"\"name\":\"left\"", "\"name\":3"},
 		{"\"next\":\"9223372036854775807\"", "\"next\":\"-1\""}, {"\"next\":\"9223372036854775807\"", "\"next\":\"1\""},
@@ -163,10 +170,36 @@ static void a_record_cut_short_anywhere_is_refused(void **state)
 	mem_free(text);
 }
 
+static void as_many_blocks_as_may_be_awake_and_no_more(void **state)
+{
+	struct record *record = room();
+	record->awake_count = DEFORM_BLOCKS_MAX;
+	for (int64_t i = 0; i < DEFORM_BLOCKS_MAX; i++)
+		record->awake[i] = (struct deform_block){i, INT64_MAX - i};
+	memcpy(record->objects, objects, sizeof objects);
+	char *text = record_print(record, &scene, &(struct record_sums){0, 0, 0}), *more, *at;
+	struct record *read = room();
+	assert_int_equal(parse(text, 1, 1, &scene, read), STATUS_OK);
+	assert_int_equal(read->awake_count, DEFORM_BLOCKS_MAX);
+	assert_memory_equal(read->awake, record->awake, sizeof read->awake);
+	/* One more. */
+	more = malloc(strlen(text) + 8);
+	at = strstr(text, "\"awake\":\"");
+	assert_true(more != NULL && at != NULL);
+	at += strlen("\"awake\":\"");
+	sprintf(more, "%.*s1,1;%s", (int)(at - text), text, at);
+	assert_int_equal(parse(more, 1, 1, &scene, read), STATUS_INPUT);
+	free(more);
+	free(read);
+	free(record);
+	mem_free(text);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(it_comes_back_to_the_bit),
+		cmocka_unit_test(as_many_blocks_as_may_be_awake_and_no_more),
 		cmocka_unit_test(another_scene_s_objects_are_refused),
 		cmocka_unit_test(steps_and_times_that_are_none_are_refused),
 		cmocka_unit_test(any_value_that_is_not_what_it_must_be_is_refused),
