@@ -83,6 +83,10 @@ enum status forces_create(struct drive *drive, struct forces **out)
 		if (object->next == 0)
 			continue;
 		forces->standing[i] = (struct standing){object->in_contact ? 1 : 0, object->last, true};
+		struct track_point point;
+		track_station(drive->riders[i].track, object->next - 1, &point);
+		forces->standing[i].pose.x = point.qx;
+		forces->standing[i].pose.y = point.qy;
 		forces->known[i] = object->force;
 		forces->known_tag[i] = 1;
 	}
