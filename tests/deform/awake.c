@@ -22,7 +22,8 @@ static void start(struct ground *ground, const struct setup *setup)
 	soil.theta_stop = soil.theta_out + 0.1;
 	ground_init(ground, &(struct ground_params){.cells = setup->cells, .tiles = setup->tiles, .spacing = setup->spacing,
 						    .model = setup->model, .iterations = setup->iterations, .soils = &soil,
-						    .soil_count = 1, .depth = setup->depth, .height = setup->height});
+						    .soil_count = 1, .depth = setup->depth, .height = setup->height,
+						    .relief = setup->height == hills ? 100 : 0});
 }
 
 /* A mound and a pit across the corners of tiles and blocks, and the ground awake there. */
@@ -83,7 +84,7 @@ static void assert_same(struct ground *a, struct ground *b, int n)
 
 static const struct setup setups[] = {
 	{DEFORM_SLIPPAGE, 64, 3, 0.0625, 0, 4, hills}, {DEFORM_SUMNER, 64, 3, 0.0625, 0, 4, hills},
-	{DEFORM_SLIPPAGE, 32, 6, 0.125, 0.02, 8, hills}, {DEFORM_SUMNER, 16, 10, 0.125, 0, 8, hills},
+	{DEFORM_SLIPPAGE, 32, 4, 0.125, 0.02, 8, hills}, {DEFORM_SUMNER, 16, 7, 0.125, 0, 8, hills},
 	{DEFORM_SLIPPAGE, 8, 14, 0.25, 0, 1, conserve_holed}, {DEFORM_SUMNER, 128, 1, 0.25, 0, 1, conserve_holed},
 };
 
@@ -123,6 +124,29 @@ static void few_blocks_do_what_all_would(void **state)
 		for (int k = 0; k < 3; k++)
 			ground_finish(grounds[k]);
 	}
+}
+
+static void more_blocks_than_a_layer_holds_are_as_right(void **state)
+{
+	struct ground few, all;
+	struct setup setup = {DEFORM_SLIPPAGE, 64, 5, 0.0625, 0, 4, hills};
+	(void)state;
+	need_gpu();
+	start(&few, &setup);
+	start(&all, &setup);
+	for (int k = 0; k < 4; k++) {
+		disturb(&few, k % 2 * 250 + 40, k / 2 * 250 + 40, 0.9);
+		disturb(&all, k % 2 * 250 + 40, k / 2 * 250 + 40, 0.9);
+	}
+	for (int n = 0; n < 6; n++) {
+		size_t blocks = interval(&few, NULL, 0);
+		assert_true(blocks > 0 && blocks < 64);
+		assert_ok(deform_wake(all.deform, all_of(&all)));
+		assert_int_equal(interval(&all, NULL, 0), 121);
+	}
+	assert_same(&few, &all, 6);
+	ground_finish(&few);
+	ground_finish(&all);
 }
 
 /* Flags that come late keep more awake, and change nothing. */
@@ -258,6 +282,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(few_blocks_do_what_all_would),
+		cmocka_unit_test(more_blocks_than_a_layer_holds_are_as_right),
 		cmocka_unit_test(flags_that_come_late_change_nothing),
 		cmocka_unit_test(what_an_object_rests_on_is_held),
 		cmocka_unit_test(a_world_at_rest_makes_no_pass),
