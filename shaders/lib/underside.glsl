@@ -28,10 +28,18 @@ int square_root(i64 d)
 	int q = int(sqrt(i64_to_float(d)));
 	if (q > 0)
 		q += int(floor(i64_to_float(i64_sub(d, i64_mul(q, q))) / (2.0 * float(q))));
-	for (int k = 0; k < 3; k++)
-		q -= int(i64_less(d, i64_mul(q, q)));
-	for (int k = 0; k < 3; k++)
-		q += 1 - int(i64_less(d, i64_mul(q + 1, q + 1)));
+	// What is left of it, kept along: 0 <= rest <= 2 q where q is the root.
+	i64 rest = i64_sub(d, i64_mul(q, q));
+	for (int k = 0; k < 3; k++) {
+		bool over = rest.hi < 0;
+		rest = i64_add(rest, i64_from_u(over ? 2u * uint(q) - 1u : 0u));
+		q -= int(over);
+	}
+	for (int k = 0; k < 3; k++) {
+		bool more = rest.hi > 0 || rest.lo > 2u * uint(q);
+		rest = i64_sub(rest, i64_from_u(more ? 2u * uint(q) + 1u : 0u));
+		q += int(more);
+	}
 	return q;
 }
 
@@ -63,8 +71,13 @@ bool underside(int which, ivec2 post, out int height)
 {
 	ivec4 a = bodies[which].a, b = bodies[which].b, c = bodies[which].c;
 	int u = AT(which, 0, post), r = a.x;
+#ifdef SIDEWAYS
 	int p = AT(which, 2, post), q = AT(which, 3, post);
 	bool sideways = c.y != 0;
+#else
+	const int p = 0, q = 0;
+	const bool sideways = false;
+#endif
 	int first = sideways ? max(0, min(p, q)) : 0, last = sideways ? min(ONE, max(p, q)) : ONE;
 	bool covered = first <= last && (sideways || abs(AT(which, 1, post)) <= a.y);
 	first = clamp(first, 0, ONE);

@@ -137,13 +137,34 @@ enum status deform_compute(struct deform *deform, const struct deform_sweep *swe
 	return status == STATUS_OK ? gpu_check(deform->params.gpu, "deformation") : status;
 }
 
-enum status deform_warm(struct deform *deform, const struct deform_shape *shape)
+/* What a sweep that asked for its forces is told, and nobody wants. */
+static enum status drop_forces(struct deform *deform)
 {
-	const struct deform_sweep sweep = {.shape = shape, .to = {.x = 1}}; /* in motion, however little */
+	struct deform_forces forces;
+	bool taken = true;
+	enum status status = deform_forces_begin(deform);
+	while (status == STATUS_OK && taken)
+		status = deform_forces_take(deform, true, &forces, &taken);
+	return status;
+}
+
+enum status deform_warm(struct deform *deform, const struct deform_shape *shape, double load, bool forces)
+{
 	const struct post_rect beyond = {-64, -64, -48, -48};
 	const struct deform_window window = {beyond, beyond};
-	enum status status = deform_compute(deform, &sweep, &window, 0, NULL, 0);
-	return status == STATUS_OK && deform->interval != NULL ? interval_warm(deform, shape) : status;
+	const struct deform_pose middle = {.x = lattice_offset(-56 * deform->spacing), .y = lattice_offset(-56 * deform->spacing)};
+	enum status status = STATUS_OK;
+	/* In motion, however little; along a wheel's own axis too; with forces and without, as rows want them. */
+	for (int i = 0; i < 4 && status == STATUS_OK; i++) {
+		struct deform_sweep sweep = {.shape = shape, .from = middle, .to = middle, .load = load, .tag = (uint64_t)i / 2};
+		sweep.to.x++;
+		sweep.to.y += i % 2;
+		if ((i % 2 == 0 || shape->kind == DEFORM_WHEEL) && (i < 2 || forces))
+			status = deform_compute(deform, &sweep, &window, 0, NULL, 0);
+	}
+	if (status == STATUS_OK && deform->interval != NULL)
+		status = interval_warm(deform, shape);
+	return status == STATUS_OK ? drop_forces(deform) : status;
 }
 
 enum status deform_scatter_from(struct deform *deform, struct post_rect write, const struct scatter_from *scatter,

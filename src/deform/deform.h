@@ -137,7 +137,7 @@ enum status deform_compute(struct deform *deform, const struct deform_sweep *swe
 			   const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
 /* Compiles and runs what a sweep of this shape will, over a window beyond the world: a driver's first
  * draw of a program can take a tenth of a second. Changes nothing. */
-enum status deform_warm(struct deform *deform, const struct deform_shape *shape) FURROW_CHECKED;
+enum status deform_warm(struct deform *deform, const struct deform_shape *shape, double load, bool forces) FURROW_CHECKED;
 /* Scatter `write` to every tile that holds a post of it; gives them deform slots. */
 enum status deform_scatter(struct deform *deform, const struct deform_window *window, uint32_t layer,
 			   const struct deform_tile *tiles, size_t count) FURROW_CHECKED;

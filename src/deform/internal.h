@@ -59,7 +59,7 @@ struct deform {
 	struct layer scratch[DEFORM_WINDOWS_MAX + 1]; /* [layers]: the atlas of blocks, of models that conserve */
 	struct awake *awake;                   /* NULL: of others */
 	struct interval *interval;
-	struct gpu_program *under_program[DEFORM_SHAPES]; /* made when first needed, as all of them */
+	struct gpu_program *under_program[2 * DEFORM_SHAPES]; /* made when first needed, as all of them */
 	struct gpu_program *none, *box, *press, *dirt, *spread, *held;
 	struct gpu_program *facet;
 	struct facets *facets;                 /* meshes' and lugs': made when first needed */
@@ -160,7 +160,9 @@ enum status deform_forces_record(struct deform *deform, const struct deform_swee
 				 struct gpu_buffer **records, uint32_t *record) FURROW_CHECKED;
 void deform_forces_destroy(struct deform *deform);
 
-/* windows.c: the posts a sweep can change; whether they fit one window. */
+/* windows.c: the posts a sweep can be above. */
+struct post_rect deform_shadow(const struct deform *deform, const struct deform_sweep *sweep);
+/* The posts it can change; whether they fit one window. */
 struct post_rect deform_reached(const struct deform *deform, const struct deform_sweep *sweep);
 bool deform_fits_window(const struct deform *deform, struct post_rect reached);
 

@@ -10,6 +10,18 @@ struct under_params {
 	struct body sweep, end;
 };
 
+#define UNDER_NONE INT32_MAX /* lib/window.glsl's */
+
+/* The posts that it can be above, in the window. */
+static struct gpu_rect shadow_of(const struct deform *deform, const struct deform_sweep *sweep, struct post_rect read)
+{
+	struct post_rect in = post_rect_intersect(deform_shadow(deform, sweep), read);
+	if (post_rect_empty(in))
+		return (struct gpu_rect){0, 0, 0, 0};
+	return (struct gpu_rect){(uint32_t)(in.x0 - read.x0), (uint32_t)(in.y0 - read.y0), (uint32_t)(in.x1 - in.x0),
+				 (uint32_t)(in.y1 - in.y0)};
+}
+
 enum status deform_underside(struct deform *deform, const struct deform_sweep *sweep,
 			     const struct deform_window *window, uint32_t layer)
 {
@@ -17,14 +29,11 @@ enum status deform_underside(struct deform *deform, const struct deform_sweep *s
 	enum deform_shape_kind kind = sweep->shape->kind;
 	if (kind == DEFORM_MESH)
 		return deform_mesh(deform, sweep, window, layer);
-	const struct gpu_program_request request = {
+	struct gpu_program_request request = {
 		.vertex = "full.vert",
 		.fragment = "deform/under.frag",
-		.defines = {shapes[kind], deform->rest != NULL ? "REST" : NULL},
+		.defines = {shapes[kind]},
 	};
-	enum status status = deform_program(deform, &request, &deform->under_program[kind]);
-	if (status != STATUS_OK)
-		return status;
 	const struct post_rect read = window->read;
 	const struct deform_pose *from = deform_is_contact_only(sweep) ? &sweep->to : &sweep->from;
 	struct body_frame frame = {
@@ -36,11 +45,30 @@ enum status deform_underside(struct deform *deform, const struct deform_sweep *s
 	struct under_params params;
 	body_of(sweep->shape, from, &sweep->to, &frame, &params.sweep);
 	body_of(sweep->shape, &sweep->to, &sweep->to, &frame, &params.end);
+	/* A wheel that goes where it rolls needs no times at which its sides pass. */
+	bool sideways = kind == DEFORM_WHEEL && (params.sweep.c[1] != 0 || params.end.c[1] != 0);
+	size_t defines = 1;
+	if (deform->rest != NULL)
+		request.defines[defines++] = "REST";
+	if (sideways)
+		request.defines[defines++] = "SIDEWAYS";
+	struct gpu_program **program = &deform->under_program[kind + (sideways ? DEFORM_SHAPES : 0)];
+	enum status status = deform_program(deform, &request, program);
+	if (status != STATUS_OK)
+		return status;
+	/* Beyond its shadow it is above no post. */
+	const struct gpu_rect shadow = shadow_of(deform, sweep, read), all = {0, 0, (uint32_t)(read.x1 - read.x0),
+									       (uint32_t)(read.y1 - read.y0)};
+	if (shadow.width < all.width || shadow.height < all.height) {
+		gpu_texture_clear(deform->under, layer, all, UNDER_NONE);
+		if (deform->rest != NULL)
+			gpu_texture_clear(deform->rest, layer, all, UNDER_NONE);
+	}
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
 		.stage = GPU_DISPLACE,
-		.program = deform->under_program[kind],
+		.program = *program,
 		.target = deform->scratch[layer].to[TO_UNDER],
-		.viewport = {0, 0, (uint32_t)(read.x1 - read.x0), (uint32_t)(read.y1 - read.y0)},
+		.viewport = shadow,
 		.params = &params,
 		.params_bytes = sizeof params,
 	});

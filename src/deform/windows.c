@@ -110,17 +110,22 @@ static int64_t floor_to(int64_t v, int64_t step)
 	return v - rest - (rest < 0 ? step : 0);
 }
 
-struct post_rect deform_reached(const struct deform *deform, const struct deform_sweep *sweep)
+struct post_rect deform_shadow(const struct deform *deform, const struct deform_sweep *sweep)
 {
 	const struct deform_pose *from = deform_is_contact_only(sweep) ? &sweep->to : &sweep->from;
 	double extent[2];
-	struct post_rect foot;
+	struct post_rect shadow;
 	body_extent(sweep->shape, &sweep->to, extent);
-	span(deform, from->x, sweep->to.x, extent[0], &foot.x0, &foot.x1);
-	span(deform, from->y, sweep->to.y, extent[1], &foot.y0, &foot.y1);
+	span(deform, from->x, sweep->to.x, extent[0], &shadow.x0, &shadow.x1);
+	span(deform, from->y, sweep->to.y, extent[1], &shadow.y0, &shadow.y1);
+	return shadow;
+}
+
+struct post_rect deform_reached(const struct deform *deform, const struct deform_sweep *sweep)
+{
 	const struct post_rect world = {0, 0, world_posts(deform->params.world->width, deform->params.level),
 					world_posts(deform->params.world->height, deform->params.level)};
-	return post_rect_intersect(grown(foot, deform->reach), world);
+	return post_rect_intersect(grown(deform_shadow(deform, sweep), deform->reach), world);
 }
 
 static int64_t core_of(const struct deform *deform)

@@ -275,12 +275,14 @@ static enum status start_pages(struct drive *drive)
 static enum status warm_up(struct drive *drive)
 {
 	enum status status = STATUS_OK;
-	bool warm[DEFORM_SHAPES][2] = {{false}}; /* without lugs, and with */
+	bool warm[DEFORM_SHAPES][2][2] = {{{false}}}; /* without lugs, and with; a load */
 	for (size_t i = 0; i < drive->scene->object_count && status == STATUS_OK; i++) {
 		const struct deform_shape *shape = &drive->scene->objects[i].shape;
-		if (!warm[shape->kind][shape->lugs > 0])
-			status = deform_warm(drive->deform, shape);
-		warm[shape->kind][shape->lugs > 0] = true;
+		double load = drive->scene->objects[i].load;
+		bool *is_warm = &warm[shape->kind][shape->lugs > 0][load > 0];
+		if (!*is_warm)
+			status = deform_warm(drive->deform, shape, load, drive->forces != NULL);
+		*is_warm = true;
 	}
 	if (status == STATUS_OK)
 		status = prefetch_first(drive->prefetch);
