@@ -201,7 +201,7 @@ struct deform_forces {
 	double area;          /* m2 of posts it rests on */
 	int64_t z;            /* 2^-20 m: of its centre; with a load, where it was found to stand */
 	uint32_t saturated;   /* posts whose share exceeded 2^31 sixteenths of a pascal, and count as that */
-	bool sunk;            /* the soil does not carry the load: it is as deep as its height */
+	bool sunk;            /* the soil does not carry the load: it is as deep as it is high (a mesh: as large) */
 };
 /* Begins to bring what was summed since the last call; does not wait. */
 enum status deform_forces_begin(struct deform *deform) FURROW_CHECKED;

@@ -55,6 +55,14 @@ static void fill_soils(const struct deform_params *params, struct scm_soil *soil
 	}
 }
 
+/* Metres: no load presses an object deeper than it is high. A mesh's centre may lie anywhere in it. */
+static double deepest(const struct deform_sweep *sweep)
+{
+	const struct deform_shape *shape = sweep->shape;
+	return 2 * (shape->kind == DEFORM_MESH ? deform_shape_bound(shape)
+					       : deform_shape_reach(shape, sweep->to.pitch, sweep->to.roll));
+}
+
 static struct scm_params params_of(const struct deform *deform, const struct deform_sweep *sweep,
 				   const struct deform_window *window, uint32_t layer, const double extent[2])
 {
@@ -72,11 +80,7 @@ static struct scm_params params_of(const struct deform *deform, const struct def
 		.place = {(float)-body_from_post(sweep->to.x, window->read.x0, spacing),
 			  (float)-body_from_post(sweep->to.y, window->read.y0, spacing), (float)(1 / arm_of(sweep->shape, extent)),
 			  (float)(spacing * spacing)},
-		/* No deeper than the object is high. */
-		.load = {(float)sweep->load, (float)fmin(ldexp(2 * deform_shape_reach(sweep->shape, sweep->to.pitch,
-										      sweep->to.roll),
-							       OFFSET_BITS),
-							 0x1p28)},
+		.load = {(float)sweep->load, (float)fmin(ldexp(deepest(sweep), OFFSET_BITS), 0x1p28)},
 	};
 	fill_motion(sweep, &params);
 	fill_soils(&deform->params, params.soils);
