@@ -50,12 +50,12 @@ void main()
 #ifdef PATCH
 	by_width = found_by_width(tries[zero.w >> 16].posts, place.w);
 #endif
-	int first = written.z, last = written.x;
-	for (int x = written.x; x < written.z; x++) {
-		ground g = ground_at(x, y);
-		bool touches = may_touch(g, object_at(x, y, raised));
-		if (g.base == BASE_NODATA)
+	for (int x = written.x; x < written.z; x++)
+		if (imageLoad(bases, ivec3(x, y, zero.z)).r == BASE_NODATA)
 			imageStore(contacts, ivec3(x, y, zero.z), uvec4(HOLE));
+	int first = shadow.z, last = shadow.x;
+	for (int x = shadow.x; x < shadow.z && y >= shadow.y && y < shadow.w; x++) {
+		bool touches = may_touch(ground_at(x, y), object_at(x, y, raised));
 		first = touches ? min(first, x) : first;
 		last = touches ? x + 1 : last;
 	}

@@ -58,7 +58,7 @@ void find(int y, int first, int last)
 #else
 	float by_width = scale.w;
 #endif
-	if (y == written.y) {
+	if (y == shadow.y) {
 		tries[k].low = a.low;
 		tries[k].high = a.high;
 		tries[k].top = a.top;
@@ -87,7 +87,7 @@ void find(int y, int first, int last)
 
 void main()
 {
-	int y = row_of_pass();
-	if (y < written.w)
-		find(y, written.x, written.z);
+	int y = row_of_pass() - written.y + shadow.y;
+	if (y < shadow.w)
+		find(y, shadow.x, shadow.z);
 }

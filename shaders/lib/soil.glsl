@@ -22,6 +22,7 @@ struct soil {
 layout(std140, binding = 0) uniform params {
 	ivec4 zero;    // the centre, 2^-18 m from the store's reference, and 0 .. 3 quanta; the layer; the record, or the try
 	ivec4 written; // the posts this window writes: first, one behind the last
+	ivec4 shadow;  // of those, the posts that the object can be above
 	vec4 scale;    // slope of a quantum between posts; metres between posts; units of force a pascal; 1 / b
 	vec4 way;      // of the object, m; 1 / s that it took
 	vec4 spin;     // about its centre meanwhile, rad; share of the plastic flow that is laid aside

@@ -139,13 +139,13 @@ struct scm_soil {
 	float a[4], b[4];
 };
 struct scm_params {
-	int32_t zero[4], written[4];
+	int32_t zero[4], written[4], shadow[4];
 	float scale[4], way[4], spin[4], place[4], load[4];
 	struct scm_soil soils[DEFORM_SOILS];
 };
 /* Rows of a window, DEFORM_ROWS_ABREAST invocations side by side. */
 #define DEFORM_ROWS_ABREAST 4
-struct gpu_rect deform_rows(const struct scm_params *params);
+struct gpu_rect deform_rows(const int32_t posts[4]);
 
 /* load.c: the size of the object's patch and the height at which the soil carries it, as far as they are not known: into
  * `tries`; *last: the try the press goes by. */

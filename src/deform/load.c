@@ -38,7 +38,7 @@ static void run(struct deform *deform, struct gpu_program *program, const struct
 		.stage = GPU_DISPLACE,
 		.program = program,
 		.target = deform->scratch[layer].to[TO_BARE],
-		.viewport = deform_rows(&now),
+		.viewport = deform_rows(now.shadow),
 		.textures = {deform->under, deform->classes},
 		.images = {deform->bases, deform->planes_of[1][PLANE_HEAPED], deform->rest,
 			   deform->planes_of[0][PLANE_PRESSED]},

@@ -7,9 +7,9 @@
 #include "deform/body.h"
 #include "deform/internal.h"
 
-struct gpu_rect deform_rows(const struct scm_params *params)
+struct gpu_rect deform_rows(const int32_t posts[4])
 {
-	uint32_t rows = (uint32_t)(params->written[3] - params->written[1]);
+	uint32_t rows = (uint32_t)(posts[3] - posts[1]);
 	return (struct gpu_rect){0, 0, DEFORM_ROWS_ABREAST, (rows + DEFORM_ROWS_ABREAST - 1) / DEFORM_ROWS_ABREAST};
 }
 
@@ -82,6 +82,13 @@ static struct scm_params params_of(const struct deform *deform, const struct def
 			  (float)(spacing * spacing)},
 		.load = {(float)sweep->load, (float)fmin(ldexp(deepest(sweep), OFFSET_BITS), 0x1p28)},
 	};
+	struct post_rect shadow = post_rect_intersect(deform_shadow(deform, sweep), window->write);
+	if (!post_rect_empty(shadow)) {
+		const int64_t sides[4] = {shadow.x0 - window->read.x0, shadow.y0 - window->read.y0, shadow.x1 - window->read.x0,
+					  shadow.y1 - window->read.y0};
+		for (int i = 0; i < 4; i++)
+			params.shadow[i] = (int32_t)sides[i];
+	}
 	fill_motion(sweep, &params);
 	fill_soils(&deform->params, params.soils);
 	return params;
@@ -133,7 +140,7 @@ static enum status press(struct deform *deform, const struct deform_sweep *sweep
 		.stage = GPU_DISPLACE,
 		.program = program,
 		.target = deform->scratch[layer].to[TO_BARE],
-		.viewport = deform_rows(&params),
+		.viewport = deform_rows(params.written),
 		.textures = {deform->under, deform->classes},
 		.images = {deform->bases, deform->planes_of[1][PLANE_HEAPED], deform->rest, deform->planes_of[1][PLANE_OFFSET],
 			   deform->planes_of[0][PLANE_PRESSED], deform->planes_of[0][PLANE_SHEAR], deform->contacts,
