@@ -310,7 +310,5 @@ enum status forces_settle(struct forces *forces, struct record *record)
 
 void forces_figures(const struct forces *forces, struct forces_figures *figures)
 {
-	*figures = (struct forces_figures){0};
-	if (forces != NULL)
-		*figures = (struct forces_figures){forces->saturated, forces->sunk};
+	*figures = (struct forces_figures){forces->saturated, forces->sunk};
 }

@@ -173,7 +173,7 @@ struct forces_figures {
 	uint64_t saturated; /* posts whose share was too large to count */
 	uint64_t sunk;      /* sweeps in which the soil did not carry the load */
 };
-void forces_figures(const struct forces *forces, struct forces_figures *figures);
+void forces_figures(const struct forces *forces, struct forces_figures *figures); /* not of NULL */
 
 /* budget.c */
 /* STATUS_INPUT, with the number needed, if there are fewer slots than one window touches tiles. */

@@ -149,6 +149,19 @@ static void add_slide(cJSON *root, const struct drive *drive)
 	json_integer(slide, "possible", (int64_t)drive->blocks_possible);
 }
 
+static void add_forces(cJSON *root, const struct drive *drive)
+{
+	struct forces_figures figures;
+	forces_figures(drive->forces, &figures);
+	if (figures.sunk > 0)
+		note("%llu times the soil did not carry an object's load: it sank as deep as it is high", (unsigned long long)figures.sunk);
+	if (figures.saturated > 0)
+		note("%llu times a post bore more than can be summed (134 MPa): it counts as that", (unsigned long long)figures.saturated);
+	cJSON *forces = cJSON_AddObjectToObject(root, "forces");
+	json_integer(forces, "sunk", (int64_t)figures.sunk);
+	json_integer(forces, "saturated", (int64_t)figures.saturated);
+}
+
 static void add_view(cJSON *root, const struct drive *drive)
 {
 	struct view_figures figures;
@@ -189,6 +202,8 @@ static void add_process(cJSON *root, const struct drive *drive, const struct pag
 	json_number(root, "refused_posts", known ? (double)tally.refused : (double)NAN);
 	if (deform_conserves(drive->scene->model))
 		add_slide(root, drive);
+	if (drive->forces != NULL)
+		add_forces(root, drive);
 	if (drive->view != NULL)
 		add_view(root, drive);
 }
