@@ -5,15 +5,7 @@
 #ifndef FURROW_TESTS_VALIDATION_BED_H
 #define FURROW_TESTS_VALIDATION_BED_H
 
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <cmocka.h>
-
-#include "deform/reference/reference.h"
+#include "../deform/ground.h"
 
 #define RADIANS (M_PI / 180)
 
@@ -25,7 +17,9 @@ struct bed_params {
 };
 
 struct bed_kind {
-	const char *name;
+	/* What it is kept in, m: heights and sinkages, shear displacements; 0: nothing is rounded. A share by which
+	 * stresses are. */
+	double quantum, shear_quantum, stress;
 	void *(*make)(const struct bed_params *params);
 	void (*destroy)(void *bed);
 	/* `lower`: how far the soil let the load sink below the sweep's height. */
@@ -88,12 +82,9 @@ static double bed_reference_volume(void *user)
 }
 
 static const struct bed_kind bed_reference = {
-	"reference", bed_reference_make, bed_reference_destroy, bed_reference_sweep,
+	0, 0, 0, bed_reference_make, bed_reference_destroy, bed_reference_sweep,
 	bed_reference_settle, bed_reference_surface, bed_reference_volume,
 };
-
-/* The kinds, each test with each of them. */
-#define bed_tests(test) {#test " (reference)", test, NULL, NULL, (void *)&bed_reference}
 
 static inline struct deform_soil bed_soil(const char *name)
 {
