@@ -50,8 +50,8 @@ attempt found_next(int k, int depth)
 	return a;
 }
 
-// 1 / b, of so many posts of this area.
+// 1 / b, of so many posts of this area; of one at least: what is only brushed counts too.
 float found_by_width(uint posts, float area)
 {
-	return posts > 0u ? inversesqrt(float(posts) * area * 0.31830989) : 0.0;
+	return inversesqrt(max(float(posts), 1.0) * area * 0.31830989);
 }

@@ -60,7 +60,7 @@ void reference_undersides(const struct reference_ground *ground, const struct de
 /* On the object, about its centre at the sweep's end. */
 struct reference_forces {
 	double force[3], moment[3]; /* N, N m: east, north, up */
-	double normal; /* N: the vertical part of the normal stress without damping: what carries a load */
+	double normal; /* N: the vertical part of the normal stress without damping */
 	double area;   /* m2 of posts that it rests on */
 	double sinkage; /* m, the deepest of those */
 	double work;   /* J that the soil's yielding took over the sweep */
@@ -75,7 +75,7 @@ void reference_slippage(struct reference_ground *ground, const double *under, co
 void reference_scm(struct reference_ground *ground, const struct deform_soil *soil, double bulldozing,
 		   const struct deform_sweep *sweep, const double *under, const double *rest, double lower,
 		   struct reference_forces *forces);
-/* The `normal` of reference_scm, nothing changed. */
+/* The vertical part of the normal stress with damping: what carries a load. Nothing is changed. */
 double reference_scm_normal(const struct reference_ground *ground, const struct deform_soil *soil,
 			    const struct deform_sweep *sweep, const double *under, const double *rest, double lower);
 

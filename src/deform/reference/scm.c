@@ -61,9 +61,9 @@ static struct vector normal_at(const struct reference_ground *ground, int at)
 }
 
 /* b of Bekker's formula: a wheel's width, a box's short side, else the radius of a disc as large as what
- * the object would touch. */
-static double breadth(const struct reference_ground *ground, const struct deform_shape *shape, const double *under,
-		      const double *rest, double lower)
+ * the object would touch where it comes to rest: of one post at least. */
+static double breadth(const struct reference_ground *ground, const struct deform_shape *shape, const double *rest,
+		      double lower)
 {
 	if (shape->kind == DEFORM_WHEEL)
 		return shape->width;
@@ -71,7 +71,7 @@ static double breadth(const struct reference_ground *ground, const struct deform
 		return fmin(shape->size[0], shape->size[1]);
 	double area = 0;
 	for (int i = 0; i < ground->width * ground->height; i++)
-		if (!ground->hole[i] && fmin(under[i], rest[i]) - lower < ground->base[i] + ground->heaped[i])
+		if (!ground->hole[i] && rest[i] - lower < ground->base[i] + ground->heaped[i])
 			area += ground->spacing * ground->spacing;
 	return sqrt(fmax(area, ground->spacing * ground->spacing) / M_PI);
 }
@@ -128,11 +128,11 @@ static struct post post_of(const struct reference_ground *ground, const struct d
 double reference_scm_normal(const struct reference_ground *ground, const struct deform_soil *soil,
 			    const struct deform_sweep *sweep, const double *under, const double *rest, double lower)
 {
-	double stiffness = reference_stiffness(soil, breadth(ground, sweep->shape, under, rest, lower)), sum = 0;
+	double stiffness = reference_stiffness(soil, breadth(ground, sweep->shape, rest, lower)), sum = 0;
 	for (int i = 0; i < ground->width * ground->height; i++)
 		if (!ground->hole[i] && rest[i] < INFINITY) {
 			struct post post = post_of(ground, soil, stiffness, sweep, i, under[i], rest[i], lower);
-			sum += post.stress * post.normal.z * ground->spacing * ground->spacing;
+			sum += (post.stress + post.damping) * post.normal.z * ground->spacing * ground->spacing;
 		}
 	return sum;
 }
@@ -169,7 +169,7 @@ void reference_scm(struct reference_ground *ground, const struct deform_soil *so
 		   const struct deform_sweep *sweep, const double *under, const double *rest, double lower,
 		   struct reference_forces *forces)
 {
-	double stiffness = reference_stiffness(soil, breadth(ground, sweep->shape, under, rest, lower));
+	double stiffness = reference_stiffness(soil, breadth(ground, sweep->shape, rest, lower));
 	double n = soil->bekker_n, area = ground->spacing * ground->spacing;
 	*forces = (struct reference_forces){0};
 	for (int i = 0; i < ground->width * ground->height; i++) {

@@ -92,8 +92,7 @@ static void shed(const struct reference_ground *ground, const struct deform_para
 	}
 	if (!starts || count == 0)
 		return;
-	double loose = fmax(0, ground->offset[at] + params->depth);
-	double each = fmin(soil->roughness * sum / count, loose) / count;
+	double each = soil->roughness * sum / count / count;
 	for (int k = 0; k < 8; k++)
 		if (takes[k]) {
 			change[at] -= each;
