@@ -25,6 +25,12 @@ static double by_width(const struct deform_shape *shape, const double extent[2],
 	return one_window ? 0 : 1 / sqrt(shadow / M_PI);
 }
 
+/* A reciprocal that is a number in single precision too, and small enough to be multiplied. */
+static float inverse(double value)
+{
+	return (float)fmin(1 / value, 1e30);
+}
+
 /* A power of two that no post it touches is farther from its centre than, about: moments are counted in it. */
 static double arm_of(const struct deform_shape *shape, const double extent[2])
 {
@@ -49,8 +55,8 @@ static void fill_soils(const struct deform_params *params, struct scm_soil *soil
 	for (int i = 0; i < params->soil_count; i++) {
 		const struct deform_soil *s = &params->soils[i];
 		soils[i] = (struct scm_soil){
-			.a = {(float)s->bekker_kc, (float)s->bekker_kphi, (float)s->bekker_n, (float)(1 / s->elastic_stiffness)},
-			.b = {(float)s->cohesion, (float)tan(s->friction_angle), (float)(1 / s->janosi_shear), (float)s->damping},
+			.a = {(float)s->bekker_kc, (float)s->bekker_kphi, (float)s->bekker_n, inverse(s->elastic_stiffness)},
+			.b = {(float)s->cohesion, (float)tan(s->friction_angle), inverse(s->janosi_shear), (float)s->damping},
 		};
 	}
 }
@@ -80,7 +86,7 @@ static struct scm_params params_of(const struct deform *deform, const struct def
 		.place = {(float)-body_from_post(sweep->to.x, window->read.x0, spacing),
 			  (float)-body_from_post(sweep->to.y, window->read.y0, spacing), (float)(1 / arm_of(sweep->shape, extent)),
 			  (float)(spacing * spacing)},
-		.load = {(float)sweep->load, (float)fmin(ldexp(deepest(sweep), OFFSET_BITS), 0x1p28)},
+		.load = {(float)fmax(sweep->load, 1e-6), (float)fmin(ldexp(deepest(sweep), OFFSET_BITS), 0x1p28)},
 	};
 	struct post_rect shadow = post_rect_intersect(deform_shadow(deform, sweep), window->write);
 	if (!post_rect_empty(shadow)) {
