@@ -1,0 +1,552 @@
+/*
+ * Random small grounds, objects and sweeps: what the GPU makes of each is what the reference makes of it, post by post.
+ *
+ * Each sweep begins from what the GPU has, so that what it may be off by is what one sweep may. Two things are compared, each as
+ * closely as it can be: the undersides, to the micrometres that they are rounded to; and, from one and the same
+ * underside, all that follows, to the quanta that are rounded on the way. Where doubles and whole quanta must decide between
+ * two ways they may differ at a tie: such posts are found, counted, and must be few.
+ */
+#include "ground.h"
+
+#define QUANTUM 0x1p-20
+#define NEAR 4e-6 /* m: of undersides, as underside.c has it */
+
+enum { CELLS = 32, TILES = 3, POSTS = CELLS * TILES + 1, COUNT = POSTS * POSTS };
+
+struct match {
+	struct ground ground;
+	struct reference_ground reference;
+	struct deform_params params; /* the reference's */
+	double under[COUNT], rest[COUNT];
+	uint8_t contacts[COUNT];     /* the GPU's */
+	bool loose[COUNT];           /* what a tie decided may have come here */
+	int32_t plane[PLANES][COUNT];
+};
+static struct match match;
+
+static struct {
+	int sweeps, loads, pressed, edges, ties, loosened, slid;
+	double share, quanta, force; /* the worst: of what was allowed, and what it was then */
+} seen;
+
+/* --- the GPU's planes, and the reference as they are --- */
+
+static void read_planes(void)
+{
+	struct ground *ground = &match.ground;
+	unsigned planes = deform_planes(ground->params.model, false);
+	int32_t words[(CELLS + 1) * (CELLS + 1)];
+	for (int plane = 0; plane < PLANES; plane++)
+		for (uint32_t k = 0; k < ground->tile_count && (planes & PLANE_BIT(plane)); k++) {
+			void *into[PLANES] = {NULL};
+			into[plane] = words;
+			assert_ok(staged_read_planes(test_gpu, ground->slots, CELLS, k, into));
+			for (uint32_t i = 0; i < (CELLS + 1) * (CELLS + 1); i++) {
+				uint32_t x = k % TILES * CELLS + i % (CELLS + 1), y = k / TILES * CELLS + i / (CELLS + 1);
+				match.plane[plane][y * POSTS + x] = plane == PLANE_SHEAR ? ((const uint16_t *)words)[i] : words[i];
+			}
+		}
+}
+
+/* From `plane`, which is what the GPU began with. */
+static void begin_reference(void)
+{
+	struct reference_ground *reference = &match.reference;
+	for (int i = 0; i < COUNT; i++) {
+		reference->offset[i] = lattice_offset_metres(match.plane[PLANE_OFFSET][i]);
+		reference->heaped[i] = lattice_offset_metres(match.plane[PLANE_HEAPED][i]);
+		reference->pressed[i] = lattice_offset_metres(match.plane[PLANE_PRESSED][i]);
+		reference->shear[i] = ldexp(match.plane[PLANE_SHEAR][i], -16);
+	}
+	reference->compacted = reference->confined = 0;
+	reference->written = match.ground.windows[0].write;
+}
+
+/* --- undersides --- */
+
+/* Whether the underside within a hair's breadth of the post is all that, where it is upright or ends. */
+static bool on_edge(const struct deform_sweep *sweep, int at, double z)
+{
+	long double low = 1e30L, high = -1e30L, beside;
+	int covered = 0;
+	for (int i = 0; i < 9; i++) {
+		long double far = i == 8 ? 0 : NEAR, angle = (long double)i * 0.78539816L;
+		long double x = ground_from(&match.ground, at % POSTS, sweep->from.x) + far * cosl(angle);
+		long double y = ground_from(&match.ground, at / POSTS, sweep->from.y) + far * sinl(angle);
+		if (!reference_underside(sweep, x, y, &beside))
+			continue;
+		beside += ldexpl((long double)sweep->from.z, -OFFSET_BITS);
+		covered++;
+		low = fminl(low, beside);
+		high = fmaxl(high, beside);
+	}
+	if (z == (double)INFINITY)
+		return covered < 9;
+	return covered > 0 && z > low - NEAR && z < high + NEAR;
+}
+
+static void share_underside(const struct deform_sweep *sweep, struct gpu_texture *texture, double *under)
+{
+	static int32_t window[SIDE * SIDE];
+	struct post_rect read = match.ground.windows[0].read;
+	int width = (int)(read.x1 - read.x0), height = (int)(read.y1 - read.y0);
+	gpu_texture_read(texture, 0, rect_of(0, 0, (uint32_t)width, (uint32_t)height), window);
+	for (int i = 0; i < width * height; i++) {
+		int64_t x = read.x0 + i % width, y = read.y0 + i / width;
+		if (x < 0 || y < 0 || x >= POSTS || y >= POSTS)
+			continue;
+		int at = (int)(y * POSTS + x);
+		double z = window[i] == UNDER_NONE ? (double)INFINITY : lattice_offset_metres(sweep->to.z + window[i]);
+		if (z != under[at] && !(fabs(z - under[at]) <= NEAR)) {
+			if (!on_edge(sweep, at, z))
+				fail_msg("post %d, %d: its underside is %.9g, by the reference %.9g", at % POSTS, at / POSTS, z, under[at]);
+			seen.edges++;
+		}
+		under[at] = z;
+	}
+}
+
+static void share_undersides(const struct deform_sweep *sweep)
+{
+	struct deform_sweep end = *sweep;
+	end.from = end.to;
+	reference_undersides(&match.reference, sweep, match.under, match.rest);
+	share_underside(sweep, match.ground.deform->under, match.under);
+	share_underside(&end, match.ground.deform->rest, match.rest);
+}
+
+/* --- pressing --- */
+
+static struct reference_forces press(double lower, const struct deform_sweep *sweep)
+{
+	struct reference_ground *reference = &match.reference;
+	const struct deform_soil *soil = &match.params.soils[0];
+	struct reference_forces forces = {.area = 0};
+	begin_reference();
+	if (match.params.model == DEFORM_NONE)
+		reference_none(reference, match.under, match.rest);
+	else if (match.params.model == DEFORM_SUMNER)
+		reference_sumner(reference, soil, match.under, match.rest);
+	else if (match.params.model == DEFORM_SLIPPAGE)
+		reference_slippage(reference, match.under, match.rest);
+	else
+		reference_scm(reference, soil, match.params.bulldozing, sweep, match.under, match.rest, lower, &forces);
+	return forces;
+}
+
+/*
+ * Contacts are the same. Of scm sinkages are whole quanta and the stress's power is of single precision: two quanta higher or lower
+ * may be another contact. Of the others nothing is rounded: no tie.
+ */
+static int compare_contacts(double lower, const struct deform_sweep *sweep)
+{
+	static uint8_t above[COUNT], below[COUNT];
+	int ties = 0;
+	if (match.params.model == DEFORM_SCM) {
+		press(lower - 2 * QUANTUM, sweep);
+		memcpy(above, match.reference.contact, COUNT);
+		press(lower + 2 * QUANTUM, sweep);
+		memcpy(below, match.reference.contact, COUNT);
+	}
+	press(lower, sweep);
+	for (int i = 0; i < COUNT; i++) {
+		uint8_t got = match.contacts[i] & 3, wanted = match.reference.contact[i];
+		match.loose[i] = got != wanted;
+		if (got == wanted)
+			continue;
+		if (match.params.model != DEFORM_SCM || (got != above[i] && got != below[i]))
+			fail_msg("post %d, %d: contact %d, by the reference %d", i % POSTS, i / POSTS, got, wanted);
+		match.reference.contact[i] = got;
+		ties++;
+	}
+	seen.ties += ties;
+	return ties;
+}
+
+/* How much steeper than level: one over the z of the normal, at most, under the object. */
+static double aslant(void)
+{
+	double steepest = 0;
+	for (int i = 0; i < COUNT; i++)
+		for (int k = 0; k < 4 && match.contacts[i] % 4 != 0; k++) {
+			int x = i % POSTS + (k - 1) % 2, y = i / POSTS + (k - 2) % 2, j = y * POSTS + x;
+			if (x < 0 || y < 0 || x >= POSTS || y >= POSTS || match.reference.hole[j])
+				continue;
+			double rise = match.reference.base[i] + lattice_offset_metres(match.plane[PLANE_HEAPED][i]) -
+				      match.reference.base[j] - lattice_offset_metres(match.plane[PLANE_HEAPED][j]);
+			steepest = fmax(steepest, fabs(rise) / match.reference.spacing);
+		}
+	return fmin(20, sqrt(1 + 2 * steepest * steepest));
+}
+
+/* The most posts of one row and one column that soil is carried from: so many deposits a post can get. */
+static int most_deposits(void)
+{
+	int most[2] = {0, 0};
+	for (int i = 0; i < POSTS; i++) {
+		int count[2] = {0, 0};
+		for (int k = 0; k < POSTS; k++) {
+			count[0] += match.reference.carried[i * POSTS + k] != 0;
+			count[1] += match.reference.carried[k * POSTS + i] != 0;
+		}
+		for (int k = 0; k < 2; k++)
+			most[k] = count[k] > most[k] ? count[k] : most[k];
+	}
+	return most[0] + most[1];
+}
+
+/* --- sliding --- */
+
+static void loosen(int at, int by)
+{
+	for (int y = at / POSTS - by; y <= at / POSTS + by; y++)
+		for (int x = at % POSTS - by; x <= at % POSTS + by; x++)
+			if (x >= 0 && y >= 0 && x < POSTS && y < POSTS)
+				match.loose[y * POSTS + x] = true;
+}
+
+static bool written(int x, int y)
+{
+	struct post_rect write = match.reference.written;
+	return x >= write.x0 && y >= write.y0 && x < write.x1 && y < write.y1;
+}
+
+/* Sumner's soil goes or does not: a post that is nearly at an angle does one thing or the other, and those around get what they
+ * get. `error`: metres that heights may be off by. */
+static void loosen_undecided(double error)
+{
+	const struct deform_soil *soil = &match.params.soils[0];
+	const double angles[] = {soil->theta_in, soil->theta_out, soil->theta_stop};
+	const struct reference_ground *r = &match.reference;
+	static bool undecided[COUNT];
+	memset(undecided, 0, sizeof undecided);
+	for (int i = 0; i < COUNT; i++)
+		for (int k = 0; k < 9 && written(i % POSTS, i / POSTS) && !r->hole[i]; k++) {
+			int x = i % POSTS + k % 3 - 1, y = i / POSTS + k / 3 - 1, j = y * POSTS + x;
+			if (k == 4 || !written(x, y) || r->hole[j])
+				continue;
+			double drop = r->base[i] + r->offset[i] - r->base[j] - r->offset[j];
+			for (int a = 0; a < 3; a++)
+				undecided[i] |= fabs(drop - tan(angles[a]) * r->spacing * (k % 2 == 0 ? sqrt(2) : 1)) <= 2 * error;
+		}
+	for (int i = 0; i < COUNT; i++)
+		if (undecided[i])
+			loosen(i, 1);
+}
+
+static void spread(int by)
+{
+	static bool was[COUNT];
+	memcpy(was, match.loose, sizeof was);
+	for (int i = 0; i < COUNT; i++)
+		if (was[i])
+			loosen(i, by);
+}
+
+/* Iteration by iteration; heights begin within `error`, which is returned as it is at the end. */
+static double slide(double error)
+{
+	bool sumner = match.params.model == DEFORM_SUMNER;
+	for (int n = 0; n < match.params.iterations; n++) {
+		double moved;
+		if (sumner)
+			loosen_undecided(error);
+		spread(sumner ? 2 : 1);
+		assert_int_equal(reference_slide(&match.reference, &match.params, 1, 0, &moved), STATUS_OK);
+		seen.slid += moved > 0;
+		/* To each of eight and from each of eight a quantum is rounded. By the excess's rule no error grows: what each gives
+		 * rises by an eighth of what it is higher by. By Sumner's a share, at most, of two differences. */
+		error = (sumner ? error * (1 + 4 * match.params.soils[0].roughness) : error) + 9 * QUANTUM;
+	}
+	return error;
+}
+
+/* --- comparing --- */
+
+static void near_enough(const char *what, int at, double got, double wanted, double error)
+{
+	double off = fabs(got - wanted), share = off / error;
+	if (!(off <= error))
+		fail_msg("%s at post %d, %d: %.9g, by the reference %.9g: %.1f quanta off, %.1f allowed", what, at % POSTS, at / POSTS,
+			 got, wanted, off / QUANTUM, error / QUANTUM);
+	if (share > seen.share) {
+		seen.share = share;
+		seen.quanta = off / QUANTUM;
+	}
+}
+
+static void compare_posts(double error, double pressed)
+{
+	for (int i = 0; i < COUNT; i++) {
+		seen.loosened += match.loose[i];
+		seen.pressed += match.contacts[i] % 4 != 0;
+		if (match.reference.hole[i])
+			assert_int_equal(match.plane[PLANE_OFFSET][i], 0);
+		if (match.loose[i])
+			continue;
+		near_enough("offset", i, lattice_offset_metres(match.plane[PLANE_OFFSET][i]), match.reference.offset[i], error);
+		if (match.params.model != DEFORM_SCM)
+			continue;
+		near_enough("heaped", i, lattice_offset_metres(match.plane[PLANE_HEAPED][i]), match.reference.heaped[i], error);
+		near_enough("pressed", i, lattice_offset_metres(match.plane[PLANE_PRESSED][i]), match.reference.pressed[i], pressed);
+		/* Rounded to steps of 2^-16 m, of a number of single precision. */
+		double shear = ldexp(match.plane[PLANE_SHEAR][i], -16), wanted = fmin(match.reference.shear[i], ldexp(65535, -16));
+		if (!(fabs(shear - wanted) <= 0x1.01p-17))
+			fail_msg("shear at post %d, %d: %.9g m, by the reference %.9g", i % POSTS, i / POSTS, shear, wanted);
+	}
+}
+
+/* Pa: what the soil bears a quantum below its surface; no object is narrower. */
+static double brush(void)
+{
+	return reference_bekker(&match.params.soils[0], match.reference.spacing / 2, QUANTUM);
+}
+
+static void compare_forces(const struct deform_forces *got, const struct reference_forces *wanted, int ties,
+			   const struct deform_shape *shape)
+{
+	const struct deform_soil *soil = &match.params.soils[0];
+	double post = match.reference.spacing * match.reference.spacing, arm = deform_shape_bound(shape) * 1.5, size = 0;
+	for (int k = 0; k < 3; k++)
+		size = hypot(size, wanted->force[k]);
+	assert_true(fabs(got->area - wanted->area) <= (ties + 1e-6) * post);
+	/* A quantum of sinkage is K_e quanta of stress, or near the surface what the soil bears there; and a post that is in contact
+	 * or not brings its cohesion. */
+	double error = 1e-3 * size + wanted->area * (soil->elastic_stiffness * QUANTUM + brush()) + ties * post * (soil->cohesion + brush()) +
+		       0x1p-10;
+	for (int k = 0; k < 3; k++) {
+		if (!(fabs(got->force[k] - wanted->force[k]) <= error) || !(fabs(got->moment[k] - wanted->moment[k]) <= error * arm))
+			fail_msg("force %d: %.9g N, %.9g N m, by the reference %.9g, %.9g; allowed %.3g N", k, got->force[k], got->moment[k],
+				 wanted->force[k], wanted->moment[k], error);
+		seen.force = fmax(seen.force, fabs(got->force[k] - wanted->force[k]) / error);
+	}
+}
+
+/* At the height found the reference carries the load, and a little above it does not. */
+static void compare_load(const struct deform_sweep *sweep, const struct deform_forces *got)
+{
+	double lower = lattice_offset_metres(sweep->to.z - got->z), wanted;
+	const struct deform_soil *soil = &match.params.soils[0];
+	begin_reference();
+	assert_int_equal(reference_load(&match.reference, soil, sweep, match.under, match.rest, &wanted), STATUS_OK);
+	double deeper = reference_scm_normal(&match.reference, soil, sweep, match.under, match.rest, lower + 2 * QUANTUM);
+	double higher = reference_scm_normal(&match.reference, soil, sweep, match.under, match.rest, lower - 2 * QUANTUM);
+	/* Of a post's own sinkage half a quantum is rounded: K_e quanta of stress. */
+	double error = 2e-5 * sweep->load + got->area * (soil->elastic_stiffness * QUANTUM / 2 + brush());
+	if (!(deeper >= sweep->load - error) || !(higher <= sweep->load + error))
+		fail_msg("%g N: it stands %.9g m lower, where the reference bears %.9g to %.9g N; by the reference %.9g m lower",
+			 sweep->load, lower, higher, deeper, wanted);
+	seen.loads++;
+}
+
+static void run(const struct deform_sweep *sweep)
+{
+	struct ground *ground = &match.ground;
+	struct deform_tally before, after;
+	struct deform_forces forces = {.z = sweep->to.z};
+	bool taken = false, scm = match.params.model == DEFORM_SCM;
+	int64_t sum = 0;
+	read_planes();
+	assert_ok(deform_tally(ground->deform, &before));
+	ground_sweep(ground, sweep);
+	if (ground->window_count == 0)
+		return;
+	assert_int_equal(ground->window_count, 1);
+	assert_ok(deform_forces_begin(ground->deform));
+	assert_ok(deform_forces_take(ground->deform, true, &forces, &taken));
+	assert_true(taken == scm);
+	assert_ok(deform_tally(ground->deform, &after));
+	begin_reference();
+	uint8_t *contacts = ground_contacts(ground);
+	for (int i = 0; i < COUNT; i++) /* those of the rim mean nothing */
+		match.contacts[i] = written(i % POSTS, i / POSTS) ? contacts[i] : 0;
+	mem_free(contacts);
+	share_undersides(sweep);
+	if (sweep->load > 0 && !forces.sunk && forces.area > 0)
+		compare_load(sweep, &forces);
+	double lower = lattice_offset_metres(sweep->to.z - forces.z), slant = scm ? aslant() : 1;
+	int ties = compare_contacts(lower, sweep);
+	struct reference_forces wanted = press(lower, sweep);
+	for (int i = 0; i < COUNT; i++)
+		match.reference.contact[i] = match.contacts[i] & 3;
+	if (scm)
+		compare_forces(&forces, &wanted, ties, sweep->shape);
+	/* A sinkage is whole quanta, half a one off; what stays of it, upright, is rounded again; single precision of its
+	 * stress, 1e-5 of 2 MPa over K_e. */
+	double released = scm ? (2 * slant + 1) * QUANTUM : 0;
+	/* What is carried is rounded down, each deposit is; of scm's it is the difference of two that were released. */
+	int deposits = most_deposits();
+	double error = released + deposits * (2 * QUANTUM + 2 * released);
+	if (match.params.model != DEFORM_NONE) {
+		reference_spread(&match.reference);
+		error = slide(error);
+	}
+	for (int i = 0; i < COUNT; i++)
+		sum -= match.plane[PLANE_OFFSET][i];
+	read_planes();
+	for (int i = 0; i < COUNT; i++)
+		sum += match.plane[PLANE_OFFSET][i];
+	if (match.params.model != DEFORM_NONE)
+		assert_int_equal(sum, before.compacted - after.compacted);
+	assert_int_equal(after.refused, before.refused);
+	compare_posts(error, scm ? 2 * QUANTUM : 0);
+	if (ties == 0 && match.params.model != DEFORM_NONE) {
+		double post = match.reference.spacing * match.reference.spacing;
+		int pressed = 0;
+		for (int i = 0; i < COUNT; i++)
+			pressed += match.contacts[i] & 1;
+		near_enough("compacted", 0, lattice_offset_metres(after.compacted - before.compacted),
+			    match.reference.compacted / post, pressed * 2 * (QUANTUM + released) + QUANTUM);
+	}
+	seen.sweeps++;
+}
+
+/* --- what is swept --- */
+
+static uint32_t rough_seed;
+static double rough_height, slope_east, slope_north;
+
+static int32_t any_ground(int64_t x, int64_t y)
+{
+	uint32_t h = ((uint32_t)x * 2654435761u ^ (uint32_t)y * 2246822519u) + rough_seed;
+	h ^= h >> 15;
+	h *= 2654435761u;
+	bool hole = (h >> 8) % 200 == 0 || (llabs(x - 40) < 3 && llabs(y - 52) < 2);
+	double height = rough_height * ldexp(h, -32) + slope_east * (double)(x - POSTS / 2) + slope_north * (double)(y - POSTS / 2);
+	return hole ? BASE_NODATA : (int32_t)lattice_base(height);
+}
+
+static double any_between(double low, double high)
+{
+	return low + (high - low) * (any_share() + 1) / 2;
+}
+
+static struct deform_shape any_shape(double spacing)
+{
+	struct deform_shape shape = {.kind = (enum deform_shape_kind)(any_word() % 3)};
+	shape.radius = any_between(3, 14) * spacing;
+	shape.width = any_between(1.5, 12) * spacing;
+	for (int k = 0; k < 3; k++)
+		shape.size[k] = any_between(2, 18) * spacing;
+	return shape;
+}
+
+static struct deform_sweep any_sweep(const struct deform_shape *shape, int k, double x, double y)
+{
+	double spacing = match.reference.spacing;
+	struct deform_pose pose = {.yaw = 4 * any_share()};
+	if (shape->kind == DEFORM_BOX && any_word() % 2) {
+		pose.pitch = 0.3 * any_share();
+		pose.roll = 0.3 * any_share();
+	}
+	/* As deep in the ground there as some posts. */
+	int at = (int)fmin(fmax(y, 0), POSTS - 1) * POSTS + (int)fmin(fmax(x, 0), POSTS - 1);
+	double ground = match.ground.base[at] == BASE_NODATA ? 0 : lattice_base_metres(match.ground.base[at]);
+	double z = ground + deform_shape_reach(shape, pose.pitch, pose.roll) - any_between(-0.2, 3) * spacing;
+	struct deform_sweep sweep = {.shape = shape, .from = ground_pose(&match.ground, x, y, z), .to = pose};
+	struct deform_pose to = ground_pose(&match.ground, x + 2 * any_share(), y + 2 * any_share(), z - 0.5 * spacing * any_share());
+	sweep.to.x = to.x;
+	sweep.to.y = to.y;
+	sweep.to.z = to.z;
+	if (k % 4 == 3) {
+		sweep.from = sweep.to;
+	} else if (match.params.model == DEFORM_SCM) {
+		sweep.seconds = any_word() % 2 ? any_between(0.01, 1) : 0;
+		sweep.turned = shape->kind == DEFORM_WHEEL ? any_between(-1, 3) * spacing / shape->radius : 0;
+	}
+	return sweep;
+}
+
+static const char *const soils[] = {"dry_sand", "sandy_loam_15", "lete_sand", "clayey_38", "upland_loam_51", "snow_us", "lunar"};
+
+static void rounds(enum deform_model model, int count)
+{
+	memset(&seen, 0, sizeof seen);
+	for (int round = 0; round < count; round++) {
+		static const double spacings[] = {0.0625, 0.05, 0.125};
+		double spacing = spacings[round % 3];
+		struct deform_soil soil;
+		assert_ok(deform_soil_named(model == DEFORM_SUMNER ? "sand" : soils[round % 7], &soil));
+		soil.cohesion *= model == DEFORM_SCM || round % 4 == 0;
+		rough_seed = any_word();
+		rough_height = (round % 4) * 0.1 * spacing;
+		slope_east = any_between(-0.3, 0.3) * spacing * (round % 2);
+		slope_north = any_between(-0.3, 0.3) * spacing * (round % 2);
+		struct ground_params params = {
+			.cells = CELLS, .tiles = TILES, .spacing = spacing, .height = any_ground, .model = model, .soils = &soil, .soil_count = 1,
+			.iterations = model == DEFORM_SUMNER ? 1 + round % 2 : 1 + round % 8,
+			.depth = round % 3 == 1 ? 0.03 : 0, .relief = round % 2 ? 100 : 0,
+			.bulldozing = model == DEFORM_SCM ? 0.4 * (round % 3) : 0, .dirt = model == DEFORM_NONE, /* for its contacts */
+		};
+		test_seed = 1000u * (uint32_t)model + (uint32_t)round;
+		ground_init(&match.ground, &params);
+		match.params = match.ground.deform->params;
+		assert_int_equal(reference_ground_init(&match.reference, POSTS, POSTS, spacing), STATUS_OK);
+		for (int i = 0; i < COUNT; i++) {
+			match.reference.hole[i] = match.ground.base[i] == BASE_NODATA;
+			match.reference.base[i] = match.reference.hole[i] ? 0 : lattice_base_metres(match.ground.base[i]);
+		}
+		struct deform_shape shape = any_shape(spacing);
+		/* Near a corner of four tiles, the hole, or the edge of the world; several sweeps about one place. */
+		double x = round % 5 == 4 ? 1 : 32 + 8 * any_share(), y = round % 5 == 3 ? POSTS - 3 : 50 + 16 * any_share();
+		for (int k = 0; k < 5; k++) {
+			struct deform_sweep sweep = any_sweep(&shape, k, x + 3 * any_share(), y + 3 * any_share());
+			if (model == DEFORM_SCM) {
+				sweep.tag = 1;
+				sweep.load = k % 2 == 1 ? exp2(any_between(2, 12)) : 0;
+				if (sweep.load > 0)
+					sweep.from.z = sweep.to.z;
+			}
+			run(&sweep);
+			if (k % 2 == 1)
+				shape = any_shape(spacing);
+		}
+		reference_ground_finish(&match.reference);
+		ground_finish(&match.ground);
+	}
+	print_message("%d sweeps, %d loads, %d posts pressed; %d undersides on an edge, %d ties, %d posts loose, sliding %d times; at "
+		      "most %.0f %% of what is allowed (%.1f quanta), of forces %.0f %%\n", seen.sweeps, seen.loads, seen.pressed, seen.edges,
+		      seen.ties, seen.loosened, seen.slid, seen.share * 100, seen.quanta, seen.force * 100);
+	assert_true(seen.sweeps > 3 * count && seen.pressed > 100 * count);
+	assert_true(seen.edges * 50 < seen.pressed && seen.ties * 100 < seen.pressed);
+	assert_true(seen.loosened * 10 < seen.pressed || model == DEFORM_SUMNER);
+}
+
+static void none_presses_as_the_reference(void **state)
+{
+	(void)state;
+	need_gpu();
+	rounds(DEFORM_NONE, 6);
+}
+
+static void sumner_is_as_the_reference(void **state)
+{
+	(void)state;
+	need_gpu();
+	rounds(DEFORM_SUMNER, 16);
+}
+
+static void slippage_is_as_the_reference(void **state)
+{
+	(void)state;
+	need_gpu();
+	rounds(DEFORM_SLIPPAGE, 16);
+}
+
+static void scm_is_as_the_reference(void **state)
+{
+	(void)state;
+	need_gpu();
+	rounds(DEFORM_SCM, 28);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(none_presses_as_the_reference),
+		cmocka_unit_test(slippage_is_as_the_reference),
+		cmocka_unit_test(sumner_is_as_the_reference),
+		cmocka_unit_test(scm_is_as_the_reference),
+	};
+	return cmocka_run_group_tests_name("deform/against_reference", tests, open_gpu, close_gpu);
+}

@@ -1,0 +1,215 @@
+/*
+ * Soils, objects and motions at the ends of what a scene may say (scene_schema.c's limits): whatever comes of them is numbers, whole
+ * ones within their ranges, and nothing is lost.
+ */
+#include <float.h>
+
+#include "ground.h"
+
+enum { CELLS = 32, TILES = 3, POSTS = CELLS * TILES + 1 };
+
+/* Beyond this no offset goes, quanta. */
+#define MOST (1 << 30)
+#define DEGREES (M_PI / 180)
+
+static const struct range {
+	double low, high; /* a low of 0 is not reached: the least number that there is */
+	bool from_zero;   /* it is */
+	size_t at;
+} ranges[] = {
+	{-1e12, 1e12, false, offsetof(struct deform_soil, bekker_kc)},
+	{0, 1e12, true, offsetof(struct deform_soil, bekker_kphi)},
+	{0, 3, false, offsetof(struct deform_soil, bekker_n)},
+	{0, 1e9, true, offsetof(struct deform_soil, cohesion)},
+	{0, 89 * DEGREES, true, offsetof(struct deform_soil, friction_angle)},
+	{0, 10, false, offsetof(struct deform_soil, janosi_shear)},
+	{0, 1e12, false, offsetof(struct deform_soil, elastic_stiffness)},
+	{0, 1e12, true, offsetof(struct deform_soil, damping)},
+	{0, 1e6, false, offsetof(struct deform_soil, unit_weight)},
+	{0, 89 * DEGREES, false, offsetof(struct deform_soil, repose)},
+	{0, 90 * DEGREES, false, offsetof(struct deform_soil, theta_in)},
+	{0, 90 * DEGREES, false, offsetof(struct deform_soil, theta_out)},
+	{0, 90 * DEGREES, false, offsetof(struct deform_soil, theta_stop)},
+	{0, 0.2, false, offsetof(struct deform_soil, roughness)},
+	{0, 1, true, offsetof(struct deform_soil, compression)},
+};
+
+static double any_of(double low, double high, bool from_zero)
+{
+	switch (any_word() % 4) {
+	case 0:
+		return low == 0 && !from_zero ? DBL_MIN : low;
+	case 1:
+		return high;
+	case 2: /* of any size */
+		return high * exp2(-60 * fabs(any_share()));
+	default:
+		return low + (high - low) * fabs(any_share());
+	}
+}
+
+/* As a scene may have it under an object whose b is `width`. */
+static struct deform_soil any_soil(double width)
+{
+	struct deform_soil soil = {.cohesion = 0};
+	for (size_t i = 0; i < sizeof ranges / sizeof *ranges; i++)
+		*(double *)((char *)&soil + ranges[i].at) = any_of(ranges[i].low, ranges[i].high, ranges[i].from_zero);
+	if (!(soil.bekker_kc / width + soil.bekker_kphi > 0))
+		soil.bekker_kc = fabs(soil.bekker_kc) + 1;
+	soil.theta_stop = fmax(soil.theta_stop, soil.theta_out);
+	return soil;
+}
+
+static int32_t rough(int64_t x, int64_t y)
+{
+	uint32_t h = (uint32_t)x * 2654435761u ^ (uint32_t)y * 2246822519u;
+	h ^= h >> 15;
+	h *= 2654435761u;
+	bool cliff = x > 60 && y > 40;
+	return h % 97 == 0 ? BASE_NODATA : (int32_t)(h >> 16) + (cliff ? 300 << BASE_BITS : 0);
+}
+
+static struct deform_sweep any_sweep(const struct ground *ground, const struct deform_shape *shape)
+{
+	double spacing = ground->params.spacing, x = 48 + 40 * any_share(), y = 48 + 40 * any_share();
+	double height = any_word() % 8 == 0 ? 600 * any_share() : x > 60 && y > 40 ? 300 : 0;
+	double z = height + deform_shape_reach(shape, 0, 0) - 4 * spacing * any_share();
+	struct deform_sweep sweep = {.shape = shape, .tag = 1};
+	sweep.from = ground_pose(ground, x, y, z);
+	sweep.to = ground_pose(ground, x + 2 * any_share(), y + 2 * any_share(), z + spacing * any_share());
+	sweep.to.yaw = 4 * any_share();
+	double way = hypot(lattice_offset_metres(sweep.to.x - sweep.from.x), lattice_offset_metres(sweep.to.y - sweep.from.y));
+	sweep.seconds = way / any_of(0, 1e4, false);
+	if (shape->kind == DEFORM_WHEEL)
+		sweep.turned = way / (shape->radius * (1 - 0.99 * any_share()));
+	if (ground->params.model == DEFORM_SCM && any_word() % 2) {
+		sweep.load = any_of(0, 1e9, false);
+		sweep.from.z = sweep.to.z;
+	}
+	return sweep;
+}
+
+static void forces_are_numbers(struct ground *ground, const struct deform_sweep *sweep)
+{
+	struct deform_forces forces;
+	bool taken;
+	assert_ok(deform_forces_begin(ground->deform));
+	assert_ok(deform_forces_take(ground->deform, true, &forces, &taken));
+	if (!taken)
+		return;
+	/* No share of a post is beyond 2^31 sixteenths of a pascal. */
+	double most = forces.area * 0x1p27 * 1.001, reach = deform_shape_reach(sweep->shape, 0, 0), spacing = ground->params.spacing;
+	for (int k = 0; k < 3; k++) {
+		if (!(fabs(forces.force[k]) <= most) || !(fabs(forces.moment[k]) <= most * 4 * (deform_shape_bound(sweep->shape) + spacing)))
+			fail_msg("force %d of %g m2: %g N, %g N m", k, forces.area, forces.force[k], forces.moment[k]);
+	}
+	assert_true(forces.area >= 0 && forces.sinkage >= 0 && forces.sinkage <= 1024);
+	/* It sinks no deeper than it is high; and stands no higher than the ground reaches above where it was looked for. */
+	double raised = lattice_offset_metres(forces.z - sweep->to.z);
+	assert_true(sweep->load > 0 ? raised < 2048 && raised > -2048 - 2 * reach : raised == 0);
+}
+
+/* Every plane in its range, holes as they were; the sum of offsets. */
+static int64_t look(struct ground *ground)
+{
+	unsigned planes = deform_planes(ground->params.model, false);
+	int64_t sum = 0;
+	ground_read(ground);
+	for (int64_t i = 0; i < ground->posts * ground->posts; i++) {
+		sum += ground->offset[i];
+		assert_true(ground->offset[i] >= -MOST && ground->offset[i] <= MOST);
+		assert_true(ground->base[i] != BASE_NODATA || ground->offset[i] == 0);
+	}
+	int32_t *heaped = ground_room((CELLS + 1) * (CELLS + 1), sizeof *heaped), *pressed = ground_room((CELLS + 1) * (CELLS + 1), sizeof *pressed);
+	for (uint32_t k = 0; k < ground->tile_count && (planes & PLANE_BIT(PLANE_PRESSED)); k++) {
+		assert_ok(staged_read_planes(test_gpu, ground->slots, CELLS, k,
+					     (void *[PLANES]){[PLANE_HEAPED] = heaped, [PLANE_PRESSED] = pressed}));
+		for (int i = 0; i < (CELLS + 1) * (CELLS + 1); i++)
+			assert_true(heaped[i] >= -MOST && heaped[i] <= MOST && pressed[i] >= 0 && pressed[i] <= 2 * (int64_t)MOST);
+	}
+	mem_free(heaped);
+	mem_free(pressed);
+	return sum;
+}
+
+static void at_its_limits(enum deform_model model, int rounds)
+{
+	int64_t moved = 0;
+	for (int round = 0; round < rounds; round++) {
+		struct ground ground;
+		struct deform_tally tally;
+		size_t blocks;
+		test_seed = 100000u * (uint32_t)model + (uint32_t)round;
+		double spacing = exp2(-(double)(round % 7));
+		struct deform_shape shape = {.kind = (enum deform_shape_kind)(any_word() % 3)};
+		shape.radius = fmax(0.001, spacing * exp2(4 * any_share()));
+		shape.width = fmax(0.001, spacing * exp2(4 * any_share()));
+		for (int k = 0; k < 3; k++)
+			shape.size[k] = fmax(0.001, spacing * exp2(4 * any_share()));
+		double width = shape.kind == DEFORM_WHEEL ? shape.width : shape.kind == DEFORM_BOX ? fmin(shape.size[0], shape.size[1]) : spacing;
+		struct deform_soil soil = any_soil(width);
+		struct ground_params params = {
+			.cells = CELLS, .tiles = TILES, .spacing = spacing, .height = rough, .model = model, .soils = &soil, .soil_count = 1,
+			.iterations = 1 + (int)(any_word() % 8), .depth = any_word() % 2 ? 0 : any_of(0, 1024, false),
+			.bulldozing = any_of(0, 1, true),
+		};
+		ground_init(&ground, &params);
+		/* Not all of it stands. */
+		assert_ok(deform_wake(ground.deform, (struct post_rect){0, 0, POSTS, POSTS}));
+		for (int k = 0; k < 6; k++) {
+			struct deform_sweep sweep = any_sweep(&ground, &shape);
+			ground_sweep(&ground, &sweep);
+			for (size_t i = 0; i < ground.window_count; i++)
+				assert_ok(deform_wake(ground.deform, ground.windows[i].write));
+			if (model == DEFORM_SCM)
+				forces_are_numbers(&ground, &sweep);
+			struct deform_rest rest = {&shape, sweep.to};
+			assert_ok(deform_interval_begin(ground.deform, &rest, 1, &blocks));
+			for (size_t i = 0; i < blocks; i++)
+				assert_ok(deform_interval_gather(ground.deform, i, ground.tiles, ground.tile_count));
+			for (size_t i = 0; i < blocks; i++)
+				assert_ok(deform_interval_scatter(ground.deform, i, ground.tiles, ground.tile_count));
+			if (blocks > 0)
+				assert_ok(deform_interval_end(ground.deform));
+		}
+		int64_t sum = look(&ground);
+		assert_ok(deform_tally(ground.deform, &tally));
+		if (sum + tally.compacted != 0)
+			fail_msg("round %d: the offsets' sum is %lld, %lld was compacted", round, (long long)sum, (long long)tally.compacted);
+		for (int64_t i = 0; i < ground.posts * ground.posts; i++)
+			moved += ground.offset[i] != 0;
+		ground_finish(&ground);
+	}
+	assert_true(moved > 50 * rounds);
+}
+
+static void sumner_makes_nothing_but_numbers(void **state)
+{
+	(void)state;
+	need_gpu();
+	at_its_limits(DEFORM_SUMNER, 40);
+}
+
+static void slippage_makes_nothing_but_numbers(void **state)
+{
+	(void)state;
+	need_gpu();
+	at_its_limits(DEFORM_SLIPPAGE, 40);
+}
+
+static void scm_makes_nothing_but_numbers(void **state)
+{
+	(void)state;
+	need_gpu();
+	at_its_limits(DEFORM_SCM, 120);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(sumner_makes_nothing_but_numbers),
+		cmocka_unit_test(slippage_makes_nothing_but_numbers),
+		cmocka_unit_test(scm_makes_nothing_but_numbers),
+	};
+	return cmocka_run_group_tests_name("deform/models_limits", tests, open_gpu, close_gpu);
+}
