@@ -1,15 +1,18 @@
 /*
- * The reference model on posts beside its closed forms and beside what was measured: a JSON line a figure.
+ * The soil's model on posts, of the reference and of the GPU, beside its closed forms and beside what was measured: a JSON
+ * line a figure.
  *
  * Numerical error is posts against the closed form of the same model, at falling spacings; model error is the closed
- * form against the measurement. `bench_validation quick` leaves the finest posts out. No GPU.
+ * form against the measurement. `bench_validation quick` leaves the finest posts out. Without GL the GPU's
+ * figures are left out.
  */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "deform/reference/reference.h"
+#include "bench.h"
+#include "validation_bed.h"
 
 #define RADIANS (M_PI / 180)
 #define RIM 3 /* posts of ground around what is done */
@@ -31,52 +34,40 @@ static struct deform_soil rig_soil(double slip)
 	};
 }
 
-static void checked(enum status status)
-{
-	if (status != STATUS_OK) {
-		fprintf(stderr, "bench: %s\n", failure_message());
-		exit(1);
-	}
-}
-
 static struct deform_pose at(double x, double y, double z, double spacing)
 {
 	return (struct deform_pose){lattice_offset(x * spacing), lattice_offset(y * spacing), lattice_offset(z), 0, 0, 0, 0};
 }
 
-static struct deform_params scm(const struct deform_soil *soil)
-{
-	return (struct deform_params){.model = DEFORM_SCM, .soils = {*soil}, .soil_count = 1, .iterations = 1};
-}
+static bool has_gpu;
 
 struct rut {
 	double sinkage, resistance, drawbar; /* m, N, N */
 };
 
 /* Rolls a wheel at a slip until its sinkage stands still; its axle over a post, its middle over one too. */
-static struct rut rolled(const struct deform_soil *soil, double load, double width, double radius, double slip, double spacing)
+static struct rut rolled(bool on_gpu, const struct deform_soil *soil, double load, double width, double radius, double slip,
+			 double spacing)
 {
 	double deep = reference_arc(soil, load, width, radius, false), contact = radius * sin(acos(1 - deep / radius));
 	int stations = (int)(1.5 * contact / spacing) + 1, far = (int)(radius / spacing) + RIM;
 	int across = 2 * ((int)(width / 2 / spacing) + RIM) + 1;
-	struct reference_ground ground;
 	struct reference_forces forces;
-	struct deform_params params = scm(soil);
 	struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = radius, .width = width};
 	struct deform_sweep sweep = {.shape = &wheel, .load = load};
 	struct rut rut;
-	checked(reference_ground_init(&ground, 2 * far + 1 + stations, across, spacing));
+	struct bed *bed = bed_create(on_gpu, 2 * far + 1 + stations, across, spacing, soil);
 	sweep.from = sweep.to = at(far, across / 2, radius, spacing);
-	checked(reference_sweep(&ground, &params, &sweep, &forces, &rut.sinkage));
+	bed_sweep(bed, &sweep, &forces, &rut.sinkage);
 	sweep.turned = spacing / (radius * (1 - slip));
 	for (int i = 1; i <= stations; i++) {
 		sweep.from = sweep.to;
 		sweep.to = at(far + i, across / 2, radius, spacing);
-		checked(reference_sweep(&ground, &params, &sweep, &forces, &rut.sinkage));
+		bed_sweep(bed, &sweep, &forces, &rut.sinkage);
 	}
 	rut.resistance = forces.work / spacing;
 	rut.drawbar = forces.force[0];
-	reference_ground_finish(&ground);
+	bed_destroy(bed);
 	return rut;
 }
 
@@ -103,10 +94,16 @@ static void rig(const double *spacings, size_t count)
 			printf("%s%.4f", k == 0 ? "" : ", ", reference_arc(&soil, loads[k], WIDTH, RADIUS, true) * 1e3);
 		printf("], \"posts\": {");
 		for (size_t k = 0; k < count; k++) {
-			struct rut rut = rolled(&soil, loads[0], WIDTH, RADIUS, slip, spacings[k]);
+			struct rut rut = rolled(false, &soil, loads[0], WIDTH, RADIUS, slip, spacings[k]);
 			printf("%s\"%g\": {\"mm\": %.4f, \"drawbar_n\": %.4f, \"resistance_n\": %.4f}", k == 0 ? "" : ", ",
 			       spacings[k] * 1e3, rut.sinkage * 1e3, rut.drawbar, rut.resistance);
 			fflush(stdout);
+		}
+		printf("}, \"gpu\": {");
+		for (size_t k = 0; k < count && has_gpu; k++) {
+			struct rut rut = rolled(true, &soil, loads[0], WIDTH, RADIUS, slip, spacings[k]);
+			printf("%s\"%g\": {\"mm\": %.4f, \"drawbar_n\": %.4f}", k == 0 ? "" : ", ", spacings[k] * 1e3, rut.sinkage * 1e3,
+			       rut.drawbar);
 		}
 		printf("}}\n");
 	}
@@ -121,7 +118,7 @@ static void towed(void)
 	static const double spacings[] = {0.04, 0.02, 0.01};
 	for (size_t i = 0; i < 2; i++) {
 		struct deform_soil soil;
-		checked(deform_soil_named(wheels[i].soil, &soil));
+		bench_must(deform_soil_named(wheels[i].soil, &soil));
 		double width = wheels[i].width, radius = wheels[i].diameter / 2, load = wheels[i].load;
 		double bekker = reference_towed(&soil, load, width, 2 * radius), arc = reference_arc(&soil, load, width, radius, true);
 		printf("{\"what\": \"towed\", \"soil\": \"%s\", \"bekker_mm\": %.4f, \"bekker_n\": %.4f, \"arc_mm\": %.4f, "
@@ -130,50 +127,64 @@ static void towed(void)
 		       reference_arc(&soil, load, width, radius, false) * 1e3, arc * 1e3,
 		       reference_resistance(&soil, width, arc));
 		for (size_t k = 0; k < 3; k++) {
-			struct rut rut = rolled(&soil, load, width, radius, 0, spacings[k]);
+			struct rut rut = rolled(false, &soil, load, width, radius, 0, spacings[k]);
 			printf("%s\"%g\": [%.4f, %.4f]", k == 0 ? "" : ", ", spacings[k] * 1e3, rut.sinkage * 1e3, rut.resistance);
 			fflush(stdout);
 		}
+		printf("}, \"gpu_mm\": {");
+		for (size_t k = 0; k < 3 && has_gpu; k++)
+			printf("%s\"%g\": %.4f", k == 0 ? "" : ", ", spacings[k] * 1e3,
+			       rolled(true, &soil, load, width, radius, 0, spacings[k]).sinkage * 1e3);
 		printf("}}\n");
 	}
 }
 
-/* The mean pressure under a square plate, by the sinkage it was pushed to: over its own area. */
+/* The mean pressure under a square plate that is pushed so deep, Pa: over its own area. */
+static double pushed(bool on_gpu, const struct deform_soil *soil, double side, double sinkage, double spacing)
+{
+	struct deform_shape plate = {.kind = DEFORM_BOX, .size = {side, side, 1}};
+	int posts = (int)(side / spacing) + 2 * RIM;
+	struct deform_pose pose = at(posts / 2, posts / 2, 0.5 - sinkage, spacing);
+	struct deform_sweep sweep = {.shape = &plate, .from = pose, .to = pose};
+	struct reference_forces forces;
+	double lower;
+	struct bed *bed = bed_create(on_gpu, posts, posts, spacing, soil);
+	bed_sweep(bed, &sweep, &forces, &lower);
+	bed_destroy(bed);
+	return forces.normal / (side * side);
+}
+
 static void plates(void)
 {
 	static const char *const soils[] = {"dry_sand", "sandy_loam_15", "sandy_loam_22", "clayey_38", "heavy_clay_25", "heavy_clay_40",
 					    "lean_clay_22", "lete_sand", "upland_loam_51", "snow_us", "snow_sweden", "lunar"};
 	static const double millimetres[] = {1, 2, 5, 10, 20, 50, 100, 200}, spacings[] = {1.0 / 64, 1.0 / 256};
 	double side = 0.1;
-	struct deform_shape plate = {.kind = DEFORM_BOX, .size = {side, side, 1}};
 	for (size_t i = 0; i < sizeof soils / sizeof *soils; i++)
 		for (size_t k = 0; k < sizeof millimetres / sizeof *millimetres; k++) {
 			struct deform_soil soil;
-			checked(deform_soil_named(soils[i], &soil));
-			printf("{\"what\": \"plate\", \"soil\": \"%s\", \"mm\": %g, \"closed_kpa\": %.6g, \"posts_kpa\": {", soils[i],
-			       millimetres[k], reference_bekker(&soil, side, millimetres[k] / 1e3) / 1e3);
-			for (size_t s = 0; s < 2; s++) {
-				int posts = (int)(side / spacings[s]) + 2 * RIM;
-				struct deform_pose pose = at(posts / 2, posts / 2, 0.5 - millimetres[k] / 1e3, spacings[s]);
-				struct deform_sweep sweep = {.shape = &plate, .from = pose, .to = pose};
-				struct deform_params params = scm(&soil);
-				struct reference_ground ground;
-				struct reference_forces forces;
-				double lower;
-				checked(reference_ground_init(&ground, posts, posts, spacings[s]));
-				checked(reference_sweep(&ground, &params, &sweep, &forces, &lower));
-				reference_ground_finish(&ground);
-				printf("%s\"%g\": %.6g", s == 0 ? "" : ", ", spacings[s] * 1e3, forces.normal / (side * side) / 1e3);
+			bench_must(deform_soil_named(soils[i], &soil));
+			double sinkage = millimetres[k] / 1e3;
+			printf("{\"what\": \"plate\", \"soil\": \"%s\", \"mm\": %g, \"closed_kpa\": %.6g", soils[i], millimetres[k],
+			       reference_bekker(&soil, side, sinkage) / 1e3);
+			for (int on_gpu = 0; on_gpu < 2; on_gpu++) {
+				printf(", \"%s\": {", on_gpu ? "gpu_kpa" : "posts_kpa");
+				for (size_t s = 0; s < 2 && (!on_gpu || has_gpu); s++)
+					printf("%s\"%g\": %.6g", s == 0 ? "" : ", ", spacings[s] * 1e3,
+					       pushed(on_gpu, &soil, side, sinkage, spacings[s]) / 1e3);
+				printf("}");
 			}
-			printf("}}\n");
+			printf("}\n");
 		}
 }
 
 int main(int argc, char **argv)
 {
 	static const double spacings[] = {0.004, 0.002, 0.001};
+	has_gpu = bed_open();
 	plates();
 	towed();
 	rig(spacings, argc > 1 && strcmp(argv[1], "quick") == 0 ? 2 : 3);
+	bed_close();
 	return 0;
 }
