@@ -10,8 +10,6 @@ struct under_params {
 	struct body sweep, end;
 };
 
-#define UNDER_NONE INT32_MAX /* lib/window.glsl's */
-
 /* The posts that it can be above, in the window. */
 static struct gpu_rect shadow_of(const struct deform *deform, const struct deform_sweep *sweep, struct post_rect read)
 {
@@ -56,19 +54,14 @@ enum status deform_underside(struct deform *deform, const struct deform_sweep *s
 	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
 		return status;
-	/* Beyond its shadow it is above no post. */
-	const struct gpu_rect shadow = shadow_of(deform, sweep, read), all = {0, 0, (uint32_t)(read.x1 - read.x0),
-									       (uint32_t)(read.y1 - read.y0)};
-	if (shadow.width < all.width || shadow.height < all.height) {
-		gpu_texture_clear(deform->under, layer, all, UNDER_NONE);
-		if (deform->rest != NULL)
-			gpu_texture_clear(deform->rest, layer, all, UNDER_NONE);
-	}
+	/* Beyond its shadow it is above no post, and scm does not look there. To clear the rest for the others would cost more
+	 * than to work it out: a clear behind queued draws makes llvmpipe wait for them. */
+	const struct gpu_rect all = {0, 0, (uint32_t)(read.x1 - read.x0), (uint32_t)(read.y1 - read.y0)};
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
 		.stage = GPU_DISPLACE,
 		.program = *program,
 		.target = deform->scratch[layer].to[TO_UNDER],
-		.viewport = shadow,
+		.viewport = deform->params.model == DEFORM_SCM ? shadow_of(deform, sweep, read) : all,
 		.params = &params,
 		.params_bytes = sizeof params,
 	});
