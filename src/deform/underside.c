@@ -54,8 +54,7 @@ enum status deform_underside(struct deform *deform, const struct deform_sweep *s
 	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
 		return status;
-	/* Beyond its shadow it is above no post, and scm does not look there. To clear the rest for the others would cost more
-	 * than to work it out: a clear behind queued draws makes llvmpipe wait for them. */
+	/* Beyond its shadow it is above no post, and scm does not look there. */
 	const struct gpu_rect all = {0, 0, (uint32_t)(read.x1 - read.x0), (uint32_t)(read.y1 - read.y0)};
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
 		.stage = GPU_DISPLACE,
