@@ -42,17 +42,20 @@ static double force_at(const struct field *field, const struct deform_soil *soil
 static void try_shape(const struct deform_shape *shape, double width, double spacing)
 {
 	double reach = deform_shape_reach(shape, 0, 0);
+	struct field field = {NULL, 0}; /* the same at every height */
 	for (size_t k = 0; k < sizeof soils / sizeof *soils; k++) {
 		struct ground ground;
 		struct deform_soil soil;
 		assert_ok(deform_soil_named(soils[k], &soil));
-		ground_init(&ground, &(struct ground_params){.cells = 64, .tiles = 2, .first = 2, .spacing = spacing, .model = DEFORM_SCM,
+		ground_init(&ground, &(struct ground_params){.cells = 64, .tiles = 1, .first = 2, .spacing = spacing, .model = DEFORM_SCM,
 							     .soils = &soil});
-		for (int i = 0; i < LOADS; i++) {
+		/* Every other one, and those between with the next soil. */
+		for (int i = (int)k % 2; i < LOADS; i += 2) {
 			double load = pow(10, i);
-			struct deform_pose pose = ground_pose(&ground, 64.37, 64.21, reach - deform_sinkage_guess(shape, &soil, load));
+			struct deform_pose pose = ground_pose(&ground, 32.37, 32.21, reach - deform_sinkage_guess(shape, &soil, load));
 			struct deform_sweep sweep = {.shape = shape, .from = pose, .to = pose, .load = load};
-			struct field field = field_of(&ground, &sweep);
+			if (field.above == NULL)
+				field = field_of(&ground, &sweep);
 			ground_reset(&ground);
 			struct deform_forces forces = ground_forces(&ground, &sweep);
 			double sinkage = reach - lattice_offset_metres(forces.z), quantum = 0x1p-20;
@@ -63,10 +66,10 @@ static void try_shape(const struct deform_shape *shape, double width, double spa
 			if (carried && (low > load * (1 + 1e-5) || high < load * (1 - 1e-5)))
 				fail_msg("%s, %g N: sunk %.9g m, which bears %.9g to %.9g N", soils[k], load, sinkage, low, high);
 			assert_true(carried || fabs(sinkage - 2 * reach) < 1e-3); /* of its first post */
-			mem_free(field.above);
 		}
 		ground_finish(&ground);
 	}
+	mem_free(field.above);
 }
 
 static void plates_stand_where_the_soil_carries_them(void **state)
