@@ -94,6 +94,28 @@ static void plates_shear_as_janosi_says(void **state)
 	ground_finish(&ground);
 }
 
+/* R v more where it goes down, nothing where it comes up; without a time there is no rate. */
+static void soil_that_is_pressed_fast_bears_more(void **state)
+{
+	struct deform_soil soil = soft();
+	struct ground ground;
+	(void)state;
+	need_gpu();
+	init(&ground, &soil, 0.015625, 0);
+	const double seconds[] = {0, 0.1, 0.01};
+	double still = 0;
+	for (int i = 0; i < 3; i++) {
+		ground_reset(&ground);
+		struct deform_sweep first = stand(&ground, &plate, 64, 64, 0.25 - 0.04), sweep = move(&first, 0, 0, -0.01);
+		sweep.seconds = seconds[i];
+		struct deform_forces forces = ground_forces(&ground, &sweep);
+		double pressure = forces.force[2] / forces.area, rate = i > 0 ? 0.01 / seconds[i] : 0;
+		still = i == 0 ? pressure : still;
+		assert_true(fabs(pressure - still - soil.damping * rate) < 0.5);
+	}
+	ground_finish(&ground);
+}
+
 static int32_t at_centre(struct ground *ground, enum plane plane)
 {
 	int32_t *all = ground_plane(ground, plane), value = all[64 * ground->posts + 64];
@@ -454,6 +476,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(plates_sink_as_bekker_says),
 		cmocka_unit_test(plates_shear_as_janosi_says),
+		cmocka_unit_test(soil_that_is_pressed_fast_bears_more),
 		cmocka_unit_test(a_load_rebounds_and_presses_no_deeper_again),
 		cmocka_unit_test(what_is_not_compacted_is_somewhere),
 		cmocka_unit_test(a_rut_that_was_paged_is_the_same_to_the_next_wheel),
