@@ -111,7 +111,7 @@ static void soil_that_is_pressed_fast_bears_more(void **state)
 		struct deform_forces forces = ground_forces(&ground, &sweep);
 		double pressure = forces.force[2] / forces.area, rate = i > 0 ? 0.01 / seconds[i] : 0;
 		still = i == 0 ? pressure : still;
-		assert_true(fabs(pressure - still - soil.damping * rate) < 0.5);
+		assert_true(fabs(pressure - still - soil.damping * rate) < 0.5 + 1e-4 * soil.damping * rate); /* places are whole quanta */
 	}
 	ground_finish(&ground);
 }
