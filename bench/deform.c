@@ -7,7 +7,7 @@
  * single steps beside it; of several runs in turn the median. posts_per_s: posts of the windows that
  * were written. copy_fraction: the bytes of the planes of those posts, once read and once written, a
  * second, over what memcpy moves in the same process. "draws": with the raster threads a process that
- * draws keeps. "quick": fewer runs.
+ * draws keeps. "quick": fewer runs. A model's name: it alone; "fine": at the finest spacing only.
  */
 #include <math.h>
 #include <stdio.h>
@@ -151,7 +151,7 @@ static void open_ground(const struct bench_case *of, bool draws, struct ground *
 		.box_radius = 1,
 		.box_repetitions = 1,
 		.soil_count = 1,
-		.iterations = 4,
+		.iterations = 2,
 		.depth = of->model == DEFORM_SCM ? 0 : INFINITY,
 		.bulldozing = 0.5,
 		.dirt = of->dirt,
@@ -265,13 +265,17 @@ static bool says(int argc, char **argv, const char *word)
 
 int main(int argc, char **argv)
 {
-	static const double spacings[] = {0.25, 0.125, 0.03125, 0.01};
+	enum { COUNT = 4 };
+	static const double spacings[COUNT] = {0.25, 0.125, 0.03125, 0.01};
 	/* A process settles llvmpipe's threads once: draws or not is an argument. */
 	bool draws = says(argc, argv, "draws"), quick = says(argc, argv, "quick");
 	double rate = copy_rate();
 	printf("{\"bench\": \"deform\", \"memcpy_bytes_per_s\": %.3g}\n", rate);
+	bool one = false, fine = says(argc, argv, "fine");
 	for (int model = 0; model < DEFORM_MODELS; model++)
-		for (size_t s = 0; s < sizeof spacings / sizeof spacings[0]; s++)
+		one = one || says(argc, argv, model_names[model]);
+	for (int model = 0; model < DEFORM_MODELS; model++)
+		for (size_t s = fine ? COUNT - 1 : 0; s < COUNT && (!one || says(argc, argv, model_names[model])); s++)
 			for (int wheels = 1; wheels <= WHEELS_MOST; wheels *= 4)
 				for (int dirt = 0; dirt < (spacings[s] == 0.125 ? 2 : 1); dirt++)
 					measure(&(struct bench_case){(enum deform_model)model, spacings[s], wheels, dirt == 1}, draws,

@@ -189,13 +189,13 @@ static void a_model_has_its_own_parameters_with_their_defaults(void **state)
 	for (size_t i = 0; i < 3; i++) {
 		struct scene *scene = load_edited(base, "scm", models[i].model);
 		assert_int_equal(scene->model, models[i].is);
-		assert_int_equal(scene->iterations, 4);
+		assert_int_equal(scene->iterations, 2);
 		assert_true(scene->interval == 0.02 && scene->depth == models[i].depth);
 		assert_true(scene->bulldozing == models[i].bulldozing);
 		scene_destroy(scene);
 	}
-	struct scene *scene = load_edited(base, "model: scm", "model: scm, iterations: 2, interval: 0.5, depth: 1.5, bulldozing: 0.25");
-	assert_int_equal(scene->iterations, 2);
+	struct scene *scene = load_edited(base, "model: scm", "model: scm, iterations: 5, interval: 0.5, depth: 1.5, bulldozing: 0.25");
+	assert_int_equal(scene->iterations, 5);
 	assert_true(scene->interval == 0.5 && scene->depth == 1.5 && scene->bulldozing == 0.25);
 	scene_destroy(scene);
 	refuse("model: scm", "model: scm, radius: 2", ":4: redistribute.radius: is no parameter of model scm; allowed with: box");
@@ -472,14 +472,14 @@ static void the_hash_is_of_all_that_decides_how_the_ground_gives_way(void **stat
 	} edits[] = {
 		{"3}\n", "3}\noutput: {forces: 50, delay: 4}\n", true},
 		{"dry_sand", "dry_sand, bekker_n: 1.1", true}, /* as the name says */
-		{"model: scm", "model: scm, iterations: 4, interval: 0.02, depth: 0, bulldozing: 0.5", true},
+		{"model: scm", "model: scm, iterations: 2, interval: 0.02, depth: 0, bulldozing: 0.5", true},
 		{"0.4}", "0.4, lugs: 0}", true},
 		{"dry_sand", "lunar", false},
 		{"dry_sand", "dry_sand, bekker_kc: 1", false},
 		{"dry_sand", "dry_sand, repose: 1", false},
 		{"dry_sand", "dry_sand, compression: 1", false},
 		{"model: scm", "model: slippage", false},
-		{"model: scm", "model: scm, iterations: 5", false},
+		{"model: scm", "model: scm, iterations: 3", false},
 		{"model: scm", "model: scm, interval: 0.03", false},
 		{"model: scm", "model: scm, depth: 1", false},
 		{"model: scm", "model: scm, bulldozing: 0.6", false},
