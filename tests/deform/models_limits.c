@@ -154,7 +154,7 @@ static void at_its_limits(enum deform_model model, int rounds)
 			.bulldozing = any_of(0, 1, true),
 		};
 		ground_init(&ground, &params);
-		/* Not all of it stands. */
+		/* Not all of it stands: any of it may slide. */
 		assert_ok(deform_wake(ground.deform, (struct post_rect){0, 0, POSTS, POSTS}));
 		for (int k = 0; k < 6; k++) {
 			struct deform_sweep sweep = any_sweep(&ground, &shape);
