@@ -1,7 +1,7 @@
 #version 450 core
 // Before sliding: the deposits are laid down, and the heights that slide are worked out. One fragment a post.
 // Defines: DEPOSITS: there are any; HEAPED: the heaped soil moves along; BOUNDED: only loose soil
-// slides; STEEP: neighbours may lie 512 m apart and more; HELD_STILL: so is what an object rests on.
+// slides; STEEP: neighbours may lie 1536 m apart and more; HELD_STILL: so is what an object rests on.
 
 #include "lib/slide.glsl"
 #include "lib/tally.glsl"
@@ -66,10 +66,14 @@ void main()
 	still = still || min(offset, heap) < SLIDE_LOW || max(offset, heap) > SLIDE_HIGH;
 #ifdef STEEP
 	for (int k = 0; k < 8; k++) {
-		int other = imageLoad(bases, ivec3(post + SLIDE_NEAR[k], place.x)).r;
+		ivec3 there = ivec3(post + SLIDE_NEAR[k], place.x);
+		int other = imageLoad(bases, there).r, other_offset = imageLoad(offsets, there).r;
+#ifdef DEPOSITS
+		other_offset = int(min(uint(max(SLIDE_HIGH - other_offset, 0)), uint(imageLoad(deposits, there).r))) + other_offset;
+#endif
 		int apart = base - other;
-		bool wrapped = ((base ^ other) & (base ^ apart)) < 0;
-		still = still || (other != BASE_NODATA && (wrapped || abs(apart) >= 1 << 27));
+		bool wrapped = ((base ^ other) & (base ^ apart)) < 0 || abs(apart) > 1 << 30;
+		still = still || (other != BASE_NODATA && (wrapped || abs(apart + ((offset - other_offset) >> 2)) >= SLIDE_APART));
 	}
 #endif
 	offset_out = offset;

@@ -1,7 +1,7 @@
 #version 450 core
 // Sliding by what a difference of heights exceeds one that stands: once, between each post and its
 // eight neighbours. One fragment a post.
-// Defines: BOUNDED: only loose soil slides; SOILS: classes of soil that the parameters hold; LAST: back to
+// Defines: BOUNDED: only loose soil slides; STOOD: the ground as it was stands, however steep; SOILS: classes of soil that the parameters hold; LAST: back to
 // offsets; HEAPED: and the heaped soil has moved along; FLAGS: and where something changed, over blocks.
 
 #include "lib/slide.glsl"
@@ -38,6 +38,9 @@ void main()
 #ifdef BOUNDED
 	int loose = max(0, height - imageLoad(floors, at).r) >> 3;
 #endif
+#ifdef STOOD
+	int base = imageLoad(grounds, at).r;
+#endif
 	int change = 0;
 	for (int k = 0; k < 8; k++) {
 		ivec3 there = at + ivec3(SLIDE_NEAR[k], 0);
@@ -52,6 +55,10 @@ void main()
 		int amount = min(min((high - (k < 4 ? both.x : both.y) + 7) >> 3, high >> 3), SLIDE_MOST);
 #ifdef BOUNDED
 		amount = min(amount, gives ? loose : max(0, other - imageLoad(floors, there).r) >> 3);
+#endif
+#ifdef STOOD
+		int more = risen(difference, base, there);
+		amount = min(amount, gives ? more : -more);
 #endif
 		amount = other == STILL ? 0 : max(amount, 0);
 		change += gives ? -amount : amount;

@@ -1,6 +1,6 @@
 #version 450 core
 // Sumner's erosion, what each post sheds: the share that goes to a neighbour, and to which. One fragment a post.
-// Define: SOILS: classes of soil that the parameters hold.
+// Defines: SOILS: classes of soil that the parameters hold; STOOD: the ground as it was stands, however steep.
 
 #include "lib/slide.glsl"
 
@@ -37,12 +37,18 @@ void main()
 	int height = imageLoad(heights, at).r;
 	bool held = (imageLoad(contacts, at).r & HELD) != 0u, starts = false;
 	int to = 0, count = 0, sum = 0;
+#ifdef STOOD
+	int base = imageLoad(grounds, at).r;
+#endif
 	for (int k = 0; k < 8; k++) {
 		ivec3 there = at + ivec3(SLIDE_NEAR[k], 0);
 		int other = imageLoad(heights, there).r, difference = height - other;
 		bool pair_held = held || (imageLoad(contacts, there).r & HELD) != 0u;
 		ivec2 goes = pair_held ? soil.out_in.zw : soil.out_in.xy;
 		bool open = other != STILL;
+#ifdef STOOD
+		open = open && risen(difference, base, there) > 0;
+#endif
 		starts = starts || (open && difference > (k < 4 ? soil.stop.x : soil.stop.y));
 		bool steep = open && difference > (k < 4 ? goes.x : goes.y);
 		to |= steep ? 1 << (23 + k) : 0;

@@ -8,5 +8,18 @@ const int SLIDE_MOST = 1 << 22;     // passes between two posts at once, quanta
 // Beyond these an offset takes no part: eight iterations with eight neighbours cannot take one out of its range.
 const int SLIDE_LOW = -OFFSET_LIMIT + (1 << 28), SLIDE_HIGH = OFFSET_LIMIT - (1 << 28);
 
+// Of neighbours, 2^-18 m (1536 m): eight iterations cannot take their difference out of 32 bits.
+const int SLIDE_APART = 3 << 27;
+
 const ivec2 SLIDE_NEAR[8] = ivec2[8](ivec2(0, -1), ivec2(-1, 0), ivec2(1, 0), ivec2(0, 1), ivec2(-1, -1),
 				     ivec2(1, -1), ivec2(-1, 1), ivec2(1, 1)); // four axial, four diagonal
+
+#ifdef STOOD
+layout(binding = 7, r32i) readonly uniform iimage2DArray grounds; // bases
+
+// By how much the difference of heights to a neighbour exceeds that of the ground as it was.
+int risen(int difference, int base, ivec3 there)
+{
+	return int(uint(difference) - uint(base - imageLoad(grounds, there).r) * 4u);
+}
+#endif

@@ -42,6 +42,12 @@ bool deform_is_bounded(const struct deform *deform)
 	return deform->params.model != DEFORM_SUMNER && isfinite(deform->params.depth);
 }
 
+/* Undisturbed ground stands; where only heaped soil slides it does so anyway. */
+static bool asks_what_stood(const struct deform *deform)
+{
+	return deform->params.stands && !(deform_is_bounded(deform) && deform->params.depth == 0);
+}
+
 static bool is_heaped(const struct deform *deform)
 {
 	return (deform->planes & PLANE_BIT(PLANE_HEAPED)) != 0;
@@ -188,6 +194,7 @@ static enum status excess(struct deform *deform, const struct slide_place *place
 	snprintf(soils, sizeof soils, "SOILS %d", deform_soil_slots(deform));
 	define(&request, soils, true);
 	define(&request, "BOUNDED", deform_is_bounded(deform));
+	define(&request, "STOOD", asks_what_stood(deform));
 	define_end(deform, place, last, &request);
 	struct gpu_program **program = &deform->slide[place->blocks > 0][last];
 	enum status status = deform_program(deform, &request, program);
@@ -200,7 +207,7 @@ static enum status excess(struct deform *deform, const struct slide_place *place
 			params.stands[i][k] = deform->soils[i].stands[k];
 	run(deform, place, iteration, &(struct gpu_pass){
 		.program = *program,
-		.images = {NULL, deform->floors, deform->classes},
+		.images = {NULL, deform->floors, deform->classes, [7] = asks_what_stood(deform) ? deform->bases : NULL},
 		.params = &params,
 		.params_bytes = (size_t)((char *)params.stands[deform_soil_slots(deform)] - (char *)&params),
 	});
@@ -213,6 +220,7 @@ static enum status shed(struct deform *deform, const struct slide_place *place, 
 	struct gpu_program_request request = {.vertex = vertex_of(place), .fragment = "deform/slide_shed.frag"};
 	snprintf(soils, sizeof soils, "SOILS %d", deform_soil_slots(deform));
 	define(&request, soils, true);
+	define(&request, "STOOD", asks_what_stood(deform));
 	struct gpu_program **program = &deform->shed[place->blocks > 0];
 	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
@@ -235,7 +243,8 @@ static enum status shed(struct deform *deform, const struct slide_place *place, 
 		.target = deform->scratch[place->layer].to[TO_SHED],
 		.viewport = place->all,
 		.instances = place->blocks,
-		.images = {deform->heights[iteration % 2], deform->contacts, deform->classes},
+		.images = {deform->heights[iteration % 2], deform->contacts, deform->classes,
+			   [7] = asks_what_stood(deform) ? deform->bases : NULL},
 		.params = &params,
 		.params_bytes = (size_t)((char *)&params.soils[deform_soil_slots(deform)] - (char *)&params),
 	});

@@ -200,12 +200,15 @@ static enum status start_gpu(struct drive *drive)
 		.iterations = scene->iterations,
 		.relief = isnan(drive->meta->low) ? 0 : drive->meta->high - drive->meta->low,
 		.depth = scene->depth,
+		.stands = scene->undisturbed == SCENE_STANDS,
 		.bulldozing = scene->bulldozing,
 		.dirt = scene->dirt,
 	};
 	memcpy(deform.soils, scene->soils, sizeof deform.soils);
 	if (status == STATUS_OK && scene->object_count > 0)
 		status = deform_create(&deform, &drive->deform);
+	if (status == STATUS_OK && drive->deform != NULL && scene->undisturbed == SCENE_SLIDES && !drive->resumed)
+		status = drive_wake_all(drive);
 	for (size_t i = 0; i < drive->record->awake_count && status == STATUS_OK; i++)
 		status = deform_wake_block(drive->deform, drive->record->awake[i]);
 	if (status == STATUS_OK)

@@ -138,6 +138,8 @@ struct held_tiles {
 };
 
 /* awake.c: the ground at large */
+/* For undisturbed ground that slides: all of it may, from the first. STATUS_INPUT: it is too much. */
+enum status drive_wake_all(struct drive *drive) FURROW_CHECKED;
 /* What is over at `time` is: of the scene's start, or of what was resumed. */
 void drive_intervals_from(struct drive *drive, double time);
 /* All intervals before `time`, or also the one at it. */

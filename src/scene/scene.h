@@ -16,6 +16,7 @@
 
 enum scene_coordinates { SCENE_LOCAL, SCENE_STORE, SCENE_SRS };
 enum scene_outside { SCENE_STOP, SCENE_SKIP };
+enum scene_undisturbed { SCENE_STANDS, SCENE_SLIDES };
 enum scene_camera_kind { SCENE_CHASE, SCENE_OVERHEAD, SCENE_FIXED };
 
 /* Every effect a scene can call for, in the order of src/scene/effects.c's table. */
@@ -104,6 +105,7 @@ struct scene {
 	double interval;   /* s of simulated time between those of the ground at large */
 	double depth;      /* metres of loose soil below the base; INFINITY: no bottom */
 	double bulldozing; /* share */
+	enum scene_undisturbed undisturbed; /* ground that is steeper than soil stands, where nothing has been */
 	struct deform_soil soils[DEFORM_SOILS]; /* with a map the first is for where it says nothing else */
 	int soil_count;
 	char *soil_map;          /* a raster, resolved relative to the scene's file; NULL: soils[0] everywhere */

@@ -38,7 +38,8 @@ static enum status check_parameters(const struct scene_tree *tree, const struct 
 		{"repetitions", raw->repetitions, MODEL(DEFORM_BOX_FILTER)},
 		{"iterations", raw->iterations, SOILS_MODELS},
 		{"interval", raw->interval, SOILS_MODELS},
-		{"depth", raw->depth, SOILS_MODELS},
+		{"depth", raw->depth, MODEL(DEFORM_SLIPPAGE) | MODEL(DEFORM_SCM)},
+		{"undisturbed", raw->undisturbed, SOILS_MODELS},
 		{"bulldozing", raw->bulldozing, MODEL(DEFORM_SCM)},
 	};
 	for (size_t i = 0; i < sizeof parameters / sizeof parameters[0]; i++) {
@@ -68,6 +69,7 @@ static enum status check_redistribute(const struct scene_tree *tree,
 		scene->iterations = (int)whole_or(raw->iterations, 2);
 		scene->interval = number_or(raw->interval, 0.02);
 		scene->depth = number_or(raw->depth, scene->model == DEFORM_SCM ? 0 : (double)INFINITY);
+		scene->undisturbed = raw->undisturbed != NULL ? (enum scene_undisturbed)*raw->undisturbed : SCENE_STANDS;
 	}
 	if (scene->model == DEFORM_SCM)
 		scene->bulldozing = number_or(raw->bulldozing, 0.5);

@@ -115,6 +115,7 @@ static void add_soils(XXH3_state_t *state, const struct scene *scene)
 	add_part(state, 'e', 0);
 	add_whole(state, (uint64_t)scene->iterations);
 	add_number(state, scene->interval);
+	add_whole(state, (uint64_t)scene->undisturbed);
 	add_number(state, scene->depth);
 	add_number(state, scene->bulldozing);
 	add_whole(state, (uint64_t)scene->soil_count);

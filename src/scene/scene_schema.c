@@ -109,6 +109,7 @@ static const cyaml_strval_t model_words[] = {{"none", DEFORM_NONE},
 					     {"sumner", DEFORM_SUMNER},
 					     {"slippage", DEFORM_SLIPPAGE},
 					     {"scm", DEFORM_SCM}};
+static const cyaml_strval_t undisturbed_words[] = {{"stands", SCENE_STANDS}, {"slides", SCENE_SLIDES}};
 static const cyaml_strval_t outside_words[] = {{"stop", SCENE_STOP}, {"skip", SCENE_SKIP}};
 
 static const cyaml_schema_field_t redistribute_fields[] = {
@@ -120,6 +121,8 @@ static const cyaml_schema_field_t redistribute_fields[] = {
 	CYAML_FIELD_FLOAT_PTR("interval", OPTIONAL, struct raw_redistribute, interval),
 	CYAML_FIELD_FLOAT_PTR("depth", OPTIONAL, struct raw_redistribute, depth),
 	CYAML_FIELD_FLOAT_PTR("bulldozing", OPTIONAL, struct raw_redistribute, bulldozing),
+	CYAML_FIELD_ENUM_PTR("undisturbed", OPTIONAL, struct raw_redistribute, undisturbed,
+			     undisturbed_words, 2),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t output_fields[] = {

@@ -67,6 +67,7 @@ struct raw_redistribute {
 	int model; /* enum deform_model */
 	int64_t *radius, *repetitions, *iterations;
 	double *interval, *depth, *bulldozing;
+	int *undisturbed; /* enum scene_undisturbed */
 };
 struct raw_output {
 	double *forces;

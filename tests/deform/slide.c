@@ -77,11 +77,11 @@ static bool still_at(const struct slab *of, int x, int y, bool held_too)
 	int i = y * N + x;
 	if (of->base[i] == BASE_NODATA || (held_too && (of->contacts[i] & HELD)) || abs(of->offset[i]) > 768 << 20)
 		return true;
-	for (int k = 0; k < 9; k++) { /* 512 m from any of them: around the slab lie 40 m */
+	for (int k = 0; k < 9; k++) { /* 1536 m from any of them: around the slab lie 40 m */
 		int px = x + k % 3 - 1, py = y + k / 3 - 1;
 		bool inside = px >= 0 && py >= 0 && px < N && py < N;
-		int64_t other = inside ? of->base[py * N + px] : 40 << 18;
-		if (other != BASE_NODATA && llabs(of->base[i] - other) >= 512 << 18)
+		int64_t other = inside ? of->base[py * N + px] : 40 << 18, offset = inside ? of->offset[py * N + px] : 0;
+		if (other != BASE_NODATA && llabs(of->base[i] - other + ((of->offset[i] - offset) >> 2)) >= 1536 << 18)
 			return true;
 	}
 	return false;
@@ -180,7 +180,7 @@ static void any_ground(struct ground *ground, int round)
 			slab.offset[i] = slab.deposit[i] = 0;
 			slab.contacts[i] |= 4;
 		} else if (round % 5 == 4 && any_word() % 16 == 0) {
-			slab.base[i] += (int32_t)(any_word() % 3 * 300 - 300) * (1 << 18); /* cliffs of more than 512 m too */
+			slab.base[i] += (int32_t)(any_word() % 3 * 900 - 900) * (1 << 18); /* cliffs of more than 1536 m too */
 		} else if (round % 5 == 3 && any_word() % 16 == 0) {
 			slab.offset[i] = (int32_t)(any_share() * (1 << 30)); /* beyond 768 m */
 		}
