@@ -18,7 +18,7 @@ layout(binding = 4, r32i) readonly uniform iimage2DArray heaps;
 
 layout(std140, binding = 0) uniform params {
 	ivec4 region;  // regions.vert's
-	ivec4 place;   // the layer; loose soil below the base, quanta
+	ivec4 place;   // the layer; loose soil below the base, quanta; not 0: the object may stand elsewhere later
 	ivec4 written; // the posts that exchange: first, one behind the last
 };
 
@@ -47,8 +47,10 @@ void main()
 #endif
 	bool ours = all(greaterThanEqual(post, written.xy)) && all(lessThan(post, written.zw));
 	bool still = !ours || base == BASE_NODATA;
+	uint contact = imageLoad(contacts, at).r;
+	uint marks = !ours || (contact & HELD) == 0u ? 0u : place.z != 0 ? IS_HELD | MAY_BE_FREED : IS_HELD;
 #ifdef HELD_STILL
-	still = still || (imageLoad(contacts, at).r & HELD) != 0u;
+	still = still || (contact & HELD) != 0u;
 #endif
 #ifdef DEPOSITS
 	uint deposit = ours ? uint(imageLoad(deposits, at).r) : 0u;
@@ -58,6 +60,7 @@ void main()
 		tally_add(REFUSED, 1u);
 		deposit = room;
 	}
+	marks |= ours && (deposit != 0u || (contact & PRESSED) != 0u) ? IS_DISTURBED : 0u;
 	offset += int(deposit);
 	heap += int(deposit);
 	if (!still && (min(offset, heap) < SLIDE_LOW || max(offset, heap) > SLIDE_HIGH))
@@ -78,7 +81,7 @@ void main()
 #endif
 	offset_out = offset;
 	height_out = still ? STILL : int(uint(base) * 4u + uint(offset));
-	still_out = uint(still);
+	still_out = marks | (still ? IS_STILL : 0u);
 #ifdef HEAPED
 	heap_out = heap;
 #endif

@@ -1,11 +1,10 @@
 #version 450 core
 // Sliding by what a difference of heights exceeds one that stands: once, between each post and its
 // eight neighbours. One fragment a post.
-// Defines: BOUNDED: only loose soil slides; STOOD: the ground as it was stands, however steep; SOILS: classes of soil that the parameters hold; LAST: back to
-// offsets; HEAPED: and the heaped soil has moved along; FLAGS: and where something changed, over blocks.
+// Defines: BOUNDED: only loose soil slides; STOOD: the ground as it was stands, however steep; SOILS: classes of
+// soil that the parameters hold; LAST: back to offsets; HEAPED: and the heaped soil has moved along; FLAGS: over blocks.
 
 #include "lib/slide.glsl"
-#include "lib/slid.glsl"
 
 layout(binding = 0, r32i) readonly uniform iimage2DArray heights;
 #ifdef BOUNDED
@@ -16,10 +15,13 @@ layout(binding = 2, r8ui) readonly uniform uimage2DArray classes;
 #endif
 
 layout(std140, binding = 0) uniform params {
-	ivec4 region;        // regions.vert's
+	ivec4 region;        // regions.vert's; over a window: a post's place from its first block, blocks in a row, the first word
 	ivec4 place;         // the layer; near a block's side is within so many posts of it
+	ivec4 edge;          // over a window: posts across whose sides all was looked at: first, one behind the last
 	ivec4 stands[SOILS]; // difference of heights that stands: axial, diagonal
 };
+
+#include "lib/slid.glsl"
 
 ivec2 stands_at(ivec3 at)
 {
@@ -41,7 +43,7 @@ void main()
 #ifdef STOOD
 	int base = imageLoad(grounds, at).r;
 #endif
-	int change = 0;
+	int change = 0, moves = 0;
 	for (int k = 0; k < 8; k++) {
 		ivec3 there = at + ivec3(SLIDE_NEAR[k], 0);
 		int other = imageLoad(heights, there).r;
@@ -62,6 +64,7 @@ void main()
 #endif
 		amount = other == STILL ? 0 : max(amount, 0);
 		change += gives ? -amount : amount;
+		moves |= amount;
 	}
-	slid(at, height, change, place.y);
+	slid(at, height, change, moves != 0);
 }

@@ -1,4 +1,5 @@
-// The end of an iteration: a height, or with LAST what it means. Defines: LAST, HEAPED, FLAGS.
+// The end of an iteration: a height, or with LAST what it means, and where soil still moves. Comes behind the parameters.
+// Defines: LAST, HEAPED; FLAGS: over blocks; else LAST is over a window.
 
 #ifdef LAST
 layout(binding = 3, r32i) readonly uniform iimage2DArray bases;
@@ -9,31 +10,43 @@ layout(location = 0) out int offset_out;
 layout(binding = 6, r32i) readonly uniform iimage2DArray heaps; // before
 layout(location = 1) out int heap_out;
 #endif
+#include "lib/flags.glsl"
+#ifdef FLAGS
+flat in ivec3 block;
+#endif
 #else
 layout(location = 0) out int height_out;
 #endif
-#ifdef FLAGS
-#include "lib/flags.glsl"
-#endif
 
-void slid(ivec3 at, int height, int change, int near)
+// moves: soil came or went, were it as much.
+void slid(ivec3 at, int height, int change, bool moves)
 {
 	if (height == STILL)
 		change = 0;
+	moves = moves && height != STILL;
 	height += change;
 #ifdef LAST
 	int before = imageLoad(offsets, at).r;
-	bool still = imageLoad(stills, at).r != 0u;
-	int offset = still ? before : int(uint(height) - uint(imageLoad(bases, at).r) * 4u);
+	uint marks = imageLoad(stills, at).r;
+	int offset = (marks & IS_STILL) != 0u ? before : int(uint(height) - uint(imageLoad(bases, at).r) * 4u);
 	offset_out = offset;
 #ifdef HEAPED
 	heap_out = imageLoad(heaps, at).r + (offset - before);
 #endif
+	// What rests on it may not any more.
+	moves = moves || (marks & MAY_BE_FREED) != 0u || ((marks & IS_HELD) != 0u && offset != before);
+#ifdef FLAGS
+	if (moves)
+		flag_post(at.xy - block.xy, block.z, place.y);
+#else
+	// Across the rim nothing was looked at.
+	bool rim = any(lessThan(at.xy, edge.xy)) || any(greaterThanEqual(at.xy, edge.zw));
+	if (moves || (rim && ((marks & IS_DISTURBED) != 0u || offset != before))) {
+		ivec2 from_first = at.xy + region.xy;
+		flag_post(from_first % BLOCK, region.w + from_first.y / BLOCK * region.z + from_first.x / BLOCK, place.y);
+	}
+#endif
 #else
 	height_out = height;
-#endif
-#ifdef FLAGS
-	if (change != 0)
-		flag_change(at.xy, near);
 #endif
 }

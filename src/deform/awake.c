@@ -1,14 +1,18 @@
 /*
- * Which blocks are awake. They are visited once an interval; the last iteration says of each where posts changed
- * (flags.glsl), in a buffer that is read when its fence has passed.
+ * Which blocks are awake. They are visited once an interval; the last iteration of a visit, and that of a sweep, say of
+ * each block where soil still moves (flags.glsl), in buffers that are read when their fences have passed.
  *
- * Where nothing changed in the last iteration within `rim` posts of a block, nothing within it changes in the next
+ * Where no soil moved in the last iteration within `rim` posts of a block, none within it moves in the next
  * interval, since each iteration looks only so far. So a block is awake after a visit if its own flags say so,
- * or a neighbour's for the side that is towards it, or if it was woken since.
+ * or a neighbour's for the side that is towards it, or if it was woken since. A sweep's flags count what it could not
+ * look at, too (SOIL.md).
  *
- * Invariants: (1) `blocks` holds all blocks in which the next interval may change something. (2) Visits whose flags
- * are not here yet are in `visits`, oldest first; what follows from the last known one is widened by one block all
- * round for each of them, which is farther than change comes in an interval (the rim is less than a block).
+ * Invariants: (1) `blocks` holds all blocks in which the next interval may change something: what the last visit whose
+ * flags are here left awake (`known`), and what was woken in the period since; of sweeps whose flags are not here all that
+ * they wrote. (2) Visits whose flags are not here yet are in `visits`, oldest first; what is awake at each is widened by
+ * one block all round, which is farther than change comes in an interval (the rim is less than a block). (3) The words of
+ * a period's sweeps are those of `sweeps` from word 0, in the order of `swept`, until they are asked for; behind them all is
+ * zero, or flags of a window that nobody scattered.
  */
 #include <assert.h>
 #include <string.h>
@@ -17,32 +21,60 @@
 #include "deform/internal.h"
 
 #define VISITS 3 /* under way at most: then it is waited for */
+#define SWEEP_WORDS 8192 /* of sweeps between two intervals; those beyond wake all that they write */
+#define WINDOW_BLOCKS ((SIDE / DEFORM_BLOCK + 1) * (SIDE / DEFORM_BLOCK + 1)) /* that a window lies on, at most */
 
 struct visit {
 	struct gpu_staging *flags;
 	struct deform_block *visited; /* in the order of their flags */
 	size_t count;
-	struct block_set woken;       /* since */
+};
+
+/* From one visit to the next. */
+struct period {
+	struct block_set woken;
+	struct post_rect *swept;   /* `count` windows whose flags are not here yet */
+	size_t count, room;
+	struct gpu_staging *flags; /* theirs; NULL: not asked for */
 };
 
 struct awake {
-	struct block_set blocks, next;
+	struct block_set known, blocks, next;
 	struct visit visits[VISITS];
 	size_t visit_count;
+	struct period periods[VISITS + 1]; /* [0] since what is known, [i + 1] since visits[i] */
+	struct gpu_buffer *sweeps;         /* SWEEP_WORDS, and a window's that nobody reads */
+	uint32_t used;                     /* of them, in this period */
+};
+
+/* Blocks on which a window lies, counted through from the south-west. */
+struct block_grid {
+	int64_t x, y; /* the first */
+	uint32_t columns, rows;
 };
 
 enum status awake_create(struct deform *deform)
 {
 	deform->awake = mem_calloc(1, sizeof *deform->awake);
-	return deform->awake != NULL ? STATUS_OK : fail_memory("the awake blocks");
+	if (deform->awake == NULL)
+		return fail_memory("the awake blocks");
+	return gpu_buffer_create(deform->params.gpu, GPU_STORAGE, (SWEEP_WORDS + WINDOW_BLOCKS) * sizeof(uint32_t), NULL,
+				 &deform->awake->sweeps);
 }
 
 static void visit_finish(struct visit *visit)
 {
 	gpu_staging_destroy(visit->flags);
 	mem_free(visit->visited);
-	block_set_finish(&visit->woken);
 	memset(visit, 0, sizeof *visit);
+}
+
+static void period_finish(struct period *period)
+{
+	gpu_staging_destroy(period->flags);
+	mem_free(period->swept);
+	block_set_finish(&period->woken);
+	memset(period, 0, sizeof *period);
 }
 
 void awake_destroy(struct awake *awake)
@@ -51,6 +83,10 @@ void awake_destroy(struct awake *awake)
 		return;
 	for (size_t i = 0; i < awake->visit_count; i++)
 		visit_finish(&awake->visits[i]);
+	for (size_t i = 0; i <= VISITS; i++)
+		period_finish(&awake->periods[i]);
+	gpu_buffer_destroy(awake->sweeps);
+	block_set_finish(&awake->known);
 	block_set_finish(&awake->blocks);
 	block_set_finish(&awake->next);
 	mem_free(awake);
@@ -80,16 +116,76 @@ static enum status add_all(struct block_set *set, const struct block_set *from)
 	return status;
 }
 
-/* What a visit left awake: bit 0 the block itself, then W, E, S, N, SW, SE, NW, NE. */
-static enum status add_flagged(const struct deform *deform, struct block_set *set, const struct visit *visit)
+/* What a block's flags keep awake: bit 0 the block itself, then W, E, S, N, SW, SE, NW, NE. */
+static enum status add_word(const struct deform *deform, struct block_set *set, int64_t x, int64_t y, uint32_t flags)
 {
 	static const int ways[9][2] = {{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
+	enum status status = STATUS_OK;
+	for (int way = 0; way < 9 && status == STATUS_OK; way++)
+		if (flags & 1u << way)
+			status = add(deform, set, x + ways[way][0], y + ways[way][1]);
+	return status;
+}
+
+static enum status add_visited(const struct deform *deform, struct block_set *set, const struct visit *visit)
+{
 	const uint32_t *flags = gpu_staging_bytes(visit->flags);
 	enum status status = STATUS_OK;
-	for (size_t i = 0; i < visit->count; i++)
-		for (int way = 0; way < 9 && status == STATUS_OK; way++)
-			if (flags[i] & 1u << way)
-				status = add(deform, set, visit->visited[i].x + ways[way][0], visit->visited[i].y + ways[way][1]);
+	for (size_t i = 0; i < visit->count && status == STATUS_OK; i++)
+		status = add_word(deform, set, visit->visited[i].x, visit->visited[i].y, flags[i]);
+	return status;
+}
+
+static int64_t block_of(int64_t post)
+{
+	return post >= 0 ? post / DEFORM_BLOCK : -((DEFORM_BLOCK - 1 - post) / DEFORM_BLOCK);
+}
+
+static struct block_grid grid_of(struct post_rect write)
+{
+	struct block_grid grid = {.x = block_of(write.x0), .y = block_of(write.y0)};
+	grid.columns = (uint32_t)(block_of(write.x1 - 1) - grid.x + 1);
+	grid.rows = (uint32_t)(block_of(write.y1 - 1) - grid.y + 1);
+	return grid;
+}
+
+/* Its sweeps' flags are here. */
+static enum status add_swept(const struct deform *deform, struct period *period)
+{
+	const uint32_t *flags = gpu_staging_bytes(period->flags);
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < period->count; i++) {
+		struct block_grid grid = grid_of(period->swept[i]);
+		for (uint32_t k = 0; k < grid.columns * grid.rows && status == STATUS_OK; k++)
+			status = add_word(deform, &period->woken, grid.x + k % grid.columns, grid.y + k / grid.columns, *flags++);
+	}
+	gpu_staging_destroy(period->flags);
+	period->flags = NULL;
+	period->count = 0;
+	return status;
+}
+
+/* All blocks in which something changes within an interval if posts in here do. */
+static enum status add_near(const struct deform *deform, struct block_set *set, struct post_rect changed)
+{
+	int64_t rim = deform_slide_rim(deform);
+	struct deform_block last = last_block(deform);
+	int64_t x0 = block_of(changed.x0 - rim), y0 = block_of(changed.y0 - rim), x1 = block_of(changed.x1 - 1 + rim);
+	int64_t y1 = block_of(changed.y1 - 1 + rim);
+	x0 = x0 > 0 ? x0 : 0;
+	y0 = y0 > 0 ? y0 : 0;
+	enum status status = STATUS_OK;
+	for (int64_t y = y0; y <= y1 && y <= last.y; y++)
+		for (int64_t x = x0; x <= x1 && x <= last.x && status == STATUS_OK; x++)
+			status = block_set_add(set, (struct deform_block){x, y});
+	return status;
+}
+
+static enum status add_period(const struct deform *deform, struct block_set *set, const struct period *period)
+{
+	enum status status = add_all(set, &period->woken);
+	for (size_t i = 0; i < period->count && status == STATUS_OK; i++)
+		status = add_near(deform, set, period->swept[i]);
 	return status;
 }
 
@@ -103,27 +199,44 @@ static enum status widen(const struct deform *deform, struct block_set *set)
 	return status;
 }
 
-/* Looks whether flags have come; then the set anew. */
-static enum status settle(struct deform *deform, bool *came)
+/* Takes in the flags that have come. */
+static enum status take_flags(struct deform *deform, bool *came)
 {
 	struct awake *awake = deform->awake;
 	enum status status = STATUS_OK;
 	*came = false;
+	for (size_t i = 0; i <= awake->visit_count && status == STATUS_OK; i++)
+		if (awake->periods[i].flags != NULL && gpu_staging_idle(awake->periods[i].flags)) {
+			status = add_swept(deform, &awake->periods[i]);
+			*came = true;
+		}
 	while (awake->visit_count > 0 && status == STATUS_OK && gpu_staging_idle(awake->visits[0].flags)) {
-		block_set_clear(&awake->next);
-		status = add_flagged(deform, &awake->next, &awake->visits[0]);
-		if (status == STATUS_OK)
-			status = add_all(&awake->next, &awake->visits[0].woken);
+		block_set_clear(&awake->known);
+		status = add_visited(deform, &awake->known, &awake->visits[0]);
 		visit_finish(&awake->visits[0]);
+		period_finish(&awake->periods[0]);
 		memmove(awake->visits, awake->visits + 1, --awake->visit_count * sizeof *awake->visits);
+		memmove(awake->periods, awake->periods + 1, VISITS * sizeof *awake->periods);
+		memset(&awake->periods[VISITS], 0, sizeof awake->periods[VISITS]);
 		*came = true;
 	}
+	return status;
+}
+
+/* Looks whether flags have come; then the set anew. */
+static enum status settle(struct deform *deform, bool *came)
+{
+	struct awake *awake = deform->awake;
+	enum status status = take_flags(deform, came);
 	if (!*came || status != STATUS_OK)
 		return status;
-	for (size_t i = 0; i < awake->visit_count && status == STATUS_OK; i++) {
-		status = widen(deform, &awake->next);
+	block_set_clear(&awake->next);
+	status = add_all(&awake->next, &awake->known);
+	for (size_t i = 0; i <= awake->visit_count && status == STATUS_OK; i++) {
+		if (i > 0)
+			status = widen(deform, &awake->next);
 		if (status == STATUS_OK)
-			status = add_all(&awake->next, &awake->visits[i].woken);
+			status = add_period(deform, &awake->next, &awake->periods[i]);
 	}
 	struct block_set was = awake->blocks;
 	awake->blocks = awake->next;
@@ -138,32 +251,102 @@ static enum status wait(struct deform *deform)
 	return settle(deform, &came);
 }
 
+static struct period *this_period(struct awake *awake)
+{
+	return &awake->periods[awake->visit_count];
+}
+
+/* Sends for the flags of what was swept since the last visit. */
+static enum status ask_swept(struct deform *deform)
+{
+	struct awake *awake = deform->awake;
+	struct period *period = this_period(awake);
+	if (period->count == 0 || period->flags != NULL)
+		return STATUS_OK;
+	enum status status = gpu_staging_create(deform->params.gpu, awake->used * sizeof(uint32_t), &period->flags);
+	if (status != STATUS_OK)
+		return status;
+	gpu_buffer_read_into(awake->sweeps, 0, awake->used * sizeof(uint32_t), period->flags, 0);
+	/* And what a window that nobody scattered has left behind them. */
+	uint32_t dirty = awake->used + WINDOW_BLOCKS;
+	gpu_buffer_clear(awake->sweeps, 0, (dirty < SWEEP_WORDS ? dirty : SWEEP_WORDS) * sizeof(uint32_t));
+	awake->used = 0;
+	return STATUS_OK;
+}
+
+struct place_flags awake_flags(struct deform *deform, const struct deform_window *window, uint32_t layer)
+{
+	struct awake *awake = deform->awake;
+	struct layer *scratch = &deform->scratch[layer];
+	const struct post_rect read = window->read, write = window->write;
+	const struct world *world = deform->params.world;
+	int64_t posts_x = world_posts(world->width, deform->params.level), posts_y = world_posts(world->height, deform->params.level);
+	struct block_grid grid = grid_of(write);
+	int32_t step = (int32_t)deform_slide_step(deform);
+	assert(grid.columns * grid.rows <= WINDOW_BLOCKS);
+	scratch->flagged = deform->sweeps_flag && scratch->alone && this_period(awake)->flags == NULL &&
+			   grid.columns * grid.rows <= SWEEP_WORDS - awake->used;
+	return (struct place_flags){
+		.words = awake->sweeps,
+		.first = scratch->flagged ? awake->used : SWEEP_WORDS,
+		.columns = grid.columns,
+		.from = {(int32_t)(read.x0 - grid.x * DEFORM_BLOCK), (int32_t)(read.y0 - grid.y * DEFORM_BLOCK)},
+		/* Nothing lies beyond the world. */
+		.looked = {write.x0 > 0 ? (int32_t)(write.x0 - read.x0) + step : 0,
+			   write.y0 > 0 ? (int32_t)(write.y0 - read.y0) + step : 0,
+			   (int32_t)(write.x1 - read.x0) - (write.x1 < posts_x ? step : 0),
+			   (int32_t)(write.y1 - read.y0) - (write.y1 < posts_y ? step : 0)},
+		.loaded = scratch->loaded,
+	};
+}
+
+static enum status keep_swept(struct period *period, struct post_rect write)
+{
+	if (period->count == period->room) {
+		size_t room = period->room != 0 ? 2 * period->room : 64;
+		struct post_rect *swept = mem_realloc(period->swept, room, sizeof *swept);
+		if (swept == NULL)
+			return fail_memory("the awake blocks");
+		period->swept = swept;
+		period->room = room;
+	}
+	period->swept[period->count++] = write;
+	return STATUS_OK;
+}
+
+enum status deform_wake_swept(struct deform *deform, const struct deform_window *window, uint32_t layer)
+{
+	struct awake *awake = deform->awake;
+	if (awake == NULL || post_rect_empty(window->write))
+		return STATUS_OK;
+	struct layer *scratch = &deform->scratch[layer];
+	if (!scratch->flagged)
+		return deform_wake(deform, window->write);
+	scratch->flagged = false;
+	struct block_grid grid = grid_of(window->write);
+	enum status status = keep_swept(this_period(awake), window->write);
+	if (status != STATUS_OK)
+		return status;
+	awake->used += grid.columns * grid.rows;
+	return add_near(deform, &awake->blocks, window->write);
+}
+
 enum status deform_wake_block(struct deform *deform, struct deform_block block)
 {
 	struct awake *awake = deform->awake;
 	if (awake == NULL)
 		return STATUS_OK;
 	enum status status = add(deform, &awake->blocks, block.x, block.y);
-	if (status == STATUS_OK && awake->visit_count > 0)
-		status = add(deform, &awake->visits[awake->visit_count - 1].woken, block.x, block.y);
-	return status;
+	return status == STATUS_OK ? add(deform, &this_period(awake)->woken, block.x, block.y) : status;
 }
 
 enum status deform_wake(struct deform *deform, struct post_rect changed)
 {
-	if (deform->awake == NULL || post_rect_empty(changed))
+	struct awake *awake = deform->awake;
+	if (awake == NULL || post_rect_empty(changed))
 		return STATUS_OK;
-	int64_t rim = deform_slide_rim(deform);
-	struct deform_block last = last_block(deform);
-	int64_t x0 = changed.x0 - rim, y0 = changed.y0 - rim, x1 = (changed.x1 - 1 + rim) / DEFORM_BLOCK;
-	int64_t y1 = (changed.y1 - 1 + rim) / DEFORM_BLOCK;
-	x0 = x0 > 0 ? x0 / DEFORM_BLOCK : 0;
-	y0 = y0 > 0 ? y0 / DEFORM_BLOCK : 0;
-	enum status status = STATUS_OK;
-	for (int64_t y = y0; y <= y1 && y <= last.y; y++)
-		for (int64_t x = x0; x <= x1 && x <= last.x && status == STATUS_OK; x++)
-			status = deform_wake_block(deform, (struct deform_block){x, y});
-	return status;
+	enum status status = add_near(deform, &awake->blocks, changed);
+	return status == STATUS_OK ? add_near(deform, &this_period(awake)->woken, changed) : status;
 }
 
 enum status deform_awake(struct deform *deform, const struct deform_block **blocks, size_t *count)
@@ -175,8 +358,11 @@ enum status deform_awake(struct deform *deform, const struct deform_block **bloc
 	bool came;
 	enum status status = settle(deform, &came);
 	/* Some of so many may be so only because their flags are not here yet. */
-	if (status == STATUS_OK && awake->blocks.count > DEFORM_BLOCKS_MAX && awake->visit_count > 0)
-		status = wait(deform);
+	if (status == STATUS_OK && awake->blocks.count > DEFORM_BLOCKS_MAX) {
+		status = ask_swept(deform);
+		if (status == STATUS_OK)
+			status = wait(deform);
+	}
 	if (status == STATUS_OK && awake->blocks.count > DEFORM_BLOCKS_MAX)
 		status = fail_with(STATUS_FAILED, "soil: the ground slides in more than %d blocks of %d x %d posts at once; choose a "
 						  "soil that stands steeper, a coarser spacing, or model none", DEFORM_BLOCKS_MAX,
@@ -192,6 +378,8 @@ enum status deform_awake(struct deform *deform, const struct deform_block **bloc
 enum status awake_visit(struct deform *deform, const struct deform_block **blocks, size_t *count)
 {
 	enum status status = deform->awake->visit_count == VISITS ? wait(deform) : STATUS_OK;
+	if (status == STATUS_OK)
+		status = ask_swept(deform);
 	return status == STATUS_OK ? deform_awake(deform, blocks, count) : status;
 }
 

@@ -27,6 +27,9 @@ enum scratch_target {
 struct layer {
 	struct gpu_target *to[SCRATCH_TARGETS];
 	int now[PLANES]; /* which of planes[0 .. 1][plane] holds the result so far */
+	bool alone;      /* the window is all of its sweep */
+	bool loaded;     /* the object may turn out to stand elsewhere */
+	bool flagged;    /* its sliding says where something still moves */
 };
 
 struct deform;
@@ -65,6 +68,7 @@ struct deform {
 	struct facets *facets;                 /* meshes' and lugs': made when first needed */
 	struct gpu_program *slide_begin[2], *slide[2][2], *shed[2]; /* [over blocks][last iteration] */
 	struct slide_soil soils[DEFORM_SOILS];
+	bool sweeps_flag;                      /* what a sweep looked at says all about what moves after it */
 	struct gpu_program *scm[8], *find[8]; /* by their defines, as bits */
 	struct forces *forces;                /* NULL until a sweep asks */
 	struct gpu_buffer *tries;             /* of load.c; NULL until a sweep needs it */
@@ -175,13 +179,21 @@ enum status deform_slide(struct deform *deform, const struct deform_window *wind
 struct slide_place {
 	uint32_t layer;
 	struct gpu_rect all, written; /* what is worked on; what exchanges soil */
+	struct place_flags {
+		struct gpu_buffer *words;
+		uint32_t first, columns;  /* over a window: of the words, of its blocks */
+		int32_t from[2];          /* and its first post, from that of its first block */
+		int32_t looked[4];        /* its posts across whose sides all was looked at: first, one behind the last */
+		bool loaded;
+	} flags;
 	/* Over blocks: a square of `side` posts each, so many in a row, of which the block and its rim are right. */
 	uint32_t blocks, side, columns;
 	uint32_t first;               /* of the list: whose flags come first */
-	struct gpu_buffer *flags;
 };
 enum status deform_slide_run(struct deform *deform, const struct slide_place *place) FURROW_CHECKED;
 int64_t deform_slide_rim(const struct deform *deform); /* posts */
+/* Posts around one that has changed that may exchange soil otherwise. */
+int64_t deform_slide_step(const struct deform *deform);
 #define STEEP_RELIEF 500.0 /* metres; in a world of less no two posts are too far apart in height */
 bool deform_is_bounded(const struct deform *deform);
 /* What follows from the parameters. */
@@ -208,9 +220,11 @@ enum status deform_scatter_from(struct deform *deform, struct post_rect write, c
 /* awake.c */
 enum status awake_create(struct deform *deform) FURROW_CHECKED;
 void awake_destroy(struct awake *awake); /* takes NULL */
+/* Where a window's sliding puts its flags; of use until the next is asked for, and lasting if deform_wake_swept follows. */
+struct place_flags awake_flags(struct deform *deform, const struct deform_window *window, uint32_t layer);
 /* The blocks of an interval that begins: the list stays as it is until awake_visited. */
 enum status awake_visit(struct deform *deform, const struct deform_block **blocks, size_t *count) FURROW_CHECKED;
-/* They were worked on; `flags` says what changed in each. */
+/* They were worked on; `flags` says what still moves in each. */
 enum status awake_visited(struct deform *deform, struct gpu_buffer *flags) FURROW_CHECKED;
 
 /* interval.c */

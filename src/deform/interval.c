@@ -220,7 +220,7 @@ static enum status compute(struct deform *deform, size_t first, size_t last)
 		.side = interval->side,
 		.columns = interval->columns,
 		.first = (uint32_t)first,
-		.flags = interval->flags,
+		.flags = {.words = interval->flags},
 	};
 	if (status == STATUS_OK)
 		status = deform_slide_run(deform, &place);

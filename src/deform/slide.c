@@ -8,17 +8,14 @@
 #include <assert.h>
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "deform/internal.h"
 #include "deform/stand.h"
 
 /* std140 twins. */
 struct slide_params {
-	int32_t region[4], place[4];
-};
-struct begin_params {
-	struct slide_params slide;
-	int32_t written[4];
+	int32_t region[4], place[4], edge[4];
 };
 struct excess_params {
 	struct slide_params slide;
@@ -58,11 +55,16 @@ static bool is_steep(const struct deform *deform)
 	return !(deform->params.relief < STEEP_RELIEF);
 }
 
-/* A post is right once all around it that it depends on are: an iteration of Sumner's looks two posts far. */
+/* An iteration of Sumner's looks two posts far. */
+int64_t deform_slide_step(const struct deform *deform)
+{
+	return deform->params.model == DEFORM_SUMNER ? 2 : 1;
+}
+
+/* A post is right once all around it that it depends on are. */
 int64_t deform_slide_rim(const struct deform *deform)
 {
-	int64_t iterations = deform->params.iterations;
-	return (deform->params.model == DEFORM_SUMNER ? 2 * iterations : iterations) + is_steep(deform);
+	return deform_slide_step(deform) * deform->params.iterations + is_steep(deform);
 }
 
 static int32_t loose_depth(const struct deform *deform)
@@ -94,11 +96,17 @@ static void prepare_sumner(struct deform *deform, const struct deform_soil *soil
 
 void deform_slide_prepare(struct deform *deform)
 {
+	deform->sweeps_flag = true;
 	for (int i = 0; i < deform->params.soil_count; i++)
 		if (deform->params.model == DEFORM_SUMNER)
 			prepare_sumner(deform, &deform->params.soils[i], &deform->soils[i]);
 		else
 			prepare_excess(deform, &deform->params.soils[i], deform->soils[i].stands);
+	/* Where soil slides sooner for being held, another object may set it in motion: no sweep knows of that. */
+	for (int i = 0; i < deform->params.soil_count && deform->params.model == DEFORM_SUMNER; i++)
+		for (int k = 0; k < 2; k++)
+			if (deform->soils[i].held[k] < deform->soils[i].stands[k])
+				deform->sweeps_flag = false;
 }
 
 /* One more define of a request, if it is called for. */
@@ -112,13 +120,22 @@ static void define(struct gpu_program_request *request, const char *name, bool w
 		request->defines[count] = name;
 }
 
-/* `trim`: posts along each side of a block's square that are not needed any more. */
-static struct slide_params slide_params(const struct slide_place *place, int64_t trim, int64_t more)
+/* Of an iteration. `trim`: posts along each side of a block's square that are not needed any more. */
+static struct slide_params slide_params(const struct slide_place *place, int64_t trim, int64_t rim)
 {
-	return (struct slide_params){
+	const struct place_flags *flags = &place->flags;
+	struct slide_params params = {
 		.region = {(int32_t)place->side, (int32_t)place->columns, (int32_t)trim, (int32_t)place->first},
-		.place = {(int32_t)place->layer, (int32_t)more},
+		.place = {(int32_t)place->layer, (int32_t)rim},
 	};
+	if (place->blocks > 0)
+		return params;
+	params.region[0] = flags->from[0];
+	params.region[1] = flags->from[1];
+	params.region[2] = (int32_t)flags->columns;
+	params.region[3] = (int32_t)flags->first;
+	memcpy(params.edge, flags->looked, sizeof params.edge);
+	return params;
 }
 
 static const char *vertex_of(const struct slide_place *place)
@@ -141,10 +158,11 @@ static enum status begin(struct deform *deform, const struct slide_place *place)
 	if (status != STATUS_OK)
 		return status;
 	struct gpu_rect written = place->written;
-	const struct begin_params params = {
-		.slide = slide_params(place, 0, deform_is_bounded(deform) ? loose_depth(deform) : 0),
-		.written = {(int32_t)written.x, (int32_t)written.y, (int32_t)(written.x + written.width),
-			    (int32_t)(written.y + written.height)},
+	const struct slide_params params = {
+		.region = {(int32_t)place->side, (int32_t)place->columns, 0, (int32_t)place->first},
+		.place = {(int32_t)place->layer, deform_is_bounded(deform) ? loose_depth(deform) : 0, place->flags.loaded},
+		.edge = {(int32_t)written.x, (int32_t)written.y, (int32_t)(written.x + written.width),
+			 (int32_t)(written.y + written.height)},
 	};
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
 		.stage = GPU_REDISTRIBUTE,
@@ -182,7 +200,7 @@ static void run(struct deform *deform, const struct slide_place *place, int iter
 	pass->images[4] = last ? deform->planes_of[0][PLANE_OFFSET] : NULL;
 	pass->images[5] = last ? deform->stills : NULL;
 	pass->images[6] = last ? deform->planes_of[0][PLANE_HEAPED] : NULL;
-	pass->storage[1] = last && place->blocks > 0 ? place->flags : NULL;
+	pass->storage[1] = last ? place->flags.words : NULL;
 	gpu_pass_run(deform->params.gpu, pass);
 }
 
@@ -290,6 +308,7 @@ enum status deform_slide(struct deform *deform, const struct deform_window *wind
 		.layer = layer,
 		.all = deform_window_rect(window),
 		.written = deform_written(window),
+		.flags = awake_flags(deform, window, layer),
 	};
 	assert(scratch->now[PLANE_OFFSET] == 1);
 	/* The heaped soil lies beside the offset: a press need not touch it. */

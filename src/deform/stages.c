@@ -70,7 +70,11 @@ enum status deform_run_stages(struct deform *deform, const struct deform_sweep *
 		[DEFORM_SLIPPAGE] = deform_slippage,
 		[DEFORM_SCM] = deform_scm,
 	};
-	memset(deform->scratch[layer].now, 0, sizeof deform->scratch[layer].now);
+	struct layer *scratch = &deform->scratch[layer];
+	const struct post_rect all = deform_reached(deform, sweep), write = window->write;
+	memset(scratch->now, 0, sizeof scratch->now);
+	scratch->alone = all.x0 == write.x0 && all.y0 == write.y0 && all.x1 == write.x1 && all.y1 == write.y1;
+	scratch->loaded = sweep->load > 0;
 	enum status status = deform_underside(deform, sweep, window, layer);
 	if (status == STATUS_OK)
 		status = models[deform->params.model](deform, sweep, window, layer);

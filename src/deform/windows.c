@@ -128,6 +128,16 @@ struct post_rect deform_reached(const struct deform *deform, const struct deform
 	return post_rect_intersect(grown(deform_shadow(deform, sweep), deform->reach), world);
 }
 
+bool deform_covers(const struct deform *deform, const struct deform_sweep *sweep, const struct deform_pose *rest)
+{
+	const struct deform_sweep standing = {.shape = sweep->shape, .from = *rest, .to = *rest};
+	const struct post_rect world = {0, 0, world_posts(deform->params.world->width, deform->params.level),
+					world_posts(deform->params.world->height, deform->params.level)};
+	struct post_rect held = post_rect_intersect(grown(deform_shadow(deform, &standing), deform_slide_step(deform)), world);
+	struct post_rect all = deform_reached(deform, sweep);
+	return post_rect_empty(held) || (held.x0 >= all.x0 && held.y0 >= all.y0 && held.x1 <= all.x1 && held.y1 <= all.y1);
+}
+
 static int64_t core_of(const struct deform *deform)
 {
 	return DEFORM_WINDOW_POSTS - 2 * deform->border;

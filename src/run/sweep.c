@@ -66,7 +66,7 @@ static enum status scatter(struct drive *drive, const struct deform_window *wind
 	enum status status = deform_scatter(drive->deform, window, layer, held->tiles, held->count);
 	if (status == STATUS_OK)
 		status = drive_mark(drive, window->write, held);
-	return status == STATUS_OK ? deform_wake(drive->deform, window->write) : status;
+	return status == STATUS_OK ? deform_wake_swept(drive->deform, window, layer) : status;
 }
 
 /* How it rolled from one station to the next: by its slip s, as far as way / (r (1 - s)). */
@@ -105,8 +105,8 @@ enum status drive_sweep(struct drive *drive, const struct event *event, bool las
 		sweep.tag = forces_ask(drive->forces, event->rider, event, last);
 	else
 		forces_absent(drive->forces, event->rider, event);
-	/* What it stood on is free, if it has jumped or turned. */
-	if (status == STATUS_OK)
+	/* What it stood on is free: where the sweep does not look, if it has jumped or turned, somebody else must. */
+	if (status == STATUS_OK && rider->in_contact && !deform_covers(drive->deform, &sweep, &rider->last))
 		status = drive_let_go(drive, rider);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 		status = drive_hold(drive, windows[i].read, &held);
