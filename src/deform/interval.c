@@ -148,10 +148,12 @@ static void place_of(const struct interval *interval, size_t block, uint32_t *x,
 }
 
 /* One window of an object at rest, whose underside is in layer 0, over one block. */
-static enum status hold(struct deform *deform, const struct deform_rest *object, struct post_rect window, size_t block)
+/* `shadow`: beyond it the object is above no post, and its underside was not drawn. */
+static enum status hold(struct deform *deform, const struct deform_rest *object, struct post_rect window,
+			struct post_rect shadow, size_t block)
 {
 	static const struct gpu_program_request request = {.vertex = "full.vert", .fragment = "deform/held.frag"};
-	struct post_rect square = deform_interval_reads(deform, block), both = post_rect_intersect(window, square);
+	struct post_rect square = deform_interval_reads(deform, block), both = post_rect_intersect(post_rect_intersect(window, shadow), square);
 	uint32_t x, y;
 	if (post_rect_empty(both))
 		return STATUS_OK;
@@ -197,7 +199,7 @@ static enum status hold_all(struct deform *deform, const struct deform_rest *obj
 			continue;
 		status = deform_underside(deform, &sweep, &windows[i], 0);
 		for (size_t block = first; block <= last && status == STATUS_OK; block++)
-			status = hold(deform, object, windows[i].read, block);
+			status = hold(deform, object, windows[i].read, deform_shadow(deform, &sweep), block);
 	}
 	return status;
 }
@@ -261,7 +263,7 @@ enum status interval_warm(struct deform *deform, const struct deform_shape *shap
 	if (status == STATUS_OK)
 		status = deform_interval_gather(deform, 0, NULL, 0);
 	if (status == STATUS_OK)
-		status = hold(deform, &object, deform_interval_reads(deform, 0), 0);
+		status = hold(deform, &object, deform_interval_reads(deform, 0), deform_interval_reads(deform, 0), 0);
 	interval->count = 0;
 	return status;
 }
