@@ -30,7 +30,7 @@ static const struct scene_effect_row rows[EFFECT_COUNT] = {
 			 "finds the underside of a shape made of triangles"},
 	[EFFECT_LUGS] = {"lugs", "objects.shape.wheel.lugs", "", "deform/facet.frag", "", "underside", 0,
 			 "finds the underside of the bars across a wheel's rim, as they turn"},
-	[EFFECT_LOAD] = {"load", "objects.load", "LOAD", "deform/scm_find.frag", STATE, "height", 1,
+	[EFFECT_LOAD] = {"load", "objects.load", "", "deform/scm_find.frag", STATE, "height", 1,
 			 "finds how deep an object stands for the soil to carry its load"},
 	[EFFECT_FORCES] = {"forces", "output.forces", "FORCES", "deform/scm.frag", STATE, "forces", 1,
 			   "sums the soil's forces and moments on each object"},

@@ -1,6 +1,8 @@
 /* What a good scene becomes. */
 #include "fixture.h"
 
+#include "gpu/shader_table.h"
+
 static struct scene *load(const char *text)
 {
 	struct scene *scene;
@@ -191,6 +193,11 @@ static void every_effect_has_a_row_that_says_what_it_costs(void **state)
 		const struct scene_effect_row *row = scene_effect_row((enum scene_effect)e);
 		assert_non_null(row->name);
 		assert_true(row->shader[0] != '\0' && row->what[0] != '\0' && row->writes[0] != '\0');
+		const struct shader_text *text = shader_table;
+		while (text->path != NULL && strcmp(text->path, row->shader) != 0)
+			text++;
+		if (text->path == NULL || strstr(text->text, row->define) == NULL)
+			fail_msg("%s: no %s with %s", row->name, row->shader, row->define);
 		for (int other = 0; other < e; other++)
 			assert_string_not_equal(row->name,
 						scene_effect_row((enum scene_effect)other)->name);
