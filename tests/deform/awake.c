@@ -443,6 +443,35 @@ static void many_sweeps_are_as_right(void **state)
 	ground_finish(&all);
 }
 
+/* A spike on the plain, steeper than what is held stands at, less than that diagonally. */
+static int32_t spike(int64_t x, int64_t y)
+{
+	return x == 48 && y == 48 ? (int32_t)lrint(ldexp(1.1 * 0.0625, BASE_BITS)) : 0;
+}
+
+/* What slides from under an object, and stood beside it, stands no longer where nothing is held. */
+static void what_slid_out_of_an_object_slides_on(void **state)
+{
+	struct ground few, all;
+	const struct setup setup = {DEFORM_SUMNER, 32, 3, 0.0625, 0, 4, spike};
+	const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 0.5};
+	(void)state;
+	need_gpu();
+	start(&few, &setup);
+	start(&all, &setup);
+	struct deform_rest rest = {&ball, ground_pose(&few, 48, 48, 0.5 + ldexp(spike(48, 48), -BASE_BITS))};
+	assert_ok(deform_wake(few.deform, all_of(&few)));
+	for (int n = 0; n < 60; n++) {
+		interval(&few, &rest, 1);
+		assert_ok(deform_wake(all.deform, all_of(&all)));
+		interval(&all, &rest, 1);
+	}
+	assert_same(&few, &all, 60);
+	assert_true(few.offset[48 * few.posts + 48] < 0);
+	ground_finish(&few);
+	ground_finish(&all);
+}
+
 static void a_world_at_rest_makes_no_pass(void **state)
 {
 	struct ground ground;
@@ -492,6 +521,7 @@ int main(void)
 		cmocka_unit_test(what_a_sweep_lets_sleep_would_not_move),
 		cmocka_unit_test(a_settled_rut_wakes_nothing),
 		cmocka_unit_test(many_sweeps_are_as_right),
+		cmocka_unit_test(what_slid_out_of_an_object_slides_on),
 		cmocka_unit_test(a_world_at_rest_makes_no_pass),
 		cmocka_unit_test(more_blocks_than_there_may_be_are_refused),
 	};
