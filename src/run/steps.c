@@ -122,13 +122,16 @@ static enum status one_step(struct drive *drive)
 		status = pyramid_flush(drive->pyramid, drive->cache);
 	if (status != STATUS_OK)
 		return status;
-	drive->torn = false;
 	drive->step++;
 	drive->time = until;
 	if (drive->scout != NULL)
 		scout_tell(drive->scout, until);
+	/* Until the record is of this step too there is nothing to commit. */
 	status = fill_record(drive);
-	return status == STATUS_OK ? page_cache_end_step(drive->cache, drive->record) : status;
+	if (status != STATUS_OK)
+		return status;
+	drive->torn = false;
+	return page_cache_end_step(drive->cache, drive->record);
 }
 
 void drive_stalls(const struct drive *drive, struct stalls *stalls)
