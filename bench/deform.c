@@ -93,7 +93,7 @@ static void sweep(struct ground *ground, int step, int number)
 		bench_must(deform_scatter(ground->deform, &windows[i], (uint32_t)i, tiles, tiles_of(ground, write, tiles)));
 		ground->posts += (double)((write.x1 - write.x0) * (write.y1 - write.y0));
 	}
-	ground->rests[number] = (struct deform_rest){&wheel, sweep.to};
+	ground->rests[number] = (struct deform_rest){.shape = &wheel, .pose = sweep.to};
 }
 
 static void interval(struct ground *ground)

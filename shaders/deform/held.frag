@@ -1,6 +1,6 @@
 #version 450 core
 // Which posts of a block an object rests on. One fragment a post of what the object's window and the
-// block's square share.
+// block's square share. Define: LOAD: where the object stands was found when it last pressed.
 
 #include "lib/int64.glsl"
 #include "lib/window.glsl"
@@ -11,8 +11,14 @@ layout(binding = 2, r32i) readonly uniform iimage2DArray offsets;
 
 layout(std140, binding = 0) uniform params {
 	ivec4 zero;   // lo, hi: the window's zero height, quanta from the store's reference; the window's layer, the atlas'
-	ivec4 window; // where its first post lies in the atlas
+	ivec4 window; // where its first post lies in the atlas; LOAD: whose load it is, from 0
 };
+
+#ifdef LOAD
+layout(std430, binding = 0) restrict readonly buffer standings {
+	int standing[]; // scm.frag's
+};
+#endif
 
 layout(location = 0) out uint contact_out;
 
@@ -23,6 +29,9 @@ void main()
 	int base = imageLoad(bases, at).r, offset = imageLoad(offsets, at).r;
 	int rest = imageLoad(rests, ivec3(post - window.xy, zero.z)).r;
 	i64 ground = i64_sub(i64_shl(i64_from(base), 2), i64(zero.y, uint(zero.x)));
+#ifdef LOAD
+	ground = i64_sub(ground, i64_from(standing[window.z]));
+#endif
 	bool held = base != BASE_NODATA && rest != UNDER_NONE &&
 		    !i64_less(i64_add(ground, i64_from(offset + TOUCH)), i64_from(rest));
 	if (!held)

@@ -34,6 +34,12 @@ void record_add(int at, total t)
 }
 #endif
 
+#ifdef LOAD
+layout(std430, binding = 3) restrict buffer standings {
+	int standing[]; // of those that carry a load: how much higher than prescribed, quanta
+};
+#endif
+
 const int CARRIED_MOST = 1 << 23;
 
 void main()
@@ -46,6 +52,8 @@ void main()
 #ifdef LOAD
 	attempt found = found_next(zero.w >> 16, int(load.y));
 	raised = found.at;
+	if (y == written.y && load.z > 0.0)
+		standing[int(load.z) - 1] = raised;
 #endif
 #ifdef PATCH
 	by_width = found_by_width(tries[zero.w >> 16].posts, place.w);

@@ -27,7 +27,7 @@ layout(std140, binding = 0) uniform params {
 	vec4 way;      // of the object, m; 1 / s that it took
 	vec4 spin;     // about its centre meanwhile, rad; share of the plastic flow that is laid aside
 	vec4 place;    // post (0, 0) from the centre, m; 1 / unit of length in moments; square metres a post
-	vec4 load;     // N; how deep the object may sink below its first contact, quanta
+	vec4 load;     // N; how deep the object may sink below its first contact, quanta; whose load it is, from 1; 0: nobody's
 	soil soils[SOILS];
 };
 

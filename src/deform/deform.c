@@ -37,6 +37,8 @@ enum status deform_create(const struct deform_params *params, struct deform **ou
 	enum status status = gpu_buffer_create(params->gpu, GPU_STORAGE, sizeof(struct deform_tally), NULL, &deform->tally);
 	if (status == STATUS_OK)
 		status = deform_need_layers(deform, 1);
+	if (status == STATUS_OK && params->carriers > 0)
+		status = gpu_buffer_create(params->gpu, GPU_STORAGE, params->carriers * sizeof(int32_t), NULL, &deform->standing);
 	if (status == STATUS_OK && deform_conserves(params->model))
 		status = awake_create(deform);
 	if (status == STATUS_OK && deform_conserves(params->model))
@@ -59,6 +61,7 @@ void deform_destroy(struct deform *deform)
 	deform_facets_destroy(deform->facets);
 	gpu_buffer_destroy(deform->tally);
 	gpu_buffer_destroy(deform->tries);
+	gpu_buffer_destroy(deform->standing);
 	deform_forces_destroy(deform);
 	mem_free(deform);
 }
@@ -163,7 +166,7 @@ enum status deform_warm(struct deform *deform, const struct deform_shape *shape,
 			status = deform_compute(deform, &sweep, &window, 0, NULL, 0);
 	}
 	if (status == STATUS_OK && deform->interval != NULL)
-		status = interval_warm(deform, shape);
+		status = interval_warm(deform, shape, load > 0 && deform->params.carriers > 0);
 	return status == STATUS_OK ? drop_forces(deform) : status;
 }
 

@@ -50,6 +50,7 @@ struct deform_sweep {
 	double seconds; /* that it took; 0: none, no rate counts */
 	double turned;  /* wheel: radians about its axis meanwhile (slip 0: way / radius) */
 	double load;    /* N, downwards; 0: to.z is prescribed. Otherwise to.z is about where it will stand */
+	uint32_t carrier; /* with a load: which of params.carriers it is, from 1; 0: nobody asks where it stands afterwards */
 	uint64_t tag;    /* not 0: its forces are summed, and told by deform_forces_take under this tag */
 };
 
@@ -89,6 +90,7 @@ struct deform_params {
 	bool stands;         /* nothing slides off ground that is as it was: only where a post has risen over its neighbour,
 			      * or that has sunk. Otherwise the caller must have woken all that is steep */
 	double bulldozing;   /* scm: share of the plastic flow that is laid on the ring, 0 .. 1 */
+	uint32_t carriers;   /* scm: objects that carry a load and rest on the ground meanwhile */
 	bool dirt;
 };
 
@@ -172,7 +174,10 @@ enum status deform_awake(struct deform *deform, const struct deform_block **bloc
 struct deform_rest {
 	const struct deform_shape *shape;
 	struct deform_pose pose;
+	uint32_t carrier; /* not 0: it stands where the last sweep of this carrier found it to, about this pose */
 };
+/* Of a carrier of which there was no sweep yet: it stands so many quanta above its pose. */
+void deform_stands(struct deform *deform, uint32_t carrier, int32_t raised);
 /* One interval: begin; gather each of `count` blocks; only then scatter each; end. Nothing to do if there are none. The
  * objects stay the caller's until the end; what they rest on is held. */
 enum status deform_interval_begin(struct deform *deform, const struct deform_rest *objects, size_t object_count,

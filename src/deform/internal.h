@@ -63,7 +63,8 @@ struct deform {
 	struct awake *awake;                   /* NULL: of others */
 	struct interval *interval;
 	struct gpu_program *under_program[2 * DEFORM_SHAPES]; /* made when first needed, as all of them */
-	struct gpu_program *none, *box, *press, *dirt, *spread, *held;
+	struct gpu_program *none, *box, *press, *dirt, *spread;
+	struct gpu_program *held[2];           /* [by load] */
 	struct gpu_program *facet;
 	struct facets *facets;                 /* meshes' and lugs': made when first needed */
 	struct gpu_program *slide_begin[2], *slide[2][2], *shed[2]; /* [over blocks][last iteration] */
@@ -72,6 +73,7 @@ struct deform {
 	struct gpu_program *scm[8], *find[8]; /* by their defines, as bits */
 	struct forces *forces;                /* NULL until a sweep asks */
 	struct gpu_buffer *tries;             /* of load.c; NULL until a sweep needs it */
+	struct gpu_buffer *standing;          /* int32 a carrier: quanta above its pose; NULL: there are none */
 	struct gpu_buffer *tally;              /* struct deform_tally */
 };
 
@@ -230,7 +232,7 @@ enum status awake_visited(struct deform *deform, struct gpu_buffer *flags) FURRO
 /* interval.c */
 enum status interval_create(struct deform *deform) FURROW_CHECKED;
 /* As deform_warm. */
-enum status interval_warm(struct deform *deform, const struct deform_shape *shape) FURROW_CHECKED;
+enum status interval_warm(struct deform *deform, const struct deform_shape *shape, uint32_t carrier) FURROW_CHECKED;
 void interval_destroy(struct interval *interval); /* takes NULL */
 
 /* stages.c: the passes over a gathered window. */

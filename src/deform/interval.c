@@ -152,27 +152,34 @@ static void place_of(const struct interval *interval, size_t block, uint32_t *x,
 static enum status hold(struct deform *deform, const struct deform_rest *object, struct post_rect window,
 			struct post_rect shadow, size_t block)
 {
-	static const struct gpu_program_request request = {.vertex = "full.vert", .fragment = "deform/held.frag"};
-	struct post_rect square = deform_interval_reads(deform, block), both = post_rect_intersect(post_rect_intersect(window, shadow), square);
+	static const struct gpu_program_request requests[2] = {
+		{.vertex = "full.vert", .fragment = "deform/held.frag"},
+		{.vertex = "full.vert", .fragment = "deform/held.frag", .defines = {"LOAD"}},
+	};
+	bool loaded = object->carrier > 0;
+	struct post_rect square = deform_interval_reads(deform, block);
+	struct post_rect both = post_rect_intersect(post_rect_intersect(window, shadow), square);
 	uint32_t x, y;
 	if (post_rect_empty(both))
 		return STATUS_OK;
-	enum status status = deform_program(deform, &request, &deform->held);
+	enum status status = deform_program(deform, &requests[loaded], &deform->held[loaded]);
 	if (status != STATUS_OK)
 		return status;
 	place_of(deform->interval, block, &x, &y);
 	int64_t zero = object->pose.z - (int64_t)deform->params.reference * (1 << OFFSET_BITS);
 	const struct held_params params = {
 		.zero = {(uint32_t)zero, (uint32_t)((uint64_t)zero >> 32), 0, deform->layers},
-		.window = {(int32_t)(window.x0 - square.x0 + x), (int32_t)(window.y0 - square.y0 + y)},
+		.window = {(int32_t)(window.x0 - square.x0 + x), (int32_t)(window.y0 - square.y0 + y),
+			   (int32_t)object->carrier - 1},
 	};
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
 		.stage = GPU_REDISTRIBUTE,
-		.program = deform->held,
+		.program = deform->held[loaded],
 		.target = deform->scratch[deform->layers].to[TO_HELD],
 		.viewport = {(uint32_t)(both.x0 - square.x0) + x, (uint32_t)(both.y0 - square.y0) + y,
 			     (uint32_t)(both.x1 - both.x0), (uint32_t)(both.y1 - both.y0)},
 		.images = {deform->rest, deform->bases, deform->planes_of[1][PLANE_OFFSET]},
+		.storage = {deform->standing},
 		.params = &params,
 		.params_bytes = sizeof params,
 	});
@@ -251,11 +258,11 @@ enum status deform_interval_gather(struct deform *deform, size_t block, const st
 	return compute(deform, block - block % interval->batch, block);
 }
 
-enum status interval_warm(struct deform *deform, const struct deform_shape *shape)
+enum status interval_warm(struct deform *deform, const struct deform_shape *shape, uint32_t carrier)
 {
 	static const struct deform_block beyond = {-4, -4};
 	struct interval *interval = deform->interval;
-	const struct deform_rest object = {.shape = shape};
+	const struct deform_rest object = {.shape = shape, .carrier = carrier};
 	interval->blocks = &beyond;
 	interval->count = 1;
 	interval->object_count = 0;

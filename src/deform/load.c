@@ -5,6 +5,7 @@
  * A try sums over the window, and every invocation of the next works out from that where to look
  * (lib/found.glsl), so that none waits for another. Once it is found the tries left look at no post.
  */
+#include <assert.h>
 #include <math.h>
 
 #include "deform/internal.h"
@@ -76,6 +77,12 @@ enum status deform_find(struct deform *deform, const struct scm_params *params, 
 	if (patch)
 		run(deform, count, params, layer, *last);
 	return STATUS_OK;
+}
+
+void deform_stands(struct deform *deform, uint32_t carrier, int32_t raised)
+{
+	assert(carrier > 0 && carrier <= deform->params.carriers);
+	gpu_buffer_write(deform->standing, (carrier - 1) * sizeof raised, sizeof raised, &raised);
 }
 
 double deform_sinkage_guess(const struct deform_shape *shape, const struct deform_soil *soil, double load)

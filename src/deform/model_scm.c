@@ -86,7 +86,7 @@ static struct scm_params params_of(const struct deform *deform, const struct def
 		.place = {(float)-body_from_post(sweep->to.x, window->read.x0, spacing),
 			  (float)-body_from_post(sweep->to.y, window->read.y0, spacing), (float)(1 / arm_of(sweep->shape, extent)),
 			  (float)(spacing * spacing)},
-		.load = {(float)fmax(sweep->load, 1e-6), (float)fmin(ldexp(deepest(sweep), OFFSET_BITS), 0x1p28)},
+		.load = {(float)fmax(sweep->load, 1e-6), (float)fmin(ldexp(deepest(sweep), OFFSET_BITS), 0x1p28), (float)sweep->carrier},
 	};
 	struct post_rect shadow = post_rect_intersect(deform_shadow(deform, sweep), window->write);
 	if (!post_rect_empty(shadow)) {
@@ -151,7 +151,7 @@ static enum status press(struct deform *deform, const struct deform_sweep *sweep
 		.images = {deform->bases, deform->planes_of[1][PLANE_HEAPED], deform->rest, deform->planes_of[1][PLANE_OFFSET],
 			   deform->planes_of[0][PLANE_PRESSED], deform->planes_of[0][PLANE_SHEAR], deform->contacts,
 			   deform->carried},
-		.storage = {deform->tally, records, deform->tries},
+		.storage = {deform->tally, records, deform->tries, deform->standing},
 		.params = &params,
 		.params_bytes = sizeof params,
 	});

@@ -43,7 +43,8 @@ static size_t rests_of(const struct drive *drive)
 	size_t count = 0;
 	for (size_t i = 0; i < drive->scene->object_count; i++)
 		if (drive->riders[i].in_contact)
-			drive->rests[count++] = (struct deform_rest){&drive->riders[i].object->shape, drive->riders[i].last};
+			drive->rests[count++] = (struct deform_rest){&drive->riders[i].object->shape, drive->riders[i].last,
+								     drive->riders[i].carrier};
 	return count;
 }
 

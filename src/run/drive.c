@@ -111,9 +111,11 @@ static enum status mount_riders(struct drive *drive)
 	drive->record = mem_calloc(1, record_bytes(scene->object_count));
 	if (drive->riders == NULL || drive->rests == NULL || drive->record == NULL)
 		return fail_memory("the objects");
+	uint32_t carriers = 0;
 	for (size_t i = 0; i < scene->object_count; i++) {
 		struct rider *rider = &drive->riders[i];
 		rider->object = &scene->objects[i];
+		rider->carrier = rider->object->load > 0 ? ++carriers : 0;
 		const struct deform_shape *shape = &rider->object->shape;
 		const struct scene_path *path = &rider->object->path;
 		enum status status = deform_shape_check(shape, drive->spacing);
@@ -179,6 +181,22 @@ static enum status before_read_back(void *user, struct tile tile, uint32_t slot)
 	return drive->pyramid != NULL ? pyramid_flush_tile(drive->pyramid, drive->cache, tile, slot) : STATUS_OK;
 }
 
+/* What slides, and where those stand that carry a load: as what is resumed left it. */
+static enum status go_on_with_ground(struct drive *drive)
+{
+	const struct record *record = drive->record;
+	bool slides = drive->deform != NULL && drive->scene->undisturbed == SCENE_SLIDES && !drive->resumed;
+	enum status status = slides ? drive_wake_all(drive) : STATUS_OK;
+	for (size_t i = 0; i < record->awake_count && status == STATUS_OK; i++)
+		status = deform_wake_block(drive->deform, record->awake[i]);
+	for (size_t i = 0; i < drive->scene->object_count && drive->resumed; i++) {
+		const struct rider *rider = &drive->riders[i];
+		if (rider->carrier > 0 && rider->in_contact)
+			deform_stands(drive->deform, rider->carrier, (int32_t)(rider->stands - rider->last.z));
+	}
+	return status;
+}
+
 static enum status start_gpu(struct drive *drive)
 {
 	const struct scene *scene = drive->scene;
@@ -205,12 +223,12 @@ static enum status start_gpu(struct drive *drive)
 		.dirt = scene->dirt,
 	};
 	memcpy(deform.soils, scene->soils, sizeof deform.soils);
+	for (size_t i = 0; i < scene->object_count; i++)
+		deform.carriers += drive->riders[i].carrier > 0;
 	if (status == STATUS_OK && scene->object_count > 0)
 		status = deform_create(&deform, &drive->deform);
-	if (status == STATUS_OK && drive->deform != NULL && scene->undisturbed == SCENE_SLIDES && !drive->resumed)
-		status = drive_wake_all(drive);
-	for (size_t i = 0; i < drive->record->awake_count && status == STATUS_OK; i++)
-		status = deform_wake_block(drive->deform, drive->record->awake[i]);
+	if (status == STATUS_OK)
+		status = go_on_with_ground(drive);
 	if (status == STATUS_OK)
 		status = forces_create(drive, &drive->forces);
 	if (status == STATUS_OK)

@@ -32,6 +32,7 @@ struct rider {
 	struct deform_pose last;
 	double distance, sinkage; /* m */
 	int64_t stands;           /* 2^-20 m: with a load, the height it was found at */
+	uint32_t carrier;         /* with a load: its number among those that have one, from 1 */
 	int64_t skipped;
 };
 

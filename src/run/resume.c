@@ -10,6 +10,8 @@
 
 #include "run/internal.h"
 
+#define STANDS_MOST (INT64_C(1) << 31) /* quanta from where a load's height was guessed */
+
 /* To a few quanta, far less than a post: what is swept from there must fit the budget too. */
 static bool near(int64_t a, int64_t b)
 {
@@ -38,6 +40,9 @@ static enum status check_object(struct drive *drive, struct rider *rider, const 
 	if (object->in_contact != event.contact ||
 	    (event.contact && !(near(last->x, pose->x) && near(last->y, pose->y) && near(last->z, pose->z))))
 		return record_damaged(store, "an object is not where its path was");
+	if (rider->carrier > 0 && event.contact &&
+	    (object->force.z <= last->z - STANDS_MOST || object->force.z >= last->z + STANDS_MOST))
+		return record_damaged(store, "an object stands where it cannot");
 	return STATUS_OK;
 }
 
@@ -58,7 +63,7 @@ static enum status check(struct drive *drive)
 		if (record->awake[i].x >= (width + DEFORM_BLOCK - 1) / DEFORM_BLOCK ||
 		    record->awake[i].y >= (height + DEFORM_BLOCK - 1) / DEFORM_BLOCK)
 			return record_damaged(store, "what was awake lies beyond the ground");
-	if (record->awake_count > 0 && !deform_conserves(drive->scene->model))
+	if (record->awake_count > 0 && (drive->scene->object_count == 0 || !deform_conserves(drive->scene->model)))
 		return record_damaged(store, "something is awake that cannot be");
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < drive->scene->object_count && status == STATUS_OK; i++)

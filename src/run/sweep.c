@@ -90,6 +90,7 @@ enum status drive_sweep(struct drive *drive, const struct event *event, bool las
 		.from = rider->in_contact ? rider->last : event->pose,
 		.to = event->pose,
 		.load = rider->object->load,
+		.carrier = rider->carrier,
 	};
 	sweep.to.turn = sweep.from.turn = rider->last.turn;
 	if (rider->in_contact)

@@ -77,6 +77,35 @@ class Resume(FurrowTest):
             self.assertEqual([int(step) for _, _, _, step in log if step != "0"][:3], [1, 2, 7])
             self.assertEqual([int(epoch) for _, epoch, _, _ in log], list(range(1, len(log) + 1)))
 
+    def test_the_ground_slides_on_around_what_carries_a_load(self):
+        scene = self.scene("""scene: 1
+time_step: 0.05
+end_time: 3
+spacing: 0.125
+soil: {name: dry_sand, repose: 5}
+redistribute: {model: scm, interval: 0.02, iterations: 2}
+objects:
+  - {name: ball, shape: {sphere: {radius: 0.9}}, load: 60000, path: {points: [[20, 20], [30, 20]], speed: 0.3}}
+cache: {slots: 16}
+""")
+        whole = self.pieces(scene, self.copy(), [])
+        self.assertNotEqual(whole[0]["objects"]["ball"]["z"], 0)
+        in_pieces = self.pieces(scene, self.copy(), ["--steps", 1], ["--steps", 2], ["--steps", 11], ["--steps", 30], [])
+        self.assert_same(in_pieces, whole)
+        with sqlite3.connect(in_pieces[1]) as db:
+            db.execute("UPDATE run SET state = json_set(state, '$.objects[0].force.z', '4611686018427387904')")
+        db.close()
+        self.assertIn("stands where it cannot", self.refused(3, "drive", scene, "--store", in_pieces[1], "-o", "out", "--resume"))
+
+    def test_nothing_is_awake_without_objects(self):
+        scene = self.scene("scene: 1\ntime_step: 0.1\nend_time: 1\nspacing: 0.25\nsoil: {name: dry_sand}\n"
+                           "redistribute: {model: slippage}\nview: {size: [64, 64], camera: {fixed: {eye: [20, 20, 200], target: [60, 60, 0]}}}\n")
+        self.drive(scene, "--store", self.store, "--steps", 5)
+        with sqlite3.connect(self.store) as db:
+            db.execute("UPDATE run SET state = json_set(state, '$.awake', '0,0;')")
+        db.close()
+        self.assertIn("awake", self.refused(3, "drive", scene, "--store", self.store, "-o", "out", "--resume"))
+
     def test_a_scene_that_ends_later_now_goes_on(self):
         # 1 s is 2.7 steps: the third is done to its end.
         for step, first, total in ((0.05, 20, 80), (0.37, 3, 11)):

@@ -196,7 +196,7 @@ static void what_an_object_rests_on_is_held(void **state)
 		struct deform_sweep sweep = {.shape = &box, .from = ground_pose(&few, 64.3, 63.8, 1.4)};
 		sweep.from.yaw = 0.5;
 		sweep.to = sweep.from;
-		struct deform_rest rests[] = {{&ball, ground_pose(&few, 150, 20, 0.4)}, {&box, sweep.to}};
+		struct deform_rest rests[] = {{.shape = &ball, .pose = ground_pose(&few, 150, 20, 0.4)}, {.shape = &box, .pose = sweep.to}};
 		for (int k = 0; k < 2; k++) {
 			ground_sweep(grounds[k], &sweep);
 			assert_ok(deform_wake(grounds[k]->deform, grounds[k]->windows[0].write));
@@ -459,7 +459,7 @@ static void what_slid_out_of_an_object_slides_on(void **state)
 	need_gpu();
 	start(&few, &setup);
 	start(&all, &setup);
-	struct deform_rest rest = {&ball, ground_pose(&few, 48, 48, 0.5 + ldexp(spike(48, 48), -BASE_BITS))};
+	struct deform_rest rest = {.shape = &ball, .pose = ground_pose(&few, 48, 48, 0.5 + ldexp(spike(48, 48), -BASE_BITS))};
 	assert_ok(deform_wake(few.deform, all_of(&few)));
 	for (int n = 0; n < 60; n++) {
 		interval(&few, &rest, 1);

@@ -27,6 +27,7 @@ struct ground_params {
 	double depth;                    /* m; 0: no bottom, of scm none below what is heaped */
 	double relief;                   /* m; 0: not known */
 	double bulldozing;
+	uint32_t carriers;
 };
 
 struct ground {
@@ -93,6 +94,7 @@ static inline void ground_init(struct ground *ground, const struct ground_params
 		.relief = params->relief != 0 ? params->relief : (double)INFINITY,
 		.depth = params->depth != 0 ? params->depth : params->model == DEFORM_SCM ? 0 : (double)INFINITY,
 		.bulldozing = params->bulldozing,
+		.carriers = params->carriers,
 	};
 	assert_ok(deform_soil_named("dry_sand", &deform.soils[0]));
 	for (int i = 0; i < deform.soil_count && params->soils != NULL; i++)

@@ -150,6 +150,62 @@ static void an_object_over_nothing_stays_where_it_is(void **state)
 	ground_finish(&ground);
 }
 
+/* The intervals that follow a press of one wheel; `at`: where it is said to stand. */
+static int32_t *slid_on(const struct deform_soil *soil, const struct deform_sweep *sweep, const struct deform_rest *at, bool told)
+{
+	struct ground ground;
+	ground_init(&ground, &(struct ground_params){.cells = 64, .tiles = 2, .spacing = 0.03125, .model = DEFORM_SCM, .bulldozing = 1,
+						     .soils = soil, .iterations = 2, .carriers = 2});
+	struct deform_forces forces = ground_forces(&ground, sweep);
+	if (told) /* as after a resume */
+		deform_stands(ground.deform, 2, (int32_t)(forces.z - sweep->to.z));
+	struct deform_rest rest = *at;
+	if (at->carrier == 0)
+		rest.pose.z = forces.z;
+	assert_ok(deform_wake(ground.deform, ground.windows[0].write));
+	for (int n = 0; n < 12; n++) {
+		size_t blocks;
+		assert_ok(deform_interval_begin(ground.deform, &rest, 1, &blocks));
+		for (size_t i = 0; i < blocks; i++)
+			assert_ok(deform_interval_gather(ground.deform, i, ground.tiles, ground.tile_count));
+		for (size_t i = 0; i < blocks; i++)
+			assert_ok(deform_interval_scatter(ground.deform, i, ground.tiles, ground.tile_count));
+		if (blocks > 0)
+			assert_ok(deform_interval_end(ground.deform));
+	}
+	int32_t *offsets = ground_plane(&ground, PLANE_OFFSET);
+	ground_finish(&ground);
+	return offsets;
+}
+
+/* What holds the soil meanwhile is the wheel as the soil carries it, not as it was guessed to stand. */
+static void the_ground_slides_around_where_it_stands(void **state)
+{
+	const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.3};
+	const size_t bytes = 129 * 129 * sizeof(int32_t);
+	struct deform_soil soil;
+	(void)state;
+	need_gpu();
+	assert_ok(deform_soil_named("dry_sand", &soil));
+	soil.repose = 0.1;
+	for (int i = 0; i < 2; i++) {
+		struct deform_pose pose = {.x = lattice_offset(64.37 * 0.03125), .y = lattice_offset(64.21 * 0.03125),
+					   .z = lattice_offset(i == 0 ? 0.55 : 0.2)};
+		struct deform_sweep sweep = {.shape = &wheel, .from = pose, .to = pose, .load = 6000, .carrier = 1};
+		int32_t *where = slid_on(&soil, &sweep, &(struct deform_rest){&wheel, pose, 0}, false);
+		int32_t *found = slid_on(&soil, &sweep, &(struct deform_rest){&wheel, pose, 1}, false);
+		int32_t *resumed = slid_on(&soil, &sweep, &(struct deform_rest){&wheel, pose, 2}, true);
+		int32_t *guessed = slid_on(&soil, &sweep, &(struct deform_rest){&wheel, pose, 2}, false);
+		assert_memory_equal(found, where, bytes);
+		assert_memory_equal(resumed, where, bytes);
+		assert_memory_not_equal(guessed, where, bytes);
+		mem_free(where);
+		mem_free(found);
+		mem_free(resumed);
+		mem_free(guessed);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -158,6 +214,7 @@ int main(void)
 		cmocka_unit_test(spheres_stand_where_the_soil_carries_them),
 		cmocka_unit_test(the_guess_does_not_matter),
 		cmocka_unit_test(a_wheel_that_stands_again_stands_as_high),
+		cmocka_unit_test(the_ground_slides_around_where_it_stands),
 		cmocka_unit_test(an_object_over_nothing_stays_where_it_is),
 	};
 	return cmocka_run_group_tests_name("deform/load", tests, open_gpu, close_gpu);

@@ -163,7 +163,7 @@ static void at_its_limits(enum deform_model model, int rounds)
 				assert_ok(deform_wake(ground.deform, ground.windows[i].write));
 			if (model == DEFORM_SCM)
 				forces_are_numbers(&ground, &sweep);
-			struct deform_rest rest = {&shape, sweep.to};
+			struct deform_rest rest = {.shape = &shape, .pose = sweep.to};
 			assert_ok(deform_interval_begin(ground.deform, &rest, 1, &blocks));
 			for (size_t i = 0; i < blocks; i++)
 				assert_ok(deform_interval_gather(ground.deform, i, ground.tiles, ground.tile_count));
