@@ -348,7 +348,7 @@ static void what_a_sweep_lets_sleep_would_not_move(void **state)
 			}
 			for (int k = 0; k < 4; k++)
 				if (walkers[k].stands)
-					rests[count++] = (struct deform_rest){&walkers[k].shape, walkers[k].last};
+					rests[count++] = (struct deform_rest){.shape = &walkers[k].shape, .pose = walkers[k].last};
 			const struct deform_block *blocks;
 			size_t awake;
 			assert_ok(deform_awake(few.deform, &blocks, &awake));
@@ -403,7 +403,7 @@ static void a_settled_rut_wakes_nothing(void **state)
 		assert_true(pressed > 400);
 		struct gpu_stats before, after;
 		gpu_stats(test_gpu, &before);
-		const struct deform_rest rest = {&plate, sweep.from};
+		const struct deform_rest rest = {.shape = &plate, .pose = sweep.from};
 		assert_int_equal(interval(&ground, &rest, 1), 0);
 		assert_int_equal(interval(&ground, NULL, 0), 0);
 		gpu_stats(test_gpu, &after);
