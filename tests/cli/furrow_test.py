@@ -63,7 +63,9 @@ class FurrowTest(unittest.TestCase):
 
     def refused(self, status, *arguments, **options):
         """Exit `status` and one line: `furrow: WHAT: WHY; WHAT TO DO`."""
-        result = self.furrow(*arguments, **options)
+        return self.told(status, self.furrow(*arguments, **options))
+
+    def told(self, status, result):
         self.assertEqual(result.returncode, status, result.stderr + result.stdout)
         errors = [line for line in result.stderr.splitlines() if not line.startswith("furrow: note: ")]
         self.assertEqual(len(errors), 1, result.stderr)

@@ -1,0 +1,179 @@
+"""A map of two soils, driven: each half is that of a drive with its soil alone, whatever is resident; and a map that
+is no map ends the drive with one line."""
+import pathlib
+import sqlite3
+import subprocess
+import sys
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+from furrow_test import FurrowTest, has_gdal, main, write_png16
+import rasters
+
+POSTS = 129  # a metre apart
+BORDER = 64  # metres: class 1 west of it, class 2 east
+CELLS = 64   # 16 m a tile at 0.25 m
+AWAY = 12    # metres on either side of the border: what happens there may have come from beyond it
+SOILS = {  # two that differ under each model
+    "sumner": ("sand", "mud"),
+    "slippage": ("{name: dry_sand, cohesion: 0}", "clayey_38"),
+    "scm": ("dry_sand", "sandy_loam_15"),
+}
+SCENE = """scene: 1
+time_step: 0.05
+end_time: 3
+spacing: 0.25
+redistribute: {{model: {model}}}
+soil: {soil}
+objects:
+  - {{name: west, shape: {{wheel: {{radius: 0.8, width: 0.7}}}}, sink: 0.25,
+     path: {{points: [[12, 20], [40, 60], [20, 90]], speed: 30}}}}
+  - {{name: across, shape: {{sphere: {{radius: 1.2}}}}, sink: 0.3, path: {{points: [[60, 30], [68, 40]], speed: 10}}}}
+  - {{name: east, shape: {{wheel: {{radius: 0.8, width: 0.7}}}}, sink: 0.25,
+     path: {{points: [[88, 20], [116, 60], [96, 90]], speed: 30}}}}
+"""
+
+
+def rough(x, y):
+    """Centimetres: ground that stands."""
+    return 10000 + (x * 7 + y * 3) % 11
+
+
+def one(soil):
+    return soil if soil.startswith("{") else f"{{name: {soil}}}"
+
+
+def tiles(store, level=-2):
+    """Each tile's rows, but for which epoch wrote them: {(x, y): {table: row}}"""
+    db = sqlite3.connect(store)
+    found = {}
+    for table in ("offset", "heaped", "pressed", "shear"):
+        for key, *row in db.execute(f'SELECT key, low, high, codec, hash, blob FROM "{table}"'):
+            if (key >> 56) - 32 != level:
+                continue
+            x = sum((key >> 2 * bit & 1) << bit for bit in range(28))
+            y = sum((key >> 2 * bit + 1 & 1) << bit for bit in range(28))
+            found.setdefault((x, y), {})[table] = row
+    db.close()
+    return found
+
+
+def halves(store):
+    """The tiles well to the west of the border, and those well to the east of it."""
+    side = CELLS * 0.25
+    found = tiles(store)
+    return ({at: rows for at, rows in found.items() if (at[0] + 1) * side <= BORDER - AWAY},
+            {at: rows for at, rows in found.items() if at[0] * side >= BORDER + AWAY})
+
+
+class SoilMap(FurrowTest):
+    def setUp(self):
+        super().setUp()
+        write_png16(self.folder / "hills.png", POSTS, POSTS, rough)
+        self.ok("import", "hills.png", "-o", "hills.furrow", "--tile", CELLS, "--height-range", "0,655.35")
+        write_png16(self.folder / "map.png", POSTS, POSTS, lambda x, y: 1 if x < BORDER else 2)
+
+    def driven(self, model, soil, base="hills.furrow", options=()):
+        """The store that such a drive leaves, and its run.json."""
+        store = self.folder / "driven.furrow"
+        store.write_bytes((self.folder / base).read_bytes())
+        scene = self.scene(SCENE.format(model=model, soil=soil))
+        report = self.drive(scene, "--store", store, *options)
+        check = self.json("verify", store)
+        self.assertTrue(check["ok"], check["problems"])
+        self.assertEqual(check["offset_sum"]["-2"] + report["volume"]["quanta"]["compacted"], 0)
+        return store, report
+
+    def check_halves(self, model, mapped, base="hills.furrow"):
+        """Of a store driven with a map."""
+        found, alone = halves(mapped), []
+        for soil in SOILS[model]:
+            store, report = self.driven(model, one(soil), base)
+            alone.append(halves(store))
+            self.assertNotIn("classes", report["memory"]["plane_bytes"])  # law 7
+        for half in (0, 1):
+            self.assertGreater(len(found[half]), 5)
+            self.assertTrue(found[half] == alone[half][half], f"{model}: the {'west east'.split()[half]} is not that of its soil")
+            # Worth something only if the other soil shows.
+            self.assertFalse(found[half] == alone[1 - half][half], model)
+
+    def mapped(self, model, path="map.png"):
+        return f"{{map: {path}, classes: {{1: {SOILS[model][0]}}}, default: {SOILS[model][1]}}}"
+
+    def test_each_half_is_that_of_its_soil_alone_whatever_is_resident(self):
+        for model, loader_counts in (("sumner", (0,)), ("slippage", (3,)), ("scm", (0, 1, 2, 3))):
+            store, report = self.driven(model, self.mapped(model), options=("--set", "cache.slots=512"))
+            self.assertEqual(report["cache"]["evictions"], 0)
+            self.assertGreater(report["memory"]["plane_bytes"]["classes"], 0)
+            wanted = tiles(store)
+            self.check_halves(model, store)
+            for loaders in loader_counts:
+                store, report = self.driven(model, self.mapped(model), options=(
+                    "--set", "cache.slots=4", "--set", f"cache.loaders={loaders}", "--set", f"cache.prefetch={loaders % 2}"))
+                self.assertGreater(report["cache"]["evictions"], 20)
+                self.assertTrue(tiles(store) == wanted, f"{model}, {loaders} loaders: other rows")
+
+    def test_a_map_that_no_model_reads_costs_nothing(self):
+        report = self.drive(self.scene(SCENE.format(model="box", soil=self.mapped("scm"))), "--store", "hills.furrow")
+        self.assertNotIn("classes", report["memory"]["plane_bytes"])
+
+    def test_what_is_no_map_is_refused_before_anything_is_driven(self):
+        (self.folder / "short.png").write_bytes((self.folder / "map.png").read_bytes()[:100])
+        (self.folder / "text.png").write_text("class 1")
+        for path in ("absent.png", "short.png", "text.png"):
+            scene = self.scene(SCENE.format(model="scm", soil=self.mapped("scm", path)))
+            self.driven_badly(scene, 2, path, "")
+            self.assertIsNone(self.json("info", "driven.furrow")["last_run"])
+
+    def test_a_value_that_is_no_class_ends_the_drive_where_it_is_read(self):
+        # Far from where the drive begins.
+        write_png16(self.folder / "odd.png", POSTS, POSTS, lambda x, y: 300 if x > 90 and y < 40 else 1)
+        for loaders in (0, 2):
+            scene = self.scene(SCENE.format(model="scm", soil=self.mapped("scm", "odd.png")))
+            self.driven_badly(scene, loaders, "odd.png", "its value 300 is no class")
+
+    def driven_badly(self, scene, loaders, path, why, base="hills.furrow"):
+        store = self.folder / "driven.furrow"
+        store.write_bytes((self.folder / base).read_bytes())
+        arguments = ("drive", scene, "--store", store, "-o", "out", "--set", "cache.slots=4", "--set", f"cache.loaders={loaders}",
+                     "--set", "cache.prefetch=0")
+        result = self.furrow(*arguments)
+        if result.returncode == 4:
+            self.skipTest("no GL here: " + result.stderr.strip())
+        error = self.told(3, result)
+        self.assertIn(path, error)
+        self.assertIn(why, error)
+        self.assertTrue(self.json("verify", store)["ok"])
+
+    @unittest.skipUnless(has_gdal(), "needs GDAL's programs")
+    def test_a_map_in_degrees_over_a_store_in_metres(self):
+        west, north = 500000, 5000000
+        rasters.make(self.folder / "utm.tif", POSTS, POSTS, [rough(x, y) / 100 for y in range(POSTS) for x in range(POSTS)],
+                     west=west, north=north, step=1)
+        self.ok("import", "utm.tif", "-o", "utm.furrow", "--tile", CELLS)
+        # Larger than the ground, and then turned into degrees.
+        side = POSTS + 60
+        rasters.make(self.folder / "classes.tif", side, side, [1 if x < BORDER + 30 else 2 for _ in range(side) for x in range(side)],
+                     "b", west=west - 30, north=north + 30, step=1)
+        subprocess.run(["gdalwarp", "-q", "-t_srs", "EPSG:4326", "-r", "near", "-tr", "0.000004", "0.000004", "-dstnodata", "255",
+                        "classes.tif", "degrees.tif"], cwd=self.folder, check=True, capture_output=True)
+        store, _ = self.driven("scm", self.mapped("scm", "degrees.tif"), "utm.furrow",
+                               ("--set", "cache.slots=4", "--set", "cache.loaders=2"))
+        self.check_halves("scm", store, "utm.furrow")
+
+    @unittest.skipUnless(has_gdal(), "needs GDAL's programs")
+    def test_a_map_of_fractions_is_refused_and_a_truncated_one_ends_the_drive(self):
+        rasters.make(self.folder / "real.tif", POSTS, POSTS, [1.0] * POSTS ** 2, "f", west=0, north=POSTS, step=1, srs=None)
+        rasters.make(self.folder / "cut.tif", POSTS, POSTS, [1] * POSTS ** 2, "b", west=0, north=POSTS, step=1, srs=None)
+        scene = self.scene(SCENE.format(model="scm", soil=self.mapped("scm", "real.tif")))
+        self.driven_badly(scene, 2, "real.tif", "whole numbers")
+        whole = (self.folder / "cut.tif").read_bytes()
+        # Its first rows, of the north, are there; the drive begins in the south.
+        (self.folder / "cut.tif").write_bytes(whole[:len(whole) * 2 // 3])
+        scene = self.scene(SCENE.format(model="scm", soil=self.mapped("scm", "cut.tif")))
+        for loaders in (0, 2):
+            self.driven_badly(scene, loaders, "cut.tif", "reading it failed")
+
+
+if __name__ == "__main__":
+    main()
