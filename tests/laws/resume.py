@@ -1,6 +1,6 @@
 """Law 6 and --resume: a drive that is killed at random instants, over and over, leaves after each kill a store that
 verifies and holds the last epoch that was acknowledged or the one after it; resumed until it is complete it ends with
-the same rows, figures and pictures as one that was left alone.
+the same rows, figures, forces and pictures as one that was left alone.
 
 KILLS=200 RESUME_SEED=7 python3 resume.py; both are printed."""
 import concurrent.futures
@@ -36,6 +36,16 @@ objects:
 """
 POSES = "".join(f"{t},{x},{y},{103 - 0.01 * t},{5 * t},{0.3 * t},{-0.2 * t}\n" for t, x, y in (
     (0.5, 10, 100), (9, 100, 90), (12, 100, 90), (21, 170, 20), (21.5, 170, 22), (33, 60, 60), (60, 160, 160)))
+# They stand as deep as the soil carries them, and the ground goes on sliding behind them.
+LOADED = """output: {{forces: 20, delay: {delay}}}
+objects:
+  - {{name: driven, shape: {{wheel: {{radius: 0.8, width: 0.7, lugs: 12, lug_height: 0.05}}}}, load: 9000, slip: 0.25,
+     path: {{points: [[20, 20], [170, 90], [40, 130]], speed: 11, loop: true}}}}
+  - {{name: ball, shape: {{sphere: {{radius: 1.2}}}}, load: 4000, path: {{points: [[22, 18], [150, 158]], speed: 7}}}}
+  - {{name: block, shape: {{box: {{size: [3, 2, 1]}}}}, sink: 0.2, path: {{points: [[100, 20], [101, 170], [20, 100]], speed: 5}}}}
+cache: {{slots: 40}}
+"""
+MAP = "soil: {{map: classes.png, classes: {{1: {0}, 2: {1}}}, default: {2}}}\n"
 PICTURES = """view: {size: [160, 90], camera: {overhead: {over: left, height: 40}}, effects: [texture], images: 97}
 """
 
@@ -50,6 +60,12 @@ SCENES = {
                 "hills.furrow", ["--overlay"]),
     "sliding": (HEAD.format(step=0.07, end=60, model="slippage, interval: 0.05") + "soil: {name: clayey_38}\n" +
                 WHEELS + "cache: {slots: 40}\n", "hills.furrow", []),
+    "eroding": (HEAD.format(step=0.07, end=8, model="sumner, interval: 0.05") + MAP.format("sand", "mud", "snow") +
+                WHEELS + "cache: {slots: 40}\n", "gentle.furrow", []),
+    "carried": (HEAD.format(step=0.05, end=12, model="scm, bulldozing: 0.5, interval: 0.03") + "soil: {name: dry_sand}\n" +
+                LOADED.format(delay=0), "gentle.furrow", []),
+    "carried later": (HEAD.format(step=0.13, end=16, model="scm, bulldozing: 0.8") +
+                      MAP.format("dry_sand", "lete_sand", "snow_us") + LOADED.format(delay=2), "gentle.furrow", []),
     "pictures": (HEAD.format(step=0.05, end=24.5, model="box") + WHEELS + "cache: {slots: 120}\n" + PICTURES,
                  "hills.furrow", []),
 }
@@ -84,6 +100,7 @@ class Campaign:
         self.folder.mkdir()
         self.scene = self.folder / "scene.yaml"
         self.scene.write_text(text)
+        (self.folder / "classes.png").write_bytes((test.folder / "classes.png").read_bytes())
         (self.folder / "poses.csv").write_text("t,x,y,z,yaw,pitch,roll\n" + POSES)
         self.counts = dict.fromkeys(("kills", "before_first_epoch", "nothing_new", "not_acknowledged", "interrupts", "resumed", "drives"), 0)
 
@@ -111,9 +128,11 @@ class Campaign:
         report = json.loads((out / "run.json").read_text())
         figures = {key: report[key] for key in ("ended", "steps", "simulated", "spacing", "working_level", "volume", "objects")}
         pictures = {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in out.glob("frame-*")}
+        forces = out / "objects.csv"
+        self.test.assertEqual(forces.exists(), "forces:" in self.scene.read_text())
         check = self.test.json("verify", store)
         self.test.assertTrue(check["ok"], check["problems"])
-        return report, (rows(store), figures, pictures)
+        return report, (rows(store), figures, pictures, forces.read_bytes() if forces.exists() else b"")
 
     def alone(self):
         started = time.monotonic()
@@ -194,7 +213,7 @@ class Campaign:
             resume = True
         report, found = self.result(out, store)
         for part, (got, wanted) in enumerate(zip(found, self.wanted)):
-            self.test.assertTrue(got == wanted, f"{self.name}: {'rows figures pictures'.split()[part]} are not those of a "
+            self.test.assertTrue(got == wanted, f"{self.name}: {'rows figures pictures forces'.split()[part]} are not those of a "
                                                 f"drive that was left alone: {(got, wanted) if part == 1 else ''}")
         if not told:
             self.test.assertEqual(report["resumed_from"], committed[1] if committed[0] > 0 else None)
@@ -218,7 +237,10 @@ class Resume(FurrowTest):
         write_png16(self.folder / "hills.png", 193, 193, lambda x, y: 100 + (x * 7 + y * 3) % 11 % 4)
         write_png16(self.folder / "holes.png", 193, 193,
                     lambda x, y: 0 if 60 < x < 90 and 90 < y < 140 or (x // 3 + y // 5) % 19 == 0 else 100 + (x * 7 + y * 3) % 11 % 4)
-        for name, options in (("hills", []), ("holes", ["--nodata", "0"])):
+        # Ground that stands, in centimetres; and three soils over it.
+        write_png16(self.folder / "gentle.png", 193, 193, lambda x, y: 10000 + (x * 7 + y * 3) % 11 + (x // 4 * y // 5) % 9)
+        write_png16(self.folder / "classes.png", 193, 193, lambda x, y: (x // 20 + y // 15) % 3)
+        for name, options in (("hills", []), ("holes", ["--nodata", "0"]), ("gentle", ["--height-range", "0,655.35"])):
             self.ok("import", f"{name}.png", "-o", f"{name}.furrow", "--tile", "16", *options)
         base = hashlib.sha256((self.folder / "hills.furrow").read_bytes()).digest()
         shares = {name: kills // len(SCENES) + (i < kills % len(SCENES)) for i, name in enumerate(SCENES)}

@@ -1,0 +1,137 @@
+/*
+ * Ground that is as steep as ground can be, in whole drives through four slots: what slides comes to rest, nothing is
+ * lost on the way, and whether everything is resident does not show. And soils at the limits of what they may be.
+ */
+#include "hard.h"
+
+static const char *const few[] = {"cache.slots=4", "cache.loaders=1", "cache.prefetch=0", NULL};
+static const char *const all[] = {"cache.slots=512", NULL};
+
+/* A tower of 1,000 m on one post, and a cliff of as much: what they are made of is not loose. */
+static double spike(int64_t x, int64_t y)
+{
+	return hard_rough(x, y) + (x == 64 && y == 64 ? 1000 : 0);
+}
+
+static double cliff(int64_t x, int64_t y)
+{
+	return hard_rough(x, y) + (x >= 64 ? 1000 : 0);
+}
+
+/* At spacing 1 the cliff is one post wide; objects pass along its foot and its brink, over it, and over the spike. */
+static const char along[] =
+	"time_step: 0.1\nend_time: 12\noutside: skip\nobjects:\n"
+	"  - {name: foot, shape: {wheel: {radius: 2, width: 2}}, sink: 0.5, path: {points: [[62.5, 20], [62.5, 110]], speed: 20}}\n"
+	"  - {name: brink, shape: {sphere: {radius: 2.5}}, sink: 0.5, path: {points: [[65, 110], [65, 20]], speed: 20}}\n"
+	"  - {name: over, shape: {box: {size: [5, 4, 2]}}, sink: 0.3, path: {points: [[40, 64], [90, 64.3]], speed: 12}}\n";
+
+static void a_spike_and_a_cliff_of_1000_m_are_driven_over_through_four_slots(void **state)
+{
+	const support_height heights[] = {spike, cliff};
+	for (int i = 0; i < 2; i++)
+		for (size_t m = 0; m < HARD_MODELS; m++) {
+			const char *store = support_path("steep.furrow");
+			uint64_t hashes[2];
+			for (int k = 0; k < 2; k++) {
+				support_store(store, hard_world, heights[i]);
+				char *json = hard_drive(&hard_models[m], along, store, k == 0 ? few : all);
+				assert_true(support_figure(json, "\"quanta\"", "removed") > 0);
+				if (hard_models[m].conserves)
+					assert_int_equal(support_figure(json, "\"slide\"", "awake"), 0);
+				mem_free(json);
+				hashes[k] = support_hash(store);
+			}
+			assert_true(hashes[0] == hashes[1]);
+		}
+}
+
+/* Between posts a metre apart a slope of H is atan(H / d): by Culmann's wedge this clay stands to 2.289 m there. */
+#define STANDS 2.289
+
+static double height; /* of a ledge that lies within one block of those that sleep and wake */
+
+static double ledge(int64_t x, int64_t y)
+{
+	return 20 + (x >= 42 && x <= 54 && y >= 42 && y <= 54 ? height : 0);
+}
+
+static void a_cut_with_cohesion_stands_to_the_edge_of_failure_and_slips_above(void **state)
+{
+	static const struct hard_model clay = {
+		"slippage", "redistribute: {model: slippage}\nsoil: {cohesion: 4140, friction_angle: 13, unit_weight: 16000}\n", true};
+	for (int over = 0; over < 2; over++) {
+		const char *store = support_path("ledge.furrow");
+		height = STANDS + (over ? 0.01 : -0.01);
+		support_store(store, hard_world, ledge);
+		/* What goes by on top sets nothing off; it only wakes the ground. */
+		char *json = hard_drive(&clay, "end_time: 30\nobjects:\n"
+					"  - {name: by, shape: {sphere: {radius: 1.2}}, sink: 0.01, path: {points: [[48, 48]], speed: 1}}\n",
+					store, few);
+		assert_int_equal(support_figure(json, "\"slide\"", "awake"), 0);
+		mem_free(json);
+		double *quanta = support_quanta(store, 0, (struct post_rect){38, 38, 59, 59});
+		int moved = 0, steep = 0;
+		for (int y = 1; y < 20; y++)
+			for (int x = 1; x < 20; x++) {
+				double here = ledge(x + 38, y + 38) + ldexp(quanta[y * 21 + x], -OFFSET_BITS);
+				double east = ledge(x + 39, y + 38) + ldexp(quanta[y * 21 + x + 1], -OFFSET_BITS);
+				moved += quanta[y * 21 + x] != 0 && abs(x - 10) + abs(y - 10) > 4;
+				steep += fabs(here - east) > STANDS + 0.001;
+			}
+		assert_int_equal(moved > 0, over);
+		assert_int_equal(steep, 0);
+		free(quanta);
+	}
+}
+
+static double flat(int64_t x, int64_t y)
+{
+	(void)x, (void)y;
+	return 20;
+}
+
+/* Each alone at an end of what it may be (scene/soil tests what lies beyond). The ground is flat: it stands under any. */
+static void soils_at_the_limits_of_their_parameters_leave_numbers(void **state)
+{
+	static const struct { const char *model, *soil; } limits[] = {
+		{"scm", "bekker_n: 1e-9"}, {"scm", "bekker_n: 3"}, {"scm", "bekker_kphi: 1e12"}, {"scm", "bekker_kphi: 0, bekker_kc: 1e-9"},
+		{"scm", "bekker_kc: 1e12"}, {"scm", "cohesion: 1e9"}, {"scm", "cohesion: 0"}, {"scm", "friction_angle: 89"},
+		{"scm", "friction_angle: 0, repose: 1e-9"}, {"scm", "repose: 89"}, {"scm", "janosi_shear: 1e-9"}, {"scm", "janosi_shear: 10"},
+		{"scm", "elastic_stiffness: 1e-3"}, {"scm", "elastic_stiffness: 1e12"}, {"scm", "damping: 1e12"}, {"scm", "damping: 0"},
+		{"slippage", "friction_angle: 0, cohesion: 0"}, {"slippage", "friction_angle: 0"}, {"slippage", "friction_angle: 89, cohesion: 0"},
+		{"slippage", "cohesion: 1e9"}, {"slippage", "cohesion: 1e-9"}, {"slippage", "unit_weight: 1e-9"}, {"slippage", "unit_weight: 1e6"},
+		{"sumner", "theta_out: 1e-9, theta_stop: 1e-9"}, {"sumner", "theta_stop: 90"}, {"sumner", "theta_out: 90, theta_stop: 90, theta_in: 90"},
+		{"sumner", "theta_in: 1e-9"}, {"sumner", "roughness: 0.2"}, {"sumner", "roughness: 1e-9"}, {"sumner", "compression: 0"},
+		{"sumner", "compression: 1"},
+	};
+	char store[160];
+	snprintf(store, sizeof store, "%s", support_path("limits.furrow"));
+	support_store(store, hard_world, flat);
+	for (size_t i = 0; i < sizeof limits / sizeof limits[0]; i++) {
+		char text[256];
+		struct store *opened;
+		snprintf(text, sizeof text, "redistribute: {model: %s}\nsoil: {name: dry_sand, %s}\n%s", limits[i].model, limits[i].soil,
+			 strcmp(limits[i].model, "scm") == 0 ? "output: {forces: 20}\n" : "");
+		const struct hard_model model = {limits[i].model, text, true};
+		char *json = hard_drive(&model, strcmp(limits[i].model, "scm") == 0
+			? "end_time: 1\nobjects:\n"
+			  "  - {name: wheel, shape: {wheel: {radius: 1.5, width: 2}}, load: 8000, slip: 0.4, path: {points: [[40, 40], [48, 42]], speed: 6}}\n"
+			  "  - {name: ball, shape: {sphere: {radius: 2}}, sink: 0.4, path: {points: [[60, 40], [66, 42]], speed: 6}}\n"
+			: "end_time: 1\nobjects:\n"
+			  "  - {name: ball, shape: {sphere: {radius: 2}}, sink: 0.4, path: {points: [[60, 40], [66, 42]], speed: 6}}\n", store, few);
+		mem_free(json);
+		must(store_open(store, &(struct store_options){.mode = STORE_WRITE}, &opened));
+		must(store_reset(opened));
+		store_close(opened);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_spike_and_a_cliff_of_1000_m_are_driven_over_through_four_slots),
+		cmocka_unit_test(a_cut_with_cohesion_stands_to_the_edge_of_failure_and_slips_above),
+		cmocka_unit_test(soils_at_the_limits_of_their_parameters_leave_numbers),
+	};
+	return cmocka_run_group_tests_name("hard slopes", tests, support_enter, support_leave);
+}
