@@ -1,0 +1,169 @@
+/*
+ * scm against the reference, sweep by sweep over ground of every kind: sloping, heaped, with holes, pressed before. Each
+ * sweep starts from the same state; what it makes of it may differ by what floats round.
+ */
+#include <stdio.h>
+
+#include "ground.h"
+
+#define METRES 3e-6 /* a wheel a metre high, in floats */
+#define MOUND 0.25  /* m of heaped soil at most */
+
+static int32_t uneven(int64_t x, int64_t y)
+{
+	uint32_t h = (uint32_t)x * 2654435761u ^ (uint32_t)y * 2246822519u;
+	h = (h ^ h >> 15) * 2654435761u;
+	if (h % 23 == 0)
+		return BASE_NODATA;
+	/* It rises to the north-east, differently. */
+	return (int32_t)(x * 9000 + y * 4000) + (int32_t)(h >> 19);
+}
+
+static struct deform_soil soil_of(int round)
+{
+	static const char *const names[] = {"dry_sand", "lete_sand", "snow_us", "heavy_clay_40"};
+	struct deform_soil soil;
+	assert_ok(deform_soil_named(names[round % 4], &soil));
+	soil.repose = 89.95 * M_PI / 180; /* nothing slides: what is pressed is seen as it is */
+	return soil;
+}
+
+/* Heaped soil, and shallow ruts in it, over all tiles. */
+static void heap(struct ground *ground)
+{
+	uint32_t cells = ground->params.cells;
+	int64_t side = cells + 1;
+	int32_t *heaped = ground_room(side * side, 4), *pressed = ground_room(side * side, 4);
+	for (uint32_t k = 0; k < ground->tile_count; k++) {
+		for (int64_t i = 0; i < side * side; i++) {
+			int64_t x = (int64_t)(k % ground->params.tiles) * cells + i % side, y = (int64_t)(k / ground->params.tiles) * cells + i / side;
+			bool hole = ground->base[y * ground->posts + x] == BASE_NODATA;
+			heaped[i] = hole ? 0 : (int32_t)ldexp(MOUND * sin((double)x * 0.31) * sin((double)y * 0.23), OFFSET_BITS);
+			pressed[i] = 0;
+		}
+		const void *planes[PLANES] = {[PLANE_OFFSET] = heaped, [PLANE_HEAPED] = heaped, [PLANE_PRESSED] = pressed};
+		assert_ok(staged_upload_planes(test_gpu, ground->slots, cells, k, planes));
+	}
+	mem_free(heaped);
+	mem_free(pressed);
+}
+
+struct state {
+	int32_t *offset, *heaped, *pressed, *shear;
+};
+
+static struct state state_of(struct ground *ground)
+{
+	return (struct state){ground_plane(ground, PLANE_OFFSET), ground_plane(ground, PLANE_HEAPED),
+			      ground_plane(ground, PLANE_PRESSED), ground_plane(ground, PLANE_SHEAR)};
+}
+
+static void state_free(struct state *state)
+{
+	mem_free(state->offset);
+	mem_free(state->heaped);
+	mem_free(state->pressed);
+	mem_free(state->shear);
+}
+
+static void take(struct reference_ground *reference, const struct ground *ground, const struct state *state)
+{
+	for (int64_t i = 0; i < ground->posts * ground->posts; i++) {
+		reference->hole[i] = ground->base[i] == BASE_NODATA;
+		reference->base[i] = reference->hole[i] ? 0 : ldexp(ground->base[i], -BASE_BITS);
+		reference->offset[i] = lattice_offset_metres(state->offset[i]);
+		reference->heaped[i] = lattice_offset_metres(state->heaped[i]);
+		reference->pressed[i] = lattice_offset_metres(state->pressed[i]);
+		reference->shear[i] = ldexp(state->shear[i], -16);
+	}
+	reference->compacted = 0;
+}
+
+static void assert_near(const char *what, double got, double wanted, double within)
+{
+	if (!(fabs(got - wanted) <= within))
+		fail_msg("%s: %.9g, not %.9g", what, got, wanted);
+}
+
+struct seen {
+	int pressed, again, heaped, slid;
+};
+
+static void compare(const struct ground *ground, const struct state *before, const struct state *after,
+		    const struct reference_ground *reference, struct seen *seen)
+{
+	for (int64_t i = 0; i < ground->posts * ground->posts; i++) {
+		char where[64];
+		snprintf(where, sizeof where, "post %lld, %lld", (long long)(i % ground->posts), (long long)(i / ground->posts));
+		assert_near(where, lattice_offset_metres(after->offset[i]), reference->offset[i], METRES);
+		assert_near(where, lattice_offset_metres(after->pressed[i]), reference->pressed[i], METRES);
+		assert_near(where, ldexp(after->shear[i], -16), fmin(reference->shear[i], 65535.0 / 65536), 0x1p-15);
+		assert_int_equal(after->heaped[i], before->heaped[i]);
+		bool touched = after->offset[i] != before->offset[i];
+		seen->pressed += touched;
+		seen->again += touched && before->pressed[i] > 0;
+		seen->heaped += touched && before->heaped[i] > 1 << 16;
+		seen->slid += after->shear[i] > before->shear[i];
+	}
+}
+
+static void every_sweep_is_that_of_the_reference(void **state)
+{
+	struct seen seen = {0};
+	(void)state;
+	need_gpu();
+	for (int round = 0; round < 8; round++) {
+		struct ground ground;
+		struct reference_ground reference;
+		struct deform_soil soil = soil_of(round);
+		ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .first = 3, .spacing = 0.125, .model = DEFORM_SCM,
+							     .height = uneven, .soils = &soil, .iterations = 1});
+		int side = (int)ground.posts;
+		assert_ok(reference_ground_init(&reference, side, side, ground.params.spacing));
+		reference.left = reference.bottom = ground.x0;
+		double *under = ground_room(side * side, sizeof *under), *rest = ground_room(side * side, sizeof *rest);
+		heap(&ground);
+		for (int k = 0; k < 12; k++) {
+			struct deform_shape shape = {.kind = k % 3 ? DEFORM_WHEEL : DEFORM_BOX, .radius = 0.9, .width = 0.7, .size = {1, 1.5, 1.8}};
+			double x = 32 + 12 * any_share(), y = 32 + 12 * any_share();
+			double z = ldexp(x * 9000 + y * 4000, -BASE_BITS) + 0.9 - 0.12 * (1 + any_share());
+			struct deform_sweep sweep = {.shape = &shape, .from = ground_pose(&ground, x, y, z)};
+			sweep.to = ground_pose(&ground, x + any_share(), y + any_share(), z - 0.01 * any_share());
+			sweep.to.yaw = sweep.from.yaw = 3 * any_share();
+			sweep.seconds = k % 4 ? 0.05 : 0;
+			sweep.turned = shape.kind == DEFORM_WHEEL ? 0.2 * any_share() : 0;
+			struct state before = state_of(&ground), after;
+			struct reference_forces forces;
+			take(&reference, &ground, &before);
+			reference_undersides(&reference, &sweep, under, rest);
+			reference_scm(&reference, &soil, 0, &sweep, under, rest, 0, &forces);
+			struct deform_forces got = ground_forces(&ground, &sweep);
+			after = state_of(&ground);
+			compare(&ground, &before, &after, &reference, &seen);
+			double most = 0;
+			for (int i = 0; i < 3; i++)
+				most = fmax(most, fabs(forces.force[i]));
+			for (int i = 0; i < 3; i++) {
+				assert_near("force", got.force[i], forces.force[i], 1e-3 * most + 1);
+				assert_near("moment", got.moment[i], forces.moment[i], 1e-3 * most + 1);
+			}
+			assert_near("area", got.area, forces.area, 0.0157); /* a post */
+			state_free(&before);
+			state_free(&after);
+		}
+		mem_free(under);
+		mem_free(rest);
+		reference_ground_finish(&reference);
+		ground_finish(&ground);
+	}
+	print_message("posts pressed %d, again %d, heaped %d, sheared %d\n", seen.pressed, seen.again, seen.heaped, seen.slid);
+	assert_true(seen.pressed > 2000 && seen.again > 200 && seen.heaped > 200 && seen.slid > 1000);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(every_sweep_is_that_of_the_reference),
+	};
+	return cmocka_run_group_tests_name("deform/scm_reference", tests, open_gpu, close_gpu);
+}
