@@ -83,7 +83,7 @@ static bool still_at(const struct slab *of, int x, int y, bool held_too)
 		int px = x + k % 3 - 1, py = y + k / 3 - 1;
 		bool inside = px >= 0 && py >= 0 && px < N && py < N;
 		int64_t other = inside ? of->base[py * N + px] : 40 << 18, offset = inside ? of->offset[py * N + px] : 0;
-		if (other != BASE_NODATA && llabs(of->base[i] - other + ((of->offset[i] - offset) >> 2)) >= 1536 << 18)
+		if (relief == 0 && other != BASE_NODATA && llabs(of->base[i] - other + ((of->offset[i] - offset) >> 2)) >= 1536 << 18)
 			return true;
 	}
 	return false;
