@@ -303,6 +303,30 @@ class Drives(FurrowTest):
         self.drive(scene, "--store", store)
         self.assertEqual(self.json("verify", store)["offset_sum"], first)
 
+    def test_what_no_offset_holds_is_refused_counted_and_told(self):
+        store = self.synth()
+        (self.folder / "deep.csv").write_text("t,x,y,z\n0,40,40,-1500\n1,44,41,-1500\n")
+        for model in ("none", "box", "sumner", "slippage", "scm"):
+            scene = self.scene(f"""
+scene: 1
+time_step: 0.1
+end_time: 1
+spacing: 0.25
+soil: {{name: dry_sand}}
+redistribute: {{model: {model}}}
+objects:
+  - {{name: deep, shape: {{sphere: {{radius: 1.5}}}}, path: {{file: deep.csv}}}}
+""")
+            result = self.furrow("drive", scene, "--store", store, "-o", "out", "--json")
+            if result.returncode == 4:
+                self.skipTest("no GL here: " + result.stderr.strip())
+            self.assertEqual(result.returncode, 0, result.stderr)
+            refused = json.loads(result.stdout)["refused_posts"]
+            self.assertGreater(refused, 0)
+            notes = [line for line in result.stderr.splitlines() if "deeper than an offset holds" in line]
+            self.assertEqual(len(notes), 1, result.stderr)
+            self.assertIn(f"note: {refused} times", notes[0])
+
     def test_ctrl_c_ends_cleanly_with_130(self):
         import signal
         import time

@@ -119,10 +119,33 @@ static void soils_at_the_limits_of_their_parameters_leave_numbers(void **state)
 			  "  - {name: ball, shape: {sphere: {radius: 2}}, sink: 0.4, path: {points: [[60, 40], [66, 42]], speed: 6}}\n"
 			: "end_time: 1\nobjects:\n"
 			  "  - {name: ball, shape: {sphere: {radius: 2}}, sink: 0.4, path: {points: [[60, 40], [66, 42]], speed: 6}}\n", store, few);
+		/* A share of nothing, and all. */
+		if (strcmp(limits[i].soil, "compression: 0") == 0)
+			assert_int_equal(support_figure(json, "\"quanta\"", "compacted"), 0);
+		if (strcmp(limits[i].soil, "compression: 1") == 0)
+			assert_int_equal(support_figure(json, "\"quanta\"", "compacted"), support_figure(json, "\"quanta\"", "removed"));
 		mem_free(json);
 		must(store_open(store, &(struct store_options){.mode = STORE_WRITE}, &opened));
 		must(store_reset(opened));
 		store_close(opened);
+	}
+}
+
+static void what_is_refused_is_counted_once_however_many_windows_see_it(void **state)
+{
+	const char *poses = support_path("moon.csv");
+	support_write(poses, "t,x,y,z\n0,60.04,60.07,-1500\n");
+	long long under = 0;
+	for (int y = 0; y <= 128 * 8; y++)
+		for (int x = 0; x <= 128 * 8; x++)
+			under += hypot(x / 8.0 - 60.04, y / 8.0 - 60.07) < 20;
+	for (size_t m = 0; m < HARD_MODELS; m++) {
+		char rest[512];
+		snprintf(rest, sizeof rest, "end_time: 1\nspacing: 0.125\nobjects:\n"
+			 "  - {name: moon, shape: {sphere: {radius: 20}}, path: {file: %s}}\n", poses);
+		char *json = hard_drive(&hard_models[m], rest, hard_store("moon.furrow"), NULL);
+		assert_int_equal(support_figure(json, "{", "refused_posts"), under);
+		mem_free(json);
 	}
 }
 
@@ -131,6 +154,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_spike_and_a_cliff_of_1000_m_are_driven_over_through_four_slots),
 		cmocka_unit_test(a_cut_with_cohesion_stands_to_the_edge_of_failure_and_slips_above),
+		cmocka_unit_test(what_is_refused_is_counted_once_however_many_windows_see_it),
 		cmocka_unit_test(soils_at_the_limits_of_their_parameters_leave_numbers),
 	};
 	return cmocka_run_group_tests_name("hard slopes", tests, support_enter, support_leave);
