@@ -173,6 +173,9 @@ static void any_ground(struct ground *ground, int round)
 	int32_t rough = (int32_t)(1u << (round % 27)); /* quanta / 4: up to 256 m from post to post */
 	for (int i = 0; i < N * N; i++) {
 		slab.base[i] = (40 << 18) + (int32_t)(any_share() * rough);
+		/* One cliff from end to end of what a base may be: as differences wrap, a metre or two. */
+		if (round == 154)
+			slab.base[i] = i % N < N / 2 ? INT32_MAX - (int32_t)(any_word() >> 14) : INT32_MIN + 1 + (int32_t)(any_word() >> 14);
 		slab.offset[i] = (int32_t)(any_share() * rough);
 		slab.deposit[i] = any_word() % 4 == 0 ? (int32_t)(any_word() % (1u << 20)) : 0;
 		slab.contacts[i] = any_word() % 8 == 0 ? (uint8_t)(any_word() % 4) : 0;
@@ -181,11 +184,8 @@ static void any_ground(struct ground *ground, int round)
 			slab.base[i] = BASE_NODATA;
 			slab.offset[i] = slab.deposit[i] = 0;
 			slab.contacts[i] |= 4;
-		} else if (round % 5 == 4 && any_word() % 16 == 0) {
+		} else if (round % 5 == 4 && round != 154 && any_word() % 16 == 0) {
 			slab.base[i] += (int32_t)(any_word() % 3 * 900 - 900) * (1 << 18); /* cliffs of more than 1536 m too */
-		} else if (round % 5 == 4 && any_word() % 8 == 0) {
-			/* From one end of what a base may be to the other: as differences wrap, a metre. */
-			slab.base[i] = any_word() % 2 ? INT32_MAX - (int32_t)(any_word() >> 14) : INT32_MIN + 1 + (int32_t)(any_word() >> 14);
 		} else if (round % 5 == 3 && any_word() % 16 == 0) {
 			slab.offset[i] = (int32_t)(any_share() * (1 << 30)); /* beyond 768 m */
 		}
