@@ -160,10 +160,35 @@ static void every_sweep_is_that_of_the_reference(void **state)
 	assert_true(seen.pressed > 2000 && seen.again > 200 && seen.heaped > 200 && seen.slid > 1000);
 }
 
+/* Of the plastic flow a share is laid aside: once. */
+static void pressed_again_as_deep_it_lays_nothing_more_aside(void **state)
+{
+	struct deform_soil soil = soil_of(0);
+	struct deform_shape plate = {.kind = DEFORM_BOX, .size = {1, 1.5, 1}};
+	struct ground ground;
+	int64_t sums[3] = {0};
+	(void)state;
+	need_gpu();
+	ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .spacing = 0.125, .model = DEFORM_SCM, .soils = &soil,
+						     .iterations = 1, .bulldozing = 0.5});
+	for (int k = 0; k < 3; k++) {
+		struct deform_sweep sweep = {.shape = &plate, .from = ground_pose(&ground, 30.4, 32.3, k < 2 ? 0.4 : 0.35)};
+		sweep.to = sweep.from;
+		ground_sweep(&ground, &sweep);
+		int32_t *heaped = ground_plane(&ground, PLANE_HEAPED);
+		for (int64_t i = 0; i < ground.posts * ground.posts; i++)
+			sums[k] += heaped[i];
+		mem_free(heaped);
+	}
+	assert_true(sums[0] > 0 && sums[1] == sums[0] && sums[2] > sums[1] && sums[2] < 2 * sums[0]);
+	ground_finish(&ground);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_sweep_is_that_of_the_reference),
+		cmocka_unit_test(pressed_again_as_deep_it_lays_nothing_more_aside),
 	};
 	return cmocka_run_group_tests_name("deform/scm_reference", tests, open_gpu, close_gpu);
 }
