@@ -73,11 +73,11 @@ class SoilMap(FurrowTest):
         self.ok("import", "hills.png", "-o", "hills.furrow", "--tile", CELLS, "--height-range", "0,655.35")
         write_png16(self.folder / "map.png", POSTS, POSTS, lambda x, y: 1 if x < BORDER else 2)
 
-    def driven(self, model, soil, base="hills.furrow", options=()):
+    def driven(self, model, soil, base="hills.furrow", options=(), scene=SCENE):
         """The store that such a drive leaves, and its run.json."""
         store = self.folder / "driven.furrow"
         store.write_bytes((self.folder / base).read_bytes())
-        scene = self.scene(SCENE.format(model=model, soil=soil))
+        scene = self.scene(scene.format(model=model, soil=soil))
         report = self.drive(scene, "--store", store, *options)
         check = self.json("verify", store)
         self.assertTrue(check["ok"], check["problems"])
@@ -112,6 +112,17 @@ class SoilMap(FurrowTest):
                     "--set", "cache.slots=4", "--set", f"cache.loaders={loaders}", "--set", f"cache.prefetch={loaders % 2}"))
                 self.assertGreater(report["cache"]["evictions"], 20)
                 self.assertTrue(tiles(store) == wanted, f"{model}, {loaders} loaders: other rows")
+
+    def test_each_window_of_a_large_object_has_its_own_soil(self):
+        plate = """
+  - {{name: plate, shape: {{box: {{size: [80, 6, 2]}}}}, sink: 0.1, path: {{points: [[64, 100], [64.5, 100.25]], speed: 1}}}}
+"""
+        scene = SCENE.split("objects:")[0] + "objects:" + plate
+        found = [halves(self.driven("scm", soil, scene=scene)[0]) for soil in (self.mapped("scm"), *map(one, SOILS["scm"]))]
+        for half in (0, 1):
+            self.assertGreater(len(found[0][half]), 1)
+            self.assertTrue(found[0][half] == found[1 + half][half])
+            self.assertFalse(found[0][half] == found[2 - half][half])
 
     def test_a_map_that_no_model_reads_costs_nothing(self):
         report = self.drive(self.scene(SCENE.format(model="box", soil=self.mapped("scm"))), "--store", "hills.furrow")

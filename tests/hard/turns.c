@@ -92,11 +92,35 @@ static void what_an_object_turned_away_from_slides(void **state)
 	}
 }
 
+/* Its next station is no contact, so that nothing else wakes the ground it stood on. */
+static void what_an_object_left_at_the_edge_of_the_world_slides(void **state)
+{
+	static const struct hard_model sand = {
+		"slippage", "redistribute: {model: slippage}\nsoil: {name: dry_sand, cohesion: 0, friction_angle: 30}\n", true};
+	const char *poses = support_path("ball.csv");
+	const double stands = 0.25 * tan(M_PI / 6);
+	for (int left = 0; left < 2; left++) {
+		char rest[512];
+		const char *store = support_path("ball.furrow");
+		support_store(store, world, flat);
+		support_write(poses, left ? "t,x,y,z\n0,0.1,30,20.3\n30,0.1,30,20.3\n30.5,-3,30,20.3\n" : "t,x,y,z\n0,0.1,30,20.3\n30,0.1,30,20.3\n");
+		snprintf(rest, sizeof rest, "time_step: 0.5\nend_time: 60\nspacing: 0.25\noutside: skip\nobjects:\n"
+			 "  - {name: ball, shape: {sphere: {radius: 1.5}}, path: {file: %s}}\n", poses);
+		mem_free(hard_drive(&sand, rest, store, NULL));
+		double most = steepest(store, (struct post_rect){0, 26 * 4, 4 * 4, 34 * 4});
+		if (left)
+			assert_true(most <= stands + 1e-6);
+		else
+			assert_true(most > 2 * stands);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(lugs_print_as_far_apart_as_the_wheel_rolls_between_them),
 		cmocka_unit_test(what_an_object_turned_away_from_slides),
+		cmocka_unit_test(what_an_object_left_at_the_edge_of_the_world_slides),
 	};
 	return cmocka_run_group_tests_name("hard turns", tests, support_enter, support_leave);
 }
