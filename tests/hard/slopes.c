@@ -90,6 +90,28 @@ static double flat(int64_t x, int64_t y)
 	return 20;
 }
 
+/* Its rim is within an offset's range, and its middle is not. */
+static void what_is_half_within_an_offsets_range_is_half_refused(void **state)
+{
+	const char *poses = support_path("half.csv");
+	support_write(poses, "t,x,y,z\n0,60.04,60.07,-990\n");
+	for (size_t m = 0; m < HARD_MODELS; m++) {
+		char rest[512];
+		const char *store = support_path("half.furrow");
+		support_store(store, hard_world, flat);
+		snprintf(rest, sizeof rest, "end_time: 0.1\nspacing: 0.5\nobjects:\n"
+			 "  - {name: moon, shape: {sphere: {radius: 20}}, path: {file: %s}}\n", poses);
+		char *json = hard_drive(&hard_models[m], rest, store, NULL);
+		assert_true(support_figure(json, "{", "refused_posts") > 1000);
+		assert_true(support_figure(json, "\"quanta\"", "removed") > INT64_C(1000) << OFFSET_BITS);
+		mem_free(json);
+		double *quanta = support_quanta(store, -1, (struct post_rect){79, 79, 162, 162});
+		for (int i = 0; i < 83 * 83; i++)
+			assert_true(quanta[i] >= -(double)(1 << 30));
+		free(quanta);
+	}
+}
+
 /* Each alone at an end of what it may be (scene/soil tests what lies beyond). The ground is flat: it stands under any. */
 static void soils_at_the_limits_of_their_parameters_leave_numbers(void **state)
 {
@@ -155,6 +177,7 @@ int main(void)
 		cmocka_unit_test(a_spike_and_a_cliff_of_1000_m_are_driven_over_through_four_slots),
 		cmocka_unit_test(a_cut_with_cohesion_stands_to_the_edge_of_failure_and_slips_above),
 		cmocka_unit_test(what_is_refused_is_counted_once_however_many_windows_see_it),
+		cmocka_unit_test(what_is_half_within_an_offsets_range_is_half_refused),
 		cmocka_unit_test(soils_at_the_limits_of_their_parameters_leave_numbers),
 	};
 	return cmocka_run_group_tests_name("hard slopes", tests, support_enter, support_leave);
