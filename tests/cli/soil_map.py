@@ -162,10 +162,9 @@ class SoilMap(FurrowTest):
         rasters.make(self.folder / "utm.tif", POSTS, POSTS, [rough(x, y) / 100 for y in range(POSTS) for x in range(POSTS)],
                      west=west, north=north, step=1)
         self.ok("import", "utm.tif", "-o", "utm.furrow", "--tile", CELLS)
-        # Larger than the ground, and then turned into degrees.
-        side = POSTS + 60
-        rasters.make(self.folder / "classes.tif", side, side, [1 if x < BORDER + 30 else 2 for _ in range(side) for x in range(side)],
-                     "b", west=west - 30, north=north + 30, step=1)
+        # Beyond the ground in the west, and no farther than the border in the east; then turned into degrees.
+        columns, rows = BORDER + 30, POSTS + 60
+        rasters.make(self.folder / "classes.tif", columns, rows, [1] * (columns * rows), "b", west=west - 30, north=north + 30, step=1)
         subprocess.run(["gdalwarp", "-q", "-t_srs", "EPSG:4326", "-r", "near", "-tr", "0.000004", "0.000004", "-dstnodata", "255",
                         "classes.tif", "degrees.tif"], cwd=self.folder, check=True, capture_output=True)
         store, _ = self.driven("scm", self.mapped("scm", "degrees.tif"), "utm.furrow",
