@@ -419,6 +419,111 @@ static void a_settled_rut_wakes_nothing(void **state)
 	}
 }
 
+/* A plate amid holes, but for a lane of one or two posts that ends at the rim of its window; beyond that the ground lies
+ * `beyond` lower, and the lane's first post `lifted` higher. Base lattice. */
+static struct {
+	struct post_rect write;
+	int64_t lane, length;
+	int32_t lifted, beyond;
+} rim;
+
+static int32_t to_the_rim(int64_t x, int64_t y)
+{
+	bool inside = x >= rim.write.x0 && x < rim.write.x1 && y >= rim.write.y0 && y < rim.write.y1;
+	if (x >= rim.write.x1)
+		return -rim.beyond;
+	if (!inside)
+		return 0;
+	if (y == rim.lane && x >= rim.write.x1 - rim.length)
+		return x == rim.write.x1 - rim.length ? rim.lifted : 0;
+	int64_t edge = 11; /* all that is left is under the plate */
+	return x >= rim.write.x0 + edge && x < rim.write.x1 - edge && y >= rim.write.y0 + edge && y < rim.write.y1 - edge
+		       ? 0 : BASE_NODATA;
+}
+
+/* What is left at the lane's first post by a sweep; and whether an interval knows of what the sweep could not look at. */
+static int32_t lane_after(enum deform_model model, double depth, int32_t *stands, bool *goes_on)
+{
+	struct ground ground;
+	struct setup setup = {model, 64, 2, 0.0625, 0, 8, to_the_rim};
+	struct deform_shape plate = {.kind = DEFORM_BOX, .size = {0.8, 0.5, 0.5}};
+	start(&ground, &setup);
+	struct deform_sweep sweep = {.shape = &plate, .from = ground_pose(&ground, 60, 60, 0.25 - depth)};
+	sweep.to = sweep.from;
+	assert_ok(deform_windows(ground.deform, &sweep, ground.windows, &ground.window_count));
+	bool placed = memcmp(&rim.write, &ground.windows[0].write, sizeof rim.write) == 0;
+	rim.write = ground.windows[0].write;
+	rim.lane = (rim.write.y0 + rim.write.y1) / 2;
+	*stands = ground.deform->soils[0].stands[0];
+	sweep_and_wake(&ground, &sweep, NULL, false);
+	ground_read(&ground);
+	int32_t left = ground.offset[rim.lane * ground.posts + rim.write.x1 - rim.length];
+	interval(&ground, NULL, 0);
+	ground_read(&ground);
+	*goes_on = ground.offset[rim.lane * ground.posts + rim.write.x1] != 0;
+	ground_finish(&ground);
+	return placed ? left : lane_after(model, depth, stands, goes_on);
+}
+
+static void what_comes_to_the_rim_goes_on(void **state)
+{
+	int32_t stands;
+	bool goes_on;
+	(void)state;
+	need_gpu();
+	memset(&rim, 0, sizeof rim);
+	/* Laid down on the rim itself, where it has no neighbour that the sweep could look at. */
+	rim.length = 1;
+	for (int m = 0; m < 2; m++) {
+		int32_t laid = lane_after(m == 0 ? DEFORM_SLIPPAGE : DEFORM_SUMNER, 0.02, &stands, &goes_on);
+		assert_true(laid > 2 * stands && goes_on);
+	}
+	/* It slid there by a few quanta, stopped, and was the last straw. */
+	rim.length = 2;
+	rim.beyond = 0;
+	int32_t laid = lane_after(DEFORM_SLIPPAGE, 0.002, &stands, &goes_on);
+	assert_true(laid > 0 && laid < stands && !goes_on);
+	rim.lifted = (stands + 8 - laid + 3) / 4;
+	rim.beyond = stands / 4;
+	int32_t slid = laid - lane_after(DEFORM_SLIPPAGE, 0.002, &stands, &goes_on);
+	assert_true(slid > 0 && slid < 12 && goes_on);
+}
+
+static bool is_awake(struct ground *ground, int64_t x, int64_t y)
+{
+	const struct deform_block *blocks;
+	size_t count;
+	bool found = false;
+	assert_ok(deform_awake(ground->deform, &blocks, &count));
+	for (size_t i = 0; i < count; i++)
+		found = found || (blocks[i].x == x / DEFORM_BLOCK && blocks[i].y == y / DEFORM_BLOCK);
+	return found;
+}
+
+/* Between two intervals nobody asks for a sweep's flags: until then, and in a commit, all that it wrote is awake. */
+static void what_is_not_known_to_sleep_is_awake(void **state)
+{
+	struct ground ground;
+	(void)state;
+	need_gpu();
+	bool software = test_gpu->info.software;
+	start(&ground, &(struct setup){DEFORM_SLIPPAGE, 64, 4, 0.0625, 0, 4, NULL});
+	disturb(&ground, 50, 50, 0.9);
+	test_gpu->info.software = false;
+	assert_true(interval(&ground, NULL, 0) > 0);
+	test_gpu->info.software = software;
+	struct deform_shape plate = {.kind = DEFORM_BOX, .size = {1.2, 0.8, 0.5}};
+	struct deform_sweep sweep = {.shape = &plate, .from = ground_pose(&ground, 200, 200, 0.249)};
+	sweep.to = sweep.from;
+	sweep_and_wake(&ground, &sweep, NULL, false);
+	assert_true(is_awake(&ground, 200, 200));
+	gpu_finish(test_gpu); /* the interval's flags are here */
+	assert_true(is_awake(&ground, 200, 200) && is_awake(&ground, 50, 50));
+	assert_true(interval(&ground, NULL, 0) > 0);
+	assert_true(!is_awake(&ground, 200, 200));
+	ground_finish(&ground);
+}
+
 /* More sweeps between two intervals than there is room for their flags. */
 static void many_sweeps_are_as_right(void **state)
 {
@@ -522,6 +627,8 @@ int main(void)
 		cmocka_unit_test(what_an_object_rests_on_is_held),
 		cmocka_unit_test(what_a_sweep_lets_sleep_would_not_move),
 		cmocka_unit_test(a_settled_rut_wakes_nothing),
+		cmocka_unit_test(what_comes_to_the_rim_goes_on),
+		cmocka_unit_test(what_is_not_known_to_sleep_is_awake),
 		cmocka_unit_test(many_sweeps_are_as_right),
 		cmocka_unit_test(what_slid_out_of_an_object_slides_on),
 		cmocka_unit_test(a_world_at_rest_makes_no_pass),
