@@ -45,6 +45,41 @@ static void a_spike_and_a_cliff_of_1000_m_are_driven_over_through_four_slots(voi
 		}
 }
 
+/* 32 m between posts: from one to the next the ground falls by 1,000 m. */
+static double scarp(int64_t x, int64_t y)
+{
+	(void)y;
+	return x >= 32 ? 1000 : 0;
+}
+
+static void a_cliff_of_1000_m_comes_to_rest_at_the_angle_of_repose(void **state)
+{
+	static const struct hard_model sand = {
+		"slippage", "redistribute: {model: slippage, undisturbed: slides, iterations: 8}\nsoil: {name: dry_sand, cohesion: 0}\n", true};
+	static const struct world wide = {65, 33, 32, 32};
+	const double stands = 32 * tan(28 * M_PI / 180);
+	uint64_t hashes[2];
+	for (int k = 0; k < 2; k++) {
+		const char *store = support_path("scarp.furrow");
+		support_store(store, wide, scarp);
+		/* What passes by does no more than begin. */
+		char *json = hard_drive(&sand, "time_step: 1\nend_time: 60\nobjects:\n"
+					"  - {name: by, shape: {sphere: {radius: 1}}, sink: 0.01, path: {points: [[64, 64]], speed: 1}}\n",
+					store, k == 0 ? few : all);
+		mem_free(json);
+		hashes[k] = support_hash(store);
+		double *quanta = support_quanta(store, 0, (struct post_rect){0, 16, 65, 17});
+		for (int x = 1; x < 65; x++) {
+			double rise = scarp(x, 16) - scarp(x - 1, 16) + ldexp(quanta[x] - quanta[x - 1], -OFFSET_BITS);
+			assert_true(rise > -1e-5 && rise < 1.01 * stands);
+			if (x > 8 && x < 57) /* the talus is 59 posts wide */
+				assert_true(rise > 0.97 * stands);
+		}
+		free(quanta);
+	}
+	assert_true(hashes[0] == hashes[1]);
+}
+
 /* Between posts a metre apart a slope of H is atan(H / d): by Culmann's wedge this clay stands to 2.289 m there. */
 #define STANDS 2.289
 
@@ -58,7 +93,8 @@ static double ledge(int64_t x, int64_t y)
 static void a_cut_with_cohesion_stands_to_the_edge_of_failure_and_slips_above(void **state)
 {
 	static const struct hard_model clay = {
-		"slippage", "redistribute: {model: slippage}\nsoil: {cohesion: 4140, friction_angle: 13, unit_weight: 16000}\n", true};
+		"slippage", "redistribute: {model: slippage, undisturbed: slides}\n"
+			    "soil: {cohesion: 4140, friction_angle: 13, unit_weight: 16000}\n", true};
 	for (int over = 0; over < 2; over++) {
 		const char *store = support_path("ledge.furrow");
 		height = STANDS + (over ? 0.01 : -0.01);
@@ -171,13 +207,36 @@ static void what_is_refused_is_counted_once_however_many_windows_see_it(void **s
 	}
 }
 
+/* Steeper by itself than its soil stands: an object that touches it sets some of it going. */
+static double scree(int64_t x, int64_t y)
+{
+	return 20 + (double)((x * 7 + y * 3) % 11 / 9);
+}
+
+static void ground_that_is_too_steep_by_itself_loses_nothing(void **state)
+{
+	static const struct hard_model models[] = {
+		{"slippage", "redistribute: {model: slippage}\nsoil: {name: dry_sand, cohesion: 0}\n", true},
+		{"sumner", "redistribute: {model: sumner}\nsoil: {name: sand}\n", true},
+	};
+	for (int m = 0; m < 2; m++) {
+		const char *store = support_path("scree.furrow");
+		support_store(store, hard_world, scree);
+		mem_free(hard_drive(&models[m], "time_step: 0.05\nend_time: 0.05\nspacing: 0.25\nobjects:\n"
+				    "  - {name: a, shape: {wheel: {radius: 0.8, width: 0.7}}, sink: 0.25, path: {points: [[12, 20]], speed: 1}}\n",
+				    store, NULL));
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_spike_and_a_cliff_of_1000_m_are_driven_over_through_four_slots),
+		cmocka_unit_test(a_cliff_of_1000_m_comes_to_rest_at_the_angle_of_repose),
 		cmocka_unit_test(a_cut_with_cohesion_stands_to_the_edge_of_failure_and_slips_above),
 		cmocka_unit_test(what_is_refused_is_counted_once_however_many_windows_see_it),
 		cmocka_unit_test(what_is_half_within_an_offsets_range_is_half_refused),
+		cmocka_unit_test(ground_that_is_too_steep_by_itself_loses_nothing),
 		cmocka_unit_test(soils_at_the_limits_of_their_parameters_leave_numbers),
 	};
 	return cmocka_run_group_tests_name("hard slopes", tests, support_enter, support_leave);
