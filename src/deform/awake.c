@@ -383,6 +383,11 @@ enum status awake_visit(struct deform *deform, const struct deform_block **block
 	return status == STATUS_OK ? deform_awake(deform, blocks, count) : status;
 }
 
+bool awake_is_visited(const struct deform *deform, struct deform_block block)
+{
+	return block_set_has(&deform->awake->blocks, block);
+}
+
 enum status awake_visited(struct deform *deform, struct gpu_buffer *flags)
 {
 	struct awake *awake = deform->awake;

@@ -59,6 +59,11 @@ enum status block_set_add(struct block_set *set, struct deform_block block)
 	return STATUS_OK;
 }
 
+bool block_set_has(const struct block_set *set, struct deform_block block)
+{
+	return set->room != 0 && set->places[place_of(set, block)] != 0;
+}
+
 void block_set_clear(struct block_set *set)
 {
 	if (set->count > 0)

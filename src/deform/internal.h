@@ -226,6 +226,7 @@ void awake_destroy(struct awake *awake); /* takes NULL */
 struct place_flags awake_flags(struct deform *deform, const struct deform_window *window, uint32_t layer);
 /* The blocks of an interval that begins: the list stays as it is until awake_visited. */
 enum status awake_visit(struct deform *deform, const struct deform_block **blocks, size_t *count) FURROW_CHECKED;
+bool awake_is_visited(const struct deform *deform, struct deform_block block);
 /* They were worked on; `flags` says what still moves in each. */
 enum status awake_visited(struct deform *deform, struct gpu_buffer *flags) FURROW_CHECKED;
 

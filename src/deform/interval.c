@@ -246,6 +246,22 @@ static enum status compute(struct deform *deform, size_t first, size_t last)
 	return status == STATUS_OK ? gpu_check(deform->params.gpu, "sliding") : status;
 }
 
+/* What is not visited gives nothing and takes nothing: it counts as a hole. Were it steep, as an earlier drive may have left
+ * it, one end of a pair would move and the other not. */
+static void close_sides(struct deform *deform, size_t block, uint32_t x, uint32_t y)
+{
+	const struct deform_block *own = &deform->interval->blocks[block];
+	const uint32_t rim = (uint32_t)deform_slide_rim(deform);
+	const uint32_t from[3] = {0, rim, rim + DEFORM_BLOCK}, length[3] = {rim, DEFORM_BLOCK, rim};
+	for (int k = 0; k < 9; k++) {
+		int i = k % 3, j = k / 3;
+		if (k == 4 || awake_is_visited(deform, (struct deform_block){own->x + i - 1, own->y + j - 1}))
+			continue;
+		const struct gpu_rect side = {x + from[i], y + from[j], length[i], length[j]};
+		gpu_texture_clear(deform->bases, deform->layers, side, BASE_NODATA);
+	}
+}
+
 enum status deform_interval_gather(struct deform *deform, size_t block, const struct deform_tile *tiles, size_t count)
 {
 	struct interval *interval = deform->interval;
@@ -253,6 +269,7 @@ enum status deform_interval_gather(struct deform *deform, size_t block, const st
 	assert(block < interval->count);
 	place_of(interval, block, &x, &y);
 	deform_gather(deform, deform_interval_reads(deform, block), deform->layers, x, y, true, planes_of(deform), tiles, count);
+	close_sides(deform, block, x, y);
 	if (block % interval->batch != interval->batch - 1 && block != interval->count - 1)
 		return STATUS_OK;
 	return compute(deform, block - block % interval->batch, block);

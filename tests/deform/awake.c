@@ -579,6 +579,36 @@ static void what_slid_out_of_an_object_slides_on(void **state)
 	ground_finish(&all);
 }
 
+/* 20 m from one block to the next. */
+static int32_t ledge_between_blocks(int64_t x, int64_t y)
+{
+	(void)y;
+	return x >= 32 ? -20 * (1 << BASE_BITS) : 0;
+}
+
+/* As another model may have left it: one block awake, the steep one beside it asleep. */
+static void beside_a_block_that_sleeps_no_soil_is_lost(void **state)
+{
+	static const enum deform_model models[] = {DEFORM_SLIPPAGE, DEFORM_SUMNER};
+	(void)state;
+	need_gpu();
+	for (int m = 0; m < 2; m++) {
+		struct ground ground;
+		int64_t sum = 0;
+		start(&ground, &(struct setup){models[m], 64, 2, 0.25, 0, 4, ledge_between_blocks});
+		for (int n = 0; n < 3; n++) {
+			assert_ok(deform_wake_block(ground.deform, (struct deform_block){0, 0}));
+			assert_ok(deform_wake_block(ground.deform, (struct deform_block){2, 1}));
+			assert_int_equal(interval(&ground, NULL, 0), 2);
+		}
+		ground_read(&ground);
+		for (int64_t i = 0; i < ground.posts * ground.posts; i++)
+			sum += ground.offset[i];
+		assert_int_equal(sum, 0);
+		ground_finish(&ground);
+	}
+}
+
 static void a_world_at_rest_makes_no_pass(void **state)
 {
 	struct ground ground;
@@ -631,6 +661,7 @@ int main(void)
 		cmocka_unit_test(what_is_not_known_to_sleep_is_awake),
 		cmocka_unit_test(many_sweeps_are_as_right),
 		cmocka_unit_test(what_slid_out_of_an_object_slides_on),
+		cmocka_unit_test(beside_a_block_that_sleeps_no_soil_is_lost),
 		cmocka_unit_test(a_world_at_rest_makes_no_pass),
 		cmocka_unit_test(more_blocks_than_there_may_be_are_refused),
 	};
