@@ -43,7 +43,8 @@ void slid(ivec3 at, int height, int change, bool moves)
 	bool rim = any(lessThan(at.xy, edge.xy)) || any(greaterThanEqual(at.xy, edge.zw));
 	if (moves || (rim && ((marks & IS_DISTURBED) != 0u || offset != before))) {
 		ivec2 from_first = at.xy + region.xy;
-		flag_post(from_first % BLOCK, region.w + from_first.y / BLOCK * region.z + from_first.x / BLOCK, place.y);
+		ivec2 its_block = from_first >> 5;
+		flag_post(from_first & (BLOCK - 1), region.w + its_block.y * region.z + its_block.x, place.y);
 	}
 #endif
 #else
