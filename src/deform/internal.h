@@ -131,6 +131,11 @@ double deform_mesh_reach(const struct deform_mesh *mesh, double pitch, double ro
 enum status deform_lugs(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
 			uint32_t layer) FURROW_CHECKED;
 
+/* stages.c: the press of a model that fills TO_PRESSED; its parameters begin with press_params. */
+enum status deform_press(struct deform *deform, const struct gpu_program_request *request, struct gpu_program **program,
+			 const void *params, size_t params_bytes, const struct deform_window *window,
+			 uint32_t layer) FURROW_CHECKED;
+
 /* model_*.c */
 enum status deform_none(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
 			uint32_t layer) FURROW_CHECKED;
@@ -176,7 +181,7 @@ bool deform_fits_window(const struct deform *deform, struct post_rect reached);
 enum status deform_spread(struct deform *deform, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
 
 /* slide.c: lays the deposits down, then the model's rule over a window's written posts, `iterations` times. A press
- * has left offsets in planes_of[1], and so does this; heaped soil wherever it says in now[]. */
+ * has left offsets and heaped soil in planes_of[1], and so does this. */
 enum status deform_slide(struct deform *deform, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
 struct slide_place {
 	uint32_t layer;

@@ -9,22 +9,9 @@ enum status deform_slippage(struct deform *deform, const struct deform_sweep *sw
 		.fragment = "deform/slippage.frag",
 		.defines = {"CONTACT"},
 	};
-	enum status status = deform_program(deform, &request, &deform->press);
-	if (status != STATUS_OK)
-		return status;
-	const struct post_rect read = window->read;
-	struct press_params params = deform_press_params(deform, sweep, window, layer);
-	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
-		.stage = GPU_DISPLACE,
-		.program = deform->press,
-		.target = deform->scratch[layer].to[TO_PRESSED],
-		.viewport = {0, 0, (uint32_t)(read.x1 - read.x0), (uint32_t)(read.y1 - read.y0)},
-		.textures = {deform->bases, deform->planes_of[0][PLANE_OFFSET], deform->under, deform->rest},
-		.storage = {deform->tally},
-		.params = &params,
-		.params_bytes = sizeof params,
-	});
-	deform->scratch[layer].now[PLANE_OFFSET] = 1;
-	status = deform_spread(deform, window, layer);
+	const struct press_params params = deform_press_params(deform, sweep, window, layer);
+	enum status status = deform_press(deform, &request, &deform->press, &params, sizeof params, window, layer);
+	if (status == STATUS_OK)
+		status = deform_spread(deform, window, layer);
 	return status == STATUS_OK ? deform_slide(deform, window, layer) : status;
 }

@@ -303,18 +303,13 @@ enum status deform_slide_run(struct deform *deform, const struct slide_place *pl
 
 enum status deform_slide(struct deform *deform, const struct deform_window *window, uint32_t layer)
 {
-	struct layer *scratch = &deform->scratch[layer];
 	const struct slide_place place = {
 		.layer = layer,
 		.all = deform_window_rect(window),
 		.written = deform_written(window),
 		.flags = awake_flags(deform, window, layer),
 	};
-	assert(scratch->now[PLANE_OFFSET] == 1);
-	/* The heaped soil lies beside the offset: a press need not touch it. */
-	if (is_heaped(deform) && scratch->now[PLANE_HEAPED] == 0)
-		gpu_texture_copy(deform->planes_of[0][PLANE_HEAPED], layer, 0, 0, deform->planes_of[1][PLANE_HEAPED],
-				 layer, place.all);
-	scratch->now[PLANE_HEAPED] = 1;
+	assert(deform->scratch[layer].now[PLANE_OFFSET] == 1);
+	assert(!is_heaped(deform) || deform->scratch[layer].now[PLANE_HEAPED] == 1);
 	return deform_slide_run(deform, &place);
 }

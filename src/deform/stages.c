@@ -38,6 +38,26 @@ struct gpu_rect deform_window_rect(const struct deform_window *window)
 				 (uint32_t)(window->read.y1 - window->read.y0)};
 }
 
+enum status deform_press(struct deform *deform, const struct gpu_program_request *request, struct gpu_program **program,
+			 const void *params, size_t params_bytes, const struct deform_window *window, uint32_t layer)
+{
+	enum status status = deform_program(deform, request, program);
+	if (status != STATUS_OK)
+		return status;
+	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
+		.stage = GPU_DISPLACE,
+		.program = *program,
+		.target = deform->scratch[layer].to[TO_PRESSED],
+		.viewport = deform_window_rect(window),
+		.textures = {deform->bases, deform->planes_of[0][PLANE_OFFSET], deform->under, deform->rest, deform->classes},
+		.storage = {deform->tally},
+		.params = params,
+		.params_bytes = params_bytes,
+	});
+	deform->scratch[layer].now[PLANE_OFFSET] = 1;
+	return STATUS_OK;
+}
+
 static enum status dirty(struct deform *deform, struct post_rect read, uint32_t layer)
 {
 	static const struct gpu_program_request request = {.vertex = "full.vert", .fragment = "deform/dirt.frag"};
