@@ -91,6 +91,7 @@ static void sweep(struct ground *ground, int step, int number)
 	for (size_t i = 0; i < count; i++) {
 		const struct post_rect write = windows[i].write;
 		bench_must(deform_scatter(ground->deform, &windows[i], (uint32_t)i, tiles, tiles_of(ground, write, tiles)));
+		bench_must(deform_wake_swept(ground->deform, &windows[i], (uint32_t)i));
 		ground->posts += (double)((write.x1 - write.x0) * (write.y1 - write.y0));
 	}
 	ground->rests[number] = (struct deform_rest){.shape = &wheel, .pose = sweep.to};

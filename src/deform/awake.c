@@ -280,7 +280,8 @@ struct place_flags awake_flags(struct deform *deform, const struct deform_window
 	struct layer *scratch = &deform->scratch[layer];
 	const struct post_rect read = window->read, write = window->write;
 	const struct world *world = deform->params.world;
-	int64_t posts_x = world_posts(world->width, deform->params.level), posts_y = world_posts(world->height, deform->params.level);
+	int64_t posts_x = world_posts(world->width, deform->params.level);
+	int64_t posts_y = world_posts(world->height, deform->params.level);
 	struct block_grid grid = grid_of(write);
 	int32_t step = (int32_t)deform_slide_step(deform);
 	assert(grid.columns * grid.rows <= WINDOW_BLOCKS);

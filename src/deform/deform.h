@@ -162,8 +162,8 @@ enum status deform_wake(struct deform *deform, struct post_rect changed) FURROW_
 /* A window was computed and scattered, the last one that was computed: only where it left soil moving stays awake. Of a
  * sweep of several windows: as deform_wake. What the object rested on before must be covered (below). */
 enum status deform_wake_swept(struct deform *deform, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
-/* Whether the sweep looks at all that an object rests on in a pose, and around it: nothing else need be woken when it is there no
- * more. */
+/* Whether the sweep looks at all that an object rests on in a pose, and around it: then nothing need be woken for its being
+ * there no more. */
 bool deform_covers(const struct deform *deform, const struct deform_sweep *sweep, const struct deform_pose *rest);
 enum status deform_wake_block(struct deform *deform, struct deform_block block) FURROW_CHECKED; /* inside the world */
 /* All that are awake, in an order that they alone decide; valid until the next call. STATUS_FAILED: more than

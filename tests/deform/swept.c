@@ -1,0 +1,323 @@
+/* What sweeps leave awake: what becomes of the ground is what becomes of it when all of it is worked on. */
+#include "sliding.h"
+
+/* What a sweep leaves awake, by its own flags or all of it: the drive's rules. */
+static void sweep_and_wake(struct ground *ground, const struct deform_sweep *sweep, const struct deform_pose *left, bool all)
+{
+	struct deform_sweep rest = {.shape = sweep->shape, .from = left != NULL ? *left : sweep->to};
+	rest.to = rest.from;
+	struct deform_window windows[DEFORM_WINDOWS_MAX];
+	size_t count;
+	if (left != NULL && (all || !deform_covers(ground->deform, sweep, left))) {
+		assert_ok(deform_windows(ground->deform, &rest, windows, &count));
+		for (size_t i = 0; i < count; i++)
+			assert_ok(deform_wake(ground->deform, windows[i].write));
+	}
+	ground_sweep(ground, sweep);
+	for (size_t i = 0; i < ground->window_count; i++)
+		assert_ok(all ? deform_wake(ground->deform, all_of(ground))
+			      : deform_wake_swept(ground->deform, &ground->windows[i], (uint32_t)i));
+}
+
+struct walker {
+	struct deform_shape shape;
+	double load;
+	bool stands;
+	struct deform_pose last;
+};
+
+static struct walker any_walker(const struct ground *ground, int kind)
+{
+	double d = ground->params.spacing;
+	bool large = kind == 3;
+	struct walker walker = {.shape.kind = kind % 2 == 0 ? DEFORM_WHEEL : kind == 1 ? DEFORM_BOX : DEFORM_SPHERE};
+	walker.shape.radius = large ? 120 * d : (6 + 4 * fabs(any_share())) * d;
+	walker.shape.width = 7 * d;
+	for (int i = 0; i < 3; i++)
+		walker.shape.size[i] = (6 + 8 * fabs(any_share())) * d;
+	walker.load = ground->params.model == DEFORM_SCM && kind == 2 ? 4e5 * d * d : 0;
+	return walker;
+}
+
+/* A post on, mostly; now and then it turns, jumps, or has left the ground. */
+static bool any_way(const struct ground *ground, const struct walker *walker, int kind, struct deform_sweep *sweep)
+{
+	double middle = (double)ground->posts / 2, d = ground->params.spacing, x = middle * (1 + any_share());
+	double y = middle * (1 + any_share()), z = deform_shape_reach(&walker->shape, 0, 0) - 1.5 * d * any_share() * any_share();
+	bool jumps = !walker->stands || any_word() % 16 == 0;
+	if (kind == 3)
+		z = walker->shape.radius - d * fabs(any_share());
+	*sweep = (struct deform_sweep){.shape = &walker->shape, .from = walker->last, .to = walker->last, .seconds = 0.01,
+				       .load = walker->load};
+	if (jumps) {
+		sweep->to = ground_pose(ground, x, y, z);
+		sweep->from = sweep->to;
+	} else {
+		sweep->to.x += lattice_offset(d * any_share());
+		sweep->to.y += lattice_offset(d * any_share());
+		sweep->to.z += walker->load > 0 ? 0 : lattice_offset(0.2 * d * any_share());
+		if (any_word() % 4 == 0)
+			sweep->to.yaw += 0.4 * any_share();
+		if (walker->load > 0)
+			sweep->from.z = sweep->to.z;
+	}
+	return any_word() % 10 != 0;
+}
+
+static int32_t holed_hills(int64_t x, int64_t y)
+{
+	return (x * 5 + y * 3) % 31 == 0 || (x / 9 + y / 7) % 17 == 3 ? BASE_NODATA : hills(x, y);
+}
+
+static const struct setup walked[] = {
+	{DEFORM_SLIPPAGE, 64, 3, 0.0625, 0, 4, hills},       {DEFORM_SUMNER, 64, 3, 0.0625, 0, 4, hills},
+	{DEFORM_SCM, 64, 3, 0.0625, 0, 4, hills},            {DEFORM_SLIPPAGE, 32, 9, 0.125, 0.02, 1, holed_hills},
+	{DEFORM_SUMNER, 32, 9, 0.125, 0, 1, holed_hills},    {DEFORM_SCM, 32, 9, 0.125, 0.1, 2, hills},
+	{DEFORM_SUMNER, 16, 8, 0.0625, 0, 2, holed_hills},   {DEFORM_SCM, 128, 1, 0.0625, 0, 1, holed_hills},
+};
+
+static void what_a_sweep_lets_sleep_would_not_move(void **state)
+{
+	(void)state;
+	need_gpu();
+	for (size_t s = 0; s < sizeof walked / sizeof *walked; s++) {
+		struct ground few, all;
+		start(&few, &walked[s]);
+		start(&all, &walked[s]);
+		bool wide = walked[s].cells * walked[s].tiles > 250;
+		struct walker walkers[4];
+		size_t visited = 0, possible = 0, woken = 0;
+		for (int k = 0; k < 4; k++)
+			walkers[k] = any_walker(&few, k);
+		for (int n = 0; n < 36; n++) {
+			struct deform_rest rests[4];
+			size_t count = 0;
+			for (int i = 0; i < 3 && n < 30; i++) {
+				int k = any_word() % 32 == 0 && wide ? 3 : (int)(any_word() % 3);
+				struct walker *walker = &walkers[k];
+				struct deform_sweep sweep;
+				bool stays = any_way(&few, walker, k, &sweep);
+				sweep_and_wake(&few, &sweep, walker->stands ? &walker->last : NULL, false);
+				sweep_and_wake(&all, &sweep, walker->stands ? &walker->last : NULL, true);
+				walker->last = sweep.to;
+				walker->stands = stays;
+				if (stays)
+					continue;
+				const struct deform_sweep rest = {.shape = &walker->shape, .from = sweep.to, .to = sweep.to};
+				assert_ok(deform_windows(few.deform, &rest, few.windows, &few.window_count));
+				for (size_t w = 0; w < few.window_count; w++)
+					assert_ok(deform_wake(few.deform, few.windows[w].write));
+			}
+			for (int k = 0; k < 4; k++)
+				if (walkers[k].stands)
+					rests[count++] = (struct deform_rest){.shape = &walkers[k].shape, .pose = walkers[k].last};
+			const struct deform_block *blocks;
+			size_t awake;
+			assert_ok(deform_awake(few.deform, &blocks, &awake));
+			woken += awake;
+			/* Odd ones: a fence for each, as on hardware. */
+			bool software = test_gpu->info.software;
+			test_gpu->info.software = software && s % 2 == 0;
+			visited += interval(&few, rests, count);
+			test_gpu->info.software = software;
+			assert_ok(deform_wake(all.deform, all_of(&all)));
+			possible += interval(&all, rests, count);
+			assert_same(&few, &all, n);
+		}
+		if (few.params.model == DEFORM_SCM) {
+			int32_t *a = ground_plane(&few, PLANE_HEAPED), *b = ground_plane(&all, PLANE_HEAPED);
+			assert_memory_equal(a, b, (size_t)(few.posts * few.posts) * sizeof *a);
+			mem_free(a);
+			mem_free(b);
+		}
+		assert_true(visited < woken && visited < possible / 2);
+		ground_finish(&few);
+		ground_finish(&all);
+	}
+}
+
+static void a_settled_rut_wakes_nothing(void **state)
+{
+	static const enum deform_model models[] = {DEFORM_SLIPPAGE, DEFORM_SUMNER, DEFORM_SCM};
+	(void)state;
+	need_gpu();
+	for (int m = 0; m < 3; m++) {
+		struct ground ground;
+		start(&ground, &(struct setup){models[m], 64, 3, 0.0625, 0, 4, NULL});
+		/* Shallower than what stands, beside the corner of four tiles; then on, four posts. */
+		struct deform_shape plate = {.kind = DEFORM_BOX, .size = {1.6, 1.2, 0.5}};
+		struct deform_sweep sweep = {.shape = &plate, .from = ground_pose(&ground, 70, 60, 0.249)};
+		sweep.to = sweep.from;
+		for (int n = 0; n < 4; n++) {
+			const struct deform_pose left = sweep.to;
+			sweep_and_wake(&ground, &sweep, n > 0 ? &left : NULL, false);
+			sweep.from = sweep.to;
+			sweep.to.x += lattice_offset(0.0625);
+		}
+		const struct deform_block *blocks;
+		size_t awake;
+		assert_ok(deform_awake(ground.deform, &blocks, &awake));
+		assert_true(awake >= 4);
+		ground_read(&ground);
+		size_t pressed = 0;
+		for (int64_t i = 0; i < ground.posts * ground.posts; i++)
+			pressed += ground.offset[i] < 0;
+		assert_true(pressed > 400);
+		struct gpu_stats before, after;
+		gpu_stats(test_gpu, &before);
+		const struct deform_rest rest = {.shape = &plate, .pose = sweep.from};
+		assert_int_equal(interval(&ground, &rest, 1), 0);
+		assert_int_equal(interval(&ground, NULL, 0), 0);
+		gpu_stats(test_gpu, &after);
+		assert_memory_equal(before.passes, after.passes, sizeof before.passes);
+		/* One that does not stand. */
+		sweep.to.z = sweep.from.z -= lattice_offset(0.2);
+		sweep_and_wake(&ground, &sweep, NULL, false);
+		if (models[m] != DEFORM_SCM)
+			assert_true(interval(&ground, NULL, 0) > 0);
+		ground_finish(&ground);
+	}
+}
+
+/* A plate amid holes, but for a lane of one or two posts that ends at the rim of its window; beyond that the ground lies
+ * `beyond` lower, and the lane's first post `lifted` higher. Base lattice. */
+static struct {
+	struct post_rect write;
+	int64_t lane, length;
+	int32_t lifted, beyond;
+} rim;
+
+static int32_t to_the_rim(int64_t x, int64_t y)
+{
+	bool inside = x >= rim.write.x0 && x < rim.write.x1 && y >= rim.write.y0 && y < rim.write.y1;
+	if (x >= rim.write.x1)
+		return -rim.beyond;
+	if (!inside)
+		return 0;
+	if (y == rim.lane && x >= rim.write.x1 - rim.length)
+		return x == rim.write.x1 - rim.length ? rim.lifted : 0;
+	int64_t edge = 11; /* all that is left is under the plate */
+	return x >= rim.write.x0 + edge && x < rim.write.x1 - edge && y >= rim.write.y0 + edge && y < rim.write.y1 - edge
+		       ? 0 : BASE_NODATA;
+}
+
+/* What is left at the lane's first post by a sweep; and whether an interval knows of what the sweep could not look at. */
+static int32_t lane_after(enum deform_model model, double depth, int32_t *stands, bool *goes_on)
+{
+	struct ground ground;
+	struct setup setup = {model, 64, 2, 0.0625, 0, 8, to_the_rim};
+	struct deform_shape plate = {.kind = DEFORM_BOX, .size = {0.8, 0.5, 0.5}};
+	start(&ground, &setup);
+	struct deform_sweep sweep = {.shape = &plate, .from = ground_pose(&ground, 60, 60, 0.25 - depth)};
+	sweep.to = sweep.from;
+	assert_ok(deform_windows(ground.deform, &sweep, ground.windows, &ground.window_count));
+	bool placed = memcmp(&rim.write, &ground.windows[0].write, sizeof rim.write) == 0;
+	rim.write = ground.windows[0].write;
+	rim.lane = (rim.write.y0 + rim.write.y1) / 2;
+	*stands = ground.deform->soils[0].stands[0];
+	sweep_and_wake(&ground, &sweep, NULL, false);
+	ground_read(&ground);
+	int32_t left = ground.offset[rim.lane * ground.posts + rim.write.x1 - rim.length];
+	interval(&ground, NULL, 0);
+	ground_read(&ground);
+	*goes_on = ground.offset[rim.lane * ground.posts + rim.write.x1] != 0;
+	ground_finish(&ground);
+	return placed ? left : lane_after(model, depth, stands, goes_on);
+}
+
+static void what_comes_to_the_rim_goes_on(void **state)
+{
+	int32_t stands;
+	bool goes_on;
+	(void)state;
+	need_gpu();
+	memset(&rim, 0, sizeof rim);
+	/* Laid down on the rim itself, where it has no neighbour that the sweep could look at. */
+	rim.length = 1;
+	for (int m = 0; m < 2; m++) {
+		int32_t laid = lane_after(m == 0 ? DEFORM_SLIPPAGE : DEFORM_SUMNER, 0.02, &stands, &goes_on);
+		assert_true(laid > 2 * stands && goes_on);
+	}
+	/* It slid there by a few quanta, stopped, and was the last straw. */
+	rim.length = 2;
+	rim.beyond = 0;
+	int32_t laid = lane_after(DEFORM_SLIPPAGE, 0.002, &stands, &goes_on);
+	assert_true(laid > 0 && laid < stands && !goes_on);
+	rim.lifted = (stands + 8 - laid + 3) / 4;
+	rim.beyond = stands / 4;
+	int32_t slid = laid - lane_after(DEFORM_SLIPPAGE, 0.002, &stands, &goes_on);
+	assert_true(slid > 0 && slid < 12 && goes_on);
+}
+
+static bool is_awake(struct ground *ground, int64_t x, int64_t y)
+{
+	const struct deform_block *blocks;
+	size_t count;
+	bool found = false;
+	assert_ok(deform_awake(ground->deform, &blocks, &count));
+	for (size_t i = 0; i < count; i++)
+		found = found || (blocks[i].x == x / DEFORM_BLOCK && blocks[i].y == y / DEFORM_BLOCK);
+	return found;
+}
+
+/* Between two intervals nobody asks for a sweep's flags: until then, and in a commit, all that it wrote is awake. */
+static void what_is_not_known_to_sleep_is_awake(void **state)
+{
+	struct ground ground;
+	(void)state;
+	need_gpu();
+	bool software = test_gpu->info.software;
+	start(&ground, &(struct setup){DEFORM_SLIPPAGE, 64, 4, 0.0625, 0, 4, NULL});
+	disturb(&ground, 50, 50, 0.9);
+	test_gpu->info.software = false;
+	assert_true(interval(&ground, NULL, 0) > 0);
+	test_gpu->info.software = software;
+	struct deform_shape plate = {.kind = DEFORM_BOX, .size = {1.2, 0.8, 0.5}};
+	struct deform_sweep sweep = {.shape = &plate, .from = ground_pose(&ground, 200, 200, 0.249)};
+	sweep.to = sweep.from;
+	sweep_and_wake(&ground, &sweep, NULL, false);
+	assert_true(is_awake(&ground, 200, 200));
+	gpu_finish(test_gpu); /* the interval's flags are here */
+	assert_true(is_awake(&ground, 200, 200) && is_awake(&ground, 50, 50));
+	assert_true(interval(&ground, NULL, 0) > 0);
+	assert_true(!is_awake(&ground, 200, 200));
+	ground_finish(&ground);
+}
+
+/* More sweeps between two intervals than there is room for their flags. */
+static void many_sweeps_are_as_right(void **state)
+{
+	struct ground few, all;
+	struct setup setup = {DEFORM_SLIPPAGE, 64, 3, 0.0625, 0, 1, hills};
+	(void)state;
+	need_gpu();
+	start(&few, &setup);
+	start(&all, &setup);
+	struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 5.5};
+	for (int n = 0; n < 500; n++) {
+		struct deform_sweep sweep = {.shape = &ball, .from = ground_pose(&few, 96 + n % 7, 96 - n % 5, 5.1 - n % 3 * 0.02)};
+		sweep.to = sweep.from;
+		sweep_and_wake(&few, &sweep, NULL, false);
+		sweep_and_wake(&all, &sweep, NULL, true);
+	}
+	for (int n = 0; n < 3; n++) {
+		interval(&few, NULL, 0);
+		assert_ok(deform_wake(all.deform, all_of(&all)));
+		interval(&all, NULL, 0);
+		assert_same(&few, &all, n);
+	}
+	ground_finish(&few);
+	ground_finish(&all);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(what_a_sweep_lets_sleep_would_not_move),
+		cmocka_unit_test(a_settled_rut_wakes_nothing),
+		cmocka_unit_test(what_comes_to_the_rim_goes_on),
+		cmocka_unit_test(what_is_not_known_to_sleep_is_awake),
+		cmocka_unit_test(many_sweeps_are_as_right),
+	};
+	return cmocka_run_group_tests_name("deform/swept", tests, open_gpu, close_gpu);
+}
