@@ -116,6 +116,9 @@ double drive_step_time(const struct scene *scene, int64_t step); /* s: when it i
 enum status drive_resume(struct drive *drive) FURROW_CHECKED;
 void drive_tell_unfinished(const struct drive *drive); /* that it could be resumed, and is not */
 
+/* riders.c: makes the riders and the record, both of the scene's objects. */
+enum status drive_mount(struct drive *drive) FURROW_CHECKED;
+
 /* events.c: what is due, in the order of time, then of the scene. */
 enum status drive_collect_events(struct drive *drive, double until) FURROW_CHECKED;
 /* The object upon the ground at a station: pose, contact, distance and sinkage are filled. */
