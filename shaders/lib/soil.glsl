@@ -93,7 +93,7 @@ soil soil_at(int x, int y)
 // Pa: what it bears at sinkage z, m, as it yields.
 float yield_stress(soil s, float by_width, float z)
 {
-	float k = s.a.x * by_width + s.a.y;
+	float k = max(s.a.x * by_width + s.a.y, 0.0); // k_c may be negative, and a patch small
 	return z > 0.0 ? min(k * exp2(s.a.z * log2(max(z, QUANTUM))), STRESS_MOST) : 0.0;
 }
 

@@ -10,7 +10,7 @@
 
 double reference_stiffness(const struct deform_soil *soil, double width)
 {
-	return soil->bekker_kc / width + soil->bekker_kphi;
+	return fmax(soil->bekker_kc / width + soil->bekker_kphi, 0);
 }
 
 double reference_bekker(const struct deform_soil *soil, double width, double sinkage)
