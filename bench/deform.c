@@ -153,7 +153,7 @@ static void open_ground(const struct bench_case *of, bool draws, struct ground *
 		.box_radius = 1,
 		.box_repetitions = 1,
 		.soil_count = 1,
-		.iterations = 2,
+		.iterations = 1,
 		.depth = of->model == DEFORM_SCM ? 0 : INFINITY,
 		.bulldozing = 0.5,
 		.dirt = of->dirt,

@@ -66,7 +66,7 @@ static enum status check_redistribute(const struct scene_tree *tree,
 	scene->box_radius = (int)whole_or(raw->radius, 1);
 	scene->box_repetitions = (int)whole_or(raw->repetitions, 1);
 	if ((SOILS_MODELS >> scene->model & 1) != 0) {
-		scene->iterations = (int)whole_or(raw->iterations, 2);
+		scene->iterations = (int)whole_or(raw->iterations, 1);
 		scene->interval = number_or(raw->interval, 0.05);
 		scene->depth = number_or(raw->depth, scene->model == DEFORM_SCM ? 0 : (double)INFINITY);
 		scene->undisturbed = raw->undisturbed != NULL ? (enum scene_undisturbed)*raw->undisturbed : SCENE_STANDS;

@@ -18,8 +18,8 @@ struct hard_model {
 static const struct hard_model hard_models[] = {
 	{"none", "redistribute: {model: none}\n", false},
 	{"box", "redistribute: {model: box}\n", false},
-	{"sumner", "redistribute: {model: sumner}\nsoil: {name: sand}\n", true},
-	{"slippage", "redistribute: {model: slippage}\nsoil: {name: dry_sand}\n", true},
+	{"sumner", "redistribute: {model: sumner, iterations: 2, interval: 0.02}\nsoil: {name: sand}\n", true},
+	{"slippage", "redistribute: {model: slippage, iterations: 2, interval: 0.02}\nsoil: {name: dry_sand}\n", true},
 	{"scm", "redistribute: {model: scm}\nsoil: {name: dry_sand}\noutput: {forces: 20}\n", true},
 };
 #define HARD_MODELS (sizeof hard_models / sizeof hard_models[0])

@@ -70,7 +70,7 @@ static double steepest(const char *store, struct post_rect rect)
 static void what_an_object_turned_away_from_slides(void **state)
 {
 	static const struct hard_model sand = {
-		"slippage", "redistribute: {model: slippage}\nsoil: {name: dry_sand, cohesion: 0, friction_angle: 30}\n", true};
+		"slippage", "redistribute: {model: slippage, iterations: 2, interval: 0.02}\nsoil: {name: dry_sand, cohesion: 0, friction_angle: 30}\n", true};
 	const char *poses = support_path("beam.csv");
 	const double stands = 0.25 * tan(M_PI / 6);
 	for (int turned = 0; turned < 2; turned++) {
@@ -96,7 +96,7 @@ static void what_an_object_turned_away_from_slides(void **state)
 static void what_an_object_left_at_the_edge_of_the_world_slides(void **state)
 {
 	static const struct hard_model sand = {
-		"slippage", "redistribute: {model: slippage}\nsoil: {name: dry_sand, cohesion: 0, friction_angle: 30}\n", true};
+		"slippage", "redistribute: {model: slippage, iterations: 2, interval: 0.02}\nsoil: {name: dry_sand, cohesion: 0, friction_angle: 30}\n", true};
 	const char *poses = support_path("ball.csv");
 	const double stands = 0.25 * tan(M_PI / 6);
 	for (int left = 0; left < 2; left++) {

@@ -189,7 +189,7 @@ static void a_model_has_its_own_parameters_with_their_defaults(void **state)
 	for (size_t i = 0; i < 3; i++) {
 		struct scene *scene = load_edited(base, "scm", models[i].model);
 		assert_int_equal(scene->model, models[i].is);
-		assert_int_equal(scene->iterations, 2);
+		assert_int_equal(scene->iterations, 1);
 		assert_true(scene->interval == 0.05 && scene->depth == models[i].depth);
 		assert_true(scene->bulldozing == models[i].bulldozing);
 		scene_destroy(scene);
@@ -472,7 +472,7 @@ static void the_hash_is_of_all_that_decides_how_the_ground_gives_way(void **stat
 	} edits[] = {
 		{"3}\n", "3}\noutput: {forces: 50, delay: 4}\n", true},
 		{"dry_sand", "dry_sand, bekker_n: 1.1", true}, /* as the name says */
-		{"model: scm", "model: scm, iterations: 2, interval: 0.05, depth: 0, bulldozing: 0.5", true},
+		{"model: scm", "model: scm, iterations: 1, interval: 0.05, depth: 0, bulldozing: 0.5", true},
 		{"0.4}", "0.4, lugs: 0}", true},
 		{"dry_sand", "lunar", false},
 		{"dry_sand", "dry_sand, bekker_kc: 1", false},
