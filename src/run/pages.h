@@ -3,7 +3,8 @@
  *
  * Loader threads read through a ground of their own; the writer thread commits epochs; the GPU's
  * thread uploads and reads back. A page of the working level carries its planes when it was
- * deformed, and classes of soil where there are such; a coarser page, which has the planes that are drawn, is overlaid, when it becomes resident, with what is not committed.
+ * deformed, and classes of soil where there are such; a coarser page, which has the planes that are drawn, is
+ * overlaid, when it becomes resident, with what is not committed.
  */
 #ifndef FURROW_RUN_PAGES_H
 #define FURROW_RUN_PAGES_H
