@@ -32,8 +32,10 @@ void main()
 #ifdef LOAD
 	ground = i64_sub(ground, i64_from(standing[window.z]));
 #endif
-	bool held = base != BASE_NODATA && rest != UNDER_NONE &&
-		    !i64_less(i64_add(ground, i64_from(offset + TOUCH)), i64_from(rest));
+	// Soil that was laid or slid up into the object's side is not what it rests on: it goes on sliding.
+	i64 above = i64_sub(i64_add(ground, i64_from(offset)), i64_from(rest));
+	bool held = base != BASE_NODATA && rest != UNDER_NONE && !i64_less(above, i64_from(-TOUCH)) &&
+		    !i64_less(i64_from(TOUCH), above);
 	if (!held)
 		discard; // what another object holds stays held
 	contact_out = HELD;

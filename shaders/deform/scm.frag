@@ -112,7 +112,7 @@ void main()
 			imageStore(carries, post, ivec4(carried));
 		}
 #ifdef FORCES
-		float normal = a.stress + damped(s, surface, n);
+		float normal = a.stress + damped(s, at, n);
 		float mobilised = 1.0 - exp2(-min(float(sheared) * s.b.z * (1.442695 / 65536.0), 100.0));
 		float tangent = (s.b.x + normal * s.b.y) * mobilised;
 		vec3 f = (normal * n - (slid > 1e-9 ? tangent / slid : 0.0) * along) * scale.z;

@@ -74,7 +74,7 @@ void find(int y, int first, int last)
 		soil s = soil_at(x, y);
 		answer w = answer_of(s, by_width, n.z, g, o, imageLoad(presseds, ivec3(x, y, zero.z)).r);
 		bool bears = w.held && may_touch(g, o) && !g.far;
-		float stress = w.stress + damped(s, way_of_surface(from_centre(x, y, o, a.at)), n);
+		float stress = w.stress + damped(s, from_centre(x, y, o, a.at), n);
 		total_add(force, bears ? int(round(min(stress * n.z * unit, 1e9))) : 0);
 		total_add(stiff, bears ? int(round(min(w.stiff * n.z * n.z * QUANTUM * unit, 1e9))) : 0);
 	}

@@ -26,6 +26,7 @@ layout(std140, binding = 0) uniform params {
 	vec4 scale;    // slope of a quantum between posts; metres between posts; units of force a pascal; 1 / b
 	vec4 way;      // of the object, m; 1 / s that it took
 	vec4 spin;     // about its centre meanwhile, rad; share of the plastic flow that is laid aside
+	vec4 rolls;    // a wheel that did not slip would have turned so, rad
 	vec4 place;    // post (0, 0) from the centre, m; 1 / unit of length in moments; square metres a post
 	vec4 load;     // N; how deep the object may sink below its first contact, quanta; whose load it is, from 1; 0: nobody's
 	soil soils[SOILS];
@@ -172,9 +173,9 @@ vec3 way_of_surface(vec3 at)
 }
 
 // Pa more: soil that is pressed fast.
-float damped(soil s, vec3 surface_way, vec3 normal)
+float damped(soil s, vec3 at, vec3 normal)
 {
-	return s.b.w * max(0.0, -dot(surface_way, normal)) * way.w;
+	return s.b.w * max(0.0, -dot(way.xyz + cross(rolls.xyz, at), normal)) * way.w;
 }
 
 // A sum of at most 2^15 whole numbers, exactly, without carries.

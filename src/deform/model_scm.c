@@ -48,6 +48,12 @@ static void fill_motion(const struct deform_sweep *sweep, struct scm_params *par
 	/* About the wheel's own y, which lies level. */
 	params->spin[0] = (float)(-sin(sweep->to.yaw) * sweep->turned);
 	params->spin[1] = (float)(cos(sweep->to.yaw) * sweep->turned);
+	/* Damping is of the rate at which soil is pressed: a smooth wheel that spins presses none the faster. */
+	double turned = sweep->shape->kind == DEFORM_WHEEL ? (params->way[0] * cos(sweep->to.yaw) + params->way[1] * sin(sweep->to.yaw)) /
+								     sweep->shape->radius
+							   : 0;
+	params->rolls[0] = (float)(-sin(sweep->to.yaw) * turned);
+	params->rolls[1] = (float)(cos(sweep->to.yaw) * turned);
 }
 
 static void fill_soils(const struct deform_params *params, struct scm_soil *soils)

@@ -77,10 +77,10 @@ static double breadth(const struct reference_ground *ground, const struct deform
 }
 
 /* How the object's surface at a place moved over the sweep. */
-static struct vector way_at(const struct deform_sweep *sweep, struct vector from_centre)
+static struct vector way_at(const struct deform_sweep *sweep, double turned, struct vector from_centre)
 {
 	/* A wheel's axis is its own y, level; forwards, its lowest point turns backwards. */
-	struct vector axis = {-sin(sweep->to.yaw) * sweep->turned, cos(sweep->to.yaw) * sweep->turned, 0};
+	struct vector axis = {-sin(sweep->to.yaw) * turned, cos(sweep->to.yaw) * turned, 0};
 	struct vector way = cross(axis, from_centre);
 	way.x += lattice_offset_metres(sweep->to.x - sweep->from.x);
 	way.y += lattice_offset_metres(sweep->to.y - sweep->from.y);
@@ -119,7 +119,10 @@ static struct post post_of(const struct reference_ground *ground, const struct d
 	if (post.sinkage < post.largest)
 		post.stress *= (post.sinkage - post.plastic) / (post.largest - post.plastic);
 	if (sweep->seconds > 0) {
-		double inwards = -dot(way_at(sweep, from_centre(ground, sweep, at, rest)), post.normal) / sweep->seconds;
+		/* As a wheel rolls that does not slip: how fast soil is pressed does not depend on how fast it spins. */
+		struct vector way = way_at(sweep, 0, (struct vector){0, 0, 0});
+		double rolls = sweep->shape->kind == DEFORM_WHEEL ? (way.x * cos(sweep->to.yaw) + way.y * sin(sweep->to.yaw)) / sweep->shape->radius : 0;
+		double inwards = -dot(way_at(sweep, rolls, from_centre(ground, sweep, at, rest)), post.normal) / sweep->seconds;
 		post.damping = soil->damping * fmax(0, inwards);
 	}
 	return post;
@@ -141,7 +144,7 @@ double reference_scm_normal(const struct reference_ground *ground, const struct 
 static void add_forces(struct reference_ground *ground, const struct deform_soil *soil, const struct deform_sweep *sweep,
 		       int at, double rest, const struct post *post, struct reference_forces *forces)
 {
-	struct vector arm = from_centre(ground, sweep, at, rest), way = way_at(sweep, arm);
+	struct vector arm = from_centre(ground, sweep, at, rest), way = way_at(sweep, sweep->turned, arm);
 	double into = dot(way, post->normal), area = ground->spacing * ground->spacing;
 	struct vector along = {way.x - into * post->normal.x, way.y - into * post->normal.y, way.z - into * post->normal.z};
 	double moved = sqrt(dot(along, along));
