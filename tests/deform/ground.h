@@ -167,6 +167,17 @@ static inline void ground_read(struct ground *ground)
 	mem_free(known);
 }
 
+/* What a sweep leaves of ground where nothing was before: its offsets. Freed by the caller. */
+static inline int32_t *ground_swept(struct ground *ground, const struct deform_sweep *sweep)
+{
+	ground_reset(ground);
+	ground_sweep(ground, sweep);
+	ground_read(ground);
+	int32_t *copy = ground_room(ground->posts * ground->posts, sizeof *copy);
+	memcpy(copy, ground->offset, (size_t)(ground->posts * ground->posts) * sizeof *copy);
+	return copy;
+}
+
 /* The contact of every post of the block, of the last sweep's only window. */
 static inline uint8_t *ground_contacts(struct ground *ground)
 {

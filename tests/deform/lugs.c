@@ -5,16 +5,6 @@
 
 static const struct deform_shape lugged = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4, .lugs = 12, .lug_height = 0.05, .lug_thickness = 0.06};
 
-static int32_t *swept(struct ground *ground, const struct deform_sweep *sweep)
-{
-	ground_reset(ground);
-	ground_sweep(ground, sweep);
-	ground_read(ground);
-	int32_t *copy = ground_room(ground->posts * ground->posts, sizeof *copy);
-	memcpy(copy, ground->offset, (size_t)(ground->posts * ground->posts) * sizeof *copy);
-	return copy;
-}
-
 /* Lowest and highest of the reference around a post, and how many of eight places are under the wheel. */
 static int around(const struct deform_sweep *sweep, long double x, long double y, long double radius, long double *low,
 		  long double *high)
@@ -37,7 +27,7 @@ static int around(const struct deform_sweep *sweep, long double x, long double y
 static int compare(struct ground *ground, const struct deform_sweep *sweep, long double near, long double beside)
 {
 	int posts = 0;
-	int32_t *offset = swept(ground, sweep);
+	int32_t *offset = ground_swept(ground, sweep);
 	for (int64_t i = 0; i < ground->posts * ground->posts; i++) {
 		if (!ground_written(ground, i)) {
 			assert_int_equal(offset[i], 0);
@@ -124,17 +114,17 @@ static void turned_by_one_lug_it_is_the_same(void **state)
 		sweep.to.yaw = 0.3 * i;
 		sweep.turned = 0.1;
 		sweep.to.turn = 0.37 * i - 4;
-		int32_t *a = swept(&ground, &sweep);
+		int32_t *a = ground_swept(&ground, &sweep);
 		double by = 2 * M_PI / shape.lugs * (i % 3 == 0 ? 1 : i % 3 == 1 ? -7 : 1000);
 		sweep.to.turn += by;
-		int32_t *b = swept(&ground, &sweep);
+		int32_t *b = ground_swept(&ground, &sweep);
 		assert_memory_equal(a, b, (size_t)(ground.posts * ground.posts) * sizeof *a);
 		sweep.from = sweep.to;
 		mem_free(a);
-		a = swept(&ground, &sweep);
+		a = ground_swept(&ground, &sweep);
 		sweep.to.turn += by;
 		mem_free(b);
-		b = swept(&ground, &sweep);
+		b = ground_swept(&ground, &sweep);
 		assert_memory_equal(a, b, (size_t)(ground.posts * ground.posts) * sizeof *a);
 		mem_free(a);
 		mem_free(b);
@@ -152,9 +142,9 @@ static void without_lugs_it_is_the_smooth_wheel(void **state)
 	none.lugs = 0;
 	struct deform_sweep sweep = {.shape = &smooth, .from = ground_pose(&ground, 31.3, 31.8, 0.4), .to = ground_pose(&ground, 32.1, 32.2, 0.4)};
 	sweep.to.turn = 1;
-	int32_t *a = swept(&ground, &sweep);
+	int32_t *a = ground_swept(&ground, &sweep);
 	sweep.shape = &none;
-	int32_t *b = swept(&ground, &sweep);
+	int32_t *b = ground_swept(&ground, &sweep);
 	assert_memory_equal(a, b, (size_t)(ground.posts * ground.posts) * sizeof *a);
 	mem_free(b);
 	sweep.shape = &lugged;

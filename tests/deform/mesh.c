@@ -257,16 +257,6 @@ static void a_mesh_larger_than_a_window_is_that_of_the_reference(void **state)
 	ground_finish(&ground);
 }
 
-static int32_t *swept(struct ground *ground, const struct deform_sweep *sweep)
-{
-	ground_reset(ground);
-	ground_sweep(ground, sweep);
-	ground_read(ground);
-	int32_t *copy = ground_room(ground->posts * ground->posts, sizeof *copy);
-	memcpy(copy, ground->offset, (size_t)(ground->posts * ground->posts) * sizeof *copy);
-	return copy;
-}
-
 /* Its edges run along posts: those count, on every side, as of the box itself. */
 static void a_brick_is_the_box(void **state)
 {
@@ -283,9 +273,9 @@ static void a_brick_is_the_box(void **state)
 			struct deform_sweep sweep = {.shape = &mesh, .from = ground_pose(&ground, 30, 31, -2),
 						     .to = ground_pose(&ground, 30 + ways[i][0], 31 + ways[i][1], -2 + ways[i][2])};
 			sweep.to.yaw = turned * M_PI / 2;
-			int32_t *a = swept(&ground, &sweep);
+			int32_t *a = ground_swept(&ground, &sweep);
 			sweep.shape = &box;
-			int32_t *b = swept(&ground, &sweep);
+			int32_t *b = ground_swept(&ground, &sweep);
 			int pressed = 0;
 			for (int64_t k = 0; k < ground.posts * ground.posts; k++) {
 				if ((a[k] != 0) != (b[k] != 0) || abs(a[k] - b[k]) > 1)
@@ -310,9 +300,9 @@ static void a_fine_ball_is_the_sphere(void **state)
 	struct deform_shape mesh = {.kind = DEFORM_MESH, .mesh = &made.mesh}, sphere = {.kind = DEFORM_SPHERE, .radius = 1};
 	struct deform_sweep sweep = {.shape = &mesh, .from = ground_pose(&ground, 30.3, 31.8, -2), .to = ground_pose(&ground, 31.1, 32.2, -2.01)};
 	sweep.to.pitch = 0.7;
-	int32_t *a = swept(&ground, &sweep);
+	int32_t *a = ground_swept(&ground, &sweep);
 	sweep.shape = &sphere;
-	int32_t *b = swept(&ground, &sweep);
+	int32_t *b = ground_swept(&ground, &sweep);
 	int compared = 0;
 	for (int64_t k = 0; k < ground.posts * ground.posts; k++) {
 		double x = (double)ground_from(&ground, k % ground.posts, sweep.to.x), y = (double)ground_from(&ground, k / ground.posts, sweep.to.y);
@@ -342,7 +332,7 @@ static void what_stands_under_an_arch_is_left_standing(void **state)
 	struct deform_shape shape = {.kind = DEFORM_MESH, .mesh = &made.mesh};
 	/* Its feet 0.2 deep, its crown 1.2 above the ground. */
 	struct deform_sweep sweep = {.shape = &shape, .from = ground_pose(&ground, 32, 32, 0.8), .to = ground_pose(&ground, 32, 32, 0.8)};
-	int32_t *a = swept(&ground, &sweep);
+	int32_t *a = ground_swept(&ground, &sweep);
 	for (int x = -9; x <= 9; x++) {
 		int32_t at = a[32 * ground.posts + 32 + x];
 		if (abs(x) <= 4)
@@ -391,7 +381,7 @@ static void ten_thousand_kilometres_away_are_the_same_bits(void **state)
 			struct deform_sweep here = any_sweep(&near, &shape, k);
 			test_seed = seed;
 			struct deform_sweep there = any_sweep(&far, &shape, k);
-			int32_t *a = swept(&near, &here), *b = swept(&far, &there);
+			int32_t *a = ground_swept(&near, &here), *b = ground_swept(&far, &there);
 			assert_memory_equal(a, b, (size_t)(near.posts * near.posts) * sizeof *a);
 			mem_free(a);
 			mem_free(b);
@@ -436,7 +426,7 @@ static void any_number_of_triangles(void **state)
 	assert_true(tally.posts > 50);
 	brick(&made, 0.01, 0.01, 0.01);
 	sweep.from = sweep.to = ground_pose(&ground, 31.5, 31.5, -BELOW);
-	int32_t *a = swept(&ground, &sweep);
+	int32_t *a = ground_swept(&ground, &sweep);
 	for (int64_t k = 0; k < ground.posts * ground.posts; k++)
 		assert_int_equal(a[k], 0);
 	mem_free(a);

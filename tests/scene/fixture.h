@@ -116,4 +116,25 @@ static inline void assert_says(const char *part)
 	assert_null(strchr(failure_message(), '\n'));
 }
 
+/* Fails each allocation of loading scene.yaml in turn, or it and all behind it: told, and nothing is left behind. */
+static inline void assert_memory_is_told(const struct scene_setting *settings, size_t count, bool forever)
+{
+	struct scene *scene;
+	uint64_t nth = 0;
+	enum status status;
+	do {
+		mem_fail_nth(++nth, forever);
+		status = scene_load(in_folder("scene.yaml"), settings, count, &scene);
+		mem_fail_nth(0, 0);
+		if (status != STATUS_OK) {
+			assert_int_equal(status, STATUS_FAILED);
+			assert_null(scene);
+			assert_says("out of memory");
+		}
+	} while (status != STATUS_OK && nth < 10000);
+	assert_int_equal(status, STATUS_OK);
+	assert_true(nth > 100);
+	scene_destroy(scene);
+}
+
 #endif

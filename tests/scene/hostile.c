@@ -206,29 +206,13 @@ static void memory_that_runs_out_is_told_at_every_allocation(void **state)
 {
 	const struct scene_setting settings[] = {{"cache.slots", "16"}, {"view.images", "3"},
 						 {"view.camera", "{over: front_left, height: 3}"}};
-	struct scene *scene;
 	char *points = edited(example, "view:", "  - name: b\n    shape: {sphere: {radius: 1}}\n"
 						"    path: {file: poses.csv}\nview:");
 	char *text = edited(points, "coordinates: local", "coordinates: EPSG:4326");
 	write_text("scene.yaml", text);
 	write_text("poses.csv", "0,1,2\n1,2,3\n");
-	for (int forever = 0; forever < 2; forever++) {
-		uint64_t nth = 0;
-		enum status status;
-		do {
-			mem_fail_nth(++nth, forever);
-			status = scene_load(in_folder("scene.yaml"), settings, 3, &scene);
-			mem_fail_nth(0, 0);
-			if (status != STATUS_OK) {
-				assert_int_equal(status, STATUS_FAILED);
-				assert_null(scene);
-				assert_says("out of memory");
-			}
-		} while (status != STATUS_OK && nth < 10000);
-		assert_int_equal(status, STATUS_OK);
-		assert_true(nth > 100);
-		scene_destroy(scene);
-	}
+	for (int forever = 0; forever < 2; forever++)
+		assert_memory_is_told(settings, 3, forever == 1);
 	unlink(in_folder("poses.csv"));
 	unlink(in_folder("scene.yaml"));
 	free(points);

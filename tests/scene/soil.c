@@ -511,25 +511,10 @@ static void the_hash_is_of_all_that_decides_how_the_ground_gives_way(void **stat
 static void memory_that_runs_out_is_told_at_every_allocation(void **state)
 {
 	const struct scene_setting settings[] = {{"soil.classes.3", "mud"}, {"objects.a.load", "40"}};
-	struct scene *scene;
 	char *text = edited(base, "{name: dry_sand}", mapped);
 	write_text("scene.yaml", text);
 	write_text("soils.png", "any bytes");
-	uint64_t nth = 0;
-	enum status status;
-	do {
-		mem_fail_nth(++nth, 0);
-		status = scene_load(in_folder("scene.yaml"), settings, 2, &scene);
-		mem_fail_nth(0, 0);
-		if (status != STATUS_OK) {
-			assert_int_equal(status, STATUS_FAILED);
-			assert_null(scene);
-			assert_says("out of memory");
-		}
-	} while (status != STATUS_OK && nth < 10000);
-	assert_int_equal(status, STATUS_OK);
-	assert_true(nth > 100);
-	scene_destroy(scene);
+	assert_memory_is_told(settings, 2, false);
 	unlink(in_folder("soils.png"));
 	unlink(in_folder("scene.yaml"));
 	free(text);
