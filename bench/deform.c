@@ -174,7 +174,8 @@ static uint64_t passes(struct gpu *gpu)
 {
 	struct gpu_stats stats;
 	gpu_stats(gpu, &stats);
-	return stats.passes[GPU_DISPLACE] + stats.passes[GPU_REDISTRIBUTE] + stats.passes[GPU_ATTRIBUTES];
+	return gpu_group_passes(&stats, GPU_DISPLACE) + gpu_group_passes(&stats, GPU_REDISTRIBUTE) +
+	       gpu_group_passes(&stats, GPU_ATTRIBUTES);
 }
 
 /* Over fresh ground each time. */

@@ -13,6 +13,7 @@
 #include "base/height_code.h"
 #include "base/lattice.h"
 #include "base/memory.h"
+#include "base/plan.h"
 #include "base/plane.h"
 #include "base/status.h"
 #include "base/thread.h"

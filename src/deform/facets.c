@@ -61,7 +61,7 @@ static void draw(struct deform *deform)
 	struct window_params params = deform_window_params(facets->read, facets->layer);
 	gpu_buffer_write(facets->buffer, 0, facets->count * sizeof facets->list[0], facets->list);
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
-		.stage = GPU_DISPLACE,
+		.stage = GPU_FACETS,
 		.program = deform->facet,
 		.target = deform->scratch[facets->layer].to[TO_BARE],
 		.viewport = {0, 0, (uint32_t)params.window[0], (uint32_t)params.window[1]},

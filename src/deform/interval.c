@@ -173,7 +173,7 @@ static enum status hold(struct deform *deform, const struct deform_rest *object,
 			   (int32_t)object->carrier - 1},
 	};
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
-		.stage = GPU_REDISTRIBUTE,
+		.stage = GPU_HOLD,
 		.program = deform->held[loaded],
 		.target = deform->scratch[deform->layers].to[TO_HELD],
 		.viewport = {(uint32_t)(both.x0 - square.x0) + x, (uint32_t)(both.y0 - square.y0) + y,

@@ -36,7 +36,7 @@ static void run(struct deform *deform, struct gpu_program *program, const struct
 	struct scm_params now = *params;
 	now.zero[3] = try;
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
-		.stage = GPU_DISPLACE,
+		.stage = GPU_LOAD,
 		.program = program,
 		.target = deform->scratch[layer].to[TO_BARE],
 		.viewport = deform_rows(now.shadow),

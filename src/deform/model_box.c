@@ -16,7 +16,7 @@ static enum status filter(struct deform *deform, struct post_rect read, uint32_t
 	for (int i = 0; i < deform->params.box_repetitions; i++) {
 		int now = scratch->now[PLANE_OFFSET];
 		gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
-			.stage = GPU_REDISTRIBUTE,
+			.stage = GPU_SMOOTH,
 			.program = deform->box,
 			.target = scratch->to[now == 0 ? TO_SECOND : TO_FIRST],
 			.viewport = {0, 0, (uint32_t)params.window[0], (uint32_t)params.window[1]},

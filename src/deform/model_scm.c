@@ -149,7 +149,7 @@ static enum status press(struct deform *deform, const struct deform_sweep *sweep
 	gpu_texture_clear(deform->contacts, layer, deform_written(window), 0);
 	gpu_texture_clear(deform->carried, layer, deform_written(window), 0);
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
-		.stage = GPU_DISPLACE,
+		.stage = GPU_PRESS,
 		.program = program,
 		.target = deform->scratch[layer].to[TO_BARE],
 		.viewport = deform_rows(params.written),

@@ -144,6 +144,12 @@ static const char *vertex_of(const struct slide_place *place)
 }
 
 /* From planes_of[1] into planes_of[0] and the heights. */
+/* Over a window, or over blocks. */
+static enum gpu_stage stage_of(const struct slide_place *place)
+{
+	return place->blocks > 0 ? GPU_SETTLE : GPU_SLIDE;
+}
+
 static enum status begin(struct deform *deform, const struct slide_place *place)
 {
 	bool blocks = place->blocks > 0;
@@ -165,7 +171,7 @@ static enum status begin(struct deform *deform, const struct slide_place *place)
 			 (int32_t)(written.y + written.height)},
 	};
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
-		.stage = GPU_REDISTRIBUTE,
+		.stage = stage_of(place),
 		.program = *program,
 		.target = deform->scratch[place->layer].to[TO_BEGUN],
 		.viewport = place->all,
@@ -191,7 +197,7 @@ static void define_end(struct deform *deform, const struct slide_place *place, b
 static void run(struct deform *deform, const struct slide_place *place, int iteration, struct gpu_pass *pass)
 {
 	bool last = iteration == deform->params.iterations - 1;
-	pass->stage = GPU_REDISTRIBUTE;
+	pass->stage = stage_of(place);
 	pass->target = deform->scratch[place->layer].to[last ? TO_SLID : iteration % 2 == 0 ? TO_HEIGHTS_1 : TO_HEIGHTS_0];
 	pass->viewport = place->all;
 	pass->instances = place->blocks;
@@ -256,7 +262,7 @@ static enum status shed(struct deform *deform, const struct slide_place *place, 
 			params.soils[i].share[n] = soil->share[n];
 	}
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
-		.stage = GPU_REDISTRIBUTE,
+		.stage = stage_of(place),
 		.program = *program,
 		.target = deform->scratch[place->layer].to[TO_SHED],
 		.viewport = place->all,

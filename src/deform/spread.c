@@ -19,7 +19,7 @@ enum status deform_spread(struct deform *deform, const struct deform_window *win
 	};
 	gpu_texture_clear(deform->deposits, layer, written, 0);
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
-		.stage = GPU_REDISTRIBUTE,
+		.stage = GPU_SPREAD,
 		.program = deform->spread,
 		.target = deform->scratch[layer].to[TO_BARE],
 		.viewport = written,

@@ -45,7 +45,7 @@ enum status deform_press(struct deform *deform, const struct gpu_program_request
 	if (status != STATUS_OK)
 		return status;
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
-		.stage = GPU_DISPLACE,
+		.stage = GPU_PRESS,
 		.program = *program,
 		.target = deform->scratch[layer].to[TO_PRESSED],
 		.viewport = deform_window_rect(window),
@@ -67,7 +67,7 @@ static enum status dirty(struct deform *deform, struct post_rect read, uint32_t 
 	struct layer *scratch = &deform->scratch[layer];
 	struct window_params params = deform_window_params(read, layer);
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
-		.stage = GPU_ATTRIBUTES,
+		.stage = GPU_DIRT,
 		.program = deform->dirt,
 		.target = scratch->to[TO_DIRT],
 		.viewport = {0, 0, (uint32_t)params.window[0], (uint32_t)params.window[1]},

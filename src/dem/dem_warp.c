@@ -25,7 +25,7 @@
 #define PIECES_MAX 1024
 #define PROBES 33           /* points along a side at which the target's extent is taken */
 
-struct plan {
+struct warp_plan {
 	OGRSpatialReferenceH from, to; /* NULL both: without projection */
 	bool project, resample;
 	bool sample; /* the kernel is not widened */
@@ -76,7 +76,7 @@ static enum status measure(GDALDatasetH mosaic, const double place[6], OGRSpatia
 }
 
 /* The target's SRS into plan->to (the caller's to destroy); plan->project says whether it is another. */
-static enum status choose_srs(struct plan *plan, const struct dem_params *params, GDALDatasetH mosaic,
+static enum status choose_srs(struct warp_plan *plan, const struct dem_params *params, GDALDatasetH mosaic,
 			      const double place[6], const char *name, bool unfit)
 {
 	bool asked = params->t_srs != NULL && strcmp(params->t_srs, "auto") != 0;
@@ -105,7 +105,7 @@ static enum status choose_srs(struct plan *plan, const struct dem_params *params
 }
 
 /* The target's posts: as many as lie within the source's outermost ones. */
-static enum status lay_out(struct plan *plan, GDALDatasetH mosaic, const double place[6], const char *name)
+static enum status lay_out(struct warp_plan *plan, GDALDatasetH mosaic, const double place[6], const char *name)
 {
 	int columns = GDALGetRasterXSize(mosaic), rows = GDALGetRasterYSize(mosaic);
 	double low[2] = {(double)INFINITY, (double)INFINITY}, high[2] = {-(double)INFINITY, -(double)INFINITY};
@@ -144,7 +144,7 @@ static enum status lay_out(struct plan *plan, GDALDatasetH mosaic, const double 
 	return STATUS_OK;
 }
 
-static void *make_transformer(const struct plan *plan, GDALDatasetH mosaic, const double target[6])
+static void *make_transformer(const struct warp_plan *plan, GDALDatasetH mosaic, const double target[6])
 {
 	char **options = CSLSetNameValue(NULL, "SRC_METHOD", "GEOTRANSFORM");
 	if (plan->project) {
@@ -180,7 +180,7 @@ struct piece {
 	int64_t x, y, width, height;
 };
 
-static enum status create_piece(const struct plan *plan, const struct dem_params *params, GDALDatasetH mosaic,
+static enum status create_piece(const struct warp_plan *plan, const struct dem_params *params, GDALDatasetH mosaic,
 				const char *name, struct piece piece, GDALDatasetH *out)
 {
 	static const GDALResampleAlg kernels[] = {
@@ -232,7 +232,7 @@ static enum status create_piece(const struct plan *plan, const struct dem_params
  * the target is made of pieces with PIECE_PIXELS under each (more, where that were over PIECES_MAX of them),
  * put together again.
  */
-static enum status create(const struct plan *plan, const struct dem_params *params, GDALDatasetH mosaic,
+static enum status create(const struct warp_plan *plan, const struct dem_params *params, GDALDatasetH mosaic,
 			  const char *name, GDALDatasetH *out)
 {
 	const double *step = plan->step;
@@ -274,7 +274,7 @@ static enum status create(const struct plan *plan, const struct dem_params *para
 }
 
 /* Where the target's metres are not those on the ground, ruts and wheels are of another size there. */
-static void note_scale(const struct plan *plan, const char *name)
+static void note_scale(const struct warp_plan *plan, const char *name)
 {
 	double worst = 0, s = plan->spacing;
 	for (int i = 0; plan->to != NULL && i < 9; i++) {
@@ -288,7 +288,7 @@ static void note_scale(const struct plan *plan, const char *name)
 		     "a --t-srs that is true there", name, 100 * worst);
 }
 
-static enum status describe(const struct plan *plan, struct dem_grid *grid)
+static enum status describe(const struct warp_plan *plan, struct dem_grid *grid)
 {
 	grid->width = plan->width;
 	grid->height = plan->height;
@@ -314,7 +314,7 @@ enum status dem_warp(const struct dem_params *params, GDALDatasetH mosaic, const
 		     OGRSpatialReferenceH srs, const char *name, struct dem_grid *grid,
 		     GDALDatasetH *warped)
 {
-	struct plan plan = {.from = srs};
+	struct warp_plan plan = {.from = srs};
 	double *step = plan.step;
 	bool unfit;
 	enum status status = measure(mosaic, place, srs, name, step, &unfit);

@@ -32,16 +32,31 @@ struct gpu_info {
 	bool software;
 };
 
-/* What was made and run so far; live counts where that is what matters. */
+/* What a pass counts as, in the order in which they run. */
 enum gpu_stage {
-	GPU_DISPLACE,
-	GPU_REDISTRIBUTE,
-	GPU_ATTRIBUTES,
+	GPU_UNDERSIDE, /* an object over its window: a closed form, */
+	GPU_FACETS,    /* or triangles */
+	GPU_LOAD,      /* how deep the soil carries it */
+	GPU_PRESS,
+	GPU_SMOOTH,
+	GPU_SPREAD,
+	GPU_SLIDE,     /* over a window */
+	GPU_HOLD,      /* what rests on blocks that slide */
+	GPU_SETTLE,    /* sliding, over blocks */
+	GPU_DIRT,
 	GPU_PYRAMID,
-	GPU_RENDER,
+	GPU_TERRAIN,
+	GPU_SKY,
 	GPU_SUBDIVIDE, /* Technique 4, when a tile below level 0 is loaded */
 	GPU_STAGES
 };
+const char *gpu_stage_name(enum gpu_stage stage);
+
+/* The dissertation's stages, and what else there is. */
+enum gpu_group { GPU_DISPLACE, GPU_REDISTRIBUTE, GPU_ATTRIBUTES, GPU_DECIMATE, GPU_RENDER, GPU_DIVIDE, GPU_GROUPS };
+enum gpu_group gpu_stage_group(enum gpu_stage stage);
+
+/* What was made and run so far; live counts where that is what matters. */
 
 struct gpu_stats {
 	uint64_t passes[GPU_STAGES];
@@ -52,6 +67,9 @@ struct gpu_stats {
 	uint64_t bytes;     /* of textures and buffers alive */
 	uint64_t uploads, upload_bytes, read_backs, read_back_bytes;
 };
+/* Over all stages of a group. */
+uint64_t gpu_group_passes(const struct gpu_stats *stats, enum gpu_group group);
+double gpu_group_ms(const struct gpu_stats *stats, enum gpu_group group);
 
 /* --- context: gpu_context.c --- */
 struct gpu_params {

@@ -168,7 +168,7 @@ static enum status draw_tile(struct render *render, const struct terrain_draw *d
 	const struct gpu_slot *slot = gpu_slots_get(render->slots, draw->slot);
 	bool level0 = draw->tile.level < 0 && draw->ground != TERRAIN_NO_SLOT;
 	struct gpu_pass pass = {
-		.stage = GPU_RENDER,
+		.stage = GPU_TERRAIN,
 		.target = render->target,
 		.viewport = {0, 0, render->width, render->height},
 		.textures = {slot->base, slot->planes[PLANE_OFFSET], NULL, NULL, render->noise},
@@ -195,7 +195,7 @@ static enum status draw_sky(struct render *render, const struct picture_params *
 {
 	const struct gpu_program_request request = {.vertex = "sky.vert", .fragment = "sky.frag"};
 	struct gpu_pass pass = {
-		.stage = GPU_RENDER,
+		.stage = GPU_SKY,
 		.target = render->target,
 		.viewport = {0, 0, render->width, render->height},
 		.params = params,

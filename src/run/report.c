@@ -7,6 +7,11 @@
 #include "base/json.h"
 #include "run/internal.h"
 
+static const char *const group_names[GPU_GROUPS] = {
+	[GPU_DISPLACE] = "displace", [GPU_REDISTRIBUTE] = "redistribute", [GPU_ATTRIBUTES] = "attributes",
+	[GPU_DECIMATE] = "pyramid", [GPU_RENDER] = "render", [GPU_DIVIDE] = "subdivide",
+};
+
 static void add_times(cJSON *root, const struct drive *drive)
 {
 	/* p99 of frames a second: of the slow end. */
@@ -25,11 +30,8 @@ static void add_stages(cJSON *root, const struct gpu_stats *gpu, const struct pa
 {
 	cJSON *stages = cJSON_AddObjectToObject(root, "stage_ms");
 	json_number(stages, "load", io->load_ms);
-	json_number(stages, "displace", gpu->stage_ms[GPU_DISPLACE]);
-	json_number(stages, "redistribute", gpu->stage_ms[GPU_REDISTRIBUTE]);
-	json_number(stages, "attributes", gpu->stage_ms[GPU_ATTRIBUTES]);
-	json_number(stages, "pyramid", gpu->stage_ms[GPU_PYRAMID]);
-	json_number(stages, "render", gpu->stage_ms[GPU_RENDER]);
+	for (int group = 0; group < GPU_DIVIDE; group++)
+		json_number(stages, group_names[group], gpu_group_ms(gpu, (enum gpu_group)group));
 	json_number(stages, "readback", io->readback_ms);
 	json_number(stages, "writeback", io->writeback_ms);
 }
@@ -56,12 +58,8 @@ static void add_cache(cJSON *root, const struct drive *drive, const struct page_
 static void add_gpu(cJSON *root, const struct drive *drive, const struct gpu_stats *stats)
 {
 	cJSON *passes = cJSON_AddObjectToObject(root, "passes");
-	json_integer(passes, "displace", (int64_t)stats->passes[GPU_DISPLACE]);
-	json_integer(passes, "redistribute", (int64_t)stats->passes[GPU_REDISTRIBUTE]);
-	json_integer(passes, "attributes", (int64_t)stats->passes[GPU_ATTRIBUTES]);
-	json_integer(passes, "pyramid", (int64_t)stats->passes[GPU_PYRAMID]);
-	json_integer(passes, "render", (int64_t)stats->passes[GPU_RENDER]);
-	json_integer(passes, "subdivide", (int64_t)stats->passes[GPU_SUBDIVIDE]);
+	for (int group = 0; group < GPU_GROUPS; group++)
+		json_integer(passes, group_names[group], (int64_t)gpu_group_passes(stats, (enum gpu_group)group));
 	json_integer(root, "tiles_per_window", (int64_t)drive->passes_most);
 	const struct gpu_info *info = gpu_info(drive->gpu);
 	cJSON *gl = cJSON_AddObjectToObject(root, "gl");

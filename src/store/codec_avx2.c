@@ -16,11 +16,11 @@
 #define AVX2 __attribute__((target("avx2")))
 
 /* Lane l, residual l of 8: `bit` is where it begins in its half. */
-struct plan {
+struct unpack {
 	__m256i shuffle, shift, mask;
 };
 
-AVX2 static struct plan plan_of(unsigned width)
+AVX2 static struct unpack plan_of(unsigned width)
 {
 	_Alignas(32) uint8_t shuffle[32];
 	_Alignas(32) uint32_t shift[8];
@@ -32,14 +32,14 @@ AVX2 static struct plan plan_of(unsigned width)
 		}
 		shift[lane] = bit % 8;
 	}
-	return (struct plan){
+	return (struct unpack){
 		_mm256_load_si256((const __m256i *)shuffle),
 		_mm256_load_si256((const __m256i *)shift),
 		_mm256_set1_epi32((int)((1u << width) - 1)),
 	};
 }
 
-AVX2 static inline __m256i unpack8(const uint8_t *from, unsigned width, const struct plan *plan)
+AVX2 static inline __m256i unpack8(const uint8_t *from, unsigned width, const struct unpack *plan)
 {
 	__m128i low = _mm_loadu_si128((const __m128i *)(const void *)from);
 	__m128i high = _mm_loadu_si128((const __m128i *)(const void *)(from + width / 2));
@@ -51,7 +51,7 @@ AVX2 static inline __m256i unpack8(const uint8_t *from, unsigned width, const st
 
 AVX2 static const uint8_t *avx2_unpack(const uint8_t *from, const uint8_t *widths, size_t count, uint32_t *rest)
 {
-	struct plan plans[WIDTH_MOST + 1];
+	struct unpack plans[WIDTH_MOST + 1];
 	uint32_t planned = 0;
 	for (size_t block = 0; block < count; block++, rest += CODEC_BLOCK) {
 		unsigned width = widths[block];

@@ -17,7 +17,7 @@ static int32_t inputs[3][COUNT], results[COUNT];
 static void compute(const char *expression, const void *params, size_t bytes)
 {
 	struct shader_text table[TEST_SHADERS_MAX];
-	struct gpu_pass pass = {.stage = GPU_RENDER, .viewport = {0, 0, EDGE, EDGE}, .params = params, .params_bytes = bytes};
+	struct gpu_pass pass = {.stage = GPU_TERRAIN, .viewport = {0, 0, EDGE, EDGE}, .params = params, .params_bytes = bytes};
 	struct gpu_texture *out = ints_texture(NULL, EDGE, EDGE);
 	for (int k = 0; k < 3; k++)
 		pass.textures[k] = ints_texture(inputs[k], EDGE, EDGE);

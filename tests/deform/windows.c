@@ -253,15 +253,15 @@ static void nothing_that_was_not_asked_for_is_made_or_run(void **state)
 		struct deform_sweep sweep = {.shape = &shapes[0], .from = ground_pose(&ground, 100, 100, 1), .to = ground_pose(&ground, 101, 100, 1)};
 		ground_sweep(&ground, &sweep);
 		gpu_stats(test_gpu, &after);
-		assert_int_equal(after.passes[GPU_DISPLACE] - before.passes[GPU_DISPLACE], 2);
-		assert_int_equal(after.passes[GPU_REDISTRIBUTE] - before.passes[GPU_REDISTRIBUTE],
+		assert_int_equal(gpu_group_passes(&after, GPU_DISPLACE) - gpu_group_passes(&before, GPU_DISPLACE), 2);
+		assert_int_equal(gpu_group_passes(&after, GPU_REDISTRIBUTE) - gpu_group_passes(&before, GPU_REDISTRIBUTE),
 				 params.model == DEFORM_BOX_FILTER ? 2 : 0);
-		assert_int_equal(after.passes[GPU_ATTRIBUTES] - before.passes[GPU_ATTRIBUTES], params.dirt ? 1 : 0);
+		assert_int_equal(gpu_group_passes(&after, GPU_ATTRIBUTES) - gpu_group_passes(&before, GPU_ATTRIBUTES), params.dirt ? 1 : 0);
 		before = after;
 		sweep.from = sweep.to; /* a contact smooths nothing */
 		ground_sweep(&ground, &sweep);
 		gpu_stats(test_gpu, &after);
-		assert_int_equal(after.passes[GPU_REDISTRIBUTE] - before.passes[GPU_REDISTRIBUTE], 0);
+		assert_int_equal(gpu_group_passes(&after, GPU_REDISTRIBUTE) - gpu_group_passes(&before, GPU_REDISTRIBUTE), 0);
 		ground_finish(&ground);
 	}
 }

@@ -96,7 +96,7 @@ static int64_t expected(enum operation operation, int i)
 static void compute(const char *expression, const char *also)
 {
 	struct shader_text table[TEST_SHADERS_MAX];
-	struct gpu_pass pass = {.stage = GPU_RENDER, .viewport = {0, 0, SIDE, SIDE}};
+	struct gpu_pass pass = {.stage = GPU_TERRAIN, .viewport = {0, 0, SIDE, SIDE}};
 	struct gpu_texture *out[2];
 	struct gpu *own = test_gpu;
 	for (int k = 0; k < 5; k++)

@@ -20,7 +20,7 @@ static void interpolation_in_glsl_is_interpolation_in_c(void **state)
 	struct gpu_program *program;
 	struct gpu_target *target;
 	struct gpu_texture *out;
-	struct gpu_pass pass = {.stage = GPU_RENDER, .viewport = {0, 0, SIDE, SIDE}};
+	struct gpu_pass pass = {.stage = GPU_TERRAIN, .viewport = {0, 0, SIDE, SIDE}};
 	int holes = 0;
 	(void)state;
 	need_gpu();

@@ -47,7 +47,7 @@ static void every_pass_sees_its_own_parameters(void **state)
 			int32_t value[5]; /* longer than the block */
 		} params = {{i * 7}};
 		gpu_pass_run(test_gpu, &(struct gpu_pass){
-			.stage = GPU_ATTRIBUTES,
+			.stage = GPU_DIRT,
 			.program = program,
 			.target = target,
 			.viewport = {at % SIDE, at / SIDE, 1, 1},
@@ -61,7 +61,7 @@ static void every_pass_sees_its_own_parameters(void **state)
 		assert_int_equal(read[i], (i + SIDE * SIDE * (ROUNDS - 1)) * 7);
 	struct gpu_stats stats;
 	gpu_stats(test_gpu, &stats);
-	assert_int_equal(stats.passes[GPU_ATTRIBUTES], SIDE * SIDE * ROUNDS);
+	assert_int_equal(stats.passes[GPU_DIRT], SIDE * SIDE * ROUNDS);
 	gpu_target_destroy(target);
 	gpu_texture_destroy(texture);
 }
@@ -78,7 +78,7 @@ static void the_time_of_passes_is_counted_by_stage(void **state)
 	struct gpu_target *target = target_over(texture, NULL);
 	struct gpu_program *program = program_of(full, paint);
 	for (int way = 0; way < 2; way++) {
-		enum gpu_stage stage = way == 0 ? GPU_DISPLACE : GPU_PYRAMID;
+		enum gpu_stage stage = way == 0 ? GPU_PRESS : GPU_PYRAMID;
 		test_gpu->info.software = way == 0;
 		for (int i = 0; i < GPU_TIMER_QUERIES + 100; i++)
 			gpu_pass_run(test_gpu, &(struct gpu_pass){
@@ -92,7 +92,7 @@ static void the_time_of_passes_is_counted_by_stage(void **state)
 		gpu_finish(test_gpu);
 		gpu_stats(test_gpu, &stats);
 		assert_true(stats.stage_ms[stage] > 0);
-		assert_true(stats.stage_ms[GPU_REDISTRIBUTE] == 0);
+		assert_true(stats.stage_ms[GPU_SPREAD] == 0);
 		assert_int_equal(stats.passes[stage], GPU_TIMER_QUERIES + 100);
 	}
 	assert_ok(gpu_check(test_gpu, "timers"));
@@ -199,7 +199,7 @@ static void depth_is_reversed_and_backs_are_culled_when_asked(void **state)
 	assert_ok(gpu_buffer_create(test_gpu, GPU_INDICES, sizeof indices, indices, &buffer));
 	struct gpu_target *target = target_over(colour, depth);
 	struct gpu_pass pass = {
-		.stage = GPU_RENDER,
+		.stage = GPU_TERRAIN,
 		.program = program_of(squares, number_out),
 		.target = target,
 		.viewport = {0, 0, 32, 32},

@@ -277,7 +277,7 @@ static void an_untouched_tile_has_a_program_without_offsets(void **state)
 	test_free(draw(200, 200, 60, 200, 200.001, 0));
 	gpu_stats(gpu, &after);
 	assert_int_equal(after.programs - before.programs, 1);
-	assert_int_equal(after.passes[GPU_RENDER] - before.passes[GPU_RENDER], selection.draw_count);
+	assert_int_equal(after.passes[GPU_TERRAIN] - before.passes[GPU_TERRAIN], selection.draw_count);
 	end();
 }
 

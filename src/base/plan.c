@@ -1,0 +1,72 @@
+/* A growing list of what will be used; see plan.h. */
+#include "base/plan.h"
+
+#include <assert.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/memory.h"
+
+static bool is_there(const struct plan *plan, enum plan_kind kind, const char *name)
+{
+	for (size_t i = 0; i < plan->count; i++)
+		if (plan->lines[i].kind == kind && strcmp(plan->lines[i].name, name) == 0)
+			return true;
+	return false;
+}
+
+void plan_add(struct plan *plan, const struct plan_line *line, const char *name)
+{
+	struct plan_line added = *line;
+	snprintf(added.name, sizeof added.name, "%s", name);
+	bool one = line->kind == PLAN_PROGRAM || line->kind == PLAN_PLANE || line->kind == PLAN_THREAD;
+	if (plan->failed || (one && is_there(plan, line->kind, added.name)))
+		return;
+	if (plan->count == plan->room) {
+		size_t room = plan->room != 0 ? 2 * plan->room : 64;
+		struct plan_line *lines = mem_realloc(plan->lines, room, sizeof *lines);
+		if (lines == NULL) {
+			plan->failed = true;
+			return;
+		}
+		plan->lines = lines;
+		plan->room = room;
+	}
+	plan->lines[plan->count++] = added;
+}
+
+enum status plan_status(const struct plan *plan)
+{
+	return plan->failed ? fail_memory("the plan") : STATUS_OK;
+}
+
+void plan_finish(struct plan *plan)
+{
+	mem_free(plan->lines);
+	*plan = (struct plan){.lines = NULL};
+}
+
+const char *plan_kind_name(enum plan_kind kind)
+{
+	static const char *const names[PLAN_KINDS] = {
+		[PLAN_PLANE] = "plane", [PLAN_PROGRAM] = "program", [PLAN_PASS] = "pass", [PLAN_TEXTURE] = "texture",
+		[PLAN_BUFFER] = "buffer", [PLAN_THREAD] = "thread", [PLAN_STATEMENT] = "statement",
+	};
+	assert((unsigned)kind < PLAN_KINDS);
+	return names[kind];
+}
+
+const char *plan_unit_name(enum plan_unit unit)
+{
+	static const char *const names[PLAN_UNITS] = {
+		[PLAN_ONCE] = "once", [PLAN_BASE_SLOT] = "base_slot", [PLAN_CLASS_SLOT] = "class_slot",
+		[PLAN_DEFORM_SLOT] = "deform_slot", [PLAN_STATE_SLOT] = "state_slot", [PLAN_PATCH] = "patch",
+		[PLAN_PAGE] = "page", [PLAN_WINDOW_LAYER] = "window_layer", [PLAN_RESULT_LAYER] = "result_layer",
+		[PLAN_RING] = "ring", [PLAN_WINDOW] = "window", [PLAN_MOVED] = "moved", [PLAN_FACETS] = "facets",
+		[PLAN_HELD] = "held", [PLAN_RESTING] = "resting", [PLAN_ATLAS] = "atlas", [PLAN_DECIMATED] = "decimated",
+		[PLAN_SUBDIVIDED] = "subdivided", [PLAN_DRAWN] = "drawn", [PLAN_FRAME] = "frame", [PLAN_LOADED] = "loaded",
+		[PLAN_READ] = "read", [PLAN_COMMITTED] = "committed", [PLAN_EPOCH] = "epoch",
+	};
+	assert((unsigned)unit < PLAN_UNITS);
+	return names[unit];
+}

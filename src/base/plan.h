@@ -1,0 +1,85 @@
+/*
+ * A plan: what a drive will make and run, known before it begins.
+ *
+ * Each part of Furrow appends the lines of what it will use, beside the code that uses it. A line is so much
+ * of something for each one of a unit: two passes a window, 20 bytes a post, a program once. What was counted
+ * at a drive's end equals the lines' amounts times the units' counts, and nothing else was made or run (law 7).
+ * Pure: no GL, no store. One thread at a time.
+ */
+#ifndef FURROW_BASE_PLAN_H
+#define FURROW_BASE_PLAN_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/status.h"
+
+enum plan_kind {
+	PLAN_PLANE,     /* what is kept a post; bytes: of one */
+	PLAN_PROGRAM,   /* linked; the name is its key: files, then defines */
+	PLAN_PASS,      /* amount: how many a unit; the name is the stage it counts as */
+	PLAN_TEXTURE,   /* amount and bytes a unit */
+	PLAN_BUFFER,    /* the same, of GL's buffers and of staging memory */
+	PLAN_THREAD,    /* amount */
+	PLAN_STATEMENT, /* of SQLite, executed; amount a unit; the name is the table's, or what else it is for */
+	PLAN_KINDS
+};
+
+/* What amounts are of one of. All of them but PLAN_ONCE are counted in a drive. */
+enum plan_unit {
+	PLAN_ONCE,
+	/* memory, as much as there ever was at once */
+	PLAN_BASE_SLOT,    /* slots that a tile was ever loaded to */
+	PLAN_CLASS_SLOT,   /* those with classes of soil */
+	PLAN_DEFORM_SLOT,  /* deform slots, with the planes that are drawn */
+	PLAN_STATE_SLOT,   /* those of them with the planes of the working level */
+	PLAN_PATCH,        /* textures that bases are interpolated from */
+	PLAN_PAGE,         /* images of pages on their way to slots and from them */
+	PLAN_WINDOW_LAYER, /* windows that one sweep needs at once */
+	PLAN_RESULT_LAYER, /* what blocks that slide become waits in */
+	PLAN_RING,         /* segments of the passes' parameters */
+	/* work */
+	PLAN_WINDOW,       /* windows of an object that were computed */
+	PLAN_MOVED,        /* those of them over which it moved */
+	PLAN_FACETS,       /* draws of an object's triangles */
+	PLAN_HELD,         /* blocks over which an object at rest was laid */
+	PLAN_RESTING,      /* windows of an object at rest, drawn for them */
+	PLAN_ATLAS,        /* atlases of blocks that slid */
+	PLAN_DECIMATED,    /* coarser tiles that followed a change */
+	PLAN_SUBDIVIDED,   /* bases interpolated */
+	PLAN_DRAWN,        /* tiles in pictures */
+	PLAN_FRAME,
+	PLAN_LOADED,       /* tiles loaded at and above the working level */
+	PLAN_READ,         /* bases read, by anybody */
+	PLAN_COMMITTED,    /* tiles of the working level in epochs */
+	PLAN_EPOCH,
+	PLAN_UNITS
+};
+
+struct plan_line {
+	enum plan_kind kind;
+	enum plan_unit unit;
+	const char *effect; /* the name of the effect that calls for it (scene.h's table); NULL: every drive has it */
+	int object;         /* of the scene, whose units count; -1: all */
+	int64_t amount;
+	uint64_t bytes;
+	char name[96];
+};
+
+/* Lines in the order they were added. A plan that ran out of memory says so at the end: plan_status. */
+struct plan {
+	struct plan_line *lines;
+	size_t count, room;
+	bool failed;
+};
+
+/* The name is cut to what fits. A program, plane or thread of a name that is there already is not added again. */
+void plan_add(struct plan *plan, const struct plan_line *line, const char *name);
+enum status plan_status(const struct plan *plan) FURROW_CHECKED;
+void plan_finish(struct plan *plan); /* of one that is all zero too */
+
+const char *plan_kind_name(enum plan_kind kind);
+const char *plan_unit_name(enum plan_unit unit); /* "once", "base_slot", .. */
+
+#endif
