@@ -160,7 +160,7 @@ static void open_ground(const struct bench_case *of, bool draws, struct ground *
 	};
 	bench_must(deform_soil_named(of->model == DEFORM_SUMNER ? "sand" : "dry_sand", &params.soils[0]));
 	bench_must(deform_create(&params, &ground->deform));
-	bench_must(deform_warm(ground->deform, &wheel, 0, of->model == DEFORM_SCM));
+	bench_must(deform_warm(ground->deform, &(struct deform_planned){&wheel, 0, true}, of->model == DEFORM_SCM));
 }
 
 static void close_ground(struct ground *ground)

@@ -1,6 +1,6 @@
 #version 450 core
 // Before sliding: the deposits are laid down, and the heights that slide are worked out. One fragment a post.
-// Defines: DEPOSITS: there are any; HEAPED: the heaped soil moves along; BOUNDED: only loose soil
+// Defines: DEPOSITS: there are any; LOAD: the object may stand elsewhere later; HEAPED: the heaped soil moves along; BOUNDED: only loose soil
 // slides; STEEP: neighbours may lie 1536 m apart and more; HELD_STILL: so is what an object rests on.
 
 #include "lib/slide.glsl"
@@ -18,7 +18,7 @@ layout(binding = 4, r32i) readonly uniform iimage2DArray heaps;
 
 layout(std140, binding = 0) uniform params {
 	ivec4 region;  // regions.vert's
-	ivec4 place;   // the layer; loose soil below the base, quanta; not 0: the object may stand elsewhere later
+	ivec4 place;   // the layer; loose soil below the base, quanta
 	ivec4 written; // the posts that exchange: first, one behind the last
 };
 
@@ -48,7 +48,12 @@ void main()
 	bool ours = all(greaterThanEqual(post, written.xy)) && all(lessThan(post, written.zw));
 	bool still = !ours || base == BASE_NODATA;
 	uint contact = imageLoad(contacts, at).r;
-	uint marks = !ours || (contact & HELD) == 0u ? 0u : place.z != 0 ? IS_HELD | MAY_BE_FREED : IS_HELD;
+#ifdef LOAD
+	const uint is_held = IS_HELD | MAY_BE_FREED;
+#else
+	const uint is_held = IS_HELD;
+#endif
+	uint marks = ours && (contact & HELD) != 0u ? is_held : 0u;
 #ifdef HELD_STILL
 	still = still || (contact & HELD) != 0u;
 #endif

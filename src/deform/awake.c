@@ -12,7 +12,8 @@
  * they wrote. (2) Visits whose flags are not here yet are in `visits`, oldest first; what is awake at each is widened by
  * one block all round, which is farther than change comes in an interval (the rim is less than a block). (3) The words of
  * a period's sweeps are those of `sweeps` from word 0, in the order of `swept`, until they are asked for; behind them all is
- * zero, or flags of a window that nobody scattered.
+ * zero, or flags of a window that nobody scattered. (4) Stagings are made once and handed on: a visit's and a period's
+ * that is over goes behind those that are to come.
  */
 #include <assert.h>
 #include <string.h>
@@ -24,8 +25,12 @@
 #define SWEEP_WORDS 8192 /* of sweeps between two intervals; those beyond wake all that they write */
 #define WINDOW_BLOCKS ((SIDE / DEFORM_BLOCK + 1) * (SIDE / DEFORM_BLOCK + 1)) /* that a window lies on, at most */
 
+#define SWEEPS_BYTES ((SWEEP_WORDS + WINDOW_BLOCKS) * sizeof(uint32_t))
+#define PERIOD_BYTES (SWEEP_WORDS * sizeof(uint32_t))
+#define VISIT_BYTES (DEFORM_BLOCKS_MAX * sizeof(uint32_t))
+
 struct visit {
-	struct gpu_staging *flags;
+	struct gpu_staging *flags;    /* DEFORM_BLOCKS_MAX words */
 	struct deform_block *visited; /* in the order of their flags */
 	size_t count;
 };
@@ -35,7 +40,8 @@ struct period {
 	struct block_set woken;
 	struct post_rect *swept;   /* `count` windows whose flags are not here yet */
 	size_t count, room;
-	struct gpu_staging *flags; /* theirs; NULL: not asked for */
+	struct gpu_staging *flags; /* SWEEP_WORDS: theirs, if they are asked for */
+	bool asked;
 };
 
 struct awake {
@@ -58,33 +64,47 @@ enum status awake_create(struct deform *deform)
 	deform->awake = mem_calloc(1, sizeof *deform->awake);
 	if (deform->awake == NULL)
 		return fail_memory("the awake blocks");
-	return gpu_buffer_create(deform->params.gpu, GPU_STORAGE, (SWEEP_WORDS + WINDOW_BLOCKS) * sizeof(uint32_t), NULL,
-				 &deform->awake->sweeps);
+	struct gpu *gpu = deform->params.gpu;
+	enum status status = gpu_buffer_create(gpu, GPU_STORAGE, SWEEPS_BYTES, NULL, &deform->awake->sweeps);
+	for (int i = 0; i < VISITS && status == STATUS_OK; i++)
+		status = gpu_staging_create(gpu, VISIT_BYTES, &deform->awake->visits[i].flags);
+	for (int i = 0; i <= VISITS && status == STATUS_OK; i++)
+		status = gpu_staging_create(gpu, PERIOD_BYTES, &deform->awake->periods[i].flags);
+	return status;
+}
+
+void awake_plan(const char *effect, struct plan *plan)
+{
+	deform_plan_buffer(plan, effect, 1, SWEEPS_BYTES, "sweeps' flags");
+	deform_plan_buffer(plan, effect, VISITS, VISITS * VISIT_BYTES, "blocks' flags on their way");
+	deform_plan_buffer(plan, effect, VISITS + 1, (VISITS + 1) * PERIOD_BYTES, "sweeps' flags on their way");
 }
 
 static void visit_finish(struct visit *visit)
 {
-	gpu_staging_destroy(visit->flags);
 	mem_free(visit->visited);
-	memset(visit, 0, sizeof *visit);
+	*visit = (struct visit){.flags = visit->flags};
 }
 
 static void period_finish(struct period *period)
 {
-	gpu_staging_destroy(period->flags);
 	mem_free(period->swept);
 	block_set_finish(&period->woken);
-	memset(period, 0, sizeof *period);
+	*period = (struct period){.flags = period->flags};
 }
 
 void awake_destroy(struct awake *awake)
 {
 	if (awake == NULL)
 		return;
-	for (size_t i = 0; i < awake->visit_count; i++)
+	for (size_t i = 0; i < VISITS; i++) {
 		visit_finish(&awake->visits[i]);
-	for (size_t i = 0; i <= VISITS; i++)
+		gpu_staging_destroy(awake->visits[i].flags);
+	}
+	for (size_t i = 0; i <= VISITS; i++) {
 		period_finish(&awake->periods[i]);
+		gpu_staging_destroy(awake->periods[i].flags);
+	}
 	gpu_buffer_destroy(awake->sweeps);
 	block_set_finish(&awake->known);
 	block_set_finish(&awake->blocks);
@@ -159,8 +179,7 @@ static enum status add_swept(const struct deform *deform, struct period *period)
 		for (uint32_t k = 0; k < grid.columns * grid.rows && status == STATUS_OK; k++)
 			status = add_word(deform, &period->woken, grid.x + k % grid.columns, grid.y + k / grid.columns, *flags++);
 	}
-	gpu_staging_destroy(period->flags);
-	period->flags = NULL;
+	period->asked = false;
 	period->count = 0;
 	return status;
 }
@@ -199,6 +218,18 @@ static enum status widen(const struct deform *deform, struct block_set *set)
 	return status;
 }
 
+/* The oldest visit is over, and the period before it. */
+static void hand_on(struct awake *awake)
+{
+	const struct visit visit = awake->visits[0];
+	const struct period period = awake->periods[0];
+	memmove(awake->visits, awake->visits + 1, (VISITS - 1) * sizeof *awake->visits);
+	memmove(awake->periods, awake->periods + 1, VISITS * sizeof *awake->periods);
+	awake->visits[VISITS - 1] = visit;
+	awake->periods[VISITS] = period;
+	awake->visit_count--;
+}
+
 /* Takes in the flags that have come. */
 static enum status take_flags(struct deform *deform, bool *came)
 {
@@ -206,7 +237,7 @@ static enum status take_flags(struct deform *deform, bool *came)
 	enum status status = STATUS_OK;
 	*came = false;
 	for (size_t i = 0; i <= awake->visit_count && status == STATUS_OK; i++)
-		if (awake->periods[i].flags != NULL && gpu_staging_idle(awake->periods[i].flags)) {
+		if (awake->periods[i].asked && gpu_staging_idle(awake->periods[i].flags)) {
 			status = add_swept(deform, &awake->periods[i]);
 			*came = true;
 		}
@@ -215,9 +246,7 @@ static enum status take_flags(struct deform *deform, bool *came)
 		status = add_visited(deform, &awake->known, &awake->visits[0]);
 		visit_finish(&awake->visits[0]);
 		period_finish(&awake->periods[0]);
-		memmove(awake->visits, awake->visits + 1, --awake->visit_count * sizeof *awake->visits);
-		memmove(awake->periods, awake->periods + 1, VISITS * sizeof *awake->periods);
-		memset(&awake->periods[VISITS], 0, sizeof awake->periods[VISITS]);
+		hand_on(awake);
 		*came = true;
 	}
 	return status;
@@ -257,21 +286,18 @@ static struct period *this_period(struct awake *awake)
 }
 
 /* Sends for the flags of what was swept since the last visit. */
-static enum status ask_swept(struct deform *deform)
+static void ask_swept(struct deform *deform)
 {
 	struct awake *awake = deform->awake;
 	struct period *period = this_period(awake);
-	if (period->count == 0 || period->flags != NULL)
-		return STATUS_OK;
-	enum status status = gpu_staging_create(deform->params.gpu, awake->used * sizeof(uint32_t), &period->flags);
-	if (status != STATUS_OK)
-		return status;
+	if (period->count == 0 || period->asked)
+		return;
+	period->asked = true;
 	gpu_buffer_read_into(awake->sweeps, 0, awake->used * sizeof(uint32_t), period->flags, 0);
 	/* And what a window that nobody scattered has left behind them. */
 	uint32_t dirty = awake->used + WINDOW_BLOCKS;
 	gpu_buffer_clear(awake->sweeps, 0, (dirty < SWEEP_WORDS ? dirty : SWEEP_WORDS) * sizeof(uint32_t));
 	awake->used = 0;
-	return STATUS_OK;
 }
 
 struct place_flags awake_flags(struct deform *deform, const struct deform_window *window, uint32_t layer)
@@ -285,7 +311,7 @@ struct place_flags awake_flags(struct deform *deform, const struct deform_window
 	struct block_grid grid = grid_of(write);
 	int32_t step = (int32_t)deform_slide_step(deform);
 	assert(grid.columns * grid.rows <= WINDOW_BLOCKS);
-	scratch->flagged = deform->sweeps_flag && scratch->alone && this_period(awake)->flags == NULL &&
+	scratch->flagged = deform->sweeps_flag && scratch->alone && !this_period(awake)->asked &&
 			   grid.columns * grid.rows <= SWEEP_WORDS - awake->used;
 	return (struct place_flags){
 		.words = awake->sweeps,
@@ -360,9 +386,8 @@ enum status deform_awake(struct deform *deform, const struct deform_block **bloc
 	enum status status = settle(deform, &came);
 	/* Some of so many may be so only because their flags are not here yet. */
 	if (status == STATUS_OK && awake->blocks.count > DEFORM_BLOCKS_MAX) {
-		status = ask_swept(deform);
-		if (status == STATUS_OK)
-			status = wait(deform);
+		ask_swept(deform);
+		status = wait(deform);
 	}
 	if (status == STATUS_OK && awake->blocks.count > DEFORM_BLOCKS_MAX)
 		status = fail_with(STATUS_FAILED, "soil: the ground slides in more than %d blocks of %d x %d posts at once; choose a "
@@ -379,9 +404,10 @@ enum status deform_awake(struct deform *deform, const struct deform_block **bloc
 enum status awake_visit(struct deform *deform, const struct deform_block **blocks, size_t *count)
 {
 	enum status status = deform->awake->visit_count == VISITS ? wait(deform) : STATUS_OK;
-	if (status == STATUS_OK)
-		status = ask_swept(deform);
-	return status == STATUS_OK ? deform_awake(deform, blocks, count) : status;
+	if (status != STATUS_OK)
+		return status;
+	ask_swept(deform);
+	return deform_awake(deform, blocks, count);
 }
 
 bool awake_is_visited(const struct deform *deform, struct deform_block block)
@@ -396,18 +422,13 @@ enum status awake_visited(struct deform *deform, struct gpu_buffer *flags)
 	assert(count > 0 && awake->visit_count < VISITS);
 	struct visit *visit = &awake->visits[awake->visit_count];
 	visit->visited = mem_alloc(count, sizeof *visit->visited);
-	enum status status = visit->visited != NULL ? STATUS_OK : fail_memory("the awake blocks");
-	if (status == STATUS_OK)
-		status = gpu_staging_create(deform->params.gpu, count * sizeof(uint32_t), &visit->flags);
-	if (status != STATUS_OK) {
-		visit_finish(visit);
-		return status;
-	}
+	if (visit->visited == NULL)
+		return fail_memory("the awake blocks");
 	memcpy(visit->visited, awake->blocks.blocks, count * sizeof *visit->visited);
 	visit->count = count;
 	awake->visit_count++;
 	gpu_buffer_read_into(flags, 0, count * sizeof(uint32_t), visit->flags, 0);
 	bool came;
-	status = settle(deform, &came);
+	enum status status = settle(deform, &came);
 	return status == STATUS_OK && !came ? widen(deform, &awake->blocks) : status;
 }

@@ -23,17 +23,10 @@ enum status deform_create(const struct deform_params *params, struct deform **ou
 	deform->params = *params;
 	deform->planes = deform_planes(params->model, params->dirt);
 	deform->spacing = world_spacing(params->world, params->level);
-	if (params->model == DEFORM_BOX_FILTER) {
-		deform->reach = params->box_radius;
-		/* A window's posts are right as far in as wrong ones from beyond its rim can reach. */
-		deform->border = (int64_t)params->box_radius * params->box_repetitions;
-	}
-	if (deform_conserves(params->model)) {
-		/* What is pressed is laid down beside it, and slides on by a post an iteration. */
-		deform->reach = params->iterations + 2;
-		deform->border = 1; /* whose heights are looked at */
+	deform->reach = deform_reach(params);
+	deform->border = deform_border(params);
+	if (deform_conserves(params->model))
 		deform_slide_prepare(deform);
-	}
 	enum status status = gpu_buffer_create(params->gpu, GPU_STORAGE, sizeof(struct deform_tally), NULL, &deform->tally);
 	if (status == STATUS_OK)
 		status = deform_need_layers(deform, 1);
@@ -55,7 +48,7 @@ void deform_destroy(struct deform *deform)
 {
 	if (deform == NULL)
 		return;
-	interval_destroy(deform->interval);
+	interval_destroy(deform);
 	awake_destroy(deform->awake);
 	deform_drop_layers(deform);
 	deform_facets_destroy(deform->facets);
@@ -138,36 +131,6 @@ enum status deform_compute(struct deform *deform, const struct deform_sweep *swe
 	deform_gather(deform, window->read, layer, 0, 0, false, deform->planes, tiles, count);
 	enum status status = deform_run_stages(deform, sweep, window, layer);
 	return status == STATUS_OK ? gpu_check(deform->params.gpu, "deformation") : status;
-}
-
-/* What a sweep that asked for its forces is told, and nobody wants. */
-static enum status drop_forces(struct deform *deform)
-{
-	struct deform_forces forces;
-	bool taken = true;
-	enum status status = deform_forces_begin(deform);
-	while (status == STATUS_OK && taken)
-		status = deform_forces_take(deform, true, &forces, &taken);
-	return status;
-}
-
-enum status deform_warm(struct deform *deform, const struct deform_shape *shape, double load, bool forces)
-{
-	const struct post_rect beyond = {-64, -64, -48, -48};
-	const struct deform_window window = {beyond, beyond};
-	const struct deform_pose middle = {.x = lattice_offset(-56 * deform->spacing), .y = lattice_offset(-56 * deform->spacing)};
-	enum status status = STATUS_OK;
-	/* In motion, however little; along a wheel's own axis too; with forces and without, as rows want them. */
-	for (int i = 0; i < 4 && status == STATUS_OK; i++) {
-		struct deform_sweep sweep = {.shape = shape, .from = middle, .to = middle, .load = load, .tag = (uint64_t)i / 2};
-		sweep.to.x++;
-		sweep.to.y += i % 2;
-		if ((i % 2 == 0 || shape->kind == DEFORM_WHEEL) && (i < 2 || forces))
-			status = deform_compute(deform, &sweep, &window, 0, NULL, 0);
-	}
-	if (status == STATUS_OK && deform->interval != NULL)
-		status = interval_warm(deform, shape, load > 0 && deform->params.carriers > 0);
-	return status == STATUS_OK ? drop_forces(deform) : status;
 }
 
 enum status deform_scatter_from(struct deform *deform, struct post_rect write, const struct scatter_from *scatter,

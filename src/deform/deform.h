@@ -139,9 +139,16 @@ struct deform_tile {
 enum status deform_compute(struct deform *deform, const struct deform_sweep *sweep,
 			   const struct deform_window *window, uint32_t layer,
 			   const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
-/* Compiles and runs what a sweep of this shape will, over a window beyond the world: a driver's first
- * draw of a program can take a tenth of a second. Changes nothing. */
-enum status deform_warm(struct deform *deform, const struct deform_shape *shape, double load, bool forces) FURROW_CHECKED;
+/* An object as far as what it makes and runs depends on it. */
+struct deform_planned {
+	const struct deform_shape *shape;
+	double load; /* N; of DEFORM_SCM: not 0: it asks for its forces too, which tell where it stands */
+	bool moves;  /* it is ever elsewhere than where it was set down */
+};
+/* Links all that sweeps of this object, and its rest, can ask for, and nothing else, and runs it over a window beyond
+ * the world: a driver's first draw of a program can take a tenth of a second. Changes nothing. `forces`: of every object
+ * some sweeps have tags; otherwise of those with loads alone; the same at each call. What was warmed is not again. */
+enum status deform_warm(struct deform *deform, const struct deform_planned *object, bool forces) FURROW_CHECKED;
 /* Scatter `write` to every tile that holds a post of it; gives them deform slots. */
 enum status deform_scatter(struct deform *deform, const struct deform_window *window, uint32_t layer,
 			   const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
@@ -192,6 +199,27 @@ enum status deform_interval_scatter(struct deform *deform, size_t block, const s
 enum status deform_interval_end(struct deform *deform) FURROW_CHECKED;
 /* Posts along a side of what a block reads, at most. */
 int64_t deform_interval_side(const struct deform *deform);
+
+/*
+ * What deformation makes and runs, before it does: lines (base/plan.h) for a deform of these parameters, once it was warmed
+ * with each of the objects. `params`: gpu and slots may be NULL; world too: then every object fits one window. Pure.
+ *
+ * Passes are per object and PLAN_WINDOW or PLAN_MOVED; of PLAN_FACETS, PLAN_HELD, PLAN_RESTING and PLAN_ATLAS of all
+ * objects at once (-1), as deform_figures counts them. A sphere or mesh too large for one window runs, where the world's edge
+ * cuts it to one, one GPU_LOAD pass more than its lines say.
+ */
+void deform_plan(const struct deform_params *params, const struct deform_planned *objects, size_t count, bool forces,
+		 struct plan *plan);
+/* The units that deform counts: layers there ever were at once (without the atlas'); draws, since the start but for what
+ * warming ran. */
+struct deform_figures {
+	uint64_t window_layers, result_layers;
+	uint64_t facets;   /* draws of triangles */
+	uint64_t held;     /* blocks over which an object at rest was laid */
+	uint64_t resting;  /* windows drawn for that, of closed forms: triangles are in `facets` */
+	uint64_t atlases;
+};
+void deform_figures(const struct deform *deform, struct deform_figures *figures);
 
 /* What is counted on the GPU since the start. */
 struct deform_tally {

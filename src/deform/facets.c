@@ -23,6 +23,11 @@ void deform_facets_destroy(struct facets *facets)
 	mem_free(facets);
 }
 
+void facets_plan(const char *effect, struct plan *plan)
+{
+	deform_plan_buffer(plan, effect, 1, ROOM * sizeof(struct facet), "triangles");
+}
+
 static enum status make(struct deform *deform)
 {
 	struct facets *facets = mem_calloc(1, sizeof *facets);
@@ -39,11 +44,8 @@ static enum status make(struct deform *deform)
 
 enum status deform_facets_begin(struct deform *deform, struct post_rect read, uint32_t layer)
 {
-	const struct gpu_program_request request = {
-		.vertex = "deform/facet.vert",
-		.fragment = "deform/facet.frag",
-		.defines = {deform->rest != NULL ? "REST" : NULL},
-	};
+	struct deform_request request;
+	programs_facet(&deform->params, &request);
 	enum status status = deform_program(deform, &request, &deform->facet);
 	if (status == STATUS_OK && deform->facets == NULL)
 		status = make(deform);
@@ -71,6 +73,7 @@ static void draw(struct deform *deform)
 		.params_bytes = sizeof params,
 		.instances = facets->count,
 	});
+	deform->figures.facets++;
 	facets->count = 0;
 	facets->drawn = true;
 }

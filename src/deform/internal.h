@@ -3,6 +3,7 @@
 #define FURROW_DEFORM_INTERNAL_H
 
 #include "deform/deform.h"
+#include "deform/programs.h"
 
 #define SIDE DEFORM_WINDOW_POSTS
 #define UNDER_NONE INT32_MAX /* lib/window.glsl: the object is not above the post */
@@ -63,18 +64,21 @@ struct deform {
 	struct awake *awake;                   /* NULL: of others */
 	struct interval *interval;
 	struct gpu_program *under_program[2 * DEFORM_SHAPES]; /* made when first needed, as all of them */
-	struct gpu_program *none, *box, *press, *dirt, *spread;
+	struct gpu_program *box, *press, *dirt, *spread;
 	struct gpu_program *held[2];           /* [by load] */
 	struct gpu_program *facet;
 	struct facets *facets;                 /* meshes' and lugs': made when first needed */
-	struct gpu_program *slide_begin[2], *slide[2][2], *shed[2]; /* [over blocks][last iteration] */
+	struct gpu_program *slide_begin[2][2]; /* [over blocks][by load] */
+	struct gpu_program *slide[2][2], *shed[2]; /* [over blocks][last iteration] */
 	struct slide_soil soils[DEFORM_SOILS];
 	bool sweeps_flag;                      /* what a sweep looked at says all about what moves after it */
-	struct gpu_program *scm[8], *find[8]; /* by their defines, as bits */
+	struct gpu_program *scm[8], *find[4]; /* by their defines, as bits */
 	struct forces *forces;                /* NULL until a sweep asks */
 	struct gpu_buffer *tries;             /* of load.c; NULL until a sweep needs it */
 	struct gpu_buffer *standing;          /* int32 a carrier: quanta above its pose; NULL: there are none */
 	struct gpu_buffer *tally;              /* struct deform_tally */
+	struct deform_figures figures;         /* window_layers: see `layers` */
+	uint64_t warmed;                       /* the kinds of objects that were (warm.c) */
 };
 
 /* A sweep that is no motion: its end pose alone presses. */
@@ -85,11 +89,26 @@ int deform_gathers_into(const struct deform *deform, int plane);
 /* scratch.c: textures and targets for `layers` windows. */
 enum status deform_need_layers(struct deform *deform, uint32_t layers) FURROW_CHECKED;
 void deform_drop_layers(struct deform *deform);
-bool deform_needs_contacts(const struct deform *deform);
+void scratch_plan(const struct deform_params *params, struct plan *plan);
+
+/* What follows from the parameters. */
+bool deform_needs_contacts(const struct deform_params *params); /* scratch.c */
+bool deform_has_classes(const struct deform_params *params);
+int deform_soil_slots(const struct deform_params *params); /* slide.c: classes of soil that a shader's parameters have room for */
+bool deform_is_bounded(const struct deform_params *params);
+bool deform_is_steep(const struct deform_params *params);
+bool deform_asks_what_stood(const struct deform_params *params); /* undisturbed ground stands */
+int deform_slide_passes(const struct deform_params *params);
+int64_t deform_reach(const struct deform_params *params);  /* windows.c: struct deform's reach and border */
+int64_t deform_border(const struct deform_params *params);
+int64_t deform_core(const struct deform_params *params);   /* posts of a window that are written, at most */
 
 /* A program by its place: made when first asked for. */
-enum status deform_program(struct deform *deform, const struct gpu_program_request *request,
+enum status deform_program(struct deform *deform, const struct deform_request *request,
 			   struct gpu_program **place) FURROW_CHECKED;
+
+/* Lines of memory, of all objects: a buffer, or staging. */
+void deform_plan_buffer(struct plan *plan, const char *effect, int64_t amount, uint64_t bytes, const char *name);
 
 /* std140 twins of what most passes over a window begin with. */
 struct window_params {
@@ -120,6 +139,7 @@ enum status deform_facets_begin(struct deform *deform, struct post_rect read, ui
 struct facet *deform_facets_next(struct deform *deform);
 void deform_facets_keep(struct deform *deform);
 void deform_facets_end(struct deform *deform);
+void facets_plan(const char *effect, struct plan *plan);
 void deform_facets_destroy(struct facets *facets);
 
 /* mesh.c: a mesh over the window; and what its vertices say of it. */
@@ -132,9 +152,8 @@ enum status deform_lugs(struct deform *deform, const struct deform_sweep *sweep,
 			uint32_t layer) FURROW_CHECKED;
 
 /* stages.c: the press of a model that fills TO_PRESSED; its parameters begin with press_params. */
-enum status deform_press(struct deform *deform, const struct gpu_program_request *request, struct gpu_program **program,
-			 const void *params, size_t params_bytes, const struct deform_window *window,
-			 uint32_t layer) FURROW_CHECKED;
+enum status deform_press(struct deform *deform, const void *params, size_t params_bytes,
+			 const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
 
 /* model_*.c */
 enum status deform_none(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
@@ -163,6 +182,8 @@ struct gpu_rect deform_rows(const int32_t posts[4]);
 enum deform_find { DEFORM_FIND_PATCH = 1, DEFORM_FIND_LOAD = 2 };
 enum status deform_find(struct deform *deform, const struct scm_params *params, uint32_t layer, unsigned what,
 			int *last) FURROW_CHECKED;
+int deform_find_passes(bool patch, bool load);
+void find_plan(const char *effect, struct plan *plan);
 
 /* Forces are whole sixteenths of a pascal times a post's area; moments that times an arm. */
 #define DEFORM_UNITS_A_PASCAL 16
@@ -170,6 +191,7 @@ enum status deform_find(struct deform *deform, const struct scm_params *params, 
 enum status deform_forces_record(struct deform *deform, const struct deform_sweep *sweep, bool first_window, double arm,
 				 struct gpu_buffer **records, uint32_t *record) FURROW_CHECKED;
 void deform_forces_destroy(struct deform *deform);
+void forces_plan(const char *effect, struct plan *plan);
 
 /* windows.c: the posts a sweep can be above. */
 struct post_rect deform_shadow(const struct deform *deform, const struct deform_sweep *sweep);
@@ -202,7 +224,6 @@ int64_t deform_slide_rim(const struct deform *deform); /* posts */
 /* Posts around one that has changed that may exchange soil otherwise. */
 int64_t deform_slide_step(const struct deform *deform);
 #define STEEP_RELIEF 500.0 /* metres; in a world of less no two posts are too far apart in height */
-bool deform_is_bounded(const struct deform *deform);
 /* What follows from the parameters. */
 void deform_slide_prepare(struct deform *deform);
 
@@ -210,9 +231,6 @@ enum status deform_sumner(struct deform *deform, const struct deform_sweep *swee
 			  uint32_t layer) FURROW_CHECKED;
 enum status deform_slippage(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
 			    uint32_t layer) FURROW_CHECKED;
-/* Classes of soil that a shader's parameters have room for. */
-int deform_soil_slots(const struct deform *deform);
-
 /* deform.c: the planes of a rectangle of posts to a place of a layer (of the atlas: planes_of[1]), and from there to
  * tiles. */
 void deform_gather(struct deform *deform, struct post_rect read, uint32_t layer, uint32_t x, uint32_t y, bool atlas,
@@ -227,6 +245,7 @@ enum status deform_scatter_from(struct deform *deform, struct post_rect write, c
 /* awake.c */
 enum status awake_create(struct deform *deform) FURROW_CHECKED;
 void awake_destroy(struct awake *awake); /* takes NULL */
+void awake_plan(const char *effect, struct plan *plan);
 /* Where a window's sliding puts its flags; of use until the next is asked for, and lasting if deform_wake_swept follows. */
 struct place_flags awake_flags(struct deform *deform, const struct deform_window *window, uint32_t layer);
 /* The blocks of an interval that begins: the list stays as it is until awake_visited. */
@@ -239,7 +258,8 @@ enum status awake_visited(struct deform *deform, struct gpu_buffer *flags) FURRO
 enum status interval_create(struct deform *deform) FURROW_CHECKED;
 /* As deform_warm. */
 enum status interval_warm(struct deform *deform, const struct deform_shape *shape, uint32_t carrier) FURROW_CHECKED;
-void interval_destroy(struct interval *interval); /* takes NULL */
+void interval_plan(const struct deform_params *params, struct plan *plan);
+void interval_destroy(struct deform *deform); /* of one that has none, too */
 
 /* stages.c: the passes over a gathered window. */
 enum status deform_run_stages(struct deform *deform, const struct deform_sweep *sweep,

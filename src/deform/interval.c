@@ -19,7 +19,6 @@ struct interval {
 	size_t object_count;
 	uint32_t side, columns, batch; /* posts of a square, squares in a row, and in the atlas */
 	struct gpu_texture *results[PLANES];
-	uint32_t result_layers;
 	struct gpu_buffer *flags;      /* a word a block */
 };
 
@@ -34,6 +33,42 @@ int64_t deform_interval_side(const struct deform *deform)
 	return DEFORM_BLOCK + 2 * deform_slide_rim(deform);
 }
 
+static void drop_results(struct deform *deform)
+{
+	struct interval *interval = deform->interval;
+	for (int plane = 0; plane < PLANES; plane++) {
+		gpu_texture_destroy(interval->results[plane]);
+		interval->results[plane] = NULL;
+	}
+	deform->figures.result_layers = 0;
+}
+
+/* What slides. */
+static unsigned sliding_planes(const struct deform_params *params)
+{
+	return deform_planes(params->model, params->dirt) & (PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_HEAPED));
+}
+
+static enum status need_results(struct deform *deform, size_t blocks)
+{
+	struct interval *interval = deform->interval;
+	uint32_t layers = deform->figures.result_layers;
+	while ((size_t)layers * RESULTS < blocks)
+		layers = layers != 0 ? 2 * layers : 1;
+	if (layers == deform->figures.result_layers)
+		return STATUS_OK;
+	drop_results(deform);
+	enum status status = STATUS_OK;
+	for (int plane = 0; plane < PLANES && status == STATUS_OK; plane++)
+		if (sliding_planes(&deform->params) & PLANE_BIT(plane))
+			status = gpu_texture_create(deform->params.gpu, GPU_R32I, SIDE, SIDE, layers, &interval->results[plane]);
+	if (status == STATUS_OK)
+		deform->figures.result_layers = layers;
+	else
+		drop_results(deform);
+	return status;
+}
+
 enum status interval_create(struct deform *deform)
 {
 	struct interval *interval = mem_calloc(1, sizeof *interval);
@@ -43,52 +78,35 @@ enum status interval_create(struct deform *deform)
 	interval->side = (uint32_t)deform_interval_side(deform);
 	interval->columns = SIDE / interval->side;
 	interval->batch = interval->columns * interval->columns;
-	return gpu_buffer_create(deform->params.gpu, GPU_STORAGE, DEFORM_BLOCKS_MAX * sizeof(uint32_t), NULL,
-				 &interval->flags);
+	enum status status = gpu_buffer_create(deform->params.gpu, GPU_STORAGE, DEFORM_BLOCKS_MAX * sizeof(uint32_t), NULL,
+					       &interval->flags);
+	return status == STATUS_OK ? need_results(deform, 1) : status;
 }
 
-static void drop_results(struct interval *interval)
+void interval_plan(const struct deform_params *params, struct plan *plan)
 {
+	const char *effect = deform_slide_effect(params->model);
 	for (int plane = 0; plane < PLANES; plane++) {
-		gpu_texture_destroy(interval->results[plane]);
-		interval->results[plane] = NULL;
+		if (!(sliding_planes(params) & PLANE_BIT(plane)))
+			continue;
+		struct plan_line line = {.kind = PLAN_TEXTURE, .unit = PLAN_ONCE, .effect = effect, .object = -1, .amount = 1};
+		plan_add(plan, &line, "slid blocks");
+		line.unit = PLAN_RESULT_LAYER;
+		line.amount = 0;
+		line.bytes = (uint64_t)SIDE * SIDE * gpu_format_bytes(GPU_R32I);
+		plan_add(plan, &line, "slid blocks");
 	}
-	interval->result_layers = 0;
+	deform_plan_buffer(plan, effect, 1, DEFORM_BLOCKS_MAX * sizeof(uint32_t), "blocks' flags");
 }
 
-void interval_destroy(struct interval *interval)
-{
-	if (interval == NULL)
-		return;
-	drop_results(interval);
-	gpu_buffer_destroy(interval->flags);
-	mem_free(interval);
-}
-
-/* What slides. */
-static unsigned planes_of(const struct deform *deform)
-{
-	return deform->planes & (PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_HEAPED));
-}
-
-static enum status need_results(struct deform *deform, size_t blocks)
+void interval_destroy(struct deform *deform)
 {
 	struct interval *interval = deform->interval;
-	uint32_t layers = interval->result_layers;
-	while ((size_t)layers * RESULTS < blocks)
-		layers = layers != 0 ? 2 * layers : 1;
-	if (layers == interval->result_layers)
-		return STATUS_OK;
-	drop_results(interval);
-	enum status status = STATUS_OK;
-	for (int plane = 0; plane < PLANES && status == STATUS_OK; plane++)
-		if (planes_of(deform) & PLANE_BIT(plane))
-			status = gpu_texture_create(deform->params.gpu, GPU_R32I, SIDE, SIDE, layers, &interval->results[plane]);
-	if (status == STATUS_OK)
-		interval->result_layers = layers;
-	else
-		drop_results(interval);
-	return status;
+	if (interval == NULL)
+		return;
+	drop_results(deform);
+	gpu_buffer_destroy(interval->flags);
+	mem_free(interval);
 }
 
 static struct deform_sweep rest_sweep(const struct deform_rest *object)
@@ -147,22 +165,19 @@ static void place_of(const struct interval *interval, size_t block, uint32_t *x,
 	*y = square / interval->columns * interval->side;
 }
 
-/* One window of an object at rest, whose underside is in layer 0, over one block. */
-/* `shadow`: beyond it the object is above no post, and its underside was not drawn. */
+/* One window of an object at rest, whose underside is in layer 0, over one block. `shadow`: beyond it the object is above no post, and its underside was not drawn. */
 static enum status hold(struct deform *deform, const struct deform_rest *object, struct post_rect window,
 			struct post_rect shadow, size_t block)
 {
-	static const struct gpu_program_request requests[2] = {
-		{.vertex = "full.vert", .fragment = "deform/held.frag"},
-		{.vertex = "full.vert", .fragment = "deform/held.frag", .defines = {"LOAD"}},
-	};
 	bool loaded = object->carrier > 0;
 	struct post_rect square = deform_interval_reads(deform, block);
 	struct post_rect both = post_rect_intersect(post_rect_intersect(window, shadow), square);
 	uint32_t x, y;
 	if (post_rect_empty(both))
 		return STATUS_OK;
-	enum status status = deform_program(deform, &requests[loaded], &deform->held[loaded]);
+	struct deform_request request;
+	programs_held(loaded, &request);
+	enum status status = deform_program(deform, &request, &deform->held[loaded]);
 	if (status != STATUS_OK)
 		return status;
 	place_of(deform->interval, block, &x, &y);
@@ -172,6 +187,7 @@ static enum status hold(struct deform *deform, const struct deform_rest *object,
 		.window = {(int32_t)(window.x0 - square.x0 + x), (int32_t)(window.y0 - square.y0 + y),
 			   (int32_t)object->carrier - 1},
 	};
+	deform->figures.held++;
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
 		.stage = GPU_HOLD,
 		.program = deform->held[loaded],
@@ -205,6 +221,7 @@ static enum status hold_all(struct deform *deform, const struct deform_rest *obj
 		if (!overlaps(deform, windows[i].read, first, last))
 			continue;
 		status = deform_underside(deform, &sweep, &windows[i], 0);
+		deform->figures.resting += object->shape->kind != DEFORM_MESH;
 		for (size_t block = first; block <= last && status == STATUS_OK; block++)
 			status = hold(deform, object, windows[i].read, deform_shadow(deform, &sweep), block);
 	}
@@ -233,6 +250,7 @@ static enum status compute(struct deform *deform, size_t first, size_t last)
 	};
 	if (status == STATUS_OK)
 		status = deform_slide_run(deform, &place);
+	deform->figures.atlases++;
 	for (size_t block = first; block <= last && status == STATUS_OK; block++)
 		for (int plane = 0; plane < PLANES; plane++) {
 			uint32_t x, y, to = (uint32_t)(block % RESULTS);
@@ -268,7 +286,7 @@ enum status deform_interval_gather(struct deform *deform, size_t block, const st
 	uint32_t x, y;
 	assert(block < interval->count);
 	place_of(interval, block, &x, &y);
-	deform_gather(deform, deform_interval_reads(deform, block), deform->layers, x, y, true, planes_of(deform), tiles, count);
+	deform_gather(deform, deform_interval_reads(deform, block), deform->layers, x, y, true, sliding_planes(&deform->params), tiles, count);
 	close_sides(deform, block, x, y);
 	if (block % interval->batch != interval->batch - 1 && block != interval->count - 1)
 		return STATUS_OK;
@@ -283,9 +301,7 @@ enum status interval_warm(struct deform *deform, const struct deform_shape *shap
 	interval->blocks = &beyond;
 	interval->count = 1;
 	interval->object_count = 0;
-	enum status status = need_results(deform, 1);
-	if (status == STATUS_OK)
-		status = deform_interval_gather(deform, 0, NULL, 0);
+	enum status status = deform_interval_gather(deform, 0, NULL, 0);
 	if (status == STATUS_OK)
 		status = hold(deform, &object, deform_interval_reads(deform, 0), deform_interval_reads(deform, 0), 0);
 	interval->count = 0;

@@ -16,18 +16,13 @@ struct attempt {
 	uint32_t words[12]; /* lib/found.glsl */
 };
 
-static enum status find_program(struct deform *deform, const char *what, int place, bool patch, struct gpu_program **program)
+static enum status find_program(struct deform *deform, enum find_what what, bool patch, struct gpu_program **program)
 {
-	struct gpu_program_request request = {.vertex = "full.vert", .fragment = "deform/scm_find.frag"};
-	size_t count = 0;
-	if (what != NULL)
-		request.defines[count++] = what;
-	if (patch)
-		request.defines[count++] = "PATCH";
-	if (deform->classes != NULL)
-		request.defines[count++] = "SOIL_MAP";
-	enum status status = deform_program(deform, &request, &deform->find[place + 4 * patch]);
-	*program = deform->find[place + 4 * patch];
+	struct gpu_program **place = &deform->find[(int)what + (what == FIND_BEARS && patch)];
+	struct deform_request request;
+	programs_find(&deform->params, what, patch, &request);
+	enum status status = deform_program(deform, &request, place);
+	*program = *place;
 	return status;
 }
 
@@ -58,11 +53,11 @@ enum status deform_find(struct deform *deform, const struct scm_params *params, 
 	if (deform->tries == NULL)
 		status = gpu_buffer_create(deform->params.gpu, GPU_STORAGE, TRIES * sizeof(struct attempt), NULL, &deform->tries);
 	if (status == STATUS_OK && load)
-		status = find_program(deform, "GAP", 0, false, &gap);
+		status = find_program(deform, FIND_GAP, false, &gap);
 	if (status == STATUS_OK && load)
-		status = find_program(deform, NULL, 1, patch, &bears);
+		status = find_program(deform, FIND_BEARS, patch, &bears);
 	if (status == STATUS_OK && patch)
-		status = find_program(deform, "COUNT", 2, false, &count);
+		status = find_program(deform, FIND_COUNT, false, &count);
 	if (status != STATUS_OK)
 		return status;
 	gpu_buffer_clear(deform->tries, 0, TRIES * sizeof(struct attempt));
@@ -77,6 +72,17 @@ enum status deform_find(struct deform *deform, const struct scm_params *params, 
 	if (patch)
 		run(deform, count, params, layer, *last);
 	return STATUS_OK;
+}
+
+/* Try 0 finds the first contact; the last is the press itself, which counts all the same. */
+int deform_find_passes(bool patch, bool load)
+{
+	return load ? 1 + (TRIES - 2) * (1 + patch) + patch : patch;
+}
+
+void find_plan(const char *effect, struct plan *plan)
+{
+	deform_plan_buffer(plan, effect, 1, TRIES * sizeof(struct attempt), "tries");
 }
 
 void deform_stands(struct deform *deform, uint32_t carrier, int32_t raised)

@@ -1,13 +1,10 @@
 /* The dissertation's smoothing (5.5): the mean of the neighbourhood where an object has just left. */
-#include <stdio.h>
-
 #include "deform/internal.h"
 
 static enum status filter(struct deform *deform, struct post_rect read, uint32_t layer)
 {
-	char radius[16];
-	snprintf(radius, sizeof radius, "RADIUS %d", deform->params.box_radius);
-	const struct gpu_program_request request = {.vertex = "full.vert", .fragment = "deform/box.frag", .defines = {radius}};
+	struct deform_request request;
+	programs_box(&deform->params, &request);
 	enum status status = deform_program(deform, &request, &deform->box);
 	if (status != STATUS_OK)
 		return status;

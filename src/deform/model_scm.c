@@ -9,7 +9,8 @@
 
 struct gpu_rect deform_rows(const int32_t posts[4])
 {
-	uint32_t rows = (uint32_t)(posts[3] - posts[1]);
+	/* Of no rows the first invocations find nothing to do: a window's passes are as many wherever it lies. */
+	uint32_t rows = posts[3] > posts[1] ? (uint32_t)(posts[3] - posts[1]) : 1;
 	return (struct gpu_rect){0, 0, DEFORM_ROWS_ABREAST, (rows + DEFORM_ROWS_ABREAST - 1) / DEFORM_ROWS_ABREAST};
 }
 
@@ -106,25 +107,6 @@ static struct scm_params params_of(const struct deform *deform, const struct def
 	return params;
 }
 
-enum { WITH_FORCES = 1, WITH_PATCH = 2, WITH_LOAD = 4 };
-
-static enum status press_program(struct deform *deform, unsigned with, struct gpu_program **program)
-{
-	struct gpu_program_request request = {.vertex = "full.vert", .fragment = "deform/scm.frag"};
-	size_t count = 0;
-	if (with & WITH_FORCES)
-		request.defines[count++] = "FORCES";
-	if (with & WITH_PATCH)
-		request.defines[count++] = "PATCH";
-	if (with & WITH_LOAD)
-		request.defines[count++] = "LOAD";
-	if (deform->classes != NULL)
-		request.defines[count++] = "SOIL_MAP";
-	enum status status = deform_program(deform, &request, &deform->scm[with]);
-	*program = deform->scm[with];
-	return status;
-}
-
 static enum status press(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
 			 uint32_t layer)
 {
@@ -137,8 +119,9 @@ static enum status press(struct deform *deform, const struct deform_sweep *sweep
 	struct gpu_buffer *records = NULL;
 	uint32_t record = 0;
 	int last = 0;
-	struct gpu_program *program;
-	enum status status = press_program(deform, with, &program);
+	struct deform_request request;
+	programs_press(&deform->params, with, &request);
+	enum status status = deform_program(deform, &request, &deform->scm[with]);
 	if (status == STATUS_OK && (with & (WITH_PATCH | WITH_LOAD)))
 		status = deform_find(deform, &params, layer, with / WITH_PATCH, &last);
 	if (status == STATUS_OK && (with & WITH_FORCES))
@@ -150,7 +133,7 @@ static enum status press(struct deform *deform, const struct deform_sweep *sweep
 	gpu_texture_clear(deform->carried, layer, deform_written(window), 0);
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
 		.stage = GPU_PRESS,
-		.program = program,
+		.program = deform->scm[with],
 		.target = deform->scratch[layer].to[TO_BARE],
 		.viewport = deform_rows(params.written),
 		.textures = {deform->under, deform->classes},

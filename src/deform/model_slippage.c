@@ -4,13 +4,8 @@
 enum status deform_slippage(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
 			    uint32_t layer)
 {
-	static const struct gpu_program_request request = {
-		.vertex = "full.vert",
-		.fragment = "deform/slippage.frag",
-		.defines = {"CONTACT"},
-	};
 	const struct press_params params = deform_press_params(deform, sweep, window, layer);
-	enum status status = deform_press(deform, &request, &deform->press, &params, sizeof params, window, layer);
+	enum status status = deform_press(deform, &params, sizeof params, window, layer);
 	if (status == STATUS_OK)
 		status = deform_spread(deform, window, layer);
 	return status == STATUS_OK ? deform_slide(deform, window, layer) : status;

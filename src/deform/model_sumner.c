@@ -1,6 +1,5 @@
 /* Sumner, O'Brien and Hodgins 1999: the object pushes aside what it does not compact, and the ground erodes. */
 #include <math.h>
-#include <stdio.h>
 
 #include "deform/internal.h"
 
@@ -12,17 +11,10 @@ struct sumner_params {
 enum status deform_sumner(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
 			  uint32_t layer)
 {
-	char soils[16];
-	snprintf(soils, sizeof soils, "SOILS %d", deform_soil_slots(deform));
-	const struct gpu_program_request request = {
-		.vertex = "full.vert",
-		.fragment = "deform/sumner.frag",
-		.defines = {"CONTACT", soils},
-	};
 	struct sumner_params params = {.press = deform_press_params(deform, sweep, window, layer)};
 	for (int i = 0; i < deform->params.soil_count; i++)
 		params.kept[i][0] = (uint32_t)floor(ldexp(1 - deform->params.soils[i].compression, 31));
-	enum status status = deform_press(deform, &request, &deform->press, &params, sizeof params, window, layer);
+	enum status status = deform_press(deform, &params, sizeof params, window, layer);
 	if (status == STATUS_OK)
 		status = deform_spread(deform, window, layer);
 	return status == STATUS_OK ? deform_slide(deform, window, layer) : status;

@@ -1,33 +1,36 @@
 /* The windows' textures: arrays of one layer a window, made when a sweep first needs so many. */
+#include <stddef.h>
 #include <string.h>
 
 #include "deform/internal.h"
 
-void deform_drop_layers(struct deform *deform)
+/* One texture of the layers. */
+struct row {
+	const char *name, *effect; /* that calls for it */
+	enum gpu_format format;
+	size_t place; /* in struct deform */
+};
+struct rows {
+	struct row list[11 + 2 * PLANES];
+	size_t count;
+};
+
+#define PLACE(member) offsetof(struct deform, member)
+
+bool deform_needs_contacts(const struct deform_params *params)
 {
-	for (uint32_t i = 0; i <= DEFORM_WINDOWS_MAX; i++) {
-		for (int k = 0; k < SCRATCH_TARGETS; k++)
-			gpu_target_destroy(deform->scratch[i].to[k]);
-		memset(&deform->scratch[i], 0, sizeof deform->scratch[i]);
-	}
-	struct gpu_texture **textures[] = {&deform->bases, &deform->under, &deform->rest, &deform->contacts,
-					   &deform->carried, &deform->deposits, &deform->classes,
-					   &deform->heights[0], &deform->heights[1], &deform->stills, &deform->floors};
-	for (size_t i = 0; i < sizeof textures / sizeof *textures; i++) {
-		gpu_texture_destroy(*textures[i]);
-		*textures[i] = NULL;
-	}
-	for (int i = 0; i < 2; i++)
-		for (int plane = 0; plane < PLANES; plane++) {
-			gpu_texture_destroy(deform->planes_of[i][plane]);
-			deform->planes_of[i][plane] = NULL;
-		}
-	deform->layers = 0;
+	return params->model != DEFORM_NONE || params->dirt;
 }
 
-bool deform_needs_contacts(const struct deform *deform)
+bool deform_has_classes(const struct deform_params *params)
 {
-	return deform->params.model != DEFORM_NONE || deform->params.dirt;
+	return deform_conserves(params->model) && params->soil_count > 1;
+}
+
+static void add(struct rows *rows, bool wanted, struct row row)
+{
+	if (wanted)
+		rows->list[rows->count++] = row;
 }
 
 static enum gpu_format format_of(enum plane plane)
@@ -35,41 +38,86 @@ static enum gpu_format format_of(enum plane plane)
 	return plane_bytes(plane) == 1 ? GPU_R8UI : plane_bytes(plane) == 2 ? GPU_R16UI : GPU_R32I;
 }
 
-static enum status make_sliding(struct deform *deform, uint32_t layers)
+/* The one list: what is made, and what is planned. */
+static void rows_of(const struct deform_params *params, struct rows *rows)
 {
-	const struct {
-		struct gpu_texture **texture;
-		enum gpu_format format;
-		bool wanted;
-	} all[] = {
-		{&deform->carried, GPU_R32I, true},    {&deform->deposits, GPU_R32I, true},
-		{&deform->heights[0], GPU_R32I, true}, {&deform->heights[1], GPU_R32I, true},
-		{&deform->stills, GPU_R8UI, true},     {&deform->floors, GPU_R32I, deform_is_bounded(deform)},
-		{&deform->classes, GPU_R8UI, deform->params.soil_count > 1},
-	};
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < sizeof all / sizeof *all && status == STATUS_OK; i++)
-		if (all[i].wanted)
-			status = gpu_texture_create(deform->params.gpu, all[i].format, SIDE, SIDE, layers, all[i].texture);
-	return status;
+	const char *press = deform_press_effect(params->model), *slide = deform_slide_effect(params->model);
+	const char *touched = deform_contact_effect(params->model);
+	bool contacts = deform_needs_contacts(params), conserves = deform_conserves(params->model);
+	unsigned planes = deform_planes(params->model, params->dirt);
+	rows->count = 0;
+	add(rows, true, (struct row){"window's base", press, GPU_R32I, PLACE(bases)});
+	add(rows, true, (struct row){"under", press, GPU_R32I, PLACE(under)});
+	add(rows, contacts, (struct row){"rest", touched, GPU_R32I, PLACE(rest)});
+	add(rows, contacts, (struct row){"contacts", touched, GPU_R8UI, PLACE(contacts)});
+	add(rows, conserves, (struct row){"carried", "spread", GPU_R32I, PLACE(carried)});
+	add(rows, conserves, (struct row){"deposits", "spread", GPU_R32I, PLACE(deposits)});
+	add(rows, conserves, (struct row){"heights", slide, GPU_R32I, PLACE(heights[0])});
+	add(rows, conserves, (struct row){"heights", slide, GPU_R32I, PLACE(heights[1])});
+	add(rows, conserves, (struct row){"stills", slide, GPU_R8UI, PLACE(stills)});
+	add(rows, conserves && deform_is_bounded(params), (struct row){"floors", slide, GPU_R32I, PLACE(floors)});
+	add(rows, deform_has_classes(params), (struct row){"window's classes", "soil_map", GPU_R8UI, PLACE(classes)});
+	for (int plane = 0; plane < PLANES; plane++)
+		for (int i = 0; i < 2; i++)
+			add(rows, (planes & PLANE_BIT(plane)) != 0,
+			    (struct row){plane_name((enum plane)plane), plane == PLANE_DIRT ? "dirt" : press, format_of((enum plane)plane),
+					 PLACE(planes_of[0][0]) + (size_t)(i * PLANES + plane) * sizeof(struct gpu_texture *)});
+}
+
+static struct gpu_texture **place_of(struct deform *deform, const struct row *row)
+{
+	return (struct gpu_texture **)((char *)deform + row->place);
+}
+
+/* And the atlas. */
+static uint32_t beside_windows(const struct deform_params *params)
+{
+	return deform_conserves(params->model);
+}
+
+void scratch_plan(const struct deform_params *params, struct plan *plan)
+{
+	struct rows rows;
+	rows_of(params, &rows);
+	for (size_t i = 0; i < rows.count; i++) {
+		const struct row *row = &rows.list[i];
+		uint64_t layer = (uint64_t)SIDE * SIDE * gpu_format_bytes(row->format);
+		struct plan_line line = {.kind = PLAN_TEXTURE, .unit = PLAN_ONCE, .effect = row->effect, .object = -1, .amount = 1,
+					 .bytes = layer * beside_windows(params)};
+		plan_add(plan, &line, row->name);
+		/* A layer more is no texture more. */
+		line.unit = PLAN_WINDOW_LAYER;
+		line.amount = 0;
+		line.bytes = layer;
+		plan_add(plan, &line, row->name);
+	}
+}
+
+void deform_drop_layers(struct deform *deform)
+{
+	struct rows rows;
+	for (uint32_t i = 0; i <= DEFORM_WINDOWS_MAX; i++) {
+		for (int k = 0; k < SCRATCH_TARGETS; k++)
+			gpu_target_destroy(deform->scratch[i].to[k]);
+		memset(&deform->scratch[i], 0, sizeof deform->scratch[i]);
+	}
+	rows_of(&deform->params, &rows);
+	for (size_t i = 0; i < rows.count; i++) {
+		struct gpu_texture **texture = place_of(deform, &rows.list[i]);
+		gpu_texture_destroy(*texture);
+		*texture = NULL;
+	}
+	deform->layers = 0;
 }
 
 static enum status make_textures(struct deform *deform, uint32_t layers)
 {
-	struct gpu *gpu = deform->params.gpu;
-	enum status status = gpu_texture_create(gpu, GPU_R32I, SIDE, SIDE, layers, &deform->bases);
-	if (status == STATUS_OK)
-		status = gpu_texture_create(gpu, GPU_R32I, SIDE, SIDE, layers, &deform->under);
-	if (status == STATUS_OK && deform_needs_contacts(deform))
-		status = gpu_texture_create(gpu, GPU_R32I, SIDE, SIDE, layers, &deform->rest);
-	if (status == STATUS_OK && deform_needs_contacts(deform))
-		status = gpu_texture_create(gpu, GPU_R8UI, SIDE, SIDE, layers, &deform->contacts);
-	if (status == STATUS_OK && deform_conserves(deform->params.model))
-		status = make_sliding(deform, layers);
-	for (int plane = 0; plane < PLANES; plane++)
-		for (int i = 0; i < 2 && status == STATUS_OK && (deform->planes & PLANE_BIT(plane)); i++)
-			status = gpu_texture_create(gpu, format_of((enum plane)plane), SIDE, SIDE, layers,
-						    &deform->planes_of[i][plane]);
+	struct rows rows;
+	enum status status = STATUS_OK;
+	rows_of(&deform->params, &rows);
+	for (size_t i = 0; i < rows.count && status == STATUS_OK; i++)
+		status = gpu_texture_create(deform->params.gpu, rows.list[i].format, SIDE, SIDE, layers,
+					    place_of(deform, &rows.list[i]));
 	return status;
 }
 
@@ -128,7 +176,7 @@ enum status deform_need_layers(struct deform *deform, uint32_t layers)
 		return STATUS_OK;
 	/* Growing loses what the layers hold: a sweep grows them before its first window. */
 	deform_drop_layers(deform);
-	uint32_t all = layers + deform_conserves(deform->params.model); /* and the atlas */
+	uint32_t all = layers + beside_windows(&deform->params);
 	enum status status = make_textures(deform, all);
 	for (uint32_t i = 0; i < all && status == STATUS_OK; i++)
 		status = make_targets(deform, i);

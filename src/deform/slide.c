@@ -7,7 +7,6 @@
  */
 #include <assert.h>
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "deform/internal.h"
@@ -29,30 +28,31 @@ struct shed_params {
 	} soils[DEFORM_SOILS];
 };
 
-int deform_soil_slots(const struct deform *deform)
+int deform_soil_slots(const struct deform_params *params)
 {
-	return deform->params.soil_count > 1 ? DEFORM_SOILS : 1;
+	return deform_has_classes(params) ? DEFORM_SOILS : 1;
 }
 
-bool deform_is_bounded(const struct deform *deform)
+bool deform_is_bounded(const struct deform_params *params)
 {
-	return deform->params.model != DEFORM_SUMNER && isfinite(deform->params.depth);
+	return params->model != DEFORM_SUMNER && isfinite(params->depth);
 }
 
-/* Undisturbed ground stands; where only heaped soil slides it does so anyway. */
-static bool asks_what_stood(const struct deform *deform)
+/* Where only heaped soil slides it does so anyway. */
+bool deform_asks_what_stood(const struct deform_params *params)
 {
-	return deform->params.stands && !(deform_is_bounded(deform) && deform->params.depth == 0);
+	return params->stands && !(deform_is_bounded(params) && params->depth == 0);
 }
 
-static bool is_heaped(const struct deform *deform)
+bool deform_is_steep(const struct deform_params *params)
 {
-	return (deform->planes & PLANE_BIT(PLANE_HEAPED)) != 0;
+	return !(params->relief < STEEP_RELIEF);
 }
 
-static bool is_steep(const struct deform *deform)
+/* One that begins, and those of the iterations: Sumner's takes two. */
+int deform_slide_passes(const struct deform_params *params)
 {
-	return !(deform->params.relief < STEEP_RELIEF);
+	return 1 + params->iterations * (params->model == DEFORM_SUMNER ? 2 : 1);
 }
 
 /* An iteration of Sumner's looks two posts far. */
@@ -64,7 +64,7 @@ int64_t deform_slide_step(const struct deform *deform)
 /* A post is right once all around it that it depends on are. */
 int64_t deform_slide_rim(const struct deform *deform)
 {
-	return deform_slide_step(deform) * deform->params.iterations + is_steep(deform);
+	return deform_slide_step(deform) * deform->params.iterations + deform_is_steep(&deform->params);
 }
 
 static int32_t loose_depth(const struct deform *deform)
@@ -109,17 +109,6 @@ void deform_slide_prepare(struct deform *deform)
 				deform->sweeps_flag = false;
 }
 
-/* One more define of a request, if it is called for. */
-static void define(struct gpu_program_request *request, const char *name, bool wanted)
-{
-	size_t count = 0;
-	while (request->defines[count] != NULL)
-		count++;
-	assert(count < GPU_DEFINES_MAX);
-	if (wanted)
-		request->defines[count] = name;
-}
-
 /* Of an iteration. `trim`: posts along each side of a block's square that are not needed any more. */
 static struct slide_params slide_params(const struct slide_place *place, int64_t trim, int64_t rim)
 {
@@ -138,35 +127,26 @@ static struct slide_params slide_params(const struct slide_place *place, int64_t
 	return params;
 }
 
-static const char *vertex_of(const struct slide_place *place)
-{
-	return place->blocks > 0 ? "deform/regions.vert" : "full.vert";
-}
-
-/* From planes_of[1] into planes_of[0] and the heights. */
 /* Over a window, or over blocks. */
 static enum gpu_stage stage_of(const struct slide_place *place)
 {
 	return place->blocks > 0 ? GPU_SETTLE : GPU_SLIDE;
 }
 
+/* From planes_of[1] into planes_of[0] and the heights. */
 static enum status begin(struct deform *deform, const struct slide_place *place)
 {
-	bool blocks = place->blocks > 0;
-	struct gpu_program_request request = {.vertex = vertex_of(place), .fragment = "deform/slide_begin.frag"};
-	define(&request, "DEPOSITS", !blocks);
-	define(&request, "HEAPED", is_heaped(deform));
-	define(&request, "BOUNDED", deform_is_bounded(deform));
-	define(&request, "STEEP", is_steep(deform));
-	define(&request, "HELD_STILL", deform->params.model != DEFORM_SUMNER);
-	struct gpu_program **program = &deform->slide_begin[blocks];
+	bool blocks = place->blocks > 0, loaded = place->flags.loaded;
+	struct deform_request request;
+	programs_begin(&deform->params, blocks, loaded, &request);
+	struct gpu_program **program = &deform->slide_begin[blocks][loaded];
 	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
 		return status;
 	struct gpu_rect written = place->written;
 	const struct slide_params params = {
 		.region = {(int32_t)place->side, (int32_t)place->columns, 0, (int32_t)place->first},
-		.place = {(int32_t)place->layer, deform_is_bounded(deform) ? loose_depth(deform) : 0, place->flags.loaded},
+		.place = {(int32_t)place->layer, deform_is_bounded(&deform->params) ? loose_depth(deform) : 0},
 		.edge = {(int32_t)written.x, (int32_t)written.y, (int32_t)(written.x + written.width),
 			 (int32_t)(written.y + written.height)},
 	};
@@ -183,15 +163,6 @@ static enum status begin(struct deform *deform, const struct slide_place *place)
 		.params_bytes = sizeof params,
 	});
 	return STATUS_OK;
-}
-
-/* What an iteration ends with. */
-static void define_end(struct deform *deform, const struct slide_place *place, bool last,
-		       struct gpu_program_request *request)
-{
-	define(request, "LAST", last);
-	define(request, "HEAPED", last && is_heaped(deform));
-	define(request, "FLAGS", last && place->blocks > 0);
 }
 
 static void run(struct deform *deform, const struct slide_place *place, int iteration, struct gpu_pass *pass)
@@ -212,14 +183,9 @@ static void run(struct deform *deform, const struct slide_place *place, int iter
 
 static enum status excess(struct deform *deform, const struct slide_place *place, int iteration)
 {
-	bool last = iteration == deform->params.iterations - 1;
-	char soils[16];
-	struct gpu_program_request request = {.vertex = vertex_of(place), .fragment = "deform/slide_excess.frag"};
-	snprintf(soils, sizeof soils, "SOILS %d", deform_soil_slots(deform));
-	define(&request, soils, true);
-	define(&request, "BOUNDED", deform_is_bounded(deform));
-	define(&request, "STOOD", asks_what_stood(deform));
-	define_end(deform, place, last, &request);
+	bool last = iteration == deform->params.iterations - 1, stood = deform_asks_what_stood(&deform->params);
+	struct deform_request request;
+	programs_slide(&deform->params, SLIDE_EXCESS, place->blocks > 0, last, &request);
 	struct gpu_program **program = &deform->slide[place->blocks > 0][last];
 	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
@@ -231,20 +197,18 @@ static enum status excess(struct deform *deform, const struct slide_place *place
 			params.stands[i][k] = deform->soils[i].stands[k];
 	run(deform, place, iteration, &(struct gpu_pass){
 		.program = *program,
-		.images = {NULL, deform->floors, deform->classes, [7] = asks_what_stood(deform) ? deform->bases : NULL},
+		.images = {NULL, deform->floors, deform->classes, [7] = stood ? deform->bases : NULL},
 		.params = &params,
-		.params_bytes = (size_t)((char *)params.stands[deform_soil_slots(deform)] - (char *)&params),
+		.params_bytes = (size_t)((char *)params.stands[deform_soil_slots(&deform->params)] - (char *)&params),
 	});
 	return STATUS_OK;
 }
 
 static enum status shed(struct deform *deform, const struct slide_place *place, int iteration)
 {
-	char soils[16];
-	struct gpu_program_request request = {.vertex = vertex_of(place), .fragment = "deform/slide_shed.frag"};
-	snprintf(soils, sizeof soils, "SOILS %d", deform_soil_slots(deform));
-	define(&request, soils, true);
-	define(&request, "STOOD", asks_what_stood(deform));
+	bool stood = deform_asks_what_stood(&deform->params);
+	struct deform_request request;
+	programs_slide(&deform->params, SLIDE_SHED, place->blocks > 0, false, &request);
 	struct gpu_program **program = &deform->shed[place->blocks > 0];
 	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
@@ -268,9 +232,9 @@ static enum status shed(struct deform *deform, const struct slide_place *place, 
 		.viewport = place->all,
 		.instances = place->blocks,
 		.images = {deform->heights[iteration % 2], deform->contacts, deform->classes,
-			   [7] = asks_what_stood(deform) ? deform->bases : NULL},
+			   [7] = stood ? deform->bases : NULL},
 		.params = &params,
-		.params_bytes = (size_t)((char *)&params.soils[deform_soil_slots(deform)] - (char *)&params),
+		.params_bytes = (size_t)((char *)&params.soils[deform_soil_slots(&deform->params)] - (char *)&params),
 	});
 	return STATUS_OK;
 }
@@ -281,8 +245,8 @@ static enum status shed_and_take(struct deform *deform, const struct slide_place
 	enum status status = shed(deform, place, iteration);
 	if (status != STATUS_OK)
 		return status;
-	struct gpu_program_request request = {.vertex = vertex_of(place), .fragment = "deform/slide_take.frag"};
-	define_end(deform, place, last, &request);
+	struct deform_request request;
+	programs_slide(&deform->params, SLIDE_TAKE, place->blocks > 0, last, &request);
 	struct gpu_program **program = &deform->slide[place->blocks > 0][last];
 	status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
@@ -316,6 +280,6 @@ enum status deform_slide(struct deform *deform, const struct deform_window *wind
 		.flags = awake_flags(deform, window, layer),
 	};
 	assert(deform->scratch[layer].now[PLANE_OFFSET] == 1);
-	assert(!is_heaped(deform) || deform->scratch[layer].now[PLANE_HEAPED] == 1);
+	assert(!(deform->planes & PLANE_BIT(PLANE_HEAPED)) || deform->scratch[layer].now[PLANE_HEAPED] == 1);
 	return deform_slide_run(deform, &place);
 }

@@ -3,9 +3,9 @@
 
 #include "deform/internal.h"
 
-enum status deform_program(struct deform *deform, const struct gpu_program_request *request, struct gpu_program **place)
+enum status deform_program(struct deform *deform, const struct deform_request *request, struct gpu_program **place)
 {
-	return *place != NULL ? STATUS_OK : gpu_program_get(deform->params.gpu, request, place);
+	return *place != NULL ? STATUS_OK : gpu_program_get(deform->params.gpu, &request->gl, place);
 }
 
 struct press_params deform_press_params(const struct deform *deform, const struct deform_sweep *sweep,
@@ -38,15 +38,17 @@ struct gpu_rect deform_window_rect(const struct deform_window *window)
 				 (uint32_t)(window->read.y1 - window->read.y0)};
 }
 
-enum status deform_press(struct deform *deform, const struct gpu_program_request *request, struct gpu_program **program,
-			 const void *params, size_t params_bytes, const struct deform_window *window, uint32_t layer)
+enum status deform_press(struct deform *deform, const void *params, size_t params_bytes,
+			 const struct deform_window *window, uint32_t layer)
 {
-	enum status status = deform_program(deform, request, program);
+	struct deform_request request;
+	programs_press(&deform->params, 0, &request);
+	enum status status = deform_program(deform, &request, &deform->press);
 	if (status != STATUS_OK)
 		return status;
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
 		.stage = GPU_PRESS,
-		.program = *program,
+		.program = deform->press,
 		.target = deform->scratch[layer].to[TO_PRESSED],
 		.viewport = deform_window_rect(window),
 		.textures = {deform->bases, deform->planes_of[0][PLANE_OFFSET], deform->under, deform->rest, deform->classes},
@@ -60,7 +62,8 @@ enum status deform_press(struct deform *deform, const struct gpu_program_request
 
 static enum status dirty(struct deform *deform, struct post_rect read, uint32_t layer)
 {
-	static const struct gpu_program_request request = {.vertex = "full.vert", .fragment = "deform/dirt.frag"};
+	struct deform_request request;
+	programs_dirt(&request);
 	enum status status = deform_program(deform, &request, &deform->dirt);
 	if (status != STATUS_OK)
 		return status;
@@ -94,7 +97,7 @@ enum status deform_run_stages(struct deform *deform, const struct deform_sweep *
 	const struct post_rect all = deform_reached(deform, sweep), write = window->write;
 	memset(scratch->now, 0, sizeof scratch->now);
 	scratch->alone = all.x0 == write.x0 && all.y0 == write.y0 && all.x1 == write.x1 && all.y1 == write.y1;
-	scratch->loaded = sweep->load > 0;
+	scratch->loaded = deform->params.model == DEFORM_SCM && sweep->load > 0;
 	enum status status = deform_underside(deform, sweep, window, layer);
 	if (status == STATUS_OK)
 		status = models[deform->params.model](deform, sweep, window, layer);

@@ -10,12 +10,12 @@ struct under_params {
 	struct body sweep, end;
 };
 
-/* The posts that it can be above, in the window. */
+/* The posts that it can be above, in the window; if there are none, any: a window's passes are as many wherever it lies. */
 static struct gpu_rect shadow_of(const struct deform *deform, const struct deform_sweep *sweep, struct post_rect read)
 {
 	struct post_rect in = post_rect_intersect(deform_shadow(deform, sweep), read);
 	if (post_rect_empty(in))
-		return (struct gpu_rect){0, 0, 0, 0};
+		return (struct gpu_rect){0, 0, 1, 1};
 	return (struct gpu_rect){(uint32_t)(in.x0 - read.x0), (uint32_t)(in.y0 - read.y0), (uint32_t)(in.x1 - in.x0),
 				 (uint32_t)(in.y1 - in.y0)};
 }
@@ -23,15 +23,9 @@ static struct gpu_rect shadow_of(const struct deform *deform, const struct defor
 enum status deform_underside(struct deform *deform, const struct deform_sweep *sweep,
 			     const struct deform_window *window, uint32_t layer)
 {
-	static const char *const shapes[DEFORM_SHAPES] = {"SHAPE_WHEEL", "SHAPE_SPHERE", "SHAPE_BOX"};
 	enum deform_shape_kind kind = sweep->shape->kind;
 	if (kind == DEFORM_MESH)
 		return deform_mesh(deform, sweep, window, layer);
-	struct gpu_program_request request = {
-		.vertex = "full.vert",
-		.fragment = "deform/under.frag",
-		.defines = {shapes[kind]},
-	};
 	const struct post_rect read = window->read;
 	const struct deform_pose *from = deform_is_contact_only(sweep) ? &sweep->to : &sweep->from;
 	struct body_frame frame = {
@@ -45,11 +39,8 @@ enum status deform_underside(struct deform *deform, const struct deform_sweep *s
 	body_of(sweep->shape, &sweep->to, &sweep->to, &frame, &params.end);
 	/* A wheel that goes where it rolls needs no times at which its sides pass. */
 	bool sideways = kind == DEFORM_WHEEL && (params.sweep.c[1] != 0 || params.end.c[1] != 0);
-	size_t defines = 1;
-	if (deform->rest != NULL)
-		request.defines[defines++] = "REST";
-	if (sideways)
-		request.defines[defines++] = "SIDEWAYS";
+	struct deform_request request;
+	programs_underside(&deform->params, kind, sideways, &request);
 	struct gpu_program **program = &deform->under_program[kind + (sideways ? DEFORM_SHAPES : 0)];
 	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)

@@ -138,14 +138,29 @@ bool deform_covers(const struct deform *deform, const struct deform_sweep *sweep
 	return post_rect_empty(held) || (held.x0 >= all.x0 && held.y0 >= all.y0 && held.x1 <= all.x1 && held.y1 <= all.y1);
 }
 
-static int64_t core_of(const struct deform *deform)
+int64_t deform_reach(const struct deform_params *params)
 {
-	return DEFORM_WINDOW_POSTS - 2 * deform->border;
+	if (deform_conserves(params->model))
+		return params->iterations + 2; /* what is pressed is laid down beside it, and slides on by a post an iteration */
+	return params->model == DEFORM_BOX_FILTER ? params->box_radius : 0;
+}
+
+int64_t deform_border(const struct deform_params *params)
+{
+	if (deform_conserves(params->model))
+		return 1; /* whose heights are looked at */
+	/* A window's posts are right as far in as wrong ones from beyond its rim can reach. */
+	return params->model == DEFORM_BOX_FILTER ? (int64_t)params->box_radius * params->box_repetitions : 0;
+}
+
+int64_t deform_core(const struct deform_params *params)
+{
+	return DEFORM_WINDOW_POSTS - 2 * deform_border(params);
 }
 
 bool deform_fits_window(const struct deform *deform, struct post_rect reached)
 {
-	return reached.x1 - reached.x0 <= core_of(deform) && reached.y1 - reached.y0 <= core_of(deform);
+	return reached.x1 - reached.x0 <= deform_core(&deform->params) && reached.y1 - reached.y0 <= deform_core(&deform->params);
 }
 
 enum status deform_windows(struct deform *deform, const struct deform_sweep *sweep,
@@ -159,7 +174,7 @@ enum status deform_windows(struct deform *deform, const struct deform_sweep *swe
 	if (post_rect_empty(write))
 		return STATUS_OK;
 	/* Cut on multiples of the core, so that the cuts are the terrain's, not the object's or the tiles'. */
-	int64_t core = core_of(deform);
+	int64_t core = deform_core(&deform->params);
 	bool one = deform_fits_window(deform, write);
 	if (!one && sweep->load > 0)
 		return fail_with(STATUS_INPUT, "load: an object of %lld x %lld posts is too large for one; give sink instead, or a "

@@ -17,6 +17,7 @@
 #include <stdint.h>
 
 #include "base/base.h"
+#include "base/plan.h"
 #include "base/plane.h"
 
 struct gpu;
@@ -66,6 +67,8 @@ struct gpu_stats {
 	uint32_t textures;  /* alive */
 	uint64_t bytes;     /* of textures and buffers alive */
 	uint64_t uploads, upload_bytes, read_backs, read_back_bytes;
+	uint32_t ring_segments; /* of the passes' parameters (PLAN_RING) */
+	uint32_t unplanned;     /* programs linked after gpu_seal */
 };
 /* Over all stages of a group. */
 uint64_t gpu_group_passes(const struct gpu_stats *stats, enum gpu_group group);
@@ -85,6 +88,8 @@ void gpu_finish(struct gpu *gpu); /* waits for the driver: benches, and before t
 
 /* --- textures and targets: gpu_texture.c --- */
 enum gpu_format { GPU_R32I, GPU_R16UI, GPU_R8UI, GPU_RGBA32I, GPU_RGBA8, GPU_SRGB8_ALPHA8, GPU_DEPTH32F };
+
+size_t gpu_format_bytes(enum gpu_format format); /* of a texel */
 
 /* layers 0: a plain 2D texture; otherwise an array. Contents start undefined. NEAREST, clamped. */
 enum status gpu_texture_create(struct gpu *gpu, enum gpu_format format, uint32_t width,
@@ -147,6 +152,14 @@ struct gpu_program_request {
 };
 enum status gpu_program_get(struct gpu *gpu, const struct gpu_program_request *request,
 			    struct gpu_program **out) FURROW_CHECKED;
+/* What plans and listings call it: "VERTEX FRAGMENT DEFINE ...", cut to `size`. Pure. */
+#define GPU_PROGRAM_NAME 256
+void gpu_program_name(const struct gpu_program_request *request, char *name, size_t size);
+/* Every program that was linked, the latest first, and the passes that ran with it since the start. */
+void gpu_programs_each(const struct gpu *gpu, void (*each)(void *user, const char *name, uint64_t passes), void *user);
+/* From now on no program should be missing: one that is linked all the same is counted (stats.unplanned), and the first is
+ * told in a note. */
+void gpu_seal(struct gpu *gpu);
 
 /* --- buffers: gpu_buffer.c --- */
 /* Of fixed size; zeroed if there is no data. */
@@ -195,7 +208,7 @@ void gpu_pass_run(struct gpu *gpu, const struct gpu_pass *pass);
  * a texture of its own format; a base slot has one only while its tile is deformed.
  *
  * Offset and dirt are drawn: every deformed tile has them, coarser ones too. The others are state of
- * the working level alone, there once gpu_slots_deform or an upload asked for them.
+ * the working level alone, all of them there once gpu_slots_deform or an upload asked for one.
  */
 #define GPU_DRAWN_PLANES (PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DIRT))
 struct gpu_slot {
@@ -215,6 +228,19 @@ struct gpu_slots_bytes {
 	uint64_t base, classes, planes[PLANES];
 };
 void gpu_slots_bytes(const struct gpu_slots *slots, struct gpu_slots_bytes *bytes);
+/* How many of each there ever were: they stay until the end. And what was worked out in them. */
+struct gpu_slots_figures {
+	uint64_t base_slots, class_slots, deform_slots, state_slots, patches;
+	uint64_t subdivided, decimated; /* bases interpolated; decimations of a tile that was deformed */
+};
+void gpu_slots_figures(const struct gpu_slots *slots, struct gpu_slots_figures *figures);
+/* The lines of slots of so many cells and those planes, with `classes` of soil, that divide (the working level is below 0)
+ * and decimate (something is deformed and looked at). `effect` calls for deform slots; NULL: none. With them the ring of
+ * the passes' parameters. Pure. */
+void gpu_slots_plan(uint32_t cells, unsigned planes, bool classes, bool divides, bool decimates, const char *effect,
+		    struct plan *plan);
+/* Links the programs that such slots will run. */
+enum status gpu_slots_warm(struct gpu_slots *slots, bool divides, bool decimates) FURROW_CHECKED;
 /* Planes are tight in staging, row 0 first, each at an offset in bytes; a plane of int32 posts at a
  * multiple of 4, one of uint16 at one of 2. What follows only begins transfers, none of them waits for one. */
 #define GPU_NO_PLANE SIZE_MAX /* an offset: it is not there, or not wanted */

@@ -84,4 +84,5 @@ void gpu_pass_run(struct gpu *gpu, const struct gpu_pass *pass)
 	draw(gpu, pass);
 	gpu_timer_end(gpu, pass->stage);
 	gpu->stats.passes[pass->stage]++;
+	pass->program->passes++;
 }

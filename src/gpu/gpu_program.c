@@ -9,17 +9,36 @@
 
 #define LOG_BYTES 4096
 
+/* Appends to `text`, which holds `used` of its `size`; how long all of it would be. */
+static size_t append(char *text, size_t size, size_t used, const char *word, char behind)
+{
+	int length = snprintf(used < size ? text + used : NULL, used < size ? size - used : 0, "%s%c", word, behind);
+	return used + (size_t)length;
+}
+
+/* Each part and `behind` it. */
+static size_t write_request(const struct gpu_program_request *request, char behind, char *text, size_t size)
+{
+	size_t used = append(text, size, 0, request->vertex, behind);
+	used = append(text, size, used, request->fragment, behind);
+	for (size_t i = 0; i < GPU_DEFINES_MAX && request->defines[i] != NULL; i++)
+		used = append(text, size, used, request->defines[i], behind);
+	return used;
+}
+
+void gpu_program_name(const struct gpu_program_request *request, char *name, size_t size)
+{
+	size_t length = write_request(request, ' ', name, size);
+	if (length < size)
+		name[length - 1] = '\0';
+}
+
 static char *request_key(const struct gpu_program_request *request)
 {
-	size_t bytes = strlen(request->vertex) + strlen(request->fragment) + 3;
-	for (size_t i = 0; i < GPU_DEFINES_MAX && request->defines[i] != NULL; i++)
-		bytes += strlen(request->defines[i]) + 1;
+	size_t bytes = write_request(request, '\n', NULL, 0) + 1;
 	char *key = mem_alloc(bytes, 1);
-	if (key == NULL)
-		return NULL;
-	size_t length = (size_t)snprintf(key, bytes, "%s\n%s\n", request->vertex, request->fragment);
-	for (size_t i = 0; i < GPU_DEFINES_MAX && request->defines[i] != NULL; i++)
-		length += (size_t)snprintf(key + length, bytes - length, "%s\n", request->defines[i]);
+	if (key != NULL)
+		write_request(request, '\n', key, bytes);
 	return key;
 }
 
@@ -102,6 +121,31 @@ done:
 	return status;
 }
 
+static void tell_unplanned(struct gpu *gpu, const struct gpu_program_request *request)
+{
+	char name[GPU_PROGRAM_NAME];
+	if (gpu->stats.unplanned++ > 0)
+		return;
+	gpu_program_name(request, name, sizeof name);
+	note("program %s: it was linked during the drive, and nothing planned it; report this", name);
+}
+
+void gpu_seal(struct gpu *gpu)
+{
+	gpu->sealed = true;
+}
+
+void gpu_programs_each(const struct gpu *gpu, void (*each)(void *user, const char *name, uint64_t passes), void *user)
+{
+	for (const struct gpu_program *program = gpu->programs; program != NULL; program = program->next) {
+		char name[GPU_PROGRAM_NAME];
+		snprintf(name, sizeof name, "%s", program->key);
+		for (char *at = strchr(name, '\n'); at != NULL; at = strchr(at, '\n'))
+			*at = at[1] != '\0' ? ' ' : '\0';
+		each(user, name, program->passes);
+	}
+}
+
 enum status gpu_program_get_from(struct gpu *gpu, const struct shader_text *table,
 				 const struct gpu_program_request *request, struct gpu_program **out)
 {
@@ -129,6 +173,8 @@ enum status gpu_program_get_from(struct gpu *gpu, const struct shader_text *tabl
 	program->next = gpu->programs;
 	gpu->programs = program;
 	gpu->stats.programs++;
+	if (gpu->sealed)
+		tell_unplanned(gpu, request);
 	*out = program;
 	return STATUS_OK;
 }

@@ -10,7 +10,6 @@
 
 #include "gpu/internal.h"
 
-#define SEGMENT_BYTES ((size_t)128 * 1024)
 #define ALIGNMENT ((size_t)256) /* the largest GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT GL allows */
 
 static enum status segment_create(struct gpu *gpu, struct gpu_ring_segment *segment)
@@ -18,8 +17,8 @@ static enum status segment_create(struct gpu *gpu, struct gpu_ring_segment *segm
 	const GLbitfield flags = GL_MAP_WRITE_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
 	*segment = (struct gpu_ring_segment){0};
 	glCreateBuffers(1, &segment->buffer);
-	glNamedBufferStorage(segment->buffer, (GLsizeiptr)SEGMENT_BYTES, NULL, flags);
-	segment->map = glMapNamedBufferRange(segment->buffer, 0, (GLsizeiptr)SEGMENT_BYTES, flags);
+	glNamedBufferStorage(segment->buffer, (GLsizeiptr)GPU_RING_BYTES, NULL, flags);
+	segment->map = glMapNamedBufferRange(segment->buffer, 0, (GLsizeiptr)GPU_RING_BYTES, flags);
 	enum status status = gpu_check(gpu, "GPU parameter buffer");
 	if (status == STATUS_OK && segment->map == NULL)
 		status = gpu_fail(gpu, fail_with(STATUS_FAILED,
@@ -28,7 +27,8 @@ static enum status segment_create(struct gpu *gpu, struct gpu_ring_segment *segm
 		glDeleteBuffers(1, &segment->buffer);
 		return status;
 	}
-	gpu->stats.bytes += SEGMENT_BYTES;
+	gpu->stats.bytes += GPU_RING_BYTES;
+	gpu->stats.ring_segments++;
 	return STATUS_OK;
 }
 
@@ -90,7 +90,7 @@ enum status gpu_ring_bind(struct gpu *gpu, const void *params, size_t bytes)
 	struct gpu_ring *ring = &gpu->ring;
 	size_t padded = (bytes + 15) / 16 * 16; /* a std140 block's size is a multiple of 16 */
 	assert(bytes > 0 && bytes <= 16384);
-	if (ring->count == 0 || ring->used + padded > SEGMENT_BYTES) {
+	if (ring->count == 0 || ring->used + padded > GPU_RING_BYTES) {
 		enum status status = advance(gpu);
 		if (status != STATUS_OK)
 			return status;
@@ -108,7 +108,8 @@ void gpu_ring_finish(struct gpu *gpu)
 	for (uint32_t i = 0; i < gpu->ring.count; i++) {
 		segment_unfence(&gpu->ring.segments[i]);
 		glDeleteBuffers(1, &gpu->ring.segments[i].buffer);
-		gpu->stats.bytes -= SEGMENT_BYTES;
+		gpu->stats.bytes -= GPU_RING_BYTES;
+		gpu->stats.ring_segments--;
 	}
 	gpu->ring = (struct gpu_ring){0};
 }

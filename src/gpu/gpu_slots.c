@@ -7,8 +7,8 @@
  * Invariants:
  *   1. slot.planes and slot.target are of the slot's deform slot, or all NULL.
  *   2. A deform slot is held by exactly one base slot, or is in one of the free lists.
- *   3. A deform slot has all planes that are drawn from its making on, others once they were wanted: a
- *      coarser tile's has them only if a tile of the working level held it before.
+ *   3. A deform slot has all planes that are drawn from its making on, and all others once one was wanted: a
+ *      coarser tile's has those only if a tile of the working level held it before.
  *   4. There are never more deform slots than base slots.
  */
 #include <string.h>
@@ -38,6 +38,7 @@ struct gpu_slots {
 	struct deform_slot *all, *free[2]; /* those with state planes apart */
 	struct gpu_texture *scratch[SCRATCH_COUNT];
 	uint32_t next_scratch;
+	uint64_t subdivided, decimated;
 };
 
 static struct gpu_rect whole(const struct gpu_slots *slots)
@@ -74,6 +75,11 @@ enum status gpu_slots_create(struct gpu *gpu, uint32_t cells, uint32_t count, un
 	};
 	*out = slots;
 	return STATUS_OK;
+}
+
+struct gpu *gpu_slots_gpu(const struct gpu_slots *slots)
+{
+	return slots->gpu;
 }
 
 unsigned gpu_slots_planes(const struct gpu_slots *slots)
@@ -131,6 +137,29 @@ void gpu_slots_bytes(const struct gpu_slots *slots, struct gpu_slots_bytes *byte
 			bytes->planes[plane] += bytes_of(home->planes[plane]);
 }
 
+static bool has_state(const struct deform_slot *home)
+{
+	for (int plane = 0; plane < PLANES; plane++)
+		if (home->planes[plane] != NULL && !(GPU_DRAWN_PLANES & PLANE_BIT(plane)))
+			return true;
+	return false;
+}
+
+void gpu_slots_figures(const struct gpu_slots *slots, struct gpu_slots_figures *figures)
+{
+	*figures = (struct gpu_slots_figures){.subdivided = slots->subdivided, .decimated = slots->decimated};
+	for (uint32_t i = 0; i < slots->count; i++) {
+		figures->base_slots += slots->entries[i].slot.base != NULL;
+		figures->class_slots += slots->entries[i].slot.classes != NULL;
+	}
+	for (const struct deform_slot *home = slots->all; home != NULL; home = home->next) {
+		figures->deform_slots++;
+		figures->state_slots += has_state(home);
+	}
+	for (int i = 0; i < SCRATCH_COUNT; i++)
+		figures->patches += slots->scratch[i] != NULL;
+}
+
 static enum status need_base(struct gpu_slots *slots, struct entry *entry)
 {
 	if (entry->slot.base != NULL)
@@ -169,7 +198,6 @@ static enum status upload_patch(struct gpu_slots *slots, struct gpu_staging *sta
 enum status gpu_slots_subdivide_base(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
 				     size_t patch, int shift, uint32_t sub_x, uint32_t sub_y)
 {
-	static const struct gpu_program_request request = {"full.vert", "subdivide.frag", {NULL}};
 	struct entry *entry = entry_of(slots, slot);
 	struct gpu_program *program;
 	struct gpu_texture *scratch;
@@ -178,7 +206,7 @@ enum status gpu_slots_subdivide_base(struct gpu_slots *slots, uint32_t slot, str
 		uint32_t sub_x, sub_y, stride;
 		int32_t shift;
 	} params = {sub_x, sub_y, lattice_patch_posts(slots->cells, shift), shift};
-	enum status status = gpu_program_get(slots->gpu, &request, &program);
+	enum status status = gpu_program_get(slots->gpu, gpu_slots_subdivide_request(), &program);
 	if (status == STATUS_OK)
 		status = need_base(slots, entry);
 	if (status == STATUS_OK && entry->base_target == NULL)
@@ -188,6 +216,7 @@ enum status gpu_slots_subdivide_base(struct gpu_slots *slots, uint32_t slot, str
 		status = upload_patch(slots, staging, patch, params.stride, &scratch);
 	if (status != STATUS_OK)
 		return status;
+	slots->subdivided++;
 	gpu_pass_run(slots->gpu, &(struct gpu_pass){
 		.stage = GPU_SUBDIVIDE,
 		.program = program,
@@ -251,14 +280,6 @@ static enum status deform_slot_create(struct gpu_slots *slots, struct deform_slo
 	return STATUS_OK;
 }
 
-static bool has_state(const struct deform_slot *home)
-{
-	for (int plane = 0; plane < PLANES; plane++)
-		if (home->planes[plane] != NULL && !(GPU_DRAWN_PLANES & PLANE_BIT(plane)))
-			return true;
-	return false;
-}
-
 /* A free deform slot, if it can be one that suits; NULL: there is none. */
 static struct deform_slot *take_free(struct gpu_slots *slots, bool state)
 {
@@ -306,11 +327,12 @@ static void clear_planes(const struct entry *entry, unsigned planes, struct gpu_
 static enum status need_planes(struct gpu_slots *slots, struct entry *entry, unsigned planes, unsigned *fresh)
 {
 	enum status status = STATUS_OK;
-	planes = (planes | GPU_DRAWN_PLANES) & slots->planes;
+	bool state = (planes & slots->planes & ~GPU_DRAWN_PLANES) != 0;
+	planes = state ? slots->planes : GPU_DRAWN_PLANES & slots->planes;
 	*fresh = 0;
 	bool had = entry->home != NULL;
 	if (!had)
-		status = hold(slots, entry, (planes & ~GPU_DRAWN_PLANES) != 0);
+		status = hold(slots, entry, state);
 	for (int plane = 0; plane < PLANES && status == STATUS_OK; plane++) {
 		if (!(planes & PLANE_BIT(plane)) || entry->slot.planes[plane] != NULL)
 			continue;
@@ -397,8 +419,6 @@ static uint32_t kept(uint32_t length, int steps)
 enum status gpu_slots_decimate(struct gpu_slots *slots, uint32_t fine, struct gpu_rect rect, int steps,
 			       uint32_t coarse, uint32_t to_x, uint32_t to_y)
 {
-	static const struct gpu_program_request plain = {"full.vert", "decimate.frag", {NULL}},
-						with_dirt = {"full.vert", "decimate.frag", {"DIRT"}};
 	const struct entry *from = entry_of(slots, fine);
 	struct entry *to = entry_of(slots, coarse);
 	struct gpu_program *program;
@@ -422,7 +442,7 @@ enum status gpu_slots_decimate(struct gpu_slots *slots, uint32_t fine, struct gp
 		clear_planes(to, GPU_DRAWN_PLANES, into);
 		return gpu_check(slots->gpu, "decimation");
 	}
-	status = gpu_program_get(slots->gpu, slots->planes & PLANE_BIT(PLANE_DIRT) ? &with_dirt : &plain, &program);
+	status = gpu_program_get(slots->gpu, gpu_slots_decimate_request(slots->planes), &program);
 	if (status != STATUS_OK)
 		return status;
 	struct {
@@ -432,6 +452,7 @@ enum status gpu_slots_decimate(struct gpu_slots *slots, uint32_t fine, struct gp
 		.to = {(int32_t)to_x, (int32_t)to_y},
 		.steps = shift,
 	};
+	slots->decimated++;
 	gpu_pass_run(slots->gpu, &(struct gpu_pass){
 		.stage = GPU_PYRAMID,
 		.program = program,

@@ -89,6 +89,11 @@ static void assert_inside(const struct gpu_texture *texture, uint32_t layer, str
 	(void)texture, (void)layer, (void)rect;
 }
 
+size_t gpu_format_bytes(enum gpu_format format)
+{
+	return formats[format].bytes;
+}
+
 size_t gpu_texel_bytes(const struct gpu_texture *texture)
 {
 	return formats[texture->format].bytes;

@@ -26,6 +26,7 @@ void gpu_egl_close(struct gpu_egl *egl); /* takes one that was never opened, all
  * is put between: writing never waits and never touches what a queued draw still reads.
  */
 #define GPU_RING_SEGMENTS 64
+#define GPU_RING_BYTES ((size_t)128 * 1024) /* of a segment */
 struct gpu_ring_segment {
 	GLuint buffer;
 	uint8_t *map;
@@ -73,6 +74,7 @@ struct gpu {
 	const struct gpu_texture *images[GPU_PASS_IMAGES];
 	const struct gpu_buffer *indices;
 	bool depth_test, cull_back, srgb;
+	bool sealed; /* no program should be missing any more */
 	bool storage_written; /* a pass had storage buffers; no barrier since */
 	bool images_written;  /* a pass had images; no barrier since */
 };
@@ -129,6 +131,7 @@ struct gpu_program {
 	struct gpu_program *next;
 	GLuint name;
 	const struct shader_text *table;
+	uint64_t passes; /* that ran with it */
 	char *key; /* vertex, fragment and defines, a line each */
 };
 
@@ -156,5 +159,10 @@ void gpu_shader_locate(const struct gpu_shader *shader, const char *log, const c
 enum status gpu_program_get_from(struct gpu *gpu, const struct shader_text *table,
 				 const struct gpu_program_request *request, struct gpu_program **out) FURROW_CHECKED;
 void gpu_programs_finish(struct gpu *gpu);
+
+/* --- gpu_slots_plan.c: the programs of slots --- */
+const struct gpu_program_request *gpu_slots_subdivide_request(void);
+const struct gpu_program_request *gpu_slots_decimate_request(unsigned planes);
+struct gpu *gpu_slots_gpu(const struct gpu_slots *slots);
 
 #endif

@@ -240,14 +240,10 @@ static enum status start_pages(struct drive *drive)
 static enum status warm_up(struct drive *drive)
 {
 	enum status status = STATUS_OK;
-	bool warm[DEFORM_SHAPES][2][2] = {{{false}}}; /* without lugs, and with; a load */
 	for (size_t i = 0; i < drive->scene->object_count && status == STATUS_OK; i++) {
-		const struct deform_shape *shape = &drive->scene->objects[i].shape;
-		double load = drive->scene->objects[i].load;
-		bool *is_warm = &warm[shape->kind][shape->lugs > 0][load > 0];
-		if (!*is_warm)
-			status = deform_warm(drive->deform, shape, load, drive->forces != NULL);
-		*is_warm = true;
+		const struct scene_object *object = &drive->scene->objects[i];
+		const struct deform_planned planned = {&object->shape, object->load, object->path.count > 1};
+		status = deform_warm(drive->deform, &planned, drive->scene->forces > 0);
 	}
 	if (status == STATUS_OK)
 		status = prefetch_first(drive->prefetch);

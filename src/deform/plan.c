@@ -1,0 +1,128 @@
+/* What a deform will make and run: its programs, its passes and its memory, each from the file that makes or runs it. */
+#include "deform/internal.h"
+
+static void add_program(void *user, const char *effect, const struct gpu_program_request *request)
+{
+	char name[GPU_PROGRAM_NAME];
+	gpu_program_name(request, name, sizeof name);
+	plan_add(user, &(struct plan_line){.kind = PLAN_PROGRAM, .effect = effect, .object = -1, .amount = 1}, name);
+}
+
+static void add_passes(struct plan *plan, const char *effect, int object, enum plan_unit unit, enum gpu_stage stage,
+		       int amount)
+{
+	if (amount > 0)
+		plan_add(plan, &(struct plan_line){.kind = PLAN_PASS, .unit = unit, .effect = effect, .object = object,
+						   .amount = amount}, gpu_stage_name(stage));
+}
+
+void deform_plan_buffer(struct plan *plan, const char *effect, int64_t amount, uint64_t bytes, const char *name)
+{
+	plan_add(plan, &(struct plan_line){.kind = PLAN_BUFFER, .effect = effect, .object = -1, .amount = amount, .bytes = bytes},
+		 name);
+}
+
+static void plan_planes(const struct deform_params *params, struct plan *plan)
+{
+	unsigned planes = deform_planes(params->model, params->dirt);
+	const char *press = deform_press_effect(params->model);
+	for (int plane = 0; plane < PLANES; plane++)
+		if (planes & PLANE_BIT(plane))
+			plan_add(plan, &(struct plan_line){.kind = PLAN_PLANE, .effect = plane == PLANE_DIRT ? "dirt" : press, .object = -1,
+							   .amount = 1, .bytes = plane_bytes((enum plane)plane)},
+				 plane_name((enum plane)plane));
+}
+
+static bool is_loaded(const struct deform_params *params, const struct deform_planned *object)
+{
+	return params->model == DEFORM_SCM && object->load > 0;
+}
+
+static int find_passes(const struct deform_params *params, const struct deform_planned *object)
+{
+	bool load = is_loaded(params, object);
+	bool patch = deform_is_counted(params, object->shape) && (load || deform_always_fits(params, object->shape));
+	return deform_find_passes(patch, load);
+}
+
+/* Over one window of one object. */
+static void plan_windows(const struct deform_params *params, const struct deform_planned *object, int number,
+			 struct plan *plan)
+{
+	const char *press = deform_press_effect(params->model), *slide = deform_slide_effect(params->model);
+	add_passes(plan, press, number, PLAN_WINDOW, GPU_UNDERSIDE, object->shape->kind != DEFORM_MESH);
+	add_passes(plan, is_loaded(params, object) ? "load" : press, number, PLAN_WINDOW, GPU_LOAD, find_passes(params, object));
+	add_passes(plan, press, number, PLAN_WINDOW, GPU_PRESS, 1);
+	if (params->model == DEFORM_BOX_FILTER && object->moves)
+		add_passes(plan, "box", number, PLAN_MOVED, GPU_SMOOTH, params->box_repetitions);
+	if (deform_conserves(params->model)) {
+		add_passes(plan, "spread", number, PLAN_WINDOW, GPU_SPREAD, 1);
+		add_passes(plan, slide, number, PLAN_WINDOW, GPU_SLIDE, deform_slide_passes(params));
+	}
+	if (params->dirt)
+		add_passes(plan, "dirt", number, PLAN_WINDOW, GPU_DIRT, 1);
+}
+
+/* What some of the objects call for, once. */
+struct any {
+	const char *facets, *tries, *forces; /* the effect that does; NULL: none */
+	bool closed;                         /* some are closed forms */
+};
+
+static void look(const struct deform_params *params, const struct deform_planned *object, bool forces, struct any *any)
+{
+	const struct deform_shape *shape = object->shape;
+	bool load = is_loaded(params, object);
+	any->closed = any->closed || shape->kind != DEFORM_MESH;
+	if (any->facets == NULL && (shape->kind == DEFORM_MESH || shape->lugs > 0))
+		any->facets = shape->kind == DEFORM_MESH ? "mesh" : "lugs";
+	if (any->tries == NULL && (load || deform_is_counted(params, shape)))
+		any->tries = load ? "load" : "scm";
+	if (any->forces == NULL && params->model == DEFORM_SCM && (load || forces))
+		any->forces = forces ? "forces" : "load";
+}
+
+static void plan_intervals(const struct deform_params *params, const struct any *any, struct plan *plan)
+{
+	const char *effect = deform_slide_effect(params->model);
+	add_passes(plan, effect, -1, PLAN_ATLAS, GPU_SETTLE, deform_slide_passes(params));
+	add_passes(plan, effect, -1, PLAN_HELD, GPU_HOLD, 1);
+	if (any->closed)
+		add_passes(plan, effect, -1, PLAN_RESTING, GPU_UNDERSIDE, 1);
+	awake_plan(effect, plan);
+	interval_plan(params, plan);
+}
+
+void deform_plan(const struct deform_params *params, const struct deform_planned *objects, size_t count, bool forces,
+		 struct plan *plan)
+{
+	struct any any = {.facets = NULL};
+	if (count == 0)
+		return;
+	plan_planes(params, plan);
+	for (size_t i = 0; i < count; i++) {
+		programs_each(params, &objects[i], forces, add_program, plan);
+		plan_windows(params, &objects[i], (int)i, plan);
+		look(params, &objects[i], forces, &any);
+	}
+	scratch_plan(params, plan);
+	deform_plan_buffer(plan, deform_press_effect(params->model), 1, sizeof(struct deform_tally), "tally");
+	if (params->carriers > 0)
+		deform_plan_buffer(plan, "load", 1, params->carriers * sizeof(int32_t), "heights of the loaded");
+	if (any.facets != NULL) {
+		add_passes(plan, any.facets, -1, PLAN_FACETS, GPU_FACETS, 1);
+		facets_plan(any.facets, plan);
+	}
+	if (any.tries != NULL)
+		find_plan(any.tries, plan);
+	if (any.forces != NULL)
+		forces_plan(any.forces, plan);
+	if (deform_conserves(params->model))
+		plan_intervals(params, &any, plan);
+}
+
+void deform_figures(const struct deform *deform, struct deform_figures *figures)
+{
+	*figures = deform->figures;
+	figures->window_layers = deform->layers;
+}

@@ -1,0 +1,282 @@
+/* The variants: which files and defines each pass runs with, and which of them an object can ask for. */
+#include "deform/programs.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdio.h>
+
+#include "deform/internal.h"
+
+static void begin(struct deform_request *out, const char *vertex, const char *fragment)
+{
+	*out = (struct deform_request){.gl = {.vertex = vertex, .fragment = fragment}};
+}
+
+/* One more define, if it is called for. */
+static void define(struct deform_request *out, const char *name, bool wanted)
+{
+	size_t count = 0;
+	while (out->gl.defines[count] != NULL)
+		count++;
+	assert(count + 1 < GPU_DEFINES_MAX);
+	if (wanted)
+		out->gl.defines[count] = name;
+}
+
+static void define_number(struct deform_request *out, const char *name, int number)
+{
+	snprintf(out->own, sizeof out->own, "%s %d", name, number);
+	define(out, out->own, true);
+}
+
+static bool is_heaped(const struct deform_params *params)
+{
+	return (deform_planes(params->model, params->dirt) & PLANE_BIT(PLANE_HEAPED)) != 0;
+}
+
+void programs_underside(const struct deform_params *params, enum deform_shape_kind kind, bool sideways,
+			struct deform_request *out)
+{
+	static const char *const shapes[DEFORM_SHAPES] = {"SHAPE_WHEEL", "SHAPE_SPHERE", "SHAPE_BOX"};
+	begin(out, "full.vert", "deform/under.frag");
+	define(out, shapes[kind], true);
+	define(out, "REST", deform_needs_contacts(params));
+	define(out, "SIDEWAYS", sideways);
+}
+
+void programs_facet(const struct deform_params *params, struct deform_request *out)
+{
+	begin(out, "deform/facet.vert", "deform/facet.frag");
+	define(out, "REST", deform_needs_contacts(params));
+}
+
+void programs_press(const struct deform_params *params, unsigned with, struct deform_request *out)
+{
+	static const char *const files[DEFORM_MODELS] = {
+		[DEFORM_NONE] = "deform/none.frag",         [DEFORM_BOX_FILTER] = "deform/none.frag",
+		[DEFORM_SUMNER] = "deform/sumner.frag",     [DEFORM_SLIPPAGE] = "deform/slippage.frag",
+		[DEFORM_SCM] = "deform/scm.frag",
+	};
+	begin(out, "full.vert", files[params->model]);
+	if (params->model == DEFORM_SCM) {
+		define(out, "FORCES", with & WITH_FORCES);
+		define(out, "PATCH", with & WITH_PATCH);
+		define(out, "LOAD", with & WITH_LOAD);
+		define(out, "SOIL_MAP", deform_has_classes(params));
+	} else {
+		define(out, "CONTACT", deform_needs_contacts(params));
+	}
+	if (params->model == DEFORM_SUMNER)
+		define_number(out, "SOILS", deform_soil_slots(params));
+}
+
+void programs_find(const struct deform_params *params, enum find_what what, bool patch, struct deform_request *out)
+{
+	begin(out, "full.vert", "deform/scm_find.frag");
+	define(out, "GAP", what == FIND_GAP);
+	define(out, "COUNT", what == FIND_COUNT);
+	define(out, "PATCH", what == FIND_BEARS && patch);
+	define(out, "SOIL_MAP", what == FIND_BEARS && deform_has_classes(params));
+}
+
+void programs_box(const struct deform_params *params, struct deform_request *out)
+{
+	begin(out, "full.vert", "deform/box.frag");
+	define_number(out, "RADIUS", params->box_radius);
+}
+
+void programs_spread(struct deform_request *out)
+{
+	begin(out, "full.vert", "deform/spread.frag");
+}
+
+static void begin_over(struct deform_request *out, bool blocks, const char *fragment)
+{
+	begin(out, blocks ? "deform/regions.vert" : "full.vert", fragment);
+}
+
+void programs_begin(const struct deform_params *params, bool blocks, bool loaded, struct deform_request *out)
+{
+	begin_over(out, blocks, "deform/slide_begin.frag");
+	define(out, "DEPOSITS", !blocks);
+	define(out, "LOAD", !blocks && loaded);
+	define(out, "HEAPED", is_heaped(params));
+	define(out, "BOUNDED", deform_is_bounded(params));
+	define(out, "STEEP", deform_is_steep(params));
+	define(out, "HELD_STILL", params->model != DEFORM_SUMNER);
+}
+
+void programs_slide(const struct deform_params *params, enum slide_what what, bool blocks, bool last,
+		    struct deform_request *out)
+{
+	static const char *const files[] = {
+		[SLIDE_EXCESS] = "deform/slide_excess.frag",
+		[SLIDE_SHED] = "deform/slide_shed.frag",
+		[SLIDE_TAKE] = "deform/slide_take.frag",
+	};
+	begin_over(out, blocks, files[what]);
+	if (what != SLIDE_TAKE) {
+		define_number(out, "SOILS", deform_soil_slots(params));
+		define(out, "BOUNDED", what == SLIDE_EXCESS && deform_is_bounded(params));
+		define(out, "STOOD", deform_asks_what_stood(params));
+	}
+	if (what != SLIDE_SHED && last) {
+		define(out, "LAST", true);
+		define(out, "HEAPED", is_heaped(params));
+		define(out, "FLAGS", blocks);
+	}
+}
+
+void programs_held(bool loaded, struct deform_request *out)
+{
+	begin(out, "full.vert", "deform/held.frag");
+	define(out, "LOAD", loaded);
+}
+
+void programs_dirt(struct deform_request *out)
+{
+	begin(out, "full.vert", "deform/dirt.frag");
+}
+
+/* --- which an object can ask for --- */
+
+const char *deform_press_effect(enum deform_model model)
+{
+	static const char *const names[DEFORM_MODELS] = {
+		[DEFORM_NONE] = "displace", [DEFORM_BOX_FILTER] = "displace", [DEFORM_SUMNER] = "sumner",
+		[DEFORM_SLIPPAGE] = "slippage", [DEFORM_SCM] = "scm",
+	};
+	return names[model];
+}
+
+const char *deform_slide_effect(enum deform_model model)
+{
+	return model == DEFORM_SUMNER ? "shed" : "slide";
+}
+
+const char *deform_contact_effect(enum deform_model model)
+{
+	return model == DEFORM_NONE ? "dirt" : model == DEFORM_BOX_FILTER ? "box" : deform_press_effect(model);
+}
+
+bool deform_is_counted(const struct deform_params *params, const struct deform_shape *shape)
+{
+	return params->model == DEFORM_SCM && (shape->kind == DEFORM_SPHERE || shape->kind == DEFORM_MESH);
+}
+
+bool deform_always_fits(const struct deform_params *params, const struct deform_shape *shape)
+{
+	if (params->world == NULL)
+		return true;
+	/* A station is a post from the next, or as far as a corner's; and ends are rounded. */
+	double across = 2 * deform_shape_bound(shape) / world_spacing(params->world, params->level) + 2 * M_SQRT2 + 4;
+	return across + 2 * (double)deform_reach(params) <= (double)deform_core(params);
+}
+
+struct each {
+	const struct deform_params *params;
+	programs_fn each;
+	void *user;
+	struct deform_request request;
+};
+
+static void add(struct each *each, const char *effect)
+{
+	each->each(each->user, effect, &each->request.gl);
+}
+
+static void each_underside(struct each *each, const struct deform_planned *object)
+{
+	const struct deform_shape *shape = object->shape;
+	const char *press = deform_press_effect(each->params->model);
+	if (shape->kind != DEFORM_MESH) {
+		programs_underside(each->params, shape->kind, false, &each->request);
+		add(each, press);
+	}
+	if (shape->kind == DEFORM_WHEEL && object->moves) {
+		programs_underside(each->params, shape->kind, true, &each->request);
+		add(each, press);
+	}
+	if (shape->kind == DEFORM_MESH || shape->lugs > 0) {
+		programs_facet(each->params, &each->request);
+		add(each, shape->kind == DEFORM_MESH ? "mesh" : "lugs");
+	}
+}
+
+static void each_find(struct each *each, bool patch, bool load)
+{
+	if (load) {
+		programs_find(each->params, FIND_GAP, false, &each->request);
+		add(each, "load");
+		programs_find(each->params, FIND_BEARS, patch, &each->request);
+		add(each, "load");
+	}
+	if (patch) {
+		programs_find(each->params, FIND_COUNT, false, &each->request);
+		add(each, "scm");
+	}
+}
+
+static void each_scm(struct each *each, const struct deform_planned *object, bool forces)
+{
+	bool patch = deform_is_counted(each->params, object->shape), load = object->load > 0;
+	/* A load too large for one window is refused. */
+	bool both = patch && !load && !deform_always_fits(each->params, object->shape);
+	unsigned with = (patch ? WITH_PATCH : 0) | (load ? WITH_LOAD : 0);
+	each_find(each, patch, load);
+	for (int k = 0; k <= both; k++, with &= ~(unsigned)WITH_PATCH) {
+		programs_press(each->params, with, &each->request);
+		add(each, load ? "load" : "scm");
+		if (forces || load) {
+			programs_press(each->params, with | WITH_FORCES, &each->request);
+			add(each, forces ? "forces" : "load");
+		}
+	}
+}
+
+static void each_slide(struct each *each, bool blocks, bool loaded)
+{
+	const struct deform_params *params = each->params;
+	const char *effect = deform_slide_effect(params->model);
+	bool sumner = params->model == DEFORM_SUMNER;
+	programs_begin(params, blocks, loaded, &each->request);
+	add(each, !blocks && loaded ? "load" : effect);
+	if (sumner) {
+		programs_slide(params, SLIDE_SHED, blocks, false, &each->request);
+		add(each, effect);
+	}
+	for (int last = params->iterations == 1; last < 2; last++) {
+		programs_slide(params, sumner ? SLIDE_TAKE : SLIDE_EXCESS, blocks, last, &each->request);
+		add(each, effect);
+	}
+}
+
+void programs_each(const struct deform_params *params, const struct deform_planned *object, bool forces, programs_fn fn,
+		   void *user)
+{
+	struct each each = {.params = params, .each = fn, .user = user};
+	bool loaded = params->model == DEFORM_SCM && object->load > 0;
+	each_underside(&each, object);
+	if (params->model == DEFORM_SCM) {
+		each_scm(&each, object, forces);
+	} else {
+		programs_press(params, 0, &each.request);
+		add(&each, deform_press_effect(params->model));
+	}
+	if (params->model == DEFORM_BOX_FILTER && object->moves) {
+		programs_box(params, &each.request);
+		add(&each, "box");
+	}
+	if (deform_conserves(params->model)) {
+		programs_spread(&each.request);
+		add(&each, "spread");
+		each_slide(&each, false, loaded);
+		each_slide(&each, true, false);
+		programs_held(loaded && params->carriers > 0, &each.request);
+		add(&each, loaded && params->carriers > 0 ? "load" : deform_slide_effect(params->model));
+	}
+	if (params->dirt) {
+		programs_dirt(&each.request);
+		add(&each, "dirt");
+	}
+}

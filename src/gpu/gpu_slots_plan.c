@@ -1,0 +1,80 @@
+/* What slots will make and run; the programs that their passes run with. */
+#include "gpu/internal.h"
+
+static const struct gpu_program_request subdivide = {"full.vert", "subdivide.frag", {NULL}};
+static const struct gpu_program_request decimate[2] = {
+	{"full.vert", "decimate.frag", {NULL}},
+	{"full.vert", "decimate.frag", {"DIRT"}},
+};
+
+const struct gpu_program_request *gpu_slots_subdivide_request(void)
+{
+	return &subdivide;
+}
+
+const struct gpu_program_request *gpu_slots_decimate_request(unsigned planes)
+{
+	return &decimate[(planes & PLANE_BIT(PLANE_DIRT)) != 0];
+}
+
+static void add_program(struct plan *plan, const char *effect, const struct gpu_program_request *request)
+{
+	char name[GPU_PROGRAM_NAME];
+	gpu_program_name(request, name, sizeof name);
+	plan_add(plan, &(struct plan_line){.kind = PLAN_PROGRAM, .effect = effect, .object = -1, .amount = 1}, name);
+}
+
+static void add_pass(struct plan *plan, const char *effect, enum plan_unit unit, enum gpu_stage stage)
+{
+	plan_add(plan, &(struct plan_line){.kind = PLAN_PASS, .unit = unit, .effect = effect, .object = -1, .amount = 1},
+		 gpu_stage_name(stage));
+}
+
+static void add_texture(struct plan *plan, const char *effect, enum plan_unit unit, uint64_t bytes, const char *name)
+{
+	plan_add(plan, &(struct plan_line){.kind = PLAN_TEXTURE, .unit = unit, .effect = effect, .object = -1, .amount = 1,
+					   .bytes = bytes}, name);
+}
+
+void gpu_slots_plan(uint32_t cells, unsigned planes, bool classes, bool divides, bool decimates, const char *effect,
+		    struct plan *plan)
+{
+	uint64_t posts = (uint64_t)(cells + 1) * (cells + 1);
+	planes |= PLANE_BIT(PLANE_OFFSET);
+	plan_add(plan, &(struct plan_line){.kind = PLAN_PLANE, .object = -1, .amount = 1, .bytes = sizeof(int32_t)}, "base");
+	add_texture(plan, NULL, PLAN_BASE_SLOT, posts * sizeof(int32_t), "base");
+	if (classes) {
+		plan_add(plan, &(struct plan_line){.kind = PLAN_PLANE, .effect = "soil_map", .object = -1, .amount = 1, .bytes = 1},
+			 "classes");
+		add_texture(plan, "soil_map", PLAN_CLASS_SLOT, posts, "classes");
+	}
+	for (int plane = 0; plane < PLANES; plane++)
+		if (planes & PLANE_BIT(plane))
+			add_texture(plan, plane == PLANE_DIRT && effect != NULL ? "dirt" : effect,
+				    GPU_DRAWN_PLANES & PLANE_BIT(plane) ? PLAN_DEFORM_SLOT : PLAN_STATE_SLOT,
+				    posts * plane_bytes((enum plane)plane), plane_name((enum plane)plane));
+	if (divides) {
+		uint64_t side = cells / 2 + 1;
+		add_texture(plan, NULL, PLAN_PATCH, side * side * sizeof(int32_t), "patch");
+		add_program(plan, NULL, gpu_slots_subdivide_request());
+		add_pass(plan, NULL, PLAN_SUBDIVIDED, GPU_SUBDIVIDE);
+	}
+	if (decimates) {
+		add_program(plan, effect, gpu_slots_decimate_request(planes));
+		add_pass(plan, effect, PLAN_DECIMATED, GPU_PYRAMID);
+	}
+	plan_add(plan, &(struct plan_line){.kind = PLAN_BUFFER, .unit = PLAN_RING, .object = -1, .amount = 1,
+					   .bytes = GPU_RING_BYTES}, "parameters");
+}
+
+enum status gpu_slots_warm(struct gpu_slots *slots, bool divides, bool decimates)
+{
+	struct gpu *gpu = gpu_slots_gpu(slots);
+	struct gpu_program *program;
+	enum status status = STATUS_OK;
+	if (divides)
+		status = gpu_program_get(gpu, gpu_slots_subdivide_request(), &program);
+	if (status == STATUS_OK && decimates)
+		status = gpu_program_get(gpu, gpu_slots_decimate_request(gpu_slots_planes(slots)), &program);
+	return status;
+}
