@@ -100,6 +100,8 @@ static void check(const struct gpu_slots *slots, const struct plan *plan, bool u
 	uint64_t textures = 0, bytes = 0, passes[GPU_STAGES] = {0}, all = 0;
 	for (size_t i = 0; i < plan->count; i++) {
 		const struct plan_line *line = &plan->lines[i];
+		if (used && line->unit != PLAN_ONCE && line->unit != PLAN_RING && units_of(slots, line->unit) == 0)
+			fail_msg("%s of %s is planned, and never was", line->name, plan_unit_name(line->unit));
 		if (line->kind == PLAN_TEXTURE)
 			textures += (uint64_t)line->amount * units_of(slots, line->unit);
 		if (line->kind == PLAN_TEXTURE || line->kind == PLAN_BUFFER)
