@@ -165,7 +165,8 @@ static void place_of(const struct interval *interval, size_t block, uint32_t *x,
 	*y = square / interval->columns * interval->side;
 }
 
-/* One window of an object at rest, whose underside is in layer 0, over one block. `shadow`: beyond it the object is above no post, and its underside was not drawn. */
+/* One window of an object at rest, whose underside is in layer 0, over one block. `shadow`: beyond it the object is above
+ * no post, and its underside was not drawn. */
 static enum status hold(struct deform *deform, const struct deform_rest *object, struct post_rect window,
 			struct post_rect shadow, size_t block)
 {
@@ -286,7 +287,8 @@ enum status deform_interval_gather(struct deform *deform, size_t block, const st
 	uint32_t x, y;
 	assert(block < interval->count);
 	place_of(interval, block, &x, &y);
-	deform_gather(deform, deform_interval_reads(deform, block), deform->layers, x, y, true, sliding_planes(&deform->params), tiles, count);
+	deform_gather(deform, deform_interval_reads(deform, block), deform->layers, x, y, true, sliding_planes(&deform->params),
+		      tiles, count);
 	close_sides(deform, block, x, y);
 	if (block % interval->batch != interval->batch - 1 && block != interval->count - 1)
 		return STATUS_OK;

@@ -115,7 +115,7 @@ static void go(struct drive *drive)
 	}
 	take_forces(drive);
 	for (int n = 0; n < 3; n++) {
-		assert_ok(deform_wake(drive->ground.deform, drive->ground.windows[0].write));
+		assert_ok(deform_wake(drive->ground.deform, scenario->tiles > 0 ? all_of(&drive->ground) : drive->ground.windows[0].write));
 		size_t blocks = interval(&drive->ground, rests, scenario->count);
 		size_t row = SIDE / (size_t)(deform_conserves(scenario->model) ? deform_interval_side(drive->ground.deform) : SIDE);
 		drive->atlases += (blocks + row * row - 1) / (row * row);
@@ -281,6 +281,8 @@ static void hold_to_plan(const struct scenario *scenario)
 	deform_figures(drive.ground.deform, &figures);
 	assert_int_equal(figures.atlases, drive.atlases);
 	assert_true(!deform_conserves(scenario->model) || (figures.held > 0 && figures.atlases > 0));
+	if (scenario->tiles > 0) /* it grew */
+		assert_true(figures.window_layers > 1 && (!deform_conserves(scenario->model) || figures.result_layers > 1));
 	plan_finish(&plan);
 	ground_finish(&drive.ground);
 	gpu_destroy(test_gpu);
