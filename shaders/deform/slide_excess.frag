@@ -18,7 +18,7 @@ layout(std140, binding = 0) uniform params {
 	ivec4 region;        // regions.vert's; over a window: a post's place from its first block, blocks in a row, the first word
 	ivec4 place;         // the layer; near a block's side is within so many posts of it
 	ivec4 edge;          // over a window: posts across whose sides all was looked at: first, one behind the last
-	ivec4 stands[SOILS]; // difference of heights that stands: axial, diagonal
+	ivec4 stands[SOILS]; // difference of heights that stands: axial, diagonal; what more is tolerated
 };
 
 #include "lib/slid.glsl"
@@ -54,15 +54,17 @@ void main()
 #else
 		ivec2 both = stand;
 #endif
-		int amount = min(min((high - (k < 4 ? both.x : both.y) + 7) >> 3, high >> 3), SLIDE_MOST);
+		int over = high - (k < 4 ? both.x : both.y);
+		int amount = min(min((over + 7) >> 3, high >> 3), SLIDE_MOST);
 #ifdef BOUNDED
 		amount = min(amount, gives ? loose : max(0, other - imageLoad(floors, there).r) >> 3);
 #endif
 #ifdef STOOD
-		int more = risen(difference, base, there);
-		amount = min(amount, gives ? more : -more);
+		int more = gives ? risen(difference, base, there) : -risen(difference, base, there);
+		amount = min(amount, more);
+		over = min(over, more);
 #endif
-		amount = other == STILL ? 0 : max(amount, 0);
+		amount = other == STILL || over <= stands[0].z ? 0 : max(amount, 0);
 		change += gives ? -amount : amount;
 		moves |= amount;
 	}

@@ -12,7 +12,7 @@ layout(binding = 2, r8ui) readonly uniform uimage2DArray classes;
 
 struct sumner {
 	ivec4 out_in;     // difference of heights from which soil goes: axial, diagonal; the same beside a held post
-	ivec4 stop;       // one that must be exceeded for any to go: axial, diagonal
+	ivec4 stop;       // one that must be exceeded for any to go: axial, diagonal; what is tolerated, and in all of these
 	uvec4 few, many;  // of 2^32: the share that goes to each of 1 .. 8 posts of the sum of their differences
 };
 
@@ -48,7 +48,7 @@ void main()
 		ivec2 goes = pair_held ? soil.out_in.zw : soil.out_in.xy;
 		bool open = other != STILL;
 #ifdef STOOD
-		open = open && risen(difference, base, there) > 0;
+		open = open && risen(difference, base, there) > soils[0].stop.z;
 #endif
 		starts = starts || (open && difference > (k < 4 ? soil.stop.x : soil.stop.y));
 		bool steep = open && difference > (k < 4 ? goes.x : goes.y);

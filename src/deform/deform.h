@@ -87,6 +87,7 @@ struct deform_params {
 	int iterations;      /* of sliding: a sweep's, and an interval's; 1 .. 8 */
 	double relief;       /* metres between the world's lowest and highest post; INFINITY: not known */
 	double depth;        /* metres of loose soil below the base; INFINITY: no bottom */
+	double tolerance;    /* metres, 0 .. 1: of two posts that stand but for this nothing slides */
 	bool stands;         /* nothing slides off ground that is as it was: only where a post has risen over its neighbour,
 			      * or that has sunk. Otherwise the caller must have woken all that is steep */
 	double bulldozing;   /* scm: share of the plastic flow that is laid on the ring, 0 .. 1 */

@@ -73,6 +73,18 @@ static int32_t loose_depth(const struct deform *deform)
 	return (int32_t)(quanta < most ? quanta : most);
 }
 
+/* Of these quanta more than what stands nothing is made. */
+static int32_t tolerance_of(const struct deform *deform)
+{
+	return (int32_t)floor(ldexp(deform->params.tolerance, OFFSET_BITS));
+}
+
+static int32_t with_tolerance(const struct deform *deform, int32_t stands)
+{
+	int32_t tolerance = tolerance_of(deform);
+	return stands < INT32_MAX - tolerance ? stands + tolerance : INT32_MAX;
+}
+
 static void prepare_excess(struct deform *deform, const struct deform_soil *soil, int32_t stands[2])
 {
 	for (int k = 0; k < 2; k++) {
@@ -86,9 +98,9 @@ static void prepare_sumner(struct deform *deform, const struct deform_soil *soil
 {
 	for (int k = 0; k < 2; k++) {
 		double apart = k == 0 ? deform->spacing : deform->spacing * M_SQRT2;
-		to->stands[k] = deform_stands_at(soil->theta_out, apart);
-		to->held[k] = deform_stands_at(soil->theta_in, apart);
-		to->stop[k] = deform_stands_at(soil->theta_stop, apart);
+		to->stands[k] = with_tolerance(deform, deform_stands_at(soil->theta_out, apart));
+		to->held[k] = with_tolerance(deform, deform_stands_at(soil->theta_in, apart));
+		to->stop[k] = with_tolerance(deform, deform_stands_at(soil->theta_stop, apart));
 	}
 	for (int n = 1; n <= 8; n++)
 		to->share[n - 1] = (uint32_t)floor(ldexp(soil->roughness, 32) / (n * n));
@@ -192,9 +204,11 @@ static enum status excess(struct deform *deform, const struct slide_place *place
 		return status;
 	int64_t rim = deform_slide_rim(deform), left = deform->params.iterations - 1 - iteration;
 	struct excess_params params = {.slide = slide_params(place, rim - left, rim)};
-	for (int i = 0; i < deform->params.soil_count; i++)
+	for (int i = 0; i < deform->params.soil_count; i++) {
 		for (int k = 0; k < 2; k++)
 			params.stands[i][k] = deform->soils[i].stands[k];
+		params.stands[i][2] = tolerance_of(deform);
+	}
 	run(deform, place, iteration, &(struct gpu_pass){
 		.program = *program,
 		.images = {NULL, deform->floors, deform->classes, [7] = stood ? deform->bases : NULL},
@@ -222,6 +236,7 @@ static enum status shed(struct deform *deform, const struct slide_place *place, 
 			params.soils[i].out_in[2 + k] = soil->held[k];
 			params.soils[i].stop[k] = soil->stop[k];
 		}
+		params.soils[i].stop[2] = tolerance_of(deform);
 		for (int n = 0; n < 8; n++)
 			params.soils[i].share[n] = soil->share[n];
 	}

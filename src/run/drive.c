@@ -163,6 +163,7 @@ static enum status start_gpu(struct drive *drive)
 		.relief = isnan(drive->meta->low) ? 0 : drive->meta->high - drive->meta->low,
 		.depth = scene->depth,
 		.stands = scene->undisturbed == SCENE_STANDS,
+		.tolerance = scene->tolerance,
 		.bulldozing = scene->bulldozing,
 		.dirt = scene->dirt,
 	};

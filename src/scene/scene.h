@@ -104,6 +104,7 @@ struct scene {
 	int iterations;    /* of sliding */
 	double interval;   /* s of simulated time between those of the ground at large */
 	double depth;      /* metres of loose soil below the base; INFINITY: no bottom */
+	double tolerance;  /* metres more than what stands that are left as they are */
 	double bulldozing; /* share */
 	enum scene_undisturbed undisturbed; /* ground that is steeper than soil stands, where nothing has been */
 	struct deform_soil soils[DEFORM_SOILS]; /* with a map the first is for where it says nothing else */

@@ -40,6 +40,7 @@ static enum status check_parameters(const struct scene_tree *tree, const struct 
 		{"interval", raw->interval, SOILS_MODELS},
 		{"depth", raw->depth, MODEL(DEFORM_SLIPPAGE) | MODEL(DEFORM_SCM)},
 		{"undisturbed", raw->undisturbed, SOILS_MODELS},
+		{"tolerance", raw->tolerance, SOILS_MODELS},
 		{"bulldozing", raw->bulldozing, MODEL(DEFORM_SCM)},
 	};
 	for (size_t i = 0; i < sizeof parameters / sizeof parameters[0]; i++) {
@@ -69,6 +70,7 @@ static enum status check_redistribute(const struct scene_tree *tree,
 		scene->iterations = (int)whole_or(raw->iterations, 1);
 		scene->interval = number_or(raw->interval, 0.05);
 		scene->depth = number_or(raw->depth, scene->model == DEFORM_SCM ? 0 : (double)INFINITY);
+		scene->tolerance = number_or(raw->tolerance, 0);
 		scene->undisturbed = raw->undisturbed != NULL ? (enum scene_undisturbed)*raw->undisturbed : SCENE_STANDS;
 	}
 	if (scene->model == DEFORM_SCM)

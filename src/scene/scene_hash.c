@@ -121,6 +121,10 @@ static void add_soils(XXH3_state_t *state, const struct scene *scene)
 	add_whole(state, (uint64_t)scene->soil_count);
 	for (int i = 0; i < scene->soil_count; i++)
 		add_soil(state, &scene->soils[i]);
+	if (scene->tolerance != 0) {
+		add_part(state, 't', 0);
+		add_number(state, scene->tolerance);
+	}
 	if (scene->soil_map == NULL)
 		return;
 	add_part(state, 'c', 0);

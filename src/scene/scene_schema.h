@@ -66,7 +66,7 @@ struct raw_soil {
 struct raw_redistribute {
 	int model; /* enum deform_model */
 	int64_t *radius, *repetitions, *iterations;
-	double *interval, *depth, *bulldozing;
+	double *interval, *depth, *tolerance, *bulldozing;
 	int *undisturbed; /* enum scene_undisturbed */
 };
 struct raw_output {

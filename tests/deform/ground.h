@@ -26,6 +26,8 @@ struct ground_params {
 	int iterations;                  /* 0: 4 */
 	double depth;                    /* m; 0: no bottom, of scm none below what is heaped */
 	double relief;                   /* m; 0: not known */
+	double tolerance;                /* m */
+	bool stands;                     /* undisturbed ground does */
 	double bulldozing;
 	uint32_t carriers;
 };
@@ -93,6 +95,8 @@ static inline void ground_init(struct ground *ground, const struct ground_params
 		.iterations = params->iterations != 0 ? params->iterations : 4,
 		.relief = params->relief != 0 ? params->relief : (double)INFINITY,
 		.depth = params->depth != 0 ? params->depth : params->model == DEFORM_SCM ? 0 : (double)INFINITY,
+		.tolerance = params->tolerance,
+		.stands = params->stands,
 		.bulldozing = params->bulldozing,
 		.carriers = params->carriers,
 	};

@@ -160,6 +160,16 @@ static void an_iteration_slides_an_eighth_of_what_is_too_steep(void **state)
 		assert_true(fabs(ground.offset[12] - (spike - 4 * axial - 4 * diagonal)) < 1e-14);
 		assert_true(fabs(moved - 4 * axial - 4 * diagonal) < 1e-14);
 	}
+	/* What is tolerated stays, to the last bit of it; a hair more, and it slides as ever. */
+	for (int more = 0; more < 2; more++) {
+		memset(ground.offset, 0, 25 * sizeof *ground.offset);
+		ground.offset[12] = ground.heaped[12] = steep + 0.25 + more * 1e-9;
+		params.tolerance = 0.25;
+		assert_int_equal(reference_slide(&ground, &params, 1, 0, &moved), STATUS_OK);
+		assert_true(fabs(ground.offset[13] - more * 0.25 / 8) < 1e-9 && ground.offset[6] == 0);
+	}
+	params.tolerance = 0;
+	memset(ground.heaped, 0, 25 * sizeof *ground.heaped);
 	/* A held post neither gives nor takes, a hole and the rim take nothing. */
 	memset(ground.offset, 0, 25 * sizeof *ground.offset);
 	ground.offset[12] = ground.heaped[12] = spike;
@@ -205,6 +215,15 @@ static void sumner_sheds_a_share_of_the_mean(void **state)
 	assert_int_equal(reference_slide(&ground, &sand, 1, 0, &moved), STATUS_OK);
 	assert_true(moved == 0);
 	ground.offset[12] = 1.1;
+	assert_int_equal(reference_slide(&ground, &sand, 1, 0, &moved), STATUS_OK);
+	assert_true(fabs(moved - 0.22) < 1e-14);
+	/* Nor what is within a tolerance of it. */
+	memset(ground.offset, 0, 25 * sizeof *ground.offset);
+	ground.offset[12] = 1.1;
+	sand.tolerance = 1.1 - tan(sand.soils[0].theta_stop) + 1e-9;
+	assert_int_equal(reference_slide(&ground, &sand, 1, 0, &moved), STATUS_OK);
+	assert_true(moved == 0);
+	sand.tolerance -= 2e-9;
 	assert_int_equal(reference_slide(&ground, &sand, 1, 0, &moved), STATUS_OK);
 	assert_true(fabs(moved - 0.22) < 1e-14);
 	reference_ground_finish(&ground);

@@ -137,6 +137,7 @@ static void limits_are_taken_and_what_is_beyond_is_not(void **state)
 		{"model: scm", "model: scm, iterations: %s", {"1", "8"}, {"0", "9"}, "allowed: 1 to 8"},
 		{"model: scm", "model: scm, interval: %s", {"1e-6", "3600"}, {"0", "3601"}, "allowed: above 0 to 3600"},
 		{"model: scm", "model: scm, depth: %s", {"0", "1024"}, {"-1", ".inf", "1025"}, "0 to 1024"},
+		{"model: scm", "model: scm, tolerance: %s", {"0", "1"}, {"-0.1", "1.1", "nan"}, "0 to 1"},
 		{"model: scm", "model: scm, bulldozing: %s", {"0", "1"}, {"-0.1", "1.1"}, "allowed: 0 to 1"},
 		{"0.4}", "0.4, lugs: %s}", {"0", "128"}, {"-1", "129"}, "allowed: 0 to 128"},
 		{"0.4}", "0.4, lugs: 4, lug_height: %s}", {"1e-3", "0.5"}, {"0", "0.51"}, "allowed: above 0 to "},
@@ -191,17 +192,18 @@ static void a_model_has_its_own_parameters_with_their_defaults(void **state)
 		assert_int_equal(scene->model, models[i].is);
 		assert_int_equal(scene->iterations, 1);
 		assert_true(scene->interval == 0.05 && scene->depth == models[i].depth);
-		assert_true(scene->bulldozing == models[i].bulldozing);
+		assert_true(scene->bulldozing == models[i].bulldozing && scene->tolerance == 0);
 		scene_destroy(scene);
 	}
-	struct scene *scene = load_edited(base, "model: scm", "model: scm, iterations: 5, interval: 0.5, depth: 1.5, bulldozing: 0.25");
+	struct scene *scene = load_edited(base, "model: scm", "model: scm, iterations: 5, interval: 0.5, depth: 1.5, bulldozing: 0.25, tolerance: 0.01");
 	assert_int_equal(scene->iterations, 5);
-	assert_true(scene->interval == 0.5 && scene->depth == 1.5 && scene->bulldozing == 0.25);
+	assert_true(scene->interval == 0.5 && scene->depth == 1.5 && scene->bulldozing == 0.25 && scene->tolerance == 0.01);
 	scene_destroy(scene);
 	refuse("model: scm", "model: scm, radius: 2", ":4: redistribute.radius: is no parameter of model scm; allowed with: box");
 	refuse("model: scm", "model: none, repetitions: 2", "repetitions: is no parameter of model none; allowed with: box");
 	refuse("model: scm", "model: box, iterations: 2", "is no parameter of model box; allowed with: sumner, slippage, scm");
 	refuse("model: scm", "model: none, interval: 2", "interval: is no parameter of model none");
+	refuse("model: scm", "model: box, tolerance: 0", "tolerance: is no parameter of model box; allowed with: sumner, slippage, scm");
 	refuse("model: scm", "model: box, depth: 2", "depth: is no parameter of model box");
 	refuse("model: scm", "model: sumner, bulldozing: 1", "is no parameter of model sumner; allowed with: scm");
 	refuse("model: scm", "model: slippage, bulldozing: 0", "is no parameter of model slippage; allowed with: scm");
@@ -472,7 +474,7 @@ static void the_hash_is_of_all_that_decides_how_the_ground_gives_way(void **stat
 	} edits[] = {
 		{"3}\n", "3}\noutput: {forces: 50, delay: 4}\n", true},
 		{"dry_sand", "dry_sand, bekker_n: 1.1", true}, /* as the name says */
-		{"model: scm", "model: scm, iterations: 1, interval: 0.05, depth: 0, bulldozing: 0.5", true},
+		{"model: scm", "model: scm, iterations: 1, interval: 0.05, depth: 0, bulldozing: 0.5, tolerance: 0", true},
 		{"0.4}", "0.4, lugs: 0}", true},
 		{"dry_sand", "lunar", false},
 		{"dry_sand", "dry_sand, bekker_kc: 1", false},
@@ -482,6 +484,8 @@ static void the_hash_is_of_all_that_decides_how_the_ground_gives_way(void **stat
 		{"model: scm", "model: scm, iterations: 3", false},
 		{"model: scm", "model: scm, interval: 0.03", false},
 		{"model: scm", "model: scm, depth: 1", false},
+		{"model: scm", "model: scm, tolerance: 0.001", false},
+		{"model: scm", "model: scm, tolerance: 0.002", false},
 		{"model: scm", "model: scm, bulldozing: 0.6", false},
 		{"3}\n", "3}\n    load: 5\n", false},
 		{"3}\n", "3}\n    slip: 0.1\n", false},

@@ -49,7 +49,7 @@ static bool held(const struct reference_ground *ground, int at)
 	return (ground->contact[at] & REFERENCE_HELD) != 0;
 }
 
-/* An eighth of what is too much, no more than an eighth of what lies loose. */
+/* An eighth of what is too much, if that is more than is tolerated; no more than an eighth of what lies loose. */
 static void slide_excess(const struct reference_ground *ground, const struct deform_params *params,
 			 const double stands[2], int at, double *change)
 {
@@ -61,7 +61,7 @@ static void slide_excess(const struct reference_ground *ground, const struct def
 		if (to < 0 || held(ground, to))
 			continue;
 		double excess = difference(ground, at, to) - stands[k >= 4];
-		if (excess <= 0)
+		if (excess <= params->tolerance)
 			continue;
 		double moved = fmin(excess, fmax(0, loose)) / 8;
 		change[at] -= moved;
@@ -83,8 +83,8 @@ static void shed(const struct reference_ground *ground, const struct deform_para
 			continue;
 		double distance = ground->spacing * (k >= 4 ? sqrt(2) : 1), lower = difference(ground, at, to);
 		double limit = held(ground, at) || held(ground, to) ? soil->theta_in : soil->theta_out;
-		starts = starts || lower > distance * tan(soil->theta_stop);
-		takes[k] = lower > distance * tan(limit);
+		starts = starts || lower > distance * tan(soil->theta_stop) + params->tolerance;
+		takes[k] = lower > distance * tan(limit) + params->tolerance;
 		if (takes[k]) {
 			sum += lower;
 			count++;
