@@ -380,6 +380,37 @@ static void a_pile_of_sand_stands_at_its_angle(void **state)
 	ground_finish(&ground);
 }
 
+static void what_is_tolerated_stays_to_the_last_quantum(void **state)
+{
+	struct deform_soil soil;
+	(void)state;
+	need_gpu();
+	assert_ok(deform_soil_named("sand", &soil));
+	soil.cohesion = 0;
+	soil.theta_stop = soil.theta_out;
+	tolerance = 0.01;
+	/* On level ground, and (the last two) on an undisturbed step that is steeper than soil stands. */
+	for (int i = 0; i < 8; i++) {
+		struct ground ground;
+		bool sumner = i % 4 > 1;
+		int more = i % 2;
+		stands = i > 3;
+		start(&ground, sumner ? DEFORM_SUMNER : DEFORM_SLIPPAGE, 0.05, 1, 0, &soil, 1);
+		flat_slab();
+		for (int k = 0; k < N * N && stands; k++)
+			slab.base[k] += k % N < N / 2 ? 1 << 17 : 0;
+		int32_t soil_stands = stands ? 0 : ground.deform->soils[0].stands[0], tolerated = sumner && !stands ? 0 : 10485;
+		for (int k = 0; k < N * N; k++)
+			slab.offset[k] = k % N < N / 2 ? soil_stands + tolerated + more : 0;
+		before = slab;
+		slide_on_gpu(&ground);
+		assert_int_equal(memcmp(slab.offset, before.offset, sizeof slab.offset) != 0, more);
+		ground_finish(&ground);
+	}
+	tolerance = 0;
+	stands = false;
+}
+
 /* Every pair is within the tolerance of what stands; it is made use of, and ends the slide sooner. */
 static void a_pile_stops_within_the_tolerance_beyond_its_angle(void **state)
 {
@@ -513,6 +544,7 @@ int main(void)
 		cmocka_unit_test(no_iteration_raises_the_potential_energy),
 		cmocka_unit_test(a_spike_and_a_cliff_of_1000_m_come_to_the_angle_of_repose),
 		cmocka_unit_test(a_pile_of_sand_stands_at_its_angle),
+		cmocka_unit_test(what_is_tolerated_stays_to_the_last_quantum),
 		cmocka_unit_test(a_pile_stops_within_the_tolerance_beyond_its_angle),
 		cmocka_unit_test(a_pit_is_filled_and_does_not_overflow),
 		cmocka_unit_test(a_cohesive_cut_stands_to_culmanns_height_and_slips_above),
