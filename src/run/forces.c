@@ -213,6 +213,8 @@ void forces_absent(struct forces *forces, size_t object, const struct event *eve
 	struct deform_pose pose = event->pose;
 	if (!event->contact)
 		pose.z = standing->pose.z; /* there is no ground to stand on */
+	else /* in the air above it: so says the record too */
+		forces->known[object] = (struct record_force){.z = pose.z};
 	*standing = (struct standing){0, pose, true};
 }
 

@@ -214,6 +214,55 @@ enum status ground_range(struct ground *ground, struct tile tile, double *low, d
 	return STATUS_OK;
 }
 
+/* The posts of level 0 that those of a level below it are interpolated from. */
+static struct post_rect around(struct post_rect rect, int shift)
+{
+	int64_t up = ((int64_t)1 << shift) - 1;
+	return (struct post_rect){rect.x0 >> shift, rect.y0 >> shift, ((rect.x1 - 1 + up) >> shift) + 1,
+				  ((rect.y1 - 1 + up) >> shift) + 1};
+}
+
+/* As few tiles as hold all posts from one to one behind another: those of an edge are in two. */
+static void tiles_over(int64_t first, int64_t end, int64_t cells, int64_t tiles, uint32_t range[2])
+{
+	int64_t low = first / cells, high = end - first > 1 ? (end - 2) / cells : low;
+	range[0] = (uint32_t)(low < tiles ? low : tiles - 1);
+	range[1] = (uint32_t)(high < tiles ? high : tiles - 1);
+}
+
+enum status ground_highest(struct ground *ground, int level, struct post_rect rect, int32_t *highest, bool *any)
+{
+	const struct world *world = &ground->meta->world;
+	const int from = level > 0 ? level : 0;
+	const int64_t cells = world->cells;
+	int32_t lowest = INT32_MAX;
+	*highest = INT32_MIN;
+	*any = false;
+	rect = post_rect_intersect(rect, (struct post_rect){0, 0, world_posts(world->width, level), world_posts(world->height, level)});
+	if (post_rect_empty(rect))
+		return STATUS_OK;
+	rect = around(rect, from - level);
+	uint32_t across[2], up[2];
+	tiles_over(rect.x0, rect.x1, cells, world_tiles_x(world, from), across);
+	tiles_over(rect.y0, rect.y1, cells, world_tiles_y(world, from), up);
+	enum status status = STATUS_OK;
+	for (uint32_t y = up[0]; y <= up[1] && status == STATUS_OK; y++)
+		for (uint32_t x = across[0]; x <= across[1] && status == STATUS_OK; x++) {
+			const struct tile tile = {from, x, y};
+			const struct post_rect own = {x * cells, y * cells, (x + 1) * cells + 1, (y + 1) * cells + 1};
+			const struct post_rect in = post_rect_intersect(rect, own);
+			const int32_t *posts;
+			mutex_lock(&ground->mutex);
+			status = posts_locked(ground, tile, &posts);
+			if (status == STATUS_OK)
+				widen(posts + (size_t)(in.y0 - own.y0) * (size_t)(cells + 1) + (size_t)(in.x0 - own.x0),
+				      (uint32_t)(in.x1 - in.x0), (uint32_t)(in.y1 - in.y0), (uint32_t)cells + 1, &lowest, highest);
+			mutex_unlock(&ground->mutex);
+		}
+	*any = lowest <= *highest;
+	return status;
+}
+
 /* The level-0 cell a height at (x, y) comes from, within the world: the last one reaches to its edge. */
 static void cell_of(const struct world *world, double x, double y, int64_t *cx, int64_t *cy)
 {

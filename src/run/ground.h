@@ -29,6 +29,10 @@ enum status ground_patch(struct ground *ground, struct tile tile, int32_t *patch
 /* Lowest and highest base of the tile's subtree, metres; *any false if all is nodata. */
 enum status ground_range(struct ground *ground, struct tile tile, double *low, double *high, bool *any)
 	FURROW_CHECKED;
+/* No post of the rectangle, of any level, has a higher base than this, 2^-18 m from the reference. Below level 0 that is the
+ * highest of the posts of level 0 they are interpolated from, else their own highest. *any false: none has data. */
+enum status ground_highest(struct ground *ground, int level, struct post_rect rect, int32_t *highest, bool *any)
+	FURROW_CHECKED;
 /* Height at a point (quanta of 2^-20 m, local, absolute height), bilinear in the level-0 cell.
  * *any false outside the world and where a corner with weight is nodata. */
 enum status ground_height(struct ground *ground, int64_t x, int64_t y, int64_t *height, bool *any)

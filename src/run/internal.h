@@ -98,6 +98,9 @@ struct drive {
 	bool nothing_left;       /* of what was resumed */
 	double began, seconds;   /* wall clock of the loop */
 	size_t window_tiles;     /* that one window can touch */
+	uint64_t windows, windows_due; /* of sweeps: computed; had all been that are on the ground */
+	bool offsets_asked;      /* air.c's */
+	int64_t offsets_most;    /* quanta: no offset is higher, under models that only lower them */
 	uint64_t passes_most;    /* most tiles one window touched */
 	bool told_tiles;
 	bool torn;               /* inside a step's deformation */
@@ -159,6 +162,10 @@ void drive_release(struct drive *drive, struct held_tiles *held);
 enum status drive_mark(struct drive *drive, struct post_rect rect, const struct held_tiles *held) FURROW_CHECKED;
 /* `last`: no other of this object follows in this step. */
 enum status drive_sweep(struct drive *drive, const struct event *event, bool last) FURROW_CHECKED;
+
+/* air.c: whether nothing would change, were the sweep's windows computed. May pin their tiles for a while. */
+enum status drive_is_aloft(struct drive *drive, const struct event *event, const struct deform_sweep *sweep,
+			   const struct deform_window *windows, size_t count, bool *aloft) FURROW_CHECKED;
 
 /* forces.c; a NULL forces is none. */
 enum status forces_create(struct drive *drive, struct forces **out) FURROW_CHECKED; /* NULL: nothing asks for any */

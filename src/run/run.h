@@ -20,6 +20,7 @@ struct run_params {
 	bool resume;           /* go on from the store's last drive of this scene, to the same bits; begin if there was none */
 	bool durable_full;
 	bool progress;         /* a line on stderr */
+	bool everywhere;       /* sweeps are computed where they change nothing, too: for tests that compare */
 	const volatile sig_atomic_t *stop; /* becomes non-zero: end cleanly, STATUS_INTERRUPTED. May be NULL */
 };
 

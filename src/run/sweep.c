@@ -102,13 +102,19 @@ enum status drive_sweep(struct drive *drive, const struct event *event, bool las
 	size_t count = 0;
 	enum status status = deform_windows(drive->deform, &sweep, windows, &count);
 	struct held_tiles held = {.count = 0};
-	if (status == STATUS_OK && count > 0)
+	bool aloft = false;
+	if (status == STATUS_OK)
+		status = drive_is_aloft(drive, event, &sweep, windows, count, &aloft);
+	if (status == STATUS_OK && count > 0 && !aloft)
 		sweep.tag = forces_ask(drive->forces, event->rider, event, last);
 	else
 		forces_absent(drive->forces, event->rider, event);
 	/* What it stood on is free: where the sweep does not look, if it has jumped or turned, somebody else must. */
 	if (status == STATUS_OK && rider->in_contact && !deform_covers(drive->deform, &sweep, &rider->last))
 		status = drive_let_go(drive, rider);
+	drive->windows_due += count;
+	count = aloft ? 0 : count;
+	drive->windows += count;
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 		status = drive_hold(drive, windows[i].read, &held);
 		if (status == STATUS_OK)

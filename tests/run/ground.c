@@ -52,6 +52,77 @@ static void a_patch_subdivides_to_the_interpolated_tile(void **state)
 	store_close(store);
 }
 
+/* No post of a rectangle is above what is said of it, and below a level's own posts that is no more than the source's. */
+static void the_highest_is_that_of_the_posts_it_comes_from(void **state)
+{
+	struct store *store = open_store();
+	struct ground *ground;
+	must(ground_create(store, 2, &ground));
+	static const int levels[] = {-5, -3, -1, 0, 1, 2};
+	for (int l = 0; l < 6; l++)
+		for (int i = 0; i < 60; i++) {
+			int level = levels[l], shift = level < 0 ? -level : 0;
+			int64_t width = world_posts(world.width, level), height = world_posts(world.height, level);
+			/* Along tile edges too, and over those of the world. */
+			int64_t x = (i % 4 == 0 ? i % 3 * 32 : i * 7919) % width, y = (i % 5 == 0 ? i % 2 * 64 : i * 104729) % height;
+			struct post_rect rect = {x - i % 3, y - i % 2, x + 1 + i * 5 % 40, y + 1 + i * 3 % 23}, in;
+			int32_t highest, expected = INT32_MIN, own = INT32_MIN;
+			bool any;
+			must(ground_highest(ground, level, rect, &highest, &any));
+			in = post_rect_intersect(rect, (struct post_rect){0, 0, width, height});
+			const struct post_rect source = {in.x0 >> shift, in.y0 >> shift, ((in.x1 - 1 + (1 << shift) - 1) >> shift) + 1,
+							 ((in.y1 - 1 + (1 << shift) - 1) >> shift) + 1};
+			const struct post_rect rects[2] = {in, source};
+			for (int k = 0; k < 2; k++) {
+				int64_t count = (rects[k].x1 - rects[k].x0) * (rects[k].y1 - rects[k].y0);
+				double *posts = malloc((size_t)count * sizeof *posts);
+				must(store_read_posts(ground_reader(ground), STORE_BASE, k == 0 || level > 0 ? level : 0, rects[k], posts));
+				int32_t *most = k == 0 ? &own : &expected;
+				for (int64_t p = 0; p < count; p++)
+					if (!isnan(posts[p])) {
+						int32_t post = lattice_base_relative(posts[p], ground_reference(store));
+						*most = post > *most ? post : *most;
+					}
+				free(posts);
+			}
+			assert_true(any && highest == expected && own <= highest);
+			assert_true(level < 0 || own == highest);
+		}
+	/* A hole has none, nor has what lies beyond the world. */
+	int32_t highest;
+	bool any;
+	must(ground_highest(ground, 0, (struct post_rect){50, 40, 51, 41}, &highest, &any));
+	assert_false(any);
+	must(ground_highest(ground, 0, (struct post_rect){50, 40, 52, 41}, &highest, &any));
+	assert_true(any);
+	must(ground_highest(ground, -2, (struct post_rect){-9, 4, 0, 9}, &highest, &any));
+	assert_false(any);
+	/* The last post of the world, whose tile it ends. */
+	must(ground_highest(ground, 0, (struct post_rect){128, 96, 129, 97}, &highest, &any));
+	assert_true(any && fabs(ground_reference(store) + lattice_base_metres(highest) - support_hills(128, 96)) < 1.0 / 1024);
+	ground_destroy(ground);
+	store_close(store);
+}
+
+/* Of two tiles beside one another, posts of the first's edge alone ask for but one. */
+static void the_highest_asks_for_no_tile_it_does_not_need(void **state)
+{
+	struct store *store = open_store();
+	struct ground *ground;
+	struct ground_figures before, after;
+	int32_t highest;
+	bool any;
+	must(ground_create(store, 4, &ground));
+	must(ground_highest(ground, 0, (struct post_rect){3, 3, 33, 33}, &highest, &any));
+	ground_figures(ground, &before);
+	assert_int_equal(before.reads, 1);
+	must(ground_highest(ground, 0, (struct post_rect){3, 3, 34, 33}, &highest, &any));
+	ground_figures(ground, &after);
+	assert_int_equal(after.reads, 2);
+	ground_destroy(ground);
+	store_close(store);
+}
+
 static void a_height_is_bilinear_and_misses_only_holes_and_the_outside(void **state)
 {
 	struct store *store = open_store();
@@ -325,6 +396,8 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_patch_subdivides_to_the_interpolated_tile),
+		cmocka_unit_test(the_highest_is_that_of_the_posts_it_comes_from),
+		cmocka_unit_test(the_highest_asks_for_no_tile_it_does_not_need),
 		cmocka_unit_test(a_height_is_bilinear_and_misses_only_holes_and_the_outside),
 		cmocka_unit_test(a_range_bounds_every_post_below_it),
 		cmocka_unit_test(what_was_warmed_is_found_without_a_wait),

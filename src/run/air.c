@@ -1,0 +1,108 @@
+/*
+ * An object in the air runs no pass: what of a station's sweep changes nothing is seen on the CPU.
+ *
+ * Aloft is a sweep whose pose is prescribed, and of whose windows every post, were they computed, would be what it was:
+ * 1. The object lies above all ground there, by more than the underside is rounded by: nothing is pressed, and nothing held.
+ *    The base is no higher than the posts of level 0 it is interpolated from. Of offsets there are two bounds: a tile
+ *    without planes has none; and under the models none and box no offset is ever above the highest there was, or 0: a press
+ *    lowers, and a mean of offsets is no higher than the highest of them.
+ * 2. Nothing slides: under models that move soil every sweep also makes iterations of sliding over its window, whether it
+ *    touches anything or not. Undisturbed ground stands, unless the scene says that it slides. So these models need tiles
+ *    without planes, in all of the windows; over others the sweep is computed, and no bound on their offsets is of use.
+ *
+ * It stays what the drive knows the object by (its last pose, that it may have left something), and it is still among those
+ * that hold the ground in intervals: soil may slide until it touches what hangs over it.
+ */
+#include <math.h>
+
+#include "run/internal.h"
+
+/* Underside and touch are right to a few quanta; what is large or goes far, to a 2^-28th of that. */
+#define AIR_QUANTA 64
+#define AIR_SHARE 26
+
+/* No part of the object is below this anywhere in the sweep, quanta. */
+static int64_t lowest(const struct deform_sweep *sweep)
+{
+	const struct deform_shape *shape = sweep->shape;
+	const struct deform_pose *from = &sweep->from, *to = &sweep->to;
+	double reach = deform_shape_reach(shape, to->pitch, to->roll);
+	if (shape->kind == DEFORM_WHEEL && shape->lugs > 0) /* their corners */
+		reach = hypot(shape->radius + shape->lug_height, shape->lug_thickness / 2);
+	double way = hypot(lattice_offset_metres(to->x - from->x), lattice_offset_metres(to->y - from->y));
+	double below = ldexp(reach, OFFSET_BITS) + ldexp(way + deform_shape_bound(shape), OFFSET_BITS - AIR_SHARE);
+	return (from->z < to->z ? from->z : to->z) - (int64_t)ceil(below) - AIR_QUANTA;
+}
+
+/* Of all bases in the windows, quanta. INT64_MIN: there is no ground. */
+static enum status highest_base(struct drive *drive, const struct deform_window *windows, size_t count, int64_t *highest)
+{
+	enum status status = STATUS_OK;
+	*highest = INT64_MIN;
+	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+		int32_t base;
+		bool any;
+		status = ground_highest(drive->ground, drive->level, windows[i].write, &base, &any);
+		if (status != STATUS_OK || !any)
+			continue;
+		int64_t height = (int64_t)base * (1 << (OFFSET_BITS - BASE_BITS)) +
+				 (int64_t)ground_reference(drive->store) * (1 << OFFSET_BITS);
+		*highest = height > *highest ? height : *highest;
+	}
+	return status;
+}
+
+/* What is committed is as high as what is there now, or higher: it was there before. Asked for once, and not before an object
+ * is above the base. */
+static enum status ask_offsets(struct drive *drive)
+{
+	const struct tile top = {world_coarsest(&drive->meta->world), 0, 0};
+	double low, high;
+	bool found;
+	enum status status = store_read_offset_range(ground_reader(drive->ground), top, &low, &high, &found);
+	if (status != STATUS_OK)
+		return status;
+	drive->offsets_most = found && high > 0 ? lattice_offset(high) + 1 : 0;
+	drive->offsets_asked = true;
+	return STATUS_OK;
+}
+
+/* Whether no tile of the windows has planes. */
+static enum status untouched(struct drive *drive, const struct deform_window *windows, size_t count, bool *none)
+{
+	struct held_tiles held = {.count = 0};
+	enum status status = STATUS_OK;
+	*none = true;
+	for (size_t i = 0; i < count && *none && status == STATUS_OK; i++) {
+		status = drive_hold(drive, windows[i].read, &held);
+		for (size_t k = 0; k < held.count; k++)
+			*none = *none && gpu_slots_get(drive->slots, held.tiles[k].slot)->target == NULL;
+		drive_release(drive, &held);
+	}
+	return status;
+}
+
+enum status drive_is_aloft(struct drive *drive, const struct event *event, const struct deform_sweep *sweep,
+			   const struct deform_window *windows, size_t count, bool *aloft)
+{
+	bool conserves = deform_conserves(drive->scene->model);
+	*aloft = false;
+	/* Most are on the ground where they are: those look no farther. */
+	if (count == 0 || sweep->load > 0 || event->sinkage >= 0 || drive->params->everywhere)
+		return STATUS_OK;
+	if (conserves && drive->scene->undisturbed == SCENE_SLIDES)
+		return STATUS_OK;
+	int64_t low = lowest(sweep), highest;
+	enum status status = highest_base(drive, windows, count, &highest);
+	if (status != STATUS_OK || low <= highest)
+		return status;
+	if (!conserves && !drive->offsets_asked)
+		status = ask_offsets(drive);
+	if (status != STATUS_OK)
+		return status;
+	if (!conserves && low > highest + drive->offsets_most) {
+		*aloft = true;
+		return STATUS_OK;
+	}
+	return untouched(drive, windows, count, aloft);
+}
