@@ -186,9 +186,12 @@ static enum status draw_tile(struct render *render, const struct terrain_draw *d
 	if (level0)
 		pass.textures[3] = gpu_slots_get(render->slots, draw->ground)->base;
 	enum status status = tile_program(render, slot, level0, &pass.program);
-	if (status == STATUS_OK)
-		gpu_pass_run(render->gpu, &pass);
-	return status;
+	if (status != STATUS_OK)
+		return status;
+	render->tiles.drawn++;
+	render->tiles.deformed += slot->target != NULL;
+	gpu_pass_run(render->gpu, &pass);
+	return STATUS_OK;
 }
 
 static enum status draw_sky(struct render *render, const struct picture_params *params)
@@ -221,6 +224,7 @@ enum status render_frame(struct render *render, const struct render_camera *came
 	if (status != STATUS_OK)
 		goto out;
 	count_triangles(render);
+	render->tiles = (struct render_tiles){0, 0};
 	gpu_target_clear(render->target, background);
 
 	struct picture_params params = {0};

@@ -75,6 +75,7 @@ struct render {
 	size_t instance_room;
 	struct render_blocks blocks;
 	uint64_t triangles;
+	struct render_tiles tiles; /* of the last frame */
 };
 
 #endif

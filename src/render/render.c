@@ -119,6 +119,11 @@ uint64_t render_triangles(const struct render *render)
 	return render->triangles;
 }
 
+void render_tiles(const struct render *render, struct render_tiles *tiles)
+{
+	*tiles = render->tiles;
+}
+
 enum status render_write_png(struct render *render, const char *path)
 {
 	uint8_t *pixels = mem_alloc((size_t)render->width * render->height, 4);

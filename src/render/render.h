@@ -39,6 +39,11 @@ void render_view(const struct render *render, const struct render_camera *camera
 enum status render_frame(struct render *render, const struct render_camera *camera,
 			 const struct terrain_selection *selection) FURROW_CHECKED;
 uint64_t render_triangles(const struct render *render); /* of the last frame */
+/* Tiles of the last frame, and those of them whose draw reads an offset. */
+struct render_tiles {
+	uint64_t drawn, deformed;
+};
+void render_tiles(const struct render *render, struct render_tiles *tiles);
 /* Writes the last frame; aside and renamed. */
 enum status render_write_png(struct render *render, const char *path) FURROW_CHECKED;
 

@@ -19,6 +19,7 @@
 #include "run/wishes.h"
 #include "store/store.h"
 
+struct cJSON;
 struct view;     /* run/view.h */
 struct prefetch; /* run/prefetch.c */
 struct forces;   /* run/forces.c */
@@ -214,8 +215,12 @@ struct view_figures {
 	double triangles;   /* a frame */
 	uint64_t starved;   /* frames drawn coarser than asked for: a tile stood in, or coarsened */
 	uint64_t coarsened; /* frames cut to what the slots hold */
+	uint64_t drawn, deformed; /* draws of tiles; those that read an offset */
 };
 void view_figures(const struct view *view, struct view_figures *figures);
+
+/* where.c: where effects were, of where they might have been, into `root`; of the drive's passes alone. */
+void where_report(struct cJSON *root, const struct drive *drive, const struct gpu_stats *gpu);
 
 /* report.c */
 char *report_json(const struct drive *drive, const char *ended); /* NULL: out of memory */

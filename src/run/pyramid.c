@@ -1,5 +1,7 @@
 #include "run/pyramid.h"
 
+#include "run/key_set.h"
+
 struct change {
 	struct tile tile;
 	struct post_rect rect; /* within the tile's posts, global */
@@ -11,6 +13,8 @@ struct pyramid {
 	struct gpu_slots *slots;
 	struct change *changes;
 	size_t count, room;
+	struct key_set updated; /* in this step */
+	struct pyramid_figures figures;
 };
 
 enum status pyramid_create(const struct world *world, int level, struct gpu_slots *slots, struct pyramid **out)
@@ -27,6 +31,7 @@ void pyramid_destroy(struct pyramid *pyramid)
 {
 	if (pyramid == NULL)
 		return;
+	key_set_finish(&pyramid->updated);
 	mem_free(pyramid->changes);
 	mem_free(pyramid);
 }
@@ -87,6 +92,8 @@ static enum status decimate(struct pyramid *pyramid, struct page_cache *cache, c
 		enum status status = gpu_slots_decimate(pyramid->slots, slot, rect, steps, coarse,
 							(uint32_t)((x0 >> steps) - above.x * cells),
 							(uint32_t)((y0 >> steps) - above.y * cells));
+		if (status == STATUS_OK)
+			status = key_set_add(&pyramid->updated, tile_key(above));
 		if (status != STATUS_OK)
 			return status;
 	}
@@ -104,6 +111,12 @@ enum status pyramid_flush_tile(struct pyramid *pyramid, struct page_cache *cache
 	return STATUS_OK;
 }
 
+static void count_coarser(void *user, uint64_t key, uint32_t slot, bool dirty)
+{
+	struct pyramid *pyramid = user;
+	pyramid->figures.resident += tile_from_key(key).level > pyramid->level;
+}
+
 enum status pyramid_flush(struct pyramid *pyramid, struct page_cache *cache)
 {
 	enum status status = STATUS_OK;
@@ -114,5 +127,13 @@ enum status pyramid_flush(struct pyramid *pyramid, struct page_cache *cache)
 		if (page_cache_peek(cache, tile_key(change.tile), false, &slot))
 			status = decimate(pyramid, cache, &change, slot);
 	}
+	page_cache_each_resident(cache, count_coarser, pyramid);
+	pyramid->figures.updated += pyramid->updated.count;
+	key_set_clear(&pyramid->updated);
 	return status;
+}
+
+void pyramid_figures(const struct pyramid *pyramid, struct pyramid_figures *figures)
+{
+	*figures = pyramid->figures;
 }

@@ -20,7 +20,11 @@ enum status pyramid_changed(struct pyramid *pyramid, struct tile tile, struct po
 /* Brings the tile's resident ancestors up to date; nothing if it did not change. */
 enum status pyramid_flush_tile(struct pyramid *pyramid, struct page_cache *cache, struct tile tile, uint32_t slot)
 	FURROW_CHECKED;
-/* All of them. */
+/* All of them, at a step's end. */
 enum status pyramid_flush(struct pyramid *pyramid, struct page_cache *cache) FURROW_CHECKED;
+struct pyramid_figures {
+	uint64_t updated, resident; /* coarser tiles, both summed over the steps */
+};
+void pyramid_figures(const struct pyramid *pyramid, struct pyramid_figures *figures);
 
 #endif

@@ -197,6 +197,7 @@ static void add_process(cJSON *root, const struct drive *drive, const struct pag
 	add_gpu(root, drive, &gpu);
 	add_memory(root, drive, &gpu, io);
 	add_io(root, drive, io, &ground);
+	where_report(root, drive, &gpu);
 	json_number(root, "refused_posts", known ? (double)tally.refused : (double)NAN);
 	if (deform_conserves(drive->scene->model))
 		add_slide(root, drive);

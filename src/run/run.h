@@ -34,7 +34,15 @@ struct run_result {
 /*
  * run.json and the trace are written however it ends, once it began: a drive that cannot begin leaves nothing.
  * What run.json tells of the drive is of the drive as a whole, also after a resume: ended, steps, simulated, volume, objects; all else
- * (seconds and rtf, times, cache, passes, memory, io, refused_posts, view) is of the process that wrote it.
+ * (seconds and rtf, times, cache, passes, memory, io, where, refused_posts, view) is of the process that wrote it.
+ *
+ * "where" has a {visited, possible} for each: what was worked on, of what would have been had nobody looked where there is
+ * something to do. By the name of the effect, where the scene calls for it: displace or the model's (box, sumner,
+ * slippage, scm), spread and dirt in windows of sweeps, of the stations that are on ground or above it; slide or shed in blocks of
+ * 32 x 32 posts, of all in the tiles touched so far, each interval. Where there is a view, pyramid: coarser tiles brought up
+ * to date, of those resident, each step; draw: tiles drawn with an offset, of all drawn, each frame. Always, slots: slots
+ * with planes that were made, of slots. What depends on the paging (all but windows and blocks) may differ from drive to
+ * drive. There is nothing of normals: they are found from the posts as these are drawn.
  *
  * Resumed with nothing left to do: needs no GL, tells the drive as a whole alone, and writes run.json only where
  * there is none.

@@ -97,6 +97,10 @@ enum status view_frame(struct view *view, struct drive *drive, bool image)
 	enum status status = draw(view, image);
 	if (status != STATUS_OK)
 		return status;
+	struct render_tiles tiles;
+	render_tiles(view->render, &tiles);
+	view->tiles.drawn += tiles.drawn;
+	view->tiles.deformed += tiles.deformed;
 	view->triangles += (double)render_triangles(view->render);
 	view->starved += view->coarse || view->selection->wanted_count > 0;
 	view->coarsened += view->coarse;
@@ -202,5 +206,7 @@ void view_figures(const struct view *view, struct view_figures *figures)
 		.triangles = frames > 0 ? view->triangles / (double)frames : 0,
 		.starved = view->starved,
 		.coarsened = view->coarsened,
+		.drawn = view->tiles.drawn,
+		.deformed = view->tiles.deformed,
 	};
 }

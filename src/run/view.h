@@ -36,6 +36,7 @@ struct view {
 	uint64_t starved;         /* frames drawn coarser than asked for, for any reason */
 	uint64_t coarsened;       /* of those: the budget was the reason */
 	double triangles;         /* summed over frames */
+	struct render_tiles tiles; /* the same */
 	enum status failed;       /* of a source callback */
 };
 

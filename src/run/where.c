@@ -1,0 +1,50 @@
+/* run.json's "where": of the regions in which an effect might have worked, those in which it did. run.h has the units. */
+#include "base/json.h"
+#include "run/internal.h"
+
+static void add(cJSON *where, const char *name, uint64_t visited, uint64_t possible)
+{
+	cJSON *effect = cJSON_AddObjectToObject(where, name);
+	json_integer(effect, "visited", (int64_t)visited);
+	json_integer(effect, "possible", (int64_t)possible);
+}
+
+static void add_windows(cJSON *where, const struct drive *drive, const struct gpu_stats *gpu)
+{
+	static const enum scene_effect of_windows[] = {EFFECT_DISPLACE, EFFECT_BOX, EFFECT_SUMNER, EFFECT_SLIPPAGE,
+						       EFFECT_SCM, EFFECT_SPREAD, EFFECT_DIRT};
+	for (size_t i = 0; i < sizeof of_windows / sizeof *of_windows; i++) {
+		enum scene_effect effect = of_windows[i];
+		uint64_t visited = drive->windows;
+		if (effect == EFFECT_BOX) /* not where an object only stands */
+			visited = gpu->passes[GPU_SMOOTH] / (uint64_t)drive->scene->box_repetitions;
+		if (scene_effects(drive->scene) >> effect & 1)
+			add(where, scene_effect_row(effect)->name, visited, drive->windows_due);
+	}
+}
+
+static void add_slots(cJSON *where, const struct drive *drive)
+{
+	struct gpu_slots_bytes bytes;
+	uint64_t side = tile_posts(&drive->meta->world), plane = side * side * sizeof(int32_t);
+	gpu_slots_bytes(drive->slots, &bytes);
+	add(where, "slots", bytes.planes[PLANE_OFFSET] / plane, bytes.base / plane);
+}
+
+void where_report(cJSON *root, const struct drive *drive, const struct gpu_stats *gpu)
+{
+	cJSON *where = cJSON_AddObjectToObject(root, "where");
+	add_windows(where, drive, gpu);
+	for (int effect = EFFECT_SHED; effect <= EFFECT_SLIDE; effect++)
+		if (scene_effects(drive->scene) >> effect & 1)
+			add(where, scene_effect_row((enum scene_effect)effect)->name, drive->blocks_visited, drive->blocks_possible);
+	if (drive->view != NULL) {
+		struct pyramid_figures pyramid;
+		struct view_figures view;
+		pyramid_figures(drive->pyramid, &pyramid);
+		view_figures(drive->view, &view);
+		add(where, "pyramid", pyramid.updated, pyramid.resident);
+		add(where, "draw", view.deformed, view.drawn);
+	}
+	add_slots(where, drive);
+}
