@@ -196,6 +196,20 @@ static void what_hops_leaves_the_same_rows(void **state)
 		}
 }
 
+/* What passes above it works on ground that has not come to rest, too. */
+static void loose_ground_slides_under_what_flies(void **state)
+{
+	static const char flying[] = "end_time: 1.5\nobjects:\n  - {name: fly, shape: {sphere: {radius: 6}}, path: {file: fly.csv}}\n";
+	char soil[256];
+	write_poses("fly.csv", &(struct hops){support_hills, 2, 30, 61, 80, 30, 6, -1, 2, 1, 1.5, false});
+	for (int m = 2; m < MODELS - 1; m++) {
+		snprintf(soil, sizeof soil, "scene: 1\ntime_step: 0.1\nsoil: {name: sand, cohesion: 0, friction_angle: 10, unit_weight: 16000}\n"
+			 "redistribute: {model: %s, undisturbed: slides}\n%s", models[m], flying);
+		support_write(support_path("loose.yaml"), soil);
+		the_same_either_way(world, support_hills, support_path("loose.yaml"), NULL, (struct least){0.5, 1.01});
+	}
+}
+
 /* Rims that earlier drives have piled up, or this one does: above the base, and a body that flies between the two. */
 static void what_flies_into_a_rim_presses_it(void **state)
 {
@@ -281,6 +295,21 @@ static void a_single_post_at_the_rim_counts(void **state)
 		assert_int_equal(pressed_by("{box: {size: [8, 8, 2]}}", 30, 30, 110, 0, "1", &windows), 0);
 		assert_int_equal(windows, 0);
 	}
+}
+
+/* A body of several windows, of which the post is in one. */
+static void a_post_counts_in_whichever_window(void **state)
+{
+	long long windows;
+	for (int i = 0; i < 4; i++) {
+		spike_x = 30 + (i % 2 == 0 ? -4 : 4);
+		spike_y = 30 + (i / 2 == 0 ? -4 : 4);
+		assert_true(pressed_by("{box: {size: [8.5, 8.5, 2]}}", 30, 30, 110, 0, "0.03125", &windows) > 0);
+		assert_true(windows >= 4);
+	}
+	spike_x = 25; /* nearer than 25.75 m, and 0 m higher there */
+	assert_int_equal(pressed_by("{box: {size: [8.5, 8.5, 2]}}", 30, 30, 111.5, 0, "0.03125", &windows), 0);
+	assert_int_equal(windows, 0);
 }
 
 /* Every shape by its lowest point: a tenth of a millimetre into the ground it presses; as much above it is not looked at. */
@@ -479,9 +508,11 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_hops_leaves_the_same_rows),
+		cmocka_unit_test(loose_ground_slides_under_what_flies),
 		cmocka_unit_test(what_flies_into_a_rim_presses_it),
 		cmocka_unit_test(ten_thousand_kilometres_out_too),
 		cmocka_unit_test(a_single_post_at_the_rim_counts),
+		cmocka_unit_test(a_post_counts_in_whichever_window),
 		cmocka_unit_test(the_lowest_point_decides),
 		cmocka_unit_test(a_bar_of_a_wheel_reaches_farther_than_its_height),
 		cmocka_unit_test(what_is_resumed_in_the_air_goes_on_the_same),
