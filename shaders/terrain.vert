@@ -65,6 +65,30 @@ float strided_height(ivec2 at, int stride, float fine)
 	return whole ? a * (1.0 - most) + b * (most - least) + c * least : fine;
 }
 
+#ifdef REACHES
+float reach(int power)
+{
+	return reaches[power >> 2][power & 3];
+}
+
+// Strides are passed over whose reach ends where the next begins: from each it slides to the one that follows it.
+float morphed_height(ivec2 at, int stride, float fine)
+{
+	float far = length(vec3(origin.xy + vec2(at) * origin.z, fine));
+	int power = findMSB(stride), most = findMSB(tile.x);
+	while (power < most && reach(power + 1) <= far)
+		power++;
+	float now = strided_height(at, 1 << power, fine);
+	if (power == most)
+		return now;
+	float end = reach(power + 1), begin = max(0.8 * end, reach(power));
+	float blend = clamp((far - begin) / max(end - begin, 1e-6 * end), 0.0, 1.0);
+	int next = power + 1;
+	while (next < most && reach(next + 1) <= end)
+		next++;
+	return blend > 0.0 ? mix(now, strided_height(at, 1 << next, fine), blend) : now;
+}
+#else
 float morphed_height(ivec2 at, int stride, float fine)
 {
 	float far = length(vec3(origin.xy + vec2(at) * origin.z, fine)) / (detail.x * float(stride));
@@ -76,6 +100,7 @@ float morphed_height(ivec2 at, int stride, float fine)
 	float now = strided_height(at, stride, fine);
 	return blend > 0.0 ? mix(now, strided_height(at, 2 * stride, fine), blend) : now;
 }
+#endif
 #endif
 
 void main()
@@ -98,6 +123,11 @@ void main()
 	bool hole = !fetch_height(at, height);
 #ifdef GEOMORPH
 	height = morphed_height(at, stride, height);
+#endif
+#if defined SKIRTS && defined REACHES
+	// What meets here is off by no more than is allowed, either side.
+	if (drop > 0.0)
+		drop = max(drop, 2.0 * detail.w * length(vec3(origin.xy + vec2(at) * origin.z, height)));
 #endif
 	post = vec2(at);
 	place = vec3(origin.xy + post * origin.z, height - drop);

@@ -8,8 +8,11 @@ layout(std140, binding = 0) uniform picture {
 	vec4 origin;      // the tile's south-west post relative to the eye; spacing; the eye above its lattice height
 	vec4 pattern;     // the tile's south-west post modulo the ground pattern's period, metres; metres a post
 	vec4 ground;      // its post in the level-0 tile, level-0 posts a post, level-0 spacing
-	vec4 detail;      // distance at which a stride of 1 has become 2; a skirt's depth a stride and at most
+	vec4 detail;      // distance at which a stride of 1 has become 2; a skirt's depth a stride and at most; error allowed a metre
 	ivec4 tile;       // cells, first instance, the eye's lattice height / 2, cells along a block
+#ifdef REACHES
+	vec4 reaches[3];  // distances from which on strides of 2^0, 2^1 ... do; none is less than the one before
+#endif
 };
 
 const float half_base_metre = 1.0 / 131072.0; // metres of half a base height, 2^-17

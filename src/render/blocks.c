@@ -1,6 +1,6 @@
 /*
  * Which parts of a tile are drawn at which stride: a quadtree of blocks, each a grid of the same
- * number of cells, divided while nearer than its spacing's reach and culled by its box.
+ * number of cells, divided while nearer than its stride's reach and culled by its box.
  */
 #include <math.h>
 #include <string.h>
@@ -11,7 +11,8 @@ struct splitter {
 	struct render_blocks *blocks;
 	const struct terrain_view *view;
 	const struct terrain_draw *draw;
-	double spacing, reach;
+	const double *reaches;
+	double spacing;
 	double west, south;  /* metres, of the tile */
 	double limit[2];     /* the world's last post */
 	uint32_t side;       /* cells along a block */
@@ -48,7 +49,7 @@ static void split(struct splitter *s, uint32_t x, uint32_t y, int stride)
 	    !terrain_box_visible(s->view->planes, low, high))
 		return;
 	double distance = terrain_box_distance(s->view->eye, low, high);
-	if (stride > 0 && distance < s->reach * s->spacing * (1 << stride)) {
+	if (stride > 0 && distance < s->reaches[stride]) {
 		/* Near ones first: they hide what is behind. */
 		uint32_t nearest = (s->view->eye[0] >= low[0] + size / 2 ? 1u : 0u) |
 				   (s->view->eye[1] >= low[1] + size / 2 ? 2u : 0u);
@@ -88,13 +89,13 @@ static void add_skirts(struct splitter *s, uint32_t *edge_strides, uint32_t acro
 	}
 }
 
-enum status render_blocks_add(struct render_blocks *blocks, const struct world *world,
-			      const struct terrain_view *view, double reach, const struct terrain_draw *draw)
+enum status render_blocks_add(struct render_blocks *blocks, const struct world *world, const struct terrain_view *view,
+			      const double reaches[TERRAIN_STRIDES], const struct terrain_draw *draw)
 {
 	uint32_t side = render_block_cells(world), across = world->cells / side;
 	double spacing = world_spacing(world, draw->tile.level);
 	struct splitter s = {
-		.blocks = blocks, .view = view, .draw = draw, .spacing = spacing, .reach = reach,
+		.blocks = blocks, .view = view, .draw = draw, .spacing = spacing, .reaches = reaches,
 		.west = draw->tile.x * spacing * world->cells, .south = draw->tile.y * spacing * world->cells,
 		.limit = {(double)(world->width - 1) * world->spacing, (double)(world->height - 1) * world->spacing},
 		.side = side, .first = blocks->count,

@@ -1,4 +1,11 @@
-/* A camera's axes, and the view terrain selects by. All in doubles. */
+/*
+ * A camera's axes, the view terrain selects by, and how coarse a mesh may be at which distance. In doubles.
+ *
+ * By the radii what counts is size on the screen: a tile is divided while its posts stand more than 6 pixels
+ * apart, and drawn as cells of up to 32. Flat ground is
+ * cut as finely as a cliff, and how wrong a picture is nobody asked. With a pixel error what counts is
+ * height: a tile, or a stride within it, is as coarse as keeps its error below so many pixels.
+ */
 #include <math.h>
 #include <string.h>
 
@@ -10,6 +17,8 @@
 #define PIXELS_A_CELL 32.0
 /* Below this, blocks of one stride would be too small beside their distance to slide in time. */
 #define REACH_LEAST 24.0
+#define RUT_REACH 1.5 /* what wheels leave is finer than the ground: cut more finely */
+#define REACH_MOST 1e30 /* metres: a float, with room to reckon */
 
 static double normalise(double v[3])
 {
@@ -44,6 +53,17 @@ double render_mesh_reach(const struct render_axes *axes)
 	return fmax(axes->focal / PIXELS_A_CELL, REACH_LEAST);
 }
 
+void render_reaches(const struct render *render, const struct render_axes *axes, const struct terrain_draw *draw,
+		    bool ruts, double reaches[TERRAIN_STRIDES])
+{
+	double spacing = world_spacing(&render->world, draw->tile.level);
+	double reach = render_mesh_reach(axes) * (ruts ? RUT_REACH : 1);
+	/* A stride of 2^k is the surface k levels above: as far as that level's error (Equation 3). */
+	for (int k = 0; k < TERRAIN_STRIDES; k++)
+		reaches[k] = render->pixel_error > 0 ? fmin(draw->errors[k] * (axes->focal / render->pixel_error), REACH_MOST) :
+						       reach * spacing * (1 << k);
+}
+
 void render_view(const struct render *render, const struct render_camera *camera, struct terrain_view *view)
 {
 	struct render_axes axes;
@@ -51,6 +71,8 @@ void render_view(const struct render *render, const struct render_camera *camera
 	memcpy(view->eye, camera->eye, sizeof view->eye);
 	terrain_frustum(camera->eye, axes.forward, axes.right, axes.up, camera->fov,
 			(double)render->width / render->height, RENDER_FAR, view->planes);
-	view->radius = fmax(axes.focal / PIXELS_A_POST, render_mesh_reach(&axes)) / render->world.cells;
+	view->by_error = render->pixel_error > 0;
+	view->radius = view->by_error ? axes.focal / render->pixel_error :
+					fmax(axes.focal / PIXELS_A_POST, render_mesh_reach(&axes)) / render->world.cells;
 	view->finest = TILE_LEVEL_MIN;
 }

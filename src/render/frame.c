@@ -9,9 +9,7 @@
 
 #include "render/internal.h"
 
-/* A spacing at which ruts still have a shape (metres), and how much longer it reaches. */
-#define RUT_SPACING 0.3
-#define RUT_REACH 1.5
+#define RUT_SPACING 0.3 /* metres, at which ruts still have a shape */
 
 /* From south-east, low enough to model the ground. */
 #define SUN_AZIMUTH 2.35 /* radians east of north */
@@ -63,17 +61,19 @@ static void fill_frame(const struct render *render, const struct render_camera *
 	to_floats(params->relief, render->low, 1 / relief, relief, camera->eye[2]);
 }
 
-/* How far a tile's spacing reaches. What wheels leave is finer than the ground: cut more finely. */
-static double draw_reach(const struct render *render, const struct render_axes *axes, const struct terrain_draw *draw)
+static void draw_reaches(const struct render *render, const struct render_axes *axes, const struct terrain_draw *draw,
+			 double reaches[TERRAIN_STRIDES])
 {
 	bool ruts = gpu_slots_get(render->slots, draw->slot)->target != NULL &&
 		    world_spacing(&render->world, draw->tile.level) <= RUT_SPACING;
-	return render_mesh_reach(axes) * (ruts ? RUT_REACH : 1);
+	render_reaches(render, axes, draw, ruts, reaches);
 }
 
-static void fill_tile(const struct render *render, const struct render_camera *camera, double reach,
+static void fill_tile(const struct render *render, const struct render_camera *camera, const struct render_axes *axes,
 		      const struct terrain_draw *draw, uint32_t first, struct picture_params *params)
 {
+	double reaches[TERRAIN_STRIDES];
+	draw_reaches(render, axes, draw, reaches);
 	uint32_t cells = render->world.cells;
 	double spacing = world_spacing(&render->world, draw->tile.level);
 	double west = draw->tile.x * spacing * cells, south = draw->tile.y * spacing * cells;
@@ -81,7 +81,10 @@ static void fill_tile(const struct render *render, const struct render_camera *c
 	double half = fmin(fmax(round(ldexp(eye, BASE_BITS - 1)), -0x1p30 + 1), 0x1p30 - 1);
 	to_floats(params->origin, west - camera->eye[0], south - camera->eye[1], spacing, eye - ldexp(half, 1 - BASE_BITS));
 	to_floats(params->pattern, fmod(west, RENDER_PATTERN_PERIOD), fmod(south, RENDER_PATTERN_PERIOD), spacing, 0);
-	to_floats(params->detail, 2 * reach * spacing, 1.2 * spacing, fmax(draw->high - draw->low, spacing / 4), 0);
+	to_floats(params->detail, reaches[1], 1.2 * spacing, fmax(draw->high - draw->low, spacing / 4),
+		  render->pixel_error / axes->focal);
+	for (int k = 0; k < TERRAIN_STRIDES; k++)
+		params->reaches[k] = (float)reaches[k];
 	params->tile[0] = (int32_t)cells;
 	params->tile[1] = (int32_t)first;
 	params->tile[2] = (int32_t)half;
@@ -108,6 +111,8 @@ static enum status tile_program(const struct render *render, const struct gpu_sl
 	for (size_t i = 0; i < sizeof effects / sizeof *effects; i++)
 		if (render->effects >> effects[i].effect & 1)
 			request.defines[count++] = effects[i].define;
+	if (render->pixel_error > 0 && (render->effects & (1u << EFFECT_GEOMORPH | 1u << EFFECT_SKIRTS)))
+		request.defines[count++] = "REACHES";
 	if (slot->target != NULL)
 		request.defines[count++] = "OFFSET";
 	if (slot->planes[PLANE_DIRT] != NULL && render->dirt)
@@ -130,8 +135,9 @@ static enum status collect_blocks(struct render *render, const struct render_cam
 	for (size_t i = 0; i < selection->draw_count; i++) {
 		drawn[i].first = (uint32_t)render->blocks.count;
 		const struct terrain_draw *draw = &selection->draws[i];
-		enum status status = render_blocks_add(&render->blocks, &render->world, &view,
-						       draw_reach(render, axes, draw), draw);
+		double reaches[TERRAIN_STRIDES];
+		draw_reaches(render, axes, draw, reaches);
+		enum status status = render_blocks_add(&render->blocks, &render->world, &view, reaches, draw);
 		if (status != STATUS_OK)
 			return status;
 		drawn[i].count = (uint32_t)render->blocks.count - drawn[i].first;
@@ -233,7 +239,7 @@ enum status render_frame(struct render *render, const struct render_camera *came
 		if (drawn[i].count == 0)
 			continue;
 		const struct terrain_draw *draw = &selection->draws[i];
-		fill_tile(render, camera, draw_reach(render, &axes, draw), draw, drawn[i].first, &params);
+		fill_tile(render, camera, &axes, draw, drawn[i].first, &params);
 		status = draw_tile(render, draw, &drawn[i], &params);
 	}
 	if (status == STATUS_OK && (render->effects >> EFFECT_SKY & 1))

@@ -21,6 +21,7 @@ struct picture_params {
 	float ground[4];
 	float detail[4];
 	int32_t tile[4];
+	float reaches[TERRAIN_STRIDES]; /* read by programs with REACHES alone */
 };
 
 /* A camera's orthonormal axes and the size of a pixel. */
@@ -29,8 +30,12 @@ struct render_axes {
 	double focal; /* pixels a unit of tangent */
 };
 void render_axes(const struct render *render, const struct render_camera *camera, struct render_axes *axes);
-/* Metres from the eye, per metre of spacing, from which on a spacing is fine enough for the mesh. */
+/* Metres from the eye, per metre of spacing, from which on a spacing is fine enough for the mesh. By radii. */
 double render_mesh_reach(const struct render_axes *axes);
+/* Metres from the eye from which on each stride of a tile, 2^0 .. 2^11, is fine enough; none is less than the one
+ * before. `ruts`: what wheels leave can be told there. */
+void render_reaches(const struct render *render, const struct render_axes *axes, const struct terrain_draw *draw,
+		    bool ruts, double reaches[TERRAIN_STRIDES]);
 
 /* --- blocks.c: which parts of a tile are drawn at which stride --- */
 #define RENDER_BLOCK_CELLS 16
@@ -46,9 +51,9 @@ struct render_blocks {
 	size_t count, capacity;
 };
 uint32_t render_block_cells(const struct world *world);
-/* Appends the visible blocks of a draw, near or far by `reach`. */
-enum status render_blocks_add(struct render_blocks *blocks, const struct world *world,
-			      const struct terrain_view *view, double reach, const struct terrain_draw *draw) FURROW_CHECKED;
+/* Appends the visible blocks of a draw, each at the coarsest stride whose reach it is beyond. */
+enum status render_blocks_add(struct render_blocks *blocks, const struct world *world, const struct terrain_view *view,
+			      const double reaches[TERRAIN_STRIDES], const struct terrain_draw *draw) FURROW_CHECKED;
 
 /* --- noise.c --- */
 #define RENDER_NOISE_SIZE 256
@@ -68,6 +73,7 @@ struct render {
 	uint32_t width, height;
 	unsigned effects;
 	bool dirt;
+	double pixel_error; /* 0: by radii */
 	struct gpu_texture *colour, *depth, *noise; /* noise NULL without TEXTURE */
 	struct gpu_target *target;
 	struct gpu_buffer *indices, *instances;

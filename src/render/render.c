@@ -86,6 +86,7 @@ enum status render_create(const struct render_params *params, struct render **ou
 		.height = (uint32_t)params->height,
 		.effects = params->effects,
 		.dirt = params->dirt,
+		.pixel_error = params->pixel_error,
 	};
 	enum status status = create_target(render);
 	if (status == STATUS_OK)

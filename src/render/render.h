@@ -28,6 +28,7 @@ struct render_params {
 	int width, height;
 	unsigned effects;     /* 1 << EFFECT_TEXTURE ... */
 	bool dirt;
+	double pixel_error;   /* pixels a picture's ground may be off by; 0: its detail goes by the radii (camera.c) */
 };
 
 struct render;

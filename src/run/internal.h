@@ -206,6 +206,8 @@ enum status view_warm(struct view *view) FURROW_CHECKED;
 enum status view_frame(struct view *view, struct drive *drive, bool image) FURROW_CHECKED;
 /* A tile of the working level is deformed now: finer tiles exist below its ancestors. */
 enum status view_deformed(struct view *view, struct tile tile) FURROW_CHECKED;
+/* An object presses: what is deformed until the next call, it deforms. NULL: soil that moves by itself does. */
+enum status view_pressed(struct view *view, const struct event *event) FURROW_CHECKED;
 /* The places (metres, local) whose ground the camera stands or looks on at `time`: none to two. `user` is the
  * drive. Any thread. */
 size_t view_places(const void *user, double time, double places[2][2]);

@@ -115,6 +115,8 @@ enum status drive_sweep(struct drive *drive, const struct event *event, bool las
 	drive->windows_due += count;
 	count = aloft ? 0 : count;
 	drive->windows += count;
+	if (status == STATUS_OK && drive->view != NULL && count > 0)
+		status = view_pressed(drive->view, event);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 		status = drive_hold(drive, windows[i].read, &held);
 		if (status == STATUS_OK)
@@ -132,5 +134,7 @@ enum status drive_sweep(struct drive *drive, const struct event *event, bool las
 	}
 	rider->in_contact = true;
 	rider->last = sweep.to;
+	if (status == STATUS_OK && drive->view != NULL && count > 0)
+		status = view_pressed(drive->view, NULL);
 	return status;
 }

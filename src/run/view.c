@@ -117,7 +117,10 @@ enum status view_frame(struct view *view, struct drive *drive, bool image)
 
 static enum status deformed_key(void *user, uint64_t key)
 {
-	return view_deformed(user, tile_from_key(key));
+	struct view *view = user;
+	struct tile tile = tile_from_key(key);
+	enum status status = view_add_chain(view, &view->deformed, tile);
+	return status == STATUS_OK && view->errors != NULL ? view_errors_read(view, tile) : status;
 }
 
 static enum status find_reach(const struct drive *drive, double *out)
@@ -165,6 +168,7 @@ enum status view_create(struct drive *drive, struct view **out)
 		.height = scene->view.height,
 		.effects = scene->view.effects,
 		.dirt = scene->dirt,
+		.pixel_error = scene->view.pixel_error,
 	};
 	enum status status = STATUS_OK;
 	if (view->selection == NULL || view->now == NULL || view->ahead == NULL)
@@ -173,6 +177,8 @@ enum status view_create(struct drive *drive, struct view **out)
 		status = find_reach(drive, &view->reach);
 	if (status == STATUS_OK)
 		status = render_create(&params, &view->render);
+	if (status == STATUS_OK && scene->view.pixel_error > 0)
+		status = view_errors_create(drive, &view->errors);
 	int level;
 	if (status == STATUS_OK && store_has_working_level(drive->store, &level))
 		status = store_each_offset(ground_reader(drive->ground), level, deformed_key, view);
@@ -193,6 +199,7 @@ void view_destroy(struct view *view)
 	key_set_finish(&view->expected);
 	key_set_finish(&view->seen);
 	key_cache_finish(&view->ranges);
+	view_errors_destroy(view->errors);
 	mem_free(view->selection);
 	mem_free(view->now);
 	mem_free(view->ahead);

@@ -17,6 +17,8 @@ struct view_look {
 
 #define VIEW_LOOKS 4 /* times looked ahead to */
 
+struct view_errors; /* view_errors.c */
+
 struct view {
 	struct drive *drive;
 	struct render *render;
@@ -24,6 +26,7 @@ struct view {
 	struct key_set expected;  /* the same of tiles that will be deformed; empty but while looking ahead */
 	struct key_cache ranges;  /* of bases; a: NaN where nothing is */
 	double reach;             /* metres deformation can add to a tile's bounds */
+	struct view_errors *errors; /* NULL: detail goes by the radii */
 	size_t budget;            /* slots one picture may need */
 	size_t room;              /* slots this picture and those ahead may need together */
 	bool coarse;              /* the last selection was cut to the budget */
@@ -52,6 +55,16 @@ enum status view_add_chain(const struct view *view, struct key_set *set, struct 
 enum status view_select(struct view *view, const struct render_camera *camera, bool everything) FURROW_CHECKED;
 /* What was selected is used now; without `stand_ins` only what the complete picture needs. */
 void view_mark_used(struct view *view, bool stand_ins);
+
+/* view_errors.c: how far off the ground a tile is drawn. With a pixel error alone. */
+enum status view_errors_create(const struct drive *drive, struct view_errors **out) FURROW_CHECKED;
+void view_errors_destroy(struct view_errors *errors); /* takes NULL */
+/* What is committed of a tile of the working level counts. */
+enum status view_errors_read(struct view *view, struct tile tile) FURROW_CHECKED;
+/* A tile of the working level is changed, by what presses now. */
+enum status view_errors_touch(struct view *view, struct tile tile) FURROW_CHECKED;
+/* Metres, as terrain_source.error. `expected`: it will be deformed by the time that is looked at. */
+enum status view_error(struct view *view, struct tile tile, bool expected, double *error) FURROW_CHECKED;
 
 /* view_ahead.c: what pictures will need. */
 void view_keep_now(struct view *view);

@@ -80,7 +80,19 @@ enum status view_add_chain(const struct view *view, struct key_set *set, struct 
 
 enum status view_deformed(struct view *view, struct tile tile)
 {
-	return view_add_chain(view, &view->deformed, tile);
+	enum status status = view_add_chain(view, &view->deformed, tile);
+	return status == STATUS_OK && view->errors != NULL ? view_errors_touch(view, tile) : status;
+}
+
+static double error_of(void *user, struct tile tile)
+{
+	struct view *view = user;
+	double error = 0;
+	bool expected = view->expected.count > 0 && key_set_has(&view->expected, tile_key(tile));
+	enum status status = view_error(view, tile, expected, &error);
+	if (status != STATUS_OK)
+		view->failed = status;
+	return error;
 }
 
 static bool not_resident(void *user, struct tile tile, uint32_t *slot)
@@ -134,7 +146,7 @@ static void tell(struct view *view)
 enum status view_select(struct view *view, const struct render_camera *camera, bool everything)
 {
 	const struct world *world = &view->drive->meta->world;
-	const struct terrain_source source = {view, bounds, everything ? not_resident : resident, divisible};
+	const struct terrain_source source = {view, bounds, everything ? not_resident : resident, divisible, error_of};
 	struct terrain_view whole, looking;
 	render_view(view->render, camera, &whole);
 	view->failed = STATUS_OK;

@@ -89,6 +89,7 @@ struct scene_view {
 	double eye[3], target[3]; /* fixed: local metres */
 	unsigned effects;      /* bits 1 << EFFECT_* */
 	int64_t images;        /* a PNG every so many steps; 0 none */
+	double pixel_error;    /* pixels the ground may be drawn off by; 0: its detail goes by the radii */
 };
 
 struct scene {

@@ -155,6 +155,7 @@ static const cyaml_schema_field_t view_fields[] = {
 	CYAML_FIELD_SEQUENCE("effects", OPTIONAL_POINTER, struct raw_view, effects, &word_entry, 0,
 			     CYAML_UNLIMITED),
 	CYAML_FIELD_INT_PTR("images", OPTIONAL, struct raw_view, images),
+	CYAML_FIELD_FLOAT_PTR("pixel_error", OPTIONAL, struct raw_view, pixel_error),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t cache_fields[] = {
@@ -246,6 +247,7 @@ static const struct scene_limit limits[] = {
 	{"view.camera.fixed.eye[]", -1e9, 1e9, false, NULL},
 	{"view.camera.fixed.target[]", -1e9, 1e9, false, NULL},
 	{"view.images", 0, 1e9, false, NULL},
+	{"view.pixel_error", 0, 64, true, NULL},
 	{"cache.slots", 4, 65536, false, NULL},
 	{"cache.loaders", 0, 16, false, NULL},
 	{"cache.prefetch", 0, 3600, false, NULL},

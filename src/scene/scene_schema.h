@@ -93,6 +93,7 @@ struct raw_view {
 	char **effects;
 	uint32_t effects_count;
 	int64_t *images;
+	double *pixel_error;
 };
 struct raw_cache {
 	int64_t *slots, *loaders;

@@ -98,6 +98,7 @@ enum status scene_check_view(const struct scene_tree *tree, const struct raw_sce
 	view->width = raw->view->size != NULL ? (int)raw->view->size[0] : 1280;
 	view->height = raw->view->size != NULL ? (int)raw->view->size[1] : 720;
 	view->images = raw->view->images != NULL ? *raw->view->images : 0;
+	view->pixel_error = raw->view->pixel_error != NULL ? *raw->view->pixel_error : 0;
 	enum status status = check_camera(tree, &raw->view->camera, scene);
 	return status != STATUS_OK ? status : check_effects(tree, raw->view, view);
 }

@@ -1,15 +1,16 @@
 /*
  * How coarse a view must be to need no more tiles than there are places for.
  *
- * Tiles are divided in the order in which a growing radius would divide them, until the next would
- * need more than the budget; the radius ends before that one. What is drawn then is what
- * terrain_select draws with a smaller radius: no other rule, and a function of the view alone, so
- * that a camera that stands still gets the same picture again and again.
+ * Tiles are divided in the order in which a growing radius would divide them (by error: an error allowed
+ * that shrinks), until the next would need more than the budget; the radius ends before that one. What is
+ * drawn then is what terrain_select draws with a smaller radius: no other rule, and a function of the view
+ * alone, so that a camera that stands still gets the same picture again and again.
  *
  * Invariants:
  *   1. `needed` is at least what terrain_select would count if every tile divided here were.
  *   2. Tiles of one ratio are divided together or not at all: no radius lies between them. The eye
  *      inside a box is ratio 0 at any level: there it is the levels that part them, coarser first.
+ *      What is without error is never near, so never divided.
  */
 #include <float.h>
 
@@ -74,14 +75,13 @@ static bool in_view(const struct fitter *fitter, const struct terrain_place *pla
 }
 
 /* A tile the picture may need. False: it is out of view. */
-static bool enter(struct fitter *fitter, struct tile tile, double low, double high, double least)
+static bool enter(struct fitter *fitter, const struct terrain_place *place, double least)
 {
-	struct terrain_place place;
-	terrain_put(fitter->world, fitter->view, tile, low, high, &place);
-	if (!in_view(fitter, &place))
+	if (!in_view(fitter, place))
 		return false;
-	struct node node = {tile, place.ratio > least ? place.ratio : least, low, high};
-	if (terrain_near(fitter->view, tile, node.ratio) && fitter->source->divisible(fitter->source->user, tile))
+	struct node node = {place->tile, place->ratio > least ? place->ratio : least, place->low[2], place->high[2]};
+	if (terrain_near(fitter->view, place->tile, node.ratio) &&
+	    fitter->source->divisible(fitter->source->user, place->tile))
 		push(fitter, &node);
 	return true;
 }
@@ -93,11 +93,10 @@ static void divide(struct fitter *fitter, const struct node *node)
 	for (unsigned quadrant = 0; quadrant < 4; quadrant++) {
 		struct tile child = terrain_child(node->tile, quadrant);
 		struct terrain_place place;
-		double low, high;
 		if (!world_has(fitter->world, child))
 			continue;
-		if (fitter->source->bounds(fitter->source->user, child, &low, &high)) {
-			children += enter(fitter, child, low, high, node->ratio);
+		if (terrain_find(fitter->world, fitter->view, fitter->source, child, &place)) {
+			children += enter(fitter, &place, node->ratio);
 		} else if (node->tile.level <= 0) {
 			terrain_put(fitter->world, fitter->view, child, node->low, node->high, &place);
 			own = own || in_view(fitter, &place);
@@ -112,9 +111,9 @@ bool terrain_fit(const struct world *world, const struct terrain_source *source,
 		 struct terrain_view *view)
 {
 	struct fitter fitter = {.world = world, .view = view, .source = source, .needed = 1};
-	double low, high;
+	struct terrain_place place;
 	struct tile root = {world_coarsest(world), 0, 0};
-	if (!source->bounds(source->user, root, &low, &high) || !enter(&fitter, root, low, high, 0))
+	if (!terrain_find(world, view, source, root, &place) || !enter(&fitter, &place, 0))
 		return true;
 	while (fitter.count > 0) {
 		double ratio = fitter.heap[0].ratio;

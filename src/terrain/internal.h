@@ -2,6 +2,8 @@
 #ifndef FURROW_TERRAIN_INTERNAL_H
 #define FURROW_TERRAIN_INTERNAL_H
 
+#include <math.h>
+
 #include "terrain/terrain.h"
 
 /* A tile in its box; the third of low and high is of its heights. */
@@ -9,7 +11,9 @@ struct terrain_place {
 	struct tile tile;
 	double low[3], high[3];
 	double distance; /* metres, eye to box */
-	double ratio;    /* of that to the tile's side */
+	double error;    /* metres; 0 by radii */
+	double ratio;    /* of the distance to the tile's side, or to its error */
+	const struct terrain_place *above; /* the tile that was divided for it; NULL: none */
 };
 
 static inline struct tile terrain_child(struct tile tile, unsigned quadrant)
@@ -25,7 +29,28 @@ static inline void terrain_put(const struct world *world, const struct terrain_v
 	place->low[2] = low;
 	place->high[2] = high;
 	place->distance = terrain_box_distance(view->eye, place->low, place->high);
-	place->ratio = place->distance / (world_spacing(world, tile.level) * world->cells);
+}
+
+/* False: nothing to draw there. */
+static inline bool terrain_find(const struct world *world, const struct terrain_view *view,
+				const struct terrain_source *source, struct tile tile, struct terrain_place *place)
+{
+	double low, high, error;
+	if (!source->bounds(source->user, tile, &low, &high))
+		return false;
+	terrain_put(world, view, tile, low, high, place);
+	place->above = NULL;
+	place->error = 0;
+	if (!view->by_error) {
+		place->ratio = place->distance / (world_spacing(world, tile.level) * world->cells);
+		return true;
+	}
+	error = source->error(source->user, tile);
+	if (error > 0)
+		place->error = error;
+	/* Equation 3: error x focal / distance, in pixels, against what is allowed. */
+	place->ratio = place->error > 0 ? place->distance / place->error : INFINITY;
+	return true;
 }
 
 /* One expression for both: what is fitted must be what is selected, to the last bit. */

@@ -1,5 +1,5 @@
 /*
- * Which tiles a view draws, by the dissertation's distance radii.
+ * Which tiles a view draws: by the dissertation's distance radii, or by its Equation 3.
  *
  * One descent from the coarsest tile. A tile nearer than its radius is divided; each child covers its
  * quadrant or fails to, and what fails is drawn by the nearest ancestor that is resident.
@@ -94,11 +94,10 @@ static void cover_children(struct selector *s, const struct terrain_place *place
 		unsigned quadrant = nearest ^ i;
 		struct tile child = terrain_child(tile, quadrant);
 		struct terrain_place there;
-		double low, high;
 		if (!world_has(s->world, child))
 			continue;
-		if (s->source->bounds(s->source->user, child, &low, &high)) {
-			terrain_put(s->world, s->view, child, low, high, &there);
+		if (terrain_find(s->world, s->view, s->source, child, &there)) {
+			there.above = place;
 			if (!cover(s, &there))
 				*standing |= 1u << quadrant;
 		} else if (tile.level <= 0) {
@@ -116,6 +115,19 @@ static void need_ground(struct selector *s, const struct terrain_place *place)
 	s->out->needed++;
 	if (!s->source->resident(s->source->user, place->tile, &slot))
 		want(s, place->tile, place->distance);
+}
+
+static void fill_errors(const struct terrain_place *place, double errors[TERRAIN_STRIDES])
+{
+	double most = 0;
+	for (int k = 0; k < TERRAIN_STRIDES; k++) {
+		most = fmax(most, place->error);
+		errors[k] = most;
+		if (place->above != NULL)
+			place = place->above;
+		else /* any surface through some of its posts is within their range */
+			most = fmax(most, place->high[2] - place->low[2]);
+	}
 }
 
 static bool cover(struct selector *s, const struct terrain_place *place)
@@ -154,6 +166,8 @@ static bool cover(struct selector *s, const struct terrain_place *place)
 		.stands_in = own == 0 && !ground && !coarsest,
 		.low = place->low[2], .high = place->high[2], .distance = place->distance,
 	};
+	if (s->view->by_error)
+		fill_errors(place, draw.errors);
 	if (!s->source->resident(s->source->user, tile, &draw.slot)) {
 		if (own && !coarsest)
 			want(s, tile, place->distance);
@@ -192,14 +206,12 @@ void terrain_select(const struct world *world, const struct terrain_view *view,
 	struct selector s = {.world = world, .view = view, .source = source, .out = selection};
 	struct tile root = {world_coarsest(world), 0, 0};
 	struct terrain_place place;
-	double low, high;
 	uint32_t slot;
 
 	selection->draw_count = selection->wanted_count = 0;
 	selection->visited = selection->culled = selection->ideal = selection->needed = 0;
-	if (!source->bounds(source->user, root, &low, &high))
+	if (!terrain_find(world, view, source, root, &place))
 		return;
-	terrain_put(world, view, root, low, high, &place);
 	/* It stands in for everything, seen or not. */
 	selection->needed = 1;
 	if (!source->resident(source->user, root, &slot))

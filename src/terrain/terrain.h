@@ -1,8 +1,9 @@
 /*
  * terrain: which tiles a view needs, at which level, and what height the ground has at a point.
  *
- * Selection is the dissertation's: a tile is drawn at the level its distance asks for (radii), in
- * doubles, relative to nothing but the world. Pure: no GL, no store; the source says what is where.
+ * Selection is the dissertation's, in doubles, relative to nothing but the world: a tile is drawn at the
+ * level its distance asks for (radii), or at the coarsest whose error is small on the screen (Equation 3).
+ * Pure: no GL, no store; the source says what is where.
  */
 #ifndef FURROW_TERRAIN_H
 #define FURROW_TERRAIN_H
@@ -17,6 +18,7 @@ struct terrain_view {
 	double eye[3];
 	double planes[5][4]; /* inward: a x + b y + c z + d >= 0 inside; left right bottom top far */
 	double radius;       /* a tile is divided when nearer than radius x its side */
+	bool by_error;       /* nearer than radius x its error: radius is the focal length / the error allowed, both pixels */
 	int finest;          /* no tile of this level or a finer one is divided; at least TILE_LEVEL_MIN */
 };
 
@@ -31,10 +33,15 @@ struct terrain_source {
 	/* May this tile be divided further: its children exist (level > 0), or offset tiles below.
 	 * Children outside the world are not asked about. */
 	bool (*divisible)(void *user, struct tile tile);
+	/* By error: metres the ground may lie above or below what drawing this tile shows, over its whole subtree,
+	 * deformation included. Asked only of tiles that have bounds. A child's should be no greater than its
+	 * parent's: more, and it counts only where the parent is divided. What is no number, or negative, is 0. */
+	double (*error)(void *user, struct tile tile);
 };
 
 /* One drawn tile: the quadrants of it that no finer tile covers (bit 0 sw, 1 se, 2 nw, 3 ne). */
 #define TERRAIN_NO_SLOT UINT32_MAX
+#define TERRAIN_STRIDES 12 /* a tile's posts can be drawn 2^0 .. 2^10 apart */
 struct terrain_draw {
 	struct tile tile;
 	uint32_t slot;
@@ -43,6 +50,9 @@ struct terrain_draw {
 	bool finest; /* nothing finer exists below */
 	bool stands_in; /* the complete picture does not need it: only finer tiles that are not resident */
 	double low, high, distance; /* metres; distance: eye to its box */
+	/* By error: metres, of what is drawn of it at a stride of 2^k: of the tile k levels above it. Beyond the
+	 * coarsest: its relief. None is less than the one before. */
+	double errors[TERRAIN_STRIDES];
 };
 
 #define TERRAIN_DRAWS_MAX 1024

@@ -1,0 +1,170 @@
+/*
+ * How far off the ground a tile is drawn, for pictures that go by a pixel error (the dissertation's Equation 3).
+ *
+ * A base tile's error is kept in the store, over its whole subtree. What deformation adds to it is at most how far
+ * apart the offsets of its subtree are: a surface through some of them is between the lowest and the highest. Those
+ * that are committed are read once. What is pressed later is known only on the GPU, so it is reckoned from how the
+ * object stands: as deep as its lowest point is under the base beside it, and where soil is moved, heaped as high.
+ * So it is about right and known at once; the next drive over that store knows it exactly.
+ *
+ * Invariant: a tile's offsets are within its parent's. With the store's, a parent's error is no less than a child's.
+ */
+#include <math.h>
+
+#include "run/view.h"
+
+#define BASES 16384 /* tiles one selection asks about, and room to move */
+
+struct view_errors {
+	struct key_cache bases; /* a: metres */
+	struct key_map offsets; /* a: lowest, 0 or less; b: highest, 0 or more; metres */
+	double low, high;       /* of what is marked now */
+	double lowest, highest; /* of what was marked in this drive, and of what is expected to be */
+};
+
+enum status view_errors_create(const struct drive *drive, struct view_errors **out)
+{
+	const struct scene *scene = drive->scene;
+	struct view_errors *errors = mem_calloc(1, sizeof *errors);
+	if (errors == NULL)
+		return fail_memory("the view");
+	errors->bases.most = BASES;
+	for (size_t i = 0; i < scene->object_count; i++) {
+		const struct scene_object *object = &scene->objects[i];
+		double deep = object->load > 0 ? deform_sinkage_guess(&object->shape, &scene->soils[0], object->load) : object->sink;
+		errors->lowest = fmin(errors->lowest, -deep);
+	}
+	if (deform_conserves(scene->model))
+		errors->highest = -errors->lowest;
+	errors->low = errors->lowest;
+	errors->high = errors->highest;
+	*out = errors;
+	return STATUS_OK;
+}
+
+void view_errors_destroy(struct view_errors *errors)
+{
+	if (errors == NULL)
+		return;
+	key_cache_finish(&errors->bases);
+	key_map_finish(&errors->offsets);
+	mem_free(errors);
+}
+
+/* --- offsets --- */
+
+static enum status widen(struct view *view, struct tile tile, double low, double high)
+{
+	struct key_map *offsets = &view->errors->offsets;
+	int coarsest = world_coarsest(&view->drive->meta->world);
+	for (int level = tile.level; level <= coarsest; level++) {
+		uint64_t key = tile_key(tile_ancestor(tile, level));
+		const struct key_pair *had = key_map_find(offsets, key);
+		if (had != NULL && had->a <= low && had->b >= high)
+			return STATUS_OK; /* and so are all above it */
+		low = had != NULL ? fmin(had->a, low) : low;
+		high = had != NULL ? fmax(had->b, high) : high;
+		enum status status = key_map_put(offsets, key, low, high);
+		if (status != STATUS_OK)
+			return status;
+	}
+	return STATUS_OK;
+}
+
+enum status view_errors_read(struct view *view, struct tile tile)
+{
+	double low, high;
+	bool found;
+	enum status status = store_read_offset_range(ground_reader(view->drive->ground), tile, &low, &high, &found);
+	return status == STATUS_OK && found ? widen(view, tile, fmin(low, 0), fmax(high, 0)) : status;
+}
+
+enum status view_errors_touch(struct view *view, struct tile tile)
+{
+	return widen(view, tile, view->errors->low, view->errors->high);
+}
+
+/* Metres that the base beside an object is above where it stands: on a slope it digs deeper than it sinks. */
+static enum status rise_beside(struct view *view, const struct event *event, double *rise)
+{
+	const struct deform_shape *shape = &view->drive->riders[event->rider].object->shape;
+	bool round = shape->kind == DEFORM_WHEEL || shape->kind == DEFORM_SPHERE;
+	double far = deform_shape_bound(shape) * (round ? 0.5 : 1);
+	int64_t middle = 0, highest = 0;
+	*rise = 0;
+	for (int i = 0; i < 9; i++) {
+		int x = (i + 4) % 9 % 3 - 1, y = (i + 4) % 9 / 3 - 1; /* the middle first */
+		int64_t height, dx = lattice_offset(far * x), dy = lattice_offset(far * y);
+		bool any;
+		enum status status = ground_height(view->drive->ground, event->pose.x + dx, event->pose.y + dy, &height, &any);
+		if (status != STATUS_OK)
+			return status;
+		if (i == 0)
+			middle = highest = height;
+		if (any && height > highest)
+			highest = height;
+	}
+	*rise = lattice_offset_metres(highest - middle);
+	return STATUS_OK;
+}
+
+enum status view_pressed(struct view *view, const struct event *event)
+{
+	struct view_errors *errors = view->errors;
+	if (errors == NULL)
+		return STATUS_OK;
+	if (event == NULL) {
+		errors->low = errors->lowest;
+		errors->high = errors->highest;
+		return STATUS_OK;
+	}
+	double rise;
+	enum status status = rise_beside(view, event, &rise);
+	if (status != STATUS_OK)
+		return status;
+	const struct rider *rider = &view->drive->riders[event->rider];
+	double deep = event->sinkage;
+	if (rider->object->load > 0) /* as it was found to stand, some steps ago */
+		deep = fmax(deep, rider->sinkage);
+	deep = fmax(deep + rise, 0);
+	errors->low = -deep;
+	errors->high = deform_conserves(view->drive->scene->model) ? deep : 0;
+	errors->lowest = fmin(errors->lowest, errors->low);
+	errors->highest = fmax(errors->highest, errors->high);
+	return STATUS_OK;
+}
+
+/* --- errors --- */
+
+static enum status base_error(struct view *view, struct tile tile, double *error)
+{
+	struct key_pair known;
+	struct store_range range;
+	bool found;
+	uint64_t key = tile_key(tile);
+	enum status status = key_cache_find(&view->errors->bases, key, &known, &found);
+	*error = status == STATUS_OK && found ? known.a : 0;
+	if (status != STATUS_OK || found)
+		return status;
+	status = store_read_base_range(ground_reader(view->drive->ground), tile, &range);
+	if (status != STATUS_OK)
+		return status;
+	*error = range.error;
+	return key_cache_put(&view->errors->bases, key, range.error, 0);
+}
+
+enum status view_error(struct view *view, struct tile tile, bool expected, double *error)
+{
+	const struct view_errors *errors = view->errors;
+	const struct key_pair *offsets = key_map_find(&errors->offsets, tile_key(tile));
+	*error = 0;
+	/* Nothing is finer than the working level where there are offsets, nor than level 0 elsewhere. */
+	if ((offsets != NULL || expected) && tile.level <= view->drive->level)
+		return STATUS_OK;
+	double apart = offsets != NULL ? offsets->b - offsets->a : 0;
+	if (expected)
+		apart = fmax(apart, errors->highest - errors->lowest);
+	enum status status = tile.level > 0 ? base_error(view, tile, error) : STATUS_OK;
+	*error += apart;
+	return status;
+}
