@@ -19,6 +19,15 @@ static void look(double x, double y, double z, double tx, double ty, struct terr
 	render_view(&render, &camera, view);
 }
 
+/* A reach that doubles with the stride, as by the radii: metres a metre of spacing (1 m). */
+static const double *doubling(double reach)
+{
+	static double reaches[TERRAIN_STRIDES];
+	for (int k = 0; k < TERRAIN_STRIDES; k++)
+		reaches[k] = ldexp(reach, k);
+	return reaches;
+}
+
 struct cell {
 	int times;
 	uint32_t stride;
@@ -50,7 +59,7 @@ static void every_visible_cell_of_its_quadrants_is_drawn_once(void **state)
 		const struct terrain_view *looking = &view;
 		struct terrain_draw draw = {.tile = {0, 1, 2}, .quadrants = 1 + (unsigned)round % 15, .low = 0, .high = 5};
 		look(100.0 + 9 * round, 900.0 - 11 * round, 4.0 + round, 380, 640, &view);
-		assert_int_equal(render_blocks_add(&blocks, &world, &view, 30, &draw), STATUS_OK);
+		assert_int_equal(render_blocks_add(&blocks, &world, &view, doubling(30), &draw), STATUS_OK);
 		count_cells(&blocks, side, cells);
 		for (uint32_t y = 0; y < 256; y++)
 			for (uint32_t x = 0; x < 256; x++) {
@@ -76,7 +85,7 @@ static void strides_grow_with_distance_and_never_with_nearness(void **state)
 	struct terrain_view view;
 	struct terrain_draw draw = {.tile = {0, 0, 0}, .quadrants = 15, .low = 0, .high = 1};
 	look(128, -5, 3, 128, 200, &view);
-	assert_int_equal(render_blocks_add(&blocks, &world, &view, 30, &draw), STATUS_OK);
+	assert_int_equal(render_blocks_add(&blocks, &world, &view, doubling(30), &draw), STATUS_OK);
 	count_cells(&blocks, render_block_cells(&world), cells);
 	uint32_t before = 1;
 	for (uint32_t y = 0; y < 256; y++) {
@@ -98,7 +107,7 @@ static void skirts_hang_only_where_strides_or_tiles_meet(void **state)
 	struct terrain_draw draw = {.tile = {0, 1, 1}, .quadrants = 15, .low = 0, .high = 0};
 	look(384, 384, 3000, 384.1, 384, &view);
 	/* So far above that one stride does for all, the coarsest: 2 x 2 blocks. */
-	assert_int_equal(render_blocks_add(&blocks, &world, &view, 1, &draw), STATUS_OK);
+	assert_int_equal(render_blocks_add(&blocks, &world, &view, doubling(1), &draw), STATUS_OK);
 	assert_int_equal(blocks.count, 4);
 	for (size_t i = 0; i < blocks.count; i++) {
 		uint32_t x = blocks.blocks[i] & 1023, y = blocks.blocks[i] >> 10 & 1023;
@@ -111,13 +120,80 @@ static void skirts_hang_only_where_strides_or_tiles_meet(void **state)
 	blocks.count = 0;
 	draw.tile = (struct tile){0, 0, 0};
 	look(128, 128, 3000, 128.1, 128, &view);
-	assert_int_equal(render_blocks_add(&blocks, &world, &view, 1, &draw), STATUS_OK);
+	assert_int_equal(render_blocks_add(&blocks, &world, &view, doubling(1), &draw), STATUS_OK);
 	unsigned edges = 0;
 	for (size_t i = 0; i < blocks.count; i++)
 		edges |= blocks.blocks[i];
 	assert_int_equal(edges & (RENDER_SKIRT_SOUTH | RENDER_SKIRT_WEST), 0);
 	assert_true((edges & RENDER_SKIRT_NORTH) && (edges & RENDER_SKIRT_EAST));
 	mem_free(blocks.blocks);
+}
+
+static void by_the_radii_reach_doubles_with_the_stride_and_nothing_asks_for_errors(void **state)
+{
+	struct render render = {.world = world, .width = 1280, .height = 720};
+	struct render_camera camera = {{0, 0, 9}, {5, 5, 0}, 0.9};
+	struct render_axes axes;
+	struct terrain_view view;
+	struct terrain_draw draw = {.tile = {1, 0, 0}};
+	double reaches[TERRAIN_STRIDES];
+	for (int k = 0; k < TERRAIN_STRIDES; k++)
+		draw.errors[k] = (double)NAN;
+	render_axes(&render, &camera, &axes);
+	render_view(&render, &camera, &view);
+	assert_false(view.by_error);
+	assert_true(view.radius == axes.focal / 6 / 256);
+	for (int ruts = 0; ruts < 2; ruts++) {
+		render_reaches(&render, &axes, &draw, ruts, reaches);
+		for (int k = 0; k < TERRAIN_STRIDES; k++)
+			assert_true(reaches[k] == render_mesh_reach(&axes) * (ruts ? 1.5 : 1) * 2 * (1 << k));
+	}
+}
+
+static void by_error_a_stride_reaches_as_far_as_its_error_is_seen(void **state)
+{
+	struct render render = {.world = world, .width = 1280, .height = 720, .pixel_error = 2};
+	struct render_camera camera = {{0, 0, 9}, {5, 5, 0}, 0.9};
+	struct render_axes axes;
+	struct terrain_view view;
+	struct terrain_draw draw = {.tile = {1, 0, 0}, .errors = {0, 0.25, 0.25, 4, 1e300, 1e308, INFINITY}};
+	double reaches[TERRAIN_STRIDES];
+	render_axes(&render, &camera, &axes);
+	render_view(&render, &camera, &view);
+	assert_true(view.by_error && view.radius == axes.focal / 2);
+	for (int ruts = 0; ruts < 2; ruts++) {
+		render_reaches(&render, &axes, &draw, ruts, reaches);
+		assert_true(reaches[0] == 0 && reaches[1] == reaches[2]);
+		/* From there on 0.25 m are less than 2 pixels of 720 / 2 / tan(0.45). */
+		assert_true(fabs(reaches[1] - 0.25 / 2 * 360 / tan(0.45)) < 1e-9);
+		assert_true(fabs(reaches[3] - 16 * reaches[1]) < 1e-9);
+		for (int k = 4; k < 7; k++)
+			assert_true(isfinite((float)reaches[k]) && reaches[k] >= reaches[k - 1]);
+	}
+}
+
+static void strides_whose_reaches_meet_are_passed_over(void **state)
+{
+	struct cell *cells = test_malloc(256 * 256 * sizeof *cells);
+	struct render_blocks blocks = {0};
+	struct terrain_view view;
+	struct terrain_draw draw = {.tile = {0, 0, 0}, .quadrants = 15, .low = 0, .high = 1};
+	/* A stride of 2 does from 60 m on, and so does one of 4; one of 8 never. */
+	const double reaches[TERRAIN_STRIDES] = {0, 60, 60, 1e30, 1e30, 1e30, 1e30, 1e30, 1e30, 1e30, 1e30, 1e30};
+	look(128, -5, 3, 128, 200, &view);
+	assert_int_equal(render_blocks_add(&blocks, &world, &view, reaches, &draw), STATUS_OK);
+	count_cells(&blocks, render_block_cells(&world), cells);
+	size_t fine = 0, coarse = 0;
+	for (uint32_t y = 0; y < 256; y++) {
+		const struct cell *cell = &cells[256 * y + 128];
+		assert_true(cell->stride == 1 || y + 5 >= 60);
+		fine += cell->stride == 1;
+		coarse += cell->stride == 4;
+		assert_true(cell->stride != 8);
+	}
+	assert_true(fine >= 55 && coarse >= 128);
+	mem_free(blocks.blocks);
+	test_free(cells);
 }
 
 static void the_smallest_tiles_have_blocks_too(void **state)
@@ -127,7 +203,7 @@ static void the_smallest_tiles_have_blocks_too(void **state)
 	struct terrain_view view;
 	struct terrain_draw draw = {.tile = {0, 1, 1}, .quadrants = 15, .low = 0, .high = 0};
 	look(12, 12, 30, 12.1, 12, &view);
-	assert_int_equal(render_blocks_add(&blocks, &small, &view, 100, &draw), STATUS_OK);
+	assert_int_equal(render_blocks_add(&blocks, &small, &view, doubling(100), &draw), STATUS_OK);
 	assert_int_equal(blocks.count * render_block_cells(&small) * render_block_cells(&small), 64);
 	mem_free(blocks.blocks);
 }
@@ -141,7 +217,7 @@ static void running_out_of_memory_is_told(void **state)
 	for (uint64_t nth = 1; nth <= 2; nth++) {
 		blocks.count = 0;
 		mem_fail_nth(nth, 0);
-		assert_int_equal(render_blocks_add(&blocks, &world, &view, 30, &draw), STATUS_FAILED);
+		assert_int_equal(render_blocks_add(&blocks, &world, &view, doubling(30), &draw), STATUS_FAILED);
 		mem_fail_nth(0, 0);
 		mem_free(blocks.blocks);
 		blocks = (struct render_blocks){0};
@@ -154,6 +230,9 @@ int main(void)
 		cmocka_unit_test(every_visible_cell_of_its_quadrants_is_drawn_once),
 		cmocka_unit_test(strides_grow_with_distance_and_never_with_nearness),
 		cmocka_unit_test(skirts_hang_only_where_strides_or_tiles_meet),
+		cmocka_unit_test(by_the_radii_reach_doubles_with_the_stride_and_nothing_asks_for_errors),
+		cmocka_unit_test(by_error_a_stride_reaches_as_far_as_its_error_is_seen),
+		cmocka_unit_test(strides_whose_reaches_meet_are_passed_over),
 		cmocka_unit_test(the_smallest_tiles_have_blocks_too),
 		cmocka_unit_test(running_out_of_memory_is_told),
 	};

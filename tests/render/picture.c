@@ -26,6 +26,8 @@ static struct terrain_selection selection;
 static uint64_t resident[SLOTS];
 static uint32_t resident_count;
 static double tile_radius; /* small tiles: several levels in one picture */
+static double pixel_error; /* 0: by radii */
+static double said_errors[TERRAIN_STRIDES]; /* of every draw, of tiles by radius; 0: as selected */
 
 #define need_gpu()                                                                                 \
 	do {                                                                                       \
@@ -62,6 +64,7 @@ static struct {
 	double hole[4];  /* west, south, east, north: nodata inside; metres */
 	double rut[4];   /* pressed by `deep` inside */
 	double deep, roughness;
+	bool smooth; /* without grain */
 } ground;
 
 static double height_at(int64_t i, int64_t j)
@@ -69,7 +72,7 @@ static double height_at(int64_t i, int64_t j)
 	double x = (double)i * world.spacing, y = (double)j * world.spacing;
 	if (x >= ground.hole[0] && x <= ground.hole[2] && y >= ground.hole[1] && y <= ground.hole[3])
 		return (double)NAN;
-	double grain = sin(x * 1.7 + sin(y * 0.9) * 2) * sin(y * 1.3);
+	double grain = ground.smooth ? 0 : sin(x * 1.7 + sin(y * 0.9) * 2) * sin(y * 1.3);
 	return 400 + ground.roughness * (12 * sin(x / 37) * cos(y / 29) + 0.8 * grain);
 }
 
@@ -102,6 +105,27 @@ static bool world_divisible(void *user, struct tile tile)
 	return tile.level > 0;
 }
 
+/* The most that the tile's bilinear surface is off a post it leaves out. */
+static double world_error(void *user, struct tile tile)
+{
+	static double known[3][4];
+	static bool of_smooth;
+	if (of_smooth != ground.smooth)
+		memset(known, 0, sizeof known);
+	of_smooth = ground.smooth;
+	double *error = &known[tile.level][tile.level > 0 ? 2 * tile.y + tile.x : 0];
+	int64_t step = (int64_t)1 << tile.level, side = CELLS * step;
+	for (int64_t j = tile.y * side; tile.level > 0 && *error == 0 && j < (tile.y + 1) * side; j++)
+		for (int64_t i = tile.x * side; i < (tile.x + 1) * side; i++) {
+			int64_t x = i / step * step, y = j / step * step;
+			double u = (double)(i - x) / (double)step, v = (double)(j - y) / (double)step;
+			double south = height_at(x, y) * (1 - u) + height_at(x + step, y) * u;
+			double north = height_at(x, y + step) * (1 - u) + height_at(x + step, y + step) * u;
+			*error = fmax(*error, fabs(south * (1 - v) + north * v - height_at(i, j)));
+		}
+	return *error;
+}
+
 static void load(struct tile tile)
 {
 	static int32_t base[POSTS * POSTS], offset[POSTS * POSTS];
@@ -126,7 +150,7 @@ static void begin(unsigned effects)
 {
 	struct render_params params = {
 		.gpu = gpu, .world = &world, .low = 380, .high = 420, .width = WIDTH, .height = HEIGHT,
-		.effects = effects,
+		.effects = effects, .pixel_error = pixel_error,
 	};
 	assert_ok(gpu_slots_create(gpu, CELLS, SLOTS, 0, &slots));
 	params.slots = slots;
@@ -145,11 +169,14 @@ static void end(void)
 
 static uint8_t *draw(double x, double y, double up, double tx, double ty, double tz)
 {
-	const struct terrain_source source = {NULL, world_bounds, world_resident, world_divisible};
+	const struct terrain_source source = {NULL, world_bounds, world_resident, world_divisible, world_error};
 	struct render_camera camera = {{x, y, 400 + up}, {tx, ty, 400 + tz}, 0.9};
 	struct terrain_view view;
 	render_view(render, &camera, &view);
-	view.radius = tile_radius;
+	if (!view.by_error || said_errors[1] > 0) {
+		view.by_error = false;
+		view.radius = tile_radius;
+	}
 	for (;;) {
 		terrain_select(&world, &view, &source, &selection);
 		if (selection.wanted_count == 0)
@@ -157,6 +184,8 @@ static uint8_t *draw(double x, double y, double up, double tx, double ty, double
 		for (size_t i = 0; i < selection.wanted_count; i++)
 			load(tile_from_key(selection.wanted[i]));
 	}
+	for (size_t i = 0; said_errors[1] > 0 && i < selection.draw_count; i++)
+		memcpy(selection.draws[i].errors, said_errors, sizeof said_errors);
 	assert_ok(render_frame(render, &camera, &selection));
 	uint8_t *pixels = test_malloc(4 * WIDTH * HEIGHT);
 	gpu_texture_read(render->colour, 0, (struct gpu_rect){0, 0, WIDTH, HEIGHT}, pixels);
@@ -214,6 +243,37 @@ static void no_sky_is_seen_through_the_ground(void **state)
 		assert_true(most >= 4);
 		end();
 	}
+}
+
+static void no_sky_is_seen_through_the_ground_by_pixel_error(void **state)
+{
+	need_gpu();
+	const unsigned effects[] = {1u << EFFECT_SKIRTS, 1u << EFFECT_SKIRTS | 1u << EFFECT_GEOMORPH};
+	uint64_t random = 7;
+	size_t levels = 0;
+	memset(&ground, 0, sizeof ground);
+	ground.roughness = 1;
+	for (int i = 0; i < 60; i++) {
+		double dice[2];
+		for (int k = 0; k < 2; k++) {
+			random = random * 6364136223846793005u + 1442695040888963407u;
+			dice[k] = (double)(random >> 11) * 0x1p-53;
+		}
+		pixel_error = 0.05 * pow(100, dice[0]);
+		begin(effects[i % 2]);
+		uint8_t background[4];
+		find_background(background);
+		double x = 40 + 121 * dice[1], y = 130 - 90 * dice[1], turn = 0.5 + 0.58 * dice[1];
+		uint8_t *pixels = i % 3 > 0 ? draw(x, y, 40, x + 85 * cos(turn), y + 85 * sin(turn), -31) :
+					      draw(x + 90, y + 90, 16 + i, x + 90 + cos(i), y + 90 + sin(i), 0);
+		assert_int_equal(count_background(pixels, background), 0);
+		test_free(pixels);
+		for (size_t k = 1; k < selection.draw_count; k++)
+			levels += selection.draws[k].tile.level != selection.draws[k - 1].tile.level;
+		end();
+	}
+	pixel_error = 0;
+	assert_true(levels > 10);
 }
 
 static void nodata_shows_what_is_behind_and_nothing_else_does(void **state)
@@ -340,7 +400,59 @@ static void geomorphing_takes_the_jumps_out_of_the_mesh(void **state)
 	memset(&ground, 0, sizeof ground);
 	ground.roughness = 1;
 	double without = largest_jump(0), with = largest_jump(1u << EFFECT_GEOMORPH);
+	print_message("largest jump: %g without, %g with\n", without, with);
 	assert_true(with < without / 3);
+}
+
+/* Tiles all of one level, so that nothing but the mesh changes: light is computed from posts. */
+static void geomorphing_takes_the_jumps_out_by_pixel_error(void **state)
+{
+	need_gpu();
+	/* Strides of 2 from 100 m on, of 4 from 190 m; then of 2 and of 4 both from 110 m. */
+	const double reaches[2][3] = {{0, 96, 192}, {0, 96, 96}};
+	memset(&ground, 0, sizeof ground);
+	ground.roughness = 1;
+	for (int i = 0; i < 2; i++) {
+		pixel_error = 1;
+		for (int k = 0; k < TERRAIN_STRIDES; k++)
+			said_errors[k] = (k < 3 ? reaches[i][k] : 1000) / (HEIGHT / 2.0 / tan(0.45));
+		double without = largest_jump(0), with = largest_jump(1u << EFFECT_GEOMORPH);
+		memset(said_errors, 0, sizeof said_errors);
+		pixel_error = 0;
+		print_message("largest jump: %g without, %g with\n", without, with);
+		assert_true(with < without / 3);
+	}
+}
+
+/* The more pixels are allowed, the fewer triangles, and the further from the picture of all of them. */
+static void a_pixel_error_trades_triangles_for_truth(void **state)
+{
+	need_gpu();
+	const double errors[] = {1e-6, 0.01, 0.03, 0.1};
+	uint8_t *truth = NULL;
+	uint64_t triangles = UINT64_MAX;
+	double apart = -1;
+	memset(&ground, 0, sizeof ground);
+	ground.smooth = true;
+	ground.roughness = 1;
+	for (size_t i = 0; i < sizeof errors / sizeof *errors; i++) {
+		pixel_error = errors[i];
+		begin(1u << EFFECT_SKIRTS | 1u << EFFECT_GEOMORPH);
+		uint8_t *pixels = draw(60, 60, 20, 300, 300, 0);
+		if (truth == NULL)
+			truth = pixels;
+		double now = difference(truth, pixels);
+		print_message("%g pixels: %d triangles, %zu tiles, %g off\n", errors[i], (int)render_triangles(render),
+			      selection.draw_count, now);
+		assert_true(render_triangles(render) < triangles && now > apart);
+		triangles = render_triangles(render);
+		apart = now;
+		if (pixels != truth)
+			test_free(pixels);
+		end();
+	}
+	test_free(truth);
+	pixel_error = 0;
 }
 
 static void a_tile_looks_the_same_ten_thousand_kilometres_away(void **state)
@@ -435,11 +547,14 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(no_sky_is_seen_through_the_ground),
+		cmocka_unit_test(no_sky_is_seen_through_the_ground_by_pixel_error),
 		cmocka_unit_test(nodata_shows_what_is_behind_and_nothing_else_does),
 		cmocka_unit_test(a_rut_is_darker_than_the_ground_beside_it),
 		cmocka_unit_test(an_untouched_tile_has_a_program_without_offsets),
 		cmocka_unit_test(the_same_view_gives_the_same_bits),
 		cmocka_unit_test(geomorphing_takes_the_jumps_out_of_the_mesh),
+		cmocka_unit_test(geomorphing_takes_the_jumps_out_by_pixel_error),
+		cmocka_unit_test(a_pixel_error_trades_triangles_for_truth),
 		cmocka_unit_test(a_tile_looks_the_same_ten_thousand_kilometres_away),
 		cmocka_unit_test(every_choice_of_effects_draws),
 		cmocka_unit_test(what_cannot_be_allocated_is_told),

@@ -91,6 +91,20 @@ static inline bool fake_divisible(void *user, struct tile tile)
 	return false;
 }
 
+/* Metres: rough to the north-east, and no simple function of the level. A parent's is no less than a child's. */
+static inline double fake_error(void *user, struct tile tile)
+{
+	const struct fake *fake = user;
+	assert_true(exists(fake, tile));
+	double side = world_spacing(&fake->world, tile.level) * fake->world.cells, error = 0;
+	for (int level = fake->deepest - 1; level <= tile.level; level++) {
+		/* What each finer level adds where it is roughest: its north-east end. */
+		double grown = (double)(mix((uint64_t)(level + 32) ^ fake->seed) % 100) / 100;
+		error += ldexp(grown, level) * fake->world.spacing * 0.5;
+	}
+	return fake_divisible(user, tile) ? error * (1 + (tile.x + 1) * side / 400 + (tile.y + 1) * side / 300) : 0;
+}
+
 static inline void look(const double eye[3], const double target[3], double radius, struct terrain_view *view)
 {
 	double f[3], length = 0;
@@ -105,6 +119,7 @@ static inline void look(const double eye[3], const double target[3], double radi
 	terrain_frustum(eye, f, right, up, 0.9, 1.5, 5000, view->planes);
 	memcpy(view->eye, eye, sizeof view->eye);
 	view->radius = radius;
+	view->by_error = false;
 	view->finest = TILE_LEVEL_MIN;
 }
 
@@ -130,7 +145,7 @@ static inline void random_fake(uint64_t *random, struct fake *fake)
 
 static inline struct terrain_source source_of(struct fake *fake)
 {
-	return (struct terrain_source){fake, fake_bounds, fake_resident, fake_divisible};
+	return (struct terrain_source){fake, fake_bounds, fake_resident, fake_divisible, fake_error};
 }
 
 #endif
