@@ -78,7 +78,7 @@ float morphed_height(ivec2 at, int stride, float fine)
 	int power = findMSB(stride), most = findMSB(tile.x);
 	while (power < most && reach(power + 1) <= far)
 		power++;
-	float now = strided_height(at, 1 << power, fine);
+	float now = 1 << power == stride ? fine : strided_height(at, 1 << power, fine);
 	if (power == most)
 		return now;
 	float end = reach(power + 1), begin = max(0.8 * end, reach(power));

@@ -1,0 +1,240 @@
+/*
+ * How wrong pictures are, and what that costs: the same cameras over one terrain with ruts, at pixel errors from
+ * 0.25 to 16 and by the radii, each beside the true picture. A JSON line each.
+ *
+ * The true picture allows a millionth of a pixel: then every tile with any relief in it is drawn at its finest
+ * level, and each of its posts is a vertex. (The lines of it are checked for that: no draw above level 0.) "psnr" is over
+ * all cameras' pixels together, red, green and blue; "worst" the largest difference of one of those. "bytes" are
+ * what the tiles that the pictures need take in slots, "ms_step" a frame drawn to its end, the median over cameras
+ * and repetitions.
+ *
+ * bench_picture_error [--png FOLDER]: also writes each picture.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bench.h"
+#include "render/internal.h"
+#include "run/view.h"
+
+#define WIDTH 640
+#define HEIGHT 360
+#define PIXELS ((size_t)WIDTH * HEIGHT)
+#define SLOTS 1024
+#define CELLS 64
+#define REPEATS 9
+#define TRUTH 1e-6
+
+/* Places in metres; z above the ground there. */
+static const struct {
+	const char *name;
+	double eye[3], target[3];
+} cameras[] = {
+	{"chase", {230.5, 262.6, 3.2}, {250, 271, 0}},
+	{"beside", {301, 275, 1.7}, {294, 284, 0}},
+	{"above", {285, 290, 60}, {285, 292, 0}},
+	{"along", {180, 200, 6}, {330, 380, 0}},
+	{"hill", {500, 500, 12}, {760, 800, 30}},
+	{"overview", {40, 40, 140}, {400, 420, 0}},
+};
+#define CAMERAS (sizeof cameras / sizeof *cameras)
+
+static const double pixel_errors[] = {0, 0.25, 0.5, 1, 2, 4, 8, 16}; /* 0: by the radii */
+
+struct rig {
+	struct drive drive;
+	struct scene scene;
+	struct run_params params;
+};
+
+/* Four wheels, as the demonstration's: an S over 300 m. */
+static void make_ruts(const char *store)
+{
+	static char text[16384];
+	int used = snprintf(text, sizeof text, "scene: 1\ntime_step: 0.05\nend_time: 45\nspacing: 0.125\nredistribute: {model: box}\n"
+			    "attributes: [dirt]\ncache: {slots: 128}\nobjects:\n");
+	for (int wheel = 0; wheel < 4; wheel++) {
+		double side = wheel % 2 == 0 ? -1 : 1, lag = wheel / 2 * 3;
+		used += snprintf(text + used, sizeof text - (size_t)used,
+				 "  - {name: w%d, shape: {wheel: {radius: 0.5, width: 0.4}}, sink: 0.15, path: {speed: 8, points: [", wheel);
+		for (int i = 0; i <= 50; i++) {
+			double s = 6 * i + 10 - lag, bend = 25 * sin(s / 40), turn = atan(25.0 / 40 * cos(s / 40));
+			double u = s - side * sin(turn), v = bend + side * cos(turn);
+			used += snprintf(text + used, sizeof text - (size_t)used, "%s[%.3f, %.3f]", i > 0 ? ", " : "",
+					 190 + (u - v) * M_SQRT1_2, 190 + (u + v) * M_SQRT1_2);
+		}
+		used += snprintf(text + used, sizeof text - (size_t)used, "]}}\n");
+	}
+	mem_free(bench_drive(text, store));
+}
+
+static enum status before_read_back(void *user, struct tile tile, uint32_t slot)
+{
+	return STATUS_OK; /* nothing is dirty here */
+}
+
+/* A drive of no step: its pages, its view, and nothing that presses. */
+static void open_rig(struct rig *rig, const char *store)
+{
+	struct drive *drive = &rig->drive;
+	*rig = (struct rig){.scene = {
+		.end_time = 1, .slots = SLOTS, .loaders = 2, .dirt = true,
+		.view = {.present = true, .width = WIDTH, .height = HEIGHT, .camera = SCENE_FIXED, .target = {1, 1, 0},
+			 .effects = 1u << EFFECT_TEXTURE | 1u << EFFECT_DETAIL | 1u << EFFECT_FOG | 1u << EFFECT_SKY |
+				    1u << EFFECT_GEOMORPH | 1u << EFFECT_SKIRTS},
+	}};
+	bench_must(store_open(store, &(struct store_options){.mode = STORE_READ}, &drive->store));
+	drive->scene = &rig->scene;
+	drive->params = &rig->params;
+	drive->meta = store_meta(drive->store);
+	if (!store_has_working_level(drive->store, &drive->level))
+		bench_must(fail_with(STATUS_FAILED, "%s: no rut was made; look at the drive", store));
+	drive->spacing = world_spacing(&drive->meta->world, drive->level);
+	drive->epochs = tmpfile();
+	if (drive->epochs == NULL)
+		bench_must(fail_with(STATUS_FAILED, "/tmp: no file can be made; free some space"));
+	bench_must(gpu_create(&(struct gpu_params){.draws = true}, &drive->gpu));
+	bench_must(gpu_slots_create(drive->gpu, CELLS, SLOTS, PLANE_BIT(PLANE_DIRT), &drive->slots));
+	bench_must(ground_create(drive->store, 64, &drive->ground));
+	bench_must(pages_create(&(struct pages_params){.gpu = drive->gpu, .store = drive->store, .slots = drive->slots,
+						       .level = drive->level, .count = SLOTS, .loaders = 2, .step_pages = 16,
+						       .scene = &rig->scene, .epochs = drive->epochs, .epoch_age = 1000,
+						       .before_read_back = before_read_back},
+				&drive->pages));
+	drive->cache = pages_cache(drive->pages);
+	drive->record = mem_calloc(1, record_bytes(1));
+}
+
+static void close_rig(struct rig *rig)
+{
+	struct drive *drive = &rig->drive;
+	pages_destroy(drive->pages);
+	ground_destroy(drive->ground);
+	gpu_slots_destroy(drive->slots);
+	gpu_destroy(drive->gpu);
+	store_close(drive->store);
+	fclose(drive->epochs);
+	mem_free(drive->record);
+}
+
+static void place(struct rig *rig, size_t camera)
+{
+	const double *from[2] = {cameras[camera].eye, cameras[camera].target};
+	double *to[2] = {rig->scene.view.eye, rig->scene.view.target};
+	for (int i = 0; i < 2; i++) {
+		int64_t height;
+		bool any;
+		bench_must(ground_height(rig->drive.ground, lattice_offset(from[i][0]), lattice_offset(from[i][1]), &height, &any));
+		to[i][0] = from[i][0];
+		to[i][1] = from[i][1];
+		to[i][2] = from[i][2] + lattice_offset_metres(height);
+	}
+}
+
+struct figures {
+	double ms[CAMERAS * REPEATS];
+	double triangles, tiles, bytes; /* a frame */
+};
+
+static double slot_bytes(const struct rig *rig)
+{
+	const struct terrain_selection *selection = rig->drive.view->selection;
+	double posts = (CELLS + 1) * (CELLS + 1), bytes = (double)selection->needed * posts * sizeof(int32_t);
+	for (size_t i = 0; i < selection->draw_count; i++)
+		if (gpu_slots_get(rig->drive.slots, selection->draws[i].slot)->target != NULL)
+			bytes += posts * (sizeof(int32_t) + 1); /* offset and dirt */
+	return bytes;
+}
+
+/* Every camera's picture, into pixels[camera]. */
+static void draw(struct rig *rig, double pixel_error, const char *folder, uint8_t *pixels, struct figures *figures)
+{
+	struct drive *drive = &rig->drive;
+	bool truth = pixel_error == TRUTH;
+	*figures = (struct figures){.tiles = 0};
+	rig->scene.view.pixel_error = pixel_error;
+	bench_must(view_create(drive, &drive->view));
+	struct view *view = drive->view;
+	size_t timed = 0;
+	for (size_t i = 0; i < CAMERAS; i++) {
+		place(rig, i);
+		bench_must(view_warm(view));
+		gpu_finish(drive->gpu);
+		for (int k = 0; k < REPEATS && !truth; k++) {
+			double began = clock_seconds();
+			bench_must(view_frame(view, drive, false));
+			gpu_finish(drive->gpu);
+			figures->ms[timed++] = (clock_seconds() - began) * 1e3;
+		}
+		const struct terrain_selection *selection = view->selection;
+		if (view->coarse || selection->wanted_count > 0)
+			bench_must(fail_with(STATUS_FAILED, "%s: its picture needs %zu tiles and %d are too few; give more SLOTS",
+					     cameras[i].name, selection->needed, SLOTS));
+		for (size_t k = 0; k < selection->draw_count && truth; k++)
+			if (selection->draws[k].tile.level > 0)
+				bench_must(fail_with(STATUS_FAILED, "%s: a true picture with a coarse tile; look at its error",
+						     cameras[i].name));
+		gpu_texture_read(view->render->colour, 0, (struct gpu_rect){0, 0, WIDTH, HEIGHT}, pixels + i * PIXELS * 4);
+		figures->triangles += (double)render_triangles(view->render) / CAMERAS;
+		figures->tiles += (double)selection->draw_count / CAMERAS;
+		figures->bytes += slot_bytes(rig) / CAMERAS;
+		if (folder != NULL) {
+			char path[4096];
+			snprintf(path, sizeof path, "%s/%s-%g.png", folder, cameras[i].name, pixel_error);
+			bench_must(render_write_png(view->render, path));
+		}
+	}
+	view_destroy(view);
+	drive->view = NULL;
+}
+
+static void print(const struct rig *rig, double pixel_error, const uint8_t *truth, const uint8_t *pixels, struct figures *figures)
+{
+	double sum = 0;
+	int worst = 0;
+	char knob[32] = "null";
+	for (size_t i = 0; i < 4 * PIXELS * CAMERAS; i++) {
+		int apart = abs(truth[i] - pixels[i]); /* alpha is 255 in both */
+		sum += apart * apart;
+		worst = apart > worst ? apart : worst;
+	}
+	double psnr = 10 * log10(255.0 * 255 / (sum / (3.0 * PIXELS * CAMERAS)));
+	if (pixel_error > 0)
+		snprintf(knob, sizeof knob, "%g", pixel_error);
+	printf("{\"bench\": \"accuracy\", \"study\": \"pixel_error\", \"knobs\": {\"pixel_error\": %s}, \"default\": %s, "
+	       "\"picture\": {\"psnr\": %.2f, \"worst\": %d}, \"ms_step\": %.3f, \"bytes\": %.0f, \"triangles\": %.0f, \"tiles\": %.1f, "
+	       "\"gl\": \"%s\"}\n",
+	       knob, pixel_error > 0 ? "false" : "true", psnr, worst, bench_median(figures->ms, CAMERAS * REPEATS), figures->bytes,
+	       figures->triangles, figures->tiles, gpu_info(rig->drive.gpu)->renderer);
+	fflush(stdout);
+}
+
+int main(int argc, char **argv)
+{
+	const char *folder = argc == 3 && strcmp(argv[1], "--png") == 0 ? argv[2] : NULL;
+	if (argc != 1 && folder == NULL) {
+		fprintf(stderr, "usage: bench_picture_error [--png FOLDER]\n");
+		return 2;
+	}
+	const char *store = bench_path("picture.furrow");
+	struct dem_synth synth = {DEM_SYNTH_RIDGED, 1025, 1025, 1, 120, 7};
+	bench_store(store, &synth, CELLS);
+	make_ruts(store);
+	struct rig rig;
+	open_rig(&rig, store);
+	uint8_t *truth = mem_alloc(CAMERAS * PIXELS, 4), *pixels = mem_alloc(CAMERAS * PIXELS, 4);
+	if (truth == NULL || pixels == NULL)
+		bench_must(fail_memory("the pictures"));
+	struct figures figures;
+	draw(&rig, TRUTH, folder, truth, &figures);
+	for (size_t i = 0; i < sizeof pixel_errors / sizeof *pixel_errors; i++) {
+		draw(&rig, pixel_errors[i], folder, pixels, &figures);
+		print(&rig, pixel_errors[i], truth, pixels, &figures);
+	}
+	mem_free(truth);
+	mem_free(pixels);
+	close_rig(&rig);
+	return 0;
+}
