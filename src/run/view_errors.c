@@ -10,6 +10,7 @@
  * Invariant: a tile's offsets are within its parent's. With the store's, a parent's error is no less than a child's.
  */
 #include <math.h>
+#include <stdlib.h>
 
 #include "run/view.h"
 
@@ -84,27 +85,55 @@ enum status view_errors_touch(struct view *view, struct tile tile)
 	return widen(view, tile, view->errors->low, view->errors->high);
 }
 
-/* Metres that the base beside an object is above where it stands: on a slope it digs deeper than it sinks. */
+/* How far to a shape's sides the ground beside its middle counts, forwards and to the left, and by how much its
+ * underside is higher there; metres. */
+static void sides(const struct deform_shape *shape, double far[2], double lift[2])
+{
+	lift[0] = lift[1] = 0;
+	switch (shape->kind) {
+	case DEFORM_WHEEL: /* round along its way alone; 0.6 and 0.8: a point of the unit circle */
+	case DEFORM_SPHERE:
+		far[0] = 0.6 * shape->radius;
+		lift[0] = shape->radius - 0.8 * shape->radius;
+		far[1] = shape->kind == DEFORM_WHEEL ? shape->width / 2 : far[0];
+		lift[1] = shape->kind == DEFORM_WHEEL ? 0 : lift[0];
+		return;
+	case DEFORM_BOX:
+		far[0] = shape->size[0] / 2;
+		far[1] = shape->size[1] / 2;
+		return;
+	case DEFORM_MESH:
+		for (int i = 0; i < 2; i++)
+			far[i] = fmax(-shape->mesh->low[i], shape->mesh->high[i]);
+		return;
+	case DEFORM_SHAPES:
+		break;
+	}
+	far[0] = far[1] = 0;
+}
+
+/* Metres by which an object on a slope digs deeper beside its middle than there. */
 static enum status rise_beside(struct view *view, const struct event *event, double *rise)
 {
-	const struct deform_shape *shape = &view->drive->riders[event->rider].object->shape;
-	bool round = shape->kind == DEFORM_WHEEL || shape->kind == DEFORM_SPHERE;
-	double far = deform_shape_bound(shape) * (round ? 0.5 : 1);
-	int64_t middle = 0, highest = 0;
+	const struct deform_pose *pose = &event->pose;
+	double far[2], lift[2], c = cos(pose->yaw), s = sin(pose->yaw);
+	int64_t middle = 0;
+	sides(&view->drive->riders[event->rider].object->shape, far, lift);
 	*rise = 0;
 	for (int i = 0; i < 9; i++) {
 		int x = (i + 4) % 9 % 3 - 1, y = (i + 4) % 9 / 3 - 1; /* the middle first */
-		int64_t height, dx = lattice_offset(far * x), dy = lattice_offset(far * y);
+		double ahead = far[0] * x, aside = far[1] * y;
+		int64_t height;
 		bool any;
-		enum status status = ground_height(view->drive->ground, event->pose.x + dx, event->pose.y + dy, &height, &any);
+		enum status status = ground_height(view->drive->ground, pose->x + lattice_offset(ahead * c - aside * s),
+						   pose->y + lattice_offset(ahead * s + aside * c), &height, &any);
 		if (status != STATUS_OK)
 			return status;
 		if (i == 0)
-			middle = highest = height;
-		if (any && height > highest)
-			highest = height;
+			middle = height;
+		else if (any)
+			*rise = fmax(*rise, lattice_offset_metres(height - middle) - lift[0] * abs(x) - lift[1] * abs(y));
 	}
-	*rise = lattice_offset_metres(highest - middle);
 	return STATUS_OK;
 }
 
