@@ -209,7 +209,8 @@ static double shifted_error(void *user, struct tile tile)
 	if (tile.level > 8)
 		return INFINITY;
 	tile.x -= shift << (8 - tile.level);
-	return tile.level > 0 ? ldexp((double)(mix(tile_key(tile)) % 100) / 100, tile.level - 1) : 0;
+	uint64_t place = (uint64_t)tile.x << 32 ^ (uint64_t)tile.y << 6 ^ (uint64_t)tile.level; /* x may have wrapped */
+	return tile.level > 0 ? ldexp((double)(mix(place) % 100) / 100, tile.level - 1) : 0;
 }
 
 static bool flat_bounds(void *user, struct tile tile, double *low, double *high)
