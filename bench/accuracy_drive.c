@@ -1,0 +1,139 @@
+/*
+ * The scene driven by the product: run_drive over a store made from the function, deformation in an overlay of its own.
+ *
+ * The drive is timed alone, to the step in which the wheel comes to its end; then it is resumed, to the same bits as if
+ * it had not been broken off, until the ground has come to rest: that is not in the times.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cJSON.h>
+#include <xxhash.h>
+
+#include "accuracy.h"
+#include "bench.h"
+#include "run/run.h"
+#include "store/store.h"
+
+static struct scene *scene_until(const struct accuracy_drive *drive, double end)
+{
+	struct scene_setting settings[16];
+	char text[32];
+	size_t count = 0;
+	snprintf(text, sizeof text, "%.9g", end);
+	for (; count < drive->setting_count; count++)
+		settings[count] = drive->settings[count];
+	settings[count++] = (struct scene_setting){"end_time", text};
+	return accuracy_scene(drive->model, drive->laps, settings, count);
+}
+
+static char *run(const struct accuracy_drive *drive, const char *overlay, double end, bool resume)
+{
+	struct scene *scene = scene_until(drive, end);
+	struct run_params params = {
+		.scene = scene,
+		.store = accuracy_store(drive->spacing, drive->max_error),
+		.overlay = overlay,
+		.directory = bench_path("out"),
+		.resume = resume,
+		.durable_full = drive->durable_full,
+	};
+	struct run_result result;
+	bench_must(run_drive(&params, &result));
+	scene_destroy(scene);
+	return result.json;
+}
+
+static double seconds_of(const struct accuracy_drive *drive)
+{
+	struct scene *scene = accuracy_scene(drive->model, drive->laps, NULL, 0);
+	struct track *track = accuracy_track(scene, drive->spacing);
+	double seconds = track_station_time(track, track_stations(track) - 1);
+	track_destroy(track);
+	scene_destroy(scene);
+	return seconds;
+}
+
+static void read_surface(const char *overlay, const char *base, double spacing, struct accuracy_surface *surface)
+{
+	struct store *store;
+	struct store_reader *reader;
+	*surface = (struct accuracy_surface){.rect = accuracy_rect(spacing), .spacing = spacing};
+	size_t count = (size_t)((surface->rect.x1 - surface->rect.x0) * (surface->rect.y1 - surface->rect.y0));
+	surface->heights = mem_alloc(count, sizeof(double));
+	if (surface->heights == NULL)
+		bench_must(fail_memory("bench"));
+	bench_must(store_open_overlay(overlay, base, &(struct store_options){.mode = STORE_WRITE}, &store));
+	bench_must(store_reader_create(store, &reader));
+	bench_must(store_read_posts(reader, STORE_SURFACE, 0, surface->rect, surface->heights));
+	store_reader_destroy(reader);
+	store_close(store);
+}
+
+static int64_t stored_bytes(const char *path, bool base)
+{
+	struct store *store;
+	struct store_numbers numbers;
+	bench_must(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
+	bench_must(store_count(store, &numbers));
+	int64_t bytes = base ? numbers.base_bytes : 0;
+	for (int plane = 0; plane < PLANES; plane++)
+		bytes += numbers.plane_bytes[plane];
+	store_close(store);
+	return bytes;
+}
+
+static int64_t slot_bytes(const char *json)
+{
+	cJSON *root = cJSON_Parse(json);
+	const cJSON *memory = cJSON_GetObjectItemCaseSensitive(root, "memory"), *plane;
+	double bytes = 0;
+	cJSON_ArrayForEach(plane, cJSON_GetObjectItemCaseSensitive(memory, "plane_bytes"))
+		bytes += plane->valuedouble;
+	cJSON_Delete(root);
+	return (int64_t)bytes;
+}
+
+static void rest(const struct accuracy_drive *drive, const char *overlay, double end, const double *truth,
+		 struct accuracy_figures *figures)
+{
+	char *json = run(drive, overlay, end + (deform_conserves(drive->model) ? ACCURACY_REST * drive->interval : drive->time_step),
+			 true);
+	double awake = bench_figure(json, "slide.awake"), quantum = lattice_offset_metres(1) * drive->spacing * drive->spacing;
+	figures->awake = isnan(awake) ? 0 : (int64_t)awake;
+	figures->drift = (bench_figure(json, "volume.quanta.net") + bench_figure(json, "volume.quanta.compacted")) * quantum;
+	mem_free(json);
+	const char *base = accuracy_store(drive->spacing, drive->max_error);
+	figures->store_bytes = stored_bytes(base, true) + stored_bytes(overlay, false);
+	struct accuracy_surface surface;
+	read_surface(overlay, base, drive->spacing, &surface);
+	figures->error = accuracy_compare(truth, &surface);
+	size_t count = (size_t)((surface.rect.x1 - surface.rect.x0) * (surface.rect.y1 - surface.rect.y0));
+	figures->hash = XXH3_64bits(surface.heights, count * sizeof(double));
+	mem_free(surface.heights);
+}
+
+void accuracy_drive(const struct accuracy_drive *drive, const struct accuracy_truth *truth, struct accuracy_figures *figures)
+{
+	char overlay[128], aside[160];
+	static const char *const sides[] = {"", "-wal", "-shm"};
+	snprintf(overlay, sizeof overlay, "%s", bench_path("overlay.furrow"));
+	for (size_t i = 0; i < sizeof sides / sizeof sides[0]; i++) {
+		snprintf(aside, sizeof aside, "%s%s", overlay, sides[i]);
+		unlink(aside);
+	}
+	double end = ceil(seconds_of(drive) / drive->time_step) * drive->time_step;
+	char *json = run(drive, overlay, end, false);
+	figures->steps = (int64_t)bench_figure(json, "steps");
+	figures->time_step = drive->time_step;
+	figures->ms_step = 1e3 / bench_figure(json, "fps.mean");
+	figures->p50 = bench_figure(json, "step_ms.p50");
+	figures->p99 = bench_figure(json, "step_ms.p99");
+	figures->slot_bytes = slot_bytes(json);
+	snprintf(figures->gl, sizeof figures->gl, "%s", bench_renderer(json));
+	mem_free(json);
+	if (truth != NULL)
+		rest(drive, overlay, end, truth->surfaces[drive->model], figures);
+}
