@@ -38,6 +38,8 @@ const char *accuracy_store(double spacing, double max_error);
 /* With these settings over the scene: `laps` times along the path. */
 struct scene *accuracy_scene(enum deform_model model, int laps, const struct scene_setting *settings, size_t count);
 struct track *accuracy_track(const struct scene *scene, double spacing);
+/* When the wheel stands: the first tenth of a second after its last station, a step's end at every time step. */
+double accuracy_ends(const struct track *track);
 const char *accuracy_model_name(enum deform_model model);
 
 /* --- the truth --- */
@@ -72,10 +74,13 @@ struct accuracy_figures {
 	double p50, p99;      /* NaN: single steps were not timed */
 	int64_t steps;
 	double time_step;
-	int64_t slot_bytes, store_bytes;
+	int64_t slot_bytes;   /* planes of the tiles that were touched, base included */
+	int64_t base_bytes, plane_bytes; /* of the store's rows */
 	int64_t awake;        /* blocks at the end: 0, it came to rest */
 	double drift;         /* m3: of offsets + compacted, of models that conserve; 0 is what is asked for */
 	uint64_t hash;        /* of the surface */
+	uint64_t rows;        /* of objects.csv; 0: there is none */
+	struct accuracy_surface surface; /* a variant's, with a truth: the caller's; else NULL */
 	char gl[128];
 };
 

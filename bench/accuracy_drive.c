@@ -50,7 +50,7 @@ static double seconds_of(const struct accuracy_drive *drive)
 {
 	struct scene *scene = accuracy_scene(drive->model, drive->laps, NULL, 0);
 	struct track *track = accuracy_track(scene, drive->spacing);
-	double seconds = track_station_time(track, track_stations(track) - 1);
+	double seconds = accuracy_ends(track);
 	track_destroy(track);
 	scene_destroy(scene);
 	return seconds;
@@ -72,17 +72,35 @@ static void read_surface(const char *overlay, const char *base, double spacing, 
 	store_close(store);
 }
 
-static int64_t stored_bytes(const char *path, bool base)
+/* Of a store's rows, and of its overlay's. */
+static void stored_bytes(const char *path, bool overlay, struct accuracy_figures *figures)
 {
 	struct store *store;
 	struct store_numbers numbers;
 	bench_must(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
 	bench_must(store_count(store, &numbers));
-	int64_t bytes = base ? numbers.base_bytes : 0;
-	for (int plane = 0; plane < PLANES; plane++)
-		bytes += numbers.plane_bytes[plane];
+	if (!overlay)
+		figures->base_bytes = numbers.base_bytes;
+	for (int plane = 0; plane < PLANES && overlay; plane++)
+		figures->plane_bytes += numbers.plane_bytes[plane];
 	store_close(store);
-	return bytes;
+}
+
+/* Of the rows that the drive wrote of forces. */
+static uint64_t rows_hash(void)
+{
+	char path[160], text[4096];
+	snprintf(path, sizeof path, "%s/objects.csv", bench_path("out"));
+	FILE *file = fopen(path, "rb");
+	uint64_t hash = 0;
+	size_t count;
+	while (file != NULL && (count = fread(text, 1, sizeof text, file)) > 0)
+		hash = XXH3_64bits_withSeed(text, count, hash);
+	if (file != NULL) {
+		fclose(file);
+		unlink(path);
+	}
+	return hash;
 }
 
 static int64_t slot_bytes(const char *json)
@@ -106,7 +124,8 @@ static void rest(const struct accuracy_drive *drive, const char *overlay, double
 	figures->drift = (bench_figure(json, "volume.quanta.net") + bench_figure(json, "volume.quanta.compacted")) * quantum;
 	mem_free(json);
 	const char *base = accuracy_store(drive->spacing, drive->max_error);
-	figures->store_bytes = stored_bytes(base, true) + stored_bytes(overlay, false);
+	stored_bytes(base, false, figures);
+	stored_bytes(overlay, true, figures);
 	struct accuracy_surface surface;
 	read_surface(overlay, base, drive->spacing, &surface);
 	figures->error = accuracy_compare(truth, &surface);
@@ -124,16 +143,17 @@ void accuracy_drive(const struct accuracy_drive *drive, const struct accuracy_tr
 		snprintf(aside, sizeof aside, "%s%s", overlay, sides[i]);
 		unlink(aside);
 	}
-	double end = ceil(seconds_of(drive) / drive->time_step) * drive->time_step;
+	*figures = (struct accuracy_figures){.time_step = drive->time_step};
+	double end = seconds_of(drive);
 	char *json = run(drive, overlay, end, false);
 	figures->steps = (int64_t)bench_figure(json, "steps");
-	figures->time_step = drive->time_step;
 	figures->ms_step = 1e3 / bench_figure(json, "fps.mean");
 	figures->p50 = bench_figure(json, "step_ms.p50");
 	figures->p99 = bench_figure(json, "step_ms.p99");
 	figures->slot_bytes = slot_bytes(json);
 	snprintf(figures->gl, sizeof figures->gl, "%s", bench_renderer(json));
 	mem_free(json);
+	figures->rows = rows_hash();
 	if (truth != NULL)
 		rest(drive, overlay, end, truth->surfaces[drive->model], figures);
 }

@@ -192,3 +192,8 @@ struct track *accuracy_track(const struct scene *scene, double spacing)
 	mem_free(local);
 	return track;
 }
+
+double accuracy_ends(const struct track *track)
+{
+	return ceil(track_station_time(track, track_stations(track) - 1) * 10) / 10;
+}

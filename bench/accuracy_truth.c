@@ -27,7 +27,7 @@
 #include "bench.h"
 #include "deform/reference/reference.h"
 
-#define SWEEP_MOST 60    /* iterations after a sweep */
+#define SWEEP_MOST 400   /* iterations after a sweep */
 #define REST_MOST 20000  /* at the end */
 #define TOLERANCE 1e-6   /* m */
 #define ROUND 0.32       /* m around the wheel that a sweep changes: where its soil can come to rest at once */

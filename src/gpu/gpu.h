@@ -87,7 +87,10 @@ enum status gpu_check(struct gpu *gpu, const char *what) FURROW_CHECKED;
 void gpu_finish(struct gpu *gpu); /* waits for the driver: benches, and before the first step */
 
 /* --- textures and targets: gpu_texture.c --- */
-enum gpu_format { GPU_R32I, GPU_R16UI, GPU_R8UI, GPU_RGBA32I, GPU_RGBA8, GPU_SRGB8_ALPHA8, GPU_DEPTH32F };
+/* R8 and R16 are normalised, R16F and R32F float: what a bench keeps heights in, to be measured beside the lattice. */
+enum gpu_format {
+	GPU_R32I, GPU_R16UI, GPU_R8UI, GPU_R8, GPU_R16, GPU_R16F, GPU_R32F, GPU_RGBA32I, GPU_RGBA8, GPU_SRGB8_ALPHA8, GPU_DEPTH32F
+};
 
 size_t gpu_format_bytes(enum gpu_format format); /* of a texel */
 

@@ -7,8 +7,11 @@ static uint32_t format_bytes(enum gpu_format format)
 {
 	switch (format) {
 	case GPU_R8UI:
+	case GPU_R8:
 		return 1;
 	case GPU_R16UI:
+	case GPU_R16:
+	case GPU_R16F:
 		return 2;
 	case GPU_RGBA32I:
 		return 16;
@@ -39,10 +42,18 @@ static struct gpu_rect any_rect(void)
 	return rect_of(x, y, any_word() % (WIDTH - x + 1), any_word() % (HEIGHT - y + 1));
 }
 
-/* Texel bits that are a number in every format: floats of 1..2 for depth. */
+/* Texel bits that are a number in every format: floats of 1/2 .. 1, which depth holds too. */
 static uint32_t any_texel(enum gpu_format format)
 {
-	return format == GPU_DEPTH32F ? 0x3f000000u + any_word() % 0x800000u : any_word();
+	switch (format) {
+	case GPU_DEPTH32F:
+	case GPU_R32F:
+		return 0x3f000000u + any_word() % 0x800000u;
+	case GPU_R16F:
+		return 0x3800u + any_word() % 0x400u;
+	default:
+		return any_word();
+	}
 }
 
 static void upload(struct model *model, struct gpu_texture *texture, uint32_t layer, struct gpu_rect rect)
