@@ -5,6 +5,7 @@
  *   accuracy_truth.c    the same drive in doubles at 1/64 m; how far a surface is from it
  *   accuracy_drive.c    the drive by the product
  *   accuracy_formats.c  the drive through deform.h, slots kept in another texture format
+ *   accuracy_rows.c     a row of the output: measured, printed, doubted
  *   accuracy.c          the studies
  */
 #ifndef FURROW_ACCURACY_H
@@ -26,7 +27,7 @@
 #define ACCURACY_SINK 0.1
 #define ACCURACY_OWN (1.0 / 16)        /* spacing that the store has where no study says another */
 #define ACCURACY_IMPORT_ERROR 0.001    /* what import gives heights in floats: its default */
-#define ACCURACY_REST 600              /* intervals that the ground may go on sliding once the wheel stands */
+#define ACCURACY_REST 2000              /* intervals that the ground may go on sliding once the wheel stands */
 
 double accuracy_height(double x, double y);
 /* The steepest the ground is, as a tangent: a bound. */
@@ -86,7 +87,8 @@ struct accuracy_figures {
 
 struct accuracy_drive {
 	enum deform_model model;
-	double spacing, max_error;
+	double spacing, max_error; /* of the store */
+	int divided;               /* worked on at so many levels below */
 	const struct scene_setting *settings;
 	size_t setting_count;
 	double time_step, interval; /* what the settings say */

@@ -46,17 +46,23 @@ static char *run(const struct accuracy_drive *drive, const char *overlay, double
 	return result.json;
 }
 
+static double spacing_of(const struct accuracy_drive *drive)
+{
+	return ldexp(drive->spacing, -drive->divided);
+}
+
 static double seconds_of(const struct accuracy_drive *drive)
 {
 	struct scene *scene = accuracy_scene(drive->model, drive->laps, NULL, 0);
-	struct track *track = accuracy_track(scene, drive->spacing);
+	struct track *track = accuracy_track(scene, spacing_of(drive));
 	double seconds = accuracy_ends(track);
 	track_destroy(track);
 	scene_destroy(scene);
 	return seconds;
 }
 
-static void read_surface(const char *overlay, const char *base, double spacing, struct accuracy_surface *surface)
+static void read_surface(const char *overlay, const char *base, int level, double spacing,
+			 struct accuracy_surface *surface)
 {
 	struct store *store;
 	struct store_reader *reader;
@@ -67,7 +73,7 @@ static void read_surface(const char *overlay, const char *base, double spacing, 
 		bench_must(fail_memory("bench"));
 	bench_must(store_open_overlay(overlay, base, &(struct store_options){.mode = STORE_WRITE}, &store));
 	bench_must(store_reader_create(store, &reader));
-	bench_must(store_read_posts(reader, STORE_SURFACE, 0, surface->rect, surface->heights));
+	bench_must(store_read_posts(reader, STORE_SURFACE, level, surface->rect, surface->heights));
 	store_reader_destroy(reader);
 	store_close(store);
 }
@@ -119,7 +125,7 @@ static void rest(const struct accuracy_drive *drive, const char *overlay, double
 {
 	char *json = run(drive, overlay, end + (deform_conserves(drive->model) ? ACCURACY_REST * drive->interval : drive->time_step),
 			 true);
-	double awake = bench_figure(json, "slide.awake"), quantum = lattice_offset_metres(1) * drive->spacing * drive->spacing;
+	double awake = bench_figure(json, "slide.awake"), quantum = lattice_offset_metres(1) * spacing_of(drive) * spacing_of(drive);
 	figures->awake = isnan(awake) ? 0 : (int64_t)awake;
 	figures->drift = (bench_figure(json, "volume.quanta.net") + bench_figure(json, "volume.quanta.compacted")) * quantum;
 	mem_free(json);
@@ -127,7 +133,7 @@ static void rest(const struct accuracy_drive *drive, const char *overlay, double
 	stored_bytes(base, false, figures);
 	stored_bytes(overlay, true, figures);
 	struct accuracy_surface surface;
-	read_surface(overlay, base, drive->spacing, &surface);
+	read_surface(overlay, base, -drive->divided, spacing_of(drive), &surface);
 	figures->error = accuracy_compare(truth, &surface);
 	size_t count = (size_t)((surface.rect.x1 - surface.rect.x0) * (surface.rect.y1 - surface.rect.y0));
 	figures->hash = XXH3_64bits(surface.heights, count * sizeof(double));

@@ -78,7 +78,7 @@ struct rig {
 	struct deform *deform;
 	struct deform_tile tiles[TILES_MOST];
 	struct kept kept[TILES_MOST][WHICH];
-	bool touched[TILES_MOST];
+	bool read[TILES_MOST], written[TILES_MOST];
 	size_t tile_count;
 	struct gpu_program *encode[WHICH], *decode[WHICH];
 	struct kept_params params[WHICH];
@@ -147,19 +147,25 @@ static void pass(struct rig *rig, size_t tile, enum which which, bool encode, st
 	});
 }
 
+static bool shares(const struct rig *rig, size_t tile, struct post_rect rect)
+{
+	return !post_rect_empty(post_rect_intersect(tile_post_rect(rig->world, rig->tiles[tile].tile), rect));
+}
+
 static void decode(struct rig *rig, struct post_rect read)
 {
-	for (size_t i = 0; i < rig->tile_count; i++)
+	for (size_t i = 0; i < rig->tile_count; i++) {
 		for (int which = 0; which < WHICH; which++)
 			pass(rig, i, (enum which)which, false, read);
+		rig->read[i] = rig->read[i] || shares(rig, i, read);
+	}
 }
 
 static void encode(struct rig *rig, struct post_rect written)
 {
 	for (size_t i = 0; i < rig->tile_count; i++) {
 		pass(rig, i, OFFSET, true, written);
-		struct post_rect own = tile_post_rect(rig->world, rig->tiles[i].tile);
-		rig->touched[i] = rig->touched[i] || !post_rect_empty(post_rect_intersect(own, written));
+		rig->written[i] = rig->written[i] || shares(rig, i, written);
 	}
 }
 
@@ -245,6 +251,7 @@ static void open_rig(const struct accuracy_variant *of, const struct scene *scen
 	bench_must(deform_warm(rig->deform, &wheel, 0, false));
 	decode(rig, accuracy_rect(of->spacing)); /* warms its programs too; encoding the tiles was that */
 	gpu_finish(rig->gpu);
+	memset(rig->read, 0, sizeof rig->read);
 }
 
 static void close_rig(struct rig *rig)
@@ -410,6 +417,16 @@ static void compare(struct rig *rig, const struct tile_posts *posts, const doubl
 	figures->surface = surface;
 }
 
+/* As the product counts them: a base of every tile that was read, an offset of every one that was written. */
+static int64_t slot_bytes(const struct rig *rig)
+{
+	int64_t side = tile_posts(rig->world), bytes = 0;
+	for (size_t i = 0; i < rig->tile_count; i++)
+		bytes += (rig->read[i] ? (int64_t)formats[rig->of->base].bytes : 0) +
+			 (rig->written[i] ? (int64_t)formats[rig->of->offset].bytes : 0);
+	return bytes * side * side;
+}
+
 void accuracy_variant(const struct accuracy_variant *variant, const struct accuracy_truth *truth,
 		      struct accuracy_figures *figures)
 {
@@ -433,17 +450,15 @@ void accuracy_variant(const struct accuracy_variant *variant, const struct accur
 	for (int i = 0; i < ACCURACY_REST && awake > 0 && truth != NULL; i++)
 		awake = interval(&rig);
 	figures->awake = (int64_t)awake;
+	figures->slot_bytes = slot_bytes(&rig);
 	read_tiles(&rig, posts);
 	figures->drift = drift(&rig, posts);
 	if (truth != NULL)
 		compare(&rig, posts, truth->surfaces[variant->model], figures);
-	int64_t touched = 0, side = tile_posts(rig.world);
 	for (size_t i = 0; i < rig.tile_count; i++) {
-		touched += rig.touched[i];
 		mem_free(posts[i].base);
 		mem_free(posts[i].offset);
 	}
-	figures->slot_bytes = touched * side * side * (int64_t)(formats[variant->base].bytes + formats[variant->offset].bytes);
 	close_rig(&rig);
 	track_destroy(track);
 	scene_destroy(scene);

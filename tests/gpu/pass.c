@@ -66,6 +66,54 @@ static void every_pass_sees_its_own_parameters(void **state)
 	gpu_texture_destroy(texture);
 }
 
+static const char share[] =
+	"#version 450 core\n"
+	"layout(binding = 0) uniform sampler2D before;\n"
+	"layout(location = 0) out float result;\n"
+	"void main() { result = texelFetch(before, ivec2(gl_FragCoord.xy), 0).r * 0.5 + 0.25; }\n";
+
+/* What is drawn into one of them is sampled from it, as near as it holds it: a quarter from zeros, three eighths from that. */
+static void normalised_and_float_textures_are_drawn_and_sampled(void **state)
+{
+	static const struct {
+		enum gpu_format format;
+		uint32_t quarter, eighths; /* texels of those; normalised ones may be rounded either way */
+		uint32_t slack;
+	} of[] = {
+		{GPU_R8, 64, 96, 1}, {GPU_R16, 16384, 24576, 1}, {GPU_R16F, 0x3400, 0x3600, 0}, {GPU_R32F, 0x3e800000, 0x3ec00000, 0},
+	};
+	(void)state;
+	need_gpu();
+	struct gpu_program *program = program_of(full, share);
+	for (size_t i = 0; i < sizeof of / sizeof of[0]; i++) {
+		struct gpu_texture *textures[2];
+		struct gpu_target *targets[2];
+		uint32_t read[2] = {0, 0};
+		for (int k = 0; k < 2; k++) {
+			assert_ok(gpu_texture_create(test_gpu, of[i].format, 3, 2, 0, &textures[k]));
+			targets[k] = target_over(textures[k], NULL);
+			gpu_texture_clear(textures[k], 0, rect_of(0, 0, 3, 2), 0);
+		}
+		for (int k = 0; k < 2; k++)
+			gpu_pass_run(test_gpu, &(struct gpu_pass){
+				.stage = GPU_DIRT,
+				.program = program,
+				.target = targets[1 - k],
+				.viewport = {0, 0, 3, 2},
+				.textures = {textures[k]},
+			});
+		for (int k = 0; k < 2; k++)
+			gpu_texture_read(textures[1 - k], 0, rect_of(2, 1, 1, 1), &read[k]);
+		assert_ok(gpu_check(test_gpu, "floats"));
+		assert_in_range(read[0], of[i].quarter - of[i].slack, of[i].quarter + of[i].slack);
+		assert_in_range(read[1], of[i].eighths - of[i].slack, of[i].eighths + of[i].slack);
+		for (int k = 0; k < 2; k++) {
+			gpu_target_destroy(targets[k]);
+			gpu_texture_destroy(textures[k]);
+		}
+	}
+}
+
 /* Both ways, whatever the renderer, with more passes than there are queries. */
 static void the_time_of_passes_is_counted_by_stage(void **state)
 {
@@ -268,6 +316,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_pass_sees_its_own_parameters),
+		cmocka_unit_test(normalised_and_float_textures_are_drawn_and_sampled),
 		cmocka_unit_test(the_time_of_passes_is_counted_by_stage),
 		cmocka_unit_test(nothing_outside_the_viewport_is_written),
 		cmocka_unit_test(a_pass_reads_what_the_one_before_wrote),

@@ -42,15 +42,16 @@ static struct gpu_rect any_rect(void)
 	return rect_of(x, y, any_word() % (WIDTH - x + 1), any_word() % (HEIGHT - y + 1));
 }
 
-/* Texel bits that are a number in every format: floats of 1/2 .. 1, which depth holds too. */
+/* Texel bits that are a number in every format, and one that a lesser format would not hold. */
 static uint32_t any_texel(enum gpu_format format)
 {
 	switch (format) {
-	case GPU_DEPTH32F:
-	case GPU_R32F:
+	case GPU_DEPTH32F: /* 1/2 .. 1 */
 		return 0x3f000000u + any_word() % 0x800000u;
+	case GPU_R32F: /* -2 .. -1 */
+		return 0xbf800000u + any_word() % 0x800000u;
 	case GPU_R16F:
-		return 0x3800u + any_word() % 0x400u;
+		return 0xbc00u + any_word() % 0x400u;
 	default:
 		return any_word();
 	}
