@@ -195,6 +195,12 @@ void judge_lattice(struct study *study)
 	for (size_t i = 0; i + 1 < study->count; i++)
 		if (lattice->figures.error.rms > study->rows[i].figures.error.rms + ACCURACY_IMPORT_ERROR / 10)
 			judge_doubt(study, "%s: {%s} is nearer to the truth than the lattice", lattice->study, study->rows[i].knobs);
+	for (size_t i = 0; i + 1 < study->count; i++) {
+		const struct accuracy_variant *of = &study->rows[i].variant;
+		bool exact = (of->base == KEPT_R32F || of->base == KEPT_R32I) && (of->offset == KEPT_R32F || of->offset == KEPT_R32I);
+		if (!exact && study->rows[i].beside.max == 0)
+			judge_doubt(study, "%s: {%s} lost nothing", lattice->study, study->rows[i].knobs);
+	}
 	if (lattice->figures.drift != 0 || lattice->drift_after != 0)
 		judge_doubt(study, "%s: on the lattice the volume drifts", lattice->study);
 	struct row product = *lattice;

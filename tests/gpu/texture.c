@@ -92,6 +92,7 @@ static void uploads_clears_and_copies_are_read_back_exactly(void **state)
 			static struct model model, other_model;
 			assert_ok(gpu_texture_create(test_gpu, (enum gpu_format)format, WIDTH, HEIGHT, layers, &texture));
 			assert_ok(gpu_texture_create(test_gpu, (enum gpu_format)format, WIDTH, HEIGHT, 0, &other));
+			assert_int_equal(gpu_texel_bytes(other), format_bytes((enum gpu_format)format));
 			for (uint32_t layer = 0; layer < count; layer++)
 				upload(&model, texture, layer, rect_of(0, 0, WIDTH, HEIGHT));
 			clear(&other_model, other, 0, rect_of(0, 0, WIDTH, HEIGHT));
