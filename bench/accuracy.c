@@ -11,7 +11,7 @@
  *
  *   error    to the truth (accuracy_truth.c): max and rms in m; volume, volume_abs in m3
  *   ms_step  mean over the steps of the drive, wall clock; of several runs, in turn with the study's other rows, the median.
- *            A step is knobs.time_step or 0.02 s; ms_second is for a second of simulated time
+ *            A step is knobs.time_step or 0.02 s; ms_second is for a second of simulated time. p99, worst: of single steps
  *   awake    blocks that still slide when the error is taken: ground that has not come to rest in ACCURACY_REST intervals
  *   drift    m3 by which offsets and what was compacted do not add up (models that conserve: law 5); `laws` says it in words
  *   beside   of formats: how far the ground is from what the lattice makes of it. post_bytes: base and offset together
@@ -72,7 +72,8 @@ static void settled(struct study *study)
 {
 	for (int k = 3; k <= (study->quick ? 5 : 6); k++) {
 		double apart_m = ldexp(1, -k), every = 0.032 * ldexp(1, -2 * (k - 3));
-		struct row *row = row_add(study, "settled", false, "\"spacing\": %.9g, \"iterations\": 8, \"interval\": %.9g", apart_m, every);
+		struct row *row = row_add(study, "settled", false, "\"spacing\": %.9g, \"iterations\": 8, \"interval\": %.9g",
+					  apart_m, every);
 		row->drive.spacing = apart_m;
 		row->drive.interval = every;
 		row_set(row, "redistribute.iterations", 8);
@@ -174,7 +175,8 @@ static void durability(struct study *study)
 {
 	int laps = study->quick ? LAPS / 5 : LAPS;
 	for (int full = 0; full < 2; full++) {
-		struct row *row = row_add(study, "durability", full == 0, "\"durable\": \"%s\", \"laps\": %d", full ? "full" : "normal", laps);
+		struct row *row = row_add(study, "durability", full == 0, "\"durable\": \"%s\", \"laps\": %d",
+					  full ? "full" : "normal", laps);
 		row->drive.durable_full = full == 1;
 		row->timed_laps = laps;
 	}
@@ -214,9 +216,19 @@ static const struct {
 	const char *name;
 	void (*run)(struct study *study);
 } studies[] = {
-	{"spacing", spacing},       {"divided", divided},           {"settled", settled},           {"base_format", base_format}, {"offset_format", offset_format},
-	{"iterations", iterations}, {"tolerance", tolerance},       {"interval", interval},       {"time_step", time_step},
-	{"import_error", import_error}, {"forces", forces},         {"durability", durability},   {"pairs", pairs},
+	{"spacing", spacing},
+	{"divided", divided},
+	{"settled", settled},
+	{"base_format", base_format},
+	{"offset_format", offset_format},
+	{"iterations", iterations},
+	{"tolerance", tolerance},
+	{"interval", interval},
+	{"time_step", time_step},
+	{"import_error", import_error},
+	{"forces", forces},
+	{"durability", durability},
+	{"pairs", pairs},
 };
 #define STUDIES (sizeof studies / sizeof studies[0])
 

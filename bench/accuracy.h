@@ -4,7 +4,7 @@
  *   accuracy_scene.c    the ground, the path, the store, the scene's text
  *   accuracy_truth.c    the same drive in doubles at 1/64 m; how far a surface is from it
  *   accuracy_drive.c    the drive by the product
- *   accuracy_formats.c  the drive through deform.h, slots kept in another texture format
+ *   accuracy_formats.c  the drive through deform.h, slots kept in another texture format: accuracy_rig.c
  *   accuracy_rows.c     a row of the output: measured, printed, doubted
  *   accuracy.c          the studies
  */
@@ -72,7 +72,7 @@ struct accuracy_error accuracy_compare(const double *truth, const struct accurac
 struct accuracy_figures {
 	struct accuracy_error error;
 	double ms_step;       /* mean over the drive's steps, the rest not counted */
-	double p50, p99;      /* NaN: single steps were not timed */
+	double p99, worst;    /* of single steps, ms; NaN: those were not timed */
 	int64_t steps;
 	double time_step;
 	int64_t slot_bytes;   /* planes of the tiles that were touched, base included */

@@ -109,21 +109,25 @@ static const char *laws(const struct row *row)
 	return text;
 }
 
+static double median(const double *values, int count)
+{
+	double sorted[ACCURACY_RUNS];
+	memcpy(sorted, values, (size_t)count * sizeof *sorted);
+	return bench_median(sorted, (size_t)count);
+}
+
 static void print(const struct row *row, int runs)
 {
 	const struct accuracy_figures *figures = &row->figures;
-	double sorted[ACCURACY_RUNS], p99[ACCURACY_RUNS];
-	memcpy(sorted, row->ms, sizeof sorted);
-	memcpy(p99, row->p99, sizeof p99);
-	double ms = bench_median(sorted, (size_t)runs);
+	double ms = median(row->ms, runs);
 	int64_t bytes = row->of_base ? figures->base_bytes : figures->slot_bytes;
-	printf("{\"bench\": \"accuracy\", \"study\": \"%s\", \"knobs\": {%s}, \"default\": %s, \"error\": {\"max\": %.7g, \"rms\": %.7g, "
-	       "\"volume\": %.7g, \"volume_abs\": %.7g}, \"ms_step\": %.5g, \"ms_second\": %.5g, ",
+	printf("{\"bench\": \"accuracy\", \"study\": \"%s\", \"knobs\": {%s}, \"default\": %s, "
+	       "\"error\": {\"max\": %.7g, \"rms\": %.7g, \"volume\": %.7g, \"volume_abs\": %.7g}, \"ms_step\": %.5g, \"ms_second\": %.5g, ",
 	       row->study, row->knobs, row->is_default ? "true" : "false", figures->error.max, figures->error.rms,
 	       figures->error.volume, figures->error.volume_abs, ms, ms / figures->time_step);
 	if (!row->is_variant)
-		printf("\"p99\": %.5g, \"store_bytes\": %lld, ", bench_median(p99, (size_t)runs),
-		       (long long)(figures->base_bytes + figures->plane_bytes));
+		printf("\"p99\": %.5g, \"worst\": %.5g, \"store_bytes\": %lld, ", median(row->p99, runs),
+		       median(row->worst, runs), (long long)(figures->base_bytes + figures->plane_bytes));
 	else
 		printf("\"post_bytes\": %zu, \"beside\": {\"max\": %.7g, \"rms\": %.7g, \"volume\": %.7g}, \"drift_after_%d\": %.4g, "
 		       "\"laws\": \"%s\", ",
@@ -133,7 +137,8 @@ static void print(const struct row *row, int runs)
 		printf("\"drift\": %.4g, ", figures->drift);
 	printf("\"awake\": %lld, \"bytes\": %lld, \"bytes_of\": \"%s\", \"steps\": %lld, \"gl\": \"%s\"}\n",
 	       (long long)figures->awake, (long long)bytes,
-	       row->of_base ? "base tiles in the store, all levels" : "slot planes of the tiles touched", (long long)figures->steps, figures->gl);
+	       row->of_base ? "base tiles in the store, all levels" : "slot planes of the tiles touched",
+	       (long long)figures->steps, figures->gl);
 	fflush(stdout);
 }
 
@@ -153,6 +158,7 @@ void rows_measure(struct study *study)
 			run_row(&study->rows[i], NULL, &figures);
 			study->rows[i].ms[run] = figures.ms_step;
 			study->rows[i].p99[run] = figures.p99;
+			study->rows[i].worst[run] = figures.worst;
 			if (study->rows[i].timed_laps > 1)
 				study->rows[i].figures.steps = figures.steps;
 		}
@@ -176,16 +182,18 @@ void judge_doubt(struct study *study, const char *what, ...)
 void judge_finest(struct study *study, size_t first, size_t count)
 {
 	const struct row *rows = study->rows + first;
-	for (size_t i = 0; i + 1 < count; i++)
-		if (!(rows[count - 1].figures.error.rms < rows[i].figures.error.rms))
-			judge_doubt(study, "%s: the error of {%s} is not below that of {%s}", rows[i].study, rows[count - 1].knobs, rows[i].knobs);
+	const struct row *finest = rows + count - 1;
+	for (const struct row *row = rows; row < finest; row++)
+		if (!(finest->figures.error.rms < row->figures.error.rms))
+			judge_doubt(study, "%s: the error of {%s} is not below that of {%s}", row->study, finest->knobs, row->knobs);
 }
 
 void judge_same(struct study *study, const char *law)
 {
-	for (size_t i = 1; i < study->count; i++)
-		if (study->rows[i].figures.hash != study->rows[0].figures.hash || study->rows[i].figures.rows != study->rows[0].figures.rows)
-			judge_doubt(study, "%s: {%s} and {%s} differ, against %s", study->rows[i].study, study->rows[i].knobs, study->rows[0].knobs, law);
+	const struct row *first = study->rows;
+	for (const struct row *row = first + 1; row < first + study->count; row++)
+		if (row->figures.hash != first->figures.hash || row->figures.rows != first->figures.rows)
+			judge_doubt(study, "%s: {%s} and {%s} differ, against %s", row->study, row->knobs, first->knobs, law);
 }
 
 /* Rounding may help another by chance, by less than the heights of the store are off themselves. */

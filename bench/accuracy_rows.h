@@ -20,7 +20,7 @@ struct row {
 	struct accuracy_figures figures;
 	double drift_after;        /* a variant: ACCURACY_PASSES passes */
 	struct accuracy_error beside;
-	double ms[ACCURACY_RUNS], p99[ACCURACY_RUNS];
+	double ms[ACCURACY_RUNS], p99[ACCURACY_RUNS], worst[ACCURACY_RUNS];
 };
 
 struct study {
