@@ -31,6 +31,7 @@
 #define REST_MOST 20000  /* at the end */
 #define TOLERANCE 1e-6   /* m */
 #define ROUND 0.32       /* m around the wheel that a sweep changes: where its soil can come to rest at once */
+#define KIND "furrow accuracy truth"
 #define MARGIN 16        /* posts of the field along its sides that are not compared */
 
 const struct post_rect accuracy_field = {800, 688, 1121, 1009}; /* 12.5 .. 17.5, 10.75 .. 15.75 m */
@@ -260,7 +261,7 @@ static void make(struct accuracy_truth *truth)
 static const char *header(void)
 {
 	static char text[1600];
-	snprintf(text, sizeof text, "furrow accuracy truth 1: %lld .. %lld x %lld .. %lld at 1/64 m; %d iterations a sweep within %g m, "
+	snprintf(text, sizeof text, KIND " 1: %lld .. %lld x %lld .. %lld at 1/64 m; %d iterations a sweep within %g m, "
 				    "%d at the end, until %g m; models none box slippage scm; %s\n",
 		 (long long)accuracy_field.x0, (long long)accuracy_field.x1, (long long)accuracy_field.y0, (long long)accuracy_field.y1,
 		 SWEEP_MOST, ROUND, REST_MOST, TOLERANCE, accuracy_described());
@@ -272,6 +273,8 @@ static bool load(struct accuracy_truth *truth, const char *path)
 	char text[1600] = "";
 	FILE *file = fopen(path, "rb");
 	bool whole = file != NULL && fgets(text, sizeof text, file) != NULL && strcmp(text, header()) == 0;
+	if (file != NULL && strncmp(text, KIND, strlen(KIND)) != 0)
+		bench_must(fail_with(STATUS_INPUT, "%s: is no truth, and would be overwritten; name another file", path));
 	for (size_t m = 0; m < MODELS && whole; m++)
 		whole = fread(truth->surfaces[models[m]], sizeof(double), field_posts(), file) == field_posts();
 	if (file != NULL)
