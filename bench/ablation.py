@@ -1,0 +1,247 @@
+#!/usr/bin/env python3
+"""What each effect costs by itself: the barest scene in which it can stand, driven without it and with it, in turn.
+
+    python3 bench/ablation.py -o bench-out                # minutes; --quick: fewer and shorter drives
+    python3 bench/ablation.py -o bench-out --publish      # and the table into bench/ACCURACY.md
+
+Writes ablation.jsonl, ablation.md. Every figure is the median of the runs; a difference is that of two medians.
+"""
+import argparse
+import copy
+import json
+import pathlib
+import signal
+import statistics
+import struct
+import subprocess
+import tempfile
+import zlib
+
+import pages
+
+HERE = pathlib.Path(__file__).resolve().parent
+POSTS, SPEED = 257, 2.0  # posts of the terrain, a metre apart; m/s
+
+# --- the scenes ---
+
+WHEEL = {"wheel": {"radius": 0.5, "width": 0.4}}
+BRICK = {"box": {"size": [0.8, 0.4, 0.4]}}
+SAND = {"soil": {"name": "dry_sand"}}
+
+
+def scene(shape=None, model="none", **more):
+    """Flat ground, one object over it in a straight line, a station (a post of travel) and a half a step."""
+    made = {"scene": 1, "time_step": 0.05, "spacing": 0.0625, "redistribute": {"model": model}}
+    if shape:
+        made["objects"] = [{"name": "it", "shape": shape, "sink": 0.1}]
+    return made | more
+
+
+def view(*effects):
+    return {"view": {"size": [640, 360], "effects": list(effects),
+                     "camera": {"fixed": {"eye": [30, 20, 20], "target": [60, 64, 0]}}, "images": 0}}
+
+
+def loaded(made):
+    del made["objects"][0]["sink"]
+    made["objects"][0]["load"] = 4000
+    return made
+
+
+SCM = scene(WHEEL, "scm", **SAND)
+SEEN = scene(WHEEL, **view())
+
+# What is measured, the scene without, the scene with it. Which effects those are is what `furrow explain` says the second
+# has and the first has not; every effect of its table is called for by one of these (checked).
+PAIRS = [
+    ("displace", scene(**view()), SEEN),
+    ("box", scene(WHEEL), scene(WHEEL, "box")),
+    ("sumner", scene(WHEEL), scene(WHEEL, "sumner", soil={"name": "sand"})),
+    ("slippage", scene(WHEEL), scene(WHEEL, "slippage", **SAND)),
+    ("scm", scene(WHEEL), SCM),
+    ("soil_map", SCM, SCM | {"soil": {"map": "classes.png", "classes": {1: "dry_sand", 2: "lete_sand"}, "default": "dry_sand"}}),
+    ("mesh", scene(BRICK), scene({"mesh": {"file": "brick.obj"}})),
+    ("lugs", scene(WHEEL), scene({"wheel": WHEEL["wheel"] | {"lugs": 18}})),
+    ("load", SCM, loaded(copy.deepcopy(SCM))),
+    ("forces", SCM, SCM | {"output": {"forces": 20}}),
+    ("dirt", scene(WHEEL), scene(WHEEL, attributes=["dirt"])),
+    ("view", scene(WHEEL), SEEN),
+    *((name, SEEN, scene(WHEEL, **view(name))) for name in ("texture", "detail", "fog", "sky", "geomorph", "skirts")),
+]
+
+
+def brick():
+    """The box, of triangles."""
+    x, y, z = (side / 2 for side in BRICK["box"]["size"])
+    corners = [(a * x, b * y, c * z) for a in (-1, 1) for b in (-1, 1) for c in (-1, 1)]
+    faces = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]
+    return "".join(f"v {a} {b} {c}\n" for a, b, c in corners) + \
+        "".join(f"f {a} {b} {c}\nf {a} {c} {d}\n" for a, b, c, d in faces)
+
+
+def classes():
+    """Stripes of two soils, 8 m wide: a PNG of a pixel a post."""
+    row = b"\0" + bytes(1 + x // 8 % 2 for x in range(POSTS))
+
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", POSTS, POSTS, 8, 0, 0, 0, 0)) + \
+        chunk(b"IDAT", zlib.compress(row * POSTS)) + chunk(b"IEND", b"")
+
+
+# --- drives ---
+
+class Bench:
+    def __init__(self, furrow, folder):
+        self.furrow, self.folder = furrow, folder
+        self.command("synth", "-o", "flat.tif", "--posts", f"{POSTS}x{POSTS}", "--spacing", 1, "--kind", "plain", "--relief", 1)
+        self.command("import", "flat.tif", "-o", "flat.furrow")
+        (folder / "brick.obj").write_text(brick())
+        (folder / "classes.png").write_bytes(classes())
+
+    def command(self, *arguments):
+        done = subprocess.run([str(self.furrow), *map(str, arguments)], cwd=self.folder, capture_output=True, text=True)
+        if done.returncode == -signal.SIGINT or done.returncode == 130:
+            raise KeyboardInterrupt
+        if done.returncode:
+            raise pages.Told(done.stderr.strip() or f"furrow {arguments[0]} ended with {done.returncode}")
+        return done.stdout
+
+    def written(self, made, metres=1):
+        """YAML is a superset of JSON."""
+        made = copy.deepcopy(made) | {"end_time": metres / SPEED}
+        for thing in made.get("objects", []):
+            thing["path"] = {"points": [[30, 64], [30 + metres, 64]], "speed": SPEED}
+        (self.folder / "scene.yaml").write_text(json.dumps(made))
+        return "scene.yaml"
+
+    def effects(self, made):
+        """(those it calls for, all that there are)"""
+        said = json.loads(self.command("explain", self.written(made), "--store", "flat.furrow", "--json"))
+        return {row["name"] for row in said["effects"] if row["used"]}, {row["name"] for row in said["effects"]}
+
+    def drive(self, made, metres):
+        run = json.loads(self.command("drive", self.written(made, metres), "--store", "flat.furrow", "--overlay", "ruts.furrow",
+                                      "-o", "out", "--json"))
+        for path in self.folder.glob("ruts.furrow*"):
+            path.unlink()
+        return run
+
+
+def figures(run):
+    """Of one drive. ms: all its time over its steps, pictures and commits with them; p50: of a step and its picture."""
+    steps = run["steps"]
+    return {"ms": run["seconds"] * 1e3 / steps, "p50": 1e3 / run["fps"]["p50"], "step_p50": run["step_ms"]["p50"],
+            "bytes": run["memory"]["gpu_bytes"], "programs": run["programs"],
+            "passes": {name: count / steps for name, count in run["passes"].items()}, "gl": run["gl"]["renderer"]}
+
+
+def median(found):
+    """Of the same figures of several drives."""
+    first = found[0]
+    if isinstance(first, dict):
+        return {name: median([one[name] for one in found]) for name in first}
+    return statistics.median(found) if isinstance(first, (int, float)) else first
+
+
+def length(pair, metres):
+    """Pictures take long: a quarter of the way, where one side has them."""
+    return metres / 4 if any("view" in made for made in pair[1:]) else metres
+
+
+def measure(bench, pair, metres, runs, progress, done, total):
+    name, without, made = pair
+    sides = ([], [])
+    for run in range(runs + 1):
+        for side, one in zip(sides, (without, made)):
+            progress.show(done, total, f"{name}, run {run} of {runs}")
+            found = bench.drive(one, metres)
+            if run > 0:  # the first warms the driver's cache of programs
+                side.append(figures(found))
+            done += 1
+    return median(sides[0]), median(sides[1])
+
+
+# --- what is said of it ---
+
+def passes_text(without, made):
+    more = [(name, made["passes"].get(name, 0) - without["passes"].get(name, 0)) for name in
+            dict.fromkeys([*without["passes"], *made["passes"]])]
+    return ", ".join(f"{name} {n:+.2f}" for name, n in more if abs(n) >= 0.005) or "0"
+
+
+def row(line):
+    a, b = line["without"], line["with"]
+    beside = [name for name in line["brings"] if name != line["effect"]]
+    instead = [f"not {name}" for name in line["drops"]]
+    change = b["bytes"] - a["bytes"]
+    return [f"`{line['effect']}`", ", ".join(beside + instead), pages.figure(a["ms"]), pages.figure(b["ms"]),
+            f"{b['ms'] - a['ms']:+.3f}", f"{b['ms'] / a['ms']:.2f}", f"{b['p50'] - a['p50']:+.3f}",
+            ("+" if change > 0 else "") + pages.size(change), passes_text(a, b), f"{b['programs'] - a['programs']:+.0f}"]
+
+
+def report(lines):
+    head = ["effect", "and with it", "ms a step without", "with", "difference", "ratio", "of the median step",
+            "GPU bytes", "passes a step", "programs"]
+    first = lines[0]
+    return pages.table(head, map(row, lines)) + \
+        f"\n{max(line['metres'] for line in lines):g} m, a quarter of it with pictures; {first['runs']} runs of each drive " \
+        f"in turn; {first['with']['gl']}.\n"
+
+
+def parse():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--build", type=pathlib.Path, default=HERE.parent / "build", help="a release build (build)")
+    parser.add_argument("-o", "--out", type=pathlib.Path, required=True, help="the folder for what is written")
+    parser.add_argument("--runs", type=int, help="of each drive, in turn (7; quick: 1)")
+    parser.add_argument("--only", type=lambda text: text.split(","), help="those effects alone: scm,load")
+    parser.add_argument("--quick", action="store_true", help="drives a fifth as long, one run of each")
+    parser.add_argument("--publish", action="store_true", help="rewrites the table in bench/ACCURACY.md")
+    options = parser.parse_args()
+    if options.only and not set(options.only) <= {name for name, _, _ in PAIRS}:
+        parser.error("--only: of " + ", ".join(name for name, _, _ in PAIRS))
+    if options.publish and (options.only or options.quick):
+        parser.error("--publish: a whole run is published, not --only or --quick")
+    options.runs = options.runs or (1 if options.quick else 7)
+    options.furrow = (options.build / "tools" / "furrow").resolve()
+    if not options.furrow.exists():
+        parser.error(f"{options.furrow}: not there; meson setup build && ninja -C build")
+    return options
+
+
+def run():
+    options = parse()
+    metres = 16 if options.quick else 80
+    pairs = [pair for pair in PAIRS if not options.only or pair[0] in options.only]
+    options.out.mkdir(parents=True, exist_ok=True)
+    lines, progress = [], pages.Progress("ablation")
+    each = 2 * (options.runs + 1)
+    with tempfile.TemporaryDirectory(prefix="furrow-ablation-") as name:
+        bench = Bench(options.furrow, pathlib.Path(name))
+        changes, every, called = [], set(), set()
+        for _, without, made in pairs:
+            had, every = bench.effects(without)
+            has, _ = bench.effects(made)
+            changes.append((sorted(has - had), sorted(had - has)))
+            called |= has - had
+        if not options.only and every - called:
+            raise pages.Told(f"no pair calls for {', '.join(sorted(every - called))}; add one to PAIRS")
+        with pages.aside(options.out / "ablation.jsonl") as file:
+            for i, (pair, (brings, drops)) in enumerate(zip(pairs, changes)):
+                without, made = measure(bench, pair, length(pair, metres), options.runs, progress, i * each, len(pairs) * each)
+                lines.append({"bench": "ablation", "effect": pair[0], "brings": brings, "drops": drops,
+                              "metres": length(pair, metres), "runs": options.runs, "without": without, "with": made})
+                file.write(json.dumps(lines[-1]) + "\n")
+                file.flush()
+    progress.end()
+    text = report(lines)
+    (options.out / "ablation.md").write_text(text)
+    print(text)
+    print(f"{options.out / 'ablation.jsonl'}, {options.out / 'ablation.md'}: written")
+    if options.publish:
+        pages.publish(HERE / "ACCURACY.md", "ablation", text)
+        print(f"{HERE / 'ACCURACY.md'}: its table is this one now")
+
+
+if __name__ == "__main__":
+    pages.main(run)

@@ -1,0 +1,297 @@
+"""The plots of bench/accuracy.py: exactness against cost, by gnuplot, to SVG and PNG.
+
+Python decides everything that is decided by the data (ranges, ticks, where a label has room), gnuplot draws. The scripts
+stay beside the pictures."""
+import math
+import shutil
+import subprocess
+
+from accuracy_study import best, front, millimetres, psnr
+from pages import Told, figure
+
+WIDTH, HEIGHT = 960, 600                                  # pixels of the picture
+LEFT, BOTTOM, TOP = 0.085, 0.125, 0.875                   # the box, shares of it
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")  # Okabe and Ito's
+SHAPES = ((7, 6), (5, 4), (9, 8), (13, 12), (11, 10), (15, 14), (7, 6))                  # filled, hollow
+LETTER, LINE, REACH = 7.0, 15.0, 9.0                      # pixels: of a label's letter and line; from a point to its label
+
+
+class Axis:
+    """From data to a share of the picture. `floor`: where a logarithmic one has what is exactly 0."""
+
+    def __init__(self, title, values, start, end, log=False):
+        self.title, self.start, self.end, self.floor = title, start, end, None
+        positive = [v for v in values if v > 0 and math.isfinite(v)]
+        self.log = log and bool(positive)
+        low, high = (min(positive), max(positive)) if self.log else (min(values), max(values))
+        if self.log:
+            span = max(math.log10(high / low), 0.3)
+            self.low, self.high = low / 10 ** (0.1 * span), high * 10 ** (0.12 * span)
+            if any(v <= 0 for v in values):
+                self.floor = low / 10 ** (0.2 * span)
+                self.low = low / 10 ** (0.28 * span)
+        else:
+            span = (high - low) or abs(high) or 1
+            self.low, self.high = low - 0.1 * span, high + 0.12 * span
+            if low >= 0 and self.low < 0.25 * span:
+                self.low = 0
+        self.ticks = self.log_ticks() if self.log else self.even_ticks()
+
+    def log_ticks(self):
+        least = self.low if self.floor is None else self.floor * 1.2
+        decades = math.log10(self.high / least)
+        steps = (1, 2, 5) if decades < 2.2 else (1, 3) if decades < 3.2 else (1,)
+        found = [m * 10.0 ** e for e in range(math.floor(math.log10(self.low)), math.ceil(math.log10(self.high)) + 1) for m in steps]
+        return [(f"{t:g}", t) for t in found if least < t < self.high] + ([("exact", self.floor)] if self.floor else [])
+
+    def even_ticks(self):
+        unit = 10.0 ** math.floor(math.log10((self.high - self.low) / 4))
+        step = next(unit * n for n in (1, 2, 5, 10) if (self.high - self.low) / (unit * n) <= 7)
+        return [(f"{i * step:g}", i * step) for i in range(math.ceil(self.low / step), math.floor(self.high / step) + 1)]
+
+    def drawn(self, value):
+        """As gnuplot is given it."""
+        return self.floor if self.floor is not None and value <= 0 else value
+
+    def share(self, value):
+        value, low, high = self.drawn(value), self.low, self.high
+        if self.log:
+            value, low, high = math.log(value), math.log(low), math.log(high)
+        return self.start + (self.end - self.start) * (value - low) / (high - low)
+
+
+class Point:
+    def __init__(self, x, y, label, group, default, on):
+        self.x, self.y, self.label, self.group, self.default, self.on = x, y, label, group, default, on
+
+
+def quoted(text):
+    return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
+
+
+# --- labels ---
+
+def overlap(a, b):
+    wide, high = min(a[2], b[2]) - max(a[0], b[0]), min(a[3], b[3]) - max(a[1], b[1])
+    return wide * high if wide > 0 and high > 0 else 0
+
+
+def places(x, y, wide):
+    """Boxes for a label beside a point, the likeliest first."""
+    for far in (REACH, 1.9 * REACH, 3.2 * REACH):
+        for dx, dy in ((1, 0), (-1, 0), (0, 1), (0, -1), (0.8, 0.9), (-0.8, 0.9), (0.8, -0.9), (-0.8, -0.9)):
+            left = x + dx * far - (0 if dx > 0 else wide if dx < 0 else wide / 2)
+            middle = y + dy * (far + LINE / 2 - 2)
+            yield left, middle - LINE / 2, left + wide, middle + LINE / 2
+
+
+def merged(points, across, up):
+    """Labels of points that lie on one another are one: [(x, y in pixels, text, default, group)]."""
+    found = []
+    for point in points:
+        x, y = across.share(point.x) * WIDTH, up.share(point.y) * HEIGHT
+        for one in found:
+            if one["group"] == point.group and math.hypot(one["x"] - x, one["y"] - y) < 5:
+                one["texts"].append(point.label)
+                one["default"] |= point.default
+                break
+        else:
+            found.append({"x": x, "y": y, "texts": [point.label], "default": point.default, "group": point.group})
+    return found
+
+
+def along(line, across, up):
+    """Small boxes along a line of (x, y), for labels to keep off."""
+    at = [(across.share(x) * WIDTH, up.share(y) * HEIGHT) for x, y in line]
+    for (ax, ay), (bx, by) in zip(at, at[1:]):
+        count = max(1, int(math.hypot(bx - ax, by - ay) / 4))
+        for i in range(count + 1):
+            x, y = ax + (bx - ax) * i / count, ay + (by - ay) * i / count
+            yield x - 1.5, y - 1.5, x + 1.5, y + 1.5
+
+
+def labels(points, lines, across, up, right):
+    """gnuplot's commands for them: the default's first, each where it covers least."""
+    marks = [(x - 6, y - 6, x + 6, y + 6) for x, y in
+             ((across.share(p.x) * WIDTH, up.share(p.y) * HEIGHT) for p in points)]
+    marks += [box for line in lines for box in along(line, across, up)]
+    taken, commands = [], []
+    edge = (LEFT * WIDTH + 2, BOTTOM * HEIGHT + 2, right * WIDTH - 2, TOP * HEIGHT - 2)
+    for one in sorted(merged(points, across, up), key=lambda one: not one["default"]):
+        text = ("default: " if one["default"] else "") + ", ".join(dict.fromkeys(one["texts"]))
+        wide = LETTER * len(text) * (1.1 if one["default"] else 1)
+
+        def cost(box):
+            out = (box[2] - box[0]) * LINE - overlap(box, edge)
+            return 4 * out + 3 * sum(overlap(box, other) for other in taken) + sum(overlap(box, mark) for mark in marks)
+        offered = list(places(one["x"], one["y"], wide))
+        box = min(offered, key=lambda box: cost(box) + 0.5 * offered.index(box))
+        taken.append(box)
+        middle = (box[0] + box[2]) / 2 / WIDTH, (box[1] + box[3]) / 2 / HEIGHT
+        font = ' font ",+0:Bold"' if one["default"] else ""
+        commands.append(f'set label {quoted(text)} at screen {middle[0]:.4f},{middle[1]:.4f} center front{font} '
+                        f'textcolor rgb "{"#000000" if one["default"] else "#444444"}"')
+    return commands
+
+
+# --- scripts ---
+
+def opening(title, across, up, right, key):
+    lines = ["set encoding utf8", f"set lmargin at screen {LEFT}", f"set rmargin at screen {right}",
+             f"set bmargin at screen {BOTTOM}", f"set tmargin at screen {TOP}", "set border 3 linecolor rgb '#888888'",
+             "set tics nomirror scale 0.5 textcolor rgb '#222222'", f"set grid xtics ytics linetype 1 linewidth 0.6 linecolor rgb '#e4e4e4'",
+             f"set label {quoted(title)} at screen {LEFT},0.955 left font ',15'",
+             f"set label {quoted(up.title)} at screen {LEFT},0.905 left textcolor rgb '#444444'",
+             f"set xlabel {quoted(across.title)} offset 0,-0.2 textcolor rgb '#444444'"]
+    for name, axis in (("x", across), ("y", up)):
+        lines.append(f"set {name}range [{axis.low!r}:{axis.high!r}]")
+        lines.append(f"set {name}tics (" + ", ".join(f"{quoted(text)} {at!r}" for text, at in axis.ticks) + ")")
+        if axis.log:
+            lines.append(f"set logscale {name}")
+    lines.append({"right": f"set key at screen {right + 0.012},{TOP} left top Left reverse samplen 1.5 spacing 1.25 width -2",
+                  "above": f"set key at screen {right},0.925 right top Left reverse horizontal samplen 1.5"}.get(key, "set key off"))
+    return lines
+
+
+def block(name, rows):
+    return [f"${name} << end", *(" ".join(map(repr, row)) for row in rows), "end"]
+
+
+def scatter(title, across, up, points, steps, begin):
+    """`steps`: the front, whose first step comes from `begin` on the axis `up`. Hollow points are on no front."""
+    groups = list(dict.fromkeys(point.group for point in points))
+    right = 0.8 if len(groups) > 1 else 0.97
+    across.end = right
+    lines = opening(title, across, up, right, "right" if len(groups) > 1 else "above")
+    steps = [(steps[0][0], begin), *steps, (across.high, steps[-1][1])]
+    lines += block("front", steps)
+    drawn = ["$front with steps linewidth 2 linecolor rgb '#b0b0b0' title 'Pareto front'"]
+    keep_off = [[corner for (ax, ay), (bx, by) in zip(steps, steps[1:]) for corner in ((ax, ay), (bx, ay), (bx, by))]]
+    for i, group in enumerate(groups):
+        own = [point for point in points if point.group == group]
+        filled, hollow = SHAPES[i % len(SHAPES)]
+        style = f"linecolor rgb '{COLOURS[i % len(COLOURS)]}'"
+        if len(groups) > 1:
+            keep_off.append([(across.drawn(p.x), up.drawn(p.y)) for p in own])
+            lines += block(f"all{i}", keep_off[-1])
+            drawn.append(f"$all{i} with lines linewidth 0.8 {style} notitle")
+        for name, shape, on in ((f"on{i}", filled, True), (f"off{i}", hollow, False)):
+            rows = [(across.drawn(p.x), up.drawn(p.y)) for p in own if p.on == on]
+            if rows:
+                lines += block(name, rows)
+                drawn.append(f"${name} with points pointtype {shape} pointsize 1.1 linewidth 1.4 {style} notitle")
+        if group:
+            drawn.append(f"NaN with points pointtype {filled} pointsize 1.1 {style} title {quoted(group)}")
+    chosen = [(across.drawn(p.x), up.drawn(p.y)) for p in points if p.default]
+    if chosen:
+        lines += block("chosen", chosen)
+        drawn.append("$chosen with points pointtype 6 pointsize 2.6 linewidth 2 linecolor rgb '#000000' title 'default'")
+    lines += labels(points, keep_off, across, up, right)
+    return lines + ["plot " + ", \\\n     ".join(drawn)]
+
+
+def bars(title, axis_title, found):
+    """Cost alone. found: [(label, value, default)]."""
+    across = Axis(axis_title, [0, *(value for _, value, _ in found)], 0.25, 0.97)
+    up = Axis("", [-0.5, len(found) - 0.5], BOTTOM, TOP)
+    up.low, up.high = -0.7, len(found) - 0.3
+    up.ticks = [(label + (" (default)" if default else ""), len(found) - 1 - i) for i, (label, _, default) in enumerate(found)]
+    lines = opening(title, across, up, 0.97, None)
+    lines += ["set lmargin at screen 0.25", "unset grid", "set grid xtics linetype 1 linewidth 0.6 linecolor rgb '#e4e4e4'"]
+    high = min(0.28, 0.06 * len(found))
+    for i, (_, value, default) in enumerate(found):
+        at = len(found) - 1 - i
+        lines.append(f"set object rectangle from 0,{at - high} to {value!r},{at + high} "
+                     f"fillstyle solid 1 noborder fillcolor rgb '{COLOURS[0] if default else '#9ecae1'}'")
+        lines.append(f"set label {quoted(figure(value))} at {value!r},{at} left offset 0.6,0 textcolor rgb '#222222'")
+    return lines + ["plot NaN notitle"]
+
+
+# --- which plots ---
+
+def points_of(study, cost, exact):
+    """exact: of a line, the smaller the better."""
+    on = best(study, cost, exact)
+    return [Point(cost(line), exact(line), study.label(line), study.group(line), line["default"], id(line) in on)
+            for line in study.lines if cost(line) is not None and exact(line) is not None]
+
+
+def spread(values):
+    positive = [v for v in values if v > 0]
+    return len(positive) == len(values) and max(values) > 6 * min(values)
+
+
+def plot(study, cost, cost_title, exact, exact_title, log, turned=False):
+    """turned: the more the better, and `exact` is its negative."""
+    points = points_of(study, cost, exact)
+    if len({(p.x, p.y) for p in points}) < 2:
+        return None
+    steps = front([(p.x, p.y) for p in points])
+    if turned:
+        for point in points:
+            point.y = -point.y
+        steps = [(x, -y) for x, y in steps]
+    finite = [p.y for p in points if math.isfinite(p.y)]
+    if not finite:
+        return None
+    up = Axis(exact_title, finite, BOTTOM, TOP, log)
+    if turned:
+        top = max(finite) + 0.15 * (max(finite) - min(finite) or 10)
+        same = [p for p in points if not math.isfinite(p.y)]
+        if same:
+            up = Axis(exact_title, [*finite, top], BOTTOM, TOP)
+            up.ticks = [tick for tick in up.ticks if tick[1] < top * 0.97] + [("same", top)]
+        for point in same:
+            point.y = top
+        steps = [(x, y if math.isfinite(y) else top) for x, y in steps]
+    across = Axis(cost_title, [p.x for p in points], LEFT, 0.97, spread([p.x for p in points]))
+    return scatter(study.title, across, up, points, [(across.drawn(x), up.drawn(y)) for x, y in steps], up.low if turned else up.high)
+
+
+def plots(study):
+    """[(name, gnuplot's commands)]"""
+    def time(line):
+        return line["ms_step"]
+
+    def room(line):
+        return line["bytes"] / 1e6 if line["bytes"] is not None else None
+    of = next((line["bytes_of"] for line in study.lines if line.get("bytes_of")), "")
+    of = f"MB ({of})" if of else "MB"
+    wide = [(study.name, time, "ms a frame" if study.of_pictures() else "ms a step"), (study.name + "-bytes", room, of)]
+    found = []
+    if not study.tells_apart():
+        for name, cost, title in wide[:1]:
+            known = [(study.whole_label(line), cost(line), line["default"]) for line in study.lines]
+            found.append((name, bars(study.title, title, known)))
+        return found
+    for name, cost, title in wide:
+        if study.of_pictures():
+            found.append((name, plot(study, cost, title, lambda line: None if psnr(line) is None else -psnr(line),
+                                     "PSNR against the finest, dB", False, turned=True)))
+            found.append((name + "-worst", plot(study, cost, title, lambda line: (line["picture"] or {}).get("worst"),
+                                                "worst pixel, of 255", False)))
+        else:
+            found.append((name, plot(study, cost, title, lambda line: millimetres(line, "rms"), "error, RMS, mm", True)))
+    return [(name, lines) for name, lines in found if lines]
+
+
+def gnuplot():
+    path = shutil.which("gnuplot")
+    if path is None:
+        raise Told("no gnuplot, so no plots: install gnuplot-nox (sh tools/packages.sh does)")
+    return path
+
+
+def draw(folder, name, lines):
+    """NAME.gnuplot, .svg and .png in the folder."""
+    script = folder / f"{name}.gnuplot"
+    body = "\n".join(lines) + "\n"
+    script.write_text(
+        f"# gnuplot {name}.gnuplot, in this folder\n"
+        f"set terminal svg size {WIDTH},{HEIGHT} dynamic enhanced font 'sans-serif,13' background 'white'\n"
+        f"set termoption noenhanced\nset output '{name}.svg'\n{body}"
+        f"set terminal pngcairo size {WIDTH},{HEIGHT} noenhanced font 'sans,10'\nset output '{name}.png'\nreplot\nset output\n")
+    done = subprocess.run([gnuplot(), script.name], cwd=folder, capture_output=True, text=True)
+    if done.returncode:
+        raise Told(f"{script}: gnuplot: {done.stderr.strip()}; mend the script and run gnuplot on it")
+    return [folder / f"{name}.svg", folder / f"{name}.png"]
