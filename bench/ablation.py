@@ -20,7 +20,7 @@ import zlib
 import pages
 
 HERE = pathlib.Path(__file__).resolve().parent
-POSTS, SPEED = 257, 2.0  # posts of the terrain, a metre apart; m/s
+SIDE, FINE, SPEED = 128, 16, 2.0  # metres of the terrain; posts a metre of its fine store; m/s
 
 # --- the scenes ---
 
@@ -30,16 +30,20 @@ SAND = {"soil": {"name": "dry_sand"}}
 
 
 def scene(shape=None, model="none", **more):
-    """Flat ground, one object over it in a straight line, a station (a post of travel) and a half a step."""
-    made = {"scene": 1, "time_step": 0.05, "spacing": 0.0625, "redistribute": {"model": model}}
+    """Flat ground with the posts that are asked for, one object over it in a straight line, 1.6 posts of travel a step."""
+    made = {"scene": 1, "store": "fine.furrow", "time_step": 0.05, "spacing": 1 / FINE, "redistribute": {"model": model}}
     if shape:
         made["objects"] = [{"name": "it", "shape": shape, "sink": 0.1}]
     return made | more
 
 
-def view(*effects):
+def view(*effects, images=0):
     return {"view": {"size": [640, 360], "effects": list(effects),
-                     "camera": {"fixed": {"eye": [30, 20, 20], "target": [60, 64, 0]}}, "images": 0}}
+                     "camera": {"fixed": {"eye": [30, 20, 20], "target": [60, 64, 0]}}, "images": images}}
+
+
+def cache(loaders, prefetch):
+    return {"cache": {"loaders": loaders, "prefetch": prefetch}}
 
 
 def loaded(made):
@@ -65,8 +69,12 @@ PAIRS = [
     ("load", SCM, loaded(copy.deepcopy(SCM))),
     ("forces", SCM, SCM | {"output": {"forces": 20}}),
     ("dirt", scene(WHEEL), scene(WHEEL, attributes=["dirt"])),
-    ("view", scene(WHEEL), SEEN),
+    ("subdivide", scene(WHEEL), scene(WHEEL, store="coarse.furrow")),
+    ("loaders", scene(WHEEL, **cache(0, 0)), scene(WHEEL, **cache(2, 0))),
+    ("prefetch", scene(WHEEL, **cache(2, 0)), scene(WHEEL, **cache(2, 1.5))),
+    ("picture", scene(WHEEL), SEEN),
     *((name, SEEN, scene(WHEEL, **view(name))) for name in ("texture", "detail", "fog", "sky", "geomorph", "skirts")),
+    ("images", SEEN, scene(WHEEL, **view(images=1))),
 ]
 
 
@@ -81,12 +89,13 @@ def brick():
 
 def classes():
     """Stripes of two soils, 8 m wide: a PNG of a pixel a post."""
-    row = b"\0" + bytes(1 + x // 8 % 2 for x in range(POSTS))
+    posts = SIDE * FINE + 1
+    row = b"\0" + bytes(1 + x // (8 * FINE) % 2 for x in range(posts))
 
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", POSTS, POSTS, 8, 0, 0, 0, 0)) + \
-        chunk(b"IDAT", zlib.compress(row * POSTS)) + chunk(b"IEND", b"")
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", posts, posts, 8, 0, 0, 0, 0)) + \
+        chunk(b"IDAT", zlib.compress(row * posts)) + chunk(b"IEND", b"")
 
 
 # --- drives ---
@@ -94,8 +103,10 @@ def classes():
 class Bench:
     def __init__(self, furrow, folder):
         self.furrow, self.folder = furrow, folder
-        self.command("synth", "-o", "flat.tif", "--posts", f"{POSTS}x{POSTS}", "--spacing", 1, "--kind", "plain", "--relief", 1)
-        self.command("import", "flat.tif", "-o", "flat.furrow")
+        for name, posts in (("fine", FINE), ("coarse", 1)):
+            self.command("synth", "-o", f"{name}.png", "--posts", f"{SIDE * posts + 1}x{SIDE * posts + 1}", "--spacing", 1 / posts,
+                         "--kind", "plain", "--relief", 1)
+            self.command("import", f"{name}.png", "-o", f"{name}.furrow", "--spacing", 1 / posts, "--height-range", "0,1")
         (folder / "brick.obj").write_text(brick())
         (folder / "classes.png").write_bytes(classes())
 
@@ -111,18 +122,17 @@ class Bench:
         """YAML is a superset of JSON."""
         made = copy.deepcopy(made) | {"end_time": metres / SPEED}
         for thing in made.get("objects", []):
-            thing["path"] = {"points": [[30, 64], [30 + metres, 64]], "speed": SPEED}
+            thing["path"] = {"points": [[30, 70], [30 + metres, 70]], "speed": SPEED}
         (self.folder / "scene.yaml").write_text(json.dumps(made))
         return "scene.yaml"
 
     def effects(self, made):
         """(those it calls for, all that there are)"""
-        said = json.loads(self.command("explain", self.written(made), "--store", "flat.furrow", "--json"))
+        said = json.loads(self.command("explain", self.written(made), "--json"))
         return {row["name"] for row in said["effects"] if row["used"]}, {row["name"] for row in said["effects"]}
 
     def drive(self, made, metres):
-        run = json.loads(self.command("drive", self.written(made, metres), "--store", "flat.furrow", "--overlay", "ruts.furrow",
-                                      "-o", "out", "--json"))
+        run = json.loads(self.command("drive", self.written(made, metres), "--overlay", "ruts.furrow", "-o", "out", "--json"))
         for path in self.folder.glob("ruts.furrow*"):
             path.unlink()
         return run

@@ -85,13 +85,14 @@ def gather(options):
                 lines.append(line)
                 file.write(json.dumps({name: of for name, of in line.items() if of is not None}) + "\n")
                 file.flush()
+            if not lines:
+                raise pages.Told("not one line of bench accuracy; give what bench_accuracy printed")
     except BaseException:
         progress.end()
-        print(f"{path}.part: the {len(lines)} lines that there were")
+        if lines:
+            print(f"{path}.part: the {len(lines)} lines that there were")
         raise
     progress.end()
-    if not lines:
-        raise pages.Told("not one line of bench accuracy; nothing to show")
     return lines
 
 

@@ -77,12 +77,12 @@ def overlap(a, b):
 
 
 def places(x, y, wide):
-    """Boxes for a label beside a point, the likeliest first."""
-    for far in (REACH, 1.9 * REACH, 3.2 * REACH):
+    """Boxes for a label beside a point, and how unwelcome they are."""
+    for ring, far in enumerate((REACH, 1.9 * REACH, 3.2 * REACH)):
         for dx, dy in ((1, 0), (-1, 0), (0, 1), (0, -1), (0.8, 0.9), (-0.8, 0.9), (0.8, -0.9), (-0.8, -0.9)):
             left = x + dx * far - (0 if dx > 0 else wide if dx < 0 else wide / 2)
             middle = y + dy * (far + LINE / 2 - 2)
-            yield left, middle - LINE / 2, left + wide, middle + LINE / 2
+            yield (left, middle - LINE / 2, left + wide, middle + LINE / 2), 12 * ring + 2 * (dx < 0 or dx == 0)
 
 
 def merged(points, across, up):
@@ -110,11 +110,17 @@ def along(line, across, up):
             yield x - 1.5, y - 1.5, x + 1.5, y + 1.5
 
 
-def labels(points, lines, across, up, right):
-    """gnuplot's commands for them: the default's first, each where it covers least."""
+def dark(colour):
+    """Of a colour that lines have, one that letters can have."""
+    return "#" + "".join(f"{int(colour[i:i + 2], 16) * 2 // 3:02x}" for i in (1, 3, 5))
+
+
+def labels(points, lines, colours, across, up, right):
+    """gnuplot's commands for them: the default's first, each where it covers least. colours: of groups."""
     marks = [(x - 6, y - 6, x + 6, y + 6) for x, y in
              ((across.share(p.x) * WIDTH, up.share(p.y) * HEIGHT) for p in points)]
-    marks += [box for line in lines for box in along(line, across, up)]
+    crossed = [box for line in lines for box in along(line, across, up)]
+    inks = {group: dark(colour) for group, colour in colours.items()}
     taken, commands = [], []
     edge = (LEFT * WIDTH + 2, BOTTOM * HEIGHT + 2, right * WIDTH - 2, TOP * HEIGHT - 2)
     for one in sorted(merged(points, across, up), key=lambda one: not one["default"]):
@@ -123,14 +129,14 @@ def labels(points, lines, across, up, right):
 
         def cost(box):
             out = (box[2] - box[0]) * LINE - overlap(box, edge)
-            return 4 * out + 3 * sum(overlap(box, other) for other in taken) + sum(overlap(box, mark) for mark in marks)
-        offered = list(places(one["x"], one["y"], wide))
-        box = min(offered, key=lambda box: cost(box) + 0.5 * offered.index(box))
+            return 4 * out + 3 * sum(overlap(box, other) for other in taken) + \
+                sum(overlap(box, mark) for mark in marks) + 0.35 * sum(overlap(box, piece) for piece in crossed)
+        box = min(places(one["x"], one["y"], wide), key=lambda offer: cost(offer[0]) + offer[1])[0]
         taken.append(box)
         middle = (box[0] + box[2]) / 2 / WIDTH, (box[1] + box[3]) / 2 / HEIGHT
         font = ' font ",+0:Bold"' if one["default"] else ""
         commands.append(f'set label {quoted(text)} at screen {middle[0]:.4f},{middle[1]:.4f} center front{font} '
-                        f'textcolor rgb "{"#000000" if one["default"] else "#444444"}"')
+                        f'textcolor rgb "{"#000000" if one["default"] else inks[one["group"]]}"')
     return commands
 
 
@@ -165,7 +171,7 @@ def scatter(title, across, up, points, steps, begin):
     lines = opening(title, across, up, right, "right" if len(groups) > 1 else "above")
     steps = [(steps[0][0], begin), *steps, (across.high, steps[-1][1])]
     lines += block("front", steps)
-    drawn = ["$front with steps linewidth 2 linecolor rgb '#b0b0b0' title 'Pareto front'"]
+    drawn = ["$front with steps linewidth 2 linecolor rgb '#b0b0b0' title 'Pareto front of all'"]
     keep_off = [[corner for (ax, ay), (bx, by) in zip(steps, steps[1:]) for corner in ((ax, ay), (bx, ay), (bx, by))]]
     for i, group in enumerate(groups):
         own = [point for point in points if point.group == group]
@@ -186,7 +192,8 @@ def scatter(title, across, up, points, steps, begin):
     if chosen:
         lines += block("chosen", chosen)
         drawn.append("$chosen with points pointtype 6 pointsize 2.6 linewidth 2 linecolor rgb '#000000' title 'default'")
-    lines += labels(points, keep_off, across, up, right)
+    colours = {group: COLOURS[i % len(COLOURS)] if len(groups) > 1 else "#666666" for i, group in enumerate(groups)}
+    lines += labels(points, keep_off, colours, across, up, right)
     return lines + ["plot " + ", \\\n     ".join(drawn)]
 
 

@@ -1,0 +1,247 @@
+"""The scripts of bench/ that make tables and plots of lines: fronts, labels, pages, what is told. No figure is measured."""
+import json
+import os
+import pathlib
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+import xml.etree.ElementTree
+
+BENCH = pathlib.Path(__file__).resolve().parents[2] / "bench"
+sys.path.insert(0, str(BENCH))
+import accuracy_plots  # noqa: E402
+import accuracy_study  # noqa: E402
+import pages  # noqa: E402
+
+
+def line(study, knobs, ms, rms=None, default=False, count=1000, picture=None):
+    made = {"bench": "accuracy", "study": study, "knobs": knobs, "default": default, "ms_step": ms, "bytes": count,
+            "bytes_of": "slots", "gl": "a renderer"}
+    if rms is not None:
+        made["error"] = {"max": 3 * rms, "rms": rms, "volume": rms / 2}
+    if picture:
+        made["picture"] = {"psnr": picture[0], "worst": picture[1]}
+    return made
+
+
+LINES = [line("spacing", {"model": model, "spacing": 1 / n}, cost * n, 0.01 * worse / n, default=(model, n) == ("scm", 4), count=1000 * n * n)
+         for model, cost, worse in (("none", 0.01, 1), ("scm", 0.1, 2)) for n in (1, 4, 16)]
+LINES += [line("offset_format", {"offset_format": name}, ms, rms, name == "R32I") for name, ms, rms in
+          (("R8", 0.2, 0.003), ("R16F", 0.3, 0.004), ("R32I", 0.25, 0))]
+LINES += [line("durability", {"durability": name}, ms, default=name == "normal") for name, ms in (("normal", 0.2), ("full", 0.9))]
+LINES += [line("pairs", {"spacing": 1 / n, "iterations": i}, 0.1 * n * i, 0.01 / n / i) for n in (1, 4) for i in (1, 2)]
+LINES += [line("pairs", {"spacing": 1 / n, "interval": i}, 0.1 * n / i, 0.01 / n * i) for n in (1, 4) for i in (0.02, 0.05)]
+LINES += [line("pixel_error", {"pixel_error": n}, 20 / n, default=n == 1, picture=(None, 0) if n == 0.5 else (50 / n, 20 * n)) for n in (0.5, 1, 4)]
+
+
+def beaten(point, points):
+    """As the words say it."""
+    return any(all(a <= b for a, b in zip(other, point)) and other != point for other in points)
+
+
+class Front(unittest.TestCase):
+    def test_is_what_no_other_beats(self):
+        chance = random.Random(1)
+        for _ in range(300):
+            points = [(chance.randrange(6), chance.randrange(6)) for _ in range(chance.randrange(9))]
+            wanted = sorted(point for point in points if not beaten(point, points))
+            self.assertEqual(accuracy_study.front(points), wanted, points)
+
+    def test_of_equals_keeps_all_and_of_ties_the_better(self):
+        self.assertEqual(accuracy_study.front([(1, 2), (1, 2), (1, 3), (2, 2)]), [(1, 2), (1, 2)])
+
+    def test_leaves_out_what_is_not_known(self):
+        self.assertEqual(accuracy_study.front([(1, None), (float("nan"), 0), (3, 4)]), [(3, 4)])
+        self.assertEqual(accuracy_study.front([]), [])
+
+
+class Studies(unittest.TestCase):
+    def setUp(self):
+        self.lines = [accuracy_study.parse(json.dumps(one), "here") for one in LINES]
+        self.found = {study.name: study for study in accuracy_study.studies(self.lines)}
+
+    def test_pairs_are_parted_by_their_knobs(self):
+        self.assertEqual(list(self.found), ["spacing", "offset_format", "durability", "pairs_spacing_iterations",
+                                            "pairs_spacing_interval", "pixel_error"])
+
+    def test_a_model_is_compared_with_itself_only(self):
+        head, rows = accuracy_study.rows(self.found["spacing"])
+        self.assertEqual([row[head.index("front")] for row in rows], ["●"] * 6)
+
+    def test_what_is_beaten_is_not_marked_and_the_default_is(self):
+        head, rows = accuracy_study.rows(self.found["offset_format"])
+        self.assertEqual([row[-1] for row in rows], ["●", "", "●"])
+        self.assertEqual([row[0] for row in rows], ["R8", "R16F", "**R32I** (default)"])
+        self.assertEqual(rows[0][head.index("RMS, mm")], "3.00")
+        self.assertEqual(rows[0][head.index("volume, l")], "1.50")
+        self.assertEqual(rows[0][head.index("bytes")], "1.00 kB")
+
+    def test_pictures_that_are_the_same_are_the_most_exact(self):
+        head, rows = accuracy_study.rows(self.found["pixel_error"])
+        self.assertEqual([row[1:3] for row in rows], [["same", "0"], ["**50.0**", "**20.0**"], ["12.5", "80.0"]])
+        self.assertEqual([row[-1] for row in rows], ["●"] * 3)
+
+    def test_values_read_as_people_write_them(self):
+        for knob, said, text in (("spacing", 0.0625, "1/16 m"), ("spacing", 1, "1 m"), ("spacing", 0.3, "0.3 m"), ("import_error", 0.1, "10 cm"),
+                                 ("import_error", 0.001, "1 mm"), ("import_error", 0, "0"), ("time_step", 0.02, "20 ms"),
+                                 ("pixel_error", 2, "2 px"), ("iterations", 4, "4"), ("offset_format", "R16F", "R16F")):
+            self.assertEqual(accuracy_study.value(knob, said), text)
+
+    def test_lines_that_are_none_are_told(self):
+        self.assertIsNone(accuracy_study.parse('{"bench": "deform"}', "here"))
+        for bad in ("{", '{"bench": "accuracy"}', json.dumps(LINES[0] | {"ms_step": "fast"}), json.dumps(LINES[0] | {"knobs": []})):
+            with self.assertRaisesRegex(pages.Told, "^here: .*; "):
+                accuracy_study.parse(bad, "here")
+
+
+class Labels(unittest.TestCase):
+    def test_beside_points_with_room_cover_nothing(self):
+        points = [accuracy_plots.Point(x, y, f"{x}", "", x == 3, True) for x, y in ((1, 5), (2, 3), (3, 2), (4, 1.5), (5, 1))]
+        across = accuracy_plots.Axis("x", [1, 5], 0.1, 0.9)
+        up = accuracy_plots.Axis("y", [1, 5], 0.1, 0.9)
+        said = accuracy_plots.labels(points, [], {"": "#000000"}, across, up, 0.97)
+        self.assertIn('"default: 3"', said[0])
+        boxes = []
+        for command in said:
+            text = command.split('"')[1]
+            x, y = map(float, command.split(" at screen ")[1].split()[0].split(","))
+            wide = accuracy_plots.LETTER * len(text) / accuracy_plots.WIDTH / 2
+            high = accuracy_plots.LINE / accuracy_plots.HEIGHT / 2
+            boxes.append((x - wide, y - high, x + wide, y + high))
+        for i, box in enumerate(boxes):
+            self.assertFalse(any(accuracy_plots.overlap(box, other) for other in boxes[:i]))
+            for point in points:
+                x, y = across.share(point.x), up.share(point.y)
+                self.assertFalse(box[0] < x < box[2] and box[1] < y < box[3])
+
+    def test_axes_hold_their_values_and_zero_below_a_logarithm(self):
+        axis = accuracy_plots.Axis("error", [0, 0.001, 10], 0.1, 0.9, log=True)
+        self.assertTrue(0.1 < axis.share(0) < axis.share(0.001) < axis.share(10) < 0.9)
+        self.assertEqual(axis.ticks[-1][0], "exact")
+        self.assertTrue(all(0.1 <= axis.share(at) <= 0.9 for _, at in axis.ticks))
+        even = accuracy_plots.Axis("ms", [2, 7], 0, 1)
+        self.assertTrue(3 <= len(even.ticks) <= 8)
+
+
+class Pages(unittest.TestCase):
+    PAGE = "before\n<!-- it: begin -->\nold\n<!-- it: end -->\nafter\n"
+
+    def test_only_what_is_between_the_markers_changes(self):
+        changed = pages.between(self.PAGE, "it", "new\n\n")
+        self.assertEqual(changed, self.PAGE.replace("old", "new"))
+        self.assertEqual(pages.between(changed, "it", "new"), changed)
+
+    def test_no_place_and_two_places_are_told(self):
+        for page in ("", self.PAGE * 2, self.PAGE.replace("begin", "end"), "<!-- it: end --> <!-- it: begin -->"):
+            with self.assertRaisesRegex(pages.Told, "; "):
+                pages.between(page, "it", "new")
+
+    def test_the_pages_that_are_published_to_have_their_places(self):
+        root = BENCH.parent
+        for path, name in ((root / "README.md", "accuracy"), (BENCH / "ACCURACY.md", "accuracy"), (BENCH / "ACCURACY.md", "ablation")):
+            pages.between(path.read_text(), name, "new")
+
+    def test_figures_have_three_digits(self):
+        for value, text in ((0, "0"), (None, "-"), (1.23456, "1.23"), (0.0123456, "0.0123"), (1234.5, "1,234"), (2e-7, "2.00e-07")):
+            self.assertEqual(pages.figure(value), text)
+
+
+class Script(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="furrow-bench-"))
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        (self.folder / "lines").write_text("".join(json.dumps(one) + "\n" for one in LINES))
+        self.out = self.folder / "out"
+
+    def accuracy(self, *arguments, path=None):
+        environment = dict(os.environ, **({"PATH": path} if path else {}))
+        return subprocess.run([sys.executable, str(BENCH / "accuracy.py"), *map(str, arguments), "-o", str(self.out)],
+                              capture_output=True, text=True, env=environment, timeout=120)
+
+    def written(self):
+        return {path.name for path in self.out.iterdir()}
+
+    @unittest.skipUnless(shutil.which("gnuplot"), "no gnuplot here")
+    def test_draws_every_study_with_its_values_and_the_default_named(self):
+        done = self.accuracy("--from", self.folder / "lines")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(done.stderr, "")
+        names = {"spacing", "spacing-bytes", "offset_format", "durability", "pairs_spacing_iterations", "pairs_spacing_iterations-bytes",
+                 "pairs_spacing_interval", "pairs_spacing_interval-bytes", "pixel_error", "pixel_error-worst"}
+        made = self.written()
+        self.assertLessEqual({f"{name}.{kind}" for name in names for kind in ("svg", "png", "gnuplot")}, made)
+        self.assertFalse([name for name in made if name.endswith(".part")])
+        for name in made:
+            self.assertGreater((self.out / name).stat().st_size, 100, name)
+        texts = "|".join(xml.etree.ElementTree.parse(self.out / "spacing.svg").getroot().itertext())
+        for text in ("default: 1/4 m", "1/16 m", "scm", "Pareto front", "error, RMS, mm", "ms a step"):
+            self.assertIn(text, texts)
+        texts = "|".join(xml.etree.ElementTree.parse(self.out / "offset_format.svg").getroot().itertext())
+        for text in ("default: R32I", "exact", "R16F"):
+            self.assertIn(text, texts)
+        self.assertEqual(len((self.out / "accuracy.jsonl").read_text().splitlines()), len(LINES))
+        again = self.accuracy("--from", self.out / "accuracy.jsonl")
+        self.assertEqual(again.stdout, done.stdout)
+
+    def test_without_gnuplot_says_which_package_and_keeps_lines_and_table(self):
+        done = self.accuracy("--from", self.folder / "lines", path="/nonexistent")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("gnuplot-nox", done.stderr)
+        self.assertEqual(self.written(), {"accuracy.jsonl", "accuracy.md"})
+
+    def test_bad_lines_and_absent_programs_are_told(self):
+        (self.folder / "lines").write_text('{"bench": "deform"}\n{"bench": "accuracy"}\n')
+        done = self.accuracy("--from", self.folder / "lines")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("lines:2", done.stderr)
+        (self.folder / "lines").write_text('{"bench": "deform"}\n')
+        self.assertEqual(self.accuracy("--from", self.folder / "lines").returncode, 1)
+        self.assertFalse((self.out / "accuracy.jsonl").exists())
+        self.assertEqual(self.accuracy("--from", self.folder / "absent").returncode, 1)
+        self.assertEqual(self.accuracy("--build", self.folder).returncode, 2)
+
+    def programs(self, *texts):
+        (self.folder / "bench").mkdir()
+        for name, text in zip(("bench_accuracy", "bench_picture_error"), texts):
+            path = self.folder / "bench" / name
+            path.write_text("#!/bin/sh\n" + text)
+            path.chmod(0o755)
+
+    def test_runs_both_programs(self):
+        self.programs(*(f"grep {'-v ' * invert}pixel_error {self.folder / 'lines'}\n" for invert in (1, 0)))
+        done = self.accuracy("--build", self.folder)
+        self.assertIn(done.returncode, (0, 1))  # 1: no gnuplot
+        self.assertEqual(len((self.out / "accuracy.jsonl").read_text().splitlines()), len(LINES))
+
+    def test_a_program_that_fails_fails_it(self):
+        self.programs(f"head -2 {self.folder / 'lines'}; exit 3\n", "true\n")
+        done = self.accuracy("--build", self.folder)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("ended with 3", done.stderr)
+        self.assertEqual(self.written(), {"accuracy.jsonl.part"})
+
+    def test_an_interrupt_ends_it_and_what_it_started(self):
+        self.programs(f"head -2 {self.folder / 'lines'}; echo $$ > {self.folder / 'pid'}; exec sleep 100\n", "true\n")
+        process = subprocess.Popen([sys.executable, str(BENCH / "accuracy.py"), "--build", str(self.folder), "-o", str(self.out)],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        part = self.out / "accuracy.jsonl.part"
+        deadline = time.monotonic() + 60
+        while time.monotonic() < deadline and not (part.exists() and part.read_text().count("\n") == 2 and
+                                                   (self.folder / "pid").exists()):
+            time.sleep(0.01)
+        process.send_signal(signal.SIGINT)
+        said, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 130, errors)
+        self.assertIn("accuracy.jsonl.part: the 2 lines", said)
+        self.assertNotIn("Traceback", errors)
+        with self.assertRaises(ProcessLookupError):
+            os.kill(int((self.folder / "pid").read_text()), 0)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
