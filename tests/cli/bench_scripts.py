@@ -101,11 +101,11 @@ class Studies(unittest.TestCase):
 
 class Labels(unittest.TestCase):
     def test_beside_points_with_room_cover_nothing(self):
-        points = [accuracy_plots.Point(x, y, f"{x}", "", x == 3, True) for x, y in ((1, 5), (2, 3), (3, 2), (4, 1.5), (5, 1))]
+        points = [accuracy_plots.Point(x, y, f"number {x}", "", x == 3, True) for x, y in ((1, 5), (1.2, 5), (1.2, 4.8), (3, 2), (3.2, 2), (5, 1))]
         across = accuracy_plots.Axis("x", [1, 5], 0.1, 0.9)
         up = accuracy_plots.Axis("y", [1, 5], 0.1, 0.9)
         said = accuracy_plots.labels(points, [], {"": "#000000"}, across, up, 0.97)
-        self.assertIn('"default: 3"', said[0])
+        self.assertIn('"default: number 3"', said[0])
         boxes = []
         for command in said:
             text = command.split('"')[1]
@@ -137,7 +137,7 @@ class Pages(unittest.TestCase):
         self.assertEqual(pages.between(changed, "it", "new"), changed)
 
     def test_no_place_and_two_places_are_told(self):
-        for page in ("", self.PAGE * 2, self.PAGE.replace("begin", "end"), "<!-- it: end --> <!-- it: begin -->"):
+        for page in ("", self.PAGE * 2, "<!-- it: begin -->\n" + self.PAGE, self.PAGE + "<!-- it: end -->", self.PAGE.replace("begin", "end"), "<!-- it: end --> <!-- it: begin -->"):
             with self.assertRaisesRegex(pages.Told, "; "):
                 pages.between(page, "it", "new")
 
