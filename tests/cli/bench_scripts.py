@@ -101,7 +101,7 @@ class Studies(unittest.TestCase):
 
 class Labels(unittest.TestCase):
     def test_beside_points_with_room_cover_nothing(self):
-        points = [accuracy_plots.Point(x, y, f"number {x}", "", x == 3, True) for x, y in ((1, 5), (1.2, 5), (1.2, 4.8), (3, 2), (3.2, 2), (5, 1))]
+        points = [accuracy_plots.Point(x, y, f"number {x}", "", x == 3, True) for x, y in ((1, 5), (1.2, 5), (1.2, 4.9), (3, 2), (3.2, 2), (5, 1))]
         across = accuracy_plots.Axis("x", [1, 5], 0.1, 0.9)
         up = accuracy_plots.Axis("y", [1, 5], 0.1, 0.9)
         said = accuracy_plots.labels(points, [], {"": "#000000"}, across, up, 0.97)
