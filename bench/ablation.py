@@ -129,7 +129,7 @@ class Bench:
     def effects(self, made):
         """(those it calls for, all that there are)"""
         said = json.loads(self.command("explain", self.written(made), "--json"))
-        return {row["name"] for row in said["effects"] if row["used"]}, {row["name"] for row in said["effects"]}
+        return {row["name"] for row in said["effects"] if row["called"]}, {row["name"] for row in said["effects"]}
 
     def drive(self, made, metres):
         run = json.loads(self.command("drive", self.written(made, metres), "--overlay", "ruts.furrow", "-o", "out", "--json"))

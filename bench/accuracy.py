@@ -10,8 +10,11 @@ Writes accuracy.jsonl, accuracy.md and for each plot NAME.svg, .png and .gnuplot
 import argparse
 import json
 import pathlib
+import re
 import shutil
 import subprocess
+import sys
+import threading
 
 import accuracy_plots
 import accuracy_study
@@ -20,9 +23,14 @@ import pages
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent
 PROGRAMS = ("bench_accuracy", "bench_picture_error")
-# What --publish copies to docs/accuracy-NAME.svg.
-PUBLISHED = ("spacing", "offset_format", "pixel_error")
-README_MODEL = "scm"  # whose spacings are README's table
+# What --publish copies to docs/accuracy-NAME.svg, and how a page names it. The first is README's.
+PUBLISHED = {
+    "spacing": "Error against the time of a step, by model and spacing, with the Pareto front and the default",
+    "pairs_spacing_iterations": "Error against the time of a step, by spacing and iterations of sliding",
+    "offset_format-bytes": "Error against bytes, by the format of the offset",
+    "import_error-bytes": "Error against the store's bytes, by the import's error",
+    "pixel_error": "How like the finest picture, against the time of a frame, by pixel error",
+}
 
 
 def parse():
@@ -41,26 +49,39 @@ def parse():
     return options
 
 
+def listen(child, progress):
+    """A program says on stderr what it is about to do, "STUDY {KNOBS}"; anything else is for the person."""
+    count = 0
+    for text in child.stderr:
+        if re.fullmatch(r"\w+ \{.*\}\n", text):
+            count += 1
+            progress.show(count, None, text.strip())
+        else:
+            progress.end()
+            sys.stderr.write(text)
+
+
 def measured(options, progress):
     """Lines as the programs print them."""
-    count = 0
+    arguments = {"bench_accuracy": ["--truth", str(options.out / "accuracy.truth"), *["--quick"] * options.quick]}
     for program in PROGRAMS:
         path = (options.build / "bench" / program).resolve()
-        child = subprocess.Popen([str(path), *(["quick"] if options.quick else [])], stdout=subprocess.PIPE, text=True)
+        child = subprocess.Popen([str(path), *arguments.get(program, [])], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        listener = threading.Thread(target=listen, args=(child, progress))
+        listener.start()
         try:
             for text in child.stdout:
                 line = accuracy_study.parse(text, program)
                 if line:
-                    count += 1
-                    knobs = ", ".join(f"{knob} {accuracy_study.value(knob, said)}" for knob, said in line["knobs"].items())
-                    progress.show(count, None, f"{line['study']}: {knobs}")
                     yield line
-        except BaseException:
-            child.terminate()
             child.wait()
-            raise
-        if child.wait():
-            raise pages.Told(f"{path} ended with {child.returncode}; run it by itself to see why")
+        finally:
+            child.terminate()  # nothing, of one that has ended
+            child.wait()
+            listener.join()
+        if child.returncode:
+            raise pages.Told(f"{path} ended with {child.returncode}, see above; with {options.out / 'accuracy.jsonl.part'} --from shows "
+                             "what there is")
 
 
 def given(paths):
@@ -108,19 +129,18 @@ def report(studies, lines):
 
 
 def readme_table(studies, lines):
-    """Spacings of one model, beside those of the others in time."""
+    """Spacings by model: error and time."""
     study = next((study for study in studies if study.study == "spacing"), None)
     if study is None:
         raise pages.Told("no study of spacing, which README shows; run without --from, or give its lines too")
-    models = list(dict.fromkeys(line["knobs"].get("model") for line in study.lines))
-    model = README_MODEL if README_MODEL in models else models[0]
-    rows = []
+    models = list(dict.fromkeys(line["knobs"]["model"] for line in study.lines))
+    found = {}
     for line in study.lines:
-        if line["knobs"].get("model") == model:
-            rows.append([accuracy_study.value("spacing", line["knobs"]["spacing"]),
-                         pages.figure(accuracy_study.millimetres(line, "rms")), pages.figure(accuracy_study.millimetres(line, "max")),
-                         pages.figure(line["ms_step"]), pages.size(line["bytes"])])
-    return pages.table([f"`{model}`, spacing", "error, RMS, mm", "max", "ms a step", "bytes"], rows) + f"\n{gl_of(lines)}.\n"
+        cell = f"{pages.figure(accuracy_study.millimetres(line, 'rms'))} / {pages.figure(line['ms_step'])}"
+        found.setdefault(line["knobs"]["spacing"], {})[line["knobs"]["model"]] = f"**{cell}**" if line["default"] else cell
+    rows = [[accuracy_study.value("spacing", spacing), *(cells.get(model, "-") for model in models)] for spacing, cells in found.items()]
+    return pages.table(["RMS error, mm / ms a step", *(f"`{model}`" for model in models)], rows) + \
+        f"\n**Bold**: the default of the bench's other studies. {gl_of(lines)}.\n"
 
 
 def write_plots(options, studies):
@@ -132,6 +152,10 @@ def write_plots(options, studies):
     return written
 
 
+def picture(name, folder):
+    return f"![{PUBLISHED[name]}]({folder}/accuracy-{name}.svg)\n"
+
+
 def publish(options, studies, lines):
     for name in PUBLISHED:
         source = options.out / f"{name}.svg"
@@ -139,8 +163,10 @@ def publish(options, studies, lines):
             raise pages.Told(f"{source}: not drawn, since its study is not in the lines; run without --from, or give them too")
     for name in PUBLISHED:
         shutil.copyfile(options.out / f"{name}.svg", ROOT / "docs" / f"accuracy-{name}.svg")
-    pages.publish(HERE / "ACCURACY.md", "accuracy", report(studies, lines))
-    pages.publish(ROOT / "README.md", "accuracy", readme_table(studies, lines))
+    first = next(iter(PUBLISHED))
+    pictures = "\n".join(picture(name, "../docs") for name in PUBLISHED)
+    pages.publish(HERE / "ACCURACY.md", "accuracy", pictures + "\n" + report(studies, lines))
+    pages.publish(ROOT / "README.md", "accuracy", picture(first, "docs") + "\n" + readme_table(studies, lines))
     print("docs/accuracy-*.svg, bench/ACCURACY.md, README.md: of this run now")
 
 

@@ -6,7 +6,7 @@ import math
 import shutil
 import subprocess
 
-from accuracy_study import best, front, millimetres, psnr
+from accuracy_study import best, exactness, front
 from pages import Told, figure
 
 WIDTH, HEIGHT = 960, 600                                  # pixels of the picture
@@ -40,14 +40,17 @@ class Axis:
     def log_ticks(self):
         least = self.low if self.floor is None else self.floor * 1.2
         decades = math.log10(self.high / least)
+        if decades < 0.8:
+            return self.even_ticks() + ([("exact", self.floor)] if self.floor else [])
         steps = (1, 2, 5) if decades < 2.2 else (1, 3) if decades < 3.2 else (1,)
         found = [m * 10.0 ** e for e in range(math.floor(math.log10(self.low)), math.ceil(math.log10(self.high)) + 1) for m in steps]
         return [(f"{t:g}", t) for t in found if least < t < self.high] + ([("exact", self.floor)] if self.floor else [])
 
     def even_ticks(self):
-        unit = 10.0 ** math.floor(math.log10((self.high - self.low) / 4))
-        step = next(unit * n for n in (1, 2, 5, 10) if (self.high - self.low) / (unit * n) <= 7)
-        return [(f"{i * step:g}", i * step) for i in range(math.ceil(self.low / step), math.floor(self.high / step) + 1)]
+        low = self.low if self.floor is None else self.floor * 1.2
+        unit = 10.0 ** math.floor(math.log10((self.high - low) / 4))
+        step = next(unit * n for n in (1, 2, 5, 10) if (self.high - low) / (unit * n) <= 7)
+        return [(f"{i * step:g}", i * step) for i in range(math.ceil(low / step), math.floor(self.high / step) + 1)]
 
     def drawn(self, value):
         """As gnuplot is given it."""
@@ -171,7 +174,7 @@ def scatter(title, across, up, points, steps, begin):
     lines = opening(title, across, up, right, "right" if len(groups) > 1 else "above")
     steps = [(steps[0][0], begin), *steps, (across.high, steps[-1][1])]
     lines += block("front", steps)
-    drawn = ["$front with steps linewidth 2 linecolor rgb '#b0b0b0' title 'Pareto front of all'"]
+    drawn = [f"$front with steps linewidth 2 linecolor rgb '#b0b0b0' title 'Pareto front{' of all' * (len(groups) > 1)}'"]
     keep_off = [[corner for (ax, ay), (bx, by) in zip(steps, steps[1:]) for corner in ((ax, ay), (bx, ay), (bx, by))]]
     for i, group in enumerate(groups):
         own = [point for point in points if point.group == group]
@@ -257,28 +260,20 @@ def plot(study, cost, cost_title, exact, exact_title, log, turned=False):
 
 def plots(study):
     """[(name, gnuplot's commands)]"""
-    def time(line):
-        return line["ms_step"]
-
     def room(line):
         return line["bytes"] / 1e6 if line["bytes"] is not None else None
-    of = next((line["bytes_of"] for line in study.lines if line.get("bytes_of")), "")
-    of = f"MB ({of})" if of else "MB"
-    wide = [(study.name, time, "ms a frame" if study.of_pictures() else "ms a step"), (study.name + "-bytes", room, of)]
-    found = []
     if not study.tells_apart():
-        for name, cost, title in wide[:1]:
-            known = [(study.whole_label(line), cost(line), line["default"]) for line in study.lines]
-            found.append((name, bars(study.title, title, known)))
-        return found
-    for name, cost, title in wide:
+        known = [(study.whole_label(line), study.cost(line), line["default"]) for line in study.lines]
+        return [(study.name, bars(study.title, study.cost_title(), known))]
+    of = next((line["bytes_of"] for line in study.lines if line.get("bytes_of")), "")
+    found = []
+    for name, cost, title in ((study.name, study.cost, study.cost_title()), (study.name + "-bytes", room, f"MB ({of})" if of else "MB")):
         if study.of_pictures():
-            found.append((name, plot(study, cost, title, lambda line: None if psnr(line) is None else -psnr(line),
-                                     "PSNR against the finest, dB", False, turned=True)))
+            found.append((name, plot(study, cost, title, exactness(study), "PSNR against the finest, dB", False, turned=True)))
             found.append((name + "-worst", plot(study, cost, title, lambda line: (line["picture"] or {}).get("worst"),
                                                 "worst pixel, of 255", False)))
         else:
-            found.append((name, plot(study, cost, title, lambda line: millimetres(line, "rms"), "error, RMS, mm", True)))
+            found.append((name, plot(study, cost, title, exactness(study), "error, RMS, mm", True)))
     return [(name, lines) for name, lines in found if lines]
 
 

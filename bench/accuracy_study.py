@@ -10,6 +10,7 @@ from pages import Told, figure, size
 # In the order of the tables. title, and what is turned.
 STUDIES = {
     "spacing": ("Spacing of posts, by model", "how far the posts lie apart where the ground is worked on"),
+    "settled": ("Spacing, slid to rest", "spacing, and with it as much sliding as it asks for: iterations by its square"),
     "base_format": ("Format of the base", "how the imported heights are kept"),
     "offset_format": ("Format of the offset", "how the ruts are kept"),
     "iterations": ("Iterations of sliding", "iterations a sweep and an interval"),
@@ -61,11 +62,14 @@ def duration(seconds):
 
 
 UNITS = {"spacing": fraction, "import_error": length, "tolerance": length, "time_step": duration, "interval": duration,
-         "pixel_error": lambda pixels: f"{pixels:g} px"}
+         "pixel_error": "{:g} px".format}
+ABSENT = {"pixel_error": "by radii"}  # of null
 
 
 def value(knob, said):
     """A knob's value as it reads in a plot."""
+    if said is None:
+        return ABSENT.get(knob, "none")
     if isinstance(said, bool):
         return "yes" if said else "no"
     if isinstance(said, (int, float)):
@@ -89,10 +93,22 @@ class Study:
             self.title = " and ".join(turned).replace("_", " ").capitalize()
         others = [knob for knob in self.varied if knob != "model"]
         self.series = "model" if "model" in self.varied and others else self.varied[0] if len(self.varied) > 1 else None
+        if self.series and len({json.dumps(line["knobs"].get(self.series)) for line in lines}) == len(lines):
+            self.series = None  # a colour for each point says nothing
+        self.varied.sort(key=lambda knob: knob != self.series)
+
+    def cost(self, line):
+        """ms. With another time step a step does other work: then of a simulated second."""
+        return line["ms_second"] if self.by_second() else line["ms_step"]
+
+    def by_second(self):
+        return "time_step" in self.varied and all("ms_second" in line for line in self.lines)
+
+    def cost_title(self):
+        return "ms a frame" if self.of_pictures() else "ms a simulated second" if self.by_second() else "ms a step"
 
     def label(self, line):
-        return ", ".join(value(knob, line["knobs"].get(knob)) for knob in self.varied if knob != self.series) or \
-            value(self.series, line["knobs"].get(self.series))
+        return ", ".join(value(knob, line["knobs"].get(knob)) for knob in self.varied if knob != self.series)
 
     def whole_label(self, line):
         return ", ".join(value(knob, line["knobs"].get(knob)) for knob in self.varied)
@@ -159,33 +175,43 @@ def best(study, cost, exact):
     return found
 
 
-def step_ms(line):
-    return line["ms_step"]
+def exactness(study):
+    """Of a line, the smaller the better."""
+    if study.of_pictures():
+        return lambda line: None if psnr(line) is None else -psnr(line)
+    return lambda line: millimetres(line, "rms")
+
+
+def litres(line, which):
+    said = (line["error"] or {}).get(which)
+    return figure(said * 1e3 if said is not None else None)
+
+
+def columns(study):
+    """[(head, what of a line)] of what is measured."""
+    if study.of_pictures():
+        found = [("PSNR, dB", lambda line: "same" if psnr(line) == math.inf else figure(psnr(line))),
+                 ("worst of 255", lambda line: str((line["picture"] or {}).get("worst", "-")))]
+    elif any(line["error"] for line in study.lines):
+        found = [("error, RMS, mm", lambda line: figure(millimetres(line, "rms"))), ("max", lambda line: figure(millimetres(line, "max")))]
+        found += [(head, lambda line, which=which: litres(line, which)) for which, head in
+                  (("volume_abs", "volume, l"), ("volume", "net, l")) if any(which in (line["error"] or {}) for line in study.lines)]
+    else:
+        found = []
+    found += [(study.cost_title(), lambda line: figure(study.cost(line))), ("bytes", lambda line: size(line["bytes"]))]
+    if any("laws" in line for line in study.lines):
+        found.append(("laws", lambda line: line.get("laws", "-")))
+    return found
 
 
 def rows(study):
     """(head, rows) of its table."""
-    exact = (lambda line: None if psnr(line) is None else -psnr(line)) if study.of_pictures() else lambda line: millimetres(line, "rms")
-    on = best(study, step_ms, exact) if study.tells_apart() else set()
-    pictures, errors = study.of_pictures(), any(line["error"] for line in study.lines)
-    volume = any(line["error"] and line["error"].get("volume") is not None for line in study.lines)
-    head = [knob.replace("_", " ") for knob in study.varied]
-    head += ["PSNR, dB", "worst of 255"] if pictures else ["error, max, mm", "RMS, mm"] * errors + ["volume, l"] * (errors and volume)
-    head += ["ms a frame" if pictures else "ms a step", "bytes", "front"]
-    found = []
+    on = best(study, study.cost, exactness(study)) if study.tells_apart() else set()
+    measured, found = columns(study), []
     for line in study.lines:
-        row = [value(knob, line["knobs"].get(knob)) for knob in study.varied]
-        if pictures:
-            decibels = psnr(line)
-            row += ["same" if decibels == math.inf else figure(decibels), figure((line["picture"] or {}).get("worst"))]
-        elif errors:
-            row += [figure(millimetres(line, "max")), figure(millimetres(line, "rms"))]
-            if volume:
-                litres = (line["error"] or {}).get("volume")
-                row.append(figure(litres * 1e3 if litres is not None else None))
-        row += [figure(line["ms_step"]), size(line["bytes"]), "●" if id(line) in on else ""]
+        row = [value(knob, line["knobs"].get(knob)) for knob in study.varied] + [of(line) for _, of in measured]
         if line["default"]:
-            row = [f"**{cell}**" if cell and i < len(row) - 1 else cell for i, cell in enumerate(row)]
+            row = [f"**{cell}**" for cell in row]
             row[len(study.varied) - 1] += " (default)"
-        found.append(row)
-    return head, found
+        found.append(row + ["●" * (id(line) in on)])
+    return [knob.replace("_", " ") for knob in study.varied] + [head for head, _ in measured] + ["front"], found

@@ -36,6 +36,8 @@ LINES += [line("offset_format", {"offset_format": name}, ms, rms, name == "R32I"
 LINES += [line("durability", {"durability": name}, ms, default=name == "normal") for name, ms in (("normal", 0.2), ("full", 0.9))]
 LINES += [line("pairs", {"spacing": 1 / n, "iterations": i}, 0.1 * n * i, 0.01 / n / i) for n in (1, 4) for i in (1, 2)]
 LINES += [line("pairs", {"spacing": 1 / n, "interval": i}, 0.1 * n / i, 0.01 / n * i) for n in (1, 4) for i in (0.02, 0.05)]
+LINES += [line("settled", {"spacing": 1 / n, "interval": 0.01 / n}, n, 0.01 / n) for n in (1, 2)]
+LINES += [line("time_step", {"time_step": n}, 0.1 * n, 0.01) | {"ms_second": 7.0} for n in (1, 2)]
 LINES += [line("pixel_error", {"pixel_error": n}, 20 / n, default=n == 1, picture=(None, 0) if n == 0.5 else (50 / n, 20 * n)) for n in (0.5, 1, 4)]
 
 
@@ -66,7 +68,7 @@ class Studies(unittest.TestCase):
         self.found = {study.name: study for study in accuracy_study.studies(self.lines)}
 
     def test_pairs_are_parted_by_their_knobs(self):
-        self.assertEqual(list(self.found), ["spacing", "offset_format", "durability", "pairs_spacing_iterations",
+        self.assertEqual(list(self.found), ["spacing", "settled", "offset_format", "time_step", "durability", "pairs_spacing_iterations",
                                             "pairs_spacing_interval", "pixel_error"])
 
     def test_a_model_is_compared_with_itself_only(self):
@@ -77,20 +79,32 @@ class Studies(unittest.TestCase):
         head, rows = accuracy_study.rows(self.found["offset_format"])
         self.assertEqual([row[-1] for row in rows], ["●", "", "●"])
         self.assertEqual([row[0] for row in rows], ["R8", "R16F", "**R32I** (default)"])
-        self.assertEqual(rows[0][head.index("RMS, mm")], "3.00")
-        self.assertEqual(rows[0][head.index("volume, l")], "1.50")
+        self.assertEqual(rows[0][head.index("error, RMS, mm")], "3.00")
+        self.assertEqual(rows[0][head.index("max")], "9.00")
+        self.assertEqual(rows[0][head.index("net, l")], "1.50")
         self.assertEqual(rows[0][head.index("bytes")], "1.00 kB")
 
     def test_pictures_that_are_the_same_are_the_most_exact(self):
         head, rows = accuracy_study.rows(self.found["pixel_error"])
-        self.assertEqual([row[1:3] for row in rows], [["same", "0"], ["**50.0**", "**20.0**"], ["12.5", "80.0"]])
+        self.assertEqual([row[1:3] for row in rows], [["same", "0"], ["**50.0**", "**20**"], ["12.5", "80"]])
         self.assertEqual([row[-1] for row in rows], ["●"] * 3)
 
     def test_values_read_as_people_write_them(self):
         for knob, said, text in (("spacing", 0.0625, "1/16 m"), ("spacing", 1, "1 m"), ("spacing", 0.3, "0.3 m"), ("import_error", 0.1, "10 cm"),
                                  ("import_error", 0.001, "1 mm"), ("import_error", 0, "0"), ("time_step", 0.02, "20 ms"),
-                                 ("pixel_error", 2, "2 px"), ("iterations", 4, "4"), ("offset_format", "R16F", "R16F")):
+                                 ("pixel_error", 2, "2 px"), ("pixel_error", None, "by radii"), ("iterations", 4, "4"), ("offset_format", "R16F", "R16F")):
             self.assertEqual(accuracy_study.value(knob, said), text)
+
+    def test_steps_of_other_lengths_are_compared_by_the_second(self):
+        head, rows = accuracy_study.rows(self.found["time_step"])
+        self.assertEqual([row[head.index("ms a simulated second")] for row in rows], ["7.00"] * 2)
+        self.assertIn("ms a step", accuracy_study.rows(self.found["durability"])[0])
+
+    def test_points_are_coloured_by_a_knob_of_which_some_have_the_same(self):
+        self.assertEqual([self.found[name].series for name in ("spacing", "settled", "durability", "pairs_spacing_interval")],
+                         ["model", None, None, "spacing"])
+        settled = self.found["settled"]
+        self.assertEqual(settled.label(settled.lines[1]), "1/2 m, 5 ms")
 
     def test_lines_that_are_none_are_told(self):
         self.assertIsNone(accuracy_study.parse('{"bench": "deform"}', "here"))
