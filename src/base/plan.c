@@ -65,7 +65,9 @@ const char *plan_unit_name(enum plan_unit unit)
 		[PLAN_RING] = "ring", [PLAN_WINDOW] = "window", [PLAN_MOVED] = "moved", [PLAN_FACETS] = "facets",
 		[PLAN_HELD] = "held", [PLAN_RESTING] = "resting", [PLAN_ATLAS] = "atlas", [PLAN_DECIMATED] = "decimated",
 		[PLAN_SUBDIVIDED] = "subdivided", [PLAN_DRAWN] = "drawn", [PLAN_FRAME] = "frame", [PLAN_LOADED] = "loaded",
-		[PLAN_READ] = "read", [PLAN_COMMITTED] = "committed", [PLAN_EPOCH] = "epoch",
+		[PLAN_LOADED_COARSER] = "loaded_coarser", [PLAN_READ] = "read", [PLAN_RANGE] = "range",
+		[PLAN_COMMITTED] = "committed", [PLAN_COMMITTED_COARSER] = "committed_coarser",
+		[PLAN_CHANGED] = "changed", [PLAN_LEFT] = "left", [PLAN_EPOCH] = "epoch",
 	};
 	assert((unsigned)unit < PLAN_UNITS);
 	return names[unit];

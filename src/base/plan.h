@@ -22,7 +22,7 @@ enum plan_kind {
 	PLAN_TEXTURE,   /* amount and bytes a unit */
 	PLAN_BUFFER,    /* the same, of GL's buffers and of staging memory */
 	PLAN_THREAD,    /* amount */
-	PLAN_STATEMENT, /* of SQLite, executed; amount a unit; the name is the table's, or what else it is for */
+	PLAN_STATEMENT, /* of SQLite, executed; amount a unit; the name is "read" or "write" and the table's */
 	PLAN_KINDS
 };
 
@@ -50,9 +50,14 @@ enum plan_unit {
 	PLAN_SUBDIVIDED,   /* bases interpolated */
 	PLAN_DRAWN,        /* tiles in pictures */
 	PLAN_FRAME,
-	PLAN_LOADED,       /* tiles loaded at and above the working level */
+	PLAN_LOADED,       /* tiles of the working level whose planes were read */
+	PLAN_LOADED_COARSER, /* coarser ones */
 	PLAN_READ,         /* bases read, by anybody */
+	PLAN_RANGE,        /* ranges of bases, to cull by */
 	PLAN_COMMITTED,    /* tiles of the working level in epochs */
+	PLAN_COMMITTED_COARSER, /* tiles above them, whose offsets followed */
+	PLAN_CHANGED,      /* rows of the line's own table that epochs changed: what is as it was is not written */
+	PLAN_LEFT,         /* rows of the line's own table that were looked up for what an earlier drive left there */
 	PLAN_EPOCH,
 	PLAN_UNITS
 };

@@ -3,6 +3,7 @@
 #define FURROW_STORE_INTERNAL_H
 
 #include <sqlite3.h>
+#include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -107,7 +108,18 @@ bool rows_all_zero(const int32_t *posts, size_t count);
 void rows_sums(const struct world *world, struct tile tile, const int32_t *posts, int64_t *below,
 	       int64_t *above);
 
+/* --- store_statements.c: what was executed, by table --- */
+
+struct statements {
+	atomic_uint_fast64_t read[STORE_TABLES], written[STORE_TABLES];
+};
+/* From now on those of this connection count there. */
+void statements_count(struct statements *statements, sqlite3 *db);
+
 /* --- the store --- */
+
+/* Whether a table of the soil's state has rows. */
+enum state_rows { STATE_UNKNOWN, STATE_NONE, STATE_MAYBE };
 
 struct store {
 	char *path;      /* as named in messages */
@@ -134,12 +146,14 @@ struct store {
 	bool has_working, working_stored;
 	int working;
 	int64_t compacted; /* writing: as of the last epoch */
+	enum state_rows state_rows[ROW_TABLES]; /* writing: by table of the soil's state */
 	uint64_t base_hash; /* store_identity.c */
 	int64_t epoch; /* the last one committed */
 	int64_t frame_bytes;  /* of the WAL: a page with its head */
 	int64_t wal_bytes;    /* in use after the last commit */
 	int64_t wal_patience; /* from this on a checkpoint waits for readers */
 	sqlite3_stmt *run_statement, *meta_statement;
+	struct statements statements; /* of this connection and of readers' */
 	char *run_scene, *run_state; /* given out by store_count() */
 };
 
@@ -214,7 +228,8 @@ enum status identity_compute(struct store *store, uint64_t *hash) FURROW_CHECKED
 
 /* --- store_state.c: the soil's state in an epoch --- */
 
-/* One plane of it: written where pages have it; where they have not, dropped. */
+/* One plane of it: written where pages have it; where they have not, dropped. A table that no page has rows for,
+ * and that has none, is not touched. */
 enum status state_put(struct store *store, enum row_table table, const struct store_page *pages, size_t count,
 		      struct store_epoch_result *result) FURROW_CHECKED;
 

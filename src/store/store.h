@@ -144,6 +144,10 @@ struct store_page {
 struct store_epoch_result {
 	int64_t epoch; /* number of this commit, 1 for the first */
 	int64_t tiles_written, bytes_written; /* rows of all levels and tables */
+	int64_t coarser;           /* tiles above the pages, whose offsets followed */
+	int64_t changed[PLANES];   /* rows of a plane that were written or removed */
+	int64_t looked_up[PLANES]; /* rows of a plane of the soil's state that were looked up */
+	int64_t header;            /* entries of the header that were written */
 	/* Change of the sum over posts (a shared post once) of offsets below and above zero, quanta. */
 	int64_t below, above;
 };
@@ -170,6 +174,29 @@ enum status store_checkpoint(struct store *store) FURROW_CHECKED;
 enum status store_bound_wal(struct store *store) FURROW_CHECKED;
 /* Drops every deformation and the working level; keeps the base. */
 enum status store_reset(struct store *store) FURROW_CHECKED;
+
+/* --- what was executed --- */
+
+/* The tables, and what is of none: transactions. */
+enum store_table {
+	STORE_BASE_TABLE,
+	STORE_OFFSET_TABLE,
+	STORE_DIRT_TABLE,
+	STORE_HEAPED_TABLE,
+	STORE_PRESSED_TABLE,
+	STORE_SHEAR_TABLE,
+	STORE_META_TABLE,
+	STORE_RUN_TABLE,
+	STORE_NO_TABLE,
+	STORE_TABLES
+};
+const char *store_table_name(enum store_table table); /* "base", ..., "other" */
+/* Statements executed so far through this store and its readers, also those that are gone, by table. What opening a
+ * connection took is not among them. Any thread. */
+struct store_statements {
+	uint64_t read[STORE_TABLES], written[STORE_TABLES];
+};
+void store_statements(const struct store *store, struct store_statements *out);
 
 /* --- looking at one --- */
 struct store_numbers {

@@ -51,30 +51,30 @@ static enum status plane_at(struct climb *climb, int level, int32_t **plane)
 	return *held != NULL ? STATUS_OK : fail_memory("an epoch");
 }
 
-/* Writes or drops one row; `exists`: it belongs there. */
-static enum status put_row(struct climb *climb, struct row *row, const int32_t *posts, bool exists)
+/* Writes or drops one row; `exists`: it belongs there. `old`: what is there, NULL: nothing. */
+static enum status put_row(struct climb *climb, struct row *row, const int32_t *posts, bool exists,
+			   const struct row *old)
 {
 	struct store *store = climb->store;
 	struct store_epoch_result *result = climb->result;
-	struct row old;
-	bool had, written;
-	enum status status = rows_head(&store->rows, climb->table, row->tile, &old, &had);
-	if (status != STATUS_OK)
-		return status;
+	int64_t *changed = &result->changed[row_plane(climb->table)];
+	bool written;
 	row->revision = store->epoch + 1;
 	if (climb->table == ROW_OFFSET && exists)
 		rows_sums(&store->meta.world, row->tile, posts, &row->below, &row->above);
 	if (climb->table == ROW_OFFSET && row->tile.level == store->working) {
-		result->below += row->below - (had ? old.below : 0);
-		result->above += row->above - (had ? old.above : 0);
+		result->below += row->below - (old != NULL ? old->below : 0);
+		result->above += row->above - (old != NULL ? old->above : 0);
 	}
 	if (!exists) {
-		result->tiles_written += had;
-		return had ? rows_drop(&store->rows, climb->table, row->tile) : STATUS_OK;
+		result->tiles_written += old != NULL;
+		*changed += old != NULL;
+		return old != NULL ? rows_drop(&store->rows, climb->table, row->tile) : STATUS_OK;
 	}
-	status = rows_write(&store->rows, climb->table, posts, row, had ? &old.hash : NULL, &written);
+	enum status status = rows_write(&store->rows, climb->table, posts, row, old != NULL ? &old->hash : NULL, &written);
 	if (status == STATUS_OK && written) {
 		result->tiles_written++;
+		++*changed;
 		result->bytes_written += (int64_t)row->size;
 	}
 	return status;
@@ -94,12 +94,16 @@ static enum status put_page(struct climb *climb, const struct store_page *page, 
 			wide[i] = dirt[i];
 		*posts = wide;
 	}
-	struct row row = {.tile = page->tile};
+	struct row old, row = {.tile = page->tile};
+	bool had;
 	rows_range(climb->table, *posts, count, 0, &row.low, &row.high);
-	return put_row(climb, &row, *posts, !rows_all_zero(*posts, count));
+	enum status status = rows_head(&climb->store->rows, climb->table, page->tile, &old, &had);
+	if (status != STATUS_OK)
+		return status;
+	return put_row(climb, &row, *posts, !rows_all_zero(*posts, count), had ? &old : NULL);
 }
 
-static enum status put_parent(struct climb *climb, struct tile tile, const int32_t *posts)
+static enum status put_parent(struct climb *climb, struct tile tile, const int32_t *posts, const struct row *old)
 {
 	double low, high;
 	int children;
@@ -112,7 +116,7 @@ static enum status put_parent(struct climb *climb, struct tile tile, const int32
 		row.low = low < row.low ? low : row.low;
 		row.high = high > row.high ? high : row.high;
 	}
-	return put_row(climb, &row, posts, children > 0);
+	return put_row(climb, &row, posts, children > 0, old);
 }
 
 /* The pages first .. last - 1 of the order lie below (or are) the tile of `level`. */
@@ -148,7 +152,8 @@ static enum status climb_tile(struct climb *climb, int level, size_t first, size
 		lattice_decimate_i32(fine, world->cells, child.x & 1, child.y & 1, mine);
 	}
 	*posts = mine;
-	return put_parent(climb, tile, mine);
+	climb->result->coarser += climb->table == ROW_OFFSET;
+	return put_parent(climb, tile, mine, had ? &old : NULL);
 }
 
 static enum status climb_table(struct store *store, enum row_table table, const struct store_page *pages,
@@ -203,8 +208,10 @@ static enum status put_all(struct store *store, const struct store_page *pages, 
 			   const struct store_run *run, struct store_epoch_result *result)
 {
 	enum status status = STATUS_OK;
-	if (!store->working_stored && count > 0)
+	if (!store->working_stored && count > 0) {
 		status = meta_put_integer(store, "working", store->working);
+		result->header++;
+	}
 	if (status == STATUS_OK)
 		status = climb_table(store, ROW_OFFSET, pages, count, result);
 	if (status == STATUS_OK)
@@ -213,6 +220,7 @@ static enum status put_all(struct store *store, const struct store_page *pages, 
 		status = state_put(store, (enum row_table)table, pages, count, result);
 	if (status == STATUS_OK)
 		status = meta_add_compacted(store, run->compacted);
+	result->header += run->compacted != 0;
 	if (status == STATUS_OK)
 		status = put_run(store, run, result);
 	if (status == STATUS_OK)

@@ -107,6 +107,8 @@ enum status store_open_as(const char *path, const struct store_options *options,
 		status = rows_init(&store->rows, store->db, store->path, &store->meta.world,
 				   store->meta.pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_FAST);
 	}
+	if (status == STATUS_OK)
+		statements_count(&store->statements, store->db);
 	if (status != STATUS_OK) {
 		store_close(store);
 		return status;

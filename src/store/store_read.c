@@ -5,7 +5,7 @@
 #include <assert.h>
 #include <string.h>
 
-static enum status connect_rows(const struct store *store, sqlite3 **db, struct rows *rows)
+static enum status connect_rows(struct store *store, sqlite3 **db, struct rows *rows)
 {
 	bool immutable = store->immutable;
 	uint64_t hash = 0;
@@ -18,6 +18,8 @@ static enum status connect_rows(const struct store *store, sqlite3 **db, struct 
 	if (status == STATUS_OK && hash != store->base_hash)
 		status = fail_with(STATUS_INPUT, "%s: another store took its place since it was opened; begin again",
 				   store->path);
+	if (status == STATUS_OK)
+		statements_count(&store->statements, *db);
 	return status == STATUS_OK ? rows_init(rows, *db, store->path, &store->meta.world, CODEC_FAST) : status;
 }
 

@@ -21,6 +21,8 @@ enum status store_reset(struct store *store)
 	store->has_working = store->working_stored = false;
 	store->working = 0;
 	store->compacted = 0;
+	for (int table = 0; table < ROW_TABLES; table++)
+		store->state_rows[table] = STATE_UNKNOWN;
 	store->epoch = 0;
 	/* The pages that are free now are given back to the disk; the base's mostly lie before them. */
 	status = sql_exec(store->db, store->path, "resetting it", "PRAGMA incremental_vacuum");

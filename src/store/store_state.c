@@ -4,10 +4,13 @@
  *
  * A page without a plane of the state was changed by a model that keeps none: what the plane says there is
  * of ground which is no more. Its row is dropped, and the posts that tiles beside it share with it become
- * zero, so that a shared post has one value still. Invariant: a row exists iff it is not all zero.
+ * zero, so that a shared post has one value still. Invariants: (1) a row exists iff it is not all zero; (2) a
+ * table is asked whether it has rows at all before anything is dropped from it, once, and not where the store
+ * was never deformed.
  */
 #include "store/internal.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -40,16 +43,20 @@ static enum status put_posts(struct state *state, struct tile tile)
 	struct row old, row = {.tile = tile, .revision = state->store->epoch + 1};
 	bool had, written;
 	enum status status = rows_head(rows, state->table, tile, &old, &had);
+	enum plane plane = row_plane(state->table);
+	state->result->looked_up[plane]++;
 	if (status != STATUS_OK)
 		return status;
 	if (rows_all_zero(state->posts, count)) {
 		state->result->tiles_written += had;
+		state->result->changed[plane] += had;
 		return had ? rows_drop(rows, state->table, tile) : STATUS_OK;
 	}
 	rows_range(state->table, state->posts, count, 0, &row.low, &row.high);
 	status = rows_write(rows, state->table, state->posts, &row, had ? &old.hash : NULL, &written);
 	if (status == STATUS_OK && written) {
 		state->result->tiles_written++;
+		state->result->changed[plane]++;
 		state->result->bytes_written += (int64_t)row.size;
 	}
 	return status;
@@ -85,6 +92,7 @@ static enum status trim(struct state *state, struct tile tile)
 	struct row row;
 	bool found;
 	enum status status = rows_read(rows, state->table, tile, state->posts, &row, &found);
+	state->result->looked_up[row_plane(state->table)]++;
 	if (status != STATUS_OK || !found)
 		return status;
 	for (int at = 0; at < 9; at++) {
@@ -102,10 +110,13 @@ static enum status drop(struct state *state, struct tile tile)
 	struct row row;
 	bool had;
 	enum status status = rows_head(rows, state->table, tile, &row, &had);
+	enum plane plane = row_plane(state->table);
+	state->result->looked_up[plane]++;
 	if (status != STATUS_OK || !had)
 		return status; /* what others share with it is zero then */
 	status = rows_drop(rows, state->table, tile);
 	state->result->tiles_written++;
+	state->result->changed[plane]++;
 	for (int at = 0; at < 9 && status == STATUS_OK; at++) {
 		struct tile other = {tile.level, tile.x + (uint32_t)(at % 3 - 1), tile.y + (uint32_t)(at / 3 - 1)};
 		if (world_has(rows->world, other) && !is_dropped(state, other))
@@ -114,11 +125,46 @@ static enum status drop(struct state *state, struct tile tile)
 	return status;
 }
 
+/* What an earlier drive left. */
+static enum status ask_for_rows(struct store *store, enum row_table table, struct store_epoch_result *result)
+{
+	char sql[64];
+	int64_t any = 0;
+	if (store->state_rows[table] != STATE_UNKNOWN)
+		return STATUS_OK;
+	enum status status = STATUS_OK;
+	if (store->working_stored) {
+		snprintf(sql, sizeof sql, "SELECT EXISTS (SELECT 1 FROM %s)", rows_sql_name(table));
+		status = sql_integer(store->db, store->path, sql, &any);
+		result->looked_up[row_plane(table)]++;
+	}
+	if (status == STATUS_OK)
+		store->state_rows[table] = any != 0 ? STATE_MAYBE : STATE_NONE;
+	return status;
+}
+
+static bool all_lack(enum plane plane, const struct store_page *pages, size_t count)
+{
+	for (size_t i = 0; i < count; i++)
+		if (pages[i].planes[plane] != NULL)
+			return false;
+	return true;
+}
+
 enum status state_put(struct store *store, enum row_table table, const struct store_page *pages, size_t count,
 		      struct store_epoch_result *result)
 {
 	size_t side = tile_posts(&store->meta.world);
 	struct state state = {.store = store, .table = table, .result = result};
+	if (count == 0)
+		return STATUS_OK;
+	if (all_lack(row_plane(table), pages, count)) {
+		enum status asked = ask_for_rows(store, table, result);
+		if (asked != STATUS_OK || store->state_rows[table] == STATE_NONE)
+			return asked;
+	} else {
+		store->state_rows[table] = STATE_MAYBE;
+	}
 	state.dropped = mem_alloc(count + 1, sizeof *state.dropped);
 	state.posts = mem_alloc(side * side, sizeof *state.posts);
 	enum status status = state.dropped != NULL && state.posts != NULL ? STATUS_OK : fail_memory("an epoch");
