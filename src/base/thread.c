@@ -5,11 +5,14 @@
 #include <math.h>
 #include <sched.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <time.h>
 #include <unistd.h>
+
+static atomic_uint running;
 
 static void must(int error)
 {
@@ -88,6 +91,7 @@ enum status thread_start(struct thread *thread, void *(*body)(void *), void *arg
 	if (error != 0)
 		return fail_with(STATUS_FAILED, "thread %s: %s; raise the limit on threads (ulimit -u)", name,
 			    strerror(error));
+	atomic_fetch_add(&running, 1);
 	pthread_setname_np(thread->handle, name);
 	return STATUS_OK;
 }
@@ -98,6 +102,12 @@ void thread_join(struct thread *thread)
 		return;
 	must(pthread_join(thread->handle, NULL));
 	thread->started = false;
+	atomic_fetch_sub(&running, 1);
+}
+
+unsigned thread_running(void)
+{
+	return atomic_load(&running);
 }
 
 void thread_background(void)

@@ -39,6 +39,7 @@ void condition_wake_all(struct condition *condition);
 enum status thread_start(struct thread *thread, void *(*body)(void *), void *argument,
 			 const char *name) FURROW_CHECKED;
 void thread_join(struct thread *thread); /* nothing if it was never started */
+unsigned thread_running(void); /* in this process: started and not joined */
 
 /* Called by the thread it is for: it runs after those that did not call it where cores are few. Where that is
  * not to be had nothing changes. */

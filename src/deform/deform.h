@@ -124,6 +124,8 @@ void deform_destroy(struct deform *deform);
 struct deform_window {
 	struct post_rect read, write;
 };
+/* A sweep that is no motion: its end pose alone presses. */
+bool deform_is_contact_only(const struct deform_sweep *sweep);
 /* 0 windows: the sweep lies outside the world. STATUS_INPUT: more than DEFORM_WINDOWS_MAX needed, or a
  * wheel whose axis is not level (roll). */
 enum status deform_windows(struct deform *deform, const struct deform_sweep *sweep,

@@ -82,8 +82,6 @@ struct deform {
 	uint64_t warmed;                       /* the kinds of objects that were (warm.c) */
 };
 
-/* A sweep that is no motion: its end pose alone presses. */
-bool deform_is_contact_only(const struct deform_sweep *sweep);
 
 int deform_gathers_into(const struct deform *deform, int plane);
 

@@ -83,6 +83,9 @@ struct page_params {
 };
 /* Enough for any step that changes `step_pages` pages: as many wait, at most, as are committed. */
 #define PAGE_QUEUE_MOST(soft, step_pages) (2 * (2 * (soft) + (step_pages)))
+/* The threads' names. */
+#define PAGE_WRITER_THREAD "furrow-write"
+#define PAGE_LOADER_THREAD "furrow-load"
 /* Images for loads, made at once and kept. */
 uint32_t page_load_images(uint32_t loaders);
 
@@ -103,7 +106,9 @@ struct page_stats {
 struct page_cache;
 
 enum status page_cache_create(const struct page_params *params, struct page_cache **out) FURROW_CHECKED;
-/* Stops the threads; commits nothing. Takes NULL. */
+/* Stops the threads, after what each is at; commits nothing. Then only page_cache_stats and page_cache_destroy. */
+void page_cache_stop(struct page_cache *cache);
+/* The same, and all it has. Takes NULL. */
 void page_cache_destroy(struct page_cache *cache);
 
 /* Resident and pinned on return: waits for the load if it must (counted as a stall), runs the work

@@ -14,11 +14,11 @@
 
 static enum status start_threads(struct page_cache *cache)
 {
-	enum status status = thread_start(&cache->writer, page_writer_body, cache, "furrow-write");
+	enum status status = thread_start(&cache->writer, page_writer_body, cache, PAGE_WRITER_THREAD);
 	for (uint32_t i = 0; i < cache->params.loaders && status == STATUS_OK; i++) {
 		struct page_loader *loader = &cache->loaders[i];
 		*loader = (struct page_loader){.cache = cache, .number = i};
-		status = thread_start(&loader->thread, page_loader_body, loader, "furrow-load");
+		status = thread_start(&loader->thread, page_loader_body, loader, PAGE_LOADER_THREAD);
 	}
 	return status;
 }
@@ -71,10 +71,8 @@ enum status page_cache_create(const struct page_params *params, struct page_cach
 	return STATUS_OK;
 }
 
-void page_cache_destroy(struct page_cache *cache)
+void page_cache_stop(struct page_cache *cache)
 {
-	if (cache == NULL)
-		return;
 	mutex_lock(&cache->mutex);
 	cache->stopping = true;
 	condition_wake_all(&cache->work);
@@ -82,6 +80,13 @@ void page_cache_destroy(struct page_cache *cache)
 	thread_join(&cache->writer);
 	for (uint32_t i = 0; cache->loaders != NULL && i < cache->params.loaders; i++)
 		thread_join(&cache->loaders[i].thread);
+}
+
+void page_cache_destroy(struct page_cache *cache)
+{
+	if (cache == NULL)
+		return;
+	page_cache_stop(cache);
 	mutex_lock(&cache->mutex);
 	while (cache->table.flights.first != NULL)
 		page_loads_abandon_locked(cache, cache->table.flights.first);

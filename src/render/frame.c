@@ -96,73 +96,39 @@ static void fill_tile(const struct render *render, const struct render_camera *c
 		  draw->tile.y * fine * cells - (double)top.y * cells, fine, world_spacing(&render->world, top.level));
 }
 
-static enum status tile_program(const struct render *render, const struct gpu_slot *slot, bool level0,
-				struct gpu_program **program)
-{
-	static const struct {
-		enum scene_effect effect;
-		const char *define;
-	} effects[] = {
-		{EFFECT_TEXTURE, "TEXTURE"}, {EFFECT_DETAIL, "DETAIL"}, {EFFECT_FOG, "FOG"},
-		{EFFECT_GEOMORPH, "GEOMORPH"}, {EFFECT_SKIRTS, "SKIRTS"},
-	};
-	struct gpu_program_request request = {.vertex = "terrain.vert", .fragment = "terrain.frag"};
-	size_t count = 0;
-	for (size_t i = 0; i < sizeof effects / sizeof *effects; i++)
-		if (render->effects >> effects[i].effect & 1)
-			request.defines[count++] = effects[i].define;
-	if (render->pixel_error > 0 && (render->effects & (1u << EFFECT_GEOMORPH | 1u << EFFECT_SKIRTS)))
-		request.defines[count++] = "REACHES";
-	if (slot->target != NULL)
-		request.defines[count++] = "OFFSET";
-	if (slot->planes[PLANE_DIRT] != NULL && render->dirt)
-		request.defines[count++] = "DIRT";
-	if (level0)
-		request.defines[count++] = "LEVEL0";
-	return gpu_program_get(render->gpu, &request, program);
-}
-
 struct drawn {
 	uint32_t first, count; /* blocks */
 };
 
-static enum status collect_blocks(struct render *render, const struct render_camera *camera, const struct render_axes *axes,
-				  const struct terrain_selection *selection, struct drawn *drawn)
+/* The blocks of as many draws, from the first on, as the GPU holds at once. *end: the draw after them. */
+static enum status collect_blocks(struct render *render, const struct terrain_view *view, const struct render_axes *axes,
+				  const struct terrain_selection *selection, size_t first, size_t *end, struct drawn *drawn)
 {
-	struct terrain_view view;
-	render_view(render, camera, &view);
-	render->blocks.count = 0;
-	for (size_t i = 0; i < selection->draw_count; i++) {
-		drawn[i].first = (uint32_t)render->blocks.count;
-		const struct terrain_draw *draw = &selection->draws[i];
+	struct render_blocks *blocks = &render->blocks;
+	blocks->count = 0;
+	for (*end = first; *end < selection->draw_count; ++*end) {
+		const struct terrain_draw *draw = &selection->draws[*end];
+		size_t before = blocks->count;
 		double reaches[TERRAIN_STRIDES];
 		draw_reaches(render, axes, draw, reaches);
-		enum status status = render_blocks_add(&render->blocks, &render->world, &view, reaches, draw);
+		enum status status = render_blocks_add(blocks, &render->world, view, reaches, draw);
 		if (status != STATUS_OK)
 			return status;
-		drawn[i].count = (uint32_t)render->blocks.count - drawn[i].first;
-	}
-	if (render->blocks.count == 0)
-		return STATUS_OK;
-	if (render->instance_room < render->blocks.count) {
-		gpu_buffer_destroy(render->instances);
-		render->instances = NULL;
-		render->instance_room = render->blocks.count * 3 / 2;
-		enum status status = gpu_buffer_create(render->gpu, GPU_STORAGE, render->instance_room * sizeof(uint32_t),
-						       NULL, &render->instances);
-		if (status != STATUS_OK) {
-			render->instance_room = 0;
-			return status;
+		if (blocks->count > RENDER_BLOCKS_ROOM) {
+			blocks->count = before;
+			break;
 		}
+		drawn[*end] = (struct drawn){(uint32_t)before, (uint32_t)(blocks->count - before)};
 	}
-	gpu_buffer_write(render->instances, 0, render->blocks.count * sizeof(uint32_t), render->blocks.blocks);
+	if (blocks->count > 0)
+		gpu_buffer_write(render->instances, 0, blocks->count * sizeof(uint32_t), blocks->blocks);
 	return STATUS_OK;
 }
 
 static void count_triangles(struct render *render)
 {
 	uint64_t cells = render_block_cells(&render->world);
-	render->triangles = render->blocks.count * 2 * cells * cells;
+	render->triangles += render->blocks.count * 2 * cells * cells;
 	if (render->effects >> EFFECT_SKIRTS & 1)
 		for (size_t i = 0; i < render->blocks.count; i++)
 			render->triangles += 2 * cells * (uint64_t)__builtin_popcount(render->blocks.blocks[i] >> 24);
@@ -191,7 +157,8 @@ static enum status draw_tile(struct render *render, const struct terrain_draw *d
 		pass.textures[2] = slot->planes[PLANE_DIRT];
 	if (level0)
 		pass.textures[3] = gpu_slots_get(render->slots, draw->ground)->base;
-	enum status status = tile_program(render, slot, level0, &pass.program);
+	unsigned variant = (slot->target != NULL ? RENDER_OFFSET : 0) | (level0 ? RENDER_LEVEL0 : 0);
+	enum status status = render_tile_program(render, variant, &pass.program);
 	if (status != STATUS_OK)
 		return status;
 	render->tiles.drawn++;
@@ -202,7 +169,6 @@ static enum status draw_tile(struct render *render, const struct terrain_draw *d
 
 static enum status draw_sky(struct render *render, const struct picture_params *params)
 {
-	const struct gpu_program_request request = {.vertex = "sky.vert", .fragment = "sky.frag"};
 	struct gpu_pass pass = {
 		.stage = GPU_SKY,
 		.target = render->target,
@@ -211,7 +177,7 @@ static enum status draw_sky(struct render *render, const struct picture_params *
 		.params_bytes = sizeof *params,
 		.depth_test = true,
 	};
-	enum status status = gpu_program_get(render->gpu, &request, &pass.program);
+	enum status status = render_sky_program(render, &pass.program);
 	if (status == STATUS_OK)
 		gpu_pass_run(render->gpu, &pass);
 	return status;
@@ -222,31 +188,35 @@ enum status render_frame(struct render *render, const struct render_camera *came
 {
 	static const float background[4] = {0.56f, 0.67f, 0.80f, 1};
 	struct render_axes axes;
+	struct terrain_view view;
 	render_axes(render, camera, &axes);
+	render_view(render, camera, &view);
 	struct drawn *drawn = mem_alloc(selection->draw_count + 1, sizeof *drawn);
 	if (drawn == NULL)
 		return fail_memory("the picture's draws");
-	enum status status = collect_blocks(render, camera, &axes, selection, drawn);
-	if (status != STATUS_OK)
-		goto out;
-	count_triangles(render);
-	render->tiles = (struct render_tiles){0, 0};
-	gpu_target_clear(render->target, background);
-
+	enum status status = STATUS_OK;
 	struct picture_params params = {0};
 	fill_frame(render, camera, &axes, &params);
-	for (size_t i = 0; status == STATUS_OK && i < selection->draw_count; i++) {
-		if (drawn[i].count == 0)
-			continue;
-		const struct terrain_draw *draw = &selection->draws[i];
-		fill_tile(render, camera, &axes, draw, drawn[i].first, &params);
-		status = draw_tile(render, draw, &drawn[i], &params);
+	render->triangles = 0;
+	render->tiles = (struct render_tiles){0, 0};
+	gpu_target_clear(render->target, background);
+	for (size_t i = 0, end; i < selection->draw_count && status == STATUS_OK; i = end) {
+		status = collect_blocks(render, &view, &axes, selection, i, &end, drawn);
+		if (status != STATUS_OK)
+			break;
+		count_triangles(render);
+		for (size_t k = i; k < end && status == STATUS_OK; k++) {
+			if (drawn[k].count == 0)
+				continue;
+			const struct terrain_draw *draw = &selection->draws[k];
+			fill_tile(render, camera, &axes, draw, drawn[k].first, &params);
+			status = draw_tile(render, draw, &drawn[k], &params);
+		}
 	}
 	if (status == STATUS_OK && (render->effects >> EFFECT_SKY & 1))
 		status = draw_sky(render, &params);
 	if (status == STATUS_OK)
 		status = gpu_check(render->gpu, "drawing the picture");
-out:
 	mem_free(drawn);
 	return status;
 }

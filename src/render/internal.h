@@ -2,6 +2,8 @@
 #ifndef FURROW_RENDER_INTERNAL_H
 #define FURROW_RENDER_INTERNAL_H
 
+#include <assert.h>
+
 #include "render/render.h"
 
 /* Metres after which the ground's pattern repeats, a multiple of every scale it uses. */
@@ -51,9 +53,21 @@ struct render_blocks {
 	size_t count, capacity;
 };
 uint32_t render_block_cells(const struct world *world);
+/* Of a block's mesh. */
+uint32_t render_index_count(uint32_t cells, bool skirts);
+/* What the GPU holds at once: more than any tile has. */
+#define RENDER_BLOCKS_ROOM ((size_t)1 << 15)
+static_assert(RENDER_BLOCKS_ROOM >= (size_t)(TILE_CELLS_MAX / RENDER_BLOCK_CELLS) * (TILE_CELLS_MAX / RENDER_BLOCK_CELLS),
+	      "a tile's blocks fit");
 /* Appends the visible blocks of a draw, each at the coarsest stride whose reach it is beyond. */
 enum status render_blocks_add(struct render_blocks *blocks, const struct world *world, const struct terrain_view *view,
 			      const double reaches[TERRAIN_STRIDES], const struct terrain_draw *draw) FURROW_CHECKED;
+
+/* --- programs.c --- */
+/* What a tile's program is for: it is deformed; it is drawn with its level-0 tile beside it. */
+enum { RENDER_OFFSET = 1, RENDER_LEVEL0 = 2, RENDER_VARIANTS = 4 };
+enum status render_tile_program(struct render *render, unsigned variant, struct gpu_program **out) FURROW_CHECKED;
+enum status render_sky_program(struct render *render, struct gpu_program **out) FURROW_CHECKED;
 
 /* --- noise.c --- */
 #define RENDER_NOISE_SIZE 256
@@ -78,10 +92,10 @@ struct render {
 	struct gpu_target *target;
 	struct gpu_buffer *indices, *instances;
 	uint32_t index_count;
-	size_t instance_room;
 	struct render_blocks blocks;
 	uint64_t triangles;
 	struct render_tiles tiles; /* of the last frame */
+	struct gpu_program *tile_programs[RENDER_VARIANTS]; /* NULL: not yet linked */
 };
 
 #endif

@@ -30,14 +30,20 @@ static uint32_t fill_indices(uint16_t *indices, uint32_t cells, bool skirts)
 	return count;
 }
 
+uint32_t render_index_count(uint32_t cells, bool skirts)
+{
+	return 6 * (cells * cells + (skirts ? 4 * cells : 0));
+}
+
 static enum status create_mesh(struct render *render)
 {
 	uint32_t cells = render_block_cells(&render->world);
-	size_t most = 6 * ((size_t)cells * cells + 4 * (size_t)cells);
-	uint16_t *indices = mem_alloc(most, sizeof *indices);
+	bool skirts = render->effects >> EFFECT_SKIRTS & 1;
+	uint16_t *indices = mem_alloc(render_index_count(cells, true), sizeof *indices);
 	if (indices == NULL)
 		return fail_memory("the picture's mesh");
-	render->index_count = fill_indices(indices, cells, render->effects >> EFFECT_SKIRTS & 1);
+	render->index_count = fill_indices(indices, cells, skirts);
+	assert(render->index_count == render_index_count(cells, skirts));
 	enum status status = gpu_buffer_create(render->gpu, GPU_INDICES, render->index_count * sizeof *indices,
 					       indices, &render->indices);
 	mem_free(indices);
@@ -91,6 +97,8 @@ enum status render_create(const struct render_params *params, struct render **ou
 	enum status status = create_target(render);
 	if (status == STATUS_OK)
 		status = create_mesh(render);
+	if (status == STATUS_OK)
+		status = gpu_buffer_create(render->gpu, GPU_STORAGE, RENDER_BLOCKS_ROOM * sizeof(uint32_t), NULL, &render->instances);
 	if (status == STATUS_OK && (render->effects >> EFFECT_TEXTURE & 1))
 		status = create_noise(render);
 	if (status != STATUS_OK) {

@@ -10,6 +10,7 @@
 #include <stdint.h>
 
 #include "base/base.h"
+#include "base/plan.h"
 #include "gpu/gpu.h"
 #include "scene/scene.h"
 #include "terrain/terrain.h"
@@ -33,8 +34,14 @@ struct render_params {
 
 struct render;
 
+/* The lines of such a picture (gpu, slots, reference, low and high are not looked at). `deformed`: some tile is or may
+ * be; `divided`: the working level is below 0, and tiles there are drawn. Pure. */
+void render_plan(const struct render_params *params, bool deformed, bool divided, struct plan *plan);
+
 enum status render_create(const struct render_params *params, struct render **out) FURROW_CHECKED;
 void render_destroy(struct render *render);
+/* Links every program that pictures of such ground can ask for: arguments as render_plan's. */
+enum status render_warm(struct render *render, bool deformed, bool divided) FURROW_CHECKED;
 /* The view terrain_select needs for this camera. */
 void render_view(const struct render *render, const struct render_camera *camera, struct terrain_view *view);
 enum status render_frame(struct render *render, const struct render_camera *camera,

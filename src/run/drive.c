@@ -62,6 +62,7 @@ static enum status settle_level(struct drive *drive)
 		return fail_with(STATUS_INPUT, "store: heights from %g to %g m are more relief than can be deformed (about 16 "
 					       "km); import a smaller part, or say what a PNG means with --height-range",
 				 drive->meta->low, drive->meta->high);
+	drive->was_deformed = store_has_working_level(drive->store, NULL);
 	double asked = drive->scene->spacing;
 	int level = 0;
 	if (asked > 0) {
@@ -148,7 +149,7 @@ static enum status start_gpu(struct drive *drive)
 	enum status status = gpu_create(&gpu, &drive->gpu);
 	if (status == STATUS_OK)
 		status = gpu_slots_create(drive->gpu, drive->meta->world.cells, scene->slots,
-					  deform_planes(scene->model, scene->dirt), &drive->slots);
+					  pages_planes_of(scene, drive->was_deformed), &drive->slots);
 	struct deform_params deform = {
 		.gpu = drive->gpu,
 		.slots = drive->slots,
@@ -209,6 +210,7 @@ static enum status start_pages(struct drive *drive)
 		.store = drive->store,
 		.gpu = drive->gpu,
 		.slots = drive->slots,
+		.planes = pages_planes_of(scene, drive->was_deformed),
 		.level = drive->level,
 		.count = scene->slots,
 		.loaders = scene->loaders,
@@ -246,6 +248,9 @@ static enum status warm_up(struct drive *drive)
 		const struct deform_planned planned = {&object->shape, object->load, object->path.count > 1};
 		status = deform_warm(drive->deform, &planned, drive->scene->forces > 0);
 	}
+	bool deformed = pages_planes_of(drive->scene, drive->was_deformed) != 0;
+	if (status == STATUS_OK)
+		status = gpu_slots_warm(drive->slots, drive->level < 0, deformed && drive->scene->view.present);
 	if (status == STATUS_OK)
 		status = prefetch_first(drive->prefetch);
 	if (drive->scout != NULL) {
@@ -256,6 +261,8 @@ static enum status warm_up(struct drive *drive)
 		status = view_warm(drive->view);
 	gpu_finish(drive->gpu);
 	gpu_stats(drive->gpu, &drive->before);
+	gpu_slots_figures(drive->slots, &drive->slots_before);
+	gpu_seal(drive->gpu);
 	return status;
 }
 
@@ -367,9 +374,19 @@ static enum status report(const struct drive *drive, bool keep, struct run_resul
 	return keep && access(path, F_OK) == 0 ? STATUS_OK : report_write(drive->params->directory, result->json);
 }
 
+/* No thread reads or writes any more: what is counted is whole. */
+static void stop_threads(struct drive *drive)
+{
+	drive->threads = thread_running();
+	scout_destroy(drive->scout);
+	drive->scout = NULL;
+	pages_stop(drive->pages);
+}
+
 static enum status run_steps(struct drive *drive, struct run_result *result)
 {
 	enum status status = publish_trace(drive, drive_steps(drive));
+	stop_threads(drive);
 	result->ended = status == STATUS_OK ? "complete"
 			: status == STATUS_INTERRUPTED ? "interrupted"
 						       : "failed";

@@ -190,6 +190,9 @@ enum status ground_range(struct ground *ground, struct tile tile, double *low, d
 	if (tile.level >= 0) {
 		struct store_range range;
 		enum status status = store_read_base_range(ground->reader, tile, &range);
+		mutex_lock(&ground->mutex);
+		ground->figures.ranges++;
+		mutex_unlock(&ground->mutex);
 		*low = range.low;
 		*high = range.high;
 		*any = status == STATUS_OK && !isnan(range.low);

@@ -42,6 +42,7 @@ enum status ground_height(struct ground *ground, int64_t x, int64_t y, int64_t *
 
 struct ground_figures {
 	uint64_t reads, waits; /* tiles read by whoever, and those of them that the owner read itself */
+	uint64_t ranges;       /* read, without a tile */
 	double wait_ms;
 };
 void ground_figures(struct ground *ground, struct ground_figures *figures);

@@ -23,6 +23,7 @@ struct cJSON;
 struct view;     /* run/view.h */
 struct prefetch; /* run/prefetch.c */
 struct forces;   /* run/forces.c */
+struct cJSON;
 
 /* One object on its way. */
 struct rider {
@@ -35,6 +36,7 @@ struct rider {
 	int64_t stands;           /* 2^-20 m: with a load, the height it was found at */
 	uint32_t carrier;         /* with a load: its number among those that have one, from 1 */
 	int64_t skipped;
+	uint64_t windows, windows_moved; /* computed, and those of them over which it moved */
 };
 
 /* One station due in a step, already set upon the ground. */
@@ -62,6 +64,7 @@ struct drive {
 	const struct store_meta *meta;
 	int level;      /* the working level */
 	double spacing; /* metres, of the working level */
+	bool was_deformed; /* the store, before this drive */
 	struct gpu *gpu;
 	struct gpu_slots *slots;
 	struct deform *deform;
@@ -87,6 +90,8 @@ struct drive {
 	struct record *record;   /* as the last whole step, or what was resumed, left it */
 	struct times step_ms, frame_ms; /* a frame is a step and its picture; without a view a step alone */
 	struct gpu_stats before; /* what warming up took: not the drive's */
+	struct gpu_slots_figures slots_before;
+	unsigned threads;        /* that ran when the last step was over */
 	struct stalls stalls_before; /* the first step */
 	struct stalls stalls_settled; /* in the first second of the loop, once it is over: settled */
 	bool settled;
@@ -167,6 +172,8 @@ enum status drive_sweep(struct drive *drive, const struct event *event, bool las
 /* air.c: whether nothing would change, were the sweep's windows computed. May pin their tiles for a while. */
 enum status drive_is_aloft(struct drive *drive, const struct event *event, const struct deform_sweep *sweep,
 			   const struct deform_window *windows, size_t count, bool *aloft) FURROW_CHECKED;
+/* counts.c: what was made and run; `gpu`: passes without those of warming up. */
+void counts_add(struct cJSON *root, const struct drive *drive, const struct gpu_stats *gpu, const struct pages_io *io);
 
 /* forces.c; a NULL forces is none. */
 enum status forces_create(struct drive *drive, struct forces **out) FURROW_CHECKED; /* NULL: nothing asks for any */

@@ -7,7 +7,7 @@
 #define ALIGN sizeof(int32_t) /* of a plane, whatever is before it */
 #define EPOCH_BYTES ((size_t)16 << 20)
 
-static struct pages_layout layout_of(uint32_t cells, unsigned planes, bool classes)
+struct pages_layout pages_layout_of(uint32_t cells, unsigned planes, bool classes)
 {
 	struct pages_layout layout = {.cells = cells, .posts = (size_t)(cells + 1) * (cells + 1)};
 	for (int plane = 0; plane < PLANES; plane++) {
@@ -22,11 +22,19 @@ static struct pages_layout layout_of(uint32_t cells, unsigned planes, bool class
 	return layout;
 }
 
+unsigned pages_planes_of(const struct scene *scene, bool was_deformed)
+{
+	unsigned planes = deform_planes(scene->model, scene->dirt);
+	if (scene->object_count > 0)
+		return planes;
+	return was_deformed && scene->view.present ? planes & GPU_DRAWN_PLANES : 0;
+}
+
 /* Changed pages for an epoch: more make it cheaper a page, and take memory. */
 static uint32_t epoch_pages(uint32_t slots, const struct pages_layout *layout)
 {
 	enum { LEAST = 4, MOST = 64 };
-	size_t fit = EPOCH_BYTES / layout->changed;
+	size_t fit = layout->changed > 0 ? EPOCH_BYTES / layout->changed : MOST;
 	uint32_t pages = fit < LEAST ? LEAST : fit > MOST ? MOST : (uint32_t)fit;
 	return pages < slots ? pages : slots;
 }
@@ -64,8 +72,8 @@ enum status pages_create(const struct pages_params *params, struct pages **out)
 	pages->io.above = params->above;
 	pages->io.compacted = params->compacted;
 	mutex_init(&pages->mutex);
-	pages->planes = gpu_slots_planes(params->slots);
-	pages->layout = layout_of(store_meta(params->store)->world.cells, pages->planes, params->classes != NULL);
+	pages->planes = params->planes;
+	pages->layout = pages_layout_of(store_meta(params->store)->world.cells, pages->planes, params->classes != NULL);
 	enum status status = STATUS_OK;
 	for (uint32_t i = 0; i < reader_count(params) && status == STATUS_OK; i++)
 		status = ground_create(params->store, GROUND_TILES, &pages->grounds[i]);
@@ -94,6 +102,11 @@ void pages_destroy(struct pages *pages)
 	mem_free(pages);
 }
 
+void pages_stop(struct pages *pages)
+{
+	page_cache_stop(pages->cache);
+}
+
 struct page_cache *pages_cache(struct pages *pages)
 {
 	return pages->cache;
@@ -106,6 +119,13 @@ void pages_io(struct pages *pages, struct pages_io *io)
 	mutex_unlock(&pages->mutex);
 	io->readback_ms = pages->readback_ms;
 	io->host_bytes = pages->host_bytes;
+	io->changed_images = pages->changed_images;
+	for (uint32_t i = 0; i < reader_count(&pages->params); i++) {
+		struct ground_figures figures;
+		ground_figures(pages->grounds[i], &figures);
+		io->counts.bases += (int64_t)figures.reads;
+		io->counts.ranges += (int64_t)figures.ranges;
+	}
 }
 
 void pages_budget(const struct pages *pages, struct pages_budget *budget)

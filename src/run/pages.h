@@ -12,6 +12,7 @@
 #include <stdio.h>
 
 #include "base/base.h"
+#include "base/plan.h"
 #include "gpu/gpu.h"
 #include "page/page.h"
 #include "run/record.h"
@@ -28,6 +29,7 @@ struct pages_params {
 	struct store *store;
 	struct gpu *gpu;
 	struct gpu_slots *slots; /* of params.count slots */
+	unsigned planes;         /* of the slots' that are read and committed; 0: nothing is or will be deformed */
 	int level;               /* the working level */
 	uint32_t count, loaders;
 	uint32_t step_pages;     /* most pages one step can change, for the queue's bound */
@@ -56,17 +58,38 @@ struct pages_budget {
 	uint64_t slots, loads, queue, ground;
 };
 
+/* Of the store: what pages were made of, and what epochs did to its tables. */
+struct pages_counts {
+	int64_t loaded, loaded_coarser;       /* tiles whose planes were read: of the working level, and coarser ones */
+	int64_t bases, ranges;                /* bases read for pages, and ranges of bases */
+	int64_t committed, committed_coarser; /* tiles of the working level in epochs, and those above that followed */
+	int64_t changed[PLANES];              /* rows that were written or removed */
+	int64_t looked_up[PLANES];            /* rows of the soil's state that were looked up by epochs */
+	int64_t header;                       /* entries written */
+};
+
 struct pages_io {
 	int64_t commits, tiles_read, tiles_written, bytes_read, bytes_written;
 	int64_t below, above; /* change of the sums of offsets by the drive as a whole, quanta */
 	int64_t compacted;    /* by the drive as a whole, quanta */
 	double load_ms, readback_ms, writeback_ms;
 	uint64_t host_bytes; /* of images made so far; they are kept */
+	uint64_t changed_images; /* made so far, for changed pages */
+	struct pages_counts counts;
 };
 
+/* The planes that are read and committed: those of the scene's model and dirt where it has objects; where it has none,
+ * those that are drawn of what earlier drives left, if the store `was_deformed`. */
+unsigned pages_planes_of(const struct scene *scene, bool was_deformed);
+/* The lines of the pages of a drive over a store of tiles of so many cells: threads, staging, statements, also those of
+ * the ground and of the view, which go by the same figures. After deform's lines, whose planes say which effect calls
+ * for them. Pure. */
+void pages_plan(const struct scene *scene, uint32_t cells, bool was_deformed, struct plan *plan);
 enum status pages_create(const struct pages_params *params, struct pages **out) FURROW_CHECKED;
 /* Stops the threads; commits nothing. */
 void pages_destroy(struct pages *pages);
+/* Stops the threads, so that figures are whole: then only pages_io, pages_budget and pages_destroy. */
+void pages_stop(struct pages *pages);
 struct page_cache *pages_cache(struct pages *pages);
 void pages_io(struct pages *pages, struct pages_io *io);
 void pages_budget(const struct pages *pages, struct pages_budget *budget);

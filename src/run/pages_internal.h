@@ -26,9 +26,12 @@ struct pages_layout {
 	size_t changed;              /* bytes: all of the planes */
 };
 
+/* pages.c; `planes`: params.planes. */
+struct pages_layout pages_layout_of(uint32_t cells, unsigned planes, bool classes);
+
 struct pages {
 	struct pages_params params;
-	unsigned planes; /* the slots' */
+	unsigned planes; /* params.planes */
 	struct pages_layout layout;
 	struct page_cache *cache;
 	struct ground *grounds[16];      /* one a loader */
@@ -36,7 +39,7 @@ struct pages {
 	size_t commit_room;
 	int64_t tallied;                 /* the writer's: compacted as of the last commit, by the tally */
 	double readback_ms;              /* the GPU's thread's, and */
-	uint64_t host_bytes;
+	uint64_t host_bytes, changed_images;
 	struct mutex mutex;              /* guards io */
 	struct pages_io io;
 };

@@ -28,7 +28,7 @@ static enum status load_planes(struct pages *pages, struct ground *ground, struc
 		image->flags = queued->flags;
 		return STATUS_OK;
 	}
-	if (tile.level < pages->params.level)
+	if (pages->planes == 0 || tile.level < pages->params.level)
 		return STATUS_OK;
 	unsigned wanted = tile.level == pages->params.level ? pages->planes : pages->planes & GPU_DRAWN_PLANES, present;
 	void *into[PLANES] = {NULL};
@@ -38,6 +38,10 @@ static enum status load_planes(struct pages *pages, struct ground *ground, struc
 	enum status status = store_read_deformed(ground_reader(ground), tile, wanted, into, &present);
 	if (status == STATUS_OK)
 		image->flags = present;
+	mutex_lock(&pages->mutex);
+	pages->io.counts.loaded += tile.level == pages->params.level;
+	pages->io.counts.loaded_coarser += tile.level > pages->params.level;
+	mutex_unlock(&pages->mutex);
 	return status;
 }
 
@@ -113,6 +117,18 @@ static struct store_page store_page_of(const struct pages *pages, const struct p
 	return page;
 }
 
+static void count_epoch_locked(struct pages *pages, size_t count, const struct store_epoch_result *result)
+{
+	struct pages_counts *counts = &pages->io.counts;
+	counts->committed += (int64_t)count;
+	counts->committed_coarser += result->coarser;
+	counts->header += result->header;
+	for (int plane = 0; plane < PLANES; plane++) {
+		counts->changed[plane] += result->changed[plane];
+		counts->looked_up[plane] += result->looked_up[plane];
+	}
+}
+
 static enum status commit(void *user, const struct page_image *const *images, size_t count, const void *bytes,
 			  const struct page_image *snapshot)
 {
@@ -154,6 +170,7 @@ static enum status commit(void *user, const struct page_image *const *images, si
 	pages->io.below += result.below;
 	pages->io.above += result.above;
 	pages->io.compacted += run.compacted;
+	count_epoch_locked(pages, count, &result);
 	pages->io.writeback_ms += (clock_seconds() - started) * 1e3;
 	mutex_unlock(&pages->mutex);
 	return status;

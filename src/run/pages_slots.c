@@ -162,6 +162,7 @@ static enum status create_image(void *user, enum page_image_kind kind, struct pa
 	image->memory = staging;
 	image->bytes = gpu_staging_bytes(staging);
 	pages->host_bytes += bytes;
+	pages->changed_images += kind == PAGE_CHANGED_IMAGE;
 	return STATUS_OK;
 }
 

@@ -205,6 +205,7 @@ static void add_process(cJSON *root, const struct drive *drive, const struct pag
 		add_forces(root, drive);
 	if (drive->view != NULL)
 		add_view(root, drive);
+	counts_add(root, drive, &gpu, io);
 }
 
 char *report_json(const struct drive *drive, const char *ended)

@@ -17,6 +17,7 @@
 #include <math.h>
 #include <stdatomic.h>
 
+#define SCOUT_THREAD "furrow-scout"
 #define TILE_PARTS 16 /* places a tile's width */
 #define PLACES_MAX 65536 /* in one look */
 
@@ -192,6 +193,12 @@ static void mount_walkers(struct scout *scout)
 		fmin(fmax(side / TILE_PARTS / params->camera_speed, params->prefetch / 1024), params->prefetch / 16);
 }
 
+void scout_plan(double prefetch, size_t count, struct plan *plan)
+{
+	if (prefetch > 0 && count > 0)
+		plan_add(plan, &(struct plan_line){.kind = PLAN_THREAD, .object = -1, .amount = 1}, SCOUT_THREAD);
+}
+
 enum status scout_create(const struct scout_params *params, struct scout **out)
 {
 	assert(params->count >= 1 && params->prefetch > 0);
@@ -214,7 +221,7 @@ enum status scout_create(const struct scout_params *params, struct scout **out)
 	if (status == STATUS_OK)
 		status = store_reader_create(params->store, &scout->reader);
 	if (status == STATUS_OK)
-		status = thread_start(&scout->thread, body, scout, "furrow-scout");
+		status = thread_start(&scout->thread, body, scout, SCOUT_THREAD);
 	if (status != STATUS_OK) {
 		scout_destroy(scout);
 		return status;

@@ -8,6 +8,7 @@
 #ifndef FURROW_RUN_SCOUT_H
 #define FURROW_RUN_SCOUT_H
 
+#include "base/plan.h"
 #include "run/ground.h"
 #include "run/track.h"
 #include "store/store.h"
@@ -30,6 +31,8 @@ struct scout_params {
 	double prefetch, end;              /* s: how far ahead, and where time ends */
 };
 
+/* The lines of one, if there is any: `prefetch` and `count` as its params'. Pure. */
+void scout_plan(double prefetch, size_t count, struct plan *plan);
 /* Starts at time 0. */
 enum status scout_create(const struct scout_params *params, struct scout **out) FURROW_CHECKED;
 void scout_destroy(struct scout *scout); /* takes NULL */

@@ -14,7 +14,7 @@ struct soil_map {
 enum status soil_map_open(const struct scene *scene, const struct store_meta *meta, struct soil_map **out)
 {
 	*out = NULL;
-	if (scene->soil_map == NULL)
+	if (scene->soil_map == NULL || scene->object_count == 0)
 		return STATUS_OK;
 	unsigned count = scene->loaders > 0 ? scene->loaders : 1;
 	struct soil_map *map = mem_calloc(1, sizeof *map + count * sizeof map->rasters[0]);

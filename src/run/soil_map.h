@@ -7,7 +7,7 @@
 
 struct soil_map;
 
-/* For the scene's loaders (none: one thread). *out NULL: the scene has no map. `meta` must outlive it. */
+/* For the scene's loaders (none: one thread). *out NULL: the scene has no map, or nothing that would look at it. `meta` must outlive it. */
 enum status soil_map_open(const struct scene *scene, const struct store_meta *meta, struct soil_map **out) FURROW_CHECKED;
 void soil_map_close(struct soil_map *map); /* takes NULL */
 /* Loader `loader`'s thread: indices into the scene's soils, (cells + 1)^2. */

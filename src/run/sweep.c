@@ -121,6 +121,8 @@ enum status drive_sweep(struct drive *drive, const struct event *event, bool las
 		status = drive_hold(drive, windows[i].read, &held);
 		if (status == STATUS_OK)
 			status = deform_compute(drive->deform, &sweep, &windows[i], (uint32_t)i, held.tiles, held.count);
+		rider->windows += status == STATUS_OK;
+		rider->windows_moved += status == STATUS_OK && !deform_is_contact_only(&sweep);
 		if (status == STATUS_OK && count == 1)
 			status = scatter(drive, &windows[0], 0, &held);
 		drive_release(drive, &held);

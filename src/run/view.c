@@ -86,7 +86,11 @@ static enum status draw(struct view *view, bool complete)
 
 enum status view_warm(struct view *view)
 {
-	enum status status = draw(view, true);
+	const struct drive *drive = view->drive;
+	bool deformed = drive->scene->object_count > 0 || drive->was_deformed;
+	enum status status = render_warm(view->render, deformed, drive->level < 0);
+	if (status == STATUS_OK)
+		status = draw(view, true);
 	for (int i = 0; i < VIEW_LOOKS && status == STATUS_OK; i++)
 		status = view_look_ahead(view);
 	return status;
@@ -138,6 +142,9 @@ static enum status find_reach(const struct drive *drive, double *out)
 	}
 	reach += deepest;
 	struct tile top = {world_coarsest(&drive->meta->world), 0, 0};
+	*out = reach;
+	if (!drive->was_deformed)
+		return STATUS_OK;
 	enum status status = store_read_offset_range(ground_reader(drive->ground), top, &low, &high, &found);
 	if (status == STATUS_OK && found)
 		reach = fmax(reach, fmax(-low, high));
@@ -179,9 +186,8 @@ enum status view_create(struct drive *drive, struct view **out)
 		status = render_create(&params, &view->render);
 	if (status == STATUS_OK && scene->view.pixel_error > 0)
 		status = view_errors_create(drive, &view->errors);
-	int level;
-	if (status == STATUS_OK && store_has_working_level(drive->store, &level))
-		status = store_each_offset(ground_reader(drive->ground), level, deformed_key, view);
+	if (status == STATUS_OK && drive->was_deformed)
+		status = store_each_offset(ground_reader(drive->ground), drive->level, deformed_key, view);
 	if (status != STATUS_OK) {
 		view_destroy(view);
 		return status;

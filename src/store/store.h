@@ -17,6 +17,7 @@
 #include <stdint.h>
 
 #include "base/base.h"
+#include "base/plan.h"
 #include "base/plane.h"
 
 enum store_pack { STORE_PACK_FAST, STORE_PACK_SMALL };
@@ -197,6 +198,13 @@ struct store_statements {
 	uint64_t read[STORE_TABLES], written[STORE_TABLES];
 };
 void store_statements(const struct store *store, struct store_statements *out);
+
+/* What epochs execute by themselves: with pages of these planes (0: epochs have no pages), each called for by
+ * effects[plane]; `was_deformed`: earlier epochs had pages, maybe of other planes. Pure. */
+void store_epoch_plan(unsigned planes, bool was_deformed, const char *const effects[PLANES], struct plan *plan);
+/* Adds a line for so many reads or writes of a table. */
+void store_plan_reads(struct plan *plan, enum store_table table, int64_t amount, enum plan_unit unit, const char *effect);
+void store_plan_writes(struct plan *plan, enum store_table table, int64_t amount, enum plan_unit unit, const char *effect);
 
 /* --- looking at one --- */
 struct store_numbers {

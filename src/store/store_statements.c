@@ -6,6 +6,8 @@
  */
 #include "store/internal.h"
 
+#include <assert.h>
+#include <stdio.h>
 #include <string.h>
 
 static const char *const names[STORE_TABLES] = {
@@ -13,6 +15,7 @@ static const char *const names[STORE_TABLES] = {
 	[STORE_HEAPED_TABLE] = "heaped",   [STORE_PRESSED_TABLE] = "pressed", [STORE_SHEAR_TABLE] = "shear",
 	[STORE_META_TABLE] = "meta",       [STORE_RUN_TABLE] = "run",       [STORE_NO_TABLE] = "other",
 };
+static_assert((int)STORE_BASE_TABLE == (int)ROW_BASE && (int)STORE_SHEAR_TABLE == (int)ROW_SHEAR, "tables in one order");
 
 const char *store_table_name(enum store_table table)
 {
@@ -50,6 +53,52 @@ void statements_count(struct statements *statements, sqlite3 *db)
 {
 	sqlite3_trace_v2(db, SQLITE_TRACE_STMT, began, statements);
 }
+
+/* --- the plan --- */
+
+static void add(struct plan *plan, const char *verb, enum store_table table, int64_t amount, enum plan_unit unit,
+		const char *effect)
+{
+	char name[32];
+	snprintf(name, sizeof name, "%s %s", verb, names[table]);
+	plan_add(plan, &(struct plan_line){.kind = PLAN_STATEMENT, .unit = unit, .effect = effect, .object = -1, .amount = amount},
+		 name);
+}
+
+void store_plan_reads(struct plan *plan, enum store_table table, int64_t amount, enum plan_unit unit, const char *effect)
+{
+	add(plan, "read", table, amount, unit, effect);
+}
+
+void store_plan_writes(struct plan *plan, enum store_table table, int64_t amount, enum plan_unit unit, const char *effect)
+{
+	add(plan, "write", table, amount, unit, effect);
+}
+
+void store_epoch_plan(unsigned planes, bool was_deformed, const char *const effects[PLANES], struct plan *plan)
+{
+	for (int plane = 0; plane < PLANES; plane++) {
+		enum store_table table = (enum store_table)row_table_of((enum plane)plane);
+		const char *effect = effects[plane];
+		if (planes & PLANE_BIT(plane)) {
+			store_plan_reads(plan, table, 1, PLAN_COMMITTED, effect);
+			/* The row, and what is below it. */
+			if (!row_is_state(row_table_of((enum plane)plane)))
+				store_plan_reads(plan, table, 2, PLAN_COMMITTED_COARSER, effect);
+			store_plan_writes(plan, table, 1, PLAN_CHANGED, effect);
+		} else if (planes != 0 && was_deformed && row_is_state(row_table_of((enum plane)plane))) {
+			store_plan_reads(plan, table, 1, PLAN_LEFT, NULL);
+			store_plan_writes(plan, table, 1, PLAN_CHANGED, NULL);
+		}
+	}
+	if (planes != 0)
+		store_plan_writes(plan, STORE_META_TABLE, 1, PLAN_CHANGED, NULL);
+	store_plan_writes(plan, STORE_RUN_TABLE, 1, PLAN_EPOCH, NULL);
+	/* Where an epoch begins and ends. */
+	store_plan_writes(plan, STORE_NO_TABLE, 2, PLAN_EPOCH, NULL);
+}
+
+/* --- what was executed --- */
 
 void store_statements(const struct store *store, struct store_statements *out)
 {

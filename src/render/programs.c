@@ -1,0 +1,101 @@
+/*
+ * The programs a picture is drawn with, and its plan: a variant for each kind of tile that there may be, with the
+ * code of the effects that the view names and of no other.
+ */
+#include <string.h>
+
+#include "render/internal.h"
+
+/* `by_error`: by pixel error each draw has reaches of its own, which what changes a mesh with the distance must know. */
+static struct gpu_program_request request_of(unsigned effects, bool dirt, bool by_error, unsigned variant)
+{
+	struct gpu_program_request request = {.vertex = "terrain.vert", .fragment = "terrain.frag"};
+	size_t count = 0;
+	for (int effect = 0; effect < EFFECT_COUNT; effect++) {
+		const char *define = scene_effect_row((enum scene_effect)effect)->define;
+		if ((effects >> effect & 1) && define[0] != '\0')
+			request.defines[count++] = define;
+	}
+	if (by_error && (effects & (1u << EFFECT_GEOMORPH | 1u << EFFECT_SKIRTS)))
+		request.defines[count++] = "REACHES";
+	if (variant & RENDER_OFFSET)
+		request.defines[count++] = "OFFSET";
+	if ((variant & RENDER_OFFSET) && dirt)
+		request.defines[count++] = "DIRT";
+	if (variant & RENDER_LEVEL0)
+		request.defines[count++] = "LEVEL0";
+	return request;
+}
+
+static const struct gpu_program_request sky = {.vertex = "sky.vert", .fragment = "sky.frag"};
+
+static bool has_variant(unsigned variant, bool deformed, bool divided)
+{
+	return (deformed || !(variant & RENDER_OFFSET)) && (divided || !(variant & RENDER_LEVEL0));
+}
+
+enum status render_tile_program(struct render *render, unsigned variant, struct gpu_program **out)
+{
+	enum status status = STATUS_OK;
+	if (render->tile_programs[variant] == NULL) {
+		struct gpu_program_request request = request_of(render->effects, render->dirt, render->pixel_error > 0, variant);
+		status = gpu_program_get(render->gpu, &request, &render->tile_programs[variant]);
+	}
+	*out = render->tile_programs[variant];
+	return status;
+}
+
+enum status render_sky_program(struct render *render, struct gpu_program **out)
+{
+	return gpu_program_get(render->gpu, &sky, out);
+}
+
+enum status render_warm(struct render *render, bool deformed, bool divided)
+{
+	struct gpu_program *program;
+	enum status status = STATUS_OK;
+	for (unsigned variant = 0; variant < RENDER_VARIANTS && status == STATUS_OK; variant++)
+		if (has_variant(variant, deformed, divided))
+			status = render_tile_program(render, variant, &program);
+	if (status == STATUS_OK && (render->effects >> EFFECT_SKY & 1))
+		status = render_sky_program(render, &program);
+	return status;
+}
+
+/* --- the plan --- */
+
+static void add(struct plan *plan, enum plan_kind kind, enum plan_unit unit, const char *effect, uint64_t bytes, const char *name)
+{
+	plan_add(plan, &(struct plan_line){.kind = kind, .unit = unit, .effect = effect, .object = -1, .amount = 1, .bytes = bytes},
+		 name);
+}
+
+static void add_program(struct plan *plan, const char *effect, const struct gpu_program_request *request)
+{
+	char name[GPU_PROGRAM_NAME];
+	gpu_program_name(request, name, sizeof name);
+	add(plan, PLAN_PROGRAM, PLAN_ONCE, effect, 0, name);
+}
+
+void render_plan(const struct render_params *params, bool deformed, bool divided, struct plan *plan)
+{
+	uint64_t pixels = (uint64_t)params->width * (uint64_t)params->height, noise = RENDER_NOISE_SIZE * RENDER_NOISE_SIZE;
+	bool skirts = params->effects >> EFFECT_SKIRTS & 1;
+	for (unsigned variant = 0; variant < RENDER_VARIANTS; variant++)
+		if (has_variant(variant, deformed, divided)) {
+			struct gpu_program_request request = request_of(params->effects, params->dirt, params->pixel_error > 0, variant);
+			add_program(plan, NULL, &request);
+		}
+	add(plan, PLAN_PASS, PLAN_DRAWN, NULL, 0, gpu_stage_name(GPU_TERRAIN));
+	add(plan, PLAN_TEXTURE, PLAN_ONCE, NULL, 4 * pixels, "colour");
+	add(plan, PLAN_TEXTURE, PLAN_ONCE, NULL, 4 * pixels, "depth");
+	add(plan, PLAN_BUFFER, PLAN_ONCE, skirts ? scene_effect_row(EFFECT_SKIRTS)->name : NULL,
+	    render_index_count(render_block_cells(params->world), skirts) * sizeof(uint16_t), "block");
+	add(plan, PLAN_BUFFER, PLAN_ONCE, NULL, RENDER_BLOCKS_ROOM * sizeof(uint32_t), "blocks");
+	if (params->effects >> EFFECT_TEXTURE & 1)
+		add(plan, PLAN_TEXTURE, PLAN_ONCE, scene_effect_row(EFFECT_TEXTURE)->name, 4 * noise, "noise");
+	if (params->effects >> EFFECT_SKY & 1) {
+		add_program(plan, scene_effect_row(EFFECT_SKY)->name, &sky);
+		add(plan, PLAN_PASS, PLAN_FRAME, scene_effect_row(EFFECT_SKY)->name, 0, gpu_stage_name(GPU_SKY));
+	}
+}

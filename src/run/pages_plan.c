@@ -1,0 +1,64 @@
+/* What a drive's pages will make and ask the store for: threads, staging memory, statements. */
+#include <string.h>
+
+#include "run/pages_internal.h"
+
+/* Of the plan's line for that plane; NULL: nothing calls for it but what earlier drives left. */
+static const char *effect_of(const struct plan *plan, enum plane plane)
+{
+	for (size_t i = 0; i < plan->count; i++)
+		if (plan->lines[i].kind == PLAN_PLANE && strcmp(plan->lines[i].name, plane_name(plane)) == 0)
+			return plan->lines[i].effect;
+	return NULL;
+}
+
+static void add_threads(const struct scene *scene, struct plan *plan)
+{
+	plan_add(plan, &(struct plan_line){.kind = PLAN_THREAD, .object = -1, .amount = 1}, PAGE_WRITER_THREAD);
+	if (scene->loaders > 0)
+		plan_add(plan, &(struct plan_line){.kind = PLAN_THREAD, .object = -1, .amount = scene->loaders}, PAGE_LOADER_THREAD);
+}
+
+static void add_staging(struct plan *plan, enum plan_unit unit, int64_t amount, uint64_t bytes, const char *name)
+{
+	plan_add(plan, &(struct plan_line){.kind = PLAN_BUFFER, .unit = unit, .object = -1, .amount = amount, .bytes = bytes}, name);
+}
+
+static void add_images(const struct scene *scene, const struct pages_layout *layout, struct plan *plan)
+{
+	uint32_t loads = page_load_images(scene->loaders);
+	add_staging(plan, PLAN_ONCE, loads, (uint64_t)loads * layout->loaded, "pages loaded");
+	if (layout->changed > 0)
+		add_staging(plan, PLAN_PAGE, 1, layout->changed, "pages changed");
+	if (scene->object_count > 0)
+		add_staging(plan, PLAN_ONCE, 1, PAGES_TALLY_BYTES, "tally");
+}
+
+void pages_plan(const struct scene *scene, uint32_t cells, bool was_deformed, struct plan *plan)
+{
+	unsigned planes = pages_planes_of(scene, was_deformed);
+	bool classes = scene->soil_map != NULL && scene->object_count > 0;
+	const char *effects[PLANES];
+	struct pages_layout layout = pages_layout_of(cells, planes, classes);
+	for (int plane = 0; plane < PLANES; plane++)
+		effects[plane] = effect_of(plan, (enum plane)plane);
+	add_threads(scene, plan);
+	add_images(scene, &layout, plan);
+	store_plan_reads(plan, STORE_BASE_TABLE, 1, PLAN_READ, NULL);
+	if (scene->view.present) {
+		store_plan_reads(plan, STORE_BASE_TABLE, 1, PLAN_RANGE, NULL);
+		/* Which tiles they are, and how far the offsets go. */
+		if (was_deformed)
+			store_plan_reads(plan, STORE_OFFSET_TABLE, 2, PLAN_ONCE, NULL);
+	}
+	for (int plane = 0; plane < PLANES; plane++) {
+		enum store_table table = (enum store_table)(STORE_OFFSET_TABLE + plane);
+		if (planes & PLANE_BIT(plane))
+			store_plan_reads(plan, table, 1, PLAN_LOADED, effects[plane]);
+		if (planes & GPU_DRAWN_PLANES & PLANE_BIT(plane))
+			store_plan_reads(plan, table, 1, PLAN_LOADED_COARSER, effects[plane]);
+	}
+	/* The last drive's record: whether it could have been resumed. */
+	store_plan_reads(plan, STORE_RUN_TABLE, 1, PLAN_ONCE, NULL);
+	store_epoch_plan(scene->object_count > 0 ? planes : 0, was_deformed, effects, plan);
+}
