@@ -40,7 +40,7 @@ void gpu_slots_plan(uint32_t cells, unsigned planes, bool classes, bool divides,
 		    struct plan *plan)
 {
 	uint64_t posts = (uint64_t)(cells + 1) * (cells + 1);
-	planes |= PLANE_BIT(PLANE_OFFSET);
+	planes |= planes != 0 ? PLANE_BIT(PLANE_OFFSET) : 0;
 	plan_add(plan, &(struct plan_line){.kind = PLAN_PLANE, .object = -1, .amount = 1, .bytes = sizeof(int32_t)}, "base");
 	add_texture(plan, NULL, PLAN_BASE_SLOT, posts * sizeof(int32_t), "base");
 	if (classes) {
