@@ -7,13 +7,18 @@
 #define ALIGN sizeof(int32_t) /* of a plane, whatever is before it */
 #define EPOCH_BYTES ((size_t)16 << 20)
 
+size_t pages_plane_room(const struct pages_layout *layout, enum plane plane)
+{
+	return (layout->posts * plane_bytes(plane) + ALIGN - 1) / ALIGN * ALIGN;
+}
+
 struct pages_layout pages_layout_of(uint32_t cells, unsigned planes, bool classes)
 {
 	struct pages_layout layout = {.cells = cells, .posts = (size_t)(cells + 1) * (cells + 1)};
 	for (int plane = 0; plane < PLANES; plane++) {
 		layout.places[plane] = layout.changed;
 		if (planes & PLANE_BIT(plane))
-			layout.changed += (layout.posts * plane_bytes(plane) + ALIGN - 1) / ALIGN * ALIGN;
+			layout.changed += pages_plane_room(&layout, plane);
 	}
 	layout.base = sizeof(struct pages_head);
 	layout.planes = layout.base + layout.posts * sizeof(int32_t);

@@ -28,6 +28,7 @@ struct pages_layout {
 
 /* pages.c; `planes`: params.planes. */
 struct pages_layout pages_layout_of(uint32_t cells, unsigned planes, bool classes);
+size_t pages_plane_room(const struct pages_layout *layout, enum plane plane); /* bytes of it in an image */
 
 struct pages {
 	struct pages_params params;

@@ -1,4 +1,5 @@
 /* What a drive's pages will make and ask the store for: threads, staging memory, statements. */
+#include <stdio.h>
 #include <string.h>
 
 #include "run/pages_internal.h"
@@ -19,19 +20,32 @@ static void add_threads(const struct scene *scene, struct plan *plan)
 		plan_add(plan, &(struct plan_line){.kind = PLAN_THREAD, .object = -1, .amount = scene->loaders}, PAGE_LOADER_THREAD);
 }
 
-static void add_staging(struct plan *plan, enum plan_unit unit, int64_t amount, uint64_t bytes, const char *name)
+static void add_staging(struct plan *plan, enum plan_unit unit, const char *effect, int64_t amount, uint64_t bytes,
+			const char *what, const char *of)
 {
-	plan_add(plan, &(struct plan_line){.kind = PLAN_BUFFER, .unit = unit, .object = -1, .amount = amount, .bytes = bytes}, name);
+	char name[64];
+	snprintf(name, sizeof name, "%s: %s", what, of);
+	plan_add(plan, &(struct plan_line){.kind = PLAN_BUFFER, .unit = unit, .effect = effect, .object = -1, .amount = amount,
+					   .bytes = (uint64_t)amount * bytes}, name);
 }
 
-static void add_images(const struct scene *scene, const struct pages_layout *layout, struct plan *plan)
+/* Each buffer by its parts, since each plane's part is there for another reason. */
+static void add_images(const struct scene *scene, const struct pages_layout *layout, unsigned planes,
+		       const char *const effects[PLANES], struct plan *plan)
 {
 	uint32_t loads = page_load_images(scene->loaders);
-	add_staging(plan, PLAN_ONCE, loads, (uint64_t)loads * layout->loaded, "pages loaded");
-	if (layout->changed > 0)
-		add_staging(plan, PLAN_PAGE, 1, layout->changed, "pages changed");
+	add_staging(plan, PLAN_ONCE, NULL, loads, layout->planes, "loads", "base");
+	for (int plane = 0; plane < PLANES; plane++)
+		if (planes & PLANE_BIT(plane)) {
+			size_t bytes = pages_plane_room(layout, (enum plane)plane);
+			add_staging(plan, PLAN_ONCE, effects[plane], loads, bytes, "loads", plane_name((enum plane)plane));
+			add_staging(plan, PLAN_PAGE, effects[plane], 1, bytes, "changes", plane_name((enum plane)plane));
+		}
+	if (layout->loaded > layout->classes)
+		add_staging(plan, PLAN_ONCE, scene_effect_row(EFFECT_SOIL_MAP)->name, loads, layout->loaded - layout->classes,
+			    "loads", "classes");
 	if (scene->object_count > 0)
-		add_staging(plan, PLAN_ONCE, 1, PAGES_TALLY_BYTES, "tally");
+		add_staging(plan, PLAN_ONCE, effects[PLANE_OFFSET], 1, PAGES_TALLY_BYTES, "changes", "tally");
 }
 
 void pages_plan(const struct scene *scene, uint32_t cells, bool was_deformed, struct plan *plan)
@@ -43,7 +57,7 @@ void pages_plan(const struct scene *scene, uint32_t cells, bool was_deformed, st
 	for (int plane = 0; plane < PLANES; plane++)
 		effects[plane] = effect_of(plan, (enum plane)plane);
 	add_threads(scene, plan);
-	add_images(scene, &layout, plan);
+	add_images(scene, &layout, planes, effects, plan);
 	store_plan_reads(plan, STORE_BASE_TABLE, 1, PLAN_READ, NULL);
 	if (scene->view.present) {
 		store_plan_reads(plan, STORE_BASE_TABLE, 1, PLAN_RANGE, NULL);
