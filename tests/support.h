@@ -100,6 +100,17 @@ static inline void support_write(const char *path, const char *text)
 	assert_int_equal(fclose(file), 0);
 }
 
+/* An integer of run.json by name, wherever it first stands after `after`. */
+static inline long long support_figure(const char *json, const char *after, const char *name)
+{
+	const char *at = strstr(json, after);
+	char quoted[64];
+	snprintf(quoted, sizeof quoted, "\"%s\":", name);
+	at = at != NULL ? strstr(at, quoted) : NULL;
+	assert_non_null(at);
+	return atoll(at + strlen(quoted));
+}
+
 /* Drives; settings end with NULL: "key=value". Skips the test on a machine without GL. */
 static inline char *support_drive(const char *scene_path, const char *store, const char *const *settings)
 {
@@ -121,18 +132,8 @@ static inline char *support_drive(const char *scene_path, const char *store, con
 	if (status == STATUS_NO_GL)
 		skip();
 	must(status);
+	assert_int_equal(support_figure(result.json, "\"counts\"", "unplanned"), 0);
 	return result.json;
-}
-
-/* An integer of run.json by name, wherever it first stands after `after`. */
-static inline long long support_figure(const char *json, const char *after, const char *name)
-{
-	const char *at = strstr(json, after);
-	char quoted[64];
-	snprintf(quoted, sizeof quoted, "\"%s\":", name);
-	at = at != NULL ? strstr(at, quoted) : NULL;
-	assert_non_null(at);
-	return atoll(at + strlen(quoted));
 }
 
 static inline void support_print_problem(void *user, const char *text)
