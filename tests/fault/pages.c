@@ -186,6 +186,7 @@ static enum status rig_open(struct rig *rig, const char *path)
 	struct pages_params params = {
 		.store = rig->store,
 		.slots = &rig->slots,
+		.planes = gpu_slots_planes(&rig->slots),
 		.level = LEVEL,
 		.count = SLOTS,
 		.loaders = 2,

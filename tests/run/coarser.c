@@ -61,6 +61,7 @@ static void rig_open(struct rig *rig, const char *path, uint32_t slots)
 	must(pages_create(&(struct pages_params){.store = drive->store,
 						 .gpu = drive->gpu,
 						 .slots = drive->slots,
+						 .planes = gpu_slots_planes(drive->slots),
 						 .level = LEVEL,
 						 .count = slots,
 						 .loaders = 2,

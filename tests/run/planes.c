@@ -70,6 +70,7 @@ static void rig_open(struct rig *rig, const char *path, unsigned planes, bool so
 	must(pages_create(&(struct pages_params){.store = rig->store,
 						 .gpu = rig->gpu,
 						 .slots = rig->slots,
+						 .planes = gpu_slots_planes(rig->slots),
 						 .level = LEVEL,
 						 .count = SLOTS,
 						 .loaders = 2,

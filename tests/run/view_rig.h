@@ -57,6 +57,7 @@ static inline void rig_open(struct rig *rig, uint32_t slots, double speed, doubl
 	rig->params.directory = support_folder;
 	drive->params = &rig->params;
 	drive->meta = store_meta(drive->store);
+	drive->was_deformed = store_has_working_level(drive->store, NULL);
 	drive->spacing = world.spacing;
 	drive->riders = &rig->rider;
 	rig->rider.object = &rig->object;
@@ -75,6 +76,7 @@ static inline void rig_open(struct rig *rig, uint32_t slots, double speed, doubl
 	must(pages_create(&(struct pages_params){.gpu = drive->gpu,
 						 .store = drive->store,
 						 .slots = drive->slots,
+						 .planes = PLANE_BIT(PLANE_OFFSET),
 						 .count = slots,
 						 .loaders = 2,
 						 .step_pages = 16,
