@@ -157,7 +157,7 @@ static enum status draw_tile(struct render *render, const struct terrain_draw *d
 		pass.textures[2] = slot->planes[PLANE_DIRT];
 	if (level0)
 		pass.textures[3] = gpu_slots_get(render->slots, draw->ground)->base;
-	unsigned variant = (slot->target != NULL ? RENDER_OFFSET : 0) | (level0 ? RENDER_LEVEL0 : 0);
+	unsigned variant = slot->target == NULL ? RENDER_PLAIN : level0 ? RENDER_LEVEL0 : RENDER_OFFSET;
 	enum status status = render_tile_program(render, variant, &pass.program);
 	if (status != STATUS_OK)
 		return status;

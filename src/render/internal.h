@@ -64,8 +64,9 @@ enum status render_blocks_add(struct render_blocks *blocks, const struct world *
 			      const double reaches[TERRAIN_STRIDES], const struct terrain_draw *draw) FURROW_CHECKED;
 
 /* --- programs.c --- */
-/* What a tile's program is for: it is deformed; it is drawn with its level-0 tile beside it. */
-enum { RENDER_OFFSET = 1, RENDER_LEVEL0 = 2, RENDER_VARIANTS = 4 };
+/* What a tile's program is for: it is as it was; it is deformed; it is that below level 0, and its level-0 tile is beside
+ * it for the broad shape. Below level 0 a tile that is not deformed is a rare sight: it is drawn as others are. */
+enum { RENDER_PLAIN, RENDER_OFFSET, RENDER_LEVEL0, RENDER_VARIANTS };
 enum status render_tile_program(struct render *render, unsigned variant, struct gpu_program **out) FURROW_CHECKED;
 enum status render_sky_program(struct render *render, struct gpu_program **out) FURROW_CHECKED;
 

@@ -18,11 +18,11 @@ static struct gpu_program_request request_of(unsigned effects, bool dirt, bool b
 	}
 	if (by_error && (effects & (1u << EFFECT_GEOMORPH | 1u << EFFECT_SKIRTS)))
 		request.defines[count++] = "REACHES";
-	if (variant & RENDER_OFFSET)
+	if (variant != RENDER_PLAIN)
 		request.defines[count++] = "OFFSET";
-	if ((variant & RENDER_OFFSET) && dirt)
+	if (variant != RENDER_PLAIN && dirt)
 		request.defines[count++] = "DIRT";
-	if (variant & RENDER_LEVEL0)
+	if (variant == RENDER_LEVEL0)
 		request.defines[count++] = "LEVEL0";
 	return request;
 }
@@ -31,7 +31,7 @@ static const struct gpu_program_request sky = {.vertex = "sky.vert", .fragment =
 
 static bool has_variant(unsigned variant, bool deformed, bool divided)
 {
-	return (deformed || !(variant & RENDER_OFFSET)) && (divided || !(variant & RENDER_LEVEL0));
+	return variant == RENDER_PLAIN || (deformed && (divided || variant != RENDER_LEVEL0));
 }
 
 enum status render_tile_program(struct render *render, unsigned variant, struct gpu_program **out)
