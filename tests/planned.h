@@ -24,7 +24,8 @@ static inline void planned(const struct scene *scene, const char *path, struct p
 		.dirt = scene->dirt, .relief = isnan(meta->low) ? 0 : meta->high - meta->low,
 	};
 	memcpy(params.soils, scene->soils, sizeof params.soils);
-	struct deform_planned objects[16];
+	struct deform_planned objects[64];
+	assert_true(scene->object_count <= 64);
 	for (size_t i = 0; i < scene->object_count; i++) {
 		const struct scene_object *object = &scene->objects[i];
 		objects[i] = (struct deform_planned){&object->shape, object->load, object->path.count > 1};

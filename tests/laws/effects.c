@@ -5,6 +5,8 @@
  * and nothing else. What differs between two plans must be the effect's own; and where it leaves the others' work as it
  * was, their units too are the same. So what was counted differs by the effect's own rows, and by no other.
  */
+#include <glob.h>
+
 #include "../counts.h"
 #include "../planned.h"
 
@@ -94,11 +96,13 @@ static struct scene *load(const char *text)
 	return scene;
 }
 
+/* Whether this build reads meshes. */
 static bool has_meshes(void)
 {
 	struct scene *scene;
-	const char *path = support_path("effects.yaml");
-	support_write(path, HEAD OBJECT("mesh: {file: block.obj}"));
+	const char *path = support_path("mesh.yaml");
+	support_write(support_path("plane.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 3 2 1\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
+	support_write(path, HEAD OBJECT("mesh: {file: plane.obj}"));
 	enum status status = scene_load(path, NULL, 0, &scene);
 	if (status == STATUS_OK)
 		scene_destroy(scene);
@@ -377,6 +381,38 @@ static void a_deformed_store_is_planned_as_it_is(void **state)
 	}
 }
 
+/* Variants multiply; those of all scenes that are shipped are few still. */
+static void few_programs_do_for_all_scenes(void **state)
+{
+	enum { MOST = 40 };
+	const char *folder = getenv("SCENES"), *store = support_path("scenes.furrow");
+	struct plan all = {NULL, 0, 0, false};
+	glob_t found;
+	assert_non_null(folder);
+	char pattern[4096];
+	snprintf(pattern, sizeof pattern, "%s/*.yaml", folder);
+	assert_int_equal(glob(pattern, 0, NULL, &found), 0);
+	support_store(store, world, gentle);
+	for (size_t i = 0; i < found.gl_pathc; i++) {
+		struct scene *scene;
+		struct plan plan;
+		if (strstr(found.gl_pathv[i], "foot") != NULL && !has_meshes())
+			continue;
+		must(scene_load(found.gl_pathv[i], NULL, 0, &scene));
+		planned(scene, store, &plan);
+		for (size_t k = 0; k < plan.count; k++)
+			if (plan.lines[k].kind == PLAN_PROGRAM)
+				plan_add(&all, &plan.lines[k], plan.lines[k].name);
+		plan_finish(&plan);
+		scene_destroy(scene);
+	}
+	must(plan_status(&all));
+	print_message("%zu scenes, %zu programs\n", found.gl_pathc, all.count);
+	assert_true(found.gl_pathc >= 7 && all.count > 0 && all.count <= MOST);
+	plan_finish(&all);
+	globfree(&found);
+}
+
 static void a_resting_object_runs_no_pass(void **state)
 {
 	static const char scene_text[] =
@@ -414,6 +450,7 @@ int main(void)
 		cmocka_unit_test(nothing_is_made_or_run_for_nothing),
 		cmocka_unit_test(every_drive_counts_what_was_planned),
 		cmocka_unit_test(a_deformed_store_is_planned_as_it_is),
+		cmocka_unit_test(few_programs_do_for_all_scenes),
 		cmocka_unit_test(a_resting_object_runs_no_pass),
 	};
 	return cmocka_run_group_tests_name("effects", tests, support_enter, support_leave);
