@@ -34,7 +34,7 @@ struct run_result {
 /*
  * run.json and the trace are written however it ends, once it began: a drive that cannot begin leaves nothing.
  * What run.json tells of the drive is of the drive as a whole, also after a resume: ended, steps, simulated, volume, objects; all else
- * (seconds and rtf, times, cache, passes, memory, io, where, refused_posts, view) is of the process that wrote it.
+ * (seconds and rtf, times, cache, passes, memory, io, where, refused_posts, view, counts) is of the process that wrote it.
  *
  * "where" has a {visited, possible} for each: what was worked on, of what would have been had nobody looked where there is
  * something to do. By the name of the effect, where the scene calls for it: displace or the model's (box, sumner,
@@ -43,6 +43,12 @@ struct run_result {
  * to date, of those resident, each step; draw: tiles drawn with an offset, of all drawn, each frame. Always, slots: slots
  * with planes that were made, of slots. What depends on the paging (all but windows and blocks) may differ from drive to
  * drive. There is nothing of normals: they are found from the posts as these are drawn.
+ *
+ * "counts" is held to the plan's lines (base/plan.h): each is the sum of amounts times "units", which are by object, or by
+ * table, where the lines are. Of memory (base_slot to ring) a unit is as many as there ever were at once, since nothing of
+ * it is given back before the end; programs, textures, bytes, threads, the units of memory and what the store did
+ * (statements, loaded to epoch) count from the process's start, passes and the other units from the first step. "threads"
+ * ran when the last step was over. "unplanned": programs that were linked in a step; 0, or it is a mistake.
  *
  * Resumed with nothing left to do: needs no GL, tells the drive as a whole alone, and writes run.json only where
  * there is none.
