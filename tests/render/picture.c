@@ -28,6 +28,7 @@ static uint32_t resident_count;
 static double tile_radius; /* small tiles: several levels in one picture */
 static double pixel_error; /* 0: by radii */
 static double said_errors[TERRAIN_STRIDES]; /* of every draw, of tiles by radius; 0: as selected */
+static bool said_of_half; /* of every other tile; the rest is said to be without error */
 
 #define need_gpu()                                                                                 \
 	do {                                                                                       \
@@ -185,7 +186,10 @@ static uint8_t *draw(double x, double y, double up, double tx, double ty, double
 			load(tile_from_key(selection.wanted[i]));
 	}
 	for (size_t i = 0; said_errors[1] > 0 && i < selection.draw_count; i++)
-		memcpy(selection.draws[i].errors, said_errors, sizeof said_errors);
+		for (int k = 0; k < TERRAIN_STRIDES; k++) {
+			bool none = said_of_half && (selection.draws[i].tile.x + selection.draws[i].tile.y) % 2 > 0;
+			selection.draws[i].errors[k] = none ? 0 : said_errors[k];
+		}
 	assert_ok(render_frame(render, &camera, &selection));
 	uint8_t *pixels = test_malloc(4 * WIDTH * HEIGHT);
 	gpu_texture_read(render->colour, 0, (struct gpu_rect){0, 0, WIDTH, HEIGHT}, pixels);
@@ -404,24 +408,89 @@ static void geomorphing_takes_the_jumps_out_of_the_mesh(void **state)
 	assert_true(with < without / 3);
 }
 
+static void say_reaches(double of_2, double of_4, double of_more)
+{
+	for (int k = 0; k < TERRAIN_STRIDES; k++)
+		said_errors[k] = (k == 0 ? 0 : k == 1 ? of_2 : k == 2 ? of_4 : of_more) / (HEIGHT / 2.0 / tan(0.45));
+}
+
 /* Tiles all of one level, so that nothing but the mesh changes: light is computed from posts. */
 static void geomorphing_takes_the_jumps_out_by_pixel_error(void **state)
 {
 	need_gpu();
-	/* Strides of 2 from 100 m on, of 4 from 190 m; then of 2 and of 4 both from 110 m. */
-	const double reaches[2][3] = {{0, 96, 192}, {0, 96, 96}};
+	/* Strides of 2 from 96 m on, of 4 from twice that; then both from 96 m. */
+	const double reaches[2][2] = {{96, 192}, {96, 96}};
 	memset(&ground, 0, sizeof ground);
 	ground.roughness = 1;
 	for (int i = 0; i < 2; i++) {
 		pixel_error = 1;
-		for (int k = 0; k < TERRAIN_STRIDES; k++)
-			said_errors[k] = (k < 3 ? reaches[i][k] : 1000) / (HEIGHT / 2.0 / tan(0.45));
+		say_reaches(reaches[i][0], reaches[i][1], 1000);
 		double without = largest_jump(0), with = largest_jump(1u << EFFECT_GEOMORPH);
 		memset(said_errors, 0, sizeof said_errors);
 		pixel_error = 0;
 		print_message("largest jump: %g without, %g with\n", without, with);
 		assert_true(with < without / 3);
 	}
+}
+
+/* The middle of what is seen from 85 m above, where all distances are about the same. */
+static uint8_t *draw_middle(double of_2, double of_4)
+{
+	pixel_error = 1;
+	say_reaches(of_2, of_4, 5000);
+	begin(1u << EFFECT_GEOMORPH);
+	uint8_t *pixels = draw(200, 200, 85, 200, 200.001, 0);
+	end();
+	memset(said_errors, 0, sizeof said_errors);
+	pixel_error = 0;
+	for (int y = 0; y < HEIGHT; y++)
+		for (int x = 0; x < WIDTH; x++)
+			if (abs(x - WIDTH / 2) > WIDTH / 6 || abs(y - HEIGHT / 2) > HEIGHT / 4)
+				memset(pixels + 4 * (WIDTH * y + x), 0, 4);
+	return pixels;
+}
+
+static void half_way_to_a_stride_the_ground_is_half_way_there(void **state)
+{
+	need_gpu();
+	memset(&ground, 0, sizeof ground);
+	ground.roughness = 0.3;
+	/* Strides of 1, of 2, between; of 4, and all but there from 1, as none of 2 is in between. */
+	uint8_t *fine = draw_middle(4000, 5000), *two = draw_middle(20, 5000), *between = draw_middle(98, 5000);
+	uint8_t *four = draw_middle(20, 20), *nearly = draw_middle(90, 90);
+	double apart = difference(fine, two);
+	assert_true(apart > 0 && difference(fine, between) < 0.8 * apart && difference(between, two) < 0.8 * apart);
+	assert_true(difference(nearly, four) < 0.5 * difference(two, four));
+	test_free(fine);
+	test_free(two);
+	test_free(between);
+	test_free(four);
+	test_free(nearly);
+}
+
+static void however_coarse_a_neighbour_no_sky_is_between(void **state)
+{
+	need_gpu();
+	memset(&ground, 0, sizeof ground);
+	ground.roughness = 1;
+	/* All relief, 25 m, is allowed from 60 m on: every other tile is drawn as coarsely as can be. */
+	pixel_error = 25 / 60.0 * (HEIGHT / 2.0 / tan(0.45));
+	said_of_half = true;
+	for (int k = 0; k < TERRAIN_STRIDES; k++)
+		said_errors[k] = k > 0 ? 1e6 : 0;
+	begin(1u << EFFECT_SKIRTS | 1u << EFFECT_GEOMORPH);
+	uint8_t background[4];
+	find_background(background);
+	for (int i = 0; i < 30; i++) {
+		double x = 40 + 4.1 * i, y = 130 - 3.0 * i, turn = 0.5 + 0.02 * i;
+		uint8_t *pixels = draw(x, y, 40, x + 85 * cos(turn), y + 85 * sin(turn), -31);
+		assert_int_equal(count_background(pixels, background), 0);
+		test_free(pixels);
+	}
+	end();
+	memset(said_errors, 0, sizeof said_errors);
+	said_of_half = false;
+	pixel_error = 0;
 }
 
 /* The more pixels are allowed, the fewer triangles, and the further from the picture of all of them. */
@@ -554,6 +623,8 @@ int main(void)
 		cmocka_unit_test(the_same_view_gives_the_same_bits),
 		cmocka_unit_test(geomorphing_takes_the_jumps_out_of_the_mesh),
 		cmocka_unit_test(geomorphing_takes_the_jumps_out_by_pixel_error),
+		cmocka_unit_test(half_way_to_a_stride_the_ground_is_half_way_there),
+		cmocka_unit_test(however_coarse_a_neighbour_no_sky_is_between),
 		cmocka_unit_test(a_pixel_error_trades_triangles_for_truth),
 		cmocka_unit_test(a_tile_looks_the_same_ten_thousand_kilometres_away),
 		cmocka_unit_test(every_choice_of_effects_draws),

@@ -198,7 +198,7 @@ static void what_will_be_deformed_counts_as_deep_as_anything_yet(void **state)
 	rig_close(&rig);
 }
 
-/* A pit and a heap in one tile of a store that was deformed before. */
+/* A pit and a heap in two tiles of one parent, of a store that was deformed before. */
 static void what_was_committed_is_known_exactly(void **state)
 {
 	struct rig rig;
@@ -208,14 +208,15 @@ static void what_was_committed_is_known_exactly(void **state)
 	rig_open_with(&rig, 1, 0);
 	chain(&rig, 0, 50, 40, before);
 	rig_close(&rig);
-	int32_t offset[(CELLS + 1) * (CELLS + 1)] = {0};
+	int32_t pit[(CELLS + 1) * (CELLS + 1)] = {0}, heap[(CELLS + 1) * (CELLS + 1)] = {0};
 	must(store_open(support_path("view.furrow"), &(struct store_options){.mode = STORE_WRITE}, &store));
 	must(store_set_working_level(store, 0));
-	offset[5 * (CELLS + 1) + 7] = (int32_t)lattice_offset(-0.75);
-	offset[9 * (CELLS + 1) + 7] = (int32_t)lattice_offset(0.25);
-	const struct store_page page = {.tile = {0, 3, 2}, .planes = {[PLANE_OFFSET] = offset}};
+	pit[5 * (CELLS + 1) + 7] = (int32_t)lattice_offset(-0.75);
+	heap[9 * (CELLS + 1) + 7] = (int32_t)lattice_offset(0.25);
+	const struct store_page pages[2] = {{.tile = {0, 2, 2}, .planes = {[PLANE_OFFSET] = pit}},
+					    {.tile = {0, 3, 2}, .planes = {[PLANE_OFFSET] = heap}}};
 	const struct store_run run = {.scene_hash = "0", .step = 1, .state = "{}"};
-	must(store_epoch(store, &page, 1, &run, &result));
+	must(store_epoch(store, pages, 2, &run, &result));
 	store_close(store);
 	rig_open_with(&rig, 1, 0);
 	chain(&rig, 0, 50, 40, after);

@@ -210,7 +210,7 @@ static double shifted_error(void *user, struct tile tile)
 		return INFINITY;
 	tile.x -= shift << (8 - tile.level);
 	uint64_t place = (uint64_t)tile.x << 32 ^ (uint64_t)tile.y << 6 ^ (uint64_t)tile.level; /* x may have wrapped */
-	return tile.level > 0 ? ldexp((double)(mix(place) % 100) / 100, tile.level - 1) : 0;
+	return tile.level > 0 ? ldexp(0.2 + (double)(mix(place) % 100) / 100, tile.level - 1) : 0;
 }
 
 static bool flat_bounds(void *user, struct tile tile, double *low, double *high)
