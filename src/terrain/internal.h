@@ -11,7 +11,7 @@ struct terrain_place {
 	struct tile tile;
 	double low[3], high[3];
 	double distance; /* metres, eye to box */
-	double error;    /* metres; 0 by radii */
+	double error;    /* metres, as the source says; 0 by radii */
 	double ratio;    /* of the distance to the tile's side, or to its error */
 	const struct terrain_place *above; /* the tile that was divided for it; NULL: none */
 };
@@ -35,7 +35,7 @@ static inline void terrain_put(const struct world *world, const struct terrain_v
 static inline bool terrain_find(const struct world *world, const struct terrain_view *view,
 				const struct terrain_source *source, struct tile tile, struct terrain_place *place)
 {
-	double low, high, error;
+	double low, high;
 	if (!source->bounds(source->user, tile, &low, &high))
 		return false;
 	terrain_put(world, view, tile, low, high, place);
@@ -45,10 +45,8 @@ static inline bool terrain_find(const struct world *world, const struct terrain_
 		place->ratio = place->distance / (world_spacing(world, tile.level) * world->cells);
 		return true;
 	}
-	error = source->error(source->user, tile);
-	if (error > 0)
-		place->error = error;
-	/* Equation 3: error x focal / distance, in pixels, against what is allowed. */
+	/* Equation 3: error x focal / distance, in pixels, against what is allowed. NaN and less than 0: none. */
+	place->error = source->error(source->user, tile);
 	place->ratio = place->error > 0 ? place->distance / place->error : INFINITY;
 	return true;
 }
