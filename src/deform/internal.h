@@ -42,8 +42,8 @@ typedef enum status (*deform_model_fn)(struct deform *deform, const struct defor
 /* Differences of heights that stand, axial and diagonal, quanta. */
 struct slide_soil {
 	int32_t stands[2];
-	int32_t held[2], stop[2]; /* sumner: beside a held post; where all are within these nothing slides */
-	/* sumner's three have params.tolerance in them */
+	int32_t held[2], stop[2]; /* sumner: beside a held post; where all are within these nothing slides. Its three have the
+				   * tolerance in them */
 	uint32_t share[8];        /* sumner: of 2^32, for 1 .. 8 neighbours */
 };
 

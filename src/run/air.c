@@ -8,7 +8,8 @@
  *    lowers, and a mean of offsets is no higher than the highest of them.
  * 2. Nothing slides: under models that move soil every sweep also makes iterations of sliding over its window, whether it
  *    touches anything or not. Undisturbed ground stands, unless the scene says that it slides. So these models need tiles
- *    without planes, in all of the windows; over others the sweep is computed, and no bound on their offsets is of use.
+ *    without planes, in all of the windows; over others the sweep is computed, and no bound on their offsets is of use. A sweep that is computed gives planes to
+ *    every tile of its windows: what rises from soil it has moved is aloft again only where it comes upon other tiles at once.
  *
  * It stays what the drive knows the object by (its last pose, that it may have left something), and it is still among those
  * that hold the ground in intervals: soil may slide until it touches what hangs over it.
