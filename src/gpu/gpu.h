@@ -238,7 +238,7 @@ struct gpu_slots_figures {
 };
 void gpu_slots_figures(const struct gpu_slots *slots, struct gpu_slots_figures *figures);
 /* The lines of slots of so many cells and those planes, with `classes` of soil, that divide (the working level is below 0)
- * and decimate (something is deformed and looked at). `planes` 0: nothing is deformed. `effect` calls for deform slots. With them the ring of
+ * and decimate (something is deformed and looked at). `planes` 0: nothing is deformed; `effect` calls for those there are. With them the ring of
  * the passes' parameters. Pure. */
 void gpu_slots_plan(uint32_t cells, unsigned planes, bool classes, bool divides, bool decimates, const char *effect,
 		    struct plan *plan);

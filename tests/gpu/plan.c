@@ -127,9 +127,9 @@ static void check(const struct gpu_slots *slots, const struct plan *plan, bool u
 static void slots_make_and_run_what_is_planned(void **state)
 {
 	static const struct asked cases[] = {
-		{0, false, false, false},
+		{PLANE_BIT(PLANE_OFFSET), false, false, false},
 		{PLANE_BIT(PLANE_DIRT), false, false, true},
-		{0, false, true, true},
+		{PLANE_BIT(PLANE_OFFSET), false, true, true},
 		{STATE_PLANES, true, false, false},
 		{STATE_PLANES | PLANE_BIT(PLANE_DIRT), true, true, true},
 	};
