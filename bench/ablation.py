@@ -140,17 +140,17 @@ class Bench:
 
 def figures(run):
     """Of one drive. ms: all its time over its steps, pictures and commits with them; p50: of a step and its picture."""
-    steps = run["steps"]
+    steps, counts = run["steps"], run["counts"]
     return {"ms": run["seconds"] * 1e3 / steps, "p50": 1e3 / run["fps"]["p50"], "step_p50": run["step_ms"]["p50"],
-            "bytes": run["memory"]["gpu_bytes"], "programs": run["programs"],
-            "passes": {name: count / steps for name, count in run["passes"].items()}, "gl": run["gl"]["renderer"]}
+            "bytes": counts["bytes"], "programs": len(counts["programs"]), "threads": counts["threads"],
+            "passes": {stage: count / steps for stage, count in counts["passes"].items()}, "gl": run["gl"]["renderer"]}
 
 
 def median(found):
     """Of the same figures of several drives."""
     first = found[0]
     if isinstance(first, dict):
-        return {name: median([one[name] for one in found]) for name in first}
+        return {name: median([one.get(name, 0) for one in found]) for name in dict.fromkeys(n for one in found for n in one)}
     return statistics.median(found) if isinstance(first, (int, float)) else first
 
 
@@ -187,12 +187,13 @@ def row(line):
     change = b["bytes"] - a["bytes"]
     return [f"`{line['effect']}`", ", ".join(beside + instead), pages.figure(a["ms"]), pages.figure(b["ms"]),
             f"{b['ms'] - a['ms']:+.3f}", f"{b['ms'] / a['ms']:.2f}", f"{b['p50'] - a['p50']:+.3f}",
-            ("+" if change > 0 else "") + pages.size(change), passes_text(a, b), f"{b['programs'] - a['programs']:+.0f}"]
+            ("+" if change > 0 else "") + pages.size(change), passes_text(a, b), f"{b['programs'] - a['programs']:+.0f}",
+            f"{b['threads'] - a['threads']:+.0f}"]
 
 
 def report(lines):
     head = ["effect", "and with it", "ms a step without", "with", "difference", "ratio", "of the median step",
-            "GPU bytes", "passes a step", "programs"]
+            "GPU bytes", "passes a step", "programs", "threads"]
     first = lines[0]
     return pages.table(head, map(row, lines)) + \
         f"\n{max(line['metres'] for line in lines):g} m, a quarter of it with pictures; {first['runs']} runs of each drive " \

@@ -95,7 +95,7 @@ def merged(points, across, up):
         x, y = across.share(point.x) * WIDTH, up.share(point.y) * HEIGHT
         for one in found:
             if one["group"] == point.group and math.hypot(one["x"] - x, one["y"] - y) < 5:
-                one["texts"].append(point.label)
+                one["texts"].insert(0 if point.default else len(one["texts"]), point.label)
                 one["default"] |= point.default
                 break
         else:
@@ -127,7 +127,9 @@ def labels(points, lines, colours, across, up, right):
     taken, commands = [], []
     edge = (LEFT * WIDTH + 2, BOTTOM * HEIGHT + 2, right * WIDTH - 2, TOP * HEIGHT - 2)
     for one in sorted(merged(points, across, up), key=lambda one: not one["default"]):
-        text = ("default: " if one["default"] else "") + ", ".join(dict.fromkeys(one["texts"]))
+        first, *others = dict.fromkeys(one["texts"])
+        text = f"default: {first}" + "; the same: " * bool(others) if one["default"] else first + ", " * bool(others)
+        text += ", ".join(others)
         wide = LETTER * len(text) * (1.1 if one["default"] else 1)
 
         def cost(box):
