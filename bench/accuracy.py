@@ -156,10 +156,10 @@ def picture(name, folder):
     return f"![{PUBLISHED[name]}]({folder}/accuracy-{name}.svg)\n"
 
 
-def publish(options, studies, lines):
+def publish(options, studies, lines, written):
     for name in PUBLISHED:
         source = options.out / f"{name}.svg"
-        if not source.exists():
+        if source not in written:
             raise pages.Told(f"{source}: not drawn, since its study is not in the lines; run without --from, or give them too")
     for name in PUBLISHED:
         shutil.copyfile(options.out / f"{name}.svg", ROOT / "docs" / f"accuracy-{name}.svg")
@@ -183,7 +183,7 @@ def run():
     written = write_plots(options, studies)
     print("\n".join(f"{path}" for path in written))
     if options.publish:
-        publish(options, studies, lines)
+        publish(options, studies, lines, written)
 
 
 if __name__ == "__main__":

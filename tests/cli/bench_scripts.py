@@ -3,6 +3,7 @@ import json
 import os
 import pathlib
 import random
+import re
 import shutil
 import signal
 import subprocess
@@ -33,6 +34,7 @@ LINES = [line("spacing", {"model": model, "spacing": 1 / n}, cost * n, 0.01 * wo
          for model, cost, worse in (("none", 0.01, 1), ("scm", 0.1, 2)) for n in (1, 4, 16)]
 LINES += [line("offset_format", {"offset_format": name}, ms, rms, name == "R32I") for name, ms, rms in
           (("R8", 0.2, 0.003), ("R16F", 0.3, 0.004), ("R32I", 0.25, 0))]
+LINES += [line("import_error", {"import_error": n}, 0.2, 0.01 + n, n == 0.001, count=int(1000 / (n + 0.1))) for n in (0, 0.001, 0.5)]
 LINES += [line("durability", {"durability": name}, ms, default=name == "normal") for name, ms in (("normal", 0.2), ("full", 0.9))]
 LINES += [line("pairs", {"spacing": 1 / n, "iterations": i}, 0.1 * n * i, 0.01 / n / i) for n in (1, 4) for i in (1, 2)]
 LINES += [line("pairs", {"spacing": 1 / n, "interval": i}, 0.1 * n / i, 0.01 / n * i) for n in (1, 4) for i in (0.02, 0.05)]
@@ -68,7 +70,7 @@ class Studies(unittest.TestCase):
         self.found = {study.name: study for study in accuracy_study.studies(self.lines)}
 
     def test_pairs_are_parted_by_their_knobs(self):
-        self.assertEqual(list(self.found), ["spacing", "settled", "offset_format", "time_step", "durability", "pairs_spacing_iterations",
+        self.assertEqual(list(self.found), ["spacing", "settled", "offset_format", "time_step", "import_error", "durability", "pairs_spacing_iterations",
                                             "pairs_spacing_interval", "pixel_error"])
 
     def test_a_model_is_compared_with_itself_only(self):
@@ -201,6 +203,28 @@ class Script(unittest.TestCase):
         self.assertEqual(len((self.out / "accuracy.jsonl").read_text().splitlines()), len(LINES))
         again = self.accuracy("--from", self.out / "accuracy.jsonl")
         self.assertEqual(again.stdout, done.stdout)
+
+    @unittest.skipUnless(shutil.which("gnuplot"), "no gnuplot here")
+    def test_publishes_tables_and_pictures_that_its_pages_show(self):
+        root = self.folder / "root"
+        shutil.copytree(BENCH, root / "bench", ignore=lambda *_: ["__pycache__"])
+        shutil.copy(BENCH.parent / "README.md", root)
+        (root / "docs").mkdir()
+        command = [sys.executable, str(root / "bench" / "accuracy.py"), "-o", str(self.out), "--publish", "--from"]
+        for _ in range(2):  # what was published is published over
+            done = subprocess.run([*command, str(self.folder / "lines")], capture_output=True, text=True, timeout=120)
+            self.assertEqual(done.returncode, 0, done.stderr)
+        for page, row in (("README.md", "**5.00 / 0.400**"), ("bench/ACCURACY.md", "### Format of the offset")):
+            text = (root / page).read_text()
+            self.assertEqual(text.count(row), 1)
+            self.assertNotIn("accuracy.py -o bench-out --publish` writes", text)
+            shown = re.findall(r"!\[[^\]]*\]\((\S*accuracy-\S*)\)", text)
+            self.assertEqual(len(shown), 1 if page == "README.md" else 5)
+            for name in shown:
+                self.assertTrue((root / page).parent.joinpath(name).exists(), name)
+        (self.folder / "lines").write_text(json.dumps(LINES[0]) + "\n")
+        done = subprocess.run([*command, str(self.folder / "lines")], capture_output=True, text=True, timeout=120)
+        self.assertEqual(done.returncode, 1)
 
     def test_without_gnuplot_says_which_package_and_keeps_lines_and_table(self):
         done = self.accuracy("--from", self.folder / "lines", path="/nonexistent")
