@@ -130,7 +130,7 @@ def labels(points, lines, colours, across, up, right):
         first, *others = dict.fromkeys(one["texts"])
         text = f"default: {first}" + "; the same: " * bool(others) if one["default"] else first + ", " * bool(others)
         text += ", ".join(others)
-        wide = LETTER * len(text) * (1.1 if one["default"] else 1)
+        wide = LETTER * len(text) + 4
 
         def cost(box):
             out = (box[2] - box[0]) * LINE - overlap(box, edge)
@@ -139,8 +139,7 @@ def labels(points, lines, colours, across, up, right):
         box = min(places(one["x"], one["y"], wide), key=lambda offer: cost(offer[0]) + offer[1])[0]
         taken.append(box)
         middle = (box[0] + box[2]) / 2 / WIDTH, (box[1] + box[3]) / 2 / HEIGHT
-        font = ' font ",+0:Bold"' if one["default"] else ""
-        commands.append(f'set label {quoted(text)} at screen {middle[0]:.4f},{middle[1]:.4f} center front{font} '
+        commands.append(f'set label {quoted(text)} at screen {middle[0]:.4f},{middle[1]:.4f} center front '
                         f'textcolor rgb "{"#000000" if one["default"] else inks[one["group"]]}"')
     return commands
 
@@ -151,7 +150,7 @@ def opening(title, across, up, right, key):
     lines = ["set encoding utf8", f"set lmargin at screen {LEFT}", f"set rmargin at screen {right}",
              f"set bmargin at screen {BOTTOM}", f"set tmargin at screen {TOP}", "set border 3 linecolor rgb '#888888'",
              "set tics nomirror scale 0.5 textcolor rgb '#222222'", f"set grid xtics ytics linetype 1 linewidth 0.6 linecolor rgb '#e4e4e4'",
-             f"set label {quoted(title)} at screen {LEFT},0.955 left font ',15'",
+             f"set label {quoted(title)} at screen {LEFT},0.955 left font ',16'",
              f"set label {quoted(up.title)} at screen {LEFT},0.905 left textcolor rgb '#444444'",
              f"set xlabel {quoted(across.title)} offset 0,-0.2 textcolor rgb '#444444'"]
     for name, axis in (("x", across), ("y", up)):
@@ -190,13 +189,13 @@ def scatter(title, across, up, points, steps, begin):
             rows = [(across.drawn(p.x), up.drawn(p.y)) for p in own if p.on == on]
             if rows:
                 lines += block(name, rows)
-                drawn.append(f"${name} with points pointtype {shape} pointsize 1.1 linewidth 1.4 {style} notitle")
+                drawn.append(f"${name} with points pointtype {shape} pointsize dot linewidth 1.4 {style} notitle")
         if group:
-            drawn.append(f"NaN with points pointtype {filled} pointsize 1.1 {style} title {quoted(group)}")
+            drawn.append(f"NaN with points pointtype {filled} pointsize dot {style} title {quoted(group)}")
     chosen = [(across.drawn(p.x), up.drawn(p.y)) for p in points if p.default]
     if chosen:
         lines += block("chosen", chosen)
-        drawn.append("$chosen with points pointtype 6 pointsize 2.6 linewidth 2 linecolor rgb '#000000' title 'default'")
+        drawn.append("$chosen with points pointtype 6 pointsize 2.4 * dot linewidth 2 linecolor rgb '#000000' title 'default'")
     colours = {group: COLOURS[i % len(COLOURS)] if len(groups) > 1 else "#666666" for i, group in enumerate(groups)}
     lines += labels(points, keep_off, colours, across, up, right)
     return lines + ["plot " + ", \\\n     ".join(drawn)]
@@ -224,7 +223,7 @@ def bars(title, axis_title, found):
 def points_of(study, cost, exact):
     """exact: of a line, the smaller the better."""
     on = best(study, cost, exact)
-    return [Point(cost(line), exact(line), study.label(line), study.group(line), line["default"], id(line) in on)
+    return [Point(cost(line), exact(line), (study.whole_label if line["default"] else study.label)(line), study.group(line), line["default"], id(line) in on)
             for line in study.lines if cost(line) is not None and exact(line) is not None]
 
 
@@ -246,6 +245,7 @@ def plot(study, cost, cost_title, exact, exact_title, log, turned=False):
     finite = [p.y for p in points if math.isfinite(p.y)]
     if not finite:
         return None
+    exact_title += f"  (beside the points: {study.labelled()})"
     up = Axis(exact_title, finite, BOTTOM, TOP, log)
     if turned:
         top = max(finite) + 0.15 * (max(finite) - min(finite) or 10)
@@ -293,8 +293,8 @@ def draw(folder, name, lines):
     script.write_text(
         f"# gnuplot {name}.gnuplot, in this folder\n"
         f"set terminal svg size {WIDTH},{HEIGHT} dynamic enhanced font 'sans-serif,13' background 'white'\n"
-        f"set termoption noenhanced\nset output '{name}.svg'\n{body}"
-        f"set terminal pngcairo size {WIDTH},{HEIGHT} noenhanced font 'sans,10'\nset output '{name}.png'\nreplot\nset output\n")
+        f"set termoption noenhanced\nset output '{name}.svg'\ndot = 0.7\n{body}"
+        f"set terminal pngcairo size {WIDTH},{HEIGHT} noenhanced font 'sans,10'\nset output '{name}.png'\ndot = 1.1\nreplot\nset output\n")
     done = subprocess.run([gnuplot(), script.name], cwd=folder, capture_output=True, text=True)
     if done.returncode:
         raise Told(f"{script}: gnuplot: {done.stderr.strip()}; mend the script and run gnuplot on it")

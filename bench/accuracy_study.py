@@ -111,6 +111,10 @@ class Study:
     def label(self, line):
         return ", ".join(value(knob, line["knobs"].get(knob)) for knob in self.varied if knob != self.series)
 
+    def labelled(self):
+        """What label() is of."""
+        return ", ".join(knob.replace("_", " ") for knob in self.varied if knob != self.series)
+
     def whole_label(self, line):
         return ", ".join(value(knob, line["knobs"].get(knob)) for knob in self.varied)
 

@@ -195,7 +195,7 @@ class Script(unittest.TestCase):
         for name in made:
             self.assertGreater((self.out / name).stat().st_size, 100, name)
         texts = "|".join(xml.etree.ElementTree.parse(self.out / "spacing.svg").getroot().itertext())
-        for text in ("default: 1/4 m", "1/16 m", "scm", "Pareto front", "error, RMS, mm", "ms a step"):
+        for text in ("default: scm, 1/4 m", "1/16 m", "scm", "Pareto front of all", "error, RMS, mm  (beside the points: spacing)", "ms a step"):
             self.assertIn(text, texts)
         texts = "|".join(xml.etree.ElementTree.parse(self.out / "offset_format.svg").getroot().itertext())
         for text in ("default: R32I", "exact", "R16F"):
