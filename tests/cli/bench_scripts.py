@@ -251,8 +251,10 @@ class Script(unittest.TestCase):
             path.chmod(0o755)
 
     def test_runs_both_programs(self):
-        self.programs(*(f"grep {'-v ' * invert}pixel_error {self.folder / 'lines'}\n" for invert in (1, 0)))
+        said = "echo 'spacing {\"spacing\": 1}' >&2; echo 'furrow: note: of a scene' >&2; echo 'bench: it warns' >&2\n"
+        self.programs(*(f"{said}grep {'-v ' * invert}pixel_error {self.folder / 'lines'}\n" for invert in (1, 0)))
         done = self.accuracy("--build", self.folder)
+        self.assertEqual([text for text in done.stderr.splitlines() if "gnuplot" not in text], ["bench: it warns"] * 2)
         self.assertIn(done.returncode, (0, 1))  # 1: no gnuplot
         self.assertEqual(len((self.out / "accuracy.jsonl").read_text().splitlines()), len(LINES))
 
