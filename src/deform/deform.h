@@ -131,6 +131,11 @@ bool deform_is_contact_only(const struct deform_sweep *sweep);
 enum status deform_windows(struct deform *deform, const struct deform_sweep *sweep,
 			   struct deform_window *windows, size_t *count) FURROW_CHECKED;
 
+/* The same for a deform of these parameters, of which world, level and model are looked at alone, and nothing is made
+ * room for. Pure. */
+enum status deform_cut(const struct deform_params *params, const struct deform_sweep *sweep,
+		       struct deform_window *windows, size_t *count) FURROW_CHECKED;
+
 /* A resident, pinned tile of the working level. */
 struct deform_tile {
 	struct tile tile;
@@ -200,8 +205,8 @@ enum status deform_interval_gather(struct deform *deform, size_t block, const st
 enum status deform_interval_scatter(struct deform *deform, size_t block, const struct deform_tile *tiles,
 				    size_t count) FURROW_CHECKED;
 enum status deform_interval_end(struct deform *deform) FURROW_CHECKED;
-/* Posts along a side of what a block reads, at most. */
-int64_t deform_interval_side(const struct deform *deform);
+/* Posts along a side of what a block reads, at most, for a deform of these parameters. Pure. */
+int64_t deform_interval_side(const struct deform_params *params);
 
 /*
  * What deformation makes and runs, before it does: lines (base/plan.h) for a deform of these parameters, once it was warmed

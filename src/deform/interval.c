@@ -28,9 +28,10 @@ struct held_params {
 	int32_t window[4];
 };
 
-int64_t deform_interval_side(const struct deform *deform)
+int64_t deform_interval_side(const struct deform_params *params)
 {
-	return DEFORM_BLOCK + 2 * deform_slide_rim(deform);
+	const struct deform deform = {.params = *params};
+	return DEFORM_BLOCK + 2 * deform_slide_rim(&deform);
 }
 
 static void drop_results(struct deform *deform)
@@ -75,7 +76,7 @@ enum status interval_create(struct deform *deform)
 	if (interval == NULL)
 		return fail_memory("the awake blocks");
 	deform->interval = interval;
-	interval->side = (uint32_t)deform_interval_side(deform);
+	interval->side = (uint32_t)deform_interval_side(&deform->params);
 	interval->columns = SIDE / interval->side;
 	interval->batch = interval->columns * interval->columns;
 	enum status status = gpu_buffer_create(deform->params.gpu, GPU_STORAGE, DEFORM_BLOCKS_MAX * sizeof(uint32_t), NULL,

@@ -163,8 +163,8 @@ bool deform_fits_window(const struct deform *deform, struct post_rect reached)
 	return reached.x1 - reached.x0 <= deform_core(&deform->params) && reached.y1 - reached.y0 <= deform_core(&deform->params);
 }
 
-enum status deform_windows(struct deform *deform, const struct deform_sweep *sweep,
-			   struct deform_window *windows, size_t *count)
+static enum status cut(const struct deform *deform, const struct deform_sweep *sweep, struct deform_window *windows,
+		       size_t *count)
 {
 	*count = 0;
 	if (sweep->shape->kind == DEFORM_WHEEL && sweep->to.roll != 0)
@@ -192,5 +192,24 @@ enum status deform_windows(struct deform *deform, const struct deform_sweep *swe
 			window->write = post_rect_intersect(write, (struct post_rect){x, y, x + core, y + core});
 			window->read = grown(window->write, deform->border);
 		}
-	return deform_need_layers(deform, (uint32_t)*count);
+	return STATUS_OK;
+}
+
+enum status deform_cut(const struct deform_params *params, const struct deform_sweep *sweep,
+		       struct deform_window *windows, size_t *count)
+{
+	const struct deform deform = {
+		.params = *params,
+		.spacing = world_spacing(params->world, params->level),
+		.reach = deform_reach(params),
+		.border = deform_border(params),
+	};
+	return cut(&deform, sweep, windows, count);
+}
+
+enum status deform_windows(struct deform *deform, const struct deform_sweep *sweep,
+			   struct deform_window *windows, size_t *count)
+{
+	enum status status = cut(deform, sweep, windows, count);
+	return status == STATUS_OK && *count > 0 ? deform_need_layers(deform, (uint32_t)*count) : status;
 }

@@ -55,13 +55,13 @@ void gpu_slots_plan(uint32_t cells, unsigned planes, bool classes, bool divides,
 				    posts * plane_bytes((enum plane)plane), plane_name((enum plane)plane));
 	if (divides) {
 		uint64_t side = cells / 2 + 1;
-		add_texture(plan, NULL, PLAN_PATCH, side * side * sizeof(int32_t), "patch");
-		add_program(plan, NULL, gpu_slots_subdivide_request());
-		add_pass(plan, NULL, PLAN_SUBDIVIDED, GPU_SUBDIVIDE);
+		add_texture(plan, "subdivide", PLAN_PATCH, side * side * sizeof(int32_t), "patch");
+		add_program(plan, "subdivide", gpu_slots_subdivide_request());
+		add_pass(plan, "subdivide", PLAN_SUBDIVIDED, GPU_SUBDIVIDE);
 	}
 	if (decimates) {
-		add_program(plan, effect, gpu_slots_decimate_request(planes));
-		add_pass(plan, effect, PLAN_DECIMATED, GPU_PYRAMID);
+		add_program(plan, "pyramid", gpu_slots_decimate_request(planes));
+		add_pass(plan, "pyramid", PLAN_DECIMATED, GPU_PYRAMID);
 	}
 	plan_add(plan, &(struct plan_line){.kind = PLAN_BUFFER, .unit = PLAN_RING, .object = -1, .amount = 1,
 					   .bytes = GPU_RING_BYTES}, "parameters");

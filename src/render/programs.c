@@ -81,17 +81,18 @@ void render_plan(const struct render_params *params, bool deformed, bool divided
 {
 	uint64_t pixels = (uint64_t)params->width * (uint64_t)params->height, noise = RENDER_NOISE_SIZE * RENDER_NOISE_SIZE;
 	bool skirts = params->effects >> EFFECT_SKIRTS & 1;
+	const char *picture = scene_effect_row(EFFECT_PICTURE)->name;
 	for (unsigned variant = 0; variant < RENDER_VARIANTS; variant++)
 		if (has_variant(variant, deformed, divided)) {
 			struct gpu_program_request request = request_of(params->effects, params->dirt, params->pixel_error > 0, variant);
-			add_program(plan, NULL, &request);
+			add_program(plan, picture, &request);
 		}
-	add(plan, PLAN_PASS, PLAN_DRAWN, NULL, 0, gpu_stage_name(GPU_TERRAIN));
-	add(plan, PLAN_TEXTURE, PLAN_ONCE, NULL, 4 * pixels, "colour");
-	add(plan, PLAN_TEXTURE, PLAN_ONCE, NULL, 4 * pixels, "depth");
-	add(plan, PLAN_BUFFER, PLAN_ONCE, skirts ? scene_effect_row(EFFECT_SKIRTS)->name : NULL,
+	add(plan, PLAN_PASS, PLAN_DRAWN, picture, 0, gpu_stage_name(GPU_TERRAIN));
+	add(plan, PLAN_TEXTURE, PLAN_ONCE, picture, 4 * pixels, "colour");
+	add(plan, PLAN_TEXTURE, PLAN_ONCE, picture, 4 * pixels, "depth");
+	add(plan, PLAN_BUFFER, PLAN_ONCE, skirts ? scene_effect_row(EFFECT_SKIRTS)->name : picture,
 	    render_index_count(render_block_cells(params->world), skirts) * sizeof(uint16_t), "block");
-	add(plan, PLAN_BUFFER, PLAN_ONCE, NULL, RENDER_BLOCKS_ROOM * sizeof(uint32_t), "blocks");
+	add(plan, PLAN_BUFFER, PLAN_ONCE, picture, RENDER_BLOCKS_ROOM * sizeof(uint32_t), "blocks");
 	if (params->effects >> EFFECT_TEXTURE & 1)
 		add(plan, PLAN_TEXTURE, PLAN_ONCE, scene_effect_row(EFFECT_TEXTURE)->name, 4 * noise, "noise");
 	if (params->effects >> EFFECT_SKY & 1) {

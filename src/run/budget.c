@@ -18,7 +18,7 @@ static int64_t at_most(int64_t posts)
 
 /* Of the sphere around the object, a station's sweep in the middle of the world. Where several windows are cut from
  * it depends on the place: one may have all there is in a row. */
-static size_t window_tiles(const struct drive *drive, const struct deform_shape *shape)
+static size_t window_tiles(const struct drive *drive, const struct deform_params *params, const struct deform_shape *shape)
 {
 	const struct world *world = &drive->meta->world;
 	const struct deform_shape around = {.kind = DEFORM_SPHERE, .radius = deform_shape_bound(shape)};
@@ -30,7 +30,7 @@ static size_t window_tiles(const struct drive *drive, const struct deform_shape 
 	struct post_rect all = {0, 0, DEFORM_WINDOW_POSTS, DEFORM_WINDOW_POSTS};
 	size_t count;
 	/* The sphere may need too many; the object, which is smaller, needs none larger than a window. */
-	if (deform_windows(drive->deform, &sweep, windows, &count) == STATUS_OK) {
+	if (deform_cut(params, &sweep, windows, &count) == STATUS_OK && count > 0) {
 		const struct post_rect *first = &windows[0].read, *last = &windows[count - 1].read;
 		all = (struct post_rect){first->x0, first->y0, last->x1, last->y1};
 	}
@@ -39,10 +39,10 @@ static size_t window_tiles(const struct drive *drive, const struct deform_shape 
 }
 
 /* Of a block's square. */
-static size_t block_tiles(const struct drive *drive)
+static size_t block_tiles(const struct drive *drive, const struct deform_params *params)
 {
 	const struct world *world = &drive->meta->world;
-	int64_t side = deform_interval_side(drive->deform);
+	int64_t side = deform_interval_side(params);
 	return tiles_across(side, world->cells, world_tiles_x(world, drive->level)) *
 	       tiles_across(side, world->cells, world_tiles_y(world, drive->level));
 }
@@ -50,7 +50,9 @@ static size_t block_tiles(const struct drive *drive)
 enum status budget_check(struct drive *drive)
 {
 	const struct scene *scene = drive->scene;
-	size_t block = drive->deform != NULL && deform_conserves(scene->model) ? block_tiles(drive) : 0;
+	struct deform_params params;
+	drive_deform_params(drive, &params);
+	size_t block = scene->object_count > 0 && deform_conserves(scene->model) ? block_tiles(drive, &params) : 0;
 	if (block > BUDGET_WINDOW_TILES || block > scene->slots)
 		return fail_with(STATUS_INPUT, "cache.slots: a block of ground that slides touches up to %zu tiles of %u cells at "
 					       "once, and there are %u slots (at most %d are used); give more, or import with "
@@ -58,7 +60,7 @@ enum status budget_check(struct drive *drive)
 				 block, drive->meta->world.cells, scene->slots, BUDGET_WINDOW_TILES);
 	drive->window_tiles = block;
 	for (size_t i = 0; i < scene->object_count; i++) {
-		size_t tiles = window_tiles(drive, &scene->objects[i].shape);
+		size_t tiles = window_tiles(drive, &params, &scene->objects[i].shape);
 		if (tiles > BUDGET_WINDOW_TILES)
 			return fail_with(STATUS_INPUT, "%s: it touches up to %zu tiles of %u cells at once, and %d is the "
 						       "most; import with larger tiles (--tile)",
@@ -93,6 +95,8 @@ uint32_t budget_step_pages(const struct drive *drive)
 void budget_bytes(const struct drive *drive, struct pages_budget *budget)
 {
 	uint64_t side = tile_posts(&drive->meta->world);
-	pages_budget(drive->pages, budget);
+	struct pages_params params;
+	drive_pages_params(drive, &params);
+	pages_budget(&params, drive->meta->world.cells, budget);
 	budget->ground += ((uint64_t)drive->ground_tiles + 1) * side * side * sizeof(int32_t);
 }

@@ -9,8 +9,6 @@
 #include "run/internal.h"
 
 #define EPOCH_AGE 1.0 /* s: how much of a drive a kill may cost */
-#define GROUND_BYTES (64 << 20)
-enum { GROUND_LEAST = 16, GROUND_MOST = 256 }; /* tiles */
 
 static enum status make_directory(const char *path)
 {
@@ -52,41 +50,6 @@ static enum status clear_folder(struct drive *drive)
 	snprintf(path, sizeof path, "%s/run.json", drive->params->directory);
 	unlink(path);
 	return STATUS_OK;
-}
-
-/* Settles the working level; the store refuses another than it has. */
-static enum status settle_level(struct drive *drive)
-{
-	const struct world *world = &drive->meta->world;
-	if (!isnan(drive->meta->low) && !lattice_fits(drive->meta->low, drive->meta->high))
-		return fail_with(STATUS_INPUT, "store: heights from %g to %g m are more relief than can be deformed (about 16 "
-					       "km); import a smaller part, or say what a PNG means with --height-range",
-				 drive->meta->low, drive->meta->high);
-	drive->was_deformed = store_has_working_level(drive->store, NULL);
-	double asked = drive->scene->spacing;
-	int level = 0;
-	if (asked > 0) {
-		level = world_level_for(world, asked);
-		if (level < TILE_LEVEL_MIN)
-			return fail_with(STATUS_INPUT, "spacing: %g m is finer than %g m, the finest this store can be divided to; "
-						       "raise it, or import with a finer --spacing",
-					 asked, world_spacing(world, TILE_LEVEL_MIN));
-	} else {
-		store_has_working_level(drive->store, &level); /* stays 0 without one */
-	}
-	drive->level = level;
-	drive->spacing = world_spacing(world, level);
-	return store_set_working_level(drive->store, level);
-}
-
-/* Tiles of the ground: a few for each object, while that is not too much. */
-static uint32_t ground_tiles(const struct drive *drive)
-{
-	size_t side = tile_posts(&drive->meta->world), most = GROUND_BYTES / (side * side * sizeof(int32_t));
-	size_t tiles = 4 + 4 * drive->scene->object_count;
-	tiles = tiles < most ? tiles : most;
-	tiles = tiles < GROUND_MOST ? tiles : GROUND_MOST;
-	return tiles > GROUND_LEAST ? (uint32_t)tiles : GROUND_LEAST;
 }
 
 /* Ahead of everything: it reads while the GPU's programs are made. */
@@ -150,27 +113,11 @@ static enum status start_gpu(struct drive *drive)
 	if (status == STATUS_OK)
 		status = gpu_slots_create(drive->gpu, drive->meta->world.cells, scene->slots,
 					  pages_planes_of(scene, drive->was_deformed), &drive->slots);
-	struct deform_params deform = {
-		.gpu = drive->gpu,
-		.slots = drive->slots,
-		.world = &drive->meta->world,
-		.level = drive->level,
-		.reference = ground_reference(drive->store),
-		.model = scene->model,
-		.box_radius = scene->box_radius,
-		.box_repetitions = scene->box_repetitions,
-		.soil_count = scene->soil_count,
-		.iterations = scene->iterations,
-		.relief = isnan(drive->meta->low) ? 0 : drive->meta->high - drive->meta->low,
-		.depth = scene->depth,
-		.stands = scene->undisturbed == SCENE_STANDS,
-		.tolerance = scene->tolerance,
-		.bulldozing = scene->bulldozing,
-		.dirt = scene->dirt,
-	};
-	memcpy(deform.soils, scene->soils, sizeof deform.soils);
-	for (size_t i = 0; i < scene->object_count; i++)
-		deform.carriers += drive->riders[i].carrier > 0;
+	struct deform_params deform;
+	drive_deform_params(drive, &deform);
+	deform.gpu = drive->gpu;
+	deform.slots = drive->slots;
+	deform.reference = ground_reference(drive->store);
 	if (status == STATUS_OK && scene->object_count > 0)
 		status = deform_create(&deform, &drive->deform);
 	if (status == STATUS_OK)
@@ -203,31 +150,38 @@ static enum status soil_classes(void *user, unsigned loader, struct tile tile, u
 	return soil_map_read(drive->soil_map, loader, tile, classes);
 }
 
-static enum status start_pages(struct drive *drive)
+void drive_pages_params(const struct drive *drive, struct pages_params *params)
 {
 	const struct scene *scene = drive->scene;
-	struct pages_params params = {
-		.store = drive->store,
-		.gpu = drive->gpu,
-		.slots = drive->slots,
+	*params = (struct pages_params){
 		.planes = pages_planes_of(scene, drive->was_deformed),
 		.level = drive->level,
 		.count = scene->slots,
 		.loaders = scene->loaders,
 		.step_pages = budget_step_pages(drive),
 		.scene = scene,
-		.below = drive->record->sums.below,
-		.above = drive->record->sums.above,
-		.compacted = drive->record->sums.compacted,
-		.epochs = drive->epochs,
 		.epoch_age = EPOCH_AGE,
-		.trace = drive->trace,
 		.before_read_back = before_read_back,
 		.before_epoch = before_epoch,
-		.snapshot = drive->deform != NULL ? tally_snapshot : NULL,
-		.classes = drive->soil_map != NULL ? soil_classes : NULL,
-		.user = drive,
+		.snapshot = scene->object_count > 0 ? tally_snapshot : NULL,
+		.classes = scene->soil_map != NULL && scene->object_count > 0 ? soil_classes : NULL,
 	};
+}
+
+static enum status start_pages(struct drive *drive)
+{
+	const struct scene *scene = drive->scene;
+	struct pages_params params;
+	drive_pages_params(drive, &params);
+	params.store = drive->store;
+	params.gpu = drive->gpu;
+	params.slots = drive->slots;
+	params.below = drive->record->sums.below;
+	params.above = drive->record->sums.above;
+	params.compacted = drive->record->sums.compacted;
+	params.epochs = drive->epochs;
+	params.trace = drive->trace;
+	params.user = drive;
 	enum status status = pages_create(&params, &drive->pages);
 	if (status == STATUS_OK)
 		drive->cache = pages_cache(drive->pages);
@@ -244,8 +198,7 @@ static enum status warm_up(struct drive *drive)
 {
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < drive->scene->object_count && status == STATUS_OK; i++) {
-		const struct scene_object *object = &drive->scene->objects[i];
-		const struct deform_planned planned = {&object->shape, object->load, object->path.count > 1};
+		const struct deform_planned planned = drive_planned(&drive->scene->objects[i]);
 		status = deform_warm(drive->deform, &planned, drive->scene->forces > 0);
 	}
 	bool deformed = pages_planes_of(drive->scene, drive->was_deformed) != 0;
@@ -280,9 +233,9 @@ static enum status prepare(struct drive *drive)
 	if (status != STATUS_OK)
 		return status;
 	drive->meta = store_meta(drive->store);
-	status = settle_level(drive);
+	status = drive_settle_level(drive);
 	if (status == STATUS_OK)
-		drive->ground_tiles = ground_tiles(drive);
+		drive->ground_tiles = drive_ground_tiles(drive);
 	if (status == STATUS_OK)
 		status = ground_create(drive->store, drive->ground_tiles, &drive->ground);
 	if (status == STATUS_OK)
@@ -334,12 +287,8 @@ static void finish(struct drive *drive, enum status status)
 	deform_destroy(drive->deform);
 	gpu_slots_destroy(drive->slots);
 	gpu_destroy(drive->gpu);
-	for (size_t i = 0; drive->riders != NULL && i < drive->scene->object_count; i++)
-		track_destroy(drive->riders[i].track);
-	mem_free(drive->riders);
-	mem_free(drive->rests);
+	drive_unmount(drive);
 	mem_free(drive->events);
-	mem_free(drive->record);
 	if (drive->epochs != NULL)
 		fclose(drive->epochs);
 	ground_destroy(drive->ground);
@@ -398,6 +347,11 @@ static enum status run_steps(struct drive *drive, struct run_result *result)
 	return status == STATUS_OK || status == STATUS_INTERRUPTED ? written : failure_restore(&failure);
 }
 
+static void tell_advice(void *user, const char *text)
+{
+	note("%s", text);
+}
+
 enum status run_drive(const struct run_params *params, struct run_result *result)
 {
 	struct drive drive = {.params = params, .scene = params->scene};
@@ -411,6 +365,7 @@ enum status run_drive(const struct run_params *params, struct run_result *result
 		if (status == STATUS_OK)
 			status = report(&drive, true, result);
 	} else if (status == STATUS_OK) {
+		drive_advise(&drive, tell_advice, NULL);
 		status = start(&drive);
 		if (status == STATUS_OK)
 			status = run_steps(&drive, result);

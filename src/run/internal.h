@@ -127,6 +127,17 @@ void drive_tell_unfinished(const struct drive *drive); /* that it could be resum
 
 /* riders.c: makes the riders and the record, both of the scene's objects. */
 enum status drive_mount(struct drive *drive) FURROW_CHECKED;
+void drive_unmount(struct drive *drive); /* of one that was not mounted, too */
+
+/* plan.c: what follows from the scene and the store, before anything is made. */
+/* Settles the working level; the store refuses another than it has. STATUS_INPUT: it cannot be deformed so. */
+enum status drive_settle_level(struct drive *drive) FURROW_CHECKED;
+uint32_t drive_ground_tiles(const struct drive *drive);
+/* Without gpu, slots and reference. */
+void drive_deform_params(const struct drive *drive, struct deform_params *params);
+struct deform_planned drive_planned(const struct scene_object *object);
+/* What the scene, over this store, says without effect. */
+void drive_advise(const struct drive *drive, scene_advice_fn tell, void *user);
 
 /* events.c: what is due, in the order of time, then of the scene. */
 enum status drive_collect_events(struct drive *drive, double until) FURROW_CHECKED;
@@ -196,12 +207,15 @@ struct forces_figures {
 };
 void forces_figures(const struct forces *forces, struct forces_figures *figures); /* not of NULL */
 
+/* drive.c: of the pages, without store, gpu, slots, and what the drive has so far. */
+void drive_pages_params(const struct drive *drive, struct pages_params *params);
+
 /* budget.c */
 /* STATUS_INPUT, with the number needed, if there are fewer slots than one window touches tiles. */
 enum status budget_check(struct drive *drive) FURROW_CHECKED;
 /* Most pages one step can touch, for the queue's bound. */
 uint32_t budget_step_pages(const struct drive *drive);
-/* Of everything that holds tiles; the drive has begun. */
+/* Of everything that holds tiles. */
 void budget_bytes(const struct drive *drive, struct pages_budget *budget);
 
 /* view.c */

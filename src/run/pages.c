@@ -133,16 +133,15 @@ void pages_io(struct pages *pages, struct pages_io *io)
 	}
 }
 
-void pages_budget(const struct pages *pages, struct pages_budget *budget)
+void pages_budget(const struct pages_params *params, uint32_t cells, struct pages_budget *budget)
 {
-	const struct pages_params *params = &pages->params;
-	const struct pages_layout *layout = &pages->layout;
-	struct page_params cache = cache_params(params, layout);
-	uint64_t plane = layout->posts * sizeof(int32_t);
+	const struct pages_layout layout = pages_layout_of(cells, params->planes, params->classes != NULL);
+	struct page_params cache = cache_params(params, &layout);
+	uint64_t plane = layout.posts * sizeof(int32_t);
 	*budget = (struct pages_budget){
-		.slots = params->count * (plane + layout->changed + (params->classes != NULL ? layout->posts : 0)),
-		.loads = page_load_images(params->loaders) * (uint64_t)layout->loaded,
-		.queue = cache.queue_most * (uint64_t)layout->changed,
+		.slots = params->count * (plane + layout.changed + (params->classes != NULL ? layout.posts : 0)),
+		.loads = page_load_images(params->loaders) * (uint64_t)layout.loaded,
+		.queue = cache.queue_most * (uint64_t)layout.changed,
 		.ground = reader_count(params) * (GROUND_TILES + 1) * plane,
 	};
 }

@@ -85,13 +85,15 @@ unsigned pages_planes_of(const struct scene *scene, bool was_deformed);
  * the ground and of the view, which go by the same figures. After deform's lines, whose planes say which effect calls
  * for them. Pure. */
 void pages_plan(const struct scene *scene, uint32_t cells, bool was_deformed, struct plan *plan);
+/* What pages of such parameters may take at most, over tiles of so many cells; store, gpu and slots are not looked at.
+ * Pure. */
+void pages_budget(const struct pages_params *params, uint32_t cells, struct pages_budget *budget);
 enum status pages_create(const struct pages_params *params, struct pages **out) FURROW_CHECKED;
 /* Stops the threads; commits nothing. */
 void pages_destroy(struct pages *pages);
-/* Stops the threads, so that figures are whole: then only pages_io, pages_budget and pages_destroy. */
+/* Stops the threads, so that figures are whole: then only pages_io and pages_destroy. */
 void pages_stop(struct pages *pages);
 struct page_cache *pages_cache(struct pages *pages);
 void pages_io(struct pages *pages, struct pages_io *io);
-void pages_budget(const struct pages *pages, struct pages_budget *budget);
 
 #endif

@@ -17,7 +17,7 @@ static void add_threads(const struct scene *scene, struct plan *plan)
 {
 	plan_add(plan, &(struct plan_line){.kind = PLAN_THREAD, .object = -1, .amount = 1}, PAGE_WRITER_THREAD);
 	if (scene->loaders > 0)
-		plan_add(plan, &(struct plan_line){.kind = PLAN_THREAD, .object = -1, .amount = scene->loaders}, PAGE_LOADER_THREAD);
+		plan_add(plan, &(struct plan_line){.kind = PLAN_THREAD, .effect = scene_effect_row(EFFECT_LOADERS)->name, .object = -1, .amount = scene->loaders}, PAGE_LOADER_THREAD);
 }
 
 static void add_staging(struct plan *plan, enum plan_unit unit, const char *effect, int64_t amount, uint64_t bytes,
@@ -60,10 +60,10 @@ void pages_plan(const struct scene *scene, uint32_t cells, bool was_deformed, st
 	add_images(scene, &layout, planes, effects, plan);
 	store_plan_reads(plan, STORE_BASE_TABLE, 1, PLAN_READ, NULL);
 	if (scene->view.present) {
-		store_plan_reads(plan, STORE_BASE_TABLE, 1, PLAN_RANGE, NULL);
+		store_plan_reads(plan, STORE_BASE_TABLE, 1, PLAN_RANGE, scene_effect_row(EFFECT_PICTURE)->name);
 		/* Which tiles they are, and how far the offsets go. */
 		if (was_deformed)
-			store_plan_reads(plan, STORE_OFFSET_TABLE, 2, PLAN_ONCE, NULL);
+			store_plan_reads(plan, STORE_OFFSET_TABLE, 2, PLAN_ONCE, scene_effect_row(EFFECT_PICTURE)->name);
 	}
 	for (int plane = 0; plane < PLANES; plane++) {
 		enum store_table table = (enum store_table)(STORE_OFFSET_TABLE + plane);

@@ -58,3 +58,12 @@ enum status drive_mount(struct drive *drive)
 	}
 	return STATUS_OK;
 }
+
+void drive_unmount(struct drive *drive)
+{
+	for (size_t i = 0; drive->riders != NULL && i < drive->scene->object_count; i++)
+		track_destroy(drive->riders[i].track);
+	mem_free(drive->riders);
+	mem_free(drive->rests);
+	mem_free(drive->record);
+}

@@ -8,6 +8,7 @@
 #include <stdint.h>
 
 #include "base/base.h"
+#include "base/plan.h"
 #include "scene/scene.h"
 
 struct run_params {
@@ -54,5 +55,34 @@ struct run_result {
  * there is none.
  */
 enum status run_drive(const struct run_params *params, struct run_result *result) FURROW_CHECKED;
+
+/*
+ * What run_drive will make and run, before it does: needs no GL, makes no thread, and changes nothing, the store neither.
+ *
+ * What counts depends on the way (windows, tiles, commits) is in the plan by unit; what is known before is here. A drive
+ * of the same scene over the same store makes and runs what the plan says, times its counts of units, and nothing else.
+ */
+struct run_plan {
+	struct plan plan;
+	unsigned effects;     /* scene_effects of the working level */
+	char *store;          /* path; NULL: none was given or found, and what is told of it is assumed: */
+	uint32_t cells;       /* of a tile's side; assumed 256 */
+	int level;            /* the working level; assumed 0 */
+	double spacing;       /* metres between its posts; assumed the scene's, or 1 */
+	bool deformed;        /* the store is, before the drive; assumed not */
+	struct {
+		uint64_t slots, loads, queue, ground;
+	} most;               /* bytes, as run.json's memory.budget: of the planes in slots, and of tiles on the host */
+	size_t window_tiles;  /* that one window, or block of sliding ground, can touch, at most */
+	int64_t steps, pictures; /* until end_time; pictures that are drawn: one a step */
+	uint64_t *stations;   /* of each object, until end_time */
+	char **notes;         /* scene_advise's, and what the store adds: "KEY: WHY; WHAT TO DO" */
+	size_t note_count;
+};
+
+/* `store`: path; overrides the scene's; NULL: the scene's, if there is such a file. Fails as a drive would that cannot
+ * begin: STATUS_INPUT for what the store or its spacing does not allow. On failure `out` is all zero. */
+enum status run_plan(const struct scene *scene, const char *store, struct run_plan *out) FURROW_CHECKED;
+void run_plan_finish(struct run_plan *plan); /* of one that is all zero too */
 
 #endif

@@ -1,59 +1,147 @@
-/* The one table of effects: what each is called, what calls for it, and what it costs. */
+/*
+ * The one table of effects: what each is called, what calls for it, and what it costs. What a scene calls for is
+ * decided here and nowhere else; the ranges and defaults of parameters are those of the scene's schema.
+ */
 #include <assert.h>
+#include <stdio.h>
+#include <string.h>
 
 #include "scene/scene.h"
+#include "scene/scene_schema.h"
 
 #define STATE "base, offset, heaped, pressed, shear"
 #define STATE_CHANGED "offset, heaped, pressed, shear"
+#define LIST(...) (const char *const[]){__VA_ARGS__, NULL}
+#define NONE (const char *const[]){NULL}
+#define SLIDING "redistribute.iterations", "redistribute.interval", "redistribute.tolerance", "redistribute.undisturbed"
 
 static const struct scene_effect_row rows[EFFECT_COUNT] = {
-	[EFFECT_DISPLACE] = {"displace", "objects", "", "deform/none.frag", "base, offset",
-			     "offset", 0, "presses each object's underside into the ground"},
-	[EFFECT_BOX] = {"box", "redistribute.model", "", "deform/box.frag", "base, offset", "offset",
-			1, "smooths the trail: the mean offset of the posts around each"},
-	[EFFECT_SUMNER] = {"sumner", "redistribute.model", "", "deform/sumner.frag", "base, offset",
-			   "offset", 0, "takes what an object presses away, and lays part of it around"},
-	[EFFECT_SLIPPAGE] = {"slippage", "redistribute.model", "", "deform/slippage.frag", "base, offset",
-			     "offset", 0, "takes what an object presses away, and lays all of it around"},
-	[EFFECT_SCM] = {"scm", "redistribute.model", "", "deform/scm.frag", STATE, STATE_CHANGED, 1,
-			"sinks, yields and springs back by the soil's pressure, which it remembers"},
-	[EFFECT_SPREAD] = {"spread", "redistribute.model", "", "deform/spread.frag", "offset", "offset",
-			   DEFORM_WINDOW_POSTS, "lays the soil that an object moved on the nearest free posts"},
-	[EFFECT_SHED] = {"shed", "redistribute.model", "", "deform/slide_shed.frag", "base, offset",
-			 "offset", 1, "slides soil from steep posts by their roughness"},
-	[EFFECT_SLIDE] = {"slide", "redistribute.model", "", "deform/slide_excess.frag",
-			  "base, offset, heaped", "offset, heaped", 1,
-			  "slides soil down what is steeper than it can stand"},
-	[EFFECT_SOIL_MAP] = {"soil_map", "soil.map", "SOIL_MAP", "lib/soil.glsl", "class", "class", 0,
-			     "reads which soil each post is of"},
-	[EFFECT_MESH] = {"mesh", "objects.shape.mesh", "", "deform/facet.frag", "", "underside", 0,
-			 "finds the underside of a shape made of triangles"},
-	[EFFECT_LUGS] = {"lugs", "objects.shape.wheel.lugs", "", "deform/facet.frag", "", "underside", 0,
-			 "finds the underside of the bars across a wheel's rim, as they turn"},
-	[EFFECT_LOAD] = {"load", "objects.load", "", "deform/scm_find.frag", STATE, "height", 1,
-			 "finds how deep an object stands for the soil to carry its load"},
-	[EFFECT_FORCES] = {"forces", "output.forces", "FORCES", "deform/scm.frag", STATE, "forces", 1,
-			   "sums the soil's forces and moments on each object"},
-	[EFFECT_DIRT] = {"dirt", "attributes", "", "deform/dirt.frag", "offset, dirt", "dirt", 0,
-			 "keeps where the ground was disturbed"},
-	[EFFECT_TEXTURE] = {"texture", "view.effects", "TEXTURE", "terrain.frag", "base, offset",
-			    "colour", 0, "colours the ground by its height, slope and dirt"},
-	[EFFECT_DETAIL] = {"detail", "view.effects", "DETAIL", "terrain.frag", "base, offset",
-			   "colour", 0, "adds fine grain to the ground near the eye"},
-	[EFFECT_FOG] = {"fog", "view.effects", "FOG", "terrain.frag", "", "colour", 0,
-			"fades what is far into the air"},
-	[EFFECT_SKY] = {"sky", "view.effects", "", "sky.frag", "", "colour", 0,
-			"draws the sky behind the ground"},
-	[EFFECT_GEOMORPH] = {"geomorph", "view.effects", "GEOMORPH", "terrain.vert", "base, offset",
-			     "depth", 1, "blends each level into the next, so that none pops in"},
-	[EFFECT_SKIRTS] = {"skirts", "view.effects", "SKIRTS", "terrain.vert", "base, offset",
-			   "depth", 0, "hangs an edge under each tile to hide cracks between levels"},
+	[EFFECT_DISPLACE] = {
+		"displace", "objects", "", LIST("deform/under.frag", "deform/none.frag"), "base, offset", "offset", 0,
+		LIST("objects[].shape.wheel.radius", "objects[].shape.wheel.width", "objects[].shape.sphere.radius",
+		     "objects[].shape.box.size[]", "objects[].sink"),
+		"a window is at most 256 x 256 posts, a sweep at most 16 of them; an object at most 672 posts across, and "
+		"512 m; an offset at most 1024 m",
+		"presses each object's underside into the ground"},
+	[EFFECT_BOX] = {
+		"box", "redistribute.model", "", LIST("deform/box.frag"), "base, offset", "offset", 4,
+		LIST("redistribute.radius", "redistribute.repetitions"),
+		"reads as many posts around the trail as the radius times the repetitions: 32 at most",
+		"smooths the trail: the mean of the posts around"},
+	[EFFECT_SUMNER] = {
+		"sumner", "redistribute.model", "", LIST("deform/sumner.frag"), "base, offset", "offset", 0,
+		LIST("soil.compression"),
+		"gives away at most 8 m of soil a post and sweep",
+		"lays part of what objects press away around"},
+	[EFFECT_SLIPPAGE] = {
+		"slippage", "redistribute.model", "", LIST("deform/slippage.frag"), "base, offset", "offset", 0, NONE,
+		"gives away at most 8 m of soil a post and sweep",
+		"lays all that objects press away around"},
+	[EFFECT_SCM] = {
+		"scm", "redistribute.model", "", LIST("deform/scm.frag"), STATE, STATE_CHANGED, 1,
+		LIST("redistribute.bulldozing", "soil.bekker_kc", "soil.bekker_kphi", "soil.bekker_n", "soil.cohesion",
+		     "soil.friction_angle", "soil.janosi_shear", "soil.elastic_stiffness", "soil.damping", "objects[].slip"),
+		"a stress is at most 1e20 Pa; a slope counts as at most 87 degrees; integer sums, but floating point by driver",
+		"sinks and springs back by the soil's pressure"},
+	[EFFECT_SPREAD] = {
+		"spread", "redistribute.model", "", LIST("deform/spread.frag"), "offset", "offset", DEFORM_WINDOW_POSTS, NONE,
+		"along the rows and columns of one window; soil that finds no free post there is compacted, and counted",
+		"lays moved soil on the nearest free posts"},
+	[EFFECT_SHED] = {
+		"shed", "redistribute.model", "", LIST("deform/slide_begin.frag", "deform/slide_shed.frag", "deform/slide_take.frag", "deform/held.frag"),
+		"base, offset, heaped", "offset, heaped", 2,
+		LIST(SLIDING, "soil.theta_in", "soil.theta_out", "soil.theta_stop", "soil.roughness"),
+		"a difference counts as at most 64 m, what slides from a post as at most 4 m an iteration; at most 16,384 "
+		"blocks of 32 x 32 posts awake at once",
+		"slides soil from steep posts by their roughness"},
+	[EFFECT_SLIDE] = {
+		"slide", "redistribute.model", "", LIST("deform/slide_begin.frag", "deform/slide_excess.frag", "deform/held.frag"),
+		"base, offset, heaped", "offset, heaped", 1,
+		LIST(SLIDING, "redistribute.depth", "soil.repose", "soil.cohesion", "soil.friction_angle", "soil.unit_weight"),
+		"at most an eighth of a difference, and 4 m, an iteration; at most 16,384 blocks of 32 x 32 posts awake at once",
+		"slides soil down what is too steep to stand"},
+	[EFFECT_SOIL_MAP] = {
+		"soil_map", "soil.map", "SOIL_MAP", LIST("lib/soil.glsl"), "class", "class", 0, LIST("soil.map", "soil.classes", "soil.default"),
+		"at most 16 soils, the default among them; the raster's file at most 1 GiB",
+		"reads which soil each post is of"},
+	[EFFECT_MESH] = {
+		"mesh", "objects.shape.mesh", "", LIST("deform/facet.vert", "deform/facet.frag"), "", "underside", 0,
+		LIST("objects[].shape.mesh.file", "objects[].shape.mesh.scale"),
+		"at most 1,000,000 triangles; its longest side from 1 mm to 1000 m",
+		"finds the underside of triangles"},
+	[EFFECT_LUGS] = {
+		"lugs", "objects.shape.wheel.lugs", "", LIST("deform/facet.vert", "deform/facet.frag"), "", "underside", 0,
+		LIST("objects[].shape.wheel.lugs", "objects[].shape.wheel.lug_height", "objects[].shape.wheel.lug_thickness"),
+		"at most 128 bars, as high as the wheel's radius",
+		"finds the underside of a wheel's bars"},
+	[EFFECT_LOAD] = {
+		"load", "objects.load", "", LIST("deform/scm_find.frag"), STATE, "height", 1, LIST("objects[].load"),
+		"the object fits one window, and sinks no deeper than it is high",
+		"finds how deep the soil carries a load"},
+	[EFFECT_FORCES] = {
+		"forces", "output.forces", "FORCES", LIST("deform/scm.frag"), STATE, "forces", 1,
+		LIST("output.forces", "output.delay"),
+		"a post bears at most 134 MPa, in steps of a sixteenth of a pascal",
+		"sums the soil's forces on each object"},
+	[EFFECT_DIRT] = {
+		"dirt", "attributes", "", LIST("deform/dirt.frag"), "offset, dirt", "dirt", 0, NONE,
+		"256 shades: 255 is the dirtiest", "keeps where the ground was disturbed"},
+	[EFFECT_SUBDIVIDE] = {
+		"subdivide", "spacing", "", LIST("subdivide.frag"), "base", "base", 1, LIST("spacing"),
+		"at most 14 levels below the source's", "interpolates between the source's posts"},
+	[EFFECT_PYRAMID] = {
+		"pyramid", "view", "", LIST("decimate.frag"), "offset, dirt", "offset, dirt", 0, NONE,
+		"resident tiles alone: the store's follow at each commit", "keeps coarser tiles up to date with changes"},
+	[EFFECT_PICTURE] = {
+		"picture", "view", "", LIST("terrain.vert", "terrain.frag"), "base, offset, dirt", "colour, depth", 0,
+		LIST("view.size[]", "view.camera", "view.pixel_error"), "at most 1024 tiles a picture, of 8192 x 8192 pixels at most",
+		"draws the ground that the camera sees"},
+	[EFFECT_NORMALS] = {
+		"normals", "view", "", LIST("lib/slope.glsl"), "base, offset", "colour", 1, NONE,
+		"found from the posts around a pixel, and kept nowhere", "slopes, at each pixel: no plane, and no pass"},
+	[EFFECT_TEXTURE] = {
+		"texture", "view.effects", "TEXTURE", LIST("terrain.frag", "terrain.vert"), "base, offset", "colour", 0, NONE,
+		"noise of 8 km at most repeats", "colours by height, slope and dirt"},
+	[EFFECT_DETAIL] = {
+		"detail", "view.effects", "DETAIL", LIST("terrain.frag"), "base, offset", "colour", 0, NONE,
+		"of the texture's noise", "adds fine grain to the ground near the eye"},
+	[EFFECT_FOG] = {
+		"fog", "view.effects", "FOG", LIST("terrain.frag", "terrain.vert"), "", "colour", 0, NONE,
+		"as clear as the terrain is large", "fades what is far into the air"},
+	[EFFECT_SKY] = {
+		"sky", "view.effects", "", LIST("sky.vert", "sky.frag"), "", "colour", 0, NONE,
+		"where no ground is drawn", "draws the sky behind the ground"},
+	[EFFECT_GEOMORPH] = {
+		"geomorph", "view.effects", "GEOMORPH", LIST("terrain.vert"), "base, offset", "depth", 1, NONE,
+		"within a tile", "blends each level into the next"},
+	[EFFECT_SKIRTS] = {
+		"skirts", "view.effects", "SKIRTS", LIST("terrain.vert"), "base, offset", "depth", 0, NONE,
+		"as deep as the tile's relief at most", "hides cracks between levels"},
+	[EFFECT_IMAGES] = {
+		"images", "view.images", "", NONE, "colour", "", 0, LIST("view.images"),
+		"the step waits until the picture is whole and written", "writes pictures to files"},
+	[EFFECT_LOADERS] = {
+		"loaders", "cache.loaders", "", NONE, "base, offset", "", 0, LIST("cache.loaders", "cache.slots"),
+		"at most 16 threads; without any the step reads, and nothing is read ahead", "reads tiles while the step goes on"},
+	[EFFECT_PREFETCH] = {
+		"prefetch", "cache.prefetch", "", NONE, "base", "", 0, LIST("cache.prefetch"),
+		"as far as there are slots", "reads ahead of the objects and the camera"},
 };
 
 const struct scene_effect_row *scene_effect_row(enum scene_effect effect)
 {
 	assert((unsigned)effect < EFFECT_COUNT);
 	return &rows[effect];
+}
+
+bool scene_effect_named(const char *name, enum scene_effect *effect)
+{
+	for (int e = 0; e < EFFECT_COUNT; e++)
+		if (strcmp(rows[e].name, name) == 0) {
+			*effect = (enum scene_effect)e;
+			return true;
+		}
+	return false;
 }
 
 static unsigned model_effects(enum deform_model model)
@@ -75,18 +163,17 @@ static unsigned model_effects(enum deform_model model)
 	return 0;
 }
 
-unsigned scene_effects(const struct scene *scene)
+static unsigned object_effects(const struct scene *scene)
 {
-	unsigned effects = 0;
-	if (scene->object_count > 0) {
-		effects |= model_effects(scene->model);
-		if (scene->dirt)
-			effects |= 1u << EFFECT_DIRT;
-		if (scene->soil_map != NULL)
-			effects |= 1u << EFFECT_SOIL_MAP;
-		if (scene->forces > 0)
-			effects |= 1u << EFFECT_FORCES;
-	}
+	unsigned effects = model_effects(scene->model);
+	if (scene->dirt)
+		effects |= 1u << EFFECT_DIRT;
+	if (scene->soil_map != NULL)
+		effects |= 1u << EFFECT_SOIL_MAP;
+	if (scene->forces > 0)
+		effects |= 1u << EFFECT_FORCES;
+	if (scene->prefetch > 0)
+		effects |= 1u << EFFECT_PREFETCH;
 	for (size_t i = 0; i < scene->object_count; i++) {
 		if (scene->objects[i].shape.kind == DEFORM_MESH)
 			effects |= 1u << EFFECT_MESH;
@@ -95,7 +182,63 @@ unsigned scene_effects(const struct scene *scene)
 		if (scene->objects[i].load > 0)
 			effects |= 1u << EFFECT_LOAD;
 	}
-	if (scene->view.present)
-		effects |= scene->view.effects;
 	return effects;
+}
+
+static unsigned view_effects(const struct scene *scene)
+{
+	unsigned always = 1u << EFFECT_PICTURE | 1u << EFFECT_NORMALS | 1u << EFFECT_PYRAMID;
+	return scene->view.effects | always | (scene->view.images > 0 ? 1u << EFFECT_IMAGES : 0);
+}
+
+unsigned scene_effects(const struct scene *scene, int level)
+{
+	unsigned effects = 0;
+	if (scene->object_count > 0)
+		effects |= object_effects(scene);
+	if (scene->view.present)
+		effects |= view_effects(scene);
+	if (level < 0)
+		effects |= 1u << EFFECT_SUBDIVIDE;
+	if (scene->loaders > 0)
+		effects |= 1u << EFFECT_LOADERS;
+	return effects;
+}
+
+/* --- why --- */
+
+/* The first object that calls for it. */
+static const struct scene_object *caller(const struct scene *scene, enum scene_effect effect)
+{
+	for (size_t i = 0; i < scene->object_count; i++) {
+		const struct scene_object *object = &scene->objects[i];
+		if ((effect == EFFECT_MESH && object->shape.kind == DEFORM_MESH) ||
+		    (effect == EFFECT_LUGS && object->shape.lugs > 0) || (effect == EFFECT_LOAD && object->load > 0))
+			return object;
+	}
+	return NULL;
+}
+
+void scene_effect_reason(const struct scene *scene, enum scene_effect effect, char *text, size_t size)
+{
+	const char *key = rows[effect].key;
+	const struct scene_object *object = caller(scene, effect);
+	if (object != NULL) /* objects.NAME.load */
+		snprintf(text, size, "objects.%s%s", object->name, key + strlen("objects"));
+	else if (strcmp(key, "redistribute.model") == 0)
+		snprintf(text, size, "%s: %s", key, scene_model_word(scene->model));
+	else if (strcmp(key, "view.effects") == 0 || strcmp(key, "attributes") == 0)
+		snprintf(text, size, "%s.%s", key, rows[effect].name);
+	else if (effect == EFFECT_FORCES)
+		snprintf(text, size, "%s: %g", key, scene->forces);
+	else if (effect == EFFECT_PREFETCH)
+		snprintf(text, size, "%s: %g", key, scene->prefetch);
+	else if (effect == EFFECT_LOADERS)
+		snprintf(text, size, "%s: %u", key, scene->loaders);
+	else if (effect == EFFECT_IMAGES)
+		snprintf(text, size, "%s: %lld", key, (long long)scene->view.images);
+	else if (effect == EFFECT_SUBDIVIDE && scene->spacing > 0)
+		snprintf(text, size, "%s: %g", key, scene->spacing);
+	else
+		snprintf(text, size, "%s", effect == EFFECT_SUBDIVIDE ? "the store's working level" : key);
 }

@@ -35,25 +35,47 @@ enum scene_effect {
 	EFFECT_LOAD,
 	EFFECT_FORCES,
 	EFFECT_DIRT,
+	EFFECT_SUBDIVIDE,
+	EFFECT_PYRAMID,
+	EFFECT_PICTURE,
+	EFFECT_NORMALS,
 	EFFECT_TEXTURE,
 	EFFECT_DETAIL,
 	EFFECT_FOG,
 	EFFECT_SKY,
 	EFFECT_GEOMORPH,
 	EFFECT_SKIRTS,
+	EFFECT_IMAGES,
+	EFFECT_LOADERS,
+	EFFECT_PREFETCH,
 	EFFECT_COUNT
 };
 
 struct scene_effect_row {
-	const char *name;    /* as the scene writes it */
+	const char *name;    /* as the scene writes it, where it does */
 	const char *key;     /* the scene's key that calls for it: "redistribute.model" */
 	const char *define;  /* of the shader variant, "" if it has its own program */
-	const char *shader;  /* file */
-	const char *reads, *writes; /* planes */
-	int stencil;         /* posts read around a post it writes */
+	const char *const *shaders; /* files, NULL-terminated; the define is in the first */
+	const char *reads, *writes; /* planes, or what else a person calls it */
+	int stencil;         /* posts read around a post it writes, at most */
+	const char *const *parameters; /* keys of the scene, NULL-terminated, as scene_parameter takes them */
+	const char *limits;  /* in words, with numbers */
 	const char *what;    /* one line for a person */
 };
 const struct scene_effect_row *scene_effect_row(enum scene_effect effect);
+bool scene_effect_named(const char *name, enum scene_effect *effect);
+
+/* What the scene may say at a key: of a list's entries "objects[].sink", of a soil "soil.cohesion". */
+struct scene_parameter {
+	const char *kind;      /* "number", "whole number", "word", "switch", "text", "list" or "mapping" */
+	const char *unit;      /* NULL: none */
+	double low, high;      /* of a number; NaN both: any finite one */
+	bool above;            /* low itself is out of range */
+	double absent;         /* of a number: where the scene does not say; NaN: as `otherwise` says, or, NULL, */
+	const char *otherwise; /* that it must be given where what holds it is */
+	char words[96];        /* of a word: "stands, slides" */
+};
+bool scene_parameter(const char *key, struct scene_parameter *parameter); /* false: the scene has no such key */
 
 /* A pose in time. A path of points has no t, z or attitude: they follow from speed and ground. */
 struct scene_waypoint {
@@ -122,8 +144,13 @@ struct scene {
 	struct scene_view view;
 	uint32_t slots, loaders;
 	double prefetch; /* s */
+	char **unused;   /* what the checker found to be of no use: "KEY: WHY; WHAT TO DO" */
+	size_t unused_count;
 	char hash[33];   /* hex, of what decides the ground: not cache, view, output, store, end_time */
 };
+
+/* "none", "box", ..: as the scene writes it. */
+const char *scene_model_word(enum deform_model model);
 
 struct scene_setting {
 	const char *key, *value; /* dotted, objects by name */
@@ -135,7 +162,14 @@ enum status scene_load(const char *path, const struct scene_setting *settings, s
 		       struct scene **out) FURROW_CHECKED;
 void scene_destroy(struct scene *scene);
 
-/* The effects a scene calls for, as bits 1 << EFFECT_*. */
-unsigned scene_effects(const struct scene *scene);
+/* The effects a scene calls for at a working level (0: the store's own posts), as bits 1 << EFFECT_*. */
+unsigned scene_effects(const struct scene *scene, int level);
+/* What of the scene calls for it, of one that it calls for: "redistribute.model: box", "objects.front_left.load". */
+void scene_effect_reason(const struct scene *scene, enum scene_effect effect, char *text, size_t size);
+
+/* Tells what of the scene has no effect, or none that anybody sees: "KEY: WHY; WHAT TO DO", one line each, in the
+ * scene's order. Each is certain, for ground of any shape. `spacing`: metres between posts of the working level; 0: not known. */
+typedef void (*scene_advice_fn)(void *user, const char *text);
+void scene_advise(const struct scene *scene, double spacing, scene_advice_fn tell, void *user);
 
 #endif

@@ -7,14 +7,15 @@
 #include "scene/scene_error.h"
 #include "scene/scene_file.h"
 
-static double number_or(const double *value, double absent)
+/* As given, or what it is where the scene does not say. */
+static double number(const double *value, const char *where)
 {
-	return value != NULL ? *value : absent;
+	return value != NULL ? *value : scene_absent(where);
 }
 
-static int64_t whole_or(const int64_t *value, int64_t absent)
+static int64_t whole(const int64_t *value, const char *where)
 {
-	return value != NULL ? *value : absent;
+	return value != NULL ? *value : (int64_t)scene_absent(where);
 }
 
 static enum status copy(char **out, const char *text)
@@ -64,17 +65,17 @@ static enum status check_redistribute(const struct scene_tree *tree,
 	if (raw == NULL)
 		raw = &none;
 	scene->model = (enum deform_model)raw->model;
-	scene->box_radius = (int)whole_or(raw->radius, 1);
-	scene->box_repetitions = (int)whole_or(raw->repetitions, 1);
+	scene->box_radius = (int)whole(raw->radius, "redistribute.radius");
+	scene->box_repetitions = (int)whole(raw->repetitions, "redistribute.repetitions");
 	if ((SOILS_MODELS >> scene->model & 1) != 0) {
-		scene->iterations = (int)whole_or(raw->iterations, 1);
-		scene->interval = number_or(raw->interval, 0.05);
-		scene->depth = number_or(raw->depth, scene->model == DEFORM_SCM ? 0 : (double)INFINITY);
-		scene->tolerance = number_or(raw->tolerance, 0);
+		scene->iterations = (int)whole(raw->iterations, "redistribute.iterations");
+		scene->interval = number(raw->interval, "redistribute.interval");
+		scene->depth = raw->depth != NULL ? *raw->depth : scene->model == DEFORM_SCM ? 0 : (double)INFINITY;
+		scene->tolerance = number(raw->tolerance, "redistribute.tolerance");
 		scene->undisturbed = raw->undisturbed != NULL ? (enum scene_undisturbed)*raw->undisturbed : SCENE_STANDS;
 	}
 	if (scene->model == DEFORM_SCM)
-		scene->bulldozing = number_or(raw->bulldozing, 0.5);
+		scene->bulldozing = number(raw->bulldozing, "redistribute.bulldozing");
 	return check_parameters(tree, raw);
 }
 
@@ -92,7 +93,7 @@ static enum status check_output(const struct scene_tree *tree, const struct raw_
 		return scene_error(tree->file, scene_tree_find(tree, "output.forces"),
 				   "no model but scm computes forces; allowed with: redistribute: {model: scm}");
 	scene->forces = *output->forces;
-	scene->forces_delay = scene->forces > 0 ? (int)whole_or(output->delay, 2) : 0;
+	scene->forces_delay = scene->forces > 0 ? (int)whole(output->delay, "output.delay") : 0;
 	return STATUS_OK;
 }
 
@@ -136,14 +137,14 @@ enum status scene_check(const struct scene_tree *tree, const struct raw_scene *r
 		if (scene->store == NULL)
 			return fail_memory("reading the scene");
 	}
-	scene->time_step = number_or(raw->time_step, 0.02);
+	scene->time_step = number(raw->time_step, "time_step");
 	scene->end_time = raw->end_time;
-	scene->gravity = number_or(raw->gravity, 9.81);
-	scene->spacing = number_or(raw->spacing, 0);
+	scene->gravity = number(raw->gravity, "gravity");
+	scene->spacing = raw->spacing != NULL ? *raw->spacing : 0;
 	scene->outside = raw->outside != NULL ? (enum scene_outside)*raw->outside : SCENE_STOP;
-	scene->slots = (uint32_t)whole_or(cache->slots, 256);
-	scene->loaders = (uint32_t)whole_or(cache->loaders, 2);
-	scene->prefetch = number_or(cache->prefetch, 1.5);
+	scene->slots = (uint32_t)whole(cache->slots, "cache.slots");
+	scene->loaders = (uint32_t)whole(cache->loaders, "cache.loaders");
+	scene->prefetch = number(cache->prefetch, "cache.prefetch");
 
 	if ((status = check_coordinates(raw, scene)) != STATUS_OK ||
 	    (status = check_redistribute(tree, raw->redistribute, scene)) != STATUS_OK ||

@@ -13,6 +13,9 @@
 enum status scene_check(const struct scene_tree *tree, const struct raw_scene *raw,
 			struct scene *scene) FURROW_CHECKED;
 
+/* Something that the scene says is of no use, and no mistake: kept for scene_advise. */
+enum status scene_tell_unused(struct scene *scene, const char *format, ...) FURROW_PRINTF(2, 3) FURROW_CHECKED;
+
 /* The parts of it, one a file. */
 enum status scene_check_objects(const struct scene_tree *tree, const struct raw_scene *raw,
 				struct scene *scene) FURROW_CHECKED;

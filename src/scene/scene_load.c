@@ -70,6 +70,9 @@ void scene_destroy(struct scene *scene)
 		mem_free(scene->objects[i].name);
 		mem_free(scene->objects[i].path.points);
 	}
+	for (size_t i = 0; i < scene->unused_count; i++)
+		mem_free(scene->unused[i]);
+	mem_free(scene->unused);
 	mem_free(scene->objects);
 	mem_free(scene->file);
 	mem_free(scene->store);

@@ -118,7 +118,9 @@ enum status scene_check_objects(const struct scene_tree *tree, const struct raw_
 		    (status = check_forces(tree, from, scene, i)) != STATUS_OK)
 			return status;
 		if (object->path.has_z && from->sink != NULL)
-			note("%s: objects[%zu].sink: is not used: its poses say z", tree->file, i);
+			status = scene_tell_unused(scene, "objects.%s.sink: its poses say z already; take it away", object->name);
+		if (status != STATUS_OK)
+			return status;
 	}
 	return STATUS_OK;
 }

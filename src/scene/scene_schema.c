@@ -1,6 +1,8 @@
 /* The tables of scene_schema.h. */
 #include "scene/scene_schema.h"
 
+#include <assert.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -197,60 +199,60 @@ const char *scene_model_word(enum deform_model model)
 }
 
 static const struct scene_limit limits[] = {
-	{"scene", 1, 1, false, "is no version of the format that is known"},
-	{"time_step", 1e-6, 3600, false, NULL},
-	{"end_time", 0, 1e9, true, NULL},
-	{"gravity", 0, 1000, true, NULL},
-	{"spacing", 0, 1e6, true, NULL},
-	{"soil.bekker_kc", -1e12, 1e12, false, NULL},
-	{"soil.bekker_kphi", 0, 1e12, false, NULL},
-	{"soil.bekker_n", 0, 3, true, NULL},
-	{"soil.cohesion", 0, 1e9, false, NULL},
-	{"soil.friction_angle", 0, 89, false, NULL},
-	{"soil.janosi_shear", 0, 10, true, NULL},
-	{"soil.elastic_stiffness", 0, 1e12, true, NULL},
-	{"soil.damping", 0, 1e12, false, NULL},
-	{"soil.unit_weight", 0, 1e6, true, NULL},
-	{"soil.repose", 0, 89, true, NULL},
-	{"soil.theta_in", 0, 90, true, NULL},
-	{"soil.theta_out", 0, 90, true, NULL},
-	{"soil.theta_stop", 0, 90, true, NULL},
-	{"soil.roughness", 0, 0.2, true, "is out of the range in which slides come to rest"},
-	{"soil.compression", 0, 1, false, NULL},
-	{"soil.value", 0, 255, false, NULL},
-	{"redistribute.radius", 1, 4, false, NULL},
-	{"redistribute.repetitions", 1, 8, false, NULL},
-	{"redistribute.iterations", 1, 8, false, NULL},
-	{"redistribute.interval", 0, 3600, true, NULL},
-	{"redistribute.depth", 0, 1024, false, NULL},
-	{"redistribute.tolerance", 0, 1, false, NULL},
-	{"redistribute.bulldozing", 0, 1, false, NULL},
-	{"objects[].shape.wheel.radius", 0.001, 1000, false, NULL},
-	{"objects[].shape.wheel.width", 0.001, 1000, false, NULL},
-	{"objects[].shape.wheel.lugs", 0, 128, false, NULL},
-	{"objects[].shape.wheel.lug_height", 0, 1000, true, NULL},
-	{"objects[].shape.wheel.lug_thickness", 0, 1000, true, NULL},
-	{"objects[].shape.sphere.radius", 0.001, 1000, false, NULL},
-	{"objects[].shape.box.size[]", 0.001, 1000, false, NULL},
-	{"objects[].shape.mesh.scale", 0, 1000, true, NULL},
-	{"objects[].path.points[][]", -1e9, 1e9, false, NULL},
-	{"objects[].path.speed", 0, 10000, true, NULL},
-	{"objects[].sink", 0, 1000, false, NULL},
-	{"objects[].load", 0, 1e9, true, NULL},
-	{"objects[].slip", -0.99, 0.99, false, NULL},
-	{"output.forces", 0, 1e6, false, NULL},
-	{"output.delay", 0, 64, false, NULL},
-	{"view.size[]", 1, 8192, false, NULL},
-	{"view.camera.back", 0, 1e6, false, NULL},
-	{"view.camera.up", 0, 1e6, false, NULL},
-	{"view.camera.overhead.height", 0, 1e6, true, NULL},
-	{"view.camera.fixed.eye[]", -1e9, 1e9, false, NULL},
-	{"view.camera.fixed.target[]", -1e9, 1e9, false, NULL},
-	{"view.images", 0, 1e9, false, NULL},
-	{"view.pixel_error", 0, 64, true, NULL},
-	{"cache.slots", 4, 65536, false, NULL},
-	{"cache.loaders", 0, 16, false, NULL},
-	{"cache.prefetch", 0, 3600, false, NULL},
+	{"scene", 1, 1, false, "is no version of the format that is known", NULL, NAN, NULL},
+	{"time_step", 1e-6, 3600, false, NULL, "s", 0.02, NULL},
+	{"end_time", 0, 1e9, true, NULL, "s", NAN, NULL},
+	{"gravity", 0, 1000, true, NULL, "m/s2", 9.81, NULL},
+	{"spacing", 0, 1e6, true, NULL, "m", NAN, "the store's own"},
+	{"soil.bekker_kc", -1e12, 1e12, false, NULL, "N/m^(n+1)", NAN, "the named soil's"},
+	{"soil.bekker_kphi", 0, 1e12, false, NULL, "N/m^(n+2)", NAN, "the named soil's"},
+	{"soil.bekker_n", 0, 3, true, NULL, NULL, NAN, "the named soil's"},
+	{"soil.cohesion", 0, 1e9, false, NULL, "Pa", NAN, "the named soil's"},
+	{"soil.friction_angle", 0, 89, false, NULL, "degrees", NAN, "the named soil's"},
+	{"soil.janosi_shear", 0, 10, true, NULL, "m", NAN, "the named soil's"},
+	{"soil.elastic_stiffness", 0, 1e12, true, NULL, "Pa/m", NAN, "the named soil's"},
+	{"soil.damping", 0, 1e12, false, NULL, "Pa s/m", NAN, "the named soil's"},
+	{"soil.unit_weight", 0, 1e6, true, NULL, "N/m3", NAN, "the named soil's"},
+	{"soil.repose", 0, 89, true, NULL, "degrees", NAN, "the named soil's, or its friction_angle"},
+	{"soil.theta_in", 0, 90, true, NULL, "degrees", NAN, "the named soil's"},
+	{"soil.theta_out", 0, 90, true, NULL, "degrees", NAN, "the named soil's"},
+	{"soil.theta_stop", 0, 90, true, NULL, "degrees", NAN, "the named soil's"},
+	{"soil.roughness", 0, 0.2, true, "is out of the range in which slides come to rest", NULL, NAN, "the named soil's"},
+	{"soil.compression", 0, 1, false, NULL, NULL, NAN, "the named soil's"},
+	{"soil.value", 0, 255, false, NULL, NULL, NAN, NULL},
+	{"redistribute.radius", 1, 4, false, NULL, "posts", 1, NULL},
+	{"redistribute.repetitions", 1, 8, false, NULL, NULL, 1, NULL},
+	{"redistribute.iterations", 1, 8, false, NULL, NULL, 1, NULL},
+	{"redistribute.interval", 0, 3600, true, NULL, "s", 0.05, NULL},
+	{"redistribute.depth", 0, 1024, false, NULL, "m", NAN, "no bottom; 0 with scm"},
+	{"redistribute.tolerance", 0, 1, false, NULL, "m", 0, NULL},
+	{"redistribute.bulldozing", 0, 1, false, NULL, NULL, 0.5, NULL},
+	{"objects[].shape.wheel.radius", 0.001, 1000, false, NULL, "m", NAN, NULL},
+	{"objects[].shape.wheel.width", 0.001, 1000, false, NULL, "m", NAN, NULL},
+	{"objects[].shape.wheel.lugs", 0, 128, false, NULL, NULL, 0, NULL},
+	{"objects[].shape.wheel.lug_height", 0, 1000, true, NULL, "m", NAN, "0.05 of the radius"},
+	{"objects[].shape.wheel.lug_thickness", 0, 1000, true, NULL, "m", NAN, "0.1 of the radius"},
+	{"objects[].shape.sphere.radius", 0.001, 1000, false, NULL, "m", NAN, NULL},
+	{"objects[].shape.box.size[]", 0.001, 1000, false, NULL, "m", NAN, NULL},
+	{"objects[].shape.mesh.scale", 0, 1000, true, NULL, NULL, 1, NULL},
+	{"objects[].path.points[][]", -1e9, 1e9, false, NULL, "m", NAN, NULL},
+	{"objects[].path.speed", 0, 10000, true, NULL, "m/s", NAN, NULL},
+	{"objects[].sink", 0, 1000, false, NULL, "m", 0, NULL},
+	{"objects[].load", 0, 1e9, true, NULL, "N", NAN, "none: sink"},
+	{"objects[].slip", -0.99, 0.99, false, NULL, NULL, 0, NULL},
+	{"output.forces", 0, 1e6, false, NULL, "1/s", 0, NULL},
+	{"output.delay", 0, 64, false, NULL, "steps", 2, NULL},
+	{"view.size[]", 1, 8192, false, NULL, "pixels", NAN, "1280, 720"},
+	{"view.camera.back", 0, 1e6, false, NULL, "m", 12, NULL},
+	{"view.camera.up", 0, 1e6, false, NULL, "m", 5, NULL},
+	{"view.camera.overhead.height", 0, 1e6, true, NULL, "m", NAN, NULL},
+	{"view.camera.fixed.eye[]", -1e9, 1e9, false, NULL, "m", NAN, NULL},
+	{"view.camera.fixed.target[]", -1e9, 1e9, false, NULL, "m", NAN, NULL},
+	{"view.images", 0, 1e9, false, NULL, "steps", 0, NULL},
+	{"view.pixel_error", 0, 64, true, NULL, "pixels", NAN, "by distance alone"},
+	{"cache.slots", 4, 65536, false, NULL, NULL, 256, NULL},
+	{"cache.loaders", 0, 16, false, NULL, NULL, 2, NULL},
+	{"cache.prefetch", 0, 3600, false, NULL, "s", 1.5, NULL},
 };
 
 const struct scene_limit *scene_limit_of(const char *where)
@@ -266,4 +268,11 @@ const struct scene_limit *scene_limit_of(const char *where)
 		if (strcmp(limits[i].where, where) == 0)
 			return &limits[i];
 	return NULL;
+}
+
+double scene_absent(const char *where)
+{
+	const struct scene_limit *limit = scene_limit_of(where);
+	assert(limit != NULL && !isnan(limit->absent));
+	return limit->absent;
 }

@@ -120,8 +120,6 @@ struct raw_scene {
 
 extern const cyaml_schema_value_t scene_schema;
 
-const char *scene_model_word(enum deform_model model); /* as the scene writes it */
-
 /* The range of the number at `where`, a path with anonymous indices: low .. high, without `low`
  * itself if `above`. A soil's are those of `soil.`, wherever it is written. */
 struct scene_limit {
@@ -129,7 +127,11 @@ struct scene_limit {
 	double low, high;
 	bool above;
 	const char *why; /* said in place of "is out of range", or NULL */
+	const char *unit; /* NULL: a number, or a share of 1 */
+	double absent;    /* what it is where the scene does not say; NAN: what `otherwise` says, */
+	const char *otherwise; /* or (NULL) it must be given where its mapping is */
 };
 const struct scene_limit *scene_limit_of(const char *where); /* NULL: any finite number */
+double scene_absent(const char *where); /* of a number that has one */
 
 #endif

@@ -13,31 +13,32 @@
 #define SLIPPAGE (1u << DEFORM_SLIPPAGE)
 #define SCM (1u << DEFORM_SCM)
 
-#define PARAMETER(name, unit, models) \
-	{#name, offsetof(struct raw_class, name), offsetof(struct deform_soil, name), unit, models}
+#define PARAMETER(name, unit, models, optional) \
+	{#name, offsetof(struct raw_class, name), offsetof(struct deform_soil, name), unit, models, optional}
 #define DEGREE (3.14159265358979323846 / 180)
 
 static const struct parameter {
 	const char *key;
 	size_t from, to;
 	double unit;
-	unsigned models; /* that do not run without it, and have no default for it */
+	unsigned models; /* that read it */
+	bool optional;   /* and have a default for it */
 } parameters[] = {
-	PARAMETER(bekker_kc, 1, SCM),
-	PARAMETER(bekker_kphi, 1, SCM),
-	PARAMETER(bekker_n, 1, SCM),
-	PARAMETER(cohesion, 1, SLIPPAGE | SCM),
-	PARAMETER(friction_angle, DEGREE, SLIPPAGE | SCM),
-	PARAMETER(janosi_shear, 1, SCM),
-	PARAMETER(elastic_stiffness, 1, SCM),
-	PARAMETER(damping, 1, SCM),
-	PARAMETER(unit_weight, 1, SLIPPAGE),
-	PARAMETER(repose, DEGREE, 0),
-	PARAMETER(theta_in, DEGREE, SUMNER),
-	PARAMETER(theta_out, DEGREE, SUMNER),
-	PARAMETER(theta_stop, DEGREE, SUMNER),
-	PARAMETER(roughness, 1, SUMNER),
-	PARAMETER(compression, 1, SUMNER),
+	PARAMETER(bekker_kc, 1, SCM, false),
+	PARAMETER(bekker_kphi, 1, SCM, false),
+	PARAMETER(bekker_n, 1, SCM, false),
+	PARAMETER(cohesion, 1, SLIPPAGE | SCM, false),
+	PARAMETER(friction_angle, DEGREE, SLIPPAGE | SCM, false),
+	PARAMETER(janosi_shear, 1, SCM, false),
+	PARAMETER(elastic_stiffness, 1, SCM, false),
+	PARAMETER(damping, 1, SCM, false),
+	PARAMETER(unit_weight, 1, SLIPPAGE, false),
+	PARAMETER(repose, DEGREE, SCM, true),
+	PARAMETER(theta_in, DEGREE, SUMNER, false),
+	PARAMETER(theta_out, DEGREE, SUMNER, false),
+	PARAMETER(theta_stop, DEGREE, SUMNER, false),
+	PARAMETER(roughness, 1, SUMNER, false),
+	PARAMETER(compression, 1, SUMNER, false),
 };
 #define PARAMETERS (sizeof parameters / sizeof parameters[0])
 
@@ -59,6 +60,11 @@ static enum status take_name(const struct scene_tree *tree, const char *name, co
 			   scene_quote(name).text, strrchr(failure_message(), ':') + 1);
 }
 
+static bool reads_soil(const struct scene *scene)
+{
+	return scene->model != DEFORM_NONE && scene->model != DEFORM_BOX_FILTER;
+}
+
 /* The soil written at `where`. */
 static enum status check_class(const struct scene_tree *tree, const struct raw_class *raw, const char *where,
 			       enum deform_model model, struct deform_soil *soil)
@@ -72,7 +78,7 @@ static enum status check_class(const struct scene_tree *tree, const struct raw_c
 		const double *value = given(raw, &parameters[i]);
 		if (value != NULL)
 			*(double *)((char *)soil + parameters[i].to) = *value * parameters[i].unit;
-		else if (raw->name == NULL && (parameters[i].models >> model & 1) != 0)
+		else if (raw->name == NULL && !parameters[i].optional && (parameters[i].models >> model & 1) != 0)
 			scene_list_add(&missing, parameters[i].key);
 	}
 	if (missing.length > 0)
@@ -90,6 +96,18 @@ static enum status check_class(const struct scene_tree *tree, const struct raw_c
 						   raw->theta_stop != NULL ? "theta_stop" : "theta_out"),
 				   "theta_stop is below theta_out; allowed: %.4g to 90", soil->theta_out / DEGREE);
 	return STATUS_OK;
+}
+
+/* Numbers that the model does not read. */
+static enum status check_unread(const struct raw_class *raw, const char *where, struct scene *scene)
+{
+	struct scene_list unread = {.length = 0};
+	for (size_t i = 0; i < PARAMETERS; i++)
+		if (given(raw, &parameters[i]) != NULL && (parameters[i].models >> scene->model & 1) == 0)
+			scene_list_add(&unread, parameters[i].key);
+	return unread.length == 0 ? STATUS_OK
+				  : scene_tell_unused(scene, "%s: model %s does not read %s; take that away", where,
+						      scene_model_word(scene->model), unread.text);
 }
 
 /* Metres: scm's b of an object whose shape says it; 0: it depends on the contact. */
@@ -150,6 +168,8 @@ static enum status check_classes(const struct scene_tree *tree, const struct raw
 			return scene_error(tree->file, scene_tree_find(tree, "%s.value", where),
 					   "%d is another class; allowed: each value once", (int)class->value);
 		enum status status = check_class(tree, class, where, scene->model, &scene->soils[i + 1]);
+		if (status == STATUS_OK && reads_soil(scene))
+			status = check_unread(class, where, scene);
 		if (status != STATUS_OK)
 			return status;
 		scene->soil_class[class->value] = (uint8_t)(i + 1);
@@ -173,7 +193,7 @@ static enum status check_bearings(const struct scene_tree *tree, const struct sc
 enum status scene_check_soil(const struct scene_tree *tree, const struct raw_scene *raw, struct scene *scene)
 {
 	const struct raw_soil *soil = raw->soil;
-	bool read = scene->model != DEFORM_NONE && scene->model != DEFORM_BOX_FILTER;
+	bool read = reads_soil(scene);
 	if (soil == NULL && !read)
 		return STATUS_OK;
 	if (soil == NULL)
@@ -190,6 +210,8 @@ enum status scene_check_soil(const struct scene_tree *tree, const struct raw_sce
 		status = check_class(tree, mapped ? soil->elsewhere : &soil->all, mapped ? "soil.default" : "soil",
 				     scene->model, &scene->soils[0]);
 	scene->soil_count = 1;
+	if (status == STATUS_OK && read)
+		status = check_unread(mapped ? soil->elsewhere : &soil->all, mapped ? "soil.default" : "soil", scene);
 	if (status == STATUS_OK)
 		status = check_classes(tree, soil, scene);
 	if (status == STATUS_OK && scene->model == DEFORM_SCM)
@@ -199,6 +221,6 @@ enum status scene_check_soil(const struct scene_tree *tree, const struct raw_sce
 	memset(scene->soils, 0, sizeof scene->soils);
 	memset(scene->soil_class, 0, sizeof scene->soil_class);
 	scene->soil_count = 0;
-	note("%s: soil: is not used: model %s does not depend on it", tree->file, scene_model_word(scene->model));
-	return STATUS_OK;
+	return scene_tell_unused(scene, "soil: model %s does not depend on it; take it away, or name a model that moves soil",
+				 scene_model_word(scene->model));
 }

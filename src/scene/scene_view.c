@@ -37,8 +37,8 @@ static enum status check_camera(const struct scene_tree *tree, const struct raw_
 				   "is not of this camera; allowed with: chase");
 	if (raw->chase != NULL) {
 		view->camera = SCENE_CHASE;
-		view->back = raw->back != NULL ? *raw->back : 12;
-		view->up = raw->up != NULL ? *raw->up : 5;
+		view->back = raw->back != NULL ? *raw->back : scene_absent("view.camera.back");
+		view->up = raw->up != NULL ? *raw->up : scene_absent("view.camera.up");
 		if (view->back == 0 && view->up == 0)
 			return scene_error(tree->file, node,
 					   "stands in its object; allowed: back or up above 0");
@@ -97,7 +97,7 @@ enum status scene_check_view(const struct scene_tree *tree, const struct raw_sce
 	view->present = true;
 	view->width = raw->view->size != NULL ? (int)raw->view->size[0] : 1280;
 	view->height = raw->view->size != NULL ? (int)raw->view->size[1] : 720;
-	view->images = raw->view->images != NULL ? *raw->view->images : 0;
+	view->images = raw->view->images != NULL ? *raw->view->images : (int64_t)scene_absent("view.images");
 	view->pixel_error = raw->view->pixel_error != NULL ? *raw->view->pixel_error : 0;
 	enum status status = check_camera(tree, &raw->view->camera, scene);
 	return status != STATUS_OK ? status : check_effects(tree, raw->view, view);

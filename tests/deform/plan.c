@@ -117,7 +117,7 @@ static void go(struct drive *drive)
 	for (int n = 0; n < 3; n++) {
 		assert_ok(deform_wake(drive->ground.deform, scenario->tiles > 0 ? all_of(&drive->ground) : drive->ground.windows[0].write));
 		size_t blocks = interval(&drive->ground, rests, scenario->count);
-		size_t row = SIDE / (size_t)(deform_conserves(scenario->model) ? deform_interval_side(drive->ground.deform) : SIDE);
+		size_t row = SIDE / (size_t)(deform_conserves(scenario->model) ? deform_interval_side(&drive->ground.deform->params) : SIDE);
 		drive->atlases += (blocks + row * row - 1) / (row * row);
 		gpu_finish(test_gpu);
 		for (size_t i = 0; i < scenario->count; i++)

@@ -152,18 +152,27 @@ static void check_soils(const struct scene *scene)
 	}
 }
 
+/* One line that a person can read. */
+static void check_advice(void *user, const char *text)
+{
+	fuzz_check(strstr(text, ": ") != NULL && strstr(text, "; ") != NULL);
+	for (const char *c = text; *c != '\0'; c++)
+		fuzz_check((unsigned char)*c >= 0x20 && *c != 0x7f);
+}
+
 static void check_scene(const struct scene *scene)
 {
 	const struct scene_view *view = &scene->view;
 	fuzz_check(isfinite(scene->end_time) && scene->end_time > 0);
 	fuzz_check(isfinite(scene->time_step) && scene->time_step > 0);
 	fuzz_check(isfinite(scene->gravity) && isfinite(scene->spacing) && isfinite(scene->prefetch));
-	fuzz_check(scene->slots >= 4 && scene->loaders >= 1);
+	fuzz_check(scene->slots >= 4 && scene->loaders <= 16);
 	fuzz_check(scene->object_count > 0 || view->present);
 	fuzz_check(strlen(scene->hash) == 32);
 	for (size_t i = 0; i < scene->object_count; i++)
 		check_object(scene, &scene->objects[i]);
 	check_soils(scene);
+	scene_advise(scene, scene->spacing > 0 ? scene->spacing : 1, check_advice, NULL);
 	fuzz_check(scene->forces >= 0 && (scene->forces == 0 || scene->model == DEFORM_SCM));
 	fuzz_check(scene->forces_delay >= 0 && scene->forces_delay <= 64);
 	if (!view->present)

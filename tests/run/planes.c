@@ -19,6 +19,7 @@ struct rig {
 	struct gpu_slots *slots;
 	struct gpu_buffer *tally; /* NULL: none */
 	struct pages *pages;
+	struct pages_budget most;
 	struct page_cache *cache;
 	struct record *record;
 	FILE *epochs;
@@ -67,22 +68,25 @@ static void rig_open(struct rig *rig, const char *path, unsigned planes, bool so
 	must(gpu_slots_create(rig->gpu, CELLS, SLOTS, planes, &rig->slots));
 	if (soil)
 		must(gpu_buffer_create(rig->gpu, GPU_STORAGE, PAGES_TALLY_BYTES, NULL, &rig->tally));
-	must(pages_create(&(struct pages_params){.store = rig->store,
-						 .gpu = rig->gpu,
-						 .slots = rig->slots,
-						 .planes = gpu_slots_planes(rig->slots),
-						 .level = LEVEL,
-						 .count = SLOTS,
-						 .loaders = 2,
-						 .step_pages = 16,
-						 .scene = &scene,
-						 .epochs = rig->epochs,
-						 .epoch_age = 0.01,
-						 .before_read_back = before_read_back,
-						 .snapshot = soil ? snapshot : NULL,
-						 .classes = soil ? classes_of : NULL,
-						 .user = rig},
-			  &rig->pages));
+	const struct pages_params params = {
+		.store = rig->store,
+		.gpu = rig->gpu,
+		.slots = rig->slots,
+		.planes = planes | PLANE_BIT(PLANE_OFFSET),
+		.level = LEVEL,
+		.count = SLOTS,
+		.loaders = 2,
+		.step_pages = 16,
+		.scene = &scene,
+		.epochs = rig->epochs,
+		.epoch_age = 0.01,
+		.before_read_back = before_read_back,
+		.snapshot = soil ? snapshot : NULL,
+		.classes = soil ? classes_of : NULL,
+		.user = rig,
+	};
+	must(pages_create(&params, &rig->pages));
+	pages_budget(&params, CELLS, &rig->most);
 	rig->cache = pages_cache(rig->pages);
 }
 
@@ -210,9 +214,8 @@ static void state_comes_back_the_same_bits(void **state)
 	struct store_numbers numbers;
 	must(store_count(rig.store, &numbers));
 	assert_int_equal(numbers.compacted, rig.tallied);
-	struct pages_budget most;
+	const struct pages_budget most = rig.most;
 	struct gpu_slots_bytes bytes;
-	pages_budget(rig.pages, &most);
 	gpu_slots_bytes(rig.slots, &bytes);
 	uint64_t taken = bytes.base + bytes.classes;
 	for (int plane = 0; plane < PLANES; plane++)

@@ -55,10 +55,10 @@ static void every_example_loads_and_stays_within_its_ground(void **state)
 	}
 }
 
-static void the_bare_scene_calls_for_displacement_alone(void **state)
+static void the_bare_scene_calls_for_displacement_and_reading_alone(void **state)
 {
 	struct scene *scene = load("bare");
-	assert_int_equal(scene_effects(scene), 1u << EFFECT_DISPLACE);
+	assert_int_equal(scene_effects(scene, 0), 1u << EFFECT_DISPLACE | 1u << EFFECT_LOADERS | 1u << EFFECT_PREFETCH);
 	scene_destroy(scene);
 }
 
@@ -81,7 +81,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_example_loads_and_stays_within_its_ground),
-		cmocka_unit_test(the_bare_scene_calls_for_displacement_alone),
+		cmocka_unit_test(the_bare_scene_calls_for_displacement_and_reading_alone),
 		cmocka_unit_test(the_demonstrations_vehicle_is_rigid),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

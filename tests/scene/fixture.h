@@ -14,6 +14,9 @@
 
 #include "scene/scene.h"
 
+/* What the cache's defaults call for, where there are objects. */
+#define CACHE_EFFECTS (1u << EFFECT_LOADERS | 1u << EFFECT_PREFETCH)
+
 static char folder[64];
 
 static const char example[] =

@@ -1,8 +1,6 @@
 /* What a good scene becomes. */
 #include "fixture.h"
 
-#include "gpu/shader_table.h"
-
 static struct scene *load(const char *text)
 {
 	struct scene *scene;
@@ -49,7 +47,9 @@ static void the_manuals_scene_has_the_values_it_says(void **state)
 	assert_int_equal(strlen(scene->hash), 32);
 	unsigned view = 1u << EFFECT_TEXTURE | 1u << EFFECT_DETAIL | 1u << EFFECT_FOG | 1u << EFFECT_SKY |
 			1u << EFFECT_GEOMORPH | 1u << EFFECT_SKIRTS;
-	assert_int_equal(scene_effects(scene), view | 1u << EFFECT_DISPLACE | 1u << EFFECT_BOX | 1u << EFFECT_DIRT);
+	assert_int_equal(scene_effects(scene, 0), view | 1u << EFFECT_DISPLACE | 1u << EFFECT_BOX | 1u << EFFECT_DIRT |
+							 1u << EFFECT_PYRAMID | 1u << EFFECT_PICTURE | 1u << EFFECT_NORMALS |
+							 1u << EFFECT_IMAGES | CACHE_EFFECTS);
 	scene_destroy(scene);
 }
 
@@ -72,7 +72,7 @@ static void what_is_absent_is_its_default_and_calls_for_nothing(void **state)
 	assert_int_equal(scene->slots, 256);
 	assert_int_equal(scene->loaders, 2);
 	assert_true(scene->prefetch == 1.5 && scene->objects[0].sink == 0);
-	assert_int_equal(scene_effects(scene), 1u << EFFECT_DISPLACE);
+	assert_int_equal(scene_effects(scene, 0), 1u << EFFECT_DISPLACE | CACHE_EFFECTS);
 	scene_destroy(scene);
 }
 
@@ -86,7 +86,7 @@ static void a_view_without_objects_deforms_nothing(void **state)
 	assert_int_equal(scene->view.width, 1280);
 	assert_int_equal(scene->box_radius, 2);
 	assert_int_equal(scene->box_repetitions, 3);
-	assert_int_equal(scene_effects(scene), 0);
+	assert_int_equal(scene_effects(scene, 0), 1u << EFFECT_PICTURE | 1u << EFFECT_NORMALS | 1u << EFFECT_PYRAMID | 1u << EFFECT_LOADERS);
 	scene_destroy(scene);
 }
 
@@ -189,23 +189,6 @@ static void a_scene_of_earlier_models_keeps_its_hash(void **state)
 	free(text);
 }
 
-static void every_effect_has_a_row_that_says_what_it_costs(void **state)
-{
-	for (int e = 0; e < EFFECT_COUNT; e++) {
-		const struct scene_effect_row *row = scene_effect_row((enum scene_effect)e);
-		assert_non_null(row->name);
-		assert_true(row->shader[0] != '\0' && row->what[0] != '\0' && row->writes[0] != '\0');
-		const struct shader_text *text = shader_table;
-		while (text->path != NULL && strcmp(text->path, row->shader) != 0)
-			text++;
-		if (text->path == NULL || strstr(text->text, row->define) == NULL)
-			fail_msg("%s: no %s with %s", row->name, row->shader, row->define);
-		for (int other = 0; other < e; other++)
-			assert_string_not_equal(row->name,
-						scene_effect_row((enum scene_effect)other)->name);
-	}
-}
-
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -216,7 +199,6 @@ int main(void)
 		cmocka_unit_test(an_srs_is_whatever_is_neither_local_nor_store),
 		cmocka_unit_test(the_hash_is_of_what_the_ground_becomes),
 		cmocka_unit_test(a_scene_of_earlier_models_keeps_its_hash),
-		cmocka_unit_test(every_effect_has_a_row_that_says_what_it_costs),
 	};
 	return cmocka_run_group_tests(tests, make_folder, drop_folder);
 }

@@ -226,7 +226,7 @@ static void a_map_gives_each_value_its_soil(void **state)
 	assert_int_equal(deform_soil_named("lete_sand", &known), STATUS_OK);
 	known.cohesion = 500;
 	assert_memory_equal(&scene->soils[2], &known, sizeof known);
-	assert_int_equal(scene_effects(scene) & 1u << EFFECT_SOIL_MAP, 1u << EFFECT_SOIL_MAP);
+	assert_int_equal(scene_effects(scene, 0) & 1u << EFFECT_SOIL_MAP, 1u << EFFECT_SOIL_MAP);
 	char hash[33];
 	strcpy(hash, scene->hash);
 	scene_destroy(scene);
@@ -342,7 +342,8 @@ static void a_load_takes_the_place_of_a_sinkage(void **state)
 {
 	struct scene *scene = load_edited(base, "3}\n", "3}\n    load: 4000\n    slip: -0.25\n");
 	assert_true(scene->objects[0].load == 4000 && scene->objects[0].sink == 0 && scene->objects[0].slip == -0.25);
-	assert_int_equal(scene_effects(scene), 1u << EFFECT_SCM | 1u << EFFECT_SPREAD | 1u << EFFECT_SLIDE | 1u << EFFECT_LOAD);
+	assert_int_equal(scene_effects(scene, 0), 1u << EFFECT_SCM | 1u << EFFECT_SPREAD | 1u << EFFECT_SLIDE |
+							 1u << EFFECT_LOAD | CACHE_EFFECTS);
 	scene_destroy(scene);
 	refuse("3}\n", "3}\n    load: 1\n    sink: 0\n", ":9: objects[0].load: sink is given too; allowed: one of sink, load");
 	refuse("scm}\nobjects:\n  - name: a\n", "box}\nobjects:\n  - name: a\n    load: 4\n", ":7: objects[0].load: model box computes no "
@@ -367,7 +368,7 @@ static void lugs_have_a_height_and_a_thickness(void **state)
 	const struct deform_shape *shape = &scene->objects[0].shape;
 	assert_int_equal(shape->lugs, 12);
 	assert_true(shape->lug_height == 0.025 && shape->lug_thickness == 0.05);
-	assert_true((scene_effects(scene) >> EFFECT_LUGS & 1) == 1);
+	assert_true((scene_effects(scene, 0) >> EFFECT_LUGS & 1) == 1);
 	scene_destroy(scene);
 	scene = load_edited(base, "0.4}", "0.4, lugs: 1, lug_height: 0.5, lug_thickness: 0.2}");
 	shape = &scene->objects[0].shape;
@@ -400,7 +401,7 @@ static void a_mesh_is_read_beside_the_scene_and_counts_by_its_triangles(void **s
 	assert_ptr_equal(foot->shape.mesh, foot->mesh);
 	assert_int_equal(foot->mesh->triangle_count, 4);
 	assert_true(foot->mesh->high[2] == 1);
-	assert_true((scene_effects(scene) >> EFFECT_MESH & 1) == 1);
+	assert_true((scene_effects(scene, 0) >> EFFECT_MESH & 1) == 1);
 	strcpy(hash, scene->hash);
 	scene_destroy(scene);
 	scene = load_edited(base, wheel, "mesh: {file: foot.obj, scale: 2}");
@@ -431,7 +432,7 @@ static void forces_are_of_scm_and_their_delay_of_forces(void **state)
 	struct scene *scene = load_edited(base, "3}\n", "3}\noutput: {forces: 50}\n");
 	assert_true(scene->forces == 50);
 	assert_int_equal(scene->forces_delay, 2);
-	assert_true((scene_effects(scene) >> EFFECT_FORCES & 1) == 1);
+	assert_true((scene_effects(scene, 0) >> EFFECT_FORCES & 1) == 1);
 	scene_destroy(scene);
 	scene = load_edited(base, "3}\n", "3}\noutput: {forces: 0.5, delay: 0}\n");
 	assert_true(scene->forces == 0.5);
@@ -439,7 +440,7 @@ static void forces_are_of_scm_and_their_delay_of_forces(void **state)
 	scene_destroy(scene);
 	scene = load_edited(base, "3}\n", "3}\noutput: {}\n");
 	assert_true(scene->forces == 0);
-	assert_true((scene_effects(scene) >> EFFECT_FORCES & 1) == 0);
+	assert_true((scene_effects(scene, 0) >> EFFECT_FORCES & 1) == 0);
 	scene_destroy(scene);
 	refuse("3}\n", "3}\noutput: {delay: 1}\n", ":9: output.delay: is of forces, and none are asked for; allowed with: forces");
 	refuse("scm}", "slippage}\noutput: {forces: 1}", ":5: output.forces: no model but scm computes forces; allowed with: redistribute: "
@@ -461,7 +462,7 @@ static void each_model_calls_for_its_own_effects(void **state)
 	};
 	for (size_t i = 0; i < sizeof models / sizeof models[0]; i++) {
 		struct scene *scene = load_edited(base, "scm", models[i].model);
-		assert_int_equal(scene_effects(scene), models[i].effects);
+		assert_int_equal(scene_effects(scene, 0), models[i].effects | CACHE_EFFECTS);
 		scene_destroy(scene);
 	}
 }

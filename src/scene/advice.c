@@ -1,0 +1,338 @@
+/*
+ * What of a scene has no effect, or none that anybody sees, one rule a function. What cannot be is the checker's, which
+ * refuses it. A rule is certain whatever the ground is like; where it would have to guess it says nothing.
+ */
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "scene/scene.h"
+#include "scene/scene_check.h"
+#include "scene/scene_error.h"
+
+struct adviser {
+	const struct scene *scene;
+	double spacing; /* 0: not known, and what depends on it is not told */
+	scene_advice_fn tell;
+	void *user;
+};
+
+static void advise(const struct adviser *adviser, const char *format, ...) FURROW_PRINTF(2, 3);
+static void advise(const struct adviser *adviser, const char *format, ...)
+{
+	char text[400];
+	va_list arguments;
+	va_start(arguments, format);
+	vsnprintf(text, sizeof text, format, arguments);
+	va_end(arguments);
+	adviser->tell(adviser->user, text);
+}
+
+enum status scene_tell_unused(struct scene *scene, const char *format, ...)
+{
+	char text[400];
+	va_list arguments;
+	va_start(arguments, format);
+	vsnprintf(text, sizeof text, format, arguments);
+	va_end(arguments);
+	char **unused = mem_realloc(scene->unused, scene->unused_count + 1, sizeof *unused);
+	if (unused == NULL)
+		return fail_memory("reading the scene");
+	scene->unused = unused;
+	unused[scene->unused_count] = mem_strdup(text);
+	return unused[scene->unused_count++] != NULL ? STATUS_OK : fail_memory("reading the scene");
+}
+
+/* --- ways --- */
+
+static bool same_place(const struct scene_waypoint *a, const struct scene_waypoint *b)
+{
+	return a->x == b->x && a->y == b->y && a->z == b->z && a->yaw == b->yaw && a->pitch == b->pitch && a->roll == b->roll;
+}
+
+static bool stands_still(const struct scene_path *path)
+{
+	for (size_t i = 1; i < path->count; i++)
+		if (!same_place(&path->points[i], &path->points[0]))
+			return false;
+	return true;
+}
+
+static double length_between(const struct scene_waypoint *a, const struct scene_waypoint *b)
+{
+	return sqrt((b->x - a->x) * (b->x - a->x) + (b->y - a->y) * (b->y - a->y) + (b->z - a->z) * (b->z - a->z));
+}
+
+/* When its last station is due, s; INFINITY: never, or not known here. */
+static double path_end(const struct scene *scene, const struct scene_path *path)
+{
+	double length = 0;
+	if (path->timed)
+		return path->points[path->count - 1].t;
+	if (stands_still(path))
+		return 0;
+	if (path->loop || scene->coordinates == SCENE_SRS)
+		return INFINITY;
+	for (size_t i = 1; i < path->count; i++)
+		length += length_between(&path->points[i - 1], &path->points[i]);
+	return length / path->speed;
+}
+
+/* Metres a second along its way, at most; INFINITY: not known here. */
+static double path_fastest(const struct scene *scene, const struct scene_path *path)
+{
+	double fastest = 0;
+	if (stands_still(path))
+		return 0;
+	if (!path->timed)
+		return path->speed;
+	if (path->has_attitude || scene->coordinates == SCENE_SRS)
+		return INFINITY;
+	for (size_t i = 1; i < path->count; i++)
+		fastest = fmax(fastest, length_between(&path->points[i - 1], &path->points[i]) /
+						(path->points[i].t - path->points[i - 1].t));
+	return fastest;
+}
+
+static bool all_stand_still(const struct scene *scene)
+{
+	for (size_t i = 0; i < scene->object_count; i++)
+		if (!stands_still(&scene->objects[i].path))
+			return false;
+	return true;
+}
+
+static bool moves_soil(const struct scene *scene)
+{
+	return scene->interval > 0;
+}
+
+static double steps_of(const struct scene *scene)
+{
+	return ceil(scene->end_time / scene->time_step - 1e-9);
+}
+
+/* --- the drive --- */
+
+static void advise_time(const struct adviser *adviser)
+{
+	const struct scene *scene = adviser->scene;
+	if (scene->time_step > scene->end_time)
+		advise(adviser, "time_step: %g s is longer than the drive, %g s: it is one step; give less", scene->time_step,
+		       scene->end_time);
+	/* Soil may slide on after the last station, and a camera that stands sees it. */
+	double last = 0;
+	for (size_t i = 0; i < scene->object_count; i++)
+		last = fmax(last, path_end(scene, &scene->objects[i].path));
+	if (scene->object_count > 0 && !moves_soil(scene) && !all_stand_still(scene) && scene->end_time >= last + 2 * scene->time_step)
+		advise(adviser, "end_time: the last object is at its path's end after %.6g s, and nothing changes until %g s; end "
+				"then, or give a longer path",
+		       last, scene->end_time);
+	/* No model reads it: loads are newtons, soil has a unit weight. */
+	if (scene->gravity != scene_absent("gravity"))
+		advise(adviser, "gravity: %g m/s2 changes nothing: a load is in N, and a soil has its unit_weight; give those for "
+				"where it is, and take gravity away",
+		       scene->gravity);
+}
+
+/* What is of objects where there are none. */
+static void advise_without_objects(const struct adviser *adviser)
+{
+	const struct scene *scene = adviser->scene;
+	if (scene->object_count > 0)
+		return;
+	if (scene->coordinates != SCENE_LOCAL)
+		advise(adviser, "coordinates: are of paths, and there is none; add an object, or take them away");
+	if (scene->model != DEFORM_NONE)
+		advise(adviser, "redistribute.model: %s moves the soil that objects press, and there is none; add one, or take it away",
+		       scene_model_word(scene->model));
+	if (scene->outside == SCENE_SKIP)
+		advise(adviser, "outside: is of objects, and there is none; add one, or take it away");
+	if (scene->forces > 0)
+		advise(adviser, "output.forces: are of objects, and there is none; add one, or take them away");
+	if (scene->view.images > 0 && steps_of(scene) >= 2 * (double)scene->view.images)
+		advise(adviser, "view.images: nothing moves: all of its %.0f pictures are the same; one is enough, with end_time %.6g",
+		       floor(steps_of(scene) / (double)scene->view.images), (double)scene->view.images * scene->time_step);
+}
+
+/* --- the ground --- */
+
+static bool is_one_soil(const struct scene *scene)
+{
+	for (int i = 1; i < scene->soil_count; i++)
+		if (memcmp(&scene->soils[i], &scene->soils[0], sizeof scene->soils[0]) != 0)
+			return false;
+	return true;
+}
+
+static void advise_ground(const struct adviser *adviser)
+{
+	const struct scene *scene = adviser->scene;
+	if (scene->object_count == 0)
+		return;
+	if (scene->soil_map != NULL && is_one_soil(scene))
+		advise(adviser, "soil.map: all its classes are the default's soil; give them others, or one soil and no map");
+	if (scene->model == DEFORM_BOX_FILTER && all_stand_still(scene))
+		advise(adviser, "redistribute.model: box smooths where an object leaves, and none moves; let one move, or take it away");
+	if (!moves_soil(scene))
+		return;
+	bool lays_none = scene->model == DEFORM_SCM && scene->bulldozing == 0 && scene->depth == 0;
+	if (lays_none && scene->iterations > scene_absent("redistribute.iterations"))
+		advise(adviser, "redistribute.iterations: no soil is laid (bulldozing 0), and none is loose (depth 0): this drive makes "
+				"nothing that slides; give bulldozing or depth, or 1");
+	if (scene->interval > scene->end_time)
+		advise(adviser, "redistribute.interval: %g s is longer than the drive, %g s: between sweeps nothing slides; give less",
+		       scene->interval, scene->end_time);
+	if (scene->undisturbed == SCENE_SLIDES && scene->depth == 0)
+		advise(adviser, "redistribute.undisturbed: slides, but none of it is loose (depth 0): it stands; give a depth, or let it "
+				"stand");
+}
+
+static void advise_attributes(const struct adviser *adviser)
+{
+	const struct scene *scene = adviser->scene;
+	if (scene->dirt && !scene->view.present)
+		advise(adviser, "attributes.dirt: no picture shows it: it is kept for query alone, at %zu byte a post; add a view, or take "
+				"it away", plane_bytes(PLANE_DIRT));
+}
+
+/* --- objects --- */
+
+/* Of a post's breadth or more whatever way it is turned; INFINITY: a shape that does not say. */
+static double narrowest(const struct scene_object *object)
+{
+	const struct deform_shape *shape = &object->shape;
+	if (shape->kind == DEFORM_WHEEL)
+		return fmin(shape->width, 2 * shape->radius);
+	if (shape->kind == DEFORM_SPHERE)
+		return 2 * shape->radius;
+	return shape->kind == DEFORM_BOX && !object->path.has_attitude ? fmin(shape->size[0], shape->size[1]) : INFINITY;
+}
+
+static double lug_pitch(const struct scene_object *object)
+{
+	return object->shape.lugs > 0 ? 2 * M_PI * object->shape.radius / object->shape.lugs : INFINITY;
+}
+
+/* Objects that are alike are told of once. */
+struct alike {
+	char others[48]; /* ", as of 3 others,", or "," */
+};
+static bool is_first_alike(const struct scene *scene, const struct scene_object *object, struct alike *alike)
+{
+	size_t others = 0;
+	for (const struct scene_object *other = scene->objects; other < scene->objects + scene->object_count; other++) {
+		if (narrowest(other) != narrowest(object) || lug_pitch(other) != lug_pitch(object))
+			continue;
+		if (other < object)
+			return false;
+		others += other > object;
+	}
+	if (others == 0)
+		snprintf(alike->others, sizeof alike->others, ",");
+	else
+		snprintf(alike->others, sizeof alike->others, ", as of %zu other%s,", others, others > 1 ? "s" : "");
+	return true;
+}
+
+static void advise_shape(const struct adviser *adviser, const struct scene_object *object)
+{
+	struct alike alike;
+	if (!is_first_alike(adviser->scene, object, &alike))
+		return;
+	double spacing = adviser->spacing;
+	if (narrowest(object) < spacing)
+		advise(adviser, "objects.%s.shape: is %g m across%s and posts are %g m apart: it can pass between them and leave nothing; "
+				"give a spacing of at most %g",
+		       object->name, narrowest(object), alike.others, spacing, narrowest(object));
+	double pitch = lug_pitch(object);
+	if (pitch < 2 * spacing)
+		advise(adviser, "objects.%s.shape.wheel.lugs: their prints are %.3g m apart%s less than two posts of %g m: the ground cannot "
+				"tell them apart; give fewer, or a spacing of at most %.3g",
+		       object->name, pitch, alike.others, spacing, pitch / 2);
+}
+
+static void advise_path(const struct adviser *adviser, const struct scene_object *object)
+{
+	const struct scene *scene = adviser->scene;
+	const struct scene_path *path = &object->path;
+	if (path->timed && path->points[0].t > scene->end_time)
+		advise(adviser, "objects.%s.path: begins after %g s, and the drive ends after %g s: it never touches the ground; end later, or "
+				"take it away",
+		       object->name, path->points[0].t, scene->end_time);
+	if (path->loop && stands_still(path))
+		advise(adviser, "objects.%s.path.loop: its points are one place: there is no way round; give others, or take it away",
+		       object->name);
+	if (object->slip != 0 && stands_still(path))
+		advise(adviser, "objects.%s.slip: a wheel that stands does not turn; give it a way, or take it away", object->name);
+}
+
+static void advise_forces(const struct adviser *adviser)
+{
+	const struct scene *scene = adviser->scene;
+	double fastest = 0;
+	for (size_t i = 0; i < scene->object_count; i++)
+		fastest = fmax(fastest, path_fastest(scene, &scene->objects[i].path));
+	if (scene->object_count == 0 || scene->forces == 0)
+		return;
+	double stations = adviser->spacing > 0 || fastest == 0 ? fastest / fmax(adviser->spacing, 1e-9) : INFINITY;
+	if (scene->forces > stations && stations > 0)
+		advise(adviser, "output.forces: %g rows a second, and no object comes to more than %.4g posts in one: rows between repeat the "
+				"last; give at most that",
+		       scene->forces, stations);
+	if (stations == 0 && scene->forces * scene->end_time >= 1)
+		advise(adviser, "output.forces: no object moves: all rows of an object are the same; one is enough, with less than %.4g",
+		       1 / scene->end_time);
+	if (scene->forces * scene->end_time < 1)
+		advise(adviser, "output.forces: a row every %.4g s, and the drive ends after %g s: only that of its beginning is written; "
+				"give more",
+		       1 / scene->forces, scene->end_time);
+}
+
+/* --- the picture --- */
+
+static void advise_view(const struct adviser *adviser)
+{
+	const struct scene *scene = adviser->scene;
+	const struct scene_view *view = &scene->view;
+	if (!view->present)
+		return;
+	if (view->images == 0)
+		advise(adviser, "view: a picture is drawn after each step and none is written, which is for timing; give images, or take the "
+				"view away");
+	if ((double)view->images > steps_of(scene))
+		advise(adviser, "view.images: one every %lld steps, and the drive ends after %.0f: none is written; give at most that",
+		       (long long)view->images, steps_of(scene));
+	if ((view->effects >> EFFECT_DETAIL & 1) != 0 && (view->effects >> EFFECT_TEXTURE & 1) == 0)
+		advise(adviser, "view.effects.detail: is the grain of the texture, which is not drawn; add texture, or take it away");
+}
+
+static void advise_cache(const struct adviser *adviser)
+{
+	const struct scene *scene = adviser->scene;
+	if (scene->loaders == 0 && scene->prefetch > 0)
+		advise(adviser, "cache.prefetch: without loaders no tile is read ahead, only the ground that objects are set upon; give loaders, "
+				"or prefetch 0");
+	if (scene->loaders > 0 && scene->prefetch == 0 && scene->object_count > 0)
+		advise(adviser, "cache.prefetch: 0: a drive waits for each tile that it comes to; give seconds of travel, as %g",
+		       scene_absent("cache.prefetch"));
+}
+
+void scene_advise(const struct scene *scene, double spacing, scene_advice_fn tell, void *user)
+{
+	const struct adviser adviser = {scene, spacing, tell, user};
+	for (size_t i = 0; i < scene->unused_count; i++)
+		tell(user, scene->unused[i]);
+	advise_time(&adviser);
+	advise_without_objects(&adviser);
+	advise_ground(&adviser);
+	advise_attributes(&adviser);
+	for (size_t i = 0; i < scene->object_count; i++) {
+		advise_shape(&adviser, &scene->objects[i]);
+		advise_path(&adviser, &scene->objects[i]);
+	}
+	advise_forces(&adviser);
+	advise_view(&adviser);
+	advise_cache(&adviser);
+}

@@ -1,0 +1,241 @@
+/* Advice: each rule is told of a scene that asks for it, alone, and not of one beside it. */
+#include "fixture.h"
+
+/* Nothing is to be said of it. */
+static const char sound[] = "scene: 1\nend_time: 10\ntime_step: 0.1\n"
+			    "objects:\n"
+			    "  - {name: a, shape: {wheel: {radius: 1, width: 1}}, path: {points: [[0, 0], [30, 0]], speed: 3}}\n";
+static const char looked_at[] = "scene: 1\nend_time: 10\ntime_step: 0.1\n"
+				"view: {camera: {chase: a}, effects: [texture], images: 50}\n"
+				"objects:\n"
+				"  - {name: a, shape: {wheel: {radius: 1, width: 1}}, path: {points: [[0, 0], [30, 0]], speed: 3}}\n";
+static const char still[] = "scene: 1\nend_time: 10\ntime_step: 0.1\n"
+			    "view: {camera: {eye: [1, 2, 3], target: [0, 0, 0]}, images: 51}\n";
+static const char soil[] = "scene: 1\nend_time: 10\ntime_step: 0.1\n"
+			   "soil: {name: dry_sand}\n"
+			   "redistribute: {model: scm}\n"
+			   "objects:\n"
+			   "  - {name: a, shape: {wheel: {radius: 1, width: 1}}, path: {points: [[0, 0], [30, 0]], speed: 3}}\n";
+static const char resting[] = "scene: 1\nend_time: 10\ntime_step: 0.1\n"
+			      "objects:\n"
+			      "  - {name: a, shape: {wheel: {radius: 1, width: 1}}, path: {points: [[5, 5]], speed: 3}}\n";
+
+struct told {
+	int count;
+	char text[400];
+};
+
+static void hear(void *user, const char *text)
+{
+	struct told *told = user;
+	told->count++;
+	snprintf(told->text, sizeof told->text, "%s", text);
+	assert_non_null(strstr(text, ": "));
+	assert_non_null(strstr(text, "; "));
+	assert_null(strchr(text, '\n'));
+}
+
+/* One key, or two, over a scene; `says`: the one line that begins with it; NULL: none. */
+static void advised(const char *text, double spacing, const char *key, const char *value, const char *says)
+{
+	char keys[2][64], values[2][128];
+	struct scene_setting settings[2];
+	size_t count = 0;
+	while (key != NULL && *key != '\0') {
+		int k = (int)strcspn(key, "&"), v = (int)strcspn(value, "&");
+		snprintf(keys[count], sizeof keys[count], "%.*s", k, key);
+		snprintf(values[count], sizeof values[count], "%.*s", v, value);
+		settings[count] = (struct scene_setting){keys[count], values[count]};
+		count++;
+		key += k + (key[k] == '&');
+		value += v + (value[v] == '&');
+	}
+	struct scene *scene;
+	struct told told = {.count = 0};
+	if (load_text(text, settings, count, &scene) != STATUS_OK)
+		fail_msg("%s", failure_message());
+	scene_advise(scene, spacing, hear, &told);
+	scene_destroy(scene);
+	if (told.count != (says != NULL))
+		fail_msg("%s: told %d times: %s", count > 0 ? keys[0] : "as it is", told.count, told.text);
+	if (says != NULL && strncmp(told.text, says, strlen(says)) != 0)
+		fail_msg("not \"%s\" but \"%s\"", says, told.text);
+}
+
+static void a_sound_scene_is_told_nothing(void **state)
+{
+	advised(sound, 0.5, NULL, NULL, NULL);
+	advised(looked_at, 0.5, NULL, NULL, NULL);
+	advised(still, 0.5, NULL, NULL, NULL);
+	advised(soil, 0.5, NULL, NULL, NULL);
+	advised(resting, 0.5, NULL, NULL, NULL);
+}
+
+static void times_that_lead_nowhere(void **state)
+{
+	advised(resting, 0.5, "time_step", "11", "time_step: 11 s is longer than the drive, 10 s: ");
+	advised(resting, 0.5, "time_step", "10", NULL);
+	advised(sound, 0.5, "end_time", "10.2", "end_time: the last object is at its path's end after 10 s, and nothing changes until 10.2 s; ");
+	advised(sound, 0.5, "end_time", "10.1", NULL);
+	advised(soil, 0.5, "end_time", "20", NULL); /* soil may slide on */
+	advised(sound, 0.5, "end_time&objects.a.path.loop", "90&true", NULL);
+	advised(sound, 0.5, "gravity", "1.62", "gravity: 1.62 m/s2 changes nothing: ");
+	advised(sound, 0.5, "gravity", "9.81", NULL);
+}
+
+static void what_is_of_objects_where_there_are_none(void **state)
+{
+	advised(still, 0.5, "coordinates", "store", "coordinates: are of paths, and there is none; ");
+	advised(looked_at, 0.5, "coordinates", "store", NULL);
+	advised(still, 0.5, "redistribute.model", "box", "redistribute.model: box moves the soil that objects press, and there is none; ");
+	advised(looked_at, 0.5, "redistribute.model", "box", NULL);
+	advised(still, 0.5, "outside", "skip", "outside: is of objects, and there is none; ");
+	advised(looked_at, 0.5, "outside", "skip", NULL);
+	advised(still, 0.5, "view.images", "50", "view.images: nothing moves: all of its 2 pictures are the same; one is enough, with end_time 5");
+	advised(looked_at, 0.5, "view.images", "10", NULL);
+	advised(still, 0.5, "attributes", "[dirt]", NULL); /* what earlier drives left is seen */
+}
+
+static void what_the_ground_makes_nothing_of(void **state)
+{
+	write_text("soils.png", "any bytes");
+	advised(soil, 0.5, "soil", "{map: soils.png, classes: {1: dry_sand, 2: dry_sand}, default: dry_sand}",
+		"soil.map: all its classes are the default's soil; ");
+	advised(soil, 0.5, "soil", "{map: soils.png, classes: {1: dry_sand, 2: lunar}, default: dry_sand}", NULL);
+	unlink(in_folder("soils.png"));
+	advised(resting, 0.5, "redistribute.model", "box", "redistribute.model: box smooths where an object leaves, and none moves; ");
+	advised(sound, 0.5, "redistribute.model", "box", NULL);
+	advised(soil, 0.5, "redistribute", "{model: scm, bulldozing: 0, iterations: 2}", "redistribute.iterations: no soil is laid ");
+	advised(soil, 0.5, "redistribute", "{model: scm, bulldozing: 0}", NULL);
+	advised(soil, 0.5, "redistribute", "{model: scm, bulldozing: 0, iterations: 2, depth: 1}", NULL);
+	advised(soil, 0.5, "redistribute", "{model: scm, iterations: 2}", NULL);
+	advised(soil, 0.5, "redistribute.interval", "11", "redistribute.interval: 11 s is longer than the drive, 10 s: ");
+	advised(soil, 0.5, "redistribute.interval", "10", NULL);
+	advised(soil, 0.5, "redistribute", "{model: scm, undisturbed: slides}", "redistribute.undisturbed: slides, but none of it is loose ");
+	advised(soil, 0.5, "redistribute", "{model: scm, undisturbed: slides, depth: 2}", NULL);
+	advised(soil, 0.5, "redistribute", "{model: slippage, undisturbed: slides}", NULL);
+	advised(sound, 0.5, "soil", "{name: mud}", "soil: model none does not depend on it; ");
+	advised(soil, 0.5, "soil.theta_in&soil.unit_weight", "30&9000", "soil: model scm does not read unit_weight, theta_in; ");
+	advised(soil, 0.5, "soil.repose", "30", NULL);
+	advised(soil, 0.5, "redistribute.model&soil.repose", "slippage&30", "soil: model slippage does not read repose; ");
+	advised(sound, 0.5, "attributes", "[dirt]", "attributes.dirt: no picture shows it: it is kept for query alone, at 1 byte a post; ");
+	advised(looked_at, 0.5, "attributes", "[dirt]", NULL);
+}
+
+static void objects_that_the_posts_do_not_see(void **state)
+{
+	advised(sound, 1.01, NULL, NULL, "objects.a.shape: is 1 m across, and posts are 1.01 m apart: it can pass between them and leave nothing; ");
+	advised(sound, 1, NULL, NULL, NULL);
+	advised(sound, 0, "objects.a.shape.wheel.lugs", "128", NULL); /* where posts are is not known */
+	advised(sound, 2.1, "objects.a.shape", "{sphere: {radius: 1}}", "objects.a.shape: is 2 m across");
+	advised(sound, 1, "objects.a.shape", "{box: {size: [2, 0.9, 0.1]}}", "objects.a.shape: is 0.9 m across");
+	advised(sound, 0.9, "objects.a.shape", "{box: {size: [2, 0.9, 0.1]}}", NULL);
+	advised(sound, 0.5, "objects.a.shape.wheel.lugs", "7", "objects.a.shape.wheel.lugs: their prints are 0.898 m apart, less than two posts ");
+	advised(sound, 0.5, "objects.a.shape.wheel.lugs", "6", NULL);
+	write_text("poses.csv", "11,0,0,5\n12,9,9,5\n");
+	advised(sound, 0.5, "objects.a.path", "{file: poses.csv}", "objects.a.path: begins after 11 s, and the drive ends after 10 s: ");
+	write_text("poses.csv", "9,0,0,5\n12,9,9,5\n");
+	advised(sound, 0.5, "objects.a.path", "{file: poses.csv}", NULL);
+	advised(sound, 0.5, "objects.a.path&objects.a.sink", "{file: poses.csv}&0.1", "objects.a.sink: its poses say z already; ");
+	unlink(in_folder("poses.csv"));
+	advised(resting, 0.5, "objects.a.path.loop", "true", "objects.a.path.loop: its points are one place: ");
+	advised(sound, 0.5, "objects.a.path.loop", "true", NULL);
+	advised(soil, 0.5, "objects.a.slip", "0.1", NULL);
+	advised(soil, 0.5, "objects.a.slip&objects.a.path.points", "0.1&[[1, 2], [1, 2]]", "objects.a.slip: a wheel that stands does not turn; ");
+}
+
+static void objects_that_are_alike_are_told_of_once(void **state)
+{
+	static const char four[] = "scene: 1\nend_time: 10\ntime_step: 0.1\n"
+				   "objects:\n"
+				   "  - {name: a, shape: {sphere: {radius: 1}}, path: {points: [[5, 5]], speed: 3}}\n"
+				   "  - {name: b, shape: {wheel: {radius: 1, width: 0.5, lugs: 30}}, path: {points: [[5, 5]], speed: 3}}\n"
+				   "  - {name: c, shape: {wheel: {radius: 1, width: 0.5, lugs: 30}}, path: {points: [[5, 5]], speed: 3}}\n"
+				   "  - {name: d, shape: {wheel: {radius: 1, width: 0.5, lugs: 30}}, path: {points: [[5, 5]], speed: 3}}\n";
+	advised(four, 0.5, NULL, NULL, "objects.b.shape.wheel.lugs: their prints are 0.209 m apart, as of 2 others, less than two posts of 0.5 m: ");
+	static const char two[] = "scene: 1\nend_time: 10\ntime_step: 0.1\n"
+				  "objects:\n"
+				  "  - {name: a, shape: {sphere: {radius: 1}}, path: {points: [[5, 5]], speed: 3}}\n"
+				  "  - {name: b, shape: {wheel: {radius: 1, width: 2}}, path: {points: [[5, 5]], speed: 3}}\n";
+	advised(two, 2.5, NULL, NULL, "objects.a.shape: is 2 m across, as of 1 other, and posts are 2.5 m apart: ");
+}
+
+static void rows_that_repeat(void **state)
+{
+	advised(soil, 0.5, "output.forces", "6", NULL);
+	advised(soil, 0.5, "output.forces", "6.5", "output.forces: 6.5 rows a second, and no object comes to more than 6 posts in one: ");
+	advised(soil, 0.5, "output.forces", "0.09", "output.forces: a row every 11.11 s, and the drive ends after 10 s: ");
+	advised(soil, 0.5, "output.forces", "0.1", NULL);
+	advised(soil, 0.5, "output.forces&objects.a.path.points", "1&[[1, 2]]", "output.forces: no object moves: ");
+	write_text("poses.csv", "0,0,0\n5,10,0\n10,20,0\n");
+	advised(soil, 0.5, "output.forces&objects.a.path", "4&{file: poses.csv}", NULL);
+	advised(soil, 0.5, "output.forces&objects.a.path", "5&{file: poses.csv}", "output.forces: 5 rows a second");
+	write_text("poses.csv", "0,0,0,0,0,0,0\n5,10,0,0,90,0,0\n10,20,0,0,0,0,0\n"); /* it turns too */
+	advised(soil, 0.5, "output.forces&objects.a.path", "5&{file: poses.csv}", NULL);
+	unlink(in_folder("poses.csv"));
+}
+
+static void pictures_that_nobody_sees(void **state)
+{
+	advised(looked_at, 0.5, "view.images", "0", "view: a picture is drawn after each step and none is written");
+	advised(looked_at, 0.5, "view.images", "101", "view.images: one every 101 steps, and the drive ends after 100: none is written; ");
+	advised(looked_at, 0.5, "view.images", "100", NULL);
+	advised(looked_at, 0.5, "view.effects", "[detail]", "view.effects.detail: is the grain of the texture, which is not drawn; ");
+	advised(looked_at, 0.5, "view.effects", "[detail, texture]", NULL);
+	advised(looked_at, 0.5, "view.effects", "[fog]", NULL);
+}
+
+static void a_cache_that_reads_nothing_ahead(void **state)
+{
+	advised(sound, 0.5, "cache.loaders", "0", "cache.prefetch: without loaders no tile is read ahead");
+	advised(sound, 0.5, "cache", "{loaders: 0, prefetch: 0}", NULL);
+	advised(sound, 0.5, "cache.prefetch", "0", "cache.prefetch: 0: a drive waits for each tile that it comes to; give seconds of travel, as 1.5");
+	advised(still, 0.5, "cache.prefetch", "0", NULL);
+}
+
+/* The scenes handed out, at their own spacing: what is said of them is meant. */
+static void the_examples_are_told_what_they_mean(void **state)
+{
+	static const struct {
+		const char *name, *says;
+	} examples[] = {
+		{"bare", NULL},   {"convoy", NULL}, {"demo", NULL},  {"foot", NULL},
+		{"rover", NULL},  {"shapes", NULL}, {"tracks", NULL},
+		{"table2", "view: a picture is drawn after each step and none is written, which is for timing"},
+	};
+	const char *scenes = getenv("SCENES");
+	if (scenes == NULL)
+		skip();
+	for (size_t i = 0; i < sizeof examples / sizeof examples[0]; i++) {
+		char path[1024];
+		struct scene *scene;
+		struct told told = {.count = 0};
+		snprintf(path, sizeof path, "%s/%s.yaml", scenes, examples[i].name);
+		if (scene_load(path, NULL, 0, &scene) != STATUS_OK) {
+			assert_says("this build reads no meshes");
+			continue;
+		}
+		scene_advise(scene, scene->spacing > 0 ? scene->spacing : 0.25, hear, &told);
+		scene_destroy(scene);
+		if (told.count != (examples[i].says != NULL) ||
+		    (told.count > 0 && strncmp(told.text, examples[i].says, strlen(examples[i].says)) != 0))
+			fail_msg("%s is told %d things: %s", examples[i].name, told.count, told.text);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_sound_scene_is_told_nothing),
+		cmocka_unit_test(times_that_lead_nowhere),
+		cmocka_unit_test(what_is_of_objects_where_there_are_none),
+		cmocka_unit_test(what_the_ground_makes_nothing_of),
+		cmocka_unit_test(objects_that_the_posts_do_not_see),
+		cmocka_unit_test(objects_that_are_alike_are_told_of_once),
+		cmocka_unit_test(rows_that_repeat),
+		cmocka_unit_test(pictures_that_nobody_sees),
+		cmocka_unit_test(a_cache_that_reads_nothing_ahead),
+		cmocka_unit_test(the_examples_are_told_what_they_mean),
+	};
+	return cmocka_run_group_tests(tests, make_folder, drop_folder);
+}
