@@ -4,6 +4,7 @@
 
 #include "command.h"
 #include "run/run.h"
+#include "settings.h"
 
 static const struct command_option options[] = {
 	{"o", "DIR", "where run.json, epochs.log and the pictures go"},
@@ -18,28 +19,6 @@ static const struct command_option options[] = {
 	{NULL, NULL, NULL},
 };
 
-#define SETTINGS_MAX 64
-
-static enum status split_settings(const struct arguments *arguments, char *texts[], struct scene_setting *settings,
-				  size_t *count)
-{
-	const char *text;
-	for (*count = 0; (text = arguments_nth(arguments, "set", *count)) != NULL; ++*count) {
-		const char *equals = strchr(text, '=');
-		if (equals == NULL || equals == text)
-			return fail_with(STATUS_USAGE, "drive: --set %s: not KEY=VALUE; give one as in --set cache.slots=16",
-					 text);
-		if (*count == SETTINGS_MAX)
-			return fail_with(STATUS_USAGE, "drive: --set is given too often; %d at most", SETTINGS_MAX);
-		char *copy = texts[*count] = mem_strdup(text);
-		if (copy == NULL)
-			return fail_memory("settings");
-		copy[equals - text] = '\0';
-		settings[*count] = (struct scene_setting){copy, copy + (equals - text) + 1};
-	}
-	return STATUS_OK;
-}
-
 static void print_summary(const struct run_result *result, const char *directory)
 {
 	printf("%s: %lld steps in %.1f s (%.2f times real time), in %s/run.json\n", result->ended,
@@ -49,9 +28,7 @@ static void print_summary(const struct run_result *result, const char *directory
 static enum status run(const struct arguments *arguments)
 {
 	static const char *const durable[] = {"normal", "full", NULL};
-	char *texts[SETTINGS_MAX] = {NULL};
-	struct scene_setting settings[SETTINGS_MAX];
-	size_t count = 0;
+	struct settings settings = {.count = 0};
 	struct scene *scene = NULL;
 	struct run_result result = {.json = NULL};
 	int64_t steps = 0;
@@ -65,9 +42,9 @@ static enum status run(const struct arguments *arguments)
 	if (status == STATUS_OK)
 		status = arguments_choice(arguments, "durable", durable, &durability);
 	if (status == STATUS_OK)
-		status = split_settings(arguments, texts, settings, &count);
+		status = settings_take(arguments, &settings);
 	if (status == STATUS_OK)
-		status = scene_load(arguments_at(arguments, 0), settings, count, &scene);
+		status = scene_load(arguments_at(arguments, 0), settings.list, settings.count, &scene);
 	if (status == STATUS_OK) {
 		interrupt_catch();
 		bool json = arguments_flag(arguments, "json");
@@ -91,8 +68,7 @@ static enum status run(const struct arguments *arguments)
 	}
 	mem_free(result.json);
 	scene_destroy(scene);
-	for (size_t i = 0; i < SETTINGS_MAX; i++)
-		mem_free(texts[i]);
+	settings_finish(&settings);
 	return status;
 }
 

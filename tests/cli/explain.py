@@ -1,0 +1,301 @@
+"""furrow explain: what a scene will make and run, told before; and what a drive then made and ran."""
+import pathlib
+import sqlite3
+import subprocess
+import sys
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+from furrow_test import FURROW, SCENE, FurrowTest, main  # noqa: E402
+
+SCENES = pathlib.Path(__file__).parents[2] / "tools" / "scenes"
+SHIPPED = sorted(SCENES.glob("*.yaml"))
+
+BARE = """scene: 1
+time_step: 0.1
+end_time: 3
+objects:
+  - {name: a, shape: {wheel: {radius: 1.5, width: 1}}, sink: 0.2, path: {points: [[20, 20], [100, 90]], speed: 10}}
+  - {name: b, shape: {wheel: {radius: 1.5, width: 1}}, sink: 0.2, path: {points: [[30, 20], [110, 90]], speed: 10}}
+  - {name: c, shape: {sphere: {radius: 2}}, sink: 0.2, path: {points: [[60, 20], [60, 30]], speed: 10}}
+"""
+VIEW = "{camera: {fixed: {eye: [60, 0, 60], target: [60, 60, 10]}}, size: [64, 48], images: 10}"
+ROWS = ["planes", "programs", "passes", "textures", "buffers", "threads", "tables"]
+
+
+def rows(plan):
+    """Every line of a plan, hashable: (section, name or stage, object, unit, amount, effect)."""
+    return [(section, row.get("name", row.get("stage")), row.get("object"), row.get("unit"), row.get("amount"),
+             row["effect"]) for section in ROWS for row in plan[section]]
+
+
+class Explain(FurrowTest):
+    def shipped(self, scene, *arguments):
+        result = self.furrow("explain", scene, *arguments)
+        if "this build reads no meshes" in result.stderr:
+            self.skipTest("no meshes")
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        return result.stdout
+
+    def bare(self, *settings):
+        arguments = [part for setting in settings for part in ("--set", setting)]
+        return self.json("explain", self.folder / "bare.yaml", "--store", self.folder / "world.furrow", *arguments)
+
+    def test_every_shipped_scene_is_told_within_the_page(self):
+        store = self.synth(posts="513x513")
+        for scene in SHIPPED:
+            for arguments in ([], ["--store", store]):
+                with self.subTest(scene=scene.name, store=bool(arguments)):
+                    text = self.shipped(scene, *arguments)
+                    self.assertLessEqual(max(len(line) for line in text.splitlines()[1:]), 100)
+                    self.assertEqual("assumed" in text, not arguments)
+                    for section in ["effects", "planes: ", "programs: ", "passes", "threads: ", "tables", "memory", "not run"]:
+                        self.assertIn("\n" + section, text)
+                    self.assertNotIn("(null)", text)
+
+    def test_every_line_has_a_reason_that_the_scene_gives(self):
+        store = self.synth(posts="513x513")
+        for scene in SHIPPED:
+            with self.subTest(scene=scene.name):
+                if self.furrow("explain", scene).returncode != 0:
+                    continue
+                plan = self.json("explain", scene, "--store", store)
+                called = {effect["name"]: effect for effect in plan["effects"] if effect["called"]}
+                for section in ROWS:
+                    for row in plan[section]:
+                        if row["effect"] is None:
+                            self.assertEqual(row["reason"], "every drive")
+                        else:
+                            self.assertIn(row["effect"], called, row)
+                            self.assertEqual(row["reason"], called[row["effect"]]["reason"])
+                for effect in plan["effects"]:
+                    self.assertEqual(effect["called"], effect["reason"] is not None)
+
+    def test_json_says_what_an_effect_is(self):
+        self.synth()
+        self.scene(BARE, "bare.yaml")
+        plan = self.bare("redistribute.model=box", "redistribute.radius=2")
+        box = next(effect for effect in plan["effects"] if effect["name"] == "box")
+        self.assertEqual(box["key"], "redistribute.model")
+        self.assertEqual(box["reason"], "redistribute.model: box")
+        self.assertEqual((box["reads"], box["writes"], box["stencil"]), (["base", "offset"], ["offset"], 4))
+        self.assertEqual(box["shaders"], ["deform/box.frag"])
+        self.assertEqual(box["parameters"][0], {"key": "redistribute.radius", "kind": "whole number", "unit": "posts",
+                                                "range": [1, 4], "above": False, "words": [], "default": 1})
+        self.assertTrue(box["limits"])
+        self.assertEqual((plan["assumed"], plan["cells"], plan["level"], plan["spacing"]), (False, 256, 0, 1))
+        self.assertEqual((plan["steps"], plan["pictures"], plan["deformed"]), (30, 0, False))
+        self.assertEqual(plan["stations"], {"a": 31, "b": 31, "c": 11})
+        self.assertEqual(plan["memory"]["most"]["total"], sum(value for key, value in plan["memory"]["most"].items()
+                                                              if key != "total"))
+
+    def test_the_store_decides_level_and_spacing(self):
+        scene = self.scene(BARE + "spacing: 0.3\n")
+        plan = self.json("explain", scene)
+        self.assertEqual((plan["assumed"], plan["store"], plan["level"], plan["spacing"]), (True, None, 0, 0.3))
+        store = self.synth(spacing=1)
+        plan = self.json("explain", scene, "--store", store)
+        self.assertEqual((plan["assumed"], plan["store"], plan["level"], plan["spacing"]), (False, str(store), -2, 0.25))
+        self.assertIn("subdivide.frag", " ".join(row["name"] for row in plan["programs"]))
+        # The scene's own store is looked for beside it, and assumed where it is not there yet.
+        named = self.scene(BARE + "store: world.furrow\n", "named.yaml")
+        self.assertFalse(self.json("explain", named)["assumed"])
+        store.unlink()
+        self.assertTrue(self.json("explain", named)["assumed"])
+
+    def test_a_key_changes_its_own_rows_and_no_others(self):
+        self.synth()
+        self.scene(BARE, "bare.yaml")
+        bare = self.bare()
+        for setting, effects in [("attributes=[dirt]", {"dirt"}), ("redistribute.model=box", {"box"}),
+                                 ("objects.a.shape.wheel.lugs=8", {"lugs"}), ("spacing=0.5", {"subdivide"}),
+                                 ("cache.loaders=0", {"loaders"}), ("cache.prefetch=0", {"prefetch"}),
+                                 ("view=" + VIEW, {"picture", "normals", "pyramid", "images"})]:
+            with self.subTest(setting=setting):
+                plan = self.bare(setting)
+                before, after = rows(bare), rows(plan)
+                changed = [row for row in after if row not in before] + [row for row in before if row not in after]
+                # Without loaders fewer images of pages wait: the same lines, of another amount.
+                if setting == "cache.loaders=0":
+                    changed = [row for row in changed if not row[1].startswith("loads: ")]
+                # An object that leaves a mark needs to know what it touched: the press is another variant.
+                variants = [row for row in changed if row[0] == "programs" and row[5] == "displace"]
+                self.assertLessEqual({row[5] for row in changed if row not in variants}, effects, changed)
+                self.assertEqual(len([row for row in variants if row in after]), len([row for row in variants if row in before]))
+                called = {effect["name"] for effect in plan["effects"] if effect["called"]}
+                was = {effect["name"] for effect in bare["effects"] if effect["called"]}
+                self.assertEqual(called ^ was, effects)
+                self.assertEqual(rows(self.bare()), before)
+
+    def test_dirt_adds_its_plane_program_pass_and_table(self):
+        self.synth()
+        self.scene(BARE, "bare.yaml")
+        bare, dirty = self.bare(), self.bare("attributes=[dirt]")
+        own = [row for row in rows(dirty) if row[5] == "dirt"]
+        self.assertEqual([row for row in rows(bare) if row[5] == "dirt"], [])
+        self.assertEqual([row[1] for row in own if row[0] == "planes"], ["dirt"])
+        self.assertEqual([row[1] for row in own if row[0] == "programs"], ["full.vert deform/dirt.frag"])
+        self.assertEqual([row[1:4] for row in own if row[0] == "passes"],
+                         [("dirt", "a", "window"), ("dirt", "b", "window"), ("dirt", "c", "window")])
+        self.assertEqual({row[1] for row in own if row[0] == "tables"}, {"read dirt", "write dirt"})
+        self.assertEqual([row for row in own if row[0] == "threads"], [])
+
+    def test_objects_that_are_alike_are_folded(self):
+        self.synth()
+        text = self.ok("explain", self.scene(BARE), "--store", "world.furrow")
+        self.assertIn("\n  a and 1 like it: 31 stations each", text)
+        self.assertIn("\n  c: 11 stations", text)
+        self.assertNotIn("\n  b:", text)
+        self.assertNotIn("\n  b and", text)
+
+    def test_what_has_no_effect_is_told(self):
+        self.synth()
+        scene = self.scene(BARE + "gravity: 1.62\nsoil: {name: mud}\n")
+        plan = self.json("explain", scene, "--store", "world.furrow", "--set", "cache.slots=2000")
+        self.assertEqual([note.split(":")[0] for note in plan["notes"]], ["soil", "gravity", "cache.slots"])
+        self.assertIn("\nnotes\n  soil: ", self.ok("explain", scene))
+        self.assertEqual(self.json("explain", self.scene(BARE, "bare.yaml"), "--store", "world.furrow")["notes"], [])
+        self.assertNotIn("notes", self.ok("explain", "bare.yaml", "--store", "world.furrow"))
+        # What depends on the posts is told where they are known.
+        narrow = self.scene(BARE.replace("width: 1", "width: 0.5"), "narrow.yaml")
+        self.assertEqual(self.json("explain", narrow)["notes"], [])
+        self.assertEqual(len(self.json("explain", narrow, "--store", "world.furrow")["notes"]), 1)
+
+    def test_a_drive_tells_the_same_on_stderr(self):
+        self.synth()
+        scene = self.scene(BARE + "gravity: 1.62\n")
+        result = self.furrow("drive", scene, "--store", "world.furrow", "-o", "out", "--steps", "1", "--json")
+        if result.returncode == 4:
+            self.skipTest("no GL here")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        notes = [line for line in result.stderr.splitlines() if line.startswith("furrow: note: ")]
+        self.assertEqual(notes, ["furrow: note: " + note for note in
+                                 self.json("explain", scene, "--store", "world.furrow")["notes"]])
+        self.assertEqual(result.stdout.lstrip()[0], "{")
+
+    def test_nothing_is_touched(self):
+        store = self.synth()
+        scene = self.scene(BARE)
+        before = {path.name: (path.read_bytes(), path.stat().st_mtime_ns) for path in self.folder.iterdir()}
+        self.ok("explain", scene, "--store", store)
+        self.ok("explain", scene, "--store", store, "--json")
+        after = {path.name: (path.read_bytes(), path.stat().st_mtime_ns) for path in self.folder.iterdir()}
+        self.assertEqual(before, after)
+
+    def test_a_store_that_is_being_written_is_explained(self):
+        store = self.synth()
+        scene = self.scene(BARE)
+        writer = sqlite3.connect(store, isolation_level=None)
+        self.addCleanup(writer.close)
+        writer.execute("BEGIN IMMEDIATE")
+        self.assertFalse(self.json("explain", scene, "--store", store)["assumed"])
+        writer.execute("ROLLBACK")
+
+    def test_a_store_that_is_being_driven_is_explained(self):
+        store = self.synth(posts="513x513")
+        scene = self.scene(BARE.replace("end_time: 3", "end_time: 100000").replace("speed: 10}", "speed: 10, loop: true}"))
+        drive = subprocess.Popen([FURROW, "drive", scene, "--store", store, "-o", "out"], cwd=self.folder,
+                                 stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        try:
+            log = self.folder / "out" / "epochs.log"
+            while drive.poll() is None and not (log.exists() and log.read_text().count("\n") >= 2):
+                pass
+            if drive.poll() == 4:
+                self.skipTest("no GL here")
+            self.assertIsNone(drive.poll())
+            plan = self.json("explain", scene, "--store", store)
+            self.assertEqual((plan["assumed"], plan["deformed"]), (False, True))
+        finally:
+            drive.terminate()
+            drive.communicate(timeout=120)
+
+    def test_what_is_wrong_is_told(self):
+        self.synth()
+        scene = self.scene(BARE)
+        self.refused(3, "explain", "missing.yaml")
+        self.refused(3, "explain", self.scene(BARE + "sloth: 1\n", "bad.yaml"))
+        self.refused(3, "explain", scene, "--set", "cache.slots=3")
+        self.refused(3, "explain", scene, "--set", "cache.sloth=3")
+        self.refused(3, "explain", scene, "--store", "missing.furrow")
+        self.refused(3, "explain", scene, "--store", scene)
+        self.refused(3, "explain", scene, "--set", "coordinates=EPSG:32632")
+        self.refused(2, "explain")
+        self.refused(2, "explain", scene, scene)
+        self.refused(2, "explain", scene, "--set", "cache.slots")
+        self.refused(2, "explain", scene, "--steps", "3")
+
+    def test_what_no_drive_can_begin_with_is_refused_as_it_would_be(self):
+        self.synth(posts="257x257")
+        for setting in ["spacing=0.00001", "objects.c.shape={sphere: {radius: 400}}"]:
+            with self.subTest(setting=setting):
+                arguments = [self.scene(BARE), "--store", "world.furrow", "--set", setting]
+                told = self.refused(3, "explain", *arguments)
+                driven = self.furrow("drive", *arguments, "-o", "out")
+                if driven.returncode == 3:
+                    self.assertIn(told, driven.stderr)
+
+    def test_help_says_what_it_is(self):
+        text = self.ok("explain", "--help")
+        for word in ["--store", "--set", "--json", "<-", "no GL"]:
+            self.assertIn(word, text)
+
+
+class ExplainAndDrive(FurrowTest):
+    """What was predicted is what happened: amounts by unit, times the units' counts."""
+
+    SCENES = {
+        "bare": BARE,
+        "everything but soil": BARE + "spacing: 0.5\nredistribute: {model: box, repetitions: 2}\nattributes: [dirt]\n" +
+        "view: " + VIEW.replace("size", "effects: [texture, detail, fog, sky, geomorph, skirts], size") + "\n",
+        "scm": BARE.replace("sink: 0.2", "load: 900") + "soil: {name: dry_sand}\nredistribute: {model: scm}\noutput: {forces: 5}\n",
+        "slippage": BARE + "soil: {name: dry_sand}\nredistribute: {model: slippage, iterations: 2}\nattributes: [dirt]\n",
+    }
+
+    def check(self, plan, run):
+        counts = run["counts"]
+        units = counts["units"]
+
+        def count_of(row):
+            unit = row.get("unit", "once")
+            if unit == "once":
+                return 1
+            if unit in ("changed", "left"):
+                return units[unit][row["name"].split()[1]]
+            count = units[unit]
+            if isinstance(count, dict):
+                return count[row["object"]] if row.get("object") else sum(count.values())
+            return count
+
+        self.assertEqual({row["name"] for row in plan["programs"]}, {program["name"] for program in counts["programs"]})
+        self.assertEqual(len(plan["programs"]), run["programs"])
+        self.assertEqual(counts["unplanned"], 0)
+        passes = {}
+        for row in plan["passes"]:
+            passes[row["stage"]] = passes.get(row["stage"], 0) + row["amount"] * count_of(row)
+        self.assertEqual({stage: count for stage, count in passes.items() if count > 0}, counts["passes"])
+        self.assertEqual(sum(row["amount"] for row in plan["threads"]), counts["threads"])
+        self.assertEqual(sum(row["amount"] * count_of(row) for row in plan["textures"]), counts["textures"])
+        self.assertEqual(sum(row["bytes"] * count_of(row) for row in plan["textures"] + plan["buffers"]), counts["bytes"])
+        tables = {}
+        for row in plan["tables"]:
+            tables[row["name"]] = tables.get(row["name"], 0) + row["amount"] * count_of(row)
+        ran = {f"{verb} {table}": count for table, verbs in counts["statements"].items() for verb, count in verbs.items()}
+        self.assertEqual({name: count for name, count in tables.items() if count > 0},
+                         {name: count for name, count in ran.items() if count > 0})
+        self.assertEqual(plan["memory"]["most"], run["memory"]["budget"])
+
+    def test_a_drive_makes_and_runs_what_was_told(self):
+        for name, text in self.SCENES.items():
+            with self.subTest(scene=name):
+                self.synth()
+                scene = self.scene(text)
+                plan = self.json("explain", scene, "--store", "world.furrow")
+                self.check(plan, self.drive(scene, "--store", "world.furrow"))
+                # Once more, over what the first left.
+                again = self.json("explain", scene, "--store", "world.furrow")
+                self.assertTrue(again["deformed"])
+                self.check(again, self.drive(scene, "--store", "world.furrow"))
+
+
+if __name__ == "__main__":
+    main()

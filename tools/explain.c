@@ -1,0 +1,60 @@
+/* furrow explain: what a scene will make and run, and why, before it does. */
+#include "explain.h"
+
+#include <stdio.h>
+
+#include "command.h"
+#include "settings.h"
+
+static const struct command_option options[] = {
+	{"store", "STORE", "the terrain, instead of the scene's own; none: tiles of 256 cells are assumed"},
+	{"set", "KEY=VALUE", "overrides a key of the scene, as in cache.slots=16; may be repeated"},
+	{"json", NULL, "one JSON object"},
+	{NULL, NULL, NULL},
+};
+
+void explain_reason(const struct scene *scene, const char *effect, char *text, size_t size)
+{
+	enum scene_effect which;
+	if (effect == NULL)
+		snprintf(text, size, "every drive");
+	else if (scene_effect_named(effect, &which))
+		scene_effect_reason(scene, which, text, size);
+	else
+		snprintf(text, size, "%s", effect);
+}
+
+static enum status run(const struct arguments *arguments)
+{
+	struct settings settings = {.count = 0};
+	struct scene *scene = NULL;
+	struct run_plan plan = {.store = NULL};
+	enum status status = arguments_expect(arguments, 1, 1);
+	if (status == STATUS_OK)
+		status = settings_take(arguments, &settings);
+	if (status == STATUS_OK)
+		status = scene_load(arguments_at(arguments, 0), settings.list, settings.count, &scene);
+	if (status == STATUS_OK)
+		status = run_plan(scene, arguments_text(arguments, "store"), &plan);
+	if (status == STATUS_OK && arguments_flag(arguments, "json"))
+		status = explain_json(scene, &plan);
+	else if (status == STATUS_OK)
+		explain_text(scene, &plan);
+	run_plan_finish(&plan);
+	scene_destroy(scene);
+	settings_finish(&settings);
+	return status;
+}
+
+const struct command command_explain = {
+	.name = "explain",
+	.usage = "explain SCENE [--store STORE] [--set KEY=VALUE]... [--json]",
+	.summary = "what a scene will make and run, and why, before it does",
+	.details = "Prints the plan of a drive: planes kept a post, programs, passes of each object and picture, threads,\n"
+		   "statements of the store's tables, memory at most; each with the key of the scene that calls for it, as in\n"
+		   "`normals <- view`. What is not there is not made and not run: run.json's counts are these amounts, times how\n"
+		   "often each unit came. Then what the scene says without effect. Needs no GL, and changes nothing: the store is\n"
+		   "only read, also while another drive writes it.\n",
+	.options = options,
+	.run = run,
+};

@@ -1,0 +1,166 @@
+/* furrow explain --json. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "explain.h"
+#include "json.h"
+
+static void add_words(cJSON *object, const char *name, const char *const *words)
+{
+	cJSON *array = cJSON_AddArrayToObject(object, name);
+	for (; *words != NULL; words++)
+		cJSON_AddItemToArray(array, cJSON_CreateString(*words));
+}
+
+/* "base, offset" as a list. */
+static void add_planes(cJSON *object, const char *name, const char *planes)
+{
+	cJSON *array = cJSON_AddArrayToObject(object, name);
+	while (*planes != '\0') {
+		char plane[32];
+		size_t length = strcspn(planes, ",");
+		snprintf(plane, sizeof plane, "%.*s", (int)length, planes);
+		cJSON_AddItemToArray(array, cJSON_CreateString(plane));
+		planes += length + strspn(planes + length, ", ");
+	}
+}
+
+static void add_text(cJSON *object, const char *name, const char *text)
+{
+	if (text != NULL && text[0] != '\0')
+		cJSON_AddStringToObject(object, name, text);
+	else
+		cJSON_AddNullToObject(object, name);
+}
+
+static void add_parameters(cJSON *object, const char *const *keys)
+{
+	cJSON *array = cJSON_AddArrayToObject(object, "parameters");
+	for (; *keys != NULL; keys++) {
+		struct scene_parameter parameter;
+		cJSON *entry = cJSON_CreateObject();
+		cJSON_AddItemToArray(array, entry);
+		cJSON_AddStringToObject(entry, "key", *keys);
+		if (!scene_parameter(*keys, &parameter))
+			continue;
+		cJSON_AddStringToObject(entry, "kind", parameter.kind);
+		add_text(entry, "unit", parameter.unit);
+		if (isfinite(parameter.low)) {
+			json_pair(entry, "range", parameter.low, parameter.high);
+			cJSON_AddBoolToObject(entry, "above", parameter.above);
+		}
+		add_planes(entry, "words", parameter.words);
+		if (isfinite(parameter.absent))
+			json_number(entry, "default", parameter.absent);
+		else
+			add_text(entry, "default", parameter.otherwise);
+	}
+}
+
+static void add_effects(cJSON *root, const struct scene *scene, const struct run_plan *plan)
+{
+	cJSON *array = cJSON_AddArrayToObject(root, "effects");
+	for (int e = 0; e < EFFECT_COUNT; e++) {
+		const struct scene_effect_row *row = scene_effect_row((enum scene_effect)e);
+		bool called = plan->effects >> e & 1;
+		char reason[160] = "";
+		cJSON *effect = cJSON_CreateObject();
+		cJSON_AddItemToArray(array, effect);
+		if (called)
+			scene_effect_reason(scene, (enum scene_effect)e, reason, sizeof reason);
+		cJSON_AddStringToObject(effect, "name", row->name);
+		cJSON_AddStringToObject(effect, "key", row->key);
+		cJSON_AddBoolToObject(effect, "called", called);
+		add_text(effect, "reason", reason);
+		cJSON_AddStringToObject(effect, "what", row->what);
+		add_planes(effect, "reads", row->reads);
+		add_planes(effect, "writes", row->writes);
+		json_integer(effect, "stencil", row->stencil);
+		add_parameters(effect, row->parameters);
+		add_words(effect, "shaders", row->shaders);
+		add_text(effect, "define", row->define);
+		cJSON_AddStringToObject(effect, "limits", row->limits);
+	}
+}
+
+static cJSON *line_json(const struct scene *scene, const struct plan_line *line)
+{
+	char reason[160];
+	cJSON *object = cJSON_CreateObject();
+	cJSON_AddStringToObject(object, line->kind == PLAN_PASS ? "stage" : "name", line->name);
+	if (line->kind == PLAN_PASS)
+		add_text(object, "object", line->object >= 0 ? scene->objects[line->object].name : NULL);
+	if (line->kind != PLAN_PLANE && line->kind != PLAN_PROGRAM && line->kind != PLAN_THREAD)
+		cJSON_AddStringToObject(object, "unit", plan_unit_name(line->unit));
+	if (line->kind != PLAN_PLANE && line->kind != PLAN_PROGRAM)
+		json_integer(object, "amount", line->amount);
+	if (line->kind == PLAN_PLANE || line->kind == PLAN_TEXTURE || line->kind == PLAN_BUFFER)
+		json_integer(object, "bytes", (int64_t)line->bytes);
+	explain_reason(scene, line->effect, reason, sizeof reason);
+	add_text(object, "effect", line->effect);
+	cJSON_AddStringToObject(object, "reason", reason);
+	return object;
+}
+
+static void add_lines(cJSON *root, const char *name, const struct scene *scene, const struct run_plan *plan,
+		      enum plan_kind kind)
+{
+	cJSON *array = cJSON_AddArrayToObject(root, name);
+	for (size_t i = 0; i < plan->plan.count; i++)
+		if (plan->plan.lines[i].kind == kind)
+			cJSON_AddItemToArray(array, line_json(scene, &plan->plan.lines[i]));
+}
+
+static void add_memory(cJSON *root, const struct run_plan *plan)
+{
+	cJSON *memory = cJSON_AddObjectToObject(root, "memory");
+	cJSON *units = cJSON_AddObjectToObject(memory, "per_unit");
+	for (int unit = 0; unit < PLAN_UNITS; unit++) {
+		uint64_t bytes = 0;
+		for (size_t i = 0; i < plan->plan.count; i++) {
+			const struct plan_line *line = &plan->plan.lines[i];
+			if ((int)line->unit == unit && (line->kind == PLAN_TEXTURE || line->kind == PLAN_BUFFER))
+				bytes += line->bytes;
+		}
+		if (bytes > 0)
+			json_integer(units, plan_unit_name((enum plan_unit)unit), (int64_t)bytes);
+	}
+	cJSON *most = cJSON_AddObjectToObject(memory, "most");
+	json_integer(most, "slots", (int64_t)plan->most.slots);
+	json_integer(most, "loads", (int64_t)plan->most.loads);
+	json_integer(most, "queue", (int64_t)plan->most.queue);
+	json_integer(most, "ground", (int64_t)plan->most.ground);
+	json_integer(most, "total", (int64_t)(plan->most.slots + plan->most.loads + plan->most.queue + plan->most.ground));
+}
+
+enum status explain_json(const struct scene *scene, const struct run_plan *plan)
+{
+	cJSON *root = cJSON_CreateObject();
+	cJSON_AddStringToObject(root, "scene", scene->file);
+	add_text(root, "store", plan->store);
+	cJSON_AddBoolToObject(root, "assumed", plan->store == NULL);
+	json_integer(root, "cells", plan->cells);
+	json_integer(root, "level", plan->level);
+	json_number(root, "spacing", plan->spacing);
+	cJSON_AddBoolToObject(root, "deformed", plan->deformed);
+	json_integer(root, "steps", plan->steps);
+	json_integer(root, "pictures", plan->pictures);
+	json_integer(root, "window_tiles", (int64_t)plan->window_tiles);
+	cJSON *stations = cJSON_AddObjectToObject(root, "stations");
+	for (size_t i = 0; i < scene->object_count; i++)
+		json_integer(stations, scene->objects[i].name, (int64_t)plan->stations[i]);
+	add_effects(root, scene, plan);
+	add_lines(root, "planes", scene, plan, PLAN_PLANE);
+	add_lines(root, "programs", scene, plan, PLAN_PROGRAM);
+	add_lines(root, "passes", scene, plan, PLAN_PASS);
+	add_lines(root, "textures", scene, plan, PLAN_TEXTURE);
+	add_lines(root, "buffers", scene, plan, PLAN_BUFFER);
+	add_lines(root, "threads", scene, plan, PLAN_THREAD);
+	add_lines(root, "tables", scene, plan, PLAN_STATEMENT);
+	add_memory(root, plan);
+	cJSON *notes = cJSON_AddArrayToObject(root, "notes");
+	for (size_t i = 0; i < plan->note_count; i++)
+		cJSON_AddItemToArray(notes, cJSON_CreateString(plan->notes[i]));
+	return json_print(root);
+}

@@ -1,0 +1,423 @@
+/* furrow explain, for a person: sections of lines, each with what calls for it in one column at the right. */
+#include <stdio.h>
+#include <string.h>
+
+#include "explain.h"
+
+enum { COLUMNS = 100, REASONS = 60 }; /* where reasons begin, where what is before leaves room */
+
+/* One line of a section: what, and why; two where they do not fit. */
+static void row(const char *what, const char *why)
+{
+	int room = COLUMNS - (int)strlen(" <- ") - (int)strlen(why);
+	if ((int)strlen(what) > room)
+		printf("%s\n%*s <- %s\n", what, REASONS, "", why);
+	else
+		printf("%-*s <- %s\n", REASONS < room ? REASONS : room, what, why);
+}
+
+static void line_reason(const struct scene *scene, const struct plan_line *line, char *text, size_t size)
+{
+	explain_reason(scene, line->effect, text, size);
+}
+
+/* 1234567: "1,234,567". */
+struct grouped {
+	char text[48];
+};
+static struct grouped grouped(uint64_t number)
+{
+	struct grouped out;
+	char digits[24];
+	size_t length = (size_t)snprintf(digits, sizeof digits, "%llu", (unsigned long long)number), to = 0;
+	for (size_t i = 0; i < length; i++) {
+		if (i > 0 && (length - i) % 3 == 0)
+			out.text[to++] = ',';
+		out.text[to++] = digits[i];
+	}
+	out.text[to] = '\0';
+	return out;
+}
+
+/* Three places, as people say it. */
+static struct grouped size_of(uint64_t bytes)
+{
+	static const char *const units[] = {"bytes", "KiB", "MiB", "GiB", "TiB"};
+	double size = (double)bytes;
+	size_t unit = 0;
+	struct grouped out;
+	if (bytes < 10000)
+		snprintf(out.text, sizeof out.text, "%.32s bytes", grouped(bytes).text);
+	while (bytes >= 10000 && size >= 1000 && unit + 1 < sizeof units / sizeof *units) {
+		size /= 1024;
+		unit++;
+	}
+	if (bytes >= 10000)
+		snprintf(out.text, sizeof out.text, "%.3g %s", size, units[unit]);
+	return out;
+}
+
+/* Words from column 2 on, broken before the last; `indent`: of the lines that follow. */
+static void wrapped(const char *text, int indent)
+{
+	int column = printf("  ");
+	for (bool first = true; *text != '\0'; first = false) {
+		int length = (int)strcspn(text, " ");
+		if (!first && column + 1 + length > COLUMNS)
+			column = printf("\n%*s", indent, "") - 1;
+		else if (!first)
+			column += printf(" ");
+		column += printf("%.*s", length, text);
+		text += length + strspn(text + length, " ");
+	}
+	putchar('\n');
+}
+
+static bool is_of(const struct plan_line *line, enum plan_kind kind)
+{
+	return line->kind == kind;
+}
+
+static bool same_effect(const struct plan_line *a, const struct plan_line *b)
+{
+	return a->effect == b->effect || (a->effect != NULL && b->effect != NULL && strcmp(a->effect, b->effect) == 0);
+}
+
+static size_t count_of(const struct plan *plan, enum plan_kind kind)
+{
+	size_t count = 0;
+	for (size_t i = 0; i < plan->count; i++)
+		count += is_of(&plan->lines[i], kind);
+	return count;
+}
+
+/* --- what it is over --- */
+
+static void print_head(const struct scene *scene, const struct run_plan *plan)
+{
+	if (plan->store != NULL)
+		printf("%s over %s%s\n", scene->file, plan->store, plan->deformed ? ", which is deformed already" : "");
+	else
+		printf("%s over no store\n  assumed: one of little relief that is not deformed, with posts and tiles as follow\n",
+		       scene->file);
+	printf("  posts %g m apart (level %d) in tiles of %u x %u cells", plan->spacing, plan->level, plan->cells, plan->cells);
+	if (plan->window_tiles > 0)
+		printf("; a window touches at most %zu", plan->window_tiles);
+	printf("\n  %s step%s%s\n", grouped((uint64_t)plan->steps).text, plan->steps == 1 ? "" : "s",
+	       plan->pictures > 0 ? ", a picture after each" : "");
+}
+
+static void print_effects(const struct scene *scene, const struct run_plan *plan)
+{
+	puts("\neffects");
+	for (int e = 0; e < EFFECT_COUNT; e++) {
+		const struct scene_effect_row *effect = scene_effect_row((enum scene_effect)e);
+		char what[160], why[160];
+		if ((plan->effects >> e & 1) == 0)
+			continue;
+		snprintf(what, sizeof what, "  %-9s %s", effect->name, effect->what);
+		scene_effect_reason(scene, (enum scene_effect)e, why, sizeof why);
+		row(what, why);
+	}
+}
+
+/* --- what is made --- */
+
+static void print_planes(const struct scene *scene, const struct run_plan *plan)
+{
+	uint64_t bytes = 0;
+	for (size_t i = 0; i < plan->plan.count; i++)
+		if (is_of(&plan->plan.lines[i], PLAN_PLANE))
+			bytes += plan->plan.lines[i].bytes;
+	printf("\nplanes: %s bytes a post\n", grouped(bytes).text);
+	for (int called = 0; called < 2; called++) /* what every drive has comes first */
+		for (size_t i = 0; i < plan->plan.count; i++) {
+			const struct plan_line *line = &plan->plan.lines[i];
+			char what[160], why[160];
+			if (!is_of(line, PLAN_PLANE) || (line->effect != NULL) != called)
+				continue;
+			snprintf(what, sizeof what, "  %-12s %llu", line->name, (unsigned long long)line->bytes);
+			line_reason(scene, line, why, sizeof why);
+			row(what, why);
+		}
+}
+
+/* The two files that a program's name begins with. */
+static size_t files_length(const char *name)
+{
+	size_t first = strcspn(name, " ");
+	return first + (name[first] != '\0') + strcspn(name + first + (name[first] != '\0'), " ");
+}
+
+static bool same_files(const struct plan_line *a, const struct plan_line *b)
+{
+	size_t length = files_length(a->name);
+	return is_of(b, PLAN_PROGRAM) && files_length(b->name) == length && strncmp(a->name, b->name, length) == 0;
+}
+
+/* Programs of the same files together, where the first of them is; each variant on a line of its own if there are more. */
+static void print_variants(const struct scene *scene, const struct plan *plan, size_t first)
+{
+	const struct plan_line *head = &plan->lines[first];
+	size_t length = files_length(head->name), variants = 0;
+	char what[160], why[160];
+	for (size_t i = 0; i < plan->count; i++) {
+		variants += same_files(head, &plan->lines[i]);
+		if (i < first && same_files(head, &plan->lines[i]))
+			return;
+	}
+	if (variants > 1)
+		printf("  %.*s\n", (int)length, head->name);
+	for (size_t i = first; i < plan->count; i++) {
+		const struct plan_line *line = &plan->lines[i];
+		const char *defines = line->name + length;
+		if (!same_files(head, line))
+			continue;
+		if (variants > 1)
+			snprintf(what, sizeof what, "     %s", defines[0] != '\0' ? defines : " plain");
+		else
+			snprintf(what, sizeof what, "  %s", line->name);
+		line_reason(scene, line, why, sizeof why);
+		row(what, why);
+	}
+}
+
+static void print_programs(const struct scene *scene, const struct plan *plan)
+{
+	printf("\nprograms: %zu\n", count_of(plan, PLAN_PROGRAM));
+	for (size_t i = 0; i < plan->count; i++)
+		if (is_of(&plan->lines[i], PLAN_PROGRAM))
+			print_variants(scene, plan, i);
+}
+
+/* --- what is run --- */
+
+/* After an amount: "a window". */
+static const char *each_of(enum plan_unit unit)
+{
+	static const char *const words[PLAN_UNITS] = {
+		[PLAN_ONCE] = "once",
+		[PLAN_BASE_SLOT] = "a tile in a slot",
+		[PLAN_CLASS_SLOT] = "a tile in a slot, with classes",
+		[PLAN_DEFORM_SLOT] = "a deformed tile in a slot",
+		[PLAN_STATE_SLOT] = "a deformed tile of the working level",
+		[PLAN_PATCH] = "a base interpolated at once",
+		[PLAN_PAGE] = "a changed page on its way",
+		[PLAN_WINDOW_LAYER] = "a window of one sweep",
+		[PLAN_RESULT_LAYER] = "256 x 256 posts of blocks that slide",
+		[PLAN_RING] = "a segment of parameters",
+		[PLAN_WINDOW] = "a window",
+		[PLAN_MOVED] = "a window that it moved over",
+		[PLAN_FACETS] = "a draw of triangles",
+		[PLAN_HELD] = "a block that an object rests on",
+		[PLAN_RESTING] = "a window of an object at rest",
+		[PLAN_ATLAS] = "an atlas of blocks that slide",
+		[PLAN_DECIMATED] = "a coarser tile that follows",
+		[PLAN_SUBDIVIDED] = "a base interpolated",
+		[PLAN_DRAWN] = "a tile drawn",
+		[PLAN_FRAME] = "a picture",
+		[PLAN_LOADED] = "a tile loaded",
+		[PLAN_LOADED_COARSER] = "a coarser tile loaded",
+		[PLAN_READ] = "a base read",
+		[PLAN_RANGE] = "a range of heights asked",
+		[PLAN_COMMITTED] = "a tile committed",
+		[PLAN_COMMITTED_COARSER] = "a coarser tile that follows",
+		[PLAN_CHANGED] = "a row that changed",
+		[PLAN_LEFT] = "a row that an earlier drive left",
+		[PLAN_EPOCH] = "an epoch",
+	};
+	return words[unit];
+}
+
+static bool same_pass(const struct plan_line *a, const struct plan_line *b)
+{
+	return a->unit == b->unit && a->amount == b->amount && strcmp(a->name, b->name) == 0 && same_effect(a, b);
+}
+
+/* The nth pass of an object (-1: of none), or NULL. */
+static const struct plan_line *pass_of(const struct plan *plan, int object, size_t nth)
+{
+	for (size_t i = 0; i < plan->count; i++)
+		if (is_of(&plan->lines[i], PLAN_PASS) && plan->lines[i].object == object && nth-- == 0)
+			return &plan->lines[i];
+	return NULL;
+}
+
+/* The same passes of the same shape, whatever its size. */
+static bool are_alike(const struct scene *scene, const struct plan *plan, int a, int b)
+{
+	const struct plan_line *of_a, *of_b;
+	if (scene->objects[a].shape.kind != scene->objects[b].shape.kind)
+		return false;
+	for (size_t nth = 0;; nth++) {
+		of_a = pass_of(plan, a, nth);
+		of_b = pass_of(plan, b, nth);
+		if (of_a == NULL || of_b == NULL)
+			return of_a == of_b;
+		if (!same_pass(of_a, of_b))
+			return false;
+	}
+}
+
+static void print_passes_of(const struct scene *scene, const struct plan *plan, int object)
+{
+	const struct plan_line *line;
+	for (size_t nth = 0; (line = pass_of(plan, object, nth)) != NULL; nth++) {
+		char what[160], why[160];
+		snprintf(what, sizeof what, "    %-10s %2lld %s", line->name, (long long)line->amount, each_of(line->unit));
+		line_reason(scene, line, why, sizeof why);
+		row(what, why);
+	}
+}
+
+/* The object, and those like it, where it is the first of them. */
+static void print_object(const struct scene *scene, const struct run_plan *plan, size_t first)
+{
+	size_t alike = 0;
+	uint64_t least = UINT64_MAX, most = 0;
+	for (size_t i = 0; i < scene->object_count; i++) {
+		if (!are_alike(scene, &plan->plan, (int)first, (int)i))
+			continue;
+		if (i < first)
+			return;
+		alike++;
+		least = plan->stations[i] < least ? plan->stations[i] : least;
+		most = plan->stations[i] > most ? plan->stations[i] : most;
+	}
+	printf("  %s", scene->objects[first].name);
+	if (alike > 1)
+		printf(" and %zu like it", alike - 1);
+	printf(": %s", grouped(least).text);
+	if (most > least)
+		printf(" to %s", grouped(most).text);
+	printf(" %s%s, a window or more at each\n", most == 1 ? "station" : "stations", alike > 1 ? " each" : "");
+	print_passes_of(scene, &plan->plan, (int)first);
+}
+
+static void print_passes(const struct scene *scene, const struct run_plan *plan)
+{
+	if (count_of(&plan->plan, PLAN_PASS) == 0)
+		return;
+	puts("\npasses");
+	for (size_t i = 0; i < scene->object_count; i++)
+		print_object(scene, plan, i);
+	if (pass_of(&plan->plan, -1, 0) != NULL) {
+		if (scene->object_count > 0)
+			puts("  besides");
+		print_passes_of(scene, &plan->plan, -1);
+	}
+}
+
+static void print_threads(const struct scene *scene, const struct plan *plan)
+{
+	int64_t threads = 0;
+	for (size_t i = 0; i < plan->count; i++)
+		threads += is_of(&plan->lines[i], PLAN_THREAD) ? plan->lines[i].amount : 0;
+	printf("\nthreads: %lld besides the one that steps\n", (long long)threads);
+	for (size_t i = 0; i < plan->count; i++) {
+		const struct plan_line *line = &plan->lines[i];
+		char what[160], why[160];
+		if (!is_of(line, PLAN_THREAD))
+			continue;
+		snprintf(what, sizeof what, "  %-12s %lld", line->name, (long long)line->amount);
+		line_reason(scene, line, why, sizeof why);
+		row(what, why);
+	}
+}
+
+/* Lines of one table together, where the first of them is; its name once. */
+static void print_table(const struct scene *scene, const struct plan *plan, size_t first)
+{
+	const char *name = plan->lines[first].name;
+	for (size_t i = 0; i < plan->count; i++) {
+		const struct plan_line *line = &plan->lines[i];
+		char what[160], why[160];
+		if (!is_of(line, PLAN_STATEMENT) || strcmp(line->name, name) != 0)
+			continue;
+		if (i < first)
+			return;
+		snprintf(what, sizeof what, "  %-14s %lld %s", i == first ? name : "", (long long)line->amount, each_of(line->unit));
+		line_reason(scene, line, why, sizeof why);
+		row(what, why);
+	}
+}
+
+static void print_tables(const struct scene *scene, const struct plan *plan)
+{
+	puts("\ntables");
+	for (size_t i = 0; i < plan->count; i++)
+		if (is_of(&plan->lines[i], PLAN_STATEMENT))
+			print_table(scene, plan, i);
+}
+
+/* --- what it takes --- */
+
+static bool is_memory(const struct plan_line *line)
+{
+	return is_of(line, PLAN_TEXTURE) || is_of(line, PLAN_BUFFER);
+}
+
+/* What of a unit is there for one reason, where its first line is. */
+static void print_bytes(const struct scene *scene, const struct plan *plan, size_t first)
+{
+	const struct plan_line *head = &plan->lines[first];
+	uint64_t bytes = 0;
+	char what[160], why[160], other[160];
+	line_reason(scene, head, why, sizeof why);
+	for (size_t i = 0; i < plan->count; i++) {
+		const struct plan_line *line = &plan->lines[i];
+		line_reason(scene, line, other, sizeof other);
+		if (!is_memory(line) || line->unit != head->unit || strcmp(other, why) != 0)
+			continue;
+		if (i < first)
+			return;
+		bytes += line->bytes;
+	}
+	snprintf(what, sizeof what, "  %-12s %s", size_of(bytes).text, each_of(head->unit));
+	if (bytes > 0)
+		row(what, why);
+}
+
+static void print_memory(const struct scene *scene, const struct run_plan *plan)
+{
+	const uint64_t total = plan->most.slots + plan->most.loads + plan->most.queue + plan->most.ground;
+	char most[400];
+	puts("\nmemory");
+	for (int unit = 0; unit < PLAN_UNITS; unit++)
+		for (size_t i = 0; i < plan->plan.count; i++)
+			if (is_memory(&plan->plan.lines[i]) && (int)plan->plan.lines[i].unit == unit)
+				print_bytes(scene, &plan->plan, i);
+	snprintf(most, sizeof most, "for tiles at most %s: %s in %u slots, %s in loads, %s in changed pages, %s in the ground",
+		 size_of(total).text, size_of(plan->most.slots).text, scene->slots, size_of(plan->most.loads).text,
+		 size_of(plan->most.queue).text, size_of(plan->most.ground).text);
+	wrapped(most, 4);
+}
+
+static void print_not_run(const struct run_plan *plan)
+{
+	char names[1024] = "";
+	size_t used = 0;
+	for (int e = 0; e < EFFECT_COUNT; e++)
+		if ((plan->effects >> e & 1) == 0)
+			used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", used > 0 ? ", " : "",
+						 scene_effect_row((enum scene_effect)e)->name);
+	puts("\nnot run");
+	wrapped(names, 2);
+}
+
+void explain_text(const struct scene *scene, const struct run_plan *plan)
+{
+	print_head(scene, plan);
+	print_effects(scene, plan);
+	print_planes(scene, plan);
+	print_programs(scene, &plan->plan);
+	print_passes(scene, plan);
+	print_threads(scene, &plan->plan);
+	print_tables(scene, &plan->plan);
+	print_memory(scene, plan);
+	print_not_run(plan);
+	if (plan->note_count > 0)
+		puts("\nnotes");
+	for (size_t i = 0; i < plan->note_count; i++)
+		wrapped(plan->notes[i], 4);
+}
