@@ -164,6 +164,7 @@ static enum status plan_lines(const struct drive *drive, struct plan *plan)
 			.height = scene->view.height,
 			.effects = scene->view.effects,
 			.dirt = scene->dirt,
+			.pixel_error = scene->view.pixel_error,
 		};
 		render_plan(&render, planes != 0, drive->level < 0, plan);
 	}
