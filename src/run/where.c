@@ -18,7 +18,7 @@ static void add_windows(cJSON *where, const struct drive *drive, const struct gp
 		uint64_t visited = drive->windows;
 		if (effect == EFFECT_BOX) /* not where an object only stands */
 			visited = gpu->passes[GPU_SMOOTH] / (uint64_t)drive->scene->box_repetitions;
-		if (scene_effects(drive->scene) >> effect & 1)
+		if (scene_effects(drive->scene, drive->level) >> effect & 1)
 			add(where, scene_effect_row(effect)->name, visited, drive->windows_due);
 	}
 }
@@ -36,7 +36,7 @@ void where_report(cJSON *root, const struct drive *drive, const struct gpu_stats
 	cJSON *where = cJSON_AddObjectToObject(root, "where");
 	add_windows(where, drive, gpu);
 	for (int effect = EFFECT_SHED; effect <= EFFECT_SLIDE; effect++)
-		if (scene_effects(drive->scene) >> effect & 1)
+		if (scene_effects(drive->scene, drive->level) >> effect & 1)
 			add(where, scene_effect_row((enum scene_effect)effect)->name, drive->blocks_visited, drive->blocks_possible);
 	if (drive->view != NULL) {
 		struct pyramid_figures pyramid;
