@@ -168,7 +168,8 @@ unsigned scene_effects(const struct scene *scene, int level);
 void scene_effect_reason(const struct scene *scene, enum scene_effect effect, char *text, size_t size);
 
 /* Tells what of the scene has no effect, or none that anybody sees: "KEY: WHY; WHAT TO DO", one line each, in the
- * scene's order. Each is certain, for ground of any shape. `spacing`: metres between posts of the working level; 0: not known. */
+ * scene's order. Each is certain, for ground of any shape. `spacing`: metres between posts of the working level; 0: not
+ * known. */
 typedef void (*scene_advice_fn)(void *user, const char *text);
 void scene_advise(const struct scene *scene, double spacing, scene_advice_fn tell, void *user);
 
