@@ -130,6 +130,7 @@ static void add_memory(cJSON *root, const struct run_plan *plan)
 	json_integer(most, "slots", (int64_t)plan->most.slots);
 	json_integer(most, "loads", (int64_t)plan->most.loads);
 	json_integer(most, "queue", (int64_t)plan->most.queue);
+	json_integer(most, "queue_few", (int64_t)plan->most.queue_few);
 	json_integer(most, "ground", (int64_t)plan->most.ground);
 	json_integer(most, "total", (int64_t)(plan->most.slots + plan->most.loads + plan->most.queue + plan->most.ground));
 }

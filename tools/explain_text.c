@@ -380,16 +380,17 @@ static void print_bytes(const struct scene *scene, const struct plan *plan, size
 
 static void print_memory(const struct scene *scene, const struct run_plan *plan)
 {
-	const uint64_t total = plan->most.slots + plan->most.loads + plan->most.queue + plan->most.ground;
-	char most[400];
+	const uint64_t total = plan->most.slots + plan->most.loads + plan->most.queue_few + plan->most.ground;
+	char most[480];
 	puts("\nmemory");
 	for (int unit = 0; unit < PLAN_UNITS; unit++)
 		for (size_t i = 0; i < plan->plan.count; i++)
 			if (is_memory(&plan->plan.lines[i]) && (int)plan->plan.lines[i].unit == unit)
 				print_bytes(scene, &plan->plan, i);
-	snprintf(most, sizeof most, "for tiles at most %s: %s in %u slots, %s in loads, %s in changed pages, %s in the ground",
+	snprintf(most, sizeof most, "for tiles at most %s: %s in %u slots, %s in loads, %s in the ground, %s in changed pages; up "
+				    "to %s in a step that changes more",
 		 size_of(total).text, size_of(plan->most.slots).text, scene->slots, size_of(plan->most.loads).text,
-		 size_of(plan->most.queue).text, size_of(plan->most.ground).text);
+		 size_of(plan->most.ground).text, size_of(plan->most.queue_few).text, size_of(plan->most.queue).text);
 	wrapped(most, 4);
 }
 

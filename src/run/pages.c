@@ -142,6 +142,7 @@ void pages_budget(const struct pages_params *params, uint32_t cells, struct page
 		.slots = params->count * (plane + layout.changed + (params->classes != NULL ? layout.posts : 0)),
 		.loads = page_load_images(params->loaders) * (uint64_t)layout.loaded,
 		.queue = cache.queue_most * (uint64_t)layout.changed,
+		.queue_few = PAGE_QUEUE_MOST(cache.queue_soft, 0) * (uint64_t)layout.changed,
 		.ground = reader_count(params) * (GROUND_TILES + 1) * plane,
 	};
 }

@@ -56,6 +56,7 @@ struct pages_params {
  * tiles that those who load keep. */
 struct pages_budget {
 	uint64_t slots, loads, queue, ground;
+	uint64_t queue_few; /* of the queue, while no step changes more pages than an epoch waits for */
 };
 
 /* Of the store: what pages were made of, and what epochs did to its tables. */

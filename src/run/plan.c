@@ -211,6 +211,7 @@ static enum status describe(struct drive *drive, struct run_plan *out)
 	out->most.slots = most.slots;
 	out->most.loads = most.loads;
 	out->most.queue = most.queue;
+	out->most.queue_few = most.queue_few;
 	out->most.ground = most.ground;
 	out->window_tiles = drive->window_tiles;
 	out->steps = (int64_t)drive_steps_until(scene, scene->end_time);

@@ -72,6 +72,7 @@ struct run_plan {
 	bool deformed;        /* the store is, before the drive; assumed not */
 	struct {
 		uint64_t slots, loads, queue, ground;
+		uint64_t queue_few; /* of the queue, while no step changes more pages than an epoch waits for: most often */
 	} most;               /* bytes, as run.json's memory.budget: of the planes in slots, and of tiles on the host */
 	size_t window_tiles;  /* that one window, or block of sliding ground, can touch, at most */
 	int64_t steps, pictures; /* until end_time; pictures that are drawn: one a step */
