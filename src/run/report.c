@@ -85,6 +85,7 @@ static void add_memory(cJSON *root, const struct drive *drive, const struct gpu_
 	json_integer(budget, "slots", (int64_t)most.slots);
 	json_integer(budget, "loads", (int64_t)most.loads);
 	json_integer(budget, "queue", (int64_t)most.queue);
+	json_integer(budget, "queue_few", (int64_t)most.queue_few);
 	json_integer(budget, "ground", (int64_t)most.ground);
 	json_integer(budget, "total", (int64_t)(most.slots + most.loads + most.queue + most.ground));
 	cJSON *bytes = cJSON_AddObjectToObject(memory, "plane_bytes");

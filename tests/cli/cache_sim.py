@@ -328,7 +328,7 @@ class CacheSim(FurrowTest):
         if result.returncode == 4:
             self.skipTest("no GL here")
         self.assertEqual(result.returncode, 1, result.stderr)
-        self.assertRegex(result.stderr, r"^furrow: t.trace: .*No space left.*; ")
+        self.assertRegex(result.stderr, r"(?m)^furrow: t.trace: .*No space left.*; ")
         self.assertEqual([name for name in self.here() if name.startswith("t.trace")], [])
         run = json.loads((self.folder / "out" / "run.json").read_text())
         self.assertEqual(run["ended"], "failed")

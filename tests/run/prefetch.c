@@ -18,7 +18,7 @@ static const char wheels[] =
 	"  - {name: round, shape: {sphere: {radius: 1.1}}, sink: 0.3,\n"
 	"     path: {points: [[300, 120], [330, 120], [330, 150], [300, 150]], speed: 9, loop: true}}\n";
 
-static const char plates[] = /* larger than a tile, turned as they go, over the world's edge */
+static const char plates[] = /* larger than a tile, deep in the ground, turned as they go, over the world's edge */
 	"scene: 1\n"
 	"time_step: 0.37\n"
 	"end_time: 12\n"
@@ -34,8 +34,8 @@ static void expect_all_there(const char *text, const char *loaders)
 	const char *store = support_path("world.furrow"), *scene = support_path("scene.yaml");
 	const char *settings[] = {"cache.slots=1024", "cache.prefetch=3600", loaders, NULL};
 	support_store(store, world, support_hills);
-	support_write(support_path("plate.csv"), "t,x,y,z,yaw,pitch,roll\n0,100,100,101,0,0,0\n5,200,220,102,1.4,0.1,0\n"
-						 "6,200,220,102,-1,0,0.1\n12,333,190,100,-2,0,0\n");
+	support_write(support_path("plate.csv"), "t,x,y,z,yaw,pitch,roll\n0,100,100,91,0,0,0\n5,200,220,92,1.4,0.1,0\n"
+						 "6,200,220,92,-1,0,0.1\n12,333,190,90,-2,0,0\n");
 	support_write(scene, text);
 	char *json = support_drive(scene, store, settings);
 	long long touched = support_figure(json, "\"cache\"", "touched");
