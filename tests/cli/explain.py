@@ -1,5 +1,6 @@
 """furrow explain: what a scene will make and run, told before; and what a drive then made and ran."""
 import pathlib
+import shutil
 import sqlite3
 import subprocess
 import sys
@@ -9,7 +10,6 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent))
 from furrow_test import FURROW, SCENE, FurrowTest, main  # noqa: E402
 
 SCENES = pathlib.Path(__file__).parents[2] / "tools" / "scenes"
-SHIPPED = sorted(SCENES.glob("*.yaml"))
 
 BARE = """scene: 1
 time_step: 0.1
@@ -30,6 +30,12 @@ def rows(plan):
 
 
 class Explain(FurrowTest):
+    def setUp(self):
+        super().setUp()
+        # A demo that was driven here has left its store where its scene looks for one.
+        scenes = shutil.copytree(SCENES, self.folder / "tools" / "scenes")
+        self.all_shipped = sorted(scenes.glob("*.yaml"))
+
     def shipped(self, scene, *arguments):
         result = self.furrow("explain", scene, *arguments)
         if "this build reads no meshes" in result.stderr:
@@ -43,7 +49,7 @@ class Explain(FurrowTest):
 
     def test_every_shipped_scene_is_told_within_the_page(self):
         store = self.synth(posts="513x513")
-        for scene in SHIPPED:
+        for scene in self.all_shipped:
             for arguments in ([], ["--store", store]):
                 with self.subTest(scene=scene.name, store=bool(arguments)):
                     text = self.shipped(scene, *arguments)
@@ -55,7 +61,7 @@ class Explain(FurrowTest):
 
     def test_every_line_has_a_reason_that_the_scene_gives(self):
         store = self.synth(posts="513x513")
-        for scene in SHIPPED:
+        for scene in self.all_shipped:
             with self.subTest(scene=scene.name):
                 if self.furrow("explain", scene).returncode != 0:
                     continue
@@ -87,7 +93,7 @@ class Explain(FurrowTest):
         self.assertEqual((plan["steps"], plan["pictures"], plan["deformed"]), (30, 0, False))
         self.assertEqual(plan["stations"], {"a": 31, "b": 31, "c": 11})
         self.assertEqual(plan["memory"]["most"]["total"], sum(value for key, value in plan["memory"]["most"].items()
-                                                              if key != "total"))
+                                                              if key not in ("queue_few", "total")))
 
     def test_the_store_decides_level_and_spacing(self):
         scene = self.scene(BARE + "spacing: 0.3\n")
