@@ -220,6 +220,7 @@ static const char *each_of(enum plan_unit unit)
 		[PLAN_LOADED_COARSER] = "a coarser tile loaded",
 		[PLAN_READ] = "a base read",
 		[PLAN_RANGE] = "a range of heights asked",
+		[PLAN_OFFSET_RANGE] = "a range of offsets asked",
 		[PLAN_COMMITTED] = "a tile committed",
 		[PLAN_COMMITTED_COARSER] = "a coarser tile that follows",
 		[PLAN_CHANGED] = "a row that changed",

@@ -66,6 +66,7 @@ const char *plan_unit_name(enum plan_unit unit)
 		[PLAN_HELD] = "held", [PLAN_RESTING] = "resting", [PLAN_ATLAS] = "atlas", [PLAN_DECIMATED] = "decimated",
 		[PLAN_SUBDIVIDED] = "subdivided", [PLAN_DRAWN] = "drawn", [PLAN_FRAME] = "frame", [PLAN_LOADED] = "loaded",
 		[PLAN_LOADED_COARSER] = "loaded_coarser", [PLAN_READ] = "read", [PLAN_RANGE] = "range",
+		[PLAN_OFFSET_RANGE] = "offset_range",
 		[PLAN_COMMITTED] = "committed", [PLAN_COMMITTED_COARSER] = "committed_coarser",
 		[PLAN_CHANGED] = "changed", [PLAN_LEFT] = "left", [PLAN_EPOCH] = "epoch",
 	};

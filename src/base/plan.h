@@ -53,7 +53,8 @@ enum plan_unit {
 	PLAN_LOADED,       /* tiles of the working level whose planes were read */
 	PLAN_LOADED_COARSER, /* coarser ones */
 	PLAN_READ,         /* bases read, by anybody */
-	PLAN_RANGE,        /* ranges of bases, to cull by */
+	PLAN_RANGE,        /* ranges of bases, to cull by, and how far off coarser ones are */
+	PLAN_OFFSET_RANGE, /* ranges of offsets: how far the ground is from its base */
 	PLAN_COMMITTED,    /* tiles of the working level in epochs */
 	PLAN_COMMITTED_COARSER, /* tiles above them, whose offsets followed */
 	PLAN_CHANGED,      /* rows of the line's own table that epochs changed: what is as it was is not written */

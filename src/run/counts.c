@@ -98,6 +98,7 @@ static void add_units(cJSON *counts, const struct drive *drive, const struct gpu
 	add_unit(units, PLAN_LOADED_COARSER, (uint64_t)io->counts.loaded_coarser);
 	add_unit(units, PLAN_READ, (uint64_t)io->counts.bases + ground.reads);
 	add_unit(units, PLAN_RANGE, (uint64_t)io->counts.ranges + ground.ranges);
+	add_unit(units, PLAN_OFFSET_RANGE, ground.offset_ranges);
 	add_unit(units, PLAN_COMMITTED, (uint64_t)io->counts.committed);
 	add_unit(units, PLAN_COMMITTED_COARSER, (uint64_t)io->counts.committed_coarser);
 	add_table_units(units, drive, &io->counts);

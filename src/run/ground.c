@@ -185,14 +185,27 @@ static void widen(const int32_t *posts, uint32_t width, uint32_t height, uint32_
 		}
 }
 
+enum status ground_base_range(struct ground *ground, struct tile tile, struct store_range *range)
+{
+	mutex_lock(&ground->mutex);
+	ground->figures.ranges++;
+	mutex_unlock(&ground->mutex);
+	return store_read_base_range(ground->reader, tile, range);
+}
+
+enum status ground_offset_range(struct ground *ground, struct tile tile, double *low, double *high, bool *found)
+{
+	mutex_lock(&ground->mutex);
+	ground->figures.offset_ranges++;
+	mutex_unlock(&ground->mutex);
+	return store_read_offset_range(ground->reader, tile, low, high, found);
+}
+
 enum status ground_range(struct ground *ground, struct tile tile, double *low, double *high, bool *any)
 {
 	if (tile.level >= 0) {
 		struct store_range range;
-		enum status status = store_read_base_range(ground->reader, tile, &range);
-		mutex_lock(&ground->mutex);
-		ground->figures.ranges++;
-		mutex_unlock(&ground->mutex);
+		enum status status = ground_base_range(ground, tile, &range);
 		*low = range.low;
 		*high = range.high;
 		*any = status == STATUS_OK && !isnan(range.low);

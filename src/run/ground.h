@@ -29,6 +29,10 @@ enum status ground_patch(struct ground *ground, struct tile tile, int32_t *patch
 /* Lowest and highest base of the tile's subtree, metres; *any false if all is nodata. */
 enum status ground_range(struct ground *ground, struct tile tile, double *low, double *high, bool *any)
 	FURROW_CHECKED;
+/* What the store keeps of a tile from level 0 up, and of the offsets of any: read each time, and counted. The owner's. */
+enum status ground_base_range(struct ground *ground, struct tile tile, struct store_range *range) FURROW_CHECKED;
+enum status ground_offset_range(struct ground *ground, struct tile tile, double *low, double *high, bool *found)
+	FURROW_CHECKED;
 /* No post of the rectangle, of any level, has a higher base than this, 2^-18 m from the reference. Below level 0 that is the
  * highest of the posts of level 0 they are interpolated from, else their own highest. *any false: none has data. */
 enum status ground_highest(struct ground *ground, int level, struct post_rect rect, int32_t *highest, bool *any)
@@ -42,7 +46,8 @@ enum status ground_height(struct ground *ground, int64_t x, int64_t y, int64_t *
 
 struct ground_figures {
 	uint64_t reads, waits; /* tiles read by whoever, and those of them that the owner read itself */
-	uint64_t ranges;       /* read, without a tile */
+	uint64_t ranges;       /* of bases, read without a tile */
+	uint64_t offset_ranges;
 	double wait_ms;
 };
 void ground_figures(struct ground *ground, struct ground_figures *figures);

@@ -59,12 +59,16 @@ void pages_plan(const struct scene *scene, uint32_t cells, bool was_deformed, st
 	add_threads(scene, plan);
 	add_images(scene, &layout, planes, effects, plan);
 	store_plan_reads(plan, STORE_BASE_TABLE, 1, PLAN_READ, NULL);
-	if (scene->view.present) {
-		store_plan_reads(plan, STORE_BASE_TABLE, 1, PLAN_RANGE, scene_effect_row(EFFECT_PICTURE)->name);
-		/* Which tiles they are, and how far the offsets go. */
-		if (was_deformed)
-			store_plan_reads(plan, STORE_OFFSET_TABLE, 2, PLAN_ONCE, scene_effect_row(EFFECT_PICTURE)->name);
-	}
+	const char *picture = scene_effect_row(EFFECT_PICTURE)->name;
+	bool shown = scene->view.present && was_deformed;
+	if (scene->view.present)
+		store_plan_reads(plan, STORE_BASE_TABLE, 1, PLAN_RANGE, picture);
+	/* Which tiles they are. */
+	if (shown)
+		store_plan_reads(plan, STORE_OFFSET_TABLE, 1, PLAN_ONCE, picture);
+	/* Bounds of what is seen; and, under models that raise nothing, of what an object may be in the air above. */
+	if (shown || (scene->object_count > 0 && !deform_conserves(scene->model)))
+		store_plan_reads(plan, STORE_OFFSET_TABLE, 1, PLAN_OFFSET_RANGE, shown ? picture : effects[PLANE_OFFSET]);
 	for (int plane = 0; plane < PLANES; plane++) {
 		enum store_table table = (enum store_table)(STORE_OFFSET_TABLE + plane);
 		if (planes & PLANE_BIT(plane))

@@ -145,7 +145,7 @@ static enum status find_reach(const struct drive *drive, double *out)
 	*out = reach;
 	if (!drive->was_deformed)
 		return STATUS_OK;
-	enum status status = store_read_offset_range(ground_reader(drive->ground), top, &low, &high, &found);
+	enum status status = ground_offset_range(drive->ground, top, &low, &high, &found);
 	if (status == STATUS_OK && found)
 		reach = fmax(reach, fmax(-low, high));
 	*out = reach;

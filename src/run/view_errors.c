@@ -76,7 +76,7 @@ enum status view_errors_read(struct view *view, struct tile tile)
 {
 	double low, high;
 	bool found;
-	enum status status = store_read_offset_range(ground_reader(view->drive->ground), tile, &low, &high, &found);
+	enum status status = ground_offset_range(view->drive->ground, tile, &low, &high, &found);
 	return status == STATUS_OK && found ? widen(view, tile, fmin(low, 0), fmax(high, 0)) : status;
 }
 
@@ -175,7 +175,7 @@ static enum status base_error(struct view *view, struct tile tile, double *error
 	*error = status == STATUS_OK && found ? known.a : 0;
 	if (status != STATUS_OK || found)
 		return status;
-	status = store_read_base_range(ground_reader(view->drive->ground), tile, &range);
+	status = ground_base_range(view->drive->ground, tile, &range);
 	if (status != STATUS_OK)
 		return status;
 	*error = range.error;
