@@ -15,7 +15,7 @@ struct gpu_rect deform_rows(const int32_t posts[4])
 }
 
 /* 1 / b; 0: it follows from the posts that the object touches. */
-static double by_width(const struct deform_shape *shape, const double extent[2], bool one_window)
+static double by_width(const struct deform_shape *shape, const double extent[2], bool counted)
 {
 	if (shape->kind == DEFORM_WHEEL)
 		return 1 / shape->width;
@@ -23,7 +23,7 @@ static double by_width(const struct deform_shape *shape, const double extent[2],
 		return 1 / fmin(shape->size[0], shape->size[1]);
 	/* Too large to count in one place: as if all of its shadow touched. */
 	double shadow = shape->kind == DEFORM_SPHERE ? M_PI * shape->radius * shape->radius : 4 * extent[0] * extent[1];
-	return one_window ? 0 : 1 / sqrt(shadow / M_PI);
+	return counted ? 0 : 1 / sqrt(shadow / M_PI);
 }
 
 /* A reciprocal that is a number in single precision too, and small enough to be multiplied. */
@@ -113,7 +113,9 @@ static enum status press(struct deform *deform, const struct deform_sweep *sweep
 	double extent[2];
 	body_extent(sweep->shape, &sweep->to, extent);
 	struct scm_params params = params_of(deform, sweep, window, layer, extent);
-	params.scale[3] = (float)by_width(sweep->shape, extent, deform_fits_window(deform, deform_reached(deform, sweep)));
+	bool counted = deform_is_counted(&deform->params, sweep->shape, sweep->load > 0) &&
+		       deform_fits_window(deform, deform_reached(deform, sweep));
+	params.scale[3] = (float)by_width(sweep->shape, extent, counted);
 	unsigned with = (sweep->tag != 0 ? WITH_FORCES : 0) | (params.scale[3] == 0 ? WITH_PATCH : 0) |
 			(sweep->load > 0 ? WITH_LOAD : 0);
 	struct gpu_buffer *records = NULL;

@@ -41,8 +41,7 @@ static bool is_loaded(const struct deform_params *params, const struct deform_pl
 static int find_passes(const struct deform_params *params, const struct deform_planned *object)
 {
 	bool load = is_loaded(params, object);
-	bool patch = deform_is_counted(params, object->shape) && (load || deform_always_fits(params, object->shape));
-	return deform_find_passes(patch, load);
+	return deform_find_passes(deform_is_counted(params, object->shape, load), load);
 }
 
 /* Over one window of one object. */
@@ -76,7 +75,7 @@ static void look(const struct deform_params *params, const struct deform_planned
 	any->closed = any->closed || shape->kind != DEFORM_MESH;
 	if (any->facets == NULL && (shape->kind == DEFORM_MESH || shape->lugs > 0))
 		any->facets = shape->kind == DEFORM_MESH ? "mesh" : "lugs";
-	if (any->tries == NULL && (load || deform_is_counted(params, shape)))
+	if (any->tries == NULL && (load || deform_is_counted(params, shape, false)))
 		any->tries = load ? "load" : "scm";
 	if (any->forces == NULL && params->model == DEFORM_SCM && (load || forces))
 		any->forces = forces ? "forces" : "load";

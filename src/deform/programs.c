@@ -159,18 +159,21 @@ const char *deform_contact_effect(enum deform_model model)
 	return model == DEFORM_NONE ? "dirt" : model == DEFORM_BOX_FILTER ? "box" : deform_press_effect(model);
 }
 
-bool deform_is_counted(const struct deform_params *params, const struct deform_shape *shape)
-{
-	return params->model == DEFORM_SCM && (shape->kind == DEFORM_SPHERE || shape->kind == DEFORM_MESH);
-}
-
-bool deform_always_fits(const struct deform_params *params, const struct deform_shape *shape)
+/* Always in one window, wherever it is, as it must be for that. */
+static bool always_fits(const struct deform_params *params, const struct deform_shape *shape)
 {
 	if (params->world == NULL)
 		return true;
 	/* A station is a post from the next, or as far as a corner's; and ends are rounded. */
 	double across = 2 * deform_shape_bound(shape) / world_spacing(params->world, params->level) + 2 * M_SQRT2 + 4;
 	return across + 2 * (double)deform_reach(params) <= (double)deform_core(params);
+}
+
+bool deform_is_counted(const struct deform_params *params, const struct deform_shape *shape, bool loaded)
+{
+	bool round = shape->kind == DEFORM_SPHERE || shape->kind == DEFORM_MESH;
+	/* A load too large for one window is refused. */
+	return params->model == DEFORM_SCM && round && (loaded || always_fits(params, shape));
 }
 
 struct each {
@@ -219,18 +222,14 @@ static void each_find(struct each *each, bool patch, bool load)
 
 static void each_scm(struct each *each, const struct deform_planned *object, bool forces)
 {
-	bool patch = deform_is_counted(each->params, object->shape), load = object->load > 0;
-	/* A load too large for one window is refused. */
-	bool both = patch && !load && !deform_always_fits(each->params, object->shape);
+	bool load = object->load > 0, patch = deform_is_counted(each->params, object->shape, load);
 	unsigned with = (patch ? WITH_PATCH : 0) | (load ? WITH_LOAD : 0);
 	each_find(each, patch, load);
-	for (int k = 0; k <= both; k++, with &= ~(unsigned)WITH_PATCH) {
-		programs_press(each->params, with, &each->request);
-		add(each, load ? "load" : "scm");
-		if (forces || load) {
-			programs_press(each->params, with | WITH_FORCES, &each->request);
-			add(each, forces ? "forces" : "load");
-		}
+	programs_press(each->params, with, &each->request);
+	add(each, load ? "load" : "scm");
+	if (forces || load) {
+		programs_press(each->params, with | WITH_FORCES, &each->request);
+		add(each, forces ? "forces" : "load");
 	}
 }
 

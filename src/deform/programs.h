@@ -39,9 +39,9 @@ typedef void (*programs_fn)(void *user, const char *effect, const struct gpu_pro
 void programs_each(const struct deform_params *params, const struct deform_planned *object, bool forces, programs_fn each,
 		   void *user);
 
-/* Whether an object's patch is counted on the ground; whether it always lies in one window, as it must for that. */
-bool deform_is_counted(const struct deform_params *params, const struct deform_shape *shape);
-bool deform_always_fits(const struct deform_params *params, const struct deform_shape *shape);
+/* Whether an object's patch is counted on the ground: of a shape that has no width of its own, and lies in one window
+ * wherever it is. */
+bool deform_is_counted(const struct deform_params *params, const struct deform_shape *shape, bool loaded);
 
 /* The effects (src/scene/effects.c) that call for what all objects need under the model. */
 const char *deform_press_effect(enum deform_model model);

@@ -48,7 +48,7 @@ static enum status sweep_all(struct deform *deform, const struct deform_planned 
 static uint64_t kind_of(const struct deform_params *params, const struct deform_planned *object)
 {
 	const struct deform_shape *shape = object->shape;
-	const bool facts[4] = {shape->lugs > 0, object->load > 0, object->moves, deform_always_fits(params, shape)};
+	const bool facts[4] = {shape->lugs > 0, object->load > 0, object->moves, deform_is_counted(params, shape, object->load > 0)};
 	int kind = (int)shape->kind;
 	for (int i = 0; i < 4; i++)
 		kind = 2 * kind + facts[i];

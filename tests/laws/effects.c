@@ -356,6 +356,8 @@ static void nothing_is_made_or_run_for_nothing(void **state)
 	"  - {name: c, shape: {sphere: {radius: 1}}, sink: 0.2, path: {points: [[80, 30], [60, 30]], speed: 8}}\n"
 #define CHASE "view: {size: [160, 90], camera: {chase: a, back: 12, up: 5}, effects: [texture, detail, fog, sky, geomorph, skirts], images: 5}\n"
 
+#define BY_ERROR "view: {size: [160, 90], camera: {chase: a, back: 12, up: 5}, pixel_error: 1}\n"
+
 static void every_drive_counts_what_was_planned(void **state)
 {
 	static const char *const scenes[] = {
@@ -368,6 +370,9 @@ static void every_drive_counts_what_was_planned(void **state)
 		FEW SPHERE SCM,
 		FEW MANY "outside: skip\nattributes: [dirt]\nspacing: 0.5\n" VIEW("texture"),
 		BUSY CHASE SPHERE,
+		BUSY MANY BY_ERROR,
+		/* At the world's edge what is left of it fits one window. */
+		BUSY OBJECT("sphere: {radius: 62}") SCM "spacing: 0.5\n",
 	};
 	for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
 		struct outcome outcome = drive(scenes[i]);
@@ -385,6 +390,8 @@ static void a_deformed_store_is_planned_as_it_is(void **state)
 		BUSY SPHERE,
 		BUSY SPHERE SOIL "redistribute: {model: sumner}\n" CHASE,
 		BUSY VIEW(""),
+		BUSY MANY BY_ERROR,
+		BUSY "view: {size: [160, 90], camera: {fixed: {eye: [20, 10, 120], target: [50, 45, 100]}}, pixel_error: 1}\n",
 	};
 	const char *store = support_path("effects.furrow");
 	support_store(store, world, gentle);
