@@ -101,10 +101,11 @@ void drive_advise(const struct drive *drive, scene_advice_fn tell, void *user)
 	scene_parameter("cache.slots", &slots); /* the default was not asked for */
 	bool known = drive->store != NULL || scene->spacing > 0;
 	scene_advise(scene, known ? drive->spacing : 0, tell, user);
-	if (drive->store == NULL || all_tiles(drive) >= scene->slots || scene->slots == slots.absent)
+	double tiles = drive->store != NULL ? all_tiles(drive) : INFINITY, enough = fmax(tiles, slots.low);
+	if (enough >= scene->slots || scene->slots == slots.absent)
 		return;
-	snprintf(text, sizeof text, "cache.slots: %u, and the store has %.0f tiles at this spacing: the others stay empty; give %.0f",
-		 scene->slots, all_tiles(drive), all_tiles(drive));
+	snprintf(text, sizeof text, "cache.slots: %u, and the store has %.0f tile%s at this spacing: the others stay empty; give %.0f",
+		 scene->slots, tiles, tiles == 1 ? "" : "s", enough);
 	tell(user, text);
 }
 

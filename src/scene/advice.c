@@ -103,6 +103,15 @@ static bool all_stand_still(const struct scene *scene)
 	return true;
 }
 
+/* Some are there only from a later time on. */
+static bool all_are_there(const struct scene *scene)
+{
+	for (size_t i = 0; i < scene->object_count; i++)
+		if (scene->objects[i].path.timed && scene->objects[i].path.points[0].t > 0)
+			return false;
+	return true;
+}
+
 static bool moves_soil(const struct scene *scene)
 {
 	return scene->interval > 0;
@@ -179,8 +188,8 @@ static void advise_ground(const struct adviser *adviser)
 		return;
 	bool lays_none = scene->model == DEFORM_SCM && scene->bulldozing == 0 && scene->depth == 0;
 	if (lays_none && scene->iterations > scene_absent("redistribute.iterations"))
-		advise(adviser, "redistribute.iterations: no soil is laid (bulldozing 0), and none is loose (depth 0): this drive makes "
-				"nothing that slides; give bulldozing or depth, or 1");
+		advise(adviser, "redistribute.iterations: no soil is laid (bulldozing 0), and none is loose (depth 0): nothing slides "
+				"but what earlier drives laid; give bulldozing or depth, or 1");
 	if (scene->interval > scene->end_time)
 		advise(adviser, "redistribute.interval: %g s is longer than the drive, %g s: between sweeps nothing slides; give less",
 		       scene->interval, scene->end_time);
@@ -199,20 +208,25 @@ static void advise_attributes(const struct adviser *adviser)
 
 /* --- objects --- */
 
-/* Of a post's breadth or more whatever way it is turned; INFINITY: a shape that does not say. */
+/* How wide a trail is, metres: with as much between posts it meets none. INFINITY: not known here. */
 static double narrowest(const struct scene_object *object)
 {
 	const struct deform_shape *shape = &object->shape;
+	/* What goes straight ahead meets a post sooner or later, however short it is. */
+	bool ahead = !object->path.has_attitude && !stands_still(&object->path);
 	if (shape->kind == DEFORM_WHEEL)
-		return fmin(shape->width, 2 * shape->radius);
+		return ahead ? shape->width : fmin(shape->width, 2 * shape->radius);
 	if (shape->kind == DEFORM_SPHERE)
 		return 2 * shape->radius;
-	return shape->kind == DEFORM_BOX && !object->path.has_attitude ? fmin(shape->size[0], shape->size[1]) : INFINITY;
+	if (shape->kind != DEFORM_BOX || object->path.has_attitude)
+		return INFINITY;
+	return ahead ? shape->size[1] : fmin(shape->size[0], shape->size[1]);
 }
 
+/* Metres between the prints of bars, on the ground. */
 static double lug_pitch(const struct scene_object *object)
 {
-	return object->shape.lugs > 0 ? 2 * M_PI * object->shape.radius / object->shape.lugs : INFINITY;
+	return object->shape.lugs > 0 ? 2 * M_PI * object->shape.radius * (1 - object->slip) / object->shape.lugs : INFINITY;
 }
 
 /* Objects that are alike are told of once. */
@@ -281,7 +295,7 @@ static void advise_forces(const struct adviser *adviser)
 		advise(adviser, "output.forces: %g rows a second, and no object comes to more than %.4g posts in one: rows between repeat the "
 				"last; give at most that",
 		       scene->forces, stations);
-	if (stations == 0 && scene->forces * scene->end_time >= 1)
+	if (stations == 0 && all_are_there(scene) && scene->forces * scene->end_time >= 1)
 		advise(adviser, "output.forces: no object moves: all rows of an object are the same; one is enough, with less than %.4g",
 		       1 / scene->end_time);
 	if (scene->forces * scene->end_time < 1)
@@ -314,7 +328,7 @@ static void advise_cache(const struct adviser *adviser)
 	if (scene->loaders == 0 && scene->prefetch > 0)
 		advise(adviser, "cache.prefetch: without loaders no tile is read ahead, only the ground that objects are set upon; give loaders, "
 				"or prefetch 0");
-	if (scene->loaders > 0 && scene->prefetch == 0 && scene->object_count > 0)
+	if (scene->loaders > 0 && scene->prefetch == 0 && !all_stand_still(scene))
 		advise(adviser, "cache.prefetch: 0: a drive waits for each tile that it comes to; give seconds of travel, as %g",
 		       scene_absent("cache.prefetch"));
 }

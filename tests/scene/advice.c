@@ -130,6 +130,13 @@ static void objects_that_the_posts_do_not_see(void **state)
 	advised(sound, 2.1, "objects.a.shape", "{sphere: {radius: 1}}", "objects.a.shape: is 2 m across");
 	advised(sound, 1, "objects.a.shape", "{box: {size: [2, 0.9, 0.1]}}", "objects.a.shape: is 0.9 m across");
 	advised(sound, 0.9, "objects.a.shape", "{box: {size: [2, 0.9, 0.1]}}", NULL);
+	/* It goes on until it meets a post; standing it may be between them. */
+	advised(sound, 1, "objects.a.shape", "{box: {size: [0.1, 1, 0.1]}}", NULL);
+	advised(resting, 1, "objects.a.shape", "{box: {size: [0.1, 1, 0.1]}}", "objects.a.shape: is 0.1 m across");
+	advised(sound, 1, "objects.a.shape.wheel.radius", "0.4", NULL);
+	advised(resting, 1, "objects.a.shape.wheel.radius", "0.4", "objects.a.shape: is 0.8 m across");
+	advised(soil, 0.5, "objects.a.shape.wheel.lugs&objects.a.slip", "7&-0.5", NULL); /* braked: they are farther apart */
+	advised(soil, 0.5, "objects.a.shape.wheel.lugs&objects.a.slip", "6&0.5", "objects.a.shape.wheel.lugs: their prints are 0.524 m apart");
 	advised(sound, 0.5, "objects.a.shape.wheel.lugs", "7", "objects.a.shape.wheel.lugs: their prints are 0.898 m apart, less than two posts ");
 	advised(sound, 0.5, "objects.a.shape.wheel.lugs", "6", NULL);
 	write_text("poses.csv", "11,0,0,5\n12,9,9,5\n");
@@ -167,6 +174,8 @@ static void rows_that_repeat(void **state)
 	advised(soil, 0.5, "output.forces", "0.09", "output.forces: a row every 11.11 s, and the drive ends after 10 s: ");
 	advised(soil, 0.5, "output.forces", "0.1", NULL);
 	advised(soil, 0.5, "output.forces&objects.a.path.points", "1&[[1, 2]]", "output.forces: no object moves: ");
+	write_text("poses.csv", "5,10,0\n"); /* and before that there is none of it */
+	advised(soil, 0.5, "output.forces&objects.a.path", "1&{file: poses.csv}", NULL);
 	write_text("poses.csv", "0,0,0\n5,10,0\n10,20,0\n");
 	advised(soil, 0.5, "output.forces&objects.a.path", "4&{file: poses.csv}", NULL);
 	advised(soil, 0.5, "output.forces&objects.a.path", "5&{file: poses.csv}", "output.forces: 5 rows a second");
@@ -191,6 +200,7 @@ static void a_cache_that_reads_nothing_ahead(void **state)
 	advised(sound, 0.5, "cache", "{loaders: 0, prefetch: 0}", NULL);
 	advised(sound, 0.5, "cache.prefetch", "0", "cache.prefetch: 0: a drive waits for each tile that it comes to; give seconds of travel, as 1.5");
 	advised(still, 0.5, "cache.prefetch", "0", NULL);
+	advised(resting, 0.5, "cache.prefetch", "0", NULL); /* it comes to none */
 }
 
 /* The scenes handed out, at their own spacing: what is said of them is meant. */
