@@ -114,7 +114,11 @@ enum status pyramid_flush_tile(struct pyramid *pyramid, struct page_cache *cache
 static void count_coarser(void *user, uint64_t key, uint32_t slot, bool dirty)
 {
 	struct pyramid *pyramid = user;
-	pyramid->figures.resident += tile_from_key(key).level > pyramid->level;
+	if (tile_from_key(key).level <= pyramid->level)
+		return;
+	pyramid->figures.resident++;
+	/* What was brought up to date and has left its slot since is neither. */
+	pyramid->figures.updated += key_set_has(&pyramid->updated, key);
 }
 
 enum status pyramid_flush(struct pyramid *pyramid, struct page_cache *cache)
@@ -128,7 +132,6 @@ enum status pyramid_flush(struct pyramid *pyramid, struct page_cache *cache)
 			status = decimate(pyramid, cache, &change, slot);
 	}
 	page_cache_each_resident(cache, count_coarser, pyramid);
-	pyramid->figures.updated += pyramid->updated.count;
 	key_set_clear(&pyramid->updated);
 	return status;
 }
