@@ -29,12 +29,6 @@ enum status drive_wake_all(struct drive *drive)
 {
 	const struct world *world = &drive->meta->world;
 	const struct post_rect all = {0, 0, world_posts(world->width, drive->level), world_posts(world->height, drive->level)};
-	double blocks = ceil((double)all.x1 / DEFORM_BLOCK) * ceil((double)all.y1 / DEFORM_BLOCK);
-	if (blocks > DEFORM_BLOCKS_MAX)
-		return fail_with(STATUS_INPUT, "redistribute.undisturbed: slides: the whole terrain slides then, and its %.0f blocks of %d x %d "
-					       "posts are more than the %d that may at once; let it stand, import a smaller part, or give a "
-					       "coarser spacing",
-				 blocks, DEFORM_BLOCK, DEFORM_BLOCK, DEFORM_BLOCKS_MAX);
 	return deform_wake(drive->deform, all);
 }
 

@@ -47,10 +47,29 @@ static size_t block_tiles(const struct drive *drive, const struct deform_params 
 	       tiles_across(side, world->cells, world_tiles_y(world, drive->level));
 }
 
+/* Ground that slides undisturbed. */
+static enum status check_awake(const struct drive *drive)
+{
+	const struct world *world = &drive->meta->world;
+	double blocks = ceil((double)world_posts(world->width, drive->level) / DEFORM_BLOCK) *
+			ceil((double)world_posts(world->height, drive->level) / DEFORM_BLOCK);
+	if (blocks > DEFORM_BLOCKS_MAX)
+		return fail_with(STATUS_INPUT, "redistribute.undisturbed: slides: the whole terrain slides then, and its %.0f blocks of %d x %d "
+					       "posts are more than the %d that may at once; let it stand, import a smaller part, or give a "
+					       "coarser spacing",
+				 blocks, DEFORM_BLOCK, DEFORM_BLOCK, DEFORM_BLOCKS_MAX);
+	return STATUS_OK;
+}
+
 enum status budget_check(struct drive *drive)
 {
 	const struct scene *scene = drive->scene;
 	struct deform_params params;
+	/* Of a terrain that is not known it is not known either. */
+	bool slides = scene->object_count > 0 && scene->undisturbed == SCENE_SLIDES && drive->store != NULL;
+	enum status status = slides ? check_awake(drive) : STATUS_OK;
+	if (status != STATUS_OK)
+		return status;
 	drive_deform_params(drive, &params);
 	size_t block = scene->object_count > 0 && deform_conserves(scene->model) ? block_tiles(drive, &params) : 0;
 	if (block > BUDGET_WINDOW_TILES || block > scene->slots)

@@ -121,11 +121,11 @@ static enum status start_gpu(struct drive *drive)
 	if (status == STATUS_OK && scene->object_count > 0)
 		status = deform_create(&deform, &drive->deform);
 	if (status == STATUS_OK)
+		status = budget_check(drive);
+	if (status == STATUS_OK)
 		status = go_on_with_ground(drive);
 	if (status == STATUS_OK)
 		status = forces_create(drive, &drive->forces);
-	if (status == STATUS_OK)
-		status = budget_check(drive);
 	if (status == STATUS_OK && scene->view.present)
 		status = pyramid_create(&drive->meta->world, drive->level, drive->slots, &drive->pyramid);
 	return status;

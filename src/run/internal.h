@@ -162,7 +162,7 @@ struct held_tiles {
 };
 
 /* awake.c: the ground at large */
-/* For undisturbed ground that slides: all of it may, from the first. STATUS_INPUT: it is too much. */
+/* For undisturbed ground that slides: all of it may, from the first. Not more than budget_check lets pass. */
 enum status drive_wake_all(struct drive *drive) FURROW_CHECKED;
 /* What is over at `time` is: of the scene's start, or of what was resumed. */
 void drive_intervals_from(struct drive *drive, double time);
@@ -211,7 +211,8 @@ void forces_figures(const struct forces *forces, struct forces_figures *figures)
 void drive_pages_params(const struct drive *drive, struct pages_params *params);
 
 /* budget.c */
-/* STATUS_INPUT, with the number needed, if there are fewer slots than one window touches tiles. */
+/* STATUS_INPUT, with the number needed, if there are fewer slots than one window touches tiles, or more ground that slides
+ * than may at once. */
 enum status budget_check(struct drive *drive) FURROW_CHECKED;
 /* Most pages one step can touch, for the queue's bound. */
 uint32_t budget_step_pages(const struct drive *drive);

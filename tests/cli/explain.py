@@ -154,12 +154,18 @@ class Explain(FurrowTest):
         self.assertNotIn("\n  b:", text)
         self.assertNotIn("\n  b and", text)
 
+    def slots_note(self, setting):
+        plan = self.json("explain", self.scene(BARE, "bare.yaml"), "--store", "world.furrow", "--set", setting)
+        return "".join(note for note in plan["notes"] if note.startswith("cache.slots"))
+
     def test_what_has_no_effect_is_told(self):
         self.synth()
         scene = self.scene(BARE + "gravity: 1.62\nsoil: {name: mud}\n")
         plan = self.json("explain", scene, "--store", "world.furrow", "--set", "cache.slots=2000")
         self.assertEqual([note.split(":")[0] for note in plan["notes"]], ["soil", "gravity", "cache.slots"])
         self.assertIn("\nnotes\n  soil: ", self.ok("explain", scene))
+        self.assertIn("the store has 1 tile at this spacing: the others stay empty; give 4", self.slots_note("cache.slots=5"))
+        self.assertEqual(self.slots_note("cache.slots=4"), "")  # no fewer are allowed
         self.assertEqual(self.json("explain", self.scene(BARE, "bare.yaml"), "--store", "world.furrow")["notes"], [])
         self.assertNotIn("notes", self.ok("explain", "bare.yaml", "--store", "world.furrow"))
         # What depends on the posts is told where they are known.
@@ -232,9 +238,11 @@ class Explain(FurrowTest):
 
     def test_what_no_drive_can_begin_with_is_refused_as_it_would_be(self):
         self.synth(posts="257x257")
-        for setting in ["spacing=0.00001", "objects.c.shape={sphere: {radius: 400}}"]:
+        loose = "soil: {name: dry_sand}\nredistribute: {model: slippage, undisturbed: slides}\n"
+        for more, setting in [("", "spacing=0.00001"), ("", "objects.c.shape={sphere: {radius: 400}}"),
+                              (loose, "spacing=0.0625")]:
             with self.subTest(setting=setting):
-                arguments = [self.scene(BARE), "--store", "world.furrow", "--set", setting]
+                arguments = [self.scene(BARE + more), "--store", "world.furrow", "--set", setting]
                 told = self.refused(3, "explain", *arguments)
                 driven = self.furrow("drive", *arguments, "-o", "out")
                 if driven.returncode == 3:
