@@ -236,7 +236,9 @@ static enum status over_store(struct drive *drive, const char *path, struct run_
 		return status;
 	out->store = mem_strdup(path);
 	drive->meta = store_meta(drive->store);
-	return out->store != NULL ? drive_settle_level(drive) : fail_memory("the plan");
+	status = out->store != NULL ? drive_settle_level(drive) : fail_memory("the plan");
+	/* A drive would refuse one that cannot be read. */
+	return status == STATUS_OK ? soil_map_open(drive->scene, drive->meta, &drive->soil_map) : status;
 }
 
 static enum status over_nothing(struct drive *drive, struct store_meta *assumed)
@@ -273,6 +275,7 @@ enum status run_plan(const struct scene *scene, const char *store, struct run_pl
 		status = describe(&drive, out);
 	}
 	drive_unmount(&drive);
+	soil_map_close(drive.soil_map);
 	struct failure failure;
 	failure_capture(&failure, status);
 	store_close(drive.store);
