@@ -87,7 +87,7 @@ static enum status draw(struct view *view, bool complete)
 enum status view_warm(struct view *view)
 {
 	const struct drive *drive = view->drive;
-	bool deformed = drive->scene->object_count > 0 || drive->was_deformed;
+	bool deformed = pages_planes_of(drive->scene, drive->was_deformed) != 0;
 	enum status status = render_warm(view->render, deformed, drive->level < 0);
 	if (status == STATUS_OK)
 		status = draw(view, true);
