@@ -3,74 +3,11 @@
 #include <string.h>
 
 #include "explain.h"
-
-enum { COLUMNS = 100, REASONS = 60 }; /* where reasons begin, where what is before leaves room */
-
-/* One line of a section: what, and why; two where they do not fit. */
-static void row(const char *what, const char *why)
-{
-	int room = COLUMNS - (int)strlen(" <- ") - (int)strlen(why);
-	if ((int)strlen(what) > room)
-		printf("%s\n%*s <- %s\n", what, REASONS, "", why);
-	else
-		printf("%-*s <- %s\n", REASONS < room ? REASONS : room, what, why);
-}
+#include "explain_layout.h"
 
 static void line_reason(const struct scene *scene, const struct plan_line *line, char *text, size_t size)
 {
 	explain_reason(scene, line->effect, text, size);
-}
-
-/* 1234567: "1,234,567". */
-struct grouped {
-	char text[48];
-};
-static struct grouped grouped(uint64_t number)
-{
-	struct grouped out;
-	char digits[24];
-	size_t length = (size_t)snprintf(digits, sizeof digits, "%llu", (unsigned long long)number), to = 0;
-	for (size_t i = 0; i < length; i++) {
-		if (i > 0 && (length - i) % 3 == 0)
-			out.text[to++] = ',';
-		out.text[to++] = digits[i];
-	}
-	out.text[to] = '\0';
-	return out;
-}
-
-/* Three places, as people say it. */
-static struct grouped size_of(uint64_t bytes)
-{
-	static const char *const units[] = {"bytes", "KiB", "MiB", "GiB", "TiB"};
-	double size = (double)bytes;
-	size_t unit = 0;
-	struct grouped out;
-	if (bytes < 10000)
-		snprintf(out.text, sizeof out.text, "%.32s bytes", grouped(bytes).text);
-	while (bytes >= 10000 && size >= 1000 && unit + 1 < sizeof units / sizeof *units) {
-		size /= 1024;
-		unit++;
-	}
-	if (bytes >= 10000)
-		snprintf(out.text, sizeof out.text, "%.3g %s", size, units[unit]);
-	return out;
-}
-
-/* Words from column 2 on, broken before the last; `indent`: of the lines that follow. */
-static void wrapped(const char *text, int indent)
-{
-	int column = printf("  ");
-	for (bool first = true; *text != '\0'; first = false) {
-		int length = (int)strcspn(text, " ");
-		if (!first && column + 1 + length > COLUMNS)
-			column = printf("\n%*s", indent, "") - 1;
-		else if (!first)
-			column += printf(" ");
-		column += printf("%.*s", length, text);
-		text += length + strspn(text + length, " ");
-	}
-	putchar('\n');
 }
 
 static bool is_of(const struct plan_line *line, enum plan_kind kind)
@@ -103,7 +40,7 @@ static void print_head(const struct scene *scene, const struct run_plan *plan)
 	printf("  posts %g m apart (level %d) in tiles of %u x %u cells", plan->spacing, plan->level, plan->cells, plan->cells);
 	if (plan->window_tiles > 0)
 		printf("; a window touches at most %zu", plan->window_tiles);
-	printf("\n  %s step%s%s\n", grouped((uint64_t)plan->steps).text, plan->steps == 1 ? "" : "s",
+	printf("\n  %s step%s%s\n", layout_number((uint64_t)plan->steps).text, plan->steps == 1 ? "" : "s",
 	       plan->pictures > 0 ? ", a picture after each" : "");
 }
 
@@ -117,7 +54,7 @@ static void print_effects(const struct scene *scene, const struct run_plan *plan
 			continue;
 		snprintf(what, sizeof what, "  %-9s %s", effect->name, effect->what);
 		scene_effect_reason(scene, (enum scene_effect)e, why, sizeof why);
-		row(what, why);
+		layout_row(what, why);
 	}
 }
 
@@ -129,7 +66,7 @@ static void print_planes(const struct scene *scene, const struct run_plan *plan)
 	for (size_t i = 0; i < plan->plan.count; i++)
 		if (is_of(&plan->plan.lines[i], PLAN_PLANE))
 			bytes += plan->plan.lines[i].bytes;
-	printf("\nplanes: %s bytes a post\n", grouped(bytes).text);
+	printf("\nplanes: %s bytes a post\n", layout_number(bytes).text);
 	for (int called = 0; called < 2; called++) /* what every drive has comes first */
 		for (size_t i = 0; i < plan->plan.count; i++) {
 			const struct plan_line *line = &plan->plan.lines[i];
@@ -138,7 +75,7 @@ static void print_planes(const struct scene *scene, const struct run_plan *plan)
 				continue;
 			snprintf(what, sizeof what, "  %-12s %llu", line->name, (unsigned long long)line->bytes);
 			line_reason(scene, line, why, sizeof why);
-			row(what, why);
+			layout_row(what, why);
 		}
 }
 
@@ -178,7 +115,7 @@ static void print_variants(const struct scene *scene, const struct plan *plan, s
 		else
 			snprintf(what, sizeof what, "  %s", line->name);
 		line_reason(scene, line, why, sizeof why);
-		row(what, why);
+		layout_row(what, why);
 	}
 }
 
@@ -209,10 +146,10 @@ static const char *each_of(enum plan_unit unit)
 		[PLAN_WINDOW] = "a window",
 		[PLAN_MOVED] = "a window that it moved over",
 		[PLAN_FACETS] = "a draw of triangles",
-		[PLAN_HELD] = "a block that an object rests on",
+		[PLAN_HELD] = "a block of soil that slides under an object",
 		[PLAN_RESTING] = "a window of an object at rest",
 		[PLAN_ATLAS] = "an atlas of blocks that slide",
-		[PLAN_DECIMATED] = "a coarser tile that follows",
+		[PLAN_DECIMATED] = "a change brought to a coarser tile",
 		[PLAN_SUBDIVIDED] = "a base interpolated",
 		[PLAN_DRAWN] = "a tile drawn",
 		[PLAN_FRAME] = "a picture",
@@ -222,7 +159,7 @@ static const char *each_of(enum plan_unit unit)
 		[PLAN_RANGE] = "a range of heights asked",
 		[PLAN_OFFSET_RANGE] = "a range of offsets asked",
 		[PLAN_COMMITTED] = "a tile committed",
-		[PLAN_COMMITTED_COARSER] = "a coarser tile that follows",
+		[PLAN_COMMITTED_COARSER] = "a coarser tile committed",
 		[PLAN_CHANGED] = "a row that changed",
 		[PLAN_LEFT] = "a row that an earlier drive left",
 		[PLAN_EPOCH] = "an epoch",
@@ -267,7 +204,7 @@ static void print_passes_of(const struct scene *scene, const struct plan *plan, 
 		char what[160], why[160];
 		snprintf(what, sizeof what, "    %-10s %2lld %s", line->name, (long long)line->amount, each_of(line->unit));
 		line_reason(scene, line, why, sizeof why);
-		row(what, why);
+		layout_row(what, why);
 	}
 }
 
@@ -288,9 +225,9 @@ static void print_object(const struct scene *scene, const struct run_plan *plan,
 	printf("  %s", scene->objects[first].name);
 	if (alike > 1)
 		printf(" and %zu like it", alike - 1);
-	printf(": %s", grouped(least).text);
+	printf(": %s", layout_number(least).text);
 	if (most > least)
-		printf(" to %s", grouped(most).text);
+		printf(" to %s", layout_number(most).text);
 	printf(" %s%s, a window or more at each\n", most == 1 ? "station" : "stations", alike > 1 ? " each" : "");
 	print_passes_of(scene, &plan->plan, (int)first);
 }
@@ -322,7 +259,7 @@ static void print_threads(const struct scene *scene, const struct plan *plan)
 			continue;
 		snprintf(what, sizeof what, "  %-12s %lld", line->name, (long long)line->amount);
 		line_reason(scene, line, why, sizeof why);
-		row(what, why);
+		layout_row(what, why);
 	}
 }
 
@@ -339,7 +276,7 @@ static void print_table(const struct scene *scene, const struct plan *plan, size
 			return;
 		snprintf(what, sizeof what, "  %-14s %lld %s", i == first ? name : "", (long long)line->amount, each_of(line->unit));
 		line_reason(scene, line, why, sizeof why);
-		row(what, why);
+		layout_row(what, why);
 	}
 }
 
@@ -374,25 +311,25 @@ static void print_bytes(const struct scene *scene, const struct plan *plan, size
 			return;
 		bytes += line->bytes;
 	}
-	snprintf(what, sizeof what, "  %-12s %s", size_of(bytes).text, each_of(head->unit));
+	snprintf(what, sizeof what, "  %-12s %s", layout_bytes(bytes).text, each_of(head->unit));
 	if (bytes > 0)
-		row(what, why);
+		layout_row(what, why);
 }
 
 static void print_memory(const struct scene *scene, const struct run_plan *plan)
 {
-	const uint64_t total = plan->most.slots + plan->most.loads + plan->most.queue_few + plan->most.ground;
+	const uint64_t total = plan->most.slots + plan->most.loads + plan->most.queue + plan->most.ground;
 	char most[480];
 	puts("\nmemory");
 	for (int unit = 0; unit < PLAN_UNITS; unit++)
 		for (size_t i = 0; i < plan->plan.count; i++)
 			if (is_memory(&plan->plan.lines[i]) && (int)plan->plan.lines[i].unit == unit)
 				print_bytes(scene, &plan->plan, i);
-	snprintf(most, sizeof most, "for tiles at most %s: %s in %u slots, %s in loads, %s in the ground, %s in changed pages; up "
-				    "to %s in a step that changes more",
-		 size_of(total).text, size_of(plan->most.slots).text, scene->slots, size_of(plan->most.loads).text,
-		 size_of(plan->most.ground).text, size_of(plan->most.queue_few).text, size_of(plan->most.queue).text);
-	wrapped(most, 4);
+	snprintf(most, sizeof most, "for tiles at most %s: %s in %u slots, %s in loads, %s in the ground, %s in changed pages (%s while "
+				    "no step changes many tiles)",
+		 layout_bytes(total).text, layout_bytes(plan->most.slots).text, scene->slots, layout_bytes(plan->most.loads).text,
+		 layout_bytes(plan->most.ground).text, layout_bytes(plan->most.queue).text, layout_bytes(plan->most.queue_few).text);
+	layout_wrapped(most, 4);
 }
 
 static void print_not_run(const struct run_plan *plan)
@@ -404,7 +341,7 @@ static void print_not_run(const struct run_plan *plan)
 			used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", used > 0 ? ", " : "",
 						 scene_effect_row((enum scene_effect)e)->name);
 	puts("\nnot run");
-	wrapped(names, 2);
+	layout_wrapped(names, 2);
 }
 
 void explain_text(const struct scene *scene, const struct run_plan *plan)
@@ -421,5 +358,5 @@ void explain_text(const struct scene *scene, const struct run_plan *plan)
 	if (plan->note_count > 0)
 		puts("\nnotes");
 	for (size_t i = 0; i < plan->note_count; i++)
-		wrapped(plan->notes[i], 4);
+		layout_wrapped(plan->notes[i], 4);
 }

@@ -158,6 +158,13 @@ class Explain(FurrowTest):
         plan = self.json("explain", self.scene(BARE, "bare.yaml"), "--store", "world.furrow", "--set", setting)
         return "".join(note for note in plan["notes"] if note.startswith("cache.slots"))
 
+    def test_no_size_is_told_as_a_power(self):
+        self.synth()
+        view = VIEW.replace("[64, 48]", "[400, 278]")  # 999.75 KiB once
+        text = self.ok("explain", self.scene(BARE), "--store", "world.furrow", "--set", "view=" + view)
+        self.assertIn("\n  0.976 MiB    once", text)
+        self.assertNotIn("e+", text)
+
     def test_what_has_no_effect_is_told(self):
         self.synth()
         scene = self.scene(BARE + "gravity: 1.62\nsoil: {name: mud}\n")
@@ -239,7 +246,9 @@ class Explain(FurrowTest):
     def test_what_no_drive_can_begin_with_is_refused_as_it_would_be(self):
         self.synth(posts="257x257")
         loose = "soil: {name: dry_sand}\nredistribute: {model: slippage, undisturbed: slides}\n"
-        for more, setting in [("", "spacing=0.00001"), ("", "objects.c.shape={sphere: {radius: 400}}"),
+        (self.folder / "soils.png").write_text("no picture")
+        mapped = "soil: {map: soils.png, classes: {1: mud}, default: mud}\nredistribute: {model: scm}\n"
+        for more, setting in [(mapped, "end_time=2"), ("", "spacing=0.00001"), ("", "objects.c.shape={sphere: {radius: 400}}"),
                               (loose, "spacing=0.0625")]:
             with self.subTest(setting=setting):
                 arguments = [self.scene(BARE + more), "--store", "world.furrow", "--set", setting]
