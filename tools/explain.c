@@ -7,7 +7,7 @@
 #include "settings.h"
 
 static const struct command_option options[] = {
-	{"store", "STORE", "the terrain, instead of the scene's own; none: tiles of 256 cells are assumed"},
+	{"store", "STORE", "the terrain, or an overlay of it, instead of the scene's own; none: tiles of 256 cells are assumed"},
 	{"set", "KEY=VALUE", "overrides a key of the scene, as in cache.slots=16; may be repeated"},
 	{"json", NULL, "one JSON object"},
 	{NULL, NULL, NULL},

@@ -43,8 +43,8 @@ enum plan_unit {
 	PLAN_WINDOW,       /* windows of an object that were computed */
 	PLAN_MOVED,        /* those of them over which it moved */
 	PLAN_FACETS,       /* draws of an object's triangles */
-	PLAN_HELD,         /* blocks over which an object at rest was laid */
-	PLAN_RESTING,      /* windows of an object at rest, drawn for them */
+	PLAN_HELD,         /* blocks of soil that slides, each for every object that rests there */
+	PLAN_RESTING,      /* windows of such objects, whose undersides were drawn for that */
 	PLAN_ATLAS,        /* atlases of blocks that slid */
 	PLAN_DECIMATED,    /* coarser tiles that followed a change */
 	PLAN_SUBDIVIDED,   /* bases interpolated */

@@ -87,7 +87,7 @@ struct deform_params {
 	int iterations;      /* of sliding: a sweep's, and an interval's; 1 .. 8 */
 	double relief;       /* metres between the world's lowest and highest post; INFINITY: not known */
 	double depth;        /* metres of loose soil below the base; INFINITY: no bottom */
-	double tolerance;    /* metres, 0 .. 1: of two posts that stand but for this nothing slides */
+	double tolerance;    /* metres, 0 .. 1: nothing slides between two posts that are steeper than stands by this or less */
 	bool stands;         /* nothing slides off ground that is as it was: only where a post has risen over its neighbour,
 			      * or that has sunk. Otherwise the caller must have woken all that is steep */
 	double bulldozing;   /* scm: share of the plastic flow that is laid on the ring, 0 .. 1 */
@@ -124,15 +124,14 @@ void deform_destroy(struct deform *deform);
 struct deform_window {
 	struct post_rect read, write;
 };
-/* A sweep that is no motion: its end pose alone presses. */
+/* Whether it is no motion: its end pose alone presses then. */
 bool deform_is_contact_only(const struct deform_sweep *sweep);
 /* 0 windows: the sweep lies outside the world. STATUS_INPUT: more than DEFORM_WINDOWS_MAX needed, or a
  * wheel whose axis is not level (roll). */
 enum status deform_windows(struct deform *deform, const struct deform_sweep *sweep,
 			   struct deform_window *windows, size_t *count) FURROW_CHECKED;
 
-/* The same for a deform of these parameters, of which world, level and model are looked at alone, and nothing is made
- * room for. Pure. */
+/* The same for a deform of these parameters (gpu and slots may be NULL), but that no room is made for the windows. Pure. */
 enum status deform_cut(const struct deform_params *params, const struct deform_sweep *sweep,
 		       struct deform_window *windows, size_t *count) FURROW_CHECKED;
 
@@ -213,8 +212,7 @@ int64_t deform_interval_side(const struct deform_params *params);
  * with each of the objects. `params`: gpu and slots may be NULL; world too: then every object fits one window. Pure.
  *
  * Passes are per object and PLAN_WINDOW or PLAN_MOVED; of PLAN_FACETS, PLAN_HELD, PLAN_RESTING and PLAN_ATLAS of all
- * objects at once (-1), as deform_figures counts them. A sphere or mesh too large for one window runs, where the world's edge
- * cuts it to one, one GPU_LOAD pass more than its lines say.
+ * objects at once (-1), as deform_figures counts them.
  */
 void deform_plan(const struct deform_params *params, const struct deform_planned *objects, size_t count, bool forces,
 		 struct plan *plan);

@@ -55,10 +55,8 @@ const char *gpu_stage_name(enum gpu_stage stage);
 
 /* The dissertation's stages, and what else there is. */
 enum gpu_group { GPU_DISPLACE, GPU_REDISTRIBUTE, GPU_ATTRIBUTES, GPU_DECIMATE, GPU_RENDER, GPU_DIVIDE, GPU_GROUPS };
-enum gpu_group gpu_stage_group(enum gpu_stage stage);
 
-/* What was made and run so far; live counts where that is what matters. */
-
+/* What was made and run so far; of textures and bytes what is alive. */
 struct gpu_stats {
 	uint64_t passes[GPU_STAGES];
 	double stage_ms[GPU_STAGES]; /* hardware: the GPU's time for the passes that have ended; software:
@@ -237,9 +235,9 @@ struct gpu_slots_figures {
 	uint64_t subdivided, decimated; /* bases interpolated; decimations of a tile that was deformed */
 };
 void gpu_slots_figures(const struct gpu_slots *slots, struct gpu_slots_figures *figures);
-/* The lines of slots of so many cells and those planes, with `classes` of soil, that divide (the working level is below 0)
- * and decimate (something is deformed and looked at). `planes` 0: nothing is deformed; `effect` calls for those there are. With them the ring of
- * the passes' parameters. Pure. */
+/* The lines of slots of so many cells and those planes (0: nothing is deformed), and of the ring of the passes' parameters.
+ * `classes`: of soil. `divides`: the working level is below 0. `decimates`: what is deformed is looked at. `effect`: what
+ * calls for the planes, but for dirt. Pure. */
 void gpu_slots_plan(uint32_t cells, unsigned planes, bool classes, bool divides, bool decimates, const char *effect,
 		    struct plan *plan);
 /* Links the programs that such slots will run. */

@@ -22,12 +22,6 @@ const char *gpu_stage_name(enum gpu_stage stage)
 	return stages[stage].name;
 }
 
-enum gpu_group gpu_stage_group(enum gpu_stage stage)
-{
-	assert((unsigned)stage < GPU_STAGES);
-	return stages[stage].group;
-}
-
 uint64_t gpu_group_passes(const struct gpu_stats *stats, enum gpu_group group)
 {
 	uint64_t passes = 0;

@@ -2,9 +2,9 @@
  * A camera's axes, the view terrain selects by, and how coarse a mesh may be at which distance. In doubles.
  *
  * By the radii what counts is size on the screen: a tile is divided while its posts stand more than 6 pixels
- * apart, and drawn as cells of up to 32. Flat ground is
- * cut as finely as a cliff, and how wrong a picture is nobody asked. With a pixel error what counts is
- * height: a tile, or a stride within it, is as coarse as keeps its error below so many pixels.
+ * apart, and drawn as cells of up to 32. Flat ground is cut as finely as a cliff, and nothing bounds how
+ * wrong a picture is. With a pixel error what counts is height: a tile, or a stride within it, is as coarse
+ * as it can be with an error below so many pixels.
  */
 #include <math.h>
 #include <string.h>

@@ -17,7 +17,8 @@ static void add_threads(const struct scene *scene, struct plan *plan)
 {
 	plan_add(plan, &(struct plan_line){.kind = PLAN_THREAD, .object = -1, .amount = 1}, PAGE_WRITER_THREAD);
 	if (scene->loaders > 0)
-		plan_add(plan, &(struct plan_line){.kind = PLAN_THREAD, .effect = scene_effect_row(EFFECT_LOADERS)->name, .object = -1, .amount = scene->loaders}, PAGE_LOADER_THREAD);
+		plan_add(plan, &(struct plan_line){.kind = PLAN_THREAD, .effect = scene_effect_row(EFFECT_LOADERS)->name,
+						   .object = -1, .amount = scene->loaders}, PAGE_LOADER_THREAD);
 }
 
 static void add_staging(struct plan *plan, enum plan_unit unit, const char *effect, int64_t amount, uint64_t bytes,

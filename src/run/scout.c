@@ -196,7 +196,8 @@ static void mount_walkers(struct scout *scout)
 void scout_plan(double prefetch, size_t count, struct plan *plan)
 {
 	if (prefetch > 0 && count > 0)
-		plan_add(plan, &(struct plan_line){.kind = PLAN_THREAD, .effect = scene_effect_row(EFFECT_PREFETCH)->name, .object = -1, .amount = 1}, SCOUT_THREAD);
+		plan_add(plan, &(struct plan_line){.kind = PLAN_THREAD, .effect = scene_effect_row(EFFECT_PREFETCH)->name,
+						   .object = -1, .amount = 1}, SCOUT_THREAD);
 }
 
 enum status scout_create(const struct scout_params *params, struct scout **out)
