@@ -37,9 +37,9 @@ def scene(shape=None, model="none", **more):
     return made | more
 
 
-def view(*effects, images=0):
+def view(*effects, images=0, **more):
     return {"view": {"size": [640, 360], "effects": list(effects),
-                     "camera": {"fixed": {"eye": [30, 20, 20], "target": [60, 64, 0]}}, "images": images}}
+                     "camera": {"fixed": {"eye": [30, 20, 20], "target": [60, 64, 0]}}, "images": images, **more}}
 
 
 def cache(loaders, prefetch):
@@ -74,6 +74,7 @@ PAIRS = [
     ("prefetch", scene(WHEEL, **cache(2, 0)), scene(WHEEL, **cache(2, 1.5))),
     ("picture", scene(WHEEL), SEEN),
     *((name, SEEN, scene(WHEEL, **view(name))) for name in ("texture", "detail", "fog", "sky", "geomorph", "skirts")),
+    ("pixel_error", scene(WHEEL, **view("geomorph")), scene(WHEEL, **view("geomorph", pixel_error=4))),
     ("images", SEEN, scene(WHEEL, **view(images=1))),
 ]
 

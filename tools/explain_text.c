@@ -228,7 +228,7 @@ static void print_object(const struct scene *scene, const struct run_plan *plan,
 	printf(": %s", layout_number(least).text);
 	if (most > least)
 		printf(" to %s", layout_number(most).text);
-	printf(" %s%s, a window or more at each\n", most == 1 ? "station" : "stations", alike > 1 ? " each" : "");
+	printf(" %s%s, a window or more at each that is over ground\n", most == 1 ? "station" : "stations", alike > 1 ? " each" : "");
 	print_passes_of(scene, &plan->plan, (int)first);
 }
 
@@ -318,17 +318,18 @@ static void print_bytes(const struct scene *scene, const struct plan *plan, size
 
 static void print_memory(const struct scene *scene, const struct run_plan *plan)
 {
-	const uint64_t total = plan->most.slots + plan->most.loads + plan->most.queue + plan->most.ground;
+	const uint64_t few = plan->most.slots + plan->most.loads + plan->most.queue_few + plan->most.ground;
 	char most[480];
 	puts("\nmemory");
 	for (int unit = 0; unit < PLAN_UNITS; unit++)
 		for (size_t i = 0; i < plan->plan.count; i++)
 			if (is_memory(&plan->plan.lines[i]) && (int)plan->plan.lines[i].unit == unit)
 				print_bytes(scene, &plan->plan, i);
-	snprintf(most, sizeof most, "for tiles at most %s: %s in %u slots, %s in loads, %s in the ground, %s in changed pages (%s while "
-				    "no step changes many tiles)",
-		 layout_bytes(total).text, layout_bytes(plan->most.slots).text, scene->slots, layout_bytes(plan->most.loads).text,
-		 layout_bytes(plan->most.ground).text, layout_bytes(plan->most.queue).text, layout_bytes(plan->most.queue_few).text);
+	snprintf(most, sizeof most, "for tiles %s (%s in %u slots, %s in loads, %s in the ground, %s in changed pages) while no step changes "
+				    "more pages than an epoch waits for; %s in the worst step that there can be",
+		 layout_bytes(few).text, layout_bytes(plan->most.slots).text, scene->slots, layout_bytes(plan->most.loads).text,
+		 layout_bytes(plan->most.ground).text, layout_bytes(plan->most.queue_few).text,
+		 layout_bytes(few + plan->most.queue - plan->most.queue_few).text);
 	layout_wrapped(most, 4);
 }
 

@@ -6,7 +6,12 @@
 
 #include "render/internal.h"
 
-/* `by_error`: by pixel error each draw has reaches of its own, which what changes a mesh with the distance must know. */
+/* By pixel error each draw has reaches of its own, which what changes a mesh with the distance must know. */
+static bool asks_reaches(unsigned effects, bool by_error)
+{
+	return by_error && (effects & (1u << EFFECT_GEOMORPH | 1u << EFFECT_SKIRTS));
+}
+
 static struct gpu_program_request request_of(unsigned effects, bool dirt, bool by_error, unsigned variant)
 {
 	struct gpu_program_request request = {.vertex = "terrain.vert", .fragment = "terrain.frag"};
@@ -16,8 +21,8 @@ static struct gpu_program_request request_of(unsigned effects, bool dirt, bool b
 		if ((effects >> effect & 1) && define[0] != '\0')
 			request.defines[count++] = define;
 	}
-	if (by_error && (effects & (1u << EFFECT_GEOMORPH | 1u << EFFECT_SKIRTS)))
-		request.defines[count++] = "REACHES";
+	if (asks_reaches(effects, by_error))
+		request.defines[count++] = scene_effect_row(EFFECT_PIXEL_ERROR)->define;
 	if (variant != RENDER_PLAIN)
 		request.defines[count++] = "OFFSET";
 	if (variant != RENDER_PLAIN && dirt)
@@ -81,11 +86,11 @@ void render_plan(const struct render_params *params, bool deformed, bool divided
 {
 	uint64_t pixels = (uint64_t)params->width * (uint64_t)params->height, noise = RENDER_NOISE_SIZE * RENDER_NOISE_SIZE;
 	bool skirts = params->effects >> EFFECT_SKIRTS & 1;
-	const char *picture = scene_effect_row(EFFECT_PICTURE)->name;
+	const char *picture = scene_effect_row(EFFECT_PICTURE)->name, *by_error = scene_effect_row(EFFECT_PIXEL_ERROR)->name;
 	for (unsigned variant = 0; variant < RENDER_VARIANTS; variant++)
 		if (has_variant(variant, deformed, divided)) {
 			struct gpu_program_request request = request_of(params->effects, params->dirt, params->pixel_error > 0, variant);
-			add_program(plan, picture, &request);
+			add_program(plan, asks_reaches(params->effects, params->pixel_error > 0) ? by_error : picture, &request);
 		}
 	add(plan, PLAN_PASS, PLAN_DRAWN, picture, 0, gpu_stage_name(GPU_TERRAIN));
 	add(plan, PLAN_TEXTURE, PLAN_ONCE, picture, 4 * pixels, "colour");

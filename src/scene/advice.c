@@ -202,7 +202,7 @@ static void advise_attributes(const struct adviser *adviser)
 {
 	const struct scene *scene = adviser->scene;
 	if (scene->dirt && !scene->view.present)
-		advise(adviser, "attributes.dirt: no picture shows it: it is kept for query alone, at %zu byte a post; add a view, or take "
+		advise(adviser, "attributes.dirt: no picture shows it: it is kept for query and for later drives that draw it, at %zu byte a post; add a view, or take "
 				"it away", plane_bytes(PLANE_DIRT));
 }
 

@@ -22,7 +22,7 @@ static const struct scene_effect_row rows[EFFECT_COUNT] = {
 		     "objects[].shape.box.size[]", "objects[].sink"),
 		"a window is at most 256 x 256 posts, a sweep at most 16 of them; an object at most 672 posts across, and "
 		"512 m; an offset at most 1024 m",
-		"presses each object's underside into the ground"},
+		"lowers the ground to what presses it, no more"},
 	[EFFECT_BOX] = {
 		"box", "redistribute.model", "", LIST("deform/box.frag"), "base, offset", "offset", 4,
 		LIST("redistribute.radius", "redistribute.repetitions"),
@@ -94,11 +94,14 @@ static const struct scene_effect_row rows[EFFECT_COUNT] = {
 		"resident tiles alone: the store's follow at each commit", "keeps coarser tiles up to date with changes"},
 	[EFFECT_PICTURE] = {
 		"picture", "view", "", LIST("terrain.vert", "terrain.frag"), "base, offset, dirt", "colour, depth", 0,
-		LIST("view.size[]", "view.camera", "view.pixel_error"), "at most 1024 tiles a picture, of 8192 x 8192 pixels at most",
+		LIST("view.size[]", "view.camera"), "at most 1024 tiles a picture, of 8192 x 8192 pixels at most",
 		"draws the ground that the camera sees"},
 	[EFFECT_NORMALS] = {
 		"normals", "view", "", LIST("lib/slope.glsl"), "base, offset", "colour", 1, NONE,
 		"found from the posts around a pixel, and kept nowhere", "slopes, at each pixel: no plane, and no pass"},
+	[EFFECT_PIXEL_ERROR] = {
+		"pixel_error", "view.pixel_error", "REACHES", LIST("terrain.vert"), "base, offset", "depth", 0, LIST("view.pixel_error"),
+		"shape alone counts, not colour; with too few slots a picture is coarser", "levels by how far off they look"},
 	[EFFECT_TEXTURE] = {
 		"texture", "view.effects", "TEXTURE", LIST("terrain.frag", "terrain.vert"), "base, offset", "colour", 0, NONE,
 		"noise of 8 km at most repeats", "colours by height, slope and dirt"},
@@ -188,7 +191,8 @@ static unsigned object_effects(const struct scene *scene)
 static unsigned view_effects(const struct scene *scene)
 {
 	unsigned always = 1u << EFFECT_PICTURE | 1u << EFFECT_NORMALS | 1u << EFFECT_PYRAMID;
-	return scene->view.effects | always | (scene->view.images > 0 ? 1u << EFFECT_IMAGES : 0);
+	return scene->view.effects | always | (scene->view.images > 0 ? 1u << EFFECT_IMAGES : 0) |
+	       (scene->view.pixel_error > 0 ? 1u << EFFECT_PIXEL_ERROR : 0);
 }
 
 unsigned scene_effects(const struct scene *scene, int level)
@@ -237,6 +241,8 @@ void scene_effect_reason(const struct scene *scene, enum scene_effect effect, ch
 		snprintf(text, size, "%s: %u", key, scene->loaders);
 	else if (effect == EFFECT_IMAGES)
 		snprintf(text, size, "%s: %lld", key, (long long)scene->view.images);
+	else if (effect == EFFECT_PIXEL_ERROR)
+		snprintf(text, size, "%s: %g", key, scene->view.pixel_error);
 	else if (effect == EFFECT_SUBDIVIDE && scene->spacing > 0)
 		snprintf(text, size, "%s: %g", key, scene->spacing);
 	else

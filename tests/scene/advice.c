@@ -118,7 +118,7 @@ static void what_the_ground_makes_nothing_of(void **state)
 	advised(soil, 0.5, "soil.theta_in&soil.unit_weight", "30&9000", "soil: model scm does not read unit_weight, theta_in; ");
 	advised(soil, 0.5, "soil.repose", "30", NULL);
 	advised(soil, 0.5, "redistribute.model&soil.repose", "slippage&30", "soil: model slippage does not read repose; ");
-	advised(sound, 0.5, "attributes", "[dirt]", "attributes.dirt: no picture shows it: it is kept for query alone, at 1 byte a post; ");
+	advised(sound, 0.5, "attributes", "[dirt]", "attributes.dirt: no picture shows it: it is kept for query and for later drives that draw it, at 1 byte a post; ");
 	advised(looked_at, 0.5, "attributes", "[dirt]", NULL);
 }
 
