@@ -195,10 +195,10 @@ class Explain(FurrowTest):
     def test_nothing_is_touched(self):
         store = self.synth()
         scene = self.scene(BARE)
-        before = {path.name: (path.read_bytes(), path.stat().st_mtime_ns) for path in self.folder.iterdir()}
+        before = {path.name: (path.read_bytes(), path.stat().st_mtime_ns) for path in self.folder.iterdir() if path.is_file()}
         self.ok("explain", scene, "--store", store)
         self.ok("explain", scene, "--store", store, "--json")
-        after = {path.name: (path.read_bytes(), path.stat().st_mtime_ns) for path in self.folder.iterdir()}
+        after = {path.name: (path.read_bytes(), path.stat().st_mtime_ns) for path in self.folder.iterdir() if path.is_file()}
         self.assertEqual(before, after)
 
     def test_a_store_that_is_being_written_is_explained(self):
