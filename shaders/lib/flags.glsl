@@ -1,4 +1,4 @@
-// Where soil still moves in a block: its own bit, and one for each side and corner.
+// Where soil still moves in a block: its own bit, and one for each side and corner. And which sixteenths of it were changed.
 
 layout(std430, binding = 1) buffer flags {
 	uint flag_words[]; // a block's, in the order of the list
@@ -15,4 +15,12 @@ void flag_post(ivec2 at, int word, int near)
 		    (high.x && high.y ? 256u : 0u);
 	if ((flag_words[word] & bits) != bits)
 		atomicOr(flag_words[word], bits);
+}
+
+// From bit 16 on: squares of 8 x 8 posts, from the south-west.
+void flag_changed(ivec2 at, int word)
+{
+	uint part = 65536u << (at.y / 8 * 4 + at.x / 8);
+	if ((flag_words[word] & part) == 0u)
+		atomicOr(flag_words[word], part);
 }

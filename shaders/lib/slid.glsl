@@ -38,13 +38,20 @@ void slid(ivec3 at, int height, int change, bool moves)
 #ifdef FLAGS
 	if (moves)
 		flag_post(at.xy - block.xy, block.z, place.y);
+	if (offset != before)
+		flag_changed(at.xy - block.xy, block.z);
 #else
 	// Across the rim nothing was looked at.
 	bool rim = any(lessThan(at.xy, edge.xy)) || any(greaterThanEqual(at.xy, edge.zw));
-	if (moves || (rim && ((marks & IS_DISTURBED) != 0u || offset != before))) {
+	bool changed = (marks & IS_DISTURBED) != 0u || offset != before;
+	if (moves || changed) {
 		ivec2 from_first = at.xy + region.xy;
 		ivec2 its_block = from_first >> 5;
-		flag_post(from_first & (BLOCK - 1), region.w + its_block.y * region.z + its_block.x, place.y);
+		int word = region.w + its_block.y * region.z + its_block.x;
+		if (moves || rim)
+			flag_post(from_first & (BLOCK - 1), word, place.y);
+		if (changed)
+			flag_changed(from_first & (BLOCK - 1), word);
 	}
 #endif
 #else

@@ -13,13 +13,18 @@
  * one block all round, which is farther than change comes in an interval (the rim is less than a block). (3) The words of
  * a period's sweeps are those of `sweeps` from word 0, in the order of `swept`, until they are asked for; behind them all is
  * zero, or flags of a window that nobody scattered. (4) Stagings are made once and handed on: a visit's and a period's
- * that is over goes behind those that are to come.
+ * that is over goes behind those that are to come. (5) Every post that is other than it was when the deform was made, or that
+ * deform_touch named, is in `touched`; or, while flags are on their way that are to say so, in `maybe`. A sweep changes what it
+ * writes; one above the undisturbed ground nothing where nothing was changed before; a visit what lies within
+ * `iterations` posts, one an iteration, of what was changed before, since of two posts that exchange soil one has risen or
+ * sunk. Of each the flags say which parts of blocks it was.
  */
 #include <assert.h>
 #include <string.h>
 
 #include "deform/block_set.h"
 #include "deform/internal.h"
+#include "deform/touched.h"
 
 #define VISITS 3 /* under way at most: then it is waited for */
 #define SWEEP_WORDS 8192 /* of sweeps between two intervals; those beyond wake all that they write */
@@ -28,6 +33,7 @@
 #define SWEEPS_BYTES ((SWEEP_WORDS + WINDOW_BLOCKS) * sizeof(uint32_t))
 #define PERIOD_BYTES (SWEEP_WORDS * sizeof(uint32_t))
 #define VISIT_BYTES (DEFORM_BLOCKS_MAX * sizeof(uint32_t))
+#define CHANGED 16 /* flags.glsl: from this bit on, the parts that were changed */
 
 struct visit {
 	struct gpu_staging *flags;    /* DEFORM_BLOCKS_MAX words */
@@ -35,10 +41,16 @@ struct visit {
 	size_t count;
 };
 
+/* A window whose flags are not here yet. */
+struct swept {
+	struct post_rect write;
+	bool above;
+};
+
 /* From one visit to the next. */
 struct period {
 	struct block_set woken;
-	struct post_rect *swept;   /* `count` windows whose flags are not here yet */
+	struct swept *swept;       /* `count` of them */
 	size_t count, room;
 	struct gpu_staging *flags; /* SWEEP_WORDS: theirs, if they are asked for */
 	bool asked;
@@ -51,6 +63,7 @@ struct awake {
 	struct period periods[VISITS + 1]; /* [0] since what is known, [i + 1] since visits[i] */
 	struct gpu_buffer *sweeps;         /* SWEEP_WORDS, and a window's that nobody reads */
 	uint32_t used;                     /* of them, in this period */
+	struct touched touched, maybe;     /* empty unless it is asked for */
 };
 
 /* Blocks on which a window lies, counted through from the south-west. */
@@ -109,6 +122,8 @@ void awake_destroy(struct awake *awake)
 	block_set_finish(&awake->known);
 	block_set_finish(&awake->blocks);
 	block_set_finish(&awake->next);
+	touched_finish(&awake->touched);
+	touched_finish(&awake->maybe);
 	mem_free(awake);
 }
 
@@ -147,12 +162,16 @@ static enum status add_word(const struct deform *deform, struct block_set *set, 
 	return status;
 }
 
-static enum status add_visited(const struct deform *deform, struct block_set *set, const struct visit *visit)
+static enum status add_visited(struct deform *deform, struct block_set *set, const struct visit *visit)
 {
+	struct touched *touched = &deform->awake->touched;
 	const uint32_t *flags = gpu_staging_bytes(visit->flags);
 	enum status status = STATUS_OK;
-	for (size_t i = 0; i < visit->count && status == STATUS_OK; i++)
+	for (size_t i = 0; i < visit->count && status == STATUS_OK; i++) {
 		status = add_word(deform, set, visit->visited[i].x, visit->visited[i].y, flags[i]);
+		if (status == STATUS_OK && deform->params.touched && flags[i] >> CHANGED != 0)
+			status = touched_grow(touched, touched, visit->visited[i], deform->params.iterations, flags[i] >> CHANGED);
+	}
 	return status;
 }
 
@@ -169,23 +188,36 @@ static struct block_grid grid_of(struct post_rect write)
 	return grid;
 }
 
+/* What a sweep has changed in one of its blocks. */
+static enum status add_changed(struct deform *deform, struct post_rect write, struct deform_block block, uint32_t parts)
+{
+	enum status status = STATUS_OK;
+	for (int part = 0; parts >> part != 0 && status == STATUS_OK; part++)
+		if (parts >> part & 1)
+			status = touched_add(&deform->awake->touched, post_rect_intersect(write, touched_part(block, part)));
+	return status;
+}
+
 /* Its sweeps' flags are here. */
-static enum status add_swept(const struct deform *deform, struct period *period)
+static enum status add_swept(struct deform *deform, struct period *period)
 {
 	const uint32_t *flags = gpu_staging_bytes(period->flags);
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < period->count; i++) {
-		struct block_grid grid = grid_of(period->swept[i]);
-		for (uint32_t k = 0; k < grid.columns * grid.rows && status == STATUS_OK; k++)
-			status = add_word(deform, &period->woken, grid.x + k % grid.columns, grid.y + k / grid.columns, *flags++);
+		struct block_grid grid = grid_of(period->swept[i].write);
+		for (uint32_t k = 0; k < grid.columns * grid.rows && status == STATUS_OK; k++, flags++) {
+			int64_t x = grid.x + k % grid.columns, y = grid.y + k / grid.columns;
+			status = add_word(deform, &period->woken, x, y, *flags);
+			if (status == STATUS_OK && deform->params.touched)
+				status = add_changed(deform, period->swept[i].write, (struct deform_block){x, y}, *flags >> CHANGED);
+		}
 	}
 	period->asked = false;
 	period->count = 0;
 	return status;
 }
 
-/* All blocks in which something changes within an interval if posts in here do. */
-static enum status add_near(const struct deform *deform, struct block_set *set, struct post_rect changed)
+struct post_rect deform_wakes(const struct deform *deform, struct post_rect changed)
 {
 	int64_t rim = deform_slide_rim(deform);
 	struct deform_block last = last_block(deform);
@@ -193,9 +225,18 @@ static enum status add_near(const struct deform *deform, struct block_set *set, 
 	int64_t y1 = block_of(changed.y1 - 1 + rim);
 	x0 = x0 > 0 ? x0 : 0;
 	y0 = y0 > 0 ? y0 : 0;
+	x1 = x1 < last.x ? x1 : last.x;
+	y1 = y1 < last.y ? y1 : last.y;
+	return (struct post_rect){x0 * DEFORM_BLOCK, y0 * DEFORM_BLOCK, (x1 + 1) * DEFORM_BLOCK, (y1 + 1) * DEFORM_BLOCK};
+}
+
+/* All blocks in which something changes within an interval if posts in here do. */
+static enum status add_near(const struct deform *deform, struct block_set *set, struct post_rect changed)
+{
+	const struct post_rect posts = deform_wakes(deform, changed);
 	enum status status = STATUS_OK;
-	for (int64_t y = y0; y <= y1 && y <= last.y; y++)
-		for (int64_t x = x0; x <= x1 && x <= last.x && status == STATUS_OK; x++)
+	for (int64_t y = posts.y0 / DEFORM_BLOCK; y < posts.y1 / DEFORM_BLOCK; y++)
+		for (int64_t x = posts.x0 / DEFORM_BLOCK; x < posts.x1 / DEFORM_BLOCK && status == STATUS_OK; x++)
 			status = block_set_add(set, (struct deform_block){x, y});
 	return status;
 }
@@ -204,7 +245,17 @@ static enum status add_period(const struct deform *deform, struct block_set *set
 {
 	enum status status = add_all(set, &period->woken);
 	for (size_t i = 0; i < period->count && status == STATUS_OK; i++)
-		status = add_near(deform, set, period->swept[i]);
+		status = add_near(deform, set, period->swept[i].write);
+	return status;
+}
+
+/* The oldest period is over, and what its sweeps have changed nobody has looked at. */
+static enum status add_all_swept(struct deform *deform)
+{
+	const struct period *period = &deform->awake->periods[0];
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < period->count && deform->params.touched && status == STATUS_OK; i++)
+		status = touched_add(&deform->awake->touched, period->swept[i].write);
 	return status;
 }
 
@@ -230,6 +281,44 @@ static void hand_on(struct awake *awake)
 	awake->visit_count--;
 }
 
+static bool is_touched(const struct awake *awake, struct post_rect rect)
+{
+	return touched_any(&awake->touched, rect) || touched_any(&awake->maybe, rect);
+}
+
+static enum status maybe_swept(struct awake *awake, const struct swept *swept)
+{
+	return !swept->above || is_touched(awake, swept->write) ? touched_add(&awake->maybe, swept->write) : STATUS_OK;
+}
+
+static enum status maybe_visited(struct deform *deform, const struct visit *visit)
+{
+	struct awake *awake = deform->awake;
+	int64_t by = deform->params.iterations;
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < visit->count && status == STATUS_OK; i++) {
+		status = touched_grow(&awake->maybe, &awake->maybe, visit->visited[i], by, TOUCHED_PARTS);
+		if (status == STATUS_OK)
+			status = touched_grow(&awake->maybe, &awake->touched, visit->visited[i], by, TOUCHED_PARTS);
+	}
+	return status;
+}
+
+/* All whose flags are not here, in their order: they may have changed less than was thought, since others did. */
+static enum status guess_anew(struct deform *deform)
+{
+	struct awake *awake = deform->awake;
+	enum status status = STATUS_OK;
+	touched_clear(&awake->maybe);
+	for (size_t i = 0; i <= awake->visit_count && status == STATUS_OK; i++) {
+		for (size_t k = 0; k < awake->periods[i].count && status == STATUS_OK; k++)
+			status = maybe_swept(awake, &awake->periods[i].swept[k]);
+		if (status == STATUS_OK && i < awake->visit_count)
+			status = maybe_visited(deform, &awake->visits[i]);
+	}
+	return status;
+}
+
 /* Takes in the flags that have come. */
 static enum status take_flags(struct deform *deform, bool *came)
 {
@@ -243,7 +332,9 @@ static enum status take_flags(struct deform *deform, bool *came)
 		}
 	while (awake->visit_count > 0 && status == STATUS_OK && gpu_staging_idle(awake->visits[0].flags)) {
 		block_set_clear(&awake->known);
-		status = add_visited(deform, &awake->known, &awake->visits[0]);
+		status = add_all_swept(deform);
+		if (status == STATUS_OK)
+			status = add_visited(deform, &awake->known, &awake->visits[0]);
 		visit_finish(&awake->visits[0]);
 		period_finish(&awake->periods[0]);
 		hand_on(awake);
@@ -270,6 +361,8 @@ static enum status settle(struct deform *deform, bool *came)
 	struct block_set was = awake->blocks;
 	awake->blocks = awake->next;
 	awake->next = was;
+	if (status == STATUS_OK && deform->params.touched)
+		status = guess_anew(deform);
 	return status == STATUS_OK ? gpu_check(deform->params.gpu, "the awake blocks") : status;
 }
 
@@ -327,17 +420,17 @@ struct place_flags awake_flags(struct deform *deform, const struct deform_window
 	};
 }
 
-static enum status keep_swept(struct period *period, struct post_rect write)
+static enum status keep_swept(struct period *period, struct swept window)
 {
 	if (period->count == period->room) {
 		size_t room = period->room != 0 ? 2 * period->room : 64;
-		struct post_rect *swept = mem_realloc(period->swept, room, sizeof *swept);
+		struct swept *swept = mem_realloc(period->swept, room, sizeof *swept);
 		if (swept == NULL)
 			return fail_memory("the awake blocks");
 		period->swept = swept;
 		period->room = room;
 	}
-	period->swept[period->count++] = write;
+	period->swept[period->count++] = window;
 	return STATUS_OK;
 }
 
@@ -347,11 +440,16 @@ enum status deform_wake_swept(struct deform *deform, const struct deform_window 
 	if (awake == NULL || post_rect_empty(window->write))
 		return STATUS_OK;
 	struct layer *scratch = &deform->scratch[layer];
-	if (!scratch->flagged)
-		return deform_wake(deform, window->write);
+	const struct swept swept = {window->write, scratch->above};
+	if (!scratch->flagged) {
+		enum status status = deform_touch(deform, window->write);
+		return status == STATUS_OK ? deform_wake(deform, window->write) : status;
+	}
 	scratch->flagged = false;
 	struct block_grid grid = grid_of(window->write);
-	enum status status = keep_swept(this_period(awake), window->write);
+	enum status status = keep_swept(this_period(awake), swept);
+	if (status == STATUS_OK && deform->params.touched)
+		status = maybe_swept(awake, &swept);
 	if (status != STATUS_OK)
 		return status;
 	awake->used += grid.columns * grid.rows;
@@ -427,8 +525,26 @@ enum status awake_visited(struct deform *deform, struct gpu_buffer *flags)
 	memcpy(visit->visited, awake->blocks.blocks, count * sizeof *visit->visited);
 	visit->count = count;
 	awake->visit_count++;
+	enum status status = deform->params.touched ? maybe_visited(deform, visit) : STATUS_OK;
+	if (status != STATUS_OK)
+		return status;
 	gpu_buffer_read_into(flags, 0, count * sizeof(uint32_t), visit->flags, 0);
 	bool came;
-	enum status status = settle(deform, &came);
+	status = settle(deform, &came);
 	return status == STATUS_OK && !came ? widen(deform, &awake->blocks) : status;
+}
+
+enum status deform_touch(struct deform *deform, struct post_rect rect)
+{
+	return deform->params.touched ? touched_add(&deform->awake->touched, rect) : STATUS_OK;
+}
+
+enum status deform_is_touched(struct deform *deform, struct post_rect rect, bool *is)
+{
+	const struct awake *awake = deform->awake;
+	bool came;
+	assert(deform->params.touched);
+	enum status status = settle(deform, &came);
+	*is = is_touched(awake, rect);
+	return status;
 }

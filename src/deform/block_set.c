@@ -64,6 +64,12 @@ bool block_set_has(const struct block_set *set, struct deform_block block)
 	return set->room != 0 && set->places[place_of(set, block)] != 0;
 }
 
+size_t block_set_place(const struct block_set *set, struct deform_block block)
+{
+	uint32_t at = set->room != 0 ? set->places[place_of(set, block)] : 0;
+	return at != 0 ? at - 1 : set->count;
+}
+
 void block_set_clear(struct block_set *set)
 {
 	if (set->count > 0)

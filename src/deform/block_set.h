@@ -13,6 +13,8 @@ struct block_set {
 void block_set_finish(struct block_set *set);
 enum status block_set_add(struct block_set *set, struct deform_block block) FURROW_CHECKED;
 bool block_set_has(const struct block_set *set, struct deform_block block);
+/* Its index in blocks; count: it is not there. */
+size_t block_set_place(const struct block_set *set, struct deform_block block);
 /* Empties it and keeps the memory. */
 void block_set_clear(struct block_set *set);
 /* Along a Morton curve: what lies on a tile comes together, whatever the tiles' size. No block lies below 0. */

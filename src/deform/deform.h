@@ -51,6 +51,7 @@ struct deform_sweep {
 	double turned;  /* wheel: radians about its axis meanwhile (slip 0: way / radius) */
 	double load;    /* N, downwards; 0: to.z is prescribed. Otherwise to.z is about where it will stand */
 	uint32_t carrier; /* with a load: which of params.carriers it is, from 1; 0: nobody asks where it stands afterwards */
+	bool above;      /* of all ground in its windows as it was, by more than its underside is rounded by */
 	uint64_t tag;    /* not 0: its forces are summed, and told by deform_forces_take under this tag */
 };
 
@@ -91,6 +92,7 @@ struct deform_params {
 	bool stands;         /* nothing slides off ground that is as it was: only where a post has risen over its neighbour,
 			      * or that has sunk. Otherwise the caller must have woken all that is steep */
 	double bulldozing;   /* scm: share of the plastic flow that is laid on the ring, 0 .. 1 */
+	bool touched;        /* deform_is_touched will be asked; with `stands`, of models that conserve */
 	uint32_t carriers;   /* scm: objects that carry a load and rest on the ground meanwhile */
 	bool dirt;
 };
@@ -173,12 +175,21 @@ struct deform_block {
 };
 /* Those posts have changed, or what held them has gone. */
 enum status deform_wake(struct deform *deform, struct post_rect changed) FURROW_CHECKED;
+/* The posts of all blocks that are woken then. */
+struct post_rect deform_wakes(const struct deform *deform, struct post_rect changed);
 /* A window was computed and scattered, the last one that was computed: only where it left soil moving stays awake. Of a
  * sweep of several windows: as deform_wake. What the object rested on before must be covered (below). */
 enum status deform_wake_swept(struct deform *deform, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
 /* Whether the sweep looks at all that an object rests on in a pose, and around it: then nothing need be woken for its being
  * there no more. */
 bool deform_covers(const struct deform *deform, const struct deform_sweep *sweep, const struct deform_pose *rest);
+/*
+ * Touched posts: those whose planes may be other than they were when the deform was made, and those that somebody named. A
+ * superset, of deforms whose parameters ask for it: what scattered sweeps wrote, and what soil can have come to by sliding.
+ * Where a sweep is one window, and of what slid, only parts of blocks that were changed, once the GPU has said so.
+ */
+enum status deform_touch(struct deform *deform, struct post_rect rect) FURROW_CHECKED;
+enum status deform_is_touched(struct deform *deform, struct post_rect rect, bool *is) FURROW_CHECKED;
 enum status deform_wake_block(struct deform *deform, struct deform_block block) FURROW_CHECKED; /* inside the world */
 /* All that are awake, in an order that they alone decide; valid until the next call. STATUS_FAILED: more than
  * DEFORM_BLOCKS_MAX. Hardly ever waits. */

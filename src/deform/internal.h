@@ -30,6 +30,7 @@ struct layer {
 	int now[PLANES]; /* which of planes[0 .. 1][plane] holds the result so far */
 	bool alone;      /* the window is all of its sweep */
 	bool loaded;     /* the object may turn out to stand elsewhere */
+	bool above;      /* the sweep's */
 	bool flagged;    /* its sliding says where something still moves */
 };
 

@@ -97,6 +97,7 @@ enum status deform_run_stages(struct deform *deform, const struct deform_sweep *
 	const struct post_rect all = deform_reached(deform, sweep), write = window->write;
 	memset(scratch->now, 0, sizeof scratch->now);
 	scratch->alone = all.x0 == write.x0 && all.y0 == write.y0 && all.x1 == write.x1 && all.y1 == write.y1;
+	scratch->above = sweep->above;
 	scratch->loaded = deform->params.model == DEFORM_SCM && sweep->load > 0;
 	enum status status = deform_underside(deform, sweep, window, layer);
 	if (status == STATUS_OK)

@@ -7,9 +7,13 @@
  *    without planes has none; and under the models none and box no offset is ever above the highest there was, or 0: a press
  *    lowers, and a mean of offsets is no higher than the highest of them.
  * 2. Nothing slides: under models that move soil every sweep also makes iterations of sliding over its window, whether it
- *    touches anything or not. Undisturbed ground stands, unless the scene says that it slides. So these models need tiles
- *    without planes, in all of the windows; over others the sweep is computed, and no bound on their offsets is of use. A sweep that is computed gives planes to
- *    every tile of its windows: what rises from soil it has moved is aloft again only where it comes upon other tiles at once.
+ *    touches anything or not. Undisturbed ground stands, unless the scene says that it slides, and soil passes only between two
+ *    written posts of a window, of which one has risen or sunk. So these models need windows in whose written posts nothing was
+ *    ever touched (deform_is_touched); over others the sweep is computed, and no bound on their offsets is of use.
+ *
+ * What was touched before the drive is known by tiles: those that come with planes when they are first looked at (`old`; a
+ * page that comes back was seen before). All of their posts are taken as touched. And where another model left walls in them,
+ * a sweep that is computed nearby may wake these: near such tiles all are.
  *
  * It stays what the drive knows the object by (its last pose, that it may have left something), and it is still among those
  * that hold the ground in intervals: soil may slide until it touches what hangs over it.
@@ -69,7 +73,7 @@ static enum status ask_offsets(struct drive *drive)
 }
 
 /* Whether no tile of the windows has planes. */
-static enum status untouched(struct drive *drive, const struct deform_window *windows, size_t count, bool *none)
+static enum status without_planes(struct drive *drive, const struct deform_window *windows, size_t count, bool *none)
 {
 	struct held_tiles held = {.count = 0};
 	enum status status = STATUS_OK;
@@ -83,7 +87,78 @@ static enum status untouched(struct drive *drive, const struct deform_window *wi
 	return status;
 }
 
-enum status drive_is_aloft(struct drive *drive, const struct event *event, const struct deform_sweep *sweep,
+/* One that has a load, or whose height is the ground's less its sink, is never above it. */
+bool drive_asks_touched(const struct drive *drive)
+{
+	const struct scene *scene = drive->scene;
+	bool rises = false;
+	for (size_t i = 0; i < scene->object_count; i++) {
+		const struct scene_object *object = &scene->objects[i];
+		rises = rises || (object->load == 0 && (object->path.has_z || object->sink < 0));
+	}
+	bool everywhere = drive->params != NULL && drive->params->everywhere;
+	return rises && !everywhere && deform_conserves(scene->model) && scene->undisturbed == SCENE_STANDS;
+}
+
+enum status drive_see(struct drive *drive, const struct deform_tile *held)
+{
+	uint64_t key = tile_key(held->tile);
+	if (!drive->asks_touched || !drive->was_deformed || key_set_has(&drive->seen, key))
+		return STATUS_OK;
+	enum status status = key_set_add(&drive->seen, key);
+	if (status != STATUS_OK || gpu_slots_get(drive->slots, held->slot)->target == NULL)
+		return status;
+	status = key_set_add(&drive->old, key);
+	return status == STATUS_OK ? deform_touch(drive->deform, tile_post_rect(&drive->meta->world, held->tile)) : status;
+}
+
+static enum status look(struct drive *drive, struct tile tile)
+{
+	uint64_t key = tile_key(tile);
+	struct deform_tile held = {.tile = tile};
+	if (key_set_has(&drive->seen, key))
+		return STATUS_OK;
+	enum status status = page_cache_pin_all(drive->cache, &key, 1, &held.slot);
+	if (status != STATUS_OK)
+		return status;
+	status = drive_see(drive, &held);
+	page_cache_unpin(drive->cache, key);
+	return status;
+}
+
+/* Whether a tile that was touched before the drive has posts in a block that the window, were it computed, might keep awake.
+ * Where it has none no wall stands at the block's sides either: posts on an edge are in both tiles. */
+static enum status near_old(struct drive *drive, const struct deform_window *window, bool *near)
+{
+	struct tile first, last;
+	enum status status = STATUS_OK;
+	*near = false;
+	if (!drive->was_deformed || !tile_range_of(&drive->meta->world, drive->level,
+						   deform_wakes(drive->deform, window->write), &first, &last))
+		return STATUS_OK;
+	for (uint32_t y = first.y; y <= last.y && !*near; y++)
+		for (uint32_t x = first.x; x <= last.x && !*near && status == STATUS_OK; x++) {
+			const struct tile tile = {drive->level, x, y};
+			status = look(drive, tile);
+			*near = key_set_has(&drive->old, tile_key(tile));
+		}
+	return status;
+}
+
+static enum status untouched_soil(struct drive *drive, const struct deform_window *windows, size_t count, bool *none)
+{
+	enum status status = STATUS_OK;
+	bool is = false;
+	for (size_t i = 0; i < count && !is && status == STATUS_OK; i++) {
+		status = near_old(drive, &windows[i], &is);
+		if (status == STATUS_OK && !is)
+			status = deform_is_touched(drive->deform, windows[i].write, &is);
+	}
+	*none = status == STATUS_OK && !is;
+	return status;
+}
+
+enum status drive_is_aloft(struct drive *drive, const struct event *event, struct deform_sweep *sweep,
 			   const struct deform_window *windows, size_t count, bool *aloft)
 {
 	bool conserves = deform_conserves(drive->scene->model);
@@ -91,19 +166,22 @@ enum status drive_is_aloft(struct drive *drive, const struct event *event, const
 	/* Most are on the ground where they are: those look no farther. */
 	if (count == 0 || sweep->load > 0 || event->sinkage >= 0 || drive->params->everywhere)
 		return STATUS_OK;
-	if (conserves && drive->scene->undisturbed == SCENE_SLIDES)
+	if (conserves && !drive->asks_touched)
 		return STATUS_OK;
 	int64_t low = lowest(sweep), highest;
 	enum status status = highest_base(drive, windows, count, &highest);
 	if (status != STATUS_OK || low <= highest)
 		return status;
-	if (!conserves && !drive->offsets_asked)
+	sweep->above = true;
+	if (conserves)
+		return untouched_soil(drive, windows, count, aloft);
+	if (!drive->offsets_asked)
 		status = ask_offsets(drive);
 	if (status != STATUS_OK)
 		return status;
-	if (!conserves && low > highest + drive->offsets_most) {
+	if (low > highest + drive->offsets_most) {
 		*aloft = true;
 		return STATUS_OK;
 	}
-	return untouched(drive, windows, count, aloft);
+	return without_planes(drive, windows, count, aloft);
 }

@@ -115,6 +115,7 @@ static enum status start_gpu(struct drive *drive)
 					  pages_planes_of(scene, drive->was_deformed), &drive->slots);
 	struct deform_params deform;
 	drive_deform_params(drive, &deform);
+	drive->asks_touched = deform.touched;
 	deform.gpu = drive->gpu;
 	deform.slots = drive->slots;
 	deform.reference = ground_reference(drive->store);
@@ -288,6 +289,8 @@ static void finish(struct drive *drive, enum status status)
 	gpu_slots_destroy(drive->slots);
 	gpu_destroy(drive->gpu);
 	drive_unmount(drive);
+	key_set_finish(&drive->seen);
+	key_set_finish(&drive->old);
 	mem_free(drive->events);
 	if (drive->epochs != NULL)
 		fclose(drive->epochs);

@@ -8,6 +8,7 @@
 #include "gpu/gpu.h"
 #include "page/page.h"
 #include "run/ground.h"
+#include "run/key_set.h"
 #include "run/pages.h"
 #include "run/pyramid.h"
 #include "run/record.h"
@@ -105,7 +106,9 @@ struct drive {
 	double began, seconds;   /* wall clock of the loop */
 	size_t window_tiles;     /* that one window can touch */
 	uint64_t windows, windows_due; /* of sweeps: computed; had all been that are on the ground */
-	bool offsets_asked;      /* air.c's */
+	struct key_set seen, old; /* air.c's: tiles that were looked at; of those, with planes from before the drive */
+	bool asks_touched;       /* air.c's, as all of these */
+	bool offsets_asked;
 	int64_t offsets_most;    /* quanta: no offset is higher, under models that only lower them */
 	uint64_t passes_most;    /* most tiles one window touched */
 	bool told_tiles;
@@ -180,8 +183,12 @@ enum status drive_mark(struct drive *drive, struct post_rect rect, const struct 
 /* `last`: no other of this object follows in this step. */
 enum status drive_sweep(struct drive *drive, const struct event *event, bool last) FURROW_CHECKED;
 
-/* air.c: whether nothing would change, were the sweep's windows computed. May pin their tiles for a while. */
-enum status drive_is_aloft(struct drive *drive, const struct event *event, const struct deform_sweep *sweep,
+/* air.c: whether soil must be known by what was touched: it moves, and an object may be above it. */
+bool drive_asks_touched(const struct drive *drive);
+/* A tile is held: before anything changes it. */
+enum status drive_see(struct drive *drive, const struct deform_tile *held) FURROW_CHECKED;
+/* Whether nothing would change, were the sweep's windows computed; sets its `above`. May pin tiles for a while. */
+enum status drive_is_aloft(struct drive *drive, const struct event *event, struct deform_sweep *sweep,
 			   const struct deform_window *windows, size_t count, bool *aloft) FURROW_CHECKED;
 /* counts.c: what was made and run; `gpu`: passes without those of warming up. */
 void counts_add(struct cJSON *root, const struct drive *drive, const struct gpu_stats *gpu, const struct pages_io *io);

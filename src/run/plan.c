@@ -69,6 +69,7 @@ void drive_deform_params(const struct drive *drive, struct deform_params *params
 		.stands = scene->undisturbed == SCENE_STANDS,
 		.tolerance = scene->tolerance,
 		.bulldozing = scene->bulldozing,
+		.touched = drive_asks_touched(drive),
 		.dirt = scene->dirt,
 	};
 	memcpy(params->soils, scene->soils, sizeof params->soils);

@@ -32,9 +32,13 @@ enum status drive_hold(struct drive *drive, struct post_rect rect, struct held_t
 		held->count = 0;
 		return status;
 	}
-	for (size_t i = 0; i < held->count; i++)
+	for (size_t i = 0; i < held->count && status == STATUS_OK; i++) {
 		held->tiles[i].slot = slots[i];
-	return STATUS_OK;
+		status = drive_see(drive, &held->tiles[i]);
+	}
+	if (status != STATUS_OK)
+		drive_release(drive, held);
+	return status;
 }
 
 void drive_release(struct drive *drive, struct held_tiles *held)

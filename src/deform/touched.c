@@ -1,0 +1,168 @@
+#include "deform/touched.h"
+
+#include <assert.h>
+#include <string.h>
+
+/* What a block has from one column to one behind another. */
+static uint32_t columns(int64_t first, int64_t end)
+{
+	first = first > 0 ? first : 0;
+	end = end < DEFORM_BLOCK ? end : DEFORM_BLOCK;
+	return first < end ? UINT32_MAX >> (DEFORM_BLOCK - (end - first)) << first : 0;
+}
+
+void touched_finish(struct touched *touched)
+{
+	block_set_finish(&touched->blocks);
+	mem_free(touched->whiches);
+	mem_free(touched->rows);
+	*touched = (struct touched){.count = 0};
+}
+
+void touched_clear(struct touched *touched)
+{
+	block_set_clear(&touched->blocks);
+	touched->count = touched->count > 0;
+}
+
+/* NULL: it has none. */
+static const uint32_t *rows_of(const struct touched *touched, struct deform_block block)
+{
+	size_t at = block_set_place(&touched->blocks, block);
+	return at < touched->blocks.count ? touched->rows[touched->whiches[at]] : NULL;
+}
+
+/* Room for one more block, and for its rows. */
+static enum status make_room(struct touched *touched)
+{
+	if (touched->blocks.count == touched->which_room) {
+		size_t room = touched->which_room != 0 ? 2 * touched->which_room : 64;
+		uint32_t *whiches = mem_realloc(touched->whiches, room, sizeof *whiches);
+		if (whiches == NULL)
+			return fail_memory("the touched ground");
+		touched->whiches = whiches;
+		touched->which_room = room;
+	}
+	if (touched->count == touched->room) {
+		size_t room = touched->room != 0 ? 2 * touched->room : 64;
+		void *rows = mem_realloc(touched->rows, room, sizeof *touched->rows);
+		if (rows == NULL)
+			return fail_memory("the touched ground");
+		touched->rows = rows;
+		touched->room = room;
+		memset(touched->rows[0], 0xff, sizeof *touched->rows);
+		touched->count = touched->count > 0 ? touched->count : 1;
+	}
+	return STATUS_OK;
+}
+
+static enum status add_rows(struct touched *touched, struct deform_block block, const uint32_t rows[DEFORM_BLOCK])
+{
+	size_t at = block_set_place(&touched->blocks, block);
+	if (at == touched->blocks.count) {
+		bool all = true;
+		enum status status = make_room(touched);
+		if (status == STATUS_OK)
+			status = block_set_add(&touched->blocks, block);
+		if (status != STATUS_OK)
+			return status;
+		for (int y = 0; y < DEFORM_BLOCK; y++)
+			all = all && rows[y] == UINT32_MAX;
+		touched->whiches[at] = all ? 0 : (uint32_t)touched->count;
+		if (!all)
+			memset(touched->rows[touched->count++], 0, sizeof *touched->rows);
+	}
+	for (int y = 0; y < DEFORM_BLOCK; y++)
+		touched->rows[touched->whiches[at]][y] |= rows[y];
+	return STATUS_OK;
+}
+
+static struct post_rect within(struct post_rect rect)
+{
+	rect.x0 = rect.x0 > 0 ? rect.x0 : 0;
+	rect.y0 = rect.y0 > 0 ? rect.y0 : 0;
+	return rect;
+}
+
+enum status touched_add(struct touched *touched, struct post_rect rect)
+{
+	rect = within(rect);
+	enum status status = STATUS_OK;
+	if (post_rect_empty(rect))
+		return STATUS_OK;
+	for (int64_t by = rect.y0 / DEFORM_BLOCK; by <= (rect.y1 - 1) / DEFORM_BLOCK; by++)
+		for (int64_t bx = rect.x0 / DEFORM_BLOCK; bx <= (rect.x1 - 1) / DEFORM_BLOCK && status == STATUS_OK; bx++) {
+			uint32_t rows[DEFORM_BLOCK];
+			uint32_t across = columns(rect.x0 - bx * DEFORM_BLOCK, rect.x1 - bx * DEFORM_BLOCK);
+			for (int64_t y = 0; y < DEFORM_BLOCK; y++) {
+				int64_t post = by * DEFORM_BLOCK + y;
+				rows[y] = post >= rect.y0 && post < rect.y1 ? across : 0;
+			}
+			status = add_rows(touched, (struct deform_block){bx, by}, rows);
+		}
+	return status;
+}
+
+bool touched_any(const struct touched *touched, struct post_rect rect)
+{
+	rect = within(rect);
+	if (post_rect_empty(rect))
+		return false;
+	for (int64_t by = rect.y0 / DEFORM_BLOCK; by <= (rect.y1 - 1) / DEFORM_BLOCK; by++)
+		for (int64_t bx = rect.x0 / DEFORM_BLOCK; bx <= (rect.x1 - 1) / DEFORM_BLOCK; bx++) {
+			const uint32_t *rows = rows_of(touched, (struct deform_block){bx, by});
+			uint32_t across = columns(rect.x0 - bx * DEFORM_BLOCK, rect.x1 - bx * DEFORM_BLOCK);
+			int64_t low = by * DEFORM_BLOCK, end = low + DEFORM_BLOCK < rect.y1 ? low + DEFORM_BLOCK : rect.y1;
+			for (int64_t y = rect.y0 > low ? rect.y0 : low; rows != NULL && y < end; y++)
+				if (rows[y - low] & across)
+					return true;
+		}
+	return false;
+}
+
+/* What is in the middle one of three rows beside each other, and what comes into it from both sides. NULL: nothing. */
+static uint32_t widened(const uint32_t *const rows[3], int64_t y, int64_t by)
+{
+	uint64_t west = rows[0] != NULL ? rows[0][y] : 0, east = rows[2] != NULL ? rows[2][y] : 0;
+	uint64_t own = rows[1] != NULL ? (uint64_t)rows[1][y] << DEFORM_BLOCK : 0, wide = own;
+	for (int64_t k = 1; k <= by; k++)
+		wide |= (own | west) << k | own >> k | east << (2 * DEFORM_BLOCK - k);
+	return (uint32_t)(wide >> DEFORM_BLOCK);
+}
+
+/* Of a row of posts: those of the parts. */
+static uint32_t row_of_parts(uint32_t parts, int64_t y)
+{
+	uint32_t row = 0;
+	for (int x = 0; x < DEFORM_BLOCK / TOUCHED_PART; x++)
+		if (parts >> (y / TOUCHED_PART * (DEFORM_BLOCK / TOUCHED_PART) + x) & 1)
+			row |= columns(x * TOUCHED_PART, (x + 1) * TOUCHED_PART);
+	return row;
+}
+
+enum status touched_grow(struct touched *touched, const struct touched *from, struct deform_block block, int64_t by,
+			 uint32_t parts)
+{
+	const uint32_t *near[3][3];
+	uint32_t wide[3 * DEFORM_BLOCK], rows[DEFORM_BLOCK], any = 0;
+	assert(by >= 0 && by < DEFORM_BLOCK);
+	for (int k = 0; k < 9; k++)
+		near[k / 3][k % 3] = rows_of(from, (struct deform_block){block.x + k % 3 - 1, block.y + k / 3 - 1});
+	for (int64_t y = -by; y < DEFORM_BLOCK + by; y++)
+		wide[y + by] = widened(near[y < 0 ? 0 : y < DEFORM_BLOCK ? 1 : 2], (y + DEFORM_BLOCK) % DEFORM_BLOCK, by);
+	for (int64_t y = 0; y < DEFORM_BLOCK; y++) {
+		rows[y] = 0;
+		for (int64_t k = 0; k <= 2 * by; k++)
+			rows[y] |= wide[y + k];
+		rows[y] &= row_of_parts(parts, y);
+		any |= rows[y];
+	}
+	return any != 0 ? add_rows(touched, block, rows) : STATUS_OK;
+}
+
+struct post_rect touched_part(struct deform_block block, int part)
+{
+	int64_t x = block.x * DEFORM_BLOCK + part % (DEFORM_BLOCK / TOUCHED_PART) * TOUCHED_PART;
+	int64_t y = block.y * DEFORM_BLOCK + part / (DEFORM_BLOCK / TOUCHED_PART) * TOUCHED_PART;
+	return (struct post_rect){x, y, x + TOUCHED_PART, y + TOUCHED_PART};
+}
