@@ -43,7 +43,7 @@ struct run_result {
  * 32 x 32 posts, of all in the tiles touched so far, each interval. Where there is a view, pyramid: coarser tiles brought up
  * to date, of those resident, each step; draw: tiles drawn with an offset, of all drawn, each frame. Always, slots: slots
  * with planes that were made, of slots. What depends on the paging (all but windows and blocks) may differ from drive to
- * drive. There is nothing of normals: they are found from the posts as these are drawn.
+ * drive; so may the windows visited where soil moves and an object rises from it, by when the GPU's flags come. There is nothing of normals: they are found from the posts as these are drawn.
  *
  * "counts" is held to the plan's lines (base/plan.h): each is the sum of amounts times "units", which are by object, or by
  * table, where the lines are. Of memory (base_slot to ring) a unit is as many as there ever were at once, since nothing of
