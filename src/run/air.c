@@ -64,7 +64,7 @@ static enum status ask_offsets(struct drive *drive)
 	const struct tile top = {world_coarsest(&drive->meta->world), 0, 0};
 	double low, high;
 	bool found;
-	enum status status = store_read_offset_range(ground_reader(drive->ground), top, &low, &high, &found);
+	enum status status = ground_offset_range(drive->ground, top, &low, &high, &found);
 	if (status != STATUS_OK)
 		return status;
 	drive->offsets_most = found && high > 0 ? lattice_offset(high) + 1 : 0;

@@ -360,6 +360,9 @@ static void nothing_is_made_or_run_for_nothing(void **state)
 
 #define BY_ERROR "view: {size: [160, 90], camera: {chase: a, back: 12, up: 5}, pixel_error: 1}\n"
 
+/* It comes down in between, and rises again. */
+#define HOPS "objects:\n  - {name: a, shape: {sphere: {radius: 1}}, path: {file: hops.csv}}\n"
+
 static void every_drive_counts_what_was_planned(void **state)
 {
 	static const char *const scenes[] = {
@@ -375,7 +378,10 @@ static void every_drive_counts_what_was_planned(void **state)
 		BUSY MANY BY_ERROR,
 		/* At the world's edge what is left of it fits one window. */
 		BUSY OBJECT("sphere: {radius: 62}") SCM "spacing: 0.5\n",
+		BUSY HOPS "attributes: [dirt]\n" CHASE,
+		BUSY HOPS SCM "spacing: 0.5\n",
 	};
+	support_write(support_path("hops.csv"), "t,x,y,z\n0,40,40,150\n0.5,50,50,98\n1,60,60,150\n");
 	for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
 		struct outcome outcome = drive(scenes[i]);
 		finish(&outcome);
