@@ -11,7 +11,7 @@ from pages import Told, figure, size
 STUDIES = {
     "spacing": ("Spacing of posts, by model", "how far the posts lie apart where the ground is worked on"),
     "divided": ("Spacing, over a coarser store", "spacing, over a store of 1 m posts that is divided where the wheel goes"),
-    "settled": ("Spacing, slid to rest", "spacing, and with it as much sliding as it asks for: iterations by its square"),
+    "settled": ("Spacing, slid to rest", "spacing, and with it as much sliding as it asks for: 8 iterations at an interval that goes with its square"),
     "base_format": ("Format of the base", "how the imported heights are kept"),
     "offset_format": ("Format of the offset", "how the ruts are kept"),
     "iterations": ("Iterations of sliding", "iterations a sweep and an interval"),
