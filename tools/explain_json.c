@@ -140,6 +140,7 @@ enum status explain_json(const struct scene *scene, const struct run_plan *plan)
 	cJSON *root = cJSON_CreateObject();
 	cJSON_AddStringToObject(root, "scene", scene->file);
 	add_text(root, "store", plan->store);
+	add_text(root, "missing", plan->missing);
 	cJSON_AddBoolToObject(root, "assumed", plan->store == NULL);
 	json_integer(root, "cells", plan->cells);
 	json_integer(root, "level", plan->level);

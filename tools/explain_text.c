@@ -35,8 +35,9 @@ static void print_head(const struct scene *scene, const struct run_plan *plan)
 	if (plan->store != NULL)
 		printf("%s over %s%s\n", scene->file, plan->store, plan->deformed ? ", which is deformed already" : "");
 	else
-		printf("%s over no store\n  assumed: one of little relief that is not deformed, with posts and tiles as follow\n",
-		       scene->file);
+		printf("%s over no store%s%s%s\n  assumed: one of little relief that is not deformed, with posts and tiles as follow\n",
+		       scene->file, plan->missing != NULL ? ": " : "", plan->missing != NULL ? plan->missing : "",
+		       plan->missing != NULL ? " is not there" : "");
 	printf("  posts %g m apart (level %d) in tiles of %u x %u cells", plan->spacing, plan->level, plan->cells, plan->cells);
 	if (plan->window_tiles > 0)
 		printf("; a window touches at most %zu", plan->window_tiles);

@@ -94,6 +94,57 @@ static double all_tiles(const struct drive *drive)
 	return tiles;
 }
 
+/* A spacing that the store cannot be divided to is taken finer, for up to four times the posts that were meant. */
+static void advise_spacing(const struct drive *drive, scene_advice_fn tell, void *user)
+{
+	const struct world *world = &drive->meta->world;
+	double asked = drive->scene->spacing, is = drive->spacing;
+	char text[240];
+	if (!(asked > 1.01 * is))
+		return;
+	if (drive->level == world_coarsest(world))
+		snprintf(text, sizeof text, "spacing: %g m: posts will be %g m apart, and this store has none that are farther; give %g",
+			 asked, is, is);
+	else
+		snprintf(text, sizeof text, "spacing: %g m: posts will be %g m apart, the coarsest of this store that is at most that; give "
+					    "%g, or %g for a quarter of the posts",
+			 asked, is, is, world_spacing(world, drive->level + 1));
+	tell(user, text);
+}
+
+/* Paths that leave the terrain before the drive ends: the one that does so first is named. Holes are not looked for. */
+static void advise_leaving(const struct drive *drive, scene_advice_fn tell, void *user)
+{
+	const struct scene *scene = drive->scene;
+	const struct world *world = &drive->meta->world;
+	double width = (double)(world->width - 1) * world->spacing, height = (double)(world->height - 1) * world->spacing;
+	struct track_point at = {.time = INFINITY};
+	const struct rider *first = NULL;
+	size_t leaving = 0;
+	char text[480], others[40] = "";
+	for (size_t i = 0; i < scene->object_count; i++) {
+		const struct rider *rider = &drive->riders[i];
+		int64_t station = track_leaves(rider->track, width, height);
+		double time = station >= 0 ? track_station_time(rider->track, station) : INFINITY;
+		if (time > scene->end_time)
+			continue;
+		leaving++;
+		if (time >= at.time)
+			continue;
+		first = rider;
+		track_station(rider->track, station, &at);
+	}
+	if (first == NULL)
+		return;
+	if (leaving > 1)
+		snprintf(others, sizeof others, ", and %zu other%s later", leaving - 1, leaving > 2 ? "s" : "");
+	snprintf(text, sizeof text, "objects.%s.path: is off the terrain after %.6g s, at %.3f, %.3f m%s: %s; keep within 0 to %g, 0 to %g m%s",
+		 first->object->name, at.time, at.x, at.y, others,
+		 scene->outside == SCENE_STOP ? "the drive will stop there" : "nothing is pressed there", width, height,
+		 scene->outside == SCENE_STOP ? ", end before, or set outside: skip" : "");
+	tell(user, text);
+}
+
 void drive_advise(const struct drive *drive, scene_advice_fn tell, void *user)
 {
 	const struct scene *scene = drive->scene;
@@ -102,6 +153,10 @@ void drive_advise(const struct drive *drive, scene_advice_fn tell, void *user)
 	scene_parameter("cache.slots", &slots); /* the default was not asked for */
 	bool known = drive->store != NULL || scene->spacing > 0;
 	scene_advise(scene, known ? drive->spacing : 0, tell, user);
+	if (drive->store != NULL) {
+		advise_spacing(drive, tell, user);
+		advise_leaving(drive, tell, user);
+	}
 	double tiles = drive->store != NULL ? all_tiles(drive) : INFINITY, enough = fmax(tiles, slots.low);
 	if (enough >= scene->slots || scene->slots == slots.absent)
 		return;
@@ -268,6 +323,8 @@ enum status run_plan(const struct scene *scene, const char *store, struct run_pl
 	if (path == NULL && scene->store != NULL && access(scene->store, F_OK) == 0)
 		path = scene->store;
 	*out = (struct run_plan){.store = NULL};
+	if (path == NULL && scene->store != NULL && (out->missing = mem_strdup(scene->store)) == NULL)
+		return fail_memory("the plan");
 	enum status status = path != NULL ? over_store(&drive, path, out) : over_nothing(&drive, &assumed);
 	if (status == STATUS_OK)
 		status = drive_mount(&drive);
@@ -293,6 +350,7 @@ void run_plan_finish(struct run_plan *plan)
 	mem_free(plan->notes);
 	mem_free(plan->stations);
 	mem_free(plan->store);
+	mem_free(plan->missing);
 	plan_finish(&plan->plan);
 	*plan = (struct run_plan){.store = NULL};
 }

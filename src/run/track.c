@@ -208,6 +208,56 @@ double track_station_time(const struct track *track, int64_t index)
 	return point.time;
 }
 
+static bool is_within(const struct track_point *point, double width, double height)
+{
+	return point->x >= 0 && point->y >= 0 && point->x <= width && point->y <= height;
+}
+
+static bool station_within(const struct track *track, int64_t index, double width, double height)
+{
+	struct track_point point;
+	track_station(track, index, &point);
+	return is_within(&point, width, height);
+}
+
+/* The first of [first, last] that is not within, all on one straight line: what is within of that is in one piece. */
+static int64_t leaves_line(const struct track *track, int64_t first, int64_t last, double width, double height)
+{
+	if (first > last || !station_within(track, first, width, height))
+		return first > last ? -1 : first;
+	if (station_within(track, last, width, height))
+		return -1;
+	while (last - first > 1) {
+		int64_t middle = first + (last - first) / 2;
+		if (station_within(track, middle, width, height))
+			first = middle;
+		else
+			last = middle;
+	}
+	return last;
+}
+
+int64_t track_leaves(const struct track *track, double width, double height)
+{
+	int64_t all = track->loop ? track->lap : track_stations(track);
+	bool was_within = true;
+	for (size_t k = 0; k < track->count; k++) {
+		struct track_point knot = track->knots[k].at;
+		place(track, &knot);
+		bool within = is_within(&knot, width, height);
+		if (k > 0 && !(within && was_within)) {
+			int64_t first = (int64_t)ceil(track->knots[k - 1].length / track->post);
+			int64_t last = (int64_t)floor(track->knots[k].length / track->post);
+			int64_t found = leaves_line(track, first, last < all ? last : all - 1, width, height);
+			if (found >= 0)
+				return found;
+		}
+		was_within = within;
+	}
+	/* The last one is at the path's end, and need not be at a whole post. */
+	return was_within || track->loop || station_within(track, all - 1, width, height) ? -1 : all - 1;
+}
+
 void track_at(const struct track *track, double time, struct track_point *point)
 {
 	if (!track->timed) {

@@ -29,6 +29,9 @@ void track_destroy(struct track *track);
 int64_t track_stations(const struct track *track); /* INT64_MAX for a loop */
 void track_station(const struct track *track, int64_t index, struct track_point *point);
 double track_station_time(const struct track *track, int64_t index);
+/* The first station that is not within 0 .. width, 0 .. height of the local metres; -1: all are. Of a loop, of its first lap,
+ * which all others are like. */
+int64_t track_leaves(const struct track *track, double width, double height);
 /* The fastest it goes along the ground, m/s. */
 double track_fastest(const struct track *track);
 /* Where the object is at `time` (held at the path's ends). */

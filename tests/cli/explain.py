@@ -180,6 +180,67 @@ class Explain(FurrowTest):
         self.assertEqual(self.json("explain", narrow)["notes"], [])
         self.assertEqual(len(self.json("explain", narrow, "--store", "world.furrow")["notes"]), 1)
 
+    def notes(self, scene, *settings):
+        arguments = [part for setting in settings for part in ("--set", setting)]
+        return self.json("explain", scene, "--store", "world.furrow", *arguments)["notes"]
+
+    def test_a_spacing_that_the_store_has_not_is_told(self):
+        self.synth()
+        scene = self.scene(BARE)
+        self.assertEqual(self.notes(scene, "spacing=0.1"),
+                         ["spacing: 0.1 m: posts will be 0.0625 m apart, the coarsest of this store that is at most that; "
+                          "give 0.0625, or 0.125 for a quarter of the posts"])
+        self.assertEqual(self.notes(scene, "spacing=0.99", "cache.loaders=1")[0].split(":")[:2], ["spacing", " 0.99 m"])
+        for spacing in ["0.125", "0.126", "1", "null"]:
+            self.assertEqual(self.notes(scene, "spacing=" + spacing), [])
+        wide = "objects.a.shape={sphere: {radius: 300}}"
+        coarse = self.notes(scene, "spacing=1000", "objects=null",
+                            "view={camera: {eye: [1, 2, 3], target: [0, 0, 0]}, images: 30, effects: []}", "time_step=0.1")
+        self.assertEqual(coarse, ["spacing: 1000 m: posts will be 1 m apart, and this store has none that are farther; give 1"])
+        # Without a store there is nothing to divide.
+        self.assertEqual(self.json("explain", scene, "--set", "spacing=0.1")["notes"], [])
+
+    def test_a_path_off_the_terrain_is_told_and_a_drive_stops_there(self):
+        self.synth()
+        scene = self.scene(BARE)
+        away = "objects.a.path={points: [[240, 20], [400, 20]], speed: 10}"
+        told = ["objects.a.path: is off the terrain after 1.7 s, at 257.000, 20.000 m: the drive will stop there; keep within "
+                "0 to 256, 0 to 256 m, end before, or set outside: skip"]
+        self.assertEqual(self.notes(scene, away), told)
+        self.assertEqual(self.notes(scene, away, "end_time=1.65"), [])
+        skipped = self.notes(scene, away, "outside=skip")
+        self.assertEqual(len(skipped), 1)
+        self.assertIn(": nothing is pressed there; keep within 0 to 256, 0 to 256 m", skipped[0])
+        self.assertNotIn("stop", skipped[0])
+        both = self.notes(scene, away, "objects.b.path={points: [[240, 20], [400, 20]], speed: 20}")
+        self.assertEqual(len(both), 1)
+        self.assertTrue(both[0].startswith("objects.b.path: is off the terrain after 0.85 s, at 257.000, 20.000 m, and 1 other later: "))
+        round_about = "objects.a.path={points: [[1, 1], [20, 1], [20, -0.9]], speed: 20, loop: true}"
+        self.assertTrue(self.notes(scene, round_about)[0].startswith("objects.a.path: is off the terrain after 1.05 s, at 19.900, -0.890 m"))
+        (self.folder / "poses.csv").write_text("1,10,10\n2,-10,10\n")
+        self.assertTrue(self.notes(scene, "objects.a.path={file: poses.csv}")[0].startswith("objects.a.path: is off the terrain after 1.55 s"))
+        self.assertEqual(self.json("explain", scene, "--set", away)["notes"], [])  # over no store
+        # It is so.
+        result = self.furrow("drive", scene, "--store", "world.furrow", "-o", "out", "--set", away)
+        if result.returncode == 4:
+            self.skipTest("no GL here")
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn("furrow: note: " + told[0], result.stderr)
+        self.assertIn("a: no ground under it at 257.000, 20.000 after 1.700 s; ", result.stderr)
+
+    def test_a_store_that_is_not_there_is_named(self):
+        scene = self.scene(BARE + "store: demo.furrow\n")
+        plan = self.json("explain", scene)
+        self.assertEqual((plan["store"], plan["assumed"], plan["missing"]), (None, True, str(self.folder / "demo.furrow")))
+        head = self.ok("explain", scene).splitlines()
+        self.assertEqual(head[0], f"{scene} over no store: {self.folder / 'demo.furrow'} is not there")
+        self.assertTrue(head[1].startswith("  assumed: "))
+        none = self.scene(BARE, "none.yaml")
+        self.assertIsNone(self.json("explain", none)["missing"])
+        self.assertEqual(self.ok("explain", none).splitlines()[0], f"{none} over no store")
+        self.synth(name="demo.furrow")
+        self.assertIsNone(self.json("explain", scene)["missing"])
+
     def test_a_drive_tells_the_same_on_stderr(self):
         self.synth()
         scene = self.scene(BARE + "gravity: 1.62\n")

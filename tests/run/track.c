@@ -134,6 +134,53 @@ static void a_single_point_is_one_station(void **state)
 	track_destroy(track);
 }
 
+/* The slow way round: station by station. */
+static int64_t first_outside(const struct track *track, int64_t count, double width, double height)
+{
+	for (int64_t i = 0; i < count; i++) {
+		struct track_point point;
+		track_station(track, i, &point);
+		if (point.x < 0 || point.y < 0 || point.x > width || point.y > height)
+			return i;
+	}
+	return -1;
+}
+
+static void where_a_path_leaves_is_found(void **state)
+{
+	struct scene_waypoint waypoints[6] = {{0}};
+	static const struct {
+		double points[6][2];
+		size_t count;
+		bool loop;
+	} paths[] = {
+		{{{1, 1}, {9, 9}}, 2, false},
+		{{{0, 0}, {10, 8}}, 2, false}, /* the edge is ground */
+		{{{1, 1}, {11, 1}}, 2, false},
+		{{{1, 1}, {1, 1}, {1, -3}, {5, 5}}, 4, false},
+		{{{-1, 1}, {5, 1}}, 2, false},
+		{{{-1, 4}, {12, 4}}, 2, false}, /* across, from outside */
+		{{{-1, 2}, {2, -1}}, 2, false},
+		{{{5, 4}, {5, 8.1}}, 2, false}, /* by less than a post, at its end */
+		{{{5, 5}, {5, 8.1}, {5, 5}}, 3, false}, /* by less than a post, between two stations */
+		{{{12, 4}}, 1, false},
+		{{{5, 4}}, 1, false},
+		{{{1, 1}, {5, 1}, {5, 7}, {1, 12}}, 4, true},
+		{{{1, 1}, {9, 1}, {9, 7}, {1, 7}}, 4, true},
+		{{{1, 1}, {1, 7.9}, {-0.2, 7.9}, {1, 7.9}}, 4, true},
+	};
+	int outside = 0;
+	for (size_t i = 0; i < sizeof paths / sizeof *paths; i++) {
+		struct scene_path path = {.points = waypoints, .count = paths[i].count, .speed = 1, .loop = paths[i].loop};
+		struct track *track = track_of(&path, paths[i].points);
+		int64_t count = track_stations(track), found = track_leaves(track, 10, 8);
+		assert_int_equal(found, first_outside(track, paths[i].loop ? 1000 : count, 10, 8));
+		outside += found >= 0;
+		track_destroy(track);
+	}
+	assert_int_equal(outside, 10);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -143,6 +190,7 @@ int main(void)
 		cmocka_unit_test(a_timed_path_keeps_its_times_and_turns_the_short_way),
 		cmocka_unit_test(a_timed_path_that_stands_still_is_there_from_when_it_came),
 		cmocka_unit_test(a_single_point_is_one_station),
+		cmocka_unit_test(where_a_path_leaves_is_found),
 	};
 	return cmocka_run_group_tests_name("track", tests, NULL, NULL);
 }
