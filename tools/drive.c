@@ -77,7 +77,8 @@ const struct command command_drive = {
 	.usage = "drive SCENE -o DIR [--store STORE] [--overlay FILE] [--set KEY=VALUE]... [--steps N] [--resume] "
 		 "[--trace FILE] [--json]",
 	.summary = "run a scene: objects carve the terrain, pictures and figures come out",
-	.details = "Leaves in DIR: run.json (figures, also when interrupted), epochs.log (a line for each commit) and\n"
+	.details = "What a scene may say is in src/scene/SCENE.md: every key, its unit, range and default.\n"
+		   "Leaves in DIR: run.json (figures, also when interrupted), epochs.log (a line for each commit) and\n"
 		   "frame-NNNNNN.png. Ctrl-C ends it cleanly with everything committed, status 130.\n"
 		   "--resume goes on where a drive of the same scene into the same store ended or was killed (end_time, cache and\n"
 		   "view may differ by then), and begins where there was none; run.json's resumed_from says at which step.\n"

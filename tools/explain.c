@@ -54,7 +54,7 @@ const struct command command_explain = {
 		   "statements of the store's tables, memory at most; each with the key of the scene that calls for it, as in\n"
 		   "`normals <- view`. What is not there is not made and not run: run.json's counts are these amounts, times how\n"
 		   "often each unit came. Then what the scene says without effect. Needs no GL, and changes nothing: the store is\n"
-		   "only read, also while another drive writes it.\n",
+		   "only read, also while another drive writes it. What a scene may say is in src/scene/SCENE.md.\n",
 	.options = options,
 	.run = run,
 };
