@@ -331,6 +331,21 @@ class ScenePage(FurrowTest):
             self.assertEqual(plan["spacing"], float(apart), asked)
         self.assertEqual(self.json("explain", path, "--store", store)["spacing"], 1)
 
+    def test_bytes_are_as_it_says(self):
+        text = PAGE.read_text()
+        dirt, scm = map(int, re.search(r"a post has (\d+) byte\s+more with dirt, (\d+) with `scm`", text).groups())
+        path = self.folder / "scene.yaml"
+        for keys, more in (({}, 0), ({"attributes": ["dirt"]}, dirt), ({"soil": {"name": "lunar"}, "redistribute": {"model": "scm"}}, scm)):
+            path.write_text(json.dumps(scene(WHEEL, **keys)))
+            self.assertEqual(sum(plane["bytes"] for plane in self.json("explain", path)["planes"]), 8 + more, keys)
+        rows = re.findall(r"^\| ([\d.]+) \| ([\d.]+) \| (\d+) \| ([\d.]+) (kB|MB) \|$", text, re.M)
+        self.assertGreater(len(rows), 4)
+        for apart, under, stations, size, unit in rows:
+            self.assertEqual(float(under), float(f"{0.2 / float(apart) ** 2:.{2 if float(under) < 100 else 3}g}"))
+            self.assertEqual(int(stations), 1 / float(apart))
+            bytes_of = 8 * 1e4 / float(apart) ** 2
+            self.assertAlmostEqual(float(size) * {"kB": 1e3, "MB": 1e6}[unit] / bytes_of, 1, delta=0.03)
+
     def test_columns_of_poses_are_as_it_says(self):
         text = PAGE.read_text()
         ranges = {name: range_of(cell) for names, cell in re.findall(r"^\| (`[`\w, ]+`) \| [^|]+ \| ([^|]+) \| [^|]+ \|$", text, re.M)
