@@ -212,13 +212,17 @@ class Explain(FurrowTest):
         self.assertEqual(len(skipped), 1)
         self.assertIn(": nothing is pressed there; keep within 0 to 256, 0 to 256 m", skipped[0])
         self.assertNotIn("stop", skipped[0])
-        both = self.notes(scene, away, "objects.b.path={points: [[240, 20], [400, 20]], speed: 20}")
-        self.assertEqual(len(both), 1)
-        self.assertTrue(both[0].startswith("objects.b.path: is off the terrain after 0.85 s, at 257.000, 20.000 m, and 1 other later: "))
+        for faster, slower in (("a", "b"), ("b", "a")):
+            ways = [f"objects.{name}.path={{points: [[240, 20], [400, 20]], speed: {speed}}}" for name, speed in ((faster, 20), (slower, 10))]
+            both = self.notes(scene, *ways)
+            self.assertEqual(len(both), 1)
+            self.assertTrue(both[0].startswith(f"objects.{faster}.path: is off the terrain after 0.85 s, at 257.000, 20.000 m, and 1 other "
+                                               "later: "))
         round_about = "objects.a.path={points: [[1, 1], [20, 1], [20, -0.9]], speed: 20, loop: true}"
-        self.assertTrue(self.notes(scene, round_about)[0].startswith("objects.a.path: is off the terrain after 1.05 s, at 19.900, -0.890 m"))
+        told_of = "objects.a.path: is off the terrain after "
+        self.assertTrue(self.notes(scene, round_about)[0].startswith(told_of + "1.05 s, at 19.900, -0.890 m"))
         (self.folder / "poses.csv").write_text("1,10,10\n2,-10,10\n")
-        self.assertTrue(self.notes(scene, "objects.a.path={file: poses.csv}")[0].startswith("objects.a.path: is off the terrain after 1.55 s"))
+        self.assertTrue(self.notes(scene, "objects.a.path={file: poses.csv}")[0].startswith(told_of + "1.55 s"))
         self.assertEqual(self.json("explain", scene, "--set", away)["notes"], [])  # over no store
         # It is so.
         result = self.furrow("drive", scene, "--store", "world.furrow", "-o", "out", "--set", away)
