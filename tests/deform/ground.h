@@ -28,6 +28,7 @@ struct ground_params {
 	double relief;                   /* m; 0: not known */
 	double tolerance;                /* m */
 	bool stands;                     /* undisturbed ground does */
+	bool touched;                    /* deform_is_touched is asked */
 	double bulldozing;
 	uint32_t carriers;
 };
@@ -97,6 +98,7 @@ static inline void ground_init(struct ground *ground, const struct ground_params
 		.depth = params->depth != 0 ? params->depth : params->model == DEFORM_SCM ? 0 : (double)INFINITY,
 		.tolerance = params->tolerance,
 		.stands = params->stands,
+		.touched = params->touched,
 		.bulldozing = params->bulldozing,
 		.carriers = params->carriers,
 	};
