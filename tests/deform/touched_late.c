@@ -2,8 +2,8 @@
  * Every post whose planes have changed is told as touched, whenever what says so comes: after each sweep and each interval
  * all planes are read back, and asked about post by post.
  */
-#include "conserve.h"
 #include "late.h"
+#include "sliding.h"
 
 struct trip {
 	enum deform_model model;
@@ -20,7 +20,7 @@ static int32_t slope(int64_t x, int64_t y)
 	return (int32_t)(x * 900 - y * 500) + conserve_rough(x, y) / 16;
 }
 
-static void start(struct ground *ground, const struct trip *trip)
+static void begin(struct ground *ground, const struct trip *trip)
 {
 	struct deform_soil soil;
 	assert_ok(deform_soil_named("sand", &soil));
@@ -73,16 +73,9 @@ static void sweep_and_wake(struct ground *ground, const struct deform_sweep *swe
 		assert_ok(deform_wake_swept(ground->deform, &ground->windows[i], (uint32_t)i));
 }
 
-static void interval(struct ground *ground)
+static void pass_interval(struct ground *ground)
 {
-	size_t blocks;
-	assert_ok(deform_interval_begin(ground->deform, NULL, 0, &blocks));
-	for (size_t i = 0; i < blocks; i++)
-		assert_ok(deform_interval_gather(ground->deform, i, ground->tiles, ground->tile_count));
-	for (size_t i = 0; i < blocks; i++)
-		assert_ok(deform_interval_scatter(ground->deform, i, ground->tiles, ground->tile_count));
-	if (blocks > 0)
-		assert_ok(deform_interval_end(ground->deform));
+	(void)interval(ground, NULL, 0);
 	late_pass();
 }
 
@@ -135,7 +128,7 @@ static void make(const struct trip *trip, size_t seed)
 	struct ground ground;
 	bool wide = trip->cells * trip->tiles > 300;
 	test_seed = (uint32_t)seed;
-	start(&ground, trip);
+	begin(&ground, trip);
 	double at[2] = {(double)ground.posts / 2, (double)ground.posts / 2};
 	for (int n = 0; n < trip->stations; n++) {
 		bool above = n > 0 && any_word() % 3 != 0;
@@ -144,11 +137,11 @@ static void make(const struct trip *trip, size_t seed)
 		assert_all_are_told(&ground, 2 * n);
 		if (any_word() % 3 == 0)
 			continue;
-		interval(&ground);
+		pass_interval(&ground);
 		assert_all_are_told(&ground, 2 * n + 1);
 	}
 	for (int n = 0; n < 6; n++)
-		interval(&ground);
+		pass_interval(&ground);
 	gpu_finish(test_gpu);
 	size_t changed = assert_all_are_told(&ground, -1);
 	/* And not all there is. */
@@ -163,7 +156,7 @@ static void what_comes_takes_back_the_guess(void **state)
 	need_gpu();
 	for (int above = 0; above < 2; above++) {
 		struct ground ground;
-		start(&ground, &(struct trip){DEFORM_SLIPPAGE, 64, 3, 0.0625, 4, NULL, false, 0});
+		begin(&ground, &(struct trip){DEFORM_SLIPPAGE, 64, 3, 0.0625, 4, NULL, false, 0});
 		double d = ground.params.spacing;
 		const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 30 * d};
 		struct deform_sweep sweep = {.shape = &ball, .above = above};
@@ -175,7 +168,7 @@ static void what_comes_takes_back_the_guess(void **state)
 		assert_true(is_touched(&ground, write.x0, write.y0) && is_touched(&ground, write.x1 - 1, write.y1 - 1));
 		assert_true(!is_touched(&ground, write.x0 - 1, write.y0) && !is_touched(&ground, write.x1, write.y1 - 1));
 		/* Soil may have slid on meanwhile, a post an iteration. */
-		interval(&ground);
+		pass_interval(&ground);
 		assert_true(is_touched(&ground, write.x0, write.y0) && is_touched(&ground, write.x0 - 4, write.y0 - 4));
 		assert_true(is_touched(&ground, write.x1 + 3, write.y1 + 3) && !is_touched(&ground, write.x1 + 4, write.y1 - 1));
 		assert_true(!is_touched(&ground, write.x0 - 5, write.y0) && !is_touched(&ground, write.x0, write.y0 - 5));
@@ -193,7 +186,7 @@ static void only_over_touched_ground_is_guessed(void **state)
 	(void)state;
 	need_gpu();
 	struct ground ground;
-	start(&ground, &(struct trip){DEFORM_SUMNER, 64, 3, 0.0625, 4, NULL, false, 0});
+	begin(&ground, &(struct trip){DEFORM_SUMNER, 64, 3, 0.0625, 4, NULL, false, 0});
 	double d = ground.params.spacing;
 	const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 12 * d};
 	struct deform_sweep sweep = {.shape = &ball, .above = true};
@@ -216,7 +209,7 @@ static void a_guess_leads_to_a_guess(void **state)
 	(void)state;
 	need_gpu();
 	struct ground ground;
-	start(&ground, &(struct trip){DEFORM_SLIPPAGE, 64, 3, 0.0625, 4, NULL, false, 0});
+	begin(&ground, &(struct trip){DEFORM_SLIPPAGE, 64, 3, 0.0625, 4, NULL, false, 0});
 	double d = ground.params.spacing;
 	const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 12 * d};
 	struct deform_sweep press = {.shape = &ball}, over = {.shape = &ball, .above = true};
@@ -229,7 +222,7 @@ static void a_guess_leads_to_a_guess(void **state)
 	assert_true(is_touched(&ground, write.x1 - 1, write.y1 - 1));
 	gpu_finish(test_gpu); /* none was sent for */
 	assert_true(is_touched(&ground, write.x1 - 1, write.y1 - 1));
-	interval(&ground);
+	pass_interval(&ground);
 	gpu_finish(test_gpu);
 	assert_true(is_touched(&ground, 80, 80) && !is_touched(&ground, write.x1 - 1, write.y1 - 1));
 	late_by = 0;
@@ -242,14 +235,14 @@ static void sweeps_nobody_looked_at_are_touched(void **state)
 	(void)state;
 	need_gpu();
 	struct ground ground;
-	start(&ground, &(struct trip){DEFORM_SLIPPAGE, 64, 3, 0.0625, 4, NULL, false, 0});
+	begin(&ground, &(struct trip){DEFORM_SLIPPAGE, 64, 3, 0.0625, 4, NULL, false, 0});
 	double d = ground.params.spacing;
 	const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 12 * d};
 	struct deform_sweep sweep = {.shape = &ball};
 	sweep.from = sweep.to = ground_pose(&ground, 80, 80, 11 * d);
 	late_by = 1;
 	sweep_and_wake(&ground, &sweep);
-	interval(&ground);
+	pass_interval(&ground);
 	late_misses = 1;
 	assert_all_are_told(&ground, 0);
 	assert_true(is_touched(&ground, ground.windows[0].write.x0, 80) && late_misses == 0);
