@@ -1,4 +1,5 @@
-// Where soil still moves in a block: its own bit, and one for each side and corner. And which sixteenths of it were changed.
+// Where soil still moves in a block: its own bit, and one for each side and corner. With TOUCHED also which sixteenths of it
+// were changed.
 
 layout(std430, binding = 1) buffer flags {
 	uint flag_words[]; // a block's, in the order of the list
@@ -17,6 +18,7 @@ void flag_post(ivec2 at, int word, int near)
 		atomicOr(flag_words[word], bits);
 }
 
+#ifdef TOUCHED
 // From bit 16 on: squares of 8 x 8 posts, from the south-west.
 void flag_changed(ivec2 at, int word)
 {
@@ -24,3 +26,4 @@ void flag_changed(ivec2 at, int word)
 	if ((flag_words[word] & part) == 0u)
 		atomicOr(flag_words[word], part);
 }
+#endif

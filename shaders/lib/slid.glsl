@@ -1,5 +1,5 @@
 // The end of an iteration: a height, or with LAST what it means, and where soil still moves. Comes behind the parameters.
-// Defines: LAST, HEAPED; FLAGS: over blocks; else LAST is over a window.
+// Defines: LAST, HEAPED; FLAGS: over blocks; else LAST is over a window; TOUCHED: which parts of blocks were changed counts.
 
 #ifdef LAST
 layout(binding = 3, r32i) readonly uniform iimage2DArray bases;
@@ -38,21 +38,23 @@ void slid(ivec3 at, int height, int change, bool moves)
 #ifdef FLAGS
 	if (moves)
 		flag_post(at.xy - block.xy, block.z, place.y);
+#ifdef TOUCHED
 	if (offset != before)
 		flag_changed(at.xy - block.xy, block.z);
+#endif
 #else
 	// Across the rim nothing was looked at.
 	bool rim = any(lessThan(at.xy, edge.xy)) || any(greaterThanEqual(at.xy, edge.zw));
 	bool changed = (marks & IS_DISTURBED) != 0u || offset != before;
-	if (moves || changed) {
-		ivec2 from_first = at.xy + region.xy;
-		ivec2 its_block = from_first >> 5;
-		int word = region.w + its_block.y * region.z + its_block.x;
-		if (moves || rim)
-			flag_post(from_first & (BLOCK - 1), word, place.y);
-		if (changed)
-			flag_changed(from_first & (BLOCK - 1), word);
-	}
+	ivec2 from_first = at.xy + region.xy;
+	ivec2 its_block = from_first >> 5;
+	int word = region.w + its_block.y * region.z + its_block.x;
+	if (moves || (rim && changed))
+		flag_post(from_first & (BLOCK - 1), word, place.y);
+#ifdef TOUCHED
+	if (changed)
+		flag_changed(from_first & (BLOCK - 1), word);
+#endif
 #endif
 #else
 	height_out = height;

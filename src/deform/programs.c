@@ -124,6 +124,7 @@ void programs_slide(const struct deform_params *params, enum slide_what what, bo
 		define(out, "LAST", true);
 		define(out, "HEAPED", is_heaped(params));
 		define(out, "FLAGS", blocks);
+		define(out, "TOUCHED", params->touched);
 	}
 }
 
