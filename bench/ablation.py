@@ -73,7 +73,8 @@ PAIRS = [
     ("loaders", scene(WHEEL, **cache(0, 0)), scene(WHEEL, **cache(2, 0))),
     ("prefetch", scene(WHEEL, **cache(2, 0)), scene(WHEEL, **cache(2, 1.5))),
     ("picture", scene(WHEEL), SEEN),
-    *((name, SEEN, scene(WHEEL, **view(name))) for name in ("texture", "detail", "fog", "sky", "geomorph", "skirts")),
+    *((name, SEEN, scene(WHEEL, **view(name))) for name in ("texture", "fog", "sky", "geomorph", "skirts")),
+    ("detail", scene(WHEEL, **view("texture")), scene(WHEEL, **view("texture", "detail"))),
     ("pixel_error", scene(WHEEL, **view("geomorph")), scene(WHEEL, **view("geomorph", pixel_error=4))),
     ("images", SEEN, scene(WHEEL, **view(images=1))),
 ]
