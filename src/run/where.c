@@ -25,10 +25,9 @@ static void add_windows(cJSON *where, const struct drive *drive, const struct gp
 
 static void add_slots(cJSON *where, const struct drive *drive)
 {
-	struct gpu_slots_bytes bytes;
-	uint64_t side = tile_posts(&drive->meta->world), plane = side * side * sizeof(int32_t);
-	gpu_slots_bytes(drive->slots, &bytes);
-	add(where, "slots", bytes.planes[PLANE_OFFSET] / plane, bytes.base / plane);
+	struct gpu_slots_figures slots;
+	gpu_slots_figures(drive->slots, &slots);
+	add(where, "slots", slots.deform_slots, slots.base_slots);
 }
 
 void where_report(cJSON *root, const struct drive *drive, const struct gpu_stats *gpu)
