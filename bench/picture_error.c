@@ -82,8 +82,8 @@ static void open_rig(struct rig *rig, const char *store)
 	*rig = (struct rig){.scene = {
 		.end_time = 1, .slots = SLOTS, .loaders = 2, .dirt = true,
 		.view = {.present = true, .width = WIDTH, .height = HEIGHT, .camera = SCENE_FIXED, .target = {1, 1, 0},
-			 .effects = 1u << EFFECT_TEXTURE | 1u << EFFECT_DETAIL | 1u << EFFECT_FOG | 1u << EFFECT_SKY |
-				    1u << EFFECT_GEOMORPH | 1u << EFFECT_SKIRTS},
+			 .effects = EFFECT_BIT(EFFECT_TEXTURE) | EFFECT_BIT(EFFECT_DETAIL) | EFFECT_BIT(EFFECT_FOG) | EFFECT_BIT(EFFECT_SKY) |
+				    EFFECT_BIT(EFFECT_GEOMORPH) | EFFECT_BIT(EFFECT_SKIRTS)},
 	}};
 	bench_must(store_open(store, &(struct store_options){.mode = STORE_READ}, &drive->store));
 	drive->scene = &rig->scene;

@@ -5,11 +5,11 @@
 #include "run/run.h"
 #include "support.h"
 
-static inline unsigned planned(const struct scene *scene, const char *path, struct plan *plan)
+static inline uint64_t planned(const struct scene *scene, const char *path, struct plan *plan)
 {
 	struct run_plan whole;
 	must(run_plan(scene, path, &whole));
-	unsigned effects = whole.effects;
+	uint64_t effects = whole.effects;
 	*plan = whole.plan;
 	whole.plan = (struct plan){.lines = NULL};
 	run_plan_finish(&whole);

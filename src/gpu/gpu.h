@@ -146,7 +146,7 @@ void gpu_target_clear(struct gpu_target *target, const float rgba[4]);
 /* Shaders are files of shaders/, embedded by the build ("deform/none.frag"); `#include "lib/x.glsl"`
  * is resolved. Each define is "NAME" or "NAME value": a variant. The same request returns the same
  * program; the gpu keeps it. An error carries file:line and the driver's text. */
-#define GPU_DEFINES_MAX 12
+#define GPU_DEFINES_MAX 16
 struct gpu_program_request {
 	const char *vertex, *fragment;
 	const char *defines[GPU_DEFINES_MAX]; /* NULL-terminated unless full */

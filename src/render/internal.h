@@ -86,7 +86,7 @@ struct render {
 	int32_t reference;
 	double low, high;
 	uint32_t width, height;
-	unsigned effects;
+	uint64_t effects;
 	bool dirt;
 	double pixel_error; /* 0: by radii */
 	struct gpu_texture *colour, *depth, *noise; /* noise NULL without TEXTURE */

@@ -7,12 +7,12 @@
 #include "render/internal.h"
 
 /* By pixel error each draw has reaches of its own, which what changes a mesh with the distance must know. */
-static bool asks_reaches(unsigned effects, bool by_error)
+static bool asks_reaches(uint64_t effects, bool by_error)
 {
-	return by_error && (effects & (1u << EFFECT_GEOMORPH | 1u << EFFECT_SKIRTS));
+	return by_error && (effects & (EFFECT_BIT(EFFECT_GEOMORPH) | EFFECT_BIT(EFFECT_SKIRTS)));
 }
 
-static struct gpu_program_request request_of(unsigned effects, bool dirt, bool by_error, unsigned variant)
+static struct gpu_program_request request_of(uint64_t effects, bool dirt, bool by_error, unsigned variant)
 {
 	struct gpu_program_request request = {.vertex = "terrain.vert", .fragment = "terrain.frag"};
 	size_t count = 0;

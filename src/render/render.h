@@ -27,7 +27,7 @@ struct render_params {
 	int32_t reference;    /* metres */
 	double low, high;     /* of the terrain, for colours by height */
 	int width, height;
-	unsigned effects;     /* 1 << EFFECT_TEXTURE ... */
+	uint64_t effects;     /* EFFECT_BIT of each */
 	bool dirt;
 	double pixel_error;   /* pixels a picture's ground may be off by; 0: its detail goes by the radii (camera.c) */
 };

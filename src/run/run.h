@@ -64,7 +64,7 @@ enum status run_drive(const struct run_params *params, struct run_result *result
  */
 struct run_plan {
 	struct plan plan;
-	unsigned effects;     /* scene_effects of the working level */
+	uint64_t effects;     /* scene_effects of the working level */
 	char *store;          /* path; NULL: none was given or found, and what is told of it is assumed: */
 	char *missing;        /* path of the store that the scene names, and that is not there; NULL: it names none, or it is */
 	uint32_t cells;       /* of a tile's side; assumed 256 */

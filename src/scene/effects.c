@@ -147,65 +147,65 @@ bool scene_effect_named(const char *name, enum scene_effect *effect)
 	return false;
 }
 
-static unsigned model_effects(enum deform_model model)
+static uint64_t model_effects(enum deform_model model)
 {
 	switch (model) {
 	case DEFORM_NONE:
-		return 1u << EFFECT_DISPLACE;
+		return EFFECT_BIT(EFFECT_DISPLACE);
 	case DEFORM_BOX_FILTER:
-		return 1u << EFFECT_DISPLACE | 1u << EFFECT_BOX;
+		return EFFECT_BIT(EFFECT_DISPLACE) | EFFECT_BIT(EFFECT_BOX);
 	case DEFORM_SUMNER:
-		return 1u << EFFECT_SUMNER | 1u << EFFECT_SPREAD | 1u << EFFECT_SHED;
+		return EFFECT_BIT(EFFECT_SUMNER) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SHED);
 	case DEFORM_SLIPPAGE:
-		return 1u << EFFECT_SLIPPAGE | 1u << EFFECT_SPREAD | 1u << EFFECT_SLIDE;
+		return EFFECT_BIT(EFFECT_SLIPPAGE) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SLIDE);
 	case DEFORM_SCM:
-		return 1u << EFFECT_SCM | 1u << EFFECT_SPREAD | 1u << EFFECT_SLIDE;
+		return EFFECT_BIT(EFFECT_SCM) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SLIDE);
 	case DEFORM_MODELS:
 		break;
 	}
 	return 0;
 }
 
-static unsigned object_effects(const struct scene *scene)
+static uint64_t object_effects(const struct scene *scene)
 {
-	unsigned effects = model_effects(scene->model);
+	uint64_t effects = model_effects(scene->model);
 	if (scene->dirt)
-		effects |= 1u << EFFECT_DIRT;
+		effects |= EFFECT_BIT(EFFECT_DIRT);
 	if (scene->soil_map != NULL)
-		effects |= 1u << EFFECT_SOIL_MAP;
+		effects |= EFFECT_BIT(EFFECT_SOIL_MAP);
 	if (scene->forces > 0)
-		effects |= 1u << EFFECT_FORCES;
+		effects |= EFFECT_BIT(EFFECT_FORCES);
 	if (scene->prefetch > 0)
-		effects |= 1u << EFFECT_PREFETCH;
+		effects |= EFFECT_BIT(EFFECT_PREFETCH);
 	for (size_t i = 0; i < scene->object_count; i++) {
 		if (scene->objects[i].shape.kind == DEFORM_MESH)
-			effects |= 1u << EFFECT_MESH;
+			effects |= EFFECT_BIT(EFFECT_MESH);
 		if (scene->objects[i].shape.lugs > 0)
-			effects |= 1u << EFFECT_LUGS;
+			effects |= EFFECT_BIT(EFFECT_LUGS);
 		if (scene->objects[i].load > 0)
-			effects |= 1u << EFFECT_LOAD;
+			effects |= EFFECT_BIT(EFFECT_LOAD);
 	}
 	return effects;
 }
 
-static unsigned view_effects(const struct scene *scene)
+static uint64_t view_effects(const struct scene *scene)
 {
-	unsigned always = 1u << EFFECT_PICTURE | 1u << EFFECT_NORMALS | 1u << EFFECT_PYRAMID;
-	return scene->view.effects | always | (scene->view.images > 0 ? 1u << EFFECT_IMAGES : 0) |
-	       (scene->view.pixel_error > 0 ? 1u << EFFECT_PIXEL_ERROR : 0);
+	uint64_t always = EFFECT_BIT(EFFECT_PICTURE) | EFFECT_BIT(EFFECT_NORMALS) | EFFECT_BIT(EFFECT_PYRAMID);
+	return scene->view.effects | always | (scene->view.images > 0 ? EFFECT_BIT(EFFECT_IMAGES) : 0) |
+	       (scene->view.pixel_error > 0 ? EFFECT_BIT(EFFECT_PIXEL_ERROR) : 0);
 }
 
-unsigned scene_effects(const struct scene *scene, int level)
+uint64_t scene_effects(const struct scene *scene, int level)
 {
-	unsigned effects = 0;
+	uint64_t effects = 0;
 	if (scene->object_count > 0)
 		effects |= object_effects(scene);
 	if (scene->view.present)
 		effects |= view_effects(scene);
 	if (level < 0)
-		effects |= 1u << EFFECT_SUBDIVIDE;
+		effects |= EFFECT_BIT(EFFECT_SUBDIVIDE);
 	if (scene->loaders > 0)
-		effects |= 1u << EFFECT_LOADERS;
+		effects |= EFFECT_BIT(EFFECT_LOADERS);
 	return effects;
 }
 

@@ -51,6 +51,7 @@ enum scene_effect {
 	EFFECT_PREFETCH,
 	EFFECT_COUNT
 };
+#define EFFECT_BIT(effect) ((uint64_t)1 << (effect)) /* in a set of effects */
 
 struct scene_effect_row {
 	const char *name;    /* as the scene writes it, where it does */
@@ -110,7 +111,7 @@ struct scene_view {
 	double back, up;       /* chase, metres */
 	double over_height;    /* overhead, metres */
 	double eye[3], target[3]; /* fixed: local metres */
-	unsigned effects;      /* bits 1 << EFFECT_* */
+	uint64_t effects;      /* EFFECT_BIT of each */
 	int64_t images;        /* a PNG every so many steps; 0 none */
 	double pixel_error;    /* pixels the ground may be drawn off by; 0: its detail goes by the radii */
 };
@@ -163,8 +164,8 @@ enum status scene_load(const char *path, const struct scene_setting *settings, s
 		       struct scene **out) FURROW_CHECKED;
 void scene_destroy(struct scene *scene);
 
-/* The effects a scene calls for at a working level (0: the store's own posts), as bits 1 << EFFECT_*. */
-unsigned scene_effects(const struct scene *scene, int level);
+/* The effects a scene calls for at a working level (0: the store's own posts), as EFFECT_BIT of each. */
+uint64_t scene_effects(const struct scene *scene, int level);
 /* What of the scene calls for it, of one that it calls for: "redistribute.model: box", "objects.front_left.load". */
 void scene_effect_reason(const struct scene *scene, enum scene_effect effect, char *text, size_t size);
 

@@ -70,12 +70,12 @@ static enum status check_effects(const struct scene_tree *tree, const struct raw
 			scene_list_add(&names, scene_effect_row((enum scene_effect)e)->name);
 	for (uint32_t i = 0; i < raw->effects_count; i++) {
 		const struct scene_node *node = scene_tree_find(tree, "view.effects[%u]", i);
-		unsigned bit = 0;
+		uint64_t bit = 0;
 		for (int e = 0; e < EFFECT_COUNT; e++) {
 			const struct scene_effect_row *row = scene_effect_row((enum scene_effect)e);
 			if (strcmp(row->key, "view.effects") == 0 &&
 			    strcmp(row->name, raw->effects[i]) == 0)
-				bit = 1u << e;
+				bit = EFFECT_BIT(e);
 		}
 		if (bit == 0)
 			return scene_error(tree->file, node, "%s is unknown; allowed: %s",

@@ -86,7 +86,7 @@ struct outcome {
 	struct scene *scene;
 	size_t taken; /* objects that were taken out of it */
 	struct plan plan;
-	unsigned effects; /* called for */
+	uint64_t effects; /* called for */
 	cJSON *json;
 	const cJSON *counts;
 };
@@ -171,7 +171,7 @@ static bool has_line(const struct plan *plan, const struct plan_line *line)
 	return false;
 }
 
-static bool is_called_for(const struct plan_line *line, unsigned effects)
+static bool is_called_for(const struct plan_line *line, uint64_t effects)
 {
 	for (int i = 0; i < EFFECT_COUNT; i++)
 		if ((effects >> i & 1) && line->effect != NULL && strcmp(line->effect, scene_effect_row((enum scene_effect)i)->name) == 0)
@@ -203,7 +203,7 @@ static bool has_words(const char *more, const char *less)
 
 /* Whether the line has taken the place of one of `plan` that `instead` has not: a program of the same files with defines
  * more or fewer; a buffer that an effect makes longer. */
-static bool takes_a_place(const struct plan *plan, const struct plan *instead, const struct plan_line *line, unsigned effects)
+static bool takes_a_place(const struct plan *plan, const struct plan *instead, const struct plan_line *line, uint64_t effects)
 {
 	for (size_t i = 0; i < plan->count; i++) {
 		const struct plan_line *other = &plan->lines[i];
@@ -219,7 +219,7 @@ static bool takes_a_place(const struct plan *plan, const struct plan *instead, c
 }
 
 /* The lines of `more` that `less` has not are of the effects that only it has, or take a place for their sake. */
-static int check_lines(const struct plan *less, const struct plan *more, unsigned own)
+static int check_lines(const struct plan *less, const struct plan *more, uint64_t own)
 {
 	int problems = 0;
 	for (size_t i = 0; i < more->count; i++) {
@@ -268,7 +268,7 @@ static int check_units(const cJSON *a, const cJSON *b)
 
 static void check_pair(const struct pair *pair, const struct outcome *without, const struct outcome *with)
 {
-	unsigned before = without->effects, after = with->effects;
+	uint64_t before = without->effects, after = with->effects;
 	assert_false(before >> pair->effect & 1);
 	assert_true(after >> pair->effect & 1);
 	/* An effect is for its own sake: what it takes the place of goes, and what it needs comes along. */
@@ -306,10 +306,10 @@ static void write_files(void)
 static void each_effect_comes_and_goes_alone(void **state)
 {
 	bool done[PAIRS] = {false};
-	unsigned seen = 0;
+	uint64_t seen = 0;
 	write_files();
 	if (!has_meshes())
-		seen |= 1u << EFFECT_MESH;
+		seen |= EFFECT_BIT(EFFECT_MESH);
 	for (size_t i = 0; i < PAIRS; i++) {
 		if (done[i])
 			continue;
@@ -322,7 +322,7 @@ static void each_effect_comes_and_goes_alone(void **state)
 				continue;
 			struct outcome with = drive(pairs[k].with);
 			check_pair(&pairs[k], &without, &with);
-			seen |= 1u << pairs[k].effect;
+			seen |= EFFECT_BIT(pairs[k].effect);
 			finish(&with);
 		}
 		/* All taken out again: the first numbers again. */
@@ -332,7 +332,7 @@ static void each_effect_comes_and_goes_alone(void **state)
 		finish(&again);
 		finish(&without);
 	}
-	assert_int_equal(seen, (1u << EFFECT_COUNT) - 1); /* none was forgotten */
+	assert_int_equal(seen, EFFECT_BIT(EFFECT_COUNT) - 1); /* none was forgotten */
 }
 
 /* --- whatever the scene --- */

@@ -16,7 +16,7 @@
 #define CELLS 64
 #define POSTS (CELLS + 1)
 #define SLOTS 32
-#define ALL (1u << EFFECT_TEXTURE | 1u << EFFECT_DETAIL | 1u << EFFECT_FOG | 1u << EFFECT_SKY | 1u << EFFECT_GEOMORPH | 1u << EFFECT_SKIRTS)
+#define ALL (EFFECT_BIT(EFFECT_TEXTURE) | EFFECT_BIT(EFFECT_DETAIL) | EFFECT_BIT(EFFECT_FOG) | EFFECT_BIT(EFFECT_SKY) | EFFECT_BIT(EFFECT_GEOMORPH) | EFFECT_BIT(EFFECT_SKIRTS))
 
 static const struct world world = {257, 257, 2, CELLS};
 static struct gpu *gpu; /* NULL: no GL */
@@ -147,7 +147,7 @@ static void load(struct tile tile)
 	resident[resident_count++] = tile_key(tile);
 }
 
-static void begin(unsigned effects)
+static void begin(uint64_t effects)
 {
 	struct render_params params = {
 		.gpu = gpu, .world = &world, .low = 380, .high = 420, .width = WIDTH, .height = HEIGHT,
@@ -225,7 +225,7 @@ static int luminance(const uint8_t *p)
 static void no_sky_is_seen_through_the_ground(void **state)
 {
 	need_gpu();
-	const unsigned effects[] = {1u << EFFECT_SKIRTS, 1u << EFFECT_SKIRTS | 1u << EFFECT_GEOMORPH};
+	const uint64_t effects[] = {EFFECT_BIT(EFFECT_SKIRTS), EFFECT_BIT(EFFECT_SKIRTS) | EFFECT_BIT(EFFECT_GEOMORPH)};
 	memset(&ground, 0, sizeof ground);
 	ground.roughness = 1;
 	for (size_t e = 0; e < 2; e++) {
@@ -252,7 +252,7 @@ static void no_sky_is_seen_through_the_ground(void **state)
 static void no_sky_is_seen_through_the_ground_by_pixel_error(void **state)
 {
 	need_gpu();
-	const unsigned effects[] = {1u << EFFECT_SKIRTS, 1u << EFFECT_SKIRTS | 1u << EFFECT_GEOMORPH};
+	const uint64_t effects[] = {EFFECT_BIT(EFFECT_SKIRTS), EFFECT_BIT(EFFECT_SKIRTS) | EFFECT_BIT(EFFECT_GEOMORPH)};
 	uint64_t random = 7;
 	size_t levels = 0;
 	memset(&ground, 0, sizeof ground);
@@ -310,7 +310,7 @@ static void nodata_shows_what_is_behind_and_nothing_else_does(void **state)
 static void a_rut_is_darker_than_the_ground_beside_it(void **state)
 {
 	need_gpu();
-	const unsigned effects[] = {0, 1u << EFFECT_TEXTURE, ALL};
+	const uint64_t effects[] = {0, EFFECT_BIT(EFFECT_TEXTURE), ALL};
 	memset(&ground, 0, sizeof ground);
 	ground.rut[0] = 194;
 	ground.rut[1] = 0;
@@ -335,7 +335,7 @@ static void an_untouched_tile_has_a_program_without_offsets(void **state)
 {
 	need_gpu();
 	memset(&ground, 0, sizeof ground);
-	begin(1u << EFFECT_FOG);
+	begin(EFFECT_BIT(EFFECT_FOG));
 	struct gpu_stats before, after;
 	gpu_stats(gpu, &before);
 	test_free(draw(200, 200, 60, 200, 200.001, 0));
@@ -372,7 +372,7 @@ static double difference(const uint8_t *a, const uint8_t *b)
 
 /* The largest jump between pictures five centimetres apart where the mesh changed: by how much more
  * they differ than the pair before them, where only the eye had moved. */
-static double largest_jump(unsigned effects)
+static double largest_jump(uint64_t effects)
 {
 	double largest = 0, usual = 0;
 	int changes = 0;
@@ -403,7 +403,7 @@ static void geomorphing_takes_the_jumps_out_of_the_mesh(void **state)
 	need_gpu();
 	memset(&ground, 0, sizeof ground);
 	ground.roughness = 1;
-	double without = largest_jump(0), with = largest_jump(1u << EFFECT_GEOMORPH);
+	double without = largest_jump(0), with = largest_jump(EFFECT_BIT(EFFECT_GEOMORPH));
 	print_message("largest jump: %g without, %g with\n", without, with);
 	assert_true(with < without / 3);
 }
@@ -425,7 +425,7 @@ static void geomorphing_takes_the_jumps_out_by_pixel_error(void **state)
 	for (int i = 0; i < 2; i++) {
 		pixel_error = 1;
 		say_reaches(reaches[i][0], reaches[i][1], 1000);
-		double without = largest_jump(0), with = largest_jump(1u << EFFECT_GEOMORPH);
+		double without = largest_jump(0), with = largest_jump(EFFECT_BIT(EFFECT_GEOMORPH));
 		memset(said_errors, 0, sizeof said_errors);
 		pixel_error = 0;
 		print_message("largest jump: %g without, %g with\n", without, with);
@@ -438,7 +438,7 @@ static uint8_t *draw_middle(double of_2, double of_4)
 {
 	pixel_error = 1;
 	say_reaches(of_2, of_4, 5000);
-	begin(1u << EFFECT_GEOMORPH);
+	begin(EFFECT_BIT(EFFECT_GEOMORPH));
 	uint8_t *pixels = draw(200, 200, 85, 200, 200.001, 0);
 	end();
 	memset(said_errors, 0, sizeof said_errors);
@@ -478,7 +478,7 @@ static void however_coarse_a_neighbour_no_sky_is_between(void **state)
 	said_of_half = true;
 	for (int k = 0; k < TERRAIN_STRIDES; k++)
 		said_errors[k] = k > 0 ? 1e6 : 0;
-	begin(1u << EFFECT_SKIRTS | 1u << EFFECT_GEOMORPH);
+	begin(EFFECT_BIT(EFFECT_SKIRTS) | EFFECT_BIT(EFFECT_GEOMORPH));
 	uint8_t background[4];
 	find_background(background);
 	for (int i = 0; i < 30; i++) {
@@ -506,7 +506,7 @@ static void a_pixel_error_trades_triangles_for_truth(void **state)
 	ground.roughness = 1;
 	for (size_t i = 0; i < sizeof errors / sizeof *errors; i++) {
 		pixel_error = errors[i];
-		begin(1u << EFFECT_SKIRTS | 1u << EFFECT_GEOMORPH);
+		begin(EFFECT_BIT(EFFECT_SKIRTS) | EFFECT_BIT(EFFECT_GEOMORPH));
 		uint8_t *pixels = draw(60, 60, 20, 300, 300, 0);
 		if (truth == NULL)
 			truth = pixels;
@@ -538,7 +538,7 @@ static void a_tile_looks_the_same_ten_thousand_kilometres_away(void **state)
 		uint32_t shift = far ? 600 * 16384 / 16 : 0;
 		struct render_params params = {
 			.gpu = gpu, .world = &wide, .reference = 8192, .low = 7999, .high = 8001, .width = WIDTH,
-			.height = HEIGHT, .effects = ALL & ~(1u << EFFECT_SKY),
+			.height = HEIGHT, .effects = ALL & ~(EFFECT_BIT(EFFECT_SKY)),
 		};
 		struct render_camera camera = {{shift * 16.0 + 18, shift * 16.0 + 17, 8006}, {shift * 16.0 + 25, shift * 16.0 + 25, 8000}, 0.9};
 		assert_ok(gpu_slots_create(gpu, CELLS, 1, 0, &slots));

@@ -103,17 +103,17 @@ static void each_key_calls_for_its_own(void **state)
 		unsigned adds;
 		const char *reason; /* of the first of them */
 	} keys[] = {
-		{object, "redistribute.model", "box", 1u << EFFECT_BOX, "redistribute.model: box"},
-		{object, "attributes", "[dirt]", 1u << EFFECT_DIRT, "attributes.dirt"},
-		{object, "objects.a.shape.wheel.lugs", "5", 1u << EFFECT_LUGS, "objects.a.shape.wheel.lugs"},
-		{object, "cache.loaders", "3", 1u << EFFECT_LOADERS, "cache.loaders: 3"},
-		{object, "cache.prefetch", "0.5", 1u << EFFECT_PREFETCH, "cache.prefetch: 0.5"},
-		{object, "view.camera.chase", "a", 1u << EFFECT_PYRAMID | 1u << EFFECT_PICTURE | 1u << EFFECT_NORMALS, "view"},
-		{quiet, "view.images", "4", 1u << EFFECT_IMAGES, "view.images: 4"},
-		{quiet, "view.effects", "[fog]", 1u << EFFECT_FOG, "view.effects.fog"},
-		{quiet, "view.effects", "[sky]", 1u << EFFECT_SKY, "view.effects.sky"},
-		{quiet, "view.effects", "[texture]", 1u << EFFECT_TEXTURE, "view.effects.texture"},
-		{quiet, "view.effects", "[skirts]", 1u << EFFECT_SKIRTS, "view.effects.skirts"},
+		{object, "redistribute.model", "box", EFFECT_BIT(EFFECT_BOX), "redistribute.model: box"},
+		{object, "attributes", "[dirt]", EFFECT_BIT(EFFECT_DIRT), "attributes.dirt"},
+		{object, "objects.a.shape.wheel.lugs", "5", EFFECT_BIT(EFFECT_LUGS), "objects.a.shape.wheel.lugs"},
+		{object, "cache.loaders", "3", EFFECT_BIT(EFFECT_LOADERS), "cache.loaders: 3"},
+		{object, "cache.prefetch", "0.5", EFFECT_BIT(EFFECT_PREFETCH), "cache.prefetch: 0.5"},
+		{object, "view.camera.chase", "a", EFFECT_BIT(EFFECT_PYRAMID) | EFFECT_BIT(EFFECT_PICTURE) | EFFECT_BIT(EFFECT_NORMALS), "view"},
+		{quiet, "view.images", "4", EFFECT_BIT(EFFECT_IMAGES), "view.images: 4"},
+		{quiet, "view.effects", "[fog]", EFFECT_BIT(EFFECT_FOG), "view.effects.fog"},
+		{quiet, "view.effects", "[sky]", EFFECT_BIT(EFFECT_SKY), "view.effects.sky"},
+		{quiet, "view.effects", "[texture]", EFFECT_BIT(EFFECT_TEXTURE), "view.effects.texture"},
+		{quiet, "view.effects", "[skirts]", EFFECT_BIT(EFFECT_SKIRTS), "view.effects.skirts"},
 		{quiet, "attributes", "[dirt]", 0, NULL},
 		{quiet, "redistribute.model", "box", 0, NULL},
 		{quiet, "cache.prefetch", "3", 0, NULL},
@@ -140,7 +140,7 @@ static void finer_posts_than_the_sources_are_interpolated(void **state)
 	struct scene *scene;
 	char reason[80];
 	assert_int_equal(load_text(object, NULL, 0, &scene), STATUS_OK);
-	assert_int_equal(scene_effects(scene, -1), scene_effects(scene, 0) | 1u << EFFECT_SUBDIVIDE);
+	assert_int_equal(scene_effects(scene, -1), scene_effects(scene, 0) | EFFECT_BIT(EFFECT_SUBDIVIDE));
 	assert_int_equal(scene_effects(scene, 2), scene_effects(scene, 0));
 	scene_effect_reason(scene, EFFECT_SUBDIVIDE, reason, sizeof reason);
 	assert_string_equal(reason, "the store's working level");

@@ -15,7 +15,7 @@
 #include "scene/scene.h"
 
 /* What the cache's defaults call for, where there are objects. */
-#define CACHE_EFFECTS (1u << EFFECT_LOADERS | 1u << EFFECT_PREFETCH)
+#define CACHE_EFFECTS (EFFECT_BIT(EFFECT_LOADERS) | EFFECT_BIT(EFFECT_PREFETCH))
 
 static char folder[64];
 

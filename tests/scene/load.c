@@ -45,11 +45,11 @@ static void the_manuals_scene_has_the_values_it_says(void **state)
 	assert_int_equal(scene->loaders, 2);
 	assert_true(scene->prefetch == 1.5);
 	assert_int_equal(strlen(scene->hash), 32);
-	unsigned view = 1u << EFFECT_TEXTURE | 1u << EFFECT_DETAIL | 1u << EFFECT_FOG | 1u << EFFECT_SKY |
-			1u << EFFECT_GEOMORPH | 1u << EFFECT_SKIRTS;
-	assert_int_equal(scene_effects(scene, 0), view | 1u << EFFECT_DISPLACE | 1u << EFFECT_BOX | 1u << EFFECT_DIRT |
-							 1u << EFFECT_PYRAMID | 1u << EFFECT_PICTURE | 1u << EFFECT_NORMALS |
-							 1u << EFFECT_IMAGES | CACHE_EFFECTS);
+	uint64_t view = EFFECT_BIT(EFFECT_TEXTURE) | EFFECT_BIT(EFFECT_DETAIL) | EFFECT_BIT(EFFECT_FOG) | EFFECT_BIT(EFFECT_SKY) |
+			EFFECT_BIT(EFFECT_GEOMORPH) | EFFECT_BIT(EFFECT_SKIRTS);
+	assert_int_equal(scene_effects(scene, 0), view | EFFECT_BIT(EFFECT_DISPLACE) | EFFECT_BIT(EFFECT_BOX) | EFFECT_BIT(EFFECT_DIRT) |
+							 EFFECT_BIT(EFFECT_PYRAMID) | EFFECT_BIT(EFFECT_PICTURE) | EFFECT_BIT(EFFECT_NORMALS) |
+							 EFFECT_BIT(EFFECT_IMAGES) | CACHE_EFFECTS);
 	scene_destroy(scene);
 }
 
@@ -72,7 +72,7 @@ static void what_is_absent_is_its_default_and_calls_for_nothing(void **state)
 	assert_int_equal(scene->slots, 256);
 	assert_int_equal(scene->loaders, 2);
 	assert_true(scene->prefetch == 1.5 && scene->objects[0].sink == 0);
-	assert_int_equal(scene_effects(scene, 0), 1u << EFFECT_DISPLACE | CACHE_EFFECTS);
+	assert_int_equal(scene_effects(scene, 0), EFFECT_BIT(EFFECT_DISPLACE) | CACHE_EFFECTS);
 	scene_destroy(scene);
 }
 
@@ -86,7 +86,7 @@ static void a_view_without_objects_deforms_nothing(void **state)
 	assert_int_equal(scene->view.width, 1280);
 	assert_int_equal(scene->box_radius, 2);
 	assert_int_equal(scene->box_repetitions, 3);
-	assert_int_equal(scene_effects(scene, 0), 1u << EFFECT_PICTURE | 1u << EFFECT_NORMALS | 1u << EFFECT_PYRAMID | 1u << EFFECT_LOADERS);
+	assert_int_equal(scene_effects(scene, 0), EFFECT_BIT(EFFECT_PICTURE) | EFFECT_BIT(EFFECT_NORMALS) | EFFECT_BIT(EFFECT_PYRAMID) | EFFECT_BIT(EFFECT_LOADERS));
 	scene_destroy(scene);
 }
 

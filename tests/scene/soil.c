@@ -226,7 +226,7 @@ static void a_map_gives_each_value_its_soil(void **state)
 	assert_int_equal(deform_soil_named("lete_sand", &known), STATUS_OK);
 	known.cohesion = 500;
 	assert_memory_equal(&scene->soils[2], &known, sizeof known);
-	assert_int_equal(scene_effects(scene, 0) & 1u << EFFECT_SOIL_MAP, 1u << EFFECT_SOIL_MAP);
+	assert_int_equal(scene_effects(scene, 0) & EFFECT_BIT(EFFECT_SOIL_MAP), EFFECT_BIT(EFFECT_SOIL_MAP));
 	char hash[33];
 	strcpy(hash, scene->hash);
 	scene_destroy(scene);
@@ -342,8 +342,8 @@ static void a_load_takes_the_place_of_a_sinkage(void **state)
 {
 	struct scene *scene = load_edited(base, "3}\n", "3}\n    load: 4000\n    slip: -0.25\n");
 	assert_true(scene->objects[0].load == 4000 && scene->objects[0].sink == 0 && scene->objects[0].slip == -0.25);
-	assert_int_equal(scene_effects(scene, 0), 1u << EFFECT_SCM | 1u << EFFECT_SPREAD | 1u << EFFECT_SLIDE |
-							 1u << EFFECT_LOAD | CACHE_EFFECTS);
+	assert_int_equal(scene_effects(scene, 0), EFFECT_BIT(EFFECT_SCM) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SLIDE) |
+							 EFFECT_BIT(EFFECT_LOAD) | CACHE_EFFECTS);
 	scene_destroy(scene);
 	refuse("3}\n", "3}\n    load: 1\n    sink: 0\n", ":9: objects[0].load: sink is given too; allowed: one of sink, load");
 	refuse("scm}\nobjects:\n  - name: a\n", "box}\nobjects:\n  - name: a\n    load: 4\n", ":7: objects[0].load: model box computes no "
@@ -452,13 +452,13 @@ static void each_model_calls_for_its_own_effects(void **state)
 {
 	static const struct {
 		const char *model;
-		unsigned effects;
+		uint64_t effects;
 	} models[] = {
-		{"none", 1u << EFFECT_DISPLACE},
-		{"box", 1u << EFFECT_DISPLACE | 1u << EFFECT_BOX},
-		{"sumner", 1u << EFFECT_SUMNER | 1u << EFFECT_SPREAD | 1u << EFFECT_SHED},
-		{"slippage", 1u << EFFECT_SLIPPAGE | 1u << EFFECT_SPREAD | 1u << EFFECT_SLIDE},
-		{"scm", 1u << EFFECT_SCM | 1u << EFFECT_SPREAD | 1u << EFFECT_SLIDE},
+		{"none", EFFECT_BIT(EFFECT_DISPLACE)},
+		{"box", EFFECT_BIT(EFFECT_DISPLACE) | EFFECT_BIT(EFFECT_BOX)},
+		{"sumner", EFFECT_BIT(EFFECT_SUMNER) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SHED)},
+		{"slippage", EFFECT_BIT(EFFECT_SLIPPAGE) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SLIDE)},
+		{"scm", EFFECT_BIT(EFFECT_SCM) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SLIDE)},
 	};
 	for (size_t i = 0; i < sizeof models / sizeof models[0]; i++) {
 		struct scene *scene = load_edited(base, "scm", models[i].model);
