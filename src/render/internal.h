@@ -75,10 +75,6 @@ enum status render_sky_program(struct render *render, struct gpu_program **out) 
 /* RGBA8 texels, RENDER_NOISE_SIZE squared: each one's 2 x 2 neighbours. */
 void render_noise_fill(uint8_t *texels);
 
-/* --- png.c --- */
-/* `pixels` are RGBA, row 0 at the bottom. Written as PATH.part, then renamed. */
-enum status render_png_write(const char *path, const uint8_t *pixels, uint32_t width, uint32_t height) FURROW_CHECKED;
-
 struct render {
 	struct gpu *gpu;
 	struct gpu_slots *slots;

@@ -6,7 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "render/internal.h"
+#include "render/render.h"
 
 struct encoder {
 	png_structp png;

@@ -133,6 +133,11 @@ void render_tiles(const struct render *render, struct render_tiles *tiles)
 	*tiles = render->tiles;
 }
 
+void render_read_into(struct render *render, struct gpu_staging *staging)
+{
+	gpu_texture_read_into(render->colour, 0, (struct gpu_rect){0, 0, render->width, render->height}, staging, 0);
+}
+
 enum status render_write_png(struct render *render, const char *path)
 {
 	uint8_t *pixels = mem_alloc((size_t)render->width * render->height, 4);

@@ -52,7 +52,12 @@ struct render_tiles {
 	uint64_t drawn, deformed;
 };
 void render_tiles(const struct render *render, struct render_tiles *tiles);
-/* Writes the last frame; aside and renamed. */
+/* Begins to read the last frame into staging of 4 bytes a pixel: sRGB and alpha, row 0 at the bottom. Another may be drawn
+ * at once. */
+void render_read_into(struct render *render, struct gpu_staging *staging);
+/* Such pixels to a file, without alpha: written as PATH.part, then renamed; nothing is left of what fails. Any thread. */
+enum status render_png_write(const char *path, const uint8_t *pixels, uint32_t width, uint32_t height) FURROW_CHECKED;
+/* Writes the last frame, and waits for all of it. */
 enum status render_write_png(struct render *render, const char *path) FURROW_CHECKED;
 
 #endif

@@ -135,7 +135,15 @@ static enum status start_gpu(struct drive *drive)
 static enum status before_epoch(void *user)
 {
 	struct drive *drive = user;
+	pictures_mark(drive->pictures);
 	return forces_settle(drive->forces, drive->record);
+}
+
+/* What goes on from this epoch draws its step's picture again, and none before. */
+static enum status before_commit(void *user)
+{
+	const struct drive *drive = user;
+	return pictures_await(drive->pictures);
 }
 
 static enum status tally_snapshot(void *user, struct gpu_staging *staging)
@@ -164,6 +172,7 @@ void drive_pages_params(const struct drive *drive, struct pages_params *params)
 		.epoch_age = EPOCH_AGE,
 		.before_read_back = before_read_back,
 		.before_epoch = before_epoch,
+		.before_commit = before_commit,
 		.snapshot = scene->object_count > 0 ? tally_snapshot : NULL,
 		.classes = scene->soil_map != NULL && scene->object_count > 0 ? soil_classes : NULL,
 	};
@@ -188,6 +197,9 @@ static enum status start_pages(struct drive *drive)
 		drive->cache = pages_cache(drive->pages);
 	if (status == STATUS_OK && scene->view.present)
 		status = view_create(drive, &drive->view);
+	if (status == STATUS_OK && scene->view.present && scene->view.images > 0)
+		status = pictures_create(drive->gpu, drive->params->directory, (uint32_t)scene->view.width,
+					 (uint32_t)scene->view.height, &drive->pictures);
 	if (status == STATUS_OK)
 		status = prefetch_create(drive, &drive->prefetch);
 	return status;
@@ -281,6 +293,7 @@ static void finish(struct drive *drive, enum status status)
 	prefetch_destroy(drive->prefetch);
 	wishes_finish(&drive->wishes);
 	pages_destroy(drive->pages);
+	pictures_destroy(drive->pictures);
 	soil_map_close(drive->soil_map);
 	page_trace_destroy(drive->trace);
 	forces_destroy(drive->forces);
@@ -332,6 +345,7 @@ static void stop_threads(struct drive *drive)
 	drive->threads = thread_running();
 	scout_destroy(drive->scout);
 	drive->scout = NULL;
+	pictures_stop(drive->pictures);
 	pages_stop(drive->pages);
 }
 

@@ -10,6 +10,7 @@
 #include "run/ground.h"
 #include "run/key_set.h"
 #include "run/pages.h"
+#include "run/pictures.h"
 #include "run/pyramid.h"
 #include "run/record.h"
 #include "run/run.h"
@@ -79,6 +80,7 @@ struct drive {
 	struct page_trace *trace; /* NULL: none is asked for */
 	struct pyramid *pyramid; /* NULL without a view: nobody looks at coarser levels */
 	struct view *view;       /* NULL without one */
+	struct pictures *pictures; /* NULL: none are kept */
 	FILE *epochs;
 	struct rider *riders;
 	struct deform_rest *rests; /* room for all objects */
@@ -231,7 +233,7 @@ enum status view_create(struct drive *drive, struct view **out) FURROW_CHECKED;
 void view_destroy(struct view *view);
 /* Loads what the first picture needs and draws it once, so that no step pays for either. */
 enum status view_warm(struct view *view) FURROW_CHECKED;
-/* `image`: wait for what the picture needs and write it. */
+/* `image`: wait for what the picture needs, and begin to write it. */
 enum status view_frame(struct view *view, struct drive *drive, bool image) FURROW_CHECKED;
 /* A tile of the working level is deformed now: finer tiles exist below its ancestors. */
 enum status view_deformed(struct view *view, struct tile tile) FURROW_CHECKED;

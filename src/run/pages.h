@@ -49,6 +49,8 @@ struct pages_params {
 	enum status (*classes)(void *user, unsigned loader, struct tile tile, uint8_t *classes);
 	/* The GPU's thread, before an epoch takes the record; may be NULL. */
 	enum status (*before_epoch)(void *user);
+	/* The writer thread, before each commit, which it may fail; may be NULL. */
+	enum status (*before_commit)(void *user);
 	void *user; /* of all of them */
 };
 

@@ -134,6 +134,9 @@ static enum status commit(void *user, const struct page_image *const *images, si
 {
 	struct pages *pages = user;
 	const struct record *record = bytes;
+	enum status status = pages->params.before_commit != NULL ? pages->params.before_commit(pages->params.user) : STATUS_OK;
+	if (status != STATUS_OK)
+		return status;
 	double started = clock_seconds();
 	if (count > pages->commit_room) {
 		struct store_page *room = mem_realloc(pages->commit_pages, count, sizeof *room);
@@ -155,7 +158,7 @@ static enum status commit(void *user, const struct page_image *const *images, si
 		.user = &describing,
 	};
 	struct store_epoch_result result;
-	enum status status = store_epoch(pages->params.store, pages->commit_pages, count, &run, &result);
+	status = store_epoch(pages->params.store, pages->commit_pages, count, &run, &result);
 	mem_free(describing.state);
 	if (status != STATUS_OK)
 		return status;

@@ -224,6 +224,8 @@ static enum status plan_lines(const struct drive *drive, struct plan *plan)
 			.pixel_error = scene->view.pixel_error,
 		};
 		render_plan(&render, planes != 0, drive->level < 0, plan);
+		if (scene->view.images > 0)
+			pictures_plan((uint32_t)scene->view.width, (uint32_t)scene->view.height, plan);
 	}
 	pages_plan(scene, cells, drive->was_deformed, plan);
 	scout_plan(scene->prefetch, scene->object_count, plan);

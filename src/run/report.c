@@ -170,6 +170,13 @@ static void add_view(cJSON *root, const struct drive *drive)
 	json_number(view, "triangles", figures.triangles);
 	json_integer(view, "starved", (int64_t)figures.starved);
 	json_integer(view, "coarsened", (int64_t)figures.coarsened);
+	if (drive->pictures == NULL)
+		return;
+	struct pictures_figures pictures;
+	pictures_figures(drive->pictures, &pictures);
+	json_integer(view, "images", (int64_t)pictures.written);
+	json_integer(view, "image_waits", (int64_t)pictures.waits);
+	json_number(view, "image_wait_ms", pictures.wait_ms);
 }
 
 /* What this process did and what it took. */

@@ -98,7 +98,9 @@ enum status view_warm(struct view *view)
 
 enum status view_frame(struct view *view, struct drive *drive, bool image)
 {
-	enum status status = draw(view, image);
+	enum status status = pictures_poll(drive->pictures);
+	if (status == STATUS_OK)
+		status = draw(view, image);
 	if (status != STATUS_OK)
 		return status;
 	struct render_tiles tiles;
@@ -112,9 +114,7 @@ enum status view_frame(struct view *view, struct drive *drive, bool image)
 	status = view_look_ahead(view);
 	if (!image || status != STATUS_OK)
 		return status;
-	char path[4096];
-	snprintf(path, sizeof path, "%s/frame-%06lld.png", drive->params->directory, (long long)drive->step);
-	return render_write_png(view->render, path);
+	return pictures_begin(drive->pictures, view->render, drive->step);
 }
 
 /* --- life --- */

@@ -122,7 +122,7 @@ static const struct scene_effect_row rows[EFFECT_COUNT] = {
 		"as deep as the tile's relief at most", "hides cracks between levels"},
 	[EFFECT_IMAGES] = {
 		"images", "view.images", "", NONE, "colour", "", 0, LIST("view.images"),
-		"the step waits until the picture is whole and written", "writes pictures to files"},
+		"the step waits until the picture has all its tiles; at most 3 on their way to their files", "writes pictures to files"},
 	[EFFECT_LOADERS] = {
 		"loaders", "cache.loaders", "", NONE, "base, offset", "", 0, LIST("cache.loaders", "cache.slots"),
 		"at most 16 threads; without any the step reads, and nothing is read ahead", "reads tiles while the step goes on"},

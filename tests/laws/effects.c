@@ -275,7 +275,7 @@ static void check_pair(const struct pair *pair, const struct outcome *without, c
 	int problems = check_lines(&without->plan, &with->plan, after & ~before), own = 0;
 	for (size_t i = 0; i < with->plan.count; i++)
 		own += !has_line(&without->plan, &with->plan.lines[i]);
-	assert_true(own > 0 || pair->effect == EFFECT_IMAGES); /* of which each is a wait and a file */
+	assert_true(own > 0);
 	problems += check_lines(&with->plan, &without->plan, (before & ~after) | (after & ~before));
 	if (pair->same_work)
 		problems += check_units(without->counts, with->counts);
