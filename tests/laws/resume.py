@@ -46,7 +46,7 @@ objects:
 cache: {{slots: 40}}
 """
 MAP = "soil: {{map: classes.png, classes: {{1: {0}, 2: {1}}}, default: {2}}}\n"
-PICTURES = """view: {size: [160, 90], camera: {overhead: {over: left, height: 40}}, effects: [texture], images: 97}
+PICTURES = """view: {size: [160, 90], camera: {overhead: {over: left, height: 40}}, effects: [texture], images: 7}
 """
 
 # name: the scene, the store, what drive is told besides
