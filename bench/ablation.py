@@ -76,6 +76,7 @@ PAIRS = [
     *((name, SEEN, scene(WHEEL, **view(name))) for name in ("texture", "fog", "sky", "geomorph", "skirts")),
     ("detail", scene(WHEEL, **view("texture")), scene(WHEEL, **view("texture", "detail"))),
     ("pixel_error", scene(WHEEL, **view("geomorph")), scene(WHEEL, **view("geomorph", pixel_error=4))),
+    ("antialias", SEEN, scene(WHEEL, **view(samples=4))),
     ("images", SEEN, scene(WHEEL, **view(images=1))),
 ]
 

@@ -31,6 +31,7 @@ struct gpu_staging;
 struct gpu_info {
 	const char *vendor, *renderer, *version;
 	bool software;
+	uint32_t samples_most; /* of a pixel that can be drawn */
 };
 
 /* What a pass counts as, in the order in which they run. */
@@ -48,6 +49,7 @@ enum gpu_stage {
 	GPU_PYRAMID,
 	GPU_TERRAIN,
 	GPU_SKY,
+	GPU_RESOLVE,   /* a picture of several samples a pixel to one of one */
 	GPU_SUBDIVIDE, /* Technique 4, when a tile below level 0 is loaded */
 	GPU_STAGES
 };
@@ -95,6 +97,10 @@ size_t gpu_format_bytes(enum gpu_format format); /* of a texel */
 /* layers 0: a plain 2D texture; otherwise an array. Contents start undefined. NEAREST, clamped. */
 enum status gpu_texture_create(struct gpu *gpu, enum gpu_format format, uint32_t width,
 			       uint32_t height, uint32_t layers, struct gpu_texture **out) FURROW_CHECKED;
+/* Only to be drawn into, resolved, or read in a shader sample by sample. samples: 2 to gpu_info's most; a driver may take
+ * more than it is asked for. */
+enum status gpu_texture_create_sampled(struct gpu *gpu, enum gpu_format format, uint32_t width, uint32_t height,
+				       uint32_t samples, struct gpu_texture **out) FURROW_CHECKED;
 void gpu_texture_destroy(struct gpu_texture *texture);
 /* Rectangles are x, y, width, height in texels; data is tight. The clear value is the texel's bits:
  * an int (of RGBA32I: of each of the four), the low byte or two, four bytes with red lowest, or a float's. */
@@ -141,6 +147,9 @@ enum status gpu_target_create_bare(struct gpu *gpu, uint32_t width, uint32_t hei
 void gpu_target_destroy(struct gpu_target *target);
 /* Floating-point and normalised attachments only; depth is cleared to 0 (reversed depth). */
 void gpu_target_clear(struct gpu_target *target, const float rgba[4]);
+/* The mean of each pixel's samples, of light where the colours are sRGB, to a target of one sample and the same size and
+ * format of its first colour. Counts as a pass of GPU_RESOLVE. */
+void gpu_target_resolve(struct gpu_target *from, struct gpu_target *to);
 
 /* --- programs: gpu_program.c --- */
 /* Shaders are files of shaders/, embedded by the build ("deform/none.frag"); `#include "lib/x.glsl"`

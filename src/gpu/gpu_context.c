@@ -57,6 +57,18 @@ enum status gpu_check(struct gpu *gpu, const char *what)
 		"%s: GL says %s (%s); report this, or try another GL driver", what, error_name(error), gpu->info.renderer));
 }
 
+static uint32_t samples_most(void)
+{
+	static const GLenum names[] = {GL_MAX_SAMPLES, GL_MAX_COLOR_TEXTURE_SAMPLES, GL_MAX_DEPTH_TEXTURE_SAMPLES};
+	GLint least = INT32_MAX;
+	for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+		GLint samples = 1;
+		glGetIntegerv(names[i], &samples);
+		least = samples < least ? samples : least;
+	}
+	return least > 1 ? (uint32_t)least : 1;
+}
+
 static const char *gl_text(GLenum name)
 {
 	const char *text = (const char *)glGetString(name);
@@ -80,6 +92,7 @@ enum status gpu_create(const struct gpu_params *params, struct gpu **out)
 		.renderer = gl_text(GL_RENDERER),
 		.version = gl_text(GL_VERSION),
 		.software = gpu->egl.software,
+		.samples_most = samples_most(),
 	};
 	/* What never changes. A vertex array is needed even by draws without attributes. */
 	glCreateVertexArrays(1, &gpu->vertex_array);

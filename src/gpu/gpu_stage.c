@@ -13,7 +13,8 @@ static const struct {
 	[GPU_SLIDE] = {"slide", GPU_REDISTRIBUTE},     [GPU_HOLD] = {"hold", GPU_REDISTRIBUTE},
 	[GPU_SETTLE] = {"settle", GPU_REDISTRIBUTE},   [GPU_DIRT] = {"dirt", GPU_ATTRIBUTES},
 	[GPU_PYRAMID] = {"pyramid", GPU_DECIMATE},     [GPU_TERRAIN] = {"terrain", GPU_RENDER},
-	[GPU_SKY] = {"sky", GPU_RENDER},	       [GPU_SUBDIVIDE] = {"subdivide", GPU_DIVIDE},
+	[GPU_SKY] = {"sky", GPU_RENDER},	       [GPU_RESOLVE] = {"resolve", GPU_RENDER},
+	[GPU_SUBDIVIDE] = {"subdivide", GPU_DIVIDE},
 };
 
 const char *gpu_stage_name(enum gpu_stage stage)

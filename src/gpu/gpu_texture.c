@@ -1,7 +1,7 @@
 /*
  * Textures and the targets over them.
  *
- * Invariants: a texture has one mip level, samples NEAREST and clamped; data in and out is tight,
+ * Invariants: a texture has one mip level, samples NEAREST and clamped (one of several samples a pixel: not at all); data in and out is tight,
  * in the format's own type, row 0 first. GL orders copies, clears, uploads and draws among
  * themselves; only what passes wrote as images needs a barrier.
  */
@@ -28,9 +28,11 @@ static const struct format formats[] = {
 	[GPU_DEPTH32F] = {GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, 4},
 };
 
-enum status gpu_texture_create(struct gpu *gpu, enum gpu_format format, uint32_t width,
-			       uint32_t height, uint32_t layers, struct gpu_texture **out)
+/* `samples` 1: as gpu_texture_create's. */
+static enum status create(struct gpu *gpu, enum gpu_format format, uint32_t width, uint32_t height, uint32_t layers,
+			  uint32_t samples, struct gpu_texture **out)
 {
+	GLenum internal = formats[format].internal;
 	if (!gpu_usable(gpu))
 		return failure_restore(&gpu->failure);
 	assert(width > 0 && height > 0);
@@ -39,22 +41,26 @@ enum status gpu_texture_create(struct gpu *gpu, enum gpu_format format, uint32_t
 		return fail_memory("texture");
 	*texture = (struct gpu_texture){
 		.gpu = gpu,
-		.kind = layers > 0 ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D,
+		.kind = samples > 1 ? GL_TEXTURE_2D_MULTISAMPLE : layers > 0 ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D,
 		.format = format,
 		.width = width,
 		.height = height,
 		.layers = layers > 0 ? layers : 1,
 	};
-	texture->bytes = (uint64_t)width * height * texture->layers * formats[format].bytes;
+	texture->bytes = (uint64_t)width * height * texture->layers * samples * formats[format].bytes;
 	glCreateTextures(texture->kind, 1, &texture->name);
-	if (layers > 0)
-		glTextureStorage3D(texture->name, 1, formats[format].internal, (GLsizei)width, (GLsizei)height, (GLsizei)layers);
+	if (samples > 1)
+		glTextureStorage2DMultisample(texture->name, (GLsizei)samples, internal, (GLsizei)width, (GLsizei)height, GL_TRUE);
+	else if (layers > 0)
+		glTextureStorage3D(texture->name, 1, internal, (GLsizei)width, (GLsizei)height, (GLsizei)layers);
 	else
-		glTextureStorage2D(texture->name, 1, formats[format].internal, (GLsizei)width, (GLsizei)height);
-	glTextureParameteri(texture->name, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-	glTextureParameteri(texture->name, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-	glTextureParameteri(texture->name, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-	glTextureParameteri(texture->name, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+		glTextureStorage2D(texture->name, 1, internal, (GLsizei)width, (GLsizei)height);
+	if (samples == 1) { /* others are not filtered */
+		glTextureParameteri(texture->name, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+		glTextureParameteri(texture->name, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+		glTextureParameteri(texture->name, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+		glTextureParameteri(texture->name, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+	}
 	enum status status = gpu_check(gpu, "texture");
 	if (status != STATUS_OK) {
 		glDeleteTextures(1, &texture->name);
@@ -65,6 +71,19 @@ enum status gpu_texture_create(struct gpu *gpu, enum gpu_format format, uint32_t
 	gpu->stats.bytes += texture->bytes;
 	*out = texture;
 	return STATUS_OK;
+}
+
+enum status gpu_texture_create(struct gpu *gpu, enum gpu_format format, uint32_t width, uint32_t height, uint32_t layers,
+			       struct gpu_texture **out)
+{
+	return create(gpu, format, width, height, layers, 1, out);
+}
+
+enum status gpu_texture_create_sampled(struct gpu *gpu, enum gpu_format format, uint32_t width, uint32_t height,
+				       uint32_t samples, struct gpu_texture **out)
+{
+	assert(samples > 1 && samples <= gpu->info.samples_most);
+	return create(gpu, format, width, height, 0, samples, out);
 }
 
 void gpu_texture_destroy(struct gpu_texture *texture)
@@ -187,7 +206,7 @@ static void attach(struct gpu_target *target, GLenum point, struct gpu_attachmen
 {
 	const struct gpu_texture *texture = attachment.texture;
 	assert(attachment.layer < texture->layers);
-	if (texture->kind == GL_TEXTURE_2D)
+	if (texture->kind != GL_TEXTURE_2D_ARRAY)
 		glNamedFramebufferTexture(target->name, point, texture->name, 0);
 	else
 		glNamedFramebufferTextureLayer(target->name, point, texture->name, 0, (GLint)attachment.layer);
@@ -288,4 +307,19 @@ void gpu_target_clear(struct gpu_target *target, const float rgba[4])
 		glClearNamedFramebufferfv(target->name, GL_COLOR, (GLint)i, rgba);
 	if (target->depth)
 		glClearNamedFramebufferfv(target->name, GL_DEPTH, 0, &depth);
+}
+
+void gpu_target_resolve(struct gpu_target *from, struct gpu_target *to)
+{
+	struct gpu *gpu = from->gpu;
+	GLint width = (GLint)from->width, height = (GLint)from->height;
+	assert(to->gpu == gpu && to->width == from->width && to->height == from->height && to->srgb == from->srgb);
+	if (!gpu_usable(gpu))
+		return;
+	gpu_timer_begin(gpu, GPU_RESOLVE);
+	gpu_written_barrier(gpu);
+	gpu_target_bind(gpu, to); /* for its encoding: whether what is averaged is light */
+	glBlitNamedFramebuffer(from->name, to->name, 0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+	gpu_timer_end(gpu, GPU_RESOLVE);
+	gpu->stats.passes[GPU_RESOLVE]++;
 }

@@ -89,7 +89,7 @@ void gpu_written_barrier(struct gpu *gpu);
 struct gpu_texture {
 	struct gpu *gpu;
 	GLuint name;
-	GLenum kind; /* GL_TEXTURE_2D or GL_TEXTURE_2D_ARRAY */
+	GLenum kind; /* GL_TEXTURE_2D, GL_TEXTURE_2D_ARRAY or GL_TEXTURE_2D_MULTISAMPLE */
 	enum gpu_format format;
 	uint32_t width, height, layers; /* layers 1 for a plain one */
 	uint64_t bytes;

@@ -215,6 +215,8 @@ enum status render_frame(struct render *render, const struct render_camera *came
 	}
 	if (status == STATUS_OK && (render->effects >> EFFECT_SKY & 1))
 		status = draw_sky(render, &params);
+	if (status == STATUS_OK && render->resolved != NULL)
+		gpu_target_resolve(render->target, render->resolved);
 	if (status == STATUS_OK)
 		status = gpu_check(render->gpu, "drawing the picture");
 	mem_free(drawn);

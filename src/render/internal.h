@@ -85,8 +85,11 @@ struct render {
 	uint64_t effects;
 	bool dirt;
 	double pixel_error; /* 0: by radii */
-	struct gpu_texture *colour, *depth, *noise; /* noise NULL without TEXTURE */
-	struct gpu_target *target;
+	struct gpu_texture *colour, *depth, *noise; /* the picture; what was drawn by; noise NULL without TEXTURE */
+	struct gpu_target *target; /* what is drawn into: depth, and colour or drawn */
+	uint32_t samples;          /* a pixel, of target and depth. More than 1: */
+	struct gpu_texture *drawn; /* what becomes colour when all is drawn; NULL with 1 */
+	struct gpu_target *resolved; /* over colour; NULL with 1 */
 	struct gpu_buffer *indices, *instances;
 	uint32_t index_count;
 	struct render_blocks blocks;

@@ -8,6 +8,10 @@
 
 #include "render/render.h"
 
+/* Of a 1280 x 720 picture, milliseconds of one core and kilobytes: 1: 28, 1252; 2: 31, 1233; 3: 51, 1186; 4: 69, 1212. Filters
+ * other than SUB are slower or larger. */
+#define LEVEL 1
+
 struct encoder {
 	png_structp png;
 	png_infop info;
@@ -38,7 +42,7 @@ static void encode(struct encoder *encoder, FILE *file, const uint8_t *pixels, u
 	png_set_IHDR(encoder->png, encoder->info, width, height, 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
 		     PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
 	png_set_sRGB(encoder->png, encoder->info, PNG_sRGB_INTENT_PERCEPTUAL);
-	png_set_compression_level(encoder->png, 3);
+	png_set_compression_level(encoder->png, LEVEL);
 	png_set_filter(encoder->png, 0, PNG_FILTER_SUB);
 	png_write_info(encoder->png, encoder->info);
 	for (uint32_t y = height; y-- > 0;) {

@@ -94,7 +94,13 @@ void render_plan(const struct render_params *params, bool deformed, bool divided
 		}
 	add(plan, PLAN_PASS, PLAN_DRAWN, picture, 0, gpu_stage_name(GPU_TERRAIN));
 	add(plan, PLAN_TEXTURE, PLAN_ONCE, picture, 4 * pixels, "colour");
-	add(plan, PLAN_TEXTURE, PLAN_ONCE, picture, 4 * pixels, "depth");
+	uint64_t samples = params->samples > 1 ? (uint64_t)params->samples : 1;
+	const char *antialias = scene_effect_row(EFFECT_ANTIALIAS)->name;
+	add(plan, PLAN_TEXTURE, PLAN_ONCE, samples > 1 ? antialias : picture, 4 * pixels * samples, "depth");
+	if (samples > 1) {
+		add(plan, PLAN_TEXTURE, PLAN_ONCE, antialias, 4 * pixels * samples, "samples");
+		add(plan, PLAN_PASS, PLAN_FRAME, antialias, 0, gpu_stage_name(GPU_RESOLVE));
+	}
 	add(plan, PLAN_BUFFER, PLAN_ONCE, skirts ? scene_effect_row(EFFECT_SKIRTS)->name : picture,
 	    render_index_count(render_block_cells(params->world), skirts) * sizeof(uint16_t), "block");
 	add(plan, PLAN_BUFFER, PLAN_ONCE, picture, RENDER_BLOCKS_ROOM * sizeof(uint32_t), "blocks");

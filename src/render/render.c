@@ -67,13 +67,29 @@ static enum status create_noise(struct render *render)
 static enum status create_target(struct render *render)
 {
 	struct gpu *gpu = render->gpu;
-	enum status status = gpu_texture_create(gpu, GPU_SRGB8_ALPHA8, render->width, render->height, 0, &render->colour);
+	uint32_t width = render->width, height = render->height, samples = render->samples;
+	enum status status = gpu_texture_create(gpu, GPU_SRGB8_ALPHA8, width, height, 0, &render->colour);
+	if (status == STATUS_OK && samples > 1)
+		status = gpu_texture_create_sampled(gpu, GPU_SRGB8_ALPHA8, width, height, samples, &render->drawn);
 	if (status == STATUS_OK)
-		status = gpu_texture_create(gpu, GPU_DEPTH32F, render->width, render->height, 0, &render->depth);
+		status = samples > 1 ? gpu_texture_create_sampled(gpu, GPU_DEPTH32F, width, height, samples, &render->depth)
+				     : gpu_texture_create(gpu, GPU_DEPTH32F, width, height, 0, &render->depth);
 	if (status == STATUS_OK)
-		status = gpu_target_create(gpu, &(struct gpu_attachment){render->colour, 0}, 1,
+		status = gpu_target_create(gpu, &(struct gpu_attachment){samples > 1 ? render->drawn : render->colour, 0}, 1,
 					   (struct gpu_attachment){render->depth, 0}, &render->target);
+	if (status == STATUS_OK && samples > 1)
+		status = gpu_target_create(gpu, &(struct gpu_attachment){render->colour, 0}, 1, (struct gpu_attachment){NULL, 0},
+					   &render->resolved);
 	return status;
+}
+
+enum status render_check_samples(const struct gpu *gpu, int samples)
+{
+	const struct gpu_info *info = gpu_info(gpu);
+	if (samples <= 1 || (uint32_t)samples <= info->samples_most)
+		return STATUS_OK;
+	return fail_with(STATUS_INPUT, "view.samples: %d: this driver (%s) draws at most %u a pixel; give that, or less", samples,
+			 info->renderer, info->samples_most);
 }
 
 enum status render_create(const struct render_params *params, struct render **out)
@@ -93,8 +109,11 @@ enum status render_create(const struct render_params *params, struct render **ou
 		.effects = params->effects,
 		.dirt = params->dirt,
 		.pixel_error = params->pixel_error,
+		.samples = params->samples > 1 ? (uint32_t)params->samples : 1,
 	};
-	enum status status = create_target(render);
+	enum status status = render_check_samples(render->gpu, params->samples);
+	if (status == STATUS_OK)
+		status = create_target(render);
 	if (status == STATUS_OK)
 		status = create_mesh(render);
 	if (status == STATUS_OK)
@@ -114,6 +133,8 @@ void render_destroy(struct render *render)
 	if (render == NULL)
 		return;
 	gpu_target_destroy(render->target);
+	gpu_target_destroy(render->resolved);
+	gpu_texture_destroy(render->drawn);
 	gpu_texture_destroy(render->colour);
 	gpu_texture_destroy(render->depth);
 	gpu_texture_destroy(render->noise);

@@ -30,6 +30,7 @@ struct render_params {
 	uint64_t effects;     /* EFFECT_BIT of each */
 	bool dirt;
 	double pixel_error;   /* pixels a picture's ground may be off by; 0: its detail goes by the radii (camera.c) */
+	int samples;          /* a pixel; 0 as 1: its colour is of its middle */
 };
 
 struct render;
@@ -38,6 +39,9 @@ struct render;
  * be; `divided`: the working level is below 0, and tiles there are drawn. Pure. */
 void render_plan(const struct render_params *params, bool deformed, bool divided, struct plan *plan);
 
+/* STATUS_INPUT: the driver draws with fewer samples a pixel; says how many. */
+enum status render_check_samples(const struct gpu *gpu, int samples) FURROW_CHECKED;
+/* Checks its samples too. */
 enum status render_create(const struct render_params *params, struct render **out) FURROW_CHECKED;
 void render_destroy(struct render *render);
 /* Links every program that pictures of such ground can ask for: arguments as render_plan's. */

@@ -110,6 +110,8 @@ static enum status start_gpu(struct drive *drive)
 	const struct scene *scene = drive->scene;
 	struct gpu_params gpu = {.draws = scene->view.present};
 	enum status status = gpu_create(&gpu, &drive->gpu);
+	if (status == STATUS_OK && scene->view.present)
+		status = render_check_samples(drive->gpu, scene->view.samples);
 	if (status == STATUS_OK)
 		status = gpu_slots_create(drive->gpu, drive->meta->world.cells, scene->slots,
 					  pages_planes_of(scene, drive->was_deformed), &drive->slots);

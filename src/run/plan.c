@@ -222,6 +222,7 @@ static enum status plan_lines(const struct drive *drive, struct plan *plan)
 			.effects = scene->view.effects,
 			.dirt = scene->dirt,
 			.pixel_error = scene->view.pixel_error,
+			.samples = scene->view.samples,
 		};
 		render_plan(&render, planes != 0, drive->level < 0, plan);
 		if (scene->view.images > 0)

@@ -176,6 +176,7 @@ enum status view_create(struct drive *drive, struct view **out)
 		.effects = scene->view.effects,
 		.dirt = scene->dirt,
 		.pixel_error = scene->view.pixel_error,
+		.samples = scene->view.samples,
 	};
 	enum status status = STATUS_OK;
 	if (view->selection == NULL || view->now == NULL || view->ahead == NULL)

@@ -120,6 +120,9 @@ static const struct scene_effect_row rows[EFFECT_COUNT] = {
 	[EFFECT_SKIRTS] = {
 		"skirts", "view.effects", "SKIRTS", LIST("terrain.vert"), "base, offset", "depth", 0, NONE,
 		"as deep as the tile's relief at most", "hides cracks between levels"},
+	[EFFECT_ANTIALIAS] = {
+		"antialias", "view.samples", "", NONE, "colour", "colour", 0, LIST("view.samples"),
+		"edges alone: within a triangle a pixel has one colour; as many samples as the driver has", "smooths the edges of what is drawn"},
 	[EFFECT_IMAGES] = {
 		"images", "view.images", "", NONE, "colour", "", 0, LIST("view.images"),
 		"the step waits until the picture has all its tiles; at most 3 on their way to their files", "writes pictures to files"},
@@ -192,7 +195,8 @@ static uint64_t view_effects(const struct scene *scene)
 {
 	uint64_t always = EFFECT_BIT(EFFECT_PICTURE) | EFFECT_BIT(EFFECT_NORMALS) | EFFECT_BIT(EFFECT_PYRAMID);
 	return scene->view.effects | always | (scene->view.images > 0 ? EFFECT_BIT(EFFECT_IMAGES) : 0) |
-	       (scene->view.pixel_error > 0 ? EFFECT_BIT(EFFECT_PIXEL_ERROR) : 0);
+	       (scene->view.pixel_error > 0 ? EFFECT_BIT(EFFECT_PIXEL_ERROR) : 0) |
+	       (scene->view.samples > 1 ? EFFECT_BIT(EFFECT_ANTIALIAS) : 0);
 }
 
 uint64_t scene_effects(const struct scene *scene, int level)
@@ -241,6 +245,8 @@ void scene_effect_reason(const struct scene *scene, enum scene_effect effect, ch
 		snprintf(text, size, "%s: %u", key, scene->loaders);
 	else if (effect == EFFECT_IMAGES)
 		snprintf(text, size, "%s: %lld", key, (long long)scene->view.images);
+	else if (effect == EFFECT_ANTIALIAS)
+		snprintf(text, size, "%s: %d", key, scene->view.samples);
 	else if (effect == EFFECT_PIXEL_ERROR)
 		snprintf(text, size, "%s: %g", key, scene->view.pixel_error);
 	else if (effect == EFFECT_SUBDIVIDE && scene->spacing > 0)

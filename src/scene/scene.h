@@ -46,6 +46,7 @@ enum scene_effect {
 	EFFECT_SKY,
 	EFFECT_GEOMORPH,
 	EFFECT_SKIRTS,
+	EFFECT_ANTIALIAS,
 	EFFECT_IMAGES,
 	EFFECT_LOADERS,
 	EFFECT_PREFETCH,
@@ -113,6 +114,7 @@ struct scene_view {
 	double eye[3], target[3]; /* fixed: local metres */
 	uint64_t effects;      /* EFFECT_BIT of each */
 	int64_t images;        /* a PNG every so many steps; 0 none */
+	int samples;           /* a pixel: 1, 2, 4 or 8 */
 	double pixel_error;    /* pixels the ground may be drawn off by; 0: its detail goes by the radii */
 };
 

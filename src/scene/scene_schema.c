@@ -157,6 +157,7 @@ static const cyaml_schema_field_t view_fields[] = {
 	CYAML_FIELD_SEQUENCE("effects", OPTIONAL_POINTER, struct raw_view, effects, &word_entry, 0,
 			     CYAML_UNLIMITED),
 	CYAML_FIELD_INT_PTR("images", OPTIONAL, struct raw_view, images),
+	CYAML_FIELD_INT_PTR("samples", OPTIONAL, struct raw_view, samples),
 	CYAML_FIELD_FLOAT_PTR("pixel_error", OPTIONAL, struct raw_view, pixel_error),
 	CYAML_FIELD_END,
 };
@@ -249,6 +250,7 @@ static const struct scene_limit limits[] = {
 	{"view.camera.fixed.eye[]", -1e9, 1e9, false, NULL, "m", NAN, NULL},
 	{"view.camera.fixed.target[]", -1e9, 1e9, false, NULL, "m", NAN, NULL},
 	{"view.images", 0, 1e9, false, NULL, "steps", 0, NULL},
+	{"view.samples", 1, 8, false, NULL, NULL, 1, NULL},
 	{"view.pixel_error", 0, 64, true, NULL, "pixels", NAN, "by distance alone"},
 	{"cache.slots", 4, 65536, false, NULL, NULL, 256, NULL},
 	{"cache.loaders", 0, 16, false, NULL, NULL, 2, NULL},

@@ -92,7 +92,7 @@ struct raw_view {
 	struct raw_camera camera;
 	char **effects;
 	uint32_t effects_count;
-	int64_t *images;
+	int64_t *images, *samples;
 	double *pixel_error;
 };
 struct raw_cache {

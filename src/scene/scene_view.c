@@ -88,6 +88,15 @@ static enum status check_effects(const struct scene_tree *tree, const struct raw
 	return STATUS_OK;
 }
 
+static enum status check_samples(const struct scene_tree *tree, const struct raw_view *raw, struct scene_view *view)
+{
+	view->samples = raw->samples != NULL ? (int)*raw->samples : (int)scene_absent("view.samples");
+	if ((view->samples & (view->samples - 1)) == 0)
+		return STATUS_OK;
+	return scene_error(tree->file, scene_tree_find(tree, "view.samples"), "%d is no number of samples; allowed: 1, 2, 4, 8",
+			   view->samples);
+}
+
 enum status scene_check_view(const struct scene_tree *tree, const struct raw_scene *raw,
 			     struct scene *scene)
 {
@@ -100,5 +109,7 @@ enum status scene_check_view(const struct scene_tree *tree, const struct raw_sce
 	view->images = raw->view->images != NULL ? *raw->view->images : (int64_t)scene_absent("view.images");
 	view->pixel_error = raw->view->pixel_error != NULL ? *raw->view->pixel_error : 0;
 	enum status status = check_camera(tree, &raw->view->camera, scene);
+	if (status == STATUS_OK)
+		status = check_samples(tree, raw->view, view);
 	return status != STATUS_OK ? status : check_effects(tree, raw->view, view);
 }

@@ -41,7 +41,7 @@ SAMPLES = [
     scene(WHEEL, store="none.furrow", time_step=0.1, gravity=9.81, spacing=0.5, coordinates="local", attributes=["dirt"],
           outside="skip", cache={"slots": 64, "loaders": 1, "prefetch": 1}, soil=NUMBERED, redistribute={"model": "box", "radius": 2,
                                                                                                      "repetitions": 2},
-          view=view({"chase": "a", "back": 9, "up": 4}, size=[64, 48], effects=["sky"], images=5, pixel_error=2)),
+          view=view({"chase": "a", "back": 9, "up": 4}, size=[64, 48], effects=["sky"], images=5, samples=2, pixel_error=2)),
     scene(wheel(shape={"wheel": {"radius": 0.5, "width": 0.4, "lugs": 12}}, sink=0.1), wheel(name="b"),
           view=view({"overhead": {"over": "b", "height": 9}})),
     scene(wheel(shape={"wheel": {"radius": 0.5, "width": 0.4, "lugs": 9, "lug_height": 0.1, "lug_thickness": 0.02}}, load=500, slip=0.1),

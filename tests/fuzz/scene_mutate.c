@@ -115,7 +115,7 @@ size_t fuzz_seed(size_t index, uint8_t *data, size_t room)
 		"    path: {points: [[10, 10], [90, 40]], speed: 5, loop: false}\n    sink: 0.1\n"
 		"  - name: b\n    shape: {box: {size: [1, 2, 3]}}\n    path: {file: poses.csv}\n"
 		"view:\n  size: [1280, 720]\n  camera: {chase: a, back: 12, up: 5}\n"
-		"  effects: [texture, detail, fog, sky, geomorph, skirts]\n  images: 100\n"
+		"  effects: [texture, detail, fog, sky, geomorph, skirts]\n  images: 100\n  samples: 4\n"
 		"cache: {slots: 256, loaders: 2, prefetch: 1.5}\n"
 		SCENE_POSES "t,x,y,z,yaw,pitch,roll\n0,1,2,3,4,5,6\n1,2,3,4,5,6,7\n"
 		SCENE_SET "objects.a.sink=0.2\ncache.slots=16\nspacing=null\n",

@@ -32,6 +32,7 @@ static double gentle(int64_t x, int64_t y)
 #define VIEW(effects) "view: {size: [160, 90], camera: {fixed: {eye: [20, 10, 120], target: [50, 45, 100]}}, effects: [" effects "]}\n"
 #define VIEW_BY_ERROR(effects) "view: {size: [160, 90], camera: {fixed: {eye: [20, 10, 120], target: [50, 45, 100]}}, pixel_error: 4, effects: [" effects "]}\n"
 #define IMAGES "view: {size: [160, 90], camera: {fixed: {eye: [20, 10, 120], target: [50, 45, 100]}}, images: 3}\n"
+#define SAMPLED "view: {size: [160, 90], camera: {fixed: {eye: [20, 10, 120], target: [50, 45, 100]}}, samples: 4}\n"
 #define SEEN SPHERE "attributes: [dirt]\n"
 #define MAP "soil: {map: classes.png, classes: {1: dry_sand}, default: dry_sand}\nredistribute: {model: scm}\n"
 
@@ -75,6 +76,7 @@ static const struct pair pairs[] = {
 	{EFFECT_SKY, HEAD SEEN VIEW(""), HEAD SEEN VIEW("sky"), true},
 	{EFFECT_GEOMORPH, HEAD SEEN VIEW(""), HEAD SEEN VIEW("geomorph"), true},
 	{EFFECT_SKIRTS, HEAD SEEN VIEW(""), HEAD SEEN VIEW("skirts"), true},
+	{EFFECT_ANTIALIAS, HEAD SEEN VIEW(""), HEAD SEEN SAMPLED, true},
 	{EFFECT_PIXEL_ERROR, HEAD SEEN VIEW("geomorph"), HEAD SEEN VIEW_BY_ERROR("geomorph"), false},
 	{EFFECT_TEXTURE, HEAD VIEW(""), HEAD VIEW("texture"), true},
 };

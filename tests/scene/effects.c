@@ -100,7 +100,7 @@ static void each_key_calls_for_its_own(void **state)
 {
 	static const struct {
 		const char *bare, *key, *value;
-		unsigned adds;
+		uint64_t adds;
 		const char *reason; /* of the first of them */
 	} keys[] = {
 		{object, "redistribute.model", "box", EFFECT_BIT(EFFECT_BOX), "redistribute.model: box"},
@@ -110,6 +110,8 @@ static void each_key_calls_for_its_own(void **state)
 		{object, "cache.prefetch", "0.5", EFFECT_BIT(EFFECT_PREFETCH), "cache.prefetch: 0.5"},
 		{object, "view.camera.chase", "a", EFFECT_BIT(EFFECT_PYRAMID) | EFFECT_BIT(EFFECT_PICTURE) | EFFECT_BIT(EFFECT_NORMALS), "view"},
 		{quiet, "view.images", "4", EFFECT_BIT(EFFECT_IMAGES), "view.images: 4"},
+		{quiet, "view.samples", "4", EFFECT_BIT(EFFECT_ANTIALIAS), "view.samples: 4"},
+		{quiet, "view.samples", "1", 0, NULL},
 		{quiet, "view.effects", "[fog]", EFFECT_BIT(EFFECT_FOG), "view.effects.fog"},
 		{quiet, "view.effects", "[sky]", EFFECT_BIT(EFFECT_SKY), "view.effects.sky"},
 		{quiet, "view.effects", "[texture]", EFFECT_BIT(EFFECT_TEXTURE), "view.effects.texture"},

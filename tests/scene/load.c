@@ -40,6 +40,7 @@ static void the_manuals_scene_has_the_values_it_says(void **state)
 	assert_int_equal(scene->view.target_object, 0);
 	assert_true(scene->view.back == 12 && scene->view.up == 5);
 	assert_int_equal(scene->view.images, 100);
+	assert_int_equal(scene->view.samples, 1);
 	assert_true(scene->view.pixel_error == 0);
 	assert_int_equal(scene->slots, 256);
 	assert_int_equal(scene->loaders, 2);
@@ -136,6 +137,7 @@ static void the_hash_is_of_what_the_ground_becomes(void **state)
 		{"slots: 256", "slots: 16", true},
 		{"images: 100", "images: 1", true},
 		{"images: 100", "pixel_error: 2.5", true},
+		{"images: 100", "samples: 8", true},
 		{"# they act in", "# or not, they act in", true},
 		{"store: world", "store: other", true},
 		{"end_time: 30", "end_time: 60", true},
