@@ -188,9 +188,40 @@ static void every_picture_is_whole_whatever_is_drawn_after(void **state)
 	close_down();
 }
 
+/* As hardware does it: fences, and bytes that are there later. */
+static void open_up_with_fences(void)
+{
+	if (gpu == NULL)
+		skip();
+	bool software = gpu->info.software;
+	open_folder();
+	gpu->info.software = false;
+	enum status status = create();
+	gpu->info.software = software;
+	must(status);
+}
+
+static void so_it_is_with_fences(void **state)
+{
+	open_up_with_fences();
+	for (int64_t step = 0; step < 20; step++) {
+		must(begin(step));
+		if (step % 7 == 6) {
+			pictures_mark(pictures);
+			must(pictures_await(pictures));
+			assert_int_equal(written(), step + 1);
+		}
+		must(pictures_poll(pictures));
+	}
+	close_down();
+	for (int64_t step = 0; step < 20; step++)
+		assert_whole(step);
+	assert_no_parts();
+}
+
 static void begun_is_ended_by_destroy_alone(void **state)
 {
-	open_up();
+	open_up_with_fences();
 	for (int64_t step = 0; step < PICTURES_ROOM; step++)
 		must(begin(step));
 	close_down();
@@ -284,6 +315,23 @@ static void so_is_a_place_that_is_taken(void **state)
 	open_up();
 	assert_int_equal(mkdir(name_of(1, ""), 0777), 0);
 	fails("choose another folder");
+}
+
+static void the_first_failure_is_told_and_the_rest_is_tried(void **state)
+{
+	open_up();
+	block(0);
+	assert_int_equal(mkdir(name_of(1, ""), 0777), 0);
+	assert_int_equal(mkdir(name_of(2, ".part"), 0777), 0);
+	for (int64_t step = 0; step < PICTURES_ROOM; step++)
+		must(begin(step));
+	pictures_mark(pictures);
+	pthread_t thread = unblock(0);
+	assert_int_equal(pictures_await(pictures), STATUS_FAILED);
+	assert_non_null(strstr(failure_message(), "choose another folder"));
+	assert_int_equal(written(), 1);
+	pthread_join(thread, NULL);
+	close_down();
 }
 
 static void so_is_a_file_that_cannot_be_made(void **state)
@@ -400,11 +448,13 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_picture_is_whole_whatever_is_drawn_after),
+		cmocka_unit_test(so_it_is_with_fences),
 		cmocka_unit_test(begun_is_ended_by_destroy_alone),
 		cmocka_unit_test(only_so_many_are_under_way),
 		cmocka_unit_test(what_was_marked_is_awaited_and_no_more),
 		cmocka_unit_test(a_full_disk_is_told_and_the_others_are_whole),
 		cmocka_unit_test(so_is_a_place_that_is_taken),
+		cmocka_unit_test(the_first_failure_is_told_and_the_rest_is_tried),
 		cmocka_unit_test(so_is_a_file_that_cannot_be_made),
 		cmocka_unit_test(a_disk_that_is_full_after_any_byte_is_told),
 		cmocka_unit_test(each_allocation_that_fails_is_told),
