@@ -91,4 +91,77 @@ void terrain_frustum(const double eye[3], const double forward[3], const double 
 bool terrain_box_visible(const double planes[5][4], const double low[3], const double high[3]);
 double terrain_box_distance(const double eye[3], const double low[3], const double high[3]);
 
+/*
+ * --- queries: heights at points, and rays ---
+ *
+ * The ground, for a query, is what a picture from nearby draws without morphing or skirts: the triangles of level 0, and
+ * where finer tiles have offsets those of the finest that is there; each cell parted from its south-west to its north-east
+ * post. A triangle with a corner that is nodata is not there; the terrain has no walls, at its edge or at a hole. All in metres
+ * from the world's south-west post, doubles: as exact at 10,000 km as at 0.
+ */
+
+/* What a tile of level 0 or below holds. The source's, valid until it is asked for another. */
+#define TERRAIN_BLOCK 8 /* cells of a block's side */
+struct terrain_posts {
+	const double *heights;      /* (cells + 1)^2, row 0 south, metres; NaN: nodata */
+	const double (*blocks)[2];  /* (cells / TERRAIN_BLOCK)^2: no post of the block is below the first or above the second */
+};
+
+/* The source of a query. Each function is asked only of tiles of the world, on the thread that asks; a failure ends the
+ * query with its status. */
+struct terrain_ground {
+	void *user;
+	const struct world *world;
+	int finest; /* level of the finest tiles there are; at most 0 */
+	/* Levels finest .. 0. */
+	enum status (*posts)(void *user, struct tile tile, struct terrain_posts *posts);
+	/* Levels finest .. -1: whether this tile, or one below it, has offsets. */
+	enum status (*present)(void *user, struct tile tile, bool *present);
+	/* Any level: no height in the subtree is below or above these; *any false: all of it is nodata. May be loose, and
+	 * infinite. */
+	enum status (*bounds)(void *user, struct tile tile, double *low, double *high, bool *any);
+};
+
+/* Fills terrain_posts.blocks. */
+void terrain_fill_blocks(uint32_t cells, const double *heights, double (*blocks)[2]);
+
+struct terrain_point {
+	double x, y;
+};
+
+struct terrain_height {
+	double height;    /* of the triangle there; NaN where outside or nodata */
+	double bilinear;  /* between the cell's four posts, as `furrow query` tells and as objects are set down; NaN if one of them that
+			   * has weight is nodata. It is `height` at the posts and along the cell's sides */
+	double normal[3]; /* of the triangle, of length 1, upward; NaN where only a post or an edge is there, beside a hole */
+	int level;        /* of the triangle */
+	bool outside, nodata; /* nodata where outside, too */
+};
+
+/* Heights at `count` points. Points outside or over a hole are flagged, and no failure; NaN is outside. A tile's points are
+ * worked on together, in the order of keys, whatever theirs is. */
+enum status terrain_heights(const struct terrain_ground *ground, const struct terrain_point *points, size_t count,
+			    struct terrain_height *heights) FURROW_CHECKED;
+
+struct terrain_ray {
+	double origin[3], direction[3]; /* any length but 0 */
+	double length;                  /* metres, 0 or more; INFINITY: as far as the world goes */
+};
+
+struct terrain_hit {
+	bool hit;
+	bool below;       /* it came from under the ground */
+	double distance;  /* metres from the origin */
+	double point[3];
+	double normal[3]; /* of the triangle, upward, whichever side was hit */
+	struct tile tile; /* and the cell in it, and which of its triangles */
+	uint32_t x, y;
+	bool upper;       /* the one to the north-west */
+};
+
+/* The first place where each ray meets the ground, from above or from below: also its origin, if that is on it. No ray passes
+ * between two triangles that share an edge. STATUS_INPUT for a ray that is no ray: a number that is none, no direction. */
+enum status terrain_rays(const struct terrain_ground *ground, const struct terrain_ray *rays, size_t count,
+			 struct terrain_hit *hits) FURROW_CHECKED;
+
 #endif

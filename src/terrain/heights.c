@@ -1,0 +1,180 @@
+/*
+ * Heights at points: those of one tile together, so that each tile is asked for once however the points lie.
+ *
+ * Points are sorted by the key of the finest tile that could hold them; the tile that does is it or one above it.
+ */
+#include <stdlib.h>
+
+#include "terrain/cell.h"
+
+#define BESIDE 1e-7 /* of a cell: a point no further from a post's row is on it */
+
+struct place {
+	uint64_t key; /* of the finest level; UINT64_MAX: outside */
+	size_t index;
+};
+
+static int compare(const void *a, const void *b)
+{
+	const struct place *p = a, *q = b;
+	if (p->key != q->key)
+		return p->key < q->key ? -1 : 1;
+	return p->index < q->index ? -1 : p->index > q->index;
+}
+
+/* The tile of `level` along a side, of a place within the world; `tiles` there are. */
+static uint32_t along(double at, double side, uint32_t tiles)
+{
+	double tile = floor(at / side);
+	return tile < tiles ? (uint32_t)tile : tiles - 1;
+}
+
+static void extent(const struct world *world, double most[2])
+{
+	most[0] = (double)(world->width - 1) * world->spacing;
+	most[1] = (double)(world->height - 1) * world->spacing;
+}
+
+/* Onto the world, where it is a rounding beside it. */
+static bool inside(const struct world *world, struct terrain_point point, double on[2])
+{
+	const double asked[2] = {point.x, point.y};
+	double most[2], slack = BESIDE * world->spacing;
+	extent(world, most);
+	for (int i = 0; i < 2; i++) {
+		if (!(asked[i] >= -slack && asked[i] <= most[i] + slack))
+			return false;
+		on[i] = fmin(fmax(asked[i], 0), most[i]);
+	}
+	return true;
+}
+
+static uint64_t finest_key(const struct terrain_ground *ground, struct terrain_point point)
+{
+	const struct world *world = ground->world;
+	double on[2], side = world_spacing(world, ground->finest) * world->cells;
+	if (!inside(world, point, on))
+		return UINT64_MAX;
+	return tile_key((struct tile){ground->finest, along(on[0], side, world_tiles_x(world, ground->finest)),
+				      along(on[1], side, world_tiles_y(world, ground->finest))});
+}
+
+/* The tile whose triangles are there. */
+static enum status resolve(const struct terrain_ground *ground, struct tile finest, struct tile *tile)
+{
+	*tile = tile_ancestor(finest, 0);
+	while (tile->level > finest.level) {
+		struct tile below = tile_ancestor(finest, tile->level - 1);
+		bool present;
+		enum status status = ground->present(ground->user, below, &present);
+		if (status != STATUS_OK || !present)
+			return status;
+		*tile = below;
+	}
+	return STATUS_OK;
+}
+
+/* Corners without weight need not be there. */
+static double weighted(const double *values, const double *weights, int count)
+{
+	double sum = 0;
+	for (int i = 0; i < count; i++)
+		if (weights[i] > BESIDE || (weights[i] != 0 && !isnan(values[i])))
+			sum += weights[i] * values[i];
+	return sum;
+}
+
+static void measure(const struct world *world, struct tile tile, const struct terrain_posts *posts, const double on[2],
+		    struct terrain_height *height)
+{
+	const double spacing = world_spacing(world, tile.level), cells = world->cells;
+	double place[2] = {on[0] / spacing - tile.x * cells, on[1] / spacing - tile.y * cells}, part[2];
+	size_t cell[2];
+	for (int i = 0; i < 2; i++) {
+		double whole = fmin(fmax(floor(place[i]), 0), cells - 1);
+		cell[i] = (size_t)whole;
+		part[i] = fmin(fmax(place[i] - whole, 0), 1);
+	}
+	const size_t stride = world->cells + 1;
+	const double *sw = posts->heights + cell[1] * stride + cell[0];
+	const double u = part[0], v = part[1];
+	const bool upper = v > u;
+	const double corners[3] = {sw[0], upper ? sw[stride] : sw[1], sw[stride + 1]};
+	const double weights[3] = {1 - fmax(u, v), fabs(u - v), fmin(u, v)};
+	const double all[4] = {sw[0], sw[1], sw[stride], sw[stride + 1]};
+	const double areas[4] = {(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v};
+	height->level = tile.level;
+	height->height = weighted(corners, weights, 3);
+	height->bilinear = weighted(all, areas, 4);
+	height->nodata = isnan(height->height);
+	struct terrain_plane plane = terrain_plane_of(sw, stride, upper);
+	if (!height->nodata)
+		terrain_plane_normal(&plane, spacing, height->normal);
+}
+
+/* The places hold the points' keys and are sorted. */
+static enum status measure_all(const struct terrain_ground *ground, const struct place *places, const struct terrain_point *points,
+			       size_t count, struct terrain_height *heights)
+{
+	struct tile tile = {0};
+	struct terrain_posts posts;
+	uint64_t at = UINT64_MAX;
+	bool held = false;
+	for (size_t i = 0; i < count; i++) {
+		struct terrain_height *height = &heights[places[i].index];
+		double on[2];
+		*height = (struct terrain_height){NAN, NAN, {NAN, NAN, NAN}, 0, true, true};
+		if (places[i].key == UINT64_MAX)
+			continue;
+		if (places[i].key != at) {
+			struct tile found;
+			enum status status = resolve(ground, tile_from_key(places[i].key), &found);
+			if (status == STATUS_OK && !(held && tile_equal(found, tile)))
+				status = ground->posts(ground->user, found, &posts);
+			if (status != STATUS_OK)
+				return status;
+			tile = found;
+			held = true;
+			at = places[i].key;
+		}
+		height->outside = false;
+		inside(ground->world, points[places[i].index], on);
+		measure(ground->world, tile, &posts, on, height);
+	}
+	return STATUS_OK;
+}
+
+enum status terrain_heights(const struct terrain_ground *ground, const struct terrain_point *points, size_t count,
+			    struct terrain_height *heights)
+{
+	struct place one, *places = count > 1 ? mem_alloc(count, sizeof *places) : &one;
+	if (places == NULL)
+		return fail_memory("the points that are asked for");
+	for (size_t i = 0; i < count; i++)
+		places[i] = (struct place){finest_key(ground, points[i]), i};
+	if (count > 1)
+		qsort(places, count, sizeof *places, compare);
+	enum status status = measure_all(ground, places, points, count, heights);
+	if (places != &one)
+		mem_free(places);
+	return status;
+}
+
+void terrain_fill_blocks(uint32_t cells, const double *heights, double (*blocks)[2])
+{
+	const uint32_t side = cells / TERRAIN_BLOCK;
+	for (uint32_t by = 0; by < side; by++)
+		for (uint32_t bx = 0; bx < side; bx++) {
+			double low = INFINITY, high = -INFINITY;
+			for (uint32_t y = 0; y <= TERRAIN_BLOCK; y++) {
+				const double *row = heights + (size_t)(by * TERRAIN_BLOCK + y) * (cells + 1) + bx * TERRAIN_BLOCK;
+				/* NaN compares as false: it counts as nothing. */
+				for (uint32_t x = 0; x <= TERRAIN_BLOCK; x++) {
+					low = row[x] < low ? row[x] : low;
+					high = row[x] > high ? row[x] : high;
+				}
+			}
+			blocks[by * side + bx][0] = low;
+			blocks[by * side + bx][1] = high;
+		}
+}

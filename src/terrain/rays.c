@@ -1,0 +1,282 @@
+/*
+ * Rays: down the quadtree by bounds, front to back; then from block to block and cell to cell in the tiles at its leaves.
+ *
+ * A ray is cut into pieces, one after another along it, each over one triangle or over none. Over a triangle, what matters is
+ * whether the ray is above its plane or below. Invariants:
+ *
+ * 1. Pieces are told in order and without a gap wider than a rounding. Where a node is passed over, or there is no triangle,
+ *    the side is forgotten.
+ * 2. The side at a piece's end is compared with that at the next one's begin. So whatever rounding does where two triangles
+ *    meet, and however slanted the ray, it cannot be above here and below there without a hit.
+ * 3. A node is passed over only if the ray stays CLEAR of its bounds: more than neighbours can differ in heights along their common
+ *    edge (roundings of the lattice). So a side that was forgotten there is found again the same, unless there was a hole.
+ */
+#include "terrain/cell.h"
+
+#define CLEAR 0x1p-10 /* metres */
+
+enum side { SIDE_UNKNOWN, SIDE_ABOVE, SIDE_BELOW };
+
+struct ray {
+	const struct terrain_ground *ground;
+	double origin[3], way[3]; /* way: of length 1 */
+	double spacing;           /* of the tile below, and the ray in its cells: at + t step */
+	double at[2], step[2];
+	struct tile tile;
+	struct terrain_posts posts;
+	enum side side;
+	struct terrain_hit *hit;
+};
+
+static void hit_at(struct ray *ray, double t, bool below, const struct terrain_plane *plane, uint32_t x, uint32_t y, bool upper)
+{
+	struct terrain_hit *hit = ray->hit;
+	*hit = (struct terrain_hit){.hit = true, .below = below, .distance = t, .tile = ray->tile, .x = x, .y = y, .upper = upper};
+	for (int i = 0; i < 3; i++)
+		hit->point[i] = ray->origin[i] + t * ray->way[i];
+	terrain_plane_normal(plane, ray->spacing, hit->normal);
+}
+
+/* Over one triangle from `begin` to `end`, which may be infinite. True: hit. */
+static bool piece(struct ray *ray, double begin, double end, uint32_t x, uint32_t y, bool upper)
+{
+	const size_t stride = ray->ground->world->cells + 1;
+	const struct terrain_plane plane = terrain_plane_of(ray->posts.heights + y * stride + x, stride, upper);
+	if (!terrain_plane_whole(&plane)) {
+		ray->side = SIDE_UNKNOWN;
+		return false;
+	}
+	const double over = ray->origin[2] - (plane.at + plane.slope[0] * (ray->at[0] - x) + plane.slope[1] * (ray->at[1] - y));
+	const double rate = ray->way[2] - plane.slope[0] * ray->step[0] - plane.slope[1] * ray->step[1];
+	const double first = over + rate * begin, last = isinf(end) && rate == 0 ? first : over + rate * end;
+	const enum side side = first > 0 ? SIDE_ABOVE : first < 0 ? SIDE_BELOW : SIDE_UNKNOWN;
+	if (side == SIDE_UNKNOWN || (ray->side != SIDE_UNKNOWN && side != ray->side)) {
+		bool below = ray->side != SIDE_UNKNOWN ? ray->side == SIDE_BELOW : rate > 0;
+		hit_at(ray, begin, below, &plane, x, y, upper);
+		return true;
+	}
+	ray->side = side;
+	if (side == SIDE_ABOVE ? last > 0 : last < 0)
+		return false;
+	hit_at(ray, fmin(fmax(-over / rate, begin), end), side == SIDE_BELOW, &plane, x, y, upper);
+	return true;
+}
+
+static bool in_cell(struct ray *ray, uint32_t x, uint32_t y, double begin, double end)
+{
+	/* Where it is beside the diagonal: below it is the lower triangle. */
+	const double apart = (ray->at[0] - x) - (ray->at[1] - y), rate = ray->step[0] - ray->step[1];
+	const double first = apart + rate * begin, last = rate == 0 ? apart : apart + rate * end;
+	if (first == 0 && last == 0) {
+		const size_t stride = ray->ground->world->cells + 1;
+		const struct terrain_plane lower = terrain_plane_of(ray->posts.heights + y * stride + x, stride, false);
+		return piece(ray, begin, end, x, y, !terrain_plane_whole(&lower));
+	}
+	if ((first >= 0 && last >= 0) || (first <= 0 && last <= 0))
+		return piece(ray, begin, end, x, y, first + last < 0);
+	const double middle = fmin(fmax(-apart / rate, begin), end);
+	return piece(ray, begin, middle, x, y, first < 0) || piece(ray, middle, end, x, y, last < 0);
+}
+
+/* Whether it stays clear of heights between these. */
+static bool is_clear(const struct ray *ray, double begin, double end, double low, double high)
+{
+	const double first = ray->origin[2] + begin * ray->way[2];
+	const double last = ray->way[2] == 0 ? first : ray->origin[2] + end * ray->way[2];
+	return fmin(first, last) > high + CLEAR || fmax(first, last) < low - CLEAR;
+}
+
+struct cell_rect {
+	uint32_t x0, y0, x1, y1; /* in squares */
+};
+
+/* When it leaves a row of squares, `size` cells wide. */
+static double leaves(double at, double step, uint32_t square, uint32_t size)
+{
+	if (step == 0)
+		return INFINITY;
+	return ((square + (step > 0)) * (double)size - at) / step;
+}
+
+static uint32_t square_of(double at, uint32_t size, uint32_t first, uint32_t end)
+{
+	const double square = floor(at / size);
+	return square <= first ? first : square >= end ? end - 1 : (uint32_t)square;
+}
+
+static bool march(struct ray *ray, struct cell_rect rect, uint32_t size, double begin, double end);
+
+static bool in_block(struct ray *ray, uint32_t x, uint32_t y, double begin, double end)
+{
+	const double *range = ray->posts.blocks[(size_t)y * (ray->ground->world->cells / TERRAIN_BLOCK) + x];
+	if (is_clear(ray, begin, end, range[0], range[1])) {
+		ray->side = SIDE_UNKNOWN;
+		return false;
+	}
+	const struct cell_rect cells = {x * TERRAIN_BLOCK, y * TERRAIN_BLOCK, (x + 1) * TERRAIN_BLOCK, (y + 1) * TERRAIN_BLOCK};
+	return march(ray, cells, 1, begin, end);
+}
+
+/* Through the squares of the rectangle, each of size x size cells: blocks, or cells. */
+static bool march(struct ray *ray, struct cell_rect rect, uint32_t size, double begin, double end)
+{
+	uint32_t x = square_of(ray->at[0] + (ray->step[0] == 0 ? 0 : begin * ray->step[0]), size, rect.x0, rect.x1);
+	uint32_t y = square_of(ray->at[1] + (ray->step[1] == 0 ? 0 : begin * ray->step[1]), size, rect.y0, rect.y1);
+	for (;;) {
+		const double next_x = leaves(ray->at[0], ray->step[0], x, size), next_y = leaves(ray->at[1], ray->step[1], y, size);
+		const double until = fmax(fmin(fmin(next_x, next_y), end), begin);
+		if (size == 1 ? in_cell(ray, x, y, begin, until) : in_block(ray, x, y, begin, until))
+			return true;
+		/* Unsigned: one below the first is beyond the end, too. */
+		if (next_x <= next_y)
+			x += ray->step[0] > 0 ? 1 : UINT32_MAX;
+		else
+			y += ray->step[1] > 0 ? 1 : UINT32_MAX;
+		if (until >= end || x - rect.x0 >= rect.x1 - rect.x0 || y - rect.y0 >= rect.y1 - rect.y0)
+			return false;
+		begin = until;
+	}
+}
+
+static enum status in_posts(struct ray *ray, struct tile tile, struct cell_rect blocks, double begin, double end)
+{
+	const struct terrain_ground *ground = ray->ground;
+	enum status status = ground->posts(ground->user, tile, &ray->posts);
+	if (status != STATUS_OK)
+		return status;
+	ray->tile = tile;
+	ray->spacing = world_spacing(ground->world, tile.level);
+	const double side = ray->spacing * ground->world->cells, corner[2] = {tile.x * side, tile.y * side};
+	for (int i = 0; i < 2; i++) {
+		ray->at[i] = (ray->origin[i] - corner[i]) / ray->spacing;
+		ray->step[i] = ray->way[i] / ray->spacing;
+	}
+	march(ray, blocks, TERRAIN_BLOCK, begin, end);
+	return STATUS_OK;
+}
+
+static enum status in_tile(struct ray *ray, struct tile tile, double begin, double end);
+
+/* A quarter of a tile: the child there, or what the tile itself has. */
+static enum status in_quarter(struct ray *ray, struct tile tile, bool east, bool north, double begin, double end)
+{
+	const struct terrain_ground *ground = ray->ground;
+	struct tile child = {tile.level - 1, 2 * tile.x + east, 2 * tile.y + north};
+	/* On the world's edge it is in the last tile. */
+	if (child.x >= world_tiles_x(ground->world, child.level))
+		child.x--;
+	if (child.y >= world_tiles_y(ground->world, child.level))
+		child.y--;
+	bool present = true;
+	if (child.level < 0) {
+		enum status status = ground->present(ground->user, child, &present);
+		if (status != STATUS_OK)
+			return status;
+	}
+	if (present)
+		return in_tile(ray, child, begin, end);
+	const uint32_t half = ground->world->cells / TERRAIN_BLOCK / 2;
+	if (half == 0) /* the tile is one block: the ray is cut, that is enough */
+		return in_posts(ray, tile, (struct cell_rect){0, 0, 1, 1}, begin, end);
+	const uint32_t x = child.x & 1 ? half : 0, y = child.y & 1 ? half : 0;
+	return in_posts(ray, tile, (struct cell_rect){x, y, x + half, y + half}, begin, end);
+}
+
+/* Where it crosses the middle of a tile, and on which side of it it is before. */
+static double crosses(const struct ray *ray, int axis, uint32_t tile, double side, bool *beyond)
+{
+	const double middle = (tile + 0.5) * side, way = ray->way[axis];
+	*beyond = way == 0 ? ray->origin[axis] >= middle : way < 0;
+	return way == 0 ? INFINITY : (middle - ray->origin[axis]) / way;
+}
+
+static enum status in_tile(struct ray *ray, struct tile tile, double begin, double end)
+{
+	const struct terrain_ground *ground = ray->ground;
+	double low, high;
+	bool any;
+	enum status status = ground->bounds(ground->user, tile, &low, &high, &any);
+	if (status != STATUS_OK)
+		return status;
+	if (!any || is_clear(ray, begin, end, low, high)) {
+		ray->side = SIDE_UNKNOWN;
+		return STATUS_OK;
+	}
+	if (tile.level <= 0 && tile.level == ground->finest) {
+		const uint32_t blocks = ground->world->cells / TERRAIN_BLOCK;
+		return in_posts(ray, tile, (struct cell_rect){0, 0, blocks, blocks}, begin, end);
+	}
+	const double side = world_spacing(ground->world, tile.level) * ground->world->cells;
+	bool east, north;
+	const double x = crosses(ray, 0, tile.x, side, &east), y = crosses(ray, 1, tile.y, side, &north);
+	while (status == STATUS_OK) {
+		double until = end;
+		until = x > begin && x < until ? x : until;
+		until = y > begin && y < until ? y : until;
+		status = in_quarter(ray, tile, east != (x <= begin), north != (y <= begin), begin, until);
+		if (until >= end || ray->hit->hit)
+			break;
+		begin = until;
+	}
+	return status;
+}
+
+/* The part of it that is over the world. */
+static bool clip(const struct world *world, const struct ray *ray, double length, double *begin, double *end)
+{
+	const double most[2] = {(double)(world->width - 1) * world->spacing, (double)(world->height - 1) * world->spacing};
+	*begin = 0;
+	*end = length;
+	for (int i = 0; i < 2; i++) {
+		const double way = ray->way[i];
+		if (way == 0 && !(ray->origin[i] >= 0 && ray->origin[i] <= most[i]))
+			return false;
+		if (way == 0)
+			continue;
+		*begin = fmax(*begin, ((way > 0 ? 0 : most[i]) - ray->origin[i]) / way);
+		*end = fmin(*end, ((way > 0 ? most[i] : 0) - ray->origin[i]) / way);
+	}
+	return *begin <= *end;
+}
+
+/* Fills origin and way. */
+static enum status take(const struct terrain_ray *asked, size_t index, struct ray *ray)
+{
+	double most = 0, sum = 0;
+	bool finite = asked->length >= 0;
+	for (int i = 0; i < 3; i++) {
+		finite = finite && isfinite(asked->origin[i]) && isfinite(asked->direction[i]);
+		most = fmax(most, fabs(asked->direction[i]));
+	}
+	if (!finite)
+		return fail_with(STATUS_INPUT, "ray %zu: an origin or a direction that is no number, or a length that is none or negative; "
+				 "give metres", index);
+	if (most == 0)
+		return fail_with(STATUS_INPUT, "ray %zu: its direction is 0 0 0; give one", index);
+	/* Neither what is huge nor what is tiny may be lost in the squares. */
+	for (int i = 0; i < 3; i++) {
+		ray->way[i] = asked->direction[i] / most;
+		sum += ray->way[i] * ray->way[i];
+	}
+	for (int i = 0; i < 3; i++) {
+		ray->origin[i] = asked->origin[i];
+		ray->way[i] /= sqrt(sum);
+	}
+	return STATUS_OK;
+}
+
+enum status terrain_rays(const struct terrain_ground *ground, const struct terrain_ray *rays, size_t count, struct terrain_hit *hits)
+{
+	const struct tile all = {world_coarsest(ground->world), 0, 0};
+	for (size_t i = 0; i < count; i++) {
+		struct ray ray = {.ground = ground, .hit = &hits[i]};
+		double begin, end;
+		hits[i] = (struct terrain_hit){.hit = false};
+		enum status status = take(&rays[i], i, &ray);
+		if (status == STATUS_OK && clip(ground->world, &ray, rays[i].length, &begin, &end))
+			status = in_tile(&ray, all, begin, end);
+		if (status != STATUS_OK)
+			return status;
+	}
+	return STATUS_OK;
+}

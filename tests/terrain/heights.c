@@ -1,0 +1,141 @@
+/* Heights and normals at points, against every triangle of the ground. */
+#include "query_rig.h"
+
+static const struct rig rough = {.world = {61, 45, 2, 8}, .finest = -2, .fine = 30, .relief = 9, .rut = 0.7};
+
+/* The triangle over a point, inside by `slack`; NULL: none. */
+static const struct rig_triangle *over(const struct rig_triangle *all, size_t count, struct terrain_point point, double slack, double *height)
+{
+	for (size_t i = 0; i < count; i++) {
+		const double(*c)[3] = all[i].corner;
+		long double ex = c[1][0] - c[0][0], ey = c[1][1] - c[0][1], fx = c[2][0] - c[0][0], fy = c[2][1] - c[0][1];
+		long double x = (long double)point.x - c[0][0], y = (long double)point.y - c[0][1], det = ex * fy - ey * fx;
+		long double u = (x * fy - y * fx) / det, v = (ex * y - ey * x) / det;
+		if (u < slack || v < slack || u + v > 1 - slack)
+			continue;
+		*height = (double)(c[0][2] + u * (c[1][2] - c[0][2]) + v * (c[2][2] - c[0][2]));
+		return &all[i];
+	}
+	return NULL;
+}
+
+static void check(const struct rig *rig, const struct rig_triangle *all, size_t count, struct terrain_point point,
+		  const struct terrain_height *height)
+{
+	double east = (double)(rig->world.width - 1) * rig->world.spacing, north = (double)(rig->world.height - 1) * rig->world.spacing;
+	bool outside = !(point.x >= 0 && point.y >= 0 && point.x <= east && point.y <= north);
+	assert_int_equal(height->outside, outside);
+	double there = NAN;
+	const struct rig_triangle *triangle = outside ? NULL : over(all, count, point, 1e-9, &there);
+	if (triangle == NULL) {
+		double edge;
+		/* On an edge, which no triangle has for itself; or in a hole. */
+		assert_true(height->nodata || over(all, count, point, -1e-9, &edge) != NULL);
+		assert_true(height->nodata == (bool)isnan(height->height));
+		return;
+	}
+	assert_false(height->nodata);
+	assert_int_equal(height->level, triangle->level);
+	assert_true(fabs(height->height - there) < 1e-10);
+	double length = 0;
+	for (int k = 1; k < 3; k++) {
+		double dot = 0;
+		for (int i = 0; i < 3; i++)
+			dot += (triangle->corner[k][i] - triangle->corner[0][i]) * height->normal[i];
+		assert_true(fabs(dot) < 1e-10);
+	}
+	for (int i = 0; i < 3; i++)
+		length += height->normal[i] * height->normal[i];
+	assert_true(fabs(length - 1) < 1e-12 && height->normal[2] > 0);
+}
+
+static void every_triangle_agrees(void **unused)
+{
+	enum { COUNT = 3000 };
+	static struct terrain_point points[COUNT];
+	static struct terrain_height heights[COUNT];
+	for (uint64_t seed = 1; seed <= 4; seed++) {
+		struct rig rig = rough;
+		struct rig_triangle *all;
+		uint64_t state = seed;
+		rig.seed = seed;
+		rig.holes = seed % 2 ? 0 : 30;
+		rig.world.cells = seed % 3 ? 8 : 32;
+		rig.fine = (unsigned)(seed % 4 * 30);
+		rig_open(&rig);
+		size_t count = rig_triangles(&rig, &all), holes = 0, fine = 0;
+		for (int i = 0; i < COUNT; i++)
+			points[i] = (struct terrain_point){rig_between(&state, -3, 125), rig_between(&state, -3, 93)};
+		assert_int_equal(terrain_heights(&rig.ground, points, COUNT, heights), STATUS_OK);
+		for (int i = 0; i < COUNT; i++) {
+			check(&rig, all, count, points[i], &heights[i]);
+			holes += heights[i].nodata && !heights[i].outside;
+			fine += !heights[i].nodata && heights[i].level < 0;
+		}
+		assert_int_equal(holes > 0, rig.holes > 0);
+		assert_int_equal(fine > 0, rig.fine > 0);
+		free(all);
+	}
+}
+
+/* At the posts all agree: the triangle, the four posts, the post itself; beside a hole too. */
+static void posts_are_posts(void **unused)
+{
+	struct rig rig = rough;
+	size_t lone = 0;
+	rig.seed = 5;
+	rig.holes = 300;
+	rig.fine = 0;
+	rig_open(&rig);
+	for (int64_t y = 0; y < rig.world.height; y++)
+		for (int64_t x = 0; x < rig.world.width; x++) {
+			struct terrain_height height;
+			struct terrain_point point = {(double)x * rig.world.spacing, (double)y * rig.world.spacing};
+			double post = rig_post(&rig, x, y);
+			assert_int_equal(terrain_heights(&rig.ground, &point, 1, &height), STATUS_OK);
+			assert_int_equal(height.nodata, isnan(post));
+			assert_false(height.outside);
+			assert_true(isnan(post) ? isnan(height.height) && isnan(height.bilinear)
+						: height.height == post && height.bilinear == post);
+			lone += !height.nodata && isnan(height.normal[2]);
+		}
+	assert_true(lone > 0);
+}
+
+static void many_are_as_one(void **unused)
+{
+	enum { COUNT = 4000 };
+	static struct terrain_point points[COUNT];
+	static struct terrain_height together[COUNT];
+	struct rig rig = rough;
+	uint64_t state = 9;
+	rig.holes = 20;
+	rig_open(&rig);
+	for (int i = 0; i < COUNT; i++)
+		points[i] = (struct terrain_point){rig_between(&state, -3, 125), rig_between(&state, -3, 93)};
+	points[7].x = NAN;
+	points[8].y = INFINITY;
+	assert_int_equal(terrain_heights(&rig.ground, points, COUNT, together), STATUS_OK);
+	assert_true(together[7].outside && together[8].outside);
+	/* Each tile once, but for those parted by finer ones. */
+	uint64_t tiles = 15 * 11;
+	assert_true(rig.reads < 3 * tiles);
+	for (int i = 0; i < COUNT; i++) {
+		struct terrain_height alone;
+		assert_int_equal(terrain_heights(&rig.ground, &points[i], 1, &alone), STATUS_OK);
+		assert_memory_equal(&alone, &together[i], sizeof alone);
+	}
+	rig.fails_at = rig.reads + 3;
+	assert_int_equal(terrain_heights(&rig.ground, points, COUNT, together), STATUS_INPUT);
+	assert_int_equal(terrain_heights(&rig.ground, points, 0, together), STATUS_OK);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(every_triangle_agrees),
+		cmocka_unit_test(posts_are_posts),
+		cmocka_unit_test(many_are_as_one),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,322 @@
+/*
+ * Rays, against every triangle of the ground in long doubles; and rays that could slip through where triangles meet.
+ */
+#include "query_rig.h"
+
+#define FAR 1e-9 /* metres a hit may be off */
+
+struct struck {
+	long double first; /* INFINITY: none */
+	const struct rig_triangle *triangle;
+};
+
+/* Where the ray meets a triangle, made larger or smaller by `slack`; INFINITY: nowhere. */
+static long double meets(const struct rig_triangle *triangle, const long double origin[3], const long double way[3],
+			 long double slack)
+{
+	const double(*c)[3] = triangle->corner;
+	long double e[3], f[3], p[3], s[3], q[3];
+	for (int i = 0; i < 3; i++) {
+		e[i] = (long double)c[1][i] - c[0][i];
+		f[i] = (long double)c[2][i] - c[0][i];
+		s[i] = origin[i] - c[0][i];
+	}
+	for (int i = 0; i < 3; i++) {
+		int j = (i + 1) % 3, k = (i + 2) % 3;
+		p[i] = way[j] * f[k] - way[k] * f[j];
+		q[i] = s[j] * e[k] - s[k] * e[j];
+	}
+	long double det = e[0] * p[0] + e[1] * p[1] + e[2] * p[2];
+	if (det == 0)
+		return INFINITY;
+	long double u = (s[0] * p[0] + s[1] * p[1] + s[2] * p[2]) / det;
+	long double v = (way[0] * q[0] + way[1] * q[1] + way[2] * q[2]) / det;
+	long double t = (f[0] * q[0] + f[1] * q[1] + f[2] * q[2]) / det;
+	return u >= -slack && v >= -slack && u + v <= 1 + slack && t >= -slack ? t : INFINITY;
+}
+
+static struct struck strike(const struct rig_triangle *all, size_t count, const struct terrain_ray *ray, long double slack)
+{
+	struct struck struck = {INFINITY, NULL};
+	long double origin[3], way[3], length = 0;
+	for (int i = 0; i < 3; i++) {
+		origin[i] = ray->origin[i];
+		way[i] = ray->direction[i];
+		length += way[i] * way[i];
+	}
+	for (int i = 0; i < 3; i++)
+		way[i] /= sqrtl(length);
+	for (size_t i = 0; i < count; i++) {
+		long double t = meets(&all[i], origin, way, slack);
+		if (t <= ray->length + slack && t < struck.first)
+			struck = (struct struck){t, &all[i]};
+	}
+	return struck;
+}
+
+static void check(const struct terrain_ray *ray, const struct terrain_hit *hit, const struct rig_triangle *all, size_t count)
+{
+	/* Where a ray just touches an edge, or a hole's, either is right. */
+	struct struck loose = strike(all, count, ray, 1e-12L), strict = strike(all, count, ray, -1e-12L);
+	if (!hit->hit) {
+		if (!isinf(strict.first))
+			print_error("missed: %.17g of %.17g %.17g %.17g to %.17g %.17g %.17g\n", (double)strict.first, ray->origin[0],
+				    ray->origin[1], ray->origin[2], ray->direction[0], ray->direction[1], ray->direction[2]);
+		assert_true(isinf(strict.first));
+		return;
+	}
+	assert_false(isinf(loose.first));
+	if (!(hit->distance >= loose.first - FAR && hit->distance <= strict.first + FAR))
+		print_error("at %.17g, between %.17g and %.17g\n", hit->distance, (double)loose.first, (double)strict.first);
+	assert_true(hit->distance >= loose.first - FAR && hit->distance <= strict.first + FAR);
+	double length = sqrt(ray->direction[0] * ray->direction[0] + ray->direction[1] * ray->direction[1] +
+			     ray->direction[2] * ray->direction[2]);
+	for (int i = 0; i < 3; i++)
+		assert_true(fabs(hit->point[i] - (ray->origin[i] + ray->direction[i] / length * hit->distance)) < FAR);
+	if (strict.triangle != loose.triangle)
+		return;
+	const double(*c)[3] = strict.triangle->corner;
+	assert_int_equal(hit->tile.level, strict.triangle->level);
+	double along = 0, up = 0;
+	for (int k = 1; k < 3; k++) {
+		double dot = 0;
+		for (int i = 0; i < 3; i++)
+			dot += (c[k][i] - c[0][i]) * hit->normal[i];
+		assert_true(fabs(dot) < 1e-9);
+	}
+	for (int i = 0; i < 3; i++) {
+		along += hit->normal[i] * ray->direction[i] / length;
+		up += hit->normal[i] * hit->normal[i];
+	}
+	assert_true(fabs(up - 1) < 1e-12 && hit->normal[2] > 0);
+	assert_true(hit->below == (along > 0) || fabs(along) < 1e-9);
+}
+
+static const struct rig rough = {.world = {61, 45, 2, 8}, .finest = -2, .fine = 30, .relief = 9, .rut = 0.7};
+
+static struct terrain_ray random_ray(const struct rig *rig, uint64_t *state)
+{
+	double east = (double)(rig->world.width - 1) * rig->world.spacing, north = (double)(rig->world.height - 1) * rig->world.spacing;
+	struct terrain_ray ray = {.length = rig_unit(state) < 0.3 ? (double)INFINITY : rig_between(state, 0, 200)};
+	double from[3] = {rig_between(state, -20, east + 20), rig_between(state, -20, north + 20), rig_between(state, -15, 25)};
+	double to[3] = {rig_between(state, 0, east), rig_between(state, 0, north), rig_between(state, -10, 12)};
+	bool grazes = rig_unit(state) < 0.4;
+	for (int i = 0; i < 3; i++) {
+		ray.origin[i] = from[i];
+		ray.direction[i] = to[i] - from[i];
+	}
+	if (grazes)
+		ray.direction[2] *= 0.02;
+	if (rig_unit(state) < 0.1)
+		ray.direction[0] = ray.direction[1] = 0;
+	if (rig_unit(state) < 0.1)
+		ray.direction[rig_unit(state) < 0.5] = 0;
+	return ray;
+}
+
+static void against_all(struct rig rig, size_t rays)
+{
+	struct rig_triangle *all;
+	rig_open(&rig);
+	size_t count = rig_triangles(&rig, &all), hits = 0, below = 0;
+	uint64_t state = rig.seed;
+	for (size_t i = 0; i < rays; i++) {
+		struct terrain_ray ray = random_ray(&rig, &state);
+		struct terrain_hit hit;
+		assert_int_equal(terrain_rays(&rig.ground, &ray, 1, &hit), STATUS_OK);
+		check(&ray, &hit, all, count);
+		hits += hit.hit;
+		below += hit.hit && hit.below;
+	}
+	assert_true(hits > rays / 10 && below > rays / 100 && hits < rays);
+	free(all);
+}
+
+static void every_triangle_agrees(void **state)
+{
+	for (uint64_t seed = 1; seed <= 6; seed++) {
+		struct rig rig = rough;
+		rig.seed = seed;
+		rig.holes = seed % 2 ? 0 : 30;
+		rig.world.cells = seed % 3 ? 8 : 32;
+		rig.fine = (unsigned)(seed % 4 * 30);
+		against_all(rig, 400);
+	}
+}
+
+/* From above everything to below everything, through posts, along edges and diagonals, or a little beside. */
+static void slips_through(struct rig rig, size_t rays)
+{
+	rig_open(&rig);
+	uint64_t state = rig.seed + 99;
+	double spacing = world_spacing(&rig.world, rig.finest);
+	for (size_t i = 0; i < rays; i++) {
+		struct terrain_ray ray = {.length = INFINITY};
+		struct terrain_hit hit;
+		double step = rig_unit(&state) < 0.5 ? spacing : rig.world.spacing;
+		double post[3] = {(double)rig.far * rig.world.spacing + step * floor(rig_between(&state, 80, 90)),
+				  (double)rig.far * rig.world.spacing + step * floor(rig_between(&state, 80, 90)), 0};
+		static const double ways[8][2] = {{1, 0}, {0, 1}, {1, 1}, {-1, -1}, {-1, 0}, {0, -1}, {1, -1}, {2, 1}};
+		const double *way = ways[(size_t)rig_between(&state, 0, 8)];
+		double beside = rig_unit(&state) < 0.5 ? 0 : ldexp(rig_between(&state, -1, 1), -(int)rig_between(&state, 10, 52));
+		double slope = rig_between(&state, 0.3, 3), up = rig.relief * 3 + 2;
+		ray.direction[0] = way[0] + beside;
+		ray.direction[1] = way[1];
+		ray.direction[2] = -slope;
+		for (int k = 0; k < 3; k++)
+			ray.origin[k] = post[k] - (k < 2 ? ray.direction[k] * up / slope : -up);
+		if (rig_unit(&state) < 0.3) {
+			ray.origin[2] -= 2 * up;
+			ray.direction[2] = slope;
+		}
+		assert_int_equal(terrain_rays(&rig.ground, &ray, 1, &hit), STATUS_OK);
+		if (!hit.hit)
+			print_error("slipped: %.17g %.17g %.17g to %.17g %.17g %.17g\n", ray.origin[0], ray.origin[1], ray.origin[2],
+				    ray.direction[0], ray.direction[1], ray.direction[2]);
+		assert_true(hit.hit);
+		assert_int_equal(hit.below, ray.direction[2] > 0);
+	}
+}
+
+static void nothing_slips_through(void **state)
+{
+	for (uint64_t seed = 1; seed <= 4; seed++) {
+		struct rig rig = {.world = {201, 201, 1, 16}, .seed = seed, .finest = seed % 2 ? -2 : 0, .fine = 50, .relief = 2, .rut = 0.3};
+		slips_through(rig, 1500);
+		rig.world.width = rig.world.height = 10000300;
+		rig.far = 10000000;
+		slips_through(rig, 1500);
+	}
+}
+
+/* More than 10,000 km off all is as it is here. */
+static void far_is_as_near(void **unused)
+{
+	uint64_t state = 7;
+	int hits = 0;
+	struct rig near = {.world = {201, 201, 1, 16}, .seed = 3, .relief = 2}, far = near;
+	far.world.width = far.world.height = 16777216 + 201;
+	far.far = 16777216;
+	rig_open(&near);
+	rig_open(&far);
+	for (int i = 0; i < 2000; i++) {
+		struct terrain_ray ray = {.length = 60}, away;
+		struct terrain_hit hit, there;
+		for (int k = 0; k < 3; k++) {
+			ray.origin[k] = floor(rig_between(&state, 0, 200) * 0x1p20) * 0x1p-20;
+			ray.direction[k] = rig_between(&state, -1, 1);
+		}
+		ray.origin[2] /= 16;
+		away = ray;
+		away.origin[0] += 16777216;
+		away.origin[1] += 16777216;
+		assert_int_equal(terrain_rays(&near.ground, &ray, 1, &hit), STATUS_OK);
+		assert_int_equal(terrain_rays(&far.ground, &away, 1, &there), STATUS_OK);
+		assert_int_equal(there.hit, hit.hit);
+		assert_true(fabs(there.distance - hit.distance) < 1e-7);
+		hits += hit.hit;
+	}
+	assert_true(hits > 500 && hits < 2000);
+}
+
+static void what_is_no_ray(void **unused)
+{
+	struct rig rig = rough;
+	rig_open(&rig);
+	struct terrain_hit hits[2];
+	struct terrain_ray good = {{50, 40, 100}, {0, 0, -1}, 1000}, bad;
+	assert_int_equal(terrain_rays(&rig.ground, &good, 1, hits), STATUS_OK);
+	assert_true(hits[0].hit && !hits[0].below && hits[0].normal[2] > 0);
+	const struct terrain_ray refused[] = {
+		{{NAN, 0, 0}, {0, 0, -1}, 10},      {{0, INFINITY, 0}, {0, 0, -1}, 10}, {{50, 40, 100}, {0, NAN, -1}, 10},
+		{{50, 40, 100}, {0, 0, 0}, 10},     {{50, 40, 100}, {0, 0, -1}, NAN},   {{50, 40, 100}, {0, 0, -1}, -1},
+		{{50, 40, 100}, {0, INFINITY, 0}, 10},
+	};
+	for (size_t i = 0; i < sizeof refused / sizeof *refused; i++)
+		assert_int_equal(terrain_rays(&rig.ground, &refused[i], 1, hits), STATUS_INPUT);
+	/* The second of two, by its number. */
+	const struct terrain_ray two[2] = {good, refused[0]};
+	assert_int_equal(terrain_rays(&rig.ground, two, 2, hits), STATUS_INPUT);
+	assert_non_null(strstr(failure_message(), "ray 1"));
+	/* Tiny, huge, too short, of no length. */
+	bad = good;
+	bad.direction[2] = -1e-300;
+	assert_int_equal(terrain_rays(&rig.ground, &bad, 1, &hits[1]), STATUS_OK);
+	assert_true(hits[1].hit && hits[1].distance == hits[0].distance);
+	bad.direction[2] = -1e300;
+	assert_int_equal(terrain_rays(&rig.ground, &bad, 1, &hits[1]), STATUS_OK);
+	assert_true(hits[1].hit && hits[1].distance == hits[0].distance);
+	bad.length = hits[0].distance - 1e-6;
+	assert_int_equal(terrain_rays(&rig.ground, &bad, 1, &hits[1]), STATUS_OK);
+	assert_false(hits[1].hit);
+	bad.length = 0;
+	assert_int_equal(terrain_rays(&rig.ground, &bad, 1, &hits[1]), STATUS_OK);
+	assert_false(hits[1].hit);
+	bad.origin[2] = hits[0].point[2];
+	assert_int_equal(terrain_rays(&rig.ground, &bad, 1, &hits[1]), STATUS_OK);
+	rig.fails_at = rig.reads + 1;
+	assert_int_equal(terrain_rays(&rig.ground, &good, 1, hits), STATUS_INPUT);
+}
+
+/* On the ground, at its edge, in it. */
+static void where_it_begins(void **unused)
+{
+	struct rig rig = {.world = {33, 33, 1, 8}};
+	struct terrain_hit hit;
+	rig_open(&rig); /* level, at 0 */
+	const struct {
+		struct terrain_ray ray;
+		bool hit, below;
+		double distance;
+	} cases[] = {
+		{{{5.5, 5.5, 0}, {1, 0, 0}, 10}, true, false, 0},
+		{{{5.5, 5.5, 0}, {1, 0, 0}, 0}, true, false, 0},
+		{{{5, 5, -1}, {0, 0, 1}, 10}, true, true, 1},
+		{{{5, 5, -1}, {0, 0, -1}, INFINITY}, false, false, 0},
+		{{{5, 5, 1}, {0, 0, 1}, INFINITY}, false, false, 0},
+		{{{32, 32, 1}, {0, 0, -1}, 10}, true, false, 1},
+		{{{0, 0, 1}, {0, 0, -1}, 10}, true, false, 1},
+		{{{32, 5, 1}, {0, 1, -1}, 10}, true, false, sqrt(2)},
+		{{{5, 32, 3}, {4, 0, -3}, 10}, true, false, 5},
+		{{{32.001, 5, 1}, {0, 0, -1}, 10}, false, false, 0},
+		{{{-3, 16, 4}, {3, 0, -4}, INFINITY}, true, false, 5},
+		{{{-3, 16, -4}, {3, 0, 4}, INFINITY}, true, true, 5},
+		{{{-1, 16, 0}, {1, 0, 0}, INFINITY}, true, false, 1},
+		{{{40, 16, 1}, {1, 0, 0}, INFINITY}, false, false, 0},
+	};
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		assert_int_equal(terrain_rays(&rig.ground, &cases[i].ray, 1, &hit), STATUS_OK);
+		assert_int_equal(hit.hit, cases[i].hit);
+		assert_true(!hit.hit || fabs(hit.distance - cases[i].distance) < 1e-12);
+		assert_int_equal(hit.below, cases[i].below);
+	}
+}
+
+static void many_are_as_one(void **unused)
+{
+	enum { COUNT = 500 };
+	static struct terrain_ray rays[COUNT];
+	static struct terrain_hit together[COUNT];
+	struct rig rig = rough;
+	uint64_t state = 4;
+	rig.holes = 20;
+	rig_open(&rig);
+	for (int i = 0; i < COUNT; i++)
+		rays[i] = random_ray(&rig, &state);
+	assert_int_equal(terrain_rays(&rig.ground, rays, COUNT, together), STATUS_OK);
+	for (int i = 0; i < COUNT; i++) {
+		struct terrain_hit alone;
+		assert_int_equal(terrain_rays(&rig.ground, &rays[i], 1, &alone), STATUS_OK);
+		assert_int_equal(alone.hit, together[i].hit);
+		assert_true(alone.distance == together[i].distance && tile_equal(alone.tile, together[i].tile));
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(every_triangle_agrees), cmocka_unit_test(nothing_slips_through), cmocka_unit_test(far_is_as_near),
+		cmocka_unit_test(what_is_no_ray),        cmocka_unit_test(where_it_begins),       cmocka_unit_test(many_are_as_one),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
