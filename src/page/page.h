@@ -153,6 +153,15 @@ void page_cache_each_queued(struct page_cache *cache, page_image_fn fn, void *us
 typedef void (*page_resident_fn)(void *user, uint64_t key, uint32_t slot, bool dirty);
 void page_cache_each_resident(struct page_cache *cache, page_resident_fn fn, void *user);
 
+/* Where the newest version of a page is, between two steps. With PAGE_NEWEST_QUEUED `fn` was called with its image, filled:
+ * waits for its read-back if that is not settled. With PAGE_NEWEST_SLOT it is in `*slot`, dirty. Nothing is used, loaded or counted. */
+enum page_newest { PAGE_NEWEST_STORED, PAGE_NEWEST_QUEUED, PAGE_NEWEST_SLOT };
+enum status page_cache_newest(struct page_cache *cache, uint64_t key, page_image_fn fn, void *user, enum page_newest *newest,
+			      uint32_t *slot) FURROW_CHECKED;
+/* Every page whose newest version may not be in the store, some twice. `fn` may not ask the cache for anything. */
+typedef void (*page_key_fn)(void *user, uint64_t key);
+void page_cache_each_changed(struct page_cache *cache, page_key_fn fn, void *user);
+
 void page_cache_stats(struct page_cache *cache, struct page_stats *stats);
 
 /*

@@ -292,6 +292,7 @@ static void finish(struct drive *drive, enum status status)
 {
 	scout_destroy(drive->scout);
 	view_destroy(drive->view);
+	newest_destroy(drive->newest);
 	prefetch_destroy(drive->prefetch);
 	wishes_finish(&drive->wishes);
 	pages_destroy(drive->pages);

@@ -9,6 +9,7 @@
 #include "page/page.h"
 #include "run/ground.h"
 #include "run/key_set.h"
+#include "run/newest.h"
 #include "run/pages.h"
 #include "run/pictures.h"
 #include "run/pyramid.h"
@@ -81,6 +82,7 @@ struct drive {
 	struct pyramid *pyramid; /* NULL without a view: nobody looks at coarser levels */
 	struct view *view;       /* NULL without one */
 	struct pictures *pictures; /* NULL: none are kept */
+	struct newest *newest;   /* NULL until the first query */
 	FILE *epochs;
 	struct rider *riders;
 	struct deform_rest *rests; /* room for all objects */

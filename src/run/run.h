@@ -10,6 +10,7 @@
 #include "base/base.h"
 #include "base/plan.h"
 #include "scene/scene.h"
+#include "terrain/terrain.h"
 
 struct run_params {
 	const struct scene *scene;
@@ -86,5 +87,17 @@ struct run_plan {
  * begin: STATUS_INPUT for what the store or its spacing does not allow. On failure `out` is all zero. */
 enum status run_plan(const struct scene *scene, const char *store, struct run_plan *out) FURROW_CHECKED;
 void run_plan_finish(struct run_plan *plan); /* of one that is all zero too */
+
+/*
+ * --- queries: the ground of a drive that runs ---
+ *
+ * On the drive's thread, between two steps. What is told is the newest, wherever it is: a rut of the step before, too. A query
+ * changes nothing that a drive's results depend on; what it reads shows in run.json's memory, statements and read-backs, and
+ * is in no plan. terrain/terrain.h says what heights and rays are. A call for many is cheaper than many calls; of each step the
+ * first that comes near ground that changed and is not committed waits, on a real GPU, for the work begun before.
+ */
+struct drive;
+enum status run_heights(struct drive *drive, const struct terrain_point *points, size_t count, struct terrain_height *heights) FURROW_CHECKED;
+enum status run_rays(struct drive *drive, const struct terrain_ray *rays, size_t count, struct terrain_hit *hits) FURROW_CHECKED;
 
 #endif
