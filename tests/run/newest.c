@@ -1,0 +1,391 @@
+/*
+ * Queries over a running drive: the same answers, to the bit, while a rut is in its slot alone, when it was evicted into the
+ * queue, once it is committed, and over the store by itself; those of the posts that the store has. And a drive that is
+ * asked all the time leaves what one leaves that is not.
+ */
+#include "../gpu/staged.h"
+#include "../support.h"
+
+#include "run/internal.h"
+
+enum { CELLS = 32, POINTS = 1500, RAYS = 600, SLOTS = 6 };
+static const struct world world = {129, 129, 1, CELLS};
+static const struct deform_shape sphere = {.kind = DEFORM_SPHERE, .radius = 2.5};
+static const struct scene_object object = {.name = "ball", .shape = {.kind = DEFORM_SPHERE, .radius = 2.5}};
+
+struct rig {
+	struct drive drive;
+	struct scene scene;
+	struct rider rider;
+};
+
+static double hills_with_a_hole(int64_t x, int64_t y)
+{
+	return x > 100 && x < 110 && y > 90 && y < 97 ? (double)NAN : support_hills(x, y);
+}
+
+static enum status before_read_back(void *user, struct tile tile, uint32_t slot)
+{
+	return STATUS_OK;
+}
+
+static void rig_open(struct rig *rig, const char *path, int level, double epoch_age)
+{
+	struct drive *drive = &rig->drive;
+	*rig = (struct rig){.scene = {.slots = SLOTS, .hash = "0"}, .rider = {.object = &object}};
+	support_store(path, world, hills_with_a_hole);
+	must(store_open(path, &(struct store_options){.mode = STORE_WRITE}, &drive->store));
+	must(store_set_working_level(drive->store, level));
+	drive->scene = &rig->scene;
+	drive->riders = &rig->rider;
+	drive->meta = store_meta(drive->store);
+	drive->level = level;
+	drive->spacing = world_spacing(&world, level);
+	drive->epochs = tmpfile();
+	assert_non_null(drive->epochs);
+	enum status status = gpu_create(&(struct gpu_params){.draws = false}, &drive->gpu);
+	if (status == STATUS_NO_GL) {
+		store_close(drive->store);
+		skip();
+	}
+	must(status);
+	must(gpu_slots_create(drive->gpu, CELLS, SLOTS, PLANE_BIT(PLANE_DIRT), &drive->slots));
+	must(ground_create(drive->store, 4, &drive->ground));
+	must(deform_create(&(struct deform_params){.gpu = drive->gpu,
+						   .slots = drive->slots,
+						   .world = &drive->meta->world,
+						   .level = level,
+						   .reference = ground_reference(drive->store),
+						   .model = DEFORM_BOX_FILTER,
+						   .box_radius = 1,
+						   .box_repetitions = 1,
+						   .dirt = true},
+			   &drive->deform));
+	must(pages_create(&(struct pages_params){.store = drive->store,
+						 .gpu = drive->gpu,
+						 .slots = drive->slots,
+						 .planes = gpu_slots_planes(drive->slots),
+						 .level = level,
+						 .count = SLOTS,
+						 .loaders = 2,
+						 .step_pages = 64,
+						 .scene = &rig->scene,
+						 .epochs = drive->epochs,
+						 .epoch_age = epoch_age,
+						 .before_read_back = before_read_back,
+						 .user = drive},
+			  &drive->pages));
+	drive->cache = pages_cache(drive->pages);
+	drive->record = calloc(1, record_bytes(0));
+}
+
+static void rig_close(struct rig *rig)
+{
+	struct drive *drive = &rig->drive;
+	newest_destroy(drive->newest);
+	pages_destroy(drive->pages);
+	deform_destroy(drive->deform);
+	ground_destroy(drive->ground);
+	gpu_slots_destroy(drive->slots);
+	gpu_destroy(drive->gpu);
+	store_close(drive->store);
+	fclose(drive->epochs);
+	free(drive->record);
+}
+
+static void roll(struct rig *rig, int step)
+{
+	double angle = step * 0.05, x = 64 + 50 * sin(angle), y = 64 + 45 * sin(2.1 * angle);
+	struct event event = {.contact = true, .pose = {.x = lattice_offset(x), .y = lattice_offset(y)}};
+	int64_t ground;
+	bool any;
+	must(ground_height(rig->drive.ground, event.pose.x, event.pose.y, &ground, &any));
+	if (!any)
+		return;
+	event.pose.z = ground + lattice_offset(sphere.radius - 0.4);
+	must(drive_sweep(&rig->drive, &event, true));
+}
+
+static void end_step(struct rig *rig)
+{
+	rig->drive.step++;
+	rig->drive.record->step++;
+	must(page_cache_end_step(rig->drive.cache, rig->drive.record));
+}
+
+/* --- asking --- */
+
+static struct terrain_point points[POINTS];
+static struct terrain_ray rays[RAYS];
+
+static void choose(void)
+{
+	uint64_t state = 11;
+	for (int i = 0; i < POINTS + RAYS; i++) {
+		double at[6];
+		for (int k = 0; k < 6; k++) {
+			state = state * 6364136223846793005u + 1442695040888963407u;
+			at[k] = (double)(state >> 11) * 0x1p-53;
+		}
+		if (i < POINTS) /* every third at a post of the finest there is */
+			points[i] = i % 3 == 0 ? (struct terrain_point){floor(at[0] * 1024) / 8, floor(at[1] * 1024) / 8}
+					       : (struct terrain_point){at[0] * 130 - 1, at[1] * 130 - 1};
+		else
+			rays[i - POINTS] = (struct terrain_ray){{at[0] * 128, at[1] * 128, 90 + 20 * at[2]},
+								{at[3] - 0.5, at[4] - 0.5, 0.3 * (at[5] - 0.5)},
+								at[5] < 0.2 ? (double)INFINITY : 60};
+	}
+}
+
+struct answers {
+	struct terrain_height heights[POINTS];
+	struct terrain_hit hits[RAYS];
+};
+
+static struct answers before, after;
+
+static void ask(struct newest *newest, struct answers *answers)
+{
+	memset(answers, 0, sizeof *answers);
+	must(newest_heights(newest, points, POINTS, answers->heights));
+	must(newest_rays(newest, rays, RAYS, answers->hits));
+}
+
+/* With nothing kept from before. */
+static void ask_anew(struct rig *rig, struct answers *answers)
+{
+	newest_destroy(rig->drive.newest);
+	rig->drive.newest = NULL;
+	must(run_heights(&rig->drive, points, POINTS, answers->heights));
+	ask(rig->drive.newest, answers);
+}
+
+static void check_same(const struct answers *a, const struct answers *b)
+{
+	for (int i = 0; i < POINTS; i++)
+		assert_memory_equal(&a->heights[i], &b->heights[i], sizeof a->heights[i]);
+	for (int i = 0; i < RAYS; i++) {
+		assert_int_equal(a->hits[i].hit, b->hits[i].hit);
+		assert_true(a->hits[i].distance == b->hits[i].distance && a->hits[i].normal[0] == b->hits[i].normal[0] &&
+			    a->hits[i].below == b->hits[i].below && tile_equal(a->hits[i].tile, b->hits[i].tile));
+	}
+}
+
+static void look(void *user, const struct page_image *image)
+{
+	++*(size_t *)user;
+}
+
+/* How many tiles of the level are where; of the store those with offsets. */
+static void places(struct rig *rig, size_t where[3])
+{
+	size_t looks = 0;
+	memset(where, 0, 3 * sizeof *where);
+	for (uint32_t y = 0; y < world_tiles_y(&world, rig->drive.level); y++)
+		for (uint32_t x = 0; x < world_tiles_x(&world, rig->drive.level); x++) {
+			struct tile tile = {rig->drive.level, x, y};
+			enum page_newest place;
+			uint32_t slot;
+			double low, high;
+			bool stored;
+			must(page_cache_newest(rig->drive.cache, tile_key(tile), look, &looks, &place, &slot));
+			must(ground_offset_range(rig->drive.ground, tile, &low, &high, &stored));
+			where[place] += place != PAGE_NEWEST_STORED || stored;
+		}
+	assert_int_equal(looks, where[PAGE_NEWEST_QUEUED]);
+}
+
+/* Every slot goes to what is not deformed. */
+static void evict(struct rig *rig)
+{
+	const struct tile others[SLOTS] = {{2, 0, 0}, {0, 0, 0}, {0, 1, 0}, {0, 2, 0}, {0, 0, 1}, {0, 0, 2}};
+	uint64_t keys[SLOTS];
+	uint32_t slots[SLOTS];
+	for (int i = 0; i < SLOTS; i++)
+		keys[i] = tile_key(others[i]);
+	must(page_cache_pin_all(rig->drive.cache, keys, SLOTS, slots));
+	for (int i = 0; i < SLOTS; i++)
+		page_cache_unpin(rig->drive.cache, keys[i]);
+}
+
+/* The surface at every post of the level is what the store says. */
+static void check_posts(const char *path, struct newest *newest, int level)
+{
+	struct store *store;
+	struct store_reader *reader;
+	int finest = level < 0 ? level : 0;
+	int64_t side = world_posts(world.width, finest);
+	double *values = malloc((size_t)(side * side) * sizeof *values);
+	struct terrain_point *all = malloc((size_t)(side * side) * sizeof *all);
+	struct terrain_height *heights = malloc((size_t)(side * side) * sizeof *heights);
+	size_t fine = 0;
+	must(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
+	must(store_reader_create(store, &reader));
+	must(store_read_posts(reader, STORE_SURFACE, finest, (struct post_rect){0, 0, side, side}, values));
+	for (int64_t i = 0; i < side * side; i++)
+		all[i] = (struct terrain_point){(double)(i % side) * world_spacing(&world, finest),
+						(double)(i / side) * world_spacing(&world, finest)};
+	must(newest_heights(newest, all, (size_t)(side * side), heights));
+	for (int64_t i = 0; i < side * side; i++) {
+		if (isnan(values[i]))
+			assert_true(isnan(heights[i].bilinear)); /* of a cell with a hole one triangle may be there */
+		else if (heights[i].level == finest)
+			assert_true(heights[i].height == values[i] && heights[i].bilinear == values[i]);
+		else
+			assert_true(fabs(heights[i].bilinear - values[i]) <= 0x1p-18); /* between posts of a coarser level */
+		fine += heights[i].level == finest;
+	}
+	assert_true(fine > 0 && (finest == 0 || fine < (size_t)(side * side)));
+	free(values);
+	free(all);
+	free(heights);
+	store_reader_destroy(reader);
+	store_close(store);
+}
+
+static void wherever_it_is(int level)
+{
+	const char *path = support_path("newest.furrow");
+	struct rig rig;
+	struct newest *alone;
+	struct store *store;
+	size_t where[3];
+	rig_open(&rig, path, level, 0);
+	choose();
+	ask_anew(&rig, &before);
+	/* One step's rut, and a tile that was touched and left as it was. */
+	roll(&rig, 7);
+	uint32_t slot, tiles = world_tiles_x(&world, level);
+	uint64_t key = tile_key((struct tile){level, tiles - 1, 0});
+	must(page_cache_pin(rig.drive.cache, key, &slot));
+	must(gpu_slots_deform(rig.drive.slots, slot));
+	page_cache_dirty(rig.drive.cache, key);
+	page_cache_unpin(rig.drive.cache, key);
+	end_step(&rig);
+	places(&rig, where);
+	assert_true(where[PAGE_NEWEST_SLOT] >= 2 && where[PAGE_NEWEST_QUEUED] == 0);
+	ask(rig.drive.newest, &after);
+	size_t changed = 0, levels = 0;
+	for (int i = 0; i < POINTS; i++) {
+		changed += memcmp(&before.heights[i], &after.heights[i], sizeof before.heights[i]) != 0;
+		levels += after.heights[i].level != 0;
+	}
+	assert_true(changed > 0 && changed < POINTS / 2 && (levels > 0) == (level < 0));
+	before = after;
+	ask_anew(&rig, &after);
+	check_same(&before, &after);
+	evict(&rig);
+	places(&rig, where);
+	assert_true(where[PAGE_NEWEST_SLOT] == 0 && where[PAGE_NEWEST_QUEUED] >= 2);
+	ask_anew(&rig, &after);
+	check_same(&before, &after);
+	must(page_cache_flush(rig.drive.cache, rig.drive.record));
+	ask_anew(&rig, &after);
+	check_same(&before, &after);
+	ask(rig.drive.newest, &after);
+	check_same(&before, &after);
+	check_posts(path, rig.drive.newest, level);
+	must(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
+	must(newest_create(store, NULL, &alone));
+	ask(alone, &after);
+	check_same(&before, &after);
+	check_posts(path, alone, level);
+	newest_destroy(alone);
+	store_close(store);
+	rig_close(&rig);
+}
+
+static void at_the_source_s_level(void **state)
+{
+	wherever_it_is(0);
+}
+
+static void below_it(void **state)
+{
+	wherever_it_is(-1);
+}
+
+static void far_below_it(void **state)
+{
+	wherever_it_is(-2);
+}
+
+static void above_it(void **state)
+{
+	wherever_it_is(1);
+}
+
+/* Asked between all steps, with 6 slots, epochs on their way, and read-backs that are not over. */
+static uint64_t drive_all(const char *path, bool asked)
+{
+	struct rig rig;
+	rig_open(&rig, path, -1, 0.002);
+	choose();
+	for (int step = 0; step < 120; step++) {
+		roll(&rig, step);
+		end_step(&rig);
+		if (!asked)
+			continue;
+		ask(step % 20 == 0 ? (ask_anew(&rig, &before), rig.drive.newest) : rig.drive.newest, &after);
+		if (step % 20 == 0)
+			check_same(&before, &after);
+		if (step % 8 == 7) {
+			before = after;
+			evict(&rig);
+			ask_anew(&rig, &after);
+			check_same(&before, &after);
+		}
+	}
+	must(page_cache_flush(rig.drive.cache, rig.drive.record));
+	if (asked)
+		check_posts(path, rig.drive.newest, -1);
+	rig_close(&rig);
+	support_verify(path);
+	return support_hash(path);
+}
+
+static void asking_changes_nothing(void **state)
+{
+	uint64_t asked = drive_all(support_path("asked.furrow"), true);
+	assert_true(asked == drive_all(support_path("left.furrow"), false));
+}
+
+/* The same as by the store's own sampling, which is between four posts. */
+static void points_are_as_the_store_samples(void **state)
+{
+	const char *path = support_path("asked.furrow");
+	struct store *store;
+	struct store_reader *reader;
+	struct newest *newest;
+	size_t with = 0;
+	must(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
+	must(store_reader_create(store, &reader));
+	must(newest_create(store, NULL, &newest));
+	choose();
+	ask(newest, &before);
+	for (int i = 0; i < POINTS; i++) {
+		struct store_sample sample;
+		must(store_sample(reader, points[i].x, points[i].y, &sample));
+		assert_int_equal(sample.outside, before.heights[i].outside);
+		assert_int_equal(sample.nodata, isnan(before.heights[i].bilinear));
+		if (sample.nodata)
+			continue;
+		/* The store keeps the source's heights; these are on the lattice, and there finer posts are rounded. */
+		assert_true(fabs(sample.height - before.heights[i].bilinear) <= 0x1p-17);
+		with += sample.offset != 0;
+	}
+	assert_true(with > 0);
+	newest_destroy(newest);
+	store_reader_destroy(reader);
+	store_close(store);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(at_the_source_s_level), cmocka_unit_test(below_it),
+		cmocka_unit_test(far_below_it),          cmocka_unit_test(above_it),
+		cmocka_unit_test(asking_changes_nothing), cmocka_unit_test(points_are_as_the_store_samples),
+	};
+	return cmocka_run_group_tests(tests, support_enter, support_leave);
+}
