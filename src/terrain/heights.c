@@ -88,10 +88,13 @@ static void measure(const struct world *world, struct tile tile, const struct te
 		    struct terrain_height *height)
 {
 	const double spacing = world_spacing(world, tile.level), cells = world->cells;
+	/* On the world's edge it is in the last cell. */
+	const uint32_t in[2] = {terrain_cells_in(world, tile.level, tile.x, world->width),
+				terrain_cells_in(world, tile.level, tile.y, world->height)};
 	double place[2] = {on[0] / spacing - tile.x * cells, on[1] / spacing - tile.y * cells}, part[2];
 	size_t cell[2];
 	for (int i = 0; i < 2; i++) {
-		double whole = fmin(fmax(floor(place[i]), 0), cells - 1);
+		double whole = fmin(fmax(floor(place[i]), 0), in[i] - 1.0);
 		cell[i] = (size_t)whole;
 		part[i] = fmin(fmax(place[i] - whole, 0), 1);
 	}

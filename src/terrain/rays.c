@@ -22,6 +22,7 @@ struct ray {
 	double origin[3], way[3]; /* way: of length 1 */
 	double spacing;           /* of the tile below, and the ray in its cells: at + t step */
 	double at[2], step[2];
+	uint32_t in[2];           /* of its cells in the world: what is on the edge is in the last */
 	struct tile tile;
 	struct terrain_posts posts;
 	enum side side;
@@ -104,6 +105,11 @@ static uint32_t square_of(double at, uint32_t size, uint32_t first, uint32_t end
 	return square <= first ? first : square >= end ? end - 1 : (uint32_t)square;
 }
 
+static uint32_t least(uint32_t a, uint32_t b)
+{
+	return a < b ? a : b;
+}
+
 static bool march(struct ray *ray, struct cell_rect rect, uint32_t size, double begin, double end);
 
 static bool in_block(struct ray *ray, uint32_t x, uint32_t y, double begin, double end)
@@ -113,7 +119,8 @@ static bool in_block(struct ray *ray, uint32_t x, uint32_t y, double begin, doub
 		ray->side = SIDE_UNKNOWN;
 		return false;
 	}
-	const struct cell_rect cells = {x * TERRAIN_BLOCK, y * TERRAIN_BLOCK, (x + 1) * TERRAIN_BLOCK, (y + 1) * TERRAIN_BLOCK};
+	const struct cell_rect cells = {x * TERRAIN_BLOCK, y * TERRAIN_BLOCK, least((x + 1) * TERRAIN_BLOCK, ray->in[0]),
+					least((y + 1) * TERRAIN_BLOCK, ray->in[1])};
 	return march(ray, cells, 1, begin, end);
 }
 
@@ -145,6 +152,10 @@ static enum status in_posts(struct ray *ray, struct tile tile, struct cell_rect 
 	if (status != STATUS_OK)
 		return status;
 	ray->tile = tile;
+	ray->in[0] = terrain_cells_in(ground->world, tile.level, tile.x, ground->world->width);
+	ray->in[1] = terrain_cells_in(ground->world, tile.level, tile.y, ground->world->height);
+	blocks.x1 = least(blocks.x1, (ray->in[0] + TERRAIN_BLOCK - 1) / TERRAIN_BLOCK);
+	blocks.y1 = least(blocks.y1, (ray->in[1] + TERRAIN_BLOCK - 1) / TERRAIN_BLOCK);
 	ray->spacing = world_spacing(ground->world, tile.level);
 	const double side = ray->spacing * ground->world->cells, corner[2] = {tile.x * side, tile.y * side};
 	for (int i = 0; i < 2; i++) {
