@@ -1,4 +1,4 @@
-/* furrow query: heights at points. */
+/* furrow query: heights at points, and rays. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -7,21 +7,27 @@
 #include "command.h"
 #include "dem/dem.h"
 #include "json.h"
+#include "run/newest.h"
 #include "store/store.h"
 
 static const struct command_option options[] = {
 	{"srs", "SRS", "what X and Y are in (metres from the south-west post); \"store\": the store's own"},
-	{"json", NULL, "one JSON object: points, each with height, base, offset, nodata, soil (in metres but for dirt)"},
+	{"ray", "X,Y,Z,DX,DY,DZ", "where a ray from there first meets the ground, from above or below; may be repeated"},
+	{"json", NULL, "one JSON object: points, each with height, base, offset, surface, normal, nodata, soil (in metres but for dirt)"},
 	{NULL, NULL, NULL},
 };
 
 struct asking {
 	struct store_reader *reader;
+	struct newest *newest;
 	const struct store_meta *meta;
 	const char *srs;
-	cJSON *points; /* NULL: print lines */
-	cJSON *only;   /* the last one */
+	cJSON *points, *rays; /* NULL: print lines */
+	cJSON *only;          /* the last one */
 };
+
+/* What a line or an option says: so many numbers. */
+enum { POINT = 2, RAY = 6 };
 
 static enum status to_local(const struct asking *asking, double *x, double *y)
 {
@@ -40,7 +46,24 @@ static enum status to_local(const struct asking *asking, double *x, double *y)
 	return STATUS_OK;
 }
 
-static enum status ask(struct asking *asking, double x, double y)
+/* From the store's metres to what was asked in. */
+static enum status from_local(const struct asking *asking, double *x, double *y)
+{
+	if (asking->srs == NULL)
+		return STATUS_OK;
+	*x += asking->meta->origin[0];
+	*y += asking->meta->origin[1];
+	return strcmp(asking->srs, "store") != 0 ? dem_transform(asking->meta->srs, asking->srs, 1, x, y) : STATUS_OK;
+}
+
+static void add_numbers(cJSON *object, const char *name, const double *values, size_t count)
+{
+	cJSON *array = cJSON_AddArrayToObject(object, name);
+	for (size_t i = 0; i < count; i++)
+		cJSON_AddItemToArray(array, cJSON_CreateNumber(values[i]));
+}
+
+static enum status ask_point(struct asking *asking, double x, double y)
 {
 	struct store_sample sample;
 	double local_x = x, local_y = y;
@@ -58,12 +81,21 @@ static enum status ask(struct asking *asking, double x, double y)
 			       sample.base, sample.offset, sample.dirt);
 		return STATUS_OK;
 	}
+	struct terrain_height surface;
+	status = newest_heights(asking->newest, &(struct terrain_point){local_x, local_y}, 1, &surface);
+	if (status != STATUS_OK)
+		return status;
 	cJSON *point = cJSON_CreateObject();
 	json_number(point, "x", x);
 	json_number(point, "y", y);
 	json_number(point, "height", nodata ? (double)NAN : sample.height);
 	json_number(point, "base", nodata ? (double)NAN : sample.base);
 	json_number(point, "offset", nodata ? (double)NAN : sample.offset);
+	json_number(point, "surface", surface.height);
+	if (isnan(surface.normal[2]))
+		cJSON_AddNullToObject(point, "normal");
+	else
+		add_numbers(point, "normal", surface.normal, 3);
 	cJSON_AddBoolToObject(point, "nodata", nodata);
 	cJSON_AddBoolToObject(point, "outside", sample.outside);
 	cJSON *soil = cJSON_AddObjectToObject(point, "soil");
@@ -82,20 +114,91 @@ static enum status ask(struct asking *asking, double x, double y)
 	return STATUS_OK;
 }
 
+static void print_ray(const double asked[RAY], const struct terrain_hit *hit)
+{
+	for (int i = 0; i < RAY; i++)
+		printf("%.15g ", asked[i]);
+	if (hit->hit)
+		printf("distance %.6f at %.15g %.15g %.6f normal %.6f %.6f %.6f%s\n", hit->distance, hit->point[0], hit->point[1],
+		       hit->point[2], hit->normal[0], hit->normal[1], hit->normal[2], hit->below ? " below" : "");
+	else
+		printf("none\n");
+}
+
+static enum status ask_ray(struct asking *asking, const double asked[RAY])
+{
+	struct terrain_ray ray = {{asked[0], asked[1], asked[2]}, {asked[3], asked[4], asked[5]}, INFINITY};
+	struct terrain_hit hit;
+	enum status status = to_local(asking, &ray.origin[0], &ray.origin[1]);
+	if (status == STATUS_OK)
+		status = newest_rays(asking->newest, &ray, 1, &hit);
+	if (status == STATUS_OK && hit.hit)
+		status = from_local(asking, &hit.point[0], &hit.point[1]);
+	if (status != STATUS_OK)
+		return status;
+	if (asking->rays == NULL) {
+		print_ray(asked, &hit);
+		return STATUS_OK;
+	}
+	cJSON *object = cJSON_CreateObject();
+	add_numbers(object, "origin", asked, 3);
+	add_numbers(object, "direction", asked + 3, 3);
+	cJSON_AddBoolToObject(object, "hit", hit.hit);
+	if (hit.hit) {
+		json_number(object, "distance", hit.distance);
+		add_numbers(object, "point", hit.point, 3);
+		add_numbers(object, "normal", hit.normal, 3);
+		cJSON_AddBoolToObject(object, "below", hit.below);
+		json_integer(object, "level", hit.tile.level);
+	}
+	cJSON_AddItemToArray(asking->rays, object);
+	asking->only = object;
+	return STATUS_OK;
+}
+
+/* Numbers parted by blanks or commas: as many as there are, RAY + 1 for more; 0 if anything is none. */
+static size_t read_numbers(const char *text, double values[RAY])
+{
+	size_t count = 0;
+	char *end;
+	for (;; text = end + strspn(end, " \t\r\n")) {
+		double value = strtod(text, &end);
+		if (end == text || !isfinite(value))
+			return 0;
+		if (count == RAY)
+			return RAY + 1;
+		values[count++] = value;
+		size_t blanks = strspn(end, " \t\r\n");
+		if (end[blanks] == '\0')
+			return count;
+		if (blanks == 0 && *end != ',')
+			return 0;
+		end += blanks + (end[blanks] == ',');
+	}
+}
+
+static bool has_direction(const double ray[RAY])
+{
+	return ray[3] != 0 || ray[4] != 0 || ray[5] != 0;
+}
+
 static enum status ask_lines(struct asking *asking)
 {
 	char *line = NULL;
 	size_t room = 0;
 	enum status status = STATUS_OK;
 	for (long number = 1; status == STATUS_OK && getline(&line, &room, stdin) >= 0; number++) {
-		double x, y;
-		char rest;
+		double values[RAY];
 		if (line[strspn(line, " \t\r\n")] == '\0')
 			continue;
-		if (sscanf(line, "%lf%*[ \t,]%lf %c", &x, &y, &rest) != 2 || !isfinite(x) || !isfinite(y))
-			status = fail_with(STATUS_INPUT, "stdin:%ld: not a point; give X and Y, as in 120.5 300", number);
+		size_t count = read_numbers(line, values);
+		if (count == POINT)
+			status = ask_point(asking, values[0], values[1]);
+		else if (count == RAY && has_direction(values))
+			status = ask_ray(asking, values);
 		else
-			status = ask(asking, x, y);
+			status = fail_with(STATUS_INPUT, "stdin:%ld: not a point; give X and Y, as in 120.5 300, or a ray: X Y Z DX DY DZ",
+					   number);
 	}
 	free(line);
 	if (status == STATUS_OK && !feof(stdin))
@@ -106,12 +209,20 @@ static enum status ask_lines(struct asking *asking)
 static enum status ask_arguments(struct asking *asking, const struct arguments *arguments)
 {
 	enum status status = STATUS_OK;
+	const char *text;
 	for (size_t i = 1; i + 1 < arguments_count(arguments) && status == STATUS_OK; i += 2) {
 		double x, y;
 		if (!parse_number(arguments_at(arguments, i), &x) || !parse_number(arguments_at(arguments, i + 1), &y))
 			return fail_with(STATUS_USAGE, "query: %s %s: not a point; give X and Y as numbers",
 					 arguments_at(arguments, i), arguments_at(arguments, i + 1));
-		status = ask(asking, x, y);
+		status = ask_point(asking, x, y);
+	}
+	for (size_t i = 0; status == STATUS_OK && (text = arguments_nth(arguments, "ray", i)) != NULL; i++) {
+		double ray[RAY];
+		if (read_numbers(text, ray) != RAY || !has_direction(ray))
+			return fail_with(STATUS_USAGE, "query: --ray %s: not a ray; give X,Y,Z,DX,DY,DZ, where it begins and where it goes",
+					 text);
+		status = ask_ray(asking, ray);
 	}
 	return status;
 }
@@ -119,10 +230,14 @@ static enum status ask_arguments(struct asking *asking, const struct arguments *
 static enum status print_json(const struct asking *asking)
 {
 	cJSON *object = cJSON_CreateObject();
-	if (cJSON_GetArraySize(asking->points) == 1)
+	if (cJSON_GetArraySize(asking->points) + cJSON_GetArraySize(asking->rays) == 1)
 		for (cJSON *item = asking->only->child; item != NULL; item = item->next)
 			cJSON_AddItemToObject(object, item->string, cJSON_Duplicate(item, true));
 	cJSON_AddItemToObject(object, "points", asking->points);
+	if (cJSON_GetArraySize(asking->rays) > 0)
+		cJSON_AddItemToObject(object, "rays", asking->rays);
+	else
+		cJSON_Delete(asking->rays);
 	return json_print(object);
 }
 
@@ -139,15 +254,24 @@ static enum status run(const struct arguments *arguments)
 		return status;
 	asking.meta = store_meta(store);
 	status = store_reader_create(store, &asking.reader);
-	if (status == STATUS_OK && arguments_flag(arguments, "json") &&
-	    (asking.points = cJSON_CreateArray()) == NULL)
-		status = fail_memory("JSON");
 	if (status == STATUS_OK)
-		status = arguments_count(arguments) > 1 ? ask_arguments(&asking, arguments) : ask_lines(&asking);
-	if (status == STATUS_OK && asking.points != NULL)
+		status = newest_create(store, NULL, &asking.newest);
+	if (status == STATUS_OK && arguments_flag(arguments, "json")) {
+		asking.points = cJSON_CreateArray();
+		asking.rays = cJSON_CreateArray();
+		if (asking.points == NULL || asking.rays == NULL)
+			status = fail_memory("JSON");
+	}
+	bool told = arguments_count(arguments) > 1 || arguments_flag(arguments, "ray");
+	if (status == STATUS_OK)
+		status = told ? ask_arguments(&asking, arguments) : ask_lines(&asking);
+	if (status == STATUS_OK && asking.points != NULL) {
 		status = print_json(&asking);
-	else
+	} else {
 		cJSON_Delete(asking.points);
+		cJSON_Delete(asking.rays);
+	}
+	newest_destroy(asking.newest);
 	store_reader_destroy(asking.reader);
 	store_close(store);
 	return status;
@@ -155,10 +279,14 @@ static enum status run(const struct arguments *arguments)
 
 const struct command command_query = {
 	.name = "query",
-	.usage = "query STORE [X Y]... [--srs SRS] [--json]",
-	.summary = "height, base and offset at points",
-	.details = "Without points on the command line, lines of X Y are read from stdin. With --json a single point's\n"
-		   "values also stand at the top of the object.\n",
+	.usage = "query STORE [X Y]... [--ray X,Y,Z,DX,DY,DZ]... [--srs SRS] [--json]",
+	.summary = "height, base and offset at points; where rays meet the ground",
+	.details = "Without points or rays on the command line, lines of X Y (a point) and X Y Z DX DY DZ (a ray) are read from\n"
+		   "stdin. With --json a single one's values also stand at the top of the object.\n"
+		   "height is between the four posts of the cell, at the finest level that is deformed there. surface and normal are\n"
+		   "of the triangle that is drawn there from nearby, which rays meet too: both are the same at the posts. A ray goes as\n"
+		   "far as the terrain does; its direction (of any length) and its hit's normal are east, north and up of the store.\n"
+		   "\"below\": it comes from under the ground.\n",
 	.options = options,
 	.run = run,
 };

@@ -261,6 +261,30 @@ class RoundTrips(FurrowTest):
         points = self.json("query", store, stdin="1 1\n2.5,3\n\n64 64\n65 1\n")["points"]
         self.assertEqual([p["nodata"] for p in points], [False, False, False, True])
         self.refused(3, "query", store, stdin="1 one\n")
+        self.refused(3, "query", store, stdin="1 1 1\n")
+
+    def test_query_casts_rays(self):
+        store = self.synth(posts="65x65")
+        # Straight down is the surface at that point; at a post that is the height.
+        for x, y in ((10, 20), (31.25, 7.75), (64, 64), (0, 0)):
+            answer = self.json("query", store, x, y, "--ray", f"{x},{y},9000,0,0,-3")
+            point, ray = answer["points"][0], answer["rays"][0]
+            self.assertAlmostEqual(ray["distance"], 9000 - point["surface"], places=6)
+            self.assertAlmostEqual(ray["point"][2], point["surface"], places=6)
+            self.assertEqual((ray["normal"], ray["hit"], ray["below"]), (point["normal"], True, False))
+            if x == int(x):
+                self.assertAlmostEqual(point["surface"], point["height"], places=5)
+        up = self.json("query", store, "--ray=10,20,-9000,0,0,1")
+        self.assertEqual((up["hit"], up["below"], up["points"]), (True, True, []))
+        self.assertFalse(self.json("query", store, "--ray", "10,20,9000,0,0,1")["hit"])
+        self.assertFalse(self.json("query", store, "--ray", "-10,20,9000,0,0,-1")["hit"])
+        lines = self.ok("query", store, stdin="1 1\n1 1 9000 0 0 -1\n1 1 9000 0 0 1\n").splitlines()
+        self.assertIn("height", lines[0])
+        self.assertIn("distance", lines[1])
+        self.assertTrue(lines[2].endswith("none"))
+        for ray in ("1,2,3", "1,2,3,0,0,0", "1,2,3,0,0,x", "1,2,3,0,0,1,7", "1,2,nan,0,0,1", "1,2,3,0,0,1,"):
+            self.refused(2, "query", store, "--ray", ray)
+        self.refused(3, "query", store, stdin="1 1 1 0 0 0\n")
 
 
 class Drives(FurrowTest):
@@ -283,6 +307,10 @@ class Drives(FurrowTest):
         point = self.json("query", store, "70", "55")
         self.assertLess(point["offset"], -0.05)
         self.assertGreater(point["soil"]["dirt"], 0)
+        # A ray meets the rut, where it is finer than its source.
+        ray = self.json("query", store, "--ray", "70,55,9000,0,0,-1")
+        self.assertEqual(ray["level"], -2)
+        self.assertAlmostEqual(ray["point"][2], point["height"], places=5)
         epochs = (self.folder / "out/epochs.log").read_text().splitlines()
         self.assertEqual(len(epochs), report["io"]["commits"])
         # Ruts are exported where they are exact, unless another level is asked for.
