@@ -69,7 +69,8 @@ static enum status settle(struct newest *newest)
 	page_cache_each_changed(drive->cache, note_changed, newest);
 	if (newest->lost)
 		return fail_memory("what changed, for a query");
-	qsort(newest->changed, newest->changed_count, sizeof *newest->changed, compare);
+	if (newest->changed_count > 0)
+		qsort(newest->changed, newest->changed_count, sizeof *newest->changed, compare);
 	newest->moment = drive->step;
 	return STATUS_OK;
 }
