@@ -43,6 +43,8 @@ static bool has_changed(const struct newest *newest, struct tile tile)
 {
 	uint64_t first, last;
 	size_t low = 0, high = newest->changed_count;
+	if (high == 0)
+		return false;
 	tile_descendants(tile, newest->level, &first, &last);
 	while (low < high) {
 		size_t middle = low + (high - low) / 2;
