@@ -3,40 +3,34 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "command.h"
 #include "dem/dem.h"
-#include "store/store.h"
+#include "export.h"
 
 static const struct command_option options[] = {
 	{"o", "OUT", "what to write: .tif (GeoTIFF) or .png"},
 	{"layer", "LAYER", "surface (default), base, offset, heaped, pressed, shear (metres), quanta (Int32, 2^-20 m) or hillshade"},
 	{"level", "L", "0: the source's spacing; -k: 2^k times finer; k: coarser (0; offset to quanta: the deformed level)"},
 	{"window", "X0,Y0,X1,Y1", "metres east and north of the south-west post"},
-	{"height-range", "MIN,MAX", "metres that a PNG's 0 and full scale mean (one metre a unit)"},
+	{"height-range", "MIN,MAX", "metres that a PNG's 0 and full scale mean (one metre a unit); of a map, its ramp's ends"},
+	{"sun", "AZIMUTH,ALTITUDE", "of a hillshade, degrees clockwise from north and above the horizon (315,45)"},
+	{"exaggerate", "TIMES", "a hillshade as if heights were so many times what they are (1)"},
 	{NULL, NULL, NULL},
 };
 
-/* Those in metres first; of what deformation left: from the offset to the quanta. */
-enum layer {
-	LAYER_SURFACE,
-	LAYER_BASE,
-	LAYER_OFFSET,
-	LAYER_HEAPED,
-	LAYER_PRESSED,
-	LAYER_SHEAR,
-	LAYER_QUANTA,
-	LAYER_HILLSHADE
-};
 static const char *const layer_names[] = {"surface", "base",   "offset",    "heaped", "pressed",
 					  "shear",   "quanta", "hillshade", NULL};
 
-struct request {
-	const char *path;
-	int layer;
-	int64_t level;
-	bool png, has_window, has_range;
-	double window[4], range[2];
-};
+const char *export_layer_name(int layer)
+{
+	return layer_names[layer];
+}
+
+enum store_layer export_store_layer(int layer)
+{
+	static const enum store_layer layers[] = {STORE_SURFACE, STORE_BASE,  STORE_OFFSET, STORE_HEAPED,
+						  STORE_PRESSED, STORE_SHEAR, STORE_QUANTA, STORE_SURFACE};
+	return layers[layer];
+}
 
 /* NaN where a height might be taken for the usual value. */
 static double nodata_beside(const struct store_meta *meta)
@@ -46,12 +40,38 @@ static double nodata_beside(const struct store_meta *meta)
 	return taken ? (double)NAN : usual;
 }
 
-static bool is_ruts(const struct request *request)
+static bool is_ruts(const struct export_request *request)
 {
 	return request->layer >= LAYER_OFFSET && request->layer <= LAYER_QUANTA;
 }
 
-static enum status read_request(const struct arguments *arguments, struct request *request)
+/* A picture of colours, and no raster of values: a PNG holds no negative metres. */
+static bool is_picture(const struct export_request *request)
+{
+	return request->png && is_ruts(request);
+}
+
+static enum status read_light(const struct arguments *arguments, struct export_request *request)
+{
+	double sun[2] = {315, 45};
+	bool given;
+	enum status status = arguments_numbers(arguments, "sun", 2, sun, &given);
+	if (status == STATUS_OK)
+		status = arguments_number(arguments, "exaggerate", 0.01, 1000, &request->exaggerate);
+	if (status != STATUS_OK)
+		return status;
+	if (fabs(sun[0]) > 360 || sun[1] < 10 || sun[1] > 90)
+		return fail_with(STATUS_USAGE, "export: --sun %g,%g: is not in the sky; give degrees from north, and 10 to 90 above "
+					       "the horizon", sun[0], sun[1]);
+	bool lit = request->layer == LAYER_HILLSHADE || is_picture(request);
+	if (!lit && (given || arguments_flag(arguments, "exaggerate")))
+		return fail_with(STATUS_USAGE, "export: nothing of layer %s is lit; leave --sun and --exaggerate out",
+				 layer_names[request->layer]);
+	render_sun_of(sun[0] * M_PI / 180, sun[1] * M_PI / 180, &request->sun);
+	return STATUS_OK;
+}
+
+static enum status read_request(const struct arguments *arguments, struct export_request *request)
 {
 	request->path = arguments_text(arguments, "o");
 	enum status status = arguments_expect(arguments, 1, 1);
@@ -68,16 +88,14 @@ static enum status read_request(const struct arguments *arguments, struct reques
 	if (status != STATUS_OK)
 		return status;
 	request->png = dem_path_ends(request->path, ".png");
-	if (request->png && is_ruts(request))
-		return fail_with(STATUS_USAGE, "export: a PNG holds no negative metres; write %s as .tif",
-				 layer_names[request->layer]);
 	if (request->has_range && request->range[0] >= request->range[1])
 		return fail_with(STATUS_USAGE, "export: --height-range %g,%g: is empty; give MIN,MAX", request->range[0],
 				 request->range[1]);
-	return STATUS_OK;
+	status = read_light(arguments, request);
+	return status == STATUS_OK && is_picture(request) ? export_check_picture(request) : status;
 }
 
-static enum status find_rect(const struct request *request, const struct world *world, struct post_rect *rect)
+enum status export_find_rect(const struct export_request *request, const struct world *world, struct post_rect *rect)
 {
 	int level = (int)request->level;
 	*rect = (struct post_rect){0, 0, world_posts(world->width, level), world_posts(world->height, level)};
@@ -105,40 +123,36 @@ static enum status find_rect(const struct request *request, const struct world *
 		return fail_with(STATUS_INPUT, "export: no post lies in --window; give X0,Y0,X1,Y1 in metres, inside "
 					       "0,0,%g,%g",
 				 (double)(world->width - 1) * world->spacing, (double)(world->height - 1) * world->spacing);
-	int64_t most = 100000;
-	if (rect->x1 - rect->x0 > most || rect->y1 - rect->y0 > 10 * most)
-		return fail_with(STATUS_INPUT, "export: %lld x %lld posts are too many for one raster; give a --window or a "
-					       "coarser --level",
-				 (long long)(rect->x1 - rect->x0), (long long)(rect->y1 - rect->y0));
 	return STATUS_OK;
 }
 
-/* Grey 1 .. 255 of a surface lit from the north-west, 45 degrees up; 0 where nodata. */
-static void hillshade(const double *surface, int64_t width, int64_t rows, double spacing, double *out)
+static enum status check_size(struct post_rect rect)
 {
-	int64_t stride = width + 2;
-	for (int64_t y = 0; y < rows; y++)
-		for (int64_t x = 0; x < width; x++) {
-			const double *p = surface + (y + 1) * stride + x + 1;
-			double here = p[0];
-			double west = isnan(p[-1]) ? here : p[-1], east = isnan(p[1]) ? here : p[1];
-			double south = isnan(p[-stride]) ? here : p[-stride], north = isnan(p[stride]) ? here : p[stride];
-			double gx = (east - west) / (2 * spacing), gy = (north - south) / (2 * spacing);
-			double light = (0.5 * gx - 0.5 * gy + sqrt(0.5)) / sqrt(1 + gx * gx + gy * gy);
-			out[y * width + x] = isnan(here) ? 0 : 1 + 254 * fmax(light, 0);
-		}
+	int64_t most = 100000;
+	if (rect.x1 - rect.x0 > most || rect.y1 - rect.y0 > 10 * most)
+		return fail_with(STATUS_INPUT, "export: %lld x %lld posts are too many for one raster; give a --window or a "
+					       "coarser --level",
+				 (long long)(rect.x1 - rect.x0), (long long)(rect.y1 - rect.y0));
+	return STATUS_OK;
 }
 
-static enum status write_rows(const struct request *request, struct store_reader *reader,
+/* Grey 1 .. 255 of slopes, into where those to the east are; 0 where nodata. */
+static void shade(const struct export_request *request, double *east, const double *north, int64_t count)
+{
+	for (int64_t i = 0; i < count; i++) {
+		double light = render_shade(&request->sun, request->exaggerate * east[i], request->exaggerate * north[i]);
+		east[i] = isnan(light) ? 0 : 1 + 254 * light;
+	}
+}
+
+static enum status write_rows(const struct export_request *request, struct store_reader *reader,
 			      const struct world *world, struct post_rect rect, struct dem_writer *writer)
 {
-	static const enum store_layer store_layers[] = {STORE_SURFACE, STORE_BASE,  STORE_OFFSET, STORE_HEAPED,
-							STORE_PRESSED, STORE_SHEAR, STORE_QUANTA, STORE_SURFACE};
 	enum { ROWS = 64 };
 	int64_t width = rect.x1 - rect.x0, total = rect.y1 - rect.y0, border = request->layer == LAYER_HILLSHADE;
 	size_t room = (size_t)(width + 2) * (ROWS + 2);
-	double *values = mem_alloc(room, sizeof *values), *shaded = mem_alloc(room, sizeof *shaded);
-	enum status status = values != NULL && shaded != NULL ? STATUS_OK : fail_memory("rows to export");
+	double *values = mem_alloc(room, sizeof *values), *slopes = border ? mem_alloc(2 * room, sizeof *slopes) : NULL;
+	enum status status = values != NULL && (!border || slopes != NULL) ? STATUS_OK : fail_memory("rows to export");
 	struct progress progress;
 	progress_start(&progress, request->path, "rows");
 	double unit = 1, zero = 0;
@@ -151,12 +165,13 @@ static enum status write_rows(const struct request *request, struct store_reader
 		struct post_rect part = {rect.x0 - border, rect.y0 + y - border, rect.x1 + border,
 					 rect.y0 + y + rows + border};
 		double *out = values;
-		status = store_read_posts(reader, store_layers[request->layer], (int)request->level, part, values);
+		status = store_read_posts(reader, export_store_layer(request->layer), (int)request->level, part, values);
 		if (status != STATUS_OK)
 			break;
 		if (request->layer == LAYER_HILLSHADE) {
-			hillshade(values, width, rows, world_spacing(world, (int)request->level), shaded);
-			out = shaded;
+			render_slopes(values, width, rows, world_spacing(world, (int)request->level), slopes, slopes + room);
+			shade(request, slopes, slopes + room, width * rows);
+			out = slopes;
 		} else if (request->png) {
 			for (int64_t i = 0; i < width * rows; i++) {
 				if (isnan(out[i])) {
@@ -181,17 +196,19 @@ static enum status write_rows(const struct request *request, struct store_reader
 	}
 	progress_end(&progress);
 	mem_free(values);
-	mem_free(shaded);
+	mem_free(slopes);
 	return status;
 }
 
-static enum status write_raster(const struct request *request, struct store *store)
+static enum status write_raster(const struct export_request *request, struct store *store)
 {
 	const struct store_meta *meta = store_meta(store);
 	const struct world *world = &meta->world;
 	double spacing = world_spacing(world, (int)request->level);
 	struct post_rect rect;
-	enum status status = find_rect(request, world, &rect);
+	enum status status = export_find_rect(request, world, &rect);
+	if (status == STATUS_OK)
+		status = check_size(rect);
 	if (status != STATUS_OK)
 		return status;
 	bool metres = request->layer < LAYER_QUANTA;
@@ -230,16 +247,17 @@ static enum status write_raster(const struct request *request, struct store *sto
 
 static enum status run(const struct arguments *arguments)
 {
-	struct request request = {.layer = LAYER_SURFACE};
+	struct export_request request = {.layer = LAYER_SURFACE, .exaggerate = 1};
 	struct store *store = NULL;
 	enum status status = read_request(arguments, &request);
+	request.store = arguments_at(arguments, 0);
 	if (status == STATUS_OK)
-		status = store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_READ}, &store);
+		status = store_open(request.store, &(struct store_options){.mode = STORE_READ}, &store);
 	int working;
 	if (status == STATUS_OK && is_ruts(&request) && !arguments_flag(arguments, "level") && store_has_working_level(store, &working))
 		request.level = working;
 	if (status == STATUS_OK)
-		status = write_raster(&request, store);
+		status = is_picture(&request) ? export_picture(&request, store) : write_raster(&request, store);
 	store_close(store);
 	return status;
 }
@@ -247,10 +265,13 @@ static enum status run(const struct arguments *arguments)
 const struct command command_export = {
 	.name = "export",
 	.usage = "export STORE -o OUT.tif|OUT.png [--layer surface|base|offset|heaped|pressed|shear|quanta|hillshade] "
-		 "[--level L] [--window X0,Y0,X1,Y1]",
+		 "[--level L] [--window X0,Y0,X1,Y1] [--height-range MIN,MAX] [--sun AZIMUTH,ALTITUDE] [--exaggerate TIMES]",
 	.summary = "posts of a store as a GeoTIFF or a PNG",
 	.details = "Rasters are north up, one pixel a post, and carry the store's reference system. Levels finer than\n"
-		   "what is stored are interpolated.\n",
+		   "what is stored are interpolated. Nodata of a hillshade is 0.\n"
+		   "A .png of offset, heaped, pressed or shear is a map: false colours over the hillshade, with a legend, a scale bar\n"
+		   "and north. Its pixels are posts, small maps enlarged by a whole factor; more than 4096 on a side are drawn at a\n"
+		   "coarser level, each pixel with the largest value of the posts within it, so that narrow ruts are seen.\n",
 	.options = options,
 	.run = run,
 };

@@ -75,6 +75,26 @@ enum status render_sky_program(struct render *render, struct gpu_program **out) 
 /* RGBA8 texels, RENDER_NOISE_SIZE squared: each one's 2 x 2 neighbours. */
 void render_noise_fill(uint8_t *texels);
 
+/* --- ramp.c --- */
+/* -1 .. 1 of a ramp (others than the signed one look at the size), to lie over ground; 0 is all transparent. */
+struct render_colour render_ramp(enum render_ramp ramp, double t);
+/* Where a value lies on a ramp: -1 .. 1, beyond that out of its range. */
+double render_ramp_place(const struct render_range *range, double value);
+/* Ground of a shade (NaN: nodata) under a colour; `flat`: the shade of level ground, which leaves a colour as it is. */
+struct render_colour render_ground_colour(double shade, double flat, struct render_colour over);
+
+/* --- font.c --- */
+size_t render_text_letters(const char *text);
+
+/* --- survey.c --- */
+/* Metres: of all pixels with values, `share` are no larger than *size; and the least and most of all (0 too). */
+enum status render_survey_spread(const struct render_survey *survey, double share, double *size, double *low,
+				 double *high) FURROW_CHECKED;
+
+/* --- sheet.c --- */
+double render_round_length(double most); /* the longest of 1, 2 or 5 times a power of ten that is no longer */
+double render_round_range(double size);  /* the least range with round halves that is no smaller */
+
 struct render {
 	struct gpu *gpu;
 	struct gpu_slots *slots;

@@ -1,7 +1,7 @@
 /*
  * render: the picture. Draws what terrain selected from the slots, in one instanced draw a tile,
  * with only the effects the scene names compiled in; reads it back and writes PNGs.
- * For the GPU's thread.
+ * For the GPU's thread. And maps, drawn on the CPU.
  */
 #ifndef FURROW_RENDER_H
 #define FURROW_RENDER_H
@@ -13,6 +13,7 @@
 #include "base/plan.h"
 #include "gpu/gpu.h"
 #include "scene/scene.h"
+#include "store/store.h"
 #include "terrain/terrain.h"
 
 struct render_camera {
@@ -63,5 +64,103 @@ void render_read_into(struct render *render, struct gpu_staging *staging);
 enum status render_png_write(const char *path, const uint8_t *pixels, uint32_t width, uint32_t height) FURROW_CHECKED;
 /* Writes the last frame, and waits for all of it. */
 enum status render_write_png(struct render *render, const char *path) FURROW_CHECKED;
+
+/* --- on the CPU: canvases, and maps of a store. No GL; any thread, each canvas and survey by one at a time --- */
+
+struct render_colour {
+	uint8_t r, g, b, a; /* sRGB; a: 255 is opaque */
+};
+
+/* RGBA8 pixels, rows from the lowest up, as GL reads pictures back. May be made of any such pixels; those of
+ * render_canvas_create are freed by render_canvas_finish (of one that is all zero, too). Places are in pixels from the
+ * lower left corner, of corners between pixels; what lies beyond is not drawn. */
+struct render_canvas {
+	uint8_t *pixels;
+	uint32_t width, height;
+};
+enum status render_canvas_create(uint32_t width, uint32_t height, struct render_colour fill, struct render_canvas *out)
+	FURROW_CHECKED;
+void render_canvas_finish(struct render_canvas *canvas);
+void render_canvas_box(const struct render_canvas *canvas, int x0, int y0, int x1, int y1, struct render_colour colour);
+void render_canvas_disc(const struct render_canvas *canvas, double x, double y, double radius, struct render_colour colour);
+/* A line through the points, round at its ends and corners; `count` 0: nothing, 1: a dot. */
+enum status render_canvas_path(const struct render_canvas *canvas, const double (*points)[2], size_t count, double width,
+			       struct render_colour colour) FURROW_CHECKED;
+/* One line of letters, each in a cell of 6 x 10 pixels times `scale` (at least 1), the lower left corner of the first at
+ * (x, y); with an outline of `scale` pixels around, unless that is all transparent. UTF-8; what is not ASCII is a question mark. */
+#define RENDER_LETTER_WIDTH 6
+#define RENDER_LETTER_HEIGHT 10
+void render_canvas_text(const struct render_canvas *canvas, int x, int y, int scale, const char *text,
+			struct render_colour colour, struct render_colour outline);
+int render_text_width(const char *text, int scale); /* pixels */
+/* As a PNG, without its alpha; aside and renamed. */
+enum status render_canvas_write(const struct render_canvas *canvas, const char *path) FURROW_CHECKED;
+
+/* A sun and what softens it; radians, the azimuth clockwise from north. */
+#define RENDER_AZIMUTH (M_PI * 315 / 180)
+#define RENDER_ALTITUDE (M_PI / 4)
+#define RENDER_SUNS 4
+struct render_sun {
+	double toward[RENDER_SUNS][3];
+};
+void render_sun_of(double azimuth, double altitude, struct render_sun *sun);
+/* How light ground of a slope is (metres a metre), 0 to 1; NaN of NaN. */
+double render_shade(const struct render_sun *sun, double east, double north);
+/* Slopes at width x rows posts `spacing` metres apart; `heights` has a post more at each side, NaN: nodata. */
+void render_slopes(const double *heights, int64_t width, int64_t rows, double spacing, double *east, double *north);
+
+/* What a map shows of a store: a pixel a post of `level`, row 0 south. */
+struct render_survey {
+	uint32_t width, height;
+	int level;
+	double spacing;        /* metres a pixel */
+	struct post_rect rect; /* of posts of `level` */
+	float *shade;          /* 0 to 1; NaN: nodata */
+	float *values;         /* metres: the largest, whatever its sign, within the pixel; 0: none */
+	double flat;           /* the shade of level ground */
+};
+struct render_survey_params {
+	struct store_reader *reader;
+	const struct store_meta *meta;
+	bool deformed;         /* the store has a working level: */
+	int working;
+	enum store_layer layer; /* STORE_OFFSET, STORE_HEAPED, STORE_PRESSED or STORE_SHEAR */
+	int level;             /* of the pixels, TILE_LEVEL_MIN to the coarsest */
+	struct post_rect rect; /* not empty, within the terrain; all of it is held at once, 8 to 12 bytes a pixel */
+	struct render_sun sun;
+	double exaggerate;     /* heights are shaded as if times so many; 1 */
+	uint64_t tiles_most;   /* read of the offset at most, at a coarser level if need be; 0: all. STORE_OFFSET only */
+	store_progress_fn progress; /* NULL: not told; return other than STATUS_OK to stop */
+	void *progress_user;
+};
+/* On failure `out` is all zero. */
+enum status render_survey_create(const struct render_survey_params *params, struct render_survey *out) FURROW_CHECKED;
+void render_survey_finish(struct render_survey *survey); /* of one that is all zero too */
+/* Each pixel takes the largest value beside it: lines of one pixel are then three wide. */
+enum status render_survey_widen(struct render_survey *survey) FURROW_CHECKED;
+
+/* A map as it is printed: title, map in a frame, and below it a legend of colours, a scale bar, north. */
+enum render_ramp { RENDER_RAMP_SIGNED, RENDER_RAMP_GREEN, RENDER_RAMP_ROSE };
+struct render_range {
+	double low, high; /* metres: the ramp's ends. low is below 0 for the signed ramp, 0 for others */
+};
+struct render_sheet {
+	const struct render_survey *survey;
+	const char *title, *subtitle; /* above: left, and right if there is room */
+	const char *layer;            /* the legend's title */
+	enum render_ramp ramp;
+	struct render_range range; /* both 0: by the values, so that all but a thousandth are within */
+	uint32_t side;             /* a map smaller than this on its long side is enlarged to about that, by a whole factor */
+};
+/* The map's place on the canvas: a metre east and north of the world's south-west post is at x + east * scale, ... */
+struct render_placed {
+	double x, y, scale;
+	int left, low, right, high; /* pixels of the canvas that are the map */
+};
+/* Makes a canvas with the map on it; what is then drawn there (over its edges too) is framed by render_sheet_frame. */
+enum status render_sheet_create(const struct render_sheet *sheet, struct render_canvas *canvas, struct render_placed *placed)
+	FURROW_CHECKED;
+enum status render_sheet_frame(const struct render_sheet *sheet, const struct render_canvas *canvas,
+			       const struct render_placed *placed) FURROW_CHECKED;
 
 #endif

@@ -1,0 +1,64 @@
+/*
+ * Hillshade: slopes by Horn's 3 x 3 posts, and how light ground of a slope is.
+ *
+ * Slopes are metres a metre, whatever the level. Where a neighbour is nodata the ground is taken to go on as on the
+ * other side of the post, so that a plane has its own slope up to its last post; where both are, to be level.
+ *
+ * The light is a sun's, softened by two more that stand at its sides and lower, and by the sky: slopes along the sun's
+ * own light are told apart too, flat ground lies well below white, and what turns away is not all black.
+ */
+#include <math.h>
+
+#include "render/internal.h"
+
+/* Two opposite neighbours, in place; `here` is a number. */
+static void go_on(double *a, double *b, double here)
+{
+	double was = *a;
+	if (isnan(*a))
+		*a = isnan(*b) ? here : 2 * here - *b;
+	if (isnan(*b))
+		*b = isnan(was) ? here : 2 * here - was;
+}
+
+void render_slopes(const double *heights, int64_t width, int64_t rows, double spacing, double *east, double *north)
+{
+	int64_t stride = width + 2;
+	for (int64_t y = 0; y < rows; y++)
+		for (int64_t x = 0; x < width; x++) {
+			const double *p = heights + (y + 1) * stride + x + 1;
+			double sw = p[-stride - 1], s = p[-stride], se = p[-stride + 1], w = p[-1], e = p[1];
+			double nw = p[stride - 1], n = p[stride], ne = p[stride + 1];
+			go_on(&w, &e, p[0]);
+			go_on(&s, &n, p[0]);
+			go_on(&sw, &ne, p[0]);
+			go_on(&se, &nw, p[0]);
+			bool known = !isnan(p[0]);
+			*east++ = known ? (ne + 2 * e + se - nw - 2 * w - sw) / (8 * spacing) : (double)NAN;
+			*north++ = known ? (nw + 2 * n + ne - sw - 2 * s - se) / (8 * spacing) : (double)NAN;
+		}
+}
+
+/* The sun; two at its sides, lower; and the sky straight above. */
+static const struct {
+	double turn, lower, weight;
+} suns[RENDER_SUNS] = {{0, 0, 0.52}, {-M_PI * 65 / 180, M_PI / 12, 0.17}, {M_PI * 65 / 180, M_PI / 12, 0.17}, {0, -M_PI, 0.14}};
+
+void render_sun_of(double azimuth, double altitude, struct render_sun *sun)
+{
+	for (size_t i = 0; i < RENDER_SUNS; i++) {
+		double turned = azimuth + suns[i].turn, up = fmin(fmax(altitude - suns[i].lower, M_PI / 18), M_PI / 2);
+		sun->toward[i][0] = suns[i].weight * cos(up) * sin(turned);
+		sun->toward[i][1] = suns[i].weight * cos(up) * cos(turned);
+		sun->toward[i][2] = suns[i].weight * sin(up);
+	}
+}
+
+double render_shade(const struct render_sun *sun, double east, double north)
+{
+	double light = 0, length = sqrt(1 + east * east + north * north);
+	for (size_t i = 0; i < RENDER_SUNS; i++)
+		light += fmax(sun->toward[i][2] - sun->toward[i][0] * east - sun->toward[i][1] * north, 0);
+	light = fmin(light / length / 0.84, 1); /* that much comes from no slope */
+	return isnan(length) ? length : 0.04 + 0.96 * light * (0.5 + 0.5 * light);
+}

@@ -1,0 +1,252 @@
+/*
+ * A map as it is printed: title above, map in a frame, and below it a legend, a scale bar and north.
+ *
+ * All but the map is laid out in a unit of one letter's pixel, a whole factor that goes by the map's size. A map
+ * smaller than asked for is enlarged by a whole factor: each post is a square, its shade interpolated between posts.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "render/internal.h"
+
+#define WIDTH_LEAST 330 /* of what is below the map, in units */
+#define PAD 8
+#define LEGEND 150 /* the ramp's length */
+#define BAR 7      /* the ramp's height, and the scale bar's */
+#define ABOVE (RENDER_LETTER_HEIGHT + 2 * PAD)
+#define BELOW (2 * RENDER_LETTER_HEIGHT + BAR + 6 + 2 * PAD)
+#define SHARE 0.999 /* of values that the legend's range holds */
+
+static const struct render_colour ink = {28, 30, 34, 255}, paper = {255, 255, 255, 255}, faint = {110, 114, 120, 255},
+				  none = {0, 0, 0, 0};
+
+static int unit_of(const struct render_placed *placed)
+{
+	int width = placed->right - placed->left, height = placed->high - placed->low;
+	int side = width > height ? width : height, unit = (side + 250) / 520;
+	return unit < 1 ? 1 : unit;
+}
+
+double render_round_length(double most)
+{
+	double ten = pow(10, floor(log10(most) + 1e-9));
+	double times = most / ten * (1 + 1e-9);
+	return times >= 5 ? 5 * ten : times >= 2 ? 2 * ten : ten;
+}
+
+double render_round_range(double size)
+{
+	static const double ends[] = {1, 1.5, 2, 3, 4, 5, 6, 8, 10};
+	double ten = pow(10, floor(log10(size) + 1e-9));
+	size_t i = 0;
+	while (ends[i] * ten < size * (1 - 1e-6))
+		i++;
+	return ends[i] * ten;
+}
+
+/* --- the map --- */
+
+/* The shade at a pixel of an enlarged map: between the posts beside it, unless one of them is a hole. */
+static double shade_at(const struct render_survey *survey, int zoom, int64_t x, int64_t y)
+{
+	int64_t width = survey->width, px = x / zoom, py = y / zoom;
+	double here = survey->shade[py * width + px];
+	double u = ((double)x + 0.5) / zoom - 0.5, v = ((double)y + 0.5) / zoom - 0.5;
+	int64_t cx = (int64_t)floor(u), cy = (int64_t)floor(v);
+	double sum = 0;
+	for (int64_t i = 0; i < 4 && !isnan(here); i++) {
+		int64_t nx = cx + (i & 1), ny = cy + (i >> 1);
+		bool in = nx >= 0 && ny >= 0 && nx < width && ny < survey->height;
+		double shade = in ? survey->shade[ny * width + nx] : (double)NAN;
+		double weight = (i & 1 ? u - (double)cx : 1 - u + (double)cx) * (i >> 1 ? v - (double)cy : 1 - v + (double)cy);
+		sum += weight * (isnan(shade) ? here : shade);
+	}
+	return isnan(here) ? here : sum;
+}
+
+static void draw_map(const struct render_sheet *sheet, const struct render_range *range, int zoom,
+		     const struct render_canvas *canvas, const struct render_placed *placed)
+{
+	const struct render_survey *survey = sheet->survey;
+	for (int y = placed->low; y < placed->high; y++)
+		for (int x = placed->left; x < placed->right; x++) {
+			int64_t mx = x - placed->left, my = y - placed->low;
+			size_t pixel = (size_t)(my / zoom) * survey->width + (size_t)(mx / zoom);
+			double shade = zoom > 1 ? shade_at(survey, zoom, mx, my) : survey->shade[pixel];
+			struct render_colour over = render_ramp(sheet->ramp, render_ramp_place(range, survey->values[pixel]));
+			struct render_colour colour = render_ground_colour(shade, survey->flat, over);
+			/* Sparse hatching says that nothing is known. */
+			if (isnan(shade) && (x + y) % 12 == 0)
+				colour = (struct render_colour){176, 184, 194, 255};
+			memcpy(canvas->pixels + 4 * ((size_t)y * canvas->width + (size_t)x), &colour, sizeof colour);
+		}
+}
+
+/* What the ramp's ends are, and whether values lie beyond them. */
+static enum status settle_range(const struct render_sheet *sheet, struct render_range *range, bool beyond[2])
+{
+	double size, low, high;
+	enum status status = render_survey_spread(sheet->survey, SHARE, &size, &low, &high);
+	if (status != STATUS_OK)
+		return status;
+	*range = sheet->range;
+	if (range->low == 0 && range->high == 0 && size > 0) {
+		range->high = render_round_range(size);
+		range->low = sheet->ramp == RENDER_RAMP_SIGNED ? -range->high : 0;
+	}
+	beyond[0] = low < range->low * (1 + 1e-9);
+	beyond[1] = high > range->high * (1 + 1e-9);
+	return STATUS_OK;
+}
+
+enum status render_sheet_create(const struct render_sheet *sheet, struct render_canvas *canvas, struct render_placed *placed)
+{
+	const struct render_survey *survey = sheet->survey;
+	uint32_t longest = survey->width > survey->height ? survey->width : survey->height;
+	int zoom = longest < sheet->side ? (int)(sheet->side / longest) : 1;
+	int width = (int)survey->width * zoom, height = (int)survey->height * zoom;
+	*placed = (struct render_placed){.right = width, .high = height, .scale = zoom / survey->spacing};
+	int unit = unit_of(placed), least = WIDTH_LEAST * unit, side = PAD * unit;
+	int whole = (width > least ? width : least) + 2 * side;
+	placed->left = (whole - width) / 2;
+	placed->right = placed->left + width;
+	placed->low = BELOW * unit;
+	placed->high = placed->low + height;
+	placed->x = placed->left + (0.5 - (double)survey->rect.x0) * zoom;
+	placed->y = placed->low + (0.5 - (double)survey->rect.y0) * zoom;
+	struct render_range range;
+	bool beyond[2];
+	enum status status = settle_range(sheet, &range, beyond);
+	if (status == STATUS_OK)
+		status = render_canvas_create((uint32_t)whole, (uint32_t)(placed->high + ABOVE * unit), paper, canvas);
+	if (status == STATUS_OK)
+		draw_map(sheet, &range, zoom, canvas, placed);
+	return status;
+}
+
+/* --- the frame --- */
+
+static void text(const struct render_canvas *canvas, int x, int y, int unit, const char *line, struct render_colour colour)
+{
+	render_canvas_text(canvas, x, y, unit, line, colour, none);
+}
+
+/* Cut to so many letters. */
+static void title(const struct render_canvas *canvas, int x, int y, int unit, const char *line, int width)
+{
+	char cut[256];
+	int most = width / (RENDER_LETTER_WIDTH * unit);
+	snprintf(cut, sizeof cut, "%s", line);
+	if (most < (int)sizeof cut && most > 3 && (int)render_text_letters(cut) > most)
+		snprintf(cut + most - 3, sizeof cut - (size_t)(most - 3), "...");
+	text(canvas, x, y, unit, cut, ink);
+}
+
+/* The unit a range is told in. */
+static const char *unit_for(const struct render_range *range, double *metres)
+{
+	double size = fmax(-range->low, range->high);
+	*metres = size < 0.00999 ? 0.001 : size < 0.999 ? 0.01 : 1;
+	return size < 0.00999 ? "mm" : size < 0.999 ? "cm" : "m";
+}
+
+/* Ticks at both ends, at 0, and halfway. */
+static void draw_ticks(const struct render_canvas *canvas, int left, int low, int unit, const struct render_range *range,
+		       const bool beyond[2], double metres)
+{
+	double places[5] = {range->low, range->low / 2, 0, range->high / 2, range->high};
+	for (int i = range->low < 0 ? 0 : 2; i < 5; i++) {
+		char label[32];
+		const char *sign = i == 0 && beyond[0] ? "<" : i == 4 && beyond[1] ? ">" : "";
+		snprintf(label, sizeof label, "%s%.4g", sign, places[i] / metres);
+		int x = left + (int)((places[i] - range->low) / (range->high - range->low) * LEGEND * unit + 0.5);
+		render_canvas_box(canvas, x - unit / 2, low - 3 * unit, x - unit / 2 + unit, low, ink);
+		text(canvas, x - render_text_width(label, unit) / 2, low - 3 * unit - RENDER_LETTER_HEIGHT * unit, unit, label, ink);
+	}
+}
+
+static void draw_legend(const struct render_sheet *sheet, const struct render_canvas *canvas, int left, int low, int unit,
+			const struct render_range *range, const bool beyond[2])
+{
+	char line[96];
+	int top = low + BAR * unit + 3 * unit;
+	double flat = sheet->survey->flat, metres;
+	if (range->low == 0 && range->high == 0) {
+		snprintf(line, sizeof line, "%s: none", sheet->layer);
+		text(canvas, left, top, unit, line, ink);
+		return;
+	}
+	snprintf(line, sizeof line, "%s, %s", sheet->layer, unit_for(range, &metres));
+	text(canvas, left, top, unit, line, ink);
+	render_canvas_box(canvas, left - unit, low - unit, left + LEGEND * unit + unit, low + BAR * unit + unit, ink);
+	for (int x = 0; x < LEGEND * unit; x++) {
+		double value = range->low + (x + 0.5) / (LEGEND * unit) * (range->high - range->low);
+		struct render_colour over = render_ramp(sheet->ramp, render_ramp_place(range, value));
+		render_canvas_box(canvas, left + x, low, left + x + 1, low + BAR * unit, render_ground_colour(flat, flat, over));
+	}
+	draw_ticks(canvas, left, low - unit, unit, range, beyond, metres);
+}
+
+/* A bar of a round length in four parts, its right end at `right`. */
+static void draw_scale(const struct render_canvas *canvas, int right, int low, int unit, int room, double scale)
+{
+	char line[32];
+	double length = render_round_length(room / scale);
+	int pixels = (int)(length * scale + 0.5), left = right - pixels, high = low + BAR * unit / 2;
+	render_canvas_box(canvas, left, low, right, high, ink);
+	for (int part = 0; part < 4; part++) {
+		int from = left + pixels * part / 4, to = left + pixels * (part + 1) / 4;
+		int edge = unit > 1 ? unit / 2 : 1;
+		if (part % 2 == 1 && to - from > 2 * edge)
+			render_canvas_box(canvas, from, low + edge, to - (part == 3 ? edge : 0), high - edge, paper);
+	}
+	double metres = length >= 1000 ? 1000 : length >= 1 ? 1 : length >= 0.01 ? 0.01 : 0.001;
+	snprintf(line, sizeof line, "%.4g %s", length / metres, length >= 1000 ? "km" : length >= 1 ? "m" : length >= 0.01 ? "cm" : "mm");
+	int x = left + (pixels - render_text_width(line, unit)) / 2, most = right - render_text_width(line, unit);
+	text(canvas, x < most ? x : most, high + 2 * unit, unit, line, ink);
+}
+
+static enum status draw_north(const struct render_canvas *canvas, int x, int low, int unit)
+{
+	double high = low + 17.0 * unit, barb = 4.0 * unit, line = 1.4 * unit;
+	const double shaft[2][2] = {{x, low}, {x, high}};
+	const double head[3][2] = {{x - barb, high - 1.5 * barb}, {x, high}, {x + barb, high - 1.5 * barb}};
+	enum status status = render_canvas_path(canvas, shaft, 2, line, ink);
+	if (status == STATUS_OK)
+		status = render_canvas_path(canvas, head, 3, line, ink);
+	text(canvas, x - 5 * unit / 2, low + 20 * unit, unit, "N", ink);
+	return status;
+}
+
+enum status render_sheet_frame(const struct render_sheet *sheet, const struct render_canvas *canvas,
+			       const struct render_placed *placed)
+{
+	int unit = unit_of(placed), width = (int)canvas->width, height = (int)canvas->height, side = PAD * unit;
+	struct render_range range;
+	bool beyond[2];
+	enum status status = settle_range(sheet, &range, beyond);
+	if (status != STATUS_OK)
+		return status;
+	/* What was drawn beyond the map. */
+	render_canvas_box(canvas, 0, 0, width, placed->low, paper);
+	render_canvas_box(canvas, 0, placed->high, width, height, paper);
+	render_canvas_box(canvas, 0, placed->low, placed->left, placed->high, paper);
+	render_canvas_box(canvas, placed->right, placed->low, width, placed->high, paper);
+	render_canvas_box(canvas, placed->left - unit, placed->low - unit, placed->right + unit, placed->low, ink);
+	render_canvas_box(canvas, placed->left - unit, placed->high, placed->right + unit, placed->high + unit, ink);
+	render_canvas_box(canvas, placed->left - unit, placed->low, placed->left, placed->high, ink);
+	render_canvas_box(canvas, placed->right, placed->low, placed->right + unit, placed->high, ink);
+
+	int above = placed->high + PAD * unit, subtitle = render_text_width(sheet->subtitle, unit);
+	bool room = render_text_width(sheet->title, unit) + subtitle + 4 * side < width;
+	title(canvas, side, above, unit, sheet->title, width - 2 * side);
+	if (room)
+		text(canvas, width - side - subtitle, above, unit, sheet->subtitle, faint);
+
+	int bar = PAD * unit + (RENDER_LETTER_HEIGHT + 4) * unit;
+	draw_legend(sheet, canvas, side + 14 * unit, bar, unit, &range, beyond);
+	int right = width - side - 20 * unit;
+	draw_scale(canvas, right, bar, unit, right - (side + (LEGEND + 40) * unit), placed->scale);
+	return draw_north(canvas, width - side - 6 * unit, PAD * unit, unit);
+}

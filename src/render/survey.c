@@ -1,0 +1,410 @@
+/*
+ * A survey: what a map shows of a store, a pixel a post of one level: how light the ground is, and the values of a layer.
+ *
+ * (1) A pixel's value is the one that is largest, whatever its sign, of all posts of the finest level looked at that lie
+ *     in the pixel: a rut narrower than a pixel is there. Tiles without a row are not read.
+ * (2) A map finer than the source has the slopes of the source's own posts, interpolated; those of the offsets are
+ *     added as they are, since heights are a sum. Offsets finer than a pixel do not shade.
+ * (3) Memory is the pictures' and one strip's of posts; work is that of the base's posts in view and of the tiles
+ *     with offsets there, of which `tiles_most` are read at most: at the finest level that has no more of them.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "render/internal.h"
+
+#define STRIP 128 /* rows */
+
+struct surveying {
+	const struct render_survey_params *params;
+	const struct world *world;
+	struct render_survey *survey;
+	float *offset; /* of each pixel, where offsets shade; NULL: they do not */
+	int working;
+	bool deformed;
+	int64_t done, total; /* told to progress */
+};
+
+static enum status tell(struct surveying *s, int64_t more)
+{
+	s->done += more;
+	const struct render_survey_params *params = s->params;
+	return params->progress != NULL ? params->progress(params->progress_user, s->done, s->total) : STATUS_OK;
+}
+
+/* --- values --- */
+
+struct key_list {
+	uint64_t *keys;
+	size_t count, room;
+};
+
+static enum status add_key(struct key_list *list, uint64_t key)
+{
+	if (list->count == list->room) {
+		size_t room = list->room > 0 ? 2 * list->room : 256;
+		uint64_t *more = mem_realloc(list->keys, room, sizeof *more);
+		if (more == NULL)
+			return fail_memory("a map's tiles");
+		list->keys = more;
+		list->room = room;
+	}
+	list->keys[list->count++] = key;
+	return STATUS_OK;
+}
+
+/* One axis of the posts that pixels [first, end) are made of. The last pixel of a terrain has all that is left of it. */
+static void fine_posts(int shift, int64_t half, int64_t size, int64_t all, int64_t *first, int64_t *end)
+{
+	bool last = *end == size;
+	*first = (*first << shift) - half;
+	*end = last ? all : ((*end - 1) << shift) + (half > 0 ? half : 1);
+}
+
+/* The posts of `level` that the pixels are made of. */
+static struct post_rect fine_rect(const struct surveying *s, int level)
+{
+	int coarse = s->params->level, shift = coarse - level;
+	int64_t half = shift > 0 ? (int64_t)1 << (shift - 1) : 0;
+	const struct world *w = s->world;
+	struct post_rect r = s->survey->rect;
+	fine_posts(shift, half, world_posts(w->width, coarse), world_posts(w->width, level), &r.x0, &r.x1);
+	fine_posts(shift, half, world_posts(w->height, coarse), world_posts(w->height, level), &r.y0, &r.y1);
+	return r;
+}
+
+/* Adds the tile if it has an offset somewhere and posts in the map. */
+static enum status look_at(struct surveying *s, struct tile tile, struct key_list *list)
+{
+	double low, high;
+	bool found = false;
+	struct post_rect rect = post_rect_intersect(tile_post_rect(s->world, tile), fine_rect(s, tile.level));
+	if (!world_has(s->world, tile) || post_rect_empty(rect))
+		return STATUS_OK;
+	enum status status = store_read_offset_range(s->params->reader, tile, &low, &high, &found);
+	return status == STATUS_OK && found ? add_key(list, tile_key(tile)) : status;
+}
+
+/* The tiles with offsets in the map, of the finest level that has at most `tiles_most`: from the map's own level down,
+ * below those that have any. */
+static enum status find_tiles(struct surveying *s, struct key_list *list)
+{
+	struct tile first, last;
+	int level = s->params->level;
+	uint64_t most = s->params->tiles_most;
+	enum status status = STATUS_OK;
+	if (!tile_range_of(s->world, level, s->survey->rect, &first, &last))
+		return STATUS_OK;
+	for (uint32_t y = first.y; y <= last.y; y++)
+		for (uint32_t x = first.x; x <= last.x && status == STATUS_OK; x++)
+			status = look_at(s, (struct tile){level, x, y}, list);
+	while (status == STATUS_OK && level > s->working) {
+		struct key_list finer = {NULL, 0, 0};
+		level--;
+		for (size_t i = 0; i < 4 * list->count && status == STATUS_OK && (most == 0 || finer.count <= most); i++) {
+			struct tile above = tile_from_key(list->keys[i / 4]);
+			status = look_at(s, (struct tile){level, 2 * above.x + (i & 1), 2 * above.y + (i >> 1 & 1)}, &finer);
+		}
+		bool take = status == STATUS_OK && (most == 0 || finer.count <= most);
+		mem_free(take ? list->keys : finer.keys);
+		if (!take)
+			break;
+		*list = finer;
+	}
+	return status;
+}
+
+static float metres_of(enum plane plane, const void *posts, size_t i)
+{
+	if (plane == PLANE_SHEAR)
+		return (float)ldexp(((const uint16_t *)posts)[i], -16);
+	return (float)lattice_offset_metres(((const int32_t *)posts)[i]);
+}
+
+/* The tile's posts into the pixels they lie in. */
+static void splat(const struct surveying *s, struct tile tile, enum plane plane, const void *posts, float *into)
+{
+	const struct render_survey *survey = s->survey;
+	int shift = s->params->level - tile.level;
+	int64_t half = shift > 0 ? (int64_t)1 << (shift - 1) : 0, side = tile_posts(s->world);
+	struct post_rect own = tile_post_rect(s->world, tile);
+	struct post_rect part = post_rect_intersect(own, fine_rect(s, tile.level));
+	int64_t last_x = survey->width - 1, last_y = survey->height - 1;
+	for (int64_t y = part.y0; y < part.y1; y++) {
+		int64_t py = ((y + half) >> shift) - survey->rect.y0;
+		float *row = into + (py < last_y ? py : last_y) * survey->width;
+		for (int64_t x = part.x0; x < part.x1; x++) {
+			float value = metres_of(plane, posts, (size_t)((y - own.y0) * side + x - own.x0));
+			int64_t px = ((x + half) >> shift) - survey->rect.x0;
+			float *pixel = row + (px < last_x ? px : last_x);
+			if (fabsf(value) > fabsf(*pixel))
+				*pixel = value;
+		}
+	}
+}
+
+static enum status read_tiles(struct surveying *s, enum plane plane, float *into)
+{
+	struct key_list list = {NULL, 0, 0};
+	size_t side = tile_posts(s->world);
+	void *posts = mem_alloc(side * side, sizeof(int32_t)), *planes[PLANES] = {NULL};
+	planes[plane] = posts;
+	enum status status = posts != NULL ? find_tiles(s, &list) : fail_memory("a tile");
+	s->total += (int64_t)list.count;
+	for (size_t i = 0; i < list.count && status == STATUS_OK; i++) {
+		struct tile tile = tile_from_key(list.keys[i]);
+		unsigned present;
+		status = store_read_deformed(s->params->reader, tile, PLANE_BIT(plane), planes, &present);
+		if (status == STATUS_OK && present != 0)
+			splat(s, tile, plane, posts, into);
+		if (status == STATUS_OK)
+			status = tell(s, 1);
+	}
+	mem_free(list.keys);
+	mem_free(posts);
+	return status;
+}
+
+/* Finer than what is stored: interpolated, as exports are. */
+static enum status read_posts(struct surveying *s, enum store_layer layer, float *into)
+{
+	const struct render_survey *survey = s->survey;
+	double *values = mem_alloc((size_t)survey->width * STRIP, sizeof *values);
+	enum status status = values != NULL ? STATUS_OK : fail_memory("rows of a map");
+	struct post_rect rect = survey->rect;
+	for (int64_t y = rect.y0; y < rect.y1 && status == STATUS_OK; y += STRIP) {
+		struct post_rect part = {rect.x0, y, rect.x1, y + STRIP < rect.y1 ? y + STRIP : rect.y1};
+		status = store_read_posts(s->params->reader, layer, s->params->level, part, values);
+		size_t count = (size_t)(part.y1 - part.y0) * survey->width;
+		float *to = into + (size_t)(y - rect.y0) * survey->width;
+		for (size_t i = 0; i < count && status == STATUS_OK; i++)
+			to[i] = isnan(values[i]) ? 0 : (float)values[i];
+	}
+	mem_free(values);
+	return status;
+}
+
+static enum status read_layer(struct surveying *s, enum store_layer layer, float *into)
+{
+	static const enum plane planes[STORE_LAYERS] = {
+		[STORE_OFFSET] = PLANE_OFFSET, [STORE_HEAPED] = PLANE_HEAPED, [STORE_PRESSED] = PLANE_PRESSED,
+		[STORE_SHEAR] = PLANE_SHEAR};
+	return s->params->level < s->working ? read_posts(s, layer, into) : read_tiles(s, planes[layer], into);
+}
+
+/* --- the ground --- */
+
+struct strip {
+	double *heights;      /* with a post more at each side */
+	double *east, *north; /* slopes */
+	struct post_rect rect;
+	int level;
+};
+
+/* The base's slopes at the posts of strip->rect. */
+static enum status read_slopes(struct surveying *s, struct strip *strip)
+{
+	struct post_rect r = strip->rect, wide = {r.x0 - 1, r.y0 - 1, r.x1 + 1, r.y1 + 1};
+	enum status status = store_read_posts(s->params->reader, STORE_BASE, strip->level, wide, strip->heights);
+	if (status == STATUS_OK)
+		render_slopes(strip->heights, r.x1 - r.x0, r.y1 - r.y0, world_spacing(s->world, strip->level), strip->east,
+			      strip->north);
+	return status;
+}
+
+/* The base's slope at a post of the map; NaN where nodata. */
+static void slope_at(const struct surveying *s, const struct strip *strip, int64_t x, int64_t y, double *east, double *north)
+{
+	int shift = strip->level - s->params->level;
+	int64_t cx = x >> shift, cy = y >> shift, width = strip->rect.x1 - strip->rect.x0;
+	double unit = ldexp(1, -shift), u = (double)(x - (cx << shift)) * unit, v = (double)(y - (cy << shift)) * unit;
+	const double weights[4] = {(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v};
+	*east = *north = 0;
+	for (int64_t i = 0; i < 4; i++) {
+		if (weights[i] == 0)
+			continue;
+		int64_t at = (cy + (i >> 1) - strip->rect.y0) * width + cx + (i & 1) - strip->rect.x0;
+		*east += weights[i] * strip->east[at];
+		*north += weights[i] * strip->north[at];
+	}
+}
+
+/* Slopes that offsets add, of the pixels around one; those beyond the map go on as at the other side. */
+static void add_offset_slope(const struct surveying *s, int64_t x, int64_t y, double *east, double *north)
+{
+	const struct render_survey *survey = s->survey;
+	double around[9];
+	for (int64_t i = 0; i < 9; i++) {
+		int64_t px = x + i % 3 - 1, py = y + i / 3 - 1;
+		bool in = px >= 0 && py >= 0 && px < survey->width && py < survey->height;
+		around[i] = in ? s->offset[py * survey->width + px] : (double)NAN;
+	}
+	double e, n;
+	render_slopes(around, 1, 1, survey->spacing, &e, &n);
+	*east += e;
+	*north += n;
+}
+
+static bool is_flat_around(const struct surveying *s, int64_t x, int64_t y)
+{
+	const struct render_survey *survey = s->survey;
+	if (x < 1 || y < 1 || x + 1 >= survey->width || y + 1 >= survey->height)
+		return false;
+	const float *p = s->offset + y * survey->width + x;
+	int64_t w = survey->width;
+	return p[-w - 1] == 0 && p[-w] == 0 && p[-w + 1] == 0 && p[-1] == 0 && p[1] == 0 && p[w - 1] == 0 && p[w] == 0 &&
+	       p[w + 1] == 0;
+}
+
+static void shade_strip(struct surveying *s, const struct strip *strip, struct post_rect part)
+{
+	struct render_survey *survey = s->survey;
+	for (int64_t y = part.y0; y < part.y1; y++)
+		for (int64_t x = part.x0; x < part.x1; x++) {
+			double east, north, steeper = s->params->exaggerate;
+			int64_t px = x - survey->rect.x0, py = y - survey->rect.y0;
+			slope_at(s, strip, x, y, &east, &north);
+			if (s->offset != NULL && !is_flat_around(s, px, py))
+				add_offset_slope(s, px, py, &east, &north);
+			survey->shade[py * survey->width + px] =
+				(float)render_shade(&s->params->sun, steeper * east, steeper * north);
+		}
+}
+
+static enum status shade(struct surveying *s)
+{
+	int level = s->params->level > 0 ? s->params->level : 0, shift = level - s->params->level;
+	struct post_rect rect = s->survey->rect;
+	int64_t rows = STRIP < rect.y1 - rect.y0 ? STRIP : rect.y1 - rect.y0;
+	size_t width = (size_t)(((rect.x1 - 1) >> shift) + 2 - (rect.x0 >> shift)), high = (size_t)((rows >> shift) + 3);
+	struct strip strip = {
+		.heights = mem_alloc((width + 2) * (high + 2), sizeof(double)),
+		.east = mem_alloc(width * high, sizeof(double)),
+		.north = mem_alloc(width * high, sizeof(double)),
+		.level = level,
+	};
+	enum status status = strip.heights != NULL && strip.east != NULL && strip.north != NULL ? STATUS_OK
+												: fail_memory("rows of a map");
+	for (int64_t y = rect.y0; y < rect.y1 && status == STATUS_OK; y += rows) {
+		struct post_rect part = {rect.x0, y, rect.x1, y + rows < rect.y1 ? y + rows : rect.y1};
+		strip.rect = (struct post_rect){rect.x0 >> shift, y >> shift, ((rect.x1 - 1) >> shift) + 2,
+						((part.y1 - 1) >> shift) + 2};
+		status = read_slopes(s, &strip);
+		if (status == STATUS_OK)
+			shade_strip(s, &strip, part);
+		if (status == STATUS_OK)
+			status = tell(s, part.y1 - part.y0);
+	}
+	mem_free(strip.heights);
+	mem_free(strip.east);
+	mem_free(strip.north);
+	return status;
+}
+
+/* --- all of it --- */
+
+static enum status allocate(struct surveying *s)
+{
+	struct render_survey *survey = s->survey;
+	size_t pixels = (size_t)survey->width * survey->height;
+	survey->shade = mem_alloc(pixels, sizeof *survey->shade);
+	survey->values = mem_calloc(pixels, sizeof *survey->values);
+	bool shared = s->params->layer == STORE_OFFSET, shades = s->deformed && s->params->level <= s->working;
+	s->offset = shades ? (shared ? survey->values : mem_calloc(pixels, sizeof *s->offset)) : NULL;
+	return survey->shade != NULL && survey->values != NULL && (!shades || s->offset != NULL) ? STATUS_OK
+												 : fail_memory("a map");
+}
+
+enum status render_survey_create(const struct render_survey_params *params, struct render_survey *out)
+{
+	*out = (struct render_survey){
+		.width = (uint32_t)(params->rect.x1 - params->rect.x0),
+		.height = (uint32_t)(params->rect.y1 - params->rect.y0),
+		.level = params->level,
+		.rect = params->rect,
+		.spacing = world_spacing(&params->meta->world, params->level),
+		.flat = render_shade(&params->sun, 0, 0),
+	};
+	struct surveying s = {.params = params, .world = &params->meta->world, .survey = out, .working = params->working,
+			      .deformed = params->deformed, .total = out->height};
+	enum status status = allocate(&s);
+	if (status == STATUS_OK && s.deformed)
+		status = read_layer(&s, params->layer, out->values);
+	if (status == STATUS_OK && s.offset != NULL && s.offset != out->values)
+		status = read_layer(&s, STORE_OFFSET, s.offset);
+	if (status == STATUS_OK)
+		status = shade(&s);
+	if (s.offset != out->values)
+		mem_free(s.offset);
+	if (status != STATUS_OK)
+		render_survey_finish(out);
+	return status;
+}
+
+void render_survey_finish(struct render_survey *survey)
+{
+	mem_free(survey->shade);
+	mem_free(survey->values);
+	*survey = (struct render_survey){.width = 0};
+}
+
+enum status render_survey_widen(struct render_survey *survey)
+{
+	uint32_t width = survey->width, height = survey->height;
+	float *wide = mem_alloc((size_t)width * height, sizeof *wide);
+	if (wide == NULL)
+		return fail_memory("a map");
+	for (uint32_t y = 0; y < height; y++)
+		for (uint32_t x = 0; x < width; x++) {
+			float largest = 0;
+			for (uint32_t py = y > 0 ? y - 1 : 0; py <= y + 1 && py < height; py++)
+				for (uint32_t px = x > 0 ? x - 1 : 0; px <= x + 1 && px < width; px++) {
+					float value = survey->values[(size_t)py * width + px];
+					largest = fabsf(value) > fabsf(largest) ? value : largest;
+				}
+			wide[(size_t)y * width + x] = largest;
+		}
+	mem_free(survey->values);
+	survey->values = wide;
+	return STATUS_OK;
+}
+
+/* A value's bits without its sign, coarsely: larger ones are of larger values. */
+static uint32_t size_class(float value)
+{
+	uint32_t bits;
+	memcpy(&bits, &value, sizeof bits);
+	return (bits & 0x7fffffff) >> 15;
+}
+
+enum status render_survey_spread(const struct render_survey *survey, double share, double *size, double *low, double *high)
+{
+	size_t pixels = (size_t)survey->width * survey->height;
+	uint32_t *classes = mem_calloc((size_t)1 << 16, sizeof *classes);
+	uint64_t count = 0;
+	if (classes == NULL)
+		return fail_memory("a map's values");
+	*size = *low = *high = 0;
+	for (size_t i = 0; i < pixels; i++) {
+		float value = survey->values[i];
+		*low = fmin(*low, value);
+		*high = fmax(*high, value);
+		count += value != 0;
+		classes[size_class(value)] += value != 0;
+	}
+	double beyond = floor((1 - share) * (double)count);
+	uint32_t class = (1 << 16) - 1;
+	for (uint64_t above = 0; class > 0; class--) {
+		above += classes[class];
+		if ((double)above > beyond)
+			break;
+	}
+	/* The largest of the class. */
+	uint32_t bits = (class << 15) | 0x7fff;
+	float most;
+	memcpy(&most, &bits, sizeof most);
+	if (count > 0)
+		*size = fmin(most, fmax(-*low, *high));
+	mem_free(classes);
+	return STATUS_OK;
+}

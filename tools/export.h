@@ -1,0 +1,42 @@
+/* What the files of furrow export share. */
+#ifndef FURROW_TOOLS_EXPORT_H
+#define FURROW_TOOLS_EXPORT_H
+
+#include "command.h"
+#include "render/render.h"
+#include "store/store.h"
+
+/* Those in metres first; of what deformation left: from the offset to the quanta. */
+enum export_layer {
+	LAYER_SURFACE,
+	LAYER_BASE,
+	LAYER_OFFSET,
+	LAYER_HEAPED,
+	LAYER_PRESSED,
+	LAYER_SHEAR,
+	LAYER_QUANTA,
+	LAYER_HILLSHADE
+};
+
+struct export_request {
+	const char *path;  /* to write */
+	const char *store; /* path, as given */
+	int layer;
+	int64_t level;
+	bool png, has_window, has_range;
+	double window[4], range[2];
+	struct render_sun sun;
+	double exaggerate;
+};
+
+const char *export_layer_name(int layer);
+enum store_layer export_store_layer(int layer);
+/* The posts of the level in the window, at least one. STATUS_INPUT: none, or no such level. */
+enum status export_find_rect(const struct export_request *request, const struct world *world, struct post_rect *rect)
+	FURROW_CHECKED;
+
+/* export_picture.c: what deformation left, in false colour on the hillshade. */
+enum status export_check_picture(const struct export_request *request) FURROW_CHECKED;
+enum status export_picture(const struct export_request *request, struct store *store) FURROW_CHECKED;
+
+#endif
