@@ -21,8 +21,11 @@ static const struct command_option options[] = {
 
 static void print_summary(const struct run_result *result, const char *directory)
 {
-	printf("%s: %lld steps in %.1f s (%.2f times real time), in %s/run.json\n", result->ended,
-	       (long long)result->steps, result->seconds, result->rtf, directory);
+	printf("%s: %lld steps in %.1f s (%.2f times real time), in %s/run.json", result->ended, (long long)result->steps,
+	       result->seconds, result->rtf, directory);
+	if (result->map)
+		printf("; a map in %s/map.png", directory);
+	putchar('\n');
 }
 
 static enum status run(const struct arguments *arguments)
@@ -58,6 +61,7 @@ static enum status run(const struct arguments *arguments)
 			.resume = arguments_flag(arguments, "resume"),
 			.durable_full = durability == 1,
 			.progress = true,
+			.map = true,
 			.stop = &interrupted,
 		};
 		status = run_drive(&params, &result);
@@ -78,8 +82,8 @@ const struct command command_drive = {
 		 "[--trace FILE] [--json]",
 	.summary = "run a scene: objects carve the terrain, pictures and figures come out",
 	.details = "What a scene may say is in src/scene/SCENE.md: every key, its unit, range and default.\n"
-		   "Leaves in DIR: run.json (figures, also when interrupted), epochs.log (a line for each commit) and\n"
-		   "frame-NNNNNN.png. Ctrl-C ends it cleanly with everything committed, status 130.\n"
+		   "Leaves in DIR: run.json (figures, also when interrupted), epochs.log (a line for each commit), map.png (each\n"
+		   "object's way and the ruts, on the hillshade) and frame-NNNNNN.png. Ctrl-C ends it cleanly with everything committed, status 130.\n"
 		   "--resume goes on where a drive of the same scene into the same store ended or was killed (end_time, cache and\n"
 		   "view may differ by then), and begins where there was none; run.json's resumed_from says at which step.\n"
 		   "An overlay is a store that names its base: every command takes it where it takes a store. Many\n"

@@ -156,6 +156,7 @@ struct render_sheet {
 struct render_placed {
 	double x, y, scale;
 	int left, low, right, high; /* pixels of the canvas that are the map */
+	int unit;                   /* the scale of its letters */
 };
 /* Makes a canvas with the map on it; what is then drawn there (over its edges too) is framed by render_sheet_frame. */
 enum status render_sheet_create(const struct render_sheet *sheet, struct render_canvas *canvas, struct render_placed *placed)

@@ -21,9 +21,8 @@
 static const struct render_colour ink = {28, 30, 34, 255}, paper = {255, 255, 255, 255}, faint = {110, 114, 120, 255},
 				  none = {0, 0, 0, 0};
 
-static int unit_of(const struct render_placed *placed)
+static int unit_of(int width, int height)
 {
-	int width = placed->right - placed->left, height = placed->high - placed->low;
 	int side = width > height ? width : height, unit = (side + 250) / 520;
 	return unit < 1 ? 1 : unit;
 }
@@ -106,8 +105,8 @@ enum status render_sheet_create(const struct render_sheet *sheet, struct render_
 	uint32_t longest = survey->width > survey->height ? survey->width : survey->height;
 	int zoom = longest < sheet->side ? (int)(sheet->side / longest) : 1;
 	int width = (int)survey->width * zoom, height = (int)survey->height * zoom;
-	*placed = (struct render_placed){.right = width, .high = height, .scale = zoom / survey->spacing};
-	int unit = unit_of(placed), least = WIDTH_LEAST * unit, side = PAD * unit;
+	*placed = (struct render_placed){.scale = zoom / survey->spacing, .unit = unit_of(width, height)};
+	int unit = placed->unit, least = WIDTH_LEAST * unit, side = PAD * unit;
 	int whole = (width > least ? width : least) + 2 * side;
 	placed->left = (whole - width) / 2;
 	placed->right = placed->left + width;
@@ -222,7 +221,7 @@ static enum status draw_north(const struct render_canvas *canvas, int x, int low
 enum status render_sheet_frame(const struct render_sheet *sheet, const struct render_canvas *canvas,
 			       const struct render_placed *placed)
 {
-	int unit = unit_of(placed), width = (int)canvas->width, height = (int)canvas->height, side = PAD * unit;
+	int unit = placed->unit, width = (int)canvas->width, height = (int)canvas->height, side = PAD * unit;
 	struct render_range range;
 	bool beyond[2];
 	enum status status = settle_range(sheet, &range, beyond);

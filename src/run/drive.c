@@ -49,6 +49,8 @@ static enum status clear_folder(struct drive *drive)
 	rewind(drive->epochs);
 	snprintf(path, sizeof path, "%s/run.json", drive->params->directory);
 	unlink(path);
+	snprintf(path, sizeof path, "%s/map.png", drive->params->directory);
+	unlink(path);
 	return STATUS_OK;
 }
 
@@ -342,6 +344,24 @@ static enum status report(const struct drive *drive, bool keep, struct run_resul
 	return keep && access(path, F_OK) == 0 ? STATUS_OK : report_write(drive->params->directory, result->json);
 }
 
+/* map.png, if it is asked for; unless `keep` and there is one. Returns `status`, or if that is well what the map's is. */
+static enum status draw_map(const struct drive *drive, bool keep, struct run_result *result, enum status status)
+{
+	char path[4096];
+	struct failure failure;
+	snprintf(path, sizeof path, "%s/map.png", drive->params->directory);
+	if (!drive->params->map || (keep && access(path, F_OK) == 0))
+		return status;
+	failure_capture(&failure, status);
+	enum status drawn = map_write(drive, path, result->ended);
+	result->map = drawn == STATUS_OK;
+	if (status == STATUS_OK)
+		return drawn;
+	if (drawn != STATUS_OK)
+		note("%s", failure_message());
+	return failure_restore(&failure);
+}
+
 /* No thread reads or writes any more: what is counted is whole. */
 static void stop_threads(struct drive *drive)
 {
@@ -362,9 +382,10 @@ static enum status run_steps(struct drive *drive, struct run_result *result)
 	struct failure failure;
 	failure_capture(&failure, status);
 	enum status written = report(drive, false, result);
-	if (written == STATUS_OK)
-		return status == STATUS_OK ? status : failure_restore(&failure);
-	return status == STATUS_OK || status == STATUS_INTERRUPTED ? written : failure_restore(&failure);
+	bool tell_written = written != STATUS_OK && (status == STATUS_OK || status == STATUS_INTERRUPTED);
+	if (!tell_written && status != STATUS_OK)
+		status = failure_restore(&failure);
+	return draw_map(drive, false, result, tell_written ? written : status);
 }
 
 static void tell_advice(void *user, const char *text)
@@ -383,7 +404,7 @@ enum status run_drive(const struct run_params *params, struct run_result *result
 			note("%s: no trace is written, since nothing is left to drive", params->trace);
 		status = make_directory(params->directory);
 		if (status == STATUS_OK)
-			status = report(&drive, true, result);
+			status = draw_map(&drive, true, result, report(&drive, true, result));
 	} else if (status == STATUS_OK) {
 		drive_advise(&drive, tell_advice, NULL);
 		status = start(&drive);

@@ -257,6 +257,9 @@ void view_figures(const struct view *view, struct view_figures *figures);
 /* where.c: where effects were, of where they might have been, into `root`; of the drive's passes alone. */
 void where_report(struct cJSON *root, const struct drive *drive, const struct gpu_stats *gpu);
 
+/* map.c: a picture of the drive so far, from what is committed; `ended` as in run.json. Aside and renamed. */
+enum status map_write(const struct drive *drive, const char *path, const char *ended) FURROW_CHECKED;
+
 /* report.c */
 char *report_json(const struct drive *drive, const char *ended); /* NULL: out of memory */
 enum status report_write(const char *directory, const char *json) FURROW_CHECKED;

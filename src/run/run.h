@@ -16,12 +16,13 @@ struct run_params {
 	const struct scene *scene;
 	const char *store;     /* path; overrides the scene's; may be NULL if that names one */
 	const char *overlay;   /* path of what keeps the deformation instead of the store; made if absent. May be NULL */
-	const char *directory; /* made if absent: run.json, epochs.log, frame-*.png */
+	const char *directory; /* made if absent: run.json, epochs.log, frame-*.png, map.png */
 	const char *trace;     /* path: every access to the page cache goes there, as page/page.h says. May be NULL */
 	int64_t steps;         /* since the scene's start; 0: until end_time */
 	bool resume;           /* go on from the store's last drive of this scene, to the same bits; begin if there was none */
 	bool durable_full;
 	bool progress;         /* a line on stderr */
+	bool map;              /* map.png too, of the whole drive, when all else is over: run.json tells nothing of it */
 	bool everywhere;       /* sweeps are computed where they change nothing, too: for tests that compare */
 	const volatile sig_atomic_t *stop; /* becomes non-zero: end cleanly, STATUS_INTERRUPTED. May be NULL */
 };
@@ -31,6 +32,7 @@ struct run_result {
 	int64_t steps;
 	double seconds, rtf;
 	char *json; /* what run.json holds; free with mem_free */
+	bool map;   /* map.png was written */
 };
 
 /*
@@ -52,8 +54,10 @@ struct run_result {
  * (statements, loaded to epoch) count from the process's start, passes and the other units from the first step. "threads"
  * ran when the last step was over. "unplanned": programs that were linked in a step; 0, or it is a mistake.
  *
- * Resumed with nothing left to do: needs no GL, tells the drive as a whole alone, and writes run.json only where
+ * Resumed with nothing left to do: needs no GL, tells the drive as a whole alone, and writes run.json and map.png only where
  * there is none.
+ *
+ * A map that fails is the drive's failure if nothing else was; otherwise it is told on stderr.
  */
 enum status run_drive(const struct run_params *params, struct run_result *result) FURROW_CHECKED;
 

@@ -276,3 +276,28 @@ void track_at(const struct track *track, double time, struct track_point *point)
 	point->time = time;
 	place(track, point);
 }
+
+size_t track_corners(const struct track *track)
+{
+	return track->count + 1;
+}
+
+size_t track_way(const struct track *track, double time, double (*places)[2])
+{
+	bool whole = track->loop && time * track->speed >= track->length;
+	size_t count = 0;
+	for (; count < track->count && (whole || count == 0 || track->knots[count].at.time <= time); count++) {
+		struct track_point knot = track->knots[count].at;
+		place(track, &knot);
+		places[count][0] = knot.x;
+		places[count][1] = knot.y;
+	}
+	if (!whole && count < track->count) {
+		struct track_point now;
+		track_at(track, time, &now);
+		places[count][0] = now.x;
+		places[count][1] = now.y;
+		count++;
+	}
+	return count;
+}

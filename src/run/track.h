@@ -34,6 +34,10 @@ double track_station_time(const struct track *track, int64_t index);
 int64_t track_leaves(const struct track *track, double width, double height);
 /* The fastest it goes along the ground, m/s. */
 double track_fastest(const struct track *track);
+/* Where it was until `time`, for a picture: its corners and where it is, local metres, straight lines between them; of a loop,
+ * no more than one lap. Returns how many, 1 to track_corners(). */
+size_t track_corners(const struct track *track);
+size_t track_way(const struct track *track, double time, double (*places)[2]);
 /* Where the object is at `time` (held at the path's ends). */
 void track_at(const struct track *track, double time, struct track_point *point);
 
