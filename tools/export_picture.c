@@ -52,7 +52,7 @@ static enum status draw(const struct export_request *request, const struct rende
 	const char *slash = strrchr(request->store, '/'), *layer = export_layer_name(request->layer);
 	char title[256], subtitle[64];
 	snprintf(title, sizeof title, "%s: %s", slash != NULL ? slash + 1 : request->store, layer);
-	snprintf(subtitle, sizeof subtitle, "%g m a post", survey->spacing);
+	snprintf(subtitle, sizeof subtitle, "%.4g m a post", survey->spacing);
 	struct render_sheet sheet = {
 		.survey = survey,
 		.title = title,

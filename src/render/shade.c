@@ -2,7 +2,8 @@
  * Hillshade: slopes by Horn's 3 x 3 posts, and how light ground of a slope is.
  *
  * Slopes are metres a metre, whatever the level. Where a neighbour is nodata the ground is taken to go on as on the
- * other side of the post, so that a plane has its own slope up to its last post; where both are, to be level.
+ * other side of the post, so that a plane has its own slope up to its last post; where both are, to be level. A corner is
+ * as its two neighbours say.
  *
  * The light is a sun's, softened by two more that stand at its sides and lower, and by the sky: slopes along the sun's
  * own light are told apart too, flat ground lies well below white, and what turns away is not all black.
@@ -31,8 +32,10 @@ void render_slopes(const double *heights, int64_t width, int64_t rows, double sp
 			double nw = p[stride - 1], n = p[stride], ne = p[stride + 1];
 			go_on(&w, &e, p[0]);
 			go_on(&s, &n, p[0]);
-			go_on(&sw, &ne, p[0]);
-			go_on(&se, &nw, p[0]);
+			sw = isnan(sw) ? s + w - p[0] : sw;
+			se = isnan(se) ? s + e - p[0] : se;
+			nw = isnan(nw) ? n + w - p[0] : nw;
+			ne = isnan(ne) ? n + e - p[0] : ne;
 			bool known = !isnan(p[0]);
 			*east++ = known ? (ne + 2 * e + se - nw - 2 * w - sw) / (8 * spacing) : (double)NAN;
 			*north++ = known ? (nw + 2 * n + ne - sw - 2 * s - se) / (8 * spacing) : (double)NAN;

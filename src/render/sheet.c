@@ -55,9 +55,10 @@ static double shade_at(const struct render_survey *survey, int zoom, int64_t x, 
 	int64_t cx = (int64_t)floor(u), cy = (int64_t)floor(v);
 	double sum = 0;
 	for (int64_t i = 0; i < 4 && !isnan(here); i++) {
-		int64_t nx = cx + (i & 1), ny = cy + (i >> 1);
-		bool in = nx >= 0 && ny >= 0 && nx < width && ny < survey->height;
-		double shade = in ? survey->shade[ny * width + nx] : (double)NAN;
+		int64_t nx = cx + (i & 1), ny = cy + (i >> 1), top = survey->height - 1;
+		nx = nx < 0 ? 0 : nx < width ? nx : width - 1;
+		ny = ny < 0 ? 0 : ny < top ? ny : top;
+		double shade = survey->shade[ny * width + nx];
 		double weight = (i & 1 ? u - (double)cx : 1 - u + (double)cx) * (i >> 1 ? v - (double)cy : 1 - v + (double)cy);
 		sum += weight * (isnan(shade) ? here : shade);
 	}
@@ -76,7 +77,7 @@ static void draw_map(const struct render_sheet *sheet, const struct render_range
 			struct render_colour over = render_ramp(sheet->ramp, render_ramp_place(range, survey->values[pixel]));
 			struct render_colour colour = render_ground_colour(shade, survey->flat, over);
 			/* Sparse hatching says that nothing is known. */
-			if (isnan(shade) && (x + y) % 12 == 0)
+			if (isnan(shade) && (x + y) % (12 * placed->unit) < placed->unit)
 				colour = (struct render_colour){176, 184, 194, 255};
 			memcpy(canvas->pixels + 4 * ((size_t)y * canvas->width + (size_t)x), &colour, sizeof colour);
 		}
@@ -129,6 +130,14 @@ enum status render_sheet_create(const struct render_sheet *sheet, struct render_
 static void text(const struct render_canvas *canvas, int x, int y, int unit, const char *line, struct render_colour colour)
 {
 	render_canvas_text(canvas, x, y, unit, line, colour, none);
+}
+
+static bool has_holes(const struct render_survey *survey)
+{
+	size_t pixels = (size_t)survey->width * survey->height, i = 0;
+	while (i < pixels && !isnan(survey->shade[i]))
+		i++;
+	return i < pixels;
 }
 
 /* Cut to so many letters. */
@@ -237,11 +246,13 @@ enum status render_sheet_frame(const struct render_sheet *sheet, const struct re
 	render_canvas_box(canvas, placed->left - unit, placed->low, placed->left, placed->high, ink);
 	render_canvas_box(canvas, placed->right, placed->low, placed->right + unit, placed->high, ink);
 
-	int above = placed->high + PAD * unit, subtitle = render_text_width(sheet->subtitle, unit);
+	char line[128];
+	snprintf(line, sizeof line, "%s%s", has_holes(sheet->survey) ? "hatched: no data, " : "", sheet->subtitle);
+	int above = placed->high + PAD * unit, subtitle = render_text_width(line, unit);
 	bool room = render_text_width(sheet->title, unit) + subtitle + 4 * side < width;
 	title(canvas, side, above, unit, sheet->title, width - 2 * side);
 	if (room)
-		text(canvas, width - side - subtitle, above, unit, sheet->subtitle, faint);
+		text(canvas, width - side - subtitle, above, unit, line, faint);
 
 	int bar = PAD * unit + (RENDER_LETTER_HEIGHT + 4) * unit;
 	draw_legend(sheet, canvas, side + 14 * unit, bar, unit, &range, beyond);

@@ -85,6 +85,21 @@ static enum status look_at(struct surveying *s, struct tile tile, struct key_lis
 	return status == STATUS_OK && found ? add_key(list, tile_key(tile)) : status;
 }
 
+/* Soil's state is of the working level alone, and may be where no offset is. */
+struct finding {
+	const struct surveying *s;
+	struct key_list *list;
+};
+
+static enum status take_key(void *user, uint64_t key)
+{
+	const struct finding *finding = user;
+	struct tile tile = tile_from_key(key);
+	struct post_rect seen = fine_rect(finding->s, tile.level);
+	bool outside = post_rect_empty(post_rect_intersect(tile_post_rect(finding->s->world, tile), seen));
+	return outside ? STATUS_OK : add_key(finding->list, key);
+}
+
 /* The tiles with offsets in the map, of the finest level that has at most `tiles_most`: from the map's own level down,
  * below those that have any. */
 static enum status find_tiles(struct surveying *s, struct key_list *list)
@@ -149,7 +164,11 @@ static enum status read_tiles(struct surveying *s, enum plane plane, float *into
 	size_t side = tile_posts(s->world);
 	void *posts = mem_alloc(side * side, sizeof(int32_t)), *planes[PLANES] = {NULL};
 	planes[plane] = posts;
-	enum status status = posts != NULL ? find_tiles(s, &list) : fail_memory("a tile");
+	enum status status = posts != NULL ? STATUS_OK : fail_memory("a tile");
+	if (status == STATUS_OK && plane == PLANE_OFFSET)
+		status = find_tiles(s, &list);
+	else if (status == STATUS_OK)
+		status = store_each_plane(s->params->reader, plane, s->working, take_key, &(struct finding){s, &list});
 	s->total += (int64_t)list.count;
 	for (size_t i = 0; i < list.count && status == STATUS_OK; i++) {
 		struct tile tile = tile_from_key(list.keys[i]);

@@ -198,9 +198,9 @@ static enum status draw_ways(const struct map *map)
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 		struct way *way = &map->ways[i];
 		const double(*places)[2] = (const double(*)[2])on_canvas(map, way);
-		status = render_canvas_path(&map->canvas, places, way->count, 1.0 * unit, pale);
+		status = render_canvas_path(&map->canvas, places, way->count, 1.3 * unit, pale);
 		if (status == STATUS_OK)
-			status = render_canvas_path(&map->canvas, places, way->count, 0.5 * unit, colour_of(i));
+			status = render_canvas_path(&map->canvas, places, way->count, 0.7 * unit, colour_of(i));
 	}
 	return status;
 }
@@ -236,7 +236,7 @@ static enum status draw(struct map *map, const char *path, const char *ended)
 	const char *slash = strrchr(drive->scene->file, '/');
 	char title[256], subtitle[96];
 	snprintf(title, sizeof title, "%s, %g s", slash != NULL ? slash + 1 : drive->scene->file, drive->time);
-	snprintf(subtitle, sizeof subtitle, "%s%s%g m a post", strcmp(ended, "complete") == 0 ? "" : ended,
+	snprintf(subtitle, sizeof subtitle, "%s%s%.4g m a post", strcmp(ended, "complete") == 0 ? "" : ended,
 		 strcmp(ended, "complete") == 0 ? "" : ", ", map->survey.spacing);
 	struct render_sheet sheet = {
 		.survey = &map->survey,

@@ -132,6 +132,9 @@ enum status store_read_offset_range(struct store_reader *reader, struct tile til
 typedef enum status (*store_key_fn)(void *user, uint64_t key);
 enum status store_each_offset(struct store_reader *reader, int level, store_key_fn fn, void *user)
 	FURROW_CHECKED;
+/* The same, of another plane: where it is kept, offset or none. */
+enum status store_each_plane(struct store_reader *reader, enum plane plane, int level, store_key_fn fn, void *user)
+	FURROW_CHECKED;
 
 /* --- epochs: the writer thread --- */
 struct store_page {

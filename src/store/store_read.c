@@ -3,6 +3,7 @@
 #include "store/internal.h"
 
 #include <assert.h>
+#include <stdio.h>
 #include <string.h>
 
 static enum status connect_rows(struct store *store, sqlite3 **db, struct rows *rows)
@@ -178,12 +179,19 @@ enum status store_read_offset_range(struct store_reader *reader, struct tile til
 
 enum status store_each_offset(struct store_reader *reader, int level, store_key_fn fn, void *user)
 {
+	return store_each_plane(reader, PLANE_OFFSET, level, fn, user);
+}
+
+enum status store_each_plane(struct store_reader *reader, enum plane plane, int level, store_key_fn fn, void *user)
+{
 	const struct world *world = reader->rows.world;
 	const char *path = reader->rows.path;
 	uint64_t first, last;
 	sqlite3_stmt *statement = NULL;
-	enum status status = sql_prepare(reader->db, path, &statement,
-					 "SELECT key FROM \"offset\" WHERE key BETWEEN ?1 AND ?2 ORDER BY key");
+	char sql[96];
+	snprintf(sql, sizeof sql, "SELECT key FROM \"%s\" WHERE key BETWEEN ?1 AND ?2 ORDER BY key",
+		 rows_name(row_table_of(plane)));
+	enum status status = sql_prepare(reader->db, path, &statement, sql);
 	if (status != STATUS_OK)
 		return status;
 	/* A level is the key's upper bits. */
@@ -197,8 +205,8 @@ enum status store_each_offset(struct store_reader *reader, int level, store_key_
 		if (code != SQLITE_ROW)
 			status = sql_fail(reader->db, code, path, "reading its tiles");
 		else if (!world_has(world, tile_from_key(key)))
-			status = fail_with(STATUS_INPUT, "%s: it has an offset tile outside its terrain; the store is "
-					   "damaged, restore it", path);
+			status = fail_with(STATUS_INPUT, "%s: it has an %s tile outside its terrain; the store is "
+					   "damaged, restore it", path, rows_name(row_table_of(plane)));
 		else
 			status = fn(user, key);
 	}
