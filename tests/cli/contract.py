@@ -287,6 +287,87 @@ class RoundTrips(FurrowTest):
         self.refused(3, "query", store, stdin="1 1 1 0 0 0\n")
 
 
+def png_size(path):
+    data = path.read_bytes()
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    return struct.unpack(">II", data[16:24])
+
+
+class Maps(FurrowTest):
+    def test_what_deformation_left_is_a_map_in_false_colour(self):
+        store = self.synth()
+        self.ok("export", store, "-o", "none.png", "--layer", "offset")
+        self.drive(self.scene(), "--store", store)
+        for arguments in ([], ["--window", "10,10,60,60"], ["--level", "0"], ["--level", "-4"], ["--height-range=-0.1,0.2"],
+                          ["--sun", "90,30", "--exaggerate", "3"]):
+            with self.subTest(arguments=arguments):
+                told = self.ok("export", store, "-o", "ruts.png", "--layer", "offset", *arguments)
+                width, height, posts_x, posts_y = map(int, re.search(r"a map of offset, (\d+) x (\d+) pixels, of (\d+) x (\d+) posts",
+                                                                     told).groups())
+                self.assertEqual(png_size(self.folder / "ruts.png"), (width, height))
+                self.assertTrue(posts_x < width and posts_y < height)
+                self.assertLessEqual(max(posts_x, posts_y), 4096)
+        self.assertEqual(list(self.folder.glob("*.part")), [])
+
+    def test_a_pixel_a_post_or_a_coarser_level(self):
+        store = self.synth(posts="1025x9")
+        for level, wanted in ((0, "1025 x 9 posts, 1 m"), (2, "257 x 3 posts, 4 m"), (-1, "2049 x 17 posts, 0.5 m"),
+                              (-2, "2049 x 17 posts, 0.5 m"), (-3, "2049 x 17 posts, 0.5 m")):  # 4097 are more than are drawn
+            told = self.ok("export", store, "-o", "a.png", "--layer", "offset", "--level", level)
+            self.assertIn(wanted, told)
+
+    def test_the_soils_state_is_a_map_too(self):
+        store = self.synth()
+        scene = self.scene(SCENE.replace("redistribute: {model: box}", "soil: {name: dry_sand}\nredistribute: {model: scm}"))
+        self.drive(scene, "--store", store, "--set", "cache.slots=32")
+        for layer in ("heaped", "pressed", "shear"):
+            for level in ("-2", "0"):
+                self.assertIn("a map of " + layer, self.ok("export", store, "-o", layer + ".png", "--layer", layer, "--level", level))
+        self.ok("export", store, "-o", "p.png", "--layer", "pressed", "--height-range", "0,0.05")
+        self.refused(2, "export", store, "-o", "p.png", "--layer", "pressed", "--height-range", "0.01,0.05")
+        self.refused(2, "export", store, "-o", "p.png", "--layer", "heaped", "--height-range", "0,0.05")
+
+    def test_what_is_no_picture_is_refused_and_leaves_nothing(self):
+        store = self.synth(posts="65x65")
+        for status, arguments in ((2, ["--layer", "quanta"]), (2, ["--layer", "offset", "--height-range", "0,1"]),
+                                  (2, ["--layer", "offset", "--height-range", "1,-1"]), (2, ["--layer", "surface", "--sun", "0,45"]),
+                                  (2, ["--layer", "hillshade", "--sun", "0,5"]), (2, ["--layer", "hillshade", "--exaggerate", "0"]),
+                                  (2, ["--exaggerate", "2"]), (3, ["--layer", "offset", "--level", "9"]),
+                                  (3, ["--layer", "offset", "--window", "100,100,200,200"])):
+            with self.subTest(arguments=arguments):
+                self.refused(status, "export", store, "-o", "out.png", *arguments)
+        self.refused(1, "export", store, "-o", "no/such/folder/out.png", "--layer", "offset")
+        if os.path.exists("/dev/full"):
+            (self.folder / "full.png.part").symlink_to("/dev/full")
+            self.assertIn("No space left", self.refused(1, "export", store, "-o", "full.png", "--layer", "offset"))
+        self.assertEqual([path.name for path in self.folder.glob("*.png*")], [])
+
+    def test_a_hillshade_is_grey_and_a_sun_from_elsewhere_is_another(self):
+        store = self.synth(posts="65x65")
+        made = []
+        for arguments in ([], ["--sun", "315,45"], ["--sun", "135,45"], ["--exaggerate", "4"]):
+            self.ok("export", store, "-o", "a.png", "--layer", "hillshade", *arguments)
+            data = (self.folder / "a.png").read_bytes()
+            self.assertEqual(struct.unpack(">IIBB", data[16:26]), (65, 65, 8, 0))  # 8 bits, grey
+            made.append(data)
+        self.assertEqual(made[0], made[1])
+        self.assertEqual(len(set(made)), 3)
+
+    @unittest.skipUnless(has_gdal(), "needs gdal_translate")
+    def test_a_hillshade_keeps_its_place(self):
+        self.ok("synth", "-o", "a.tif", "--posts", "65x65", "--spacing", "2")
+        subprocess.run(["gdal_translate", "-q", "-a_srs", "EPSG:32633", "-a_ullr", "500000", "4000130", "500130", "4000000",
+                        str(self.folder / "a.tif"), str(self.folder / "utm.tif")], check=True)
+        self.ok("import", "utm.tif", "-o", "s.furrow")
+        self.ok("export", "s.furrow", "-o", "shade.tif", "--layer", "hillshade", "--window", "20,20,60,60")
+        info = json.loads(subprocess.run(["gdalinfo", "-json", str(self.folder / "shade.tif")], check=True,
+                                         capture_output=True, text=True).stdout)
+        self.assertIn("UTM zone 33N", info["coordinateSystem"]["wkt"])
+        self.assertEqual(info["bands"][0]["type"], "Byte")
+        self.assertEqual(info["bands"][0]["noDataValue"], 0)
+        self.assertEqual(info["geoTransform"], [500020, 2, 0, 4000062, 0, -2])
+
+
 class Drives(FurrowTest):
     def test_a_drive_leaves_ruts_figures_and_a_clean_store(self):
         store = self.synth()
@@ -410,7 +491,22 @@ objects:
             data = (self.folder / "out" / name).read_bytes()
             self.assertEqual(data[:8], b"\x89PNG\r\n\x1a\n")
             self.assertEqual(struct.unpack(">II", data[16:24]), (320, 180))
-        self.assertEqual(len(list((self.folder / "out").glob("*.png"))), 2)
+        self.assertEqual(len(list((self.folder / "out").glob("frame-*.png"))), 2)
+
+    def test_a_drive_leaves_a_map_and_says_where(self):
+        store = self.synth()
+        result = self.furrow("drive", self.scene(), "--store", store, "-o", "out")
+        if result.returncode == 4:
+            self.skipTest("no GL here")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertRegex(result.stdout, r"^complete: .* in out/run\.json; a map in out/map\.png\n$")
+        width, height = png_size(self.folder / "out/map.png")
+        self.assertLessEqual(max(width, height), 1200)
+        self.assertEqual(list((self.folder / "out").glob("*.part")), [])
+        # A drive that cannot begin takes nothing away, and leaves none.
+        before = (self.folder / "out/map.png").read_bytes()
+        self.refused(3, "drive", self.scene(), "--store", store, "-o", "out", "--set", "spacing=0.125")
+        self.assertEqual((self.folder / "out/map.png").read_bytes(), before)
 
 
 class RealElevation(FurrowTest):

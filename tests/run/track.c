@@ -181,6 +181,41 @@ static void where_a_path_leaves_is_found(void **state)
 	assert_int_equal(outside, 10);
 }
 
+static void assert_way(const struct track *track, double time, size_t count, const double (*wanted)[2])
+{
+	double places[8][2];
+	assert_true(track_corners(track) <= 8);
+	assert_int_equal(track_way(track, time, places), count);
+	for (size_t i = 0; i < count; i++)
+		assert_true(hypot(places[i][0] - wanted[i][0], places[i][1] - wanted[i][1]) < 1e-5);
+}
+
+static void a_way_has_its_corners_and_ends_where_the_object_is(void **state)
+{
+	struct scene_waypoint waypoints[3] = {{.t = 1}, {.t = 5}, {.t = 6}};
+	const double points[][2] = {{10, 10}, {40, 50}, {40, 10}};
+	struct scene_path path = {.points = waypoints, .count = 3, .speed = 10};
+	struct track *track = track_of(&path, points);
+	assert_way(track, 0, 2, (const double[][2]){{10, 10}, {10, 10}});
+	assert_way(track, 2.5, 2, (const double[][2]){{10, 10}, {25, 30}});
+	assert_way(track, 7, 3, (const double[][2]){{10, 10}, {40, 50}, {40, 30}});
+	assert_way(track, 100, 3, (const double[][2]){{10, 10}, {40, 50}, {40, 10}});
+	track_destroy(track);
+	path.loop = true; /* 120 m: 12 s */
+	track = track_of(&path, points);
+	assert_way(track, 10, 4, (const double[][2]){{10, 10}, {40, 50}, {40, 10}, {30, 10}});
+	assert_way(track, 1e9, 4, (const double[][2]){{10, 10}, {40, 50}, {40, 10}, {10, 10}});
+	track_destroy(track);
+	path.loop = false;
+	path.timed = true;
+	track = track_of(&path, points);
+	assert_way(track, 0.5, 2, (const double[][2]){{10, 10}, {10, 10}});
+	assert_way(track, 3, 2, (const double[][2]){{10, 10}, {25, 30}});
+	assert_way(track, 5.5, 3, (const double[][2]){{10, 10}, {40, 50}, {40, 30}});
+	assert_way(track, 6, 3, (const double[][2]){{10, 10}, {40, 50}, {40, 10}});
+	track_destroy(track);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -191,6 +226,7 @@ int main(void)
 		cmocka_unit_test(a_timed_path_that_stands_still_is_there_from_when_it_came),
 		cmocka_unit_test(a_single_point_is_one_station),
 		cmocka_unit_test(where_a_path_leaves_is_found),
+		cmocka_unit_test(a_way_has_its_corners_and_ends_where_the_object_is),
 	};
 	return cmocka_run_group_tests_name("track", tests, NULL, NULL);
 }
