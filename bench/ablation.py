@@ -74,6 +74,8 @@ PAIRS = [
     ("prefetch", scene(WHEEL, **cache(2, 0)), scene(WHEEL, **cache(2, 1.5))),
     ("picture", scene(WHEEL), SEEN),
     *((name, SEEN, scene(WHEEL, **view(name))) for name in ("texture", "fog", "sky", "geomorph", "skirts")),
+    ("objects", SEEN, scene(WHEEL, **view("objects"))),
+    ("shadow", scene(WHEEL, **view("objects")), scene(WHEEL, **view("objects", "shadow"))),
     ("detail", scene(WHEEL, **view("texture")), scene(WHEEL, **view("texture", "detail"))),
     ("pixel_error", scene(WHEEL, **view("geomorph")), scene(WHEEL, **view("geomorph", pixel_error=4))),
     ("antialias", SEEN, scene(WHEEL, **view(samples=4))),

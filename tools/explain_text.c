@@ -153,6 +153,8 @@ static const char *each_of(enum plan_unit unit)
 		[PLAN_DECIMATED] = "a change brought to a coarser tile",
 		[PLAN_SUBDIVIDED] = "a base interpolated",
 		[PLAN_DRAWN] = "a tile drawn",
+		[PLAN_OBJECTS] = "objects drawn at once",
+		[PLAN_SHADOWED] = "a picture with shadows",
 		[PLAN_FRAME] = "a picture",
 		[PLAN_LOADED] = "a tile loaded",
 		[PLAN_LOADED_COARSER] = "a coarser tile loaded",

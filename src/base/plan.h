@@ -49,6 +49,8 @@ enum plan_unit {
 	PLAN_DECIMATED,    /* coarser tiles that followed a change */
 	PLAN_SUBDIVIDED,   /* bases interpolated */
 	PLAN_DRAWN,        /* tiles in pictures */
+	PLAN_OBJECTS,      /* draws of objects in pictures: of all of one shape that look as large */
+	PLAN_SHADOWED,     /* pictures in which objects cast shadows */
 	PLAN_FRAME,
 	PLAN_LOADED,       /* tiles of the working level whose planes were read */
 	PLAN_LOADED_COARSER, /* coarser ones */

@@ -130,6 +130,18 @@ void body_axes(const double size[3], double yaw, double pitch, double roll, doub
 			axes[i][k] = turned[i][k] * size[i] / 2;
 }
 
+void deform_axes(double yaw, double pitch, double roll, double turn, double axes[3][3])
+{
+	const double unit[3] = {2, 2, 2}; /* of which half is one */
+	double c = cos(turn), s = sin(turn);
+	body_axes(unit, yaw, pitch, roll, axes);
+	for (int k = 0; k < 3; k++) {
+		double forward = axes[0][k], up = axes[2][k];
+		axes[0][k] = c * forward - s * up;
+		axes[2][k] = s * forward + c * up;
+	}
+}
+
 static void box_of(const struct deform_shape *shape, const struct deform_pose *to, const struct body_motion *m,
 		   const struct body_frame *frame, struct body *body)
 {

@@ -109,6 +109,8 @@ struct deform;
 enum status deform_shape_check(const struct deform_shape *shape, double spacing) FURROW_CHECKED;
 /* However it is turned, the object lies within this of its centre, metres. */
 double deform_shape_bound(const struct deform_shape *shape);
+/* The object's own axes in a pose, forward, left and up, of length 1: with `turn` about its own left. */
+void deform_axes(double yaw, double pitch, double roll, double turn, double axes[3][3]);
 /* Height of the lowest point below the centre for this attitude, metres (positive). */
 double deform_shape_reach(const struct deform_shape *shape, double pitch, double roll);
 

@@ -48,6 +48,8 @@ enum gpu_stage {
 	GPU_DIRT,
 	GPU_PYRAMID,
 	GPU_TERRAIN,
+	GPU_SHADOW,    /* of objects, on what is drawn so far */
+	GPU_OBJECTS,
 	GPU_SKY,
 	GPU_RESOLVE,   /* a picture of several samples a pixel to one of one */
 	GPU_SUBDIVIDE, /* Technique 4, when a tile below level 0 is loaded */
@@ -205,8 +207,12 @@ struct gpu_pass {
 	 * triangles, uint16 indices, `instances` times. */
 	struct gpu_buffer *indices;
 	uint32_t index_count, instances;
+	uint32_t first_index;
+	bool wide_indices; /* uint32 instead */
 	bool depth_test;  /* reversed: GREATER */
 	bool cull_back;   /* counter-clockwise is front */
+	bool cull_front;  /* not both */
+	bool multiply;    /* what is there by what is drawn, in light where the target is sRGB */
 };
 void gpu_pass_run(struct gpu *gpu, const struct gpu_pass *pass);
 

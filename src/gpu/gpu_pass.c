@@ -52,12 +52,13 @@ static void draw(struct gpu *gpu, const struct gpu_pass *pass)
 		return;
 	}
 	assert(pass->indices->use == GPU_INDICES && pass->index_count % 3 == 0);
-	assert(pass->index_count <= pass->indices->bytes / sizeof(uint16_t) && pass->instances > 0);
+	size_t bytes = pass->wide_indices ? sizeof(uint32_t) : sizeof(uint16_t);
+	assert((size_t)pass->first_index + pass->index_count <= pass->indices->bytes / bytes && pass->instances > 0);
 	if (gpu->indices != pass->indices)
 		glVertexArrayElementBuffer(gpu->vertex_array, pass->indices->name);
 	gpu->indices = pass->indices;
-	glDrawElementsInstanced(GL_TRIANGLES, (GLsizei)pass->index_count, GL_UNSIGNED_SHORT, NULL,
-				(GLsizei)pass->instances);
+	glDrawElementsInstanced(GL_TRIANGLES, (GLsizei)pass->index_count, pass->wide_indices ? GL_UNSIGNED_INT : GL_UNSIGNED_SHORT,
+				(const void *)(pass->first_index * bytes), (GLsizei)pass->instances);
 }
 
 void gpu_pass_run(struct gpu *gpu, const struct gpu_pass *pass)
@@ -79,7 +80,12 @@ void gpu_pass_run(struct gpu *gpu, const struct gpu_pass *pass)
 	gpu->program = pass->program;
 	bind_inputs(gpu, pass);
 	set_flag(GL_DEPTH_TEST, &gpu->depth_test, pass->depth_test);
-	set_flag(GL_CULL_FACE, &gpu->cull_back, pass->cull_back);
+	assert(!(pass->cull_back && pass->cull_front));
+	set_flag(GL_CULL_FACE, &gpu->culls, pass->cull_back || pass->cull_front);
+	if (gpu->culls && gpu->culls_front != pass->cull_front)
+		glCullFace(pass->cull_front ? GL_FRONT : GL_BACK);
+	gpu->culls_front = gpu->culls ? pass->cull_front : gpu->culls_front;
+	set_flag(GL_BLEND, &gpu->blends, pass->multiply);
 	glViewport((GLint)view->x, (GLint)view->y, (GLsizei)view->width, (GLsizei)view->height);
 	draw(gpu, pass);
 	gpu_timer_end(gpu, pass->stage);

@@ -13,6 +13,7 @@ static const struct {
 	[GPU_SLIDE] = {"slide", GPU_REDISTRIBUTE},     [GPU_HOLD] = {"hold", GPU_REDISTRIBUTE},
 	[GPU_SETTLE] = {"settle", GPU_REDISTRIBUTE},   [GPU_DIRT] = {"dirt", GPU_ATTRIBUTES},
 	[GPU_PYRAMID] = {"pyramid", GPU_DECIMATE},     [GPU_TERRAIN] = {"terrain", GPU_RENDER},
+	[GPU_SHADOW] = {"shadow", GPU_RENDER},	       [GPU_OBJECTS] = {"objects", GPU_RENDER},
 	[GPU_SKY] = {"sky", GPU_RENDER},	       [GPU_RESOLVE] = {"resolve", GPU_RENDER},
 	[GPU_SUBDIVIDE] = {"subdivide", GPU_DIVIDE},
 };

@@ -73,7 +73,7 @@ struct gpu {
 	const struct gpu_texture *textures[GPU_PASS_TEXTURES];
 	const struct gpu_texture *images[GPU_PASS_IMAGES];
 	const struct gpu_buffer *indices;
-	bool depth_test, cull_back, srgb;
+	bool depth_test, culls, culls_front, blends, srgb;
 	bool sealed; /* no program should be missing any more */
 	bool storage_written; /* a pass had storage buffers; no barrier since */
 	bool images_written;  /* a pass had images; no barrier since */

@@ -198,7 +198,7 @@ enum status render_frame(struct render *render, const struct render_camera *came
 	struct picture_params params = {0};
 	fill_frame(render, camera, &axes, &params);
 	render->triangles = 0;
-	render->tiles = (struct render_tiles){0, 0};
+	render->tiles = (struct render_tiles){.drawn = 0};
 	gpu_target_clear(render->target, background);
 	for (size_t i = 0, end; i < selection->draw_count && status == STATUS_OK; i = end) {
 		status = collect_blocks(render, &view, &axes, selection, i, &end, drawn);
@@ -213,6 +213,8 @@ enum status render_frame(struct render *render, const struct render_camera *came
 			status = draw_tile(render, draw, &drawn[k], &params);
 		}
 	}
+	if (status == STATUS_OK && render->objects != NULL)
+		status = render_objects_draw(render, camera, &axes, &view, &params);
 	if (status == STATUS_OK && (render->effects >> EFFECT_SKY & 1))
 		status = draw_sky(render, &params);
 	if (status == STATUS_OK && render->resolved != NULL)

@@ -70,6 +70,17 @@ enum { RENDER_PLAIN, RENDER_OFFSET, RENDER_LEVEL0, RENDER_VARIANTS };
 enum status render_tile_program(struct render *render, unsigned variant, struct gpu_program **out) FURROW_CHECKED;
 enum status render_sky_program(struct render *render, struct gpu_program **out) FURROW_CHECKED;
 
+/* --- objects.c --- */
+struct render_objects;
+/* Nothing, and render->objects is NULL, where no object is shown. After a failure too they are to be destroyed. */
+enum status render_objects_create(struct render *render, const struct render_params *params) FURROW_CHECKED;
+void render_objects_destroy(struct render_objects *objects); /* takes NULL */
+void render_objects_plan(const struct render_params *params, struct plan *plan);
+enum status render_objects_warm(struct render *render) FURROW_CHECKED;
+/* Over the ground; before the sky. `params`: of the frame; their tile's are changed. */
+enum status render_objects_draw(struct render *render, const struct render_camera *camera, const struct render_axes *axes,
+				const struct terrain_view *view, struct picture_params *params) FURROW_CHECKED;
+
 /* --- noise.c --- */
 #define RENDER_NOISE_SIZE 256
 /* RGBA8 texels, RENDER_NOISE_SIZE squared: each one's 2 x 2 neighbours. */
@@ -114,6 +125,7 @@ struct render {
 	uint32_t index_count;
 	struct render_blocks blocks;
 	uint64_t triangles;
+	struct render_objects *objects; /* NULL: none is shown */
 	struct render_tiles tiles; /* of the last frame */
 	struct gpu_program *tile_programs[RENDER_VARIANTS]; /* NULL: not yet linked */
 };

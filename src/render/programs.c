@@ -64,7 +64,7 @@ enum status render_warm(struct render *render, bool deformed, bool divided)
 			status = render_tile_program(render, variant, &program);
 	if (status == STATUS_OK && (render->effects >> EFFECT_SKY & 1))
 		status = render_sky_program(render, &program);
-	return status;
+	return status == STATUS_OK ? render_objects_warm(render) : status;
 }
 
 /* --- the plan --- */
@@ -110,4 +110,5 @@ void render_plan(const struct render_params *params, bool deformed, bool divided
 		add_program(plan, scene_effect_row(EFFECT_SKY)->name, &sky);
 		add(plan, PLAN_PASS, PLAN_FRAME, scene_effect_row(EFFECT_SKY)->name, 0, gpu_stage_name(GPU_SKY));
 	}
+	render_objects_plan(params, plan);
 }

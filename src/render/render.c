@@ -120,6 +120,8 @@ enum status render_create(const struct render_params *params, struct render **ou
 		status = gpu_buffer_create(render->gpu, GPU_STORAGE, RENDER_BLOCKS_ROOM * sizeof(uint32_t), NULL, &render->instances);
 	if (status == STATUS_OK && (render->effects >> EFFECT_TEXTURE & 1))
 		status = create_noise(render);
+	if (status == STATUS_OK)
+		status = render_objects_create(render, params);
 	if (status != STATUS_OK) {
 		render_destroy(render);
 		return status;
@@ -132,6 +134,7 @@ void render_destroy(struct render *render)
 {
 	if (render == NULL)
 		return;
+	render_objects_destroy(render->objects);
 	gpu_target_destroy(render->target);
 	gpu_target_destroy(render->resolved);
 	gpu_texture_destroy(render->drawn);

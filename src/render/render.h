@@ -32,6 +32,16 @@ struct render_params {
 	bool dirt;
 	double pixel_error;   /* pixels a picture's ground may be off by; 0: its detail goes by the radii (camera.c) */
 	int samples;          /* a pixel; 0 as 1: its colour is of its middle */
+	const struct scene_object *objects; /* that there may be, with EFFECT_OBJECTS; they outlive the picture */
+	size_t object_count;
+};
+
+/* Where one of them is. */
+struct render_object {
+	size_t object;           /* of render_params.objects */
+	double at[3];            /* its centre, absolute metres */
+	double yaw, pitch, roll; /* radians, as deform_pose has them */
+	double turned;           /* radians about its own left, forwards: of a wheel, of a ball that rolls */
 };
 
 struct render;
@@ -49,12 +59,18 @@ void render_destroy(struct render *render);
 enum status render_warm(struct render *render, bool deformed, bool divided) FURROW_CHECKED;
 /* The view terrain_select needs for this camera. */
 void render_view(const struct render *render, const struct render_camera *camera, struct terrain_view *view);
+/* What of the objects the pictures from now on show, each at most once; none before. Copied. Without EFFECT_OBJECTS
+ * nothing is, and nobody need find out where they are. */
+bool render_shows_objects(const struct render *render);
+void render_set_objects(struct render *render, const struct render_object *objects, size_t count);
 enum status render_frame(struct render *render, const struct render_camera *camera,
 			 const struct terrain_selection *selection) FURROW_CHECKED;
 uint64_t render_triangles(const struct render *render); /* of the last frame */
 /* Tiles of the last frame, and those of them whose draw reads an offset. */
 struct render_tiles {
 	uint64_t drawn, deformed;
+	uint64_t objects;  /* draws of objects (PLAN_OBJECTS) */
+	uint64_t shadowed; /* 1: with shadows (PLAN_SHADOWED) */
 };
 void render_tiles(const struct render *render, struct render_tiles *tiles);
 /* Begins to read the last frame into staging of 4 bytes a pixel: sRGB and alpha, row 0 at the bottom. Another may be drawn

@@ -93,6 +93,8 @@ static void add_units(cJSON *counts, const struct drive *drive, const struct gpu
 	add_unit(units, PLAN_DECIMATED, slots.decimated - drive->slots_before.decimated);
 	add_unit(units, PLAN_SUBDIVIDED, slots.subdivided - drive->slots_before.subdivided);
 	add_unit(units, PLAN_DRAWN, drive->view != NULL ? drive->view->tiles.drawn : 0);
+	add_unit(units, PLAN_OBJECTS, drive->view != NULL ? drive->view->tiles.objects : 0);
+	add_unit(units, PLAN_SHADOWED, drive->view != NULL ? drive->view->tiles.shadowed : 0);
 	add_unit(units, PLAN_FRAME, drive->frames);
 	add_unit(units, PLAN_LOADED, (uint64_t)io->counts.loaded);
 	add_unit(units, PLAN_LOADED_COARSER, (uint64_t)io->counts.loaded_coarser);

@@ -273,6 +273,7 @@ static enum status use(struct forces *forces, int64_t step)
 		} else {
 			forces->drive->riders[entry->object].sinkage = entry->force.sinkage;
 			forces->drive->riders[entry->object].stands = entry->force.z;
+			forces->drive->riders[entry->object].raised = entry->force.z - entry->at.pose.z;
 		}
 		if (status != STATUS_OK)
 			return status;

@@ -37,6 +37,7 @@ struct rider {
 	struct deform_pose last;
 	double distance, sinkage; /* m */
 	int64_t stands;           /* 2^-20 m: with a load, the height it was found at */
+	int64_t raised;           /* how far that is above where it was looked for */
 	uint32_t carrier;         /* with a load: its number among those that have one, from 1 */
 	int64_t skipped;
 	uint64_t windows, windows_moved; /* computed, and those of them over which it moved */

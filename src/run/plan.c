@@ -223,6 +223,8 @@ static enum status plan_lines(const struct drive *drive, struct plan *plan)
 			.dirt = scene->dirt,
 			.pixel_error = scene->view.pixel_error,
 			.samples = scene->view.samples,
+			.objects = scene->objects,
+			.object_count = scene->object_count,
 		};
 		render_plan(&render, planes != 0, drive->level < 0, plan);
 		if (scene->view.images > 0)

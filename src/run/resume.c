@@ -93,6 +93,7 @@ static void restore(struct drive *drive)
 		rider->distance = object->distance;
 		rider->sinkage = object->sinkage;
 		rider->stands = object->force.z;
+		rider->raised = rider->carrier > 0 && object->in_contact ? object->force.z - object->last.z : 0;
 		rider->skipped = object->skipped;
 	}
 }

@@ -81,6 +81,9 @@ static enum status draw(struct view *view, bool complete)
 		return status;
 	view_mark_used(view, true);
 	view_keep_now(view);
+	status = view_set_objects(view);
+	if (status != STATUS_OK)
+		return status;
 	return render_frame(view->render, &camera, view->selection);
 }
 
@@ -107,6 +110,8 @@ enum status view_frame(struct view *view, struct drive *drive, bool image)
 	render_tiles(view->render, &tiles);
 	view->tiles.drawn += tiles.drawn;
 	view->tiles.deformed += tiles.deformed;
+	view->tiles.objects += tiles.objects;
+	view->tiles.shadowed += tiles.shadowed;
 	view->triangles += (double)render_triangles(view->render);
 	view->starved += view->coarse || view->selection->wanted_count > 0;
 	view->coarsened += view->coarse;
@@ -177,6 +182,8 @@ enum status view_create(struct drive *drive, struct view **out)
 		.dirt = scene->dirt,
 		.pixel_error = scene->view.pixel_error,
 		.samples = scene->view.samples,
+		.objects = scene->objects,
+		.object_count = scene->object_count,
 	};
 	enum status status = STATUS_OK;
 	if (view->selection == NULL || view->now == NULL || view->ahead == NULL)

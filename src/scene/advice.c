@@ -320,6 +320,13 @@ static void advise_view(const struct adviser *adviser)
 		       (long long)view->images, steps_of(scene));
 	if ((view->effects >> EFFECT_DETAIL & 1) != 0 && (view->effects >> EFFECT_TEXTURE & 1) == 0)
 		advise(adviser, "view.effects.detail: is the grain of the texture, which is not drawn; add texture, or take it away");
+	bool objects = view->effects >> EFFECT_OBJECTS & 1, shadow = view->effects >> EFFECT_SHADOW & 1;
+	if (scene->object_count == 0 && objects)
+		advise(adviser, "view.effects.objects: draws objects, and there is none; add one, or take it away");
+	if (scene->object_count == 0 && shadow)
+		advise(adviser, "view.effects.shadow: is that of objects, and there is none; add one, or take it away");
+	if (scene->object_count > 0 && shadow && !objects)
+		advise(adviser, "view.effects.shadow: is that of the objects, which are not drawn; add objects, or take it away");
 }
 
 static void advise_cache(const struct adviser *adviser)

@@ -132,6 +132,14 @@ static const struct scene_effect_row rows[EFFECT_COUNT] = {
 	[EFFECT_PREFETCH] = {
 		"prefetch", "cache.prefetch", "", NONE, "base", "", 0, LIST("cache.prefetch"),
 		"as far as there are slots", "reads ahead of the objects and the camera"},
+	[EFFECT_OBJECTS] = {
+		"objects", "view.effects", "", LIST("object.vert", "object.frag"), "", "colour, depth", 0, NONE,
+		"one light and no shadow upon them; what a path has not begun is not there",
+		"draws the objects, wheels as they turn"},
+	[EFFECT_SHADOW] = {
+		"shadow", "view.effects", "", LIST("shadow.vert", "shadow.frag"), "depth", "colour", 0, NONE,
+		"of a simple form round each object, on the ground alone, fading within about three of its sizes",
+		"shades the ground beside the objects"},
 };
 
 const struct scene_effect_row *scene_effect_row(enum scene_effect effect)
@@ -194,7 +202,10 @@ static uint64_t object_effects(const struct scene *scene)
 static uint64_t view_effects(const struct scene *scene)
 {
 	uint64_t always = EFFECT_BIT(EFFECT_PICTURE) | EFFECT_BIT(EFFECT_NORMALS) | EFFECT_BIT(EFFECT_PYRAMID);
-	return scene->view.effects | always | (scene->view.images > 0 ? EFFECT_BIT(EFFECT_IMAGES) : 0) |
+	uint64_t named = scene->view.effects;
+	if (scene->object_count == 0 || !(named & EFFECT_BIT(EFFECT_OBJECTS)))
+		named &= ~(EFFECT_BIT(EFFECT_OBJECTS) | EFFECT_BIT(EFFECT_SHADOW)); /* of nothing */
+	return named | always | (scene->view.images > 0 ? EFFECT_BIT(EFFECT_IMAGES) : 0) |
 	       (scene->view.pixel_error > 0 ? EFFECT_BIT(EFFECT_PIXEL_ERROR) : 0) |
 	       (scene->view.samples > 1 ? EFFECT_BIT(EFFECT_ANTIALIAS) : 0);
 }

@@ -50,6 +50,8 @@ enum scene_effect {
 	EFFECT_IMAGES,
 	EFFECT_LOADERS,
 	EFFECT_PREFETCH,
+	EFFECT_OBJECTS,
+	EFFECT_SHADOW,
 	EFFECT_COUNT
 };
 #define EFFECT_BIT(effect) ((uint64_t)1 << (effect)) /* in a set of effects */

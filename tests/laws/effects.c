@@ -79,6 +79,8 @@ static const struct pair pairs[] = {
 	{EFFECT_ANTIALIAS, HEAD SEEN VIEW(""), HEAD SEEN SAMPLED, true},
 	{EFFECT_PIXEL_ERROR, HEAD SEEN VIEW("geomorph"), HEAD SEEN VIEW_BY_ERROR("geomorph"), false},
 	{EFFECT_TEXTURE, HEAD VIEW(""), HEAD VIEW("texture"), true},
+	{EFFECT_OBJECTS, HEAD SEEN VIEW(""), HEAD SEEN VIEW("objects"), false}, /* draws of objects are its own */
+	{EFFECT_SHADOW, HEAD SEEN VIEW("objects"), HEAD SEEN VIEW("objects, shadow"), false},
 };
 #define PAIRS (sizeof pairs / sizeof *pairs)
 

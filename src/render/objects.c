@@ -1,0 +1,403 @@
+/*
+ * Objects in the picture, and their shadows on the ground. Each distinct shape is triangles in buffers once; those
+ * objects of it that look about as large are one draw. Shadows are one draw of all volumes over the ground, before the
+ * objects are there: they read the depth, and multiply.
+ *
+ * Invariants: what is planned of a shape is what is made of it, by the same function; places are made relative to the eye in
+ * doubles; at most as many objects are shown as there are in the scene.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "render/objects.h"
+
+/* Pixels of the radius of the ball around an object, from which on its finer details are drawn. */
+static const double details_from[OBJECT_DETAILS] = {50, 12, 0};
+
+struct shape {
+	const struct deform_shape *shape;
+	struct gpu_buffer *corners, *indices;
+	uint32_t first[OBJECT_DETAILS + 1];
+	double bound; /* metres: radius of a ball about its centre */
+	bool closed;
+};
+
+/* shaders/object.vert's, std430. */
+struct posed {
+	float axes[3][4];
+	float size[4];
+};
+
+struct seen {
+	uint32_t shape, detail;
+	struct posed posed;
+};
+
+struct render_objects {
+	const struct scene_object *objects; /* the caller's */
+	size_t count;
+	bool casts;
+	struct shape *shapes; /* distinct ones */
+	uint32_t *shape_of;   /* by object */
+	struct render_object *shown;
+	size_t shown_count;
+	struct seen *seen;    /* of the present picture, as these: */
+	struct posed *posed;
+	struct object_shadow *shadows;
+	struct gpu_buffer *instances, *casters, *volume; /* the latter two NULL without shadows */
+	struct gpu_target *over; /* the picture's colour alone */
+};
+
+static const uint16_t volume_sides[36] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
+					  2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
+
+static bool same_shape(const struct deform_shape *a, const struct deform_shape *b)
+{
+	if (a->kind != b->kind)
+		return false;
+	if (a->kind == DEFORM_MESH)
+		return a->mesh == b->mesh;
+	if (a->kind == DEFORM_BOX)
+		return memcmp(a->size, b->size, sizeof a->size) == 0;
+	if (a->radius != b->radius || a->kind == DEFORM_SPHERE)
+		return a->radius == b->radius;
+	return a->width == b->width && a->lugs == b->lugs &&
+	       (a->lugs == 0 || (a->lug_height == b->lug_height && a->lug_thickness == b->lug_thickness));
+}
+
+/* Whether no object before it has its shape. */
+static bool is_first(const struct scene_object *objects, size_t i, size_t *first)
+{
+	for (*first = 0; *first < i; ++*first)
+		if (same_shape(&objects[*first].shape, &objects[i].shape))
+			return false;
+	return true;
+}
+
+/* --- programs and plan --- */
+
+static bool shows(uint64_t effects, size_t count)
+{
+	return (effects >> EFFECT_OBJECTS & 1) && count > 0;
+}
+
+static bool casts(uint64_t effects, size_t count)
+{
+	return shows(effects, count) && (effects >> EFFECT_SHADOW & 1);
+}
+
+static struct gpu_program_request request_of(uint64_t effects, bool shadow)
+{
+	return (struct gpu_program_request){
+		.vertex = shadow ? "shadow.vert" : "object.vert",
+		.fragment = shadow ? "shadow.frag" : "object.frag",
+		.defines = {effects >> EFFECT_FOG & 1 ? scene_effect_row(EFFECT_FOG)->define : NULL},
+	};
+}
+
+static enum status program_of(struct render *render, bool shadow, struct gpu_program **out)
+{
+	struct gpu_program_request request = request_of(render->effects, shadow);
+	return gpu_program_get(render->gpu, &request, out);
+}
+
+enum status render_objects_warm(struct render *render)
+{
+	struct gpu_program *program;
+	if (render->objects == NULL)
+		return STATUS_OK;
+	enum status status = program_of(render, false, &program);
+	return status == STATUS_OK && render->objects->casts ? program_of(render, true, &program) : status;
+}
+
+static void add(struct plan *plan, enum plan_kind kind, enum plan_unit unit, enum scene_effect effect, uint64_t bytes, const char *name)
+{
+	plan_add(plan, &(struct plan_line){.kind = kind, .unit = unit, .effect = scene_effect_row(effect)->name, .object = -1, .amount = 1, .bytes = bytes},
+		 name);
+}
+
+static void add_program(struct plan *plan, enum scene_effect effect, uint64_t effects)
+{
+	char name[GPU_PROGRAM_NAME];
+	struct gpu_program_request request = request_of(effects, effect == EFFECT_SHADOW);
+	gpu_program_name(&request, name, sizeof name);
+	add(plan, PLAN_PROGRAM, PLAN_ONCE, effect, 0, name);
+}
+
+void render_objects_plan(const struct render_params *params, struct plan *plan)
+{
+	if (!shows(params->effects, params->object_count))
+		return;
+	add_program(plan, EFFECT_OBJECTS, params->effects);
+	add(plan, PLAN_PASS, PLAN_OBJECTS, EFFECT_OBJECTS, 0, gpu_stage_name(GPU_OBJECTS));
+	add(plan, PLAN_BUFFER, PLAN_ONCE, EFFECT_OBJECTS, params->object_count * sizeof(struct posed), "objects: where they are");
+	for (size_t i = 0; i < params->object_count; i++) {
+		struct object_mesh mesh;
+		char name[96];
+		size_t first;
+		if (!is_first(params->objects, i, &first))
+			continue;
+		if (object_mesh_make(&params->objects[i].shape, &mesh) != STATUS_OK) {
+			plan->failed = true;
+			return;
+		}
+		snprintf(name, sizeof name, "objects: corners of %s", params->objects[i].name);
+		add(plan, PLAN_BUFFER, PLAN_ONCE, EFFECT_OBJECTS, mesh.corner_count * sizeof *mesh.corners, name);
+		snprintf(name, sizeof name, "objects: triangles of %s", params->objects[i].name);
+		add(plan, PLAN_BUFFER, PLAN_ONCE, EFFECT_OBJECTS, mesh.index_count * sizeof *mesh.indices, name);
+		object_mesh_finish(&mesh);
+	}
+	if (!casts(params->effects, params->object_count))
+		return;
+	add_program(plan, EFFECT_SHADOW, params->effects);
+	add(plan, PLAN_PASS, PLAN_SHADOWED, EFFECT_SHADOW, 0, gpu_stage_name(GPU_SHADOW));
+	add(plan, PLAN_BUFFER, PLAN_ONCE, EFFECT_SHADOW, params->object_count * sizeof(struct object_shadow), "shadows: where they are");
+	add(plan, PLAN_BUFFER, PLAN_ONCE, EFFECT_SHADOW, sizeof volume_sides, "shadows: a volume");
+}
+
+/* --- life --- */
+
+static enum status make_shape(struct render *render, const struct deform_shape *shape, struct shape *out)
+{
+	struct object_mesh mesh;
+	enum status status = object_mesh_make(shape, &mesh);
+	if (status != STATUS_OK)
+		return status;
+	*out = (struct shape){.shape = shape, .bound = deform_shape_bound(shape), .closed = mesh.closed};
+	memcpy(out->first, mesh.first, sizeof out->first);
+	status = gpu_buffer_create(render->gpu, GPU_STORAGE, mesh.corner_count * sizeof *mesh.corners, mesh.corners, &out->corners);
+	if (status == STATUS_OK)
+		status = gpu_buffer_create(render->gpu, GPU_INDICES, mesh.index_count * sizeof *mesh.indices, mesh.indices, &out->indices);
+	object_mesh_finish(&mesh);
+	return status;
+}
+
+static enum status make_shapes(struct render *render, struct render_objects *objects)
+{
+	uint32_t shapes = 0;
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < objects->count && status == STATUS_OK; i++) {
+		size_t first;
+		if (!is_first(objects->objects, i, &first)) {
+			objects->shape_of[i] = objects->shape_of[first];
+			continue;
+		}
+		objects->shape_of[i] = shapes;
+		status = make_shape(render, &objects->objects[i].shape, &objects->shapes[shapes++]);
+	}
+	return status;
+}
+
+static enum status make_shadows(struct render *render, struct render_objects *objects)
+{
+	struct gpu *gpu = render->gpu;
+	objects->shadows = mem_alloc(objects->count, sizeof *objects->shadows);
+	if (objects->shadows == NULL)
+		return fail_memory("the picture's shadows");
+	enum status status = gpu_buffer_create(gpu, GPU_STORAGE, objects->count * sizeof *objects->shadows, NULL, &objects->casters);
+	if (status == STATUS_OK)
+		status = gpu_buffer_create(gpu, GPU_INDICES, sizeof volume_sides, volume_sides, &objects->volume);
+	if (status == STATUS_OK)
+		status = gpu_target_create(gpu, &(struct gpu_attachment){render->colour, 0}, 1, (struct gpu_attachment){NULL, 0}, &objects->over);
+	return status;
+}
+
+enum status render_objects_create(struct render *render, const struct render_params *params)
+{
+	size_t count = params->object_count;
+	if (!shows(params->effects, count))
+		return STATUS_OK;
+	struct render_objects *objects = mem_calloc(1, sizeof *objects);
+	if (objects == NULL)
+		return fail_memory("the picture's objects");
+	render->objects = objects; /* whatever happens: render_destroy's */
+	objects->objects = params->objects;
+	objects->count = count;
+	objects->casts = casts(params->effects, count);
+	objects->shapes = mem_calloc(count, sizeof *objects->shapes);
+	objects->shape_of = mem_alloc(count, sizeof *objects->shape_of);
+	objects->shown = mem_alloc(count, sizeof *objects->shown);
+	objects->seen = mem_alloc(count, sizeof *objects->seen);
+	objects->posed = mem_alloc(count, sizeof *objects->posed);
+	if (objects->shapes == NULL || objects->shape_of == NULL || objects->shown == NULL || objects->seen == NULL ||
+	    objects->posed == NULL)
+		return fail_memory("the picture's objects");
+	enum status status = gpu_buffer_create(render->gpu, GPU_STORAGE, count * sizeof *objects->posed, NULL, &objects->instances);
+	if (status == STATUS_OK)
+		status = make_shapes(render, objects);
+	return status == STATUS_OK && objects->casts ? make_shadows(render, objects) : status;
+}
+
+void render_objects_destroy(struct render_objects *objects)
+{
+	if (objects == NULL)
+		return;
+	for (size_t i = 0; objects->shapes != NULL && i < objects->count; i++) {
+		gpu_buffer_destroy(objects->shapes[i].corners);
+		gpu_buffer_destroy(objects->shapes[i].indices);
+	}
+	gpu_buffer_destroy(objects->instances);
+	gpu_buffer_destroy(objects->casters);
+	gpu_buffer_destroy(objects->volume);
+	gpu_target_destroy(objects->over);
+	mem_free(objects->shapes);
+	mem_free(objects->shape_of);
+	mem_free(objects->shown);
+	mem_free(objects->seen);
+	mem_free(objects->posed);
+	mem_free(objects->shadows);
+	mem_free(objects);
+}
+
+bool render_shows_objects(const struct render *render)
+{
+	return render->objects != NULL;
+}
+
+void render_set_objects(struct render *render, const struct render_object *list, size_t count)
+{
+	struct render_objects *objects = render->objects;
+	if (objects == NULL)
+		return;
+	assert(count <= objects->count);
+	if (count > 0)
+		memcpy(objects->shown, list, count * sizeof *list);
+	objects->shown_count = count;
+}
+
+/* --- a picture --- */
+
+static bool ball_visible(const struct terrain_view *view, const double eye[3], const double at[3], double radius)
+{
+	for (int p = 0; p < 5; p++) {
+		const double *plane = view->planes[p];
+		/* The eye is on all of them but the far one. */
+		double beyond = plane[3];
+		for (int k = 0; k < 3; k++)
+			beyond += plane[k] * (at[k] + eye[k]);
+		if (beyond < -radius)
+			return false;
+	}
+	return true;
+}
+
+static int in_order(const void *a, const void *b)
+{
+	const struct seen *x = a, *y = b;
+	if (x->shape != y->shape)
+		return x->shape < y->shape ? -1 : 1;
+	return (x->detail > y->detail) - (x->detail < y->detail);
+}
+
+/* What of them is in the picture, by shape and detail; and whose shadows are, which the objects need not be. */
+static void look(const struct render *render, const struct render_camera *camera, const struct render_axes *axes,
+		 const struct terrain_view *view, const double sun[3], size_t *seen_count, size_t *shadow_count)
+{
+	struct render_objects *objects = render->objects;
+	*seen_count = *shadow_count = 0;
+	for (size_t i = 0; i < objects->shown_count; i++) {
+		const struct render_object *object = &objects->shown[i];
+		const struct shape *shape = &objects->shapes[objects->shape_of[object->object]];
+		double at[3], own[3][3], middle[3], far, radius, pixels;
+		for (int k = 0; k < 3; k++)
+			at[k] = object->at[k] - camera->eye[k];
+		deform_axes(object->yaw, object->pitch, object->roll, object->turned, own);
+		if (objects->casts) {
+			object_shadow_of(shape->shape, own, at, sun, &objects->shadows[*shadow_count], middle, &radius);
+			*shadow_count += ball_visible(view, camera->eye, middle, radius);
+		}
+		if (!ball_visible(view, camera->eye, at, shape->bound))
+			continue;
+		struct seen *seen = &objects->seen[(*seen_count)++];
+		far = sqrt(at[0] * at[0] + at[1] * at[1] + at[2] * at[2]);
+		pixels = far > shape->bound ? shape->bound / far * axes->focal : INFINITY;
+		*seen = (struct seen){.shape = objects->shape_of[object->object], .posed = {.size = {(float)shape->bound}}};
+		while (pixels < details_from[seen->detail])
+			seen->detail++;
+		for (int a = 0; a < 3; a++) {
+			for (int k = 0; k < 3; k++)
+				seen->posed.axes[a][k] = (float)own[a][k];
+			seen->posed.axes[a][3] = (float)at[a];
+		}
+	}
+	qsort(objects->seen, *seen_count, sizeof *objects->seen, in_order);
+}
+
+static enum status draw_shadows(struct render *render, const struct picture_params *params, size_t count)
+{
+	struct render_objects *objects = render->objects;
+	gpu_buffer_write(objects->casters, 0, count * sizeof *objects->shadows, objects->shadows);
+	struct gpu_pass pass = {
+		.stage = GPU_SHADOW,
+		.target = objects->over,
+		.viewport = {0, 0, render->width, render->height},
+		.textures = {render->depth},
+		.storage = {objects->casters},
+		.params = params,
+		.params_bytes = sizeof *params,
+		.indices = objects->volume,
+		.index_count = sizeof volume_sides / sizeof *volume_sides,
+		.instances = (uint32_t)count,
+		.cull_front = true,
+		.multiply = true,
+	};
+	enum status status = program_of(render, true, &pass.program);
+	if (status == STATUS_OK)
+		gpu_pass_run(render->gpu, &pass);
+	render->tiles.shadowed = 1;
+	return status;
+}
+
+/* `first` of `count` that are seen are alike. */
+static void draw_alike(struct render *render, struct picture_params *params, struct gpu_program *program, size_t first, size_t count)
+{
+	struct render_objects *objects = render->objects;
+	const struct seen *seen = &objects->seen[first];
+	const struct shape *shape = &objects->shapes[seen->shape];
+	params->tile[1] = (int32_t)first;
+	struct gpu_pass pass = {
+		.stage = GPU_OBJECTS,
+		.program = program,
+		.target = render->target,
+		.viewport = {0, 0, render->width, render->height},
+		.storage = {shape->corners, objects->instances},
+		.params = params,
+		.params_bytes = sizeof *params,
+		.indices = shape->indices,
+		.wide_indices = true,
+		.first_index = shape->first[seen->detail],
+		.index_count = shape->first[seen->detail + 1] - shape->first[seen->detail],
+		.instances = (uint32_t)count,
+		.depth_test = true,
+		.cull_back = shape->closed,
+	};
+	gpu_pass_run(render->gpu, &pass);
+	render->tiles.objects++;
+	render->triangles += (uint64_t)pass.index_count / 3 * count;
+}
+
+enum status render_objects_draw(struct render *render, const struct render_camera *camera, const struct render_axes *axes,
+				const struct terrain_view *view, struct picture_params *params)
+{
+	struct render_objects *objects = render->objects;
+	const double sun[3] = {params->sun[0], params->sun[1], params->sun[2]};
+	struct gpu_program *program;
+	size_t seen, shadows;
+	look(render, camera, axes, view, sun, &seen, &shadows);
+	enum status status = shadows > 0 ? draw_shadows(render, params, shadows) : STATUS_OK;
+	if (status == STATUS_OK)
+		status = program_of(render, false, &program);
+	if (status != STATUS_OK || seen == 0)
+		return status;
+	for (size_t i = 0; i < seen; i++)
+		objects->posed[i] = objects->seen[i].posed;
+	gpu_buffer_write(objects->instances, 0, seen * sizeof *objects->posed, objects->posed);
+	for (size_t i = 0, end; i < seen; i = end) {
+		for (end = i + 1; end < seen && in_order(&objects->seen[i], &objects->seen[end]) == 0;)
+			end++;
+		draw_alike(render, params, program, i, end - i);
+	}
+	return status;
+}

@@ -1,0 +1,255 @@
+/*
+ * Wheels, balls and boxes as triangles, in three details: for what is large in the picture, less, and small. A circle's
+ * corners lie on it, so that what is drawn is within the shape; a detail is as fine as keeps it within half a pixel.
+ *
+ * Invariant: triangles are counter-clockwise seen from outside.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "render/objects.h"
+
+/* --- making --- */
+
+static bool make_room(struct object_mesh *mesh)
+{
+	if (!mesh->failed && mesh->corner_count == mesh->corner_room) {
+		uint32_t room = mesh->corner_room != 0 ? 2 * mesh->corner_room : 1024;
+		struct object_corner *corners = mem_realloc(mesh->corners, room, sizeof *corners);
+		mesh->failed = corners == NULL;
+		mesh->corners = corners != NULL ? corners : mesh->corners;
+		mesh->corner_room = corners != NULL ? room : mesh->corner_room;
+	}
+	if (!mesh->failed && mesh->index_count + 3 > mesh->index_room) {
+		uint32_t room = mesh->index_room != 0 ? 2 * mesh->index_room : 4096;
+		uint32_t *indices = mem_realloc(mesh->indices, room, sizeof *indices);
+		mesh->failed = indices == NULL;
+		mesh->indices = indices != NULL ? indices : mesh->indices;
+		mesh->index_room = indices != NULL ? room : mesh->index_room;
+	}
+	return !mesh->failed;
+}
+
+uint32_t object_look(const double normal[3], enum object_material material)
+{
+	double length = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+	uint32_t look = (uint32_t)material << 30;
+	for (int k = 0; k < 3 && length > 0; k++)
+		look |= ((uint32_t)lrint(normal[k] / length * 511) & 1023) << (10 * k);
+	return look;
+}
+
+uint32_t object_mesh_corner(struct object_mesh *mesh, const double at[3], uint32_t look)
+{
+	if (!make_room(mesh))
+		return 0;
+	mesh->corners[mesh->corner_count] = (struct object_corner){{(float)at[0], (float)at[1], (float)at[2]}, look};
+	return mesh->corner_count++;
+}
+
+void object_mesh_triangle(struct object_mesh *mesh, uint32_t a, uint32_t b, uint32_t c)
+{
+	if (!make_room(mesh))
+		return;
+	const uint32_t corners[3] = {a, b, c};
+	memcpy(mesh->indices + mesh->index_count, corners, sizeof corners);
+	mesh->index_count += 3;
+}
+
+static void end_detail(struct object_mesh *mesh, int detail)
+{
+	mesh->first[detail + 1] = mesh->index_count;
+}
+
+/* Counter-clockwise seen from where `outward` points; two corners that are one are no triangle. */
+static void face(struct object_mesh *mesh, uint32_t a, uint32_t b, uint32_t c, const double outward[3])
+{
+	if (mesh->failed)
+		return;
+	const float *p = mesh->corners[a].at, *q = mesh->corners[b].at, *r = mesh->corners[c].at;
+	double u[3], v[3], along = 0, size = 0;
+	for (int k = 0; k < 3; k++) {
+		u[k] = q[k] - p[k];
+		v[k] = r[k] - p[k];
+	}
+	for (int k = 0; k < 3; k++) {
+		double n = u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
+		along += n * outward[k];
+		size += fabs(n);
+	}
+	if (size > 0)
+		object_mesh_triangle(mesh, a, along >= 0 ? b : c, along >= 0 ? c : b);
+}
+
+/* Four corners in turn. */
+static void flat(struct object_mesh *mesh, double at[4][3], const double normal[3], enum object_material material)
+{
+	uint32_t look = object_look(normal, material), corners[4];
+	for (int i = 0; i < 4; i++)
+		corners[i] = object_mesh_corner(mesh, at[i], look);
+	face(mesh, corners[0], corners[1], corners[2], normal);
+	face(mesh, corners[0], corners[2], corners[3], normal);
+}
+
+/* A brick: its middle and its three half axes. */
+static void brick(struct object_mesh *mesh, const double middle[3], double half[3][3], enum object_material material)
+{
+	for (int axis = 0; axis < 3; axis++)
+		for (int side = -1; side <= 1; side += 2) {
+			const double *a = half[(axis + 1) % 3], *b = half[(axis + 2) % 3];
+			double at[4][3], normal[3];
+			for (int k = 0; k < 3; k++) {
+				normal[k] = side * half[axis][k];
+				for (int i = 0; i < 4; i++)
+					at[i][k] = middle[k] + normal[k] + (i == 1 || i == 2 ? a[k] : -a[k]) + (i >= 2 ? b[k] : -b[k]);
+			}
+			flat(mesh, at, normal, material);
+		}
+}
+
+/* --- what is round about the y axis --- */
+
+/* A ring: its radius, where it is along the axis, and its normal away from the axis and along it. */
+struct ring {
+	double radius, y, out, along;
+};
+
+/* The surface between rings, from one of `steps` round to another. */
+static void lathe(struct object_mesh *mesh, const struct ring *rings, int count, int from, int to, int steps,
+		  enum object_material material)
+{
+	uint32_t base = mesh->corner_count, side = (uint32_t)count;
+	for (int k = from; k <= to; k++) {
+		double c = cos(2 * M_PI * k / steps), s = sin(2 * M_PI * k / steps);
+		for (int i = 0; i < count; i++) {
+			const struct ring *r = &rings[i];
+			object_mesh_corner(mesh, (const double[3]){r->radius * c, r->y, r->radius * s},
+					   object_look((const double[3]){r->out * c, r->along, r->out * s}, material));
+		}
+	}
+	for (int k = from; k < to; k++)
+		for (int i = 0; i + 1 < count; i++) {
+			double middle = 2 * M_PI * (k + 0.5) / steps, out = rings[i].out + rings[i + 1].out;
+			const double outward[3] = {out * cos(middle), rings[i].along + rings[i + 1].along, out * sin(middle)};
+			uint32_t a = base + (uint32_t)(k - from) * side + (uint32_t)i;
+			face(mesh, a, a + 1, a + 1 + side, outward);
+			face(mesh, a, a + 1 + side, a + side, outward);
+		}
+}
+
+/* --- a wheel --- */
+
+#define SHOULDER_STEPS 3
+#define SPOKES 5
+
+/* Tread and shoulders, from one side's wall to the other's. */
+static void tyre(struct object_mesh *mesh, double radius, double half, double shoulder, int round_steps, int steps)
+{
+	struct ring rings[2 * SHOULDER_STEPS + 2];
+	int count = 0;
+	for (int side = -1; side <= 1; side += 2)
+		for (int i = 0; i <= round_steps; i++) {
+			double angle = M_PI / 2 * (side < 0 ? i : round_steps - i) / round_steps;
+			rings[count++] = (struct ring){radius - shoulder * (1 - sin(angle)), side * (half - shoulder * (1 - cos(angle))),
+						       sin(angle), side * cos(angle)};
+		}
+	lathe(mesh, rings, count, 0, steps, steps, OBJECT_RUBBER);
+}
+
+/* One side of it, looking along the axis one way or the other: the wall, the rim, and the disc with its spokes. */
+static void wheel_side(struct object_mesh *mesh, double radius, double half, double shoulder, int side, int steps)
+{
+	double rim = 0.64 * radius, y = side * half, floor_y = 0.55 * y, cap = 0.16 * radius;
+	const struct ring wall[] = {{radius - shoulder, y, 0.05, side}, {0.8 * radius, y, 0, side}, {rim, 0.94 * y, -0.2, side}};
+	const struct ring lip[] = {{rim, 0.94 * y, 0, side}, {0.58 * radius, 0.94 * y, 0, side}};
+	const struct ring well[] = {{0.58 * radius, 0.94 * y, -1, 0.2 * side}, {0.55 * radius, floor_y, -1, 0.2 * side}};
+	const struct ring disc[] = {{0.55 * radius, floor_y, 0, side}, {0, floor_y, 0, side}};
+	const struct ring hub[] = {{cap, floor_y, 1, 0}, {cap, 0.82 * y, 1, 0}};
+	const struct ring hub_end[] = {{cap, 0.82 * y, 0, side}, {0, 0.86 * y, 0, side}};
+	lathe(mesh, wall, 3, 0, steps, steps, OBJECT_RUBBER);
+	lathe(mesh, lip, 2, 0, steps, steps, OBJECT_METAL);
+	lathe(mesh, well, 2, 0, steps, steps, OBJECT_METAL);
+	lathe(mesh, disc, 2, 0, steps, steps, OBJECT_DARK);
+	lathe(mesh, hub, 2, 0, steps / 2, steps / 2, OBJECT_METAL);
+	lathe(mesh, hub_end, 2, 0, steps / 2, steps / 2, OBJECT_METAL);
+	for (int i = 0; i < SPOKES; i++) {
+		double c = cos(2 * M_PI * i / SPOKES), s = sin(2 * M_PI * i / SPOKES), middle = 0.33 * radius;
+		double axes[3][3] = {{0.235 * radius * c, 0, 0.235 * radius * s}, {0, 0.1 * half, 0}, {-0.06 * radius * s, 0, 0.06 * radius * c}};
+		brick(mesh, (const double[3]){middle * c, 0.65 * y, middle * s}, axes, OBJECT_METAL);
+	}
+}
+
+/* Bars as deform has them (deform.h): evenly round from straight down, forwards turning them back and up. Their inner
+ * faces lie in the tyre. */
+static void lugs(struct object_mesh *mesh, const struct deform_shape *shape, double shoulder)
+{
+	double inner = shape->radius - shoulder, outer = shape->radius + shape->lug_height;
+	for (int i = 0; i < shape->lugs; i++) {
+		double s = sin(2 * M_PI * i / shape->lugs), c = cos(2 * M_PI * i / shape->lugs);
+		double middle = (inner + outer) / 2, reach = (outer - inner) / 2, along = shape->lug_thickness / 2;
+		double axes[3][3] = {{-s * reach, 0, -c * reach}, {0, shape->width / 2, 0}, {-c * along, 0, s * along}};
+		brick(mesh, (const double[3]){-s * middle, 0, -c * middle}, axes, OBJECT_RUBBER);
+	}
+}
+
+static void wheel(struct object_mesh *mesh, const struct deform_shape *shape)
+{
+	static const int steps[OBJECT_DETAILS] = {64, 28, 14}, rounds[OBJECT_DETAILS] = {SHOULDER_STEPS, 2, 1};
+	double half = shape->width / 2, shoulder = fmin(0.12 * shape->radius, 0.35 * half);
+	for (int detail = 0; detail < OBJECT_DETAILS; detail++) {
+		tyre(mesh, shape->radius, half, shoulder, rounds[detail], steps[detail]);
+		for (int side = -1; side <= 1; side += 2)
+			wheel_side(mesh, shape->radius, half, shoulder, side, steps[detail]);
+		lugs(mesh, shape, shoulder);
+		end_detail(mesh, detail);
+	}
+}
+
+/* --- the others --- */
+
+#define GORES 8
+
+/* Its poles are at its sides, and every other gore is dark: it is seen to roll. */
+static void ball(struct object_mesh *mesh, double radius)
+{
+	static const int steps[OBJECT_DETAILS] = {56, 32, 16};
+	struct ring rings[29];
+	for (int detail = 0; detail < OBJECT_DETAILS; detail++) {
+		int count = steps[detail] / 2 + 1, gore = steps[detail] / GORES;
+		for (int i = 0; i < count; i++) {
+			double angle = M_PI * i / (count - 1);
+			rings[i] = (struct ring){radius * sin(angle), -radius * cos(angle), sin(angle), -cos(angle)};
+		}
+		for (int i = 0; i < GORES; i++)
+			lathe(mesh, rings, count, i * gore, (i + 1) * gore, steps[detail], i % 2 > 0 ? OBJECT_DARK : OBJECT_PAINT);
+		end_detail(mesh, detail);
+	}
+}
+
+enum status object_mesh_make(const struct deform_shape *shape, struct object_mesh *mesh)
+{
+	*mesh = (struct object_mesh){.closed = shape->kind != DEFORM_MESH};
+	if (shape->kind == DEFORM_WHEEL)
+		wheel(mesh, shape);
+	else if (shape->kind == DEFORM_SPHERE)
+		ball(mesh, shape->radius);
+	else if (shape->kind == DEFORM_MESH)
+		object_mesh_of_file(mesh, shape->mesh);
+	else
+		brick(mesh, (const double[3]){0, 0, 0},
+		      (double[3][3]){{shape->size[0] / 2, 0, 0}, {0, shape->size[1] / 2, 0}, {0, 0, shape->size[2] / 2}}, OBJECT_PAINT);
+	/* Others are as they are at every distance. */
+	for (int detail = 0; detail < OBJECT_DETAILS && shape->kind != DEFORM_WHEEL && shape->kind != DEFORM_SPHERE; detail++)
+		end_detail(mesh, detail);
+	if (!mesh->failed)
+		return STATUS_OK;
+	object_mesh_finish(mesh);
+	return fail_memory("the picture's objects");
+}
+
+void object_mesh_finish(struct object_mesh *mesh)
+{
+	mem_free(mesh->corners);
+	mem_free(mesh->indices);
+	*mesh = (struct object_mesh){.corners = NULL};
+}

@@ -1,0 +1,77 @@
+/*
+ * What an object's shadow is made of: a form as simple as can be, and a volume in which it shades the ground. The form is
+ * the shape itself, but for a wheel's lugs, and the box around a mesh. The volume is a box along the sun's azimuth, from a little behind the
+ * object to where the shadow of its top ends; the shader lets the shadow fade before its sides.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "render/objects.h"
+
+#define LENGTH_MOST 6.0 /* of the object's largest half size: by a low sun the end is cut off */
+
+/* Half the form's size along a direction of length 1. */
+static double extent(const struct object_shadow *shadow, double axes[3][3], const double along[3])
+{
+	double part[3];
+	for (int i = 0; i < 3; i++)
+		part[i] = fabs(axes[i][0] * along[0] + axes[i][1] * along[1] + axes[i][2] * along[2]);
+	const float *half = shadow->form;
+	if (shadow->kind[0] == 2)
+		return half[0];
+	if (shadow->kind[0] == 1)
+		return part[1] * half[1] + sqrt(fmax(0, 1 - part[1] * part[1])) * half[0];
+	return part[0] * half[0] + part[1] * half[1] + part[2] * half[2];
+}
+
+/* The form about the object's centre; *middle: its own middle, in the object's axes. */
+static void form_of(const struct deform_shape *shape, struct object_shadow *shadow, double middle[3])
+{
+	double half[3] = {shape->radius, shape->radius, shape->radius};
+	memset(middle, 0, 3 * sizeof *middle);
+	shadow->kind[0] = shape->kind == DEFORM_SPHERE ? 2 : shape->kind == DEFORM_WHEEL ? 1 : 0;
+	if (shape->kind == DEFORM_WHEEL) {
+		half[1] = shape->width / 2;
+		half[0] = half[2] = shape->radius + (shape->lugs > 0 ? shape->lug_height / 2 : 0);
+	}
+	for (int k = 0; k < 3 && shape->kind == DEFORM_BOX; k++)
+		half[k] = shape->size[k] / 2;
+	for (int k = 0; k < 3 && shape->kind == DEFORM_MESH; k++) {
+		half[k] = fmax((shape->mesh->high[k] - shape->mesh->low[k]) / 2, 1e-4);
+		middle[k] = (shape->mesh->high[k] + shape->mesh->low[k]) / 2;
+	}
+	for (int k = 0; k < 3; k++)
+		shadow->form[k] = (float)half[k];
+	shadow->form[3] = (float)cbrt(half[0] * half[1] * half[2]);
+}
+
+static void row(float to[4], const double axis[3], const double origin[3], double scale)
+{
+	for (int k = 0; k < 3; k++)
+		to[k] = (float)(axis[k] * scale);
+	to[3] = (float)(-(axis[0] * origin[0] + axis[1] * origin[1] + axis[2] * origin[2]) * scale);
+}
+
+void object_shadow_of(const struct deform_shape *shape, double axes[3][3], const double at[3], const double sun[3],
+		      struct object_shadow *shadow, double middle[3], double *radius)
+{
+	double own[3], centre[3], level = hypot(sun[0], sun[1]);
+	form_of(shape, shadow, own);
+	for (int k = 0; k < 3; k++)
+		centre[k] = at[k] + axes[0][k] * own[0] + axes[1][k] * own[1] + axes[2][k] * own[2];
+	for (int i = 0; i < 3; i++)
+		row(shadow->to_own[i], axes[i], centre, 1);
+
+	const double away[3] = {level > 0 ? -sun[0] / level : 1, level > 0 ? -sun[1] / level : 0, 0};
+	const double across[3] = {-away[1], away[0], 0}, up[3] = {0, 0, 1};
+	double along = extent(shadow, axes, away), wide = extent(shadow, axes, across), high = extent(shadow, axes, up);
+	double beside = 0.8 * (double)shadow->form[3], below = 0.5 * high + 0.3 * (double)shadow->form[3];
+	double length = fmin((2 * high + below) * level / fmax(sun[2], 1e-3), LENGTH_MOST * fmax(high, fmax(along, wide)));
+	double half[3] = {along + (beside + length) / 2, wide + beside, (1.6 * high + below) / 2};
+	for (int k = 0; k < 3; k++)
+		middle[k] = centre[k] + away[k] * (length - beside) / 2 + up[k] * (0.6 * high - half[2]);
+	row(shadow->to_volume[0], away, middle, 1 / half[0]);
+	row(shadow->to_volume[1], across, middle, 1 / half[1]);
+	row(shadow->to_volume[2], up, middle, 1 / half[2]);
+	*radius = sqrt(half[0] * half[0] + half[1] * half[1] + half[2] * half[2]);
+}
