@@ -27,8 +27,8 @@ out vec2 air;
 #endif
 
 // Rubber with dust on it, metal, paint, and what is dark.
-const vec4 surfaces[4] = vec4[](vec4(0.045, 0.042, 0.039, 0.04), vec4(0.36, 0.37, 0.38, 0.5),
-				vec4(0.42, 0.40, 0.35, 0.15), vec4(0.075, 0.078, 0.085, 0.1));
+const vec4 surfaces[4] = vec4[](vec4(0.045, 0.042, 0.039, 0.04), vec4(0.27, 0.275, 0.28, 0.5),
+				vec4(0.30, 0.285, 0.25, 0.15), vec4(0.075, 0.078, 0.085, 0.1));
 
 void main()
 {

@@ -56,7 +56,7 @@ void main()
 	float sunless = 1.0 - smoothstep(-soft, soft, outside(own + way * to_sun.xyz));
 	sunless *= smoothstep(0.0, 0.1, sun.z);
 	float near = clamp(1.0 - outside(own) / (0.7 * form.w), 0.0, 1.0);
-	float skyless = 0.6 * near * near;
+	float skyless = 0.5 * near * near;
 
 	float strength = fade.x * fade.y * fade.z;
 #ifdef FOG

@@ -16,40 +16,6 @@
 /* Pixels of the radius of the ball around an object, from which on its finer details are drawn. */
 static const double details_from[OBJECT_DETAILS] = {50, 12, 0};
 
-struct shape {
-	const struct deform_shape *shape;
-	struct gpu_buffer *corners, *indices;
-	uint32_t first[OBJECT_DETAILS + 1];
-	double bound; /* metres: radius of a ball about its centre */
-	bool closed;
-};
-
-/* shaders/object.vert's, std430. */
-struct posed {
-	float axes[3][4];
-	float size[4];
-};
-
-struct seen {
-	uint32_t shape, detail;
-	struct posed posed;
-};
-
-struct render_objects {
-	const struct scene_object *objects; /* the caller's */
-	size_t count;
-	bool casts;
-	struct shape *shapes; /* distinct ones */
-	uint32_t *shape_of;   /* by object */
-	struct render_object *shown;
-	size_t shown_count;
-	struct seen *seen;    /* of the present picture, as these: */
-	struct posed *posed;
-	struct object_shadow *shadows;
-	struct gpu_buffer *instances, *casters, *volume; /* the latter two NULL without shadows */
-	struct gpu_target *over; /* the picture's colour alone */
-};
-
 static const uint16_t volume_sides[36] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
 					  2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
 
@@ -132,7 +98,7 @@ void render_objects_plan(const struct render_params *params, struct plan *plan)
 		return;
 	add_program(plan, EFFECT_OBJECTS, params->effects);
 	add(plan, PLAN_PASS, PLAN_OBJECTS, EFFECT_OBJECTS, 0, gpu_stage_name(GPU_OBJECTS));
-	add(plan, PLAN_BUFFER, PLAN_ONCE, EFFECT_OBJECTS, params->object_count * sizeof(struct posed), "objects: where they are");
+	add(plan, PLAN_BUFFER, PLAN_ONCE, EFFECT_OBJECTS, params->object_count * sizeof(struct object_posed), "objects: where they are");
 	for (size_t i = 0; i < params->object_count; i++) {
 		struct object_mesh mesh;
 		char name[96];
@@ -159,13 +125,13 @@ void render_objects_plan(const struct render_params *params, struct plan *plan)
 
 /* --- life --- */
 
-static enum status make_shape(struct render *render, const struct deform_shape *shape, struct shape *out)
+static enum status make_shape(struct render *render, const struct deform_shape *shape, struct object_shape *out)
 {
 	struct object_mesh mesh;
 	enum status status = object_mesh_make(shape, &mesh);
 	if (status != STATUS_OK)
 		return status;
-	*out = (struct shape){.shape = shape, .bound = deform_shape_bound(shape), .closed = mesh.closed};
+	*out = (struct object_shape){.shape = shape, .bound = deform_shape_bound(shape), .closed = mesh.closed};
 	memcpy(out->first, mesh.first, sizeof out->first);
 	status = gpu_buffer_create(render->gpu, GPU_STORAGE, mesh.corner_count * sizeof *mesh.corners, mesh.corners, &out->corners);
 	if (status == STATUS_OK)
@@ -285,7 +251,7 @@ static bool ball_visible(const struct terrain_view *view, const double eye[3], c
 
 static int in_order(const void *a, const void *b)
 {
-	const struct seen *x = a, *y = b;
+	const struct object_seen *x = a, *y = b;
 	if (x->shape != y->shape)
 		return x->shape < y->shape ? -1 : 1;
 	return (x->detail > y->detail) - (x->detail < y->detail);
@@ -299,7 +265,7 @@ static void look(const struct render *render, const struct render_camera *camera
 	*seen_count = *shadow_count = 0;
 	for (size_t i = 0; i < objects->shown_count; i++) {
 		const struct render_object *object = &objects->shown[i];
-		const struct shape *shape = &objects->shapes[objects->shape_of[object->object]];
+		const struct object_shape *shape = &objects->shapes[objects->shape_of[object->object]];
 		double at[3], own[3][3], middle[3], far, radius, pixels;
 		for (int k = 0; k < 3; k++)
 			at[k] = object->at[k] - camera->eye[k];
@@ -310,12 +276,14 @@ static void look(const struct render *render, const struct render_camera *camera
 		}
 		if (!ball_visible(view, camera->eye, at, shape->bound))
 			continue;
-		struct seen *seen = &objects->seen[(*seen_count)++];
+		struct object_seen *seen = &objects->seen[(*seen_count)++];
 		far = sqrt(at[0] * at[0] + at[1] * at[1] + at[2] * at[2]);
 		pixels = far > shape->bound ? shape->bound / far * axes->focal : INFINITY;
-		*seen = (struct seen){.shape = objects->shape_of[object->object], .posed = {.size = {(float)shape->bound}}};
+		*seen = (struct object_seen){.shape = objects->shape_of[object->object], .posed = {.size = {(float)shape->bound}}};
 		while (pixels < details_from[seen->detail])
 			seen->detail++;
+		while (shape->first[seen->detail] == shape->first[seen->detail + 1])
+			seen->detail--;
 		for (int a = 0; a < 3; a++) {
 			for (int k = 0; k < 3; k++)
 				seen->posed.axes[a][k] = (float)own[a][k];
@@ -354,8 +322,8 @@ static enum status draw_shadows(struct render *render, const struct picture_para
 static void draw_alike(struct render *render, struct picture_params *params, struct gpu_program *program, size_t first, size_t count)
 {
 	struct render_objects *objects = render->objects;
-	const struct seen *seen = &objects->seen[first];
-	const struct shape *shape = &objects->shapes[seen->shape];
+	const struct object_seen *seen = &objects->seen[first];
+	const struct object_shape *shape = &objects->shapes[seen->shape];
 	params->tile[1] = (int32_t)first;
 	struct gpu_pass pass = {
 		.stage = GPU_OBJECTS,

@@ -46,4 +46,40 @@ struct object_shadow {
 void object_shadow_of(const struct deform_shape *shape, double axes[3][3], const double at[3], const double sun[3],
 		      struct object_shadow *shadow, double middle[3], double *radius);
 
+/* --- objects.c --- */
+
+struct object_shape {
+	const struct deform_shape *shape;
+	struct gpu_buffer *corners, *indices;
+	uint32_t first[OBJECT_DETAILS + 1];
+	double bound; /* metres: radius of a ball about its centre */
+	bool closed;
+};
+
+/* shaders/object.vert's, std430. */
+struct object_posed {
+	float axes[3][4];
+	float size[4];
+};
+
+struct object_seen {
+	uint32_t shape, detail;
+	struct object_posed posed;
+};
+
+struct render_objects {
+	const struct scene_object *objects; /* the caller's */
+	size_t count;
+	bool casts;
+	struct object_shape *shapes; /* distinct ones */
+	uint32_t *shape_of;   /* by object */
+	struct render_object *shown;
+	size_t shown_count;
+	struct object_seen *seen;    /* of the present picture, as these: */
+	struct object_posed *posed;
+	struct object_shadow *shadows;
+	struct gpu_buffer *instances, *casters, *volume; /* the latter two NULL without shadows */
+	struct gpu_target *over; /* the picture's colour alone */
+};
+
 #endif

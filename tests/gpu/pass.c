@@ -218,7 +218,7 @@ static void a_pass_reads_what_the_one_before_wrote(void **state)
 }
 
 /* Instance i is a square of the right half (front-facing) or the left (back-facing), at depth i. */
-static void depth_is_reversed_and_backs_are_culled_when_asked(void **state)
+static void depth_is_reversed_and_sides_are_culled_when_asked(void **state)
 {
 	static const char squares[] =
 		"#version 450 core\n"
@@ -268,6 +268,45 @@ static void depth_is_reversed_and_backs_are_culled_when_asked(void **state)
 			assert_int_equal(texel[1][0], cull != 0 ? 0 : seen);
 		}
 	}
+	/* Fronts culled instead; the back one alone, by indices of 32 bits from the seventh on. */
+	static const uint32_t wide[12] = {0, 1, 3, 0, 3, 2, 4, 5, 7, 4, 7, 6};
+	struct gpu_buffer *wide_buffer;
+	assert_ok(gpu_buffer_create(test_gpu, GPU_INDICES, sizeof wide, wide, &wide_buffer));
+	for (int i = 0; i < 2; i++) {
+		pass.cull_back = false;
+		pass.cull_front = i == 0;
+		if (i == 1) {
+			pass.indices = wide_buffer;
+			pass.wide_indices = true;
+			pass.first_index = pass.index_count = 6;
+		}
+		gpu_target_clear(target, none);
+		gpu_pass_run(test_gpu, &pass);
+		gpu_texture_read(colour, 0, rect_of(24, 16, 1, 1), texel[0]);
+		gpu_texture_read(colour, 0, rect_of(8, 16, 1, 1), texel[1]);
+		assert_int_equal(texel[0][0], 0);
+		assert_int_equal(texel[1][0], 2);
+	}
+	/* Multiplied; and the next pass is not. */
+	const float grey[4] = {100 / 255.0f, 1, 0, 1};
+	pass.multiply = true;
+	pass.instances = 2;
+	gpu_target_clear(target, grey);
+	gpu_pass_run(test_gpu, &pass);
+	gpu_texture_read(colour, 0, rect_of(8, 16, 1, 1), texel[1]);
+	assert_int_equal(texel[1][0], 0); /* by 1 / 255, and that by 2 / 255 */
+	pass.instances = 1;
+	const float white[4] = {1, 1, 1, 1};
+	gpu_target_clear(target, white);
+	gpu_pass_run(test_gpu, &pass);
+	gpu_texture_read(colour, 0, rect_of(8, 16, 1, 1), texel[1]);
+	assert_int_equal(texel[1][0], 1);
+	pass.multiply = false;
+	gpu_target_clear(target, grey);
+	gpu_pass_run(test_gpu, &pass);
+	gpu_texture_read(colour, 0, rect_of(8, 16, 1, 1), texel[1]);
+	assert_int_equal(texel[1][0], 1);
+	gpu_buffer_destroy(wide_buffer);
 	assert_ok(gpu_check(test_gpu, "squares"));
 	gpu_target_destroy(target);
 	gpu_texture_destroy(colour);
@@ -320,7 +359,7 @@ int main(void)
 		cmocka_unit_test(the_time_of_passes_is_counted_by_stage),
 		cmocka_unit_test(nothing_outside_the_viewport_is_written),
 		cmocka_unit_test(a_pass_reads_what_the_one_before_wrote),
-		cmocka_unit_test(depth_is_reversed_and_backs_are_culled_when_asked),
+		cmocka_unit_test(depth_is_reversed_and_sides_are_culled_when_asked),
 		cmocka_unit_test(storage_is_kept_and_ordered),
 	};
 	return cmocka_run_group_tests(tests, open_gpu, close_gpu);

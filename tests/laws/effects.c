@@ -79,8 +79,8 @@ static const struct pair pairs[] = {
 	{EFFECT_ANTIALIAS, HEAD SEEN VIEW(""), HEAD SEEN SAMPLED, true},
 	{EFFECT_PIXEL_ERROR, HEAD SEEN VIEW("geomorph"), HEAD SEEN VIEW_BY_ERROR("geomorph"), false},
 	{EFFECT_TEXTURE, HEAD VIEW(""), HEAD VIEW("texture"), true},
-	{EFFECT_OBJECTS, HEAD SEEN VIEW(""), HEAD SEEN VIEW("objects"), false}, /* draws of objects are its own */
-	{EFFECT_SHADOW, HEAD SEEN VIEW("objects"), HEAD SEEN VIEW("objects, shadow"), false},
+	{EFFECT_OBJECTS, HEAD SEEN VIEW(""), HEAD SEEN VIEW("objects"), true},
+	{EFFECT_SHADOW, HEAD SEEN VIEW("objects"), HEAD SEEN VIEW("objects, shadow"), true},
 };
 #define PAIRS (sizeof pairs / sizeof *pairs)
 
@@ -258,9 +258,10 @@ static int check_units(const cJSON *a, const cJSON *b)
 	int problems = 0;
 	for (const cJSON *unit = counts_get(a, "units")->child; unit != NULL; unit = unit->next) {
 		const cJSON *other = counts_get(counts_get(b, "units"), unit->string);
-		/* Slots of classes are the map's own, and counted for it. */
+		/* Slots of classes are the map's own, and counted for it; so are draws of objects. */
 		if (goes_by_the_clock(unit->string) || strcmp(unit->string, plan_unit_name(PLAN_CLASS_SLOT)) == 0 ||
-		    strcmp(unit->string, plan_unit_name(PLAN_LEFT)) == 0)
+		    strcmp(unit->string, plan_unit_name(PLAN_LEFT)) == 0 || strcmp(unit->string, plan_unit_name(PLAN_OBJECTS)) == 0 ||
+		    strcmp(unit->string, plan_unit_name(PLAN_SHADOWED)) == 0)
 			continue;
 		if (!cJSON_Compare(unit, other, true)) {
 			print_error("unit %s differs\n", unit->string);
@@ -360,7 +361,7 @@ static void nothing_is_made_or_run_for_nothing(void **state)
 	"objects:\n  - {name: a, shape: {" WHEEL "}}, load: 4000, slip: 0.2, " PATH "}\n"                               \
 	"  - {name: b, shape: {box: {size: [2, 1, 1]}}, load: 3000, path: {points: [[70, 70]], speed: 1}}\n"           \
 	"  - {name: c, shape: {sphere: {radius: 1}}, sink: 0.2, path: {points: [[80, 30], [60, 30]], speed: 8}}\n"
-#define CHASE "view: {size: [160, 90], camera: {chase: a, back: 12, up: 5}, effects: [texture, detail, fog, sky, geomorph, skirts], images: 5}\n"
+#define CHASE "view: {size: [160, 90], camera: {chase: a, back: 12, up: 5}, effects: [texture, detail, fog, sky, geomorph, skirts, objects, shadow], images: 5}\n"
 
 #define BY_ERROR "view: {size: [160, 90], camera: {chase: a, back: 12, up: 5}, pixel_error: 1}\n"
 

@@ -189,6 +189,10 @@ static void pictures_that_nobody_sees(void **state)
 	advised(looked_at, 0.5, "view.images", "0", "view: a picture is drawn after each step and none is written");
 	advised(looked_at, 0.5, "view.images", "101", "view.images: one every 101 steps, and the drive ends after 100: none is written; ");
 	advised(looked_at, 0.5, "view.images", "100", NULL);
+	advised(looked_at, 0.5, "view.effects", "[objects, shadow]", NULL);
+	advised(looked_at, 0.5, "view.effects", "[shadow]", "view.effects.shadow: is that of the objects, which are not drawn; ");
+	advised(still, 0.5, "view.effects", "[objects]", "view.effects.objects: draws objects, and there is none; ");
+	advised(still, 0.5, "view.effects", "[shadow]", "view.effects.shadow: is that of objects, and there is none; ");
 	advised(looked_at, 0.5, "view.effects", "[detail]", "view.effects.detail: is the grain of the texture, which is not drawn; ");
 	advised(looked_at, 0.5, "view.effects", "[detail, texture]", NULL);
 	advised(looked_at, 0.5, "view.effects", "[fog]", NULL);

@@ -95,6 +95,12 @@ static const char object[] = "scene: 1\nend_time: 1\n"
 			     "objects:\n"
 			     "  - {name: a, shape: {wheel: {radius: 1, width: 1}}, path: {points: [[1, 2], [9, 2]], speed: 3}}\n";
 
+static const char seen[] = "scene: 1\nend_time: 1\n"
+			   "cache: {loaders: 0, prefetch: 0}\n"
+			   "view: {camera: {chase: a}}\n"
+			   "objects:\n"
+			   "  - {name: a, shape: {wheel: {radius: 1, width: 1}}, path: {points: [[1, 2], [9, 2]], speed: 3}}\n";
+
 /* Each in turn: what it adds to the bare scene, and why; and nothing more. */
 static void each_key_calls_for_its_own(void **state)
 {
@@ -116,6 +122,10 @@ static void each_key_calls_for_its_own(void **state)
 		{quiet, "view.effects", "[sky]", EFFECT_BIT(EFFECT_SKY), "view.effects.sky"},
 		{quiet, "view.effects", "[texture]", EFFECT_BIT(EFFECT_TEXTURE), "view.effects.texture"},
 		{quiet, "view.effects", "[skirts]", EFFECT_BIT(EFFECT_SKIRTS), "view.effects.skirts"},
+		{seen, "view.effects", "[objects]", EFFECT_BIT(EFFECT_OBJECTS), "view.effects.objects"},
+		{seen, "view.effects", "[objects, shadow]", EFFECT_BIT(EFFECT_OBJECTS) | EFFECT_BIT(EFFECT_SHADOW), "view.effects.objects"},
+		{seen, "view.effects", "[shadow]", 0, NULL}, /* of nothing that is drawn */
+		{quiet, "view.effects", "[objects, shadow]", 0, NULL},
 		{quiet, "attributes", "[dirt]", 0, NULL},
 		{quiet, "redistribute.model", "box", 0, NULL},
 		{quiet, "cache.prefetch", "3", 0, NULL},
