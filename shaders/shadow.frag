@@ -1,13 +1,9 @@
 #version 450 core
 // How much of its light an object leaves to the ground that is seen at a pixel: multiplies what is there.
 #include "lib/picture.glsl"
-#ifdef FOG
-#include "lib/sky.glsl"
-#include "lib/haze.glsl"
-#endif
-
 flat in vec4 own_x, own_y, own_z, form, volume_x, volume_y, volume_z;
 flat in vec4 to_sun;
+flat in vec2 strength;
 layout(location = 0) out vec4 left;
 
 layout(binding = 0) uniform sampler2D depth_map;
@@ -22,30 +18,29 @@ vec2 picture_size()
 	return vec2(textureSize(depth_map, 0));
 }
 
-// Metres outside the form, less than 0 inside.
+// Metres outside the form, less than 0 inside. About y it is round, or not; a ball is so in y too.
 float outside(vec3 at)
 {
+	bool is_round = to_sun.w > 0.0, ball = to_sun.w == 2.0;
 	vec3 over = abs(at) - form.xyz;
-	if (to_sun.w == 1.0)
-		over = vec3(length(at.xz) - form.x, over.y, -form.x);
-	if (to_sun.w == 2.0)
-		over = vec3(length(at) - form.x, -form.xx);
+	over.x = is_round ? sqrt(at.x * at.x + at.z * at.z + (ball ? at.y * at.y : 0.0)) - form.x : over.x;
+	over.y = ball ? -form.y : over.y;
+	over.z = is_round ? -form.z : over.z;
 	return length(max(over, 0.0)) + min(max(over.x, max(over.y, over.z)), 0.0);
 }
 
 void main()
 {
-	left = vec4(1.0);
 	float depth = depth_at(ivec2(gl_FragCoord.xy));
 	if (depth == 0.0)
-		return; // nothing is there
+		discard; // nothing is there
 	// Reversed depth without a far plane: the near plane's distance over how far ahead it is.
 	vec2 corner = 2.0 * gl_FragCoord.xy / picture_size() - 1.0;
 	vec3 place = (forward.xyz + corner.x * right.xyz + corner.y * up.xyz) * (project[3][2] / depth);
 	vec3 within = abs(vec3(dot(volume_x.xyz, place) + volume_x.w, dot(volume_y.xyz, place) + volume_y.w,
 			       dot(volume_z.xyz, place) + volume_z.w));
 	if (max(within.x, max(within.y, within.z)) >= 1.0)
-		return;
+		discard;
 	vec3 fade = min((1.0 - within) * vec3(6.0, 5.0, 5.0), 1.0);
 	vec3 own = vec3(dot(own_x.xyz, place) + own_x.w, dot(own_y.xyz, place) + own_y.w, dot(own_z.xyz, place) + own_z.w);
 
@@ -54,13 +49,9 @@ void main()
 	float way = max(-dot(scaled, ahead) / dot(ahead, ahead), 0.0);
 	float soft = 0.05 * form.w + 0.09 * way;
 	float sunless = 1.0 - smoothstep(-soft, soft, outside(own + way * to_sun.xyz));
-	sunless *= smoothstep(0.0, 0.1, sun.z);
 	float near = clamp(1.0 - outside(own) / (0.7 * form.w), 0.0, 1.0);
 	float skyless = 0.5 * near * near;
 
-	float strength = fade.x * fade.y * fade.z;
-#ifdef FOG
-	strength *= haze_between(place).x;
-#endif
-	left.rgb = (1.0 - strength * sunless * vec3(0.72, 0.68, 0.60)) * (1.0 - strength * skyless);
+	vec2 share = strength * (fade.x * fade.y * fade.z) * vec2(sunless, skyless);
+	left = vec4((1.0 - share.x * vec3(0.72, 0.68, 0.60)) * (1.0 - share.y), 1.0);
 }

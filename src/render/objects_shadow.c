@@ -67,9 +67,9 @@ void object_shadow_of(const struct deform_shape *shape, double axes[3][3], const
 	double along = extent(shadow, axes, away), wide = extent(shadow, axes, across), high = extent(shadow, axes, up);
 	double beside = 0.8 * (double)shadow->form[3], below = 0.5 * high + 0.3 * (double)shadow->form[3];
 	double length = fmin((2 * high + below) * level / fmax(sun[2], 1e-3), LENGTH_MOST * fmax(high, fmax(along, wide)));
-	double half[3] = {along + (beside + length) / 2, wide + beside, (1.6 * high + below) / 2};
+	double half[3] = {along + (beside + length) / 2, wide + beside, (1.1 * high + below) / 2};
 	for (int k = 0; k < 3; k++)
-		middle[k] = centre[k] + away[k] * (length - beside) / 2 + up[k] * (0.6 * high - half[2]);
+		middle[k] = centre[k] + away[k] * (length - beside) / 2 + up[k] * (0.1 * high - half[2]);
 	row(shadow->to_volume[0], away, middle, 1 / half[0]);
 	row(shadow->to_volume[1], across, middle, 1 / half[1]);
 	row(shadow->to_volume[2], up, middle, 1 / half[2]);
