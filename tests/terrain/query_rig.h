@@ -22,6 +22,7 @@ struct rig {
 	unsigned holes;         /* posts of level 0 in 1,000 that are nodata */
 	unsigned fine;          /* tiles of the finest level in 100 that are there */
 	double relief, rut;     /* metres */
+	double crack;           /* metres: the finest tiles stand so much higher, at their edges too */
 	int64_t far;            /* posts from the south-west one to the one that is as post 0 is elsewhere */
 	struct terrain_ground ground;
 	double heights[(RIG_CELLS_MOST + 1) * (RIG_CELLS_MOST + 1)], blocks[16][2];
@@ -86,6 +87,7 @@ static inline double rig_height(const struct rig *rig, int level, int64_t x, int
 	if (level != rig->finest || level == 0)
 		return height;
 	int64_t cells = rig->world.cells;
+	height += rig->crack;
 	for (int i = 0; i < 4; i++) {
 		int64_t tx = x / cells - (i % 2 && x % cells == 0), ty = y / cells - (i / 2 && y % cells == 0);
 		if (tx < 0 || ty < 0)
@@ -125,7 +127,7 @@ static inline enum status rig_bounds(void *user, struct tile tile, double *low, 
 	assert_true(world_has(&rig->world, tile));
 	/* True of a single post, at least, in every other tile: so that much is passed over. */
 	*low = -rig->relief - rig->rut;
-	*high = 1.5 * rig->relief;
+	*high = 1.5 * rig->relief + rig->crack;
 	*any = true;
 	if (tile.level > 0)
 		return STATUS_OK;
@@ -141,7 +143,7 @@ static inline enum status rig_bounds(void *user, struct tile tile, double *low, 
 		}
 	*any = least <= most;
 	*low = least - rig->rut;
-	*high = most;
+	*high = most + rig->crack;
 	return STATUS_OK;
 }
 

@@ -189,6 +189,35 @@ static void nothing_slips_through(void **state)
 	}
 }
 
+/* Finer posts are rounded: along an edge their tile may stand some micrometres higher or lower than the coarser one beside it.
+ * What would pass through that crack hits there, and is not under the ground from then on. */
+static void no_crack_lets_through(void **unused)
+{
+	uint64_t state = 5;
+	for (int i = 0; i < 1000; i++) {
+		struct rig rig = {.world = {129, 129, 1, 8}, .seed = 8, .finest = -2, .fine = 20, .crack = ldexp(1, -(int)(12 + i % 20))};
+		bool east = rig_unit(&state) < 0.5;
+		double x = 0.5, y = floor(rig_between(&state, 1, 500)) * 0.25 + 0.1, side = 2, end = 128;
+		struct terrain_ray ray = {{east ? x : y, east ? y : x, rig.crack / 2}, {east, !east, 0}, INFINITY};
+		struct terrain_hit hit;
+		rig_open(&rig);
+		/* The first tile on its way that stands higher; it may begin over one. */
+		for (; x < end; x = (floor(x / side) + 1) * side) {
+			struct tile tile = {-2, (uint32_t)((east ? x : y) / side), (uint32_t)((east ? y : x) / side)};
+			if (rig_present(&rig, tile))
+				break;
+		}
+		assert_int_equal(terrain_rays(&rig.ground, &ray, 1, &hit), STATUS_OK);
+		if (x == 0.5) {
+			assert_true(hit.hit && hit.below);
+			continue;
+		}
+		assert_int_equal(hit.hit, x < end);
+		if (hit.hit)
+			assert_true(fabs(hit.distance - (x - 0.5)) < 1e-9 && !hit.below);
+	}
+}
+
 /* More than 10,000 km off all is as it is here. */
 static void far_is_as_near(void **unused)
 {
@@ -354,7 +383,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_triangle_agrees), cmocka_unit_test(nothing_slips_through), cmocka_unit_test(far_is_as_near),
 		cmocka_unit_test(what_is_no_ray),        cmocka_unit_test(where_it_begins),       cmocka_unit_test(many_are_as_one),
-		cmocka_unit_test(the_edge_is_ground),
+		cmocka_unit_test(the_edge_is_ground),     cmocka_unit_test(no_crack_lets_through),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
