@@ -29,11 +29,16 @@ static enum status before_read_back(void *user, struct tile tile, uint32_t slot)
 	return STATUS_OK;
 }
 
-static void rig_open(struct rig *rig, const char *path, int level, double epoch_age)
+static double level_ground(int64_t x, int64_t y)
+{
+	return 100;
+}
+
+static void rig_open(struct rig *rig, const char *path, support_height ground, int level, double epoch_age)
 {
 	struct drive *drive = &rig->drive;
 	*rig = (struct rig){.scene = {.slots = SLOTS, .hash = "0"}, .rider = {.object = &object}};
-	support_store(path, world, hills_with_a_hole);
+	support_store(path, world, ground);
 	must(store_open(path, &(struct store_options){.mode = STORE_WRITE}, &drive->store));
 	must(store_set_working_level(drive->store, level));
 	drive->scene = &rig->scene;
@@ -250,7 +255,7 @@ static void wherever_it_is(int level)
 	struct newest *alone;
 	struct store *store;
 	size_t where[3];
-	rig_open(&rig, path, level, 0);
+	rig_open(&rig, path, hills_with_a_hole, level, 0);
 	choose();
 	ask_anew(&rig, &before);
 	/* One step's rut, and a tile that was touched and left as it was. */
@@ -315,11 +320,53 @@ static void above_it(void **state)
 	wherever_it_is(1);
 }
 
+/* Level rays in a rut of level ground: all they meet is lower than any base. */
+static void check_in_rut(struct newest *newest, double x, double y)
+{
+	for (int i = 0; i < 64; i++) {
+		struct terrain_ray ray = {{x, y, 99.9}, {cos(i * 0.1), sin(i * 0.1), 0}, INFINITY};
+		struct terrain_hit hit;
+		must(newest_rays(newest, &ray, 1, &hit));
+		assert_true(hit.hit && !hit.below && hit.distance < 3);
+		/* And from afar under it: into the rut from below. */
+		ray.origin[0] += 40 * ray.direction[0];
+		ray.origin[1] += 40 * ray.direction[1];
+		ray.direction[0] *= -1;
+		ray.direction[1] *= -1;
+		must(newest_rays(newest, &ray, 1, &hit));
+		assert_true(hit.hit && hit.below && hit.distance > 37 && hit.distance < 40);
+	}
+}
+
+static void ruts_are_lower_than_their_base(void **state)
+{
+	const char *path = support_path("level.furrow");
+	struct rig rig;
+	struct newest *alone;
+	struct store *store;
+	const double x = 64 + 50 * sin(0.35), y = 64 + 45 * sin(2.1 * 0.35);
+	rig_open(&rig, path, level_ground, -1, 0);
+	roll(&rig, 7);
+	end_step(&rig);
+	must(newest_create(rig.drive.store, &rig.drive, &rig.drive.newest));
+	check_in_rut(rig.drive.newest, x, y);
+	must(page_cache_flush(rig.drive.cache, rig.drive.record));
+	check_in_rut(rig.drive.newest, x, y);
+	rig.drive.step++;
+	check_in_rut(rig.drive.newest, x, y);
+	must(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
+	must(newest_create(store, NULL, &alone));
+	check_in_rut(alone, x, y);
+	newest_destroy(alone);
+	store_close(store);
+	rig_close(&rig);
+}
+
 /* Asked between all steps, with 6 slots, epochs on their way, and read-backs that are not over. */
 static uint64_t drive_all(const char *path, bool asked)
 {
 	struct rig rig;
-	rig_open(&rig, path, -1, 0.002);
+	rig_open(&rig, path, hills_with_a_hole, -1, 0.002);
 	choose();
 	for (int step = 0; step < 120; step++) {
 		roll(&rig, step);
@@ -385,6 +432,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(at_the_source_s_level), cmocka_unit_test(below_it),
 		cmocka_unit_test(far_below_it),          cmocka_unit_test(above_it),
+		cmocka_unit_test(ruts_are_lower_than_their_base),
 		cmocka_unit_test(asking_changes_nothing), cmocka_unit_test(points_are_as_the_store_samples),
 	};
 	return cmocka_run_group_tests(tests, support_enter, support_leave);
