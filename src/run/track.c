@@ -284,15 +284,14 @@ size_t track_corners(const struct track *track)
 
 size_t track_way(const struct track *track, double time, double (*places)[2])
 {
-	bool whole = track->loop && time * track->speed >= track->length;
 	size_t count = 0;
-	for (; count < track->count && (whole || count == 0 || track->knots[count].at.time <= time); count++) {
+	for (; count < track->count && (count == 0 || track->knots[count].at.time <= time); count++) {
 		struct track_point knot = track->knots[count].at;
 		place(track, &knot);
 		places[count][0] = knot.x;
 		places[count][1] = knot.y;
 	}
-	if (!whole && count < track->count) {
+	if (count < track->count) {
 		struct track_point now;
 		track_at(track, time, &now);
 		places[count][0] = now.x;

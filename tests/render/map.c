@@ -15,6 +15,8 @@ static double dug(int64_t x, int64_t y)
 {
 	if (x == 333 && y > 40)
 		return -0.25;
+	if (y == 596 && x < 4) /* beyond the last pixel's own half, at coarse levels */
+		return 0.5;
 	if (y == 0 || x == 800) /* at the terrain's edges */
 		return 0.03125;
 	if (x >= 100 && x < 160 && y >= 100 && y < 200)
@@ -251,6 +253,22 @@ static void slopes_of_ruts_are_added_to_the_grounds(void **state)
 	render_survey_finish(&survey);
 }
 
+static void most_values_are_no_larger_than_the_spread(void **state)
+{
+	enum { SIDE = 100 };
+	static float values[SIDE * SIDE];
+	struct render_survey survey = {.width = SIDE, .height = SIDE, .values = values};
+	double size, low, high;
+	must(render_survey_spread(&survey, 0.9, &size, &low, &high));
+	assert_true(size == 0 && low == 0 && high == 0);
+	for (int i = 0; i < SIDE * SIDE / 2; i++)
+		values[2 * i] = (float)(i + 1) * (i % 3 == 0 ? -0.001f : 0.001f);
+	must(render_survey_spread(&survey, 0.9, &size, &low, &high));
+	assert_true(fabs(size - 4.5) < 0.03 && fabs(low + 4.999) < 1e-5 && fabs(high - 5) < 1e-5);
+	must(render_survey_spread(&survey, 1, &size, &low, &high));
+	assert_true(fabs(size - 5) < 1e-5);
+}
+
 static void lines_are_widened_by_a_pixel(void **state)
 {
 	struct render_survey_params params = asked(2, STORE_OFFSET);
@@ -476,6 +494,7 @@ int main(void)
 		cmocka_unit_test(the_soils_state_is_found_wherever_it_is),
 		cmocka_unit_test(holes_are_holes_and_the_rest_is_lit),
 		cmocka_unit_test(slopes_of_ruts_are_added_to_the_grounds),
+		cmocka_unit_test(most_values_are_no_larger_than_the_spread),
 		cmocka_unit_test(lines_are_widened_by_a_pixel),
 		cmocka_unit_test(a_rut_has_its_place_and_its_depths_colour),
 		cmocka_unit_test(the_scale_bar_is_as_long_as_it_says),
