@@ -6,17 +6,28 @@ flat in vec4 to_sun;
 flat in vec2 strength;
 layout(location = 0) out vec4 left;
 
-layout(binding = 0) uniform sampler2D depth_map;
-
-// Of a target with several samples a pixel: a sampler2DMS, and its sample 0.
-float depth_at(ivec2 at)
+#ifdef SAMPLES
+// Each sample of a pixel for itself: an edge's far side is shaded as far ground is.
+layout(binding = 0) uniform sampler2DMS depth_map;
+float depth_here()
 {
-	return texelFetch(depth_map, at, 0).r;
+	return texelFetch(depth_map, ivec2(gl_FragCoord.xy), gl_SampleID).r;
+}
+vec2 picture_size()
+{
+	return vec2(textureSize(depth_map));
+}
+#else
+layout(binding = 0) uniform sampler2D depth_map;
+float depth_here()
+{
+	return texelFetch(depth_map, ivec2(gl_FragCoord.xy), 0).r;
 }
 vec2 picture_size()
 {
 	return vec2(textureSize(depth_map, 0));
 }
+#endif
 
 // Metres outside the form, less than 0 inside. About y it is round, or not; a ball is so in y too.
 float outside(vec3 at)
@@ -31,7 +42,7 @@ float outside(vec3 at)
 
 void main()
 {
-	float depth = depth_at(ivec2(gl_FragCoord.xy));
+	float depth = depth_here();
 	if (depth == 0.0)
 		discard; // nothing is there
 	// Reversed depth without a far plane: the near plane's distance over how far ahead it is.

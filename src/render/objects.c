@@ -54,18 +54,23 @@ static bool casts(uint64_t effects, size_t count)
 	return shows(effects, count) && (effects >> EFFECT_SHADOW & 1);
 }
 
-static struct gpu_program_request request_of(uint64_t effects, bool shadow)
+static struct gpu_program_request request_of(uint64_t effects, int samples, bool shadow)
 {
-	return (struct gpu_program_request){
+	struct gpu_program_request request = {
 		.vertex = shadow ? "shadow.vert" : "object.vert",
 		.fragment = shadow ? "shadow.frag" : "object.frag",
-		.defines = {effects >> EFFECT_FOG & 1 ? scene_effect_row(EFFECT_FOG)->define : NULL},
 	};
+	size_t count = 0;
+	if (effects >> EFFECT_FOG & 1)
+		request.defines[count++] = scene_effect_row(EFFECT_FOG)->define;
+	if (shadow && samples > 1)
+		request.defines[count++] = scene_effect_row(EFFECT_ANTIALIAS)->define;
+	return request;
 }
 
 static enum status program_of(struct render *render, bool shadow, struct gpu_program **out)
 {
-	struct gpu_program_request request = request_of(render->effects, shadow);
+	struct gpu_program_request request = request_of(render->effects, (int)render->samples, shadow);
 	return gpu_program_get(render->gpu, &request, out);
 }
 
@@ -84,10 +89,10 @@ static void add(struct plan *plan, enum plan_kind kind, enum plan_unit unit, enu
 		 name);
 }
 
-static void add_program(struct plan *plan, enum scene_effect effect, uint64_t effects)
+static void add_program(struct plan *plan, enum scene_effect effect, const struct render_params *params)
 {
 	char name[GPU_PROGRAM_NAME];
-	struct gpu_program_request request = request_of(effects, effect == EFFECT_SHADOW);
+	struct gpu_program_request request = request_of(params->effects, params->samples, effect == EFFECT_SHADOW);
 	gpu_program_name(&request, name, sizeof name);
 	add(plan, PLAN_PROGRAM, PLAN_ONCE, effect, 0, name);
 }
@@ -96,7 +101,7 @@ void render_objects_plan(const struct render_params *params, struct plan *plan)
 {
 	if (!shows(params->effects, params->object_count))
 		return;
-	add_program(plan, EFFECT_OBJECTS, params->effects);
+	add_program(plan, EFFECT_OBJECTS, params);
 	add(plan, PLAN_PASS, PLAN_OBJECTS, EFFECT_OBJECTS, 0, gpu_stage_name(GPU_OBJECTS));
 	add(plan, PLAN_BUFFER, PLAN_ONCE, EFFECT_OBJECTS, params->object_count * sizeof(struct object_posed), "objects: where they are");
 	for (size_t i = 0; i < params->object_count; i++) {
@@ -117,7 +122,7 @@ void render_objects_plan(const struct render_params *params, struct plan *plan)
 	}
 	if (!casts(params->effects, params->object_count))
 		return;
-	add_program(plan, EFFECT_SHADOW, params->effects);
+	add_program(plan, EFFECT_SHADOW, params);
 	add(plan, PLAN_PASS, PLAN_SHADOWED, EFFECT_SHADOW, 0, gpu_stage_name(GPU_SHADOW));
 	add(plan, PLAN_BUFFER, PLAN_ONCE, EFFECT_SHADOW, params->object_count * sizeof(struct object_shadow), "shadows: where they are");
 	add(plan, PLAN_BUFFER, PLAN_ONCE, EFFECT_SHADOW, sizeof volume_sides, "shadows: a volume");
@@ -166,7 +171,8 @@ static enum status make_shadows(struct render *render, struct render_objects *ob
 	if (status == STATUS_OK)
 		status = gpu_buffer_create(gpu, GPU_INDICES, sizeof volume_sides, volume_sides, &objects->volume);
 	if (status == STATUS_OK)
-		status = gpu_target_create(gpu, &(struct gpu_attachment){render->colour, 0}, 1, (struct gpu_attachment){NULL, 0}, &objects->over);
+		status = gpu_target_create(gpu, &(struct gpu_attachment){render->drawn != NULL ? render->drawn : render->colour, 0}, 1,
+					   (struct gpu_attachment){NULL, 0}, &objects->over);
 	return status;
 }
 

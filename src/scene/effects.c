@@ -121,7 +121,7 @@ static const struct scene_effect_row rows[EFFECT_COUNT] = {
 		"skirts", "view.effects", "SKIRTS", LIST("terrain.vert"), "base, offset", "depth", 0, NONE,
 		"as deep as the tile's relief at most", "hides cracks between levels"},
 	[EFFECT_ANTIALIAS] = {
-		"antialias", "view.samples", "", NONE, "colour", "colour", 0, LIST("view.samples"),
+		"antialias", "view.samples", "SAMPLES", LIST("shadow.frag"), "colour", "colour", 0, LIST("view.samples"),
 		"edges alone: within a triangle a pixel has one colour; as many samples as the driver has", "smooths the edges of what is drawn"},
 	[EFFECT_IMAGES] = {
 		"images", "view.images", "", NONE, "colour", "", 0, LIST("view.images"),

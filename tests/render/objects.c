@@ -34,6 +34,7 @@ static struct render *render;
 static struct scene_object objects[4];
 static struct terrain_selection selection;
 static int64_t away; /* tiles east and north */
+static int samples = 1; /* a pixel */
 
 #define need_gpu()                                                                                 \
 	do {                                                                                       \
@@ -83,7 +84,7 @@ static void begin(uint64_t effects, double (*height)(double x, double y), const 
 	static int32_t base[POSTS * POSTS];
 	struct render_params params = {
 		.gpu = gpu, .world = &world, .reference = 8192, .low = GROUND - 1, .high = GROUND + 4, .width = WIDTH,
-		.height = HEIGHT, .effects = effects, .objects = objects, .object_count = count,
+		.height = HEIGHT, .effects = effects, .objects = objects, .object_count = count, .samples = samples,
 	};
 	for (size_t i = 0; i < count; i++)
 		objects[i] = (struct scene_object){.name = "it", .shape = shapes[i]};
@@ -475,6 +476,17 @@ static void a_shadow_is_on_the_ground_alone(void **state)
 	test_free(pixels[1]);
 }
 
+static void with_samples_a_shadow_lies_there_too(void **state)
+{
+	need_gpu();
+	if (gpu_info(gpu)->samples_most < 4)
+		skip();
+	samples = 4;
+	a_shadow_lies_beside_its_object_away_from_the_sun(state);
+	a_shadow_is_on_the_ground_alone(state);
+	samples = 1;
+}
+
 /* Wherever the eye is, in the volume too. */
 static void an_eye_within_the_volume_sees_the_shadow(void **state)
 {
@@ -646,6 +658,7 @@ int main(void)
 		cmocka_unit_test(meshes_are_closed_and_turned_outward),
 		cmocka_unit_test(a_shadow_lies_beside_its_object_away_from_the_sun),
 		cmocka_unit_test(a_shadow_is_on_the_ground_alone),
+		cmocka_unit_test(with_samples_a_shadow_lies_there_too),
 		cmocka_unit_test(an_eye_within_the_volume_sees_the_shadow),
 		cmocka_unit_test(ten_thousand_kilometres_away_it_is_the_same),
 		cmocka_unit_test(what_is_small_or_out_of_sight_costs_less),
