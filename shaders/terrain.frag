@@ -23,6 +23,9 @@ in float region;
 in vec2 air;
 #endif
 layout(location = 0) out vec4 colour;
+#ifdef LAYER
+#include "lib/layer.glsl"
+#endif
 
 layout(binding = 0) uniform isampler2D base_map;
 #ifdef OFFSET
@@ -90,6 +93,16 @@ void main()
 #endif
 #endif
 
+#ifdef LAYER
+	layer_values values = layer_values(0.0, 0.0, place.z + relief.w, length(gradient));
+#ifdef OFFSET
+	values.moved = moved;
+#ifdef DIRT
+	values.dirt = wet;
+#endif
+#endif
+	colour = layer_colour(values, gradient);
+#else
 	vec3 normal = normalize(vec3(-gradient, 1.0));
 	float facing = max(dot(normal, sun.xyz), 0.0);
 	vec3 lit = albedo * (sunlight * facing + mix(groundlight, skylight, 0.5 + 0.5 * normal.z) * shade);
@@ -101,4 +114,5 @@ void main()
 	lit = through_haze(lit, air);
 #endif
 	colour = vec4(tone(lit), 1.0);
+#endif
 }

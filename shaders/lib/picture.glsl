@@ -10,6 +10,7 @@ layout(std140, binding = 0) uniform picture {
 	vec4 ground;      // its post in the level-0 tile, level-0 posts a post, level-0 spacing
 	vec4 detail;      // distance at which a stride of 1 has become 2; a skirt's depth a stride and at most; error allowed a metre
 	ivec4 tile;       // cells, first instance, the eye's lattice height / 2, cells along a block
+	vec4 layer;       // what colours tell, as enum render_layer_kind; their range's low end, 1 / its width; 2 x level, + 1 of every other tile
 #ifdef REACHES
 	vec4 reaches[3];  // distances from which on strides of 2^0, 2^1 ... do; none is less than the one before
 #endif

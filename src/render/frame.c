@@ -90,6 +90,9 @@ static void fill_tile(const struct render *render, const struct render_camera *c
 	params->tile[2] = (int32_t)half;
 	params->tile[3] = (int32_t)render_block_cells(&render->world);
 
+	to_floats(params->layer, render->layer.kind, render->layer.low, 1 / (render->layer.high - render->layer.low),
+		  2 * (draw->tile.level - TILE_LEVEL_MIN) + (int)((draw->tile.x + draw->tile.y) & 1));
+
 	struct tile top = draw->tile.level < 0 ? tile_ancestor(draw->tile, 0) : draw->tile;
 	double fine = draw->tile.level < 0 ? ldexp(1, draw->tile.level) : 1;
 	to_floats(params->ground, draw->tile.x * fine * cells - (double)top.x * cells,

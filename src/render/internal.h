@@ -23,6 +23,7 @@ struct picture_params {
 	float ground[4];
 	float detail[4];
 	int32_t tile[4];
+	float layer[4]; /* read by programs with LAYER alone */
 	float reaches[TERRAIN_STRIDES]; /* read by programs with REACHES alone */
 };
 
@@ -128,6 +129,9 @@ struct render {
 	struct render_objects *objects; /* NULL: none is shown */
 	struct render_tiles tiles; /* of the last frame */
 	struct gpu_program *tile_programs[RENDER_VARIANTS]; /* NULL: not yet linked */
+	bool layers;
+	struct render_layer layer;
+	struct gpu_program *layer_programs[RENDER_VARIANTS]; /* the same, in false colours */
 };
 
 #endif

@@ -32,6 +32,19 @@ static struct gpu_program_request request_of(uint64_t effects, bool dirt, bool b
 	return request;
 }
 
+/* In false colours: the same shape, and nothing of what it looks like. */
+static struct gpu_program_request layer_request_of(const struct render *render, unsigned variant)
+{
+	uint64_t shape = render->effects & (EFFECT_BIT(EFFECT_GEOMORPH) | EFFECT_BIT(EFFECT_SKIRTS));
+	struct gpu_program_request request = request_of(shape, render->dirt, render->pixel_error > 0, variant);
+	size_t count = 0;
+	while (request.defines[count] != NULL)
+		count++;
+	assert(count < GPU_DEFINES_MAX);
+	request.defines[count] = "LAYER";
+	return request;
+}
+
 static const struct gpu_program_request sky = {.vertex = "sky.vert", .fragment = "sky.frag"};
 
 static bool has_variant(unsigned variant, bool deformed, bool divided)
@@ -41,12 +54,15 @@ static bool has_variant(unsigned variant, bool deformed, bool divided)
 
 enum status render_tile_program(struct render *render, unsigned variant, struct gpu_program **out)
 {
+	bool natural = render->layer.kind == RENDER_NATURAL;
+	struct gpu_program **program = natural ? &render->tile_programs[variant] : &render->layer_programs[variant];
 	enum status status = STATUS_OK;
-	if (render->tile_programs[variant] == NULL) {
-		struct gpu_program_request request = request_of(render->effects, render->dirt, render->pixel_error > 0, variant);
-		status = gpu_program_get(render->gpu, &request, &render->tile_programs[variant]);
+	if (*program == NULL) {
+		struct gpu_program_request request = natural ? request_of(render->effects, render->dirt, render->pixel_error > 0, variant) :
+							       layer_request_of(render, variant);
+		status = gpu_program_get(render->gpu, &request, program);
 	}
-	*out = render->tile_programs[variant];
+	*out = *program;
 	return status;
 }
 
@@ -55,13 +71,26 @@ enum status render_sky_program(struct render *render, struct gpu_program **out)
 	return gpu_program_get(render->gpu, &sky, out);
 }
 
+static enum status warm_variant(struct render *render, unsigned variant)
+{
+	struct gpu_program *program;
+	enum status status = render_tile_program(render, variant, &program);
+	if (status != STATUS_OK || !render->layers)
+		return status;
+	const struct render_layer shown = render->layer;
+	render->layer.kind = RENDER_TILES; /* any: they share a program */
+	status = render_tile_program(render, variant, &program);
+	render->layer = shown;
+	return status;
+}
+
 enum status render_warm(struct render *render, bool deformed, bool divided)
 {
 	struct gpu_program *program;
 	enum status status = STATUS_OK;
 	for (unsigned variant = 0; variant < RENDER_VARIANTS && status == STATUS_OK; variant++)
 		if (has_variant(variant, deformed, divided))
-			status = render_tile_program(render, variant, &program);
+			status = warm_variant(render, variant);
 	if (status == STATUS_OK && (render->effects >> EFFECT_SKY & 1))
 		status = render_sky_program(render, &program);
 	return status == STATUS_OK ? render_objects_warm(render) : status;

@@ -110,6 +110,8 @@ enum status render_create(const struct render_params *params, struct render **ou
 		.dirt = params->dirt,
 		.pixel_error = params->pixel_error,
 		.samples = params->samples > 1 ? (uint32_t)params->samples : 1,
+		.layers = params->layers,
+		.layer = {RENDER_NATURAL, 0, 1},
 	};
 	enum status status = render_check_samples(render->gpu, params->samples);
 	if (status == STATUS_OK)
@@ -145,6 +147,12 @@ void render_destroy(struct render *render)
 	gpu_buffer_destroy(render->instances);
 	mem_free(render->blocks.blocks);
 	mem_free(render);
+}
+
+void render_show_layer(struct render *render, const struct render_layer *layer)
+{
+	assert(render->layers && layer->low < layer->high);
+	render->layer = *layer;
 }
 
 uint64_t render_triangles(const struct render *render)

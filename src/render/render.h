@@ -34,6 +34,7 @@ struct render_params {
 	int samples;          /* a pixel; 0 as 1: its colour is of its middle */
 	const struct scene_object *objects; /* that there may be, with EFFECT_OBJECTS; they outlive the picture */
 	size_t object_count;
+	bool layers;          /* render_show_layer will be called: the plan knows nothing of it */
 };
 
 /* Where one of them is. */
@@ -42,6 +43,21 @@ struct render_object {
 	double at[3];            /* its centre, absolute metres */
 	double yaw, pitch, roll; /* radians, as deform_pose has them */
 	double turned;           /* radians about its own left, forwards: of a wheel, of a ball that rolls */
+};
+
+/* What the ground's colours tell. */
+enum render_layer_kind {
+	RENDER_NATURAL, /* what it looks like */
+	RENDER_OFFSETS, /* metres above and below the base */
+	RENDER_DIRT,    /* 0 clean to 1; where no dirt is kept: clean */
+	RENDER_HEIGHTS, /* metres */
+	RENDER_SLOPES,  /* degrees */
+	RENDER_TILES,   /* each tile, in the colour of its level */
+	RENDER_LAYERS
+};
+struct render_layer {
+	enum render_layer_kind kind;
+	double low, high; /* what the colours range over, low < high; of natural and tiles no matter */
 };
 
 struct render;
@@ -65,6 +81,8 @@ bool render_shows_objects(const struct render *render);
 void render_set_objects(struct render *render, const struct render_object *objects, size_t count);
 enum status render_frame(struct render *render, const struct render_camera *camera,
 			 const struct terrain_selection *selection) FURROW_CHECKED;
+/* From the next frame on; natural until then. Light and shape stay; haze and texture go. */
+void render_show_layer(struct render *render, const struct render_layer *layer);
 uint64_t render_triangles(const struct render *render); /* of the last frame */
 /* Tiles of the last frame, and those of them whose draw reads an offset. */
 struct render_tiles {

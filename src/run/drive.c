@@ -218,6 +218,8 @@ static enum status warm_up(struct drive *drive)
 		const struct deform_planned planned = drive_planned(&drive->scene->objects[i]);
 		status = deform_warm(drive->deform, &planned, drive->scene->forces > 0);
 	}
+	if (status == STATUS_OK)
+		status = drop_warm(drive);
 	bool deformed = pages_planes_of(drive->scene, drive->was_deformed) != 0;
 	if (status == STATUS_OK)
 		status = gpu_slots_warm(drive->slots, drive->level < 0, deformed && drive->scene->view.present);

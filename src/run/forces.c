@@ -191,7 +191,7 @@ enum status forces_rows(struct forces *forces, double until, bool inclusive)
 
 uint64_t forces_ask(struct forces *forces, size_t object, const struct event *event, bool last_in_step)
 {
-	if (forces == NULL)
+	if (forces == NULL || object >= forces->drive->scene->object_count) /* a host's drop has no rows */
 		return 0;
 	const struct rider *rider = &forces->drive->riders[object];
 	bool asked = last_in_step && rider->object->load > 0;
@@ -207,7 +207,7 @@ uint64_t forces_ask(struct forces *forces, size_t object, const struct event *ev
 
 void forces_absent(struct forces *forces, size_t object, const struct event *event)
 {
-	if (forces == NULL)
+	if (forces == NULL || object >= forces->drive->scene->object_count)
 		return;
 	struct standing *standing = &forces->standing[object];
 	struct deform_pose pose = event->pose;

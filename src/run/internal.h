@@ -26,7 +26,7 @@ struct cJSON;
 struct view;     /* run/view.h */
 struct prefetch; /* run/prefetch.c */
 struct forces;   /* run/forces.c */
-struct cJSON;
+struct host;     /* run/host.c */
 
 /* One object on its way. */
 struct rider {
@@ -84,6 +84,8 @@ struct drive {
 	struct view *view;       /* NULL without one */
 	struct pictures *pictures; /* NULL: none are kept */
 	struct newest *newest;   /* NULL until the first query */
+	struct host *host;       /* NULL but while a host has a say */
+	uint64_t drops;          /* pressed by the host */
 	FILE *epochs;
 	struct rider *riders;
 	struct deform_rest *rests; /* room for all objects */
@@ -124,6 +126,11 @@ struct drive {
 /* Everything stands: commits that the drive began, or goes on where it was. */
 enum status drive_begin(struct drive *drive) FURROW_CHECKED;
 enum status drive_steps(struct drive *drive) FURROW_CHECKED;
+enum status drive_step(struct drive *drive) FURROW_CHECKED; /* the next one */
+/* The ground is whole again after something changed it: it may be committed, with the record as it is. */
+enum status drive_end_step(struct drive *drive) FURROW_CHECKED;
+bool drive_stopped(const struct drive *drive); /* Ctrl-C */
+enum status drive_interrupted(const struct drive *drive) FURROW_CHECKED;
 int64_t drive_step_count(const struct drive *drive);
 void drive_stalls(const struct drive *drive, struct stalls *stalls); /* since the first step */
 double drive_steps_until(const struct scene *scene, double time); /* whole ones */
@@ -133,7 +140,12 @@ double drive_step_time(const struct scene *scene, int64_t step); /* s: when it i
 enum status drive_resume(struct drive *drive) FURROW_CHECKED;
 void drive_tell_unfinished(const struct drive *drive); /* that it could be resumed, and is not */
 
-/* riders.c: makes the riders and the record, both of the scene's objects. */
+/* host.c: the loop of a drive that a host has a say in. */
+enum status host_steps(struct drive *drive, int64_t total) FURROW_CHECKED;
+/* drop.c: links what a host's drops can run, before the first step. */
+enum status drop_warm(struct drive *drive) FURROW_CHECKED;
+
+/* riders.c: makes the riders and the record, both of the scene's objects. One rider more is for what a host drops. */
 enum status drive_mount(struct drive *drive) FURROW_CHECKED;
 void drive_unmount(struct drive *drive); /* of one that was not mounted, too */
 
@@ -254,6 +266,16 @@ struct view_figures {
 	uint64_t drawn, deformed; /* draws of tiles; those that read an offset */
 };
 void view_figures(const struct view *view, struct view_figures *figures);
+/* For a host: */
+struct render_camera;
+struct render_layer;
+void view_look_from(struct view *view, const struct render_camera *camera); /* NULL: the scene's camera */
+void view_show_layer(struct view *view, const struct render_layer *layer);
+enum status view_resize(struct view *view, uint32_t width, uint32_t height) FURROW_CHECKED; /* from the next picture on */
+bool view_lacks(const struct view *view);         /* the last picture was drawn before all its tiles had come */
+uint64_t view_triangles(const struct view *view); /* of the last picture */
+/* Begins to bring the last picture: gpu_texture_read_into, 4 x width x height bytes. */
+void view_read_into(struct view *view, struct gpu_staging *staging);
 
 /* where.c: where effects were, of where they might have been, into `root`; of the drive's passes alone. */
 void where_report(struct cJSON *root, const struct drive *drive, const struct gpu_stats *gpu);

@@ -31,7 +31,7 @@ static enum status local_points(const struct drive *drive, const struct scene_pa
 enum status drive_mount(struct drive *drive)
 {
 	const struct scene *scene = drive->scene;
-	drive->riders = mem_calloc(scene->object_count, sizeof *drive->riders);
+	drive->riders = mem_calloc(scene->object_count + 1, sizeof *drive->riders);
 	drive->rests = mem_calloc(scene->object_count, sizeof *drive->rests);
 	drive->record = mem_calloc(1, record_bytes(scene->object_count));
 	if (drive->riders == NULL || drive->rests == NULL || drive->record == NULL)

@@ -9,6 +9,7 @@
 
 #include "base/base.h"
 #include "base/plan.h"
+#include "run/host.h"
 #include "scene/scene.h"
 #include "terrain/terrain.h"
 
@@ -24,6 +25,8 @@ struct run_params {
 	bool progress;         /* a line on stderr */
 	bool map;              /* map.png too, of the whole drive, when all else is over: run.json tells nothing of it */
 	bool everywhere;       /* sweeps are computed where they change nothing, too: for tests that compare */
+	const struct run_host *host; /* run/host.h: who watches, and says when to step. A scene with a view alone, whose images are
+				      * not written. NULL: nobody */
 	const volatile sig_atomic_t *stop; /* becomes non-zero: end cleanly, STATUS_INTERRUPTED. May be NULL */
 };
 

@@ -88,7 +88,7 @@ static enum status deform_step(struct drive *drive, double until)
 static bool is_image_step(const struct drive *drive)
 {
 	int64_t every = drive->scene->view.images;
-	return every > 0 && drive->step % every == 0;
+	return every > 0 && drive->step % every == 0 && drive->params->host == NULL;
 }
 
 enum status drive_begin(struct drive *drive)
@@ -105,7 +105,19 @@ enum status drive_begin(struct drive *drive)
 	return image ? view_frame(drive->view, drive, true) : STATUS_OK;
 }
 
-static enum status one_step(struct drive *drive)
+enum status drive_end_step(struct drive *drive)
+{
+	enum status status = drive->pyramid != NULL ? pyramid_flush(drive->pyramid, drive->cache) : STATUS_OK;
+	if (status == STATUS_OK)
+		status = fill_record(drive);
+	/* Until the record is of this step too there is nothing to commit. */
+	if (status != STATUS_OK)
+		return status;
+	drive->torn = false;
+	return page_cache_end_step(drive->cache, drive->record);
+}
+
+enum status drive_step(struct drive *drive)
 {
 	double until = drive_step_time(drive->scene, drive->step + 1);
 	/* Before anything changes: a scene that leaves the ground stops at a step's end. */
@@ -118,20 +130,13 @@ static enum status one_step(struct drive *drive)
 		return status;
 	drive->torn = true;
 	status = deform_step(drive, until);
-	if (status == STATUS_OK && drive->pyramid != NULL)
-		status = pyramid_flush(drive->pyramid, drive->cache);
 	if (status != STATUS_OK)
 		return status;
 	drive->step++;
 	drive->time = until;
 	if (drive->scout != NULL)
 		scout_tell(drive->scout, until);
-	/* Until the record is of this step too there is nothing to commit. */
-	status = fill_record(drive);
-	if (status != STATUS_OK)
-		return status;
-	drive->torn = false;
-	return page_cache_end_step(drive->cache, drive->record);
+	return drive_end_step(drive);
 }
 
 void drive_stalls(const struct drive *drive, struct stalls *stalls)
@@ -161,22 +166,30 @@ static void show_progress(const struct drive *drive, int64_t total, double *show
 	fflush(stderr);
 }
 
-enum status drive_steps(struct drive *drive)
+bool drive_stopped(const struct drive *drive)
 {
-	int64_t total = drive_step_count(drive);
+	return drive->params->stop != NULL && *drive->params->stop;
+}
+
+enum status drive_interrupted(const struct drive *drive)
+{
+	return fail_with(STATUS_INTERRUPTED, "drive: interrupted after step %lld; all of it is in the store",
+			 (long long)drive->step);
+}
+
+/* One after the other, each with its picture. */
+static enum status all_steps(struct drive *drive, int64_t total)
+{
 	bool terminal = drive->params->progress && isatty(STDERR_FILENO) != 0;
 	double shown = 0;
 	enum status status = STATUS_OK;
-	drive_stalls(drive, &drive->stalls_before);
-	drive->began = clock_seconds();
 	while (drive->step < total && status == STATUS_OK) {
-		if (drive->params->stop != NULL && *drive->params->stop) {
-			status = fail_with(STATUS_INTERRUPTED, "drive: interrupted after step %lld; all of it is in the store",
-					   (long long)drive->step);
+		if (drive_stopped(drive)) {
+			status = drive_interrupted(drive);
 			break;
 		}
 		double started = clock_seconds();
-		status = one_step(drive);
+		status = drive_step(drive);
 		double stepped = clock_seconds(), framed = stepped;
 		if (status == STATUS_OK && drive->view != NULL) {
 			status = view_frame(drive->view, drive, is_image_step(drive));
@@ -197,9 +210,18 @@ enum status drive_steps(struct drive *drive)
 	}
 	if (terminal)
 		fputs("\r\033[K", stderr);
+	return status;
+}
+
+enum status drive_steps(struct drive *drive)
+{
+	int64_t total = drive_step_count(drive);
+	drive_stalls(drive, &drive->stalls_before);
+	drive->began = clock_seconds();
+	enum status status = drive->params->host != NULL ? host_steps(drive, total) : all_steps(drive, total);
 	struct failure failure;
 	failure_capture(&failure, status);
-	drive->record->ended = status == STATUS_OK;
+	drive->record->ended = status == STATUS_OK && drive->step >= total;
 	/* A step that failed half-way is no state to commit: the last epoch stands. */
 	enum status flushed = drive->torn ? STATUS_OK : page_cache_flush(drive->cache, drive->record);
 	drive->seconds = clock_seconds() - drive->began;

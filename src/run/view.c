@@ -93,7 +93,7 @@ enum status view_warm(struct view *view)
 	bool deformed = pages_planes_of(drive->scene, drive->was_deformed) != 0;
 	enum status status = render_warm(view->render, deformed, drive->level < 0);
 	if (status == STATUS_OK)
-		status = draw(view, true);
+		status = draw(view, drive->params->host == NULL); /* who watches sees it come */
 	for (int i = 0; i < VIEW_LOOKS && status == STATUS_OK; i++)
 		status = view_look_ahead(view);
 	return status;
@@ -113,6 +113,7 @@ enum status view_frame(struct view *view, struct drive *drive, bool image)
 	view->tiles.objects += tiles.objects;
 	view->tiles.shadowed += tiles.shadowed;
 	view->triangles += (double)render_triangles(view->render);
+	view->lacks = view->selection->wanted_count > 0;
 	view->starved += view->coarse || view->selection->wanted_count > 0;
 	view->coarsened += view->coarse;
 	drive->frames++;
@@ -123,6 +124,29 @@ enum status view_frame(struct view *view, struct drive *drive, bool image)
 }
 
 /* --- life --- */
+
+static enum status make_render(const struct drive *drive, uint32_t width, uint32_t height, struct render **out)
+{
+	const struct scene *scene = drive->scene;
+	struct render_params params = {
+		.gpu = drive->gpu,
+		.slots = drive->slots,
+		.world = &drive->meta->world,
+		.reference = ground_reference(drive->store),
+		.low = isnan(drive->meta->low) ? 0 : drive->meta->low,
+		.high = isnan(drive->meta->high) ? 0 : drive->meta->high,
+		.width = (int)width,
+		.height = (int)height,
+		.effects = scene->view.effects,
+		.dirt = scene->dirt,
+		.pixel_error = scene->view.pixel_error,
+		.samples = scene->view.samples,
+		.objects = scene->objects,
+		.object_count = scene->object_count,
+		.layers = drive->params->host != NULL,
+	};
+	return render_create(&params, out);
+}
 
 static enum status deformed_key(void *user, uint64_t key)
 {
@@ -169,29 +193,13 @@ enum status view_create(struct drive *drive, struct view **out)
 	view->now = mem_calloc(1, sizeof *view->now);
 	view->ahead = mem_calloc(VIEW_LOOKS, sizeof *view->ahead);
 	view_find_room(view);
-	struct render_params params = {
-		.gpu = drive->gpu,
-		.slots = drive->slots,
-		.world = &drive->meta->world,
-		.reference = ground_reference(drive->store),
-		.low = isnan(drive->meta->low) ? 0 : drive->meta->low,
-		.high = isnan(drive->meta->high) ? 0 : drive->meta->high,
-		.width = scene->view.width,
-		.height = scene->view.height,
-		.effects = scene->view.effects,
-		.dirt = scene->dirt,
-		.pixel_error = scene->view.pixel_error,
-		.samples = scene->view.samples,
-		.objects = scene->objects,
-		.object_count = scene->object_count,
-	};
 	enum status status = STATUS_OK;
 	if (view->selection == NULL || view->now == NULL || view->ahead == NULL)
 		status = fail_memory("the view");
 	if (status == STATUS_OK)
 		status = find_reach(drive, &view->reach);
 	if (status == STATUS_OK)
-		status = render_create(&params, &view->render);
+		status = make_render(drive, (uint32_t)scene->view.width, (uint32_t)scene->view.height, &view->render);
 	if (status == STATUS_OK && scene->view.pixel_error > 0)
 		status = view_errors_create(drive, &view->errors);
 	if (status == STATUS_OK && drive->was_deformed)
@@ -230,4 +238,50 @@ void view_figures(const struct view *view, struct view_figures *figures)
 		.drawn = view->tiles.drawn,
 		.deformed = view->tiles.deformed,
 	};
+}
+
+/* --- a host's --- */
+
+void view_look_from(struct view *view, const struct render_camera *camera)
+{
+	view->free = camera != NULL;
+	if (camera == NULL)
+		return;
+	view->camera = *camera;
+	/* What the scene's camera will see nobody will. */
+	for (int i = 0; i < VIEW_LOOKS; i++)
+		view->ahead[i].count = 0;
+}
+
+void view_show_layer(struct view *view, const struct render_layer *layer)
+{
+	render_show_layer(view->render, layer);
+}
+
+enum status view_resize(struct view *view, uint32_t width, uint32_t height)
+{
+	const struct drive *drive = view->drive;
+	bool deformed = pages_planes_of(drive->scene, drive->was_deformed) != 0;
+	struct render *render;
+	enum status status = make_render(drive, width, height, &render);
+	if (status != STATUS_OK)
+		return status;
+	render_destroy(view->render);
+	view->render = render;
+	return render_warm(render, deformed, drive->level < 0);
+}
+
+bool view_lacks(const struct view *view)
+{
+	return view->lacks;
+}
+
+uint64_t view_triangles(const struct view *view)
+{
+	return render_triangles(view->render);
+}
+
+void view_read_into(struct view *view, struct gpu_staging *staging)
+{
+	render_read_into(view->render, staging);
 }

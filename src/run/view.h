@@ -31,6 +31,9 @@ struct view {
 	size_t room;              /* slots this picture and those ahead may need together */
 	bool coarse;              /* the last selection was cut to the budget */
 	bool told;
+	bool free;                /* a host has the camera: */
+	struct render_camera camera;
+	bool lacks;               /* the last picture wanted tiles that had not come */
 	struct terrain_selection *selection;
 	struct view_look *now;    /* the last picture */
 	struct view_look *ahead;  /* VIEW_LOOKS of them, each replaced in turn */

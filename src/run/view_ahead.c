@@ -40,7 +40,7 @@ static enum status expect_tracks(struct view *view, double time)
 enum status view_look_ahead(struct view *view)
 {
 	const struct scene *scene = view->drive->scene;
-	if (scene->prefetch <= 0 || scene->view.camera == SCENE_FIXED)
+	if (scene->prefetch <= 0 || scene->view.camera == SCENE_FIXED || view->free)
 		return STATUS_OK;
 	unsigned turn = view->turn++ % VIEW_LOOKS;
 	struct view_look *look = &view->ahead[turn];

@@ -46,6 +46,10 @@ void view_place_camera(const struct view *view, double time, struct render_camer
 	const struct drive *drive = view->drive;
 	const struct scene_view *wish = &drive->scene->view;
 	double places[2][2];
+	if (view->free) {
+		*camera = view->camera;
+		return;
+	}
 	camera->fov = 0.9;
 	if (view_places(drive, time, places) == 0) {
 		memcpy(camera->eye, wish->eye, sizeof camera->eye);

@@ -1,0 +1,91 @@
+/*
+ * What a host drops: an object that is no part of the scene is set down, pressed once and taken away, by the same sweep as any
+ * station (sweep.c), between two steps. It is committed like a step.
+ *
+ * It is no larger than the scene's first object, so that the budget holds for it too.
+ */
+#include <math.h>
+
+#include "run/internal.h"
+
+/* A ball one can see the print of. */
+#define BALL_RADIUS 0.5 /* m, or */
+#define BALL_POSTS 4    /* of the working level, whichever is more */
+#define SINK_SHARE 0.3  /* of what reaches below its middle, where the scene's object says no depth */
+
+static struct scene_object dropped(const struct drive *drive, enum run_drop_shape shape)
+{
+	struct scene_object object = drive->scene->objects[0];
+	double bound = deform_shape_bound(&object.shape);
+	if (shape == RUN_DROP_BALL)
+		object.shape = (struct deform_shape){
+			.kind = DEFORM_SPHERE,
+			.radius = fmin(fmax(BALL_RADIUS, BALL_POSTS * drive->spacing), bound),
+		};
+	double reach = deform_shape_reach(&object.shape, 0, 0);
+	if (!(object.sink > 0) || object.sink > reach)
+		object.sink = SINK_SHARE * reach;
+	return object;
+}
+
+enum status drop_warm(struct drive *drive)
+{
+	if (drive->params->host == NULL || drive->scene->object_count == 0)
+		return STATUS_OK;
+	const struct scene_object object = dropped(drive, RUN_DROP_BALL);
+	const struct deform_planned planned = {&object.shape, object.load, false};
+	return deform_warm(drive->deform, &planned, drive->scene->forces > 0);
+}
+
+/* The ground it is set upon: as it is now, ruts and all. */
+static enum status surface(struct drive *drive, double x, double y, int64_t *height, bool *any)
+{
+	const struct terrain_point point = {x, y};
+	struct terrain_height found = {.bilinear = NAN};
+	enum status status = run_heights(drive, &point, 1, &found);
+	*any = status == STATUS_OK && !isnan(found.bilinear);
+	if (*any)
+		*height = lattice_offset(found.bilinear);
+	return status;
+}
+
+/* Between steps the drive is whole; until this is over it is not. */
+static enum status press(struct drive *drive, const struct event *event)
+{
+	struct rider *rider = &drive->riders[event->rider];
+	drive->torn = true;
+	enum status status = drive_sweep(drive, event, true);
+	if (status == STATUS_OK)
+		status = drive_let_go(drive, rider);
+	return status == STATUS_OK ? drive_end_step(drive) : status;
+}
+
+enum status run_drop(struct drive *drive, enum run_drop_shape shape, double x, double y, double yaw, bool *pressed)
+{
+	size_t spare = drive->scene->object_count;
+	*pressed = false;
+	if (spare == 0)
+		return STATUS_OK;
+	const struct scene_object object = dropped(drive, shape);
+	struct rider *rider = &drive->riders[spare];
+	struct event event = {
+		.rider = spare,
+		.time = drive->time,
+		.contact = true,
+		.next_time = INFINITY,
+		.pose = {.x = lattice_offset(x), .y = lattice_offset(y), .yaw = yaw},
+	};
+	int64_t height = 0;
+	enum status status = surface(drive, x, y, &height, pressed);
+	if (status != STATUS_OK || !*pressed)
+		return status;
+	*rider = (struct rider){.object = &object};
+	double reach = deform_shape_reach(&object.shape, 0, 0);
+	double sink = object.load > 0 ? deform_sinkage_guess(&object.shape, &drive->scene->soils[0], object.load) : object.sink;
+	event.pose.z = height + lattice_offset(reach - sink);
+	event.sinkage = sink;
+	status = press(drive, &event);
+	*rider = (struct rider){.object = NULL};
+	drive->drops++;
+	return status;
+}

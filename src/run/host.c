@@ -1,0 +1,334 @@
+/*
+ * The loop of a drive that a host has a say in. A turn: the host; the steps that are due; what is loading; a picture.
+ *
+ *     nothing drawn -> (something changed) -> drawn -> (read back) -> shown -> nothing drawn
+ *
+ * A picture is drawn only when the one before was shown, is read back without waiting where there is a GPU to read from,
+ * and is shown in a later turn than it was drawn in: so the host is called again and again, whatever the GPU is at. Steps are
+ * paced by the clock: those that are due, but no more of them in a turn than fit a moment.
+ */
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+#include <time.h>
+
+#include "run/view.h"
+
+#define SLICE 0.03            /* s: after which no further step is begun in a turn */
+#define PICTURES (1.0 / 60)   /* s: no picture is begun sooner after the one before */
+#define NAP 2000000           /* ns, in a turn in which there was nothing to do */
+#define PICTURE_MOST 8192u    /* pixels a side */
+#define OFFSETS_LEAST 0.05    /* m: that colours of offsets range over, either way */
+#define SLOPES_MOST 45.0      /* degrees */
+
+struct host {
+	struct drive *drive;
+	const struct run_host *calls;
+	struct run_wish wish, shown; /* now; of the last picture */
+	struct gpu_staging *staging;
+	uint32_t width, height;      /* of the picture, and of staging */
+	bool software;
+	bool drawn;                  /* and not shown yet */
+	bool read;                   /* drawn, and its read-back begun */
+	bool stale;                  /* something changed that the last picture does not show */
+	double turned, credit;       /* s: the last turn; simulated time that is due */
+	double began;                /* s: when the last picture was */
+	double second;               /* s: since when these are counted: */
+	unsigned pictures;
+	double fps, frame_ms, step_ms;
+};
+
+/* --- the picture --- */
+
+/* One of 1, 2, 5 times a power of ten, not less than it. */
+static double round_up(double value)
+{
+	double ten = pow(10, floor(log10(value)));
+	for (int i = 0; i < 3; i++) {
+		double one = ten * (i == 0 ? 1 : i == 1 ? 2 : 5);
+		if (value <= one * (1 + 1e-9))
+			return one;
+	}
+	return 10 * ten;
+}
+
+/* By what the objects are let sink: the ruts to be told apart. */
+static double deepest(const struct scene *scene)
+{
+	double deep = OFFSETS_LEAST;
+	for (size_t i = 0; i < scene->object_count; i++) {
+		const struct scene_object *object = &scene->objects[i];
+		deep = fmax(deep, object->load > 0 ? deform_sinkage_guess(&object->shape, &scene->soils[0], object->load) : object->sink);
+	}
+	return round_up(deep);
+}
+
+static struct render_layer layer_of(const struct drive *drive, enum render_layer_kind kind)
+{
+	const struct store_meta *meta = drive->meta;
+	struct render_layer layer = {kind, 0, 1};
+	if (kind == RENDER_OFFSETS) {
+		layer.high = deepest(drive->scene);
+		layer.low = -layer.high;
+	} else if (kind == RENDER_HEIGHTS && meta->high > meta->low) {
+		layer.low = meta->low;
+		layer.high = meta->high;
+	} else if (kind == RENDER_SLOPES) {
+		layer.high = SLOPES_MOST;
+	}
+	return layer;
+}
+
+static enum status make_staging(struct host *host, uint32_t width, uint32_t height)
+{
+	gpu_staging_destroy(host->staging);
+	host->staging = NULL;
+	host->width = width;
+	host->height = height;
+	return gpu_staging_create(host->drive->gpu, (size_t)4 * width * height, &host->staging);
+}
+
+/* What was drawn at the old size is never shown. */
+static enum status resize(struct host *host)
+{
+	const struct run_wish *wish = &host->wish;
+	if (wish->width == host->width && wish->height == host->height)
+		return STATUS_OK;
+	assert(wish->width > 0 && wish->height > 0 && wish->width <= PICTURE_MOST && wish->height <= PICTURE_MOST);
+	host->drawn = host->read = false;
+	host->stale = true;
+	enum status status = view_resize(host->drive->view, wish->width, wish->height);
+	return status == STATUS_OK ? make_staging(host, wish->width, wish->height) : status;
+}
+
+static bool same_camera(const struct run_wish *a, const struct run_wish *b)
+{
+	return a->free == b->free && (!a->free || memcmp(&a->camera, &b->camera, sizeof a->camera) == 0);
+}
+
+static void count_picture(struct host *host, double now)
+{
+	host->pictures++;
+	if (now - host->second < 1)
+		return;
+	host->fps = host->pictures / (now - host->second);
+	host->second = now;
+	host->pictures = 0;
+}
+
+static enum status show(struct host *host)
+{
+	struct drive *drive = host->drive;
+	/* A software driver has nothing to wait for but its own drawing, which goes on beside the turn until here. */
+	if (!host->read)
+		view_read_into(drive->view, host->staging);
+	host->read = true;
+	if (!gpu_staging_idle(host->staging))
+		return STATUS_OK;
+	enum status status = gpu_check(drive->gpu, "reading the picture back");
+	if (status != STATUS_OK)
+		return status;
+	host->drawn = host->read = false;
+	double now = clock_seconds();
+	host->frame_ms = (now - host->began) * 1e3;
+	times_add(&drive->frame_ms, host->frame_ms);
+	count_picture(host, now);
+	return host->calls->picture(host->calls->user, drive, gpu_staging_bytes(host->staging), host->width, host->height);
+}
+
+static enum status draw(struct host *host)
+{
+	struct drive *drive = host->drive;
+	struct run_wish *wish = &host->wish;
+	bool changed = host->stale || !same_camera(wish, &host->shown) || wish->layer != host->shown.layer;
+	if (!changed || clock_seconds() - host->began < PICTURES)
+		return STATUS_OK;
+	if (host->pictures == 0) /* after a rest: it says nothing of how fast pictures are */
+		host->second = clock_seconds();
+	host->began = clock_seconds();
+	struct render_layer layer = layer_of(drive, wish->layer);
+	view_show_layer(drive->view, &layer);
+	enum status status = view_frame(drive->view, drive, false);
+	host->shown = *wish;
+	host->stale = view_lacks(drive->view);
+	host->drawn = true;
+	if (status == STATUS_OK && !host->software) {
+		view_read_into(drive->view, host->staging);
+		host->read = true;
+	}
+	return status;
+}
+
+/* --- steps --- */
+
+static enum status one_step(struct host *host)
+{
+	struct drive *drive = host->drive;
+	double began = clock_seconds();
+	enum status status = drive_step(drive);
+	if (status == STATUS_OK)
+		status = page_trace_status(drive->trace);
+	host->step_ms = (clock_seconds() - began) * 1e3;
+	if (status == STATUS_OK)
+		times_add(&drive->step_ms, host->step_ms);
+	host->stale = true;
+	return status;
+}
+
+/* The clock ran on: simulated time that is due now; not what a slow machine has no hope to catch up with. */
+static void earn(struct host *host)
+{
+	double now = clock_seconds(), step = host->drive->scene->time_step, pace = host->wish.pace;
+	double most = step + (isinf(pace) ? 0 : SLICE * pace);
+	host->credit = host->wish.go != RUN_ON ? 0 : isinf(pace) ? INFINITY : fmin(host->credit + (now - host->turned) * pace, most);
+	host->turned = now;
+}
+
+/* *any: there was something to do. */
+static enum status steps(struct host *host, int64_t total, bool *any)
+{
+	struct drive *drive = host->drive;
+	double began = clock_seconds(), step = drive->scene->time_step;
+	int64_t first = drive->step;
+	enum status status = STATUS_OK;
+	earn(host);
+	if (host->wish.go == RUN_ONE)
+		host->credit = step;
+	while (status == STATUS_OK && drive->step < total && host->credit >= step && !drive_stopped(drive) &&
+	       clock_seconds() - began < SLICE) {
+		status = one_step(host);
+		host->credit -= isinf(host->credit) ? 0 : step;
+	}
+	*any = drive->step > first;
+	if (*any || status != STATUS_OK)
+		return status;
+	/* What a step does beside stepping: loads go on, slots come free again, an epoch comes of age. */
+	status = page_cache_poll(drive->cache);
+	if (status == STATUS_OK)
+		status = prefetch_step(drive->prefetch);
+	return status == STATUS_OK ? page_cache_end_step(drive->cache, drive->record) : status;
+}
+
+static enum status turn(struct host *host, int64_t total)
+{
+	struct drive *drive = host->drive;
+	bool stepped = false, busy = host->drawn;
+	uint64_t drops = drive->drops;
+	enum status status = host->calls->turn(host->calls->user, drive, &host->wish);
+	host->stale = host->stale || drive->drops != drops;
+	if (status == STATUS_OK)
+		status = resize(host);
+	view_look_from(drive->view, host->wish.free ? &host->wish.camera : NULL);
+	if (status == STATUS_OK && host->wish.go != RUN_STOP)
+		status = steps(host, total, &stepped);
+	if (status == STATUS_OK && host->drawn)
+		status = show(host);
+	if (status == STATUS_OK && !host->drawn)
+		status = draw(host);
+	const struct timespec nap = {0, NAP};
+	if (status == STATUS_OK && !busy && !stepped && !host->drawn)
+		nanosleep(&nap, NULL);
+	return status;
+}
+
+enum status host_steps(struct drive *drive, int64_t total)
+{
+	const struct scene_view *view = &drive->scene->view;
+	struct host host = {
+		.drive = drive,
+		.calls = drive->params->host,
+		.wish = {.go = RUN_ON, .pace = 1, .width = (uint32_t)view->width, .height = (uint32_t)view->height},
+		.software = gpu_info(drive->gpu)->software,
+		.stale = true,
+		.turned = drive->began,
+		.second = drive->began,
+	};
+	drive->host = &host;
+	enum status status = make_staging(&host, (uint32_t)view->width, (uint32_t)view->height);
+	while (status == STATUS_OK && host.wish.go != RUN_STOP)
+		status = drive_stopped(drive) ? drive_interrupted(drive) : turn(&host, total);
+	gpu_staging_destroy(host.staging);
+	drive->host = NULL;
+	return status;
+}
+
+/* --- what a host asks --- */
+
+struct pages_seen {
+	uint32_t used;
+	size_t dirty, queued;
+};
+
+static void see_resident(void *user, uint64_t key, uint32_t slot, bool dirty)
+{
+	struct pages_seen *seen = user;
+	seen->used++;
+	seen->dirty += dirty;
+}
+
+static void see_queued(void *user, const struct page_image *image)
+{
+	struct pages_seen *seen = user;
+	seen->queued++;
+}
+
+void run_figures(struct drive *drive, struct run_figures *figures)
+{
+	const struct host *host = drive->host;
+	struct pages_seen seen = {0, 0, 0};
+	struct page_stats stats;
+	page_cache_each_resident(drive->cache, see_resident, &seen);
+	page_cache_each_queued(drive->cache, see_queued, &seen);
+	page_cache_stats(drive->cache, &stats);
+	*figures = (struct run_figures){
+		.fps = host->fps,
+		.frame_ms = host->frame_ms,
+		.step_ms = host->step_ms,
+		.slots = drive->scene->slots,
+		.slots_used = seen.used,
+		.hits = stats.hits,
+		.misses = stats.misses,
+		.dirty = seen.dirty,
+		.queued = seen.queued,
+		.triangles = view_triangles(drive->view),
+		.step = drive->step,
+		.steps = drive_step_count(drive),
+		.time = drive->time,
+		.end = drive->scene->end_time,
+		.over = drive->step >= drive_step_count(drive),
+		.layer = layer_of(drive, host->shown.layer),
+	};
+}
+
+const struct scene *run_scene(const struct drive *drive)
+{
+	return drive->scene;
+}
+
+const struct store_meta *run_store(const struct drive *drive)
+{
+	return drive->meta;
+}
+
+void run_scene_camera(const struct drive *drive, struct render_camera *camera)
+{
+	bool free = drive->view->free;
+	drive->view->free = false;
+	view_place_camera(drive->view, drive->time, camera);
+	drive->view->free = free;
+}
+
+void run_place(const struct drive *drive, size_t object, double place[3], double *yaw)
+{
+	struct track_point point;
+	int64_t height;
+	bool any;
+	assert(object < drive->scene->object_count);
+	track_at(drive->riders[object].track, drive->time, &point);
+	place[0] = point.x;
+	place[1] = point.y;
+	place[2] = drive->scene->objects[object].path.has_z ? point.z : drive->meta->low;
+	if (ground_height(drive->ground, point.qx, point.qy, &height, &any) == STATUS_OK && any)
+		place[2] = fmax(lattice_offset_metres(height), drive->scene->objects[object].path.has_z ? point.z : -INFINITY);
+	*yaw = point.yaw;
+}
