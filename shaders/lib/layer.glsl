@@ -1,16 +1,16 @@
 // False colours of the ground: one value at a pixel through a ramp, with enough of the light that shape reads.
-// The ramps are those of tools/view_legend.c, sRGB.
+// src/render/layer.c and ramp.c have the same ramps on the CPU; sRGB.
 #define LAYER_OFFSETS 1
 #define LAYER_DIRT 2
 #define LAYER_HEIGHTS 3
 #define LAYER_SLOPES 4
 #define LAYER_TILES 5
 
-// Blue below, white, red above; and dark to light.
-const vec3 apart[5] = vec3[5](vec3(0.02, 0.19, 0.38), vec3(0.26, 0.58, 0.77), vec3(0.97, 0.97, 0.97),
-			      vec3(0.84, 0.38, 0.30), vec3(0.40, 0.00, 0.12));
-const vec3 rising[5] = vec3[5](vec3(0.27, 0.00, 0.33), vec3(0.23, 0.32, 0.55), vec3(0.13, 0.57, 0.55),
-			       vec3(0.37, 0.79, 0.38), vec3(0.99, 0.91, 0.14));
+// From nothing down and up, over paper; and from low to high.
+const vec3 lowered[4] = vec3[4](vec3(150, 205, 255), vec3(55, 130, 235), vec3(75, 50, 195), vec3(62, 0, 105));
+const vec3 raised[4] = vec3[4](vec3(255, 226, 140), vec3(253, 160, 50), vec3(222, 70, 25), vec3(125, 0, 32));
+const vec3 paper = vec3(232, 230, 224);
+const vec3 rising[5] = vec3[5](vec3(69, 0, 84), vec3(59, 82, 140), vec3(33, 145, 140), vec3(94, 201, 97), vec3(252, 232, 36));
 const vec3 levels[6] = vec3[6](vec3(0.90, 0.60, 0.00), vec3(0.34, 0.71, 0.91), vec3(0.00, 0.62, 0.45),
 			       vec3(0.94, 0.89, 0.26), vec3(0.00, 0.45, 0.70), vec3(0.80, 0.47, 0.65));
 
@@ -23,11 +23,20 @@ vec3 layer_linear(vec3 coded)
 	return mix(coded / 12.92, pow((coded + 0.055) / 1.055, vec3(2.4)), step(0.04045, coded));
 }
 
-vec3 layer_ramp(vec3 colours[5], float at)
+vec3 layer_rising(float at)
 {
 	float place = clamp(at, 0.0, 1.0) * 4.0;
 	int below = min(int(place), 3);
-	return layer_linear(mix(colours[below], colours[below + 1], place - float(below)));
+	return layer_linear(mix(rising[below], rising[below + 1], place - float(below)) / 255.0);
+}
+
+vec3 layer_apart(float at)
+{
+	float signed_size = clamp(2.0 * at - 1.0, -1.0, 1.0), size = abs(signed_size), place = size * 3.0;
+	int below = min(int(place), 2);
+	vec3 colour = signed_size < 0.0 ? mix(lowered[below], lowered[below + 1], place - float(below)) :
+					  mix(raised[below], raised[below + 1], place - float(below));
+	return layer_linear(mix(paper, colour, min(1.6 * sqrt(size), 0.94)) / 255.0);
 }
 
 // Each level has a colour; neighbours differ in how light they are, and a line is between them.
@@ -49,11 +58,8 @@ vec4 layer_colour(layer_values values, vec2 gradient)
 		float value = kind == LAYER_OFFSETS ? values.moved : kind == LAYER_DIRT ? values.dirt :
 			      kind == LAYER_HEIGHTS ? values.height : degrees(atan(values.steep));
 		float at = (value - layer.y) * layer.z;
-		if (kind == LAYER_OFFSETS)
-			flat_colour = layer_ramp(apart, at);
-		else
-			flat_colour = layer_ramp(rising, at);
+		flat_colour = kind == LAYER_OFFSETS ? layer_apart(at) : layer_rising(at);
 	}
 	float facing = max(dot(normalize(vec3(-gradient, 1.0)), sun.xyz), 0.0);
-	return vec4(flat_colour * (0.45 + 0.55 * min(facing / sun.z, 1.4)), 1.0);
+	return vec4(flat_colour * (0.35 + 0.65 * facing), 1.0);
 }

@@ -105,6 +105,10 @@ struct render_colour {
 	uint8_t r, g, b, a; /* sRGB; a: 255 is opaque */
 };
 
+/* What a value is coloured by a layer, of natural and tiles nothing: `t` from 0, its low end, to 1. In a picture light and
+ * shade come on top. */
+struct render_colour render_layer_colour(enum render_layer_kind kind, double t);
+
 /* RGBA8 pixels, rows from the lowest up, as GL reads pictures back. May be made of any such pixels; those of
  * render_canvas_create are freed by render_canvas_finish (of one that is all zero, too). Places are in pixels from the
  * lower left corner, of corners between pixels; what lies beyond is not drawn. */

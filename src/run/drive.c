@@ -408,7 +408,8 @@ enum status run_drive(const struct run_params *params, struct run_result *result
 		if (status == STATUS_OK)
 			status = draw_map(&drive, true, result, report(&drive, true, result));
 	} else if (status == STATUS_OK) {
-		drive_advise(&drive, tell_advice, NULL);
+		if (params->host == NULL) /* what is of no use to a drive may be of use to who watches */
+			drive_advise(&drive, tell_advice, NULL);
 		status = start(&drive);
 		if (status == STATUS_OK)
 			status = run_steps(&drive, result);

@@ -14,8 +14,10 @@
 
 #include "run/view.h"
 
-#define SLICE 0.03            /* s: after which no further step is begun in a turn */
+#define SLICE 0.03            /* s: after which no further step is begun in a turn; without a pace, as long as a picture */
+#define BEHIND 0.25           /* s: what the clock is ahead by is caught up with, and what is more is let go */
 #define PICTURES (1.0 / 60)   /* s: no picture is begun sooner after the one before */
+#define REST 1.0              /* s: without a picture: nothing changes */
 #define NAP 2000000           /* ns, in a turn in which there was nothing to do */
 #define PICTURE_MOST 8192u    /* pixels a side */
 #define OFFSETS_LEAST 0.05    /* m: that colours of offsets range over, either way */
@@ -33,9 +35,9 @@ struct host {
 	bool stale;                  /* something changed that the last picture does not show */
 	double turned, credit;       /* s: the last turn; simulated time that is due */
 	double began;                /* s: when the last picture was */
-	double second;               /* s: since when these are counted: */
-	unsigned pictures;
-	double fps, frame_ms, step_ms;
+	double came;                 /* s: when the last picture was shown */
+	double apart;                /* s: between pictures, about the last second's mean */
+	double frame_ms, step_ms;
 };
 
 /* --- the picture --- */
@@ -106,14 +108,13 @@ static bool same_camera(const struct run_wish *a, const struct run_wish *b)
 	return a->free == b->free && (!a->free || memcmp(&a->camera, &b->camera, sizeof a->camera) == 0);
 }
 
+/* Pictures that follow each other at once: a rest says nothing of how fast they are. */
 static void count_picture(struct host *host, double now)
 {
-	host->pictures++;
-	if (now - host->second < 1)
-		return;
-	host->fps = host->pictures / (now - host->second);
-	host->second = now;
-	host->pictures = 0;
+	double apart = now - host->came;
+	if (apart < REST)
+		host->apart += (apart - host->apart) * fmin(apart, 1);
+	host->came = now;
 }
 
 static enum status show(struct host *host)
@@ -140,16 +141,15 @@ static enum status draw(struct host *host)
 {
 	struct drive *drive = host->drive;
 	struct run_wish *wish = &host->wish;
-	bool changed = host->stale || !same_camera(wish, &host->shown) || wish->layer != host->shown.layer;
+	bool changed = host->stale || wish->again || !same_camera(wish, &host->shown) || wish->layer != host->shown.layer;
 	if (!changed || clock_seconds() - host->began < PICTURES)
 		return STATUS_OK;
-	if (host->pictures == 0) /* after a rest: it says nothing of how fast pictures are */
-		host->second = clock_seconds();
 	host->began = clock_seconds();
 	struct render_layer layer = layer_of(drive, wish->layer);
 	view_show_layer(drive->view, &layer);
 	enum status status = view_frame(drive->view, drive, false);
 	host->shown = *wish;
+	wish->again = false;
 	host->stale = view_lacks(drive->view);
 	host->drawn = true;
 	if (status == STATUS_OK && !host->software) {
@@ -179,7 +179,7 @@ static enum status one_step(struct host *host)
 static void earn(struct host *host)
 {
 	double now = clock_seconds(), step = host->drive->scene->time_step, pace = host->wish.pace;
-	double most = step + (isinf(pace) ? 0 : SLICE * pace);
+	double most = step + BEHIND * (isinf(pace) ? 0 : pace);
 	host->credit = host->wish.go != RUN_ON ? 0 : isinf(pace) ? INFINITY : fmin(host->credit + (now - host->turned) * pace, most);
 	host->turned = now;
 }
@@ -192,10 +192,11 @@ static enum status steps(struct host *host, int64_t total, bool *any)
 	int64_t first = drive->step;
 	enum status status = STATUS_OK;
 	earn(host);
+	double slice = isinf(host->credit) ? fmin(fmax(SLICE, host->frame_ms / 1e3), BEHIND) : SLICE;
 	if (host->wish.go == RUN_ONE)
 		host->credit = step;
 	while (status == STATUS_OK && drive->step < total && host->credit >= step && !drive_stopped(drive) &&
-	       clock_seconds() - began < SLICE) {
+	       clock_seconds() - began < slice) {
 		status = one_step(host);
 		host->credit -= isinf(host->credit) ? 0 : step;
 	}
@@ -241,7 +242,7 @@ enum status host_steps(struct drive *drive, int64_t total)
 		.software = gpu_info(drive->gpu)->software,
 		.stale = true,
 		.turned = drive->began,
-		.second = drive->began,
+		.apart = PICTURES,
 	};
 	drive->host = &host;
 	enum status status = make_staging(&host, (uint32_t)view->width, (uint32_t)view->height);
@@ -281,7 +282,7 @@ void run_figures(struct drive *drive, struct run_figures *figures)
 	page_cache_each_queued(drive->cache, see_queued, &seen);
 	page_cache_stats(drive->cache, &stats);
 	*figures = (struct run_figures){
-		.fps = host->fps,
+		.fps = 1 / host->apart,
 		.frame_ms = host->frame_ms,
 		.step_ms = host->step_ms,
 		.slots = drive->scene->slots,

@@ -33,6 +33,7 @@ struct run_wish {
 	struct render_camera camera;
 	enum render_layer_kind layer; /* RENDER_NATURAL */
 	uint32_t width, height;       /* of the picture, pixels, 1 to 8192 each: the scene's */
+	bool again;                   /* a picture is drawn though nothing changed; false again when it is */
 };
 
 struct run_host {
@@ -46,7 +47,7 @@ struct run_host {
 };
 
 struct run_figures {
-	double fps;               /* pictures, over the last second in which there were any */
+	double fps;               /* pictures, about the mean of the last second in which there were any */
 	double frame_ms, step_ms; /* the last picture, until it was read back; the last step */
 	uint32_t slots, slots_used;
 	uint64_t hits, misses;    /* of the page cache, by steps */

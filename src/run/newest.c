@@ -60,7 +60,8 @@ static bool has_changed(const struct newest *newest, struct tile tile)
 static enum status settle(struct newest *newest)
 {
 	const struct drive *drive = newest->drive;
-	if (drive == NULL || newest->moment == drive->step)
+	int64_t now = drive != NULL ? drive->step + (int64_t)drive->drops : 0; /* what changes the ground */
+	if (drive == NULL || newest->moment == now)
 		return STATUS_OK;
 	newest->moment = -1;
 	newest->changed_count = 0;
@@ -73,7 +74,7 @@ static enum status settle(struct newest *newest)
 		return fail_memory("what changed, for a query");
 	if (newest->changed_count > 0)
 		qsort(newest->changed, newest->changed_count, sizeof *newest->changed, compare);
-	newest->moment = drive->step;
+	newest->moment = now;
 	return STATUS_OK;
 }
 

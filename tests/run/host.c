@@ -1,0 +1,383 @@
+/* A host over whole drives: what it holds does not step, where it looks is seen, what it drops is pressed and kept, and a
+ * host that only watches changes nothing. */
+#include "../support.h"
+
+#include "run/host.h"
+
+static const struct world world = {257, 257, 1, 32};
+
+static const char scene_text[] =
+	"scene: 1\n"
+	"time_step: 0.1\n"
+	"end_time: 2\n"
+	"redistribute: {model: box}\n"
+	"attributes: [dirt]\n"
+	"objects:\n"
+	"  - {name: a, shape: {sphere: {radius: 2.5}}, sink: 0.5, path: {points: [[40, 60], [80, 90]], speed: 20}}\n"
+	"view:\n"
+	"  size: [160, 90]\n"
+	"  camera: {chase: a, back: 14, up: 9}\n"
+	"  effects: [texture, sky, geomorph, skirts]\n"
+	"cache: {slots: 128}\n";
+
+static double flat(int64_t x, int64_t y)
+{
+	return 100;
+}
+
+/* What one test's host does, and saw. */
+struct guest {
+	enum status (*act)(struct guest *guest, struct drive *drive, struct run_wish *wish);
+	int turns, pictures, stage;
+	int64_t step;     /* when the host last looked */
+	bool pressed;
+	uint64_t hash;    /* of the last picture */
+	uint32_t width, height;
+	bool changed;     /* a pixel is not what its neighbour is */
+};
+
+static enum status on_turn(void *user, struct drive *drive, struct run_wish *wish)
+{
+	struct guest *guest = user;
+	struct run_figures figures;
+	run_figures(drive, &figures);
+	guest->step = figures.step;
+	guest->turns++;
+	return guest->act(guest, drive, wish);
+}
+
+static enum status on_picture(void *user, struct drive *drive, uint8_t *pixels, uint32_t width, uint32_t height)
+{
+	struct guest *guest = user;
+	uint64_t hash = 14695981039346656037u;
+	for (size_t i = 0; i < (size_t)4 * width * height; i++)
+		hash = (hash ^ pixels[i]) * 1099511628211u;
+	for (size_t i = 4; i < (size_t)4 * width * height; i++)
+		guest->changed = guest->changed || pixels[i] != pixels[i - 4];
+	guest->hash = hash;
+	guest->pictures++;
+	guest->width = width;
+	guest->height = height;
+	return STATUS_OK;
+}
+
+static enum status watch_drive(const char *store, const char *text, struct guest *guest, bool hosted)
+{
+	const char *path = support_path("scene.yaml");
+	struct scene *scene;
+	support_write(path, text);
+	must(scene_load(path, NULL, 0, &scene));
+	const struct run_host host = {guest, on_turn, on_picture};
+	struct run_params params = {
+		.scene = scene, .store = store, .directory = support_path("out"), .host = hosted ? &host : NULL,
+	};
+	struct run_result result;
+	enum status status = run_drive(&params, &result);
+	scene_destroy(scene);
+	if (status == STATUS_NO_GL)
+		skip();
+	if (result.json != NULL)
+		assert_int_equal(support_figure(result.json, "\"counts\"", "unplanned"), 0);
+	mem_free(result.json);
+	return status;
+}
+
+/* --- */
+
+static enum status only_watch(struct guest *guest, struct drive *drive, struct run_wish *wish)
+{
+	struct run_figures figures;
+	run_figures(drive, &figures);
+	wish->pace = INFINITY;
+	wish->go = figures.over ? RUN_STOP : RUN_ON;
+	/* From elsewhere, and in all colours. */
+	wish->free = guest->turns % 2 == 0;
+	wish->camera = (struct render_camera){{20, 20, 130 + guest->turns % 7}, {60, 70, 100}, 0.9};
+	wish->layer = (enum render_layer_kind)(guest->turns % RENDER_LAYERS);
+	return STATUS_OK;
+}
+
+static void who_only_watches_changes_nothing(void **state)
+{
+	const char *alone = support_path("alone.furrow"), *watched = support_path("watched.furrow");
+	struct guest guest = {.act = only_watch};
+	support_store(alone, world, support_hills);
+	support_store(watched, world, support_hills);
+	must(watch_drive(alone, scene_text, &guest, false));
+	assert_int_equal(guest.turns, 0);
+	must(watch_drive(watched, scene_text, &guest, true));
+	assert_int_equal(guest.step, 20);
+	assert_true(guest.pictures > 0 && guest.changed);
+	support_verify(watched);
+	assert_true(support_hash(watched) == support_hash(alone));
+	support_store(alone, world, support_hills);
+	assert_true(support_hash(watched) != support_hash(alone));
+}
+
+/* --- */
+
+static enum status hold_then_one(struct guest *guest, struct drive *drive, struct run_wish *wish)
+{
+	wish->pace = INFINITY;
+	wish->go = RUN_HOLD;
+	if (guest->turns <= 20)
+		assert_int_equal(guest->step, 0);
+	else if (guest->turns == 21)
+		wish->go = RUN_ONE;
+	else
+		assert_int_equal(guest->step, 1);
+	if (guest->turns == 40)
+		wish->go = RUN_STOP;
+	return STATUS_OK;
+}
+
+static void what_is_held_does_not_step_and_one_is_one(void **state)
+{
+	const char *store = support_path("held.furrow");
+	struct guest guest = {.act = hold_then_one};
+	support_store(store, world, flat);
+	must(watch_drive(store, scene_text, &guest, true));
+	assert_int_equal(guest.step, 1);
+	assert_int_equal(guest.turns, 40);
+}
+
+static enum status at_real_time(struct guest *guest, struct drive *drive, struct run_wish *wish)
+{
+	static double began;
+	if (guest->turns == 1)
+		began = clock_seconds();
+	/* Never ahead of the clock; how far behind is the machine's. */
+	assert_true((double)guest->step * 0.1 <= 4 * (clock_seconds() - began) + 0.2);
+	wish->pace = 4;
+	wish->go = guest->step == 20 ? RUN_STOP : RUN_ON;
+	return STATUS_OK;
+}
+
+static void steps_are_not_ahead_of_their_pace(void **state)
+{
+	const char *store = support_path("pace.furrow");
+	struct guest guest = {.act = at_real_time};
+	support_store(store, world, flat);
+	must(watch_drive(store, scene_text, &guest, true));
+	assert_int_equal(guest.step, 20);
+}
+
+static enum status beyond_the_end(struct guest *guest, struct drive *drive, struct run_wish *wish)
+{
+	wish->pace = INFINITY;
+	wish->go = guest->step == 20 && guest->stage++ == 10 ? RUN_STOP : RUN_ON;
+	return STATUS_OK;
+}
+
+static void the_end_of_the_scene_holds(void **state)
+{
+	const char *store = support_path("end.furrow");
+	struct guest guest = {.act = beyond_the_end};
+	support_store(store, world, flat);
+	must(watch_drive(store, scene_text, &guest, true));
+	assert_int_equal(guest.step, 20);
+	assert_int_equal(guest.stage, 11);
+}
+
+/* --- */
+
+/* What it looks at next: the scene's camera; another; the first again; a layer; another size. */
+struct looks {
+	struct guest guest;
+	int shown, still; /* pictures; turns since the last of them */
+	uint64_t seen[5];
+	uint32_t wide[5];
+};
+
+static enum status look_turn(void *user, struct drive *drive, struct run_wish *wish)
+{
+	struct looks *looks = user;
+	struct guest *guest = &looks->guest;
+	looks->still = guest->pictures == looks->shown ? looks->still + 1 : 0;
+	looks->shown = guest->pictures;
+	/* Longer than the shortest time between two pictures, and than a load: there is nothing new to draw. */
+	if (looks->still >= 40 && guest->pictures > 0) {
+		looks->seen[guest->stage] = guest->hash;
+		looks->wide[guest->stage++] = guest->width;
+		looks->still = 0;
+	}
+	wish->go = guest->stage == 5 ? RUN_STOP : RUN_HOLD;
+	wish->free = guest->stage == 1;
+	wish->camera = (struct render_camera){{20, 20, 130}, {60, 70, 100}, 0.9};
+	wish->layer = guest->stage == 3 ? RENDER_SLOPES : RENDER_NATURAL;
+	wish->width = guest->stage == 4 ? 200 : 160;
+	wish->height = guest->stage == 4 ? 100 : 90;
+	return STATUS_OK;
+}
+
+static void the_camera_the_layer_and_the_size_are_the_hosts(void **state)
+{
+	const char *store = support_path("looks.furrow"), *path = support_path("scene.yaml");
+	struct looks looks = {.guest = {.stage = 0}};
+	struct scene *scene;
+	support_store(store, world, support_hills);
+	support_write(path, scene_text);
+	must(scene_load(path, NULL, 0, &scene));
+	const struct run_host host = {&looks, look_turn, on_picture};
+	struct run_result result;
+	enum status status = run_drive(&(struct run_params){.scene = scene, .store = store, .directory = support_path("out"), .host = &host},
+				       &result);
+	scene_destroy(scene);
+	if (status == STATUS_NO_GL)
+		skip();
+	must(status);
+	mem_free(result.json);
+	assert_true(looks.seen[0] != looks.seen[1]);
+	assert_true(looks.seen[2] == looks.seen[0]);
+	assert_true(looks.seen[3] != looks.seen[0]);
+	assert_int_equal(looks.wide[0], 160);
+	assert_int_equal(looks.wide[4], 200);
+	assert_int_equal(looks.guest.height, 100);
+}
+
+/* --- */
+
+static enum status drop_one(struct guest *guest, struct drive *drive, struct run_wish *wish)
+{
+	wish->go = guest->turns < 3 ? RUN_HOLD : RUN_STOP;
+	return guest->turns == 2 ? run_drop(drive, RUN_DROP_FIRST, 150, 120, 0, &guest->pressed) : STATUS_OK;
+}
+
+/* Twice between two steps: the second upon what the first left. */
+static enum status drop_twice(struct guest *guest, struct drive *drive, struct run_wish *wish)
+{
+	const struct terrain_point point = {150, 120};
+	struct terrain_height height;
+	wish->go = guest->turns < 3 ? RUN_HOLD : RUN_STOP;
+	for (int i = 1; i <= 2 && guest->turns == 2; i++) {
+		must(run_drop(drive, RUN_DROP_FIRST, point.x, point.y, 0, &guest->pressed));
+		must(run_heights(drive, &point, 1, &height));
+		assert_true(fabs(height.height - (100 - 0.5 * i)) < 1e-4);
+	}
+	return STATUS_OK;
+}
+
+static enum status drop_outside(struct guest *guest, struct drive *drive, struct run_wish *wish)
+{
+	wish->go = RUN_STOP;
+	return run_drop(drive, RUN_DROP_FIRST, -20, 120, 0, &guest->pressed);
+}
+
+static double quanta_at(const char *store, int64_t x, int64_t y)
+{
+	double *quanta = support_quanta(store, 0, (struct post_rect){x, y, x + 1, y + 1}), one = quanta[0];
+	free(quanta);
+	return one;
+}
+
+static const char none_text[] =
+	"scene: 1\n"
+	"time_step: 0.1\n"
+	"end_time: 2\n"
+	"redistribute: {model: none}\n"
+	"objects:\n"
+	"  - {name: a, shape: {sphere: {radius: 2.5}}, sink: 0.5, path: {points: [[40, 60], [80, 90]], speed: 20}}\n"
+	"view: {size: [64, 36], camera: {chase: a}}\n"
+	"cache: {slots: 128}\n";
+
+static void what_is_dropped_is_pressed_as_deep_as_it_sinks_and_kept(void **state)
+{
+	const char *store = support_path("drop.furrow");
+	struct guest guest = {.act = drop_one};
+	support_store(store, world, flat);
+	must(watch_drive(store, none_text, &guest, true));
+	assert_true(guest.pressed);
+	support_verify(store);
+	assert_true(fabs(quanta_at(store, 150, 120) / (1 << 20) + 0.5) < 1e-4);
+	/* A ball of 2.5 m, a metre aside. */
+	assert_true(fabs(quanta_at(store, 151, 120) / (1 << 20) + 0.5 - (2.5 - sqrt(2.5 * 2.5 - 1))) < 1e-3);
+	assert_true(quanta_at(store, 153, 120) == 0);
+	/* Upon the ground as it is: as deep again. */
+	guest = (struct guest){.act = drop_one};
+	must(watch_drive(store, none_text, &guest, true));
+	assert_true(fabs(quanta_at(store, 150, 120) / (1 << 20) + 1.0) < 1e-4);
+	assert_int_equal(guest.step, 0);
+	support_store(store, world, flat);
+	guest = (struct guest){.act = drop_twice};
+	must(watch_drive(store, none_text, &guest, true));
+	assert_true(fabs(quanta_at(store, 150, 120) / (1 << 20) + 1.0) < 1e-4);
+}
+
+static void beyond_the_ground_nothing_is_dropped(void **state)
+{
+	const char *store = support_path("outside.furrow");
+	struct guest guest = {.act = drop_outside, .pressed = true};
+	support_store(store, world, flat);
+	must(watch_drive(store, none_text, &guest, true));
+	assert_false(guest.pressed);
+}
+
+static const char scm_text[] =
+	"scene: 1\n"
+	"time_step: 0.1\n"
+	"end_time: 2\n"
+	"soil: {name: dry_sand}\n"
+	"redistribute: {model: scm}\n"
+	"output: {forces: 20}\n"
+	"objects:\n"
+	"  - {name: a, shape: {wheel: {radius: 1.5, width: 2}}, load: 20000, path: {points: [[40, 60], [80, 90]], speed: 20}}\n"
+	"view: {size: [64, 36], camera: {chase: a}}\n"
+	"cache: {slots: 128}\n"
+	"spacing: 0.5\n";
+
+static enum status drop_all_shapes(struct guest *guest, struct drive *drive, struct run_wish *wish)
+{
+	wish->pace = INFINITY;
+	wish->go = guest->step == 20 ? RUN_STOP : RUN_ON;
+	if (guest->stage >= 2 || guest->step < 5)
+		return STATUS_OK;
+	int shape = guest->stage++;
+	return run_drop(drive, shape == 0 ? RUN_DROP_FIRST : RUN_DROP_BALL, 150 + 20 * shape, 120, 0.3, &guest->pressed);
+}
+
+static void under_a_load_the_soil_carries_what_is_dropped(void **state)
+{
+	const char *store = support_path("scm.furrow");
+	struct guest guest = {.act = drop_all_shapes};
+	support_store(store, world, flat);
+	must(watch_drive(store, scm_text, &guest, true));
+	assert_true(guest.pressed);
+	support_verify(store);
+	double *wheel = support_quanta(store, -1, (struct post_rect){300, 240, 301, 241});
+	double *ball = support_quanta(store, -1, (struct post_rect){340, 240, 341, 241});
+	assert_true(wheel[0] < 0 && wheel[0] > -1.5 * (1 << 20));
+	assert_true(ball[0] < 0 && ball[0] > -1.5 * (1 << 20));
+	free(wheel);
+	free(ball);
+}
+
+static enum status fail_soon(struct guest *guest, struct drive *drive, struct run_wish *wish)
+{
+	return guest->turns == 3 ? fail_with(STATUS_FAILED, "host: has enough; let it be") : STATUS_OK;
+}
+
+static void a_host_that_fails_ends_the_drive(void **state)
+{
+	const char *store = support_path("fails.furrow");
+	struct guest guest = {.act = fail_soon};
+	support_store(store, world, flat);
+	assert_int_equal(watch_drive(store, scene_text, &guest, true), STATUS_FAILED);
+	assert_string_equal(failure_message(), "host: has enough; let it be");
+	support_verify(store);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(who_only_watches_changes_nothing),
+		cmocka_unit_test(what_is_held_does_not_step_and_one_is_one),
+		cmocka_unit_test(steps_are_not_ahead_of_their_pace),
+		cmocka_unit_test(the_end_of_the_scene_holds),
+		cmocka_unit_test(the_camera_the_layer_and_the_size_are_the_hosts),
+		cmocka_unit_test(what_is_dropped_is_pressed_as_deep_as_it_sinks_and_kept),
+		cmocka_unit_test(beyond_the_ground_nothing_is_dropped),
+		cmocka_unit_test(under_a_load_the_soil_carries_what_is_dropped),
+		cmocka_unit_test(a_host_that_fails_ends_the_drive),
+	};
+	return cmocka_run_group_tests_name("host", tests, support_enter, support_leave);
+}

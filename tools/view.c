@@ -1,0 +1,195 @@
+/*
+ * furrow view: a scene in a window.
+ *
+ * Where the ruts go: into a temporary overlay that is removed at the end, so that looking changes nothing; with --overlay into
+ * that; with --write into the store itself.
+ */
+#include <dirent.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "store/store.h"
+#include "view.h"
+
+static const struct command_option options[] = {
+	{"store", "STORE", "the terrain, instead of the scene's own"},
+	{"overlay", "FILE", "keeps the deformation in FILE; made if absent"},
+	{"write", NULL, "deforms the store itself"},
+	{"set", "KEY=VALUE", "overrides a key of the scene, as in view.size=[800,450]; may be repeated"},
+	{NULL, NULL, NULL},
+};
+
+/* What the drive leaves, which nobody asked for: a folder of its own, for as long as the window is open. One a process. */
+static struct shelter {
+	char folder[256], overlay[288];
+} shelter;
+
+static enum status shelter_make(void)
+{
+	const char *parent = getenv("TMPDIR");
+	if (parent == NULL || parent[0] == '\0')
+		parent = "/tmp";
+	int length = snprintf(shelter.folder, sizeof shelter.folder, "%s/furrow-view-XXXXXX", parent);
+	if (length >= (int)sizeof shelter.folder || mkdtemp(shelter.folder) == NULL) {
+		shelter.folder[0] = '\0';
+		return fail_with(STATUS_FAILED, "%s: no folder can be made there: %s; name another with TMPDIR", parent,
+				 length >= (int)sizeof shelter.folder ? "its name is too long" : strerror(errno));
+	}
+	snprintf(shelter.overlay, sizeof shelter.overlay, "%s/ruts.furrow", shelter.folder);
+	return STATUS_OK;
+}
+
+static void shelter_remove(void)
+{
+	char path[600];
+	DIR *folder = shelter.folder[0] != '\0' ? opendir(shelter.folder) : NULL;
+	if (folder == NULL)
+		return;
+	for (struct dirent *entry; (entry = readdir(folder)) != NULL;) {
+		snprintf(path, sizeof path, "%s/%s", shelter.folder, entry->d_name);
+		if (strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0)
+			unlink(path);
+	}
+	closedir(folder);
+	if (rmdir(shelter.folder) != 0)
+		note("%s: cannot be removed: %s", shelter.folder, strerror(errno));
+	shelter.folder[0] = '\0';
+}
+
+/* A display that is lost ends the process where it is, with status 1: that is Xlib's doing. */
+static bool watching;
+static void display_lost(void)
+{
+	if (!watching)
+		return;
+	shelter_remove();
+	fputs("furrow: window: the display is gone; what was committed by then is kept, run it again where there is one\n", stderr);
+}
+
+/* A temporary overlay goes over a store without ruts alone. */
+static enum status check_bare(const char *path)
+{
+	struct store *store;
+	int level;
+	if (path == NULL)
+		return fail_with(STATUS_INPUT, "view: no store is named; add store: to the scene, or give --store");
+	enum status status = store_open(path, &(struct store_options){.mode = STORE_READ}, &store);
+	if (status != STATUS_OK)
+		return status;
+	if (store_has_working_level(store, &level))
+		status = fail_with(STATUS_INPUT, "%s: it has ruts of its own, over which no temporary overlay goes; give --write, and what is "
+						 "driven stays in it, or --store with an overlay or a copy that may be written, and --write",
+				   path);
+	struct failure failure;
+	failure_capture(&failure, status);
+	store_close(store);
+	return status == STATUS_OK ? STATUS_OK : failure_restore(&failure);
+}
+
+struct looking {
+	struct scene *scene;
+	const char *store, *overlay; /* as given; overlay NULL: temporary, unless `write` */
+	bool write;
+	struct window *window;
+	struct viewer viewer;
+};
+
+/* Where the ruts are, or were, when it is over. */
+static void say_where(const struct looking *looking, char *text, size_t size)
+{
+	const char *path = looking->store != NULL ? looking->store : looking->scene->store;
+	if (looking->overlay != NULL)
+		snprintf(text, size, "the ruts are in %s", looking->overlay);
+	else if (looking->write)
+		snprintf(text, size, "the ruts are in %s", path);
+	else
+		snprintf(text, size, "the ruts are gone, %s is as it was", path);
+}
+
+static enum status look(struct looking *looking)
+{
+	const struct run_host host = viewer_host(&looking->viewer);
+	const struct run_params params = {
+		.scene = looking->scene,
+		.store = looking->store,
+		.overlay = looking->overlay != NULL ? looking->overlay : looking->write ? NULL : shelter.overlay,
+		.directory = shelter.folder,
+		.host = &host,
+		.stop = &interrupted,
+	};
+	struct run_result result;
+	char where[700];
+	enum status status = run_drive(&params, &result);
+	mem_free(result.json);
+	if (status != STATUS_OK && status != STATUS_INTERRUPTED)
+		return status;
+	const struct viewer *viewer = &looking->viewer;
+	say_where(looking, where, sizeof where);
+	printf("view: %lld of %lld steps, %lld pictures, %lld dropped, %lld written; %s\n", (long long)result.steps, (long long)viewer->steps,
+	       (long long)viewer->pictures, (long long)viewer->drops, (long long)viewer->snapshots, where);
+	if (status == STATUS_INTERRUPTED)
+		return fail_with(STATUS_INTERRUPTED, "view: interrupted after step %lld; %.400s", (long long)result.steps, where);
+	return STATUS_OK;
+}
+
+static enum status open_window(struct looking *looking)
+{
+	const struct scene_view *view = &looking->scene->view;
+	enum status status = window_open("furrow", view->width, view->height, &looking->window);
+	if (status == STATUS_OK)
+		viewer_init(&looking->viewer, looking->window, looking->scene);
+	return status;
+}
+
+static enum status run(const struct arguments *arguments)
+{
+	struct settings settings = {.count = 0};
+	struct looking looking = {
+		.store = arguments_text(arguments, "store"),
+		.overlay = arguments_text(arguments, "overlay"),
+		.write = arguments_flag(arguments, "write"),
+	};
+	bool temporary = looking.overlay == NULL && !looking.write;
+	enum status status = arguments_expect(arguments, 1, 1);
+	if (status == STATUS_OK && looking.write && looking.overlay != NULL)
+		status = fail_with(STATUS_USAGE, "view: --write and --overlay name two places for the ruts; give one of them");
+	if (status == STATUS_OK)
+		status = settings_take(arguments, &settings);
+	if (status == STATUS_OK)
+		status = view_scene_load(arguments_at(arguments, 0), &settings, &looking.scene);
+	if (status == STATUS_OK && temporary)
+		status = check_bare(looking.store != NULL ? looking.store : looking.scene->store);
+	if (status == STATUS_OK)
+		status = open_window(&looking);
+	if (status == STATUS_OK)
+		status = shelter_make();
+	if (status == STATUS_OK && atexit(display_lost) != 0)
+		status = fail_memory("what is done when the display is lost");
+	if (status == STATUS_OK) {
+		interrupt_catch();
+		if (temporary)
+			note("looking changes nothing: the ruts are gone at the end (--overlay FILE keeps them, --write deforms the store)");
+		watching = true;
+		status = look(&looking);
+		watching = false;
+	}
+	struct failure failure;
+	failure_capture(&failure, status);
+	window_close(looking.window);
+	shelter_remove();
+	scene_destroy(looking.scene);
+	settings_finish(&settings);
+	return status == STATUS_OK ? STATUS_OK : failure_restore(&failure);
+}
+
+const struct command command_view = {
+	.name = "view",
+	.usage = "view SCENE [--store STORE] [--overlay FILE | --write] [--set KEY=VALUE]...",
+	.summary = "a scene in a window: fly, follow, pause, step, drop objects",
+	.details = view_keys_text,
+	.options = options,
+	.run = run,
+};

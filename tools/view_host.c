@@ -1,0 +1,326 @@
+/*
+ * The host of the drive that furrow view shows: what was pressed in the window becomes what the drive does next, and what it
+ * drew comes into the window.
+ */
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "view.h"
+
+#define PICTURE_MOST 8192
+#define TITLE_EVERY 0.5  /* s */
+#define TELL_FOR 4.0     /* s: what was done stays in the line of figures */
+#define TURN_MOST 0.2    /* s: nobody flies on while a turn takes longer */
+#define SNAPSHOTS_MOST 9999
+
+void viewer_init(struct viewer *viewer, struct window *window, const struct scene *scene)
+{
+	const struct scene_view *view = &scene->view;
+	*viewer = (struct viewer){
+		.window = window,
+		.eye = {.back = view->camera == SCENE_CHASE && view->back > 0 ? view->back : 12,
+			.up = view->camera == SCENE_CHASE && view->up > 0 ? view->up : 5},
+		.fly_before = clock_seconds(),
+		.line = true,
+		.told = "",
+	};
+}
+
+static void tell(struct viewer *viewer, const char *format, ...) FURROW_PRINTF(2, 3);
+static void tell(struct viewer *viewer, const char *format, ...)
+{
+	va_list arguments;
+	va_start(arguments, format);
+	vsnprintf(viewer->message, sizeof viewer->message, format, arguments);
+	va_end(arguments);
+	viewer->told = viewer->message;
+	viewer->told_until = clock_seconds() + TELL_FOR;
+	viewer->again = true;
+}
+
+/* --- the eye --- */
+
+static enum status ground_below(struct drive *drive, const double eye[3], double *ground)
+{
+	const struct store_meta *meta = run_store(drive);
+	const struct terrain_point point = {eye[0], eye[1]};
+	struct terrain_height found = {.height = NAN};
+	enum status status = run_heights(drive, &point, 1, &found);
+	*ground = !isnan(found.height) ? found.height : isnan(meta->low) ? 0 : meta->low;
+	return status;
+}
+
+static bool flies(const struct window *window, double way[3])
+{
+	bool held[VIEW_ACTIONS_HELD];
+	for (int i = 0; i < VIEW_ACTIONS_HELD; i++)
+		held[i] = view_action_held(window, (enum view_action)i);
+	way[0] = held[VIEW_FORWARD] - held[VIEW_BACK];
+	way[1] = held[VIEW_RIGHT] - held[VIEW_LEFT];
+	way[2] = held[VIEW_UP] - held[VIEW_DOWN];
+	return way[0] != 0 || way[1] != 0 || way[2] != 0;
+}
+
+static enum status place_eye(struct viewer *viewer, struct drive *drive, double seconds)
+{
+	struct view_eye *eye = &viewer->eye;
+	struct render_camera camera;
+	double way[3], place[3], yaw, ground = 0;
+	if (flies(viewer->window, way))
+		eye->mode = VIEW_MODE_FLY;
+	else
+		memset(way, 0, sizeof way);
+	if (eye->mode == VIEW_MODE_SCENE) {
+		run_scene_camera(drive, &camera);
+		view_eye_take(eye, &camera);
+		return STATUS_OK;
+	}
+	bool follows = eye->mode == VIEW_MODE_FOLLOW;
+	if (follows) {
+		run_place(drive, eye->object, place, &yaw);
+		view_eye_follow(eye, place, yaw, seconds);
+	}
+	enum status status = ground_below(drive, eye->eye, &ground);
+	if (follows)
+		view_eye_rise(eye, place, ground);
+	if (eye->mode == VIEW_MODE_FLY && status == STATUS_OK && (way[0] != 0 || way[1] != 0 || way[2] != 0)) {
+		view_eye_fly(eye, way, seconds, eye->eye[2] - ground, window_held(viewer->window, WINDOW_SHIFT));
+		status = ground_below(drive, eye->eye, &ground);
+	}
+	view_eye_clear(eye, ground);
+	return status;
+}
+
+static void follow_next(struct viewer *viewer, const struct scene *scene)
+{
+	struct view_eye *eye = &viewer->eye;
+	size_t next = eye->mode == VIEW_MODE_FOLLOW ? eye->object + 1 : 0;
+	eye->swing = 0;
+	if (next < scene->object_count) {
+		eye->mode = VIEW_MODE_FOLLOW;
+		eye->object = next;
+		tell(viewer, "follows %.60s", scene->objects[next].name);
+		return;
+	}
+	eye->mode = VIEW_MODE_FLY;
+	tell(viewer, scene->object_count > 0 ? "flies" : "there is no object to follow");
+}
+
+/* --- dropping --- */
+
+static enum status drop_at(struct viewer *viewer, struct drive *drive, double x, double y)
+{
+	struct render_camera camera;
+	int width, height;
+	struct terrain_ray ray = {.length = INFINITY};
+	struct terrain_hit hit = {.hit = false};
+	bool pressed = false;
+	window_size(viewer->window, &width, &height);
+	if (viewer->eye.mode == VIEW_MODE_SCENE)
+		run_scene_camera(drive, &camera);
+	else
+		view_eye_camera(&viewer->eye, &camera);
+	view_ray(&camera, width, height, x, y, ray.direction);
+	memcpy(ray.origin, camera.eye, sizeof ray.origin);
+	enum status status = run_rays(drive, &ray, 1, &hit);
+	if (status == STATUS_OK && hit.hit)
+		status = run_drop(drive, viewer->shape, hit.point[0], hit.point[1], viewer->eye.yaw, &pressed);
+	if (status != STATUS_OK)
+		return status;
+	viewer->drops += pressed;
+	if (pressed)
+		tell(viewer, "dropped at %.2f, %.2f", hit.point[0], hit.point[1]);
+	else
+		tell(viewer, run_scene(drive)->object_count == 0 ? "the scene has no object: its ground does not give" :
+								   "there is no ground");
+	return STATUS_OK;
+}
+
+static enum status drop_at_cursor(struct viewer *viewer, struct drive *drive)
+{
+	int x, y, width, height;
+	window_size(viewer->window, &width, &height);
+	bool over = window_mouse(viewer->window, &x, &y);
+	return drop_at(viewer, drive, over ? x : width / 2, over ? y : height / 2);
+}
+
+/* --- what was pressed --- */
+
+static void change_pace(struct viewer *viewer, int by)
+{
+	viewer->pace += by;
+	viewer->pace = viewer->pace < VIEW_PACE_LEAST ? VIEW_PACE_LEAST : viewer->pace > VIEW_PACE_MOST ? VIEW_PACE_MOST : viewer->pace;
+	if (viewer->pace == VIEW_PACE_MOST)
+		tell(viewer, "as fast as it can");
+	else
+		tell(viewer, "%g times real time", ldexp(1, viewer->pace));
+}
+
+static void show_layer(struct viewer *viewer, const struct scene *scene, int which)
+{
+	static const char *const names[RENDER_LAYERS] = {"natural colours", "offset", "dirt", "height", "slope", "tiles, by level"};
+	viewer->layer = (enum render_layer_kind)which;
+	tell(viewer, viewer->layer == RENDER_DIRT && !scene->dirt ? "the scene keeps no dirt" : "%s", names[which]);
+}
+
+static enum status key_down(struct viewer *viewer, struct drive *drive, int key)
+{
+	int which = 0;
+	switch (view_action_of(key, &which)) {
+	case VIEW_FOLLOW:
+		follow_next(viewer, run_scene(drive));
+		break;
+	case VIEW_RESET:
+		viewer->eye.mode = VIEW_MODE_SCENE;
+		tell(viewer, "the scene's camera");
+		break;
+	case VIEW_PAUSE:
+		viewer->paused = !viewer->paused;
+		tell(viewer, viewer->paused ? "paused" : "goes on");
+		break;
+	case VIEW_ONE_STEP:
+		viewer->paused = viewer->one = true;
+		break;
+	case VIEW_SLOWER:
+		change_pace(viewer, -1);
+		break;
+	case VIEW_FASTER:
+		change_pace(viewer, 1);
+		break;
+	case VIEW_DROP:
+		return drop_at_cursor(viewer, drive);
+	case VIEW_SHAPE:
+		viewer->shape = (viewer->shape + 1) % RUN_DROP_SHAPES;
+		tell(viewer, viewer->shape == RUN_DROP_BALL ? "drops a ball" : "drops the first object's shape");
+		break;
+	case VIEW_LAYER:
+		show_layer(viewer, run_scene(drive), which);
+		break;
+	case VIEW_SNAPSHOT:
+		viewer->snapshot = viewer->again = true;
+		break;
+	case VIEW_LINE:
+		viewer->line = !viewer->line;
+		viewer->again = true;
+		break;
+	case VIEW_HELP:
+		viewer->help = !viewer->help;
+		viewer->again = true;
+		break;
+	case VIEW_END:
+		viewer->ended = true;
+		break;
+	default: /* flying: while it is held */
+		break;
+	}
+	return STATUS_OK;
+}
+
+static enum status take_events(struct viewer *viewer, struct drive *drive)
+{
+	struct window_event event;
+	int width, height;
+	enum status status = STATUS_OK;
+	while (status == STATUS_OK && window_next(viewer->window, &event)) {
+		window_size(viewer->window, &width, &height);
+		if (event.kind == WINDOW_CLOSE)
+			viewer->ended = true;
+		else if (event.kind == WINDOW_KEY)
+			status = key_down(viewer, drive, event.key);
+		else if (event.kind == WINDOW_CLICK)
+			status = drop_at(viewer, drive, event.x, event.y);
+		else if (event.dx != 0 || event.dy != 0) {
+			if (viewer->eye.mode == VIEW_MODE_SCENE)
+				viewer->eye.mode = VIEW_MODE_FLY;
+			view_eye_drag(&viewer->eye, event.dx, event.dy, height);
+		}
+	}
+	return status;
+}
+
+/* --- the host's calls --- */
+
+static void write_title(struct viewer *viewer, struct drive *drive, double now)
+{
+	struct run_figures figures;
+	char figured[256], title[320];
+	run_figures(drive, &figures);
+	viewer->step = figures.step;
+	viewer->steps = figures.steps;
+	if (now - viewer->titled < TITLE_EVERY)
+		return;
+	viewer->titled = now;
+	view_figures_text(viewer, &figures, figured, sizeof figured);
+	snprintf(title, sizeof title, "furrow: %s", figured);
+	window_title(viewer->window, title);
+}
+
+static void fill_wish(struct viewer *viewer, struct run_wish *wish)
+{
+	int width, height;
+	window_size(viewer->window, &width, &height);
+	wish->go = viewer->ended ? RUN_STOP : viewer->one ? RUN_ONE : viewer->paused ? RUN_HOLD : RUN_ON;
+	wish->pace = viewer->pace == VIEW_PACE_MOST ? INFINITY : ldexp(1, viewer->pace);
+	wish->free = viewer->eye.mode != VIEW_MODE_SCENE;
+	view_eye_camera(&viewer->eye, &wish->camera);
+	wish->layer = viewer->layer;
+	wish->width = (uint32_t)(width < 1 ? 1 : width > PICTURE_MOST ? PICTURE_MOST : width);
+	wish->height = (uint32_t)(height < 1 ? 1 : height > PICTURE_MOST ? PICTURE_MOST : height);
+	wish->again = wish->again || viewer->again;
+	viewer->one = viewer->again = false;
+}
+
+static enum status turn(void *user, struct drive *drive, struct run_wish *wish)
+{
+	struct viewer *viewer = user;
+	double now = clock_seconds(), seconds = fmin(now - viewer->fly_before, TURN_MOST);
+	viewer->fly_before = now;
+	enum status status = take_events(viewer, drive);
+	if (status == STATUS_OK)
+		status = place_eye(viewer, drive, seconds);
+	if (viewer->told[0] != '\0' && now > viewer->told_until) {
+		viewer->told = "";
+		viewer->again = true;
+	}
+	write_title(viewer, drive, now);
+	fill_wish(viewer, wish);
+	return status;
+}
+
+/* Under the first number that is free. What cannot be written is told, and nothing ends for it. */
+static void write_snapshot(struct viewer *viewer, const struct render_canvas *canvas)
+{
+	char path[32];
+	int number = 0;
+	do
+		snprintf(path, sizeof path, "view-%04d.png", ++number);
+	while (number < SNAPSHOTS_MOST && access(path, F_OK) == 0);
+	viewer->snapshot = false;
+	if (render_canvas_write(canvas, path) != STATUS_OK) {
+		tell(viewer, "%.90s", failure_message());
+		return;
+	}
+	viewer->snapshots++;
+	tell(viewer, "wrote %s", path);
+}
+
+static enum status picture(void *user, struct drive *drive, uint8_t *pixels, uint32_t width, uint32_t height)
+{
+	struct viewer *viewer = user;
+	const struct render_canvas canvas = {pixels, width, height};
+	struct run_figures figures;
+	run_figures(drive, &figures);
+	viewer->pictures++;
+	view_draw_over(viewer, &figures, pixels, width, height);
+	if (viewer->snapshot)
+		write_snapshot(viewer, &canvas);
+	return window_show(viewer->window, pixels, (int)width, (int)height);
+}
+
+struct run_host viewer_host(struct viewer *viewer)
+{
+	return (struct run_host){viewer, turn, picture};
+}

@@ -1,0 +1,174 @@
+/*
+ * A window of SDL2, filled by the CPU. Nothing of it is drawn by GL: the one GL context is the drive's, on the same thread,
+ * and SDL must not make another current.
+ */
+#include <SDL.h>
+
+#include "window.h"
+
+#define LEAST_WIDTH 64
+#define LEAST_HEIGHT 36
+
+struct window {
+	SDL_Window *sdl;
+};
+
+static enum status sdl_failed(const char *what)
+{
+	return fail_with(STATUS_FAILED, "window: %s: %s; give a display (DISPLAY or WAYLAND_DISPLAY), or furrow drive the scene and look "
+					"at its pictures", what, SDL_GetError());
+}
+
+enum status window_open(const char *title, int width, int height, struct window **out)
+{
+	struct window *window = mem_calloc(1, sizeof *window);
+	if (window == NULL)
+		return fail_memory("a window");
+	SDL_SetMainReady();
+	SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1"); /* Ctrl-C is the command's own */
+	SDL_SetHint(SDL_HINT_FRAMEBUFFER_ACCELERATION, "0");
+	SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
+	enum status status = STATUS_OK;
+	if (SDL_InitSubSystem(SDL_INIT_VIDEO) != 0)
+		status = sdl_failed("no display");
+	if (status == STATUS_OK) {
+		window->sdl = SDL_CreateWindow(title, SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED, width, height, SDL_WINDOW_RESIZABLE);
+		if (window->sdl == NULL)
+			status = sdl_failed("cannot be opened");
+		else
+			SDL_SetWindowMinimumSize(window->sdl, LEAST_WIDTH, LEAST_HEIGHT);
+	}
+	if (status != STATUS_OK) {
+		window_close(window);
+		return status;
+	}
+	*out = window;
+	return STATUS_OK;
+}
+
+void window_close(struct window *window)
+{
+	if (window == NULL)
+		return;
+	if (window->sdl != NULL)
+		SDL_DestroyWindow(window->sdl);
+	SDL_QuitSubSystem(SDL_INIT_VIDEO);
+	SDL_Quit();
+	mem_free(window);
+}
+
+static int key_of(SDL_Keycode code)
+{
+	switch (code) {
+	case SDLK_UP:
+		return WINDOW_UP;
+	case SDLK_DOWN:
+		return WINDOW_DOWN;
+	case SDLK_LEFT:
+		return WINDOW_LEFT;
+	case SDLK_RIGHT:
+		return WINDOW_RIGHT;
+	case SDLK_ESCAPE:
+		return WINDOW_ESCAPE;
+	case SDLK_PLUS:
+	case SDLK_EQUALS: /* the same key without Shift */
+	case SDLK_KP_PLUS:
+		return WINDOW_PLUS;
+	case SDLK_MINUS:
+	case SDLK_KP_MINUS:
+		return WINDOW_MINUS;
+	default:
+		return code > 0 && code < 128 ? (int)code : 0;
+	}
+}
+
+static SDL_Keycode code_of(int key)
+{
+	switch (key) {
+	case WINDOW_UP:
+		return SDLK_UP;
+	case WINDOW_DOWN:
+		return SDLK_DOWN;
+	case WINDOW_LEFT:
+		return SDLK_LEFT;
+	case WINDOW_RIGHT:
+		return SDLK_RIGHT;
+	default:
+		return (SDL_Keycode)key;
+	}
+}
+
+bool window_next(struct window *window, struct window_event *event)
+{
+	SDL_Event from;
+	while (SDL_PollEvent(&from)) {
+		*event = (struct window_event){.key = 0};
+		if (from.type == SDL_QUIT) {
+			event->kind = WINDOW_CLOSE;
+			return true;
+		}
+		if (from.type == SDL_KEYDOWN && from.key.repeat == 0 && (event->key = key_of(from.key.keysym.sym)) != 0) {
+			event->kind = WINDOW_KEY;
+			return true;
+		}
+		if (from.type == SDL_MOUSEMOTION && (from.motion.state & SDL_BUTTON_LMASK) != 0) {
+			event->kind = WINDOW_DRAG;
+			event->dx = from.motion.xrel;
+			event->dy = from.motion.yrel;
+			return true;
+		}
+		if (from.type == SDL_MOUSEBUTTONDOWN && from.button.button == SDL_BUTTON_RIGHT) {
+			event->kind = WINDOW_CLICK;
+			event->x = from.button.x;
+			event->y = from.button.y;
+			return true;
+		}
+	}
+	return false;
+}
+
+bool window_held(const struct window *window, int key)
+{
+	int count;
+	const Uint8 *down = SDL_GetKeyboardState(&count);
+	if (key == WINDOW_SHIFT)
+		return (SDL_GetModState() & KMOD_SHIFT) != 0;
+	SDL_Scancode code = SDL_GetScancodeFromKey(code_of(key));
+	return (int)code < count && down[code] != 0;
+}
+
+bool window_mouse(const struct window *window, int *x, int *y)
+{
+	SDL_GetMouseState(x, y);
+	return SDL_GetMouseFocus() == window->sdl;
+}
+
+void window_size(struct window *window, int *width, int *height)
+{
+	SDL_GetWindowSize(window->sdl, width, height);
+}
+
+void window_title(struct window *window, const char *title)
+{
+	SDL_SetWindowTitle(window->sdl, title);
+}
+
+enum status window_show(struct window *window, const uint8_t *pixels, int width, int height)
+{
+	SDL_Surface *to = SDL_GetWindowSurface(window->sdl);
+	if (to == NULL) {
+		SDL_ClearError();
+		return STATUS_OK; /* between two sizes, or minimised: the next picture may be seen */
+	}
+	SDL_Surface *from = SDL_CreateRGBSurfaceWithFormatFrom((void *)(uintptr_t)pixels, width, height, 32, 4 * width,
+							       SDL_PIXELFORMAT_RGBA32);
+	if (from == NULL)
+		return sdl_failed("a picture cannot be shown");
+	SDL_SetSurfaceBlendMode(from, SDL_BLENDMODE_NONE);
+	bool same = to->w == width && to->h == height;
+	int failed = same ? SDL_BlitSurface(from, NULL, to, NULL) : SDL_BlitScaled(from, NULL, to, NULL);
+	SDL_FreeSurface(from);
+	if (failed != 0 || SDL_UpdateWindowSurface(window->sdl) != 0)
+		return sdl_failed("a picture cannot be shown");
+	return STATUS_OK;
+}
