@@ -431,6 +431,9 @@ int main(int argc, char **argv)
 		folder = png ? argv[++i] : folder;
 		only = table ? argv[++i] : only;
 	}
+	/* Before the drive that makes the ruts: what opens the display first decides whether llvmpipe has raster threads. */
+	bench_must(gpu_create(&(struct gpu_params){.draws = true}, &gpu));
+	gpu_destroy(gpu);
 	struct dem_synth synth = {DEM_SYNTH_RIDGED, POSTS, POSTS, 1, 160, 7};
 	char plain[128], rutted[128], overlays[2][128];
 	keep_path(plain, "plain.furrow");
