@@ -27,9 +27,9 @@ layout(location = 0) out vec4 colour;
 #include "lib/layer.glsl"
 #endif
 
-layout(binding = 0) uniform isampler2D base_map;
+layout(binding = 0, r32i) readonly uniform iimage2D base_posts;
 #ifdef OFFSET
-layout(binding = 1) uniform isampler2D offset_map;
+layout(binding = 1, r32i) readonly uniform iimage2D offset_posts;
 #ifdef DIRT
 layout(binding = 2) uniform usampler2D dirt_map;
 #endif
@@ -43,7 +43,7 @@ void main()
 #ifdef LEVEL0
 	vec2 gradient = broad;
 #else
-	vec2 gradient = slope_of_base(base_map, post, tile.x).gradient * (base_metre / origin.z);
+	vec2 gradient = slope_of_base(base_posts, post, tile.x) * (base_metre / origin.z);
 #endif
 	float shade = 1.0;
 
@@ -64,7 +64,7 @@ void main()
 #endif
 
 #ifdef OFFSET
-	slope_of_map offset = slope_of_offset(offset_map, post, tile.x);
+	slope_of_map offset = slope_of_offset(offset_posts, post, tile.x);
 	vec2 cut = offset.gradient * (offset_metre / origin.z);
 	gradient += cut;
 	float moved = offset.value * offset_metre;

@@ -3,6 +3,7 @@
 // slides to the next coarser stride's surface as it recedes, so that nothing jumps when that is drawn.
 #include "lib/picture.glsl"
 #ifdef LEVEL0
+#define SLOPE_OF_VERTICES
 #include "lib/slope.glsl"
 #endif
 #ifdef TEXTURE
@@ -133,7 +134,7 @@ void main()
 	place = vec3(origin.xy + post * origin.z, height - drop);
 #ifdef LEVEL0
 	// Below level 0 posts lie on planes between the source's: the broad shape is that of level 0.
-	broad = slope_of_base(level0_map, ground.xy + post * ground.z, tile.x).gradient * (base_metre / ground.w);
+	broad = slope_of_base(level0_map, ground.xy + post * ground.z, tile.x) * (base_metre / ground.w);
 #endif
 #ifdef TEXTURE
 	region = noise_at(pattern.xy + post * pattern.z, 8192.0).x;

@@ -200,6 +200,7 @@ struct gpu_pass {
 	/* layout(binding = i), read and written, all layers of an array; integer formats. What a pass writes
 	 * every later pass, copy and read sees. Not the target's own textures. */
 	struct gpu_texture *images[GPU_PASS_IMAGES];
+	bool only_reads; /* nothing is written into storage and images: passes that say so do not wait for each other */
 	const void *params; /* std140 block, layout(binding = 0); copied; NULL: none */
 	size_t params_bytes; /* at most 16 KiB */
 	/* What is drawn. indices NULL: one triangle over the viewport (vertex shader full.vert makes

@@ -33,10 +33,11 @@ static void bind_inputs(struct gpu *gpu, const struct gpu_pass *pass)
 		if (image == NULL)
 			continue;
 		assert(image->gpu == gpu && gpu_format_is_integer(image->format));
-		if (image != gpu->images[i])
-			glBindImageTexture(i, image->name, 0, image->kind == GL_TEXTURE_2D_ARRAY, 0, GL_READ_WRITE,
-					   gpu_format_internal(image->format));
+		if (image != gpu->images[i] || pass->only_reads != gpu->images_only_read[i])
+			glBindImageTexture(i, image->name, 0, image->kind == GL_TEXTURE_2D_ARRAY, 0,
+					   pass->only_reads ? GL_READ_ONLY : GL_READ_WRITE, gpu_format_internal(image->format));
 		gpu->images[i] = image;
+		gpu->images_only_read[i] = pass->only_reads;
 		gpu->images_written = true;
 	}
 }
@@ -73,7 +74,9 @@ void gpu_pass_run(struct gpu *gpu, const struct gpu_pass *pass)
 	assert(view->x <= target->width && view->width <= target->width - view->x);
 	assert(view->y <= target->height && view->height <= target->height - view->y);
 	gpu_timer_begin(gpu, pass->stage);
-	gpu_written_barrier(gpu);
+	if (!(gpu->only_read && pass->only_reads))
+		gpu_written_barrier(gpu);
+	gpu->only_read = pass->only_reads;
 	gpu_target_bind(gpu, target);
 	if (gpu->program != pass->program)
 		glUseProgram(pass->program->name);

@@ -72,11 +72,13 @@ struct gpu {
 	const struct gpu_target *target;
 	const struct gpu_texture *textures[GPU_PASS_TEXTURES];
 	const struct gpu_texture *images[GPU_PASS_IMAGES];
+	bool images_only_read[GPU_PASS_IMAGES]; /* bound so */
 	const struct gpu_buffer *indices;
 	bool depth_test, culls, culls_front, blends, srgb;
 	bool sealed; /* no program should be missing any more */
 	bool storage_written; /* a pass had storage buffers; no barrier since */
 	bool images_written;  /* a pass had images; no barrier since */
+	bool only_read;       /* the passes that had either since then only read them */
 };
 
 /* Asserts that the caller is the owner. True if nothing failed so far: GL may be called. */

@@ -148,6 +148,8 @@ static enum status draw_tile(struct render *render, const struct terrain_draw *d
 		.viewport = {0, 0, render->width, render->height},
 		.textures = {slot->base, slot->planes[PLANE_OFFSET], NULL, NULL, render->noise},
 		.storage = {render->instances},
+		.images = {slot->base, slot->planes[PLANE_OFFSET]},
+		.only_reads = true,
 		.params = params,
 		.params_bytes = sizeof *params,
 		.indices = render->indices,
