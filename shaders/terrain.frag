@@ -31,7 +31,7 @@ layout(binding = 0, r32i) readonly uniform iimage2D base_posts;
 #ifdef OFFSET
 layout(binding = 1, r32i) readonly uniform iimage2D offset_posts;
 #ifdef DIRT
-layout(binding = 2) uniform usampler2D dirt_map;
+layout(binding = 2, r8ui) readonly uniform uimage2D dirt_posts;
 #endif
 #endif
 
@@ -85,8 +85,8 @@ void main()
 #ifdef DIRT
 	ivec2 at = clamp(ivec2(floor(post)), ivec2(0), ivec2(tile.x - 1));
 	vec2 part = post - vec2(at);
-	vec4 dirt = vec4(texelFetch(dirt_map, at, 0).r, texelFetch(dirt_map, at + ivec2(1, 0), 0).r,
-			 texelFetch(dirt_map, at + ivec2(0, 1), 0).r, texelFetch(dirt_map, at + ivec2(1, 1), 0).r);
+	vec4 dirt = vec4(imageLoad(dirt_posts, at).r, imageLoad(dirt_posts, at + ivec2(1, 0)).r,
+			 imageLoad(dirt_posts, at + ivec2(0, 1)).r, imageLoad(dirt_posts, at + ivec2(1, 1)).r);
 	vec2 row = mix(dirt.xz, dirt.yw, part.x);
 	float wet = mix(row.x, row.y, part.y) / 255.0;
 	albedo *= 1.0 - 0.4 * wet;
@@ -107,8 +107,11 @@ void main()
 	float facing = max(dot(normal, sun.xyz), 0.0);
 	vec3 lit = albedo * (sunlight * facing + mix(groundlight, skylight, 0.5 + 0.5 * normal.z) * shade);
 #if defined OFFSET && defined DIRT
-	vec3 between = normalize(sun.xyz - normalize(place));
-	lit += wet * facing * pow(max(dot(normal, between), 0.0), 24.0) * 0.05 * sunlight;
+	// Half-way between sun and eye, to the power of 24.
+	vec3 between = sun.xyz - place * inversesqrt(dot(place, place));
+	float along = max(dot(normal, between), 0.0), square = along * along / dot(between, between);
+	float fourth = square * square, eighth = fourth * fourth;
+	lit += wet * facing * eighth * eighth * eighth * 0.05 * sunlight;
 #endif
 #ifdef FOG
 	lit = through_haze(lit, air);

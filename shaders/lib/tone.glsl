@@ -9,6 +9,6 @@ float dither()
 vec3 tone(vec3 light)
 {
 	vec3 film = clamp(light * (2.51 * light + 0.03) / (light * (2.43 * light + 0.59) + 0.14), 0.0, 1.0);
-	// A step of 8 bits is about 2.2 * value^0.55 / 255 wide in light.
-	return max(film + dither() / 255.0 * (0.04 + 2.0 * sqrt(film)), 0.0);
+	// A step of 8 bits is about 2.2 * value^0.55 / 255 wide in light. One root for the three: none is far from green.
+	return max(film + dither() * ((0.04 + 2.0 * sqrt(film.g)) / 255.0), 0.0);
 }

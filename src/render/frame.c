@@ -159,7 +159,7 @@ static enum status draw_tile(struct render *render, const struct terrain_draw *d
 		.cull_back = true,
 	};
 	if (render->dirt)
-		pass.textures[2] = slot->planes[PLANE_DIRT];
+		pass.images[2] = slot->planes[PLANE_DIRT];
 	if (level0)
 		pass.textures[3] = gpu_slots_get(render->slots, draw->ground)->base;
 	unsigned variant = slot->target == NULL ? RENDER_PLAIN : level0 ? RENDER_LEVEL0 : RENDER_OFFSET;
