@@ -41,7 +41,7 @@ void render_reaches(const struct render *render, const struct render_axes *axes,
 		    bool ruts, double reaches[TERRAIN_STRIDES]);
 
 /* --- blocks.c: which parts of a tile are drawn at which stride --- */
-#define RENDER_BLOCK_CELLS 16
+#define RENDER_BLOCK_CELLS 8
 #define RENDER_SKIRT_SOUTH (1u << 24)
 #define RENDER_SKIRT_NORTH (1u << 25)
 #define RENDER_SKIRT_WEST (1u << 26)
