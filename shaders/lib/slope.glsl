@@ -8,24 +8,32 @@ struct slope_of_map {
 
 #define SLOPE_NODATA int(0x80000000)
 
-// The post whose neighbours count: the nearest that has all of them. Within half a post of a tile's edge that is the next,
-// and its patch of the spline goes on.
-ivec2 slope_centre(vec2 at, int cells)
+// Of the three weights along an axis, that of the post which a tile's edge leaves out goes to the others: beyond it the
+// ground goes on as it came.
+vec3 slope_weights(float f, bool first, bool last)
 {
-	return clamp(ivec2(floor(at + 0.5)), ivec2(1), ivec2(cells - 1));
+	float before = 0.5 - f, after = 0.5 + f;
+	vec3 w = vec3(0.5 * before * before, 0.75 - f * f, 0.5 * after * after);
+	w = first ? vec3(0.0, w.y + 2.0 * w.x, w.z - w.x) : w;
+	return last ? vec3(w.x - w.z, w.y + 2.0 * w.z, 0.0) : w;
 }
 
-// Three rows of posts, from south to north, each from west to east; the place `f` from the middle one.
-slope_of_map slope_between(vec2 f, vec3 south, vec3 row, vec3 north)
+float slope_along(vec3 posts, float f, bool first, bool last)
 {
-	vec2 before = 0.5 - f, after = 0.5 + f;
-	vec3 weight_x = vec3(0.5 * before.x * before.x, 0.75 - f.x * f.x, 0.5 * after.x * after.x);
-	vec3 weight_y = vec3(0.5 * before.y * before.y, 0.75 - f.y * f.y, 0.5 * after.y * after.y);
+	float before = posts.y - posts.x, after = posts.z - posts.y;
+	return mix(first ? after : before, last ? before : after, 0.5 + f);
+}
+
+// Three rows of posts around post `c`, from south to north, each from west to east, and the place from it. What lies beyond
+// the edge may be anything.
+slope_of_map slope_between(ivec2 c, vec2 f, vec3 south, vec3 row, vec3 north, int cells)
+{
+	bvec2 first = equal(c, ivec2(0)), last = equal(c, ivec2(cells));
+	vec3 weight_x = slope_weights(f.x, first.x, last.x), weight_y = slope_weights(f.y, first.y, last.y);
 	vec3 by_column = weight_y.x * south + weight_y.y * row + weight_y.z * north;
 	vec3 by_row = vec3(dot(weight_x, south), dot(weight_x, row), dot(weight_x, north));
 	slope_of_map slope;
-	slope.gradient = vec2(mix(by_column.y - by_column.x, by_column.z - by_column.y, after.x),
-			      mix(by_row.y - by_row.x, by_row.z - by_row.y, after.y));
+	slope.gradient = vec2(slope_along(by_column, f.x, first.x, last.x), slope_along(by_row, f.y, first.y, last.y));
 	slope.value = dot(weight_y, by_row);
 	return slope;
 }
@@ -36,53 +44,43 @@ float slope_post(int post, int middle)
 	return post == SLOPE_NODATA ? 0.0 : float(post - middle);
 }
 
-slope_of_map slope_of_nine(vec2 f, ivec3 south, ivec3 row, ivec3 north)
+vec2 slope_of_nine(ivec2 c, vec2 f, ivec3 south, ivec3 row, ivec3 north, int cells)
 {
 	int m = row.y;
-	slope_of_map slope = slope_between(f, vec3(slope_post(south.x, m), slope_post(south.y, m), slope_post(south.z, m)),
+	slope_of_map slope = slope_between(c, f, vec3(slope_post(south.x, m), slope_post(south.y, m), slope_post(south.z, m)),
 					   vec3(slope_post(row.x, m), 0.0, slope_post(row.z, m)),
-					   vec3(slope_post(north.x, m), slope_post(north.y, m), slope_post(north.z, m)));
-	slope.gradient = m == SLOPE_NODATA ? vec2(0.0) : slope.gradient;
-	return slope;
+					   vec3(slope_post(north.x, m), slope_post(north.y, m), slope_post(north.z, m)), cells);
+	return m == SLOPE_NODATA ? vec2(0.0) : slope.gradient;
 }
 
 #ifdef SLOPE_OF_VERTICES
-vec2 slope_of_base(isampler2D map, vec2 at, int cells)
-{
-	ivec2 c = slope_centre(at, cells);
-	return slope_of_nine(at - vec2(c),
-			     ivec3(texelFetch(map, c + ivec2(-1, -1), 0).r, texelFetch(map, c + ivec2(0, -1), 0).r,
-				   texelFetch(map, c + ivec2(1, -1), 0).r),
-			     ivec3(texelFetch(map, c + ivec2(-1, 0), 0).r, texelFetch(map, c, 0).r,
-				   texelFetch(map, c + ivec2(1, 0), 0).r),
-			     ivec3(texelFetch(map, c + ivec2(-1, 1), 0).r, texelFetch(map, c + ivec2(0, 1), 0).r,
-				   texelFetch(map, c + ivec2(1, 1), 0).r))
-		.gradient;
-}
+#define SLOPE_MAP isampler2D
+#define SLOPE_AT(x, y) texelFetch(map, ivec2(x, y), 0).r
 #else
-vec2 slope_of_base(readonly iimage2D map, vec2 at, int cells)
+#define SLOPE_MAP readonly iimage2D
+#define SLOPE_AT(x, y) imageLoad(map, ivec2(x, y)).r
+#endif
+
+vec2 slope_of_base(SLOPE_MAP map, vec2 at, int cells)
 {
-	ivec2 c = slope_centre(at, cells);
-	return slope_of_nine(at - vec2(c),
-			     ivec3(imageLoad(map, c + ivec2(-1, -1)).r, imageLoad(map, c + ivec2(0, -1)).r,
-				   imageLoad(map, c + ivec2(1, -1)).r),
-			     ivec3(imageLoad(map, c + ivec2(-1, 0)).r, imageLoad(map, c).r, imageLoad(map, c + ivec2(1, 0)).r),
-			     ivec3(imageLoad(map, c + ivec2(-1, 1)).r, imageLoad(map, c + ivec2(0, 1)).r,
-				   imageLoad(map, c + ivec2(1, 1)).r))
-		.gradient;
+	ivec2 c = clamp(ivec2(floor(at + 0.5)), ivec2(0), ivec2(cells));
+	ivec2 low = max(c - 1, ivec2(0)), high = min(c + 1, ivec2(cells));
+	return slope_of_nine(c, at - vec2(c), ivec3(SLOPE_AT(low.x, low.y), SLOPE_AT(c.x, low.y), SLOPE_AT(high.x, low.y)),
+			     ivec3(SLOPE_AT(low.x, c.y), SLOPE_AT(c.x, c.y), SLOPE_AT(high.x, c.y)),
+			     ivec3(SLOPE_AT(low.x, high.y), SLOPE_AT(c.x, high.y), SLOPE_AT(high.x, high.y)), cells);
 }
 
 // Offsets are never without data.
-slope_of_map slope_of_offset(readonly iimage2D map, vec2 at, int cells)
+slope_of_map slope_of_offset(SLOPE_MAP map, vec2 at, int cells)
 {
-	ivec2 c = slope_centre(at, cells);
-	int m = imageLoad(map, c).r;
+	ivec2 c = clamp(ivec2(floor(at + 0.5)), ivec2(0), ivec2(cells));
+	ivec2 low = max(c - 1, ivec2(0)), high = min(c + 1, ivec2(cells));
+	int m = SLOPE_AT(c.x, c.y);
 	slope_of_map slope = slope_between(
-		at - vec2(c),
-		vec3(imageLoad(map, c + ivec2(-1, -1)).r - m, imageLoad(map, c + ivec2(0, -1)).r - m, imageLoad(map, c + ivec2(1, -1)).r - m),
-		vec3(imageLoad(map, c + ivec2(-1, 0)).r - m, 0, imageLoad(map, c + ivec2(1, 0)).r - m),
-		vec3(imageLoad(map, c + ivec2(-1, 1)).r - m, imageLoad(map, c + ivec2(0, 1)).r - m, imageLoad(map, c + ivec2(1, 1)).r - m));
+		c, at - vec2(c),
+		vec3(SLOPE_AT(low.x, low.y) - m, SLOPE_AT(c.x, low.y) - m, SLOPE_AT(high.x, low.y) - m),
+		vec3(SLOPE_AT(low.x, c.y) - m, 0, SLOPE_AT(high.x, c.y) - m),
+		vec3(SLOPE_AT(low.x, high.y) - m, SLOPE_AT(c.x, high.y) - m, SLOPE_AT(high.x, high.y) - m), cells);
 	slope.value += float(m);
 	return slope;
 }
-#endif
