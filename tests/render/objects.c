@@ -258,6 +258,35 @@ static void objects_cover_what_they_must(void **state)
 	end();
 }
 
+/* However they are put together into draws: what all of them cover is what each covers alone. */
+static void each_is_drawn_where_it_is(void **state)
+{
+	need_gpu();
+	const struct deform_shape shapes[4] = {box, wheel, box, ball};
+	struct render_object shown[4];
+	struct render_camera camera = camera_at((double[3]){8, 2, 2}, (double[3]){8, 8, 1});
+	begin(OBJECTS, NULL, shapes, 4);
+	for (size_t i = 0; i < 4; i++)
+		shown[i] = posed(i, 5.3 + 1.8 * (double)i, 8, 1);
+	uint8_t *none = draw(&camera, shown, 0), *all = draw(&camera, shown, 4);
+	int covered[2] = {0, 0};
+	for (size_t i = 0; i < 4; i++) {
+		uint8_t *one = draw(&camera, &shown[i], 1);
+		for (int k = 0; k < WIDTH * HEIGHT; k++)
+			if (differs(none, one, k % WIDTH, k / WIDTH)) {
+				assert_false(differs(one, all, k % WIDTH, k / WIDTH));
+				covered[0]++;
+			}
+		test_free(one);
+	}
+	for (int k = 0; k < WIDTH * HEIGHT; k++)
+		covered[1] += differs(none, all, k % WIDTH, k / WIDTH);
+	assert_true(covered[0] > 1000 && covered[0] == covered[1]);
+	test_free(none);
+	test_free(all);
+	end();
+}
+
 static void a_hill_hides_an_object(void **state)
 {
 	need_gpu();
@@ -430,7 +459,7 @@ static void a_shadow_lies_beside_its_object_away_from_the_sun(void **state)
 		/* In the shadow, beyond its end, toward the sun, and the object itself. */
 		const struct {
 			double along, least, most;
-		} places[] = {{1.9 * radius, 0.1, 0.7}, {5 * radius, 0.97, 1.03}, {-3 * radius, 0.97, 1.03}, {0, 0.97, 1.03}};
+		} places[] = {{1.9 * radius, 0.42, 0.7}, {5 * radius, 0.97, 1.03}, {-3 * radius, 0.97, 1.03}, {0, 0.97, 1.03}};
 		for (size_t k = 0; k < 4; k++) {
 			/* The box is wider than it is high. */
 			double along = places[k].along + (i == 2 && places[k].along != 0 ? copysign(0.28, places[k].along) : 0);
@@ -652,6 +681,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(objects_cover_what_they_must),
+		cmocka_unit_test(each_is_drawn_where_it_is),
 		cmocka_unit_test(a_hill_hides_an_object),
 		cmocka_unit_test(a_wheel_is_seen_to_turn),
 		cmocka_unit_test(lugs_are_drawn_where_they_press),
