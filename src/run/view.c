@@ -81,7 +81,7 @@ static enum status draw(struct view *view, bool complete)
 		return status;
 	view_mark_used(view, true);
 	view_keep_now(view);
-	status = view_set_objects(view);
+	status = view_set_objects(view, complete);
 	if (status != STATUS_OK)
 		return status;
 	return render_frame(view->render, &camera, view->selection);

@@ -49,8 +49,9 @@ struct view {
 /* view_camera.c */
 void view_place_camera(const struct view *view, double time, struct render_camera *camera);
 
-/* view_objects.c: tells the picture where the objects are now. */
-enum status view_set_objects(struct view *view) FURROW_CHECKED;
+/* view_objects.c: tells the picture where the objects are now. `settled`: how high loads stand is waited for, and the
+ * picture is the same whenever that comes; otherwise it is as it was last known. */
+enum status view_set_objects(struct view *view, bool settled) FURROW_CHECKED;
 
 /* view_source.c */
 void view_find_room(struct view *view);

@@ -40,7 +40,7 @@ static enum status height_at(struct drive *drive, const struct rider *rider, con
 	return STATUS_OK;
 }
 
-enum status view_set_objects(struct view *view)
+enum status view_set_objects(struct view *view, bool settled)
 {
 	struct drive *drive = view->drive;
 	const struct scene *scene = drive->scene;
@@ -50,7 +50,7 @@ enum status view_set_objects(struct view *view)
 	if (objects == NULL)
 		return fail_memory("the picture's objects");
 	size_t count = 0;
-	enum status status = STATUS_OK;
+	enum status status = settled ? forces_settle(drive->forces, drive->record) : STATUS_OK;
 	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++) {
 		const struct rider *rider = &drive->riders[i];
 		struct track_point point;

@@ -26,7 +26,7 @@ static size_t shown(struct rig *rig, double time, struct render_object *out)
 {
 	const struct render_objects *objects = rig->drive.view->render->objects;
 	rig->drive.time = time;
-	must(view_set_objects(rig->drive.view));
+	must(view_set_objects(rig->drive.view, true));
 	if (objects->shown_count > 0)
 		*out = objects->shown[0];
 	return objects->shown_count;
