@@ -156,7 +156,6 @@ static void step(struct drive *drive, double x, double y)
 	bench_must(ground_height(drive->ground, event.pose.x, event.pose.y, &ground, &any));
 	event.pose.z = ground + lattice_offset(wheel.radius - 0.1);
 	bench_must(drive_sweep(drive, &event, true));
-	drive->step++;
 	bench_must(page_cache_end_step(drive->cache, drive->record));
 }
 

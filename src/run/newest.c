@@ -1,9 +1,9 @@
 /*
- * What a query asks of the ground: which tiles there are, and how high and low. Ranges come from the store; of what it may not
- * have yet nothing is known but that it changed.
+ * What a query asks of the ground: which tiles there are, and how high and low. Ranges come from the store; of what
+ * it may not have yet nothing is known but that it changed.
  *
- * Invariants: `changed` is of the moment, and a page leaves it for the store alone, with the same bits: so what was found stays true
- * until the next step, wherever commits are by then.
+ * Invariants: `changed` is of the moment it was found at, and a page leaves it for the store alone, with the same bits:
+ * so what was found stays true until the ground changes, wherever commits are by then.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -56,14 +56,18 @@ static bool has_changed(const struct newest *newest, struct tile tile)
 	return low < newest->changed_count && newest->changed[low] <= last;
 }
 
+void newest_changed(struct newest *newest)
+{
+	if (newest != NULL)
+		newest->settled = false;
+}
+
 /* Before each query. */
 static enum status settle(struct newest *newest)
 {
 	const struct drive *drive = newest->drive;
-	int64_t now = drive != NULL ? drive->step + (int64_t)drive->drops : 0; /* what changes the ground */
-	if (drive == NULL || newest->moment == now)
+	if (drive == NULL || newest->settled)
 		return STATUS_OK;
-	newest->moment = -1;
 	newest->changed_count = 0;
 	newest->lost = false;
 	key_cache_finish(&newest->offsets);
@@ -74,7 +78,7 @@ static enum status settle(struct newest *newest)
 		return fail_memory("what changed, for a query");
 	if (newest->changed_count > 0)
 		qsort(newest->changed, newest->changed_count, sizeof *newest->changed, compare);
-	newest->moment = now;
+	newest->settled = true;
 	return STATUS_OK;
 }
 
@@ -183,11 +187,16 @@ enum status newest_create(struct store *store, const struct drive *drive, struct
 		.drive = drive,
 		.world = &meta->world,
 		.fits = isnan(meta->low) || lattice_fits(meta->low, meta->high),
-		.moment = -1,
 		.offsets = {.most = RANGES},
 		.bases = {.most = RANGES},
 	};
 	newest->deformed = store_has_working_level(store, &newest->level);
+	if (newest->deformed && newest->level > -TILE_LEVEL_MIN) {
+		enum status refused = fail_with(STATUS_INPUT, "query: offsets of level %d are too coarse to be divided down to level "
+						"0; give a store deformed at level %d or finer", newest->level, -TILE_LEVEL_MIN);
+		mem_free(newest);
+		return refused;
+	}
 	newest->ground = (struct terrain_ground){
 		.user = newest,
 		.world = newest->world,

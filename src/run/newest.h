@@ -7,7 +7,7 @@
  * store alone: any one thread, without GL; what another process commits meanwhile may or may not be seen.
  *
  * What is asked is kept, bounded: some 32 MB of tiles, or 4, and ranges. A tile that is dirty in its slot is read from there,
- * which on a real GPU waits for all work that was begun before; once a tile and step, however much is asked.
+ * which on a real GPU waits for all work that was begun before; once a tile until the ground changes, however much is asked.
  */
 #ifndef FURROW_RUN_NEWEST_H
 #define FURROW_RUN_NEWEST_H
@@ -23,6 +23,8 @@ struct drive;
 /* `drive` NULL: the store alone. Both must outlive it. */
 enum status newest_create(struct store *store, const struct drive *drive, struct newest **out) FURROW_CHECKED;
 void newest_destroy(struct newest *newest); /* takes NULL */
+/* The drive's ground is not as it was when last asked: within a step, too. Takes NULL. */
+void newest_changed(struct newest *newest);
 enum status newest_heights(struct newest *newest, const struct terrain_point *points, size_t count, struct terrain_height *heights)
 	FURROW_CHECKED;
 enum status newest_rays(struct newest *newest, const struct terrain_ray *rays, size_t count, struct terrain_hit *hits) FURROW_CHECKED;

@@ -23,7 +23,7 @@ struct newest {
 	bool fits;                 /* on the lattice */
 	bool deformed;             /* there is a level with offsets: */
 	int level;
-	int64_t moment;            /* steps done, when what follows was found */
+	bool settled;              /* the ground is as it was when what follows was found */
 	uint64_t *changed;         /* keys of what may not be in the store, sorted */
 	size_t changed_count, changed_room;
 	bool lost;                 /* no memory for one of them */

@@ -51,6 +51,7 @@ void drive_release(struct drive *drive, struct held_tiles *held)
 enum status drive_mark(struct drive *drive, struct post_rect rect, const struct held_tiles *held)
 {
 	enum status status = STATUS_OK;
+	newest_changed(drive->newest);
 	for (size_t i = 0; i < held->count && status == STATUS_OK; i++) {
 		struct tile tile = held->tiles[i].tile;
 		if (post_rect_empty(post_rect_intersect(rect, tile_post_rect(&drive->meta->world, tile))))

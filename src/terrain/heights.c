@@ -116,8 +116,8 @@ static void measure(const struct world *world, struct tile tile, const struct te
 }
 
 /* The places hold the points' keys and are sorted. */
-static enum status measure_all(const struct terrain_ground *ground, const struct place *places, const struct terrain_point *points,
-			       size_t count, struct terrain_height *heights)
+static enum status measure_all(const struct terrain_ground *ground, const struct place *places,
+			       const struct terrain_point *points, size_t count, struct terrain_height *heights)
 {
 	struct tile tile = {0};
 	struct terrain_posts posts;

@@ -1,15 +1,17 @@
 /*
- * Rays: down the quadtree by bounds, front to back; then from block to block and cell to cell in the tiles at its leaves.
+ * Rays: down the quadtree by bounds, front to back; then from block to block and cell to cell in the tiles at
+ * its leaves.
  *
- * A ray is cut into pieces, one after another along it, each over one triangle or over none. Over a triangle, what matters is
- * whether the ray is above its plane or below. Invariants:
+ * A ray is cut into pieces, one after another along it, each over one triangle or over none. Over a triangle,
+ * what matters is whether the ray is above its plane or below. Invariants:
  *
- * 1. Pieces are told in order and without a gap wider than a rounding. Where a node is passed over, or there is no triangle,
- *    the side is forgotten.
- * 2. The side at a piece's end is compared with that at the next one's begin. So whatever rounding does where two triangles
- *    meet, and however slanted the ray, it cannot be above here and below there without a hit.
- * 3. A node is passed over only if the ray stays CLEAR of its bounds: more than neighbours can differ in heights along their common
- *    edge (roundings of the lattice). So a side that was forgotten there is found again the same, unless there was a hole.
+ * 1. Pieces are told in order and without a gap wider than a rounding. Where a node is passed over, or there is
+ *    no triangle, the side is forgotten.
+ * 2. The side at a piece's end is compared with that at the next one's begin. So whatever rounding does where
+ *    two triangles meet, and however slanted the ray, it cannot be above here and below there without a hit.
+ * 3. A node is passed over only if the ray stays CLEAR of its bounds: more than neighbours can differ in heights
+ *    along their common edge (roundings of the lattice). So a side that was forgotten there is found again the
+ *    same, unless there was a hole.
  */
 #include "terrain/cell.h"
 
@@ -29,7 +31,8 @@ struct ray {
 	struct terrain_hit *hit;
 };
 
-static void hit_at(struct ray *ray, double t, bool below, const struct terrain_plane *plane, uint32_t x, uint32_t y, bool upper)
+static void hit_at(struct ray *ray, double t, bool below, const struct terrain_plane *plane, uint32_t x, uint32_t y,
+		   bool upper)
 {
 	struct terrain_hit *hit = ray->hit;
 	*hit = (struct terrain_hit){.hit = true, .below = below, .distance = t, .tile = ray->tile, .x = x, .y = y, .upper = upper};
@@ -260,8 +263,8 @@ static enum status take(const struct terrain_ray *asked, size_t index, struct ra
 		most = fmax(most, fabs(asked->direction[i]));
 	}
 	if (!finite)
-		return fail_with(STATUS_INPUT, "ray %zu: an origin or a direction that is no number, or a length that is none or negative; "
-				 "give metres", index);
+		return fail_with(STATUS_INPUT, "ray %zu: an origin or a direction that is no number, or a length that is "
+				 "none or negative; give metres", index);
 	if (most == 0)
 		return fail_with(STATUS_INPUT, "ray %zu: its direction is 0 0 0; give one", index);
 	/* Neither what is huge nor what is tiny may be lost in the squares. */
@@ -276,7 +279,8 @@ static enum status take(const struct terrain_ray *asked, size_t index, struct ra
 	return STATUS_OK;
 }
 
-enum status terrain_rays(const struct terrain_ground *ground, const struct terrain_ray *rays, size_t count, struct terrain_hit *hits)
+enum status terrain_rays(const struct terrain_ground *ground, const struct terrain_ray *rays, size_t count,
+			 struct terrain_hit *hits)
 {
 	const struct tile all = {world_coarsest(ground->world), 0, 0};
 	for (size_t i = 0; i < count; i++) {

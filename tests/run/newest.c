@@ -113,7 +113,6 @@ static void roll(struct rig *rig, int step)
 
 static void end_step(struct rig *rig)
 {
-	rig->drive.step++;
 	rig->drive.record->step++;
 	must(page_cache_end_step(rig->drive.cache, rig->drive.record));
 }
@@ -352,7 +351,7 @@ static void ruts_are_lower_than_their_base(void **state)
 	check_in_rut(rig.drive.newest, x, y);
 	must(page_cache_flush(rig.drive.cache, rig.drive.record));
 	check_in_rut(rig.drive.newest, x, y);
-	rig.drive.step++;
+	newest_changed(rig.drive.newest);
 	check_in_rut(rig.drive.newest, x, y);
 	must(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
 	must(newest_create(store, NULL, &alone));
@@ -366,10 +365,21 @@ static void ruts_are_lower_than_their_base(void **state)
 static uint64_t drive_all(const char *path, bool asked)
 {
 	struct rig rig;
+	size_t moved = 0;
 	rig_open(&rig, path, hills_with_a_hole, -1, 0.002);
 	choose();
 	for (int step = 0; step < 120; step++) {
 		roll(&rig, step);
+		if (asked && step % 10 == 5) { /* before the step is over, too */
+			ask(rig.drive.newest, &after);
+			roll(&rig, step + 1);
+			ask(rig.drive.newest, &before);
+			moved += memcmp(before.heights, after.heights, sizeof after.heights) != 0;
+			ask_anew(&rig, &after);
+			check_same(&before, &after);
+		} else if (step % 10 == 5) {
+			roll(&rig, step + 1);
+		}
 		end_step(&rig);
 		if (!asked)
 			continue;
@@ -384,6 +394,7 @@ static uint64_t drive_all(const char *path, bool asked)
 		}
 	}
 	must(page_cache_flush(rig.drive.cache, rig.drive.record));
+	assert_true(!asked || moved > 5);
 	if (asked)
 		check_posts(path, rig.drive.newest, -1);
 	rig_close(&rig);
@@ -427,6 +438,33 @@ static void points_are_as_the_store_samples(void **state)
 	store_close(store);
 }
 
+/* Every allocation fails in turn: told, and what is asked again is answered. */
+static void without_memory(void **state)
+{
+	struct store *store;
+	bool whole = false;
+	must(store_open(support_path("asked.furrow"), &(struct store_options){.mode = STORE_READ}, &store));
+	for (uint64_t nth = 1; !whole; nth++) {
+		struct newest *newest = NULL;
+		mem_fail_nth(nth, 0);
+		enum status status = newest_create(store, NULL, &newest);
+		if (status == STATUS_OK)
+			status = newest_heights(newest, points, POINTS, after.heights);
+		if (status == STATUS_OK)
+			status = newest_rays(newest, rays, RAYS, after.hits);
+		mem_fail_nth(0, 0);
+		whole = status == STATUS_OK;
+		assert_true(whole || status == STATUS_FAILED);
+		if (newest != NULL) {
+			ask(newest, &after);
+			check_same(&before, &after);
+		}
+		newest_destroy(newest);
+		assert_true(nth < 1000);
+	}
+	store_close(store);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -434,6 +472,7 @@ int main(void)
 		cmocka_unit_test(far_below_it),          cmocka_unit_test(above_it),
 		cmocka_unit_test(ruts_are_lower_than_their_base),
 		cmocka_unit_test(asking_changes_nothing), cmocka_unit_test(points_are_as_the_store_samples),
+		cmocka_unit_test(without_memory),
 	};
 	return cmocka_run_group_tests(tests, support_enter, support_leave);
 }
