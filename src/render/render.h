@@ -6,6 +6,7 @@
 #ifndef FURROW_RENDER_H
 #define FURROW_RENDER_H
 
+#include <math.h>
 #include <stddef.h>
 #include <stdint.h>
 

@@ -192,15 +192,17 @@ static bool place_label(const struct render_placed *placed, const double dot[2],
 static enum status draw_ways(const struct map *map)
 {
 	int unit = map->placed.unit;
-	const struct render_colour pale = {255, 255, 255, 110};
+	const struct render_colour pale = {255, 255, 255, 80};
 	size_t count = map->drive->scene->object_count;
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 		struct way *way = &map->ways[i];
 		const double(*places)[2] = (const double(*)[2])on_canvas(map, way);
-		status = render_canvas_path(&map->canvas, places, way->count, 1.3 * unit, pale);
+		struct render_colour colour = colour_of(i);
+		colour.a = 200; /* the rut below is seen through it */
+		status = render_canvas_path(&map->canvas, places, way->count, 1.2 * unit, pale);
 		if (status == STATUS_OK)
-			status = render_canvas_path(&map->canvas, places, way->count, 0.7 * unit, colour_of(i));
+			status = render_canvas_path(&map->canvas, places, way->count, 0.6 * unit, colour);
 	}
 	return status;
 }

@@ -279,7 +279,7 @@ cache: {slots: 16}
         self.drive(scene, "--store", self.copy())
         out = self.folder / "out"
         wanted = {path.name: hashlib.sha256(path.read_bytes()).digest() for path in out.glob("*.png")}
-        self.assertEqual(len(wanted), 4)
+        self.assertEqual(len(wanted), 5)  # the map too
         shutil.rmtree(out)
         self.drive(scene, "--store", self.store, "--steps", 40)
         (out / "frame-000040.png").unlink()
