@@ -138,7 +138,7 @@ static enum status look(struct looking *looking)
 static enum status open_window(struct looking *looking)
 {
 	const struct scene_view *view = &looking->scene->view;
-	enum status status = window_open("furrow", view->width, view->height, &looking->window);
+	enum status status = window_open("furrow: loads", view->width, view->height, &looking->window);
 	if (status == STATUS_OK)
 		viewer_init(&looking->viewer, looking->window, looking->scene);
 	return status;

@@ -18,7 +18,7 @@
 #define BEHIND 0.25           /* s: what the clock is ahead by is caught up with, and what is more is let go */
 #define PICTURES (1.0 / 60)   /* s: no picture is begun sooner after the one before */
 #define REST 1.0              /* s: without a picture: nothing changes */
-#define NAP 2000000           /* ns, in a turn in which there was nothing to do */
+#define NAP 1000000           /* ns, in a turn in which there was nothing to do but wait */
 #define PICTURE_MOST 8192u    /* pixels a side */
 #define OFFSETS_LEAST 0.05    /* m: that colours of offsets range over, either way */
 #define SLOPES_MOST 45.0      /* degrees */
@@ -213,7 +213,7 @@ static enum status steps(struct host *host, int64_t total, bool *any)
 static enum status turn(struct host *host, int64_t total)
 {
 	struct drive *drive = host->drive;
-	bool stepped = false, busy = host->drawn;
+	bool stepped = false, before = host->drawn;
 	uint64_t drops = drive->drops;
 	enum status status = host->calls->turn(host->calls->user, drive, &host->wish);
 	host->stale = host->stale || drive->drops != drops;
@@ -224,10 +224,12 @@ static enum status turn(struct host *host, int64_t total)
 		status = steps(host, total, &stepped);
 	if (status == STATUS_OK && host->drawn)
 		status = show(host);
+	bool came = before && !host->drawn;
 	if (status == STATUS_OK && !host->drawn)
 		status = draw(host);
+	bool begun = host->drawn && (came || !before);
 	const struct timespec nap = {0, NAP};
-	if (status == STATUS_OK && !busy && !stepped && !host->drawn)
+	if (status == STATUS_OK && !stepped && !came && !begun)
 		nanosleep(&nap, NULL);
 	return status;
 }

@@ -34,6 +34,7 @@ struct guest {
 	uint64_t hash;    /* of the last picture */
 	uint32_t width, height;
 	bool changed;     /* a pixel is not what its neighbour is */
+	uint8_t middle[3]; /* of the last picture */
 };
 
 static enum status on_turn(void *user, struct drive *drive, struct run_wish *wish)
@@ -54,6 +55,7 @@ static enum status on_picture(void *user, struct drive *drive, uint8_t *pixels, 
 		hash = (hash ^ pixels[i]) * 1099511628211u;
 	for (size_t i = 4; i < (size_t)4 * width * height; i++)
 		guest->changed = guest->changed || pixels[i] != pixels[i - 4];
+	memcpy(guest->middle, pixels + 4 * ((size_t)(height / 2) * width + width / 2), sizeof guest->middle);
 	guest->hash = hash;
 	guest->pictures++;
 	guest->width = width;
@@ -196,7 +198,7 @@ static enum status look_turn(void *user, struct drive *drive, struct run_wish *w
 	looks->still = guest->pictures == looks->shown ? looks->still + 1 : 0;
 	looks->shown = guest->pictures;
 	/* Longer than the shortest time between two pictures, and than a load: there is nothing new to draw. */
-	if (looks->still >= 40 && guest->pictures > 0) {
+	if (looks->still >= 80 && guest->pictures > 0) {
 		looks->seen[guest->stage] = guest->hash;
 		looks->wide[guest->stage++] = guest->width;
 		looks->still = 0;
@@ -257,6 +259,49 @@ static enum status drop_twice(struct guest *guest, struct drive *drive, struct r
 	return STATUS_OK;
 }
 
+/* From straight above the place: what the colours say of it before a drop and after. */
+struct colours {
+	struct guest guest;
+	int shown, still;
+	uint8_t height[3], none[3], deep[3];
+};
+
+static enum status colours_turn(void *user, struct drive *drive, struct run_wish *wish)
+{
+	struct colours *colours = user;
+	struct guest *guest = &colours->guest;
+	uint8_t *seen[] = {colours->height, colours->none, colours->deep};
+	colours->still = guest->pictures == colours->shown ? colours->still + 1 : 0;
+	colours->shown = guest->pictures;
+	if (colours->still >= 80 && guest->pictures > 0) {
+		memcpy(seen[guest->stage++], guest->middle, 3);
+		colours->still = 0;
+		if (guest->stage == 2)
+			must(run_drop(drive, RUN_DROP_FIRST, 150, 120, 0, &guest->pressed));
+	}
+	wish->go = guest->stage == 3 ? RUN_STOP : RUN_HOLD;
+	wish->free = true;
+	wish->camera = (struct render_camera){{150, 120, 120}, {150, 120.01, 100}, 0.9};
+	wish->layer = guest->stage == 0 ? RENDER_HEIGHTS : RENDER_OFFSETS;
+	return STATUS_OK;
+}
+
+static double linear(uint8_t coded)
+{
+	return coded > 10 ? pow((coded / 255.0 + 0.055) / 1.055, 2.4) : coded / 255.0 / 12.92;
+}
+
+/* A legend's colour in the light that falls on level ground, which is the same whatever the colour. */
+static void is_colour(const uint8_t seen[3], enum render_layer_kind kind, double t, double *light)
+{
+	struct render_colour colour = render_layer_colour(kind, t);
+	const uint8_t rgb[3] = {colour.r, colour.g, colour.b};
+	if (isnan(*light))
+		*light = linear(seen[0]) / linear(rgb[0]);
+	for (int c = 0; c < 3; c++)
+		assert_true(fabs(linear(seen[c]) - *light * linear(rgb[c])) < 0.012);
+}
+
 static enum status drop_outside(struct guest *guest, struct drive *drive, struct run_wish *wish)
 {
 	wish->go = RUN_STOP;
@@ -301,6 +346,40 @@ static void what_is_dropped_is_pressed_as_deep_as_it_sinks_and_kept(void **state
 	guest = (struct guest){.act = drop_twice};
 	must(watch_drive(store, none_text, &guest, true));
 	assert_true(fabs(quanta_at(store, 150, 120) / (1 << 20) + 1.0) < 1e-4);
+}
+
+static const char box_text[] = /* its print is level */
+	"scene: 1\n"
+	"time_step: 0.1\n"
+	"end_time: 2\n"
+	"redistribute: {model: none}\n"
+	"objects:\n"
+	"  - {name: a, shape: {box: {size: [8, 8, 2]}}, sink: 0.5, path: {points: [[40, 60], [80, 90]], speed: 20}}\n"
+	"view: {size: [64, 36], camera: {chase: a}}\n"
+	"cache: {slots: 128}\n";
+
+static void layers_have_the_colours_of_their_legend(void **state)
+{
+	const char *store = support_path("colours.furrow"), *path = support_path("scene.yaml");
+	struct colours colours = {.guest = {.stage = 0}};
+	struct scene *scene;
+	support_store(store, world, flat);
+	support_write(path, box_text);
+	must(scene_load(path, NULL, 0, &scene));
+	const struct run_host host = {&colours, colours_turn, on_picture};
+	struct run_result result;
+	enum status status = run_drive(&(struct run_params){.scene = scene, .store = store, .directory = support_path("out"), .host = &host},
+				       &result);
+	scene_destroy(scene);
+	if (status == STATUS_NO_GL)
+		skip();
+	must(status);
+	mem_free(result.json);
+	double light = NAN;
+	is_colour(colours.height, RENDER_HEIGHTS, 1, &light); /* 100 m, where all is as high: above its range */
+	assert_true(light > 0.5 && light < 1);
+	is_colour(colours.none, RENDER_OFFSETS, 0.5, &light);
+	is_colour(colours.deep, RENDER_OFFSETS, 0, &light); /* half a metre deep, and that is the range */
 }
 
 static void beyond_the_ground_nothing_is_dropped(void **state)
@@ -375,6 +454,7 @@ int main(void)
 		cmocka_unit_test(the_end_of_the_scene_holds),
 		cmocka_unit_test(the_camera_the_layer_and_the_size_are_the_hosts),
 		cmocka_unit_test(what_is_dropped_is_pressed_as_deep_as_it_sinks_and_kept),
+		cmocka_unit_test(layers_have_the_colours_of_their_legend),
 		cmocka_unit_test(beyond_the_ground_nothing_is_dropped),
 		cmocka_unit_test(under_a_load_the_soil_carries_what_is_dropped),
 		cmocka_unit_test(a_host_that_fails_ends_the_drive),
