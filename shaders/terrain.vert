@@ -1,6 +1,7 @@
 #version 450 core
-// A block of a tile: a grid of posts at a stride, its height fetched per vertex. With GEOMORPH a vertex
-// slides to the next coarser stride's surface as it recedes, so that nothing jumps when that is drawn.
+// A block of a tile: a grid of posts at a stride, its height fetched per vertex. With GEOMORPH a vertex slides to the
+// next coarser stride's post south-west of it as it recedes, along the ground too, until it lies upon it: the mesh has then
+// become the coarser one, so that nothing jumps when that is drawn, and where both meet there is neither crack nor T-junction.
 #include "lib/picture.glsl"
 #ifdef LEVEL0
 #define SLOPE_OF_VERTICES
@@ -52,56 +53,46 @@ bool fetch_height(ivec2 at, out float height)
 }
 
 #ifdef GEOMORPH
-// The surface of the triangles that a stride draws, at any post; `fine` where those touch nodata.
-float strided_height(ivec2 at, int stride, float fine)
-{
-	ivec2 corner = at & ~(stride - 1);
-	vec2 part = vec2(at - corner) / float(stride);
-	ivec2 beyond = min(corner + stride, ivec2(tile.x));
-	float most = max(part.x, part.y), least = min(part.x, part.y);
-	float a, b, c;
-	bool whole = fetch_height(corner, a);
-	whole = fetch_height(part.x >= part.y ? ivec2(beyond.x, corner.y) : ivec2(corner.x, beyond.y), b) && whole;
-	whole = fetch_height(beyond, c) && whole;
-	return whole ? a * (1.0 - most) + b * (most - least) + c * least : fine;
-}
-
-#ifdef REACHES
+// Metres from the eye from which on a stride of 2^power does. By radii of how far apart its posts are alone, whatever the
+// tile: so all that meet at a vertex move it alike.
 float reach(int power)
 {
+#ifdef REACHES
 	return reaches[power >> 2][power & 3];
+#else
+	float apart = origin.z * float(1 << power);
+	return apart * (apart <= RUT_CELL ? RUT_REACH * detail.x : detail.x);
+#endif
 }
 
-// Strides are passed over whose reach ends where the next begins: from each it slides to the one that follows it.
-float morphed_height(ivec2 at, int stride, float fine)
+// A vertex of a stride to where it is drawn; false: there is no ground. Strides are passed over whose reach ends where the
+// next begins: from each it slides to the one that follows it.
+bool morph(ivec2 at, int stride, bool ground, inout float height, out vec2 drawn)
 {
-	float far = length(vec3(origin.xy + vec2(at) * origin.z, fine));
-	int power = findMSB(stride), most = findMSB(tile.x);
+	float far = length(vec3(origin.xy + vec2(at) * origin.z, ground ? height : 0.0));
+	int power = findMSB(stride), most = findMSB(tile.x) - 1; // a quadrant's vertices stay in it
 	while (power < most && reach(power + 1) <= far)
 		power++;
-	float now = 1 << power == stride ? fine : strided_height(at, 1 << power, fine);
+	ivec2 now = at & ~((1 << power) - 1);
+	if (now != at)
+		ground = fetch_height(now, height);
+	drawn = vec2(now);
 	if (power == most)
-		return now;
+		return ground;
 	float end = reach(power + 1), begin = max(0.8 * end, reach(power));
 	float blend = clamp((far - begin) / max(end - begin, 1e-6 * end), 0.0, 1.0);
 	int next = power + 1;
 	while (next < most && reach(next + 1) <= end)
 		next++;
-	return blend > 0.0 ? mix(now, strided_height(at, 1 << next, fine), blend) : now;
-}
-#else
-float morphed_height(ivec2 at, int stride, float fine)
-{
-	float far = length(vec3(origin.xy + vec2(at) * origin.z, fine)) / (detail.x * float(stride));
-	while (far >= 1.0 && 2 * stride < tile.x) {
-		far *= 0.5;
-		stride *= 2;
+	ivec2 then = at & ~((1 << next) - 1);
+	float coarse;
+	// Beside a hole it stays until the coarser stride is drawn.
+	if (blend > 0.0 && then != now && fetch_height(then, coarse)) {
+		drawn = mix(drawn, vec2(then), blend);
+		height = mix(height, coarse, blend);
 	}
-	float blend = clamp((far - 0.8) * 5.0, 0.0, 1.0);
-	float now = strided_height(at, stride, fine);
-	return blend > 0.0 ? mix(now, strided_height(at, 2 * stride, fine), blend) : now;
+	return ground;
 }
-#endif
 #endif
 
 void main()
@@ -116,22 +107,22 @@ void main()
 		int edge = skirt / side, along = skirt % side; // south, north, west, east
 		cell = edge == 0 ? ivec2(along, 0) : edge == 1 ? ivec2(along, tile.w) :
 		       edge == 2 ? ivec2(0, along) : ivec2(tile.w, along);
-		drop = (which >> (24 + edge) & 1u) != 0u ? min(detail.y * float(stride), detail.z) : 0.0;
+		drop = float(which >> (24 + edge) & 1u);
 	}
 #endif
 	ivec2 at = ivec2(which & 1023u, which >> 10 & 1023u) * tile.w * stride + cell * stride;
 	float height;
-	bool hole = !fetch_height(at, height);
-#ifdef GEOMORPH
-	height = morphed_height(at, stride, height);
-#endif
-#if defined SKIRTS && defined REACHES
-	// What meets here is off by no more than is allowed, either side.
-	if (drop > 0.0)
-		drop = max(drop, 2.0 * detail.w * length(vec3(origin.xy + vec2(at) * origin.z, height)));
-#endif
+	bool ground_here = fetch_height(at, height);
 	post = vec2(at);
-	place = vec3(origin.xy + post * origin.z, height - drop);
+#ifdef GEOMORPH
+	ground_here = morph(at, stride, ground_here, height, post);
+#endif
+	place = vec3(origin.xy + post * origin.z, height);
+#ifdef SKIRTS
+	// What meets here is off by as much as is allowed, either side; or, where tiles stand in for others, by a cell.
+	if (drop > 0.0)
+		place.z -= max(2.0 * detail.w * length(place), min(detail.y * float(stride), detail.z));
+#endif
 #ifdef LEVEL0
 	// Below level 0 posts lie on planes between the source's: the broad shape is that of level 0.
 	broad = slope_of_base(level0_map, ground.xy + post * ground.z, tile.x) * (base_metre / ground.w);
@@ -143,5 +134,5 @@ void main()
 	air = haze_between(place);
 #endif
 	// A triangle with a corner that is nowhere is not drawn.
-	gl_Position = hole ? vec4(uintBitsToFloat(0x7fc00000u)) : project * vec4(place, 1.0);
+	gl_Position = ground_here ? project * vec4(place, 1.0) : vec4(uintBitsToFloat(0x7fc00000u));
 }

@@ -8,7 +8,8 @@ layout(std140, binding = 0) uniform picture {
 	vec4 origin;      // the tile's south-west post relative to the eye; spacing; the eye above its lattice height
 	vec4 pattern;     // the tile's south-west post modulo the ground pattern's period, metres; metres a post
 	vec4 ground;      // its post in the level-0 tile, level-0 posts a post, level-0 spacing
-	vec4 detail;      // distance at which a stride of 1 has become 2; a skirt's depth a stride and at most; error allowed a metre
+	vec4 detail;      // by radii: metres of distance a metre between vertices; where tiles stand in, a skirt's depth a stride and
+	                  // at most, metres; how far off ground may be drawn, a metre of distance
 	ivec4 tile;       // cells, first instance, the eye's lattice height / 2, cells along a block
 	vec4 layer;       // what colours tell, as enum render_layer_kind; their range's low end, 1 / its width; 2 x level, + 1 of every other tile
 #ifdef REACHES
@@ -19,3 +20,6 @@ layout(std140, binding = 0) uniform picture {
 const float half_base_metre = 1.0 / 131072.0; // metres of half a base height, 2^-17
 const float base_metre = 1.0 / 262144.0;      // of a base height, 2^-18
 const float offset_metre = 1.0 / 1048576.0;   // of an offset, 2^-20
+// By radii vertices at most so far apart show what wheels leave, and are drawn until farther away: src/render/camera.c.
+#define RUT_CELL 0.3
+#define RUT_REACH 1.5

@@ -15,7 +15,7 @@ struct splitter {
 	double spacing;
 	double west, south;  /* metres, of the tile */
 	double limit[2];     /* the world's last post */
-	uint32_t side;       /* cells along a block */
+	uint32_t side, cells; /* along a block, and the tile */
 	size_t first;        /* of this tile's blocks */
 	enum status status;
 };
@@ -40,13 +40,35 @@ static enum status append(struct render_blocks *blocks, uint32_t block)
 	return STATUS_OK;
 }
 
+/* Vertices slide south-westward, onto posts of the coarsest stride that any of the block may have begun to become
+ * (terrain.vert's morph): how far the block's ground then reaches beyond its own, metres. */
+static void slide_west_and_south(const struct splitter *s, const double low[3], const double high[3], double out[3])
+{
+	double far = 0, reach;
+	int most = __builtin_ctz(s->cells) - 1, power = 0;
+	for (int i = 0; i < 3; i++)
+		far += pow(fmax(fabs(low[i] - s->view->eye[i]), fabs(high[i] - s->view->eye[i])), 2);
+	far = 1.001 * sqrt(far);
+	while (power < most && s->reaches[power + 1] <= far)
+		power++;
+	reach = s->reaches[power < most ? power + 1 : most];
+	for (power += power < most; power < most && s->reaches[power + 1] <= reach;)
+		power++;
+	double step = s->spacing * (1 << power);
+	out[0] = s->west + floor((low[0] - s->west) / step) * step;
+	out[1] = s->south + floor((low[1] - s->south) / step) * step;
+	out[2] = low[2];
+}
+
 static void split(struct splitter *s, uint32_t x, uint32_t y, int stride)
 {
 	double size = s->side * s->spacing * (1 << stride);
 	double low[3] = {s->west + x * size, s->south + y * size, s->draw->low};
 	double high[3] = {fmin(low[0] + size, s->limit[0]), fmin(low[1] + size, s->limit[1]), s->draw->high};
+	double slid[3];
+	slide_west_and_south(s, low, high, slid);
 	if (s->status != STATUS_OK || low[0] >= s->limit[0] || low[1] >= s->limit[1] ||
-	    !terrain_box_visible(s->view->planes, low, high))
+	    !terrain_box_visible(s->view->planes, slid, high))
 		return;
 	double distance = terrain_box_distance(s->view->eye, low, high);
 	if (stride > 0 && distance < s->reaches[stride]) {
@@ -98,7 +120,7 @@ enum status render_blocks_add(struct render_blocks *blocks, const struct world *
 		.blocks = blocks, .view = view, .draw = draw, .spacing = spacing, .reaches = reaches,
 		.west = draw->tile.x * spacing * world->cells, .south = draw->tile.y * spacing * world->cells,
 		.limit = {(double)(world->width - 1) * world->spacing, (double)(world->height - 1) * world->spacing},
-		.side = side, .first = blocks->count,
+		.side = side, .cells = world->cells, .first = blocks->count,
 	};
 	int stride = 0;
 	while (across >> stride > 2)

@@ -17,7 +17,10 @@
 #define PIXELS_A_CELL 32.0
 /* Below this, blocks of one stride would be too small beside their distance to slide in time. */
 #define REACH_LEAST 24.0
-#define RUT_REACH 1.5 /* what wheels leave is finer than the ground: cut more finely */
+/* What wheels leave is finer than the ground: cut more finely where vertices are near enough to show it. It goes by how far
+ * apart they are alone, the same in every tile: what meets at an edge must slide alike. shaders/lib/picture.glsl has both. */
+#define RUT_CELL 0.3f /* metres */
+#define RUT_REACH 1.5
 #define REACH_MOST 1e30 /* metres: a float, with room to reckon */
 
 static double normalise(double v[3])
@@ -54,14 +57,15 @@ double render_mesh_reach(const struct render_axes *axes)
 }
 
 void render_reaches(const struct render *render, const struct render_axes *axes, const struct terrain_draw *draw,
-		    bool ruts, double reaches[TERRAIN_STRIDES])
+		    double reaches[TERRAIN_STRIDES])
 {
 	double spacing = world_spacing(&render->world, draw->tile.level);
-	double reach = render_mesh_reach(axes) * (ruts ? RUT_REACH : 1);
-	/* A stride of 2^k is the surface k levels above: as far as that level's error (Equation 3). */
-	for (int k = 0; k < TERRAIN_STRIDES; k++)
-		reaches[k] = render->pixel_error > 0 ? fmin(draw->errors[k] * (axes->focal / render->pixel_error), REACH_MOST) :
-						       reach * spacing * (1 << k);
+	for (int k = 0; k < TERRAIN_STRIDES; k++) {
+		double apart = spacing * (1 << k);
+		double reach = apart * render_mesh_reach(axes) * ((float)apart <= RUT_CELL ? RUT_REACH : 1);
+		/* A stride of 2^k is the surface k levels above: as far as that level's error (Equation 3). */
+		reaches[k] = render->pixel_error > 0 ? fmin(draw->errors[k] * (axes->focal / render->pixel_error), REACH_MOST) : reach;
+	}
 }
 
 void render_view(const struct render *render, const struct render_camera *camera, struct terrain_view *view)

@@ -9,8 +9,6 @@
 
 #include "render/internal.h"
 
-#define RUT_SPACING 0.3 /* metres, at which ruts still have a shape */
-
 /* From south-east, low enough to model the ground. */
 #define SUN_AZIMUTH 2.35 /* radians east of north */
 #define SUN_HEIGHT 0.61
@@ -61,19 +59,25 @@ static void fill_frame(const struct render *render, const struct render_camera *
 	to_floats(params->relief, render->low, 1 / relief, relief, camera->eye[2]);
 }
 
-static void draw_reaches(const struct render *render, const struct render_axes *axes, const struct terrain_draw *draw,
-			 double reaches[TERRAIN_STRIDES])
+/* Tiles that stand in for finer ones, or that the budget keeps from being divided: what meets them may be off by more than a
+ * complete picture is. */
+static bool is_patched(const struct render *render, const struct render_axes *axes, const struct terrain_selection *selection)
 {
-	bool ruts = gpu_slots_get(render->slots, draw->slot)->target != NULL &&
-		    world_spacing(&render->world, draw->tile.level) <= RUT_SPACING;
-	render_reaches(render, axes, draw, ruts, reaches);
+	for (size_t i = 0; i < selection->draw_count; i++) {
+		const struct terrain_draw *draw = &selection->draws[i];
+		double reaches[TERRAIN_STRIDES];
+		render_reaches(render, axes, draw, reaches);
+		if (draw->stands_in || (!draw->finest && draw->distance < reaches[0]))
+			return true;
+	}
+	return false;
 }
 
 static void fill_tile(const struct render *render, const struct render_camera *camera, const struct render_axes *axes,
-		      const struct terrain_draw *draw, uint32_t first, struct picture_params *params)
+		      const struct terrain_draw *draw, uint32_t first, bool patched, struct picture_params *params)
 {
 	double reaches[TERRAIN_STRIDES];
-	draw_reaches(render, axes, draw, reaches);
+	render_reaches(render, axes, draw, reaches);
 	uint32_t cells = render->world.cells;
 	double spacing = world_spacing(&render->world, draw->tile.level);
 	double west = draw->tile.x * spacing * cells, south = draw->tile.y * spacing * cells;
@@ -81,8 +85,8 @@ static void fill_tile(const struct render *render, const struct render_camera *c
 	double half = fmin(fmax(round(ldexp(eye, BASE_BITS - 1)), -0x1p30 + 1), 0x1p30 - 1);
 	to_floats(params->origin, west - camera->eye[0], south - camera->eye[1], spacing, eye - ldexp(half, 1 - BASE_BITS));
 	to_floats(params->pattern, fmod(west, RENDER_PATTERN_PERIOD), fmod(south, RENDER_PATTERN_PERIOD), spacing, 0);
-	to_floats(params->detail, reaches[1], 1.2 * spacing, fmax(draw->high - draw->low, spacing / 4),
-		  render->pixel_error / axes->focal);
+	to_floats(params->detail, render_mesh_reach(axes), patched ? 1.2 * spacing : 0, fmax(draw->high - draw->low, spacing / 4),
+		  fmax(render->pixel_error, 1) / axes->focal);
 	for (int k = 0; k < TERRAIN_STRIDES; k++)
 		params->reaches[k] = (float)reaches[k];
 	params->tile[0] = (int32_t)cells;
@@ -113,7 +117,7 @@ static enum status collect_blocks(struct render *render, const struct terrain_vi
 		const struct terrain_draw *draw = &selection->draws[*end];
 		size_t before = blocks->count;
 		double reaches[TERRAIN_STRIDES];
-		draw_reaches(render, axes, draw, reaches);
+		render_reaches(render, axes, draw, reaches);
 		enum status status = render_blocks_add(blocks, &render->world, view, reaches, draw);
 		if (status != STATUS_OK)
 			return status;
@@ -200,6 +204,7 @@ enum status render_frame(struct render *render, const struct render_camera *came
 	if (drawn == NULL)
 		return fail_memory("the picture's draws");
 	enum status status = STATUS_OK;
+	bool patched = is_patched(render, &axes, selection);
 	struct picture_params params = {0};
 	fill_frame(render, camera, &axes, &params);
 	render->triangles = 0;
@@ -214,7 +219,7 @@ enum status render_frame(struct render *render, const struct render_camera *came
 			if (drawn[k].count == 0)
 				continue;
 			const struct terrain_draw *draw = &selection->draws[k];
-			fill_tile(render, camera, &axes, draw, drawn[k].first, &params);
+			fill_tile(render, camera, &axes, draw, drawn[k].first, patched, &params);
 			status = draw_tile(render, draw, &drawn[k], &params);
 		}
 	}

@@ -36,9 +36,9 @@ void render_axes(const struct render *render, const struct render_camera *camera
 /* Metres from the eye, per metre of spacing, from which on a spacing is fine enough for the mesh. By radii. */
 double render_mesh_reach(const struct render_axes *axes);
 /* Metres from the eye from which on each stride of a tile, 2^0 .. 2^11, is fine enough; none is less than the one
- * before. `ruts`: what wheels leave can be told there. */
+ * before. */
 void render_reaches(const struct render *render, const struct render_axes *axes, const struct terrain_draw *draw,
-		    bool ruts, double reaches[TERRAIN_STRIDES]);
+		    double reaches[TERRAIN_STRIDES]);
 
 /* --- blocks.c: which parts of a tile are drawn at which stride --- */
 #define RENDER_BLOCK_CELLS 8

@@ -143,10 +143,12 @@ static void by_the_radii_reach_doubles_with_the_stride_and_nothing_asks_for_erro
 	render_view(&render, &camera, &view);
 	assert_false(view.by_error);
 	assert_true(view.radius == axes.focal / 6 / 256);
-	for (int ruts = 0; ruts < 2; ruts++) {
-		render_reaches(&render, &axes, &draw, ruts, reaches);
+	/* What is as far apart reaches as far, whatever the tile; below 0.3 m half as far again. */
+	for (int level = -5; level < 4; level++) {
+		draw.tile.level = level;
+		render_reaches(&render, &axes, &draw, reaches);
 		for (int k = 0; k < TERRAIN_STRIDES; k++)
-			assert_true(reaches[k] == render_mesh_reach(&axes) * (ruts ? 1.5 : 1) * 2 * (1 << k));
+			assert_true(reaches[k] == render_mesh_reach(&axes) * (level + k < -1 ? 1.5 : 1) * ldexp(1, level + k));
 	}
 }
 
@@ -161,8 +163,8 @@ static void by_error_a_stride_reaches_as_far_as_its_error_is_seen(void **state)
 	render_axes(&render, &camera, &axes);
 	render_view(&render, &camera, &view);
 	assert_true(view.by_error && view.radius == axes.focal / 2);
-	for (int ruts = 0; ruts < 2; ruts++) {
-		render_reaches(&render, &axes, &draw, ruts, reaches);
+	{
+		render_reaches(&render, &axes, &draw, reaches);
 		assert_true(reaches[0] == 0 && reaches[1] == reaches[2]);
 		/* From there on 0.25 m are less than 2 pixels of 720 / 2 / tan(0.45). */
 		assert_true(fabs(reaches[1] - 0.25 / 2 * 360 / tan(0.45)) < 1e-9);
