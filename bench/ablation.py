@@ -54,6 +54,7 @@ def loaded(made):
 
 SCM = scene(WHEEL, "scm", **SAND)
 SEEN = scene(WHEEL, **view())
+MAPPED = SCM | {"soil": {"map": "classes.png", "classes": {1: "dry_sand", 2: "lete_sand"}, "default": "dry_sand"}}
 
 # What is measured, the scene without, the scene with it. Which effects those are is what `furrow explain` says the second
 # has and the first has not; every effect of its table is called for by one of these (checked).
@@ -63,7 +64,7 @@ PAIRS = [
     ("sumner", scene(WHEEL), scene(WHEEL, "sumner", soil={"name": "sand"})),
     ("slippage", scene(WHEEL), scene(WHEEL, "slippage", **SAND)),
     ("scm", scene(WHEEL), SCM),
-    ("soil_map", SCM, SCM | {"soil": {"map": "classes.png", "classes": {1: "dry_sand", 2: "lete_sand"}, "default": "dry_sand"}}),
+    ("soil_map", SCM, MAPPED),
     ("mesh", scene(BRICK), scene({"mesh": {"file": "brick.obj"}})),
     ("lugs", scene(WHEEL), scene({"wheel": WHEEL["wheel"] | {"lugs": 18}})),
     ("load", SCM, loaded(copy.deepcopy(SCM))),
@@ -77,6 +78,7 @@ PAIRS = [
     ("objects", SEEN, scene(WHEEL, **view("objects"))),
     ("shadow", scene(WHEEL, **view("objects")), scene(WHEEL, **view("objects", "shadow"))),
     ("detail", scene(WHEEL, **view("texture")), scene(WHEEL, **view("texture", "detail"))),
+    ("splat", MAPPED | view("texture"), MAPPED | view("texture", "splat")),
     ("pixel_error", scene(WHEEL, **view("geomorph")), scene(WHEEL, **view("geomorph", pixel_error=4))),
     ("antialias", SEEN, scene(WHEEL, **view(samples=4))),
     ("images", SEEN, scene(WHEEL, **view(images=1))),

@@ -1,6 +1,7 @@
 #version 450 core
 // The ground's light and colour at a pixel: slope from the posts themselves, ruts included.
 #include "lib/picture.glsl"
+#include "lib/body.glsl"
 #include "lib/slope.glsl"
 #include "lib/tone.glsl"
 #ifdef FOG
@@ -17,7 +18,8 @@ in vec3 place;
 in vec2 broad; // slope of the ground without offsets
 #endif
 #ifdef TEXTURE
-in float region;
+in vec4 squares;
+in vec2 country;
 #endif
 #ifdef FOG
 in vec2 air;
@@ -35,9 +37,6 @@ layout(binding = 2, r8ui) readonly uniform uimage2D dirt_posts;
 #endif
 #endif
 
-const vec3 sunlight = vec3(1.0, 0.90, 0.75) * 2.6;
-const vec3 skylight = vec3(0.40, 0.50, 0.64), groundlight = vec3(0.22, 0.19, 0.15);
-
 void main()
 {
 #ifdef LEVEL0
@@ -45,23 +44,7 @@ void main()
 #else
 	vec2 gradient = slope_of_base(base_posts, post, tile.x) * (base_metre / origin.z);
 #endif
-	float shade = 1.0;
-
-#ifdef TEXTURE
-	// How long a pixel is on the ground: more along a grazing view.
-	float far = length(place), steep = length(gradient);
-	float facing_eye = abs(dot(place, vec3(-gradient, 1.0))) * inversesqrt(1.0 + steep * steep) / far;
-	float log_pixel = log2(far * right.w) - 0.4 * log2(max(facing_eye, 0.02));
-	vec2 metres = pattern.xy + post * pattern.z;
-	vec3 noise = noise_near(metres, log_pixel);
-	ground_surface surface = ground_at(metres, region, noise.x, place.z + relief.w, steep);
-	vec3 albedo = surface.albedo;
-	float loose = surface.loose;
-#else
-	vec3 albedo = mix(vec3(0.130, 0.105, 0.075), vec3(0.270, 0.240, 0.200),
-			  clamp((place.z + relief.w - relief.x) * relief.y, 0.0, 1.0));
-	float loose = 1.0;
-#endif
+	float shade = 1.0, steep = length(gradient), dug = 0.0;
 
 #ifdef OFFSET
 	slope_of_map offset = slope_of_offset(offset_posts, post, tile.x);
@@ -70,18 +53,23 @@ void main()
 	float moved = offset.value * offset_metre;
 	float pressed = smoothstep(0.004, 0.06, -moved);
 	float heaped = max(smoothstep(0.004, 0.03, moved), smoothstep(0.04, 0.25, length(cut)));
+	dug = max(pressed, heaped);
 	shade = 1.0 - 0.35 * smoothstep(0.0, 0.35, -moved);
 #endif
 
-#if defined TEXTURE && defined DETAIL
-	gradient += surface.rough * noise.yz;
+#ifdef TEXTURE
+	ground_surface surface = ground_at(post, squares, ground_pixel(place, gradient), country.x, country.y, steep, dug);
+	vec3 albedo = surface.albedo;
+#else
+	vec3 albedo = mix(low_colour, high_colour, clamp((place.z + relief.w - relief.x) * relief.y, 0.0, 1.0));
 #endif
 
 #ifdef OFFSET
-	const vec3 dug = vec3(0.170, 0.125, 0.085), packed_soil = vec3(0.085, 0.062, 0.043);
-	float grit = clamp(dot(albedo, vec3(3.0, 4.0, 2.0)), 0.3, 1.5);
-	albedo = mix(albedo, dug * (0.5 + 0.5 * grit), 0.8 * loose * heaped);
-	albedo = mix(albedo, packed_soil * (0.5 + 0.5 * grit), (0.45 + 0.45 * loose) * pressed);
+	// Turned over it is fresh and rough; pressed it is dark, and smooth where that is loose soil.
+	albedo *= (1.0 - 0.15 * heaped) * (1.0 - 0.45 * pressed);
+#if defined TEXTURE && defined DETAIL
+	surface.tilt *= 1.0 + 0.6 * heaped - 0.55 * surface.loose * pressed;
+#endif
 #ifdef DIRT
 	ivec2 at = clamp(ivec2(floor(post)), ivec2(0), ivec2(tile.x - 1));
 	vec2 part = post - vec2(at);
@@ -91,6 +79,9 @@ void main()
 	float wet = mix(row.x, row.y, part.y) / 255.0;
 	albedo *= 1.0 - 0.4 * wet;
 #endif
+#endif
+#if defined TEXTURE && defined DETAIL
+	gradient += surface.tilt;
 #endif
 
 #ifdef LAYER
@@ -105,13 +96,13 @@ void main()
 #else
 	vec3 normal = normalize(vec3(-gradient, 1.0));
 	float facing = max(dot(normal, sun.xyz), 0.0);
-	vec3 lit = albedo * (sunlight * facing + mix(groundlight, skylight, 0.5 + 0.5 * normal.z) * shade);
+	vec3 lit = albedo * (sunlight.rgb * facing + mix(groundlight, skylight, 0.5 + 0.5 * normal.z) * (shade * sunlight.w));
 #if defined OFFSET && defined DIRT
 	// Half-way between sun and eye, to the power of 24.
 	vec3 between = sun.xyz - place * inversesqrt(dot(place, place));
 	float along = max(dot(normal, between), 0.0), square = along * along / dot(between, between);
 	float fourth = square * square, eighth = fourth * fourth;
-	lit += wet * facing * eighth * eighth * eighth * 0.05 * sunlight;
+	lit += water * wet * facing * eighth * eighth * eighth * 0.05 * sunlight.rgb;
 #endif
 #ifdef FOG
 	lit = through_haze(lit, air);

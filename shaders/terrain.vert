@@ -8,7 +8,7 @@
 #include "lib/slope.glsl"
 #endif
 #ifdef TEXTURE
-#include "lib/noise.glsl"
+#include "lib/ground_map.glsl"
 #endif
 #ifdef FOG
 #include "lib/sky.glsl"
@@ -35,7 +35,8 @@ out vec3 place;     // metres relative to the eye
 out vec2 broad; // slope of the ground without offsets
 #endif
 #ifdef TEXTURE
-out float region; // noise of kilometres
+out vec4 squares; // the place in the ground's textures, near and far
+out vec2 country; // noise of kilometres; 0 at the lowest, 1 at the highest, less so where that is no mountain
 #endif
 #ifdef FOG
 out vec2 air;
@@ -128,7 +129,10 @@ void main()
 	broad = slope_of_base(level0_map, ground.xy + post * ground.z, tile.x) * (base_metre / ground.w);
 #endif
 #ifdef TEXTURE
-	region = noise_at(pattern.xy + post * pattern.z, 8192.0).x;
+	squares = ground_squares(post);
+	country.x = ground_region(pattern.xy + post * pattern.z);
+	float rise = (place.z + relief.w - relief.x) * relief.y;
+	country.y = min(rise, 0.3) + max(rise - 0.3, 0.0) * relief.z;
 #endif
 #ifdef FOG
 	air = haze_between(place);

@@ -1,44 +1,143 @@
-// What the ground is made of: grass, soil, rock and snow by slope and height, with borders that noise
-// moves.
-#include "lib/noise.glsl"
+// What the ground is made of, and how that looks. Sand, grass, soil, rock and snow lie in this order along one number, so
+// that a place is of one of them and has part of a neighbour; with SPLAT the soil map's classes come before. One texture of
+// a few metres is for what is near: in its hollows the neighbour shows. One of a hundred and more, in which any ground is
+// uneven, is for what is far, and moves the borders. Both are filtered: what is smaller than a pixel is its mean.
+#include "lib/body.glsl"
+#include "lib/ground_map.glsl"
+#include "lib/tone.glsl"
+#ifdef SPLAT
+layout(binding = 5) uniform usampler2D class_map;
+#endif
+
+// Levels of texels beside those of a metre, and somewhat less: RENDER_GROUND_* in src/render/internal.h.
+#define GROUND_NEAR_LEVEL 7.26
+#define GROUND_FAR_LEVEL 2.66
+#define GROUND_BEYOND 1.0 // log2 of metres a pixel
 
 struct ground_surface {
 	vec3 albedo;
+	vec2 tilt;   // of its grain
 	float loose; // how much of it a wheel digs up: 0 rock .. 1 soil
-	float rough; // how far its noise tilts it
 };
 
-// `large` is noise of kilometres, `near` of pixels.
-ground_surface ground_at(vec2 metres, float large, float near, float height, float steep)
+float ground_ramp(float low, float high, float x)
 {
-	float middle = noise_at(metres + 91.0, 256.0).x;
-	float crag = 1.0 - 2.0 * abs(near);
+	return clamp((x - low) * (1.0 / (high - low)), 0.0, 1.0);
+}
 
-	// 0 at the lowest, 1 at the highest; flat country stays green to its top.
-	float mountain = smoothstep(250.0, 900.0, relief.z);
-	float rise = clamp((height - relief.x) * relief.y, 0.0, 1.0) + 0.20 * large + 0.08 * middle + 0.08 * near;
-	float slope = steep + 0.30 * near + 0.18 * middle;
+// Near enough for a level of a texture.
+float ground_log2(float x)
+{
+	return float(floatBitsToInt(x)) * 1.1920929e-7 - 126.957;
+}
 
-	vec3 grass = mix(vec3(0.052, 0.064, 0.024), vec3(0.135, 0.120, 0.055),
-			 clamp(0.45 + 1.3 * large + 0.6 * middle + 0.9 * near, 0.0, 1.0));
-	vec3 soil = mix(vec3(0.100, 0.072, 0.046), vec3(0.215, 0.165, 0.112),
-			clamp(0.5 + 1.0 * middle + 0.6 * large + 0.8 * near, 0.0, 1.0));
-	vec3 rock = mix(vec3(0.075, 0.070, 0.066), vec3(0.210, 0.192, 0.168),
-			clamp(0.9 * crag - 0.25 + 0.5 * middle + 0.3 * large, 0.0, 1.0));
-	const vec3 snow = vec3(0.70, 0.74, 0.80);
+// How long a pixel is on the ground, log2 of metres: more along a grazing view, though less than it is that way.
+float ground_pixel(vec3 place, vec2 gradient)
+{
+	float square = dot(place, place), facing = max(abs(dot(place, vec3(-gradient, 1.0))), 1e-3 * abs(place.x + place.y));
+	return 0.75 * ground_log2(square) - 0.5 * ground_log2(facing) + pattern.w;
+}
 
-	float bare = smoothstep(0.36, 0.58, slope) + mountain * smoothstep(0.46, 0.62, rise);
-	bare = max(bare, 0.75 * smoothstep(0.02, 0.16, 0.6 * large + 0.5 * middle + 0.3 * near));
-	float stony = smoothstep(0.55, 0.80, slope) + 0.85 * mountain * smoothstep(0.60, 0.78, rise);
-	float white = mountain * smoothstep(0.69, 0.75, rise - 0.10 * max(steep - 0.6, 0.0)) *
-		      (1.0 - smoothstep(0.75, 1.05, slope));
+#ifdef SPLAT
+// Of the four posts around: the class that is most there, and which else, by their weights in the cell and by noise.
+void ground_classes(vec2 post, float noise, out int one, out int other, out float part)
+{
+	vec2 at = clamp(floor(post), vec2(0.0), vec2(float(tile.x - 1))), in_cell = clamp(post - at + 0.8 * noise, 0.0, 1.0);
+	ivec4 of = ivec4(textureGather(class_map, (at + 1.0) / float(tile.x + 1))); // north-west, north-east, south-east, south-west
+	vec4 share = vec4(1.0 - in_cell.x, in_cell.x, in_cell.x, 1.0 - in_cell.x) *
+		     vec4(in_cell.y, in_cell.y, 1.0 - in_cell.y, 1.0 - in_cell.y);
+	vec4 sums = share.x * vec4(equal(of, of.xxxx)) + share.y * vec4(equal(of, of.yyyy)) + share.z * vec4(equal(of, of.zzzz)) +
+		    share.w * vec4(equal(of, of.wwww));
+	float most = max(max(sums.x, sums.y), max(sums.z, sums.w));
+	one = most == sums.x ? of.x : most == sums.y ? of.y : most == sums.z ? of.z : of.w;
+	sums *= vec4(notEqual(of, ivec4(one)));
+	part = max(max(sums.x, sums.y), max(sums.z, sums.w));
+	other = part == sums.x ? of.x : part == sums.y ? of.y : part == sums.z ? of.z : of.w;
+	part /= most + part;
+}
+#endif
 
+#ifdef SPLAT
+vec3 ground_like(vec4 soil, const vec3 sand, const vec3 earth, const vec3 rock, const vec3 snow)
+{
+	return soil.rgb * (soil.w == 0.0 ? sand : soil.w == 2.0 ? earth : soil.w == 3.0 ? rock : snow);
+}
+
+vec3 ground_middle(vec4 soil)
+{
+	return ground_like(soil, 0.5 * (sand_colours[0] + sand_colours[1]), 0.5 * (soil_colours[0] + soil_colours[1]),
+			   0.5 * (rock_colours[0] + rock_colours[1]), 0.5 * (snow_colours[0] + snow_colours[1]));
+}
+
+vec3 ground_apart(vec4 soil)
+{
+	return ground_like(soil, sand_colours[1] - sand_colours[0], soil_colours[1] - soil_colours[0],
+			   rock_colours[1] - rock_colours[0], snow_colours[1] - snow_colours[0]);
+}
+#else
+// From one to the next along the line.
+vec3 ground_along(vec4 steps, const vec3 sand, const vec3 cover, const vec3 earth, const vec3 rock, const vec3 snow)
+{
+	return sand + steps.x * (cover - sand) + steps.y * (earth - cover) + steps.z * (rock - earth) + steps.w * (snow - rock);
+}
+#endif
+
+// `squares`: the place in the textures, near and far; `rise`: 0 at the lowest, 1 at the highest; `dug`: how far it is
+// turned over.
+ground_surface ground_at(vec2 post, vec4 squares, float log_pixel, float region, float rise, float steep, float dug)
+{
+	// Levels of the near texture are strewn, not blended; the far one is as smooth as it may be, since what is large in a
+	// cache is dear.
+	float level = log_pixel + dither();
+	// So far off that many squares are seen, one 16 times as wide; between the two neither.
+	float beyond = log_pixel > GROUND_BEYOND ? 1.0 : 0.0, strong = clamp(0.7 * abs(log_pixel - GROUND_BEYOND), 0.0, 1.0);
+	vec4 wide = textureLod(ground_map, vec3(squares.zw * (1.0 - 0.9375 * beyond), GROUND_WIDE), log_pixel + GROUND_FAR_LEVEL - 4.0 * beyond);
+	wide = 0.5 + strong * (wide - 0.5);
+	float noise = 2.0 * wide.g - 1.0, large = region + 0.5 * noise, slope = steep + 0.35 * noise;
+	rise += 0.14 * region + 0.10 * noise;
+	float stony = min(ground_ramp(0.58, 0.82, slope) + ground_ramp(0.62, 0.76, rise), 1.0);
+#ifdef SPLAT
+	int one, other;
+	float part;
+	ground_classes(post, noise, one, other, part);
+	vec4 soil = soils[one], beside = soils[other];
+	if (stony > part) {
+		beside = stony > 0.5 ? soil : vec4(1.0, 1.0, 1.0, 3.0);
+		soil = stony > 0.5 ? vec4(1.0, 1.0, 1.0, 3.0) : soil;
+		part = min(stony, 1.0 - stony);
+	}
+	float layer = soil.w;
+#else
+	// Sand where it is low and level, then grass, soil where it is bare, rock, snow where it is high and not too steep.
+	float bare = max(ground_ramp(0.36, 0.58, slope) + ground_ramp(0.46, 0.60, rise), ground_ramp(0.15, 0.40, large));
+	float sandy = ground_ramp(-0.10, -0.03, -rise) * ground_ramp(-0.35, -0.15, -slope);
+	float white = snow_lies * ground_ramp(0.70, 0.74, rise) * ground_ramp(-1.05, -0.75, -slope);
+	float along = 1.0 - sandy + max(min(bare, 1.0) + stony, dug * (1.0 - 0.6 * stony));
+	along = mix(along, 4.0, white);
+	float layer = floor(along + 0.5), part = along - layer, aside = part < 0.0 ? -1.0 : 1.0;
+	part = abs(part);
+#endif
+
+	vec4 grain = textureLod(ground_map, vec3(squares.xy, layer), level + GROUND_NEAR_LEVEL);
+	part = clamp(0.5 + 3.0 * (part - 0.5) + 1.2 * (0.5 - grain.r), 0.0, 1.0);
+	float hue = grain.g - 0.5 + 0.35 * large;
+#ifdef SPLAT
+	vec3 colour = mix(ground_middle(soil), ground_middle(beside), part), apart = mix(ground_apart(soil), ground_apart(beside), part);
+#else
+	vec4 steps = clamp(vec4(layer + aside * part) - vec4(0.0, 1.0, 2.0, 3.0), 0.0, 1.0);
+	vec3 colour = ground_along(steps, 0.5 * (sand_colours[0] + sand_colours[1]), 0.5 * (cover_colours[0] + cover_colours[1]),
+				   0.5 * (soil_colours[0] + soil_colours[1]), 0.5 * (rock_colours[0] + rock_colours[1]),
+				   0.5 * (snow_colours[0] + snow_colours[1]));
+	vec3 apart = ground_along(steps, sand_colours[1] - sand_colours[0], cover_colours[1] - cover_colours[0],
+				  soil_colours[1] - soil_colours[0], rock_colours[1] - rock_colours[0], snow_colours[1] - snow_colours[0]);
+#endif
 	ground_surface surface;
-	stony = clamp(stony, 0.0, 1.0);
-	surface.albedo = mix(grass, soil, clamp(bare, 0.0, 1.0)) * (1.0 + 0.8 * near);
-	surface.albedo = mix(surface.albedo, rock, stony);
-	surface.albedo = mix(surface.albedo, snow * (1.0 + 0.10 * near), white);
+	surface.albedo = max(colour + apart * hue, 0.2 * colour) * (mix(grain.r, 0.25 + 0.5 * grain.r, part) * 4.0 * wide.r);
 	surface.loose = 1.0 - 0.6 * stony;
-	surface.rough = (0.018 + 0.030 * stony) * (1.0 - 0.75 * white);
+#ifdef DETAIL
+	vec2 broad = 2.0 * wide.ba - 1.0, fine = (2.0 * grain.ba - 1.0) * (1.0 - 0.5 * part);
+	surface.tilt = vec2(2.0 * fine.x - fine.y, fine.x + 2.0 * fine.y) * 0.447 +
+		       vec2(3.0 * broad.x - broad.y, broad.x + 3.0 * broad.y) * 0.316;
+#endif
 	return surface;
 }

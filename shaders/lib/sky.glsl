@@ -1,27 +1,36 @@
-// Clear-day sky: horizon haze to zenith blue, warmer and brighter round the sun.
+// The sky there: haze at the horizon, up to the zenith's colour; brighter round the sun. Without air it is black.
+#include "lib/body.glsl"
+
 float haze_glow(vec3 direction)
 {
-	float toward = max(dot(direction, sun.xyz), 0.0);
-	return toward * toward * toward;
+	float toward_sun = max(dot(direction, sun.xyz), 0.0);
+	return toward_sun * toward_sun * toward_sun;
 }
 
 vec3 haze_colour(float glow)
 {
-	return mix(vec3(0.50, 0.62, 0.76), vec3(0.95, 0.83, 0.66), 0.55 * glow);
+	return mix(horizon * sunlight.w, toward * tint.rgb, haze_turns * glow);
 }
 
 vec3 sky_colour(vec3 direction)
 {
 	float height = max(direction.z, 0.0);
-	vec3 zenith = vec3(0.075, 0.19, 0.50), middle = vec3(0.22, 0.42, 0.74);
-	vec3 colour = mix(middle, zenith, 1.0 - exp(-2.2 * height));
-	return mix(colour, haze_colour(haze_glow(direction)), exp(-7.0 * height));
+	vec3 colour = mix(middle, zenith, 1.0 - exp(-sky_falls * height)) * sunlight.w;
+	return mix(colour, haze_colour(haze_glow(direction)), exp(-haze_falls * height));
+}
+
+// A star in one of so many cells of the sky; none near the sun.
+float star_light(vec3 direction)
+{
+	vec3 at = direction * 90.0, cell = floor(at + 0.5), off = at - cell;
+	float dice = fract(sin(dot(cell, vec3(12.9898, 78.233, 37.719))) * 43758.5453);
+	return dice > 0.985 ? 66.0 * (dice - 0.985) * smoothstep(0.035, 0.01, dot(off, off)) : 0.0;
 }
 
 vec3 sky_with_sun(vec3 direction)
 {
-	float toward = max(dot(direction, sun.xyz), 0.0);
-	float glow = 0.25 * pow(toward, 24.0) + 0.6 * pow(toward, 400.0);
-	float disc = smoothstep(0.99985, 0.99993, toward) * 20.0;
-	return sky_colour(direction) + vec3(1.0, 0.86, 0.66) * (glow + disc);
+	float toward_sun = max(dot(direction, sun.xyz), 0.0), edge = 1.0 - sun_edge;
+	float glow = pow(toward_sun, 24.0) + 2.4 * pow(toward_sun, 400.0);
+	float disc = smoothstep(sun_edge - 0.15 * edge, sun_edge + 0.15 * edge, toward_sun) * 3.0;
+	return sky_colour(direction) + halo * tint.rgb * glow + sunlight.rgb * disc + stars * star_light(direction);
 }

@@ -103,6 +103,13 @@ enum status gpu_texture_create(struct gpu *gpu, enum gpu_format format, uint32_t
  * more than it is asked for. */
 enum status gpu_texture_create_sampled(struct gpu *gpu, enum gpu_format format, uint32_t width, uint32_t height,
 				       uint32_t samples, struct gpu_texture **out) FURROW_CHECKED;
+/* A square array of all levels down to one texel, of a format that filters: within a level, repeating. Each level is
+ * uploaded whole, layer after layer; other transfers are of level 0. */
+enum status gpu_texture_create_mipmapped(struct gpu *gpu, enum gpu_format format, uint32_t size, uint32_t layers,
+					 struct gpu_texture **out) FURROW_CHECKED;
+uint32_t gpu_mipmap_levels(uint32_t size); /* of such a one. Pure */
+uint64_t gpu_texture_bytes(enum gpu_format format, uint32_t width, uint32_t height, uint32_t layers, uint32_t levels); /* pure */
+void gpu_texture_upload_level(struct gpu_texture *texture, uint32_t level, const void *data);
 void gpu_texture_destroy(struct gpu_texture *texture);
 /* Rectangles are x, y, width, height in texels; data is tight. The clear value is the texel's bits:
  * an int (of RGBA32I: of each of the four), the low byte or two, four bytes with red lowest, or a float's. */

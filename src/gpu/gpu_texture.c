@@ -1,8 +1,9 @@
 /*
  * Textures and the targets over them.
  *
- * Invariants: a texture has one mip level, samples NEAREST and clamped (one of several samples a pixel: not at all); data in and out is tight,
- * in the format's own type, row 0 first. GL orders copies, clears, uploads and draws among
+ * Invariants: a texture has one mip level, samples NEAREST and clamped, but for those created mipmapped, which have
+ * all levels, filter within one and repeat, and those of several samples a pixel, which do not filter; data in and out is
+ * tight, in the format's own type, row 0 first. GL orders copies, clears, uploads and draws among
  * themselves; only what passes wrote as images needs a barrier.
  */
 #include <string.h>
@@ -28,9 +29,22 @@ static const struct format formats[] = {
 	[GPU_DEPTH32F] = {GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, 4},
 };
 
-/* `samples` 1: as gpu_texture_create's. */
+static uint32_t level_side(uint32_t side, uint32_t level)
+{
+	return side >> level > 0 ? side >> level : 1;
+}
+
+uint64_t gpu_texture_bytes(enum gpu_format format, uint32_t width, uint32_t height, uint32_t layers, uint32_t levels)
+{
+	uint64_t texels = 0;
+	for (uint32_t level = 0; level < levels; level++)
+		texels += (uint64_t)level_side(width, level) * level_side(height, level);
+	return texels * (layers > 0 ? layers : 1) * formats[format].bytes;
+}
+
+/* Of more than one sample: one level and no layers. */
 static enum status create(struct gpu *gpu, enum gpu_format format, uint32_t width, uint32_t height, uint32_t layers,
-			  uint32_t samples, struct gpu_texture **out)
+			  uint32_t levels, uint32_t samples, struct gpu_texture **out)
 {
 	GLenum internal = formats[format].internal;
 	if (!gpu_usable(gpu))
@@ -46,20 +60,22 @@ static enum status create(struct gpu *gpu, enum gpu_format format, uint32_t widt
 		.width = width,
 		.height = height,
 		.layers = layers > 0 ? layers : 1,
+		.levels = levels,
 	};
-	texture->bytes = (uint64_t)width * height * texture->layers * samples * formats[format].bytes;
+	texture->bytes = samples * gpu_texture_bytes(format, width, height, layers, levels);
+	GLint filter = levels > 1 ? GL_LINEAR : GL_NEAREST, wrap = levels > 1 ? GL_REPEAT : GL_CLAMP_TO_EDGE;
 	glCreateTextures(texture->kind, 1, &texture->name);
 	if (samples > 1)
 		glTextureStorage2DMultisample(texture->name, (GLsizei)samples, internal, (GLsizei)width, (GLsizei)height, GL_TRUE);
 	else if (layers > 0)
-		glTextureStorage3D(texture->name, 1, internal, (GLsizei)width, (GLsizei)height, (GLsizei)layers);
+		glTextureStorage3D(texture->name, (GLsizei)levels, internal, (GLsizei)width, (GLsizei)height, (GLsizei)layers);
 	else
-		glTextureStorage2D(texture->name, 1, internal, (GLsizei)width, (GLsizei)height);
+		glTextureStorage2D(texture->name, (GLsizei)levels, internal, (GLsizei)width, (GLsizei)height);
 	if (samples == 1) { /* others are not filtered */
-		glTextureParameteri(texture->name, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-		glTextureParameteri(texture->name, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-		glTextureParameteri(texture->name, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-		glTextureParameteri(texture->name, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+		glTextureParameteri(texture->name, GL_TEXTURE_MIN_FILTER, levels > 1 ? GL_LINEAR_MIPMAP_NEAREST : filter);
+		glTextureParameteri(texture->name, GL_TEXTURE_MAG_FILTER, filter);
+		glTextureParameteri(texture->name, GL_TEXTURE_WRAP_S, wrap);
+		glTextureParameteri(texture->name, GL_TEXTURE_WRAP_T, wrap);
 	}
 	enum status status = gpu_check(gpu, "texture");
 	if (status != STATUS_OK) {
@@ -76,14 +92,29 @@ static enum status create(struct gpu *gpu, enum gpu_format format, uint32_t widt
 enum status gpu_texture_create(struct gpu *gpu, enum gpu_format format, uint32_t width, uint32_t height, uint32_t layers,
 			       struct gpu_texture **out)
 {
-	return create(gpu, format, width, height, layers, 1, out);
+	return create(gpu, format, width, height, layers, 1, 1, out);
 }
 
 enum status gpu_texture_create_sampled(struct gpu *gpu, enum gpu_format format, uint32_t width, uint32_t height,
 				       uint32_t samples, struct gpu_texture **out)
 {
 	assert(samples > 1 && samples <= gpu->info.samples_most);
-	return create(gpu, format, width, height, 0, samples, out);
+	return create(gpu, format, width, height, 0, 1, samples, out);
+}
+
+uint32_t gpu_mipmap_levels(uint32_t size)
+{
+	uint32_t levels = 1;
+	while (size >> levels > 0)
+		levels++;
+	return levels;
+}
+
+enum status gpu_texture_create_mipmapped(struct gpu *gpu, enum gpu_format format, uint32_t size, uint32_t layers,
+					 struct gpu_texture **out)
+{
+	assert(size > 1 && layers > 0 && !gpu_format_is_integer(format));
+	return create(gpu, format, size, size, layers, gpu_mipmap_levels(size), 1, out);
 }
 
 void gpu_texture_destroy(struct gpu_texture *texture)
@@ -142,6 +173,20 @@ void gpu_texture_upload(struct gpu_texture *texture, uint32_t layer, struct gpu_
 				    (GLsizei)rect.height, 1, format->transfer, format->type, data);
 	texture->gpu->stats.uploads++;
 	texture->gpu->stats.upload_bytes += gpu_rect_bytes(texture, rect);
+}
+
+void gpu_texture_upload_level(struct gpu_texture *texture, uint32_t level, const void *data)
+{
+	const struct format *format = &formats[texture->format];
+	uint32_t side = level_side(texture->width, level);
+	assert(texture->kind == GL_TEXTURE_2D_ARRAY && level < texture->levels);
+	if (!gpu_usable(texture->gpu))
+		return;
+	gpu_written_barrier(texture->gpu);
+	glTextureSubImage3D(texture->name, (GLint)level, 0, 0, 0, (GLsizei)side, (GLsizei)side, (GLsizei)texture->layers,
+			    format->transfer, format->type, data);
+	texture->gpu->stats.uploads++;
+	texture->gpu->stats.upload_bytes += (uint64_t)side * side * texture->layers * format->bytes;
 }
 
 void gpu_texture_read(struct gpu_texture *texture, uint32_t layer, struct gpu_rect rect, void *data)

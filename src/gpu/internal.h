@@ -94,6 +94,7 @@ struct gpu_texture {
 	GLenum kind; /* GL_TEXTURE_2D, GL_TEXTURE_2D_ARRAY or GL_TEXTURE_2D_MULTISAMPLE */
 	enum gpu_format format;
 	uint32_t width, height, layers; /* layers 1 for a plain one */
+	uint32_t levels;                /* of mipmaps; 1: none */
 	uint64_t bytes;
 };
 

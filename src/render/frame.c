@@ -9,9 +9,6 @@
 
 #include "render/internal.h"
 
-/* From south-east, low enough to model the ground. */
-#define SUN_AZIMUTH 2.35 /* radians east of north */
-#define SUN_HEIGHT 0.61
 
 static void to_floats(float out[4], double x, double y, double z, double w)
 {
@@ -47,16 +44,20 @@ static void fill_frame(const struct render *render, const struct render_camera *
 	to_floats(params->right, r[0] * wide, r[1] * wide, r[2] * wide, 1 / axes->focal);
 	to_floats(params->up, u[0] * high, u[1] * high, u[2] * high, 0);
 	to_floats(params->forward, f[0], f[1], f[2], 0);
-	to_floats(params->sun, sin(SUN_AZIMUTH) * cos(SUN_HEIGHT), cos(SUN_AZIMUTH) * cos(SUN_HEIGHT),
-		  sin(SUN_HEIGHT), 0);
+	const struct scene_light *light = &render->light;
+	to_floats(params->sun, sin(light->azimuth) * cos(light->height), cos(light->azimuth) * cos(light->height),
+		  sin(light->height), 0);
+	render_body_fill(light, render->soils, params);
 
 	/* Clear air over large terrains; over small ones enough haze to soften the world's edge. */
 	double across = hypot((double)(render->world.width - 1), (double)(render->world.height - 1)) * render->world.spacing;
 	double extinction = fmin(fmax(0.6 / across, 1.8e-5), 2e-4), layer = fmin(fmax(0.1 * across, 900), 3500);
+	extinction *= render_body_air(light);
 	double above = fmax(camera->eye[2] - render->low, 0);
 	to_floats(params->haze, extinction * exp(-above / layer), 1 / layer, above, 0);
 	double relief = fmax(render->high - render->low, 1);
-	to_floats(params->relief, render->low, 1 / relief, relief, camera->eye[2]);
+	double mountain = fmin(fmax((relief - 250) / 650, 0), 1);
+	to_floats(params->relief, render->low, 1 / relief, mountain * mountain * (3 - 2 * mountain), camera->eye[2]);
 }
 
 /* Tiles that stand in for finer ones, or that the budget keeps from being divided: what meets them may be off by more than a
@@ -84,7 +85,10 @@ static void fill_tile(const struct render *render, const struct render_camera *c
 	double eye = camera->eye[2] - render->reference;
 	double half = fmin(fmax(round(ldexp(eye, BASE_BITS - 1)), -0x1p30 + 1), 0x1p30 - 1);
 	to_floats(params->origin, west - camera->eye[0], south - camera->eye[1], spacing, eye - ldexp(half, 1 - BASE_BITS));
-	to_floats(params->pattern, fmod(west, RENDER_PATTERN_PERIOD), fmod(south, RENDER_PATTERN_PERIOD), spacing, 0);
+	to_floats(params->pattern, fmod(west, RENDER_PATTERN_PERIOD), fmod(south, RENDER_PATTERN_PERIOD), spacing, log2(1 / axes->focal));
+	double near_x = (2 * west + south) / RENDER_GROUND_NEAR, near_y = (2 * south - west) / RENDER_GROUND_NEAR;
+	double far_x = (3 * west + south) / RENDER_GROUND_FAR, far_y = (3 * south - west) / RENDER_GROUND_FAR;
+	to_floats(params->corner_squares, near_x - floor(near_x), near_y - floor(near_y), fmod(far_x, 16), fmod(far_y, 16));
 	to_floats(params->detail, render_mesh_reach(axes), patched ? 1.2 * spacing : 0, fmax(draw->high - draw->low, spacing / 4),
 		  fmax(render->pixel_error, 1) / axes->focal);
 	for (int k = 0; k < TERRAIN_STRIDES; k++)
@@ -150,7 +154,7 @@ static enum status draw_tile(struct render *render, const struct terrain_draw *d
 		.stage = GPU_TERRAIN,
 		.target = render->target,
 		.viewport = {0, 0, render->width, render->height},
-		.textures = {slot->base, slot->planes[PLANE_OFFSET], NULL, NULL, render->noise},
+		.textures = {slot->base, slot->planes[PLANE_OFFSET], NULL, NULL, render->ground, slot->classes},
 		.storage = {render->instances},
 		.images = {slot->base, slot->planes[PLANE_OFFSET]},
 		.only_reads = true,
@@ -195,11 +199,12 @@ static enum status draw_sky(struct render *render, const struct picture_params *
 enum status render_frame(struct render *render, const struct render_camera *camera,
 			 const struct terrain_selection *selection)
 {
-	static const float background[4] = {0.56f, 0.67f, 0.80f, 1};
+	float background[4];
 	struct render_axes axes;
 	struct terrain_view view;
 	render_axes(render, camera, &axes);
 	render_view(render, camera, &view);
+	render_body_background(&render->light, background);
 	struct drawn *drawn = mem_alloc(selection->draw_count + 1, sizeof *drawn);
 	if (drawn == NULL)
 		return fail_memory("the picture's draws");

@@ -5,11 +5,15 @@
 #include <assert.h>
 
 #include "render/render.h"
+#include "render/textures.h"
 
 /* Metres after which the ground's pattern repeats, a multiple of every scale it uses. */
 #define RENDER_PATTERN_PERIOD 16384.0
 #define RENDER_FAR 200000.0 /* metres */
 #define RENDER_NEAR 0.05
+/* Metres that the ground's textures are turned in, by (2, 1) and by (3, 1). */
+#define RENDER_GROUND_NEAR 8.0
+#define RENDER_GROUND_FAR 512.0
 
 /* shaders/lib/picture.glsl's block, std140. */
 struct picture_params {
@@ -20,8 +24,11 @@ struct picture_params {
 	float relief[4];
 	float origin[4];
 	float pattern[4];
+	float corner_squares[4];
 	float ground[4];
 	float detail[4];
+	float sunlight[4], tint[4];
+	float soils[DEFORM_SOILS][4];
 	int32_t tile[4];
 	float layer[4]; /* read by programs with LAYER alone */
 	float reaches[TERRAIN_STRIDES]; /* read by programs with REACHES alone */
@@ -65,6 +72,8 @@ enum status render_blocks_add(struct render_blocks *blocks, const struct world *
 			      const double reaches[TERRAIN_STRIDES], const struct terrain_draw *draw) FURROW_CHECKED;
 
 /* --- programs.c --- */
+/* Without those that have nothing to show. */
+uint64_t render_effects(const struct render_params *params);
 /* What a tile's program is for: it is as it was; it is deformed; it is that below level 0, and its level-0 tile is beside
  * it for the broad shape. Below level 0 a tile that is not deformed is a rare sight: it is drawn as others are. */
 enum { RENDER_PLAIN, RENDER_OFFSET, RENDER_LEVEL0, RENDER_VARIANTS };
@@ -82,10 +91,16 @@ enum status render_objects_warm(struct render *render) FURROW_CHECKED;
 enum status render_objects_draw(struct render *render, const struct render_camera *camera, const struct render_axes *axes,
 				const struct terrain_view *view, struct picture_params *params) FURROW_CHECKED;
 
-/* --- noise.c --- */
-#define RENDER_NOISE_SIZE 256
-/* RGBA8 texels, RENDER_NOISE_SIZE squared: each one's 2 x 2 neighbours. */
-void render_noise_fill(uint8_t *texels);
+/* --- body.c: where the ground is --- */
+#define RENDER_GROUNDS 6 /* layers of the ground's textures: sand, cover, soil, rock, snow, and what is seen from afar */
+/* Which texture each is there. */
+void render_body_textures(const struct scene_light *light, enum render_ground kinds[RENDER_GROUNDS]);
+/* The define of its shaders; NULL: none. */
+const char *render_body_define(const struct scene_light *light);
+/* Fills sunlight, tint, and how the classes of a map look (`soils` may be NULL). */
+void render_body_fill(const struct scene_light *light, const struct scene *soils, struct picture_params *params);
+double render_body_air(const struct scene_light *light); /* haze, beside the Earth's; 0: there is none */
+void render_body_background(const struct scene_light *light, float rgba[4]); /* where nothing is drawn */
 
 /* --- ramp.c --- */
 /* -1 .. 1 of a ramp (others than the signed one look at the size), to lie over ground; 0 is all transparent. */
@@ -117,7 +132,9 @@ struct render {
 	uint64_t effects;
 	bool dirt;
 	double pixel_error; /* 0: by radii */
-	struct gpu_texture *colour, *depth, *noise; /* the picture; what was drawn by; noise NULL without TEXTURE */
+	struct scene_light light;
+	const struct scene *soils; /* with SPLAT: whose classes are drawn; or NULL */
+	struct gpu_texture *colour, *depth, *ground; /* the picture; what was drawn by; ground NULL without TEXTURE */
 	struct gpu_target *target; /* what is drawn into: depth, and colour or drawn */
 	uint32_t samples;          /* a pixel, of target and depth. More than 1: */
 	struct gpu_texture *drawn; /* what becomes colour when all is drawn; NULL with 1 */

@@ -54,7 +54,7 @@ static bool casts(uint64_t effects, size_t count)
 	return shows(effects, count) && (effects >> EFFECT_SHADOW & 1);
 }
 
-static struct gpu_program_request request_of(uint64_t effects, int samples, bool shadow)
+static struct gpu_program_request request_of(uint64_t effects, const char *body, int samples, bool shadow)
 {
 	struct gpu_program_request request = {
 		.vertex = shadow ? "shadow.vert" : "object.vert",
@@ -65,12 +65,14 @@ static struct gpu_program_request request_of(uint64_t effects, int samples, bool
 		request.defines[count++] = scene_effect_row(EFFECT_FOG)->define;
 	if (shadow && samples > 1)
 		request.defines[count++] = scene_effect_row(EFFECT_ANTIALIAS)->define;
+	if (!shadow)
+		request.defines[count] = body;
 	return request;
 }
 
 static enum status program_of(struct render *render, bool shadow, struct gpu_program **out)
 {
-	struct gpu_program_request request = request_of(render->effects, (int)render->samples, shadow);
+	struct gpu_program_request request = request_of(render->effects, render_body_define(&render->light), (int)render->samples, shadow);
 	return gpu_program_get(render->gpu, &request, out);
 }
 
@@ -92,7 +94,8 @@ static void add(struct plan *plan, enum plan_kind kind, enum plan_unit unit, enu
 static void add_program(struct plan *plan, enum scene_effect effect, const struct render_params *params)
 {
 	char name[GPU_PROGRAM_NAME];
-	struct gpu_program_request request = request_of(params->effects, params->samples, effect == EFFECT_SHADOW);
+	struct scene_light light = params->light != NULL ? *params->light : scene_light_default();
+	struct gpu_program_request request = request_of(params->effects, render_body_define(&light), params->samples, effect == EFFECT_SHADOW);
 	gpu_program_name(&request, name, sizeof name);
 	add(plan, PLAN_PROGRAM, PLAN_ONCE, effect, 0, name);
 }

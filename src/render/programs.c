@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "render/internal.h"
+#include "render/textures.h"
 
 /* By pixel error each draw has reaches of its own, which what changes a mesh with the distance must know. */
 static bool asks_reaches(uint64_t effects, bool by_error)
@@ -12,7 +13,13 @@ static bool asks_reaches(uint64_t effects, bool by_error)
 	return by_error && (effects & (EFFECT_BIT(EFFECT_GEOMORPH) | EFFECT_BIT(EFFECT_SKIRTS)));
 }
 
-static struct gpu_program_request request_of(uint64_t effects, bool dirt, bool by_error, unsigned variant)
+uint64_t render_effects(const struct render_params *params)
+{
+	bool classes = params->soils != NULL && (params->effects >> EFFECT_TEXTURE & 1);
+	return classes ? params->effects : params->effects & ~EFFECT_BIT(EFFECT_SPLAT);
+}
+
+static struct gpu_program_request request_of(uint64_t effects, const char *body, bool dirt, bool by_error, unsigned variant)
 {
 	struct gpu_program_request request = {.vertex = "terrain.vert", .fragment = "terrain.frag"};
 	size_t count = 0;
@@ -29,6 +36,7 @@ static struct gpu_program_request request_of(uint64_t effects, bool dirt, bool b
 		request.defines[count++] = "DIRT";
 	if (variant == RENDER_LEVEL0)
 		request.defines[count++] = "LEVEL0";
+	request.defines[count] = body;
 	return request;
 }
 
@@ -36,7 +44,7 @@ static struct gpu_program_request request_of(uint64_t effects, bool dirt, bool b
 static struct gpu_program_request layer_request_of(const struct render *render, unsigned variant)
 {
 	uint64_t shape = render->effects & (EFFECT_BIT(EFFECT_GEOMORPH) | EFFECT_BIT(EFFECT_SKIRTS));
-	struct gpu_program_request request = request_of(shape, render->dirt, render->pixel_error > 0, variant);
+	struct gpu_program_request request = request_of(shape, NULL, render->dirt, render->pixel_error > 0, variant);
 	size_t count = 0;
 	while (request.defines[count] != NULL)
 		count++;
@@ -45,7 +53,10 @@ static struct gpu_program_request layer_request_of(const struct render *render, 
 	return request;
 }
 
-static const struct gpu_program_request sky = {.vertex = "sky.vert", .fragment = "sky.frag"};
+static struct gpu_program_request sky_of(const char *body)
+{
+	return (struct gpu_program_request){.vertex = "sky.vert", .fragment = "sky.frag", .defines = {body}};
+}
 
 static bool has_variant(unsigned variant, bool deformed, bool divided)
 {
@@ -58,7 +69,8 @@ enum status render_tile_program(struct render *render, unsigned variant, struct 
 	struct gpu_program **program = natural ? &render->tile_programs[variant] : &render->layer_programs[variant];
 	enum status status = STATUS_OK;
 	if (*program == NULL) {
-		struct gpu_program_request request = natural ? request_of(render->effects, render->dirt, render->pixel_error > 0, variant) :
+		const char *body = render_body_define(&render->light);
+		struct gpu_program_request request = natural ? request_of(render->effects, body, render->dirt, render->pixel_error > 0, variant) :
 							       layer_request_of(render, variant);
 		status = gpu_program_get(render->gpu, &request, program);
 	}
@@ -68,6 +80,7 @@ enum status render_tile_program(struct render *render, unsigned variant, struct 
 
 enum status render_sky_program(struct render *render, struct gpu_program **out)
 {
+	struct gpu_program_request sky = sky_of(render_body_define(&render->light));
 	return gpu_program_get(render->gpu, &sky, out);
 }
 
@@ -113,13 +126,16 @@ static void add_program(struct plan *plan, const char *effect, const struct gpu_
 
 void render_plan(const struct render_params *params, bool deformed, bool divided, struct plan *plan)
 {
-	uint64_t pixels = (uint64_t)params->width * (uint64_t)params->height, noise = RENDER_NOISE_SIZE * RENDER_NOISE_SIZE;
-	bool skirts = params->effects >> EFFECT_SKIRTS & 1;
+	uint64_t pixels = (uint64_t)params->width * (uint64_t)params->height;
+	uint64_t effects = render_effects(params);
+	struct scene_light light = params->light != NULL ? *params->light : scene_light_default();
+	const char *body = render_body_define(&light);
+	bool skirts = effects >> EFFECT_SKIRTS & 1;
 	const char *picture = scene_effect_row(EFFECT_PICTURE)->name, *by_error = scene_effect_row(EFFECT_PIXEL_ERROR)->name;
 	for (unsigned variant = 0; variant < RENDER_VARIANTS; variant++)
 		if (has_variant(variant, deformed, divided)) {
-			struct gpu_program_request request = request_of(params->effects, params->dirt, params->pixel_error > 0, variant);
-			add_program(plan, asks_reaches(params->effects, params->pixel_error > 0) ? by_error : picture, &request);
+			struct gpu_program_request request = request_of(effects, body, params->dirt, params->pixel_error > 0, variant);
+			add_program(plan, asks_reaches(effects, params->pixel_error > 0) ? by_error : picture, &request);
 		}
 	add(plan, PLAN_PASS, PLAN_DRAWN, picture, 0, gpu_stage_name(GPU_TERRAIN));
 	add(plan, PLAN_TEXTURE, PLAN_ONCE, picture, 4 * pixels, "colour");
@@ -133,9 +149,12 @@ void render_plan(const struct render_params *params, bool deformed, bool divided
 	add(plan, PLAN_BUFFER, PLAN_ONCE, skirts ? scene_effect_row(EFFECT_SKIRTS)->name : picture,
 	    render_index_count(render_block_cells(params->world), skirts) * sizeof(uint16_t), "block");
 	add(plan, PLAN_BUFFER, PLAN_ONCE, picture, RENDER_BLOCKS_ROOM * sizeof(uint32_t), "blocks");
-	if (params->effects >> EFFECT_TEXTURE & 1)
-		add(plan, PLAN_TEXTURE, PLAN_ONCE, scene_effect_row(EFFECT_TEXTURE)->name, 4 * noise, "noise");
-	if (params->effects >> EFFECT_SKY & 1) {
+	if (effects >> EFFECT_TEXTURE & 1)
+		add(plan, PLAN_TEXTURE, PLAN_ONCE, scene_effect_row(EFFECT_TEXTURE)->name,
+		    gpu_texture_bytes(GPU_RGBA8, RENDER_GROUND_SIZE, RENDER_GROUND_SIZE, RENDER_GROUNDS, gpu_mipmap_levels(RENDER_GROUND_SIZE)),
+		    "ground");
+	if (effects >> EFFECT_SKY & 1) {
+		struct gpu_program_request sky = sky_of(body);
 		add_program(plan, scene_effect_row(EFFECT_SKY)->name, &sky);
 		add(plan, PLAN_PASS, PLAN_FRAME, scene_effect_row(EFFECT_SKY)->name, 0, gpu_stage_name(GPU_SKY));
 	}

@@ -1,7 +1,8 @@
-/* A picture's life: what it is drawn into, the mesh of one block, the ground's noise. */
+/* A picture's life: what it is drawn into, the mesh of one block, the ground's textures. */
 #include <string.h>
 
 #include "render/internal.h"
+#include "render/textures.h"
 
 /* Vertices of a block: its grid row by row, then one row more for each edge's skirt (south, north,
  * west, east). Counter-clockwise seen from above, skirts seen from outside. */
@@ -50,16 +51,22 @@ static enum status create_mesh(struct render *render)
 	return status;
 }
 
-static enum status create_noise(struct render *render)
+static enum status create_ground(struct render *render)
 {
-	const uint32_t size = RENDER_NOISE_SIZE;
-	uint8_t *texels = mem_alloc((size_t)size * size, 4);
+	const uint32_t size = RENDER_GROUND_SIZE;
+	enum render_ground kinds[RENDER_GROUNDS];
+	uint8_t *texels = mem_alloc((size_t)size * size * RENDER_GROUNDS, 4);
 	if (texels == NULL)
-		return fail_memory("the ground's noise");
-	render_noise_fill(texels);
-	enum status status = gpu_texture_create(render->gpu, GPU_RGBA8, size, size, 0, &render->noise);
+		return fail_memory("the ground's textures");
+	render_body_textures(&render->light, kinds);
+	enum status status = render_textures_fill(kinds, RENDER_GROUNDS, texels);
 	if (status == STATUS_OK)
-		gpu_texture_upload(render->noise, 0, (struct gpu_rect){0, 0, size, size}, texels);
+		status = gpu_texture_create_mipmapped(render->gpu, GPU_RGBA8, size, RENDER_GROUNDS, &render->ground);
+	for (uint32_t level = 0; status == STATUS_OK && level < gpu_mipmap_levels(size); level++) {
+		if (level > 0)
+			render_textures_halve(texels, size >> (level - 1), RENDER_GROUNDS);
+		gpu_texture_upload_level(render->ground, level, texels);
+	}
 	mem_free(texels);
 	return status;
 }
@@ -106,13 +113,15 @@ enum status render_create(const struct render_params *params, struct render **ou
 		.high = params->high,
 		.width = (uint32_t)params->width,
 		.height = (uint32_t)params->height,
-		.effects = params->effects,
+		.effects = render_effects(params),
 		.dirt = params->dirt,
 		.pixel_error = params->pixel_error,
 		.samples = params->samples > 1 ? (uint32_t)params->samples : 1,
 		.layers = params->layers,
 		.layer = {RENDER_NATURAL, 0, 1},
 	};
+	render->light = params->light != NULL ? *params->light : scene_light_default();
+	render->soils = params->soils;
 	enum status status = render_check_samples(render->gpu, params->samples);
 	if (status == STATUS_OK)
 		status = create_target(render);
@@ -121,7 +130,7 @@ enum status render_create(const struct render_params *params, struct render **ou
 	if (status == STATUS_OK)
 		status = gpu_buffer_create(render->gpu, GPU_STORAGE, RENDER_BLOCKS_ROOM * sizeof(uint32_t), NULL, &render->instances);
 	if (status == STATUS_OK && (render->effects >> EFFECT_TEXTURE & 1))
-		status = create_noise(render);
+		status = create_ground(render);
 	if (status == STATUS_OK)
 		status = render_objects_create(render, params);
 	if (status != STATUS_OK) {
@@ -142,7 +151,7 @@ void render_destroy(struct render *render)
 	gpu_texture_destroy(render->drawn);
 	gpu_texture_destroy(render->colour);
 	gpu_texture_destroy(render->depth);
-	gpu_texture_destroy(render->noise);
+	gpu_texture_destroy(render->ground);
 	gpu_buffer_destroy(render->indices);
 	gpu_buffer_destroy(render->instances);
 	mem_free(render->blocks.blocks);

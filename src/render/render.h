@@ -31,6 +31,8 @@ struct render_params {
 	int width, height;
 	uint64_t effects;     /* EFFECT_BIT of each */
 	bool dirt;
+	const struct scene_light *light; /* where it is, and the sun; NULL: as a scene that says nothing */
+	const struct scene *soils; /* for splat: whose soils the slots' classes are; must outlive the picture. NULL: none */
 	double pixel_error;   /* pixels a picture's ground may be off by; 0: its detail goes by the radii (camera.c) */
 	int samples;          /* a pixel; 0 as 1: its colour is of its middle */
 	const struct scene_object *objects; /* that there may be, with EFFECT_OBJECTS; they outlive the picture */

@@ -178,7 +178,8 @@ void drive_pages_params(const struct drive *drive, struct pages_params *params)
 		.before_epoch = before_epoch,
 		.before_commit = before_commit,
 		.snapshot = scene->object_count > 0 ? tally_snapshot : NULL,
-		.classes = scene->soil_map != NULL && scene->object_count > 0 ? soil_classes : NULL,
+		.classes = soil_map_needed(scene) ? soil_classes : NULL,
+		.classes_drawn = scene_draws_classes(scene),
 	};
 }
 

@@ -44,9 +44,9 @@ struct pages_params {
 	/* The GPU's thread, when an epoch begins: begins to read the tally, as the step left it, into the staging's
 	 * PAGES_TALLY_BYTES; it is committed with what that step left in the pages. NULL: there is none. */
 	enum status (*snapshot)(void *user, struct gpu_staging *staging);
-	/* A loader thread, of which each has its number: the class of soil of every post of a tile of the working
-	 * level. NULL: there are no classes, and nothing is made for them. */
+	/* A loader thread, of which each has its number: the class of soil of every post of a tile. NULL: there are no classes, and nothing is made for them. */
 	enum status (*classes)(void *user, unsigned loader, struct tile tile, uint8_t *classes);
+	bool classes_drawn; /* of all tiles at and above the working level, and not of those at it alone */
 	/* The GPU's thread, before an epoch takes the record; may be NULL. */
 	enum status (*before_epoch)(void *user);
 	/* The writer thread, before each commit, which it may fail; may be NULL. */

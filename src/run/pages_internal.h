@@ -66,6 +66,11 @@ static inline void *pages_plane(const struct pages *pages, void *planes, enum pl
 	return (char *)planes + pages->layout.places[plane];
 }
 
+static inline bool pages_have_classes(const struct pages *pages, struct tile tile)
+{
+	return pages->params.classes != NULL && (tile.level == pages->params.level || pages->params.classes_drawn);
+}
+
 struct page_io pages_io_of(struct pages *pages);             /* pages_io.c */
 struct page_executor pages_executor_of(struct pages *pages); /* pages_slots.c */
 

@@ -54,7 +54,7 @@ static enum status load(void *user, unsigned loader, struct page_image *image, c
 	enum status status = load_base(pages, ground, tile, image);
 	if (status == STATUS_OK)
 		status = load_planes(pages, ground, tile, image, queued);
-	if (status == STATUS_OK && pages->params.classes != NULL && tile.level == pages->params.level)
+	if (status == STATUS_OK && pages_have_classes(pages, tile))
 		status = pages->params.classes(pages->params.user, loader, tile,
 					       (uint8_t *)image->bytes + pages->layout.classes);
 	mutex_lock(&pages->mutex);

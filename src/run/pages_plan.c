@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "run/pages_internal.h"
+#include "run/soil_map.h"
 
 /* Of the plan's line for that plane; NULL: nothing calls for it but what earlier drives left. */
 static const char *effect_of(const struct plan *plan, enum plane plane)
@@ -52,7 +53,7 @@ static void add_images(const struct scene *scene, const struct pages_layout *lay
 void pages_plan(const struct scene *scene, uint32_t cells, bool was_deformed, struct plan *plan)
 {
 	unsigned planes = pages_planes_of(scene, was_deformed);
-	bool classes = scene->soil_map != NULL && scene->object_count > 0;
+	bool classes = soil_map_needed(scene);
 	const char *effects[PLANES];
 	struct pages_layout layout = pages_layout_of(cells, planes, classes);
 	for (int plane = 0; plane < PLANES; plane++)

@@ -103,7 +103,7 @@ static enum status upload(void *user, uint32_t slot, struct page_image *image)
 							    head->sub_x, head->sub_y);
 	if (status != STATUS_OK)
 		return status;
-	if (pages->params.classes != NULL && overlay.tile.level == pages->params.level)
+	if (pages_have_classes(pages, overlay.tile))
 		status = gpu_slots_upload_classes(slots, slot, staging, layout->classes);
 	if (status != STATUS_OK)
 		return status;

@@ -208,7 +208,7 @@ static enum status plan_lines(const struct drive *drive, struct plan *plan)
 	const struct scene *scene = drive->scene;
 	uint32_t cells = drive->meta->world.cells;
 	unsigned planes = pages_planes_of(scene, drive->was_deformed);
-	bool classes = scene->soil_map != NULL && scene->object_count > 0;
+	bool classes = soil_map_needed(scene);
 	bool decimates = planes != 0 && scene->view.present;
 	enum status status = scene->object_count > 0 ? plan_deform(drive, plan) : STATUS_OK;
 	/* Its planes come first: what calls for the offset has the tiles deformed. */
@@ -225,6 +225,8 @@ static enum status plan_lines(const struct drive *drive, struct plan *plan)
 			.samples = scene->view.samples,
 			.objects = scene->objects,
 			.object_count = scene->object_count,
+			.light = &scene->view.light,
+			.soils = scene_draws_classes(scene) ? scene : NULL,
 		};
 		render_plan(&render, planes != 0, drive->level < 0, plan);
 		if (scene->view.images > 0)

@@ -11,10 +11,15 @@ struct soil_map {
 	struct dem_classes *rasters[]; /* one a loader */
 };
 
+bool soil_map_needed(const struct scene *scene)
+{
+	return scene->soil_map != NULL && (scene->object_count > 0 || scene_draws_classes(scene));
+}
+
 enum status soil_map_open(const struct scene *scene, const struct store_meta *meta, struct soil_map **out)
 {
 	*out = NULL;
-	if (scene->soil_map == NULL || scene->object_count == 0)
+	if (!soil_map_needed(scene))
 		return STATUS_OK;
 	unsigned count = scene->loaders > 0 ? scene->loaders : 1;
 	struct soil_map *map = mem_calloc(1, sizeof *map + count * sizeof map->rasters[0]);

@@ -7,6 +7,8 @@
 
 struct soil_map;
 
+/* Whether the scene has a map and anything that would look at it: then all below is made. */
+bool soil_map_needed(const struct scene *scene);
 /* For the scene's loaders (none: one thread). *out NULL: the scene has no map, or nothing that would look at it. `meta` must outlive it. */
 enum status soil_map_open(const struct scene *scene, const struct store_meta *meta, struct soil_map **out) FURROW_CHECKED;
 void soil_map_close(struct soil_map *map); /* takes NULL */

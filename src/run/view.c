@@ -143,6 +143,8 @@ static enum status make_render(const struct drive *drive, uint32_t width, uint32
 		.samples = scene->view.samples,
 		.objects = scene->objects,
 		.object_count = scene->object_count,
+		.light = &scene->view.light,
+		.soils = scene_draws_classes(scene) ? scene : NULL,
 		.layers = drive->params->host != NULL,
 	};
 	return render_create(&params, out);

@@ -103,14 +103,14 @@ static const struct scene_effect_row rows[EFFECT_COUNT] = {
 		"pixel_error", "view.pixel_error", "REACHES", LIST("terrain.vert"), "base, offset", "depth", 0, LIST("view.pixel_error"),
 		"shape alone counts, not colour; with too few slots a picture is coarser", "levels by how far off they look"},
 	[EFFECT_TEXTURE] = {
-		"texture", "view.effects", "TEXTURE", LIST("terrain.frag", "terrain.vert"), "base, offset", "colour", 0, NONE,
-		"noise of 8 km at most repeats", "colours by height, slope and dirt"},
+		"texture", "view.effects", "TEXTURE", LIST("terrain.frag", "terrain.vert"), "base, offset", "colour", 0,
+		LIST("view.body"), "of 3.6 m near the eye and 162 m far off, which repeat", "grass, soil, rock, sand, snow by slope and height"},
 	[EFFECT_DETAIL] = {
 		"detail", "view.effects", "DETAIL", LIST("terrain.frag"), "base, offset", "colour", 0, NONE,
-		"of the texture's noise", "adds fine grain to the ground near the eye"},
+		"of the texture's own grain", "tilts the ground by the texture's grain"},
 	[EFFECT_FOG] = {
 		"fog", "view.effects", "FOG", LIST("terrain.frag", "terrain.vert"), "", "colour", 0, NONE,
-		"as clear as the terrain is large", "fades what is far into the air"},
+		"as clear as the terrain is large; there is none on the Moon", "fades what is far into the air"},
 	[EFFECT_SKY] = {
 		"sky", "view.effects", "", LIST("sky.vert", "sky.frag"), "", "colour", 0, NONE,
 		"where no ground is drawn", "draws the sky behind the ground"},
@@ -120,6 +120,9 @@ static const struct scene_effect_row rows[EFFECT_COUNT] = {
 	[EFFECT_SKIRTS] = {
 		"skirts", "view.effects", "SKIRTS", LIST("terrain.vert"), "base, offset", "depth", 0, NONE,
 		"as deep as the tile's relief at most", "hides cracks between levels"},
+	[EFFECT_SPLAT] = {
+		"splat", "view.effects", "SPLAT", LIST("lib/ground.glsl"), "class", "colour", 1, NONE,
+		"of a map of soils, with the texture", "shows each soil of the map as what it is"},
 	[EFFECT_ANTIALIAS] = {
 		"antialias", "view.samples", "SAMPLES", LIST("shadow.frag"), "colour", "colour", 0, LIST("view.samples"),
 		"edges alone: within a triangle a pixel has one colour; as many samples as the driver has", "smooths the edges of what is drawn"},
@@ -210,6 +213,12 @@ static uint64_t view_effects(const struct scene *scene)
 	       (scene->view.samples > 1 ? EFFECT_BIT(EFFECT_ANTIALIAS) : 0);
 }
 
+bool scene_draws_classes(const struct scene *scene)
+{
+	const uint64_t both = EFFECT_BIT(EFFECT_SPLAT) | EFFECT_BIT(EFFECT_TEXTURE);
+	return scene->view.present && (scene->view.effects & both) == both && scene->soil_map != NULL;
+}
+
 uint64_t scene_effects(const struct scene *scene, int level)
 {
 	uint64_t effects = 0;
@@ -217,6 +226,8 @@ uint64_t scene_effects(const struct scene *scene, int level)
 		effects |= object_effects(scene);
 	if (scene->view.present)
 		effects |= view_effects(scene);
+	if (scene_draws_classes(scene))
+		effects |= EFFECT_BIT(EFFECT_SOIL_MAP);
 	if (level < 0)
 		effects |= EFFECT_BIT(EFFECT_SUBDIVIDE);
 	if (scene->loaders > 0)

@@ -8,6 +8,7 @@
 #ifndef FURROW_SCENE_H
 #define FURROW_SCENE_H
 
+#include <math.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -17,6 +18,7 @@
 enum scene_coordinates { SCENE_LOCAL, SCENE_STORE, SCENE_SRS };
 enum scene_outside { SCENE_STOP, SCENE_SKIP };
 enum scene_undisturbed { SCENE_STANDS, SCENE_SLIDES };
+enum scene_body { SCENE_EARTH, SCENE_MARS, SCENE_MOON };
 enum scene_camera_kind { SCENE_CHASE, SCENE_OVERHEAD, SCENE_FIXED };
 
 /* Every effect a scene can call for, in the order of src/scene/effects.c's table. */
@@ -46,6 +48,7 @@ enum scene_effect {
 	EFFECT_SKY,
 	EFFECT_GEOMORPH,
 	EFFECT_SKIRTS,
+	EFFECT_SPLAT,
 	EFFECT_ANTIALIAS,
 	EFFECT_IMAGES,
 	EFFECT_LOADERS,
@@ -106,6 +109,17 @@ struct scene_object {
 	double slip; /* of a wheel, model scm: 1 - way / (radius x angle turned), or less than 0 as it is dragged */
 };
 
+/* What pictures are lit by. */
+struct scene_light {
+	enum scene_body body;
+	double azimuth, height; /* of the sun: rad clockwise from north, rad above the horizon */
+	bool coloured;          /* false: the sun's colour is as it is there, at that height */
+	double colour[3];       /* linear */
+};
+#define SCENE_SUN_AZIMUTH (135 * M_PI / 180)
+#define SCENE_SUN_HEIGHT (35 * M_PI / 180)
+struct scene_light scene_light_default(void); /* of a view that says nothing */
+
 struct scene_view {
 	bool present;
 	int width, height;
@@ -118,6 +132,7 @@ struct scene_view {
 	int64_t images;        /* a PNG every so many steps; 0 none */
 	int samples;           /* a pixel: 1, 2, 4 or 8 */
 	double pixel_error;    /* pixels the ground may be drawn off by; 0: its detail goes by the radii */
+	struct scene_light light;
 };
 
 struct scene {
@@ -138,6 +153,7 @@ struct scene {
 	enum scene_undisturbed undisturbed; /* ground that is steeper than soil stands, where nothing has been */
 	struct deform_soil soils[DEFORM_SOILS]; /* with a map the first is for where it says nothing else */
 	int soil_count;
+	char soil_names[DEFORM_SOILS][64]; /* "" of one that is given by numbers alone */
 	char *soil_map;          /* a raster, resolved relative to the scene's file; NULL: soils[0] everywhere */
 	uint8_t soil_class[256]; /* a value of the map: index of its soil */
 	uint64_t soil_map_hash[2]; /* of the raster's bytes */
@@ -170,6 +186,8 @@ void scene_destroy(struct scene *scene);
 
 /* The effects a scene calls for at a working level (0: the store's own posts), as EFFECT_BIT of each. */
 uint64_t scene_effects(const struct scene *scene, int level);
+/* Whether pictures show its map of soils, so that all tiles that are drawn need their classes. */
+bool scene_draws_classes(const struct scene *scene);
 /* What of the scene calls for it, of one that it calls for: "redistribute.model: box", "objects.front_left.load". */
 void scene_effect_reason(const struct scene *scene, enum scene_effect effect, char *text, size_t size);
 

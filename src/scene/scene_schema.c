@@ -112,6 +112,7 @@ static const cyaml_strval_t model_words[] = {{"none", DEFORM_NONE},
 					     {"slippage", DEFORM_SLIPPAGE},
 					     {"scm", DEFORM_SCM}};
 static const cyaml_strval_t undisturbed_words[] = {{"stands", SCENE_STANDS}, {"slides", SCENE_SLIDES}};
+static const cyaml_strval_t body_words[] = {{"earth", SCENE_EARTH}, {"mars", SCENE_MARS}, {"moon", SCENE_MOON}};
 static const cyaml_strval_t outside_words[] = {{"stop", SCENE_STOP}, {"skip", SCENE_SKIP}};
 
 static const cyaml_schema_field_t redistribute_fields[] = {
@@ -151,6 +152,12 @@ static const cyaml_schema_field_t camera_fields[] = {
 	CYAML_FIELD_MAPPING_PTR("fixed", OPTIONAL, struct raw_camera, fixed, fixed_fields),
 	CYAML_FIELD_END,
 };
+static const cyaml_schema_field_t sun_fields[] = {
+	CYAML_FIELD_FLOAT_PTR("azimuth", OPTIONAL, struct raw_sun, azimuth),
+	CYAML_FIELD_FLOAT_PTR("height", OPTIONAL, struct raw_sun, height),
+	CYAML_FIELD_SEQUENCE("colour", OPTIONAL_POINTER, struct raw_sun, colour, &float_entry, 3, 3),
+	CYAML_FIELD_END,
+};
 static const cyaml_schema_field_t view_fields[] = {
 	CYAML_FIELD_SEQUENCE("size", OPTIONAL_POINTER, struct raw_view, size, &int_entry, 2, 2),
 	CYAML_FIELD_MAPPING("camera", NEEDED, struct raw_view, camera, camera_fields),
@@ -159,6 +166,8 @@ static const cyaml_schema_field_t view_fields[] = {
 	CYAML_FIELD_INT_PTR("images", OPTIONAL, struct raw_view, images),
 	CYAML_FIELD_INT_PTR("samples", OPTIONAL, struct raw_view, samples),
 	CYAML_FIELD_FLOAT_PTR("pixel_error", OPTIONAL, struct raw_view, pixel_error),
+	CYAML_FIELD_ENUM_PTR("body", OPTIONAL, struct raw_view, body, body_words, 3),
+	CYAML_FIELD_MAPPING_PTR("sun", OPTIONAL, struct raw_view, sun, sun_fields),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t cache_fields[] = {
@@ -252,6 +261,9 @@ static const struct scene_limit limits[] = {
 	{"view.images", 0, 1e9, false, NULL, "steps", 0, NULL},
 	{"view.samples", 1, 8, false, NULL, NULL, 1, NULL},
 	{"view.pixel_error", 0, 64, true, NULL, "pixels", NAN, "by distance alone"},
+	{"view.sun.azimuth", 0, 360, false, NULL, "degrees", 135, NULL},
+	{"view.sun.height", 0, 90, false, NULL, "degrees", 35, NULL},
+	{"view.sun.colour[]", 0, 10, false, NULL, NULL, NAN, "the body's sun at its height"},
 	{"cache.slots", 4, 65536, false, NULL, NULL, 256, NULL},
 	{"cache.loaders", 0, 16, false, NULL, NULL, 2, NULL},
 	{"cache.prefetch", 0, 3600, false, NULL, "s", 1.5, NULL},

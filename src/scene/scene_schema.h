@@ -86,6 +86,11 @@ struct raw_camera {
 	struct raw_overhead *overhead;
 	struct raw_fixed *fixed;
 };
+struct raw_sun {
+	double *azimuth, *height; /* degrees */
+	double *colour;
+	uint32_t colour_count;
+};
 struct raw_view {
 	int64_t *size;
 	uint32_t size_count;
@@ -94,6 +99,8 @@ struct raw_view {
 	uint32_t effects_count;
 	int64_t *images, *samples;
 	double *pixel_error;
+	int *body; /* enum scene_body */
+	struct raw_sun *sun;
 };
 struct raw_cache {
 	int64_t *slots, *loaders;

@@ -60,6 +60,19 @@ static enum status take_name(const struct scene_tree *tree, const char *name, co
 			   scene_quote(name).text, strrchr(failure_message(), ':') + 1);
 }
 
+static void keep_name(struct scene *scene, size_t index, const char *name)
+{
+	snprintf(scene->soil_names[index], sizeof scene->soil_names[index], "%s", name != NULL ? name : "");
+}
+
+static bool draws_soil(const struct raw_scene *raw)
+{
+	for (uint32_t i = 0; raw->view != NULL && i < raw->view->effects_count; i++)
+		if (strcmp(raw->view->effects[i], scene_effect_row(EFFECT_SPLAT)->name) == 0)
+			return true;
+	return false;
+}
+
 static bool reads_soil(const struct scene *scene)
 {
 	return scene->model != DEFORM_NONE && scene->model != DEFORM_BOX_FILTER;
@@ -173,6 +186,7 @@ static enum status check_classes(const struct scene_tree *tree, const struct raw
 		if (status != STATUS_OK)
 			return status;
 		scene->soil_class[class->value] = (uint8_t)(i + 1);
+		keep_name(scene, i + 1, class->name);
 	}
 	scene->soil_count = 1 + (int)raw->classes_count;
 	return STATUS_OK;
@@ -205,11 +219,13 @@ enum status scene_check_soil(const struct scene_tree *tree, const struct raw_sce
 		return scene_error(tree->file,
 				   scene_tree_find(tree, soil->classes != NULL ? "soil.classes" : "soil.default"),
 				   "is of a map, and there is none; allowed with: map");
-	enum status status = mapped ? check_map(tree, soil, read, scene) : STATUS_OK;
+	bool drawn = mapped && draws_soil(raw);
+	enum status status = mapped ? check_map(tree, soil, read || drawn, scene) : STATUS_OK;
 	if (status == STATUS_OK)
 		status = check_class(tree, mapped ? soil->elsewhere : &soil->all, mapped ? "soil.default" : "soil",
 				     scene->model, &scene->soils[0]);
 	scene->soil_count = 1;
+	keep_name(scene, 0, mapped && soil->elsewhere != NULL ? soil->elsewhere->name : soil->all.name);
 	if (status == STATUS_OK && read)
 		status = check_unread(mapped ? soil->elsewhere : &soil->all, mapped ? "soil.default" : "soil", scene);
 	if (status == STATUS_OK)
@@ -219,6 +235,8 @@ enum status scene_check_soil(const struct scene_tree *tree, const struct raw_sce
 	if (read || status != STATUS_OK)
 		return status;
 	memset(scene->soils, 0, sizeof scene->soils);
+	if (drawn)
+		return STATUS_OK;
 	memset(scene->soil_class, 0, sizeof scene->soil_class);
 	scene->soil_count = 0;
 	return scene_tell_unused(scene, "soil: model %s does not depend on it; take it away, or name a model that moves soil",

@@ -97,6 +97,28 @@ static enum status check_samples(const struct scene_tree *tree, const struct raw
 			   view->samples);
 }
 
+struct scene_light scene_light_default(void)
+{
+	return (struct scene_light){SCENE_EARTH, SCENE_SUN_AZIMUTH, SCENE_SUN_HEIGHT, false, {0}};
+}
+
+static struct scene_light light_of(const struct raw_view *raw)
+{
+	const struct raw_sun *sun = raw->sun;
+	struct scene_light light = scene_light_default();
+	if (raw->body != NULL)
+		light.body = (enum scene_body)*raw->body;
+	if (sun != NULL && sun->azimuth != NULL)
+		light.azimuth = *sun->azimuth * M_PI / 180;
+	if (sun != NULL && sun->height != NULL)
+		light.height = *sun->height * M_PI / 180;
+	if (sun != NULL && sun->colour != NULL) {
+		light.coloured = true;
+		memcpy(light.colour, sun->colour, sizeof light.colour);
+	}
+	return light;
+}
+
 enum status scene_check_view(const struct scene_tree *tree, const struct raw_scene *raw,
 			     struct scene *scene)
 {
@@ -108,6 +130,7 @@ enum status scene_check_view(const struct scene_tree *tree, const struct raw_sce
 	view->height = raw->view->size != NULL ? (int)raw->view->size[1] : 720;
 	view->images = raw->view->images != NULL ? *raw->view->images : (int64_t)scene_absent("view.images");
 	view->pixel_error = raw->view->pixel_error != NULL ? *raw->view->pixel_error : 0;
+	view->light = light_of(raw->view);
 	enum status status = check_camera(tree, &raw->view->camera, scene);
 	if (status == STATUS_OK)
 		status = check_samples(tree, raw->view, view);

@@ -162,12 +162,43 @@ static void a_target_clears_its_colours_and_its_depth(void **state)
 	gpu_texture_destroy(depth);
 }
 
+static void all_levels_are_counted_and_each_is_its_own(void **state)
+{
+	enum { SIDE = 8, LAYERS_OF = 3 };
+	uint8_t texels[4 * LAYERS_OF * SIDE * SIDE], read[4 * SIDE * SIDE];
+	struct gpu_stats before, alive, after;
+	struct gpu_texture *texture;
+	(void)state;
+	need_gpu();
+	gpu_stats(test_gpu, &before);
+	assert_ok(gpu_texture_create_mipmapped(test_gpu, GPU_RGBA8, SIDE, LAYERS_OF, &texture));
+	gpu_stats(test_gpu, &alive);
+	assert_int_equal(gpu_mipmap_levels(SIDE), 4);
+	assert_int_equal(alive.bytes - before.bytes, 4 * LAYERS_OF * (64 + 16 + 4 + 1));
+	assert_int_equal(alive.bytes - before.bytes, gpu_texture_bytes(GPU_RGBA8, SIDE, SIDE, LAYERS_OF, 4));
+	for (size_t i = 0; i < sizeof texels; i++)
+		texels[i] = (uint8_t)(7 * i);
+	gpu_texture_upload_level(texture, 0, texels);
+	memset(texels, 200, sizeof texels);
+	for (uint32_t level = 1; level < 4; level++)
+		gpu_texture_upload_level(texture, level, texels);
+	gpu_texture_read(texture, 2, rect_of(0, 0, SIDE, SIDE), read);
+	for (size_t i = 0; i < sizeof read; i++)
+		assert_int_equal(read[i], (uint8_t)(7 * (i + 2 * sizeof read)));
+	assert_ok(gpu_check(test_gpu, "levels"));
+	gpu_texture_destroy(texture);
+	gpu_stats(test_gpu, &after);
+	assert_int_equal(after.bytes, before.bytes);
+	assert_int_equal(after.textures, before.textures);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(uploads_clears_and_copies_are_read_back_exactly),
 		cmocka_unit_test(a_part_is_read_tightly),
 		cmocka_unit_test(a_target_clears_its_colours_and_its_depth),
+		cmocka_unit_test(all_levels_are_counted_and_each_is_its_own),
 	};
 	return cmocka_run_group_tests(tests, open_gpu, close_gpu);
 }

@@ -81,6 +81,8 @@ static const struct pair pairs[] = {
 	{EFFECT_TEXTURE, HEAD VIEW(""), HEAD VIEW("texture"), true},
 	{EFFECT_OBJECTS, HEAD SEEN VIEW(""), HEAD SEEN VIEW("objects"), true},
 	{EFFECT_SHADOW, HEAD SEEN VIEW("objects"), HEAD SEEN VIEW("objects, shadow"), true},
+	{EFFECT_SPLAT, HEAD SPHERE MAP VIEW("texture"), HEAD SPHERE MAP VIEW("texture, splat"), true},
+	{EFFECT_SPLAT, HEAD MAP VIEW("texture"), HEAD MAP VIEW("texture, splat"), true},
 };
 #define PAIRS (sizeof pairs / sizeof *pairs)
 
@@ -385,10 +387,26 @@ static void every_drive_counts_what_was_planned(void **state)
 		BUSY OBJECT("sphere: {radius: 62}") SCM "spacing: 0.5\n",
 		BUSY HOPS "attributes: [dirt]\n" CHASE,
 		BUSY HOPS SCM "spacing: 0.5\n",
+		BUSY MANY MAP "spacing: 0.5\n" VIEW("texture, splat"),
+		BUSY MANY "soil: {map: classes.png, classes: {1: mud}, default: sand}\n" VIEW("splat, texture, fog"),
+		BUSY "view: {size: [160, 90], camera: {fixed: {eye: [20, 10, 120], target: [50, 45, 100]}}, body: mars, effects: [texture, sky, fog]}\n",
 	};
 	support_write(support_path("hops.csv"), "t,x,y,z\n0,40,40,150\n0.5,50,50,98\n1,60,60,150\n");
 	for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
 		struct outcome outcome = drive(scenes[i]);
+		finish(&outcome);
+	}
+}
+
+/* Classes are read for tiles of the working level; for the picture, where it shows them, for all that are drawn. */
+static void a_map_that_is_drawn_is_read_for_every_tile(void **state)
+{
+	write_files();
+	for (int drawn = 0; drawn < 2; drawn++) {
+		struct outcome outcome = drive(drawn ? HEAD SPHERE MAP VIEW("texture, splat") : HEAD SPHERE MAP VIEW("texture"));
+		const cJSON *units = counts_get(outcome.counts, "units");
+		int64_t classes = counts_integer(units, plan_unit_name(PLAN_CLASS_SLOT)), bases = counts_integer(units, plan_unit_name(PLAN_BASE_SLOT));
+		assert_true(classes > 0 && (classes == bases) == (drawn == 1));
 		finish(&outcome);
 	}
 }
@@ -483,6 +501,7 @@ int main(void)
 		cmocka_unit_test(each_effect_comes_and_goes_alone),
 		cmocka_unit_test(nothing_is_made_or_run_for_nothing),
 		cmocka_unit_test(every_drive_counts_what_was_planned),
+		cmocka_unit_test(a_map_that_is_drawn_is_read_for_every_tile),
 		cmocka_unit_test(a_deformed_store_is_planned_as_it_is),
 		cmocka_unit_test(few_programs_do_for_all_scenes),
 		cmocka_unit_test(a_resting_object_runs_no_pass),

@@ -196,6 +196,10 @@ static void pictures_that_nobody_sees(void **state)
 	advised(looked_at, 0.5, "view.effects", "[detail]", "view.effects.detail: is the grain of the texture, which is not drawn; ");
 	advised(looked_at, 0.5, "view.effects", "[detail, texture]", NULL);
 	advised(looked_at, 0.5, "view.effects", "[fog]", NULL);
+	advised(looked_at, 0.5, "view.effects&view.body", "[fog]&moon", "view.effects.fog: there is no air on the Moon: ");
+	advised(looked_at, 0.5, "view.effects&view.body", "[fog]&mars", NULL);
+	advised(looked_at, 0.5, "view.effects", "[splat]", "view.effects.splat: is of the texture, which is not drawn; ");
+	advised(looked_at, 0.5, "view.effects", "[splat, texture]", "view.effects.splat: shows the classes of a map of soils, and there is none; ");
 }
 
 static void a_cache_that_reads_nothing_ahead(void **state)

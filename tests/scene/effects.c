@@ -121,6 +121,7 @@ static void each_key_calls_for_its_own(void **state)
 		{quiet, "view.effects", "[fog]", EFFECT_BIT(EFFECT_FOG), "view.effects.fog"},
 		{quiet, "view.effects", "[sky]", EFFECT_BIT(EFFECT_SKY), "view.effects.sky"},
 		{quiet, "view.effects", "[texture]", EFFECT_BIT(EFFECT_TEXTURE), "view.effects.texture"},
+		{quiet, "view.effects", "[splat]", EFFECT_BIT(EFFECT_SPLAT), "view.effects.splat"},
 		{quiet, "view.effects", "[skirts]", EFFECT_BIT(EFFECT_SKIRTS), "view.effects.skirts"},
 		{seen, "view.effects", "[objects]", EFFECT_BIT(EFFECT_OBJECTS), "view.effects.objects"},
 		{seen, "view.effects", "[objects, shadow]", EFFECT_BIT(EFFECT_OBJECTS) | EFFECT_BIT(EFFECT_SHADOW), "view.effects.objects"},

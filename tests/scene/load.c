@@ -138,6 +138,8 @@ static void the_hash_is_of_what_the_ground_becomes(void **state)
 		{"images: 100", "images: 1", true},
 		{"images: 100", "pixel_error: 2.5", true},
 		{"images: 100", "samples: 8", true},
+		{"images: 100", "body: mars", true},
+		{"images: 100", "sun: {azimuth: 90, height: 5, colour: [1, 0.5, 0.2]}", true},
 		{"# they act in", "# or not, they act in", true},
 		{"store: world", "store: other", true},
 		{"end_time: 30", "end_time: 60", true},

@@ -1,0 +1,99 @@
+/*
+ * Where the ground is: on the Earth, on Mars or on the Moon. What it looks like there is shaders/lib/body.glsl; here is what
+ * depends on the scene: the sun's colour at its height, how soils of a map look, which textures there are.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "render/internal.h"
+
+static const struct body {
+	const char *define;
+	enum render_ground kinds[RENDER_GROUNDS];
+	double sunlight[3]; /* at the default height; light where a white that faces the Earth's sun is 2.6 */
+	double air;         /* haze beside the Earth's */
+	double reddens;     /* the sun through how much of the Earth's air */
+	float background[4];
+} bodies[] = {
+	[SCENE_EARTH] = {NULL, {RENDER_SAND, RENDER_GRASS, RENDER_SOIL, RENDER_ROCK, RENDER_SNOW, RENDER_WIDE},
+			 {2.6, 2.34, 1.95}, 1, 1, {0.56f, 0.67f, 0.80f, 1}},
+	[SCENE_MARS] = {"MARS", {RENDER_SAND, RENDER_SAND, RENDER_SOIL, RENDER_ROCK, RENDER_SNOW, RENDER_WIDE},
+			{2.3, 2.0, 1.66}, 1.3, 0.1, {0.66f, 0.47f, 0.28f, 1}},
+	[SCENE_MOON] = {"MOON", {RENDER_SNOW, RENDER_SNOW, RENDER_SOIL, RENDER_SOIL, RENDER_SNOW, RENDER_WIDE},
+			{3.6, 3.5, 3.34}, 0, 0, {0, 0, 0, 1}},
+};
+
+/* Soils by what their names begin with: what they are like, by its layer, and how bright beside that on the Earth. Others
+ * are soil as it is. */
+enum { LIKE_SAND, LIKE_SOIL = 2, LIKE_SNOW = 4 };
+static const struct soil {
+	const char *begins;
+	int like;
+	float tint[3];
+} soils[] = {
+	{"dry_sand", LIKE_SAND, {1, 1, 1}},
+	{"lete_sand", LIKE_SAND, {0.70f, 0.66f, 0.60f}},
+	{"sandy_loam", LIKE_SOIL, {1.30f, 1.25f, 1.15f}},
+	{"sand", LIKE_SAND, {1, 1, 1}},
+	{"mud", LIKE_SOIL, {0.45f, 0.45f, 0.48f}},
+	{"clayey", LIKE_SOIL, {1.25f, 0.88f, 0.70f}},
+	{"heavy_clay", LIKE_SOIL, {0.95f, 0.72f, 0.62f}},
+	{"lean_clay", LIKE_SOIL, {1.45f, 1.20f, 1.00f}},
+	{"upland_loam", LIKE_SOIL, {0.62f, 0.62f, 0.62f}},
+	{"snow", LIKE_SNOW, {1, 1, 1}},
+	{"lunar", LIKE_SOIL, {0.90f, 1.24f, 1.90f}},
+	{"", LIKE_SOIL, {1, 1, 1}},
+};
+
+/* Elsewhere than on the Earth a soil has that body's hue. */
+static void fill_soil(const char *name, bool earth, float out[4])
+{
+	const struct soil *soil = soils;
+	while (strncmp(name, soil->begins, strlen(soil->begins)) != 0)
+		soil++;
+	for (int i = 0; i < 3; i++)
+		out[i] = earth ? soil->tint[i] : (soil->tint[0] + soil->tint[1] + soil->tint[2]) / 3;
+	out[3] = (float)soil->like;
+}
+
+/* How much air the sun shines through, of that above (Kasten and Young 1989). */
+static double air_mass(double height)
+{
+	return 1 / (sin(height) + 0.50572 * pow(height * (180 / M_PI) + 6.07995, -1.6364));
+}
+
+void render_body_textures(const struct scene_light *light, enum render_ground kinds[RENDER_GROUNDS])
+{
+	memcpy(kinds, bodies[light->body].kinds, sizeof bodies[light->body].kinds);
+}
+
+const char *render_body_define(const struct scene_light *light)
+{
+	return bodies[light->body].define;
+}
+
+void render_body_fill(const struct scene_light *light, const struct scene *scene, struct picture_params *params)
+{
+	static const double taken[3] = {0.05, 0.11, 0.215}; /* of the light, by the Earth's air above */
+	const struct body *body = &bodies[light->body];
+	double more = air_mass(light->height) - air_mass(SCENE_SUN_HEIGHT);
+	for (int i = 0; i < 3; i++) {
+		double sun = light->coloured ? 2.6 * light->colour[i] : body->sunlight[i] * exp(-body->reddens * taken[i] * more);
+		params->sunlight[i] = (float)sun;
+		params->tint[i] = (float)sqrt(sun / body->sunlight[i]);
+	}
+	/* The sky is lit by the sun: less, the lower it is. */
+	params->sunlight[3] = (float)fmin(0.2 + 1.6 * sin(light->height), 1);
+	for (int i = 0; scene != NULL && i < scene->soil_count; i++)
+		fill_soil(scene->soil_names[i], light->body == SCENE_EARTH, params->soils[i]);
+}
+
+double render_body_air(const struct scene_light *light)
+{
+	return bodies[light->body].air;
+}
+
+void render_body_background(const struct scene_light *light, float rgba[4])
+{
+	memcpy(rgba, bodies[light->body].background, sizeof bodies[light->body].background);
+}
