@@ -3,6 +3,7 @@
 #include "lib/picture.glsl"
 flat in vec4 own_x, own_y, own_z, form, volume_x, volume_y, volume_z;
 flat in vec4 to_sun;
+flat in vec3 of_sun;
 flat in vec2 strength;
 layout(location = 0) out vec4 left;
 
@@ -64,5 +65,5 @@ void main()
 	float skyless = 0.5 * near * near;
 
 	vec2 share = strength * (fade.x * fade.y * fade.z) * vec2(sunless, skyless);
-	left = vec4((1.0 - share.x * vec3(0.72, 0.68, 0.60)) * (1.0 - share.y), 1.0);
+	left = vec4((1.0 - share.x * of_sun) * (1.0 - share.y), 1.0);
 }

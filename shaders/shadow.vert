@@ -1,6 +1,7 @@
 #version 450 core
 // The volume that an object shades, a box: its far sides are drawn, so that each pixel is, once, wherever the eye is.
 #include "lib/picture.glsl"
+#include "lib/body.glsl"
 #ifdef FOG
 #include "lib/sky.glsl"
 #include "lib/haze.glsl"
@@ -19,6 +20,7 @@ layout(std430, binding = 0) readonly buffer casters {
 
 flat out vec4 own_x, own_y, own_z, form, volume_x, volume_y, volume_z;
 flat out vec4 to_sun; // along the form's axes; its kind
+flat out vec3 of_sun; // the sun's part of the light on level ground
 flat out vec2 strength; // by the air between, of the sun's shadow and of the sky's
 
 // Along a volume's axis, from its middle to its side.
@@ -30,6 +32,8 @@ vec3 side_of(vec4 axis, float side)
 void main()
 {
 	caster it = all[gl_InstanceID];
+	vec3 direct = sunlight.rgb * max(sun.z, 0.05);
+	of_sun = direct / (direct + skylight * sunlight.w);
 	own_x = it.to_own[0];
 	own_y = it.to_own[1];
 	own_z = it.to_own[2];

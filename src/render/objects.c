@@ -65,8 +65,7 @@ static struct gpu_program_request request_of(uint64_t effects, const char *body,
 		request.defines[count++] = scene_effect_row(EFFECT_FOG)->define;
 	if (shadow && samples > 1)
 		request.defines[count++] = scene_effect_row(EFFECT_ANTIALIAS)->define;
-	if (!shadow)
-		request.defines[count] = body;
+	request.defines[count] = body;
 	return request;
 }
 
