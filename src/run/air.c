@@ -26,8 +26,7 @@
 #define AIR_QUANTA 64
 #define AIR_SHARE 26
 
-/* No part of the object is below this anywhere in the sweep, quanta. */
-static int64_t lowest(const struct deform_sweep *sweep)
+int64_t drive_lowest(const struct deform_sweep *sweep)
 {
 	const struct deform_shape *shape = sweep->shape;
 	const struct deform_pose *from = &sweep->from, *to = &sweep->to;
@@ -168,7 +167,7 @@ enum status drive_is_aloft(struct drive *drive, const struct event *event, struc
 		return STATUS_OK;
 	if (conserves && !drive->asks_touched)
 		return STATUS_OK;
-	int64_t low = lowest(sweep), highest;
+	int64_t low = drive_lowest(sweep), highest;
 	enum status status = highest_base(drive, windows, count, &highest);
 	if (status != STATUS_OK || low <= highest)
 		return status;

@@ -202,6 +202,8 @@ enum status drive_sweep(struct drive *drive, const struct event *event, bool las
 
 /* air.c: whether soil must be known by what was touched: it moves, and an object may be above it. */
 bool drive_asks_touched(const struct drive *drive);
+/* No part of the object is below this anywhere in the sweep, quanta. */
+int64_t drive_lowest(const struct deform_sweep *sweep);
 /* A tile is held: before anything changes it. */
 enum status drive_see(struct drive *drive, const struct deform_tile *held) FURROW_CHECKED;
 /* Whether nothing would change, were the sweep's windows computed; sets its `above`. May pin tiles for a while. */
@@ -253,7 +255,11 @@ enum status view_frame(struct view *view, struct drive *drive, bool image) FURRO
 /* A tile of the working level is deformed now: finer tiles exist below its ancestors. */
 enum status view_deformed(struct view *view, struct tile tile) FURROW_CHECKED;
 /* An object presses: what is deformed until the next call, it deforms. NULL: soil that moves by itself does. */
-enum status view_pressed(struct view *view, const struct event *event) FURROW_CHECKED;
+struct view_sweep {
+	int64_t lowest;         /* quanta: no part of the object is lower. INT64_MIN: that is not known */
+	struct post_rect changed, read; /* posts of the working level that may change, and that they may become like */
+};
+enum status view_pressed(struct view *view, const struct event *event, const struct view_sweep *sweep) FURROW_CHECKED;
 /* The places (metres, local) whose ground the camera stands or looks on at `time`: none to two. `user` is the
  * drive. Any thread. */
 size_t view_places(const void *user, double time, double places[2][2]);

@@ -87,6 +87,28 @@ static void roll(const struct rider *rider, const struct event *event, struct de
 	sweep->to.turn = remainder(sweep->from.turn + sweep->turned, 2 * M_PI);
 }
 
+/* The least that holds both. */
+static struct post_rect around(struct post_rect a, struct post_rect b)
+{
+	return (struct post_rect){a.x0 < b.x0 ? a.x0 : b.x0, a.y0 < b.y0 ? a.y0 : b.y0, a.x1 > b.x1 ? a.x1 : b.x1,
+				  a.y1 > b.y1 ? a.y1 : b.y1};
+}
+
+static enum status tell_view(const struct drive *drive, const struct event *event, const struct deform_sweep *sweep,
+			     const struct deform_window *windows, size_t count)
+{
+	struct view_sweep told = {
+		.lowest = sweep->load > 0 ? INT64_MIN : drive_lowest(sweep),
+		.changed = windows[0].write,
+		.read = windows[0].read,
+	};
+	for (size_t i = 1; i < count; i++) {
+		told.changed = around(told.changed, windows[i].write);
+		told.read = around(told.read, windows[i].read);
+	}
+	return view_pressed(drive->view, event, &told);
+}
+
 enum status drive_sweep(struct drive *drive, const struct event *event, bool last)
 {
 	struct rider *rider = &drive->riders[event->rider];
@@ -121,7 +143,7 @@ enum status drive_sweep(struct drive *drive, const struct event *event, bool las
 	count = aloft ? 0 : count;
 	drive->windows += count;
 	if (status == STATUS_OK && drive->view != NULL && count > 0)
-		status = view_pressed(drive->view, event);
+		status = tell_view(drive, event, &sweep, windows, count);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 		status = drive_hold(drive, windows[i].read, &held);
 		if (status == STATUS_OK)
@@ -142,6 +164,6 @@ enum status drive_sweep(struct drive *drive, const struct event *event, bool las
 	rider->in_contact = true;
 	rider->last = sweep.to;
 	if (status == STATUS_OK && drive->view != NULL && count > 0)
-		status = view_pressed(drive->view, NULL);
+		status = view_pressed(drive->view, NULL, NULL);
 	return status;
 }

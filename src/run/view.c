@@ -153,34 +153,7 @@ static enum status make_render(const struct drive *drive, uint32_t width, uint32
 static enum status deformed_key(void *user, uint64_t key)
 {
 	struct view *view = user;
-	struct tile tile = tile_from_key(key);
-	enum status status = view_add_chain(view, &view->deformed, tile);
-	return status == STATUS_OK && view->errors != NULL ? view_errors_read(view, tile) : status;
-}
-
-static enum status find_reach(const struct drive *drive, double *out)
-{
-	double reach = 0, deepest = 0, low, high;
-	bool found;
-	for (size_t i = 0; i < drive->scene->object_count; i++) {
-		const struct scene_object *object = &drive->scene->objects[i];
-		const double *size = object->shape.size;
-		reach = fmax(reach, object->sink + 2 * object->shape.radius +
-					    sqrt(size[0] * size[0] + size[1] * size[1] + size[2] * size[2]));
-		/* A path with heights of its own may dig as deep as it lies below the ground. */
-		for (size_t k = 0; object->path.has_z && k < object->path.count; k++)
-			deepest = fmax(deepest, drive->meta->high - object->path.points[k].z);
-	}
-	reach += deepest;
-	struct tile top = {world_coarsest(&drive->meta->world), 0, 0};
-	*out = reach;
-	if (!drive->was_deformed)
-		return STATUS_OK;
-	enum status status = ground_offset_range(drive->ground, top, &low, &high, &found);
-	if (status == STATUS_OK && found)
-		reach = fmax(reach, fmax(-low, high));
-	*out = reach;
-	return status;
+	return view_add_chain(view, &view->deformed, tile_from_key(key));
 }
 
 enum status view_create(struct drive *drive, struct view **out)
@@ -199,13 +172,15 @@ enum status view_create(struct drive *drive, struct view **out)
 	if (view->selection == NULL || view->now == NULL || view->ahead == NULL)
 		status = fail_memory("the view");
 	if (status == STATUS_OK)
-		status = find_reach(drive, &view->reach);
+		view->reach = view_find_reach(drive);
 	if (status == STATUS_OK)
 		status = make_render(drive, (uint32_t)scene->view.width, (uint32_t)scene->view.height, &view->render);
 	if (status == STATUS_OK && scene->view.pixel_error > 0)
 		status = view_errors_create(drive, &view->errors);
 	if (status == STATUS_OK && drive->was_deformed)
 		status = store_each_offset(ground_reader(drive->ground), drive->level, deformed_key, view);
+	if (status == STATUS_OK)
+		status = view_pressed(view, NULL, NULL);
 	if (status != STATUS_OK) {
 		view_destroy(view);
 		return status;
@@ -220,6 +195,8 @@ void view_destroy(struct view *view)
 		return;
 	render_destroy(view->render);
 	key_set_finish(&view->deformed);
+	key_map_finish(&view->stored);
+	key_map_finish(&view->pressed);
 	key_set_finish(&view->expected);
 	key_set_finish(&view->seen);
 	key_cache_finish(&view->ranges);

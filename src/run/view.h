@@ -19,13 +19,21 @@ struct view_look {
 
 struct view_errors; /* view_errors.c */
 
+struct view_press {
+	bool known;       /* no offset it leaves is below `low` or above `high`; else they are as far as objects reach */
+	double low, high; /* 0 or less, 0 or more; metres */
+};
+
 struct view {
 	struct drive *drive;
 	struct render *render;
-	struct key_set deformed;  /* tiles with offset tiles at or below them; 11 to 21 bytes each, for good */
+	struct key_set deformed;  /* tiles that had offset tiles at or below them before the drive; 11 to 21 bytes each */
+	struct key_map stored;    /* of those, as far as asked for: lowest (0 or less) and highest (0 or more) offset; metres */
+	struct key_map pressed;   /* the same bound for tiles that this drive deformed */
+	struct view_press press;  /* what is deformed now is widened by */
 	struct key_set expected;  /* the same of tiles that will be deformed; empty but while looking ahead */
 	struct key_cache ranges;  /* of bases; a: NaN where nothing is */
-	double reach;             /* metres deformation can add to a tile's bounds */
+	double reach;             /* metres that what is not known of a press may be off what was there */
 	struct view_errors *errors; /* NULL: detail goes by the radii */
 	size_t budget;            /* slots one picture may need */
 	size_t room;              /* slots this picture and those ahead may need together */
@@ -63,11 +71,26 @@ enum status view_select(struct view *view, const struct render_camera *camera, b
 /* What was selected is used now; without `stand_ins` only what the complete picture needs. */
 void view_mark_used(struct view *view, bool stand_ins);
 
+/* view_offsets.c: how far off its base a tile's surface may be. */
+bool view_is_deformed(const struct view *view, struct tile tile); /* it has offsets at or below it */
+double view_find_reach(const struct drive *drive);
+/* Widens what a map (a: lowest, b: highest) has of a tile and of all above it. */
+enum status view_widen(const struct view *view, struct key_map *map, struct tile tile, double low, double high) FURROW_CHECKED;
+/* Exact, of the drive's start: 0 or less and 0 or more; metres. */
+enum status view_stored_offsets(struct view *view, struct tile tile, double *low, double *high) FURROW_CHECKED;
+/* view_pressed's. */
+enum status view_offsets_press(struct view *view, const struct view_sweep *sweep) FURROW_CHECKED;
+/* A tile of the working level is changed, by what presses now. */
+enum status view_offsets_touch(struct view *view, struct tile tile) FURROW_CHECKED;
+/* No offset of the tile's subtree is or will be drawn outside these; metres. `expected`: it will be deformed by the time
+ * that is looked at. */
+enum status view_offsets(struct view *view, struct tile tile, bool expected, double *low, double *high) FURROW_CHECKED;
+
 /* view_errors.c: how far off the ground a tile is drawn. With a pixel error alone. */
 enum status view_errors_create(const struct drive *drive, struct view_errors **out) FURROW_CHECKED;
 void view_errors_destroy(struct view_errors *errors); /* takes NULL */
-/* What is committed of a tile of the working level counts. */
-enum status view_errors_read(struct view *view, struct tile tile) FURROW_CHECKED;
+/* view_pressed's. */
+enum status view_errors_press(struct view *view, const struct event *event) FURROW_CHECKED;
 /* A tile of the working level is changed, by what presses now. */
 enum status view_errors_touch(struct view *view, struct tile tile) FURROW_CHECKED;
 /* Metres, as terrain_source.error. `expected`: it will be deformed by the time that is looked at. */

@@ -3,7 +3,7 @@
  *
  * A base tile's error is kept in the store, over its whole subtree. What deformation adds to it is at most how far
  * apart the offsets of its subtree are: a surface through some of them is between the lowest and the highest. Those
- * that are committed are read once. What is pressed later is known only on the GPU, so it is reckoned from how the
+ * that were there before the drive the store knows (view_offsets.c). What is pressed later is known only on the GPU, so it is reckoned from how the
  * object stands: as deep as its lowest point is under the base beside it, and where soil is moved, heaped as high.
  * So it is about right and known at once; the next drive over that store knows it exactly.
  *
@@ -18,7 +18,7 @@
 
 struct view_errors {
 	struct key_cache bases; /* a: metres */
-	struct key_map offsets; /* a: lowest, 0 or less; b: highest, 0 or more; metres */
+	struct key_map pressed; /* in this drive. a: lowest, 0 or less; b: highest, 0 or more; metres */
 	double low, high;       /* of what is marked now */
 	double lowest, highest; /* of what was marked in this drive, and of what is expected to be */
 };
@@ -48,41 +48,15 @@ void view_errors_destroy(struct view_errors *errors)
 	if (errors == NULL)
 		return;
 	key_cache_finish(&errors->bases);
-	key_map_finish(&errors->offsets);
+	key_map_finish(&errors->pressed);
 	mem_free(errors);
 }
 
 /* --- offsets --- */
 
-static enum status widen(struct view *view, struct tile tile, double low, double high)
-{
-	struct key_map *offsets = &view->errors->offsets;
-	int coarsest = world_coarsest(&view->drive->meta->world);
-	for (int level = tile.level; level <= coarsest; level++) {
-		uint64_t key = tile_key(tile_ancestor(tile, level));
-		const struct key_pair *had = key_map_find(offsets, key);
-		if (had != NULL && had->a <= low && had->b >= high)
-			return STATUS_OK; /* and so are all above it */
-		low = had != NULL ? fmin(had->a, low) : low;
-		high = had != NULL ? fmax(had->b, high) : high;
-		enum status status = key_map_put(offsets, key, low, high);
-		if (status != STATUS_OK)
-			return status;
-	}
-	return STATUS_OK;
-}
-
-enum status view_errors_read(struct view *view, struct tile tile)
-{
-	double low, high;
-	bool found;
-	enum status status = ground_offset_range(view->drive->ground, tile, &low, &high, &found);
-	return status == STATUS_OK && found ? widen(view, tile, fmin(low, 0), fmax(high, 0)) : status;
-}
-
 enum status view_errors_touch(struct view *view, struct tile tile)
 {
-	return widen(view, tile, view->errors->low, view->errors->high);
+	return view_widen(view, &view->errors->pressed, tile, view->errors->low, view->errors->high);
 }
 
 /* How far to a shape's sides the ground beside its middle counts, forwards and to the left, and by how much its
@@ -137,11 +111,9 @@ static enum status rise_beside(struct view *view, const struct event *event, dou
 	return STATUS_OK;
 }
 
-enum status view_pressed(struct view *view, const struct event *event)
+enum status view_errors_press(struct view *view, const struct event *event)
 {
 	struct view_errors *errors = view->errors;
-	if (errors == NULL)
-		return STATUS_OK;
 	if (event == NULL) {
 		errors->low = errors->lowest;
 		errors->high = errors->highest;
@@ -185,15 +157,22 @@ static enum status base_error(struct view *view, struct tile tile, double *error
 enum status view_error(struct view *view, struct tile tile, bool expected, double *error)
 {
 	const struct view_errors *errors = view->errors;
-	const struct key_pair *offsets = key_map_find(&errors->offsets, tile_key(tile));
 	*error = 0;
 	/* Nothing is finer than the working level where there are offsets, nor than level 0 elsewhere. */
-	if ((offsets != NULL || expected) && tile.level <= view->drive->level)
+	if ((expected || view_is_deformed(view, tile)) && tile.level <= view->drive->level)
 		return STATUS_OK;
-	double apart = offsets != NULL ? offsets->b - offsets->a : 0;
+	double low, high;
+	enum status status = view_stored_offsets(view, tile, &low, &high);
+	const struct key_pair *pressed = key_map_find(&errors->pressed, tile_key(tile));
+	if (pressed != NULL) {
+		low = fmin(low, pressed->a);
+		high = fmax(high, pressed->b);
+	}
+	double apart = high - low;
 	if (expected)
 		apart = fmax(apart, errors->highest - errors->lowest);
-	enum status status = tile.level > 0 ? base_error(view, tile, error) : STATUS_OK;
+	if (status == STATUS_OK && tile.level > 0)
+		status = base_error(view, tile, error);
 	*error += apart;
 	return status;
 }

@@ -22,11 +22,15 @@ static enum status base_range(struct view *view, struct tile tile, struct key_pa
 	return key_cache_put(&view->ranges, key, range->a, range->b);
 }
 
+static bool is_expected(const struct view *view, struct tile tile)
+{
+	return view->expected.count > 0 && key_set_has(&view->expected, tile_key(tile));
+}
+
 /* Has offsets at or below it, or will have by the time that is looked at. */
 static bool is_deformed(const struct view *view, struct tile tile)
 {
-	uint64_t key = tile_key(tile);
-	return key_set_has(&view->deformed, key) || (view->expected.count > 0 && key_set_has(&view->expected, key));
+	return view_is_deformed(view, tile) || is_expected(view, tile);
 }
 
 static bool bounds(void *user, struct tile tile, double *low, double *high)
@@ -39,14 +43,16 @@ static bool bounds(void *user, struct tile tile, double *low, double *high)
 	if (tile.level < 0 && !deformed)
 		return false;
 	struct key_pair range = {.a = NAN};
+	double lowest = 0, highest = 0;
 	enum status status = base_range(view, tile, &range);
+	if (status == STATUS_OK && deformed)
+		status = view_offsets(view, tile, is_expected(view, tile), &lowest, &highest);
 	if (status != STATUS_OK) {
 		view->failed = status;
 		return false;
 	}
-	double slack = deformed ? view->reach : 0;
-	*low = range.a - slack;
-	*high = range.b + slack;
+	*low = range.a + lowest;
+	*high = range.b + highest;
 	return !isnan(range.a);
 }
 
@@ -78,9 +84,15 @@ enum status view_add_chain(const struct view *view, struct key_set *set, struct 
 	return STATUS_OK;
 }
 
+enum status view_pressed(struct view *view, const struct event *event, const struct view_sweep *sweep)
+{
+	enum status status = view_offsets_press(view, sweep);
+	return status == STATUS_OK && view->errors != NULL ? view_errors_press(view, event) : status;
+}
+
 enum status view_deformed(struct view *view, struct tile tile)
 {
-	enum status status = view_add_chain(view, &view->deformed, tile);
+	enum status status = view_offsets_touch(view, tile);
 	return status == STATUS_OK && view->errors != NULL ? view_errors_touch(view, tile) : status;
 }
 
@@ -88,8 +100,7 @@ static double error_of(void *user, struct tile tile)
 {
 	struct view *view = user;
 	double error = 0;
-	bool expected = view->expected.count > 0 && key_set_has(&view->expected, tile_key(tile));
-	enum status status = view_error(view, tile, expected, &error);
+	enum status status = view_error(view, tile, is_expected(view, tile), &error);
 	if (status != STATUS_OK)
 		view->failed = status;
 	return error;

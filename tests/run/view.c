@@ -281,38 +281,6 @@ static void looking_ahead_marks_nothing_used(void **state)
 	rig_close(&rig);
 }
 
-/* Digs a hole in the store, over whatever was dug before; 0 m fills it. */
-static void dig(double metres)
-{
-	int32_t offset[(CELLS + 1) * (CELLS + 1)] = {0};
-	struct store *store;
-	struct store_epoch_result result;
-	must(store_open(support_path("view.furrow"), &(struct store_options){.mode = STORE_WRITE}, &store));
-	must(store_set_working_level(store, 0));
-	offset[5 * (CELLS + 1) + 7] = (int32_t)lattice_offset(-metres);
-	const struct store_page page = {.tile = {0, 3, 2}, .planes = {[PLANE_OFFSET] = offset}};
-	const struct store_run run = {.scene_hash = "0", .step = 1, .state = "{}"};
-	must(store_epoch(store, &page, 1, &run, &result));
-	store_close(store);
-}
-
-/* Bounds of tiles after an edit: as wide as what is there asks for, and no wider than that. */
-static void a_view_reaches_what_was_dug_before_it(void **state)
-{
-	struct rig rig;
-	rig_open(&rig, 16, 0, 0);
-	double objects = rig.drive.view->reach; /* what they may dig themselves */
-	rig_close(&rig);
-	assert_true(objects > 0 && objects < 3);
-	const double depths[] = {40, 3, 0};
-	for (int i = 0; i < 3; i++) {
-		dig(depths[i]);
-		rig_open(&rig, 16, 0, 0);
-		assert_true(fabs(rig.drive.view->reach - fmax(depths[i], objects)) < 1e-5);
-		rig_close(&rig);
-	}
-}
-
 static void what_a_frame_drew_was_used_last(void **state)
 {
 	struct rig rig;
@@ -367,7 +335,6 @@ int main(void)
 		cmocka_unit_test(looking_ahead_the_ground_is_divided_where_the_objects_will_be),
 		cmocka_unit_test(however_far_it_looks_an_object_wishes_for_no_more_than_the_slots),
 		cmocka_unit_test(looking_ahead_marks_nothing_used),
-		cmocka_unit_test(a_view_reaches_what_was_dug_before_it),
 		cmocka_unit_test(what_a_frame_drew_was_used_last),
 		cmocka_unit_test(the_camera_ahead_is_the_camera_when_that_time_has_come),
 	};

@@ -33,9 +33,12 @@ static struct event event_at(struct rig *rig, double x, double y, double sink)
 static void press(struct rig *rig, struct tile tile, double x, double y, double sink)
 {
 	struct event event = event_at(rig, x, y, sink);
-	must(view_pressed(rig->drive.view, &event));
+	int64_t cx = (int64_t)(x / rig->drive.spacing), cy = (int64_t)(y / rig->drive.spacing), r = (int64_t)ceil(0.5 / rig->drive.spacing);
+	const struct post_rect under = {cx - r, cy - r, cx + r + 2, cy + r + 2};
+	const struct view_sweep sweep = {event.pose.z - lattice_offset(rig->object.shape.radius), under, under};
+	must(view_pressed(rig->drive.view, &event, &sweep));
 	must(view_deformed(rig->drive.view, tile));
-	must(view_pressed(rig->drive.view, NULL));
+	must(view_pressed(rig->drive.view, NULL, NULL));
 }
 
 static void without_a_pixel_error_no_errors_are_kept(void **state)
