@@ -27,6 +27,7 @@ struct gpu_buffer;
 struct gpu_program;
 struct gpu_slots;
 struct gpu_staging;
+struct gpu_counter;
 
 struct gpu_info {
 	const char *vendor, *renderer, *version;
@@ -223,6 +224,16 @@ struct gpu_pass {
 	bool multiply;    /* what is there by what is drawn, in light where the target is sRGB */
 };
 void gpu_pass_run(struct gpu *gpu, const struct gpu_pass *pass);
+
+/* --- counters: gpu_query.c --- */
+/* Counts the samples that pass the depth test, of all passes between begin and end; one counter at a time. Never waits. */
+enum status gpu_counter_create(struct gpu *gpu, struct gpu_counter **out) FURROW_CHECKED;
+void gpu_counter_destroy(struct gpu_counter *counter); /* takes NULL */
+void gpu_counter_begin(struct gpu_counter *counter);
+void gpu_counter_end(struct gpu_counter *counter);
+/* The results that came since it was last asked: samples, over so many times. After gpu_finish all that were begun have;
+ * what began while too many were on their way has none. */
+void gpu_counter_take(struct gpu_counter *counter, uint64_t *samples, uint64_t *times);
 
 /* --- slots: gpu_slots.c --- */
 /*

@@ -215,6 +215,7 @@ enum status render_frame(struct render *render, const struct render_camera *came
 	render->triangles = 0;
 	render->tiles = (struct render_tiles){.drawn = 0};
 	gpu_target_clear(render->target, background);
+	gpu_counter_begin(render->ground_samples);
 	for (size_t i = 0, end; i < selection->draw_count && status == STATUS_OK; i = end) {
 		status = collect_blocks(render, &view, &axes, selection, i, &end, drawn);
 		if (status != STATUS_OK)
@@ -228,6 +229,7 @@ enum status render_frame(struct render *render, const struct render_camera *came
 			status = draw_tile(render, draw, &drawn[k], &params);
 		}
 	}
+	gpu_counter_end(render->ground_samples);
 	if (status == STATUS_OK && render->objects != NULL)
 		status = render_objects_draw(render, camera, &axes, &view, &params);
 	if (status == STATUS_OK && (render->effects >> EFFECT_SKY & 1))

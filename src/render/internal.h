@@ -143,6 +143,7 @@ struct render {
 	uint32_t index_count;
 	struct render_blocks blocks;
 	uint64_t triangles;
+	struct gpu_counter *ground_samples; /* of the ground's draws */
 	struct render_objects *objects; /* NULL: none is shown */
 	struct render_tiles tiles; /* of the last frame */
 	struct gpu_program *tile_programs[RENDER_VARIANTS]; /* NULL: not yet linked */

@@ -132,6 +132,8 @@ enum status render_create(const struct render_params *params, struct render **ou
 	if (status == STATUS_OK && (render->effects >> EFFECT_TEXTURE & 1))
 		status = create_ground(render);
 	if (status == STATUS_OK)
+		status = gpu_counter_create(render->gpu, &render->ground_samples);
+	if (status == STATUS_OK)
 		status = render_objects_create(render, params);
 	if (status != STATUS_OK) {
 		render_destroy(render);
@@ -146,6 +148,7 @@ void render_destroy(struct render *render)
 	if (render == NULL)
 		return;
 	render_objects_destroy(render->objects);
+	gpu_counter_destroy(render->ground_samples);
 	gpu_target_destroy(render->target);
 	gpu_target_destroy(render->resolved);
 	gpu_texture_destroy(render->drawn);
@@ -167,6 +170,14 @@ void render_show_layer(struct render *render, const struct render_layer *layer)
 uint64_t render_triangles(const struct render *render)
 {
 	return render->triangles;
+}
+
+uint64_t render_take_overdraw(struct render *render, double *overdraw)
+{
+	uint64_t samples, frames;
+	gpu_counter_take(render->ground_samples, &samples, &frames);
+	*overdraw = (double)samples / ((double)render->width * render->height * render->samples);
+	return frames;
 }
 
 void render_tiles(const struct render *render, struct render_tiles *tiles)

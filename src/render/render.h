@@ -87,6 +87,10 @@ enum status render_frame(struct render *render, const struct render_camera *came
 /* From the next frame on; natural until then. Light and shape stay; haze and texture go. */
 void render_show_layer(struct render *render, const struct render_layer *layer);
 uint64_t render_triangles(const struct render *render); /* of the last frame */
+/* Of the frames of which that is known by now, and was not told before, how many there are; *overdraw: summed over them, the
+ * samples of ground that passed the depth test, over the picture's. 1: the ground fills the picture and no part of it was
+ * drawn over. A driver that takes more samples than it was asked for makes it so much larger. */
+uint64_t render_take_overdraw(struct render *render, double *overdraw);
 /* Tiles of the last frame, and those of them whose draw reads an offset. */
 struct render_tiles {
 	uint64_t drawn, deformed;

@@ -373,6 +373,8 @@ static void stop_threads(struct drive *drive)
 	drive->scout = NULL;
 	pictures_stop(drive->pictures);
 	pages_stop(drive->pages);
+	if (drive->view != NULL)
+		view_settle(drive->view);
 }
 
 static enum status run_steps(struct drive *drive, struct run_result *result)

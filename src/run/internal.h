@@ -252,6 +252,8 @@ void view_destroy(struct view *view);
 enum status view_warm(struct view *view) FURROW_CHECKED;
 /* `image`: wait for what the picture needs, and begin to write it. */
 enum status view_frame(struct view *view, struct drive *drive, bool image) FURROW_CHECKED;
+/* After the last step: what is still counted by the GPU is waited for. */
+void view_settle(struct view *view);
 /* A tile of the working level is deformed now: finer tiles exist below its ancestors. */
 enum status view_deformed(struct view *view, struct tile tile) FURROW_CHECKED;
 /* An object presses: what is deformed until the next call, it deforms. NULL: soil that moves by itself does. */
@@ -267,6 +269,7 @@ size_t view_places(const void *user, double time, double places[2][2]);
 enum status view_wishes(struct view *view, struct wishes *wishes) FURROW_CHECKED;
 struct view_figures {
 	double triangles;   /* a frame */
+	double overdraw;    /* samples of ground drawn, over the picture's: a frame, of those that could be counted; NaN: of none */
 	uint64_t starved;   /* frames drawn coarser than asked for: a tile stood in, or coarsened */
 	uint64_t coarsened; /* frames cut to what the slots hold */
 	uint64_t drawn, deformed; /* draws of tiles; those that read an offset */

@@ -168,6 +168,7 @@ static void add_view(cJSON *root, const struct drive *drive)
 	cJSON *view = cJSON_AddObjectToObject(root, "view");
 	json_integer(view, "frames", (int64_t)drive->frames);
 	json_number(view, "triangles", figures.triangles);
+	json_number(view, "overdraw", figures.overdraw);
 	json_integer(view, "starved", (int64_t)figures.starved);
 	json_integer(view, "coarsened", (int64_t)figures.coarsened);
 	if (drive->pictures == NULL)

@@ -96,7 +96,24 @@ enum status view_warm(struct view *view)
 		status = draw(view, drive->params->host == NULL); /* who watches sees it come */
 	for (int i = 0; i < VIEW_LOOKS && status == STATUS_OK; i++)
 		status = view_look_ahead(view);
+	/* It is none of the drive's pictures. */
+	double overdraw;
+	gpu_finish(drive->gpu);
+	render_take_overdraw(view->render, &overdraw);
 	return status;
+}
+
+static void take_overdraw(struct view *view)
+{
+	double overdraw;
+	view->overdraw_frames += render_take_overdraw(view->render, &overdraw);
+	view->overdraw += overdraw;
+}
+
+void view_settle(struct view *view)
+{
+	gpu_finish(view->drive->gpu);
+	take_overdraw(view);
 }
 
 enum status view_frame(struct view *view, struct drive *drive, bool image)
@@ -113,6 +130,7 @@ enum status view_frame(struct view *view, struct drive *drive, bool image)
 	view->tiles.objects += tiles.objects;
 	view->tiles.shadowed += tiles.shadowed;
 	view->triangles += (double)render_triangles(view->render);
+	take_overdraw(view);
 	view->lacks = view->selection->wanted_count > 0;
 	view->starved += view->coarse || view->selection->wanted_count > 0;
 	view->coarsened += view->coarse;
@@ -212,6 +230,7 @@ void view_figures(const struct view *view, struct view_figures *figures)
 	size_t frames = view->drive->frames;
 	*figures = (struct view_figures){
 		.triangles = frames > 0 ? view->triangles / (double)frames : 0,
+		.overdraw = view->overdraw_frames > 0 ? view->overdraw / (double)view->overdraw_frames : NAN,
 		.starved = view->starved,
 		.coarsened = view->coarsened,
 		.drawn = view->tiles.drawn,

@@ -51,6 +51,8 @@ struct view {
 	uint64_t coarsened;       /* of those: the budget was the reason */
 	double triangles;         /* summed over frames */
 	struct render_tiles tiles; /* the same */
+	double overdraw;          /* the same, over frames of which it is known: */
+	uint64_t overdraw_frames;
 	enum status failed;       /* of a source callback */
 };
 

@@ -524,6 +524,67 @@ static void a_pixel_error_trades_triangles_for_truth(void **state)
 	pixel_error = 0;
 }
 
+/* Blocks of the last selection's draws, and edges of them with skirts, found anew. */
+static void count_blocks(const struct render_camera *camera, uint64_t *count, uint64_t *skirts)
+{
+	struct render_axes axes;
+	struct terrain_view view;
+	struct render_blocks blocks = {NULL, 0, 0};
+	render_axes(render, camera, &axes);
+	render_view(render, camera, &view);
+	*skirts = 0;
+	for (size_t i = 0; i < selection.draw_count; i++) {
+		double reaches[TERRAIN_STRIDES];
+		render_reaches(render, &axes, &selection.draws[i], false, reaches);
+		assert_ok(render_blocks_add(&blocks, &world, &view, reaches, &selection.draws[i]));
+	}
+	*count = blocks.count;
+	for (size_t i = 0; i < blocks.count; i++)
+		for (int edge = 24; edge < 28; edge++)
+			*skirts += blocks.blocks[i] >> edge & 1;
+	mem_free(blocks.blocks);
+}
+
+/* Hills behind hills: tiles and blocks are drawn near to far, so little is drawn twice. */
+static void hills_are_drawn_near_to_far_and_triangles_are_those_of_blocks(void **state)
+{
+	need_gpu();
+	const uint64_t effects[] = {0, EFFECT_BIT(EFFECT_SKIRTS)};
+	memset(&ground, 0, sizeof ground);
+	ground.roughness = 1;
+	for (size_t e = 0; e < 2; e++) {
+		double most = 0, least = 9, reversed = 0, sum;
+		begin(effects[e]);
+		for (int i = 0; i < 12; i++) {
+			double x = 256 + 200 * cos(i * 0.52), y = 256 + 200 * sin(i * 0.52);
+			const struct render_camera camera = {{x, y, 400 + 18}, {256, 256, 400}, 0.9};
+			test_free(draw(x, y, 18, 256, 256, 0));
+			uint64_t blocks, skirts, cells = render_block_cells(&world);
+			count_blocks(&camera, &blocks, &skirts);
+			assert_true(blocks > 50 && (effects[e] == 0 || skirts > 0));
+			assert_true(render_triangles(render) == 2 * cells * cells * blocks + (effects[e] != 0 ? 2 * cells * skirts : 0));
+			gpu_finish(gpu);
+			uint64_t frames = render_take_overdraw(render, &sum);
+			assert_true(frames == 1);
+			most = fmax(most, sum);
+			least = fmin(least, sum);
+			/* The same from far to near. */
+			for (size_t k = 0; k < selection.draw_count / 2; k++) {
+				struct terrain_draw kept = selection.draws[k];
+				selection.draws[k] = selection.draws[selection.draw_count - 1 - k];
+				selection.draws[selection.draw_count - 1 - k] = kept;
+			}
+			assert_ok(render_frame(render, &camera, &selection));
+			gpu_finish(gpu);
+			assert_true(render_take_overdraw(render, &sum) == 1);
+			reversed = fmax(reversed, sum);
+		}
+		print_message("overdraw %.3f to %.3f; at most %.3f where the farthest tiles are drawn first\n", least, most, reversed);
+		assert_true(least > 0.2 && most < 0.68 && reversed > 0.68);
+		end();
+	}
+}
+
 static void a_tile_looks_the_same_ten_thousand_kilometres_away(void **state)
 {
 	need_gpu();
@@ -626,6 +687,7 @@ int main(void)
 		cmocka_unit_test(half_way_to_a_stride_the_ground_is_half_way_there),
 		cmocka_unit_test(however_coarse_a_neighbour_no_sky_is_between),
 		cmocka_unit_test(a_pixel_error_trades_triangles_for_truth),
+		cmocka_unit_test(hills_are_drawn_near_to_far_and_triangles_are_those_of_blocks),
 		cmocka_unit_test(a_tile_looks_the_same_ten_thousand_kilometres_away),
 		cmocka_unit_test(every_choice_of_effects_draws),
 		cmocka_unit_test(what_cannot_be_allocated_is_told),

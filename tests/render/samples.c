@@ -284,6 +284,53 @@ static void what_cannot_be_allocated_is_told(void **state)
 	render_destroy(render);
 }
 
+/* --- overdraw --- */
+
+/* Of the frames since it was last asked. */
+static double overdraw(uint64_t frames)
+{
+	double sum;
+	gpu_finish(gpu);
+	assert_int_equal(render_take_overdraw(render, &sum), frames);
+	return sum / (double)frames;
+}
+
+/* From straight above, so that ground fills the picture: once; by another over it twice; by one under it no more. */
+static void what_passes_the_depth_test_is_counted(void **state)
+{
+	static const struct render_camera above = {{32, 32, LOW + 20}, {32, 32.01, LOW}, 0.9}, half = {{0, 32, LOW + 20}, {0, 32.01, LOW}, 0.9};
+	static const uint32_t far_to_near[2] = {0, 1}, near_to_far[2] = {1, 0};
+	static uint8_t pixels[4 * PIXELS];
+	for (int samples = 1; samples <= 4; samples += 3) {
+		double sum;
+		need_samples((uint32_t)samples);
+		begin(&meadow, samples, 0, 2);
+		draw(&above, far_to_near, 1, pixels);
+		assert_true(overdraw(1) == 1);
+		draw(&above, far_to_near, 2, pixels);
+		assert_true(overdraw(1) == 2);
+		draw(&above, near_to_far, 2, pixels);
+		assert_true(overdraw(1) == 1);
+		draw(&half, far_to_near, 1, pixels);
+		assert_true(fabs(overdraw(1) - 0.5) < 0.01);
+		draw(&above, NULL, 0, pixels);
+		assert_true(overdraw(1) == 0);
+		/* More frames than the counter has queries: what is known is whole, however late it is asked for. */
+		for (int i = 0; i < 40; i++)
+			assert_ok(render_frame(render, &above, &selection));
+		gpu_finish(gpu);
+		selection.draw_count = 1;
+		selection.draws[0].slot = 0;
+		for (int i = 0; i < 40; i++)
+			assert_ok(render_frame(render, &above, &selection));
+		gpu_finish(gpu);
+		uint64_t known = render_take_overdraw(render, &sum);
+		assert_true(known >= 16 && known <= 80 && sum == floor(sum) && sum <= 40);
+		assert_int_equal(render_take_overdraw(render, &sum), 0);
+		end();
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -292,6 +339,7 @@ int main(void)
 		cmocka_unit_test(one_sample_has_no_more_than_it_had),
 		cmocka_unit_test(near_surfaces_do_not_fight),
 		cmocka_unit_test(more_than_the_driver_has_is_refused),
+		cmocka_unit_test(what_passes_the_depth_test_is_counted),
 		cmocka_unit_test(what_cannot_be_allocated_is_told),
 	};
 	return cmocka_run_group_tests(tests, open_gpu, close_gpu);
