@@ -145,16 +145,15 @@ static void count_triangles(struct render *render)
 			render->triangles += 2 * cells * (uint64_t)__builtin_popcount(render->blocks.blocks[i] >> 24);
 }
 
-static enum status draw_tile(struct render *render, const struct terrain_draw *draw, const struct drawn *drawn,
-			     struct picture_params *params)
+/* `ground`: the base of the level-0 tile beside it, or NULL. */
+static enum status run_tile(struct render *render, const struct gpu_slot *slot, struct gpu_texture *ground, uint32_t blocks,
+			    const struct picture_params *params)
 {
-	const struct gpu_slot *slot = gpu_slots_get(render->slots, draw->slot);
-	bool level0 = draw->tile.level < 0 && draw->ground != TERRAIN_NO_SLOT;
 	struct gpu_pass pass = {
 		.stage = GPU_TERRAIN,
 		.target = render->target,
 		.viewport = {0, 0, render->width, render->height},
-		.textures = {slot->base, slot->planes[PLANE_OFFSET], NULL, NULL, render->ground, slot->classes},
+		.textures = {slot->base, slot->planes[PLANE_OFFSET], NULL, ground, render->ground, slot->classes},
 		.storage = {render->instances},
 		.images = {slot->base, slot->planes[PLANE_OFFSET]},
 		.only_reads = true,
@@ -162,21 +161,29 @@ static enum status draw_tile(struct render *render, const struct terrain_draw *d
 		.params_bytes = sizeof *params,
 		.indices = render->indices,
 		.index_count = render->index_count,
-		.instances = drawn->count,
+		.instances = blocks,
 		.depth_test = true,
 		.cull_back = true,
 	};
 	if (render->dirt)
 		pass.images[2] = slot->planes[PLANE_DIRT];
-	if (level0)
-		pass.textures[3] = gpu_slots_get(render->slots, draw->ground)->base;
-	unsigned variant = slot->target == NULL ? RENDER_PLAIN : level0 ? RENDER_LEVEL0 : RENDER_OFFSET;
+	unsigned variant = slot->planes[PLANE_OFFSET] == NULL ? RENDER_PLAIN : ground != NULL ? RENDER_LEVEL0 : RENDER_OFFSET;
 	enum status status = render_tile_program(render, variant, &pass.program);
+	if (status == STATUS_OK)
+		gpu_pass_run(render->gpu, &pass);
+	return status;
+}
+
+static enum status draw_tile(struct render *render, const struct terrain_draw *draw, const struct drawn *drawn,
+			     const struct picture_params *params)
+{
+	const struct gpu_slot *slot = gpu_slots_get(render->slots, draw->slot);
+	bool level0 = draw->tile.level < 0 && draw->ground != TERRAIN_NO_SLOT;
+	enum status status = run_tile(render, slot, level0 ? gpu_slots_get(render->slots, draw->ground)->base : NULL, drawn->count, params);
 	if (status != STATUS_OK)
 		return status;
 	render->tiles.drawn++;
 	render->tiles.deformed += slot->target != NULL;
-	gpu_pass_run(render->gpu, &pass);
 	return STATUS_OK;
 }
 
@@ -239,5 +246,64 @@ enum status render_frame(struct render *render, const struct render_camera *came
 	if (status == STATUS_OK)
 		status = gpu_check(render->gpu, "drawing the picture");
 	mem_free(drawn);
+	return status;
+}
+
+/* --- before the first --- */
+
+/* Each kind of tile once, in natural and false colours where there are such. */
+static enum status draw_kinds(struct render *render, const struct gpu_slot *deformed, bool any, bool divided,
+			      const struct picture_params *params)
+{
+	const struct gpu_slot plain = {.base = deformed->base};
+	enum status status = run_tile(render, &plain, NULL, 1, params);
+	if (status == STATUS_OK && any)
+		status = run_tile(render, deformed, NULL, 1, params);
+	if (status == STATUS_OK && any && divided)
+		status = run_tile(render, deformed, deformed->base, 1, params);
+	return status;
+}
+
+static enum status draw_unseen(struct render *render, const struct gpu_slot *slot, bool deformed, bool divided)
+{
+	struct picture_params params = {.project = {[12] = 4, [15] = 1}}; /* every vertex at one place, beside the picture */
+	uint32_t none = 0;
+	params.tile[0] = (int32_t)render->world.cells;
+	params.tile[3] = (int32_t)render_block_cells(&render->world);
+	params.origin[2] = params.pattern[2] = params.ground[2] = params.ground[3] = params.detail[0] = 1;
+	gpu_buffer_write(render->instances, 0, sizeof none, &none);
+	/* Counted as any frame's: llvmpipe compiles what counts samples apart. */
+	gpu_counter_begin(render->ground_samples);
+	enum status status = draw_kinds(render, slot, deformed, divided, &params);
+	if (status == STATUS_OK && render->layers) {
+		const struct render_layer shown = render->layer;
+		render->layer.kind = RENDER_TILES;
+		status = draw_kinds(render, slot, deformed, divided, &params);
+		render->layer = shown;
+	}
+	gpu_counter_end(render->ground_samples);
+	if (status == STATUS_OK && render->objects != NULL)
+		status = render_objects_draw_unseen(render, &params);
+	return status == STATUS_OK && (render->effects >> EFFECT_SKY & 1) ? draw_sky(render, &params) : status;
+}
+
+enum status render_draw_unseen(struct render *render, bool deformed, bool divided)
+{
+	struct gpu *gpu = render->gpu;
+	const uint32_t side = render->world.cells + 1;
+	struct gpu_slot slot = {.base = NULL};
+	/* As those of a slot: a driver may compile anew for others. */
+	enum status status = gpu_texture_create(gpu, GPU_R32I, side, side, 0, &slot.base);
+	if (status == STATUS_OK && deformed)
+		status = gpu_texture_create(gpu, GPU_R32I, side, side, 0, &slot.planes[PLANE_OFFSET]);
+	if (status == STATUS_OK && deformed && render->dirt)
+		status = gpu_texture_create(gpu, GPU_R8UI, side, side, 0, &slot.planes[PLANE_DIRT]);
+	if (status == STATUS_OK)
+		status = draw_unseen(render, &slot, deformed, divided);
+	if (status == STATUS_OK)
+		status = gpu_check(gpu, "drawing before the first picture");
+	gpu_texture_destroy(slot.planes[PLANE_DIRT]);
+	gpu_texture_destroy(slot.planes[PLANE_OFFSET]);
+	gpu_texture_destroy(slot.base);
 	return status;
 }

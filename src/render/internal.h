@@ -87,6 +87,8 @@ enum status render_objects_create(struct render *render, const struct render_par
 void render_objects_destroy(struct render_objects *objects); /* takes NULL */
 void render_objects_plan(const struct render_params *params, struct plan *plan);
 enum status render_objects_warm(struct render *render) FURROW_CHECKED;
+/* Draws an object and a shadow, if there are such, with `params` that show nothing. */
+enum status render_objects_draw_unseen(struct render *render, const struct picture_params *params) FURROW_CHECKED;
 /* Over the ground; before the sky. `params`: of the frame; their tile's are changed. */
 enum status render_objects_draw(struct render *render, const struct render_camera *camera, const struct render_axes *axes,
 				const struct terrain_view *view, struct picture_params *params) FURROW_CHECKED;

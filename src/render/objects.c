@@ -326,32 +326,52 @@ static enum status draw_shadows(struct render *render, const struct picture_para
 	return status;
 }
 
-/* `first` of `count` that are seen are alike. */
-static void draw_alike(struct render *render, struct picture_params *params, struct gpu_program *program, size_t first, size_t count)
+static void run_objects(struct render *render, const struct picture_params *params, struct gpu_program *program,
+			const struct object_shape *shape, uint32_t first, uint32_t end, size_t count)
 {
-	struct render_objects *objects = render->objects;
-	const struct object_seen *seen = &objects->seen[first];
-	const struct object_shape *shape = &objects->shapes[seen->shape];
-	params->tile[1] = (int32_t)first;
-	struct gpu_pass pass = {
+	gpu_pass_run(render->gpu, &(struct gpu_pass){
 		.stage = GPU_OBJECTS,
 		.program = program,
 		.target = render->target,
 		.viewport = {0, 0, render->width, render->height},
-		.storage = {shape->corners, objects->instances},
+		.storage = {shape->corners, render->objects->instances},
 		.params = params,
 		.params_bytes = sizeof *params,
 		.indices = shape->indices,
 		.wide_indices = true,
-		.first_index = shape->first[seen->detail],
-		.index_count = shape->first[seen->detail + 1] - shape->first[seen->detail],
+		.first_index = first,
+		.index_count = end - first,
 		.instances = (uint32_t)count,
 		.depth_test = true,
 		.cull_back = shape->closed,
-	};
-	gpu_pass_run(render->gpu, &pass);
+	});
+}
+
+/* `first` of `count` that are seen are alike. */
+static void draw_alike(struct render *render, struct picture_params *params, struct gpu_program *program, size_t first, size_t count)
+{
+	const struct object_seen *seen = &render->objects->seen[first];
+	const struct object_shape *shape = &render->objects->shapes[seen->shape];
+	uint32_t begin = shape->first[seen->detail], end = shape->first[seen->detail + 1];
+	params->tile[1] = (int32_t)first;
+	run_objects(render, params, program, shape, begin, end, count);
 	render->tiles.objects++;
-	render->triangles += (uint64_t)pass.index_count / 3 * count;
+	render->triangles += (uint64_t)(end - begin) / 3 * count;
+}
+
+enum status render_objects_draw_unseen(struct render *render, const struct picture_params *params)
+{
+	struct render_objects *objects = render->objects;
+	struct gpu_program *program;
+	enum status status = program_of(render, false, &program);
+	if (status != STATUS_OK)
+		return status;
+	run_objects(render, params, program, &objects->shapes[0], 0, 3, 1);
+	if (objects->casts) {
+		objects->shadows[0] = (struct object_shadow){.kind = {0}};
+		status = draw_shadows(render, params, 1);
+	}
+	return status;
 }
 
 enum status render_objects_draw(struct render *render, const struct render_camera *camera, const struct render_axes *axes,

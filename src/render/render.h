@@ -76,6 +76,9 @@ enum status render_create(const struct render_params *params, struct render **ou
 void render_destroy(struct render *render);
 /* Links every program that pictures of such ground can ask for: arguments as render_plan's. */
 enum status render_warm(struct render *render, bool deformed, bool divided) FURROW_CHECKED;
+/* Draws with each of them once, beside the picture: drivers compile the rest at a program's first draw. What the picture
+ * shows until the next frame is undefined. Counts as passes, and as a frame of overdraw. Arguments as render_warm's. */
+enum status render_draw_unseen(struct render *render, bool deformed, bool divided) FURROW_CHECKED;
 /* The view terrain_select needs for this camera. */
 void render_view(const struct render *render, const struct render_camera *camera, struct terrain_view *view);
 /* What of the objects the pictures from now on show, each at most once; none before. Copied. Without EFFECT_OBJECTS

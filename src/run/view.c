@@ -93,6 +93,8 @@ enum status view_warm(struct view *view)
 	bool deformed = pages_planes_of(drive->scene, drive->was_deformed) != 0;
 	enum status status = render_warm(view->render, deformed, drive->level < 0);
 	if (status == STATUS_OK)
+		status = render_draw_unseen(view->render, deformed, drive->level < 0);
+	if (status == STATUS_OK)
 		status = draw(view, drive->params->host == NULL); /* who watches sees it come */
 	for (int i = 0; i < VIEW_LOOKS && status == STATUS_OK; i++)
 		status = view_look_ahead(view);

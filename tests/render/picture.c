@@ -217,6 +217,24 @@ static int count_background(const uint8_t *pixels, const uint8_t background[4])
 	return count;
 }
 
+/* What is drawn before the first frame leaves no trace in it. */
+static void what_is_drawn_unseen_is_not_seen(void **state)
+{
+	need_gpu();
+	memset(&ground, 0, sizeof ground);
+	ground.roughness = 1;
+	begin(ALL);
+	uint8_t *before = draw(60, 60, 20, 300, 300, 0);
+	uint64_t triangles = render_triangles(render);
+	assert_ok(render_draw_unseen(render, true, true));
+	uint8_t *after = draw(60, 60, 20, 300, 300, 0);
+	assert_memory_equal(before, after, 4 * WIDTH * HEIGHT);
+	assert_true(render_triangles(render) == triangles);
+	test_free(before);
+	test_free(after);
+	end();
+}
+
 static int luminance(const uint8_t *p)
 {
 	return 2 * p[0] + 5 * p[1] + p[2];
@@ -681,6 +699,7 @@ int main(void)
 		cmocka_unit_test(nodata_shows_what_is_behind_and_nothing_else_does),
 		cmocka_unit_test(a_rut_is_darker_than_the_ground_beside_it),
 		cmocka_unit_test(an_untouched_tile_has_a_program_without_offsets),
+		cmocka_unit_test(what_is_drawn_unseen_is_not_seen),
 		cmocka_unit_test(the_same_view_gives_the_same_bits),
 		cmocka_unit_test(geomorphing_takes_the_jumps_out_of_the_mesh),
 		cmocka_unit_test(geomorphing_takes_the_jumps_out_by_pixel_error),

@@ -307,6 +307,43 @@ static void what_a_frame_drew_was_used_last(void **state)
 	rig_close(&rig);
 }
 
+static void note_program(void *user, const char *name, uint64_t passes)
+{
+	size_t *count = user;
+	if (strstr(name, "terrain.") == NULL && strstr(name, "sky.") == NULL && strstr(name, "object.") == NULL &&
+	    strstr(name, "shadow.") == NULL)
+		return;
+	if (passes == 0)
+		print_error("never drawn: %s\n", name);
+	assert_true(passes > 0);
+	++*count;
+}
+
+/* Also with those of what is not there yet: nothing is deformed, and no object is in the picture. */
+static void every_program_of_a_picture_has_drawn_before_the_first_step(void **state)
+{
+	struct rig rig;
+	size_t count = 0;
+	rig_open(&rig, 64, 0, 0);
+	view_destroy(rig.drive.view);
+	rig.scene.view.effects = EFFECT_BIT(EFFECT_SKY) | EFFECT_BIT(EFFECT_OBJECTS) | EFFECT_BIT(EFFECT_SHADOW);
+	rig.drive.level = -2;
+	must(view_create(&rig.drive, &rig.drive.view));
+	must(view_warm(rig.drive.view));
+	gpu_programs_each(rig.drive.gpu, note_program, &count);
+	assert_int_equal(count, 6);
+	/* None of it is a picture of the drive's. */
+	struct view_figures figures;
+	view_settle(rig.drive.view);
+	view_figures(rig.drive.view, &figures);
+	assert_true(isnan(figures.overdraw) && figures.drawn == 0 && figures.triangles == 0);
+	must(view_frame(rig.drive.view, &rig.drive, false));
+	view_settle(rig.drive.view);
+	view_figures(rig.drive.view, &figures);
+	assert_true(figures.overdraw > 0.1 && figures.overdraw < 2 && rig.drive.view->overdraw_frames == 1);
+	rig_close(&rig);
+}
+
 /* --- the camera --- */
 
 static void the_camera_ahead_is_the_camera_when_that_time_has_come(void **state)
@@ -336,6 +373,7 @@ int main(void)
 		cmocka_unit_test(however_far_it_looks_an_object_wishes_for_no_more_than_the_slots),
 		cmocka_unit_test(looking_ahead_marks_nothing_used),
 		cmocka_unit_test(what_a_frame_drew_was_used_last),
+		cmocka_unit_test(every_program_of_a_picture_has_drawn_before_the_first_step),
 		cmocka_unit_test(the_camera_ahead_is_the_camera_when_that_time_has_come),
 	};
 	return cmocka_run_group_tests_name("view", tests, support_enter, support_leave);
