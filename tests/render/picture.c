@@ -553,7 +553,7 @@ static void count_blocks(const struct render_camera *camera, uint64_t *count, ui
 	*skirts = 0;
 	for (size_t i = 0; i < selection.draw_count; i++) {
 		double reaches[TERRAIN_STRIDES];
-		render_reaches(render, &axes, &selection.draws[i], false, reaches);
+		render_reaches(render, &axes, &selection.draws[i], reaches);
 		assert_ok(render_blocks_add(&blocks, &world, &view, reaches, &selection.draws[i]));
 	}
 	*count = blocks.count;
