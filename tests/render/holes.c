@@ -250,11 +250,11 @@ static void tell(const struct shot *shot, const struct found *found)
 
 struct counts {
 	int cameras[KINDS], drawn[KINDS], holed[KINDS], pixels[KINDS];
-	int residences[RESIDENCES], details[DETAILS];
 	int of_detail[DETAILS][RESIDENCES];
 };
 
-static void shoot(uint64_t effects, bool only_radii, struct counts *counts)
+/* Pictures with no more than so many pixels of holes pass. */
+static void shoot(uint64_t effects, bool only_radii, int pinholes, struct counts *counts)
 {
 	struct render *renders[DETAILS];
 	*counts = (struct counts){.cameras = {0}};
@@ -271,12 +271,12 @@ static void shoot(uint64_t effects, bool only_radii, struct counts *counts)
 		assert_ok(render_frame(render, &shot.camera, &selection));
 		land_depth(render, depth);
 		find_holes(render, &shot, &found);
-		if (found.pixels > 0 && counts->holed[shot.kind] < 3)
+		counts->pixels[shot.kind] += found.pixels;
+		if (found.pixels > pinholes && counts->holed[shot.kind] < 3)
 			tell(&shot, &found);
 		counts->cameras[shot.kind]++;
-		counts->holed[shot.kind] += found.pixels > 0;
-		counts->pixels[shot.kind] += found.pixels;
-		counts->of_detail[shot.detail][shot.residence] += found.pixels > 0;
+		counts->holed[shot.kind] += found.pixels > pinholes;
+		counts->of_detail[shot.detail][shot.residence] += found.pixels > pinholes;
 		for (int k = 0; k < WIDTH * HEIGHT; k++)
 			counts->drawn[shot.kind] += depth[k] > 0;
 	}
@@ -305,16 +305,23 @@ static void no_sky_is_seen_through_the_ground_from_a_thousand_cameras(void **sta
 {
 	need_land();
 	struct counts counts;
-	shoot(EFFECT_BIT(EFFECT_GEOMORPH) | EFFECT_BIT(EFFECT_SKIRTS), false, &counts);
+	shoot(EFFECT_BIT(EFFECT_GEOMORPH) | EFFECT_BIT(EFFECT_SKIRTS), false, 0, &counts);
 	assert_int_equal(tell_counts(&counts), 0);
 }
 
+/* Levels meet in the same vertices, so nothing has to hide what is between them. Only where tiles below level 0 end beside
+ * coarser ground do their posts lie on its edges without being its posts: a pixel may be missed there. */
 static void the_complete_picture_by_radii_needs_no_skirts(void **state)
 {
 	need_land();
 	struct counts counts;
-	shoot(EFFECT_BIT(EFFECT_GEOMORPH), true, &counts);
-	assert_int_equal(tell_counts(&counts), 0);
+	land.unruffled = true;
+	shoot(EFFECT_BIT(EFFECT_GEOMORPH), true, 0, &counts);
+	int holed = tell_counts(&counts);
+	land.unruffled = false;
+	print_message("with ruts:\n");
+	shoot(EFFECT_BIT(EFFECT_GEOMORPH), true, 1, &counts);
+	assert_int_equal(holed + tell_counts(&counts), 0);
 }
 
 int main(void)

@@ -55,6 +55,7 @@ static struct {
 	/* What a selection is told: of 100 tiles so many are resident, which ones by the seed. The coarsest always is. */
 	unsigned resident_of;
 	uint64_t seed;
+	bool unruffled; /* there is nothing below level 0; there the ruts are in level 0's posts alone */
 } land;
 
 static inline uint64_t land_mix(uint64_t v)
@@ -128,6 +129,8 @@ static inline double land_surface(int level, double x, double y)
 static inline struct land_tile *land_find(struct tile tile)
 {
 	uint64_t key = tile_key(tile);
+	if (land.unruffled && tile.level < 0)
+		return NULL;
 	for (size_t at = land_mix(key) % (4 * LAND_TILES);; at = (at + 1) % (4 * LAND_TILES)) {
 		if (land.places[at] < 0)
 			return NULL;
@@ -287,7 +290,7 @@ static inline bool land_resident(void *user, struct tile tile, uint32_t *slot)
 
 static inline bool land_divisible(void *user, struct tile tile)
 {
-	return tile.level > (land_find(tile)->deformed ? LAND_FINEST : 0);
+	return tile.level > (land_find(tile)->deformed && !land.unruffled ? LAND_FINEST : 0);
 }
 
 static inline double land_error(void *user, struct tile tile)
