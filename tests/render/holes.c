@@ -9,9 +9,6 @@
  *      are not so steep that a gap between hills could be narrower.
  *   2. A ray through it that is raised by more than what is drawn can be too low meets the true ground.
  */
-#include <stdio.h>
-#include <time.h>
-
 #include "land.h"
 
 enum { WIDTH = 96, HEIGHT = 54, CAMERAS = 1000 };
@@ -154,16 +151,16 @@ static void place(const struct render *render, struct shot *shot)
 
 /* --- holes --- */
 
-/* Case 1: at `t` metres up from the ray through this pixel, a metre ahead. False: out of the picture. */
-static bool rows_above(const struct render_axes *axes, int x, int y, int top)
+/* Case 1. `top`: the highest row with ground. False, too, where the picture ends first. */
+static bool is_under_drawn(const struct render_axes *axes, int x, int y, int top)
 {
 	double across = x + 0.5 - WIDTH / 2.0, up = y + 0.5 - HEIGHT / 2.0;
-	/* The ray's plane holds all of its ray + s (0, 0, 1): a straight line in the picture, followed row by row. */
+	/* The upright plane through the ray is a straight line in the picture: towards where the ray + s (0, 0, 1) is seen. */
 	double forward = axes->forward[2], upward = axes->up[2];
 	double slope_x = -across / axes->focal * forward, slope_y = upward - up / axes->focal * forward;
 	if (fabs(slope_y) < 0.05)
 		return false;
-	/* Beyond the zenith or the nadir the line runs down. */
+	/* Below the nadir up runs down the picture. */
 	int step = slope_y > 0 ? 1 : -1;
 	int drawn = 0;
 	for (int row = y + 3 * step; row >= 0 && row <= top; row += step) {
@@ -216,7 +213,7 @@ static void find_holes(const struct render *render, const struct shot *shot, str
 	for (int i = 0; i < WIDTH * HEIGHT; i++) {
 		if (depth[i] > 0)
 			continue;
-		if (rows_above(&axes, i % WIDTH, i / WIDTH, top)) {
+		if (is_under_drawn(&axes, i % WIDTH, i / WIDTH, top)) {
 			if (found->pixels++ == 0)
 				*found = (struct found){1, i % WIDTH, i / WIDTH, true};
 			continue;
@@ -242,7 +239,8 @@ static void find_holes(const struct render *render, const struct shot *shot, str
 static void tell(const struct shot *shot, const struct found *found)
 {
 	const double *eye = shot->camera.eye, *target = shot->camera.target;
-	print_error("camera %d (%s, %s, %s): %d pixels, the first at %d, %d (%s); eye %.9g %.9g %.9g, looking %.9g %.9g %.9g; %zu tiles\n",
+	print_error("camera %d (%s, %s, %s): %d pixels, the first at %d, %d (%s); eye %.9g %.9g %.9g, looking %.9g %.9g %.9g; "
+		    "%zu tiles\n",
 		    (int)shot->number, kind_names[shot->kind], detail_names[shot->detail], residence_names[shot->residence],
 		    found->pixels, found->x, found->y, found->under_drawn ? "under drawn ground" : "by the true ground", eye[0], eye[1],
 		    eye[2], target[0] - eye[0], target[1] - eye[1], target[2] - eye[2], selection.draw_count);

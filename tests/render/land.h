@@ -323,7 +323,9 @@ static inline enum status land_ask_bounds(void *user, struct tile tile, double *
 	return STATUS_OK;
 }
 
-static const struct terrain_ground land_ground = {NULL, &land_world, LAND_FINEST, land_ask_posts, land_ask_present, land_ask_bounds};
+static const struct terrain_ground land_ground = {
+	NULL, &land_world, LAND_FINEST, land_ask_posts, land_ask_present, land_ask_bounds,
+};
 
 /* --- pictures --- */
 
