@@ -40,6 +40,7 @@ static int draw_figures(const struct render_canvas *canvas, int scale, const cha
 	int letters = ((int)canvas->width - 2 * MARGIN * scale) / (RENDER_LETTER_WIDTH * scale), y = (int)canvas->height;
 	while (*text != '\0') {
 		int end = 0, length = snprintf(line, sizeof line, "%s", text);
+		length = length < (int)sizeof line ? length : (int)sizeof line - 1;
 		for (int i = 0; i <= length && i <= letters; i++)
 			if (line[i] == '\0' || (line[i] == ' ' && line[i + 1] == ' '))
 				end = i;
