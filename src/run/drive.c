@@ -202,7 +202,7 @@ static enum status start_pages(struct drive *drive)
 		drive->cache = pages_cache(drive->pages);
 	if (status == STATUS_OK && scene->view.present)
 		status = view_create(drive, &drive->view);
-	if (status == STATUS_OK && scene->view.present && scene->view.images > 0)
+	if (status == STATUS_OK && scene->view.present && scene->view.images > 0 && drive->params->host == NULL)
 		status = pictures_create(drive->gpu, drive->params->directory, (uint32_t)scene->view.width,
 					 (uint32_t)scene->view.height, &drive->pictures);
 	if (status == STATUS_OK)

@@ -116,6 +116,28 @@ static void who_only_watches_changes_nothing(void **state)
 	assert_true(support_hash(watched) != support_hash(alone));
 }
 
+static enum status count_threads(struct guest *guest, struct drive *drive, struct run_wish *wish)
+{
+	guest->stage = (int)thread_running();
+	wish->go = RUN_STOP;
+	return STATUS_OK;
+}
+
+static void who_watches_keeps_no_pictures(void **state)
+{
+	const char *store = support_path("kept.furrow");
+	struct guest without = {.act = count_threads}, with = {.act = count_threads};
+	char text[sizeof scene_text + 16];
+	snprintf(text, sizeof text, "%s", scene_text);
+	char *cache = strstr(text, "cache:");
+	snprintf(cache, sizeof text - (size_t)(cache - text), "  images: 1\n%s", strstr(scene_text, "cache:"));
+	support_store(store, world, flat);
+	must(watch_drive(store, scene_text, &without, true));
+	must(watch_drive(store, text, &with, true));
+	assert_true(without.stage > 0);
+	assert_int_equal(with.stage, without.stage);
+}
+
 /* --- */
 
 static enum status hold_then_one(struct guest *guest, struct drive *drive, struct run_wish *wish)
@@ -449,6 +471,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(who_only_watches_changes_nothing),
+		cmocka_unit_test(who_watches_keeps_no_pictures),
 		cmocka_unit_test(what_is_held_does_not_step_and_one_is_one),
 		cmocka_unit_test(steps_are_not_ahead_of_their_pace),
 		cmocka_unit_test(the_end_of_the_scene_holds),
