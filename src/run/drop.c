@@ -73,12 +73,12 @@ enum status run_drop(struct drive *drive, enum run_drop_shape shape, double x, d
 		.time = drive->time,
 		.contact = true,
 		.next_time = INFINITY,
-		.pose = {.x = lattice_offset(x), .y = lattice_offset(y), .yaw = yaw},
 	};
 	int64_t height = 0;
 	enum status status = surface(drive, x, y, &height, pressed);
 	if (status != STATUS_OK || !*pressed)
 		return status;
+	event.pose = (struct deform_pose){.x = lattice_offset(x), .y = lattice_offset(y), .yaw = yaw};
 	*rider = (struct rider){.object = &object};
 	double reach = deform_shape_reach(&object.shape, 0, 0);
 	double sink = object.load > 0 ? deform_sinkage_guess(&object.shape, &drive->scene->soils[0], object.load) : object.sink;

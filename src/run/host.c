@@ -33,6 +33,7 @@ struct host {
 	bool drawn;                  /* and not shown yet */
 	bool read;                   /* drawn, and its read-back begun */
 	bool stale;                  /* something changed that the last picture does not show */
+	uint64_t drops;              /* of the drive's, those that made it so */
 	double turned, credit;       /* s: the last turn; simulated time that is due */
 	double began;                /* s: when the last picture was */
 	double came;                 /* s: when the last picture was shown */
@@ -214,9 +215,9 @@ static enum status turn(struct host *host, int64_t total)
 {
 	struct drive *drive = host->drive;
 	bool stepped = false, before = host->drawn;
-	uint64_t drops = drive->drops;
 	enum status status = host->calls->turn(host->calls->user, drive, &host->wish);
-	host->stale = host->stale || drive->drops != drops;
+	host->stale = host->stale || drive->drops != host->drops; /* while a picture was shown, too */
+	host->drops = drive->drops;
 	if (status == STATUS_OK)
 		status = resize(host);
 	view_look_from(drive->view, host->wish.free ? &host->wish.camera : NULL);

@@ -413,6 +413,80 @@ static void beyond_the_ground_nothing_is_dropped(void **state)
 	assert_false(guest.pressed);
 }
 
+/* Drops while a picture is shown that was asked for, when all had come. */
+struct dropper {
+	struct guest guest;
+	int shown, still;
+	bool dropped;
+	uint64_t before;
+};
+
+static enum status dropper_turn(void *user, struct drive *drive, struct run_wish *wish)
+{
+	struct dropper *dropper = user;
+	dropper->still = dropper->guest.pictures == dropper->shown ? dropper->still + 1 : 0;
+	dropper->shown = dropper->guest.pictures;
+	bool settled = dropper->still >= 80 && dropper->shown > 0;
+	wish->again = settled && !dropper->dropped;
+	wish->go = settled && dropper->dropped ? RUN_STOP : RUN_HOLD;
+	wish->free = true;
+	wish->camera = (struct render_camera){{150, 120, 110}, {150, 120.01, 100}, 0.9};
+	return STATUS_OK;
+}
+
+static enum status dropper_picture(void *user, struct drive *drive, uint8_t *pixels, uint32_t width, uint32_t height)
+{
+	struct dropper *dropper = user;
+	enum status status = on_picture(&dropper->guest, drive, pixels, width, height);
+	if (status != STATUS_OK || dropper->dropped || dropper->still < 80)
+		return status;
+	dropper->dropped = true;
+	dropper->before = dropper->guest.hash;
+	return run_drop(drive, RUN_DROP_FIRST, 150, 120, 0, &dropper->guest.pressed);
+}
+
+static void what_is_dropped_while_a_picture_is_shown_is_in_the_next(void **state)
+{
+	const char *store = support_path("shown.furrow"), *path = support_path("scene.yaml");
+	struct dropper dropper = {.guest = {.stage = 0}};
+	struct scene *scene;
+	support_store(store, world, flat);
+	support_write(path, scene_text);
+	must(scene_load(path, NULL, 0, &scene));
+	const struct run_host host = {&dropper, dropper_turn, dropper_picture};
+	struct run_result result;
+	enum status status = run_drive(&(struct run_params){.scene = scene, .store = store, .directory = support_path("out"), .host = &host},
+				       &result);
+	scene_destroy(scene);
+	if (status == STATUS_NO_GL)
+		skip();
+	must(status);
+	mem_free(result.json);
+	assert_true(dropper.guest.pressed);
+	assert_true(dropper.guest.hash != dropper.before);
+}
+
+static enum status drop_nowhere(struct guest *guest, struct drive *drive, struct run_wish *wish)
+{
+	static const double far[] = {NAN, INFINITY, -1e300, 1e18};
+	wish->go = RUN_STOP;
+	for (size_t i = 0; i < sizeof far / sizeof *far; i++) {
+		guest->pressed = true;
+		must(run_drop(drive, RUN_DROP_BALL, far[i], 120, 0, &guest->pressed));
+		assert_false(guest->pressed);
+	}
+	return STATUS_OK;
+}
+
+static void what_is_no_place_is_no_ground(void **state)
+{
+	const char *store = support_path("nowhere.furrow");
+	struct guest guest = {.act = drop_nowhere};
+	support_store(store, world, flat);
+	must(watch_drive(store, none_text, &guest, true));
+	assert_false(guest.pressed);
+}
+
 static const char scm_text[] =
 	"scene: 1\n"
 	"time_step: 0.1\n"
@@ -479,6 +553,8 @@ int main(void)
 		cmocka_unit_test(what_is_dropped_is_pressed_as_deep_as_it_sinks_and_kept),
 		cmocka_unit_test(layers_have_the_colours_of_their_legend),
 		cmocka_unit_test(beyond_the_ground_nothing_is_dropped),
+		cmocka_unit_test(what_is_dropped_while_a_picture_is_shown_is_in_the_next),
+		cmocka_unit_test(what_is_no_place_is_no_ground),
 		cmocka_unit_test(under_a_load_the_soil_carries_what_is_dropped),
 		cmocka_unit_test(a_host_that_fails_ends_the_drive),
 	};
