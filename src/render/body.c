@@ -9,7 +9,7 @@
 
 static const struct body {
 	const char *define;
-	enum render_ground kinds[RENDER_GROUNDS];
+	enum render_ground kinds[RENDER_GROUND_LAYERS];
 	double sunlight[3]; /* at the default height; light where a white that faces the Earth's sun is 2.6 */
 	double air;         /* haze beside the Earth's */
 	double reddens;     /* the sun through how much of the Earth's air */
@@ -62,7 +62,7 @@ static double air_mass(double height)
 	return 1 / (sin(height) + 0.50572 * pow(height * (180 / M_PI) + 6.07995, -1.6364));
 }
 
-void render_body_textures(const struct scene_light *light, enum render_ground kinds[RENDER_GROUNDS])
+void render_body_textures(const struct scene_light *light, enum render_ground kinds[RENDER_GROUND_LAYERS])
 {
 	memcpy(kinds, bodies[light->body].kinds, sizeof bodies[light->body].kinds);
 }

@@ -94,9 +94,9 @@ enum status render_objects_draw(struct render *render, const struct render_camer
 				const struct terrain_view *view, struct picture_params *params) FURROW_CHECKED;
 
 /* --- body.c: where the ground is --- */
-#define RENDER_GROUNDS 6 /* layers of the ground's textures: sand, cover, soil, rock, snow, and what is seen from afar */
+#define RENDER_GROUND_LAYERS 6 /* of the ground's textures: sand, cover, soil, rock, snow, and what is seen from afar */
 /* Which texture each is there. */
-void render_body_textures(const struct scene_light *light, enum render_ground kinds[RENDER_GROUNDS]);
+void render_body_textures(const struct scene_light *light, enum render_ground kinds[RENDER_GROUND_LAYERS]);
 /* The define of its shaders; NULL: none. */
 const char *render_body_define(const struct scene_light *light);
 /* Fills sunlight, tint, and how the classes of a map look (`soils` may be NULL). */

@@ -54,17 +54,17 @@ static enum status create_mesh(struct render *render)
 static enum status create_ground(struct render *render)
 {
 	const uint32_t size = RENDER_GROUND_SIZE;
-	enum render_ground kinds[RENDER_GROUNDS];
-	uint8_t *texels = mem_alloc((size_t)size * size * RENDER_GROUNDS, 4);
+	enum render_ground kinds[RENDER_GROUND_LAYERS];
+	uint8_t *texels = mem_alloc((size_t)size * size * RENDER_GROUND_LAYERS, 4);
 	if (texels == NULL)
 		return fail_memory("the ground's textures");
 	render_body_textures(&render->light, kinds);
-	enum status status = render_textures_fill(kinds, RENDER_GROUNDS, texels);
+	enum status status = render_textures_fill(kinds, RENDER_GROUND_LAYERS, texels);
 	if (status == STATUS_OK)
-		status = gpu_texture_create_mipmapped(render->gpu, GPU_RGBA8, size, RENDER_GROUNDS, &render->ground);
+		status = gpu_texture_create_mipmapped(render->gpu, GPU_RGBA8, size, RENDER_GROUND_LAYERS, &render->ground);
 	for (uint32_t level = 0; status == STATUS_OK && level < gpu_mipmap_levels(size); level++) {
 		if (level > 0)
-			render_textures_halve(texels, size >> (level - 1), RENDER_GROUNDS);
+			render_textures_halve(texels, size >> (level - 1), RENDER_GROUND_LAYERS);
 		gpu_texture_upload_level(render->ground, level, texels);
 	}
 	mem_free(texels);
