@@ -10,7 +10,6 @@
 
 #include "view.h"
 
-#define PICTURE_MOST 8192
 #define TITLE_EVERY 0.5  /* s */
 #define TELL_FOR 4.0     /* s: what was done stays in the line of figures */
 #define TURN_MOST 0.2    /* s: nobody flies on while a turn takes longer */
@@ -258,6 +257,11 @@ static void write_title(struct viewer *viewer, struct drive *drive, double now)
 	window_title(viewer->window, title);
 }
 
+static uint32_t side_of(int pixels)
+{
+	return pixels < 1 ? 1 : (uint32_t)pixels > RUN_PICTURE_MOST ? RUN_PICTURE_MOST : (uint32_t)pixels;
+}
+
 static void fill_wish(struct viewer *viewer, struct run_wish *wish)
 {
 	int width, height;
@@ -267,8 +271,8 @@ static void fill_wish(struct viewer *viewer, struct run_wish *wish)
 	wish->free = viewer->eye.mode != VIEW_MODE_SCENE;
 	view_eye_camera(&viewer->eye, &wish->camera);
 	wish->layer = viewer->layer;
-	wish->width = (uint32_t)(width < 1 ? 1 : width > PICTURE_MOST ? PICTURE_MOST : width);
-	wish->height = (uint32_t)(height < 1 ? 1 : height > PICTURE_MOST ? PICTURE_MOST : height);
+	wish->width = side_of(width);
+	wish->height = side_of(height);
 	wish->again = wish->again || viewer->again;
 	viewer->one = viewer->again = false;
 }

@@ -19,7 +19,6 @@
 #define PICTURES (1.0 / 60)   /* s: no picture is begun sooner after the one before */
 #define REST 1.0              /* s: without a picture: nothing changes */
 #define NAP 1000000           /* ns, in a turn in which there was nothing to do but wait */
-#define PICTURE_MOST 8192u    /* pixels a side */
 #define OFFSETS_LEAST 0.05    /* m: that colours of offsets range over, either way */
 #define SLOPES_MOST 45.0      /* degrees */
 
@@ -97,7 +96,7 @@ static enum status resize(struct host *host)
 	const struct run_wish *wish = &host->wish;
 	if (wish->width == host->width && wish->height == host->height)
 		return STATUS_OK;
-	assert(wish->width > 0 && wish->height > 0 && wish->width <= PICTURE_MOST && wish->height <= PICTURE_MOST);
+	assert(wish->width > 0 && wish->height > 0 && wish->width <= RUN_PICTURE_MOST && wish->height <= RUN_PICTURE_MOST);
 	host->drawn = host->read = false;
 	host->stale = true;
 	enum status status = view_resize(host->drive->view, wish->width, wish->height);

@@ -25,6 +25,8 @@ enum run_go {
 	RUN_STOP, /* the drive is over: all that was done is committed, STATUS_OK */
 };
 
+#define RUN_PICTURE_MOST 8192u /* pixels a side */
+
 /* Filled before each turn with what the turn before left there; before the first with what is said here. */
 struct run_wish {
 	enum run_go go;               /* RUN_ON. After the scene's last step all but RUN_STOP is RUN_HOLD */
@@ -32,7 +34,7 @@ struct run_wish {
 	bool free;                    /* false: the scene's camera; true: this one */
 	struct render_camera camera;
 	enum render_layer_kind layer; /* RENDER_NATURAL */
-	uint32_t width, height;       /* of the picture, pixels, 1 to 8192 each: the scene's */
+	uint32_t width, height;       /* of the picture, pixels, 1 to RUN_PICTURE_MOST each: the scene's */
 	bool again;                   /* a picture is drawn though nothing changed; false again when it is */
 };
 
