@@ -62,7 +62,7 @@ struct viewer {
 	double titled;                /* clock, s: when the title was written */
 	const char *told;             /* what the line of figures says at its end, until: */
 	double told_until;
-	int64_t steps, step, pictures, drops, snapshots; /* steps: of the scene; step: done */
+	int64_t steps, pictures, drops, snapshots; /* steps: of the scene */
 	char message[96];
 };
 #define VIEW_PACE_LEAST (-6)

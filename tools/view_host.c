@@ -246,11 +246,10 @@ static void write_title(struct viewer *viewer, struct drive *drive, double now)
 {
 	struct run_figures figures;
 	char figured[256], title[320];
-	run_figures(drive, &figures);
-	viewer->step = figures.step;
-	viewer->steps = figures.steps;
 	if (now - viewer->titled < TITLE_EVERY)
 		return;
+	run_figures(drive, &figures);
+	viewer->steps = figures.steps;
 	viewer->titled = now;
 	view_figures_text(viewer, &figures, figured, sizeof figured);
 	snprintf(title, sizeof title, "furrow: %s", figured);

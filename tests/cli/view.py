@@ -169,14 +169,14 @@ class View(FurrowTest):
         return read_png(path)
 
     def still_picture(self):
-        """Once nothing changes any more: tiles have come, messages have gone."""
-        before = self.picture()
-        for _ in range(20):
-            now = self.picture()
-            if now == before:
-                return now
-            before = now
-        self.fail("the picture never comes to rest")
+        """Once nothing changes any more: tiles have come, messages have gone, a follower has swung round."""
+        pictures = [self.picture()]
+
+        def rested():
+            pictures.append(self.picture())
+            return pictures[-1] == pictures[-2]
+        self.until("a picture at rest", rested)
+        return pictures[-1]
 
     def close(self, status=0):
         out, err = self.process.communicate(timeout=PATIENCE)
