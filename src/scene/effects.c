@@ -116,10 +116,11 @@ static const struct scene_effect_row rows[EFFECT_COUNT] = {
 		"where no ground is drawn", "draws the sky behind the ground"},
 	[EFFECT_GEOMORPH] = {
 		"geomorph", "view.effects", "GEOMORPH", LIST("terrain.vert"), "base, offset", "depth", 1, NONE,
-		"within a tile", "blends each level into the next"},
+		"with a pixel_error tiles of different levels may meet unevenly; skirts hide it", "slides each level into the next"},
 	[EFFECT_SKIRTS] = {
 		"skirts", "view.effects", "SKIRTS", LIST("terrain.vert"), "base, offset", "depth", 0, NONE,
-		"as deep as the tile's relief at most", "hides cracks between levels"},
+		"two pixels deep, or twice the pixel_error; where tiles stand in for others a cell, and their relief at most",
+		"hides cracks between levels"},
 	[EFFECT_SPLAT] = {
 		"splat", "view.effects", "SPLAT", LIST("lib/ground.glsl"), "class", "colour", 1, NONE,
 		"of a map of soils, with the texture", "shows each soil of the map as what it is"},
