@@ -122,7 +122,6 @@ enum status render_survey_spread(const struct render_survey *survey, double shar
 
 /* --- sheet.c --- */
 double render_round_length(double most); /* the longest of 1, 2 or 5 times a power of ten that is no longer */
-double render_round_range(double size);  /* the least range with round halves that is no smaller */
 
 struct render {
 	struct gpu *gpu;

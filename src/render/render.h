@@ -187,6 +187,9 @@ void render_survey_finish(struct render_survey *survey); /* of one that is all z
 /* Each pixel takes the largest value beside it: lines of one pixel are then three wide. */
 enum status render_survey_widen(struct render_survey *survey) FURROW_CHECKED;
 
+/* The end of a legend for values up to `size`, above 0: the least number with a round half that is no smaller. */
+double render_round_range(double size);
+
 /* A map as it is printed: title, map in a frame, and below it a legend of colours, a scale bar, north. */
 enum render_ramp { RENDER_RAMP_SIGNED, RENDER_RAMP_GREEN, RENDER_RAMP_ROSE };
 struct render_range {

@@ -42,18 +42,6 @@ struct host {
 
 /* --- the picture --- */
 
-/* One of 1, 2, 5 times a power of ten, not less than it. */
-static double round_up(double value)
-{
-	double ten = pow(10, floor(log10(value)));
-	for (int i = 0; i < 3; i++) {
-		double one = ten * (i == 0 ? 1 : i == 1 ? 2 : 5);
-		if (value <= one * (1 + 1e-9))
-			return one;
-	}
-	return 10 * ten;
-}
-
 /* By what the objects are let sink: the ruts to be told apart. */
 static double deepest(const struct scene *scene)
 {
@@ -62,7 +50,7 @@ static double deepest(const struct scene *scene)
 		const struct scene_object *object = &scene->objects[i];
 		deep = fmax(deep, object->load > 0 ? deform_sinkage_guess(&object->shape, &scene->soils[0], object->load) : object->sink);
 	}
-	return round_up(deep);
+	return render_round_range(deep);
 }
 
 static struct render_layer layer_of(const struct drive *drive, enum render_layer_kind kind)
