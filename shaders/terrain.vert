@@ -72,11 +72,16 @@ bool morph(ivec2 at, int stride, bool ground, inout float height, out vec2 drawn
 {
 	float far = length(vec3(origin.xy + vec2(at) * origin.z, ground ? height : 0.0));
 	int power = findMSB(stride), most = findMSB(tile.x) - 1; // a quadrant's vertices stay in it
-	while (power < most && reach(power + 1) <= far)
+	ivec2 now = at;
+	while (power < most && reach(power + 1) <= far) {
 		power++;
-	ivec2 now = at & ~((1 << power) - 1);
-	if (now != at)
+		ivec2 onto = at & ~((1 << power) - 1);
+		if (onto == now)
+			continue;
+		now = onto;
 		ground = fetch_height(now, height);
+		far = length(vec3(origin.xy + vec2(now) * origin.z, ground ? height : 0.0));
+	}
 	drawn = vec2(now);
 	if (power == most)
 		return ground;
@@ -120,9 +125,9 @@ void main()
 #endif
 	place = vec3(origin.xy + post * origin.z, height);
 #ifdef SKIRTS
-	// What meets here is off by as much as is allowed, either side; or, where tiles stand in for others, by a cell.
+	// What meets here is off by as much as is allowed, either side; or, where tiles stand in for others, by anything.
 	if (drop > 0.0)
-		place.z -= max(2.0 * detail.w * length(place), min(detail.y * float(stride), detail.z));
+		place.z -= max(2.0 * detail.w * length(place), detail.y);
 #endif
 #ifdef LEVEL0
 	// Below level 0 posts lie on planes between the source's: the broad shape is that of level 0.

@@ -9,8 +9,8 @@ layout(std140, binding = 0) uniform picture {
 	vec4 pattern;     // the tile's south-west post modulo the ground pattern's period, metres; metres a post; log2 of a pixel's angle
 	vec4 corner_squares; // the same post in the ground's textures: near, far
 	vec4 ground;      // its post in the level-0 tile, level-0 posts a post, level-0 spacing
-	vec4 detail;      // by radii: metres of distance a metre between vertices; where tiles stand in, a skirt's depth a stride and
-	                  // at most, metres; how far off ground may be drawn, a metre of distance
+	vec4 detail;      // by radii: metres of distance a metre between vertices; where tiles stand in, a skirt's depth, metres; 0; how
+	                  // far off ground may be drawn, a metre of distance
 	vec4 sunlight;    // its light; w: the sky's, beside that by day
 	vec4 tint;        // of the sky on the sun's side and round it
 	vec4 soils[16];   // how each class of the map looks beside what it is like; w: what that is, a layer of the textures

@@ -21,6 +21,10 @@
  * apart they are alone, the same in every tile: what meets at an edge must slide alike. shaders/lib/picture.glsl has both. */
 #define RUT_CELL 0.3f /* metres */
 #define RUT_REACH 1.5
+/* By pixel error: spacings of a stride; and what its reach is at least of that of the one before, for it is slid to from 0.8
+ * of it on (shaders/terrain.vert). */
+#define ERROR_REACH_LEAST 10.0
+#define REACHES_APART 1.25
 #define REACH_MOST 1e30 /* metres: a float, with room to reckon */
 
 static double normalise(double v[3])
@@ -62,9 +66,16 @@ void render_reaches(const struct render *render, const struct render_axes *axes,
 	double spacing = world_spacing(&render->world, draw->tile.level);
 	for (int k = 0; k < TERRAIN_STRIDES; k++) {
 		double apart = spacing * (1 << k);
-		double reach = apart * render_mesh_reach(axes) * ((float)apart <= RUT_CELL ? RUT_REACH : 1);
-		/* A stride of 2^k is the surface k levels above: as far as that level's error (Equation 3). */
-		reaches[k] = render->pixel_error > 0 ? fmin(draw->errors[k] * (axes->focal / render->pixel_error), REACH_MOST) : reach;
+		if (render->pixel_error <= 0) {
+			reaches[k] = apart * render_mesh_reach(axes) * ((float)apart <= RUT_CELL ? RUT_REACH : 1);
+			continue;
+		}
+		/* A stride of 2^k is the surface k levels above: as far as that level's error (Equation 3). But a vertex slides up to
+		 * a new stride over the last fifth of the way there: from so far off that it does not overtake its neighbours. */
+		double reach = draw->errors[k] * (axes->focal / render->pixel_error);
+		if (k > 0)
+			reach = fmax(reach, fmax(ERROR_REACH_LEAST * apart, REACHES_APART * reaches[k - 1]));
+		reaches[k] = fmin(reach, REACH_MOST);
 	}
 }
 
@@ -77,6 +88,6 @@ void render_view(const struct render *render, const struct render_camera *camera
 			(double)render->width / render->height, RENDER_FAR, view->planes);
 	view->by_error = render->pixel_error > 0;
 	view->radius = view->by_error ? axes.focal / render->pixel_error :
-					fmax(axes.focal / PIXELS_A_POST, render_mesh_reach(&axes)) / render->world.cells;
+					fmax(axes.focal / PIXELS_A_POST, RUT_REACH * render_mesh_reach(&axes)) / render->world.cells;
 	view->finest = TILE_LEVEL_MIN;
 }

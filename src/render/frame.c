@@ -75,7 +75,8 @@ static bool is_patched(const struct render *render, const struct render_axes *ax
 }
 
 static void fill_tile(const struct render *render, const struct render_camera *camera, const struct render_axes *axes,
-		      const struct terrain_draw *draw, uint32_t first, bool patched, struct picture_params *params)
+		      const struct terrain_draw *draw, uint32_t first, bool patched, double lowest,
+		      struct picture_params *params)
 {
 	double reaches[TERRAIN_STRIDES];
 	render_reaches(render, axes, draw, reaches);
@@ -89,7 +90,7 @@ static void fill_tile(const struct render *render, const struct render_camera *c
 	double near_x = (2 * west + south) / RENDER_GROUND_NEAR, near_y = (2 * south - west) / RENDER_GROUND_NEAR;
 	double far_x = (3 * west + south) / RENDER_GROUND_FAR, far_y = (3 * south - west) / RENDER_GROUND_FAR;
 	to_floats(params->corner_squares, near_x - floor(near_x), near_y - floor(near_y), fmod(far_x, 16), fmod(far_y, 16));
-	to_floats(params->detail, render_mesh_reach(axes), patched ? 1.2 * spacing : 0, fmax(draw->high - draw->low, spacing / 4),
+	to_floats(params->detail, render_mesh_reach(axes), patched ? draw->high - lowest : 0, 0,
 		  fmax(render->pixel_error, 1) / axes->focal);
 	for (int k = 0; k < TERRAIN_STRIDES; k++)
 		params->reaches[k] = (float)reaches[k];
@@ -217,6 +218,9 @@ enum status render_frame(struct render *render, const struct render_camera *came
 		return fail_memory("the picture's draws");
 	enum status status = STATUS_OK;
 	bool patched = is_patched(render, &axes, selection);
+	double lowest = INFINITY;
+	for (size_t i = 0; i < selection->draw_count; i++)
+		lowest = fmin(lowest, selection->draws[i].low);
 	struct picture_params params = {0};
 	fill_frame(render, camera, &axes, &params);
 	render->triangles = 0;
@@ -232,7 +236,7 @@ enum status render_frame(struct render *render, const struct render_camera *came
 			if (drawn[k].count == 0)
 				continue;
 			const struct terrain_draw *draw = &selection->draws[k];
-			fill_tile(render, camera, &axes, draw, drawn[k].first, patched, &params);
+			fill_tile(render, camera, &axes, draw, drawn[k].first, patched, lowest, &params);
 			status = draw_tile(render, draw, &drawn[k], &params);
 		}
 	}

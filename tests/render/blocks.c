@@ -165,13 +165,19 @@ static void by_error_a_stride_reaches_as_far_as_its_error_is_seen(void **state)
 	assert_true(view.by_error && view.radius == axes.focal / 2);
 	{
 		render_reaches(&render, &axes, &draw, reaches);
-		assert_true(reaches[0] == 0 && reaches[1] == reaches[2]);
+		/* The same error twice: room to slide in is left all the same. */
+		assert_true(reaches[0] == 0 && reaches[2] == 1.25 * reaches[1]);
 		/* From there on 0.25 m are less than 2 pixels of 720 / 2 / tan(0.45). */
 		assert_true(fabs(reaches[1] - 0.25 / 2 * 360 / tan(0.45)) < 1e-9);
 		assert_true(fabs(reaches[3] - 16 * reaches[1]) < 1e-9);
 		for (int k = 4; k < 7; k++)
 			assert_true(isfinite((float)reaches[k]) && reaches[k] >= reaches[k - 1]);
 	}
+	/* Where nothing is off, too. */
+	memset(draw.errors, 0, sizeof draw.errors);
+	render_reaches(&render, &axes, &draw, reaches);
+	for (int k = 1; k < TERRAIN_STRIDES; k++)
+		assert_true(reaches[k] == 10 * ldexp(world_spacing(&world, 1), k));
 }
 
 static void strides_whose_reaches_meet_are_passed_over(void **state)
