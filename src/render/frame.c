@@ -68,7 +68,7 @@ static bool is_patched(const struct render *render, const struct render_axes *ax
 		const struct terrain_draw *draw = &selection->draws[i];
 		double reaches[TERRAIN_STRIDES];
 		render_reaches(render, axes, draw, reaches);
-		if (draw->stands_in || (!draw->finest && draw->distance < reaches[0]))
+		if (draw->standing != 0 || (!draw->finest && !draw->divided && draw->distance < reaches[0]))
 			return true;
 	}
 	return false;

@@ -142,9 +142,9 @@ static bool cover(struct selector *s, const struct terrain_place *place)
 
 	bool divisible = s->source->divisible(s->source->user, tile);
 	bool coarsest = tile.level == world_coarsest(s->world);
-	bool ground = false;
+	bool ground = false, divided = divisible && terrain_near(s->view, tile, place->ratio);
 	unsigned own = 15, standing = 0;
-	if (divisible && terrain_near(s->view, tile, place->ratio)) {
+	if (divided) {
 		size_t ideal = out->ideal;
 		own = 0;
 		s->open++;
@@ -163,7 +163,7 @@ static bool cover(struct selector *s, const struct terrain_place *place)
 
 	struct terrain_draw draw = {
 		.tile = tile, .ground = TERRAIN_NO_SLOT, .quadrants = own | standing, .finest = !divisible,
-		.stands_in = own == 0 && !ground && !coarsest,
+		.divided = divided, .standing = standing, .stands_in = own == 0 && !ground && !coarsest,
 		.low = place->low[2], .high = place->high[2], .distance = place->distance,
 	};
 	if (s->view->by_error)

@@ -47,7 +47,9 @@ struct terrain_draw {
 	uint32_t slot;
 	uint32_t ground; /* slot of the level-0 tile it lies in (its own if level >= 0), or TERRAIN_NO_SLOT */
 	unsigned quadrants;
-	bool finest; /* nothing finer exists below */
+	bool finest;  /* nothing finer exists below */
+	bool divided; /* finer tiles are drawn of the other quadrants, or wanted of the standing */
+	unsigned standing; /* those of its quadrants that should be drawn finer and cannot */
 	bool stands_in; /* the complete picture does not need it: only finer tiles that are not resident */
 	double low, high, distance; /* metres; distance: eye to its box */
 	/* By error: metres, of what is drawn of it at a stride of 2^k: of the tile k levels above it. Beyond the
