@@ -85,6 +85,8 @@ struct render_objects;
 /* Nothing, and render->objects is NULL, where no object is shown. After a failure too they are to be destroyed. */
 enum status render_objects_create(struct render *render, const struct render_params *params) FURROW_CHECKED;
 void render_objects_destroy(struct render_objects *objects); /* takes NULL */
+/* The picture's textures are others now. */
+enum status render_objects_retarget(struct render *render) FURROW_CHECKED;
 void render_objects_plan(const struct render_params *params, struct plan *plan);
 enum status render_objects_warm(struct render *render) FURROW_CHECKED;
 /* Draws an object and a shadow, if there are such, with `params` that show nothing. */

@@ -163,6 +163,17 @@ static enum status make_shapes(struct render *render, struct render_objects *obj
 	return status;
 }
 
+enum status render_objects_retarget(struct render *render)
+{
+	struct render_objects *objects = render->objects;
+	gpu_target_destroy(objects->over);
+	objects->over = NULL;
+	if (!objects->casts)
+		return STATUS_OK;
+	return gpu_target_create(render->gpu, &(struct gpu_attachment){render->drawn != NULL ? render->drawn : render->colour, 0}, 1,
+				 (struct gpu_attachment){NULL, 0}, &objects->over);
+}
+
 static enum status make_shadows(struct render *render, struct render_objects *objects)
 {
 	struct gpu *gpu = render->gpu;
@@ -172,10 +183,7 @@ static enum status make_shadows(struct render *render, struct render_objects *ob
 	enum status status = gpu_buffer_create(gpu, GPU_STORAGE, objects->count * sizeof *objects->shadows, NULL, &objects->casters);
 	if (status == STATUS_OK)
 		status = gpu_buffer_create(gpu, GPU_INDICES, sizeof volume_sides, volume_sides, &objects->volume);
-	if (status == STATUS_OK)
-		status = gpu_target_create(gpu, &(struct gpu_attachment){render->drawn != NULL ? render->drawn : render->colour, 0}, 1,
-					   (struct gpu_attachment){NULL, 0}, &objects->over);
-	return status;
+	return status == STATUS_OK ? render_objects_retarget(render) : status;
 }
 
 enum status render_objects_create(struct render *render, const struct render_params *params)

@@ -90,6 +90,26 @@ static enum status create_target(struct render *render)
 	return status;
 }
 
+static void destroy_target(struct render *render)
+{
+	gpu_target_destroy(render->target);
+	gpu_target_destroy(render->resolved);
+	gpu_texture_destroy(render->drawn);
+	gpu_texture_destroy(render->colour);
+	gpu_texture_destroy(render->depth);
+	render->target = render->resolved = NULL;
+	render->drawn = render->colour = render->depth = NULL;
+}
+
+enum status render_resize(struct render *render, uint32_t width, uint32_t height)
+{
+	destroy_target(render);
+	render->width = width;
+	render->height = height;
+	enum status status = create_target(render);
+	return status == STATUS_OK && render->objects != NULL ? render_objects_retarget(render) : status;
+}
+
 enum status render_check_samples(const struct gpu *gpu, int samples)
 {
 	const struct gpu_info *info = gpu_info(gpu);
@@ -149,11 +169,7 @@ void render_destroy(struct render *render)
 		return;
 	render_objects_destroy(render->objects);
 	gpu_counter_destroy(render->ground_samples);
-	gpu_target_destroy(render->target);
-	gpu_target_destroy(render->resolved);
-	gpu_texture_destroy(render->drawn);
-	gpu_texture_destroy(render->colour);
-	gpu_texture_destroy(render->depth);
+	destroy_target(render);
 	gpu_texture_destroy(render->ground);
 	gpu_buffer_destroy(render->indices);
 	gpu_buffer_destroy(render->instances);

@@ -74,6 +74,8 @@ enum status render_check_samples(const struct gpu *gpu, int samples) FURROW_CHEC
 /* Checks its samples too. */
 enum status render_create(const struct render_params *params, struct render **out) FURROW_CHECKED;
 void render_destroy(struct render *render);
+/* Frames from the next one on are of so many pixels; the last is gone. After a failure only render_destroy is left. */
+enum status render_resize(struct render *render, uint32_t width, uint32_t height) FURROW_CHECKED;
 /* Links every program that pictures of such ground can ask for: arguments as render_plan's. */
 enum status render_warm(struct render *render, bool deformed, bool divided) FURROW_CHECKED;
 /* Draws with each of them once, beside the picture: drivers compile the rest at a program's first draw. What the picture

@@ -145,7 +145,7 @@ enum status view_frame(struct view *view, struct drive *drive, bool image)
 
 /* --- life --- */
 
-static enum status make_render(const struct drive *drive, uint32_t width, uint32_t height, struct render **out)
+static enum status make_render(const struct drive *drive, struct render **out)
 {
 	const struct scene *scene = drive->scene;
 	struct render_params params = {
@@ -155,8 +155,8 @@ static enum status make_render(const struct drive *drive, uint32_t width, uint32
 		.reference = ground_reference(drive->store),
 		.low = isnan(drive->meta->low) ? 0 : drive->meta->low,
 		.high = isnan(drive->meta->high) ? 0 : drive->meta->high,
-		.width = (int)width,
-		.height = (int)height,
+		.width = scene->view.width,
+		.height = scene->view.height,
 		.effects = scene->view.effects,
 		.dirt = scene->dirt,
 		.pixel_error = scene->view.pixel_error,
@@ -194,7 +194,7 @@ enum status view_create(struct drive *drive, struct view **out)
 	if (status == STATUS_OK)
 		view->reach = view_find_reach(drive);
 	if (status == STATUS_OK)
-		status = make_render(drive, (uint32_t)scene->view.width, (uint32_t)scene->view.height, &view->render);
+		status = make_render(drive, &view->render);
 	if (status == STATUS_OK && scene->view.pixel_error > 0)
 		status = view_errors_create(drive, &view->errors);
 	if (status == STATUS_OK && drive->was_deformed)
@@ -260,15 +260,7 @@ void view_show_layer(struct view *view, const struct render_layer *layer)
 
 enum status view_resize(struct view *view, uint32_t width, uint32_t height)
 {
-	const struct drive *drive = view->drive;
-	bool deformed = pages_planes_of(drive->scene, drive->was_deformed) != 0;
-	struct render *render;
-	enum status status = make_render(drive, width, height, &render);
-	if (status != STATUS_OK)
-		return status;
-	render_destroy(view->render);
-	view->render = render;
-	return render_warm(render, deformed, drive->level < 0);
+	return render_resize(view->render, width, height);
 }
 
 bool view_lacks(const struct view *view)

@@ -517,6 +517,40 @@ static void with_samples_a_shadow_lies_there_too(void **state)
 }
 
 /* Wherever the eye is, in the volume too. */
+/* Larger and back: the very picture it was, shadow and all, in as many bytes. */
+static void resized_it_is_as_if_it_had_been_so(void **state)
+{
+	need_gpu();
+	const struct render_camera camera = camera_at((const double[3]){8, 2, 2.5}, (const double[3]){8, 8, 0});
+	const struct render_object shown = posed(0, 8, 8, 0.5);
+	for (samples = 1; samples <= 4 && samples <= (int)gpu_info(gpu)->samples_most; samples += 3) {
+		struct gpu_stats before, after;
+		begin(OBJECTS | SHADOW, flat, &wheel, 1);
+		uint8_t *first = draw(&camera, &shown, 1);
+		gpu_stats(gpu, &before);
+		assert_ok(render_resize(render, 2 * WIDTH, HEIGHT - 4));
+		render_set_objects(render, &shown, 1);
+		assert_ok(render_frame(render, &camera, &selection));
+		assert_ok(render_resize(render, WIDTH, HEIGHT));
+		gpu_stats(gpu, &after);
+		assert_true(after.bytes == before.bytes);
+		uint8_t *second = draw(&camera, &shown, 1);
+		assert_memory_equal(first, second, 4 * WIDTH * HEIGHT);
+		render_set_objects(render, NULL, 0);
+		uint8_t *without = draw(&camera, NULL, 0);
+		assert_memory_not_equal(without, second, 4 * WIDTH * HEIGHT);
+		test_free(first);
+		test_free(second);
+		test_free(without);
+		mem_fail_nth(2, 0);
+		enum status status = render_resize(render, 2 * WIDTH, HEIGHT);
+		mem_fail_nth(0, 0);
+		assert_int_equal(status, STATUS_FAILED);
+		end();
+	}
+	samples = 1;
+}
+
 static void an_eye_within_the_volume_sees_the_shadow(void **state)
 {
 	need_gpu();
@@ -689,6 +723,7 @@ int main(void)
 		cmocka_unit_test(a_shadow_lies_beside_its_object_away_from_the_sun),
 		cmocka_unit_test(a_shadow_is_on_the_ground_alone),
 		cmocka_unit_test(with_samples_a_shadow_lies_there_too),
+		cmocka_unit_test(resized_it_is_as_if_it_had_been_so),
 		cmocka_unit_test(an_eye_within_the_volume_sees_the_shadow),
 		cmocka_unit_test(ten_thousand_kilometres_away_it_is_the_same),
 		cmocka_unit_test(what_is_small_or_out_of_sight_costs_less),

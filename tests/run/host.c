@@ -17,7 +17,7 @@ static const char scene_text[] =
 	"view:\n"
 	"  size: [160, 90]\n"
 	"  camera: {chase: a, back: 14, up: 9}\n"
-	"  effects: [texture, sky, geomorph, skirts]\n"
+	"  effects: [texture, sky, geomorph, skirts, objects, shadow]\n"
 	"cache: {slots: 128}\n";
 
 static double flat(int64_t x, int64_t y)
