@@ -31,7 +31,7 @@ enum status pictures_create(struct gpu *gpu, const char *directory, uint32_t wid
 void pictures_stop(struct pictures *pictures);
 void pictures_destroy(struct pictures *pictures); /* takes NULL; stops first */
 
-/* All of these take NULL, of which nothing is asked. */
+/* All of these but pictures_figures take NULL, of which nothing is asked. */
 /* Begins with the last frame, the picture after so many steps. Waits if PICTURES_ROOM are under way, for the first. */
 enum status pictures_begin(struct pictures *pictures, struct render *render, int64_t step) FURROW_CHECKED;
 /* Hands on what the GPU is done with. Never waits; call it once a step. */
