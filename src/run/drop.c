@@ -49,6 +49,17 @@ static enum status surface(struct drive *drive, double x, double y, int64_t *hei
 	return status;
 }
 
+/* One upon another they go deeper than any object of the scene: boxes of tiles must know. */
+static enum status tell_view(struct drive *drive, const struct event *event, int64_t height, const struct deform_shape *shape)
+{
+	int64_t base;
+	bool any;
+	enum status status = ground_height(drive->ground, event->pose.x, event->pose.y, &base, &any);
+	if (status == STATUS_OK && any)
+		view_reach_at_least(drive->view, fabs(lattice_offset_metres(height - base)) + event->sinkage + 2 * deform_shape_bound(shape));
+	return status;
+}
+
 /* Between steps the drive is whole; until this is over it is not. */
 static enum status press(struct drive *drive, const struct event *event)
 {
@@ -84,7 +95,9 @@ enum status run_drop(struct drive *drive, enum run_drop_shape shape, double x, d
 	double sink = object.load > 0 ? deform_sinkage_guess(&object.shape, &drive->scene->soils[0], object.load) : object.sink;
 	event.pose.z = height + lattice_offset(reach - sink);
 	event.sinkage = sink;
-	status = press(drive, &event);
+	status = tell_view(drive, &event, height, &object.shape);
+	if (status == STATUS_OK)
+		status = press(drive, &event);
 	*rider = (struct rider){.object = NULL};
 	drive->drops++;
 	return status;

@@ -279,6 +279,7 @@ void view_figures(const struct view *view, struct view_figures *figures);
 struct render_camera;
 struct render_layer;
 void view_look_from(struct view *view, const struct render_camera *camera); /* NULL: the scene's camera */
+void view_reach_at_least(struct view *view, double metres); /* from the base, either way, that the ground may be by now */
 void view_show_layer(struct view *view, const struct render_layer *layer);
 enum status view_resize(struct view *view, uint32_t width, uint32_t height) FURROW_CHECKED; /* from the next picture on */
 bool view_lacks(const struct view *view);         /* the last picture was drawn before all its tiles had come */

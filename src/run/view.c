@@ -253,6 +253,11 @@ void view_look_from(struct view *view, const struct render_camera *camera)
 		view->ahead[i].count = 0;
 }
 
+void view_reach_at_least(struct view *view, double metres)
+{
+	view->reach = fmax(view->reach, metres);
+}
+
 void view_show_layer(struct view *view, const struct render_layer *layer)
 {
 	render_show_layer(view->render, layer);

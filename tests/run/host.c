@@ -3,6 +3,7 @@
 #include "../support.h"
 
 #include "run/host.h"
+#include "run/view.h"
 
 static const struct world world = {257, 257, 1, 32};
 
@@ -413,6 +414,29 @@ static void beyond_the_ground_nothing_is_dropped(void **state)
 	assert_false(guest.pressed);
 }
 
+/* Deeper than an object of the scene ever is: boxes hold it still. */
+static enum status drop_often(struct guest *guest, struct drive *drive, struct run_wish *wish)
+{
+	const struct terrain_point point = {150, 120};
+	struct terrain_height height;
+	wish->go = RUN_STOP;
+	for (int i = 0; i < 30; i++)
+		must(run_drop(drive, RUN_DROP_FIRST, point.x, point.y, 0, &guest->pressed));
+	must(run_heights(drive, &point, 1, &height));
+	assert_true(height.height < 90);
+	assert_true(drive->view->reach >= 100 - height.height);
+	return STATUS_OK;
+}
+
+static void a_pit_of_many_drops_is_in_its_tiles_box(void **state)
+{
+	const char *store = support_path("pit.furrow");
+	struct guest guest = {.act = drop_often};
+	support_store(store, world, flat);
+	must(watch_drive(store, none_text, &guest, true));
+	assert_true(guest.pressed);
+}
+
 /* Drops while a picture is shown that was asked for, when all had come. */
 struct dropper {
 	struct guest guest;
@@ -553,6 +577,7 @@ int main(void)
 		cmocka_unit_test(what_is_dropped_is_pressed_as_deep_as_it_sinks_and_kept),
 		cmocka_unit_test(layers_have_the_colours_of_their_legend),
 		cmocka_unit_test(beyond_the_ground_nothing_is_dropped),
+		cmocka_unit_test(a_pit_of_many_drops_is_in_its_tiles_box),
 		cmocka_unit_test(what_is_dropped_while_a_picture_is_shown_is_in_the_next),
 		cmocka_unit_test(what_is_no_place_is_no_ground),
 		cmocka_unit_test(under_a_load_the_soil_carries_what_is_dropped),
