@@ -319,6 +319,7 @@ static enum status draw_shadows(struct render *render, const struct picture_para
 		.viewport = {0, 0, render->width, render->height},
 		.textures = {render->depth},
 		.storage = {objects->casters},
+		.only_reads = true,
 		.params = params,
 		.params_bytes = sizeof *params,
 		.indices = objects->volume,
