@@ -110,9 +110,10 @@ ground_surface ground_at(vec2 post, vec4 squares, float log_pixel, float region,
 #else
 	// Sand where it is low and level, then grass, soil where it is bare, rock, snow where it is high and not too steep.
 	float bare = max(ground_ramp(0.36, 0.58, slope) + ground_ramp(0.46, 0.60, rise), ground_ramp(0.15, 0.40, large));
-	float sandy = ground_ramp(-0.10, -0.03, -rise) * ground_ramp(-0.35, -0.15, -slope);
+	float sandy = ground_ramp(-0.10, -0.03, -rise) * ground_ramp(-0.35, -0.15, -slope) * (1.0 - stony);
 	float white = snow_lies * ground_ramp(0.70, 0.74, rise) * ground_ramp(-1.05, -0.75, -slope);
-	float along = 1.0 - sandy + max(min(bare, 1.0) + stony, dug * (1.0 - 0.6 * stony));
+	// Under grass there is soil; under sand, sand.
+	float along = (1.0 - sandy) * (1.0 + max(min(bare, 1.0) + stony, dug * (1.0 - 0.6 * stony)));
 	along = mix(along, 4.0, white);
 	float layer = floor(along + 0.5), part = along - layer, aside = part < 0.0 ? -1.0 : 1.0;
 	part = abs(part);
