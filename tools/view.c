@@ -80,8 +80,8 @@ static enum status check_bare(const char *path)
 	if (status != STATUS_OK)
 		return status;
 	if (store_has_working_level(store, &level))
-		status = fail_with(STATUS_INPUT, "%s: it has ruts of its own, over which no temporary overlay goes; give --write, and what is "
-						 "driven stays in it, or --store with an overlay or a copy that may be written, and --write",
+		status = fail_with(STATUS_INPUT, "%s: it has ruts of its own, over which no temporary overlay goes; give --write to drive in "
+						 "it, or look at a copy: cp it, then --store COPY --write",
 				   path);
 	struct failure failure;
 	failure_capture(&failure, status);

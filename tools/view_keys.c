@@ -51,7 +51,10 @@ static const struct binding {
 #define TEXT(text) "  " text "\n"
 
 static const char *const lines[] = {LINES(ENTRY)};
-const char view_keys_text[] = "Keys:\n" LINES(TEXT);
+const char view_keys_text[] =
+	"Needs a display. Looking changes nothing: ruts go to a temporary overlay, which a store with ruts of its own cannot have; give\n"
+	"--overlay or --write there. At the scene's end the window stays. Pictures go to view-NNNN.png in the present folder.\n"
+	"Keys:\n" LINES(TEXT);
 
 enum view_action view_action_of(int key, int *which)
 {

@@ -3,6 +3,7 @@
  * and SDL must not make another current.
  */
 #include <SDL.h>
+#include <string.h>
 
 #include "window.h"
 
@@ -19,6 +20,13 @@ static enum status sdl_failed(const char *what)
 					"at its pictures", what, SDL_GetError());
 }
 
+/* Drivers that SDL takes where there is no display: nobody would see the window. One that was asked for by name is right. */
+static bool is_unseen(const char *driver)
+{
+	return driver != NULL && SDL_getenv("SDL_VIDEODRIVER") == NULL &&
+	       (strcmp(driver, "offscreen") == 0 || strcmp(driver, "dummy") == 0);
+}
+
 enum status window_open(const char *title, int width, int height, struct window **out)
 {
 	struct window *window = mem_calloc(1, sizeof *window);
@@ -31,6 +39,9 @@ enum status window_open(const char *title, int width, int height, struct window 
 	enum status status = STATUS_OK;
 	if (SDL_InitSubSystem(SDL_INIT_VIDEO) != 0)
 		status = sdl_failed("no display");
+	else if (is_unseen(SDL_GetCurrentVideoDriver()))
+		status = fail_with(STATUS_FAILED, "window: no display: none is named or there; give a display (DISPLAY or WAYLAND_DISPLAY), or "
+						  "furrow drive the scene and look at its pictures");
 	if (status == STATUS_OK) {
 		window->sdl = SDL_CreateWindow(title, SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED, width, height, SDL_WINDOW_RESIZABLE);
 		if (window->sdl == NULL)

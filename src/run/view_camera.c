@@ -26,9 +26,14 @@ size_t view_places(const void *user, double time, double places[2][2])
 	places[0][1] = now.y;
 	if (wish->camera == SCENE_OVERHEAD)
 		return 1;
-	/* Behind along the chord of the last stretch, which turns slower than the path does. */
-	double speed = fmax(rider->object->path.speed, 0.1);
-	double back = fmin(time, 1.5 * wish->back / speed);
+	/* Behind along the chord of the last stretch, which turns slower than the path does. Where poses are timed, at the speed
+	 * of the last second. */
+	double speed = rider->object->path.speed;
+	if (rider->object->path.timed) {
+		track_at(rider->track, time - 1, &before);
+		speed = hypot(now.x - before.x, now.y - before.y) / fmin(fmax(time, 1e-3), 1);
+	}
+	double back = fmin(time, 1.5 * wish->back / fmax(speed, 0.1));
 	track_at(rider->track, time - back, &before);
 	double dx = now.x - before.x, dy = now.y - before.y, length = hypot(dx, dy);
 	if (rider->object->path.loop || length < 0.1 * wish->back || back <= 0) {

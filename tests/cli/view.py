@@ -301,6 +301,11 @@ class View(FurrowTest):
         environment = {"DISPLAY": "", "WAYLAND_DISPLAY": "", "SDL_VIDEODRIVER": "x11"}
         error = self.refused(1, "view", "scene.yaml", "--store", "world.furrow", env=environment)
         self.assertIn("display", error)
+        # Nor does it draw where nobody sees it. Other libraries have their own say on stderr.
+        del environment["SDL_VIDEODRIVER"]
+        result = self.furrow("view", "scene.yaml", "--store", "world.furrow", env=environment)
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn("furrow: window: no display: ", result.stderr)
 
     def test_a_display_that_is_lost_leaves_nothing_behind(self):
         shared, self.display = self.display, Display()
