@@ -232,6 +232,9 @@ static void select_all(struct shown *shown, struct terrain_view *view, struct te
 	const struct terrain_source source = {shown, bounds, resident, divisible, error_of};
 	if (shown->golden->radius > 0)
 		view->radius = shown->golden->radius;
+	/* What stands in is no part of a complete picture, so that nobody wants it. */
+	for (uint32_t i = 0; shown->golden->stands_in && i < 4; i++)
+		load(shown, (struct tile){1, i % 2, i / 2});
 	for (;;) {
 		size_t loaded = 0;
 		terrain_select(&world, view, &source, selection);
@@ -280,7 +283,7 @@ static void draw(const struct golden *golden, uint8_t *pixels)
 	}
 	must(gpu_slots_create(gpu, CELLS, SLOTS, golden->dirt ? PLANE_BIT(PLANE_DIRT) : 0, &shown.slots));
 	const struct render_params params = {
-		.gpu = gpu, .slots = shown.slots, .world = &world, .low = 80, .high = 920, .width = WIDTH, .height = HEIGHT,
+		.gpu = gpu, .slots = shown.slots, .world = &world, .low = 0, .high = 920, .width = WIDTH, .height = HEIGHT,
 		.effects = golden->effects, .dirt = golden->dirt, .light = &light, .soils = &soils, .pixel_error = golden->pixel_error,
 		.samples = golden->samples, .objects = objects, .object_count = 2, .layers = golden->layer != RENDER_NATURAL,
 	};
@@ -357,8 +360,7 @@ static void compare(const struct golden *golden, const uint8_t *kept, const uint
 		far += most > FAR_OFF;
 	}
 	double mean = sum / (3.0 * PIXELS), share = far / (double)PIXELS, wider = gpu_info(gpu)->software ? 1 : 2;
-	if (getenv("GOLDEN_SAY") != NULL)
-		print_message("%-12s mean %.3f of %.3f, far %.4f of %.4f\n", golden->name, mean, golden->mean, share, golden->share);
+	print_message("%s: mean difference %.3f, %.2f %% far off\n", golden->name, mean, 100 * share);
 	if (mean <= wider * golden->mean && share <= wider * golden->share)
 		return;
 	char drawn[96], difference[96];
@@ -398,7 +400,10 @@ static void is_as_its_golden(void **state)
 /* From a hill to the mountain; beside the rut; over rough ground. */
 #define WIDE .eye = {420, 330, 60}, .target = {1050, 1250, 120}
 #define NEAR .eye = {601.2, 519.8, 1.9}, .target = {604.3, 524.6, 0}
+#define CLOSE .eye = {602.8, 523.2, 0.8}, .target = {604.6, 524.9, 0.45}
+#define RUT .eye = {603.1, 521.5, 1.2}, .target = {604.4, 524.4, 0}
 #define ROUGH .eye = {200, 180, 45}, .target = {420, 420, -10}
+#define SEAM .eye = {470, 110, 10}, .target = {520, 190, -6}
 #define TIGHT .mean = 0.6, .share = 0.005
 
 static const struct golden goldens[] = {
@@ -408,16 +413,16 @@ static const struct golden goldens[] = {
 	{"fog", TEXTURE | FOG, WIDE, TIGHT},
 	{"sky", SKY, WIDE, TIGHT},
 	{"geomorph", GEOMORPH, ROUGH, TIGHT},
-	{"skirts", SKIRTS, ROUGH, TIGHT, .stands_in = true},
+	{"skirts", SKIRTS, SEAM, TIGHT, .stands_in = true},
 	{"splat", TEXTURE | SPLAT, WIDE, TIGHT},
-	{"antialias", SKY, WIDE, TIGHT, .samples = 4},
+	{"antialias", OBJECTS | SKY, CLOSE, TIGHT, .samples = 4},
 	{"objects", OBJECTS, NEAR, TIGHT, .deformed = true},
 	{"shadow", OBJECTS | SHADOW, NEAR, TIGHT, .deformed = true},
 	{"pixel_error", SKIRTS | GEOMORPH, ROUGH, TIGHT, .pixel_error = 12},
 	{"mars", ALL, WIDE, TIGHT, .body = SCENE_MARS},
 	{"moon", ALL, WIDE, TIGHT, .body = SCENE_MOON},
 	{"evening", ALL, WIDE, TIGHT, .azimuth = 270 * DEGREES, .height = 8 * DEGREES},
-	{"rut", TEXTURE | DETAIL, NEAR, TIGHT, .deformed = true, .dirt = true, .azimuth = 60 * DEGREES, .height = 30 * DEGREES},
+	{"rut", TEXTURE | DETAIL, RUT, TIGHT, .deformed = true, .dirt = true, .azimuth = 60 * DEGREES, .height = 30 * DEGREES},
 	{"offsets", 0, NEAR, TIGHT, .deformed = true, .layer = RENDER_OFFSETS},
 };
 #define GOLDENS (sizeof goldens / sizeof *goldens)
