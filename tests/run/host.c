@@ -97,7 +97,16 @@ static enum status only_watch(struct guest *guest, struct drive *drive, struct r
 	wish->free = guest->turns % 2 == 0;
 	wish->camera = (struct render_camera){{20, 20, 130 + guest->turns % 7}, {60, 70, 100}, 0.9};
 	wish->layer = (enum render_layer_kind)(guest->turns % RENDER_LAYERS);
-	return STATUS_OK;
+	/* And asks where the object has been, and will be. */
+	const struct terrain_point points[] = {{45, 63.75}, {60, 75}, {79, 89}};
+	const struct terrain_ray down = {{60, 75, 200}, {0, 0, -1}, 200};
+	struct terrain_height heights[3];
+	struct terrain_hit hit;
+	enum status status = run_heights(drive, points, 3, heights);
+	if (status == STATUS_OK)
+		status = run_rays(drive, &down, 1, &hit);
+	assert_true(status != STATUS_OK || (hit.hit && fabs(hit.point[2] - heights[1].height) < 1e-6));
+	return status;
 }
 
 static void who_only_watches_changes_nothing(void **state)
