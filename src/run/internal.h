@@ -23,6 +23,7 @@
 #include "store/store.h"
 
 struct cJSON;
+struct render_params; /* render/render.h */
 struct view;     /* run/view.h */
 struct prefetch; /* run/prefetch.c */
 struct forces;   /* run/forces.c */
@@ -155,6 +156,8 @@ enum status drive_settle_level(struct drive *drive) FURROW_CHECKED;
 uint32_t drive_ground_tiles(const struct drive *drive);
 /* Without gpu, slots and reference. */
 void drive_deform_params(const struct drive *drive, struct deform_params *params);
+/* Without gpu, slots, reference, low, high and layers. */
+void drive_render_params(const struct drive *drive, struct render_params *params);
 struct deform_planned drive_planned(const struct scene_object *object);
 /* What the scene, over this store, says without effect. */
 void drive_advise(const struct drive *drive, scene_advice_fn tell, void *user);

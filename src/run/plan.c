@@ -203,6 +203,24 @@ static enum status plan_deform(const struct drive *drive, struct plan *plan)
 	return STATUS_OK;
 }
 
+void drive_render_params(const struct drive *drive, struct render_params *params)
+{
+	const struct scene *scene = drive->scene;
+	*params = (struct render_params){
+		.world = &drive->meta->world,
+		.width = scene->view.width,
+		.height = scene->view.height,
+		.effects = scene->view.effects,
+		.dirt = scene->dirt,
+		.pixel_error = scene->view.pixel_error,
+		.samples = scene->view.samples,
+		.objects = scene->objects,
+		.object_count = scene->object_count,
+		.light = &scene->view.light,
+		.soils = scene_draws_classes(scene) ? scene : NULL,
+	};
+}
+
 static enum status plan_lines(const struct drive *drive, struct plan *plan)
 {
 	const struct scene *scene = drive->scene;
@@ -215,19 +233,8 @@ static enum status plan_lines(const struct drive *drive, struct plan *plan)
 	const char *effect = plan->count > 0 ? plan->lines[0].effect : NULL;
 	gpu_slots_plan(cells, planes, classes, drive->level < 0, decimates, effect, plan);
 	if (scene->view.present) {
-		const struct render_params render = {
-			.world = &drive->meta->world,
-			.width = scene->view.width,
-			.height = scene->view.height,
-			.effects = scene->view.effects,
-			.dirt = scene->dirt,
-			.pixel_error = scene->view.pixel_error,
-			.samples = scene->view.samples,
-			.objects = scene->objects,
-			.object_count = scene->object_count,
-			.light = &scene->view.light,
-			.soils = scene_draws_classes(scene) ? scene : NULL,
-		};
+		struct render_params render;
+		drive_render_params(drive, &render);
 		render_plan(&render, planes != 0, drive->level < 0, plan);
 		if (scene->view.images > 0)
 			pictures_plan((uint32_t)scene->view.width, (uint32_t)scene->view.height, plan);

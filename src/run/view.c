@@ -147,26 +147,14 @@ enum status view_frame(struct view *view, struct drive *drive, bool image)
 
 static enum status make_render(const struct drive *drive, struct render **out)
 {
-	const struct scene *scene = drive->scene;
-	struct render_params params = {
-		.gpu = drive->gpu,
-		.slots = drive->slots,
-		.world = &drive->meta->world,
-		.reference = ground_reference(drive->store),
-		.low = isnan(drive->meta->low) ? 0 : drive->meta->low,
-		.high = isnan(drive->meta->high) ? 0 : drive->meta->high,
-		.width = scene->view.width,
-		.height = scene->view.height,
-		.effects = scene->view.effects,
-		.dirt = scene->dirt,
-		.pixel_error = scene->view.pixel_error,
-		.samples = scene->view.samples,
-		.objects = scene->objects,
-		.object_count = scene->object_count,
-		.light = &scene->view.light,
-		.soils = scene_draws_classes(scene) ? scene : NULL,
-		.layers = drive->params->host != NULL,
-	};
+	struct render_params params;
+	drive_render_params(drive, &params);
+	params.gpu = drive->gpu;
+	params.slots = drive->slots;
+	params.reference = ground_reference(drive->store);
+	params.low = isnan(drive->meta->low) ? 0 : drive->meta->low;
+	params.high = isnan(drive->meta->high) ? 0 : drive->meta->high;
+	params.layers = drive->params->host != NULL;
 	return render_create(&params, out);
 }
 
