@@ -62,7 +62,7 @@ float reach(int power)
 	return reaches[power >> 2][power & 3];
 #else
 	float apart = origin.z * float(1 << power);
-	return apart * (apart <= RUT_CELL ? RUT_REACH * detail.x : detail.x);
+	return apart * (apart <= RUT_CELL ? detail.z : detail.x);
 #endif
 }
 

@@ -9,8 +9,8 @@ layout(std140, binding = 0) uniform picture {
 	vec4 pattern;     // the tile's south-west post modulo the ground pattern's period, metres; metres a post; log2 of a pixel's angle
 	vec4 corner_squares; // the same post in the ground's textures: near, far
 	vec4 ground;      // its post in the level-0 tile, level-0 posts a post, level-0 spacing
-	vec4 detail;      // by radii: metres of distance a metre between vertices; where tiles stand in, a skirt's depth, metres; 0; how
-	                  // far off ground may be drawn, a metre of distance
+	vec4 detail;      // by radii: metres of distance a metre between vertices; where tiles stand in, a skirt's depth, metres; as the
+	                  // first, where vertices are near enough to show ruts; how far off ground may be drawn, a metre of distance
 	vec4 sunlight;    // its light; w: the sky's, beside that by day
 	vec4 tint;        // of the sky on the sun's side and round it
 	vec4 soils[16];   // how each class of the map looks beside what it is like; w: what that is, a layer of the textures
@@ -24,6 +24,5 @@ layout(std140, binding = 0) uniform picture {
 const float half_base_metre = 1.0 / 131072.0; // metres of half a base height, 2^-17
 const float base_metre = 1.0 / 262144.0;      // of a base height, 2^-18
 const float offset_metre = 1.0 / 1048576.0;   // of an offset, 2^-20
-// By radii vertices at most so far apart show what wheels leave, and are drawn until farther away: src/render/camera.c.
+// Vertices at most so far apart show what wheels leave: src/render/camera.c.
 #define RUT_CELL 0.3
-#define RUT_REACH 1.5

@@ -18,9 +18,8 @@
 /* Below this, blocks of one stride would be too small beside their distance to slide in time. */
 #define REACH_LEAST 24.0
 /* What wheels leave is finer than the ground: cut more finely where vertices are near enough to show it. It goes by how far
- * apart they are alone, the same in every tile: what meets at an edge must slide alike. shaders/lib/picture.glsl has both. */
+ * apart they are alone, the same in every tile: what meets at an edge must slide alike. shaders/lib/picture.glsl has it too. */
 #define RUT_CELL 0.3f /* metres */
-#define RUT_REACH 1.5
 /* By pixel error: spacings of a stride; and what its reach is at least of that of the one before, for it is slid to from 0.8
  * of it on (shaders/terrain.vert). */
 #define ERROR_REACH_LEAST 10.0
@@ -67,7 +66,7 @@ void render_reaches(const struct render *render, const struct render_axes *axes,
 	for (int k = 0; k < TERRAIN_STRIDES; k++) {
 		double apart = spacing * (1 << k);
 		if (render->pixel_error <= 0) {
-			reaches[k] = apart * render_mesh_reach(axes) * ((float)apart <= RUT_CELL ? RUT_REACH : 1);
+			reaches[k] = apart * render_mesh_reach(axes) * ((float)apart <= RUT_CELL ? RENDER_RUT_REACH : 1);
 			continue;
 		}
 		/* A stride of 2^k is the surface k levels above: as far as that level's error (Equation 3). But a vertex slides up to
@@ -88,6 +87,6 @@ void render_view(const struct render *render, const struct render_camera *camera
 			(double)render->width / render->height, RENDER_FAR, view->planes);
 	view->by_error = render->pixel_error > 0;
 	view->radius = view->by_error ? axes.focal / render->pixel_error :
-					fmax(axes.focal / PIXELS_A_POST, RUT_REACH * render_mesh_reach(&axes)) / render->world.cells;
+					fmax(axes.focal / PIXELS_A_POST, RENDER_RUT_REACH * render_mesh_reach(&axes)) / render->world.cells;
 	view->finest = TILE_LEVEL_MIN;
 }

@@ -90,7 +90,7 @@ static void fill_tile(const struct render *render, const struct render_camera *c
 	double near_x = (2 * west + south) / RENDER_GROUND_NEAR, near_y = (2 * south - west) / RENDER_GROUND_NEAR;
 	double far_x = (3 * west + south) / RENDER_GROUND_FAR, far_y = (3 * south - west) / RENDER_GROUND_FAR;
 	to_floats(params->corner_squares, near_x - floor(near_x), near_y - floor(near_y), fmod(far_x, 16), fmod(far_y, 16));
-	to_floats(params->detail, render_mesh_reach(axes), patched ? draw->high - lowest : 0, 0,
+	to_floats(params->detail, render_mesh_reach(axes), patched ? draw->high - lowest : 0, RENDER_RUT_REACH * render_mesh_reach(axes),
 		  fmax(render->pixel_error, 1) / axes->focal);
 	for (int k = 0; k < TERRAIN_STRIDES; k++)
 		params->reaches[k] = (float)reaches[k];
@@ -274,7 +274,7 @@ static enum status draw_unseen(struct render *render, const struct gpu_slot *slo
 	uint32_t none = 0;
 	params.tile[0] = (int32_t)render->world.cells;
 	params.tile[3] = (int32_t)render_block_cells(&render->world);
-	params.origin[2] = params.pattern[2] = params.ground[2] = params.ground[3] = params.detail[0] = 1;
+	params.origin[2] = params.pattern[2] = params.ground[2] = params.ground[3] = params.detail[0] = params.detail[2] = 1;
 	gpu_buffer_write(render->instances, 0, sizeof none, &none);
 	/* Counted as any frame's: llvmpipe compiles what counts samples apart. */
 	gpu_counter_begin(render->ground_samples);

@@ -42,6 +42,7 @@ struct render_axes {
 void render_axes(const struct render *render, const struct render_camera *camera, struct render_axes *axes);
 /* Metres from the eye, per metre of spacing, from which on a spacing is fine enough for the mesh. By radii. */
 double render_mesh_reach(const struct render_axes *axes);
+#define RENDER_RUT_REACH 1.5 /* times so far, where vertices are near enough to show ruts: camera.c */
 /* Metres from the eye from which on each stride of a tile, 2^0 .. 2^11, is fine enough; none is less than the one
  * before. */
 void render_reaches(const struct render *render, const struct render_axes *axes, const struct terrain_draw *draw,
