@@ -16,7 +16,7 @@
 
 #include "base/base.h"
 #include "deform/deform.h"
-#include "run/track.h"
+#include "motion/motion.h"
 #include "scene/scene.h"
 
 /* --- the scene --- */

@@ -74,7 +74,7 @@ static void station(struct rig *rig, const struct track *track, int64_t index)
 	struct track_point point;
 	int64_t ground;
 	bool any;
-	track_station(track, index, &point);
+	track_sample(track, index, &point);
 	bench_must(ground_height(rig->ground, point.qx, point.qy, &ground, &any));
 	struct deform_sweep of = {.shape = &rig_wheel};
 	of.to = (struct deform_pose){.x = point.qx, .y = point.qy, .z = ground + lattice_offset(ACCURACY_RADIUS - ACCURACY_SINK),
@@ -83,7 +83,7 @@ static void station(struct rig *rig, const struct track *track, int64_t index)
 	if (index > 0) {
 		double along = lattice_offset_metres(of.to.x - of.from.x) * cos(of.to.yaw) +
 			       lattice_offset_metres(of.to.y - of.from.y) * sin(of.to.yaw);
-		of.seconds = point.time - track_station_time(track, index - 1);
+		of.seconds = point.time - track_sample_time(track, index - 1);
 		of.turned = along / ACCURACY_RADIUS;
 		of.to.turn = remainder(of.from.turn + of.turned, 2 * M_PI);
 	}
@@ -99,10 +99,10 @@ struct tile_posts {
 
 static void read_tiles(struct rig *rig, struct tile_posts *posts)
 {
-	uint32_t side = tile_posts(rig->world);
+	uint32_t side = tile_posts(rig->extent);
 	for (size_t i = 0; i < rig->tile_count; i++) {
 		const struct gpu_slot *slot = gpu_slots_get(rig->slots, rig->tiles[i].slot);
-		rig_decode(rig, tile_post_rect(rig->world, rig->tiles[i].tile));
+		rig_decode(rig, tile_post_rect(rig->extent, rig->tiles[i].tile));
 		posts[i] = (struct tile_posts){mem_alloc((size_t)side * side, sizeof(int32_t)),
 					       mem_alloc((size_t)side * side, sizeof(int32_t))};
 		if (posts[i].base == NULL || posts[i].offset == NULL)
@@ -115,10 +115,10 @@ static void read_tiles(struct rig *rig, struct tile_posts *posts)
 /* Of the post, in whichever tile; all that have it must agree (law 1). */
 static bool post(const struct rig *rig, const struct tile_posts *posts, int64_t x, int64_t y, int32_t *base, int32_t *offset)
 {
-	uint32_t side = tile_posts(rig->world);
+	uint32_t side = tile_posts(rig->extent);
 	bool found = false;
 	for (size_t i = 0; i < rig->tile_count; i++) {
-		struct post_rect own = tile_post_rect(rig->world, rig->tiles[i].tile);
+		struct post_rect own = tile_post_rect(rig->extent, rig->tiles[i].tile);
 		if (x < own.x0 || x >= own.x1 || y < own.y0 || y >= own.y1)
 			continue;
 		size_t at = (size_t)(y - own.y0) * side + (size_t)(x - own.x0);
@@ -134,8 +134,8 @@ static bool post(const struct rig *rig, const struct tile_posts *posts, int64_t 
 /* m3 by which offsets and what was compacted do not add up to nothing. */
 static double drift(struct rig *rig, const struct tile_posts *posts)
 {
-	struct post_rect first = tile_post_rect(rig->world, rig->tiles[0].tile);
-	struct post_rect last = tile_post_rect(rig->world, rig->tiles[rig->tile_count - 1].tile);
+	struct post_rect first = tile_post_rect(rig->extent, rig->tiles[0].tile);
+	struct post_rect last = tile_post_rect(rig->extent, rig->tiles[rig->tile_count - 1].tile);
 	struct deform_tally tally;
 	int64_t sum = 0;
 	int32_t base, offset;
@@ -174,7 +174,7 @@ void accuracy_variant(const struct accuracy_variant *variant, const struct accur
 	struct rig rig;
 	*figures = (struct accuracy_figures){.time_step = TIME_STEP};
 	rig_open(variant, scene, &rig);
-	int64_t stations = track_stations(track);
+	int64_t stations = track_samples(track);
 	double seconds = accuracy_ends(track), began = clock_seconds();
 	for (int turn = 0; turn < variant->passes; turn++, rig.begins += seconds)
 		for (int64_t i = 0; i < stations; i++)

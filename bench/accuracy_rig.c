@@ -80,7 +80,7 @@ static struct kept_params params_of(const struct rig *rig, enum which which)
 /* Over the posts of `rect` that the tile has. */
 static void pass(struct rig *rig, size_t tile, enum which which, bool encode, struct post_rect rect)
 {
-	struct post_rect own = tile_post_rect(rig->world, rig->tiles[tile].tile), both = post_rect_intersect(own, rect);
+	struct post_rect own = tile_post_rect(rig->extent, rig->tiles[tile].tile), both = post_rect_intersect(own, rect);
 	const struct kept *kept = &rig->kept[tile][which];
 	const struct gpu_slot *slot = gpu_slots_get(rig->slots, rig->tiles[tile].slot);
 	if (post_rect_empty(both) || kept->texture == NULL)
@@ -99,7 +99,7 @@ static void pass(struct rig *rig, size_t tile, enum which which, bool encode, st
 
 static bool shares(const struct rig *rig, size_t tile, struct post_rect rect)
 {
-	return !post_rect_empty(post_rect_intersect(tile_post_rect(rig->world, rig->tiles[tile].tile), rect));
+	return !post_rect_empty(post_rect_intersect(tile_post_rect(rig->extent, rig->tiles[tile].tile), rect));
 }
 
 void rig_decode(struct rig *rig, struct post_rect read)
@@ -134,11 +134,11 @@ static void keep(struct rig *rig, size_t tile, enum which which)
 	const struct gpu_slot *slot = gpu_slots_get(rig->slots, rig->tiles[tile].slot);
 	if (rig->format[which] == KEPT_R32I)
 		return;
-	bench_must(gpu_texture_create(rig->gpu, formats[rig->format[which]].format, rig->world->cells + 1, rig->world->cells + 1, 0,
+	bench_must(gpu_texture_create(rig->gpu, formats[rig->format[which]].format, rig->extent->cells + 1, rig->extent->cells + 1, 0,
 				      &kept->texture));
 	kept->encoded = target_over(rig, kept->texture);
 	kept->decoded = target_over(rig, which == BASE ? slot->base : slot->planes[PLANE_OFFSET]);
-	pass(rig, tile, which, true, tile_post_rect(rig->world, rig->tiles[tile].tile));
+	pass(rig, tile, which, true, tile_post_rect(rig->extent, rig->tiles[tile].tile));
 }
 
 static void make_tiles(struct rig *rig)
@@ -147,9 +147,9 @@ static void make_tiles(struct rig *rig)
 	struct post_rect field = accuracy_rect(rig->of->spacing);
 	struct post_rect all = {field.x0 - spare, field.y0 - spare, field.x1 + spare, field.y1 + spare};
 	struct tile first, last;
-	size_t bytes = (size_t)tile_posts(rig->world) * tile_posts(rig->world) * sizeof(int32_t);
+	size_t bytes = (size_t)tile_posts(rig->extent) * tile_posts(rig->extent) * sizeof(int32_t);
 	struct gpu_staging *staging;
-	bool any = tile_range_of(rig->world, 0, all, &first, &last);
+	bool any = tile_range_of(rig->extent, 0, all, &first, &last);
 	if (!any || (last.x - first.x + 1) * (last.y - first.y + 1) > RIG_TILES)
 		bench_must(fail_with(STATUS_FAILED, "bench: the field takes more tiles than expected; raise RIG_TILES"));
 	for (uint32_t y = first.y; y <= last.y; y++)
@@ -157,7 +157,7 @@ static void make_tiles(struct rig *rig)
 			rig->tiles[rig->tile_count] = (struct deform_tile){{0, x, y}, (uint32_t)rig->tile_count};
 			rig->tile_count++;
 		}
-	bench_must(gpu_slots_create(rig->gpu, rig->world->cells, (uint32_t)rig->tile_count, deform_planes(rig->of->model, false),
+	bench_must(gpu_slots_create(rig->gpu, rig->extent->cells, (uint32_t)rig->tile_count, deform_planes(rig->of->model, false),
 				    &rig->slots));
 	bench_must(gpu_staging_create(rig->gpu, bytes, &staging));
 	for (size_t i = 0; i < rig->tile_count; i++) {
@@ -177,7 +177,7 @@ void rig_open(const struct accuracy_variant *of, const struct scene *scene, stru
 	bench_must(store_open(accuracy_store(of->spacing, of->max_error), &(struct store_options){.mode = STORE_READ}, &rig->store));
 	bench_must(ground_create(rig->store, 16, &rig->ground));
 	const struct store_meta *meta = store_meta(rig->store);
-	rig->world = &meta->world;
+	rig->extent = &meta->extent;
 	bench_must(gpu_create(&(struct gpu_params){.draws = false}, &rig->gpu));
 	get_programs(rig);
 	for (int which = 0; which < WHICH; which++)
@@ -186,7 +186,7 @@ void rig_open(const struct accuracy_variant *of, const struct scene *scene, stru
 	struct deform_params params = {
 		.gpu = rig->gpu,
 		.slots = rig->slots,
-		.world = rig->world,
+		.extent = rig->extent,
 		.reference = ground_reference(rig->store),
 		.model = of->model,
 		.soils = {scene->soils[0]},
@@ -221,7 +221,7 @@ void rig_close(struct rig *rig)
 
 int64_t rig_slot_bytes(const struct rig *rig)
 {
-	int64_t side = tile_posts(rig->world), bytes = 0;
+	int64_t side = tile_posts(rig->extent), bytes = 0;
 	for (size_t i = 0; i < rig->tile_count; i++)
 		bytes += (rig->read[i] ? (int64_t)formats[rig->of->base].bytes : 0) +
 			 (rig->written[i] ? (int64_t)formats[rig->of->offset].bytes : 0);

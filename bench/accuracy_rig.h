@@ -4,7 +4,7 @@
 
 #include "accuracy.h"
 #include "gpu/gpu.h"
-#include "run/ground.h"
+#include "resident/ground.h"
 #include "store/store.h"
 
 enum { RIG_TILES = 64 };
@@ -27,7 +27,7 @@ struct rig {
 	enum accuracy_format format[WHICH];
 	struct store *store;
 	struct ground *ground;
-	const struct world *world;
+	const struct extent *extent;
 	struct gpu *gpu;
 	struct gpu_slots *slots;
 	struct deform *deform;

@@ -100,7 +100,7 @@ static void make(const char *path, double spacing, double max_error)
 	int64_t side = (int64_t)(ACCURACY_WORLD / spacing) + 1;
 	struct ground ground = {spacing, max_error == 0};
 	struct store_meta meta = {
-		.world = {side, side, spacing, 256},
+		.extent = {side, side, spacing, 256},
 		.step = intake_step(max_error, 0, false),
 		.max_error = max_error,
 		.srs = "",
@@ -109,7 +109,7 @@ static void make(const char *path, double spacing, double max_error)
 	};
 	struct store *store;
 	bench_must(store_create(path, &meta, true, &store));
-	bench_must(dem_cut(&(struct dem_cut){.world = &meta.world, .step = meta.step, .posts = posts, .posts_user = &ground,
+	bench_must(dem_cut(&(struct dem_cut){.extent = &meta.extent, .step = meta.step, .posts = posts, .posts_user = &ground,
 					     .emit = put, .emit_user = store}));
 	bench_must(store_publish(store));
 	store_close(store);
@@ -195,5 +195,5 @@ struct track *accuracy_track(const struct scene *scene, double spacing)
 
 double accuracy_ends(const struct track *track)
 {
-	return ceil(track_station_time(track, track_stations(track) - 1) * 10) / 10;
+	return ceil(track_sample_time(track, track_samples(track) - 1) * 10) / 10;
 }

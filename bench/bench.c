@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "run/run.h"
+#include "api/api.h"
 #include "store/store.h"
 
 static char folder[64];
@@ -58,7 +58,7 @@ void bench_store(const char *path, const struct dem_synth *synth, uint32_t cells
 {
 	struct dem_synth copy = *synth;
 	struct store_meta meta = {
-		.world = {synth->width, synth->height, synth->spacing, cells},
+		.extent = {synth->width, synth->height, synth->spacing, cells},
 		.step = 0.002,
 		.max_error = 0.001,
 		.srs = "",
@@ -67,7 +67,7 @@ void bench_store(const char *path, const struct dem_synth *synth, uint32_t cells
 	};
 	struct store *store;
 	bench_must(store_create(path, &meta, true, &store));
-	bench_must(dem_cut(&(struct dem_cut){.world = &meta.world, .step = meta.step, .posts = posts, .posts_user = &copy,
+	bench_must(dem_cut(&(struct dem_cut){.extent = &meta.extent, .step = meta.step, .posts = posts, .posts_user = &copy,
 					     .emit = put, .emit_user = store}));
 	bench_must(store_publish(store));
 	store_close(store);
@@ -81,9 +81,9 @@ char *bench_drive(const char *text, const char *store)
 		bench_must(fail_with(STATUS_FAILED, "%s: cannot be written; free some space", path));
 	struct scene *scene;
 	bench_must(scene_load(path, NULL, 0, &scene));
-	struct run_params params = {.scene = scene, .store = store, .directory = bench_path("out")};
-	struct run_result result;
-	bench_must(run_drive(&params, &result));
+	struct api_params params = {.scene = scene, .store = store, .directory = bench_path("out")};
+	struct api_result result;
+	bench_must(api_drive(&params, &result));
 	scene_destroy(scene);
 	return result.json;
 }

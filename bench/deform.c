@@ -32,7 +32,7 @@ struct bench_case {
 
 struct ground {
 	struct bench_case of;
-	struct world world;
+	struct extent extent;
 	struct gpu *gpu;
 	struct gpu_slots *slots;
 	struct deform *deform;
@@ -63,7 +63,7 @@ static size_t tiles_of(const struct ground *ground, struct post_rect rect, struc
 {
 	size_t count = 0;
 	struct tile first, last;
-	if (!tile_range_of(&ground->world, 0, rect, &first, &last))
+	if (!tile_range_of(&ground->extent, 0, rect, &first, &last))
 		bench_must(fail_with(STATUS_FAILED, "bench: the path leaves the terrain; mend it"));
 	for (uint32_t y = first.y; y <= last.y; y++)
 		for (uint32_t x = first.x; x <= last.x; x++)
@@ -135,7 +135,7 @@ static void one_step(struct ground *ground, int step)
 
 static void open_ground(const struct bench_case *of, bool draws, struct ground *ground)
 {
-	*ground = (struct ground){.of = *of, .world = {SIDE * CELLS + 1, SIDE * CELLS + 1, of->spacing, CELLS}};
+	*ground = (struct ground){.of = *of, .extent = {SIDE * CELLS + 1, SIDE * CELLS + 1, of->spacing, CELLS}};
 	bench_must(gpu_create(&(struct gpu_params){.draws = draws}, &ground->gpu));
 	bench_must(gpu_slots_create(ground->gpu, CELLS, SIDE * SIDE, deform_planes(of->model, of->dirt), &ground->slots));
 	size_t flat_bytes = (size_t)(CELLS + 1) * (CELLS + 1) * sizeof(int32_t);
@@ -148,7 +148,7 @@ static void open_ground(const struct bench_case *of, bool draws, struct ground *
 	struct deform_params params = {
 		.gpu = ground->gpu,
 		.slots = ground->slots,
-		.world = &ground->world,
+		.extent = &ground->extent,
 		.model = of->model,
 		.box_radius = 1,
 		.box_repetitions = 1,

@@ -23,7 +23,8 @@
 
 #include "bench.h"
 #include "render/internal.h"
-#include "run/view.h"
+#include "render/view.h"
+#include "world/internal.h"
 
 enum { POSTS = 2049, CELLS = 256, SLOTS = 320, FEW_SLOTS = 20, ROUNDS_MOST = 25, LOOKS_MOST = 32 };
 #define SPACING 0.125
@@ -79,9 +80,9 @@ static const char *scene_text(void)
 
 /* A drive that is stepped from here: nothing of it is committed. `overlay` NULL: nothing of it is changed either. */
 struct rig {
-	struct drive drive;
+	struct world world;
 	struct scene *scene;
-	struct run_params params;
+	struct world_watcher watcher;
 };
 
 static enum status before_read_back(void *user, struct tile tile, uint32_t slot)
@@ -91,52 +92,51 @@ static enum status before_read_back(void *user, struct tile tile, uint32_t slot)
 
 static void open_rig(struct rig *rig, const char *store, const char *overlay, uint32_t slots)
 {
-	struct drive *drive = &rig->drive;
+	struct world *world = &rig->world;
 	const char *path = bench_path("rig.yaml");
 	FILE *file = fopen(path, "w");
 	if (file == NULL || fputs(scene_text(), file) < 0 || fclose(file) != 0)
 		bench_must(fail_with(STATUS_FAILED, "%s: cannot be written; free some space", path));
-	*rig = (struct rig){.params = {.directory = bench_path("")}};
+	*rig = (struct rig){.scene = NULL};
 	bench_must(scene_load(path, NULL, 0, &rig->scene));
 	rig->scene->slots = slots;
 	rig->scene->loaders = 2;
 	rig->scene->view = (struct scene_view){.present = true, .width = sizes[1][0], .height = sizes[1][1], .camera = SCENE_CHASE,
 					       .target_object = 2, .back = 13, .up = 3.2, .effects = ALL};
-	drive->scene = rig->scene;
-	drive->params = &rig->params;
-	drive->time = MOMENT;
+	world->scene = rig->scene;
+	world->time = MOMENT;
 	const struct store_options write = {.mode = STORE_WRITE}, read = {.mode = STORE_READ};
-	bench_must(overlay != NULL ? store_open_overlay(overlay, store, &write, &drive->store) : store_open(store, &read, &drive->store));
-	drive->meta = store_meta(drive->store);
-	drive->epochs = tmpfile();
-	if (drive->epochs == NULL)
+	bench_must(overlay != NULL ? store_open_overlay(overlay, store, &write, &world->store) : store_open(store, &read, &world->store));
+	world->meta = store_meta(world->store);
+	world->epochs = tmpfile();
+	if (world->epochs == NULL)
 		bench_must(fail_with(STATUS_FAILED, "/tmp: no file can be made; free some space"));
-	bench_must(drive_settle_level(drive));
-	bench_must(ground_create(drive->store, drive_ground_tiles(drive), &drive->ground));
-	bench_must(drive_mount(drive));
-	unsigned planes = pages_planes_of(rig->scene, drive->was_deformed);
-	bench_must(gpu_slots_create(gpu, CELLS, slots, planes, &drive->slots));
-	drive->gpu = gpu;
-	bench_must(pages_create(&(struct pages_params){.gpu = gpu, .store = drive->store, .slots = drive->slots, .planes = planes,
-						       .level = drive->level, .count = slots, .loaders = 2, .step_pages = 16,
-						       .scene = rig->scene, .epochs = drive->epochs, .epoch_age = 1e6,
+	bench_must(world_settle_level(world));
+	bench_must(ground_create(world->store, world_ground_tiles(world), &world->ground));
+	bench_must(world_make_bodies(world));
+	unsigned planes = pages_planes_of(rig->scene, world->was_deformed);
+	bench_must(gpu_slots_create(gpu, CELLS, slots, planes, &world->slots));
+	world->gpu = gpu;
+	bench_must(pages_create(&(struct pages_params){.gpu = gpu, .store = world->store, .slots = world->slots, .planes = planes,
+						       .level = world->level, .count = slots, .loaders = 2, .step_pages = 16,
+						       .scene = rig->scene, .epochs = world->epochs, .epoch_age = 1e6,
 						       .before_read_back = before_read_back},
-				&drive->pages));
-	drive->cache = pages_cache(drive->pages);
+				&world->pages));
+	world->cache = pages_cache(world->pages);
 }
 
 static void close_rig(struct rig *rig)
 {
-	struct drive *drive = &rig->drive;
-	pages_destroy(drive->pages);
-	pyramid_destroy(drive->pyramid);
-	deform_destroy(drive->deform);
-	gpu_slots_destroy(drive->slots);
-	drive_unmount(drive);
-	mem_free(drive->events);
-	ground_destroy(drive->ground);
-	store_abandon(drive->store);
-	fclose(drive->epochs);
+	struct world *world = &rig->world;
+	pages_destroy(world->pages);
+	pyramid_destroy(world->pyramid);
+	deform_destroy(world->deform);
+	gpu_slots_destroy(world->slots);
+	world_free_bodies(world);
+	mem_free(world->events.list);
+	ground_destroy(world->ground);
+	store_abandon(world->store);
+	fclose(world->epochs);
 	scene_destroy(rig->scene);
 }
 
@@ -144,8 +144,8 @@ static void aim(struct rig *rig, int view)
 {
 	struct scene_view *wish = &rig->scene->view;
 	wish->camera = view == CHASE ? SCENE_CHASE : SCENE_FIXED;
-	double middle = 0.5 * (POSTS - 1), high = rig->drive.meta->high;
-	const double eye[3] = {0.1 * middle, 0.1 * middle, high + 350}, target[3] = {middle, middle, rig->drive.meta->low};
+	double middle = 0.5 * (POSTS - 1), high = rig->world.meta->high;
+	const double eye[3] = {0.1 * middle, 0.1 * middle, high + 350}, target[3] = {middle, middle, rig->world.meta->low};
 	memcpy(wish->eye, eye, sizeof eye);
 	memcpy(wish->target, target, sizeof target);
 }
@@ -172,7 +172,7 @@ static void open_look(struct look *look, struct rig *rig, int camera, const int 
 	rig->scene->view.height = size[1];
 	rig->scene->view.pixel_error = budget;
 	rig->scene->view.effects = sets[set].effects;
-	bench_must(view_create(&rig->drive, &look->view));
+	bench_must(view_create(&rig->world, false, &look->view));
 	bench_must(view_warm(look->view));
 }
 
@@ -182,7 +182,7 @@ static double frame(struct look *look)
 	gpu_finish(gpu);
 	uint64_t starved = look->view->starved;
 	double began = clock_seconds();
-	bench_must(view_frame(look->view, &look->rig->drive, false));
+	bench_must(view_frame(look->view, NULL, false));
 	gpu_finish(gpu);
 	double ms = (clock_seconds() - began) * 1e3;
 	look->starved = look->view->starved > starved;
@@ -312,25 +312,25 @@ static void slots_table(struct rig *all, struct rig *few)
 
 /* --- deforming --- */
 
-static void press(struct drive *drive, double until)
+static void press(struct world *world, double until)
 {
-	bench_must(drive_collect_events(drive, until));
-	bench_must(page_cache_poll(drive->cache));
-	for (size_t i = 0; i < drive->event_count; i++)
-		bench_must(drive_sweep(drive, &drive->events[i], drive->events[i].next_time > until));
-	drive->time = until;
+	bench_must(world_collect_events(world, until));
+	bench_must(page_cache_poll(world->cache));
+	for (size_t i = 0; i < world->events.count; i++)
+		bench_must(world_contact(world, &world->events.list[i], world->events.list[i].next_time > until));
+	world->time = until;
 }
 
 static void start_pressing(struct rig *rig)
 {
-	struct drive *drive = &rig->drive;
+	struct world *world = &rig->world;
 	struct deform_params params;
-	drive_deform_params(drive, &params);
+	world_deform_params(world, &params);
 	params.gpu = gpu;
-	params.slots = drive->slots;
-	params.reference = ground_reference(drive->store);
-	bench_must(deform_create(&params, &drive->deform));
-	bench_must(pyramid_create(&drive->meta->world, drive->level, drive->slots, &drive->pyramid));
+	params.slots = world->slots;
+	params.reference = ground_reference(world->store);
+	bench_must(deform_create(&params, &world->deform));
+	bench_must(pyramid_create(&world->meta->extent, world->level, world->slots, &world->pyramid));
 }
 
 static void deform_table(struct rig *rig, struct rig *untouched, struct bar *bar)
@@ -338,22 +338,23 @@ static void deform_table(struct rig *rig, struct rig *untouched, struct bar *bar
 	static struct look moving, without;
 	double step[ROUNDS_MOST], pyramid[ROUNDS_MOST], frames[ROUNDS_MOST], at_rest[ROUNDS_MOST], both[ROUNDS_MOST], ratio[ROUNDS_MOST];
 	int before = (int)(1.5 / STEP);
-	rig->drive.time = untouched->drive.time = 0;
+	rig->world.time = untouched->world.time = 0;
 	start_pressing(rig);
 	open_look(&moving, rig, CHASE, sizes[1], 0, SETS - 1);
 	open_look(&without, untouched, CHASE, sizes[1], 0, SETS - 1);
-	rig->drive.view = moving.view;
+	rig->watcher = view_watcher(moving.view);
+	world_watch(&rig->world, &rig->watcher);
 	for (int i = -before; i < rounds; i++) {
 		double until = (i + before + 1) * STEP, times[3];
 		gpu_finish(gpu);
 		times[0] = clock_seconds();
-		press(&rig->drive, until);
+		press(&rig->world, until);
 		gpu_finish(gpu);
 		times[1] = clock_seconds();
-		bench_must(pyramid_flush(rig->drive.pyramid, rig->drive.cache));
+		bench_must(pyramid_flush(rig->world.pyramid, rig->world.cache));
 		gpu_finish(gpu);
 		times[2] = clock_seconds();
-		untouched->drive.time = until;
+		untouched->world.time = until;
 		double first = frame(&moving), again = frame(&moving), never = frame(&without);
 		if (i < 0)
 			continue;
@@ -372,7 +373,7 @@ static void deform_table(struct rig *rig, struct rig *untouched, struct bar *bar
 	       sizes[1][0], sizes[1][1], median(without.ms), median(at_rest), median(frames), median(pyramid), median(both), median(step),
 	       bar->deforming, moving.triangles, moving.tiles.drawn, gpu_info(gpu)->renderer);
 	save(&moving, "deforming");
-	rig->drive.view = NULL;
+	world_watch(&rig->world, NULL);
 	view_destroy(moving.view);
 	view_destroy(without.view);
 }
@@ -388,7 +389,7 @@ static void hardware_table(struct rig *rig)
 		frame(&look);
 		double began = clock_seconds();
 		for (int i = 0; i < IN_A_ROW; i++)
-			bench_must(view_frame(look.view, &rig->drive, false));
+			bench_must(view_frame(look.view, NULL, false));
 		gpu_finish(gpu);
 		printf("{\"bench\": \"frame\", \"table\": \"hardware\", \"view\": \"%s\", \"size\": [%d, %d], \"effects\": \"all\", "
 		       "\"fps\": %.1f, \"triangles\": %" PRIu64 ", \"gl\": \"%s\"}\n",

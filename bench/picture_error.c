@@ -17,7 +17,7 @@
 
 #include "bench.h"
 #include "render/internal.h"
-#include "run/view.h"
+#include "render/view.h"
 
 #define WIDTH 640
 #define HEIGHT 360
@@ -44,9 +44,9 @@ static const struct {
 static const double pixel_errors[] = {0, 0.25, 0.5, 1, 2, 4, 8, 16}; /* 0: by the radii */
 
 struct rig {
-	struct drive drive;
+	struct world world;
 	struct scene scene;
-	struct run_params params;
+	struct view *view;
 };
 
 /* Four wheels, as the demonstration's: an S over 300 m. */
@@ -78,45 +78,44 @@ static enum status before_read_back(void *user, struct tile tile, uint32_t slot)
 /* A drive of no step: its pages, its view, and nothing that presses. */
 static void open_rig(struct rig *rig, const char *store)
 {
-	struct drive *drive = &rig->drive;
+	struct world *world = &rig->world;
 	*rig = (struct rig){.scene = {
 		.end_time = 1, .slots = SLOTS, .loaders = 2, .dirt = true,
 		.view = {.present = true, .width = WIDTH, .height = HEIGHT, .camera = SCENE_FIXED, .target = {1, 1, 0},
 			 .effects = EFFECT_BIT(EFFECT_TEXTURE) | EFFECT_BIT(EFFECT_DETAIL) | EFFECT_BIT(EFFECT_FOG) | EFFECT_BIT(EFFECT_SKY) |
 				    EFFECT_BIT(EFFECT_GEOMORPH) | EFFECT_BIT(EFFECT_SKIRTS)},
 	}};
-	bench_must(store_open(store, &(struct store_options){.mode = STORE_READ}, &drive->store));
-	drive->scene = &rig->scene;
-	drive->params = &rig->params;
-	drive->meta = store_meta(drive->store);
-	if (!store_has_working_level(drive->store, &drive->level))
+	bench_must(store_open(store, &(struct store_options){.mode = STORE_READ}, &world->store));
+	world->scene = &rig->scene;
+	world->meta = store_meta(world->store);
+	if (!store_has_working_level(world->store, &world->level))
 		bench_must(fail_with(STATUS_FAILED, "%s: no rut was made; look at the drive", store));
-	drive->spacing = world_spacing(&drive->meta->world, drive->level);
-	drive->epochs = tmpfile();
-	if (drive->epochs == NULL)
+	world->spacing = extent_spacing(&world->meta->extent, world->level);
+	world->epochs = tmpfile();
+	if (world->epochs == NULL)
 		bench_must(fail_with(STATUS_FAILED, "/tmp: no file can be made; free some space"));
-	bench_must(gpu_create(&(struct gpu_params){.draws = true}, &drive->gpu));
-	bench_must(gpu_slots_create(drive->gpu, CELLS, SLOTS, PLANE_BIT(PLANE_DIRT), &drive->slots));
-	bench_must(ground_create(drive->store, 64, &drive->ground));
-	bench_must(pages_create(&(struct pages_params){.gpu = drive->gpu, .store = drive->store, .slots = drive->slots,
-						       .level = drive->level, .count = SLOTS, .loaders = 2, .step_pages = 16,
-						       .scene = &rig->scene, .epochs = drive->epochs, .epoch_age = 1000,
+	bench_must(gpu_create(&(struct gpu_params){.draws = true}, &world->gpu));
+	bench_must(gpu_slots_create(world->gpu, CELLS, SLOTS, PLANE_BIT(PLANE_DIRT), &world->slots));
+	bench_must(ground_create(world->store, 64, &world->ground));
+	bench_must(pages_create(&(struct pages_params){.gpu = world->gpu, .store = world->store, .slots = world->slots,
+						       .level = world->level, .count = SLOTS, .loaders = 2, .step_pages = 16,
+						       .scene = &rig->scene, .epochs = world->epochs, .epoch_age = 1000,
 						       .before_read_back = before_read_back},
-				&drive->pages));
-	drive->cache = pages_cache(drive->pages);
-	drive->record = mem_calloc(1, record_bytes(1));
+				&world->pages));
+	world->cache = pages_cache(world->pages);
+	world->record = mem_calloc(1, record_bytes(1));
 }
 
 static void close_rig(struct rig *rig)
 {
-	struct drive *drive = &rig->drive;
-	pages_destroy(drive->pages);
-	ground_destroy(drive->ground);
-	gpu_slots_destroy(drive->slots);
-	gpu_destroy(drive->gpu);
-	store_close(drive->store);
-	fclose(drive->epochs);
-	mem_free(drive->record);
+	struct world *world = &rig->world;
+	pages_destroy(world->pages);
+	ground_destroy(world->ground);
+	gpu_slots_destroy(world->slots);
+	gpu_destroy(world->gpu);
+	store_close(world->store);
+	fclose(world->epochs);
+	mem_free(world->record);
 }
 
 static void place(struct rig *rig, size_t camera)
@@ -126,7 +125,7 @@ static void place(struct rig *rig, size_t camera)
 	for (int i = 0; i < 2; i++) {
 		int64_t height;
 		bool any;
-		bench_must(ground_height(rig->drive.ground, lattice_offset(from[i][0]), lattice_offset(from[i][1]), &height, &any));
+		bench_must(ground_height(rig->world.ground, lattice_offset(from[i][0]), lattice_offset(from[i][1]), &height, &any));
 		to[i][0] = from[i][0];
 		to[i][1] = from[i][1];
 		to[i][2] = from[i][2] + lattice_offset_metres(height);
@@ -140,10 +139,10 @@ struct figures {
 
 static double slot_bytes(const struct rig *rig)
 {
-	const struct terrain_selection *selection = rig->drive.view->selection;
+	const struct terrain_selection *selection = rig->view->selection;
 	double posts = (CELLS + 1) * (CELLS + 1), bytes = (double)selection->needed * posts * sizeof(int32_t);
 	for (size_t i = 0; i < selection->draw_count; i++)
-		if (gpu_slots_get(rig->drive.slots, selection->draws[i].slot)->target != NULL)
+		if (gpu_slots_get(rig->world.slots, selection->draws[i].slot)->target != NULL)
 			bytes += posts * (sizeof(int32_t) + 1); /* offset and dirt */
 	return bytes;
 }
@@ -151,21 +150,21 @@ static double slot_bytes(const struct rig *rig)
 /* Every camera's picture, into pixels[camera]. */
 static void draw(struct rig *rig, double pixel_error, const char *folder, uint8_t *pixels, struct figures *figures)
 {
-	struct drive *drive = &rig->drive;
+	struct world *world = &rig->world;
 	bool truth = pixel_error == TRUTH;
 	*figures = (struct figures){.tiles = 0};
 	rig->scene.view.pixel_error = pixel_error;
-	bench_must(view_create(drive, &drive->view));
-	struct view *view = drive->view;
+	bench_must(view_create(world, false, &rig->view));
+	struct view *view = rig->view;
 	size_t timed = 0;
 	for (size_t i = 0; i < CAMERAS; i++) {
 		place(rig, i);
 		bench_must(view_warm(view));
-		gpu_finish(drive->gpu);
+		gpu_finish(world->gpu);
 		for (int k = 0; k < REPEATS && !truth; k++) {
 			double began = clock_seconds();
-			bench_must(view_frame(view, drive, false));
-			gpu_finish(drive->gpu);
+			bench_must(view_frame(view, NULL, false));
+			gpu_finish(world->gpu);
 			figures->ms[timed++] = (clock_seconds() - began) * 1e3;
 		}
 		const struct terrain_selection *selection = view->selection;
@@ -187,7 +186,7 @@ static void draw(struct rig *rig, double pixel_error, const char *folder, uint8_
 		}
 	}
 	view_destroy(view);
-	drive->view = NULL;
+	rig->view = NULL;
 }
 
 static void print(const struct rig *rig, double pixel_error, const uint8_t *truth, const uint8_t *pixels, struct figures *figures)
@@ -207,7 +206,7 @@ static void print(const struct rig *rig, double pixel_error, const uint8_t *trut
 	       "\"picture\": {\"psnr\": %.2f, \"worst\": %d}, \"ms_step\": %.3f, \"bytes\": %.0f, \"triangles\": %.0f, \"tiles\": %.1f, "
 	       "\"gl\": \"%s\"}\n",
 	       knob, pixel_error > 0 ? "false" : "true", psnr, worst, bench_median(figures->ms, CAMERAS * REPEATS), figures->bytes,
-	       figures->triangles, figures->tiles, gpu_info(rig->drive.gpu)->renderer);
+	       figures->triangles, figures->tiles, gpu_info(rig->world.gpu)->renderer);
 	fflush(stdout);
 }
 

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 
 #include "bench.h"
-#include "run/internal.h"
+#include "world/internal.h"
 
 enum { BEAMS = 64, TURN = 1024, RAYS = BEAMS * TURN, POINTS = 1 << 20, SINGLES = 1 << 14, SIDE = 2049, LEVEL = -3, SLOTS = 64, STEPS = 40 };
 #define RANGE 120.0 /* m, of the lidar */
@@ -108,80 +108,80 @@ static enum status before_read_back(void *user, struct tile tile, uint32_t slot)
 	return STATUS_OK;
 }
 
-static void open_drive(struct drive *drive, struct scene *scene, struct rider *rider, const char *path)
+static void open_drive(struct world *world, struct scene *scene, struct body *body, const char *path)
 {
 	*scene = (struct scene){.slots = SLOTS, .hash = "0"};
-	*rider = (struct rider){.object = &object};
-	*drive = (struct drive){.scene = scene, .riders = rider, .level = LEVEL};
-	bench_must(store_open(path, &(struct store_options){.mode = STORE_WRITE}, &drive->store));
-	bench_must(store_set_working_level(drive->store, LEVEL));
-	drive->meta = store_meta(drive->store);
-	const struct world *world = &drive->meta->world;
-	drive->spacing = world_spacing(world, LEVEL);
-	drive->epochs = tmpfile();
-	bench_must(gpu_create(&(struct gpu_params){.draws = false}, &drive->gpu));
-	bench_must(gpu_slots_create(drive->gpu, world->cells, SLOTS, 0, &drive->slots));
-	bench_must(ground_create(drive->store, 8, &drive->ground));
-	const struct deform_params deform = {.gpu = drive->gpu, .slots = drive->slots, .world = world, .level = LEVEL,
-					     .reference = ground_reference(drive->store), .model = DEFORM_NONE};
-	bench_must(deform_create(&deform, &drive->deform));
-	const struct pages_params pages = {.store = drive->store, .gpu = drive->gpu, .slots = drive->slots,
-					   .planes = gpu_slots_planes(drive->slots), .level = LEVEL, .count = SLOTS, .loaders = 2,
-					   .step_pages = 16, .scene = scene, .epochs = drive->epochs, .before_read_back = before_read_back,
-					   .user = drive};
-	bench_must(pages_create(&pages, &drive->pages));
-	drive->cache = pages_cache(drive->pages);
-	drive->record = mem_calloc(1, record_bytes(0));
+	*body = (struct body){.object = &object};
+	*world = (struct world){.scene = scene, .bodies = body, .level = LEVEL};
+	bench_must(store_open(path, &(struct store_options){.mode = STORE_WRITE}, &world->store));
+	bench_must(store_set_working_level(world->store, LEVEL));
+	world->meta = store_meta(world->store);
+	const struct extent *extent = &world->meta->extent;
+	world->spacing = extent_spacing(extent, LEVEL);
+	world->epochs = tmpfile();
+	bench_must(gpu_create(&(struct gpu_params){.draws = false}, &world->gpu));
+	bench_must(gpu_slots_create(world->gpu, extent->cells, SLOTS, 0, &world->slots));
+	bench_must(ground_create(world->store, 8, &world->ground));
+	const struct deform_params deform = {.gpu = world->gpu, .slots = world->slots, .extent = extent, .level = LEVEL,
+					     .reference = ground_reference(world->store), .model = DEFORM_NONE};
+	bench_must(deform_create(&deform, &world->deform));
+	const struct pages_params pages = {.store = world->store, .gpu = world->gpu, .slots = world->slots,
+					   .planes = gpu_slots_planes(world->slots), .level = LEVEL, .count = SLOTS, .loaders = 2,
+					   .step_pages = 16, .scene = scene, .epochs = world->epochs, .before_read_back = before_read_back,
+					   .user = world};
+	bench_must(pages_create(&pages, &world->pages));
+	world->cache = pages_cache(world->pages);
+	world->record = mem_calloc(1, record_bytes(0));
 }
 
-static void close_drive(struct drive *drive)
+static void close_drive(struct world *world)
 {
-	newest_destroy(drive->newest);
-	pages_destroy(drive->pages);
-	deform_destroy(drive->deform);
-	ground_destroy(drive->ground);
-	gpu_slots_destroy(drive->slots);
-	gpu_destroy(drive->gpu);
-	store_close(drive->store);
-	fclose(drive->epochs);
-	mem_free(drive->record);
+	newest_destroy(world->newest);
+	pages_destroy(world->pages);
+	deform_destroy(world->deform);
+	ground_destroy(world->ground);
+	gpu_slots_destroy(world->slots);
+	gpu_destroy(world->gpu);
+	store_close(world->store);
+	fclose(world->epochs);
+	mem_free(world->record);
 }
 
 /* One step: 5 cm on, beside the lidar. */
-static void step(struct drive *drive, double x, double y)
+static void step(struct world *world, double x, double y)
 {
 	struct event event = {.contact = true, .pose = {.x = lattice_offset(x), .y = lattice_offset(y)}};
 	int64_t ground;
 	bool any;
-	bench_must(ground_height(drive->ground, event.pose.x, event.pose.y, &ground, &any));
+	bench_must(ground_height(world->ground, event.pose.x, event.pose.y, &ground, &any));
 	event.pose.z = ground + lattice_offset(wheel.radius - 0.1);
-	bench_must(drive_sweep(drive, &event, true));
-	bench_must(page_cache_end_step(drive->cache, drive->record));
+	bench_must(world_contact(world, &event, true));
+	bench_must(page_cache_end_step(world->cache, world->record));
 }
 
 static void measure_drive(const char *path)
 {
-	struct drive drive;
+	struct world world;
 	struct scene scene;
-	struct rider rider;
+	struct body body;
 	double steps[STEPS], asked[STEPS];
-	open_drive(&drive, &scene, &rider, path);
-	const char *gl = gpu_info(drive.gpu)->renderer;
+	open_drive(&world, &scene, &body, path);
+	const char *gl = gpu_info(world.gpu)->renderer;
 	for (int i = 0; i < STEPS; i++)
-		step(&drive, 1000 + i * 0.05, 1003);
-	bench_must(run_rays(&drive, rays, 0, hits));
-	measure_all(drive.newest, "drive", gl);
+		step(&world, 1000 + i * 0.05, 1003);
+	bench_must(world_rays(&world, rays, 0, hits));
+	measure_all(world.newest, "drive", gl);
 	for (int i = 0; i < STEPS; i++) {
 		double began = clock_seconds();
-		step(&drive, 1002 + i * 0.05, 1003);
-		gpu_finish(drive.gpu);
+		step(&world, 1002 + i * 0.05, 1003);
+		gpu_finish(world.gpu);
 		steps[i] = clock_seconds() - began;
-		bench_must(run_rays(&drive, rays, RAYS, hits));
+		bench_must(world_rays(&world, rays, RAYS, hits));
 		asked[i] = clock_seconds() - began - steps[i];
 	}
 	tell("drive", "lidar", "each step", RAYS, bench_median(asked, STEPS), gl);
 	tell("drive", "a step without it", "each step", 1, bench_median(steps, STEPS), gl);
-	close_drive(&drive);
+	close_drive(&world);
 }
 
 static const char ruts[] =

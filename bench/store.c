@@ -41,15 +41,15 @@ void bench_rows(struct bench_row *rows, size_t row_count, size_t count, int runs
 		}
 }
 
-struct tile *bench_tiles(const struct world *world, size_t most, size_t *count)
+struct tile *bench_tiles(const struct extent *extent, size_t most, size_t *count)
 {
-	uint32_t wide = (uint32_t)(world->width / BENCH_BLOCK), high = (uint32_t)(world->height / BENCH_BLOCK);
-	if (world->cells != BENCH_BLOCK)
+	uint32_t wide = (uint32_t)(extent->width / BENCH_BLOCK), high = (uint32_t)(extent->height / BENCH_BLOCK);
+	if (extent->cells != BENCH_BLOCK)
 		bench_must(fail_with(STATUS_INPUT, "bench: tiles are not of %d cells; import with --tile %d",
 				     BENCH_BLOCK, BENCH_BLOCK));
 	if (wide == 0 || high == 0) {
-		wide = world_tiles_x(world, 0);
-		high = world_tiles_y(world, 0);
+		wide = extent_tiles_x(extent, 0);
+		high = extent_tiles_y(extent, 0);
 	}
 	size_t all = (size_t)wide * high;
 	struct tile *tiles = mem_alloc(all, sizeof *tiles);

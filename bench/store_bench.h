@@ -24,7 +24,7 @@ struct bench_row {
 void bench_rows(struct bench_row *rows, size_t row_count, size_t count, int runs, double seconds);
 /* Tiles of level 0 that GDAL's blocks of 256 posts cover whole, in an order without a pattern, at
  * most `most`; all tiles if there are none. Freed with mem_free. */
-struct tile *bench_tiles(const struct world *world, size_t most, size_t *count);
+struct tile *bench_tiles(const struct extent *extent, size_t most, size_t *count);
 
 /* bench_store read STORE [COG...] */
 int bench_read(const char *path, char **cogs, int cog_count, int runs);

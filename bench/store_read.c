@@ -197,9 +197,9 @@ static void begin(struct bench *bench, const char *path)
 	bench_must(store_reader_create(bench->store, &bench->reader));
 	const struct store_meta *meta = store_meta(bench->store);
 	bench->step = meta->step;
-	bench->posts = (size_t)tile_posts(&meta->world) * tile_posts(&meta->world);
-	bench->tiles = bench_tiles(&meta->world, TILES_MOST, &bench->count);
-	bench_must(codec_init(&bench->codec, tile_posts(&meta->world),
+	bench->posts = (size_t)tile_posts(&meta->extent) * tile_posts(&meta->extent);
+	bench->tiles = bench_tiles(&meta->extent, TILES_MOST, &bench->count);
+	bench_must(codec_init(&bench->codec, tile_posts(&meta->extent),
 			      meta->pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_FAST));
 	bench->planes = must_alloc(bench->count, sizeof *bench->planes);
 	bench->blobs = must_alloc(bench->count, sizeof *bench->blobs);
@@ -234,7 +234,7 @@ static void end(struct bench *bench)
 static void check(struct bench *bench, struct cog *cog, const char *path)
 {
 	const struct store_meta *meta = store_meta(bench->store);
-	if (meta->world.width < BENCH_BLOCK || meta->world.height < BENCH_BLOCK)
+	if (meta->extent.width < BENCH_BLOCK || meta->extent.height < BENCH_BLOCK)
 		return;
 	for (size_t i = 0; i < bench->count; i++) {
 		(bench->step > 0 ? decode_metres : decode_floats)(bench, i);

@@ -13,7 +13,7 @@ struct bed {
 	bool on_gpu;
 	struct deform_params params;
 	struct reference_ground ground;
-	struct world world;
+	struct extent extent;
 	struct gpu_slots *slots;
 	struct deform *deform;
 	struct deform_tile *tiles;
@@ -67,11 +67,11 @@ struct bed *bed_create(bool on_gpu, int width, int height, double spacing, const
 	}
 	int most = width > height ? width : height;
 	uint32_t side = (uint32_t)(most + CELLS - 2) / CELLS;
-	bed->world = (struct world){side * CELLS + 1, side * CELLS + 1, spacing, CELLS};
+	bed->extent = (struct extent){side * CELLS + 1, side * CELLS + 1, spacing, CELLS};
 	make_tiles(bed, side);
 	bed->params.gpu = bed_gpu;
 	bed->params.slots = bed->slots;
-	bed->params.world = &bed->world;
+	bed->params.extent = &bed->extent;
 	bench_must(deform_create(&bed->params, &bed->deform));
 	return bed;
 }

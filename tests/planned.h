@@ -2,17 +2,17 @@
 #ifndef FURROW_TESTS_PLANNED_H
 #define FURROW_TESTS_PLANNED_H
 
-#include "run/run.h"
+#include "api/api.h"
 #include "support.h"
 
 static inline uint64_t planned(const struct scene *scene, const char *path, struct plan *plan)
 {
-	struct run_plan whole;
-	must(run_plan(scene, path, &whole));
+	struct report_plan whole;
+	must(report_plan(scene, path, &whole));
 	uint64_t effects = whole.effects;
 	*plan = whole.plan;
 	whole.plan = (struct plan){.lines = NULL};
-	run_plan_finish(&whole);
+	report_plan_finish(&whole);
 	return effects;
 }
 

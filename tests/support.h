@@ -14,7 +14,7 @@
 #include <cmocka.h>
 
 #include "dem/dem.h"
-#include "run/run.h"
+#include "api/api.h"
 #include "store/store.h"
 
 /* A folder of its own for the test program, removed by support_leave. */
@@ -54,7 +54,7 @@ static inline const char *support_path(const char *name)
 typedef double (*support_height)(int64_t x, int64_t y);
 
 struct support_ground {
-	const struct world *world;
+	const struct extent *extent;
 	support_height height;
 };
 
@@ -74,22 +74,22 @@ static inline enum status support_put(void *user, const struct dem_tile *tile)
 }
 
 /* Its south-west post at these coordinates of its SRS. */
-static inline void support_store_at(const char *path, struct world world, support_height height, double x, double y)
+static inline void support_store_at(const char *path, struct extent extent, support_height height, double x, double y)
 {
-	struct support_ground ground = {&world, height};
-	struct store_meta meta = {.world = world, .step = 1.0 / 1024, .max_error = 1.0 / 2048, .srs = "",
+	struct support_ground ground = {&extent, height};
+	struct store_meta meta = {.extent = extent, .step = 1.0 / 1024, .max_error = 1.0 / 2048, .srs = "",
 				  .vertical = "", .sources = "a function", .origin = {x, y}};
 	struct store *store;
 	must(store_create(path, &meta, true, &store));
-	must(dem_cut(&(struct dem_cut){.world = &world, .step = meta.step, .posts = support_posts, .posts_user = &ground,
+	must(dem_cut(&(struct dem_cut){.extent = &extent, .step = meta.step, .posts = support_posts, .posts_user = &ground,
 				       .emit = support_put, .emit_user = store}));
 	must(store_publish(store));
 	store_close(store);
 }
 
-static inline void support_store(const char *path, struct world world, support_height height)
+static inline void support_store(const char *path, struct extent extent, support_height height)
 {
-	support_store_at(path, world, height, 0, 0);
+	support_store_at(path, extent, height, 0, 0);
 }
 
 static inline void support_write(const char *path, const char *text)
@@ -125,9 +125,9 @@ static inline char *support_drive(const char *scene_path, const char *store, con
 	}
 	struct scene *scene;
 	must(scene_load(scene_path, split, count, &scene));
-	struct run_params params = {.scene = scene, .store = store, .directory = support_path("out")};
-	struct run_result result;
-	enum status status = run_drive(&params, &result);
+	struct api_params params = {.scene = scene, .store = store, .directory = support_path("out")};
+	struct api_result result;
+	enum status status = api_drive(&params, &result);
 	scene_destroy(scene);
 	if (status == STATUS_NO_GL)
 		skip();

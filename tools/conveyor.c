@@ -172,7 +172,7 @@ enum status conveyor_create(struct store *store, int64_t jobs, int64_t stored, s
 	struct conveyor *conveyor = mem_calloc(1, sizeof *conveyor);
 	if (conveyor == NULL)
 		return fail_memory("an import");
-	size_t side = tile_posts(&store_meta(store)->world);
+	size_t side = tile_posts(&store_meta(store)->extent);
 	conveyor->store = store;
 	conveyor->posts = side * side;
 	conveyor->passing = stored;

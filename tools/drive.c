@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "command.h"
-#include "run/run.h"
+#include "api/api.h"
 #include "settings.h"
 
 static const struct command_option options[] = {
@@ -19,7 +19,7 @@ static const struct command_option options[] = {
 	{NULL, NULL, NULL},
 };
 
-static void print_summary(const struct run_result *result, const char *directory)
+static void print_summary(const struct api_result *result, const char *directory)
 {
 	printf("%s: %lld steps in %.1f s (%.2f times real time), in %s/run.json", result->ended, (long long)result->steps,
 	       result->seconds, result->rtf, directory);
@@ -33,7 +33,7 @@ static enum status run(const struct arguments *arguments)
 	static const char *const durable[] = {"normal", "full", NULL};
 	struct settings settings = {.count = 0};
 	struct scene *scene = NULL;
-	struct run_result result = {.json = NULL};
+	struct api_result result = {.json = NULL};
 	int64_t steps = 0;
 	int durability = 0;
 	const char *directory = arguments_text(arguments, "o");
@@ -51,7 +51,7 @@ static enum status run(const struct arguments *arguments)
 	if (status == STATUS_OK) {
 		interrupt_catch();
 		bool json = arguments_flag(arguments, "json");
-		struct run_params params = {
+		struct api_params params = {
 			.scene = scene,
 			.store = arguments_text(arguments, "store"),
 			.overlay = arguments_text(arguments, "overlay"),
@@ -64,7 +64,7 @@ static enum status run(const struct arguments *arguments)
 			.map = true,
 			.stop = &interrupted,
 		};
-		status = run_drive(&params, &result);
+		status = api_drive(&params, &result);
 		if (result.json != NULL && json)
 			puts(result.json);
 		else if (result.json != NULL)

@@ -28,19 +28,19 @@ static enum status run(const struct arguments *arguments)
 {
 	struct settings settings = {.count = 0};
 	struct scene *scene = NULL;
-	struct run_plan plan = {.store = NULL};
+	struct report_plan plan = {.store = NULL};
 	enum status status = arguments_expect(arguments, 1, 1);
 	if (status == STATUS_OK)
 		status = settings_take(arguments, &settings);
 	if (status == STATUS_OK)
 		status = scene_load(arguments_at(arguments, 0), settings.list, settings.count, &scene);
 	if (status == STATUS_OK)
-		status = run_plan(scene, arguments_text(arguments, "store"), &plan);
+		status = report_plan(scene, arguments_text(arguments, "store"), &plan);
 	if (status == STATUS_OK && arguments_flag(arguments, "json"))
 		status = explain_json(scene, &plan);
 	else if (status == STATUS_OK)
 		explain_text(scene, &plan);
-	run_plan_finish(&plan);
+	report_plan_finish(&plan);
 	scene_destroy(scene);
 	settings_finish(&settings);
 	return status;

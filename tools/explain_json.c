@@ -58,7 +58,7 @@ static void add_parameters(cJSON *object, const char *const *keys)
 	}
 }
 
-static void add_effects(cJSON *root, const struct scene *scene, const struct run_plan *plan)
+static void add_effects(cJSON *root, const struct scene *scene, const struct report_plan *plan)
 {
 	cJSON *array = cJSON_AddArrayToObject(root, "effects");
 	for (int e = 0; e < EFFECT_COUNT; e++) {
@@ -103,7 +103,7 @@ static cJSON *line_json(const struct scene *scene, const struct plan_line *line)
 	return object;
 }
 
-static void add_lines(cJSON *root, const char *name, const struct scene *scene, const struct run_plan *plan,
+static void add_lines(cJSON *root, const char *name, const struct scene *scene, const struct report_plan *plan,
 		      enum plan_kind kind)
 {
 	cJSON *array = cJSON_AddArrayToObject(root, name);
@@ -112,7 +112,7 @@ static void add_lines(cJSON *root, const char *name, const struct scene *scene, 
 			cJSON_AddItemToArray(array, line_json(scene, &plan->plan.lines[i]));
 }
 
-static void add_memory(cJSON *root, const struct run_plan *plan)
+static void add_memory(cJSON *root, const struct report_plan *plan)
 {
 	cJSON *memory = cJSON_AddObjectToObject(root, "memory");
 	cJSON *units = cJSON_AddObjectToObject(memory, "per_unit");
@@ -135,7 +135,7 @@ static void add_memory(cJSON *root, const struct run_plan *plan)
 	json_integer(most, "total", (int64_t)(plan->most.slots + plan->most.loads + plan->most.queue + plan->most.ground));
 }
 
-enum status explain_json(const struct scene *scene, const struct run_plan *plan)
+enum status explain_json(const struct scene *scene, const struct report_plan *plan)
 {
 	cJSON *root = cJSON_CreateObject();
 	cJSON_AddStringToObject(root, "scene", scene->file);

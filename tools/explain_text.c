@@ -30,7 +30,7 @@ static size_t count_of(const struct plan *plan, enum plan_kind kind)
 
 /* --- what it is over --- */
 
-static void print_head(const struct scene *scene, const struct run_plan *plan)
+static void print_head(const struct scene *scene, const struct report_plan *plan)
 {
 	if (plan->store != NULL)
 		printf("%s over %s%s\n", scene->file, plan->store, plan->deformed ? ", which is deformed already" : "");
@@ -45,7 +45,7 @@ static void print_head(const struct scene *scene, const struct run_plan *plan)
 	       plan->pictures > 0 ? ", a picture after each" : "");
 }
 
-static void print_effects(const struct scene *scene, const struct run_plan *plan)
+static void print_effects(const struct scene *scene, const struct report_plan *plan)
 {
 	puts("\neffects");
 	for (int e = 0; e < EFFECT_COUNT; e++) {
@@ -61,7 +61,7 @@ static void print_effects(const struct scene *scene, const struct run_plan *plan
 
 /* --- what is made --- */
 
-static void print_planes(const struct scene *scene, const struct run_plan *plan)
+static void print_planes(const struct scene *scene, const struct report_plan *plan)
 {
 	uint64_t bytes = 0;
 	for (size_t i = 0; i < plan->plan.count; i++)
@@ -212,7 +212,7 @@ static void print_passes_of(const struct scene *scene, const struct plan *plan, 
 }
 
 /* The object, and those like it, where it is the first of them. */
-static void print_object(const struct scene *scene, const struct run_plan *plan, size_t first)
+static void print_object(const struct scene *scene, const struct report_plan *plan, size_t first)
 {
 	size_t alike = 0;
 	uint64_t least = UINT64_MAX, most = 0;
@@ -235,7 +235,7 @@ static void print_object(const struct scene *scene, const struct run_plan *plan,
 	print_passes_of(scene, &plan->plan, (int)first);
 }
 
-static void print_passes(const struct scene *scene, const struct run_plan *plan)
+static void print_passes(const struct scene *scene, const struct report_plan *plan)
 {
 	if (count_of(&plan->plan, PLAN_PASS) == 0)
 		return;
@@ -319,7 +319,7 @@ static void print_bytes(const struct scene *scene, const struct plan *plan, size
 		layout_row(what, why);
 }
 
-static void print_memory(const struct scene *scene, const struct run_plan *plan)
+static void print_memory(const struct scene *scene, const struct report_plan *plan)
 {
 	const uint64_t few = plan->most.slots + plan->most.loads + plan->most.queue_few + plan->most.ground;
 	char most[480];
@@ -336,7 +336,7 @@ static void print_memory(const struct scene *scene, const struct run_plan *plan)
 	layout_wrapped(most, 4);
 }
 
-static void print_not_run(const struct run_plan *plan)
+static void print_not_run(const struct report_plan *plan)
 {
 	char names[1024] = "";
 	size_t used = 0;
@@ -348,7 +348,7 @@ static void print_not_run(const struct run_plan *plan)
 	layout_wrapped(names, 2);
 }
 
-void explain_text(const struct scene *scene, const struct run_plan *plan)
+void explain_text(const struct scene *scene, const struct report_plan *plan)
 {
 	print_head(scene, plan);
 	print_effects(scene, plan);

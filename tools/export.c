@@ -95,17 +95,17 @@ static enum status read_request(const struct arguments *arguments, struct export
 	return status == STATUS_OK && is_picture(request) ? export_check_picture(request) : status;
 }
 
-enum status export_find_rect(const struct export_request *request, const struct world *world, struct post_rect *rect)
+enum status export_find_rect(const struct export_request *request, const struct extent *extent, struct post_rect *rect)
 {
 	int level = (int)request->level;
-	*rect = (struct post_rect){0, 0, world_posts(world->width, level), world_posts(world->height, level)};
-	if (level > world_coarsest(world))
+	*rect = (struct post_rect){0, 0, extent_posts(extent->width, level), extent_posts(extent->height, level)};
+	if (level > extent_coarsest(extent))
 		return fail_with(STATUS_INPUT, "export: level %d is coarser than the store's coarsest; give at most %d",
-				 level, world_coarsest(world));
+				 level, extent_coarsest(extent));
 	if (request->has_window) {
 		double w[4];
 		for (int i = 0; i < 4; i++) {
-			w[i] = request->window[i] / world_spacing(world, level);
+			w[i] = request->window[i] / extent_spacing(extent, level);
 			if (fabs(w[i]) > 1e15)
 				return fail_with(STATUS_INPUT, "export: --window is outside the terrain; give metres inside it");
 			/* A post asked for exactly is in, whatever the division rounded. */
@@ -122,7 +122,7 @@ enum status export_find_rect(const struct export_request *request, const struct 
 	if (post_rect_empty(*rect))
 		return fail_with(STATUS_INPUT, "export: no post lies in --window; give X0,Y0,X1,Y1 in metres, inside "
 					       "0,0,%g,%g",
-				 (double)(world->width - 1) * world->spacing, (double)(world->height - 1) * world->spacing);
+				 (double)(extent->width - 1) * extent->spacing, (double)(extent->height - 1) * extent->spacing);
 	return STATUS_OK;
 }
 
@@ -146,7 +146,7 @@ static void shade(const struct export_request *request, double *east, const doub
 }
 
 static enum status write_rows(const struct export_request *request, struct store_reader *reader,
-			      const struct world *world, struct post_rect rect, struct dem_writer *writer)
+			      const struct extent *extent, struct post_rect rect, struct dem_writer *writer)
 {
 	enum { ROWS = 64 };
 	int64_t width = rect.x1 - rect.x0, total = rect.y1 - rect.y0, border = request->layer == LAYER_HILLSHADE;
@@ -169,7 +169,7 @@ static enum status write_rows(const struct export_request *request, struct store
 		if (status != STATUS_OK)
 			break;
 		if (request->layer == LAYER_HILLSHADE) {
-			render_slopes(values, width, rows, world_spacing(world, (int)request->level), slopes, slopes + room);
+			render_slopes(values, width, rows, extent_spacing(extent, (int)request->level), slopes, slopes + room);
 			shade(request, slopes, slopes + room, width * rows);
 			out = slopes;
 		} else if (request->png) {
@@ -203,10 +203,10 @@ static enum status write_rows(const struct export_request *request, struct store
 static enum status write_raster(const struct export_request *request, struct store *store)
 {
 	const struct store_meta *meta = store_meta(store);
-	const struct world *world = &meta->world;
-	double spacing = world_spacing(world, (int)request->level);
+	const struct extent *extent = &meta->extent;
+	double spacing = extent_spacing(extent, (int)request->level);
 	struct post_rect rect;
-	enum status status = export_find_rect(request, world, &rect);
+	enum status status = export_find_rect(request, extent, &rect);
 	if (status == STATUS_OK)
 		status = check_size(rect);
 	if (status != STATUS_OK)
@@ -234,7 +234,7 @@ static enum status write_raster(const struct export_request *request, struct sto
 	if (status == STATUS_OK)
 		status = dem_writer_create(&raster, &writer);
 	if (status == STATUS_OK)
-		status = write_rows(request, reader, world, rect, writer);
+		status = write_rows(request, reader, extent, rect, writer);
 	if (status == STATUS_OK)
 		status = dem_writer_publish(writer);
 	if (status == STATUS_OK)

@@ -32,7 +32,7 @@ struct export_request {
 const char *export_layer_name(int layer);
 enum store_layer export_store_layer(int layer);
 /* The posts of the level in the window, at least one. STATUS_INPUT: none, or no such level. */
-enum status export_find_rect(const struct export_request *request, const struct world *world, struct post_rect *rect)
+enum status export_find_rect(const struct export_request *request, const struct extent *extent, struct post_rect *rect)
 	FURROW_CHECKED;
 
 /* export_picture.c: what deformation left, in false colour on the hillshade. */

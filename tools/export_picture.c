@@ -23,14 +23,14 @@ enum status export_check_picture(const struct export_request *request)
 }
 
 /* The pixels of a coarser level that the posts lie in. */
-static void coarsen(const struct world *world, int level, struct post_rect *rect, int *coarser)
+static void coarsen(const struct extent *extent, int level, struct post_rect *rect, int *coarser)
 {
 	struct post_rect posts = *rect;
 	*coarser = level;
 	while (rect->x1 - rect->x0 > SIDE_MOST || rect->y1 - rect->y0 > SIDE_MOST) {
 		int shift = ++*coarser - level;
 		int64_t half = (int64_t)1 << (shift - 1);
-		int64_t width = world_posts(world->width, *coarser), height = world_posts(world->height, *coarser);
+		int64_t width = extent_posts(extent->width, *coarser), height = extent_posts(extent->height, *coarser);
 		*rect = post_rect_intersect(
 			(struct post_rect){(posts.x0 + half) >> shift, (posts.y0 + half) >> shift,
 					   ((posts.x1 - 1 + half) >> shift) + 1, ((posts.y1 - 1 + half) >> shift) + 1},
@@ -90,10 +90,10 @@ enum status export_picture(const struct export_request *request, struct store *s
 		.progress = progress_step,
 		.progress_user = &progress,
 	};
-	enum status status = export_find_rect(request, &meta->world, &params.rect);
+	enum status status = export_find_rect(request, &meta->extent, &params.rect);
 	if (status != STATUS_OK)
 		return status;
-	coarsen(&meta->world, (int)request->level, &params.rect, &params.level);
+	coarsen(&meta->extent, (int)request->level, &params.rect, &params.level);
 	params.deformed = store_has_working_level(store, &params.working);
 	interrupt_catch();
 	status = store_reader_create(store, &reader);

@@ -88,13 +88,13 @@ static enum status read_request(const struct arguments *arguments, const char **
 
 static void print_plan(const struct dem_info *info, const struct store_meta *meta)
 {
-	const struct world *world = &meta->world;
+	const struct extent *extent = &meta->extent;
 	printf("%zu source%s%s%s\n", info->source_count, info->source_count == 1 ? "" : "s",
 	       info->projected[0] != '\0' ? ", projected from " : "", info->projected);
 	printf("%lld x %lld posts, %g m apart (%.3f x %.3f km), tiles of %u x %u posts, levels 0 to %d\n",
 	       (long long)info->width, (long long)info->height, info->spacing,
 	       (double)(info->width - 1) * info->spacing / 1e3, (double)(info->height - 1) * info->spacing / 1e3,
-	       world->cells + 1, world->cells + 1, world_coarsest(world));
+	       extent->cells + 1, extent->cells + 1, extent_coarsest(extent));
 	if (meta->max_error > 0)
 		printf("stored heights off their source by at most %g m\n", meta->max_error);
 	else
@@ -221,7 +221,7 @@ static enum status run(const struct arguments *arguments)
 		.posts_user = dem,
 		.panel_posts = info->panel_posts,
 		.meta = {
-			.world = {info->width, info->height, info->spacing, (uint32_t)request.tile},
+			.extent = {info->width, info->height, info->spacing, (uint32_t)request.tile},
 			.step = step,
 			.max_error = max_error,
 			.srs = info->srs,
@@ -232,7 +232,7 @@ static enum status run(const struct arguments *arguments)
 			.pack = (enum store_pack)request.pack,
 		},
 	};
-	const char *problem = world_problem(&intake.meta.world);
+	const char *problem = extent_problem(&intake.meta.extent);
 	if (problem != NULL) {
 		status = fail_with(STATUS_INPUT, "import: %s; change --tile, --spacing or the sources", problem);
 		goto done;

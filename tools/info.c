@@ -14,14 +14,14 @@ static const struct command_option options[] = {
 
 static void geotransform(const struct store_meta *meta, double out[6])
 {
-	const struct world *world = &meta->world;
-	double half = world->spacing / 2; /* a pixel's centre is its post */
+	const struct extent *extent = &meta->extent;
+	double half = extent->spacing / 2; /* a pixel's centre is its post */
 	out[0] = meta->origin[0] - half;
-	out[1] = world->spacing;
+	out[1] = extent->spacing;
 	out[2] = 0;
-	out[3] = meta->origin[1] + (double)(world->height - 1) * world->spacing + half;
+	out[3] = meta->origin[1] + (double)(extent->height - 1) * extent->spacing + half;
 	out[4] = 0;
-	out[5] = -world->spacing;
+	out[5] = -extent->spacing;
 }
 
 static cJSON *sources_json(const char *lines)
@@ -61,15 +61,15 @@ static cJSON *last_run_json(const struct store_numbers *numbers)
 static enum status print_json(struct store *store, const struct store_numbers *numbers)
 {
 	const struct store_meta *meta = store_meta(store);
-	const struct world *world = &meta->world;
+	const struct extent *extent = &meta->extent;
 	double transform[6];
 	geotransform(meta, transform);
 	int working;
 	cJSON *object = cJSON_CreateObject();
-	json_integer(object, "tile", world->cells);
-	json_number(object, "spacing", world->spacing);
-	json_pair(object, "posts", (double)world->width, (double)world->height);
-	json_pair(object, "levels", store_finest(store), world_coarsest(world));
+	json_integer(object, "tile", extent->cells);
+	json_number(object, "spacing", extent->spacing);
+	json_pair(object, "posts", (double)extent->width, (double)extent->height);
+	json_pair(object, "levels", store_finest(store), extent_coarsest(extent));
 	if (store_has_working_level(store, &working))
 		json_integer(object, "working_level", working);
 	else
@@ -86,8 +86,8 @@ static enum status print_json(struct store *store, const struct store_numbers *n
 	cJSON_AddStringToObject(object, "vertical", meta->vertical);
 	json_pair(object, "origin", meta->origin[0], meta->origin[1]);
 	double bounds[4] = {meta->origin[0], meta->origin[1],
-			    meta->origin[0] + (double)(world->width - 1) * world->spacing,
-			    meta->origin[1] + (double)(world->height - 1) * world->spacing};
+			    meta->origin[0] + (double)(extent->width - 1) * extent->spacing,
+			    meta->origin[1] + (double)(extent->height - 1) * extent->spacing};
 	cJSON_AddItemToObject(object, "bounds", cJSON_CreateDoubleArray(bounds, 4));
 	cJSON_AddStringToObject(object, "nodata", "NaN");
 	json_number(object, "max_error", meta->max_error);
@@ -128,17 +128,17 @@ static void print_srs(const char *wkt)
 static void print_text(struct store *store, const struct store_numbers *numbers)
 {
 	const struct store_meta *meta = store_meta(store);
-	const struct world *world = &meta->world;
+	const struct extent *extent = &meta->extent;
 	int working;
-	printf("posts      %lld x %lld, %g m apart: %.3f x %.3f km\n", (long long)world->width,
-	       (long long)world->height, world->spacing, (double)(world->width - 1) * world->spacing / 1e3,
-	       (double)(world->height - 1) * world->spacing / 1e3);
-	printf("tiles      %u x %u posts; %lld base, %lld offset, %lld soil\n", world->cells + 1, world->cells + 1,
+	printf("posts      %lld x %lld, %g m apart: %.3f x %.3f km\n", (long long)extent->width,
+	       (long long)extent->height, extent->spacing, (double)(extent->width - 1) * extent->spacing / 1e3,
+	       (double)(extent->height - 1) * extent->spacing / 1e3);
+	printf("tiles      %u x %u posts; %lld base, %lld offset, %lld soil\n", extent->cells + 1, extent->cells + 1,
 	       (long long)numbers->base_tiles, (long long)numbers->plane_tiles[PLANE_OFFSET],
 	       (long long)soil_sum(numbers->plane_tiles));
-	printf("levels     %d to %d", store_finest(store), world_coarsest(world));
+	printf("levels     %d to %d", store_finest(store), extent_coarsest(extent));
 	if (store_has_working_level(store, &working))
-		printf("; deformed at level %d, %g m", working, world_spacing(world, working));
+		printf("; deformed at level %d, %g m", working, extent_spacing(extent, working));
 	printf("\nheight     %.2f to %.2f m, ", meta->low, meta->high);
 	if (meta->max_error > 0)
 		printf("at most %g m off the source\n", meta->max_error);
@@ -146,7 +146,7 @@ static void print_text(struct store *store, const struct store_numbers *numbers)
 		puts("lossless");
 	printf("bytes      %lld file, %lld base (%.3f a post of level 0), %lld offset, %lld soil\n",
 	       (long long)numbers->file_bytes, (long long)numbers->base_bytes,
-	       (double)numbers->base_bytes / ((double)world->width * (double)world->height),
+	       (double)numbers->base_bytes / ((double)extent->width * (double)extent->height),
 	       (long long)numbers->plane_bytes[PLANE_OFFSET], (long long)soil_sum(numbers->plane_bytes));
 	if (numbers->compacted != 0)
 		printf("compacted  %lld quanta\n", (long long)numbers->compacted);

@@ -32,7 +32,7 @@ static enum status cut_and_store(const struct intake *intake, struct store *stor
 	if (status != STATUS_OK)
 		return status;
 	status = dem_cut(&(struct dem_cut){
-		.world = &intake->meta.world,
+		.extent = &intake->meta.extent,
 		.step = intake->meta.step,
 		.posts = intake->posts,
 		.posts_user = intake->posts_user,
@@ -74,7 +74,7 @@ enum status intake_run(struct intake *intake)
 		return status;
 	struct progress progress;
 	progress_start(&progress, intake->path, "rows");
-	const struct world *world = &intake->meta.world;
+	const struct extent *extent = &intake->meta.extent;
 	status = cut_and_store(intake, store, stored, &progress);
 	progress_end(&progress);
 	if (status == STATUS_INTERRUPTED && intake->meta.request != NULL)
@@ -92,10 +92,10 @@ enum status intake_run(struct intake *intake)
 		printf("%s: %lld tiles were there from before\n", intake->path, (long long)stored);
 	struct stat file;
 	double bytes = stat(intake->path, &file) == 0 ? (double)file.st_size : 0;
-	double posts = (double)world->width * (double)world->height, seconds = clock_seconds() - started;
+	double posts = (double)extent->width * (double)extent->height, seconds = clock_seconds() - started;
 	printf("%s: %lld x %lld posts, %g m apart, levels 0 to %d, %.1f MB (%.2f bytes a post), %.1f s "
 	       "(%.1f million posts a second)\n",
-	       intake->path, (long long)world->width, (long long)world->height, world->spacing,
-	       world_coarsest(world), bytes / 1e6, bytes / posts, seconds, posts / seconds / 1e6);
+	       intake->path, (long long)extent->width, (long long)extent->height, extent->spacing,
+	       extent_coarsest(extent), bytes / 1e6, bytes / posts, seconds, posts / seconds / 1e6);
 	return STATUS_OK;
 }

@@ -7,7 +7,7 @@
 #include "command.h"
 #include "dem/dem.h"
 #include "json.h"
-#include "run/newest.h"
+#include "resident/newest.h"
 #include "store/store.h"
 
 static const struct command_option options[] = {

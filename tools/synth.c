@@ -169,7 +169,7 @@ static enum status run(const struct arguments *arguments)
 		.posts = make_posts,
 		.posts_user = &making,
 		.meta = {
-			.world = {synth->width, synth->height, synth->spacing, 256},
+			.extent = {synth->width, synth->height, synth->spacing, 256},
 			.max_error = intake_default_error(0),
 			.step = intake_step(intake_default_error(0), 0, false),
 			.srs = "",

@@ -6,7 +6,7 @@ cd "$(dirname "$0")/.."
 sh tools/packages.sh
 build=${BUILD:-build-test}
 tsan=${BUILD:-build}-tsan
-threaded='page/pin page/write_back page/hazards page/prefetch page/faults page/newest page/random run/ground run/scout'
+threaded='page/pin page/write_back page/hazards page/prefetch page/faults page/newest page/random resident/ground motion/prefetcher'
 
 [ -f "$build/build.ninja" ] || meson setup "$build" -Dbuildtype=debugoptimized -Doptimization=1 \
 	-Db_sanitize=address,undefined -Db_lundef=false -Db_ndebug=false

@@ -111,8 +111,8 @@ static void say_where(const struct looking *looking, char *text, size_t size)
 
 static enum status look(struct looking *looking)
 {
-	const struct run_host host = viewer_host(&looking->viewer);
-	const struct run_params params = {
+	const struct api_host host = viewer_host(&looking->viewer);
+	const struct api_params params = {
 		.scene = looking->scene,
 		.store = looking->store,
 		.overlay = looking->overlay != NULL ? looking->overlay : looking->write ? NULL : shelter.overlay,
@@ -120,9 +120,9 @@ static enum status look(struct looking *looking)
 		.host = &host,
 		.stop = &interrupted,
 	};
-	struct run_result result;
+	struct api_result result;
 	char where[700];
-	enum status status = run_drive(&params, &result);
+	enum status status = api_drive(&params, &result);
 	mem_free(result.json);
 	if (status != STATUS_OK && status != STATUS_INTERRUPTED)
 		return status;

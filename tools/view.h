@@ -3,7 +3,7 @@
 #define FURROW_TOOLS_VIEW_H
 
 #include "command.h"
-#include "run/run.h"
+#include "api/api.h"
 #include "settings.h"
 #include "window.h"
 
@@ -56,7 +56,7 @@ struct viewer {
 	bool paused, one, ended;
 	int pace;                     /* a power of two; VIEW_PACE_MOST: as fast as it can */
 	enum render_layer_kind layer;
-	enum run_drop_shape shape;
+	enum world_drop_shape shape;
 	bool line, help, snapshot;
 	bool again;                   /* the picture is to be drawn anew */
 	double titled;                /* clock, s: when the title was written */
@@ -68,12 +68,12 @@ struct viewer {
 #define VIEW_PACE_LEAST (-6)
 #define VIEW_PACE_MOST 7
 void viewer_init(struct viewer *viewer, struct window *window, const struct scene *scene);
-struct run_host viewer_host(struct viewer *viewer);
+struct api_host viewer_host(struct viewer *viewer);
 
 /* --- view_picture.c: what is drawn over the picture --- */
-void view_figures_text(const struct viewer *viewer, const struct run_figures *figures, char *text, size_t size);
+void view_figures_text(const struct viewer *viewer, const struct api_figures *figures, char *text, size_t size);
 /* The line of figures, the legend of a layer, the help. Rows from the lowest. */
-void view_draw_over(const struct viewer *viewer, const struct run_figures *figures, uint8_t *pixels, uint32_t width, uint32_t height);
+void view_draw_over(const struct viewer *viewer, const struct api_figures *figures, uint8_t *pixels, uint32_t width, uint32_t height);
 
 /* --- view_scene.c: the scene as it is viewed --- */
 /* With a view, if it has none of its own: the one table of defaults is there. */

@@ -10,7 +10,7 @@
 
 static const struct render_colour white = {255, 255, 255, 255}, black = {0, 0, 0, 200}, shadow = {0, 0, 0, 150};
 
-void view_figures_text(const struct viewer *viewer, const struct run_figures *figures, char *text, size_t size)
+void view_figures_text(const struct viewer *viewer, const struct api_figures *figures, char *text, size_t size)
 {
 	char pace[24];
 	if (viewer->pace == VIEW_PACE_MOST)
@@ -83,7 +83,7 @@ static void draw_legend(const struct render_canvas *canvas, int scale, const str
 	}
 }
 
-void view_draw_over(const struct viewer *viewer, const struct run_figures *figures, uint8_t *pixels, uint32_t width, uint32_t height)
+void view_draw_over(const struct viewer *viewer, const struct api_figures *figures, uint8_t *pixels, uint32_t width, uint32_t height)
 {
 	const struct render_canvas canvas = {pixels, width, height};
 	int scale = width > LARGE ? 2 : 1, top = (int)height;

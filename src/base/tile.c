@@ -63,12 +63,12 @@ void tile_descendants(struct tile tile, int level, uint64_t *first, uint64_t *la
 	*last = *first + ((1ull << (2 * down)) - 1);
 }
 
-double world_spacing(const struct world *world, int level)
+double extent_spacing(const struct extent *extent, int level)
 {
-	return ldexp(world->spacing, level);
+	return ldexp(extent->spacing, level);
 }
 
-int64_t world_posts(int64_t posts, int level)
+int64_t extent_posts(int64_t posts, int level)
 {
 	return level >= 0 ? ((posts - 1) >> level) + 1 : ((posts - 1) << -level) + 1;
 }
@@ -83,50 +83,50 @@ static uint32_t tiles_along(int64_t posts, uint32_t cells, int level)
 	return tiles > 0 ? (uint32_t)tiles : 1;
 }
 
-uint32_t world_tiles_x(const struct world *world, int level)
+uint32_t extent_tiles_x(const struct extent *extent, int level)
 {
-	return tiles_along(world->width, world->cells, level);
+	return tiles_along(extent->width, extent->cells, level);
 }
 
-uint32_t world_tiles_y(const struct world *world, int level)
+uint32_t extent_tiles_y(const struct extent *extent, int level)
 {
-	return tiles_along(world->height, world->cells, level);
+	return tiles_along(extent->height, extent->cells, level);
 }
 
-int world_coarsest(const struct world *world)
+int extent_coarsest(const struct extent *extent)
 {
 	int level = 0;
-	while (world_tiles_x(world, level) > 1 || world_tiles_y(world, level) > 1)
+	while (extent_tiles_x(extent, level) > 1 || extent_tiles_y(extent, level) > 1)
 		level++;
 	return level;
 }
 
-int world_level_for(const struct world *world, double spacing)
+int extent_level_for(const struct extent *extent, double spacing)
 {
-	int level = world_coarsest(world);
-	while (level >= TILE_LEVEL_MIN && world_spacing(world, level) > spacing)
+	int level = extent_coarsest(extent);
+	while (level >= TILE_LEVEL_MIN && extent_spacing(extent, level) > spacing)
 		level--;
 	return level;
 }
 
-bool world_has(const struct world *world, struct tile tile)
+bool extent_has(const struct extent *extent, struct tile tile)
 {
-	return tile.level >= TILE_LEVEL_MIN && tile.level <= world_coarsest(world) &&
-	       tile.x < world_tiles_x(world, tile.level) && tile.y < world_tiles_y(world, tile.level);
+	return tile.level >= TILE_LEVEL_MIN && tile.level <= extent_coarsest(extent) &&
+	       tile.x < extent_tiles_x(extent, tile.level) && tile.y < extent_tiles_y(extent, tile.level);
 }
 
-const char *world_problem(const struct world *world)
+const char *extent_problem(const struct extent *extent)
 {
-	if (world->cells < TILE_CELLS_MIN || world->cells > TILE_CELLS_MAX ||
-	    (world->cells & (world->cells - 1)) != 0)
+	if (extent->cells < TILE_CELLS_MIN || extent->cells > TILE_CELLS_MAX ||
+	    (extent->cells & (extent->cells - 1)) != 0)
 		return "a tile's side must be a power of two from 8 to 1024 cells";
-	if (world->width < 2 || world->height < 2)
+	if (extent->width < 2 || extent->height < 2)
 		return "a terrain needs at least 2 x 2 posts";
-	if (!(world->spacing > 0) || !isfinite(world->spacing) || world->spacing > 1e6)
+	if (!(extent->spacing > 0) || !isfinite(extent->spacing) || extent->spacing > 1e6)
 		return "the spacing must be above 0 and at most 1000 km";
 	/* So that tile x and y fit 28 bits down to TILE_LEVEL_MIN. */
-	int64_t limit = ((int64_t)world->cells << AXIS_BITS) >> -TILE_LEVEL_MIN;
-	if (world->width > limit || world->height > limit)
+	int64_t limit = ((int64_t)extent->cells << AXIS_BITS) >> -TILE_LEVEL_MIN;
+	if (extent->width > limit || extent->height > limit)
 		return "too many posts along a side for this tile size";
 	return 0;
 }
@@ -146,9 +146,9 @@ bool post_rect_empty(struct post_rect rect)
 	return rect.x1 <= rect.x0 || rect.y1 <= rect.y0;
 }
 
-struct post_rect tile_post_rect(const struct world *world, struct tile tile)
+struct post_rect tile_post_rect(const struct extent *extent, struct tile tile)
 {
-	int64_t n = world->cells;
+	int64_t n = extent->cells;
 	return (struct post_rect){
 		.x0 = tile.x * n,
 		.y0 = tile.y * n,
@@ -157,12 +157,12 @@ struct post_rect tile_post_rect(const struct world *world, struct tile tile)
 	};
 }
 
-bool tile_range_of(const struct world *world, int level, struct post_rect rect, struct tile *first,
+bool tile_range_of(const struct extent *extent, int level, struct post_rect rect, struct tile *first,
 		   struct tile *last)
 {
-	int64_t n = world->cells;
-	struct post_rect all = {0, 0, world_tiles_x(world, level) * n + 1,
-				world_tiles_y(world, level) * n + 1};
+	int64_t n = extent->cells;
+	struct post_rect all = {0, 0, extent_tiles_x(extent, level) * n + 1,
+				extent_tiles_y(extent, level) * n + 1};
 	rect = post_rect_intersect(rect, all);
 	if (post_rect_empty(rect))
 		return false;
@@ -170,7 +170,7 @@ bool tile_range_of(const struct world *world, int level, struct post_rect rect, 
 	int64_t fx = rect.x0 > 0 ? (rect.x0 - 1) / n : 0;
 	int64_t fy = rect.y0 > 0 ? (rect.y0 - 1) / n : 0;
 	int64_t lx = (rect.x1 - 1) / n, ly = (rect.y1 - 1) / n;
-	int64_t mx = (int64_t)world_tiles_x(world, level) - 1, my = (int64_t)world_tiles_y(world, level) - 1;
+	int64_t mx = (int64_t)extent_tiles_x(extent, level) - 1, my = (int64_t)extent_tiles_y(extent, level) - 1;
 	*first = (struct tile){level, (uint32_t)fx, (uint32_t)fy};
 	*last = (struct tile){level, (uint32_t)(lx < mx ? lx : mx), (uint32_t)(ly < my ? ly : my)};
 	return true;

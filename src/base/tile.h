@@ -23,7 +23,7 @@ struct tile {
 };
 
 /* What the keys mean in one store. */
-struct world {
+struct extent {
 	int64_t width, height; /* posts at level 0, at least 2 each */
 	double spacing;        /* metres between posts at level 0 */
 	uint32_t cells;        /* N: cells along a tile's side, a power of two */
@@ -40,20 +40,20 @@ struct tile tile_ancestor(struct tile tile, int level);
 /* The keys of all descendants of `tile` at a finer (or the same) `level`: first..last inclusive. */
 void tile_descendants(struct tile tile, int level, uint64_t *first, uint64_t *last);
 
-double world_spacing(const struct world *world, int level);   /* metres */
-int64_t world_posts(int64_t posts, int level);                /* along a side of `posts` at level 0 */
-uint32_t world_tiles_x(const struct world *world, int level); /* at least 1 */
-uint32_t world_tiles_y(const struct world *world, int level);
-int world_coarsest(const struct world *world); /* first level of a single tile */
+double extent_spacing(const struct extent *extent, int level);   /* metres */
+int64_t extent_posts(int64_t posts, int level);                /* along a side of `posts` at level 0 */
+uint32_t extent_tiles_x(const struct extent *extent, int level); /* at least 1 */
+uint32_t extent_tiles_y(const struct extent *extent, int level);
+int extent_coarsest(const struct extent *extent); /* first level of a single tile */
 /* The coarsest level whose spacing is at most `spacing` metres; TILE_LEVEL_MIN - 1 if none is. */
-int world_level_for(const struct world *world, double spacing);
-bool world_has(const struct world *world, struct tile tile);
+int extent_level_for(const struct extent *extent, double spacing);
+bool extent_has(const struct extent *extent, struct tile tile);
 /* NULL if the world is one this program can hold, else why not (a static text). */
-const char *world_problem(const struct world *world);
+const char *extent_problem(const struct extent *extent);
 
-static inline uint32_t tile_posts(const struct world *world)
+static inline uint32_t tile_posts(const struct extent *extent)
 {
-	return world->cells + 1;
+	return extent->cells + 1;
 }
 
 /* A rectangle of posts of one level: x0 <= x < x1. Empty if x1 <= x0 or y1 <= y0. */
@@ -64,9 +64,9 @@ struct post_rect {
 struct post_rect post_rect_intersect(struct post_rect a, struct post_rect b);
 bool post_rect_empty(struct post_rect rect);
 /* The posts of a tile, shared edges included. */
-struct post_rect tile_post_rect(const struct world *world, struct tile tile);
+struct post_rect tile_post_rect(const struct extent *extent, struct tile tile);
 /* The tiles (inclusive) of one level that hold any post of `rect`, edges included. False if none. */
-bool tile_range_of(const struct world *world, int level, struct post_rect rect, struct tile *first,
+bool tile_range_of(const struct extent *extent, int level, struct post_rect rect, struct tile *first,
 		   struct tile *last);
 
 #endif

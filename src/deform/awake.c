@@ -91,9 +91,9 @@ struct place_flags awake_flags(struct deform *deform, const struct deform_window
 	struct awake *awake = deform->awake;
 	struct layer *scratch = &deform->scratch[layer];
 	const struct post_rect read = window->read, write = window->write;
-	const struct world *world = deform->params.world;
-	int64_t posts_x = world_posts(world->width, deform->params.level);
-	int64_t posts_y = world_posts(world->height, deform->params.level);
+	const struct extent *extent = deform->params.extent;
+	int64_t posts_x = extent_posts(extent->width, deform->params.level);
+	int64_t posts_y = extent_posts(extent->height, deform->params.level);
 	struct block_grid grid = awake_grid(write);
 	int32_t step = (int32_t)deform_slide_step(deform);
 	assert(grid.columns * grid.rows <= WINDOW_BLOCKS);

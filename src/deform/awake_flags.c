@@ -22,9 +22,9 @@ void awake_period_finish(struct period *period)
 /* The blocks from which the world's posts are made. */
 static struct deform_block last_block(const struct deform *deform)
 {
-	const struct world *world = deform->params.world;
-	return (struct deform_block){(world_posts(world->width, deform->params.level) - 1) / DEFORM_BLOCK,
-				     (world_posts(world->height, deform->params.level) - 1) / DEFORM_BLOCK};
+	const struct extent *extent = deform->params.extent;
+	return (struct deform_block){(extent_posts(extent->width, deform->params.level) - 1) / DEFORM_BLOCK,
+				     (extent_posts(extent->height, deform->params.level) - 1) / DEFORM_BLOCK};
 }
 
 enum status awake_add(const struct deform *deform, struct block_set *set, int64_t x, int64_t y)

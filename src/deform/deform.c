@@ -22,7 +22,7 @@ enum status deform_create(const struct deform_params *params, struct deform **ou
 		return fail_memory("deformation");
 	deform->params = *params;
 	deform->planes = deform_planes(params->model, params->dirt);
-	deform->spacing = world_spacing(params->world, params->level);
+	deform->spacing = extent_spacing(params->extent, params->level);
 	deform->reach = deform_reach(params);
 	deform->border = deform_border(params);
 	if (deform_conserves(params->model))
@@ -63,7 +63,7 @@ void deform_destroy(struct deform *deform)
 static bool shared(const struct deform *deform, struct tile tile, struct post_rect rect, struct post_rect window,
 		   struct gpu_rect *in_tile, struct gpu_rect *in_window)
 {
-	struct post_rect own = tile_post_rect(deform->params.world, tile);
+	struct post_rect own = tile_post_rect(deform->params.extent, tile);
 	struct post_rect both = post_rect_intersect(own, rect);
 	if (post_rect_empty(both))
 		return false;
@@ -88,11 +88,11 @@ void deform_gather(struct deform *deform, struct post_rect read, uint32_t layer,
 		   unsigned planes, const struct deform_tile *tiles, size_t count)
 {
 	struct gpu_rect all = {x, y, (uint32_t)(read.x1 - read.x0), (uint32_t)(read.y1 - read.y0)};
-	const struct post_rect world = {0, 0, world_tiles_x(deform->params.world, deform->params.level) *
-							      (int64_t)deform->params.world->cells + 1,
-					world_tiles_y(deform->params.world, deform->params.level) *
-							      (int64_t)deform->params.world->cells + 1};
-	bool beyond = read.x0 < 0 || read.y0 < 0 || read.x1 > world.x1 || read.y1 > world.y1;
+	const struct post_rect extent = {0, 0, extent_tiles_x(deform->params.extent, deform->params.level) *
+							      (int64_t)deform->params.extent->cells + 1,
+					extent_tiles_y(deform->params.extent, deform->params.level) *
+							      (int64_t)deform->params.extent->cells + 1};
+	bool beyond = read.x0 < 0 || read.y0 < 0 || read.x1 > extent.x1 || read.y1 > extent.y1;
 	for (int plane = 0; beyond && plane < PLANES; plane++)
 		if (planes & PLANE_BIT(plane))
 			gpu_texture_clear(deform->planes_of[which(deform, plane, atlas)][plane], layer, all, 0);

@@ -76,7 +76,7 @@ enum status deform_soil_named(const char *name, struct deform_soil *soil) FURROW
 struct deform_params {
 	struct gpu *gpu;
 	struct gpu_slots *slots;
-	const struct world *world; /* must outlive the deform */
+	const struct extent *extent; /* must outlive the deform */
 	int level;                 /* the working level */
 	int32_t reference;         /* metres: of the bases in the slots */
 	enum deform_model model;

@@ -143,12 +143,12 @@ enum status deform_interval_begin(struct deform *deform, const struct deform_res
 
 struct post_rect deform_interval_writes(const struct deform *deform, size_t block)
 {
-	const struct world *world = deform->params.world;
+	const struct extent *extent = deform->params.extent;
 	const struct deform_block *at = &deform->interval->blocks[block];
 	int64_t x = at->x * DEFORM_BLOCK, y = at->y * DEFORM_BLOCK;
 	return post_rect_intersect((struct post_rect){x, y, x + DEFORM_BLOCK, y + DEFORM_BLOCK},
-				   (struct post_rect){0, 0, world_posts(world->width, deform->params.level),
-						      world_posts(world->height, deform->params.level)});
+				   (struct post_rect){0, 0, extent_posts(extent->width, deform->params.level),
+						      extent_posts(extent->height, deform->params.level)});
 }
 
 struct post_rect deform_interval_reads(const struct deform *deform, size_t block)

@@ -163,10 +163,10 @@ const char *deform_contact_effect(enum deform_model model)
 /* Always in one window, wherever it is, as it must be for that. */
 static bool always_fits(const struct deform_params *params, const struct deform_shape *shape)
 {
-	if (params->world == NULL)
+	if (params->extent == NULL)
 		return true;
 	/* A station is a post from the next, or as far as a corner's; and ends are rounded. */
-	double across = 2 * deform_shape_bound(shape) / world_spacing(params->world, params->level) + 2 * M_SQRT2 + 4;
+	double across = 2 * deform_shape_bound(shape) / extent_spacing(params->extent, params->level) + 2 * M_SQRT2 + 4;
 	return across + 2 * (double)deform_reach(params) <= (double)deform_core(params);
 }
 

@@ -123,17 +123,17 @@ struct post_rect deform_shadow(const struct deform *deform, const struct deform_
 
 struct post_rect deform_reached(const struct deform *deform, const struct deform_sweep *sweep)
 {
-	const struct post_rect world = {0, 0, world_posts(deform->params.world->width, deform->params.level),
-					world_posts(deform->params.world->height, deform->params.level)};
-	return post_rect_intersect(grown(deform_shadow(deform, sweep), deform->reach), world);
+	const struct post_rect extent = {0, 0, extent_posts(deform->params.extent->width, deform->params.level),
+					extent_posts(deform->params.extent->height, deform->params.level)};
+	return post_rect_intersect(grown(deform_shadow(deform, sweep), deform->reach), extent);
 }
 
 bool deform_covers(const struct deform *deform, const struct deform_sweep *sweep, const struct deform_pose *rest)
 {
 	const struct deform_sweep standing = {.shape = sweep->shape, .from = *rest, .to = *rest};
-	const struct post_rect world = {0, 0, world_posts(deform->params.world->width, deform->params.level),
-					world_posts(deform->params.world->height, deform->params.level)};
-	struct post_rect held = post_rect_intersect(grown(deform_shadow(deform, &standing), deform_slide_step(deform)), world);
+	const struct post_rect extent = {0, 0, extent_posts(deform->params.extent->width, deform->params.level),
+					extent_posts(deform->params.extent->height, deform->params.level)};
+	struct post_rect held = post_rect_intersect(grown(deform_shadow(deform, &standing), deform_slide_step(deform)), extent);
 	struct post_rect all = deform_reached(deform, sweep);
 	return post_rect_empty(held) || (held.x0 >= all.x0 && held.y0 >= all.y0 && held.x1 <= all.x1 && held.y1 <= all.y1);
 }
@@ -200,7 +200,7 @@ enum status deform_cut(const struct deform_params *params, const struct deform_s
 {
 	const struct deform deform = {
 		.params = *params,
-		.spacing = world_spacing(params->world, params->level),
+		.spacing = extent_spacing(params->extent, params->level),
 		.reach = deform_reach(params),
 		.border = deform_border(params),
 	};

@@ -76,7 +76,7 @@ typedef enum status (*dem_posts_fn)(void *user, struct post_rect rect, double *h
 typedef enum status (*dem_known_fn)(void *user, struct tile tile, int32_t *codes, bool *known);
 
 struct dem_cut {
-	const struct world *world;
+	const struct extent *extent;
 	double step; /* of height codes (base/height_code.h) */
 	dem_posts_fn posts;
 	void *posts_user;
@@ -137,7 +137,7 @@ struct dem_classes_params {
 	/* A grey PNG of 8 or 16 bits, a pixel a post of level 0 from the store's north-west one, north up; or,
 	 * with GDAL, a GeoTIFF in any SRS. One without an SRS is in the store's coordinates. */
 	const char *path;
-	const struct world *world;
+	const struct extent *extent;
 	const char *srs;  /* the store's WKT; "" for local metres */
 	double origin[2]; /* its south-west post there */
 };

@@ -16,7 +16,7 @@
 
 struct dem_classes {
 	char *path, *srs;
-	struct world world;
+	struct extent extent;
 	struct dem_classes_params params; /* of the above */
 	struct dem_raster_of_classes *raster;
 	double *x, *y;   /* columns and rows of the posts being read, whole; NaN: beyond the raster */
@@ -31,10 +31,10 @@ enum status dem_classes_open(const struct dem_classes_params *params, struct dem
 		return fail_memory("opening a map of classes");
 	classes->path = mem_strdup(params->path);
 	classes->srs = mem_strdup(params->srs);
-	classes->world = *params->world;
+	classes->extent = *params->extent;
 	classes->params = (struct dem_classes_params){
 		.path = classes->path,
-		.world = &classes->world,
+		.extent = &classes->extent,
 		.srs = classes->srs,
 		.origin = {params->origin[0], params->origin[1]},
 	};

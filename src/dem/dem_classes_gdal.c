@@ -59,8 +59,8 @@ static void gdal_locate(struct dem_raster_of_classes *raster, size_t count, doub
 	const struct gdal_of_classes *gdal = (const struct gdal_of_classes *)raster;
 	const struct dem_classes_params *params = gdal->params;
 	for (size_t i = 0; i < count; i++) {
-		x[i] = params->origin[0] + x[i] * params->world->spacing;
-		y[i] = params->origin[1] + y[i] * params->world->spacing;
+		x[i] = params->origin[0] + x[i] * params->extent->spacing;
+		y[i] = params->origin[1] + y[i] * params->extent->spacing;
 		if (gdal->move != NULL && !OCTTransform(gdal->move, 1, &x[i], &y[i], NULL))
 			x[i] = y[i] = (double)NAN;
 		else

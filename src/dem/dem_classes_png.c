@@ -26,7 +26,7 @@ static void png_destroy(struct dem_raster_of_classes *raster)
 static void png_locate(struct dem_raster_of_classes *raster, size_t count, double *x, double *y)
 {
 	const struct png_of_classes *png = (const struct png_of_classes *)raster;
-	double north = (double)(png->params->world->height - 1);
+	double north = (double)(png->params->extent->height - 1);
 	for (size_t i = 0; i < count; i++) {
 		x[i] = x[i] + 0.5;
 		y[i] = north - y[i] + 0.5;

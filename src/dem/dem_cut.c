@@ -32,7 +32,7 @@ struct open {
 
 struct cutting {
 	const struct dem_cut *cut;
-	const struct world *world;
+	const struct extent *extent;
 	size_t posts;        /* of a tile */
 	int coarsest;
 	int panel_level;     /* a tile of this level is as wide as a panel */
@@ -61,8 +61,8 @@ static int64_t smaller(int64_t a, int64_t b)
 static int64_t open_count(const struct cutting *cutting, int level)
 {
 	return level <= cutting->panel_level
-		       ? smaller((int64_t)1 << (cutting->panel_level - level), world_tiles_x(cutting->world, level))
-		       : world_tiles_y(cutting->world, level);
+		       ? smaller((int64_t)1 << (cutting->panel_level - level), extent_tiles_x(cutting->extent, level))
+		       : extent_tiles_y(cutting->extent, level);
 }
 
 static struct open *open_at(const struct cutting *cutting, struct tile tile)
@@ -144,16 +144,16 @@ static enum status finish_tile(struct cutting *cutting, const struct dem_tile *t
 		status = begin_tile(cutting, open);
 	if (status != STATUS_OK)
 		return status;
-	const struct world *world = cutting->world;
-	lattice_decimate_i32(tile->codes, world->cells, at.x & 1, at.y & 1, open->codes);
+	const struct extent *extent = cutting->extent;
+	lattice_decimate_i32(tile->codes, extent->cells, at.x & 1, at.y & 1, open->codes);
 	widen(open, tile->low, tile->high, tile->error + loss);
-	bool last = ((at.x & 1) != 0 || at.x + 1 == world_tiles_x(world, at.level)) &&
-		    ((at.y & 1) != 0 || at.y + 1 == world_tiles_y(world, at.level));
+	bool last = ((at.x & 1) != 0 || at.x + 1 == extent_tiles_x(extent, at.level)) &&
+		    ((at.y & 1) != 0 || at.y + 1 == extent_tiles_y(extent, at.level));
 	if (!last)
 		return STATUS_OK;
 	open->begun = false;
 	struct dem_tile next = {above, open->codes, open->low, open->high, open->error};
-	loss = above.level < cutting->coarsest ? dem_measure(open->codes, world->cells, cutting->cut->step).loss : 0;
+	loss = above.level < cutting->coarsest ? dem_measure(open->codes, extent->cells, cutting->cut->step).loss : 0;
 	return finish_tile(cutting, &next, loss);
 }
 
@@ -162,25 +162,25 @@ static enum status finish_tile(struct cutting *cutting, const struct dem_tile *t
 /* Codes of the band's tile number i, of which `to` may be all. */
 static void band_tile(const struct cutting *cutting, int64_t i, int32_t *to)
 {
-	size_t side = tile_posts(cutting->world);
+	size_t side = tile_posts(cutting->extent);
 	for (size_t y = 0; y < side; y++)
-		memcpy(to + y * side, cutting->band + (int64_t)y * cutting->stride + i * cutting->world->cells,
+		memcpy(to + y * side, cutting->band + (int64_t)y * cutting->stride + i * cutting->extent->cells,
 		       side * sizeof *to);
 }
 
 static int64_t band_tiles(const struct cutting *cutting)
 {
-	return (cutting->stride - 1) / cutting->world->cells;
+	return (cutting->stride - 1) / cutting->extent->cells;
 }
 
 static struct tile band_tile_at(const struct cutting *cutting, int64_t i)
 {
-	return (struct tile){0, (uint32_t)(cutting->x0 / cutting->world->cells + i), cutting->tile_y};
+	return (struct tile){0, (uint32_t)(cutting->x0 / cutting->extent->cells + i), cutting->tile_y};
 }
 
 static enum status band_full(struct cutting *cutting)
 {
-	uint32_t cells = cutting->world->cells;
+	uint32_t cells = cutting->extent->cells;
 	assert(cutting->filled == cells + 1);
 	for (int64_t i = 0; i < band_tiles(cutting); i++) {
 		band_tile(cutting, i, cutting->tile);
@@ -219,14 +219,14 @@ static enum status take_row(struct cutting *cutting, const double *heights, int6
 		return refuse_height(heights[coded], cutting->cut->step, cutting->x0 + coded, y);
 	codes_clear(codes + cutting->width, cutting->stride - cutting->width);
 	cutting->filled++;
-	return cutting->filled == cutting->world->cells + 1 ? band_full(cutting) : STATUS_OK;
+	return cutting->filled == cutting->extent->cells + 1 ? band_full(cutting) : STATUS_OK;
 }
 
 /* The band as it was cut before, if it is known; otherwise the band is left as it is. */
 static enum status take_known(struct cutting *cutting, bool *known)
 {
 	const struct dem_cut *cut = cutting->cut;
-	size_t side = tile_posts(cutting->world);
+	size_t side = tile_posts(cutting->extent);
 	int64_t tiles = band_tiles(cutting);
 	*known = false;
 	if (cut->known == NULL)
@@ -237,10 +237,10 @@ static enum status take_known(struct cutting *cutting, bool *known)
 		if (status != STATUS_OK || !*known)
 			return status;
 		for (size_t y = 0; y < side; y++)
-			memcpy(cutting->band + (int64_t)y * cutting->stride + i * cutting->world->cells,
+			memcpy(cutting->band + (int64_t)y * cutting->stride + i * cutting->extent->cells,
 			       cutting->tile + y * side, side * sizeof *cutting->tile);
 	}
-	cutting->filled = cutting->world->cells + 1;
+	cutting->filled = cutting->extent->cells + 1;
 	return STATUS_OK;
 }
 
@@ -252,7 +252,7 @@ static enum status progress(struct cutting *cutting, int64_t rows, int64_t panel
 	cutting->rows_done += rows;
 	return cut->progress == NULL ? STATUS_OK
 				     : cut->progress(cut->progress_user, cutting->rows_done,
-						     cutting->world->height * panels);
+						     cutting->extent->height * panels);
 }
 
 static enum status take_strip(struct cutting *cutting, int64_t y, int64_t rows)
@@ -267,14 +267,14 @@ static enum status take_strip(struct cutting *cutting, int64_t y, int64_t rows)
 
 static enum status cut_panel(struct cutting *cutting, int64_t panels)
 {
-	const struct world *world = cutting->world;
-	int64_t cells = world->cells, y = 0;
+	const struct extent *extent = cutting->extent;
+	int64_t cells = extent->cells, y = 0;
 	cutting->filled = 0;
 	cutting->tile_y = 0;
 	enum status status = STATUS_OK;
-	while (status == STATUS_OK && y < world->height) {
+	while (status == STATUS_OK && y < extent->height) {
 		bool known = false;
-		int64_t band_end = smaller(cutting->tile_y * cells + cells + 1, world->height);
+		int64_t band_end = smaller(cutting->tile_y * cells + cells + 1, extent->height);
 		if (cutting->filled == (cutting->tile_y > 0)) /* it begins */
 			status = take_known(cutting, &known);
 		int64_t rows = known ? band_end - y : smaller(band_end - y, cutting->strip);
@@ -285,7 +285,7 @@ static enum status cut_panel(struct cutting *cutting, int64_t panels)
 			status = progress(cutting, rows, panels);
 	}
 	/* What is north of the terrain, up to its last tiles' north edge. */
-	while (status == STATUS_OK && cutting->tile_y < world_tiles_y(world, 0)) {
+	while (status == STATUS_OK && cutting->tile_y < extent_tiles_y(extent, 0)) {
 		int64_t left = cells + 1 - cutting->filled;
 		codes_clear(cutting->band + (int64_t)cutting->filled * cutting->stride, left * cutting->stride);
 		cutting->filled += (uint32_t)left;
@@ -296,20 +296,20 @@ static enum status cut_panel(struct cutting *cutting, int64_t panels)
 
 static enum status cutting_init(struct cutting *cutting)
 {
-	const struct world *world = cutting->world;
-	int64_t most = PANEL_POSTS / world->cells, asked = cutting->cut->panel_posts;
+	const struct extent *extent = cutting->extent;
+	int64_t most = PANEL_POSTS / extent->cells, asked = cutting->cut->panel_posts;
 	most = asked > 0 && asked < most ? asked : most;
-	cutting->posts = (size_t)tile_posts(world) * tile_posts(world);
-	cutting->coarsest = world_coarsest(world);
+	cutting->posts = (size_t)tile_posts(extent) * tile_posts(extent);
+	cutting->coarsest = extent_coarsest(extent);
 	while (cutting->panel_level < cutting->coarsest &&
-	       (int64_t)world->cells << (cutting->panel_level + 1) <= most)
+	       (int64_t)extent->cells << (cutting->panel_level + 1) <= most)
 		cutting->panel_level++;
-	int64_t tiles = smaller((int64_t)1 << cutting->panel_level, world_tiles_x(world, 0));
-	cutting->stride = tiles * world->cells + 1;
-	cutting->strip = STRIP_POSTS / smaller(cutting->stride, world->width);
-	cutting->strip = cutting->strip < 1 ? 1 : smaller(cutting->strip, world->cells);
+	int64_t tiles = smaller((int64_t)1 << cutting->panel_level, extent_tiles_x(extent, 0));
+	cutting->stride = tiles * extent->cells + 1;
+	cutting->strip = STRIP_POSTS / smaller(cutting->stride, extent->width);
+	cutting->strip = cutting->strip < 1 ? 1 : smaller(cutting->strip, extent->cells);
 	cutting->heights = mem_alloc((size_t)(cutting->strip * cutting->stride), sizeof *cutting->heights);
-	cutting->band = mem_alloc((size_t)(tile_posts(world) * cutting->stride), sizeof *cutting->band);
+	cutting->band = mem_alloc((size_t)(tile_posts(extent) * cutting->stride), sizeof *cutting->band);
 	cutting->tile = mem_alloc(cutting->posts, sizeof *cutting->tile);
 	bool whole = cutting->heights != NULL && cutting->band != NULL && cutting->tile != NULL;
 	for (int level = 1; level <= cutting->coarsest; level++) {
@@ -335,20 +335,20 @@ static void cutting_finish(struct cutting *cutting)
 
 enum status dem_cut(const struct dem_cut *cut)
 {
-	const struct world *world = cut->world;
-	const char *problem = world_problem(world);
+	const struct extent *extent = cut->extent;
+	const char *problem = extent_problem(extent);
 	if (problem != NULL)
 		return fail_with(STATUS_INPUT, "terrain of %lld x %lld posts: %s; import another size",
-				 (long long)world->width, (long long)world->height, problem);
-	struct cutting cutting = {.cut = cut, .world = world, .scratch = {.file = -1}};
+				 (long long)extent->width, (long long)extent->height, problem);
+	struct cutting cutting = {.cut = cut, .extent = extent, .scratch = {.file = -1}};
 	enum status status = cutting_init(&cutting);
-	int64_t span = (int64_t)world->cells << cutting.panel_level, tiles_x = world_tiles_x(world, 0);
-	int64_t panels = (tiles_x * world->cells + span - 1) / span;
+	int64_t span = (int64_t)extent->cells << cutting.panel_level, tiles_x = extent_tiles_x(extent, 0);
+	int64_t panels = (tiles_x * extent->cells + span - 1) / span;
 	for (int64_t panel = 0; status == STATUS_OK && panel < panels; panel++) {
 		cutting.panel = panel;
 		cutting.x0 = panel * span;
-		cutting.width = smaller(span + 1, world->width - cutting.x0);
-		cutting.stride = smaller(span, tiles_x * world->cells - cutting.x0) + 1;
+		cutting.width = smaller(span + 1, extent->width - cutting.x0);
+		cutting.stride = smaller(span, tiles_x * extent->cells - cutting.x0) + 1;
 		status = cut_panel(&cutting, panels);
 	}
 	cutting_finish(&cutting);

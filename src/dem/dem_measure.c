@@ -90,12 +90,12 @@ FURROW_WIDE static double loss_of_steps(const int32_t *codes, uint32_t cells, do
 	return most * step / 4;
 }
 
-struct extent {
+struct code_range {
 	int32_t low, high; /* low above high: nothing but holes */
 	bool holes;
 };
 
-FURROW_WIDE static struct extent extent_of(const int32_t *codes, size_t count)
+FURROW_WIDE static struct code_range code_range_of(const int32_t *codes, size_t count)
 {
 	int32_t low = INT32_MAX, high = INT32_MIN;
 	int32_t holes = 0;
@@ -105,12 +105,12 @@ FURROW_WIDE static struct extent extent_of(const int32_t *codes, size_t count)
 		high = codes[i] > high ? codes[i] : high; /* a hole is the lowest code */
 		holes |= codes[i] == HEIGHT_CODE_NODATA;
 	}
-	return (struct extent){low, high, holes != 0};
+	return (struct code_range){low, high, holes != 0};
 }
 
 struct dem_measure dem_measure(const int32_t *codes, uint32_t cells, double step)
 {
-	struct extent extent = extent_of(codes, (size_t)(cells + 1) * (cells + 1));
+	struct code_range extent = code_range_of(codes, (size_t)(cells + 1) * (cells + 1));
 	struct dem_measure measure = {(double)NAN, (double)NAN, 0};
 	if (extent.low > extent.high)
 		return measure;

@@ -20,9 +20,9 @@ struct splitter {
 	enum status status;
 };
 
-uint32_t render_block_cells(const struct world *world)
+uint32_t render_block_cells(const struct extent *extent)
 {
-	uint32_t half = world->cells / 2;
+	uint32_t half = extent->cells / 2;
 	return half < RENDER_BLOCK_CELLS ? half : RENDER_BLOCK_CELLS;
 }
 
@@ -111,16 +111,16 @@ static void add_skirts(struct splitter *s, uint32_t *edge_strides, uint32_t acro
 	}
 }
 
-enum status render_blocks_add(struct render_blocks *blocks, const struct world *world, const struct terrain_view *view,
+enum status render_blocks_add(struct render_blocks *blocks, const struct extent *extent, const struct terrain_view *view,
 			      const double reaches[TERRAIN_STRIDES], const struct terrain_draw *draw)
 {
-	uint32_t side = render_block_cells(world), across = world->cells / side;
-	double spacing = world_spacing(world, draw->tile.level);
+	uint32_t side = render_block_cells(extent), across = extent->cells / side;
+	double spacing = extent_spacing(extent, draw->tile.level);
 	struct splitter s = {
 		.blocks = blocks, .view = view, .draw = draw, .spacing = spacing, .reaches = reaches,
-		.west = draw->tile.x * spacing * world->cells, .south = draw->tile.y * spacing * world->cells,
-		.limit = {(double)(world->width - 1) * world->spacing, (double)(world->height - 1) * world->spacing},
-		.side = side, .cells = world->cells, .first = blocks->count,
+		.west = draw->tile.x * spacing * extent->cells, .south = draw->tile.y * spacing * extent->cells,
+		.limit = {(double)(extent->width - 1) * extent->spacing, (double)(extent->height - 1) * extent->spacing},
+		.side = side, .cells = extent->cells, .first = blocks->count,
 	};
 	int stride = 0;
 	while (across >> stride > 2)

@@ -7,7 +7,7 @@
 
 #include "render/internal.h"
 
-static const struct body {
+static const struct celestial_body {
 	const char *define;
 	enum render_ground kinds[RENDER_GROUND_LAYERS];
 	double sunlight[3]; /* at the default height; light where a white that faces the Earth's sun is 2.6 */
@@ -75,7 +75,7 @@ const char *render_body_define(const struct scene_light *light)
 void render_body_fill(const struct scene_light *light, const struct scene *scene, struct picture_params *params)
 {
 	static const double taken[3] = {0.05, 0.11, 0.215}; /* of the light, by the Earth's air above */
-	const struct body *body = &bodies[light->body];
+	const struct celestial_body *body = &bodies[light->body];
 	double more = air_mass(light->height) - air_mass(SCENE_SUN_HEIGHT);
 	for (int i = 0; i < 3; i++) {
 		double sun = light->coloured ? 2.6 * light->colour[i] : body->sunlight[i] * exp(-body->reddens * taken[i] * more);

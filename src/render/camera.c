@@ -62,7 +62,7 @@ double render_mesh_reach(const struct render_axes *axes)
 void render_reaches(const struct render *render, const struct render_axes *axes, const struct terrain_draw *draw,
 		    double reaches[TERRAIN_STRIDES])
 {
-	double spacing = world_spacing(&render->world, draw->tile.level);
+	double spacing = extent_spacing(&render->extent, draw->tile.level);
 	for (int k = 0; k < TERRAIN_STRIDES; k++) {
 		double apart = spacing * (1 << k);
 		if (render->pixel_error <= 0) {
@@ -87,6 +87,6 @@ void render_view(const struct render *render, const struct render_camera *camera
 			(double)render->width / render->height, RENDER_FAR, view->planes);
 	view->by_error = render->pixel_error > 0;
 	view->radius = view->by_error ? axes.focal / render->pixel_error :
-					fmax(axes.focal / PIXELS_A_POST, RENDER_RUT_REACH * render_mesh_reach(&axes)) / render->world.cells;
+					fmax(axes.focal / PIXELS_A_POST, RENDER_RUT_REACH * render_mesh_reach(&axes)) / render->extent.cells;
 	view->finest = TILE_LEVEL_MIN;
 }

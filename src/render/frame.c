@@ -50,7 +50,7 @@ static void fill_frame(const struct render *render, const struct render_camera *
 	render_body_fill(light, render->soils, params);
 
 	/* Clear air over large terrains; over small ones enough haze to soften the world's edge. */
-	double across = hypot((double)(render->world.width - 1), (double)(render->world.height - 1)) * render->world.spacing;
+	double across = hypot((double)(render->extent.width - 1), (double)(render->extent.height - 1)) * render->extent.spacing;
 	double extinction = fmin(fmax(0.6 / across, 1.8e-5), 2e-4), layer = fmin(fmax(0.1 * across, 900), 3500);
 	extinction *= render_body_air(light);
 	double above = fmax(camera->eye[2] - render->low, 0);
@@ -80,8 +80,8 @@ static void fill_tile(const struct render *render, const struct render_camera *c
 {
 	double reaches[TERRAIN_STRIDES];
 	render_reaches(render, axes, draw, reaches);
-	uint32_t cells = render->world.cells;
-	double spacing = world_spacing(&render->world, draw->tile.level);
+	uint32_t cells = render->extent.cells;
+	double spacing = extent_spacing(&render->extent, draw->tile.level);
 	double west = draw->tile.x * spacing * cells, south = draw->tile.y * spacing * cells;
 	double eye = camera->eye[2] - render->reference;
 	double half = fmin(fmax(round(ldexp(eye, BASE_BITS - 1)), -0x1p30 + 1), 0x1p30 - 1);
@@ -97,7 +97,7 @@ static void fill_tile(const struct render *render, const struct render_camera *c
 	params->tile[0] = (int32_t)cells;
 	params->tile[1] = (int32_t)first;
 	params->tile[2] = (int32_t)half;
-	params->tile[3] = (int32_t)render_block_cells(&render->world);
+	params->tile[3] = (int32_t)render_block_cells(&render->extent);
 
 	to_floats(params->layer, render->layer.kind, render->layer.low, 1 / (render->layer.high - render->layer.low),
 		  2 * (draw->tile.level - TILE_LEVEL_MIN) + (int)((draw->tile.x + draw->tile.y) & 1));
@@ -105,7 +105,7 @@ static void fill_tile(const struct render *render, const struct render_camera *c
 	struct tile top = draw->tile.level < 0 ? tile_ancestor(draw->tile, 0) : draw->tile;
 	double fine = draw->tile.level < 0 ? ldexp(1, draw->tile.level) : 1;
 	to_floats(params->ground, draw->tile.x * fine * cells - (double)top.x * cells,
-		  draw->tile.y * fine * cells - (double)top.y * cells, fine, world_spacing(&render->world, top.level));
+		  draw->tile.y * fine * cells - (double)top.y * cells, fine, extent_spacing(&render->extent, top.level));
 }
 
 struct drawn {
@@ -123,7 +123,7 @@ static enum status collect_blocks(struct render *render, const struct terrain_vi
 		size_t before = blocks->count;
 		double reaches[TERRAIN_STRIDES];
 		render_reaches(render, axes, draw, reaches);
-		enum status status = render_blocks_add(blocks, &render->world, view, reaches, draw);
+		enum status status = render_blocks_add(blocks, &render->extent, view, reaches, draw);
 		if (status != STATUS_OK)
 			return status;
 		if (blocks->count > RENDER_BLOCKS_ROOM) {
@@ -139,7 +139,7 @@ static enum status collect_blocks(struct render *render, const struct terrain_vi
 
 static void count_triangles(struct render *render)
 {
-	uint64_t cells = render_block_cells(&render->world);
+	uint64_t cells = render_block_cells(&render->extent);
 	render->triangles += render->blocks.count * 2 * cells * cells;
 	if (render->effects >> EFFECT_SKIRTS & 1)
 		for (size_t i = 0; i < render->blocks.count; i++)
@@ -272,8 +272,8 @@ static enum status draw_unseen(struct render *render, const struct gpu_slot *slo
 {
 	struct picture_params params = {.project = {[12] = 4, [15] = 1}}; /* every vertex at one place, beside the picture */
 	uint32_t none = 0;
-	params.tile[0] = (int32_t)render->world.cells;
-	params.tile[3] = (int32_t)render_block_cells(&render->world);
+	params.tile[0] = (int32_t)render->extent.cells;
+	params.tile[3] = (int32_t)render_block_cells(&render->extent);
 	params.origin[2] = params.pattern[2] = params.ground[2] = params.ground[3] = params.detail[0] = params.detail[2] = 1;
 	gpu_buffer_write(render->instances, 0, sizeof none, &none);
 	/* Counted as any frame's: llvmpipe compiles what counts samples apart. */
@@ -294,7 +294,7 @@ static enum status draw_unseen(struct render *render, const struct gpu_slot *slo
 enum status render_draw_unseen(struct render *render, bool deformed, bool divided)
 {
 	struct gpu *gpu = render->gpu;
-	const uint32_t side = render->world.cells + 1;
+	const uint32_t side = render->extent.cells + 1;
 	struct gpu_slot slot = {.base = NULL};
 	/* As those of a slot: a driver may compile anew for others. */
 	enum status status = gpu_texture_create(gpu, GPU_R32I, side, side, 0, &slot.base);

@@ -61,7 +61,7 @@ struct render_blocks {
 	uint32_t *blocks;
 	size_t count, capacity;
 };
-uint32_t render_block_cells(const struct world *world);
+uint32_t render_block_cells(const struct extent *extent);
 /* Of a block's mesh. */
 uint32_t render_index_count(uint32_t cells, bool skirts);
 /* What the GPU holds at once: more than any tile has. */
@@ -69,7 +69,7 @@ uint32_t render_index_count(uint32_t cells, bool skirts);
 static_assert(RENDER_BLOCKS_ROOM >= (size_t)(TILE_CELLS_MAX / RENDER_BLOCK_CELLS) * (TILE_CELLS_MAX / RENDER_BLOCK_CELLS),
 	      "a tile's blocks fit");
 /* Appends the visible blocks of a draw, each at the coarsest stride whose reach it is beyond. */
-enum status render_blocks_add(struct render_blocks *blocks, const struct world *world, const struct terrain_view *view,
+enum status render_blocks_add(struct render_blocks *blocks, const struct extent *extent, const struct terrain_view *view,
 			      const double reaches[TERRAIN_STRIDES], const struct terrain_draw *draw) FURROW_CHECKED;
 
 /* --- programs.c --- */
@@ -129,7 +129,7 @@ double render_round_length(double most); /* the longest of 1, 2 or 5 times a pow
 struct render {
 	struct gpu *gpu;
 	struct gpu_slots *slots;
-	struct world world;
+	struct extent extent;
 	int32_t reference;
 	double low, high;
 	uint32_t width, height;

@@ -38,7 +38,7 @@ uint32_t render_index_count(uint32_t cells, bool skirts)
 
 static enum status create_mesh(struct render *render)
 {
-	uint32_t cells = render_block_cells(&render->world);
+	uint32_t cells = render_block_cells(&render->extent);
 	bool skirts = render->effects >> EFFECT_SKIRTS & 1;
 	uint16_t *indices = mem_alloc(render_index_count(cells, true), sizeof *indices);
 	if (indices == NULL)
@@ -127,7 +127,7 @@ enum status render_create(const struct render_params *params, struct render **ou
 	*render = (struct render){
 		.gpu = params->gpu,
 		.slots = params->slots,
-		.world = *params->world,
+		.extent = *params->extent,
 		.reference = params->reference,
 		.low = params->low,
 		.high = params->high,

@@ -16,6 +16,7 @@
 #include "scene/scene.h"
 #include "store/store.h"
 #include "terrain/terrain.h"
+#include "world/world.h"
 
 struct render_camera {
 	double eye[3], target[3]; /* absolute metres */
@@ -25,7 +26,7 @@ struct render_camera {
 struct render_params {
 	struct gpu *gpu;
 	struct gpu_slots *slots;
-	const struct world *world;
+	const struct extent *extent;
 	int32_t reference;    /* metres */
 	double low, high;     /* of the terrain, for colours by height */
 	int width, height;
@@ -216,5 +217,90 @@ enum status render_sheet_create(const struct render_sheet *sheet, struct render_
 	FURROW_CHECKED;
 enum status render_sheet_frame(const struct render_sheet *sheet, const struct render_canvas *canvas,
 			       const struct render_placed *placed) FURROW_CHECKED;
+
+/*
+ * --- the view of a world ---
+ *
+ * The picture that a scene's `view` asks for: what terrain selected for the camera, what the cache has of it, what is drawn.
+ * It reads the world and changes nothing of it but which pages are requested and used. For the world's thread.
+ */
+struct view;
+
+/* `watched`: somebody looks at every picture, so that none waits for its tiles, and layers are shown. The world must have been
+ * started with its pages. */
+enum status view_create(struct world *world, bool watched, struct view **out) FURROW_CHECKED;
+void view_destroy(struct view *view); /* takes NULL */
+/* What a picture of this world is made with. Without gpu, slots, reference, low, high and layers. Pure. */
+void view_render_params(const struct world *world, struct render_params *params);
+/* Loads what the first picture needs and draws it once, so that no step pays for either. */
+enum status view_warm(struct view *view) FURROW_CHECKED;
+/* Draws the picture of now. `image`: waits for what the picture needs, and begins to write it to `pictures`. */
+struct pictures;
+enum status view_frame(struct view *view, struct pictures *pictures, bool image) FURROW_CHECKED;
+/* After the last step: waits for what the GPU still counts. */
+void view_settle(struct view *view);
+/* The view as a watcher of its world: for world_watch. */
+struct world_watcher view_watcher(struct view *view);
+enum status view_deformed(struct view *view, struct tile tile) FURROW_CHECKED;
+enum status view_pressed(struct view *view, const struct event *event, const struct contact_area *area) FURROW_CHECKED;
+enum status view_requests(struct view *view, struct requests *requests) FURROW_CHECKED;
+void view_reach_at_least(struct view *view, double metres);
+struct view_figures {
+	double triangles;   /* a frame */
+	double overdraw;    /* samples of ground drawn, over the picture's: a frame, of those that could be counted; NaN: of none */
+	uint64_t frames;    /* pictures drawn */
+	uint64_t starved;   /* frames drawn coarser than asked for: a tile stood in, or coarsened */
+	uint64_t coarsened; /* frames cut to what the slots hold */
+	struct render_tiles tiles; /* draws of tiles, objects and shadows */
+};
+void view_figures(const struct view *view, struct view_figures *figures);
+/* For who watches: */
+void view_look_from(struct view *view, const struct render_camera *camera); /* NULL: the scene's camera */
+void view_scene_camera(struct view *view, struct render_camera *camera);    /* the scene's camera, now */
+void view_show_layer(struct view *view, const struct render_layer *layer);
+enum status view_resize(struct view *view, uint32_t width, uint32_t height) FURROW_CHECKED; /* from the next picture on */
+bool view_lacks(const struct view *view);         /* the last picture was drawn before all its tiles had come */
+uint64_t view_triangles(const struct view *view); /* of the last picture */
+/* Begins to bring the last picture: gpu_texture_read_into, 4 x width x height bytes. */
+void view_read_into(struct view *view, struct gpu_staging *staging);
+
+/*
+ * --- pictures that are written ---
+ *
+ * Pictures that are kept, on their way from the GPU to their files while steps go on: frame-NNNNNN.png of a folder, each
+ * written aside and renamed. For the GPU's thread; one thread of its own writes.
+ *
+ * A failure to read back or to write is kept, with its whole message, and returned by every call from then on. What was
+ * begun before is tried all the same: when it is over, each picture is whole or not there.
+ */
+/* What is kept at once, from the picture that is read back to the one that is written. */
+#define PICTURES_ROOM 3
+#define PICTURES_THREAD "furrow-images"
+
+/* The lines of pictures of so many pixels. Pure. */
+void pictures_plan(uint32_t width, uint32_t height, struct plan *plan);
+
+/* Of so many pixels. The folder's name stays the caller's and must outlive it. */
+enum status pictures_create(struct gpu *gpu, const char *directory, uint32_t width, uint32_t height,
+			    struct pictures **out) FURROW_CHECKED;
+/* Ends what was begun and stops the thread; then only pictures_figures and pictures_destroy. */
+void pictures_stop(struct pictures *pictures);
+void pictures_destroy(struct pictures *pictures); /* takes NULL; stops first */
+
+/* All of these but pictures_figures take NULL, of which nothing is asked. */
+/* Begins with the last frame, the picture after so many steps. Waits if PICTURES_ROOM are under way, for the first. */
+enum status pictures_begin(struct pictures *pictures, struct render *render, int64_t step) FURROW_CHECKED;
+/* Hands on what the GPU is done with. Never waits; call it once a step. */
+enum status pictures_poll(struct pictures *pictures) FURROW_CHECKED;
+/* Marks all that were begun, when the GPU is done with them, which is waited for. */
+void pictures_mark(struct pictures *pictures);
+/* Any thread: waits until what was marked last is in its files. */
+enum status pictures_await(struct pictures *pictures) FURROW_CHECKED;
+
+struct pictures_figures {
+	uint64_t written, waits; /* files; times that a call waited */
+	double wait_ms;
+};
+void pictures_figures(struct pictures *pictures, struct pictures_figures *figures);
 
 #endif

@@ -17,7 +17,7 @@
 
 struct surveying {
 	const struct render_survey_params *params;
-	const struct world *world;
+	const struct extent *extent;
 	struct render_survey *survey;
 	float *offset; /* of each pixel, where offsets shade; NULL: they do not */
 	int working;
@@ -66,10 +66,10 @@ static struct post_rect fine_rect(const struct surveying *s, int level)
 {
 	int coarse = s->params->level, shift = coarse - level;
 	int64_t half = shift > 0 ? (int64_t)1 << (shift - 1) : 0;
-	const struct world *w = s->world;
+	const struct extent *w = s->extent;
 	struct post_rect r = s->survey->rect;
-	fine_posts(shift, half, world_posts(w->width, coarse), world_posts(w->width, level), &r.x0, &r.x1);
-	fine_posts(shift, half, world_posts(w->height, coarse), world_posts(w->height, level), &r.y0, &r.y1);
+	fine_posts(shift, half, extent_posts(w->width, coarse), extent_posts(w->width, level), &r.x0, &r.x1);
+	fine_posts(shift, half, extent_posts(w->height, coarse), extent_posts(w->height, level), &r.y0, &r.y1);
 	return r;
 }
 
@@ -78,8 +78,8 @@ static enum status look_at(struct surveying *s, struct tile tile, struct key_lis
 {
 	double low, high;
 	bool found = false;
-	struct post_rect rect = post_rect_intersect(tile_post_rect(s->world, tile), fine_rect(s, tile.level));
-	if (!world_has(s->world, tile) || post_rect_empty(rect))
+	struct post_rect rect = post_rect_intersect(tile_post_rect(s->extent, tile), fine_rect(s, tile.level));
+	if (!extent_has(s->extent, tile) || post_rect_empty(rect))
 		return STATUS_OK;
 	enum status status = store_read_offset_range(s->params->reader, tile, &low, &high, &found);
 	return status == STATUS_OK && found ? add_key(list, tile_key(tile)) : status;
@@ -96,7 +96,7 @@ static enum status take_key(void *user, uint64_t key)
 	const struct finding *finding = user;
 	struct tile tile = tile_from_key(key);
 	struct post_rect seen = fine_rect(finding->s, tile.level);
-	bool outside = post_rect_empty(post_rect_intersect(tile_post_rect(finding->s->world, tile), seen));
+	bool outside = post_rect_empty(post_rect_intersect(tile_post_rect(finding->s->extent, tile), seen));
 	return outside ? STATUS_OK : add_key(finding->list, key);
 }
 
@@ -108,7 +108,7 @@ static enum status find_tiles(struct surveying *s, struct key_list *list)
 	int level = s->params->level;
 	uint64_t most = s->params->tiles_most;
 	enum status status = STATUS_OK;
-	if (!tile_range_of(s->world, level, s->survey->rect, &first, &last))
+	if (!tile_range_of(s->extent, level, s->survey->rect, &first, &last))
 		return STATUS_OK;
 	for (uint32_t y = first.y; y <= last.y; y++)
 		for (uint32_t x = first.x; x <= last.x && status == STATUS_OK; x++)
@@ -141,8 +141,8 @@ static void splat(const struct surveying *s, struct tile tile, enum plane plane,
 {
 	const struct render_survey *survey = s->survey;
 	int shift = s->params->level - tile.level;
-	int64_t half = shift > 0 ? (int64_t)1 << (shift - 1) : 0, side = tile_posts(s->world);
-	struct post_rect own = tile_post_rect(s->world, tile);
+	int64_t half = shift > 0 ? (int64_t)1 << (shift - 1) : 0, side = tile_posts(s->extent);
+	struct post_rect own = tile_post_rect(s->extent, tile);
 	struct post_rect part = post_rect_intersect(own, fine_rect(s, tile.level));
 	int64_t last_x = survey->width - 1, last_y = survey->height - 1;
 	for (int64_t y = part.y0; y < part.y1; y++) {
@@ -161,7 +161,7 @@ static void splat(const struct surveying *s, struct tile tile, enum plane plane,
 static enum status read_tiles(struct surveying *s, enum plane plane, float *into)
 {
 	struct key_list list = {NULL, 0, 0};
-	size_t side = tile_posts(s->world);
+	size_t side = tile_posts(s->extent);
 	void *posts = mem_alloc(side * side, sizeof(int32_t)), *planes[PLANES] = {NULL};
 	planes[plane] = posts;
 	enum status status = posts != NULL ? STATUS_OK : fail_memory("a tile");
@@ -226,7 +226,7 @@ static enum status read_slopes(struct surveying *s, struct strip *strip)
 	struct post_rect r = strip->rect, wide = {r.x0 - 1, r.y0 - 1, r.x1 + 1, r.y1 + 1};
 	enum status status = store_read_posts(s->params->reader, STORE_BASE, strip->level, wide, strip->heights);
 	if (status == STATUS_OK)
-		render_slopes(strip->heights, r.x1 - r.x0, r.y1 - r.y0, world_spacing(s->world, strip->level), strip->east,
+		render_slopes(strip->heights, r.x1 - r.x0, r.y1 - r.y0, extent_spacing(s->extent, strip->level), strip->east,
 			      strip->north);
 	return status;
 }
@@ -341,10 +341,10 @@ enum status render_survey_create(const struct render_survey_params *params, stru
 		.height = (uint32_t)(params->rect.y1 - params->rect.y0),
 		.level = params->level,
 		.rect = params->rect,
-		.spacing = world_spacing(&params->meta->world, params->level),
+		.spacing = extent_spacing(&params->meta->extent, params->level),
 		.flat = render_shade(&params->sun, 0, 0),
 	};
-	struct surveying s = {.params = params, .world = &params->meta->world, .survey = out, .working = params->working,
+	struct surveying s = {.params = params, .extent = &params->meta->extent, .survey = out, .working = params->working,
 			      .deformed = params->deformed, .total = out->height};
 	enum status status = allocate(&s);
 	if (status == STATUS_OK && s.deformed)

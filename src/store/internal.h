@@ -64,14 +64,14 @@ struct row {
 struct rows {
 	sqlite3 *db;
 	const char *path;         /* the store's */
-	const struct world *world;
+	const struct extent *extent;
 	struct codec codec;
 	int32_t *wide;            /* (cells + 1)^2 */
 	sqlite3_stmt *find[ROW_TABLES], *head[ROW_TABLES], *write[ROW_TABLES], *drop[ROW_TABLES],
 		*under[ROW_TABLES];
 };
 
-enum status rows_init(struct rows *rows, sqlite3 *db, const char *path, const struct world *world,
+enum status rows_init(struct rows *rows, sqlite3 *db, const char *path, const struct extent *extent,
 		      enum codec_effort effort) FURROW_CHECKED;
 void rows_finish(struct rows *rows); /* before the connection is closed */
 
@@ -105,7 +105,7 @@ void rows_range(enum row_table table, const int32_t *posts, size_t count, double
 bool rows_all_zero(const int32_t *posts, size_t count);
 /* Sums of a tile's own offsets below and above zero: all but its last row and column, unless it is
  * the world's last in that direction. */
-void rows_sums(const struct world *world, struct tile tile, const int32_t *posts, int64_t *below,
+void rows_sums(const struct extent *extent, struct tile tile, const int32_t *posts, int64_t *below,
 	       int64_t *above);
 
 /* --- store_statements.c: what was executed, by table --- */
@@ -154,7 +154,7 @@ struct store {
 	int64_t wal_patience; /* from this on a checkpoint waits for readers */
 	sqlite3_stmt *run_statement, *meta_statement;
 	struct statements statements; /* of this connection and of readers' */
-	char *run_scene, *run_state; /* given out by store_count() */
+	char *api_scene, *run_state; /* given out by store_count() */
 };
 
 struct store_reader {
@@ -211,7 +211,7 @@ enum status meta_add_compacted(struct store *store, int64_t more) FURROW_CHECKED
 /* Quanta lost for good, as the file has it now. */
 enum status meta_compacted(sqlite3 *db, const char *path, int64_t *compacted) FURROW_CHECKED;
 /* The working level as the file has it now. */
-enum status meta_working(sqlite3 *db, const char *path, const struct world *world, bool *has, int *level)
+enum status meta_working(sqlite3 *db, const char *path, const struct extent *extent, bool *has, int *level)
 	FURROW_CHECKED;
 
 /* --- store_hash.c: what all hashes over numbers and texts share --- */

@@ -23,7 +23,7 @@
 enum store_pack { STORE_PACK_FAST, STORE_PACK_SMALL };
 
 struct store_meta {
-	struct world world;
+	struct extent extent;
 	double step;          /* height code step in metres, 0: lossless float32 */
 	double max_error;     /* metres, as asked */
 	const char *srs;      /* WKT, "" for local metres */

@@ -43,12 +43,12 @@ static enum status last_run(struct store *store, int64_t *epoch, struct store_ru
 		return status;
 	int code = sqlite3_step(statement);
 	if (code == SQLITE_ROW) {
-		status = keep_text(&store->run_scene, sqlite3_column_text(statement, 1));
+		status = keep_text(&store->api_scene, sqlite3_column_text(statement, 1));
 		if (status == STATUS_OK)
 			status = keep_text(&store->run_state, sqlite3_column_text(statement, 4));
 		*epoch = sqlite3_column_int64(statement, 0);
 		*run = (struct store_run){
-			.scene_hash = store->run_scene,
+			.scene_hash = store->api_scene,
 			.step = sqlite3_column_int64(statement, 2),
 			.time = sqlite3_column_double(statement, 3),
 			.state = store->run_state,

@@ -26,7 +26,7 @@
 
 static enum status check_meta(const char *path, const struct store_meta *meta)
 {
-	const char *problem = world_problem(&meta->world);
+	const char *problem = extent_problem(&meta->extent);
 	if (problem != NULL)
 		return fail_with(STATUS_INPUT, "%s: %s; import another size", path, problem);
 	if (!(meta->step >= 0) || !isfinite(meta->step) || !isfinite(meta->max_error) ||
@@ -203,7 +203,7 @@ static enum status make(const char *path, const struct store_meta *meta, bool ov
 	if (status == STATUS_OK)
 		status = open_part(store, resume);
 	if (status == STATUS_OK)
-		status = rows_init(&store->rows, store->db, store->path, &store->meta.world,
+		status = rows_init(&store->rows, store->db, store->path, &store->meta.extent,
 				   meta->pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_FAST);
 	if (status != STATUS_OK) {
 		store_close(store);
@@ -236,10 +236,10 @@ enum status store_resume(const char *path, const struct store_meta *meta, bool o
 
 static enum status check_whole(struct store *store)
 {
-	const struct world *world = &store->meta.world;
+	const struct extent *extent = &store->meta.extent;
 	int64_t want = 0, have;
-	for (int level = 0; level <= world_coarsest(world); level++)
-		want += (int64_t)world_tiles_x(world, level) * world_tiles_y(world, level);
+	for (int level = 0; level <= extent_coarsest(extent); level++)
+		want += (int64_t)extent_tiles_x(extent, level) * extent_tiles_y(extent, level);
 	enum status status = sql_integer(store->db, store->path, "SELECT count(*) FROM base", &have);
 	if (status == STATUS_OK && have != want)
 		status = fail_with(STATUS_FAILED, "%s: %lld of %lld tiles were made; import it again", store->path,
@@ -251,7 +251,7 @@ static enum status take_range(struct store *store)
 {
 	struct row top;
 	bool found;
-	struct tile tile = {world_coarsest(&store->meta.world), 0, 0};
+	struct tile tile = {extent_coarsest(&store->meta.extent), 0, 0};
 	enum status status = rows_head(&store->rows, ROW_BASE, tile, &top, &found);
 	if (status != STATUS_OK)
 		return status;

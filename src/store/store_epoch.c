@@ -38,7 +38,7 @@ static int order_compare(const void *a, const void *b)
 
 static size_t plane_posts(const struct store *store)
 {
-	size_t side = tile_posts(&store->meta.world);
+	size_t side = tile_posts(&store->meta.extent);
 	return side * side;
 }
 
@@ -61,7 +61,7 @@ static enum status put_row(struct climb *climb, struct row *row, const int32_t *
 	bool written;
 	row->revision = store->epoch + 1;
 	if (climb->table == ROW_OFFSET && exists)
-		rows_sums(&store->meta.world, row->tile, posts, &row->below, &row->above);
+		rows_sums(&store->meta.extent, row->tile, posts, &row->below, &row->above);
 	if (climb->table == ROW_OFFSET && row->tile.level == store->working) {
 		result->below += row->below - (old != NULL ? old->below : 0);
 		result->above += row->above - (old != NULL ? old->above : 0);
@@ -129,7 +129,7 @@ static enum status climb_tile(struct climb *climb, int level, size_t first, size
 		return put_page(climb, page, posts);
 	}
 	struct tile tile = tile_ancestor(page->tile, level);
-	const struct world *world = &climb->store->meta.world;
+	const struct extent *extent = &climb->store->meta.extent;
 	int32_t *mine;
 	struct row old;
 	bool had;
@@ -149,7 +149,7 @@ static enum status climb_tile(struct climb *climb, int level, size_t first, size
 		status = climb_tile(climb, level - 1, i, next, &fine);
 		if (status != STATUS_OK)
 			return status;
-		lattice_decimate_i32(fine, world->cells, child.x & 1, child.y & 1, mine);
+		lattice_decimate_i32(fine, extent->cells, child.x & 1, child.y & 1, mine);
 	}
 	*posts = mine;
 	climb->result->coarser += climb->table == ROW_OFFSET;
@@ -171,7 +171,7 @@ static enum status climb_table(struct store *store, enum row_table table, const 
 	if (with > 0) {
 		const int32_t *top;
 		qsort(climb.order, with, sizeof *climb.order, order_compare);
-		status = climb_tile(&climb, world_coarsest(&store->meta.world), 0, with, &top);
+		status = climb_tile(&climb, extent_coarsest(&store->meta.extent), 0, with, &top);
 	}
 	for (size_t i = 0; i < sizeof climb.planes / sizeof *climb.planes; i++)
 		mem_free(climb.planes[i]);
@@ -233,7 +233,7 @@ enum status store_epoch(struct store *store, const struct store_page *pages, siz
 {
 	assert(store->writing && store->has_working);
 	for (size_t i = 0; i < count; i++)
-		assert(pages[i].tile.level == store->working && world_has(&store->meta.world, pages[i].tile) &&
+		assert(pages[i].tile.level == store->working && extent_has(&store->meta.extent, pages[i].tile) &&
 		       pages[i].planes[PLANE_OFFSET] != NULL);
 	*result = (struct store_epoch_result){.epoch = store->epoch + 1};
 	enum status status = sql_exec(store->db, store->path, "beginning an epoch", "BEGIN IMMEDIATE");

@@ -44,8 +44,8 @@ static void add_meta(struct hashing *hashing)
 	const struct store *store = hashing->store;
 	const struct store_meta *meta = &store->meta;
 	const uint64_t words[] = {
-		(uint64_t)meta->world.width, (uint64_t)meta->world.height, meta->world.cells,
-		hash_real(meta->world.spacing), hash_real(meta->step), hash_real(meta->max_error),
+		(uint64_t)meta->extent.width, (uint64_t)meta->extent.height, meta->extent.cells,
+		hash_real(meta->extent.spacing), hash_real(meta->step), hash_real(meta->max_error),
 		hash_real(meta->origin[0]), hash_real(meta->origin[1]), hash_real(meta->low),
 		hash_real(meta->high), store->working_stored,
 		store->working_stored ? (uint64_t)(int64_t)store->working : 0, (uint64_t)store->compacted,
@@ -58,11 +58,11 @@ static void add_meta(struct hashing *hashing)
 static enum status add_row(struct hashing *hashing, enum row_table table, uint64_t key)
 {
 	struct rows *rows = store_table(hashing->store, table);
-	size_t side = tile_posts(rows->world), count = side * side;
+	size_t side = tile_posts(rows->extent), count = side * side;
 	struct tile tile = tile_from_key(key);
 	struct row row;
 	bool found;
-	if (!world_has(rows->world, tile) || tile_key(tile) != key)
+	if (!extent_has(rows->extent, tile) || tile_key(tile) != key)
 		return fail_with(STATUS_INPUT, "%s: it has a tile outside its terrain; the store is damaged, "
 				 "restore it", rows->path);
 	enum status status = rows_read(rows, table, tile, hashing->posts, &row, &found);
@@ -103,7 +103,7 @@ static enum status add_table(struct hashing *hashing, enum row_table table)
 
 enum status store_content_hash(struct store *store, uint64_t *hash)
 {
-	size_t side = tile_posts(&store->meta.world);
+	size_t side = tile_posts(&store->meta.extent);
 	struct hashing hashing = {.store = store, .state = XXH3_createState()};
 	hashing.posts = mem_alloc(side * side, sizeof *hashing.posts);
 	enum status status = hashing.posts != NULL && hashing.state != NULL ? STATUS_OK

@@ -12,8 +12,8 @@
 static void add_meta(XXH3_state_t *state, const struct store_meta *meta)
 {
 	const uint64_t words[] = {
-		(uint64_t)meta->world.width, (uint64_t)meta->world.height, meta->world.cells,
-		hash_real(meta->world.spacing), hash_real(meta->step), hash_real(meta->origin[0]),
+		(uint64_t)meta->extent.width, (uint64_t)meta->extent.height, meta->extent.cells,
+		hash_real(meta->extent.spacing), hash_real(meta->step), hash_real(meta->origin[0]),
 		hash_real(meta->origin[1]), hash_real(meta->low), hash_real(meta->high),
 	};
 	hash_words(state, words, sizeof words / sizeof *words);

@@ -90,12 +90,12 @@ enum status meta_write(struct store *store)
 {
 	const struct store_meta *meta = &store->meta;
 	const struct { const char *key; int64_t value; } integers[] = {
-		{"width", meta->world.width}, {"height", meta->world.height},
-		{"cells", meta->world.cells}, {"pack", meta->pack},
+		{"width", meta->extent.width}, {"height", meta->extent.height},
+		{"cells", meta->extent.cells}, {"pack", meta->pack},
 		{"base_hash", (int64_t)store->base_hash},
 	};
 	const struct { const char *key; double value; } reals[] = {
-		{"spacing", meta->world.spacing}, {"step", meta->step}, {"max_error", meta->max_error},
+		{"spacing", meta->extent.spacing}, {"step", meta->step}, {"max_error", meta->max_error},
 		{"origin_x", meta->origin[0]}, {"origin_y", meta->origin[1]},
 		{"low", meta->low}, {"high", meta->high},
 	};
@@ -200,7 +200,7 @@ enum status meta_same_request(struct store *store, bool *same)
 	return status;
 }
 
-static enum status get_world(struct lookup *lookup, struct world *world)
+static enum status get_world(struct lookup *lookup, struct extent *extent)
 {
 	int64_t cells;
 	bool begun, whole = false;
@@ -211,38 +211,38 @@ static enum status get_world(struct lookup *lookup, struct world *world)
 		return fail_with(STATUS_INPUT, "%s: an import that is not done; the same furrow import with --resume goes on "
 				 "with it", lookup->path);
 	if (status == STATUS_OK)
-		status = get_integer(lookup, "width", 0, INT64_MAX, &world->width);
+		status = get_integer(lookup, "width", 0, INT64_MAX, &extent->width);
 	if (status == STATUS_OK)
-		status = get_integer(lookup, "height", 0, INT64_MAX, &world->height);
+		status = get_integer(lookup, "height", 0, INT64_MAX, &extent->height);
 	if (status == STATUS_OK)
 		status = get_integer(lookup, "cells", 0, TILE_CELLS_MAX, &cells);
 	if (status == STATUS_OK)
-		status = get_real(lookup, "spacing", false, &world->spacing);
+		status = get_real(lookup, "spacing", false, &extent->spacing);
 	if (status != STATUS_OK)
 		return status;
-	world->cells = (uint32_t)cells;
-	const char *problem = world_problem(world);
+	extent->cells = (uint32_t)cells;
+	const char *problem = extent_problem(extent);
 	if (problem != NULL)
 		return fail_with(STATUS_INPUT, "%s: its header is wrong: %s; restore or import it again",
 				 lookup->path, problem);
 	return STATUS_OK;
 }
 
-static enum status get_working(struct lookup *lookup, const struct world *world, bool *has, int *level)
+static enum status get_working(struct lookup *lookup, const struct extent *extent, bool *has, int *level)
 {
 	enum status status = look_up(lookup, "working", has);
 	if (status != STATUS_OK || !*has)
 		return status;
 	int64_t value = 0;
-	status = get_integer(lookup, "working", TILE_LEVEL_MIN, world_coarsest(world), &value);
+	status = get_integer(lookup, "working", TILE_LEVEL_MIN, extent_coarsest(extent), &value);
 	*level = (int)value;
 	return status;
 }
 
-enum status meta_working(sqlite3 *db, const char *path, const struct world *world, bool *has, int *level)
+enum status meta_working(sqlite3 *db, const char *path, const struct extent *extent, bool *has, int *level)
 {
 	struct lookup lookup = {.db = db, .path = path};
-	enum status status = get_working(&lookup, world, has, level);
+	enum status status = get_working(&lookup, extent, has, level);
 	sqlite3_finalize(lookup.statement);
 	return status;
 }
@@ -311,7 +311,7 @@ static enum status get_base_path(struct lookup *lookup, char **path)
 static enum status get_all(struct lookup *lookup, struct store *store)
 {
 	struct store_meta *meta = &store->meta;
-	enum status status = get_world(lookup, &meta->world);
+	enum status status = get_world(lookup, &meta->extent);
 	int64_t pack;
 	if (status == STATUS_OK)
 		status = get_integer(lookup, "pack", STORE_PACK_FAST, STORE_PACK_SMALL, &pack);
@@ -335,7 +335,7 @@ static enum status get_all(struct lookup *lookup, struct store *store)
 	if (status == STATUS_OK)
 		status = get_base_path(lookup, &store->base_path);
 	if (status == STATUS_OK)
-		status = get_working(lookup, &meta->world, &store->has_working, &store->working);
+		status = get_working(lookup, &meta->extent, &store->has_working, &store->working);
 	if (status == STATUS_OK)
 		status = get_compacted(lookup, &store->compacted);
 	if (status != STATUS_OK)

@@ -104,7 +104,7 @@ enum status store_open_as(const char *path, const struct store_options *options,
 		status = wal_begin(store);
 	if (status == STATUS_OK) {
 		store->writing = options->mode == STORE_WRITE;
-		status = rows_init(&store->rows, store->db, store->path, &store->meta.world,
+		status = rows_init(&store->rows, store->db, store->path, &store->meta.extent,
 				   store->meta.pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_FAST);
 	}
 	if (status == STATUS_OK)
@@ -149,7 +149,7 @@ static void close_store(struct store *store, bool remove)
 		unlink(store->real_path);
 	lock_drop(store->lock_path, store->lock);
 	meta_finish(&store->meta);
-	mem_free(store->run_scene);
+	mem_free(store->api_scene);
 	mem_free(store->run_state);
 	mem_free(store->path);
 	mem_free(store->real_path);
@@ -190,14 +190,14 @@ bool store_has_working_level(const struct store *store, int *level)
 
 enum status store_set_working_level(struct store *store, int level)
 {
-	const struct world *world = &store->meta.world;
-	if (level < TILE_LEVEL_MIN || level > world_coarsest(world))
+	const struct extent *extent = &store->meta.extent;
+	if (level < TILE_LEVEL_MIN || level > extent_coarsest(extent))
 		return fail_with(STATUS_INPUT, "%s: level %d cannot be deformed; give one from %d to %d", store->path,
-				 level, TILE_LEVEL_MIN, world_coarsest(world));
+				 level, TILE_LEVEL_MIN, extent_coarsest(extent));
 	if (store->has_working && store->working != level)
 		return fail_with(STATUS_INPUT, "%s: it is deformed at a spacing of %g m, not %g m; use that spacing, "
-				 "or furrow reset", store->path, world_spacing(world, store->working),
-				 world_spacing(world, level));
+				 "or furrow reset", store->path, extent_spacing(extent, store->working),
+				 extent_spacing(extent, level));
 	store->has_working = true;
 	store->working = level;
 	return STATUS_OK;

@@ -92,8 +92,8 @@ static bool same_real(double a, double b)
 /* All that a reader of the base's tiles takes from the overlay's header. */
 static bool same_terrain(const struct store_meta *a, const struct store_meta *b)
 {
-	return a->world.width == b->world.width && a->world.height == b->world.height &&
-	       a->world.cells == b->world.cells && same_real(a->world.spacing, b->world.spacing) &&
+	return a->extent.width == b->extent.width && a->extent.height == b->extent.height &&
+	       a->extent.cells == b->extent.cells && same_real(a->extent.spacing, b->extent.spacing) &&
 	       same_real(a->step, b->step) && same_real(a->origin[0], b->origin[0]) &&
 	       same_real(a->origin[1], b->origin[1]) && same_real(a->low, b->low) &&
 	       same_real(a->high, b->high) && strcmp(a->srs, b->srs) == 0 &&

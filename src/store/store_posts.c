@@ -65,7 +65,7 @@ static const struct {
 /* Post (x, y) of the level asked for, which lies in the tile at (px, py) / 2^shift of its posts. */
 static int32_t post_at(const struct reading *reading, int shift, uint64_t px, uint64_t py)
 {
-	uint32_t cells = reading->reader->rows.world->cells, part = (1u << shift) - 1;
+	uint32_t cells = reading->reader->rows.extent->cells, part = (1u << shift) - 1;
 	uint64_t cx = px >> shift, cy = py >> shift;
 	uint32_t fx = (uint32_t)px & part, fy = (uint32_t)py & part;
 	if (shift == 0)
@@ -87,10 +87,10 @@ static int32_t post_at(const struct reading *reading, int shift, uint64_t px, ui
 static struct post_rect part_of(const struct reading *reading, struct tile tile, int shift,
 				struct post_rect rect)
 {
-	const struct world *world = reading->reader->rows.world;
-	struct post_rect own = tile_post_rect(world, tile);
-	bool last_x = tile.x + 1 == world_tiles_x(world, tile.level);
-	bool last_y = tile.y + 1 == world_tiles_y(world, tile.level);
+	const struct extent *extent = reading->reader->rows.extent;
+	struct post_rect own = tile_post_rect(extent, tile);
+	bool last_x = tile.x + 1 == extent_tiles_x(extent, tile.level);
+	bool last_y = tile.y + 1 == extent_tiles_y(extent, tile.level);
 	own = (struct post_rect){own.x0 << shift, own.y0 << shift, ((own.x1 - 1) << shift) + last_x,
 				 ((own.y1 - 1) << shift) + last_y};
 	return post_rect_intersect(own, rect);
@@ -99,8 +99,8 @@ static struct post_rect part_of(const struct reading *reading, struct tile tile,
 static void take_tile(const struct reading *reading, struct tile tile, int shift, struct post_rect part,
 		      meaning_fn meaning)
 {
-	uint64_t west = (uint64_t)tile.x * reading->reader->rows.world->cells << shift;
-	uint64_t south = (uint64_t)tile.y * reading->reader->rows.world->cells << shift;
+	uint64_t west = (uint64_t)tile.x * reading->reader->rows.extent->cells << shift;
+	uint64_t south = (uint64_t)tile.y * reading->reader->rows.extent->cells << shift;
 	int64_t width = reading->rect.x1 - reading->rect.x0;
 	for (int64_t y = part.y0; y < part.y1; y++) {
 		double *row = reading->values + (y - reading->rect.y0) * width - reading->rect.x0;
@@ -121,7 +121,7 @@ static enum status load_tile(struct reading *reading, enum row_table table, stru
 	enum status status = store_read_base(reading->reader, tile, reading->posts, NULL);
 	if (status != STATUS_OK || reading->level >= 0)
 		return status;
-	size_t side = tile_posts(rows->world);
+	size_t side = tile_posts(rows->extent);
 	const struct store_meta *meta = &reading->reader->store->meta;
 	for (size_t i = 0; i < side * side; i++)
 		reading->posts[i] = lattice_base_relative(height_code_metres(reading->posts[i], meta->step),
@@ -138,10 +138,10 @@ static enum status take_level(struct reading *reading, enum row_table table, int
 	if (shift > SHIFT_MAX)
 		return fail_with(STATUS_INPUT, "%s: level %d is more than %d levels finer than what is stored; ask "
 				 "for a coarser one", reading->reader->rows.path, reading->level, SHIFT_MAX);
-	const struct world *world = reading->reader->rows.world;
+	const struct extent *extent = reading->reader->rows.extent;
 	/* A last post of the terrain may be the last of the tile before: none begins there. */
-	int64_t span = (int64_t)world->cells << shift;
-	uint32_t tiles_x = world_tiles_x(world, source), tiles_y = world_tiles_y(world, source);
+	int64_t span = (int64_t)extent->cells << shift;
+	uint32_t tiles_x = extent_tiles_x(extent, source), tiles_y = extent_tiles_y(extent, source);
 	uint32_t first_x = (uint32_t)(rect.x0 / span), first_y = (uint32_t)(rect.y0 / span);
 	first_x = first_x < tiles_x ? first_x : tiles_x - 1;
 	first_y = first_y < tiles_y ? first_y : tiles_y - 1;
@@ -164,14 +164,14 @@ static enum status take_level(struct reading *reading, enum row_table table, int
 static enum status read_layer(struct reading *reading, enum store_layer layer)
 {
 	struct store_reader *reader = reading->reader;
-	const struct world *world = reader->rows.world;
+	const struct extent *extent = reader->rows.extent;
 	int level = reading->level, working = 0;
-	struct post_rect all = {0, 0, world_posts(world->width, level), world_posts(world->height, level)};
+	struct post_rect all = {0, 0, extent_posts(extent->width, level), extent_posts(extent->height, level)};
 	struct post_rect rect = post_rect_intersect(reading->rect, all);
 	if (post_rect_empty(rect))
 		return STATUS_OK;
 	bool deformed;
-	enum status status = meta_working(reader->db, reader->rows.path, world, &deformed, &working);
+	enum status status = meta_working(reader->db, reader->rows.path, extent, &deformed, &working);
 	if (status == STATUS_OK)
 		status = take_level(reading, ROW_BASE, level > 0 ? level : 0, rect,
 				    level >= 0 ? base_code : base_lattice);
@@ -192,11 +192,11 @@ static enum status read_layer(struct reading *reading, enum store_layer layer)
 enum status store_read_posts(struct store_reader *reader, enum store_layer layer, int level,
 			     struct post_rect rect, double *values)
 {
-	const struct world *world = reader->rows.world;
+	const struct extent *extent = reader->rows.extent;
 	const struct store_meta *meta = &reader->store->meta;
-	if (level < TILE_LEVEL_MIN || level > world_coarsest(world))
+	if (level < TILE_LEVEL_MIN || level > extent_coarsest(extent))
 		return fail_with(STATUS_INPUT, "%s: there is no level %d; give one from %d to %d", reader->rows.path,
-				 level, TILE_LEVEL_MIN, world_coarsest(world));
+				 level, TILE_LEVEL_MIN, extent_coarsest(extent));
 	if (post_rect_empty(rect))
 		return STATUS_OK;
 	if (level < 0 && !isnan(meta->low) && !lattice_fits(meta->low, meta->high))
@@ -213,7 +213,7 @@ enum status store_read_posts(struct store_reader *reader, enum store_layer layer
 		.values = values,
 		.reference = isnan(meta->low) ? 0 : lattice_reference(meta->low, meta->high),
 	};
-	size_t side = tile_posts(world);
+	size_t side = tile_posts(extent);
 	reading.posts = mem_alloc(side * side, sizeof *reading.posts);
 	if (reading.posts == NULL)
 		return fail_memory("a tile");
@@ -236,17 +236,17 @@ enum status store_read_posts(struct store_reader *reader, enum store_layer layer
  * the tile of the working level there has. */
 static enum status level_at(struct store_reader *reader, double x, double y, int *level, unsigned *planes)
 {
-	const struct world *world = reader->rows.world;
+	const struct extent *extent = reader->rows.extent;
 	bool deformed;
 	int working;
 	*level = 0;
 	*planes = 0;
-	enum status status = meta_working(reader->db, reader->rows.path, world, &deformed, &working);
+	enum status status = meta_working(reader->db, reader->rows.path, extent, &deformed, &working);
 	if (status != STATUS_OK || !deformed)
 		return status;
-	double side = world_spacing(world, working) * world->cells;
+	double side = extent_spacing(extent, working) * extent->cells;
 	uint32_t tx = (uint32_t)(x / side), ty = (uint32_t)(y / side);
-	uint32_t tiles_x = world_tiles_x(world, working), tiles_y = world_tiles_y(world, working);
+	uint32_t tiles_x = extent_tiles_x(extent, working), tiles_y = extent_tiles_y(extent, working);
 	struct tile tile = {working, tx < tiles_x ? tx : tiles_x - 1, ty < tiles_y ? ty : tiles_y - 1};
 	for (int plane = 0; plane < PLANES && status == STATUS_OK; plane++) {
 		struct row row;
@@ -266,11 +266,11 @@ static double snapped(double part)
 }
 
 /* The cell of `level` that holds (x, y), and where in it. */
-static struct post_rect cell_at(const struct world *world, int level, double x, double y, double *u,
+static struct post_rect cell_at(const struct extent *extent, int level, double x, double y, double *u,
 				double *v)
 {
-	double px = x / world_spacing(world, level), py = y / world_spacing(world, level);
-	int64_t width = world_posts(world->width, level), height = world_posts(world->height, level);
+	double px = x / extent_spacing(extent, level), py = y / extent_spacing(extent, level);
+	int64_t width = extent_posts(extent->width, level), height = extent_posts(extent->height, level);
 	int64_t cx = (int64_t)px, cy = (int64_t)py;
 	cx = cx < width - 1 ? cx : width - 2;
 	cy = cy < height - 1 ? cy : height - 2;
@@ -309,7 +309,7 @@ static enum status sample_inside(struct store_reader *reader, double x, double y
 	if (status != STATUS_OK)
 		return status;
 	double u, v, base[4], offset[4], dirt = 0;
-	struct post_rect cell = cell_at(reader->rows.world, level, x, y, &u, &v);
+	struct post_rect cell = cell_at(reader->rows.extent, level, x, y, &u, &v);
 	status = store_read_posts(reader, STORE_BASE, level, cell, base);
 	if (status == STATUS_OK)
 		status = store_read_posts(reader, STORE_OFFSET, level, cell, offset);
@@ -341,15 +341,15 @@ static enum status sample_inside(struct store_reader *reader, double x, double y
 
 enum status store_sample(struct store_reader *reader, double x, double y, struct store_sample *sample)
 {
-	const struct world *world = reader->rows.world;
+	const struct extent *extent = reader->rows.extent;
 	*sample = (struct store_sample){
 		.height = (double)NAN,
 		.base = (double)NAN,
 		.offset = (double)NAN,
 		.nodata = true,
 	};
-	double east = (double)(world->width - 1) * world->spacing, north = (double)(world->height - 1) * world->spacing;
-	double slack = BESIDE * world->spacing;
+	double east = (double)(extent->width - 1) * extent->spacing, north = (double)(extent->height - 1) * extent->spacing;
+	double slack = BESIDE * extent->spacing;
 	if (!(x >= -slack && y >= -slack && x <= east + slack && y <= north + slack)) {
 		sample->outside = true;
 		return STATUS_OK;

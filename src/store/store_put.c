@@ -19,7 +19,7 @@ enum status store_packer_create(const struct store_meta *meta, struct store_pack
 	struct store_packer *packer = mem_calloc(1, sizeof *packer);
 	if (packer == NULL)
 		return fail_memory("packing tiles");
-	enum status status = codec_init(&packer->codec, tile_posts(&meta->world),
+	enum status status = codec_init(&packer->codec, tile_posts(&meta->extent),
 					meta->pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_FAST);
 	if (status != STATUS_OK) {
 		mem_free(packer);
@@ -63,7 +63,7 @@ static enum status commit(struct store *store)
 enum status store_put_packed(struct store *store, struct tile tile, const struct store_packed *packed,
 			     const struct store_range *range)
 {
-	assert(store->part_path != NULL && tile.level >= 0 && world_has(&store->meta.world, tile));
+	assert(store->part_path != NULL && tile.level >= 0 && extent_has(&store->meta.extent, tile));
 	struct row row = {
 		.tile = tile,
 		.low = range->low,

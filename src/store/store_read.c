@@ -21,7 +21,7 @@ static enum status connect_rows(struct store *store, sqlite3 **db, struct rows *
 				   store->path);
 	if (status == STATUS_OK)
 		statements_count(&store->statements, *db);
-	return status == STATUS_OK ? rows_init(rows, *db, store->path, &store->meta.world, CODEC_FAST) : status;
+	return status == STATUS_OK ? rows_init(rows, *db, store->path, &store->meta.extent, CODEC_FAST) : status;
 }
 
 enum status store_reader_create(struct store *store, struct store_reader **out)
@@ -91,7 +91,7 @@ enum status store_read_base(struct store_reader *reader, struct tile tile, int32
 		status = missing(reader, tile);
 	if (status != STATUS_OK)
 		return status;
-	size_t side = tile_posts(reader->rows.world);
+	size_t side = tile_posts(reader->rows.extent);
 	if (!codes_fit(reader->store, codes, side * side)) {
 		char text[256];
 		rows_text(reader->base, ROW_BASE, tile, text, sizeof text);
@@ -151,7 +151,7 @@ static enum status read_plane(struct store_reader *reader, struct tile tile, enu
 enum status store_read_deformed(struct store_reader *reader, struct tile tile, unsigned wanted,
 				void *const planes[PLANES], unsigned *present)
 {
-	size_t side = tile_posts(reader->rows.world);
+	size_t side = tile_posts(reader->rows.extent);
 	enum status status = STATUS_OK;
 	*present = 0;
 	for (int plane = 0; plane < PLANES && status == STATUS_OK; plane++) {
@@ -184,7 +184,7 @@ enum status store_each_offset(struct store_reader *reader, int level, store_key_
 
 enum status store_each_plane(struct store_reader *reader, enum plane plane, int level, store_key_fn fn, void *user)
 {
-	const struct world *world = reader->rows.world;
+	const struct extent *extent = reader->rows.extent;
 	const char *path = reader->rows.path;
 	uint64_t first, last;
 	sqlite3_stmt *statement = NULL;
@@ -204,7 +204,7 @@ enum status store_each_plane(struct store_reader *reader, enum plane plane, int 
 		uint64_t key = (uint64_t)sqlite3_column_int64(statement, 0);
 		if (code != SQLITE_ROW)
 			status = sql_fail(reader->db, code, path, "reading its tiles");
-		else if (!world_has(world, tile_from_key(key)))
+		else if (!extent_has(extent, tile_from_key(key)))
 			status = fail_with(STATUS_INPUT, "%s: it has an %s tile outside its terrain; the store is "
 					   "damaged, restore it", path, rows_name(row_table_of(plane)));
 		else

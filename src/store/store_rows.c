@@ -47,11 +47,11 @@ static const struct table tables[ROW_TABLES] = {
 	PLANE_TABLE("shear"),
 };
 
-enum status rows_init(struct rows *rows, sqlite3 *db, const char *path, const struct world *world,
+enum status rows_init(struct rows *rows, sqlite3 *db, const char *path, const struct extent *extent,
 		      enum codec_effort effort)
 {
-	*rows = (struct rows){.db = db, .path = path, .world = world};
-	size_t side = tile_posts(world);
+	*rows = (struct rows){.db = db, .path = path, .extent = extent};
+	size_t side = tile_posts(extent);
 	rows->wide = mem_alloc(side * side, sizeof *rows->wide);
 	if (rows->wide == NULL)
 		return fail_memory("a tile");
@@ -149,7 +149,7 @@ static bool head_sane(enum row_table table, const struct row *row)
 static enum status find_row(struct rows *rows, enum row_table table, struct tile tile, bool whole,
 			    struct row *row, bool *found, sqlite3_stmt **out)
 {
-	assert(world_has(rows->world, tile));
+	assert(extent_has(rows->extent, tile));
 	*found = false;
 	sqlite3_stmt **statement = whole ? &rows->find[table] : &rows->head[table];
 	enum status status = sql_prepare(rows->db, rows->path, statement,
@@ -200,7 +200,7 @@ static enum status take_blob(struct rows *rows, enum row_table table, sqlite3_st
 		return row_bad(rows, table, row->tile, "its hash is wrong");
 	if (!codec_decode(&rows->codec, row->codec, row->bytes, row->size, posts))
 		return row_bad(rows, table, row->tile, "it cannot be decoded");
-	size_t side = tile_posts(rows->world);
+	size_t side = tile_posts(rows->extent);
 	if (!all_fit(table, posts, side * side))
 		return row_bad(rows, table, row->tile, "it has posts beyond its plane's range");
 	return STATUS_OK;
@@ -333,12 +333,12 @@ bool rows_all_zero(const int32_t *posts, size_t count)
 	return true;
 }
 
-void rows_sums(const struct world *world, struct tile tile, const int32_t *posts, int64_t *below,
+void rows_sums(const struct extent *extent, struct tile tile, const int32_t *posts, int64_t *below,
 	       int64_t *above)
 {
-	uint32_t side = tile_posts(world);
-	uint32_t width = tile.x + 1 == world_tiles_x(world, tile.level) ? side : side - 1;
-	uint32_t height = tile.y + 1 == world_tiles_y(world, tile.level) ? side : side - 1;
+	uint32_t side = tile_posts(extent);
+	uint32_t width = tile.x + 1 == extent_tiles_x(extent, tile.level) ? side : side - 1;
+	uint32_t height = tile.y + 1 == extent_tiles_y(extent, tile.level) ? side : side - 1;
 	*below = *above = 0;
 	for (uint32_t y = 0; y < height; y++)
 		for (uint32_t x = 0; x < width; x++) {

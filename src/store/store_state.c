@@ -39,7 +39,7 @@ static bool is_dropped(const struct state *state, struct tile tile)
 static enum status put_posts(struct state *state, struct tile tile)
 {
 	struct rows *rows = &state->store->rows;
-	size_t side = tile_posts(rows->world), count = side * side;
+	size_t side = tile_posts(rows->extent), count = side * side;
 	struct row old, row = {.tile = tile, .revision = state->store->epoch + 1};
 	bool had, written;
 	enum status status = rows_head(rows, state->table, tile, &old, &had);
@@ -65,7 +65,7 @@ static enum status put_posts(struct state *state, struct tile tile)
 static enum status put_page(struct state *state, const struct store_page *page)
 {
 	enum plane plane = row_plane(state->table);
-	size_t side = tile_posts(state->store->rows.world), count = side * side;
+	size_t side = tile_posts(state->store->rows.extent), count = side * side;
 	const void *texels = page->planes[plane];
 	if (plane_bytes(plane) == sizeof(int32_t))
 		memcpy(state->posts, texels, count * sizeof *state->posts);
@@ -78,7 +78,7 @@ static enum status put_page(struct state *state, const struct store_page *page)
 /* The posts that `tile` shares with the tile dx, dy of it: zero in state->posts. */
 static void clear_shared(const struct state *state, int dx, int dy)
 {
-	size_t side = tile_posts(state->store->rows.world);
+	size_t side = tile_posts(state->store->rows.extent);
 	size_t x0 = dx > 0 ? side - 1 : 0, x1 = dx < 0 ? 1 : side;
 	size_t y0 = dy > 0 ? side - 1 : 0, y1 = dy < 0 ? 1 : side;
 	for (size_t y = y0; y < y1; y++)
@@ -98,7 +98,7 @@ static enum status trim(struct state *state, struct tile tile)
 	for (int at = 0; at < 9; at++) {
 		int dx = at % 3 - 1, dy = at / 3 - 1;
 		struct tile other = {tile.level, tile.x + (uint32_t)dx, tile.y + (uint32_t)dy};
-		if (world_has(rows->world, other) && is_dropped(state, other))
+		if (extent_has(rows->extent, other) && is_dropped(state, other))
 			clear_shared(state, dx, dy);
 	}
 	return put_posts(state, tile);
@@ -119,7 +119,7 @@ static enum status drop(struct state *state, struct tile tile)
 	state->result->changed[plane]++;
 	for (int at = 0; at < 9 && status == STATUS_OK; at++) {
 		struct tile other = {tile.level, tile.x + (uint32_t)(at % 3 - 1), tile.y + (uint32_t)(at / 3 - 1)};
-		if (world_has(rows->world, other) && !is_dropped(state, other))
+		if (extent_has(rows->extent, other) && !is_dropped(state, other))
 			status = trim(state, other);
 	}
 	return status;
@@ -154,7 +154,7 @@ static bool all_lack(enum plane plane, const struct store_page *pages, size_t co
 enum status state_put(struct store *store, enum row_table table, const struct store_page *pages, size_t count,
 		      struct store_epoch_result *result)
 {
-	size_t side = tile_posts(&store->meta.world);
+	size_t side = tile_posts(&store->meta.extent);
 	struct state state = {.store = store, .table = table, .result = result};
 	if (count == 0)
 		return STATUS_OK;

@@ -86,7 +86,7 @@ static enum status check_table(struct verifying *verifying, enum row_table table
 		uint64_t key = (uint64_t)sqlite3_column_int64(statement, 0);
 		struct tile tile = tile_from_key(key);
 		verifying->check->tiles++;
-		if (tile_key(tile) != key || !world_has(rows->world, tile) ||
+		if (tile_key(tile) != key || !extent_has(rows->extent, tile) ||
 		    (table == ROW_BASE && tile.level < 0)) {
 			verify_tell_tile(verifying, tile, "it is outside the terrain");
 		} else {
@@ -107,18 +107,18 @@ static enum status check_table(struct verifying *verifying, enum row_table table
 /* Base tiles that should be there: a walk of all there can be, only if some are missing. */
 static enum status check_missing(struct verifying *verifying)
 {
-	const struct world *world = &verifying->store->meta.world;
+	const struct extent *extent = &verifying->store->meta.extent;
 	int64_t want = 0;
-	for (int level = 0; level <= world_coarsest(world); level++)
-		want += (int64_t)world_tiles_x(world, level) * world_tiles_y(world, level);
+	for (int level = 0; level <= extent_coarsest(extent); level++)
+		want += (int64_t)extent_tiles_x(extent, level) * extent_tiles_y(extent, level);
 	verifying->table = ROW_BASE;
 	if (verifying->base_found >= want)
 		return STATUS_OK;
 	/* More than this are one problem, not that many lines. */
 	int64_t left = 1000;
-	for (int level = world_coarsest(world); level >= 0; level--)
-		for (uint32_t y = 0; y < world_tiles_y(world, level); y++)
-			for (uint32_t x = 0; x < world_tiles_x(world, level); x++) {
+	for (int level = extent_coarsest(extent); level >= 0; level--)
+		for (uint32_t y = 0; y < extent_tiles_y(extent, level); y++)
+			for (uint32_t x = 0; x < extent_tiles_x(extent, level); x++) {
 				struct tile tile = {level, x, y};
 				struct row row;
 				bool found;
@@ -137,7 +137,7 @@ static enum status check_missing(struct verifying *verifying)
 static enum status check_top(struct verifying *verifying)
 {
 	struct store *store = verifying->store;
-	struct tile tile = {world_coarsest(&store->meta.world), 0, 0};
+	struct tile tile = {extent_coarsest(&store->meta.extent), 0, 0};
 	struct row top;
 	bool found;
 	enum status status = rows_head(store->base, ROW_BASE, tile, &top, &found);
@@ -183,7 +183,7 @@ enum status store_verify(struct store *store, store_problem_fn problem, store_pr
 			 void *user, struct store_check *check)
 {
 	*check = (struct store_check){
-		.coarsest = world_coarsest(&store->meta.world),
+		.coarsest = extent_coarsest(&store->meta.extent),
 		.finest = store_finest(store),
 	};
 	struct verifying *verifying = mem_calloc(1, sizeof *verifying);
@@ -195,7 +195,7 @@ enum status store_verify(struct store *store, store_problem_fn problem, store_pr
 		.progress = progress,
 		.user = user,
 		.check = check,
-		.side = tile_posts(&store->meta.world),
+		.side = tile_posts(&store->meta.extent),
 	};
 	size_t count = verifying->side * verifying->side, bytes = count * sizeof *verifying->posts;
 	size_t entries = CACHE_BYTES / bytes;

@@ -73,11 +73,11 @@ static bool near_edge_zero(const struct verifying *verifying, bool west)
 
 static enum status check_edges(struct verifying *verifying, struct tile tile)
 {
-	const struct world *world = &verifying->store->meta.world;
+	const struct extent *extent = &verifying->store->meta.extent;
 	for (int north = 0; north < 2; north++) {
 		struct tile next = {tile.level, tile.x + !north, tile.y + (unsigned)north};
 		struct entry *other;
-		if (!world_has(world, next))
+		if (!extent_has(extent, next))
 			continue;
 		enum status status = other_tile(verifying, next, &other);
 		if (status != STATUS_OK)
@@ -106,7 +106,7 @@ static enum status check_edges(struct verifying *verifying, struct tile tile)
 /* What the tiles below make of this one: posts into `expected`, their ranges into `range`. */
 static enum status check_below(struct verifying *verifying, struct tile tile, struct row *range, bool *exact)
 {
-	const struct world *world = &verifying->store->meta.world;
+	const struct extent *extent = &verifying->store->meta.extent;
 	size_t count = verifying->side * verifying->side;
 	bool base = verifying->table == ROW_BASE;
 	int children = 0;
@@ -116,7 +116,7 @@ static enum status check_below(struct verifying *verifying, struct tile tile, st
 	for (unsigned i = 0; i < 4; i++) {
 		struct tile child = {tile.level - 1, 2 * tile.x + (i & 1), 2 * tile.y + (i >> 1)};
 		struct entry *other;
-		if (!world_has(world, child))
+		if (!extent_has(extent, child))
 			continue;
 		enum status status = other_tile(verifying, child, &other);
 		if (status != STATUS_OK)
@@ -129,7 +129,7 @@ static enum status check_below(struct verifying *verifying, struct tile tile, st
 			continue;
 		children++;
 		widen(range, &other->row);
-		lattice_decimate_i32(other->posts, world->cells, i & 1, i >> 1, verifying->expected);
+		lattice_decimate_i32(other->posts, extent->cells, i & 1, i >> 1, verifying->expected);
 	}
 	if (children == 0)
 		verify_tell_tile(verifying, tile, "there is no tile below it");
@@ -162,7 +162,7 @@ static void check_values(struct verifying *verifying, const struct row *row)
 	if (verifying->table != ROW_OFFSET)
 		return;
 	int64_t below, above;
-	rows_sums(&verifying->store->meta.world, row->tile, verifying->posts, &below, &above);
+	rows_sums(&verifying->store->meta.extent, row->tile, verifying->posts, &below, &above);
 	if (below != row->below || above != row->above)
 		verify_tell_tile(verifying, row->tile, "its sums are not those of its posts");
 	verifying->check->offset_sum[row->tile.level - TILE_LEVEL_MIN] += below + above;
@@ -171,8 +171,8 @@ static void check_values(struct verifying *verifying, const struct row *row)
 enum status verify_tile(struct verifying *verifying, struct tile tile)
 {
 	struct store *store = verifying->store;
-	const struct world *world = &store->meta.world;
-	int finest = verifying->table == ROW_BASE ? 0 : store->working, coarsest = world_coarsest(world);
+	const struct extent *extent = &store->meta.extent;
+	int finest = verifying->table == ROW_BASE ? 0 : store->working, coarsest = extent_coarsest(extent);
 	if ((verifying->table != ROW_BASE && !store->working_stored) || tile.level < finest) {
 		verify_tell_tile(verifying, tile, "it is finer than the level that is deformed");
 		return STATUS_OK;

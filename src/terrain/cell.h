@@ -35,10 +35,10 @@ static inline void terrain_plane_normal(const struct terrain_plane *plane, doubl
 }
 
 /* Cells of a tile that are in the world, along a side of so many posts at level 0. */
-static inline uint32_t terrain_cells_in(const struct world *world, int level, uint32_t tile, int64_t posts)
+static inline uint32_t terrain_cells_in(const struct extent *extent, int level, uint32_t tile, int64_t posts)
 {
-	const int64_t left = world_posts(posts, level) - 1 - (int64_t)tile * world->cells;
-	return left < world->cells ? (uint32_t)left : world->cells;
+	const int64_t left = extent_posts(posts, level) - 1 - (int64_t)tile * extent->cells;
+	return left < extent->cells ? (uint32_t)left : extent->cells;
 }
 
 #endif

@@ -26,7 +26,7 @@ struct node {
 };
 
 struct fitter {
-	const struct world *world;
+	const struct extent *extent;
 	const struct terrain_view *view;
 	const struct terrain_source *source;
 	struct node heap[NODES_MAX]; /* next to divide first */
@@ -93,27 +93,27 @@ static void divide(struct fitter *fitter, const struct node *node)
 	for (unsigned quadrant = 0; quadrant < 4; quadrant++) {
 		struct tile child = terrain_child(node->tile, quadrant);
 		struct terrain_place place;
-		if (!world_has(fitter->world, child))
+		if (!extent_has(fitter->extent, child))
 			continue;
-		if (terrain_find(fitter->world, fitter->view, fitter->source, child, &place)) {
+		if (terrain_find(fitter->extent, fitter->view, fitter->source, child, &place)) {
 			children += enter(fitter, &place, node->ratio);
 		} else if (node->tile.level <= 0) {
-			terrain_put(fitter->world, fitter->view, child, node->low, node->high, &place);
+			terrain_put(fitter->extent, fitter->view, child, node->low, node->high, &place);
 			own = own || in_view(fitter, &place);
 		}
 	}
-	bool coarsest = node->tile.level == world_coarsest(fitter->world);
+	bool coarsest = node->tile.level == extent_coarsest(fitter->extent);
 	bool ground = node->tile.level == 0 && children > 0;
 	fitter->needed += children - !(coarsest || ground || own);
 }
 
-bool terrain_fit(const struct world *world, const struct terrain_source *source, size_t budget,
+bool terrain_fit(const struct extent *extent, const struct terrain_source *source, size_t budget,
 		 struct terrain_view *view)
 {
-	struct fitter fitter = {.world = world, .view = view, .source = source, .needed = 1};
+	struct fitter fitter = {.extent = extent, .view = view, .source = source, .needed = 1};
 	struct terrain_place place;
-	struct tile root = {world_coarsest(world), 0, 0};
-	if (!terrain_find(world, view, source, root, &place) || !enter(&fitter, &place, 0))
+	struct tile root = {extent_coarsest(extent), 0, 0};
+	if (!terrain_find(extent, view, source, root, &place) || !enter(&fitter, &place, 0))
 		return true;
 	while (fitter.count > 0) {
 		double ratio = fitter.heap[0].ratio;

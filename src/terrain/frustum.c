@@ -3,13 +3,13 @@
 
 #include <math.h>
 
-void terrain_box(const struct world *world, struct tile tile, double low[2], double high[2])
+void terrain_box(const struct extent *extent, struct tile tile, double low[2], double high[2])
 {
-	double side = world_spacing(world, tile.level) * world->cells;
+	double side = extent_spacing(extent, tile.level) * extent->cells;
 	low[0] = tile.x * side;
 	low[1] = tile.y * side;
-	high[0] = fmin(low[0] + side, (double)(world->width - 1) * world->spacing);
-	high[1] = fmin(low[1] + side, (double)(world->height - 1) * world->spacing);
+	high[0] = fmin(low[0] + side, (double)(extent->width - 1) * extent->spacing);
+	high[1] = fmin(low[1] + side, (double)(extent->height - 1) * extent->spacing);
 }
 
 static void plane_through(const double eye[3], const double normal[3], double plane[4])

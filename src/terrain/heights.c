@@ -29,18 +29,18 @@ static uint32_t along(double at, double side, uint32_t tiles)
 	return tile < tiles ? (uint32_t)tile : tiles - 1;
 }
 
-static void extent(const struct world *world, double most[2])
+static void sides_of(const struct extent *extent, double most[2])
 {
-	most[0] = (double)(world->width - 1) * world->spacing;
-	most[1] = (double)(world->height - 1) * world->spacing;
+	most[0] = (double)(extent->width - 1) * extent->spacing;
+	most[1] = (double)(extent->height - 1) * extent->spacing;
 }
 
 /* Onto the world, where it is a rounding beside it. */
-static bool inside(const struct world *world, struct terrain_point point, double on[2])
+static bool inside(const struct extent *extent, struct terrain_point point, double on[2])
 {
 	const double asked[2] = {point.x, point.y};
-	double most[2], slack = BESIDE * world->spacing;
-	extent(world, most);
+	double most[2], slack = BESIDE * extent->spacing;
+	sides_of(extent, most);
 	for (int i = 0; i < 2; i++) {
 		if (!(asked[i] >= -slack && asked[i] <= most[i] + slack))
 			return false;
@@ -51,12 +51,12 @@ static bool inside(const struct world *world, struct terrain_point point, double
 
 static uint64_t finest_key(const struct terrain_ground *ground, struct terrain_point point)
 {
-	const struct world *world = ground->world;
-	double on[2], side = world_spacing(world, ground->finest) * world->cells;
-	if (!inside(world, point, on))
+	const struct extent *extent = ground->extent;
+	double on[2], side = extent_spacing(extent, ground->finest) * extent->cells;
+	if (!inside(extent, point, on))
 		return UINT64_MAX;
-	return tile_key((struct tile){ground->finest, along(on[0], side, world_tiles_x(world, ground->finest)),
-				      along(on[1], side, world_tiles_y(world, ground->finest))});
+	return tile_key((struct tile){ground->finest, along(on[0], side, extent_tiles_x(extent, ground->finest)),
+				      along(on[1], side, extent_tiles_y(extent, ground->finest))});
 }
 
 /* The tile whose triangles are there. */
@@ -84,13 +84,13 @@ static double weighted(const double *values, const double *weights, int count)
 	return sum;
 }
 
-static void measure(const struct world *world, struct tile tile, const struct terrain_posts *posts, const double on[2],
+static void measure(const struct extent *extent, struct tile tile, const struct terrain_posts *posts, const double on[2],
 		    struct terrain_height *height)
 {
-	const double spacing = world_spacing(world, tile.level), cells = world->cells;
+	const double spacing = extent_spacing(extent, tile.level), cells = extent->cells;
 	/* On the world's edge it is in the last cell. */
-	const uint32_t in[2] = {terrain_cells_in(world, tile.level, tile.x, world->width),
-				terrain_cells_in(world, tile.level, tile.y, world->height)};
+	const uint32_t in[2] = {terrain_cells_in(extent, tile.level, tile.x, extent->width),
+				terrain_cells_in(extent, tile.level, tile.y, extent->height)};
 	double place[2] = {on[0] / spacing - tile.x * cells, on[1] / spacing - tile.y * cells}, part[2];
 	size_t cell[2];
 	for (int i = 0; i < 2; i++) {
@@ -98,7 +98,7 @@ static void measure(const struct world *world, struct tile tile, const struct te
 		cell[i] = (size_t)whole;
 		part[i] = fmin(fmax(place[i] - whole, 0), 1);
 	}
-	const size_t stride = world->cells + 1;
+	const size_t stride = extent->cells + 1;
 	const double *sw = posts->heights + cell[1] * stride + cell[0];
 	const double u = part[0], v = part[1];
 	const bool upper = v > u;
@@ -141,8 +141,8 @@ static enum status measure_all(const struct terrain_ground *ground, const struct
 			at = places[i].key;
 		}
 		height->outside = false;
-		inside(ground->world, points[places[i].index], on);
-		measure(ground->world, tile, &posts, on, height);
+		inside(ground->extent, points[places[i].index], on);
+		measure(ground->extent, tile, &posts, on, height);
 	}
 	return STATUS_OK;
 }

@@ -21,28 +21,28 @@ static inline struct tile terrain_child(struct tile tile, unsigned quadrant)
 	return (struct tile){tile.level - 1, 2 * tile.x + (quadrant & 1), 2 * tile.y + (quadrant >> 1)};
 }
 
-static inline void terrain_put(const struct world *world, const struct terrain_view *view, struct tile tile,
+static inline void terrain_put(const struct extent *extent, const struct terrain_view *view, struct tile tile,
 			       double low, double high, struct terrain_place *place)
 {
 	place->tile = tile;
-	terrain_box(world, tile, place->low, place->high);
+	terrain_box(extent, tile, place->low, place->high);
 	place->low[2] = low;
 	place->high[2] = high;
 	place->distance = terrain_box_distance(view->eye, place->low, place->high);
 }
 
 /* False: nothing to draw there. */
-static inline bool terrain_find(const struct world *world, const struct terrain_view *view,
+static inline bool terrain_find(const struct extent *extent, const struct terrain_view *view,
 				const struct terrain_source *source, struct tile tile, struct terrain_place *place)
 {
 	double low, high;
 	if (!source->bounds(source->user, tile, &low, &high))
 		return false;
-	terrain_put(world, view, tile, low, high, place);
+	terrain_put(extent, view, tile, low, high, place);
 	place->above = NULL;
 	place->error = 0;
 	if (!view->by_error) {
-		place->ratio = place->distance / (world_spacing(world, tile.level) * world->cells);
+		place->ratio = place->distance / (extent_spacing(extent, tile.level) * extent->cells);
 		return true;
 	}
 	/* Equation 3: error x focal / distance, in pixels, against what is allowed. NaN and less than 0: none. */

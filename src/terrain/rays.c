@@ -44,7 +44,7 @@ static void hit_at(struct ray *ray, double t, bool below, const struct terrain_p
 /* Over one triangle from `begin` to `end`, which may be infinite. True: hit. */
 static bool piece(struct ray *ray, double begin, double end, uint32_t x, uint32_t y, bool upper)
 {
-	const size_t stride = ray->ground->world->cells + 1;
+	const size_t stride = ray->ground->extent->cells + 1;
 	const struct terrain_plane plane = terrain_plane_of(ray->posts.heights + y * stride + x, stride, upper);
 	if (!terrain_plane_whole(&plane)) {
 		ray->side = SIDE_UNKNOWN;
@@ -72,7 +72,7 @@ static bool in_cell(struct ray *ray, uint32_t x, uint32_t y, double begin, doubl
 	const double apart = (ray->at[0] - x) - (ray->at[1] - y), rate = ray->step[0] - ray->step[1];
 	const double first = apart + rate * begin, last = rate == 0 ? apart : apart + rate * end;
 	if (first == 0 && last == 0) {
-		const size_t stride = ray->ground->world->cells + 1;
+		const size_t stride = ray->ground->extent->cells + 1;
 		const struct terrain_plane lower = terrain_plane_of(ray->posts.heights + y * stride + x, stride, false);
 		return piece(ray, begin, end, x, y, !terrain_plane_whole(&lower));
 	}
@@ -117,7 +117,7 @@ static bool march(struct ray *ray, struct cell_rect rect, uint32_t size, double 
 
 static bool in_block(struct ray *ray, uint32_t x, uint32_t y, double begin, double end)
 {
-	const double *range = ray->posts.blocks[(size_t)y * (ray->ground->world->cells / TERRAIN_BLOCK) + x];
+	const double *range = ray->posts.blocks[(size_t)y * (ray->ground->extent->cells / TERRAIN_BLOCK) + x];
 	if (is_clear(ray, begin, end, range[0], range[1])) {
 		ray->side = SIDE_UNKNOWN;
 		return false;
@@ -155,12 +155,12 @@ static enum status in_posts(struct ray *ray, struct tile tile, struct cell_rect 
 	if (status != STATUS_OK)
 		return status;
 	ray->tile = tile;
-	ray->in[0] = terrain_cells_in(ground->world, tile.level, tile.x, ground->world->width);
-	ray->in[1] = terrain_cells_in(ground->world, tile.level, tile.y, ground->world->height);
+	ray->in[0] = terrain_cells_in(ground->extent, tile.level, tile.x, ground->extent->width);
+	ray->in[1] = terrain_cells_in(ground->extent, tile.level, tile.y, ground->extent->height);
 	blocks.x1 = least(blocks.x1, (ray->in[0] + TERRAIN_BLOCK - 1) / TERRAIN_BLOCK);
 	blocks.y1 = least(blocks.y1, (ray->in[1] + TERRAIN_BLOCK - 1) / TERRAIN_BLOCK);
-	ray->spacing = world_spacing(ground->world, tile.level);
-	const double side = ray->spacing * ground->world->cells, corner[2] = {tile.x * side, tile.y * side};
+	ray->spacing = extent_spacing(ground->extent, tile.level);
+	const double side = ray->spacing * ground->extent->cells, corner[2] = {tile.x * side, tile.y * side};
 	for (int i = 0; i < 2; i++) {
 		ray->at[i] = (ray->origin[i] - corner[i]) / ray->spacing;
 		ray->step[i] = ray->way[i] / ray->spacing;
@@ -177,9 +177,9 @@ static enum status in_quarter(struct ray *ray, struct tile tile, bool east, bool
 	const struct terrain_ground *ground = ray->ground;
 	struct tile child = {tile.level - 1, 2 * tile.x + east, 2 * tile.y + north};
 	/* On the world's edge it is in the last tile. */
-	if (child.x >= world_tiles_x(ground->world, child.level))
+	if (child.x >= extent_tiles_x(ground->extent, child.level))
 		child.x--;
-	if (child.y >= world_tiles_y(ground->world, child.level))
+	if (child.y >= extent_tiles_y(ground->extent, child.level))
 		child.y--;
 	bool present = true;
 	if (child.level < 0) {
@@ -189,7 +189,7 @@ static enum status in_quarter(struct ray *ray, struct tile tile, bool east, bool
 	}
 	if (present)
 		return in_tile(ray, child, begin, end);
-	const uint32_t half = ground->world->cells / TERRAIN_BLOCK / 2;
+	const uint32_t half = ground->extent->cells / TERRAIN_BLOCK / 2;
 	if (half == 0) /* the tile is one block: the ray is cut, that is enough */
 		return in_posts(ray, tile, (struct cell_rect){0, 0, 1, 1}, begin, end);
 	const uint32_t x = child.x & 1 ? half : 0, y = child.y & 1 ? half : 0;
@@ -217,10 +217,10 @@ static enum status in_tile(struct ray *ray, struct tile tile, double begin, doub
 		return STATUS_OK;
 	}
 	if (tile.level <= 0 && tile.level == ground->finest) {
-		const uint32_t blocks = ground->world->cells / TERRAIN_BLOCK;
+		const uint32_t blocks = ground->extent->cells / TERRAIN_BLOCK;
 		return in_posts(ray, tile, (struct cell_rect){0, 0, blocks, blocks}, begin, end);
 	}
-	const double side = world_spacing(ground->world, tile.level) * ground->world->cells;
+	const double side = extent_spacing(ground->extent, tile.level) * ground->extent->cells;
 	bool east, north;
 	const double x = crosses(ray, 0, tile.x, side, &east), y = crosses(ray, 1, tile.y, side, &north);
 	while (status == STATUS_OK) {
@@ -236,9 +236,9 @@ static enum status in_tile(struct ray *ray, struct tile tile, double begin, doub
 }
 
 /* The part of it that is over the world. */
-static bool clip(const struct world *world, const struct ray *ray, double length, double *begin, double *end)
+static bool clip(const struct extent *extent, const struct ray *ray, double length, double *begin, double *end)
 {
-	const double most[2] = {(double)(world->width - 1) * world->spacing, (double)(world->height - 1) * world->spacing};
+	const double most[2] = {(double)(extent->width - 1) * extent->spacing, (double)(extent->height - 1) * extent->spacing};
 	*begin = 0;
 	*end = length;
 	for (int i = 0; i < 2; i++) {
@@ -282,13 +282,13 @@ static enum status take(const struct terrain_ray *asked, size_t index, struct ra
 enum status terrain_rays(const struct terrain_ground *ground, const struct terrain_ray *rays, size_t count,
 			 struct terrain_hit *hits)
 {
-	const struct tile all = {world_coarsest(ground->world), 0, 0};
+	const struct tile all = {extent_coarsest(ground->extent), 0, 0};
 	for (size_t i = 0; i < count; i++) {
 		struct ray ray = {.ground = ground, .hit = &hits[i]};
 		double begin, end;
 		hits[i] = (struct terrain_hit){.hit = false};
 		enum status status = take(&rays[i], i, &ray);
-		if (status == STATUS_OK && clip(ground->world, &ray, rays[i].length, &begin, &end))
+		if (status == STATUS_OK && clip(ground->extent, &ray, rays[i].length, &begin, &end))
 			status = in_tile(&ray, all, begin, end);
 		if (status != STATUS_OK)
 			return status;

@@ -24,7 +24,7 @@ struct want {
 };
 
 struct selector {
-	const struct world *world;
+	const struct extent *extent;
 	const struct terrain_view *view;
 	const struct terrain_source *source;
 	struct terrain_selection *out;
@@ -85,7 +85,7 @@ static void cover_children(struct selector *s, const struct terrain_place *place
 	struct tile tile = place->tile;
 	/* Nearest quadrant first: it gets what room there is. */
 	double middle[2];
-	double side = world_spacing(s->world, tile.level) * s->world->cells;
+	double side = extent_spacing(s->extent, tile.level) * s->extent->cells;
 	middle[0] = (tile.x + 0.5) * side;
 	middle[1] = (tile.y + 0.5) * side;
 	unsigned nearest = (s->view->eye[0] >= middle[0] ? 1u : 0u) | (s->view->eye[1] >= middle[1] ? 2u : 0u);
@@ -94,14 +94,14 @@ static void cover_children(struct selector *s, const struct terrain_place *place
 		unsigned quadrant = nearest ^ i;
 		struct tile child = terrain_child(tile, quadrant);
 		struct terrain_place there;
-		if (!world_has(s->world, child))
+		if (!extent_has(s->extent, child))
 			continue;
-		if (terrain_find(s->world, s->view, s->source, child, &there)) {
+		if (terrain_find(s->extent, s->view, s->source, child, &there)) {
 			there.above = place;
 			if (!cover(s, &there))
 				*standing |= 1u << quadrant;
 		} else if (tile.level <= 0) {
-			terrain_put(s->world, s->view, child, place->low[2], place->high[2], &there);
+			terrain_put(s->extent, s->view, child, place->low[2], place->high[2], &there);
 			if (in_view(s, &there))
 				*own |= 1u << quadrant;
 		}
@@ -141,7 +141,7 @@ static bool cover(struct selector *s, const struct terrain_place *place)
 		return true;
 
 	bool divisible = s->source->divisible(s->source->user, tile);
-	bool coarsest = tile.level == world_coarsest(s->world);
+	bool coarsest = tile.level == extent_coarsest(s->extent);
 	bool ground = false, divided = divisible && terrain_near(s->view, tile, place->ratio);
 	unsigned own = 15, standing = 0;
 	if (divided) {
@@ -200,17 +200,17 @@ static void find_ground(struct selector *s)
 	}
 }
 
-void terrain_select(const struct world *world, const struct terrain_view *view,
+void terrain_select(const struct extent *extent, const struct terrain_view *view,
 		    const struct terrain_source *source, struct terrain_selection *selection)
 {
-	struct selector s = {.world = world, .view = view, .source = source, .out = selection};
-	struct tile root = {world_coarsest(world), 0, 0};
+	struct selector s = {.extent = extent, .view = view, .source = source, .out = selection};
+	struct tile root = {extent_coarsest(extent), 0, 0};
 	struct terrain_place place;
 	uint32_t slot;
 
 	selection->draw_count = selection->wanted_count = 0;
 	selection->visited = selection->culled = selection->ideal = selection->needed = 0;
-	if (!terrain_find(world, view, source, root, &place))
+	if (!terrain_find(extent, view, source, root, &place))
 		return;
 	/* It stands in for everything, seen or not. */
 	selection->needed = 1;

@@ -75,17 +75,17 @@ struct terrain_selection {
  * array is full (then tiles stay undivided). The coarsest is wanted whenever it is not resident, and
  * so is the level-0 tile below which finer ones are drawn.
  */
-void terrain_select(const struct world *world, const struct terrain_view *view,
+void terrain_select(const struct extent *extent, const struct terrain_view *view,
 		    const struct terrain_source *source, struct terrain_selection *selection);
 
 /* Makes the view coarser, by radius and finest, until its picture needs at most `budget` tiles (or
  * the coarsest alone): what was furthest for its size goes first. False if it had to. A view that
  * fits stays as it is. Costs as much as selecting the result. */
-bool terrain_fit(const struct world *world, const struct terrain_source *source, size_t budget,
+bool terrain_fit(const struct extent *extent, const struct terrain_source *source, size_t budget,
 		 struct terrain_view *view);
 
 /* Where a tile lies: its rectangle of ground, cut at the world's edge. */
-void terrain_box(const struct world *world, struct tile tile, double low[2], double high[2]);
+void terrain_box(const struct extent *extent, struct tile tile, double low[2], double high[2]);
 
 /* The five planes of a perspective camera. fov is vertical, radians; the axes are unit vectors. */
 void terrain_frustum(const double eye[3], const double forward[3], const double right[3],
@@ -113,7 +113,7 @@ struct terrain_posts {
  * query with its status. */
 struct terrain_ground {
 	void *user;
-	const struct world *world;
+	const struct extent *extent;
 	int finest; /* level of the finest tiles there are; at most 0 */
 	/* Levels finest .. 0. */
 	enum status (*posts)(void *user, struct tile tile, struct terrain_posts *posts);

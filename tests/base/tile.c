@@ -7,7 +7,7 @@
 
 #include "base/base.h"
 
-static const struct world worlds[] = {
+static const struct extent worlds[] = {
 	{1201, 2401, 90, 256}, {257, 257, 1, 256}, {258, 1025, 1, 256}, {65537, 65537, 0.5, 256},
 	{2, 2, 30, 64},	       {1280, 99, 2, 64},
 };
@@ -26,10 +26,10 @@ static void a_key_comes_back_as_its_tile(void **state)
 static void every_tile_has_its_parent(void **state)
 {
 	for (size_t w = 0; w < WORLDS; w++)
-		for (int level = -4; level < world_coarsest(&worlds[w]); level++) {
-			uint32_t x = world_tiles_x(&worlds[w], level) - 1, y = world_tiles_y(&worlds[w], level) - 1;
-			assert_true(world_has(&worlds[w], (struct tile){level, x, y}));
-			assert_true(world_has(&worlds[w], tile_ancestor((struct tile){level, x, y}, level + 1)));
+		for (int level = -4; level < extent_coarsest(&worlds[w]); level++) {
+			uint32_t x = extent_tiles_x(&worlds[w], level) - 1, y = extent_tiles_y(&worlds[w], level) - 1;
+			assert_true(extent_has(&worlds[w], (struct tile){level, x, y}));
+			assert_true(extent_has(&worlds[w], tile_ancestor((struct tile){level, x, y}, level + 1)));
 		}
 }
 
@@ -45,16 +45,16 @@ static void descendants_are_one_range_of_keys(void **state)
 
 static void a_post_is_in_every_tile_that_shares_it(void **state)
 {
-	const struct world *world = &worlds[0];
+	const struct extent *extent = &worlds[0];
 	for (int64_t y = 0; y <= 1024; y += 64)
 		for (int64_t x = 0; x <= 1024; x += 32) {
 			struct tile first, last;
 			struct post_rect post = {x, y, x + 1, y + 1};
-			assert_true(tile_range_of(world, 0, post, &first, &last));
-			for (uint32_t ty = 0; ty < world_tiles_y(world, 0); ty++)
-				for (uint32_t tx = 0; tx < world_tiles_x(world, 0); tx++) {
+			assert_true(tile_range_of(extent, 0, post, &first, &last));
+			for (uint32_t ty = 0; ty < extent_tiles_y(extent, 0); ty++)
+				for (uint32_t tx = 0; tx < extent_tiles_x(extent, 0); tx++) {
 					bool holds = !post_rect_empty(post_rect_intersect(
-						post, tile_post_rect(world, (struct tile){0, tx, ty})));
+						post, tile_post_rect(extent, (struct tile){0, tx, ty})));
 					bool in = tx >= first.x && tx <= last.x && ty >= first.y && ty <= last.y;
 					assert_int_equal(holds, in);
 				}
@@ -63,45 +63,45 @@ static void a_post_is_in_every_tile_that_shares_it(void **state)
 
 static void a_spacing_picks_the_coarsest_level_that_is_fine_enough(void **state)
 {
-	const struct world *world = &worlds[0];
-	assert_int_equal(world_level_for(world, 90), 0);
-	assert_int_equal(world_level_for(world, 89.9), -1);
-	assert_int_equal(world_level_for(world, 0.1), -10);
-	assert_int_equal(world_level_for(world, 1e-4), TILE_LEVEL_MIN - 1);
+	const struct extent *extent = &worlds[0];
+	assert_int_equal(extent_level_for(extent, 90), 0);
+	assert_int_equal(extent_level_for(extent, 89.9), -1);
+	assert_int_equal(extent_level_for(extent, 0.1), -10);
+	assert_int_equal(extent_level_for(extent, 1e-4), TILE_LEVEL_MIN - 1);
 }
 
 static void a_world_that_cannot_be_held_says_why(void **state)
 {
-	assert_null(world_problem(&worlds[0]));
-	assert_non_null(world_problem(&(struct world){1201, 1201, 90, 100}));
-	assert_non_null(world_problem(&(struct world){1, 1201, 90, 256}));
-	assert_non_null(world_problem(&(struct world){1201, 1201, 0, 256}));
-	assert_non_null(world_problem(&(struct world){(int64_t)1 << 40, 1201, 90, 256}));
+	assert_null(extent_problem(&worlds[0]));
+	assert_non_null(extent_problem(&(struct extent){1201, 1201, 90, 100}));
+	assert_non_null(extent_problem(&(struct extent){1, 1201, 90, 256}));
+	assert_non_null(extent_problem(&(struct extent){1201, 1201, 0, 256}));
+	assert_non_null(extent_problem(&(struct extent){(int64_t)1 << 40, 1201, 90, 256}));
 }
 
 /* The largest world: posts, tiles and rectangles beyond 2^31 and 2^32, down to the finest level. */
 static void the_largest_world_is_counted_without_overflow(void **state)
 {
-	const struct world world = {(int64_t)1024 << 14, (int64_t)1024 << 14, 1, 1024};
-	assert_null(world_problem(&world));
-	assert_non_null(world_problem(&(struct world){world.width + 1, world.height, 1, 1024}));
-	assert_int_equal(world_coarsest(&world), 14);
+	const struct extent extent = {(int64_t)1024 << 14, (int64_t)1024 << 14, 1, 1024};
+	assert_null(extent_problem(&extent));
+	assert_non_null(extent_problem(&(struct extent){extent.width + 1, extent.height, 1, 1024}));
+	assert_int_equal(extent_coarsest(&extent), 14);
 	for (int level = TILE_LEVEL_MIN; level <= 14; level++) {
-		uint32_t tiles = world_tiles_x(&world, level);
+		uint32_t tiles = extent_tiles_x(&extent, level);
 		/* The last post has no cell after it: below level 0 that leaves tiles out. */
 		assert_int_equal(tiles, level >= 0 ? 1 << (14 - level)
-						   : (((world.width - 1) << -level) + 1023) / 1024);
+						   : (((extent.width - 1) << -level) + 1023) / 1024);
 		struct tile last = {level, tiles - 1, tiles - 1};
-		assert_true(world_has(&world, last));
+		assert_true(extent_has(&extent, last));
 		assert_true(tile_equal(tile_from_key(tile_key(last)), last));
-		struct post_rect rect = tile_post_rect(&world, last), one = {rect.x1 - 2, rect.y0 + 1, rect.x1 - 1,
+		struct post_rect rect = tile_post_rect(&extent, last), one = {rect.x1 - 2, rect.y0 + 1, rect.x1 - 1,
 									     rect.y0 + 2};
 		assert_int_equal(rect.x1, (int64_t)tiles * 1024 + 1);
 		struct tile first, end;
-		assert_true(tile_range_of(&world, level, one, &first, &end));
+		assert_true(tile_range_of(&extent, level, one, &first, &end));
 		assert_true(tile_equal(first, last) && tile_equal(end, last));
 	}
-	assert_int_equal(world_posts(world.width, TILE_LEVEL_MIN), ((world.width - 1) << 14) + 1);
+	assert_int_equal(extent_posts(extent.width, TILE_LEVEL_MIN), ((extent.width - 1) << 14) + 1);
 }
 
 int main(void)

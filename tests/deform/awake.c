@@ -255,7 +255,7 @@ static void more_blocks_than_there_may_be_are_refused(void **state)
 	(void)state;
 	need_gpu();
 	start(&ground, &(struct setup){DEFORM_SLIPPAGE, 8, 1, 0.125, 0, 1, NULL});
-	ground.world.width = ground.world.height = 129 * 32;
+	ground.extent.width = ground.extent.height = 129 * 32;
 	for (int64_t y = 0; y < 128; y++)
 		for (int64_t x = 0; x < 128; x++)
 			assert_ok(deform_wake_block(ground.deform, (struct deform_block){x, y}));

@@ -35,7 +35,7 @@ struct ground_params {
 
 struct ground {
 	struct ground_params params;
-	struct world world;
+	struct extent extent;
 	struct gpu_slots *slots;
 	struct deform *deform;
 	struct deform_tile *tiles;
@@ -60,7 +60,7 @@ static inline void ground_init(struct ground *ground, const struct ground_params
 	memset(ground, 0, sizeof *ground);
 	ground->params = *params;
 	int64_t cells = params->cells, side = (params->first + params->tiles) * cells + 1;
-	ground->world = (struct world){side, side, params->spacing, params->cells};
+	ground->extent = (struct extent){side, side, params->spacing, params->cells};
 	ground->x0 = params->first * cells;
 	ground->posts = (int64_t)params->tiles * cells + 1;
 	ground->tile_count = (size_t)params->tiles * params->tiles;
@@ -86,7 +86,7 @@ static inline void ground_init(struct ground *ground, const struct ground_params
 	struct deform_params deform = {
 		.gpu = test_gpu,
 		.slots = ground->slots,
-		.world = &ground->world,
+		.extent = &ground->extent,
 		.reference = params->reference,
 		.model = params->model,
 		.box_radius = params->radius + (params->radius == 0),

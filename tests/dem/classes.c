@@ -8,7 +8,7 @@
 
 #include "classes.h"
 
-static const struct world world = {9, 7, 2, 8};
+static const struct extent extent = {9, 7, 2, 8};
 
 /* Of pixels, rows from the north. */
 static int value_of(int column, int row)
@@ -54,7 +54,7 @@ static void a_png_is_a_pixel_a_post_from_the_north_west(void **state)
 	for (size_t i = 0; i < 8; i++) {
 		int width = sizes[i / 2][0], height = sizes[i / 2][1];
 		write_png("map.png", types[i % 2], width, height, 0);
-		struct dem_classes_params params = classes_of("map.png", &world, "", 1000, -5);
+		struct dem_classes_params params = classes_of("map.png", &extent, "", 1000, -5);
 		struct dem_classes *classes = open_classes(&params);
 		check(classes, 0, (struct post_rect){0, 0, 9, 7}, width, height);
 		check(classes, 0, (struct post_rect){-30, -30, 40, 40}, width, height);
@@ -71,7 +71,7 @@ static void a_png_is_a_pixel_a_post_from_the_north_west(void **state)
 static void the_table_says_what_a_value_becomes(void **state)
 {
 	write_png("map.png", DEM_UINT8, 9, 7, 0);
-	struct dem_classes_params params = classes_of("map.png", &world, "", 0, 0);
+	struct dem_classes_params params = classes_of("map.png", &extent, "", 0, 0);
 	struct dem_classes *classes = open_classes(&params);
 	uint8_t table[256] = {[0] = 3, [1] = 4}, values[3];
 	assert_int_equal(dem_classes_read(classes, 0, (struct post_rect){-1, 6, 2, 7}, table, 9, values), STATUS_OK);
@@ -83,7 +83,7 @@ static void the_table_says_what_a_value_becomes(void **state)
 static void what_is_no_png_of_classes_is_refused(void **state)
 {
 	uint8_t bytes[33] = "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\2\0\0\0\2\x08\2";
-	struct dem_classes_params params = classes_of("bad.png", &world, "", 0, 0);
+	struct dem_classes_params params = classes_of("bad.png", &extent, "", 0, 0);
 	assert_open_refused(&params, "No such file");
 	write_file("bad.png", bytes, sizeof bytes);
 	assert_open_refused(&params, "is in colour, and classes are numbers");
@@ -122,7 +122,7 @@ static void what_is_no_png_of_classes_is_refused(void **state)
 static void memory_that_runs_out_is_told(void **state)
 {
 	write_png("map.png", DEM_UINT8, 9, 7, 0);
-	struct dem_classes_params params = classes_of("map.png", &world, "", 0, 0);
+	struct dem_classes_params params = classes_of("map.png", &extent, "", 0, 0);
 	struct dem_classes *classes;
 	enum status status;
 	uint64_t nth = 0;

@@ -6,10 +6,10 @@
 
 #define ABSENT 222
 
-static inline struct dem_classes_params classes_of(const char *name, const struct world *world, const char *srs, double x,
+static inline struct dem_classes_params classes_of(const char *name, const struct extent *extent, const char *srs, double x,
 						   double y)
 {
-	return (struct dem_classes_params){.path = in_folder(name), .world = world, .srs = srs, .origin = {x, y}};
+	return (struct dem_classes_params){.path = in_folder(name), .extent = extent, .srs = srs, .origin = {x, y}};
 }
 
 static inline struct dem_classes *open_classes(const struct dem_classes_params *params)

@@ -73,7 +73,7 @@ static void make(const struct map *map)
 	GDALClose(dataset);
 }
 
-static const struct world world = {257, 129, 10, 64};
+static const struct extent extent = {257, 129, 10, 64};
 #define WEST 500000.0
 #define SOUTH 5000000.0
 
@@ -107,8 +107,8 @@ static void check(struct dem_classes *classes, const struct map *map, const char
 	size_t width = (size_t)(rect.x1 - rect.x0), count = width * (size_t)(rect.y1 - rect.y0);
 	double *east = malloc(count * sizeof *east), *north = malloc(count * sizeof *north);
 	for (size_t i = 0; i < count; i++) {
-		east[i] = WEST + ldexp((double)(rect.x0 + (int64_t)(i % width)), level) * world.spacing;
-		north[i] = SOUTH + ldexp((double)(rect.y0 + (int64_t)(i / width)), level) * world.spacing;
+		east[i] = WEST + ldexp((double)(rect.x0 + (int64_t)(i % width)), level) * extent.spacing;
+		north[i] = SOUTH + ldexp((double)(rect.y0 + (int64_t)(i / width)), level) * extent.spacing;
 	}
 	if (map->srs != NULL && strcmp(map->srs, "EPSG:32633") != 0)
 		assert_int_equal(dem_transform(wkt, map->srs, count, east, north), STATUS_OK);
@@ -131,7 +131,7 @@ static void check_levels(const struct map *map, double turn)
 	char wkt[8192];
 	snprintf(wkt, sizeof wkt, "%s", wkt_of("EPSG:32633"));
 	make(map);
-	struct dem_classes_params params = classes_of(map->name, &world, wkt, WEST, SOUTH);
+	struct dem_classes_params params = classes_of(map->name, &extent, wkt, WEST, SOUTH);
 	struct dem_classes *classes = open_classes(&params);
 	int64_t inside = 0;
 	check(classes, map, wkt, 0, (struct post_rect){0, 0, 257, 129}, turn, &inside);
@@ -203,7 +203,7 @@ static void posts_on_the_rim_are_in_the_raster(void **state)
 	memcpy(map.place, (double[]){WEST + 100, 50, 0, SOUTH + 600, 0, -50}, sizeof map.place);
 	map.width = 4, map.height = 6;
 	make(&map);
-	struct dem_classes_params params = classes_of("rim.tif", &world, wkt_of("EPSG:32633"), WEST, SOUTH);
+	struct dem_classes_params params = classes_of("rim.tif", &extent, wkt_of("EPSG:32633"), WEST, SOUTH);
 	struct dem_classes *classes = open_classes(&params);
 	uint8_t *values = read_classes(classes, 0, (struct post_rect){0, 0, 64, 64});
 	for (int y = 0; y < 64; y++)
@@ -224,7 +224,7 @@ static void nodata_and_masks_are_absent(void **state)
 	map.tag = true;
 	map.nodata = 7;
 	make(&map);
-	struct dem_classes_params params = classes_of("holes.tif", &world, wkt_of("EPSG:32633"), WEST, SOUTH);
+	struct dem_classes_params params = classes_of("holes.tif", &extent, wkt_of("EPSG:32633"), WEST, SOUTH);
 	struct dem_classes *classes = open_classes(&params);
 	uint8_t *values = read_classes(classes, 0, rect);
 	for (int i = 0; i < 100 * 100; i++)
@@ -238,7 +238,7 @@ static void nodata_and_masks_are_absent(void **state)
 	map.tag = true;
 	map.nodata = 300;
 	make(&map);
-	params = classes_of("large.tif", &world, wkt_of("EPSG:32633"), WEST, SOUTH);
+	params = classes_of("large.tif", &extent, wkt_of("EPSG:32633"), WEST, SOUTH);
 	classes = open_classes(&params);
 	values = read_classes(classes, 0, (struct post_rect){-30, 0, 100, 140});
 	int absent = 0;
@@ -252,7 +252,7 @@ static void nodata_and_masks_are_absent(void **state)
 	map.bands = 2;
 	map.alpha = true;
 	make(&map);
-	params = classes_of("alpha.tif", &world, wkt_of("EPSG:32633"), WEST, SOUTH);
+	params = classes_of("alpha.tif", &extent, wkt_of("EPSG:32633"), WEST, SOUTH);
 	classes = open_classes(&params);
 	values = read_classes(classes, 0, (struct post_rect){0, 0, 10, 1});
 	for (int x = 0; x < 10; x++)
@@ -269,7 +269,7 @@ static void a_coarse_level_over_many_pixels_is_read_in_parts(void **state)
 	char wkt[8192];
 	snprintf(wkt, sizeof wkt, "%s", wkt_of("EPSG:32633"));
 	make(&map);
-	struct dem_classes_params params = classes_of("many.tif", &world, wkt, WEST, SOUTH);
+	struct dem_classes_params params = classes_of("many.tif", &extent, wkt, WEST, SOUTH);
 	struct dem_classes *classes = open_classes(&params);
 	uint8_t *values = read_classes(classes, 1, (struct post_rect){0, 0, 129, 65});
 	for (int y = 0; y < 65; y++)
@@ -284,7 +284,7 @@ static void what_is_no_map_of_classes_is_refused(void **state)
 	char wkt[8192];
 	snprintf(wkt, sizeof wkt, "%s", wkt_of("EPSG:32633"));
 	struct map map = utm("bad.tif");
-	struct dem_classes_params params = classes_of("bad.tif", &world, wkt, WEST, SOUTH);
+	struct dem_classes_params params = classes_of("bad.tif", &extent, wkt, WEST, SOUTH);
 	char path[400];
 	snprintf(path, sizeof path, "%s", params.path);
 	params.path = path;
@@ -343,7 +343,7 @@ static void a_map_without_an_srs_is_in_the_stores_coordinates(void **state)
 	check_levels(&map, 0);
 	memcpy(map.place, (double[]){20, 50, 0, 1000, 0, -50}, sizeof map.place);
 	make(&map);
-	struct dem_classes_params params = classes_of("plain.tif", &world, "", 0, 0);
+	struct dem_classes_params params = classes_of("plain.tif", &extent, "", 0, 0);
 	struct dem_classes *classes = open_classes(&params);
 	uint8_t *values = read_classes(classes, 0, (struct post_rect){0, 0, 10, 10});
 	assert_int_equal(values[5 * 10 + 1], ABSENT);

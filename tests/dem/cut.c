@@ -19,7 +19,7 @@ struct cut_tile {
 };
 
 struct scene {
-	struct world world;
+	struct extent extent;
 	double *heights;
 	int64_t next_row, next_x, panel_x, progress, asked;
 	int64_t panel_posts; /* 0: the cut's own */
@@ -40,10 +40,10 @@ static double any_height(int64_t x, int64_t y)
 static enum status posts_of(void *user, struct post_rect rect, double *heights)
 {
 	struct scene *scene = user;
-	int64_t width = scene->world.width;
+	int64_t width = scene->extent.width;
 	scene->asked += (rect.x1 - rect.x0) * (rect.y1 - rect.y0);
 	assert_true(rect.x0 >= 0 && rect.x0 < rect.x1 && rect.x1 <= width);
-	assert_true(rect.y0 >= 0 && rect.y0 < rect.y1 && rect.y1 <= scene->world.height);
+	assert_true(rect.y0 >= 0 && rect.y0 < rect.y1 && rect.y1 <= scene->extent.height);
 	assert_true(rect.x1 - rect.x0 <= (scene->panel_posts > 0 ? 2 * scene->panel_posts + 1 : width));
 	/* From the south within a panel, panels from the west, each post once but for those panels share. */
 	if (!scene->skips) {
@@ -52,7 +52,7 @@ static enum status posts_of(void *user, struct post_rect rect, double *heights)
 	}
 	scene->panel_x = rect.x0;
 	scene->next_x = rect.x1 - 1;
-	scene->next_row = rect.y1 == scene->world.height ? 0 : rect.y1;
+	scene->next_row = rect.y1 == scene->extent.height ? 0 : rect.y1;
 	for (int64_t y = rect.y0; y < rect.y1; y++, heights += rect.x1 - rect.x0)
 		memcpy(heights, scene->heights + y * width + rect.x0, (size_t)(rect.x1 - rect.x0) * sizeof *heights);
 	return STATUS_OK;
@@ -61,7 +61,7 @@ static enum status posts_of(void *user, struct post_rect rect, double *heights)
 static enum status take(void *user, const struct dem_tile *tile)
 {
 	struct scene *scene = user;
-	size_t posts = scene->world.cells + 1;
+	size_t posts = scene->extent.cells + 1;
 	assert_true(scene->count < TILES_MAX);
 	struct cut_tile *kept = &scene->tiles[scene->count++];
 	*kept = (struct cut_tile){tile->tile, tile->low, tile->high, tile->error, malloc(posts * posts * 4)};
@@ -73,14 +73,14 @@ static enum status told(void *user, int64_t done, int64_t total)
 {
 	struct scene *scene = user;
 	assert_true(done > scene->progress && done <= total);
-	assert_int_equal(total % scene->world.height, 0); /* of every panel */
+	assert_int_equal(total % scene->extent.height, 0); /* of every panel */
 	scene->progress = done;
 	return STATUS_OK;
 }
 
 static struct scene scene_make(int64_t width, int64_t height, uint32_t cells)
 {
-	struct scene scene = {.world = {width, height, 1, cells}};
+	struct scene scene = {.extent = {width, height, 1, cells}};
 	scene.heights = mem_alloc((size_t)(width * height), sizeof *scene.heights);
 	scene.tiles = mem_calloc(TILES_MAX, sizeof *scene.tiles);
 	for (int64_t y = 0; y < height; y++)
@@ -99,7 +99,7 @@ static void scene_free(struct scene *scene)
 
 static struct dem_cut cut_of(struct scene *scene, double step)
 {
-	return (struct dem_cut){.world = &scene->world, .step = step, .posts = posts_of, .posts_user = scene,
+	return (struct dem_cut){.extent = &scene->extent, .step = step, .posts = posts_of, .posts_user = scene,
 				.emit = take, .emit_user = scene, .progress = told, .progress_user = scene,
 				.panel_posts = scene->panel_posts};
 }
@@ -123,14 +123,14 @@ static double post(const struct scene *scene, int level, int64_t x, int64_t y)
 {
 	x <<= level;
 	y <<= level;
-	if (x >= scene->world.width || y >= scene->world.height)
+	if (x >= scene->extent.width || y >= scene->extent.height)
 		return (double)NAN;
-	return scene->heights[y * scene->world.width + x];
+	return scene->heights[y * scene->extent.width + x];
 }
 
 static double own_decimation_error(const struct scene *scene, struct tile tile)
 {
-	int64_t n = scene->world.cells;
+	int64_t n = scene->extent.cells;
 	double most = 0;
 	for (int64_t y = 0; y <= n; y++)
 		for (int64_t x = 0; x <= n; x++) {
@@ -148,9 +148,9 @@ static double own_decimation_error(const struct scene *scene, struct tile tile)
 static void check_tile(const struct scene *scene, int index)
 {
 	const struct cut_tile *tile = &scene->tiles[index];
-	const struct world *world = &scene->world;
-	int64_t n = world->cells;
-	assert_true(world_has(world, tile->tile));
+	const struct extent *extent = &scene->extent;
+	int64_t n = extent->cells;
+	assert_true(extent_has(extent, tile->tile));
 	assert_null(find(scene, tile->tile, index));
 	for (int64_t y = 0; y <= n; y++)
 		for (int64_t x = 0; x <= n; x++) {
@@ -173,7 +173,7 @@ static void check_tile(const struct scene *scene, int index)
 		assert_true(tile->low == low && tile->high == high);
 	for (unsigned q = 0; tile->tile.level > 0 && q < 4; q++) {
 		struct tile child = {tile->tile.level - 1, 2 * tile->tile.x + (q & 1), 2 * tile->tile.y + (q >> 1)};
-		if (!world_has(world, child))
+		if (!extent_has(extent, child))
 			continue;
 		const struct cut_tile *below = find(scene, child, index); /* it came before */
 		assert_non_null(below);
@@ -185,8 +185,8 @@ static void check_tile(const struct scene *scene, int index)
 static void check_whole(const struct scene *scene)
 {
 	int expected = 0;
-	for (int level = 0; level <= world_coarsest(&scene->world); level++)
-		expected += (int)(world_tiles_x(&scene->world, level) * world_tiles_y(&scene->world, level));
+	for (int level = 0; level <= extent_coarsest(&scene->extent); level++)
+		expected += (int)(extent_tiles_x(&scene->extent, level) * extent_tiles_y(&scene->extent, level));
 	assert_int_equal(scene->count, expected);
 	for (int t = 0; t < scene->count; t++)
 		check_tile(scene, t);
@@ -227,7 +227,7 @@ static enum status known_of(void *user, struct tile tile, int32_t *codes, bool *
 {
 	const struct scene *before = user;
 	const struct cut_tile *found = find(before, tile, before->count);
-	size_t posts = before->world.cells + 1;
+	size_t posts = before->extent.cells + 1;
 	*known = found != NULL;
 	if (*known)
 		memcpy(codes, found->codes, posts * posts * 4);

@@ -11,7 +11,7 @@
 
 #define MOST 10
 
-static const struct world hills = {129, 129, 2, 32};
+static const struct extent hills = {129, 129, 2, 32};
 
 static const char *const scene_texts[] = {
 	"scene: 1\n"
@@ -40,14 +40,14 @@ static const char *const scene_texts[] = {
 
 static uint64_t hash_driven;
 
-static enum status drive(struct run_result *result)
+static enum status drive(struct api_result *result)
 {
 	struct scene *scene;
 	enum status status = scene_load(in_folder("scene.yaml"), NULL, 0, &scene);
 	if (status != STATUS_OK)
 		return status;
-	struct run_params params = {.scene = scene, .store = in_folder("trial.furrow"), .directory = in_folder("out")};
-	status = run_drive(&params, result);
+	struct api_params params = {.scene = scene, .store = in_folder("trial.furrow"), .directory = in_folder("out")};
+	status = api_drive(&params, result);
 	scene_destroy(scene);
 	return status;
 }
@@ -90,7 +90,7 @@ static void fresh(void)
 
 static uint64_t trial(const void *user, const struct fault *fault)
 {
-	struct run_result result = {0};
+	struct api_result result = {0};
 	fresh();
 	fault_arm_for(fault);
 	enum status status = drive(&result);
@@ -111,7 +111,7 @@ static void every_fault(const char *scene, int most)
 	static const enum fault_kind kinds[] = {FAULT_READ, FAULT_WRITE, FAULT_FULL, FAULT_TORN_WRITE, FAULT_OPEN,
 						FAULT_SHARED, FAULT_SQLITE_MEMORY};
 	uint64_t ran = 0;
-	struct run_result result;
+	struct api_result result;
 	support_write(in_folder("scene.yaml"), scene);
 	fault_arm_for(&(struct fault){FAULT_NONE, UINT64_MAX, false});
 	fresh();

@@ -56,7 +56,7 @@ static enum status import_some(const char *path, int64_t *resumed, int64_t left)
 		return status;
 	putting.passing = resumed != NULL ? *resumed : 0;
 	putting.store->commit_bytes = 1000; /* some twenty commits */
-	status = dem_cut(&(struct dem_cut){.world = &world, .step = meta.step, .posts = posts_of, .emit = put_tile,
+	status = dem_cut(&(struct dem_cut){.extent = &extent, .step = meta.step, .posts = posts_of, .emit = put_tile,
 					   .emit_user = &putting, .known = resumed != NULL ? known_tile : NULL,
 					   .known_user = &putting});
 	if (status == STATUS_INTERRUPTED)

@@ -8,7 +8,7 @@
  */
 #include "sweep.h"
 
-#include "run/pages.h"
+#include "resident/pages.h"
 
 #define MOST 25
 #define LEVEL -1
@@ -309,8 +309,8 @@ static void expect_pages_kept(struct rig *rig)
 	page_cache_each_queued(rig->cache, hold_queued, &held);
 	page_cache_each_resident(rig->cache, hold_resident, &held);
 	expect(store_reader_create(rig->store, &reader) == STATUS_OK);
-	for (uint32_t y = 0; y < world_tiles_y(&world, LEVEL); y++)
-		for (uint32_t x = 0; x < world_tiles_x(&world, LEVEL); x++) {
+	for (uint32_t y = 0; y < extent_tiles_y(&extent, LEVEL); y++)
+		for (uint32_t x = 0; x < extent_tiles_x(&extent, LEVEL); x++) {
 			struct tile tile = {LEVEL, x, y};
 			expect(held.has[y][x] || stored_is(reader, &rig->field, tile));
 		}
@@ -333,8 +333,8 @@ static void look(const char *path, int least, int most)
 	for (int step = 1; numbers.epochs > 0 && step <= numbers.last_run.step; step++)
 		dig_step(&field, step);
 	expect(store_reader_create(store, &reader) == STATUS_OK);
-	for (uint32_t y = 0; y < world_tiles_y(&world, LEVEL); y++)
-		for (uint32_t x = 0; x < world_tiles_x(&world, LEVEL); x++)
+	for (uint32_t y = 0; y < extent_tiles_y(&extent, LEVEL); y++)
+		for (uint32_t x = 0; x < extent_tiles_x(&extent, LEVEL); x++)
 			expect(stored_is(reader, &field, (struct tile){LEVEL, x, y}));
 	store_reader_destroy(reader);
 	/* What was compacted belongs to the same step, and so does the record's share of it. */

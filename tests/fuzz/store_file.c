@@ -87,15 +87,15 @@ static enum status take_key(void *user, uint64_t key)
 	return STATUS_OK;
 }
 
-static void read_windows(struct store_reader *reader, const struct world *world, bool clean, uint64_t hash)
+static void read_windows(struct store_reader *reader, const struct extent *extent, bool clean, uint64_t hash)
 {
 	static double values[WINDOW * WINDOW];
-	int coarsest = world_coarsest(world);
+	int coarsest = extent_coarsest(extent);
 	for (int i = 0; i < 6; i++) {
 		/* The corners, the middle; levels from the finest there can be. */
 		int level = i < 3 ? i : -(int)(hash >> i & 15);
 		level = level > coarsest ? coarsest : level;
-		int64_t width = world_posts(world->width, level), height = world_posts(world->height, level);
+		int64_t width = extent_posts(extent->width, level), height = extent_posts(extent->height, level);
 		int64_t x = i % 3 == 0 ? -4 : i % 3 == 1 ? width / 2 : width - WINDOW / 2;
 		int64_t y = i % 2 == 0 ? -4 : height - WINDOW / 2;
 		enum store_layer layer = (enum store_layer)((hash >> 8) + (unsigned)i) % STORE_LAYERS;
@@ -105,9 +105,9 @@ static void read_windows(struct store_reader *reader, const struct world *world,
 	}
 }
 
-static void read_samples(struct store_reader *reader, const struct world *world)
+static void read_samples(struct store_reader *reader, const struct extent *extent)
 {
-	double east = (double)(world->width - 1) * world->spacing, north = (double)(world->height - 1) * world->spacing;
+	double east = (double)(extent->width - 1) * extent->spacing, north = (double)(extent->height - 1) * extent->spacing;
 	const double points[][2] = {{0, 0}, {east, north}, {east / 2, north / 3}, {-1, 0}, {east * 1.0001, 0},
 				    {(double)NAN, 0}, {9, 9}};
 	for (size_t i = 0; i < sizeof points / sizeof *points; i++) {
@@ -142,15 +142,15 @@ static void planes_free(struct planes *planes)
 		free(planes->of[plane]);
 }
 
-static void read_tiles(struct store_reader *reader, const struct world *world, int finest, bool clean, uint64_t hash)
+static void read_tiles(struct store_reader *reader, const struct extent *extent, int finest, bool clean, uint64_t hash)
 {
-	size_t posts = posts_of(world->cells);
+	size_t posts = posts_of(extent->cells);
 	int32_t *codes = malloc(posts * sizeof *codes);
 	struct planes planes = planes_make(posts);
 	fuzz_check(codes != NULL);
-	for (int level = finest; level <= world_coarsest(world); level++) {
-		struct tile tile = {level, (uint32_t)(hash % world_tiles_x(world, level)),
-				    (uint32_t)(hash >> 32) % world_tiles_y(world, level)};
+	for (int level = finest; level <= extent_coarsest(extent); level++) {
+		struct tile tile = {level, (uint32_t)(hash % extent_tiles_x(extent, level)),
+				    (uint32_t)(hash >> 32) % extent_tiles_y(extent, level)};
 		struct store_range range;
 		double low, high;
 		unsigned present;
@@ -171,14 +171,14 @@ static void read_tiles(struct store_reader *reader, const struct world *world, i
 static void read_all(struct store *store, bool clean, uint64_t hash)
 {
 	struct store_reader *reader;
-	const struct world *world = &store_meta(store)->world;
+	const struct extent *extent = &store_meta(store)->extent;
 	enum status status = store_reader_create(store, &reader);
 	must(clean, status);
 	if (status != STATUS_OK)
 		return;
-	read_windows(reader, world, clean, hash);
-	read_samples(reader, world);
-	read_tiles(reader, world, store_finest(store), clean, hash);
+	read_windows(reader, extent, clean, hash);
+	read_samples(reader, extent);
+	read_tiles(reader, extent, store_finest(store), clean, hash);
 	store_reader_destroy(reader);
 }
 
@@ -227,9 +227,9 @@ static bool read_page(struct store *store, struct tile tile, const struct planes
 
 static bool commit(struct store *store, bool clean, uint64_t hash)
 {
-	const struct world *world = &store_meta(store)->world;
-	int level, coarsest = world_coarsest(world);
-	size_t side = tile_posts(world), posts = side * side;
+	const struct extent *extent = &store_meta(store)->extent;
+	int level, coarsest = extent_coarsest(extent);
+	size_t side = tile_posts(extent), posts = side * side;
 	if (!store_has_working_level(store, &level)) {
 		level = coarsest - (int)((hash >> 8) % (uint64_t)(coarsest - TILE_LEVEL_MIN + 1));
 		must(true, store_set_working_level(store, level));
@@ -237,8 +237,8 @@ static bool commit(struct store *store, bool clean, uint64_t hash)
 	/* An epoch of the largest tiles writes one a level, of 40 levels: slow, and no news. */
 	if ((size_t)(coarsest - level + 1) * posts > EPOCH_POSTS)
 		return true;
-	struct tile tile = {level, (uint32_t)(hash % world_tiles_x(world, level)),
-			    (uint32_t)(hash >> 40) % world_tiles_y(world, level)};
+	struct tile tile = {level, (uint32_t)(hash % extent_tiles_x(extent, level)),
+			    (uint32_t)(hash >> 40) % extent_tiles_y(extent, level)};
 	struct planes planes = planes_make(posts);
 	bool good = read_page(store, tile, &planes);
 	fuzz_check(good || !clean);
@@ -301,8 +301,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 	allow(TILE_CELLS_MAX, size); /* what the header says is not known yet */
 	struct store_options options = {writing ? STORE_WRITE : STORE_READ, hash & 2};
 	if (done(store_open(path, &options, &store))) {
-		fuzz_check(world_problem(&store_meta(store)->world) == NULL);
-		allow(store_meta(store)->world.cells, size);
+		fuzz_check(extent_problem(&store_meta(store)->extent) == NULL);
+		allow(store_meta(store)->extent.cells, size);
 		bool clean = look(store);
 		read_all(store, clean, hash);
 		if (writing)

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 struct kind {
-	struct world world;
+	struct extent extent;
 	double step;
 	int working;
 	bool deformed;
@@ -26,8 +26,8 @@ static const struct kind kinds[] = {
 
 static int32_t code_at(const struct kind *kind, int64_t x, int64_t y)
 {
-	const struct world *world = &kind->world;
-	if (x >= world->width || y >= world->height || (kind->holes && (kind->flat || (x / 3 + y) % 7 == 0)))
+	const struct extent *extent = &kind->extent;
+	if (x >= extent->width || y >= extent->height || (kind->holes && (kind->flat || (x / 3 + y) % 7 == 0)))
 		return HEIGHT_CODE_NODATA;
 	int32_t code;
 	/* Rough enough that some tiles are packed, not squeezed. */
@@ -40,15 +40,15 @@ static int32_t code_at(const struct kind *kind, int64_t x, int64_t y)
 static void put_tile(const struct kind *kind, struct tile tile, struct store *store)
 {
 	static int32_t codes[17 * 17];
-	const struct world *world = &kind->world;
-	int64_t side = tile_posts(world), scale = (int64_t)1 << tile.level;
+	const struct extent *extent = &kind->extent;
+	int64_t side = tile_posts(extent), scale = (int64_t)1 << tile.level;
 	struct store_range range = {(double)NAN, (double)NAN, 0.5 * tile.level};
 	for (int64_t i = 0; i < side * side; i++)
-		codes[i] = code_at(kind, ((int64_t)tile.x * world->cells + i % side) * scale,
-				   ((int64_t)tile.y * world->cells + i / side) * scale);
+		codes[i] = code_at(kind, ((int64_t)tile.x * extent->cells + i % side) * scale,
+				   ((int64_t)tile.y * extent->cells + i / side) * scale);
 	/* Over the whole subtree. */
-	for (int64_t y = (int64_t)tile.y * world->cells * scale; y <= (int64_t)(tile.y + 1) * world->cells * scale; y++)
-		for (int64_t x = (int64_t)tile.x * world->cells * scale; x <= (int64_t)(tile.x + 1) * world->cells * scale;
+	for (int64_t y = (int64_t)tile.y * extent->cells * scale; y <= (int64_t)(tile.y + 1) * extent->cells * scale; y++)
+		for (int64_t x = (int64_t)tile.x * extent->cells * scale; x <= (int64_t)(tile.x + 1) * extent->cells * scale;
 		     x++) {
 			double metres = height_code_metres(code_at(kind, x, y), kind->step);
 			range.low = isnan(range.low) || metres < range.low ? metres : range.low;
@@ -59,14 +59,14 @@ static void put_tile(const struct kind *kind, struct tile tile, struct store *st
 
 static void make_base(const struct kind *kind, const char *path)
 {
-	const struct world *world = &kind->world;
-	struct store_meta meta = {.world = *world, .step = kind->step, .max_error = 0.5, .srs = "LOCAL_CS[\"a\"]",
+	const struct extent *extent = &kind->extent;
+	struct store_meta meta = {.extent = *extent, .step = kind->step, .max_error = 0.5, .srs = "LOCAL_CS[\"a\"]",
 				  .vertical = "", .sources = "a.tif\nb.tif"};
 	struct store *store;
 	fuzz_check(store_create(path, &meta, true, &store) == STATUS_OK);
-	for (int level = 0; level <= world_coarsest(world); level++)
-		for (uint32_t y = 0; y < world_tiles_y(world, level); y++)
-			for (uint32_t x = 0; x < world_tiles_x(world, level); x++)
+	for (int level = 0; level <= extent_coarsest(extent); level++)
+		for (uint32_t y = 0; y < extent_tiles_y(extent, level); y++)
+			for (uint32_t x = 0; x < extent_tiles_x(extent, level); x++)
 				put_tile(kind, (struct tile){level, x, y}, store);
 	fuzz_check(store_publish(store) == STATUS_OK);
 	store_close(store);
@@ -78,7 +78,7 @@ static void deform(const struct kind *kind, const char *path)
 	static uint8_t dirt[17 * 17];
 	static int32_t heaped[17 * 17], pressed[17 * 17];
 	static uint16_t shear[17 * 17];
-	uint32_t side = tile_posts(&kind->world);
+	uint32_t side = tile_posts(&kind->extent);
 	struct store *store;
 	fuzz_check(store_open(path, &(struct store_options){.mode = STORE_WRITE}, &store) == STATUS_OK);
 	fuzz_check(store_set_working_level(store, kind->working) == STATUS_OK);

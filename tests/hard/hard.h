@@ -71,7 +71,7 @@ static inline char *hard_drive(const struct hard_model *model, const char *rest,
 }
 
 /* 129 x 129 posts 1 m apart, rough by a few decimetres. */
-static const struct world hard_world = {129, 129, 1, 64};
+static const struct extent hard_world = {129, 129, 1, 64};
 
 static inline double hard_rough(int64_t x, int64_t y)
 {

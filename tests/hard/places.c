@@ -81,7 +81,7 @@ static double strip(int64_t x, int64_t y)
 
 static void ten_thousand_kilometres_along_the_terrain_it_is_the_same_bits(void **state)
 {
-	const struct world far = {160001, 4, 64, 256};
+	const struct extent far = {160001, 4, 64, 256};
 	const double out = 156000.0 * 64; /* a multiple of the strip's period */
 	const char *store = support_path("far.furrow");
 	support_store(store, far, strip);

@@ -56,7 +56,7 @@ static void a_cliff_of_1000_m_comes_to_rest_at_the_angle_of_repose(void **state)
 {
 	static const struct hard_model sand = {
 		"slippage", "redistribute: {model: slippage, undisturbed: slides, iterations: 8, interval: 0.02}\nsoil: {name: dry_sand, cohesion: 0}\n", true};
-	static const struct world wide = {65, 33, 32, 32};
+	static const struct extent wide = {65, 33, 32, 32};
 	const double stands = 32 * tan(28 * M_PI / 180);
 	uint64_t hashes[2];
 	for (int k = 0; k < 2; k++) {

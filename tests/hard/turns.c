@@ -7,7 +7,7 @@ static double flat(int64_t x, int64_t y)
 	return 20;
 }
 
-static const struct world world = {65, 65, 1, 64};
+static const struct extent extent = {65, 65, 1, 64};
 
 #define LUGS 8
 #define RADIUS 0.8
@@ -32,7 +32,7 @@ static void lugs_print_as_far_apart_as_the_wheel_rolls_between_them(void **state
 	for (int i = 0; i < 3; i++) {
 		const char *store = support_path("lugs.furrow");
 		char rest[512];
-		support_store(store, world, flat);
+		support_store(store, extent, flat);
 		snprintf(rest, sizeof rest, "time_step: 0.05\nend_time: 20\nspacing: 0.0625\nobjects:\n"
 			 "  - {name: wheel, shape: {wheel: {radius: %g, width: 0.5, lugs: %d, lug_height: 0.1, lug_thickness: 0.08}}, sink: 0.08,\n"
 			 "     slip: %g, path: {points: [[10, 20], [40, 20]], speed: 2}}\n", RADIUS, LUGS, slips[i]);
@@ -76,7 +76,7 @@ static void what_an_object_turned_away_from_slides(void **state)
 	for (int turned = 0; turned < 2; turned++) {
 		char rest[512];
 		const char *store = support_path("beam.furrow");
-		support_store(store, world, flat);
+		support_store(store, extent, flat);
 		support_write(poses, turned ? "t,x,y,z,yaw,pitch,roll\n0,30,30,20.2,0,0,0\n30,30,30,20.2,0,0,0\n30.1,30.3,30.02,20.2,90,0,0\n"
 					    : "t,x,y,z,yaw,pitch,roll\n0,30,30,20.2,0,0,0\n30,30,30,20.2,0,0,0\n");
 		snprintf(rest, sizeof rest, "time_step: 0.5\nend_time: 90\nspacing: 0.25\nobjects:\n"
@@ -102,7 +102,7 @@ static void what_an_object_left_at_the_edge_of_the_world_slides(void **state)
 	for (int left = 0; left < 2; left++) {
 		char rest[512];
 		const char *store = support_path("ball.furrow");
-		support_store(store, world, flat);
+		support_store(store, extent, flat);
 		support_write(poses, left ? "t,x,y,z\n0,0.1,30,20.3\n30,0.1,30,20.3\n30.5,-3,30,20.3\n" : "t,x,y,z\n0,0.1,30,20.3\n30,0.1,30,20.3\n");
 		snprintf(rest, sizeof rest, "time_step: 0.5\nend_time: 60\nspacing: 0.25\noutside: skip\nobjects:\n"
 			 "  - {name: ball, shape: {sphere: {radius: 1.5}}, path: {file: %s}}\n", poses);

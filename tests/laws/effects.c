@@ -10,7 +10,7 @@
 #include "../counts.h"
 #include "../planned.h"
 
-static const struct world world = {129, 129, 1, 32};
+static const struct extent extent = {129, 129, 1, 32};
 
 static double gentle(int64_t x, int64_t y)
 {
@@ -135,9 +135,9 @@ static struct outcome drive_on(const char *text, const char *store)
 	outcome.taken = nothing ? outcome.scene->object_count : 0;
 	outcome.scene->object_count -= outcome.taken;
 	outcome.effects = planned(outcome.scene, store, &outcome.plan);
-	struct run_params params = {.scene = outcome.scene, .store = store, .directory = support_path("out")};
-	struct run_result result;
-	enum status status = run_drive(&params, &result);
+	struct api_params params = {.scene = outcome.scene, .store = store, .directory = support_path("out")};
+	struct api_result result;
+	enum status status = api_drive(&params, &result);
 	if (status == STATUS_NO_GL)
 		skip();
 	must(status);
@@ -156,7 +156,7 @@ static struct outcome drive_on(const char *text, const char *store)
 static struct outcome drive(const char *text)
 {
 	const char *store = support_path("effects.furrow");
-	support_store(store, world, gentle);
+	support_store(store, extent, gentle);
 	return drive_on(text, store);
 }
 
@@ -425,7 +425,7 @@ static void a_deformed_store_is_planned_as_it_is(void **state)
 		BUSY "view: {size: [160, 90], camera: {fixed: {eye: [20, 10, 120], target: [50, 45, 100]}}, pixel_error: 1}\n",
 	};
 	const char *store = support_path("effects.furrow");
-	support_store(store, world, gentle);
+	support_store(store, extent, gentle);
 	for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
 		struct outcome outcome = drive_on(scenes[i], store);
 		finish(&outcome);
@@ -443,7 +443,7 @@ static void few_programs_do_for_all_scenes(void **state)
 	char pattern[4096];
 	snprintf(pattern, sizeof pattern, "%s/*.yaml", folder);
 	assert_int_equal(glob(pattern, 0, NULL, &found), 0);
-	support_store(store, world, gentle);
+	support_store(store, extent, gentle);
 	for (size_t i = 0; i < found.gl_pathc; i++) {
 		struct scene *scene;
 		struct plan plan;
@@ -472,7 +472,7 @@ static void a_resting_object_runs_no_pass(void **state)
 		"objects:\n"
 		"  - {name: a, shape: {sphere: {radius: 1.5}}, sink: 0.3, path: {points: [[20, 20], [100, 90]], speed: 10}}\n";
 	static const char *const models[] = {"box", "sumner", "slippage", "scm"};
-	const struct world wide = {129, 129, 1, 64};
+	const struct extent wide = {129, 129, 1, 64};
 	for (int m = 0; m < 4; m++) {
 		char text[512];
 		const char *scene = support_path("rests.yaml"), *store = support_path("rests.furrow");

@@ -4,7 +4,7 @@
  */
 #include "../support.h"
 
-static const struct world world = {513, 513, 2, 256};
+static const struct extent extent = {513, 513, 2, 256};
 
 static const char scene_text[] =
 	"scene: 1\n"
@@ -48,7 +48,7 @@ static const char *const *under(const char *name, const char *a, const char *b, 
 static const char *const models[] = {"none", "box", "sumner", "slippage", "scm"};
 #define MODELS 5
 
-static const char *fresh_store(const char *name, struct world shape)
+static const char *fresh_store(const char *name, struct extent shape)
 {
 	const char *path = support_path(name);
 	support_store(path, shape, support_hills);
@@ -67,7 +67,7 @@ static void the_fewest_slots_leave_the_same_rows_as_all_resident(void **state)
 {
 	const char *scene = scene_file();
 	for (int m = 0; m < MODELS; m++) {
-		const char *few = fresh_store("few.furrow", world), *all = fresh_store("all.furrow", world);
+		const char *few = fresh_store("few.furrow", extent), *all = fresh_store("all.furrow", extent);
 		char *json = support_drive(scene, few, under(models[m], "cache.slots=4", "cache.loaders=1", "cache.prefetch=0"));
 		int most = slides(models[m]) ? 10 : 100;
 		assert_true(support_figure(json, "\"cache\"", "touched") > most);
@@ -90,7 +90,7 @@ static void the_fewest_slots_leave_the_same_rows_as_all_resident(void **state)
 static void the_same_drive_twice_leaves_the_same_rows(void **state)
 {
 	const char *scene = scene_file();
-	const char *one = fresh_store("one.furrow", world), *two = fresh_store("two.furrow", world);
+	const char *one = fresh_store("one.furrow", extent), *two = fresh_store("two.furrow", extent);
 	uint64_t before = support_hash(one);
 	mem_free(support_drive(scene, one, NULL));
 	mem_free(support_drive(scene, two, NULL));
@@ -106,7 +106,7 @@ static void tiles_of_64_and_512_give_the_same_posts(void **state)
 	for (int m = 0; m < MODELS; m++) {
 		double *first = NULL;
 		for (int i = 0; i < 3; i++) {
-			struct world shape = world;
+			struct extent shape = extent;
 			shape.cells = sizes[i];
 			const char *path = fresh_store("tiles.furrow", shape);
 			mem_free(support_drive(scene, path, under(models[m], "cache.slots=64", NULL, NULL)));
@@ -143,7 +143,7 @@ static void no_time_step_shows_in_the_rut(void **state)
 	for (int m = 1; m < MODELS; m++) {
 		uint64_t first = 0;
 		for (int i = 0; i < 4; i++) {
-			const char *path = fresh_store("step.furrow", world);
+			const char *path = fresh_store("step.furrow", extent);
 			mem_free(support_drive(scene, path, under(models[m], steps[i], NULL, NULL)));
 			uint64_t hash = support_hash(path);
 			if (i == 0)
@@ -173,7 +173,7 @@ static void a_summit_and_a_trench_are_as_exact_as_sea_level(void **state)
 	double *first = NULL;
 	for (int i = 0; i < 3; i++) {
 		const char *path = support_path("height.furrow");
-		support_store(path, world, heights[i]);
+		support_store(path, extent, heights[i]);
 		mem_free(support_drive(scene, path, (const char *[]){"end_time=8", NULL}));
 		double *quanta = support_quanta(path, -3, rect);
 		if (first == NULL) {
@@ -194,7 +194,7 @@ static double strip(int64_t x, int64_t y)
 
 static void ten_thousand_kilometres_out_the_bits_are_the_same(void **state)
 {
-	const struct world far = {160001, 4, 64, 256};
+	const struct extent far = {160001, 4, 64, 256};
 	const double out = 156000.0 * 64; /* metres, a multiple of the strip's period */
 	const char *path = support_path("far.furrow"), *scene = support_path("far.yaml");
 	support_store(path, far, strip);

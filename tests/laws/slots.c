@@ -4,7 +4,7 @@
  */
 #include "../support.h"
 
-static const struct world world = {257, 257, 2, 64};
+static const struct extent extent = {257, 257, 2, 64};
 
 /* At 0.25 m a tile is 16 m wide; the paths cross, and one object meets the ruts of the others. */
 static const char scene_text[] =
@@ -46,7 +46,7 @@ static uint64_t drive(const struct setup *setup, char **json)
 	const char *store = support_path("slots.furrow"), *scene = support_path("scene.yaml");
 	snprintf(text, sizeof text, "%s%s", scene_text, setup->view ? view_text : "");
 	support_write(scene, text);
-	support_store(store, world, support_hills);
+	support_store(store, extent, support_hills);
 	snprintf(settings[0], sizeof settings[0], "cache.slots=%s", setup->slots);
 	snprintf(settings[1], sizeof settings[1], "cache.loaders=%s", setup->loaders);
 	snprintf(settings[2], sizeof settings[2], "cache.prefetch=%s", setup->prefetch);

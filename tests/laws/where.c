@@ -63,10 +63,10 @@ static char *drive(const char *scene_path, const char *store, const char *out, b
 {
 	struct scene *scene;
 	must(scene_load(scene_path, NULL, 0, &scene));
-	struct run_params params = {.scene = scene, .store = store, .directory = support_path(out), .everywhere = everywhere,
+	struct api_params params = {.scene = scene, .store = store, .directory = support_path(out), .everywhere = everywhere,
 				    .resume = resume, .steps = steps};
-	struct run_result result;
-	enum status status = run_drive(&params, &result);
+	struct api_result result;
+	enum status status = api_drive(&params, &result);
 	scene_destroy(scene);
 	if (status == STATUS_NO_GL)
 		skip();
@@ -125,7 +125,7 @@ struct least {
 };
 
 /* Both ways over stores made alike. */
-static void the_same_either_way(struct world world, support_height height, const char *scene, const char *first_scene,
+static void the_same_either_way(struct extent extent, support_height height, const char *scene, const char *first_scene,
 				struct least least)
 {
 	const char *all = support_path("all.furrow"), *few = support_path("few.furrow");
@@ -133,7 +133,7 @@ static void the_same_either_way(struct world world, support_height height, const
 	const char *const outs[2] = {"out-all", "out-few"};
 	char *jsons[2];
 	for (int i = 0; i < 2; i++) {
-		support_store(stores[i], world, height);
+		support_store(stores[i], extent, height);
 		if (first_scene != NULL)
 			mem_free(drive(first_scene, stores[i], "out-first", true, false, 0));
 		jsons[i] = drive(scene, stores[i], outs[i], i == 0, false, 0);
@@ -181,7 +181,7 @@ static void write_hops(support_height height)
 	write_poses("block.csv", &(struct hops){height, 2, 40, 90, 11, -10, 0.9, 0.1, 4, 1.1, 4, true});
 }
 
-static const struct world world = {129, 129, 2, 32};
+static const struct extent extent = {129, 129, 2, 32};
 
 /* Over hills and their own ruts, over cliffs and holes, under every model. */
 static void what_hops_leaves_the_same_rows(void **state)
@@ -191,7 +191,7 @@ static void what_hops_leaves_the_same_rows(void **state)
 		for (int m = 0; m < MODELS; m++) {
 			write_hops(heights[h]);
 			/* Where soil slides a tile that was touched is looked at, and the next to it then is touched. */
-			the_same_either_way(world, heights[h], scene_of("hops.yaml", m, hopping), NULL,
+			the_same_either_way(extent, heights[h], scene_of("hops.yaml", m, hopping), NULL,
 					    (struct least){0.05, slides(m) ? 1.01 : 0.8});
 		}
 }
@@ -206,7 +206,7 @@ static void loose_ground_slides_under_what_flies(void **state)
 		snprintf(soil, sizeof soil, "scene: 1\ntime_step: 0.1\nsoil: {name: sand, cohesion: 0, friction_angle: 10, unit_weight: 16000}\n"
 			 "redistribute: {model: %s, undisturbed: slides}\n%s", models[m], flying);
 		support_write(support_path("loose.yaml"), soil);
-		the_same_either_way(world, support_hills, support_path("loose.yaml"), NULL, (struct least){0.5, 1.01});
+		the_same_either_way(extent, support_hills, support_path("loose.yaml"), NULL, (struct least){0.5, 1.01});
 	}
 }
 
@@ -220,7 +220,7 @@ static void what_flies_into_a_rim_presses_it(void **state)
 	write_poses("fly.csv", &(struct hops){flat, 2, 40, 61, 20, 0.3, 0.25, -0.05, 0.06, 1, 4, false});
 	const char *first = scene_of("first.yaml", 3, digs);
 	for (int m = 0; m < MODELS; m++) {
-		the_same_either_way(world, flat, scene_of("fly.yaml", m, flies), first, (struct least){0.1, 1});
+		the_same_either_way(extent, flat, scene_of("fly.yaml", m, flies), first, (struct least){0.1, 1});
 		struct store_check check = support_verify(support_path("few.furrow"));
 		assert_int_equal(check.finest, -3);
 	}
@@ -230,7 +230,7 @@ static void what_flies_into_a_rim_presses_it(void **state)
 		assert_non_null(file);
 		fprintf(file, "0,40,61,100.3\n1,60,61,100.3\n1.2,60,61,98.3\n1.4,63,61,98.3\n1.6,63,61,104\n2,56,61,104\n2.2,56,61,100.3\n4,70,61,100.3\n");
 		assert_int_equal(fclose(file), 0);
-		the_same_either_way(world, flat, scene_of("own.yaml", m, flies), NULL, (struct least){0.3, 1.01});
+		the_same_either_way(extent, flat, scene_of("own.yaml", m, flies), NULL, (struct least){0.3, 1.01});
 	}
 }
 
@@ -242,7 +242,7 @@ static double strip(int64_t x, int64_t y)
 
 static void ten_thousand_kilometres_out_too(void **state)
 {
-	static const struct world far = {160001, 4, 64, 256};
+	static const struct extent far = {160001, 4, 64, 256};
 	double out = 156000.0 * 64;
 	char text[512];
 	snprintf(text, sizeof text, "end_time: 4\nspacing: 0.125\nobjects:\n"
@@ -254,7 +254,7 @@ static void ten_thousand_kilometres_out_too(void **state)
 
 /* --- over soil that was touched, and beside it --- */
 
-static const struct world lawn = {65, 65, 0.5, 64};
+static const struct extent lawn = {65, 65, 0.5, 64};
 
 /* A foot: down 3 cm, 0.4 s there, up and on; `back`: it turns half-way and treads between its own prints. */
 static void write_steps(const char *name, double x, double y, double stride, double lift, bool back)
@@ -340,7 +340,7 @@ static long long pressed_on_the_way(const char *shape, double x, double y, doubl
 {
 	char text[512];
 	const char *store = support_path("one.furrow");
-	support_store(store, (struct world){65, 65, 1, 64}, spike);
+	support_store(store, (struct extent){65, 65, 1, 64}, spike);
 	FILE *file = fopen(support_path("one.csv"), "w");
 	assert_non_null(file);
 	fprintf(file, "0,%.17g,%.17g,%.17g,0,%.17g,0\n1,%.17g,%.17g,%.17g,0,%.17g,0\n", x, y, from, pitch, x, y, z, pitch);
@@ -436,7 +436,7 @@ static void a_bar_of_a_wheel_reaches_farther_than_its_height(void **state)
 	fprintf(file, "0,30,30,%.17g,0,0,0\n1,%.17g,30,%.17g,0,0,0\n", 100 + 3.13, 30 + 2 * way, 100 + 3.13);
 	assert_int_equal(fclose(file), 0);
 	spike_x = -1;
-	the_same_either_way((struct world){65, 65, 1, 64}, spike, scene_of("bar.yaml", 0, rest), NULL, (struct least){0.5, 1.1});
+	the_same_either_way((struct extent){65, 65, 1, 64}, spike, scene_of("bar.yaml", 0, rest), NULL, (struct least){0.5, 1.1});
 	assert_true(support_verify(support_path("few.furrow")).offset_sum[-4 - TILE_LEVEL_MIN] < 0);
 }
 
@@ -450,8 +450,8 @@ static void what_is_resumed_in_the_air_goes_on_the_same(void **state)
 		write_hops(smooth);
 		const char *scene = scene_of("hops.yaml", ms[i], hopping);
 		const char *whole = support_path("all.furrow"), *parts = support_path("few.furrow");
-		support_store(whole, world, smooth);
-		support_store(parts, world, smooth);
+		support_store(whole, extent, smooth);
+		support_store(parts, extent, smooth);
 		char *json = drive(scene, whole, "out-all", true, false, 0), *resumed = NULL;
 		for (int k = 0; k < 5; k++)
 			mem_free(drive(scene, parts, "out-few", false, k > 0, stops[k]));
@@ -494,8 +494,8 @@ static void what_parks_in_the_air_is_told_so_when_resumed(void **state)
 				   "  - {name: back, shape: {sphere: {radius: 1}}, path: {file: back.csv}}\n";
 	const char *all = support_path("all.furrow"), *few = support_path("few.furrow"), *scene = scene_of("back.yaml", 4, rest);
 	support_write(support_path("back.csv"), "0,8,100,100.7\n0.5,-9,100,100.7\n1,-9,180,104\n1.5,8,180,104\n");
-	support_store(all, world, flat);
-	support_store(few, world, flat);
+	support_store(all, extent, flat);
+	support_store(few, extent, flat);
 	char *json = drive(scene, all, "out-all", true, false, 0), *csv = text_of("out-all", "objects.csv");
 	mem_free(drive(scene, few, "out-few", false, false, 20));
 	char *resumed = drive(scene, few, "out-few", false, true, 0);
@@ -523,7 +523,7 @@ static void what_never_comes_down_costs_nothing(void **state)
 			write_poses("fly.csv", &(struct hops){smooth, 2, 40, 61, 20, 0.3, 1, down ? 0.3 : -1, 2, 1, 4, false});
 			snprintf(text, sizeof text, rest, view);
 			const char *store = support_path("fly.furrow"), *scene = scene_of("fly.yaml", m, text);
-			support_store(store, world, smooth);
+			support_store(store, extent, smooth);
 			uint64_t before = support_hash(store);
 			char *json = drive(scene, store, "out", false, false, 0);
 			programs[down] = support_figure(json, "\"programs\"", "programs");
@@ -572,7 +572,7 @@ static void no_other_effect_is_told(void **state)
 	};
 	for (int m = 0; m < MODELS; m++) {
 		const char *store = support_path("told.furrow");
-		support_store(store, world, smooth);
+		support_store(store, extent, smooth);
 		char *json = drive(scene_of("told.yaml", m, rest), store, "out", false, false, 0), *from = strstr(json, "\"where\"");
 		strstr(from, "}\n\t}")[0] = '\0';
 		for (int i = 0; i < 12; i++) {
@@ -594,7 +594,7 @@ static void settled_soil_is_not_relaxed(void **state)
 				 "  - {name: a, shape: {sphere: {radius: 3}}, sink: 1, path: {points: [[50, 50], [60, 52]], speed: 10}}\n",
 				 30 << i);
 			const char *store = support_path("settled.furrow");
-			support_store(store, world, flat);
+			support_store(store, extent, flat);
 			char *json = drive(scene_of("settled.yaml", m, rest), store, "out", false, false, 0);
 			visited[i] = where(json, m == 2 ? "shed" : "slide", "visited");
 			assert_int_equal(support_figure(json, "\"slide\"", "awake"), 0);
@@ -619,7 +619,7 @@ static void what_is_tolerated_sleeps_sooner(void **state)
 				 models[m], tolerances[i]);
 			const char *store = support_path("tolerated.furrow"), *scene = support_path("tolerated.yaml");
 			support_write(scene, rest);
-			support_store(store, world, flat);
+			support_store(store, extent, flat);
 			char *json = drive(scene, store, "out", false, false, 0);
 			visited[i] = where(json, "slide", "visited");
 			hashes[i] = support_hash(store);

@@ -10,11 +10,11 @@
 
 #include "render/internal.h"
 
-static const struct world world = {1025, 1025, 1, 256};
+static const struct extent extent = {1025, 1025, 1, 256};
 
 static void look(double x, double y, double z, double tx, double ty, struct terrain_view *view)
 {
-	struct render render = {.world = world, .width = 1280, .height = 720};
+	struct render render = {.extent = extent, .width = 1280, .height = 720};
 	struct render_camera camera = {{x, y, z}, {tx, ty, 0}, 0.9};
 	render_view(&render, &camera, view);
 }
@@ -51,7 +51,7 @@ static void count_cells(const struct render_blocks *blocks, uint32_t side, struc
 static void every_visible_cell_of_its_quadrants_is_drawn_once(void **state)
 {
 	struct cell *cells = test_malloc(256 * 256 * sizeof *cells);
-	uint32_t side = render_block_cells(&world);
+	uint32_t side = render_block_cells(&extent);
 	size_t seen = 0;
 	for (int round = 0; round < 60; round++) {
 		struct render_blocks blocks = {0};
@@ -59,7 +59,7 @@ static void every_visible_cell_of_its_quadrants_is_drawn_once(void **state)
 		const struct terrain_view *looking = &view;
 		struct terrain_draw draw = {.tile = {0, 1, 2}, .quadrants = 1 + (unsigned)round % 15, .low = 0, .high = 5};
 		look(100.0 + 9 * round, 900.0 - 11 * round, 4.0 + round, 380, 640, &view);
-		assert_int_equal(render_blocks_add(&blocks, &world, &view, doubling(30), &draw), STATUS_OK);
+		assert_int_equal(render_blocks_add(&blocks, &extent, &view, doubling(30), &draw), STATUS_OK);
 		count_cells(&blocks, side, cells);
 		for (uint32_t y = 0; y < 256; y++)
 			for (uint32_t x = 0; x < 256; x++) {
@@ -85,8 +85,8 @@ static void strides_grow_with_distance_and_never_with_nearness(void **state)
 	struct terrain_view view;
 	struct terrain_draw draw = {.tile = {0, 0, 0}, .quadrants = 15, .low = 0, .high = 1};
 	look(128, -5, 3, 128, 200, &view);
-	assert_int_equal(render_blocks_add(&blocks, &world, &view, doubling(30), &draw), STATUS_OK);
-	count_cells(&blocks, render_block_cells(&world), cells);
+	assert_int_equal(render_blocks_add(&blocks, &extent, &view, doubling(30), &draw), STATUS_OK);
+	count_cells(&blocks, render_block_cells(&extent), cells);
 	uint32_t before = 1;
 	for (uint32_t y = 0; y < 256; y++) {
 		const struct cell *cell = &cells[256 * y + 128];
@@ -107,7 +107,7 @@ static void skirts_hang_only_where_strides_or_tiles_meet(void **state)
 	struct terrain_draw draw = {.tile = {0, 1, 1}, .quadrants = 15, .low = 0, .high = 0};
 	look(384, 384, 3000, 384.1, 384, &view);
 	/* So far above that one stride does for all, the coarsest: 2 x 2 blocks. */
-	assert_int_equal(render_blocks_add(&blocks, &world, &view, doubling(1), &draw), STATUS_OK);
+	assert_int_equal(render_blocks_add(&blocks, &extent, &view, doubling(1), &draw), STATUS_OK);
 	assert_int_equal(blocks.count, 4);
 	for (size_t i = 0; i < blocks.count; i++) {
 		uint32_t x = blocks.blocks[i] & 1023, y = blocks.blocks[i] >> 10 & 1023;
@@ -120,7 +120,7 @@ static void skirts_hang_only_where_strides_or_tiles_meet(void **state)
 	blocks.count = 0;
 	draw.tile = (struct tile){0, 0, 0};
 	look(128, 128, 3000, 128.1, 128, &view);
-	assert_int_equal(render_blocks_add(&blocks, &world, &view, doubling(1), &draw), STATUS_OK);
+	assert_int_equal(render_blocks_add(&blocks, &extent, &view, doubling(1), &draw), STATUS_OK);
 	unsigned edges = 0;
 	for (size_t i = 0; i < blocks.count; i++)
 		edges |= blocks.blocks[i];
@@ -131,7 +131,7 @@ static void skirts_hang_only_where_strides_or_tiles_meet(void **state)
 
 static void by_the_radii_reach_doubles_with_the_stride_and_nothing_asks_for_errors(void **state)
 {
-	struct render render = {.world = world, .width = 1280, .height = 720};
+	struct render render = {.extent = extent, .width = 1280, .height = 720};
 	struct render_camera camera = {{0, 0, 9}, {5, 5, 0}, 0.9};
 	struct render_axes axes;
 	struct terrain_view view;
@@ -154,7 +154,7 @@ static void by_the_radii_reach_doubles_with_the_stride_and_nothing_asks_for_erro
 
 static void by_error_a_stride_reaches_as_far_as_its_error_is_seen(void **state)
 {
-	struct render render = {.world = world, .width = 1280, .height = 720, .pixel_error = 2};
+	struct render render = {.extent = extent, .width = 1280, .height = 720, .pixel_error = 2};
 	struct render_camera camera = {{0, 0, 9}, {5, 5, 0}, 0.9};
 	struct render_axes axes;
 	struct terrain_view view;
@@ -177,7 +177,7 @@ static void by_error_a_stride_reaches_as_far_as_its_error_is_seen(void **state)
 	memset(draw.errors, 0, sizeof draw.errors);
 	render_reaches(&render, &axes, &draw, reaches);
 	for (int k = 1; k < TERRAIN_STRIDES; k++)
-		assert_true(reaches[k] == 10 * ldexp(world_spacing(&world, 1), k));
+		assert_true(reaches[k] == 10 * ldexp(extent_spacing(&extent, 1), k));
 }
 
 static void strides_whose_reaches_meet_are_passed_over(void **state)
@@ -189,8 +189,8 @@ static void strides_whose_reaches_meet_are_passed_over(void **state)
 	/* A stride of 2 does from 60 m on, and so does one of 4; one of 8 never. */
 	const double reaches[TERRAIN_STRIDES] = {0, 60, 60, 1e30, 1e30, 1e30, 1e30, 1e30, 1e30, 1e30, 1e30, 1e30};
 	look(128, -5, 3, 128, 200, &view);
-	assert_int_equal(render_blocks_add(&blocks, &world, &view, reaches, &draw), STATUS_OK);
-	count_cells(&blocks, render_block_cells(&world), cells);
+	assert_int_equal(render_blocks_add(&blocks, &extent, &view, reaches, &draw), STATUS_OK);
+	count_cells(&blocks, render_block_cells(&extent), cells);
 	size_t fine = 0, coarse = 0;
 	for (uint32_t y = 0; y < 256; y++) {
 		const struct cell *cell = &cells[256 * y + 128];
@@ -206,7 +206,7 @@ static void strides_whose_reaches_meet_are_passed_over(void **state)
 
 static void the_smallest_tiles_have_blocks_too(void **state)
 {
-	const struct world small = {33, 33, 1, TILE_CELLS_MIN};
+	const struct extent small = {33, 33, 1, TILE_CELLS_MIN};
 	struct render_blocks blocks = {0};
 	struct terrain_view view;
 	struct terrain_draw draw = {.tile = {0, 1, 1}, .quadrants = 15, .low = 0, .high = 0};
@@ -225,7 +225,7 @@ static void running_out_of_memory_is_told(void **state)
 	for (uint64_t nth = 1; nth <= 2; nth++) {
 		blocks.count = 0;
 		mem_fail_nth(nth, 0);
-		assert_int_equal(render_blocks_add(&blocks, &world, &view, doubling(30), &draw), STATUS_FAILED);
+		assert_int_equal(render_blocks_add(&blocks, &extent, &view, doubling(30), &draw), STATUS_FAILED);
 		mem_fail_nth(0, 0);
 		mem_free(blocks.blocks);
 		blocks = (struct render_blocks){0};

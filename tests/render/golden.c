@@ -39,7 +39,7 @@
 
 #define DEGREES (M_PI / 180)
 
-static const struct world world = {SIDE, SIDE, 8, CELLS};
+static const struct extent extent = {SIDE, SIDE, 8, CELLS};
 /* The tile with the rut: 8 m, posts 0.125 m apart. */
 static const struct tile rutted = {-6, 75, 65};
 #define MIDDLE_X 604.0
@@ -71,7 +71,7 @@ static void fill_heights(void)
 {
 	for (int j = 0; j < SIDE; j++)
 		for (int i = 0; i < SIDE; i++) {
-			double x = i * world.spacing, y = j * world.spacing, from = hypot(x - MIDDLE_X, y - MIDDLE_Y);
+			double x = i * extent.spacing, y = j * extent.spacing, from = hypot(x - MIDDLE_X, y - MIDDLE_Y);
 			double up = hypot(x - 1150, y - 1650) / 600, beside = hypot(x - 1750, y - 1300) / 260;
 			double rough = 0.1 + 9 * clamped(0, 1, (from - 100) / 300) * clamped(0.15, 1, (1500 - x - y) / 500);
 			double height = 100 + 9 * sin(x / 71) * cos(y / 53) * clamped(0.15, 1, from / 250) + rough * strewn(i, j);
@@ -84,8 +84,8 @@ static void fill_heights(void)
 /* On the triangles between the posts, each cell parted from south-west to north-east; metres of the world. */
 static double height_at(double x, double y)
 {
-	int i = (int)clamped(0, SIDE - 2, floor(x / world.spacing)), j = (int)clamped(0, SIDE - 2, floor(y / world.spacing));
-	double u = x / world.spacing - i, v = y / world.spacing - j;
+	int i = (int)clamped(0, SIDE - 2, floor(x / extent.spacing)), j = (int)clamped(0, SIDE - 2, floor(y / extent.spacing));
+	double u = x / extent.spacing - i, v = y / extent.spacing - j;
 	double sw = heights[j][i], ne = heights[j + 1][i + 1];
 	if (u == 0 && v == 0)
 		return sw;
@@ -207,7 +207,7 @@ static void load(struct shown *shown, struct tile tile)
 	static int32_t base[POSTS][POSTS], offset[POSTS][POSTS];
 	static uint8_t dirt[POSTS][POSTS], classes[POSTS][POSTS];
 	struct gpu_staging *staging;
-	double spacing = world_spacing(&world, tile.level);
+	double spacing = extent_spacing(&extent, tile.level);
 	bool deformed = shown->golden->deformed && is_above_rut(tile);
 	assert_true(shown->count < SLOTS);
 	for (int j = 0; j < POSTS; j++)
@@ -235,7 +235,7 @@ static void select_all(struct shown *shown, const struct terrain_view *view, str
 		load(shown, (struct tile){1, i % 2, i / 2});
 	for (;;) {
 		size_t loaded = 0;
-		terrain_select(&world, view, &source, selection);
+		terrain_select(&extent, view, &source, selection);
 		for (size_t i = 0; i < selection->wanted_count; i++) {
 			struct tile tile = tile_from_key(selection->wanted[i]);
 			bool missing = shown->golden->stands_in && tile.level == 0 && (tile.x + tile.y) % 2 > 0;
@@ -281,7 +281,7 @@ static void draw(const struct golden *golden, uint8_t *pixels)
 	}
 	must(gpu_slots_create(gpu, CELLS, SLOTS, golden->dirt ? PLANE_BIT(PLANE_DIRT) : 0, &shown.slots));
 	const struct render_params params = {
-		.gpu = gpu, .slots = shown.slots, .world = &world, .low = 0, .high = 820, .width = WIDTH, .height = HEIGHT,
+		.gpu = gpu, .slots = shown.slots, .extent = &extent, .low = 0, .high = 820, .width = WIDTH, .height = HEIGHT,
 		.effects = golden->effects, .dirt = golden->dirt, .light = &light, .soils = &soils, .pixel_error = golden->pixel_error,
 		.samples = golden->samples, .objects = objects, .object_count = 2, .layers = golden->layer != RENDER_NATURAL,
 	};

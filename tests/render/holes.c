@@ -109,7 +109,7 @@ static double highest_drawn(const double at[2])
 		bool in = at[0] >= low[0] && at[0] <= high[0] && at[1] >= low[1] && at[1] <= high[1];
 		if (in && draw->stands_in)
 			return draw->high;
-		for (int level = draw->tile.level; in && level <= draw->tile.level + 1 && level <= world_coarsest(&land_world); level++)
+		for (int level = draw->tile.level; in && level <= draw->tile.level + 1 && level <= extent_coarsest(&land_world); level++)
 			most = fmax(most, land_surface(level, at[0], at[1]));
 	}
 	return most;
@@ -185,12 +185,12 @@ static void find_slack(const struct render *render, const struct render_axes *ax
 			*metres = fmax(*metres, land_find(selection.draws[i].tile)->error);
 	if (shot->detail != RADII)
 		return;
-	for (int level = LAND_FINEST + 1; level <= world_coarsest(&land_world); level++) {
+	for (int level = LAND_FINEST + 1; level <= extent_coarsest(&land_world); level++) {
 		double error = 0;
 		for (uint32_t i = 0; i < land.count; i++)
 			if (land.tiles[i].tile.level == level)
 				error = fmax(error, land.tiles[i].error);
-		double from = 0.8 * render_mesh_reach(axes) * world_spacing(&land_world, level);
+		double from = 0.8 * render_mesh_reach(axes) * extent_spacing(&land_world, level);
 		*tangent = fmax(*tangent, error / from + 2 / axes->focal);
 	}
 }

@@ -34,7 +34,7 @@
 			fail_msg("%s", failure_message());                                         \
 	} while (0)
 
-static const struct world land_world = {LAND_SIDE, LAND_SIDE, 1, LAND_CELLS};
+static const struct extent land_world = {LAND_SIDE, LAND_SIDE, 1, LAND_CELLS};
 
 struct land_tile {
 	struct tile tile; /* its slot is its number */
@@ -111,8 +111,8 @@ static inline double land_height(int level, int64_t i, int64_t j)
 /* Of a level's triangles at a place. */
 static inline double land_surface(int level, double x, double y)
 {
-	double spacing = world_spacing(&land_world, level);
-	int64_t most = world_posts(LAND_SIDE, level) - 2;
+	double spacing = extent_spacing(&land_world, level);
+	int64_t most = extent_posts(LAND_SIDE, level) - 2;
 	if (level < 0)
 		most = (((int64_t)LAND_SIDE - 1) << -level) - 1;
 	int64_t i = (int64_t)(x / spacing), j = (int64_t)(y / spacing);
@@ -167,7 +167,7 @@ static inline struct land_tile *land_add(struct tile tile)
 static inline void land_measure(struct land_tile *own)
 {
 	struct tile tile = own->tile;
-	double spacing = world_spacing(&land_world, tile.level);
+	double spacing = extent_spacing(&land_world, tile.level);
 	for (int64_t j = 0; j <= LAND_CELLS; j++)
 		for (int64_t i = 0; i <= LAND_CELLS; i++) {
 			double height = land_height(tile.level, (int64_t)tile.x * LAND_CELLS + i, (int64_t)tile.y * LAND_CELLS + j);
@@ -210,7 +210,7 @@ static inline void land_upload(uint32_t slot)
 
 static inline void land_add_base(int level)
 {
-	uint32_t across = world_tiles_x(&land_world, level);
+	uint32_t across = extent_tiles_x(&land_world, level);
 	for (uint32_t i = 0; i < across * across; i++)
 		land_add((struct tile){level, i % across, i / across});
 }
@@ -236,7 +236,7 @@ static inline int land_open(void **state)
 		land.posts[i] = lattice_base_relative(heights[i], 0);
 	free(heights);
 	memset(land.places, 0xff, sizeof land.places);
-	int coarsest = world_coarsest(&land_world), cells = LAND_SIDE - 1;
+	int coarsest = extent_coarsest(&land_world), cells = LAND_SIDE - 1;
 	uint32_t across = (uint32_t)((cells << -LAND_FINEST) / LAND_CELLS);
 	for (uint32_t y = across / 2 - 3; y < across / 2 + 3; y++)
 		for (uint32_t x = across / 2 - 6; x < across / 2 + 6; x++)
@@ -285,7 +285,7 @@ static inline bool land_resident(void *user, struct tile tile, uint32_t *slot)
 {
 	const struct land_tile *own = land_find(tile);
 	*slot = (uint32_t)(own - land.tiles);
-	return tile.level == world_coarsest(&land_world) || land_mix(tile_key(tile) * 3 + land.seed) % 100 < land.resident_of;
+	return tile.level == extent_coarsest(&land_world) || land_mix(tile_key(tile) * 3 + land.seed) % 100 < land.resident_of;
 }
 
 static inline bool land_divisible(void *user, struct tile tile)
@@ -331,9 +331,9 @@ static const struct terrain_ground land_ground = {
 
 static inline struct render *land_render(int width, int height, uint64_t effects, double pixel_error)
 {
-	const struct land_tile *all = land_find((struct tile){world_coarsest(&land_world), 0, 0});
+	const struct land_tile *all = land_find((struct tile){extent_coarsest(&land_world), 0, 0});
 	struct render_params params = {
-		.gpu = land.gpu, .slots = land.slots, .world = &land_world, .low = all->low, .high = all->high, .width = width,
+		.gpu = land.gpu, .slots = land.slots, .extent = &land_world, .low = all->low, .high = all->high, .width = width,
 		.height = height, .effects = effects, .pixel_error = pixel_error,
 	};
 	struct render *render;

@@ -6,7 +6,7 @@
 #define LEVEL (-2)
 #define CELLS 32
 
-static const struct world world = {201, 150, 2, CELLS};
+static const struct extent extent = {201, 150, 2, CELLS};
 static struct store *store;
 static struct store_reader *reader;
 
@@ -41,7 +41,7 @@ static int32_t quanta(int64_t x, int64_t y)
 {
 	bool near_hole = is_hole((x + 3) / 4, (y + 3) / 4) || is_hole(x / 4, y / 4) || is_hole((x + 3) / 4, y / 4) ||
 			 is_hole(x / 4, (y + 3) / 4);
-	int64_t width = world_posts(world.width, LEVEL), height = world_posts(world.height, LEVEL);
+	int64_t width = extent_posts(extent.width, LEVEL), height = extent_posts(extent.height, LEVEL);
 	return near_hole || x >= width || y >= height ? 0 : (int32_t)lattice_offset(dug(x, y));
 }
 
@@ -52,8 +52,8 @@ static void commit(void)
 	struct store_run run = {.scene_hash = "00", .state = "{}"};
 	struct store_epoch_result result;
 	must(store_set_working_level(store, LEVEL));
-	for (uint32_t y = 0; y < world_tiles_y(&world, LEVEL); y++)
-		for (uint32_t x = 0; x < world_tiles_x(&world, LEVEL); x++) {
+	for (uint32_t y = 0; y < extent_tiles_y(&extent, LEVEL); y++)
+		for (uint32_t x = 0; x < extent_tiles_x(&extent, LEVEL); x++) {
 			struct store_page page = {.tile = {LEVEL, x, y}};
 			int32_t *to = posts[0];
 			for (int64_t i = 0; i < (CELLS + 1) * (CELLS + 1); i++) {
@@ -75,7 +75,7 @@ static int enter(void **state)
 {
 	if (support_enter(state) != 0)
 		return -1;
-	support_store(support_path("map.furrow"), world, level_ground);
+	support_store(support_path("map.furrow"), extent, level_ground);
 	must(store_open(support_path("map.furrow"), &(struct store_options){.mode = STORE_WRITE}, &store));
 	commit();
 	must(store_reader_create(store, &reader));
@@ -98,7 +98,7 @@ static struct render_survey_params asked(int level, enum store_layer layer)
 		.working = LEVEL,
 		.layer = layer,
 		.level = level,
-		.rect = {0, 0, world_posts(world.width, level), world_posts(world.height, level)},
+		.rect = {0, 0, extent_posts(extent.width, level), extent_posts(extent.height, level)},
 		.exaggerate = 1,
 	};
 	render_sun_of(RENDER_AZIMUTH, RENDER_ALTITUDE, &params.sun);
@@ -111,8 +111,8 @@ static double largest_within(const struct render_survey_params *params, int64_t 
 {
 	int shift = params->level - from;
 	int64_t half = shift > 0 ? (int64_t)1 << (shift - 1) : 0, size = (int64_t)1 << shift, fine = (int64_t)1 << (from - LEVEL);
-	int64_t width = world_posts(world.width, from), height = world_posts(world.height, from);
-	bool last_x = px + 1 == world_posts(world.width, params->level), last_y = py + 1 == world_posts(world.height, params->level);
+	int64_t width = extent_posts(extent.width, from), height = extent_posts(extent.height, from);
+	bool last_x = px + 1 == extent_posts(extent.width, params->level), last_y = py + 1 == extent_posts(extent.height, params->level);
 	double largest = 0;
 	for (int64_t y = py * size - half; y < (last_y ? height : py * size - half + size); y++)
 		for (int64_t x = px * size - half; x < (last_x ? width : px * size - half + size); x++) {
@@ -127,7 +127,7 @@ static void check_values(const struct render_survey_params *params, int from)
 	struct render_survey survey;
 	must(render_survey_create(params, &survey));
 	assert_int_equal(survey.width, params->rect.x1 - params->rect.x0);
-	assert_true(survey.spacing == world_spacing(&world, params->level));
+	assert_true(survey.spacing == extent_spacing(&extent, params->level));
 	for (uint32_t y = 0; y < survey.height; y++)
 		for (uint32_t x = 0; x < survey.width; x++) {
 			double wanted = largest_within(params, params->rect.x0 + x, params->rect.y0 + y, from);
@@ -138,7 +138,7 @@ static void check_values(const struct render_survey_params *params, int from)
 
 static void a_pixel_has_the_largest_value_within_it(void **state)
 {
-	for (int level = LEVEL; level <= world_coarsest(&world); level++) {
+	for (int level = LEVEL; level <= extent_coarsest(&extent); level++) {
 		struct render_survey_params params = asked(level, STORE_OFFSET);
 		check_values(&params, LEVEL);
 	}
@@ -162,8 +162,8 @@ static void with_fewer_tiles_a_coarser_level_is_looked_at(void **state)
 	/* Of level -1 there are this many; it is the finest that has no more. */
 	size_t tiles[3] = {0, 0, 0};
 	for (int level = -2; level <= 0; level++)
-		for (uint32_t y = 0; y < world_tiles_y(&world, level); y++)
-			for (uint32_t x = 0; x < world_tiles_x(&world, level); x++) {
+		for (uint32_t y = 0; y < extent_tiles_y(&extent, level); y++)
+			for (uint32_t x = 0; x < extent_tiles_x(&extent, level); x++) {
 				double low, high;
 				bool found;
 				must(store_read_offset_range(reader, (struct tile){level, x, y}, &low, &high, &found));

@@ -22,7 +22,7 @@
 #define FAR (600ll * 16384 / 16) /* tiles: about 10,000 km, and whole periods of the ground's pattern */
 
 /* Tiles are 16 m wide. */
-static const struct world world = {40000001, 40000001, 0.25, CELLS};
+static const struct extent extent = {40000001, 40000001, 0.25, CELLS};
 static const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4};
 static const struct deform_shape lugged = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4, .lugs = 11, .lug_height = 0.06, .lug_thickness = 0.09};
 static const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 0.6};
@@ -83,7 +83,7 @@ static void begin(uint64_t effects, double (*height)(double x, double y), const 
 {
 	static int32_t base[POSTS * POSTS];
 	struct render_params params = {
-		.gpu = gpu, .world = &world, .reference = 8192, .low = GROUND - 1, .high = GROUND + 4, .width = WIDTH,
+		.gpu = gpu, .extent = &extent, .reference = 8192, .low = GROUND - 1, .high = GROUND + 4, .width = WIDTH,
 		.height = HEIGHT, .effects = effects, .objects = objects, .object_count = count, .samples = samples,
 	};
 	for (size_t i = 0; i < count; i++)
@@ -92,7 +92,7 @@ static void begin(uint64_t effects, double (*height)(double x, double y), const 
 	params.slots = slots;
 	assert_ok(render_create(&params, &render));
 	for (int k = 0; height != NULL && k < POSTS * POSTS; k++)
-		base[k] = lattice_base_relative(height(k % POSTS * world.spacing, k / POSTS * world.spacing), 8192);
+		base[k] = lattice_base_relative(height(k % POSTS * extent.spacing, k / POSTS * extent.spacing), 8192);
 	assert_ok(staged_upload_base(gpu, slots, CELLS, 0, base));
 	selection.draw_count = height != NULL;
 	selection.draws[0] = (struct terrain_draw){
@@ -693,7 +693,7 @@ static void what_cannot_be_allocated_is_told(void **state)
 	need_gpu();
 	objects[0] = (struct scene_object){.name = "it", .shape = wheel};
 	struct render_params params = {
-		.gpu = gpu, .world = &world, .low = 0, .high = 1, .width = 32, .height = 16, .effects = OBJECTS | SHADOW,
+		.gpu = gpu, .extent = &extent, .low = 0, .high = 1, .width = 32, .height = 16, .effects = OBJECTS | SHADOW,
 		.objects = objects, .object_count = 1,
 	};
 	assert_ok(gpu_slots_create(gpu, CELLS, 1, 0, &slots));

@@ -18,7 +18,7 @@
 #define SLOTS 32
 #define ALL (EFFECT_BIT(EFFECT_TEXTURE) | EFFECT_BIT(EFFECT_DETAIL) | EFFECT_BIT(EFFECT_FOG) | EFFECT_BIT(EFFECT_SKY) | EFFECT_BIT(EFFECT_GEOMORPH) | EFFECT_BIT(EFFECT_SKIRTS))
 
-static const struct world world = {257, 257, 2, CELLS};
+static const struct extent extent = {257, 257, 2, CELLS};
 static struct gpu *gpu; /* NULL: no GL */
 static struct gpu_slots *slots;
 static struct render *render;
@@ -70,7 +70,7 @@ static struct {
 
 static double height_at(int64_t i, int64_t j)
 {
-	double x = (double)i * world.spacing, y = (double)j * world.spacing;
+	double x = (double)i * extent.spacing, y = (double)j * extent.spacing;
 	if (x >= ground.hole[0] && x <= ground.hole[2] && y >= ground.hole[1] && y <= ground.hole[3])
 		return (double)NAN;
 	double grain = ground.smooth ? 0 : sin(x * 1.7 + sin(y * 0.9) * 2) * sin(y * 1.3);
@@ -79,7 +79,7 @@ static double height_at(int64_t i, int64_t j)
 
 static int32_t offset_at(int64_t i, int64_t j)
 {
-	double x = (double)i * world.spacing, y = (double)j * world.spacing;
+	double x = (double)i * extent.spacing, y = (double)j * extent.spacing;
 	bool in = x >= ground.rut[0] && x <= ground.rut[2] && y >= ground.rut[1] && y <= ground.rut[3];
 	return in ? (int32_t)lattice_offset(-ground.deep) : 0;
 }
@@ -135,7 +135,7 @@ static void load(struct tile tile)
 	for (int64_t j = 0; j < POSTS; j++)
 		for (int64_t i = 0; i < POSTS; i++) {
 			int64_t x = (tile.x * CELLS + i) << tile.level, y = (tile.y * CELLS + j) << tile.level;
-			bool in = x < world.width && y < world.height;
+			bool in = x < extent.width && y < extent.height;
 			base[j * POSTS + i] = lattice_base_relative(in ? height_at(x, y) : (double)NAN, 0);
 			offset[j * POSTS + i] = in ? offset_at(x, y) : 0;
 			any = any || offset[j * POSTS + i] != 0;
@@ -150,7 +150,7 @@ static void load(struct tile tile)
 static void begin(uint64_t effects)
 {
 	struct render_params params = {
-		.gpu = gpu, .world = &world, .low = 380, .high = 420, .width = WIDTH, .height = HEIGHT,
+		.gpu = gpu, .extent = &extent, .low = 380, .high = 420, .width = WIDTH, .height = HEIGHT,
 		.effects = effects, .pixel_error = pixel_error,
 	};
 	assert_ok(gpu_slots_create(gpu, CELLS, SLOTS, 0, &slots));
@@ -179,7 +179,7 @@ static uint8_t *draw(double x, double y, double up, double tx, double ty, double
 		view.radius = tile_radius;
 	}
 	for (;;) {
-		terrain_select(&world, &view, &source, &selection);
+		terrain_select(&extent, &view, &source, &selection);
 		if (selection.wanted_count == 0)
 			break;
 		for (size_t i = 0; i < selection.wanted_count; i++)
@@ -554,7 +554,7 @@ static void count_blocks(const struct render_camera *camera, uint64_t *count, ui
 	for (size_t i = 0; i < selection.draw_count; i++) {
 		double reaches[TERRAIN_STRIDES];
 		render_reaches(render, &axes, &selection.draws[i], reaches);
-		assert_ok(render_blocks_add(&blocks, &world, &view, reaches, &selection.draws[i]));
+		assert_ok(render_blocks_add(&blocks, &extent, &view, reaches, &selection.draws[i]));
 	}
 	*count = blocks.count;
 	for (size_t i = 0; i < blocks.count; i++)
@@ -577,7 +577,7 @@ static void hills_are_drawn_near_to_far_and_triangles_are_those_of_blocks(void *
 			double x = 256 + 200 * cos(i * 0.52), y = 256 + 200 * sin(i * 0.52);
 			const struct render_camera camera = {{x, y, 400 + 18}, {256, 256, 400}, 0.9};
 			test_free(draw(x, y, 18, 256, 256, 0));
-			uint64_t blocks, skirts, cells = render_block_cells(&world);
+			uint64_t blocks, skirts, cells = render_block_cells(&extent);
 			count_blocks(&camera, &blocks, &skirts);
 			assert_true(blocks > 50 && (effects[e] == 0 || skirts > 0));
 			assert_true(render_triangles(render) == 2 * cells * cells * blocks + (effects[e] != 0 ? 2 * cells * skirts : 0));
@@ -606,7 +606,7 @@ static void hills_are_drawn_near_to_far_and_triangles_are_those_of_blocks(void *
 static void a_tile_looks_the_same_ten_thousand_kilometres_away(void **state)
 {
 	need_gpu();
-	static const struct world wide = {40000001, 40000001, 0.25, CELLS};
+	static const struct extent wide = {40000001, 40000001, 0.25, CELLS};
 	static int32_t base[POSTS * POSTS];
 	uint8_t *pixels[2];
 	for (int j = 0; j < POSTS; j++)
@@ -616,7 +616,7 @@ static void a_tile_looks_the_same_ten_thousand_kilometres_away(void **state)
 		/* Moved by a whole number of the ground pattern's periods. */
 		uint32_t shift = far ? 600 * 16384 / 16 : 0;
 		struct render_params params = {
-			.gpu = gpu, .world = &wide, .reference = 8192, .low = 7999, .high = 8001, .width = WIDTH,
+			.gpu = gpu, .extent = &wide, .reference = 8192, .low = 7999, .high = 8001, .width = WIDTH,
 			.height = HEIGHT, .effects = ALL & ~(EFFECT_BIT(EFFECT_SKY)),
 		};
 		struct render_camera camera = {{shift * 16.0 + 18, shift * 16.0 + 17, 8006}, {shift * 16.0 + 25, shift * 16.0 + 25, 8000}, 0.9};
@@ -647,7 +647,7 @@ static void every_choice_of_effects_draws(void **state)
 	static uint8_t dirt[POSTS * POSTS];
 	for (unsigned chosen = 0; chosen < 64; chosen++) {
 		struct render_params params = {
-			.gpu = gpu, .world = &world, .low = -1, .high = 1, .width = 32, .height = 16,
+			.gpu = gpu, .extent = &extent, .low = -1, .high = 1, .width = 32, .height = 16,
 			.effects = chosen << EFFECT_TEXTURE, .dirt = true,
 		};
 		assert_ok(gpu_slots_create(gpu, CELLS, 3, PLANE_BIT(PLANE_DIRT), &slots));
@@ -674,7 +674,7 @@ static void what_cannot_be_allocated_is_told(void **state)
 {
 	need_gpu();
 	struct render_params params = {
-		.gpu = gpu, .world = &world, .low = 0, .high = 1, .width = 32, .height = 16, .effects = ALL,
+		.gpu = gpu, .extent = &extent, .low = 0, .high = 1, .width = 32, .height = 16, .effects = ALL,
 	};
 	assert_ok(gpu_slots_create(gpu, CELLS, 1, 0, &slots));
 	params.slots = slots;

@@ -54,14 +54,14 @@ static int close_gpu(void **state)
 	return 0;
 }
 
-static struct render_params params_of(const struct world *world, int samples)
+static struct render_params params_of(const struct extent *extent, int samples)
 {
-	return (struct render_params){.gpu = gpu, .slots = slots, .world = world, .low = -1, .high = 1, .width = WIDTH,
+	return (struct render_params){.gpu = gpu, .slots = slots, .extent = extent, .low = -1, .high = 1, .width = WIDTH,
 				      .height = HEIGHT, .dirt = true, .samples = samples};
 }
 
 /* Slot 0 is ground that rises by so much a post to the south-east, slot 1 the same `higher` by so many metres, and dirty. */
-static void begin(const struct world *world, int samples, double rise, double higher)
+static void begin(const struct extent *extent, int samples, double rise, double higher)
 {
 	static int32_t base[POSTS * POSTS], raised[POSTS * POSTS];
 	static uint8_t dirt[POSTS * POSTS];
@@ -71,7 +71,7 @@ static void begin(const struct world *world, int samples, double rise, double hi
 	}
 	memset(dirt, 255, sizeof dirt);
 	assert_ok(gpu_slots_create(gpu, CELLS, 2, PLANE_BIT(PLANE_DIRT), &slots));
-	const struct render_params params = params_of(world, samples);
+	const struct render_params params = params_of(extent, samples);
 	assert_ok(render_create(&params, &render));
 	for (uint32_t slot = 0; slot < 2; slot++)
 		assert_ok(staged_upload_base(gpu, slots, CELLS, slot, base));
@@ -109,7 +109,7 @@ static size_t pixels_that_differ(const uint8_t *a, const uint8_t *b)
 
 /* --- edges --- */
 
-static const struct world meadow = {POSTS, POSTS, 1, CELLS};
+static const struct extent meadow = {POSTS, POSTS, 1, CELLS};
 /* Over ground that lies in the dark, turned from the sun, to what is beyond it. */
 #define DARK 0.6
 static const struct render_camera along = {{20, -12, LOW + 30}, {36, 60, LOW - 10}, 0.9};
@@ -223,10 +223,10 @@ static void one_sample_has_no_more_than_it_had(void **state)
 /* --- depth --- */
 
 /* Seen together, in either order, the upper of two surfaces hides the lower everywhere. */
-static void stand_apart(const struct world *world, const struct render_camera *camera, double apart, int samples)
+static void stand_apart(const struct extent *extent, const struct render_camera *camera, double apart, int samples)
 {
 	static uint8_t lower[4 * PIXELS], upper[4 * PIXELS], both[4 * PIXELS];
-	begin(world, samples, 0, apart);
+	begin(extent, samples, 0, apart);
 	draw(camera, (const uint32_t[]){0}, 1, lower);
 	draw(camera, (const uint32_t[]){1}, 1, upper);
 	assert_true(pixels_that_differ(lower, upper) > PIXELS / 3);
@@ -240,7 +240,7 @@ static void stand_apart(const struct world *world, const struct render_camera *c
 
 static void near_surfaces_do_not_fight(void **state)
 {
-	static const struct world land = {POSTS, POSTS, 256, CELLS};
+	static const struct extent land = {POSTS, POSTS, 256, CELLS};
 	const struct render_camera at_100_m = {{32, -28, LOW + 80}, {32, 32, LOW}, 0.4};
 	const struct render_camera at_50_km = {{8192, -31808, 30000}, {8192, 8192, 0}, 0.25};
 	need_samples(1);

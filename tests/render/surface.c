@@ -21,7 +21,7 @@
 #define FOG EFFECT_BIT(EFFECT_FOG)
 #define SPLAT EFFECT_BIT(EFFECT_SPLAT)
 
-static const struct world world = {65, 65, 4, CELLS};
+static const struct extent extent = {65, 65, 4, CELLS};
 static struct gpu *gpu; /* NULL: no GL */
 
 #define need_gpu()                                                                                 \
@@ -82,7 +82,7 @@ static void take(const struct shot *shot)
 	struct render *render;
 	for (int y = 0; y < POSTS; y++)
 		for (int x = 0; x < POSTS; x++) {
-			posts[y][x] = lattice_base_relative(shot->height(x * world.spacing, y * world.spacing), 0);
+			posts[y][x] = lattice_base_relative(shot->height(x * extent.spacing, y * extent.spacing), 0);
 			classes[y][x] = shot->soil != NULL ? shot->soil(x, y) : 0;
 			offset[y][x] = shot->offset != NULL ? shot->offset(x, y) : 0;
 			dirt[y][x] = shot->dirt != NULL ? shot->dirt(x, y) : 0;
@@ -95,7 +95,7 @@ static void take(const struct shot *shot)
 	must(gpu_slots_upload_classes(slots, 0, staging, STAGED_AT));
 	gpu_staging_destroy(staging);
 	must(render_create(&(struct render_params){
-		.gpu = gpu, .slots = slots, .world = &world, .low = shot->low, .high = shot->high, .width = WIDTH, .height = HEIGHT,
+		.gpu = gpu, .slots = slots, .extent = &extent, .low = shot->low, .high = shot->high, .width = WIDTH, .height = HEIGHT,
 		.effects = shot->effects, .dirt = shot->dirt != NULL, .light = &shot->light, .soils = shot->soils,
 	}, &render));
 	selection.draw_count = 1;

@@ -170,8 +170,8 @@ static double roughness(void)
 	double most = 0;
 	for (uint32_t i = 0; i < land.count; i++) {
 		struct tile tile = land.tiles[i].tile;
-		double spacing = world_spacing(&land_world, tile.level);
-		for (int k = 0; tile.level < world_coarsest(&land_world) && k < LAND_AREA; k++) {
+		double spacing = extent_spacing(&land_world, tile.level);
+		for (int k = 0; tile.level < extent_coarsest(&land_world) && k < LAND_AREA; k++) {
 			double x = (tile.x * LAND_CELLS + k % LAND_POSTS) * spacing, y = (tile.y * LAND_CELLS + k / LAND_POSTS) * spacing;
 			double off = fabs(land.tiles[i].heights[k] - land_surface(tile.level + 1, x, y));
 			most = fmax(most, off / (2 * spacing));

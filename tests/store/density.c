@@ -11,7 +11,7 @@ enum { CELLS = 256, TILES = 8, LEVEL = -2, SIDE_POSTS = CELLS + 1, TILE_POSTS = 
 
 static struct store *make(const char *path)
 {
-	const struct store_meta meta = {.world = {513, 513, 0.04, CELLS}, .step = 0.01, .srs = "", .vertical = "", .sources = ""};
+	const struct store_meta meta = {.extent = {513, 513, 0.04, CELLS}, .step = 0.01, .srs = "", .vertical = "", .sources = ""};
 	const struct tile tiles[] = {{0, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 1, 1}, {1, 0, 0}};
 	int32_t *codes = calloc(TILE_POSTS, sizeof *codes);
 	struct store *store;

@@ -3,14 +3,14 @@
 
 /* Heights of any kind with holes, by post of level 0: so that no tile packs as its neighbour does. */
 struct ground {
-	struct world world;
+	struct extent extent;
 	double step;
 	uint32_t seed;
 };
 
 static int32_t ground_code(const struct ground *ground, int64_t x, int64_t y)
 {
-	if (x >= ground->world.width || y >= ground->world.height)
+	if (x >= ground->extent.width || y >= ground->extent.height)
 		return HEIGHT_CODE_NODATA;
 	uint32_t h = mix((uint32_t)x, (uint32_t)y, ground->seed);
 	uint32_t kind = mix((uint32_t)(x / 23), (uint32_t)(y / 19), ground->seed + 1) % 6;
@@ -29,7 +29,7 @@ static int32_t ground_code(const struct ground *ground, int64_t x, int64_t y)
 /* Codes of a tile, and the range of its subtree. */
 static void ground_tile(const struct ground *ground, struct tile tile, int32_t *codes, struct store_range *range)
 {
-	int64_t scale = (int64_t)1 << tile.level, n = ground->world.cells;
+	int64_t scale = (int64_t)1 << tile.level, n = ground->extent.cells;
 	int32_t low = INT32_MAX, high = INT32_MIN;
 	for (int64_t y = 0; y <= n; y++)
 		for (int64_t x = 0; x <= n; x++)
@@ -52,17 +52,17 @@ static void ground_tile(const struct ground *ground, struct tile tile, int32_t *
 static void ground_store(const struct ground *ground, enum store_pack pack, const char *path)
 {
 	struct store_meta meta = terrain_meta();
-	meta.world = ground->world;
+	meta.extent = ground->extent;
 	meta.step = ground->step;
 	meta.max_error = ground->step / 2;
 	meta.pack = pack;
 	struct store *store;
-	size_t side = ground->world.cells + 1;
+	size_t side = ground->extent.cells + 1;
 	int32_t *codes = mem_alloc(side * side, sizeof *codes);
 	assert_ok(store_create(path, &meta, true, &store));
-	for (int level = 0; level <= world_coarsest(&meta.world); level++)
-		for (uint32_t y = 0; y < world_tiles_y(&meta.world, level); y++)
-			for (uint32_t x = 0; x < world_tiles_x(&meta.world, level); x++) {
+	for (int level = 0; level <= extent_coarsest(&meta.extent); level++)
+		for (uint32_t y = 0; y < extent_tiles_y(&meta.extent, level); y++)
+			for (uint32_t x = 0; x < extent_tiles_x(&meta.extent, level); x++) {
 				struct store_range range;
 				ground_tile(ground, (struct tile){level, x, y}, codes, &range);
 				assert_ok(store_put_base(store, (struct tile){level, x, y}, codes, &range));
@@ -82,7 +82,7 @@ static void assert_same(const int32_t *a, const int32_t *b, size_t stride, size_
 static void assert_edges(const struct ground *ground, struct store_reader *reader, struct tile tile,
 			 int32_t *here, int32_t *there)
 {
-	const struct world *whole = &ground->world;
+	const struct extent *whole = &ground->extent;
 	size_t side = whole->cells + 1, n = whole->cells;
 	struct tile east = {tile.level, tile.x + 1, tile.y}, north = {tile.level, tile.x, tile.y + 1};
 	struct tile corner = {tile.level, tile.x + 1, tile.y + 1};
@@ -90,21 +90,21 @@ static void assert_edges(const struct ground *ground, struct store_reader *reade
 	assert_ok(store_read_base(reader, tile, here, NULL));
 	ground_tile(ground, tile, there, &range);
 	assert_memory_equal(here, there, side * side * sizeof *here); /* as they were put */
-	if (world_has(whole, east)) {
+	if (extent_has(whole, east)) {
 		assert_ok(store_read_base(reader, east, there, NULL));
 		assert_same(here + n, there, side, side);
 	}
-	if (world_has(whole, north)) {
+	if (extent_has(whole, north)) {
 		assert_ok(store_read_base(reader, north, there, NULL));
 		assert_same(here + n * side, there, 1, side);
 	}
-	if (world_has(whole, corner)) {
+	if (extent_has(whole, corner)) {
 		assert_ok(store_read_base(reader, corner, there, NULL));
 		assert_int_equal(here[side * side - 1], there[0]);
 	}
 	/* A coarser tile's posts are every second of this one's. */
 	struct tile above = tile_ancestor(tile, tile.level + 1);
-	if (!world_has(whole, above))
+	if (!extent_has(whole, above))
 		return;
 	assert_ok(store_read_base(reader, above, there, NULL));
 	const int32_t *quarter = there + (tile.y & 1) * n / 2 * side + (tile.x & 1) * n / 2;
@@ -117,7 +117,7 @@ static void shared_posts_decode_to_the_same_bits_at_every_level(void **state)
 {
 	static const uint32_t cells[] = {8, 32};
 	for (uint32_t trial = 0; trial < 8; trial++) {
-		struct ground ground = {.world = {.width = 150 + 13 * trial, .height = 111 + 5 * trial, .spacing = 2,
+		struct ground ground = {.extent = {.width = 150 + 13 * trial, .height = 111 + 5 * trial, .spacing = 2,
 						  .cells = cells[trial & 1]},
 					.step = trial & 2 ? 0 : 0.125, .seed = 100 + trial};
 		const char *path = in_folder("edges.furrow");
@@ -125,11 +125,11 @@ static void shared_posts_decode_to_the_same_bits_at_every_level(void **state)
 		struct store *store = open_store(path, STORE_READ);
 		struct store_reader *reader;
 		assert_ok(store_reader_create(store, &reader));
-		size_t posts = (size_t)(ground.world.cells + 1) * (ground.world.cells + 1);
+		size_t posts = (size_t)(ground.extent.cells + 1) * (ground.extent.cells + 1);
 		int32_t *here = mem_alloc(posts, sizeof *here), *there = mem_alloc(posts, sizeof *there);
-		for (int level = 0; level <= world_coarsest(&ground.world); level++)
-			for (uint32_t y = 0; y < world_tiles_y(&ground.world, level); y++)
-				for (uint32_t x = 0; x < world_tiles_x(&ground.world, level); x++)
+		for (int level = 0; level <= extent_coarsest(&ground.extent); level++)
+			for (uint32_t y = 0; y < extent_tiles_y(&ground.extent, level); y++)
+				for (uint32_t x = 0; x < extent_tiles_x(&ground.extent, level); x++)
 					assert_edges(&ground, reader, (struct tile){level, x, y}, here, there);
 		mem_free(here);
 		mem_free(there);

@@ -21,8 +21,8 @@ static struct field coarser(const struct field *fine)
 
 static void assert_level(struct store_reader *reader, const struct field *field)
 {
-	for (uint32_t y = 0; y < world_tiles_y(&world, field->level); y++)
-		for (uint32_t x = 0; x < world_tiles_x(&world, field->level); x++) {
+	for (uint32_t y = 0; y < extent_tiles_y(&extent, field->level); y++)
+		for (uint32_t x = 0; x < extent_tiles_x(&extent, field->level); x++) {
 			int32_t offset[POSTS], want[POSTS];
 			uint8_t dirt[POSTS], want_dirt[POSTS];
 			unsigned present;
@@ -56,8 +56,8 @@ static void every_level_is_the_decimation_of_the_finer(void **state)
 		struct store_epoch_result result;
 		int64_t below = 0, above = 0, want_below, want_above;
 		for (int i = 0; i < 6; i++) {
-			int64_t cx = mix((uint32_t)i, 1, 9) % world_posts(world.width, level);
-			int64_t cy = mix((uint32_t)i, 2, 9) % world_posts(world.height, level);
+			int64_t cx = mix((uint32_t)i, 1, 9) % extent_posts(extent.width, level);
+			int64_t cy = mix((uint32_t)i, 2, 9) % extent_posts(extent.height, level);
 			field_dig(&field, cx, cy, 9, (uint32_t)i);
 			assert_ok(field_commit(&field, around(cx, cy, 9), store, i, &result));
 			assert_int_equal(result.epoch, i + 1);
@@ -71,11 +71,11 @@ static void every_level_is_the_decimation_of_the_finer(void **state)
 		struct store_check check = verified(store);
 		struct store_reader *reader;
 		assert_ok(store_reader_create(store, &reader));
-		for (int l = level; l <= world_coarsest(&world); l++) {
+		for (int l = level; l <= extent_coarsest(&extent); l++) {
 			assert_level(reader, &field);
 			field_sums(&field, &want_below, &want_above);
 			assert_int_equal(check.offset_sum[l - TILE_LEVEL_MIN], want_below + want_above);
-			struct field next = l < world_coarsest(&world) ? coarser(&field) : (struct field){0};
+			struct field next = l < extent_coarsest(&extent) ? coarser(&field) : (struct field){0};
 			field_free(&field);
 			field = next;
 		}
@@ -186,9 +186,9 @@ static void assert_planes(struct store *store, const struct field *field)
 {
 	struct store_reader *reader;
 	assert_ok(store_reader_create(store, &reader));
-	for (int level = field->level; level <= world_coarsest(&world); level++)
-		for (uint32_t y = 0; y < world_tiles_y(&world, level); y++)
-			for (uint32_t x = 0; x < world_tiles_x(&world, level); x++) {
+	for (int level = field->level; level <= extent_coarsest(&extent); level++)
+		for (uint32_t y = 0; y < extent_tiles_y(&extent, level); y++)
+			for (uint32_t x = 0; x < extent_tiles_x(&extent, level); x++) {
 				static int32_t texels[PLANES][POSTS], want[POSTS];
 				void *planes[PLANES];
 				unsigned present, all = (1u << PLANES) - 1;
@@ -222,8 +222,8 @@ static void every_plane_comes_back_the_same_bits(void **state)
 		struct field field = field_make(level);
 		struct store_epoch_result result;
 		for (int i = 0; i < 4; i++) {
-			int64_t cx = mix((uint32_t)i, 1, 5) % world_posts(world.width, level);
-			int64_t cy = mix((uint32_t)i, 2, 5) % world_posts(world.height, level);
+			int64_t cx = mix((uint32_t)i, 1, 5) % extent_posts(extent.width, level);
+			int64_t cy = mix((uint32_t)i, 2, 5) % extent_posts(extent.height, level);
 			field_dig(&field, cx, cy, 9, (uint32_t)i);
 			assert_ok(field_commit(&field, around(cx, cy, 9), store, i, &result));
 		}

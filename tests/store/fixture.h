@@ -77,7 +77,7 @@ static inline uint32_t mix(uint32_t x, uint32_t y, uint32_t seed)
 	return h ^ h >> 15;
 }
 
-static const struct world world = {.width = 75, .height = 50, .spacing = 2, .cells = 16};
+static const struct extent extent = {.width = 75, .height = 50, .spacing = 2, .cells = 16};
 #define STEP 0.0078125
 #define SIDE 17
 #define POSTS (SIDE * SIDE)
@@ -85,7 +85,7 @@ static const struct world world = {.width = 75, .height = 50, .spacing = 2, .cel
 /* The code of a level-0 post. */
 static UNUSED int32_t terrain(int64_t x, int64_t y)
 {
-	if (x < 0 || y < 0 || x >= world.width || y >= world.height)
+	if (x < 0 || y < 0 || x >= extent.width || y >= extent.height)
 		return HEIGHT_CODE_NODATA;
 	if ((x >= 20 && x < 26 && y >= 30 && y < 33) || (x == 60 && y == 16))
 		return HEIGHT_CODE_NODATA;
@@ -96,7 +96,7 @@ static UNUSED int32_t terrain(int64_t x, int64_t y)
 static UNUSED void terrain_tile(struct tile tile, int32_t *codes, struct store_range *range)
 {
 	int32_t low = INT32_MAX, high = INT32_MIN;
-	int64_t scale = (int64_t)1 << tile.level, n = world.cells;
+	int64_t scale = (int64_t)1 << tile.level, n = extent.cells;
 	for (int64_t y = 0; y <= n; y++)
 		for (int64_t x = 0; x <= n; x++)
 			codes[y * (n + 1) + x] = terrain((tile.x * n + x) * scale, (tile.y * n + y) * scale);
@@ -118,7 +118,7 @@ static UNUSED void terrain_tile(struct tile tile, int32_t *codes, struct store_r
 static UNUSED struct store_meta terrain_meta(void)
 {
 	return (struct store_meta){
-		.world = world,
+		.extent = extent,
 		.step = STEP,
 		.max_error = STEP / 2,
 		.srs = "LOCAL_CS[\"here\"]",
@@ -132,9 +132,9 @@ static UNUSED void terrain_put(struct store *store)
 {
 	int32_t codes[POSTS];
 	struct store_range range;
-	for (int level = 0; level <= world_coarsest(&world); level++)
-		for (uint32_t y = 0; y < world_tiles_y(&world, level); y++)
-			for (uint32_t x = 0; x < world_tiles_x(&world, level); x++) {
+	for (int level = 0; level <= extent_coarsest(&extent); level++)
+		for (uint32_t y = 0; y < extent_tiles_y(&extent, level); y++)
+			for (uint32_t x = 0; x < extent_tiles_x(&extent, level); x++) {
 				struct tile tile = {level, x, y};
 				terrain_tile(tile, codes, &range);
 				assert_ok(store_put_base(store, tile, codes, &range));
@@ -179,8 +179,8 @@ static UNUSED struct field field_make(int level)
 {
 	struct field field = {
 		.level = level,
-		.width = (int64_t)world_tiles_x(&world, level) * world.cells + 1,
-		.height = (int64_t)world_tiles_y(&world, level) * world.cells + 1,
+		.width = (int64_t)extent_tiles_x(&extent, level) * extent.cells + 1,
+		.height = (int64_t)extent_tiles_y(&extent, level) * extent.cells + 1,
 	};
 	field.carried = (1u << PLANES) - 1;
 	for (int plane = 0; plane < PLANES; plane++) {
@@ -201,7 +201,7 @@ static UNUSED void field_free(struct field *field)
 /* A rut of random posts around (cx, cy). */
 static UNUSED void field_dig(struct field *field, int64_t cx, int64_t cy, int64_t radius, uint32_t seed)
 {
-	int64_t width = world_posts(world.width, field->level), height = world_posts(world.height, field->level);
+	int64_t width = extent_posts(extent.width, field->level), height = extent_posts(extent.height, field->level);
 	for (int64_t y = cy - radius; y <= cy + radius; y++)
 		for (int64_t x = cx - radius; x <= cx + radius; x++) {
 			if (x < 0 || y < 0 || x >= width || y >= height)
@@ -237,7 +237,7 @@ static UNUSED enum status field_commit(const struct field *field, struct post_re
 				       int64_t step, struct store_epoch_result *result)
 {
 	struct tile first, last;
-	assert_true(tile_range_of(&world, field->level, rect, &first, &last));
+	assert_true(tile_range_of(&extent, field->level, rect, &first, &last));
 	size_t count = (size_t)(last.x - first.x + 1) * (last.y - first.y + 1), i = 0;
 	struct store_page *pages = calloc(count, sizeof *pages);
 	int32_t(*texels)[PLANES][POSTS] = calloc(count, sizeof *texels);

@@ -262,13 +262,13 @@ static void changed_bytes_do_no_harm(void **state)
 			found += check.problems > 0;
 		int ignored = store_count(store, &numbers) + (int)store_content_hash(store, &hash);
 		if (store_reader_create(store, &reader) == STATUS_OK)
-			for (int level = -2; level <= world_coarsest(&store_meta(store)->world); level++)
+			for (int level = -2; level <= extent_coarsest(&store_meta(store)->extent); level++)
 				ignored += store_read_posts(reader, STORE_SURFACE, level, (struct post_rect){8, 8, 16, 16},
 							    values);
 		(void)ignored;
 		store_reader_destroy(reader);
 		if (round % 2 && store_set_working_level(store, -1) == STATUS_OK &&
-		    memcmp(&store_meta(store)->world, &world, sizeof world) == 0) {
+		    memcmp(&store_meta(store)->extent, &extent, sizeof extent) == 0) {
 			enum status committed = field_commit(&field, around(64, 48, 20), store, 2, &result);
 			(void)committed;
 		}

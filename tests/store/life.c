@@ -10,7 +10,7 @@ static void what_was_put_is_read_back(void **state)
 	make_store(path);
 	struct store *store = open_store(path, STORE_READ);
 	const struct store_meta *meta = store_meta(store), want = terrain_meta();
-	assert_memory_equal(&meta->world, &want.world, sizeof world);
+	assert_memory_equal(&meta->extent, &want.extent, sizeof extent);
 	assert_true(meta->step == STEP && meta->max_error == STEP / 2);
 	assert_true(meta->origin[0] == 1000 && meta->origin[1] == -2000);
 	assert_string_equal(meta->srs, want.srs);
@@ -21,9 +21,9 @@ static void what_was_put_is_read_back(void **state)
 	struct store_reader *reader;
 	assert_ok(store_reader_create(store, &reader));
 	int64_t tiles = 0;
-	for (int level = 0; level <= world_coarsest(&world); level++)
-		for (uint32_t y = 0; y < world_tiles_y(&world, level); y++)
-			for (uint32_t x = 0; x < world_tiles_x(&world, level); x++, tiles++) {
+	for (int level = 0; level <= extent_coarsest(&extent); level++)
+		for (uint32_t y = 0; y < extent_tiles_y(&extent, level); y++)
+			for (uint32_t x = 0; x < extent_tiles_x(&extent, level); x++, tiles++) {
 				int32_t codes[POSTS], got[POSTS];
 				struct store_range range, got_range, head;
 				struct tile tile = {level, x, y};
@@ -35,7 +35,7 @@ static void what_was_put_is_read_back(void **state)
 				assert_true(head.error == range.error);
 				assert_true(head.low == range.low || (isnan(head.low) && isnan(range.low)));
 				assert_true(head.high == range.high || (isnan(head.high) && isnan(range.high)));
-				if (level == world_coarsest(&world))
+				if (level == extent_coarsest(&extent))
 					assert_true(meta->low == range.low && meta->high == range.high);
 			}
 	struct store_numbers numbers;
@@ -56,7 +56,7 @@ static void lossless_codes_and_holes_everywhere_come_back(void **state)
 	struct store *store;
 	static const float heights[] = {-0.0f, 0.0f, 1e-30f, 5.25f, -100.5f};
 	int32_t codes[POSTS], got[POSTS];
-	meta.world = (struct world){17, 17, 1, 16};
+	meta.extent = (struct extent){17, 17, 1, 16};
 	meta.step = 0;
 	for (int i = 0; i < POSTS; i++)
 		codes[i] = height_code_of_float(heights[i % 5]);
@@ -128,11 +128,11 @@ static void a_killed_import_leaves_nothing_in_the_way(void **state)
 static void put_tiles(struct store *store, int64_t first, int64_t end)
 {
 	int64_t at = 0;
-	for (int level = 0; level <= world_coarsest(&world); level++)
-		for (uint32_t i = 0; i < world_tiles_x(&world, level) * world_tiles_y(&world, level); i++, at++) {
+	for (int level = 0; level <= extent_coarsest(&extent); level++)
+		for (uint32_t i = 0; i < extent_tiles_x(&extent, level) * extent_tiles_y(&extent, level); i++, at++) {
 			int32_t codes[POSTS];
 			struct store_range range;
-			struct tile tile = {level, i % world_tiles_x(&world, level), i / world_tiles_x(&world, level)};
+			struct tile tile = {level, i % extent_tiles_x(&extent, level), i / extent_tiles_x(&extent, level)};
 			terrain_tile(tile, codes, &range);
 			if (at >= first && at < end)
 				assert_ok(store_put_base(store, tile, codes, &range));
@@ -309,14 +309,14 @@ static void what_cannot_be_is_told(void **state)
 	assert_status(store_open(in_folder("missing.furrow"), &reading, &store), STATUS_INPUT);
 	assert_non_null(strstr(failure_message(), "No such file"));
 	assert_status(store_open(folder, &reading, &store), STATUS_INPUT);
-	meta.world.cells = 15;
+	meta.extent.cells = 15;
 	assert_status(store_create(in_folder("odd.furrow"), &meta, false, &store), STATUS_INPUT);
 	assert_int_equal(files_of("odd.furrow"), 0);
 	const char *path = in_folder("low.furrow");
 	make_store(path);
 	store = open_store(path, STORE_READ);
 	assert_status(store_set_working_level(store, TILE_LEVEL_MIN - 1), STATUS_INPUT);
-	assert_status(store_set_working_level(store, world_coarsest(&world) + 1), STATUS_INPUT);
+	assert_status(store_set_working_level(store, extent_coarsest(&extent) + 1), STATUS_INPUT);
 	store_close(store);
 }
 
@@ -327,7 +327,7 @@ static void more_relief_than_the_lattice_holds_is_kept_but_not_divided(void **st
 	struct store_reader *reader;
 	int32_t codes[POSTS] = {0};
 	double values[4];
-	meta.world = (struct world){17, 17, 1, 16};
+	meta.extent = (struct extent){17, 17, 1, 16};
 	codes[0] = (int32_t)lround(-9000 / meta.step);
 	codes[1] = (int32_t)lround(9000 / meta.step);
 	struct store_range range = {-9000, 9000, 0};

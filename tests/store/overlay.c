@@ -19,7 +19,7 @@ static void same_posts(struct store *a, struct store *b)
 	double values[2][900];
 	assert_ok(store_reader_create(a, &readers[0]));
 	assert_ok(store_reader_create(b, &readers[1]));
-	for (int level = -2; level <= world_coarsest(&world); level++)
+	for (int level = -2; level <= extent_coarsest(&extent); level++)
 		for (int layer = STORE_SURFACE; layer <= STORE_SOIL; layer++) {
 			for (int i = 0; i < 2; i++)
 				assert_ok(store_read_posts(readers[i], (enum store_layer)layer, level, rect, values[i]));
@@ -109,7 +109,7 @@ static void a_base_is_known_by_its_hash(void **state)
 	/* Each thing that makes it another terrain. */
 	for (int change = 0; change < 6; change++) {
 		struct store_meta meta = terrain_meta();
-		meta.world.spacing += change == 0;
+		meta.extent.spacing += change == 0;
 		meta.origin[0] += change == 1;
 		meta.origin[1] += change == 2;
 		meta.srs = change == 3 ? "LOCAL_CS[\"there\"]" : meta.srs;
@@ -136,7 +136,7 @@ static void zeros_of_either_sign_make_a_base(void **state)
 	struct store_meta meta = terrain_meta();
 	struct store *store;
 	int32_t codes[POSTS];
-	meta.world = (struct world){17, 17, 1, 16};
+	meta.extent = (struct extent){17, 17, 1, 16};
 	meta.step = 0;
 	meta.origin[0] = -0.0;
 	for (int i = 0; i < POSTS; i++)

@@ -116,12 +116,12 @@ static void a_base_replaced_while_it_is_open_is_noticed(void **state)
 	struct store_range range;
 	assert_ok(store_reader_create(store, &early));
 	struct store_meta meta = terrain_meta();
-	meta.world = (struct world){600, 400, 1, 32};
+	meta.extent = (struct extent){600, 400, 1, 32};
 	int32_t *zeros = calloc(33 * 33, sizeof *zeros);
 	assert_ok(store_create(base, &meta, true, &other));
-	for (int level = 0; level <= world_coarsest(&meta.world); level++)
-		for (uint32_t y = 0; y < world_tiles_y(&meta.world, level); y++)
-			for (uint32_t x = 0; x < world_tiles_x(&meta.world, level); x++)
+	for (int level = 0; level <= extent_coarsest(&meta.extent); level++)
+		for (uint32_t y = 0; y < extent_tiles_y(&meta.extent, level); y++)
+			for (uint32_t x = 0; x < extent_tiles_x(&meta.extent, level); x++)
 				assert_ok(store_put_base(other, (struct tile){level, x, y}, zeros,
 							 &(struct store_range){0, 0, 0}));
 	assert_ok(store_publish(other));
@@ -197,7 +197,7 @@ static void use(const char *overlay, bool write, int *opened, int *found)
 		*found += check.problems > 0;
 	int ignored = store_count(store, &numbers) + (int)store_content_hash(store, &hash);
 	if (store_reader_create(store, &reader) == STATUS_OK)
-		for (int level = -2; level <= world_coarsest(&store_meta(store)->world); level++)
+		for (int level = -2; level <= extent_coarsest(&store_meta(store)->extent); level++)
 			ignored += store_read_posts(reader, STORE_SURFACE, level, (struct post_rect){8, 8, 16, 16}, values);
 	(void)ignored;
 	store_reader_destroy(reader);

@@ -35,7 +35,7 @@ static int32_t deformed_post(const struct field *field, enum plane plane, int le
 
 static double base_metres(int level, int64_t x, int64_t y)
 {
-	if (x < 0 || y < 0 || x >= world_posts(world.width, level) || y >= world_posts(world.height, level))
+	if (x < 0 || y < 0 || x >= extent_posts(extent.width, level) || y >= extent_posts(extent.height, level))
 		return (double)NAN;
 	if (level >= 0)
 		return height_code_metres(terrain(x << level, y << level), STEP);
@@ -87,13 +87,13 @@ static void posts_are_those_of_the_definition(void **state)
 		assert_ok(store_set_working_level(store, working));
 		struct field field = field_make(working);
 		struct store_epoch_result result;
-		int64_t width = world_posts(world.width, working), height = world_posts(world.height, working);
+		int64_t width = extent_posts(extent.width, working), height = extent_posts(extent.height, working);
 		field_dig(&field, width / 3, height / 2, width / 6, 5);
 		field_dig(&field, width - 3, height - 3, 4, 6);
 		assert_ok(field_commit(&field, field_all(&field), store, 1, &result));
 		struct store_reader *reader;
 		assert_ok(store_reader_create(store, &reader));
-		for (int level = -3; level <= world_coarsest(&world); level++)
+		for (int level = -3; level <= extent_coarsest(&extent); level++)
 			for (int layer = STORE_SURFACE; layer < STORE_LAYERS; layer++) {
 				double value;
 				if (layer >= STORE_HEAPED && level > working) { /* it is of the working level alone */
@@ -102,7 +102,7 @@ static void posts_are_those_of_the_definition(void **state)
 					assert_non_null(strstr(failure_message(), "has no state of the soil"));
 					continue;
 				}
-				int64_t w = world_posts(world.width, level), h = world_posts(world.height, level);
+				int64_t w = extent_posts(extent.width, level), h = extent_posts(extent.height, level);
 				struct post_rect rects[] = {
 					{-3, -2, w + 5, h + 4},       {w / 3, h / 4, w / 3 + 7, h / 4 + 3},
 					{w - 1, h - 1, w, h},         {w, h, w + 3, h + 3},
@@ -113,7 +113,7 @@ static void posts_are_those_of_the_definition(void **state)
 			}
 		double value;
 		struct post_rect one = {0, 0, 1, 1};
-		assert_status(store_read_posts(reader, STORE_BASE, world_coarsest(&world) + 1, one, &value), STATUS_INPUT);
+		assert_status(store_read_posts(reader, STORE_BASE, extent_coarsest(&extent) + 1, one, &value), STATUS_INPUT);
 		assert_status(store_read_posts(reader, STORE_BASE, TILE_LEVEL_MIN - 1, one, &value), STATUS_INPUT);
 		store_reader_destroy(reader);
 		store_close(store);
@@ -129,7 +129,7 @@ static void a_terrain_that_ends_with_its_tiles_ends_with_posts(void **state)
 	struct store *store;
 	int32_t codes[POSTS];
 	double values[9];
-	meta.world = (struct world){17, 17, 1, 16};
+	meta.extent = (struct extent){17, 17, 1, 16};
 	for (int i = 0; i < POSTS; i++)
 		codes[i] = i;
 	struct store_range range = {0, (POSTS - 1) * STEP, 0};
@@ -153,7 +153,7 @@ static void a_terrain_that_ends_with_its_tiles_ends_with_posts(void **state)
 
 static double between(const struct field *field, enum store_layer layer, int level, double x, double y)
 {
-	double px = x / world_spacing(&world, level), py = y / world_spacing(&world, level);
+	double px = x / extent_spacing(&extent, level), py = y / extent_spacing(&extent, level);
 	int64_t cx = (int64_t)px, cy = (int64_t)py;
 	double u = px - (double)cx, v = py - (double)cy, sum = 0;
 	for (int i = 0; i < 4; i++) {
@@ -252,7 +252,7 @@ static void keys_of_a_level_come_in_order_until_told_to_stop(void **state)
 	struct keys keys = {0};
 	assert_status(store_each_offset(reader, -1, take_key, &keys), STATUS_INTERRUPTED);
 	keys = (struct keys){0};
-	assert_ok(store_each_offset(reader, world_coarsest(&world), take_key, &keys));
+	assert_ok(store_each_offset(reader, extent_coarsest(&extent), take_key, &keys));
 	assert_int_equal(keys.count, 1);
 	keys = (struct keys){0};
 	assert_ok(store_each_offset(reader, -2, take_key, &keys));

@@ -7,7 +7,7 @@
 /* Of the field's posts that the tile shows; the ground beyond the field is as it was. */
 static bool true_range(const struct field *field, struct tile tile, int32_t *low, int32_t *high)
 {
-	int64_t side = (int64_t)world.cells << (tile.level - field->level);
+	int64_t side = (int64_t)extent.cells << (tile.level - field->level);
 	bool deformed = false;
 	*low = INT32_MAX;
 	*high = INT32_MIN;
@@ -26,9 +26,9 @@ static bool true_range(const struct field *field, struct tile tile, int32_t *low
 static int check_ranges(struct store_reader *reader, const struct field *field)
 {
 	int rows = 0;
-	for (int level = field->level; level <= world_coarsest(&world); level++)
-		for (uint32_t y = 0; y < world_tiles_y(&world, level); y++)
-			for (uint32_t x = 0; x < world_tiles_x(&world, level); x++) {
+	for (int level = field->level; level <= extent_coarsest(&extent); level++)
+		for (uint32_t y = 0; y < extent_tiles_y(&extent, level); y++)
+			for (uint32_t x = 0; x < extent_tiles_x(&extent, level); x++) {
 				struct tile tile = {level, x, y};
 				int32_t lowest, highest;
 				double low, high;

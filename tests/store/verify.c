@@ -127,7 +127,7 @@ static void a_sound_store_has_no_problem(void **state)
 	struct store_check check = check_path(path);
 	assert_int_equal(check.problems, 0);
 	assert_int_equal(check.finest, -1);
-	assert_int_equal(check.coarsest, world_coarsest(&world));
+	assert_int_equal(check.coarsest, extent_coarsest(&extent));
 	struct store *store = open_store(path, STORE_READ);
 	struct store_numbers numbers;
 	assert_ok(store_count(store, &numbers));

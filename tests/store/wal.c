@@ -18,7 +18,7 @@ static struct store_page pages[TILES * TILES];
 
 static struct store *make(const char *path)
 {
-	const struct store_meta meta = {.world = {513, 513, 1, CELLS}, .step = 1, .srs = "", .vertical = "", .sources = ""};
+	const struct store_meta meta = {.extent = {513, 513, 1, CELLS}, .step = 1, .srs = "", .vertical = "", .sources = ""};
 	const struct tile tiles[] = {{0, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 1, 1}, {1, 0, 0}};
 	int32_t *codes = calloc((CELLS + 1) * (CELLS + 1), sizeof *codes);
 	struct store *store;

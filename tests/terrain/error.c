@@ -30,7 +30,7 @@ static int drawn_at(const struct fake *fake, const double point[3], struct tile 
 	int times = 0;
 	for (size_t k = 0; k < selection.draw_count; k++) {
 		const struct terrain_draw *draw = &selection.draws[k];
-		double side = world_spacing(&fake->world, draw->tile.level) * fake->world.cells;
+		double side = extent_spacing(&fake->extent, draw->tile.level) * fake->extent.cells;
 		double u = point[0] / side - draw->tile.x, v = point[1] / side - draw->tile.y;
 		if (u < 0 || v < 0 || u >= 1 || v >= 1 || !(draw->quadrants >> ((u >= 0.5 ? 1 : 0) + (v >= 0.5 ? 2 : 0)) & 1))
 			continue;
@@ -42,7 +42,7 @@ static int drawn_at(const struct fake *fake, const double point[3], struct tile 
 
 static struct tile child_at(const struct fake *fake, struct tile tile, double x, double y)
 {
-	double side = world_spacing(&fake->world, tile.level - 1) * fake->world.cells;
+	double side = extent_spacing(&fake->extent, tile.level - 1) * fake->extent.cells;
 	return (struct tile){tile.level - 1, (uint32_t)(x / side), (uint32_t)(y / side)};
 }
 
@@ -51,10 +51,10 @@ static struct tile child_at(const struct fake *fake, struct tile tile, double x,
 static struct tile asked_for(struct fake *fake, const struct terrain_view *view, double focal, double pixels, double x,
 			     double y)
 {
-	struct tile tile = {world_coarsest(&fake->world), 0, 0};
+	struct tile tile = {extent_coarsest(&fake->extent), 0, 0};
 	for (;;) {
 		double low[3], high[3];
-		terrain_box(&fake->world, tile, low, high);
+		terrain_box(&fake->extent, tile, low, high);
 		assert_true(fake_bounds(fake, tile, &low[2], &high[2]));
 		double distance = terrain_box_distance(view->eye, low, high);
 		if (!fake_divisible(fake, tile) || fake_error(fake, tile) * focal <= pixels * distance)
@@ -77,12 +77,12 @@ static void every_visible_point_has_the_tile_that_its_error_asks_for(void **stat
 		random_scene(&random, &fake, &view);
 		by_error(focal, pixels, &view);
 		struct terrain_source source = source_of(&fake);
-		terrain_select(&fake.world, &view, &source, &selection);
+		terrain_select(&fake.extent, &view, &source, &selection);
 		if (selection.draw_count > TERRAIN_DRAWS_MAX / 2)
 			continue;
 		for (int i = 0; i < 400; i++) {
-			double point[3] = {(double)(fake.world.width - 1) * fake.world.spacing * unit(&random),
-					   (double)(fake.world.height - 1) * fake.world.spacing * unit(&random), 0};
+			double point[3] = {(double)(fake.extent.width - 1) * fake.extent.spacing * unit(&random),
+					   (double)(fake.extent.height - 1) * fake.extent.spacing * unit(&random), 0};
 			point[2] = ground_height(point[0], point[1]);
 			if (!in_frustum(&view, point))
 				continue;
@@ -109,8 +109,8 @@ static void a_draw_tells_its_error_and_that_of_all_above_it(void **state)
 		struct terrain_view view;
 		random_scene(&random, &fake, &view);
 		struct terrain_source source = source_of(&fake);
-		terrain_select(&fake.world, &view, &source, &selection);
-		int coarsest = world_coarsest(&fake.world);
+		terrain_select(&fake.extent, &view, &source, &selection);
+		int coarsest = extent_coarsest(&fake.extent);
 		double low = 0, high = 0;
 		assert_true(fake_bounds(&fake, (struct tile){coarsest, 0, 0}, &low, &high));
 		for (size_t i = 0; i < selection.draw_count; i++) {
@@ -144,14 +144,14 @@ static void allowed_less_a_view_is_nowhere_coarser(void **state)
 			levels[i] = TILE_LEVEL_MIN;
 		for (double pixels = 1; pixels <= 64; pixels *= 2) {
 			by_error(400, pixels, &view);
-			terrain_select(&fake.world, &view, &source, &selection);
+			terrain_select(&fake.extent, &view, &source, &selection);
 			if (selection.draw_count > TERRAIN_DRAWS_MAX / 2)
 				continue; /* some were left undivided for want of room */
 			uint64_t places = 99;
 			for (int i = 0; i < 50; i++) {
 				struct tile tile;
-				double point[3] = {(double)(fake.world.width - 1) * fake.world.spacing * unit(&places),
-						   (double)(fake.world.height - 1) * fake.world.spacing * unit(&places), 0};
+				double point[3] = {(double)(fake.extent.width - 1) * fake.extent.spacing * unit(&places),
+						   (double)(fake.extent.height - 1) * fake.extent.spacing * unit(&places), 0};
 				point[2] = ground_height(point[0], point[1]);
 				if (!in_frustum(&view, point))
 					continue;
@@ -181,17 +181,17 @@ static double cliff_error(void *user, struct tile tile)
 
 static void flat_ground_takes_few_tiles_and_a_cliff_many(void **state)
 {
-	struct fake fake = {.world = {1025, 1025, 1, 8}, .seed = 4, .resident_of = 100, .root_resident = true};
+	struct fake fake = {.extent = {1025, 1025, 1, 8}, .seed = 4, .resident_of = 100, .root_resident = true};
 	struct terrain_source source = source_of(&fake);
 	struct terrain_view view;
 	const double eye[3] = {480, 400, 60}, target[3] = {520, 560, 0};
 	look(eye, target, 0, &view);
 	by_error(600, 1, &view);
 	source.error = no_error;
-	terrain_select(&fake.world, &view, &source, &selection);
+	terrain_select(&fake.extent, &view, &source, &selection);
 	assert_int_equal(selection.draw_count, 1);
 	source.error = cliff_error;
-	terrain_select(&fake.world, &view, &source, &selection);
+	terrain_select(&fake.extent, &view, &source, &selection);
 	size_t fine = 0;
 	for (size_t i = 0; i < selection.draw_count; i++) {
 		bool at_cliff = cliff_error(NULL, tile_ancestor(selection.draws[i].tile, selection.draws[i].tile.level + 1)) > 0;
@@ -222,7 +222,7 @@ static bool flat_bounds(void *user, struct tile tile, double *low, double *high)
 
 static void selection_by_error_does_not_depend_on_where_the_world_lies(void **state)
 {
-	struct fake fake = {.world = {40000001, 1025, 0.25, 256}, .seed = 4, .resident_of = 100, .root_resident = true};
+	struct fake fake = {.extent = {40000001, 1025, 0.25, 256}, .seed = 4, .resident_of = 100, .root_resident = true};
 	const struct terrain_source source = {&fake, flat_bounds, fake_resident, fake_divisible, shifted_error};
 	uint64_t keys[2][TERRAIN_DRAWS_MAX];
 	size_t counts[2];
@@ -232,7 +232,7 @@ static void selection_by_error_does_not_depend_on_where_the_world_lies(void **st
 		struct terrain_view view;
 		look(eye, target, 0, &view);
 		by_error(500, 1, &view);
-		terrain_select(&fake.world, &view, &source, &selection);
+		terrain_select(&fake.extent, &view, &source, &selection);
 		counts[far] = 0;
 		for (size_t i = 0; i < selection.draw_count; i++) {
 			struct tile tile = selection.draws[i].tile;
@@ -260,21 +260,21 @@ static void check_fit(struct fake *fake, const struct terrain_source *source, co
 		      size_t *cut)
 {
 	struct terrain_view view = *wished;
-	terrain_select(&fake->world, wished, source, &selection);
-	bool fits = terrain_fit(&fake->world, source, budget, &view);
+	terrain_select(&fake->extent, wished, source, &selection);
+	bool fits = terrain_fit(&fake->extent, source, budget, &view);
 	assert_int_equal(fits, selection.needed <= budget);
 	if (fits)
 		return;
 	++*cut;
 	assert_true(view.by_error && (view.radius < wished->radius || view.finest > wished->finest));
-	terrain_select(&fake->world, &view, source, &selection);
+	terrain_select(&fake->extent, &view, source, &selection);
 	assert_true(selection.needed <= budget);
 	/* Any finer needs too many. */
 	if (view.finest > wished->finest)
 		view.finest--;
 	else
 		view.radius = nextafter(view.radius, INFINITY);
-	terrain_select(&fake->world, &view, source, &selection);
+	terrain_select(&fake->extent, &view, source, &selection);
 	assert_true(selection.needed > budget);
 }
 
@@ -303,13 +303,13 @@ static void whatever_a_source_calls_an_error_each_point_is_drawn_once(void **sta
 		fake.resident_of = (unsigned)(101 * unit(&random));
 		struct terrain_source source = source_of(&fake);
 		source.error = wild_error;
-		terrain_select(&fake.world, &view, &source, &selection);
+		terrain_select(&fake.extent, &view, &source, &selection);
 		for (size_t i = 0; i < selection.draw_count; i++)
 			for (int k = 0; k < TERRAIN_STRIDES; k++)
 				assert_true(selection.draws[i].errors[k] >= (k > 0 ? selection.draws[i].errors[k - 1] : 0));
 		for (int i = 0; i < 300; i++) {
-			double point[3] = {(double)(fake.world.width - 1) * fake.world.spacing * unit(&random),
-					   (double)(fake.world.height - 1) * fake.world.spacing * unit(&random), 0};
+			double point[3] = {(double)(fake.extent.width - 1) * fake.extent.spacing * unit(&random),
+					   (double)(fake.extent.height - 1) * fake.extent.spacing * unit(&random), 0};
 			struct tile tile;
 			point[2] = ground_height(point[0], point[1]);
 			if (!in_frustum(&view, point))

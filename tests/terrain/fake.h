@@ -14,7 +14,7 @@
 
 /* A world whose ground is a sum of waves; some tiles below level 0 exist, some tiles are resident. */
 struct fake {
-	struct world world;
+	struct extent extent;
 	uint64_t seed;
 	int deepest;          /* offset tiles exist down to this level */
 	unsigned resident_of; /* resident if hash % 100 < this; the coarsest by root_resident */
@@ -43,7 +43,7 @@ static inline double ground_height(double x, double y)
 /* Exists below zero: the tile and every tile above it up to level -1 are in the hash's half. */
 static inline bool exists(const struct fake *fake, struct tile tile)
 {
-	if (!world_has(&fake->world, tile))
+	if (!extent_has(&fake->extent, tile))
 		return false;
 	for (int level = tile.level; level < 0; level++) {
 		struct tile at = tile_ancestor(tile, level);
@@ -61,7 +61,7 @@ static inline bool fake_bounds(void *user, struct tile tile, double *low, double
 	double from[2], to[2];
 	if (!exists(fake, tile))
 		return false;
-	terrain_box(&fake->world, tile, from, to);
+	terrain_box(&fake->extent, tile, from, to);
 	/* Loose but true: the waves' own slope bounds how far the middle can be missed. */
 	double x = (from[0] + to[0]) / 2, y = (from[1] + to[1]) / 2;
 	double reach = ((to[0] - from[0]) + (to[1] - from[1])) * 0.9;
@@ -75,7 +75,7 @@ static inline bool fake_resident(void *user, struct tile tile, uint32_t *slot)
 	const struct fake *fake = user;
 	assert_true(exists(fake, tile));
 	*slot = (uint32_t)mix(tile_key(tile)) & 0xffff;
-	if (tile.level == world_coarsest(&fake->world))
+	if (tile.level == extent_coarsest(&fake->extent))
 		return fake->root_resident;
 	return mix(tile_key(tile) * 3 + fake->seed) % 100 < fake->resident_of;
 }
@@ -96,11 +96,11 @@ static inline double fake_error(void *user, struct tile tile)
 {
 	const struct fake *fake = user;
 	assert_true(exists(fake, tile));
-	double side = world_spacing(&fake->world, tile.level) * fake->world.cells, error = 0;
+	double side = extent_spacing(&fake->extent, tile.level) * fake->extent.cells, error = 0;
 	for (int level = fake->deepest - 1; level <= tile.level; level++) {
 		/* What each finer level adds where it is roughest: its north-east end. */
 		double grown = (double)(mix((uint64_t)(level + 32) ^ fake->seed) % 100) / 100;
-		error += ldexp(grown, level) * fake->world.spacing * 0.5;
+		error += ldexp(grown, level) * fake->extent.spacing * 0.5;
 	}
 	return fake_divisible(user, tile) ? error * (1 + (tile.x + 1) * side / 400 + (tile.y + 1) * side / 300) : 0;
 }
@@ -125,8 +125,8 @@ static inline void look(const double eye[3], const double target[3], double radi
 
 static inline void random_view(const struct fake *fake, uint64_t *random, struct terrain_view *view)
 {
-	double w = (double)(fake->world.width - 1) * fake->world.spacing;
-	double h = (double)(fake->world.height - 1) * fake->world.spacing;
+	double w = (double)(fake->extent.width - 1) * fake->extent.spacing;
+	double h = (double)(fake->extent.height - 1) * fake->extent.spacing;
 	double eye[3] = {w * (1.4 * unit(random) - 0.2), h * (1.4 * unit(random) - 0.2), 0};
 	double target[3] = {w * unit(random), h * unit(random), 0};
 	eye[2] = ground_height(eye[0], eye[1]) + 1 + 150 * unit(random) * unit(random);
@@ -136,7 +136,7 @@ static inline void random_view(const struct fake *fake, uint64_t *random, struct
 static inline void random_fake(uint64_t *random, struct fake *fake)
 {
 	*fake = (struct fake){
-		.world = {.width = 2 + (int64_t)(400 * unit(random)), .height = 2 + (int64_t)(300 * unit(random)),
+		.extent = {.width = 2 + (int64_t)(400 * unit(random)), .height = 2 + (int64_t)(300 * unit(random)),
 			  .spacing = 0.5 + 4 * unit(random), .cells = 8u << (int)(3 * unit(random))},
 		.seed = mix(*random), .deepest = -(int)(4 * unit(random)),
 		.resident_of = (unsigned)(101 * unit(random)), .root_resident = true,

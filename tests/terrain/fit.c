@@ -21,7 +21,7 @@ static size_t distinct(const struct fake *fake)
 	/* Tiles of the complete picture: drawn, grounds, the coarsest. */
 	uint64_t keys[2 * TERRAIN_DRAWS_MAX + 1];
 	size_t count = 0;
-	keys[count++] = tile_key((struct tile){world_coarsest(&fake->world), 0, 0});
+	keys[count++] = tile_key((struct tile){extent_coarsest(&fake->extent), 0, 0});
 	for (size_t i = 0; i < 2 * selection.draw_count; i++) {
 		const struct terrain_draw *draw = &selection.draws[i / 2];
 		struct tile tile = i % 2 == 0 || draw->tile.level >= 0 ? draw->tile : tile_ancestor(draw->tile, 0);
@@ -44,7 +44,7 @@ static void what_a_picture_needs_is_counted_and_wanted_once_each(void **state)
 		struct terrain_view view;
 		random_scene(&random, &fake, &view);
 		struct terrain_source source = source_of(&fake);
-		terrain_select(&fake.world, &view, &source, &selection);
+		terrain_select(&fake.extent, &view, &source, &selection);
 		size_t needed = selection.needed;
 		assert_int_equal(needed, distinct(&fake));
 		for (size_t i = 0; i < selection.draw_count; i++) {
@@ -53,7 +53,7 @@ static void what_a_picture_needs_is_counted_and_wanted_once_each(void **state)
 		}
 		/* The same picture, whatever is resident; without anything, all of it is wanted. */
 		source.resident = nothing_resident;
-		terrain_select(&fake.world, &view, &source, &selection);
+		terrain_select(&fake.extent, &view, &source, &selection);
 		assert_int_equal(selection.needed, needed);
 		assert_int_equal(selection.draw_count, 0);
 		assert_int_equal(selection.wanted_count, needed);
@@ -73,10 +73,10 @@ static void what_only_stands_in_is_told_from_what_is_needed(void **state)
 		random_scene(&random, &fake, &view);
 		fake.resident_of = 60;
 		struct terrain_source source = source_of(&fake);
-		terrain_select(&fake.world, &view, &source, &selection);
+		terrain_select(&fake.extent, &view, &source, &selection);
 		static struct terrain_selection all;
 		source.resident = nothing_resident;
-		terrain_select(&fake.world, &view, &source, &all);
+		terrain_select(&fake.extent, &view, &source, &all);
 		for (size_t i = 0; i < selection.draw_count; i++) {
 			bool needed = false;
 			for (size_t k = 0; k < all.wanted_count && !needed; k++)
@@ -99,7 +99,7 @@ static bool could_be_finer(const struct fake *fake, const struct terrain_view *w
 	} else {
 		finer.radius = nextafter(fitted->radius, INFINITY);
 	}
-	terrain_select(&fake->world, &finer, &source, &selection);
+	terrain_select(&fake->extent, &finer, &source, &selection);
 	return selection.needed <= budget;
 }
 
@@ -113,10 +113,10 @@ static void a_fitted_view_needs_no_more_than_the_budget_and_is_as_fine_as_it_can
 		random_scene(&random, &fake, &wished);
 		struct terrain_source source = source_of(&fake);
 		size_t budget = 1 + (size_t)(40 * unit(&random) * unit(&random));
-		terrain_select(&fake.world, &wished, &source, &selection);
+		terrain_select(&fake.extent, &wished, &source, &selection);
 		size_t needed = selection.needed;
 		view = wished;
-		bool fits = terrain_fit(&fake.world, &source, budget, &view);
+		bool fits = terrain_fit(&fake.extent, &source, budget, &view);
 		assert_int_equal(fits, needed <= budget);
 		if (fits) {
 			assert_memory_equal(&view, &wished, sizeof view);
@@ -126,13 +126,13 @@ static void a_fitted_view_needs_no_more_than_the_budget_and_is_as_fine_as_it_can
 		cut++;
 		floors += view.finest > wished.finest;
 		assert_true(view.radius < wished.radius || view.finest > wished.finest);
-		terrain_select(&fake.world, &view, &source, &selection);
+		terrain_select(&fake.extent, &view, &source, &selection);
 		assert_true(selection.needed <= budget);
 		assert_false(could_be_finer(&fake, &wished, &view, budget));
 		/* Fitted again it is the same; and what is resident does not matter. */
 		struct terrain_view again = wished;
 		fake.resident_of = 0;
-		assert_false(terrain_fit(&fake.world, &source, budget, &again));
+		assert_false(terrain_fit(&fake.extent, &source, budget, &again));
 		assert_memory_equal(&again, &view, sizeof view);
 	}
 	assert_true(cut > 100 && floors > 20 && whole > 20);
@@ -141,15 +141,15 @@ static void a_fitted_view_needs_no_more_than_the_budget_and_is_as_fine_as_it_can
 static void fitting_a_view_of_very_many_tiles_costs_what_the_budget_does(void **state)
 {
 	/* Far more tiles than there is room for anywhere. */
-	struct fake fake = {.world = {4097, 4097, 1, 8}, .seed = 4, .resident_of = 100, .root_resident = true};
+	struct fake fake = {.extent = {4097, 4097, 1, 8}, .seed = 4, .resident_of = 100, .root_resident = true};
 	struct terrain_source source = source_of(&fake);
 	struct terrain_view view;
 	const double eye[3] = {2048, 2048, 900}, target[3] = {2048.1, 2048, 0};
 	look(eye, target, 10000, &view);
 	for (size_t budget = 1; budget <= TERRAIN_DRAWS_MAX; budget *= 4) {
 		struct terrain_view fitted = view;
-		assert_false(terrain_fit(&fake.world, &source, budget, &fitted));
-		terrain_select(&fake.world, &fitted, &source, &selection);
+		assert_false(terrain_fit(&fake.extent, &source, budget, &fitted));
+		terrain_select(&fake.extent, &fitted, &source, &selection);
 		assert_true(selection.needed <= budget && selection.needed * 8 >= budget);
 		assert_true(selection.visited + selection.culled <= 16 * budget);
 	}
@@ -157,13 +157,13 @@ static void fitting_a_view_of_very_many_tiles_costs_what_the_budget_does(void **
 
 static void without_ground_there_is_nothing_to_fit(void **state)
 {
-	struct fake fake = {.world = {65, 65, 1, 8}};
+	struct fake fake = {.extent = {65, 65, 1, 8}};
 	struct terrain_source source = source_of(&fake);
 	struct terrain_view view;
 	const double eye[3] = {32, 32, 60}, away[3] = {32, 32, 160};
 	look(eye, away, 5, &view);
-	assert_true(terrain_fit(&fake.world, &source, 1, &view));
-	terrain_select(&fake.world, &view, &source, &selection);
+	assert_true(terrain_fit(&fake.extent, &source, 1, &view));
+	terrain_select(&fake.extent, &view, &source, &selection);
 	assert_int_equal(selection.needed, 1);
 }
 

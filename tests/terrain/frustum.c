@@ -48,11 +48,11 @@ static void a_distance_is_to_the_nearest_point_of_the_box(void **state)
 
 static void a_tile_ends_at_the_worlds_edge(void **state)
 {
-	const struct world world = {301, 203, 2, 64};
+	const struct extent extent = {301, 203, 2, 64};
 	double low[2], high[2];
-	terrain_box(&world, (struct tile){2, 1, 0}, low, high);
+	terrain_box(&extent, (struct tile){2, 1, 0}, low, high);
 	assert_true(low[0] == 512 && low[1] == 0 && high[0] == 600 && high[1] == 404);
-	terrain_box(&world, (struct tile){-1, 1, 2}, low, high);
+	terrain_box(&extent, (struct tile){-1, 1, 2}, low, high);
 	assert_true(low[0] == 64 && low[1] == 128 && high[0] == 128 && high[1] == 192);
 }
 

@@ -1,7 +1,7 @@
 /* Heights and normals at points, against every triangle of the ground. */
 #include "query_rig.h"
 
-static const struct rig rough = {.world = {61, 45, 2, 8}, .finest = -2, .fine = 30, .relief = 9, .rut = 0.7};
+static const struct rig rough = {.extent = {61, 45, 2, 8}, .finest = -2, .fine = 30, .relief = 9, .rut = 0.7};
 
 /* The triangle over a point, inside by `slack`; NULL: none. */
 static const struct rig_triangle *over(const struct rig_triangle *all, size_t count, struct terrain_point point, double slack, double *height)
@@ -22,7 +22,7 @@ static const struct rig_triangle *over(const struct rig_triangle *all, size_t co
 static void check(const struct rig *rig, const struct rig_triangle *all, size_t count, struct terrain_point point,
 		  const struct terrain_height *height)
 {
-	double east = (double)(rig->world.width - 1) * rig->world.spacing, north = (double)(rig->world.height - 1) * rig->world.spacing;
+	double east = (double)(rig->extent.width - 1) * rig->extent.spacing, north = (double)(rig->extent.height - 1) * rig->extent.spacing;
 	bool outside = !(point.x >= 0 && point.y >= 0 && point.x <= east && point.y <= north);
 	assert_int_equal(height->outside, outside);
 	double there = NAN;
@@ -60,7 +60,7 @@ static void every_triangle_agrees(void **unused)
 		uint64_t state = seed;
 		rig.seed = seed;
 		rig.holes = seed % 2 ? 0 : 30;
-		rig.world.cells = seed % 3 ? 8 : 32;
+		rig.extent.cells = seed % 3 ? 8 : 32;
 		rig.fine = (unsigned)(seed % 4 * 30);
 		rig_open(&rig);
 		size_t count = rig_triangles(&rig, &all), holes = 0, fine = 0;
@@ -87,10 +87,10 @@ static void posts_are_posts(void **unused)
 	rig.holes = 300;
 	rig.fine = 0;
 	rig_open(&rig);
-	for (int64_t y = 0; y < rig.world.height; y++)
-		for (int64_t x = 0; x < rig.world.width; x++) {
+	for (int64_t y = 0; y < rig.extent.height; y++)
+		for (int64_t x = 0; x < rig.extent.width; x++) {
 			struct terrain_height height;
-			struct terrain_point point = {(double)x * rig.world.spacing, (double)y * rig.world.spacing};
+			struct terrain_point point = {(double)x * rig.extent.spacing, (double)y * rig.extent.spacing};
 			double post = rig_post(&rig, x, y);
 			assert_int_equal(terrain_heights(&rig.ground, &point, 1, &height), STATUS_OK);
 			assert_int_equal(height.nodata, isnan(post));

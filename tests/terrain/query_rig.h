@@ -16,7 +16,7 @@
 enum { RIG_CELLS_MOST = 32 };
 
 struct rig {
-	struct world world;
+	struct extent extent;
 	uint64_t seed;
 	int finest;
 	unsigned holes;         /* posts of level 0 in 1,000 that are nodata */
@@ -51,7 +51,7 @@ static inline double rig_between(uint64_t *state, double low, double high)
 /* Of level 0, in 2^-18 m; NaN: a hole. */
 static inline double rig_post(const struct rig *rig, int64_t x, int64_t y)
 {
-	if (x >= rig->world.width || y >= rig->world.height)
+	if (x >= rig->extent.width || y >= rig->extent.height)
 		return NAN;
 	uint64_t hash = rig_mix((uint64_t)(x - rig->far) * 0x10001 + rig_mix((uint64_t)(y - rig->far) + rig->seed));
 	if (hash % 1000 < rig->holes)
@@ -63,7 +63,7 @@ static inline double rig_post(const struct rig *rig, int64_t x, int64_t y)
 
 static inline bool rig_present(const struct rig *rig, struct tile tile)
 {
-	if (!world_has(&rig->world, tile))
+	if (!extent_has(&rig->extent, tile))
 		return false;
 	if (tile.level == rig->finest)
 		return rig_mix(tile_key(tile) + rig->seed) % 100 < rig->fine;
@@ -86,14 +86,14 @@ static inline double rig_height(const struct rig *rig, int level, int64_t x, int
 			height += weights[i] * rig_post(rig, cx + i % 2, cy + i / 2);
 	if (level != rig->finest || level == 0)
 		return height;
-	int64_t cells = rig->world.cells;
+	int64_t cells = rig->extent.cells;
 	height += rig->crack;
 	for (int i = 0; i < 4; i++) {
 		int64_t tx = x / cells - (i % 2 && x % cells == 0), ty = y / cells - (i / 2 && y % cells == 0);
 		if (tx < 0 || ty < 0)
 			continue;
 		struct tile tile = {level, (uint32_t)tx, (uint32_t)ty};
-		if (world_has(&rig->world, tile) && !rig_present(rig, tile))
+		if (extent_has(&rig->extent, tile) && !rig_present(rig, tile))
 			return height;
 	}
 	uint64_t hash = rig_mix((uint64_t)x + rig_mix((uint64_t)y * 3 + rig->seed));
@@ -103,14 +103,14 @@ static inline double rig_height(const struct rig *rig, int level, int64_t x, int
 static inline enum status rig_posts(void *user, struct tile tile, struct terrain_posts *posts)
 {
 	struct rig *rig = user;
-	int64_t cells = rig->world.cells;
-	assert_true(world_has(&rig->world, tile) && tile.level <= 0 && tile.level >= rig->finest);
+	int64_t cells = rig->extent.cells;
+	assert_true(extent_has(&rig->extent, tile) && tile.level <= 0 && tile.level >= rig->finest);
 	if (++rig->reads == rig->fails_at)
 		return fail_with(STATUS_INPUT, "rig: it is broken; mend it");
 	for (int64_t y = 0; y <= cells; y++)
 		for (int64_t x = 0; x <= cells; x++)
 			rig->heights[y * (cells + 1) + x] = rig_height(rig, tile.level, tile.x * cells + x, tile.y * cells + y);
-	terrain_fill_blocks(rig->world.cells, rig->heights, rig->blocks);
+	terrain_fill_blocks(rig->extent.cells, rig->heights, rig->blocks);
 	*posts = (struct terrain_posts){rig->heights, (const double(*)[2])rig->blocks};
 	return STATUS_OK;
 }
@@ -124,7 +124,7 @@ static inline enum status rig_ask(void *user, struct tile tile, bool *present)
 static inline enum status rig_bounds(void *user, struct tile tile, double *low, double *high, bool *any)
 {
 	const struct rig *rig = user;
-	assert_true(world_has(&rig->world, tile));
+	assert_true(extent_has(&rig->extent, tile));
 	/* True of a single post, at least, in every other tile: so that much is passed over. */
 	*low = -rig->relief - rig->rut;
 	*high = 1.5 * rig->relief + rig->crack;
@@ -132,7 +132,7 @@ static inline enum status rig_bounds(void *user, struct tile tile, double *low, 
 	if (tile.level > 0)
 		return STATUS_OK;
 	double least = INFINITY, most = -INFINITY;
-	int64_t side = rig->world.cells >> -tile.level, cells = rig->world.cells;
+	int64_t side = rig->extent.cells >> -tile.level, cells = rig->extent.cells;
 	side = side > 0 ? side : 1;
 	int64_t x0 = (tile.x * cells) >> -tile.level, y0 = (tile.y * cells) >> -tile.level;
 	for (int64_t y = y0; y <= y0 + side; y++)
@@ -149,7 +149,7 @@ static inline enum status rig_bounds(void *user, struct tile tile, double *low, 
 
 static inline void rig_open(struct rig *rig)
 {
-	rig->ground = (struct terrain_ground){rig, &rig->world, rig->finest, rig_posts, rig_ask, rig_bounds};
+	rig->ground = (struct terrain_ground){rig, &rig->extent, rig->finest, rig_posts, rig_ask, rig_bounds};
 }
 
 struct rig_triangle {
@@ -162,11 +162,11 @@ static inline size_t rig_triangles(const struct rig *rig, struct rig_triangle **
 {
 	size_t count = 0, room = 1 << 16;
 	struct rig_triangle *all = malloc(room * sizeof *all);
-	int64_t across = (rig->world.width - 1) << -rig->finest, up = (rig->world.height - 1) << -rig->finest;
+	int64_t across = (rig->extent.width - 1) << -rig->finest, up = (rig->extent.height - 1) << -rig->finest;
 	assert_non_null(all);
 	for (int level = 0; level >= rig->finest; level--) {
-		int64_t width = across >> (level - rig->finest), height = up >> (level - rig->finest), cells = rig->world.cells;
-		double spacing = world_spacing(&rig->world, level);
+		int64_t width = across >> (level - rig->finest), height = up >> (level - rig->finest), cells = rig->extent.cells;
+		double spacing = extent_spacing(&rig->extent, level);
 		for (int64_t y = 0; y < height; y++)
 			for (int64_t x = 0; x < width; x++) {
 				struct tile own = {level, (uint32_t)(x / cells), (uint32_t)(y / cells)};

@@ -92,11 +92,11 @@ static void check(const struct terrain_ray *ray, const struct terrain_hit *hit, 
 	assert_true(hit->below == (along > 0) || fabs(along) < 1e-9);
 }
 
-static const struct rig rough = {.world = {61, 45, 2, 8}, .finest = -2, .fine = 30, .relief = 9, .rut = 0.7};
+static const struct rig rough = {.extent = {61, 45, 2, 8}, .finest = -2, .fine = 30, .relief = 9, .rut = 0.7};
 
 static struct terrain_ray random_ray(const struct rig *rig, uint64_t *state)
 {
-	double east = (double)(rig->world.width - 1) * rig->world.spacing, north = (double)(rig->world.height - 1) * rig->world.spacing;
+	double east = (double)(rig->extent.width - 1) * rig->extent.spacing, north = (double)(rig->extent.height - 1) * rig->extent.spacing;
 	struct terrain_ray ray = {.length = rig_unit(state) < 0.3 ? (double)INFINITY : rig_between(state, 0, 200)};
 	double from[3] = {rig_between(state, -20, east + 20), rig_between(state, -20, north + 20), rig_between(state, -15, 25)};
 	double to[3] = {rig_between(state, 0, east), rig_between(state, 0, north), rig_between(state, -10, 12)};
@@ -138,7 +138,7 @@ static void every_triangle_agrees(void **state)
 		struct rig rig = rough;
 		rig.seed = seed;
 		rig.holes = seed % 2 ? 0 : 30;
-		rig.world.cells = seed % 3 ? 8 : 32;
+		rig.extent.cells = seed % 3 ? 8 : 32;
 		rig.fine = (unsigned)(seed % 4 * 30);
 		against_all(rig, 400);
 	}
@@ -149,13 +149,13 @@ static void slips_through(struct rig rig, size_t rays)
 {
 	rig_open(&rig);
 	uint64_t state = rig.seed + 99;
-	double spacing = world_spacing(&rig.world, rig.finest);
+	double spacing = extent_spacing(&rig.extent, rig.finest);
 	for (size_t i = 0; i < rays; i++) {
 		struct terrain_ray ray = {.length = INFINITY};
 		struct terrain_hit hit;
-		double step = rig_unit(&state) < 0.5 ? spacing : rig.world.spacing;
-		double post[3] = {(double)rig.far * rig.world.spacing + step * floor(rig_between(&state, 80, 90)),
-				  (double)rig.far * rig.world.spacing + step * floor(rig_between(&state, 80, 90)), 0};
+		double step = rig_unit(&state) < 0.5 ? spacing : rig.extent.spacing;
+		double post[3] = {(double)rig.far * rig.extent.spacing + step * floor(rig_between(&state, 80, 90)),
+				  (double)rig.far * rig.extent.spacing + step * floor(rig_between(&state, 80, 90)), 0};
 		static const double ways[8][2] = {{1, 0}, {0, 1}, {1, 1}, {-1, -1}, {-1, 0}, {0, -1}, {1, -1}, {2, 1}};
 		const double *way = ways[(size_t)rig_between(&state, 0, 8)];
 		double beside = rig_unit(&state) < 0.5 ? 0 : ldexp(rig_between(&state, -1, 1), -(int)rig_between(&state, 10, 52));
@@ -181,9 +181,9 @@ static void slips_through(struct rig rig, size_t rays)
 static void nothing_slips_through(void **state)
 {
 	for (uint64_t seed = 1; seed <= 4; seed++) {
-		struct rig rig = {.world = {201, 201, 1, 16}, .seed = seed, .finest = seed % 2 ? -2 : 0, .fine = 50, .relief = 2, .rut = 0.3};
+		struct rig rig = {.extent = {201, 201, 1, 16}, .seed = seed, .finest = seed % 2 ? -2 : 0, .fine = 50, .relief = 2, .rut = 0.3};
 		slips_through(rig, 1500);
-		rig.world.width = rig.world.height = 10000300;
+		rig.extent.width = rig.extent.height = 10000300;
 		rig.far = 10000000;
 		slips_through(rig, 1500);
 	}
@@ -195,7 +195,7 @@ static void no_crack_lets_through(void **unused)
 {
 	uint64_t state = 5;
 	for (int i = 0; i < 1000; i++) {
-		struct rig rig = {.world = {129, 129, 1, 8}, .seed = 8, .finest = -2, .fine = 20, .crack = ldexp(1, -(int)(12 + i % 20))};
+		struct rig rig = {.extent = {129, 129, 1, 8}, .seed = 8, .finest = -2, .fine = 20, .crack = ldexp(1, -(int)(12 + i % 20))};
 		bool east = rig_unit(&state) < 0.5;
 		double x = 0.5, y = floor(rig_between(&state, 1, 500)) * 0.25 + 0.1, side = 2, end = 128;
 		struct terrain_ray ray = {{east ? x : y, east ? y : x, rig.crack / 2}, {east, !east, 0}, INFINITY};
@@ -223,8 +223,8 @@ static void far_is_as_near(void **unused)
 {
 	uint64_t state = 7;
 	int hits = 0;
-	struct rig near = {.world = {201, 201, 1, 16}, .seed = 3, .relief = 2}, far = near;
-	far.world.width = far.world.height = 16777216 + 201;
+	struct rig near = {.extent = {201, 201, 1, 16}, .seed = 3, .relief = 2}, far = near;
+	far.extent.width = far.extent.height = 16777216 + 201;
 	far.far = 16777216;
 	rig_open(&near);
 	rig_open(&far);
@@ -296,7 +296,7 @@ static void what_is_no_ray(void **unused)
 /* On the ground, at its edge, in it. */
 static void where_it_begins(void **unused)
 {
-	struct rig rig = {.world = {33, 33, 1, 8}};
+	struct rig rig = {.extent = {33, 33, 1, 8}};
 	struct terrain_hit hit;
 	rig_open(&rig); /* level, at 0 */
 	const struct {
@@ -333,7 +333,7 @@ static void the_edge_is_ground(void **unused)
 	for (int64_t side = 18; side < 36; side++)
 		for (int level = 0; level >= -2; level--)
 			for (uint32_t cells = 8; cells <= 32; cells *= 2) {
-				struct rig rig = {.world = {side, side + 3, 1, cells}, .finest = level, .fine = 50, .relief = 1};
+				struct rig rig = {.extent = {side, side + 3, 1, cells}, .finest = level, .fine = 50, .relief = 1};
 				double east = (double)side - 1, north = (double)side + 2;
 				const struct terrain_ray rays[] = {
 					{{east, 7.25, 9}, {0, 0, -1}, INFINITY}, {{7.25, north, 9}, {0, 0, -1}, INFINITY},

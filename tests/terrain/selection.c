@@ -3,12 +3,12 @@
 
 static struct terrain_selection selection;
 
-static int times_drawn(const struct world *world, double x, double y)
+static int times_drawn(const struct extent *extent, double x, double y)
 {
 	int times = 0;
 	for (size_t i = 0; i < selection.draw_count; i++) {
 		const struct terrain_draw *draw = &selection.draws[i];
-		double side = world_spacing(world, draw->tile.level) * world->cells;
+		double side = extent_spacing(extent, draw->tile.level) * extent->cells;
 		double u = x / side - draw->tile.x, v = y / side - draw->tile.y;
 		if (u < 0 || v < 0 || u >= 1 || v >= 1)
 			continue;
@@ -26,13 +26,13 @@ static bool in_frustum(const struct terrain_view *view, const double point[3])
 static size_t check_coverage(const struct fake *fake, const struct terrain_view *view)
 {
 	size_t seen = 0;
-	double w = (double)(fake->world.width - 1) * fake->world.spacing;
-	double h = (double)(fake->world.height - 1) * fake->world.spacing;
+	double w = (double)(fake->extent.width - 1) * fake->extent.spacing;
+	double h = (double)(fake->extent.height - 1) * fake->extent.spacing;
 	for (int j = 0; j < 61; j++)
 		for (int i = 0; i < 61; i++) {
 			double point[3] = {w * (i + 0.37) / 61, h * (j + 0.61) / 61, 0};
 			point[2] = ground_height(point[0], point[1]);
-			int times = times_drawn(&fake->world, point[0], point[1]);
+			int times = times_drawn(&fake->extent, point[0], point[1]);
 			assert_true(times <= 1);
 			if (in_frustum(view, point)) {
 				assert_int_equal(times, 1);
@@ -52,7 +52,7 @@ static void every_visible_point_is_drawn_exactly_once(void **state)
 		random_fake(&random, &fake);
 		random_view(&fake, &random, &view);
 		struct terrain_source source = source_of(&fake);
-		terrain_select(&fake.world, &view, &source, &selection);
+		terrain_select(&fake.extent, &view, &source, &selection);
 		seen += check_coverage(&fake, &view);
 		drawn += selection.draw_count;
 		wanted += selection.wanted_count;
@@ -69,7 +69,7 @@ static void draws_are_resident_and_come_near_to_far(void **state)
 		random_fake(&random, &fake);
 		random_view(&fake, &random, &view);
 		struct terrain_source source = source_of(&fake);
-		terrain_select(&fake.world, &view, &source, &selection);
+		terrain_select(&fake.extent, &view, &source, &selection);
 		for (size_t i = 0; i < selection.draw_count; i++) {
 			const struct terrain_draw *draw = &selection.draws[i];
 			uint32_t slot;
@@ -105,21 +105,21 @@ static void with_everything_resident_each_point_has_the_level_its_distance_asks_
 		fake.resident_of = 100;
 		random_view(&fake, &random, &view);
 		struct terrain_source source = source_of(&fake);
-		terrain_select(&fake.world, &view, &source, &selection);
+		terrain_select(&fake.extent, &view, &source, &selection);
 		assert_int_equal(selection.wanted_count, 0);
 		assert_int_equal(selection.ideal, selection.draw_count);
 		for (size_t i = 0; i < selection.draw_count; i++) {
 			const struct terrain_draw *draw = &selection.draws[i];
-			double side = world_spacing(&fake.world, draw->tile.level) * fake.world.cells;
+			double side = extent_spacing(&fake.extent, draw->tile.level) * fake.extent.cells;
 			/* A tile that is near is drawn only where nothing finer is. */
 			if (draw->distance < view.radius * side && draw->tile.level > 0)
 				assert_true(false);
-			if (draw->tile.level == world_coarsest(&fake.world))
+			if (draw->tile.level == extent_coarsest(&fake.extent))
 				continue;
 			/* And its parent was near, or it would not have been divided. */
 			double low[3], high[3];
 			struct tile parent = tile_ancestor(draw->tile, draw->tile.level + 1);
-			terrain_box(&fake.world, parent, low, high);
+			terrain_box(&fake.extent, parent, low, high);
 			assert_true(fake_bounds(&fake, parent, &low[2], &high[2]));
 			assert_true(terrain_box_distance(view.eye, low, high) < view.radius * 2 * side);
 			checked++;
@@ -130,12 +130,12 @@ static void with_everything_resident_each_point_has_the_level_its_distance_asks_
 
 static void a_coarser_tile_stands_in_for_what_is_not_resident(void **state)
 {
-	struct fake fake = {.world = {257, 257, 1, 64}, .seed = 9, .root_resident = true};
+	struct fake fake = {.extent = {257, 257, 1, 64}, .seed = 9, .root_resident = true};
 	struct terrain_source source = source_of(&fake);
 	struct terrain_view view;
 	const double eye[3] = {128, 128, 60}, target[3] = {128.1, 128, 0};
 	look(eye, target, 2, &view);
-	terrain_select(&fake.world, &view, &source, &selection);
+	terrain_select(&fake.extent, &view, &source, &selection);
 	assert_int_equal(selection.draw_count, 1);
 	assert_int_equal(selection.draws[0].tile.level, 2);
 	assert_true(selection.ideal > 1);
@@ -145,12 +145,12 @@ static void a_coarser_tile_stands_in_for_what_is_not_resident(void **state)
 
 static void without_the_coarsest_nothing_is_drawn_and_it_is_wanted_first(void **state)
 {
-	struct fake fake = {.world = {257, 257, 1, 64}, .seed = 9};
+	struct fake fake = {.extent = {257, 257, 1, 64}, .seed = 9};
 	struct terrain_source source = source_of(&fake);
 	struct terrain_view view;
 	const double eye[3] = {128, 128, 60}, target[3] = {128.1, 128, 0};
 	look(eye, target, 2, &view);
-	terrain_select(&fake.world, &view, &source, &selection);
+	terrain_select(&fake.extent, &view, &source, &selection);
 	assert_int_equal(selection.draw_count, 0);
 	assert_true(selection.wanted[0] == tile_key((struct tile){2, 0, 0}));
 }
@@ -158,14 +158,14 @@ static void without_the_coarsest_nothing_is_drawn_and_it_is_wanted_first(void **
 static void full_arrays_stop_division_and_leave_no_hole(void **state)
 {
 	/* A radius so large that the picture asks for far more tiles than there is room for. */
-	struct fake fake = {.world = {1025, 1025, 1, 8}, .seed = 4, .resident_of = 100, .root_resident = true};
+	struct fake fake = {.extent = {1025, 1025, 1, 8}, .seed = 4, .resident_of = 100, .root_resident = true};
 	struct terrain_source source = source_of(&fake);
 	struct terrain_view view;
 	const double eye[3] = {-20, -20, 60}, target[3] = {400, 400, 0};
 	look(eye, target, 1000, &view);
 	for (unsigned share = 100; share >= 90; share -= 10) {
 		fake.resident_of = share;
-		terrain_select(&fake.world, &view, &source, &selection);
+		terrain_select(&fake.extent, &view, &source, &selection);
 		assert_true(selection.draw_count <= TERRAIN_DRAWS_MAX);
 		assert_true(selection.wanted_count <= TERRAIN_DRAWS_MAX);
 		if (share == 100)
@@ -176,13 +176,13 @@ static void full_arrays_stop_division_and_leave_no_hole(void **state)
 
 static void a_level_zero_tile_is_wanted_for_those_drawn_below_it(void **state)
 {
-	struct fake fake = {.world = {65, 65, 1, 64}, .seed = 4, .resident_of = 100, .root_resident = false,
+	struct fake fake = {.extent = {65, 65, 1, 64}, .seed = 4, .resident_of = 100, .root_resident = false,
 			    .deepest = -2, .everything_below = true};
 	struct terrain_source source = source_of(&fake);
 	struct terrain_view view;
 	const double eye[3] = {32, 32, 30}, target[3] = {32.1, 32, 0};
 	look(eye, target, 50, &view);
-	terrain_select(&fake.world, &view, &source, &selection);
+	terrain_select(&fake.extent, &view, &source, &selection);
 	assert_true(selection.draw_count > 1);
 	assert_int_equal(selection.wanted_count, 1);
 	for (size_t i = 0; i < selection.draw_count; i++) {
@@ -190,7 +190,7 @@ static void a_level_zero_tile_is_wanted_for_those_drawn_below_it(void **state)
 		assert_true(selection.draws[i].ground == TERRAIN_NO_SLOT);
 	}
 	fake.root_resident = true;
-	terrain_select(&fake.world, &view, &source, &selection);
+	terrain_select(&fake.extent, &view, &source, &selection);
 	uint32_t slot;
 	assert_true(fake_resident(&fake, (struct tile){0, 0, 0}, &slot));
 	assert_int_equal(selection.draws[0].ground, slot);
@@ -199,7 +199,7 @@ static void a_level_zero_tile_is_wanted_for_those_drawn_below_it(void **state)
 static void selection_does_not_depend_on_where_the_world_lies(void **state)
 {
 	/* Tiles about 10,000 km from the origin: the same tile is divided as near it. */
-	struct fake fake = {.world = {40000001, 1025, 0.25, 256}, .seed = 4, .resident_of = 100,
+	struct fake fake = {.extent = {40000001, 1025, 0.25, 256}, .seed = 4, .resident_of = 100,
 			    .root_resident = true};
 	struct terrain_source source = source_of(&fake);
 	size_t counts[2];
@@ -208,7 +208,7 @@ static void selection_does_not_depend_on_where_the_world_lies(void **state)
 		const double eye[3] = {x, 128, 60}, target[3] = {x + 100, 128, 0};
 		struct terrain_view view;
 		look(eye, target, 1, &view);
-		terrain_select(&fake.world, &view, &source, &selection);
+		terrain_select(&fake.extent, &view, &source, &selection);
 		counts[far] = 0;
 		for (size_t i = 0; i < selection.draw_count; i++)
 			counts[far] += selection.draws[i].tile.level == 0;

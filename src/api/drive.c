@@ -1,0 +1,365 @@
+/* The command's loop: a checked scene and a store become steps, pictures, objects.csv, run.json and a map. */
+#include <errno.h>
+#include <math.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "api/internal.h"
+
+/* --- the folder --- */
+
+static enum status make_directory(const char *path)
+{
+	struct stat found;
+	if (mkdir(path, 0777) != 0 && errno != EEXIST)
+		return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be made", path, strerror(errno));
+	if (stat(path, &found) != 0 || !S_ISDIR(found.st_mode))
+		return fail_with(STATUS_FAILED, "%s: is not a folder; give another", path);
+	return STATUS_OK;
+}
+
+/* The log is also what says that a drive writes into this folder; the lock goes with the process. */
+static enum status open_epochs(const struct drive *drive, FILE **out)
+{
+	char path[4096];
+	snprintf(path, sizeof path, "%s/epochs.log", drive->params->directory);
+	*out = fopen(path, "a+");
+	if (*out == NULL)
+		return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
+	if (flock(fileno(*out), LOCK_EX | LOCK_NB) == 0)
+		return STATUS_OK;
+	fclose(*out);
+	*out = NULL;
+	return fail_with(STATUS_FAILED, "%s: another drive writes into this folder; give another, or wait for it to end",
+			 drive->params->directory);
+}
+
+/* What an earlier drive left, but for the lines a resumed one goes on with; a kill may have torn the last. */
+static enum status clear_folder(const struct drive *drive)
+{
+	char path[4096];
+	FILE *epochs = drive->world.epochs;
+	long whole = 0;
+	for (int c; drive->world.resumed.is && (c = getc(epochs)) != EOF;)
+		if (c == '\n')
+			whole = ftell(epochs);
+	if (whole < 0 || ferror(epochs) || ftruncate(fileno(epochs), whole) != 0)
+		return fail_with(STATUS_FAILED, "%s/epochs.log: %s; give a folder that can be written",
+				 drive->params->directory, strerror(errno));
+	rewind(epochs);
+	snprintf(path, sizeof path, "%s/run.json", drive->params->directory);
+	unlink(path);
+	snprintf(path, sizeof path, "%s/map.png", drive->params->directory);
+	unlink(path);
+	return STATUS_OK;
+}
+
+/* --- the view --- */
+
+static void before_record(void *user)
+{
+	struct drive *drive = user;
+	pictures_mark(drive->pictures);
+}
+
+/* What goes on from this commit draws its step's picture again, and none before. */
+static enum status before_commit(void *user)
+{
+	const struct drive *drive = user;
+	return pictures_await(drive->pictures);
+}
+
+static enum status start_view(struct drive *drive)
+{
+	const struct scene_view *view = &drive->world.scene->view;
+	const bool watched = drive->params->host != NULL;
+	if (!view->present)
+		return STATUS_OK;
+	enum status status = view_create(&drive->world, watched, &drive->view);
+	if (status == STATUS_OK && view->images > 0 && !watched)
+		status = pictures_create(drive->world.gpu, drive->params->directory, (uint32_t)view->width, (uint32_t)view->height,
+					 &drive->pictures);
+	if (status != STATUS_OK)
+		return status;
+	drive->commits = (struct world_commits){drive, before_record, before_commit};
+	drive->world.commits = &drive->commits;
+	drive->watcher = view_watcher(drive->view);
+	world_watch(&drive->world, &drive->watcher);
+	return STATUS_OK;
+}
+
+/* --- a drive's life --- */
+
+static enum status start_pages(struct drive *drive)
+{
+	const struct api_params *params = drive->params;
+	FILE *epochs;
+	struct page_trace *trace = NULL;
+	enum status status = open_epochs(drive, &epochs);
+	if (status != STATUS_OK)
+		return status;
+	if (params->trace != NULL)
+		status = page_trace_create(params->trace, &trace);
+	if (status == STATUS_OK)
+		return world_start_pages(&drive->world, epochs, trace);
+	fclose(epochs);
+	return status;
+}
+
+/* What changes something. */
+static enum status start(struct drive *drive)
+{
+	struct world *world = &drive->world;
+	const struct scene *scene = world->scene;
+	enum status status = world_start(world);
+	if (status == STATUS_OK && scene->view.present)
+		status = render_check_samples(world->gpu, scene->view.samples);
+	/* Nothing is left behind of a drive that could not begin. */
+	if (status == STATUS_OK)
+		status = make_directory(drive->params->directory);
+	if (status == STATUS_OK)
+		status = start_pages(drive);
+	if (status == STATUS_OK)
+		status = start_view(drive);
+	if (status == STATUS_OK)
+		status = world_warm(world);
+	if (status == STATUS_OK && drive->view != NULL)
+		status = view_warm(drive->view);
+	if (status != STATUS_OK)
+		return status;
+	world_seal(world);
+	status = clear_folder(drive);
+	if (status == STATUS_OK)
+		status = report_rows_open(world, drive->params->directory, &drive->rows);
+	world->rows = report_rows_sink(drive->rows);
+	return status;
+}
+
+static void finish(struct drive *drive, enum status status)
+{
+	world_stop(&drive->world);
+	view_destroy(drive->view);
+	pictures_destroy(drive->pictures);
+	world_finish(&drive->world, status);
+	report_rows_close(drive->rows);
+}
+
+/* Also of a drive that failed or was interrupted: it began. Its own failure goes before the trace's. */
+static enum status publish_trace(const struct drive *drive, enum status status)
+{
+	struct failure failure;
+	failure_capture(&failure, status);
+	enum status published = page_trace_publish(drive->world.trace);
+	if (published != STATUS_OK && (status == STATUS_OK || status == STATUS_INTERRUPTED))
+		return published;
+	return status == STATUS_OK ? STATUS_OK : failure_restore(&failure);
+}
+
+/* run.json, unless `keep` and there is one. */
+static enum status report(struct drive *drive, bool keep, struct api_result *result)
+{
+	const struct world *world = &drive->world;
+	struct report *report = &drive->report;
+	char path[4096];
+	snprintf(path, sizeof path, "%s/run.json", drive->params->directory);
+	report->world = world;
+	report->view = drive->view;
+	report->pictures = drive->pictures;
+	result->steps = world->step;
+	result->seconds = report->seconds;
+	result->rtf = report->seconds > 0 ? (world->time - world->resumed.time) / report->seconds : 0;
+	result->json = report_json(report, result->ended);
+	if (result->json == NULL)
+		return fail_memory("run.json");
+	return keep && access(path, F_OK) == 0 ? STATUS_OK : report_write(drive->params->directory, result->json);
+}
+
+/* map.png, if it is asked for; unless `keep` and there is one. Returns `status`, or if that is well what the map's is. */
+static enum status draw_map(const struct drive *drive, bool keep, struct api_result *result, enum status status)
+{
+	char path[4096];
+	struct failure failure;
+	snprintf(path, sizeof path, "%s/map.png", drive->params->directory);
+	if (!drive->params->map || (keep && access(path, F_OK) == 0))
+		return status;
+	failure_capture(&failure, status);
+	enum status drawn = report_map(&drive->world, path, result->ended);
+	result->map = drawn == STATUS_OK;
+	if (status == STATUS_OK)
+		return drawn;
+	if (drawn != STATUS_OK)
+		note("%s", failure_message());
+	return failure_restore(&failure);
+}
+
+/* --- the loop --- */
+
+static bool is_image_step(const struct drive *drive)
+{
+	int64_t every = drive->world.scene->view.images;
+	return every > 0 && drive->world.step % every == 0 && drive->params->host == NULL;
+}
+
+/* The step was committed; its picture may not have been written. One that was cut short is yet to end. */
+static enum status begin(struct drive *drive)
+{
+	const struct world *world = &drive->world;
+	bool ended = world->resumed.is && world->step == world->record->step;
+	enum status status = STATUS_OK;
+	if (ended && drive->view != NULL && world->step > 0 && is_image_step(drive))
+		status = view_frame(drive->view, drive->pictures, true);
+	return status == STATUS_OK ? world_begin(&drive->world) : status;
+}
+
+static void show_progress(const struct drive *drive, int64_t total, double *shown)
+{
+	const struct world *world = &drive->world;
+	double now = clock_seconds();
+	if (now - *shown < 0.2)
+		return;
+	*shown = now;
+	double elapsed = now - drive->began, rate = (double)(world->step - world->resumed.from) / elapsed;
+	if (rate <= 0)
+		return;
+	fprintf(stderr, "\rdrive: step %lld of %lld (%.0f %%), %.0f a second, %.0f s left\033[K",
+		(long long)world->step, (long long)total, 100.0 * (double)world->step / (double)total, rate,
+		(double)(total - world->step) / rate);
+	fflush(stderr);
+}
+
+/* One after the other, each with its picture. */
+static enum status all_steps(struct drive *drive, int64_t total)
+{
+	struct world *world = &drive->world;
+	bool terminal = drive->params->progress && isatty(STDERR_FILENO) != 0;
+	double shown = 0;
+	enum status status = STATUS_OK;
+	while (world->step < total && status == STATUS_OK) {
+		if (world_stopped(world)) {
+			status = world_interrupted(world);
+			break;
+		}
+		double started = clock_seconds();
+		status = world_step(world);
+		double stepped = clock_seconds(), framed = stepped;
+		if (status == STATUS_OK && drive->view != NULL) {
+			status = view_frame(drive->view, drive->pictures, is_image_step(drive));
+			framed = clock_seconds();
+		}
+		if (status == STATUS_OK)
+			status = page_trace_status(world->trace);
+		if (status == STATUS_OK) {
+			times_add(&drive->report.step_ms, (stepped - started) * 1e3);
+			times_add(&drive->report.frame_ms, (framed - started) * 1e3);
+		}
+		if (!drive->report.settled && framed - drive->began > 1) {
+			world_stalls(world, &drive->report.stalls_settled);
+			drive->report.settled = true;
+		}
+		if (terminal)
+			show_progress(drive, total, &shown);
+	}
+	if (terminal)
+		fputs("\r\033[K", stderr);
+	return status;
+}
+
+static enum status all(struct drive *drive)
+{
+	struct world *world = &drive->world;
+	int64_t total = world_step_count(world);
+	enum status status = begin(drive);
+	if (status != STATUS_OK)
+		return status;
+	drive->began = clock_seconds();
+	status = drive->params->host != NULL ? host_steps(drive, total) : all_steps(drive, total);
+	struct failure failure;
+	failure_capture(&failure, status);
+	enum status flushed = world_end(world, status == STATUS_OK && world->step >= total);
+	drive->report.seconds = clock_seconds() - drive->began;
+	/* An interrupted drive that could not be committed has failed. */
+	if (flushed != STATUS_OK && (status == STATUS_OK || status == STATUS_INTERRUPTED))
+		return flushed;
+	return status == STATUS_OK ? status : failure_restore(&failure);
+}
+
+/* No thread reads or writes any more: what is counted is whole. */
+static void stop_threads(struct drive *drive)
+{
+	drive->report.threads = thread_running();
+	pictures_stop(drive->pictures);
+	world_stop(&drive->world);
+	if (drive->view != NULL)
+		view_settle(drive->view);
+}
+
+static enum status run(struct drive *drive, struct api_result *result)
+{
+	enum status status = publish_trace(drive, all(drive));
+	stop_threads(drive);
+	result->ended = status == STATUS_OK ? "complete"
+			: status == STATUS_INTERRUPTED ? "interrupted"
+						       : "failed";
+	struct failure failure;
+	failure_capture(&failure, status);
+	enum status written = report(drive, false, result);
+	bool tell_written = written != STATUS_OK && (status == STATUS_OK || status == STATUS_INTERRUPTED);
+	if (!tell_written && status != STATUS_OK)
+		status = failure_restore(&failure);
+	return draw_map(drive, false, result, tell_written ? written : status);
+}
+
+static void tell_advice(void *user, const char *text)
+{
+	note("%s", text);
+}
+
+enum status api_drive(const struct api_params *params, struct api_result *result)
+{
+	struct drive drive = {.params = params};
+	const struct world_params world = {
+		.scene = params->scene,
+		.store = params->store,
+		.overlay = params->overlay,
+		.resume = params->resume,
+		.durable_full = params->durable_full,
+		.everywhere = params->everywhere,
+		.draws = params->scene->view.present,
+		.drops = params->host != NULL,
+		.rows = true,
+		.steps = params->steps,
+		.stop = params->stop,
+	};
+	*result = (struct api_result){.ended = "failed"};
+	enum status status = world_prepare(&drive.world, &world);
+	if (status == STATUS_OK && drive.world.resumed.nothing_left) {
+		result->ended = "complete";
+		if (params->trace != NULL)
+			note("%s: no trace is written, since nothing is left to drive", params->trace);
+		status = make_directory(params->directory);
+		if (status == STATUS_OK)
+			status = draw_map(&drive, true, result, report(&drive, true, result));
+	} else if (status == STATUS_OK) {
+		if (params->host == NULL) /* what is of no use to a drive may be of use to who watches */
+			world_advise(&drive.world, tell_advice, NULL);
+		status = start(&drive);
+		if (status == STATUS_OK)
+			status = run(&drive, result);
+	}
+	finish(&drive, status);
+	return status;
+}
+
+/* --- queries --- */
+
+enum status api_heights(struct drive *drive, const struct terrain_point *points, size_t count, struct terrain_height *heights)
+{
+	return world_heights(&drive->world, points, count, heights);
+}
+
+enum status api_rays(struct drive *drive, const struct terrain_ray *rays, size_t count, struct terrain_hit *hits)
+{
+	return world_rays(&drive->world, rays, count, hits);
+}

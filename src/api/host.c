@@ -1,0 +1,317 @@
+/*
+ * The loop of a drive that a host has a say in. A turn: the host; the steps that are due; what is loading; a picture.
+ *
+ *     nothing drawn -> (something changed) -> drawn -> (read back) -> shown -> nothing drawn
+ *
+ * A picture is drawn only when the one before was shown, is read back without waiting where there is a GPU to read from,
+ * and is shown in a later turn than it was drawn in: so the host is called again and again, whatever the GPU is at. Steps are
+ * paced by the clock: those that are due, but no more of them in a turn than fit a moment.
+ */
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+#include <time.h>
+
+#include "api/internal.h"
+
+#define SLICE 0.03            /* s: after which no further step is begun in a turn; without a pace, as long as a picture */
+#define BEHIND 0.25           /* s: what the clock is ahead by is caught up with, and what is more is let go */
+#define PICTURES (1.0 / 60)   /* s: no picture is begun sooner after the one before */
+#define REST 1.0              /* s: without a picture: nothing changes */
+#define NAP 1000000           /* ns, in a turn in which there was nothing to do but wait */
+#define OFFSETS_LEAST 0.05    /* m: that colours of offsets range over, either way */
+#define SLOPES_MOST 45.0      /* degrees */
+
+struct host {
+	struct drive *drive;
+	const struct api_host *calls;
+	struct api_control wish, shown; /* now; of the last picture */
+	struct gpu_staging *staging;
+	uint32_t width, height;      /* of the picture, and of staging */
+	bool software;
+	bool drawn;                  /* and not shown yet */
+	bool read;                   /* drawn, and its read-back begun */
+	bool stale;                  /* something changed that the last picture does not show */
+	uint64_t drops;              /* of the drive's, those that made it so */
+	double turned, credit;       /* s: the last turn; simulated time that is due */
+	double began;                /* s: when the last picture was */
+	double came;                 /* s: when the last picture was shown */
+	double apart;                /* s: between pictures, about the last second's mean */
+	double frame_ms, step_ms;
+};
+
+/* --- the picture --- */
+
+/* By what the objects are let sink: the ruts to be told apart. */
+static double deepest(const struct scene *scene)
+{
+	double deep = OFFSETS_LEAST;
+	for (size_t i = 0; i < scene->object_count; i++) {
+		const struct scene_object *object = &scene->objects[i];
+		deep = fmax(deep, object->load > 0 ? deform_sinkage_guess(&object->shape, &scene->soils[0], object->load) : object->sink);
+	}
+	return render_round_range(deep);
+}
+
+static struct render_layer layer_of(const struct drive *drive, enum render_layer_kind kind)
+{
+	const struct store_meta *meta = drive->world.meta;
+	struct render_layer layer = {kind, 0, 1};
+	if (kind == RENDER_OFFSETS) {
+		layer.high = deepest(drive->world.scene);
+		layer.low = -layer.high;
+	} else if (kind == RENDER_HEIGHTS && meta->high > meta->low) {
+		layer.low = meta->low;
+		layer.high = meta->high;
+	} else if (kind == RENDER_SLOPES) {
+		layer.high = SLOPES_MOST;
+	}
+	return layer;
+}
+
+static enum status make_staging(struct host *host, uint32_t width, uint32_t height)
+{
+	gpu_staging_destroy(host->staging);
+	host->staging = NULL;
+	host->width = width;
+	host->height = height;
+	return gpu_staging_create(host->drive->world.gpu, (size_t)4 * width * height, &host->staging);
+}
+
+/* What was drawn at the old size is never shown. */
+static enum status resize(struct host *host)
+{
+	const struct api_control *wish = &host->wish;
+	if (wish->width == host->width && wish->height == host->height)
+		return STATUS_OK;
+	assert(wish->width > 0 && wish->height > 0 && wish->width <= API_PICTURE_MOST && wish->height <= API_PICTURE_MOST);
+	host->drawn = host->read = false;
+	host->stale = true;
+	enum status status = view_resize(host->drive->view, wish->width, wish->height);
+	return status == STATUS_OK ? make_staging(host, wish->width, wish->height) : status;
+}
+
+static bool same_camera(const struct api_control *a, const struct api_control *b)
+{
+	return a->free == b->free && (!a->free || memcmp(&a->camera, &b->camera, sizeof a->camera) == 0);
+}
+
+/* Pictures that follow each other at once: a rest says nothing of how fast they are. */
+static void count_picture(struct host *host, double now)
+{
+	double apart = now - host->came;
+	if (apart < REST)
+		host->apart += (apart - host->apart) * fmin(apart, 1);
+	host->came = now;
+}
+
+static enum status show(struct host *host)
+{
+	struct drive *drive = host->drive;
+	/* A software driver has nothing to wait for but its own drawing, which goes on beside the turn until here. */
+	if (!host->read)
+		view_read_into(drive->view, host->staging);
+	host->read = true;
+	if (!gpu_staging_idle(host->staging))
+		return STATUS_OK;
+	enum status status = gpu_check(drive->world.gpu, "reading the picture back");
+	if (status != STATUS_OK)
+		return status;
+	host->drawn = host->read = false;
+	double now = clock_seconds();
+	host->frame_ms = (now - host->began) * 1e3;
+	times_add(&drive->report.frame_ms, host->frame_ms);
+	count_picture(host, now);
+	return host->calls->picture(host->calls->user, drive, gpu_staging_bytes(host->staging), host->width, host->height);
+}
+
+static enum status draw(struct host *host)
+{
+	struct drive *drive = host->drive;
+	struct api_control *wish = &host->wish;
+	bool changed = host->stale || wish->again || !same_camera(wish, &host->shown) || wish->layer != host->shown.layer;
+	if (!changed || clock_seconds() - host->began < PICTURES)
+		return STATUS_OK;
+	host->began = clock_seconds();
+	struct render_layer layer = layer_of(drive, wish->layer);
+	view_show_layer(drive->view, &layer);
+	enum status status = view_frame(drive->view, NULL, false);
+	host->shown = *wish;
+	wish->again = false;
+	host->stale = view_lacks(drive->view);
+	host->drawn = true;
+	if (status == STATUS_OK && !host->software) {
+		view_read_into(drive->view, host->staging);
+		host->read = true;
+	}
+	return status;
+}
+
+/* --- steps --- */
+
+static enum status one_step(struct host *host)
+{
+	struct drive *drive = host->drive;
+	double began = clock_seconds();
+	enum status status = world_step(&drive->world);
+	if (status == STATUS_OK)
+		status = page_trace_status(drive->world.trace);
+	host->step_ms = (clock_seconds() - began) * 1e3;
+	if (status == STATUS_OK)
+		times_add(&drive->report.step_ms, host->step_ms);
+	host->stale = true;
+	return status;
+}
+
+/* The clock ran on: simulated time that is due now; not what a slow machine has no hope to catch up with. */
+static void earn(struct host *host)
+{
+	double now = clock_seconds(), step = host->drive->world.scene->time_step, pace = host->wish.pace;
+	double most = step + BEHIND * (isinf(pace) ? 0 : pace);
+	host->credit = host->wish.go != API_ON ? 0 : isinf(pace) ? INFINITY : fmin(host->credit + (now - host->turned) * pace, most);
+	host->turned = now;
+}
+
+/* *any: there was something to do. */
+static enum status steps(struct host *host, int64_t total, bool *any)
+{
+	struct drive *drive = host->drive;
+	double began = clock_seconds(), step = drive->world.scene->time_step;
+	int64_t first = drive->world.step;
+	enum status status = STATUS_OK;
+	earn(host);
+	double slice = isinf(host->credit) ? fmin(fmax(SLICE, host->frame_ms / 1e3), BEHIND) : SLICE;
+	if (host->wish.go == API_ONE)
+		host->credit = step;
+	while (status == STATUS_OK && drive->world.step < total && host->credit >= step && !world_stopped(&drive->world) &&
+	       clock_seconds() - began < slice) {
+		status = one_step(host);
+		host->credit -= isinf(host->credit) ? 0 : step;
+	}
+	*any = drive->world.step > first;
+	if (*any || status != STATUS_OK)
+		return status;
+	/* What a step does beside stepping: loads go on, slots come free again, an epoch comes of age. */
+	status = page_cache_poll(drive->world.cache);
+	if (status == STATUS_OK)
+		status = look_ahead_step(drive->world.ahead, drive->world.time);
+	return status == STATUS_OK ? page_cache_end_step(drive->world.cache, drive->world.record) : status;
+}
+
+static enum status turn(struct host *host, int64_t total)
+{
+	struct drive *drive = host->drive;
+	bool stepped = false, before = host->drawn;
+	enum status status = host->calls->turn(host->calls->user, drive, &host->wish);
+	host->stale = host->stale || drive->world.drops != host->drops; /* while a picture was shown, too */
+	host->drops = drive->world.drops;
+	if (status == STATUS_OK)
+		status = resize(host);
+	view_look_from(drive->view, host->wish.free ? &host->wish.camera : NULL);
+	if (status == STATUS_OK && host->wish.go != API_STOP)
+		status = steps(host, total, &stepped);
+	if (status == STATUS_OK && host->drawn)
+		status = show(host);
+	bool came = before && !host->drawn;
+	if (status == STATUS_OK && !host->drawn)
+		status = draw(host);
+	bool begun = host->drawn && (came || !before);
+	const struct timespec nap = {0, NAP};
+	if (status == STATUS_OK && !stepped && !came && !begun)
+		nanosleep(&nap, NULL);
+	return status;
+}
+
+enum status host_steps(struct drive *drive, int64_t total)
+{
+	const struct scene_view *view = &drive->world.scene->view;
+	struct host host = {
+		.drive = drive,
+		.calls = drive->params->host,
+		.wish = {.go = API_ON, .pace = 1, .width = (uint32_t)view->width, .height = (uint32_t)view->height},
+		.software = gpu_info(drive->world.gpu)->software,
+		.stale = true,
+		.turned = drive->began,
+		.apart = PICTURES,
+	};
+	drive->host = &host;
+	enum status status = make_staging(&host, (uint32_t)view->width, (uint32_t)view->height);
+	while (status == STATUS_OK && host.wish.go != API_STOP)
+		status = world_stopped(&drive->world) ? world_interrupted(&drive->world) : turn(&host, total);
+	gpu_staging_destroy(host.staging);
+	drive->host = NULL;
+	return status;
+}
+
+/* --- what a host asks --- */
+
+struct pages_seen {
+	uint32_t used;
+	size_t dirty, queued;
+};
+
+static void see_resident(void *user, uint64_t key, uint32_t slot, bool dirty)
+{
+	struct pages_seen *seen = user;
+	seen->used++;
+	seen->dirty += dirty;
+}
+
+static void see_queued(void *user, const struct page_image *image)
+{
+	struct pages_seen *seen = user;
+	seen->queued++;
+}
+
+void api_figures(struct drive *drive, struct api_figures *figures)
+{
+	const struct host *host = drive->host;
+	struct pages_seen seen = {0, 0, 0};
+	struct page_stats stats;
+	page_cache_each_resident(drive->world.cache, see_resident, &seen);
+	page_cache_each_queued(drive->world.cache, see_queued, &seen);
+	page_cache_stats(drive->world.cache, &stats);
+	*figures = (struct api_figures){
+		.fps = 1 / host->apart,
+		.frame_ms = host->frame_ms,
+		.step_ms = host->step_ms,
+		.slots = drive->world.scene->slots,
+		.slots_used = seen.used,
+		.hits = stats.hits,
+		.misses = stats.misses,
+		.dirty = seen.dirty,
+		.queued = seen.queued,
+		.triangles = view_triangles(drive->view),
+		.step = drive->world.step,
+		.steps = world_step_count(&drive->world),
+		.time = drive->world.time,
+		.end = drive->world.scene->end_time,
+		.over = drive->world.step >= world_step_count(&drive->world),
+		.layer = layer_of(drive, host->shown.layer),
+	};
+}
+
+const struct scene *api_scene(const struct drive *drive)
+{
+	return drive->world.scene;
+}
+
+const struct store_meta *api_store(const struct drive *drive)
+{
+	return drive->world.meta;
+}
+
+void api_scene_camera(const struct drive *drive, struct render_camera *camera)
+{
+	view_scene_camera(drive->view, camera);
+}
+
+void api_place(const struct drive *drive, size_t object, double place[3], double *yaw)
+{
+	world_place(&drive->world, object, place, yaw);
+}
+
+enum status api_drop(struct drive *drive, enum world_drop_shape shape, double x, double y, double yaw, bool *pressed)
+{
+	return world_drop(&drive->world, shape, x, y, yaw, pressed);
+}

@@ -1,0 +1,35 @@
+/* Where a camera that follows a body is: a function of the path, at any time. */
+#include <math.h>
+
+#include "motion/motion.h"
+
+size_t track_camera_places(const struct scene_view *view, const struct scene_path *path, const struct track *target, double time,
+			   double places[2][2])
+{
+	if (view->camera == SCENE_FIXED)
+		return 0;
+	struct track_point now, before;
+	track_at(target, time, &now);
+	places[0][0] = now.x;
+	places[0][1] = now.y;
+	if (view->camera == SCENE_OVERHEAD)
+		return 1;
+	/* Behind along the chord of the last stretch, which turns slower than the path does. Where poses are timed, at the speed
+	 * of the last second. */
+	double speed = path->speed;
+	if (path->timed) {
+		track_at(target, time - 1, &before);
+		speed = hypot(now.x - before.x, now.y - before.y) / fmin(fmax(time, 1e-3), 1);
+	}
+	double back = fmin(time, 1.5 * view->back / fmax(speed, 0.1));
+	track_at(target, time - back, &before);
+	double dx = now.x - before.x, dy = now.y - before.y, length = hypot(dx, dy);
+	if (path->loop || length < 0.1 * view->back || back <= 0) {
+		dx = cos(now.yaw);
+		dy = sin(now.yaw);
+		length = 1;
+	}
+	places[1][0] = now.x - dx / length * view->back;
+	places[1][1] = now.y - dy / length * view->back;
+	return 2;
+}

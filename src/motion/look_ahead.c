@@ -1,0 +1,295 @@
+/*
+ * The look-ahead: pages that paths will touch within `prefetch` seconds, pages that pictures lack, and (prefetcher.c) the tiles of
+ * base heights that bodies will be set upon.
+ *
+ * Each body has a watch that goes along its path before it, sample by sample. The watch notes the tiles of the very windows
+ * that the body will have there, and since when and until when each tile is needed. A tile stays noted until the body has
+ * left it. A world that runs faster than real time looks ahead as much farther, so that loads have `prefetch` seconds by the
+ * clock too. Invariants: (1) a body's tiles are in the order in which they are first needed; (2) what is loaded ahead never
+ * decides what comes out, only when.
+ */
+#include <math.h>
+#include <time.h>
+
+#include "motion/motion.h"
+#include "motion/prefetcher.h"
+
+#define RECENT 16 /* tiles looked through for one that is still in use */
+
+struct ahead_tile {
+	uint64_t key;
+	double from, until; /* simulated seconds */
+};
+
+struct watch {
+	struct look_ahead_body body;
+	int64_t sample; /* the next it goes to */
+	struct deform_pose last;
+	struct ahead_tile *tiles;
+	size_t count, room;
+};
+
+struct look_ahead {
+	struct look_ahead_params params;
+	struct look_ahead_pages pages;
+	struct prefetcher *prefetcher; /* NULL: nothing is prefetched, or no body has a path */
+	struct watch *watches;         /* params.count */
+	struct requests requests;
+	const uint64_t *keys;          /* of the requests, in order */
+	size_t key_count;
+	size_t passed;                 /* tiles forgotten since they were ordered */
+	double began;                  /* s, by the clock: the first step; 0: not yet */
+	double began_time;             /* s, simulated */
+};
+
+void look_ahead_plan(double prefetch, size_t count, struct plan *plan)
+{
+	prefetcher_plan(prefetch, count, plan);
+}
+
+/* Ahead of everything: it reads while the GPU's programs are made. */
+static enum status start_prefetcher(struct look_ahead *ahead)
+{
+	const struct look_ahead_params *params = &ahead->params;
+	if (params->prefetch <= 0 || params->count == 0)
+		return STATUS_OK;
+	const struct track **tracks = mem_alloc(params->count, sizeof *tracks);
+	if (tracks == NULL)
+		return fail_memory("the prefetcher");
+	for (size_t i = 0; i < params->count; i++)
+		tracks[i] = params->bodies[i].track;
+	struct prefetcher_params prefetcher = {
+		.store = params->store,
+		.ground = params->ground,
+		.tiles = params->tiles,
+		.tracks = tracks,
+		.count = params->count,
+		.post = params->spacing,
+		.camera = params->camera,
+		.user = params->camera_user,
+		.camera_speed = params->camera_speed,
+		.prefetch = params->prefetch,
+		.end = params->end,
+	};
+	enum status status = prefetcher_create(&prefetcher, &ahead->prefetcher);
+	mem_free(tracks);
+	return status;
+}
+
+enum status look_ahead_create(const struct look_ahead_params *params, struct look_ahead **out)
+{
+	struct look_ahead *ahead = mem_calloc(1, sizeof *ahead);
+	if (ahead == NULL)
+		return fail_memory("the look-ahead");
+	ahead->params = *params;
+	ahead->watches = mem_calloc(params->count, sizeof *ahead->watches);
+	enum status status = ahead->watches != NULL || params->count == 0 ? STATUS_OK : fail_memory("the look-ahead");
+	for (size_t i = 0; i < params->count && status == STATUS_OK; i++)
+		ahead->watches[i] = (struct watch){.body = params->bodies[i], .sample = params->bodies[i].next};
+	if (status == STATUS_OK)
+		status = start_prefetcher(ahead);
+	ahead->params.bodies = NULL;
+	if (status != STATUS_OK) {
+		look_ahead_destroy(ahead);
+		return status;
+	}
+	*out = ahead;
+	return STATUS_OK;
+}
+
+void look_ahead_stop(struct look_ahead *ahead)
+{
+	if (ahead == NULL)
+		return;
+	prefetcher_destroy(ahead->prefetcher);
+	ahead->prefetcher = NULL;
+}
+
+void look_ahead_destroy(struct look_ahead *ahead)
+{
+	if (ahead == NULL)
+		return;
+	look_ahead_stop(ahead);
+	for (size_t i = 0; ahead->watches != NULL && i < ahead->params.count; i++)
+		mem_free(ahead->watches[i].tiles);
+	mem_free(ahead->watches);
+	requests_finish(&ahead->requests);
+	mem_free(ahead);
+}
+
+void look_ahead_serve(struct look_ahead *ahead, const struct look_ahead_pages *pages)
+{
+	ahead->pages = *pages;
+}
+
+void look_ahead_begin(struct look_ahead *ahead, double time)
+{
+	ahead->began = clock_seconds();
+	ahead->began_time = time;
+}
+
+const struct requests *look_ahead_requests(const struct look_ahead *ahead)
+{
+	static const struct requests none;
+	return ahead != NULL ? &ahead->requests : &none;
+}
+
+void look_ahead_tell(struct look_ahead *ahead, double time)
+{
+	if (ahead->prefetcher != NULL)
+		prefetcher_tell(ahead->prefetcher, time);
+}
+
+/* --- along a path --- */
+
+static enum status note_tile(struct watch *watch, uint64_t key, double time)
+{
+	for (size_t i = watch->count; i > 0 && i + RECENT > watch->count; i--)
+		if (watch->tiles[i - 1].key == key) {
+			watch->tiles[i - 1].until = time;
+			return STATUS_OK;
+		}
+	if (watch->count == watch->room) {
+		size_t room = watch->room != 0 ? 2 * watch->room : 32;
+		struct ahead_tile *tiles = mem_realloc(watch->tiles, room, sizeof *tiles);
+		if (tiles == NULL)
+			return fail_memory("loading ahead");
+		watch->tiles = tiles;
+		watch->room = room;
+	}
+	watch->tiles[watch->count++] = (struct ahead_tile){key, time, time};
+	return STATUS_OK;
+}
+
+static enum status note_sample(const struct look_ahead *ahead, struct watch *watch)
+{
+	const struct look_ahead_pages *pages = &ahead->pages;
+	struct track_point point;
+	track_sample(watch->body.track, watch->sample, &point);
+	struct deform_sweep sweep = {
+		.shape = watch->body.shape,
+		.from = watch->last,
+		.to = {.x = point.qx, .y = point.qy, .yaw = point.yaw, .pitch = point.pitch, .roll = point.roll},
+	};
+	if (watch->sample == 0 || watch->count == 0)
+		sweep.from = sweep.to;
+	watch->last = sweep.to;
+	struct deform_window windows[DEFORM_WINDOWS_MAX];
+	size_t count = 0;
+	enum status status = deform_windows(pages->deform, &sweep, windows, &count);
+	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+		struct tile first, last;
+		if (!tile_range_of(pages->extent, pages->level, windows[i].read, &first, &last))
+			continue;
+		for (uint32_t y = first.y; y <= last.y && status == STATUS_OK; y++)
+			for (uint32_t x = first.x; x <= last.x && status == STATUS_OK; x++)
+				status = note_tile(watch, tile_key((struct tile){pages->level, x, y}), point.time);
+	}
+	return status;
+}
+
+/* Forgets what the object has left; returns how many. */
+static size_t forget_passed(struct watch *watch, double now)
+{
+	size_t kept = 0, count = watch->count;
+	if (count == 0 || watch->tiles[0].until >= now)
+		return 0;
+	for (size_t i = 0; i < count; i++)
+		if (watch->tiles[i].until >= now)
+			watch->tiles[kept++] = watch->tiles[i];
+	watch->count = kept;
+	return count - kept;
+}
+
+/* Simulated seconds. */
+static double reach(const struct look_ahead *ahead, double time)
+{
+	const double settled = 0.05; /* s: before, the pace says little */
+	if (ahead->began <= 0)
+		return ahead->params.prefetch;
+	double pace = (time - ahead->began_time) / fmax(clock_seconds() - ahead->began, settled);
+	return ahead->params.prefetch * fmax(pace, 1);
+}
+
+/* On along the path until then; and no further once `most` tiles are noted. True in *news if one is new. */
+static enum status go_on(const struct look_ahead *ahead, struct watch *watch, double until, size_t most, bool *news)
+{
+	const struct track *track = watch->body.track;
+	size_t before = watch->count;
+	enum status status = STATUS_OK;
+	while (status == STATUS_OK && watch->count < most && watch->sample < track_samples(track) &&
+	       track_sample_time(track, watch->sample) <= until) {
+		status = note_sample(ahead, watch);
+		watch->sample++;
+	}
+	*news |= watch->count != before;
+	return status;
+}
+
+/* *changed: there is something new, or enough was left behind. */
+static enum status look(struct look_ahead *ahead, double time, bool *changed)
+{
+	double far = reach(ahead, time), until = fmin(time + far, ahead->params.end);
+	if (ahead->prefetcher != NULL)
+		prefetcher_reach(ahead->prefetcher, far);
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < ahead->params.count; i++) {
+		struct watch *watch = &ahead->watches[i];
+		if (status == STATUS_OK)
+			status = go_on(ahead, watch, time, SIZE_MAX, changed);
+		ahead->passed += forget_passed(watch, time);
+		/* More than a slot each is never loaded ahead, however far it looks. */
+		if (status == STATUS_OK)
+			status = go_on(ahead, watch, until, ahead->pages.slots, changed);
+	}
+	*changed |= ahead->passed * 8 > ahead->key_count;
+	return status;
+}
+
+/* --- requests --- */
+
+static enum status gather(struct look_ahead *ahead)
+{
+	enum status status = STATUS_OK;
+	requests_clear(&ahead->requests);
+	for (size_t i = 0; i < ahead->params.count; i++) {
+		const struct watch *watch = &ahead->watches[i];
+		for (size_t k = 0; k < watch->count && status == STATUS_OK; k++)
+			status = requests_add(&ahead->requests, watch->tiles[k].key, watch->tiles[k].from);
+	}
+	if (status == STATUS_OK && ahead->pages.requests != NULL)
+		status = ahead->pages.requests(ahead->pages.user, &ahead->requests);
+	ahead->passed = 0;
+	ahead->key_count = requests_order(&ahead->requests, &ahead->keys);
+	return status;
+}
+
+enum status look_ahead_step(struct look_ahead *ahead, double time)
+{
+	bool asked = ahead->pages.requests != NULL, changed = asked || ahead->keys == NULL;
+	if (ahead->params.prefetch <= 0 && !asked)
+		return STATUS_OK; /* nobody requests anything */
+	enum status status = STATUS_OK;
+	if (ahead->params.prefetch > 0)
+		status = look(ahead, time, &changed);
+	if (status == STATUS_OK && changed)
+		status = gather(ahead);
+	if (status == STATUS_OK && (changed || page_cache_wishes(ahead->pages.cache) != PAGE_WISHES_HERE))
+		page_cache_want(ahead->pages.cache, ahead->keys, ahead->key_count);
+	return status;
+}
+
+enum status look_ahead_first(struct look_ahead *ahead, double time, const volatile sig_atomic_t *stop)
+{
+	const struct timespec nap = {0, 50000};
+	enum status status = look_ahead_step(ahead, time);
+	while (status == STATUS_OK && page_cache_wishes(ahead->pages.cache) == PAGE_WISHES_COMING && (stop == NULL || !*stop)) {
+		nanosleep(&nap, NULL);
+		status = page_cache_poll(ahead->pages.cache);
+	}
+	if (ahead->prefetcher != NULL) {
+		prefetcher_tell(ahead->prefetcher, time);
+		prefetcher_wait(ahead->prefetcher);
+	}
+	return status;
+}

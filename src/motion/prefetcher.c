@@ -1,0 +1,274 @@
+/*
+ * A look: walkers, one a track and one for the camera, go on from the present in turn, whoever is soonest, and list
+ * the tiles around where they stand until the time, the list or the number of places is used up. Then the tiles of
+ * the list are brought, soonest first. It looks again when an eighth of what it saw has passed.
+ *
+ * Invariants:
+ * 1. The walkers and the list are the thread's own; `told`, `look_at`, `reach` and `stopping` are atomic; but for
+ *    `asleep` the rest does not change.
+ * 2. It sleeps only while told < look_at. It writes look_at and then reads told, who tells writes told and then
+ *    reads look_at, and wakes it with the mutex held: one of the two sees the other.
+ * 3. The list is shorter than the ground holds, and what is there of it is marked as used before anything is
+ *    brought: nothing of it is evicted while there is something else that the owner did not use since.
+ */
+#include "motion/prefetcher.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdatomic.h>
+
+#define PREFETCHER_THREAD "furrow-ahead"
+#define TILE_PARTS 16 /* places a tile's width */
+#define PLACES_MAX 65536 /* in one look */
+
+struct walker {
+	const struct track *track; /* NULL: the camera's */
+	int64_t past;              /* the last of its stations that is not ahead */
+	int64_t station, last;
+	int64_t stride;            /* stations from place to place */
+	double time;               /* of `station`, or the camera's; INFINITY: at the end */
+};
+
+struct prefetcher {
+	struct prefetcher_params params;
+	const struct extent *extent;
+	struct store_reader *reader;
+	struct walker *walkers;
+	size_t walker_count;
+	double camera_stride; /* s */
+	struct tile *list;    /* soonest needed first */
+	uint32_t listed;
+	struct thread thread;
+	struct mutex mutex;
+	struct condition changed; /* of what the sleeping and the waiting go by */
+	bool asleep;              /* guarded by the mutex */
+	_Atomic double told, look_at, reach; /* s; reach: how far ahead */
+	atomic_bool stopping;
+};
+
+/* --- a look --- */
+
+static bool add_tile(struct prefetcher *prefetcher, struct tile tile)
+{
+	for (uint32_t i = prefetcher->listed; i-- > 0;)
+		if (tile_equal(prefetcher->list[i], tile))
+			return true;
+	if (prefetcher->listed == prefetcher->params.tiles)
+		return false;
+	prefetcher->list[prefetcher->listed++] = tile;
+	return true;
+}
+
+/* Every tile between here and half-way to the neighbouring places; false if the list is full. */
+static bool add_place(struct prefetcher *prefetcher, double x, double y)
+{
+	const struct extent *extent = prefetcher->extent;
+	double reach = 0.5 * extent->cells / TILE_PARTS, px = x / extent->spacing, py = y / extent->spacing;
+	double x0 = fmax(px - reach, 0), x1 = fmin(px + reach, (double)(extent->width - 1));
+	double y0 = fmax(py - reach, 0), y1 = fmin(py + reach, (double)(extent->height - 1));
+	if (x0 > x1 || y0 > y1)
+		return true; /* outside */
+	struct tile first = ground_tile(extent, x0, y0), last = ground_tile(extent, x1, y1);
+	bool room = true;
+	for (uint32_t ty = first.y; ty <= last.y; ty++)
+		for (uint32_t tx = first.x; tx <= last.x; tx++)
+			room = room && add_tile(prefetcher, (struct tile){0, tx, ty});
+	return room;
+}
+
+static bool add_walker(struct prefetcher *prefetcher, const struct walker *walker)
+{
+	if (walker->track != NULL) {
+		struct track_point point;
+		track_sample(walker->track, walker->station, &point);
+		return add_place(prefetcher, point.x, point.y);
+	}
+	double places[2][2];
+	size_t count = prefetcher->params.camera(prefetcher->params.user, walker->time, places);
+	bool room = true;
+	for (size_t i = 0; i < count; i++)
+		room = room && add_place(prefetcher, places[i][0], places[i][1]);
+	return room;
+}
+
+static int64_t next_station(const struct walker *walker, int64_t from)
+{
+	return walker->last - from > walker->stride ? from + walker->stride : walker->last;
+}
+
+static void begin(struct prefetcher *prefetcher, struct walker *walker, double now)
+{
+	if (walker->track == NULL) {
+		walker->time = now;
+		return;
+	}
+	for (int64_t next; (next = next_station(walker, walker->past)) != walker->past; walker->past = next)
+		if (track_sample_time(walker->track, next) > now || atomic_load(&prefetcher->stopping))
+			break;
+	walker->station = walker->past;
+	walker->time = track_sample_time(walker->track, walker->station);
+}
+
+static void go_on(const struct prefetcher *prefetcher, struct walker *walker)
+{
+	if (walker->track == NULL) {
+		walker->time += prefetcher->camera_stride;
+		return;
+	}
+	int64_t next = next_station(walker, walker->station);
+	walker->time = next == walker->station ? INFINITY : track_sample_time(walker->track, next);
+	walker->station = next;
+}
+
+/* Lists what is needed from `now` on; returns until when that is all. */
+static double look(struct prefetcher *prefetcher, double now)
+{
+	double until = fmin(now + atomic_load(&prefetcher->reach), prefetcher->params.end);
+	prefetcher->listed = 0;
+	for (size_t i = 0; i < prefetcher->walker_count; i++)
+		begin(prefetcher, &prefetcher->walkers[i], now);
+	for (uint32_t places = 0;; places++) {
+		struct walker *soonest = &prefetcher->walkers[0];
+		for (size_t i = 1; i < prefetcher->walker_count; i++)
+			if (prefetcher->walkers[i].time < soonest->time)
+				soonest = &prefetcher->walkers[i];
+		if (soonest->time > until)
+			return soonest->time < (double)INFINITY ? until : (double)INFINITY;
+		if (places == PLACES_MAX || !add_walker(prefetcher, soonest))
+			return soonest->time;
+		go_on(prefetcher, soonest);
+	}
+}
+
+/* The list's tiles into the ground; what cannot be read is left to its owner, who must tell of it. */
+static void bring(struct prefetcher *prefetcher)
+{
+	for (uint32_t i = prefetcher->listed; i-- > 0;)
+		ground_touch(prefetcher->params.ground, prefetcher->list[i]);
+	for (uint32_t i = 0; i < prefetcher->listed && !atomic_load(&prefetcher->stopping); i++) {
+		enum status status = ground_warm(prefetcher->params.ground, prefetcher->reader, prefetcher->list[i]);
+		(void)status;
+	}
+}
+
+static void *body(void *argument)
+{
+	struct prefetcher *prefetcher = argument;
+	thread_background();
+	while (!atomic_load(&prefetcher->stopping)) {
+		double now = atomic_load(&prefetcher->told), until = look(prefetcher, now);
+		bring(prefetcher);
+		double ahead = fmax(now + (until - now) / 8, nextafter(now, INFINITY));
+		mutex_lock(&prefetcher->mutex);
+		atomic_store(&prefetcher->look_at, until < prefetcher->params.end ? ahead : (double)INFINITY);
+		while (atomic_load(&prefetcher->told) < atomic_load(&prefetcher->look_at) && !atomic_load(&prefetcher->stopping)) {
+			prefetcher->asleep = true;
+			condition_wake_all(&prefetcher->changed);
+			condition_wait(&prefetcher->changed, &prefetcher->mutex);
+		}
+		prefetcher->asleep = false;
+		atomic_store(&prefetcher->look_at, (double)INFINITY); /* nobody need wake it now */
+		mutex_unlock(&prefetcher->mutex);
+	}
+	return NULL;
+}
+
+/* --- life --- */
+
+static void mount_walkers(struct prefetcher *prefetcher)
+{
+	const struct prefetcher_params *params = &prefetcher->params;
+	double side = prefetcher->extent->cells * prefetcher->extent->spacing;
+	prefetcher->walker_count = params->count + (params->camera != NULL);
+	for (size_t i = 0; i < params->count; i++) {
+		const struct track *track = params->tracks[i];
+		double stride = floor(side / TILE_PARTS / params->post);
+		prefetcher->walkers[i] = (struct walker){
+			.track = track,
+			.last = track_samples(track) - 1,
+			.stride = stride > 1 ? (int64_t)stride : 1,
+		};
+	}
+	prefetcher->camera_stride =
+		fmin(fmax(side / TILE_PARTS / params->camera_speed, params->prefetch / 1024), params->prefetch / 16);
+}
+
+void prefetcher_plan(double prefetch, size_t count, struct plan *plan)
+{
+	if (prefetch > 0 && count > 0)
+		plan_add(plan, &(struct plan_line){.kind = PLAN_THREAD, .effect = scene_effect_row(EFFECT_PREFETCH)->name,
+						   .object = -1, .amount = 1}, PREFETCHER_THREAD);
+}
+
+enum status prefetcher_create(const struct prefetcher_params *params, struct prefetcher **out)
+{
+	assert(params->count >= 1 && params->prefetch > 0);
+	struct prefetcher *prefetcher = mem_calloc(1, sizeof *prefetcher);
+	if (prefetcher == NULL)
+		return fail_memory("the scout");
+	prefetcher->params = *params;
+	prefetcher->extent = &store_meta(params->store)->extent;
+	mutex_init(&prefetcher->mutex);
+	condition_init(&prefetcher->changed);
+	atomic_init(&prefetcher->told, 0);
+	atomic_init(&prefetcher->reach, params->prefetch);
+	atomic_init(&prefetcher->look_at, (double)INFINITY);
+	atomic_init(&prefetcher->stopping, false);
+	prefetcher->walkers = mem_calloc(params->count + 1, sizeof *prefetcher->walkers);
+	prefetcher->list = mem_alloc(params->tiles, sizeof *prefetcher->list);
+	enum status status = prefetcher->walkers != NULL && prefetcher->list != NULL ? STATUS_OK : fail_memory("the scout");
+	if (status == STATUS_OK)
+		mount_walkers(prefetcher);
+	if (status == STATUS_OK)
+		status = store_reader_create(params->store, &prefetcher->reader);
+	if (status == STATUS_OK)
+		status = thread_start(&prefetcher->thread, body, prefetcher, PREFETCHER_THREAD);
+	if (status != STATUS_OK) {
+		prefetcher_destroy(prefetcher);
+		return status;
+	}
+	*out = prefetcher;
+	return STATUS_OK;
+}
+
+static void wake(struct prefetcher *prefetcher)
+{
+	mutex_lock(&prefetcher->mutex);
+	condition_wake_all(&prefetcher->changed);
+	mutex_unlock(&prefetcher->mutex);
+}
+
+void prefetcher_destroy(struct prefetcher *prefetcher)
+{
+	if (prefetcher == NULL)
+		return;
+	atomic_store(&prefetcher->stopping, true);
+	wake(prefetcher);
+	thread_join(&prefetcher->thread);
+	store_reader_destroy(prefetcher->reader);
+	mem_free(prefetcher->list);
+	mem_free(prefetcher->walkers);
+	condition_finish(&prefetcher->changed);
+	mutex_finish(&prefetcher->mutex);
+	mem_free(prefetcher);
+}
+
+void prefetcher_reach(struct prefetcher *prefetcher, double seconds)
+{
+	atomic_store(&prefetcher->reach, seconds);
+}
+
+void prefetcher_tell(struct prefetcher *prefetcher, double time)
+{
+	atomic_store(&prefetcher->told, time);
+	if (time >= atomic_load(&prefetcher->look_at))
+		wake(prefetcher);
+}
+
+void prefetcher_wait(struct prefetcher *prefetcher)
+{
+	mutex_lock(&prefetcher->mutex);
+	while (!prefetcher->asleep || atomic_load(&prefetcher->told) >= atomic_load(&prefetcher->look_at))
+		condition_wait(&prefetcher->changed, &prefetcher->mutex);
+	mutex_unlock(&prefetcher->mutex);
+}

@@ -1,0 +1,302 @@
+#include "motion/motion.h"
+
+#include <assert.h>
+#include <math.h>
+
+struct knot {
+	struct track_point at; /* x, y from the track's origin */
+	double length;         /* from the path's start */
+};
+
+struct track {
+	struct knot *knots; /* at least 1; a loop's first is repeated as its last */
+	size_t count;
+	int64_t origin_x, origin_y; /* 2^-20 m: the first point */
+	double post, speed, length;
+	int64_t lap; /* stations a lap; loops only */
+	bool loop, timed;
+};
+
+static double turn(double from, double to)
+{
+	return remainder(to - from, 2 * M_PI);
+}
+
+static double distance(const struct track_point *a, const struct track_point *b, bool attitude, double reach)
+{
+	double length = sqrt((b->x - a->x) * (b->x - a->x) + (b->y - a->y) * (b->y - a->y) +
+			     (b->z - a->z) * (b->z - a->z));
+	if (attitude)
+		length += reach * (fabs(turn(a->yaw, b->yaw)) + fabs(turn(a->pitch, b->pitch)) +
+				   fabs(turn(a->roll, b->roll)));
+	return length;
+}
+
+enum status track_create(const struct scene_path *path, const double (*points)[2], double post,
+			 double turn_reach, struct track **out)
+{
+	assert(path->count >= 1);
+	struct track *track = mem_calloc(1, sizeof *track);
+	struct knot *knots = mem_calloc(path->count + 1, sizeof *knots);
+	if (track == NULL || knots == NULL) {
+		mem_free(track);
+		mem_free(knots);
+		return fail_memory("a path");
+	}
+	track->knots = knots;
+	track->post = post;
+	track->speed = path->speed;
+	track->timed = path->timed;
+	track->origin_x = lattice_offset(points[0][0]);
+	track->origin_y = lattice_offset(points[0][1]);
+	for (size_t i = 0; i < path->count; i++) {
+		const struct scene_waypoint *from = &path->points[i];
+		struct track_point point = {
+			.time = from->t,
+			.x = lattice_offset_metres(lattice_offset(points[i][0]) - track->origin_x),
+			.y = lattice_offset_metres(lattice_offset(points[i][1]) - track->origin_y),
+			.z = path->has_z ? from->z : 0,
+		};
+		if (path->has_attitude) {
+			point.yaw = from->yaw;
+			point.pitch = from->pitch;
+			point.roll = from->roll;
+		}
+		double length = 0;
+		if (track->count > 0) {
+			struct knot *before = &knots[track->count - 1];
+			length = before->length + distance(&before->at, &point, path->has_attitude, turn_reach);
+			/* A point that stands still says nothing to an untimed path. */
+			if (!path->timed && length == before->length)
+				continue;
+		}
+		knots[track->count++] = (struct knot){point, length};
+	}
+	bool closed = path->loop && track->count > 1;
+	if (closed) {
+		struct knot *last = &knots[track->count - 1];
+		double length = last->length + distance(&last->at, &knots[0].at, path->has_attitude, turn_reach);
+		if (length > last->length) {
+			knots[track->count] = (struct knot){knots[0].at, length};
+			track->count++;
+		}
+	}
+	track->length = knots[track->count - 1].length;
+	track->loop = closed && track->length > 0;
+	/* The direction of travel: that of the stretch a knot begins; the last keeps the one it ends. */
+	for (size_t i = 0; i < track->count && !path->has_attitude; i++) {
+		size_t a = i + 1 < track->count ? i : i > 0 ? i - 1 : 0, b = a + 1 < track->count ? a + 1 : a;
+		double dx = knots[b].at.x - knots[a].at.x, dy = knots[b].at.y - knots[a].at.y;
+		knots[i].at.yaw = dx != 0 || dy != 0 ? atan2(dy, dx) : i > 0 ? knots[i - 1].at.yaw : 0;
+	}
+	if (!track->timed)
+		for (size_t i = 0; i < track->count; i++)
+			knots[i].at.time = track->speed > 0 ? knots[i].length / track->speed : 0;
+	if (track->loop)
+		track->lap = (int64_t)ceil(track->length / post * (1 - 1e-12));
+	*out = track;
+	return STATUS_OK;
+}
+
+void track_destroy(struct track *track)
+{
+	if (track == NULL)
+		return;
+	mem_free(track->knots);
+	mem_free(track);
+}
+
+int64_t track_samples(const struct track *track)
+{
+	if (track->loop)
+		return INT64_MAX;
+	double posts = track->length / track->post;
+	int64_t whole = (int64_t)floor(posts);
+	return whole + 1 + (posts - (double)whole > 1e-9);
+}
+
+double track_fastest(const struct track *track)
+{
+	double fastest = track->timed ? 0 : track->speed;
+	for (size_t i = 1; track->timed && i < track->count; i++) {
+		const struct track_point *a = &track->knots[i - 1].at, *b = &track->knots[i].at;
+		if (b->time > a->time)
+			fastest = fmax(fastest, hypot(b->x - a->x, b->y - a->y) / (b->time - a->time));
+	}
+	return fastest;
+}
+
+/* The stretch that begins at or before `key`, by length or by time: knots [k, k + 1]. */
+static size_t find(const struct track *track, double key, bool by_time)
+{
+	size_t low = 0, high = track->count - 1;
+	while (high - low > 1) {
+		size_t middle = (low + high) / 2;
+		double at = by_time ? track->knots[middle].at.time : track->knots[middle].length;
+		/* A timed path that stands still is at a place from when it came there. */
+		if (by_time || !track->timed ? at <= key : at < key)
+			low = middle;
+		else
+			high = middle;
+	}
+	return low;
+}
+
+static void between(const struct track *track, size_t k, double share, struct track_point *point)
+{
+	const struct track_point *a = &track->knots[k].at, *b = &track->knots[k + 1].at;
+	*point = *a;
+	point->time += share * (b->time - a->time);
+	point->x += share * (b->x - a->x);
+	point->y += share * (b->y - a->y);
+	point->z += share * (b->z - a->z);
+	if (track->timed) { /* an attitude that the path gave, or the direction between samples */
+		point->yaw += share * turn(a->yaw, b->yaw);
+		point->pitch += share * turn(a->pitch, b->pitch);
+		point->roll += share * turn(a->roll, b->roll);
+	}
+}
+
+/* From the track's origin to the world's. */
+static void place(const struct track *track, struct track_point *point)
+{
+	point->qx = track->origin_x + lattice_offset(point->x);
+	point->qy = track->origin_y + lattice_offset(point->y);
+	point->x = lattice_offset_metres(point->qx);
+	point->y = lattice_offset_metres(point->qy);
+}
+
+static void at_length(const struct track *track, double length, struct track_point *point)
+{
+	if (track->count == 1) {
+		*point = track->knots[0].at;
+		return;
+	}
+	size_t k = find(track, length, false);
+	double begin = track->knots[k].length, end = track->knots[k + 1].length;
+	double share = end > begin ? (length - begin) / (end - begin) : 0;
+	between(track, k, share < 1 ? share : 1, point);
+	if (share >= 1 && track->timed)
+		*point = track->knots[k + 1].at;
+}
+
+static double station_length(const struct track *track, int64_t index, int64_t *lap)
+{
+	*lap = track->loop ? index / track->lap : 0;
+	int64_t within = index - *lap * track->lap;
+	if (!track->loop && index == track_samples(track) - 1)
+		return track->length;
+	return (double)within * track->post;
+}
+
+void track_sample(const struct track *track, int64_t index, struct track_point *point)
+{
+	int64_t lap;
+	at_length(track, station_length(track, index, &lap), point);
+	point->time = track_sample_time(track, index);
+	place(track, point);
+}
+
+double track_sample_time(const struct track *track, int64_t index)
+{
+	int64_t lap;
+	double length = station_length(track, index, &lap);
+	if (!track->timed)
+		return track->speed > 0 ? ((double)lap * track->length + length) / track->speed : 0;
+	struct track_point point;
+	at_length(track, length, &point);
+	return point.time;
+}
+
+static bool is_within(const struct track_point *point, double width, double height)
+{
+	return point->x >= 0 && point->y >= 0 && point->x <= width && point->y <= height;
+}
+
+static bool station_within(const struct track *track, int64_t index, double width, double height)
+{
+	struct track_point point;
+	track_sample(track, index, &point);
+	return is_within(&point, width, height);
+}
+
+/* The first of [first, last] that is not within, all on one straight line: what is within of that is in one piece. */
+static int64_t leaves_line(const struct track *track, int64_t first, int64_t last, double width, double height)
+{
+	if (first > last || !station_within(track, first, width, height))
+		return first > last ? -1 : first;
+	if (station_within(track, last, width, height))
+		return -1;
+	while (last - first > 1) {
+		int64_t middle = first + (last - first) / 2;
+		if (station_within(track, middle, width, height))
+			first = middle;
+		else
+			last = middle;
+	}
+	return last;
+}
+
+int64_t track_leaves(const struct track *track, double width, double height)
+{
+	int64_t all = track->loop ? track->lap : track_samples(track);
+	bool was_within = true;
+	for (size_t k = 0; k < track->count; k++) {
+		struct track_point knot = track->knots[k].at;
+		place(track, &knot);
+		bool within = is_within(&knot, width, height);
+		if (k > 0 && !(within && was_within)) {
+			int64_t first = (int64_t)ceil(track->knots[k - 1].length / track->post);
+			int64_t last = (int64_t)floor(track->knots[k].length / track->post);
+			int64_t found = leaves_line(track, first, last < all ? last : all - 1, width, height);
+			if (found >= 0)
+				return found;
+		}
+		was_within = within;
+	}
+	/* The last one is at the path's end, and need not be at a whole post. */
+	return was_within || track->loop || station_within(track, all - 1, width, height) ? -1 : all - 1;
+}
+
+void track_at(const struct track *track, double time, struct track_point *point)
+{
+	if (!track->timed) {
+		double length = time > 0 ? time * track->speed : 0;
+		if (track->loop)
+			length = fmod(length, track->length);
+		at_length(track, length < track->length ? length : track->length, point);
+	} else if (track->count == 1 || time <= track->knots[0].at.time) {
+		*point = track->knots[0].at;
+	} else {
+		size_t k = find(track, time, true);
+		double begin = track->knots[k].at.time, end = track->knots[k + 1].at.time;
+		double share = end > begin ? (time - begin) / (end - begin) : 1;
+		between(track, k, share < 1 ? share : 1, point);
+	}
+	point->time = time;
+	place(track, point);
+}
+
+size_t track_corners(const struct track *track)
+{
+	return track->count + 1;
+}
+
+size_t track_way(const struct track *track, double time, double (*places)[2])
+{
+	size_t count = 0;
+	for (; count < track->count && (count == 0 || track->knots[count].at.time <= time); count++) {
+		struct track_point knot = track->knots[count].at;
+		place(track, &knot);
+		places[count][0] = knot.x;
+		places[count][1] = knot.y;
+	}
+	if (count < track->count) {
+		struct track_point now;
+		track_at(track, time, &now);
+		places[count][0] = now.x;
+		places[count][1] = now.y;
+		count++;
+	}
+	return count;
+}

@@ -1,0 +1,259 @@
+/*
+ * A ring of staging memory between the GPU and one thread that writes.
+ *
+ *     free -> begun (the GPU fills it) -> handed (waits for the thread, or is being written) -> free
+ *
+ * Places are used in turn, so three counts tell the state of each: of all pictures there ever were, those from `written`
+ * to `handed` are the thread's, those from `handed` to `begun` the GPU's.
+ *
+ * Invariants:
+ *   1. written <= handed <= begun <= written + PICTURES_ROOM.
+ *   2. The bytes of a place are the thread's from when it is handed until it is written, and nobody else's.
+ *   3. The thread takes what it is handed in order and gives up on none, failure or not: whoever waits for it ends.
+ */
+#include "render/render.h"
+
+#include <assert.h>
+#include <stdio.h>
+#include <time.h>
+
+#include "scene/scene.h"
+
+struct pictures {
+	struct gpu *gpu;
+	const char *directory;
+	uint32_t width, height;
+	struct gpu_staging *places[PICTURES_ROOM];
+	int64_t steps[PICTURES_ROOM];
+	struct thread thread;
+	uint64_t begun;              /* the owner's, and */
+	struct pictures_figures figures; /* its waits */
+	struct mutex mutex;          /* guards what follows */
+	struct condition changed;
+	uint64_t handed, written, marked;
+	bool stopping;
+	struct failure failure;      /* the first; STATUS_OK until then */
+};
+
+static void fail_locked(struct pictures *pictures, enum status status)
+{
+	if (pictures->failure.status == STATUS_OK)
+		failure_capture(&pictures->failure, status);
+}
+
+static enum status sticky_locked(const struct pictures *pictures)
+{
+	return pictures->failure.status == STATUS_OK ? STATUS_OK : failure_restore(&pictures->failure);
+}
+
+static enum status sticky(struct pictures *pictures)
+{
+	mutex_lock(&pictures->mutex);
+	enum status status = sticky_locked(pictures);
+	mutex_unlock(&pictures->mutex);
+	return status;
+}
+
+/* --- the thread --- */
+
+static enum status write_one(const struct pictures *pictures, uint64_t which)
+{
+	char path[4096];
+	uint64_t place = which % PICTURES_ROOM;
+	snprintf(path, sizeof path, "%s/frame-%06lld.png", pictures->directory, (long long)pictures->steps[place]);
+	return render_png_write(path, gpu_staging_bytes(pictures->places[place]), pictures->width, pictures->height);
+}
+
+static void *write_body(void *argument)
+{
+	struct pictures *pictures = argument;
+	mutex_lock(&pictures->mutex);
+	while (!pictures->stopping || pictures->written < pictures->handed) {
+		if (pictures->written == pictures->handed) {
+			condition_wait(&pictures->changed, &pictures->mutex);
+			continue;
+		}
+		uint64_t which = pictures->written;
+		mutex_unlock(&pictures->mutex);
+		enum status status = write_one(pictures, which);
+		mutex_lock(&pictures->mutex);
+		if (status == STATUS_OK)
+			pictures->figures.written++;
+		else
+			fail_locked(pictures, status);
+		pictures->written++;
+		condition_wake_all(&pictures->changed);
+	}
+	mutex_unlock(&pictures->mutex);
+	return NULL;
+}
+
+/* --- the owner --- */
+
+/* What cannot be read back comes to nothing: it is no picture. */
+static void hand_over(struct pictures *pictures)
+{
+	while (pictures->handed < pictures->begun &&
+	       gpu_staging_idle(pictures->places[pictures->handed % PICTURES_ROOM])) {
+		enum status status = gpu_check(pictures->gpu, "reading a picture back");
+		mutex_lock(&pictures->mutex);
+		if (status == STATUS_OK) {
+			pictures->handed++;
+		} else {
+			fail_locked(pictures, status);
+			pictures->begun = pictures->handed;
+		}
+		condition_wake_all(&pictures->changed);
+		mutex_unlock(&pictures->mutex);
+	}
+}
+
+/* Until so many are the thread's, or what could not be read back is none. Fences are looked at by nobody else. */
+static void wait_for_gpu(struct pictures *pictures, uint64_t handed)
+{
+	const struct timespec nap = {0, 200000};
+	hand_over(pictures);
+	while (pictures->handed < handed && pictures->handed < pictures->begun) {
+		nanosleep(&nap, NULL);
+		hand_over(pictures);
+	}
+}
+
+static void wait_until_written_locked(struct pictures *pictures, uint64_t written)
+{
+	while (pictures->written < written)
+		condition_wait(&pictures->changed, &pictures->mutex);
+}
+
+/* Of the next picture. */
+static void wait_for_room(struct pictures *pictures)
+{
+	mutex_lock(&pictures->mutex);
+	bool full = pictures->begun - pictures->written == PICTURES_ROOM;
+	mutex_unlock(&pictures->mutex);
+	if (!full)
+		return;
+	double started = clock_seconds();
+	uint64_t first = pictures->begun - PICTURES_ROOM + 1;
+	wait_for_gpu(pictures, first);
+	mutex_lock(&pictures->mutex);
+	wait_until_written_locked(pictures, first < pictures->handed ? first : pictures->handed);
+	mutex_unlock(&pictures->mutex);
+	pictures->figures.waits++;
+	pictures->figures.wait_ms += (clock_seconds() - started) * 1e3;
+}
+
+enum status pictures_begin(struct pictures *pictures, struct render *render, int64_t step)
+{
+	if (pictures == NULL)
+		return STATUS_OK;
+	wait_for_room(pictures);
+	enum status status = sticky(pictures);
+	if (status != STATUS_OK)
+		return status;
+	uint64_t place = pictures->begun % PICTURES_ROOM;
+	pictures->steps[place] = step;
+	render_read_into(render, pictures->places[place]);
+	pictures->begun++;
+	return pictures_poll(pictures);
+}
+
+enum status pictures_poll(struct pictures *pictures)
+{
+	if (pictures == NULL)
+		return STATUS_OK;
+	hand_over(pictures);
+	return sticky(pictures);
+}
+
+void pictures_mark(struct pictures *pictures)
+{
+	if (pictures == NULL)
+		return;
+	wait_for_gpu(pictures, pictures->begun);
+	mutex_lock(&pictures->mutex);
+	pictures->marked = pictures->handed;
+	mutex_unlock(&pictures->mutex);
+}
+
+enum status pictures_await(struct pictures *pictures)
+{
+	if (pictures == NULL)
+		return STATUS_OK;
+	mutex_lock(&pictures->mutex);
+	wait_until_written_locked(pictures, pictures->marked);
+	enum status status = sticky_locked(pictures);
+	mutex_unlock(&pictures->mutex);
+	return status;
+}
+
+void pictures_figures(struct pictures *pictures, struct pictures_figures *figures)
+{
+	mutex_lock(&pictures->mutex);
+	*figures = pictures->figures;
+	mutex_unlock(&pictures->mutex);
+}
+
+/* --- life --- */
+
+static size_t bytes_of(uint32_t width, uint32_t height)
+{
+	return (size_t)width * height * gpu_format_bytes(GPU_SRGB8_ALPHA8);
+}
+
+void pictures_plan(uint32_t width, uint32_t height, struct plan *plan)
+{
+	const char *effect = scene_effect_row(EFFECT_IMAGES)->name;
+	plan_add(plan, &(struct plan_line){.kind = PLAN_THREAD, .effect = effect, .object = -1, .amount = 1}, PICTURES_THREAD);
+	plan_add(plan, &(struct plan_line){.kind = PLAN_BUFFER, .effect = effect, .object = -1, .amount = PICTURES_ROOM,
+					   .bytes = PICTURES_ROOM * bytes_of(width, height)}, "pictures: colour");
+}
+
+enum status pictures_create(struct gpu *gpu, const char *directory, uint32_t width, uint32_t height, struct pictures **out)
+{
+	struct pictures *pictures = mem_calloc(1, sizeof *pictures);
+	if (pictures == NULL)
+		return fail_memory("the pictures");
+	pictures->gpu = gpu;
+	pictures->directory = directory;
+	pictures->width = width;
+	pictures->height = height;
+	mutex_init(&pictures->mutex);
+	condition_init(&pictures->changed);
+	enum status status = STATUS_OK;
+	for (int i = 0; i < PICTURES_ROOM && status == STATUS_OK; i++)
+		status = gpu_staging_create(gpu, bytes_of(width, height), &pictures->places[i]);
+	if (status == STATUS_OK)
+		status = thread_start(&pictures->thread, write_body, pictures, PICTURES_THREAD);
+	if (status != STATUS_OK) {
+		pictures_destroy(pictures);
+		return status;
+	}
+	*out = pictures;
+	return STATUS_OK;
+}
+
+void pictures_stop(struct pictures *pictures)
+{
+	if (pictures == NULL || !pictures->thread.started)
+		return;
+	wait_for_gpu(pictures, pictures->begun);
+	mutex_lock(&pictures->mutex);
+	pictures->stopping = true;
+	condition_wake_all(&pictures->changed);
+	mutex_unlock(&pictures->mutex);
+	thread_join(&pictures->thread);
+	assert(pictures->written == pictures->begun);
+}
+
+void pictures_destroy(struct pictures *pictures)
+{
+	if (pictures == NULL)
+		return;
+	pictures_stop(pictures);
+	for (int i = 0; i < PICTURES_ROOM; i++)
+		gpu_staging_destroy(pictures->places[i]);
+	condition_finish(&pictures->changed);
+	mutex_finish(&pictures->mutex);
+	mem_free(pictures);
+}

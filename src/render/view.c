@@ -1,0 +1,318 @@
+/* Frames: what terrain selected for the camera, what the cache has of it, what is drawn. */
+#include <math.h>
+#include <time.h>
+
+#include "render/view.h"
+
+#define RANGES 16384 /* tiles one selection asks about, and room to move */
+
+/* --- frames --- */
+
+/* Asks for what a selection wanted while a picture waits: all of it, and nothing else. */
+static void ask(struct view *view)
+{
+	page_cache_want(view->world->cache, view->selection->wanted, view->selection->wanted_count);
+}
+
+/* Waits for the coarsest tile that is missing. It says why, where a prefetch would not. */
+static enum status load_first(struct view *view, const struct render_camera *camera)
+{
+	uint32_t slot;
+	uint64_t key = view->selection->wanted[0];
+	enum status status = page_cache_pin(view->world->cache, key, &slot);
+	if (status != STATUS_OK)
+		return status;
+	page_cache_unpin(view->world->cache, key);
+	return view_select(view, camera, false);
+}
+
+/* A picture that is kept waits for its tiles, however long. They fit: it ends when they are there. What comes no
+ * nearer, or what no loader brings, is pinned: that says why, if it cannot be read. */
+static enum status wait_for_wanted(struct view *view, const struct render_camera *camera)
+{
+	const struct world *world = view->world;
+	const volatile sig_atomic_t *stop = world->params.stop;
+	const struct timespec nap = {0, 500000};
+	double progressed = clock_seconds();
+	size_t least = SIZE_MAX;
+	enum status status = STATUS_OK;
+	while (view->selection->wanted_count > 0 && status == STATUS_OK) {
+		double now = clock_seconds();
+		if (view->selection->wanted_count < least) {
+			least = view->selection->wanted_count;
+			progressed = now;
+		}
+		if (stop != NULL && *stop)
+			return load_first(view, camera);
+		/* What only stands in meanwhile must not be in the way of what it stands in for. */
+		view_mark_used(view, false);
+		ask(view);
+		if (world->scene->loaders == 0 || now - progressed > 1) {
+			status = load_first(view, camera);
+			continue;
+		}
+		nanosleep(&nap, NULL);
+		status = page_cache_poll(world->cache);
+		if (status == STATUS_OK)
+			status = view_select(view, camera, false);
+	}
+	return status;
+}
+
+static bool has_ground(const struct view *view)
+{
+	uint32_t slot;
+	struct tile coarsest = {extent_coarsest(&view->world->meta->extent), 0, 0};
+	return view->selection->wanted_count == 0 ||
+	       page_cache_peek(view->world->cache, tile_key(coarsest), false, &slot);
+}
+
+static enum status draw(struct view *view, bool complete)
+{
+	struct render_camera camera;
+	view_place_camera(view, view->world->time, &camera);
+	enum status status = view_select(view, &camera, false);
+	if (status == STATUS_OK && complete)
+		status = wait_for_wanted(view, &camera);
+	/* Where the step pins every slot not even the coarsest tile stays, and a picture needs one. */
+	if (status == STATUS_OK && !has_ground(view))
+		status = load_first(view, &camera);
+	if (status != STATUS_OK)
+		return status;
+	view_mark_used(view, true);
+	view_keep_now(view);
+	status = view_set_objects(view, complete);
+	if (status != STATUS_OK)
+		return status;
+	return render_frame(view->render, &camera, view->selection);
+}
+
+enum status view_warm(struct view *view)
+{
+	const struct world *world = view->world;
+	bool deformed = pages_planes_of(world->scene, world->was_deformed) != 0;
+	enum status status = render_warm(view->render, deformed, world->level < 0);
+	if (status == STATUS_OK)
+		status = render_draw_unseen(view->render, deformed, world->level < 0);
+	if (status == STATUS_OK)
+		status = draw(view, !view->watched); /* who watches sees it come */
+	for (int i = 0; i < VIEW_LOOKS && status == STATUS_OK; i++)
+		status = view_look_ahead(view);
+	/* It is none of the drive's pictures. */
+	double overdraw;
+	gpu_finish(world->gpu);
+	render_take_overdraw(view->render, &overdraw);
+	return status;
+}
+
+static void take_overdraw(struct view *view)
+{
+	double overdraw;
+	view->overdraw_frames += render_take_overdraw(view->render, &overdraw);
+	view->overdraw += overdraw;
+}
+
+void view_settle(struct view *view)
+{
+	gpu_finish(view->world->gpu);
+	take_overdraw(view);
+}
+
+enum status view_frame(struct view *view, struct pictures *pictures, bool image)
+{
+	enum status status = pictures_poll(pictures);
+	if (status == STATUS_OK)
+		status = draw(view, image);
+	if (status != STATUS_OK)
+		return status;
+	struct render_tiles tiles;
+	render_tiles(view->render, &tiles);
+	view->tiles.drawn += tiles.drawn;
+	view->tiles.deformed += tiles.deformed;
+	view->tiles.objects += tiles.objects;
+	view->tiles.shadowed += tiles.shadowed;
+	view->triangles += (double)render_triangles(view->render);
+	take_overdraw(view);
+	view->lacks = view->selection->wanted_count > 0;
+	view->starved += view->coarse || view->selection->wanted_count > 0;
+	view->coarsened += view->coarse;
+	view->frames++;
+	status = view_look_ahead(view);
+	if (!image || status != STATUS_OK)
+		return status;
+	return pictures_begin(pictures, view->render, view->world->step);
+}
+
+/* --- life --- */
+
+void view_render_params(const struct world *world, struct render_params *params)
+{
+	const struct scene *scene = world->scene;
+	*params = (struct render_params){
+		.extent = &world->meta->extent,
+		.width = scene->view.width,
+		.height = scene->view.height,
+		.effects = scene->view.effects,
+		.dirt = scene->dirt,
+		.pixel_error = scene->view.pixel_error,
+		.samples = scene->view.samples,
+		.objects = scene->objects,
+		.object_count = scene->object_count,
+		.light = &scene->view.light,
+		.soils = scene_draws_classes(scene) ? scene : NULL,
+	};
+}
+
+static enum status make_render(const struct world *world, bool watched, struct render **out)
+{
+	struct render_params params;
+	view_render_params(world, &params);
+	params.gpu = world->gpu;
+	params.slots = world->slots;
+	params.reference = ground_reference(world->store);
+	params.low = isnan(world->meta->low) ? 0 : world->meta->low;
+	params.high = isnan(world->meta->high) ? 0 : world->meta->high;
+	params.layers = watched;
+	return render_create(&params, out);
+}
+
+static enum status deformed_key(void *user, uint64_t key)
+{
+	struct view *view = user;
+	return view_add_chain(view, &view->deformed, tile_from_key(key));
+}
+
+enum status view_create(struct world *world, bool watched, struct view **out)
+{
+	const struct scene *scene = world->scene;
+	struct view *view = mem_calloc(1, sizeof *view);
+	if (view == NULL)
+		return fail_memory("the view");
+	view->world = world;
+	view->watched = watched;
+	view->ranges.most = RANGES;
+	view->selection = mem_alloc(1, sizeof *view->selection);
+	view->now = mem_calloc(1, sizeof *view->now);
+	view->ahead = mem_calloc(VIEW_LOOKS, sizeof *view->ahead);
+	view_find_room(view);
+	enum status status = STATUS_OK;
+	if (view->selection == NULL || view->now == NULL || view->ahead == NULL)
+		status = fail_memory("the view");
+	if (status == STATUS_OK)
+		view->reach = view_find_reach(world);
+	if (status == STATUS_OK)
+		status = make_render(world, watched, &view->render);
+	if (status == STATUS_OK && scene->view.pixel_error > 0)
+		status = view_errors_create(world, &view->errors);
+	if (status == STATUS_OK && world->was_deformed)
+		status = store_each_offset(ground_reader(world->ground), world->level, deformed_key, view);
+	if (status == STATUS_OK)
+		status = view_pressed(view, NULL, NULL);
+	if (status != STATUS_OK) {
+		view_destroy(view);
+		return status;
+	}
+	*out = view;
+	return STATUS_OK;
+}
+
+void view_destroy(struct view *view)
+{
+	if (view == NULL)
+		return;
+	render_destroy(view->render);
+	key_set_finish(&view->deformed);
+	key_map_finish(&view->stored);
+	key_map_finish(&view->pressed);
+	key_set_finish(&view->expected);
+	key_set_finish(&view->seen);
+	key_cache_finish(&view->ranges);
+	view_errors_destroy(view->errors);
+	mem_free(view->selection);
+	mem_free(view->now);
+	mem_free(view->ahead);
+	mem_free(view);
+}
+
+void view_figures(const struct view *view, struct view_figures *figures)
+{
+	const uint64_t frames = view->frames;
+	*figures = (struct view_figures){
+		.triangles = frames > 0 ? view->triangles / (double)frames : 0,
+		.overdraw = view->overdraw_frames > 0 ? view->overdraw / (double)view->overdraw_frames : NAN,
+		.frames = frames,
+		.starved = view->starved,
+		.coarsened = view->coarsened,
+		.tiles = view->tiles,
+	};
+}
+
+/* --- a host's --- */
+
+void view_look_from(struct view *view, const struct render_camera *camera)
+{
+	view->free = camera != NULL;
+	if (camera == NULL)
+		return;
+	view->camera = *camera;
+	/* What the scene's camera will see nobody will. */
+	for (int i = 0; i < VIEW_LOOKS; i++)
+		view->ahead[i].count = 0;
+}
+
+void view_reach_at_least(struct view *view, double metres)
+{
+	view->reach = fmax(view->reach, metres);
+}
+
+void view_show_layer(struct view *view, const struct render_layer *layer)
+{
+	render_show_layer(view->render, layer);
+}
+
+enum status view_resize(struct view *view, uint32_t width, uint32_t height)
+{
+	return render_resize(view->render, width, height);
+}
+
+bool view_lacks(const struct view *view)
+{
+	return view->lacks;
+}
+
+uint64_t view_triangles(const struct view *view)
+{
+	return render_triangles(view->render);
+}
+
+void view_read_into(struct view *view, struct gpu_staging *staging)
+{
+	render_read_into(view->render, staging);
+}
+
+/* --- watching the world --- */
+
+static enum status on_contact(void *user, const struct event *event, const struct contact_area *area)
+{
+	return view_pressed(user, event, area);
+}
+
+static enum status on_changed(void *user, struct tile tile)
+{
+	return view_deformed(user, tile);
+}
+
+static enum status on_requests(void *user, struct requests *requests)
+{
+	return view_requests(user, requests);
+}
+
+static void on_reach(void *user, double metres)
+{
+	view_reach_at_least(user, metres);
+}
+
+struct world_watcher view_watcher(struct view *view)
+{
+	return (struct world_watcher){view, on_contact, on_changed, on_requests, on_reach};
+}

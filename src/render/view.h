@@ -1,0 +1,107 @@
+/* What the files view*.c share. Only the world's thread touches it. */
+#ifndef FURROW_RENDER_VIEW_H
+#define FURROW_RENDER_VIEW_H
+
+#include "render/render.h"
+#include "base/key_map.h"
+#include "base/key_set.h"
+#include "terrain/terrain.h"
+
+/* What the picture of one time needs: tiles, in the order of need. */
+struct view_look {
+	double time; /* simulated, s */
+	size_t count;
+	uint64_t keys[2 * TERRAIN_DRAWS_MAX];
+};
+
+#define VIEW_LOOKS 4 /* times looked ahead to */
+
+struct view_errors; /* view_errors.c */
+
+struct view_press {
+	bool known;       /* no offset it leaves is below `low` or above `high`; else they are as far as objects reach */
+	double low, high; /* 0 or less, 0 or more; metres */
+};
+
+struct view {
+	struct world *world;
+	bool watched;             /* somebody looks at every picture */
+	uint64_t frames;          /* drawn */
+	struct render *render;
+	struct key_set deformed;  /* tiles that had offset tiles at or below them before the drive; 11 to 21 bytes each */
+	struct key_map stored;    /* of those, as far as asked for: lowest (0 or less) and highest (0 or more) offset; metres */
+	struct key_map pressed;   /* the same bound for tiles that this drive deformed */
+	struct view_press press;  /* what is deformed now is widened by */
+	struct key_set expected;  /* the same of tiles that will be deformed; empty but while looking ahead */
+	struct key_cache ranges;  /* of bases; a: NaN where nothing is */
+	double reach;             /* metres that what is not known of a press may be off what was there */
+	struct view_errors *errors; /* NULL: detail goes by the radii */
+	size_t budget;            /* slots one picture may need */
+	size_t room;              /* slots this picture and those ahead may need together */
+	bool coarse;              /* the last selection was cut to the budget */
+	bool told;
+	bool free;                /* a host has the camera: */
+	struct render_camera camera;
+	bool lacks;               /* the last picture wanted tiles that had not come */
+	struct terrain_selection *selection;
+	struct view_look *now;    /* the last picture */
+	struct view_look *ahead;  /* VIEW_LOOKS of them, each replaced in turn */
+	unsigned turn;
+	struct key_set seen;      /* while wishes are put together */
+	uint64_t starved;         /* frames drawn coarser than asked for, for any reason */
+	uint64_t coarsened;       /* of those: the budget was the reason */
+	double triangles;         /* summed over frames */
+	struct render_tiles tiles; /* the same */
+	double overdraw;          /* the same, over frames of which it is known: */
+	uint64_t overdraw_frames;
+	enum status failed;       /* of a source callback */
+};
+
+/* view_camera.c */
+void view_place_camera(const struct view *view, double time, struct render_camera *camera);
+
+/* view_objects.c: tells the picture where the objects are now. `settled`: how high loads stand is waited for, and the
+ * picture is the same whenever that comes; otherwise it is as it was last known. */
+enum status view_set_objects(struct view *view, bool settled) FURROW_CHECKED;
+
+/* view_source.c */
+void view_find_room(struct view *view);
+/* Adds a tile and all above it. */
+enum status view_add_chain(const struct view *view, struct key_set *set, struct tile tile) FURROW_CHECKED;
+/* Selects what `camera` sees, cut to the budget. With `everything`, as if nothing were resident:
+ * the selection's wanted tiles are the whole picture. Marks nothing used. */
+enum status view_select(struct view *view, const struct render_camera *camera, bool everything) FURROW_CHECKED;
+/* What was selected is used now; without `stand_ins` only what the complete picture needs. */
+void view_mark_used(struct view *view, bool stand_ins);
+
+/* view_offsets.c: how far off its base a tile's surface may be. */
+bool view_is_deformed(const struct view *view, struct tile tile); /* it has offsets at or below it */
+double view_find_reach(const struct world *world);
+/* Widens what a map (a: lowest, b: highest) has of a tile and of all above it. */
+enum status view_widen(const struct view *view, struct key_map *map, struct tile tile, double low, double high) FURROW_CHECKED;
+/* Exact, of the drive's start: 0 or less and 0 or more; metres. */
+enum status view_stored_offsets(struct view *view, struct tile tile, double *low, double *high) FURROW_CHECKED;
+/* view_pressed's. */
+enum status view_offsets_press(struct view *view, const struct contact_area *area) FURROW_CHECKED;
+/* A tile of the working level is changed, by what presses now. */
+enum status view_offsets_touch(struct view *view, struct tile tile) FURROW_CHECKED;
+/* No offset of the tile's subtree is or will be drawn outside these; metres. `expected`: it will be deformed by the time
+ * that is looked at. */
+enum status view_offsets(struct view *view, struct tile tile, bool expected, double *low, double *high) FURROW_CHECKED;
+
+/* view_errors.c: how far off the ground a tile is drawn. With a pixel error alone. */
+enum status view_errors_create(const struct world *world, struct view_errors **out) FURROW_CHECKED;
+void view_errors_destroy(struct view_errors *errors); /* takes NULL */
+/* view_pressed's. */
+enum status view_errors_press(struct view *view, const struct event *event) FURROW_CHECKED;
+/* A tile of the working level is changed, by what presses now. */
+enum status view_errors_touch(struct view *view, struct tile tile) FURROW_CHECKED;
+/* Metres, as terrain_source.error. `expected`: it will be deformed by the time that is looked at. */
+enum status view_error(struct view *view, struct tile tile, bool expected, double *error) FURROW_CHECKED;
+
+/* view_ahead.c: what pictures will need. */
+void view_keep_now(struct view *view);
+/* Looks at one of the times ahead; call once a frame, after it was selected and kept. */
+enum status view_look_ahead(struct view *view) FURROW_CHECKED;
+
+#endif

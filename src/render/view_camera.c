@@ -1,0 +1,64 @@
+/* Where the camera is: a function of the track and of the ground, at any time. */
+#include <math.h>
+#include <string.h>
+
+#include "render/view.h"
+
+static double ground_at(const struct view *view, double x, double y, double otherwise)
+{
+	int64_t height;
+	bool any;
+	if (ground_height(view->world->ground, lattice_offset(x), lattice_offset(y), &height, &any) != STATUS_OK || !any)
+		return otherwise;
+	return lattice_offset_metres(height);
+}
+
+/* The body that the scene's camera follows; NULL: it stands still. */
+static const struct body *target_of(const struct world *world)
+{
+	const struct scene_view *view = &world->scene->view;
+	return view->camera != SCENE_FIXED ? &world->bodies[view->target_object] : NULL;
+}
+
+void view_place_camera(const struct view *view, double time, struct render_camera *camera)
+{
+	const struct world *world = view->world;
+	const struct scene_view *wish = &world->scene->view;
+	double places[2][2];
+	if (view->free) {
+		*camera = view->camera;
+		return;
+	}
+	camera->fov = 0.9;
+	const struct body *target = target_of(world);
+	const struct scene_path *path = target != NULL ? &target->object->path : NULL;
+	if (track_camera_places(wish, path, target != NULL ? target->track : NULL, time, places) == 0) {
+		memcpy(camera->eye, wish->eye, sizeof camera->eye);
+		memcpy(camera->target, wish->target, sizeof camera->target);
+		return;
+	}
+	double middle = (world->meta->low + world->meta->high) / 2;
+	double ground = ground_at(view, places[0][0], places[0][1], isnan(middle) ? 0 : middle);
+	camera->target[0] = places[0][0];
+	camera->target[1] = places[0][1];
+	camera->target[2] = ground;
+	if (wish->camera == SCENE_OVERHEAD) {
+		/* A hair off the vertical, so that north is up. */
+		camera->eye[0] = places[0][0];
+		camera->eye[1] = places[0][1] - 0.02 * wish->over_height;
+		camera->eye[2] = ground + wish->over_height;
+		return;
+	}
+	camera->eye[0] = places[1][0];
+	camera->eye[1] = places[1][1];
+	double below = ground_at(view, camera->eye[0], camera->eye[1], ground);
+	camera->eye[2] = fmax(ground, below) + wish->up;
+}
+
+void view_scene_camera(struct view *view, struct render_camera *camera)
+{
+	bool free = view->free;
+	view->free = false;
+	view_place_camera(view, view->world->time, camera);
+	view->free = free;
+}

@@ -1,0 +1,178 @@
+/*
+ * How far off the ground a tile is drawn, for pictures that go by a pixel error (the dissertation's Equation 3).
+ *
+ * A base tile's error is kept in the store, over its whole subtree. What deformation adds to it is at most how far
+ * apart the offsets of its subtree are: a surface through some of them is between the lowest and the highest. Those
+ * that were there before the drive the store knows (view_offsets.c). What is pressed later is known only on the GPU, so it is reckoned from how the
+ * object stands: as deep as its lowest point is under the base beside it, and where soil is moved, heaped as high.
+ * So it is about right and known at once; the next drive over that store knows it exactly.
+ *
+ * Invariant: a tile's offsets are within its parent's. With the store's, a parent's error is no less than a child's.
+ */
+#include <math.h>
+#include <stdlib.h>
+
+#include "render/view.h"
+
+#define BASES 16384 /* tiles one selection asks about, and room to move */
+
+struct view_errors {
+	struct key_cache bases; /* a: metres */
+	struct key_map pressed; /* in this drive. a: lowest, 0 or less; b: highest, 0 or more; metres */
+	double low, high;       /* of what is marked now */
+	double lowest, highest; /* of what was marked in this drive, and of what is expected to be */
+};
+
+enum status view_errors_create(const struct world *world, struct view_errors **out)
+{
+	const struct scene *scene = world->scene;
+	struct view_errors *errors = mem_calloc(1, sizeof *errors);
+	if (errors == NULL)
+		return fail_memory("the view");
+	errors->bases.most = BASES;
+	for (size_t i = 0; i < scene->object_count; i++) {
+		const struct scene_object *object = &scene->objects[i];
+		double deep = object->load > 0 ? deform_sinkage_guess(&object->shape, &scene->soils[0], object->load) : object->sink;
+		errors->lowest = fmin(errors->lowest, -deep);
+	}
+	if (deform_conserves(scene->model))
+		errors->highest = -errors->lowest;
+	errors->low = errors->lowest;
+	errors->high = errors->highest;
+	*out = errors;
+	return STATUS_OK;
+}
+
+void view_errors_destroy(struct view_errors *errors)
+{
+	if (errors == NULL)
+		return;
+	key_cache_finish(&errors->bases);
+	key_map_finish(&errors->pressed);
+	mem_free(errors);
+}
+
+/* --- offsets --- */
+
+enum status view_errors_touch(struct view *view, struct tile tile)
+{
+	return view_widen(view, &view->errors->pressed, tile, view->errors->low, view->errors->high);
+}
+
+/* How far to a shape's sides the ground beside its middle counts, forwards and to the left, and by how much its
+ * underside is higher there; metres. */
+static void sides(const struct deform_shape *shape, double far[2], double lift[2])
+{
+	lift[0] = lift[1] = 0;
+	switch (shape->kind) {
+	case DEFORM_WHEEL: /* round along its way alone; 0.6 and 0.8: a point of the unit circle */
+	case DEFORM_SPHERE:
+		far[0] = 0.6 * shape->radius;
+		lift[0] = shape->radius - 0.8 * shape->radius;
+		far[1] = shape->kind == DEFORM_WHEEL ? shape->width / 2 : far[0];
+		lift[1] = shape->kind == DEFORM_WHEEL ? 0 : lift[0];
+		return;
+	case DEFORM_BOX:
+		far[0] = shape->size[0] / 2;
+		far[1] = shape->size[1] / 2;
+		return;
+	case DEFORM_MESH:
+		for (int i = 0; i < 2; i++)
+			far[i] = fmax(-shape->mesh->low[i], shape->mesh->high[i]);
+		return;
+	case DEFORM_SHAPES:
+		break;
+	}
+	far[0] = far[1] = 0;
+}
+
+/* Metres by which an object on a slope digs deeper beside its middle than there. */
+static enum status rise_beside(struct view *view, const struct event *event, double *rise)
+{
+	const struct deform_pose *pose = &event->pose;
+	double far[2], lift[2], c = cos(pose->yaw), s = sin(pose->yaw);
+	int64_t middle = 0;
+	sides(&view->world->bodies[event->body].object->shape, far, lift);
+	*rise = 0;
+	for (int i = 0; i < 9; i++) {
+		int x = (i + 4) % 9 % 3 - 1, y = (i + 4) % 9 / 3 - 1; /* the middle first */
+		double ahead = far[0] * x, aside = far[1] * y;
+		int64_t height;
+		bool any;
+		enum status status = ground_height(view->world->ground, pose->x + lattice_offset(ahead * c - aside * s),
+						   pose->y + lattice_offset(ahead * s + aside * c), &height, &any);
+		if (status != STATUS_OK)
+			return status;
+		if (i == 0)
+			middle = height;
+		else if (any)
+			*rise = fmax(*rise, lattice_offset_metres(height - middle) - lift[0] * abs(x) - lift[1] * abs(y));
+	}
+	return STATUS_OK;
+}
+
+enum status view_errors_press(struct view *view, const struct event *event)
+{
+	struct view_errors *errors = view->errors;
+	if (event == NULL) {
+		errors->low = errors->lowest;
+		errors->high = errors->highest;
+		return STATUS_OK;
+	}
+	double rise;
+	enum status status = rise_beside(view, event, &rise);
+	if (status != STATUS_OK)
+		return status;
+	const struct body *body = &view->world->bodies[event->body];
+	double deep = event->sinkage;
+	if (body->object->load > 0) /* as it was found to stand, some steps ago */
+		deep = fmax(deep, body->sinkage);
+	deep = fmax(deep + rise, 0);
+	errors->low = -deep;
+	errors->high = deform_conserves(view->world->scene->model) ? deep : 0;
+	errors->lowest = fmin(errors->lowest, errors->low);
+	errors->highest = fmax(errors->highest, errors->high);
+	return STATUS_OK;
+}
+
+/* --- errors --- */
+
+static enum status base_error(struct view *view, struct tile tile, double *error)
+{
+	struct key_pair known;
+	struct store_range range;
+	bool found;
+	uint64_t key = tile_key(tile);
+	enum status status = key_cache_find(&view->errors->bases, key, &known, &found);
+	*error = status == STATUS_OK && found ? known.a : 0;
+	if (status != STATUS_OK || found)
+		return status;
+	status = ground_base_range(view->world->ground, tile, &range);
+	if (status != STATUS_OK)
+		return status;
+	*error = range.error;
+	return key_cache_put(&view->errors->bases, key, range.error, 0);
+}
+
+enum status view_error(struct view *view, struct tile tile, bool expected, double *error)
+{
+	const struct view_errors *errors = view->errors;
+	*error = 0;
+	/* Nothing is finer than the working level where there are offsets, nor than level 0 elsewhere. */
+	if ((expected || view_is_deformed(view, tile)) && tile.level <= view->world->level)
+		return STATUS_OK;
+	double low, high;
+	enum status status = view_stored_offsets(view, tile, &low, &high);
+	const struct key_pair *pressed = key_map_find(&errors->pressed, tile_key(tile));
+	if (pressed != NULL) {
+		low = fmin(low, pressed->a);
+		high = fmax(high, pressed->b);
+	}
+	double apart = high - low;
+	if (expected)
+		apart = fmax(apart, errors->highest - errors->lowest);
+	if (status == STATUS_OK && tile.level > 0)
+		status = base_error(view, tile, error);
+	*error += apart;
+	return status;
+}

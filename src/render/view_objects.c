@@ -1,0 +1,78 @@
+/*
+ * Where the objects are in a picture: at its time, between two stations. Over the ground they are as the last station
+ * pressed: as deep below the undisturbed ground as there, a load as deep as the soil was last found to carry it. A wheel and a ball have
+ * turned by the way since.
+ */
+#include <math.h>
+
+#include "render/view.h"
+
+/* Radians that it has turned, with the way since its last station. A path's attitude says all of a ball's. */
+static double turned_at(const struct body *body, const struct track_point *point)
+{
+	const struct deform_shape *shape = &body->object->shape;
+	double dx = lattice_offset_metres(point->qx - body->last.x), dy = lattice_offset_metres(point->qy - body->last.y);
+	if (shape->kind == DEFORM_WHEEL) {
+		double along = body->in_contact ? dx * cos(point->yaw) + dy * sin(point->yaw) : 0;
+		return body->last.turn + along / (shape->radius * (1 - body->object->slip));
+	}
+	if (shape->kind != DEFORM_SPHERE || body->object->path.has_attitude)
+		return 0;
+	return remainder((body->distance + (body->in_contact ? hypot(dx, dy) : 0)) / shape->radius, 2 * M_PI);
+}
+
+/* Height of its centre, 2^-20 m. *known false: it is nowhere yet, or where there is no ground it never was on any. */
+static enum status height_at(struct world *world, const struct body *body, const struct track_point *point, int64_t *height, bool *known)
+{
+	const struct scene_object *object = body->object;
+	int64_t ground;
+	*known = true;
+	*height = lattice_offset(point->z);
+	if (object->path.has_z)
+		return STATUS_OK;
+	enum status status = ground_height(world->ground, point->qx, point->qy, &ground, known);
+	if (status != STATUS_OK)
+		return status;
+	double depth = object->load > 0 ? deform_sinkage_guess(&object->shape, &world->scene->soils[0], object->load) : object->sink;
+	*height = *known ? ground + lattice_offset(deform_shape_reach(&object->shape, point->pitch, point->roll) - depth) + body->raised :
+			   body->last.z + body->raised;
+	*known = *known || body->in_contact || body->distance > 0;
+	return STATUS_OK;
+}
+
+enum status view_set_objects(struct view *view, bool settled)
+{
+	struct world *world = view->world;
+	const struct scene *scene = world->scene;
+	if (!render_shows_objects(view->render))
+		return STATUS_OK;
+	struct render_object *objects = mem_alloc(scene->object_count, sizeof *objects);
+	if (objects == NULL)
+		return fail_memory("the picture's objects");
+	size_t count = 0;
+	enum status status = settled ? forces_settle(world->forces, world->record) : STATUS_OK;
+	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++) {
+		const struct body *body = &world->bodies[i];
+		struct track_point point;
+		int64_t height;
+		bool known;
+		if (world->time < track_sample_time(body->track, 0))
+			continue; /* it has not begun */
+		track_at(body->track, world->time, &point);
+		status = height_at(world, body, &point, &height, &known);
+		bool attitude = scene->objects[i].shape.kind != DEFORM_WHEEL; /* a wheel's axle is level */
+		if (status == STATUS_OK && known)
+			objects[count++] = (struct render_object){
+				.object = i,
+				.at = {point.x, point.y, lattice_offset_metres(height)},
+				.yaw = point.yaw,
+				.pitch = attitude ? point.pitch : 0,
+				.roll = attitude ? point.roll : 0,
+				.turned = turned_at(body, &point),
+			};
+	}
+	if (status == STATUS_OK)
+		render_set_objects(view->render, objects, count);
+	mem_free(objects);
+	return status;
+}

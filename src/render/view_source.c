@@ -1,0 +1,193 @@
+/*
+ * What terrain asks of a drive: where there is ground, what of it is resident, what may be divided.
+ * And how much of it a picture may need: no more than the slots that deformation leaves it.
+ */
+#include <math.h>
+
+#include "render/view.h"
+
+/* A base's range does not change: read once, kept while it is asked for. */
+static enum status base_range(struct view *view, struct tile tile, struct key_pair *range)
+{
+	uint64_t key = tile_key(tile);
+	bool found, any = false;
+	enum status status = key_cache_find(&view->ranges, key, range, &found);
+	if (status != STATUS_OK || found)
+		return status;
+	status = ground_range(view->world->ground, tile, &range->a, &range->b, &any);
+	if (status != STATUS_OK)
+		return status;
+	if (!any)
+		range->a = NAN;
+	return key_cache_put(&view->ranges, key, range->a, range->b);
+}
+
+static bool is_expected(const struct view *view, struct tile tile)
+{
+	return view->expected.count > 0 && key_set_has(&view->expected, tile_key(tile));
+}
+
+/* Has offsets at or below it, or will have by the time that is looked at. */
+static bool is_deformed(const struct view *view, struct tile tile)
+{
+	return view_is_deformed(view, tile) || is_expected(view, tile);
+}
+
+static bool bounds(void *user, struct tile tile, double *low, double *high)
+{
+	struct view *view = user;
+	const struct world *world = view->world;
+	if (!extent_has(&world->meta->extent, tile))
+		return false;
+	bool deformed = is_deformed(view, tile);
+	if (tile.level < 0 && !deformed)
+		return false;
+	struct key_pair range = {.a = NAN};
+	double lowest = 0, highest = 0;
+	enum status status = base_range(view, tile, &range);
+	if (status == STATUS_OK && deformed)
+		status = view_offsets(view, tile, is_expected(view, tile), &lowest, &highest);
+	if (status != STATUS_OK) {
+		view->failed = status;
+		return false;
+	}
+	*low = range.a + lowest;
+	*high = range.b + highest;
+	return !isnan(range.a);
+}
+
+static bool resident(void *user, struct tile tile, uint32_t *slot)
+{
+	struct view *view = user;
+	return page_cache_peek(view->world->cache, tile_key(tile), false, slot);
+}
+
+static bool divisible(void *user, struct tile tile)
+{
+	struct view *view = user;
+	bool deformed = is_deformed(view, tile);
+	/* Offsets live at the working level: nothing finer than it knows of them. */
+	return deformed ? tile.level > view->world->level : tile.level > 0;
+}
+
+enum status view_add_chain(const struct view *view, struct key_set *set, struct tile tile)
+{
+	int coarsest = extent_coarsest(&view->world->meta->extent);
+	for (int level = tile.level; level <= coarsest; level++) {
+		uint64_t key = tile_key(tile_ancestor(tile, level));
+		if (key_set_has(set, key))
+			return STATUS_OK;
+		enum status status = key_set_add(set, key);
+		if (status != STATUS_OK)
+			return status;
+	}
+	return STATUS_OK;
+}
+
+enum status view_pressed(struct view *view, const struct event *event, const struct contact_area *sweep)
+{
+	enum status status = view_offsets_press(view, sweep);
+	return status == STATUS_OK && view->errors != NULL ? view_errors_press(view, event) : status;
+}
+
+enum status view_deformed(struct view *view, struct tile tile)
+{
+	enum status status = view_offsets_touch(view, tile);
+	return status == STATUS_OK && view->errors != NULL ? view_errors_touch(view, tile) : status;
+}
+
+static double error_of(void *user, struct tile tile)
+{
+	struct view *view = user;
+	double error = 0;
+	enum status status = view_error(view, tile, is_expected(view, tile), &error);
+	if (status != STATUS_OK)
+		view->failed = status;
+	return error;
+}
+
+static bool not_resident(void *user, struct tile tile, uint32_t *slot)
+{
+	return false;
+}
+
+/* --- selecting --- */
+
+/* Tiles that are being divided need places in a selection too. */
+#define MOST (TERRAIN_DRAWS_MAX - 2 * (TILE_LEVEL_MAX - TILE_LEVEL_MIN))
+
+/* Of so many slots, those that pictures and what is loaded ahead for them may take; *budget: one picture. */
+static size_t room_of(const struct scene *scene, size_t slots, size_t *budget)
+{
+	/* Of each object what one window touches, and once more for where it goes next. */
+	size_t half = slots / 2, hold = 2 * 4 * scene->object_count;
+	hold = hold < 4 ? 4 : hold;
+	size_t room = slots - (hold < half ? hold : half);
+	/* And the loads on their way. */
+	size_t loads = 3 * (size_t)scene->loaders, quarter = room / 4;
+	*budget = room - (loads < quarter ? loads : quarter);
+	if (*budget > MOST)
+		*budget = MOST;
+	return room;
+}
+
+void view_find_room(struct view *view)
+{
+	const struct scene *scene = view->world->scene;
+	view->room = room_of(scene, scene->slots, &view->budget);
+}
+
+static void tell(struct view *view)
+{
+	const struct scene *scene = view->world->scene;
+	size_t needed = view->selection->needed, enough = scene->slots, budget = view->budget;
+	if (view->told)
+		return;
+	view->told = true;
+	if (view->budget == MOST) {
+		note("the view needs %zu tiles and draws at most %d: drawn coarser; import with larger tiles", needed, MOST);
+		return;
+	}
+	while (budget < needed && budget < MOST)
+		room_of(scene, ++enough, &budget);
+	note("the view needs %zu tiles here, and of %u slots objects and loads leave it %zu: drawn coarser, without the finest "
+	     "ruts; give cache.slots at least %zu", needed, scene->slots, view->budget, enough);
+}
+
+enum status view_select(struct view *view, const struct render_camera *camera, bool everything)
+{
+	const struct extent *extent = &view->world->meta->extent;
+	const struct terrain_source source = {view, bounds, everything ? not_resident : resident, divisible, error_of};
+	struct terrain_view whole, looking;
+	render_view(view->render, camera, &whole);
+	view->failed = STATUS_OK;
+	looking = whole;
+	/* Most often the whole view fits, or did not in the last picture either. */
+	bool fits = !view->coarse || terrain_fit(extent, &source, view->budget, &looking);
+	terrain_select(extent, &looking, &source, view->selection);
+	if (fits && view->selection->needed > view->budget) {
+		tell(view);
+		fits = terrain_fit(extent, &source, view->budget, &looking);
+		terrain_select(extent, &looking, &source, view->selection);
+	}
+	view->coarse = !fits;
+	return view->failed;
+}
+
+void view_mark_used(struct view *view, bool stand_ins)
+{
+	struct page_cache *cache = view->world->cache;
+	const struct terrain_selection *selection = view->selection;
+	uint32_t slot;
+	/* Near to far: the nearest last, which is the last to go; and after it what stands in for all. */
+	for (size_t i = selection->draw_count; i-- > 0;) {
+		const struct terrain_draw *draw = &selection->draws[i];
+		if (draw->stands_in && !stand_ins)
+			continue;
+		page_cache_peek(cache, tile_key(draw->tile), true, &slot);
+		if (draw->tile.level < 0)
+			page_cache_peek(cache, tile_key(tile_ancestor(draw->tile, 0)), true, &slot);
+	}
+	struct tile coarsest = {extent_coarsest(&view->world->meta->extent), 0, 0};
+	page_cache_peek(cache, tile_key(coarsest), true, &slot);
+}

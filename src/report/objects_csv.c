@@ -1,0 +1,95 @@
+/* objects.csv: what the soil did to each body, a row for each multiple of 1 / output.forces. */
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "report/report.h"
+
+static const char header[] = "t,name,x,y,z,sinkage,fx,fy,fz,tx,ty,tz,slip,contact_area\n";
+
+struct report_rows {
+	const struct world *world;
+	const char *directory;
+	FILE *file;
+	struct world_rows sink;
+};
+
+static enum status failed(const struct report_rows *rows)
+{
+	return fail_with(STATUS_FAILED, "%s/objects.csv: %s; free some disk space", rows->directory, strerror(errno));
+}
+
+static enum status write_row(void *user, const struct world_row *row)
+{
+	const struct report_rows *rows = user;
+	const struct scene_object *object = rows->world->bodies[row->body].object;
+	const struct record_force *force = &row->force;
+	int printed = fprintf(rows->file, "%.9g,%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n", row->time, object->name,
+			      row->position[0], row->position[1], row->position[2], force->sinkage, force->force[0], force->force[1],
+			      force->force[2], force->moment[0], force->moment[1], force->moment[2], object->slip, force->area);
+	return printed > 0 ? STATUS_OK : failed(rows);
+}
+
+static enum status flush(void *user)
+{
+	const struct report_rows *rows = user;
+	return fflush(rows->file) == 0 ? STATUS_OK : failed(rows);
+}
+
+/* Where the rows at or before `time` end; a kill may have torn the last line. */
+static long whole_until(FILE *file, double time)
+{
+	char line[1024];
+	long end = 0;
+	while (fgets(line, sizeof line, file) != NULL && strchr(line, '\n') != NULL) {
+		if (end == 0 ? strcmp(line, header) != 0 : strtod(line, NULL) > time * (1 + 1e-8))
+			break;
+		end = ftell(file);
+	}
+	return end;
+}
+
+enum status report_rows_open(const struct world *world, const char *directory, struct report_rows **out)
+{
+	char path[4096];
+	*out = NULL;
+	snprintf(path, sizeof path, "%s/objects.csv", directory);
+	if (world->scene->object_count == 0 || world->scene->forces == 0) {
+		unlink(path); /* another run's */
+		return STATUS_OK;
+	}
+	struct report_rows *rows = mem_calloc(1, sizeof *rows);
+	if (rows == NULL)
+		return fail_memory("objects.csv");
+	*rows = (struct report_rows){.world = world, .directory = directory, .sink = {rows, write_row, flush}};
+	rows->file = fopen(path, world->resumed.is ? "a+" : "w+");
+	long end = 0;
+	if (rows->file != NULL && world->resumed.is) {
+		rewind(rows->file);
+		end = whole_until(rows->file, world->record->time);
+	}
+	if (rows->file == NULL || end < 0 || ftruncate(fileno(rows->file), end) != 0 || fseek(rows->file, 0, SEEK_END) != 0 ||
+	    (end == 0 && fputs(header, rows->file) < 0)) {
+		enum status status = fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
+		report_rows_close(rows);
+		return status;
+	}
+	*out = rows;
+	return STATUS_OK;
+}
+
+void report_rows_close(struct report_rows *rows)
+{
+	if (rows == NULL)
+		return;
+	if (rows->file != NULL)
+		fclose(rows->file);
+	mem_free(rows);
+}
+
+const struct world_rows *report_rows_sink(const struct report_rows *rows)
+{
+	return rows != NULL ? &rows->sink : NULL;
+}

@@ -1,0 +1,121 @@
+/*
+ * What a drive will make and run, before it does. What a drive does by these functions it does by them alone, so that the plan
+ * cannot say otherwise.
+ */
+#include <string.h>
+#include <unistd.h>
+
+#include "report/report.h"
+
+/* Room for one more is made before it is filled; a failure is kept by `failed`. */
+struct notes {
+	struct report_plan *plan;
+	bool failed;
+};
+
+static void keep_note(void *user, const char *text)
+{
+	struct notes *notes = user;
+	struct report_plan *plan = notes->plan;
+	char **grown = mem_realloc(plan->notes, plan->note_count + 1, sizeof *grown);
+	char *copy = mem_strdup(text);
+	if (grown != NULL)
+		plan->notes = grown;
+	if (grown != NULL && copy != NULL)
+		grown[plan->note_count++] = copy;
+	else
+		mem_free(copy);
+	notes->failed = notes->failed || grown == NULL || copy == NULL;
+}
+
+/* --- the plan --- */
+
+static enum status plan_lines(const struct world *world, struct plan *plan)
+{
+	const struct scene *scene = world->scene;
+	uint32_t cells = world->meta->extent.cells;
+	unsigned planes = pages_planes_of(scene, world->was_deformed);
+	bool classes = soil_map_needed(scene);
+	bool decimates = planes != 0 && scene->view.present;
+	enum status status = world_plan_deform(world, plan);
+	/* Its planes come first: what calls for the offset has the tiles deformed. */
+	const char *effect = plan->count > 0 ? plan->lines[0].effect : NULL;
+	gpu_slots_plan(cells, planes, classes, world->level < 0, decimates, effect, plan);
+	if (scene->view.present) {
+		struct render_params render;
+		view_render_params(world, &render);
+		render_plan(&render, planes != 0, world->level < 0, plan);
+		if (scene->view.images > 0)
+			pictures_plan((uint32_t)scene->view.width, (uint32_t)scene->view.height, plan);
+	}
+	world_plan_pages(world, plan);
+	return status == STATUS_OK ? plan_status(plan) : status;
+}
+
+static enum status describe(struct world *world, struct report_plan *out)
+{
+	const struct scene *scene = world->scene;
+	struct pages_budget most;
+	struct notes notes = {.plan = out};
+	enum status status = world_budget_check(world);
+	if (status != STATUS_OK)
+		return status;
+	world_budget(world, &most);
+	out->effects = scene_effects(scene, world->level);
+	out->cells = world->meta->extent.cells;
+	out->level = world->level;
+	out->spacing = world->spacing;
+	out->deformed = world->was_deformed;
+	out->most.slots = most.slots;
+	out->most.loads = most.loads;
+	out->most.queue = most.queue;
+	out->most.queue_few = most.queue_few;
+	out->most.ground = most.ground;
+	out->window_tiles = world->windows.tiles;
+	out->steps = (int64_t)world_steps_until(scene, scene->end_time);
+	out->pictures = scene->view.present ? out->steps : 0;
+	out->stations = mem_calloc(scene->object_count + 1, sizeof *out->stations);
+	if (out->stations == NULL)
+		return fail_memory("the plan");
+	for (size_t i = 0; i < scene->object_count; i++)
+		out->stations[i] = world_samples_until(world->bodies[i].track, scene->end_time);
+	world_advise(world, keep_note, &notes);
+	status = plan_lines(world, &out->plan);
+	return status == STATUS_OK && notes.failed ? fail_memory("the plan") : status;
+}
+
+enum status report_plan(const struct scene *scene, const char *store, struct report_plan *out)
+{
+	struct world world;
+	struct store_meta assumed;
+	const char *path = store;
+	if (path == NULL && scene->store != NULL && access(scene->store, F_OK) == 0)
+		path = scene->store;
+	*out = (struct report_plan){.store = NULL};
+	if (path == NULL && scene->store != NULL && (out->missing = mem_strdup(scene->store)) == NULL)
+		return fail_memory("the plan");
+	enum status status = world_prepare_plan(&world, scene, path, &assumed);
+	if (status == STATUS_OK && path != NULL && (out->store = mem_strdup(path)) == NULL)
+		status = fail_memory("the plan");
+	if (status == STATUS_OK)
+		status = describe(&world, out);
+	struct failure failure;
+	failure_capture(&failure, status);
+	world_finish(&world, STATUS_OK);
+	if (status == STATUS_OK)
+		return STATUS_OK;
+	report_plan_finish(out);
+	return failure_restore(&failure);
+}
+
+void report_plan_finish(struct report_plan *plan)
+{
+	for (size_t i = 0; i < plan->note_count; i++)
+		mem_free(plan->notes[i]);
+	mem_free(plan->notes);
+	mem_free(plan->stations);
+	mem_free(plan->store);
+	mem_free(plan->missing);
+	plan_finish(&plan->plan);
+	*plan = (struct report_plan){.store = NULL};
+}

@@ -1,0 +1,265 @@
+/* run.json: what a drive did and what it took. */
+#include <errno.h>
+#include <math.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/json.h"
+#include "report/report.h"
+
+static const char *const group_names[GPU_GROUPS] = {
+	[GPU_DISPLACE] = "displace", [GPU_REDISTRIBUTE] = "redistribute", [GPU_ATTRIBUTES] = "attributes",
+	[GPU_DECIMATE] = "pyramid", [GPU_RENDER] = "render", [GPU_DIVIDE] = "subdivide",
+};
+
+static void add_times(cJSON *root, const struct report *report)
+{
+	/* p99 of frames a second: of the slow end. */
+	cJSON *fps = cJSON_AddObjectToObject(root, "fps");
+	json_number(fps, "mean", 1e3 / times_mean(&report->frame_ms));
+	json_number(fps, "p50", 1e3 / times_percentile(&report->frame_ms, 0.5));
+	json_number(fps, "p99", 1e3 / times_percentile(&report->frame_ms, 0.99));
+	cJSON *step = cJSON_AddObjectToObject(root, "step_ms");
+	json_number(step, "p50", times_percentile(&report->step_ms, 0.5));
+	json_number(step, "p95", times_percentile(&report->step_ms, 0.95));
+	json_number(step, "p99", times_percentile(&report->step_ms, 0.99));
+	json_number(step, "max", times_percentile(&report->step_ms, 1));
+}
+
+static void add_stages(cJSON *root, const struct gpu_stats *gpu, const struct pages_io *io)
+{
+	cJSON *stages = cJSON_AddObjectToObject(root, "stage_ms");
+	json_number(stages, "load", io->load_ms);
+	for (int group = 0; group < GPU_DIVIDE; group++)
+		json_number(stages, group_names[group], gpu_group_ms(gpu, (enum gpu_group)group));
+	json_number(stages, "readback", io->readback_ms);
+	json_number(stages, "writeback", io->writeback_ms);
+}
+
+static void add_cache(cJSON *root, const struct report *report, const struct page_stats *stats)
+{
+	cJSON *cache = cJSON_AddObjectToObject(root, "cache");
+	json_integer(cache, "slots", report->world->scene->slots);
+	json_integer(cache, "touched", (int64_t)stats->touched);
+	json_integer(cache, "hits", (int64_t)stats->hits);
+	json_integer(cache, "misses", (int64_t)stats->misses);
+	json_integer(cache, "prefetched", (int64_t)stats->prefetched);
+	json_integer(cache, "cancelled", (int64_t)stats->cancelled);
+	json_integer(cache, "late", (int64_t)stats->late);
+	json_integer(cache, "evictions", (int64_t)stats->evictions);
+	json_integer(cache, "writebacks", (int64_t)stats->writebacks);
+	struct stalls stalls;
+	world_stalls(report->world, &stalls);
+	json_integer(cache, "stalls", (int64_t)stalls.count);
+	json_number(cache, "stall_ms", stalls.ms);
+	json_integer(cache, "stalls_late", report->settled ? (int64_t)(stalls.count - report->stalls_settled.count) : 0);
+}
+
+static void add_gpu(cJSON *root, const struct report *report, const struct gpu_stats *stats)
+{
+	cJSON *passes = cJSON_AddObjectToObject(root, "passes");
+	for (int group = 0; group < GPU_GROUPS; group++)
+		json_integer(passes, group_names[group], (int64_t)gpu_group_passes(stats, (enum gpu_group)group));
+	json_integer(root, "tiles_per_window", (int64_t)report->world->windows.tiles_most);
+	const struct gpu_info *info = gpu_info(report->world->gpu);
+	cJSON *gl = cJSON_AddObjectToObject(root, "gl");
+	cJSON_AddStringToObject(gl, "vendor", info->vendor);
+	cJSON_AddStringToObject(gl, "renderer", info->renderer);
+	cJSON_AddStringToObject(gl, "version", info->version);
+	cJSON_AddBoolToObject(gl, "software", info->software);
+}
+
+static void add_memory(cJSON *root, const struct report *report, const struct gpu_stats *gpu,
+		       const struct pages_io *io)
+{
+	struct gpu_slots_bytes planes;
+	gpu_slots_bytes(report->world->slots, &planes);
+	cJSON *memory = cJSON_AddObjectToObject(root, "memory");
+	json_integer(memory, "rss_peak", (int64_t)mem_peak_resident());
+	json_integer(memory, "gpu_bytes", (int64_t)gpu->bytes);
+	json_integer(memory, "host_bytes", (int64_t)io->host_bytes);
+	/* What may be taken at most, whatever the terrain's size and the drive's length. */
+	struct pages_budget most;
+	world_budget(report->world, &most);
+	cJSON *budget = cJSON_AddObjectToObject(memory, "budget");
+	json_integer(budget, "slots", (int64_t)most.slots);
+	json_integer(budget, "loads", (int64_t)most.loads);
+	json_integer(budget, "queue", (int64_t)most.queue);
+	json_integer(budget, "queue_few", (int64_t)most.queue_few);
+	json_integer(budget, "ground", (int64_t)most.ground);
+	json_integer(budget, "total", (int64_t)(most.slots + most.loads + most.queue + most.ground));
+	cJSON *bytes = cJSON_AddObjectToObject(memory, "plane_bytes");
+	json_integer(bytes, "base", (int64_t)planes.base);
+	if (planes.classes > 0)
+		json_integer(bytes, "classes", (int64_t)planes.classes);
+	for (int plane = 0; plane < PLANES; plane++)
+		if (gpu_slots_planes(report->world->slots) & PLANE_BIT(plane))
+			json_integer(bytes, plane_name(plane), (int64_t)planes.planes[plane]);
+	json_integer(root, "programs", gpu->programs);
+}
+
+static void add_io(cJSON *root, const struct report *report, const struct pages_io *io,
+		   const struct ground_figures *ground)
+{
+	int64_t side = tile_posts(&report->world->meta->extent), reads = (int64_t)ground->reads;
+	cJSON *object = cJSON_AddObjectToObject(root, "io");
+	json_integer(object, "tiles_read", io->tiles_read + reads);
+	json_integer(object, "tiles_written", io->tiles_written);
+	json_integer(object, "bytes_read", io->bytes_read + reads * side * side * (int64_t)sizeof(int32_t));
+	json_integer(object, "bytes_written", io->bytes_written);
+	json_integer(object, "commits", io->commits);
+}
+
+static void add_volume(cJSON *root, const struct report *report, const struct pages_io *io)
+{
+	double quantum = lattice_offset_metres(1) * report->world->spacing * report->world->spacing;
+	int64_t removed = -io->below, raised = io->above;
+	cJSON *volume = cJSON_AddObjectToObject(root, "volume");
+	json_number(volume, "removed", (double)removed * quantum);
+	json_number(volume, "raised", (double)raised * quantum);
+	json_number(volume, "net", (double)(raised - removed) * quantum);
+	json_number(volume, "compacted", (double)io->compacted * quantum);
+	cJSON *quanta = cJSON_AddObjectToObject(volume, "quanta");
+	json_integer(quanta, "removed", removed);
+	json_integer(quanta, "raised", raised);
+	json_integer(quanta, "net", raised - removed);
+	json_integer(quanta, "compacted", io->compacted);
+}
+
+static void add_objects(cJSON *root, const struct report *report)
+{
+	cJSON *objects = cJSON_AddObjectToObject(root, "objects");
+	for (size_t i = 0; i < report->world->scene->object_count; i++) {
+		const struct body *body = &report->world->bodies[i];
+		cJSON *object = cJSON_AddObjectToObject(objects, body->object->name);
+		json_number(object, "distance", body->distance);
+		json_number(object, "sinkage", body->sinkage);
+		if (body->object->load > 0 && body->in_contact)
+			json_number(object, "z", lattice_offset_metres(body->stands));
+		json_integer(object, "skipped", body->skipped);
+	}
+}
+
+static void add_slide(cJSON *root, const struct report *report)
+{
+	cJSON *slide = cJSON_AddObjectToObject(root, "slide");
+	json_integer(slide, "awake", (int64_t)report->world->record->awake_count);
+	json_integer(slide, "visited", (int64_t)report->world->relaxation.visited);
+	json_integer(slide, "possible", (int64_t)report->world->relaxation.possible);
+}
+
+static void add_forces(cJSON *root, const struct report *report)
+{
+	struct forces_figures figures;
+	forces_figures(report->world->forces, &figures);
+	if (figures.sunk > 0)
+		note("%llu times the soil did not carry an object's load: it sank as deep as it is high", (unsigned long long)figures.sunk);
+	if (figures.saturated > 0)
+		note("%llu times a post bore more than can be summed (134 MPa): it counts as that", (unsigned long long)figures.saturated);
+	cJSON *forces = cJSON_AddObjectToObject(root, "forces");
+	json_integer(forces, "sunk", (int64_t)figures.sunk);
+	json_integer(forces, "saturated", (int64_t)figures.saturated);
+}
+
+static void add_view(cJSON *root, const struct report *report)
+{
+	struct view_figures figures;
+	view_figures(report->view, &figures);
+	cJSON *view = cJSON_AddObjectToObject(root, "view");
+	json_integer(view, "frames", (int64_t)figures.frames);
+	json_number(view, "triangles", figures.triangles);
+	json_number(view, "overdraw", figures.overdraw);
+	json_integer(view, "starved", (int64_t)figures.starved);
+	json_integer(view, "coarsened", (int64_t)figures.coarsened);
+	if (report->pictures == NULL)
+		return;
+	struct pictures_figures pictures;
+	pictures_figures(report->pictures, &pictures);
+	json_integer(view, "images", (int64_t)pictures.written);
+	json_integer(view, "image_waits", (int64_t)pictures.waits);
+	json_number(view, "image_wait_ms", pictures.wait_ms);
+}
+
+/* What this process did and what it took. */
+static void add_process(cJSON *root, const struct report *report, const struct pages_io *io)
+{
+	struct gpu_stats gpu;
+	struct page_stats pages;
+	struct deform_tally tally = {.refused = 0};
+	gpu_stats(report->world->gpu, &gpu);
+	for (int i = 0; i < GPU_STAGES; i++) {
+		gpu.passes[i] -= report->world->warmed.gpu.passes[i];
+		gpu.stage_ms[i] -= report->world->warmed.gpu.stage_ms[i];
+	}
+	page_cache_stats(report->world->cache, &pages);
+	struct ground_figures ground;
+	ground_figures(report->world->ground, &ground);
+	bool known = report->world->deform == NULL || deform_tally(report->world->deform, &tally) == STATUS_OK;
+	if (known && tally.refused > 0)
+		note("%llu times a post would have been pressed deeper than an offset holds (1024 m): refused",
+		     (unsigned long long)tally.refused);
+	json_number(root, "seconds", report->seconds);
+	json_number(root, "rtf", report->seconds > 0 ? (report->world->time - report->world->resumed.time) / report->seconds : 0);
+	add_times(root, report);
+	add_stages(root, &gpu, io);
+	add_cache(root, report, &pages);
+	add_gpu(root, report, &gpu);
+	add_memory(root, report, &gpu, io);
+	add_io(root, report, io, &ground);
+	report_where(root, report, &gpu);
+	json_number(root, "refused_posts", known ? (double)tally.refused : (double)NAN);
+	if (deform_conserves(report->world->scene->model))
+		add_slide(root, report);
+	if (report->world->forces != NULL)
+		add_forces(root, report);
+	if (report->view != NULL)
+		add_view(root, report);
+	report_counts(root, report, &gpu, io);
+}
+
+char *report_json(const struct report *report, const char *ended)
+{
+	const struct record_sums *sums = &report->world->record->sums;
+	struct pages_io io = {.below = sums->below, .above = sums->above, .compacted = sums->compacted};
+	if (report->world->pages != NULL)
+		pages_io(report->world->pages, &io);
+	cJSON *root = cJSON_CreateObject();
+	cJSON_AddStringToObject(root, "ended", ended);
+	json_integer(root, "steps", report->world->step);
+	json_number(root, "simulated", report->world->time);
+	if (report->world->resumed.is)
+		json_integer(root, "resumed_from", report->world->resumed.from);
+	else
+		cJSON_AddNullToObject(root, "resumed_from");
+	json_number(root, "spacing", report->world->spacing);
+	json_integer(root, "working_level", report->world->level);
+	add_volume(root, report, &io);
+	add_objects(root, report);
+	if (report->world->pages != NULL)
+		add_process(root, report, &io);
+	char *printed = cJSON_Print(root), *json = NULL;
+	cJSON_Delete(root);
+	if (printed != NULL)
+		json = mem_strdup(printed);
+	cJSON_free(printed);
+	return json;
+}
+
+enum status report_write(const char *directory, const char *json)
+{
+	char path[4096], aside[4096 + 8];
+	snprintf(path, sizeof path, "%s/run.json", directory);
+	snprintf(aside, sizeof aside, "%s.part", path);
+	FILE *file = fopen(aside, "w");
+	bool written = file != NULL && fputs(json, file) >= 0 && fputc('\n', file) != EOF && fflush(file) == 0 &&
+		       fsync(fileno(file)) == 0;
+	int error = errno;
+	if (file != NULL && fclose(file) != 0)
+		written = false;
+	if (written && rename(aside, path) == 0)
+		return STATUS_OK;
+	if (written)
+		error = errno;
+	unlink(aside);
+	return fail_with(STATUS_FAILED, "%s: %s; free some disk space", path, strerror(error));
+}

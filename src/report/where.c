@@ -1,0 +1,49 @@
+/* run.json's "where": of the regions in which an effect might have worked, those in which it did. run.h has the units. */
+#include "base/json.h"
+#include "report/report.h"
+
+static void add(cJSON *where, const char *name, uint64_t visited, uint64_t possible)
+{
+	cJSON *effect = cJSON_AddObjectToObject(where, name);
+	json_integer(effect, "visited", (int64_t)visited);
+	json_integer(effect, "possible", (int64_t)possible);
+}
+
+static void add_windows(cJSON *where, const struct report *report, const struct gpu_stats *gpu)
+{
+	static const enum scene_effect of_windows[] = {EFFECT_DISPLACE, EFFECT_BOX, EFFECT_SUMNER, EFFECT_SLIPPAGE,
+						       EFFECT_SCM, EFFECT_SPREAD, EFFECT_DIRT};
+	for (size_t i = 0; i < sizeof of_windows / sizeof *of_windows; i++) {
+		enum scene_effect effect = of_windows[i];
+		uint64_t visited = report->world->windows.computed;
+		if (effect == EFFECT_BOX) /* not where an object only stands */
+			visited = gpu->passes[GPU_SMOOTH] / (uint64_t)report->world->scene->box_repetitions;
+		if (scene_effects(report->world->scene, report->world->level) >> effect & 1)
+			add(where, scene_effect_row(effect)->name, visited, report->world->windows.due);
+	}
+}
+
+static void add_slots(cJSON *where, const struct report *report)
+{
+	struct gpu_slots_figures slots;
+	gpu_slots_figures(report->world->slots, &slots);
+	add(where, "slots", slots.deform_slots, slots.base_slots);
+}
+
+void report_where(cJSON *root, const struct report *report, const struct gpu_stats *gpu)
+{
+	cJSON *where = cJSON_AddObjectToObject(root, "where");
+	add_windows(where, report, gpu);
+	for (int effect = EFFECT_SHED; effect <= EFFECT_SLIDE; effect++)
+		if (scene_effects(report->world->scene, report->world->level) >> effect & 1)
+			add(where, scene_effect_row((enum scene_effect)effect)->name, report->world->relaxation.visited, report->world->relaxation.possible);
+	if (report->view != NULL) {
+		struct pyramid_figures pyramid;
+		struct view_figures view;
+		pyramid_figures(report->world->pyramid, &pyramid);
+		view_figures(report->view, &view);
+		add(where, "pyramid", pyramid.updated, pyramid.resident);
+		add(where, "draw", view.tiles.deformed, view.tiles.drawn);
+	}
+	add_slots(where, report);
+}

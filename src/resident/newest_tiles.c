@@ -1,0 +1,210 @@
+/* Heights of tiles: the base as the lattice has it, and the newest offsets; the last used of them kept. */
+#include <math.h>
+#include <string.h>
+
+#include "world/world.h"
+#include "resident/newest_internal.h"
+#include "resident/pages_internal.h"
+
+#define BYTES ((size_t)32 << 20)
+enum { LEAST = 4, MOST = 64 };
+
+static size_t posts_of(const struct newest *newest)
+{
+	size_t side = tile_posts(newest->extent);
+	return side * side;
+}
+
+enum status newest_create_tiles(struct newest *newest)
+{
+	const size_t posts = posts_of(newest), fit = BYTES / (posts * sizeof(double));
+	newest->tile_count = fit < LEAST ? LEAST : fit > MOST ? MOST : fit;
+	newest->tiles = mem_calloc(newest->tile_count, sizeof *newest->tiles);
+	newest->posts = mem_alloc(posts, sizeof *newest->posts);
+	newest->patch = mem_alloc(posts, sizeof *newest->patch);
+	return newest->tiles != NULL && newest->posts != NULL && newest->patch != NULL ? STATUS_OK : fail_memory("tiles for queries");
+}
+
+void newest_destroy_tiles(struct newest *newest)
+{
+	for (size_t i = 0; newest->tiles != NULL && i < newest->tile_count; i++) {
+		mem_free(newest->tiles[i].heights);
+		mem_free(newest->tiles[i].blocks);
+	}
+	mem_free(newest->tiles);
+	mem_free(newest->posts);
+	mem_free(newest->patch);
+}
+
+/* Whether its heights have offsets: coarser tiles are shown only where there are none. */
+static bool takes_offsets(const struct newest *newest, struct tile tile)
+{
+	return newest->deformed && (newest->level < 0 ? tile.level == newest->level : tile.level == 0);
+}
+
+void newest_forget_tiles(struct newest *newest)
+{
+	for (size_t i = 0; i < newest->tile_count; i++)
+		if (takes_offsets(newest, tile_from_key(newest->tiles[i].key)))
+			newest->tiles[i].used = 0;
+}
+
+/* --- offsets --- */
+
+struct taking {
+	const struct newest *newest;
+	int32_t *offsets;
+};
+
+static void take_image(void *user, const struct page_image *image)
+{
+	const struct taking *taking = user;
+	const struct pages *pages = taking->newest->world->pages;
+	const size_t bytes = posts_of(taking->newest) * sizeof *taking->offsets;
+	if (image->flags & PLANE_BIT(PLANE_OFFSET))
+		memcpy(taking->offsets, pages_plane(pages, image->bytes, PLANE_OFFSET), bytes);
+	else
+		memset(taking->offsets, 0, bytes);
+}
+
+static enum status read_slot(const struct newest *newest, uint32_t slot, int32_t *offsets)
+{
+	const struct gpu_slot *held = gpu_slots_get(newest->world->slots, slot);
+	const uint32_t side = tile_posts(newest->extent);
+	if (held->planes[PLANE_OFFSET] == NULL)
+		memset(offsets, 0, posts_of(newest) * sizeof *offsets);
+	else
+		gpu_texture_read(held->planes[PLANE_OFFSET], 0, (struct gpu_rect){0, 0, side, side}, offsets);
+	return gpu_check(newest->world->gpu, "reading the ground for a query");
+}
+
+/* Of a tile of the level with offsets. */
+static enum status read_offsets(struct newest *newest, struct tile tile, int32_t *offsets)
+{
+	enum page_newest where = PAGE_NEWEST_STORED;
+	uint32_t slot = 0;
+	struct taking taking = {newest, offsets};
+	enum status status = STATUS_OK;
+	if (newest->world != NULL)
+		status = page_cache_newest(newest->world->cache, tile_key(tile), take_image, &taking, &where, &slot);
+	if (status != STATUS_OK || where == PAGE_NEWEST_QUEUED)
+		return status;
+	if (where == PAGE_NEWEST_SLOT)
+		return read_slot(newest, slot, offsets);
+	unsigned present;
+	return store_read_deformed(ground_reader(newest->base), tile, PLANE_BIT(PLANE_OFFSET),
+				   (void *const[PLANES]){[PLANE_OFFSET] = offsets}, &present);
+}
+
+/* --- heights --- */
+
+/* Posts of the tile from those of one `shift` levels coarser, in the same place. */
+static void divide(struct newest *newest, struct tile tile, int shift, const int32_t *coarse, int32_t *posts)
+{
+	const uint32_t cells = newest->extent->cells, side = lattice_patch_posts(cells, shift);
+	const uint64_t x = (uint64_t)tile.x * cells, y = (uint64_t)tile.y * cells, part = ((uint64_t)1 << shift) - 1;
+	const size_t cx = (size_t)(x >> shift) & (cells - 1), cy = (size_t)(y >> shift) & (cells - 1);
+	for (size_t row = 0; row < side; row++)
+		memcpy(newest->patch + row * side, coarse + (cy + row) * (cells + 1) + cx, side * sizeof *coarse);
+	lattice_subdivide(newest->patch, cells, shift, (uint32_t)(x & part), (uint32_t)(y & part), posts);
+}
+
+static enum status fill_base(struct newest *newest, struct tile tile, double *heights)
+{
+	const size_t count = posts_of(newest);
+	const struct store_meta *meta = store_meta(newest->store);
+	int32_t *posts = newest->posts;
+	int shift = 0;
+	uint32_t sub_x, sub_y;
+	enum status status;
+	if (!newest->fits) {
+		status = store_read_base(ground_reader(newest->base), tile, posts, NULL);
+		for (size_t i = 0; i < count && status == STATUS_OK; i++)
+			heights[i] = height_code_metres(posts[i], meta->step);
+		return status;
+	}
+	if (tile.level == 0) {
+		status = ground_posts(newest->base, tile, posts);
+	} else {
+		status = ground_patch(newest->base, tile, newest->patch, &shift, &sub_x, &sub_y);
+		if (status == STATUS_OK)
+			lattice_subdivide(newest->patch, newest->extent->cells, shift, sub_x, sub_y, posts);
+	}
+	const double reference = ground_reference(newest->store);
+	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+		heights[i] = posts[i] == BASE_NODATA ? (double)NAN : reference + lattice_base_metres(posts[i]);
+	return status;
+}
+
+static enum status add_offsets(struct newest *newest, struct tile tile, struct newest_tile *into)
+{
+	const size_t count = posts_of(newest);
+	int32_t *offsets = newest->posts, bits = 0;
+	const int shift = newest->level - tile.level; /* 0, or the offsets are of a coarser level */
+	int32_t *fine = NULL;
+	enum status status = read_offsets(newest, tile_ancestor(tile, newest->level), offsets);
+	if (status == STATUS_OK && shift > 0) {
+		fine = mem_alloc(count, sizeof *fine);
+		if (fine == NULL)
+			return fail_memory("a tile for queries");
+		divide(newest, tile, shift, offsets, fine);
+		offsets = fine;
+	}
+	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+		bits |= offsets[i];
+		into->heights[i] += lattice_offset_metres(offsets[i]);
+	}
+	into->offsets = bits != 0;
+	mem_free(fine);
+	return status;
+}
+
+static struct newest_tile *find(struct newest *newest, uint64_t key)
+{
+	for (size_t i = 0; i < newest->tile_count; i++)
+		if (newest->tiles[i].used != 0 && newest->tiles[i].key == key)
+			return &newest->tiles[i];
+	return NULL;
+}
+
+static struct newest_tile *oldest(struct newest *newest)
+{
+	struct newest_tile *oldest = &newest->tiles[0];
+	for (size_t i = 1; i < newest->tile_count; i++)
+		if (newest->tiles[i].used < oldest->used)
+			oldest = &newest->tiles[i];
+	return oldest;
+}
+
+static enum status make_room(const struct newest *newest, struct newest_tile *tile)
+{
+	const size_t side = newest->extent->cells / TERRAIN_BLOCK;
+	if (tile->heights == NULL)
+		tile->heights = mem_alloc(posts_of(newest), sizeof *tile->heights);
+	if (tile->blocks == NULL)
+		tile->blocks = mem_alloc(side * side, sizeof *tile->blocks);
+	return tile->heights != NULL && tile->blocks != NULL ? STATUS_OK : fail_memory("a tile for queries");
+}
+
+enum status newest_tile(struct newest *newest, struct tile tile, const struct newest_tile **out)
+{
+	const uint64_t key = tile_key(tile);
+	struct newest_tile *found = find(newest, key);
+	if (found == NULL) {
+		found = oldest(newest);
+		found->used = 0; /* until it is whole */
+		found->offsets = false;
+		enum status status = make_room(newest, found);
+		if (status == STATUS_OK)
+			status = fill_base(newest, tile, found->heights);
+		if (status == STATUS_OK && takes_offsets(newest, tile))
+			status = add_offsets(newest, tile, found);
+		if (status != STATUS_OK)
+			return status;
+		terrain_fill_blocks(newest->extent->cells, found->heights, found->blocks);
+		found->key = key;
+	}
+	found->used = ++newest->clock;
+	*out = found;
+	return STATUS_OK;
+}

@@ -1,0 +1,185 @@
+/* Pages from the store and back: loads on the loader threads, epochs on the writer's. */
+#include <assert.h>
+#include <errno.h>
+#include <string.h>
+
+#include "resident/pages_internal.h"
+
+/* --- loader threads --- */
+
+static enum status load_base(struct pages *pages, struct ground *ground, struct tile tile,
+			     struct page_image *image)
+{
+	struct pages_head *head = pages_head(image);
+	*head = (struct pages_head){0, 0, 0};
+	if (tile.level < 0)
+		return ground_patch(ground, tile, pages_base(pages, image), &head->shift, &head->sub_x, &head->sub_y);
+	return ground_posts(ground, tile, pages_base(pages, image));
+}
+
+static enum status load_planes(struct pages *pages, struct ground *ground, struct tile tile,
+			       struct page_image *image, const struct page_image *queued)
+{
+	image->flags = 0;
+	image->overlays = tile.level > pages->params.level;
+	void *planes = pages_planes(pages, image);
+	if (queued != NULL) {
+		memcpy(planes, queued->bytes, pages->layout.changed);
+		image->flags = queued->flags;
+		return STATUS_OK;
+	}
+	if (pages->planes == 0 || tile.level < pages->params.level)
+		return STATUS_OK;
+	unsigned wanted = tile.level == pages->params.level ? pages->planes : pages->planes & GPU_DRAWN_PLANES, present;
+	void *into[PLANES] = {NULL};
+	for (int plane = 0; plane < PLANES; plane++)
+		if (wanted & PLANE_BIT(plane))
+			into[plane] = pages_plane(pages, planes, (enum plane)plane);
+	enum status status = store_read_deformed(ground_reader(ground), tile, wanted, into, &present);
+	if (status == STATUS_OK)
+		image->flags = present;
+	mutex_lock(&pages->mutex);
+	pages->io.counts.loaded += tile.level == pages->params.level;
+	pages->io.counts.loaded_coarser += tile.level > pages->params.level;
+	mutex_unlock(&pages->mutex);
+	return status;
+}
+
+static enum status load(void *user, unsigned loader, struct page_image *image, const struct page_image *queued)
+{
+	struct pages *pages = user;
+	struct ground *ground = pages->grounds[loader];
+	struct tile tile = tile_from_key(image->key);
+	double started = clock_seconds();
+	enum status status = load_base(pages, ground, tile, image);
+	if (status == STATUS_OK)
+		status = load_planes(pages, ground, tile, image, queued);
+	if (status == STATUS_OK && pages_have_classes(pages, tile))
+		status = pages->params.classes(pages->params.user, loader, tile,
+					       (uint8_t *)image->bytes + pages->layout.classes);
+	mutex_lock(&pages->mutex);
+	if (status == STATUS_OK) {
+		pages->io.tiles_read++;
+		pages->io.bytes_read += (int64_t)pages->layout.loaded; /* as decoded */
+	}
+	pages->io.load_ms += (clock_seconds() - started) * 1e3;
+	mutex_unlock(&pages->mutex);
+	return status;
+}
+
+/* --- the writer thread --- */
+
+/* What the writer thread makes the record's text of. */
+struct describing {
+	struct pages *pages;
+	const struct record *record;
+	int64_t compacted; /* in this epoch */
+	char *state;
+};
+
+static const char *describe(void *user, const struct store_epoch_result *result)
+{
+	struct describing *describing = user;
+	const struct pages_params *params = &describing->pages->params;
+	const struct pages_io *io = &describing->pages->io; /* of these the writer's alone */
+	const struct record_sums sums = {
+		.below = io->below + result->below,
+		.above = io->above + result->above,
+		.compacted = io->compacted + describing->compacted,
+	};
+	describing->state = record_print(describing->record, params->scene, &sums);
+	return describing->state;
+}
+
+static enum status acknowledge(struct pages *pages, int64_t epoch, int64_t step)
+{
+	FILE *log = pages->params.epochs;
+	if (fprintf(log, "epoch %lld step %lld\n", (long long)epoch, (long long)step) < 0 || fflush(log) != 0)
+		return fail_with(STATUS_FAILED, "epochs.log: %s; free some disk space", strerror(errno));
+	return STATUS_OK;
+}
+
+/* Of the tally; 0 without one. */
+static int64_t tally_compacted(const struct page_image *snapshot)
+{
+	uint64_t value = 0;
+	for (int i = 0; i < 8 && snapshot != NULL; i++)
+		value |= (uint64_t)((const uint8_t *)snapshot->bytes)[i] << (8 * i);
+	return (int64_t)value;
+}
+
+static struct store_page store_page_of(const struct pages *pages, const struct page_image *image)
+{
+	struct store_page page = {.tile = tile_from_key(image->key)};
+	for (int plane = 0; plane < PLANES; plane++)
+		if (image->flags & PLANE_BIT(plane))
+			page.planes[plane] = pages_plane(pages, image->bytes, (enum plane)plane);
+	return page;
+}
+
+static void count_epoch_locked(struct pages *pages, size_t count, const struct store_epoch_result *result)
+{
+	struct pages_counts *counts = &pages->io.counts;
+	counts->committed += (int64_t)count;
+	counts->committed_coarser += result->coarser;
+	counts->header += result->header;
+	for (int plane = 0; plane < PLANES; plane++) {
+		counts->changed[plane] += result->changed[plane];
+		counts->looked_up[plane] += result->looked_up[plane];
+	}
+}
+
+static enum status commit(void *user, const struct page_image *const *images, size_t count, const void *bytes,
+			  const struct page_image *snapshot)
+{
+	struct pages *pages = user;
+	const struct record *record = bytes;
+	enum status status = pages->params.before_commit != NULL ? pages->params.before_commit(pages->params.user) : STATUS_OK;
+	if (status != STATUS_OK)
+		return status;
+	double started = clock_seconds();
+	if (count > pages->commit_room) {
+		struct store_page *room = mem_realloc(pages->commit_pages, count, sizeof *room);
+		if (room == NULL)
+			return fail_memory("an epoch");
+		pages->commit_pages = room;
+		pages->commit_room = count;
+	}
+	for (size_t i = 0; i < count; i++)
+		pages->commit_pages[i] = store_page_of(pages, images[i]);
+	int64_t tally = tally_compacted(snapshot);
+	struct describing describing = {pages, record, tally - pages->tallied, NULL};
+	struct store_run run = {
+		.scene_hash = pages->params.scene->hash,
+		.step = record->step,
+		.time = record->time,
+		.compacted = tally - pages->tallied,
+		.describe = describe,
+		.user = &describing,
+	};
+	struct store_epoch_result result;
+	status = store_epoch(pages->params.store, pages->commit_pages, count, &run, &result);
+	mem_free(describing.state);
+	if (status != STATUS_OK)
+		return status;
+	pages->tallied = tally;
+	status = acknowledge(pages, result.epoch, record->step);
+	if (status == STATUS_OK)
+		status = store_bound_wal(pages->params.store);
+	mutex_lock(&pages->mutex);
+	pages->io.commits++;
+	pages->io.tiles_written += result.tiles_written;
+	pages->io.bytes_written += result.bytes_written;
+	pages->io.below += result.below;
+	pages->io.above += result.above;
+	pages->io.compacted += run.compacted;
+	count_epoch_locked(pages, count, &result);
+	pages->io.writeback_ms += (clock_seconds() - started) * 1e3;
+	mutex_unlock(&pages->mutex);
+	return status;
+}
+
+struct page_io pages_io_of(struct pages *pages)
+{
+	return (struct page_io){pages, load, commit};
+}

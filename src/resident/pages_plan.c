@@ -1,0 +1,84 @@
+/* What a drive's pages will make and ask the store for: threads, staging memory, statements. */
+#include <stdio.h>
+#include <string.h>
+
+#include "resident/pages_internal.h"
+#include "resident/soil_map.h"
+
+/* Of the plan's line for that plane; NULL: nothing calls for it but what earlier drives left. */
+static const char *effect_of(const struct plan *plan, enum plane plane)
+{
+	for (size_t i = 0; i < plan->count; i++)
+		if (plan->lines[i].kind == PLAN_PLANE && strcmp(plan->lines[i].name, plane_name(plane)) == 0)
+			return plan->lines[i].effect;
+	return NULL;
+}
+
+static void add_threads(const struct scene *scene, struct plan *plan)
+{
+	plan_add(plan, &(struct plan_line){.kind = PLAN_THREAD, .object = -1, .amount = 1}, PAGE_WRITER_THREAD);
+	if (scene->loaders > 0)
+		plan_add(plan, &(struct plan_line){.kind = PLAN_THREAD, .effect = scene_effect_row(EFFECT_LOADERS)->name,
+						   .object = -1, .amount = scene->loaders}, PAGE_LOADER_THREAD);
+}
+
+static void add_staging(struct plan *plan, enum plan_unit unit, const char *effect, int64_t amount, uint64_t bytes,
+			const char *what, const char *of)
+{
+	char name[64];
+	snprintf(name, sizeof name, "%s: %s", what, of);
+	plan_add(plan, &(struct plan_line){.kind = PLAN_BUFFER, .unit = unit, .effect = effect, .object = -1, .amount = amount,
+					   .bytes = (uint64_t)amount * bytes}, name);
+}
+
+/* Each buffer by its parts, since each plane's part is there for another reason. */
+static void add_images(const struct scene *scene, const struct pages_layout *layout, unsigned planes,
+		       const char *const effects[PLANES], struct plan *plan)
+{
+	uint32_t loads = page_load_images(scene->loaders);
+	add_staging(plan, PLAN_ONCE, NULL, loads, layout->planes, "loads", "base");
+	for (int plane = 0; plane < PLANES; plane++)
+		if (planes & PLANE_BIT(plane)) {
+			size_t bytes = pages_plane_room(layout, (enum plane)plane);
+			add_staging(plan, PLAN_ONCE, effects[plane], loads, bytes, "loads", plane_name((enum plane)plane));
+			add_staging(plan, PLAN_PAGE, effects[plane], 1, bytes, "changes", plane_name((enum plane)plane));
+		}
+	if (layout->loaded > layout->classes)
+		add_staging(plan, PLAN_ONCE, scene_effect_row(EFFECT_SOIL_MAP)->name, loads, layout->loaded - layout->classes,
+			    "loads", "classes");
+	if (scene->object_count > 0)
+		add_staging(plan, PLAN_ONCE, effects[PLANE_OFFSET], 1, PAGES_TALLY_BYTES, "changes", "tally");
+}
+
+void pages_plan(const struct scene *scene, uint32_t cells, bool was_deformed, struct plan *plan)
+{
+	unsigned planes = pages_planes_of(scene, was_deformed);
+	bool classes = soil_map_needed(scene);
+	const char *effects[PLANES];
+	struct pages_layout layout = pages_layout_of(cells, planes, classes);
+	for (int plane = 0; plane < PLANES; plane++)
+		effects[plane] = effect_of(plan, (enum plane)plane);
+	add_threads(scene, plan);
+	add_images(scene, &layout, planes, effects, plan);
+	store_plan_reads(plan, STORE_BASE_TABLE, 1, PLAN_READ, NULL);
+	const char *picture = scene_effect_row(EFFECT_PICTURE)->name;
+	bool shown = scene->view.present && was_deformed;
+	if (scene->view.present)
+		store_plan_reads(plan, STORE_BASE_TABLE, 1, PLAN_RANGE, picture);
+	/* Which tiles they are. */
+	if (shown)
+		store_plan_reads(plan, STORE_OFFSET_TABLE, 1, PLAN_ONCE, picture);
+	/* Bounds of what is seen; and, under models that raise nothing, of what an object may be in the air above. */
+	if (shown || (scene->object_count > 0 && !deform_conserves(scene->model)))
+		store_plan_reads(plan, STORE_OFFSET_TABLE, 1, PLAN_OFFSET_RANGE, shown ? picture : effects[PLANE_OFFSET]);
+	for (int plane = 0; plane < PLANES; plane++) {
+		enum store_table table = (enum store_table)(STORE_OFFSET_TABLE + plane);
+		if (planes & PLANE_BIT(plane))
+			store_plan_reads(plan, table, 1, PLAN_LOADED, effects[plane]);
+		if (planes & GPU_DRAWN_PLANES & PLANE_BIT(plane))
+			store_plan_reads(plan, table, 1, PLAN_LOADED_COARSER, effects[plane]);
+	}
+	/* The last drive's record: whether it could have been resumed. */
+	store_plan_reads(plan, STORE_RUN_TABLE, 1, PLAN_ONCE, NULL);
+	store_epoch_plan(scene->object_count > 0 ? planes : 0, was_deformed, effects, plan);
+}

@@ -1,0 +1,142 @@
+#include "resident/pyramid.h"
+
+#include "base/key_set.h"
+
+struct change {
+	struct tile tile;
+	struct post_rect rect; /* within the tile's posts, global */
+};
+
+struct pyramid {
+	const struct extent *extent;
+	int level, coarsest;
+	struct gpu_slots *slots;
+	struct change *changes;
+	size_t count, room;
+	struct key_set updated; /* in this step */
+	struct pyramid_figures figures;
+};
+
+enum status pyramid_create(const struct extent *extent, int level, struct gpu_slots *slots, struct pyramid **out)
+{
+	struct pyramid *pyramid = mem_calloc(1, sizeof *pyramid);
+	if (pyramid == NULL)
+		return fail_memory("the pyramid");
+	*pyramid = (struct pyramid){.extent = extent, .level = level, .coarsest = extent_coarsest(extent), .slots = slots};
+	*out = pyramid;
+	return STATUS_OK;
+}
+
+void pyramid_destroy(struct pyramid *pyramid)
+{
+	if (pyramid == NULL)
+		return;
+	key_set_finish(&pyramid->updated);
+	mem_free(pyramid->changes);
+	mem_free(pyramid);
+}
+
+static struct post_rect hull(struct post_rect a, struct post_rect b)
+{
+	return (struct post_rect){
+		.x0 = a.x0 < b.x0 ? a.x0 : b.x0,
+		.y0 = a.y0 < b.y0 ? a.y0 : b.y0,
+		.x1 = a.x1 > b.x1 ? a.x1 : b.x1,
+		.y1 = a.y1 > b.y1 ? a.y1 : b.y1,
+	};
+}
+
+enum status pyramid_changed(struct pyramid *pyramid, struct tile tile, struct post_rect rect)
+{
+	rect = post_rect_intersect(rect, tile_post_rect(pyramid->extent, tile));
+	for (size_t i = 0; i < pyramid->count; i++)
+		if (tile_equal(pyramid->changes[i].tile, tile)) {
+			pyramid->changes[i].rect = hull(pyramid->changes[i].rect, rect);
+			return STATUS_OK;
+		}
+	if (pyramid->count == pyramid->room) {
+		size_t room = pyramid->room != 0 ? 2 * pyramid->room : 64;
+		struct change *changes = mem_realloc(pyramid->changes, room, sizeof *changes);
+		if (changes == NULL)
+			return fail_memory("the pyramid");
+		pyramid->changes = changes;
+		pyramid->room = room;
+	}
+	pyramid->changes[pyramid->count++] = (struct change){tile, rect};
+	return STATUS_OK;
+}
+
+/* First multiple of 2^steps at or above v. */
+static int64_t align(int64_t v, int steps)
+{
+	int64_t mask = ((int64_t)1 << steps) - 1;
+	return (v + mask) & ~mask;
+}
+
+static enum status decimate(struct pyramid *pyramid, struct page_cache *cache, const struct change *change,
+			    uint32_t slot)
+{
+	struct post_rect own = tile_post_rect(pyramid->extent, change->tile);
+	for (int level = pyramid->level + 1; level <= pyramid->coarsest; level++) {
+		int steps = level - pyramid->level;
+		int64_t x0 = align(change->rect.x0, steps), y0 = align(change->rect.y0, steps);
+		if (x0 >= change->rect.x1 || y0 >= change->rect.y1)
+			return STATUS_OK; /* no post of this level changed, so none of a coarser one */
+		struct tile above = tile_ancestor(change->tile, level);
+		uint32_t coarse;
+		if (!page_cache_peek(cache, tile_key(above), false, &coarse))
+			continue;
+		int64_t cells = pyramid->extent->cells;
+		struct gpu_rect rect = {(uint32_t)(x0 - own.x0), (uint32_t)(y0 - own.y0),
+					(uint32_t)(change->rect.x1 - x0), (uint32_t)(change->rect.y1 - y0)};
+		enum status status = gpu_slots_decimate(pyramid->slots, slot, rect, steps, coarse,
+							(uint32_t)((x0 >> steps) - above.x * cells),
+							(uint32_t)((y0 >> steps) - above.y * cells));
+		if (status == STATUS_OK)
+			status = key_set_add(&pyramid->updated, tile_key(above));
+		if (status != STATUS_OK)
+			return status;
+	}
+	return STATUS_OK;
+}
+
+enum status pyramid_flush_tile(struct pyramid *pyramid, struct page_cache *cache, struct tile tile, uint32_t slot)
+{
+	for (size_t i = 0; i < pyramid->count; i++)
+		if (tile_equal(pyramid->changes[i].tile, tile)) {
+			struct change change = pyramid->changes[i];
+			pyramid->changes[i] = pyramid->changes[--pyramid->count];
+			return decimate(pyramid, cache, &change, slot);
+		}
+	return STATUS_OK;
+}
+
+static void count_coarser(void *user, uint64_t key, uint32_t slot, bool dirty)
+{
+	struct pyramid *pyramid = user;
+	if (tile_from_key(key).level <= pyramid->level)
+		return;
+	pyramid->figures.resident++;
+	/* What was brought up to date and has left its slot since is neither. */
+	pyramid->figures.updated += key_set_has(&pyramid->updated, key);
+}
+
+enum status pyramid_flush(struct pyramid *pyramid, struct page_cache *cache)
+{
+	enum status status = STATUS_OK;
+	while (pyramid->count > 0 && status == STATUS_OK) {
+		struct change change = pyramid->changes[--pyramid->count];
+		uint32_t slot;
+		/* A page that left its slot was flushed before it was read back. */
+		if (page_cache_peek(cache, tile_key(change.tile), false, &slot))
+			status = decimate(pyramid, cache, &change, slot);
+	}
+	page_cache_each_resident(cache, count_coarser, pyramid);
+	key_set_clear(&pyramid->updated);
+	return status;
+}
+
+void pyramid_figures(const struct pyramid *pyramid, struct pyramid_figures *figures)
+{
+	*figures = pyramid->figures;
+}

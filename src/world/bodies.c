@@ -1,0 +1,86 @@
+/* The objects on their ways: each gets its path as stations, in local metres, and the record a place for it. */
+#include <assert.h>
+#include <math.h>
+
+#include "dem/dem.h"
+#include "world/internal.h"
+
+/* The path's points in local metres. */
+static enum status local_points(const struct world *world, const struct scene_path *path, double (*points)[2])
+{
+	const struct scene *scene = world->scene;
+	for (size_t i = 0; i < path->count; i++) {
+		points[i][0] = path->points[i].x;
+		points[i][1] = path->points[i].y;
+		if (scene->coordinates == SCENE_SRS) {
+			if (world->meta->srs[0] == '\0')
+				return fail_with(STATUS_INPUT, "coordinates: %s, but the store has no reference system; use local",
+						 scene->srs);
+			enum status status =
+				dem_transform(scene->srs, world->meta->srs, 1, &points[i][0], &points[i][1]);
+			if (status != STATUS_OK)
+				return status;
+		}
+		if (scene->coordinates != SCENE_LOCAL) {
+			points[i][0] -= world->meta->origin[0];
+			points[i][1] -= world->meta->origin[1];
+		}
+	}
+	return STATUS_OK;
+}
+
+enum status world_make_bodies(struct world *world)
+{
+	const struct scene *scene = world->scene;
+	world->bodies = mem_calloc(scene->object_count + 1, sizeof *world->bodies);
+	world->relaxation.rests = mem_calloc(scene->object_count, sizeof *world->relaxation.rests);
+	world->record = mem_calloc(1, record_bytes(scene->object_count));
+	if (world->bodies == NULL || world->relaxation.rests == NULL || world->record == NULL)
+		return fail_memory("the objects");
+	uint32_t carriers = 0;
+	for (size_t i = 0; i < scene->object_count; i++) {
+		struct body *body = &world->bodies[i];
+		body->object = &scene->objects[i];
+		body->carrier = body->object->load > 0 ? ++carriers : 0;
+		const struct deform_shape *shape = &body->object->shape;
+		const struct scene_path *path = &body->object->path;
+		enum status status = deform_shape_check(shape, world->spacing);
+		double(*points)[2] = mem_alloc(path->count, sizeof *points);
+		if (status == STATUS_OK && points == NULL)
+			status = fail_memory("a path");
+		if (status == STATUS_OK)
+			status = local_points(world, path, points);
+		double turn_reach = shape->kind == DEFORM_WHEEL ? shape->radius : deform_shape_bound(shape);
+		if (status == STATUS_OK)
+			status = track_create(path, (const double(*)[2])points, world->spacing, turn_reach, &body->track);
+		mem_free(points);
+		if (status != STATUS_OK)
+			return status;
+	}
+	return STATUS_OK;
+}
+
+void world_free_bodies(struct world *world)
+{
+	for (size_t i = 0; world->bodies != NULL && i < world->scene->object_count; i++)
+		track_destroy(world->bodies[i].track);
+	mem_free(world->bodies);
+	mem_free(world->relaxation.rests);
+	mem_free(world->record);
+}
+
+void world_place(const struct world *world, size_t body, double place[3], double *yaw)
+{
+	const struct scene_path *path = &world->bodies[body].object->path;
+	struct track_point point;
+	int64_t height;
+	bool any;
+	assert(body < world->scene->object_count);
+	track_at(world->bodies[body].track, world->time, &point);
+	place[0] = point.x;
+	place[1] = point.y;
+	place[2] = path->has_z ? point.z : world->meta->low;
+	if (ground_height(world->ground, point.qx, point.qy, &height, &any) == STATUS_OK && any)
+		place[2] = fmax(lattice_offset_metres(height), path->has_z ? point.z : -INFINITY);
+	*yaw = point.yaw;
+}

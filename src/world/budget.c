@@ -1,0 +1,121 @@
+/* What a drive needs at least, and what it takes at most: found before it begins. */
+#include <math.h>
+
+#include "world/internal.h"
+
+/* Tiles that so many posts in a row can lie in, shared edges included. */
+static size_t tiles_across(int64_t posts, uint32_t cells, int64_t most)
+{
+	int64_t tiles = (posts - 1) / cells + 2;
+	return (size_t)(tiles < most ? tiles : most);
+}
+
+/* Elsewhere between its posts an object can touch one more of them in a row; a window has no more than it has. */
+static int64_t at_most(int64_t posts)
+{
+	return posts < DEFORM_WINDOW_POSTS ? posts + 1 : DEFORM_WINDOW_POSTS;
+}
+
+/* Of the sphere around the object, a station's sweep in the middle of the world. Where several windows are cut from
+ * it depends on the place: one may have all there is in a row. */
+static size_t window_tiles(const struct world *world, const struct deform_params *params, const struct deform_shape *shape)
+{
+	const struct extent *extent = &world->meta->extent;
+	const struct deform_shape around = {.kind = DEFORM_SPHERE, .radius = deform_shape_bound(shape)};
+	int64_t post = lattice_offset(world->spacing);
+	int64_t x = lattice_offset((double)(extent->width - 1) * extent->spacing / 2);
+	int64_t y = lattice_offset((double)(extent->height - 1) * extent->spacing / 2);
+	struct deform_sweep sweep = {.shape = &around, .from = {.x = x, .y = y}, .to = {.x = x + post, .y = y + post}};
+	struct deform_window windows[DEFORM_WINDOWS_MAX];
+	struct post_rect all = {0, 0, DEFORM_WINDOW_POSTS, DEFORM_WINDOW_POSTS};
+	size_t count;
+	/* The sphere may need too many; the object, which is smaller, needs none larger than a window. */
+	if (deform_cut(params, &sweep, windows, &count) == STATUS_OK && count > 0) {
+		const struct post_rect *first = &windows[0].read, *last = &windows[count - 1].read;
+		all = (struct post_rect){first->x0, first->y0, last->x1, last->y1};
+	}
+	return tiles_across(at_most(all.x1 - all.x0), extent->cells, extent_tiles_x(extent, world->level)) *
+	       tiles_across(at_most(all.y1 - all.y0), extent->cells, extent_tiles_y(extent, world->level));
+}
+
+/* Of a block's square. */
+static size_t block_tiles(const struct world *world, const struct deform_params *params)
+{
+	const struct extent *extent = &world->meta->extent;
+	int64_t side = deform_interval_side(params);
+	return tiles_across(side, extent->cells, extent_tiles_x(extent, world->level)) *
+	       tiles_across(side, extent->cells, extent_tiles_y(extent, world->level));
+}
+
+/* Ground that slides undisturbed. */
+static enum status check_awake(const struct world *world)
+{
+	const struct extent *extent = &world->meta->extent;
+	double blocks = ceil((double)extent_posts(extent->width, world->level) / DEFORM_BLOCK) *
+			ceil((double)extent_posts(extent->height, world->level) / DEFORM_BLOCK);
+	if (blocks > DEFORM_BLOCKS_MAX)
+		return fail_with(STATUS_INPUT, "redistribute.undisturbed: slides: the whole terrain slides then, and its %.0f blocks of %d x %d "
+					       "posts are more than the %d that may at once; let it stand, import a smaller part, or give a "
+					       "coarser spacing",
+				 blocks, DEFORM_BLOCK, DEFORM_BLOCK, DEFORM_BLOCKS_MAX);
+	return STATUS_OK;
+}
+
+enum status world_budget_check(struct world *world)
+{
+	const struct scene *scene = world->scene;
+	struct deform_params params;
+	/* Of a terrain that is not known it is not known either. */
+	bool slides = scene->object_count > 0 && scene->undisturbed == SCENE_SLIDES && world->store != NULL;
+	enum status status = slides ? check_awake(world) : STATUS_OK;
+	if (status != STATUS_OK)
+		return status;
+	world_deform_params(world, &params);
+	size_t block = scene->object_count > 0 && deform_conserves(scene->model) ? block_tiles(world, &params) : 0;
+	if (block > WORLD_TILES_MOST || block > scene->slots)
+		return fail_with(STATUS_INPUT, "cache.slots: a block of ground that slides touches up to %zu tiles of %u cells at "
+					       "once, and there are %u slots (at most %d are used); give more, or import with "
+					       "larger tiles (--tile)",
+				 block, world->meta->extent.cells, scene->slots, WORLD_TILES_MOST);
+	world->windows.tiles = block;
+	for (size_t i = 0; i < scene->object_count; i++) {
+		size_t tiles = window_tiles(world, &params, &scene->objects[i].shape);
+		if (tiles > WORLD_TILES_MOST)
+			return fail_with(STATUS_INPUT, "%s: it touches up to %zu tiles of %u cells at once, and %d is the "
+						       "most; import with larger tiles (--tile)",
+					 scene->objects[i].name, tiles, world->meta->extent.cells, WORLD_TILES_MOST);
+		if (tiles > scene->slots)
+			return fail_with(STATUS_INPUT, "cache.slots: %s touches up to %zu tiles at once and there are %u slots; "
+						       "give at least %zu, or import with larger tiles (--tile)",
+					 scene->objects[i].name, tiles, scene->slots, tiles);
+		if (tiles > world->windows.tiles)
+			world->windows.tiles = tiles;
+	}
+	return STATUS_OK;
+}
+
+uint32_t world_step_pages(const struct world *world)
+{
+	/* Stations a step can bring an object, and the tiles they can lie on: a path's length crosses
+	 * at most two rows and two columns more than its extent asks for. */
+	double pages = 0, side = world->spacing * world->meta->extent.cells;
+	for (size_t i = 0; i < world->scene->object_count; i++) {
+		double size = 2 * deform_shape_bound(&world->scene->objects[i].shape) + 16 * world->spacing; /* and what is smoothed around it */
+		double along = track_fastest(world->bodies[i].track) * world->scene->time_step / side + 2, across = ceil(size / side) + 1;
+		pages += 2 * along * across + across * across;
+	}
+	/* What slides on behind them: a block on a tile of its own each, at worst. */
+	if (deform_conserves(world->scene->model))
+		pages += fmin(DEFORM_BLOCKS_MAX, (double)extent_tiles_x(&world->meta->extent, world->level) *
+							 extent_tiles_y(&world->meta->extent, world->level));
+	return pages < 1e6 ? (uint32_t)pages + 4 : 1000000;
+}
+
+void world_budget(const struct world *world, struct pages_budget *budget)
+{
+	uint64_t side = tile_posts(&world->meta->extent);
+	struct pages_params params;
+	world_pages_params(world, &params);
+	pages_budget(&params, world->meta->extent.cells, budget);
+	budget->ground += ((uint64_t)world->ground_tiles + 1) * side * side * sizeof(int32_t);
+}

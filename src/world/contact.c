@@ -1,0 +1,169 @@
+/* One station's deformation: pin the tiles its windows touch, compute, scatter, mark dirty. */
+#include <assert.h>
+#include <math.h>
+
+#include "world/internal.h"
+
+enum status world_hold(struct world *world, struct post_rect rect, struct held_tiles *held)
+{
+	const struct extent *extent = &world->meta->extent;
+	struct tile first, last;
+	held->count = 0;
+	if (!tile_range_of(extent, world->level, rect, &first, &last))
+		return STATUS_OK;
+	size_t needed = (size_t)(last.x - first.x + 1) * (last.y - first.y + 1);
+	assert(needed <= WORLD_TILES_MOST); /* world_budget_check */
+	if (needed > 4 && !world->windows.told) {
+		note("tiles of %u cells are smaller than an object's window: it touches %zu of them at once, not four",
+		     extent->cells, needed);
+		world->windows.told = true;
+	}
+	if (needed > world->windows.tiles_most)
+		world->windows.tiles_most = needed;
+	for (uint32_t y = first.y; y <= last.y; y++)
+		for (uint32_t x = first.x; x <= last.x; x++) {
+			struct tile tile = {world->level, x, y};
+			held->tiles[held->count].tile = tile;
+			held->keys[held->count++] = tile_key(tile);
+		}
+	uint32_t slots[WORLD_TILES_MOST];
+	enum status status = page_cache_pin_all(world->cache, held->keys, held->count, slots);
+	if (status != STATUS_OK) {
+		held->count = 0;
+		return status;
+	}
+	for (size_t i = 0; i < held->count && status == STATUS_OK; i++) {
+		held->tiles[i].slot = slots[i];
+		status = world_see(world, &held->tiles[i]);
+	}
+	if (status != STATUS_OK)
+		world_release(world, held);
+	return status;
+}
+
+void world_release(struct world *world, struct held_tiles *held)
+{
+	for (size_t i = 0; i < held->count; i++)
+		page_cache_unpin(world->cache, held->keys[i]);
+	held->count = 0;
+}
+
+enum status world_mark(struct world *world, struct post_rect rect, const struct held_tiles *held)
+{
+	enum status status = STATUS_OK;
+	newest_changed(world->newest);
+	for (size_t i = 0; i < held->count && status == STATUS_OK; i++) {
+		struct tile tile = held->tiles[i].tile;
+		if (post_rect_empty(post_rect_intersect(rect, tile_post_rect(&world->meta->extent, tile))))
+			continue;
+		page_cache_dirty(world->cache, held->keys[i]);
+		if (world->pyramid != NULL)
+			status = pyramid_changed(world->pyramid, tile, rect);
+		if (status == STATUS_OK && world->watcher != NULL)
+			status = world->watcher->changed(world->watcher->user, tile);
+	}
+	return status;
+}
+
+static enum status scatter(struct world *world, const struct deform_window *window, uint32_t layer,
+			   const struct held_tiles *held)
+{
+	enum status status = deform_scatter(world->deform, window, layer, held->tiles, held->count);
+	if (status == STATUS_OK)
+		status = world_mark(world, window->write, held);
+	return status == STATUS_OK ? deform_wake_swept(world->deform, window, layer) : status;
+}
+
+/* How it rolled from one station to the next: by its slip s, as far as way / (r (1 - s)). */
+static void roll(const struct body *body, const struct event *event, struct deform_sweep *sweep)
+{
+	const struct scene_object *object = body->object;
+	sweep->seconds = event->seconds;
+	if (object->shape.kind != DEFORM_WHEEL)
+		return;
+	double along = lattice_offset_metres(sweep->to.x - sweep->from.x) * cos(sweep->to.yaw) +
+		       lattice_offset_metres(sweep->to.y - sweep->from.y) * sin(sweep->to.yaw);
+	sweep->turned = along / (object->shape.radius * (1 - object->slip));
+	sweep->to.turn = remainder(sweep->from.turn + sweep->turned, 2 * M_PI);
+}
+
+/* The least that holds both. */
+static struct post_rect around(struct post_rect a, struct post_rect b)
+{
+	return (struct post_rect){a.x0 < b.x0 ? a.x0 : b.x0, a.y0 < b.y0 ? a.y0 : b.y0, a.x1 > b.x1 ? a.x1 : b.x1,
+				  a.y1 > b.y1 ? a.y1 : b.y1};
+}
+
+static enum status tell_watcher(const struct world *world, const struct event *event, const struct deform_sweep *sweep,
+			     const struct deform_window *windows, size_t count)
+{
+	struct contact_area told = {
+		.lowest = sweep->load > 0 ? INT64_MIN : world_lowest(sweep),
+		.changed = windows[0].write,
+		.read = windows[0].read,
+	};
+	for (size_t i = 1; i < count; i++) {
+		told.changed = around(told.changed, windows[i].write);
+		told.read = around(told.read, windows[i].read);
+	}
+	return world->watcher->contact(world->watcher->user, event, &told);
+}
+
+enum status world_contact(struct world *world, const struct event *event, bool last)
+{
+	struct body *body = &world->bodies[event->body];
+	struct deform_sweep sweep = {
+		.shape = &body->object->shape,
+		.from = body->in_contact ? body->last : event->pose,
+		.to = event->pose,
+		.load = body->object->load,
+		.carrier = body->carrier,
+	};
+	sweep.to.turn = sweep.from.turn = body->last.turn;
+	if (body->in_contact)
+		roll(body, event, &sweep);
+	/* Where it stood is not known here, and need not be: it presses as it stands now. */
+	if (sweep.load > 0)
+		sweep.from.z = sweep.to.z;
+	struct deform_window windows[DEFORM_WINDOWS_MAX];
+	size_t count = 0;
+	enum status status = deform_windows(world->deform, &sweep, windows, &count);
+	struct held_tiles held = {.count = 0};
+	bool aloft = false;
+	if (status == STATUS_OK)
+		status = world_is_aloft(world, event, &sweep, windows, count, &aloft);
+	if (status == STATUS_OK && count > 0 && !aloft)
+		sweep.tag = forces_ask(world->forces, event->body, event, last);
+	else
+		forces_absent(world->forces, event->body, event);
+	/* What it stood on is free: where the sweep does not look, if it has jumped or turned, somebody else must. */
+	if (status == STATUS_OK && body->in_contact && !deform_covers(world->deform, &sweep, &body->last))
+		status = world_let_go(world, body);
+	world->windows.due += count;
+	count = aloft ? 0 : count;
+	world->windows.computed += count;
+	if (status == STATUS_OK && world->watcher != NULL && count > 0)
+		status = tell_watcher(world, event, &sweep, windows, count);
+	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+		status = world_hold(world, windows[i].read, &held);
+		if (status == STATUS_OK)
+			status = deform_compute(world->deform, &sweep, &windows[i], (uint32_t)i, held.tiles, held.count);
+		body->windows += status == STATUS_OK;
+		body->windows_moved += status == STATUS_OK && !deform_is_contact_only(&sweep);
+		if (status == STATUS_OK && count == 1)
+			status = scatter(world, &windows[0], 0, &held);
+		world_release(world, &held);
+	}
+	/* Several windows read the ground as it was before any of them changed it. */
+	for (size_t i = 0; count > 1 && i < count && status == STATUS_OK; i++) {
+		status = world_hold(world, windows[i].write, &held);
+		if (status == STATUS_OK)
+			status = scatter(world, &windows[i], (uint32_t)i, &held);
+		world_release(world, &held);
+	}
+	body->in_contact = true;
+	body->last = sweep.to;
+	if (status == STATUS_OK && world->watcher != NULL && count > 0)
+		status = world->watcher->contact(world->watcher->user, NULL, NULL);
+	return status;
+}

@@ -1,0 +1,104 @@
+/*
+ * What a host drops: an object that is no part of the scene is set down, pressed once and taken away, by the same sweep as any
+ * station (sweep.c), between two steps. It is committed like a step.
+ *
+ * It is no larger than the scene's first object, so that the budget holds for it too.
+ */
+#include <math.h>
+
+#include "world/internal.h"
+
+/* A ball one can see the print of. */
+#define BALL_RADIUS 0.5 /* m, or */
+#define BALL_POSTS 4    /* of the working level, whichever is more */
+#define SINK_SHARE 0.3  /* of what reaches below its middle, where the scene's object says no depth */
+
+static struct scene_object dropped(const struct world *world, enum world_drop_shape shape)
+{
+	struct scene_object object = world->scene->objects[0];
+	double bound = deform_shape_bound(&object.shape);
+	if (shape == WORLD_DROP_BALL)
+		object.shape = (struct deform_shape){
+			.kind = DEFORM_SPHERE,
+			.radius = fmin(fmax(BALL_RADIUS, BALL_POSTS * world->spacing), bound),
+		};
+	double reach = deform_shape_reach(&object.shape, 0, 0);
+	if (!(object.sink > 0) || object.sink > reach)
+		object.sink = SINK_SHARE * reach;
+	return object;
+}
+
+enum status world_warm_drops(struct world *world)
+{
+	if (!world->params.drops || world->scene->object_count == 0)
+		return STATUS_OK;
+	const struct scene_object object = dropped(world, WORLD_DROP_BALL);
+	const struct deform_planned planned = {&object.shape, object.load, false};
+	return deform_warm(world->deform, &planned, world->scene->forces > 0);
+}
+
+/* The ground it is set upon: as it is now, ruts and all. */
+static enum status surface(struct world *world, double x, double y, int64_t *height, bool *any)
+{
+	const struct terrain_point point = {x, y};
+	struct terrain_height found = {.bilinear = NAN};
+	enum status status = world_heights(world, &point, 1, &found);
+	*any = status == STATUS_OK && !isnan(found.bilinear);
+	if (*any)
+		*height = lattice_offset(found.bilinear);
+	return status;
+}
+
+/* One upon another they go deeper than any object of the scene: boxes of tiles must know. */
+static enum status tell_watcher(struct world *world, const struct event *event, int64_t height, const struct deform_shape *shape)
+{
+	int64_t base;
+	bool any;
+	enum status status = ground_height(world->ground, event->pose.x, event->pose.y, &base, &any);
+	if (status == STATUS_OK && any && world->watcher != NULL)
+		world->watcher->reach(world->watcher->user, fabs(lattice_offset_metres(height - base)) + event->sinkage + 2 * deform_shape_bound(shape));
+	return status;
+}
+
+/* Between steps the drive is whole; until this is over it is not. */
+static enum status press(struct world *world, const struct event *event)
+{
+	struct body *body = &world->bodies[event->body];
+	world->torn = true;
+	enum status status = world_contact(world, event, true);
+	if (status == STATUS_OK)
+		status = world_let_go(world, body);
+	return status == STATUS_OK ? world_end_step(world) : status;
+}
+
+enum status world_drop(struct world *world, enum world_drop_shape shape, double x, double y, double yaw, bool *pressed)
+{
+	size_t spare = world->scene->object_count;
+	*pressed = false;
+	if (spare == 0)
+		return STATUS_OK;
+	const struct scene_object object = dropped(world, shape);
+	struct body *body = &world->bodies[spare];
+	struct event event = {
+		.body = spare,
+		.time = world->time,
+		.contact = true,
+		.next_time = INFINITY,
+	};
+	int64_t height = 0;
+	enum status status = surface(world, x, y, &height, pressed);
+	if (status != STATUS_OK || !*pressed)
+		return status;
+	event.pose = (struct deform_pose){.x = lattice_offset(x), .y = lattice_offset(y), .yaw = yaw};
+	*body = (struct body){.object = &object};
+	double reach = deform_shape_reach(&object.shape, 0, 0);
+	double sink = object.load > 0 ? deform_sinkage_guess(&object.shape, &world->scene->soils[0], object.load) : object.sink;
+	event.pose.z = height + lattice_offset(reach - sink);
+	event.sinkage = sink;
+	status = tell_watcher(world, &event, height, &object.shape);
+	if (status == STATUS_OK)
+		status = press(world, &event);
+	*body = (struct body){.object = NULL};
+	world->drops++;
+	return status;
+}

@@ -1,0 +1,96 @@
+/* What is due in a step: stations of all objects in the order of time, then of the scene. */
+#include <math.h>
+
+#include "world/internal.h"
+
+#define EVENTS_MAX 1000000
+
+static enum status add_event(struct world *world, const struct event *event)
+{
+	if (world->events.count == EVENTS_MAX)
+		return fail_with(STATUS_INPUT, "time_step: a step of %g s brings more than %d stations; make it shorter, or the "
+					       "spacing coarser",
+				 world->scene->time_step, EVENTS_MAX);
+	if (world->events.count == world->events.room) {
+		size_t room = world->events.room != 0 ? 2 * world->events.room : 64;
+		struct event *events = mem_realloc(world->events.list, room, sizeof *events);
+		if (events == NULL)
+			return fail_memory("the stations of a step");
+		world->events.list = events;
+		world->events.room = room;
+	}
+	world->events.list[world->events.count++] = *event;
+	return STATUS_OK;
+}
+
+static enum status no_ground(const struct body *body, const struct track_point *point)
+{
+	return fail_with(STATUS_FAILED, "%s: no ground under it at %.3f, %.3f after %.3f s; move its path, or set "
+					"outside: skip",
+			 body->object->name, point->x, point->y, point->time);
+}
+
+enum status world_set_down(struct world *world, struct body *body, int64_t station, struct event *event)
+{
+	struct track_point point;
+	track_sample(body->track, station, &point);
+	event->next_time = station + 1 < track_samples(body->track) ? track_sample_time(body->track, station + 1) : INFINITY;
+	event->pose = (struct deform_pose){
+		.x = point.qx,
+		.y = point.qy,
+		.yaw = point.yaw,
+		.pitch = point.pitch,
+		.roll = point.roll,
+	};
+	int64_t ground;
+	enum status status = ground_height(world->ground, event->pose.x, event->pose.y, &ground, &event->contact);
+	if (status != STATUS_OK)
+		return status;
+	if (!event->contact && world->scene->outside == SCENE_STOP)
+		return no_ground(body, &point);
+	if (!event->contact)
+		return STATUS_OK;
+	double reach = deform_shape_reach(&body->object->shape, point.pitch, point.roll);
+	if (body->object->path.has_z)
+		event->pose.z = lattice_offset(point.z);
+	else if (body->object->load > 0)
+		event->pose.z = ground + lattice_offset(reach - deform_sinkage_guess(&body->object->shape, &world->scene->soils[0],
+										     body->object->load));
+	else
+		event->pose.z = ground + lattice_offset(reach - body->object->sink);
+	event->sinkage = lattice_offset_metres(ground - event->pose.z) + reach;
+	if (station > 0) {
+		struct track_point before;
+		track_sample(body->track, station - 1, &before);
+		event->distance = hypot(point.x - before.x, point.y - before.y);
+		event->seconds = point.time - before.time;
+	}
+	return STATUS_OK;
+}
+
+enum status world_collect_events(struct world *world, double until)
+{
+	world->events.count = 0;
+	for (;;) {
+		struct event event = {.time = INFINITY};
+		for (size_t i = 0; i < world->scene->object_count; i++) {
+			struct body *body = &world->bodies[i];
+			if (body->next >= track_samples(body->track))
+				continue;
+			double time = track_sample_time(body->track, body->next);
+			if (time <= until && time < event.time) {
+				event.time = time;
+				event.body = i;
+			}
+		}
+		if (event.time == INFINITY)
+			return STATUS_OK;
+		struct body *body = &world->bodies[event.body];
+		enum status status = world_set_down(world, body, body->next, &event);
+		if (status == STATUS_OK)
+			status = add_event(world, &event);
+		if (status != STATUS_OK)
+			return status;
+		body->next++;
+	}
+}

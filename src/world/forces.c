@@ -1,0 +1,275 @@
+/*
+ * What the soil does to the objects, as it comes from the GPU: objects.csv, and how deep and how high those stand that
+ * carry a load.
+ *
+ * A row is for a multiple of 1 / output.forces; each object's is that of its latest station until then, at most a post
+ * behind where it is, and it holds while the object stands. Only sweeps that a row asks for are summed. What was asked in
+ * a step is used `delay` steps later, whenever it came: so the rows, and what a commit keeps of them, are the same
+ * however fast the GPU is. It is waited for only if it is not there by then, and at a commit.
+ */
+#include <assert.h>
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "world/internal.h"
+
+#define LOAD_DELAY 2 /* steps, where only loads ask */
+
+/* What an object's latest station is known by. */
+struct standing {
+	uint64_t tag; /* 0: it touches nothing; or no row is its */
+	struct deform_pose pose;
+	bool placed;  /* it was set down once */
+};
+
+/* A row that waits, or (t < 0) a loaded object's height. */
+struct entry {
+	int64_t step; /* when it was asked for */
+	double t;
+	size_t object;
+	struct standing at;
+	bool ready;
+	struct record_force force;
+};
+
+struct forces {
+	struct world *world;
+	double rate;
+	int delay;
+	int64_t row;                /* the next */
+	uint64_t tag, tag_before;   /* the last; before this step */
+	struct standing *standing;  /* by object */
+	struct record_force *known; /* the latest that came of each: of known_tag */
+	uint64_t *known_tag;
+	struct entry *entries;      /* [first, count) wait, in their order */
+	size_t first, count, room;
+	uint64_t saturated, sunk;   /* posts; sweeps */
+};
+
+static bool any_load(const struct scene *scene)
+{
+	for (size_t i = 0; i < scene->object_count; i++)
+		if (scene->objects[i].load > 0)
+			return true;
+	return false;
+}
+
+enum status forces_create(struct world *world, struct forces **out)
+{
+	const struct scene *scene = world->scene;
+	*out = NULL;
+	if (scene->object_count == 0 || ((scene->forces == 0 || !world->params.rows) && !any_load(scene)))
+		return STATUS_OK;
+	struct forces *forces = mem_calloc(1, sizeof *forces);
+	if (forces == NULL)
+		return fail_memory("forces");
+	forces->world = world;
+	forces->rate = world->params.rows ? scene->forces : 0;
+	forces->delay = forces->rate > 0 ? scene->forces_delay : LOAD_DELAY;
+	forces->standing = mem_calloc(scene->object_count, sizeof *forces->standing);
+	forces->known = mem_calloc(scene->object_count, sizeof *forces->known);
+	forces->known_tag = mem_calloc(scene->object_count, sizeof *forces->known_tag);
+	*out = forces;
+	if (forces->standing == NULL || forces->known == NULL || forces->known_tag == NULL)
+		return fail_memory("forces");
+	for (size_t i = 0; world->resumed.is && i < scene->object_count; i++) {
+		const struct record_object *object = &world->record->objects[i];
+		if (object->next == 0)
+			continue;
+		forces->standing[i] = (struct standing){object->in_contact ? 1 : 0, object->last, true};
+		struct track_point point;
+		track_sample(world->bodies[i].track, object->next - 1, &point);
+		forces->standing[i].pose.x = point.qx;
+		forces->standing[i].pose.y = point.qy;
+		forces->known[i] = object->force;
+		forces->known_tag[i] = 1;
+	}
+	forces->tag = forces->tag_before = 1; /* 1: before the drive was resumed */
+	while (world->resumed.is && (double)forces->row <= world->record->time * forces->rate && forces->rate > 0 &&
+	       (double)forces->row / forces->rate <= world->record->time)
+		forces->row++;
+	return STATUS_OK;
+}
+
+void forces_destroy(struct forces *forces)
+{
+	if (forces == NULL)
+		return;
+	mem_free(forces->standing);
+	mem_free(forces->known);
+	mem_free(forces->known_tag);
+	mem_free(forces->entries);
+	mem_free(forces);
+}
+
+/* --- asking --- */
+
+static enum status add_entry(struct forces *forces, const struct entry *entry)
+{
+	if (forces->first > 0 && forces->count == forces->room) {
+		forces->count -= forces->first;
+		memmove(forces->entries, forces->entries + forces->first, forces->count * sizeof *forces->entries);
+		forces->first = 0;
+	}
+	if (forces->count == forces->room) {
+		size_t room = forces->room != 0 ? 2 * forces->room : 64;
+		struct entry *entries = mem_realloc(forces->entries, room, sizeof *entries);
+		if (entries == NULL)
+			return fail_memory("forces");
+		forces->entries = entries;
+		forces->room = room;
+	}
+	struct entry *added = &forces->entries[forces->count++];
+	*added = *entry;
+	size_t i = entry->object;
+	added->ready = entry->at.tag == 0 || forces->known_tag[i] == entry->at.tag;
+	if (added->ready && entry->at.tag != 0)
+		added->force = forces->known[i];
+	else if (added->ready)
+		added->force = (struct record_force){.z = entry->at.pose.z};
+	return STATUS_OK;
+}
+
+enum status forces_rows(struct forces *forces, double until, bool inclusive)
+{
+	if (forces == NULL || forces->rate == 0)
+		return STATUS_OK;
+	enum status status = STATUS_OK;
+	for (;; forces->row++) {
+		double t = (double)forces->row / forces->rate;
+		if (t > until || (!inclusive && t == until))
+			return status;
+		for (size_t i = 0; i < forces->world->scene->object_count && status == STATUS_OK; i++)
+			if (forces->standing[i].placed)
+				status = add_entry(forces, &(struct entry){.step = forces->world->step, .t = t, .object = i, .at = forces->standing[i]});
+		if (status != STATUS_OK)
+			return status;
+	}
+}
+
+uint64_t forces_ask(struct forces *forces, size_t object, const struct event *event, bool last_in_step)
+{
+	if (forces == NULL || object >= forces->world->scene->object_count) /* a host's drop has no rows */
+		return 0;
+	const struct body *body = &forces->world->bodies[object];
+	bool asked = last_in_step && body->object->load > 0;
+	if (forces->rate > 0) {
+		/* The next row, and whether it is this station's. */
+		double row = (double)forces->row / forces->rate;
+		asked = asked || event->next_time > row;
+	}
+	struct standing *standing = &forces->standing[object];
+	*standing = (struct standing){asked ? ++forces->tag : 0, event->pose, true};
+	return standing->tag;
+}
+
+void forces_absent(struct forces *forces, size_t object, const struct event *event)
+{
+	if (forces == NULL || object >= forces->world->scene->object_count)
+		return;
+	struct standing *standing = &forces->standing[object];
+	struct deform_pose pose = event->pose;
+	if (!event->contact)
+		pose.z = standing->pose.z; /* there is no ground to stand on */
+	else /* in the air above it: so says the record too */
+		forces->known[object] = (struct record_force){.z = pose.z};
+	*standing = (struct standing){0, pose, true};
+}
+
+/* --- using --- */
+
+static void arrived(struct forces *forces, const struct deform_forces *from)
+{
+	struct record_force force = {.sinkage = from->sinkage, .area = from->area, .z = from->z};
+	memcpy(force.force, from->force, sizeof force.force);
+	memcpy(force.moment, from->moment, sizeof force.moment);
+	forces->saturated += from->saturated;
+	forces->sunk += from->sunk;
+	for (size_t i = 0; i < forces->world->scene->object_count; i++)
+		if (forces->standing[i].tag == from->tag) {
+			forces->known[i] = force;
+			forces->known_tag[i] = from->tag;
+		}
+	for (size_t i = forces->first; i < forces->count; i++)
+		if (forces->entries[i].at.tag == from->tag) {
+			forces->entries[i].force = force;
+			forces->entries[i].ready = true;
+		}
+}
+
+static enum status give_row(const struct forces *forces, const struct entry *entry)
+{
+	const struct world_rows *rows = forces->world->rows;
+	const struct deform_pose *pose = &entry->at.pose;
+	const struct world_row row = {
+		.time = entry->t,
+		.body = entry->object,
+		.position = {lattice_offset_metres(pose->x), lattice_offset_metres(pose->y), lattice_offset_metres(entry->force.z)},
+		.force = entry->force,
+	};
+	return rows->row(rows->user, &row);
+}
+
+/* Uses the entries of steps until `step`, in order; what is not there is waited for. */
+static enum status use(struct forces *forces, int64_t step)
+{
+	enum status status = STATUS_OK;
+	for (; forces->first < forces->count && forces->entries[forces->first].step <= step; forces->first++) {
+		struct entry *entry = &forces->entries[forces->first];
+		while (!entry->ready) {
+			struct deform_forces came;
+			bool taken;
+			status = deform_forces_take(forces->world->deform, true, &came, &taken);
+			if (status != STATUS_OK)
+				return status;
+			assert(taken);
+			arrived(forces, &came);
+		}
+		if (entry->t >= 0) {
+			status = give_row(forces, entry);
+		} else {
+			forces->world->bodies[entry->object].sinkage = entry->force.sinkage;
+			forces->world->bodies[entry->object].stands = entry->force.z;
+			forces->world->bodies[entry->object].raised = entry->force.z - entry->at.pose.z;
+		}
+		if (status != STATUS_OK)
+			return status;
+	}
+	const struct world_rows *rows = forces->world->rows;
+	return rows != NULL ? rows->flush(rows->user) : STATUS_OK;
+}
+
+enum status forces_end_step(struct forces *forces, double until)
+{
+	if (forces == NULL)
+		return STATUS_OK;
+	const struct scene *scene = forces->world->scene;
+	enum status status = forces_rows(forces, until, true);
+	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++)
+		if (scene->objects[i].load > 0 && forces->standing[i].tag > forces->tag_before)
+			status = add_entry(forces, &(struct entry){.step = forces->world->step, .t = -1, .object = i, .at = forces->standing[i]});
+	forces->tag_before = forces->tag;
+	if (status == STATUS_OK)
+		status = deform_forces_begin(forces->world->deform);
+	return status == STATUS_OK ? use(forces, forces->world->step - forces->delay) : status;
+}
+
+enum status forces_settle(struct forces *forces, struct record *record)
+{
+	if (forces == NULL)
+		return STATUS_OK;
+	enum status status = use(forces, INT64_MAX);
+	for (size_t i = 0; i < forces->world->scene->object_count; i++) {
+		record->objects[i].force = forces->known[i];
+		record->objects[i].sinkage = forces->world->bodies[i].sinkage;
+	}
+	return status;
+}
+
+void forces_figures(const struct forces *forces, struct forces_figures *figures)
+{
+	*figures = (struct forces_figures){forces->saturated, forces->sunk};
+}

@@ -1,0 +1,252 @@
+/*
+ * Everything that is known of a drive before it makes anything: its level, its parameters, and the plan of what it will
+ * make and run. What a drive does by these it does by these functions alone, so that the plan cannot say otherwise.
+ */
+#include <math.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "world/internal.h"
+
+#define GROUND_BYTES (64 << 20)
+enum { GROUND_LEAST = 16, GROUND_MOST = 256 }; /* tiles */
+
+/* Where there is no store: tiles as import makes them, on ground as wide as can be, of little relief. */
+enum { ASSUMED_CELLS = 256 };
+#define ASSUMED_SPACING 1.0
+#define ASSUMED_POSTS ((int64_t)1 << 24)
+
+/* --- what follows from scene and store --- */
+
+enum status world_settle_level(struct world *world)
+{
+	const struct extent *extent = &world->meta->extent;
+	if (!isnan(world->meta->low) && !lattice_fits(world->meta->low, world->meta->high))
+		return fail_with(STATUS_INPUT, "store: heights from %g to %g m are more relief than can be deformed (about 16 "
+					       "km); import a smaller part, or say what a PNG means with --height-range",
+				 world->meta->low, world->meta->high);
+	world->was_deformed = store_has_working_level(world->store, NULL);
+	double asked = world->scene->spacing;
+	int level = 0;
+	if (asked > 0) {
+		level = extent_level_for(extent, asked);
+		if (level < TILE_LEVEL_MIN)
+			return fail_with(STATUS_INPUT, "spacing: %g m is finer than %g m, the finest this store can be divided to; "
+						       "raise it, or import with a finer --spacing",
+					 asked, extent_spacing(extent, TILE_LEVEL_MIN));
+	} else {
+		store_has_working_level(world->store, &level); /* stays 0 without one */
+	}
+	world->level = level;
+	world->spacing = extent_spacing(extent, level);
+	return store_set_working_level(world->store, level);
+}
+
+/* Tiles of the ground: a few for each object, while that is not too much. */
+uint32_t world_ground_tiles(const struct world *world)
+{
+	size_t side = tile_posts(&world->meta->extent), most = GROUND_BYTES / (side * side * sizeof(int32_t));
+	size_t tiles = 4 + 4 * world->scene->object_count;
+	tiles = tiles < most ? tiles : most;
+	tiles = tiles < GROUND_MOST ? tiles : GROUND_MOST;
+	return tiles > GROUND_LEAST ? (uint32_t)tiles : GROUND_LEAST;
+}
+
+void world_deform_params(const struct world *world, struct deform_params *params)
+{
+	const struct scene *scene = world->scene;
+	*params = (struct deform_params){
+		.extent = &world->meta->extent,
+		.level = world->level,
+		.model = scene->model,
+		.box_radius = scene->box_radius,
+		.box_repetitions = scene->box_repetitions,
+		.soil_count = scene->soil_count,
+		.iterations = scene->iterations,
+		.relief = isnan(world->meta->low) ? 0 : world->meta->high - world->meta->low,
+		.depth = scene->depth,
+		.stands = scene->undisturbed == SCENE_STANDS,
+		.tolerance = scene->tolerance,
+		.bulldozing = scene->bulldozing,
+		.touched = world_asks_touched(world),
+		.dirt = scene->dirt,
+	};
+	memcpy(params->soils, scene->soils, sizeof params->soils);
+	for (size_t i = 0; i < scene->object_count; i++)
+		params->carriers += world->bodies[i].carrier > 0;
+}
+
+struct deform_planned world_planned(const struct scene_object *object)
+{
+	return (struct deform_planned){&object->shape, object->load, object->path.count > 1};
+}
+
+/* --- advice --- */
+
+/* Tiles that there are at all, of the working level and coarser ones. */
+static double all_tiles(const struct world *world)
+{
+	const struct extent *extent = &world->meta->extent;
+	double tiles = 0;
+	for (int level = world->level; level <= extent_coarsest(extent); level++)
+		tiles += (double)extent_tiles_x(extent, level) * extent_tiles_y(extent, level);
+	return tiles;
+}
+
+/* A spacing that the store cannot be divided to is taken finer, for up to four times the posts that were meant. */
+static void advise_spacing(const struct world *world, scene_advice_fn tell, void *user)
+{
+	const struct extent *extent = &world->meta->extent;
+	double asked = world->scene->spacing, is = world->spacing;
+	char text[240];
+	if (!(asked > 1.01 * is))
+		return;
+	if (world->level == extent_coarsest(extent))
+		snprintf(text, sizeof text, "spacing: %g m: posts will be %g m apart, and this store has none that are farther; give %g",
+			 asked, is, is);
+	else
+		snprintf(text, sizeof text, "spacing: %g m: posts will be %g m apart, the coarsest of this store that is at most that; give "
+					    "%g, or %g for a quarter of the posts",
+			 asked, is, is, extent_spacing(extent, world->level + 1));
+	tell(user, text);
+}
+
+/* Paths that leave the terrain before the drive ends: the one that does so first is named. Holes are not looked for. */
+static void advise_leaving(const struct world *world, scene_advice_fn tell, void *user)
+{
+	const struct scene *scene = world->scene;
+	const struct extent *extent = &world->meta->extent;
+	double width = (double)(extent->width - 1) * extent->spacing, height = (double)(extent->height - 1) * extent->spacing;
+	struct track_point at = {.time = INFINITY};
+	const struct body *first = NULL;
+	size_t leaving = 0;
+	char text[480], others[40] = "";
+	for (size_t i = 0; i < scene->object_count; i++) {
+		const struct body *body = &world->bodies[i];
+		int64_t station = track_leaves(body->track, width, height);
+		double time = station >= 0 ? track_sample_time(body->track, station) : INFINITY;
+		if (time > scene->end_time)
+			continue;
+		leaving++;
+		if (time >= at.time)
+			continue;
+		first = body;
+		track_sample(body->track, station, &at);
+	}
+	if (first == NULL)
+		return;
+	if (leaving > 1)
+		snprintf(others, sizeof others, ", and %zu other%s later", leaving - 1, leaving > 2 ? "s" : "");
+	snprintf(text, sizeof text, "objects.%s.path: is off the terrain after %.6g s, at %.3f, %.3f m%s: %s; keep within 0 to %g, 0 to %g m%s",
+		 first->object->name, at.time, at.x, at.y, others,
+		 scene->outside == SCENE_STOP ? "the drive will stop there" : "nothing is pressed there", width, height,
+		 scene->outside == SCENE_STOP ? ", end before, or set outside: skip" : "");
+	tell(user, text);
+}
+
+void world_advise(const struct world *world, scene_advice_fn tell, void *user)
+{
+	const struct scene *scene = world->scene;
+	struct scene_parameter slots;
+	char text[200];
+	scene_parameter("cache.slots", &slots); /* the default was not asked for */
+	bool known = world->store != NULL || scene->spacing > 0;
+	scene_advise(scene, known ? world->spacing : 0, tell, user);
+	if (world->store != NULL) {
+		advise_spacing(world, tell, user);
+		advise_leaving(world, tell, user);
+	}
+	double tiles = world->store != NULL ? all_tiles(world) : INFINITY, enough = fmax(tiles, slots.low);
+	if (enough >= scene->slots || scene->slots == slots.absent)
+		return;
+	snprintf(text, sizeof text, "cache.slots: %u, and the store has %.0f tile%s at this spacing: the others stay empty; give %.0f",
+		 scene->slots, tiles, tiles == 1 ? "" : "s", enough);
+	tell(user, text);
+}
+
+/* --- plans --- */
+
+enum status world_plan_deform(const struct world *world, struct plan *plan)
+{
+	const struct scene *scene = world->scene;
+	if (scene->object_count == 0)
+		return STATUS_OK;
+	struct deform_params params;
+	struct deform_planned *objects = mem_calloc(scene->object_count, sizeof *objects);
+	if (objects == NULL)
+		return fail_memory("the plan");
+	for (size_t i = 0; i < scene->object_count; i++)
+		objects[i] = world_planned(&scene->objects[i]);
+	world_deform_params(world, &params);
+	deform_plan(&params, objects, scene->object_count, scene->forces > 0 && world->params.rows, plan);
+	mem_free(objects);
+	return STATUS_OK;
+}
+
+void world_plan_pages(const struct world *world, struct plan *plan)
+{
+	pages_plan(world->scene, world->meta->extent.cells, world->was_deformed, plan);
+	look_ahead_plan(world->scene->prefetch, world->scene->object_count, plan);
+}
+
+uint64_t world_samples_until(const struct track *track, double end)
+{
+	int64_t low = 0, high = 1, all = track_samples(track);
+	while (high < all && track_sample_time(track, high) <= end) {
+		low = high;
+		high = high < all / 2 ? 2 * high : all;
+	}
+	if (track_sample_time(track, 0) > end)
+		return 0;
+	/* [low] is due; [high], if there is one, is not, or is the last. */
+	while (high - low > 1) {
+		int64_t middle = low + (high - low) / 2;
+		if (track_sample_time(track, middle) <= end)
+			low = middle;
+		else
+			high = middle;
+	}
+	return (uint64_t)low + 1;
+}
+
+/* --- over what --- */
+
+static enum status over_store(struct world *world, const char *path)
+{
+	enum status status = store_open(path, &(struct store_options){.mode = STORE_READ}, &world->store);
+	if (status != STATUS_OK)
+		return status;
+	world->meta = store_meta(world->store);
+	status = world_settle_level(world);
+	/* A drive would refuse one that cannot be read. */
+	return status == STATUS_OK ? soil_map_open(world->scene, world->meta, &world->soil_map) : status;
+}
+
+static enum status over_nothing(struct world *world, struct store_meta *assumed)
+{
+	const struct scene *scene = world->scene;
+	if (scene->coordinates == SCENE_SRS)
+		return fail_with(STATUS_INPUT, "%s: coordinates: %s lie on a store's ground, and none is known; give --store", scene->file,
+				 scene->srs);
+	double spacing = scene->spacing > 0 ? scene->spacing : ASSUMED_SPACING;
+	*assumed = (struct store_meta){
+		.extent = {ASSUMED_POSTS, ASSUMED_POSTS, spacing, ASSUMED_CELLS},
+		.srs = "",
+		.vertical = "",
+		.sources = "",
+	};
+	world->meta = assumed;
+	world->spacing = spacing;
+	return STATUS_OK;
+}
+
+enum status world_prepare_plan(struct world *world, const struct scene *scene, const char *store, struct store_meta *assumed)
+{
+	*world = (struct world){.scene = scene, .params = {.scene = scene, .rows = true}};
+	enum status status = store != NULL ? over_store(world, store) : over_nothing(world, assumed);
+	if (status == STATUS_OK)
+		status = world_make_bodies(world);
+	if (status == STATUS_OK)
+		world->ground_tiles = world_ground_tiles(world);
+	return status;
+}

@@ -1,0 +1,243 @@
+#include "world/record.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/json.h"
+
+#define VERSION 2
+#define SUM_MOST (INT64_MAX / 4) /* so that what a drive adds, and their differences, are numbers too */
+
+size_t record_bytes(size_t objects)
+{
+	return sizeof(struct record) + objects * sizeof(struct record_object);
+}
+
+/* --- writing; false: out of memory --- */
+
+static bool put_whole(cJSON *object, const char *name, int64_t value)
+{
+	char text[32];
+	snprintf(text, sizeof text, "%lld", (long long)value);
+	return cJSON_AddStringToObject(object, name, text) != NULL;
+}
+
+static bool put_real(cJSON *object, const char *name, double value)
+{
+	char text[40];
+	snprintf(text, sizeof text, "%a", value);
+	return cJSON_AddStringToObject(object, name, text) != NULL;
+}
+
+static bool put_force(cJSON *object, const struct record_force *force)
+{
+	static const char *const names[] = {"fx", "fy", "fz", "tx", "ty", "tz"};
+	cJSON *to = cJSON_AddObjectToObject(object, "force");
+	bool whole = to != NULL && put_real(to, "sinkage", force->sinkage) && put_real(to, "area", force->area) &&
+		     put_whole(to, "z", force->z);
+	for (int i = 0; i < 6 && whole; i++)
+		whole = put_real(to, names[i], i < 3 ? force->force[i] : force->moment[i - 3]);
+	return whole;
+}
+
+static bool put_object(cJSON *objects, const struct record_object *from, const char *name)
+{
+	cJSON *object = cJSON_CreateObject();
+	if (!cJSON_AddItemToArray(objects, object)) {
+		cJSON_Delete(object);
+		return false;
+	}
+	return cJSON_AddStringToObject(object, "name", name) != NULL && put_whole(object, "next", from->next) &&
+	       cJSON_AddBoolToObject(object, "in_contact", from->in_contact) != NULL &&
+	       put_whole(object, "x", from->last.x) && put_whole(object, "y", from->last.y) &&
+	       put_whole(object, "z", from->last.z) && put_real(object, "yaw", from->last.yaw) &&
+	       put_real(object, "pitch", from->last.pitch) && put_real(object, "roll", from->last.roll) &&
+	       put_real(object, "turn", from->last.turn) && put_force(object, &from->force) &&
+	       put_real(object, "distance", from->distance) && put_real(object, "sinkage", from->sinkage) &&
+	       put_whole(object, "skipped", from->skipped);
+}
+
+/* "x,y;" for each block. */
+static bool put_awake(cJSON *root, const struct record *record)
+{
+	const size_t most = 2 * 20 + 3;
+	char *text = mem_alloc(record->awake_count * most + 1, 1), *at = text;
+	if (text == NULL)
+		return false;
+	*at = '\0';
+	for (size_t i = 0; i < record->awake_count; i++)
+		at += snprintf(at, most, "%lld,%lld;", (long long)record->awake[i].x, (long long)record->awake[i].y);
+	bool whole = cJSON_AddStringToObject(root, "awake", text) != NULL;
+	mem_free(text);
+	return whole;
+}
+
+char *record_print(const struct record *record, const struct scene *scene, const struct record_sums *sums)
+{
+	cJSON *root = cJSON_CreateObject(), *objects;
+	bool whole = cJSON_AddNumberToObject(root, "version", VERSION) != NULL &&
+		     put_whole(root, "level", record->level) &&
+		     cJSON_AddBoolToObject(root, "ended", record->ended) != NULL &&
+		     put_whole(root, "below", sums->below) && put_whole(root, "above", sums->above) &&
+		     put_whole(root, "compacted", sums->compacted) && put_awake(root, record) && (objects = cJSON_AddArrayToObject(root, "objects")) != NULL;
+	for (size_t i = 0; i < scene->object_count && whole; i++)
+		whole = put_object(objects, &record->objects[i], scene->objects[i].name);
+	char *printed = whole ? cJSON_PrintUnformatted(root) : NULL, *text = NULL;
+	cJSON_Delete(root);
+	if (printed != NULL)
+		text = mem_strdup(printed);
+	cJSON_free(printed);
+	return text;
+}
+
+/* --- reading; false: not there, or not what it must be --- */
+
+static const char *get_text(const cJSON *object, const char *name)
+{
+	return cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(object, name));
+}
+
+static bool get_whole(const cJSON *object, const char *name, int64_t low, int64_t *value)
+{
+	const char *text = get_text(object, name);
+	char *end;
+	if (text == NULL || strspn(text, "-0123456789") != strlen(text) || *text == '\0')
+		return false;
+	errno = 0;
+	*value = strtoll(text, &end, 10);
+	return *end == '\0' && errno == 0 && *value >= low;
+}
+
+static bool get_real(const cJSON *object, const char *name, double *value)
+{
+	const char *text = get_text(object, name);
+	char *end;
+	if (text == NULL || strspn(text, "+-.0123456789abcdefpx") != strlen(text) || *text == '\0')
+		return false;
+	*value = strtod(text, &end);
+	return *end == '\0' && isfinite(*value);
+}
+
+static bool get_bool(const cJSON *object, const char *name, bool *value)
+{
+	const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, name);
+	*value = cJSON_IsTrue(item);
+	return cJSON_IsBool(item);
+}
+
+static bool get_force(const cJSON *object, struct record_force *force)
+{
+	static const char *const names[] = {"fx", "fy", "fz", "tx", "ty", "tz"};
+	const cJSON *from = cJSON_GetObjectItemCaseSensitive(object, "force");
+	bool whole = get_real(from, "sinkage", &force->sinkage) && get_real(from, "area", &force->area) &&
+		     get_whole(from, "z", INT64_MIN, &force->z);
+	for (int i = 0; i < 6 && whole; i++)
+		whole = get_real(from, names[i], i < 3 ? &force->force[i] : &force->moment[i - 3]);
+	return whole;
+}
+
+static bool get_object(const cJSON *object, const char *name, struct record_object *to)
+{
+	const char *named = get_text(object, "name");
+	return named != NULL && strcmp(named, name) == 0 && get_whole(object, "next", 0, &to->next) &&
+	       get_bool(object, "in_contact", &to->in_contact) && get_whole(object, "x", INT64_MIN, &to->last.x) &&
+	       get_whole(object, "y", INT64_MIN, &to->last.y) && get_whole(object, "z", INT64_MIN, &to->last.z) &&
+	       get_real(object, "yaw", &to->last.yaw) && get_real(object, "pitch", &to->last.pitch) &&
+	       get_real(object, "roll", &to->last.roll) &&
+	       get_real(object, "turn", &to->last.turn) && get_force(object, &to->force) && get_real(object, "distance", &to->distance) &&
+	       to->distance >= 0 && get_real(object, "sinkage", &to->sinkage) &&
+	       get_whole(object, "skipped", 0, &to->skipped) && to->skipped <= to->next;
+}
+
+/* A number of a block, and the character behind it. */
+static bool get_place(const char **at, char behind, int64_t *value)
+{
+	char *end;
+	if (**at < '0' || **at > '9')
+		return false;
+	errno = 0;
+	*value = strtoll(*at, &end, 10);
+	*at = end + 1;
+	return errno == 0 && *end == behind;
+}
+
+static bool get_awake(const cJSON *root, struct record *record)
+{
+	const char *at = get_text(root, "awake");
+	record->awake_count = 0;
+	if (at == NULL)
+		return false;
+	while (*at != '\0') {
+		struct deform_block *block = &record->awake[record->awake_count];
+		if (record->awake_count == DEFORM_BLOCKS_MAX || !get_place(&at, ',', &block->x) || !get_place(&at, ';', &block->y))
+			return false;
+		record->awake_count++;
+	}
+	return true;
+}
+
+enum status record_damaged(const char *store, const char *why)
+{
+	return fail_with(STATUS_INPUT, "%s: what its last drive left to go on from is damaged: %s; drive without --resume, "
+			 "or furrow reset it", store, why);
+}
+
+static enum status parse_objects(const cJSON *objects, const char *store, const struct scene *scene,
+				 struct record *record)
+{
+	char why[64];
+	size_t count = (size_t)cJSON_GetArraySize(objects);
+	if (!cJSON_IsArray(objects) || count != scene->object_count) {
+		snprintf(why, sizeof why, "%zu objects, not %zu", count, scene->object_count);
+		return record_damaged(store, why);
+	}
+	const cJSON *object = objects->child;
+	for (size_t i = 0; i < count; i++, object = object->next)
+		if (!get_object(object, scene->objects[i].name, &record->objects[i])) {
+			snprintf(why, sizeof why, "object %zu of %zu", i + 1, count);
+			return record_damaged(store, why);
+		}
+	return STATUS_OK;
+}
+
+static enum status parse_root(const cJSON *root, const char *store, struct record *record)
+{
+	const cJSON *version = cJSON_GetObjectItemCaseSensitive(root, "version");
+	int64_t level;
+	if (!cJSON_IsObject(root))
+		return record_damaged(store, "no JSON object");
+	if (!cJSON_IsNumber(version) || version->valuedouble != VERSION)
+		return fail_with(STATUS_INPUT, "%s: its last drive was made by another furrow, which keeps another record; resume "
+				 "it with that, or drive without --resume", store);
+	if (!get_whole(root, "level", TILE_LEVEL_MIN, &level) || level > TILE_LEVEL_MAX)
+		return record_damaged(store, "its level");
+	record->level = (int)level;
+	if (!get_bool(root, "ended", &record->ended))
+		return record_damaged(store, "whether it ended");
+	struct record_sums *sums = &record->sums;
+	if (!get_whole(root, "below", -SUM_MOST, &sums->below) || sums->below > SUM_MOST ||
+	    !get_whole(root, "above", -SUM_MOST, &sums->above) || sums->above > SUM_MOST ||
+	    !get_whole(root, "compacted", -SUM_MOST, &sums->compacted) || sums->compacted > SUM_MOST)
+		return record_damaged(store, "its sums");
+	if (!get_awake(root, record))
+		return record_damaged(store, "what was awake");
+	return STATUS_OK;
+}
+
+enum status record_parse(const struct store_run *run, const char *store, const struct scene *scene,
+			 struct record *record)
+{
+	record->step = run->step;
+	record->time = run->time;
+	if (run->step < 0 || !isfinite(run->time) || run->time < 0)
+		return record_damaged(store, "its step or its time");
+	cJSON *root = cJSON_ParseWithOpts(run->state, NULL, true);
+	enum status status = parse_root(root, store, record);
+	if (status == STATUS_OK)
+		status = parse_objects(cJSON_GetObjectItemCaseSensitive(root, "objects"), store, scene, record);
+	cJSON_Delete(root);
+	return status;
+}

@@ -1,0 +1,102 @@
+/*
+ * The ground at large: every `interval` of simulated time it slides on where it is awake, after the stations of the
+ * same time. The tiles of a block are pinned while it is gathered and while it is scattered, no longer.
+ */
+#include <math.h>
+
+#include "world/internal.h"
+
+/* Intervals that are over at `time`: those at multiples of it, from the first. */
+static int64_t intervals_by(const struct world *world, double time)
+{
+	double interval = world->scene->interval, whole = floor(time / interval);
+	if (!deform_conserves(world->scene->model) || !(whole < 0x1p52)) /* none, or more than there are */
+		return 0;
+	int64_t count = (int64_t)whole;
+	while ((double)(count + 1) * interval <= time)
+		count++;
+	while (count > 0 && (double)count * interval > time)
+		count--;
+	return count;
+}
+
+void world_intervals_from(struct world *world, double time)
+{
+	world->relaxation.intervals = intervals_by(world, time);
+}
+
+enum status world_wake_all(struct world *world)
+{
+	const struct extent *extent = &world->meta->extent;
+	const struct post_rect all = {0, 0, extent_posts(extent->width, world->level), extent_posts(extent->height, world->level)};
+	return deform_wake(world->deform, all);
+}
+
+static size_t rests_of(const struct world *world)
+{
+	size_t count = 0;
+	for (size_t i = 0; i < world->scene->object_count; i++)
+		if (world->bodies[i].in_contact)
+			world->relaxation.rests[count++] = (struct deform_rest){&world->bodies[i].object->shape, world->bodies[i].last,
+								     world->bodies[i].carrier};
+	return count;
+}
+
+static enum status one_interval(struct world *world, size_t *blocks)
+{
+	struct held_tiles held = {.count = 0};
+	enum status status = deform_interval_begin(world->deform, world->relaxation.rests, rests_of(world), blocks);
+	for (size_t i = 0; i < *blocks && status == STATUS_OK; i++) {
+		status = world_hold(world, deform_interval_reads(world->deform, i), &held);
+		if (status == STATUS_OK)
+			status = deform_interval_gather(world->deform, i, held.tiles, held.count);
+		world_release(world, &held);
+	}
+	for (size_t i = 0; i < *blocks && status == STATUS_OK; i++) {
+		struct post_rect writes = deform_interval_writes(world->deform, i);
+		status = world_hold(world, writes, &held);
+		if (status == STATUS_OK)
+			status = deform_interval_scatter(world->deform, i, held.tiles, held.count);
+		if (status == STATUS_OK)
+			status = world_mark(world, writes, &held);
+		world_release(world, &held);
+	}
+	if (status == STATUS_OK && *blocks > 0)
+		status = deform_interval_end(world->deform);
+	struct page_stats pages;
+	int64_t side = (world->meta->extent.cells + DEFORM_BLOCK - 1) / DEFORM_BLOCK;
+	page_cache_stats(world->cache, &pages);
+	world->relaxation.visited += *blocks;
+	world->relaxation.possible += pages.touched * (uint64_t)(side * side);
+	return status;
+}
+
+enum status world_intervals(struct world *world, double time, bool at_it)
+{
+	if (world->deform == NULL || !deform_conserves(world->scene->model))
+		return STATUS_OK;
+	enum status status = STATUS_OK;
+	int64_t over = intervals_by(world, time);
+	if (!at_it && over > 0 && (double)over * world->scene->interval >= time)
+		over--;
+	while (world->relaxation.intervals < over && status == STATUS_OK) {
+		size_t blocks;
+		status = one_interval(world, &blocks);
+		/* Where nothing is awake nothing wakes by itself. */
+		world->relaxation.intervals = blocks > 0 ? world->relaxation.intervals + 1 : over;
+	}
+	return status;
+}
+
+enum status world_let_go(struct world *world, const struct body *body)
+{
+	const struct deform_sweep rest = {.shape = &body->object->shape, .from = body->last, .to = body->last};
+	struct deform_window windows[DEFORM_WINDOWS_MAX];
+	size_t count = 0;
+	if (!body->in_contact || !deform_conserves(world->scene->model))
+		return STATUS_OK;
+	enum status status = deform_windows(world->deform, &rest, windows, &count);
+	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+		status = deform_wake(world->deform, windows[i].write);
+	return status;
+}

@@ -1,0 +1,138 @@
+/*
+ * Going on from the store's last drive of the same scene.
+ *
+ * Nearly all of a record follows from its step's time: which stations are behind, and where the last of them set
+ * the object down. What a record says that is not so was not written by a drive of this scene.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "world/internal.h"
+
+#define STANDS_MOST (INT64_C(1) << 31) /* quanta from where a load's height was guessed */
+
+/* To a few quanta, far less than a post: what is swept from there must fit the budget too. */
+static bool near(int64_t a, int64_t b)
+{
+	return a > b - 16 && a < b + 16;
+}
+
+static enum status check_object(struct world *world, struct body *body, const struct record_object *object)
+{
+	const struct record *record = world->record;
+	const char *store = world->path;
+	struct event event = {.time = 0};
+	if (record->step == 0 && object->next == 0)
+		return object->in_contact ? record_damaged(store, "contact before the first step") : STATUS_OK;
+	int64_t stations = track_samples(body->track);
+	if (object->next > stations ||
+	    (object->next > 0 && track_sample_time(body->track, object->next - 1) > record->time) ||
+	    (object->next < stations && track_sample_time(body->track, object->next) <= record->time))
+		return record_damaged(store, "stations that are not those of its time");
+	if (object->next == 0)
+		return object->in_contact ? record_damaged(store, "contact before the first station") : STATUS_OK;
+	enum status status = world_set_down(world, body, object->next - 1, &event);
+	if (status != STATUS_OK)
+		return status;
+	/* Not to the bit: another machine's mathematics may have made it. */
+	const struct deform_pose *pose = &event.pose, *last = &object->last;
+	if (object->in_contact != event.contact ||
+	    (event.contact && !(near(last->x, pose->x) && near(last->y, pose->y) && near(last->z, pose->z))))
+		return record_damaged(store, "an object is not where its path was");
+	if (body->carrier > 0 && event.contact &&
+	    (object->force.z <= last->z - STANDS_MOST || object->force.z >= last->z + STANDS_MOST))
+		return record_damaged(store, "an object stands where it cannot");
+	return STATUS_OK;
+}
+
+static enum status check(struct world *world)
+{
+	const struct record *record = world->record;
+	const char *store = world->path;
+	/* The last step may have been cut short by the end_time that was. */
+	double whole = (double)record->step * world->scene->time_step;
+	if (world_steps_until(world->scene, record->time) != (double)record->step &&
+	    fabs(record->time - whole) > 1e-12 * whole)
+		return record_damaged(store, "its step and its time do not agree");
+	if (record->level != world->level)
+		return record_damaged(store, "its level is not the store's");
+	const struct extent *extent = &world->meta->extent;
+	int64_t width = extent_posts(extent->width, world->level), height = extent_posts(extent->height, world->level);
+	for (size_t i = 0; i < record->awake_count; i++)
+		if (record->awake[i].x >= (width + DEFORM_BLOCK - 1) / DEFORM_BLOCK ||
+		    record->awake[i].y >= (height + DEFORM_BLOCK - 1) / DEFORM_BLOCK)
+			return record_damaged(store, "what was awake lies beyond the ground");
+	if (record->awake_count > 0 && (world->scene->object_count == 0 || !deform_conserves(world->scene->model)))
+		return record_damaged(store, "something is awake that cannot be");
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < world->scene->object_count && status == STATUS_OK; i++)
+		status = check_object(world, &world->bodies[i], &record->objects[i]);
+	return status;
+}
+
+static void restore(struct world *world)
+{
+	const struct record *record = world->record;
+	world->resumed.is = true;
+	world->step = record->step;
+	world->time = record->time;
+	/* The scene ends later now: its last step is done to its end. */
+	if (record->step > 0 && record->time < world_step_time(world->scene, record->step) * (1 - 1e-12))
+		world->step--;
+	world->resumed.from = world->step;
+	world->resumed.time = world->time;
+	int64_t total = world_step_count(world);
+	world->resumed.nothing_left = world->step > total || (world->step == total && record->ended);
+	for (size_t i = 0; i < world->scene->object_count; i++) {
+		const struct record_object *object = &record->objects[i];
+		struct body *body = &world->bodies[i];
+		body->next = object->next;
+		body->in_contact = object->in_contact;
+		body->last = object->last;
+		body->distance = object->distance;
+		body->sinkage = object->sinkage;
+		body->stands = object->force.z;
+		body->raised = body->carrier > 0 && object->in_contact ? object->force.z - object->last.z : 0;
+		body->skipped = object->skipped;
+	}
+}
+
+void world_tell_unfinished(const struct world *world)
+{
+	struct store_run run;
+	struct record *record = mem_calloc(1, record_bytes(world->scene->object_count));
+	if (record != NULL && store_last_run(world->store, &run) == STATUS_OK && run.scene_hash != NULL && run.step > 0 &&
+	    strcmp(run.scene_hash, world->scene->hash) == 0 &&
+	    record_parse(&run, world->path, world->scene, record) == STATUS_OK && !record->ended)
+		note("%s: this scene was driven to step %lld there and not to its end; it begins anew, over those ruts "
+		     "(--resume would go on)", world->path, (long long)run.step);
+	mem_free(record);
+}
+
+enum status world_resume(struct world *world)
+{
+	const char *store = world->path;
+	struct store_run run;
+	enum status status = store_last_run(world->store, &run);
+	if (status != STATUS_OK)
+		return status;
+	if (run.scene_hash == NULL) {
+		note("%s: nothing was driven there; begins at step 0", store);
+		return STATUS_OK;
+	}
+	if (strcmp(run.scene_hash, world->scene->hash) != 0)
+		return fail_with(STATUS_INPUT, "%s: its last drive, to step %lld, was of another scene (%.8s, not %.8s); resume with "
+				 "that scene, or drive this one without --resume", store, (long long)run.step,
+				 run.scene_hash, world->scene->hash);
+	status = record_parse(&run, store, world->scene, world->record);
+	if (status == STATUS_OK)
+		status = check(world);
+	if (status != STATUS_OK)
+		return status;
+	restore(world);
+	if (world->resumed.nothing_left)
+		note("%s: this scene was driven to step %lld, %g s, already; nothing is left to do", store,
+		     (long long)run.step, run.time);
+	return STATUS_OK;
+}

@@ -1,0 +1,161 @@
+/* One step: what is due in it, what that does to the ground, and the record of it. */
+#include <math.h>
+#include <string.h>
+
+#include "world/internal.h"
+
+double world_steps_until(const struct scene *scene, double time)
+{
+	return ceil(time / scene->time_step - 1e-9);
+}
+
+int64_t world_step_count(const struct world *world)
+{
+	int64_t whole = (int64_t)world_steps_until(world->scene, world->scene->end_time);
+	if (world->params.steps > 0 && world->params.steps < whole)
+		whole = world->params.steps;
+	return whole;
+}
+
+double world_step_time(const struct scene *scene, int64_t step)
+{
+	double time = (double)step * scene->time_step;
+	/* The last step ends where the scene does, whatever the time step: the same stations are due. */
+	return time < scene->end_time * (1 - 1e-12) ? time : scene->end_time;
+}
+
+static enum status fill_record(struct world *world)
+{
+	struct record *record = world->record;
+	const struct deform_block *awake;
+	size_t count = 0;
+	if (world->deform != NULL) {
+		enum status status = deform_awake(world->deform, &awake, &count);
+		if (status != STATUS_OK)
+			return status;
+	}
+	if (count > 0)
+		memcpy(record->awake, awake, count * sizeof *awake);
+	record->awake_count = count;
+	record->step = world->step;
+	record->time = world->time;
+	record->level = world->level;
+	record->ended = false;
+	for (size_t i = 0; i < world->scene->object_count; i++) {
+		const struct body *body = &world->bodies[i];
+		record->objects[i] = (struct record_object){
+			.next = body->next,
+			.in_contact = body->in_contact,
+			.last = body->last,
+			.distance = body->distance,
+			.sinkage = body->sinkage,
+			.force = record->objects[i].force, /* forces_settle's */
+			.skipped = body->skipped,
+		};
+	}
+	return STATUS_OK;
+}
+
+static enum status deform_step(struct world *world, double until)
+{
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < world->events.count && status == STATUS_OK; i++) {
+		struct event *event = &world->events.list[i];
+		struct body *body = &world->bodies[event->body];
+		status = world_intervals(world, event->time, false);
+		if (status == STATUS_OK)
+			status = forces_rows(world->forces, event->time, false);
+		if (status != STATUS_OK)
+			return status;
+		if (!event->contact) {
+			status = world_let_go(world, body);
+			body->in_contact = false;
+			body->skipped++;
+			forces_absent(world->forces, event->body, event);
+			continue;
+		}
+		body->distance += event->distance;
+		if (body->object->load == 0)
+			body->sinkage = event->sinkage;
+		status = world_contact(world, event, event->next_time > until);
+	}
+	if (status == STATUS_OK)
+		status = world_intervals(world, until, true);
+	return status == STATUS_OK ? forces_end_step(world->forces, until) : status;
+}
+
+enum status world_begin(struct world *world)
+{
+	world_intervals_from(world, world->time);
+	look_ahead_begin(world->ahead, world->resumed.time);
+	/* Killed before its first commit it is not to be taken for the run before it. */
+	enum status status = world->resumed.is ? STATUS_OK : fill_record(world);
+	if (status == STATUS_OK && !world->resumed.is)
+		status = page_cache_flush(world->cache, world->record);
+	world->warmed.stalls = (struct stalls){0, 0};
+	world_stalls(world, &world->warmed.stalls);
+	return status;
+}
+
+enum status world_end_step(struct world *world)
+{
+	enum status status = world->pyramid != NULL ? pyramid_flush(world->pyramid, world->cache) : STATUS_OK;
+	if (status == STATUS_OK)
+		status = fill_record(world);
+	/* Until the record is of this step too there is nothing to commit. */
+	if (status != STATUS_OK)
+		return status;
+	world->torn = false;
+	return page_cache_end_step(world->cache, world->record);
+}
+
+enum status world_step(struct world *world)
+{
+	double until = world_step_time(world->scene, world->step + 1);
+	/* Before anything changes: a scene that leaves the ground stops at a step's end. */
+	enum status status = world_collect_events(world, until);
+	if (status == STATUS_OK)
+		status = page_cache_poll(world->cache);
+	if (status == STATUS_OK)
+		status = look_ahead_step(world->ahead, world->time);
+	if (status != STATUS_OK)
+		return status;
+	world->torn = true;
+	status = deform_step(world, until);
+	if (status != STATUS_OK)
+		return status;
+	world->step++;
+	world->time = until;
+	look_ahead_tell(world->ahead, until);
+	return world_end_step(world);
+}
+
+void world_stalls(const struct world *world, struct stalls *stalls)
+{
+	struct page_stats pages;
+	struct ground_figures ground;
+	page_cache_stats(world->cache, &pages);
+	ground_figures(world->ground, &ground);
+	*stalls = (struct stalls){
+		.count = pages.stalls + ground.waits - world->warmed.stalls.count,
+		.ms = pages.stall_ms + ground.wait_ms - world->warmed.stalls.ms,
+	};
+}
+
+bool world_stopped(const struct world *world)
+{
+	return world->params.stop != NULL && *world->params.stop;
+}
+
+enum status world_interrupted(const struct world *world)
+{
+	return fail_with(STATUS_INTERRUPTED, "drive: interrupted after step %lld; all of it is in the store",
+			 (long long)world->step);
+}
+
+enum status world_end(struct world *world, bool ended)
+{
+	world->record->ended = ended;
+	/* A step that failed half-way is no state to commit: the last commit stands. */
+	return world->torn ? STATUS_OK : page_cache_flush(world->cache, world->record);
+}

@@ -1,0 +1,282 @@
+/* A world's life: opened, started, warmed up, stopped, freed. */
+#include "world/internal.h"
+
+#include <string.h>
+
+#define COMMIT_AGE 1.0 /* s: how much of a run a kill may cost */
+
+enum status world_prepare(struct world *world, const struct world_params *params)
+{
+	const struct scene *scene = params->scene;
+	*world = (struct world){.params = *params, .scene = scene};
+	const char *path = params->store != NULL ? params->store : scene->store;
+	if (path == NULL)
+		return fail_with(STATUS_INPUT, "%s: names no store; add store:, or give --store", scene->file);
+	struct store_options options = {STORE_WRITE, params->durable_full};
+	const char *overlay = params->overlay;
+	world->path = overlay != NULL ? overlay : path;
+	enum status status = overlay != NULL ? store_open_overlay(overlay, path, &options, &world->store)
+					     : store_open(path, &options, &world->store);
+	if (status != STATUS_OK)
+		return status;
+	world->meta = store_meta(world->store);
+	status = world_settle_level(world);
+	if (status == STATUS_OK)
+		world->ground_tiles = world_ground_tiles(world);
+	if (status == STATUS_OK)
+		status = ground_create(world->store, world->ground_tiles, &world->ground);
+	if (status == STATUS_OK)
+		status = soil_map_open(scene, world->meta, &world->soil_map);
+	if (status == STATUS_OK)
+		status = world_make_bodies(world);
+	if (status == STATUS_OK && params->resume)
+		status = world_resume(world);
+	else if (status == STATUS_OK)
+		world_tell_unfinished(world);
+	return status;
+}
+
+/* --- starting --- */
+
+/* The look-ahead's thread. */
+static size_t camera_places(const void *user, double time, double places[2][2])
+{
+	const struct world *world = user;
+	const struct scene_view *view = &world->scene->view;
+	const struct body *target = &world->bodies[view->target_object];
+	return track_camera_places(view, &target->object->path, target->track, time, places);
+}
+
+static enum status start_look_ahead(struct world *world)
+{
+	const struct scene *scene = world->scene;
+	struct look_ahead_body *bodies = mem_calloc(scene->object_count + 1, sizeof *bodies);
+	if (bodies == NULL)
+		return fail_memory("the look-ahead");
+	for (size_t i = 0; i < scene->object_count; i++)
+		bodies[i] = (struct look_ahead_body){world->bodies[i].track, &world->bodies[i].object->shape, world->bodies[i].next};
+	uint32_t tiles = world->ground_tiles;
+	bool follows = scene->view.present && scene->view.camera != SCENE_FIXED && scene->object_count > 0;
+	const struct look_ahead_params params = {
+		.store = world->store,
+		.ground = world->ground,
+		.tiles = tiles - tiles / 4, /* the rest is for what the view asks for, and for what was passed */
+		.bodies = bodies,
+		.count = scene->object_count,
+		.spacing = world->spacing,
+		.camera = follows ? camera_places : NULL,
+		.camera_user = world,
+		.camera_speed = follows ? track_fastest(world->bodies[scene->view.target_object].track) : 0,
+		.prefetch = scene->prefetch,
+		.end = scene->end_time,
+	};
+	enum status status = look_ahead_create(&params, &world->ahead);
+	mem_free(bodies);
+	return status;
+}
+
+/* What relaxes, and where loaded bodies are carried: as what is resumed left it. */
+static enum status go_on_with_ground(struct world *world)
+{
+	const struct record *record = world->record;
+	bool relaxes = world->deform != NULL && world->scene->undisturbed == SCENE_SLIDES && !world->resumed.is;
+	enum status status = relaxes ? world_wake_all(world) : STATUS_OK;
+	for (size_t i = 0; i < record->awake_count && status == STATUS_OK; i++)
+		status = deform_wake_block(world->deform, record->awake[i]);
+	for (size_t i = 0; i < world->scene->object_count && world->resumed.is; i++) {
+		const struct body *body = &world->bodies[i];
+		if (body->carrier > 0 && body->in_contact)
+			deform_stands(world->deform, body->carrier, (int32_t)(body->stands - body->last.z));
+	}
+	return status;
+}
+
+enum status world_start(struct world *world)
+{
+	const struct scene *scene = world->scene;
+	struct gpu_params gpu = {.draws = world->params.draws};
+	struct deform_params deform;
+	enum status status = start_look_ahead(world);
+	if (status == STATUS_OK)
+		status = gpu_create(&gpu, &world->gpu);
+	if (status == STATUS_OK)
+		status = gpu_slots_create(world->gpu, world->meta->extent.cells, scene->slots,
+					  pages_planes_of(scene, world->was_deformed), &world->slots);
+	world_deform_params(world, &deform);
+	world->aloft.asks_touched = deform.touched;
+	deform.gpu = world->gpu;
+	deform.slots = world->slots;
+	deform.reference = ground_reference(world->store);
+	if (status == STATUS_OK && scene->object_count > 0)
+		status = deform_create(&deform, &world->deform);
+	if (status == STATUS_OK)
+		status = world_budget_check(world);
+	if (status == STATUS_OK)
+		status = go_on_with_ground(world);
+	if (status == STATUS_OK)
+		status = forces_create(world, &world->forces);
+	if (status == STATUS_OK && world->params.draws)
+		status = pyramid_create(&world->meta->extent, world->level, world->slots, &world->pyramid);
+	return status;
+}
+
+/* --- pages --- */
+
+static enum status before_read_back(void *user, struct tile tile, uint32_t slot)
+{
+	struct world *world = user;
+	return world->pyramid != NULL ? pyramid_flush_tile(world->pyramid, world->cache, tile, slot) : STATUS_OK;
+}
+
+static enum status before_epoch(void *user)
+{
+	struct world *world = user;
+	if (world->commits != NULL && world->commits->before_record != NULL)
+		world->commits->before_record(world->commits->user);
+	return forces_settle(world->forces, world->record);
+}
+
+static enum status before_commit(void *user)
+{
+	const struct world *world = user;
+	const struct world_commits *commits = world->commits;
+	return commits != NULL && commits->before_commit != NULL ? commits->before_commit(commits->user) : STATUS_OK;
+}
+
+static enum status tally_snapshot(void *user, struct gpu_staging *staging)
+{
+	const struct world *world = user;
+	deform_tally_read_into(world->deform, staging, 0);
+	return STATUS_OK;
+}
+
+static enum status soil_classes(void *user, unsigned loader, struct tile tile, uint8_t *classes)
+{
+	const struct world *world = user;
+	return soil_map_read(world->soil_map, loader, tile, classes);
+}
+
+void world_pages_params(const struct world *world, struct pages_params *params)
+{
+	const struct scene *scene = world->scene;
+	*params = (struct pages_params){
+		.planes = pages_planes_of(scene, world->was_deformed),
+		.level = world->level,
+		.count = scene->slots,
+		.loaders = scene->loaders,
+		.step_pages = world_step_pages(world),
+		.scene = scene,
+		.epoch_age = COMMIT_AGE,
+		.before_read_back = before_read_back,
+		.before_epoch = before_epoch,
+		.before_commit = before_commit,
+		.snapshot = scene->object_count > 0 ? tally_snapshot : NULL,
+		.classes = soil_map_needed(scene) ? soil_classes : NULL,
+		.classes_drawn = scene_draws_classes(scene),
+	};
+}
+
+static enum status watcher_requests(void *user, struct requests *requests)
+{
+	struct world *world = user;
+	return world->watcher->requests(world->watcher->user, requests);
+}
+
+enum status world_start_pages(struct world *world, FILE *epochs, struct page_trace *trace)
+{
+	struct pages_params params;
+	world->epochs = epochs;
+	world->trace = trace;
+	world_pages_params(world, &params);
+	params.store = world->store;
+	params.gpu = world->gpu;
+	params.slots = world->slots;
+	params.below = world->record->sums.below;
+	params.above = world->record->sums.above;
+	params.compacted = world->record->sums.compacted;
+	params.epochs = epochs;
+	params.trace = trace;
+	params.user = world;
+	enum status status = pages_create(&params, &world->pages);
+	if (status == STATUS_OK)
+		world->cache = pages_cache(world->pages);
+	return status;
+}
+
+void world_watch(struct world *world, const struct world_watcher *watcher)
+{
+	world->watcher = watcher;
+}
+
+/* --- warming up --- */
+
+/* A driver compiles a program when it first draws with it: now, and not in a step. The ground of the first steps is
+ * read by then too. */
+enum status world_warm(struct world *world)
+{
+	const struct scene *scene = world->scene;
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++) {
+		const struct deform_planned planned = world_planned(&scene->objects[i]);
+		status = deform_warm(world->deform, &planned, scene->forces > 0 && world->params.rows);
+	}
+	if (status == STATUS_OK)
+		status = world_warm_drops(world);
+	bool deformed = pages_planes_of(scene, world->was_deformed) != 0;
+	if (status == STATUS_OK)
+		status = gpu_slots_warm(world->slots, world->level < 0, deformed && world->params.draws);
+	look_ahead_serve(world->ahead, &(struct look_ahead_pages){
+					       .deform = world->deform,
+					       .extent = &world->meta->extent,
+					       .level = world->level,
+					       .cache = world->cache,
+					       .slots = scene->slots,
+					       .requests = world->watcher != NULL ? watcher_requests : NULL,
+					       .user = world,
+				       });
+	return status == STATUS_OK ? look_ahead_first(world->ahead, world->time, world->params.stop) : status;
+}
+
+void world_seal(struct world *world)
+{
+	gpu_finish(world->gpu);
+	gpu_stats(world->gpu, &world->warmed.gpu);
+	gpu_slots_figures(world->slots, &world->warmed.slots);
+	gpu_seal(world->gpu);
+}
+
+/* --- the end --- */
+
+void world_stop(struct world *world)
+{
+	look_ahead_stop(world->ahead);
+	if (world->pages != NULL)
+		pages_stop(world->pages);
+}
+
+void world_finish(struct world *world, enum status status)
+{
+	look_ahead_stop(world->ahead);
+	newest_destroy(world->newest);
+	pages_destroy(world->pages);
+	look_ahead_destroy(world->ahead);
+	soil_map_close(world->soil_map);
+	page_trace_destroy(world->trace);
+	forces_destroy(world->forces);
+	pyramid_destroy(world->pyramid);
+	deform_destroy(world->deform);
+	gpu_slots_destroy(world->slots);
+	gpu_destroy(world->gpu);
+	world_free_bodies(world);
+	key_set_finish(&world->aloft.seen);
+	key_set_finish(&world->aloft.old);
+	mem_free(world->events.list);
+	if (world->epochs != NULL)
+		fclose(world->epochs);
+	ground_destroy(world->ground);
+	if (status == STATUS_OK)
+		store_close(world->store);
+	else
+		store_abandon(world->store);
+	*world = (struct world){.scene = NULL};
+}

@@ -1,0 +1,597 @@
+/* A host over whole drives: what it holds does not step, where it looks is seen, what it drops is pressed and kept, and a
+ * host that only watches changes nothing. */
+#include "../support.h"
+
+#include "api/api.h"
+#include "api/internal.h"
+#include "render/view.h"
+
+static const struct extent extent = {257, 257, 1, 32};
+
+static const char scene_text[] =
+	"scene: 1\n"
+	"time_step: 0.1\n"
+	"end_time: 2\n"
+	"redistribute: {model: box}\n"
+	"attributes: [dirt]\n"
+	"objects:\n"
+	"  - {name: a, shape: {sphere: {radius: 2.5}}, sink: 0.5, path: {points: [[40, 60], [80, 90]], speed: 20}}\n"
+	"view:\n"
+	"  size: [160, 90]\n"
+	"  camera: {chase: a, back: 14, up: 9}\n"
+	"  effects: [texture, sky, geomorph, skirts, objects, shadow]\n"
+	"cache: {slots: 128}\n";
+
+static double flat(int64_t x, int64_t y)
+{
+	return 100;
+}
+
+/* What one test's host does, and saw. */
+struct guest {
+	enum status (*act)(struct guest *guest, struct drive *drive, struct api_control *wish);
+	int turns, pictures, stage;
+	int64_t step;     /* when the host last looked */
+	bool pressed;
+	uint64_t hash;    /* of the last picture */
+	uint32_t width, height;
+	bool changed;     /* a pixel is not what its neighbour is */
+	uint8_t middle[3]; /* of the last picture */
+};
+
+static enum status on_turn(void *user, struct drive *drive, struct api_control *wish)
+{
+	struct guest *guest = user;
+	struct api_figures figures;
+	api_figures(drive, &figures);
+	guest->step = figures.step;
+	guest->turns++;
+	return guest->act(guest, drive, wish);
+}
+
+static enum status on_picture(void *user, struct drive *drive, uint8_t *pixels, uint32_t width, uint32_t height)
+{
+	struct guest *guest = user;
+	uint64_t hash = 14695981039346656037u;
+	for (size_t i = 0; i < (size_t)4 * width * height; i++)
+		hash = (hash ^ pixels[i]) * 1099511628211u;
+	for (size_t i = 4; i < (size_t)4 * width * height; i++)
+		guest->changed = guest->changed || pixels[i] != pixels[i - 4];
+	memcpy(guest->middle, pixels + 4 * ((size_t)(height / 2) * width + width / 2), sizeof guest->middle);
+	guest->hash = hash;
+	guest->pictures++;
+	guest->width = width;
+	guest->height = height;
+	return STATUS_OK;
+}
+
+static enum status watch_drive(const char *store, const char *text, struct guest *guest, bool hosted)
+{
+	const char *path = support_path("scene.yaml");
+	struct scene *scene;
+	support_write(path, text);
+	must(scene_load(path, NULL, 0, &scene));
+	const struct api_host host = {guest, on_turn, on_picture};
+	struct api_params params = {
+		.scene = scene, .store = store, .directory = support_path("out"), .host = hosted ? &host : NULL,
+	};
+	struct api_result result;
+	enum status status = api_drive(&params, &result);
+	scene_destroy(scene);
+	if (status == STATUS_NO_GL)
+		skip();
+	if (result.json != NULL)
+		assert_int_equal(support_figure(result.json, "\"counts\"", "unplanned"), 0);
+	mem_free(result.json);
+	return status;
+}
+
+/* --- */
+
+static enum status only_watch(struct guest *guest, struct drive *drive, struct api_control *wish)
+{
+	struct api_figures figures;
+	api_figures(drive, &figures);
+	wish->pace = INFINITY;
+	wish->go = figures.over ? API_STOP : API_ON;
+	/* From elsewhere, and in all colours. */
+	wish->free = guest->turns % 2 == 0;
+	wish->camera = (struct render_camera){{20, 20, 130 + guest->turns % 7}, {60, 70, 100}, 0.9};
+	wish->layer = (enum render_layer_kind)(guest->turns % RENDER_LAYERS);
+	/* And asks where the object has been, and will be. */
+	const struct terrain_point points[] = {{45, 63.75}, {60, 75}, {79, 89}};
+	const struct terrain_ray down = {{60, 75, 200}, {0, 0, -1}, 200};
+	struct terrain_height heights[3];
+	struct terrain_hit hit;
+	enum status status = api_heights(drive, points, 3, heights);
+	if (status == STATUS_OK)
+		status = api_rays(drive, &down, 1, &hit);
+	assert_true(status != STATUS_OK || (hit.hit && fabs(hit.point[2] - heights[1].height) < 1e-6));
+	return status;
+}
+
+static void who_only_watches_changes_nothing(void **state)
+{
+	const char *alone = support_path("alone.furrow"), *watched = support_path("watched.furrow");
+	struct guest guest = {.act = only_watch};
+	support_store(alone, extent, support_hills);
+	support_store(watched, extent, support_hills);
+	must(watch_drive(alone, scene_text, &guest, false));
+	assert_int_equal(guest.turns, 0);
+	must(watch_drive(watched, scene_text, &guest, true));
+	assert_int_equal(guest.step, 20);
+	assert_true(guest.pictures > 0 && guest.changed);
+	support_verify(watched);
+	assert_true(support_hash(watched) == support_hash(alone));
+	support_store(alone, extent, support_hills);
+	assert_true(support_hash(watched) != support_hash(alone));
+}
+
+static enum status count_threads(struct guest *guest, struct drive *drive, struct api_control *wish)
+{
+	guest->stage = (int)thread_running();
+	wish->go = API_STOP;
+	return STATUS_OK;
+}
+
+static void who_watches_keeps_no_pictures(void **state)
+{
+	const char *store = support_path("kept.furrow");
+	struct guest without = {.act = count_threads}, with = {.act = count_threads};
+	char text[sizeof scene_text + 16];
+	snprintf(text, sizeof text, "%s", scene_text);
+	char *cache = strstr(text, "cache:");
+	snprintf(cache, sizeof text - (size_t)(cache - text), "  images: 1\n%s", strstr(scene_text, "cache:"));
+	support_store(store, extent, flat);
+	must(watch_drive(store, scene_text, &without, true));
+	must(watch_drive(store, text, &with, true));
+	assert_true(without.stage > 0);
+	assert_int_equal(with.stage, without.stage);
+}
+
+/* --- */
+
+static enum status hold_then_one(struct guest *guest, struct drive *drive, struct api_control *wish)
+{
+	wish->pace = INFINITY;
+	wish->go = API_HOLD;
+	if (guest->turns <= 20)
+		assert_int_equal(guest->step, 0);
+	else if (guest->turns == 21)
+		wish->go = API_ONE;
+	else
+		assert_int_equal(guest->step, 1);
+	if (guest->turns == 40)
+		wish->go = API_STOP;
+	return STATUS_OK;
+}
+
+static void what_is_held_does_not_step_and_one_is_one(void **state)
+{
+	const char *store = support_path("held.furrow");
+	struct guest guest = {.act = hold_then_one};
+	support_store(store, extent, flat);
+	must(watch_drive(store, scene_text, &guest, true));
+	assert_int_equal(guest.step, 1);
+	assert_int_equal(guest.turns, 40);
+}
+
+static enum status at_real_time(struct guest *guest, struct drive *drive, struct api_control *wish)
+{
+	static double began;
+	if (guest->turns == 1)
+		began = clock_seconds();
+	/* Never ahead of the clock; how far behind is the machine's. */
+	assert_true((double)guest->step * 0.1 <= 4 * (clock_seconds() - began) + 0.2);
+	wish->pace = 4;
+	wish->go = guest->step == 20 ? API_STOP : API_ON;
+	return STATUS_OK;
+}
+
+static void steps_are_not_ahead_of_their_pace(void **state)
+{
+	const char *store = support_path("pace.furrow");
+	struct guest guest = {.act = at_real_time};
+	support_store(store, extent, flat);
+	must(watch_drive(store, scene_text, &guest, true));
+	assert_int_equal(guest.step, 20);
+}
+
+static enum status beyond_the_end(struct guest *guest, struct drive *drive, struct api_control *wish)
+{
+	wish->pace = INFINITY;
+	wish->go = guest->step == 20 && guest->stage++ == 10 ? API_STOP : API_ON;
+	return STATUS_OK;
+}
+
+static void the_end_of_the_scene_holds(void **state)
+{
+	const char *store = support_path("end.furrow");
+	struct guest guest = {.act = beyond_the_end};
+	support_store(store, extent, flat);
+	must(watch_drive(store, scene_text, &guest, true));
+	assert_int_equal(guest.step, 20);
+	assert_int_equal(guest.stage, 11);
+}
+
+/* --- */
+
+/* What it looks at next: the scene's camera; another; the first again; a layer; another size. */
+struct looks {
+	struct guest guest;
+	int shown, still; /* pictures; turns since the last of them */
+	uint64_t seen[5];
+	uint32_t wide[5];
+};
+
+static enum status look_turn(void *user, struct drive *drive, struct api_control *wish)
+{
+	struct looks *looks = user;
+	struct guest *guest = &looks->guest;
+	looks->still = guest->pictures == looks->shown ? looks->still + 1 : 0;
+	looks->shown = guest->pictures;
+	/* Longer than the shortest time between two pictures, and than a load: there is nothing new to draw. */
+	if (looks->still >= 80 && guest->pictures > 0) {
+		looks->seen[guest->stage] = guest->hash;
+		looks->wide[guest->stage++] = guest->width;
+		looks->still = 0;
+	}
+	wish->go = guest->stage == 5 ? API_STOP : API_HOLD;
+	wish->free = guest->stage == 1;
+	wish->camera = (struct render_camera){{20, 20, 130}, {60, 70, 100}, 0.9};
+	wish->layer = guest->stage == 3 ? RENDER_SLOPES : RENDER_NATURAL;
+	wish->width = guest->stage == 4 ? 200 : 160;
+	wish->height = guest->stage == 4 ? 100 : 90;
+	return STATUS_OK;
+}
+
+static void the_camera_the_layer_and_the_size_are_the_hosts(void **state)
+{
+	const char *store = support_path("looks.furrow"), *path = support_path("scene.yaml");
+	struct looks looks = {.guest = {.stage = 0}};
+	struct scene *scene;
+	support_store(store, extent, support_hills);
+	support_write(path, scene_text);
+	must(scene_load(path, NULL, 0, &scene));
+	const struct api_host host = {&looks, look_turn, on_picture};
+	struct api_result result;
+	enum status status = api_drive(&(struct api_params){.scene = scene, .store = store, .directory = support_path("out"), .host = &host},
+				       &result);
+	scene_destroy(scene);
+	if (status == STATUS_NO_GL)
+		skip();
+	must(status);
+	mem_free(result.json);
+	assert_true(looks.seen[0] != looks.seen[1]);
+	assert_true(looks.seen[2] == looks.seen[0]);
+	assert_true(looks.seen[3] != looks.seen[0]);
+	assert_int_equal(looks.wide[0], 160);
+	assert_int_equal(looks.wide[4], 200);
+	assert_int_equal(looks.guest.height, 100);
+}
+
+/* --- */
+
+static enum status drop_one(struct guest *guest, struct drive *drive, struct api_control *wish)
+{
+	wish->go = guest->turns < 3 ? API_HOLD : API_STOP;
+	return guest->turns == 2 ? api_drop(drive, WORLD_DROP_FIRST, 150, 120, 0, &guest->pressed) : STATUS_OK;
+}
+
+/* Twice between two steps: the second upon what the first left. */
+static enum status drop_twice(struct guest *guest, struct drive *drive, struct api_control *wish)
+{
+	const struct terrain_point point = {150, 120};
+	struct terrain_height height;
+	wish->go = guest->turns < 3 ? API_HOLD : API_STOP;
+	for (int i = 1; i <= 2 && guest->turns == 2; i++) {
+		must(api_drop(drive, WORLD_DROP_FIRST, point.x, point.y, 0, &guest->pressed));
+		must(api_heights(drive, &point, 1, &height));
+		assert_true(fabs(height.height - (100 - 0.5 * i)) < 1e-4);
+	}
+	return STATUS_OK;
+}
+
+/* From straight above the place: what the colours say of it before a drop and after. */
+struct colours {
+	struct guest guest;
+	int shown, still;
+	uint8_t height[3], none[3], deep[3];
+};
+
+static enum status colours_turn(void *user, struct drive *drive, struct api_control *wish)
+{
+	struct colours *colours = user;
+	struct guest *guest = &colours->guest;
+	uint8_t *seen[] = {colours->height, colours->none, colours->deep};
+	colours->still = guest->pictures == colours->shown ? colours->still + 1 : 0;
+	colours->shown = guest->pictures;
+	if (colours->still >= 80 && guest->pictures > 0) {
+		memcpy(seen[guest->stage++], guest->middle, 3);
+		colours->still = 0;
+		if (guest->stage == 2)
+			must(api_drop(drive, WORLD_DROP_FIRST, 150, 120, 0, &guest->pressed));
+	}
+	wish->go = guest->stage == 3 ? API_STOP : API_HOLD;
+	wish->free = true;
+	wish->camera = (struct render_camera){{150, 120, 120}, {150, 120.01, 100}, 0.9};
+	wish->layer = guest->stage == 0 ? RENDER_HEIGHTS : RENDER_OFFSETS;
+	return STATUS_OK;
+}
+
+static double linear(uint8_t coded)
+{
+	return coded > 10 ? pow((coded / 255.0 + 0.055) / 1.055, 2.4) : coded / 255.0 / 12.92;
+}
+
+/* A legend's colour in the light that falls on level ground, which is the same whatever the colour. */
+static void is_colour(const uint8_t seen[3], enum render_layer_kind kind, double t, double *light)
+{
+	struct render_colour colour = render_layer_colour(kind, t);
+	const uint8_t rgb[3] = {colour.r, colour.g, colour.b};
+	if (isnan(*light))
+		*light = linear(seen[0]) / linear(rgb[0]);
+	for (int c = 0; c < 3; c++)
+		assert_true(fabs(linear(seen[c]) - *light * linear(rgb[c])) < 0.012);
+}
+
+static enum status drop_outside(struct guest *guest, struct drive *drive, struct api_control *wish)
+{
+	wish->go = API_STOP;
+	return api_drop(drive, WORLD_DROP_FIRST, -20, 120, 0, &guest->pressed);
+}
+
+static double quanta_at(const char *store, int64_t x, int64_t y)
+{
+	double *quanta = support_quanta(store, 0, (struct post_rect){x, y, x + 1, y + 1}), one = quanta[0];
+	free(quanta);
+	return one;
+}
+
+static const char none_text[] =
+	"scene: 1\n"
+	"time_step: 0.1\n"
+	"end_time: 2\n"
+	"redistribute: {model: none}\n"
+	"objects:\n"
+	"  - {name: a, shape: {sphere: {radius: 2.5}}, sink: 0.5, path: {points: [[40, 60], [80, 90]], speed: 20}}\n"
+	"view: {size: [64, 36], camera: {chase: a}}\n"
+	"cache: {slots: 128}\n";
+
+static void what_is_dropped_is_pressed_as_deep_as_it_sinks_and_kept(void **state)
+{
+	const char *store = support_path("drop.furrow");
+	struct guest guest = {.act = drop_one};
+	support_store(store, extent, flat);
+	must(watch_drive(store, none_text, &guest, true));
+	assert_true(guest.pressed);
+	support_verify(store);
+	assert_true(fabs(quanta_at(store, 150, 120) / (1 << 20) + 0.5) < 1e-4);
+	/* A ball of 2.5 m, a metre aside. */
+	assert_true(fabs(quanta_at(store, 151, 120) / (1 << 20) + 0.5 - (2.5 - sqrt(2.5 * 2.5 - 1))) < 1e-3);
+	assert_true(quanta_at(store, 153, 120) == 0);
+	/* Upon the ground as it is: as deep again. */
+	guest = (struct guest){.act = drop_one};
+	must(watch_drive(store, none_text, &guest, true));
+	assert_true(fabs(quanta_at(store, 150, 120) / (1 << 20) + 1.0) < 1e-4);
+	assert_int_equal(guest.step, 0);
+	support_store(store, extent, flat);
+	guest = (struct guest){.act = drop_twice};
+	must(watch_drive(store, none_text, &guest, true));
+	assert_true(fabs(quanta_at(store, 150, 120) / (1 << 20) + 1.0) < 1e-4);
+}
+
+static const char box_text[] = /* its print is level */
+	"scene: 1\n"
+	"time_step: 0.1\n"
+	"end_time: 2\n"
+	"redistribute: {model: none}\n"
+	"objects:\n"
+	"  - {name: a, shape: {box: {size: [8, 8, 2]}}, sink: 0.5, path: {points: [[40, 60], [80, 90]], speed: 20}}\n"
+	"view: {size: [64, 36], camera: {chase: a}}\n"
+	"cache: {slots: 128}\n";
+
+static void layers_have_the_colours_of_their_legend(void **state)
+{
+	const char *store = support_path("colours.furrow"), *path = support_path("scene.yaml");
+	struct colours colours = {.guest = {.stage = 0}};
+	struct scene *scene;
+	support_store(store, extent, flat);
+	support_write(path, box_text);
+	must(scene_load(path, NULL, 0, &scene));
+	const struct api_host host = {&colours, colours_turn, on_picture};
+	struct api_result result;
+	enum status status = api_drive(&(struct api_params){.scene = scene, .store = store, .directory = support_path("out"), .host = &host},
+				       &result);
+	scene_destroy(scene);
+	if (status == STATUS_NO_GL)
+		skip();
+	must(status);
+	mem_free(result.json);
+	double light = NAN;
+	is_colour(colours.height, RENDER_HEIGHTS, 1, &light); /* 100 m, where all is as high: above its range */
+	assert_true(light > 0.5 && light < 1);
+	is_colour(colours.none, RENDER_OFFSETS, 0.5, &light);
+	is_colour(colours.deep, RENDER_OFFSETS, 0, &light); /* half a metre deep, and that is the range */
+}
+
+static void beyond_the_ground_nothing_is_dropped(void **state)
+{
+	const char *store = support_path("outside.furrow");
+	struct guest guest = {.act = drop_outside, .pressed = true};
+	support_store(store, extent, flat);
+	must(watch_drive(store, none_text, &guest, true));
+	assert_false(guest.pressed);
+}
+
+/* Deeper than an object of the scene ever is: boxes hold it still. */
+static enum status drop_often(struct guest *guest, struct drive *drive, struct api_control *wish)
+{
+	const struct terrain_point point = {150, 120};
+	struct terrain_height height;
+	wish->go = API_STOP;
+	for (int i = 0; i < 30; i++)
+		must(api_drop(drive, WORLD_DROP_FIRST, point.x, point.y, 0, &guest->pressed));
+	must(api_heights(drive, &point, 1, &height));
+	assert_true(height.height < 90);
+	assert_true(drive->view->reach >= 100 - height.height);
+	return STATUS_OK;
+}
+
+static void a_pit_of_many_drops_is_in_its_tiles_box(void **state)
+{
+	const char *store = support_path("pit.furrow");
+	struct guest guest = {.act = drop_often};
+	support_store(store, extent, flat);
+	must(watch_drive(store, none_text, &guest, true));
+	assert_true(guest.pressed);
+}
+
+/* Drops while a picture is shown that was asked for, when all had come. */
+struct dropper {
+	struct guest guest;
+	int shown, still;
+	bool dropped;
+	uint64_t before;
+};
+
+static enum status dropper_turn(void *user, struct drive *drive, struct api_control *wish)
+{
+	struct dropper *dropper = user;
+	dropper->still = dropper->guest.pictures == dropper->shown ? dropper->still + 1 : 0;
+	dropper->shown = dropper->guest.pictures;
+	bool settled = dropper->still >= 80 && dropper->shown > 0;
+	wish->again = settled && !dropper->dropped;
+	wish->go = settled && dropper->dropped ? API_STOP : API_HOLD;
+	wish->free = true;
+	wish->camera = (struct render_camera){{150, 120, 110}, {150, 120.01, 100}, 0.9};
+	return STATUS_OK;
+}
+
+static enum status dropper_picture(void *user, struct drive *drive, uint8_t *pixels, uint32_t width, uint32_t height)
+{
+	struct dropper *dropper = user;
+	enum status status = on_picture(&dropper->guest, drive, pixels, width, height);
+	if (status != STATUS_OK || dropper->dropped || dropper->still < 80)
+		return status;
+	dropper->dropped = true;
+	dropper->before = dropper->guest.hash;
+	return api_drop(drive, WORLD_DROP_FIRST, 150, 120, 0, &dropper->guest.pressed);
+}
+
+static void what_is_dropped_while_a_picture_is_shown_is_in_the_next(void **state)
+{
+	const char *store = support_path("shown.furrow"), *path = support_path("scene.yaml");
+	struct dropper dropper = {.guest = {.stage = 0}};
+	struct scene *scene;
+	support_store(store, extent, flat);
+	support_write(path, scene_text);
+	must(scene_load(path, NULL, 0, &scene));
+	const struct api_host host = {&dropper, dropper_turn, dropper_picture};
+	struct api_result result;
+	enum status status = api_drive(&(struct api_params){.scene = scene, .store = store, .directory = support_path("out"), .host = &host},
+				       &result);
+	scene_destroy(scene);
+	if (status == STATUS_NO_GL)
+		skip();
+	must(status);
+	mem_free(result.json);
+	assert_true(dropper.guest.pressed);
+	assert_true(dropper.guest.hash != dropper.before);
+}
+
+static enum status drop_nowhere(struct guest *guest, struct drive *drive, struct api_control *wish)
+{
+	static const double far[] = {NAN, INFINITY, -1e300, 1e18};
+	wish->go = API_STOP;
+	for (size_t i = 0; i < sizeof far / sizeof *far; i++) {
+		guest->pressed = true;
+		must(api_drop(drive, WORLD_DROP_BALL, far[i], 120, 0, &guest->pressed));
+		assert_false(guest->pressed);
+	}
+	return STATUS_OK;
+}
+
+static void what_is_no_place_is_no_ground(void **state)
+{
+	const char *store = support_path("nowhere.furrow");
+	struct guest guest = {.act = drop_nowhere};
+	support_store(store, extent, flat);
+	must(watch_drive(store, none_text, &guest, true));
+	assert_false(guest.pressed);
+}
+
+static const char scm_text[] =
+	"scene: 1\n"
+	"time_step: 0.1\n"
+	"end_time: 2\n"
+	"soil: {name: dry_sand}\n"
+	"redistribute: {model: scm}\n"
+	"output: {forces: 20}\n"
+	"objects:\n"
+	"  - {name: a, shape: {wheel: {radius: 1.5, width: 2}}, load: 20000, path: {points: [[40, 60], [80, 90]], speed: 20}}\n"
+	"view: {size: [64, 36], camera: {chase: a}}\n"
+	"cache: {slots: 128}\n"
+	"spacing: 0.5\n";
+
+static enum status drop_all_shapes(struct guest *guest, struct drive *drive, struct api_control *wish)
+{
+	wish->pace = INFINITY;
+	wish->go = guest->step == 20 ? API_STOP : API_ON;
+	if (guest->stage >= 2 || guest->step < 5)
+		return STATUS_OK;
+	int shape = guest->stage++;
+	return api_drop(drive, shape == 0 ? WORLD_DROP_FIRST : WORLD_DROP_BALL, 150 + 20 * shape, 120, 0.3, &guest->pressed);
+}
+
+static void under_a_load_the_soil_carries_what_is_dropped(void **state)
+{
+	const char *store = support_path("scm.furrow");
+	struct guest guest = {.act = drop_all_shapes};
+	support_store(store, extent, flat);
+	must(watch_drive(store, scm_text, &guest, true));
+	assert_true(guest.pressed);
+	support_verify(store);
+	double *wheel = support_quanta(store, -1, (struct post_rect){300, 240, 301, 241});
+	double *ball = support_quanta(store, -1, (struct post_rect){340, 240, 341, 241});
+	assert_true(wheel[0] < 0 && wheel[0] > -1.5 * (1 << 20));
+	assert_true(ball[0] < 0 && ball[0] > -1.5 * (1 << 20));
+	free(wheel);
+	free(ball);
+}
+
+static enum status fail_soon(struct guest *guest, struct drive *drive, struct api_control *wish)
+{
+	return guest->turns == 3 ? fail_with(STATUS_FAILED, "host: has enough; let it be") : STATUS_OK;
+}
+
+static void a_host_that_fails_ends_the_drive(void **state)
+{
+	const char *store = support_path("fails.furrow");
+	struct guest guest = {.act = fail_soon};
+	support_store(store, extent, flat);
+	assert_int_equal(watch_drive(store, scene_text, &guest, true), STATUS_FAILED);
+	assert_string_equal(failure_message(), "host: has enough; let it be");
+	support_verify(store);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(who_only_watches_changes_nothing),
+		cmocka_unit_test(who_watches_keeps_no_pictures),
+		cmocka_unit_test(what_is_held_does_not_step_and_one_is_one),
+		cmocka_unit_test(steps_are_not_ahead_of_their_pace),
+		cmocka_unit_test(the_end_of_the_scene_holds),
+		cmocka_unit_test(the_camera_the_layer_and_the_size_are_the_hosts),
+		cmocka_unit_test(what_is_dropped_is_pressed_as_deep_as_it_sinks_and_kept),
+		cmocka_unit_test(layers_have_the_colours_of_their_legend),
+		cmocka_unit_test(beyond_the_ground_nothing_is_dropped),
+		cmocka_unit_test(a_pit_of_many_drops_is_in_its_tiles_box),
+		cmocka_unit_test(what_is_dropped_while_a_picture_is_shown_is_in_the_next),
+		cmocka_unit_test(what_is_no_place_is_no_ground),
+		cmocka_unit_test(under_a_load_the_soil_carries_what_is_dropped),
+		cmocka_unit_test(a_host_that_fails_ends_the_drive),
+	};
+	return cmocka_run_group_tests_name("host", tests, support_enter, support_leave);
+}

@@ -1,0 +1,118 @@
+/* The histogram of times against all of them, sorted. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <cmocka.h>
+
+#include "base/times.h"
+
+static int by_size(const void *a, const void *b)
+{
+	double x = *(const double *)a, y = *(const double *)b;
+	return (x > y) - (x < y);
+}
+
+static double uniform(uint64_t *state)
+{
+	*state = *state * 6364136223846793005u + 1442695040888963407u;
+	return (double)(*state >> 11) * 0x1p-53;
+}
+
+enum { MOST = 20000 };
+static const double shares[] = {0, 0.001, 0.01, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.99, 0.999, 1};
+
+static void compare(double *values, size_t count)
+{
+	static struct times times;
+	double sum = 0;
+	times = (struct times){.count = 0};
+	for (size_t i = 0; i < count; i++) {
+		times_add(&times, values[i]);
+		sum += values[i];
+	}
+	qsort(values, count, sizeof *values, by_size);
+	assert_true(times.count == count && times.least == values[0] && times.most == values[count - 1]);
+	assert_true(times_mean(&times) == sum / (double)count);
+	assert_true(times_percentile(&times, 0) == values[0] && times_percentile(&times, 1) == values[count - 1]);
+	for (size_t i = 0; i < sizeof shares / sizeof *shares; i++) {
+		double exact = values[(size_t)(shares[i] * (double)(count - 1) + 0.5)];
+		assert_true(fabs(times_percentile(&times, shares[i]) - exact) <= TIMES_ERROR * exact * (1 + 1e-12));
+	}
+}
+
+static void percentiles_are_within_the_error_of_the_sorted_ones(void **state)
+{
+	static double values[MOST];
+	uint64_t random = 5;
+	const size_t counts[] = {1, 2, 3, 10, 101, 4096, MOST};
+	for (size_t c = 0; c < sizeof counts / sizeof *counts; c++)
+		for (int shape = 0; shape < 4; shape++) {
+			for (size_t i = 0; i < counts[c]; i++) {
+				double u = uniform(&random);
+				values[i] = shape == 0	 ? u
+					    : shape == 1 ? 3 - log(1 - u) * 2                 /* a tail */
+					    : shape == 2 ? exp2(-13.9 + 39.8 * u)             /* all there are */
+							 : u < 0.98 ? 0.7 : 40 * (1 + u);     /* and some stalls */
+			}
+			compare(values, counts[c]);
+		}
+}
+
+static void every_value_is_within_the_error_alone(void **state)
+{
+	static struct times times;
+	uint64_t random = 11;
+	for (int i = 0; i < 5000; i++) {
+		/* At, just below and between the edges of parts. */
+		double value = TIMES_LEAST * ldexp(1 + (double)(i % TIMES_PARTS) / TIMES_PARTS, i % TIMES_OCTAVES);
+		value = i % 3 == 0 ? value : i % 3 == 1 && i % TIMES_OCTAVES > 0 ? nextafter(value, 0) : value * (1 + uniform(&random) / 300);
+		/* The two others hold the ends. */
+		times = (struct times){.count = 0};
+		times_add(&times, 0);
+		times_add(&times, value);
+		times_add(&times, 1e9);
+		assert_true(fabs(times_percentile(&times, 0.5) - value) <= TIMES_ERROR * value * (1 + 1e-12));
+	}
+}
+
+static void what_lies_beyond_the_buckets_is_counted_at_their_ends(void **state)
+{
+	static struct times times;
+	assert_true(isnan(times_mean(&times)) && isnan(times_percentile(&times, 0.5)));
+	const double values[] = {0, 1e-300, TIMES_LEAST / 2, TIMES_MOST, 1e30, 1e300};
+	for (int i = 0; i < 6; i++)
+		times_add(&times, values[i]);
+	assert_true(times_percentile(&times, 0) == 0 && times_percentile(&times, 1) == 1e300);
+	assert_true(times_mean(&times) > 1e299);
+	assert_true(fabs(times_percentile(&times, 0.2) - TIMES_LEAST) <= 2 * TIMES_ERROR * TIMES_LEAST);
+	assert_true(fabs(times_percentile(&times, 0.8) - TIMES_MOST) <= 2 * TIMES_ERROR * TIMES_MOST);
+	/* No percentile leaves the values there are. */
+	times = (struct times){.count = 0};
+	for (int i = 0; i < 9; i++)
+		times_add(&times, 7.003);
+	for (size_t i = 0; i < sizeof shares / sizeof *shares; i++)
+		assert_true(times_percentile(&times, shares[i]) == 7.003);
+}
+
+static void the_slow_end_is_not_lost_among_the_many(void **state)
+{
+	static struct times times;
+	for (int64_t i = 0; i < 1000000; i++)
+		times_add(&times, i % 100 == 99 ? 250 : 1);
+	assert_true(times_percentile(&times, 0.5) < 1.01 && times_percentile(&times, 0.98) < 1.01);
+	assert_true(times_percentile(&times, 0.995) > 249);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(percentiles_are_within_the_error_of_the_sorted_ones),
+		cmocka_unit_test(every_value_is_within_the_error_alone),
+		cmocka_unit_test(what_lies_beyond_the_buckets_is_counted_at_their_ends),
+		cmocka_unit_test(the_slow_end_is_not_lost_among_the_many),
+	};
+	return cmocka_run_group_tests_name("times", tests, NULL, NULL);
+}

@@ -1,0 +1,380 @@
+/*
+ * A view and the slots it lives in: it settles in any number of them, looks ahead without touching
+ * anything, and asks for what it needs in the order of need.
+ */
+#include <time.h>
+
+#include "view_rig.h"
+
+static void nap(void)
+{
+	nanosleep(&(struct timespec){0, 1000000}, NULL);
+}
+
+/* A step in which nothing is deformed, and its picture. */
+static void step(struct rig *rig, double time_step)
+{
+	struct world *world = &rig->world;
+	must(page_cache_poll(world->cache));
+	must(look_ahead_step(world->ahead, world->time));
+	world->time += time_step;
+	world->step++;
+	must(page_cache_end_step(world->cache, world->record));
+	must(view_frame(rig->view, NULL, false));
+}
+
+static uint64_t traffic(struct rig *rig)
+{
+	struct page_stats stats;
+	page_cache_stats(rig->world.cache, &stats);
+	return stats.prefetched + stats.evictions + stats.misses;
+}
+
+/* --- slots --- */
+
+/* A budget below the visible set does not spin. */
+static void a_still_view_settles_in_any_number_of_slots(void **state)
+{
+	const uint32_t counts[] = {4, 8, 16, 64, 400};
+	size_t drawn = 0;
+	for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
+		struct rig rig;
+		rig_open(&rig, counts[i], 0, 1.5);
+		struct view *view = rig.view;
+		int frames = 0;
+		uint64_t before = 0;
+		for (int quiet = 0; quiet < 30; quiet++) {
+			assert_true(frames++ < 3000); /* or it never comes to rest */
+			step(&rig, 0.02);
+			nap();
+			assert_true(view->selection->draw_count > 0);
+			if (traffic(&rig) != before)
+				quiet = 0;
+			before = traffic(&rig);
+		}
+		/* All of the picture that fits is there, and so it stays. */
+		assert_int_equal(view->selection->wanted_count, 0);
+		assert_true(view->selection->needed <= view->budget && view->budget < counts[i]);
+		assert_true(view->selection->draw_count >= drawn);
+		drawn = view->selection->draw_count;
+		struct view_figures at_rest, later;
+		view_figures(view, &at_rest);
+		for (int k = 0; k < 20; k++)
+			step(&rig, 0.02);
+		assert_int_equal(traffic(&rig), before);
+		view_figures(view, &later);
+		assert_int_equal(later.coarsened, counts[i] < 400 ? frames + 20 : 0);
+		assert_int_equal(later.starved - at_rest.starved, counts[i] < 400 ? 20 : 0);
+		rig_close(&rig);
+	}
+	assert_true(drawn > 50);
+}
+
+static void a_picture_that_is_kept_has_all_that_fits(void **state)
+{
+	const uint32_t counts[] = {4, 8, 64, 400};
+	for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
+		struct rig rig;
+		rig_open(&rig, counts[i], 0, 0);
+		must(view_frame(rig.view, NULL, true));
+		assert_int_equal(rig.view->selection->wanted_count, 0);
+		struct view_figures figures;
+		view_figures(rig.view, &figures);
+		assert_int_equal(figures.starved, counts[i] < 400);
+		rig_close(&rig);
+	}
+}
+
+/* --- ahead --- */
+
+struct residents {
+	uint64_t keys[1024];
+	size_t count;
+};
+
+static void resident(void *user, uint64_t key, uint32_t slot, bool dirty)
+{
+	struct residents *residents = user;
+	residents->keys[residents->count++] = key;
+}
+
+/* Steps until the view has nothing to wish for at this time. */
+static void load_wishes(struct rig *rig)
+{
+	struct world *world = &rig->world;
+	for (int tries = 0;; tries++) {
+		assert_true(tries < 3000);
+		requests_clear(&rig->requests);
+		must(view_requests(rig->view, &rig->requests));
+		if (rig->requests.count == 0)
+			return;
+		const uint64_t *keys;
+		size_t count = requests_order(&rig->requests, &keys);
+		page_cache_want(world->cache, keys, count);
+		nap();
+		must(page_cache_poll(world->cache));
+	}
+}
+
+static uint64_t starved_frames(double prefetch)
+{
+	struct rig rig;
+	rig_open(&rig, 128, 25, prefetch);
+	must(view_warm(rig.view));
+	for (int i = 0; i < 150; i++) {
+		load_wishes(&rig); /* whatever was wished for is there in time */
+		step(&rig, 0.1);
+	}
+	struct view_figures figures;
+	view_figures(rig.view, &figures);
+	assert_int_equal(figures.coarsened, 0);
+	rig_close(&rig);
+	return figures.starved;
+}
+
+static void looking_ahead_a_moving_picture_lacks_less(void **state)
+{
+	uint64_t without = starved_frames(0), with = starved_frames(2);
+	print_message("starved frames: %d without, %d with\n", (int)without, (int)with);
+	assert_true(without >= 15);
+	assert_true(with * 5 <= without);
+}
+
+static void wishes_are_what_is_lacking_now_then_what_will_be(void **state)
+{
+	struct rig rig;
+	rig_open(&rig, 128, 25, 2);
+	struct world *world = &rig.world;
+	struct view *view = rig.view;
+	size_t soon = 0, ahead = 0;
+	for (int i = 0; i < 60; i++) {
+		must(page_cache_poll(world->cache));
+		world->time += 0.1;
+		must(page_cache_end_step(world->cache, world->record));
+		must(view_frame(view, NULL, false));
+		/* What the frame lacked, before it looked ahead. */
+		struct render_camera camera;
+		view_place_camera(view, world->time, &camera);
+		must(view_select(view, &camera, false));
+		requests_clear(&rig.requests);
+		must(view_requests(view, &rig.requests));
+		const struct request *wishes = rig.requests.requests;
+		size_t count = rig.requests.count, lacking = view->selection->wanted_count;
+		assert_true(count >= lacking && view->seen.count <= view->room);
+		for (size_t k = 0; k < count; k++) {
+			uint32_t slot;
+			assert_false(page_cache_peek(world->cache, wishes[k].key, false, &slot));
+			if (k < lacking) {
+				assert_true(wishes[k].key == view->selection->wanted[k]);
+				assert_true(wishes[k].time == world->time);
+			} else {
+				assert_true(wishes[k].time > world->time && wishes[k].time <= world->time + 2);
+			}
+			assert_true(k == 0 || wishes[k].time >= wishes[k - 1].time);
+		}
+		soon += lacking;
+		ahead += count - lacking;
+		if (i % 3 == 0)
+			load_wishes(&rig);
+	}
+	assert_true(soon > 10 && ahead > 10);
+	rig_close(&rig);
+}
+
+static void wishes_ahead_are_soonest_first_and_end_with_the_room(void **state)
+{
+	struct rig rig;
+	rig_open(&rig, 64, 25, 2);
+	struct world *world = &rig.world;
+	struct view *view = rig.view;
+	uint64_t keys[6];
+	for (uint32_t i = 0; i < 6; i++)
+		keys[i] = tile_key((struct tile){0, i, 1});
+	world->time = 1;
+	view->room = 4;
+	view->ahead[0] = (struct view_look){.time = 3, .count = 2, .keys = {keys[0], keys[1]}};
+	view->ahead[1] = (struct view_look){.time = 1, .count = 1, .keys = {keys[2]}}; /* has passed */
+	view->ahead[2] = (struct view_look){.time = 2, .count = 2, .keys = {keys[3], keys[0]}};
+	view->ahead[3] = (struct view_look){.time = 2.5, .count = 3, .keys = {keys[3], keys[4], keys[5]}};
+	must(view_requests(view, &rig.requests));
+	const struct { uint64_t key; double time; } expected[] = {{keys[3], 2}, {keys[0], 2}, {keys[4], 2.5}, {keys[5], 2.5}};
+	assert_int_equal(rig.requests.count, 4);
+	for (size_t i = 0; i < 4; i++) {
+		assert_true(rig.requests.requests[i].key == expected[i].key);
+		assert_true(rig.requests.requests[i].time == expected[i].time);
+	}
+	rig_close(&rig);
+}
+
+static size_t below_zero(const struct view *view)
+{
+	size_t count = 0;
+	for (int i = 0; i < VIEW_LOOKS; i++)
+		for (size_t k = 0; k < view->ahead[i].count; k++)
+			count += tile_from_key(view->ahead[i].keys[k]).level < 0;
+	return count;
+}
+
+static void looking_ahead_the_ground_is_divided_where_the_objects_will_be(void **state)
+{
+	struct rig rig;
+	rig_open(&rig, 128, 25, 2);
+	struct world *world = &rig.world;
+	for (int i = 0; i < VIEW_LOOKS; i++)
+		must(view_look_ahead(rig.view));
+	assert_int_equal(below_zero(rig.view), 0);
+	world->level = -2;
+	world->spacing = 0.25;
+	start_look_ahead(&rig);
+	must(look_ahead_step(world->ahead, world->time));
+	for (int i = 0; i < VIEW_LOOKS; i++)
+		must(view_look_ahead(rig.view));
+	assert_true(below_zero(rig.view) >= 8);
+	/* Not yet: the picture of now has nothing finer than the ground. */
+	must(view_frame(rig.view, NULL, false));
+	const struct view_look *now = rig.view->now;
+	assert_true(now->count > 20);
+	for (size_t i = 0; i < now->count; i++)
+		assert_true(tile_from_key(now->keys[i]).level >= 0);
+	assert_int_equal(rig.view->deformed.count, 0);
+	rig_close(&rig);
+}
+
+static void however_far_it_looks_an_object_wishes_for_no_more_than_the_slots(void **state)
+{
+	struct rig rig;
+	rig_open(&rig, 8, 25, 1000);
+	struct world *world = &rig.world;
+	world->level = -4;
+	world->spacing = extent.spacing / 16;
+	start_look_ahead(&rig);
+	for (world->time = 0; world->time < 2; world->time += 0.1) {
+		must(look_ahead_step(world->ahead, world->time));
+		size_t count = 0, next = 0;
+		for (size_t i = 0; i < look_ahead_requests(world->ahead)->count; i++) {
+			count += tile_from_key(look_ahead_requests(world->ahead)->requests[i].key).level == -4;
+			next += tile_from_key(look_ahead_requests(world->ahead)->requests[i].key).level == -4 &&
+				look_ahead_requests(world->ahead)->requests[i].time <= world->time + 0.05;
+		}
+		assert_true(next > 0 && count < 8 + 4); /* the last station has a window of four */
+	}
+	rig_close(&rig);
+}
+
+static void looking_ahead_marks_nothing_used(void **state)
+{
+	struct rig rig;
+	rig_open(&rig, 128, 25, 2);
+	must(view_warm(rig.view));
+	for (int i = 0; i < 40; i++) {
+		step(&rig, 0.1);
+		load_wishes(&rig);
+		struct residents before = {.count = 0}, after = {.count = 0};
+		page_cache_each_resident(rig.world.cache, resident, &before);
+		must(view_look_ahead(rig.view));
+		requests_clear(&rig.requests);
+		must(view_requests(rig.view, &rig.requests));
+		page_cache_each_resident(rig.world.cache, resident, &after);
+		/* Least recently used first: the order is the marks. */
+		assert_memory_equal(&before, &after, sizeof before);
+	}
+	rig_close(&rig);
+}
+
+static void what_a_frame_drew_was_used_last(void **state)
+{
+	struct rig rig;
+	rig_open(&rig, 128, 25, 2);
+	must(view_warm(rig.view));
+	for (int i = 0; i < 40; i++) {
+		load_wishes(&rig);
+		step(&rig, 0.1);
+		struct residents residents = {.count = 0};
+		page_cache_each_resident(rig.world.cache, resident, &residents);
+		const struct view_look *now = rig.view->now;
+		uint32_t slot;
+		size_t drawn = 0;
+		for (size_t k = 0; k < now->count; k++)
+			drawn += page_cache_peek(rig.world.cache, now->keys[k], false, &slot);
+		struct key_set last = {NULL, 0, 0};
+		for (size_t k = residents.count - drawn - 1; k < residents.count; k++) /* and the coarsest */
+			must(key_set_add(&last, residents.keys[k]));
+		for (size_t k = 0; k < now->count; k++)
+			assert_true(key_set_has(&last, now->keys[k]) ||
+				    !page_cache_peek(rig.world.cache, now->keys[k], false, &slot));
+		key_set_finish(&last);
+	}
+	rig_close(&rig);
+}
+
+static void note_program(void *user, const char *name, uint64_t passes)
+{
+	size_t *count = user;
+	if (strstr(name, "terrain.") == NULL && strstr(name, "sky.") == NULL && strstr(name, "object.") == NULL &&
+	    strstr(name, "shadow.") == NULL)
+		return;
+	if (passes == 0)
+		print_error("never drawn: %s\n", name);
+	assert_true(passes > 0);
+	++*count;
+}
+
+/* Also with those of what is not there yet: nothing is deformed, and no object is in the picture. */
+static void every_program_of_a_picture_has_drawn_before_the_first_step(void **state)
+{
+	struct rig rig;
+	size_t count = 0;
+	rig_open(&rig, 64, 0, 0);
+	view_destroy(rig.view);
+	rig.scene.view.effects = EFFECT_BIT(EFFECT_SKY) | EFFECT_BIT(EFFECT_OBJECTS) | EFFECT_BIT(EFFECT_SHADOW);
+	rig.world.level = -2;
+	must(view_create(&rig.world, false, &rig.view));
+	must(view_warm(rig.view));
+	gpu_programs_each(rig.world.gpu, note_program, &count);
+	assert_int_equal(count, 6);
+	/* None of it is a picture of the drive's. */
+	struct view_figures figures;
+	view_settle(rig.view);
+	view_figures(rig.view, &figures);
+	assert_true(isnan(figures.overdraw) && figures.tiles.drawn == 0 && figures.triangles == 0);
+	must(view_frame(rig.view, NULL, false));
+	view_settle(rig.view);
+	view_figures(rig.view, &figures);
+	assert_true(figures.overdraw > 0.1 && figures.overdraw < 2 && rig.view->overdraw_frames == 1);
+	rig_close(&rig);
+}
+
+/* --- the camera --- */
+
+static void the_camera_ahead_is_the_camera_when_that_time_has_come(void **state)
+{
+	struct rig rig;
+	rig_open(&rig, 64, 25, 2);
+	struct render_camera ahead, then;
+	rig.world.time = 3;
+	view_place_camera(rig.view, 5, &ahead);
+	rig.world.time = 5;
+	view_place_camera(rig.view, 5, &then);
+	assert_memory_equal(&ahead, &then, sizeof then);
+	view_place_camera(rig.view, 3, &then);
+	assert_true(hypot(then.eye[0] - ahead.eye[0], then.eye[1] - ahead.eye[1]) > 49);
+	rig_close(&rig);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_still_view_settles_in_any_number_of_slots),
+		cmocka_unit_test(a_picture_that_is_kept_has_all_that_fits),
+		cmocka_unit_test(looking_ahead_a_moving_picture_lacks_less),
+		cmocka_unit_test(wishes_are_what_is_lacking_now_then_what_will_be),
+		cmocka_unit_test(wishes_ahead_are_soonest_first_and_end_with_the_room),
+		cmocka_unit_test(looking_ahead_the_ground_is_divided_where_the_objects_will_be),
+		cmocka_unit_test(however_far_it_looks_an_object_wishes_for_no_more_than_the_slots),
+		cmocka_unit_test(looking_ahead_marks_nothing_used),
+		cmocka_unit_test(what_a_frame_drew_was_used_last),
+		cmocka_unit_test(every_program_of_a_picture_has_drawn_before_the_first_step),
+		cmocka_unit_test(the_camera_ahead_is_the_camera_when_that_time_has_come),
+	};
+	return cmocka_run_group_tests_name("view", tests, support_enter, support_leave);
+}

@@ -1,0 +1,244 @@
+/* How far off a view takes tiles to be drawn: the store's errors, ruts at once and about right, and what was committed. */
+#include "view_rig.h"
+
+static void rig_open_with(struct rig *rig, double pixel_error, int level)
+{
+	rig_open(rig, 128, 0, 0);
+	view_destroy(rig->view);
+	rig->scene.view.pixel_error = pixel_error;
+	rig->world.level = level;
+	rig->world.spacing = extent_spacing(&extent, level);
+	must(view_create(&rig->world, false, &rig->view));
+}
+
+static double error_of(struct rig *rig, struct tile tile)
+{
+	double error = -1;
+	must(view_error(rig->view, tile, false, &error));
+	return error;
+}
+
+/* The rig's sphere, its lowest point `sink` under the ground at a place. */
+static struct event event_at(struct rig *rig, double x, double y, double sink)
+{
+	struct event event = {.contact = true, .sinkage = sink, .pose = {.x = lattice_offset(x), .y = lattice_offset(y)}};
+	int64_t ground;
+	bool any;
+	must(ground_height(rig->world.ground, event.pose.x, event.pose.y, &ground, &any));
+	assert_true(any);
+	event.pose.z = ground + lattice_offset(rig->object.shape.radius - sink);
+	return event;
+}
+
+static void press(struct rig *rig, struct tile tile, double x, double y, double sink)
+{
+	struct event event = event_at(rig, x, y, sink);
+	int64_t cx = (int64_t)(x / rig->world.spacing), cy = (int64_t)(y / rig->world.spacing), r = (int64_t)ceil(0.5 / rig->world.spacing);
+	const struct post_rect under = {cx - r, cy - r, cx + r + 2, cy + r + 2};
+	const struct contact_area sweep = {event.pose.z - lattice_offset(rig->object.shape.radius), under, under};
+	must(view_pressed(rig->view, &event, &sweep));
+	must(view_deformed(rig->view, tile));
+	must(view_pressed(rig->view, NULL, NULL));
+}
+
+static void without_a_pixel_error_no_errors_are_kept(void **state)
+{
+	struct rig rig;
+	rig_open(&rig, 16, 0, 0);
+	assert_null(rig.view->errors);
+	press(&rig, (struct tile){0, 3, 2}, 50, 40, 0.1);
+	must(view_frame(rig.view, NULL, false));
+	rig_close(&rig);
+}
+
+static void a_bases_error_is_the_stores_and_no_less_than_what_it_covers(void **state)
+{
+	struct rig rig;
+	rig_open_with(&rig, 1, 0);
+	int coarsest = extent_coarsest(&extent);
+	size_t rough = 0;
+	for (int level = 0; level <= coarsest; level++)
+		for (uint32_t y = 0; y < extent_tiles_y(&extent, level); y++)
+			for (uint32_t x = 0; x < extent_tiles_x(&extent, level); x++) {
+				struct tile tile = {level, x, y};
+				struct store_range range;
+				must(store_read_base_range(ground_reader(rig.world.ground), tile, &range));
+				double error = error_of(&rig, tile);
+				assert_true(error == range.error && error_of(&rig, tile) == error);
+				assert_true(level > 0 || error == 0);
+				if (level < coarsest)
+					assert_true(error_of(&rig, tile_ancestor(tile, level + 1)) >= error);
+				rough += error > 0;
+			}
+	assert_true(rough > 300);
+	rig_close(&rig);
+}
+
+/* Of tiles of `level` and up, over a place. */
+static void chain(struct rig *rig, int level, double x, double y, double errors[16])
+{
+	double side = extent_spacing(&extent, level) * CELLS;
+	struct tile tile = {level, (uint32_t)(x / side), (uint32_t)(y / side)};
+	for (int i = 0; level + i <= extent_coarsest(&extent); i++)
+		errors[i] = error_of(rig, tile_ancestor(tile, level + i));
+}
+
+static void a_rut_is_at_once_part_of_the_error_of_all_above_it_and_of_nothing_else(void **state)
+{
+	const enum deform_model models[] = {DEFORM_BOX_FILTER, DEFORM_SLIPPAGE};
+	for (int m = 0; m < 2; m++) {
+		struct rig rig;
+		rig_open_with(&rig, 1, -3);
+		rig.scene.model = models[m];
+		int count = extent_coarsest(&extent) + 4;
+		double before[16], after[16], beside[16], later[16];
+		struct tile tile = {-3, 50, 40}; /* 2 m: around (101, 81) */
+		chain(&rig, -3, 101, 81, before);
+		press(&rig, tile, 101, 81, 0.1);
+		chain(&rig, -3, 101, 81, after);
+		chain(&rig, -3, 300, 300, beside);
+		assert_true(after[0] == 0); /* nothing is finer */
+		for (int i = 1; i < count; i++) {
+			double more = after[i] - before[i], deep = m == 0 ? 0.1 : 0.2;
+			assert_true(more >= deep - 1e-9 && more < 4 * deep); /* rough ground */
+			assert_true(after[i] >= after[i - 1]);
+		}
+		for (int i = 0; i < 3; i++) /* up to level 0 it has parents of its own */
+			assert_true(beside[i] == 0);
+		/* Less deep changes nothing; deeper does. */
+		press(&rig, tile, 101, 81, 0.05);
+		chain(&rig, -3, 101, 81, later);
+		assert_memory_equal(later, after, (size_t)count * sizeof *after);
+		press(&rig, (struct tile){-3, 51, 40}, 103, 81, 0.6);
+		chain(&rig, -3, 101, 81, later);
+		assert_true(later[1] >= 0.6 && later[0] == 0);
+		/* Soil that slides by itself: as deep as anything pressed. */
+		chain(&rig, -3, 300, 300, before);
+		must(view_deformed(rig.view, (struct tile){-3, 150, 150}));
+		chain(&rig, -3, 301, 301, after);
+		assert_true(after[1] >= 0.6 && before[1] == 0);
+		rig_close(&rig);
+	}
+}
+
+static double height(struct rig *rig, double x, double y)
+{
+	int64_t ground;
+	bool any;
+	must(ground_height(rig->world.ground, lattice_offset(x), lattice_offset(y), &ground, &any));
+	assert_true(any);
+	return lattice_offset_metres(ground);
+}
+
+/* How deep the rig's sphere presses where it presses deepest, its lowest point `sink` under the ground. */
+static double deepest(struct rig *rig, double x, double y, double sink)
+{
+	double r = rig->object.shape.radius, bottom = height(rig, x, y) - sink, deep = 0;
+	for (double v = -r; v <= r; v += r / 16)
+		for (double u = -r; u <= r; u += r / 16)
+			if (u * u + v * v < r * r)
+				deep = fmax(deep, height(rig, x + u, y + v) - (bottom + r - sqrt(r * r - u * u - v * v)));
+	return deep;
+}
+
+static void a_rut_counts_about_as_deep_as_it_is(void **state)
+{
+	struct rig rig;
+	rig_open_with(&rig, 1, -3);
+	double most = 0;
+	for (uint32_t i = 0; i < 100; i++) {
+		double errors[16], x = 5.0 + 5 * i, y = 250, deep = deepest(&rig, x, y, 0.1);
+		press(&rig, (struct tile){-3, (uint32_t)(x / 2), 125}, x, y, 0.1);
+		chain(&rig, -3, x, y, errors);
+		assert_true(errors[1] >= 0.1 - 1e-9 && errors[1] > 0.7 * deep && errors[1] < 1.1 * deep);
+		most = fmax(most, deep);
+	}
+	assert_true(most > 0.4);
+	rig_close(&rig);
+}
+
+static size_t wanted_at(const struct view *view, int level)
+{
+	size_t count = 0;
+	for (size_t i = 0; i < view->selection->wanted_count; i++)
+		count += tile_from_key(view->selection->wanted[i]).level == level;
+	return count;
+}
+
+static void a_rut_is_drawn_finely_where_its_depth_is_seen_and_not_where_not(void **state)
+{
+	struct rig rig;
+	rig_open_with(&rig, 1, -3);
+	struct view *view = rig.view;
+	double z = height(&rig, 101, 81), focal = 90 / tan(0.45);
+	struct render_camera camera = {{101, 81, 0}, {101.1, 81, z}, 0.9};
+	press(&rig, (struct tile){-3, 50, 40}, 101, 81, 0.1);
+	double errors[16];
+	chain(&rig, -3, 101, 81, errors);
+	/* The box is wider than the rut, by what an object may do. */
+	double reach = view->reach + 3;
+	camera.eye[2] = z + 0.9 * errors[1] * focal;
+	must(view_select(view, &camera, true));
+	assert_true(wanted_at(view, -3) == 1);
+	camera.eye[2] = z + 1.1 * errors[1] * focal + reach;
+	must(view_select(view, &camera, true));
+	assert_true(wanted_at(view, -3) == 0);
+	rig_close(&rig);
+}
+
+static void what_will_be_deformed_counts_as_deep_as_anything_yet(void **state)
+{
+	struct rig rig;
+	double error;
+	rig_open_with(&rig, 1, -3);
+	must(view_error(rig.view, (struct tile){-2, 5, 5}, true, &error));
+	assert_true(error == 0);
+	press(&rig, (struct tile){-3, 50, 40}, 101, 81, 0.3);
+	must(view_error(rig.view, (struct tile){-2, 5, 5}, true, &error));
+	assert_true(error >= 0.3);
+	must(view_error(rig.view, (struct tile){-3, 5, 5}, true, &error));
+	assert_true(error == 0);
+	rig_close(&rig);
+}
+
+/* A pit and a heap in two tiles of one parent, of a store that was deformed before. */
+static void what_was_committed_is_known_exactly(void **state)
+{
+	struct rig rig;
+	struct store *store;
+	struct store_epoch_result result;
+	double before[16], after[16];
+	rig_open_with(&rig, 1, 0);
+	chain(&rig, 0, 50, 40, before);
+	rig_close(&rig);
+	int32_t pit[(CELLS + 1) * (CELLS + 1)] = {0}, heap[(CELLS + 1) * (CELLS + 1)] = {0};
+	must(store_open(support_path("view.furrow"), &(struct store_options){.mode = STORE_WRITE}, &store));
+	must(store_set_working_level(store, 0));
+	pit[5 * (CELLS + 1) + 7] = (int32_t)lattice_offset(-0.75);
+	heap[9 * (CELLS + 1) + 7] = (int32_t)lattice_offset(0.25);
+	const struct store_page pages[2] = {{.tile = {0, 2, 2}, .planes = {[PLANE_OFFSET] = pit}},
+					    {.tile = {0, 3, 2}, .planes = {[PLANE_OFFSET] = heap}}};
+	const struct store_run run = {.scene_hash = "0", .step = 1, .state = "{}"};
+	must(store_epoch(store, pages, 2, &run, &result));
+	store_close(store);
+	rig_open_with(&rig, 1, 0);
+	chain(&rig, 0, 50, 40, after);
+	assert_true(after[0] == 0);
+	for (int i = 1; i <= extent_coarsest(&extent); i++)
+		assert_true(after[i] == before[i] + 1);
+	rig_close(&rig);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(without_a_pixel_error_no_errors_are_kept),
+		cmocka_unit_test(a_bases_error_is_the_stores_and_no_less_than_what_it_covers),
+		cmocka_unit_test(a_rut_is_at_once_part_of_the_error_of_all_above_it_and_of_nothing_else),
+		cmocka_unit_test(a_rut_counts_about_as_deep_as_it_is),
+		cmocka_unit_test(a_rut_is_drawn_finely_where_its_depth_is_seen_and_not_where_not),
+		cmocka_unit_test(what_will_be_deformed_counts_as_deep_as_anything_yet),
+		cmocka_unit_test(what_was_committed_is_known_exactly),
+	};
+	return cmocka_run_group_tests_name("view_errors", tests, support_enter, support_leave);
+}

@@ -1,0 +1,139 @@
+/* Where objects are drawn: as they pressed at a station, and evenly on from there to the next. */
+#include "view_rig.h"
+
+#include "render/objects.h"
+
+/* The rig's object is of another shape, and its way another, or one in time; the picture shows it. */
+static void show(struct rig *rig, struct deform_shape shape, struct scene_path path)
+{
+	struct world *world = &rig->world;
+	double places[2][2];
+	rig->object.shape = shape;
+	rig->object.path = path;
+	for (size_t i = 0; i < path.count; i++) {
+		places[i][0] = path.points[i].x;
+		places[i][1] = path.points[i].y;
+	}
+	track_destroy(rig->body.track);
+	must(track_create(&rig->object.path, (const double(*)[2])places, extent.spacing, shape.radius, &rig->body.track));
+	rig->scene.view.effects = EFFECT_BIT(EFFECT_OBJECTS);
+	view_destroy(rig->view);
+	rig->view = NULL;
+	must(view_create(world, false, &rig->view));
+}
+
+static size_t shown(struct rig *rig, double time, struct render_object *out)
+{
+	const struct render_objects *objects = rig->view->render->objects;
+	rig->world.time = time;
+	must(view_set_objects(rig->view, true));
+	if (objects->shown_count > 0)
+		*out = objects->shown[0];
+	return objects->shown_count;
+}
+
+/* As the station's sweep leaves it. */
+static void press(struct rig *rig, int64_t station, double turn)
+{
+	struct event event = {.body = 0};
+	must(world_set_down(&rig->world, &rig->body, station, &event));
+	assert_true(event.contact);
+	rig->body.last = event.pose;
+	rig->body.last.turn = turn;
+	rig->body.in_contact = true;
+	rig->body.next = station + 1;
+	rig->body.distance += event.distance;
+}
+
+static const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4, .lugs = 11, .lug_height = 0.05, .lug_thickness = 0.05};
+
+static void a_wheel_rolls_on_from_its_last_station_to_the_next(void **state)
+{
+	struct rig rig;
+	struct render_object now, then;
+	rig_open(&rig, 64, 2, 0);
+	rig.object.slip = 0.2;
+	rig.object.sink = 0.1;
+	show(&rig, wheel, (struct scene_path){.points = rig.points, .count = 2, .speed = 2});
+	for (int64_t k = 3; k < 40; k += 7) {
+		double time = track_sample_time(rig.body.track, k), next = track_sample_time(rig.body.track, k + 1);
+		double step = 1 / (0.5 * (1 - 0.2)); /* a post's way */
+		press(&rig, k, 0.7);
+		struct deform_pose last = rig.body.last;
+		assert_int_equal(shown(&rig, time, &now), 1);
+		assert_float_equal(now.at[0], lattice_offset_metres(last.x), 1e-5);
+		assert_float_equal(now.at[1], lattice_offset_metres(last.y), 1e-5);
+		assert_float_equal(now.at[2], lattice_offset_metres(last.z), 1e-5);
+		assert_float_equal(now.yaw, last.yaw, 1e-9);
+		assert_float_equal(now.turned, 0.7, 1e-5);
+		assert_int_equal(shown(&rig, time + 0.25 * (next - time), &then), 1);
+		assert_float_equal(then.turned, 0.7 + 0.25 * step, 1e-5);
+		assert_float_equal(hypot(then.at[0] - now.at[0], then.at[1] - now.at[1]), 0.25, 1e-5);
+		/* Just before the next station it is where that will press. */
+		assert_int_equal(shown(&rig, next - 1e-9, &then), 1);
+		press(&rig, k + 1, 0.7 + step);
+		assert_int_equal(shown(&rig, next, &now), 1);
+		for (int i = 0; i < 3; i++)
+			assert_float_equal(then.at[i], now.at[i], 1e-5);
+		assert_float_equal(then.turned, now.turned, 1e-5);
+	}
+	/* A load stands as much higher than it was looked for as it was found to. */
+	rig.body.raised = lattice_offset(0.05);
+	then = now;
+	shown(&rig, rig.world.time, &now);
+	assert_float_equal(now.at[2], then.at[2] + 0.05, 1e-5);
+	rig_close(&rig);
+}
+
+static void a_ball_rolls_by_its_way(void **state)
+{
+	struct rig rig;
+	struct render_object now;
+	rig_open(&rig, 64, 2, 0);
+	show(&rig, (struct deform_shape){.kind = DEFORM_SPHERE, .radius = 2}, (struct scene_path){.points = rig.points, .count = 2, .speed = 2});
+	press(&rig, 0, 0);
+	for (int64_t k = 1; k < 4; k++)
+		press(&rig, k, 0);
+	assert_int_equal(shown(&rig, track_sample_time(rig.body.track, 3) + 0.2, &now), 1);
+	assert_float_equal(now.turned, (3 + 0.4) / 2, 1e-5);
+	rig_close(&rig);
+}
+
+static void where_there_is_no_ground_it_is_drawn_if_that_is_known(void **state)
+{
+	struct rig rig;
+	struct render_object now, last;
+	/* Off the terrain's east side after 5 s. */
+	struct scene_waypoint out[2] = {{.x = 502, .y = 100}, {.x = 552, .y = 100}};
+	rig_open(&rig, 64, 2, 0);
+	show(&rig, wheel, (struct scene_path){.points = out, .count = 2, .speed = 2});
+	assert_int_equal(shown(&rig, 6, &now), 0); /* it never was on any */
+	press(&rig, 10, 0);
+	assert_int_equal(shown(&rig, 5, &last), 1);
+	rig.body.in_contact = false;
+	rig.body.distance = 10;
+	assert_int_equal(shown(&rig, 6, &now), 1);
+	assert_float_equal(now.at[0], 514, 1e-5);
+	assert_float_equal(now.at[2], last.at[2], 1e-5);
+	/* A path that says where it is in time, and how it lies; before it begins it is nowhere. */
+	struct scene_waypoint timed[2] = {{.t = 2, .x = 520, .y = 100, .z = 7, .roll = 0.5}, {.t = 4, .x = 530, .y = 100, .z = 9, .roll = 0.7}};
+	rig.body.in_contact = false;
+	show(&rig, (struct deform_shape){.kind = DEFORM_BOX, .size = {1, 1, 1}},
+	     (struct scene_path){.points = timed, .count = 2, .timed = true, .has_z = true, .has_attitude = true});
+	assert_int_equal(shown(&rig, 1.9, &now), 0);
+	assert_int_equal(shown(&rig, 3, &now), 1);
+	assert_float_equal(now.at[0], 525, 1e-5);
+	assert_float_equal(now.at[2], 8, 1e-5);
+	assert_float_equal(now.roll, 0.6, 1e-9);
+	rig_close(&rig);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_wheel_rolls_on_from_its_last_station_to_the_next),
+		cmocka_unit_test(a_ball_rolls_by_its_way),
+		cmocka_unit_test(where_there_is_no_ground_it_is_drawn_if_that_is_known),
+	};
+	return cmocka_run_group_tests_name("view_objects", tests, support_enter, support_leave);
+}

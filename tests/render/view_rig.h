@@ -1,0 +1,125 @@
+/* What the tests of views share: a drive over small hills, with pages and a view, in which no step is made. */
+#ifndef FURROW_TESTS_VIEW_RIG_H
+#define FURROW_TESTS_VIEW_RIG_H
+
+#include "../support.h"
+
+#include "render/view.h"
+#include "world/internal.h"
+
+enum { CELLS = 16 };
+static const struct extent extent = {513, 513, 1, CELLS};
+
+struct rig {
+	struct world world;
+	struct view *view;
+	struct requests requests;
+	struct world_watcher watcher;
+	struct scene scene;
+	struct scene_object object;
+	struct scene_waypoint points[2];
+	struct body body;
+};
+
+static inline enum status before_read_back(void *user, struct tile tile, uint32_t slot)
+{
+	return STATUS_OK; /* nothing is ever dirty here */
+}
+
+static inline enum status rig_requests(void *user, struct requests *requests)
+{
+	struct rig *rig = user;
+	return view_requests(rig->view, requests);
+}
+
+/* At the world's level, which the objects' windows are of. Without a thread of its own. */
+static inline void start_look_ahead(struct rig *rig)
+{
+	struct world *world = &rig->world;
+	look_ahead_destroy(world->ahead);
+	deform_destroy(world->deform);
+	struct deform_params params = {.gpu = world->gpu, .slots = world->slots, .extent = &world->meta->extent,
+				       .level = world->level};
+	must(deform_create(&params, &world->deform));
+	const struct look_ahead_body body = {rig->body.track, &rig->object.shape, rig->body.next};
+	must(look_ahead_create(&(struct look_ahead_params){.store = world->store, .ground = world->ground, .tiles = 8, .bodies = &body,
+							   .count = 1, .spacing = world->spacing, .prefetch = rig->scene.prefetch,
+							   .end = rig->scene.end_time}, &world->ahead));
+	look_ahead_stop(world->ahead);
+	look_ahead_serve(world->ahead, &(struct look_ahead_pages){world->deform, &world->meta->extent, world->level, world->cache,
+								  rig->scene.slots, rig_requests, rig});
+}
+
+/* A wide view from a corner; or, with a speed, one behind an object that crosses the terrain. */
+static inline void rig_open(struct rig *rig, uint32_t slots, double speed, double prefetch)
+{
+	struct world *world = &rig->world;
+	const char *path = support_path("view.furrow");
+	*rig = (struct rig){.points = {{.x = 40, .y = 60}, {.x = 460, .y = 440}}};
+	rig->object = (struct scene_object){
+		.name = "it",
+		.shape = {.kind = DEFORM_SPHERE, .radius = 0.5},
+		.path = {.points = rig->points, .count = 2, .speed = speed},
+	};
+	rig->scene = (struct scene){
+		.end_time = 1000, .slots = slots, .loaders = 2, .prefetch = prefetch, .objects = &rig->object, .object_count = 1,
+		.view = {.present = true, .width = 320, .height = 180, .camera = speed > 0 ? SCENE_CHASE : SCENE_FIXED,
+			 .back = 12, .up = 5, .eye = {20, 20, 130}, .target = {200, 220, 100}},
+	};
+	if (access(path, F_OK) != 0)
+		support_store(path, extent, support_hills);
+	must(store_open(path, &(struct store_options){.mode = STORE_READ}, &world->store)); /* nothing is deformed */
+	world->scene = &rig->scene;
+	world->meta = store_meta(world->store);
+	world->was_deformed = store_has_working_level(world->store, NULL);
+	world->spacing = extent.spacing;
+	world->bodies = &rig->body;
+	rig->body.object = &rig->object;
+	const double places[2][2] = {{40, 60}, {460, 440}};
+	must(track_create(&rig->object.path, places, 1, 1, &rig->body.track));
+	world->epochs = tmpfile();
+	assert_non_null(world->epochs);
+	enum status status = gpu_create(&(struct gpu_params){.draws = true}, &world->gpu);
+	if (status == STATUS_NO_GL) {
+		store_close(world->store);
+		skip();
+	}
+	must(status);
+	must(gpu_slots_create(world->gpu, CELLS, slots, 0, &world->slots));
+	must(ground_create(world->store, 16, &world->ground));
+	must(pages_create(&(struct pages_params){.gpu = world->gpu,
+						 .store = world->store,
+						 .slots = world->slots,
+						 .planes = PLANE_BIT(PLANE_OFFSET),
+						 .count = slots,
+						 .loaders = 2,
+						 .step_pages = 16,
+						 .scene = &rig->scene,
+						 .epochs = world->epochs,
+						 .epoch_age = 1000,
+						 .before_read_back = before_read_back},
+			  &world->pages));
+	world->cache = pages_cache(world->pages);
+	world->record = calloc(1, record_bytes(1));
+	must(view_create(world, false, &rig->view));
+	start_look_ahead(rig);
+}
+
+static inline void rig_close(struct rig *rig)
+{
+	struct world *world = &rig->world;
+	look_ahead_destroy(world->ahead);
+	view_destroy(rig->view);
+	pages_destroy(world->pages);
+	ground_destroy(world->ground);
+	deform_destroy(world->deform);
+	gpu_slots_destroy(world->slots);
+	gpu_destroy(world->gpu);
+	track_destroy(rig->body.track);
+	requests_finish(&rig->requests);
+	store_close(world->store);
+	fclose(world->epochs);
+	free(world->record);
+}
+
+#endif

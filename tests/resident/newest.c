@@ -1,0 +1,478 @@
+/*
+ * Queries over a running drive: the same answers, to the bit, while a rut is in its slot alone, when it was evicted into the
+ * queue, once it is committed, and over the store by itself; those of the posts that the store has. And a drive that is
+ * asked all the time leaves what one leaves that is not.
+ */
+#include "../gpu/staged.h"
+#include "../support.h"
+
+#include "world/internal.h"
+
+enum { CELLS = 32, POINTS = 1500, RAYS = 600, SLOTS = 6 };
+static const struct extent extent = {129, 129, 1, CELLS};
+static const struct deform_shape sphere = {.kind = DEFORM_SPHERE, .radius = 2.5};
+static const struct scene_object object = {.name = "ball", .shape = {.kind = DEFORM_SPHERE, .radius = 2.5}};
+
+struct rig {
+	struct world world;
+	struct scene scene;
+	struct body body;
+};
+
+static double hills_with_a_hole(int64_t x, int64_t y)
+{
+	return x > 100 && x < 110 && y > 90 && y < 97 ? (double)NAN : support_hills(x, y);
+}
+
+static enum status before_read_back(void *user, struct tile tile, uint32_t slot)
+{
+	return STATUS_OK;
+}
+
+static double level_ground(int64_t x, int64_t y)
+{
+	return 100;
+}
+
+static void rig_open(struct rig *rig, const char *path, support_height ground, int level, double epoch_age)
+{
+	struct world *world = &rig->world;
+	*rig = (struct rig){.scene = {.slots = SLOTS, .hash = "0"}, .body = {.object = &object}};
+	support_store(path, extent, ground);
+	must(store_open(path, &(struct store_options){.mode = STORE_WRITE}, &world->store));
+	must(store_set_working_level(world->store, level));
+	world->scene = &rig->scene;
+	world->bodies = &rig->body;
+	world->meta = store_meta(world->store);
+	world->level = level;
+	world->spacing = extent_spacing(&extent, level);
+	world->epochs = tmpfile();
+	assert_non_null(world->epochs);
+	enum status status = gpu_create(&(struct gpu_params){.draws = false}, &world->gpu);
+	if (status == STATUS_NO_GL) {
+		store_close(world->store);
+		skip();
+	}
+	must(status);
+	must(gpu_slots_create(world->gpu, CELLS, SLOTS, PLANE_BIT(PLANE_DIRT), &world->slots));
+	must(ground_create(world->store, 4, &world->ground));
+	must(deform_create(&(struct deform_params){.gpu = world->gpu,
+						   .slots = world->slots,
+						   .extent = &world->meta->extent,
+						   .level = level,
+						   .reference = ground_reference(world->store),
+						   .model = DEFORM_BOX_FILTER,
+						   .box_radius = 1,
+						   .box_repetitions = 1,
+						   .dirt = true},
+			   &world->deform));
+	must(pages_create(&(struct pages_params){.store = world->store,
+						 .gpu = world->gpu,
+						 .slots = world->slots,
+						 .planes = gpu_slots_planes(world->slots),
+						 .level = level,
+						 .count = SLOTS,
+						 .loaders = 2,
+						 .step_pages = 64,
+						 .scene = &rig->scene,
+						 .epochs = world->epochs,
+						 .epoch_age = epoch_age,
+						 .before_read_back = before_read_back,
+						 .user = world},
+			  &world->pages));
+	world->cache = pages_cache(world->pages);
+	world->record = calloc(1, record_bytes(0));
+}
+
+static void rig_close(struct rig *rig)
+{
+	struct world *world = &rig->world;
+	newest_destroy(world->newest);
+	pages_destroy(world->pages);
+	deform_destroy(world->deform);
+	ground_destroy(world->ground);
+	gpu_slots_destroy(world->slots);
+	gpu_destroy(world->gpu);
+	store_close(world->store);
+	fclose(world->epochs);
+	free(world->record);
+}
+
+static void roll(struct rig *rig, int step)
+{
+	double angle = step * 0.05, x = 64 + 50 * sin(angle), y = 64 + 45 * sin(2.1 * angle);
+	struct event event = {.contact = true, .pose = {.x = lattice_offset(x), .y = lattice_offset(y)}};
+	int64_t ground;
+	bool any;
+	must(ground_height(rig->world.ground, event.pose.x, event.pose.y, &ground, &any));
+	if (!any)
+		return;
+	event.pose.z = ground + lattice_offset(sphere.radius - 0.4);
+	must(world_contact(&rig->world, &event, true));
+}
+
+static void end_step(struct rig *rig)
+{
+	rig->world.record->step++;
+	must(page_cache_end_step(rig->world.cache, rig->world.record));
+}
+
+/* --- asking --- */
+
+static struct terrain_point points[POINTS];
+static struct terrain_ray rays[RAYS];
+
+static void choose(void)
+{
+	uint64_t state = 11;
+	for (int i = 0; i < POINTS + RAYS; i++) {
+		double at[6];
+		for (int k = 0; k < 6; k++) {
+			state = state * 6364136223846793005u + 1442695040888963407u;
+			at[k] = (double)(state >> 11) * 0x1p-53;
+		}
+		if (i < POINTS) /* every third at a post of the finest there is */
+			points[i] = i % 3 == 0 ? (struct terrain_point){floor(at[0] * 1024) / 8, floor(at[1] * 1024) / 8}
+					       : (struct terrain_point){at[0] * 130 - 1, at[1] * 130 - 1};
+		else
+			rays[i - POINTS] = (struct terrain_ray){{at[0] * 128, at[1] * 128, 90 + 20 * at[2]},
+								{at[3] - 0.5, at[4] - 0.5, 0.3 * (at[5] - 0.5)},
+								at[5] < 0.2 ? (double)INFINITY : 60};
+	}
+}
+
+struct answers {
+	struct terrain_height heights[POINTS];
+	struct terrain_hit hits[RAYS];
+};
+
+static struct answers before, after;
+
+static void ask(struct newest *newest, struct answers *answers)
+{
+	memset(answers, 0, sizeof *answers);
+	must(newest_heights(newest, points, POINTS, answers->heights));
+	must(newest_rays(newest, rays, RAYS, answers->hits));
+}
+
+/* With nothing kept from before. */
+static void ask_anew(struct rig *rig, struct answers *answers)
+{
+	newest_destroy(rig->world.newest);
+	rig->world.newest = NULL;
+	must(world_heights(&rig->world, points, POINTS, answers->heights));
+	ask(rig->world.newest, answers);
+}
+
+static void check_same(const struct answers *a, const struct answers *b)
+{
+	for (int i = 0; i < POINTS; i++)
+		assert_memory_equal(&a->heights[i], &b->heights[i], sizeof a->heights[i]);
+	for (int i = 0; i < RAYS; i++) {
+		assert_int_equal(a->hits[i].hit, b->hits[i].hit);
+		assert_true(a->hits[i].distance == b->hits[i].distance && a->hits[i].normal[0] == b->hits[i].normal[0] &&
+			    a->hits[i].below == b->hits[i].below && tile_equal(a->hits[i].tile, b->hits[i].tile));
+	}
+}
+
+static void look(void *user, const struct page_image *image)
+{
+	++*(size_t *)user;
+}
+
+/* How many tiles of the level are where; of the store those with offsets. */
+static void places(struct rig *rig, size_t where[3])
+{
+	size_t looks = 0;
+	memset(where, 0, 3 * sizeof *where);
+	for (uint32_t y = 0; y < extent_tiles_y(&extent, rig->world.level); y++)
+		for (uint32_t x = 0; x < extent_tiles_x(&extent, rig->world.level); x++) {
+			struct tile tile = {rig->world.level, x, y};
+			enum page_newest place;
+			uint32_t slot;
+			double low, high;
+			bool stored;
+			must(page_cache_newest(rig->world.cache, tile_key(tile), look, &looks, &place, &slot));
+			must(ground_offset_range(rig->world.ground, tile, &low, &high, &stored));
+			where[place] += place != PAGE_NEWEST_STORED || stored;
+		}
+	assert_int_equal(looks, where[PAGE_NEWEST_QUEUED]);
+}
+
+/* Every slot goes to what is not deformed. */
+static void evict(struct rig *rig)
+{
+	const struct tile others[SLOTS] = {{2, 0, 0}, {0, 0, 0}, {0, 1, 0}, {0, 2, 0}, {0, 0, 1}, {0, 0, 2}};
+	uint64_t keys[SLOTS];
+	uint32_t slots[SLOTS];
+	for (int i = 0; i < SLOTS; i++)
+		keys[i] = tile_key(others[i]);
+	must(page_cache_pin_all(rig->world.cache, keys, SLOTS, slots));
+	for (int i = 0; i < SLOTS; i++)
+		page_cache_unpin(rig->world.cache, keys[i]);
+}
+
+/* The surface at every post of the level is what the store says. */
+static void check_posts(const char *path, struct newest *newest, int level)
+{
+	struct store *store;
+	struct store_reader *reader;
+	int finest = level < 0 ? level : 0;
+	int64_t side = extent_posts(extent.width, finest);
+	double *values = malloc((size_t)(side * side) * sizeof *values);
+	struct terrain_point *all = malloc((size_t)(side * side) * sizeof *all);
+	struct terrain_height *heights = malloc((size_t)(side * side) * sizeof *heights);
+	size_t fine = 0;
+	must(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
+	must(store_reader_create(store, &reader));
+	must(store_read_posts(reader, STORE_SURFACE, finest, (struct post_rect){0, 0, side, side}, values));
+	for (int64_t i = 0; i < side * side; i++)
+		all[i] = (struct terrain_point){(double)(i % side) * extent_spacing(&extent, finest),
+						(double)(i / side) * extent_spacing(&extent, finest)};
+	must(newest_heights(newest, all, (size_t)(side * side), heights));
+	for (int64_t i = 0; i < side * side; i++) {
+		if (isnan(values[i]))
+			assert_true(isnan(heights[i].bilinear)); /* of a cell with a hole one triangle may be there */
+		else if (heights[i].level == finest)
+			assert_true(heights[i].height == values[i] && heights[i].bilinear == values[i]);
+		else
+			assert_true(fabs(heights[i].bilinear - values[i]) <= 0x1p-18); /* between posts of a coarser level */
+		fine += heights[i].level == finest;
+	}
+	assert_true(fine > 0 && (finest == 0 || fine < (size_t)(side * side)));
+	free(values);
+	free(all);
+	free(heights);
+	store_reader_destroy(reader);
+	store_close(store);
+}
+
+static void wherever_it_is(int level)
+{
+	const char *path = support_path("newest.furrow");
+	struct rig rig;
+	struct newest *alone;
+	struct store *store;
+	size_t where[3];
+	rig_open(&rig, path, hills_with_a_hole, level, 0);
+	choose();
+	ask_anew(&rig, &before);
+	/* One step's rut, and a tile that was touched and left as it was. */
+	roll(&rig, 7);
+	uint32_t slot, tiles = extent_tiles_x(&extent, level);
+	uint64_t key = tile_key((struct tile){level, tiles - 1, 0});
+	must(page_cache_pin(rig.world.cache, key, &slot));
+	must(gpu_slots_deform(rig.world.slots, slot));
+	page_cache_dirty(rig.world.cache, key);
+	page_cache_unpin(rig.world.cache, key);
+	end_step(&rig);
+	places(&rig, where);
+	assert_true(where[PAGE_NEWEST_SLOT] >= 2 && where[PAGE_NEWEST_QUEUED] == 0);
+	ask(rig.world.newest, &after);
+	size_t changed = 0, levels = 0;
+	for (int i = 0; i < POINTS; i++) {
+		changed += memcmp(&before.heights[i], &after.heights[i], sizeof before.heights[i]) != 0;
+		levels += after.heights[i].level != 0;
+	}
+	assert_true(changed > 0 && changed < POINTS / 2 && (levels > 0) == (level < 0));
+	before = after;
+	ask_anew(&rig, &after);
+	check_same(&before, &after);
+	evict(&rig);
+	places(&rig, where);
+	assert_true(where[PAGE_NEWEST_SLOT] == 0 && where[PAGE_NEWEST_QUEUED] >= 2);
+	ask_anew(&rig, &after);
+	check_same(&before, &after);
+	must(page_cache_flush(rig.world.cache, rig.world.record));
+	ask_anew(&rig, &after);
+	check_same(&before, &after);
+	ask(rig.world.newest, &after);
+	check_same(&before, &after);
+	check_posts(path, rig.world.newest, level);
+	must(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
+	must(newest_create(store, NULL, &alone));
+	ask(alone, &after);
+	check_same(&before, &after);
+	check_posts(path, alone, level);
+	newest_destroy(alone);
+	store_close(store);
+	rig_close(&rig);
+}
+
+static void at_the_source_s_level(void **state)
+{
+	wherever_it_is(0);
+}
+
+static void below_it(void **state)
+{
+	wherever_it_is(-1);
+}
+
+static void far_below_it(void **state)
+{
+	wherever_it_is(-2);
+}
+
+static void above_it(void **state)
+{
+	wherever_it_is(1);
+}
+
+/* Level rays in a rut of level ground: all they meet is lower than any base. */
+static void check_in_rut(struct newest *newest, double x, double y)
+{
+	for (int i = 0; i < 64; i++) {
+		struct terrain_ray ray = {{x, y, 99.9}, {cos(i * 0.1), sin(i * 0.1), 0}, INFINITY};
+		struct terrain_hit hit;
+		must(newest_rays(newest, &ray, 1, &hit));
+		assert_true(hit.hit && !hit.below && hit.distance < 3);
+		/* And from afar under it: into the rut from below. */
+		ray.origin[0] += 40 * ray.direction[0];
+		ray.origin[1] += 40 * ray.direction[1];
+		ray.direction[0] *= -1;
+		ray.direction[1] *= -1;
+		must(newest_rays(newest, &ray, 1, &hit));
+		assert_true(hit.hit && hit.below && hit.distance > 37 && hit.distance < 40);
+	}
+}
+
+static void ruts_are_lower_than_their_base(void **state)
+{
+	const char *path = support_path("level.furrow");
+	struct rig rig;
+	struct newest *alone;
+	struct store *store;
+	const double x = 64 + 50 * sin(0.35), y = 64 + 45 * sin(2.1 * 0.35);
+	rig_open(&rig, path, level_ground, -1, 0);
+	roll(&rig, 7);
+	end_step(&rig);
+	must(newest_create(rig.world.store, &rig.world, &rig.world.newest));
+	check_in_rut(rig.world.newest, x, y);
+	must(page_cache_flush(rig.world.cache, rig.world.record));
+	check_in_rut(rig.world.newest, x, y);
+	newest_changed(rig.world.newest);
+	check_in_rut(rig.world.newest, x, y);
+	must(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
+	must(newest_create(store, NULL, &alone));
+	check_in_rut(alone, x, y);
+	newest_destroy(alone);
+	store_close(store);
+	rig_close(&rig);
+}
+
+/* Asked between all steps, with 6 slots, epochs on their way, and read-backs that are not over. */
+static uint64_t world_all(const char *path, bool asked)
+{
+	struct rig rig;
+	size_t moved = 0;
+	rig_open(&rig, path, hills_with_a_hole, -1, 0.002);
+	choose();
+	for (int step = 0; step < 120; step++) {
+		roll(&rig, step);
+		if (asked && step % 10 == 5) { /* before the step is over, too */
+			ask(rig.world.newest, &after);
+			roll(&rig, step + 1);
+			ask(rig.world.newest, &before);
+			moved += memcmp(before.heights, after.heights, sizeof after.heights) != 0;
+			ask_anew(&rig, &after);
+			check_same(&before, &after);
+		} else if (step % 10 == 5) {
+			roll(&rig, step + 1);
+		}
+		end_step(&rig);
+		if (!asked)
+			continue;
+		ask(step % 20 == 0 ? (ask_anew(&rig, &before), rig.world.newest) : rig.world.newest, &after);
+		if (step % 20 == 0)
+			check_same(&before, &after);
+		if (step % 8 == 7) {
+			before = after;
+			evict(&rig);
+			ask_anew(&rig, &after);
+			check_same(&before, &after);
+		}
+	}
+	must(page_cache_flush(rig.world.cache, rig.world.record));
+	assert_true(!asked || moved > 5);
+	if (asked)
+		check_posts(path, rig.world.newest, -1);
+	rig_close(&rig);
+	support_verify(path);
+	return support_hash(path);
+}
+
+static void asking_changes_nothing(void **state)
+{
+	uint64_t asked = world_all(support_path("asked.furrow"), true);
+	assert_true(asked == world_all(support_path("left.furrow"), false));
+}
+
+/* The same as by the store's own sampling, which is between four posts. */
+static void points_are_as_the_store_samples(void **state)
+{
+	const char *path = support_path("asked.furrow");
+	struct store *store;
+	struct store_reader *reader;
+	struct newest *newest;
+	size_t with = 0;
+	must(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
+	must(store_reader_create(store, &reader));
+	must(newest_create(store, NULL, &newest));
+	choose();
+	ask(newest, &before);
+	for (int i = 0; i < POINTS; i++) {
+		struct store_sample sample;
+		must(store_sample(reader, points[i].x, points[i].y, &sample));
+		assert_int_equal(sample.outside, before.heights[i].outside);
+		assert_int_equal(sample.nodata, isnan(before.heights[i].bilinear));
+		if (sample.nodata)
+			continue;
+		/* The store keeps the source's heights; these are on the lattice, and there finer posts are rounded. */
+		assert_true(fabs(sample.height - before.heights[i].bilinear) <= 0x1p-17);
+		with += sample.offset != 0;
+	}
+	assert_true(with > 0);
+	newest_destroy(newest);
+	store_reader_destroy(reader);
+	store_close(store);
+}
+
+/* Every allocation fails in turn: told, and what is asked again is answered. */
+static void without_memory(void **state)
+{
+	struct store *store;
+	bool whole = false;
+	must(store_open(support_path("asked.furrow"), &(struct store_options){.mode = STORE_READ}, &store));
+	for (uint64_t nth = 1; !whole; nth++) {
+		struct newest *newest = NULL;
+		mem_fail_nth(nth, 0);
+		enum status status = newest_create(store, NULL, &newest);
+		if (status == STATUS_OK)
+			status = newest_heights(newest, points, POINTS, after.heights);
+		if (status == STATUS_OK)
+			status = newest_rays(newest, rays, RAYS, after.hits);
+		mem_fail_nth(0, 0);
+		whole = status == STATUS_OK;
+		assert_true(whole || status == STATUS_FAILED);
+		if (newest != NULL) {
+			ask(newest, &after);
+			check_same(&before, &after);
+		}
+		newest_destroy(newest);
+		assert_true(nth < 1000);
+	}
+	store_close(store);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(at_the_source_s_level), cmocka_unit_test(below_it),
+		cmocka_unit_test(far_below_it),          cmocka_unit_test(above_it),
+		cmocka_unit_test(ruts_are_lower_than_their_base),
+		cmocka_unit_test(asking_changes_nothing), cmocka_unit_test(points_are_as_the_store_samples),
+		cmocka_unit_test(without_memory),
+	};
+	return cmocka_run_group_tests(tests, support_enter, support_leave);
+}

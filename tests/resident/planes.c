@@ -1,0 +1,237 @@
+/*
+ * The soil's state through slots, pages and store: the same bits whether a page stayed in its slot, left it and
+ * came back from the queue, or was read from the store by another process; coarser levels carry none of it.
+ * With it goes what was compacted, read from a buffer on the GPU, and classes of soil beside the base.
+ */
+#include "../gpu/staged.h"
+#include "../support.h"
+
+#include "resident/pages.h"
+
+enum { CELLS = 32, LEVEL = -1, SIDE = 8, POSTS = (CELLS + 1) * (CELLS + 1), SLOTS = 12 };
+#define ALL ((1u << PLANES) - 1)
+static const struct extent extent = {129, 129, 1, CELLS};
+static const struct scene scene = {.slots = SLOTS, .hash = "0"};
+
+struct rig {
+	struct store *store;
+	struct gpu *gpu;
+	struct gpu_slots *slots;
+	struct gpu_buffer *tally; /* NULL: none */
+	struct pages *pages;
+	struct pages_budget most;
+	struct page_cache *cache;
+	struct record *record;
+	FILE *epochs;
+	int64_t tallied;
+};
+
+static int32_t truth[SIDE][SIDE][PLANES][POSTS]; /* texels of any size */
+
+static enum status before_read_back(void *user, struct tile tile, uint32_t slot)
+{
+	return STATUS_OK;
+}
+
+static enum status snapshot(void *user, struct gpu_staging *staging)
+{
+	const struct rig *rig = user;
+	gpu_buffer_read_into(rig->tally, 0, PAGES_TALLY_BYTES, staging, 0);
+	return gpu_check(rig->gpu, "the tally");
+}
+
+static uint8_t class_of(struct tile tile, int post)
+{
+	return (uint8_t)((tile.x * 5 + tile.y * 3 + (unsigned)post) & 15);
+}
+
+static enum status classes_of(void *user, unsigned loader, struct tile tile, uint8_t *classes)
+{
+	assert_int_equal(tile.level, LEVEL);
+	for (int i = 0; i < POSTS; i++)
+		classes[i] = class_of(tile, i);
+	return STATUS_OK;
+}
+
+static void rig_open(struct rig *rig, const char *path, unsigned planes, bool soil)
+{
+	*rig = (struct rig){.epochs = tmpfile(), .record = calloc(1, record_bytes(0))};
+	assert_true(rig->epochs != NULL && rig->record != NULL);
+	must(store_open(path, &(struct store_options){.mode = STORE_WRITE}, &rig->store));
+	must(store_set_working_level(rig->store, LEVEL));
+	enum status status = gpu_create(&(struct gpu_params){.draws = false}, &rig->gpu);
+	if (status == STATUS_NO_GL) {
+		store_close(rig->store);
+		skip();
+	}
+	must(status);
+	must(gpu_slots_create(rig->gpu, CELLS, SLOTS, planes, &rig->slots));
+	if (soil)
+		must(gpu_buffer_create(rig->gpu, GPU_STORAGE, PAGES_TALLY_BYTES, NULL, &rig->tally));
+	const struct pages_params params = {
+		.store = rig->store,
+		.gpu = rig->gpu,
+		.slots = rig->slots,
+		.planes = planes | PLANE_BIT(PLANE_OFFSET),
+		.level = LEVEL,
+		.count = SLOTS,
+		.loaders = 2,
+		.step_pages = 16,
+		.scene = &scene,
+		.epochs = rig->epochs,
+		.epoch_age = 0.01,
+		.before_read_back = before_read_back,
+		.snapshot = soil ? snapshot : NULL,
+		.classes = soil ? classes_of : NULL,
+		.user = rig,
+	};
+	must(pages_create(&params, &rig->pages));
+	pages_budget(&params, CELLS, &rig->most);
+	rig->cache = pages_cache(rig->pages);
+}
+
+static void rig_close(struct rig *rig)
+{
+	pages_destroy(rig->pages);
+	gpu_buffer_destroy(rig->tally);
+	gpu_slots_destroy(rig->slots);
+	gpu_destroy(rig->gpu);
+	store_close(rig->store);
+	fclose(rig->epochs);
+	free(rig->record);
+}
+
+/* The page as it is now is what `truth` says, of these planes. */
+static void check_page(struct rig *rig, uint32_t slot, uint32_t x, uint32_t y, unsigned planes, bool soil)
+{
+	static int32_t texels[PLANES][POSTS];
+	void *into[PLANES];
+	for (int plane = 0; plane < PLANES; plane++)
+		into[plane] = texels[plane];
+	must(staged_read_planes(rig->gpu, rig->slots, CELLS, slot, into));
+	for (int plane = 0; plane < PLANES; plane++)
+		if (planes & PLANE_BIT(plane))
+			assert_memory_equal(texels[plane], truth[y][x][plane], POSTS * plane_bytes((enum plane)plane));
+	if (!soil) {
+		assert_null(gpu_slots_get(rig->slots, slot)->classes);
+		return;
+	}
+	uint8_t classes[POSTS];
+	gpu_texture_read(gpu_slots_get(rig->slots, slot)->classes, 0, (struct gpu_rect){0, 0, CELLS + 1, CELLS + 1}, classes);
+	for (int i = 0; i < POSTS; i++)
+		assert_int_equal(classes[i], class_of((struct tile){LEVEL, x, y}, i));
+}
+
+static uint32_t random_word(void)
+{
+	static uint64_t luck = 88172645463325252;
+	luck = luck * 6364136223846793005 + 1442695040888963407;
+	return (uint32_t)(luck >> 33);
+}
+
+/* New bits inside the tile: its edges stay zero, as its neighbours have them. */
+static void change_page(struct rig *rig, uint32_t slot, uint32_t x, uint32_t y)
+{
+	struct gpu_rect all = {0, 0, CELLS + 1, CELLS + 1};
+	must(gpu_slots_deform(rig->slots, slot));
+	for (int plane = 0; plane < PLANES; plane++)
+		for (int i = 0; i < POSTS; i++) {
+			int px = i % (CELLS + 1), py = i / (CELLS + 1);
+			bool inside = px > 0 && py > 0 && px < CELLS && py < CELLS;
+			uint32_t value = inside ? random_word() & 0x7fffffff : 0;
+			if (plane_bytes((enum plane)plane) == 1)
+				((uint8_t *)truth[y][x][plane])[i] = (uint8_t)value;
+			else if (plane_bytes((enum plane)plane) == 2)
+				((uint16_t *)truth[y][x][plane])[i] = (uint16_t)value;
+			else
+				truth[y][x][plane][i] = (int32_t)value;
+		}
+	for (int plane = 0; plane < PLANES; plane++)
+		gpu_texture_upload(gpu_slots_get(rig->slots, slot)->planes[plane], 0, all, truth[y][x][plane]);
+	page_cache_dirty(rig->cache, tile_key((struct tile){LEVEL, x, y}));
+}
+
+static void one_step(struct rig *rig, int64_t step)
+{
+	for (int i = 0; i < 5; i++) {
+		uint32_t x = random_word() % SIDE, y = random_word() % SIDE, slot;
+		uint64_t key = tile_key((struct tile){LEVEL, x, y});
+		must(page_cache_pin(rig->cache, key, &slot));
+		check_page(rig, slot, x, y, ALL, true);
+		if (i % 2 == 0)
+			change_page(rig, slot, x, y);
+		page_cache_unpin(rig->cache, key);
+	}
+	int64_t tally[3] = {rig->tallied += (int64_t)random_word() - (1 << 29), 7, 9};
+	gpu_buffer_write(rig->tally, 0, sizeof tally, tally);
+	rig->record->step = step;
+	must(page_cache_end_step(rig->cache, rig->record));
+}
+
+static void assert_no_coarser_state(struct rig *rig)
+{
+	for (int level = LEVEL + 1; level <= extent_coarsest(&extent); level++) {
+		uint32_t slot;
+		struct tile tile = {level, 0, 0};
+		must(page_cache_pin(rig->cache, tile_key(tile), &slot));
+		const struct gpu_slot *held = gpu_slots_get(rig->slots, slot);
+		assert_non_null(held->planes[PLANE_DIRT]);
+		for (int plane = PLANE_HEAPED; plane < PLANES; plane++)
+			assert_null(held->planes[plane]);
+		page_cache_unpin(rig->cache, tile_key(tile));
+	}
+}
+
+/* Of these planes, as a process finds them that opens it; `soil`: with classes. */
+static void check_store(const char *path, unsigned planes, unsigned stored, bool soil)
+{
+	struct rig rig;
+	rig_open(&rig, path, planes, soil);
+	for (uint32_t y = 0; y < SIDE; y++)
+		for (uint32_t x = 0; x < SIDE; x++) {
+			uint32_t slot;
+			must(page_cache_pin(rig.cache, tile_key((struct tile){LEVEL, x, y}), &slot));
+			check_page(&rig, slot, x, y, stored, soil);
+			page_cache_unpin(rig.cache, tile_key((struct tile){LEVEL, x, y}));
+		}
+	rig_close(&rig);
+}
+
+static void state_comes_back_the_same_bits(void **state)
+{
+	const char *path = support_path("planes.furrow");
+	struct rig rig;
+	struct pages_io io;
+	support_store(path, extent, support_hills);
+	rig_open(&rig, path, ALL, true);
+	for (int64_t step = 1; step <= 60; step++)
+		one_step(&rig, step);
+	assert_no_coarser_state(&rig);
+	must(page_cache_flush(rig.cache, rig.record));
+	pages_io(rig.pages, &io);
+	assert_true(io.commits > 3);
+	assert_int_equal(io.compacted, rig.tallied);
+	struct store_numbers numbers;
+	must(store_count(rig.store, &numbers));
+	assert_int_equal(numbers.compacted, rig.tallied);
+	const struct pages_budget most = rig.most;
+	struct gpu_slots_bytes bytes;
+	gpu_slots_bytes(rig.slots, &bytes);
+	uint64_t taken = bytes.base + bytes.classes;
+	for (int plane = 0; plane < PLANES; plane++)
+		taken += bytes.planes[plane];
+	assert_true(taken <= most.slots && most.slots <= (uint64_t)SLOTS * (POSTS * 24));
+	rig_close(&rig);
+	check_store(path, ALL, ALL, true);
+	/* Who needs no state reads none and makes no room for it. */
+	check_store(path, PLANE_BIT(PLANE_DIRT), PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DIRT), false);
+	check_store(path, 0, PLANE_BIT(PLANE_OFFSET), false);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(state_comes_back_the_same_bits),
+	};
+	return cmocka_run_group_tests_name("planes", tests, support_enter, support_leave);
+}

@@ -1,0 +1,174 @@
+/* objects.csv: its rows are those that were asked for, whatever the time step, the delay, and where the drive was cut. */
+#include "../support.h"
+
+static const struct extent extent = {129, 129, 0.25, 64};
+
+static const char scene_text[] =
+	"scene: 1\ntime_step: 0.05\nend_time: 1.5\nspacing: 0.0625\n"
+	"soil: {name: dry_sand}\nredistribute: {model: scm}\noutput: {forces: 8, delay: 0}\noutside: skip\n"
+	"objects:\n"
+	"  - {name: driven, shape: {wheel: {radius: 0.5, width: 0.4}}, load: 3000, slip: 0.3,\n"
+	"     path: {points: [[5, 5], [9, 6]], speed: 2}}\n"
+	"  - {name: resting, shape: {box: {size: [0.5, 0.5, 0.5]}}, load: 2000, path: {points: [[12, 12]], speed: 1}}\n"
+	"  - {name: leaving, shape: {sphere: {radius: 0.4}}, sink: 0.1, path: {points: [[30, 20], [34, 20]], speed: 4}}\n";
+
+static double flat(int64_t x, int64_t y)
+{
+	(void)x, (void)y;
+	return 10;
+}
+
+static char *text_of(const char *path)
+{
+	FILE *file = fopen(path, "r");
+	assert_non_null(file);
+	char *text = calloc(1, 1 << 16);
+	assert_non_null(text);
+	size_t got = fread(text, 1, (1 << 16) - 1, file);
+	assert_true(got < (1 << 16) - 1);
+	fclose(file);
+	return text;
+}
+
+static struct api_result drive(const char *store, const char *out, bool resume, int64_t steps, const char *const settings[][2])
+{
+	struct scene_setting split[8] = {{NULL, NULL}};
+	size_t count = 0;
+	for (; settings != NULL && settings[count][0] != NULL; count++)
+		split[count] = (struct scene_setting){settings[count][0], settings[count][1]};
+	const char *path = support_path("scene.yaml");
+	struct scene *scene;
+	support_write(path, scene_text);
+	must(scene_load(path, split, count, &scene));
+	struct api_params params = {.scene = scene, .store = store, .directory = out, .resume = resume, .steps = steps};
+	struct api_result result;
+	enum status status = api_drive(&params, &result);
+	scene_destroy(scene);
+	if (status == STATUS_NO_GL)
+		skip();
+	must(status);
+	return result;
+}
+
+static char *rows(const char *name, const char *const settings[][2])
+{
+	char file[64];
+	const char *store = support_path("world.furrow"), *out = support_path(name);
+	support_store(store, extent, flat);
+	mem_free(drive(store, out, false, 0, settings).json);
+	snprintf(file, sizeof file, "%s/objects.csv", name);
+	return text_of(support_path(file));
+}
+
+struct row {
+	double t, x, y, z, sinkage, force[3], moment[3], slip, area;
+	char name[16];
+};
+
+static size_t parse(const char *text, struct row *out)
+{
+	size_t count = 0;
+	text = strchr(text, '\n') + 1;
+	for (; *text != '\0'; text = strchr(text, '\n') + 1, count++) {
+		struct row *r = &out[count];
+		assert_int_equal(sscanf(text, "%lf,%15[^,],%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf\n", &r->t, r->name, &r->x,
+					&r->y, &r->z, &r->sinkage, &r->force[0], &r->force[1], &r->force[2], &r->moment[0],
+					&r->moment[1], &r->moment[2], &r->slip, &r->area), 14);
+	}
+	return count;
+}
+
+static void each_object_has_its_row_at_each_time(void **state)
+{
+	static const char *const names[] = {"driven", "resting", "leaving"};
+	struct row all[64];
+	(void)state;
+	char *text = rows("out", NULL);
+	assert_memory_equal(text, "t,name,x,y,z,sinkage,fx,fy,fz,tx,ty,tz,slip,contact_area\n", 57);
+	assert_int_equal(parse(text, all), 13 * 3);
+	for (int i = 0; i < 39; i++) {
+		const struct row *r = &all[i];
+		assert_true(r->t == i / 3 / 8.0);
+		assert_string_equal(r->name, names[i % 3]);
+		if (i % 3 == 0) {
+			double way = 2 * r->t, along = r->x - 5;
+			assert_true(hypot(r->x - 5, r->y - 5) <= way + 1e-6 && hypot(r->x - 5, r->y - 5) > way - 0.0626);
+			/* Shear bears some of it where the ground it meets is heaped. */
+			assert_true(fabs(r->force[2] - 3000) < (i < 3 ? 0.4 : 150) && fabs(r->z - 10.48) < 0.02);
+			assert_true(r->slip == 0.3 && along >= 0 && r->area > 0);
+			/* It pulls. */
+			assert_true(i < 3 || (r->force[0] > 0 && r->force[1] > 0 && r->moment[1] < 0));
+		} else if (i % 3 == 1) {
+			assert_true(fabs(r->force[2] - 2000) < 0.4 && fabs(r->z - (10.25 - r->sinkage)) < 1e-6);
+			assert_memory_equal(r->force, all[1].force, sizeof r->force);
+			assert_memory_equal(r->moment, all[1].moment, sizeof r->moment);
+		} else if (r->x > 32) {
+			assert_true(r->force[2] == 0 && r->area == 0 && r->sinkage == 0);
+		} else {
+			assert_true(r->force[2] > 0 && r->area > 0);
+		}
+	}
+	free(text);
+}
+
+static void rows_do_not_depend_on_delay_or_time_step(void **state)
+{
+	(void)state;
+	char *at_once = rows("out", NULL);
+	char *later = rows("out", (const char *const[][2]){{"output.delay", "3"}, {NULL, NULL}});
+	char *finer = rows("out", (const char *const[][2]){{"time_step", "0.003"}, {NULL, NULL}});
+	char *coarser = rows("out", (const char *const[][2]){{"time_step", "0.7"}, {NULL, NULL}});
+	assert_string_equal(at_once, later);
+	assert_string_equal(at_once, finer);
+	assert_string_equal(at_once, coarser);
+	free(at_once);
+	free(later);
+	free(finer);
+	free(coarser);
+}
+
+static void a_drive_that_is_cut_goes_on_with_the_same_rows(void **state)
+{
+	(void)state;
+	char *whole = rows("out", NULL);
+	for (int cut = 1; cut < 30; cut += 7) {
+		const char *store = support_path("world.furrow");
+		support_store(store, extent, flat);
+		mem_free(drive(store, support_path("cut"), false, cut, (const char *const[][2]){{"output.delay", "2"}, {NULL, NULL}}).json);
+		/* What a kill may leave behind: rows beyond the commit, and a torn one. */
+		FILE *file = fopen(support_path("cut/objects.csv"), "a");
+		assert_non_null(file);
+		fputs("9.5,driven,1,2,3,4,5,6,7,8,9,10,11,12\n9.625,driven,1,2", file);
+		fclose(file);
+		mem_free(drive(store, support_path("cut"), true, 0, NULL).json);
+		char *text = text_of(support_path("cut/objects.csv"));
+		assert_string_equal(text, whole);
+		free(text);
+	}
+	free(whole);
+}
+
+static void without_rows_there_is_no_file_and_a_load_is_still_told(void **state)
+{
+	(void)state;
+	const char *store = support_path("world.furrow");
+	support_store(store, extent, flat);
+	support_write(support_path("out/objects.csv"), "another drive's\n");
+	struct api_result result = drive(store, support_path("out"), false, 0, (const char *const[][2]){{"output", "null"}, {NULL, NULL}});
+	assert_int_equal(access(support_path("out/objects.csv"), F_OK), -1);
+	const char *resting = strstr(result.json, "\"resting\"");
+	assert_non_null(resting);
+	assert_true(fabs(strtod(strstr(resting, "\"sinkage\":") + 10, NULL) + strtod(strstr(resting, "\"z\":") + 4, NULL) - 10.25) < 1e-6);
+	mem_free(result.json);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(each_object_has_its_row_at_each_time),
+		cmocka_unit_test(rows_do_not_depend_on_delay_or_time_step),
+		cmocka_unit_test(a_drive_that_is_cut_goes_on_with_the_same_rows),
+		cmocka_unit_test(without_rows_there_is_no_file_and_a_load_is_still_told),
+	};
+	return cmocka_run_group_tests_name("world/forces", tests, support_enter, support_leave);
+}
