@@ -37,7 +37,7 @@ def scene(shape=None, model="none", **more):
     return made | more
 
 
-def view(*effects, images=0, **more):
+def view(*effects, images=1, **more):
     return {"view": {"size": [640, 360], "effects": list(effects),
                      "camera": {"fixed": {"eye": [30, 20, 20], "target": [60, 64, 0]}}, "images": images, **more}}
 
@@ -81,7 +81,7 @@ PAIRS = [
     ("splat", MAPPED | view("texture"), MAPPED | view("texture", "splat")),
     ("pixel_error", scene(WHEEL, **view("geomorph")), scene(WHEEL, **view("geomorph", pixel_error=4))),
     ("antialias", SEEN, scene(WHEEL, **view(samples=4))),
-    ("images", SEEN, scene(WHEEL, **view(images=1))),
+    ("images", scene(WHEEL), SEEN),
 ]
 
 

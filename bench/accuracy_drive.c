@@ -56,7 +56,7 @@ static double seconds_of(const struct accuracy_drive *drive)
 	struct scene *scene = accuracy_scene(drive->model, drive->laps, NULL, 0);
 	struct track *track = accuracy_track(scene, spacing_of(drive));
 	double seconds = accuracy_ends(track);
-	track_destroy(track);
+	motion_track_destroy(track);
 	scene_destroy(scene);
 	return seconds;
 }

@@ -74,8 +74,8 @@ static void station(struct rig *rig, const struct track *track, int64_t index)
 	struct track_point point;
 	int64_t ground;
 	bool any;
-	track_sample(track, index, &point);
-	bench_must(ground_height(rig->ground, point.qx, point.qy, &ground, &any));
+	motion_track_sample(track, index, &point);
+	bench_must(resident_ground_height(rig->ground, point.qx, point.qy, &ground, &any));
 	struct deform_sweep of = {.shape = &rig_wheel};
 	of.to = (struct deform_pose){.x = point.qx, .y = point.qy, .z = ground + lattice_offset(ACCURACY_RADIUS - ACCURACY_SINK),
 				     .yaw = point.yaw};
@@ -83,7 +83,7 @@ static void station(struct rig *rig, const struct track *track, int64_t index)
 	if (index > 0) {
 		double along = lattice_offset_metres(of.to.x - of.from.x) * cos(of.to.yaw) +
 			       lattice_offset_metres(of.to.y - of.from.y) * sin(of.to.yaw);
-		of.seconds = point.time - track_sample_time(track, index - 1);
+		of.seconds = point.time - motion_track_sample_time(track, index - 1);
 		of.turned = along / ACCURACY_RADIUS;
 		of.to.turn = remainder(of.from.turn + of.turned, 2 * M_PI);
 	}
@@ -150,7 +150,7 @@ static void compare(struct rig *rig, const struct tile_posts *posts, const doubl
 {
 	struct accuracy_surface surface = {.rect = accuracy_rect(rig->of->spacing), .spacing = rig->of->spacing};
 	size_t count = (size_t)((surface.rect.x1 - surface.rect.x0) * (surface.rect.y1 - surface.rect.y0)), i = 0;
-	double reference = ground_reference(rig->store);
+	double reference = resident_ground_reference(rig->store);
 	surface.heights = mem_alloc(count, sizeof(double));
 	if (surface.heights == NULL)
 		bench_must(fail_memory("bench"));
@@ -174,7 +174,7 @@ void accuracy_variant(const struct accuracy_variant *variant, const struct accur
 	struct rig rig;
 	*figures = (struct accuracy_figures){.time_step = TIME_STEP};
 	rig_open(variant, scene, &rig);
-	int64_t stations = track_samples(track);
+	int64_t stations = motion_track_samples(track);
 	double seconds = accuracy_ends(track), began = clock_seconds();
 	for (int turn = 0; turn < variant->passes; turn++, rig.begins += seconds)
 		for (int64_t i = 0; i < stations; i++)
@@ -198,6 +198,6 @@ void accuracy_variant(const struct accuracy_variant *variant, const struct accur
 		mem_free(posts[i].offset);
 	}
 	rig_close(&rig);
-	track_destroy(track);
+	motion_track_destroy(track);
 	scene_destroy(scene);
 }

@@ -46,7 +46,7 @@ static void get_programs(struct rig *rig)
 {
 	static struct shader_text table[3];
 	table[0] = accuracy_shaders[0];
-	for (const struct shader_text *file = shader_table; file->path != NULL; file++)
+	for (const struct shader_text *file = gpu_shader_table; file->path != NULL; file++)
 		if (strcmp(file->path, "full.vert") == 0)
 			table[1] = *file;
 	for (int which = 0; which < WHICH; which++)
@@ -73,7 +73,7 @@ static struct kept_params params_of(const struct rig *rig, enum which which)
 	float top = (float)((1u << formats[rig->format[which]].bits) - 1), half = (top + 1) / 2;
 	if (which == OFFSET)
 		return (struct kept_params){0, half, (half - 1) / (float)RANGE, top};
-	return (struct kept_params){(float)(meta->low - ground_reference(rig->store)), 1,
+	return (struct kept_params){(float)(meta->low - resident_ground_reference(rig->store)), 1,
 				    (top - 1) / (float)(meta->high - meta->low), top};
 }
 
@@ -162,7 +162,7 @@ static void make_tiles(struct rig *rig)
 	bench_must(gpu_staging_create(rig->gpu, bytes, &staging));
 	for (size_t i = 0; i < rig->tile_count; i++) {
 		gpu_finish(rig->gpu);
-		bench_must(ground_posts(rig->ground, rig->tiles[i].tile, gpu_staging_bytes(staging)));
+		bench_must(resident_ground_posts(rig->ground, rig->tiles[i].tile, gpu_staging_bytes(staging)));
 		bench_must(gpu_slots_upload_base(rig->slots, rig->tiles[i].slot, staging, 0));
 		bench_must(gpu_slots_deform(rig->slots, rig->tiles[i].slot));
 		keep(rig, i, BASE);
@@ -175,7 +175,7 @@ void rig_open(const struct accuracy_variant *of, const struct scene *scene, stru
 {
 	*rig = (struct rig){.of = of, .format = {of->base, of->offset}};
 	bench_must(store_open(accuracy_store(of->spacing, of->max_error), &(struct store_options){.mode = STORE_READ}, &rig->store));
-	bench_must(ground_create(rig->store, 16, &rig->ground));
+	bench_must(resident_ground_create(rig->store, 16, &rig->ground));
 	const struct store_meta *meta = store_meta(rig->store);
 	rig->extent = &meta->extent;
 	bench_must(gpu_create(&(struct gpu_params){.draws = false}, &rig->gpu));
@@ -187,7 +187,7 @@ void rig_open(const struct accuracy_variant *of, const struct scene *scene, stru
 		.gpu = rig->gpu,
 		.slots = rig->slots,
 		.extent = rig->extent,
-		.reference = ground_reference(rig->store),
+		.reference = resident_ground_reference(rig->store),
 		.model = of->model,
 		.soils = {scene->soils[0]},
 		.soil_count = 1,
@@ -215,7 +215,7 @@ void rig_close(struct rig *rig)
 		}
 	gpu_slots_destroy(rig->slots);
 	gpu_destroy(rig->gpu);
-	ground_destroy(rig->ground);
+	resident_ground_destroy(rig->ground);
 	store_close(rig->store);
 }
 

@@ -4,7 +4,7 @@
 
 #include "accuracy.h"
 #include "gpu/gpu.h"
-#include "resident/ground.h"
+#include "resident/resident.h"
 #include "store/store.h"
 
 enum { RIG_TILES = 64 };

@@ -20,7 +20,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "../tools/intake.h"
+#include "api/intake.h"
 #include "accuracy.h"
 #include "bench.h"
 
@@ -101,7 +101,7 @@ static void make(const char *path, double spacing, double max_error)
 	struct ground ground = {spacing, max_error == 0};
 	struct store_meta meta = {
 		.extent = {side, side, spacing, 256},
-		.step = intake_step(max_error, 0, false),
+		.step = api_intake_step(max_error, 0, false),
 		.max_error = max_error,
 		.srs = "",
 		.vertical = "",
@@ -188,12 +188,12 @@ struct track *accuracy_track(const struct scene *scene, double spacing)
 		local[i][1] = path->points[i].y;
 	}
 	struct track *track;
-	bench_must(track_create(path, (const double(*)[2])local, spacing, ACCURACY_RADIUS, &track));
+	bench_must(motion_track_create(path, (const double(*)[2])local, spacing, ACCURACY_RADIUS, &track));
 	mem_free(local);
 	return track;
 }
 
 double accuracy_ends(const struct track *track)
 {
-	return ceil(track_sample_time(track, track_samples(track) - 1) * 10) / 10;
+	return ceil(motion_track_sample_time(track, motion_track_samples(track) - 1) * 10) / 10;
 }

@@ -66,7 +66,7 @@ static const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = ACCURA
 static struct deform_pose pose_at(const struct track *track, int64_t station)
 {
 	struct track_point point;
-	track_sample(track, station, &point);
+	motion_track_sample(track, station, &point);
 	double ground = accuracy_height(lattice_offset_metres(point.qx), lattice_offset_metres(point.qy));
 	return (struct deform_pose){.x = point.qx, .y = point.qy, .z = lattice_offset(ground + ACCURACY_RADIUS - ACCURACY_SINK),
 				    .yaw = point.yaw};
@@ -224,7 +224,7 @@ static void make(struct accuracy_truth *truth)
 {
 	struct scene *scene = accuracy_scene(DEFORM_SLIPPAGE, 1, NULL, 0);
 	struct track *track = accuracy_track(scene, ACCURACY_FINE);
-	size_t count = (size_t)track_samples(track);
+	size_t count = (size_t)motion_track_samples(track);
 	struct sweep *sweeps = mem_calloc(count, sizeof *sweeps);
 	struct work works[MODELS];
 	if (sweeps == NULL)
@@ -232,7 +232,7 @@ static void make(struct accuracy_truth *truth)
 	double began = clock_seconds();
 	for (size_t i = 0; i < count; i++) {
 		struct deform_pose to = pose_at(track, (int64_t)i), from = i > 0 ? sweeps[i - 1].sweep.to : to;
-		double seconds = i > 0 ? track_sample_time(track, (int64_t)i) - track_sample_time(track, (int64_t)i - 1) : 0;
+		double seconds = i > 0 ? motion_track_sample_time(track, (int64_t)i) - motion_track_sample_time(track, (int64_t)i - 1) : 0;
 		double way = lattice_offset_metres(to.x - from.x) * cos(to.yaw) + lattice_offset_metres(to.y - from.y) * sin(to.yaw);
 		sweeps[i].sweep = (struct deform_sweep){.shape = &wheel, .from = from, .to = to, .seconds = seconds,
 							.turned = way / ACCURACY_RADIUS};
@@ -253,7 +253,7 @@ static void make(struct accuracy_truth *truth)
 		mem_free(sweeps[i].rest);
 	}
 	mem_free(sweeps);
-	track_destroy(track);
+	motion_track_destroy(track);
 	scene_destroy(scene);
 }
 

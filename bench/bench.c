@@ -73,7 +73,7 @@ void bench_store(const char *path, const struct dem_synth *synth, uint32_t cells
 	store_close(store);
 }
 
-char *bench_drive(const char *text, const char *store)
+static char *drive(const char *text, const char *store, const struct api_host *host)
 {
 	const char *path = bench_path("scene.yaml");
 	FILE *file = fopen(path, "w");
@@ -81,11 +81,46 @@ char *bench_drive(const char *text, const char *store)
 		bench_must(fail_with(STATUS_FAILED, "%s: cannot be written; free some space", path));
 	struct scene *scene;
 	bench_must(scene_load(path, NULL, 0, &scene));
-	struct api_params params = {.scene = scene, .store = store, .directory = bench_path("out")};
+	struct api_params params = {.scene = scene, .store = store, .directory = bench_path("out"), .host = host};
 	struct api_result result;
 	bench_must(api_drive(&params, &result));
 	scene_destroy(scene);
 	return result.json;
+}
+
+char *bench_drive(const char *text, const char *store)
+{
+	return drive(text, store, NULL);
+}
+
+/* One step, one picture of it, and so on. */
+struct watcher {
+	int64_t pictures, steps;
+};
+
+static enum status turn(void *user, struct drive *drive, struct api_control *wish)
+{
+	struct watcher *watcher = user;
+	struct api_figures figures;
+	api_figures(drive, &figures);
+	bool seen = watcher->pictures > watcher->steps;
+	wish->go = !seen ? API_HOLD : figures.over ? API_STOP : API_ONE;
+	watcher->steps += seen;
+	return STATUS_OK;
+}
+
+static enum status picture(void *user, struct drive *drive, uint8_t *pixels, uint32_t width, uint32_t height)
+{
+	struct watcher *watcher = user;
+	watcher->pictures++;
+	return STATUS_OK;
+}
+
+char *bench_watch(const char *text, const char *store)
+{
+	struct watcher watcher = {0, 0};
+	const struct api_host host = {&watcher, turn, picture};
+	return drive(text, store, &host);
 }
 
 double bench_figure(const char *json, const char *path)

@@ -15,6 +15,8 @@ const char *bench_path(const char *name);
 void bench_store(const char *path, const struct dem_synth *synth, uint32_t cells);
 /* run.json of driving `scene` (YAML text) over a store. Freed with mem_free. */
 char *bench_drive(const char *scene, const char *store);
+/* The same with somebody who looks at a picture after each step. */
+char *bench_watch(const char *scene, const char *store);
 /* The number at a path of names parted by dots, as in "fps.mean". NaN if it is null. */
 double bench_figure(const char *json, const char *path);
 /* The renderer's name of that run. Static storage. */

@@ -112,29 +112,29 @@ static void open_rig(struct rig *rig, const char *store, const char *overlay, ui
 	if (world->epochs == NULL)
 		bench_must(fail_with(STATUS_FAILED, "/tmp: no file can be made; free some space"));
 	bench_must(world_settle_level(world));
-	bench_must(ground_create(world->store, world_ground_tiles(world), &world->ground));
+	bench_must(resident_ground_create(world->store, world_ground_tiles(world), &world->ground));
 	bench_must(world_make_bodies(world));
-	unsigned planes = pages_planes_of(rig->scene, world->was_deformed);
+	unsigned planes = world_planes(rig->scene, world->was_deformed);
 	bench_must(gpu_slots_create(gpu, CELLS, slots, planes, &world->slots));
 	world->gpu = gpu;
-	bench_must(pages_create(&(struct pages_params){.gpu = gpu, .store = world->store, .slots = world->slots, .planes = planes,
+	bench_must(resident_pages_create(&(struct pages_params){.gpu = gpu, .store = world->store, .slots = world->slots, .planes = planes,
 						       .level = world->level, .count = slots, .loaders = 2, .step_pages = 16,
-						       .scene = rig->scene, .epochs = world->epochs, .epoch_age = 1e6,
+						       .record = world_record_pages(rig->scene), .epochs = world->epochs, .epoch_age = 1e6,
 						       .before_read_back = before_read_back},
 				&world->pages));
-	world->cache = pages_cache(world->pages);
+	world->cache = resident_pages_cache(world->pages);
 }
 
 static void close_rig(struct rig *rig)
 {
 	struct world *world = &rig->world;
-	pages_destroy(world->pages);
-	pyramid_destroy(world->pyramid);
+	resident_pages_destroy(world->pages);
+	resident_pyramid_destroy(world->pyramid);
 	deform_destroy(world->deform);
 	gpu_slots_destroy(world->slots);
 	world_free_bodies(world);
 	mem_free(world->events.list);
-	ground_destroy(world->ground);
+	resident_ground_destroy(world->ground);
 	store_abandon(world->store);
 	fclose(world->epochs);
 	scene_destroy(rig->scene);
@@ -172,8 +172,8 @@ static void open_look(struct look *look, struct rig *rig, int camera, const int 
 	rig->scene->view.height = size[1];
 	rig->scene->view.pixel_error = budget;
 	rig->scene->view.effects = sets[set].effects;
-	bench_must(view_create(&rig->world, false, &look->view));
-	bench_must(view_warm(look->view));
+	bench_must(render_view_create(&rig->world, false, &look->view));
+	bench_must(render_view_warm(look->view));
 }
 
 static double frame(struct look *look)
@@ -182,7 +182,7 @@ static double frame(struct look *look)
 	gpu_finish(gpu);
 	uint64_t starved = look->view->starved;
 	double began = clock_seconds();
-	bench_must(view_frame(look->view, NULL, false));
+	bench_must(render_view_frame(look->view, NULL, false));
 	gpu_finish(gpu);
 	double ms = (clock_seconds() - began) * 1e3;
 	look->starved = look->view->starved > starved;
@@ -250,7 +250,7 @@ static void print_look(const char *table, const struct look *look, const struct 
 static void finish_looks(struct look *looks, size_t count)
 {
 	for (size_t i = 0; i < count; i++)
-		view_destroy(looks[i].view);
+		render_view_destroy(looks[i].view);
 }
 
 /* --- tables --- */
@@ -328,9 +328,9 @@ static void start_pressing(struct rig *rig)
 	world_deform_params(world, &params);
 	params.gpu = gpu;
 	params.slots = world->slots;
-	params.reference = ground_reference(world->store);
+	params.reference = resident_ground_reference(world->store);
 	bench_must(deform_create(&params, &world->deform));
-	bench_must(pyramid_create(&world->meta->extent, world->level, world->slots, &world->pyramid));
+	bench_must(resident_pyramid_create(&world->meta->extent, world->level, world->slots, &world->pyramid));
 }
 
 static void deform_table(struct rig *rig, struct rig *untouched, struct bar *bar)
@@ -342,7 +342,7 @@ static void deform_table(struct rig *rig, struct rig *untouched, struct bar *bar
 	start_pressing(rig);
 	open_look(&moving, rig, CHASE, sizes[1], 0, SETS - 1);
 	open_look(&without, untouched, CHASE, sizes[1], 0, SETS - 1);
-	rig->watcher = view_watcher(moving.view);
+	rig->watcher = render_view_watcher(moving.view);
 	world_watch(&rig->world, &rig->watcher);
 	for (int i = -before; i < rounds; i++) {
 		double until = (i + before + 1) * STEP, times[3];
@@ -351,7 +351,7 @@ static void deform_table(struct rig *rig, struct rig *untouched, struct bar *bar
 		press(&rig->world, until);
 		gpu_finish(gpu);
 		times[1] = clock_seconds();
-		bench_must(pyramid_flush(rig->world.pyramid, rig->world.cache));
+		bench_must(resident_pyramid_flush(rig->world.pyramid, rig->world.cache));
 		gpu_finish(gpu);
 		times[2] = clock_seconds();
 		untouched->world.time = until;
@@ -374,8 +374,8 @@ static void deform_table(struct rig *rig, struct rig *untouched, struct bar *bar
 	       bar->deforming, moving.triangles, moving.tiles.drawn, gpu_info(gpu)->renderer);
 	save(&moving, "deforming");
 	world_watch(&rig->world, NULL);
-	view_destroy(moving.view);
-	view_destroy(without.view);
+	render_view_destroy(moving.view);
+	render_view_destroy(without.view);
 }
 
 static void hardware_table(struct rig *rig)
@@ -389,13 +389,13 @@ static void hardware_table(struct rig *rig)
 		frame(&look);
 		double began = clock_seconds();
 		for (int i = 0; i < IN_A_ROW; i++)
-			bench_must(view_frame(look.view, NULL, false));
+			bench_must(render_view_frame(look.view, NULL, false));
 		gpu_finish(gpu);
 		printf("{\"bench\": \"frame\", \"table\": \"hardware\", \"view\": \"%s\", \"size\": [%d, %d], \"effects\": \"all\", "
 		       "\"fps\": %.1f, \"triangles\": %" PRIu64 ", \"gl\": \"%s\"}\n",
 		       view_names[view], sizes[2][0], sizes[2][1], IN_A_ROW / (clock_seconds() - began),
 		       render_triangles(look.view->render), gpu_info(gpu)->renderer);
-		view_destroy(look.view);
+		render_view_destroy(look.view);
 	}
 }
 

@@ -25,10 +25,11 @@ SAMPLE = 0.2               # seconds between two looks at a drive's memory
 LIMIT = 1200               # seconds that a drive may take
 ALL = "all"                # a slot for every tile, loaded before the first step
 POLICIES = ("lru", "clock", "arc", "s3fifo", "opt")
-FIGURES = ("p50", "p95", "p99", "max", "seconds", "touched", "hits", "misses", "late", "stalls", "stalls_late",
-           "stall_ms", "prefetched", "evictions", "writebacks", "tiles_read", "mb_read", "mb_written", "commits",
+FIGURES = ("p50", "p95", "p99", "max", "seconds", "touched", "hits", "misses", "late", "not_begun", "stalls", "stalls_late",
+           "stall_ms", "range_waits", "range_wait_ms", "naps", "nap_ms", "warm_s", "prefetched", "evictions", "writebacks", "tiles_read", "mb_read", "mb_written", "commits",
            "rss_mb", "growth", "rss_peak_mb", "wal_mb", "frame_p99", "starved")
-SHOWN = ("p50", "p95", "p99", "max", "misses", "late", "stalls", "stalls_late", "stall_ms", "tiles_read", "evictions",
+GREATEST = ("p50", "p95", "p99", "max", "stalls", "stalls_late", "stall_ms")  # told of the run that had most, too
+SHOWN = ("p50", "p95", "p99", "max", "misses", "late", "not_begun", "stalls", "stalls_late", "stall_ms", "tiles_read", "evictions",
          "writebacks", "commits", "mb_read", "mb_written", "rss_mb", "growth", "wal_mb")
 
 
@@ -101,7 +102,8 @@ def figures(report, samples, wal):
              "mb_read": io["bytes_read"] / 1e6, "mb_written": io["bytes_written"] / 1e6, "commits": io["commits"],
              "rss_mb": statistics.mean(stable), "growth": growth(samples), "wal_mb": wal / 1e6,
              "rss_peak_mb": report["memory"]["rss_peak"] / 1e6, "starved": view.get("starved"),
-             "frame_p99": 1e3 / report["fps"]["p99"] if view else None,
+             "frame_p99": 1e3 / report["fps"]["p99"] if view else None, "naps": view.get("naps"), "nap_ms": view.get("nap_ms"),
+             "warm_s": report.get("warm_up", {}).get("seconds"),
              # those after the first second; of a program that does not count them apart, all
              "stalls_late": cache.get("stalls_late", cache["stalls"])}
     return {name: found.get(name) for name in FIGURES}
@@ -187,8 +189,14 @@ def medians(runs):
     return {name: statistics.median(found) if found else None for name, found in columns.items()}
 
 
+def greatest(runs):
+    """Of each of these figures, the most that one run had: what a median hides."""
+    columns = {name: [run[name] for run in runs if run[name] is not None] for name in GREATEST}
+    return {name: max(found) if found else None for name, found in columns.items()}
+
+
 def measure(bench, scene, terrain, slots, verify=False):
-    """Drives that take turns: {slots or ALL: medians}; whether all left the same rows, None if there is nothing to
+    """Drives that take turns: {slots or ALL: medians, with "greatest" of some}; whether all left the same rows, None if there is nothing to
     compare; {slots or ALL: memory over time} of the first."""
     runs = {count: [] for count in [*slots, ALL]}
     touched = None
@@ -203,7 +211,7 @@ def measure(bench, scene, terrain, slots, verify=False):
     left = {(run["rows"], json.dumps(run["quanta"])) for found in kept.values() for run in found}
     first = {count: found[0]["memory"] for count, found in kept.items() if found}
     same = len(left) == 1 if len(first) > 1 else None
-    return {count: medians(found) for count, found in kept.items() if found}, same, first
+    return {count: {**medians(found), "greatest": greatest(found)} for count, found in kept.items() if found}, same, first
 
 
 def simulate(bench, scene, terrain, slots):
@@ -243,6 +251,15 @@ def print_rows(rows):
         print("  ".join(cell.rjust(w) if i else cell.ljust(w) for i, (cell, w) in enumerate(zip(row, widths))).rstrip())
 
 
+def print_greatest(found):
+    """The worst run by each figure; nothing where there was one run."""
+    if all(median["greatest"][name] == median[name] for median in found.values() for name in GREATEST):
+        return
+    print("the greatest of the runs:")
+    print_rows([("slots", *GREATEST)] +
+               [(str(count), *(number(median["greatest"][name]) for name in GREATEST)) for count, median in found.items()])
+
+
 def print_scene(scene, found, misses):
     touched = next((median["touched"] for median in found.values()), None)
     print(f"\n{scene.name}: {scene.metres / 1e3:.3g} km, {len(scene.drives)} x four wheels, posts "
@@ -254,6 +271,7 @@ def print_scene(scene, found, misses):
         rows.append((str(count), *(number(median[name]) for name in SHOWN), number(beside),
                      *(number(misses[policy].get(count)) for policy in simulated)))
     print_rows(rows)
+    print_greatest(found)
 
 
 class Bars:
@@ -270,8 +288,8 @@ class Bars:
 def scene_bars(bars, name, found, same, misses):
     everything = found.get(ALL)
     if everything:
-        for figure in ("misses", "stalls"):
-            bars.add(f"all resident: {figure}", name, everything[figure], 0, everything[figure] == 0)
+        for figure, most in (("misses", everything["misses"]), ("stalls", everything["greatest"]["stalls"])):
+            bars.add(f"all resident: {figure}", name, most, 0, most == 0)
     if everything and 256 in found:
         limit = max(1.2 * everything["p99"], everything["p99"] + 1)
         bars.add("step p99, 256 slots", name, found[256]["p99"], limit, found[256]["p99"] <= limit, " ms")
@@ -279,10 +297,10 @@ def scene_bars(bars, name, found, same, misses):
     for count, median in found.items():
         if count == ALL:
             continue
-        stalls = median["stalls_late"]
+        stalls = median["greatest"]["stalls_late"]
         bars.add("stalls after the first second", f"{name}, {count} slots", stalls, 0, stalls == 0)
         faults = misses.get("lru", {}).get(count)
-        waits = median["late"] + median["stalls"]
+        waits = median["late"] + (median["not_begun"] or 0) + median["stalls"]
         if faults is not None:
             bars.add("late and stalled, of LRU's faults", f"{name}, {count} slots", waits, faults / 10,
                      waits <= faults / 10)
@@ -365,16 +383,17 @@ def run(bench):
 
 
 def pictures(bench, terrain):
-    """A drive that is looked at: the picture makes do with what is there."""
+    """A drive with a picture of each step, which waits for its tiles."""
     scene = paging_scenes.picture(bench.options.quick)
     found, _, _ = measure(bench, scene, terrain, [count for count in bench.options.slots if count <= 256])
     for count, median in found.items():
         bench.note(scene=scene.name, slots=count, median=median)
     print(f"\npicture: {scene.metres:.0f} m behind a vehicle, 640 x 360")
-    rows = [("slots", "frame p99 ms", "step p99 ms", "starved", "stalls", "late", "rss_mb")]
-    names = ("frame_p99", "p99", "starved", "stalls", "late", "rss_mb")
+    names = ("frame_p99", "p99", "naps", "nap_ms", "stalls", "range_waits", "range_wait_ms", "late", "not_begun", "warm_s", "rss_mb")
+    rows = [("slots", "frame p99 ms", "step p99 ms", *names[2:])]
     rows += [(str(count), *(number(median[name]) for name in names)) for count, median in found.items()]
     print_rows(rows)
+    print_greatest(found)
 
 
 def main():

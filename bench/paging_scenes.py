@@ -126,7 +126,7 @@ def adversary(slots, laps, spacing, speed):
 
 
 VIEW = ("view: {size: [640, 360], camera: {chase: v0w0, back: 12, up: 5}, "
-        "effects: [texture, fog, sky, skirts], images: 0}\n")
+        "effects: [texture, fog, sky, skirts], images: 1}\n")
 
 
 def scenes(slots, quick):

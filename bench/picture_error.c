@@ -18,6 +18,7 @@
 #include "bench.h"
 #include "render/internal.h"
 #include "render/view.h"
+#include "world/record.h"
 
 #define WIDTH 640
 #define HEIGHT 360
@@ -96,21 +97,21 @@ static void open_rig(struct rig *rig, const char *store)
 		bench_must(fail_with(STATUS_FAILED, "/tmp: no file can be made; free some space"));
 	bench_must(gpu_create(&(struct gpu_params){.draws = true}, &world->gpu));
 	bench_must(gpu_slots_create(world->gpu, CELLS, SLOTS, PLANE_BIT(PLANE_DIRT), &world->slots));
-	bench_must(ground_create(world->store, 64, &world->ground));
-	bench_must(pages_create(&(struct pages_params){.gpu = world->gpu, .store = world->store, .slots = world->slots,
+	bench_must(resident_ground_create(world->store, 64, &world->ground));
+	bench_must(resident_pages_create(&(struct pages_params){.gpu = world->gpu, .store = world->store, .slots = world->slots,
 						       .level = world->level, .count = SLOTS, .loaders = 2, .step_pages = 16,
-						       .scene = &rig->scene, .epochs = world->epochs, .epoch_age = 1000,
+						       .record = world_record_pages(&rig->scene), .epochs = world->epochs, .epoch_age = 1000,
 						       .before_read_back = before_read_back},
 				&world->pages));
-	world->cache = pages_cache(world->pages);
-	world->record = mem_calloc(1, record_bytes(1));
+	world->cache = resident_pages_cache(world->pages);
+	world->record = mem_calloc(1, world_record_bytes(1));
 }
 
 static void close_rig(struct rig *rig)
 {
 	struct world *world = &rig->world;
-	pages_destroy(world->pages);
-	ground_destroy(world->ground);
+	resident_pages_destroy(world->pages);
+	resident_ground_destroy(world->ground);
 	gpu_slots_destroy(world->slots);
 	gpu_destroy(world->gpu);
 	store_close(world->store);
@@ -125,7 +126,7 @@ static void place(struct rig *rig, size_t camera)
 	for (int i = 0; i < 2; i++) {
 		int64_t height;
 		bool any;
-		bench_must(ground_height(rig->world.ground, lattice_offset(from[i][0]), lattice_offset(from[i][1]), &height, &any));
+		bench_must(resident_ground_height(rig->world.ground, lattice_offset(from[i][0]), lattice_offset(from[i][1]), &height, &any));
 		to[i][0] = from[i][0];
 		to[i][1] = from[i][1];
 		to[i][2] = from[i][2] + lattice_offset_metres(height);
@@ -154,16 +155,16 @@ static void draw(struct rig *rig, double pixel_error, const char *folder, uint8_
 	bool truth = pixel_error == TRUTH;
 	*figures = (struct figures){.tiles = 0};
 	rig->scene.view.pixel_error = pixel_error;
-	bench_must(view_create(world, false, &rig->view));
+	bench_must(render_view_create(world, false, &rig->view));
 	struct view *view = rig->view;
 	size_t timed = 0;
 	for (size_t i = 0; i < CAMERAS; i++) {
 		place(rig, i);
-		bench_must(view_warm(view));
+		bench_must(render_view_warm(view));
 		gpu_finish(world->gpu);
 		for (int k = 0; k < REPEATS && !truth; k++) {
 			double began = clock_seconds();
-			bench_must(view_frame(view, NULL, false));
+			bench_must(render_view_frame(view, NULL, false));
 			gpu_finish(world->gpu);
 			figures->ms[timed++] = (clock_seconds() - began) * 1e3;
 		}
@@ -185,7 +186,7 @@ static void draw(struct rig *rig, double pixel_error, const char *folder, uint8_
 			bench_must(render_write_png(view->render, path));
 		}
 	}
-	view_destroy(view);
+	render_view_destroy(view);
 	rig->view = NULL;
 }
 

@@ -48,7 +48,7 @@ static void tell(const char *over, const char *what, const char *when, double co
 static void measure_rays(struct newest *newest, const char *over, const char *when, const char *gl)
 {
 	double began = clock_seconds();
-	bench_must(newest_rays(newest, rays, RAYS, hits));
+	bench_must(resident_newest_rays(newest, rays, RAYS, hits));
 	tell(over, "lidar", when, RAYS, clock_seconds() - began, gl);
 }
 
@@ -56,7 +56,7 @@ static void measure_points(struct newest *newest, const char *over, const char *
 			   const char *gl)
 {
 	double began = clock_seconds();
-	bench_must(newest_heights(newest, points, POINTS, heights));
+	bench_must(resident_newest_heights(newest, points, POINTS, heights));
 	tell(over, what, when, POINTS, clock_seconds() - began, gl);
 }
 
@@ -64,7 +64,7 @@ static void measure_singles(struct newest *newest, const char *over, const char 
 {
 	double began = clock_seconds();
 	for (int i = 0; i < SINGLES; i++)
-		bench_must(newest_heights(newest, &near_points[i], 1, heights));
+		bench_must(resident_newest_heights(newest, &near_points[i], 1, heights));
 	tell(over, "points near, one a call", "again", SINGLES, clock_seconds() - began, gl);
 }
 
@@ -84,9 +84,9 @@ static void measure_store(const char *path, const char *gl)
 	struct store_reader *reader;
 	struct newest *newest;
 	bench_must(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
-	bench_must(newest_create(store, NULL, &newest));
+	bench_must(resident_newest_create(store, NULL, &newest));
 	measure_all(newest, "store", gl);
-	newest_destroy(newest);
+	resident_newest_destroy(newest);
 	bench_must(store_reader_create(store, &reader));
 	double began = clock_seconds();
 	for (int i = 0; i < 256; i++) {
@@ -121,25 +121,25 @@ static void open_drive(struct world *world, struct scene *scene, struct body *bo
 	world->epochs = tmpfile();
 	bench_must(gpu_create(&(struct gpu_params){.draws = false}, &world->gpu));
 	bench_must(gpu_slots_create(world->gpu, extent->cells, SLOTS, 0, &world->slots));
-	bench_must(ground_create(world->store, 8, &world->ground));
+	bench_must(resident_ground_create(world->store, 8, &world->ground));
 	const struct deform_params deform = {.gpu = world->gpu, .slots = world->slots, .extent = extent, .level = LEVEL,
-					     .reference = ground_reference(world->store), .model = DEFORM_NONE};
+					     .reference = resident_ground_reference(world->store), .model = DEFORM_NONE};
 	bench_must(deform_create(&deform, &world->deform));
 	const struct pages_params pages = {.store = world->store, .gpu = world->gpu, .slots = world->slots,
 					   .planes = gpu_slots_planes(world->slots), .level = LEVEL, .count = SLOTS, .loaders = 2,
-					   .step_pages = 16, .scene = scene, .epochs = world->epochs, .before_read_back = before_read_back,
+					   .step_pages = 16, .record = world_record_pages(scene), .epochs = world->epochs, .before_read_back = before_read_back,
 					   .user = world};
-	bench_must(pages_create(&pages, &world->pages));
-	world->cache = pages_cache(world->pages);
-	world->record = mem_calloc(1, record_bytes(0));
+	bench_must(resident_pages_create(&pages, &world->pages));
+	world->cache = resident_pages_cache(world->pages);
+	world->record = mem_calloc(1, world_record_bytes(0));
 }
 
 static void close_drive(struct world *world)
 {
-	newest_destroy(world->newest);
-	pages_destroy(world->pages);
+	resident_newest_destroy(world->newest);
+	resident_pages_destroy(world->pages);
 	deform_destroy(world->deform);
-	ground_destroy(world->ground);
+	resident_ground_destroy(world->ground);
 	gpu_slots_destroy(world->slots);
 	gpu_destroy(world->gpu);
 	store_close(world->store);
@@ -153,7 +153,7 @@ static void step(struct world *world, double x, double y)
 	struct event event = {.contact = true, .pose = {.x = lattice_offset(x), .y = lattice_offset(y)}};
 	int64_t ground;
 	bool any;
-	bench_must(ground_height(world->ground, event.pose.x, event.pose.y, &ground, &any));
+	bench_must(resident_ground_height(world->ground, event.pose.x, event.pose.y, &ground, &any));
 	event.pose.z = ground + lattice_offset(wheel.radius - 0.1);
 	bench_must(world_contact(world, &event, true));
 	bench_must(page_cache_end_step(world->cache, world->record));
@@ -200,9 +200,9 @@ int main(void)
 	bench_store(path, &synth, 256);
 	mem_free(bench_drive(ruts, path));
 	bench_must(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
-	bench_must(newest_create(store, NULL, &newest));
-	bench_must(newest_heights(newest, &(struct terrain_point){1000, 1000}, 1, &under));
-	newest_destroy(newest);
+	bench_must(resident_newest_create(store, NULL, &newest));
+	bench_must(resident_newest_heights(newest, &(struct terrain_point){1000, 1000}, 1, &under));
+	resident_newest_destroy(newest);
 	store_close(store);
 	choose(1000, 1000, under.height);
 	measure_store(path, "none");

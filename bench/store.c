@@ -2,7 +2,7 @@
  * What a store costs on one thread: coding, decoding, reading and writing back tiles, beside GDAL
  * and LMDB on the same posts. JSON lines; store.py runs it over data and prints the table.
  *
- *   bench_store read STORE [COG...]   bench_store write
+ *   bench_store read STORE [COG...]   bench_store write   bench_store rollback
  *   bench_store error EXACT OTHER     bench_store blocks RASTER
  */
 #include <stdio.h>
@@ -71,7 +71,7 @@ struct tile *bench_tiles(const struct extent *extent, size_t most, size_t *count
 
 static int usage(void)
 {
-	fputs("usage: bench_store [--runs N] read STORE [COG...] | write | error EXACT OTHER | blocks RASTER\n", stderr);
+	fputs("usage: bench_store [--runs N] read STORE [COG...] | write | rollback | error EXACT OTHER | blocks RASTER\n", stderr);
 	return 2;
 }
 
@@ -91,6 +91,8 @@ int main(int argc, char **argv)
 		return bench_read(argv[1], argv + 2, argc - 2, runs);
 	if (strcmp(argv[0], "write") == 0 && argc == 1)
 		return bench_write(runs);
+	if (strcmp(argv[0], "rollback") == 0 && argc == 1)
+		return bench_rollback();
 	if (strcmp(argv[0], "error") == 0 && argc == 3)
 		return bench_error(argv[1], argv[2]);
 	if (strcmp(argv[0], "blocks") == 0 && argc == 2)

@@ -30,6 +30,8 @@ struct tile *bench_tiles(const struct extent *extent, size_t most, size_t *count
 int bench_read(const char *path, char **cogs, int cog_count, int runs);
 /* bench_store write */
 int bench_write(int runs);
+/* bench_store rollback */
+int bench_rollback(void);
 
 /* --- GDAL; without it, nothing is opened and `false` comes back --- */
 struct bench_gdal;

@@ -68,14 +68,14 @@ static void encode(void *user, size_t i)
 	struct bench *bench = user;
 	const void *bytes;
 	size_t size;
-	codec_encode(&bench->codec, bench->planes[i], &bytes, &size);
+	store_codec_encode(&bench->codec, bench->planes[i], &bytes, &size);
 }
 
 static void decode(void *user, size_t i)
 {
 	struct bench *bench = user;
 	const struct blob *blob = &bench->blobs[i];
-	if (!codec_decode(&bench->codec, blob->codec, blob->bytes, blob->size, bench->out))
+	if (!store_codec_decode(&bench->codec, blob->codec, blob->bytes, blob->size, bench->out))
 		bench_must(fail_with(STATUS_FAILED, "%s: a blob does not decode; verify it", bench->path));
 }
 
@@ -159,7 +159,7 @@ static void open_rows(struct bench *bench)
 		 SQLITE_OK);
 	must_sql(bench, sqlite3_prepare_v2(bench->db, "SELECT codec, blob FROM base WHERE key = ?1", -1, &bench->find,
 					   NULL), SQLITE_OK);
-	bench->copy = must_alloc(codec_bound(&bench->codec), 1);
+	bench->copy = must_alloc(store_codec_bound(&bench->codec), 1);
 	for (size_t i = 0; i < bench->count; i++) {
 		struct blob *blob = &bench->blobs[i];
 		sqlite3_bind_int64(bench->find, 1, (sqlite3_int64)tile_key(bench->tiles[i]));
@@ -199,7 +199,7 @@ static void begin(struct bench *bench, const char *path)
 	bench->step = meta->step;
 	bench->posts = (size_t)tile_posts(&meta->extent) * tile_posts(&meta->extent);
 	bench->tiles = bench_tiles(&meta->extent, TILES_MOST, &bench->count);
-	bench_must(codec_init(&bench->codec, tile_posts(&meta->extent),
+	bench_must(store_codec_init(&bench->codec, tile_posts(&meta->extent),
 			      meta->pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_FAST));
 	bench->planes = must_alloc(bench->count, sizeof *bench->planes);
 	bench->blobs = must_alloc(bench->count, sizeof *bench->blobs);
@@ -224,7 +224,7 @@ static void end(struct bench *bench)
 	mem_free(bench->heights);
 	mem_free(bench->copy);
 	mem_free(bench->tiles);
-	codec_finish(&bench->codec);
+	store_codec_finish(&bench->codec);
 	store_reader_destroy(bench->reader);
 	store_close(bench->store);
 }

@@ -46,7 +46,7 @@ struct rig {
 static void work_program(struct rig *rig)
 {
 	static struct shader_text table[3] = {{"work.frag", work_text}};
-	for (const struct shader_text *file = shader_table; file->path != NULL; file++)
+	for (const struct shader_text *file = gpu_shader_table; file->path != NULL; file++)
 		if (strcmp(file->path, "full.vert") == 0)
 			table[1] = *file;
 	bench_must(gpu_program_get_from(rig->gpu, table, &(struct gpu_program_request){"full.vert", "work.frag", {NULL}},

@@ -3,7 +3,7 @@ import pathlib
 import sys
 
 folder, out = pathlib.Path(sys.argv[1]), sys.argv[2]
-table = sys.argv[3] if len(sys.argv) > 3 else "shader_table"
+table = sys.argv[3] if len(sys.argv) > 3 else "gpu_shader_table"
 with open(out, "w", encoding="ascii") as c:
     c.write('#include "gpu/shader_table.h"\n\n')
     c.write('#pragma GCC diagnostic ignored "-Woverlength-strings"\n\n')

@@ -15,9 +15,3 @@ for below; do
 		ln -s "$src/$below/$below.h" "$farm/$name/$below/$below.h"
 	fi
 done
-
-# Until these are libraries of their own.
-if [ "$name" = api ]; then
-	for folder in resident motion world report; do ln -s "$src/$folder" "$farm/$name/$folder"; done
-	rm -r "$farm/$name/render" && ln -s "$src/render" "$farm/$name/render"
-fi

@@ -10,10 +10,10 @@
 
 enum { WIDTH = 920, HEIGHT = 500, LEFT = 100, RIGHT = 180, TOP = 56, BOTTOM = 60 };
 
-const char *const cache_policy_labels[PAGE_POLICIES] = {"LRU", "CLOCK", "ARC", "S3-FIFO", "OPT"};
-static const char *const colours[PAGE_POLICIES] = {"#2a86c8", "#e69f00", "#009e73", "#cc79a7", "#d55e00"};
+const char *const cache_policy_labels[SIM_POLICIES] = {"LRU", "CLOCK", "ARC", "S3-FIFO", "OPT"};
+static const char *const colours[SIM_POLICIES] = {"#2a86c8", "#e69f00", "#009e73", "#cc79a7", "#d55e00"};
 /* Drawn from the last to the first, so that curves which coincide lie upon one another like bands. */
-static const double widths[PAGE_POLICIES] = {1.4, 2.8, 4.2, 5.6, 1.8};
+static const double widths[SIM_POLICIES] = {1.4, 2.8, 4.2, 5.6, 1.8};
 
 struct frame {
 	double low, high; /* log2 of slots */
@@ -34,7 +34,7 @@ static double y_of(const struct frame *frame, double misses)
 static size_t first_drawn(const struct cache_curves *curves, int policy)
 {
 	size_t i = 0;
-	while (policy == PAGE_S3FIFO && i < curves->count && curves->slots[i] < PAGE_S3FIFO_SLOTS_MIN)
+	while (policy == SIM_S3FIFO && i < curves->count && curves->slots[i] < SIM_S3FIFO_SLOTS_MIN)
 		i++;
 	return i;
 }
@@ -47,7 +47,7 @@ static struct frame frame_of(const struct cache_curves *curves)
 		frame.high += 0.5;
 	}
 	double most = (double)curves->accesses->tile_count;
-	for (int policy = 0; policy < PAGE_POLICIES; policy++)
+	for (int policy = 0; policy < SIM_POLICIES; policy++)
 		for (size_t i = first_drawn(curves, policy); curves->wanted[policy] && i < curves->count; i++)
 			most = fmax(most, (double)curves->misses[policy][i]);
 	/* About five lines, of 1, 2 or 5 times a power of ten. */
@@ -136,14 +136,14 @@ void cache_plot_write(const struct cache_curves *curves, FILE *file)
 	fprintf(file,
 		"<line class=\"floor\" stroke-dasharray=\"5 4\" x1=\"%d\" x2=\"%d\" y1=\"%.1f\" y2=\"%.1f\"/>\n", LEFT,
 		WIDTH - RIGHT, floor_y, floor_y);
-	for (int policy = PAGE_POLICIES; policy-- > 0;)
+	for (int policy = SIM_POLICIES; policy-- > 0;)
 		if (curves->wanted[policy])
 			write_curve(curves, &frame, policy, file);
-	for (int policy = 0; policy < PAGE_POLICIES; policy++) {
+	for (int policy = 0; policy < SIM_POLICIES; policy++) {
 		if (!curves->wanted[policy])
 			continue;
 		char from[24];
-		snprintf(from, sizeof from, " (from %d)", PAGE_S3FIFO_SLOTS_MIN);
+		snprintf(from, sizeof from, " (from %d)", SIM_S3FIFO_SLOTS_MIN);
 		int y = TOP + 12 + 22 * row++;
 		fprintf(file,
 			"<line stroke=\"%s\" stroke-width=\"%.1f\" x1=\"%d\" x2=\"%d\" y1=\"%d\" y2=\"%d\"/>\n"

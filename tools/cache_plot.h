@@ -4,20 +4,20 @@
 
 #include <stdio.h>
 
-#include "page/page.h"
+#include "sim/sim.h"
 
 #define CACHE_SIZES_MAX 64
 
 struct cache_curves {
 	const char *title; /* the trace's path */
-	const struct page_accesses *accesses;
+	const struct sim_accesses *accesses;
 	size_t count; /* of slots, which grow */
 	uint32_t slots[CACHE_SIZES_MAX];
-	bool wanted[PAGE_POLICIES];
-	uint64_t misses[PAGE_POLICIES][CACHE_SIZES_MAX];
+	bool wanted[SIM_POLICIES];
+	uint64_t misses[SIM_POLICIES][CACHE_SIZES_MAX];
 };
 
-extern const char *const cache_policy_labels[PAGE_POLICIES];
+extern const char *const cache_policy_labels[SIM_POLICIES];
 
 void cache_plot_write(const struct cache_curves *curves, FILE *file);
 

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "aside.h"
+#include "base/aside.h"
 #include "cache_plot.h"
 #include "command.h"
 #include "json.h"
@@ -22,7 +22,7 @@ static const struct command_option options[] = {
 	{NULL, NULL, NULL},
 };
 
-static const char *const policy_names[PAGE_POLICIES] = {"lru", "clock", "arc", "s3fifo", "opt"};
+static const char *const policy_names[SIM_POLICIES] = {"lru", "clock", "arc", "s3fifo", "opt"};
 
 /* --- what is asked --- */
 
@@ -37,15 +37,15 @@ static const char *next_item(const char **at, size_t *length)
 	return item;
 }
 
-static enum status read_policies(const struct arguments *arguments, bool wanted[PAGE_POLICIES])
+static enum status read_policies(const struct arguments *arguments, bool wanted[SIM_POLICIES])
 {
 	const char *at = arguments_text(arguments, "policy"), *item;
 	size_t length;
-	for (int i = 0; i < PAGE_POLICIES; i++)
+	for (int i = 0; i < SIM_POLICIES; i++)
 		wanted[i] = at == NULL;
 	while ((item = next_item(&at, &length)) != NULL) {
 		int found = -1;
-		for (int i = 0; i < PAGE_POLICIES; i++)
+		for (int i = 0; i < SIM_POLICIES; i++)
 			if (strlen(policy_names[i]) == length && strncmp(policy_names[i], item, length) == 0)
 				found = i;
 		if (found < 0)
@@ -116,12 +116,12 @@ static enum status check_outputs(const char *trace, const char *const outputs[2]
 static enum status simulate(struct cache_curves *curves)
 {
 	enum status status = STATUS_OK;
-	for (int policy = 0; policy < PAGE_POLICIES && status == STATUS_OK; policy++) {
+	for (int policy = 0; policy < SIM_POLICIES && status == STATUS_OK; policy++) {
 		if (!curves->wanted[policy])
 			continue;
 		struct progress progress;
 		progress_start(&progress, curves->title, "accesses");
-		status = page_sim(curves->accesses, (enum page_policy)policy, curves->slots, curves->count, progress_step,
+		status = sim_misses(curves->accesses, (enum sim_policy)policy, curves->slots, curves->count, progress_step,
 				  &progress, curves->misses[policy]);
 		progress_end(&progress);
 	}
@@ -135,9 +135,9 @@ static double ratio(uint64_t part, uint64_t whole)
 
 static void print_table(const struct cache_curves *curves)
 {
-	const struct page_accesses *accesses = curves->accesses;
+	const struct sim_accesses *accesses = curves->accesses;
 	const uint64_t *hits = accesses->hits, *misses = accesses->misses;
-	bool both = curves->wanted[PAGE_LRU] && curves->wanted[PAGE_OPT];
+	bool both = curves->wanted[SIM_LRU] && curves->wanted[SIM_OPT];
 	printf("%s: %zu accesses to %u tiles (so many misses at least)\n", curves->title, accesses->count,
 	       accesses->tile_count);
 	printf("traced: %llu pinned (%llu missed), %llu drawn (%llu missed)\n\n%10s",
@@ -145,23 +145,23 @@ static void print_table(const struct cache_curves *curves)
 	       (unsigned long long)misses[PAGE_ACCESS_PIN],
 	       (unsigned long long)(hits[PAGE_ACCESS_DRAW] + misses[PAGE_ACCESS_DRAW]),
 	       (unsigned long long)misses[PAGE_ACCESS_DRAW], "slots");
-	for (int policy = 0; policy < PAGE_POLICIES; policy++)
+	for (int policy = 0; policy < SIM_POLICIES; policy++)
 		if (curves->wanted[policy])
 			printf("%22s", cache_policy_labels[policy]);
 	printf("%s\n", both ? "   LRU/OPT" : "");
 	for (size_t i = 0; i < curves->count; i++) {
 		printf("%10u", curves->slots[i]);
-		for (int policy = 0; policy < PAGE_POLICIES; policy++)
+		for (int policy = 0; policy < SIM_POLICIES; policy++)
 			if (curves->wanted[policy])
 				printf("%12llu %8.4f%%", (unsigned long long)curves->misses[policy][i],
 				       100 * ratio(curves->misses[policy][i], accesses->count));
 		if (both)
-			printf("%10.3f", ratio(curves->misses[PAGE_LRU][i], curves->misses[PAGE_OPT][i]));
+			printf("%10.3f", ratio(curves->misses[SIM_LRU][i], curves->misses[SIM_OPT][i]));
 		putchar('\n');
 	}
 }
 
-static void add_kind(cJSON *object, const char *name, const struct page_accesses *accesses, enum page_access kind)
+static void add_kind(cJSON *object, const char *name, const struct sim_accesses *accesses, enum page_access kind)
 {
 	cJSON *traced = cJSON_AddObjectToObject(object, name);
 	json_integer(traced, "hits", (int64_t)accesses->hits[kind]);
@@ -175,7 +175,7 @@ static void add_number(cJSON *array, double value)
 
 static enum status print_json(const struct cache_curves *curves)
 {
-	const struct page_accesses *accesses = curves->accesses;
+	const struct sim_accesses *accesses = curves->accesses;
 	cJSON *object = cJSON_CreateObject();
 	json_integer(object, "accesses", (int64_t)accesses->count);
 	json_integer(object, "tiles", accesses->tile_count);
@@ -186,7 +186,7 @@ static enum status print_json(const struct cache_curves *curves)
 	for (size_t i = 0; i < curves->count; i++)
 		add_number(slots, curves->slots[i]);
 	cJSON *policies = cJSON_AddObjectToObject(object, "policies");
-	for (int policy = 0; policy < PAGE_POLICIES; policy++) {
+	for (int policy = 0; policy < SIM_POLICIES; policy++) {
 		if (!curves->wanted[policy])
 			continue;
 		cJSON *one = cJSON_AddObjectToObject(policies, policy_names[policy]);
@@ -200,7 +200,7 @@ static enum status print_json(const struct cache_curves *curves)
 	return json_print(object);
 }
 
-static enum status write_csv(const struct page_accesses *accesses, FILE *file)
+static enum status write_csv(const struct sim_accesses *accesses, FILE *file)
 {
 	fputs("time,obj_id,obj_size\n", file);
 	for (size_t i = 0; i < accesses->count && !ferror(file); i++) {
@@ -214,7 +214,7 @@ static enum status write_csv(const struct page_accesses *accesses, FILE *file)
 
 static enum status write_outputs(const struct cache_curves *curves, const char *const outputs[2])
 {
-	struct aside asides[2] = {{NULL, NULL, NULL}, {NULL, NULL, NULL}};
+	struct aside asides[2] = {{.path = NULL}, {.path = NULL}};
 	enum status status = STATUS_OK;
 	for (int i = 0; i < 2 && status == STATUS_OK; i++) {
 		if (outputs[i] == NULL)
@@ -225,7 +225,7 @@ static enum status write_outputs(const struct cache_curves *curves, const char *
 		else if (status == STATUS_OK)
 			cache_plot_write(curves, asides[i].file);
 		if (status == STATUS_OK)
-			status = aside_whole(&asides[i]);
+			status = aside_whole(&asides[i], true);
 	}
 	for (int i = 0; i < 2 && status == STATUS_OK; i++)
 		if (outputs[i] != NULL)
@@ -237,7 +237,7 @@ static enum status write_outputs(const struct cache_curves *curves, const char *
 
 static enum status run(const struct arguments *arguments)
 {
-	struct page_accesses accesses = {.count = 0};
+	struct sim_accesses accesses = {.count = 0};
 	struct cache_curves curves = {.title = arguments_at(arguments, 0), .accesses = &accesses};
 	const char *const outputs[2] = {arguments_text(arguments, "csv"), arguments_text(arguments, "plot")};
 	enum status status = arguments_expect(arguments, 1, 1);
@@ -248,7 +248,7 @@ static enum status run(const struct arguments *arguments)
 	if (status == STATUS_OK)
 		status = check_outputs(curves.title, outputs);
 	if (status == STATUS_OK)
-		status = page_accesses_read(curves.title, &accesses);
+		status = sim_accesses_read(curves.title, &accesses);
 	if (status == STATUS_OK) {
 		interrupt_catch();
 		if (curves.count == 0)
@@ -257,14 +257,14 @@ static enum status run(const struct arguments *arguments)
 	}
 	if (status == STATUS_OK)
 		status = write_outputs(&curves, outputs);
-	if (status == STATUS_OK && curves.wanted[PAGE_S3FIFO] && curves.slots[0] < PAGE_S3FIFO_SLOTS_MIN)
+	if (status == STATUS_OK && curves.wanted[SIM_S3FIFO] && curves.slots[0] < SIM_S3FIFO_SLOTS_MIN)
 		note("S3-FIFO keeps nothing with fewer than %d slots: a tenth of them, its small queue, must be two",
-		     PAGE_S3FIFO_SLOTS_MIN);
+		     SIM_S3FIFO_SLOTS_MIN);
 	if (status == STATUS_OK && arguments_flag(arguments, "json"))
 		status = print_json(&curves);
 	else if (status == STATUS_OK)
 		print_table(&curves);
-	page_accesses_finish(&accesses);
+	sim_accesses_finish(&accesses);
 	return status;
 }
 

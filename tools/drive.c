@@ -87,7 +87,8 @@ const struct command command_drive = {
 		   "--resume goes on where a drive of the same scene into the same store ended or was killed (end_time, cache and\n"
 		   "view may differ by then), and begins where there was none; run.json's resumed_from says at which step.\n"
 		   "An overlay is a store that names its base: every command takes it where it takes a store. Many\n"
-		   "drives over one store, each with its own, may run at once. Removing the file is the undo.\n",
+		   "drives over one store, each with its own, may run at once. Removing the file is the undo.\n"
+		   "A drive over ground that has ruts already says so and goes on over them; --resume says nothing.\n",
 	.options = options,
 	.run = run,
 };

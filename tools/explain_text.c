@@ -41,8 +41,11 @@ static void print_head(const struct scene *scene, const struct report_plan *plan
 	printf("  posts %g m apart (level %d) in tiles of %u x %u cells", plan->spacing, plan->level, plan->cells, plan->cells);
 	if (plan->window_tiles > 0)
 		printf("; a window touches at most %zu", plan->window_tiles);
-	printf("\n  %s step%s%s\n", layout_number((uint64_t)plan->steps).text, plan->steps == 1 ? "" : "s",
-	       plan->pictures > 0 ? ", a picture after each" : "");
+	printf("\n  %s step%s", layout_number((uint64_t)plan->steps).text, plan->steps == 1 ? "" : "s");
+	if (plan->pictures > 0)
+		printf(", %s picture%s: one every %s steps", layout_number((uint64_t)plan->pictures).text, plan->pictures == 1 ? "" : "s",
+		       layout_number((uint64_t)plan->picture_steps).text);
+	puts("");
 }
 
 static void print_effects(const struct scene *scene, const struct report_plan *plan)

@@ -5,11 +5,12 @@
 
 #include "dem/dem.h"
 #include "export.h"
+#include "scene/scene.h"
 
 static const struct command_option options[] = {
 	{"o", "OUT", "what to write: .tif (GeoTIFF) or .png"},
-	{"layer", "LAYER", "surface (default), base, offset, heaped, pressed, shear (metres), quanta (Int32, 2^-20 m) or hillshade"},
-	{"level", "L", "0: the source's spacing; -k: 2^k times finer; k: coarser (0; offset to quanta: the deformed level)"},
+	{"layer", "LAYER", "surface (default), base, offset, deposited, plastic_sinkage, shear (metres), fixed_point (Int32, 2^-20 m) or hillshade"},
+	{"level", "L", "0: the source's spacing; -k: 2^k times finer; k: coarser (0; offset to fixed_point: the deformed level)"},
 	{"window", "X0,Y0,X1,Y1", "metres east and north of the south-west post"},
 	{"height-range", "MIN,MAX", "metres that a PNG's 0 and full scale mean (one metre a unit); of a map, its ramp's ends"},
 	{"sun", "AZIMUTH,ALTITUDE", "of a hillshade, degrees clockwise from north and above the horizon (315,45)"},
@@ -17,8 +18,8 @@ static const struct command_option options[] = {
 	{NULL, NULL, NULL},
 };
 
-static const char *const layer_names[] = {"surface", "base",   "offset",    "heaped", "pressed",
-					  "shear",   "quanta", "hillshade", NULL};
+static const char *const layer_names[] = {"surface", "base",        "offset",    "deposited", "plastic_sinkage",
+					  "shear",   "fixed_point", "hillshade", NULL};
 
 const char *export_layer_name(int layer)
 {
@@ -71,6 +72,19 @@ static enum status read_light(const struct arguments *arguments, struct export_r
 	return STATUS_OK;
 }
 
+/* A layer by its name, or by its former one. */
+static enum status read_layer(const struct arguments *arguments, int *layer)
+{
+	const char *text = arguments_text(arguments, "layer");
+	const char *now = text != NULL ? scene_name_now(text) : "";
+	for (int i = 0; layer_names[i] != NULL; i++)
+		if (strcmp(layer_names[i], now) == 0) {
+			*layer = i;
+			return STATUS_OK;
+		}
+	return arguments_choice(arguments, "layer", layer_names, layer);
+}
+
 static enum status read_request(const struct arguments *arguments, struct export_request *request)
 {
 	request->path = arguments_text(arguments, "o");
@@ -78,7 +92,7 @@ static enum status read_request(const struct arguments *arguments, struct export
 	if (status == STATUS_OK && request->path == NULL)
 		status = fail_with(STATUS_USAGE, "export: -o is missing; give a file ending in .tif or .png");
 	if (status == STATUS_OK)
-		status = arguments_choice(arguments, "layer", layer_names, &request->layer);
+		status = read_layer(arguments, &request->layer);
 	if (status == STATUS_OK)
 		status = arguments_integer(arguments, "level", TILE_LEVEL_MIN, TILE_LEVEL_MAX, &request->level);
 	if (status == STATUS_OK)
@@ -264,12 +278,12 @@ static enum status run(const struct arguments *arguments)
 
 const struct command command_export = {
 	.name = "export",
-	.usage = "export STORE -o OUT.tif|OUT.png [--layer surface|base|offset|heaped|pressed|shear|quanta|hillshade] "
+	.usage = "export STORE -o OUT.tif|OUT.png [--layer surface|base|offset|deposited|plastic_sinkage|shear|fixed_point|hillshade] "
 		 "[--level L] [--window X0,Y0,X1,Y1] [--height-range MIN,MAX] [--sun AZIMUTH,ALTITUDE] [--exaggerate TIMES]",
 	.summary = "posts of a store as a GeoTIFF or a PNG",
 	.details = "Rasters are north up, one pixel a post, and carry the store's reference system. Levels finer than\n"
 		   "what is stored are interpolated. Nodata of a hillshade is 0.\n"
-		   "A .png of offset, heaped, pressed or shear is a map: false colours over the hillshade, with a legend, a scale bar\n"
+		   "A .png of offset, deposited, plastic_sinkage or shear is a map: false colours over the hillshade, with a legend, a scale bar\n"
 		   "and north. Its pixels are posts, small maps enlarged by a whole factor; more than 4096 on a side are drawn at a\n"
 		   "coarser level, each pixel with the largest value of the posts within it, so that narrow ruts are seen.\n",
 	.options = options,

@@ -12,7 +12,7 @@ enum status export_check_picture(const struct export_request *request)
 	const double *range = request->range;
 	bool has_sign = request->layer == LAYER_OFFSET || request->layer == LAYER_HEAPED;
 	if (request->layer == LAYER_QUANTA)
-		return fail_with(STATUS_USAGE, "export: a PNG holds no quanta; write them as .tif, or --layer offset as a map");
+		return fail_with(STATUS_USAGE, "export: a PNG holds no fixed_point units; write them as .tif, or --layer offset as a map");
 	if (request->has_range && has_sign && !(range[0] < 0 && range[1] > 0))
 		return fail_with(STATUS_USAGE, "export: --height-range %g,%g: a map of %s has colours for both signs; give MIN below 0 "
 					       "and MAX above", range[0], range[1], export_layer_name(request->layer));

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "command.h"
+#include "dem/dem.h"
 
 static const struct command *const commands[] = {
 	&command_synth,	 &command_import, &command_info,  &command_verify,
@@ -50,6 +51,7 @@ static bool is_help(const char *text)
 
 int main(int argc, char **argv)
 {
+	dem_quiet_process();
 	(void)signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is a failed write, which is told */
 	if (argc >= 2 && (is_help(argv[1]) || strcmp(argv[1], "help") == 0)) {
 		print_overview(stdout);

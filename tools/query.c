@@ -7,7 +7,7 @@
 #include "command.h"
 #include "dem/dem.h"
 #include "json.h"
-#include "resident/newest.h"
+#include "resident/resident.h"
 #include "store/store.h"
 
 static const struct command_option options[] = {
@@ -82,7 +82,7 @@ static enum status ask_point(struct asking *asking, double x, double y)
 		return STATUS_OK;
 	}
 	struct terrain_height surface;
-	status = newest_heights(asking->newest, &(struct terrain_point){local_x, local_y}, 1, &surface);
+	status = resident_newest_heights(asking->newest, &(struct terrain_point){local_x, local_y}, 1, &surface);
 	if (status != STATUS_OK)
 		return status;
 	cJSON *point = cJSON_CreateObject();
@@ -131,7 +131,7 @@ static enum status ask_ray(struct asking *asking, const double asked[RAY])
 	struct terrain_hit hit;
 	enum status status = to_local(asking, &ray.origin[0], &ray.origin[1]);
 	if (status == STATUS_OK)
-		status = newest_rays(asking->newest, &ray, 1, &hit);
+		status = resident_newest_rays(asking->newest, &ray, 1, &hit);
 	if (status == STATUS_OK && hit.hit)
 		status = from_local(asking, &hit.point[0], &hit.point[1]);
 	if (status != STATUS_OK)
@@ -255,7 +255,7 @@ static enum status run(const struct arguments *arguments)
 	asking.meta = store_meta(store);
 	status = store_reader_create(store, &asking.reader);
 	if (status == STATUS_OK)
-		status = newest_create(store, NULL, &asking.newest);
+		status = resident_newest_create(store, NULL, &asking.newest);
 	if (status == STATUS_OK && arguments_flag(arguments, "json")) {
 		asking.points = cJSON_CreateArray();
 		asking.rays = cJSON_CreateArray();
@@ -271,7 +271,7 @@ static enum status run(const struct arguments *arguments)
 		cJSON_Delete(asking.points);
 		cJSON_Delete(asking.rays);
 	}
-	newest_destroy(asking.newest);
+	resident_newest_destroy(asking.newest);
 	store_reader_destroy(asking.reader);
 	store_close(store);
 	return status;

@@ -7,7 +7,8 @@
 #include <string.h>
 
 #include "command.h"
-#include "intake.h"
+#include "api/intake.h"
+#include "made.h"
 
 static const struct command_option options[] = {
 	{"o", "OUT", "what to make: .tif, .png (one unit a metre) or .furrow"},
@@ -170,14 +171,23 @@ static enum status run(const struct arguments *arguments)
 		.posts_user = &making,
 		.meta = {
 			.extent = {synth->width, synth->height, synth->spacing, 256},
-			.max_error = intake_default_error(0),
-			.step = intake_step(intake_default_error(0), 0, false),
+			.max_error = api_intake_default_error(0),
+			.step = api_intake_step(api_intake_default_error(0), 0, false),
 			.srs = "",
 			.vertical = "",
 			.sources = sources,
 		},
 	};
-	return intake_run(&intake);
+	struct progress progress;
+	interrupt_catch();
+	progress_start(&progress, path, "rows");
+	intake.progress = progress_step;
+	intake.progress_user = &progress;
+	enum status status_made = api_intake_run(&intake);
+	progress_end(&progress);
+	if (status_made == STATUS_OK)
+		print_made(&intake);
+	return status_made;
 }
 
 const struct command command_synth = {

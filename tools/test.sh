@@ -1,24 +1,42 @@
 #!/bin/sh
-# Packages, a build with address and undefined-behaviour sanitizers, and every test; then those of the
-# threads again under ThreadSanitizer. With arguments, which meson test gets, the former alone.
+# Packages, builds, tests:
+#
+#   sh tools/test.sh            every test; a few minutes
+#   sh tools/test.sh quick      the tests of suite `quick`; a minute or two
+#   sh tools/test.sh ARGUMENT   what `meson test` takes: names, --suite X; in the sanitizer build alone
+#
+# Three builds: one with address and undefined-behaviour sanitizers; one without, optimized and with asserts, for the laws and other
+# tests that drive for long (suite `drives`); one with ThreadSanitizer, for the tests of threads again.
 set -eu
 cd "$(dirname "$0")/.."
 sh tools/packages.sh
 build=${BUILD:-build-test}
+laws=${BUILD:-build}-laws
 tsan=${BUILD:-build}-tsan
-threaded='page/pin page/write_back page/hazards page/prefetch page/faults page/newest page/random resident/ground motion/prefetcher'
+threaded='page/pin page/write_back page/hazards page/prefetch page/faults page/newest page/random resident/ground motion/prefetcher api/threads'
 
-[ -f "$build/build.ninja" ] || meson setup "$build" -Dbuildtype=debugoptimized -Doptimization=1 \
-	-Db_sanitize=address,undefined -Db_lundef=false -Db_ndebug=false
-ninja -C "$build" --quiet
 export LSAN_OPTIONS="suppressions=$PWD/tests/lsan.supp:print_suppressions=0"
 export UBSAN_OPTIONS="halt_on_error=1:print_stacktrace=1"
 # The leak checker takes thread-local blocks of loaded drivers, where they lie 16 bytes behind a page, for another allocator's
 # and reads what their first words happen to be: it ends with signal 11. So it does not look there.
 export ASAN_OPTIONS="detect_odr_violation=0:intercept_tls_get_addr=0${ASAN_OPTIONS:+:$ASAN_OPTIONS}"
 status=0
-meson test -C "$build" --print-errorlogs --num-processes "$(nproc)" "$@" || status=$?
-logs=$build/meson-logs/testlog.json
+logs=
+
+# setup FOLDER OPTION...: a build with asserts, unless there is one.
+setup() {
+	folder=$1
+	shift
+	[ -f "$folder/build.ninja" ] || meson setup "$folder" -Dbuildtype=debugoptimized -Db_lundef=false -Db_ndebug=false "$@"
+}
+
+# run FOLDER ARGUMENT...: builds what these tests need, and runs them.
+run() {
+	folder=$1
+	shift
+	meson test -C "$folder" --print-errorlogs --num-processes "$(nproc)" "$@" || status=$?
+	logs="$logs $folder/meson-logs/testlog.json"
+}
 
 # Whether the compiler has it, and this machine lets it run.
 has_tsan() {
@@ -29,16 +47,24 @@ has_tsan() {
 	return $found
 }
 
-if [ $# -gt 0 ]; then
-	:
-elif has_tsan; then
-	[ -f "$tsan/build.ninja" ] || meson setup "$tsan" -Dbuildtype=debugoptimized -Doptimization=1 \
-		-Db_sanitize=thread -Db_lundef=false -Db_ndebug=false
-	# shellcheck disable=SC2086
-	PAGE_STEPS=10000 meson test -C "$tsan" --print-errorlogs --num-processes "$(nproc)" $threaded || status=$?
-	logs="$logs $tsan/meson-logs/testlog.json"
+setup "$build" -Doptimization=1 -Db_sanitize=address,undefined
+if [ "${1:-}" = quick ]; then
+	shift
+	run "$build" --suite quick "$@"
+elif [ $# -gt 0 ]; then
+	run "$build" "$@"
 else
-	echo "ThreadSanitizer: ${CC:-cc} or this machine has none; its tests are left out" >&2
+	ninja -C "$build" --quiet
+	run "$build" --no-suite drives
+	setup "$laws"
+	run "$laws" --suite drives
+	if has_tsan; then
+		setup "$tsan" -Doptimization=1 -Db_sanitize=thread
+		# shellcheck disable=SC2086
+		TSAN_OPTIONS="suppressions=$PWD/tests/tsan.supp" PAGE_STEPS=10000 run "$tsan" $threaded
+	else
+		echo "ThreadSanitizer: ${CC:-cc} or this machine has none; its tests are left out" >&2
+	fi
 fi
 
 # One line a person, and a machine, can read.

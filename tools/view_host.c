@@ -227,6 +227,8 @@ static enum status take_events(struct viewer *viewer, struct drive *drive)
 		window_size(viewer->window, &width, &height);
 		if (event.kind == WINDOW_CLOSE)
 			viewer->ended = true;
+		else if (event.kind == WINDOW_EXPOSED)
+			viewer->again = true;
 		else if (event.kind == WINDOW_KEY)
 			status = key_down(viewer, drive, event.key);
 		else if (event.kind == WINDOW_CLICK)

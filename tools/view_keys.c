@@ -53,7 +53,8 @@ static const struct binding {
 static const char *const lines[] = {LINES(ENTRY)};
 const char view_keys_text[] =
 	"Needs a display. Looking changes nothing: ruts go to a temporary overlay, which a store with ruts of its own cannot have; give\n"
-	"--overlay or --write there. At the scene's end the window stays. Pictures go to view-NNNN.png in the present folder.\n"
+	"--overlay or --write there. Ruts that are there already are told. At the scene's end the window stays.\n"
+	"Pictures go to view-NNNN.png in the present folder.\n"
 	"Keys:\n" LINES(TEXT);
 
 enum view_action view_action_of(int key, int *which)

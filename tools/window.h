@@ -27,6 +27,7 @@ enum window_event_kind {
 	WINDOW_KEY,    /* `key` went down; once, however long it is held */
 	WINDOW_DRAG,   /* the mouse moved by dx, dy pixels (right, down) with its left button held */
 	WINDOW_CLICK,  /* its right button, at x, y */
+	WINDOW_EXPOSED, /* part of it was covered and lost its picture: show the picture again */
 	WINDOW_CLOSE,
 };
 struct window_event {
@@ -44,7 +45,8 @@ bool window_held(const struct window *window, int key);
 bool window_mouse(const struct window *window, int *x, int *y);
 void window_size(struct window *window, int *width, int *height);
 void window_title(struct window *window, const char *title);
-/* RGBA, row 0 the highest; stretched if the window has another size by now. */
+/* Shows a picture: RGBA, 4 x width x height bytes, row 0 the lowest, as GL reads pictures back. It is stretched if the
+ * window has another size by now. */
 enum status window_show(struct window *window, const uint8_t *pixels, int width, int height) FURROW_CHECKED;
 
 #endif

@@ -1,6 +1,6 @@
 /*
- * A window of SDL2, filled by the CPU. Nothing of it is drawn by GL: the one GL context is the drive's, on the same thread,
- * and SDL must not make another current.
+ * A window of SDL2. The CPU fills it: SDL makes no renderer and no GL context. The one GL context is the drive's, on the
+ * same thread, and SDL must not make another one current.
  */
 #include <SDL.h>
 #include <string.h>
@@ -12,6 +12,7 @@
 
 struct window {
 	SDL_Window *sdl;
+	SDL_Surface *upright; /* the picture with its highest row first, as SDL shows it; NULL before the first picture */
 };
 
 static enum status sdl_failed(const char *what)
@@ -34,7 +35,8 @@ enum status window_open(const char *title, int width, int height, struct window 
 		return fail_memory("a window");
 	SDL_SetMainReady();
 	SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1"); /* Ctrl-C is the command's own */
-	SDL_SetHint(SDL_HINT_FRAMEBUFFER_ACCELERATION, "0");
+	/* The environment may ask for a renderer, even one that does not exist. The window needs none. */
+	SDL_SetHintWithPriority(SDL_HINT_FRAMEBUFFER_ACCELERATION, "0", SDL_HINT_OVERRIDE);
 	SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
 	enum status status = STATUS_OK;
 	if (SDL_InitSubSystem(SDL_INIT_VIDEO) != 0)
@@ -46,6 +48,9 @@ enum status window_open(const char *title, int width, int height, struct window 
 		window->sdl = SDL_CreateWindow(title, SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED, width, height, SDL_WINDOW_RESIZABLE);
 		if (window->sdl == NULL)
 			status = sdl_failed("cannot be opened");
+		else if (SDL_GetWindowSurface(window->sdl) == NULL)
+			status = fail_with(STATUS_FAILED, "window: SDL's video driver %s cannot show what the CPU draws: %s; try "
+							  "SDL_VIDEODRIVER=x11", SDL_GetCurrentVideoDriver(), SDL_GetError());
 		else
 			SDL_SetWindowMinimumSize(window->sdl, LEAST_WIDTH, LEAST_HEIGHT);
 	}
@@ -61,6 +66,7 @@ void window_close(struct window *window)
 {
 	if (window == NULL)
 		return;
+	SDL_FreeSurface(window->upright);
 	if (window->sdl != NULL)
 		SDL_DestroyWindow(window->sdl);
 	SDL_QuitSubSystem(SDL_INIT_VIDEO);
@@ -134,6 +140,10 @@ bool window_next(struct window *window, struct window_event *event)
 			event->y = from.button.y;
 			return true;
 		}
+		if (from.type == SDL_WINDOWEVENT && from.window.event == SDL_WINDOWEVENT_EXPOSED) {
+			event->kind = WINDOW_EXPOSED;
+			return true;
+		}
 	}
 	return false;
 }
@@ -164,6 +174,23 @@ void window_title(struct window *window, const char *title)
 	SDL_SetWindowTitle(window->sdl, title);
 }
 
+/* Copies the picture into window->upright, highest row first. */
+static bool turn_upright(struct window *window, const uint8_t *pixels, int width, int height)
+{
+	SDL_Surface *to = window->upright;
+	if (to == NULL || to->w != width || to->h != height) {
+		SDL_FreeSurface(to);
+		window->upright = to = SDL_CreateRGBSurfaceWithFormat(0, width, height, 32, SDL_PIXELFORMAT_RGBA32);
+		if (to == NULL)
+			return false;
+		SDL_SetSurfaceBlendMode(to, SDL_BLENDMODE_NONE);
+	}
+	size_t row = (size_t)4 * (size_t)width;
+	for (int y = 0; y < height; y++)
+		memcpy((uint8_t *)to->pixels + (size_t)y * (size_t)to->pitch, pixels + (size_t)(height - 1 - y) * row, row);
+	return true;
+}
+
 enum status window_show(struct window *window, const uint8_t *pixels, int width, int height)
 {
 	SDL_Surface *to = SDL_GetWindowSurface(window->sdl);
@@ -171,14 +198,10 @@ enum status window_show(struct window *window, const uint8_t *pixels, int width,
 		SDL_ClearError();
 		return STATUS_OK; /* between two sizes, or minimised: the next picture may be seen */
 	}
-	SDL_Surface *from = SDL_CreateRGBSurfaceWithFormatFrom((void *)(uintptr_t)pixels, width, height, 32, 4 * width,
-							       SDL_PIXELFORMAT_RGBA32);
-	if (from == NULL)
+	if (!turn_upright(window, pixels, width, height))
 		return sdl_failed("a picture cannot be shown");
-	SDL_SetSurfaceBlendMode(from, SDL_BLENDMODE_NONE);
 	bool same = to->w == width && to->h == height;
-	int failed = same ? SDL_BlitSurface(from, NULL, to, NULL) : SDL_BlitScaled(from, NULL, to, NULL);
-	SDL_FreeSurface(from);
+	int failed = same ? SDL_BlitSurface(window->upright, NULL, to, NULL) : SDL_BlitScaled(window->upright, NULL, to, NULL);
 	if (failed != 0 || SDL_UpdateWindowSurface(window->sdl) != 0)
 		return sdl_failed("a picture cannot be shown");
 	return STATUS_OK;

@@ -1,74 +1,23 @@
 /* The command's loop: a checked scene and a store become steps, pictures, objects.csv, run.json and a map. */
-#include <errno.h>
 #include <math.h>
 #include <string.h>
-#include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "api/internal.h"
-
-/* --- the folder --- */
-
-static enum status make_directory(const char *path)
-{
-	struct stat found;
-	if (mkdir(path, 0777) != 0 && errno != EEXIST)
-		return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be made", path, strerror(errno));
-	if (stat(path, &found) != 0 || !S_ISDIR(found.st_mode))
-		return fail_with(STATUS_FAILED, "%s: is not a folder; give another", path);
-	return STATUS_OK;
-}
-
-/* The log is also what says that a drive writes into this folder; the lock goes with the process. */
-static enum status open_epochs(const struct drive *drive, FILE **out)
-{
-	char path[4096];
-	snprintf(path, sizeof path, "%s/epochs.log", drive->params->directory);
-	*out = fopen(path, "a+");
-	if (*out == NULL)
-		return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
-	if (flock(fileno(*out), LOCK_EX | LOCK_NB) == 0)
-		return STATUS_OK;
-	fclose(*out);
-	*out = NULL;
-	return fail_with(STATUS_FAILED, "%s: another drive writes into this folder; give another, or wait for it to end",
-			 drive->params->directory);
-}
-
-/* What an earlier drive left, but for the lines a resumed one goes on with; a kill may have torn the last. */
-static enum status clear_folder(const struct drive *drive)
-{
-	char path[4096];
-	FILE *epochs = drive->world.epochs;
-	long whole = 0;
-	for (int c; drive->world.resumed.is && (c = getc(epochs)) != EOF;)
-		if (c == '\n')
-			whole = ftell(epochs);
-	if (whole < 0 || ferror(epochs) || ftruncate(fileno(epochs), whole) != 0)
-		return fail_with(STATUS_FAILED, "%s/epochs.log: %s; give a folder that can be written",
-				 drive->params->directory, strerror(errno));
-	rewind(epochs);
-	snprintf(path, sizeof path, "%s/run.json", drive->params->directory);
-	unlink(path);
-	snprintf(path, sizeof path, "%s/map.png", drive->params->directory);
-	unlink(path);
-	return STATUS_OK;
-}
 
 /* --- the view --- */
 
 static void before_record(void *user)
 {
 	struct drive *drive = user;
-	pictures_mark(drive->pictures);
+	render_pictures_mark(drive->pictures);
 }
 
 /* What goes on from this commit draws its step's picture again, and none before. */
 static enum status before_commit(void *user)
 {
 	const struct drive *drive = user;
-	return pictures_await(drive->pictures);
+	return render_pictures_await(drive->pictures);
 }
 
 static enum status start_view(struct drive *drive)
@@ -77,15 +26,15 @@ static enum status start_view(struct drive *drive)
 	const bool watched = drive->params->host != NULL;
 	if (!view->present)
 		return STATUS_OK;
-	enum status status = view_create(&drive->world, watched, &drive->view);
+	enum status status = render_view_create(&drive->world, watched, &drive->view);
 	if (status == STATUS_OK && view->images > 0 && !watched)
-		status = pictures_create(drive->world.gpu, drive->params->directory, (uint32_t)view->width, (uint32_t)view->height,
+		status = render_pictures_create(drive->world.gpu, drive->params->directory, (uint32_t)view->width, (uint32_t)view->height,
 					 &drive->pictures);
 	if (status != STATUS_OK)
 		return status;
 	drive->commits = (struct world_commits){drive, before_record, before_commit};
 	drive->world.commits = &drive->commits;
-	drive->watcher = view_watcher(drive->view);
+	drive->watcher = render_view_watcher(drive->view);
 	world_watch(&drive->world, &drive->watcher);
 	return STATUS_OK;
 }
@@ -97,7 +46,7 @@ static enum status start_pages(struct drive *drive)
 	const struct api_params *params = drive->params;
 	FILE *epochs;
 	struct page_trace *trace = NULL;
-	enum status status = open_epochs(drive, &epochs);
+	enum status status = api_folder_epochs(params->directory, &epochs);
 	if (status != STATUS_OK)
 		return status;
 	if (params->trace != NULL)
@@ -118,7 +67,7 @@ static enum status start(struct drive *drive)
 		status = render_check_samples(world->gpu, scene->view.samples);
 	/* Nothing is left behind of a drive that could not begin. */
 	if (status == STATUS_OK)
-		status = make_directory(drive->params->directory);
+		status = api_folder_make(drive->params->directory);
 	if (status == STATUS_OK)
 		status = start_pages(drive);
 	if (status == STATUS_OK)
@@ -126,11 +75,11 @@ static enum status start(struct drive *drive)
 	if (status == STATUS_OK)
 		status = world_warm(world);
 	if (status == STATUS_OK && drive->view != NULL)
-		status = view_warm(drive->view);
+		status = render_view_warm(drive->view);
 	if (status != STATUS_OK)
 		return status;
 	world_seal(world);
-	status = clear_folder(drive);
+	status = api_folder_clear(world, drive->params->directory);
 	if (status == STATUS_OK)
 		status = report_rows_open(world, drive->params->directory, &drive->rows);
 	world->rows = report_rows_sink(drive->rows);
@@ -140,8 +89,8 @@ static enum status start(struct drive *drive)
 static void finish(struct drive *drive, enum status status)
 {
 	world_stop(&drive->world);
-	view_destroy(drive->view);
-	pictures_destroy(drive->pictures);
+	render_view_destroy(drive->view);
+	render_pictures_destroy(drive->pictures);
 	world_finish(&drive->world, status);
 	report_rows_close(drive->rows);
 }
@@ -206,10 +155,12 @@ static bool is_image_step(const struct drive *drive)
 static enum status begin(struct drive *drive)
 {
 	const struct world *world = &drive->world;
-	bool ended = world->resumed.is && world->step == world->record->step;
+	struct world_recorded recorded;
+	world_recorded(world, &recorded);
+	bool ended = world->resumed.is && world->step == recorded.step;
 	enum status status = STATUS_OK;
 	if (ended && drive->view != NULL && world->step > 0 && is_image_step(drive))
-		status = view_frame(drive->view, drive->pictures, true);
+		status = render_view_frame(drive->view, drive->pictures, true);
 	return status == STATUS_OK ? world_begin(&drive->world) : status;
 }
 
@@ -229,7 +180,7 @@ static void show_progress(const struct drive *drive, int64_t total, double *show
 	fflush(stderr);
 }
 
-/* One after the other, each with its picture. */
+/* One after the other, some with a picture. */
 static enum status all_steps(struct drive *drive, int64_t total)
 {
 	struct world *world = &drive->world;
@@ -245,7 +196,8 @@ static enum status all_steps(struct drive *drive, int64_t total)
 		status = world_step(world);
 		double stepped = clock_seconds(), framed = stepped;
 		if (status == STATUS_OK && drive->view != NULL) {
-			status = view_frame(drive->view, drive->pictures, is_image_step(drive));
+			status = is_image_step(drive) ? render_view_frame(drive->view, drive->pictures, true)
+						      : render_view_between(drive->view, drive->pictures);
 			framed = clock_seconds();
 		}
 		if (status == STATUS_OK)
@@ -274,7 +226,8 @@ static enum status all(struct drive *drive)
 	if (status != STATUS_OK)
 		return status;
 	drive->began = clock_seconds();
-	status = drive->params->host != NULL ? host_steps(drive, total) : all_steps(drive, total);
+	drive->report.warm_seconds = drive->began - drive->entered;
+	status = drive->params->host != NULL ? api_host_steps(drive, total) : all_steps(drive, total);
 	struct failure failure;
 	failure_capture(&failure, status);
 	enum status flushed = world_end(world, status == STATUS_OK && world->step >= total);
@@ -289,10 +242,10 @@ static enum status all(struct drive *drive)
 static void stop_threads(struct drive *drive)
 {
 	drive->report.threads = thread_running();
-	pictures_stop(drive->pictures);
+	render_pictures_stop(drive->pictures);
 	world_stop(&drive->world);
 	if (drive->view != NULL)
-		view_settle(drive->view);
+		render_view_settle(drive->view);
 }
 
 static enum status run(struct drive *drive, struct api_result *result)
@@ -318,15 +271,17 @@ static void tell_advice(void *user, const char *text)
 
 enum status api_drive(const struct api_params *params, struct api_result *result)
 {
-	struct drive drive = {.params = params};
+	struct drive drive = {.params = params, .scene = *params->scene, .entered = clock_seconds()};
+	if (params->host == NULL)
+		scene_unwatched(params->scene, &drive.scene);
 	const struct world_params world = {
-		.scene = params->scene,
+		.scene = &drive.scene,
 		.store = params->store,
 		.overlay = params->overlay,
 		.resume = params->resume,
 		.durable_full = params->durable_full,
 		.everywhere = params->everywhere,
-		.draws = params->scene->view.present,
+		.draws = drive.scene.view.present,
 		.drops = params->host != NULL,
 		.rows = true,
 		.steps = params->steps,
@@ -338,12 +293,14 @@ enum status api_drive(const struct api_params *params, struct api_result *result
 		result->ended = "complete";
 		if (params->trace != NULL)
 			note("%s: no trace is written, since nothing is left to drive", params->trace);
-		status = make_directory(params->directory);
+		status = api_folder_make(params->directory);
 		if (status == STATUS_OK)
 			status = draw_map(&drive, true, result, report(&drive, true, result));
 	} else if (status == STATUS_OK) {
 		if (params->host == NULL) /* what is of no use to a drive may be of use to who watches */
 			world_advise(&drive.world, tell_advice, NULL);
+		else
+			scene_advise_units(params->scene, tell_advice, NULL);
 		status = start(&drive);
 		if (status == STATUS_OK)
 			status = run(&drive, result);

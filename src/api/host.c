@@ -87,7 +87,7 @@ static enum status resize(struct host *host)
 	assert(wish->width > 0 && wish->height > 0 && wish->width <= API_PICTURE_MOST && wish->height <= API_PICTURE_MOST);
 	host->drawn = host->read = false;
 	host->stale = true;
-	enum status status = view_resize(host->drive->view, wish->width, wish->height);
+	enum status status = render_view_resize(host->drive->view, wish->width, wish->height);
 	return status == STATUS_OK ? make_staging(host, wish->width, wish->height) : status;
 }
 
@@ -110,7 +110,7 @@ static enum status show(struct host *host)
 	struct drive *drive = host->drive;
 	/* A software driver has nothing to wait for but its own drawing, which goes on beside the turn until here. */
 	if (!host->read)
-		view_read_into(drive->view, host->staging);
+		render_view_read_into(drive->view, host->staging);
 	host->read = true;
 	if (!gpu_staging_idle(host->staging))
 		return STATUS_OK;
@@ -134,14 +134,14 @@ static enum status draw(struct host *host)
 		return STATUS_OK;
 	host->began = clock_seconds();
 	struct render_layer layer = layer_of(drive, wish->layer);
-	view_show_layer(drive->view, &layer);
-	enum status status = view_frame(drive->view, NULL, false);
+	render_view_show_layer(drive->view, &layer);
+	enum status status = render_view_frame(drive->view, NULL, false);
 	host->shown = *wish;
 	wish->again = false;
-	host->stale = view_lacks(drive->view);
+	host->stale = render_view_lacks(drive->view);
 	host->drawn = true;
 	if (status == STATUS_OK && !host->software) {
-		view_read_into(drive->view, host->staging);
+		render_view_read_into(drive->view, host->staging);
 		host->read = true;
 	}
 	return status;
@@ -194,7 +194,7 @@ static enum status steps(struct host *host, int64_t total, bool *any)
 	/* What a step does beside stepping: loads go on, slots come free again, an epoch comes of age. */
 	status = page_cache_poll(drive->world.cache);
 	if (status == STATUS_OK)
-		status = look_ahead_step(drive->world.ahead, drive->world.time);
+		status = motion_look_ahead_step(drive->world.ahead, drive->world.time);
 	return status == STATUS_OK ? page_cache_end_step(drive->world.cache, drive->world.record) : status;
 }
 
@@ -207,7 +207,7 @@ static enum status turn(struct host *host, int64_t total)
 	host->drops = drive->world.drops;
 	if (status == STATUS_OK)
 		status = resize(host);
-	view_look_from(drive->view, host->wish.free ? &host->wish.camera : NULL);
+	render_view_look_from(drive->view, host->wish.free ? &host->wish.camera : NULL);
 	if (status == STATUS_OK && host->wish.go != API_STOP)
 		status = steps(host, total, &stepped);
 	if (status == STATUS_OK && host->drawn)
@@ -222,7 +222,7 @@ static enum status turn(struct host *host, int64_t total)
 	return status;
 }
 
-enum status host_steps(struct drive *drive, int64_t total)
+enum status api_host_steps(struct drive *drive, int64_t total)
 {
 	const struct scene_view *view = &drive->world.scene->view;
 	struct host host = {
@@ -281,7 +281,7 @@ void api_figures(struct drive *drive, struct api_figures *figures)
 		.misses = stats.misses,
 		.dirty = seen.dirty,
 		.queued = seen.queued,
-		.triangles = view_triangles(drive->view),
+		.triangles = render_view_triangles(drive->view),
 		.step = drive->world.step,
 		.steps = world_step_count(&drive->world),
 		.time = drive->world.time,
@@ -303,7 +303,7 @@ const struct store_meta *api_store(const struct drive *drive)
 
 void api_scene_camera(const struct drive *drive, struct render_camera *camera)
 {
-	view_scene_camera(drive->view, camera);
+	render_view_scene_camera(drive->view, camera);
 }
 
 void api_place(const struct drive *drive, size_t object, double place[3], double *yaw)

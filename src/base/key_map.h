@@ -1,20 +1,22 @@
 /*
- * Tile keys to a pair of doubles: an open-addressed table that only grows, and a cache made of two
- * of them whose memory is bounded. One thread.
+ * Tile keys to a pair of doubles: a table that only grows, and a cache made of two of them whose memory is bounded. One
+ * thread.
  */
-#ifndef FURROW_RUN_KEY_MAP_H
-#define FURROW_RUN_KEY_MAP_H
+#ifndef FURROW_BASE_KEY_MAP_H
+#define FURROW_BASE_KEY_MAP_H
 
 #include "base/base.h"
+#include "base/key_set.h"
 
 struct key_pair {
-	uint64_t key; /* UINT64_MAX: empty */
+	uint64_t key;
 	double a, b;
 };
 
 struct key_map {
-	struct key_pair *pairs;
-	size_t count, room; /* room: a power of two, or 0 */
+	struct key_set keys;
+	struct key_pair *pairs; /* by the keys' numbers */
+	size_t room;            /* of the pairs */
 };
 
 void key_map_finish(struct key_map *map);

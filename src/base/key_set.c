@@ -1,12 +1,13 @@
 #include "base/key_set.h"
 
+#include <assert.h>
 #include <string.h>
 
 #define EMPTY UINT64_MAX
 
 static size_t place(const struct key_set *set, uint64_t key)
 {
-	size_t at = (size_t)((key * 0x9e3779b97f4a7c15ull) >> 20) & (set->room - 1);
+	size_t at = key_hash(key) & (set->room - 1);
 	while (set->keys[at] != EMPTY && set->keys[at] != key)
 		at = (at + 1) & (set->room - 1);
 	return at;
@@ -15,7 +16,8 @@ static size_t place(const struct key_set *set, uint64_t key)
 void key_set_finish(struct key_set *set)
 {
 	mem_free(set->keys);
-	*set = (struct key_set){NULL, 0, 0};
+	mem_free(set->numbers);
+	*set = (struct key_set){.count = 0};
 }
 
 void key_set_clear(struct key_set *set)
@@ -30,30 +32,73 @@ bool key_set_has(const struct key_set *set, uint64_t key)
 	return set->room > 0 && set->keys[place(set, key)] == key;
 }
 
-static enum status grow(struct key_set *set)
+bool key_set_find(const struct key_set *set, uint64_t key, uint32_t *number)
 {
-	struct key_set larger = {.room = set->room != 0 ? 2 * set->room : 256, .count = set->count};
-	larger.keys = mem_alloc(larger.room, sizeof *larger.keys);
-	if (larger.keys == NULL)
-		return fail_memory("a set of tiles");
-	memset(larger.keys, 0xff, larger.room * sizeof *larger.keys);
+	if (set->room == 0)
+		return false;
+	const size_t at = place(set, key);
+	*number = set->numbers[at];
+	return set->keys[at] == key;
+}
+
+static enum status widen(struct key_set *set, size_t room)
+{
+	struct key_set wider = {.room = room, .count = set->count};
+	wider.keys = mem_alloc(room, sizeof *wider.keys);
+	wider.numbers = mem_alloc(room, sizeof *wider.numbers);
+	if (wider.keys == NULL || wider.numbers == NULL) {
+		key_set_finish(&wider);
+		return fail_memory("a table of tiles");
+	}
+	memset(wider.keys, 0xff, room * sizeof *wider.keys);
 	for (size_t i = 0; i < set->room; i++)
-		if (set->keys[i] != EMPTY)
-			larger.keys[place(&larger, set->keys[i])] = set->keys[i];
-	mem_free(set->keys);
-	*set = larger;
+		if (set->keys[i] != EMPTY) {
+			size_t at = place(&wider, set->keys[i]);
+			wider.keys[at] = set->keys[i];
+			wider.numbers[at] = set->numbers[i];
+		}
+	key_set_finish(set);
+	*set = wider;
 	return STATUS_OK;
+}
+
+enum status key_set_reserve(struct key_set *set, size_t more)
+{
+	size_t room = set->room != 0 ? set->room : 256;
+	while (4 * (set->count + more) > 3 * room)
+		room *= 2;
+	return room == set->room ? STATUS_OK : widen(set, room);
+}
+
+static uint32_t put(struct key_set *set, uint64_t key, bool *fresh)
+{
+	assert(key != EMPTY && set->room > set->count);
+	const size_t at = place(set, key);
+	*fresh = set->keys[at] == EMPTY;
+	if (*fresh) {
+		set->keys[at] = key;
+		set->numbers[at] = (uint32_t)set->count++;
+	}
+	return set->numbers[at];
+}
+
+enum status key_set_number(struct key_set *set, uint64_t key, uint32_t *number, bool *fresh)
+{
+	enum status status = key_set_reserve(set, 1);
+	if (status == STATUS_OK)
+		*number = put(set, key, fresh);
+	return status;
+}
+
+void key_set_put(struct key_set *set, uint64_t key)
+{
+	bool fresh;
+	put(set, key, &fresh);
 }
 
 enum status key_set_add(struct key_set *set, uint64_t key)
 {
-	if (4 * (set->count + 1) > 3 * set->room) {
-		enum status status = grow(set);
-		if (status != STATUS_OK)
-			return status;
-	}
-	uint64_t *at = &set->keys[place(set, key)];
-	set->count += *at == EMPTY;
-	*at = key;
-	return STATUS_OK;
+	uint32_t number;
+	bool fresh;
+	return key_set_number(set, key, &number, &fresh);
 }

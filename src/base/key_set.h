@@ -1,17 +1,35 @@
-/* A set of tile keys: open addressing, 8 bytes a place. One thread. Starts as {0}. */
-#ifndef FURROW_RUN_KEY_SET_H
-#define FURROW_RUN_KEY_SET_H
+/*
+ * The hash table of the program: 64-bit keys (tiles', mostly) and the order in which they came. Open addressing, at most three
+ * quarters full, 12 bytes a place; it only grows. Who keeps something for each key keeps it in an array by the key's number.
+ * One thread. Starts as {0}.
+ */
+#ifndef FURROW_BASE_KEY_SET_H
+#define FURROW_BASE_KEY_SET_H
 
 #include "base/base.h"
 
 struct key_set {
-	uint64_t *keys;     /* UINT64_MAX: empty */
-	size_t count, room; /* room: a power of two, or 0; at most 3/4 of it is taken */
+	uint64_t *keys;     /* UINT64_MAX, which is no key: empty */
+	uint32_t *numbers;
+	size_t count, room; /* room: a power of two, or 0 */
 };
+
+/* Spread over the low bits. */
+static inline size_t key_hash(uint64_t key)
+{
+	return (size_t)((key * 0x9e3779b97f4a7c15ull) >> 20);
+}
 
 void key_set_finish(struct key_set *set);
 bool key_set_has(const struct key_set *set, uint64_t key);
+/* The key's number, from 0; false: it is not there, and the number says nothing. */
+bool key_set_find(const struct key_set *set, uint64_t key, uint32_t *number);
 enum status key_set_add(struct key_set *set, uint64_t key) FURROW_CHECKED;
+/* Adds it, and says its number and whether it is new. */
+enum status key_set_number(struct key_set *set, uint64_t key, uint32_t *number, bool *fresh) FURROW_CHECKED;
+/* Makes room for so many keys more, which key_set_put then adds: that cannot fail. */
+enum status key_set_reserve(struct key_set *set, size_t more) FURROW_CHECKED;
+void key_set_put(struct key_set *set, uint64_t key);
 /* Empties it and keeps the memory. */
 void key_set_clear(struct key_set *set);
 

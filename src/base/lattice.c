@@ -66,27 +66,53 @@ uint32_t lattice_patch_posts(uint32_t cells, int shift)
 	return (span > 0 ? span : 1) + 1;
 }
 
+int32_t lattice_finer(const int32_t *posts, uint32_t side, int shift, uint64_t x, uint64_t y)
+{
+	const uint32_t part = (1u << shift) - 1;
+	uint64_t cx = x >> shift, cy = y >> shift;
+	uint32_t fx = (uint32_t)x & part, fy = (uint32_t)y & part;
+	if (shift == 0)
+		return posts[y * side + x];
+	if (cx == side - 1) { /* the last posts belong to the last cell */
+		cx--;
+		fx = part + 1;
+	}
+	if (cy == side - 1) {
+		cy--;
+		fy = part + 1;
+	}
+	const int32_t *p = posts + cy * side + cx;
+	return lattice_interpolate(p[0], p[1], p[side], p[side + 1], fx, fy, shift);
+}
+
 void lattice_subdivide(const int32_t *patch, uint32_t cells, int shift, uint32_t sub_x,
 		       uint32_t sub_y, int32_t *posts)
 {
-	uint32_t stride = lattice_patch_posts(cells, shift), mask = (1u << shift) - 1;
-	for (uint32_t y = 0; y <= cells; y++) {
-		uint32_t py = sub_y + y, cy = py >> shift, fy = py & mask;
-		if (cy == stride - 1) { /* the last row of posts belongs to the last cell */
-			cy--;
-			fy = mask + 1;
-		}
-		for (uint32_t x = 0; x <= cells; x++) {
-			uint32_t px = sub_x + x, cx = px >> shift, fx = px & mask;
-			if (cx == stride - 1) {
-				cx--;
-				fx = mask + 1;
-			}
-			const int32_t *p = patch + (size_t)cy * stride + cx;
-			posts[(size_t)y * (cells + 1) + x] =
-				lattice_interpolate(p[0], p[1], p[stride], p[stride + 1], fx, fy, shift);
-		}
-	}
+	const uint32_t side = lattice_patch_posts(cells, shift);
+	for (uint32_t y = 0; y <= cells; y++)
+		for (uint32_t x = 0; x <= cells; x++)
+			posts[(size_t)y * (cells + 1) + x] = lattice_finer(patch, side, shift, (uint64_t)sub_x + x, (uint64_t)sub_y + y);
+}
+
+double lattice_weighted(const double *values, const double *weights, int count, double beside)
+{
+	double sum = 0;
+	for (int i = 0; i < count; i++)
+		if (weights[i] > beside || (weights[i] != 0 && !isnan(values[i])))
+			sum += weights[i] * values[i];
+	return sum;
+}
+
+double lattice_bilinear(const double corners[4], double u, double v, double beside)
+{
+	const double areas[4] = {(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v};
+	return lattice_weighted(corners, areas, 4, beside);
+}
+
+int64_t lattice_align(int64_t v, int steps)
+{
+	int64_t mask = ((int64_t)1 << steps) - 1;
+	return (v + mask) & ~mask;
 }
 
 void lattice_decimate_i32(const int32_t *fine, uint32_t cells, uint32_t qx, uint32_t qy, int32_t *coarse)

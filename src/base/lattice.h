@@ -50,8 +50,18 @@ int32_t lattice_interpolate(int32_t a, int32_t b, int32_t c, int32_t d, uint32_t
  * 2^shift > cells).
  */
 uint32_t lattice_patch_posts(uint32_t cells, int shift);
+/* Post (x, y) of a level `shift` levels finer than that of the side x side posts, both from their first post on. */
+int32_t lattice_finer(const int32_t *posts, uint32_t side, int shift, uint64_t x, uint64_t y);
 void lattice_subdivide(const int32_t *patch, uint32_t cells, int shift, uint32_t sub_x,
 		       uint32_t sub_y, int32_t *posts);
+
+/* The sum of the values by their weights. A value whose weight is at most `beside` may be NaN, and is left out then. */
+double lattice_weighted(const double *values, const double *weights, int count, double beside);
+/* Between the corners south-west, south-east, north-west and north-east of a cell, at (u, v) of it, 0 to 1. */
+double lattice_bilinear(const double corners[4], double u, double v, double beside);
+
+/* The first multiple of 2^steps at or above v. */
+int64_t lattice_align(int64_t v, int steps);
 
 /*
  * Decimation: writes every second post of a fine tile (cells + 1 squared) into its quadrant of the

@@ -1,6 +1,9 @@
 #include "base/plane.h"
 
 #include <assert.h>
+#include <math.h>
+
+#include "base/lattice.h"
 
 static const struct {
 	const char *name;
@@ -20,4 +23,9 @@ const char *plane_name(enum plane plane)
 {
 	assert((unsigned)plane < PLANES);
 	return planes[plane].name;
+}
+
+double plane_value(enum plane plane, int32_t post)
+{
+	return plane == PLANE_DIRT ? post : plane == PLANE_SHEAR ? ldexp(post, -16) : lattice_offset_metres(post);
 }

@@ -9,6 +9,7 @@
 #define FURROW_BASE_PLANE_H
 
 #include <stddef.h>
+#include <stdint.h>
 
 enum plane {
 	PLANE_OFFSET,  /* int32, 2^-20 m: height = base + offset */
@@ -22,6 +23,8 @@ enum plane {
 /* Bytes a post, and the name: "offset", "dirt", ... Pure. */
 size_t plane_bytes(enum plane plane);
 const char *plane_name(enum plane plane);
+/* What a post of it means: metres; dirt as it is. Pure. */
+double plane_value(enum plane plane, int32_t post);
 
 #define PLANE_BIT(plane) (1u << (plane))
 

@@ -1,5 +1,6 @@
 #include "base/status.h"
 
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -62,6 +63,13 @@ int status_exit_code(enum status status)
 	return 1;
 }
 
+static void (*_Atomic taker)(const char *text);
+
+void note_to(void (*take)(const char *text))
+{
+	atomic_store(&taker, take);
+}
+
 void note(const char *format, ...)
 {
 	char text[512];
@@ -69,5 +77,9 @@ void note(const char *format, ...)
 	va_start(args, format);
 	vsnprintf(text, sizeof text, format, args);
 	va_end(args);
-	fprintf(stderr, "furrow: note: %s\n", text);
+	void (*take)(const char *text) = atomic_load(&taker);
+	if (take != NULL)
+		take(text);
+	else
+		fprintf(stderr, "furrow: note: %s\n", text);
 }

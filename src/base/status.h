@@ -42,7 +42,9 @@ enum status failure_restore(const struct failure *failure);
 /* 0, 1, 2, 3, 4 or 130: the command's exit status. */
 int status_exit_code(enum status status);
 
-/* One line on stderr, "furrow: note: ...": told, but nothing failed. */
+/* Told, but nothing failed: one line on stderr, "furrow: note: ...", unless note_to() says who gets it. Any thread. */
 void note(const char *format, ...) FURROW_PRINTF(1, 2);
+/* From now on `take` gets each note's text, without a newline, on the thread that tells it. NULL: stderr. For the whole process. */
+void note_to(void (*take)(const char *text));
 
 #endif

@@ -13,7 +13,7 @@ static void put(uint32_t words[2], int64_t whole)
 	words[1] = (uint32_t)((uint64_t)whole >> 32);
 }
 
-struct functional functional_of(struct affine value, int scale, int shift, int64_t x0, int64_t y0)
+struct functional deform_functional_of(struct affine value, int scale, int shift, int64_t x0, int64_t y0)
 {
 	value.at = ldexpl(value.at, scale + shift);
 	value.dx = ldexpl(value.dx, scale + shift);

@@ -28,6 +28,6 @@ struct affine {
  * nearest; kept with `shift` more bits, or with what fits 62 bits. Rounded before it is moved: every
  * window sees the same bits at a post. What does not fit at all is halved down until it does: at nearly every
  * post only its sign counts. */
-struct functional functional_of(struct affine value, int scale, int shift, int64_t x0, int64_t y0);
+struct functional deform_functional_of(struct affine value, int scale, int shift, int64_t x0, int64_t y0);
 
 #endif

@@ -24,7 +24,7 @@
 #include <assert.h>
 #include <string.h>
 
-enum status awake_create(struct deform *deform)
+enum status deform_awake_create(struct deform *deform)
 {
 	deform->awake = mem_calloc(1, sizeof *deform->awake);
 	if (deform->awake == NULL)
@@ -38,31 +38,31 @@ enum status awake_create(struct deform *deform)
 	return status;
 }
 
-void awake_plan(const char *effect, struct plan *plan)
+void deform_awake_plan(const char *effect, struct plan *plan)
 {
 	deform_plan_buffer(plan, effect, 1, SWEEPS_BYTES, "sweeps' flags");
 	deform_plan_buffer(plan, effect, VISITS, VISITS * VISIT_BYTES, "blocks' flags on their way");
 	deform_plan_buffer(plan, effect, VISITS + 1, (VISITS + 1) * PERIOD_BYTES, "sweeps' flags on their way");
 }
 
-void awake_destroy(struct awake *awake)
+void deform_awake_destroy(struct awake *awake)
 {
 	if (awake == NULL)
 		return;
 	for (size_t i = 0; i < VISITS; i++) {
-		awake_visit_finish(&awake->visits[i]);
+		deform_awake_visit_finish(&awake->visits[i]);
 		gpu_staging_destroy(awake->visits[i].flags);
 	}
 	for (size_t i = 0; i <= VISITS; i++) {
-		awake_period_finish(&awake->periods[i]);
+		deform_awake_period_finish(&awake->periods[i]);
 		gpu_staging_destroy(awake->periods[i].flags);
 	}
 	gpu_buffer_destroy(awake->sweeps);
-	block_set_finish(&awake->known);
-	block_set_finish(&awake->blocks);
-	block_set_finish(&awake->next);
-	touched_finish(&awake->touched);
-	touched_finish(&awake->maybe);
+	deform_block_set_finish(&awake->known);
+	deform_block_set_finish(&awake->blocks);
+	deform_block_set_finish(&awake->next);
+	deform_touched_finish(&awake->touched);
+	deform_touched_finish(&awake->maybe);
 	mem_free(awake);
 }
 
@@ -86,7 +86,7 @@ static void ask_swept(struct deform *deform)
 	awake->used = 0;
 }
 
-struct place_flags awake_flags(struct deform *deform, const struct deform_window *window, uint32_t layer)
+struct place_flags deform_awake_flags(struct deform *deform, const struct deform_window *window, uint32_t layer)
 {
 	struct awake *awake = deform->awake;
 	struct layer *scratch = &deform->scratch[layer];
@@ -94,7 +94,7 @@ struct place_flags awake_flags(struct deform *deform, const struct deform_window
 	const struct extent *extent = deform->params.extent;
 	int64_t posts_x = extent_posts(extent->width, deform->params.level);
 	int64_t posts_y = extent_posts(extent->height, deform->params.level);
-	struct block_grid grid = awake_grid(write);
+	struct block_grid grid = deform_awake_grid(write);
 	int32_t step = (int32_t)deform_slide_step(deform);
 	assert(grid.columns * grid.rows <= WINDOW_BLOCKS);
 	scratch->flagged = deform->sweeps_flag && scratch->alone && !this_period(awake)->asked &&
@@ -139,14 +139,14 @@ enum status deform_wake_swept(struct deform *deform, const struct deform_window 
 		return status == STATUS_OK ? deform_wake(deform, window->write) : status;
 	}
 	scratch->flagged = false;
-	struct block_grid grid = awake_grid(window->write);
+	struct block_grid grid = deform_awake_grid(window->write);
 	enum status status = keep_swept(this_period(awake), swept);
 	if (status == STATUS_OK && deform->params.touched)
-		status = awake_maybe_swept(awake, &swept);
+		status = deform_awake_maybe_swept(awake, &swept);
 	if (status != STATUS_OK)
 		return status;
 	awake->used += grid.columns * grid.rows;
-	return awake_add_near(deform, &awake->blocks, window->write);
+	return deform_awake_add_near(deform, &awake->blocks, window->write);
 }
 
 enum status deform_wake_block(struct deform *deform, struct deform_block block)
@@ -154,8 +154,8 @@ enum status deform_wake_block(struct deform *deform, struct deform_block block)
 	struct awake *awake = deform->awake;
 	if (awake == NULL)
 		return STATUS_OK;
-	enum status status = awake_add(deform, &awake->blocks, block.x, block.y);
-	return status == STATUS_OK ? awake_add(deform, &this_period(awake)->woken, block.x, block.y) : status;
+	enum status status = deform_awake_add(deform, &awake->blocks, block.x, block.y);
+	return status == STATUS_OK ? deform_awake_add(deform, &this_period(awake)->woken, block.x, block.y) : status;
 }
 
 enum status deform_wake(struct deform *deform, struct post_rect changed)
@@ -163,8 +163,8 @@ enum status deform_wake(struct deform *deform, struct post_rect changed)
 	struct awake *awake = deform->awake;
 	if (awake == NULL || post_rect_empty(changed))
 		return STATUS_OK;
-	enum status status = awake_add_near(deform, &awake->blocks, changed);
-	return status == STATUS_OK ? awake_add_near(deform, &this_period(awake)->woken, changed) : status;
+	enum status status = deform_awake_add_near(deform, &awake->blocks, changed);
+	return status == STATUS_OK ? deform_awake_add_near(deform, &this_period(awake)->woken, changed) : status;
 }
 
 enum status deform_awake(struct deform *deform, const struct deform_block **blocks, size_t *count)
@@ -174,11 +174,11 @@ enum status deform_awake(struct deform *deform, const struct deform_block **bloc
 	if (awake == NULL)
 		return STATUS_OK;
 	bool came;
-	enum status status = awake_settle(deform, &came);
+	enum status status = deform_awake_settle(deform, &came);
 	/* Some of so many may be so only because their flags are not here yet. */
 	if (status == STATUS_OK && awake->blocks.count > DEFORM_BLOCKS_MAX) {
 		ask_swept(deform);
-		status = awake_wait(deform);
+		status = deform_awake_wait(deform);
 	}
 	if (status == STATUS_OK && awake->blocks.count > DEFORM_BLOCKS_MAX)
 		status = fail_with(STATUS_FAILED, "soil: the ground slides in more than %d blocks of %d x %d posts at once; choose a "
@@ -186,27 +186,27 @@ enum status deform_awake(struct deform *deform, const struct deform_block **bloc
 				   DEFORM_BLOCK, DEFORM_BLOCK);
 	if (status != STATUS_OK)
 		return status;
-	block_set_sort(&awake->blocks);
+	deform_block_set_sort(&awake->blocks);
 	*blocks = awake->blocks.blocks;
 	*count = awake->blocks.count;
 	return STATUS_OK;
 }
 
-enum status awake_visit(struct deform *deform, const struct deform_block **blocks, size_t *count)
+enum status deform_awake_visit(struct deform *deform, const struct deform_block **blocks, size_t *count)
 {
-	enum status status = deform->awake->visit_count == VISITS ? awake_wait(deform) : STATUS_OK;
+	enum status status = deform->awake->visit_count == VISITS ? deform_awake_wait(deform) : STATUS_OK;
 	if (status != STATUS_OK)
 		return status;
 	ask_swept(deform);
 	return deform_awake(deform, blocks, count);
 }
 
-bool awake_is_visited(const struct deform *deform, struct deform_block block)
+bool deform_awake_is_visited(const struct deform *deform, struct deform_block block)
 {
-	return block_set_has(&deform->awake->blocks, block);
+	return deform_block_set_has(&deform->awake->blocks, block);
 }
 
-enum status awake_visited(struct deform *deform, struct gpu_buffer *flags)
+enum status deform_awake_visited(struct deform *deform, struct gpu_buffer *flags)
 {
 	struct awake *awake = deform->awake;
 	size_t count = awake->blocks.count;
@@ -218,18 +218,31 @@ enum status awake_visited(struct deform *deform, struct gpu_buffer *flags)
 	memcpy(visit->visited, awake->blocks.blocks, count * sizeof *visit->visited);
 	visit->count = count;
 	awake->visit_count++;
-	enum status status = deform->params.touched ? awake_maybe_visited(deform, visit) : STATUS_OK;
+	enum status status = deform->params.touched ? deform_awake_maybe_visited(deform, visit) : STATUS_OK;
 	if (status != STATUS_OK)
 		return status;
 	gpu_buffer_read_into(flags, 0, count * sizeof(uint32_t), visit->flags, 0);
 	bool came;
-	status = awake_settle(deform, &came);
-	return status == STATUS_OK && !came ? awake_widen(deform, &awake->blocks) : status;
+	status = deform_awake_settle(deform, &came);
+	return status == STATUS_OK && !came ? deform_awake_widen(deform, &awake->blocks) : status;
+}
+
+enum status deform_awake_forget(struct deform *deform)
+{
+	struct awake *awake = deform->awake;
+	ask_swept(deform);
+	enum status status = deform_awake_wait(deform);
+	assert(status != STATUS_OK || awake->visit_count == 0);
+	deform_block_set_clear(&awake->known);
+	deform_block_set_clear(&awake->blocks);
+	deform_block_set_clear(&awake->next);
+	deform_awake_period_finish(&awake->periods[0]);
+	return status;
 }
 
 enum status deform_touch(struct deform *deform, struct post_rect rect)
 {
-	return deform->params.touched ? touched_add(&deform->awake->touched, rect) : STATUS_OK;
+	return deform->params.touched ? deform_touched_add(&deform->awake->touched, rect) : STATUS_OK;
 }
 
 enum status deform_is_touched(struct deform *deform, struct post_rect rect, bool *is)
@@ -237,7 +250,7 @@ enum status deform_is_touched(struct deform *deform, struct post_rect rect, bool
 	const struct awake *awake = deform->awake;
 	bool came;
 	assert(deform->params.touched);
-	enum status status = awake_settle(deform, &came);
-	*is = awake_is_touched(awake, rect);
+	enum status status = deform_awake_settle(deform, &came);
+	*is = deform_awake_is_touched(awake, rect);
 	return status;
 }

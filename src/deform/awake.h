@@ -53,21 +53,21 @@ struct block_grid {
 };
 
 /* awake_flags.c */
-void awake_visit_finish(struct visit *visit);    /* but for its staging */
-void awake_period_finish(struct period *period); /* likewise */
+void deform_awake_visit_finish(struct visit *visit);    /* but for its staging */
+void deform_awake_period_finish(struct period *period); /* likewise */
 /* Inside the world; else nothing is added. */
-enum status awake_add(const struct deform *deform, struct block_set *set, int64_t x, int64_t y) FURROW_CHECKED;
+enum status deform_awake_add(const struct deform *deform, struct block_set *set, int64_t x, int64_t y) FURROW_CHECKED;
 /* All blocks in which something changes within an interval if posts in here do. */
-enum status awake_add_near(const struct deform *deform, struct block_set *set, struct post_rect changed) FURROW_CHECKED;
+enum status deform_awake_add_near(const struct deform *deform, struct block_set *set, struct post_rect changed) FURROW_CHECKED;
 /* By a block all round. */
-enum status awake_widen(const struct deform *deform, struct block_set *set) FURROW_CHECKED;
-struct block_grid awake_grid(struct post_rect write);
-bool awake_is_touched(const struct awake *awake, struct post_rect rect);
+enum status deform_awake_widen(const struct deform *deform, struct block_set *set) FURROW_CHECKED;
+struct block_grid deform_awake_grid(struct post_rect write);
+bool deform_awake_is_touched(const struct awake *awake, struct post_rect rect);
 /* What they may have changed, while their flags are on their way. */
-enum status awake_maybe_swept(struct awake *awake, const struct swept *swept) FURROW_CHECKED;
-enum status awake_maybe_visited(struct deform *deform, const struct visit *visit) FURROW_CHECKED;
+enum status deform_awake_maybe_swept(struct awake *awake, const struct swept *swept) FURROW_CHECKED;
+enum status deform_awake_maybe_visited(struct deform *deform, const struct visit *visit) FURROW_CHECKED;
 /* Looks whether flags have come; then all sets anew. Of `wait` all come. */
-enum status awake_settle(struct deform *deform, bool *came) FURROW_CHECKED;
-enum status awake_wait(struct deform *deform) FURROW_CHECKED;
+enum status deform_awake_settle(struct deform *deform, bool *came) FURROW_CHECKED;
+enum status deform_awake_wait(struct deform *deform) FURROW_CHECKED;
 
 #endif

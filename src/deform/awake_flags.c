@@ -6,16 +6,16 @@
 
 #include "deform/awake.h"
 
-void awake_visit_finish(struct visit *visit)
+void deform_awake_visit_finish(struct visit *visit)
 {
 	mem_free(visit->visited);
 	*visit = (struct visit){.flags = visit->flags};
 }
 
-void awake_period_finish(struct period *period)
+void deform_awake_period_finish(struct period *period)
 {
 	mem_free(period->swept);
-	block_set_finish(&period->woken);
+	deform_block_set_finish(&period->woken);
 	*period = (struct period){.flags = period->flags};
 }
 
@@ -27,19 +27,19 @@ static struct deform_block last_block(const struct deform *deform)
 				     (extent_posts(extent->height, deform->params.level) - 1) / DEFORM_BLOCK};
 }
 
-enum status awake_add(const struct deform *deform, struct block_set *set, int64_t x, int64_t y)
+enum status deform_awake_add(const struct deform *deform, struct block_set *set, int64_t x, int64_t y)
 {
 	struct deform_block last = last_block(deform);
 	if (x < 0 || y < 0 || x > last.x || y > last.y)
 		return STATUS_OK;
-	return block_set_add(set, (struct deform_block){x, y});
+	return deform_block_set_add(set, (struct deform_block){x, y});
 }
 
 static enum status add_all(struct block_set *set, const struct block_set *from)
 {
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < from->count && status == STATUS_OK; i++)
-		status = block_set_add(set, from->blocks[i]);
+		status = deform_block_set_add(set, from->blocks[i]);
 	return status;
 }
 
@@ -50,7 +50,7 @@ static enum status add_word(const struct deform *deform, struct block_set *set, 
 	enum status status = STATUS_OK;
 	for (int way = 0; way < 9 && status == STATUS_OK; way++)
 		if (flags & 1u << way)
-			status = awake_add(deform, set, x + ways[way][0], y + ways[way][1]);
+			status = deform_awake_add(deform, set, x + ways[way][0], y + ways[way][1]);
 	return status;
 }
 
@@ -62,7 +62,7 @@ static enum status add_visited(struct deform *deform, struct block_set *set, con
 	for (size_t i = 0; i < visit->count && status == STATUS_OK; i++) {
 		status = add_word(deform, set, visit->visited[i].x, visit->visited[i].y, flags[i]);
 		if (status == STATUS_OK && deform->params.touched && flags[i] >> CHANGED != 0)
-			status = touched_grow(touched, touched, visit->visited[i], deform->params.iterations, flags[i] >> CHANGED);
+			status = deform_touched_grow(touched, touched, visit->visited[i], deform->params.iterations, flags[i] >> CHANGED);
 	}
 	return status;
 }
@@ -72,7 +72,7 @@ static int64_t block_of(int64_t post)
 	return post >= 0 ? post / DEFORM_BLOCK : -((DEFORM_BLOCK - 1 - post) / DEFORM_BLOCK);
 }
 
-struct block_grid awake_grid(struct post_rect write)
+struct block_grid deform_awake_grid(struct post_rect write)
 {
 	struct block_grid grid = {.x = block_of(write.x0), .y = block_of(write.y0)};
 	grid.columns = (uint32_t)(block_of(write.x1 - 1) - grid.x + 1);
@@ -86,7 +86,7 @@ static enum status add_changed(struct deform *deform, struct post_rect write, st
 	enum status status = STATUS_OK;
 	for (int part = 0; parts >> part != 0 && status == STATUS_OK; part++)
 		if (parts >> part & 1)
-			status = touched_add(&deform->awake->touched, post_rect_intersect(write, touched_part(block, part)));
+			status = deform_touched_add(&deform->awake->touched, post_rect_intersect(write, deform_touched_part(block, part)));
 	return status;
 }
 
@@ -96,7 +96,7 @@ static enum status add_swept(struct deform *deform, struct period *period)
 	const uint32_t *flags = gpu_staging_bytes(period->flags);
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < period->count; i++) {
-		struct block_grid grid = awake_grid(period->swept[i].write);
+		struct block_grid grid = deform_awake_grid(period->swept[i].write);
 		for (uint32_t k = 0; k < grid.columns * grid.rows && status == STATUS_OK; k++, flags++) {
 			int64_t x = grid.x + k % grid.columns, y = grid.y + k / grid.columns;
 			status = add_word(deform, &period->woken, x, y, *flags);
@@ -122,13 +122,13 @@ struct post_rect deform_wakes(const struct deform *deform, struct post_rect chan
 	return (struct post_rect){x0 * DEFORM_BLOCK, y0 * DEFORM_BLOCK, (x1 + 1) * DEFORM_BLOCK, (y1 + 1) * DEFORM_BLOCK};
 }
 
-enum status awake_add_near(const struct deform *deform, struct block_set *set, struct post_rect changed)
+enum status deform_awake_add_near(const struct deform *deform, struct block_set *set, struct post_rect changed)
 {
 	const struct post_rect posts = deform_wakes(deform, changed);
 	enum status status = STATUS_OK;
 	for (int64_t y = posts.y0 / DEFORM_BLOCK; y < posts.y1 / DEFORM_BLOCK; y++)
 		for (int64_t x = posts.x0 / DEFORM_BLOCK; x < posts.x1 / DEFORM_BLOCK && status == STATUS_OK; x++)
-			status = block_set_add(set, (struct deform_block){x, y});
+			status = deform_block_set_add(set, (struct deform_block){x, y});
 	return status;
 }
 
@@ -136,7 +136,7 @@ static enum status add_period(const struct deform *deform, struct block_set *set
 {
 	enum status status = add_all(set, &period->woken);
 	for (size_t i = 0; i < period->count && status == STATUS_OK; i++)
-		status = awake_add_near(deform, set, period->swept[i].write);
+		status = deform_awake_add_near(deform, set, period->swept[i].write);
 	return status;
 }
 
@@ -146,17 +146,17 @@ static enum status add_all_swept(struct deform *deform)
 	const struct period *period = &deform->awake->periods[0];
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < period->count && deform->params.touched && status == STATUS_OK; i++)
-		status = touched_add(&deform->awake->touched, period->swept[i].write);
+		status = deform_touched_add(&deform->awake->touched, period->swept[i].write);
 	return status;
 }
 
-enum status awake_widen(const struct deform *deform, struct block_set *set)
+enum status deform_awake_widen(const struct deform *deform, struct block_set *set)
 {
 	enum status status = STATUS_OK;
 	size_t count = set->count;
 	for (size_t i = 0; i < count; i++)
 		for (int k = 0; k < 9 && status == STATUS_OK; k++)
-			status = awake_add(deform, set, set->blocks[i].x + k % 3 - 1, set->blocks[i].y + k / 3 - 1);
+			status = deform_awake_add(deform, set, set->blocks[i].x + k % 3 - 1, set->blocks[i].y + k / 3 - 1);
 	return status;
 }
 
@@ -172,25 +172,25 @@ static void hand_on(struct awake *awake)
 	awake->visit_count--;
 }
 
-bool awake_is_touched(const struct awake *awake, struct post_rect rect)
+bool deform_awake_is_touched(const struct awake *awake, struct post_rect rect)
 {
-	return touched_any(&awake->touched, rect) || touched_any(&awake->maybe, rect);
+	return deform_touched_any(&awake->touched, rect) || deform_touched_any(&awake->maybe, rect);
 }
 
-enum status awake_maybe_swept(struct awake *awake, const struct swept *swept)
+enum status deform_awake_maybe_swept(struct awake *awake, const struct swept *swept)
 {
-	return !swept->above || awake_is_touched(awake, swept->write) ? touched_add(&awake->maybe, swept->write) : STATUS_OK;
+	return !swept->above || deform_awake_is_touched(awake, swept->write) ? deform_touched_add(&awake->maybe, swept->write) : STATUS_OK;
 }
 
-enum status awake_maybe_visited(struct deform *deform, const struct visit *visit)
+enum status deform_awake_maybe_visited(struct deform *deform, const struct visit *visit)
 {
 	struct awake *awake = deform->awake;
 	int64_t by = deform->params.iterations;
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < visit->count && status == STATUS_OK; i++) {
-		status = touched_grow(&awake->maybe, &awake->maybe, visit->visited[i], by, TOUCHED_PARTS);
+		status = deform_touched_grow(&awake->maybe, &awake->maybe, visit->visited[i], by, TOUCHED_PARTS);
 		if (status == STATUS_OK)
-			status = touched_grow(&awake->maybe, &awake->touched, visit->visited[i], by, TOUCHED_PARTS);
+			status = deform_touched_grow(&awake->maybe, &awake->touched, visit->visited[i], by, TOUCHED_PARTS);
 	}
 	return status;
 }
@@ -200,12 +200,12 @@ static enum status guess_anew(struct deform *deform)
 {
 	struct awake *awake = deform->awake;
 	enum status status = STATUS_OK;
-	touched_clear(&awake->maybe);
+	deform_touched_clear(&awake->maybe);
 	for (size_t i = 0; i <= awake->visit_count && status == STATUS_OK; i++) {
 		for (size_t k = 0; k < awake->periods[i].count && status == STATUS_OK; k++)
-			status = awake_maybe_swept(awake, &awake->periods[i].swept[k]);
+			status = deform_awake_maybe_swept(awake, &awake->periods[i].swept[k]);
 		if (status == STATUS_OK && i < awake->visit_count)
-			status = awake_maybe_visited(deform, &awake->visits[i]);
+			status = deform_awake_maybe_visited(deform, &awake->visits[i]);
 	}
 	return status;
 }
@@ -222,29 +222,29 @@ static enum status take_flags(struct deform *deform, bool *came)
 			*came = true;
 		}
 	while (awake->visit_count > 0 && status == STATUS_OK && gpu_staging_idle(awake->visits[0].flags)) {
-		block_set_clear(&awake->known);
+		deform_block_set_clear(&awake->known);
 		status = add_all_swept(deform);
 		if (status == STATUS_OK)
 			status = add_visited(deform, &awake->known, &awake->visits[0]);
-		awake_visit_finish(&awake->visits[0]);
-		awake_period_finish(&awake->periods[0]);
+		deform_awake_visit_finish(&awake->visits[0]);
+		deform_awake_period_finish(&awake->periods[0]);
 		hand_on(awake);
 		*came = true;
 	}
 	return status;
 }
 
-enum status awake_settle(struct deform *deform, bool *came)
+enum status deform_awake_settle(struct deform *deform, bool *came)
 {
 	struct awake *awake = deform->awake;
 	enum status status = take_flags(deform, came);
 	if (!*came || status != STATUS_OK)
 		return status;
-	block_set_clear(&awake->next);
+	deform_block_set_clear(&awake->next);
 	status = add_all(&awake->next, &awake->known);
 	for (size_t i = 0; i <= awake->visit_count && status == STATUS_OK; i++) {
 		if (i > 0)
-			status = awake_widen(deform, &awake->next);
+			status = deform_awake_widen(deform, &awake->next);
 		if (status == STATUS_OK)
 			status = add_period(deform, &awake->next, &awake->periods[i]);
 	}
@@ -256,9 +256,9 @@ enum status awake_settle(struct deform *deform, bool *came)
 	return status == STATUS_OK ? gpu_check(deform->params.gpu, "the awake blocks") : status;
 }
 
-enum status awake_wait(struct deform *deform)
+enum status deform_awake_wait(struct deform *deform)
 {
 	bool came;
 	gpu_finish(deform->params.gpu);
-	return awake_settle(deform, &came);
+	return deform_awake_settle(deform, &came);
 }

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-void block_set_finish(struct block_set *set)
+void deform_block_set_finish(struct block_set *set)
 {
 	mem_free(set->blocks);
 	mem_free(set->places);
@@ -44,7 +44,7 @@ static enum status grow(struct block_set *set)
 	return STATUS_OK;
 }
 
-enum status block_set_add(struct block_set *set, struct deform_block block)
+enum status deform_block_set_add(struct block_set *set, struct deform_block block)
 {
 	if (2 * set->count == set->room) {
 		enum status status = grow(set);
@@ -59,18 +59,18 @@ enum status block_set_add(struct block_set *set, struct deform_block block)
 	return STATUS_OK;
 }
 
-bool block_set_has(const struct block_set *set, struct deform_block block)
+bool deform_block_set_has(const struct block_set *set, struct deform_block block)
 {
 	return set->room != 0 && set->places[place_of(set, block)] != 0;
 }
 
-size_t block_set_place(const struct block_set *set, struct deform_block block)
+size_t deform_block_set_place(const struct block_set *set, struct deform_block block)
 {
 	uint32_t at = set->room != 0 ? set->places[place_of(set, block)] : 0;
 	return at != 0 ? at - 1 : set->count;
 }
 
-void block_set_clear(struct block_set *set)
+void deform_block_set_clear(struct block_set *set)
 {
 	if (set->count > 0)
 		memset(set->places, 0, set->room * sizeof *set->places);
@@ -88,7 +88,7 @@ static int morton(const void *pa, const void *pb)
 	return (by_x ? a->x < b->x : a->y < b->y) ? -1 : 1;
 }
 
-void block_set_sort(struct block_set *set)
+void deform_block_set_sort(struct block_set *set)
 {
 	if (set->count > 0)
 		qsort(set->blocks, set->count, sizeof *set->blocks, morton);

@@ -10,14 +10,14 @@ struct block_set {
 	size_t count, room;          /* room: of places, a power of two or 0; blocks have half of it */
 };
 
-void block_set_finish(struct block_set *set);
-enum status block_set_add(struct block_set *set, struct deform_block block) FURROW_CHECKED;
-bool block_set_has(const struct block_set *set, struct deform_block block);
+void deform_block_set_finish(struct block_set *set);
+enum status deform_block_set_add(struct block_set *set, struct deform_block block) FURROW_CHECKED;
+bool deform_block_set_has(const struct block_set *set, struct deform_block block);
 /* Its index in blocks; count: it is not there. */
-size_t block_set_place(const struct block_set *set, struct deform_block block);
+size_t deform_block_set_place(const struct block_set *set, struct deform_block block);
 /* Empties it and keeps the memory. */
-void block_set_clear(struct block_set *set);
+void deform_block_set_clear(struct block_set *set);
 /* Along a Morton curve: what lies on a tile comes together, whatever the tiles' size. No block lies below 0. */
-void block_set_sort(struct block_set *set);
+void deform_block_set_sort(struct block_set *set);
 
 #endif

@@ -9,7 +9,7 @@ static long double metres(int64_t quanta)
 	return ldexpl((long double)quanta, -OFFSET_BITS);
 }
 
-long double body_from_post(int64_t place, int64_t post, double spacing)
+long double deform_body_from_post(int64_t place, int64_t post, double spacing)
 {
 	double whole = (double)post * spacing, rest = fma((double)post, spacing, -whole);
 	return metres(place) - whole - rest;
@@ -20,15 +20,15 @@ static int64_t anchor_of(int64_t place, double spacing)
 	return (int64_t)floor(lattice_offset_metres(place) / spacing);
 }
 
-struct body_motion body_motion_of(const struct deform_pose *from, const struct deform_pose *to,
+struct body_motion deform_body_motion_of(const struct deform_pose *from, const struct deform_pose *to,
 				  const struct body_frame *frame)
 {
 	int64_t x = anchor_of(to->x, frame->spacing), y = anchor_of(to->y, frame->spacing);
 	return (struct body_motion){
 		.x0 = frame->x0 - x,
 		.y0 = frame->y0 - y,
-		.x = body_from_post(from->x, x, frame->spacing),
-		.y = body_from_post(from->y, y, frame->spacing),
+		.x = deform_body_from_post(from->x, x, frame->spacing),
+		.y = deform_body_from_post(from->y, y, frame->spacing),
 		.dx = metres(to->x - from->x),
 		.dy = metres(to->y - from->y),
 		.z = from->z - frame->zero,
@@ -41,7 +41,7 @@ static struct functional along(const struct body_motion *m, long double c, long 
 			       long double factor, long double plus, int scale, int shift)
 {
 	struct affine value = {(-(m->x * c + m->y * s)) * factor + plus, spacing * c * factor, spacing * s * factor};
-	return functional_of(value, scale, shift, m->x0, m->y0);
+	return deform_functional_of(value, scale, shift, m->x0, m->y0);
 }
 
 /* Bits of fraction so that the object and its way stay below 2^30: posts beyond are clamped. */
@@ -116,7 +116,7 @@ static void sphere_of(const struct deform_shape *shape, const struct body_motion
 	body->f[1] = along(m, -s, c, frame->spacing, 1, 0, fine, 12);
 }
 
-void body_axes(const double size[3], double yaw, double pitch, double roll, double axes[3][3])
+void deform_body_axes(const double size[3], double yaw, double pitch, double roll, double axes[3][3])
 {
 	double cy = cos(yaw), sy = sin(yaw), cp = cos(pitch), sp = sin(pitch), cr = cos(roll), sr = sin(roll);
 	/* Yaw, then nose up, then right side down. */
@@ -134,7 +134,7 @@ void deform_axes(double yaw, double pitch, double roll, double turn, double axes
 {
 	const double unit[3] = {2, 2, 2}; /* of which half is one */
 	double c = cos(turn), s = sin(turn);
-	body_axes(unit, yaw, pitch, roll, axes);
+	deform_body_axes(unit, yaw, pitch, roll, axes);
 	for (int k = 0; k < 3; k++) {
 		double forward = axes[0][k], up = axes[2][k];
 		axes[0][k] = c * forward - s * up;
@@ -146,7 +146,7 @@ static void box_of(const struct deform_shape *shape, const struct deform_pose *t
 		   const struct body_frame *frame, struct body *body)
 {
 	double g[4][3];
-	body_axes(shape->size, to->yaw, to->pitch, to->roll, g);
+	deform_body_axes(shape->size, to->yaw, to->pitch, to->roll, g);
 	/* In quanta above the zero, and in metres along the ground. */
 	g[3][0] = (double)m->dx / 2;
 	g[3][1] = (double)m->dy / 2;
@@ -168,7 +168,7 @@ static void box_of(const struct deform_shape *shape, const struct deform_pose *t
 				support += fabsl(n[0] * g[k][0] + n[1] * g[k][1] + n[2] * g[k][2]);
 			long double gx = -n[0] / n[2], gy = -n[1] / n[2], low = z - support / fabsl(n[2]);
 			struct affine plane = {low - gx * x - gy * y, gx * frame->spacing, gy * frame->spacing};
-			body->f[planes++] = functional_of(plane, OFFSET_BITS, 12, m->x0, m->y0);
+			body->f[planes++] = deform_functional_of(plane, OFFSET_BITS, 12, m->x0, m->y0);
 		}
 	for (int p = 0; p < 4; p++) {
 		long double nx = -g[p][1], ny = g[p][0], half = 0;
@@ -181,16 +181,16 @@ static void box_of(const struct deform_shape *shape, const struct deform_pose *t
 		nx /= half;
 		ny /= half;
 		struct affine slab = {-nx * x - ny * y, nx * frame->spacing, ny * frame->spacing};
-		body->f[6 + slabs++] = functional_of(slab, 28, 12, m->x0, m->y0);
+		body->f[6 + slabs++] = deform_functional_of(slab, 28, 12, m->x0, m->y0);
 	}
 	body->c[1] = planes;
 	body->c[2] = slabs;
 }
 
-void body_of(const struct deform_shape *shape, const struct deform_pose *from, const struct deform_pose *to,
+void deform_body_of(const struct deform_shape *shape, const struct deform_pose *from, const struct deform_pose *to,
 	     const struct body_frame *frame, struct body *body)
 {
-	struct body_motion m = body_motion_of(from, to, frame);
+	struct body_motion m = deform_body_motion_of(from, to, frame);
 	memset(body, 0, sizeof *body);
 	switch (shape->kind) {
 	case DEFORM_WHEEL:
@@ -208,7 +208,7 @@ void body_of(const struct deform_shape *shape, const struct deform_pose *from, c
 	}
 }
 
-double body_wheel_radius(const struct deform_shape *shape)
+double deform_body_wheel_radius(const struct deform_shape *shape)
 {
 	return shape->lugs > 0 ? hypot(shape->radius + shape->lug_height, shape->lug_thickness / 2) : shape->radius;
 }
@@ -218,7 +218,7 @@ static void mesh_extent(const struct deform_mesh *mesh, const struct deform_pose
 {
 	const double unit[3] = {2, 2, 2};
 	double axes[3][3];
-	body_axes(unit, pose->yaw, pose->pitch, pose->roll, axes);
+	deform_body_axes(unit, pose->yaw, pose->pitch, pose->roll, axes);
 	for (int k = 0; k < 2; k++) {
 		double low = 0, high = 0;
 		for (int i = 0; i < 3; i++) {
@@ -229,18 +229,18 @@ static void mesh_extent(const struct deform_mesh *mesh, const struct deform_pose
 	}
 }
 
-void body_extent(const struct deform_shape *shape, const struct deform_pose *pose, double extent[2])
+void deform_body_extent(const struct deform_shape *shape, const struct deform_pose *pose, double extent[2])
 {
 	double axes[3][3];
 	extent[0] = extent[1] = shape->radius;
 	if (shape->kind == DEFORM_WHEEL) {
-		double radius = body_wheel_radius(shape);
+		double radius = deform_body_wheel_radius(shape);
 		extent[0] = fabs(cos(pose->yaw)) * radius + fabs(sin(pose->yaw)) * shape->width / 2;
 		extent[1] = fabs(sin(pose->yaw)) * radius + fabs(cos(pose->yaw)) * shape->width / 2;
 	} else if (shape->kind == DEFORM_MESH) {
 		mesh_extent(shape->mesh, pose, extent);
 	} else if (shape->kind == DEFORM_BOX) {
-		body_axes(shape->size, pose->yaw, pose->pitch, pose->roll, axes);
+		deform_body_axes(shape->size, pose->yaw, pose->pitch, pose->roll, axes);
 		for (int k = 0; k < 2; k++)
 			extent[k] = fabs(axes[0][k]) + fabs(axes[1][k]) + fabs(axes[2][k]);
 	}

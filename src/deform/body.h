@@ -19,19 +19,19 @@ struct body_motion {
 	int64_t z, dz;      /* quanta: start above the frame's zero, rise */
 };
 
-struct body_motion body_motion_of(const struct deform_pose *from, const struct deform_pose *to,
+struct body_motion deform_body_motion_of(const struct deform_pose *from, const struct deform_pose *to,
 				  const struct body_frame *frame);
 /* The motion from `from` to `to` (its attitude), seen from the frame. */
-void body_of(const struct deform_shape *shape, const struct deform_pose *from, const struct deform_pose *to,
+void deform_body_of(const struct deform_shape *shape, const struct deform_pose *from, const struct deform_pose *to,
 	     const struct body_frame *frame, struct body *body);
 /* Half the width of its shadow along x and y, metres. */
-void body_extent(const struct deform_shape *shape, const struct deform_pose *pose, double extent[2]);
+void deform_body_extent(const struct deform_shape *shape, const struct deform_pose *pose, double extent[2]);
 /* Metres from a post of the lattice to a place on it: exact but for its last rounding, wherever that is. */
-long double body_from_post(int64_t place, int64_t post, double spacing);
+long double deform_body_from_post(int64_t place, int64_t post, double spacing);
 /* The three half-axes of a box in this attitude. */
-void body_axes(const double size[3], double yaw, double pitch, double roll, double axes[3][3]);
+void deform_body_axes(const double size[3], double yaw, double pitch, double roll, double axes[3][3]);
 /* To the end of its lugs. */
-double body_wheel_radius(const struct deform_shape *shape);
+double deform_body_wheel_radius(const struct deform_shape *shape);
 /* A rise beyond which a sweep counts as a new contact, quanta. */
 #define BODY_RISE_MAX (1 << 29)
 

@@ -33,9 +33,9 @@ enum status deform_create(const struct deform_params *params, struct deform **ou
 	if (status == STATUS_OK && params->carriers > 0)
 		status = gpu_buffer_create(params->gpu, GPU_STORAGE, params->carriers * sizeof(int32_t), NULL, &deform->standing);
 	if (status == STATUS_OK && deform_conserves(params->model))
-		status = awake_create(deform);
+		status = deform_awake_create(deform);
 	if (status == STATUS_OK && deform_conserves(params->model))
-		status = interval_create(deform);
+		status = deform_interval_create(deform);
 	if (status != STATUS_OK) {
 		deform_destroy(deform);
 		return status;
@@ -48,11 +48,12 @@ void deform_destroy(struct deform *deform)
 {
 	if (deform == NULL)
 		return;
-	interval_destroy(deform);
-	awake_destroy(deform->awake);
+	deform_interval_destroy(deform);
+	deform_awake_destroy(deform->awake);
 	deform_drop_layers(deform);
 	deform_facets_destroy(deform->facets);
 	gpu_buffer_destroy(deform->tally);
+	gpu_buffer_destroy(deform->felt);
 	gpu_buffer_destroy(deform->tries);
 	gpu_buffer_destroy(deform->standing);
 	deform_forces_destroy(deform);
@@ -133,6 +134,20 @@ enum status deform_compute(struct deform *deform, const struct deform_sweep *swe
 	return status == STATUS_OK ? gpu_check(deform->params.gpu, "deformation") : status;
 }
 
+enum status deform_feel(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window, uint32_t layer,
+			const struct deform_tile *tiles, size_t count)
+{
+	assert(deform->params.model == DEFORM_SCM && sweep->tag != 0 && layer < deform->layers);
+	enum status status = STATUS_OK;
+	if (deform->felt == NULL)
+		status = gpu_buffer_create(deform->params.gpu, GPU_STORAGE, sizeof(struct deform_tally), NULL, &deform->felt);
+	if (status != STATUS_OK)
+		return status;
+	deform_gather(deform, window->read, layer, 0, 0, false, deform->planes, tiles, count);
+	status = deform_run_feel(deform, sweep, window, layer);
+	return status == STATUS_OK ? gpu_check(deform->params.gpu, "forces") : status;
+}
+
 enum status deform_scatter_from(struct deform *deform, struct post_rect write, const struct scatter_from *scatter,
 				const struct deform_tile *tiles, size_t count)
 {
@@ -166,6 +181,13 @@ enum status deform_tally(struct deform *deform, struct deform_tally *tally)
 {
 	gpu_buffer_read(deform->tally, 0, sizeof *tally, tally);
 	return gpu_check(deform->params.gpu, "what deformation counts");
+}
+
+enum status deform_restore(struct deform *deform, const struct deform_tally *tally)
+{
+	enum status status = deform->awake != NULL ? deform_awake_forget(deform) : STATUS_OK;
+	gpu_buffer_write(deform->tally, 0, sizeof *tally, tally);
+	return status == STATUS_OK ? gpu_check(deform->params.gpu, "going back") : status;
 }
 
 void deform_tally_read_into(struct deform *deform, struct gpu_staging *staging, size_t offset)

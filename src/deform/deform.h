@@ -57,7 +57,7 @@ struct deform_sweep {
 
 enum deform_model { DEFORM_NONE, DEFORM_BOX_FILTER, DEFORM_SUMNER, DEFORM_SLIPPAGE, DEFORM_SCM, DEFORM_MODELS };
 
-/* One class of soil, SI, angles in radians. Ranges: scene. */
+/* One class of soil, SI, angles in radians. Ranges: scene. NAN: the soil has no such number; no model may read it. */
 struct deform_soil {
 	double bekker_kc, bekker_kphi, bekker_n; /* N/m^(n+1), N/m^(n+2), 1 */
 	double cohesion, friction_angle;         /* Pa, rad */
@@ -70,7 +70,11 @@ struct deform_soil {
 };
 #define DEFORM_SOILS 16
 
-/* The named soils: Wong 2008, and Sumner's three. STATUS_INPUT with those there are if it is none. */
+/* A soil that has no number at all. */
+void deform_soil_clear(struct deform_soil *soil);
+/* The name of a named soil, index 0, 1, ...; NULL beyond the last. */
+const char *deform_soil_name(size_t index);
+/* The numbers of a named soil: Wong's, Sumner's, or both. STATUS_INPUT, with all names, if there is no such soil. */
 enum status deform_soil_named(const char *name, struct deform_soil *soil) FURROW_CHECKED;
 
 struct deform_params {
@@ -150,6 +154,10 @@ struct deform_tile {
 enum status deform_compute(struct deform *deform, const struct deform_sweep *sweep,
 			   const struct deform_window *window, uint32_t layer,
 			   const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
+/* DEFORM_SCM: only the forces of a sweep with a tag, over one of its windows, as deform_compute would find them. Changes nothing, the
+ * tally neither; there is nothing to scatter. */
+enum status deform_feel(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window, uint32_t layer,
+			const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
 /* An object as far as what it makes and runs depends on it. */
 struct deform_planned {
 	const struct deform_shape *shape;
@@ -249,6 +257,8 @@ struct deform_tally {
 /* Blocks: at the end. */
 enum status deform_tally(struct deform *deform, struct deform_tally *tally) FURROW_CHECKED;
 /* The same as bytes, without waiting: sizeof(struct deform_tally), as gpu_buffer_read_into. */
+/* Goes back to a tally, and to no awake block; waits for what is under way. Touched posts stay touched. */
+enum status deform_restore(struct deform *deform, const struct deform_tally *tally) FURROW_CHECKED;
 void deform_tally_read_into(struct deform *deform, struct gpu_staging *staging, size_t offset);
 
 /* What the soil does to an object: of a sweep with a tag, under DEFORM_SCM. Summed in whole numbers over the posts it

@@ -38,7 +38,7 @@ struct facet_window {
 /* `resting`: it is there at the sweep's end. False if it is above no post of the window: nothing is
  * written. A triangle seen edge-on from above, or all but so, is none: its edges are its
  * neighbours' too. */
-bool facet_of(const struct facet_corner corners[3], const struct facet_motion *motion, bool resting,
+bool deform_facet_of(const struct facet_corner corners[3], const struct facet_motion *motion, bool resting,
 	      const struct facet_window *window, struct facet *facet);
 
 #endif

@@ -23,7 +23,7 @@ void deform_facets_destroy(struct facets *facets)
 	mem_free(facets);
 }
 
-void facets_plan(const char *effect, struct plan *plan)
+void deform_facets_plan(const char *effect, struct plan *plan)
 {
 	deform_plan_buffer(plan, effect, 1, ROOM * sizeof(struct facet), "triangles");
 }
@@ -45,7 +45,7 @@ static enum status make(struct deform *deform)
 enum status deform_facets_begin(struct deform *deform, struct post_rect read, uint32_t layer)
 {
 	struct deform_request request;
-	programs_facet(&deform->params, &request);
+	deform_programs_facet(&deform->params, &request);
 	enum status status = deform_program(deform, &request, &deform->facet);
 	if (status == STATUS_OK && deform->facets == NULL)
 		status = make(deform);

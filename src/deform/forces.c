@@ -59,7 +59,7 @@ static enum status create(struct deform *deform)
 	return status;
 }
 
-void forces_plan(const char *effect, struct plan *plan)
+void deform_forces_plan(const char *effect, struct plan *plan)
 {
 	deform_plan_buffer(plan, effect, 1, RECORDS * sizeof(struct record), "forces");
 	deform_plan_buffer(plan, effect, BATCHES, BATCHES * RECORDS * sizeof(struct record), "forces on their way");

@@ -79,6 +79,7 @@ struct deform {
 	struct gpu_buffer *tries;             /* of load.c; NULL until a sweep needs it */
 	struct gpu_buffer *standing;          /* int32 a carrier: quanta above its pose; NULL: there are none */
 	struct gpu_buffer *tally;              /* struct deform_tally */
+	struct gpu_buffer *felt;               /* the same, of sweeps of which only the forces count; NULL until one does */
 	struct deform_figures figures;         /* window_layers: see `layers` */
 	uint64_t warmed;                       /* the kinds of objects that were (warm.c) */
 };
@@ -89,7 +90,7 @@ int deform_gathers_into(const struct deform *deform, int plane);
 /* scratch.c: textures and targets for `layers` windows. */
 enum status deform_need_layers(struct deform *deform, uint32_t layers) FURROW_CHECKED;
 void deform_drop_layers(struct deform *deform);
-void scratch_plan(const struct deform_params *params, struct plan *plan);
+void deform_scratch_plan(const struct deform_params *params, struct plan *plan);
 
 /* What follows from the parameters. */
 bool deform_needs_contacts(const struct deform_params *params); /* scratch.c */
@@ -139,7 +140,7 @@ enum status deform_facets_begin(struct deform *deform, struct post_rect read, ui
 struct facet *deform_facets_next(struct deform *deform);
 void deform_facets_keep(struct deform *deform);
 void deform_facets_end(struct deform *deform);
-void facets_plan(const char *effect, struct plan *plan);
+void deform_facets_plan(const char *effect, struct plan *plan);
 void deform_facets_destroy(struct facets *facets);
 
 /* mesh.c: a mesh over the window; and what its vertices say of it. */
@@ -161,6 +162,9 @@ enum status deform_none(struct deform *deform, const struct deform_sweep *sweep,
 enum status deform_box(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
 		       uint32_t layer) FURROW_CHECKED;
 
+/* Its press alone, for the forces. */
+enum status deform_scm_feel(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window, uint32_t layer)
+	FURROW_CHECKED;
 enum status deform_scm(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
 		       uint32_t layer) FURROW_CHECKED;
 
@@ -183,7 +187,7 @@ enum deform_find { DEFORM_FIND_PATCH = 1, DEFORM_FIND_LOAD = 2 };
 enum status deform_find(struct deform *deform, const struct scm_params *params, uint32_t layer, unsigned what,
 			int *last) FURROW_CHECKED;
 int deform_find_passes(bool patch, bool load);
-void find_plan(const char *effect, struct plan *plan);
+void deform_find_plan(const char *effect, struct plan *plan);
 
 /* Forces are whole sixteenths of a pascal times a post's area; moments that times an arm. */
 #define DEFORM_UNITS_A_PASCAL 16
@@ -191,7 +195,7 @@ void find_plan(const char *effect, struct plan *plan);
 enum status deform_forces_record(struct deform *deform, const struct deform_sweep *sweep, bool first_window, double arm,
 				 struct gpu_buffer **records, uint32_t *record) FURROW_CHECKED;
 void deform_forces_destroy(struct deform *deform);
-void forces_plan(const char *effect, struct plan *plan);
+void deform_forces_plan(const char *effect, struct plan *plan);
 
 /* windows.c: the posts a sweep can be above. */
 struct post_rect deform_shadow(const struct deform *deform, const struct deform_sweep *sweep);
@@ -243,25 +247,29 @@ enum status deform_scatter_from(struct deform *deform, struct post_rect write, c
 				const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
 
 /* awake.c */
-enum status awake_create(struct deform *deform) FURROW_CHECKED;
-void awake_destroy(struct awake *awake); /* takes NULL */
-void awake_plan(const char *effect, struct plan *plan);
+enum status deform_awake_create(struct deform *deform) FURROW_CHECKED;
+void deform_awake_destroy(struct awake *awake); /* takes NULL */
+void deform_awake_plan(const char *effect, struct plan *plan);
 /* Where a window's sliding puts its flags; of use until the next is asked for, and lasting if deform_wake_swept follows. */
-struct place_flags awake_flags(struct deform *deform, const struct deform_window *window, uint32_t layer);
-/* The blocks of an interval that begins: the list stays as it is until awake_visited. */
-enum status awake_visit(struct deform *deform, const struct deform_block **blocks, size_t *count) FURROW_CHECKED;
-bool awake_is_visited(const struct deform *deform, struct deform_block block);
+struct place_flags deform_awake_flags(struct deform *deform, const struct deform_window *window, uint32_t layer);
+/* Waits for all flags; then no block is awake. */
+enum status deform_awake_forget(struct deform *deform) FURROW_CHECKED;
+/* The blocks of an interval that begins: the list stays as it is until deform_awake_visited. */
+enum status deform_awake_visit(struct deform *deform, const struct deform_block **blocks, size_t *count) FURROW_CHECKED;
+bool deform_awake_is_visited(const struct deform *deform, struct deform_block block);
 /* They were worked on; `flags` says what still moves in each. */
-enum status awake_visited(struct deform *deform, struct gpu_buffer *flags) FURROW_CHECKED;
+enum status deform_awake_visited(struct deform *deform, struct gpu_buffer *flags) FURROW_CHECKED;
 
 /* interval.c */
-enum status interval_create(struct deform *deform) FURROW_CHECKED;
+enum status deform_interval_create(struct deform *deform) FURROW_CHECKED;
 /* As deform_warm. */
-enum status interval_warm(struct deform *deform, const struct deform_shape *shape, uint32_t carrier) FURROW_CHECKED;
-void interval_plan(const struct deform_params *params, struct plan *plan);
-void interval_destroy(struct deform *deform); /* of one that has none, too */
+enum status deform_interval_warm(struct deform *deform, const struct deform_shape *shape, uint32_t carrier) FURROW_CHECKED;
+void deform_interval_plan(const struct deform_params *params, struct plan *plan);
+void deform_interval_destroy(struct deform *deform); /* of one that has none, too */
 
 /* stages.c: the passes over a gathered window. */
+enum status deform_run_feel(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window, uint32_t layer)
+	FURROW_CHECKED;
 enum status deform_run_stages(struct deform *deform, const struct deform_sweep *sweep,
 			      const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
 

@@ -70,7 +70,7 @@ static enum status need_results(struct deform *deform, size_t blocks)
 	return status;
 }
 
-enum status interval_create(struct deform *deform)
+enum status deform_interval_create(struct deform *deform)
 {
 	struct interval *interval = mem_calloc(1, sizeof *interval);
 	if (interval == NULL)
@@ -84,7 +84,7 @@ enum status interval_create(struct deform *deform)
 	return status == STATUS_OK ? need_results(deform, 1) : status;
 }
 
-void interval_plan(const struct deform_params *params, struct plan *plan)
+void deform_interval_plan(const struct deform_params *params, struct plan *plan)
 {
 	const char *effect = deform_slide_effect(params->model);
 	for (int plane = 0; plane < PLANES; plane++) {
@@ -100,7 +100,7 @@ void interval_plan(const struct deform_params *params, struct plan *plan)
 	deform_plan_buffer(plan, effect, 1, DEFORM_BLOCKS_MAX * sizeof(uint32_t), "blocks' flags");
 }
 
-void interval_destroy(struct deform *deform)
+void deform_interval_destroy(struct deform *deform)
 {
 	struct interval *interval = deform->interval;
 	if (interval == NULL)
@@ -122,7 +122,7 @@ enum status deform_interval_begin(struct deform *deform, const struct deform_res
 	*count = 0;
 	if (interval == NULL)
 		return STATUS_OK;
-	enum status status = awake_visit(deform, &interval->blocks, &interval->count);
+	enum status status = deform_awake_visit(deform, &interval->blocks, &interval->count);
 	if (status != STATUS_OK || interval->count == 0)
 		return status;
 	interval->objects = objects;
@@ -178,7 +178,7 @@ static enum status hold(struct deform *deform, const struct deform_rest *object,
 	if (post_rect_empty(both))
 		return STATUS_OK;
 	struct deform_request request;
-	programs_held(loaded, &request);
+	deform_programs_held(loaded, &request);
 	enum status status = deform_program(deform, &request, &deform->held[loaded]);
 	if (status != STATUS_OK)
 		return status;
@@ -275,7 +275,7 @@ static void close_sides(struct deform *deform, size_t block, uint32_t x, uint32_
 	const uint32_t from[3] = {0, rim, rim + DEFORM_BLOCK}, length[3] = {rim, DEFORM_BLOCK, rim};
 	for (int k = 0; k < 9; k++) {
 		int i = k % 3, j = k / 3;
-		if (k == 4 || awake_is_visited(deform, (struct deform_block){own->x + i - 1, own->y + j - 1}))
+		if (k == 4 || deform_awake_is_visited(deform, (struct deform_block){own->x + i - 1, own->y + j - 1}))
 			continue;
 		const struct gpu_rect side = {x + from[i], y + from[j], length[i], length[j]};
 		gpu_texture_clear(deform->bases, deform->layers, side, BASE_NODATA);
@@ -296,7 +296,7 @@ enum status deform_interval_gather(struct deform *deform, size_t block, const st
 	return compute(deform, block - block % interval->batch, block);
 }
 
-enum status interval_warm(struct deform *deform, const struct deform_shape *shape, uint32_t carrier)
+enum status deform_interval_warm(struct deform *deform, const struct deform_shape *shape, uint32_t carrier)
 {
 	static const struct deform_block beyond = {-4, -4};
 	struct interval *interval = deform->interval;
@@ -327,5 +327,5 @@ enum status deform_interval_scatter(struct deform *deform, size_t block, const s
 
 enum status deform_interval_end(struct deform *deform)
 {
-	return awake_visited(deform, deform->interval->flags);
+	return deform_awake_visited(deform, deform->interval->flags);
 }

@@ -20,7 +20,7 @@ static enum status find_program(struct deform *deform, enum find_what what, bool
 {
 	struct gpu_program **place = &deform->find[(int)what + (what == FIND_BEARS && patch)];
 	struct deform_request request;
-	programs_find(&deform->params, what, patch, &request);
+	deform_programs_find(&deform->params, what, patch, &request);
 	enum status status = deform_program(deform, &request, place);
 	*program = *place;
 	return status;
@@ -80,7 +80,7 @@ int deform_find_passes(bool patch, bool load)
 	return load ? 1 + (TRIES - 2) * (1 + patch) + patch : patch;
 }
 
-void find_plan(const char *effect, struct plan *plan)
+void deform_find_plan(const char *effect, struct plan *plan)
 {
 	deform_plan_buffer(plan, effect, 1, TRIES * sizeof(struct attempt), "tries");
 }

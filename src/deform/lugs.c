@@ -86,7 +86,7 @@ static void draw_bar(struct lugs *lugs, const struct spot corners[4], double sha
 						   corner_of(lugs, *b, half, share), corner_of(lugs, *a, half, share)};
 		const struct facet_corner halves[2][3] = {{at[0], at[1], at[2]}, {at[0], at[2], at[3]}};
 		for (int i = 0; i < 2; i++)
-			if (facet_of(halves[i], motion, resting, &lugs->window, deform_facets_next(lugs->deform)))
+			if (deform_facet_of(halves[i], motion, resting, &lugs->window, deform_facets_next(lugs->deform)))
 				deform_facets_keep(lugs->deform);
 	}
 }
@@ -140,7 +140,7 @@ enum status deform_lugs(struct deform *deform, const struct deform_sweep *sweep,
 	enum status status = deform_facets_begin(deform, read, layer);
 	if (status != STATUS_OK)
 		return status;
-	struct body_motion motion = body_motion_of(from, &sweep->to, &frame);
+	struct body_motion motion = deform_body_motion_of(from, &sweep->to, &frame);
 	struct lugs lugs = {
 		.deform = deform,
 		.shape = shape,

@@ -23,7 +23,7 @@ static void turn(const float vertex[3], double axes[3][3], double at[3])
 double deform_mesh_reach(const struct deform_mesh *mesh, double pitch, double roll)
 {
 	double axes[3][3], lowest = 0;
-	body_axes(unit, 0, pitch, roll, axes);
+	deform_body_axes(unit, 0, pitch, roll, axes);
 	for (uint32_t i = 0; i < mesh->vertex_count; i++) {
 		const float *v = mesh->vertices[i];
 		double z = v[0] * axes[0][2] + v[1] * axes[1][2] + v[2] * axes[2][2];
@@ -38,7 +38,7 @@ static void place(const struct deform_mesh *mesh, const struct deform_pose *to, 
 {
 	double axes[3][3], posts = ldexp(1, FACET_BITS) / spacing;
 	double x = (double)(motion->x + motion->dx), y = (double)(motion->y + motion->dy), z = (double)(motion->z + motion->dz);
-	body_axes(unit, to->yaw, to->pitch, to->roll, axes);
+	deform_body_axes(unit, to->yaw, to->pitch, to->roll, axes);
 	for (uint32_t i = 0; i < mesh->vertex_count; i++) {
 		double at[3];
 		turn(mesh->vertices[i], axes, at);
@@ -56,7 +56,7 @@ static void draw(struct deform *deform, const struct deform_mesh *mesh, const st
 	for (uint32_t t = 0; t < mesh->triangle_count; t++) {
 		const uint32_t *index = mesh->triangles[t];
 		const struct facet_corner at[3] = {corners[index[0]], corners[index[1]], corners[index[2]]};
-		if (facet_of(at, motion, true, around, deform_facets_next(deform)))
+		if (deform_facet_of(at, motion, true, around, deform_facets_next(deform)))
 			deform_facets_keep(deform);
 	}
 	deform_facets_end(deform);
@@ -70,7 +70,7 @@ enum status deform_mesh(struct deform *deform, const struct deform_sweep *sweep,
 	const struct gpu_rect all = {0, 0, (uint32_t)(read.x1 - read.x0), (uint32_t)(read.y1 - read.y0)};
 	const struct body_frame frame = {.x0 = read.x0, .y0 = read.y0, .spacing = deform->spacing, .zero = sweep->to.z};
 	const struct deform_pose *from = deform_is_contact_only(sweep) ? &sweep->to : &sweep->from;
-	struct body_motion motion = body_motion_of(from, &sweep->to, &frame);
+	struct body_motion motion = deform_body_motion_of(from, &sweep->to, &frame);
 	struct facet_corner *corners = mem_alloc(mesh->vertex_count, sizeof *corners);
 	if (corners == NULL)
 		return fail_memory("the vertices of a mesh");

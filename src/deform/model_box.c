@@ -4,7 +4,7 @@
 static enum status filter(struct deform *deform, struct post_rect read, uint32_t layer)
 {
 	struct deform_request request;
-	programs_box(&deform->params, &request);
+	deform_programs_box(&deform->params, &request);
 	enum status status = deform_program(deform, &request, &deform->box);
 	if (status != STATUS_OK)
 		return status;

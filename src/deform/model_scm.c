@@ -90,8 +90,8 @@ static struct scm_params params_of(const struct deform *deform, const struct def
 			    (int32_t)(written.y + written.height)},
 		.scale = {(float)(ldexp(1, -OFFSET_BITS) / spacing), (float)spacing, DEFORM_UNITS_A_PASCAL},
 		.spin = {[3] = (float)deform->params.bulldozing},
-		.place = {(float)-body_from_post(sweep->to.x, window->read.x0, spacing),
-			  (float)-body_from_post(sweep->to.y, window->read.y0, spacing), (float)(1 / arm_of(sweep->shape, extent)),
+		.place = {(float)-deform_body_from_post(sweep->to.x, window->read.x0, spacing),
+			  (float)-deform_body_from_post(sweep->to.y, window->read.y0, spacing), (float)(1 / arm_of(sweep->shape, extent)),
 			  (float)(spacing * spacing)},
 		.load = {(float)fmax(sweep->load, 1e-6), (float)fmin(ldexp(deepest(sweep), OFFSET_BITS), 0x1p28), (float)sweep->carrier},
 	};
@@ -108,10 +108,10 @@ static struct scm_params params_of(const struct deform *deform, const struct def
 }
 
 static enum status press(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
-			 uint32_t layer)
+			 uint32_t layer, struct gpu_buffer *tally)
 {
 	double extent[2];
-	body_extent(sweep->shape, &sweep->to, extent);
+	deform_body_extent(sweep->shape, &sweep->to, extent);
 	struct scm_params params = params_of(deform, sweep, window, layer, extent);
 	bool counted = deform_is_counted(&deform->params, sweep->shape, sweep->load > 0) &&
 		       deform_fits_window(deform, deform_reached(deform, sweep));
@@ -122,7 +122,7 @@ static enum status press(struct deform *deform, const struct deform_sweep *sweep
 	uint32_t record = 0;
 	int last = 0;
 	struct deform_request request;
-	programs_press(&deform->params, with, &request);
+	deform_programs_press(&deform->params, with, &request);
 	enum status status = deform_program(deform, &request, &deform->scm[with]);
 	if (status == STATUS_OK && (with & (WITH_PATCH | WITH_LOAD)))
 		status = deform_find(deform, &params, layer, with / WITH_PATCH, &last);
@@ -142,18 +142,24 @@ static enum status press(struct deform *deform, const struct deform_sweep *sweep
 		.images = {deform->bases, deform->planes_of[1][PLANE_HEAPED], deform->rest, deform->planes_of[1][PLANE_OFFSET],
 			   deform->planes_of[0][PLANE_PRESSED], deform->planes_of[0][PLANE_SHEAR], deform->contacts,
 			   deform->carried},
-		.storage = {deform->tally, records, deform->tries, deform->standing},
+		.storage = {tally, records, deform->tries, deform->standing},
 		.params = &params,
 		.params_bytes = sizeof params,
 	});
 	return STATUS_OK;
 }
 
+enum status deform_scm_feel(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window, uint32_t layer)
+{
+	deform->scratch[layer].now[PLANE_OFFSET] = deform->scratch[layer].now[PLANE_HEAPED] = 1;
+	return press(deform, sweep, window, layer, deform->felt);
+}
+
 enum status deform_scm(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
 		       uint32_t layer)
 {
 	deform->scratch[layer].now[PLANE_OFFSET] = deform->scratch[layer].now[PLANE_HEAPED] = 1;
-	enum status status = press(deform, sweep, window, layer);
+	enum status status = press(deform, sweep, window, layer, deform->tally);
 	if (status == STATUS_OK)
 		status = deform_spread(deform, window, layer);
 	if (status == STATUS_OK)

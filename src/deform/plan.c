@@ -88,8 +88,8 @@ static void plan_intervals(const struct deform_params *params, const struct any 
 	add_passes(plan, effect, -1, PLAN_HELD, GPU_HOLD, 1);
 	if (any->closed)
 		add_passes(plan, effect, -1, PLAN_RESTING, GPU_UNDERSIDE, 1);
-	awake_plan(effect, plan);
-	interval_plan(params, plan);
+	deform_awake_plan(effect, plan);
+	deform_interval_plan(params, plan);
 }
 
 void deform_plan(const struct deform_params *params, const struct deform_planned *objects, size_t count, bool forces,
@@ -100,22 +100,22 @@ void deform_plan(const struct deform_params *params, const struct deform_planned
 		return;
 	plan_planes(params, plan);
 	for (size_t i = 0; i < count; i++) {
-		programs_each(params, &objects[i], forces, add_program, plan);
+		deform_programs_each(params, &objects[i], forces, add_program, plan);
 		plan_windows(params, &objects[i], (int)i, plan);
 		look(params, &objects[i], forces, &any);
 	}
-	scratch_plan(params, plan);
+	deform_scratch_plan(params, plan);
 	deform_plan_buffer(plan, deform_press_effect(params->model), 1, sizeof(struct deform_tally), "tally");
 	if (params->carriers > 0)
 		deform_plan_buffer(plan, "load", 1, params->carriers * sizeof(int32_t), "heights of the loaded");
 	if (any.facets != NULL) {
 		add_passes(plan, any.facets, -1, PLAN_FACETS, GPU_FACETS, 1);
-		facets_plan(any.facets, plan);
+		deform_facets_plan(any.facets, plan);
 	}
 	if (any.tries != NULL)
-		find_plan(any.tries, plan);
+		deform_find_plan(any.tries, plan);
 	if (any.forces != NULL)
-		forces_plan(any.forces, plan);
+		deform_forces_plan(any.forces, plan);
 	if (deform_conserves(params->model))
 		plan_intervals(params, &any, plan);
 }

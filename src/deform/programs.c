@@ -34,7 +34,7 @@ static bool is_heaped(const struct deform_params *params)
 	return (deform_planes(params->model, params->dirt) & PLANE_BIT(PLANE_HEAPED)) != 0;
 }
 
-void programs_underside(const struct deform_params *params, enum deform_shape_kind kind, bool sideways,
+void deform_programs_underside(const struct deform_params *params, enum deform_shape_kind kind, bool sideways,
 			struct deform_request *out)
 {
 	static const char *const shapes[DEFORM_SHAPES] = {"SHAPE_WHEEL", "SHAPE_SPHERE", "SHAPE_BOX"};
@@ -44,13 +44,13 @@ void programs_underside(const struct deform_params *params, enum deform_shape_ki
 	define(out, "SIDEWAYS", sideways);
 }
 
-void programs_facet(const struct deform_params *params, struct deform_request *out)
+void deform_programs_facet(const struct deform_params *params, struct deform_request *out)
 {
 	begin(out, "deform/facet.vert", "deform/facet.frag");
 	define(out, "REST", deform_needs_contacts(params));
 }
 
-void programs_press(const struct deform_params *params, unsigned with, struct deform_request *out)
+void deform_programs_press(const struct deform_params *params, unsigned with, struct deform_request *out)
 {
 	static const char *const files[DEFORM_MODELS] = {
 		[DEFORM_NONE] = "deform/none.frag",         [DEFORM_BOX_FILTER] = "deform/none.frag",
@@ -70,7 +70,7 @@ void programs_press(const struct deform_params *params, unsigned with, struct de
 		define_number(out, "SOILS", deform_soil_slots(params));
 }
 
-void programs_find(const struct deform_params *params, enum find_what what, bool patch, struct deform_request *out)
+void deform_programs_find(const struct deform_params *params, enum find_what what, bool patch, struct deform_request *out)
 {
 	begin(out, "full.vert", "deform/scm_find.frag");
 	define(out, "GAP", what == FIND_GAP);
@@ -79,13 +79,13 @@ void programs_find(const struct deform_params *params, enum find_what what, bool
 	define(out, "SOIL_MAP", what == FIND_BEARS && deform_has_classes(params));
 }
 
-void programs_box(const struct deform_params *params, struct deform_request *out)
+void deform_programs_box(const struct deform_params *params, struct deform_request *out)
 {
 	begin(out, "full.vert", "deform/box.frag");
 	define_number(out, "RADIUS", params->box_radius);
 }
 
-void programs_spread(struct deform_request *out)
+void deform_programs_spread(struct deform_request *out)
 {
 	begin(out, "full.vert", "deform/spread.frag");
 }
@@ -95,7 +95,7 @@ static void begin_over(struct deform_request *out, bool blocks, const char *frag
 	begin(out, blocks ? "deform/regions.vert" : "full.vert", fragment);
 }
 
-void programs_begin(const struct deform_params *params, bool blocks, bool loaded, struct deform_request *out)
+void deform_programs_begin(const struct deform_params *params, bool blocks, bool loaded, struct deform_request *out)
 {
 	begin_over(out, blocks, "deform/slide_begin.frag");
 	define(out, "DEPOSITS", !blocks);
@@ -106,7 +106,7 @@ void programs_begin(const struct deform_params *params, bool blocks, bool loaded
 	define(out, "HELD_STILL", params->model != DEFORM_SUMNER);
 }
 
-void programs_slide(const struct deform_params *params, enum slide_what what, bool blocks, bool last,
+void deform_programs_slide(const struct deform_params *params, enum slide_what what, bool blocks, bool last,
 		    struct deform_request *out)
 {
 	static const char *const files[] = {
@@ -128,13 +128,13 @@ void programs_slide(const struct deform_params *params, enum slide_what what, bo
 	}
 }
 
-void programs_held(bool loaded, struct deform_request *out)
+void deform_programs_held(bool loaded, struct deform_request *out)
 {
 	begin(out, "full.vert", "deform/held.frag");
 	define(out, "LOAD", loaded);
 }
 
-void programs_dirt(struct deform_request *out)
+void deform_programs_dirt(struct deform_request *out)
 {
 	begin(out, "full.vert", "deform/dirt.frag");
 }
@@ -194,15 +194,15 @@ static void each_underside(struct each *each, const struct deform_planned *objec
 	const struct deform_shape *shape = object->shape;
 	const char *press = deform_press_effect(each->params->model);
 	if (shape->kind != DEFORM_MESH) {
-		programs_underside(each->params, shape->kind, false, &each->request);
+		deform_programs_underside(each->params, shape->kind, false, &each->request);
 		add(each, press);
 	}
 	if (shape->kind == DEFORM_WHEEL && object->moves) {
-		programs_underside(each->params, shape->kind, true, &each->request);
+		deform_programs_underside(each->params, shape->kind, true, &each->request);
 		add(each, press);
 	}
 	if (shape->kind == DEFORM_MESH || shape->lugs > 0) {
-		programs_facet(each->params, &each->request);
+		deform_programs_facet(each->params, &each->request);
 		add(each, shape->kind == DEFORM_MESH ? "mesh" : "lugs");
 	}
 }
@@ -210,13 +210,13 @@ static void each_underside(struct each *each, const struct deform_planned *objec
 static void each_find(struct each *each, bool patch, bool load)
 {
 	if (load) {
-		programs_find(each->params, FIND_GAP, false, &each->request);
+		deform_programs_find(each->params, FIND_GAP, false, &each->request);
 		add(each, "load");
-		programs_find(each->params, FIND_BEARS, patch, &each->request);
+		deform_programs_find(each->params, FIND_BEARS, patch, &each->request);
 		add(each, "load");
 	}
 	if (patch) {
-		programs_find(each->params, FIND_COUNT, false, &each->request);
+		deform_programs_find(each->params, FIND_COUNT, false, &each->request);
 		add(each, "scm");
 	}
 }
@@ -226,10 +226,10 @@ static void each_scm(struct each *each, const struct deform_planned *object, boo
 	bool load = object->load > 0, patch = deform_is_counted(each->params, object->shape, load);
 	unsigned with = (patch ? WITH_PATCH : 0) | (load ? WITH_LOAD : 0);
 	each_find(each, patch, load);
-	programs_press(each->params, with, &each->request);
+	deform_programs_press(each->params, with, &each->request);
 	add(each, load ? "load" : "scm");
 	if (forces || load) {
-		programs_press(each->params, with | WITH_FORCES, &each->request);
+		deform_programs_press(each->params, with | WITH_FORCES, &each->request);
 		add(each, forces ? "forces" : "load");
 	}
 }
@@ -239,19 +239,19 @@ static void each_slide(struct each *each, bool blocks, bool loaded)
 	const struct deform_params *params = each->params;
 	const char *effect = deform_slide_effect(params->model);
 	bool sumner = params->model == DEFORM_SUMNER;
-	programs_begin(params, blocks, loaded, &each->request);
+	deform_programs_begin(params, blocks, loaded, &each->request);
 	add(each, !blocks && loaded ? "load" : effect);
 	if (sumner) {
-		programs_slide(params, SLIDE_SHED, blocks, false, &each->request);
+		deform_programs_slide(params, SLIDE_SHED, blocks, false, &each->request);
 		add(each, effect);
 	}
 	for (int last = params->iterations == 1; last < 2; last++) {
-		programs_slide(params, sumner ? SLIDE_TAKE : SLIDE_EXCESS, blocks, last, &each->request);
+		deform_programs_slide(params, sumner ? SLIDE_TAKE : SLIDE_EXCESS, blocks, last, &each->request);
 		add(each, effect);
 	}
 }
 
-void programs_each(const struct deform_params *params, const struct deform_planned *object, bool forces, programs_fn fn,
+void deform_programs_each(const struct deform_params *params, const struct deform_planned *object, bool forces, programs_fn fn,
 		   void *user)
 {
 	struct each each = {.params = params, .each = fn, .user = user};
@@ -260,23 +260,23 @@ void programs_each(const struct deform_params *params, const struct deform_plann
 	if (params->model == DEFORM_SCM) {
 		each_scm(&each, object, forces);
 	} else {
-		programs_press(params, 0, &each.request);
+		deform_programs_press(params, 0, &each.request);
 		add(&each, deform_press_effect(params->model));
 	}
 	if (params->model == DEFORM_BOX_FILTER && object->moves) {
-		programs_box(params, &each.request);
+		deform_programs_box(params, &each.request);
 		add(&each, "box");
 	}
 	if (deform_conserves(params->model)) {
-		programs_spread(&each.request);
+		deform_programs_spread(&each.request);
 		add(&each, "spread");
 		each_slide(&each, false, loaded);
 		each_slide(&each, true, false);
-		programs_held(loaded && params->carriers > 0, &each.request);
+		deform_programs_held(loaded && params->carriers > 0, &each.request);
 		add(&each, loaded && params->carriers > 0 ? "load" : deform_slide_effect(params->model));
 	}
 	if (params->dirt) {
-		programs_dirt(&each.request);
+		deform_programs_dirt(&each.request);
 		add(&each, "dirt");
 	}
 }

@@ -75,7 +75,7 @@ static uint32_t beside_windows(const struct deform_params *params)
 	return deform_conserves(params->model);
 }
 
-void scratch_plan(const struct deform_params *params, struct plan *plan)
+void deform_scratch_plan(const struct deform_params *params, struct plan *plan)
 {
 	struct rows rows;
 	rows_of(params, &rows);

@@ -150,7 +150,7 @@ static enum status begin(struct deform *deform, const struct slide_place *place)
 {
 	bool blocks = place->blocks > 0, loaded = place->flags.loaded;
 	struct deform_request request;
-	programs_begin(&deform->params, blocks, loaded, &request);
+	deform_programs_begin(&deform->params, blocks, loaded, &request);
 	struct gpu_program **program = &deform->slide_begin[blocks][loaded];
 	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
@@ -197,7 +197,7 @@ static enum status excess(struct deform *deform, const struct slide_place *place
 {
 	bool last = iteration == deform->params.iterations - 1, stood = deform_asks_what_stood(&deform->params);
 	struct deform_request request;
-	programs_slide(&deform->params, SLIDE_EXCESS, place->blocks > 0, last, &request);
+	deform_programs_slide(&deform->params, SLIDE_EXCESS, place->blocks > 0, last, &request);
 	struct gpu_program **program = &deform->slide[place->blocks > 0][last];
 	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
@@ -222,7 +222,7 @@ static enum status shed(struct deform *deform, const struct slide_place *place, 
 {
 	bool stood = deform_asks_what_stood(&deform->params);
 	struct deform_request request;
-	programs_slide(&deform->params, SLIDE_SHED, place->blocks > 0, false, &request);
+	deform_programs_slide(&deform->params, SLIDE_SHED, place->blocks > 0, false, &request);
 	struct gpu_program **program = &deform->shed[place->blocks > 0];
 	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
@@ -261,7 +261,7 @@ static enum status shed_and_take(struct deform *deform, const struct slide_place
 	if (status != STATUS_OK)
 		return status;
 	struct deform_request request;
-	programs_slide(&deform->params, SLIDE_TAKE, place->blocks > 0, last, &request);
+	deform_programs_slide(&deform->params, SLIDE_TAKE, place->blocks > 0, last, &request);
 	struct gpu_program **program = &deform->slide[place->blocks > 0][last];
 	status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
@@ -292,7 +292,7 @@ enum status deform_slide(struct deform *deform, const struct deform_window *wind
 		.layer = layer,
 		.all = deform_window_rect(window),
 		.written = deform_written(window),
-		.flags = awake_flags(deform, window, layer),
+		.flags = deform_awake_flags(deform, window, layer),
 	};
 	assert(deform->scratch[layer].now[PLANE_OFFSET] == 1);
 	assert(!(deform->planes & PLANE_BIT(PLANE_HEAPED)) || deform->scratch[layer].now[PLANE_HEAPED] == 1);

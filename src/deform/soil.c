@@ -1,11 +1,13 @@
 /*
- * Soils by name, and the planes a model keeps.
+ * Soils by name, and the planes a model keeps. docs/SOILS.md has this table in SI units, with the sources; a test compares
+ * the two.
  *
- * n, k_c, k_phi, c, phi, K: Wong, Theory of Ground Vehicles, 2008, table 2.3, there in kN, kPa, cm and
- * degrees. Unit weight and the stiffness of unloading are not in it: a bulk density of the kind, and the
- * stiffness of the soft soil of Project Chrono's demonstrations (Krenn and Hirzinger 2009 leave it open).
- * sand, mud, snow: Sumner, O'Brien and Hodgins 1999, whose material constants could not be checked
- * against the paper itself; compression here is the share that is lost.
+ * n, k_c, k_phi, c, phi, K: Wong, Theory of Ground Vehicles, 2008, table 2.3, there in kN, kPa, cm and degrees. The weight
+ * is a bulk density of the kind. The stiffness of unloading and the damping are those of the soft soil of Project Chrono's
+ * demonstrations: Krenn and Hirzinger 2009 leave them open.
+ *
+ * sand, mud, snow: Sumner, O'Brien and Hodgins 1999. These could not be checked against the paper itself. Compression here
+ * is the share of the soil that is lost.
  */
 #include <math.h>
 #include <stdio.h>
@@ -13,88 +15,93 @@
 
 #include "deform/deform.h"
 
-struct wong {
-	const char *name;
-	double n, k_c, k_phi, c, phi, k_cm, weight; /* as printed; weight kN/m3 */
-};
-
-static const struct wong wong[] = {
-	{"dry_sand", 1.1, 0.99, 1528.43, 1.04, 28, 2, 16},
-	{"sandy_loam_15", 0.7, 5.27, 1515.04, 1.72, 29, 2, 15},
-	{"sandy_loam_22", 0.2, 2.56, 43.12, 1.38, 38, 2, 16},
-	{"clayey_38", 0.5, 13.19, 692.15, 4.14, 13, 2, 16},
-	{"heavy_clay_25", 0.13, 12.7, 1555.95, 68.95, 34, 0.6, 18},
-	{"heavy_clay_40", 0.11, 1.84, 103.27, 20.69, 6, 3, 17},
-	{"lean_clay_22", 0.2, 16.43, 1724.69, 68.95, 20, 0.6, 18},
-	{"lete_sand", 0.79, 102, 5301, 1.3, 31.1, 1.2, 16},
-	{"upland_loam_51", 1.1, 74.6, 2080, 3.3, 33.7, 2, 15},
-	{"snow_us", 1.6, 4.37, 196.72, 1.03, 19.7, 3, 3},
-	{"snow_sweden", 1.44, 10.55, 66.08, 6, 20.7, 3, 3},
-	{"lunar", 1, 1.4, 820, 0.17, 35, 1.8, 2.5},
-};
-
-struct sumner {
-	const char *name;
-	double theta_in, theta_out, roughness, theta_stop, compression;
-};
-
-static const struct sumner sumner[] = {
-	{"sand", 0.8, 0.436, 0.2, 0.8, 0.3},
-	{"mud", 1.57, 1.1, 0.2, 1.1, 0.41},
-	{"snow", 1.57, 1.57, 0.2, 1.57, 0},
-};
-
-#define COUNT(array) (sizeof(array) / sizeof(array)[0])
 #define ELASTIC_STIFFNESS 4e7 /* Pa/m */
 #define DAMPING 3e4           /* Pa s/m */
+#define SUMNER_SAND {0.8, 0.436, 0.2, 0.8, 0.3}
+
+static const struct row {
+	const char *name;
+	struct wong {
+		double n, k_c, k_phi, c, phi, k_cm, weight; /* as printed; weight kN/m3; n 0: the soil has none of these */
+	} wong;
+	struct sumner {
+		double theta_in, theta_out, roughness, theta_stop, compression; /* rad; theta_in 0: the soil has none of these */
+	} sumner;
+} rows[] = {
+	{.name = "dry_sand", .wong = {1.1, 0.99, 1528.43, 1.04, 28, 2, 16}, .sumner = SUMNER_SAND},
+	{.name = "sandy_loam_15", .wong = {0.7, 5.27, 1515.04, 1.72, 29, 2, 15}},
+	{.name = "sandy_loam_22", .wong = {0.2, 2.56, 43.12, 1.38, 38, 2, 16}},
+	{.name = "clayey_38", .wong = {0.5, 13.19, 692.15, 4.14, 13, 2, 16}},
+	{.name = "heavy_clay_25", .wong = {0.13, 12.7, 1555.95, 68.95, 34, 0.6, 18}},
+	{.name = "heavy_clay_40", .wong = {0.11, 1.84, 103.27, 20.69, 6, 3, 17}},
+	{.name = "lean_clay_22", .wong = {0.2, 16.43, 1724.69, 68.95, 20, 0.6, 18}},
+	{.name = "lete_sand", .wong = {0.79, 102, 5301, 1.3, 31.1, 1.2, 16}},
+	{.name = "upland_loam_51", .wong = {1.1, 74.6, 2080, 3.3, 33.7, 2, 15}},
+	{.name = "snow_us", .wong = {1.6, 4.37, 196.72, 1.03, 19.7, 3, 3}},
+	{.name = "snow_sweden", .wong = {1.44, 10.55, 66.08, 6, 20.7, 3, 3}},
+	{.name = "lunar", .wong = {1, 1.4, 820, 0.17, 35, 1.8, 2.5}},
+	{.name = "sand", .sumner = SUMNER_SAND},
+	{.name = "mud", .sumner = {1.57, 1.1, 0.2, 1.1, 0.41}},
+	{.name = "snow", .sumner = {1.57, 1.57, 0.2, 1.57, 0}},
+};
+#define ROWS (sizeof rows / sizeof rows[0])
 
 static double radians(double degrees)
 {
 	return degrees * (M_PI / 180);
 }
 
-static struct deform_soil of_wong(const struct wong *row)
+static void take_wong(const struct wong *wong, struct deform_soil *soil)
 {
-	return (struct deform_soil){
-		.bekker_kc = row->k_c * 1e3,
-		.bekker_kphi = row->k_phi * 1e3,
-		.bekker_n = row->n,
-		.cohesion = row->c * 1e3,
-		.friction_angle = radians(row->phi),
-		.janosi_shear = row->k_cm / 100,
-		.elastic_stiffness = ELASTIC_STIFFNESS,
-		.damping = DAMPING,
-		.unit_weight = row->weight * 1e3,
-		.theta_in = sumner[0].theta_in,
-		.theta_out = sumner[0].theta_out,
-		.theta_stop = sumner[0].theta_stop,
-		.roughness = sumner[0].roughness,
-		.compression = sumner[0].compression,
-		.repose = radians(row->phi),
+	soil->bekker_kc = wong->k_c * 1e3;
+	soil->bekker_kphi = wong->k_phi * 1e3;
+	soil->bekker_n = wong->n;
+	soil->cohesion = wong->c * 1e3;
+	soil->friction_angle = radians(wong->phi);
+	soil->janosi_shear = wong->k_cm / 100;
+	soil->elastic_stiffness = ELASTIC_STIFFNESS;
+	soil->damping = DAMPING;
+	soil->unit_weight = wong->weight * 1e3;
+	soil->repose = radians(wong->phi);
+}
+
+static void take_sumner(const struct sumner *sumner, struct deform_soil *soil)
+{
+	soil->theta_in = sumner->theta_in;
+	soil->theta_out = sumner->theta_out;
+	soil->theta_stop = sumner->theta_stop;
+	soil->roughness = sumner->roughness;
+	soil->compression = sumner->compression;
+}
+
+void deform_soil_clear(struct deform_soil *soil)
+{
+	const double none = (double)NAN;
+	*soil = (struct deform_soil){
+		.bekker_kc = none, .bekker_kphi = none, .bekker_n = none, .cohesion = none, .friction_angle = none,
+		.janosi_shear = none, .elastic_stiffness = none, .damping = none, .unit_weight = none, .repose = none,
+		.theta_in = none, .theta_out = none, .theta_stop = none, .roughness = none, .compression = none,
 	};
+}
+
+const char *deform_soil_name(size_t index)
+{
+	return index < ROWS ? rows[index].name : NULL;
 }
 
 enum status deform_soil_named(const char *name, struct deform_soil *soil)
 {
 	char all[512] = "";
-	for (size_t i = 0; i < COUNT(wong); i++) {
-		if (strcmp(wong[i].name, name) == 0) {
-			*soil = of_wong(&wong[i]);
+	for (size_t i = 0; i < ROWS; i++) {
+		if (strcmp(rows[i].name, name) == 0) {
+			deform_soil_clear(soil);
+			if (rows[i].wong.n > 0)
+				take_wong(&rows[i].wong, soil);
+			if (rows[i].sumner.theta_in > 0)
+				take_sumner(&rows[i].sumner, soil);
 			return STATUS_OK;
 		}
-		snprintf(all + strlen(all), sizeof all - strlen(all), "%s, ", wong[i].name);
-	}
-	for (size_t i = 0; i < COUNT(sumner); i++) {
-		if (strcmp(sumner[i].name, name) == 0) {
-			*soil = of_wong(&wong[i == 2 ? 9 : 0]); /* snow stands on snow_us, the others on dry_sand */
-			soil->theta_in = sumner[i].theta_in;
-			soil->theta_out = sumner[i].theta_out;
-			soil->theta_stop = sumner[i].theta_stop;
-			soil->roughness = sumner[i].roughness;
-			soil->compression = sumner[i].compression;
-			return STATUS_OK;
-		}
-		snprintf(all + strlen(all), sizeof all - strlen(all), "%s%s", sumner[i].name, i + 1 < COUNT(sumner) ? ", " : "");
+		snprintf(all + strlen(all), sizeof all - strlen(all), "%s%s", i > 0 ? ", " : "", rows[i].name);
 	}
 	return fail_with(STATUS_INPUT, "soil: there is none by that name; known are: %s", all);
 }

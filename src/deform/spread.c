@@ -8,7 +8,7 @@ struct spread_params {
 enum status deform_spread(struct deform *deform, const struct deform_window *window, uint32_t layer)
 {
 	struct deform_request request;
-	programs_spread(&request);
+	deform_programs_spread(&request);
 	enum status status = deform_program(deform, &request, &deform->spread);
 	if (status != STATUS_OK)
 		return status;

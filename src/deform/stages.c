@@ -42,7 +42,7 @@ enum status deform_press(struct deform *deform, const void *params, size_t param
 			 const struct deform_window *window, uint32_t layer)
 {
 	struct deform_request request;
-	programs_press(&deform->params, 0, &request);
+	deform_programs_press(&deform->params, 0, &request);
 	enum status status = deform_program(deform, &request, &deform->press);
 	if (status != STATUS_OK)
 		return status;
@@ -63,7 +63,7 @@ enum status deform_press(struct deform *deform, const void *params, size_t param
 static enum status dirty(struct deform *deform, struct post_rect read, uint32_t layer)
 {
 	struct deform_request request;
-	programs_dirt(&request);
+	deform_programs_dirt(&request);
 	enum status status = deform_program(deform, &request, &deform->dirt);
 	if (status != STATUS_OK)
 		return status;
@@ -83,6 +83,23 @@ static enum status dirty(struct deform *deform, struct post_rect read, uint32_t 
 	return STATUS_OK;
 }
 
+static void begin_layer(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window, uint32_t layer)
+{
+	struct layer *scratch = &deform->scratch[layer];
+	const struct post_rect all = deform_reached(deform, sweep), write = window->write;
+	memset(scratch->now, 0, sizeof scratch->now);
+	scratch->alone = all.x0 == write.x0 && all.y0 == write.y0 && all.x1 == write.x1 && all.y1 == write.y1;
+	scratch->above = sweep->above;
+	scratch->loaded = deform->params.model == DEFORM_SCM && sweep->load > 0;
+}
+
+enum status deform_run_feel(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window, uint32_t layer)
+{
+	begin_layer(deform, sweep, window, layer);
+	enum status status = deform_underside(deform, sweep, window, layer);
+	return status == STATUS_OK ? deform_scm_feel(deform, sweep, window, layer) : status;
+}
+
 enum status deform_run_stages(struct deform *deform, const struct deform_sweep *sweep,
 			      const struct deform_window *window, uint32_t layer)
 {
@@ -93,12 +110,7 @@ enum status deform_run_stages(struct deform *deform, const struct deform_sweep *
 		[DEFORM_SLIPPAGE] = deform_slippage,
 		[DEFORM_SCM] = deform_scm,
 	};
-	struct layer *scratch = &deform->scratch[layer];
-	const struct post_rect all = deform_reached(deform, sweep), write = window->write;
-	memset(scratch->now, 0, sizeof scratch->now);
-	scratch->alone = all.x0 == write.x0 && all.y0 == write.y0 && all.x1 == write.x1 && all.y1 == write.y1;
-	scratch->above = sweep->above;
-	scratch->loaded = deform->params.model == DEFORM_SCM && sweep->load > 0;
+	begin_layer(deform, sweep, window, layer);
 	enum status status = deform_underside(deform, sweep, window, layer);
 	if (status == STATUS_OK)
 		status = models[deform->params.model](deform, sweep, window, layer);

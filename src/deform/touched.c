@@ -11,24 +11,24 @@ static uint32_t columns(int64_t first, int64_t end)
 	return first < end ? UINT32_MAX >> (DEFORM_BLOCK - (end - first)) << first : 0;
 }
 
-void touched_finish(struct touched *touched)
+void deform_touched_finish(struct touched *touched)
 {
-	block_set_finish(&touched->blocks);
+	deform_block_set_finish(&touched->blocks);
 	mem_free(touched->whiches);
 	mem_free(touched->rows);
 	*touched = (struct touched){.count = 0};
 }
 
-void touched_clear(struct touched *touched)
+void deform_touched_clear(struct touched *touched)
 {
-	block_set_clear(&touched->blocks);
+	deform_block_set_clear(&touched->blocks);
 	touched->count = touched->count > 0;
 }
 
 /* NULL: it has none. */
 static const uint32_t *rows_of(const struct touched *touched, struct deform_block block)
 {
-	size_t at = block_set_place(&touched->blocks, block);
+	size_t at = deform_block_set_place(&touched->blocks, block);
 	return at < touched->blocks.count ? touched->rows[touched->whiches[at]] : NULL;
 }
 
@@ -58,12 +58,12 @@ static enum status make_room(struct touched *touched)
 
 static enum status add_rows(struct touched *touched, struct deform_block block, const uint32_t rows[DEFORM_BLOCK])
 {
-	size_t at = block_set_place(&touched->blocks, block);
+	size_t at = deform_block_set_place(&touched->blocks, block);
 	if (at == touched->blocks.count) {
 		bool all = true;
 		enum status status = make_room(touched);
 		if (status == STATUS_OK)
-			status = block_set_add(&touched->blocks, block);
+			status = deform_block_set_add(&touched->blocks, block);
 		if (status != STATUS_OK)
 			return status;
 		for (int y = 0; y < DEFORM_BLOCK; y++)
@@ -84,7 +84,7 @@ static struct post_rect within(struct post_rect rect)
 	return rect;
 }
 
-enum status touched_add(struct touched *touched, struct post_rect rect)
+enum status deform_touched_add(struct touched *touched, struct post_rect rect)
 {
 	rect = within(rect);
 	enum status status = STATUS_OK;
@@ -103,7 +103,7 @@ enum status touched_add(struct touched *touched, struct post_rect rect)
 	return status;
 }
 
-bool touched_any(const struct touched *touched, struct post_rect rect)
+bool deform_touched_any(const struct touched *touched, struct post_rect rect)
 {
 	rect = within(rect);
 	if (post_rect_empty(rect))
@@ -140,7 +140,7 @@ static uint32_t row_of_parts(uint32_t parts, int64_t y)
 	return row;
 }
 
-enum status touched_grow(struct touched *touched, const struct touched *from, struct deform_block block, int64_t by,
+enum status deform_touched_grow(struct touched *touched, const struct touched *from, struct deform_block block, int64_t by,
 			 uint32_t parts)
 {
 	const uint32_t *near[3][3];
@@ -160,7 +160,7 @@ enum status touched_grow(struct touched *touched, const struct touched *from, st
 	return any != 0 ? add_rows(touched, block, rows) : STATUS_OK;
 }
 
-struct post_rect touched_part(struct deform_block block, int part)
+struct post_rect deform_touched_part(struct deform_block block, int part)
 {
 	int64_t x = block.x * DEFORM_BLOCK + part % (DEFORM_BLOCK / TOUCHED_PART) * TOUCHED_PART;
 	int64_t y = block.y * DEFORM_BLOCK + part / (DEFORM_BLOCK / TOUCHED_PART) * TOUCHED_PART;

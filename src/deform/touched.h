@@ -14,19 +14,19 @@ struct touched {
 	size_t which_room, count, room;
 };
 
-void touched_finish(struct touched *touched);
+void deform_touched_finish(struct touched *touched);
 /* Empties it and keeps the memory. */
-void touched_clear(struct touched *touched);
+void deform_touched_clear(struct touched *touched);
 /* Of rectangles what lies south or west of the world is not looked at. */
-enum status touched_add(struct touched *touched, struct post_rect rect) FURROW_CHECKED;
-bool touched_any(const struct touched *touched, struct post_rect rect);
+enum status deform_touched_add(struct touched *touched, struct post_rect rect) FURROW_CHECKED;
+bool deform_touched_any(const struct touched *touched, struct post_rect rect);
 /* Into it come the block's posts, of the parts, that lie no farther than `by` (less than a block), along x and along y, from
  * any that is in `from`. Parts: squares of TOUCHED_PART x TOUCHED_PART posts, a bit each, from the south-west. */
-enum status touched_grow(struct touched *touched, const struct touched *from, struct deform_block block, int64_t by,
+enum status deform_touched_grow(struct touched *touched, const struct touched *from, struct deform_block block, int64_t by,
 			 uint32_t parts) FURROW_CHECKED;
 #define TOUCHED_PART 8
 #define TOUCHED_PARTS 0xffffu
 /* The posts of a part of a block. */
-struct post_rect touched_part(struct deform_block block, int part);
+struct post_rect deform_touched_part(struct deform_block block, int part);
 
 #endif

@@ -35,12 +35,12 @@ enum status deform_underside(struct deform *deform, const struct deform_sweep *s
 		.zero = sweep->to.z,
 	};
 	struct under_params params;
-	body_of(sweep->shape, from, &sweep->to, &frame, &params.sweep);
-	body_of(sweep->shape, &sweep->to, &sweep->to, &frame, &params.end);
+	deform_body_of(sweep->shape, from, &sweep->to, &frame, &params.sweep);
+	deform_body_of(sweep->shape, &sweep->to, &sweep->to, &frame, &params.end);
 	/* A wheel that goes where it rolls needs no times at which its sides pass. */
 	bool sideways = kind == DEFORM_WHEEL && (params.sweep.c[1] != 0 || params.end.c[1] != 0);
 	struct deform_request request;
-	programs_underside(&deform->params, kind, sideways, &request);
+	deform_programs_underside(&deform->params, kind, sideways, &request);
 	struct gpu_program **program = &deform->under_program[kind + (sideways ? DEFORM_SHAPES : 0)];
 	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)

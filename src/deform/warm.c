@@ -65,12 +65,12 @@ enum status deform_warm(struct deform *deform, const struct deform_planned *obje
 	const struct deform_figures before = deform->figures;
 	bool loaded = params->model == DEFORM_SCM && object->load > 0;
 	struct linking linking = {.gpu = params->gpu};
-	programs_each(params, object, forces, link_program, &linking);
+	deform_programs_each(params, object, forces, link_program, &linking);
 	enum status status = linking.status;
 	if (status == STATUS_OK)
 		status = sweep_all(deform, object, params->model == DEFORM_SCM && (forces || loaded));
 	if (status == STATUS_OK && deform->interval != NULL)
-		status = interval_warm(deform, object->shape, loaded && params->carriers > 0);
+		status = deform_interval_warm(deform, object->shape, loaded && params->carriers > 0);
 	if (status == STATUS_OK)
 		status = drop_forces(deform);
 	deform->figures = before;

@@ -40,7 +40,7 @@ enum status deform_shape_check(const struct deform_shape *shape, double spacing)
 		return status;
 	if (shape->kind == DEFORM_WHEEL) {
 		least = fmin(least, shape->width);
-		most = hypot(2 * body_wheel_radius(shape), shape->width);
+		most = hypot(2 * deform_body_wheel_radius(shape), shape->width);
 	} else if (shape->kind == DEFORM_MESH) {
 		least = most = mesh_across(shape->mesh); /* a sheet has no thickness, and is a surface */
 	} else if (shape->kind == DEFORM_BOX) {
@@ -61,7 +61,7 @@ double deform_shape_bound(const struct deform_shape *shape)
 {
 	switch (shape->kind) {
 	case DEFORM_WHEEL:
-		return hypot(body_wheel_radius(shape), shape->width / 2);
+		return hypot(deform_body_wheel_radius(shape), shape->width / 2);
 	case DEFORM_BOX:
 		return hypot(hypot(shape->size[0], shape->size[1]), shape->size[2]) / 2;
 	case DEFORM_MESH:
@@ -80,7 +80,7 @@ double deform_shape_reach(const struct deform_shape *shape, double pitch, double
 	if (shape->kind != DEFORM_BOX)
 		return shape->radius + (shape->kind == DEFORM_WHEEL && shape->lugs > 0 ? shape->lug_height : 0);
 	double axes[3][3];
-	body_axes(shape->size, 0, pitch, roll, axes);
+	deform_body_axes(shape->size, 0, pitch, roll, axes);
 	return fabs(axes[0][2]) + fabs(axes[1][2]) + fabs(axes[2][2]);
 }
 
@@ -115,7 +115,7 @@ struct post_rect deform_shadow(const struct deform *deform, const struct deform_
 	const struct deform_pose *from = deform_is_contact_only(sweep) ? &sweep->to : &sweep->from;
 	double extent[2];
 	struct post_rect shadow;
-	body_extent(sweep->shape, &sweep->to, extent);
+	deform_body_extent(sweep->shape, &sweep->to, extent);
 	span(deform, from->x, sweep->to.x, extent[0], &shadow.x0, &shadow.x1);
 	span(deform, from->y, sweep->to.y, extent[1], &shadow.y0, &shadow.y1);
 	return shadow;

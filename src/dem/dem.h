@@ -157,4 +157,12 @@ enum status dem_classes_read(struct dem_classes *classes, int level, struct post
 enum status dem_transform(const char *from_srs, const char *to_wkt, size_t count, double *x, double *y)
 	FURROW_CHECKED;
 
+/* --- GDAL's own messages --- */
+
+/* Errors are told by this library's messages. The command keeps GDAL from printing its own in the whole process; a library's caller
+ * does so on its thread from begin to end, which nest, and leaves the process's handler alone. */
+void dem_quiet_process(void);
+void dem_quiet_begin(void);
+void dem_quiet_end(void);
+
 #endif

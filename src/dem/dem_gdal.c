@@ -239,8 +239,6 @@ static CPLErr pixels_to_metres(void **sources, int source_count, void *data, int
 
 static void init_once(void)
 {
-	/* What GDAL has to say goes into our messages, never to stderr by itself. */
-	CPLSetErrorHandler(CPLQuietErrorHandler);
 	GDALAllRegister();
 	GDALSetCacheMax64(DEM_CACHE_BYTES);
 	GDALAddDerivedBandPixelFuncWithArgs("furrow_metres", pixels_to_metres, NULL);
@@ -251,4 +249,20 @@ void dem_gdal_init(void)
 	static pthread_once_t once = PTHREAD_ONCE_INIT;
 	pthread_once(&once, init_once);
 	CPLErrorReset();
+}
+
+/* What GDAL has to say goes into our messages, never to stderr by itself. */
+void dem_quiet_process(void)
+{
+	CPLSetErrorHandler(CPLQuietErrorHandler);
+}
+
+void dem_quiet_begin(void)
+{
+	CPLPushErrorHandler(CPLQuietErrorHandler);
+}
+
+void dem_quiet_end(void)
+{
+	CPLPopErrorHandler();
 }

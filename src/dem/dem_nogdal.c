@@ -40,3 +40,15 @@ enum status dem_classes_gdal_open(const struct dem_classes_params *params, struc
 	return fail_with(STATUS_INPUT, "%s: this furrow was built without GDAL and reads classes only from PNG; convert it, "
 			 "or build with GDAL", params->path);
 }
+
+void dem_quiet_process(void)
+{
+}
+
+void dem_quiet_begin(void)
+{
+}
+
+void dem_quiet_end(void)
+{
+}

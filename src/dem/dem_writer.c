@@ -8,15 +8,16 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <stdio.h>
 #include <unistd.h>
+
+#include "base/aside.h"
 
 struct dem_writer {
 	struct dem_raster raster;
-	char *path, *part, *srs;
+	char *path, *srs;
+	struct aside aside;
 	struct dem_sink *sink;
 	int64_t next; /* row to come, from the south */
-	bool begun, published;
 };
 
 double dem_raster_value(const struct dem_raster *raster, double value)
@@ -65,22 +66,22 @@ enum status dem_writer_create(const struct dem_raster *raster, struct dem_writer
 	struct dem_writer *writer = mem_calloc(1, sizeof *writer);
 	if (writer == NULL)
 		return fail_memory(raster->path);
-	size_t bytes = strlen(raster->path) + sizeof ".part";
 	writer->raster = *raster;
 	writer->path = mem_strdup(raster->path);
 	writer->srs = mem_strdup(raster->srs != NULL ? raster->srs : "");
-	writer->part = mem_alloc(bytes, 1);
 	enum status status;
-	if (writer->path == NULL || writer->srs == NULL || writer->part == NULL) {
+	if (writer->path == NULL || writer->srs == NULL) {
 		status = fail_memory(raster->path);
 		goto error;
 	}
-	snprintf(writer->part, bytes, "%s.part", raster->path);
+	status = aside_name(&writer->aside, writer->path);
+	if (status != STATUS_OK)
+		goto error;
 	writer->raster.path = writer->path;
 	writer->raster.srs = writer->srs;
-	writer->begun = true;
-	status = png ? dem_png_sink(&writer->raster, writer->part, &writer->sink)
-		     : dem_gdal_sink(&writer->raster, writer->part, &writer->sink);
+	writer->aside.begun = true;
+	status = png ? dem_png_sink(&writer->raster, writer->aside.part, &writer->sink)
+		     : dem_gdal_sink(&writer->raster, writer->aside.part, &writer->sink);
 	if (status != STATUS_OK)
 		goto error;
 	*out = writer;
@@ -106,14 +107,14 @@ enum status dem_writer_rows(struct dem_writer *writer, int64_t rows, const doubl
 
 static enum status sync_part(const struct dem_writer *writer)
 {
-	int file = open(writer->part, O_RDONLY | O_CLOEXEC);
+	int file = open(writer->aside.part, O_RDONLY | O_CLOEXEC);
 	bool synced = file >= 0 && fsync(file) == 0;
 	int reason = errno;
 	if (file >= 0)
 		close(file);
 	return synced ? STATUS_OK
 		      : fail_with(STATUS_FAILED, "%s: cannot be brought to the disk: %s; check its room",
-				  writer->part, strerror(reason));
+				  writer->aside.part, strerror(reason));
 }
 
 enum status dem_writer_publish(struct dem_writer *writer)
@@ -124,11 +125,7 @@ enum status dem_writer_publish(struct dem_writer *writer)
 	enum status status = writer->sink->finish(writer->sink);
 	if (status == STATUS_OK)
 		status = sync_part(writer);
-	if (status == STATUS_OK && rename(writer->part, writer->path) != 0)
-		status = fail_with(STATUS_FAILED, "%s: cannot be put in place: %s; check the folder's permissions",
-				   writer->path, strerror(errno));
-	writer->published = status == STATUS_OK;
-	return status;
+	return status == STATUS_OK ? aside_publish(&writer->aside) : status;
 }
 
 void dem_writer_destroy(struct dem_writer *writer)
@@ -137,10 +134,8 @@ void dem_writer_destroy(struct dem_writer *writer)
 		return;
 	if (writer->sink != NULL)
 		writer->sink->destroy(writer->sink);
-	if (writer->begun && !writer->published)
-		(void)unlink(writer->part);
+	aside_finish(&writer->aside);
 	mem_free(writer->path);
-	mem_free(writer->part);
 	mem_free(writer->srs);
 	mem_free(writer);
 }

@@ -83,6 +83,18 @@ struct gpu_params {
 };
 enum status gpu_create(const struct gpu_params *params, struct gpu **out) FURROW_CHECKED; /* STATUS_NO_GL */
 void gpu_destroy(struct gpu *gpu); /* after everything made from it; takes NULL */
+/*
+ * A library's host may draw, too, and may call from another thread than before. So each of its calls keeps what is current, takes
+ * the context, and in the end gives back what was kept. Between gpu_take and gpu_give the calling thread owns the gpu.
+ */
+struct gpu_kept {
+	void *display, *draw, *read, *context; /* EGL's; context NULL: none was current */
+	unsigned api;
+};
+void gpu_keep(struct gpu_kept *kept);
+void gpu_give(const struct gpu_kept *kept);
+/* STATUS_NO_GL: the context cannot be made current on this thread. */
+enum status gpu_take(struct gpu *gpu) FURROW_CHECKED;
 const struct gpu_info *gpu_info(const struct gpu *gpu);
 void gpu_stats(struct gpu *gpu, struct gpu_stats *stats);
 /* The sticky failure, or a GL error since the last check; `what` names what was being done. */

@@ -171,3 +171,33 @@ enum status gpu_egl_open(bool draws, struct gpu_egl *egl)
 		unsetenv("LP_NUM_THREADS");
 	return status;
 }
+
+void gpu_keep(struct gpu_kept *kept)
+{
+	*kept = (struct gpu_kept){.api = eglQueryAPI(), .context = eglGetCurrentContext()};
+	if (kept->context == EGL_NO_CONTEXT)
+		return;
+	kept->display = eglGetCurrentDisplay();
+	kept->draw = eglGetCurrentSurface(EGL_DRAW);
+	kept->read = eglGetCurrentSurface(EGL_READ);
+}
+
+void gpu_give(const struct gpu_kept *kept)
+{
+	EGLDisplay ours = eglGetCurrentDisplay();
+	if (kept->api != EGL_NONE)
+		eglBindAPI(kept->api);
+	if (kept->context != EGL_NO_CONTEXT)
+		eglMakeCurrent(kept->display, kept->draw, kept->read, kept->context);
+	else if (ours != EGL_NO_DISPLAY)
+		eglMakeCurrent(ours, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+}
+
+enum status gpu_take(struct gpu *gpu)
+{
+	gpu->owner = pthread_self();
+	if (eglBindAPI(EGL_OPENGL_API) && eglMakeCurrent(gpu->egl.display, EGL_NO_SURFACE, EGL_NO_SURFACE, gpu->egl.context))
+		return STATUS_OK;
+	return fail_with(STATUS_NO_GL, "GL: this world's context cannot be made current on this thread; release the thread's own GL "
+				       "context first (GLX and EGL do not mix), or call from another thread");
+}

@@ -181,7 +181,7 @@ enum status gpu_program_get_from(struct gpu *gpu, const struct shader_text *tabl
 
 enum status gpu_program_get(struct gpu *gpu, const struct gpu_program_request *request, struct gpu_program **out)
 {
-	return gpu_program_get_from(gpu, shader_table, request, out);
+	return gpu_program_get_from(gpu, gpu_shader_table, request, out);
 }
 
 void gpu_programs_finish(struct gpu *gpu)

@@ -158,7 +158,7 @@ void gpu_shader_locate(const struct gpu_shader *shader, const char *log, const c
 		       char *text, size_t text_bytes);
 
 /* --- gpu_program.c --- */
-/* gpu_program_get over another table of shaders than shader_table. */
+/* gpu_program_get over another table of shaders than gpu_shader_table. */
 enum status gpu_program_get_from(struct gpu *gpu, const struct shader_text *table,
 				 const struct gpu_program_request *request, struct gpu_program **out) FURROW_CHECKED;
 void gpu_programs_finish(struct gpu *gpu);

@@ -7,6 +7,6 @@ struct shader_text {
 	const char *text;
 };
 
-extern const struct shader_text shader_table[];
+extern const struct shader_text gpu_shader_table[];
 
 #endif

@@ -3,13 +3,13 @@
 
 #include "motion/motion.h"
 
-size_t track_camera_places(const struct scene_view *view, const struct scene_path *path, const struct track *target, double time,
+size_t motion_track_camera_places(const struct scene_view *view, const struct scene_path *path, const struct track *target, double time,
 			   double places[2][2])
 {
 	if (view->camera == SCENE_FIXED)
 		return 0;
 	struct track_point now, before;
-	track_at(target, time, &now);
+	motion_track_at(target, time, &now);
 	places[0][0] = now.x;
 	places[0][1] = now.y;
 	if (view->camera == SCENE_OVERHEAD)
@@ -18,11 +18,11 @@ size_t track_camera_places(const struct scene_view *view, const struct scene_pat
 	 * of the last second. */
 	double speed = path->speed;
 	if (path->timed) {
-		track_at(target, time - 1, &before);
+		motion_track_at(target, time - 1, &before);
 		speed = hypot(now.x - before.x, now.y - before.y) / fmin(fmax(time, 1e-3), 1);
 	}
 	double back = fmin(time, 1.5 * view->back / fmax(speed, 0.1));
-	track_at(target, time - back, &before);
+	motion_track_at(target, time - back, &before);
 	double dx = now.x - before.x, dy = now.y - before.y, length = hypot(dx, dy);
 	if (path->loop || length < 0.1 * view->back || back <= 0) {
 		dx = cos(now.yaw);

@@ -42,9 +42,9 @@ struct look_ahead {
 	double began_time;             /* s, simulated */
 };
 
-void look_ahead_plan(double prefetch, size_t count, struct plan *plan)
+void motion_look_ahead_plan(double prefetch, size_t count, struct plan *plan)
 {
-	prefetcher_plan(prefetch, count, plan);
+	motion_prefetcher_plan(prefetch, count, plan);
 }
 
 /* Ahead of everything: it reads while the GPU's programs are made. */
@@ -71,12 +71,12 @@ static enum status start_prefetcher(struct look_ahead *ahead)
 		.prefetch = params->prefetch,
 		.end = params->end,
 	};
-	enum status status = prefetcher_create(&prefetcher, &ahead->prefetcher);
+	enum status status = motion_prefetcher_create(&prefetcher, &ahead->prefetcher);
 	mem_free(tracks);
 	return status;
 }
 
-enum status look_ahead_create(const struct look_ahead_params *params, struct look_ahead **out)
+enum status motion_look_ahead_create(const struct look_ahead_params *params, struct look_ahead **out)
 {
 	struct look_ahead *ahead = mem_calloc(1, sizeof *ahead);
 	if (ahead == NULL)
@@ -90,54 +90,82 @@ enum status look_ahead_create(const struct look_ahead_params *params, struct loo
 		status = start_prefetcher(ahead);
 	ahead->params.bodies = NULL;
 	if (status != STATUS_OK) {
-		look_ahead_destroy(ahead);
+		motion_look_ahead_destroy(ahead);
 		return status;
 	}
 	*out = ahead;
 	return STATUS_OK;
 }
 
-void look_ahead_stop(struct look_ahead *ahead)
+void motion_look_ahead_stop(struct look_ahead *ahead)
 {
 	if (ahead == NULL)
 		return;
-	prefetcher_destroy(ahead->prefetcher);
+	motion_prefetcher_destroy(ahead->prefetcher);
 	ahead->prefetcher = NULL;
 }
 
-void look_ahead_destroy(struct look_ahead *ahead)
+void motion_look_ahead_destroy(struct look_ahead *ahead)
 {
 	if (ahead == NULL)
 		return;
-	look_ahead_stop(ahead);
+	motion_look_ahead_stop(ahead);
 	for (size_t i = 0; ahead->watches != NULL && i < ahead->params.count; i++)
 		mem_free(ahead->watches[i].tiles);
 	mem_free(ahead->watches);
-	requests_finish(&ahead->requests);
+	motion_requests_finish(&ahead->requests);
 	mem_free(ahead);
 }
 
-void look_ahead_serve(struct look_ahead *ahead, const struct look_ahead_pages *pages)
+void motion_look_ahead_serve(struct look_ahead *ahead, const struct look_ahead_pages *pages)
 {
 	ahead->pages = *pages;
 }
 
-void look_ahead_begin(struct look_ahead *ahead, double time)
+void motion_look_ahead_begin(struct look_ahead *ahead, double time)
 {
 	ahead->began = clock_seconds();
 	ahead->began_time = time;
 }
 
-const struct requests *look_ahead_requests(const struct look_ahead *ahead)
+void motion_look_ahead_rewind(struct look_ahead *ahead, const int64_t *next, double time)
+{
+	for (size_t i = 0; i < ahead->params.count; i++) {
+		ahead->watches[i].count = 0;
+		ahead->watches[i].sample = next[i];
+	}
+	ahead->keys = NULL;
+	ahead->key_count = ahead->passed = 0;
+	motion_look_ahead_begin(ahead, time);
+	motion_look_ahead_tell(ahead, time);
+}
+
+const struct requests *motion_look_ahead_requests(const struct look_ahead *ahead)
 {
 	static const struct requests none;
 	return ahead != NULL ? &ahead->requests : &none;
 }
 
-void look_ahead_tell(struct look_ahead *ahead, double time)
+bool motion_look_ahead_brings_ranges(const struct look_ahead *ahead)
+{
+	return ahead != NULL && ahead->prefetcher != NULL;
+}
+
+void motion_look_ahead_ranges(struct look_ahead *ahead, const struct ground_range_key *keys, size_t count)
 {
 	if (ahead->prefetcher != NULL)
-		prefetcher_tell(ahead->prefetcher, time);
+		motion_prefetcher_ranges(ahead->prefetcher, keys, count);
+}
+
+uint64_t motion_look_ahead_ranges_done(const struct look_ahead *ahead)
+{
+	return motion_look_ahead_brings_ranges(ahead) ? motion_prefetcher_ranges_done(ahead->prefetcher) : 0;
+}
+
+void motion_look_ahead_tell(struct look_ahead *ahead, double time)
+{
+	if (ahead->prefetcher != NULL)
+		motion_prefetcher_tell(ahead->prefetcher, time);
 }
 
 /* --- along a path --- */
@@ -165,7 +193,7 @@ static enum status note_sample(const struct look_ahead *ahead, struct watch *wat
 {
 	const struct look_ahead_pages *pages = &ahead->pages;
 	struct track_point point;
-	track_sample(watch->body.track, watch->sample, &point);
+	motion_track_sample(watch->body.track, watch->sample, &point);
 	struct deform_sweep sweep = {
 		.shape = watch->body.shape,
 		.from = watch->last,
@@ -201,8 +229,7 @@ static size_t forget_passed(struct watch *watch, double now)
 	return count - kept;
 }
 
-/* Simulated seconds. */
-static double reach(const struct look_ahead *ahead, double time)
+double motion_look_ahead_reach(const struct look_ahead *ahead, double time)
 {
 	const double settled = 0.05; /* s: before, the pace says little */
 	if (ahead->began <= 0)
@@ -217,8 +244,8 @@ static enum status go_on(const struct look_ahead *ahead, struct watch *watch, do
 	const struct track *track = watch->body.track;
 	size_t before = watch->count;
 	enum status status = STATUS_OK;
-	while (status == STATUS_OK && watch->count < most && watch->sample < track_samples(track) &&
-	       track_sample_time(track, watch->sample) <= until) {
+	while (status == STATUS_OK && watch->count < most && watch->sample < motion_track_samples(track) &&
+	       motion_track_sample_time(track, watch->sample) <= until) {
 		status = note_sample(ahead, watch);
 		watch->sample++;
 	}
@@ -229,9 +256,9 @@ static enum status go_on(const struct look_ahead *ahead, struct watch *watch, do
 /* *changed: there is something new, or enough was left behind. */
 static enum status look(struct look_ahead *ahead, double time, bool *changed)
 {
-	double far = reach(ahead, time), until = fmin(time + far, ahead->params.end);
+	double far = motion_look_ahead_reach(ahead, time), until = fmin(time + far, ahead->params.end);
 	if (ahead->prefetcher != NULL)
-		prefetcher_reach(ahead->prefetcher, far);
+		motion_prefetcher_reach(ahead->prefetcher, far);
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < ahead->params.count; i++) {
 		struct watch *watch = &ahead->watches[i];
@@ -251,20 +278,20 @@ static enum status look(struct look_ahead *ahead, double time, bool *changed)
 static enum status gather(struct look_ahead *ahead)
 {
 	enum status status = STATUS_OK;
-	requests_clear(&ahead->requests);
+	motion_requests_clear(&ahead->requests);
 	for (size_t i = 0; i < ahead->params.count; i++) {
 		const struct watch *watch = &ahead->watches[i];
 		for (size_t k = 0; k < watch->count && status == STATUS_OK; k++)
-			status = requests_add(&ahead->requests, watch->tiles[k].key, watch->tiles[k].from);
+			status = motion_requests_add(&ahead->requests, watch->tiles[k].key, watch->tiles[k].from);
 	}
 	if (status == STATUS_OK && ahead->pages.requests != NULL)
 		status = ahead->pages.requests(ahead->pages.user, &ahead->requests);
 	ahead->passed = 0;
-	ahead->key_count = requests_order(&ahead->requests, &ahead->keys);
+	ahead->key_count = motion_requests_order(&ahead->requests, &ahead->keys);
 	return status;
 }
 
-enum status look_ahead_step(struct look_ahead *ahead, double time)
+enum status motion_look_ahead_step(struct look_ahead *ahead, double time)
 {
 	bool asked = ahead->pages.requests != NULL, changed = asked || ahead->keys == NULL;
 	if (ahead->params.prefetch <= 0 && !asked)
@@ -279,17 +306,17 @@ enum status look_ahead_step(struct look_ahead *ahead, double time)
 	return status;
 }
 
-enum status look_ahead_first(struct look_ahead *ahead, double time, const volatile sig_atomic_t *stop)
+enum status motion_look_ahead_first(struct look_ahead *ahead, double time, const volatile sig_atomic_t *stop)
 {
 	const struct timespec nap = {0, 50000};
-	enum status status = look_ahead_step(ahead, time);
+	enum status status = motion_look_ahead_step(ahead, time);
 	while (status == STATUS_OK && page_cache_wishes(ahead->pages.cache) == PAGE_WISHES_COMING && (stop == NULL || !*stop)) {
 		nanosleep(&nap, NULL);
 		status = page_cache_poll(ahead->pages.cache);
 	}
 	if (ahead->prefetcher != NULL) {
-		prefetcher_tell(ahead->prefetcher, time);
-		prefetcher_wait(ahead->prefetcher);
+		motion_prefetcher_tell(ahead->prefetcher, time);
+		motion_prefetcher_wait(ahead->prefetcher);
 	}
 	return status;
 }

@@ -4,9 +4,9 @@
  * the list are brought, soonest first. It looks again when an eighth of what it saw has passed.
  *
  * Invariants:
- * 1. The walkers and the list are the thread's own; `told`, `look_at`, `reach` and `stopping` are atomic; but for
- *    `asleep` the rest does not change.
- * 2. It sleeps only while told < look_at. It writes look_at and then reads told, who tells writes told and then
+ * 1. The walkers and the list are the thread's own; `told`, `look_at`, `reach`, `ranges_done` and `stopping` are atomic;
+ *    the mutex guards `asleep` and the ranges; the rest does not change.
+ * 2. It sleeps only while told < look_at and no range is left to bring. It writes look_at and then reads told, who tells writes told and then
  *    reads look_at, and wakes it with the mutex held: one of the two sees the other.
  * 3. The list is shorter than the ground holds, and what is there of it is marked as used before anything is
  *    brought: nothing of it is evicted while there is something else that the owner did not use since.
@@ -16,10 +16,12 @@
 #include <assert.h>
 #include <math.h>
 #include <stdatomic.h>
+#include <string.h>
 
 #define PREFETCHER_THREAD "furrow-ahead"
 #define TILE_PARTS 16 /* places a tile's width */
 #define PLACES_MAX 65536 /* in one look */
+#define RANGES_ROOM 1024
 
 struct walker {
 	const struct track *track; /* NULL: the camera's */
@@ -41,7 +43,10 @@ struct prefetcher {
 	struct thread thread;
 	struct mutex mutex;
 	struct condition changed; /* of what the sleeping and the waiting go by */
-	bool asleep;              /* guarded by the mutex */
+	bool asleep;              /* guarded by the mutex, as are: */
+	struct ground_range_key ranges[RANGES_ROOM];
+	size_t range_next, range_count; /* of `ranges`: the next to bring, and how many there are */
+	_Atomic uint64_t ranges_done;
 	_Atomic double told, look_at, reach; /* s; reach: how far ahead */
 	atomic_bool stopping;
 };
@@ -68,7 +73,7 @@ static bool add_place(struct prefetcher *prefetcher, double x, double y)
 	double y0 = fmax(py - reach, 0), y1 = fmin(py + reach, (double)(extent->height - 1));
 	if (x0 > x1 || y0 > y1)
 		return true; /* outside */
-	struct tile first = ground_tile(extent, x0, y0), last = ground_tile(extent, x1, y1);
+	struct tile first = resident_ground_tile(extent, x0, y0), last = resident_ground_tile(extent, x1, y1);
 	bool room = true;
 	for (uint32_t ty = first.y; ty <= last.y; ty++)
 		for (uint32_t tx = first.x; tx <= last.x; tx++)
@@ -80,7 +85,7 @@ static bool add_walker(struct prefetcher *prefetcher, const struct walker *walke
 {
 	if (walker->track != NULL) {
 		struct track_point point;
-		track_sample(walker->track, walker->station, &point);
+		motion_track_sample(walker->track, walker->station, &point);
 		return add_place(prefetcher, point.x, point.y);
 	}
 	double places[2][2];
@@ -103,10 +108,10 @@ static void begin(struct prefetcher *prefetcher, struct walker *walker, double n
 		return;
 	}
 	for (int64_t next; (next = next_station(walker, walker->past)) != walker->past; walker->past = next)
-		if (track_sample_time(walker->track, next) > now || atomic_load(&prefetcher->stopping))
+		if (motion_track_sample_time(walker->track, next) > now || atomic_load(&prefetcher->stopping))
 			break;
 	walker->station = walker->past;
-	walker->time = track_sample_time(walker->track, walker->station);
+	walker->time = motion_track_sample_time(walker->track, walker->station);
 }
 
 static void go_on(const struct prefetcher *prefetcher, struct walker *walker)
@@ -116,7 +121,7 @@ static void go_on(const struct prefetcher *prefetcher, struct walker *walker)
 		return;
 	}
 	int64_t next = next_station(walker, walker->station);
-	walker->time = next == walker->station ? INFINITY : track_sample_time(walker->track, next);
+	walker->time = next == walker->station ? INFINITY : motion_track_sample_time(walker->track, next);
 	walker->station = next;
 }
 
@@ -140,14 +145,33 @@ static double look(struct prefetcher *prefetcher, double now)
 	}
 }
 
+/* Brings the next range; false: none is left. */
+static bool bring_range(struct prefetcher *prefetcher)
+{
+	struct ground_range_key key;
+	mutex_lock(&prefetcher->mutex);
+	bool any = prefetcher->range_next < prefetcher->range_count;
+	if (any)
+		key = prefetcher->ranges[prefetcher->range_next++];
+	mutex_unlock(&prefetcher->mutex);
+	if (!any)
+		return false;
+	/* A range that cannot be read is left to the ground's owner, who must tell of it. */
+	enum status status = resident_ground_warm_range(prefetcher->params.ground, prefetcher->reader, &key);
+	(void)status;
+	atomic_fetch_add(&prefetcher->ranges_done, 1);
+	return true;
+}
+
 /* The list's tiles into the ground; what cannot be read is left to its owner, who must tell of it. */
 static void bring(struct prefetcher *prefetcher)
 {
 	for (uint32_t i = prefetcher->listed; i-- > 0;)
-		ground_touch(prefetcher->params.ground, prefetcher->list[i]);
+		resident_ground_touch(prefetcher->params.ground, prefetcher->list[i]);
 	for (uint32_t i = 0; i < prefetcher->listed && !atomic_load(&prefetcher->stopping); i++) {
-		enum status status = ground_warm(prefetcher->params.ground, prefetcher->reader, prefetcher->list[i]);
+		enum status status = resident_ground_warm(prefetcher->params.ground, prefetcher->reader, prefetcher->list[i]);
 		(void)status;
+		bring_range(prefetcher);
 	}
 }
 
@@ -162,11 +186,17 @@ static void *body(void *argument)
 		mutex_lock(&prefetcher->mutex);
 		atomic_store(&prefetcher->look_at, until < prefetcher->params.end ? ahead : (double)INFINITY);
 		while (atomic_load(&prefetcher->told) < atomic_load(&prefetcher->look_at) && !atomic_load(&prefetcher->stopping)) {
+			if (prefetcher->range_next < prefetcher->range_count) {
+				mutex_unlock(&prefetcher->mutex);
+				bring_range(prefetcher);
+				mutex_lock(&prefetcher->mutex);
+				continue;
+			}
 			prefetcher->asleep = true;
 			condition_wake_all(&prefetcher->changed);
 			condition_wait(&prefetcher->changed, &prefetcher->mutex);
+			prefetcher->asleep = false;
 		}
-		prefetcher->asleep = false;
 		atomic_store(&prefetcher->look_at, (double)INFINITY); /* nobody need wake it now */
 		mutex_unlock(&prefetcher->mutex);
 	}
@@ -185,7 +215,7 @@ static void mount_walkers(struct prefetcher *prefetcher)
 		double stride = floor(side / TILE_PARTS / params->post);
 		prefetcher->walkers[i] = (struct walker){
 			.track = track,
-			.last = track_samples(track) - 1,
+			.last = motion_track_samples(track) - 1,
 			.stride = stride > 1 ? (int64_t)stride : 1,
 		};
 	}
@@ -193,14 +223,14 @@ static void mount_walkers(struct prefetcher *prefetcher)
 		fmin(fmax(side / TILE_PARTS / params->camera_speed, params->prefetch / 1024), params->prefetch / 16);
 }
 
-void prefetcher_plan(double prefetch, size_t count, struct plan *plan)
+void motion_prefetcher_plan(double prefetch, size_t count, struct plan *plan)
 {
 	if (prefetch > 0 && count > 0)
 		plan_add(plan, &(struct plan_line){.kind = PLAN_THREAD, .effect = scene_effect_row(EFFECT_PREFETCH)->name,
 						   .object = -1, .amount = 1}, PREFETCHER_THREAD);
 }
 
-enum status prefetcher_create(const struct prefetcher_params *params, struct prefetcher **out)
+enum status motion_prefetcher_create(const struct prefetcher_params *params, struct prefetcher **out)
 {
 	assert(params->count >= 1 && params->prefetch > 0);
 	struct prefetcher *prefetcher = mem_calloc(1, sizeof *prefetcher);
@@ -214,6 +244,7 @@ enum status prefetcher_create(const struct prefetcher_params *params, struct pre
 	atomic_init(&prefetcher->reach, params->prefetch);
 	atomic_init(&prefetcher->look_at, (double)INFINITY);
 	atomic_init(&prefetcher->stopping, false);
+	atomic_init(&prefetcher->ranges_done, 0);
 	prefetcher->walkers = mem_calloc(params->count + 1, sizeof *prefetcher->walkers);
 	prefetcher->list = mem_alloc(params->tiles, sizeof *prefetcher->list);
 	enum status status = prefetcher->walkers != NULL && prefetcher->list != NULL ? STATUS_OK : fail_memory("the scout");
@@ -224,7 +255,7 @@ enum status prefetcher_create(const struct prefetcher_params *params, struct pre
 	if (status == STATUS_OK)
 		status = thread_start(&prefetcher->thread, body, prefetcher, PREFETCHER_THREAD);
 	if (status != STATUS_OK) {
-		prefetcher_destroy(prefetcher);
+		motion_prefetcher_destroy(prefetcher);
 		return status;
 	}
 	*out = prefetcher;
@@ -238,7 +269,7 @@ static void wake(struct prefetcher *prefetcher)
 	mutex_unlock(&prefetcher->mutex);
 }
 
-void prefetcher_destroy(struct prefetcher *prefetcher)
+void motion_prefetcher_destroy(struct prefetcher *prefetcher)
 {
 	if (prefetcher == NULL)
 		return;
@@ -253,22 +284,38 @@ void prefetcher_destroy(struct prefetcher *prefetcher)
 	mem_free(prefetcher);
 }
 
-void prefetcher_reach(struct prefetcher *prefetcher, double seconds)
+void motion_prefetcher_reach(struct prefetcher *prefetcher, double seconds)
 {
 	atomic_store(&prefetcher->reach, seconds);
 }
 
-void prefetcher_tell(struct prefetcher *prefetcher, double time)
+void motion_prefetcher_ranges(struct prefetcher *prefetcher, const struct ground_range_key *keys, size_t count)
+{
+	mutex_lock(&prefetcher->mutex);
+	prefetcher->range_next = 0;
+	prefetcher->range_count = count < RANGES_ROOM ? count : RANGES_ROOM;
+	memcpy(prefetcher->ranges, keys, prefetcher->range_count * sizeof *keys);
+	condition_wake_all(&prefetcher->changed);
+	mutex_unlock(&prefetcher->mutex);
+}
+
+uint64_t motion_prefetcher_ranges_done(struct prefetcher *prefetcher)
+{
+	return atomic_load(&prefetcher->ranges_done);
+}
+
+void motion_prefetcher_tell(struct prefetcher *prefetcher, double time)
 {
 	atomic_store(&prefetcher->told, time);
 	if (time >= atomic_load(&prefetcher->look_at))
 		wake(prefetcher);
 }
 
-void prefetcher_wait(struct prefetcher *prefetcher)
+void motion_prefetcher_wait(struct prefetcher *prefetcher)
 {
 	mutex_lock(&prefetcher->mutex);
-	while (!prefetcher->asleep || atomic_load(&prefetcher->told) >= atomic_load(&prefetcher->look_at))
+	while (!prefetcher->asleep || prefetcher->range_next < prefetcher->range_count ||
+	       atomic_load(&prefetcher->told) >= atomic_load(&prefetcher->look_at))
 		condition_wait(&prefetcher->changed, &prefetcher->mutex);
 	mutex_unlock(&prefetcher->mutex);
 }

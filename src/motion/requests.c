@@ -2,19 +2,19 @@
 
 #include <stdlib.h>
 
-void requests_clear(struct requests *requests)
+void motion_requests_clear(struct requests *requests)
 {
 	requests->count = 0;
 }
 
-void requests_finish(struct requests *requests)
+void motion_requests_finish(struct requests *requests)
 {
 	mem_free(requests->requests);
 	mem_free(requests->keys);
 	*requests = (struct requests){.requests = NULL};
 }
 
-enum status requests_add(struct requests *requests, uint64_t key, double time)
+enum status motion_requests_add(struct requests *requests, uint64_t key, double time)
 {
 	if (requests->count == requests->room) {
 		size_t room = requests->room != 0 ? 2 * requests->room : 64;
@@ -51,7 +51,7 @@ static int by_time(const void *a, const void *b)
 	return (x->order > y->order) - (x->order < y->order);
 }
 
-size_t requests_order(struct requests *requests, const uint64_t **keys)
+size_t motion_requests_order(struct requests *requests, const uint64_t **keys)
 {
 	size_t kept = 0;
 	if (requests->count > 0)

@@ -32,7 +32,7 @@ static double distance(const struct track_point *a, const struct track_point *b,
 	return length;
 }
 
-enum status track_create(const struct scene_path *path, const double (*points)[2], double post,
+enum status motion_track_create(const struct scene_path *path, const double (*points)[2], double post,
 			 double turn_reach, struct track **out)
 {
 	assert(path->count >= 1);
@@ -98,7 +98,7 @@ enum status track_create(const struct scene_path *path, const double (*points)[2
 	return STATUS_OK;
 }
 
-void track_destroy(struct track *track)
+void motion_track_destroy(struct track *track)
 {
 	if (track == NULL)
 		return;
@@ -106,7 +106,7 @@ void track_destroy(struct track *track)
 	mem_free(track);
 }
 
-int64_t track_samples(const struct track *track)
+int64_t motion_track_samples(const struct track *track)
 {
 	if (track->loop)
 		return INT64_MAX;
@@ -115,7 +115,7 @@ int64_t track_samples(const struct track *track)
 	return whole + 1 + (posts - (double)whole > 1e-9);
 }
 
-double track_fastest(const struct track *track)
+double motion_track_fastest(const struct track *track)
 {
 	double fastest = track->timed ? 0 : track->speed;
 	for (size_t i = 1; track->timed && i < track->count; i++) {
@@ -184,20 +184,20 @@ static double station_length(const struct track *track, int64_t index, int64_t *
 {
 	*lap = track->loop ? index / track->lap : 0;
 	int64_t within = index - *lap * track->lap;
-	if (!track->loop && index == track_samples(track) - 1)
+	if (!track->loop && index == motion_track_samples(track) - 1)
 		return track->length;
 	return (double)within * track->post;
 }
 
-void track_sample(const struct track *track, int64_t index, struct track_point *point)
+void motion_track_sample(const struct track *track, int64_t index, struct track_point *point)
 {
 	int64_t lap;
 	at_length(track, station_length(track, index, &lap), point);
-	point->time = track_sample_time(track, index);
+	point->time = motion_track_sample_time(track, index);
 	place(track, point);
 }
 
-double track_sample_time(const struct track *track, int64_t index)
+double motion_track_sample_time(const struct track *track, int64_t index)
 {
 	int64_t lap;
 	double length = station_length(track, index, &lap);
@@ -216,7 +216,7 @@ static bool is_within(const struct track_point *point, double width, double heig
 static bool station_within(const struct track *track, int64_t index, double width, double height)
 {
 	struct track_point point;
-	track_sample(track, index, &point);
+	motion_track_sample(track, index, &point);
 	return is_within(&point, width, height);
 }
 
@@ -237,9 +237,9 @@ static int64_t leaves_line(const struct track *track, int64_t first, int64_t las
 	return last;
 }
 
-int64_t track_leaves(const struct track *track, double width, double height)
+int64_t motion_track_leaves(const struct track *track, double width, double height)
 {
-	int64_t all = track->loop ? track->lap : track_samples(track);
+	int64_t all = track->loop ? track->lap : motion_track_samples(track);
 	bool was_within = true;
 	for (size_t k = 0; k < track->count; k++) {
 		struct track_point knot = track->knots[k].at;
@@ -258,7 +258,7 @@ int64_t track_leaves(const struct track *track, double width, double height)
 	return was_within || track->loop || station_within(track, all - 1, width, height) ? -1 : all - 1;
 }
 
-void track_at(const struct track *track, double time, struct track_point *point)
+void motion_track_at(const struct track *track, double time, struct track_point *point)
 {
 	if (!track->timed) {
 		double length = time > 0 ? time * track->speed : 0;
@@ -277,12 +277,12 @@ void track_at(const struct track *track, double time, struct track_point *point)
 	place(track, point);
 }
 
-size_t track_corners(const struct track *track)
+size_t motion_track_corners(const struct track *track)
 {
 	return track->count + 1;
 }
 
-size_t track_way(const struct track *track, double time, double (*places)[2])
+size_t motion_track_way(const struct track *track, double time, double (*places)[2])
 {
 	size_t count = 0;
 	for (; count < track->count && (count == 0 || track->knots[count].at.time <= time); count++) {
@@ -293,7 +293,7 @@ size_t track_way(const struct track *track, double time, double (*places)[2])
 	}
 	if (count < track->count) {
 		struct track_point now;
-		track_at(track, time, &now);
+		motion_track_at(track, time, &now);
 		places[count][0] = now.x;
 		places[count][1] = now.y;
 		count++;

@@ -73,7 +73,7 @@ struct page_params {
 	uint32_t queue_soft;
 	uint32_t queue_most; /* images for changed pages: PAGE_QUEUE_MOST; needing more is STATUS_FAILED */
 	double epoch_age;    /* seconds after which a change is committed; 0: only by their number */
-	size_t record_bytes; /* of the run's record, copied at each epoch */
+	size_t world_record_bytes; /* of the run's record, copied at each epoch */
 	/* The owner, before the record of an epoch is taken; NULL: nothing to do. */
 	enum status (*before_epoch)(void *user);
 	void *before_epoch_user;
@@ -93,7 +93,8 @@ struct page_stats {
 	uint64_t hits, misses;    /* accesses by page_cache_pin that found it resident, or not */
 	uint64_t prefetched;      /* loads begun for a wish */
 	uint64_t cancelled;       /* wishes given up before they were resident */
-	uint64_t late;            /* misses whose load was already on its way */
+	uint64_t late;            /* misses whose load had begun and was not in its slot yet */
+	uint64_t not_begun;       /* misses that were requested ahead and whose load had not begun */
 	uint64_t evictions;       /* pages that gave up their slot */
 	uint64_t writebacks;      /* pages committed */
 	uint64_t stalls;          /* times the owner waited: for a page, for the queue, for an epoch */
@@ -108,6 +109,8 @@ struct page_cache;
 enum status page_cache_create(const struct page_params *params, struct page_cache **out) FURROW_CHECKED;
 /* Stops the threads, after what each is at; commits nothing. Then only page_cache_stats and page_cache_destroy. */
 void page_cache_stop(struct page_cache *cache);
+/* This thread is the owner from now on; another one was, and does not use the cache meanwhile. Takes NULL. */
+void page_cache_adopt(struct page_cache *cache);
 /* The same, and all it has. Takes NULL. */
 void page_cache_destroy(struct page_cache *cache);
 
@@ -137,11 +140,28 @@ bool page_cache_peek(struct page_cache *cache, uint64_t key, bool use, uint32_t 
 enum status page_cache_poll(struct page_cache *cache) FURROW_CHECKED;
 
 /* The step is over and every page is consistent: starts an epoch if enough changed or a change is
- * old enough. `record` (record_bytes) goes into it. Dirty pages are read back as they are now and
+ * old enough. `record` (world_record_bytes) goes into it. Dirty pages are read back as they are now and
  * committed in the background; they are clean unless dirtied again. Sticky failures surface here. */
 enum status page_cache_end_step(struct page_cache *cache, const void *record) FURROW_CHECKED;
 /* Commits everything and waits for it. */
 enum status page_cache_flush(struct page_cache *cache, const void *record) FURROW_CHECKED;
+
+/* Goes back to an earlier state of the store, between two steps. All for the owner thread. After page_cache_flush, and in
+ * `back`, the writer thread is idle until the next epoch begins: the owner may use what io.commit writes to. */
+struct page_rollback {
+	void *user;
+	/* The store goes back. Nothing reads it whose result is used. If it fails, it must be what it was. What will be lost,
+	 * though it was never committed, is what page_cache_each_changed() tells still. */
+	enum status (*back)(void *user);
+	/* After that, of a resident page that was committed: whether a load may bring now what is not in its slot. */
+	bool (*changed)(void *user, uint64_t key);
+	/* The page was resident, and is no more. */
+	void (*dropped)(void *user, uint64_t key);
+};
+/* Waits for the epoch in flight, then goes back. What was changed and not committed is lost, loads and wishes are given up,
+ * pages that changed are dropped, and read again when they are asked for; all others stay where they are. Nothing that is
+ * dropped may be pinned. Sticky failures surface here; if it fails, no change is lost, and it may be called again. */
+enum status page_cache_rollback(struct page_cache *cache, const struct page_rollback *rollback) FURROW_CHECKED;
 
 /* Versions of pages that a load which began before now may have missed: those waiting for a commit,
  * and those committed after the oldest load still on its way began. Oldest first. An executor that
@@ -168,8 +188,25 @@ void page_cache_stats(struct page_cache *cache, struct page_stats *stats);
  * --- traces: what was asked of a cache, kept to judge it by ---
  *
  * An access is a key of a pin or a peek with `use`. A trace is written beside its file and is that
- * file only once it is whole; page_trace.c says what is in it. One thread at a time a trace.
+ * file only once it is whole. One thread at a time a trace. Its file:
+ *
+ *     header   8 bytes "furrowPT", uint32 version, little-endian
+ *     records  each begins with a number in LEB128 (7 bits a byte, low bits first):
+ *       tile << 3 | resident << 2 | kind << 1     an access. Tiles are numbered from 0 in the order in
+ *                                                 which they first come; the first of a tile is followed
+ *                                                 by its key, a uint64
+ *       steps << 1 | 1, steps > 0                 the accesses that follow are so many steps later
+ *       1                                         the end, followed by three uint64: how many accesses,
+ *                                                 how many tiles, and the XXH3 of all bytes before itself
+ *
+ * A drive comes back to the tiles it lately had, and has few in all: of a million accesses most name
+ * one of a few hundred tiles, which is two bytes, where key, step and flags in full would be 16.
  */
+#define PAGE_TRACE_MAGIC "furrowPT"
+#define PAGE_TRACE_VERSION 1
+#define PAGE_TRACE_HEADER 12   /* bytes */
+#define PAGE_TRACE_KEY_BITS 62 /* tile_key's */
+
 enum page_access { PAGE_ACCESS_PIN, PAGE_ACCESS_DRAW, PAGE_ACCESS_KINDS };
 struct page_trace;
 
@@ -185,35 +222,5 @@ enum status page_trace_status(const struct page_trace *trace) FURROW_CHECKED;
 enum status page_trace_publish(struct page_trace *trace) FURROW_CHECKED;
 /* Leaves nothing behind unless it was published. Takes NULL. */
 void page_trace_destroy(struct page_trace *trace);
-
-/* A trace in memory: tiles by number, in the order in which they were first asked for. */
-struct page_accesses {
-	size_t count;
-	uint32_t *tiles; /* of each access: the tile's number */
-	uint64_t *steps; /* of each access */
-	uint32_t tile_count;
-	uint64_t *keys;  /* of each tile */
-	uint64_t hits[PAGE_ACCESS_KINDS], misses[PAGE_ACCESS_KINDS]; /* of the cache that was traced */
-};
-
-/* STATUS_INPUT if the file is missing, no trace, cut or damaged. Any thread. */
-enum status page_accesses_read(const char *path, struct page_accesses *out) FURROW_CHECKED;
-void page_accesses_finish(struct page_accesses *accesses);
-
-/* --- simulation: how often other policies would have missed --- */
-
-enum page_policy { PAGE_LRU, PAGE_CLOCK, PAGE_ARC, PAGE_S3FIFO, PAGE_OPT, PAGE_POLICIES };
-/* Below this many slots S3-FIFO keeps nothing: its small queue would hold one page or none. */
-#define PAGE_S3FIFO_SLOTS_MIN 20
-
-/* Called now and then; another status than STATUS_OK ends the simulation with it. */
-typedef enum status (*page_sim_progress_fn)(void *user, int64_t done, int64_t total);
-
-/* The misses of `policy` with slots[i] slots (at least 1 each) into misses[i]: a cache that starts
- * empty, pins nothing, prefetches nothing, by libCacheSim's rules for objects of size 1.
- * `done` and `total` are accesses. Any thread. */
-enum status page_sim(const struct page_accesses *accesses, enum page_policy policy, const uint32_t *slots,
-		     size_t count, page_sim_progress_fn progress, void *user,
-		     uint64_t *misses) FURROW_CHECKED;
 
 #endif

@@ -52,7 +52,7 @@ enum status page_cache_create(const struct page_params *params, struct page_cach
 	if (status == STATUS_OK) {
 		cache->loaders = mem_calloc(params->loaders > 0 ? params->loaders : 1, sizeof *cache->loaders);
 		cache->epoch_images = mem_calloc(params->queue_most, sizeof *cache->epoch_images);
-		cache->epoch_record = mem_calloc(1, params->record_bytes);
+		cache->epoch_record = mem_calloc(1, params->world_record_bytes);
 		if (cache->loaders == NULL || cache->epoch_images == NULL ||
 		    cache->epoch_record == NULL)
 			status = fail_memory("the page cache");
@@ -82,6 +82,12 @@ void page_cache_stop(struct page_cache *cache)
 		thread_join(&cache->loaders[i].thread);
 }
 
+void page_cache_adopt(struct page_cache *cache)
+{
+	if (cache != NULL)
+		cache->owner = pthread_self();
+}
+
 void page_cache_destroy(struct page_cache *cache)
 {
 	if (cache == NULL)
@@ -103,7 +109,7 @@ void page_cache_destroy(struct page_cache *cache)
 	mutex_unlock(&cache->mutex);
 	page_queue_finish(cache);
 	page_table_finish(&cache->table);
-	page_touched_finish(&cache->touched);
+	key_set_finish(&cache->touched);
 	mem_free(cache->loaders);
 	mem_free(cache->epoch_images);
 	mem_free(cache->epoch_record);
@@ -141,8 +147,7 @@ static enum status take_snapshot(struct page_cache *cache)
 	return status;
 }
 
-/* Until no epoch is in flight; a stall if a step waits for it. */
-static enum status wait_for_epoch_locked(struct page_cache *cache, bool stall)
+enum status page_wait_for_epoch_locked(struct page_cache *cache, bool stall)
 {
 	enum status status = page_sticky_locked(cache);
 	bool stalled = false;
@@ -154,7 +159,7 @@ static enum status wait_for_epoch_locked(struct page_cache *cache, bool stall)
 static enum status start_epoch(struct page_cache *cache, const void *record, bool stall)
 {
 	mutex_lock(&cache->mutex);
-	enum status status = wait_for_epoch_locked(cache, stall);
+	enum status status = page_wait_for_epoch_locked(cache, stall);
 	if (status == STATUS_OK)
 		page_loads_abandon_late_locked(cache);
 	mutex_unlock(&cache->mutex);
@@ -168,7 +173,7 @@ static enum status start_epoch(struct page_cache *cache, const void *record, boo
 		return status;
 	mutex_lock(&cache->mutex);
 	page_queue_begin_epoch_locked(cache);
-	memcpy(cache->epoch_record, record, cache->params.record_bytes);
+	memcpy(cache->epoch_record, record, cache->params.world_record_bytes);
 	cache->dirty_since = 0;
 	assert(page_cache_sane_locked(cache));
 	condition_wake_all(&cache->work);
@@ -211,7 +216,7 @@ enum status page_cache_flush(struct page_cache *cache, const void *record)
 	if (status != STATUS_OK)
 		return status;
 	mutex_lock(&cache->mutex);
-	status = wait_for_epoch_locked(cache, false);
+	status = page_wait_for_epoch_locked(cache, false);
 	mutex_unlock(&cache->mutex);
 	return status;
 }

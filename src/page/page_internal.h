@@ -12,6 +12,8 @@
  *          v                   |   commit returned   oldest load is newer         |
  *       waiting ------> committing --------> kept --------> unused       waiting <+
  *
+ * A rollback takes dirty RESIDENT pages and those that changed to ABSENT, and what waits to unused.
+ *
  * Invariants, which asserts name:
  *
  *   1. A page is in one list: resident, urgent or wished (WANTED), or flights (LOADING, LOADED).
@@ -34,6 +36,7 @@
 #ifndef FURROW_PAGE_INTERNAL_H
 #define FURROW_PAGE_INTERNAL_H
 
+#include "base/key_set.h"
 #include "page/page.h"
 
 #define PAGE_NO_SLOT UINT32_MAX
@@ -118,12 +121,6 @@ enum page_epoch {
 	PAGE_EPOCH_COMMITTING, /* the writer's */
 };
 
-/* A growing set of keys. */
-struct page_touched {
-	uint64_t *keys; /* key + 1; 0: free */
-	size_t room, count;
-};
-
 struct page_loader {
 	struct page_cache *cache;
 	unsigned number;
@@ -139,7 +136,7 @@ struct page_cache {
 	bool stopping;
 	struct page_table table;
 	struct page_queue queue;
-	struct page_touched touched;
+	struct key_set touched; /* the keys that were ever pinned */
 	uint64_t load_clock; /* loads taken so far */
 	uint64_t step;       /* steps begun so far: pages that were never used say 0 */
 	uint64_t wish_list;  /* lists so far */
@@ -156,11 +153,6 @@ struct page_cache {
 	struct page_loader *loaders;
 	struct thread writer;
 };
-
-static inline size_t page_hash(uint64_t key)
-{
-	return (size_t)((key * 0x9e3779b97f4a7c15ull) >> 20);
-}
 
 static inline bool page_owner(const struct page_cache *cache)
 {
@@ -187,6 +179,11 @@ void page_table_forget_locked(struct page_table *table, struct page *page, struc
 void page_list_append(struct page_list *list, struct page *page);
 void page_list_remove(struct page_list *list, struct page *page);
 
+/* --- page_cache.c --- */
+
+/* Until no epoch is in flight; a stall if a step waits for it. Sticky failures end it. */
+enum status page_wait_for_epoch_locked(struct page_cache *cache, bool stall) FURROW_CHECKED;
+
 /* --- page_queue.c --- */
 
 enum status page_queue_init(struct page_queue *queue,
@@ -206,6 +203,8 @@ struct page_host *page_queue_newest_locked(const struct page_queue *queue, uint6
 void page_queue_wait_locked(struct page_cache *cache, struct page_host *host);
 void page_queue_begin_epoch_locked(struct page_cache *cache);
 void page_queue_end_epoch_locked(struct page_cache *cache, bool committed);
+/* Everything that waits is let go, though it was never committed. */
+void page_queue_drop_waiting_locked(struct page_cache *cache);
 /* Lets go of what no load on its way can have missed. */
 void page_queue_release_kept_locked(struct page_cache *cache);
 
@@ -256,11 +255,5 @@ enum status page_install(struct page_cache *cache, struct page *page, bool *late
 /* The page is the most recently used. */
 void page_use_locked(struct page_cache *cache, struct page *page);
 bool page_wished(const struct page_cache *cache, const struct page *page);
-
-/* --- page_touched.c --- */
-
-enum status page_touched_reserve(struct page_touched *touched, size_t more) FURROW_CHECKED;
-void page_touched_add(struct page_touched *touched, uint64_t key); /* reserved before */
-void page_touched_finish(struct page_touched *touched);
 
 #endif

@@ -47,7 +47,7 @@ static void hold_locked(struct page_cache *cache, struct request *request, size_
 	struct page_table *table = &cache->table;
 	table->pinned += page->pins++ == 0;
 	page_use_locked(cache, page);
-	page_touched_add(&cache->touched, page->key);
+	key_set_put(&cache->touched, page->key);
 	request->slots[i] = page->slot;
 	request->held[i] = true;
 }
@@ -64,7 +64,8 @@ static void ask_locked(struct page_cache *cache, struct request *request, size_t
 		return;
 	}
 	cache->stats.misses++;
-	cache->stats.late += page != NULL;
+	cache->stats.not_begun += page != NULL && page->state == PAGE_WANTED;
+	cache->stats.late += page != NULL && page->state != PAGE_WANTED;
 	/* A prefetch that failed is retried; a stale load is asked for again once it is gone. */
 	if (page != NULL && page->state == PAGE_LOADED && !page->urgent &&
 	    page->host->failure.status != STATUS_OK) {
@@ -135,7 +136,7 @@ enum status page_cache_pin_all(struct page_cache *cache, const uint64_t *keys, s
 	if (status == STATUS_OK)
 		status = check_room_locked(cache, &request);
 	if (status == STATUS_OK)
-		status = page_touched_reserve(&cache->touched, count);
+		status = key_set_reserve(&cache->touched, count);
 	if (status != STATUS_OK)
 		goto unlock;
 	for (size_t i = 0; i < count; i++)

@@ -121,7 +121,7 @@ static void enter_locked(struct page_queue *queue, struct page_host *host,
 	*(before != NULL ? &before->next : &list->first) = host;
 	*(host->next != NULL ? &host->next->prev : &list->last) = host;
 	list->count++;
-	struct page_host **bucket = &queue->buckets[page_hash(host->image.key) & queue->mask];
+	struct page_host **bucket = &queue->buckets[key_hash(host->image.key) & queue->mask];
 	host->hash_next = *bucket;
 	*bucket = host;
 }
@@ -132,7 +132,7 @@ static void leave_locked(struct page_queue *queue, struct page_host *host)
 	*(host->prev != NULL ? &host->prev->next : &list->first) = host->next;
 	*(host->next != NULL ? &host->next->prev : &list->last) = host->prev;
 	list->count--;
-	struct page_host **at = &queue->buckets[page_hash(host->image.key) & queue->mask];
+	struct page_host **at = &queue->buckets[key_hash(host->image.key) & queue->mask];
 	while (*at != host)
 		at = &(*at)->hash_next;
 	*at = host->hash_next;
@@ -142,7 +142,7 @@ static void leave_locked(struct page_queue *queue, struct page_host *host)
 struct page_host *page_queue_find_locked(const struct page_queue *queue, uint64_t key,
 					 enum page_image_place place)
 {
-	struct page_host *host = queue->buckets[page_hash(key) & queue->mask];
+	struct page_host *host = queue->buckets[key_hash(key) & queue->mask];
 	while (host != NULL && (host->image.key != key || host->place != place))
 		host = host->hash_next;
 	return host;
@@ -151,7 +151,7 @@ struct page_host *page_queue_find_locked(const struct page_queue *queue, uint64_
 struct page_host *page_queue_newest_locked(const struct page_queue *queue, uint64_t key)
 {
 	struct page_host *newest = NULL;
-	for (struct page_host *host = queue->buckets[page_hash(key) & queue->mask]; host != NULL;
+	for (struct page_host *host = queue->buckets[key_hash(key) & queue->mask]; host != NULL;
 	     host = host->hash_next)
 		if (host->image.key == key && (newest == NULL || host->place > newest->place))
 			newest = host;
@@ -219,6 +219,16 @@ void page_queue_end_epoch_locked(struct page_cache *cache, bool committed)
 	if (cache->epoch_snapshot != NULL)
 		cache->epoch_snapshot->place = PAGE_UNQUEUED;
 	page_queue_release_kept_locked(cache);
+}
+
+void page_queue_drop_waiting_locked(struct page_cache *cache)
+{
+	struct page_queue *queue = &cache->queue;
+	while (queue->waiting.first != NULL) {
+		struct page_host *host = queue->waiting.first;
+		leave_locked(queue, host);
+		page_host_release_locked(cache, host); /* one that is filled keeps its memory until that is settled */
+	}
 }
 
 void page_queue_release_kept_locked(struct page_cache *cache)

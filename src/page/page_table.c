@@ -45,7 +45,7 @@ void page_table_finish(struct page_table *table)
 
 struct page *page_table_find_locked(const struct page_table *table, uint64_t key)
 {
-	struct page *page = table->buckets[page_hash(key) & table->mask];
+	struct page *page = table->buckets[key_hash(key) & table->mask];
 	while (page != NULL && page->key != key)
 		page = page->hash_next;
 	return page;
@@ -57,7 +57,7 @@ struct page *page_table_add_locked(struct page_table *table, uint64_t key, struc
 	struct page *page = table->unused;
 	assert(page != NULL); /* 9 */
 	table->unused = page->hash_next;
-	struct page **bucket = &table->buckets[page_hash(key) & table->mask];
+	struct page **bucket = &table->buckets[key_hash(key) & table->mask];
 	*page = (struct page){.key = key, .slot = PAGE_NO_SLOT, .hash_next = *bucket};
 	*bucket = page;
 	page_list_append(list, page);
@@ -68,7 +68,7 @@ void page_table_forget_locked(struct page_table *table, struct page *page, struc
 {
 	assert(page->pins == 0 && !page->dirty && page->host == NULL); /* 3 */
 	page_list_remove(list, page);
-	struct page **at = &table->buckets[page_hash(page->key) & table->mask];
+	struct page **at = &table->buckets[key_hash(page->key) & table->mask];
 	while (*at != page)
 		at = &(*at)->hash_next;
 	*at = page->hash_next;

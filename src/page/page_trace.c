@@ -17,19 +17,21 @@
 
 #include <xxhash.h>
 
-#include "page/page_trace_format.h"
+#include "base/aside.h"
+#include "base/key_set.h"
+#include "page/page.h"
 
 #define BUFFER_BYTES ((size_t)1 << 16)
 #define RECORDS_MOST 64 /* bytes that an access and the end add, at most */
 
 struct page_trace {
-	char *path, *part;
+	char *path;
+	struct aside aside;
 	int file; /* -1: not begun */
-	bool published;
 	uint8_t *buffer;
 	size_t used;
 	XXH3_state_t *hash;
-	struct page_trace_index index;
+	struct key_set index;
 	uint64_t step, accesses;
 	struct failure failure; /* sticky */
 };
@@ -57,8 +59,8 @@ static enum status flush(struct page_trace *trace)
 
 static void put_bytes(struct page_trace *trace, uint64_t value, int count)
 {
-	page_trace_store(trace->buffer + trace->used, value, count);
-	trace->used += (size_t)count;
+	for (int i = 0; i < count; i++)
+		trace->buffer[trace->used++] = (uint8_t)(value >> (8 * i));
 }
 
 static void put_number(struct page_trace *trace, uint64_t value)
@@ -73,7 +75,7 @@ static void put_number(struct page_trace *trace, uint64_t value)
 /* 2 */
 static enum status check_replaceable(const char *path)
 {
-	char magic[sizeof TRACE_MAGIC - 1];
+	char magic[sizeof PAGE_TRACE_MAGIC - 1];
 	struct stat found;
 	if (stat(path, &found) != 0)
 		return errno == ENOENT ? STATUS_OK
@@ -83,7 +85,7 @@ static enum status check_replaceable(const char *path)
 	if (S_ISREG(found.st_mode) && !replaceable) {
 		FILE *file = fopen(path, "rb");
 		replaceable = file != NULL && fread(magic, sizeof magic, 1, file) == 1 &&
-			      memcmp(magic, TRACE_MAGIC, sizeof magic) == 0;
+			      memcmp(magic, PAGE_TRACE_MAGIC, sizeof magic) == 0;
 		if (file != NULL)
 			fclose(file);
 	}
@@ -93,23 +95,24 @@ static enum status check_replaceable(const char *path)
 
 static enum status begin(struct page_trace *trace)
 {
-	int file = open(trace->part, O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+	int file = open(trace->aside.part, O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
 	if (file < 0)
-		return fail_with(STATUS_FAILED, "%s: %s; give a file that can be written", trace->part, strerror(errno));
+		return fail_with(STATUS_FAILED, "%s: %s; give a file that can be written", trace->aside.part, strerror(errno));
 	/* Between the two another drive may have published this very file, which is no .part any more. */
 	struct stat found, named;
-	if (flock(file, LOCK_EX | LOCK_NB) != 0 || stat(trace->part, &named) != 0 || fstat(file, &found) != 0 ||
+	if (flock(file, LOCK_EX | LOCK_NB) != 0 || stat(trace->aside.part, &named) != 0 || fstat(file, &found) != 0 ||
 	    found.st_ino != named.st_ino) {
 		close(file);
 		return fail_with(STATUS_FAILED, "%s: another drive writes this trace; give another file", trace->path);
 	}
 	trace->file = file;
+	trace->aside.begun = true;
 	/* What a killed drive left is written over. */
 	if (found.st_size > 0 && ftruncate(file, 0) != 0)
 		return cannot_write(trace);
-	memcpy(trace->buffer, TRACE_MAGIC, sizeof TRACE_MAGIC - 1);
-	trace->used = sizeof TRACE_MAGIC - 1;
-	put_bytes(trace, TRACE_VERSION, 4);
+	memcpy(trace->buffer, PAGE_TRACE_MAGIC, sizeof PAGE_TRACE_MAGIC - 1);
+	trace->used = sizeof PAGE_TRACE_MAGIC - 1;
+	put_bytes(trace, PAGE_TRACE_VERSION, 4);
 	return STATUS_OK;
 }
 
@@ -122,19 +125,18 @@ enum status page_trace_create(const char *path, struct page_trace **out)
 	if (trace == NULL)
 		return fail_memory("a trace");
 	trace->file = -1;
-	size_t room = strlen(path) + sizeof ".part";
 	trace->path = mem_strdup(path);
-	trace->part = mem_alloc(room, 1);
 	trace->buffer = mem_alloc(BUFFER_BYTES, 1);
 	trace->hash = XXH3_createState();
-	if (trace->path == NULL || trace->part == NULL || trace->buffer == NULL || trace->hash == NULL) {
+	if (trace->path == NULL || trace->buffer == NULL || trace->hash == NULL)
 		status = fail_memory("a trace");
-	} else {
+	else
+		status = aside_name(&trace->aside, trace->path);
+	if (status == STATUS_OK) {
 		XXH3_64bits_reset(trace->hash);
-		snprintf(trace->part, room, "%s.part", path);
 		struct stat found; /* a device may be given for it; a file that is no trace keeps what it has */
-		if (stat(trace->part, &found) == 0 && S_ISREG(found.st_mode))
-			status = check_replaceable(trace->part);
+		if (stat(trace->aside.part, &found) == 0 && S_ISREG(found.st_mode))
+			status = check_replaceable(trace->aside.part);
 		if (status == STATUS_OK)
 			status = begin(trace);
 	}
@@ -150,15 +152,12 @@ void page_trace_destroy(struct page_trace *trace)
 {
 	if (trace == NULL)
 		return;
-	if (trace->file >= 0) {
-		if (!trace->published)
-			(void)unlink(trace->part);
+	aside_finish(&trace->aside);
+	if (trace->file >= 0)
 		close(trace->file);
-	}
-	page_trace_index_finish(&trace->index);
+	key_set_finish(&trace->index);
 	XXH3_freeState(trace->hash);
 	mem_free(trace->buffer);
-	mem_free(trace->part);
 	mem_free(trace->path);
 	mem_free(trace);
 }
@@ -170,7 +169,7 @@ static enum status note_access(struct page_trace *trace, uint64_t step, uint64_t
 {
 	uint32_t number;
 	bool fresh;
-	enum status status = page_trace_index_put(&trace->index, key, &number, &fresh);
+	enum status status = key_set_number(&trace->index, key, &number, &fresh);
 	if (status == STATUS_OK && BUFFER_BYTES - trace->used < RECORDS_MOST)
 		status = flush(trace);
 	if (status != STATUS_OK)
@@ -190,7 +189,7 @@ void page_trace_access(struct page_trace *trace, uint64_t step, uint64_t key, en
 {
 	if (trace == NULL || trace->failure.status != STATUS_OK)
 		return; /* 1 */
-	assert(!trace->published && step >= trace->step && key >> TRACE_KEY_BITS == 0);
+	assert(trace->aside.begun && step >= trace->step && key >> PAGE_TRACE_KEY_BITS == 0);
 	enum status status = note_access(trace, step, key, kind, resident);
 	if (status != STATUS_OK)
 		failure_capture(&trace->failure, status);
@@ -216,10 +215,8 @@ enum status page_trace_publish(struct page_trace *trace)
 	}
 	if (status == STATUS_OK && fsync(trace->file) != 0)
 		status = cannot_write(trace);
-	if (status == STATUS_OK && rename(trace->part, trace->path) != 0)
-		status = fail_with(STATUS_FAILED, "%s: cannot be put in place: %s; check the folder's permissions",
-				   trace->path, strerror(errno));
-	trace->published = status == STATUS_OK;
+	if (status == STATUS_OK)
+		status = aside_publish(&trace->aside);
 	if (status != STATUS_OK)
 		failure_capture(&trace->failure, status);
 	return status;

@@ -41,9 +41,11 @@ void render_axes(const struct render *render, const struct render_camera *camera
 		f[i] = camera->target[i] - camera->eye[i];
 	if (normalise(f) == 0)
 		f[1] = 1;
-	r[0] = f[1];
-	r[1] = -f[0];
-	r[2] = 0;
+	const double *u = camera->up;
+	const bool upright = u[0] == 0 && u[1] == 0 && u[2] == 0;
+	r[0] = upright ? f[1] : f[1] * u[2] - f[2] * u[1];
+	r[1] = upright ? -f[0] : f[2] * u[0] - f[0] * u[2];
+	r[2] = upright ? 0 : f[0] * u[1] - f[1] * u[0];
 	if (normalise(r) < 1e-9) { /* straight up or down: north is the picture's top */
 		r[0] = 1;
 		r[1] = 0;

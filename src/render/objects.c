@@ -112,7 +112,7 @@ void render_objects_plan(const struct render_params *params, struct plan *plan)
 		size_t first;
 		if (!is_first(params->objects, i, &first))
 			continue;
-		if (object_mesh_make(&params->objects[i].shape, &mesh) != STATUS_OK) {
+		if (render_object_mesh_make(&params->objects[i].shape, &mesh) != STATUS_OK) {
 			plan->failed = true;
 			return;
 		}
@@ -120,7 +120,7 @@ void render_objects_plan(const struct render_params *params, struct plan *plan)
 		add(plan, PLAN_BUFFER, PLAN_ONCE, EFFECT_OBJECTS, mesh.corner_count * sizeof *mesh.corners, name);
 		snprintf(name, sizeof name, "objects: triangles of %s", params->objects[i].name);
 		add(plan, PLAN_BUFFER, PLAN_ONCE, EFFECT_OBJECTS, mesh.index_count * sizeof *mesh.indices, name);
-		object_mesh_finish(&mesh);
+		render_object_mesh_finish(&mesh);
 	}
 	if (!casts(params->effects, params->object_count))
 		return;
@@ -135,7 +135,7 @@ void render_objects_plan(const struct render_params *params, struct plan *plan)
 static enum status make_shape(struct render *render, const struct deform_shape *shape, struct object_shape *out)
 {
 	struct object_mesh mesh;
-	enum status status = object_mesh_make(shape, &mesh);
+	enum status status = render_object_mesh_make(shape, &mesh);
 	if (status != STATUS_OK)
 		return status;
 	*out = (struct object_shape){.shape = shape, .bound = deform_shape_bound(shape), .closed = mesh.closed};
@@ -143,7 +143,7 @@ static enum status make_shape(struct render *render, const struct deform_shape *
 	status = gpu_buffer_create(render->gpu, GPU_STORAGE, mesh.corner_count * sizeof *mesh.corners, mesh.corners, &out->corners);
 	if (status == STATUS_OK)
 		status = gpu_buffer_create(render->gpu, GPU_INDICES, mesh.index_count * sizeof *mesh.indices, mesh.indices, &out->indices);
-	object_mesh_finish(&mesh);
+	render_object_mesh_finish(&mesh);
 	return status;
 }
 
@@ -287,7 +287,7 @@ static void look(const struct render *render, const struct render_camera *camera
 			at[k] = object->at[k] - camera->eye[k];
 		deform_axes(object->yaw, object->pitch, object->roll, object->turned, own);
 		if (objects->casts) {
-			object_shadow_of(shape->shape, own, at, sun, &objects->shadows[*shadow_count], middle, &radius);
+			render_object_shadow_of(shape->shape, own, at, sun, &objects->shadows[*shadow_count], middle, &radius);
 			*shadow_count += ball_visible(view, camera->eye, middle, radius);
 		}
 		if (!ball_visible(view, camera->eye, at, shape->bound))

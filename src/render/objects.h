@@ -12,7 +12,7 @@ struct object_corner {
 	uint32_t look;
 };
 enum object_material { OBJECT_RUBBER, OBJECT_METAL, OBJECT_PAINT, OBJECT_DARK };
-uint32_t object_look(const double normal[3], enum object_material material);
+uint32_t render_object_look(const double normal[3], enum object_material material);
 
 #define OBJECT_DETAILS 3
 struct object_mesh {
@@ -25,13 +25,13 @@ struct object_mesh {
 	bool failed; /* out of memory; the end of making it says so */
 };
 /* A wheel has its lugs where deform presses them at turn 0. */
-enum status object_mesh_make(const struct deform_shape *shape, struct object_mesh *mesh) FURROW_CHECKED;
-void object_mesh_finish(struct object_mesh *mesh);
+enum status render_object_mesh_make(const struct deform_shape *shape, struct object_mesh *mesh) FURROW_CHECKED;
+void render_object_mesh_finish(struct object_mesh *mesh);
 /* The number of the new corner. */
-uint32_t object_mesh_corner(struct object_mesh *mesh, const double at[3], uint32_t look);
-void object_mesh_triangle(struct object_mesh *mesh, uint32_t a, uint32_t b, uint32_t c);
+uint32_t render_object_mesh_corner(struct object_mesh *mesh, const double at[3], uint32_t look);
+void render_object_mesh_triangle(struct object_mesh *mesh, uint32_t a, uint32_t b, uint32_t c);
 /* objects_file.c: a file's triangles, smooth where they meet at less than 40 degrees. */
-void object_mesh_of_file(struct object_mesh *mesh, const struct deform_mesh *file);
+void render_object_mesh_of_file(struct object_mesh *mesh, const struct deform_mesh *file);
 
 /* --- objects_shadow.c --- */
 
@@ -43,7 +43,7 @@ struct object_shadow {
 	float kind[4];         /* 0 a box, 1 a cylinder about its y, 2 a ball */
 };
 /* The object's centre is `at` from the eye. `radius` of the ball round the volume, and its `middle` from the eye. */
-void object_shadow_of(const struct deform_shape *shape, double axes[3][3], const double at[3], const double sun[3],
+void render_object_shadow_of(const struct deform_shape *shape, double axes[3][3], const double at[3], const double sun[3],
 		      struct object_shadow *shadow, double middle[3], double *radius);
 
 /* --- objects.c --- */

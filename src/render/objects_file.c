@@ -72,7 +72,7 @@ static void smooth(const struct meeting *meeting, uint32_t vertex, uint32_t tria
 	}
 }
 
-void object_mesh_of_file(struct object_mesh *mesh, const struct deform_mesh *file)
+void render_object_mesh_of_file(struct object_mesh *mesh, const struct deform_mesh *file)
 {
 	struct meeting meeting = {NULL, NULL, NULL};
 	/* The corner that was last made at each vertex: neighbours in a file often share it. */
@@ -87,14 +87,14 @@ void object_mesh_of_file(struct object_mesh *mesh, const struct deform_mesh *fil
 			uint32_t vertex = file->triangles[i][k];
 			double normal[3], at[3];
 			smooth(&meeting, vertex, i, normal);
-			uint32_t look = object_look(normal, OBJECT_PAINT);
+			uint32_t look = render_object_look(normal, OBJECT_PAINT);
 			for (int c = 0; c < 3; c++)
 				at[c] = file->vertices[vertex][c];
 			if (last[vertex] == UINT32_MAX || mesh->corners[last[vertex]].look != look)
-				last[vertex] = object_mesh_corner(mesh, at, look);
+				last[vertex] = render_object_mesh_corner(mesh, at, look);
 			corners[k] = last[vertex];
 		}
-		object_mesh_triangle(mesh, corners[0], corners[1], corners[2]);
+		render_object_mesh_triangle(mesh, corners[0], corners[1], corners[2]);
 	}
 	mem_free(last);
 	mem_free(meeting.begin);

@@ -30,7 +30,7 @@ static bool make_room(struct object_mesh *mesh)
 	return !mesh->failed;
 }
 
-uint32_t object_look(const double normal[3], enum object_material material)
+uint32_t render_object_look(const double normal[3], enum object_material material)
 {
 	double length = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
 	uint32_t look = (uint32_t)material << 30;
@@ -39,7 +39,7 @@ uint32_t object_look(const double normal[3], enum object_material material)
 	return look;
 }
 
-uint32_t object_mesh_corner(struct object_mesh *mesh, const double at[3], uint32_t look)
+uint32_t render_object_mesh_corner(struct object_mesh *mesh, const double at[3], uint32_t look)
 {
 	if (!make_room(mesh))
 		return 0;
@@ -47,7 +47,7 @@ uint32_t object_mesh_corner(struct object_mesh *mesh, const double at[3], uint32
 	return mesh->corner_count++;
 }
 
-void object_mesh_triangle(struct object_mesh *mesh, uint32_t a, uint32_t b, uint32_t c)
+void render_object_mesh_triangle(struct object_mesh *mesh, uint32_t a, uint32_t b, uint32_t c)
 {
 	if (!make_room(mesh))
 		return;
@@ -78,15 +78,15 @@ static void face(struct object_mesh *mesh, uint32_t a, uint32_t b, uint32_t c, c
 		size += fabs(n);
 	}
 	if (size > 0)
-		object_mesh_triangle(mesh, a, along >= 0 ? b : c, along >= 0 ? c : b);
+		render_object_mesh_triangle(mesh, a, along >= 0 ? b : c, along >= 0 ? c : b);
 }
 
 /* Four corners in turn. */
 static void flat(struct object_mesh *mesh, double at[4][3], const double normal[3], enum object_material material)
 {
-	uint32_t look = object_look(normal, material), corners[4];
+	uint32_t look = render_object_look(normal, material), corners[4];
 	for (int i = 0; i < 4; i++)
-		corners[i] = object_mesh_corner(mesh, at[i], look);
+		corners[i] = render_object_mesh_corner(mesh, at[i], look);
 	face(mesh, corners[0], corners[1], corners[2], normal);
 	face(mesh, corners[0], corners[2], corners[3], normal);
 }
@@ -123,8 +123,8 @@ static void lathe(struct object_mesh *mesh, const struct ring *rings, int count,
 		double c = cos(2 * M_PI * k / steps), s = sin(2 * M_PI * k / steps);
 		for (int i = 0; i < count; i++) {
 			const struct ring *r = &rings[i];
-			object_mesh_corner(mesh, (const double[3]){r->radius * c, r->y, r->radius * s},
-					   object_look((const double[3]){r->out * c, r->along, r->out * s}, material));
+			render_object_mesh_corner(mesh, (const double[3]){r->radius * c, r->y, r->radius * s},
+					   render_object_look((const double[3]){r->out * c, r->along, r->out * s}, material));
 		}
 	}
 	for (int k = from; k < to; k++)
@@ -226,7 +226,7 @@ static void ball(struct object_mesh *mesh, double radius)
 	}
 }
 
-enum status object_mesh_make(const struct deform_shape *shape, struct object_mesh *mesh)
+enum status render_object_mesh_make(const struct deform_shape *shape, struct object_mesh *mesh)
 {
 	*mesh = (struct object_mesh){.closed = shape->kind != DEFORM_MESH};
 	if (shape->kind == DEFORM_WHEEL)
@@ -234,7 +234,7 @@ enum status object_mesh_make(const struct deform_shape *shape, struct object_mes
 	else if (shape->kind == DEFORM_SPHERE)
 		ball(mesh, shape->radius);
 	else if (shape->kind == DEFORM_MESH)
-		object_mesh_of_file(mesh, shape->mesh);
+		render_object_mesh_of_file(mesh, shape->mesh);
 	else
 		brick(mesh, (const double[3]){0, 0, 0},
 		      (double[3][3]){{shape->size[0] / 2, 0, 0}, {0, shape->size[1] / 2, 0}, {0, 0, shape->size[2] / 2}}, OBJECT_PAINT);
@@ -243,11 +243,11 @@ enum status object_mesh_make(const struct deform_shape *shape, struct object_mes
 		end_detail(mesh, detail);
 	if (!mesh->failed)
 		return STATUS_OK;
-	object_mesh_finish(mesh);
+	render_object_mesh_finish(mesh);
 	return fail_memory("the picture's objects");
 }
 
-void object_mesh_finish(struct object_mesh *mesh)
+void render_object_mesh_finish(struct object_mesh *mesh)
 {
 	mem_free(mesh->corners);
 	mem_free(mesh->indices);

@@ -52,7 +52,7 @@ static void row(float to[4], const double axis[3], const double origin[3], doubl
 	to[3] = (float)(-(axis[0] * origin[0] + axis[1] * origin[1] + axis[2] * origin[2]) * scale);
 }
 
-void object_shadow_of(const struct deform_shape *shape, double axes[3][3], const double at[3], const double sun[3],
+void render_object_shadow_of(const struct deform_shape *shape, double axes[3][3], const double at[3], const double sun[3],
 		      struct object_shadow *shadow, double middle[3], double *radius)
 {
 	double own[3], centre[3], level = hypot(sun[0], sun[1]);

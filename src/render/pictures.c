@@ -27,7 +27,7 @@ struct pictures {
 	int64_t steps[PICTURES_ROOM];
 	struct thread thread;
 	uint64_t begun;              /* the owner's, and */
-	struct pictures_figures figures; /* its waits */
+	struct render_pictures_figures figures; /* its waits */
 	struct mutex mutex;          /* guards what follows */
 	struct condition changed;
 	uint64_t handed, written, marked;
@@ -143,7 +143,7 @@ static void wait_for_room(struct pictures *pictures)
 	pictures->figures.wait_ms += (clock_seconds() - started) * 1e3;
 }
 
-enum status pictures_begin(struct pictures *pictures, struct render *render, int64_t step)
+enum status render_pictures_begin(struct pictures *pictures, struct render *render, int64_t step)
 {
 	if (pictures == NULL)
 		return STATUS_OK;
@@ -155,10 +155,10 @@ enum status pictures_begin(struct pictures *pictures, struct render *render, int
 	pictures->steps[place] = step;
 	render_read_into(render, pictures->places[place]);
 	pictures->begun++;
-	return pictures_poll(pictures);
+	return render_pictures_poll(pictures);
 }
 
-enum status pictures_poll(struct pictures *pictures)
+enum status render_pictures_poll(struct pictures *pictures)
 {
 	if (pictures == NULL)
 		return STATUS_OK;
@@ -166,17 +166,24 @@ enum status pictures_poll(struct pictures *pictures)
 	return sticky(pictures);
 }
 
-void pictures_mark(struct pictures *pictures)
+void render_pictures_mark(struct pictures *pictures)
 {
 	if (pictures == NULL)
 		return;
+	hand_over(pictures);
+	bool all = pictures->handed == pictures->begun;
+	double started = clock_seconds();
 	wait_for_gpu(pictures, pictures->begun);
+	if (!all) {
+		pictures->figures.waits++;
+		pictures->figures.wait_ms += (clock_seconds() - started) * 1e3;
+	}
 	mutex_lock(&pictures->mutex);
 	pictures->marked = pictures->handed;
 	mutex_unlock(&pictures->mutex);
 }
 
-enum status pictures_await(struct pictures *pictures)
+enum status render_pictures_await(struct pictures *pictures)
 {
 	if (pictures == NULL)
 		return STATUS_OK;
@@ -187,7 +194,7 @@ enum status pictures_await(struct pictures *pictures)
 	return status;
 }
 
-void pictures_figures(struct pictures *pictures, struct pictures_figures *figures)
+void render_pictures_figures(struct pictures *pictures, struct render_pictures_figures *figures)
 {
 	mutex_lock(&pictures->mutex);
 	*figures = pictures->figures;
@@ -201,7 +208,7 @@ static size_t bytes_of(uint32_t width, uint32_t height)
 	return (size_t)width * height * gpu_format_bytes(GPU_SRGB8_ALPHA8);
 }
 
-void pictures_plan(uint32_t width, uint32_t height, struct plan *plan)
+void render_pictures_plan(uint32_t width, uint32_t height, struct plan *plan)
 {
 	const char *effect = scene_effect_row(EFFECT_IMAGES)->name;
 	plan_add(plan, &(struct plan_line){.kind = PLAN_THREAD, .effect = effect, .object = -1, .amount = 1}, PICTURES_THREAD);
@@ -209,7 +216,7 @@ void pictures_plan(uint32_t width, uint32_t height, struct plan *plan)
 					   .bytes = PICTURES_ROOM * bytes_of(width, height)}, "pictures: colour");
 }
 
-enum status pictures_create(struct gpu *gpu, const char *directory, uint32_t width, uint32_t height, struct pictures **out)
+enum status render_pictures_create(struct gpu *gpu, const char *directory, uint32_t width, uint32_t height, struct pictures **out)
 {
 	struct pictures *pictures = mem_calloc(1, sizeof *pictures);
 	if (pictures == NULL)
@@ -226,14 +233,14 @@ enum status pictures_create(struct gpu *gpu, const char *directory, uint32_t wid
 	if (status == STATUS_OK)
 		status = thread_start(&pictures->thread, write_body, pictures, PICTURES_THREAD);
 	if (status != STATUS_OK) {
-		pictures_destroy(pictures);
+		render_pictures_destroy(pictures);
 		return status;
 	}
 	*out = pictures;
 	return STATUS_OK;
 }
 
-void pictures_stop(struct pictures *pictures)
+void render_pictures_stop(struct pictures *pictures)
 {
 	if (pictures == NULL || !pictures->thread.started)
 		return;
@@ -246,11 +253,11 @@ void pictures_stop(struct pictures *pictures)
 	assert(pictures->written == pictures->begun);
 }
 
-void pictures_destroy(struct pictures *pictures)
+void render_pictures_destroy(struct pictures *pictures)
 {
 	if (pictures == NULL)
 		return;
-	pictures_stop(pictures);
+	render_pictures_stop(pictures);
 	for (int i = 0; i < PICTURES_ROOM; i++)
 		gpu_staging_destroy(pictures->places[i]);
 	condition_finish(&pictures->changed);

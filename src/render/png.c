@@ -4,8 +4,8 @@
 #include <setjmp.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
+#include "base/aside.h"
 #include "render/render.h"
 
 /* Of a 1280 x 720 picture, milliseconds of one core and kilobytes: 1: 28, 1252; 2: 31, 1233; 3: 51, 1186; 4: 69, 1212. Filters
@@ -72,28 +72,14 @@ static enum status write_file(FILE *file, const char *path, const uint8_t *pixel
 
 enum status render_png_write(const char *path, const uint8_t *pixels, uint32_t width, uint32_t height)
 {
-	size_t length = strlen(path) + sizeof ".part";
-	char *part = mem_alloc(length, 1);
-	if (part == NULL)
-		return fail_memory("a file's name");
-	snprintf(part, length, "%s.part", path);
-
-	enum status status;
-	FILE *file = fopen(part, "wb");
-	if (file == NULL) {
-		status = fail_with(STATUS_FAILED, "%s: cannot create it: %s; check that its folder exists and may be written",
-				   part, strerror(errno));
-		goto out;
-	}
-	status = write_file(file, path, pixels, width, height);
-	if (fclose(file) != 0 && status == STATUS_OK)
-		status = fail_with(STATUS_FAILED, "%s: cannot write it: %s; check the space left", part, strerror(errno));
-	if (status == STATUS_OK && rename(part, path) != 0)
-		status = fail_with(STATUS_FAILED, "%s: cannot put the picture there: %s; choose another folder", path,
-				   strerror(errno));
-	if (status != STATUS_OK)
-		unlink(part);
-out:
-	mem_free(part);
+	struct aside aside;
+	enum status status = aside_begin(&aside, path);
+	if (status == STATUS_OK)
+		status = write_file(aside.file, path, pixels, width, height);
+	if (status == STATUS_OK)
+		status = aside_whole(&aside, false);
+	if (status == STATUS_OK)
+		status = aside_publish(&aside);
+	aside_finish(&aside);
 	return status;
 }

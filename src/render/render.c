@@ -1,4 +1,6 @@
 /* A picture's life: what it is drawn into, the mesh of one block, the ground's textures. */
+#include <assert.h>
+#include <math.h>
 #include <string.h>
 
 #include "render/internal.h"
@@ -204,6 +206,20 @@ void render_tiles(const struct render *render, struct render_tiles *tiles)
 void render_read_into(struct render *render, struct gpu_staging *staging)
 {
 	gpu_texture_read_into(render->colour, 0, (struct gpu_rect){0, 0, render->width, render->height}, staging, 0);
+}
+
+enum status render_read(struct render *render, uint8_t *pixels, float *depth)
+{
+	const struct gpu_rect all = {0, 0, render->width, render->height};
+	const size_t count = (size_t)render->width * render->height;
+	assert(depth == NULL || render->samples <= 1);
+	if (pixels != NULL)
+		gpu_texture_read(render->colour, 0, all, pixels);
+	if (depth != NULL)
+		gpu_texture_read(render->depth, 0, all, depth);
+	for (size_t i = 0; depth != NULL && i < count; i++) /* near / distance; 0 without end */
+		depth[i] = depth[i] > 0 ? (float)RENDER_NEAR / depth[i] : INFINITY;
+	return gpu_check(render->gpu, "reading the picture back");
 }
 
 enum status render_write_png(struct render *render, const char *path)

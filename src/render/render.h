@@ -21,6 +21,7 @@
 struct render_camera {
 	double eye[3], target[3]; /* absolute metres */
 	double fov;               /* vertical, radians */
+	double up[3];             /* what is up in the picture; all 0: z is */
 };
 
 struct render_params {
@@ -107,6 +108,9 @@ void render_tiles(const struct render *render, struct render_tiles *tiles);
 /* Begins to read the last frame into staging of 4 bytes a pixel: sRGB and alpha, row 0 at the bottom. Another may be drawn
  * at once. */
 void render_read_into(struct render *render, struct gpu_staging *staging);
+/* Waits for the last frame and copies it. Either may be NULL. `depth`: m along the view direction, INFINITY: sky; one sample a
+ * pixel only. */
+enum status render_read(struct render *render, uint8_t *pixels, float *depth) FURROW_CHECKED;
 /* Such pixels to a file, without alpha: written as PATH.part, then renamed; nothing is left of what fails. Any thread. */
 enum status render_png_write(const char *path, const uint8_t *pixels, uint32_t width, uint32_t height) FURROW_CHECKED;
 /* Writes the last frame, and waits for all of it. */
@@ -228,41 +232,50 @@ struct view;
 
 /* `watched`: somebody looks at every picture, so that none waits for its tiles, and layers are shown. The world must have been
  * started with its pages. */
-enum status view_create(struct world *world, bool watched, struct view **out) FURROW_CHECKED;
-void view_destroy(struct view *view); /* takes NULL */
+enum status render_view_create(struct world *world, bool watched, struct view **out) FURROW_CHECKED;
+void render_view_destroy(struct view *view); /* takes NULL */
 /* What a picture of this world is made with. Without gpu, slots, reference, low, high and layers. Pure. */
-void view_render_params(const struct world *world, struct render_params *params);
-/* Loads what the first picture needs and draws it once, so that no step pays for either. */
-enum status view_warm(struct view *view) FURROW_CHECKED;
+void render_view_params(const struct world *world, struct render_params *params);
+/* Links and runs every program once, so that no step pays for that. Where a picture may come after any step, loads what the
+ * first one needs and draws it. */
+enum status render_view_warm(struct view *view) FURROW_CHECKED;
 /* Draws the picture of now. `image`: waits for what the picture needs, and begins to write it to `pictures`. */
 struct pictures;
-enum status view_frame(struct view *view, struct pictures *pictures, bool image) FURROW_CHECKED;
+enum status render_view_frame(struct view *view, struct pictures *pictures, bool image) FURROW_CHECKED;
+/* After a step of which no picture is drawn: hands on pictures that are on their way, and looks ahead to the next. */
+enum status render_view_between(struct view *view, struct pictures *pictures) FURROW_CHECKED;
 /* After the last step: waits for what the GPU still counts. */
-void view_settle(struct view *view);
+void render_view_settle(struct view *view);
 /* The view as a watcher of its world: for world_watch. */
-struct world_watcher view_watcher(struct view *view);
-enum status view_deformed(struct view *view, struct tile tile) FURROW_CHECKED;
-enum status view_pressed(struct view *view, const struct event *event, const struct contact_area *area) FURROW_CHECKED;
-enum status view_requests(struct view *view, struct requests *requests) FURROW_CHECKED;
-void view_reach_at_least(struct view *view, double metres);
-struct view_figures {
+struct world_watcher render_view_watcher(struct view *view);
+enum status render_view_deformed(struct view *view, struct tile tile) FURROW_CHECKED;
+enum status render_view_pressed(struct view *view, const struct event *event, const struct contact_area *area) FURROW_CHECKED;
+enum status render_view_requests(struct view *view, struct requests *requests) FURROW_CHECKED;
+void render_view_reach_at_least(struct view *view, double metres);
+struct render_view_figures {
 	double triangles;   /* a frame */
 	double overdraw;    /* samples of ground drawn, over the picture's: a frame, of those that could be counted; NaN: of none */
 	uint64_t frames;    /* pictures drawn */
 	uint64_t starved;   /* frames drawn coarser than asked for: a tile stood in, or coarsened */
 	uint64_t coarsened; /* frames cut to what the slots hold */
+	uint64_t naps;      /* written pictures that waited for their tiles; */
+	double nap_ms;      /* how long, without what the world counts as stalls and waits for ranges */
 	struct render_tiles tiles; /* draws of tiles, objects and shadows */
 };
-void view_figures(const struct view *view, struct view_figures *figures);
+void render_view_figures(const struct view *view, struct render_view_figures *figures);
 /* For who watches: */
-void view_look_from(struct view *view, const struct render_camera *camera); /* NULL: the scene's camera */
-void view_scene_camera(struct view *view, struct render_camera *camera);    /* the scene's camera, now */
-void view_show_layer(struct view *view, const struct render_layer *layer);
-enum status view_resize(struct view *view, uint32_t width, uint32_t height) FURROW_CHECKED; /* from the next picture on */
-bool view_lacks(const struct view *view);         /* the last picture was drawn before all its tiles had come */
-uint64_t view_triangles(const struct view *view); /* of the last picture */
+void render_view_look_from(struct view *view, const struct render_camera *camera); /* NULL: the scene's camera */
+void render_view_scene_camera(struct view *view, struct render_camera *camera);    /* the scene's camera, now */
+void render_view_show_layer(struct view *view, const struct render_layer *layer);
+enum status render_view_resize(struct view *view, uint32_t width, uint32_t height) FURROW_CHECKED; /* from the next picture on */
+/* Draws the whole picture now, from the camera that render_view_look_from gave, and waits for it. `pixels`: RGBA as render_view_read_into's;
+ * `depth`: m along the view direction, INFINITY: sky, rows from the lowest; only of pictures of one sample a pixel. Either may be
+ * NULL. */
+enum status render_view_picture(struct view *view, uint8_t *pixels, float *depth) FURROW_CHECKED;
+bool render_view_lacks(const struct view *view);         /* the last picture was drawn before all its tiles had come */
+uint64_t render_view_triangles(const struct view *view); /* of the last picture */
 /* Begins to bring the last picture: gpu_texture_read_into, 4 x width x height bytes. */
-void view_read_into(struct view *view, struct gpu_staging *staging);
+void render_view_read_into(struct view *view, struct gpu_staging *staging);
 
 /*
  * --- pictures that are written ---
@@ -278,29 +291,29 @@ void view_read_into(struct view *view, struct gpu_staging *staging);
 #define PICTURES_THREAD "furrow-images"
 
 /* The lines of pictures of so many pixels. Pure. */
-void pictures_plan(uint32_t width, uint32_t height, struct plan *plan);
+void render_pictures_plan(uint32_t width, uint32_t height, struct plan *plan);
 
 /* Of so many pixels. The folder's name stays the caller's and must outlive it. */
-enum status pictures_create(struct gpu *gpu, const char *directory, uint32_t width, uint32_t height,
+enum status render_pictures_create(struct gpu *gpu, const char *directory, uint32_t width, uint32_t height,
 			    struct pictures **out) FURROW_CHECKED;
-/* Ends what was begun and stops the thread; then only pictures_figures and pictures_destroy. */
-void pictures_stop(struct pictures *pictures);
-void pictures_destroy(struct pictures *pictures); /* takes NULL; stops first */
+/* Ends what was begun and stops the thread; then only render_pictures_figures and render_pictures_destroy. */
+void render_pictures_stop(struct pictures *pictures);
+void render_pictures_destroy(struct pictures *pictures); /* takes NULL; stops first */
 
-/* All of these but pictures_figures take NULL, of which nothing is asked. */
+/* All of these but render_pictures_figures take NULL, of which nothing is asked. */
 /* Begins with the last frame, the picture after so many steps. Waits if PICTURES_ROOM are under way, for the first. */
-enum status pictures_begin(struct pictures *pictures, struct render *render, int64_t step) FURROW_CHECKED;
+enum status render_pictures_begin(struct pictures *pictures, struct render *render, int64_t step) FURROW_CHECKED;
 /* Hands on what the GPU is done with. Never waits; call it once a step. */
-enum status pictures_poll(struct pictures *pictures) FURROW_CHECKED;
+enum status render_pictures_poll(struct pictures *pictures) FURROW_CHECKED;
 /* Marks all that were begun, when the GPU is done with them, which is waited for. */
-void pictures_mark(struct pictures *pictures);
+void render_pictures_mark(struct pictures *pictures);
 /* Any thread: waits until what was marked last is in its files. */
-enum status pictures_await(struct pictures *pictures) FURROW_CHECKED;
+enum status render_pictures_await(struct pictures *pictures) FURROW_CHECKED;
 
-struct pictures_figures {
+struct render_pictures_figures {
 	uint64_t written, waits; /* files; times that a call waited */
 	double wait_ms;
 };
-void pictures_figures(struct pictures *pictures, struct pictures_figures *figures);
+void render_pictures_figures(struct pictures *pictures, struct render_pictures_figures *figures);
 
 #endif

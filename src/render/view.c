@@ -23,12 +23,12 @@ static enum status load_first(struct view *view, const struct render_camera *cam
 	if (status != STATUS_OK)
 		return status;
 	page_cache_unpin(view->world->cache, key);
-	return view_select(view, camera, false);
+	return render_view_select(view, camera, false);
 }
 
 /* A picture that is kept waits for its tiles, however long. They fit: it ends when they are there. What comes no
  * nearer, or what no loader brings, is pinned: that says why, if it cannot be read. */
-static enum status wait_for_wanted(struct view *view, const struct render_camera *camera)
+static enum status load_wanted(struct view *view, const struct render_camera *camera)
 {
 	const struct world *world = view->world;
 	const volatile sig_atomic_t *stop = world->params.stop;
@@ -45,7 +45,7 @@ static enum status wait_for_wanted(struct view *view, const struct render_camera
 		if (stop != NULL && *stop)
 			return load_first(view, camera);
 		/* What only stands in meanwhile must not be in the way of what it stands in for. */
-		view_mark_used(view, false);
+		render_view_mark_used(view, false);
 		ask(view);
 		if (world->scene->loaders == 0 || now - progressed > 1) {
 			status = load_first(view, camera);
@@ -54,8 +54,28 @@ static enum status wait_for_wanted(struct view *view, const struct render_camera
 		nanosleep(&nap, NULL);
 		status = page_cache_poll(world->cache);
 		if (status == STATUS_OK)
-			status = view_select(view, camera, false);
+			status = render_view_select(view, camera, false);
 	}
+	return status;
+}
+
+/* How long the world's thread has waited for the store so far; ms. */
+static double waited(const struct world *world)
+{
+	struct stalls stalls, ranges;
+	world_stalls(world, &stalls);
+	world_range_waits(world, &ranges);
+	return stalls.ms + ranges.ms;
+}
+
+static enum status wait_for_wanted(struct view *view, const struct render_camera *camera)
+{
+	if (view->selection->wanted_count == 0)
+		return STATUS_OK;
+	double began = clock_seconds(), before = waited(view->world);
+	enum status status = load_wanted(view, camera);
+	view->naps++;
+	view->nap_ms += fmax((clock_seconds() - began) * 1e3 - (waited(view->world) - before), 0);
 	return status;
 }
 
@@ -70,34 +90,39 @@ static bool has_ground(const struct view *view)
 static enum status draw(struct view *view, bool complete)
 {
 	struct render_camera camera;
-	view_place_camera(view, view->world->time, &camera);
-	enum status status = view_select(view, &camera, false);
+	render_view_place_camera(view, view->world->time, &camera);
+	view->exact = complete || !motion_look_ahead_brings_ranges(view->world->ahead);
+	enum status status = render_view_select(view, &camera, false);
 	if (status == STATUS_OK && complete)
 		status = wait_for_wanted(view, &camera);
 	/* Where the step pins every slot not even the coarsest tile stays, and a picture needs one. */
 	if (status == STATUS_OK && !has_ground(view))
 		status = load_first(view, &camera);
+	view->exact = true;
 	if (status != STATUS_OK)
 		return status;
-	view_mark_used(view, true);
-	view_keep_now(view);
-	status = view_set_objects(view, complete);
+	render_view_mark_used(view, true);
+	if (!view->at_steps) /* nothing of it is on a screen */
+		render_view_keep_now(view);
+	status = render_view_set_objects(view, complete);
 	if (status != STATUS_OK)
 		return status;
 	return render_frame(view->render, &camera, view->selection);
 }
 
-enum status view_warm(struct view *view)
+enum status render_view_warm(struct view *view)
 {
 	const struct world *world = view->world;
-	bool deformed = pages_planes_of(world->scene, world->was_deformed) != 0;
+	bool deformed = world_planes(world->scene, world->was_deformed) != 0;
 	enum status status = render_warm(view->render, deformed, world->level < 0);
 	if (status == STATUS_OK)
 		status = render_draw_unseen(view->render, deformed, world->level < 0);
-	if (status == STATUS_OK)
+	if (status == STATUS_OK && !view->at_steps)
 		status = draw(view, !view->watched); /* who watches sees it come */
 	for (int i = 0; i < VIEW_LOOKS && status == STATUS_OK; i++)
-		status = view_look_ahead(view);
+		status = render_view_look_ahead(view);
+	render_view_expect_presses(view);
+	render_view_ask_ranges(view);
 	/* It is none of the drive's pictures. */
 	double overdraw;
 	gpu_finish(world->gpu);
@@ -112,15 +137,25 @@ static void take_overdraw(struct view *view)
 	view->overdraw += overdraw;
 }
 
-void view_settle(struct view *view)
+void render_view_settle(struct view *view)
 {
 	gpu_finish(view->world->gpu);
 	take_overdraw(view);
 }
 
-enum status view_frame(struct view *view, struct pictures *pictures, bool image)
+enum status render_view_between(struct view *view, struct pictures *pictures)
 {
-	enum status status = pictures_poll(pictures);
+	enum status status = render_pictures_poll(pictures);
+	if (status == STATUS_OK)
+		status = render_view_look_ahead(view);
+	render_view_expect_presses(view);
+	render_view_ask_ranges(view);
+	return status;
+}
+
+enum status render_view_frame(struct view *view, struct pictures *pictures, bool image)
+{
+	enum status status = render_pictures_poll(pictures);
 	if (status == STATUS_OK)
 		status = draw(view, image);
 	if (status != STATUS_OK)
@@ -133,19 +168,21 @@ enum status view_frame(struct view *view, struct pictures *pictures, bool image)
 	view->tiles.shadowed += tiles.shadowed;
 	view->triangles += (double)render_triangles(view->render);
 	take_overdraw(view);
-	view->lacks = view->selection->wanted_count > 0;
-	view->starved += view->coarse || view->selection->wanted_count > 0;
+	view->lacks = view->selection->wanted_count > 0 || view->guessed;
+	view->starved += view->coarse || view->lacks;
 	view->coarsened += view->coarse;
 	view->frames++;
-	status = view_look_ahead(view);
+	status = render_view_look_ahead(view);
+	render_view_expect_presses(view);
+	render_view_ask_ranges(view);
 	if (!image || status != STATUS_OK)
 		return status;
-	return pictures_begin(pictures, view->render, view->world->step);
+	return render_pictures_begin(pictures, view->render, view->world->step);
 }
 
 /* --- life --- */
 
-void view_render_params(const struct world *world, struct render_params *params)
+void render_view_params(const struct world *world, struct render_params *params)
 {
 	const struct scene *scene = world->scene;
 	*params = (struct render_params){
@@ -166,10 +203,10 @@ void view_render_params(const struct world *world, struct render_params *params)
 static enum status make_render(const struct world *world, bool watched, struct render **out)
 {
 	struct render_params params;
-	view_render_params(world, &params);
+	render_view_params(world, &params);
 	params.gpu = world->gpu;
 	params.slots = world->slots;
-	params.reference = ground_reference(world->store);
+	params.reference = resident_ground_reference(world->store);
 	params.low = isnan(world->meta->low) ? 0 : world->meta->low;
 	params.high = isnan(world->meta->high) ? 0 : world->meta->high;
 	params.layers = watched;
@@ -179,10 +216,10 @@ static enum status make_render(const struct world *world, bool watched, struct r
 static enum status deformed_key(void *user, uint64_t key)
 {
 	struct view *view = user;
-	return view_add_chain(view, &view->deformed, tile_from_key(key));
+	return render_view_add_chain(view, &view->deformed, tile_from_key(key));
 }
 
-enum status view_create(struct world *world, bool watched, struct view **out)
+enum status render_view_create(struct world *world, bool watched, struct view **out)
 {
 	const struct scene *scene = world->scene;
 	struct view *view = mem_calloc(1, sizeof *view);
@@ -190,33 +227,36 @@ enum status view_create(struct world *world, bool watched, struct view **out)
 		return fail_memory("the view");
 	view->world = world;
 	view->watched = watched;
+	view->at_steps = !watched && scene->view.images > 0;
 	view->ranges.most = RANGES;
 	view->selection = mem_alloc(1, sizeof *view->selection);
 	view->now = mem_calloc(1, sizeof *view->now);
+	view->missing = mem_calloc(VIEW_MISSING, sizeof *view->missing);
+	view->exact = true;
 	view->ahead = mem_calloc(VIEW_LOOKS, sizeof *view->ahead);
-	view_find_room(view);
+	render_view_find_room(view);
 	enum status status = STATUS_OK;
-	if (view->selection == NULL || view->now == NULL || view->ahead == NULL)
+	if (view->selection == NULL || view->now == NULL || view->ahead == NULL || view->missing == NULL)
 		status = fail_memory("the view");
 	if (status == STATUS_OK)
-		view->reach = view_find_reach(world);
+		view->reach = render_view_find_reach(world);
 	if (status == STATUS_OK)
 		status = make_render(world, watched, &view->render);
 	if (status == STATUS_OK && scene->view.pixel_error > 0)
-		status = view_errors_create(world, &view->errors);
-	if (status == STATUS_OK && world->was_deformed)
-		status = store_each_offset(ground_reader(world->ground), world->level, deformed_key, view);
+		status = render_view_errors_create(world, &view->errors);
+	if (status == STATUS_OK && (world->was_deformed || scene->hosted)) /* a host's view may come late */
+		status = store_each_offset(resident_ground_reader(world->ground), world->level, deformed_key, view);
 	if (status == STATUS_OK)
-		status = view_pressed(view, NULL, NULL);
+		status = render_view_pressed(view, NULL, NULL);
 	if (status != STATUS_OK) {
-		view_destroy(view);
+		render_view_destroy(view);
 		return status;
 	}
 	*out = view;
 	return STATUS_OK;
 }
 
-void view_destroy(struct view *view)
+void render_view_destroy(struct view *view)
 {
 	if (view == NULL)
 		return;
@@ -227,29 +267,32 @@ void view_destroy(struct view *view)
 	key_set_finish(&view->expected);
 	key_set_finish(&view->seen);
 	key_cache_finish(&view->ranges);
-	view_errors_destroy(view->errors);
+	render_view_errors_destroy(view->errors);
 	mem_free(view->selection);
 	mem_free(view->now);
+	mem_free(view->missing);
 	mem_free(view->ahead);
 	mem_free(view);
 }
 
-void view_figures(const struct view *view, struct view_figures *figures)
+void render_view_figures(const struct view *view, struct render_view_figures *figures)
 {
 	const uint64_t frames = view->frames;
-	*figures = (struct view_figures){
+	*figures = (struct render_view_figures){
 		.triangles = frames > 0 ? view->triangles / (double)frames : 0,
 		.overdraw = view->overdraw_frames > 0 ? view->overdraw / (double)view->overdraw_frames : NAN,
 		.frames = frames,
 		.starved = view->starved,
 		.coarsened = view->coarsened,
+		.naps = view->naps,
+		.nap_ms = view->nap_ms,
 		.tiles = view->tiles,
 	};
 }
 
 /* --- a host's --- */
 
-void view_look_from(struct view *view, const struct render_camera *camera)
+void render_view_look_from(struct view *view, const struct render_camera *camera)
 {
 	view->free = camera != NULL;
 	if (camera == NULL)
@@ -260,59 +303,69 @@ void view_look_from(struct view *view, const struct render_camera *camera)
 		view->ahead[i].count = 0;
 }
 
-void view_reach_at_least(struct view *view, double metres)
+void render_view_reach_at_least(struct view *view, double metres)
 {
 	view->reach = fmax(view->reach, metres);
 }
 
-void view_show_layer(struct view *view, const struct render_layer *layer)
+void render_view_show_layer(struct view *view, const struct render_layer *layer)
 {
 	render_show_layer(view->render, layer);
 }
 
-enum status view_resize(struct view *view, uint32_t width, uint32_t height)
+enum status render_view_resize(struct view *view, uint32_t width, uint32_t height)
 {
 	return render_resize(view->render, width, height);
 }
 
-bool view_lacks(const struct view *view)
+bool render_view_lacks(const struct view *view)
 {
 	return view->lacks;
 }
 
-uint64_t view_triangles(const struct view *view)
+uint64_t render_view_triangles(const struct view *view)
 {
 	return render_triangles(view->render);
 }
 
-void view_read_into(struct view *view, struct gpu_staging *staging)
+void render_view_read_into(struct view *view, struct gpu_staging *staging)
 {
 	render_read_into(view->render, staging);
+}
+
+enum status render_view_picture(struct view *view, uint8_t *pixels, float *depth)
+{
+	enum status status = draw(view, true);
+	if (status != STATUS_OK)
+		return status;
+	take_overdraw(view);
+	view->frames++;
+	return render_read(view->render, pixels, depth);
 }
 
 /* --- watching the world --- */
 
 static enum status on_contact(void *user, const struct event *event, const struct contact_area *area)
 {
-	return view_pressed(user, event, area);
+	return render_view_pressed(user, event, area);
 }
 
 static enum status on_changed(void *user, struct tile tile)
 {
-	return view_deformed(user, tile);
+	return render_view_deformed(user, tile);
 }
 
 static enum status on_requests(void *user, struct requests *requests)
 {
-	return view_requests(user, requests);
+	return render_view_requests(user, requests);
 }
 
 static void on_reach(void *user, double metres)
 {
-	view_reach_at_least(user, metres);
+	render_view_reach_at_least(user, metres);
 }
 
-struct world_watcher view_watcher(struct view *view)
+struct world_watcher render_view_watcher(struct view *view)
 {
 	return (struct world_watcher){view, on_contact, on_changed, on_requests, on_reach};
 }

@@ -10,11 +10,15 @@
 /* What the picture of one time needs: tiles, in the order of need. */
 struct view_look {
 	double time; /* simulated, s */
+	double made; /* when it was looked at; simulated, s */
+	bool guessed; /* ranges were missing */
+	uint64_t done; /* ranges that had been brought by then */
 	size_t count;
 	uint64_t keys[2 * TERRAIN_DRAWS_MAX];
 };
 
 #define VIEW_LOOKS 4 /* times looked ahead to */
+#define VIEW_MISSING 1024
 
 struct view_errors; /* view_errors.c */
 
@@ -26,6 +30,7 @@ struct view_press {
 struct view {
 	struct world *world;
 	bool watched;             /* somebody looks at every picture */
+	bool at_steps;            /* pictures are of every scene.view.images-th step alone; else a picture may come after any step */
 	uint64_t frames;          /* drawn */
 	struct render *render;
 	struct key_set deformed;  /* tiles that had offset tiles at or below them before the drive; 11 to 21 bytes each */
@@ -38,7 +43,11 @@ struct view {
 	struct view_errors *errors; /* NULL: detail goes by the radii */
 	size_t budget;            /* slots one picture may need */
 	size_t room;              /* slots this picture and those ahead may need together */
-	bool coarse;              /* the last selection was cut to the budget */
+	bool exact;               /* ranges that are not on the CPU are read; else look_ahead's thread is asked for them, and others stand in */
+	bool guessed;             /* the last selection went by such others */
+	struct ground_range_key *missing; /* ranges to ask for, VIEW_MISSING at most */
+	size_t missing_count;
+	bool coarse;              /* the last selection was cut to the budget: for figures alone */
 	bool told;
 	bool free;                /* a host has the camera: */
 	struct render_camera camera;
@@ -48,6 +57,8 @@ struct view {
 	struct view_look *ahead;  /* VIEW_LOOKS of them, each replaced in turn */
 	unsigned turn;
 	struct key_set seen;      /* while wishes are put together */
+	uint64_t naps;            /* pictures that waited for their tiles; */
+	double nap_ms;            /* how long, without what waits for the store are counted as elsewhere */
 	uint64_t starved;         /* frames drawn coarser than asked for, for any reason */
 	uint64_t coarsened;       /* of those: the budget was the reason */
 	double triangles;         /* summed over frames */
@@ -58,50 +69,63 @@ struct view {
 };
 
 /* view_camera.c */
-void view_place_camera(const struct view *view, double time, struct render_camera *camera);
+/* Where the view is not exact the camera may be off in height: what is not on the CPU is not waited for. */
+void render_view_place_camera(struct view *view, double time, struct render_camera *camera);
 
 /* view_objects.c: tells the picture where the objects are now. `settled`: how high loads stand is waited for, and the
  * picture is the same whenever that comes; otherwise it is as it was last known. */
-enum status view_set_objects(struct view *view, bool settled) FURROW_CHECKED;
+enum status render_view_set_objects(struct view *view, bool settled) FURROW_CHECKED;
+
+/* view_ranges.c: ranges of tiles, exact or as those of the tiles above them. */
+/* Adds a range to those that are missing, if it must not be read now: true, and something must stand in for it. */
+bool render_view_lacks_range(struct view *view, enum ground_range_kind kind, struct tile tile);
+/* Whether the range of this tile can be had without reading it. */
+bool render_view_has_range(struct view *view, enum ground_range_kind kind, struct tile tile);
+/* Hands the missing ranges to the look-ahead. */
+void render_view_ask_ranges(struct view *view);
+/* Adds the ranges of ground that bodies will press, and that was deformed before the drive. */
+void render_view_expect_presses(struct view *view);
 
 /* view_source.c */
-void view_find_room(struct view *view);
+void render_view_find_room(struct view *view);
+/* Lowest (a) and highest (b) base in metres; a NaN: all is nodata. Where the view is not exact it may be that of a tile above. */
+enum status render_view_base_range(struct view *view, struct tile tile, struct key_pair *range) FURROW_CHECKED;
 /* Adds a tile and all above it. */
-enum status view_add_chain(const struct view *view, struct key_set *set, struct tile tile) FURROW_CHECKED;
+enum status render_view_add_chain(const struct view *view, struct key_set *set, struct tile tile) FURROW_CHECKED;
 /* Selects what `camera` sees, cut to the budget. With `everything`, as if nothing were resident:
  * the selection's wanted tiles are the whole picture. Marks nothing used. */
-enum status view_select(struct view *view, const struct render_camera *camera, bool everything) FURROW_CHECKED;
+enum status render_view_select(struct view *view, const struct render_camera *camera, bool everything) FURROW_CHECKED;
 /* What was selected is used now; without `stand_ins` only what the complete picture needs. */
-void view_mark_used(struct view *view, bool stand_ins);
+void render_view_mark_used(struct view *view, bool stand_ins);
 
 /* view_offsets.c: how far off its base a tile's surface may be. */
-bool view_is_deformed(const struct view *view, struct tile tile); /* it has offsets at or below it */
-double view_find_reach(const struct world *world);
+bool render_view_is_deformed(const struct view *view, struct tile tile); /* it has offsets at or below it */
+double render_view_find_reach(const struct world *world);
 /* Widens what a map (a: lowest, b: highest) has of a tile and of all above it. */
-enum status view_widen(const struct view *view, struct key_map *map, struct tile tile, double low, double high) FURROW_CHECKED;
-/* Exact, of the drive's start: 0 or less and 0 or more; metres. */
-enum status view_stored_offsets(struct view *view, struct tile tile, double *low, double *high) FURROW_CHECKED;
-/* view_pressed's. */
-enum status view_offsets_press(struct view *view, const struct contact_area *area) FURROW_CHECKED;
+enum status render_view_widen(const struct view *view, struct key_map *map, struct tile tile, double low, double high) FURROW_CHECKED;
+/* Of the drive's start, 0 or less and 0 or more; metres. Exact where the view is: else it may be that of a tile above. */
+enum status render_view_stored_offsets(struct view *view, struct tile tile, double *low, double *high) FURROW_CHECKED;
+/* render_view_pressed's. */
+enum status render_view_offsets_press(struct view *view, const struct contact_area *area) FURROW_CHECKED;
 /* A tile of the working level is changed, by what presses now. */
-enum status view_offsets_touch(struct view *view, struct tile tile) FURROW_CHECKED;
+enum status render_view_offsets_touch(struct view *view, struct tile tile) FURROW_CHECKED;
 /* No offset of the tile's subtree is or will be drawn outside these; metres. `expected`: it will be deformed by the time
  * that is looked at. */
-enum status view_offsets(struct view *view, struct tile tile, bool expected, double *low, double *high) FURROW_CHECKED;
+enum status render_view_offsets(struct view *view, struct tile tile, bool expected, double *low, double *high) FURROW_CHECKED;
 
 /* view_errors.c: how far off the ground a tile is drawn. With a pixel error alone. */
-enum status view_errors_create(const struct world *world, struct view_errors **out) FURROW_CHECKED;
-void view_errors_destroy(struct view_errors *errors); /* takes NULL */
-/* view_pressed's. */
-enum status view_errors_press(struct view *view, const struct event *event) FURROW_CHECKED;
+enum status render_view_errors_create(const struct world *world, struct view_errors **out) FURROW_CHECKED;
+void render_view_errors_destroy(struct view_errors *errors); /* takes NULL */
+/* render_view_pressed's. */
+enum status render_view_errors_press(struct view *view, const struct event *event) FURROW_CHECKED;
 /* A tile of the working level is changed, by what presses now. */
-enum status view_errors_touch(struct view *view, struct tile tile) FURROW_CHECKED;
+enum status render_view_errors_touch(struct view *view, struct tile tile) FURROW_CHECKED;
 /* Metres, as terrain_source.error. `expected`: it will be deformed by the time that is looked at. */
-enum status view_error(struct view *view, struct tile tile, bool expected, double *error) FURROW_CHECKED;
+enum status render_view_error(struct view *view, struct tile tile, bool expected, double *error) FURROW_CHECKED;
 
 /* view_ahead.c: what pictures will need. */
-void view_keep_now(struct view *view);
+void render_view_keep_now(struct view *view);
 /* Looks at one of the times ahead; call once a frame, after it was selected and kept. */
-enum status view_look_ahead(struct view *view) FURROW_CHECKED;
+enum status render_view_look_ahead(struct view *view) FURROW_CHECKED;
 
 #endif

@@ -1,19 +1,21 @@
 /*
- * What pictures will need: the last one what it did not have, and those at a few times ahead.
+ * What pictures will need: the last one what it did not have, and those at a few times ahead. Where pictures are of some
+ * steps alone, these are the times of the next of them.
  *
  * A look ahead is a selection that pretends nothing is resident: its wanted tiles are the whole
  * picture of that time, of a ground as divided as the objects will have left it. One is made a
- * frame, in rotation, and kept until it is replaced or its time has passed.
+ * frame or step, in rotation, and kept until it is replaced or its time has passed.
  *
  * Invariant: the last picture and the requests are together no more tiles than `room`. So what is
  * loaded ahead of time never pushes out what is on screen or what is needed sooner, and a view that
  * nothing moves in comes to rest.
  */
+#include <math.h>
 #include <string.h>
 
 #include "render/view.h"
 
-void view_keep_now(struct view *view)
+void render_view_keep_now(struct view *view)
 {
 	const struct terrain_selection *selection = view->selection;
 	struct view_look *now = view->now;
@@ -27,30 +29,104 @@ void view_keep_now(struct view *view)
 /* Where the objects will be by then the ground is divided: the step's requests tell. */
 static enum status expect_tracks(struct view *view, double time)
 {
-	const struct requests *requests = look_ahead_requests(view->world->ahead);
+	const struct requests *requests = motion_look_ahead_requests(view->world->ahead);
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < requests->count && status == STATUS_OK; i++) {
 		struct tile tile = tile_from_key(requests->requests[i].key);
 		if (tile.level == view->world->level && requests->requests[i].time <= time)
-			status = view_add_chain(view, &view->expected, tile);
+			status = render_view_add_chain(view, &view->expected, tile);
 	}
 	return status;
 }
 
-enum status view_look_ahead(struct view *view)
+/* The time of the n-th picture from now, n from 0, in simulated seconds; INFINITY: the drive ends before. */
+static double picture_time(const struct world *world, int64_t n)
+{
+	int64_t every = world->scene->view.images, step = (world->step / every + 1 + n) * every;
+	return step <= world_step_count(world) ? world_step_time(world->scene, step) : INFINITY;
+}
+
+/* Returns the time of the picture that turn 0 to VIEW_LOOKS - 1 looks at; INFINITY: there is none to look at. More pictures
+ * within `prefetch` seconds than there are turns share them. Otherwise each of the next ones has its turn, as far ahead as
+ * bodies load ahead. */
+static double choose_picture(const struct world *world, unsigned turn)
+{
+	const struct scene *scene = world->scene;
+	double steps = fmin(floor((world->time + scene->prefetch) / scene->time_step + 1e-9), (double)world_step_count(world));
+	int64_t within = (int64_t)steps / scene->view.images - world->step / scene->view.images;
+	if (within > VIEW_LOOKS)
+		return picture_time(world, within * (turn + 1) / VIEW_LOOKS - 1);
+	double time = picture_time(world, turn);
+	return time <= world->time + motion_look_ahead_reach(world->ahead, world->time) ? time : INFINITY;
+}
+
+/* Returns the look that was made at this time, or NULL. */
+static struct view_look *find_look(struct view *view, double time)
+{
+	for (int i = 0; i < VIEW_LOOKS; i++)
+		if (view->ahead[i].time == time)
+			return &view->ahead[i];
+	return NULL;
+}
+
+/* Returns the look whose time is the earliest: it has passed, or is the first to pass. */
+static struct view_look *earliest_look(struct view *view)
+{
+	struct view_look *earliest = &view->ahead[0];
+	for (int i = 1; i < VIEW_LOOKS; i++)
+		if (view->ahead[i].time < earliest->time)
+			earliest = &view->ahead[i];
+	return earliest;
+}
+
+/* Chooses the time to look at now, and the look that is made anew for it. Returns false if there is nothing to look at. A picture
+ * is looked at once, and again whenever half of the time until it has passed: the bodies' ways are known better by then. So it is
+ * when ranges came that the look lacked. */
+static bool choose_time(struct view *view, struct view_look **look, double *time)
+{
+	const struct world *world = view->world;
+	for (int i = 0; i < VIEW_LOOKS; i++) {
+		unsigned turn = view->turn++ % VIEW_LOOKS;
+		*look = &view->ahead[turn];
+		*time = world->time + world->scene->prefetch * (turn + 1) / VIEW_LOOKS;
+		if (!view->at_steps)
+			return true;
+		*time = choose_picture(world, turn);
+		if (isinf(*time))
+			continue;
+		*look = find_look(view, *time);
+		bool come = *look != NULL && (*look)->guessed && (*look)->done != motion_look_ahead_ranges_done(world->ahead);
+		if (*look != NULL && !come && *time - world->time > (*time - (*look)->made) / 2)
+			continue;
+		if (*look == NULL)
+			*look = earliest_look(view);
+		return true;
+	}
+	return false;
+}
+
+enum status render_view_look_ahead(struct view *view)
 {
 	const struct scene *scene = view->world->scene;
-	if (scene->prefetch <= 0 || scene->view.camera == SCENE_FIXED || view->free)
+	if (scene->prefetch <= 0 || view->free || (scene->view.camera == SCENE_FIXED && !view->at_steps))
 		return STATUS_OK;
-	unsigned turn = view->turn++ % VIEW_LOOKS;
-	struct view_look *look = &view->ahead[turn];
+	struct view_look *look;
 	struct render_camera camera;
 	bool coarse = view->coarse;
-	look->time = view->world->time + scene->prefetch * (turn + 1) / VIEW_LOOKS;
-	view_place_camera(view, look->time, &camera);
+	double time;
+	uint64_t done = motion_look_ahead_ranges_done(view->world->ahead);
+	if (!choose_time(view, &look, &time))
+		return STATUS_OK;
+	look->time = time;
+	look->made = view->world->time;
+	view->exact = !motion_look_ahead_brings_ranges(view->world->ahead);
+	render_view_place_camera(view, look->time, &camera);
 	enum status status = expect_tracks(view, look->time);
 	if (status == STATUS_OK)
-		status = view_select(view, &camera, true);
+		status = render_view_select(view, &camera, true);
+	view->exact = true;
+	look->guessed = view->guessed;
+	look->done = done;
 	key_set_clear(&view->expected);
 	view->coarse = coarse;
 	if (status != STATUS_OK)
@@ -88,12 +164,12 @@ static enum status add_look(struct view *view, const struct view_look *look, dou
 			continue;
 		status = key_set_add(&view->seen, key);
 		if (status == STATUS_OK && !page_cache_peek(view->world->cache, key, false, &slot))
-			status = requests_add(requests, key, time);
+			status = motion_requests_add(requests, key, time);
 	}
 	return status;
 }
 
-enum status view_requests(struct view *view, struct requests *requests)
+enum status render_view_requests(struct view *view, struct requests *requests)
 {
 	const struct view_look *order[VIEW_LOOKS];
 	size_t count = order_ahead(view, order);

@@ -4,11 +4,24 @@
 
 #include "render/view.h"
 
-static double ground_at(const struct view *view, double x, double y, double otherwise)
+/* About how high the ground is there, by the range of the finest tile whose range is known. */
+static double about(struct view *view, struct tile tile, double otherwise)
 {
+	struct key_pair range;
+	return render_view_base_range(view, tile, &range) == STATUS_OK && !isnan(range.a) ? (range.a + range.b) / 2 : otherwise;
+}
+
+static double ground_at(struct view *view, double x, double y, double otherwise)
+{
+	const struct extent *extent = &view->world->meta->extent;
+	double px = x / extent->spacing, py = y / extent->spacing;
 	int64_t height;
-	bool any;
-	if (ground_height(view->world->ground, lattice_offset(x), lattice_offset(y), &height, &any) != STATUS_OK || !any)
+	bool any, inside = px >= 0 && py >= 0 && px <= (double)(extent->width - 1) && py <= (double)(extent->height - 1);
+	if (!inside)
+		return otherwise;
+	if (!view->exact && !resident_ground_touch(view->world->ground, resident_ground_tile(extent, px, py)))
+		return about(view, resident_ground_tile(extent, px, py), otherwise);
+	if (resident_ground_height(view->world->ground, lattice_offset(x), lattice_offset(y), &height, &any) != STATUS_OK || !any)
 		return otherwise;
 	return lattice_offset_metres(height);
 }
@@ -20,7 +33,7 @@ static const struct body *target_of(const struct world *world)
 	return view->camera != SCENE_FIXED ? &world->bodies[view->target_object] : NULL;
 }
 
-void view_place_camera(const struct view *view, double time, struct render_camera *camera)
+void render_view_place_camera(struct view *view, double time, struct render_camera *camera)
 {
 	const struct world *world = view->world;
 	const struct scene_view *wish = &world->scene->view;
@@ -29,10 +42,10 @@ void view_place_camera(const struct view *view, double time, struct render_camer
 		*camera = view->camera;
 		return;
 	}
-	camera->fov = 0.9;
+	*camera = (struct render_camera){.fov = 0.9};
 	const struct body *target = target_of(world);
 	const struct scene_path *path = target != NULL ? &target->object->path : NULL;
-	if (track_camera_places(wish, path, target != NULL ? target->track : NULL, time, places) == 0) {
+	if (motion_track_camera_places(wish, path, target != NULL ? target->track : NULL, time, places) == 0) {
 		memcpy(camera->eye, wish->eye, sizeof camera->eye);
 		memcpy(camera->target, wish->target, sizeof camera->target);
 		return;
@@ -55,10 +68,10 @@ void view_place_camera(const struct view *view, double time, struct render_camer
 	camera->eye[2] = fmax(ground, below) + wish->up;
 }
 
-void view_scene_camera(struct view *view, struct render_camera *camera)
+void render_view_scene_camera(struct view *view, struct render_camera *camera)
 {
 	bool free = view->free;
 	view->free = false;
-	view_place_camera(view, view->world->time, camera);
+	render_view_place_camera(view, view->world->time, camera);
 	view->free = free;
 }

@@ -23,7 +23,7 @@ struct view_errors {
 	double lowest, highest; /* of what was marked in this drive, and of what is expected to be */
 };
 
-enum status view_errors_create(const struct world *world, struct view_errors **out)
+enum status render_view_errors_create(const struct world *world, struct view_errors **out)
 {
 	const struct scene *scene = world->scene;
 	struct view_errors *errors = mem_calloc(1, sizeof *errors);
@@ -43,7 +43,7 @@ enum status view_errors_create(const struct world *world, struct view_errors **o
 	return STATUS_OK;
 }
 
-void view_errors_destroy(struct view_errors *errors)
+void render_view_errors_destroy(struct view_errors *errors)
 {
 	if (errors == NULL)
 		return;
@@ -54,9 +54,9 @@ void view_errors_destroy(struct view_errors *errors)
 
 /* --- offsets --- */
 
-enum status view_errors_touch(struct view *view, struct tile tile)
+enum status render_view_errors_touch(struct view *view, struct tile tile)
 {
-	return view_widen(view, &view->errors->pressed, tile, view->errors->low, view->errors->high);
+	return render_view_widen(view, &view->errors->pressed, tile, view->errors->low, view->errors->high);
 }
 
 /* How far to a shape's sides the ground beside its middle counts, forwards and to the left, and by how much its
@@ -99,7 +99,7 @@ static enum status rise_beside(struct view *view, const struct event *event, dou
 		double ahead = far[0] * x, aside = far[1] * y;
 		int64_t height;
 		bool any;
-		enum status status = ground_height(view->world->ground, pose->x + lattice_offset(ahead * c - aside * s),
+		enum status status = resident_ground_height(view->world->ground, pose->x + lattice_offset(ahead * c - aside * s),
 						   pose->y + lattice_offset(ahead * s + aside * c), &height, &any);
 		if (status != STATUS_OK)
 			return status;
@@ -111,7 +111,7 @@ static enum status rise_beside(struct view *view, const struct event *event, dou
 	return STATUS_OK;
 }
 
-enum status view_errors_press(struct view *view, const struct event *event)
+enum status render_view_errors_press(struct view *view, const struct event *event)
 {
 	struct view_errors *errors = view->errors;
 	if (event == NULL) {
@@ -126,7 +126,7 @@ enum status view_errors_press(struct view *view, const struct event *event)
 	const struct body *body = &view->world->bodies[event->body];
 	double deep = event->sinkage;
 	if (body->object->load > 0) /* as it was found to stand, some steps ago */
-		deep = fmax(deep, body->sinkage);
+		deep = fmax(deep, body->sinkage_before);
 	deep = fmax(deep + rise, 0);
 	errors->low = -deep;
 	errors->high = deform_conserves(view->world->scene->model) ? deep : 0;
@@ -147,22 +147,28 @@ static enum status base_error(struct view *view, struct tile tile, double *error
 	*error = status == STATUS_OK && found ? known.a : 0;
 	if (status != STATUS_OK || found)
 		return status;
-	status = ground_base_range(view->world->ground, tile, &range);
+	if (render_view_lacks_range(view, GROUND_BASE, tile)) {
+		/* Errors about halve from level to level: a guess, so that not all is divided for want of an error. */
+		status = base_error(view, tile_ancestor(tile, tile.level + 1), error);
+		*error /= 2;
+		return status;
+	}
+	status = resident_ground_base_range(view->world->ground, tile, &range);
 	if (status != STATUS_OK)
 		return status;
 	*error = range.error;
 	return key_cache_put(&view->errors->bases, key, range.error, 0);
 }
 
-enum status view_error(struct view *view, struct tile tile, bool expected, double *error)
+enum status render_view_error(struct view *view, struct tile tile, bool expected, double *error)
 {
 	const struct view_errors *errors = view->errors;
 	*error = 0;
 	/* Nothing is finer than the working level where there are offsets, nor than level 0 elsewhere. */
-	if ((expected || view_is_deformed(view, tile)) && tile.level <= view->world->level)
+	if ((expected || render_view_is_deformed(view, tile)) && tile.level <= view->world->level)
 		return STATUS_OK;
 	double low, high;
-	enum status status = view_stored_offsets(view, tile, &low, &high);
+	enum status status = render_view_stored_offsets(view, tile, &low, &high);
 	const struct key_pair *pressed = key_map_find(&errors->pressed, tile_key(tile));
 	if (pressed != NULL) {
 		low = fmin(low, pressed->a);

@@ -30,7 +30,7 @@ static enum status height_at(struct world *world, const struct body *body, const
 	*height = lattice_offset(point->z);
 	if (object->path.has_z)
 		return STATUS_OK;
-	enum status status = ground_height(world->ground, point->qx, point->qy, &ground, known);
+	enum status status = resident_ground_height(world->ground, point->qx, point->qy, &ground, known);
 	if (status != STATUS_OK)
 		return status;
 	double depth = object->load > 0 ? deform_sinkage_guess(&object->shape, &world->scene->soils[0], object->load) : object->sink;
@@ -40,7 +40,7 @@ static enum status height_at(struct world *world, const struct body *body, const
 	return STATUS_OK;
 }
 
-enum status view_set_objects(struct view *view, bool settled)
+enum status render_view_set_objects(struct view *view, bool settled)
 {
 	struct world *world = view->world;
 	const struct scene *scene = world->scene;
@@ -50,15 +50,15 @@ enum status view_set_objects(struct view *view, bool settled)
 	if (objects == NULL)
 		return fail_memory("the picture's objects");
 	size_t count = 0;
-	enum status status = settled ? forces_settle(world->forces, world->record) : STATUS_OK;
+	enum status status = settled ? world_settle_forces(world) : STATUS_OK;
 	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++) {
 		const struct body *body = &world->bodies[i];
 		struct track_point point;
 		int64_t height;
 		bool known;
-		if (world->time < track_sample_time(body->track, 0))
+		if (world->time < motion_track_sample_time(body->track, 0))
 			continue; /* it has not begun */
-		track_at(body->track, world->time, &point);
+		motion_track_at(body->track, world->time, &point);
 		status = height_at(world, body, &point, &height, &known);
 		bool attitude = scene->objects[i].shape.kind != DEFORM_WHEEL; /* a wheel's axle is level */
 		if (status == STATUS_OK && known)

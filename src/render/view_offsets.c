@@ -20,7 +20,7 @@
 
 /* --- chains of tiles --- */
 
-enum status view_widen(const struct view *view, struct key_map *map, struct tile tile, double low, double high)
+enum status render_view_widen(const struct view *view, struct key_map *map, struct tile tile, double low, double high)
 {
 	int coarsest = extent_coarsest(&view->world->meta->extent);
 	for (int level = tile.level; level <= coarsest; level++) {
@@ -37,7 +37,7 @@ enum status view_widen(const struct view *view, struct key_map *map, struct tile
 	return STATUS_OK;
 }
 
-bool view_is_deformed(const struct view *view, struct tile tile)
+bool render_view_is_deformed(const struct view *view, struct tile tile)
 {
 	uint64_t key = tile_key(tile);
 	return key_set_has(&view->deformed, key) || key_map_find(&view->pressed, key) != NULL;
@@ -45,7 +45,7 @@ bool view_is_deformed(const struct view *view, struct tile tile)
 
 /* --- before the drive --- */
 
-enum status view_stored_offsets(struct view *view, struct tile tile, double *low, double *high)
+enum status render_view_stored_offsets(struct view *view, struct tile tile, double *low, double *high)
 {
 	uint64_t key = tile_key(tile);
 	*low = *high = 0;
@@ -57,9 +57,11 @@ enum status view_stored_offsets(struct view *view, struct tile tile, double *low
 		*high = known->b;
 		return STATUS_OK;
 	}
+	if (render_view_lacks_range(view, GROUND_OFFSETS, tile))
+		return render_view_stored_offsets(view, tile_ancestor(tile, tile.level + 1), low, high);
 	double lowest = 0, highest = 0;
 	bool found;
-	enum status status = ground_offset_range(view->world->ground, tile, &lowest, &highest, &found);
+	enum status status = resident_ground_offset_range(view->world->ground, tile, &lowest, &highest, &found);
 	if (status != STATUS_OK)
 		return status;
 	if (found) {
@@ -71,7 +73,7 @@ enum status view_stored_offsets(struct view *view, struct tile tile, double *low
 
 /* --- in this drive --- */
 
-double view_find_reach(const struct world *world)
+double render_view_find_reach(const struct world *world)
 {
 	const struct scene *scene = world->scene;
 	double reach = 0, deepest = 0;
@@ -108,7 +110,7 @@ static enum status around(struct view *view, struct post_rect rect, double *low,
 			const struct tile tile = {view->world->level, x, y};
 			const struct key_pair *pressed = key_map_find(&view->pressed, tile_key(tile));
 			double lowest, highest;
-			status = view_stored_offsets(view, tile, &lowest, &highest);
+			status = render_view_stored_offsets(view, tile, &lowest, &highest);
 			if (status == STATUS_OK && pressed != NULL && view->press.known) {
 				lowest = fmin(lowest, pressed->a);
 				highest = fmax(highest, pressed->b);
@@ -119,7 +121,7 @@ static enum status around(struct view *view, struct post_rect rect, double *low,
 	return status;
 }
 
-enum status view_offsets_press(struct view *view, const struct contact_area *sweep)
+enum status render_view_offsets_press(struct view *view, const struct contact_area *sweep)
 {
 	const struct world *world = view->world;
 	const bool raises = deform_conserves(world->scene->model);
@@ -133,12 +135,12 @@ enum status view_offsets_press(struct view *view, const struct contact_area *swe
 	int32_t base = 0;
 	bool any = false;
 	if (status == STATUS_OK && sweep->lowest != INT64_MIN)
-		status = ground_highest(world->ground, world->level, sweep->changed, &base, &any);
+		status = resident_ground_highest(world->ground, world->level, sweep->changed, &base, &any);
 	if (status != STATUS_OK)
 		return status;
 	if (any) {
 		int64_t highest = (int64_t)base * (1 << (OFFSET_BITS - BASE_BITS)) +
-				  (int64_t)ground_reference(world->store) * (1 << OFFSET_BITS);
+				  (int64_t)resident_ground_reference(world->store) * (1 << OFFSET_BITS);
 		depth = fmax(lattice_offset_metres(highest - sweep->lowest), 0);
 	}
 	if (press->known)
@@ -148,7 +150,7 @@ enum status view_offsets_press(struct view *view, const struct contact_area *swe
 	return STATUS_OK;
 }
 
-enum status view_offsets_touch(struct view *view, struct tile tile)
+enum status render_view_offsets_touch(struct view *view, struct tile tile)
 {
 	double low, high;
 	enum status status = STATUS_OK;
@@ -157,21 +159,21 @@ enum status view_offsets_touch(struct view *view, struct tile tile)
 		const struct tile above = tile_ancestor(tile, level);
 		if (key_map_find(&view->pressed, tile_key(above)) != NULL)
 			break;
-		status = view_stored_offsets(view, above, &low, &high);
+		status = render_view_stored_offsets(view, above, &low, &high);
 	}
 	if (status == STATUS_OK)
-		status = view_stored_offsets(view, tile, &low, &high);
+		status = render_view_stored_offsets(view, tile, &low, &high);
 	if (status != STATUS_OK)
 		return status;
 	const struct view_press *press = &view->press;
 	low -= press->known ? 0 : view->reach;
 	high += press->known ? 0 : heap(view);
-	return view_widen(view, &view->pressed, tile, fmin(press->low, low), fmax(press->high, high));
+	return render_view_widen(view, &view->pressed, tile, fmin(press->low, low), fmax(press->high, high));
 }
 
-enum status view_offsets(struct view *view, struct tile tile, bool expected, double *low, double *high)
+enum status render_view_offsets(struct view *view, struct tile tile, bool expected, double *low, double *high)
 {
-	enum status status = view_stored_offsets(view, tile, low, high);
+	enum status status = render_view_stored_offsets(view, tile, low, high);
 	const struct key_pair *pressed = key_map_find(&view->pressed, tile_key(tile));
 	if (pressed != NULL) {
 		*low = fmin(*low, pressed->a);

@@ -6,15 +6,17 @@
 
 #include "render/view.h"
 
-/* A base's range does not change: read once, kept while it is asked for. */
-static enum status base_range(struct view *view, struct tile tile, struct key_pair *range)
+/* A base's range does not change: read once, kept while it is asked for. That of a tile above may stand in. */
+enum status render_view_base_range(struct view *view, struct tile tile, struct key_pair *range)
 {
 	uint64_t key = tile_key(tile);
 	bool found, any = false;
 	enum status status = key_cache_find(&view->ranges, key, range, &found);
 	if (status != STATUS_OK || found)
 		return status;
-	status = ground_range(view->world->ground, tile, &range->a, &range->b, &any);
+	if (render_view_lacks_range(view, GROUND_BASE, tile))
+		return render_view_base_range(view, tile_ancestor(tile, tile.level + 1), range);
+	status = resident_ground_range(view->world->ground, tile, &range->a, &range->b, &any);
 	if (status != STATUS_OK)
 		return status;
 	if (!any)
@@ -30,7 +32,7 @@ static bool is_expected(const struct view *view, struct tile tile)
 /* Has offsets at or below it, or will have by the time that is looked at. */
 static bool is_deformed(const struct view *view, struct tile tile)
 {
-	return view_is_deformed(view, tile) || is_expected(view, tile);
+	return render_view_is_deformed(view, tile) || is_expected(view, tile);
 }
 
 static bool bounds(void *user, struct tile tile, double *low, double *high)
@@ -44,9 +46,9 @@ static bool bounds(void *user, struct tile tile, double *low, double *high)
 		return false;
 	struct key_pair range = {.a = NAN};
 	double lowest = 0, highest = 0;
-	enum status status = base_range(view, tile, &range);
+	enum status status = render_view_base_range(view, tile, &range);
 	if (status == STATUS_OK && deformed)
-		status = view_offsets(view, tile, is_expected(view, tile), &lowest, &highest);
+		status = render_view_offsets(view, tile, is_expected(view, tile), &lowest, &highest);
 	if (status != STATUS_OK) {
 		view->failed = status;
 		return false;
@@ -70,7 +72,7 @@ static bool divisible(void *user, struct tile tile)
 	return deformed ? tile.level > view->world->level : tile.level > 0;
 }
 
-enum status view_add_chain(const struct view *view, struct key_set *set, struct tile tile)
+enum status render_view_add_chain(const struct view *view, struct key_set *set, struct tile tile)
 {
 	int coarsest = extent_coarsest(&view->world->meta->extent);
 	for (int level = tile.level; level <= coarsest; level++) {
@@ -84,23 +86,23 @@ enum status view_add_chain(const struct view *view, struct key_set *set, struct 
 	return STATUS_OK;
 }
 
-enum status view_pressed(struct view *view, const struct event *event, const struct contact_area *sweep)
+enum status render_view_pressed(struct view *view, const struct event *event, const struct contact_area *sweep)
 {
-	enum status status = view_offsets_press(view, sweep);
-	return status == STATUS_OK && view->errors != NULL ? view_errors_press(view, event) : status;
+	enum status status = render_view_offsets_press(view, sweep);
+	return status == STATUS_OK && view->errors != NULL ? render_view_errors_press(view, event) : status;
 }
 
-enum status view_deformed(struct view *view, struct tile tile)
+enum status render_view_deformed(struct view *view, struct tile tile)
 {
-	enum status status = view_offsets_touch(view, tile);
-	return status == STATUS_OK && view->errors != NULL ? view_errors_touch(view, tile) : status;
+	enum status status = render_view_offsets_touch(view, tile);
+	return status == STATUS_OK && view->errors != NULL ? render_view_errors_touch(view, tile) : status;
 }
 
 static double error_of(void *user, struct tile tile)
 {
 	struct view *view = user;
 	double error = 0;
-	enum status status = view_error(view, tile, is_expected(view, tile), &error);
+	enum status status = render_view_error(view, tile, is_expected(view, tile), &error);
 	if (status != STATUS_OK)
 		view->failed = status;
 	return error;
@@ -131,7 +133,7 @@ static size_t room_of(const struct scene *scene, size_t slots, size_t *budget)
 	return room;
 }
 
-void view_find_room(struct view *view)
+void render_view_find_room(struct view *view)
 {
 	const struct scene *scene = view->world->scene;
 	view->room = room_of(scene, scene->slots, &view->budget);
@@ -154,27 +156,27 @@ static void tell(struct view *view)
 	     "ruts; give cache.slots at least %zu", needed, scene->slots, view->budget, enough);
 }
 
-enum status view_select(struct view *view, const struct render_camera *camera, bool everything)
+enum status render_view_select(struct view *view, const struct render_camera *camera, bool everything)
 {
 	const struct extent *extent = &view->world->meta->extent;
 	const struct terrain_source source = {view, bounds, everything ? not_resident : resident, divisible, error_of};
 	struct terrain_view whole, looking;
 	render_view(view->render, camera, &whole);
 	view->failed = STATUS_OK;
+	view->guessed = false;
 	looking = whole;
-	/* Most often the whole view fits, or did not in the last picture either. */
-	bool fits = !view->coarse || terrain_fit(extent, &source, view->budget, &looking);
+	/* The whole view first, whatever the last picture was: what is drawn does not depend on pictures before. */
 	terrain_select(extent, &looking, &source, view->selection);
-	if (fits && view->selection->needed > view->budget) {
+	view->coarse = view->selection->needed > view->budget;
+	if (view->coarse) {
 		tell(view);
-		fits = terrain_fit(extent, &source, view->budget, &looking);
+		view->coarse = !terrain_fit(extent, &source, view->budget, &looking);
 		terrain_select(extent, &looking, &source, view->selection);
 	}
-	view->coarse = !fits;
 	return view->failed;
 }
 
-void view_mark_used(struct view *view, bool stand_ins)
+void render_view_mark_used(struct view *view, bool stand_ins)
 {
 	struct page_cache *cache = view->world->cache;
 	const struct terrain_selection *selection = view->selection;

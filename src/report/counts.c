@@ -35,7 +35,7 @@ static void add_unit(cJSON *units, enum plan_unit unit, uint64_t count)
 	json_integer(units, plan_unit_name(unit), (int64_t)count);
 }
 
-static void add_memory_units(cJSON *units, const struct report *report, const struct gpu_stats *gpu, const struct pages_io *io,
+static void add_memory_units(cJSON *units, const struct report *report, const struct gpu_stats *gpu, const struct resident_pages_io *io,
 			     const struct gpu_slots_figures *slots, const struct deform_figures *deform)
 {
 	add_unit(units, PLAN_BASE_SLOT, slots->base_slots);
@@ -62,7 +62,7 @@ static void add_object_units(cJSON *units, const struct report *report)
 
 static void add_table_units(cJSON *units, const struct report *report, const struct pages_counts *pages)
 {
-	unsigned planes = pages_planes_of(report->world->scene, report->world->was_deformed);
+	unsigned planes = world_planes(report->world->scene, report->world->was_deformed);
 	cJSON *changed = cJSON_AddObjectToObject(units, plan_unit_name(PLAN_CHANGED));
 	cJSON *left = cJSON_AddObjectToObject(units, plan_unit_name(PLAN_LEFT));
 	for (int plane = 0; plane < PLANES; plane++) {
@@ -73,18 +73,18 @@ static void add_table_units(cJSON *units, const struct report *report, const str
 	json_integer(changed, store_table_name(STORE_META_TABLE), pages->header);
 }
 
-static void add_units(cJSON *counts, const struct report *report, const struct gpu_stats *gpu, const struct pages_io *io)
+static void add_units(cJSON *counts, const struct report *report, const struct gpu_stats *gpu, const struct resident_pages_io *io)
 {
 	struct gpu_slots_figures slots;
 	struct deform_figures deform = {.window_layers = 0};
-	struct ground_figures ground;
-	struct view_figures view = {.frames = 0};
+	struct resident_ground_figures ground;
+	struct render_view_figures view = {.frames = 0};
 	if (report->view != NULL)
-		view_figures(report->view, &view);
+		render_view_figures(report->view, &view);
 	gpu_slots_figures(report->world->slots, &slots);
 	if (report->world->deform != NULL)
 		deform_figures(report->world->deform, &deform);
-	ground_figures(report->world->ground, &ground);
+	resident_ground_figures(report->world->ground, &ground);
 	cJSON *units = cJSON_AddObjectToObject(counts, "units");
 	add_memory_units(units, report, gpu, io, &slots, &deform);
 	add_object_units(units, report);
@@ -109,7 +109,7 @@ static void add_units(cJSON *counts, const struct report *report, const struct g
 	add_unit(units, PLAN_EPOCH, (uint64_t)io->commits);
 }
 
-void report_counts(cJSON *root, const struct report *report, const struct gpu_stats *gpu, const struct pages_io *io)
+void report_counts(cJSON *root, const struct report *report, const struct gpu_stats *gpu, const struct resident_pages_io *io)
 {
 	cJSON *counts = cJSON_AddObjectToObject(root, "counts");
 	gpu_programs_each(report->world->gpu, add_program, cJSON_AddArrayToObject(counts, "programs"));

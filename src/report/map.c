@@ -59,10 +59,10 @@ static enum status take_ways(struct map *map)
 	for (size_t i = 0; i < count; i++) {
 		const struct track *track = world->bodies[i].track;
 		struct way *way = &map->ways[i];
-		way->places = mem_alloc(track_corners(track), sizeof *way->places);
+		way->places = mem_alloc(motion_track_corners(track), sizeof *way->places);
 		if (way->places == NULL)
 			return fail_memory("a map");
-		way->count = track_way(track, world->time, way->places);
+		way->count = motion_track_way(track, world->time, way->places);
 	}
 	return STATUS_OK;
 }

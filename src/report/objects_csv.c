@@ -1,4 +1,4 @@
-/* objects.csv: what the soil did to each body, a row for each multiple of 1 / output.forces. */
+/* objects.csv: what the soil did to each body, a row for each multiple of 1 / output.forces. SCENE.md has the columns. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -7,12 +7,13 @@
 
 #include "report/report.h"
 
-static const char header[] = "t,name,x,y,z,sinkage,fx,fy,fz,tx,ty,tz,slip,contact_area\n";
+static const char header[] = "t,name,x,y,z,sinkage,fx,fy,fz,tx,ty,tz,slip,contact_area,load,soil\n";
 
 struct report_rows {
 	const struct world *world;
 	const char *directory;
 	FILE *file;
+	long marked; /* bytes: what a rollback leaves */
 	struct world_rows sink;
 };
 
@@ -25,10 +26,14 @@ static enum status write_row(void *user, const struct world_row *row)
 {
 	const struct report_rows *rows = user;
 	const struct scene_object *object = rows->world->bodies[row->body].object;
-	const struct record_force *force = &row->force;
-	int printed = fprintf(rows->file, "%.9g,%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n", row->time, object->name,
+	const struct world_force *force = &row->force;
+	const char *soil = row->soil >= 0 ? rows->world->scene->soil_names[row->soil] : "";
+	char load[32] = "";
+	if (object->load > 0)
+		snprintf(load, sizeof load, "%.9g", object->load);
+	int printed = fprintf(rows->file, "%.9g,%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%s,%s\n", row->time, object->name,
 			      row->position[0], row->position[1], row->position[2], force->sinkage, force->force[0], force->force[1],
-			      force->force[2], force->moment[0], force->moment[1], force->moment[2], object->slip, force->area);
+			      force->force[2], force->moment[0], force->moment[1], force->moment[2], object->slip, force->area, load, soil);
 	return printed > 0 ? STATUS_OK : failed(rows);
 }
 
@@ -36,6 +41,22 @@ static enum status flush(void *user)
 {
 	const struct report_rows *rows = user;
 	return fflush(rows->file) == 0 ? STATUS_OK : failed(rows);
+}
+
+static enum status mark(void *user)
+{
+	struct report_rows *rows = user;
+	if (fflush(rows->file) != 0 || fseek(rows->file, 0, SEEK_END) != 0 || (rows->marked = ftell(rows->file)) < 0)
+		return failed(rows);
+	return STATUS_OK;
+}
+
+static enum status rollback(void *user)
+{
+	const struct report_rows *rows = user;
+	if (fflush(rows->file) != 0 || ftruncate(fileno(rows->file), rows->marked) != 0 || fseek(rows->file, 0, SEEK_END) != 0)
+		return failed(rows);
+	return STATUS_OK;
 }
 
 /* Where the rows at or before `time` end; a kill may have torn the last line. */
@@ -63,12 +84,14 @@ enum status report_rows_open(const struct world *world, const char *directory, s
 	struct report_rows *rows = mem_calloc(1, sizeof *rows);
 	if (rows == NULL)
 		return fail_memory("objects.csv");
-	*rows = (struct report_rows){.world = world, .directory = directory, .sink = {rows, write_row, flush}};
+	*rows = (struct report_rows){.world = world, .directory = directory, .sink = {rows, write_row, flush, mark, rollback}};
 	rows->file = fopen(path, world->resumed.is ? "a+" : "w+");
 	long end = 0;
 	if (rows->file != NULL && world->resumed.is) {
+		struct world_recorded recorded;
+		world_recorded(world, &recorded);
 		rewind(rows->file);
-		end = whole_until(rows->file, world->record->time);
+		end = whole_until(rows->file, recorded.time);
 	}
 	if (rows->file == NULL || end < 0 || ftruncate(fileno(rows->file), end) != 0 || fseek(rows->file, 0, SEEK_END) != 0 ||
 	    (end == 0 && fputs(header, rows->file) < 0)) {

@@ -34,8 +34,8 @@ static enum status plan_lines(const struct world *world, struct plan *plan)
 {
 	const struct scene *scene = world->scene;
 	uint32_t cells = world->meta->extent.cells;
-	unsigned planes = pages_planes_of(scene, world->was_deformed);
-	bool classes = soil_map_needed(scene);
+	unsigned planes = world_planes(scene, world->was_deformed);
+	bool classes = world_needs_soil_map(scene);
 	bool decimates = planes != 0 && scene->view.present;
 	enum status status = world_plan_deform(world, plan);
 	/* Its planes come first: what calls for the offset has the tiles deformed. */
@@ -43,10 +43,10 @@ static enum status plan_lines(const struct world *world, struct plan *plan)
 	gpu_slots_plan(cells, planes, classes, world->level < 0, decimates, effect, plan);
 	if (scene->view.present) {
 		struct render_params render;
-		view_render_params(world, &render);
+		render_view_params(world, &render);
 		render_plan(&render, planes != 0, world->level < 0, plan);
 		if (scene->view.images > 0)
-			pictures_plan((uint32_t)scene->view.width, (uint32_t)scene->view.height, plan);
+			render_pictures_plan((uint32_t)scene->view.width, (uint32_t)scene->view.height, plan);
 	}
 	world_plan_pages(world, plan);
 	return status == STATUS_OK ? plan_status(plan) : status;
@@ -55,7 +55,7 @@ static enum status plan_lines(const struct world *world, struct plan *plan)
 static enum status describe(struct world *world, struct report_plan *out)
 {
 	const struct scene *scene = world->scene;
-	struct pages_budget most;
+	struct resident_pages_budget most;
 	struct notes notes = {.plan = out};
 	enum status status = world_budget_check(world);
 	if (status != STATUS_OK)
@@ -73,7 +73,8 @@ static enum status describe(struct world *world, struct report_plan *out)
 	out->most.ground = most.ground;
 	out->window_tiles = world->windows.tiles;
 	out->steps = (int64_t)world_steps_until(scene, scene->end_time);
-	out->pictures = scene->view.present ? out->steps : 0;
+	out->picture_steps = scene->view.present ? scene->view.images : 0;
+	out->pictures = out->picture_steps > 0 ? out->steps / out->picture_steps : 0;
 	out->stations = mem_calloc(scene->object_count + 1, sizeof *out->stations);
 	if (out->stations == NULL)
 		return fail_memory("the plan");
@@ -87,6 +88,7 @@ static enum status describe(struct world *world, struct report_plan *out)
 enum status report_plan(const struct scene *scene, const char *store, struct report_plan *out)
 {
 	struct world world;
+	struct scene driven;
 	struct store_meta assumed;
 	const char *path = store;
 	if (path == NULL && scene->store != NULL && access(scene->store, F_OK) == 0)
@@ -94,7 +96,8 @@ enum status report_plan(const struct scene *scene, const char *store, struct rep
 	*out = (struct report_plan){.store = NULL};
 	if (path == NULL && scene->store != NULL && (out->missing = mem_strdup(scene->store)) == NULL)
 		return fail_memory("the plan");
-	enum status status = world_prepare_plan(&world, scene, path, &assumed);
+	scene_unwatched(scene, &driven);
+	enum status status = world_prepare_plan(&world, &driven, path, &assumed);
 	if (status == STATUS_OK && path != NULL && (out->store = mem_strdup(path)) == NULL)
 		status = fail_memory("the plan");
 	if (status == STATUS_OK)

@@ -1,9 +1,8 @@
 /* run.json: what a drive did and what it took. */
-#include <errno.h>
 #include <math.h>
 #include <string.h>
-#include <unistd.h>
 
+#include "base/aside.h"
 #include "base/json.h"
 #include "report/report.h"
 
@@ -26,7 +25,7 @@ static void add_times(cJSON *root, const struct report *report)
 	json_number(step, "max", times_percentile(&report->step_ms, 1));
 }
 
-static void add_stages(cJSON *root, const struct gpu_stats *gpu, const struct pages_io *io)
+static void add_stages(cJSON *root, const struct gpu_stats *gpu, const struct resident_pages_io *io)
 {
 	cJSON *stages = cJSON_AddObjectToObject(root, "stage_ms");
 	json_number(stages, "load", io->load_ms);
@@ -46,13 +45,28 @@ static void add_cache(cJSON *root, const struct report *report, const struct pag
 	json_integer(cache, "prefetched", (int64_t)stats->prefetched);
 	json_integer(cache, "cancelled", (int64_t)stats->cancelled);
 	json_integer(cache, "late", (int64_t)stats->late);
+	json_integer(cache, "not_begun", (int64_t)stats->not_begun);
 	json_integer(cache, "evictions", (int64_t)stats->evictions);
 	json_integer(cache, "writebacks", (int64_t)stats->writebacks);
 	struct stalls stalls;
 	world_stalls(report->world, &stalls);
 	json_integer(cache, "stalls", (int64_t)stalls.count);
 	json_number(cache, "stall_ms", stalls.ms);
+	struct stalls ranges;
+	world_range_waits(report->world, &ranges);
+	json_integer(cache, "range_waits", (int64_t)ranges.count);
+	json_number(cache, "range_wait_ms", ranges.ms);
 	json_integer(cache, "stalls_late", report->settled ? (int64_t)(stalls.count - report->stalls_settled.count) : 0);
+}
+
+/* Before the first step: all of it, and what of it were waits for the store. */
+static void add_warm_up(cJSON *root, const struct report *report)
+{
+	const struct world_warmed *warmed = &report->world->warmed;
+	cJSON *warm = cJSON_AddObjectToObject(root, "warm_up");
+	json_number(warm, "seconds", report->warm_seconds);
+	json_number(warm, "load_ms", warmed->load_ms);
+	json_number(warm, "stall_ms", warmed->stalls.ms + warmed->range_waits.ms);
 }
 
 static void add_gpu(cJSON *root, const struct report *report, const struct gpu_stats *stats)
@@ -70,7 +84,7 @@ static void add_gpu(cJSON *root, const struct report *report, const struct gpu_s
 }
 
 static void add_memory(cJSON *root, const struct report *report, const struct gpu_stats *gpu,
-		       const struct pages_io *io)
+		       const struct resident_pages_io *io)
 {
 	struct gpu_slots_bytes planes;
 	gpu_slots_bytes(report->world->slots, &planes);
@@ -79,7 +93,7 @@ static void add_memory(cJSON *root, const struct report *report, const struct gp
 	json_integer(memory, "gpu_bytes", (int64_t)gpu->bytes);
 	json_integer(memory, "host_bytes", (int64_t)io->host_bytes);
 	/* What may be taken at most, whatever the terrain's size and the drive's length. */
-	struct pages_budget most;
+	struct resident_pages_budget most;
 	world_budget(report->world, &most);
 	cJSON *budget = cJSON_AddObjectToObject(memory, "budget");
 	json_integer(budget, "slots", (int64_t)most.slots);
@@ -98,8 +112,8 @@ static void add_memory(cJSON *root, const struct report *report, const struct gp
 	json_integer(root, "programs", gpu->programs);
 }
 
-static void add_io(cJSON *root, const struct report *report, const struct pages_io *io,
-		   const struct ground_figures *ground)
+static void add_io(cJSON *root, const struct report *report, const struct resident_pages_io *io,
+		   const struct resident_ground_figures *ground)
 {
 	int64_t side = tile_posts(&report->world->meta->extent), reads = (int64_t)ground->reads;
 	cJSON *object = cJSON_AddObjectToObject(root, "io");
@@ -110,20 +124,20 @@ static void add_io(cJSON *root, const struct report *report, const struct pages_
 	json_integer(object, "commits", io->commits);
 }
 
-static void add_volume(cJSON *root, const struct report *report, const struct pages_io *io)
+static void add_volume(cJSON *root, const struct report *report, const struct resident_pages_io *io)
 {
 	double quantum = lattice_offset_metres(1) * report->world->spacing * report->world->spacing;
-	int64_t removed = -io->below, raised = io->above;
+	int64_t removed = -io->sums.below, raised = io->sums.above;
 	cJSON *volume = cJSON_AddObjectToObject(root, "volume");
 	json_number(volume, "removed", (double)removed * quantum);
 	json_number(volume, "raised", (double)raised * quantum);
 	json_number(volume, "net", (double)(raised - removed) * quantum);
-	json_number(volume, "compacted", (double)io->compacted * quantum);
+	json_number(volume, "compacted", (double)io->sums.compacted * quantum);
 	cJSON *quanta = cJSON_AddObjectToObject(volume, "quanta");
 	json_integer(quanta, "removed", removed);
 	json_integer(quanta, "raised", raised);
 	json_integer(quanta, "net", raised - removed);
-	json_integer(quanta, "compacted", io->compacted);
+	json_integer(quanta, "compacted", io->sums.compacted);
 }
 
 static void add_objects(cJSON *root, const struct report *report)
@@ -134,24 +148,52 @@ static void add_objects(cJSON *root, const struct report *report)
 		cJSON *object = cJSON_AddObjectToObject(objects, body->object->name);
 		json_number(object, "distance", body->distance);
 		json_number(object, "sinkage", body->sinkage);
+		json_number(object, "load", body->object->load > 0 ? body->object->load : (double)NAN);
+		json_number(object, "slip", body->object->slip);
 		if (body->object->load > 0 && body->in_contact)
 			json_number(object, "z", lattice_offset_metres(body->stands));
 		json_integer(object, "skipped", body->skipped);
 	}
 }
 
+/* Every number that the soils have, in the scene's units. None where no model reads a soil. */
+static void add_soils(cJSON *root, const struct report *report)
+{
+	const struct scene *scene = report->world->scene;
+	cJSON *soils = cJSON_AddArrayToObject(root, "soils");
+	for (int i = 0; deform_conserves(scene->model) && i < scene->soil_count; i++) {
+		cJSON *soil = cJSON_CreateObject();
+		if (!cJSON_AddItemToArray(soils, soil)) {
+			cJSON_Delete(soil);
+			return;
+		}
+		cJSON_AddStringToObject(soil, "name", scene->soil_names[i]);
+		if (i > 0)
+			json_integer(soil, "class", scene_soil_value(scene, i));
+		else if (scene->soil_map != NULL)
+			cJSON_AddNullToObject(soil, "class");
+		const char *key;
+		double value;
+		for (size_t n = 0; scene_soil_number(&scene->soils[i], n, &key, &value); n++)
+			if (!isnan(value))
+				json_number(soil, key, value);
+	}
+}
+
 static void add_slide(cJSON *root, const struct report *report)
 {
+	struct world_recorded recorded;
+	world_recorded(report->world, &recorded);
 	cJSON *slide = cJSON_AddObjectToObject(root, "slide");
-	json_integer(slide, "awake", (int64_t)report->world->record->awake_count);
+	json_integer(slide, "awake", (int64_t)recorded.awake);
 	json_integer(slide, "visited", (int64_t)report->world->relaxation.visited);
 	json_integer(slide, "possible", (int64_t)report->world->relaxation.possible);
 }
 
 static void add_forces(cJSON *root, const struct report *report)
 {
-	struct forces_figures figures;
-	forces_figures(report->world->forces, &figures);
+	struct world_forces_figures figures;
+	world_forces_figures(report->world->forces, &figures);
 	if (figures.sunk > 0)
 		note("%llu times the soil did not carry an object's load: it sank as deep as it is high", (unsigned long long)figures.sunk);
 	if (figures.saturated > 0)
@@ -163,8 +205,8 @@ static void add_forces(cJSON *root, const struct report *report)
 
 static void add_view(cJSON *root, const struct report *report)
 {
-	struct view_figures figures;
-	view_figures(report->view, &figures);
+	struct render_view_figures figures;
+	render_view_figures(report->view, &figures);
 	cJSON *view = cJSON_AddObjectToObject(root, "view");
 	json_integer(view, "frames", (int64_t)figures.frames);
 	json_number(view, "triangles", figures.triangles);
@@ -173,15 +215,17 @@ static void add_view(cJSON *root, const struct report *report)
 	json_integer(view, "coarsened", (int64_t)figures.coarsened);
 	if (report->pictures == NULL)
 		return;
-	struct pictures_figures pictures;
-	pictures_figures(report->pictures, &pictures);
+	struct render_pictures_figures pictures;
+	render_pictures_figures(report->pictures, &pictures);
+	json_integer(view, "naps", (int64_t)figures.naps);
+	json_number(view, "nap_ms", figures.nap_ms);
 	json_integer(view, "images", (int64_t)pictures.written);
 	json_integer(view, "image_waits", (int64_t)pictures.waits);
 	json_number(view, "image_wait_ms", pictures.wait_ms);
 }
 
 /* What this process did and what it took. */
-static void add_process(cJSON *root, const struct report *report, const struct pages_io *io)
+static void add_process(cJSON *root, const struct report *report, const struct resident_pages_io *io)
 {
 	struct gpu_stats gpu;
 	struct page_stats pages;
@@ -192,14 +236,15 @@ static void add_process(cJSON *root, const struct report *report, const struct p
 		gpu.stage_ms[i] -= report->world->warmed.gpu.stage_ms[i];
 	}
 	page_cache_stats(report->world->cache, &pages);
-	struct ground_figures ground;
-	ground_figures(report->world->ground, &ground);
+	struct resident_ground_figures ground;
+	resident_ground_figures(report->world->ground, &ground);
 	bool known = report->world->deform == NULL || deform_tally(report->world->deform, &tally) == STATUS_OK;
 	if (known && tally.refused > 0)
 		note("%llu times a post would have been pressed deeper than an offset holds (1024 m): refused",
 		     (unsigned long long)tally.refused);
 	json_number(root, "seconds", report->seconds);
 	json_number(root, "rtf", report->seconds > 0 ? (report->world->time - report->world->resumed.time) / report->seconds : 0);
+	add_warm_up(root, report);
 	add_times(root, report);
 	add_stages(root, &gpu, io);
 	add_cache(root, report, &pages);
@@ -219,10 +264,11 @@ static void add_process(cJSON *root, const struct report *report, const struct p
 
 char *report_json(const struct report *report, const char *ended)
 {
-	const struct record_sums *sums = &report->world->record->sums;
-	struct pages_io io = {.below = sums->below, .above = sums->above, .compacted = sums->compacted};
+	struct world_recorded recorded;
+	world_recorded(report->world, &recorded);
+	struct resident_pages_io io = {.sums = recorded.sums};
 	if (report->world->pages != NULL)
-		pages_io(report->world->pages, &io);
+		resident_pages_io(report->world->pages, &io);
 	cJSON *root = cJSON_CreateObject();
 	cJSON_AddStringToObject(root, "ended", ended);
 	json_integer(root, "steps", report->world->step);
@@ -235,6 +281,7 @@ char *report_json(const struct report *report, const char *ended)
 	json_integer(root, "working_level", report->world->level);
 	add_volume(root, report, &io);
 	add_objects(root, report);
+	add_soils(root, report);
 	if (report->world->pages != NULL)
 		add_process(root, report, &io);
 	char *printed = cJSON_Print(root), *json = NULL;
@@ -247,19 +294,18 @@ char *report_json(const struct report *report, const char *ended)
 
 enum status report_write(const char *directory, const char *json)
 {
-	char path[4096], aside[4096 + 8];
+	char path[4096];
+	struct aside aside;
 	snprintf(path, sizeof path, "%s/run.json", directory);
-	snprintf(aside, sizeof aside, "%s.part", path);
-	FILE *file = fopen(aside, "w");
-	bool written = file != NULL && fputs(json, file) >= 0 && fputc('\n', file) != EOF && fflush(file) == 0 &&
-		       fsync(fileno(file)) == 0;
-	int error = errno;
-	if (file != NULL && fclose(file) != 0)
-		written = false;
-	if (written && rename(aside, path) == 0)
-		return STATUS_OK;
-	if (written)
-		error = errno;
-	unlink(aside);
-	return fail_with(STATUS_FAILED, "%s: %s; free some disk space", path, strerror(error));
+	enum status status = aside_begin(&aside, path);
+	if (status == STATUS_OK) {
+		/* What fails here fails when it is made whole. */
+		(void)fputs(json, aside.file);
+		(void)fputc('\n', aside.file);
+		status = aside_whole(&aside, true);
+	}
+	if (status == STATUS_OK)
+		status = aside_publish(&aside);
+	aside_finish(&aside);
+	return status;
 }

@@ -16,11 +16,12 @@ struct cJSON;
 /* What a run's own loop measured. */
 struct report {
 	const struct world *world;
-	const struct view *view;         /* NULL: no view */
+	const struct view *view;         /* NULL: no view, or nobody asked for a picture of it */
 	struct pictures *pictures;       /* NULL: none are written */
-	struct times step_ms, frame_ms;  /* a frame is a step and its picture; without a view a step alone */
+	struct times step_ms, frame_ms;  /* a frame is a step and its picture; where none is drawn, a step alone */
 	struct stalls stalls_settled;    /* in the first second of the loop, once it is over: settled */
 	bool settled;
+	double warm_seconds;             /* wall clock until the loop began */
 	unsigned threads;                /* that ran when the last step was over */
 	double seconds;                  /* wall clock of the loop */
 };
@@ -33,7 +34,7 @@ enum status report_write(const char *directory, const char *json) FURROW_CHECKED
 enum status report_map(const struct world *world, const char *path, const char *ended) FURROW_CHECKED;
 
 /* counts.c: what was made and run; `gpu`: passes without those of warming up. */
-void report_counts(struct cJSON *root, const struct report *report, const struct gpu_stats *gpu, const struct pages_io *io);
+void report_counts(struct cJSON *root, const struct report *report, const struct gpu_stats *gpu, const struct resident_pages_io *io);
 /* where.c: where effects were, of where they might have been. */
 void report_where(struct cJSON *root, const struct report *report, const struct gpu_stats *gpu);
 
@@ -69,7 +70,8 @@ struct report_plan {
 		uint64_t queue_few; /* of the queue, while no step changes more pages than a commit waits for: most often */
 	} most;               /* bytes, as run.json's memory.budget: of the planes in slots, and of tiles on the host */
 	size_t window_tiles;  /* that one window, or block of relaxing ground, can touch, at most */
-	int64_t steps, pictures; /* until end_time; pictures that are drawn: one a step */
+	int64_t steps, pictures; /* until end_time; pictures that are drawn: those that are written */
+	int64_t picture_steps; /* one is written every so many steps; 0: none is */
 	uint64_t *stations;   /* of each object, until end_time */
 	char **notes;         /* scene_advise's, and what the store adds: "KEY: WHY; WHAT TO DO" */
 	size_t note_count;

@@ -38,10 +38,10 @@ void report_where(cJSON *root, const struct report *report, const struct gpu_sta
 		if (scene_effects(report->world->scene, report->world->level) >> effect & 1)
 			add(where, scene_effect_row((enum scene_effect)effect)->name, report->world->relaxation.visited, report->world->relaxation.possible);
 	if (report->view != NULL) {
-		struct pyramid_figures pyramid;
-		struct view_figures view;
-		pyramid_figures(report->world->pyramid, &pyramid);
-		view_figures(report->view, &view);
+		struct resident_pyramid_figures pyramid;
+		struct render_view_figures view;
+		resident_pyramid_figures(report->world->pyramid, &pyramid);
+		render_view_figures(report->view, &view);
 		add(where, "pyramid", pyramid.updated, pyramid.resident);
 		add(where, "draw", view.tiles.deformed, view.tiles.drawn);
 	}

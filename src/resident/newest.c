@@ -8,7 +8,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "world/world.h"
 #include "resident/newest_internal.h"
 
 enum { RANGES = 1 << 16, BASE_TILES = 4 };
@@ -56,24 +55,22 @@ static bool has_changed(const struct newest *newest, struct tile tile)
 	return low < newest->changed_count && newest->changed[low] <= last;
 }
 
-void newest_changed(struct newest *newest)
+void resident_newest_changed(struct newest *newest)
 {
 	if (newest != NULL)
 		newest->settled = false;
 }
 
-/* Before each query. */
-static enum status settle(struct newest *newest)
+enum status resident_newest_settle(struct newest *newest)
 {
-	const struct world *world = newest->world;
-	if (world == NULL || newest->settled)
+	if (newest->pages == NULL || newest->settled)
 		return STATUS_OK;
 	newest->changed_count = 0;
 	newest->lost = false;
 	key_cache_finish(&newest->offsets);
 	newest->offsets = (struct key_cache){.most = RANGES};
-	newest_forget_tiles(newest);
-	page_cache_each_changed(world->cache, note_changed, newest);
+	resident_newest_forget_tiles(newest);
+	page_cache_each_changed(newest->pages->cache, note_changed, newest);
 	if (newest->lost)
 		return fail_memory("what changed, for a query");
 	if (newest->changed_count > 0)
@@ -90,7 +87,7 @@ static enum status stored_offsets(struct newest *newest, struct tile tile, struc
 	enum status status = key_cache_find(&newest->offsets, tile_key(tile), range, &found);
 	if (status != STATUS_OK || found)
 		return status;
-	status = store_read_offset_range(ground_reader(newest->base), tile, &range->a, &range->b, &found);
+	status = store_read_offset_range(resident_ground_reader(newest->base), tile, &range->a, &range->b, &found);
 	if (status != STATUS_OK)
 		return status;
 	if (!found)
@@ -104,7 +101,7 @@ static enum status base_range(struct newest *newest, struct tile tile, struct ke
 	enum status status = key_cache_find(&newest->bases, tile_key(tile), range, &found);
 	if (status != STATUS_OK || found)
 		return status;
-	status = ground_range(newest->base, tile, &range->a, &range->b, &any);
+	status = resident_ground_range(newest->base, tile, &range->a, &range->b, &any);
 	if (status != STATUS_OK)
 		return status;
 	if (!any)
@@ -155,8 +152,8 @@ static enum status present(void *user, struct tile tile, bool *out)
 	}
 	if (tile.level == newest->level) {
 		/* Touched, and maybe left as it was: then the store will have no such tile. */
-		const struct newest_tile *held;
-		status = newest_tile(newest, tile, &held);
+		const struct resident_newest_tile *held;
+		status = resident_newest_tile(newest, tile, &held);
 		*out = status == STATUS_OK && held->offsets;
 		return status;
 	}
@@ -167,8 +164,8 @@ static enum status present(void *user, struct tile tile, bool *out)
 
 static enum status posts(void *user, struct tile tile, struct terrain_posts *out)
 {
-	const struct newest_tile *held;
-	enum status status = newest_tile(user, tile, &held);
+	const struct resident_newest_tile *held;
+	enum status status = resident_newest_tile(user, tile, &held);
 	if (status == STATUS_OK)
 		*out = (struct terrain_posts){held->heights, (const double(*)[2])held->blocks};
 	return status;
@@ -176,7 +173,7 @@ static enum status posts(void *user, struct tile tile, struct terrain_posts *out
 
 /* --- life --- */
 
-enum status newest_create(struct store *store, const struct world *world, struct newest **out)
+enum status resident_newest_create(struct store *store, struct pages *pages, struct newest **out)
 {
 	const struct store_meta *meta = store_meta(store);
 	struct newest *newest = mem_calloc(1, sizeof *newest);
@@ -184,7 +181,7 @@ enum status newest_create(struct store *store, const struct world *world, struct
 		return fail_memory("queries");
 	*newest = (struct newest){
 		.store = store,
-		.world = world,
+		.pages = pages,
 		.extent = &meta->extent,
 		.fits = isnan(meta->low) || lattice_fits(meta->low, meta->high),
 		.offsets = {.most = RANGES},
@@ -205,37 +202,37 @@ enum status newest_create(struct store *store, const struct world *world, struct
 		.present = present,
 		.bounds = bounds,
 	};
-	enum status status = newest_create_tiles(newest);
+	enum status status = resident_newest_create_tiles(newest);
 	if (status == STATUS_OK)
-		status = ground_create(store, BASE_TILES, &newest->base);
+		status = resident_ground_create(store, BASE_TILES, &newest->base);
 	if (status != STATUS_OK) {
-		newest_destroy(newest);
+		resident_newest_destroy(newest);
 		return status;
 	}
 	*out = newest;
 	return STATUS_OK;
 }
 
-void newest_destroy(struct newest *newest)
+void resident_newest_destroy(struct newest *newest)
 {
 	if (newest == NULL)
 		return;
-	newest_destroy_tiles(newest);
-	ground_destroy(newest->base);
+	resident_newest_destroy_tiles(newest);
+	resident_ground_destroy(newest->base);
 	key_cache_finish(&newest->offsets);
 	key_cache_finish(&newest->bases);
 	mem_free(newest->changed);
 	mem_free(newest);
 }
 
-enum status newest_heights(struct newest *newest, const struct terrain_point *points, size_t count, struct terrain_height *heights)
+enum status resident_newest_heights(struct newest *newest, const struct terrain_point *points, size_t count, struct terrain_height *heights)
 {
-	enum status status = settle(newest);
+	enum status status = resident_newest_settle(newest);
 	return status == STATUS_OK ? terrain_heights(&newest->ground, points, count, heights) : status;
 }
 
-enum status newest_rays(struct newest *newest, const struct terrain_ray *rays, size_t count, struct terrain_hit *hits)
+enum status resident_newest_rays(struct newest *newest, const struct terrain_ray *rays, size_t count, struct terrain_hit *hits)
 {
-	enum status status = settle(newest);
+	enum status status = resident_newest_settle(newest);
 	return status == STATUS_OK ? terrain_rays(&newest->ground, rays, count, hits) : status;
 }

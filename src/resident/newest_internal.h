@@ -1,22 +1,19 @@
 /* What the files newest*.c share. */
-#ifndef FURROW_RUN_NEWEST_INTERNAL_H
-#define FURROW_RUN_NEWEST_INTERNAL_H
+#ifndef FURROW_RESIDENT_NEWEST_INTERNAL_H
+#define FURROW_RESIDENT_NEWEST_INTERNAL_H
 
-#include "resident/ground.h"
 #include "base/key_map.h"
-#include "resident/newest.h"
-#include "resident/pages.h"
+#include "base/recent.h"
+#include "resident/pages_internal.h"
 
-struct newest_tile {
-	uint64_t key;
-	uint64_t used; /* by the clock; 0: empty */
+struct resident_newest_tile {
 	bool offsets;  /* any that is not 0 */
 	double *heights, (*blocks)[2];
 };
 
 struct newest {
 	struct store *store;
-	const struct world *world; /* NULL: the store alone */
+	struct pages *pages;       /* NULL: the store alone */
 	const struct extent *extent;
 	struct terrain_ground ground;
 	struct ground *base;
@@ -29,18 +26,22 @@ struct newest {
 	bool lost;                 /* no memory for one of them */
 	struct key_cache offsets;  /* ranges over the subtree; a: NaN where there are none. Of this moment */
 	struct key_cache bases;    /* the same of the base, for good */
-	struct newest_tile *tiles;
-	size_t tile_count;
-	uint64_t clock;
+	struct recent recent;
+	struct resident_newest_tile *tiles; /* by place */
 	int32_t *posts, *patch;    /* of one tile */
 };
 
+/* newest.c */
+enum status resident_newest_settle(struct newest *newest) FURROW_CHECKED; /* before each query */
+
 /* newest_tiles.c */
-enum status newest_create_tiles(struct newest *newest) FURROW_CHECKED;
-void newest_destroy_tiles(struct newest *newest);
+enum status resident_newest_create_tiles(struct newest *newest) FURROW_CHECKED;
+void resident_newest_destroy_tiles(struct newest *newest);
 /* Those with offsets are as they were: another step was done. */
-void newest_forget_tiles(struct newest *newest);
+void resident_newest_forget_tiles(struct newest *newest);
+/* A plane of a tile of the level with offsets, as the plane keeps it; zeros if it is not there. `posts`: room for int32. */
+enum status resident_newest_plane(struct newest *newest, struct tile tile, enum plane plane, void *posts) FURROW_CHECKED;
 /* A tile of level 0 or below; valid until another is asked for. */
-enum status newest_tile(struct newest *newest, struct tile tile, const struct newest_tile **out) FURROW_CHECKED;
+enum status resident_newest_tile(struct newest *newest, struct tile tile, const struct resident_newest_tile **out) FURROW_CHECKED;
 
 #endif

@@ -2,9 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "world/world.h"
 #include "resident/newest_internal.h"
-#include "resident/pages_internal.h"
 
 #define BYTES ((size_t)32 << 20)
 enum { LEAST = 4, MOST = 64 };
@@ -15,23 +13,25 @@ static size_t posts_of(const struct newest *newest)
 	return side * side;
 }
 
-enum status newest_create_tiles(struct newest *newest)
+enum status resident_newest_create_tiles(struct newest *newest)
 {
 	const size_t posts = posts_of(newest), fit = BYTES / (posts * sizeof(double));
-	newest->tile_count = fit < LEAST ? LEAST : fit > MOST ? MOST : fit;
-	newest->tiles = mem_calloc(newest->tile_count, sizeof *newest->tiles);
+	const uint32_t tiles = fit < LEAST ? LEAST : fit > MOST ? MOST : (uint32_t)fit;
+	newest->tiles = mem_calloc(tiles, sizeof *newest->tiles);
 	newest->posts = mem_alloc(posts, sizeof *newest->posts);
 	newest->patch = mem_alloc(posts, sizeof *newest->patch);
-	return newest->tiles != NULL && newest->posts != NULL && newest->patch != NULL ? STATUS_OK : fail_memory("tiles for queries");
+	return newest->tiles != NULL && newest->posts != NULL && newest->patch != NULL ? recent_create(&newest->recent, tiles)
+										  : fail_memory("tiles for queries");
 }
 
-void newest_destroy_tiles(struct newest *newest)
+void resident_newest_destroy_tiles(struct newest *newest)
 {
-	for (size_t i = 0; newest->tiles != NULL && i < newest->tile_count; i++) {
+	for (uint32_t i = 0; i < newest->recent.count; i++) {
 		mem_free(newest->tiles[i].heights);
 		mem_free(newest->tiles[i].blocks);
 	}
 	mem_free(newest->tiles);
+	recent_finish(&newest->recent);
 	mem_free(newest->posts);
 	mem_free(newest->patch);
 }
@@ -42,58 +42,59 @@ static bool takes_offsets(const struct newest *newest, struct tile tile)
 	return newest->deformed && (newest->level < 0 ? tile.level == newest->level : tile.level == 0);
 }
 
-void newest_forget_tiles(struct newest *newest)
+void resident_newest_forget_tiles(struct newest *newest)
 {
-	for (size_t i = 0; i < newest->tile_count; i++)
-		if (takes_offsets(newest, tile_from_key(newest->tiles[i].key)))
-			newest->tiles[i].used = 0;
+	for (uint32_t i = 0; i < newest->recent.count; i++)
+		if (takes_offsets(newest, tile_from_key(newest->recent.places[i].key)))
+			recent_empty(&newest->recent, i);
 }
 
-/* --- offsets --- */
+/* --- planes --- */
 
 struct taking {
 	const struct newest *newest;
-	int32_t *offsets;
+	enum plane plane;
+	void *posts;
 };
 
 static void take_image(void *user, const struct page_image *image)
 {
 	const struct taking *taking = user;
-	const struct pages *pages = taking->newest->world->pages;
-	const size_t bytes = posts_of(taking->newest) * sizeof *taking->offsets;
-	if (image->flags & PLANE_BIT(PLANE_OFFSET))
-		memcpy(taking->offsets, pages_plane(pages, image->bytes, PLANE_OFFSET), bytes);
+	const size_t bytes = posts_of(taking->newest) * plane_bytes(taking->plane);
+	if (image->flags & PLANE_BIT(taking->plane))
+		memcpy(taking->posts, pages_plane(taking->newest->pages, image->bytes, taking->plane), bytes);
 	else
-		memset(taking->offsets, 0, bytes);
+		memset(taking->posts, 0, bytes);
 }
 
-static enum status read_slot(const struct newest *newest, uint32_t slot, int32_t *offsets)
+static enum status read_slot(const struct newest *newest, uint32_t slot, enum plane plane, void *posts)
 {
-	const struct gpu_slot *held = gpu_slots_get(newest->world->slots, slot);
+	const struct pages_params *params = &newest->pages->params;
+	const struct gpu_slot *held = gpu_slots_get(params->slots, slot);
 	const uint32_t side = tile_posts(newest->extent);
-	if (held->planes[PLANE_OFFSET] == NULL)
-		memset(offsets, 0, posts_of(newest) * sizeof *offsets);
+	if (held->planes[plane] == NULL)
+		memset(posts, 0, posts_of(newest) * plane_bytes(plane));
 	else
-		gpu_texture_read(held->planes[PLANE_OFFSET], 0, (struct gpu_rect){0, 0, side, side}, offsets);
-	return gpu_check(newest->world->gpu, "reading the ground for a query");
+		gpu_texture_read(held->planes[plane], 0, (struct gpu_rect){0, 0, side, side}, posts);
+	return gpu_check(params->gpu, "reading the ground for a query");
 }
 
-/* Of a tile of the level with offsets. */
-static enum status read_offsets(struct newest *newest, struct tile tile, int32_t *offsets)
+enum status resident_newest_plane(struct newest *newest, struct tile tile, enum plane plane, void *posts)
 {
 	enum page_newest where = PAGE_NEWEST_STORED;
 	uint32_t slot = 0;
-	struct taking taking = {newest, offsets};
+	struct taking taking = {newest, plane, posts};
 	enum status status = STATUS_OK;
-	if (newest->world != NULL)
-		status = page_cache_newest(newest->world->cache, tile_key(tile), take_image, &taking, &where, &slot);
+	if (newest->pages != NULL)
+		status = page_cache_newest(newest->pages->cache, tile_key(tile), take_image, &taking, &where, &slot);
 	if (status != STATUS_OK || where == PAGE_NEWEST_QUEUED)
 		return status;
 	if (where == PAGE_NEWEST_SLOT)
-		return read_slot(newest, slot, offsets);
+		return read_slot(newest, slot, plane, posts);
+	void *into[PLANES] = {NULL};
 	unsigned present;
-	return store_read_deformed(ground_reader(newest->base), tile, PLANE_BIT(PLANE_OFFSET),
-				   (void *const[PLANES]){[PLANE_OFFSET] = offsets}, &present);
+	into[plane] = posts;
+	return store_read_deformed(resident_ground_reader(newest->base), tile, PLANE_BIT(plane), into, &present);
 }
 
 /* --- heights --- */
@@ -118,31 +119,31 @@ static enum status fill_base(struct newest *newest, struct tile tile, double *he
 	uint32_t sub_x, sub_y;
 	enum status status;
 	if (!newest->fits) {
-		status = store_read_base(ground_reader(newest->base), tile, posts, NULL);
+		status = store_read_base(resident_ground_reader(newest->base), tile, posts, NULL);
 		for (size_t i = 0; i < count && status == STATUS_OK; i++)
 			heights[i] = height_code_metres(posts[i], meta->step);
 		return status;
 	}
 	if (tile.level == 0) {
-		status = ground_posts(newest->base, tile, posts);
+		status = resident_ground_posts(newest->base, tile, posts);
 	} else {
-		status = ground_patch(newest->base, tile, newest->patch, &shift, &sub_x, &sub_y);
+		status = resident_ground_patch(newest->base, tile, newest->patch, &shift, &sub_x, &sub_y);
 		if (status == STATUS_OK)
 			lattice_subdivide(newest->patch, newest->extent->cells, shift, sub_x, sub_y, posts);
 	}
-	const double reference = ground_reference(newest->store);
+	const double reference = resident_ground_reference(newest->store);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		heights[i] = posts[i] == BASE_NODATA ? (double)NAN : reference + lattice_base_metres(posts[i]);
 	return status;
 }
 
-static enum status add_offsets(struct newest *newest, struct tile tile, struct newest_tile *into)
+static enum status add_offsets(struct newest *newest, struct tile tile, struct resident_newest_tile *into)
 {
 	const size_t count = posts_of(newest);
 	int32_t *offsets = newest->posts, bits = 0;
 	const int shift = newest->level - tile.level; /* 0, or the offsets are of a coarser level */
 	int32_t *fine = NULL;
-	enum status status = read_offsets(newest, tile_ancestor(tile, newest->level), offsets);
+	enum status status = resident_newest_plane(newest, tile_ancestor(tile, newest->level), PLANE_OFFSET, offsets);
 	if (status == STATUS_OK && shift > 0) {
 		fine = mem_alloc(count, sizeof *fine);
 		if (fine == NULL)
@@ -159,24 +160,7 @@ static enum status add_offsets(struct newest *newest, struct tile tile, struct n
 	return status;
 }
 
-static struct newest_tile *find(struct newest *newest, uint64_t key)
-{
-	for (size_t i = 0; i < newest->tile_count; i++)
-		if (newest->tiles[i].used != 0 && newest->tiles[i].key == key)
-			return &newest->tiles[i];
-	return NULL;
-}
-
-static struct newest_tile *oldest(struct newest *newest)
-{
-	struct newest_tile *oldest = &newest->tiles[0];
-	for (size_t i = 1; i < newest->tile_count; i++)
-		if (newest->tiles[i].used < oldest->used)
-			oldest = &newest->tiles[i];
-	return oldest;
-}
-
-static enum status make_room(const struct newest *newest, struct newest_tile *tile)
+static enum status make_room(const struct newest *newest, struct resident_newest_tile *tile)
 {
 	const size_t side = newest->extent->cells / TERRAIN_BLOCK;
 	if (tile->heights == NULL)
@@ -186,13 +170,14 @@ static enum status make_room(const struct newest *newest, struct newest_tile *ti
 	return tile->heights != NULL && tile->blocks != NULL ? STATUS_OK : fail_memory("a tile for queries");
 }
 
-enum status newest_tile(struct newest *newest, struct tile tile, const struct newest_tile **out)
+enum status resident_newest_tile(struct newest *newest, struct tile tile, const struct resident_newest_tile **out)
 {
 	const uint64_t key = tile_key(tile);
-	struct newest_tile *found = find(newest, key);
-	if (found == NULL) {
-		found = oldest(newest);
-		found->used = 0; /* until it is whole */
+	uint32_t place = recent_find(&newest->recent, key);
+	if (place == RECENT_NONE) {
+		place = recent_oldest(&newest->recent, RECENT_NONE);
+		recent_empty(&newest->recent, place); /* until it is whole */
+		struct resident_newest_tile *found = &newest->tiles[place];
 		found->offsets = false;
 		enum status status = make_room(newest, found);
 		if (status == STATUS_OK)
@@ -202,9 +187,8 @@ enum status newest_tile(struct newest *newest, struct tile tile, const struct ne
 		if (status != STATUS_OK)
 			return status;
 		terrain_fill_blocks(newest->extent->cells, found->heights, found->blocks);
-		found->key = key;
 	}
-	found->used = ++newest->clock;
-	*out = found;
+	recent_use(&newest->recent, place, key);
+	*out = &newest->tiles[place];
 	return STATUS_OK;
 }

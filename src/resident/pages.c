@@ -7,32 +7,24 @@
 #define ALIGN sizeof(int32_t) /* of a plane, whatever is before it */
 #define EPOCH_BYTES ((size_t)16 << 20)
 
-size_t pages_plane_room(const struct pages_layout *layout, enum plane plane)
+size_t resident_pages_plane_room(const struct pages_layout *layout, enum plane plane)
 {
 	return (layout->posts * plane_bytes(plane) + ALIGN - 1) / ALIGN * ALIGN;
 }
 
-struct pages_layout pages_layout_of(uint32_t cells, unsigned planes, bool classes)
+struct pages_layout resident_pages_layout_of(uint32_t cells, unsigned planes, bool classes)
 {
 	struct pages_layout layout = {.cells = cells, .posts = (size_t)(cells + 1) * (cells + 1)};
 	for (int plane = 0; plane < PLANES; plane++) {
 		layout.places[plane] = layout.changed;
 		if (planes & PLANE_BIT(plane))
-			layout.changed += pages_plane_room(&layout, plane);
+			layout.changed += resident_pages_plane_room(&layout, plane);
 	}
 	layout.base = sizeof(struct pages_head);
 	layout.planes = layout.base + layout.posts * sizeof(int32_t);
 	layout.classes = layout.planes + layout.changed;
 	layout.loaded = layout.classes + (classes ? layout.posts : 0);
 	return layout;
-}
-
-unsigned pages_planes_of(const struct scene *scene, bool was_deformed)
-{
-	unsigned planes = deform_planes(scene->model, scene->dirt);
-	if (scene->object_count > 0)
-		return planes;
-	return was_deformed && scene->view.present ? planes & GPU_DRAWN_PLANES : 0;
 }
 
 /* Changed pages for an epoch: more make it cheaper a page, and take memory. */
@@ -55,7 +47,7 @@ static struct page_params cache_params(const struct pages_params *params, const 
 		.epoch_age = params->epoch_age,
 		.before_epoch = params->before_epoch,
 		.before_epoch_user = params->user,
-		.record_bytes = record_bytes(params->scene->object_count),
+		.world_record_bytes = params->record.bytes,
 		.trace = params->trace,
 	};
 }
@@ -66,58 +58,57 @@ static uint32_t reader_count(const struct pages_params *params)
 	return params->loaders > 0 ? params->loaders : 1;
 }
 
-enum status pages_create(const struct pages_params *params, struct pages **out)
+enum status resident_pages_create(const struct pages_params *params, struct pages **out)
 {
 	struct pages *pages = mem_calloc(1, sizeof *pages);
 	if (pages == NULL)
 		return fail_memory("the page cache");
 	assert(params->loaders <= sizeof pages->grounds / sizeof *pages->grounds);
 	pages->params = *params;
-	pages->io.below = params->below;
-	pages->io.above = params->above;
-	pages->io.compacted = params->compacted;
+	pages->io.sums = params->before;
 	mutex_init(&pages->mutex);
 	pages->planes = params->planes;
-	pages->layout = pages_layout_of(store_meta(params->store)->extent.cells, pages->planes, params->classes != NULL);
+	pages->layout = resident_pages_layout_of(store_meta(params->store)->extent.cells, pages->planes, params->classes != NULL);
 	enum status status = STATUS_OK;
 	for (uint32_t i = 0; i < reader_count(params) && status == STATUS_OK; i++)
-		status = ground_create(params->store, GROUND_TILES, &pages->grounds[i]);
+		status = resident_ground_create(params->store, GROUND_TILES, &pages->grounds[i]);
 	struct page_params cache = cache_params(params, &pages->layout);
-	cache.io = pages_io_of(pages);
-	cache.executor = pages_executor_of(pages);
+	cache.io = resident_pages_io_of(pages);
+	cache.executor = resident_pages_executor_of(pages);
 	if (status == STATUS_OK)
 		status = page_cache_create(&cache, &pages->cache);
 	if (status != STATUS_OK) {
-		pages_destroy(pages);
+		resident_pages_destroy(pages);
 		return status;
 	}
 	*out = pages;
 	return STATUS_OK;
 }
 
-void pages_destroy(struct pages *pages)
+void resident_pages_destroy(struct pages *pages)
 {
 	if (pages == NULL)
 		return;
 	page_cache_destroy(pages->cache);
 	for (uint32_t i = 0; i < reader_count(&pages->params); i++)
-		ground_destroy(pages->grounds[i]);
+		resident_ground_destroy(pages->grounds[i]);
+	store_reader_destroy(pages->marked.reader);
 	mem_free(pages->commit_pages);
 	mutex_finish(&pages->mutex);
 	mem_free(pages);
 }
 
-void pages_stop(struct pages *pages)
+void resident_pages_stop(struct pages *pages)
 {
 	page_cache_stop(pages->cache);
 }
 
-struct page_cache *pages_cache(struct pages *pages)
+struct page_cache *resident_pages_cache(struct pages *pages)
 {
 	return pages->cache;
 }
 
-void pages_io(struct pages *pages, struct pages_io *io)
+void resident_pages_io(struct pages *pages, struct resident_pages_io *io)
 {
 	mutex_lock(&pages->mutex);
 	*io = pages->io;
@@ -126,19 +117,19 @@ void pages_io(struct pages *pages, struct pages_io *io)
 	io->host_bytes = pages->host_bytes;
 	io->changed_images = pages->changed_images;
 	for (uint32_t i = 0; i < reader_count(&pages->params); i++) {
-		struct ground_figures figures;
-		ground_figures(pages->grounds[i], &figures);
+		struct resident_ground_figures figures;
+		resident_ground_figures(pages->grounds[i], &figures);
 		io->counts.bases += (int64_t)figures.reads;
 		io->counts.ranges += (int64_t)figures.ranges;
 	}
 }
 
-void pages_budget(const struct pages_params *params, uint32_t cells, struct pages_budget *budget)
+void resident_pages_budget(const struct pages_params *params, uint32_t cells, struct resident_pages_budget *budget)
 {
-	const struct pages_layout layout = pages_layout_of(cells, params->planes, params->classes != NULL);
+	const struct pages_layout layout = resident_pages_layout_of(cells, params->planes, params->classes != NULL);
 	struct page_params cache = cache_params(params, &layout);
 	uint64_t plane = layout.posts * sizeof(int32_t);
-	*budget = (struct pages_budget){
+	*budget = (struct resident_pages_budget){
 		.slots = params->count * (plane + layout.changed + (params->classes != NULL ? layout.posts : 0)),
 		.loads = page_load_images(params->loaders) * (uint64_t)layout.loaded,
 		.queue = cache.queue_most * (uint64_t)layout.changed,

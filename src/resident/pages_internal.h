@@ -4,11 +4,10 @@
  *     loader threads --- pages_io.c ---> image ---> pages_slots.c ---> slot      (base, planes)
  *     the writer     <-- pages_io.c ---- image <--- pages_slots.c <--- slot      (planes)
  */
-#ifndef FURROW_RUN_PAGES_INTERNAL_H
-#define FURROW_RUN_PAGES_INTERNAL_H
+#ifndef FURROW_RESIDENT_PAGES_INTERNAL_H
+#define FURROW_RESIDENT_PAGES_INTERNAL_H
 
-#include "resident/ground.h"
-#include "resident/pages.h"
+#include "resident/resident.h"
 
 /* A loaded image's bytes: this, base posts or patch, the planes, and classes if there are such. A changed one's:
  * the planes alone. A snapshot's: the tally.
@@ -27,8 +26,8 @@ struct pages_layout {
 };
 
 /* pages.c; `planes`: params.planes. */
-struct pages_layout pages_layout_of(uint32_t cells, unsigned planes, bool classes);
-size_t pages_plane_room(const struct pages_layout *layout, enum plane plane); /* bytes of it in an image */
+struct pages_layout resident_pages_layout_of(uint32_t cells, unsigned planes, bool classes);
+size_t resident_pages_plane_room(const struct pages_layout *layout, enum plane plane); /* bytes of it in an image */
 
 struct pages {
 	struct pages_params params;
@@ -39,10 +38,16 @@ struct pages {
 	struct store_page *commit_pages; /* the writer's */
 	size_t commit_room;
 	int64_t tallied;                 /* the writer's: compacted as of the last commit, by the tally */
+	struct pages_marked {            /* pages_rollback.c */
+		bool is;
+		struct store_reader *reader; /* the owner's; NULL until the first mark */
+		int64_t revision, tallied;
+		struct pages_sums sums;
+	} marked;
 	double readback_ms;              /* the GPU's thread's, and */
 	uint64_t host_bytes, changed_images;
 	struct mutex mutex;              /* guards io */
-	struct pages_io io;
+	struct resident_pages_io io;
 };
 
 static inline struct pages_head *pages_head(const struct page_image *loaded)
@@ -71,7 +76,7 @@ static inline bool pages_have_classes(const struct pages *pages, struct tile til
 	return pages->params.classes != NULL && (tile.level == pages->params.level || pages->params.classes_drawn);
 }
 
-struct page_io pages_io_of(struct pages *pages);             /* pages_io.c */
-struct page_executor pages_executor_of(struct pages *pages); /* pages_slots.c */
+struct page_io resident_pages_io_of(struct pages *pages);             /* pages_io.c */
+struct page_executor resident_pages_executor_of(struct pages *pages); /* pages_slots.c */
 
 #endif

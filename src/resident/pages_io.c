@@ -13,8 +13,8 @@ static enum status load_base(struct pages *pages, struct ground *ground, struct 
 	struct pages_head *head = pages_head(image);
 	*head = (struct pages_head){0, 0, 0};
 	if (tile.level < 0)
-		return ground_patch(ground, tile, pages_base(pages, image), &head->shift, &head->sub_x, &head->sub_y);
-	return ground_posts(ground, tile, pages_base(pages, image));
+		return resident_ground_patch(ground, tile, pages_base(pages, image), &head->shift, &head->sub_x, &head->sub_y);
+	return resident_ground_posts(ground, tile, pages_base(pages, image));
 }
 
 static enum status load_planes(struct pages *pages, struct ground *ground, struct tile tile,
@@ -35,7 +35,7 @@ static enum status load_planes(struct pages *pages, struct ground *ground, struc
 	for (int plane = 0; plane < PLANES; plane++)
 		if (wanted & PLANE_BIT(plane))
 			into[plane] = pages_plane(pages, planes, (enum plane)plane);
-	enum status status = store_read_deformed(ground_reader(ground), tile, wanted, into, &present);
+	enum status status = store_read_deformed(resident_ground_reader(ground), tile, wanted, into, &present);
 	if (status == STATUS_OK)
 		image->flags = present;
 	mutex_lock(&pages->mutex);
@@ -72,7 +72,7 @@ static enum status load(void *user, unsigned loader, struct page_image *image, c
 /* What the writer thread makes the record's text of. */
 struct describing {
 	struct pages *pages;
-	const struct record *record;
+	const void *record;
 	int64_t compacted; /* in this epoch */
 	char *state;
 };
@@ -80,20 +80,22 @@ struct describing {
 static const char *describe(void *user, const struct store_epoch_result *result)
 {
 	struct describing *describing = user;
-	const struct pages_params *params = &describing->pages->params;
-	const struct pages_io *io = &describing->pages->io; /* of these the writer's alone */
-	const struct record_sums sums = {
-		.below = io->below + result->below,
-		.above = io->above + result->above,
-		.compacted = io->compacted + describing->compacted,
+	const struct pages_record *record = &describing->pages->params.record;
+	const struct pages_sums *before = &describing->pages->io.sums; /* the writer's alone */
+	const struct pages_sums sums = {
+		.below = before->below + result->below,
+		.above = before->above + result->above,
+		.compacted = before->compacted + describing->compacted,
 	};
-	describing->state = record_print(describing->record, params->scene, &sums);
+	describing->state = record->print(record->user, describing->record, &sums);
 	return describing->state;
 }
 
 static enum status acknowledge(struct pages *pages, int64_t epoch, int64_t step)
 {
 	FILE *log = pages->params.epochs;
+	if (log == NULL)
+		return STATUS_OK;
 	if (fprintf(log, "epoch %lld step %lld\n", (long long)epoch, (long long)step) < 0 || fflush(log) != 0)
 		return fail_with(STATUS_FAILED, "epochs.log: %s; free some disk space", strerror(errno));
 	return STATUS_OK;
@@ -129,11 +131,10 @@ static void count_epoch_locked(struct pages *pages, size_t count, const struct s
 	}
 }
 
-static enum status commit(void *user, const struct page_image *const *images, size_t count, const void *bytes,
+static enum status commit(void *user, const struct page_image *const *images, size_t count, const void *record,
 			  const struct page_image *snapshot)
 {
 	struct pages *pages = user;
-	const struct record *record = bytes;
 	enum status status = pages->params.before_commit != NULL ? pages->params.before_commit(pages->params.user) : STATUS_OK;
 	if (status != STATUS_OK)
 		return status;
@@ -150,36 +151,35 @@ static enum status commit(void *user, const struct page_image *const *images, si
 	int64_t tally = tally_compacted(snapshot);
 	struct describing describing = {pages, record, tally - pages->tallied, NULL};
 	struct store_run run = {
-		.scene_hash = pages->params.scene->hash,
-		.step = record->step,
-		.time = record->time,
+		.scene_hash = pages->params.record.scene_hash,
 		.compacted = tally - pages->tallied,
 		.describe = describe,
 		.user = &describing,
 	};
 	struct store_epoch_result result;
+	pages->params.record.when(record, &run.step, &run.time);
 	status = store_epoch(pages->params.store, pages->commit_pages, count, &run, &result);
 	mem_free(describing.state);
 	if (status != STATUS_OK)
 		return status;
 	pages->tallied = tally;
-	status = acknowledge(pages, result.epoch, record->step);
+	status = acknowledge(pages, result.epoch, run.step);
 	if (status == STATUS_OK)
 		status = store_bound_wal(pages->params.store);
 	mutex_lock(&pages->mutex);
 	pages->io.commits++;
 	pages->io.tiles_written += result.tiles_written;
 	pages->io.bytes_written += result.bytes_written;
-	pages->io.below += result.below;
-	pages->io.above += result.above;
-	pages->io.compacted += run.compacted;
+	pages->io.sums.below += result.below;
+	pages->io.sums.above += result.above;
+	pages->io.sums.compacted += run.compacted;
 	count_epoch_locked(pages, count, &result);
 	pages->io.writeback_ms += (clock_seconds() - started) * 1e3;
 	mutex_unlock(&pages->mutex);
 	return status;
 }
 
-struct page_io pages_io_of(struct pages *pages)
+struct page_io resident_pages_io_of(struct pages *pages)
 {
 	return (struct page_io){pages, load, commit};
 }

@@ -3,7 +3,6 @@
 #include <string.h>
 
 #include "resident/pages_internal.h"
-#include "resident/soil_map.h"
 
 /* Of the plan's line for that plane; NULL: nothing calls for it but what earlier drives left. */
 static const char *effect_of(const struct plan *plan, enum plane plane)
@@ -14,12 +13,12 @@ static const char *effect_of(const struct plan *plan, enum plane plane)
 	return NULL;
 }
 
-static void add_threads(const struct scene *scene, struct plan *plan)
+static void add_threads(const struct pages_planned *planned, struct plan *plan)
 {
 	plan_add(plan, &(struct plan_line){.kind = PLAN_THREAD, .object = -1, .amount = 1}, PAGE_WRITER_THREAD);
-	if (scene->loaders > 0)
-		plan_add(plan, &(struct plan_line){.kind = PLAN_THREAD, .effect = scene_effect_row(EFFECT_LOADERS)->name,
-						   .object = -1, .amount = scene->loaders}, PAGE_LOADER_THREAD);
+	if (planned->loaders > 0)
+		plan_add(plan, &(struct plan_line){.kind = PLAN_THREAD, .effect = planned->loaders_effect, .object = -1,
+						   .amount = planned->loaders}, PAGE_LOADER_THREAD);
 }
 
 static void add_staging(struct plan *plan, enum plan_unit unit, const char *effect, int64_t amount, uint64_t bytes,
@@ -32,44 +31,42 @@ static void add_staging(struct plan *plan, enum plan_unit unit, const char *effe
 }
 
 /* Each buffer by its parts, since each plane's part is there for another reason. */
-static void add_images(const struct scene *scene, const struct pages_layout *layout, unsigned planes,
+static void add_images(const struct pages_planned *planned, const struct pages_layout *layout,
 		       const char *const effects[PLANES], struct plan *plan)
 {
-	uint32_t loads = page_load_images(scene->loaders);
+	uint32_t loads = page_load_images(planned->loaders);
 	add_staging(plan, PLAN_ONCE, NULL, loads, layout->planes, "loads", "base");
 	for (int plane = 0; plane < PLANES; plane++)
-		if (planes & PLANE_BIT(plane)) {
-			size_t bytes = pages_plane_room(layout, (enum plane)plane);
+		if (planned->planes & PLANE_BIT(plane)) {
+			size_t bytes = resident_pages_plane_room(layout, (enum plane)plane);
 			add_staging(plan, PLAN_ONCE, effects[plane], loads, bytes, "loads", plane_name((enum plane)plane));
 			add_staging(plan, PLAN_PAGE, effects[plane], 1, bytes, "changes", plane_name((enum plane)plane));
 		}
 	if (layout->loaded > layout->classes)
-		add_staging(plan, PLAN_ONCE, scene_effect_row(EFFECT_SOIL_MAP)->name, loads, layout->loaded - layout->classes,
-			    "loads", "classes");
-	if (scene->object_count > 0)
+		add_staging(plan, PLAN_ONCE, planned->classes_effect, loads, layout->loaded - layout->classes, "loads", "classes");
+	if (planned->deforms)
 		add_staging(plan, PLAN_ONCE, effects[PLANE_OFFSET], 1, PAGES_TALLY_BYTES, "changes", "tally");
 }
 
-void pages_plan(const struct scene *scene, uint32_t cells, bool was_deformed, struct plan *plan)
+void resident_pages_plan(const struct pages_planned *planned, struct plan *plan)
 {
-	unsigned planes = pages_planes_of(scene, was_deformed);
-	bool classes = soil_map_needed(scene);
+	const unsigned planes = planned->planes;
 	const char *effects[PLANES];
-	struct pages_layout layout = pages_layout_of(cells, planes, classes);
+	struct pages_layout layout = resident_pages_layout_of(planned->cells, planes, planned->classes);
 	for (int plane = 0; plane < PLANES; plane++)
 		effects[plane] = effect_of(plan, (enum plane)plane);
-	add_threads(scene, plan);
-	add_images(scene, &layout, planes, effects, plan);
+	add_threads(planned, plan);
+	add_images(planned, &layout, effects, plan);
 	store_plan_reads(plan, STORE_BASE_TABLE, 1, PLAN_READ, NULL);
-	const char *picture = scene_effect_row(EFFECT_PICTURE)->name;
-	bool shown = scene->view.present && was_deformed;
-	if (scene->view.present)
+	const char *picture = planned->picture_effect;
+	bool shown = planned->picture && planned->was_deformed;
+	if (planned->picture)
 		store_plan_reads(plan, STORE_BASE_TABLE, 1, PLAN_RANGE, picture);
 	/* Which tiles they are. */
 	if (shown)
 		store_plan_reads(plan, STORE_OFFSET_TABLE, 1, PLAN_ONCE, picture);
 	/* Bounds of what is seen; and, under models that raise nothing, of what an object may be in the air above. */
-	if (shown || (scene->object_count > 0 && !deform_conserves(scene->model)))
+	if (shown || planned->lowers)
 		store_plan_reads(plan, STORE_OFFSET_TABLE, 1, PLAN_OFFSET_RANGE, shown ? picture : effects[PLANE_OFFSET]);
 	for (int plane = 0; plane < PLANES; plane++) {
 		enum store_table table = (enum store_table)(STORE_OFFSET_TABLE + plane);
@@ -78,7 +75,10 @@ void pages_plan(const struct scene *scene, uint32_t cells, bool was_deformed, st
 		if (planes & GPU_DRAWN_PLANES & PLANE_BIT(plane))
 			store_plan_reads(plan, table, 1, PLAN_LOADED_COARSER, effects[plane]);
 	}
+	/* How deep its ruts are. */
+	if (planned->was_deformed)
+		store_plan_reads(plan, STORE_OFFSET_TABLE, 1, PLAN_ONCE, NULL);
 	/* The last drive's record: whether it could have been resumed. */
 	store_plan_reads(plan, STORE_RUN_TABLE, 1, PLAN_ONCE, NULL);
-	store_epoch_plan(scene->object_count > 0 ? planes : 0, was_deformed, effects, plan);
+	store_epoch_plan(planned->deforms ? planes : 0, planned->was_deformed, effects, plan);
 }

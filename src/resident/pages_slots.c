@@ -171,7 +171,7 @@ static void destroy_image(void *user, struct page_image *image)
 	gpu_staging_destroy(image->memory);
 }
 
-struct page_executor pages_executor_of(struct pages *pages)
+struct page_executor resident_pages_executor_of(struct pages *pages)
 {
 	return (struct page_executor){
 		.user = pages,

@@ -1,4 +1,4 @@
-#include "resident/pyramid.h"
+#include "resident/resident.h"
 
 #include "base/key_set.h"
 
@@ -14,10 +14,10 @@ struct pyramid {
 	struct change *changes;
 	size_t count, room;
 	struct key_set updated; /* in this step */
-	struct pyramid_figures figures;
+	struct resident_pyramid_figures figures;
 };
 
-enum status pyramid_create(const struct extent *extent, int level, struct gpu_slots *slots, struct pyramid **out)
+enum status resident_pyramid_create(const struct extent *extent, int level, struct gpu_slots *slots, struct pyramid **out)
 {
 	struct pyramid *pyramid = mem_calloc(1, sizeof *pyramid);
 	if (pyramid == NULL)
@@ -27,7 +27,7 @@ enum status pyramid_create(const struct extent *extent, int level, struct gpu_sl
 	return STATUS_OK;
 }
 
-void pyramid_destroy(struct pyramid *pyramid)
+void resident_pyramid_destroy(struct pyramid *pyramid)
 {
 	if (pyramid == NULL)
 		return;
@@ -46,7 +46,7 @@ static struct post_rect hull(struct post_rect a, struct post_rect b)
 	};
 }
 
-enum status pyramid_changed(struct pyramid *pyramid, struct tile tile, struct post_rect rect)
+enum status resident_pyramid_changed(struct pyramid *pyramid, struct tile tile, struct post_rect rect)
 {
 	rect = post_rect_intersect(rect, tile_post_rect(pyramid->extent, tile));
 	for (size_t i = 0; i < pyramid->count; i++)
@@ -66,20 +66,13 @@ enum status pyramid_changed(struct pyramid *pyramid, struct tile tile, struct po
 	return STATUS_OK;
 }
 
-/* First multiple of 2^steps at or above v. */
-static int64_t align(int64_t v, int steps)
-{
-	int64_t mask = ((int64_t)1 << steps) - 1;
-	return (v + mask) & ~mask;
-}
-
 static enum status decimate(struct pyramid *pyramid, struct page_cache *cache, const struct change *change,
 			    uint32_t slot)
 {
 	struct post_rect own = tile_post_rect(pyramid->extent, change->tile);
 	for (int level = pyramid->level + 1; level <= pyramid->coarsest; level++) {
 		int steps = level - pyramid->level;
-		int64_t x0 = align(change->rect.x0, steps), y0 = align(change->rect.y0, steps);
+		int64_t x0 = lattice_align(change->rect.x0, steps), y0 = lattice_align(change->rect.y0, steps);
 		if (x0 >= change->rect.x1 || y0 >= change->rect.y1)
 			return STATUS_OK; /* no post of this level changed, so none of a coarser one */
 		struct tile above = tile_ancestor(change->tile, level);
@@ -100,7 +93,7 @@ static enum status decimate(struct pyramid *pyramid, struct page_cache *cache, c
 	return STATUS_OK;
 }
 
-enum status pyramid_flush_tile(struct pyramid *pyramid, struct page_cache *cache, struct tile tile, uint32_t slot)
+enum status resident_pyramid_flush_tile(struct pyramid *pyramid, struct page_cache *cache, struct tile tile, uint32_t slot)
 {
 	for (size_t i = 0; i < pyramid->count; i++)
 		if (tile_equal(pyramid->changes[i].tile, tile)) {
@@ -121,7 +114,7 @@ static void count_coarser(void *user, uint64_t key, uint32_t slot, bool dirty)
 	pyramid->figures.updated += key_set_has(&pyramid->updated, key);
 }
 
-enum status pyramid_flush(struct pyramid *pyramid, struct page_cache *cache)
+enum status resident_pyramid_flush(struct pyramid *pyramid, struct page_cache *cache)
 {
 	enum status status = STATUS_OK;
 	while (pyramid->count > 0 && status == STATUS_OK) {
@@ -136,7 +129,13 @@ enum status pyramid_flush(struct pyramid *pyramid, struct page_cache *cache)
 	return status;
 }
 
-void pyramid_figures(const struct pyramid *pyramid, struct pyramid_figures *figures)
+void resident_pyramid_figures(const struct pyramid *pyramid, struct resident_pyramid_figures *figures)
 {
 	*figures = pyramid->figures;
+}
+
+void resident_pyramid_forget(struct pyramid *pyramid)
+{
+	if (pyramid != NULL)
+		pyramid->count = 0;
 }

@@ -1,6 +1,7 @@
 /*
  * What of a scene has no effect, or none that anybody sees, one rule a function. What cannot be is the checker's, which
- * refuses it. A rule is certain whatever the ground is like; where it would have to guess it says nothing.
+ * refuses it. A rule is certain whatever the ground is like; where it would have to guess it says nothing. The one
+ * guess is of units: scene_units.c.
  */
 #include <math.h>
 #include <stdarg.h>
@@ -53,6 +54,8 @@ static bool same_place(const struct scene_waypoint *a, const struct scene_waypoi
 
 static bool stands_still(const struct scene_path *path)
 {
+	if (path->count == 0)
+		return false;
 	for (size_t i = 1; i < path->count; i++)
 		if (!same_place(&path->points[i], &path->points[0]))
 			return false;
@@ -68,6 +71,8 @@ static double length_between(const struct scene_waypoint *a, const struct scene_
 static double path_end(const struct scene *scene, const struct scene_path *path)
 {
 	double length = 0;
+	if (path->count == 0)
+		return INFINITY; /* the host moves it */
 	if (path->timed)
 		return path->points[path->count - 1].t;
 	if (stands_still(path))
@@ -83,6 +88,8 @@ static double path_end(const struct scene *scene, const struct scene_path *path)
 static double path_fastest(const struct scene *scene, const struct scene_path *path)
 {
 	double fastest = 0;
+	if (path->count == 0)
+		return INFINITY;
 	if (stands_still(path))
 		return 0;
 	if (!path->timed)
@@ -97,6 +104,8 @@ static double path_fastest(const struct scene *scene, const struct scene_path *p
 
 static bool all_stand_still(const struct scene *scene)
 {
+	if (scene->hosted)
+		return false; /* more may come */
 	for (size_t i = 0; i < scene->object_count; i++)
 		if (!stands_still(&scene->objects[i].path))
 			return false;
@@ -134,7 +143,7 @@ static void advise_time(const struct adviser *adviser)
 	double last = 0;
 	for (size_t i = 0; i < scene->object_count; i++)
 		last = fmax(last, path_end(scene, &scene->objects[i].path));
-	if (scene->object_count > 0 && !moves_soil(scene) && !all_stand_still(scene) && scene->end_time >= last + 2 * scene->time_step)
+	if (scene->object_count > 0 && !scene->hosted && !moves_soil(scene) && !all_stand_still(scene) && scene->end_time >= last + 2 * scene->time_step)
 		advise(adviser, "end_time: the last object is at its path's end after %.6g s, and nothing changes until %g s; end "
 				"then, or give a longer path",
 		       last, scene->end_time);
@@ -149,7 +158,7 @@ static void advise_time(const struct adviser *adviser)
 static void advise_without_objects(const struct adviser *adviser)
 {
 	const struct scene *scene = adviser->scene;
-	if (scene->object_count > 0)
+	if (scene->object_count > 0 || scene->hosted)
 		return;
 	if (scene->coordinates != SCENE_LOCAL)
 		advise(adviser, "coordinates: are of paths, and there is none; add an object, or take them away");
@@ -194,15 +203,15 @@ static void advise_ground(const struct adviser *adviser)
 		advise(adviser, "redistribute.interval: %g s is longer than the drive, %g s: between sweeps nothing slides; give less",
 		       scene->interval, scene->end_time);
 	if (scene->undisturbed == SCENE_SLIDES && scene->depth == 0)
-		advise(adviser, "redistribute.undisturbed: slides, but none of it is loose (depth 0): it stands; give a depth, or let it "
-				"stand");
+		advise(adviser, "redistribute.undisturbed: slides, but none of it is loose (depth 0): it is stable; give a depth, or "
+				"stable");
 }
 
 static void advise_attributes(const struct adviser *adviser)
 {
 	const struct scene *scene = adviser->scene;
-	if (scene->dirt && !scene->view.present)
-		advise(adviser, "attributes.dirt: no picture shows it: it is kept for query and for later drives that draw it, at %zu byte a post; add a view, or take "
+	if (scene->dirt && !scene->view.present && !scene->view.left_out)
+		advise(adviser, "attributes.disturbance: no picture shows it: it is kept for query and for later drives that draw it, at %zu byte a post; add a view, or take "
 				"it away", plane_bytes(PLANE_DIRT));
 }
 
@@ -262,7 +271,7 @@ static void advise_shape(const struct adviser *adviser, const struct scene_objec
 		       object->name, narrowest(object), alike.others, spacing, narrowest(object));
 	double pitch = lug_pitch(object);
 	if (pitch < 2 * spacing)
-		advise(adviser, "objects.%s.shape.wheel.lugs: their prints are %.3g m apart%s less than two posts of %g m: the ground cannot "
+		advise(adviser, "objects.%s.shape.wheel.grousers: their prints are %.3g m apart%s less than two posts of %g m: the ground cannot "
 				"tell them apart; give fewer, or a spacing of at most %.3g",
 		       object->name, pitch, alike.others, spacing, pitch / 2);
 }
@@ -310,20 +319,20 @@ static void advise_view(const struct adviser *adviser)
 {
 	const struct scene *scene = adviser->scene;
 	const struct scene_view *view = &scene->view;
+	if (view->left_out || (view->present && view->images == 0))
+		advise(adviser, "view: no picture is written, so a drive draws none; give images, or look at it with furrow view");
 	if (!view->present)
 		return;
-	if (view->images == 0)
-		advise(adviser, "view: a picture is drawn after each step and none is written, which is for timing; give images, or take the "
-				"view away");
 	if ((double)view->images > steps_of(scene))
 		advise(adviser, "view.images: one every %lld steps, and the drive ends after %.0f: none is written; give at most that",
 		       (long long)view->images, steps_of(scene));
 	if ((view->effects >> EFFECT_DETAIL & 1) != 0 && (view->effects >> EFFECT_TEXTURE & 1) == 0)
 		advise(adviser, "view.effects.detail: is the grain of the texture, which is not drawn; add texture, or take it away");
 	bool objects = view->effects >> EFFECT_OBJECTS & 1, shadow = view->effects >> EFFECT_SHADOW & 1;
-	if (scene->object_count == 0 && objects)
+	bool none = scene->object_count == 0 && !scene->hosted;
+	if (none && objects)
 		advise(adviser, "view.effects.objects: draws objects, and there is none; add one, or take it away");
-	if (scene->object_count == 0 && shadow)
+	if (none && shadow)
 		advise(adviser, "view.effects.shadow: is that of objects, and there is none; add one, or take it away");
 	if (scene->object_count > 0 && shadow && !objects)
 		advise(adviser, "view.effects.shadow: is that of the objects, which are not drawn; add objects, or take it away");
@@ -349,6 +358,7 @@ static void advise_cache(const struct adviser *adviser)
 void scene_advise(const struct scene *scene, double spacing, scene_advice_fn tell, void *user)
 {
 	const struct adviser adviser = {scene, spacing, tell, user};
+	scene_advise_units(scene, tell, user);
 	for (size_t i = 0; i < scene->unused_count; i++)
 		tell(user, scene->unused[i]);
 	advise_time(&adviser);

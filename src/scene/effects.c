@@ -68,12 +68,12 @@ static const struct scene_effect_row rows[EFFECT_COUNT] = {
 		"mesh", "objects.shape.mesh", "", LIST("deform/facet.vert", "deform/facet.frag"), "", "underside", 0,
 		LIST("objects[].shape.mesh.file", "objects[].shape.mesh.scale"),
 		"at most 1,000,000 triangles; its longest side from 1 mm to 1000 m",
-		"finds the underside of triangles"},
+		"finds the lower envelope of triangles"},
 	[EFFECT_LUGS] = {
-		"lugs", "objects.shape.wheel.lugs", "", LIST("deform/facet.vert", "deform/facet.frag"), "", "underside", 0,
-		LIST("objects[].shape.wheel.lugs", "objects[].shape.wheel.lug_height", "objects[].shape.wheel.lug_thickness"),
-		"at most 128 bars, as high as the wheel's radius",
-		"finds the underside of a wheel's bars"},
+		"lugs", "objects.shape.wheel.grousers", "", LIST("deform/facet.vert", "deform/facet.frag"), "", "underside", 0,
+		LIST("objects[].shape.wheel.grousers", "objects[].shape.wheel.grouser_height", "objects[].shape.wheel.grouser_thickness"),
+		"at most 128 grousers, as high as the wheel's radius",
+		"finds the lower envelope of a wheel's grousers"},
 	[EFFECT_LOAD] = {
 		"load", "objects.load", "", LIST("deform/scm_find.frag"), STATE, "height", 1, LIST("objects[].load"),
 		"the object fits one window, and sinks no deeper than it is high",
@@ -181,6 +181,12 @@ static uint64_t model_effects(enum deform_model model)
 	return 0;
 }
 
+uint64_t scene_object_effects(const struct scene_object *object)
+{
+	return (object->shape.kind == DEFORM_MESH ? EFFECT_BIT(EFFECT_MESH) : 0) |
+	       (object->shape.lugs > 0 ? EFFECT_BIT(EFFECT_LUGS) : 0) | (object->load > 0 ? EFFECT_BIT(EFFECT_LOAD) : 0);
+}
+
 static uint64_t object_effects(const struct scene *scene)
 {
 	uint64_t effects = model_effects(scene->model);
@@ -192,14 +198,8 @@ static uint64_t object_effects(const struct scene *scene)
 		effects |= EFFECT_BIT(EFFECT_FORCES);
 	if (scene->prefetch > 0)
 		effects |= EFFECT_BIT(EFFECT_PREFETCH);
-	for (size_t i = 0; i < scene->object_count; i++) {
-		if (scene->objects[i].shape.kind == DEFORM_MESH)
-			effects |= EFFECT_BIT(EFFECT_MESH);
-		if (scene->objects[i].shape.lugs > 0)
-			effects |= EFFECT_BIT(EFFECT_LUGS);
-		if (scene->objects[i].load > 0)
-			effects |= EFFECT_BIT(EFFECT_LOAD);
-	}
+	for (size_t i = 0; i < scene->object_count; i++)
+		effects |= scene_object_effects(&scene->objects[i]);
 	return effects;
 }
 
@@ -207,7 +207,7 @@ static uint64_t view_effects(const struct scene *scene)
 {
 	uint64_t always = EFFECT_BIT(EFFECT_PICTURE) | EFFECT_BIT(EFFECT_NORMALS) | EFFECT_BIT(EFFECT_PYRAMID);
 	uint64_t named = scene->view.effects;
-	if (scene->object_count == 0 || !(named & EFFECT_BIT(EFFECT_OBJECTS)))
+	if ((scene->object_count == 0 && !scene->hosted) || !(named & EFFECT_BIT(EFFECT_OBJECTS)))
 		named &= ~(EFFECT_BIT(EFFECT_OBJECTS) | EFFECT_BIT(EFFECT_SHADOW)); /* of nothing */
 	return named | always | (scene->view.images > 0 ? EFFECT_BIT(EFFECT_IMAGES) : 0) |
 	       (scene->view.pixel_error > 0 ? EFFECT_BIT(EFFECT_PIXEL_ERROR) : 0) |
@@ -223,7 +223,7 @@ bool scene_draws_classes(const struct scene *scene)
 uint64_t scene_effects(const struct scene *scene, int level)
 {
 	uint64_t effects = 0;
-	if (scene->object_count > 0)
+	if (scene->object_count > 0 || scene->hosted)
 		effects |= object_effects(scene);
 	if (scene->view.present)
 		effects |= view_effects(scene);
@@ -234,6 +234,14 @@ uint64_t scene_effects(const struct scene *scene, int level)
 	if (scene->loaders > 0)
 		effects |= EFFECT_BIT(EFFECT_LOADERS);
 	return effects;
+}
+
+void scene_unwatched(const struct scene *scene, struct scene *out)
+{
+	*out = *scene;
+	if (!scene->view.present || scene->view.images > 0)
+		return;
+	out->view = (struct scene_view){.left_out = true};
 }
 
 /* --- why --- */
@@ -259,7 +267,7 @@ void scene_effect_reason(const struct scene *scene, enum scene_effect effect, ch
 	else if (strcmp(key, "redistribute.model") == 0)
 		snprintf(text, size, "%s: %s", key, scene_model_word(scene->model));
 	else if (strcmp(key, "view.effects") == 0 || strcmp(key, "attributes") == 0)
-		snprintf(text, size, "%s.%s", key, rows[effect].name);
+		snprintf(text, size, "%s.%s", key, scene_name_now(rows[effect].name));
 	else if (effect == EFFECT_FORCES)
 		snprintf(text, size, "%s: %g", key, scene->forces);
 	else if (effect == EFFECT_PREFETCH)

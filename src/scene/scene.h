@@ -73,6 +73,10 @@ struct scene_effect_row {
 const struct scene_effect_row *scene_effect_row(enum scene_effect effect);
 bool scene_effect_named(const char *name, enum scene_effect *effect);
 
+/* The present name of a key, a word or a layer that had another: "disturbance" of "dirt". Other names are what they are.
+ * Effects and planes keep their names in code and in files. */
+const char *scene_name_now(const char *name);
+
 /* What the scene may say at a key: of a list's entries "objects[].sink", of a soil "soil.cohesion". */
 struct scene_parameter {
 	const char *kind;      /* "number", "whole number", "word", "switch", "text", "list" or "mapping" */
@@ -92,7 +96,7 @@ struct scene_waypoint {
 
 struct scene_path {
 	struct scene_waypoint *points;
-	size_t count; /* at least 1 */
+	size_t count; /* 0: the host moves the object */
 	double speed; /* m/s; points only */
 	bool loop;
 	bool timed;            /* from a poses file: t is given */
@@ -122,6 +126,7 @@ struct scene_light scene_light_default(void); /* of a view that says nothing */
 
 struct scene_view {
 	bool present;
+	bool left_out;         /* by scene_unwatched */
 	int width, height;
 	enum scene_camera_kind camera;
 	int target_object;     /* chase, overhead: index of the object */
@@ -136,9 +141,12 @@ struct scene_view {
 };
 
 struct scene {
-	char *file;  /* as given */
+	char *file;   /* as given; of a text: "scene text" */
+	char *folder; /* where the files that it names are: "" or ends in '/'; whole if hosted */
+	bool hosted;  /* read for a host, which may add objects */
 	char *store; /* resolved relative to the scene's file; NULL if none was named */
-	double time_step, end_time, gravity;
+	double time_step, gravity;
+	double end_time; /* s; INFINITY if hosted and not given */
 	double spacing; /* 0: the store's own */
 	enum scene_coordinates coordinates;
 	char *srs; /* SCENE_SRS */
@@ -153,7 +161,7 @@ struct scene {
 	enum scene_undisturbed undisturbed; /* ground that is steeper than soil stands, where nothing has been */
 	struct deform_soil soils[DEFORM_SOILS]; /* with a map the first is for where it says nothing else */
 	int soil_count;
-	char soil_names[DEFORM_SOILS][64]; /* "" of one that is given by numbers alone */
+	char soil_names[DEFORM_SOILS][64]; /* "unnamed", or for a class of the map "unnamed_VALUE": given by numbers alone */
 	char *soil_map;          /* a raster, resolved relative to the scene's file; NULL: soils[0] everywhere */
 	uint8_t soil_class[256]; /* a value of the map: index of its soil */
 	uint64_t soil_map_hash[2]; /* of the raster's bytes */
@@ -168,6 +176,8 @@ struct scene {
 	double prefetch; /* s */
 	char **unused;   /* what the checker found to be of no use: "KEY: WHY; WHAT TO DO" */
 	size_t unused_count;
+	char **doubts;   /* numbers that are probably in another unit: "FILE:LINE: KEY: WHY; WHAT TO DO" */
+	size_t doubt_count;
 	char hash[33];   /* hex, of what decides the ground: not cache, view, output, store, end_time */
 };
 
@@ -178,23 +188,62 @@ struct scene_setting {
 	const char *key, *value; /* dotted, objects by name */
 };
 
+/* For whom a scene is read. A host steps the world itself and moves bodies: for it `scene`, `end_time`, `objects`,
+ * and of an object `name` and `path` may be left out, and a scene may have neither objects nor a view. */
+enum scene_reader { SCENE_COMMAND, SCENE_HOST };
+
 /* The file (at most 1 MiB), the settings over it in order (values are YAML; `null` takes a key
  * away) and the files it names: poses (256 MiB each), meshes, the map of soils (1 GiB). STATUS_INPUT: what is wrong, and where. */
 enum status scene_load(const char *path, const struct scene_setting *settings, size_t count,
 		       struct scene **out) FURROW_CHECKED;
+enum status scene_load_file(const char *path, const struct scene_setting *settings, size_t count,
+			    enum scene_reader reader, struct scene **out) FURROW_CHECKED;
+/* The same from YAML in UTF-8 (JSON is YAML); messages begin with "scene text:LINE". Files that it names are looked
+ * for in `folder`; NULL: the process's current folder. All three may be called by several threads at once; they change
+ * neither the locale nor anything else of the process. */
+enum status scene_load_text(const char *text, const char *folder, const struct scene_setting *settings,
+			    size_t count, enum scene_reader reader, struct scene **out) FURROW_CHECKED;
 void scene_destroy(struct scene *scene);
 
-/* The effects a scene calls for at a working level (0: the store's own posts), as EFFECT_BIT of each. */
+/*
+ * A number of a soil, index 0, 1, ..., in the order of the docs. `key`: as a scene writes it, "cohesion". `value`: in the
+ * scene's unit, so angles are in degrees; NAN: the soil has none. Returns false beyond the last number.
+ */
+bool scene_soil_number(const struct deform_soil *soil, size_t index, const char **key, double *value);
+/* The map's value for soils[soil]; -1: it is the default, or there is no map. */
+int scene_soil_value(const struct scene *scene, int soil);
+
+/*
+ * Fills `object` from YAML of one entry of `objects`, checked as scene_load checks it with this scene; messages begin
+ * with "object text:LINE: objects[0]". Without `path` it is the host's body, and has no sink, load or slip. With a path it
+ * follows that. Its name is unlike those of the scene's objects; not given, it is body-N, the first that is free.
+ * Files are looked for in the scene's folder. Freed with scene_object_finish, also where the scene is gone. On failure there is
+ * nothing to free.
+ */
+enum status scene_object_parse(const struct scene *scene, const char *text, struct scene_object *object)
+	FURROW_CHECKED;
+void scene_object_finish(struct scene_object *object);
+
+/* The effects a scene calls for at a working level (0: the store's own posts), as EFFECT_BIT of each. Of a hosted scene
+ * also those that any body calls for, whether it has one or not; not what only some bodies do. */
 uint64_t scene_effects(const struct scene *scene, int level);
+/* What this object calls for and others do not: of EFFECT_MESH, EFFECT_LUGS, EFFECT_LOAD. */
+uint64_t scene_object_effects(const struct scene_object *object);
+/* The scene as a drive without a window runs it: a view of which no picture is written is left out. `out` refers to what
+ * `scene` owns, and is not destroyed. */
+void scene_unwatched(const struct scene *scene, struct scene *out);
 /* Whether pictures show its map of soils, so that all tiles that are drawn need their classes. */
 bool scene_draws_classes(const struct scene *scene);
 /* What of the scene calls for it, of one that it calls for: "redistribute.model: box", "objects.front_left.load". */
 void scene_effect_reason(const struct scene *scene, enum scene_effect effect, char *text, size_t size);
 
 /* Tells what of the scene has no effect, or none that anybody sees: "KEY: WHY; WHAT TO DO", one line each, in the
- * scene's order. Each is certain, for ground of any shape. `spacing`: metres between posts of the working level; 0: not
- * known. */
+ * scene's order. Each is certain, for ground of any shape; those of scene_advise_units are not. `spacing`: metres between
+ * posts of the working level; 0: not known. */
 typedef void (*scene_advice_fn)(void *user, const char *text);
 void scene_advise(const struct scene *scene, double spacing, scene_advice_fn tell, void *user);
+/* Tells the numbers that are probably in another unit: "FILE:LINE: KEY: WHY; WHAT TO DO", one line each. scene_advise
+ * tells them first. */
+void scene_advise_units(const struct scene *scene, scene_advice_fn tell, void *user);
 
 #endif

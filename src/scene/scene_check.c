@@ -100,7 +100,7 @@ static enum status check_output(const struct scene_tree *tree, const struct raw_
 static enum status check_attributes(const struct scene_tree *tree, const struct raw_scene *raw,
 				    struct scene *scene)
 {
-	const char *dirt = scene_effect_row(EFFECT_DIRT)->name;
+	const char *dirt = scene_name_now(scene_effect_row(EFFECT_DIRT)->name);
 	for (uint32_t i = 0; i < raw->attributes_count; i++) {
 		const struct scene_node *node = scene_tree_find(tree, "attributes[%u]", i);
 		if (strcmp(raw->attributes[i], dirt) != 0)
@@ -133,12 +133,12 @@ enum status scene_check(const struct scene_tree *tree, const struct raw_scene *r
 	enum status status;
 
 	if (raw->store != NULL) {
-		scene->store = scene_file_beside(tree->file, raw->store);
+		scene->store = scene_file_beside(tree->folder, raw->store);
 		if (scene->store == NULL)
 			return fail_memory("reading the scene");
 	}
 	scene->time_step = number(raw->time_step, "time_step");
-	scene->end_time = raw->end_time;
+	scene->end_time = raw->end_time != NULL ? *raw->end_time : (double)INFINITY;
 	scene->gravity = number(raw->gravity, "gravity");
 	scene->spacing = raw->spacing != NULL ? *raw->spacing : 0;
 	scene->outside = raw->outside != NULL ? (enum scene_outside)*raw->outside : SCENE_STOP;
@@ -152,7 +152,8 @@ enum status scene_check(const struct scene_tree *tree, const struct raw_scene *r
 	    (status = check_output(tree, raw->output, scene)) != STATUS_OK ||
 	    (status = scene_check_objects(tree, raw, scene)) != STATUS_OK ||
 	    (status = scene_check_view(tree, raw, scene)) != STATUS_OK ||
-	    (status = scene_check_soil(tree, raw, scene)) != STATUS_OK)
+	    (status = scene_check_soil(tree, raw, scene)) != STATUS_OK ||
+	    (status = scene_check_units(tree, raw, scene)) != STATUS_OK)
 		return status;
 	return scene_hash(scene);
 }

@@ -2,9 +2,11 @@
 #include "scene/scene_file.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 #include <xxhash.h>
 
 enum status scene_file_read(const char *path, const char *told, size_t limit, char **bytes,
@@ -106,4 +108,24 @@ char *scene_file_beside(const char *file, const char *name)
 	memcpy(path, file, folder);
 	memcpy(path + folder, name, strlen(name) + 1);
 	return path;
+}
+
+enum status scene_folder_of(const char *file, bool whole, char **folder)
+{
+	const char *slash = strrchr(file, '/');
+	size_t length = slash != NULL ? (size_t)(slash - file) + 1 : 0;
+	char here[PATH_MAX] = "";
+	if (whole && file[0] != '/' && getcwd(here, sizeof here - 1) == NULL)
+		return fail_with(STATUS_INPUT, "%s: the current folder cannot be found: %s; name a file by its whole path", file,
+				 strerror(errno));
+	size_t used = strlen(here);
+	if (used > 0 && here[used - 1] != '/')
+		here[used++] = '/';
+	*folder = mem_alloc(used + length + 1, 1);
+	if (*folder == NULL)
+		return fail_memory("reading the scene");
+	memcpy(*folder, here, used);
+	memcpy(*folder + used, file, length);
+	(*folder)[used + length] = '\0';
+	return STATUS_OK;
 }

@@ -16,7 +16,11 @@ enum status scene_file_read(const char *path, const char *told, size_t limit, ch
 enum status scene_file_hash(const char *path, const char *told, uint64_t limit, uint64_t hash[2])
 	FURROW_CHECKED;
 
-/* `name` relative to the folder of `file`; NULL: no memory. Freed with mem_free. */
+/* `name` in the folder of `file` (a path that ends in '/' is a folder); NULL: no memory. Freed with mem_free. */
 char *scene_file_beside(const char *file, const char *name);
+
+/* The folder of a file, or a folder's own name: "" or ends in '/'. With `whole` it begins at the root,
+ * so that it stays the same where the process changes its folder. Freed with mem_free. */
+enum status scene_folder_of(const char *file, bool whole, char **folder) FURROW_CHECKED;
 
 #endif

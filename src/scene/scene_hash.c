@@ -1,4 +1,5 @@
 /* The hash of what a scene makes of the ground, over a little-endian list of its checked values. */
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <xxhash.h>
@@ -97,6 +98,24 @@ static void add_object_more(XXH3_state_t *state, size_t index, const struct scen
 		add_mesh(state, index, object->mesh);
 }
 
+/*
+ * What a soil has no number for was filled in from another soil when hashes were first kept. It counts as that still, so that
+ * drives of then can be resumed. No model reads it.
+ */
+static void fill_soil(const char *name, struct deform_soil *soil)
+{
+	struct deform_soil from = {.cohesion = 0};
+	double numbers[sizeof *soil / sizeof(double)], others[sizeof *soil / sizeof(double)];
+	if (strncmp(name, "unnamed", strlen("unnamed")) != 0 &&
+	    deform_soil_named(strcmp(name, "snow") == 0 ? "snow_us" : "dry_sand", &from) != STATUS_OK)
+		return;
+	memcpy(numbers, soil, sizeof numbers);
+	memcpy(others, &from, sizeof others);
+	for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
+		numbers[i] = isnan(numbers[i]) ? others[i] : numbers[i];
+	memcpy(soil, numbers, sizeof numbers);
+}
+
 static void add_soil(XXH3_state_t *state, const struct deform_soil *soil)
 {
 	const double numbers[] = {soil->bekker_kc,	   soil->bekker_kphi, soil->bekker_n,
@@ -119,8 +138,11 @@ static void add_soils(XXH3_state_t *state, const struct scene *scene)
 	add_number(state, scene->depth);
 	add_number(state, scene->bulldozing);
 	add_whole(state, (uint64_t)scene->soil_count);
-	for (int i = 0; i < scene->soil_count; i++)
-		add_soil(state, &scene->soils[i]);
+	for (int i = 0; i < scene->soil_count; i++) {
+		struct deform_soil soil = scene->soils[i];
+		fill_soil(scene->soil_names[i], &soil);
+		add_soil(state, &soil);
+	}
 	if (scene->tolerance != 0) {
 		add_part(state, 't', 0);
 		add_number(state, scene->tolerance);

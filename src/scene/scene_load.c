@@ -1,59 +1,71 @@
-/* A file to a scene: text, tree, settings, shorthands, schema, types, checks. */
+/* A text or a file to a scene: tree, settings, shorthands, schema, types, checks. */
+#include <stdio.h>
 #include <string.h>
 
 #include "scene/scene.h"
+#include "scene/scene_alias.h"
 #include "scene/scene_check.h"
 #include "scene/scene_error.h"
 #include "scene/scene_file.h"
 #include "scene/scene_fold.h"
+#include "scene/scene_locale.h"
 #include "scene/scene_match.h"
-#include "scene/scene_mesh.h"
 #include "scene/scene_set.h"
 #include "scene/scene_typed.h"
 
-static enum status read_tree(const char *path, struct scene_tree *tree)
+/* Fills `tree->root` from `text`, with the settings over it and the shorthands written out. */
+static enum status read_tree(struct scene_tree *tree, const char *text, size_t length,
+			     const struct scene_setting *settings, size_t count)
 {
-	char *text;
-	size_t length;
-	enum status status = scene_file_read(path, path, SCENE_BYTES, &text, &length);
-	if (status != STATUS_OK)
-		return status;
-	status = scene_tree_parse(path, NULL, text, length, &tree->root);
-	mem_free(text);
+	enum status status = scene_tree_parse(tree->file, NULL, text, length, &tree->root);
 	if (status == STATUS_OK && tree->root->kind != SCENE_MAPPING)
-		return scene_error(path, tree->root, "not a scene; allowed: a mapping of keys");
-	return status;
+		return scene_error(tree->file, tree->root, "not a scene; allowed: a mapping of keys");
+	if (status == STATUS_OK)
+		status = scene_alias(tree);
+	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+		status = scene_set(tree, &settings[i]);
+	if (status == STATUS_OK && count > 0)
+		status = scene_alias(tree); /* in the settings' values */
+	return status == STATUS_OK ? scene_fold(tree) : status;
 }
 
-enum status scene_load(const char *path, const struct scene_setting *settings, size_t count,
-		       struct scene **out)
+/* `scene`: has its file, its folder and whom it is for. */
+static enum status fill(struct scene *scene, const char *text, size_t length,
+			const struct scene_setting *settings, size_t count)
 {
-	struct scene_tree tree = {.file = path};
+	struct scene_tree tree = {.file = scene->file, .folder = scene->folder, .hosted = scene->hosted};
 	struct raw_scene *raw = NULL;
-	struct scene *scene = NULL;
-	enum status status;
-
-	*out = NULL;
-	status = read_tree(path, &tree);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		status = scene_set(&tree, &settings[i]);
-	if (status == STATUS_OK)
-		status = scene_fold(&tree);
+	enum status status = read_tree(&tree, text, length, settings, count);
 	if (status == STATUS_OK)
 		status = scene_match(&tree);
 	if (status == STATUS_OK)
 		status = scene_typed_load(&tree, &raw);
-	if (status != STATUS_OK)
-		goto out;
-	scene = mem_calloc(1, sizeof *scene);
-	if (scene == NULL || (scene->file = mem_strdup(path)) == NULL) {
-		status = fail_memory("reading the scene");
-		goto out;
-	}
-	status = scene_check(&tree, raw, scene);
-out:
+	if (status == STATUS_OK)
+		status = scene_check(&tree, raw, scene);
 	scene_typed_destroy(raw);
 	scene_tree_finish(&tree);
+	return status;
+}
+
+/* `name`: what messages call the text. `beside`: a file in the folder, or the folder. */
+static enum status load(const char *name, const char *beside, const char *text, size_t length,
+			const struct scene_setting *settings, size_t count, enum scene_reader reader,
+			struct scene **out)
+{
+	struct scene_locale locale;
+	enum status status = scene_locale_begin(&locale);
+	if (status != STATUS_OK)
+		return status;
+	struct scene *scene = mem_calloc(1, sizeof *scene);
+	if (scene == NULL || (scene->file = mem_strdup(name)) == NULL)
+		status = fail_memory("reading the scene");
+	if (status == STATUS_OK) {
+		scene->hosted = reader == SCENE_HOST;
+		status = scene_folder_of(beside, scene->hosted, &scene->folder);
+	}
+	if (status == STATUS_OK)
+		status = fill(scene, text, length, settings, count);
+	scene_locale_end(&locale);
 	if (status == STATUS_OK)
 		*out = scene;
 	else
@@ -61,20 +73,56 @@ out:
 	return status;
 }
 
+enum status scene_load_file(const char *path, const struct scene_setting *settings, size_t count,
+			    enum scene_reader reader, struct scene **out)
+{
+	char *text;
+	size_t length;
+	*out = NULL;
+	enum status status = scene_file_read(path, path, SCENE_BYTES, &text, &length);
+	if (status != STATUS_OK)
+		return status;
+	status = load(path, path, text, length, settings, count, reader, out);
+	mem_free(text);
+	return status;
+}
+
+enum status scene_load(const char *path, const struct scene_setting *settings, size_t count,
+		       struct scene **out)
+{
+	return scene_load_file(path, settings, count, SCENE_COMMAND, out);
+}
+
+enum status scene_load_text(const char *text, const char *folder, const struct scene_setting *settings,
+			    size_t count, enum scene_reader reader, struct scene **out)
+{
+	static const char name[] = "scene text";
+	size_t length = strnlen(text, SCENE_BYTES + 1), folder_length = folder != NULL ? strlen(folder) : 0;
+	*out = NULL;
+	if (length > SCENE_BYTES)
+		return fail_with(STATUS_INPUT, "%s: it is too large; allowed: %u bytes", name, SCENE_BYTES);
+	char *beside = mem_alloc(folder_length + 2, 1);
+	if (beside == NULL)
+		return fail_memory("reading the scene");
+	snprintf(beside, folder_length + 2, "%s%s", folder_length > 0 ? folder : "", folder_length > 0 ? "/" : "");
+	enum status status = load(name, beside, text, length, settings, count, reader, out);
+	mem_free(beside);
+	return status;
+}
+
 void scene_destroy(struct scene *scene)
 {
 	if (scene == NULL)
 		return;
-	for (size_t i = 0; i < scene->object_count; i++) {
-		scene_mesh_destroy(scene->objects[i].mesh);
-		mem_free(scene->objects[i].name);
-		mem_free(scene->objects[i].path.points);
-	}
+	for (size_t i = 0; i < scene->object_count; i++)
+		scene_object_finish(&scene->objects[i]);
 	for (size_t i = 0; i < scene->unused_count; i++)
 		mem_free(scene->unused[i]);
 	mem_free(scene->unused);
+	scene_drop_doubts(scene);
 	mem_free(scene->objects);
 	mem_free(scene->file);
+	mem_free(scene->folder);
 	mem_free(scene->store);
 	mem_free(scene->soil_map);
 	mem_free(scene->srs);

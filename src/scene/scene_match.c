@@ -9,7 +9,7 @@
 
 #include "scene/scene_error.h"
 
-static enum status match_value(const char *file, const cyaml_schema_value_t *schema,
+static enum status match_value(const struct scene_tree *tree, const cyaml_schema_value_t *schema,
 			       const struct scene_node *node);
 
 static const char *kind_name(const struct scene_node *node)
@@ -41,7 +41,7 @@ bool scene_number_read(const char *text, bool whole, double *value)
 	return *end == '\0';
 }
 
-static enum status match_number(const char *file, const struct scene_node *node, bool whole)
+static enum status match_number(const struct scene_tree *tree, const struct scene_node *node, bool whole)
 {
 	char path[160], range[80] = "";
 	const struct scene_limit *limit;
@@ -53,23 +53,23 @@ static enum status match_number(const char *file, const struct scene_node *node,
 	const char *kind = whole ? "a whole number" : "a number";
 	const char *space = range[0] == '\0' ? "" : ", ";
 	if (node->kind != SCENE_SCALAR)
-		return scene_error(file, node, "%s; allowed: %s%s%s", kind_name(node), kind, space,
+		return scene_error(tree->file, node, "%s; allowed: %s%s%s", kind_name(node), kind, space,
 				   range);
 	errno = 0;
 	if (!node->plain || !scene_number_read(node->text, whole, &value))
-		return scene_error(file, node, "%s is not %s; allowed: %s%s%s",
+		return scene_error(tree->file, node, "%s is not %s; allowed: %s%s%s",
 				   scene_quote(node->text).text, kind, kind, space, range);
 	if (errno == ERANGE || !isfinite(value) || fabs(value) > 1e15 ||
 	    (limit != NULL && (value < limit->low || value > limit->high ||
 			       (limit->above && value == limit->low))))
-		return scene_error(file, node, "%.40s %s; allowed: %s", node->text,
+		return scene_error(tree->file, node, "%.40s %s; allowed: %s", node->text,
 				   limit != NULL && limit->why != NULL ? limit->why
 								       : "is out of range",
 				   range[0] == '\0' ? "-1e15 to 1e15" : range);
 	return STATUS_OK;
 }
 
-static enum status match_word(const char *file, const cyaml_schema_value_t *schema,
+static enum status match_word(const struct scene_tree *tree, const cyaml_schema_value_t *schema,
 			      const struct scene_node *node)
 {
 	struct scene_list words = {.length = 0};
@@ -80,21 +80,21 @@ static enum status match_word(const char *file, const cyaml_schema_value_t *sche
 		scene_list_add(&words, word);
 	}
 	if (node->kind != SCENE_SCALAR)
-		return scene_error(file, node, "%s; allowed: %s", kind_name(node), words.text);
-	return scene_error(file, node, "%s is unknown; allowed: %s", scene_quote(node->text).text,
+		return scene_error(tree->file, node, "%s; allowed: %s", kind_name(node), words.text);
+	return scene_error(tree->file, node, "%s is unknown; allowed: %s", scene_quote(node->text).text,
 			   words.text);
 }
 
-static enum status match_text(const char *file, const cyaml_schema_value_t *schema,
+static enum status match_text(const struct scene_tree *tree, const cyaml_schema_value_t *schema,
 			      const struct scene_node *node)
 {
 	if (node->kind != SCENE_SCALAR)
-		return scene_error(file, node, "%s; allowed: text", kind_name(node));
+		return scene_error(tree->file, node, "%s; allowed: text", kind_name(node));
 	size_t length = strlen(node->text);
 	if (length < schema->string.min)
-		return scene_error(file, node, "is empty; allowed: text");
+		return scene_error(tree->file, node, "is empty; allowed: text");
 	if (length > schema->string.max)
-		return scene_error(file, node, "%s is too long; allowed: %u bytes",
+		return scene_error(tree->file, node, "%s is too long; allowed: %u bytes",
 				   scene_quote(node->text).text, schema->string.max);
 	return STATUS_OK;
 }
@@ -107,7 +107,17 @@ static const cyaml_schema_field_t *field_of(const cyaml_schema_field_t *fields, 
 	return NULL;
 }
 
-static enum status match_mapping(const char *file, const cyaml_schema_value_t *schema,
+static bool is_needed(const struct scene_tree *tree, const cyaml_schema_field_t *field,
+		      const struct scene_node *here)
+{
+	char path[160];
+	if ((field->value.flags & CYAML_FLAG_OPTIONAL) == 0)
+		return true;
+	scene_node_path(here, true, path, sizeof path);
+	return !tree->hosted && scene_needed_by_command(path);
+}
+
+static enum status match_mapping(const struct scene_tree *tree, const cyaml_schema_value_t *schema,
 				 const struct scene_node *node)
 {
 	const cyaml_schema_field_t *fields = schema->mapping.fields;
@@ -115,28 +125,27 @@ static enum status match_mapping(const char *file, const cyaml_schema_value_t *s
 	for (const cyaml_schema_field_t *field = fields; field->key != NULL; field++)
 		scene_list_add(&keys, field->key);
 	if (node->kind != SCENE_MAPPING)
-		return scene_error(file, node, "%s; allowed: a mapping of %s", kind_name(node),
+		return scene_error(tree->file, node, "%s; allowed: a mapping of %s", kind_name(node),
 				   keys.text);
 	for (const struct scene_node *child = node->first; child != NULL; child = child->next) {
 		const cyaml_schema_field_t *field = field_of(fields, child->key);
 		if (field == NULL)
-			return scene_error(file, child, "unknown key; allowed: %s", keys.text);
-		enum status status = match_value(file, &field->value, child);
+			return scene_error(tree->file, child, "unknown key; allowed: %s", keys.text);
+		enum status status = match_value(tree, &field->value, child);
 		if (status != STATUS_OK)
 			return status;
 	}
-	for (const cyaml_schema_field_t *field = fields; field->key != NULL; field++)
-		if ((field->value.flags & CYAML_FLAG_OPTIONAL) == 0 &&
-		    scene_node_child(node, field->key) == NULL) {
-			struct scene_node here = *node;
-			here.parent = (struct scene_node *)node;
-			here.key = (char *)field->key;
-			return scene_error(file, &here, "is missing; needed here, of: %s", keys.text);
-		}
+	for (const cyaml_schema_field_t *field = fields; field->key != NULL; field++) {
+		struct scene_node here = *node;
+		here.parent = (struct scene_node *)node;
+		here.key = (char *)field->key;
+		if (scene_node_child(node, field->key) == NULL && is_needed(tree, field, &here))
+			return scene_error(tree->file, &here, "is missing; needed here, of: %s", keys.text);
+	}
 	return STATUS_OK;
 }
 
-static enum status match_sequence(const char *file, const cyaml_schema_value_t *schema,
+static enum status match_sequence(const struct scene_tree *tree, const cyaml_schema_value_t *schema,
 				  const struct scene_node *node)
 {
 	uint32_t min = schema->sequence.min, max = schema->sequence.max;
@@ -148,45 +157,45 @@ static enum status match_sequence(const char *file, const cyaml_schema_value_t *
 	else
 		snprintf(size, sizeof size, "a list of %u to %u", min, max);
 	if (node->kind != SCENE_SEQUENCE)
-		return scene_error(file, node, "%s; allowed: %s", kind_name(node), size);
+		return scene_error(tree->file, node, "%s; allowed: %s", kind_name(node), size);
 	if (node->count < min || node->count > max)
-		return scene_error(file, node, "holds %zu; allowed: %s", node->count, size);
+		return scene_error(tree->file, node, "holds %zu; allowed: %s", node->count, size);
 	for (const struct scene_node *child = node->first; child != NULL; child = child->next) {
-		enum status status = match_value(file, schema->sequence.entry, child);
+		enum status status = match_value(tree, schema->sequence.entry, child);
 		if (status != STATUS_OK)
 			return status;
 	}
 	return STATUS_OK;
 }
 
-static enum status match_value(const char *file, const cyaml_schema_value_t *schema,
+static enum status match_value(const struct scene_tree *tree, const cyaml_schema_value_t *schema,
 			       const struct scene_node *node)
 {
 	switch (schema->type) {
 	case CYAML_INT:
-		return match_number(file, node, true);
+		return match_number(tree, node, true);
 	case CYAML_FLOAT:
-		return match_number(file, node, false);
+		return match_number(tree, node, false);
 	case CYAML_BOOL:
 		if (node->kind != SCENE_SCALAR)
-			return scene_error(file, node, "%s; allowed: true, false", kind_name(node));
+			return scene_error(tree->file, node, "%s; allowed: true, false", kind_name(node));
 		if (!node->plain || (strcmp(node->text, "true") != 0 && strcmp(node->text, "false") != 0))
-			return scene_error(file, node, "%s is unknown; allowed: true, false",
+			return scene_error(tree->file, node, "%s is unknown; allowed: true, false",
 					   scene_quote(node->text).text);
 		return STATUS_OK;
 	case CYAML_ENUM:
-		return match_word(file, schema, node);
+		return match_word(tree, schema, node);
 	case CYAML_MAPPING:
-		return match_mapping(file, schema, node);
+		return match_mapping(tree, schema, node);
 	case CYAML_SEQUENCE:
 	case CYAML_SEQUENCE_FIXED:
-		return match_sequence(file, schema, node);
+		return match_sequence(tree, schema, node);
 	default:
-		return match_text(file, schema, node);
+		return match_text(tree, schema, node);
 	}
 }
 
 enum status scene_match(const struct scene_tree *tree)
 {
-	return match_value(tree->file, &scene_schema, tree->root);
+	return match_value(tree, &scene_schema, tree->root);
 }

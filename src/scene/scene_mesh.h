@@ -18,7 +18,8 @@
  * The file is untrusted. STATUS_INPUT, beginning with `told` (the place that names it): missing, larger than
  * SCENE_MESH_BYTES, not a mesh, without a triangle, with more than SCENE_MESH_TRIANGLES, with a place that is not
  * finite, or of a size beyond SCENE_MESH_METRES_*; also if the build has no mesh reader. A glTF may name buffers
- * in its own folder, and nothing else is opened. Not for two threads at a time.
+ * in its own folder, and nothing else is opened. Files are read one at a time where several
+ * threads call it.
  */
 enum status scene_mesh_load(const char *path, const char *told, double scale, struct deform_mesh **out)
 	FURROW_CHECKED;

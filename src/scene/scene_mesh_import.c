@@ -11,6 +11,7 @@
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
@@ -228,6 +229,9 @@ static enum status not_a_mesh(const char *told)
 	return fail_with(STATUS_INPUT, "%s: it cannot be read as a mesh (%s); give a whole OBJ, STL or glTF 2 file", told, line);
 }
 
+/* assimp's last error is one for all threads. */
+static pthread_mutex_t assimp = PTHREAD_MUTEX_INITIALIZER;
+
 static enum status import(struct folder *folder, bool gltf, const char *told, struct mesh_corners *corners)
 {
 	struct aiFileIO io = {open_proc, close_proc, (aiUserData)(void *)folder};
@@ -236,14 +240,16 @@ static enum status import(struct folder *folder, bool gltf, const char *told, st
 				   aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_COLORS |
 					   aiComponent_TEXCOORDS | aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS |
 					   aiComponent_TEXTURES | aiComponent_LIGHTS | aiComponent_CAMERAS);
+	pthread_mutex_lock(&assimp);
 	const struct aiScene *scene = aiImportFileExWithProperties(
 		folder->name, aiProcess_Triangulate | aiProcess_RemoveComponent | aiProcess_ValidateDataStructure, &io,
 		properties);
 	aiReleasePropertyStore(properties);
-	enum status status;
+	enum status status = STATUS_OK;
 	if (scene == NULL || scene->mRootNode == NULL)
 		status = not_a_mesh(told);
-	else
+	pthread_mutex_unlock(&assimp);
+	if (status == STATUS_OK)
 		status = take_scene(scene, gltf, told, corners);
 	if (scene != NULL)
 		aiReleaseImport(scene);

@@ -1,26 +1,53 @@
 /* The checked objects: names, paths, what they bear. */
+#include <stdio.h>
 #include <string.h>
 
+#include "scene/scene_alias.h"
 #include "scene/scene_check.h"
 #include "scene/scene_error.h"
 #include "scene/scene_file.h"
+#include "scene/scene_locale.h"
+#include "scene/scene_match.h"
+#include "scene/scene_mesh.h"
 #include "scene/scene_path.h"
+#include "scene/scene_typed.h"
 
-static enum status check_name(const struct scene_tree *tree, const struct scene *scene,
-			      size_t index)
+/* Objects of the scene that have their names: all for one that is added, those before it for one of the scene's. */
+static bool is_named(const struct scene *scene, const struct scene_object *object, const char *name)
 {
-	const char *name = scene->objects[index].name;
+	for (size_t i = 0; i < scene->object_count; i++)
+		if (&scene->objects[i] != object && scene->objects[i].name != NULL &&
+		    strcmp(scene->objects[i].name, name) == 0)
+			return true;
+	return false;
+}
+
+static enum status take_name(const struct scene_tree *tree, const struct scene *scene, size_t index,
+			     const char *name, struct scene_object *object)
+{
 	const struct scene_node *node = scene_tree_find(tree, "objects[%zu].name", index);
 	if (strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") !=
 	    strlen(name))
 		return scene_error(tree->file, node, "%s is not a name; allowed: A-Z a-z 0-9 _ -",
 				   scene_quote(name).text);
-	for (size_t i = 0; i < index; i++)
-		if (strcmp(scene->objects[i].name, name) == 0)
-			return scene_error(tree->file, node,
-					   "%s is the name of another object; allowed: unique names",
-					   scene_quote(name).text);
-	return STATUS_OK;
+	if (is_named(scene, object, name))
+		return scene_error(tree->file, node,
+				   "%s is the name of another object; allowed: unique names",
+				   scene_quote(name).text);
+	object->name = mem_strdup(name);
+	return object->name != NULL ? STATUS_OK : fail_memory("reading the objects");
+}
+
+/* body-1, or the first number after it that is free. */
+static enum status make_name(const struct scene *scene, struct scene_object *object)
+{
+	char name[32];
+	size_t number = 1;
+	do
+		snprintf(name, sizeof name, "body-%zu", number++);
+	while (is_named(scene, object, name));
+	object->name = mem_strdup(name);
+	return object->name != NULL ? STATUS_OK : fail_memory("reading the objects");
 }
 
 static enum status take_points(const struct raw_path *raw, struct scene_path *path)
@@ -57,7 +84,7 @@ static enum status check_path(const struct scene_tree *tree, const struct raw_pa
 						   raw->speed != NULL ? "speed" : "loop"),
 				   "does not go with a file; allowed with: points");
 	node = scene_tree_find(tree, "objects[%zu].path.file", index);
-	char *file = scene_file_beside(tree->file, raw->file);
+	char *file = scene_file_beside(tree->folder, raw->file);
 	if (file == NULL)
 		return fail_memory("reading poses");
 	enum status status = scene_path_read(file, scene_told(tree->file, node, raw->file).text, path);
@@ -67,25 +94,49 @@ static enum status check_path(const struct scene_tree *tree, const struct raw_pa
 
 /* What only forces can decide: of model scm. */
 static enum status check_forces(const struct scene_tree *tree, const struct raw_object *raw,
-				const struct scene *scene, size_t index)
+				const struct scene_object *object, enum deform_model kind, size_t index)
 {
-	const struct scene_object *object = &scene->objects[index];
-	const char *model = scene_model_word(scene->model);
+	const char *model = scene_model_word(kind);
 	const struct scene_node *load = scene_tree_find(tree, "objects[%zu].load", index);
 	const struct scene_node *slip = scene_tree_find(tree, "objects[%zu].slip", index);
 	if (raw->load != NULL && raw->sink != NULL)
 		return scene_error(tree->file, load, "sink is given too; allowed: one of sink, load");
-	if (raw->load != NULL && scene->model != DEFORM_SCM)
+	if (raw->load != NULL && kind != DEFORM_SCM)
 		return scene_error(tree->file, load, "model %s computes no force that carries it; allowed with: "
 				   "redistribute: {model: scm}", model);
 	if (raw->load != NULL && object->path.has_z)
 		return scene_error(tree->file, load, "its poses say z already; allowed with: poses t,x,y, or points");
 	if (raw->slip != NULL && object->shape.kind != DEFORM_WHEEL)
 		return scene_error(tree->file, slip, "only a wheel slips; allowed with: wheel");
-	if (raw->slip != NULL && scene->model != DEFORM_SCM)
+	if (raw->slip != NULL && kind != DEFORM_SCM)
 		return scene_error(tree->file, slip, "model %s does not depend on it; allowed with: redistribute: "
 				   "{model: scm}", model);
 	return STATUS_OK;
+}
+
+/* What a body of the host's has no use for: the host says where it is, and how it turns. */
+static enum status check_hosted(const struct scene_tree *tree, const struct raw_object *raw, size_t index)
+{
+	const char *key = raw->load != NULL ? "load" : raw->sink != NULL ? "sink" : raw->slip != NULL ? "slip" : NULL;
+	if (key == NULL)
+		return STATUS_OK;
+	return scene_error(tree->file, scene_tree_find(tree, "objects[%zu].%s", index, key),
+			   "is for an object with a path, and the host moves this one; allowed with: path");
+}
+
+enum status scene_check_object(const struct scene_tree *tree, const struct raw_object *raw, size_t index,
+			       const struct scene *scene, struct scene_object *object)
+{
+	object->sink = raw->sink != NULL ? *raw->sink : 0;
+	object->load = raw->load != NULL ? *raw->load : 0;
+	object->slip = raw->slip != NULL ? *raw->slip : 0;
+	enum status status = raw->name != NULL ? take_name(tree, scene, index, raw->name, object) : STATUS_OK;
+	if (status == STATUS_OK)
+		status = scene_check_shape(tree, &raw->shape, index, object);
+	if (status == STATUS_OK)
+		status = raw->path != NULL ? check_path(tree, raw->path, index, &object->path)
+					   : check_hosted(tree, raw, index);
+	return status == STATUS_OK ? check_forces(tree, raw, object, scene->model, index) : status;
 }
 
 enum status scene_check_objects(const struct scene_tree *tree, const struct raw_scene *raw,
@@ -93,7 +144,7 @@ enum status scene_check_objects(const struct scene_tree *tree, const struct raw_
 {
 	size_t count = raw->objects_count;
 	if (count == 0) {
-		if (raw->view != NULL)
+		if (raw->view != NULL || scene->hosted)
 			return STATUS_OK;
 		return scene_error(tree->file, scene_tree_find(tree, "objects"),
 				   "no object and no view; needed: objects, a view, or both");
@@ -101,26 +152,88 @@ enum status scene_check_objects(const struct scene_tree *tree, const struct raw_
 	scene->objects = mem_calloc(count, sizeof *scene->objects);
 	if (scene->objects == NULL)
 		return fail_memory("reading the objects");
-	for (size_t i = 0; i < count; i++) {
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 		struct scene_object *object = &scene->objects[i];
-		const struct raw_object *from = &raw->objects[i];
-		enum status status;
 		scene->object_count = i + 1;
-		object->name = mem_strdup(from->name);
-		if (object->name == NULL)
-			return fail_memory("reading the objects");
-		object->sink = from->sink != NULL ? *from->sink : 0;
-		object->load = from->load != NULL ? *from->load : 0;
-		object->slip = from->slip != NULL ? *from->slip : 0;
-		if ((status = check_name(tree, scene, i)) != STATUS_OK ||
-		    (status = scene_check_shape(tree, &from->shape, i, object)) != STATUS_OK ||
-		    (status = check_path(tree, &from->path, i, &object->path)) != STATUS_OK ||
-		    (status = check_forces(tree, from, scene, i)) != STATUS_OK)
-			return status;
-		if (object->path.has_z && from->sink != NULL)
-			status = scene_tell_unused(scene, "objects.%s.sink: its poses say z already; take it away", object->name);
-		if (status != STATUS_OK)
-			return status;
+		status = scene_check_object(tree, &raw->objects[i], i, scene, object);
+		if (status == STATUS_OK && object->path.has_z && raw->objects[i].sink != NULL)
+			status = scene_tell_unused(scene, "objects.%s.sink: its poses say z already; take it away",
+						   object->name != NULL ? object->name : "");
 	}
+	/* The names that are given come first: none is refused for one that was made. */
+	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+		if (scene->objects[i].name == NULL)
+			status = make_name(scene, &scene->objects[i]);
+	return status;
+}
+
+/* The tree of a scene that has this object and nothing else. */
+static enum status plant(struct scene_tree *tree, const char *text)
+{
+	struct scene_node *list = NULL, *object = NULL;
+	enum status status = scene_tree_parse(tree->file, NULL, text, strlen(text), &object);
+	if (status != STATUS_OK)
+		return status;
+	tree->root = scene_node_create(SCENE_MAPPING, NULL);
+	list = scene_node_create(SCENE_SEQUENCE, "objects");
+	if (tree->root == NULL || list == NULL) {
+		scene_node_destroy(list);
+		scene_node_destroy(object);
+		return fail_memory("reading an object");
+	}
+	tree->root->line = list->line = object->line;
+	scene_node_append(tree->root, list);
+	scene_node_append(list, object);
 	return STATUS_OK;
+}
+
+static enum status parse(const struct scene *scene, const char *text, struct scene_object *object)
+{
+	struct scene_tree tree = {.file = "object text", .folder = scene->folder, .hosted = true};
+	struct raw_scene *raw = NULL;
+	enum status status = plant(&tree, text);
+	if (status == STATUS_OK)
+		status = scene_alias(&tree);
+	if (status == STATUS_OK)
+		status = scene_match(&tree);
+	if (status == STATUS_OK)
+		status = scene_typed_load(&tree, &raw);
+	if (status == STATUS_OK)
+		status = scene_check_object(&tree, &raw->objects[0], 0, scene, object);
+	/* A scene's note of this has no place here. */
+	if (status == STATUS_OK && object->path.has_z && raw->objects[0].sink != NULL)
+		status = scene_error(tree.file, scene_tree_find(&tree, "objects[0].sink"),
+				     "its poses say z already; allowed with: poses t,x,y, or points");
+	if (status == STATUS_OK && object->name == NULL)
+		status = make_name(scene, object);
+	if (status == STATUS_OK)
+		status = scene_check_bearing(&tree, scene, object);
+	scene_typed_destroy(raw);
+	scene_tree_finish(&tree);
+	return status;
+}
+
+enum status scene_object_parse(const struct scene *scene, const char *text, struct scene_object *object)
+{
+	struct scene_locale locale;
+	*object = (struct scene_object){0};
+	if (strnlen(text, SCENE_BYTES + 1) > SCENE_BYTES)
+		return fail_with(STATUS_INPUT, "object text: it is too large; allowed: %u bytes", SCENE_BYTES);
+	enum status status = scene_locale_begin(&locale);
+	if (status != STATUS_OK)
+		return status;
+	status = parse(scene, text, object);
+	scene_locale_end(&locale);
+	if (status != STATUS_OK)
+		scene_object_finish(object);
+	return status;
+}
+
+void scene_object_finish(struct scene_object *object)
+{
+	scene_mesh_destroy(object->mesh);
+	mem_free(object->name);
+	mem_free(object->path.points);
+	*object = (struct scene_object){0};
 }

@@ -22,9 +22,9 @@ static const cyaml_schema_value_t point_entry = {
 static const cyaml_schema_field_t wheel_fields[] = {
 	CYAML_FIELD_FLOAT("radius", NEEDED, struct raw_wheel, radius),
 	CYAML_FIELD_FLOAT("width", NEEDED, struct raw_wheel, width),
-	CYAML_FIELD_INT_PTR("lugs", OPTIONAL, struct raw_wheel, lugs),
-	CYAML_FIELD_FLOAT_PTR("lug_height", OPTIONAL, struct raw_wheel, lug_height),
-	CYAML_FIELD_FLOAT_PTR("lug_thickness", OPTIONAL, struct raw_wheel, lug_thickness),
+	CYAML_FIELD_INT_PTR("grousers", OPTIONAL, struct raw_wheel, lugs),
+	CYAML_FIELD_FLOAT_PTR("grouser_height", OPTIONAL, struct raw_wheel, lug_height),
+	CYAML_FIELD_FLOAT_PTR("grouser_thickness", OPTIONAL, struct raw_wheel, lug_thickness),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t sphere_fields[] = {
@@ -56,9 +56,9 @@ static const cyaml_schema_field_t path_fields[] = {
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t object_fields[] = {
-	CYAML_FIELD_STRING_PTR("name", NEEDED, struct raw_object, name, 1, 64),
+	CYAML_FIELD_STRING_PTR("name", OPTIONAL, struct raw_object, name, 1, 64),
 	CYAML_FIELD_MAPPING("shape", NEEDED, struct raw_object, shape, shape_fields),
-	CYAML_FIELD_MAPPING("path", NEEDED, struct raw_object, path, path_fields),
+	CYAML_FIELD_MAPPING_PTR("path", OPTIONAL, struct raw_object, path, path_fields),
 	CYAML_FIELD_FLOAT_PTR("sink", OPTIONAL, struct raw_object, sink),
 	CYAML_FIELD_FLOAT_PTR("load", OPTIONAL, struct raw_object, load),
 	CYAML_FIELD_FLOAT_PTR("slip", OPTIONAL, struct raw_object, slip),
@@ -111,7 +111,7 @@ static const cyaml_strval_t model_words[] = {{"none", DEFORM_NONE},
 					     {"sumner", DEFORM_SUMNER},
 					     {"slippage", DEFORM_SLIPPAGE},
 					     {"scm", DEFORM_SCM}};
-static const cyaml_strval_t undisturbed_words[] = {{"stands", SCENE_STANDS}, {"slides", SCENE_SLIDES}};
+static const cyaml_strval_t undisturbed_words[] = {{"stable", SCENE_STANDS}, {"slides", SCENE_SLIDES}};
 static const cyaml_strval_t body_words[] = {{"earth", SCENE_EARTH}, {"mars", SCENE_MARS}, {"moon", SCENE_MOON}};
 static const cyaml_strval_t outside_words[] = {{"stop", SCENE_STOP}, {"skip", SCENE_SKIP}};
 
@@ -177,10 +177,10 @@ static const cyaml_schema_field_t cache_fields[] = {
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t scene_fields[] = {
-	CYAML_FIELD_INT("scene", NEEDED, struct raw_scene, scene),
+	CYAML_FIELD_INT_PTR("scene", OPTIONAL, struct raw_scene, scene),
 	CYAML_FIELD_STRING_PTR("store", OPTIONAL, struct raw_scene, store, 1, 4096),
 	CYAML_FIELD_FLOAT_PTR("time_step", OPTIONAL, struct raw_scene, time_step),
-	CYAML_FIELD_FLOAT("end_time", NEEDED, struct raw_scene, end_time),
+	CYAML_FIELD_FLOAT_PTR("end_time", OPTIONAL, struct raw_scene, end_time),
 	CYAML_FIELD_FLOAT_PTR("gravity", OPTIONAL, struct raw_scene, gravity),
 	CYAML_FIELD_FLOAT_PTR("spacing", OPTIONAL, struct raw_scene, spacing),
 	CYAML_FIELD_STRING_PTR("coordinates", OPTIONAL, struct raw_scene, coordinates, 1, 65536),
@@ -199,6 +199,15 @@ static const cyaml_schema_field_t scene_fields[] = {
 };
 const cyaml_schema_value_t scene_schema = {
 	CYAML_VALUE_MAPPING(CYAML_FLAG_POINTER, struct raw_scene, scene_fields)};
+
+bool scene_needed_by_command(const char *where)
+{
+	static const char *const needed[] = {"scene", "end_time", "objects[].name", "objects[].path"};
+	for (size_t i = 0; i < sizeof needed / sizeof needed[0]; i++)
+		if (strcmp(needed[i], where) == 0)
+			return true;
+	return false;
+}
 
 const char *scene_model_word(enum deform_model model)
 {
@@ -239,9 +248,9 @@ static const struct scene_limit limits[] = {
 	{"redistribute.bulldozing", 0, 1, false, NULL, NULL, 0.5, NULL},
 	{"objects[].shape.wheel.radius", 0.001, 1000, false, NULL, "m", NAN, NULL},
 	{"objects[].shape.wheel.width", 0.001, 1000, false, NULL, "m", NAN, NULL},
-	{"objects[].shape.wheel.lugs", 0, 128, false, NULL, NULL, 0, NULL},
-	{"objects[].shape.wheel.lug_height", 0, 1000, true, NULL, "m", NAN, "0.05 of the radius"},
-	{"objects[].shape.wheel.lug_thickness", 0, 1000, true, NULL, "m", NAN, "0.1 of the radius"},
+	{"objects[].shape.wheel.grousers", 0, 128, false, NULL, NULL, 0, NULL},
+	{"objects[].shape.wheel.grouser_height", 0, 1000, true, NULL, "m", NAN, "0.05 of the radius"},
+	{"objects[].shape.wheel.grouser_thickness", 0, 1000, true, NULL, "m", NAN, "0.1 of the radius"},
 	{"objects[].shape.sphere.radius", 0.001, 1000, false, NULL, "m", NAN, NULL},
 	{"objects[].shape.box.size[]", 0.001, 1000, false, NULL, "m", NAN, NULL},
 	{"objects[].shape.mesh.scale", 0, 1000, true, NULL, NULL, 1, NULL},

@@ -45,7 +45,7 @@ struct raw_path {
 struct raw_object {
 	char *name;
 	struct raw_shape shape;
-	struct raw_path path;
+	struct raw_path *path;
 	double *sink, *load, *slip;
 };
 /* One class of soil, angles in degrees. */
@@ -107,10 +107,9 @@ struct raw_cache {
 	double *prefetch;
 };
 struct raw_scene {
-	int64_t scene;
+	int64_t *scene;
 	char *store;
-	double *time_step;
-	double end_time;
+	double *time_step, *end_time;
 	double *gravity, *spacing;
 	char *coordinates;
 	struct raw_soil *soil;
@@ -126,6 +125,10 @@ struct raw_scene {
 };
 
 extern const cyaml_schema_value_t scene_schema;
+
+/* Returns true when the schema calls this key optional and the command demands it all the same. A host
+ * may leave it out. `where`: a path with anonymous indices. */
+bool scene_needed_by_command(const char *where);
 
 /* The range of the number at `where`, a path with anonymous indices: low .. high, without `low`
  * itself if `above`. A soil's are those of `soil.`, wherever it is written. */

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "scene/scene_alias.h"
 #include "scene/scene_error.h"
 
 #define SEGMENTS_MAX 8 /* deeper than any key of a scene */
@@ -56,6 +57,7 @@ static enum status step(const struct scene_tree *tree, const struct scene_settin
 		return refuse(tree, setting, segment, "is no key; allowed: keys joined by dots");
 	if (at->kind == SCENE_SCALAR)
 		return refuse(tree, setting, segment, "is below a single value; allowed: its own key");
+	segment = scene_alias_key(at, segment);
 	*out = at->kind == SCENE_SEQUENCE ? element_of(at, segment) : scene_node_child(at, segment);
 	if (*out != NULL)
 		return STATUS_OK;

@@ -18,16 +18,16 @@ static enum status check_wheel(const struct scene_tree *tree, const struct raw_w
 	shape->width = raw->width;
 	shape->lugs = raw->lugs != NULL ? (int)*raw->lugs : 0;
 	if (shape->lugs == 0) {
-		const char *key = raw->lug_height != NULL ? "lug_height" : "lug_thickness";
+		const char *key = raw->lug_height != NULL ? "grouser_height" : "grouser_thickness";
 		if (raw->lug_height == NULL && raw->lug_thickness == NULL)
 			return STATUS_OK;
 		return scene_error(tree->file, scene_tree_find(tree, "objects[%zu].shape.wheel.%s", index, key),
-				   "is of lugs, and the wheel has none; allowed with: lugs above 0");
+				   "is of grousers, and the wheel has none; allowed with: grousers above 0");
 	}
 	shape->lug_height = raw->lug_height != NULL ? *raw->lug_height : LUG_HEIGHT * raw->radius;
 	shape->lug_thickness = raw->lug_thickness != NULL ? *raw->lug_thickness : LUG_THICKNESS * raw->radius;
 	if (shape->lug_height > shape->radius)
-		return scene_error(tree->file, scene_tree_find(tree, "objects[%zu].shape.wheel.lug_height", index),
+		return scene_error(tree->file, scene_tree_find(tree, "objects[%zu].shape.wheel.grouser_height", index),
 				   "%.10g is out of range; allowed: above 0 to the wheel's radius, %.10g",
 				   shape->lug_height, shape->radius);
 	return STATUS_OK;
@@ -37,7 +37,7 @@ static enum status check_mesh(const struct scene_tree *tree, const struct raw_me
 			      struct scene_object *object)
 {
 	const struct scene_node *node = scene_tree_find(tree, "objects[%zu].shape.mesh.file", index);
-	char *file = scene_file_beside(tree->file, raw->file);
+	char *file = scene_file_beside(tree->folder, raw->file);
 	if (file == NULL)
 		return fail_memory("reading a mesh");
 	object->shape.kind = DEFORM_MESH;

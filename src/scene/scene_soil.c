@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "scene/scene_check.h"
@@ -60,9 +61,17 @@ static enum status take_name(const struct scene_tree *tree, const char *name, co
 			   scene_quote(name).text, strrchr(failure_message(), ':') + 1);
 }
 
-static void keep_name(struct scene *scene, size_t index, const char *name)
+/* `value`: of the map's class; below 0: of no class. */
+static void keep_name(struct scene *scene, size_t index, const char *name, int value)
 {
-	snprintf(scene->soil_names[index], sizeof scene->soil_names[index], "%s", name != NULL ? name : "");
+	char *to = scene->soil_names[index];
+	size_t room = sizeof scene->soil_names[index];
+	if (name != NULL)
+		snprintf(to, room, "%s", name);
+	else if (value >= 0)
+		snprintf(to, room, "unnamed_%d", value);
+	else
+		snprintf(to, room, "unnamed");
 }
 
 static bool draws_soil(const struct raw_scene *raw)
@@ -78,27 +87,65 @@ static bool reads_soil(const struct scene *scene)
 	return scene->model != DEFORM_NONE && scene->model != DEFORM_BOX_FILTER;
 }
 
+static double *number_of(struct deform_soil *soil, const struct parameter *parameter)
+{
+	return (double *)((char *)soil + parameter->to);
+}
+
+/* The keys that the model reads and that the soil has no number for. */
+static struct scene_list missing_keys(struct deform_soil *soil, enum deform_model model)
+{
+	struct scene_list missing = {.length = 0};
+	for (size_t i = 0; i < PARAMETERS; i++)
+		if ((parameters[i].models >> model & 1) != 0 && !parameters[i].optional && isnan(*number_of(soil, &parameters[i])))
+			scene_list_add(&missing, parameters[i].key);
+	return missing;
+}
+
+/* The named soils that have every number that the model reads. */
+static struct scene_list whole_soils(enum deform_model model)
+{
+	struct scene_list whole = {.length = 0};
+	struct deform_soil soil;
+	const char *name;
+	for (size_t i = 0; (name = deform_soil_name(i)) != NULL; i++)
+		if (deform_soil_named(name, &soil) == STATUS_OK && missing_keys(&soil, model).length == 0)
+			scene_list_add(&whole, name);
+	return whole;
+}
+
+static enum status check_whole(const struct scene_tree *tree, const char *name, const char *where, enum deform_model model,
+			       struct deform_soil *soil)
+{
+	struct scene_list missing = missing_keys(soil, model);
+	if (missing.length == 0)
+		return STATUS_OK;
+	if (name == NULL)
+		return scene_error(tree->file, scene_tree_find(tree, "%s", where),
+				   "model %s needs %s too; allowed: a name, or all of these", scene_model_word(model),
+				   missing.text);
+	return scene_error(tree->file, scene_tree_find(tree, "%s.name", where),
+			   "%s has no %s, which model %s reads; give these beside the name, or name one of %s", name, missing.text,
+			   scene_model_word(model), whole_soils(model).text);
+}
+
 /* The soil written at `where`. */
 static enum status check_class(const struct scene_tree *tree, const struct raw_class *raw, const char *where,
 			       enum deform_model model, struct deform_soil *soil)
 {
-	struct scene_list missing = {.length = 0};
-	*soil = (struct deform_soil){.cohesion = 0};
+	deform_soil_clear(soil);
 	enum status status = raw->name != NULL ? take_name(tree, raw->name, where, soil) : STATUS_OK;
 	if (status != STATUS_OK)
 		return status;
 	for (size_t i = 0; i < PARAMETERS; i++) {
 		const double *value = given(raw, &parameters[i]);
 		if (value != NULL)
-			*(double *)((char *)soil + parameters[i].to) = *value * parameters[i].unit;
-		else if (raw->name == NULL && !parameters[i].optional && (parameters[i].models >> model & 1) != 0)
-			scene_list_add(&missing, parameters[i].key);
+			*number_of(soil, &parameters[i]) = *value * parameters[i].unit;
 	}
-	if (missing.length > 0)
-		return scene_error(tree->file, scene_tree_find(tree, "%s", where),
-				   "model %s needs %s too; allowed: a name, or all of these",
-				   scene_model_word(model), missing.text);
-	if (raw->name == NULL && raw->repose == NULL)
+	status = check_whole(tree, raw->name, where, model, soil);
+	if (status != STATUS_OK)
+		return status;
+	if (isnan(soil->repose))
 		soil->repose = soil->friction_angle;
 	if (model == DEFORM_SCM && soil->repose <= 0)
 		return scene_error(tree->file, scene_tree_find(tree, "%s", where),
@@ -131,6 +178,12 @@ static double contact_width(const struct deform_shape *shape)
 	return shape->kind == DEFORM_BOX ? fmin(shape->size[0], shape->size[1]) : 0;
 }
 
+/* k_c / b + k_phi under an object that is `width` metres wide; 1 where the width depends on the contact. */
+static double modulus_under(const struct deform_soil *soil, double width)
+{
+	return width > 0 ? soil->bekker_kc / width + soil->bekker_kphi : 1;
+}
+
 /* A soil that is lighter to press the deeper it is pressed is none: k_c / b + k_phi must be above 0. */
 static enum status check_bearing(const struct scene_tree *tree, const struct scene *scene, const char *where,
 				 const struct deform_soil *soil)
@@ -139,12 +192,25 @@ static enum status check_bearing(const struct scene_tree *tree, const struct sce
 	if (soil->bekker_kc <= 0 && soil->bekker_kphi <= 0)
 		return scene_error(tree->file, node, "bekker_kc and bekker_kphi bear nothing; allowed: one of them above 0");
 	for (size_t i = 0; i < scene->object_count; i++) {
-		double width = contact_width(&scene->objects[i].shape);
-		double modulus = width > 0 ? soil->bekker_kc / width + soil->bekker_kphi : 1;
+		double width = contact_width(&scene->objects[i].shape), modulus = modulus_under(soil, width);
 		if (modulus <= 0)
 			return scene_error(tree->file, node,
 					   "bekker_kc / b + bekker_kphi is %.4g under %s, whose b is %.4g m; "
 					   "allowed: above 0", modulus, scene->objects[i].name, width);
+	}
+	return STATUS_OK;
+}
+
+enum status scene_check_bearing(const struct scene_tree *tree, const struct scene *scene,
+				const struct scene_object *object)
+{
+	double width = contact_width(&object->shape);
+	for (int i = 0; scene->model == DEFORM_SCM && i < scene->soil_count; i++) {
+		double modulus = modulus_under(&scene->soils[i], width);
+		if (modulus <= 0)
+			return scene_error(tree->file, scene_tree_find(tree, "objects[0].shape"),
+					   "the soil does not bear it: bekker_kc / b + bekker_kphi is %.4g, and its b is "
+					   "%.4g m; allowed: above 0", modulus, width);
 	}
 	return STATUS_OK;
 }
@@ -164,7 +230,7 @@ static enum status check_map(const struct scene_tree *tree, const struct raw_soi
 				   "default, a soil", raw->classes == NULL ? "classes" : "default");
 	if (!read)
 		return STATUS_OK;
-	scene->soil_map = scene_file_beside(tree->file, raw->map);
+	scene->soil_map = scene_file_beside(tree->folder, raw->map);
 	if (scene->soil_map == NULL)
 		return fail_memory("reading the map of soils");
 	return scene_file_hash(scene->soil_map, scene_told(tree->file, node, raw->map).text, MAP_BYTES,
@@ -186,7 +252,7 @@ static enum status check_classes(const struct scene_tree *tree, const struct raw
 		if (status != STATUS_OK)
 			return status;
 		scene->soil_class[class->value] = (uint8_t)(i + 1);
-		keep_name(scene, i + 1, class->name);
+		keep_name(scene, i + 1, class->name, (int)class->value);
 	}
 	scene->soil_count = 1 + (int)raw->classes_count;
 	return STATUS_OK;
@@ -225,7 +291,7 @@ enum status scene_check_soil(const struct scene_tree *tree, const struct raw_sce
 		status = check_class(tree, mapped ? soil->elsewhere : &soil->all, mapped ? "soil.default" : "soil",
 				     scene->model, &scene->soils[0]);
 	scene->soil_count = 1;
-	keep_name(scene, 0, mapped && soil->elsewhere != NULL ? soil->elsewhere->name : soil->all.name);
+	keep_name(scene, 0, mapped && soil->elsewhere != NULL ? soil->elsewhere->name : soil->all.name, -1);
 	if (status == STATUS_OK && read)
 		status = check_unread(mapped ? soil->elsewhere : &soil->all, mapped ? "soil.default" : "soil", scene);
 	if (status == STATUS_OK)
@@ -241,4 +307,26 @@ enum status scene_check_soil(const struct scene_tree *tree, const struct raw_sce
 	scene->soil_count = 0;
 	return scene_tell_unused(scene, "soil: model %s does not depend on it; take it away, or name a model that moves soil",
 				 scene_model_word(scene->model));
+}
+
+bool scene_soil_number(const struct deform_soil *soil, size_t index, const char **key, double *value)
+{
+	if (index >= PARAMETERS)
+		return false;
+	double number;
+	memcpy(&number, (const char *)soil + parameters[index].to, sizeof number);
+	/* 15 digits: an angle of 29 degrees went through radians, and is told as 29. */
+	char text[40];
+	snprintf(text, sizeof text, "%.15g", number / parameters[index].unit);
+	*key = parameters[index].key;
+	*value = isnan(number) ? number : strtod(text, NULL);
+	return true;
+}
+
+int scene_soil_value(const struct scene *scene, int soil)
+{
+	for (int value = 0; soil > 0 && value < 256; value++)
+		if (scene->soil_class[value] == soil)
+			return value;
+	return -1;
 }

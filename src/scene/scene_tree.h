@@ -32,7 +32,9 @@ struct scene_node {
 };
 
 struct scene_tree {
-	const char *file; /* as given; outlives the tree */
+	const char *file;   /* what messages call it: the file as given; outlives the tree */
+	const char *folder; /* where the files that it names are: "" or ends in '/'; outlives the tree */
+	bool hosted;        /* read for a host: see scene_needed_by_command */
 	struct scene_node *root; /* a mapping */
 };
 

@@ -22,10 +22,10 @@ static size_t larger(size_t a, size_t b)
 	return a > b ? a : b;
 }
 
-enum status codec_init(struct codec *codec, uint32_t side, enum codec_effort effort)
+enum status store_codec_init(struct codec *codec, uint32_t side, enum codec_effort effort)
 {
 	assert(side > 8 && side % 8 == 1); /* the kernels take eight posts at once */
-	*codec = (struct codec){.side = side, .effort = effort, .kernels = codec_kernels_best()};
+	*codec = (struct codec){.side = side, .effort = effort, .kernels = store_codec_kernels_best()};
 	size_t posts = plane_posts(codec), blocks = plane_blocks(codec);
 	size_t head = 1 + 4 + CODEC_LENGTH_BYTES + (size_t)LZ4_compressBound((int)mask_bytes(codec));
 	codec->room = head + blocks * (1 + 4 * CODEC_BLOCK);
@@ -47,11 +47,11 @@ enum status codec_init(struct codec *codec, uint32_t side, enum codec_effort eff
 	    codec->body != NULL && codec->squeezed != NULL && codec->zstd_in != NULL &&
 	    (effort == CODEC_FAST || codec->zstd_out != NULL))
 		return STATUS_OK;
-	codec_finish(codec);
+	store_codec_finish(codec);
 	return fail_memory("the tile codec");
 }
 
-void codec_finish(struct codec *codec)
+void store_codec_finish(struct codec *codec)
 {
 	for (int slope = 0; slope < 2; slope++) {
 		mem_free(codec->orders[slope]);
@@ -66,7 +66,7 @@ void codec_finish(struct codec *codec)
 	*codec = (struct codec){0};
 }
 
-size_t codec_bound(const struct codec *codec)
+size_t store_codec_bound(const struct codec *codec)
 {
 	return codec->squeezed_room;
 }

@@ -23,7 +23,7 @@ enum codec_id {
 	CODEC_COUNT
 };
 
-/* How hard a plane is packed; all of it reads back through the same codec_decode(). */
+/* How hard a plane is packed; all of it reads back through the same store_codec_decode(). */
 enum codec_effort { CODEC_FAST, CODEC_SMALL };
 
 struct codec_kernels;
@@ -43,18 +43,18 @@ struct codec {
 	void *zstd_out, *zstd_in; /* contexts; out: only with CODEC_SMALL */
 };
 
-enum status codec_init(struct codec *codec, uint32_t side, enum codec_effort effort) FURROW_CHECKED;
-void codec_finish(struct codec *codec);
+enum status store_codec_init(struct codec *codec, uint32_t side, enum codec_effort effort) FURROW_CHECKED;
+void store_codec_finish(struct codec *codec);
 
 /* No blob of a plane is longer than this. */
-size_t codec_bound(const struct codec *codec);
+size_t store_codec_bound(const struct codec *codec);
 
 /* Bytes are the codec's own and valid until its next use. Cannot fail. */
-enum codec_id codec_encode(struct codec *codec, const int32_t *posts, const void **bytes, size_t *size);
+enum codec_id store_codec_encode(struct codec *codec, const int32_t *posts, const void **bytes, size_t *size);
 
 /* False if the bytes are no blob of a plane of this size (FORMAT.md); posts are then undefined. Reads
  * and writes nothing out of bounds whatever the bytes. */
-bool codec_decode(struct codec *codec, int64_t id, const void *bytes, size_t size,
+bool store_codec_decode(struct codec *codec, int64_t id, const void *bytes, size_t size,
 		  int32_t *posts) FURROW_CHECKED;
 
 #endif

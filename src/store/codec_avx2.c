@@ -56,7 +56,7 @@ AVX2 static const uint8_t *avx2_unpack(const uint8_t *from, const uint8_t *width
 	for (size_t block = 0; block < count; block++, rest += CODEC_BLOCK) {
 		unsigned width = widths[block];
 		if (width > WIDTH_MOST) {
-			codec_plain.unpack(from, widths + block, 1, rest);
+			store_codec_plain.unpack(from, widths + block, 1, rest);
 		} else {
 			if ((planned >> width & 1) == 0) {
 				plans[width] = plan_of(width);
@@ -114,16 +114,16 @@ AVX2 static void avx2_sum(const uint32_t *rest, uint32_t side, uint32_t rows, co
 
 static const struct codec_kernels codec_avx2 = {"avx2", avx2_unpack, avx2_sum};
 
-const struct codec_kernels *codec_kernels_best(void)
+const struct codec_kernels *store_codec_kernels_best(void)
 {
-	return __builtin_cpu_supports("avx2") ? &codec_avx2 : &codec_plain;
+	return __builtin_cpu_supports("avx2") ? &codec_avx2 : &store_codec_plain;
 }
 
 #else
 
-const struct codec_kernels *codec_kernels_best(void)
+const struct codec_kernels *store_codec_kernels_best(void)
 {
-	return &codec_plain;
+	return &store_codec_plain;
 }
 
 #endif

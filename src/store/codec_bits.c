@@ -33,7 +33,7 @@ static inline __attribute__((always_inline)) void pack_block(const uint32_t *res
 		break
 #define WIDTHS(w) WIDTH(w); WIDTH(w + 1); WIDTH(w + 2); WIDTH(w + 3)
 
-uint8_t *bits_pack(const uint32_t *rest, const uint8_t *widths, size_t count, uint8_t *to)
+uint8_t *store_bits_pack(const uint32_t *rest, const uint8_t *widths, size_t count, uint8_t *to)
 {
 	for (size_t block = 0; block < count; block++, rest += CODEC_BLOCK) {
 		switch (widths[block]) {

@@ -198,7 +198,7 @@ static bool read_zstd(struct codec *codec, const uint8_t *from, size_t left, int
 	return true;
 }
 
-bool codec_decode(struct codec *codec, int64_t id, const void *bytes, size_t size, int32_t *posts)
+bool store_codec_decode(struct codec *codec, int64_t id, const void *bytes, size_t size, int32_t *posts)
 {
 	const uint8_t *from = bytes;
 	switch (id) {

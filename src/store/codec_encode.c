@@ -57,7 +57,7 @@ static bool choose_residuals(struct codec *codec, const int32_t *posts, uint32_t
 	size_t count = plane_posts(codec), blocks = plane_blocks(codec), sum[2];
 	for (int slope = 0; slope < 2; slope++) {
 		uint32_t *rest = codec->orders[slope];
-		residuals_take(posts, codec->side, first, slope != 0, holes, codec->filled, rest);
+		store_residuals_take(posts, codec->side, first, slope != 0, holes, codec->filled, rest);
 		memset(rest + count, 0, (blocks * CODEC_BLOCK - count) * sizeof *rest);
 		sum[slope] = take_widths(rest, blocks, codec->widths[slope]);
 	}
@@ -99,7 +99,7 @@ static size_t write_body(struct codec *codec, uint8_t flags, uint32_t first, siz
 		for (size_t i = 0; i < blocks; i += 2)
 			*to++ = (uint8_t)(widths[i] | (i + 1 < blocks ? widths[i + 1] << 4 : 0));
 	}
-	to = bits_pack(codec->orders[slope], widths, blocks, to);
+	to = store_bits_pack(codec->orders[slope], widths, blocks, to);
 	assert((size_t)(to - codec->body) <= codec->room);
 	return (size_t)(to - codec->body);
 }
@@ -150,7 +150,7 @@ static bool is_constant(const int32_t *posts, size_t count)
 	return true;
 }
 
-enum codec_id codec_encode(struct codec *codec, const int32_t *posts, const void **bytes, size_t *size)
+enum codec_id store_codec_encode(struct codec *codec, const int32_t *posts, const void **bytes, size_t *size)
 {
 	*bytes = codec->body;
 	if (is_constant(posts, plane_posts(codec))) {

@@ -29,8 +29,8 @@ struct codec_kernels {
 		    int32_t *posts);
 };
 
-extern const struct codec_kernels codec_plain;
+extern const struct codec_kernels store_codec_plain;
 /* The fastest that this machine has. */
-const struct codec_kernels *codec_kernels_best(void);
+const struct codec_kernels *store_codec_kernels_best(void);
 
 #endif

@@ -40,4 +40,4 @@ static void plain_sum(const uint32_t *rest, uint32_t side, uint32_t rows, const 
 	}
 }
 
-const struct codec_kernels codec_plain = {"plain", plain_unpack, plain_sum};
+const struct codec_kernels store_codec_plain = {"plain", plain_unpack, plain_sum};

@@ -58,7 +58,7 @@ FURROW_WIDE static bool row_has_holes(const int32_t *row, uint32_t side)
 	return any != 0;
 }
 
-void residuals_take(const int32_t *posts, uint32_t side, uint32_t first, bool slope, bool holes,
+void store_residuals_take(const int32_t *posts, uint32_t side, uint32_t first, bool slope, bool holes,
 		    int32_t *filled, uint32_t *rest)
 {
 	const int32_t *before = NULL;

@@ -13,7 +13,7 @@
  * before. Row 0 stands on a row of `first`. Where a hole is (CODEC_NODATA), what is foretold is
  * taken as the post, so its residual is 0. `filled`: side^2 posts of scratch.
  */
-void residuals_take(const int32_t *posts, uint32_t side, uint32_t first, bool slope, bool holes,
+void store_residuals_take(const int32_t *posts, uint32_t side, uint32_t first, bool slope, bool holes,
 		    int32_t *filled, uint32_t *rest);
 
 #endif

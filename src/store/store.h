@@ -136,6 +136,13 @@ enum status store_each_offset(struct store_reader *reader, int level, store_key_
 enum status store_each_plane(struct store_reader *reader, enum plane plane, int level, store_key_fn fn, void *user)
 	FURROW_CHECKED;
 
+/* Keys of the tiles of the working level of which a plane changed by an epoch or a rollback after the revision `since`,
+ * in any order; *now: the last revision. Revisions are the numbers of epochs, and never come again before a reset. A tile that lost its last
+ * row before this opening of the store is not among them. `fn` may not ask the store for anything. Of the writing store:
+ * of others, only what there was when it was opened. */
+enum status store_each_changed(struct store_reader *reader, int64_t since, store_key_fn fn, void *user, int64_t *now)
+	FURROW_CHECKED;
+
 /* --- epochs: the writer thread --- */
 struct store_page {
 	struct tile tile; /* of the working level */
@@ -176,7 +183,15 @@ enum status store_checkpoint(struct store *store) FURROW_CHECKED;
 /* After an epoch: a checkpoint once the WAL has grown to some 64 MB, so that it stays about that long. Waits,
  * but briefly, only for a reader that keeps it from being used again while it grows well beyond. */
 enum status store_bound_wal(struct store *store) FURROW_CHECKED;
-/* Drops every deformation and the working level; keeps the base. */
+/* Marks what is there: from now on epochs keep what they replace, and store_rollback() brings it back. Takes the place
+ * of the mark before. A mark ends when the store is closed, or reset; also a kill leaves nothing of it. What is
+ * kept is no part of the store: once it is a few MB it is in a temporary file of SQLite's, in the folder that SQLITE_TMPDIR or
+ * TMPDIR names, else in /var/tmp. */
+enum status store_mark(struct store *store) FURROW_CHECKED;
+/* One transaction: every row, and the run's record, are as they were at the last mark, which stays. What it puts back
+ * has a revision of its own, so it counts as changed. Nothing to do is no revision. Call store_bound_wal() after it. */
+enum status store_rollback(struct store *store) FURROW_CHECKED;
+/* Drops every deformation and the working level; keeps the base, and forgets the mark. */
 enum status store_reset(struct store *store) FURROW_CHECKED;
 
 /* --- what was executed --- */

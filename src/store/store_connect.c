@@ -31,7 +31,7 @@ static char *uri_of(const char *path)
 	return uri;
 }
 
-enum status connect_file(const char *path, const char *named, bool writing, bool immutable, sqlite3 **db)
+enum status store_connect_file(const char *path, const char *named, bool writing, bool immutable, sqlite3 **db)
 {
 	char *uri = immutable ? uri_of(path) : mem_strdup(path);
 	if (uri == NULL)
@@ -43,7 +43,7 @@ enum status connect_file(const char *path, const char *named, bool writing, bool
 	mem_free(uri);
 	enum status status = STATUS_OK;
 	if (code != SQLITE_OK)
-		status = sql_fail(*db, code, named, "opening it");
+		status = store_sql_fail(*db, code, named, "opening it");
 	if (status == STATUS_OK) {
 		sqlite3_busy_timeout(*db, STORE_BUSY_MS);
 		sqlite3_db_config(*db, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, (int *)NULL);
@@ -51,7 +51,7 @@ enum status connect_file(const char *path, const char *named, bool writing, bool
 		sqlite3_db_config(*db, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, (int *)NULL);
 		sqlite3_db_config(*db, SQLITE_DBCONFIG_ENABLE_VIEW, 0, (int *)NULL);
 		sqlite3_limit(*db, SQLITE_LIMIT_LENGTH, VALUE_BYTES);
-		status = sql_exec(*db, named, "opening it", "PRAGMA cell_size_check=ON");
+		status = store_sql_exec(*db, named, "opening it", "PRAGMA cell_size_check=ON");
 	}
 	if (status != STATUS_OK) {
 		sqlite3_close(*db);
@@ -68,12 +68,12 @@ static bool has_beside(const char *path, const char *suffix)
 	return stat(beside, &file) == 0 && file.st_size > 0;
 }
 
-bool connect_has_wal(const char *path)
+bool store_connect_has_wal(const char *path)
 {
 	return has_beside(path, "-wal");
 }
 
-bool connect_has_journal(const char *path)
+bool store_connect_has_journal(const char *path)
 {
 	return has_beside(path, "-journal");
 }
@@ -91,9 +91,9 @@ static bool may_write(const char *path)
 static enum status roll_back(const char *path, const char *named)
 {
 	sqlite3 *db;
-	enum status status = connect_file(path, named, true, false, &db);
+	enum status status = store_connect_file(path, named, true, false, &db);
 	if (status == STATUS_OK)
-		status = sql_exec(db, named, "undoing what a power cut left", "SELECT count(*) FROM sqlite_schema");
+		status = store_sql_exec(db, named, "undoing what a power cut left", "SELECT count(*) FROM sqlite_schema");
 	sqlite3_close(db);
 	return status;
 }
@@ -101,7 +101,7 @@ static enum status roll_back(const char *path, const char *named)
 /* A reader comes back to the tree's inner pages, and hardly to a tile; there are many readers. */
 static enum status keep_little(sqlite3 **db, const char *named)
 {
-	enum status status = sql_exec(*db, named, "opening it", "PRAGMA cache_size=-512");
+	enum status status = store_sql_exec(*db, named, "opening it", "PRAGMA cache_size=-512");
 	if (status != STATUS_OK) {
 		sqlite3_close(*db);
 		*db = NULL;
@@ -109,10 +109,10 @@ static enum status keep_little(sqlite3 **db, const char *named)
 	return status;
 }
 
-enum status connect_reader(const char *path, const char *named, bool *immutable, sqlite3 **db)
+enum status store_connect_reader(const char *path, const char *named, bool *immutable, sqlite3 **db)
 {
 	for (bool undone = false;; undone = true) {
-		enum status status = connect_file(path, named, false, *immutable, db);
+		enum status status = store_connect_file(path, named, false, *immutable, db);
 		if (status != STATUS_OK)
 			return status;
 		if (*immutable)
@@ -123,10 +123,10 @@ enum status connect_reader(const char *path, const char *named, bool *immutable,
 		/* A store whose writer did not end cleanly says WAL; where its folder cannot be written,
 		 * SQLite cannot make the file beside it that WAL needs, nor is one needed without a WAL. */
 		bool beside = (code & 0xff) == SQLITE_CANTOPEN || (code & 0xff) == SQLITE_READONLY;
-		bool journal = connect_has_journal(path);
+		bool journal = store_connect_has_journal(path);
 		if (!beside || (journal && undone) || (!journal && may_write(path)))
-			status = sql_fail(*db, code, named, "opening it");
-		else if (!journal && connect_has_wal(path))
+			status = store_sql_fail(*db, code, named, "opening it");
+		else if (!journal && store_connect_has_wal(path))
 			status = fail_with(STATUS_INPUT, "%s: its last writer did not close it and its folder cannot be "
 					   "written; copy it and its -wal file to a folder that can", named);
 		sqlite3_close(*db);

@@ -100,7 +100,7 @@ static enum status refuse_existing(const struct store *store)
 			 "name, or remove it", store->path);
 }
 
-bool create_remove_part(const struct store *store)
+bool store_create_remove_part(const struct store *store)
 {
 	char journal[PATH_MAX + 16];
 	int length = snprintf(journal, sizeof journal, "%s-journal", store->part_path);
@@ -110,8 +110,8 @@ bool create_remove_part(const struct store *store)
 
 static enum status connect_part(struct store *store)
 {
-	enum status status = connect_file(store->part_path, store->path, true, false, &store->db);
-	return status == STATUS_OK ? sql_exec(store->db, store->path, "making the store",
+	enum status status = store_connect_file(store->part_path, store->path, true, false, &store->db);
+	return status == STATUS_OK ? store_sql_exec(store->db, store->path, "making the store",
 					      "PRAGMA page_size=16384; PRAGMA auto_vacuum=INCREMENTAL; "
 					      "PRAGMA journal_mode=DELETE; PRAGMA synchronous=FULL; "
 					      "PRAGMA locking_mode=EXCLUSIVE; PRAGMA cache_size=-16000")
@@ -121,7 +121,7 @@ static enum status connect_part(struct store *store)
 static enum status begin_part(struct store *store)
 {
 	store->keeps_part = false;
-	if (!create_remove_part(store)) /* left by one that was killed: the lock is ours */
+	if (!store_create_remove_part(store)) /* left by one that was killed: the lock is ours */
 		return fail_with(STATUS_FAILED, "%s: what an earlier import left beside it cannot be removed: %s; make its "
 				 "folder writable", store->path, strerror(errno));
 	int file = open(store->part_path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
@@ -131,10 +131,10 @@ static enum status begin_part(struct store *store)
 	close(file);
 	enum status status = connect_part(store);
 	if (status == STATUS_OK)
-		status = put_begin(store);
+		status = store_put_begin(store);
 	if (status == STATUS_OK)
-		status = schema_create(store->db, store->path);
-	return status == STATUS_OK && store->meta.request[0] != '\0' ? meta_put_request(store) : status;
+		status = store_schema_create(store->db, store->path);
+	return status == STATUS_OK && store->meta.request[0] != '\0' ? store_meta_put_request(store) : status;
 }
 
 /* Takes up what is there. *resumed false: there is nothing, or it was killed before its first commit. */
@@ -147,7 +147,7 @@ static enum status resume_part(struct store *store, bool *resumed)
 	int64_t tables;
 	enum status status = connect_part(store);
 	if (status == STATUS_OK)
-		status = sql_integer(store->db, store->path, "SELECT count(*) FROM sqlite_schema", &tables);
+		status = store_sql_integer(store->db, store->path, "SELECT count(*) FROM sqlite_schema", &tables);
 	if (status == STATUS_OK && tables == 0) { /* what was begun was undone */
 		sqlite3_close(store->db);
 		store->db = NULL;
@@ -155,14 +155,14 @@ static enum status resume_part(struct store *store, bool *resumed)
 	}
 	bool same = false;
 	if (status == STATUS_OK)
-		status = schema_check(store->db, store->path);
+		status = store_schema_check(store->db, store->path);
 	if (status == STATUS_OK)
-		status = meta_same_request(store, &same);
+		status = store_meta_same_request(store, &same);
 	*resumed = status == STATUS_OK;
 	if (status == STATUS_OK && !same)
 		status = fail_with(STATUS_INPUT, "%s: what was broken off was another import (sources that have changed, "
 				   "other options, another furrow); give the same again, or leave out --resume to begin anew", store->path);
-	return status == STATUS_OK ? put_begin(store) : status;
+	return status == STATUS_OK ? store_put_begin(store) : status;
 }
 
 static enum status open_part(struct store *store, bool resume)
@@ -187,23 +187,24 @@ static enum status make(const char *path, const struct store_meta *meta, bool ov
 		return fail_memory("a store");
 	store->lock = -1;
 	store->base = &store->rows;
+	store_changes_begin(&store->changes);
 	store->overwrite = overwrite;
 	store->commit_bytes = COMMIT_BYTES;
 	store->path = mem_strdup(path);
-	status = store->path != NULL ? meta_copy(&store->meta, meta) : fail_memory("a store");
+	status = store->path != NULL ? store_meta_copy(&store->meta, meta) : fail_memory("a store");
 	if (status == STATUS_OK)
 		status = resolve(path, &store->real_path);
 	if (status == STATUS_OK)
 		status = refuse_existing(store);
 	if (status == STATUS_OK) {
 		store->lock_path = store_path_with(store->real_path, "-lock");
-		status = store->lock_path != NULL ? lock_take(store->lock_path, path, &store->lock)
+		status = store->lock_path != NULL ? store_lock_take(store->lock_path, path, &store->lock)
 						  : fail_memory("a store");
 	}
 	if (status == STATUS_OK)
 		status = open_part(store, resume);
 	if (status == STATUS_OK)
-		status = rows_init(&store->rows, store->db, store->path, &store->meta.extent,
+		status = store_rows_init(&store->rows, store->db, store->path, &store->meta.extent,
 				   meta->pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_FAST);
 	if (status != STATUS_OK) {
 		store_close(store);
@@ -224,7 +225,7 @@ enum status store_resume(const char *path, const struct store_meta *meta, bool o
 	enum status status = make(path, meta, overwrite, true, out);
 	if (status != STATUS_OK)
 		return status;
-	status = sql_integer((*out)->db, path, "SELECT count(*) FROM base", tiles);
+	status = store_sql_integer((*out)->db, path, "SELECT count(*) FROM base", tiles);
 	if (status != STATUS_OK) {
 		store_close(*out);
 		*out = NULL;
@@ -240,7 +241,7 @@ static enum status check_whole(struct store *store)
 	int64_t want = 0, have;
 	for (int level = 0; level <= extent_coarsest(extent); level++)
 		want += (int64_t)extent_tiles_x(extent, level) * extent_tiles_y(extent, level);
-	enum status status = sql_integer(store->db, store->path, "SELECT count(*) FROM base", &have);
+	enum status status = store_sql_integer(store->db, store->path, "SELECT count(*) FROM base", &have);
 	if (status == STATUS_OK && have != want)
 		status = fail_with(STATUS_FAILED, "%s: %lld of %lld tiles were made; import it again", store->path,
 				   (long long)have, (long long)want);
@@ -252,7 +253,7 @@ static enum status take_range(struct store *store)
 	struct row top;
 	bool found;
 	struct tile tile = {extent_coarsest(&store->meta.extent), 0, 0};
-	enum status status = rows_head(&store->rows, ROW_BASE, tile, &top, &found);
+	enum status status = store_rows_head(&store->rows, ROW_BASE, tile, &top, &found);
 	if (status != STATUS_OK)
 		return status;
 	assert(found);
@@ -266,7 +267,7 @@ static enum status take_base(struct store *store)
 	enum status status = check_whole(store);
 	if (status == STATUS_OK)
 		status = take_range(store);
-	return status == STATUS_OK ? identity_compute(store, &store->base_hash) : status;
+	return status == STATUS_OK ? store_identity_compute(store, &store->base_hash) : status;
 }
 
 static enum status sync_part(const struct store *store)
@@ -285,7 +286,7 @@ static enum status sync_part(const struct store *store)
 static enum status remove_beside(const struct store *store)
 {
 	static const char *const suffixes[] = {"-wal", "-shm", "-journal"};
-	enum status status = replace_settle(store->real_path, store->path);
+	enum status status = store_replace_settle(store->real_path, store->path);
 	for (size_t i = 0; i < sizeof suffixes / sizeof *suffixes && status == STATUS_OK; i++) {
 		char *beside = store_path_with(store->real_path, suffixes[i]);
 		if (beside == NULL)
@@ -343,12 +344,12 @@ enum status store_publish(struct store *store)
 	/* What an overlay says of its base was set when it was made. */
 	enum status status = store->base_path == NULL ? take_base(store) : STATUS_OK;
 	if (status == STATUS_OK)
-		status = meta_write(store);
+		status = store_meta_write(store);
 	if (status == STATUS_OK)
-		status = sql_exec(store->db, store->path, "writing it", "COMMIT");
+		status = store_sql_exec(store->db, store->path, "writing it", "COMMIT");
 	if (status != STATUS_OK)
 		return status;
-	rows_finish(&store->rows);
+	store_rows_finish(&store->rows);
 	sqlite3_finalize(store->meta_statement);
 	store->meta_statement = NULL;
 	int code = sqlite3_close(store->db);

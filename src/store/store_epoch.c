@@ -57,27 +57,15 @@ static enum status put_row(struct climb *climb, struct row *row, const int32_t *
 {
 	struct store *store = climb->store;
 	struct store_epoch_result *result = climb->result;
-	int64_t *changed = &result->changed[row_plane(climb->table)];
-	bool written;
-	row->revision = store->epoch + 1;
 	if (climb->table == ROW_OFFSET && exists)
-		rows_sums(&store->meta.extent, row->tile, posts, &row->below, &row->above);
+		store_rows_sums(&store->meta.extent, row->tile, posts, &row->below, &row->above);
 	if (climb->table == ROW_OFFSET && row->tile.level == store->working) {
 		result->below += row->below - (old != NULL ? old->below : 0);
 		result->above += row->above - (old != NULL ? old->above : 0);
 	}
-	if (!exists) {
-		result->tiles_written += old != NULL;
-		*changed += old != NULL;
-		return old != NULL ? rows_drop(&store->rows, climb->table, row->tile) : STATUS_OK;
-	}
-	enum status status = rows_write(&store->rows, climb->table, posts, row, old != NULL ? &old->hash : NULL, &written);
-	if (status == STATUS_OK && written) {
-		result->tiles_written++;
-		++*changed;
-		result->bytes_written += (int64_t)row->size;
-	}
-	return status;
+	if (exists)
+		return store_change_write(store, climb->table, posts, row, old, result);
+	return old != NULL ? store_change_drop(store, climb->table, old, result) : STATUS_OK;
 }
 
 static enum status put_page(struct climb *climb, const struct store_page *page, const int32_t **posts)
@@ -96,11 +84,11 @@ static enum status put_page(struct climb *climb, const struct store_page *page, 
 	}
 	struct row old, row = {.tile = page->tile};
 	bool had;
-	rows_range(climb->table, *posts, count, 0, &row.low, &row.high);
-	enum status status = rows_head(&climb->store->rows, climb->table, page->tile, &old, &had);
+	store_rows_range(climb->table, *posts, count, 0, &row.low, &row.high);
+	enum status status = store_rows_head(&climb->store->rows, climb->table, page->tile, &old, &had);
 	if (status != STATUS_OK)
 		return status;
-	return put_row(climb, &row, *posts, !rows_all_zero(*posts, count), had ? &old : NULL);
+	return put_row(climb, &row, *posts, !store_rows_all_zero(*posts, count), had ? &old : NULL);
 }
 
 static enum status put_parent(struct climb *climb, struct tile tile, const int32_t *posts, const struct row *old)
@@ -108,10 +96,10 @@ static enum status put_parent(struct climb *climb, struct tile tile, const int32
 	double low, high;
 	int children;
 	struct row row = {.tile = tile};
-	enum status status = rows_under(&climb->store->rows, climb->table, tile, &low, &high, &children);
+	enum status status = store_rows_under(&climb->store->rows, climb->table, tile, &low, &high, &children);
 	if (status != STATUS_OK)
 		return status;
-	rows_range(climb->table, posts, plane_posts(climb->store), 0, &row.low, &row.high);
+	store_rows_range(climb->table, posts, plane_posts(climb->store), 0, &row.low, &row.high);
 	if (children > 0) {
 		row.low = low < row.low ? low : row.low;
 		row.high = high > row.high ? high : row.high;
@@ -135,7 +123,7 @@ static enum status climb_tile(struct climb *climb, int level, size_t first, size
 	bool had;
 	enum status status = plane_at(climb, level, &mine);
 	if (status == STATUS_OK)
-		status = rows_read(&climb->store->rows, climb->table, tile, mine, &old, &had);
+		status = store_rows_read(&climb->store->rows, climb->table, tile, mine, &old, &had);
 	if (status != STATUS_OK)
 		return status;
 	if (!had)
@@ -185,23 +173,7 @@ static enum status put_run(struct store *store, const struct store_run *run,
 	const char *state = run->describe != NULL ? run->describe(run->user, result) : run->state;
 	if (state == NULL)
 		return fail_memory("the run's record");
-	enum status status = sql_prepare(store->db, store->path, &store->run_statement,
-					 "INSERT OR REPLACE INTO run(id, epoch, scene_hash, step, time, state) "
-					 "VALUES(1, ?1, ?2, ?3, ?4, ?5)");
-	if (status != STATUS_OK)
-		return status;
-	sqlite3_stmt *statement = store->run_statement;
-	sqlite3_bind_int64(statement, 1, store->epoch + 1);
-	sqlite3_bind_text(statement, 2, run->scene_hash, -1, SQLITE_STATIC);
-	sqlite3_bind_int64(statement, 3, run->step);
-	sqlite3_bind_double(statement, 4, run->time);
-	sqlite3_bind_text(statement, 5, state, -1, SQLITE_STATIC);
-	int code = sqlite3_step(statement);
-	if (code != SQLITE_DONE)
-		status = sql_fail(store->db, code, store->path, "writing the run's record");
-	sqlite3_reset(statement);
-	sqlite3_clear_bindings(statement);
-	return status;
+	return store_run_put(store, run, state);
 }
 
 static enum status put_all(struct store *store, const struct store_page *pages, size_t count,
@@ -209,7 +181,7 @@ static enum status put_all(struct store *store, const struct store_page *pages, 
 {
 	enum status status = STATUS_OK;
 	if (!store->working_stored && count > 0) {
-		status = meta_put_integer(store, "working", store->working);
+		status = store_meta_put_integer(store, "working", store->working);
 		result->header++;
 	}
 	if (status == STATUS_OK)
@@ -217,14 +189,16 @@ static enum status put_all(struct store *store, const struct store_page *pages, 
 	if (status == STATUS_OK)
 		status = climb_table(store, ROW_DIRT, pages, count, result);
 	for (int table = ROW_HEAPED; table < ROW_TABLES && status == STATUS_OK; table++)
-		status = state_put(store, (enum row_table)table, pages, count, result);
+		status = store_state_put(store, (enum row_table)table, pages, count, result);
 	if (status == STATUS_OK)
-		status = meta_add_compacted(store, run->compacted);
+		status = store_meta_add_compacted(store, run->compacted);
 	result->header += run->compacted != 0;
 	if (status == STATUS_OK)
 		status = put_run(store, run, result);
 	if (status == STATUS_OK)
-		status = sql_exec(store->db, store->path, "committing an epoch", "COMMIT");
+		status = store_changes_reserve(&store->changes);
+	if (status == STATUS_OK)
+		status = store_sql_exec(store->db, store->path, "committing an epoch", "COMMIT");
 	return status;
 }
 
@@ -236,19 +210,19 @@ enum status store_epoch(struct store *store, const struct store_page *pages, siz
 		assert(pages[i].tile.level == store->working && extent_has(&store->meta.extent, pages[i].tile) &&
 		       pages[i].planes[PLANE_OFFSET] != NULL);
 	*result = (struct store_epoch_result){.epoch = store->epoch + 1};
-	enum status status = sql_exec(store->db, store->path, "beginning an epoch", "BEGIN IMMEDIATE");
+	enum status status = store_sql_begin(store->db, store->path, "beginning an epoch");
 	if (status != STATUS_OK)
 		return status;
 	status = put_all(store, pages, count, run, result);
 	if (status != STATUS_OK) {
-		/* Some errors have rolled back already. The message is the first failure's. */
-		if (!sqlite3_get_autocommit(store->db))
-			sqlite3_exec(store->db, "ROLLBACK", NULL, NULL, NULL);
+		store_sql_undo(store->db);
+		store_changes_drop(&store->changes);
 		return status;
 	}
 	if (count > 0)
 		store->working_stored = true;
 	store->compacted += run->compacted;
 	store->epoch++;
+	store_changes_commit(&store->changes, store->epoch);
 	return STATUS_OK;
 }

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <xxhash.h>
 
-void hash_words(struct XXH3_state_s *state, const uint64_t *words, size_t count)
+void store_hash_words(struct XXH3_state_s *state, const uint64_t *words, size_t count)
 {
 	for (size_t i = 0; i < count; i++) {
 		uint8_t bytes[8];
@@ -15,7 +15,7 @@ void hash_words(struct XXH3_state_s *state, const uint64_t *words, size_t count)
 	}
 }
 
-uint64_t hash_real(double value)
+uint64_t store_hash_real(double value)
 {
 	uint64_t word = 0;
 	if (value == value) /* NaN: 0 */
@@ -23,10 +23,10 @@ uint64_t hash_real(double value)
 	return word;
 }
 
-void hash_text(struct XXH3_state_s *state, const char *text)
+void store_hash_text(struct XXH3_state_s *state, const char *text)
 {
 	uint64_t length = strlen(text);
-	hash_words(state, &length, 1);
+	store_hash_words(state, &length, 1);
 	XXH3_64bits_update(state, text, length);
 }
 
@@ -45,14 +45,14 @@ static void add_meta(struct hashing *hashing)
 	const struct store_meta *meta = &store->meta;
 	const uint64_t words[] = {
 		(uint64_t)meta->extent.width, (uint64_t)meta->extent.height, meta->extent.cells,
-		hash_real(meta->extent.spacing), hash_real(meta->step), hash_real(meta->max_error),
-		hash_real(meta->origin[0]), hash_real(meta->origin[1]), hash_real(meta->low),
-		hash_real(meta->high), store->working_stored,
+		store_hash_real(meta->extent.spacing), store_hash_real(meta->step), store_hash_real(meta->max_error),
+		store_hash_real(meta->origin[0]), store_hash_real(meta->origin[1]), store_hash_real(meta->low),
+		store_hash_real(meta->high), store->working_stored,
 		store->working_stored ? (uint64_t)(int64_t)store->working : 0, (uint64_t)store->compacted,
 	};
-	hash_words(hashing->state, words, sizeof words / sizeof *words);
-	hash_text(hashing->state, meta->srs);
-	hash_text(hashing->state, meta->vertical);
+	store_hash_words(hashing->state, words, sizeof words / sizeof *words);
+	store_hash_text(hashing->state, meta->srs);
+	store_hash_text(hashing->state, meta->vertical);
 }
 
 static enum status add_row(struct hashing *hashing, enum row_table table, uint64_t key)
@@ -65,18 +65,18 @@ static enum status add_row(struct hashing *hashing, enum row_table table, uint64
 	if (!extent_has(rows->extent, tile) || tile_key(tile) != key)
 		return fail_with(STATUS_INPUT, "%s: it has a tile outside its terrain; the store is damaged, "
 				 "restore it", rows->path);
-	enum status status = rows_read(rows, table, tile, hashing->posts, &row, &found);
+	enum status status = store_rows_read(rows, table, tile, hashing->posts, &row, &found);
 	if (status == STATUS_OK && !found) { /* its keys are out of order: one way leads to it, another does not */
 		char text[256];
-		rows_text(rows, table, tile, text, sizeof text);
+		store_rows_text(rows, table, tile, text, sizeof text);
 		status = fail_with(STATUS_INPUT, "%s: it is listed and cannot be found; the store is damaged, restore or "
 				   "import it again", text);
 	}
 	if (status != STATUS_OK)
 		return status;
-	const uint64_t words[] = {(uint64_t)table, key, hash_real(row.low), hash_real(row.high),
-				  hash_real(row.error), (uint64_t)row.below, (uint64_t)row.above};
-	hash_words(hashing->state, words, sizeof words / sizeof *words);
+	const uint64_t words[] = {(uint64_t)table, key, store_hash_real(row.low), store_hash_real(row.high),
+				  store_hash_real(row.error), (uint64_t)row.below, (uint64_t)row.above};
+	store_hash_words(hashing->state, words, sizeof words / sizeof *words);
 #if __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
 	for (size_t i = 0; i < count; i++)
 		hashing->posts[i] = (int32_t)__builtin_bswap32((uint32_t)hashing->posts[i]);
@@ -90,13 +90,13 @@ static enum status add_table(struct hashing *hashing, enum row_table table)
 	char keys[64];
 	const struct rows *rows = store_table(hashing->store, table);
 	sqlite3_stmt *statement = NULL;
-	snprintf(keys, sizeof keys, "SELECT key FROM %s ORDER BY key", rows_sql_name(table));
-	enum status status = sql_prepare(rows->db, rows->path, &statement, keys);
+	snprintf(keys, sizeof keys, "SELECT key FROM %s ORDER BY key", store_rows_sql_name(table));
+	enum status status = store_sql_prepare(rows->db, rows->path, &statement, keys);
 	int code;
 	while (status == STATUS_OK && (code = sqlite3_step(statement)) != SQLITE_DONE)
 		status = code == SQLITE_ROW
 				 ? add_row(hashing, table, (uint64_t)sqlite3_column_int64(statement, 0))
-				 : sql_fail(rows->db, code, rows->path, "reading its tiles");
+				 : store_sql_fail(rows->db, code, rows->path, "reading its tiles");
 	sqlite3_finalize(statement);
 	return status;
 }

@@ -13,31 +13,31 @@ static void add_meta(XXH3_state_t *state, const struct store_meta *meta)
 {
 	const uint64_t words[] = {
 		(uint64_t)meta->extent.width, (uint64_t)meta->extent.height, meta->extent.cells,
-		hash_real(meta->extent.spacing), hash_real(meta->step), hash_real(meta->origin[0]),
-		hash_real(meta->origin[1]), hash_real(meta->low), hash_real(meta->high),
+		store_hash_real(meta->extent.spacing), store_hash_real(meta->step), store_hash_real(meta->origin[0]),
+		store_hash_real(meta->origin[1]), store_hash_real(meta->low), store_hash_real(meta->high),
 	};
-	hash_words(state, words, sizeof words / sizeof *words);
-	hash_text(state, meta->srs);
-	hash_text(state, meta->vertical);
+	store_hash_words(state, words, sizeof words / sizeof *words);
+	store_hash_text(state, meta->srs);
+	store_hash_text(state, meta->vertical);
 }
 
 static enum status add_rows(XXH3_state_t *state, sqlite3 *db, const char *path)
 {
 	sqlite3_stmt *statement = NULL;
-	enum status status = sql_prepare(db, path, &statement, "SELECT key, hash FROM base ORDER BY key");
+	enum status status = store_sql_prepare(db, path, &statement, "SELECT key, hash FROM base ORDER BY key");
 	int code;
 	while (status == STATUS_OK && (code = sqlite3_step(statement)) != SQLITE_DONE) {
 		if (code == SQLITE_ROW)
-			hash_words(state, (uint64_t[]){(uint64_t)sqlite3_column_int64(statement, 0),
+			store_hash_words(state, (uint64_t[]){(uint64_t)sqlite3_column_int64(statement, 0),
 						       (uint64_t)sqlite3_column_int64(statement, 1)}, 2);
 		else
-			status = sql_fail(db, code, path, "reading its tiles");
+			status = store_sql_fail(db, code, path, "reading its tiles");
 	}
 	sqlite3_finalize(statement);
 	return status;
 }
 
-enum status identity_compute(struct store *store, uint64_t *hash)
+enum status store_identity_compute(struct store *store, uint64_t *hash)
 {
 	XXH3_state_t *state = XXH3_createState();
 	if (state == NULL)

@@ -20,7 +20,7 @@ static bool still_there(const char *lock_path, int descriptor)
 	       held.st_ino == named.st_ino && held.st_dev == named.st_dev;
 }
 
-enum status lock_take(const char *lock_path, const char *named, int *descriptor)
+enum status store_lock_take(const char *lock_path, const char *named, int *descriptor)
 {
 	for (;;) {
 		int lock = open(lock_path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
@@ -46,7 +46,7 @@ enum status lock_take(const char *lock_path, const char *named, int *descriptor)
 	}
 }
 
-void lock_drop(const char *lock_path, int descriptor)
+void store_lock_drop(const char *lock_path, int descriptor)
 {
 	if (descriptor < 0)
 		return;

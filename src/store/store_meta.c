@@ -7,7 +7,7 @@
 #define COMPACTED_MAX (INT64_MAX / 4) /* either way; so that sums of such are numbers too */
 #define EPOCH_MAX (INT64_C(1) << 53) /* nobody commits that many */
 
-enum status meta_copy(struct store_meta *to, const struct store_meta *from)
+enum status store_meta_copy(struct store_meta *to, const struct store_meta *from)
 {
 	*to = *from;
 	to->srs = mem_strdup(from->srs != NULL ? from->srs : "");
@@ -17,11 +17,11 @@ enum status meta_copy(struct store_meta *to, const struct store_meta *from)
 	to->low = to->high = (double)NAN;
 	if (to->srs != NULL && to->vertical != NULL && to->sources != NULL && to->request != NULL)
 		return STATUS_OK;
-	meta_finish(to);
+	store_meta_finish(to);
 	return fail_memory("a store");
 }
 
-void meta_finish(struct store_meta *meta)
+void store_meta_finish(struct store_meta *meta)
 {
 	mem_free((void *)(uintptr_t)meta->srs);
 	mem_free((void *)(uintptr_t)meta->vertical);
@@ -34,7 +34,7 @@ void meta_finish(struct store_meta *meta)
 
 static enum status begin_put(struct store *store, const char *key, sqlite3_stmt **statement)
 {
-	enum status status = sql_prepare(store->db, store->path, &store->meta_statement,
+	enum status status = store_sql_prepare(store->db, store->path, &store->meta_statement,
 					 "INSERT OR REPLACE INTO meta(key, value) VALUES(?1, ?2)");
 	*statement = store->meta_statement;
 	if (status == STATUS_OK)
@@ -47,13 +47,13 @@ static enum status end_put(struct store *store)
 	enum status status = STATUS_OK;
 	int code = sqlite3_step(store->meta_statement);
 	if (code != SQLITE_DONE)
-		status = sql_fail(store->db, code, store->path, "writing it");
+		status = store_sql_fail(store->db, code, store->path, "writing it");
 	sqlite3_reset(store->meta_statement);
 	sqlite3_clear_bindings(store->meta_statement);
 	return status;
 }
 
-enum status meta_put_integer(struct store *store, const char *key, int64_t value)
+enum status store_meta_put_integer(struct store *store, const char *key, int64_t value)
 {
 	sqlite3_stmt *statement;
 	enum status status = begin_put(store, key, &statement);
@@ -63,7 +63,7 @@ enum status meta_put_integer(struct store *store, const char *key, int64_t value
 	return end_put(store);
 }
 
-enum status meta_put_real(struct store *store, const char *key, double value)
+enum status store_meta_put_real(struct store *store, const char *key, double value)
 {
 	sqlite3_stmt *statement;
 	enum status status = begin_put(store, key, &statement);
@@ -86,7 +86,7 @@ static enum status put_text(struct store *store, const char *key, const char *va
 	return end_put(store);
 }
 
-enum status meta_write(struct store *store)
+enum status store_meta_write(struct store *store)
 {
 	const struct store_meta *meta = &store->meta;
 	const struct { const char *key; int64_t value; } integers[] = {
@@ -104,9 +104,9 @@ enum status meta_write(struct store *store)
 	};
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < sizeof integers / sizeof *integers && status == STATUS_OK; i++)
-		status = meta_put_integer(store, integers[i].key, integers[i].value);
+		status = store_meta_put_integer(store, integers[i].key, integers[i].value);
 	for (size_t i = 0; i < sizeof reals / sizeof *reals && status == STATUS_OK; i++)
-		status = meta_put_real(store, reals[i].key, reals[i].value);
+		status = store_meta_put_real(store, reals[i].key, reals[i].value);
 	for (size_t i = 0; i < sizeof texts / sizeof *texts && status == STATUS_OK; i++)
 		status = put_text(store, texts[i].key, texts[i].value);
 	if (status == STATUS_OK && store->base_path != NULL)
@@ -114,9 +114,23 @@ enum status meta_write(struct store *store)
 	return status;
 }
 
-enum status meta_put_request(struct store *store)
+enum status store_meta_put_request(struct store *store)
 {
 	return put_text(store, "request", store->meta.request);
+}
+
+enum status store_meta_drop(struct store *store, const char *key)
+{
+	sqlite3_stmt *statement = NULL;
+	enum status status = store_sql_prepare(store->db, store->path, &statement, "DELETE FROM meta WHERE key = ?1");
+	if (status != STATUS_OK)
+		return status;
+	sqlite3_bind_text(statement, 1, key, -1, SQLITE_STATIC);
+	int code = sqlite3_step(statement);
+	if (code != SQLITE_DONE)
+		status = store_sql_fail(store->db, code, store->path, "writing it");
+	sqlite3_finalize(statement);
+	return status;
 }
 
 /* --- reading --- */
@@ -136,7 +150,7 @@ static enum status bad_key(const struct lookup *lookup, const char *key)
 /* *found false without that key. */
 static enum status look_up(struct lookup *lookup, const char *key, bool *found)
 {
-	enum status status = sql_prepare(lookup->db, lookup->path, &lookup->statement,
+	enum status status = store_sql_prepare(lookup->db, lookup->path, &lookup->statement,
 					 "SELECT value FROM meta WHERE key = ?1");
 	if (status != STATUS_OK)
 		return status;
@@ -146,7 +160,7 @@ static enum status look_up(struct lookup *lookup, const char *key, bool *found)
 	*found = code == SQLITE_ROW;
 	return code == SQLITE_ROW || code == SQLITE_DONE
 		       ? STATUS_OK
-		       : sql_fail(lookup->db, code, lookup->path, "reading its header");
+		       : store_sql_fail(lookup->db, code, lookup->path, "reading its header");
 }
 
 static enum status get_integer(struct lookup *lookup, const char *key, int64_t low, int64_t high,
@@ -188,7 +202,7 @@ static enum status get_text(struct lookup *lookup, const char *key, const char *
 	return *value != NULL ? STATUS_OK : fail_memory("a store's header");
 }
 
-enum status meta_same_request(struct store *store, bool *same)
+enum status store_meta_same_request(struct store *store, bool *same)
 {
 	struct lookup lookup = {.db = store->db, .path = store->path};
 	enum status status = look_up(&lookup, "request", same);
@@ -239,7 +253,7 @@ static enum status get_working(struct lookup *lookup, const struct extent *exten
 	return status;
 }
 
-enum status meta_working(sqlite3 *db, const char *path, const struct extent *extent, bool *has, int *level)
+enum status store_meta_working(sqlite3 *db, const char *path, const struct extent *extent, bool *has, int *level)
 {
 	struct lookup lookup = {.db = db, .path = path};
 	enum status status = get_working(&lookup, extent, has, level);
@@ -258,7 +272,7 @@ static enum status get_compacted(struct lookup *lookup, int64_t *compacted)
 	return get_integer(lookup, "compacted", -COMPACTED_MAX, COMPACTED_MAX, compacted);
 }
 
-enum status meta_compacted(sqlite3 *db, const char *path, int64_t *compacted)
+enum status store_meta_compacted(sqlite3 *db, const char *path, int64_t *compacted)
 {
 	struct lookup lookup = {.db = db, .path = path};
 	enum status status = get_compacted(&lookup, compacted);
@@ -266,14 +280,14 @@ enum status meta_compacted(sqlite3 *db, const char *path, int64_t *compacted)
 	return status;
 }
 
-enum status meta_add_compacted(struct store *store, int64_t more)
+enum status store_meta_add_compacted(struct store *store, int64_t more)
 {
 	int64_t sum;
 	if (more == 0)
 		return STATUS_OK;
 	if (__builtin_add_overflow(store->compacted, more, &sum) || sum > COMPACTED_MAX || sum < -COMPACTED_MAX)
 		return fail_with(STATUS_FAILED, "%s: more soil was compacted than it can count; furrow reset it", store->path);
-	return meta_put_integer(store, "compacted", sum);
+	return store_meta_put_integer(store, "compacted", sum);
 }
 
 static enum status get_base_hash(struct lookup *lookup, uint64_t *hash)
@@ -284,7 +298,7 @@ static enum status get_base_hash(struct lookup *lookup, uint64_t *hash)
 	return status;
 }
 
-enum status meta_base_hash(sqlite3 *db, const char *path, uint64_t *hash)
+enum status store_meta_base_hash(sqlite3 *db, const char *path, uint64_t *hash)
 {
 	struct lookup lookup = {.db = db, .path = path};
 	enum status status = get_base_hash(&lookup, hash);
@@ -302,7 +316,7 @@ static enum status get_base_path(struct lookup *lookup, char **path)
 	const char *text = NULL;
 	if (sqlite3_column_type(lookup->statement, 0) == SQLITE_TEXT)
 		text = (const char *)sqlite3_column_text(lookup->statement, 0);
-	if (text == NULL || !overlay_path_fits(text, (size_t)sqlite3_column_bytes(lookup->statement, 0)))
+	if (text == NULL || !store_overlay_path_fits(text, (size_t)sqlite3_column_bytes(lookup->statement, 0)))
 		return bad_key(lookup, "base_path");
 	*path = mem_strdup(text);
 	return *path != NULL ? STATUS_OK : fail_memory("a store's header");
@@ -355,14 +369,14 @@ static enum status get_all(struct lookup *lookup, struct store *store)
 	return STATUS_OK;
 }
 
-enum status meta_read(struct store *store)
+enum status store_meta_read(struct store *store)
 {
 	struct lookup lookup = {.db = store->db, .path = store->path};
 	enum status status = get_all(&lookup, store);
 	sqlite3_finalize(lookup.statement);
 	if (status != STATUS_OK)
 		return status;
-	status = sql_integer(store->db, store->path, "SELECT coalesce(max(epoch), 0) FROM run", &store->epoch);
+	status = store_sql_integer(store->db, store->path, "SELECT coalesce(max(epoch), 0) FROM run", &store->epoch);
 	if (status == STATUS_OK && (store->epoch < 0 || store->epoch > EPOCH_MAX))
 		return bad_key(&lookup, "epoch");
 	return status;

@@ -50,13 +50,13 @@ static enum status check_length(struct store *store)
 {
 	int64_t pages, size;
 	struct stat file = {0};
-	enum status status = sql_exec(store->db, store->path, "opening it", "BEGIN");
+	enum status status = store_sql_exec(store->db, store->path, "opening it", "BEGIN");
 	if (status != STATUS_OK)
 		return status;
-	status = sql_integer(store->db, store->path, "PRAGMA page_count", &pages);
+	status = store_sql_integer(store->db, store->path, "PRAGMA page_count", &pages);
 	if (status == STATUS_OK)
-		status = sql_integer(store->db, store->path, "PRAGMA page_size", &size);
-	if (status == STATUS_OK && !connect_has_wal(store->real_path) &&
+		status = store_sql_integer(store->db, store->path, "PRAGMA page_size", &size);
+	if (status == STATUS_OK && !store_connect_has_wal(store->real_path) &&
 	    (stat(store->real_path, &file) != 0 || file.st_size < pages * size))
 		status = fail_with(STATUS_INPUT, "%s: it was cut short: %lld bytes of %lld; restore or import it again",
 				   store->path, (long long)file.st_size, (long long)(pages * size));
@@ -69,9 +69,9 @@ static enum status connect_writer(struct store *store)
 	if (access(store->real_path, W_OK) != 0)
 		return fail_with(STATUS_FAILED, "%s: cannot be written: %s; make the file writable", store->path,
 				 strerror(errno));
-	enum status status = lock_take(store->lock_path, store->path, &store->lock);
+	enum status status = store_lock_take(store->lock_path, store->path, &store->lock);
 	if (status == STATUS_OK)
-		status = connect_file(store->real_path, store->path, true, false, &store->db);
+		status = store_connect_file(store->real_path, store->path, true, false, &store->db);
 	return status;
 }
 
@@ -83,32 +83,34 @@ enum status store_open_as(const char *path, const struct store_options *options,
 		return fail_memory("a store");
 	store->lock = -1;
 	store->base = &store->rows;
+	store_changes_begin(&store->changes);
 	store->durable_full = options->durable_full;
 	store->path = mem_strdup(path);
 	enum status status = store->path != NULL ? find_file(store) : fail_memory("a store");
 	if (status == STATUS_OK && options->mode == STORE_WRITE)
 		status = connect_writer(store);
 	else if (status == STATUS_OK)
-		status = connect_reader(store->real_path, store->path, &store->immutable, &store->db);
+		status = store_connect_reader(store->real_path, store->path, &store->immutable, &store->db);
 	if (status == STATUS_OK)
-		status = schema_check(store->db, store->path);
+		status = store_schema_check(store->db, store->path);
 	if (status == STATUS_OK)
 		status = check_length(store);
 	if (status == STATUS_OK)
-		status = meta_read(store);
+		status = store_meta_read(store);
 	if (status == STATUS_OK && store->base_path != NULL)
 		status = as_base ? fail_with(STATUS_INPUT, "%s: it is an overlay itself; name the store that it is over",
 					     store->path)
-				 : overlay_connect(store);
+				 : store_overlay_connect(store);
 	if (status == STATUS_OK && options->mode == STORE_WRITE)
-		status = wal_begin(store);
+		status = store_wal_begin(store);
 	if (status == STATUS_OK) {
 		store->writing = options->mode == STORE_WRITE;
-		status = rows_init(&store->rows, store->db, store->path, &store->meta.extent,
+		status = store_rows_init(&store->rows, store->db, store->path, &store->meta.extent,
 				   store->meta.pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_FAST);
 	}
 	if (status == STATUS_OK)
-		statements_count(&store->statements, store->db);
+		store_statements_count(&store->statements, store->db);
+	store_changes_restart(&store->changes, store->epoch);
 	if (status != STATUS_OK) {
 		store_close(store);
 		return status;
@@ -135,7 +137,9 @@ static void close_store(struct store *store, bool remove)
 	if (store == NULL)
 		return;
 	store_close(store->under);
-	rows_finish(&store->rows);
+	store_rows_finish(&store->rows);
+	store_undo_destroy(store->undo);
+	store_changes_finish(&store->changes);
 	sqlite3_finalize(store->run_statement);
 	sqlite3_finalize(store->meta_statement);
 	if (store->writing)
@@ -144,13 +148,12 @@ static void close_store(struct store *store, bool remove)
 	assert(code == SQLITE_OK);
 	(void)code;
 	if (store->part_path != NULL && store->lock >= 0 && !store->keeps_part)
-		create_remove_part(store);
+		store_create_remove_part(store);
 	if (remove)
 		unlink(store->real_path);
-	lock_drop(store->lock_path, store->lock);
-	meta_finish(&store->meta);
-	mem_free(store->api_scene);
-	mem_free(store->run_state);
+	store_lock_drop(store->lock_path, store->lock);
+	store_meta_finish(&store->meta);
+	store_run_copy_finish(&store->last_run);
 	mem_free(store->path);
 	mem_free(store->real_path);
 	mem_free(store->part_path);

@@ -17,7 +17,7 @@
 
 static const struct store_options reading = {.mode = STORE_READ};
 
-bool overlay_path_fits(const char *path, size_t length)
+bool store_overlay_path_fits(const char *path, size_t length)
 {
 	bool fits = length > 0 && length < PATH_MAX && strlen(path) == length;
 	for (const char *c = path; fits && *c != '\0'; c++)
@@ -100,7 +100,7 @@ static bool same_terrain(const struct store_meta *a, const struct store_meta *b)
 	       strcmp(a->vertical, b->vertical) == 0;
 }
 
-enum status overlay_connect(struct store *store)
+enum status store_overlay_connect(struct store *store)
 {
 	char *path = base_file(store);
 	if (path == NULL)
@@ -138,7 +138,7 @@ static enum status name_base(struct store *store, const struct store *base)
 	mem_free(folder);
 	if (store->base_path == NULL)
 		return fail_memory("an overlay");
-	return overlay_path_fits(store->base_path, strlen(store->base_path))
+	return store_overlay_path_fits(store->base_path, strlen(store->base_path))
 		       ? STATUS_OK
 		       : fail_with(STATUS_INPUT, "%s: its path has control characters; rename it", base->path);
 }

@@ -48,7 +48,7 @@ static double add_as_is(const struct reading *reading, double was, int32_t post)
 
 static double add_shear(const struct reading *reading, double was, int32_t post)
 {
-	return was + rows_metres(ROW_SHEAR, post, 0);
+	return was + store_rows_metres(ROW_SHEAR, post, 0);
 }
 
 /* What a layer adds to its base, or to nothing. */
@@ -61,26 +61,6 @@ static const struct {
 	[STORE_HEAPED] = {ROW_HEAPED, add_metres},  [STORE_PRESSED] = {ROW_PRESSED, add_metres},
 	[STORE_SHEAR] = {ROW_SHEAR, add_shear},
 };
-
-/* Post (x, y) of the level asked for, which lies in the tile at (px, py) / 2^shift of its posts. */
-static int32_t post_at(const struct reading *reading, int shift, uint64_t px, uint64_t py)
-{
-	uint32_t cells = reading->reader->rows.extent->cells, part = (1u << shift) - 1;
-	uint64_t cx = px >> shift, cy = py >> shift;
-	uint32_t fx = (uint32_t)px & part, fy = (uint32_t)py & part;
-	if (shift == 0)
-		return reading->posts[py * (cells + 1) + px];
-	if (cx == cells) { /* the last posts belong to the last cell */
-		cx--;
-		fx = part + 1;
-	}
-	if (cy == cells) {
-		cy--;
-		fy = part + 1;
-	}
-	const int32_t *p = reading->posts + cy * (cells + 1) + cx;
-	return lattice_interpolate(p[0], p[1], p[cells + 1], p[cells + 2], fx, fy, shift);
-}
 
 /* The part of `rect` that a tile `shift` levels coarser gives: its last row and column only where
  * no tile follows. */
@@ -101,12 +81,13 @@ static void take_tile(const struct reading *reading, struct tile tile, int shift
 {
 	uint64_t west = (uint64_t)tile.x * reading->reader->rows.extent->cells << shift;
 	uint64_t south = (uint64_t)tile.y * reading->reader->rows.extent->cells << shift;
+	uint32_t side = tile_posts(reading->reader->rows.extent);
 	int64_t width = reading->rect.x1 - reading->rect.x0;
 	for (int64_t y = part.y0; y < part.y1; y++) {
 		double *row = reading->values + (y - reading->rect.y0) * width - reading->rect.x0;
 		for (int64_t x = part.x0; x < part.x1; x++)
-			row[x] = meaning(reading, row[x],
-					 post_at(reading, shift, (uint64_t)x - west, (uint64_t)y - south));
+			row[x] = meaning(reading, row[x], lattice_finer(reading->posts, side, shift, (uint64_t)x - west,
+									(uint64_t)y - south));
 	}
 }
 
@@ -116,7 +97,7 @@ static enum status load_tile(struct reading *reading, enum row_table table, stru
 	struct rows *rows = &reading->reader->rows;
 	struct row row;
 	if (table != ROW_BASE)
-		return rows_read(rows, table, tile, reading->posts, &row, found);
+		return store_rows_read(rows, table, tile, reading->posts, &row, found);
 	*found = true;
 	enum status status = store_read_base(reading->reader, tile, reading->posts, NULL);
 	if (status != STATUS_OK || reading->level >= 0)
@@ -171,7 +152,7 @@ static enum status read_layer(struct reading *reading, enum store_layer layer)
 	if (post_rect_empty(rect))
 		return STATUS_OK;
 	bool deformed;
-	enum status status = meta_working(reader->db, reader->rows.path, extent, &deformed, &working);
+	enum status status = store_meta_working(reader->db, reader->rows.path, extent, &deformed, &working);
 	if (status == STATUS_OK)
 		status = take_level(reading, ROW_BASE, level > 0 ? level : 0, rect,
 				    level >= 0 ? base_code : base_lattice);
@@ -220,7 +201,7 @@ enum status store_read_posts(struct store_reader *reader, enum store_layer layer
 	bool outermost = sqlite3_get_autocommit(reader->db) != 0; /* store_sample() began one already */
 	enum status status = STATUS_OK;
 	if (outermost)
-		status = sql_exec(reader->db, reader->rows.path, "reading it", "BEGIN");
+		status = store_sql_exec(reader->db, reader->rows.path, "reading it", "BEGIN");
 	if (status == STATUS_OK) {
 		status = read_layer(&reading, layer);
 		if (outermost)
@@ -241,7 +222,7 @@ static enum status level_at(struct store_reader *reader, double x, double y, int
 	int working;
 	*level = 0;
 	*planes = 0;
-	enum status status = meta_working(reader->db, reader->rows.path, extent, &deformed, &working);
+	enum status status = store_meta_working(reader->db, reader->rows.path, extent, &deformed, &working);
 	if (status != STATUS_OK || !deformed)
 		return status;
 	double side = extent_spacing(extent, working) * extent->cells;
@@ -251,7 +232,7 @@ static enum status level_at(struct store_reader *reader, double x, double y, int
 	for (int plane = 0; plane < PLANES && status == STATUS_OK; plane++) {
 		struct row row;
 		bool found;
-		status = rows_head(&reader->rows, row_table_of((enum plane)plane), tile, &row, &found);
+		status = store_rows_head(&reader->rows, row_table_of((enum plane)plane), tile, &row, &found);
 		*planes |= found ? PLANE_BIT(plane) : 0;
 	}
 	if (*planes != 0 && working < 0)
@@ -277,16 +258,6 @@ static struct post_rect cell_at(const struct extent *extent, int level, double x
 	*u = snapped(px - (double)cx);
 	*v = snapped(py - (double)cy);
 	return (struct post_rect){cx, cy, cx + 2, cy + 2};
-}
-
-static double bilinear(const double posts[4], double u, double v)
-{
-	const double weights[4] = {(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v};
-	double sum = 0;
-	for (int i = 0; i < 4; i++)
-		if (weights[i] != 0)
-			sum += weights[i] * posts[i];
-	return sum;
 }
 
 /* A layer at the post that is nearest; 0 in a hole. */
@@ -329,11 +300,11 @@ static enum status sample_inside(struct store_reader *reader, double x, double y
 			status = nearest(reader, state[i].layer, level, cell, u, v, state[i].value);
 	if (status != STATUS_OK)
 		return status;
-	sample->base = bilinear(base, u, v);
+	sample->base = lattice_bilinear(base, u, v, 0);
 	sample->nodata = isnan(sample->base);
 	if (sample->nodata)
 		return STATUS_OK;
-	sample->offset = bilinear(offset, u, v);
+	sample->offset = lattice_bilinear(offset, u, v, 0);
 	sample->height = sample->base + sample->offset;
 	sample->dirt = (unsigned)dirt;
 	return STATUS_OK;
@@ -356,7 +327,7 @@ enum status store_sample(struct store_reader *reader, double x, double y, struct
 	}
 	x = fmin(fmax(x, 0), east);
 	y = fmin(fmax(y, 0), north);
-	enum status status = sql_exec(reader->db, reader->rows.path, "reading it", "BEGIN");
+	enum status status = store_sql_exec(reader->db, reader->rows.path, "reading it", "BEGIN");
 	if (status != STATUS_OK)
 		return status;
 	status = sample_inside(reader, x, y, sample);

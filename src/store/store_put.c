@@ -19,7 +19,7 @@ enum status store_packer_create(const struct store_meta *meta, struct store_pack
 	struct store_packer *packer = mem_calloc(1, sizeof *packer);
 	if (packer == NULL)
 		return fail_memory("packing tiles");
-	enum status status = codec_init(&packer->codec, tile_posts(&meta->extent),
+	enum status status = store_codec_init(&packer->codec, tile_posts(&meta->extent),
 					meta->pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_FAST);
 	if (status != STATUS_OK) {
 		mem_free(packer);
@@ -32,32 +32,32 @@ enum status store_packer_create(const struct store_meta *meta, struct store_pack
 void store_packer_destroy(struct store_packer *packer)
 {
 	if (packer != NULL)
-		codec_finish(&packer->codec);
+		store_codec_finish(&packer->codec);
 	mem_free(packer);
 }
 
 size_t store_packed_most(const struct store_packer *packer)
 {
-	return codec_bound(&packer->codec);
+	return store_codec_bound(&packer->codec);
 }
 
 struct store_packed store_pack(struct store_packer *packer, const int32_t *codes)
 {
 	struct store_packed packed;
-	packed.codec = codec_encode(&packer->codec, codes, &packed.bytes, &packed.size);
+	packed.codec = store_codec_encode(&packer->codec, codes, &packed.bytes, &packed.size);
 	return packed;
 }
 
-enum status put_begin(struct store *store)
+enum status store_put_begin(struct store *store)
 {
 	store->uncommitted = 0;
 	store->committed = clock_seconds();
-	return sql_exec(store->db, store->path, "making the store", "BEGIN EXCLUSIVE");
+	return store_sql_exec(store->db, store->path, "making the store", "BEGIN EXCLUSIVE");
 }
 
 static enum status commit(struct store *store)
 {
-	return sql_exec(store->db, store->path, "writing it", "COMMIT");
+	return store_sql_exec(store->db, store->path, "writing it", "COMMIT");
 }
 
 enum status store_put_packed(struct store *store, struct tile tile, const struct store_packed *packed,
@@ -73,27 +73,27 @@ enum status store_put_packed(struct store *store, struct tile tile, const struct
 		.bytes = packed->bytes,
 		.size = packed->size,
 	};
-	row.hash = rows_hash(ROW_BASE, &row);
-	enum status status = rows_put(&store->rows, ROW_BASE, &row);
+	row.hash = store_rows_hash(ROW_BASE, &row);
+	enum status status = store_rows_put(&store->rows, ROW_BASE, &row);
 	store->uncommitted += (int64_t)packed->size;
 	bool due = store->uncommitted >= store->commit_bytes || clock_seconds() - store->committed >= COMMIT_SECONDS;
 	if (status == STATUS_OK && due)
 		status = commit(store);
-	return status == STATUS_OK && due ? put_begin(store) : status;
+	return status == STATUS_OK && due ? store_put_begin(store) : status;
 }
 
 enum status store_put_base(struct store *store, struct tile tile, const int32_t *codes,
 			   const struct store_range *range)
 {
 	struct store_packed packed;
-	packed.codec = codec_encode(&store->rows.codec, codes, &packed.bytes, &packed.size);
+	packed.codec = store_codec_encode(&store->rows.codec, codes, &packed.bytes, &packed.size);
 	return store_put_packed(store, tile, &packed, range);
 }
 
 enum status store_get_base(struct store *store, struct tile tile, int32_t *codes, bool *found)
 {
 	struct row row;
-	return rows_read(&store->rows, ROW_BASE, tile, codes, &row, found);
+	return store_rows_read(&store->rows, ROW_BASE, tile, codes, &row, found);
 }
 
 enum status store_suspend(struct store *store)

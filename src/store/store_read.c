@@ -10,18 +10,18 @@ static enum status connect_rows(struct store *store, sqlite3 **db, struct rows *
 {
 	bool immutable = store->immutable;
 	uint64_t hash = 0;
-	enum status status = connect_reader(store->real_path, store->path, &immutable, db);
+	enum status status = store_connect_reader(store->real_path, store->path, &immutable, db);
 	/* The name may meanwhile be another file's. */
 	if (status == STATUS_OK)
-		status = schema_check(*db, store->path);
+		status = store_schema_check(*db, store->path);
 	if (status == STATUS_OK)
-		status = meta_base_hash(*db, store->path, &hash);
+		status = store_meta_base_hash(*db, store->path, &hash);
 	if (status == STATUS_OK && hash != store->base_hash)
 		status = fail_with(STATUS_INPUT, "%s: another store took its place since it was opened; begin again",
 				   store->path);
 	if (status == STATUS_OK)
-		statements_count(&store->statements, *db);
-	return status == STATUS_OK ? rows_init(rows, *db, store->path, &store->meta.extent, CODEC_FAST) : status;
+		store_statements_count(&store->statements, *db);
+	return status == STATUS_OK ? store_rows_init(rows, *db, store->path, &store->meta.extent, CODEC_FAST) : status;
 }
 
 enum status store_reader_create(struct store *store, struct store_reader **out)
@@ -47,8 +47,8 @@ void store_reader_destroy(struct store_reader *reader)
 {
 	if (reader == NULL)
 		return;
-	rows_finish(&reader->rows);
-	rows_finish(&reader->base_rows);
+	store_rows_finish(&reader->rows);
+	store_rows_finish(&reader->base_rows);
 	sqlite3_close(reader->db);
 	sqlite3_close(reader->base_db);
 	mem_free(reader);
@@ -57,7 +57,7 @@ void store_reader_destroy(struct store_reader *reader)
 static enum status missing(const struct store_reader *reader, struct tile tile)
 {
 	char text[256];
-	rows_text(reader->base, ROW_BASE, tile, text, sizeof text);
+	store_rows_text(reader->base, ROW_BASE, tile, text, sizeof text);
 	return fail_with(STATUS_INPUT, "%s: it is missing; the store is damaged, restore or import it again", text);
 }
 
@@ -86,7 +86,7 @@ enum status store_read_base(struct store_reader *reader, struct tile tile, int32
 	assert(tile.level >= 0);
 	struct row row;
 	bool found;
-	enum status status = rows_read(reader->base, ROW_BASE, tile, codes, &row, &found);
+	enum status status = store_rows_read(reader->base, ROW_BASE, tile, codes, &row, &found);
 	if (status == STATUS_OK && !found)
 		status = missing(reader, tile);
 	if (status != STATUS_OK)
@@ -94,7 +94,7 @@ enum status store_read_base(struct store_reader *reader, struct tile tile, int32
 	size_t side = tile_posts(reader->rows.extent);
 	if (!codes_fit(reader->store, codes, side * side)) {
 		char text[256];
-		rows_text(reader->base, ROW_BASE, tile, text, sizeof text);
+		store_rows_text(reader->base, ROW_BASE, tile, text, sizeof text);
 		return fail_with(STATUS_INPUT, "%s: it has heights beyond the store's range; the store is damaged, "
 				 "restore or import it again", text);
 	}
@@ -108,7 +108,7 @@ enum status store_read_base_range(struct store_reader *reader, struct tile tile,
 	assert(tile.level >= 0);
 	struct row row;
 	bool found;
-	enum status status = rows_head(reader->base, ROW_BASE, tile, &row, &found);
+	enum status status = store_rows_head(reader->base, ROW_BASE, tile, &row, &found);
 	if (status == STATUS_OK && !found)
 		status = missing(reader, tile);
 	if (status == STATUS_OK)
@@ -138,7 +138,7 @@ static enum status read_plane(struct store_reader *reader, struct tile tile, enu
 {
 	struct row row;
 	int32_t *wide = plane_bytes(plane) == sizeof *wide ? texels : reader->rows.wide;
-	enum status status = rows_read(&reader->rows, row_table_of(plane), tile, wide, &row, found);
+	enum status status = store_rows_read(&reader->rows, row_table_of(plane), tile, wide, &row, found);
 	if (status != STATUS_OK)
 		return status;
 	if (*found)
@@ -169,7 +169,7 @@ enum status store_read_offset_range(struct store_reader *reader, struct tile til
 				    double *high, bool *found)
 {
 	struct row row;
-	enum status status = rows_head(&reader->rows, ROW_OFFSET, tile, &row, found);
+	enum status status = store_rows_head(&reader->rows, ROW_OFFSET, tile, &row, found);
 	if (status == STATUS_OK && *found) {
 		*low = row.low;
 		*high = row.high;
@@ -190,23 +190,21 @@ enum status store_each_plane(struct store_reader *reader, enum plane plane, int 
 	sqlite3_stmt *statement = NULL;
 	char sql[96];
 	snprintf(sql, sizeof sql, "SELECT key FROM \"%s\" WHERE key BETWEEN ?1 AND ?2 ORDER BY key",
-		 rows_name(row_table_of(plane)));
-	enum status status = sql_prepare(reader->db, path, &statement, sql);
+		 store_rows_name(row_table_of(plane)));
+	enum status status = store_sql_prepare(reader->db, path, &statement, sql);
 	if (status != STATUS_OK)
 		return status;
-	/* A level is the key's upper bits. */
-	first = tile_key((struct tile){level, 0, 0});
-	last = first | (((uint64_t)1 << 56) - 1);
+	level_keys(level, &first, &last);
 	sqlite3_bind_int64(statement, 1, (sqlite3_int64)first);
 	sqlite3_bind_int64(statement, 2, (sqlite3_int64)last);
 	int code;
 	while (status == STATUS_OK && (code = sqlite3_step(statement)) != SQLITE_DONE) {
 		uint64_t key = (uint64_t)sqlite3_column_int64(statement, 0);
 		if (code != SQLITE_ROW)
-			status = sql_fail(reader->db, code, path, "reading its tiles");
+			status = store_sql_fail(reader->db, code, path, "reading its tiles");
 		else if (!extent_has(extent, tile_from_key(key)))
 			status = fail_with(STATUS_INPUT, "%s: it has an %s tile outside its terrain; the store is "
-					   "damaged, restore it", path, rows_name(row_table_of(plane)));
+					   "damaged, restore it", path, store_rows_name(row_table_of(plane)));
 		else
 			status = fn(user, key);
 	}

@@ -6,16 +6,15 @@
 enum status store_reset(struct store *store)
 {
 	assert(store->writing);
-	enum status status = sql_exec(store->db, store->path, "resetting it", "BEGIN IMMEDIATE");
+	enum status status = store_sql_begin(store->db, store->path, "resetting it");
 	if (status != STATUS_OK)
 		return status;
-	status = sql_exec(store->db, store->path, "resetting it",
+	status = store_sql_exec(store->db, store->path, "resetting it",
 			  "DELETE FROM \"offset\"; DELETE FROM dirt; DELETE FROM heaped; DELETE FROM pressed; "
 			  "DELETE FROM shear; DELETE FROM run; "
 			  "DELETE FROM meta WHERE key IN ('working', 'compacted'); COMMIT");
 	if (status != STATUS_OK) {
-		if (!sqlite3_get_autocommit(store->db))
-			sqlite3_exec(store->db, "ROLLBACK", NULL, NULL, NULL);
+		store_sql_undo(store->db);
 		return status;
 	}
 	store->has_working = store->working_stored = false;
@@ -24,7 +23,9 @@ enum status store_reset(struct store *store)
 	for (int table = 0; table < ROW_TABLES; table++)
 		store->state_rows[table] = STATE_UNKNOWN;
 	store->epoch = 0;
+	store->marked = false;
+	store_changes_restart(&store->changes, 0);
 	/* The pages that are free now are given back to the disk; the base's mostly lie before them. */
-	status = sql_exec(store->db, store->path, "resetting it", "PRAGMA incremental_vacuum");
+	status = store_sql_exec(store->db, store->path, "resetting it", "PRAGMA incremental_vacuum");
 	return status == STATUS_OK ? store_checkpoint(store) : status;
 }

@@ -2,7 +2,7 @@
  * The rows of the tables of tiles, read and written one at a time.
  *
  * Invariants: (1) no statement is left stepped: each is reset before the function that stepped it
- * returns, except that rows_read() does so only after the blob was decoded; (2) a row whose hash or
+ * returns, except that store_rows_read() does so only after the blob was decoded; (2) a row whose hash or
  * codec does not check out never reaches a caller; (3) the same posts, range and sums give the same
  * hash: it covers everything in the row but its revision.
  */
@@ -47,7 +47,7 @@ static const struct table tables[ROW_TABLES] = {
 	PLANE_TABLE("shear"),
 };
 
-enum status rows_init(struct rows *rows, sqlite3 *db, const char *path, const struct extent *extent,
+enum status store_rows_init(struct rows *rows, sqlite3 *db, const char *path, const struct extent *extent,
 		      enum codec_effort effort)
 {
 	*rows = (struct rows){.db = db, .path = path, .extent = extent};
@@ -55,13 +55,13 @@ enum status rows_init(struct rows *rows, sqlite3 *db, const char *path, const st
 	rows->wide = mem_alloc(side * side, sizeof *rows->wide);
 	if (rows->wide == NULL)
 		return fail_memory("a tile");
-	enum status status = codec_init(&rows->codec, (uint32_t)side, effort);
+	enum status status = store_codec_init(&rows->codec, (uint32_t)side, effort);
 	if (status != STATUS_OK)
-		rows_finish(rows);
+		store_rows_finish(rows);
 	return status;
 }
 
-void rows_finish(struct rows *rows)
+void store_rows_finish(struct rows *rows)
 {
 	for (int i = 0; i < ROW_TABLES; i++) {
 		sqlite3_finalize(rows->find[i]);
@@ -70,22 +70,22 @@ void rows_finish(struct rows *rows)
 		sqlite3_finalize(rows->drop[i]);
 		sqlite3_finalize(rows->under[i]);
 	}
-	codec_finish(&rows->codec);
+	store_codec_finish(&rows->codec);
 	mem_free(rows->wide);
 	*rows = (struct rows){0};
 }
 
-const char *rows_name(enum row_table table)
+const char *store_rows_name(enum row_table table)
 {
 	return tables[table].name;
 }
 
-const char *rows_sql_name(enum row_table table)
+const char *store_rows_sql_name(enum row_table table)
 {
 	return tables[table].sql_name;
 }
 
-void rows_text(const struct rows *rows, enum row_table table, struct tile tile, char *text, size_t room)
+void store_rows_text(const struct rows *rows, enum row_table table, struct tile tile, char *text, size_t room)
 {
 	snprintf(text, room, "%s: %s tile level %d x %u y %u", rows->path, tables[table].name, tile.level,
 		 tile.x, tile.y);
@@ -94,11 +94,11 @@ void rows_text(const struct rows *rows, enum row_table table, struct tile tile, 
 static enum status row_bad(const struct rows *rows, enum row_table table, struct tile tile, const char *why)
 {
 	char text[256];
-	rows_text(rows, table, tile, text, sizeof text);
+	store_rows_text(rows, table, tile, text, sizeof text);
 	return fail_with(STATUS_INPUT, "%s: %s; the store is damaged, restore or import it again", text, why);
 }
 
-uint64_t rows_hash(enum row_table table, const struct row *row)
+uint64_t store_rows_hash(enum row_table table, const struct row *row)
 {
 	/* SQLite keeps no negative zero. */
 	double reals[3] = {row->low + 0.0, row->high + 0.0, row->error};
@@ -152,7 +152,7 @@ static enum status find_row(struct rows *rows, enum row_table table, struct tile
 	assert(extent_has(rows->extent, tile));
 	*found = false;
 	sqlite3_stmt **statement = whole ? &rows->find[table] : &rows->head[table];
-	enum status status = sql_prepare(rows->db, rows->path, statement,
+	enum status status = store_sql_prepare(rows->db, rows->path, statement,
 					 whole ? tables[table].find : tables[table].head);
 	if (status != STATUS_OK)
 		return status;
@@ -163,12 +163,12 @@ static enum status find_row(struct rows *rows, enum row_table table, struct tile
 	if (code == SQLITE_DONE)
 		return STATUS_OK;
 	if (code != SQLITE_ROW)
-		return sql_fail(rows->db, code, rows->path, "reading a tile");
+		return store_sql_fail(rows->db, code, rows->path, "reading a tile");
 	take_head(*out, tile, row);
 	return head_sane(table, row) ? STATUS_OK : row_bad(rows, table, tile, "its range or sums make no sense");
 }
 
-enum status rows_head(struct rows *rows, enum row_table table, struct tile tile, struct row *row,
+enum status store_rows_head(struct rows *rows, enum row_table table, struct tile tile, struct row *row,
 		      bool *found)
 {
 	sqlite3_stmt *statement = NULL;
@@ -189,16 +189,24 @@ static bool all_fit(enum row_table table, const int32_t *posts, size_t count)
 	return fits;
 }
 
-static enum status take_blob(struct rows *rows, enum row_table table, sqlite3_stmt *statement,
-			     struct row *row, int32_t *posts)
+static enum status take_bytes(const struct rows *rows, enum row_table table, sqlite3_stmt *statement, struct row *row)
 {
 	row->bytes = sqlite3_column_blob(statement, 8);
 	row->size = (size_t)sqlite3_column_bytes(statement, 8);
 	if (row->bytes == NULL)
 		return row_bad(rows, table, row->tile, "it is empty");
-	if (rows_hash(table, row) != row->hash)
+	if (store_rows_hash(table, row) != row->hash)
 		return row_bad(rows, table, row->tile, "its hash is wrong");
-	if (!codec_decode(&rows->codec, row->codec, row->bytes, row->size, posts))
+	return STATUS_OK;
+}
+
+static enum status take_blob(struct rows *rows, enum row_table table, sqlite3_stmt *statement,
+			     struct row *row, int32_t *posts)
+{
+	enum status status = take_bytes(rows, table, statement, row);
+	if (status != STATUS_OK)
+		return status;
+	if (!store_codec_decode(&rows->codec, row->codec, row->bytes, row->size, posts))
 		return row_bad(rows, table, row->tile, "it cannot be decoded");
 	size_t side = tile_posts(rows->extent);
 	if (!all_fit(table, posts, side * side))
@@ -206,7 +214,7 @@ static enum status take_blob(struct rows *rows, enum row_table table, sqlite3_st
 	return STATUS_OK;
 }
 
-enum status rows_read(struct rows *rows, enum row_table table, struct tile tile, int32_t *posts,
+enum status store_rows_read(struct rows *rows, enum row_table table, struct tile tile, int32_t *posts,
 		      struct row *row, bool *found)
 {
 	sqlite3_stmt *statement = NULL;
@@ -227,18 +235,15 @@ static void bind_real(sqlite3_stmt *statement, int column, double value)
 		sqlite3_bind_double(statement, column, value);
 }
 
-enum status rows_write(struct rows *rows, enum row_table table, const int32_t *posts, struct row *row,
-		       const uint64_t *unless, bool *written)
+void store_rows_encode(struct rows *rows, enum row_table table, const int32_t *posts, struct row *row)
 {
-	row->codec = codec_encode(&rows->codec, posts, &row->bytes, &row->size);
-	row->hash = rows_hash(table, row);
-	*written = unless == NULL || *unless != row->hash;
-	return *written ? rows_put(rows, table, row) : STATUS_OK;
+	row->codec = store_codec_encode(&rows->codec, posts, &row->bytes, &row->size);
+	row->hash = store_rows_hash(table, row);
 }
 
-enum status rows_put(struct rows *rows, enum row_table table, const struct row *row)
+enum status store_rows_put(struct rows *rows, enum row_table table, const struct row *row)
 {
-	enum status status = sql_prepare(rows->db, rows->path, &rows->write[table], tables[table].write);
+	enum status status = store_sql_prepare(rows->db, rows->path, &rows->write[table], tables[table].write);
 	if (status != STATUS_OK)
 		return status;
 	sqlite3_stmt *statement = rows->write[table];
@@ -257,29 +262,46 @@ enum status rows_put(struct rows *rows, enum row_table table, const struct row *
 	}
 	int code = sqlite3_step(statement);
 	if (code != SQLITE_DONE)
-		status = sql_fail(rows->db, code, rows->path, "writing a tile");
+		status = store_sql_fail(rows->db, code, rows->path, "writing a tile");
 	sqlite3_reset(statement);
 	sqlite3_bind_null(statement, 7);
 	return status;
 }
 
-enum status rows_drop(struct rows *rows, enum row_table table, struct tile tile)
+enum status store_rows_drop(struct rows *rows, enum row_table table, struct tile tile)
 {
-	enum status status = sql_prepare(rows->db, rows->path, &rows->drop[table], tables[table].drop);
+	enum status status = store_sql_prepare(rows->db, rows->path, &rows->drop[table], tables[table].drop);
 	if (status != STATUS_OK)
 		return status;
 	sqlite3_bind_int64(rows->drop[table], 1, (sqlite3_int64)tile_key(tile));
 	int code = sqlite3_step(rows->drop[table]);
 	if (code != SQLITE_DONE)
-		status = sql_fail(rows->db, code, rows->path, "removing a tile");
+		status = store_sql_fail(rows->db, code, rows->path, "removing a tile");
 	sqlite3_reset(rows->drop[table]);
 	return status;
 }
 
-enum status rows_under(struct rows *rows, enum row_table table, struct tile tile, double *low,
+enum status store_rows_copy(struct rows *from, struct rows *to, enum row_table table, struct tile tile, int64_t revision)
+{
+	sqlite3_stmt *statement = NULL;
+	struct row row;
+	bool found;
+	enum status status = find_row(from, table, tile, true, &row, &found, &statement);
+	if (status == STATUS_OK && !found)
+		status = row_bad(from, table, tile, "it is listed and cannot be found");
+	if (status == STATUS_OK)
+		status = take_bytes(from, table, statement, &row);
+	row.revision = revision;
+	if (status == STATUS_OK)
+		status = store_rows_put(to, table, &row);
+	sqlite3_reset(statement);
+	return status;
+}
+
+enum status store_rows_under(struct rows *rows, enum row_table table, struct tile tile, double *low,
 		       double *high, int *count)
 {
-	enum status status = sql_prepare(rows->db, rows->path, &rows->under[table], tables[table].under);
+	enum status status = store_sql_prepare(rows->db, rows->path, &rows->under[table], tables[table].under);
 	if (status != STATUS_OK)
 		return status;
 	sqlite3_stmt *statement = rows->under[table];
@@ -293,21 +315,19 @@ enum status rows_under(struct rows *rows, enum row_table table, struct tile tile
 		*high = column_real(statement, 1);
 		*count = sqlite3_column_int(statement, 2);
 	} else {
-		status = sql_fail(rows->db, code, rows->path, "reading a tile");
+		status = store_sql_fail(rows->db, code, rows->path, "reading a tile");
 	}
 	sqlite3_reset(statement);
 	return status;
 }
 
-double rows_metres(enum row_table table, int32_t post, double step)
+double store_rows_metres(enum row_table table, int32_t post, double step)
 {
 	return table == ROW_BASE    ? height_code_metres(post, step)
-	       : table == ROW_DIRT  ? post
-	       : table == ROW_SHEAR ? ldexp(post, -16)
-				    : lattice_offset_metres(post);
+				    : plane_value(row_plane(table), post);
 }
 
-void rows_range(enum row_table table, const int32_t *posts, size_t count, double step, double *low,
+void store_rows_range(enum row_table table, const int32_t *posts, size_t count, double step, double *low,
 		double *high)
 {
 	int32_t least = INT32_MAX, most = INT32_MIN;
@@ -321,11 +341,11 @@ void rows_range(enum row_table table, const int32_t *posts, size_t count, double
 	if (least > most)
 		return;
 	/* Codes keep the order of heights. */
-	*low = rows_metres(table, least, step);
-	*high = rows_metres(table, most, step);
+	*low = store_rows_metres(table, least, step);
+	*high = store_rows_metres(table, most, step);
 }
 
-bool rows_all_zero(const int32_t *posts, size_t count)
+bool store_rows_all_zero(const int32_t *posts, size_t count)
 {
 	for (size_t i = 0; i < count; i++)
 		if (posts[i] != 0)
@@ -333,7 +353,7 @@ bool rows_all_zero(const int32_t *posts, size_t count)
 	return true;
 }
 
-void rows_sums(const struct extent *extent, struct tile tile, const int32_t *posts, int64_t *below,
+void store_rows_sums(const struct extent *extent, struct tile tile, const int32_t *posts, int64_t *below,
 	       int64_t *above)
 {
 	uint32_t side = tile_posts(extent);

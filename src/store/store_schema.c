@@ -14,7 +14,7 @@ struct object {
 	"CREATE TABLE " name "(key INTEGER PRIMARY KEY, low REAL, high REAL, "                     \
 	"codec INTEGER NOT NULL, revision INTEGER NOT NULL, hash INTEGER NOT NULL, blob BLOB NOT NULL)"
 
-/* In the order of their names, as schema_check() reads them; FORMAT.md explains them. */
+/* In the order of their names, as store_schema_check() reads them; FORMAT.md explains them. */
 static const struct object objects[] = {
 	{"base",
 	 "CREATE TABLE base(key INTEGER PRIMARY KEY, low REAL, high REAL, error REAL NOT NULL, "
@@ -34,14 +34,14 @@ static const struct object objects[] = {
 };
 #define OBJECTS (sizeof objects / sizeof *objects)
 
-enum status schema_create(sqlite3 *db, const char *path)
+enum status store_schema_create(sqlite3 *db, const char *path)
 {
 	char header[128];
 	snprintf(header, sizeof header, "PRAGMA application_id=%d; PRAGMA user_version=%d",
 		 STORE_APPLICATION_ID, STORE_VERSION);
-	enum status status = sql_exec(db, path, "making the store", header);
+	enum status status = store_sql_exec(db, path, "making the store", header);
 	for (size_t i = 0; i < OBJECTS && status == STATUS_OK; i++)
-		status = sql_exec(db, path, "making the store", objects[i].sql);
+		status = store_sql_exec(db, path, "making the store", objects[i].sql);
 	return status;
 }
 
@@ -58,7 +58,7 @@ static enum status check_objects(sqlite3 *db, const char *path)
 {
 	sqlite3_stmt *statement = NULL;
 	/* meta's own index is a WITHOUT ROWID table's: it has no sql and no row here. */
-	enum status status = sql_prepare(db, path, &statement,
+	enum status status = store_sql_prepare(db, path, &statement,
 					 "SELECT type, name, sql FROM sqlite_schema ORDER BY name");
 	if (status != STATUS_OK)
 		return status;
@@ -70,7 +70,7 @@ static enum status check_objects(sqlite3 *db, const char *path)
 		seen++;
 	}
 	if (same && code != SQLITE_DONE)
-		status = sql_fail(db, code, path, "reading its schema");
+		status = store_sql_fail(db, code, path, "reading its schema");
 	else if (!same || seen != OBJECTS)
 		status = fail_with(STATUS_INPUT, "%s: its tables are not those of a Furrow store of version %d; "
 				   "import it again", path, STORE_VERSION);
@@ -78,12 +78,12 @@ static enum status check_objects(sqlite3 *db, const char *path)
 	return status;
 }
 
-enum status schema_check(sqlite3 *db, const char *path)
+enum status store_schema_check(sqlite3 *db, const char *path)
 {
 	int64_t id, version;
-	enum status status = sql_integer(db, path, "PRAGMA application_id", &id);
+	enum status status = store_sql_integer(db, path, "PRAGMA application_id", &id);
 	if (status == STATUS_OK)
-		status = sql_integer(db, path, "PRAGMA user_version", &version);
+		status = store_sql_integer(db, path, "PRAGMA user_version", &version);
 	if (status != STATUS_OK)
 		return status;
 	if (id != STORE_APPLICATION_ID)

@@ -4,7 +4,7 @@
 #include <errno.h>
 #include <string.h>
 
-enum status sql_fail(sqlite3 *db, int code, const char *path, const char *doing)
+enum status store_sql_fail(sqlite3 *db, int code, const char *path, const char *doing)
 {
 	const char *why = db != NULL ? sqlite3_errmsg(db) : sqlite3_errstr(code);
 	int error = db != NULL ? sqlite3_system_errno(db) : 0;
@@ -43,31 +43,43 @@ enum status sql_fail(sqlite3 *db, int code, const char *path, const char *doing)
 	}
 }
 
-enum status sql_exec(sqlite3 *db, const char *path, const char *doing, const char *sql)
+enum status store_sql_exec(sqlite3 *db, const char *path, const char *doing, const char *sql)
 {
 	int code = sqlite3_exec(db, sql, NULL, NULL, NULL);
-	return code == SQLITE_OK ? STATUS_OK : sql_fail(db, code, path, doing);
+	return code == SQLITE_OK ? STATUS_OK : store_sql_fail(db, code, path, doing);
 }
 
-enum status sql_prepare(sqlite3 *db, const char *path, sqlite3_stmt **statement, const char *sql)
+void store_sql_undo(sqlite3 *db)
+{
+	if (!sqlite3_get_autocommit(db))
+		sqlite3_exec(db, "ROLLBACK", NULL, NULL, NULL);
+}
+
+enum status store_sql_begin(sqlite3 *db, const char *path, const char *doing)
+{
+	store_sql_undo(db);
+	return store_sql_exec(db, path, doing, "BEGIN IMMEDIATE");
+}
+
+enum status store_sql_prepare(sqlite3 *db, const char *path, sqlite3_stmt **statement, const char *sql)
 {
 	if (*statement != NULL)
 		return STATUS_OK;
 	int code = sqlite3_prepare_v3(db, sql, -1, SQLITE_PREPARE_PERSISTENT, statement, NULL);
-	return code == SQLITE_OK ? STATUS_OK : sql_fail(db, code, path, "preparing a statement");
+	return code == SQLITE_OK ? STATUS_OK : store_sql_fail(db, code, path, "preparing a statement");
 }
 
-enum status sql_integer(sqlite3 *db, const char *path, const char *sql, int64_t *value)
+enum status store_sql_integer(sqlite3 *db, const char *path, const char *sql, int64_t *value)
 {
 	sqlite3_stmt *statement = NULL;
-	enum status status = sql_prepare(db, path, &statement, sql);
+	enum status status = store_sql_prepare(db, path, &statement, sql);
 	if (status != STATUS_OK)
 		return status;
 	int code = sqlite3_step(statement);
 	if (code == SQLITE_ROW)
 		*value = sqlite3_column_int64(statement, 0);
 	else
-		status = sql_fail(db, code, path, "reading it");
+		status = store_sql_fail(db, code, path, "reading it");
 	sqlite3_finalize(statement);
 	return status;
 }

@@ -40,26 +40,17 @@ static enum status put_posts(struct state *state, struct tile tile)
 {
 	struct rows *rows = &state->store->rows;
 	size_t side = tile_posts(rows->extent), count = side * side;
-	struct row old, row = {.tile = tile, .revision = state->store->epoch + 1};
-	bool had, written;
-	enum status status = rows_head(rows, state->table, tile, &old, &had);
+	struct row old, row = {.tile = tile};
+	bool had;
+	enum status status = store_rows_head(rows, state->table, tile, &old, &had);
 	enum plane plane = row_plane(state->table);
 	state->result->looked_up[plane]++;
 	if (status != STATUS_OK)
 		return status;
-	if (rows_all_zero(state->posts, count)) {
-		state->result->tiles_written += had;
-		state->result->changed[plane] += had;
-		return had ? rows_drop(rows, state->table, tile) : STATUS_OK;
-	}
-	rows_range(state->table, state->posts, count, 0, &row.low, &row.high);
-	status = rows_write(rows, state->table, state->posts, &row, had ? &old.hash : NULL, &written);
-	if (status == STATUS_OK && written) {
-		state->result->tiles_written++;
-		state->result->changed[plane]++;
-		state->result->bytes_written += (int64_t)row.size;
-	}
-	return status;
+	if (store_rows_all_zero(state->posts, count))
+		return had ? store_change_drop(state->store, state->table, &old, state->result) : STATUS_OK;
+	store_rows_range(state->table, state->posts, count, 0, &row.low, &row.high);
+	return store_change_write(state->store, state->table, state->posts, &row, had ? &old : NULL, state->result);
 }
 
 static enum status put_page(struct state *state, const struct store_page *page)
@@ -91,7 +82,7 @@ static enum status trim(struct state *state, struct tile tile)
 	struct rows *rows = &state->store->rows;
 	struct row row;
 	bool found;
-	enum status status = rows_read(rows, state->table, tile, state->posts, &row, &found);
+	enum status status = store_rows_read(rows, state->table, tile, state->posts, &row, &found);
 	state->result->looked_up[row_plane(state->table)]++;
 	if (status != STATUS_OK || !found)
 		return status;
@@ -109,14 +100,12 @@ static enum status drop(struct state *state, struct tile tile)
 	struct rows *rows = &state->store->rows;
 	struct row row;
 	bool had;
-	enum status status = rows_head(rows, state->table, tile, &row, &had);
+	enum status status = store_rows_head(rows, state->table, tile, &row, &had);
 	enum plane plane = row_plane(state->table);
 	state->result->looked_up[plane]++;
 	if (status != STATUS_OK || !had)
 		return status; /* what others share with it is zero then */
-	status = rows_drop(rows, state->table, tile);
-	state->result->tiles_written++;
-	state->result->changed[plane]++;
+	status = store_change_drop(state->store, state->table, &row, state->result);
 	for (int at = 0; at < 9 && status == STATUS_OK; at++) {
 		struct tile other = {tile.level, tile.x + (uint32_t)(at % 3 - 1), tile.y + (uint32_t)(at / 3 - 1)};
 		if (extent_has(rows->extent, other) && !is_dropped(state, other))
@@ -134,8 +123,8 @@ static enum status ask_for_rows(struct store *store, enum row_table table, struc
 		return STATUS_OK;
 	enum status status = STATUS_OK;
 	if (store->working_stored) {
-		snprintf(sql, sizeof sql, "SELECT EXISTS (SELECT 1 FROM %s)", rows_sql_name(table));
-		status = sql_integer(store->db, store->path, sql, &any);
+		snprintf(sql, sizeof sql, "SELECT EXISTS (SELECT 1 FROM %s)", store_rows_sql_name(table));
+		status = store_sql_integer(store->db, store->path, sql, &any);
 		result->looked_up[row_plane(table)]++;
 	}
 	if (status == STATUS_OK)
@@ -151,7 +140,7 @@ static bool all_lack(enum plane plane, const struct store_page *pages, size_t co
 	return true;
 }
 
-enum status state_put(struct store *store, enum row_table table, const struct store_page *pages, size_t count,
+enum status store_state_put(struct store *store, enum row_table table, const struct store_page *pages, size_t count,
 		      struct store_epoch_result *result)
 {
 	size_t side = tile_posts(&store->meta.extent);

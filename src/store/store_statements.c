@@ -49,7 +49,7 @@ static int began(unsigned what, void *user, void *statement, void *text)
 	return 0;
 }
 
-void statements_count(struct statements *statements, sqlite3 *db)
+void store_statements_count(struct statements *statements, sqlite3 *db)
 {
 	sqlite3_trace_v2(db, SQLITE_TRACE_STMT, began, statements);
 }

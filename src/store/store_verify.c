@@ -12,7 +12,7 @@
 
 #define CACHE_BYTES (48u << 20)
 
-void verify_tell(struct verifying *verifying, const char *format, ...)
+void store_verify_tell(struct verifying *verifying, const char *format, ...)
 {
 	char text[512];
 	va_list args;
@@ -25,9 +25,9 @@ void verify_tell(struct verifying *verifying, const char *format, ...)
 	verifying->problem(verifying->user, text);
 }
 
-void verify_tell_tile(struct verifying *verifying, struct tile tile, const char *what)
+void store_verify_tell_tile(struct verifying *verifying, struct tile tile, const char *what)
 {
-	verify_tell(verifying, "%s tile level %d x %u y %u: %s", rows_name(verifying->table), tile.level, tile.x,
+	store_verify_tell(verifying, "%s tile level %d x %u y %u: %s", store_rows_name(verifying->table), tile.level, tile.x,
 	     tile.y, what);
 }
 
@@ -36,7 +36,7 @@ void verify_tell_tile(struct verifying *verifying, struct tile tile, const char 
 static enum status check_file(struct verifying *verifying, const struct rows *rows, const char *name)
 {
 	sqlite3_stmt *statement = NULL;
-	enum status status = sql_prepare(rows->db, rows->path, &statement, "PRAGMA integrity_check(100)");
+	enum status status = store_sql_prepare(rows->db, rows->path, &statement, "PRAGMA integrity_check(100)");
 	if (status != STATUS_OK)
 		return status;
 	int code;
@@ -48,12 +48,12 @@ static enum status check_file(struct verifying *verifying, const struct rows *ro
 		snprintf(line, sizeof line, "%s: %s", name, text);
 		for (char *c = line; *c != '\0'; c++)
 			*c = *c == '\n' ? ' ' : *c;
-		verify_tell(verifying, "%s", line);
+		store_verify_tell(verifying, "%s", line);
 	}
 	if ((code & 0xff) == SQLITE_CORRUPT)
-		verify_tell(verifying, "%s: %s", name, sqlite3_errmsg(rows->db));
+		store_verify_tell(verifying, "%s: %s", name, sqlite3_errmsg(rows->db));
 	else if (code != SQLITE_DONE)
-		status = sql_fail(rows->db, code, rows->path, "checking it");
+		status = store_sql_fail(rows->db, code, rows->path, "checking it");
 	sqlite3_finalize(statement);
 	return status;
 }
@@ -65,9 +65,9 @@ static enum status check_files(struct verifying *verifying)
 	if (status != STATUS_OK || store->under == NULL)
 		return status;
 	int64_t own;
-	status = sql_integer(store->db, store->path, "SELECT count(*) FROM base", &own);
+	status = store_sql_integer(store->db, store->path, "SELECT count(*) FROM base", &own);
 	if (status == STATUS_OK && own != 0)
-		verify_tell(verifying, "file: it has base tiles, though it is an overlay");
+		store_verify_tell(verifying, "file: it has base tiles, though it is an overlay");
 	return status == STATUS_OK ? check_file(verifying, store->base, "its base's file") : status;
 }
 
@@ -78,8 +78,8 @@ static enum status check_table(struct verifying *verifying, enum row_table table
 	char keys[64];
 	const struct rows *rows = store_table(verifying->store, table);
 	sqlite3_stmt *statement = NULL;
-	snprintf(keys, sizeof keys, "SELECT key FROM %s ORDER BY key", rows_sql_name(table));
-	enum status status = sql_prepare(rows->db, rows->path, &statement, keys);
+	snprintf(keys, sizeof keys, "SELECT key FROM %s ORDER BY key", store_rows_sql_name(table));
+	enum status status = store_sql_prepare(rows->db, rows->path, &statement, keys);
 	int code = SQLITE_DONE;
 	verifying->table = table;
 	while (status == STATUS_OK && (code = sqlite3_step(statement)) == SQLITE_ROW) {
@@ -88,18 +88,18 @@ static enum status check_table(struct verifying *verifying, enum row_table table
 		verifying->check->tiles++;
 		if (tile_key(tile) != key || !extent_has(rows->extent, tile) ||
 		    (table == ROW_BASE && tile.level < 0)) {
-			verify_tell_tile(verifying, tile, "it is outside the terrain");
+			store_verify_tell_tile(verifying, tile, "it is outside the terrain");
 		} else {
 			verifying->base_found += table == ROW_BASE;
-			status = verify_tile(verifying, tile);
+			status = store_verify_tile(verifying, tile);
 		}
 		if (status == STATUS_OK && verifying->progress != NULL)
 			status = verifying->progress(verifying->user, verifying->check->tiles, verifying->total);
 	}
 	if (status == STATUS_OK && (code & 0xff) == SQLITE_CORRUPT)
-		verify_tell(verifying, "%s tiles: %s", rows_name(table), sqlite3_errmsg(rows->db));
+		store_verify_tell(verifying, "%s tiles: %s", store_rows_name(table), sqlite3_errmsg(rows->db));
 	else if (status == STATUS_OK && code != SQLITE_DONE)
-		status = sql_fail(rows->db, code, rows->path, "reading its tiles");
+		status = store_sql_fail(rows->db, code, rows->path, "reading its tiles");
 	sqlite3_finalize(statement);
 	return status;
 }
@@ -122,12 +122,12 @@ static enum status check_missing(struct verifying *verifying)
 				struct tile tile = {level, x, y};
 				struct row row;
 				bool found;
-				enum status status = rows_head(verifying->store->base, ROW_BASE, tile, &row, &found);
+				enum status status = store_rows_head(verifying->store->base, ROW_BASE, tile, &row, &found);
 				if (status != STATUS_OK && status != STATUS_INPUT)
 					return status;
 				if (status == STATUS_INPUT || found)
 					continue;
-				verify_tell_tile(verifying, tile, "it is missing");
+				store_verify_tell_tile(verifying, tile, "it is missing");
 				if (--left == 0)
 					return STATUS_OK;
 			}
@@ -140,19 +140,19 @@ static enum status check_top(struct verifying *verifying)
 	struct tile tile = {extent_coarsest(&store->meta.extent), 0, 0};
 	struct row top;
 	bool found;
-	enum status status = rows_head(store->base, ROW_BASE, tile, &top, &found);
+	enum status status = store_rows_head(store->base, ROW_BASE, tile, &top, &found);
 	if (status == STATUS_OK && found &&
 	    !(verify_same(top.low, store->meta.low) && verify_same(top.high, store->meta.high)))
-		verify_tell(verifying, "header: its range is not that of the coarsest tile");
+		store_verify_tell(verifying, "header: its range is not that of the coarsest tile");
 	return status == STATUS_INPUT ? STATUS_OK : status;
 }
 
 static enum status check_identity(struct verifying *verifying)
 {
 	uint64_t hash;
-	enum status status = identity_compute(verifying->store, &hash);
+	enum status status = store_identity_compute(verifying->store, &hash);
 	if (status == STATUS_OK && hash != verifying->store->base_hash)
-		verify_tell(verifying, "header: its base_hash is not that of its base tiles");
+		store_verify_tell(verifying, "header: its base_hash is not that of its base tiles");
 	return status;
 }
 
@@ -164,8 +164,8 @@ static enum status check_all(struct verifying *verifying)
 		char sql[64];
 		const struct rows *rows = store_table(store, (enum row_table)table);
 		int64_t count = 0;
-		snprintf(sql, sizeof sql, "SELECT count(*) FROM %s", rows_sql_name((enum row_table)table));
-		status = sql_integer(rows->db, rows->path, sql, &count);
+		snprintf(sql, sizeof sql, "SELECT count(*) FROM %s", store_rows_sql_name((enum row_table)table));
+		status = store_sql_integer(rows->db, rows->path, sql, &count);
 		verifying->total += count;
 	}
 	for (int table = 0; table < ROW_TABLES && status == STATUS_OK; table++)
@@ -175,7 +175,7 @@ static enum status check_all(struct verifying *verifying)
 	if (status == STATUS_OK)
 		status = check_top(verifying);
 	if (status == STATUS_OK)
-		status = meta_compacted(store->db, store->path, &verifying->check->compacted);
+		status = store_meta_compacted(store->db, store->path, &verifying->check->compacted);
 	return status == STATUS_OK ? check_identity(verifying) : status;
 }
 
@@ -207,11 +207,11 @@ enum status store_verify(struct store *store, store_problem_fn problem, store_pr
 		status = fail_memory("verifying");
 	/* One transaction: what is compared belongs to one epoch. */
 	if (status == STATUS_OK)
-		status = sql_exec(store->db, store->path, "checking it", "BEGIN");
+		status = store_sql_exec(store->db, store->path, "checking it", "BEGIN");
 	if (status == STATUS_OK) {
 		status = check_all(verifying);
 		if (status == STATUS_INPUT) { /* what could not even be read is what was asked for */
-			verify_tell(verifying, "%s", failure_message());
+			store_verify_tell(verifying, "%s", failure_message());
 			status = STATUS_OK;
 		}
 		sqlite3_exec(store->db, "ROLLBACK", NULL, NULL, NULL); /* only read */

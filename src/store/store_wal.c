@@ -23,16 +23,16 @@ static int committed(void *user, sqlite3 *db, const char *schema, int frames)
 	return SQLITE_OK;
 }
 
-enum status wal_begin(struct store *store)
+enum status store_wal_begin(struct store *store)
 {
 	char pragmas[128];
 	snprintf(pragmas, sizeof pragmas,
 		 "PRAGMA journal_mode=WAL; PRAGMA synchronous=%s; PRAGMA wal_autocheckpoint=0; "
 		 "PRAGMA journal_size_limit=%d",
 		 store->durable_full ? "FULL" : "NORMAL", WAL_BYTES);
-	enum status status = sql_exec(store->db, store->path, "opening it for writing", pragmas);
+	enum status status = store_sql_exec(store->db, store->path, "opening it for writing", pragmas);
 	if (status == STATUS_OK)
-		status = sql_integer(store->db, store->path, "PRAGMA page_size", &store->frame_bytes);
+		status = store_sql_integer(store->db, store->path, "PRAGMA page_size", &store->frame_bytes);
 	store->frame_bytes += FRAME_HEAD;
 	store->wal_patience = PATIENCE;
 	/* After the pragma: to SQLite its automatic checkpoints are such a hook. */
@@ -48,7 +48,7 @@ static enum status checkpoint(struct store *store, int mode, bool *whole)
 	/* Busy: somebody reads what the WAL holds; the next one goes further. */
 	bool busy = (code & 0xff) == SQLITE_BUSY;
 	*whole = code == SQLITE_OK && frames == copied;
-	return code == SQLITE_OK || busy ? STATUS_OK : sql_fail(store->db, code, store->path, "checkpointing it");
+	return code == SQLITE_OK || busy ? STATUS_OK : store_sql_fail(store->db, code, store->path, "checkpointing it");
 }
 
 enum status store_checkpoint(struct store *store)

@@ -39,9 +39,9 @@ static inline bool verify_same(double a, double b)
 	return (isnan(a) && isnan(b)) || a == b;
 }
 
-void verify_tell(struct verifying *verifying, const char *format, ...) FURROW_PRINTF(2, 3);
-void verify_tell_tile(struct verifying *verifying, struct tile tile, const char *what);
+void store_verify_tell(struct verifying *verifying, const char *format, ...) FURROW_PRINTF(2, 3);
+void store_verify_tell_tile(struct verifying *verifying, struct tile tile, const char *what);
 /* One row of verifying->table, of a tile that the world has. */
-enum status verify_tile(struct verifying *verifying, struct tile tile) FURROW_CHECKED;
+enum status store_verify_tile(struct verifying *verifying, struct tile tile) FURROW_CHECKED;
 
 #endif

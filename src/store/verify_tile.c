@@ -17,7 +17,7 @@ static enum status read_tile(struct verifying *verifying, struct tile tile, int3
 			     enum held *held)
 {
 	bool found;
-	enum status status = rows_read(store_table(verifying->store, verifying->table), verifying->table, tile, posts,
+	enum status status = store_rows_read(store_table(verifying->store, verifying->table), verifying->table, tile, posts,
 				       row, &found);
 	*held = status == STATUS_INPUT ? HELD_BROKEN : found ? HELD_POSTS : HELD_MISSING;
 	return status == STATUS_INPUT ? STATUS_OK : status;
@@ -85,7 +85,7 @@ static enum status check_edges(struct verifying *verifying, struct tile tile)
 		bool compared = other->held == HELD_POSTS ||
 				(other->held == HELD_MISSING && verifying->table != ROW_BASE);
 		if (compared && !edge_same(verifying, other->held == HELD_POSTS ? other->posts : NULL, !north))
-			verify_tell_tile(verifying, tile, north ? "its north edge is not its neighbour's south edge"
+			store_verify_tell_tile(verifying, tile, north ? "its north edge is not its neighbour's south edge"
 							 : "its east edge is not its neighbour's west edge");
 	}
 	for (int south = 0; south < 2 && verifying->table != ROW_BASE; south++) {
@@ -97,7 +97,7 @@ static enum status check_edges(struct verifying *verifying, struct tile tile)
 		if (status != STATUS_OK)
 			return status;
 		if (other->held == HELD_MISSING && !near_edge_zero(verifying, !south))
-			verify_tell_tile(verifying, tile, south ? "its south edge is not its neighbour's north edge"
+			store_verify_tell_tile(verifying, tile, south ? "its south edge is not its neighbour's north edge"
 							 : "its west edge is not its neighbour's east edge");
 	}
 	return STATUS_OK;
@@ -132,9 +132,9 @@ static enum status check_below(struct verifying *verifying, struct tile tile, st
 		lattice_decimate_i32(other->posts, extent->cells, i & 1, i >> 1, verifying->expected);
 	}
 	if (children == 0)
-		verify_tell_tile(verifying, tile, "there is no tile below it");
+		store_verify_tell_tile(verifying, tile, "there is no tile below it");
 	else if (*exact && memcmp(verifying->expected, verifying->posts, count * sizeof *verifying->posts) != 0)
-		verify_tell_tile(verifying, tile, "it is not every second post of the tiles below it");
+		store_verify_tell_tile(verifying, tile, "it is not every second post of the tiles below it");
 	return STATUS_OK;
 }
 
@@ -142,12 +142,12 @@ static enum status check_above(struct verifying *verifying, struct tile tile)
 {
 	struct row above;
 	bool found;
-	enum status status = rows_head(store_table(verifying->store, verifying->table), verifying->table,
+	enum status status = store_rows_head(store_table(verifying->store, verifying->table), verifying->table,
 				       tile_ancestor(tile, tile.level + 1), &above, &found);
 	if (status == STATUS_INPUT)
 		return STATUS_OK; /* told when it is that tile's turn */
 	if (status == STATUS_OK && !found)
-		verify_tell_tile(verifying, tile, "there is no tile above it");
+		store_verify_tell_tile(verifying, tile, "there is no tile above it");
 	return status;
 }
 
@@ -158,27 +158,27 @@ static void check_values(struct verifying *verifying, const struct row *row)
 	for (size_t i = 0; i < count; i++)
 		zero &= verifying->posts[i] == 0;
 	if (verifying->table != ROW_BASE && zero && row->tile.level == verifying->store->working)
-		verify_tell_tile(verifying, row->tile, "all its posts are zero, it should have no row");
+		store_verify_tell_tile(verifying, row->tile, "all its posts are zero, it should have no row");
 	if (verifying->table != ROW_OFFSET)
 		return;
 	int64_t below, above;
-	rows_sums(&verifying->store->meta.extent, row->tile, verifying->posts, &below, &above);
+	store_rows_sums(&verifying->store->meta.extent, row->tile, verifying->posts, &below, &above);
 	if (below != row->below || above != row->above)
-		verify_tell_tile(verifying, row->tile, "its sums are not those of its posts");
+		store_verify_tell_tile(verifying, row->tile, "its sums are not those of its posts");
 	verifying->check->offset_sum[row->tile.level - TILE_LEVEL_MIN] += below + above;
 }
 
-enum status verify_tile(struct verifying *verifying, struct tile tile)
+enum status store_verify_tile(struct verifying *verifying, struct tile tile)
 {
 	struct store *store = verifying->store;
 	const struct extent *extent = &store->meta.extent;
 	int finest = verifying->table == ROW_BASE ? 0 : store->working, coarsest = extent_coarsest(extent);
 	if ((verifying->table != ROW_BASE && !store->working_stored) || tile.level < finest) {
-		verify_tell_tile(verifying, tile, "it is finer than the level that is deformed");
+		store_verify_tell_tile(verifying, tile, "it is finer than the level that is deformed");
 		return STATUS_OK;
 	}
 	if (row_is_state(verifying->table) && tile.level > finest) {
-		verify_tell_tile(verifying, tile, "it is coarser than the level that is deformed, which alone has it");
+		store_verify_tell_tile(verifying, tile, "it is coarser than the level that is deformed, which alone has it");
 		return STATUS_OK;
 	}
 	struct row row, range = {.low = (double)NAN, .high = (double)NAN};
@@ -187,24 +187,24 @@ enum status verify_tile(struct verifying *verifying, struct tile tile)
 	if (status != STATUS_OK)
 		return status;
 	if (held == HELD_MISSING) {
-		verify_tell_tile(verifying, tile, "it is listed and cannot be found");
+		store_verify_tell_tile(verifying, tile, "it is listed and cannot be found");
 		return STATUS_OK;
 	}
 	if (held != HELD_POSTS) {
 		/* "store: base tile ...: why": the path is known to who asked. */
 		const char *text = failure_message(), *path = store_table(store, verifying->table)->path;
 		size_t length = strlen(path);
-		verify_tell(verifying, "%s", strncmp(text, path, length) == 0 ? text + length + 2 : text);
+		store_verify_tell(verifying, "%s", strncmp(text, path, length) == 0 ? text + length + 2 : text);
 		return STATUS_OK;
 	}
 	check_values(verifying, &row);
-	rows_range(verifying->table, verifying->posts, verifying->side * verifying->side, store->meta.step,
+	store_rows_range(verifying->table, verifying->posts, verifying->side * verifying->side, store->meta.step,
 		   &range.low, &range.high);
 	bool exact = true;
 	if (tile.level > finest)
 		status = check_below(verifying, tile, &range, &exact);
 	if (status == STATUS_OK && exact && !(verify_same(range.low, row.low) && verify_same(range.high, row.high)))
-		verify_tell_tile(verifying, tile, "its range is not that of its posts and of those below");
+		store_verify_tell_tile(verifying, tile, "its range is not that of its posts and of those below");
 	if (status == STATUS_OK)
 		status = check_edges(verifying, tile);
 	if (status == STATUS_OK && tile.level < coarsest && !row_is_state(verifying->table))

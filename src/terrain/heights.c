@@ -74,16 +74,6 @@ static enum status resolve(const struct terrain_ground *ground, struct tile fine
 	return STATUS_OK;
 }
 
-/* Corners without weight need not be there. */
-static double weighted(const double *values, const double *weights, int count)
-{
-	double sum = 0;
-	for (int i = 0; i < count; i++)
-		if (weights[i] > BESIDE || (weights[i] != 0 && !isnan(values[i])))
-			sum += weights[i] * values[i];
-	return sum;
-}
-
 static void measure(const struct extent *extent, struct tile tile, const struct terrain_posts *posts, const double on[2],
 		    struct terrain_height *height)
 {
@@ -105,10 +95,9 @@ static void measure(const struct extent *extent, struct tile tile, const struct 
 	const double corners[3] = {sw[0], upper ? sw[stride] : sw[1], sw[stride + 1]};
 	const double weights[3] = {1 - fmax(u, v), fabs(u - v), fmin(u, v)};
 	const double all[4] = {sw[0], sw[1], sw[stride], sw[stride + 1]};
-	const double areas[4] = {(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v};
 	height->level = tile.level;
-	height->height = weighted(corners, weights, 3);
-	height->bilinear = weighted(all, areas, 4);
+	height->height = lattice_weighted(corners, weights, 3, BESIDE);
+	height->bilinear = lattice_bilinear(all, u, v, BESIDE);
 	height->nodata = isnan(height->height);
 	struct terrain_plane plane = terrain_plane_of(sw, stride, upper);
 	if (!height->nodata)

@@ -46,11 +46,11 @@ static enum status highest_base(struct world *world, const struct deform_window 
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 		int32_t base;
 		bool any;
-		status = ground_highest(world->ground, world->level, windows[i].write, &base, &any);
+		status = resident_ground_highest(world->ground, world->level, windows[i].write, &base, &any);
 		if (status != STATUS_OK || !any)
 			continue;
 		int64_t height = (int64_t)base * (1 << (OFFSET_BITS - BASE_BITS)) +
-				 (int64_t)ground_reference(world->store) * (1 << OFFSET_BITS);
+				 (int64_t)resident_ground_reference(world->store) * (1 << OFFSET_BITS);
 		*highest = height > *highest ? height : *highest;
 	}
 	return status;
@@ -63,7 +63,7 @@ static enum status ask_offsets(struct world *world)
 	const struct tile top = {extent_coarsest(&world->meta->extent), 0, 0};
 	double low, high;
 	bool found;
-	enum status status = ground_offset_range(world->ground, top, &low, &high, &found);
+	enum status status = resident_ground_offset_range(world->ground, top, &low, &high, &found);
 	if (status != STATUS_OK)
 		return status;
 	world->aloft.offsets_most = found && high > 0 ? lattice_offset(high) + 1 : 0;
@@ -90,7 +90,7 @@ static enum status without_planes(struct world *world, const struct deform_windo
 bool world_asks_touched(const struct world *world)
 {
 	const struct scene *scene = world->scene;
-	bool rises = false;
+	bool rises = world->scene->hosted;
 	for (size_t i = 0; i < scene->object_count; i++) {
 		const struct scene_object *object = &scene->objects[i];
 		rises = rises || (object->load == 0 && (object->path.has_z || object->sink < 0));

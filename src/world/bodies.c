@@ -33,8 +33,8 @@ enum status world_make_bodies(struct world *world)
 {
 	const struct scene *scene = world->scene;
 	world->bodies = mem_calloc(scene->object_count + 1, sizeof *world->bodies);
-	world->relaxation.rests = mem_calloc(scene->object_count, sizeof *world->relaxation.rests);
-	world->record = mem_calloc(1, record_bytes(scene->object_count));
+	world->relaxation.rests = mem_calloc(scene->object_count + 1, sizeof *world->relaxation.rests);
+	world->record = mem_calloc(1, world_record_bytes(scene->object_count));
 	if (world->bodies == NULL || world->relaxation.rests == NULL || world->record == NULL)
 		return fail_memory("the objects");
 	uint32_t carriers = 0;
@@ -42,6 +42,12 @@ enum status world_make_bodies(struct world *world)
 		struct body *body = &world->bodies[i];
 		body->object = &scene->objects[i];
 		body->carrier = body->object->load > 0 ? ++carriers : 0;
+		if (body->object->path.count == 0) { /* the host's */
+			enum status fits = deform_shape_check(&body->object->shape, world->spacing);
+			if (fits != STATUS_OK)
+				return fits;
+			continue;
+		}
 		const struct deform_shape *shape = &body->object->shape;
 		const struct scene_path *path = &body->object->path;
 		enum status status = deform_shape_check(shape, world->spacing);
@@ -52,18 +58,19 @@ enum status world_make_bodies(struct world *world)
 			status = local_points(world, path, points);
 		double turn_reach = shape->kind == DEFORM_WHEEL ? shape->radius : deform_shape_bound(shape);
 		if (status == STATUS_OK)
-			status = track_create(path, (const double(*)[2])points, world->spacing, turn_reach, &body->track);
+			status = motion_track_create(path, (const double(*)[2])points, world->spacing, turn_reach, &body->track);
 		mem_free(points);
 		if (status != STATUS_OK)
 			return status;
 	}
-	return STATUS_OK;
+	return world_make_hosts(world);
 }
 
 void world_free_bodies(struct world *world)
 {
+	world_free_hosts(world);
 	for (size_t i = 0; world->bodies != NULL && i < world->scene->object_count; i++)
-		track_destroy(world->bodies[i].track);
+		motion_track_destroy(world->bodies[i].track);
 	mem_free(world->bodies);
 	mem_free(world->relaxation.rests);
 	mem_free(world->record);
@@ -76,11 +83,11 @@ void world_place(const struct world *world, size_t body, double place[3], double
 	int64_t height;
 	bool any;
 	assert(body < world->scene->object_count);
-	track_at(world->bodies[body].track, world->time, &point);
+	motion_track_at(world->bodies[body].track, world->time, &point);
 	place[0] = point.x;
 	place[1] = point.y;
 	place[2] = path->has_z ? point.z : world->meta->low;
-	if (ground_height(world->ground, point.qx, point.qy, &height, &any) == STATUS_OK && any)
+	if (resident_ground_height(world->ground, point.qx, point.qy, &height, &any) == STATUS_OK && any)
 		place[2] = fmax(lattice_offset_metres(height), path->has_z ? point.z : -INFINITY);
 	*yaw = point.yaw;
 }

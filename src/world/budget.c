@@ -3,6 +3,11 @@
 
 #include "world/internal.h"
 
+bool world_deforms(const struct world *world)
+{
+	return world->scene->object_count > 0 || world->scene->hosted;
+}
+
 /* Tiles that so many posts in a row can lie in, shared edges included. */
 static size_t tiles_across(int64_t posts, uint32_t cells, int64_t most)
 {
@@ -61,17 +66,33 @@ static enum status check_awake(const struct world *world)
 	return STATUS_OK;
 }
 
+enum status world_shape_budget(struct world *world, const char *name, const struct deform_shape *shape)
+{
+	struct deform_params params;
+	world_deform_params(world, &params);
+	const size_t tiles = window_tiles(world, &params, shape);
+	if (tiles > WORLD_TILES_MOST)
+		return fail_with(STATUS_INPUT, "%s: it touches up to %zu tiles of %u cells at once, and %d is the most; import with larger "
+					       "tiles (--tile)", name, tiles, world->meta->extent.cells, WORLD_TILES_MOST);
+	if (tiles > world->scene->slots)
+		return fail_with(STATUS_INPUT, "cache.slots: %s touches up to %zu tiles at once and there are %u slots; give at least %zu, or "
+					       "import with larger tiles (--tile)", name, tiles, world->scene->slots, tiles);
+	if (tiles > world->windows.tiles)
+		world->windows.tiles = tiles;
+	return STATUS_OK;
+}
+
 enum status world_budget_check(struct world *world)
 {
 	const struct scene *scene = world->scene;
 	struct deform_params params;
 	/* Of a terrain that is not known it is not known either. */
-	bool slides = scene->object_count > 0 && scene->undisturbed == SCENE_SLIDES && world->store != NULL;
+	bool slides = world_deforms(world) && scene->undisturbed == SCENE_SLIDES && world->store != NULL;
 	enum status status = slides ? check_awake(world) : STATUS_OK;
 	if (status != STATUS_OK)
 		return status;
 	world_deform_params(world, &params);
-	size_t block = scene->object_count > 0 && deform_conserves(scene->model) ? block_tiles(world, &params) : 0;
+	size_t block = world_deforms(world) && deform_conserves(scene->model) ? block_tiles(world, &params) : 0;
 	if (block > WORLD_TILES_MOST || block > scene->slots)
 		return fail_with(STATUS_INPUT, "cache.slots: a block of ground that slides touches up to %zu tiles of %u cells at "
 					       "once, and there are %u slots (at most %d are used); give more, or import with "
@@ -79,17 +100,9 @@ enum status world_budget_check(struct world *world)
 				 block, world->meta->extent.cells, scene->slots, WORLD_TILES_MOST);
 	world->windows.tiles = block;
 	for (size_t i = 0; i < scene->object_count; i++) {
-		size_t tiles = window_tiles(world, &params, &scene->objects[i].shape);
-		if (tiles > WORLD_TILES_MOST)
-			return fail_with(STATUS_INPUT, "%s: it touches up to %zu tiles of %u cells at once, and %d is the "
-						       "most; import with larger tiles (--tile)",
-					 scene->objects[i].name, tiles, world->meta->extent.cells, WORLD_TILES_MOST);
-		if (tiles > scene->slots)
-			return fail_with(STATUS_INPUT, "cache.slots: %s touches up to %zu tiles at once and there are %u slots; "
-						       "give at least %zu, or import with larger tiles (--tile)",
-					 scene->objects[i].name, tiles, scene->slots, tiles);
-		if (tiles > world->windows.tiles)
-			world->windows.tiles = tiles;
+		status = world_shape_budget(world, scene->objects[i].name, &scene->objects[i].shape);
+		if (status != STATUS_OK)
+			return status;
 	}
 	return STATUS_OK;
 }
@@ -98,10 +111,12 @@ uint32_t world_step_pages(const struct world *world)
 {
 	/* Stations a step can bring an object, and the tiles they can lie on: a path's length crosses
 	 * at most two rows and two columns more than its extent asks for. */
-	double pages = 0, side = world->spacing * world->meta->extent.cells;
+	double pages = world->scene->hosted ? WORLD_HOST_PAGES : 0, side = world->spacing * world->meta->extent.cells;
 	for (size_t i = 0; i < world->scene->object_count; i++) {
+		if (world->bodies[i].track == NULL)
+			continue;
 		double size = 2 * deform_shape_bound(&world->scene->objects[i].shape) + 16 * world->spacing; /* and what is smoothed around it */
-		double along = track_fastest(world->bodies[i].track) * world->scene->time_step / side + 2, across = ceil(size / side) + 1;
+		double along = motion_track_fastest(world->bodies[i].track) * world->scene->time_step / side + 2, across = ceil(size / side) + 1;
 		pages += 2 * along * across + across * across;
 	}
 	/* What slides on behind them: a block on a tile of its own each, at worst. */
@@ -111,11 +126,11 @@ uint32_t world_step_pages(const struct world *world)
 	return pages < 1e6 ? (uint32_t)pages + 4 : 1000000;
 }
 
-void world_budget(const struct world *world, struct pages_budget *budget)
+void world_budget(const struct world *world, struct resident_pages_budget *budget)
 {
 	uint64_t side = tile_posts(&world->meta->extent);
 	struct pages_params params;
 	world_pages_params(world, &params);
-	pages_budget(&params, world->meta->extent.cells, budget);
+	resident_pages_budget(&params, world->meta->extent.cells, budget);
 	budget->ground += ((uint64_t)world->ground_tiles + 1) * side * side * sizeof(int32_t);
 }

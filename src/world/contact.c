@@ -51,14 +51,17 @@ void world_release(struct world *world, struct held_tiles *held)
 enum status world_mark(struct world *world, struct post_rect rect, const struct held_tiles *held)
 {
 	enum status status = STATUS_OK;
-	newest_changed(world->newest);
+	resident_newest_changed(world->newest);
 	for (size_t i = 0; i < held->count && status == STATUS_OK; i++) {
 		struct tile tile = held->tiles[i].tile;
 		if (post_rect_empty(post_rect_intersect(rect, tile_post_rect(&world->meta->extent, tile))))
 			continue;
 		page_cache_dirty(world->cache, held->keys[i]);
+		status = world_changed(world, tile, post_rect_intersect(rect, tile_post_rect(&world->meta->extent, tile)));
+		if (status != STATUS_OK)
+			return status;
 		if (world->pyramid != NULL)
-			status = pyramid_changed(world->pyramid, tile, rect);
+			status = resident_pyramid_changed(world->pyramid, tile, rect);
 		if (status == STATUS_OK && world->watcher != NULL)
 			status = world->watcher->changed(world->watcher->user, tile);
 	}
@@ -109,9 +112,8 @@ static enum status tell_watcher(const struct world *world, const struct event *e
 	return world->watcher->contact(world->watcher->user, event, &told);
 }
 
-enum status world_contact(struct world *world, const struct event *event, bool last)
+static struct deform_sweep sweep_of(const struct world *world, const struct body *body, const struct event *event)
 {
-	struct body *body = &world->bodies[event->body];
 	struct deform_sweep sweep = {
 		.shape = &body->object->shape,
 		.from = body->in_contact ? body->last : event->pose,
@@ -119,9 +121,48 @@ enum status world_contact(struct world *world, const struct event *event, bool l
 		.load = body->object->load,
 		.carrier = body->carrier,
 	};
+	if (world_is_hosts(world, event->body)) {
+		sweep.seconds = event->seconds;
+		sweep.turned = event->turned;
+		return sweep;
+	}
 	sweep.to.turn = sweep.from.turn = body->last.turn;
 	if (body->in_contact)
 		roll(body, event, &sweep);
+	return sweep;
+}
+
+enum status world_feel(struct world *world, const struct event *event)
+{
+	const struct body *body = world_body_at(world, event->body);
+	struct deform_sweep sweep = sweep_of(world, body, event);
+	struct deform_window windows[DEFORM_WINDOWS_MAX];
+	struct held_tiles held = {.count = 0};
+	size_t count = 0;
+	bool aloft = false;
+	enum status status = deform_windows(world->deform, &sweep, windows, &count);
+	if (status == STATUS_OK)
+		status = world_is_aloft(world, event, &sweep, windows, count, &aloft);
+	if (status != STATUS_OK)
+		return status;
+	if (count == 0 || aloft) {
+		world_forces_absent(world->forces, event->body, event);
+		return STATUS_OK;
+	}
+	sweep.tag = world_forces_ask(world->forces, event->body, event, true);
+	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+		status = world_hold(world, windows[i].read, &held);
+		if (status == STATUS_OK)
+			status = deform_feel(world->deform, &sweep, &windows[i], (uint32_t)i, held.tiles, held.count);
+		world_release(world, &held);
+	}
+	return status;
+}
+
+enum status world_contact(struct world *world, const struct event *event, bool last)
+{
+	struct body *body = world_body_at(world, event->body);
+	struct deform_sweep sweep = sweep_of(world, body, event);
 	/* Where it stood is not known here, and need not be: it presses as it stands now. */
 	if (sweep.load > 0)
 		sweep.from.z = sweep.to.z;
@@ -133,9 +174,9 @@ enum status world_contact(struct world *world, const struct event *event, bool l
 	if (status == STATUS_OK)
 		status = world_is_aloft(world, event, &sweep, windows, count, &aloft);
 	if (status == STATUS_OK && count > 0 && !aloft)
-		sweep.tag = forces_ask(world->forces, event->body, event, last);
+		sweep.tag = world_forces_ask(world->forces, event->body, event, last);
 	else
-		forces_absent(world->forces, event->body, event);
+		world_forces_absent(world->forces, event->body, event);
 	/* What it stood on is free: where the sweep does not look, if it has jumped or turned, somebody else must. */
 	if (status == STATUS_OK && body->in_contact && !deform_covers(world->deform, &sweep, &body->last))
 		status = world_let_go(world, body);

@@ -54,7 +54,7 @@ static enum status tell_watcher(struct world *world, const struct event *event, 
 {
 	int64_t base;
 	bool any;
-	enum status status = ground_height(world->ground, event->pose.x, event->pose.y, &base, &any);
+	enum status status = resident_ground_height(world->ground, event->pose.x, event->pose.y, &base, &any);
 	if (status == STATUS_OK && any && world->watcher != NULL)
 		world->watcher->reach(world->watcher->user, fabs(lattice_offset_metres(height - base)) + event->sinkage + 2 * deform_shape_bound(shape));
 	return status;

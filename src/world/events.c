@@ -33,8 +33,8 @@ static enum status no_ground(const struct body *body, const struct track_point *
 enum status world_set_down(struct world *world, struct body *body, int64_t station, struct event *event)
 {
 	struct track_point point;
-	track_sample(body->track, station, &point);
-	event->next_time = station + 1 < track_samples(body->track) ? track_sample_time(body->track, station + 1) : INFINITY;
+	motion_track_sample(body->track, station, &point);
+	event->next_time = station + 1 < motion_track_samples(body->track) ? motion_track_sample_time(body->track, station + 1) : INFINITY;
 	event->pose = (struct deform_pose){
 		.x = point.qx,
 		.y = point.qy,
@@ -43,7 +43,7 @@ enum status world_set_down(struct world *world, struct body *body, int64_t stati
 		.roll = point.roll,
 	};
 	int64_t ground;
-	enum status status = ground_height(world->ground, event->pose.x, event->pose.y, &ground, &event->contact);
+	enum status status = resident_ground_height(world->ground, event->pose.x, event->pose.y, &ground, &event->contact);
 	if (status != STATUS_OK)
 		return status;
 	if (!event->contact && world->scene->outside == SCENE_STOP)
@@ -61,7 +61,7 @@ enum status world_set_down(struct world *world, struct body *body, int64_t stati
 	event->sinkage = lattice_offset_metres(ground - event->pose.z) + reach;
 	if (station > 0) {
 		struct track_point before;
-		track_sample(body->track, station - 1, &before);
+		motion_track_sample(body->track, station - 1, &before);
 		event->distance = hypot(point.x - before.x, point.y - before.y);
 		event->seconds = point.time - before.time;
 	}
@@ -75,9 +75,9 @@ enum status world_collect_events(struct world *world, double until)
 		struct event event = {.time = INFINITY};
 		for (size_t i = 0; i < world->scene->object_count; i++) {
 			struct body *body = &world->bodies[i];
-			if (body->next >= track_samples(body->track))
+			if (body->track == NULL || body->next >= motion_track_samples(body->track))
 				continue;
-			double time = track_sample_time(body->track, body->next);
+			double time = motion_track_sample_time(body->track, body->next);
 			if (time <= until && time < event.time) {
 				event.time = time;
 				event.body = i;

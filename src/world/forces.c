@@ -32,7 +32,7 @@ struct entry {
 	size_t object;
 	struct standing at;
 	bool ready;
-	struct record_force force;
+	struct world_force force;
 };
 
 struct forces {
@@ -42,12 +42,22 @@ struct forces {
 	int64_t row;                /* the next */
 	uint64_t tag, tag_before;   /* the last; before this step */
 	struct standing *standing;  /* by object */
-	struct record_force *known; /* the latest that came of each: of known_tag */
+	struct world_force *known; /* the latest that came of each: of known_tag */
 	uint64_t *known_tag;
-	struct entry *entries;      /* [first, count) wait, in their order */
-	size_t first, count, room;
+	struct entry *entries;      /* [first, count) wait, in their order; [kept, first) were used before `delay` steps had passed */
+	size_t kept, first, count, room;
 	uint64_t saturated, sunk;   /* posts; sweeps */
 };
+
+bool world_feels(const struct world *world)
+{
+	return world->scene->model == DEFORM_SCM;
+}
+
+bool world_asks_forces(const struct world *world)
+{
+	return (world->scene->forces > 0 && world->params.rows) || (world->scene->hosted && world_feels(world));
+}
 
 static bool any_load(const struct scene *scene)
 {
@@ -57,11 +67,12 @@ static bool any_load(const struct scene *scene)
 	return false;
 }
 
-enum status forces_create(struct world *world, struct forces **out)
+enum status world_forces_create(struct world *world, struct forces **out)
 {
 	const struct scene *scene = world->scene;
 	*out = NULL;
-	if (scene->object_count == 0 || ((scene->forces == 0 || !world->params.rows) && !any_load(scene)))
+	if (!(world->scene->hosted && world_feels(world)) &&
+	    (scene->object_count == 0 || (!world_asks_forces(world) && !any_load(scene))))
 		return STATUS_OK;
 	struct forces *forces = mem_calloc(1, sizeof *forces);
 	if (forces == NULL)
@@ -69,9 +80,9 @@ enum status forces_create(struct world *world, struct forces **out)
 	forces->world = world;
 	forces->rate = world->params.rows ? scene->forces : 0;
 	forces->delay = forces->rate > 0 ? scene->forces_delay : LOAD_DELAY;
-	forces->standing = mem_calloc(scene->object_count, sizeof *forces->standing);
-	forces->known = mem_calloc(scene->object_count, sizeof *forces->known);
-	forces->known_tag = mem_calloc(scene->object_count, sizeof *forces->known_tag);
+	forces->standing = mem_calloc(scene->object_count + 1, sizeof *forces->standing);
+	forces->known = mem_calloc(scene->object_count + 1, sizeof *forces->known);
+	forces->known_tag = mem_calloc(scene->object_count + 1, sizeof *forces->known_tag);
 	*out = forces;
 	if (forces->standing == NULL || forces->known == NULL || forces->known_tag == NULL)
 		return fail_memory("forces");
@@ -81,7 +92,7 @@ enum status forces_create(struct world *world, struct forces **out)
 			continue;
 		forces->standing[i] = (struct standing){object->in_contact ? 1 : 0, object->last, true};
 		struct track_point point;
-		track_sample(world->bodies[i].track, object->next - 1, &point);
+		motion_track_sample(world->bodies[i].track, object->next - 1, &point);
 		forces->standing[i].pose.x = point.qx;
 		forces->standing[i].pose.y = point.qy;
 		forces->known[i] = object->force;
@@ -94,7 +105,7 @@ enum status forces_create(struct world *world, struct forces **out)
 	return STATUS_OK;
 }
 
-void forces_destroy(struct forces *forces)
+void world_forces_destroy(struct forces *forces)
 {
 	if (forces == NULL)
 		return;
@@ -109,10 +120,11 @@ void forces_destroy(struct forces *forces)
 
 static enum status add_entry(struct forces *forces, const struct entry *entry)
 {
-	if (forces->first > 0 && forces->count == forces->room) {
-		forces->count -= forces->first;
-		memmove(forces->entries, forces->entries + forces->first, forces->count * sizeof *forces->entries);
-		forces->first = 0;
+	if (forces->kept > 0 && forces->count == forces->room) {
+		forces->count -= forces->kept;
+		memmove(forces->entries, forces->entries + forces->kept, forces->count * sizeof *forces->entries);
+		forces->first -= forces->kept;
+		forces->kept = 0;
 	}
 	if (forces->count == forces->room) {
 		size_t room = forces->room != 0 ? 2 * forces->room : 64;
@@ -129,11 +141,11 @@ static enum status add_entry(struct forces *forces, const struct entry *entry)
 	if (added->ready && entry->at.tag != 0)
 		added->force = forces->known[i];
 	else if (added->ready)
-		added->force = (struct record_force){.z = entry->at.pose.z};
+		added->force = (struct world_force){.z = entry->at.pose.z};
 	return STATUS_OK;
 }
 
-enum status forces_rows(struct forces *forces, double until, bool inclusive)
+enum status world_forces_rows(struct forces *forces, double until, bool inclusive)
 {
 	if (forces == NULL || forces->rate == 0)
 		return STATUS_OK;
@@ -150,12 +162,20 @@ enum status forces_rows(struct forces *forces, double until, bool inclusive)
 	}
 }
 
-uint64_t forces_ask(struct forces *forces, size_t object, const struct event *event, bool last_in_step)
+uint64_t world_forces_ask(struct forces *forces, size_t object, const struct event *event, bool last_in_step)
 {
-	if (forces == NULL || object >= forces->world->scene->object_count) /* a host's drop has no rows */
+	if (forces == NULL)
+		return 0;
+	if (world_is_hosts(forces->world, object)) {
+		const uint64_t tag = last_in_step ? ++forces->tag : 0;
+		if (last_in_step)
+			world_host_asked(forces->world, object, tag, event);
+		return tag;
+	}
+	if (object == forces->world->scene->object_count) /* what a window drops has no rows */
 		return 0;
 	const struct body *body = &forces->world->bodies[object];
-	bool asked = last_in_step && body->object->load > 0;
+	bool asked = last_in_step && (body->object->load > 0 || forces->world->scene->hosted);
 	if (forces->rate > 0) {
 		/* The next row, and whether it is this station's. */
 		double row = (double)forces->row / forces->rate;
@@ -166,16 +186,22 @@ uint64_t forces_ask(struct forces *forces, size_t object, const struct event *ev
 	return standing->tag;
 }
 
-void forces_absent(struct forces *forces, size_t object, const struct event *event)
+void world_forces_absent(struct forces *forces, size_t object, const struct event *event)
 {
-	if (forces == NULL || object >= forces->world->scene->object_count)
+	if (forces == NULL)
+		return;
+	if (world_is_hosts(forces->world, object)) {
+		world_host_absent(forces->world, object);
+		return;
+	}
+	if (object == forces->world->scene->object_count)
 		return;
 	struct standing *standing = &forces->standing[object];
 	struct deform_pose pose = event->pose;
 	if (!event->contact)
 		pose.z = standing->pose.z; /* there is no ground to stand on */
 	else /* in the air above it: so says the record too */
-		forces->known[object] = (struct record_force){.z = pose.z};
+		forces->known[object] = (struct world_force){.z = pose.z};
 	*standing = (struct standing){0, pose, true};
 }
 
@@ -183,7 +209,7 @@ void forces_absent(struct forces *forces, size_t object, const struct event *eve
 
 static void arrived(struct forces *forces, const struct deform_forces *from)
 {
-	struct record_force force = {.sinkage = from->sinkage, .area = from->area, .z = from->z};
+	struct world_force force = {.sinkage = from->sinkage, .area = from->area, .z = from->z};
 	memcpy(force.force, from->force, sizeof force.force);
 	memcpy(force.moment, from->moment, sizeof force.moment);
 	forces->saturated += from->saturated;
@@ -193,6 +219,7 @@ static void arrived(struct forces *forces, const struct deform_forces *from)
 			forces->known[i] = force;
 			forces->known_tag[i] = from->tag;
 		}
+	world_host_arrived(forces->world, from->tag, &force);
 	for (size_t i = forces->first; i < forces->count; i++)
 		if (forces->entries[i].at.tag == from->tag) {
 			forces->entries[i].force = force;
@@ -204,13 +231,14 @@ static enum status give_row(const struct forces *forces, const struct entry *ent
 {
 	const struct world_rows *rows = forces->world->rows;
 	const struct deform_pose *pose = &entry->at.pose;
-	const struct world_row row = {
+	struct world_row row = {
 		.time = entry->t,
 		.body = entry->object,
 		.position = {lattice_offset_metres(pose->x), lattice_offset_metres(pose->y), lattice_offset_metres(entry->force.z)},
 		.force = entry->force,
 	};
-	return rows->row(rows->user, &row);
+	enum status status = world_soil_at(forces->world, row.position[0], row.position[1], &row.soil);
+	return status == STATUS_OK ? rows->row(rows->user, &row) : status;
 }
 
 /* Uses the entries of steps until `step`, in order; what is not there is waited for. */
@@ -242,22 +270,35 @@ static enum status use(struct forces *forces, int64_t step)
 	return rows != NULL ? rows->flush(rows->user) : STATUS_OK;
 }
 
-enum status forces_end_step(struct forces *forces, double until)
+/* What was known `delay` steps ago. world_forces_settle may have used it before that. */
+static void look_back(struct forces *forces, int64_t step)
+{
+	for (; forces->kept < forces->first && forces->entries[forces->kept].step <= step; forces->kept++) {
+		const struct entry *entry = &forces->entries[forces->kept];
+		if (entry->t < 0)
+			forces->world->bodies[entry->object].sinkage_before = entry->force.sinkage;
+	}
+}
+
+enum status world_forces_end_step(struct forces *forces, double until)
 {
 	if (forces == NULL)
 		return STATUS_OK;
 	const struct scene *scene = forces->world->scene;
-	enum status status = forces_rows(forces, until, true);
+	enum status status = world_forces_rows(forces, until, true);
 	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++)
 		if (scene->objects[i].load > 0 && forces->standing[i].tag > forces->tag_before)
 			status = add_entry(forces, &(struct entry){.step = forces->world->step, .t = -1, .object = i, .at = forces->standing[i]});
 	forces->tag_before = forces->tag;
 	if (status == STATUS_OK)
 		status = deform_forces_begin(forces->world->deform);
-	return status == STATUS_OK ? use(forces, forces->world->step - forces->delay) : status;
+	if (status == STATUS_OK)
+		status = use(forces, forces->world->step - forces->delay);
+	look_back(forces, forces->world->step - forces->delay);
+	return status;
 }
 
-enum status forces_settle(struct forces *forces, struct record *record)
+enum status world_forces_settle(struct forces *forces, struct record *record)
 {
 	if (forces == NULL)
 		return STATUS_OK;
@@ -269,7 +310,100 @@ enum status forces_settle(struct forces *forces, struct record *record)
 	return status;
 }
 
-void forces_figures(const struct forces *forces, struct forces_figures *figures)
+enum status world_forces_wait(struct forces *forces)
 {
-	*figures = (struct forces_figures){forces->saturated, forces->sunk};
+	bool taken = forces != NULL;
+	enum status status = STATUS_OK;
+	while (taken && status == STATUS_OK) {
+		struct deform_forces came;
+		status = deform_forces_take(forces->world->deform, true, &came, &taken);
+		if (status == STATUS_OK && taken)
+			arrived(forces, &came);
+	}
+	return status;
+}
+
+bool world_forces_known(const struct forces *forces, size_t body, struct world_force *force)
+{
+	if (forces == NULL || !forces->standing[body].placed)
+		return false;
+	if (forces->standing[body].tag == 0) { /* it touches nothing */
+		*force = (struct world_force){.z = 0};
+		return true;
+	}
+	*force = forces->known[body];
+	return forces->known_tag[body] == forces->standing[body].tag;
+}
+
+struct forces_saved {
+	int64_t row;
+	struct standing *standing;
+	struct world_force *known;
+	uint64_t *known_tag;
+	uint64_t saturated, sunk;
+};
+
+void world_forces_saved_free(struct forces_saved *saved)
+{
+	if (saved == NULL)
+		return;
+	mem_free(saved->standing);
+	mem_free(saved->known);
+	mem_free(saved->known_tag);
+	mem_free(saved);
+}
+
+enum status world_forces_save(const struct forces *forces, struct forces_saved **out)
+{
+	*out = NULL;
+	if (forces == NULL)
+		return STATUS_OK;
+	assert(forces->first == forces->count);
+	const size_t count = forces->world->scene->object_count;
+	struct forces_saved *saved = mem_calloc(1, sizeof *saved);
+	if (saved == NULL)
+		return fail_memory("a checkpoint");
+	*saved = (struct forces_saved){
+		.row = forces->row,
+		.standing = mem_alloc(count + 1, sizeof *saved->standing),
+		.known = mem_alloc(count + 1, sizeof *saved->known),
+		.known_tag = mem_alloc(count + 1, sizeof *saved->known_tag),
+		.saturated = forces->saturated,
+		.sunk = forces->sunk,
+	};
+	if (saved->standing == NULL || saved->known == NULL || saved->known_tag == NULL) {
+		world_forces_saved_free(saved);
+		return fail_memory("a checkpoint");
+	}
+	memcpy(saved->standing, forces->standing, count * sizeof *saved->standing);
+	memcpy(saved->known, forces->known, count * sizeof *saved->known);
+	memcpy(saved->known_tag, forces->known_tag, count * sizeof *saved->known_tag);
+	*out = saved;
+	return STATUS_OK;
+}
+
+/* Tags go on: none comes twice. */
+void world_forces_restore(struct forces *forces, const struct forces_saved *saved)
+{
+	if (forces == NULL)
+		return;
+	const size_t count = forces->world->scene->object_count;
+	forces->row = saved->row;
+	forces->saturated = saved->saturated;
+	forces->sunk = saved->sunk;
+	forces->first = forces->count = 0;
+	forces->tag_before = forces->tag;
+	memcpy(forces->standing, saved->standing, count * sizeof *saved->standing);
+	memcpy(forces->known, saved->known, count * sizeof *saved->known);
+	memcpy(forces->known_tag, saved->known_tag, count * sizeof *saved->known_tag);
+}
+
+void world_forces_figures(const struct forces *forces, struct world_forces_figures *figures)
+{
+	*figures = (struct world_forces_figures){forces->saturated, forces->sunk};
+}
+
+enum status world_settle_forces(struct world *world)
+{
+	return world_forces_settle(world->forces, world->record);
 }

@@ -42,6 +42,32 @@ enum status world_settle_level(struct world *world)
 	return store_set_working_level(world->store, level);
 }
 
+unsigned world_planes(const struct scene *scene, bool was_deformed)
+{
+	unsigned planes = deform_planes(scene->model, scene->dirt);
+	if (scene->object_count > 0 || scene->hosted)
+		return planes;
+	return was_deformed && scene->view.present ? planes & GPU_DRAWN_PLANES : 0;
+}
+
+bool world_needs_soil_map(const struct scene *scene)
+{
+	return scene->soil_map != NULL && (scene->object_count > 0 || scene->hosted || scene_draws_classes(scene));
+}
+
+enum status world_open_soil_map(struct world *world)
+{
+	const struct scene *scene = world->scene;
+	const struct soil_map_params params = {
+		.path = scene->soil_map,
+		.classes = scene->soil_class,
+		.loaders = scene->loaders,
+		.places = scene->hosted || (scene->forces > 0 && scene->object_count > 0),
+		.meta = world->meta,
+	};
+	return world_needs_soil_map(world->scene) ? resident_soil_map_open(&params, &world->soil_map) : STATUS_OK;
+}
+
 /* Tiles of the ground: a few for each object, while that is not too much. */
 uint32_t world_ground_tiles(const struct world *world)
 {
@@ -78,7 +104,7 @@ void world_deform_params(const struct world *world, struct deform_params *params
 
 struct deform_planned world_planned(const struct scene_object *object)
 {
-	return (struct deform_planned){&object->shape, object->load, object->path.count > 1};
+	return (struct deform_planned){&object->shape, object->load, object->path.count != 1};
 }
 
 /* --- advice --- */
@@ -123,15 +149,17 @@ static void advise_leaving(const struct world *world, scene_advice_fn tell, void
 	char text[480], others[40] = "";
 	for (size_t i = 0; i < scene->object_count; i++) {
 		const struct body *body = &world->bodies[i];
-		int64_t station = track_leaves(body->track, width, height);
-		double time = station >= 0 ? track_sample_time(body->track, station) : INFINITY;
+		if (body->track == NULL)
+			continue;
+		int64_t station = motion_track_leaves(body->track, width, height);
+		double time = station >= 0 ? motion_track_sample_time(body->track, station) : INFINITY;
 		if (time > scene->end_time)
 			continue;
 		leaving++;
 		if (time >= at.time)
 			continue;
 		first = body;
-		track_sample(body->track, station, &at);
+		motion_track_sample(body->track, station, &at);
 	}
 	if (first == NULL)
 		return;
@@ -185,23 +213,38 @@ enum status world_plan_deform(const struct world *world, struct plan *plan)
 
 void world_plan_pages(const struct world *world, struct plan *plan)
 {
-	pages_plan(world->scene, world->meta->extent.cells, world->was_deformed, plan);
-	look_ahead_plan(world->scene->prefetch, world->scene->object_count, plan);
+	const struct scene *scene = world->scene;
+	const bool deforms = scene->object_count > 0;
+	const struct pages_planned planned = {
+		.cells = world->meta->extent.cells,
+		.planes = world_planes(scene, world->was_deformed),
+		.loaders = scene->loaders,
+		.was_deformed = world->was_deformed,
+		.deforms = deforms,
+		.lowers = deforms && !deform_conserves(scene->model),
+		.classes = world_needs_soil_map(scene),
+		.picture = scene->view.present,
+		.loaders_effect = scene_effect_row(EFFECT_LOADERS)->name,
+		.classes_effect = scene_effect_row(EFFECT_SOIL_MAP)->name,
+		.picture_effect = scene_effect_row(EFFECT_PICTURE)->name,
+	};
+	resident_pages_plan(&planned, plan);
+	motion_look_ahead_plan(scene->prefetch, scene->object_count, plan);
 }
 
 uint64_t world_samples_until(const struct track *track, double end)
 {
-	int64_t low = 0, high = 1, all = track_samples(track);
-	while (high < all && track_sample_time(track, high) <= end) {
+	int64_t low = 0, high = 1, all = motion_track_samples(track);
+	while (high < all && motion_track_sample_time(track, high) <= end) {
 		low = high;
 		high = high < all / 2 ? 2 * high : all;
 	}
-	if (track_sample_time(track, 0) > end)
+	if (motion_track_sample_time(track, 0) > end)
 		return 0;
 	/* [low] is due; [high], if there is one, is not, or is the last. */
 	while (high - low > 1) {
 		int64_t middle = low + (high - low) / 2;
-		if (track_sample_time(track, middle) <= end)
+		if (motion_track_sample_time(track, middle) <= end)
 			low = middle;
 		else
 			high = middle;
@@ -219,7 +262,7 @@ static enum status over_store(struct world *world, const char *path)
 	world->meta = store_meta(world->store);
 	status = world_settle_level(world);
 	/* A drive would refuse one that cannot be read. */
-	return status == STATUS_OK ? soil_map_open(world->scene, world->meta, &world->soil_map) : status;
+	return status == STATUS_OK ? world_open_soil_map(world) : status;
 }
 
 static enum status over_nothing(struct world *world, struct store_meta *assumed)

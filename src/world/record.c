@@ -11,7 +11,7 @@
 #define VERSION 2
 #define SUM_MOST (INT64_MAX / 4) /* so that what a drive adds, and their differences, are numbers too */
 
-size_t record_bytes(size_t objects)
+size_t world_record_bytes(size_t objects)
 {
 	return sizeof(struct record) + objects * sizeof(struct record_object);
 }
@@ -32,7 +32,7 @@ static bool put_real(cJSON *object, const char *name, double value)
 	return cJSON_AddStringToObject(object, name, text) != NULL;
 }
 
-static bool put_force(cJSON *object, const struct record_force *force)
+static bool put_force(cJSON *object, const struct world_force *force)
 {
 	static const char *const names[] = {"fx", "fy", "fz", "tx", "ty", "tz"};
 	cJSON *to = cJSON_AddObjectToObject(object, "force");
@@ -75,7 +75,7 @@ static bool put_awake(cJSON *root, const struct record *record)
 	return whole;
 }
 
-char *record_print(const struct record *record, const struct scene *scene, const struct record_sums *sums)
+char *world_record_print(const struct record *record, const struct scene *scene, const struct pages_sums *sums)
 {
 	cJSON *root = cJSON_CreateObject(), *objects;
 	bool whole = cJSON_AddNumberToObject(root, "version", VERSION) != NULL &&
@@ -91,6 +91,23 @@ char *record_print(const struct record *record, const struct scene *scene, const
 		text = mem_strdup(printed);
 	cJSON_free(printed);
 	return text;
+}
+
+static void when(const void *from, int64_t *step, double *time)
+{
+	const struct record *record = from;
+	*step = record->step;
+	*time = record->time;
+}
+
+static char *print(const void *scene, const void *record, const struct pages_sums *sums)
+{
+	return world_record_print(record, scene, sums);
+}
+
+struct pages_record world_record_pages(const struct scene *scene)
+{
+	return (struct pages_record){world_record_bytes(scene->object_count), scene->hash, scene, when, print};
 }
 
 /* --- reading; false: not there, or not what it must be --- */
@@ -128,7 +145,7 @@ static bool get_bool(const cJSON *object, const char *name, bool *value)
 	return cJSON_IsBool(item);
 }
 
-static bool get_force(const cJSON *object, struct record_force *force)
+static bool get_force(const cJSON *object, struct world_force *force)
 {
 	static const char *const names[] = {"fx", "fy", "fz", "tx", "ty", "tz"};
 	const cJSON *from = cJSON_GetObjectItemCaseSensitive(object, "force");
@@ -179,7 +196,7 @@ static bool get_awake(const cJSON *root, struct record *record)
 	return true;
 }
 
-enum status record_damaged(const char *store, const char *why)
+enum status world_record_damaged(const char *store, const char *why)
 {
 	return fail_with(STATUS_INPUT, "%s: what its last drive left to go on from is damaged: %s; drive without --resume, "
 			 "or furrow reset it", store, why);
@@ -192,13 +209,13 @@ static enum status parse_objects(const cJSON *objects, const char *store, const 
 	size_t count = (size_t)cJSON_GetArraySize(objects);
 	if (!cJSON_IsArray(objects) || count != scene->object_count) {
 		snprintf(why, sizeof why, "%zu objects, not %zu", count, scene->object_count);
-		return record_damaged(store, why);
+		return world_record_damaged(store, why);
 	}
 	const cJSON *object = objects->child;
 	for (size_t i = 0; i < count; i++, object = object->next)
 		if (!get_object(object, scene->objects[i].name, &record->objects[i])) {
 			snprintf(why, sizeof why, "object %zu of %zu", i + 1, count);
-			return record_damaged(store, why);
+			return world_record_damaged(store, why);
 		}
 	return STATUS_OK;
 }
@@ -208,32 +225,32 @@ static enum status parse_root(const cJSON *root, const char *store, struct recor
 	const cJSON *version = cJSON_GetObjectItemCaseSensitive(root, "version");
 	int64_t level;
 	if (!cJSON_IsObject(root))
-		return record_damaged(store, "no JSON object");
+		return world_record_damaged(store, "no JSON object");
 	if (!cJSON_IsNumber(version) || version->valuedouble != VERSION)
 		return fail_with(STATUS_INPUT, "%s: its last drive was made by another furrow, which keeps another record; resume "
 				 "it with that, or drive without --resume", store);
 	if (!get_whole(root, "level", TILE_LEVEL_MIN, &level) || level > TILE_LEVEL_MAX)
-		return record_damaged(store, "its level");
+		return world_record_damaged(store, "its level");
 	record->level = (int)level;
 	if (!get_bool(root, "ended", &record->ended))
-		return record_damaged(store, "whether it ended");
-	struct record_sums *sums = &record->sums;
+		return world_record_damaged(store, "whether it ended");
+	struct pages_sums *sums = &record->sums;
 	if (!get_whole(root, "below", -SUM_MOST, &sums->below) || sums->below > SUM_MOST ||
 	    !get_whole(root, "above", -SUM_MOST, &sums->above) || sums->above > SUM_MOST ||
 	    !get_whole(root, "compacted", -SUM_MOST, &sums->compacted) || sums->compacted > SUM_MOST)
-		return record_damaged(store, "its sums");
+		return world_record_damaged(store, "its sums");
 	if (!get_awake(root, record))
-		return record_damaged(store, "what was awake");
+		return world_record_damaged(store, "what was awake");
 	return STATUS_OK;
 }
 
-enum status record_parse(const struct store_run *run, const char *store, const struct scene *scene,
+enum status world_record_parse(const struct store_run *run, const char *store, const struct scene *scene,
 			 struct record *record)
 {
 	record->step = run->step;
 	record->time = run->time;
 	if (run->step < 0 || !isfinite(run->time) || run->time < 0)
-		return record_damaged(store, "its step or its time");
+		return world_record_damaged(store, "its step or its time");
 	cJSON *root = cJSON_ParseWithOpts(run->state, NULL, true);
 	enum status status = parse_root(root, store, record);
 	if (status == STATUS_OK)

@@ -39,7 +39,7 @@ static size_t rests_of(const struct world *world)
 		if (world->bodies[i].in_contact)
 			world->relaxation.rests[count++] = (struct deform_rest){&world->bodies[i].object->shape, world->bodies[i].last,
 								     world->bodies[i].carrier};
-	return count;
+	return count + world_host_rests(world, world->relaxation.rests + count);
 }
 
 static enum status one_interval(struct world *world, size_t *blocks)

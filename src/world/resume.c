@@ -23,15 +23,17 @@ static enum status check_object(struct world *world, struct body *body, const st
 	const struct record *record = world->record;
 	const char *store = world->path;
 	struct event event = {.time = 0};
+	if (body->track == NULL) /* a host's: it begins anew */
+		return object->next == 0 && !object->in_contact ? STATUS_OK : world_record_damaged(store, "a path of a body that has none");
 	if (record->step == 0 && object->next == 0)
-		return object->in_contact ? record_damaged(store, "contact before the first step") : STATUS_OK;
-	int64_t stations = track_samples(body->track);
+		return object->in_contact ? world_record_damaged(store, "contact before the first step") : STATUS_OK;
+	int64_t stations = motion_track_samples(body->track);
 	if (object->next > stations ||
-	    (object->next > 0 && track_sample_time(body->track, object->next - 1) > record->time) ||
-	    (object->next < stations && track_sample_time(body->track, object->next) <= record->time))
-		return record_damaged(store, "stations that are not those of its time");
+	    (object->next > 0 && motion_track_sample_time(body->track, object->next - 1) > record->time) ||
+	    (object->next < stations && motion_track_sample_time(body->track, object->next) <= record->time))
+		return world_record_damaged(store, "stations that are not those of its time");
 	if (object->next == 0)
-		return object->in_contact ? record_damaged(store, "contact before the first station") : STATUS_OK;
+		return object->in_contact ? world_record_damaged(store, "contact before the first station") : STATUS_OK;
 	enum status status = world_set_down(world, body, object->next - 1, &event);
 	if (status != STATUS_OK)
 		return status;
@@ -39,10 +41,10 @@ static enum status check_object(struct world *world, struct body *body, const st
 	const struct deform_pose *pose = &event.pose, *last = &object->last;
 	if (object->in_contact != event.contact ||
 	    (event.contact && !(near(last->x, pose->x) && near(last->y, pose->y) && near(last->z, pose->z))))
-		return record_damaged(store, "an object is not where its path was");
+		return world_record_damaged(store, "an object is not where its path was");
 	if (body->carrier > 0 && event.contact &&
 	    (object->force.z <= last->z - STANDS_MOST || object->force.z >= last->z + STANDS_MOST))
-		return record_damaged(store, "an object stands where it cannot");
+		return world_record_damaged(store, "an object stands where it cannot");
 	return STATUS_OK;
 }
 
@@ -52,19 +54,19 @@ static enum status check(struct world *world)
 	const char *store = world->path;
 	/* The last step may have been cut short by the end_time that was. */
 	double whole = (double)record->step * world->scene->time_step;
-	if (world_steps_until(world->scene, record->time) != (double)record->step &&
+	if (!world->scene->hosted && world_steps_until(world->scene, record->time) != (double)record->step &&
 	    fabs(record->time - whole) > 1e-12 * whole)
-		return record_damaged(store, "its step and its time do not agree");
+		return world_record_damaged(store, "its step and its time do not agree");
 	if (record->level != world->level)
-		return record_damaged(store, "its level is not the store's");
+		return world_record_damaged(store, "its level is not the store's");
 	const struct extent *extent = &world->meta->extent;
 	int64_t width = extent_posts(extent->width, world->level), height = extent_posts(extent->height, world->level);
 	for (size_t i = 0; i < record->awake_count; i++)
 		if (record->awake[i].x >= (width + DEFORM_BLOCK - 1) / DEFORM_BLOCK ||
 		    record->awake[i].y >= (height + DEFORM_BLOCK - 1) / DEFORM_BLOCK)
-			return record_damaged(store, "what was awake lies beyond the ground");
-	if (record->awake_count > 0 && (world->scene->object_count == 0 || !deform_conserves(world->scene->model)))
-		return record_damaged(store, "something is awake that cannot be");
+			return world_record_damaged(store, "what was awake lies beyond the ground");
+	if (record->awake_count > 0 && (!world_deforms(world) || !deform_conserves(world->scene->model)))
+		return world_record_damaged(store, "something is awake that cannot be");
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < world->scene->object_count && status == STATUS_OK; i++)
 		status = check_object(world, &world->bodies[i], &record->objects[i]);
@@ -78,11 +80,11 @@ static void restore(struct world *world)
 	world->step = record->step;
 	world->time = record->time;
 	/* The scene ends later now: its last step is done to its end. */
-	if (record->step > 0 && record->time < world_step_time(world->scene, record->step) * (1 - 1e-12))
+	if (!world->scene->hosted && record->step > 0 && record->time < world_step_time(world->scene, record->step) * (1 - 1e-12))
 		world->step--;
 	world->resumed.from = world->step;
 	world->resumed.time = world->time;
-	int64_t total = world_step_count(world);
+	const int64_t total = world->scene->hosted ? INT64_MAX : world_step_count(world); /* a host says how far it goes */
 	world->resumed.nothing_left = world->step > total || (world->step == total && record->ended);
 	for (size_t i = 0; i < world->scene->object_count; i++) {
 		const struct record_object *object = &record->objects[i];
@@ -91,7 +93,7 @@ static void restore(struct world *world)
 		body->in_contact = object->in_contact;
 		body->last = object->last;
 		body->distance = object->distance;
-		body->sinkage = object->sinkage;
+		body->sinkage = body->sinkage_before = object->sinkage;
 		body->stands = object->force.z;
 		body->raised = body->carrier > 0 && object->in_contact ? object->force.z - object->last.z : 0;
 		body->skipped = object->skipped;
@@ -101,10 +103,10 @@ static void restore(struct world *world)
 void world_tell_unfinished(const struct world *world)
 {
 	struct store_run run;
-	struct record *record = mem_calloc(1, record_bytes(world->scene->object_count));
+	struct record *record = mem_calloc(1, world_record_bytes(world->scene->object_count));
 	if (record != NULL && store_last_run(world->store, &run) == STATUS_OK && run.scene_hash != NULL && run.step > 0 &&
 	    strcmp(run.scene_hash, world->scene->hash) == 0 &&
-	    record_parse(&run, world->path, world->scene, record) == STATUS_OK && !record->ended)
+	    world_record_parse(&run, world->path, world->scene, record) == STATUS_OK && !record->ended)
 		note("%s: this scene was driven to step %lld there and not to its end; it begins anew, over those ruts "
 		     "(--resume would go on)", world->path, (long long)run.step);
 	mem_free(record);
@@ -125,7 +127,7 @@ enum status world_resume(struct world *world)
 		return fail_with(STATUS_INPUT, "%s: its last drive, to step %lld, was of another scene (%.8s, not %.8s); resume with "
 				 "that scene, or drive this one without --resume", store, (long long)run.step,
 				 run.scene_hash, world->scene->hash);
-	status = record_parse(&run, store, world->scene, world->record);
+	status = world_record_parse(&run, store, world->scene, world->record);
 	if (status == STATUS_OK)
 		status = check(world);
 	if (status != STATUS_OK)

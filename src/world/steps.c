@@ -49,7 +49,7 @@ static enum status fill_record(struct world *world)
 			.last = body->last,
 			.distance = body->distance,
 			.sinkage = body->sinkage,
-			.force = record->objects[i].force, /* forces_settle's */
+			.force = record->objects[i].force, /* world_forces_settle's */
 			.skipped = body->skipped,
 		};
 	}
@@ -64,14 +64,14 @@ static enum status deform_step(struct world *world, double until)
 		struct body *body = &world->bodies[event->body];
 		status = world_intervals(world, event->time, false);
 		if (status == STATUS_OK)
-			status = forces_rows(world->forces, event->time, false);
+			status = world_forces_rows(world->forces, event->time, false);
 		if (status != STATUS_OK)
 			return status;
 		if (!event->contact) {
 			status = world_let_go(world, body);
 			body->in_contact = false;
 			body->skipped++;
-			forces_absent(world->forces, event->body, event);
+			world_forces_absent(world->forces, event->body, event);
 			continue;
 		}
 		body->distance += event->distance;
@@ -79,45 +79,60 @@ static enum status deform_step(struct world *world, double until)
 			body->sinkage = event->sinkage;
 		status = world_contact(world, event, event->next_time > until);
 	}
+	if (status == STATUS_OK && world->hosts.count > 0) {
+		status = world_intervals(world, until, false);
+		if (status == STATUS_OK)
+			status = world_hosts_step(world, until - world->time, until);
+	}
 	if (status == STATUS_OK)
 		status = world_intervals(world, until, true);
-	return status == STATUS_OK ? forces_end_step(world->forces, until) : status;
+	return status == STATUS_OK ? world_forces_end_step(world->forces, until) : status;
 }
 
 enum status world_begin(struct world *world)
 {
 	world_intervals_from(world, world->time);
-	look_ahead_begin(world->ahead, world->resumed.time);
+	motion_look_ahead_begin(world->ahead, world->resumed.time);
 	/* Killed before its first commit it is not to be taken for the run before it. */
 	enum status status = world->resumed.is ? STATUS_OK : fill_record(world);
 	if (status == STATUS_OK && !world->resumed.is)
 		status = page_cache_flush(world->cache, world->record);
-	world->warmed.stalls = (struct stalls){0, 0};
-	world_stalls(world, &world->warmed.stalls);
+	world->warmed.stalls = world->warmed.range_waits = (struct stalls){0, 0};
+	struct stalls stalls, ranges;
+	world_stalls(world, &stalls);
+	world_range_waits(world, &ranges);
+	world->warmed.stalls = stalls;
+	world->warmed.range_waits = ranges;
 	return status;
 }
 
 enum status world_end_step(struct world *world)
 {
-	enum status status = world->pyramid != NULL ? pyramid_flush(world->pyramid, world->cache) : STATUS_OK;
+	enum status status = world->pyramid != NULL ? resident_pyramid_flush(world->pyramid, world->cache) : STATUS_OK;
 	if (status == STATUS_OK)
 		status = fill_record(world);
 	/* Until the record is of this step too there is nothing to commit. */
 	if (status != STATUS_OK)
 		return status;
 	world->torn = false;
+	world_changes_end(world);
 	return page_cache_end_step(world->cache, world->record);
 }
 
 enum status world_step(struct world *world)
 {
-	double until = world_step_time(world->scene, world->step + 1);
+	return world_step_to(world, world_step_time(world->scene, world->step + 1));
+}
+
+enum status world_step_to(struct world *world, double until)
+{
+	world->hosts.until = until;
 	/* Before anything changes: a scene that leaves the ground stops at a step's end. */
 	enum status status = world_collect_events(world, until);
 	if (status == STATUS_OK)
 		status = page_cache_poll(world->cache);
 	if (status == STATUS_OK)
-		status = look_ahead_step(world->ahead, world->time);
+		status = motion_look_ahead_step(world->ahead, world->time);
 	if (status != STATUS_OK)
 		return status;
 	world->torn = true;
@@ -126,19 +141,35 @@ enum status world_step(struct world *world)
 		return status;
 	world->step++;
 	world->time = until;
-	look_ahead_tell(world->ahead, until);
+	motion_look_ahead_tell(world->ahead, until);
 	return world_end_step(world);
 }
 
 void world_stalls(const struct world *world, struct stalls *stalls)
 {
 	struct page_stats pages;
-	struct ground_figures ground;
+	struct resident_ground_figures ground;
 	page_cache_stats(world->cache, &pages);
-	ground_figures(world->ground, &ground);
+	resident_ground_figures(world->ground, &ground);
 	*stalls = (struct stalls){
 		.count = pages.stalls + ground.waits - world->warmed.stalls.count,
 		.ms = pages.stall_ms + ground.wait_ms - world->warmed.stalls.ms,
+	};
+}
+
+void world_recorded(const struct world *world, struct world_recorded *recorded)
+{
+	const struct record *record = world->record;
+	*recorded = (struct world_recorded){record->step, record->time, record->sums, record->awake_count};
+}
+
+void world_range_waits(const struct world *world, struct stalls *waits)
+{
+	struct resident_ground_figures ground;
+	resident_ground_figures(world->ground, &ground);
+	*waits = (struct stalls){
+		.count = ground.range_waits - world->warmed.range_waits.count,
+		.ms = ground.range_wait_ms - world->warmed.range_waits.ms,
 	};
 }
 

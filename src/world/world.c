@@ -24,11 +24,13 @@ enum status world_prepare(struct world *world, const struct world_params *params
 	if (status == STATUS_OK)
 		world->ground_tiles = world_ground_tiles(world);
 	if (status == STATUS_OK)
-		status = ground_create(world->store, world->ground_tiles, &world->ground);
+		status = resident_ground_create(world->store, world->ground_tiles, &world->ground);
 	if (status == STATUS_OK)
-		status = soil_map_open(scene, world->meta, &world->soil_map);
+		status = world_open_soil_map(world);
 	if (status == STATUS_OK)
 		status = world_make_bodies(world);
+	if (status == STATUS_OK)
+		status = world_tell_ruts(world);
 	if (status == STATUS_OK && params->resume)
 		status = world_resume(world);
 	else if (status == STATUS_OK)
@@ -44,7 +46,7 @@ static size_t camera_places(const void *user, double time, double places[2][2])
 	const struct world *world = user;
 	const struct scene_view *view = &world->scene->view;
 	const struct body *target = &world->bodies[view->target_object];
-	return track_camera_places(view, &target->object->path, target->track, time, places);
+	return motion_track_camera_places(view, &target->object->path, target->track, time, places);
 }
 
 static enum status start_look_ahead(struct world *world)
@@ -53,24 +55,27 @@ static enum status start_look_ahead(struct world *world)
 	struct look_ahead_body *bodies = mem_calloc(scene->object_count + 1, sizeof *bodies);
 	if (bodies == NULL)
 		return fail_memory("the look-ahead");
+	size_t count = 0;
 	for (size_t i = 0; i < scene->object_count; i++)
-		bodies[i] = (struct look_ahead_body){world->bodies[i].track, &world->bodies[i].object->shape, world->bodies[i].next};
+		if (world->bodies[i].track != NULL)
+			bodies[count++] = (struct look_ahead_body){world->bodies[i].track, &world->bodies[i].object->shape, world->bodies[i].next};
 	uint32_t tiles = world->ground_tiles;
-	bool follows = scene->view.present && scene->view.camera != SCENE_FIXED && scene->object_count > 0;
+	bool follows = scene->view.present && scene->view.camera != SCENE_FIXED && scene->object_count > 0 &&
+		       world->bodies[scene->view.target_object].track != NULL;
 	const struct look_ahead_params params = {
 		.store = world->store,
 		.ground = world->ground,
 		.tiles = tiles - tiles / 4, /* the rest is for what the view asks for, and for what was passed */
 		.bodies = bodies,
-		.count = scene->object_count,
+		.count = count,
 		.spacing = world->spacing,
 		.camera = follows ? camera_places : NULL,
 		.camera_user = world,
-		.camera_speed = follows ? track_fastest(world->bodies[scene->view.target_object].track) : 0,
+		.camera_speed = follows ? motion_track_fastest(world->bodies[scene->view.target_object].track) : 0,
 		.prefetch = scene->prefetch,
 		.end = scene->end_time,
 	};
-	enum status status = look_ahead_create(&params, &world->ahead);
+	enum status status = motion_look_ahead_create(&params, &world->ahead);
 	mem_free(bodies);
 	return status;
 }
@@ -94,29 +99,29 @@ static enum status go_on_with_ground(struct world *world)
 enum status world_start(struct world *world)
 {
 	const struct scene *scene = world->scene;
-	struct gpu_params gpu = {.draws = world->params.draws};
+	struct gpu_params gpu = {.draws = world->params.draws || world->scene->hosted}; /* a host's environment is its own */
 	struct deform_params deform;
 	enum status status = start_look_ahead(world);
 	if (status == STATUS_OK)
 		status = gpu_create(&gpu, &world->gpu);
 	if (status == STATUS_OK)
 		status = gpu_slots_create(world->gpu, world->meta->extent.cells, scene->slots,
-					  pages_planes_of(scene, world->was_deformed), &world->slots);
+					  world_planes(scene, world->was_deformed), &world->slots);
 	world_deform_params(world, &deform);
 	world->aloft.asks_touched = deform.touched;
 	deform.gpu = world->gpu;
 	deform.slots = world->slots;
-	deform.reference = ground_reference(world->store);
-	if (status == STATUS_OK && scene->object_count > 0)
+	deform.reference = resident_ground_reference(world->store);
+	if (status == STATUS_OK && world_deforms(world))
 		status = deform_create(&deform, &world->deform);
 	if (status == STATUS_OK)
 		status = world_budget_check(world);
 	if (status == STATUS_OK)
 		status = go_on_with_ground(world);
 	if (status == STATUS_OK)
-		status = forces_create(world, &world->forces);
+		status = world_forces_create(world, &world->forces);
 	if (status == STATUS_OK && world->params.draws)
-		status = pyramid_create(&world->meta->extent, world->level, world->slots, &world->pyramid);
+		status = resident_pyramid_create(&world->meta->extent, world->level, world->slots, &world->pyramid);
 	return status;
 }
 
@@ -125,7 +130,7 @@ enum status world_start(struct world *world)
 static enum status before_read_back(void *user, struct tile tile, uint32_t slot)
 {
 	struct world *world = user;
-	return world->pyramid != NULL ? pyramid_flush_tile(world->pyramid, world->cache, tile, slot) : STATUS_OK;
+	return world->pyramid != NULL ? resident_pyramid_flush_tile(world->pyramid, world->cache, tile, slot) : STATUS_OK;
 }
 
 static enum status before_epoch(void *user)
@@ -133,7 +138,7 @@ static enum status before_epoch(void *user)
 	struct world *world = user;
 	if (world->commits != NULL && world->commits->before_record != NULL)
 		world->commits->before_record(world->commits->user);
-	return forces_settle(world->forces, world->record);
+	return world_settle_forces(world);
 }
 
 static enum status before_commit(void *user)
@@ -153,25 +158,25 @@ static enum status tally_snapshot(void *user, struct gpu_staging *staging)
 static enum status soil_classes(void *user, unsigned loader, struct tile tile, uint8_t *classes)
 {
 	const struct world *world = user;
-	return soil_map_read(world->soil_map, loader, tile, classes);
+	return resident_soil_map_read(world->soil_map, loader, tile, classes);
 }
 
 void world_pages_params(const struct world *world, struct pages_params *params)
 {
 	const struct scene *scene = world->scene;
 	*params = (struct pages_params){
-		.planes = pages_planes_of(scene, world->was_deformed),
+		.planes = world_planes(scene, world->was_deformed),
 		.level = world->level,
 		.count = scene->slots,
 		.loaders = scene->loaders,
 		.step_pages = world_step_pages(world),
-		.scene = scene,
+		.record = world_record_pages(scene),
 		.epoch_age = COMMIT_AGE,
 		.before_read_back = before_read_back,
 		.before_epoch = before_epoch,
 		.before_commit = before_commit,
-		.snapshot = scene->object_count > 0 ? tally_snapshot : NULL,
-		.classes = soil_map_needed(scene) ? soil_classes : NULL,
+		.snapshot = world_deforms(world) ? tally_snapshot : NULL,
+		.classes = world_needs_soil_map(scene) ? soil_classes : NULL,
 		.classes_drawn = scene_draws_classes(scene),
 	};
 }
@@ -191,15 +196,13 @@ enum status world_start_pages(struct world *world, FILE *epochs, struct page_tra
 	params.store = world->store;
 	params.gpu = world->gpu;
 	params.slots = world->slots;
-	params.below = world->record->sums.below;
-	params.above = world->record->sums.above;
-	params.compacted = world->record->sums.compacted;
+	params.before = world->record->sums;
 	params.epochs = epochs;
 	params.trace = trace;
 	params.user = world;
-	enum status status = pages_create(&params, &world->pages);
+	enum status status = resident_pages_create(&params, &world->pages);
 	if (status == STATUS_OK)
-		world->cache = pages_cache(world->pages);
+		world->cache = resident_pages_cache(world->pages);
 	return status;
 }
 
@@ -210,6 +213,31 @@ void world_watch(struct world *world, const struct world_watcher *watcher)
 
 /* --- warming up --- */
 
+enum status world_start_drawing(struct world *world)
+{
+	if (world->pyramid != NULL)
+		return STATUS_OK;
+	/* Coarser tiles of pages that changed and are not committed are made from the store. */
+	enum status status = page_cache_flush(world->cache, world->record);
+	if (status == STATUS_OK)
+		status = resident_pyramid_create(&world->meta->extent, world->level, world->slots, &world->pyramid);
+	world->params.draws = status == STATUS_OK;
+	return status;
+}
+
+static void serve(struct world *world)
+{
+	motion_look_ahead_serve(world->ahead, &(struct look_ahead_pages){
+					       .deform = world->deform,
+					       .extent = &world->meta->extent,
+					       .level = world->level,
+					       .cache = world->cache,
+					       .slots = world->scene->slots,
+					       .requests = world->watcher != NULL ? watcher_requests : NULL,
+					       .user = world,
+				       });
+}
+
 /* A driver compiles a program when it first draws with it: now, and not in a step. The ground of the first steps is
  * read by then too. */
 enum status world_warm(struct world *world)
@@ -218,23 +246,19 @@ enum status world_warm(struct world *world)
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++) {
 		const struct deform_planned planned = world_planned(&scene->objects[i]);
-		status = deform_warm(world->deform, &planned, scene->forces > 0 && world->params.rows);
+		status = deform_warm(world->deform, &planned, world_asks_forces(world));
 	}
 	if (status == STATUS_OK)
 		status = world_warm_drops(world);
-	bool deformed = pages_planes_of(scene, world->was_deformed) != 0;
+	bool deformed = world_planes(scene, world->was_deformed) != 0;
 	if (status == STATUS_OK)
 		status = gpu_slots_warm(world->slots, world->level < 0, deformed && world->params.draws);
-	look_ahead_serve(world->ahead, &(struct look_ahead_pages){
-					       .deform = world->deform,
-					       .extent = &world->meta->extent,
-					       .level = world->level,
-					       .cache = world->cache,
-					       .slots = scene->slots,
-					       .requests = world->watcher != NULL ? watcher_requests : NULL,
-					       .user = world,
-				       });
-	return status == STATUS_OK ? look_ahead_first(world->ahead, world->time, world->params.stop) : status;
+	serve(world);
+	double began = clock_seconds();
+	if (status == STATUS_OK)
+		status = motion_look_ahead_first(world->ahead, world->time, world->params.stop);
+	world->warmed.load_ms = (clock_seconds() - began) * 1e3;
+	return status;
 }
 
 void world_seal(struct world *world)
@@ -242,38 +266,41 @@ void world_seal(struct world *world)
 	gpu_finish(world->gpu);
 	gpu_stats(world->gpu, &world->warmed.gpu);
 	gpu_slots_figures(world->slots, &world->warmed.slots);
-	gpu_seal(world->gpu);
+	if (!world->scene->hosted) /* a host's later bodies and pictures bring programs of their own */
+		gpu_seal(world->gpu);
 }
 
 /* --- the end --- */
 
 void world_stop(struct world *world)
 {
-	look_ahead_stop(world->ahead);
+	motion_look_ahead_stop(world->ahead);
 	if (world->pages != NULL)
-		pages_stop(world->pages);
+		resident_pages_stop(world->pages);
 }
 
 void world_finish(struct world *world, enum status status)
 {
-	look_ahead_stop(world->ahead);
-	newest_destroy(world->newest);
-	pages_destroy(world->pages);
-	look_ahead_destroy(world->ahead);
-	soil_map_close(world->soil_map);
+	motion_look_ahead_stop(world->ahead);
+	resident_newest_destroy(world->newest);
+	resident_pages_destroy(world->pages);
+	motion_look_ahead_destroy(world->ahead);
+	resident_soil_map_close(world->soil_map);
 	page_trace_destroy(world->trace);
-	forces_destroy(world->forces);
-	pyramid_destroy(world->pyramid);
+	world_forces_destroy(world->forces);
+	resident_pyramid_destroy(world->pyramid);
 	deform_destroy(world->deform);
 	gpu_slots_destroy(world->slots);
 	gpu_destroy(world->gpu);
+	world_checkpoint_free(world->checkpoint);
+	world_changes_finish(world);
 	world_free_bodies(world);
 	key_set_finish(&world->aloft.seen);
 	key_set_finish(&world->aloft.old);
 	mem_free(world->events.list);
 	if (world->epochs != NULL)
 		fclose(world->epochs);
-	ground_destroy(world->ground);
+	resident_ground_destroy(world->ground);
 	if (status == STATUS_OK)
 		store_close(world->store);
 	else

@@ -18,6 +18,7 @@
 #include <stdio.h>
 
 #include "base/base.h"
+#include "base/key_map.h"
 #include "base/key_set.h"
 #include "deform/deform.h"
 #include "gpu/gpu.h"
@@ -27,10 +28,25 @@
 #include "scene/scene.h"
 #include "store/store.h"
 #include "terrain/terrain.h"
-#include "world/record.h"
 
 struct forces; /* forces.c */
+struct record; /* record.c */
 struct world;
+
+/* What the soil did to a body, as it was last asked for; all zero: nothing. */
+struct world_force {
+	double force[3], moment[3]; /* N, N m */
+	double sinkage, area;       /* m, m2 */
+	int64_t z;                  /* 2^-20 m */
+};
+
+/* Of the record that goes with each commit: as the last whole step, or what was resumed, left it. */
+struct world_recorded {
+	int64_t step;             /* done since the scene's start */
+	double time;              /* s */
+	struct pages_sums sums;   /* only of one that was read */
+	size_t awake;             /* blocks where the ground may slide on */
+};
 
 /* One path sample that is due in a step, or one pose that a host gave: the body is already set upon the ground. */
 struct event {
@@ -41,6 +57,7 @@ struct event {
 	double sinkage;   /* m below the base */
 	double seconds;   /* since the sample before */
 	double next_time; /* s: when the next sample is due; INFINITY: there is none */
+	double turned;    /* rad about a wheel's axle since then; a host's bodies only */
 	struct deform_pose pose;
 };
 
@@ -78,13 +95,17 @@ struct world_row {
 	double time;         /* s */
 	size_t body;
 	double position[3];  /* m, of the body's origin */
-	struct record_force force;
+	int soil;            /* index into the scene's soils, of the post nearest to the origin; -1: there is no terrain */
+	struct world_force force;
 };
 /* Who takes the rows, in their order. `flush` is called after some. */
 struct world_rows {
 	void *user;
 	enum status (*row)(void *user, const struct world_row *row);
 	enum status (*flush)(void *user);
+	/* A checkpoint: what is written so far stays. Then, to drop all that came after it. NULL: neither. */
+	enum status (*mark)(void *user);
+	enum status (*rollback)(void *user);
 };
 
 struct world_params {
@@ -109,11 +130,65 @@ struct body {
 	bool in_contact;          /* `last` was in contact: the next contact is swept from it */
 	struct deform_pose last;
 	double distance, sinkage; /* m */
+	double sinkage_before;    /* m, with a load: as it was some steps ago, always as many, whenever a commit or a picture waited */
 	int64_t stands;           /* 2^-20 m: with a load, the height at which the soil carries it */
 	int64_t raised;           /* how far that is above where it was looked for */
 	uint32_t carrier;         /* with a load: its number among the loaded bodies, from 1 */
 	int64_t skipped;          /* path samples without ground */
 	uint64_t windows, windows_moved; /* computed, and those of them over which it moved */
+};
+
+/* Where a host's body is, and how it moves. Local axes: x east, y north, z up. */
+struct world_pose {
+	double position[3];    /* m */
+	double orientation[4]; /* unit quaternion w, x, y, z: from the body's axes (x forward, y left, z up) to the local ones */
+};
+struct world_state {
+	struct world_pose pose;
+	double linear[3];  /* m/s, of the origin */
+	double angular[3]; /* rad/s */
+};
+
+enum world_contact_state { WORLD_AIR, WORLD_TOUCHING, WORLD_SLIDES, WORLD_SUNK, WORLD_UNKNOWN };
+
+/* What the soil does to a body. NaN: not known. */
+struct world_contact {
+	double time;                  /* s: of the ground and the state that it is of */
+	double force[3], moment[3];   /* N, and N m about the origin, on the body, local axes */
+	double point[3];              /* m: on the force's line, nearest the body's lowest point */
+	double normal[3];             /* unit: of the undisturbed surface under the body */
+	double sinkage, area, slip;   /* m below the undisturbed surface; m2; of a wheel */
+	double normal_force, shear_limit; /* N */
+	enum world_contact_state state;
+};
+
+/* One body of a host: hosts.c. */
+struct host_body {
+	struct body body;             /* `last`: the pose up to which its motion has changed the ground */
+	struct scene_object *owned;   /* NULL: it is the scene's object */
+	bool placed, removed;
+	bool fresh;                   /* placed since the last step: nothing is between it and where it was */
+	bool has_next;
+	struct world_state now, next; /* after the last step; after the next, if has_next */
+	double since;                 /* s in which it moved since `last` */
+	double turned;                /* rad about a wheel's axle since `last` */
+	struct deform_pose felt;      /* where its forces were found last, */
+	double felt_turned;           /* with this `turned`, */
+	bool felt_moving;             /* and with rates */
+	uint64_t tag;                 /* of the forces that are on their way; 0: none */
+	double asked;                 /* s: of those */
+	double told;                  /* s: of `force` and `state` */
+	struct world_force force;
+	enum world_contact_state state;
+	uint64_t turn;                /* world_bodies_set: of its last list */
+};
+
+/* A tile of the working level that changed: changes.c. */
+struct changed_tile {
+	struct tile tile;
+	uint64_t last;         /* revision of its last change */
+	uint64_t from;         /* `rect` holds all its changes after this revision; 0: it holds the whole tile */
+	struct post_rect rect;
 };
 
 /* The step's thread waited: for a page, for a commit, or for the ground to set a body upon. */
@@ -185,10 +260,26 @@ struct world {
 		bool told;
 	} windows;
 	uint64_t drops;           /* drop.c: bodies that a window dropped */
+	struct world_hosts {      /* hosts.c: by number; NULL of a body with a path, and of one that a rollback took back */
+		struct host_body **list;
+		size_t count, room;
+		uint64_t turn;        /* lists of states so far */
+		double until;         /* s: the end of the step that is made */
+	} hosts;
+	struct checkpoint *checkpoint; /* checkpoint.c; NULL: none yet */
+	struct world_changes {    /* changes.c; of a host's world */
+		struct key_map places;  /* a tile's index in list */
+		struct changed_tile *list;
+		size_t count, room;
+		uint64_t revision;      /* of the ground now */
+		uint64_t asked;         /* that was told last */
+		bool pending;           /* something changed since `revision` */
+	} changes;
 	struct world_warmed {     /* what warming up ran: not counted as the steps' */
 		struct gpu_stats gpu;
 		struct gpu_slots_figures slots;
-		struct stalls stalls;
+		struct stalls stalls, range_waits;
+		double load_ms; /* world_warm waited for tiles */
 	} warmed;
 };
 
@@ -202,6 +293,8 @@ enum status world_start(struct world *world) FURROW_CHECKED;
 enum status world_start_pages(struct world *world, FILE *epochs, struct page_trace *trace) FURROW_CHECKED;
 /* Says who watches, before world_warm. The watcher stays the caller's and must outlive the world. */
 void world_watch(struct world *world, const struct world_watcher *watcher);
+/* From now on somebody draws: of a host's world that did not until now. */
+enum status world_start_drawing(struct world *world) FURROW_CHECKED;
 /* Links every program, runs each once, and loads what the first step needs. */
 enum status world_warm(struct world *world) FURROW_CHECKED;
 /* From here on passes count as the steps', and a program that is linked is a mistake. */
@@ -210,6 +303,8 @@ void world_seal(struct world *world);
 enum status world_begin(struct world *world) FURROW_CHECKED;
 /* One time step. STATUS_FAILED, before anything changes: a path leaves the terrain and the scene says stop. */
 enum status world_step(struct world *world) FURROW_CHECKED;
+/* The same, to a time of the caller's, s, that is later than now. */
+enum status world_step_to(struct world *world, double until) FURROW_CHECKED;
 /* Commits everything, with `ended` in the record. A world inside a failed step commits nothing. */
 enum status world_end(struct world *world, bool ended) FURROW_CHECKED;
 /* Stops the threads, so that figures are whole. Takes a world that was not started. */
@@ -228,16 +323,52 @@ enum status world_interrupted(const struct world *world) FURROW_CHECKED;
 /* The ground is whole again after something changed it: it may be committed, with the record as it is. */
 enum status world_end_step(struct world *world) FURROW_CHECKED;
 void world_stalls(const struct world *world, struct stalls *stalls); /* since world_begin */
+void world_recorded(const struct world *world, struct world_recorded *recorded);
+void world_range_waits(const struct world *world, struct stalls *waits); /* for ranges of tiles, which are no stalls; since world_begin */
 
 /* --- forces --- */
 
-struct forces_figures {
+struct world_forces_figures {
 	uint64_t saturated; /* posts whose share was too large to count */
 	uint64_t sunk;      /* contacts in which the soil did not carry the load */
 };
-void forces_figures(const struct forces *forces, struct forces_figures *figures); /* not of NULL */
+void world_forces_figures(const struct forces *forces, struct world_forces_figures *figures); /* not of NULL */
 /* Uses everything that was asked for, waiting for it; into the record too. */
-enum status forces_settle(struct forces *forces, struct record *record) FURROW_CHECKED;
+enum status world_settle_forces(struct world *world) FURROW_CHECKED;
+
+/*
+ * --- bodies of a host: those without a path, of a scene that was read for a host ---
+ *
+ * Numbers 0 .. object_count - 1 are the scene's objects in its order; those that are added follow. A number is never used again.
+ * STATUS_USAGE: there is no such body, or it follows a path.
+ */
+
+/* Takes the object over, which scene_object_parse made, unless it fails. STATUS_INPUT: its name is taken, or its shape is
+ * too large for the spacing or the slots. */
+enum status world_body_add(struct world *world, struct scene_object *object, int32_t *number) FURROW_CHECKED;
+/* STATUS_INPUT: no body has that name; *number is -1 then. */
+enum status world_body_find(const struct world *world, const char *name, int32_t *number) FURROW_CHECKED;
+/* Its soil is unloaded. */
+enum status world_body_remove(struct world *world, int32_t number) FURROW_CHECKED;
+/* Puts it there at rest, touching nothing in between. */
+enum status world_body_place(struct world *world, int32_t number, const struct world_pose *pose) FURROW_CHECKED;
+/* Where they will be after the next step: all of them, or on failure none. Each body at most once. */
+enum status world_bodies_set(struct world *world, size_t count, const int32_t *numbers, const struct world_state *states)
+	FURROW_CHECKED;
+/* Of any body, also of one with a path. NaN: it was never placed. */
+enum status world_body_state(const struct world *world, int32_t number, struct world_state *state) FURROW_CHECKED;
+/* The same. Waits for the forces that are on their way. */
+enum status world_body_contact(struct world *world, int32_t number, struct world_contact *contact) FURROW_CHECKED;
+/* All so far is in the store, and what world_rollback goes back to. */
+enum status world_checkpoint(struct world *world) FURROW_CHECKED;
+/* Ground, bodies, forces, time and rows as the last checkpoint left them. STATUS_FAILED: there was none. */
+enum status world_rollback(struct world *world) FURROW_CHECKED;
+/* Rectangles of the working level that changed after the revision `since`, and the revision now. 0: all that the store keeps, too.
+ * *count: room in, number out. STATUS_USAGE: too little room (number and revision are told), or a revision to come. */
+enum status world_changes_since(struct world *world, uint64_t since, struct post_rect *rects, size_t *count, uint64_t *now)
+	FURROW_CHECKED;
+/* The ground changes up to where the host's bodies are. Nothing if none is behind. */
+enum status world_hosts_commit(struct world *world) FURROW_CHECKED;
 
 /* --- bodies that a window drops: set down, pressed once and taken away. Its lowest point comes `sink` under the surface as
  * it is; with a load the soil decides --- */
@@ -261,9 +392,19 @@ void world_place(const struct world *world, size_t body, double place[3], double
 enum status world_heights(struct world *world, const struct terrain_point *points, size_t count, struct terrain_height *heights)
 	FURROW_CHECKED;
 enum status world_rays(struct world *world, const struct terrain_ray *rays, size_t count, struct terrain_hit *hits) FURROW_CHECKED;
+/* resident_read_posts. */
+enum status world_read_posts(struct world *world, enum store_layer layer, int level, struct post_rect rect, double *values)
+	FURROW_CHECKED;
+
+/* Which of the scene's soils is at the post of the working level that is nearest to a place; -1: it is outside the terrain. */
+enum status world_soil_at(struct world *world, double x, double y, int *soil) FURROW_CHECKED;
 
 /* --- what follows from scene and store, before anything is made: plan.c --- */
 
+/* The planes that are read and committed: those of the scene's model and dirt where it has objects; where it has none,
+ * those that are drawn of what earlier drives left, if the store `was_deformed`. */
+unsigned world_planes(const struct scene *scene, bool was_deformed);
+bool world_needs_soil_map(const struct scene *scene); /* there is one, and something looks at it */
 /* Opens the store for reading, or (store NULL) takes ground that is assumed, which `assumed` gets, and makes the bodies. Only for
  * plans; world_finish ends it. */
 enum status world_prepare_plan(struct world *world, const struct scene *scene, const char *store, struct store_meta *assumed)
@@ -280,6 +421,6 @@ uint64_t world_samples_until(const struct track *track, double end); /* path sam
 /* STATUS_INPUT, with the number needed, if there are fewer slots than one window touches tiles, or more ground that relaxes
  * than may at once. */
 enum status world_budget_check(struct world *world) FURROW_CHECKED;
-void world_budget(const struct world *world, struct pages_budget *budget); /* bytes, of everything that holds tiles */
+void world_budget(const struct world *world, struct resident_pages_budget *budget); /* bytes, of everything that holds tiles */
 
 #endif

@@ -96,7 +96,7 @@ static enum status only_watch(struct guest *guest, struct drive *drive, struct a
 	wish->go = figures.over ? API_STOP : API_ON;
 	/* From elsewhere, and in all colours. */
 	wish->free = guest->turns % 2 == 0;
-	wish->camera = (struct render_camera){{20, 20, 130 + guest->turns % 7}, {60, 70, 100}, 0.9};
+	wish->camera = (struct render_camera){{20, 20, 130 + guest->turns % 7}, {60, 70, 100}, 0.9, {0}};
 	wish->layer = (enum render_layer_kind)(guest->turns % RENDER_LAYERS);
 	/* And asks where the object has been, and will be. */
 	const struct terrain_point points[] = {{45, 63.75}, {60, 75}, {79, 89}};
@@ -238,7 +238,7 @@ static enum status look_turn(void *user, struct drive *drive, struct api_control
 	}
 	wish->go = guest->stage == 5 ? API_STOP : API_HOLD;
 	wish->free = guest->stage == 1;
-	wish->camera = (struct render_camera){{20, 20, 130}, {60, 70, 100}, 0.9};
+	wish->camera = (struct render_camera){{20, 20, 130}, {60, 70, 100}, 0.9, {0}};
 	wish->layer = guest->stage == 3 ? RENDER_SLOPES : RENDER_NATURAL;
 	wish->width = guest->stage == 4 ? 200 : 160;
 	wish->height = guest->stage == 4 ? 100 : 90;
@@ -314,7 +314,7 @@ static enum status colours_turn(void *user, struct drive *drive, struct api_cont
 	}
 	wish->go = guest->stage == 3 ? API_STOP : API_HOLD;
 	wish->free = true;
-	wish->camera = (struct render_camera){{150, 120, 120}, {150, 120.01, 100}, 0.9};
+	wish->camera = (struct render_camera){{150, 120, 120}, {150, 120.01, 100}, 0.9, {0}};
 	wish->layer = guest->stage == 0 ? RENDER_HEIGHTS : RENDER_OFFSETS;
 	return STATUS_OK;
 }
@@ -464,7 +464,7 @@ static enum status dropper_turn(void *user, struct drive *drive, struct api_cont
 	wish->again = settled && !dropper->dropped;
 	wish->go = settled && dropper->dropped ? API_STOP : API_HOLD;
 	wish->free = true;
-	wish->camera = (struct render_camera){{150, 120, 110}, {150, 120.01, 100}, 0.9};
+	wish->camera = (struct render_camera){{150, 120, 110}, {150, 120.01, 100}, 0.9, {0}};
 	return STATUS_OK;
 }
 

@@ -10,12 +10,12 @@
 
 static void what_was_put_is_found_and_nothing_else(void **state)
 {
-	struct key_map map = {NULL, 0, 0};
+	struct key_map map = {.room = 0};
 	assert_null(key_map_find(&map, 7));
 	for (uint64_t i = 0; i < 5000; i++)
 		assert_int_equal(key_map_put(&map, tile_key((struct tile){(int)(i % 9) - 4, (uint32_t)i, 3}), (double)i, 1),
 				 STATUS_OK);
-	assert_int_equal(map.count, 5000);
+	assert_int_equal(map.keys.count, 5000);
 	for (uint64_t i = 0; i < 5000; i++) {
 		const struct key_pair *pair = key_map_find(&map, tile_key((struct tile){(int)(i % 9) - 4, (uint32_t)i, 3}));
 		assert_non_null(pair);
@@ -44,7 +44,7 @@ static void a_cache_of_them_stays_small_and_keeps_what_is_asked_for(void **state
 			assert_int_equal(key_cache_find(&cache, i - 500, &pair, &found), STATUS_OK);
 			lost += !found;
 		}
-		assert_true(cache.young.count <= 100 && cache.old.count <= 100 && cache.young.room + cache.old.room <= 1024);
+		assert_true(cache.young.keys.count <= 100 && cache.old.keys.count <= 100 && cache.young.room + cache.old.room <= 1024);
 	}
 	assert_int_equal(lost, 19000);
 	key_cache_finish(&cache);
@@ -52,7 +52,9 @@ static void a_cache_of_them_stays_small_and_keeps_what_is_asked_for(void **state
 
 static void a_set_has_what_was_added_until_it_is_cleared(void **state)
 {
-	struct key_set set = {NULL, 0, 0};
+	struct key_set set = {.count = 0};
+	uint32_t number;
+	bool fresh;
 	assert_false(key_set_has(&set, 7));
 	key_set_clear(&set);
 	for (int round = 0; round < 2; round++) {
@@ -61,13 +63,23 @@ static void a_set_has_what_was_added_until_it_is_cleared(void **state)
 			assert_false(key_set_has(&set, key));
 			assert_int_equal(key_set_add(&set, key), STATUS_OK);
 			assert_int_equal(key_set_add(&set, key), STATUS_OK);
-			assert_true(key_set_has(&set, key));
+			assert_true(key_set_has(&set, key) && key_set_find(&set, key, &number) && number == i);
+			assert_int_equal(key_set_number(&set, key, &number, &fresh), STATUS_OK);
+			assert_true(number == i && !fresh);
 		}
+		assert_false(key_set_find(&set, tile_key((struct tile){0, 0, 9}), &number));
 		assert_int_equal(set.count, 5000);
 		assert_int_equal(set.room, 8192);
 		key_set_clear(&set);
 		assert_int_equal(set.count, 0);
 	}
+	/* What room was made for is added without more. */
+	assert_int_equal(key_set_reserve(&set, 20000), STATUS_OK);
+	mem_fail_nth(1, 0);
+	for (uint64_t i = 0; i < 20000; i++)
+		key_set_put(&set, i);
+	mem_fail_nth(0, 0);
+	assert_int_equal(set.count, 20000);
 	key_set_finish(&set);
 }
 

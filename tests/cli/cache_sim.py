@@ -238,7 +238,7 @@ class CacheSim(FurrowTest):
 
     def test_a_picture_is_drawn_from_accesses_too(self):
         text = (self.folder / "scene.yaml").read_text()
-        (self.folder / "scene.yaml").write_text(text + "view: {size: [64, 48], camera: {overhead: {over: a, height: 60}}, images: 0}\n")
+        (self.folder / "scene.yaml").write_text(text + "view: {size: [64, 48], camera: {overhead: {over: a, height: 60}}, images: 1}\n")
         run = self.traced("--steps", "5")
         traced = self.json("cache-sim", "t.trace")["traced"]
         self.assertGreater(traced["draw"]["hits"], 0)

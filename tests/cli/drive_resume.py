@@ -99,7 +99,7 @@ cache: {slots: 16}
 
     def test_nothing_is_awake_without_objects(self):
         scene = self.scene("scene: 1\ntime_step: 0.1\nend_time: 1\nspacing: 0.25\nsoil: {name: dry_sand}\n"
-                           "redistribute: {model: slippage}\nview: {size: [64, 64], camera: {fixed: {eye: [20, 20, 200], target: [60, 60, 0]}}}\n")
+                           "redistribute: {model: slippage}\nview: {size: [64, 64], camera: {fixed: {eye: [20, 20, 200], target: [60, 60, 0]}}, images: 5}\n")
         self.drive(scene, "--store", self.store, "--steps", 5)
         with sqlite3.connect(self.store) as db:
             db.execute("UPDATE run SET state = json_set(state, '$.awake', '0,0;')")

@@ -312,7 +312,7 @@ class Explain(FurrowTest):
         self.synth(posts="257x257")
         loose = "soil: {name: dry_sand}\nredistribute: {model: slippage, undisturbed: slides}\n"
         (self.folder / "soils.png").write_text("no picture")
-        mapped = "soil: {map: soils.png, classes: {1: mud}, default: mud}\nredistribute: {model: scm}\n"
+        mapped = "soil: {map: soils.png, classes: {1: clayey_38}, default: clayey_38}\nredistribute: {model: scm}\n"
         for more, setting in [(mapped, "end_time=2"), ("", "spacing=0.00001"), ("", "objects.c.shape={sphere: {radius: 400}}"),
                               (loose, "spacing=0.0625")]:
             with self.subTest(setting=setting):

@@ -65,7 +65,25 @@ class Images(FurrowTest):
     def test_what_is_kept_costs_a_thread_and_nothing_else_does(self):
         counts = [self.drive(self.path, *self.overlay(f"over{images}"), "--set", f"view.images={images}") for images in (0, 40)]
         self.assertEqual([run["counts"]["threads"] for run in counts], [4, 5])
-        self.assertEqual([run["view"].get("images") for run in counts], [None, 2])
+        self.assertEqual([run["counts"]["units"]["frame"] for run in counts], [0, 2])
+        self.assertNotIn("view", counts[0])
+        self.assertEqual([counts[1]["view"][name] for name in ("frames", "images")], [2, 2])
+
+    def test_a_picture_is_the_same_whether_earlier_ones_were_drawn_or_not(self):
+        few = VIEW.replace("slots: 120", "slots: 16").replace("effects: [texture, detail]", "effects: [texture, objects, geomorph]")
+        for text in (VIEW, few):
+            found = []
+            for every in (1, 20):
+                self.path = self.scene(text + f"  images: {every}\n")
+                self.drive(self.path, *self.overlay(f"every{every}"))
+                found.append(self.found())
+                (self.folder / f"every{every}.furrow").unlink()
+                for path in (self.folder / "out").glob("frame-*"):
+                    path.unlink()
+            self.assertEqual(len(found[0]), STEPS)
+            self.assertEqual(sorted(found[1]), [f"frame-{step:06}.png" for step in range(20, STEPS + 1, 20)])
+            for name, picture in found[1].items():
+                self.assertTrue(found[0][name] == picture, name)
 
     def test_no_epoch_is_committed_before_the_pictures_it_leaves_behind(self):
         wanted = self.whole(10)

@@ -15,6 +15,7 @@ from furrow_test import FurrowTest, main, write_png16  # noqa: E402
 ROOT = pathlib.Path(__file__).parents[2]
 PAGE = ROOT / "src" / "scene" / "SCENE.md"
 SOIL = ROOT / "src" / "deform" / "SOIL.md"
+SOILS = ROOT / "docs" / "SOILS.md"
 NUMBERS = ("number", "whole number")
 COLUMNS = ["key", "type", "unit", "range", "default", "what it does", "effect"]
 
@@ -38,16 +39,16 @@ def view(camera, **keys):
 
 # Scenes that are sound; each key is in at least one, and without what goes with it alone.
 SAMPLES = [
-    scene(WHEEL, store="none.furrow", time_step=0.1, gravity=9.81, spacing=0.5, coordinates="local", attributes=["dirt"],
+    scene(WHEEL, store="none.furrow", time_step=0.1, gravity=9.81, spacing=0.5, coordinates="local", attributes=["disturbance"],
           outside="skip", cache={"slots": 64, "loaders": 1, "prefetch": 1}, soil=NUMBERED, redistribute={"model": "box", "radius": 2,
                                                                                                      "repetitions": 2},
           view=view({"chase": "a", "back": 9, "up": 4}, size=[64, 48], effects=["sky"], images=5, samples=2, pixel_error=2, body="mars",
                     sun={"azimuth": 90, "height": 20, "colour": [1, 1, 1]})),
-    scene(wheel(shape={"wheel": {"radius": 0.5, "width": 0.4, "lugs": 12}}, sink=0.1), wheel(name="b"),
+    scene(wheel(shape={"wheel": {"radius": 0.5, "width": 0.4, "grousers": 12}}, sink=0.1), wheel(name="b"),
           view=view({"overhead": {"over": "b", "height": 9}})),
-    scene(wheel(shape={"wheel": {"radius": 0.5, "width": 0.4, "lugs": 9, "lug_height": 0.1, "lug_thickness": 0.02}}, load=500, slip=0.1),
+    scene(wheel(shape={"wheel": {"radius": 0.5, "width": 0.4, "grousers": 9, "grouser_height": 0.1, "grouser_thickness": 0.02}}, load=500, slip=0.1),
           soil=NUMBERED, redistribute={"model": "scm", "depth": 1, "bulldozing": 0.4, "iterations": 2, "interval": 0.1, "tolerance": 0.1,
-                                       "undisturbed": "stands"}, output={"forces": 5, "delay": 1}),
+                                       "undisturbed": "stable"}, output={"forces": 5, "delay": 1}),
     scene(WHEEL, soil={"name": "lunar"}, redistribute={"model": "scm"}, output={"forces": 5}),
     scene(wheel(shape={"sphere": {"radius": 1}}, path={"points": [[20, 20], [30, 20]], "speed": 5, "loop": True}),
           soil={"name": "mud"}, redistribute={"model": "sumner"}),
@@ -288,7 +289,7 @@ class ScenePage(FurrowTest):
                 self.assertTrue(told, (row["default"], refused))
 
     def examples(self):
-        for page in (PAGE, ROOT / "README.md", SOIL):
+        for page in (PAGE, ROOT / "README.md", SOIL, SOILS):
             for i, text in enumerate(re.findall(r"```yaml\n(.*?)```", page.read_text(), re.S)):
                 yield f"{page.name} {i}", text
 
@@ -334,9 +335,9 @@ class ScenePage(FurrowTest):
 
     def test_bytes_are_as_it_says(self):
         text = PAGE.read_text()
-        dirt, scm = map(int, re.search(r"a post has (\d+) byte\s+more with dirt, (\d+) with `scm`", text).groups())
+        dirt, scm = map(int, re.search(r"a post has (\d+) byte\s+more with disturbance, (\d+) with `scm`", text).groups())
         path = self.folder / "scene.yaml"
-        for keys, more in (({}, 0), ({"attributes": ["dirt"]}, dirt), ({"soil": {"name": "lunar"}, "redistribute": {"model": "scm"}}, scm)):
+        for keys, more in (({}, 0), ({"attributes": ["disturbance"]}, dirt), ({"soil": {"name": "lunar"}, "redistribute": {"model": "scm"}}, scm)):
             path.write_text(json.dumps(scene(WHEEL, **keys)))
             self.assertEqual(sum(plane["bytes"] for plane in self.json("explain", path)["planes"]), 8 + more, keys)
         rows = re.findall(r"^\| ([\d.]+) \| ([\d.]+) \| (\d+) \| ([\d.]+) (kB|MB) \|$", text, re.M)
@@ -365,8 +366,14 @@ class ScenePage(FurrowTest):
             (self.folder / "poses.csv").write_text(rows)
             self.assertEqual(checker.answer(scene(path)).returncode, status, rows)
 
+    def test_columns_of_objects_csv_are_as_it_says(self):
+        table = re.search(r"^## objects\.csv\n.*?\n\| --- \| --- \| --- \|\n(.*?)\n\n", PAGE.read_text(), re.S | re.M).group(1)
+        said = [name for line in table.splitlines() for name in line.split("|")[1].strip().split(", ")]
+        written = re.search(r'header\[\] = "([^"]*)\\n"', (ROOT / "src" / "report" / "objects_csv.c").read_text()).group(1)
+        self.assertEqual(said, written.split(","))
+
     def test_its_links_lead_somewhere(self):
-        for page in (PAGE, SOIL, ROOT / "README.md", ROOT / "CONTRIBUTING.md"):
+        for page in (PAGE, SOIL, SOILS, ROOT / "README.md", ROOT / "CONTRIBUTING.md"):
             for link in re.findall(r"\]\(([^)#:]+)\)", page.read_text()):
                 self.assertTrue((page.parent / link).exists(), f"{page.name}: {link}")
         for page in (ROOT / "README.md", ROOT / "CONTRIBUTING.md", SOIL):

@@ -37,7 +37,7 @@ static inline int32_t conserve_cliff(int64_t x, int64_t y)
 /* Wheels, spheres and boxes, some of several windows, some half over the world's edge or far above, some that jump. */
 static inline void conserve_every_quantum(enum deform_model model)
 {
-	static const ground_height heights[] = {NULL, conserve_rough, conserve_holed, conserve_cliff};
+	static const resident_ground_height heights[] = {NULL, conserve_rough, conserve_holed, conserve_cliff};
 	int64_t moved = 0, pieces = 0;
 	for (int round = 0; round < 12; round++) {
 		struct ground ground;

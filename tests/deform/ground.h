@@ -10,13 +10,13 @@
 #include "deform/internal.h"
 #include "deform/reference/reference.h"
 
-typedef int32_t (*ground_height)(int64_t x, int64_t y); /* of a post of the block, base lattice */
+typedef int32_t (*resident_ground_height)(int64_t x, int64_t y); /* of a post of the block, base lattice */
 
 struct ground_params {
 	uint32_t cells, tiles; /* tiles a side */
 	int64_t first;         /* the block's first tile, in x and y */
 	double spacing;
-	ground_height height; /* NULL: flat, at 0 */
+	resident_ground_height height; /* NULL: flat, at 0 */
 	int32_t reference;
 	enum deform_model model;
 	int radius, repetitions; /* 0: 1 */

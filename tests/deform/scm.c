@@ -389,7 +389,7 @@ static int32_t lowered(int64_t x, int64_t y)
 static void height_and_distance_do_not_matter(void **state)
 {
 	static const struct {
-		ground_height height;
+		resident_ground_height height;
 		int32_t reference;
 		int64_t first;
 		double z;

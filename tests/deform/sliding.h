@@ -9,7 +9,7 @@ struct setup {
 	uint32_t cells, tiles;
 	double spacing, depth;
 	int iterations;
-	ground_height height;
+	resident_ground_height height;
 };
 
 static inline int32_t hills(int64_t x, int64_t y)
@@ -20,7 +20,7 @@ static inline int32_t hills(int64_t x, int64_t y)
 static inline void start(struct ground *ground, const struct setup *setup)
 {
 	struct deform_soil soil;
-	assert_ok(deform_soil_named("sand", &soil));
+	assert_ok(deform_soil_named("dry_sand", &soil));
 	soil.cohesion = 0;
 	soil.theta_stop = soil.theta_out + 0.1;
 	ground_init(ground, &(struct ground_params){.cells = setup->cells, .tiles = setup->tiles, .spacing = setup->spacing,

@@ -61,7 +61,7 @@ static bool inside(const struct field *field, int64_t x, int64_t y)
 
 static void put(struct field *field, struct post_rect rect)
 {
-	assert_ok(touched_add(&field->touched, rect));
+	assert_ok(deform_touched_add(&field->touched, rect));
 	for (int64_t y = rect.y0; y < rect.y1; y++)
 		for (int64_t x = rect.x0; x < rect.x1; x++)
 			if (inside(field, x, y))
@@ -82,7 +82,7 @@ static void assert_as_the_bits(const struct field *field)
 	for (int64_t y = 0; y < FIELD; y++)
 		for (int64_t x = 0; x < FIELD; x++) {
 			int64_t at_x = field->x0 + x, at_y = field->y0 + y;
-			bool is = touched_any(&field->touched, (struct post_rect){at_x, at_y, at_x + 1, at_y + 1});
+			bool is = deform_touched_any(&field->touched, (struct post_rect){at_x, at_y, at_x + 1, at_y + 1});
 			if (is != field->bits[y][x])
 				fail_msg("post %lld, %lld: %d", (long long)at_x, (long long)at_y, is);
 		}
@@ -90,7 +90,7 @@ static void assert_as_the_bits(const struct field *field)
 		struct post_rect rect = any_rect(field);
 		/* The field does not know what lies beyond it. */
 		const struct post_rect all = {field->x0, field->y0, field->x0 + FIELD, field->y0 + FIELD};
-		assert_int_equal(touched_any(&field->touched, post_rect_intersect(rect, all)), any(field, rect));
+		assert_int_equal(deform_touched_any(&field->touched, post_rect_intersect(rect, all)), any(field, rect));
 	}
 }
 
@@ -119,7 +119,7 @@ static void grow(struct field *field, const struct field *from)
 			struct post_rect near = {at_x - by, at_y - by, at_x + by + 1, at_y + by + 1};
 			grown[y][x] = of_parts(parts, x, y) && any(from, near);
 		}
-	assert_ok(touched_grow(&field->touched, &from->touched, block, by, parts));
+	assert_ok(deform_touched_grow(&field->touched, &from->touched, block, by, parts));
 	for (int64_t y = 0; y < DEFORM_BLOCK; y++)
 		for (int64_t x = 0; x < DEFORM_BLOCK; x++)
 			field->bits[block.y * DEFORM_BLOCK + y - field->y0][block.x * DEFORM_BLOCK + x - field->x0] |= grown[y][x];
@@ -146,13 +146,13 @@ static void it_is_what_a_field_of_bits_is(void **state)
 			}
 			for (int k = 0; k < 2; k++) {
 				assert_as_the_bits(&fields[k]);
-				touched_clear(&fields[k].touched);
+				deform_touched_clear(&fields[k].touched);
 			}
 		}
 		for (int k = 0; k < 2; k++) {
 			begin(&fields[k], firsts[i][0], firsts[i][1]);
 			assert_as_the_bits(&fields[k]);
-			touched_finish(&fields[k].touched);
+			deform_touched_finish(&fields[k].touched);
 		}
 	}
 }
@@ -162,20 +162,20 @@ static void parts_are_numbered_from_the_south_west(void **state)
 {
 	(void)state;
 	for (int part = 0; part < 16; part++) {
-		struct post_rect rect = touched_part((struct deform_block){3, 5}, part);
+		struct post_rect rect = deform_touched_part((struct deform_block){3, 5}, part);
 		assert_int_equal(rect.x0, 96 + part % 4 * 8);
 		assert_int_equal(rect.y0, 160 + part / 4 * 8);
 		assert_true(rect.x1 == rect.x0 + 8 && rect.y1 == rect.y0 + 8);
 		begin(&fields[0], 0, 0);
 		put(&fields[0], (struct post_rect){0, 0, FIELD, FIELD});
-		assert_ok(touched_grow(&fields[1].touched, &fields[0].touched, (struct deform_block){3, 5}, 1, 1u << part));
+		assert_ok(deform_touched_grow(&fields[1].touched, &fields[0].touched, (struct deform_block){3, 5}, 1, 1u << part));
 		begin(&fields[1], 0, 0);
 		for (int64_t y = rect.y0; y < rect.y1; y++)
 			for (int64_t x = rect.x0; x < rect.x1; x++)
 				fields[1].bits[y][x] = true;
 		assert_as_the_bits(&fields[1]);
-		touched_finish(&fields[0].touched);
-		touched_finish(&fields[1].touched);
+		deform_touched_finish(&fields[0].touched);
+		deform_touched_finish(&fields[1].touched);
 	}
 }
 
@@ -185,16 +185,16 @@ static void whole_blocks_take_no_rows(void **state)
 	struct touched touched = {.count = 0};
 	(void)state;
 	for (int64_t k = 0; k < 300; k++)
-		assert_ok(touched_add(&touched, (struct post_rect){k * 64, 32, k * 64 + 32, 64}));
+		assert_ok(deform_touched_add(&touched, (struct post_rect){k * 64, 32, k * 64 + 32, 64}));
 	assert_true(touched.blocks.count == 300 && touched.count == 1);
-	assert_ok(touched_add(&touched, (struct post_rect){32, 32, 33, 33}));
-	assert_ok(touched_add(&touched, (struct post_rect){64, 32, 65, 33}));
+	assert_ok(deform_touched_add(&touched, (struct post_rect){32, 32, 33, 33}));
+	assert_ok(deform_touched_add(&touched, (struct post_rect){64, 32, 65, 33}));
 	assert_true(touched.blocks.count == 301 && touched.count == 2);
-	assert_true(touched_any(&touched, (struct post_rect){32, 32, 33, 33}));
-	assert_true(!touched_any(&touched, (struct post_rect){33, 32, 64, 64}));
-	assert_true(touched_any(&touched, (struct post_rect){33, 32, 65, 64}));
-	assert_true(!touched_any(&touched, (struct post_rect){0, 0, 64 * 300, 32}));
-	touched_finish(&touched);
+	assert_true(deform_touched_any(&touched, (struct post_rect){32, 32, 33, 33}));
+	assert_true(!deform_touched_any(&touched, (struct post_rect){33, 32, 64, 64}));
+	assert_true(deform_touched_any(&touched, (struct post_rect){33, 32, 65, 64}));
+	assert_true(!deform_touched_any(&touched, (struct post_rect){0, 0, 64 * 300, 32}));
+	deform_touched_finish(&touched);
 }
 
 int main(void)

@@ -10,7 +10,7 @@ struct trip {
 	uint32_t cells, tiles;
 	double spacing;
 	int iterations;
-	ground_height height;
+	resident_ground_height height;
 	bool dirt;
 	int stations;
 };
@@ -23,7 +23,7 @@ static int32_t slope(int64_t x, int64_t y)
 static void begin(struct ground *ground, const struct trip *trip)
 {
 	struct deform_soil soil;
-	assert_ok(deform_soil_named("sand", &soil));
+	assert_ok(deform_soil_named("dry_sand", &soil));
 	soil.cohesion = 0;
 	soil.theta_stop = soil.theta_out + 0.1;
 	ground_init(ground, &(struct ground_params){.cells = trip->cells, .tiles = trip->tiles, .spacing = trip->spacing,

@@ -106,7 +106,7 @@ static uint64_t trial(const void *user, const struct fault *fault)
 	return calls;
 }
 
-static void every_fault(const char *scene, int most)
+static void every_fault(const char *scene, int most, enum lasting lasting)
 {
 	static const enum fault_kind kinds[] = {FAULT_READ, FAULT_WRITE, FAULT_FULL, FAULT_TORN_WRITE, FAULT_OPEN,
 						FAULT_SHARED, FAULT_SQLITE_MEMORY};
@@ -127,18 +127,18 @@ static void every_fault(const char *scene, int most)
 	store_close(store);
 	assert_true(acknowledged() >= 3);
 	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
-		ran += sweep(trial, NULL, kinds[i], most);
+		ran += sweep_lasting(trial, NULL, kinds[i], most, lasting);
 	assert_true((int)ran > 3 * most);
 }
 
 static void a_drive_whose_store_fails_says_so_and_loses_nothing(void **state)
 {
-	every_fault(scene_texts[0], MOST);
+	every_fault(scene_texts[0], MOST, BOTH);
 }
 
 static void so_does_one_with_the_soils_state_and_forces(void **state)
 {
-	every_fault(scene_texts[1], MOST / 3);
+	every_fault(scene_texts[1], MOST / 3, ONE_BY_ONE);
 }
 
 static int enter(void **state)

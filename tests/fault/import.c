@@ -53,11 +53,13 @@ static uint64_t trial(const void *user, const struct fault *fault)
 	return calls;
 }
 
+/* Every call over an empty path fails both once and for good; over either store it does the one or the other. */
 static void every_call(enum before before)
 {
+	static const enum lasting lasting[BEFORES] = {[NOTHING] = BOTH, [STORE] = ONE_BY_ONE, [KILLED] = IN_TURN};
 	uint64_t ran = 0;
 	for (int kind = FAULT_NONE + 1; kind < FAULT_KINDS; kind++)
-		ran += sweep(trial, &before, (enum fault_kind)kind, kind == FAULT_SQLITE_MEMORY ? MOST : UINT64_MAX);
+		ran += sweep_lasting(trial, &before, (enum fault_kind)kind, kind == FAULT_SQLITE_MEMORY ? MOST : UINT64_MAX, lasting[before]);
 	assert_true(ran > 100);
 }
 

@@ -1,5 +1,5 @@
 /*
- * Law 6 through the page cache and the run's adaptor (src/run/pages.c), without GL: whatever fails,
+ * Law 6 through the page cache and the run's adaptor (src/resident/pages.c), without GL: whatever fails,
  * it is told and goes on being told, no page that the store has not is let go, and the store holds
  * exactly what the ground was at the end of the step of its last epoch.
  *
@@ -8,7 +8,8 @@
  */
 #include "sweep.h"
 
-#include "resident/pages.h"
+#include "resident/resident.h"
+#include "world/record.h"
 
 #define MOST 25
 #define LEVEL -1
@@ -191,17 +192,17 @@ static enum status rig_open(struct rig *rig, const char *path)
 		.count = SLOTS,
 		.loaders = 2,
 		.step_pages = 4,
-		.scene = &scene,
+		.record = world_record_pages(&scene),
 		.epochs = rig->log,
-		.compacted = COMPACTED_BEFORE,
+		.before.compacted = COMPACTED_BEFORE,
 		.before_read_back = nothing_before,
 		.snapshot = take_tally,
 		.classes = give_classes,
 		.user = rig,
 	};
-	status = pages_create(&params, &rig->pages);
+	status = resident_pages_create(&params, &rig->pages);
 	if (status == STATUS_OK)
-		rig->cache = pages_cache(rig->pages);
+		rig->cache = resident_pages_cache(rig->pages);
 	return status;
 }
 
@@ -341,9 +342,9 @@ static void look(const char *path, int least, int most)
 	int64_t compacted = numbers.epochs > 0 ? compacted_by(numbers.last_run.step) : 0;
 	expect(numbers.compacted == compacted && check.compacted == compacted);
 	if (numbers.epochs > 0) {
-		struct record *record = calloc(1, record_bytes(0));
+		struct record *record = calloc(1, world_record_bytes(0));
 		assert_non_null(record);
-		expect(record_parse(&numbers.last_run, "trial", &scene, record) == STATUS_OK);
+		expect(world_record_parse(&numbers.last_run, "trial", &scene, record) == STATUS_OK);
 		expect(record->sums.compacted == compacted + COMPACTED_BEFORE);
 		free(record);
 	}
@@ -355,7 +356,7 @@ static void look(const char *path, int least, int most)
 
 static enum status drive(struct rig *rig)
 {
-	struct record *record = calloc(1, record_bytes(0));
+	struct record *record = calloc(1, world_record_bytes(0));
 	assert_non_null(record);
 	enum status status = STATUS_OK;
 	for (int step = 1; step <= STEPS && status == STATUS_OK; step++)
@@ -369,7 +370,7 @@ static enum status drive(struct rig *rig)
 /* Only the writer writes: what it could not commit is not forgotten when the next thing is asked. */
 static void expect_sticky(struct rig *rig)
 {
-	struct record *record = calloc(1, record_bytes(0));
+	struct record *record = calloc(1, world_record_bytes(0));
 	uint32_t slot;
 	assert_non_null(record);
 	expect(told(page_cache_end_step(rig->cache, record)));
@@ -396,7 +397,7 @@ static uint64_t trial_with(const struct fault *fault, FILE *log, bool log_fails)
 	uint64_t calls = fault_disarm();
 	if (rig.cache != NULL)
 		expect_pages_kept(&rig);
-	pages_destroy(rig.pages);
+	resident_pages_destroy(rig.pages);
 	store_close(rig.store);
 	expect(calls >= fault->nth || log_fails || (status == STATUS_OK && rig.steps == STEPS));
 	/* The last may have been committed and not acknowledged. */

@@ -45,15 +45,26 @@ static UNUSED bool told(enum status status)
 /* Returns how many calls of the fault's kind it made. */
 typedef uint64_t (*trial_fn)(const void *user, const struct fault *fault);
 
+/* Which calls of those that a sweep reaches fail once, and which from then on. */
+enum lasting {
+	BOTH,       /* each once, and again from then on */
+	ONE_BY_ONE, /* the first once, the second from then on, and so on */
+	IN_TURN,    /* the first from then on, the second once, and so on */
+};
+
 /* At most about `most` Ns spread over the calls that a trial without a fault makes; returns how many
- * were reached. With FAULT_COUNTS in the environment they are told. */
-static UNUSED uint64_t sweep(trial_fn trial, const void *user, enum fault_kind kind, uint64_t most)
+ * were reached. With FAULT_COUNTS in the environment they are told.
+ *
+ * Where the same calls are swept in several ways, BOTH in one of them and ONE_BY_ONE or IN_TURN in the others cover all pairs: each
+ * N in each way, each N both once and from then on, each way both as well. */
+static UNUSED uint64_t sweep_lasting(trial_fn trial, const void *user, enum fault_kind kind, uint64_t most, enum lasting lasting)
 {
 	uint64_t ran = 0;
-	for (int forever = 0; forever < 2; forever++) {
-		struct fault fault = {kind, UINT64_MAX, forever};
-		uint64_t stride = trial(user, &fault) / most + 1;
+	for (int pass = 0; pass < (lasting == BOTH ? 2 : 1); pass++) {
+		struct fault fault = {kind, UINT64_MAX, pass == 1};
+		uint64_t stride = trial(user, &fault) / most + 1, tried = 0;
 		for (fault.nth = 1;; fault.nth += stride) {
+			fault.forever = lasting == BOTH ? pass == 1 : (tried++ + (lasting == IN_TURN)) % 2 == 1;
 			uint64_t calls = trial(user, &fault);
 			if (calls < fault.nth)
 				break;
@@ -63,6 +74,12 @@ static UNUSED uint64_t sweep(trial_fn trial, const void *user, enum fault_kind k
 	if (getenv("FAULT_COUNTS") != NULL)
 		print_message("%s: %llu\n", fault_name(kind), (unsigned long long)ran);
 	return ran;
+}
+
+/* Each call both once and from then on. */
+static UNUSED uint64_t sweep(trial_fn trial, const void *user, enum fault_kind kind, uint64_t most)
+{
+	return sweep_lasting(trial, user, kind, most, BOTH);
 }
 
 #endif

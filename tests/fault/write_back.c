@@ -59,28 +59,28 @@ static uint64_t trial(const void *user, const struct fault *fault)
 	return calls;
 }
 
-static void every_call(struct way way, int first, int last)
+static void every_call(struct way way, int first, int last, enum lasting lasting)
 {
 	uint64_t ran = 0;
 	for (int kind = first; kind <= last; kind++)
-		ran += sweep(trial, &way, (enum fault_kind)kind, kind >= FAULT_MEMORY ? MOST : UINT64_MAX);
+		ran += sweep_lasting(trial, &way, (enum fault_kind)kind, kind >= FAULT_MEMORY ? MOST : UINT64_MAX, lasting);
 	assert_true(ran > 100);
 }
 
 static void a_failed_epoch_leaves_the_one_before(void **state)
 {
-	every_call((struct way){false, false}, FAULT_NONE + 1, FAULT_KINDS - 1);
+	every_call((struct way){false, false}, FAULT_NONE + 1, FAULT_KINDS - 1, BOTH);
 }
 
 static void a_failed_epoch_leaves_the_one_before_when_every_commit_is_synced(void **state)
 {
-	every_call((struct way){true, false}, FAULT_NONE + 1, FAULT_KINDS - 1);
+	every_call((struct way){true, false}, FAULT_NONE + 1, FAULT_KINDS - 1, ONE_BY_ONE);
 }
 
 static void a_failed_epoch_and_then_a_kill_leave_the_one_before(void **state)
 {
-	every_call((struct way){false, true}, FAULT_TORN_WRITE, FAULT_TRUNCATE);
-	every_call((struct way){true, true}, FAULT_TORN_WRITE, FAULT_TRUNCATE);
+	every_call((struct way){false, true}, FAULT_TORN_WRITE, FAULT_TRUNCATE, ONE_BY_ONE);
+	every_call((struct way){true, true}, FAULT_TORN_WRITE, FAULT_TRUNCATE, IN_TURN);
 }
 
 static int enter(void **state)

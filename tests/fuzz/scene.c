@@ -37,7 +37,7 @@ const char *const fuzz_words[] = {
 	"redistribute: {model: sumner, iterations: 2, interval: 0.1, depth: 1}\n", "redistribute: {model: slippage}\n",
 	"redistribute: {model: scm, depth: 0.1, bulldozing: 0.4}\n", "scm", "load: 4000", "slip: 0.2",
 	"shape: {mesh: {file: foot.obj, scale: 2}}", "lugs: 12, lug_height: 0.02, lug_thickness: 0.01",
-	"output: {forces: 50, delay: 0}\n", "soil: {map: poses.csv, classes: {1: lunar, 2: {name: mud}}, default: snow}\n",
+	"output: {forces: 50, delay: 0}\n", "soil: {map: poses.csv, classes: {1: lunar, 2: {name: clayey_38}}, default: snow_us}\n",
 	"soil: {cohesion: 0, friction_angle: 30, unit_weight: 16000, repose: 30}\n",
 	"soil: {theta_in: 40, theta_out: 25, theta_stop: 40, roughness: 0.2, compression: 0.3}\n",
 	"soil: {bekker_kc: -1, bekker_kphi: 100, bekker_n: 1}\n", "soil.classes.3=lunar\n", "objects.a.load=10\n",
@@ -143,7 +143,11 @@ static void check_soils(const struct scene *scene)
 		double values[sizeof *soil / sizeof(double)];
 		memcpy(values, soil, sizeof values);
 		for (size_t k = 0; k < sizeof values / sizeof *values; k++)
-			fuzz_check(isfinite(values[k]) && (values[k] >= 0 || values[k] == soil->bekker_kc));
+			fuzz_check(isnan(values[k]) || (isfinite(values[k]) && (values[k] >= 0 || values[k] == soil->bekker_kc)));
+		/* What the model reads is a number. */
+		fuzz_check(scene->model != DEFORM_SUMNER || isfinite(soil->compression + soil->theta_in + soil->theta_stop));
+		fuzz_check(scene->model == DEFORM_SUMNER || isfinite(soil->cohesion + soil->friction_angle));
+		fuzz_check(scene->model != DEFORM_SCM || isfinite(soil->bekker_kc + soil->bekker_kphi + soil->elastic_stiffness + soil->damping));
 		fuzz_check(scene->model != DEFORM_SUMNER || (soil->roughness > 0 && soil->roughness <= 0.2));
 		fuzz_check(scene->model != DEFORM_SUMNER || (soil->theta_stop >= soil->theta_out && soil->theta_in > 0));
 		fuzz_check(scene->model != DEFORM_SLIPPAGE || soil->unit_weight > 0);
@@ -188,7 +192,9 @@ static void check_message(enum status status)
 {
 	const char *text = failure_message();
 	fuzz_check(status == STATUS_INPUT || status == STATUS_USAGE);
-	fuzz_check(text[0] != '\0');
+	/* Which of the two files, or which setting; and what to do. */
+	fuzz_check(strstr(text, "scene.yaml:") != NULL || strstr(text, "poses.csv") != NULL || strstr(text, "--set ") != NULL);
+	fuzz_check(strstr(text, "; ") != NULL);
 	for (const char *c = text; *c != '\0'; c++)
 		fuzz_check((unsigned char)*c >= 0x20 && *c != 0x7f);
 	/* What scene_match passes, cyaml must take: its own words mean a hole. */

@@ -129,7 +129,7 @@ size_t fuzz_seed(size_t index, uint8_t *data, size_t room)
 		"  - name: a\n    shape: {wheel: {radius: 0.5, width: 0.4, lugs: 12, lug_height: 0.02, lug_thickness: 0.03}}\n"
 		"    path: {points: [[1, 2]], speed: 3}\n    load: 4000\n    slip: 0.2\n"
 		"  - {name: b, shape: {mesh: {file: foot.obj, scale: 2}}, path: {points: [[1, 2]], speed: 3}}\n"
-		"output: {forces: 50, delay: 2}\n" SCENE_POSES "any bytes\n" SCENE_SET "soil.classes.3=mud\n",
+		"output: {forces: 50, delay: 2}\n" SCENE_POSES "any bytes\n" SCENE_SET "soil.classes.3=clayey_38\n",
 		"scene: 1\nend_time: 1\nsoil:\n  bekker_kc: 1e3\n  bekker_kphi: 1.5e6\n  bekker_n: 1.1\n  cohesion: 1040\n"
 		"  friction_angle: 28\n  janosi_shear: 0.02\n  elastic_stiffness: 4e7\n  damping: 3e4\n  unit_weight: 16e3\n"
 		"  repose: 30\n  theta_in: 46\n  theta_out: 25\n  theta_stop: 46\n  roughness: 0.2\n  compression: 0.3\n"

@@ -176,7 +176,7 @@ static void fix_row(enum row_table table, sqlite3_stmt *find, sqlite3_stmt *writ
 	};
 	if (row.bytes == NULL)
 		return;
-	sqlite3_bind_int64(write, 1, (sqlite3_int64)rows_hash(table, &row));
+	sqlite3_bind_int64(write, 1, (sqlite3_int64)store_rows_hash(table, &row));
 	sqlite3_bind_int64(write, 2, sqlite3_column_int64(find, 0));
 	sqlite3_step(write);
 	sqlite3_reset(write);

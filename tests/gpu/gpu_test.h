@@ -75,7 +75,7 @@ static inline const struct shader_text *shaders_with(struct shader_text table[TE
 {
 	size_t count = 0;
 	table[count++] = (struct shader_text){path, text};
-	for (const struct shader_text *file = shader_table; file->path != NULL; file++) {
+	for (const struct shader_text *file = gpu_shader_table; file->path != NULL; file++) {
 		assert_true(count < TEST_SHADERS_MAX - 1);
 		table[count++] = *file;
 	}

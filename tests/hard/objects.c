@@ -4,33 +4,125 @@
 #define EACH_MODEL(model) \
 	for (const struct hard_model *model = hard_models; model < hard_models + HARD_MODELS; model++)
 
+/* --- what a drive changed --- */
+
+struct changes {
+	size_t lowered, raised;     /* posts */
+	double low, high;           /* metres: the lowest and the highest offset */
+	struct post_rect under;     /* around all posts that were lowered */
+	struct post_rect all;       /* around all posts that were changed */
+};
+
+static void around(struct post_rect *rect, int64_t x, int64_t y)
+{
+	bool first = rect->x1 == 0;
+	rect->x0 = first || x < rect->x0 ? x : rect->x0;
+	rect->y0 = first || y < rect->y0 ? y : rect->y0;
+	rect->x1 = first || x >= rect->x1 ? x + 1 : rect->x1;
+	rect->y1 = first || y >= rect->y1 ? y + 1 : rect->y1;
+}
+
+/* Of the posts of `rect` at this level. */
+static struct changes changes_of(const char *store, int level, struct post_rect rect)
+{
+	struct changes changes = {0};
+	double *quanta = support_quanta(store, level, rect);
+	int64_t width = rect.x1 - rect.x0;
+	for (int64_t i = 0; i < width * (rect.y1 - rect.y0); i++) {
+		double metres = quanta[i] / (1 << OFFSET_BITS);
+		if (isnan(metres) || metres == 0)
+			continue;
+		changes.lowered += metres < 0;
+		changes.raised += metres > 0;
+		changes.low = fmin(changes.low, metres);
+		changes.high = fmax(changes.high, metres);
+		around(&changes.all, rect.x0 + i % width, rect.y0 + i / width);
+		if (metres < 0)
+			around(&changes.under, rect.x0 + i % width, rect.y0 + i / width);
+	}
+	free(quanta);
+	return changes;
+}
+
+/* Whether `inner` lies in `outer`, made larger by so many posts. */
+static bool lies_in(struct post_rect inner, struct post_rect outer, int64_t more)
+{
+	return inner.x0 >= outer.x0 - more && inner.y0 >= outer.y0 - more && inner.x1 <= outer.x1 + more && inner.y1 <= outer.y1 + more;
+}
+
+static bool is_box(const struct hard_model *model)
+{
+	return strcmp(model->name, "box") == 0;
+}
+
+static bool is_sumner(const struct hard_model *model)
+{
+	return strcmp(model->name, "sumner") == 0;
+}
+
+/* --- too small, too large, in the wrong place --- */
+
+/* One that stands on a post, one that moves over three, and one between posts. */
 static void an_object_smaller_than_a_post_presses_one_at_most(void **state)
 {
+	static const struct post_rect way = {40, 40, 43, 41};
 	EACH_MODEL(model) {
 		const char *store = hard_store("tiny.furrow");
 		char *json = hard_drive(model, "end_time: 2\nobjects:\n"
 				"  - {name: on, shape: {sphere: {radius: 0.01}}, sink: 0.01, path: {points: [[40, 40], [42, 40]], speed: 1}}\n"
+				"  - {name: stands, shape: {sphere: {radius: 0.01}}, sink: 0.01, path: {points: [[80, 80]], speed: 1}}\n"
 				"  - {name: off, shape: {sphere: {radius: 0.01}}, sink: 0.01, path: {points: [[60.5, 60.5]], speed: 1}}\n",
 				store, NULL);
-		double *quanta = support_quanta(store, 0, (struct post_rect){56, 56, 66, 66});
-		for (int i = 0; i < 100; i++)
-			assert_true(quanta[i] == 0); /* between posts: nothing is under it */
-		free(quanta);
+		struct changes one = changes_of(store, 0, (struct post_rect){70, 70, 90, 90});
+		assert_int_equal(one.lowered, 1);
+		assert_true(one.under.x0 == 80 && one.under.y0 == 80 && one.low < -0.009 && one.low > -0.011);
+		assert_true(model->conserves || one.raised == 0);
+		/* Another at each step of its way. Smoothing, or what was pressed aside, reaches one post farther. */
+		struct changes three = changes_of(store, 0, (struct post_rect){30, 30, 50, 50});
+		assert_true(is_box(model) ? three.lowered >= 3 : three.lowered == 3);
+		assert_true(lies_in(three.under, way, is_box(model)) && lies_in(three.all, way, !is_box(model) && !model->conserves ? 0 : 1));
+		assert_true(model->conserves || three.raised == 0);
+		/* Between posts nothing is under it. */
+		struct changes none = changes_of(store, 0, (struct post_rect){56, 56, 66, 66});
+		assert_true(none.lowered == 0 && none.raised == 0);
 		mem_free(json);
 	}
 }
 
+/* Windows that were due along a path of two or three posts. */
+static long long windows_of(const struct hard_model *model, const char *store, const char *shape, const char *path)
+{
+	char rest[256];
+	snprintf(rest, sizeof rest, "end_time: 2\nspacing: 0.125\nobjects:\n  - {name: it, shape: {%s}, sink: 0.2, path: {points: %s, speed: 1}}\n",
+		 shape, path);
+	char *json = hard_drive(model, rest, store, NULL);
+	long long due = support_figure(json, "\"where\"", "possible"); /* the first is of windows */
+	assert_true(support_figure(json, "\"quanta\"", "removed") > 0);
+	mem_free(json);
+	return due;
+}
+
+/* A small object is worked on in one window for each post of its path. */
 static void an_object_larger_than_a_window_is_worked_on_in_several(void **state)
 {
-	EACH_MODEL(model) {
-		const char *store = hard_store("huge.furrow");
-		char *json = hard_drive(model, "end_time: 2\nspacing: 0.125\nobjects:\n"
-				"  - {name: moon, shape: {sphere: {radius: 20}}, sink: 0.4, path: {points: [[50, 60], [50.5, 60.25]], speed: 1}}\n"
-				"  - {name: plate, shape: {box: {size: [40, 34, 2]}}, sink: 0.2, path: {points: [[80, 70], [80.25, 70]], speed: 1}}\n",
-				store, NULL);
-		assert_true(support_figure(json, "\"quanta\"", "removed") > 0);
-		mem_free(json);
-	}
+	static const struct {
+		const char *shape, *path;
+	} large[] = {
+		{"sphere: {radius: 20}", "[[50, 60], [50.5, 60.25]]"},
+		{"box: {size: [40, 34, 2]}", "[[80, 70], [80.25, 70]]"},
+	};
+	const struct post_rect world = {0, 0, 1025, 1025};
+	EACH_MODEL(model)
+		for (int i = 0; i < 2; i++) {
+			const char *store = hard_store("huge.furrow");
+			long long small = windows_of(model, store, "sphere: {radius: 0.6}", large[i].path);
+			store = hard_store("huge.furrow");
+			long long all = windows_of(model, store, large[i].shape, large[i].path);
+			assert_true(small >= 3 && all % small == 0 && all / small >= 4);
+			/* A plate presses more posts from west to east than a window has. */
+			struct post_rect under = changes_of(store, -3, world).under;
+			assert_true(i == 0 || (under.x1 - under.x0 > 256 && under.y1 - under.y0 > 256));
+		}
 }
 
 static void outside_the_world_nothing_happens_and_it_is_counted(void **state)
@@ -43,7 +135,7 @@ static void outside_the_world_nothing_happens_and_it_is_counted(void **state)
 				"     path: {points: [[-500, -500], [-400, 900]], speed: 40}}\n", store, NULL);
 		assert_int_equal(support_figure(json, "\"quanta\"", "removed"), 0);
 		assert_true(support_figure(json, "\"lost\"", "skipped") > 50);
-		(void)before;
+		assert_true(support_hash(store) == before);
 		mem_free(json);
 	}
 }
@@ -63,6 +155,7 @@ static void over_nodata_no_soil_is_lost_into_the_hole(void **state)
 				"  - {name: b, shape: {sphere: {radius: 2}}, sink: 0.3, path: {points: [[50.2, 30], [50.2, 60]], speed: 8}}\n",
 				store, NULL);
 		assert_true(support_figure(json, "\"a\"", "skipped") > 10);
+		assert_true(support_figure(json, "\"quanta\"", "removed") > 0);
 		double *quanta = support_quanta(store, -2, (struct post_rect){31 * 4, 21 * 4, 49 * 4, 69 * 4});
 		for (int i = 0; i < 18 * 4 * 48 * 4; i++)
 			assert_true(quanta[i] == 0 || isnan(quanta[i]));
@@ -81,6 +174,9 @@ static void half_over_the_edge_of_the_world_soil_stays_inside(void **state)
 				store, NULL);
 		assert_true(support_figure(json, "\"quanta\"", "removed") > 0);
 		assert_true(support_figure(json, "\"corner\"", "skipped") > 5);
+		/* The outermost posts too: all of the western way, and the corner. */
+		assert_true(changes_of(store, -2, (struct post_rect){0, 80, 1, 240}).lowered > 150);
+		assert_int_equal(changes_of(store, -2, (struct post_rect){512, 512, 513, 513}).lowered, 1);
 		mem_free(json);
 	}
 }
@@ -127,14 +223,31 @@ static void standing_still_costs_nothing(void **state)
 	}
 }
 
+/* The hole is what lies above its underside, as deep as that. What slides into a hole comes from around it. */
 static void starting_deep_inside_the_ground_is_a_hole_and_no_more(void **state)
 {
+	/* Posts that are under it, or within a wheel's reach of its way. */
+	static const struct post_rect mole = {117, 118, 164, 139}, buried = {276, 276, 285, 285};
 	EACH_MODEL(model) {
+		const char *store = hard_store("inside.furrow");
 		char *json = hard_drive(model, "end_time: 3\nspacing: 0.25\nobjects:\n"
 				"  - {name: mole, shape: {wheel: {radius: 0.9, width: 0.7}}, sink: 5, path: {points: [[30, 30], [40, 34]], speed: 5}}\n"
 				"  - {name: buried, shape: {box: {size: [2, 2, 1]}}, sink: 30, path: {points: [[70, 70]], speed: 5}}\n",
-				hard_store("inside.furrow"), NULL);
+				store, NULL);
 		assert_true(support_figure(json, "\"quanta\"", "removed") > 0);
+		struct changes rut = changes_of(store, -2, (struct post_rect){0, 0, 220, 513});
+		struct changes shaft = changes_of(store, -2, (struct post_rect){220, 0, 513, 513});
+		/* Sumner's sand has no cohesion, and fills most of it at once. */
+		assert_true(is_sumner(model) ? rut.low < -1.5 : rut.low < -4.9);
+		assert_true(is_sumner(model) ? shaft.low < -4 : shaft.low < -29.9);
+		assert_true(rut.low > -5.1 && shaft.low > -30.1);
+		assert_true(lies_in(rut.all, mole, model->conserves ? 8 : is_box(model)));
+		assert_true(lies_in(shaft.all, buried, model->conserves ? 24 : 0));
+		if (!is_sumner(model)) {
+			assert_int_equal(shaft.lowered, 9 * 9);
+			assert_true(lies_in(rut.under, mole, 1) && lies_in(shaft.under, buried, 0));
+		}
+		assert_true(model->conserves || (rut.raised == 0 && shaft.raised == 0));
 		mem_free(json);
 	}
 }

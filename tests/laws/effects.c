@@ -29,10 +29,12 @@ static double gentle(int64_t x, int64_t y)
 #define SOIL "soil: {name: dry_sand}\n"
 #define SCM SOIL "redistribute: {model: scm}\n"
 #define LOADED SCM "objects:\n  - {name: a, shape: {sphere: {radius: 1.5}}, load: 3000, " PATH "}\n"
-#define VIEW(effects) "view: {size: [160, 90], camera: {fixed: {eye: [20, 10, 120], target: [50, 45, 100]}}, effects: [" effects "]}\n"
-#define VIEW_BY_ERROR(effects) "view: {size: [160, 90], camera: {fixed: {eye: [20, 10, 120], target: [50, 45, 100]}}, pixel_error: 4, effects: [" effects "]}\n"
-#define IMAGES "view: {size: [160, 90], camera: {fixed: {eye: [20, 10, 120], target: [50, 45, 100]}}, images: 3}\n"
-#define SAMPLED "view: {size: [160, 90], camera: {fixed: {eye: [20, 10, 120], target: [50, 45, 100]}}, samples: 4}\n"
+#define CAMERA "size: [160, 90], camera: {fixed: {eye: [20, 10, 120], target: [50, 45, 100]}}, images: 2"
+#define VIEW(effects) "view: {" CAMERA ", effects: [" effects "]}\n"
+#define VIEW_BY_ERROR(effects) "view: {" CAMERA ", pixel_error: 4, effects: [" effects "]}\n"
+#define SAMPLED "view: {" CAMERA ", samples: 4}\n"
+/* Nothing is written. */
+#define UNSEEN "view: {size: [160, 90], camera: {fixed: {eye: [20, 10, 120], target: [50, 45, 100]}}, effects: [texture, sky]}\n"
 #define SEEN SPHERE "attributes: [dirt]\n"
 #define MAP "soil: {map: classes.png, classes: {1: dry_sand}, default: dry_sand}\nredistribute: {model: scm}\n"
 
@@ -67,7 +69,7 @@ static const struct pair pairs[] = {
 	{EFFECT_PYRAMID, HEAD SPHERE, HEAD SPHERE VIEW(""), false},
 	{EFFECT_PICTURE, HEAD SPHERE, HEAD SPHERE VIEW(""), false},
 	{EFFECT_NORMALS, HEAD SPHERE, HEAD SPHERE VIEW(""), false},
-	{EFFECT_IMAGES, HEAD SPHERE VIEW(""), HEAD SPHERE IMAGES, false},
+	{EFFECT_IMAGES, HEAD SPHERE, HEAD SPHERE VIEW(""), false},
 	{EFFECT_LOADERS, HEAD SPHERE, READ("loaders: 2, prefetch: 0") SPHERE, false},
 	{EFFECT_PREFETCH, HEAD SPHERE, READ("loaders: 0, prefetch: 0.5") SPHERE, false},
 	{EFFECT_TEXTURE, HEAD SEEN VIEW(""), HEAD SEEN VIEW("texture"), true},
@@ -365,7 +367,7 @@ static void nothing_is_made_or_run_for_nothing(void **state)
 	"  - {name: c, shape: {sphere: {radius: 1}}, sink: 0.2, path: {points: [[80, 30], [60, 30]], speed: 8}}\n"
 #define CHASE "view: {size: [160, 90], camera: {chase: a, back: 12, up: 5}, effects: [texture, detail, fog, sky, geomorph, skirts, objects, shadow], images: 5}\n"
 
-#define BY_ERROR "view: {size: [160, 90], camera: {chase: a, back: 12, up: 5}, pixel_error: 1}\n"
+#define BY_ERROR "view: {size: [160, 90], camera: {chase: a, back: 12, up: 5}, pixel_error: 1, images: 1}\n"
 
 /* It comes down in between, and rises again. */
 #define HOPS "objects:\n  - {name: a, shape: {sphere: {radius: 1}}, path: {file: hops.csv}}\n"
@@ -389,13 +391,59 @@ static void every_drive_counts_what_was_planned(void **state)
 		BUSY HOPS SCM "spacing: 0.5\n",
 		BUSY MANY MAP "spacing: 0.5\n" VIEW("texture, splat"),
 		BUSY MANY "soil: {map: classes.png, classes: {1: mud}, default: sand}\n" VIEW("splat, texture, fog"),
-		BUSY "view: {size: [160, 90], camera: {fixed: {eye: [20, 10, 120], target: [50, 45, 100]}}, body: mars, effects: [texture, sky, fog]}\n",
+		BUSY "view: {" CAMERA ", body: mars, effects: [texture, sky, fog]}\n",
 	};
 	support_write(support_path("hops.csv"), "t,x,y,z\n0,40,40,150\n0.5,50,50,98\n1,60,60,150\n");
 	for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
 		struct outcome outcome = drive(scenes[i]);
 		finish(&outcome);
 	}
+}
+
+/* How many pictures a drive drew, and how many its plan said it would. */
+static int64_t pictures_of(const char *text, int64_t *planned_pictures)
+{
+	struct outcome outcome = drive(text);
+	struct report_plan plan;
+	must(report_plan(outcome.scene, support_path("effects.furrow"), &plan));
+	*planned_pictures = plan.pictures;
+	report_plan_finish(&plan);
+	int64_t drawn = counts_integer(counts_get(outcome.counts, "units"), plan_unit_name(PLAN_FRAME));
+	const cJSON *view = cJSON_GetObjectItemCaseSensitive(outcome.json, "view");
+	assert_int_equal(drawn, view != NULL ? counts_integer(view, "images") : 0);
+	finish(&outcome);
+	return drawn;
+}
+
+/* Six steps. Each case: how many pictures. */
+static void only_pictures_that_are_written_are_drawn(void **state)
+{
+	static const struct {
+		const char *scene;
+		int64_t pictures;
+	} cases[] = {
+		{HEAD SPHERE VIEW("texture, objects"), 3},
+		{HEAD SPHERE "view: {size: [160, 90], camera: {chase: a}, images: 4}\n", 1},
+		{HEAD SPHERE "view: {size: [160, 90], camera: {chase: a}, images: 7}\n", 0},
+		{HEAD SPHERE UNSEEN, 0},
+		{READ("loaders: 1, prefetch: 0.5") SPHERE VIEW(""), 3},
+	};
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		int64_t planned_pictures, drawn = pictures_of(cases[i].scene, &planned_pictures);
+		assert_int_equal(drawn, cases[i].pictures);
+		assert_int_equal(planned_pictures, cases[i].pictures);
+	}
+}
+
+/* A view of which no picture is written makes and runs nothing. */
+static void a_view_that_nobody_asked_for_costs_nothing(void **state)
+{
+	struct outcome without = drive(HEAD SPHERE), with = drive(HEAD SPHERE UNSEEN);
+	assert_true(with.effects == without.effects);
+	assert_int_equal(check_lines(&without.plan, &with.plan, 0) + check_lines(&with.plan, &without.plan, 0), 0);
+	assert_int_equal(check_units(without.counts, with.counts), 0);
+	finish(&with);
+	finish(&without);
 }
 
 /* Classes are read for tiles of the working level; for the picture, where it shows them, for all that are drawn. */
@@ -422,7 +470,7 @@ static void a_deformed_store_is_planned_as_it_is(void **state)
 		BUSY SPHERE SOIL "redistribute: {model: sumner}\n" CHASE,
 		BUSY VIEW(""),
 		BUSY MANY BY_ERROR,
-		BUSY "view: {size: [160, 90], camera: {fixed: {eye: [20, 10, 120], target: [50, 45, 100]}}, pixel_error: 1}\n",
+		BUSY "view: {" CAMERA ", pixel_error: 1}\n",
 	};
 	const char *store = support_path("effects.furrow");
 	support_store(store, extent, gentle);
@@ -476,7 +524,7 @@ static void a_resting_object_runs_no_pass(void **state)
 	for (int m = 0; m < 4; m++) {
 		char text[512];
 		const char *scene = support_path("rests.yaml"), *store = support_path("rests.furrow");
-		snprintf(text, sizeof text, "%s%sredistribute: {model: %s}\n", scene_text, m > 0 ? "soil: {name: sand}\n" : "", models[m]);
+		snprintf(text, sizeof text, "%s%sredistribute: {model: %s}\n", scene_text, m > 0 ? SOIL : "", models[m]);
 		support_write(scene, text);
 		/* The path takes 10.6 s at 10 m/s; stopped at its end, and with the ground come to rest, further steps add
 		 * nothing. */
@@ -501,6 +549,8 @@ int main(void)
 		cmocka_unit_test(each_effect_comes_and_goes_alone),
 		cmocka_unit_test(nothing_is_made_or_run_for_nothing),
 		cmocka_unit_test(every_drive_counts_what_was_planned),
+		cmocka_unit_test(only_pictures_that_are_written_are_drawn),
+		cmocka_unit_test(a_view_that_nobody_asked_for_costs_nothing),
 		cmocka_unit_test(a_map_that_is_drawn_is_read_for_every_tile),
 		cmocka_unit_test(a_deformed_store_is_planned_as_it_is),
 		cmocka_unit_test(few_programs_do_for_all_scenes),

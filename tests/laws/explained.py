@@ -54,7 +54,7 @@ class Explained(FurrowTest):
                 shutil.copy(store, self.folder / "driven.furrow")
                 over = [scene, "--store", "driven.furrow"]
                 if "\nview:" in scene.read_text():
-                    over += ["--set", "view.size=[160, 90]"]
+                    over += ["--set", "view.size=[160, 90]", "--set", "view.images=5"]
                 explained = self.furrow("explain", *over, "--json")
                 if "reads no meshes" in explained.stderr:
                     continue

@@ -68,14 +68,15 @@ static void check_figures(const struct setup *setup, const char *json)
 		assert_true(evictions >= touched - atoi(setup->slots));
 }
 
+static uint64_t first; /* the rows' hash */
+
+/* Each number of slots with each way of prefetching; each number of loaders with the fewest slots. */
 static void no_slots_loaders_or_prefetch_show_in_the_rows(void **state)
 {
 	static const struct setup setups[] = {
 		{ALL, "2", "0", false},    {ALL, "2", "1.5", false},    {SOME, "2", "0", false},   {SOME, "2", "1.5", false},
-		{FEWEST, "0", "0", false}, {FEWEST, "1", "1.5", false}, {FEWEST, "2", "0", false}, {FEWEST, "2", "1.5", false},
-		{FEWEST, "4", "1.5", false},
+		{FEWEST, "0", "0", false}, {FEWEST, "1", "1.5", false}, {FEWEST, "2", "1.5", false}, {FEWEST, "4", "1.5", false},
 	};
-	uint64_t first = 0;
 	for (size_t i = 0; i < sizeof setups / sizeof *setups; i++) {
 		char *json;
 		uint64_t hash = drive(&setups[i], &json);
@@ -88,17 +89,14 @@ static void no_slots_loaders_or_prefetch_show_in_the_rows(void **state)
 	}
 }
 
+/* Those of the drives before, which drew none. */
 static void no_picture_shows_in_the_rows(void **state)
 {
-	uint64_t hashes[2];
-	for (int view = 0; view < 2; view++) {
-		char *json;
-		hashes[view] = drive(&(struct setup){SOME, "2", "1.5", view}, &json);
-		if (view)
-			assert_true(support_figure(json, "\"view\"", "frames") > 200);
-		mem_free(json);
-	}
-	assert_true(hashes[0] == hashes[1]);
+	char *json;
+	uint64_t hash = drive(&(struct setup){SOME, "2", "1.5", true}, &json);
+	assert_int_equal(support_figure(json, "\"view\"", "frames"), 5);
+	mem_free(json);
+	assert_true(first != 0 && hash == first);
 }
 
 int main(void)

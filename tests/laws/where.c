@@ -514,7 +514,7 @@ static void what_never_comes_down_costs_nothing(void **state)
 {
 	static const char rest[] = "end_time: 4\nspacing: 0.25\nobjects:\n"
 				   "  - {name: fly, shape: {sphere: {radius: 1}}, path: {file: fly.csv}}\n%s";
-	static const char view[] = "view: {size: [64, 48], camera: {overhead: {over: fly, height: 60}}, effects: [texture]}\n";
+	static const char view[] = "view: {size: [64, 48], camera: {overhead: {over: fly, height: 60}}, effects: [texture], images: 1}\n";
 	for (int m = 0; m < MODELS; m++) {
 		char text[512];
 		const char *windows = slides(m) ? models[m] : "displace";

@@ -30,7 +30,7 @@ static struct track *track_of(struct scene_path path, const double (*points)[2])
 	struct track *track;
 	if (path.points == NULL)
 		path.points = (struct scene_waypoint *)none;
-	must(track_create(&path, points, post, 1, &track));
+	must(motion_track_create(&path, points, post, 1, &track));
 	return track;
 }
 
@@ -38,7 +38,7 @@ static void party_open(struct party *party, uint32_t tiles)
 {
 	*party = (struct party){.count = 0};
 	must(store_open(store_path, &(struct store_options){.mode = STORE_READ}, &party->store));
-	must(ground_create(party->store, tiles, &party->ground));
+	must(resident_ground_create(party->store, tiles, &party->ground));
 }
 
 static void party_join(struct party *party, struct track *track)
@@ -59,29 +59,29 @@ static void party_scout(struct party *party, uint32_t tiles, double prefetch, do
 		.prefetch = prefetch,
 		.end = end,
 	};
-	must(prefetcher_create(&params, &party->prefetcher));
+	must(motion_prefetcher_create(&params, &party->prefetcher));
 }
 
 static void party_close(struct party *party)
 {
-	prefetcher_destroy(party->prefetcher);
+	motion_prefetcher_destroy(party->prefetcher);
 	for (size_t i = 0; i < party->count; i++)
-		track_destroy(party->tracks[i]);
-	ground_destroy(party->ground);
+		motion_track_destroy(party->tracks[i]);
+	resident_ground_destroy(party->ground);
 	store_close(party->store);
 }
 
 static uint64_t waits(const struct party *party)
 {
-	struct ground_figures figures;
-	ground_figures(party->ground, &figures);
+	struct resident_ground_figures figures;
+	resident_ground_figures(party->ground, &figures);
 	return figures.waits;
 }
 
 static uint64_t reads(const struct party *party)
 {
-	struct ground_figures figures;
-	ground_figures(party->ground, &figures);
+	struct resident_ground_figures figures;
+	resident_ground_figures(party->ground, &figures);
 	return figures.reads;
 }
 
@@ -90,7 +90,7 @@ static void stand(struct party *party, const struct track_point *point)
 {
 	int64_t height;
 	bool any;
-	if (ground_height(party->ground, point->qx, point->qy, &height, &any) != STATUS_OK) {
+	if (resident_ground_height(party->ground, point->qx, point->qy, &height, &any) != STATUS_OK) {
 		party->unread++;
 		return;
 	}
@@ -108,24 +108,24 @@ static void stand(struct party *party, const struct track_point *point)
 static void step(struct party *party, double until, bool wait)
 {
 	for (size_t i = 0; i < party->count; i++)
-		for (struct track_point point; party->next[i] < track_samples(party->tracks[i]); party->next[i]++) {
-			if (track_sample_time(party->tracks[i], party->next[i]) > until)
+		for (struct track_point point; party->next[i] < motion_track_samples(party->tracks[i]); party->next[i]++) {
+			if (motion_track_sample_time(party->tracks[i], party->next[i]) > until)
 				break;
-			track_sample(party->tracks[i], party->next[i], &point);
+			motion_track_sample(party->tracks[i], party->next[i], &point);
 			stand(party, &point);
 		}
 	if (party->prefetcher == NULL)
 		return;
-	prefetcher_tell(party->prefetcher, until);
+	motion_prefetcher_tell(party->prefetcher, until);
 	if (wait)
-		prefetcher_wait(party->prefetcher);
+		motion_prefetcher_wait(party->prefetcher);
 }
 
 /* Leads them all until `end`; returns the waits. */
 static uint64_t lead(struct party *party, double dt, double end)
 {
 	if (party->prefetcher != NULL)
-		prefetcher_wait(party->prefetcher);
+		motion_prefetcher_wait(party->prefetcher);
 	for (int64_t i = 1; (double)(i - 1) * dt < end; i++)
 		step(party, fmin((double)i * dt, end), true);
 	return waits(party);
@@ -203,8 +203,8 @@ static void what_the_owner_reads_for_itself_costs_no_more_than_it_pushed_out(voi
 		stand(&party, &point);
 	}
 	assert_int_equal(reads(&party), 20);
-	prefetcher_tell(party.prefetcher, 22);
-	prefetcher_wait(party.prefetcher);
+	motion_prefetcher_tell(party.prefetcher, 22);
+	motion_prefetcher_wait(party.prefetcher);
 	assert_int_equal(reads(&party), 20 + 4);
 	party_close(&party);
 }
@@ -217,12 +217,12 @@ static void it_looks_as_far_as_it_is_told(void **state)
 	party_open(&party, 64);
 	party_join(&party, track_of((struct scene_path){.count = 2, .speed = 20}, points));
 	party_scout(&party, 48, 2, 100);
-	prefetcher_wait(party.prefetcher);
+	motion_prefetcher_wait(party.prefetcher);
 	uint64_t before = reads(&party);
 	assert_in_range(before, 1, 4);
-	prefetcher_reach(party.prefetcher, 32);
-	prefetcher_tell(party.prefetcher, 2);
-	prefetcher_wait(party.prefetcher);
+	motion_prefetcher_reach(party.prefetcher, 32);
+	motion_prefetcher_tell(party.prefetcher, 2);
+	motion_prefetcher_wait(party.prefetcher);
 	assert_in_range(reads(&party), before + 18, before + 23);
 	party_close(&party);
 }
@@ -266,7 +266,7 @@ static void a_timed_path_is_followed_through_its_rests_and_leaps(void **state)
 		party_join(&party, track_of(path, points));
 		party_scout(&party, 48, 1, 45);
 		assert_int_equal(lead(&party, 0.05, 45), 0);
-		assert_int_equal(party.next[0], track_samples(party.tracks[0]));
+		assert_int_equal(party.next[0], motion_track_samples(party.tracks[0]));
 		party_close(&party);
 	}
 }
@@ -290,7 +290,7 @@ static size_t camera(const void *user, double time, double places[2][2])
 	const struct party *party = user;
 	struct track_point point;
 	for (int i = 0; i < 2; i++) {
-		track_at(party->tracks[0], time - 2 * i, &point);
+		motion_track_at(party->tracks[0], time - 2 * i, &point);
 		places[i][0] = point.x;
 		places[i][1] = point.y + 70 * i;
 	}
@@ -316,8 +316,8 @@ static void the_camera_finds_its_ground_too(void **state)
 			.prefetch = 1.5,
 			.end = 100,
 		};
-		must(prefetcher_create(&params, &party.prefetcher));
-		prefetcher_wait(party.prefetcher);
+		must(motion_prefetcher_create(&params, &party.prefetcher));
+		motion_prefetcher_wait(party.prefetcher);
 		for (int i = 1; i <= 1000; i++) {
 			double places[2][2];
 			step(&party, i * 0.1, true);
@@ -347,7 +347,7 @@ static void a_tile_that_cannot_be_read_is_left_to_who_needs_it(void **state)
 	party_scout(&party, 16, 3, 20);
 	assert_int_equal(lead(&party, 0.05, 20), 0); /* all others were brought */
 	assert_true(party.unread > 100);
-	assert_false(ground_touch(party.ground, (struct tile){0, 5, 5}));
+	assert_false(resident_ground_touch(party.ground, (struct tile){0, 5, 5}));
 	party_close(&party);
 	store_path = path;
 }
@@ -362,7 +362,7 @@ static void it_goes_on_beside_an_owner_who_does_not_wait(void **state)
 		party_scout(&party, tiles, 5, 100);
 		for (int i = 1; i <= 400; i++)
 			step(&party, i * 0.25, false);
-		prefetcher_wait(party.prefetcher);
+		motion_prefetcher_wait(party.prefetcher);
 		party_close(&party);
 	}
 }
@@ -390,17 +390,17 @@ static void what_cannot_be_had_is_said(void **state)
 	for (uint64_t nth = 1;; nth++) {
 		struct prefetcher *prefetcher = NULL;
 		mem_fail_nth(nth, 0);
-		enum status status = prefetcher_create(&params, &prefetcher);
+		enum status status = motion_prefetcher_create(&params, &prefetcher);
 		mem_fail_nth(0, 0);
 		if (status == STATUS_OK) {
 			assert_true(nth > 3);
-			prefetcher_destroy(prefetcher);
+			motion_prefetcher_destroy(prefetcher);
 			break;
 		}
 		assert_int_equal(status, STATUS_FAILED);
 		assert_null(prefetcher);
 	}
-	prefetcher_destroy(NULL);
+	motion_prefetcher_destroy(NULL);
 	party_close(&party);
 }
 

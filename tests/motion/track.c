@@ -11,7 +11,7 @@
 static struct track *track_of(struct scene_path *path, const double (*points)[2])
 {
 	struct track *track;
-	assert_int_equal(track_create(path, points, 0.25, 1, &track), STATUS_OK);
+	assert_int_equal(motion_track_create(path, points, 0.25, 1, &track), STATUS_OK);
 	return track;
 }
 
@@ -21,13 +21,13 @@ static void stations_are_one_post_apart_and_the_last_is_the_end(void **state)
 	const double points[][2] = {{0, 0}, {3, 4}, {3, 5.1}};
 	struct scene_path path = {.points = waypoints, .count = 3, .speed = 2};
 	struct track *track = track_of(&path, points);
-	int64_t count = track_samples(track);
+	int64_t count = motion_track_samples(track);
 	assert_int_equal(count, 24 + 2); /* 6.1 m: 24 whole posts, the first, and the rest */
 	struct track_point point, before;
-	track_sample(track, 0, &before);
+	motion_track_sample(track, 0, &before);
 	assert_true(before.x == 0 && before.y == 0 && before.time == 0);
 	for (int64_t i = 1; i < count; i++) {
-		track_sample(track, i, &point);
+		motion_track_sample(track, i, &point);
 		double step = hypot(point.x - before.x, point.y - before.y);
 		assert_true(fabs(step - (i + 1 < count ? 0.25 : 0.1)) < 3e-6); /* places are the pose lattice's */
 		assert_true(fabs(point.time - (i + 1 < count ? (double)i * 0.125 : 3.05)) < 1e-6);
@@ -35,7 +35,7 @@ static void stations_are_one_post_apart_and_the_last_is_the_end(void **state)
 		before = point;
 	}
 	assert_true(point.x == 3 && point.qy == lattice_offset(5.1));
-	track_destroy(track);
+	motion_track_destroy(track);
 }
 
 static void a_path_is_the_same_to_the_bit_wherever_it_lies(void **state)
@@ -45,16 +45,16 @@ static void a_path_is_the_same_to_the_bit_wherever_it_lies(void **state)
 	const double near[][2] = {{100.3, 40}, {130.1, 71.7}}, far[][2] = {{out + 100.3, 40}, {out + 130.1, 71.7}};
 	struct scene_path path = {.points = waypoints, .count = 2, .speed = 3};
 	struct track *a = track_of(&path, near), *b = track_of(&path, far);
-	assert_int_equal(track_samples(a), track_samples(b));
-	for (int64_t i = 0; i < track_samples(a); i++) {
+	assert_int_equal(motion_track_samples(a), motion_track_samples(b));
+	for (int64_t i = 0; i < motion_track_samples(a); i++) {
 		struct track_point p, q;
-		track_sample(a, i, &p);
-		track_sample(b, i, &q);
+		motion_track_sample(a, i, &p);
+		motion_track_sample(b, i, &q);
 		assert_true(q.qx - p.qx == lattice_offset(out) && q.qy == p.qy);
 		assert_true(p.time == q.time && p.yaw == q.yaw);
 	}
-	track_destroy(a);
-	track_destroy(b);
+	motion_track_destroy(a);
+	motion_track_destroy(b);
 }
 
 static void a_loop_returns_to_its_start_for_ever(void **state)
@@ -63,17 +63,17 @@ static void a_loop_returns_to_its_start_for_ever(void **state)
 	const double points[][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
 	struct scene_path path = {.points = waypoints, .count = 4, .speed = 1, .loop = true};
 	struct track *track = track_of(&path, points);
-	assert_true(track_samples(track) == INT64_MAX);
+	assert_true(motion_track_samples(track) == INT64_MAX);
 	struct track_point first, again;
 	for (int64_t i = 0; i < 16; i++) {
-		track_sample(track, i, &first);
-		track_sample(track, i + 16 * 1000, &again);
+		motion_track_sample(track, i, &first);
+		motion_track_sample(track, i + 16 * 1000, &again);
 		assert_true(first.x == again.x && first.y == again.y);
 		assert_true(fabs(again.time - first.time - 4000) < 1e-9);
 	}
-	track_at(track, 4003.5, &again);
+	motion_track_at(track, 4003.5, &again);
 	assert_true(fabs(again.x) < 1e-6 && fabs(again.y - 0.5) < 1e-6);
-	track_destroy(track);
+	motion_track_destroy(track);
 }
 
 static void a_timed_path_keeps_its_times_and_turns_the_short_way(void **state)
@@ -84,21 +84,21 @@ static void a_timed_path_keeps_its_times_and_turns_the_short_way(void **state)
 	struct scene_path path = {.points = waypoints, .count = 3, .timed = true, .has_z = true, .has_attitude = true};
 	struct track *track = track_of(&path, points);
 	struct track_point point;
-	track_at(track, 2, &point);
+	motion_track_at(track, 2, &point);
 	assert_true(fabs(fabs(remainder(point.yaw, 2 * M_PI)) - M_PI) < 1e-9);
 	assert_true(fabs(point.pitch - 0.25) < 1e-12 && point.z == 10);
-	track_at(track, 3.5, &point);
+	motion_track_at(track, 3.5, &point);
 	assert_true(fabs(point.z - 9) < 1e-12);
 	/* Turning in place is travel too, and so is sinking. */
-	assert_true(track_samples(track) > 8);
+	assert_true(motion_track_samples(track) > 8);
 	double last = 0;
-	for (int64_t i = 0; i < track_samples(track); i++) {
-		double time = track_sample_time(track, i);
+	for (int64_t i = 0; i < motion_track_samples(track); i++) {
+		double time = motion_track_sample_time(track, i);
 		assert_true(time >= 1 && time <= 4 && time >= last);
 		last = time;
 	}
 	assert_true(last == 4);
-	track_destroy(track);
+	motion_track_destroy(track);
 }
 
 static void a_timed_path_that_stands_still_is_there_from_when_it_came(void **state)
@@ -107,18 +107,18 @@ static void a_timed_path_that_stands_still_is_there_from_when_it_came(void **sta
 	const double points[][2] = {{0, 0}, {0, 0}, {5, 0}, {5, 0}};
 	struct scene_path path = {.points = waypoints, .count = 4, .timed = true};
 	struct track *track = track_of(&path, points);
-	int64_t last = track_samples(track) - 1;
+	int64_t last = motion_track_samples(track) - 1;
 	assert_int_equal(last, 20);
-	assert_true(track_sample_time(track, 0) == 1);
-	assert_true(fabs(track_sample_time(track, 10) - 3) < 1e-9);
-	assert_true(track_sample_time(track, last) == 4);
-	assert_true(fabs(track_fastest(track) - 2.5) < 1e-9);
-	track_destroy(track);
+	assert_true(motion_track_sample_time(track, 0) == 1);
+	assert_true(fabs(motion_track_sample_time(track, 10) - 3) < 1e-9);
+	assert_true(motion_track_sample_time(track, last) == 4);
+	assert_true(fabs(motion_track_fastest(track) - 2.5) < 1e-9);
+	motion_track_destroy(track);
 	path.count = 2;
 	track = track_of(&path, points);
-	assert_int_equal(track_samples(track), 1);
-	assert_true(track_sample_time(track, 0) == 1);
-	track_destroy(track);
+	assert_int_equal(motion_track_samples(track), 1);
+	assert_true(motion_track_sample_time(track, 0) == 1);
+	motion_track_destroy(track);
 }
 
 static void a_single_point_is_one_station(void **state)
@@ -127,11 +127,11 @@ static void a_single_point_is_one_station(void **state)
 	const double points[][2] = {{5, 6}};
 	struct scene_path path = {.points = &waypoint, .count = 1, .speed = 0};
 	struct track *track = track_of(&path, points);
-	assert_int_equal(track_samples(track), 1);
+	assert_int_equal(motion_track_samples(track), 1);
 	struct track_point point;
-	track_at(track, 100, &point);
+	motion_track_at(track, 100, &point);
 	assert_true(point.x == 5 && point.y == 6);
-	track_destroy(track);
+	motion_track_destroy(track);
 }
 
 /* The slow way round: station by station. */
@@ -139,7 +139,7 @@ static int64_t first_outside(const struct track *track, int64_t count, double wi
 {
 	for (int64_t i = 0; i < count; i++) {
 		struct track_point point;
-		track_sample(track, i, &point);
+		motion_track_sample(track, i, &point);
 		if (point.x < 0 || point.y < 0 || point.x > width || point.y > height)
 			return i;
 	}
@@ -173,10 +173,10 @@ static void where_a_path_leaves_is_found(void **state)
 	for (size_t i = 0; i < sizeof paths / sizeof *paths; i++) {
 		struct scene_path path = {.points = waypoints, .count = paths[i].count, .speed = 1, .loop = paths[i].loop};
 		struct track *track = track_of(&path, paths[i].points);
-		int64_t count = track_samples(track), found = track_leaves(track, 10, 8);
+		int64_t count = motion_track_samples(track), found = motion_track_leaves(track, 10, 8);
 		assert_int_equal(found, first_outside(track, paths[i].loop ? 1000 : count, 10, 8));
 		outside += found >= 0;
-		track_destroy(track);
+		motion_track_destroy(track);
 	}
 	assert_int_equal(outside, 10);
 }
@@ -184,8 +184,8 @@ static void where_a_path_leaves_is_found(void **state)
 static void assert_way(const struct track *track, double time, size_t count, const double (*wanted)[2])
 {
 	double places[8][2];
-	assert_true(track_corners(track) <= 8);
-	assert_int_equal(track_way(track, time, places), count);
+	assert_true(motion_track_corners(track) <= 8);
+	assert_int_equal(motion_track_way(track, time, places), count);
 	for (size_t i = 0; i < count; i++)
 		assert_true(hypot(places[i][0] - wanted[i][0], places[i][1] - wanted[i][1]) < 1e-5);
 }
@@ -200,12 +200,12 @@ static void a_way_has_its_corners_and_ends_where_the_object_is(void **state)
 	assert_way(track, 2.5, 2, (const double[][2]){{10, 10}, {25, 30}});
 	assert_way(track, 7, 3, (const double[][2]){{10, 10}, {40, 50}, {40, 30}});
 	assert_way(track, 100, 3, (const double[][2]){{10, 10}, {40, 50}, {40, 10}});
-	track_destroy(track);
+	motion_track_destroy(track);
 	path.loop = true; /* 120 m: 12 s */
 	track = track_of(&path, points);
 	assert_way(track, 10, 4, (const double[][2]){{10, 10}, {40, 50}, {40, 10}, {30, 10}});
 	assert_way(track, 1e9, 4, (const double[][2]){{10, 10}, {40, 50}, {40, 10}, {10, 10}});
-	track_destroy(track);
+	motion_track_destroy(track);
 	path.loop = false;
 	path.timed = true;
 	track = track_of(&path, points);
@@ -213,7 +213,7 @@ static void a_way_has_its_corners_and_ends_where_the_object_is(void **state)
 	assert_way(track, 3, 2, (const double[][2]){{10, 10}, {25, 30}});
 	assert_way(track, 5.5, 3, (const double[][2]){{10, 10}, {40, 50}, {40, 30}});
 	assert_way(track, 6, 3, (const double[][2]){{10, 10}, {40, 50}, {40, 10}});
-	track_destroy(track);
+	motion_track_destroy(track);
 }
 
 int main(void)

@@ -281,7 +281,7 @@ static inline struct page_params fake_params(struct fake *fake, uint32_t slots, 
 		.loaders = loaders,
 		.queue_soft = 8,
 		.queue_most = 64,
-		.record_bytes = sizeof(uint64_t),
+		.world_record_bytes = sizeof(uint64_t),
 		.io = {fake, fake_load, fake_commit},
 		.executor = {fake, fake_create, fake_destroy, fake_upload, fake_read_back, NULL, fake_settled},
 	};

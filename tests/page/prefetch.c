@@ -60,7 +60,30 @@ static void page_pin_of_a_prefetch_on_its_way_is_late(void **state)
 	struct page_stats stats = fake_stats(&fake);
 	assert_int_equal(stats.misses, 1);
 	assert_int_equal(stats.late, 1);
+	assert_int_equal(stats.not_begun, 0);
 	assert_int_equal(fake.loads_begun, 1);
+	fake_finish(&fake);
+}
+
+/* The only loader is busy with another page. */
+static void page_pin_of_a_request_that_waits_for_a_loader_is_not_begun(void **state)
+{
+	static struct fake fake;
+	const uint64_t keys[] = {5, 6};
+	struct page_params params = fake_params(&fake, 4, 1);
+	struct fake_opener opener;
+	(void)state;
+	fake_start(&fake, &params);
+	fake_gate(&fake, 5 + 1, false);
+	page_cache_want(fake.cache, keys, 2);
+	fake_await(&fake, 1, 0);
+	fake_open_later(&opener, &fake, 1, 0);
+	fake_visit(&fake, 6);
+	thread_join(&opener.thread);
+	struct page_stats stats = fake_stats(&fake);
+	assert_int_equal(stats.misses, 1);
+	assert_int_equal(stats.late, 0);
+	assert_int_equal(stats.not_begun, 1);
 	fake_finish(&fake);
 }
 
@@ -433,6 +456,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(page_prefetched_and_polled_is_a_hit),
 		cmocka_unit_test(page_pin_of_a_prefetch_on_its_way_is_late),
+		cmocka_unit_test(page_pin_of_a_request_that_waits_for_a_loader_is_not_begun),
 		cmocka_unit_test(page_prefetch_never_evicts_what_the_step_pinned),
 		cmocka_unit_test(page_prefetch_evicts_dirty_pages_only_into_room),
 		cmocka_unit_test(page_wishes_are_loaded_soonest_first_and_cancelled),

@@ -51,7 +51,7 @@ static void change(uint64_t key, uint32_t slot)
 {
 	struct fake *fake = &trial.fake;
 	uint32_t coarse;
-	fake->slots[slot].version = ++fake->model[key];
+	fake->slots[slot].version = fake->model[key] = 100 + ++trial.versions;
 	page_cache_dirty(fake->cache, key);
 	if (page_cache_peek(fake->cache, COARSE + key / FAMILY, false, &coarse))
 		fake->slots[coarse].family[key % FAMILY] = fake->model[key];
@@ -151,6 +151,67 @@ static void check_stored(void)
 	mutex_unlock(&trial.fake.mutex);
 }
 
+/* --- marks and rollbacks --- */
+
+static enum status mark(void)
+{
+	enum status status = page_cache_flush(trial.fake.cache, &trial.step);
+	if (status != STATUS_OK)
+		return status;
+	check_stored();
+	memcpy(trial.mark, trial.fake.model, sizeof trial.mark);
+	return STATUS_OK;
+}
+
+/* Now and then it fails. */
+static enum status back(void *user)
+{
+	struct fake *fake = &trial.fake;
+	if (one_in(4))
+		return fail_with(STATUS_INPUT, "the store does not go back");
+	mutex_lock(&fake->mutex);
+	memcpy(fake->store, trial.mark, sizeof fake->store);
+	mutex_unlock(&fake->mutex);
+	return STATUS_OK;
+}
+
+/* Also some that did not, as a caller may who knows it no better. */
+static bool changed(void *user, uint64_t key)
+{
+	const uint64_t *model = trial.fake.model;
+	bool same = key < FINE ? model[key] == trial.mark[key]
+			       : memcmp(&model[(key - COARSE) * FAMILY], &trial.mark[(key - COARSE) * FAMILY],
+					FAMILY * sizeof *model) == 0;
+	return !same || one_in(30);
+}
+
+static void dropped(void *user, uint64_t key)
+{
+	assert_false(fake_resident(&trial.fake, key));
+	trial.dropped++;
+}
+
+static enum status roll_back(void)
+{
+	struct fake *fake = &trial.fake;
+	const struct page_rollback rollback = {.back = back, .changed = changed, .dropped = dropped};
+	while (trial.held_count > 0) {
+		trial.held_count--;
+		let_go(trial.held[trial.held_count].key, trial.held[trial.held_count].slot);
+	}
+	enum status status = page_cache_rollback(fake->cache, &rollback);
+	if (status == STATUS_INPUT)
+		return STATUS_OK;
+	if (status != STATUS_OK)
+		return status;
+	memcpy(fake->model, trial.mark, sizeof fake->model);
+	trial.rollbacks++;
+	check_all();
+	if (one_in(3))
+		check_stored();
+	return STATUS_OK;
+}
+
 static enum status end_step(void)
 {
 	struct fake *fake = &trial.fake;
@@ -165,7 +226,11 @@ static enum status end_step(void)
 		if (status == STATUS_OK)
 			check_stored();
 	}
-	return status == STATUS_OK ? page_cache_end_step(fake->cache, &trial.step) : status;
+	if (status == STATUS_OK && one_in(60))
+		status = mark();
+	if (status == STATUS_OK)
+		status = page_cache_end_step(fake->cache, &trial.step);
+	return status == STATUS_OK && one_in(40) ? roll_back() : status;
 }
 
 /* --- a trial --- */
@@ -194,6 +259,7 @@ static void begin(uint64_t seed)
 	fflush(NULL);
 	fake_start(fake, &trial.params);
 	fake->snapshots = (const uint64_t(*)[FINE])snapshots;
+	memcpy(trial.mark, fake->model, sizeof trial.mark);
 	assert_int_equal(thread_start(&trial.opener, open_gates, fake, "opener"), STATUS_OK);
 }
 
@@ -274,11 +340,15 @@ static uint64_t number(const char *name, uint64_t otherwise)
 
 static void page_random_steps_agree_with_the_model(void **state)
 {
-	uint64_t steps = 0, seed = number("PAGE_SEED", 1), all = number("PAGE_STEPS", STEPS_IN_ALL);
+	uint64_t steps = 0, rollbacks = 0, dropped_in_all = 0, seed = number("PAGE_SEED", 1), all = number("PAGE_STEPS", STEPS_IN_ALL);
 	(void)state;
-	for (; steps < all; seed++)
+	for (; steps < all; seed++) {
 		steps += try_seed(seed);
-	print_message("%llu steps\n", (unsigned long long)steps);
+		rollbacks += trial.rollbacks;
+		dropped_in_all += trial.dropped;
+	}
+	print_message("%llu steps, %llu rollbacks that dropped %llu pages\n", (unsigned long long)steps,
+		      (unsigned long long)rollbacks, (unsigned long long)dropped_in_all);
 }
 
 static int say_which(void **state)

@@ -31,6 +31,9 @@ struct trial {
 	unsigned polls; /* of four chances to poll */
 	struct held held[HELD_MOST];
 	size_t held_count;
+	uint64_t versions;   /* given so far: each once, so that what was rolled back is never taken for what came after */
+	uint64_t mark[FINE]; /* what a rollback returns to */
+	uint64_t rollbacks, dropped;
 	uint64_t wishes[WISHES_MOST]; /* the last list */
 	size_t wish_count;
 	struct thread opener;

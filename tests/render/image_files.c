@@ -44,7 +44,7 @@ static void draw(int64_t step)
 static enum status begin(int64_t step)
 {
 	draw(step);
-	enum status status = pictures_begin(pictures, render, step);
+	enum status status = render_pictures_begin(pictures, render, step);
 	draw(-1); /* what is drawn after it is another's */
 	return status;
 }
@@ -96,7 +96,7 @@ static enum status create(void)
 	static char folder[128];
 	snprintf(folder, sizeof folder, "%s", support_path("out"));
 	pictures = NULL;
-	return pictures_create(gpu, folder, WIDTH, HEIGHT, &pictures);
+	return render_pictures_create(gpu, folder, WIDTH, HEIGHT, &pictures);
 }
 
 static int enter(void **state)
@@ -134,7 +134,7 @@ static void open_up(void)
 
 static void close_down(void)
 {
-	pictures_destroy(pictures);
+	render_pictures_destroy(pictures);
 	assert_int_equal(thread_running(), 0);
 }
 
@@ -168,8 +168,8 @@ static pthread_t unblock(int64_t step)
 
 static uint64_t written(void)
 {
-	struct pictures_figures figures;
-	pictures_figures(pictures, &figures);
+	struct render_pictures_figures figures;
+	render_pictures_figures(pictures, &figures);
 	return figures.written;
 }
 
@@ -180,7 +180,7 @@ static void every_picture_is_whole_whatever_is_drawn_after(void **state)
 	open_up();
 	for (int64_t step = 0; step < 20; step++)
 		must(begin(step));
-	pictures_stop(pictures);
+	render_pictures_stop(pictures);
 	assert_int_equal(written(), 20);
 	for (int64_t step = 0; step < 20; step++)
 		assert_whole(step);
@@ -207,11 +207,11 @@ static void so_it_is_with_fences(void **state)
 	for (int64_t step = 0; step < 20; step++) {
 		must(begin(step));
 		if (step % 7 == 6) {
-			pictures_mark(pictures);
-			must(pictures_await(pictures));
+			render_pictures_mark(pictures);
+			must(render_pictures_await(pictures));
 			assert_int_equal(written(), step + 1);
 		}
-		must(pictures_poll(pictures));
+		must(render_pictures_poll(pictures));
 	}
 	close_down();
 	for (int64_t step = 0; step < 20; step++)
@@ -241,9 +241,9 @@ static void only_so_many_are_under_way(void **state)
 	must(begin(PICTURES_ROOM));
 	assert_true(written() >= 1);
 	pthread_join(thread, NULL);
-	pictures_stop(pictures);
-	struct pictures_figures figures;
-	pictures_figures(pictures, &figures);
+	render_pictures_stop(pictures);
+	struct render_pictures_figures figures;
+	render_pictures_figures(pictures, &figures);
 	assert_int_equal(figures.waits, 1);
 	assert_true(figures.wait_ms > 0);
 	for (int64_t step = 1; step <= PICTURES_ROOM; step++)
@@ -254,25 +254,25 @@ static void only_so_many_are_under_way(void **state)
 static void what_was_marked_is_awaited_and_no_more(void **state)
 {
 	open_up();
-	must(pictures_await(pictures)); /* nothing was */
+	must(render_pictures_await(pictures)); /* nothing was */
 	must(begin(0));
 	must(begin(1));
-	pictures_mark(pictures);
+	render_pictures_mark(pictures);
 	block(2);
 	must(begin(2));
-	must(pictures_await(pictures));
+	must(render_pictures_await(pictures));
 	assert_whole(0);
 	assert_whole(1);
 	assert_int_equal(written(), 2);
-	pictures_mark(pictures);
+	render_pictures_mark(pictures);
 	pthread_t thread = unblock(2);
-	must(pictures_await(pictures));
+	must(render_pictures_await(pictures));
 	assert_int_equal(written(), 3);
 	pthread_join(thread, NULL);
 	close_down();
-	must(pictures_begin(NULL, render, 1));
-	must(pictures_poll(NULL));
-	must(pictures_await(NULL));
+	must(render_pictures_begin(NULL, render, 1));
+	must(render_pictures_poll(NULL));
+	must(render_pictures_await(NULL));
 }
 
 /* Three pictures of which the one of step 1 cannot be written. */
@@ -281,14 +281,14 @@ static void fails(const char *why)
 	bool failed = false;
 	for (int64_t step = 0; step < 3; step++)
 		failed = begin(step) != STATUS_OK || failed;
-	pictures_mark(pictures);
-	assert_int_equal(pictures_await(pictures), STATUS_FAILED);
+	render_pictures_mark(pictures);
+	assert_int_equal(render_pictures_await(pictures), STATUS_FAILED);
 	assert_non_null(strstr(failure_message(), name_of(1, "")));
 	assert_non_null(strstr(failure_message(), why));
 	assert_non_null(strstr(failure_message(), "; "));
 	/* For good, and of the first. */
 	(void)!fail_with(STATUS_OK, "another");
-	assert_int_equal(pictures_poll(pictures), STATUS_FAILED);
+	assert_int_equal(render_pictures_poll(pictures), STATUS_FAILED);
 	assert_non_null(strstr(failure_message(), why));
 	assert_int_equal(begin(3), STATUS_FAILED);
 	close_down();
@@ -314,7 +314,7 @@ static void so_is_a_place_that_is_taken(void **state)
 {
 	open_up();
 	assert_int_equal(mkdir(name_of(1, ""), 0777), 0);
-	fails("choose another folder");
+	fails("check the folder's permissions");
 }
 
 static void the_first_failure_is_told_and_the_rest_is_tried(void **state)
@@ -325,10 +325,10 @@ static void the_first_failure_is_told_and_the_rest_is_tried(void **state)
 	assert_int_equal(mkdir(name_of(2, ".part"), 0777), 0);
 	for (int64_t step = 0; step < PICTURES_ROOM; step++)
 		must(begin(step));
-	pictures_mark(pictures);
+	render_pictures_mark(pictures);
 	pthread_t thread = unblock(0);
-	assert_int_equal(pictures_await(pictures), STATUS_FAILED);
-	assert_non_null(strstr(failure_message(), "choose another folder"));
+	assert_int_equal(render_pictures_await(pictures), STATUS_FAILED);
+	assert_non_null(strstr(failure_message(), "check the folder's permissions"));
 	assert_int_equal(written(), 1);
 	pthread_join(thread, NULL);
 	close_down();
@@ -339,16 +339,16 @@ static void so_is_a_file_that_cannot_be_made(void **state)
 	open_up();
 	assert_int_equal(mkdir(name_of(1, ".part"), 0777), 0);
 	(void)!begin(1); /* which may see it already */
-	pictures_mark(pictures);
-	assert_int_equal(pictures_await(pictures), STATUS_FAILED);
-	assert_non_null(strstr(failure_message(), "cannot create it"));
+	render_pictures_mark(pictures);
+	assert_int_equal(render_pictures_await(pictures), STATUS_FAILED);
+	assert_non_null(strstr(failure_message(), "give a file that can be written"));
 	close_down();
 	open_folder();
 	must(create());
 	assert_int_equal(rmdir(support_path("out")), 0);
 	(void)!begin(1);
-	pictures_mark(pictures);
-	assert_int_equal(pictures_await(pictures), STATUS_FAILED);
+	render_pictures_mark(pictures);
+	assert_int_equal(render_pictures_await(pictures), STATUS_FAILED);
 	assert_non_null(strstr(failure_message(), "No such file"));
 	close_down();
 }
@@ -371,8 +371,8 @@ static void a_disk_that_is_full_after_any_byte_is_told(void **state)
 		limit.rlim_cur = (rlim_t)room;
 		assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
 		enum status begun = begin(1);
-		pictures_mark(pictures);
-		enum status status = pictures_await(pictures);
+		render_pictures_mark(pictures);
+		enum status status = render_pictures_await(pictures);
 		assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
 		assert_int_equal(status, room < whole.st_size ? STATUS_FAILED : STATUS_OK);
 		assert_true(begun == STATUS_OK || begun == status);
@@ -393,8 +393,8 @@ static void each_allocation_that_fails_is_told(void **state)
 		enum status status = create(), begun = status, ended = status;
 		if (status == STATUS_OK) {
 			begun = begin(1);
-			pictures_mark(pictures);
-			ended = pictures_await(pictures);
+			render_pictures_mark(pictures);
+			ended = render_pictures_await(pictures);
 			close_down();
 		}
 		uint64_t made = mem_fail_nth(0, 0);

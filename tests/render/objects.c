@@ -113,7 +113,7 @@ static struct render_camera camera_at(const double eye[3], const double target[3
 {
 	double east = (double)away * 16;
 	return (struct render_camera){{east + eye[0], east + eye[1], GROUND + eye[2]},
-				      {east + target[0], east + target[1], GROUND + target[2]}, 0.9};
+				      {east + target[0], east + target[1], GROUND + target[2]}, 0.9, {0}};
 }
 
 static struct render_object posed(size_t object, double x, double y, double z)
@@ -361,7 +361,7 @@ static double lowest(const struct object_mesh *mesh, double axes[3][3], double x
 static void lugs_are_drawn_where_they_press(void **state)
 {
 	struct object_mesh mesh;
-	assert_ok(object_mesh_make(&lugged, &mesh));
+	assert_ok(render_object_mesh_make(&lugged, &mesh));
 	double shoulder = 0.35 * lugged.width / 2, steepest = 0;
 	size_t bars = 0, compared = 0;
 	for (int k = 0; k < 5; k++) {
@@ -390,7 +390,7 @@ static void lugs_are_drawn_where_they_press(void **state)
 		}
 	}
 	assert_true(bars > 30 && compared > 500 && steepest > 0.03);
-	object_mesh_finish(&mesh);
+	render_object_mesh_finish(&mesh);
 }
 
 /* Turned outward, closed, and of the volume that the shape has. */
@@ -407,7 +407,7 @@ static void meshes_are_closed_and_turned_outward(void **state)
 	for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
 		struct object_mesh mesh;
 		double volume = 0;
-		assert_ok(object_mesh_make(shapes[i].shape, &mesh));
+		assert_ok(render_object_mesh_make(shapes[i].shape, &mesh));
 		assert_true(mesh.closed);
 		for (uint32_t t = mesh.first[0]; t < mesh.first[1]; t += 3) {
 			const float *a = mesh.corners[mesh.indices[t]].at, *b = mesh.corners[mesh.indices[t + 1]].at, *c = mesh.corners[mesh.indices[t + 2]].at;
@@ -417,7 +417,7 @@ static void meshes_are_closed_and_turned_outward(void **state)
 		if (volume < shapes[i].least || volume > shapes[i].most)
 			fail_msg("shape %zu: %g m3, not %g to %g", i, volume, shapes[i].least, shapes[i].most);
 		assert_in_range((mesh.first[1] - mesh.first[0]) / 3, 12, 3200);
-		object_mesh_finish(&mesh);
+		render_object_mesh_finish(&mesh);
 	}
 }
 

@@ -53,7 +53,7 @@ static void the_same_pictures_whatever_loads_the_tiles(void **state)
 	for (int run = 0; run < 4; run++) {
 		char *json = watch(support_path("same.furrow"), settings[run]);
 		assert_int_equal(support_figure(json, "\"view\"", "coarsened"), 0);
-		assert_int_equal(support_figure(json, "\"view\"", "frames"), 40);
+		assert_int_equal(support_figure(json, "\"view\"", "frames"), PICTURES);
 		mem_free(json);
 		for (int i = 0; i < PICTURES; i++) {
 			if (run == 0) {
@@ -85,23 +85,11 @@ static void few_slots_coarsen_the_picture_and_leave_the_ground_alone(void **stat
 	}
 }
 
-static void pictures_load_what_they_lack_without_looking_ahead(void **state)
-{
-	/* The object stands after 1 s of 30: from then on nothing moves, and the picture fills in. */
-	char *json = watch(support_path("rest.furrow"), (const char *[]){"cache.slots=512", "cache.prefetch=0", "view.images=0",
-									 "objects.a.path.speed=240", "end_time=30", NULL});
-	assert_int_equal(support_figure(json, "\"view\"", "frames"), 300);
-	assert_true(support_figure(json, "\"view\"", "starved") < 150);
-	assert_true(support_figure(json, "\"cache\"", "prefetched") > 20);
-	mem_free(json);
-}
-
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_same_pictures_whatever_loads_the_tiles),
 		cmocka_unit_test(few_slots_coarsen_the_picture_and_leave_the_ground_alone),
-		cmocka_unit_test(pictures_load_what_they_lack_without_looking_ahead),
 	};
 	return cmocka_run_group_tests_name("pictures", tests, support_enter, support_leave);
 }

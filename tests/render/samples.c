@@ -112,7 +112,7 @@ static size_t pixels_that_differ(const uint8_t *a, const uint8_t *b)
 static const struct extent meadow = {POSTS, POSTS, 1, CELLS};
 /* Over ground that lies in the dark, turned from the sun, to what is beyond it. */
 #define DARK 0.6
-static const struct render_camera along = {{20, -12, LOW + 30}, {36, 60, LOW - 10}, 0.9};
+static const struct render_camera along = {{20, -12, LOW + 30}, {36, 60, LOW - 10}, 0.9, {0}};
 
 static uint8_t behind[3]; /* what a frame begins with, found by the first test */
 
@@ -241,8 +241,8 @@ static void stand_apart(const struct extent *extent, const struct render_camera 
 static void near_surfaces_do_not_fight(void **state)
 {
 	static const struct extent land = {POSTS, POSTS, 256, CELLS};
-	const struct render_camera at_100_m = {{32, -28, LOW + 80}, {32, 32, LOW}, 0.4};
-	const struct render_camera at_50_km = {{8192, -31808, 30000}, {8192, 8192, 0}, 0.25};
+	const struct render_camera at_100_m = {{32, -28, LOW + 80}, {32, 32, LOW}, 0.4, {0}};
+	const struct render_camera at_50_km = {{8192, -31808, 30000}, {8192, 8192, 0}, 0.25, {0}};
 	need_samples(1);
 	stand_apart(&meadow, &at_100_m, 0.001, 1);
 	stand_apart(&land, &at_50_km, 1, 1);
@@ -298,7 +298,7 @@ static double overdraw(uint64_t frames)
 /* From straight above, so that ground fills the picture: once; by another over it twice; by one under it no more. */
 static void what_passes_the_depth_test_is_counted(void **state)
 {
-	static const struct render_camera above = {{32, 32, LOW + 20}, {32, 32.01, LOW}, 0.9}, half = {{0, 32, LOW + 20}, {0, 32.01, LOW}, 0.9};
+	static const struct render_camera above = {{32, 32, LOW + 20}, {32, 32.01, LOW}, 0.9, {0}}, half = {{0, 32, LOW + 20}, {0, 32.01, LOW}, 0.9, {0}};
 	static const uint32_t far_to_near[2] = {0, 1}, near_to_far[2] = {1, 0};
 	static uint8_t pixels[4 * PIXELS];
 	for (int samples = 1; samples <= 4; samples += 3) {

@@ -16,11 +16,11 @@ static void step(struct rig *rig, double time_step)
 {
 	struct world *world = &rig->world;
 	must(page_cache_poll(world->cache));
-	must(look_ahead_step(world->ahead, world->time));
+	must(motion_look_ahead_step(world->ahead, world->time));
 	world->time += time_step;
 	world->step++;
 	must(page_cache_end_step(world->cache, world->record));
-	must(view_frame(rig->view, NULL, false));
+	must(render_view_frame(rig->view, NULL, false));
 }
 
 static uint64_t traffic(struct rig *rig)
@@ -57,12 +57,12 @@ static void a_still_view_settles_in_any_number_of_slots(void **state)
 		assert_true(view->selection->needed <= view->budget && view->budget < counts[i]);
 		assert_true(view->selection->draw_count >= drawn);
 		drawn = view->selection->draw_count;
-		struct view_figures at_rest, later;
-		view_figures(view, &at_rest);
+		struct render_view_figures at_rest, later;
+		render_view_figures(view, &at_rest);
 		for (int k = 0; k < 20; k++)
 			step(&rig, 0.02);
 		assert_int_equal(traffic(&rig), before);
-		view_figures(view, &later);
+		render_view_figures(view, &later);
 		assert_int_equal(later.coarsened, counts[i] < 400 ? frames + 20 : 0);
 		assert_int_equal(later.starved - at_rest.starved, counts[i] < 400 ? 20 : 0);
 		rig_close(&rig);
@@ -76,10 +76,10 @@ static void a_picture_that_is_kept_has_all_that_fits(void **state)
 	for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
 		struct rig rig;
 		rig_open(&rig, counts[i], 0, 0);
-		must(view_frame(rig.view, NULL, true));
+		must(render_view_frame(rig.view, NULL, true));
 		assert_int_equal(rig.view->selection->wanted_count, 0);
-		struct view_figures figures;
-		view_figures(rig.view, &figures);
+		struct render_view_figures figures;
+		render_view_figures(rig.view, &figures);
 		assert_int_equal(figures.starved, counts[i] < 400);
 		rig_close(&rig);
 	}
@@ -104,12 +104,12 @@ static void load_wishes(struct rig *rig)
 	struct world *world = &rig->world;
 	for (int tries = 0;; tries++) {
 		assert_true(tries < 3000);
-		requests_clear(&rig->requests);
-		must(view_requests(rig->view, &rig->requests));
+		motion_requests_clear(&rig->requests);
+		must(render_view_requests(rig->view, &rig->requests));
 		if (rig->requests.count == 0)
 			return;
 		const uint64_t *keys;
-		size_t count = requests_order(&rig->requests, &keys);
+		size_t count = motion_requests_order(&rig->requests, &keys);
 		page_cache_want(world->cache, keys, count);
 		nap();
 		must(page_cache_poll(world->cache));
@@ -120,13 +120,13 @@ static uint64_t starved_frames(double prefetch)
 {
 	struct rig rig;
 	rig_open(&rig, 128, 25, prefetch);
-	must(view_warm(rig.view));
+	must(render_view_warm(rig.view));
 	for (int i = 0; i < 150; i++) {
 		load_wishes(&rig); /* whatever was wished for is there in time */
 		step(&rig, 0.1);
 	}
-	struct view_figures figures;
-	view_figures(rig.view, &figures);
+	struct render_view_figures figures;
+	render_view_figures(rig.view, &figures);
 	assert_int_equal(figures.coarsened, 0);
 	rig_close(&rig);
 	return figures.starved;
@@ -151,13 +151,13 @@ static void wishes_are_what_is_lacking_now_then_what_will_be(void **state)
 		must(page_cache_poll(world->cache));
 		world->time += 0.1;
 		must(page_cache_end_step(world->cache, world->record));
-		must(view_frame(view, NULL, false));
+		must(render_view_frame(view, NULL, false));
 		/* What the frame lacked, before it looked ahead. */
 		struct render_camera camera;
-		view_place_camera(view, world->time, &camera);
-		must(view_select(view, &camera, false));
-		requests_clear(&rig.requests);
-		must(view_requests(view, &rig.requests));
+		render_view_place_camera(view, world->time, &camera);
+		must(render_view_select(view, &camera, false));
+		motion_requests_clear(&rig.requests);
+		must(render_view_requests(view, &rig.requests));
 		const struct request *wishes = rig.requests.requests;
 		size_t count = rig.requests.count, lacking = view->selection->wanted_count;
 		assert_true(count >= lacking && view->seen.count <= view->room);
@@ -196,7 +196,7 @@ static void wishes_ahead_are_soonest_first_and_end_with_the_room(void **state)
 	view->ahead[1] = (struct view_look){.time = 1, .count = 1, .keys = {keys[2]}}; /* has passed */
 	view->ahead[2] = (struct view_look){.time = 2, .count = 2, .keys = {keys[3], keys[0]}};
 	view->ahead[3] = (struct view_look){.time = 2.5, .count = 3, .keys = {keys[3], keys[4], keys[5]}};
-	must(view_requests(view, &rig.requests));
+	must(render_view_requests(view, &rig.requests));
 	const struct { uint64_t key; double time; } expected[] = {{keys[3], 2}, {keys[0], 2}, {keys[4], 2.5}, {keys[5], 2.5}};
 	assert_int_equal(rig.requests.count, 4);
 	for (size_t i = 0; i < 4; i++) {
@@ -221,17 +221,17 @@ static void looking_ahead_the_ground_is_divided_where_the_objects_will_be(void *
 	rig_open(&rig, 128, 25, 2);
 	struct world *world = &rig.world;
 	for (int i = 0; i < VIEW_LOOKS; i++)
-		must(view_look_ahead(rig.view));
+		must(render_view_look_ahead(rig.view));
 	assert_int_equal(below_zero(rig.view), 0);
 	world->level = -2;
 	world->spacing = 0.25;
 	start_look_ahead(&rig);
-	must(look_ahead_step(world->ahead, world->time));
+	must(motion_look_ahead_step(world->ahead, world->time));
 	for (int i = 0; i < VIEW_LOOKS; i++)
-		must(view_look_ahead(rig.view));
+		must(render_view_look_ahead(rig.view));
 	assert_true(below_zero(rig.view) >= 8);
 	/* Not yet: the picture of now has nothing finer than the ground. */
-	must(view_frame(rig.view, NULL, false));
+	must(render_view_frame(rig.view, NULL, false));
 	const struct view_look *now = rig.view->now;
 	assert_true(now->count > 20);
 	for (size_t i = 0; i < now->count; i++)
@@ -249,12 +249,12 @@ static void however_far_it_looks_an_object_wishes_for_no_more_than_the_slots(voi
 	world->spacing = extent.spacing / 16;
 	start_look_ahead(&rig);
 	for (world->time = 0; world->time < 2; world->time += 0.1) {
-		must(look_ahead_step(world->ahead, world->time));
+		must(motion_look_ahead_step(world->ahead, world->time));
 		size_t count = 0, next = 0;
-		for (size_t i = 0; i < look_ahead_requests(world->ahead)->count; i++) {
-			count += tile_from_key(look_ahead_requests(world->ahead)->requests[i].key).level == -4;
-			next += tile_from_key(look_ahead_requests(world->ahead)->requests[i].key).level == -4 &&
-				look_ahead_requests(world->ahead)->requests[i].time <= world->time + 0.05;
+		for (size_t i = 0; i < motion_look_ahead_requests(world->ahead)->count; i++) {
+			count += tile_from_key(motion_look_ahead_requests(world->ahead)->requests[i].key).level == -4;
+			next += tile_from_key(motion_look_ahead_requests(world->ahead)->requests[i].key).level == -4 &&
+				motion_look_ahead_requests(world->ahead)->requests[i].time <= world->time + 0.05;
 		}
 		assert_true(next > 0 && count < 8 + 4); /* the last station has a window of four */
 	}
@@ -265,15 +265,15 @@ static void looking_ahead_marks_nothing_used(void **state)
 {
 	struct rig rig;
 	rig_open(&rig, 128, 25, 2);
-	must(view_warm(rig.view));
+	must(render_view_warm(rig.view));
 	for (int i = 0; i < 40; i++) {
 		step(&rig, 0.1);
 		load_wishes(&rig);
 		struct residents before = {.count = 0}, after = {.count = 0};
 		page_cache_each_resident(rig.world.cache, resident, &before);
-		must(view_look_ahead(rig.view));
-		requests_clear(&rig.requests);
-		must(view_requests(rig.view, &rig.requests));
+		must(render_view_look_ahead(rig.view));
+		motion_requests_clear(&rig.requests);
+		must(render_view_requests(rig.view, &rig.requests));
 		page_cache_each_resident(rig.world.cache, resident, &after);
 		/* Least recently used first: the order is the marks. */
 		assert_memory_equal(&before, &after, sizeof before);
@@ -285,7 +285,7 @@ static void what_a_frame_drew_was_used_last(void **state)
 {
 	struct rig rig;
 	rig_open(&rig, 128, 25, 2);
-	must(view_warm(rig.view));
+	must(render_view_warm(rig.view));
 	for (int i = 0; i < 40; i++) {
 		load_wishes(&rig);
 		step(&rig, 0.1);
@@ -296,7 +296,7 @@ static void what_a_frame_drew_was_used_last(void **state)
 		size_t drawn = 0;
 		for (size_t k = 0; k < now->count; k++)
 			drawn += page_cache_peek(rig.world.cache, now->keys[k], false, &slot);
-		struct key_set last = {NULL, 0, 0};
+		struct key_set last = {.count = 0};
 		for (size_t k = residents.count - drawn - 1; k < residents.count; k++) /* and the coarsest */
 			must(key_set_add(&last, residents.keys[k]));
 		for (size_t k = 0; k < now->count; k++)
@@ -325,21 +325,21 @@ static void every_program_of_a_picture_has_drawn_before_the_first_step(void **st
 	struct rig rig;
 	size_t count = 0;
 	rig_open(&rig, 64, 0, 0);
-	view_destroy(rig.view);
+	render_view_destroy(rig.view);
 	rig.scene.view.effects = EFFECT_BIT(EFFECT_SKY) | EFFECT_BIT(EFFECT_OBJECTS) | EFFECT_BIT(EFFECT_SHADOW);
 	rig.world.level = -2;
-	must(view_create(&rig.world, false, &rig.view));
-	must(view_warm(rig.view));
+	must(render_view_create(&rig.world, false, &rig.view));
+	must(render_view_warm(rig.view));
 	gpu_programs_each(rig.world.gpu, note_program, &count);
 	assert_int_equal(count, 6);
 	/* None of it is a picture of the drive's. */
-	struct view_figures figures;
-	view_settle(rig.view);
-	view_figures(rig.view, &figures);
+	struct render_view_figures figures;
+	render_view_settle(rig.view);
+	render_view_figures(rig.view, &figures);
 	assert_true(isnan(figures.overdraw) && figures.tiles.drawn == 0 && figures.triangles == 0);
-	must(view_frame(rig.view, NULL, false));
-	view_settle(rig.view);
-	view_figures(rig.view, &figures);
+	must(render_view_frame(rig.view, NULL, false));
+	render_view_settle(rig.view);
+	render_view_figures(rig.view, &figures);
 	assert_true(figures.overdraw > 0.1 && figures.overdraw < 2 && rig.view->overdraw_frames == 1);
 	rig_close(&rig);
 }
@@ -352,12 +352,95 @@ static void the_camera_ahead_is_the_camera_when_that_time_has_come(void **state)
 	rig_open(&rig, 64, 25, 2);
 	struct render_camera ahead, then;
 	rig.world.time = 3;
-	view_place_camera(rig.view, 5, &ahead);
+	render_view_place_camera(rig.view, 5, &ahead);
 	rig.world.time = 5;
-	view_place_camera(rig.view, 5, &then);
+	render_view_place_camera(rig.view, 5, &then);
 	assert_memory_equal(&ahead, &then, sizeof then);
-	view_place_camera(rig.view, 3, &then);
+	render_view_place_camera(rig.view, 3, &then);
 	assert_true(hypot(then.eye[0] - ahead.eye[0], then.eye[1] - ahead.eye[1]) > 49);
+	rig_close(&rig);
+}
+
+/* --- ranges --- */
+
+/* As start_look_ahead does, with its thread. */
+static void start_bringing(struct rig *rig)
+{
+	struct world *world = &rig->world;
+	const struct look_ahead_body body = {rig->body.track, &rig->object.shape, rig->body.next};
+	motion_look_ahead_destroy(world->ahead);
+	must(motion_look_ahead_create(&(struct look_ahead_params){.store = world->store, .ground = world->ground, .tiles = 8, .bodies = &body,
+							   .count = 1, .spacing = world->spacing, .prefetch = rig->scene.prefetch,
+							   .end = rig->scene.end_time}, &world->ahead));
+	motion_look_ahead_serve(world->ahead, &(struct look_ahead_pages){world->deform, &world->meta->extent, world->level, world->cache,
+								  rig->scene.slots, rig_requests, rig});
+}
+
+static uint64_t range_waits(const struct rig *rig)
+{
+	struct resident_ground_figures figures;
+	resident_ground_figures(rig->world.ground, &figures);
+	return figures.range_waits;
+}
+
+static void looking_ahead_waits_for_no_range(void **state)
+{
+	struct rig rig;
+	rig_open(&rig, 400, 25, 2);
+	start_bringing(&rig);
+	struct view *view = rig.view;
+	bool guessed = true;
+	for (int tries = 0; guessed; tries++) {
+		assert_true(tries < 3000);
+		guessed = false;
+		for (int i = 0; i < VIEW_LOOKS; i++) {
+			must(render_view_look_ahead(view));
+			guessed = guessed || view->guessed;
+		}
+		assert_true(tries > 0 || guessed);
+		assert_true(guessed == (view->missing_count > 0));
+		render_view_ask_ranges(view);
+		nap();
+	}
+	/* Nothing stands in for the coarsest tile's: it is read. */
+	assert_true(range_waits(&rig) <= 1);
+	rig.world.time = view->ahead[1].time;
+	must(render_view_frame(view, NULL, true));
+	assert_true(view->now->count > 10);
+	assert_true(range_waits(&rig) <= 1);
+	rig_close(&rig);
+}
+
+/* It is drawn with the ranges of coarser tiles, and again when its own have come: then it is as if they had been read. */
+static void a_picture_in_a_window_waits_for_no_range(void **state)
+{
+	struct rig rig;
+	rig_open(&rig, 400, 0, 2);
+	start_bringing(&rig);
+	struct view *view = rig.view;
+	must(render_view_frame(view, NULL, false));
+	assert_true(view->guessed && render_view_lacks(view));
+	for (int tries = 0; render_view_lacks(view); tries++) {
+		assert_true(tries < 3000);
+		step(&rig, 0.02);
+		nap();
+	}
+	assert_true(range_waits(&rig) <= 1);
+	static struct terrain_selection seen, read;
+	seen = *view->selection;
+	struct render_camera camera;
+	render_view_place_camera(view, rig.world.time, &camera);
+	key_cache_finish(&view->ranges);
+	view->ranges = (struct key_cache){.most = 1024};
+	motion_look_ahead_stop(rig.world.ahead);
+	resident_ground_destroy(rig.world.ground);
+	must(resident_ground_create(rig.world.store, 16, &rig.world.ground));
+	must(render_view_select(view, &camera, false));
+	read = *view->selection;
+	assert_true(range_waits(&rig) > 20 && seen.draw_count > 50);
+	assert_int_equal(read.draw_count, seen.draw_count);
+	for (size_t i = 0; i < seen.draw_count; i++)
+		assert_true(tile_equal(read.draws[i].tile, seen.draws[i].tile) && read.draws[i].quadrants == seen.draws[i].quadrants);
 	rig_close(&rig);
 }
 
@@ -375,6 +458,8 @@ int main(void)
 		cmocka_unit_test(what_a_frame_drew_was_used_last),
 		cmocka_unit_test(every_program_of_a_picture_has_drawn_before_the_first_step),
 		cmocka_unit_test(the_camera_ahead_is_the_camera_when_that_time_has_come),
+		cmocka_unit_test(looking_ahead_waits_for_no_range),
+		cmocka_unit_test(a_picture_in_a_window_waits_for_no_range),
 	};
 	return cmocka_run_group_tests_name("view", tests, support_enter, support_leave);
 }

@@ -36,7 +36,7 @@ static struct guest guest;
 static void wait_for_tiles(struct drive *drive, const struct render_camera *camera)
 {
 	for (int tries = 0; tries < 4000; tries++) {
-		must(view_select(drive->view, camera, false));
+		must(render_view_select(drive->view, camera, false));
 		const struct terrain_selection *selection = drive->view->selection;
 		if (selection->wanted_count == 0)
 			return;
@@ -84,7 +84,7 @@ static void check_tile(struct drive *drive, struct tile tile, uint32_t slot)
 	guest.highest = fmax(guest.highest, high);
 	for (int level = tile.level; level <= extent_coarsest(of); level++) {
 		double lowest, highest;
-		must(view_offsets(view, tile_ancestor(tile, level), false, &lowest, &highest));
+		must(render_view_offsets(view, tile_ancestor(tile, level), false, &lowest, &highest));
 		if (low < lowest || high > highest)
 			fail_msg("tile %d/%u/%u: %g to %g, level %d says %g to %g", tile.level, tile.x, tile.y, low, high, level, lowest,
 				 highest);
@@ -178,11 +178,11 @@ static void draw_three(struct drive *drive, const struct render_camera *camera)
 	struct view *view = drive->view;
 	struct key_map kept = view->pressed;
 	draw(drive, camera, by_boxes);
-	view->pressed = (struct key_map){NULL, 0, 0};
+	view->pressed = (struct key_map){.room = 0};
 	draw(drive, camera, by_base);
 	for (uint32_t y = 0; y < extent_tiles_y(&ground, 0); y++)
 		for (uint32_t x = 0; x < extent_tiles_x(&ground, 0); x++)
-			must(view_widen(view, &view->pressed, (struct tile){0, x, y}, -1e4, 1e4));
+			must(render_view_widen(view, &view->pressed, (struct tile){0, x, y}, -1e4, 1e4));
 	draw(drive, camera, by_none);
 	key_map_finish(&view->pressed);
 	view->pressed = kept;
@@ -190,7 +190,7 @@ static void draw_three(struct drive *drive, const struct render_camera *camera)
 
 static void look_into_the_trench(struct drive *drive)
 {
-	const struct render_camera camera = {{34, 50, 97.5}, {100, 50, 97.5}, 0.05};
+	const struct render_camera camera = {{34, 50, 97.5}, {100, 50, 97.5}, 0.05, {0}};
 	if (guest.steps < 10)
 		return;
 	draw_three(drive, &camera);
@@ -200,7 +200,7 @@ static void look_into_the_trench(struct drive *drive)
 
 static void look_at_the_heap(struct drive *drive)
 {
-	const struct render_camera camera = {{34, 50, 100.1}, {100, 50, 101.8}, 0.05};
+	const struct render_camera camera = {{34, 50, 100.1}, {100, 50, 101.8}, 0.05, {0}};
 	if (guest.steps < 10)
 		return;
 	draw_three(drive, &camera);
@@ -242,7 +242,7 @@ static bool boxes_of_base(void *user, struct tile tile, double *low, double *hig
 	bool any = false;
 	if (!extent_has(&extent, tile) || tile.level < 0)
 		return false;
-	must(ground_range(rig->world.ground, tile, low, high, &any));
+	must(resident_ground_range(rig->world.ground, tile, low, high, &any));
 	return any;
 }
 
@@ -252,7 +252,7 @@ static bool boxes_all_wide(void *user, struct tile tile, double *low, double *hi
 {
 	struct rig *rig = user;
 	bool any = boxes_of_base(user, tile, low, high);
-	double slack = view_is_deformed(rig->view, tile) ? widest : 0;
+	double slack = render_view_is_deformed(rig->view, tile) ? widest : 0;
 	*low -= slack;
 	*high += slack;
 	return any;
@@ -289,16 +289,16 @@ static void what_was_dug_before_is_known_exactly_and_the_rest_is_as_the_base(voi
 				const struct tile tile = {level, x, y};
 				double lowest = 0, highest = 0;
 				bool found;
-				must(store_read_offset_range(ground_reader(rig.world.ground), tile, &lowest, &highest, &found));
-				must(view_offsets(view, tile, false, &low, &high));
-				assert_true(found == view_is_deformed(view, tile));
+				must(store_read_offset_range(resident_ground_reader(rig.world.ground), tile, &lowest, &highest, &found));
+				must(render_view_offsets(view, tile, false, &low, &high));
+				assert_true(found == render_view_is_deformed(view, tile));
 				assert_true(low == lowest && high == highest && high == 0);
 				assert_true(level > 0 || found == ((x + y) % 2 == 0 && (x != 2 || y != 2)));
 				assert_true(!found || low == -0.125 || low == -40);
 			}
 	/* From above the hills at what is higher than they are: pits are no reason to look at ground. */
-	struct render_camera camera = {{20, 20, 140}, {480, 480, 160}, 0.3};
-	must(view_select(view, &camera, true));
+	struct render_camera camera = {{20, 20, 140}, {480, 480, 160}, 0.3, {0}};
+	must(render_view_select(view, &camera, true));
 	size_t needed = view->selection->needed, culled = view->selection->culled;
 	struct terrain_view looking;
 	render_view(view->render, &camera, &looking);

@@ -4,17 +4,17 @@
 static void rig_open_with(struct rig *rig, double pixel_error, int level)
 {
 	rig_open(rig, 128, 0, 0);
-	view_destroy(rig->view);
+	render_view_destroy(rig->view);
 	rig->scene.view.pixel_error = pixel_error;
 	rig->world.level = level;
 	rig->world.spacing = extent_spacing(&extent, level);
-	must(view_create(&rig->world, false, &rig->view));
+	must(render_view_create(&rig->world, false, &rig->view));
 }
 
 static double error_of(struct rig *rig, struct tile tile)
 {
 	double error = -1;
-	must(view_error(rig->view, tile, false, &error));
+	must(render_view_error(rig->view, tile, false, &error));
 	return error;
 }
 
@@ -24,7 +24,7 @@ static struct event event_at(struct rig *rig, double x, double y, double sink)
 	struct event event = {.contact = true, .sinkage = sink, .pose = {.x = lattice_offset(x), .y = lattice_offset(y)}};
 	int64_t ground;
 	bool any;
-	must(ground_height(rig->world.ground, event.pose.x, event.pose.y, &ground, &any));
+	must(resident_ground_height(rig->world.ground, event.pose.x, event.pose.y, &ground, &any));
 	assert_true(any);
 	event.pose.z = ground + lattice_offset(rig->object.shape.radius - sink);
 	return event;
@@ -36,9 +36,9 @@ static void press(struct rig *rig, struct tile tile, double x, double y, double 
 	int64_t cx = (int64_t)(x / rig->world.spacing), cy = (int64_t)(y / rig->world.spacing), r = (int64_t)ceil(0.5 / rig->world.spacing);
 	const struct post_rect under = {cx - r, cy - r, cx + r + 2, cy + r + 2};
 	const struct contact_area sweep = {event.pose.z - lattice_offset(rig->object.shape.radius), under, under};
-	must(view_pressed(rig->view, &event, &sweep));
-	must(view_deformed(rig->view, tile));
-	must(view_pressed(rig->view, NULL, NULL));
+	must(render_view_pressed(rig->view, &event, &sweep));
+	must(render_view_deformed(rig->view, tile));
+	must(render_view_pressed(rig->view, NULL, NULL));
 }
 
 static void without_a_pixel_error_no_errors_are_kept(void **state)
@@ -47,7 +47,7 @@ static void without_a_pixel_error_no_errors_are_kept(void **state)
 	rig_open(&rig, 16, 0, 0);
 	assert_null(rig.view->errors);
 	press(&rig, (struct tile){0, 3, 2}, 50, 40, 0.1);
-	must(view_frame(rig.view, NULL, false));
+	must(render_view_frame(rig.view, NULL, false));
 	rig_close(&rig);
 }
 
@@ -62,7 +62,7 @@ static void a_bases_error_is_the_stores_and_no_less_than_what_it_covers(void **s
 			for (uint32_t x = 0; x < extent_tiles_x(&extent, level); x++) {
 				struct tile tile = {level, x, y};
 				struct store_range range;
-				must(store_read_base_range(ground_reader(rig.world.ground), tile, &range));
+				must(store_read_base_range(resident_ground_reader(rig.world.ground), tile, &range));
 				double error = error_of(&rig, tile);
 				assert_true(error == range.error && error_of(&rig, tile) == error);
 				assert_true(level > 0 || error == 0);
@@ -114,7 +114,7 @@ static void a_rut_is_at_once_part_of_the_error_of_all_above_it_and_of_nothing_el
 		assert_true(later[1] >= 0.6 && later[0] == 0);
 		/* Soil that slides by itself: as deep as anything pressed. */
 		chain(&rig, -3, 300, 300, before);
-		must(view_deformed(rig.view, (struct tile){-3, 150, 150}));
+		must(render_view_deformed(rig.view, (struct tile){-3, 150, 150}));
 		chain(&rig, -3, 301, 301, after);
 		assert_true(after[1] >= 0.6 && before[1] == 0);
 		rig_close(&rig);
@@ -125,7 +125,7 @@ static double height(struct rig *rig, double x, double y)
 {
 	int64_t ground;
 	bool any;
-	must(ground_height(rig->world.ground, lattice_offset(x), lattice_offset(y), &ground, &any));
+	must(resident_ground_height(rig->world.ground, lattice_offset(x), lattice_offset(y), &ground, &any));
 	assert_true(any);
 	return lattice_offset_metres(ground);
 }
@@ -171,17 +171,17 @@ static void a_rut_is_drawn_finely_where_its_depth_is_seen_and_not_where_not(void
 	rig_open_with(&rig, 1, -3);
 	struct view *view = rig.view;
 	double z = height(&rig, 101, 81), focal = 90 / tan(0.45);
-	struct render_camera camera = {{101, 81, 0}, {101.1, 81, z}, 0.9};
+	struct render_camera camera = {{101, 81, 0}, {101.1, 81, z}, 0.9, {0}};
 	press(&rig, (struct tile){-3, 50, 40}, 101, 81, 0.1);
 	double errors[16];
 	chain(&rig, -3, 101, 81, errors);
 	/* The box is wider than the rut, by what an object may do. */
 	double reach = view->reach + 3;
 	camera.eye[2] = z + 0.9 * errors[1] * focal;
-	must(view_select(view, &camera, true));
+	must(render_view_select(view, &camera, true));
 	assert_true(wanted_at(view, -3) == 1);
 	camera.eye[2] = z + 1.1 * errors[1] * focal + reach;
-	must(view_select(view, &camera, true));
+	must(render_view_select(view, &camera, true));
 	assert_true(wanted_at(view, -3) == 0);
 	rig_close(&rig);
 }
@@ -191,12 +191,12 @@ static void what_will_be_deformed_counts_as_deep_as_anything_yet(void **state)
 	struct rig rig;
 	double error;
 	rig_open_with(&rig, 1, -3);
-	must(view_error(rig.view, (struct tile){-2, 5, 5}, true, &error));
+	must(render_view_error(rig.view, (struct tile){-2, 5, 5}, true, &error));
 	assert_true(error == 0);
 	press(&rig, (struct tile){-3, 50, 40}, 101, 81, 0.3);
-	must(view_error(rig.view, (struct tile){-2, 5, 5}, true, &error));
+	must(render_view_error(rig.view, (struct tile){-2, 5, 5}, true, &error));
 	assert_true(error >= 0.3);
-	must(view_error(rig.view, (struct tile){-3, 5, 5}, true, &error));
+	must(render_view_error(rig.view, (struct tile){-3, 5, 5}, true, &error));
 	assert_true(error == 0);
 	rig_close(&rig);
 }

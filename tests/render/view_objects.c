@@ -14,19 +14,19 @@ static void show(struct rig *rig, struct deform_shape shape, struct scene_path p
 		places[i][0] = path.points[i].x;
 		places[i][1] = path.points[i].y;
 	}
-	track_destroy(rig->body.track);
-	must(track_create(&rig->object.path, (const double(*)[2])places, extent.spacing, shape.radius, &rig->body.track));
+	motion_track_destroy(rig->body.track);
+	must(motion_track_create(&rig->object.path, (const double(*)[2])places, extent.spacing, shape.radius, &rig->body.track));
 	rig->scene.view.effects = EFFECT_BIT(EFFECT_OBJECTS);
-	view_destroy(rig->view);
+	render_view_destroy(rig->view);
 	rig->view = NULL;
-	must(view_create(world, false, &rig->view));
+	must(render_view_create(world, false, &rig->view));
 }
 
 static size_t shown(struct rig *rig, double time, struct render_object *out)
 {
 	const struct render_objects *objects = rig->view->render->objects;
 	rig->world.time = time;
-	must(view_set_objects(rig->view, true));
+	must(render_view_set_objects(rig->view, true));
 	if (objects->shown_count > 0)
 		*out = objects->shown[0];
 	return objects->shown_count;
@@ -56,7 +56,7 @@ static void a_wheel_rolls_on_from_its_last_station_to_the_next(void **state)
 	rig.object.sink = 0.1;
 	show(&rig, wheel, (struct scene_path){.points = rig.points, .count = 2, .speed = 2});
 	for (int64_t k = 3; k < 40; k += 7) {
-		double time = track_sample_time(rig.body.track, k), next = track_sample_time(rig.body.track, k + 1);
+		double time = motion_track_sample_time(rig.body.track, k), next = motion_track_sample_time(rig.body.track, k + 1);
 		double step = 1 / (0.5 * (1 - 0.2)); /* a post's way */
 		press(&rig, k, 0.7);
 		struct deform_pose last = rig.body.last;
@@ -94,7 +94,7 @@ static void a_ball_rolls_by_its_way(void **state)
 	press(&rig, 0, 0);
 	for (int64_t k = 1; k < 4; k++)
 		press(&rig, k, 0);
-	assert_int_equal(shown(&rig, track_sample_time(rig.body.track, 3) + 0.2, &now), 1);
+	assert_int_equal(shown(&rig, motion_track_sample_time(rig.body.track, 3) + 0.2, &now), 1);
 	assert_float_equal(now.turned, (3 + 0.4) / 2, 1e-5);
 	rig_close(&rig);
 }

@@ -29,24 +29,24 @@ static inline enum status before_read_back(void *user, struct tile tile, uint32_
 static inline enum status rig_requests(void *user, struct requests *requests)
 {
 	struct rig *rig = user;
-	return view_requests(rig->view, requests);
+	return render_view_requests(rig->view, requests);
 }
 
 /* At the world's level, which the objects' windows are of. Without a thread of its own. */
 static inline void start_look_ahead(struct rig *rig)
 {
 	struct world *world = &rig->world;
-	look_ahead_destroy(world->ahead);
+	motion_look_ahead_destroy(world->ahead);
 	deform_destroy(world->deform);
 	struct deform_params params = {.gpu = world->gpu, .slots = world->slots, .extent = &world->meta->extent,
 				       .level = world->level};
 	must(deform_create(&params, &world->deform));
 	const struct look_ahead_body body = {rig->body.track, &rig->object.shape, rig->body.next};
-	must(look_ahead_create(&(struct look_ahead_params){.store = world->store, .ground = world->ground, .tiles = 8, .bodies = &body,
+	must(motion_look_ahead_create(&(struct look_ahead_params){.store = world->store, .ground = world->ground, .tiles = 8, .bodies = &body,
 							   .count = 1, .spacing = world->spacing, .prefetch = rig->scene.prefetch,
 							   .end = rig->scene.end_time}, &world->ahead));
-	look_ahead_stop(world->ahead);
-	look_ahead_serve(world->ahead, &(struct look_ahead_pages){world->deform, &world->meta->extent, world->level, world->cache,
+	motion_look_ahead_stop(world->ahead);
+	motion_look_ahead_serve(world->ahead, &(struct look_ahead_pages){world->deform, &world->meta->extent, world->level, world->cache,
 								  rig->scene.slots, rig_requests, rig});
 }
 
@@ -76,7 +76,7 @@ static inline void rig_open(struct rig *rig, uint32_t slots, double speed, doubl
 	world->bodies = &rig->body;
 	rig->body.object = &rig->object;
 	const double places[2][2] = {{40, 60}, {460, 440}};
-	must(track_create(&rig->object.path, places, 1, 1, &rig->body.track));
+	must(motion_track_create(&rig->object.path, places, 1, 1, &rig->body.track));
 	world->epochs = tmpfile();
 	assert_non_null(world->epochs);
 	enum status status = gpu_create(&(struct gpu_params){.draws = true}, &world->gpu);
@@ -86,37 +86,37 @@ static inline void rig_open(struct rig *rig, uint32_t slots, double speed, doubl
 	}
 	must(status);
 	must(gpu_slots_create(world->gpu, CELLS, slots, 0, &world->slots));
-	must(ground_create(world->store, 16, &world->ground));
-	must(pages_create(&(struct pages_params){.gpu = world->gpu,
+	must(resident_ground_create(world->store, 16, &world->ground));
+	must(resident_pages_create(&(struct pages_params){.gpu = world->gpu,
 						 .store = world->store,
 						 .slots = world->slots,
 						 .planes = PLANE_BIT(PLANE_OFFSET),
 						 .count = slots,
 						 .loaders = 2,
 						 .step_pages = 16,
-						 .scene = &rig->scene,
+						 .record = world_record_pages(&rig->scene),
 						 .epochs = world->epochs,
 						 .epoch_age = 1000,
 						 .before_read_back = before_read_back},
 			  &world->pages));
-	world->cache = pages_cache(world->pages);
-	world->record = calloc(1, record_bytes(1));
-	must(view_create(world, false, &rig->view));
+	world->cache = resident_pages_cache(world->pages);
+	world->record = calloc(1, world_record_bytes(1));
+	must(render_view_create(world, false, &rig->view));
 	start_look_ahead(rig);
 }
 
 static inline void rig_close(struct rig *rig)
 {
 	struct world *world = &rig->world;
-	look_ahead_destroy(world->ahead);
-	view_destroy(rig->view);
-	pages_destroy(world->pages);
-	ground_destroy(world->ground);
+	motion_look_ahead_destroy(world->ahead);
+	render_view_destroy(rig->view);
+	resident_pages_destroy(world->pages);
+	resident_ground_destroy(world->ground);
 	deform_destroy(world->deform);
 	gpu_slots_destroy(world->slots);
 	gpu_destroy(world->gpu);
-	track_destroy(rig->body.track);
-	requests_finish(&rig->requests);
+	motion_track_destroy(rig->body.track);
+	motion_requests_finish(&rig->requests);
 	store_close(world->store);
 	fclose(world->epochs);
 	free(world->record);

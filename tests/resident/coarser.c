@@ -22,7 +22,7 @@ struct rig {
 static enum status before_read_back(void *user, struct tile tile, uint32_t slot)
 {
 	struct world *world = user;
-	return pyramid_flush_tile(world->pyramid, world->cache, tile, slot);
+	return resident_pyramid_flush_tile(world->pyramid, world->cache, tile, slot);
 }
 
 static void rig_open(struct rig *rig, const char *path, uint32_t slots)
@@ -46,19 +46,19 @@ static void rig_open(struct rig *rig, const char *path, uint32_t slots)
 	}
 	must(status);
 	must(gpu_slots_create(world->gpu, CELLS, slots, PLANE_BIT(PLANE_DIRT), &world->slots));
-	must(ground_create(world->store, 4, &world->ground));
-	must(pyramid_create(&world->meta->extent, LEVEL, world->slots, &world->pyramid));
+	must(resident_ground_create(world->store, 4, &world->ground));
+	must(resident_pyramid_create(&world->meta->extent, LEVEL, world->slots, &world->pyramid));
 	must(deform_create(&(struct deform_params){.gpu = world->gpu,
 						   .slots = world->slots,
 						   .extent = &world->meta->extent,
 						   .level = LEVEL,
-						   .reference = ground_reference(world->store),
+						   .reference = resident_ground_reference(world->store),
 						   .model = DEFORM_BOX_FILTER,
 						   .box_radius = 1,
 						   .box_repetitions = 1,
 						   .dirt = true},
 			   &world->deform));
-	must(pages_create(&(struct pages_params){.store = world->store,
+	must(resident_pages_create(&(struct pages_params){.store = world->store,
 						 .gpu = world->gpu,
 						 .slots = world->slots,
 						 .planes = gpu_slots_planes(world->slots),
@@ -66,23 +66,23 @@ static void rig_open(struct rig *rig, const char *path, uint32_t slots)
 						 .count = slots,
 						 .loaders = 2,
 						 .step_pages = 64,
-						 .scene = &rig->scene,
+						 .record = world_record_pages(&rig->scene),
 						 .epochs = world->epochs,
 						 .epoch_age = 0.01,
 						 .before_read_back = before_read_back,
 						 .user = world},
 			  &world->pages));
-	world->cache = pages_cache(world->pages);
-	world->record = calloc(1, record_bytes(0));
+	world->cache = resident_pages_cache(world->pages);
+	world->record = calloc(1, world_record_bytes(0));
 }
 
 static void rig_close(struct rig *rig)
 {
 	struct world *world = &rig->world;
-	pages_destroy(world->pages);
+	resident_pages_destroy(world->pages);
 	deform_destroy(world->deform);
-	pyramid_destroy(world->pyramid);
-	ground_destroy(world->ground);
+	resident_pyramid_destroy(world->pyramid);
+	resident_ground_destroy(world->ground);
 	gpu_slots_destroy(world->slots);
 	gpu_destroy(world->gpu);
 	store_close(world->store);
@@ -96,7 +96,7 @@ static void roll(struct rig *rig, int step)
 	struct event event = {.contact = true, .pose = {.x = lattice_offset(x), .y = lattice_offset(y)}};
 	int64_t ground;
 	bool any;
-	must(ground_height(rig->world.ground, event.pose.x, event.pose.y, &ground, &any));
+	must(resident_ground_height(rig->world.ground, event.pose.x, event.pose.y, &ground, &any));
 	assert_true(any);
 	event.pose.z = ground + lattice_offset(sphere.radius - 0.4);
 	must(world_contact(&rig->world, &event, true));
@@ -104,7 +104,7 @@ static void roll(struct rig *rig, int step)
 
 static void end_step(struct rig *rig)
 {
-	must(pyramid_flush(rig->world.pyramid, rig->world.cache));
+	must(resident_pyramid_flush(rig->world.pyramid, rig->world.cache));
 	rig->world.record->step++;
 	must(page_cache_end_step(rig->world.cache, rig->world.record));
 }

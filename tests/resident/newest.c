@@ -55,18 +55,18 @@ static void rig_open(struct rig *rig, const char *path, support_height ground, i
 	}
 	must(status);
 	must(gpu_slots_create(world->gpu, CELLS, SLOTS, PLANE_BIT(PLANE_DIRT), &world->slots));
-	must(ground_create(world->store, 4, &world->ground));
+	must(resident_ground_create(world->store, 4, &world->ground));
 	must(deform_create(&(struct deform_params){.gpu = world->gpu,
 						   .slots = world->slots,
 						   .extent = &world->meta->extent,
 						   .level = level,
-						   .reference = ground_reference(world->store),
+						   .reference = resident_ground_reference(world->store),
 						   .model = DEFORM_BOX_FILTER,
 						   .box_radius = 1,
 						   .box_repetitions = 1,
 						   .dirt = true},
 			   &world->deform));
-	must(pages_create(&(struct pages_params){.store = world->store,
+	must(resident_pages_create(&(struct pages_params){.store = world->store,
 						 .gpu = world->gpu,
 						 .slots = world->slots,
 						 .planes = gpu_slots_planes(world->slots),
@@ -74,23 +74,23 @@ static void rig_open(struct rig *rig, const char *path, support_height ground, i
 						 .count = SLOTS,
 						 .loaders = 2,
 						 .step_pages = 64,
-						 .scene = &rig->scene,
+						 .record = world_record_pages(&rig->scene),
 						 .epochs = world->epochs,
 						 .epoch_age = epoch_age,
 						 .before_read_back = before_read_back,
 						 .user = world},
 			  &world->pages));
-	world->cache = pages_cache(world->pages);
-	world->record = calloc(1, record_bytes(0));
+	world->cache = resident_pages_cache(world->pages);
+	world->record = calloc(1, world_record_bytes(0));
 }
 
 static void rig_close(struct rig *rig)
 {
 	struct world *world = &rig->world;
-	newest_destroy(world->newest);
-	pages_destroy(world->pages);
+	resident_newest_destroy(world->newest);
+	resident_pages_destroy(world->pages);
 	deform_destroy(world->deform);
-	ground_destroy(world->ground);
+	resident_ground_destroy(world->ground);
 	gpu_slots_destroy(world->slots);
 	gpu_destroy(world->gpu);
 	store_close(world->store);
@@ -104,7 +104,7 @@ static void roll(struct rig *rig, int step)
 	struct event event = {.contact = true, .pose = {.x = lattice_offset(x), .y = lattice_offset(y)}};
 	int64_t ground;
 	bool any;
-	must(ground_height(rig->world.ground, event.pose.x, event.pose.y, &ground, &any));
+	must(resident_ground_height(rig->world.ground, event.pose.x, event.pose.y, &ground, &any));
 	if (!any)
 		return;
 	event.pose.z = ground + lattice_offset(sphere.radius - 0.4);
@@ -151,14 +151,14 @@ static struct answers before, after;
 static void ask(struct newest *newest, struct answers *answers)
 {
 	memset(answers, 0, sizeof *answers);
-	must(newest_heights(newest, points, POINTS, answers->heights));
-	must(newest_rays(newest, rays, RAYS, answers->hits));
+	must(resident_newest_heights(newest, points, POINTS, answers->heights));
+	must(resident_newest_rays(newest, rays, RAYS, answers->hits));
 }
 
 /* With nothing kept from before. */
 static void ask_anew(struct rig *rig, struct answers *answers)
 {
-	newest_destroy(rig->world.newest);
+	resident_newest_destroy(rig->world.newest);
 	rig->world.newest = NULL;
 	must(world_heights(&rig->world, points, POINTS, answers->heights));
 	ask(rig->world.newest, answers);
@@ -193,7 +193,7 @@ static void places(struct rig *rig, size_t where[3])
 			double low, high;
 			bool stored;
 			must(page_cache_newest(rig->world.cache, tile_key(tile), look, &looks, &place, &slot));
-			must(ground_offset_range(rig->world.ground, tile, &low, &high, &stored));
+			must(resident_ground_offset_range(rig->world.ground, tile, &low, &high, &stored));
 			where[place] += place != PAGE_NEWEST_STORED || stored;
 		}
 	assert_int_equal(looks, where[PAGE_NEWEST_QUEUED]);
@@ -229,7 +229,7 @@ static void check_posts(const char *path, struct newest *newest, int level)
 	for (int64_t i = 0; i < side * side; i++)
 		all[i] = (struct terrain_point){(double)(i % side) * extent_spacing(&extent, finest),
 						(double)(i / side) * extent_spacing(&extent, finest)};
-	must(newest_heights(newest, all, (size_t)(side * side), heights));
+	must(resident_newest_heights(newest, all, (size_t)(side * side), heights));
 	for (int64_t i = 0; i < side * side; i++) {
 		if (isnan(values[i]))
 			assert_true(isnan(heights[i].bilinear)); /* of a cell with a hole one triangle may be there */
@@ -290,11 +290,11 @@ static void wherever_it_is(int level)
 	check_same(&before, &after);
 	check_posts(path, rig.world.newest, level);
 	must(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
-	must(newest_create(store, NULL, &alone));
+	must(resident_newest_create(store, NULL, &alone));
 	ask(alone, &after);
 	check_same(&before, &after);
 	check_posts(path, alone, level);
-	newest_destroy(alone);
+	resident_newest_destroy(alone);
 	store_close(store);
 	rig_close(&rig);
 }
@@ -325,14 +325,14 @@ static void check_in_rut(struct newest *newest, double x, double y)
 	for (int i = 0; i < 64; i++) {
 		struct terrain_ray ray = {{x, y, 99.9}, {cos(i * 0.1), sin(i * 0.1), 0}, INFINITY};
 		struct terrain_hit hit;
-		must(newest_rays(newest, &ray, 1, &hit));
+		must(resident_newest_rays(newest, &ray, 1, &hit));
 		assert_true(hit.hit && !hit.below && hit.distance < 3);
 		/* And from afar under it: into the rut from below. */
 		ray.origin[0] += 40 * ray.direction[0];
 		ray.origin[1] += 40 * ray.direction[1];
 		ray.direction[0] *= -1;
 		ray.direction[1] *= -1;
-		must(newest_rays(newest, &ray, 1, &hit));
+		must(resident_newest_rays(newest, &ray, 1, &hit));
 		assert_true(hit.hit && hit.below && hit.distance > 37 && hit.distance < 40);
 	}
 }
@@ -347,16 +347,16 @@ static void ruts_are_lower_than_their_base(void **state)
 	rig_open(&rig, path, level_ground, -1, 0);
 	roll(&rig, 7);
 	end_step(&rig);
-	must(newest_create(rig.world.store, &rig.world, &rig.world.newest));
+	must(resident_newest_create(rig.world.store, rig.world.pages, &rig.world.newest));
 	check_in_rut(rig.world.newest, x, y);
 	must(page_cache_flush(rig.world.cache, rig.world.record));
 	check_in_rut(rig.world.newest, x, y);
-	newest_changed(rig.world.newest);
+	resident_newest_changed(rig.world.newest);
 	check_in_rut(rig.world.newest, x, y);
 	must(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
-	must(newest_create(store, NULL, &alone));
+	must(resident_newest_create(store, NULL, &alone));
 	check_in_rut(alone, x, y);
-	newest_destroy(alone);
+	resident_newest_destroy(alone);
 	store_close(store);
 	rig_close(&rig);
 }
@@ -418,7 +418,7 @@ static void points_are_as_the_store_samples(void **state)
 	size_t with = 0;
 	must(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
 	must(store_reader_create(store, &reader));
-	must(newest_create(store, NULL, &newest));
+	must(resident_newest_create(store, NULL, &newest));
 	choose();
 	ask(newest, &before);
 	for (int i = 0; i < POINTS; i++) {
@@ -433,7 +433,7 @@ static void points_are_as_the_store_samples(void **state)
 		with += sample.offset != 0;
 	}
 	assert_true(with > 0);
-	newest_destroy(newest);
+	resident_newest_destroy(newest);
 	store_reader_destroy(reader);
 	store_close(store);
 }
@@ -447,11 +447,11 @@ static void without_memory(void **state)
 	for (uint64_t nth = 1; !whole; nth++) {
 		struct newest *newest = NULL;
 		mem_fail_nth(nth, 0);
-		enum status status = newest_create(store, NULL, &newest);
+		enum status status = resident_newest_create(store, NULL, &newest);
 		if (status == STATUS_OK)
-			status = newest_heights(newest, points, POINTS, after.heights);
+			status = resident_newest_heights(newest, points, POINTS, after.heights);
 		if (status == STATUS_OK)
-			status = newest_rays(newest, rays, RAYS, after.hits);
+			status = resident_newest_rays(newest, rays, RAYS, after.hits);
 		mem_fail_nth(0, 0);
 		whole = status == STATUS_OK;
 		assert_true(whole || status == STATUS_FAILED);
@@ -459,7 +459,7 @@ static void without_memory(void **state)
 			ask(newest, &after);
 			check_same(&before, &after);
 		}
-		newest_destroy(newest);
+		resident_newest_destroy(newest);
 		assert_true(nth < 1000);
 	}
 	store_close(store);

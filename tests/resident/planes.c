@@ -1,12 +1,14 @@
 /*
  * The soil's state through slots, pages and store: the same bits whether a page stayed in its slot, left it and
- * came back from the queue, or was read from the store by another process; coarser levels carry none of it.
+ * came back from the queue, or was read from the store by another process; coarser levels carry none of it. Posts are read
+ * the same wherever they are.
  * With it goes what was compacted, read from a buffer on the GPU, and classes of soil beside the base.
  */
 #include "../gpu/staged.h"
 #include "../support.h"
 
-#include "resident/pages.h"
+#include "resident/resident.h"
+#include "world/record.h"
 
 enum { CELLS = 32, LEVEL = -1, SIDE = 8, POSTS = (CELLS + 1) * (CELLS + 1), SLOTS = 12 };
 #define ALL ((1u << PLANES) - 1)
@@ -19,7 +21,7 @@ struct rig {
 	struct gpu_slots *slots;
 	struct gpu_buffer *tally; /* NULL: none */
 	struct pages *pages;
-	struct pages_budget most;
+	struct resident_pages_budget most;
 	struct page_cache *cache;
 	struct record *record;
 	FILE *epochs;
@@ -55,7 +57,7 @@ static enum status classes_of(void *user, unsigned loader, struct tile tile, uin
 
 static void rig_open(struct rig *rig, const char *path, unsigned planes, bool soil)
 {
-	*rig = (struct rig){.epochs = tmpfile(), .record = calloc(1, record_bytes(0))};
+	*rig = (struct rig){.epochs = tmpfile(), .record = calloc(1, world_record_bytes(0))};
 	assert_true(rig->epochs != NULL && rig->record != NULL);
 	must(store_open(path, &(struct store_options){.mode = STORE_WRITE}, &rig->store));
 	must(store_set_working_level(rig->store, LEVEL));
@@ -77,7 +79,7 @@ static void rig_open(struct rig *rig, const char *path, unsigned planes, bool so
 		.count = SLOTS,
 		.loaders = 2,
 		.step_pages = 16,
-		.scene = &scene,
+		.record = world_record_pages(&scene),
 		.epochs = rig->epochs,
 		.epoch_age = 0.01,
 		.before_read_back = before_read_back,
@@ -85,14 +87,14 @@ static void rig_open(struct rig *rig, const char *path, unsigned planes, bool so
 		.classes = soil ? classes_of : NULL,
 		.user = rig,
 	};
-	must(pages_create(&params, &rig->pages));
-	pages_budget(&params, CELLS, &rig->most);
-	rig->cache = pages_cache(rig->pages);
+	must(resident_pages_create(&params, &rig->pages));
+	resident_pages_budget(&params, CELLS, &rig->most);
+	rig->cache = resident_pages_cache(rig->pages);
 }
 
 static void rig_close(struct rig *rig)
 {
-	pages_destroy(rig->pages);
+	resident_pages_destroy(rig->pages);
 	gpu_buffer_destroy(rig->tally);
 	gpu_slots_destroy(rig->slots);
 	gpu_destroy(rig->gpu);
@@ -151,6 +153,57 @@ static void change_page(struct rig *rig, uint32_t slot, uint32_t x, uint32_t y)
 	page_cache_dirty(rig->cache, tile_key((struct tile){LEVEL, x, y}));
 }
 
+static int32_t truth_at(enum plane plane, int64_t x, int64_t y)
+{
+	const uint32_t tx = (uint32_t)(x / CELLS < SIDE ? x / CELLS : SIDE - 1), ty = (uint32_t)(y / CELLS < SIDE ? y / CELLS : SIDE - 1);
+	const int64_t i = (y - ty * CELLS) * (CELLS + 1) + x - tx * CELLS;
+	const int32_t *posts = truth[ty][tx][plane];
+	return plane_bytes(plane) == 1   ? ((const uint8_t *)posts)[i]
+	       : plane_bytes(plane) == 2 ? ((const uint16_t *)posts)[i]
+					 : posts[i];
+}
+
+static double posts[257 * 257], base[257 * 257];
+
+/* What is read of a layer is what `truth` says, `finer` levels below it, wherever the newest posts are. */
+static void check_posts(struct newest *newest, struct post_rect rect, enum store_layer layer, enum plane plane, int finer)
+{
+	const int64_t width = rect.x1 - rect.x0;
+	const bool surface = layer == STORE_SURFACE;
+	must(resident_read_posts(newest, layer, LEVEL - finer, rect, posts));
+	must(resident_read_posts(newest, STORE_BASE, LEVEL - finer, rect, base));
+	for (int64_t i = 0; i < width * (rect.y1 - rect.y0); i++) {
+		int64_t x = rect.x0 + i % width, y = rect.y0 + i / width;
+		if (finer > 0 && (x % 2 != 0 || y % 2 != 0))
+			continue;
+		int32_t post = finer > 0 ? truth_at(plane, x / 2, y / 2) : truth_at(plane, x << -finer, y << -finer);
+		double value = layer == STORE_QUANTA ? post : plane_value(plane, post);
+		assert_true(posts[i] == (surface ? base[i] + value : value));
+	}
+}
+
+static void check_newest(struct newest *newest)
+{
+	const struct post_rect all = {0, 0, 257, 257}, half = {0, 0, 129, 129}, some = {61, 30, 100, 131};
+	resident_newest_changed(newest);
+	check_posts(newest, all, STORE_SURFACE, PLANE_OFFSET, 0);
+	check_posts(newest, all, STORE_OFFSET, PLANE_OFFSET, 0);
+	check_posts(newest, some, STORE_QUANTA, PLANE_OFFSET, 0);
+	check_posts(newest, some, STORE_SOIL, PLANE_DIRT, 0);
+	check_posts(newest, all, STORE_HEAPED, PLANE_HEAPED, 0);
+	check_posts(newest, some, STORE_PRESSED, PLANE_PRESSED, 0);
+	check_posts(newest, all, STORE_SHEAR, PLANE_SHEAR, 0);
+	check_posts(newest, half, STORE_SURFACE, PLANE_OFFSET, -1);
+	check_posts(newest, half, STORE_SOIL, PLANE_DIRT, -1);
+	check_posts(newest, some, STORE_SURFACE, PLANE_OFFSET, 1);
+	check_posts(newest, some, STORE_SHEAR, PLANE_SHEAR, 1);
+	assert_int_equal(resident_read_posts(newest, STORE_SHEAR, LEVEL + 1, half, posts), STATUS_INPUT);
+	/* Outside there is nothing. */
+	must(resident_read_posts(newest, STORE_OFFSET, LEVEL, (struct post_rect){-3, 255, 0, 259}, posts));
+	for (int i = 0; i < 3 * 4; i++)
+		assert_true(isnan(posts[i]));
+}
+
 static void one_step(struct rig *rig, int64_t step)
 {
 	for (int i = 0; i < 5; i++) {
@@ -201,20 +254,27 @@ static void state_comes_back_the_same_bits(void **state)
 {
 	const char *path = support_path("planes.furrow");
 	struct rig rig;
-	struct pages_io io;
+	struct resident_pages_io io;
 	support_store(path, extent, support_hills);
 	rig_open(&rig, path, ALL, true);
-	for (int64_t step = 1; step <= 60; step++)
+	struct newest *newest;
+	must(resident_newest_create(rig.store, rig.pages, &newest));
+	for (int64_t step = 1; step <= 60; step++) {
 		one_step(&rig, step);
+		if (step % 6 == 1)
+			check_newest(newest);
+	}
 	assert_no_coarser_state(&rig);
 	must(page_cache_flush(rig.cache, rig.record));
-	pages_io(rig.pages, &io);
+	check_newest(newest);
+	resident_newest_destroy(newest);
+	resident_pages_io(rig.pages, &io);
 	assert_true(io.commits > 3);
-	assert_int_equal(io.compacted, rig.tallied);
+	assert_int_equal(io.sums.compacted, rig.tallied);
 	struct store_numbers numbers;
 	must(store_count(rig.store, &numbers));
 	assert_int_equal(numbers.compacted, rig.tallied);
-	const struct pages_budget most = rig.most;
+	const struct resident_pages_budget most = rig.most;
 	struct gpu_slots_bytes bytes;
 	gpu_slots_bytes(rig.slots, &bytes);
 	uint64_t taken = bytes.base + bytes.classes;

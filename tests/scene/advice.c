@@ -93,7 +93,7 @@ static void what_is_of_objects_where_there_are_none(void **state)
 	advised(looked_at, 0.5, "outside", "skip", NULL);
 	advised(still, 0.5, "view.images", "50", "view.images: nothing moves: all of its 2 pictures are the same; one is enough, with end_time 5");
 	advised(looked_at, 0.5, "view.images", "10", NULL);
-	advised(still, 0.5, "attributes", "[dirt]", NULL); /* what earlier drives left is seen */
+	advised(still, 0.5, "attributes", "[disturbance]", NULL); /* what earlier drives left is seen */
 }
 
 static void what_the_ground_makes_nothing_of(void **state)
@@ -118,15 +118,15 @@ static void what_the_ground_makes_nothing_of(void **state)
 	advised(soil, 0.5, "soil.theta_in&soil.unit_weight", "30&9000", "soil: model scm does not read unit_weight, theta_in; ");
 	advised(soil, 0.5, "soil.repose", "30", NULL);
 	advised(soil, 0.5, "redistribute.model&soil.repose", "slippage&30", "soil: model slippage does not read repose; ");
-	advised(sound, 0.5, "attributes", "[dirt]", "attributes.dirt: no picture shows it: it is kept for query and for later drives that draw it, at 1 byte a post; ");
-	advised(looked_at, 0.5, "attributes", "[dirt]", NULL);
+	advised(sound, 0.5, "attributes", "[disturbance]", "attributes.disturbance: no picture shows it: it is kept for query and for later drives that draw it, at 1 byte a post; ");
+	advised(looked_at, 0.5, "attributes", "[disturbance]", NULL);
 }
 
 static void objects_that_the_posts_do_not_see(void **state)
 {
 	advised(sound, 1.01, NULL, NULL, "objects.a.shape: is 1 m across, and posts are 1.01 m apart: it can pass between them and leave nothing; ");
 	advised(sound, 1, NULL, NULL, NULL);
-	advised(sound, 0, "objects.a.shape.wheel.lugs", "128", NULL); /* where posts are is not known */
+	advised(sound, 0, "objects.a.shape.wheel.grousers", "128", NULL); /* where posts are is not known */
 	advised(sound, 2.1, "objects.a.shape", "{sphere: {radius: 1}}", "objects.a.shape: is 2 m across");
 	advised(sound, 1, "objects.a.shape", "{box: {size: [2, 0.9, 0.1]}}", "objects.a.shape: is 0.9 m across");
 	advised(sound, 0.9, "objects.a.shape", "{box: {size: [2, 0.9, 0.1]}}", NULL);
@@ -135,10 +135,10 @@ static void objects_that_the_posts_do_not_see(void **state)
 	advised(resting, 1, "objects.a.shape", "{box: {size: [0.1, 1, 0.1]}}", "objects.a.shape: is 0.1 m across");
 	advised(sound, 1, "objects.a.shape.wheel.radius", "0.4", NULL);
 	advised(resting, 1, "objects.a.shape.wheel.radius", "0.4", "objects.a.shape: is 0.8 m across");
-	advised(soil, 0.5, "objects.a.shape.wheel.lugs&objects.a.slip", "7&-0.5", NULL); /* braked: they are farther apart */
-	advised(soil, 0.5, "objects.a.shape.wheel.lugs&objects.a.slip", "6&0.5", "objects.a.shape.wheel.lugs: their prints are 0.524 m apart");
-	advised(sound, 0.5, "objects.a.shape.wheel.lugs", "7", "objects.a.shape.wheel.lugs: their prints are 0.898 m apart, less than two posts ");
-	advised(sound, 0.5, "objects.a.shape.wheel.lugs", "6", NULL);
+	advised(soil, 0.5, "objects.a.shape.wheel.grousers&objects.a.slip", "7&-0.5", NULL); /* braked: they are farther apart */
+	advised(soil, 0.5, "objects.a.shape.wheel.grousers&objects.a.slip", "6&0.5", "objects.a.shape.wheel.grousers: their prints are 0.524 m apart");
+	advised(sound, 0.5, "objects.a.shape.wheel.grousers", "7", "objects.a.shape.wheel.grousers: their prints are 0.898 m apart, less than two posts ");
+	advised(sound, 0.5, "objects.a.shape.wheel.grousers", "6", NULL);
 	write_text("poses.csv", "11,0,0,5\n12,9,9,5\n");
 	advised(sound, 0.5, "objects.a.path", "{file: poses.csv}", "objects.a.path: begins after 11 s, and the drive ends after 10 s: ");
 	write_text("poses.csv", "9,0,0,5\n12,9,9,5\n");
@@ -156,10 +156,10 @@ static void objects_that_are_alike_are_told_of_once(void **state)
 	static const char four[] = "scene: 1\nend_time: 10\ntime_step: 0.1\n"
 				   "objects:\n"
 				   "  - {name: a, shape: {sphere: {radius: 1}}, path: {points: [[5, 5]], speed: 3}}\n"
-				   "  - {name: b, shape: {wheel: {radius: 1, width: 0.5, lugs: 30}}, path: {points: [[5, 5]], speed: 3}}\n"
-				   "  - {name: c, shape: {wheel: {radius: 1, width: 0.5, lugs: 30}}, path: {points: [[5, 5]], speed: 3}}\n"
-				   "  - {name: d, shape: {wheel: {radius: 1, width: 0.5, lugs: 30}}, path: {points: [[5, 5]], speed: 3}}\n";
-	advised(four, 0.5, NULL, NULL, "objects.b.shape.wheel.lugs: their prints are 0.209 m apart, as of 2 others, less than two posts of 0.5 m: ");
+				   "  - {name: b, shape: {wheel: {radius: 1, width: 0.5, grousers: 30}}, path: {points: [[5, 5]], speed: 3}}\n"
+				   "  - {name: c, shape: {wheel: {radius: 1, width: 0.5, grousers: 30}}, path: {points: [[5, 5]], speed: 3}}\n"
+				   "  - {name: d, shape: {wheel: {radius: 1, width: 0.5, grousers: 30}}, path: {points: [[5, 5]], speed: 3}}\n";
+	advised(four, 0.5, NULL, NULL, "objects.b.shape.wheel.grousers: their prints are 0.209 m apart, as of 2 others, less than two posts of 0.5 m: ");
 	static const char two[] = "scene: 1\nend_time: 10\ntime_step: 0.1\n"
 				  "objects:\n"
 				  "  - {name: a, shape: {sphere: {radius: 1}}, path: {points: [[5, 5]], speed: 3}}\n"
@@ -186,7 +186,7 @@ static void rows_that_repeat(void **state)
 
 static void pictures_that_nobody_sees(void **state)
 {
-	advised(looked_at, 0.5, "view.images", "0", "view: a picture is drawn after each step and none is written");
+	advised(looked_at, 0.5, "view.images", "0", "view: no picture is written, so a drive draws none; ");
 	advised(looked_at, 0.5, "view.images", "101", "view.images: one every 101 steps, and the drive ends after 100: none is written; ");
 	advised(looked_at, 0.5, "view.images", "100", NULL);
 	advised(looked_at, 0.5, "view.effects", "[objects, shadow]", NULL);
@@ -219,7 +219,7 @@ static void the_examples_are_told_what_they_mean(void **state)
 	} examples[] = {
 		{"bare", NULL},   {"convoy", NULL}, {"demo", NULL},  {"foot", NULL},
 		{"rover", NULL},  {"shapes", NULL}, {"tracks", NULL},
-		{"table2", "view: a picture is drawn after each step and none is written, which is for timing"},
+		{"table2", "view: no picture is written, so a drive draws none; "},
 	};
 	const char *scenes = getenv("SCENES");
 	if (scenes == NULL)

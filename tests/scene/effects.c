@@ -6,7 +6,7 @@
 
 static const struct shader_text *shader(const char *path)
 {
-	const struct shader_text *text = shader_table;
+	const struct shader_text *text = gpu_shader_table;
 	while (text->path != NULL && strcmp(text->path, path) != 0)
 		text++;
 	return text->path != NULL ? text : NULL;
@@ -31,7 +31,7 @@ static void every_effect_has_a_row_that_says_what_it_costs(void **state)
 
 static void every_shader_that_is_a_stage_is_some_effects(void **state)
 {
-	for (const struct shader_text *text = shader_table; text->path != NULL; text++) {
+	for (const struct shader_text *text = gpu_shader_table; text->path != NULL; text++) {
 		size_t length = strlen(text->path);
 		bool used = strcmp(text->path + length - strlen(".frag"), ".frag") != 0;
 		for (int e = 0; e < EFFECT_COUNT; e++)
@@ -68,7 +68,7 @@ static void a_parameter_is_what_the_scene_takes(void **state)
 	assert_non_null(strstr(parameter.otherwise, "scm"));
 	assert_true(scene_parameter("redistribute.undisturbed", &parameter));
 	assert_string_equal(parameter.kind, "word");
-	assert_string_equal(parameter.words, "stands, slides");
+	assert_string_equal(parameter.words, "stable, slides");
 	assert_true(scene_parameter("objects[].shape.box.size[]", &parameter));
 	assert_true(parameter.low == 0.001 && parameter.absent != parameter.absent && parameter.otherwise == NULL);
 	assert_true(scene_parameter("cache.slots", &parameter));
@@ -110,8 +110,8 @@ static void each_key_calls_for_its_own(void **state)
 		const char *reason; /* of the first of them */
 	} keys[] = {
 		{object, "redistribute.model", "box", EFFECT_BIT(EFFECT_BOX), "redistribute.model: box"},
-		{object, "attributes", "[dirt]", EFFECT_BIT(EFFECT_DIRT), "attributes.dirt"},
-		{object, "objects.a.shape.wheel.lugs", "5", EFFECT_BIT(EFFECT_LUGS), "objects.a.shape.wheel.lugs"},
+		{object, "attributes", "[disturbance]", EFFECT_BIT(EFFECT_DIRT), "attributes.disturbance"},
+		{object, "objects.a.shape.wheel.grousers", "5", EFFECT_BIT(EFFECT_LUGS), "objects.a.shape.wheel.grousers"},
 		{object, "cache.loaders", "3", EFFECT_BIT(EFFECT_LOADERS), "cache.loaders: 3"},
 		{object, "cache.prefetch", "0.5", EFFECT_BIT(EFFECT_PREFETCH), "cache.prefetch: 0.5"},
 		{object, "view.camera.chase", "a", EFFECT_BIT(EFFECT_PYRAMID) | EFFECT_BIT(EFFECT_PICTURE) | EFFECT_BIT(EFFECT_NORMALS), "view"},
@@ -127,7 +127,7 @@ static void each_key_calls_for_its_own(void **state)
 		{seen, "view.effects", "[objects, shadow]", EFFECT_BIT(EFFECT_OBJECTS) | EFFECT_BIT(EFFECT_SHADOW), "view.effects.objects"},
 		{seen, "view.effects", "[shadow]", 0, NULL}, /* of nothing that is drawn */
 		{quiet, "view.effects", "[objects, shadow]", 0, NULL},
-		{quiet, "attributes", "[dirt]", 0, NULL},
+		{quiet, "attributes", "[disturbance]", 0, NULL},
 		{quiet, "redistribute.model", "box", 0, NULL},
 		{quiet, "cache.prefetch", "3", 0, NULL},
 	};

@@ -1,4 +1,4 @@
-/* Text that was made to do harm, and memory that runs out. */
+/* Text that was made to do harm, and memory that runs out. Random changes of scenes and poses: tests/fuzz/scene.c. */
 #include <sys/stat.h>
 
 #include "fixture.h"
@@ -97,111 +97,6 @@ static void poses_that_are_no_file_are_refused(void **state)
 	free(text);
 }
 
-static uint64_t random_next(uint64_t *state)
-{
-	*state ^= *state << 13;
-	*state ^= *state >> 7;
-	*state ^= *state << 17;
-	return *state;
-}
-
-/* Bytes changed, cut, doubled, and replaced by what YAML and numbers are made of. */
-static size_t mutate(char *text, size_t length, size_t room, uint64_t *random)
-{
-	static const char *const pieces[] = {"[", "]", "{", "}", ": ", "- ", "\n", "  ", "\"", "'", "#",
-					     "&a ", "*a", "!!int ", "|\n", ">\n", "---\n", "1e999", "-1",
-					     "null", "\xc3", "\xef\xbb\xbf", "? ", "0", "%", "<<: ", ","};
-	for (uint64_t edits = 1 + random_next(random) % 4; edits > 0 && length > 1; edits--) {
-		size_t at = random_next(random) % length;
-		size_t count = 1 + random_next(random) % 24;
-		if (count > length - at)
-			count = length - at;
-		const char *piece = pieces[random_next(random) % (sizeof pieces / sizeof pieces[0])];
-		switch (random_next(random) % 5) {
-		case 0:
-			text[at] = (char)random_next(random);
-			break;
-		case 1:
-			memmove(text + at, text + at + count, length - at - count);
-			length -= count;
-			break;
-		case 2:
-			if (length + count > room)
-				break;
-			memmove(text + at + count, text + at, length - at);
-			length += count;
-			break;
-		case 3:
-			if (length + strlen(piece) > room)
-				break;
-			memmove(text + at + strlen(piece), text + at, length - at);
-			memcpy(text + at, piece, strlen(piece));
-			length += strlen(piece);
-			break;
-		default:
-			memcpy(text + at, text + random_next(random) % (length - count + 1), 1);
-		}
-	}
-	return length;
-}
-
-static void a_mutated_scene_loads_or_is_told_and_never_more(void **state)
-{
-	char text[4096];
-	uint64_t random = 0x9e3779b97f4a7c15u;
-	unsigned loaded = 0, refused = 0;
-	char *seed = edited(example, "soil: {name: dry_sand}\n", "output: {forces: 0}\n");
-	for (int i = 0; i < 20000; i++) {
-		struct scene *scene;
-		size_t length = strlen(seed);
-		memcpy(text, seed, length);
-		length = mutate(text, length, sizeof text, &random);
-		write_bytes("scene.yaml", text, length);
-		enum status status = scene_load(in_folder("scene.yaml"), NULL, 0, &scene);
-		if (status == STATUS_OK) {
-			loaded++;
-			assert_true(scene->end_time > 0 && scene->slots >= 4);
-			assert_true(scene->object_count > 0 || scene->view.present);
-		} else {
-			refused++;
-			assert_int_equal(status, STATUS_INPUT);
-			assert_null(scene);
-			assert_says("scene.yaml:");
-			assert_says("; ");
-			/* What scene_match passes, cyaml must take: its own words mean a hole. */
-			assert_null(strstr(failure_message(), "manual of scenes"));
-		}
-		scene_destroy(scene);
-	}
-	unlink(in_folder("scene.yaml"));
-	free(seed);
-	assert_true(loaded > 100 && refused > 1000);
-}
-
-static void a_mutated_poses_file_loads_or_is_told(void **state)
-{
-	static const char seed[] = "t,x,y,z,yaw,pitch,roll\n0,1,2,3,4,5,6\n1,2,3,4,5,6,7\n2,1,1,1,1,1,1\n";
-	static const char scene_text[] = "scene: 1\nend_time: 1\nobjects:\n  - name: a\n"
-					 "    shape: {sphere: {radius: 1}}\n    path: {file: poses.csv}\n";
-	char text[1024];
-	uint64_t random = 12345;
-	write_text("scene.yaml", scene_text);
-	for (int i = 0; i < 5000; i++) {
-		struct scene *scene;
-		memcpy(text, seed, strlen(seed));
-		size_t length = mutate(text, strlen(seed), sizeof text, &random);
-		write_bytes("poses.csv", text, length);
-		enum status status = scene_load(in_folder("scene.yaml"), NULL, 0, &scene);
-		if (status != STATUS_OK)
-			assert_says("poses.csv");
-		else
-			assert_true(scene->objects[0].path.count > 0);
-		scene_destroy(scene);
-	}
-	unlink(in_folder("poses.csv"));
-	unlink(in_folder("scene.yaml"));
-}
-
 static void memory_that_runs_out_is_told_at_every_allocation(void **state)
 {
 	const struct scene_setting settings[] = {{"cache.slots", "16"}, {"view.images", "3"},
@@ -231,8 +126,6 @@ int main(void)
 		cmocka_unit_test(a_long_message_is_still_one_line),
 		cmocka_unit_test(a_message_holds_no_control_character),
 		cmocka_unit_test(poses_that_are_no_file_are_refused),
-		cmocka_unit_test(a_mutated_scene_loads_or_is_told_and_never_more),
-		cmocka_unit_test(a_mutated_poses_file_loads_or_is_told),
 		cmocka_unit_test(memory_that_runs_out_is_told_at_every_allocation),
 	};
 	return cmocka_run_group_tests(tests, make_folder, drop_folder);

@@ -10,7 +10,7 @@ static const struct {
 	{"slots: 256", "slot: 256", ":23: cache.slot: unknown key; allowed: slots, loaders, prefetch"},
 	{"name: dry_sand", "nam: dry_sand", ":8: soil.nam: unknown key; allowed: name, bekker_kc"},
 	{"radius: 0.5", "diameter: 0.5", ":14: objects[0].shape.wheel.diameter: unknown key; allowed: "
-					 "radius, width, lugs"},
+					 "radius, width, grousers"},
 	{"loop: false", "lop: false", ":15: objects[0].path.lop: unknown key; allowed: points, speed"},
 	{"sink: 0.1", "sinks: 0.1", ":16: objects[0].sinks: unknown key; allowed: name, shape, path, sink"},
 	{"images: 100", "image: 100", ":22: view.image: unknown key; allowed: size, camera"},
@@ -39,7 +39,7 @@ static const struct {
 	{"store: world.furrow", "store:", ":2: store: is empty; allowed: text"},
 	{"{name: dry_sand}", "dry_sand", ":8: soil: is a single value; allowed: a mapping of name"},
 	{"{model: box}", "box", ":9: redistribute: is a single value; allowed: a mapping of model"},
-	{"[dirt]", "dirt", ":10: attributes: is a single value; allowed: a list"},
+	{"[disturbance]", "disturbance", ":10: attributes: is a single value; allowed: a list"},
 	{"[[10, 10], [90, 40]]", "[10, 10]", ":15: objects[0].path.points[0]: is a single value; "
 					     "allowed: a list of 2"},
 	{"[90, 40]", "[90, 40, 1]", ":15: objects[0].path.points[1]: holds 3; allowed: a list of 2"},
@@ -100,19 +100,19 @@ static const struct {
 	/* unknown words */
 	{"model: box", "model: bxo", ":9: redistribute.model: \"bxo\" is unknown; allowed: none, box"},
 	{"outside: stop", "outside: ignore", ":11: outside: \"ignore\" is unknown; allowed: stop, skip"},
-	{"[dirt]", "[dust]", ":10: attributes[0]: \"dust\" is unknown; allowed: dirt"},
+	{"[disturbance]", "[dust]", ":10: attributes[0]: \"dust\" is unknown; allowed: disturbance"},
 	{"fog, sky", "fogg, sky", ":21: view.effects[2]: \"fogg\" is unknown; allowed: texture, detail, "
 				  "fog, sky, geomorph, skirts"},
 	{"fog, sky", "dirt, sky", ":21: view.effects[2]: \"dirt\" is unknown"},
 	{"dry_sand", "wet_sand", ":8: soil.name: \"wet_sand\" is unknown; allowed: dry_sand, sandy_loam_15"},
 	/* what does not go together */
-	{"[dirt]", "[dirt, dirt]", ":10: attributes[1]: dirt is named twice"},
+	{"[disturbance]", "[disturbance, disturbance]", ":10: attributes[1]: disturbance is named twice"},
 	{"fog, sky", "texture, sky", ":21: view.effects[2]: \"texture\" is named twice"},
 	{"model: box", "model: none, radius: 2", ":9: redistribute.radius: is no parameter of model none"},
-	{"{wheel: {radius: 0.5, width: 0.4, lugs: 0}}", "{}", ":14: objects[0].shape: names 0 shapes; "
+	{"{wheel: {radius: 0.5, width: 0.4, grousers: 0}}", "{}", ":14: objects[0].shape: names 0 shapes; "
 							      "allowed: exactly one of wheel, sphere, box, mesh"},
-	{"{wheel: {radius: 0.5, width: 0.4, lugs: 0}}", "{mesh: {}}", ":14: objects[0].shape.mesh.file: is missing"},
-	{"lugs: 0}", "lugs: 0}, sphere: {radius: 1}", ":14: objects[0].shape: names 2 shapes"},
+	{"{wheel: {radius: 0.5, width: 0.4, grousers: 0}}", "{mesh: {}}", ":14: objects[0].shape.mesh.file: is missing"},
+	{"grousers: 0}", "grousers: 0}, sphere: {radius: 1}", ":14: objects[0].shape: names 2 shapes"},
 	{"points: [[10, 10], [90, 40]], ", "", ":15: objects[0].path: names neither points nor file"},
 	{"speed: 5", "file: a.csv", ":15: objects[0].path: names both points and file"},
 	{"speed: 5, ", "", ":15: objects[0].path: has no speed"},

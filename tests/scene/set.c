@@ -10,7 +10,7 @@ static void a_setting_replaces_or_adds_what_its_key_names(void **state)
 		{"view.camera", "{over: front_left, height: 7}"},
 		{"view.effects", "[fog]"},
 		{"redistribute.repetitions", "2"},
-		{"attributes.0", "dirt"},
+		{"attributes.0", "disturbance"},
 		{"store", "/abs/other.furrow"},
 	};
 	struct scene *scene;

@@ -46,7 +46,7 @@ static void refuse(const char *from, const char *to, const char *says)
 
 static void a_soil_by_name_is_that_of_the_table(void **state)
 {
-	static const char *const names[] = {"dry_sand", "sandy_loam_15", "lete_sand", "snow_us", "lunar", "sand", "mud", "snow"};
+	static const char *const names[] = {"dry_sand", "sandy_loam_15", "lete_sand", "snow_us", "lunar"};
 	for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
 		struct deform_soil known;
 		struct scene *scene = load_edited(base, "dry_sand", names[i]);
@@ -139,9 +139,9 @@ static void limits_are_taken_and_what_is_beyond_is_not(void **state)
 		{"model: scm", "model: scm, depth: %s", {"0", "1024"}, {"-1", ".inf", "1025"}, "0 to 1024"},
 		{"model: scm", "model: scm, tolerance: %s", {"0", "1"}, {"-0.1", "1.1", "nan"}, "0 to 1"},
 		{"model: scm", "model: scm, bulldozing: %s", {"0", "1"}, {"-0.1", "1.1"}, "allowed: 0 to 1"},
-		{"0.4}", "0.4, lugs: %s}", {"0", "128"}, {"-1", "129"}, "allowed: 0 to 128"},
-		{"0.4}", "0.4, lugs: 4, lug_height: %s}", {"1e-3", "0.5"}, {"0", "0.51"}, "allowed: above 0 to "},
-		{"0.4}", "0.4, lugs: 4, lug_thickness: %s}", {"1e-3", "1000"}, {"0", "1001"}, "allowed: above 0 to 1000"},
+		{"0.4}", "0.4, grousers: %s}", {"0", "128"}, {"-1", "129"}, "allowed: 0 to 128"},
+		{"0.4}", "0.4, grousers: 4, grouser_height: %s}", {"1e-3", "0.5"}, {"0", "0.51"}, "allowed: above 0 to "},
+		{"0.4}", "0.4, grousers: 4, grouser_thickness: %s}", {"1e-3", "1000"}, {"0", "1001"}, "allowed: above 0 to 1000"},
 		{"3}\n", "3}\n    load: %s\n", {"1e-3", "1e9"}, {"0", "-1", "1.1e9"}, "allowed: above 0 to 1000000000"},
 		{"3}\n", "3}\n    slip: %s\n", {"-0.99", "0.99"}, {"-1", "1", "nan"}, "objects[0].slip: "},
 		{"3}\n", "3}\noutput: {forces: %s}\n", {"0", "0.1", "1e6"}, {"-1", "1.1e6"}, "allowed: 0 to 1000000"},
@@ -210,7 +210,7 @@ static void a_model_has_its_own_parameters_with_their_defaults(void **state)
 	refuse("model: scm", "model: mud", ":4: redistribute.model: \"mud\" is unknown; allowed: none, box, sumner, slippage, scm");
 }
 
-static const char mapped[] = "{map: soils.png, classes: {1: lunar, 7: {name: lete_sand, cohesion: 500}, 255: snow}, default: mud}";
+static const char mapped[] = "{map: soils.png, classes: {1: lunar, 7: {name: lete_sand, cohesion: 500}, 255: snow_us}, default: clayey_38}";
 
 static void a_map_gives_each_value_its_soil(void **state)
 {
@@ -221,7 +221,7 @@ static void a_map_gives_each_value_its_soil(void **state)
 	assert_string_equal(scene->soil_map, in_folder("soils.png"));
 	for (int value = 0; value < 256; value++)
 		assert_int_equal(scene->soil_class[value], value == 1 ? 1 : value == 7 ? 2 : value == 255 ? 3 : 0);
-	assert_int_equal(deform_soil_named("mud", &known), STATUS_OK);
+	assert_int_equal(deform_soil_named("clayey_38", &known), STATUS_OK);
 	assert_memory_equal(&scene->soils[0], &known, sizeof known);
 	assert_int_equal(deform_soil_named("lete_sand", &known), STATUS_OK);
 	known.cohesion = 500;
@@ -232,11 +232,11 @@ static void a_map_gives_each_value_its_soil(void **state)
 	scene_destroy(scene);
 	/* The same as a list, and with settings. */
 	scene = load_edited(base, "{name: dry_sand}", "{map: soils.png, classes: [{value: 1, name: lunar}, {value: 7, name: lete_sand, "
-			    "cohesion: 500}, {value: 255, name: snow}], default: {name: mud}}");
+			    "cohesion: 500}, {value: 255, name: snow_us}], default: {name: clayey_38}}");
 	assert_string_equal(scene->hash, hash);
 	scene_destroy(scene);
 	const struct scene_setting settings[] = {{"soil.classes.1", "dry_sand"}, {"soil.classes.7.cohesion", "9"},
-						 {"soil.classes.255", "null"}, {"soil.classes.2", "{name: sand, roughness: 0.1}"},
+						 {"soil.classes.255", "null"}, {"soil.classes.2", "{name: dry_sand, roughness: 0.1}"},
 						 {"soil.default", "lunar"}};
 	char *text = edited(base, "{name: dry_sand}", mapped);
 	assert_int_equal(load_text(text, settings, 5, &scene), STATUS_OK);
@@ -301,12 +301,12 @@ static void what_is_wrong_with_a_map_is_told(void **state)
 		refuse("{name: dry_sand}", cases[i].soil, cases[i].says);
 	char classes[400] = "{map: m.png, default: lunar, classes: {";
 	for (int i = 0; i < 15; i++)
-		snprintf(classes + strlen(classes), sizeof classes - strlen(classes), "%d: mud%s", i * 17, i < 14 ? ", " : "}}");
+		snprintf(classes + strlen(classes), sizeof classes - strlen(classes), "%d: clayey_38%s", i * 17, i < 14 ? ", " : "}}");
 	struct scene *scene = load_edited(base, "{name: dry_sand}", classes);
 	assert_int_equal(scene->soil_count, DEFORM_SOILS);
 	assert_int_equal(scene->soil_class[14 * 17], 15);
 	scene_destroy(scene);
-	strcpy(classes + strlen(classes) - 2, ", 3: mud}}");
+	strcpy(classes + strlen(classes) - 2, ", 3: clayey_38}}");
 	refuse("{name: dry_sand}", classes, ":3: soil.classes: holds 16; allowed: a list of 1 to 15");
 	assert_int_equal(mkfifo(in_folder("pipe"), 0600), 0);
 	refuse("{name: dry_sand}", "{map: pipe, classes: {1: lunar}, default: lunar}", "\"pipe\": not a file; ");
@@ -364,21 +364,21 @@ static void a_load_takes_the_place_of_a_sinkage(void **state)
 
 static void lugs_have_a_height_and_a_thickness(void **state)
 {
-	struct scene *scene = load_edited(base, "0.4}", "0.4, lugs: 12}");
+	struct scene *scene = load_edited(base, "0.4}", "0.4, grousers: 12}");
 	const struct deform_shape *shape = &scene->objects[0].shape;
 	assert_int_equal(shape->lugs, 12);
 	assert_true(shape->lug_height == 0.025 && shape->lug_thickness == 0.05);
 	assert_true((scene_effects(scene, 0) >> EFFECT_LUGS & 1) == 1);
 	scene_destroy(scene);
-	scene = load_edited(base, "0.4}", "0.4, lugs: 1, lug_height: 0.5, lug_thickness: 0.2}");
+	scene = load_edited(base, "0.4}", "0.4, grousers: 1, grouser_height: 0.5, grouser_thickness: 0.2}");
 	shape = &scene->objects[0].shape;
 	assert_true(shape->lugs == 1 && shape->lug_height == 0.5 && shape->lug_thickness == 0.2);
 	scene_destroy(scene);
-	refuse("0.4}", "0.4, lug_height: 0.1}", ":7: objects[0].shape.wheel.lug_height: is of lugs, and the wheel has none; allowed with: lugs above 0");
-	refuse("0.4}", "0.4, lugs: 0, lug_thickness: 0.1}", ":7: objects[0].shape.wheel.lug_thickness: is of lugs");
-	refuse("0.4}", "0.4, lugs: 2, lug_height: 0.6}", ":7: objects[0].shape.wheel.lug_height: 0.6 is out of range; allowed: above 0 to "
+	refuse("0.4}", "0.4, grouser_height: 0.1}", ":7: objects[0].shape.wheel.grouser_height: is of grousers, and the wheel has none; allowed with: grousers above 0");
+	refuse("0.4}", "0.4, grousers: 0, grouser_thickness: 0.1}", ":7: objects[0].shape.wheel.grouser_thickness: is of grousers");
+	refuse("0.4}", "0.4, grousers: 2, grouser_height: 0.6}", ":7: objects[0].shape.wheel.grouser_height: 0.6 is out of range; allowed: above 0 to "
 							 "the wheel's radius, 0.5");
-	refuse("0.4}", "0.4, lugs: 2.5}", "\"2.5\" is not a whole number; allowed: a whole number, 0 to 128");
+	refuse("0.4}", "0.4, grousers: 2.5}", "\"2.5\" is not a whole number; allowed: a whole number, 0 to 128");
 }
 
 static void a_mesh_is_read_beside_the_scene_and_counts_by_its_triangles(void **state)
@@ -476,7 +476,7 @@ static void the_hash_is_of_all_that_decides_how_the_ground_gives_way(void **stat
 		{"3}\n", "3}\noutput: {forces: 50, delay: 4}\n", true},
 		{"dry_sand", "dry_sand, bekker_n: 1.1", true}, /* as the name says */
 		{"model: scm", "model: scm, iterations: 1, interval: 0.05, depth: 0, bulldozing: 0.5, tolerance: 0", true},
-		{"0.4}", "0.4, lugs: 0}", true},
+		{"0.4}", "0.4, grousers: 0}", true},
 		{"dry_sand", "lunar", false},
 		{"dry_sand", "dry_sand, bekker_kc: 1", false},
 		{"dry_sand", "dry_sand, repose: 1", false},
@@ -490,9 +490,9 @@ static void the_hash_is_of_all_that_decides_how_the_ground_gives_way(void **stat
 		{"model: scm", "model: scm, bulldozing: 0.6", false},
 		{"3}\n", "3}\n    load: 5\n", false},
 		{"3}\n", "3}\n    slip: 0.1\n", false},
-		{"0.4}", "0.4, lugs: 3}", false},
-		{"0.4}", "0.4, lugs: 3, lug_height: 0.1}", false},
-		{"0.4}", "0.4, lugs: 3, lug_thickness: 0.1}", false},
+		{"0.4}", "0.4, grousers: 3}", false},
+		{"0.4}", "0.4, grousers: 3, grouser_height: 0.1}", false},
+		{"0.4}", "0.4, grousers: 3, grouser_thickness: 0.1}", false},
 		{"{name: dry_sand}", "{map: scene.yaml, classes: {1: dry_sand}, default: dry_sand}", false},
 		{"{name: dry_sand}", "{map: m.png, classes: {1: dry_sand}, default: dry_sand}", false},
 		{"{name: dry_sand}", "{map: m.png, classes: {2: dry_sand}, default: dry_sand}", false},
@@ -515,7 +515,7 @@ static void the_hash_is_of_all_that_decides_how_the_ground_gives_way(void **stat
 
 static void memory_that_runs_out_is_told_at_every_allocation(void **state)
 {
-	const struct scene_setting settings[] = {{"soil.classes.3", "mud"}, {"objects.a.load", "40"}};
+	const struct scene_setting settings[] = {{"soil.classes.3", "clayey_38"}, {"objects.a.load", "40"}};
 	char *text = edited(base, "{name: dry_sand}", mapped);
 	write_text("scene.yaml", text);
 	write_text("soils.png", "any bytes");

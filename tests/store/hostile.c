@@ -1,4 +1,4 @@
-/* Files that are no stores, or once were: one line and STATUS_INPUT, never harm. */
+/* Files that are no stores, or once were: one line and STATUS_INPUT. Random changes of stores: tests/fuzz/store_file.c. */
 #define _GNU_SOURCE /* memmem */
 #include "fixture.h"
 
@@ -139,12 +139,12 @@ static void planes_beyond_their_range_are_refused(void **state)
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct field field;
 		int32_t posts[POSTS] = {0};
-		bool written;
 		make_deformed(path, &field);
 		struct store *store = open_store(path, STORE_WRITE);
 		struct row row = {.tile = {-1, 4, 3}, .low = 0, .high = 255};
 		posts[7] = cases[i].beyond;
-		assert_ok(rows_write(&store->rows, row_table_of(cases[i].plane), posts, &row, NULL, &written));
+		store_rows_encode(&store->rows, row_table_of(cases[i].plane), posts, &row);
+		assert_ok(store_rows_put(&store->rows, row_table_of(cases[i].plane), &row));
 		struct store_reader *reader;
 		struct store_sample sample;
 		double values[4];
@@ -220,66 +220,6 @@ static void a_tile_listed_that_cannot_be_found_is_told(void **state)
 	store_close(store);
 }
 
-/* Bytes changed anywhere: every outcome is one of a status and a message; sanitizers see to harm. */
-static void changed_bytes_do_no_harm(void **state)
-{
-	const char *path = in_folder("good.furrow"), *bad = in_folder("bad.furrow");
-	struct field field;
-	struct store *store;
-	struct store_epoch_result result;
-	make_deformed(path, &field);
-	FILE *in = fopen(path, "rb");
-	struct stat stats;
-	assert_true(in != NULL && stat(path, &stats) == 0);
-	size_t size = (size_t)stats.st_size;
-	char *good = malloc(size), *bytes = malloc(size);
-	assert_int_equal(fread(good, 1, size, in), size);
-	fclose(in);
-	int opened = 0, refused = 0, found = 0;
-	for (uint32_t round = 0; round < 300; round++) {
-		memcpy(bytes, good, size);
-		for (uint32_t i = 0; i < 1 + round % 6; i++) {
-			uint32_t h = mix(round, i, 11);
-			/* Half of them where SQLite's own structures are. */
-			size_t page = h % (size / 16384) * 16384;
-			size_t at = h & 0x10000 ? (page + mix(h, 1, 1) % 200) % size : mix(h, 2, 1) % size;
-			bytes[at] = (char)mix(h, 3, 1);
-		}
-		write_file(bad, bytes, size);
-		struct store_options options = {round % 2 ? STORE_WRITE : STORE_READ, false};
-		enum status status = store_open(bad, &options, &store);
-		if (status != STATUS_OK) {
-			refused++;
-			continue;
-		}
-		opened++;
-		struct store_check check;
-		struct store_numbers numbers;
-		struct store_reader *reader = NULL;
-		uint64_t hash;
-		double values[64];
-		if (store_verify(store, NULL, NULL, NULL, &check) == STATUS_OK)
-			found += check.problems > 0;
-		int ignored = store_count(store, &numbers) + (int)store_content_hash(store, &hash);
-		if (store_reader_create(store, &reader) == STATUS_OK)
-			for (int level = -2; level <= extent_coarsest(&store_meta(store)->extent); level++)
-				ignored += store_read_posts(reader, STORE_SURFACE, level, (struct post_rect){8, 8, 16, 16},
-							    values);
-		(void)ignored;
-		store_reader_destroy(reader);
-		if (round % 2 && store_set_working_level(store, -1) == STATUS_OK &&
-		    memcmp(&store_meta(store)->extent, &extent, sizeof extent) == 0) {
-			enum status committed = field_commit(&field, around(64, 48, 20), store, 2, &result);
-			(void)committed;
-		}
-		store_close(store);
-	}
-	assert_true(opened > 20 && refused > 5 && found > 20);
-	free(good);
-	free(bytes);
-	field_free(&field);
-}
-
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -290,7 +230,6 @@ int main(void)
 		cmocka_unit_test(planes_beyond_their_range_are_refused),
 		cmocka_unit_test(what_was_compacted_must_be_a_number),
 		cmocka_unit_test(a_tile_listed_that_cannot_be_found_is_told),
-		cmocka_unit_test(changed_bytes_do_no_harm),
 	};
 	return cmocka_run_group_tests(tests, folder_make, folder_remove);
 }

@@ -60,19 +60,19 @@ static void edit_row(const char *path, enum row_table table, struct tile tile,
 	struct store *store = open_store(path, STORE_WRITE);
 	int32_t posts[POSTS];
 	struct row row;
-	bool found, written;
-	assert_ok(rows_read(&store->rows, table, tile, posts, &row, &found));
+	bool found;
+	assert_ok(store_rows_read(&store->rows, table, tile, posts, &row, &found));
 	assert_true(found);
 	edit(&row, posts);
-	assert_ok(rows_write(&store->rows, table, posts, &row, NULL, &written));
-	assert_true(written);
+	store_rows_encode(&store->rows, table, posts, &row);
+	assert_ok(store_rows_put(&store->rows, table, &row));
 	store_close(store);
 }
 
 static void edit_edge(struct row *row, int32_t *posts)
 {
 	posts[5 * SIDE + SIDE - 1] += 1;
-	rows_range(ROW_BASE, posts, POSTS, STEP, &row->low, &row->high);
+	store_rows_range(ROW_BASE, posts, POSTS, STEP, &row->low, &row->high);
 }
 
 static void edit_first(struct row *row, int32_t *posts)
@@ -239,8 +239,8 @@ static void state_at_a_coarser_level_is_found(void **state)
 	struct store *store = open_store(path, STORE_WRITE);
 	struct row row = {.tile = {0, 1, 1}, .low = 0, .high = lattice_offset_metres(1)};
 	int32_t posts[POSTS] = {[5 * SIDE + 5] = 1};
-	bool written;
-	assert_ok(rows_write(&store->rows, ROW_PRESSED, posts, &row, NULL, &written));
+	store_rows_encode(&store->rows, ROW_PRESSED, posts, &row);
+	assert_ok(store_rows_put(&store->rows, ROW_PRESSED, &row));
 	store_close(store);
 	assert_told(path, "pressed tile level 0 x 1 y 1: it is coarser than the level that is deformed");
 }

@@ -57,9 +57,10 @@ static int64_t write_epoch(struct store *store, int step)
 
 static atomic_bool over;
 
-/* As a loader does: one short read after the other. */
+/* As a loader does: one short read after the other, and a little work with what it read. */
 static void *read_tiles(void *argument)
 {
+	const struct timespec nap = {0, 200000};
 	struct store_reader *reader;
 	int32_t *offset = calloc((CELLS + 1) * (CELLS + 1), sizeof *offset);
 	uintptr_t failed = store_reader_create(argument, &reader) != STATUS_OK;
@@ -68,6 +69,7 @@ static void *read_tiles(void *argument)
 		struct tile tile = {LEVEL, i % TILES, i / TILES % TILES};
 		failed = store_read_deformed(reader, tile, PLANE_BIT(PLANE_OFFSET), (void *[PLANES]){offset}, &present) !=
 			 STATUS_OK;
+		nanosleep(&nap, NULL);
 	}
 	store_reader_destroy(reader);
 	free(offset);

@@ -83,7 +83,7 @@ static void every_visible_point_has_the_tile_that_its_error_asks_for(void **stat
 		for (int i = 0; i < 400; i++) {
 			double point[3] = {(double)(fake.extent.width - 1) * fake.extent.spacing * unit(&random),
 					   (double)(fake.extent.height - 1) * fake.extent.spacing * unit(&random), 0};
-			point[2] = ground_height(point[0], point[1]);
+			point[2] = fake_height(point[0], point[1]);
 			if (!in_frustum(&view, point))
 				continue;
 			struct tile tile = asked_for(&fake, &view, focal, pixels, point[0], point[1]);
@@ -152,7 +152,7 @@ static void allowed_less_a_view_is_nowhere_coarser(void **state)
 				struct tile tile;
 				double point[3] = {(double)(fake.extent.width - 1) * fake.extent.spacing * unit(&places),
 						   (double)(fake.extent.height - 1) * fake.extent.spacing * unit(&places), 0};
-				point[2] = ground_height(point[0], point[1]);
+				point[2] = fake_height(point[0], point[1]);
 				if (!in_frustum(&view, point))
 					continue;
 				assert_int_equal(drawn_at(&fake, point, &tile), 1);
@@ -311,7 +311,7 @@ static void whatever_a_source_calls_an_error_each_point_is_drawn_once(void **sta
 			double point[3] = {(double)(fake.extent.width - 1) * fake.extent.spacing * unit(&random),
 					   (double)(fake.extent.height - 1) * fake.extent.spacing * unit(&random), 0};
 			struct tile tile;
-			point[2] = ground_height(point[0], point[1]);
+			point[2] = fake_height(point[0], point[1]);
 			if (!in_frustum(&view, point))
 				continue;
 			assert_int_equal(drawn_at(&fake, point, &tile), 1);

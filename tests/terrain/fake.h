@@ -35,7 +35,7 @@ static inline double unit(uint64_t *state)
 	return (double)(*state >> 11) * 0x1p-53;
 }
 
-static inline double ground_height(double x, double y)
+static inline double fake_height(double x, double y)
 {
 	return 40 * sin(x / 90) * cos(y / 70) + 6 * sin(x / 11 + y / 17);
 }
@@ -65,8 +65,8 @@ static inline bool fake_bounds(void *user, struct tile tile, double *low, double
 	/* Loose but true: the waves' own slope bounds how far the middle can be missed. */
 	double x = (from[0] + to[0]) / 2, y = (from[1] + to[1]) / 2;
 	double reach = ((to[0] - from[0]) + (to[1] - from[1])) * 0.9;
-	*low = fmax(ground_height(x, y) - reach, -46);
-	*high = fmin(ground_height(x, y) + reach, 46);
+	*low = fmax(fake_height(x, y) - reach, -46);
+	*high = fmin(fake_height(x, y) + reach, 46);
 	return true;
 }
 
@@ -129,7 +129,7 @@ static inline void random_view(const struct fake *fake, uint64_t *random, struct
 	double h = (double)(fake->extent.height - 1) * fake->extent.spacing;
 	double eye[3] = {w * (1.4 * unit(random) - 0.2), h * (1.4 * unit(random) - 0.2), 0};
 	double target[3] = {w * unit(random), h * unit(random), 0};
-	eye[2] = ground_height(eye[0], eye[1]) + 1 + 150 * unit(random) * unit(random);
+	eye[2] = fake_height(eye[0], eye[1]) + 1 + 150 * unit(random) * unit(random);
 	look(eye, target, 0.3 + 1.5 * unit(random), view);
 }
 

@@ -3,22 +3,6 @@
 
 static const struct rig rough = {.extent = {61, 45, 2, 8}, .finest = -2, .fine = 30, .relief = 9, .rut = 0.7};
 
-/* The triangle over a point, inside by `slack`; NULL: none. */
-static const struct rig_triangle *over(const struct rig_triangle *all, size_t count, struct terrain_point point, double slack, double *height)
-{
-	for (size_t i = 0; i < count; i++) {
-		const double(*c)[3] = all[i].corner;
-		long double ex = c[1][0] - c[0][0], ey = c[1][1] - c[0][1], fx = c[2][0] - c[0][0], fy = c[2][1] - c[0][1];
-		long double x = (long double)point.x - c[0][0], y = (long double)point.y - c[0][1], det = ex * fy - ey * fx;
-		long double u = (x * fy - y * fx) / det, v = (ex * y - ey * x) / det;
-		if (u < slack || v < slack || u + v > 1 - slack)
-			continue;
-		*height = (double)(c[0][2] + u * (c[1][2] - c[0][2]) + v * (c[2][2] - c[0][2]));
-		return &all[i];
-	}
-	return NULL;
-}
-
 static void check(const struct rig *rig, const struct rig_triangle *all, size_t count, struct terrain_point point,
 		  const struct terrain_height *height)
 {
@@ -26,11 +10,11 @@ static void check(const struct rig *rig, const struct rig_triangle *all, size_t 
 	bool outside = !(point.x >= 0 && point.y >= 0 && point.x <= east && point.y <= north);
 	assert_int_equal(height->outside, outside);
 	double there = NAN;
-	const struct rig_triangle *triangle = outside ? NULL : over(all, count, point, 1e-9, &there);
+	const struct rig_triangle *triangle = outside ? NULL : rig_over(all, count, point, 1e-9, &there);
 	if (triangle == NULL) {
 		double edge;
 		/* On an edge, which no triangle has for itself; or in a hole. */
-		assert_true(height->nodata || over(all, count, point, -1e-9, &edge) != NULL);
+		assert_true(height->nodata || rig_over(all, count, point, -1e-9, &edge) != NULL);
 		assert_true(height->nodata == (bool)isnan(height->height));
 		return;
 	}

@@ -5,59 +5,10 @@
 
 #define FAR 1e-9 /* metres a hit may be off */
 
-struct struck {
-	long double first; /* INFINITY: none */
-	const struct rig_triangle *triangle;
-};
-
-/* Where the ray meets a triangle, made larger or smaller by `slack`; INFINITY: nowhere. */
-static long double meets(const struct rig_triangle *triangle, const long double origin[3], const long double way[3],
-			 long double slack)
-{
-	const double(*c)[3] = triangle->corner;
-	long double e[3], f[3], p[3], s[3], q[3];
-	for (int i = 0; i < 3; i++) {
-		e[i] = (long double)c[1][i] - c[0][i];
-		f[i] = (long double)c[2][i] - c[0][i];
-		s[i] = origin[i] - c[0][i];
-	}
-	for (int i = 0; i < 3; i++) {
-		int j = (i + 1) % 3, k = (i + 2) % 3;
-		p[i] = way[j] * f[k] - way[k] * f[j];
-		q[i] = s[j] * e[k] - s[k] * e[j];
-	}
-	long double det = e[0] * p[0] + e[1] * p[1] + e[2] * p[2];
-	if (det == 0)
-		return INFINITY;
-	long double u = (s[0] * p[0] + s[1] * p[1] + s[2] * p[2]) / det;
-	long double v = (way[0] * q[0] + way[1] * q[1] + way[2] * q[2]) / det;
-	long double t = (f[0] * q[0] + f[1] * q[1] + f[2] * q[2]) / det;
-	return u >= -slack && v >= -slack && u + v <= 1 + slack && t >= -slack ? t : INFINITY;
-}
-
-static struct struck strike(const struct rig_triangle *all, size_t count, const struct terrain_ray *ray, long double slack)
-{
-	struct struck struck = {INFINITY, NULL};
-	long double origin[3], way[3], length = 0;
-	for (int i = 0; i < 3; i++) {
-		origin[i] = ray->origin[i];
-		way[i] = ray->direction[i];
-		length += way[i] * way[i];
-	}
-	for (int i = 0; i < 3; i++)
-		way[i] /= sqrtl(length);
-	for (size_t i = 0; i < count; i++) {
-		long double t = meets(&all[i], origin, way, slack);
-		if (t <= ray->length + slack && t < struck.first)
-			struck = (struct struck){t, &all[i]};
-	}
-	return struck;
-}
-
 static void check(const struct terrain_ray *ray, const struct terrain_hit *hit, const struct rig_triangle *all, size_t count)
 {
 	/* Where a ray just touches an edge, or a hole's, either is right. */
-	struct struck loose = strike(all, count, ray, 1e-12L), strict = strike(all, count, ray, -1e-12L);
+	struct rig_strike loose = rig_strike(all, count, ray, 1e-12L), strict = rig_strike(all, count, ray, -1e-12L);
 	if (!hit->hit) {
 		if (!isinf(strict.first))
 			print_error("missed: %.17g of %.17g %.17g %.17g to %.17g %.17g %.17g\n", (double)strict.first, ray->origin[0],

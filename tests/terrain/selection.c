@@ -31,7 +31,7 @@ static size_t check_coverage(const struct fake *fake, const struct terrain_view 
 	for (int j = 0; j < 61; j++)
 		for (int i = 0; i < 61; i++) {
 			double point[3] = {w * (i + 0.37) / 61, h * (j + 0.61) / 61, 0};
-			point[2] = ground_height(point[0], point[1]);
+			point[2] = fake_height(point[0], point[1]);
 			int times = times_drawn(&fake->extent, point[0], point[1]);
 			assert_true(times <= 1);
 			if (in_frustum(view, point)) {

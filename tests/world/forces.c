@@ -62,7 +62,7 @@ static char *rows(const char *name, const char *const settings[][2])
 
 struct row {
 	double t, x, y, z, sinkage, force[3], moment[3], slip, area;
-	char name[16];
+	char name[16], load[16], soil[16]; /* as they stand there; "": nothing does */
 };
 
 static size_t parse(const char *text, struct row *out)
@@ -71,9 +71,15 @@ static size_t parse(const char *text, struct row *out)
 	text = strchr(text, '\n') + 1;
 	for (; *text != '\0'; text = strchr(text, '\n') + 1, count++) {
 		struct row *r = &out[count];
-		assert_int_equal(sscanf(text, "%lf,%15[^,],%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf\n", &r->t, r->name, &r->x,
+		int at = 0;
+		assert_int_equal(sscanf(text, "%lf,%15[^,],%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%n", &r->t, r->name, &r->x,
 					&r->y, &r->z, &r->sinkage, &r->force[0], &r->force[1], &r->force[2], &r->moment[0],
-					&r->moment[1], &r->moment[2], &r->slip, &r->area), 14);
+					&r->moment[1], &r->moment[2], &r->slip, &r->area, &at), 14);
+		assert_true(at > 0);
+		size_t load = strcspn(text + at, ",\n"), soil = strcspn(text + at + load + 1, ",\n");
+		assert_true(text[at + (int)load] == ',' && text[at + (int)(load + 1 + soil)] == '\n');
+		snprintf(r->load, sizeof r->load, "%.*s", (int)load, text + at);
+		snprintf(r->soil, sizeof r->soil, "%.*s", (int)soil, text + at + load + 1);
 	}
 	return count;
 }
@@ -84,12 +90,14 @@ static void each_object_has_its_row_at_each_time(void **state)
 	struct row all[64];
 	(void)state;
 	char *text = rows("out", NULL);
-	assert_memory_equal(text, "t,name,x,y,z,sinkage,fx,fy,fz,tx,ty,tz,slip,contact_area\n", 57);
+	assert_memory_equal(text, "t,name,x,y,z,sinkage,fx,fy,fz,tx,ty,tz,slip,contact_area,load,soil\n", 67);
 	assert_int_equal(parse(text, all), 13 * 3);
 	for (int i = 0; i < 39; i++) {
 		const struct row *r = &all[i];
 		assert_true(r->t == i / 3 / 8.0);
 		assert_string_equal(r->name, names[i % 3]);
+		assert_string_equal(r->load, i % 3 == 0 ? "3000" : i % 3 == 1 ? "2000" : "");
+		assert_string_equal(r->soil, r->x > 32.03 ? "" : "dry_sand");
 		if (i % 3 == 0) {
 			double way = 2 * r->t, along = r->x - 5;
 			assert_true(hypot(r->x - 5, r->y - 5) <= way + 1e-6 && hypot(r->x - 5, r->y - 5) > way - 0.0626);
@@ -127,25 +135,72 @@ static void rows_do_not_depend_on_delay_or_time_step(void **state)
 	free(coarser);
 }
 
-static void a_drive_that_is_cut_goes_on_with_the_same_rows(void **state)
+/* Lunar west of 6.875 m, which is half-way between two pixels: the first object drives across. */
+static const char *const on_a_map[][2] = {{"soil", "{map: soils.png, classes: {7: lunar}, default: dry_sand}"},
+					  {"output.delay", "1"}, {NULL, NULL}};
+
+static void write_classes(void)
 {
+	const struct dem_raster raster = {.path = support_path("soils.png"), .width = 129, .height = 129, .type = DEM_UINT8, .spacing = 1};
+	struct dem_writer *writer;
+	double row[129];
+	for (int x = 0; x < 129; x++)
+		row[x] = x < 28 ? 7 : 1;
+	must(dem_writer_create(&raster, &writer));
+	for (int y = 0; y < 129; y++)
+		must(dem_writer_rows(writer, 1, row));
+	must(dem_writer_publish(writer));
+	dem_writer_destroy(writer);
+}
+
+static void on_a_map_each_row_says_the_soil_under_its_object(void **state)
+{
+	struct row all[64];
+	int lunar = 0, sand = 0;
 	(void)state;
-	char *whole = rows("out", NULL);
+	write_classes();
+	char *text = rows("out", on_a_map);
+	assert_int_equal(parse(text, all), 13 * 3);
+	for (int i = 0; i < 39; i++) {
+		const struct row *r = &all[i];
+		if (r->x > 32.03) {
+			assert_string_equal(r->soil, "");
+		} else if (fabs(r->x - 6.875) > 0.0313) {
+			assert_string_equal(r->soil, r->x < 6.875 ? "lunar" : "dry_sand");
+			lunar += r->x < 6.875;
+			sand += r->x > 6.875 && i % 3 == 0;
+		}
+	}
+	assert_true(lunar > 3 && sand > 3);
+	free(text);
+}
+
+static void cut_and_gone_on_with(const char *const settings[][2], const char *const later[][2])
+{
+	char *whole = rows("out", settings);
 	for (int cut = 1; cut < 30; cut += 7) {
 		const char *store = support_path("world.furrow");
 		support_store(store, extent, flat);
-		mem_free(drive(store, support_path("cut"), false, cut, (const char *const[][2]){{"output.delay", "2"}, {NULL, NULL}}).json);
+		mem_free(drive(store, support_path("cut"), false, cut, later).json);
 		/* What a kill may leave behind: rows beyond the commit, and a torn one. */
 		FILE *file = fopen(support_path("cut/objects.csv"), "a");
 		assert_non_null(file);
-		fputs("9.5,driven,1,2,3,4,5,6,7,8,9,10,11,12\n9.625,driven,1,2", file);
+		fputs("9.5,driven,1,2,3,4,5,6,7,8,9,10,11,12,13,lunar\n9.625,driven,1,2", file);
 		fclose(file);
-		mem_free(drive(store, support_path("cut"), true, 0, NULL).json);
+		mem_free(drive(store, support_path("cut"), true, 0, settings).json);
 		char *text = text_of(support_path("cut/objects.csv"));
 		assert_string_equal(text, whole);
 		free(text);
 	}
 	free(whole);
+}
+
+static void a_drive_that_is_cut_goes_on_with_the_same_rows(void **state)
+{
+	(void)state;
+	cut_and_gone_on_with(NULL, (const char *const[][2]){{"output.delay", "2"}, {NULL, NULL}});
+	write_classes();
+	cut_and_gone_on_with(on_a_map, on_a_map);
 }
 
 static void without_rows_there_is_no_file_and_a_load_is_still_told(void **state)
@@ -162,13 +217,66 @@ static void without_rows_there_is_no_file_and_a_load_is_still_told(void **state)
 	mem_free(result.json);
 }
 
+/* --- what pictures go by --- */
+
+enum { STEPS = 30 };
+
+/* The sinkage that pictures see after each step of a loaded ball; with `settle` somebody waits for the soil's answer in each step. */
+static void sinkages(const char *store, bool settle, double before[STEPS], double now[STEPS])
+{
+	static const char text[] =
+		"scene: 1\ntime_step: 0.05\nend_time: 2\nsoil: {name: dry_sand}\nredistribute: {model: scm}\n"
+		"objects:\n  - {name: a, shape: {sphere: {radius: 0.5}}, load: 2000, path: {points: [[8, 8], [24, 20]], speed: 4}}\n";
+	const char *path = support_path("sinkage.yaml");
+	struct scene *scene;
+	struct world world;
+	support_write(path, text);
+	support_store(store, extent, flat);
+	must(scene_load(path, NULL, 0, &scene));
+	must(world_prepare(&world, &(struct world_params){.scene = scene, .store = store}));
+	enum status status = world_start(&world);
+	if (status == STATUS_NO_GL)
+		skip();
+	must(status);
+	FILE *epochs = tmpfile();
+	assert_non_null(epochs);
+	must(world_start_pages(&world, epochs, NULL));
+	must(world_warm(&world));
+	world_seal(&world);
+	must(world_begin(&world));
+	for (int i = 0; i < STEPS; i++) {
+		must(world_step(&world));
+		if (settle)
+			must(world_settle_forces(&world));
+		before[i] = world.bodies[0].sinkage_before;
+		now[i] = world.bodies[0].sinkage;
+	}
+	must(world_end(&world, false));
+	world_stop(&world);
+	world_finish(&world, STATUS_OK);
+	scene_destroy(scene);
+}
+
+static void the_sinkage_that_pictures_see_does_not_depend_on_who_waited(void **state)
+{
+	double before[2][STEPS], now[2][STEPS];
+	const char *store = support_path("sinkage.furrow");
+	for (int settle = 0; settle < 2; settle++)
+		sinkages(store, settle, before[settle], now[settle]);
+	assert_memory_equal(before[0], before[1], sizeof before[0]);
+	assert_true(before[0][STEPS - 1] > 0);
+	assert_true(memcmp(now[0], now[1], sizeof now[0]) != 0);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(each_object_has_its_row_at_each_time),
 		cmocka_unit_test(rows_do_not_depend_on_delay_or_time_step),
+		cmocka_unit_test(on_a_map_each_row_says_the_soil_under_its_object),
 		cmocka_unit_test(a_drive_that_is_cut_goes_on_with_the_same_rows),
 		cmocka_unit_test(without_rows_there_is_no_file_and_a_load_is_still_told),
+		cmocka_unit_test(the_sinkage_that_pictures_see_does_not_depend_on_who_waited),
 	};
 	return cmocka_run_group_tests_name("world/forces", tests, support_enter, support_leave);
 }

@@ -30,7 +30,7 @@ static const struct record_object objects[] = {
 
 static struct record *room(void)
 {
-	struct record *record = calloc(1, record_bytes(2));
+	struct record *record = calloc(1, world_record_bytes(2));
 	assert_non_null(record);
 	return record;
 }
@@ -44,7 +44,7 @@ static char *printed(void)
 	record->awake_count = 2;
 	record->awake[0] = (struct deform_block){3, 4};
 	record->awake[1] = (struct deform_block){INT64_C(1) << 33, 0};
-	char *text = record_print(record, &scene, &(struct record_sums){-SUM_MOST, SUM_MOST, SUM_MOST - 1});
+	char *text = world_record_print(record, &scene, &(struct pages_sums){-SUM_MOST, SUM_MOST, SUM_MOST - 1});
 	assert_non_null(text);
 	free(record);
 	return text;
@@ -53,7 +53,7 @@ static char *printed(void)
 static enum status parse(const char *state, int64_t step, double time, const struct scene *of, struct record *record)
 {
 	struct store_run run = {.scene_hash = "abc", .step = step, .time = time, .state = state};
-	return record_parse(&run, "some.furrow", of, record);
+	return world_record_parse(&run, "some.furrow", of, record);
 }
 
 static bool same_real(double a, double b)
@@ -87,7 +87,7 @@ static void it_comes_back_to_the_bit(void **state)
 static void refused(const char *text, int64_t step, double time, const struct scene *of)
 {
 	/* Read into what has just the room it needs. */
-	struct record *record = calloc(1, record_bytes(of->object_count));
+	struct record *record = calloc(1, world_record_bytes(of->object_count));
 	assert_non_null(record);
 	assert_int_equal(parse(text, step, time, of, record), STATUS_INPUT);
 	assert_non_null(strstr(failure_message(), "some.furrow: "));
@@ -177,7 +177,7 @@ static void as_many_blocks_as_may_be_awake_and_no_more(void **state)
 	for (int64_t i = 0; i < DEFORM_BLOCKS_MAX; i++)
 		record->awake[i] = (struct deform_block){i, INT64_MAX - i};
 	memcpy(record->objects, objects, sizeof objects);
-	char *text = record_print(record, &scene, &(struct record_sums){0, 0, 0}), *more, *at;
+	char *text = world_record_print(record, &scene, &(struct pages_sums){0, 0, 0}), *more, *at;
 	struct record *read = room();
 	assert_int_equal(parse(text, 1, 1, &scene, read), STATUS_OK);
 	assert_int_equal(read->awake_count, DEFORM_BLOCKS_MAX);

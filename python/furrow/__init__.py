@@ -1,0 +1,20 @@
+"""Furrow: terrain that is larger than memory and that changes under what drives on it.
+
+    import furrow
+    with furrow.World({"redistribute": {"model": "box"}}, store="site.furrow", overlay="run1.furrow") as world:
+        ball = world.add(shape={"sphere": {"radius": 0.5}})
+        ball.place(position=(60, 60, 100))
+        ball.set(position=(60, 60, 99.9))
+        world.step(0.02)
+        print(world.points([(60, 60)])["height"])
+
+Metres, seconds, newtons and radians; local axes are x east, y north, z up, from the store's south-west post. Failures raise
+furrow.Error, whose .status is a furrow.Status.
+"""
+from furrow._declarations import Contact, ContactState, Info, Layer, Pose, State, Status
+from furrow._library import Error, import_dem, set_log, version
+from furrow._world import CONTACT, HIT, POINT, RECT, STATE, Body, World
+
+__all__ = ["Body", "CONTACT", "Contact", "ContactState", "Error", "HIT", "Info", "Layer", "POINT", "Pose", "RECT", "STATE", "State",
+           "Status", "World", "import_dem", "set_log", "version"]
+__version__ = version()

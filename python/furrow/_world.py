@@ -1,0 +1,345 @@
+"""A world and its bodies."""
+import ctypes
+import json
+import os
+import threading
+import weakref
+from typing import Any, Iterable, Optional, Sequence, Tuple, Union
+
+import numpy
+
+from furrow import _declarations as declared
+from furrow._declarations import Contact, Info, Layer, Pose, State
+from furrow._library import Path, call, text, yaml
+
+Vector = Union[Sequence[float], numpy.ndarray]
+
+STATE = numpy.dtype(declared.furrow_state)
+CONTACT = numpy.dtype(declared.furrow_contact)
+POINT = numpy.dtype(declared.furrow_point)
+HIT = numpy.dtype(declared.furrow_hit)
+RECT = numpy.dtype(declared.furrow_rect)
+LEVEL_WITH_NO_TURN = (1.0, 0.0, 0.0, 0.0)
+STILL = (0.0, 0.0, 0.0)
+
+
+def _array(values: Any, what: str, *shape: int) -> numpy.ndarray:
+    """float64 rows of `shape`, one after another: `values` itself where it is that already, else a copy."""
+    array = numpy.ascontiguousarray(values, dtype=numpy.float64)
+    if array.shape[array.ndim - len(shape):] != shape or array.ndim < len(shape):
+        raise ValueError(f"furrow: {what} has the shape {array.shape}; it must end with {shape}")
+    return array
+
+
+def _structs(values: Any, dtype: numpy.dtype, count: int, what: str) -> numpy.ndarray:
+    array = numpy.ascontiguousarray(values, dtype=dtype)
+    if array.shape != (count,):
+        raise ValueError(f"furrow: {what} has the shape {array.shape}; it must be ({count},)")
+    return array
+
+
+def _pose(position: Vector, orientation: Vector) -> declared.furrow_pose:
+    return declared.furrow_pose((ctypes.c_double * 3)(*_array(position, "position", 3)),
+                                (ctypes.c_double * 4)(*_array(orientation, "orientation", 4)))
+
+
+def _close(handle: int) -> None:
+    """Closes a world that nobody closed, when it is collected or Python ends. There is nobody to tell of a failure."""
+    try:
+        call("furrow_world_close", handle)
+    except Exception:  # pylint: disable=broad-except
+        pass
+
+
+class Body:
+    """What touches the ground. World.add and World.body make it; it belongs to its world."""
+
+    def __init__(self, world: "World", handle: int) -> None:
+        self.world = world
+        self.handle = handle
+
+    def place(self, position: Vector, orientation: Vector = LEVEL_WITH_NO_TURN) -> None:
+        """Puts the body somewhere without touching what is between, at rest.
+
+        position: (3,), m, local axes. orientation: (4,), a quaternion w, x, y, z.
+        """
+        pose = _pose(position, orientation)
+        self.world._call("furrow_place", self.handle, ctypes.byref(pose))
+
+    def set(self, position: Vector, orientation: Vector = LEVEL_WITH_NO_TURN, linear: Vector = STILL,
+            angular: Vector = STILL) -> None:
+        """Says where the body is at the end of the next step, and how it moves there.
+
+        position: (3,), m. orientation: (4,), a quaternion w, x, y, z. linear: (3,), m/s, of the body's origin.
+        angular: (3,), rad/s. All of them in local axes: x east, y north, z up.
+        """
+        state = declared.furrow_state(_pose(position, orientation),
+                                      (ctypes.c_double * 3)(*_array(linear, "linear", 3)),
+                                      (ctypes.c_double * 3)(*_array(angular, "angular", 3)))
+        handle = ctypes.c_int32(self.handle)
+        self.world._call("furrow_set_states", 1, ctypes.byref(handle), ctypes.byref(state))
+
+    @property
+    def state(self) -> State:
+        """Where the body is now, and how it moves: .pose.position (3,), .pose.orientation (4,), .linear (3,), .angular (3,)."""
+        state, handle = declared.furrow_state(), ctypes.c_int32(self.handle)
+        self.world._call("furrow_get_states", 1, ctypes.byref(handle), ctypes.byref(state))
+        return State(state)
+
+    @property
+    def contact(self) -> Contact:
+        """What the soil did to the body in the last step: .force (3,), N; .moment (3,), N m; .sinkage, m; .state; and more."""
+        contact, handle = declared.furrow_contact(), ctypes.c_int32(self.handle)
+        self.world._call("furrow_get_contacts", 1, ctypes.byref(handle), ctypes.byref(contact), ctypes.sizeof(contact))
+        return Contact(contact)
+
+    def remove(self) -> None:
+        """Takes the body away. Its soil is unloaded, and the body cannot be used any more."""
+        self.world._call("furrow_body_remove", self.handle)
+
+    def __repr__(self) -> str:
+        return f"Body({self.handle})"
+
+
+Bodies = Sequence[Union[Body, int]]
+
+
+def _handles(bodies: Bodies) -> numpy.ndarray:
+    return numpy.array([body.handle if isinstance(body, Body) else body for body in bodies], dtype=numpy.int32)
+
+
+class World:
+    """A terrain that is open for simulation.
+
+    Several threads may use several worlds at once. Calls of one world from several threads wait for each other.
+    """
+
+    def __init__(self, scene: Union[dict, Path], store: Optional[Path] = None, *, overlay: Optional[Path] = None,
+                 output: Optional[Path] = None, resume: bool = False, durable: bool = False) -> None:
+        """Opens a world.
+
+        scene: a dict, the scene's text (a str with a line break or a brace), or the path of a scene.
+        store: path of the terrain; None: the scene names it. overlay: path of a file that keeps the deformation; the store is
+        only read then. output: folder for run.json and objects.csv; None: neither is written. resume: go on from the store's
+        last drive of this scene. durable: a commit survives a power cut.
+        """
+        given = declared.furrow_open(size=ctypes.sizeof(declared.furrow_open), store=text(store), overlay=text(overlay),
+                                     output=text(output), resume=resume, durable=durable)
+        if isinstance(scene, dict):
+            given.scene = yaml({"scene": 1, **scene})
+        elif isinstance(scene, str) and ("\n" in scene or "{" in scene):
+            given.scene = scene.encode()
+        else:
+            given.scene_file = text(scene)
+        handle = ctypes.c_void_p()
+        call("furrow_world_open", ctypes.byref(given), ctypes.byref(handle))
+        self._lock = threading.RLock()
+        self._handle: Optional[int] = handle.value
+        self._forgotten = weakref.finalize(self, _close, handle.value)
+
+    def _call(self, name: str, *arguments: Any) -> Any:
+        """A closed world is NULL to the library, which says so."""
+        with self._lock:
+            return call(name, self._handle, *arguments)
+
+    # --- life ---
+
+    def __enter__(self) -> "World":
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Commits the ground as it is and frees the world. A closed world is closed again without effect."""
+        with self._lock:
+            handle, self._handle = self._handle, None
+            self._forgotten.detach()
+            if handle is not None:
+                call("furrow_world_close", handle)
+
+    def step(self, seconds: float = 0.0) -> None:
+        """Moves time on by `seconds`; 0: by the scene's time_step. Ctrl-C is raised when the step is over."""
+        self._call("furrow_step", seconds)
+
+    @property
+    def time(self) -> float:
+        """Simulated seconds since the scene's start; NaN of a closed world."""
+        return self._call("furrow_time")
+
+    def checkpoint(self) -> None:
+        """Commits all so far. The store then holds it, and rollback returns to it."""
+        self._call("furrow_checkpoint")
+
+    def rollback(self) -> None:
+        """Goes back to the last checkpoint, or to the opening: ground, bodies, forces, time and objects.csv."""
+        self._call("furrow_rollback")
+
+    @property
+    def info(self) -> Info:
+        """What the world is: .spacing (m), .columns, .rows, .level, .extent (2,), m, .time_step (s), .revision, and more."""
+        info = declared.furrow_info(size=ctypes.sizeof(declared.furrow_info))
+        self._call("furrow_info", ctypes.byref(info))
+        return Info(info)
+
+    @property
+    def stats(self) -> dict:
+        """What run.json would say now."""
+        found = ctypes.c_void_p()
+        self._call("furrow_stats", ctypes.byref(found))
+        try:
+            return json.loads(ctypes.string_at(found.value))
+        finally:
+            call("furrow_free", found)
+
+    # --- bodies ---
+
+    def add(self, entry: Optional[dict] = None, **keys: Any) -> Body:
+        """Adds a body: the keys of one entry of the scene's `objects`, as a dict or as arguments.
+
+        world.add(shape={"sphere": {"radius": 0.2}}). Without a path it touches nothing until it is placed.
+        """
+        handle = ctypes.c_int32(-1)
+        self._call("furrow_body_add", yaml({**(entry or {}), **keys}), ctypes.byref(handle))
+        return Body(self, handle.value)
+
+    def body(self, name: str) -> Body:
+        """The body of that name."""
+        handle = ctypes.c_int32(-1)
+        self._call("furrow_body_find", text(name), ctypes.byref(handle))
+        return Body(self, handle.value)
+
+    def set_states(self, bodies: Bodies, states: numpy.ndarray) -> None:
+        """Body.set for n bodies at once. states: (n,) of furrow.STATE; not copied if it is contiguous."""
+        handles = _handles(bodies)
+        states = _structs(states, STATE, len(handles), "states")
+        self._call("furrow_set_states", len(handles), handles.ctypes.data, states.ctypes.data)
+
+    def get_states(self, bodies: Bodies) -> numpy.ndarray:
+        """Body.state of n bodies at once: (n,) of furrow.STATE. ["pose"]["position"] is (n, 3), m."""
+        handles = _handles(bodies)
+        states = numpy.empty(len(handles), STATE)
+        self._call("furrow_get_states", len(handles), handles.ctypes.data, states.ctypes.data)
+        return states
+
+    def get_contacts(self, bodies: Bodies) -> numpy.ndarray:
+        """Body.contact of n bodies at once: (n,) of furrow.CONTACT. ["force"] is (n, 3), N."""
+        handles = _handles(bodies)
+        contacts = numpy.empty(len(handles), CONTACT)
+        self._call("furrow_get_contacts", len(handles), handles.ctypes.data, contacts.ctypes.data, CONTACT.itemsize)
+        return contacts
+
+    def probe(self, bodies: Bodies, states: numpy.ndarray) -> numpy.ndarray:
+        """What the soil would do to n bodies in these states; changes nothing.
+
+        states: (n,) of furrow.STATE. Returns (n,) of furrow.CONTACT; where ["state"] is ContactState.UNKNOWN, the ground there
+        is not on the host.
+        """
+        handles = _handles(bodies)
+        states = _structs(states, STATE, len(handles), "states")
+        contacts = numpy.empty(len(handles), CONTACT)
+        self._call("furrow_probe", len(handles), handles.ctypes.data, states.ctypes.data, contacts.ctypes.data,
+                   CONTACT.itemsize)
+        return contacts
+
+    # --- asking ---
+
+    def points(self, xy: Any) -> numpy.ndarray:
+        """The newest ground at n points.
+
+        xy: (n, 2), or any (..., 2), m, local axes; not copied if it is contiguous float64.
+        Returns (n,), or (...), of furrow.POINT: ["height"] and ["offset"] in m, ["normal"] (n, 3), ["soil"], ["nodata"].
+        """
+        pairs = _array(xy, "xy", 2)
+        points = numpy.empty(pairs.shape[:-1], POINT)
+        self._call("furrow_points", points.size, pairs.ctypes.data, points.ctypes.data)
+        return points
+
+    def rays(self, origin: Any, direction: Any) -> numpy.ndarray:
+        """Where n rays first meet the newest ground.
+
+        origin: (n, 3), m; direction: (n, 3), of any length but 0; local axes. One of either serves all of the other.
+        Returns (n,) of furrow.HIT: ["position"] (n, 3), m, ["normal"] (n, 3), ["distance"], m, ["hit"].
+        """
+        first, second = numpy.broadcast_arrays(_array(origin, "origin", 3), _array(direction, "direction", 3))
+        first, second = numpy.ascontiguousarray(first), numpy.ascontiguousarray(second)
+        hits = numpy.empty(first.shape[:-1], HIT)
+        self._call("furrow_rays", hits.size, first.ctypes.data, second.ctypes.data, hits.ctypes.data)
+        return hits
+
+    def read(self, layer: Union[str, Layer] = "surface", *, x: Optional[float] = None, y: Optional[float] = None,
+             width: Optional[float] = None, height: Optional[float] = None, column: int = 0, row: int = 0,
+             columns: Optional[int] = None, rows: Optional[int] = None, level: Optional[int] = None,
+             out: Optional[numpy.ndarray] = None) -> numpy.ndarray:
+        """Posts of a rectangle: (rows, columns) float64, row 0 the southernmost. NaN where there is no post.
+
+        layer: "surface", "base", "offset", "deposited", "sinkage", "shear_x", "shear_y" (m) or "disturbance" (0 to 1).
+        The rectangle is x, y (m, its south-west corner), width and height (m), and holds the posts in it, its sides included; or
+        column, row, columns and rows, in posts. level: None is the working level, the finest.
+        out: (rows, columns) float64 to fill, whose rows are contiguous each; nothing is copied.
+        """
+        info = self.info
+        level = info.level if level is None else level
+        if x is not None or y is not None or width is not None or height is not None:
+            if x is None or y is None or width is None or height is None:
+                raise ValueError("furrow: read needs x, y, width and height together, in metres")
+            spacing = info.spacing * 2.0 ** (level - info.level)
+            column, columns = _posts_between(x, width, spacing)
+            row, rows = _posts_between(y, height, spacing)
+        elif columns is None or rows is None:
+            raise ValueError("furrow: read needs a rectangle: x, y, width and height in metres, or columns and rows in posts")
+        wanted = Layer[layer.upper()] if isinstance(layer, str) else Layer(layer)
+        if out is None:
+            out = numpy.empty((rows, columns))
+        if out.shape != (rows, columns) or out.dtype != numpy.float64 or not out.flags.writeable:
+            raise ValueError(f"furrow: out must be writable float64 of the shape {(rows, columns)}")
+        if columns > 1 and out.strides[1] != out.itemsize or out.strides[0] % out.itemsize != 0 or out.strides[0] < 0:
+            raise ValueError("furrow: the rows of out must be contiguous each, and follow one another")
+        stride = out.strides[0] // out.itemsize if rows > 1 else columns
+        self._call("furrow_read", wanted, level, column, row, columns, rows, out.ctypes.data, stride)
+        return out
+
+    def changes(self, since: int = 0) -> Tuple[numpy.ndarray, int]:
+        """Rectangles of the working level that changed since a revision, and the revision now.
+
+        since: a revision that an earlier call told, or .info.revision. Returns ((n,) of furrow.RECT: ["column"], ["row"],
+        ["columns"], ["rows"], in posts; revision).
+        """
+        room = 64
+        with self._lock:
+            while True:
+                rects, count, now = numpy.empty(room, RECT), ctypes.c_size_t(room), ctypes.c_uint64()
+                try:
+                    self._call("furrow_changes", since, rects.ctypes.data, ctypes.byref(count), ctypes.byref(now))
+                    return rects[:count.value], now.value
+                except Exception:
+                    if count.value <= room:
+                        raise
+                    room = count.value
+
+    # --- looking ---
+
+    def render(self, position: Vector, orientation: Vector = LEVEL_WITH_NO_TURN, *, fovy: float = 1.0,
+               size: Tuple[int, int] = (640, 480)) -> Tuple[numpy.ndarray, numpy.ndarray]:
+        """Draws a picture of the newest ground.
+
+        position: (3,), m. orientation: (4,), a quaternion w, x, y, z: the camera looks along its own x, its z is up. fovy: rad,
+        the vertical angle of view. size: (width, height), pixels.
+        Returns rgb, (height, width, 3) uint8, sRGB, and depth, (height, width) float32, m along the view direction, inf: sky.
+        Rows come from the top.
+        """
+        width, height = size
+        camera = declared.furrow_camera(ctypes.sizeof(declared.furrow_camera), _pose(position, orientation), fovy, width, height)
+        rgb = numpy.empty((height, width, 3), numpy.uint8)
+        depth = numpy.empty((height, width), numpy.float32)
+        self._call("furrow_render", ctypes.byref(camera), rgb.ctypes.data, depth.ctypes.data)
+        return rgb, depth
+
+
+def _posts_between(start: float, length: float, spacing: float) -> Tuple[int, int]:
+    """The first post and the number of posts between two places, both included; a millionth of the spacing is no distance."""
+    first = int(numpy.ceil(start / spacing - 1e-6))
+    last = int(numpy.floor((start + length) / spacing + 1e-6))
+    if last < first:
+        raise ValueError(f"furrow: there is no post between {start} and {start + length} m; posts are {spacing} m apart")
+    return first, last - first + 1

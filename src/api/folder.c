@@ -1,0 +1,51 @@
+/* The folder of a run: made, locked, and cleared of what an earlier run left. */
+#include <errno.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "api/internal.h"
+
+enum status api_folder_make(const char *path)
+{
+	struct stat found;
+	if (mkdir(path, 0777) != 0 && errno != EEXIST)
+		return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be made", path, strerror(errno));
+	if (stat(path, &found) != 0 || !S_ISDIR(found.st_mode))
+		return fail_with(STATUS_FAILED, "%s: is not a folder; give another", path);
+	return STATUS_OK;
+}
+
+/* The log is also what says that a run writes into this folder; the lock goes with the process. */
+enum status api_folder_epochs(const char *directory, FILE **out)
+{
+	char path[4096];
+	snprintf(path, sizeof path, "%s/epochs.log", directory);
+	*out = fopen(path, "a+");
+	if (*out == NULL)
+		return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
+	if (flock(fileno(*out), LOCK_EX | LOCK_NB) == 0)
+		return STATUS_OK;
+	fclose(*out);
+	*out = NULL;
+	return fail_with(STATUS_FAILED, "%s: another drive writes into this folder; give another, or wait for it to end", directory);
+}
+
+enum status api_folder_clear(const struct world *world, const char *directory)
+{
+	char path[4096];
+	FILE *epochs = world->epochs;
+	long whole = 0;
+	for (int c; world->resumed.is && (c = getc(epochs)) != EOF;) /* a kill may have torn the last line */
+		if (c == '\n')
+			whole = ftell(epochs);
+	if (whole < 0 || ferror(epochs) || ftruncate(fileno(epochs), whole) != 0)
+		return fail_with(STATUS_FAILED, "%s/epochs.log: %s; give a folder that can be written", directory, strerror(errno));
+	rewind(epochs);
+	snprintf(path, sizeof path, "%s/run.json", directory);
+	unlink(path);
+	snprintf(path, sizeof path, "%s/map.png", directory);
+	unlink(path);
+	return STATUS_OK;
+}

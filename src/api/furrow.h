@@ -1,0 +1,353 @@
+/*
+ * furrow.h: terrain that is larger than memory and that changes under what drives on it.
+ *
+ * A world is a terrain that is open for simulation. It is opened from a scene (the YAML of SCENE.md, as text or as a file)
+ * and a store (a file that `furrow import` or furrow_import makes). The host places bodies, steps, and asks for forces,
+ * heights and pictures. furrow(3) begins with a program that runs; the folder examples/ holds three.
+ *
+ *     furrow_world_open -> furrow_body_add -> furrow_place -> (furrow_set_states -> furrow_step -> furrow_get_contacts) ...
+ *                       -> furrow_world_close
+ *
+ * Units and axes. SI units and radians. Local axes: x east, y north, z up; metres from the store's south-west post.
+ * Heights are as the store has them. A body's own axes: x forward, y left, z up. Quaternions are w, x, y, z.
+ *
+ * Errors. A function that can fail returns a furrow_status. furrow_last_error() then says what failed, why, and what to do.
+ * NULL, a size that is off, a NaN and a body that is gone are FURROW_USAGE, never a crash. A call that fails with
+ * FURROW_USAGE changed nothing. Results are written only by a call that returns FURROW_OK, unless said otherwise.
+ *
+ * Threads. One thread at a time uses a world. Several threads may use several worlds at once. The functions without a world
+ * may be called from any thread.
+ *
+ * Manners. No function prints, exits, sets a signal handler, or changes the environment or the locale. A function that needs
+ * GL makes its own EGL context current, and gives back the one that was current before. Where a GLX context is current the
+ * call can be refused with FURROW_NO_GL: release the context first, or use another thread.
+ *
+ * Ownership. Strings and arrays that a host gives are read during the call only. The library frees nothing of the host's.
+ *
+ * Growth. A struct that begins with `size_t size` may get members at its end. Set `size` to sizeof the struct before the
+ * call, and all else that you do not use to 0.
+ */
+#ifndef FURROW_H
+#define FURROW_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifndef FURROW_API
+#if defined(__GNUC__)
+#define FURROW_API __attribute__((visibility("default")))
+#else
+#define FURROW_API
+#endif
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* What a call comes to; the same numbers as the exit statuses of the `furrow` command. */
+typedef enum {
+	FURROW_OK = 0,
+	FURROW_FAILED = 1,       /* failed while it ran: memory, the disk, a commit, a lost GL context */
+	FURROW_USAGE = 2,        /* the call is wrong: NULL, NaN, a size, a body that is gone */
+	FURROW_INPUT = 3,        /* a scene, a store or a source is missing, unreadable, corrupt or out of range */
+	FURROW_NO_GL = 4,        /* there is no usable OpenGL 4.5 through EGL, or it cannot be made current here */
+	FURROW_INTERRUPTED = 130 /* the host's `progress` stopped it */
+} furrow_status;
+
+/* --- the library --- */
+
+/* Returns the library's version, such as "0.2.0". Any thread. The string is static. */
+FURROW_API const char *furrow_version(void);
+
+/*
+ * Returns the message of this thread's last failed call, "WHAT: WHY; WHAT TO DO", or "" if none failed.
+ * The string is the library's. It is valid until this thread's next call of the library.
+ */
+FURROW_API const char *furrow_last_error(void);
+
+/*
+ * Sets who gets the library's notes: what is worth knowing and is no failure. NULL, the default: nobody.
+ * `level`: 0 is a note; greater numbers are kept for what is graver. `message`: one line without a newline, valid during the
+ * call. `user` is handed on. One log serves all worlds. Any thread may call the log function, several at once; it must not
+ * call the library. After furrow_set_log returns, the log function that was set before is not called any more.
+ */
+FURROW_API void furrow_set_log(void (*log)(int level, const char *message, void *user), void *user);
+
+/* Frees what the library handed out to be freed. Takes NULL. Any thread. */
+FURROW_API void furrow_free(void *memory);
+
+/*
+ * Makes a store of elevation data, as `furrow import` does.
+ * `sources`: `count` paths of rasters, folders, or "@list.txt"; at least one. `store`: path of the file to make.
+ * `options`: a YAML mapping of the command's long names, as in "{max_error: 0.01, spacing: 1}"; NULL: all defaults.
+ * `progress`: gets the share that is done, 0 to 1, and returns false to stop; NULL: nobody asks. It is called on this thread.
+ * `user` is handed on to it.
+ * FURROW_INTERRUPTED: `progress` stopped it; a call with {resume: true} goes on. FURROW_INPUT: a source cannot be read, or
+ * the store exists and {overwrite: true} is not given. FURROW_USAGE: an option is unknown or out of its range.
+ * Any thread. Needs no GL.
+ */
+FURROW_API furrow_status furrow_import(const char *const *sources, size_t count, const char *store, const char *options,
+				       bool (*progress)(double share, void *user), void *user);
+
+/* --- a world --- */
+
+struct furrow_world; /* owned by whoever opened it */
+
+/* How a world is opened. Strings that are not needed are NULL. */
+struct furrow_open {
+	size_t size;            /* sizeof(struct furrow_open) */
+	const char *scene;      /* the scene's text, YAML or JSON. Either this or scene_file */
+	const char *scene_file; /* path of the scene; paths inside it count from its folder */
+	const char *store;      /* path of the store; NULL: the scene names it */
+	const char *overlay;    /* path of a file that keeps the deformation, so that the store is only read; made if absent */
+	const char *output;     /* folder for run.json and objects.csv, made if absent; NULL: neither is written */
+	bool resume;            /* go on from the store's last drive of this scene; begin anew if there was none */
+	bool durable;           /* a commit survives a power cut; slower */
+};
+
+/*
+ * Opens a world. Of a scene, `end_time`, `objects` and `output` may be absent here.
+ * *world gets the world, or NULL when the call fails. Close it with furrow_world_close.
+ * FURROW_INPUT: the scene or the store is not usable; the message names the line. FURROW_NO_GL: there is no usable GL.
+ * FURROW_USAGE: not exactly one of scene and scene_file is given, or `size` is off.
+ * Any thread. The world's later calls may come from other threads, one at a time.
+ */
+FURROW_API furrow_status furrow_world_open(const struct furrow_open *open, struct furrow_world **world);
+
+/*
+ * Commits the ground as it is and frees the world, also when it fails. After a rollback the ground is the rolled-back one.
+ * NULL: does nothing, FURROW_OK. FURROW_FAILED: the last changes could not be committed; the store has its last commit.
+ */
+FURROW_API furrow_status furrow_world_close(struct furrow_world *world);
+
+/*
+ * Moves time on by `seconds`. Bodies with paths follow them; the others get to where furrow_set_states said.
+ * 0: the scene's time_step; n such steps end at n x time_step exactly. A step with bodies of the host ends when the ground
+ * under them is on the host.
+ * FURROW_USAGE: `seconds` is negative, NaN or infinite. FURROW_FAILED: the step could not be completed; the world can then only
+ * be rolled back or closed, and nothing of that step is committed.
+ */
+FURROW_API furrow_status furrow_step(struct furrow_world *world, double seconds);
+
+/* Returns the simulated seconds since the scene's start; NaN if `world` is NULL. */
+FURROW_API double furrow_time(const struct furrow_world *world);
+
+/* Commits all so far. The store then holds it, and furrow_rollback returns to it. */
+FURROW_API furrow_status furrow_checkpoint(struct furrow_world *world);
+
+/*
+ * Goes back to the last checkpoint, or to the opening if there was none: ground, bodies, forces, time and objects.csv.
+ * Bodies that were removed since are back. Bodies that were added since are gone, and their handles stay invalid.
+ */
+FURROW_API furrow_status furrow_rollback(struct furrow_world *world);
+
+/* What a world is. Filled by furrow_info. */
+struct furrow_info {
+	size_t size;           /* sizeof(struct furrow_info) */
+	int32_t level;         /* the working level, where bodies change the ground: 0 or below */
+	int32_t coarsest;      /* the coarsest level, of a single tile. Level k has a spacing of 2^k times that of level 0 */
+	uint32_t cells;        /* along a tile's side */
+	double spacing;        /* m between posts of the working level */
+	int64_t columns, rows; /* posts of the working level, to the east and to the north */
+	int32_t levels;        /* from the working level to the coarsest, both included */
+	double extent[2];      /* m from the first post to the last, to the east and to the north */
+	double low, high;      /* m: the range of heights of the base, as imported */
+	double gravity;        /* m/s2, the scene's */
+	double time_step;      /* s, the scene's: what furrow_step(world, 0) means */
+	const char *srs;       /* WKT of the store's reference system; "": local metres. Valid until the world is closed */
+	double origin[2];      /* coordinates of the south-west post in it, east and north */
+	uint64_t revision;     /* of the ground now, for furrow_changes */
+};
+
+/* Fills *info, whose `size` the caller has set. Members beyond `size` are not written. FURROW_USAGE: `size` is off. */
+FURROW_API furrow_status furrow_info(struct furrow_world *world, struct furrow_info *info);
+
+/* Makes *json the text that run.json would hold now. Free it with furrow_free. After a failure *json is NULL. */
+FURROW_API furrow_status furrow_stats(struct furrow_world *world, char **json);
+
+/* --- bodies: what touches the ground. Those of the scene with a path follow it; all others are the host's --- */
+
+/* A handle, 0 or more, valid in its world. A handle is never used again for another body. */
+typedef int32_t furrow_body;
+
+/* Where a body is. */
+struct furrow_pose {
+	double position[3];    /* m, local axes: of the body's origin */
+	double orientation[4]; /* w, x, y, z: from the body's axes to the local ones; of length 1 within 0.001 */
+};
+
+/* Where a body is and how it moves. */
+struct furrow_state {
+	struct furrow_pose pose; /* where the body is */
+	double linear[3];  /* m/s, local axes: of the body's origin */
+	double angular[3]; /* rad/s, local axes */
+};
+
+enum furrow_contact_state {
+	FURROW_AIR,      /* touches nothing */
+	FURROW_TOUCHING, /* the soil carries it */
+	FURROW_SLIDES,   /* the shear stress is beyond friction */
+	FURROW_SUNK,     /* the soil does not carry it */
+	FURROW_UNKNOWN   /* the ground there is not on the host */
+};
+
+/* What the soil does to a body. A figure that is not known is NaN. */
+struct furrow_contact {
+	double time;            /* s: of the ground and the state that it is of */
+	double force[3];        /* N, on the body, local axes */
+	double moment[3];       /* N m, about the body's origin, on the body, local axes */
+	double point[3];        /* m: where the force's line passes nearest the patch's centre */
+	double normal[3];       /* unit: mean normal of the patch, upward */
+	double sinkage;         /* m below the undisturbed surface */
+	double area;            /* m2 that touch */
+	double slip;            /* of a wheel: 1 - travel / (turn x radius); NaN: has none */
+	double stiffness[6][6]; /* N/m, N, N, N m/rad: d(force, moment) / d(translation, rotation) */
+	double damping[6][6];   /* the same of their rates: times s */
+	double normal_force;    /* N: the sum over the patch */
+	double shear_limit;     /* N: the most that its shear can hold */
+	enum furrow_contact_state state; /* whether the soil carries the body */
+};
+
+/*
+ * Adds a body. `object`: YAML of one entry of the scene's `objects`, as in "{shape: {sphere: {radius: 0.2}}}"; `name` may be
+ * absent. It is the host's: without a path, and it touches nothing until it is placed. *body gets its handle, or -1 when the
+ * call fails. FURROW_INPUT: the text is no such entry, it has a path, or its name is taken.
+ */
+FURROW_API furrow_status furrow_body_add(struct furrow_world *world, const char *object, furrow_body *body);
+
+/* Finds a body of the scene, or an added one, by its name. FURROW_INPUT: there is none; *body is -1 then. */
+FURROW_API furrow_status furrow_body_find(struct furrow_world *world, const char *name, furrow_body *body);
+
+/* Takes a body away. Its soil is unloaded. FURROW_USAGE: it is gone already. */
+FURROW_API furrow_status furrow_body_remove(struct furrow_world *world, furrow_body body);
+
+/*
+ * Tells what the soil would do to `count` bodies in these states, and changes nothing. For hosts that integrate motion and ask
+ * many times a step. It reads the ground as the last step left it, on the CPU, and waits for nothing else.
+ * `bodies`, `states`, `contacts`: `count` entries each. `contact_size`: sizeof(struct furrow_contact). `count` 0: does nothing.
+ * Where a state is too far from the last step's, contact.state is FURROW_UNKNOWN and its numbers are NaN. This version answers
+ * FURROW_UNKNOWN for every state.
+ */
+FURROW_API furrow_status furrow_probe(struct furrow_world *world, size_t count, const furrow_body *bodies,
+				      const struct furrow_state *states, struct furrow_contact *contacts, size_t contact_size);
+
+/*
+ * Says where `count` bodies are at the end of the next step. `bodies`, `states`: `count` entries each; 0: does nothing.
+ * The way comes from poses; slip and spin come from `linear` and `angular`. Motion accumulates. It changes the ground once it is a
+ * working post of travel or turn, or a tenth of one of sinkage, and at a checkpoint, and before a query.
+ * FURROW_USAGE: a body follows a path, is gone, was never placed or stands twice in the list; a number is NaN or infinite; a
+ * quaternion is not of length 1. FURROW_INPUT: the axle of a wheel is not level.
+ */
+FURROW_API furrow_status furrow_set_states(struct furrow_world *world, size_t count, const furrow_body *bodies,
+					   const struct furrow_state *states);
+
+/*
+ * Puts a body somewhere without touching what is between, at rest. It touches the ground from the next step on.
+ * FURROW_USAGE and FURROW_INPUT as furrow_set_states.
+ */
+FURROW_API furrow_status furrow_place(struct furrow_world *world, furrow_body body, const struct furrow_pose *pose);
+
+/* Fills `count` states: where bodies are now. Of a body that was never placed they are NaN. */
+FURROW_API furrow_status furrow_get_states(struct furrow_world *world, size_t count, const furrow_body *bodies,
+					   struct furrow_state *states);
+
+/*
+ * Fills `count` contacts: what the soil did to bodies in the last step. May wait for that step's work.
+ * `contact_size`: sizeof(struct furrow_contact). stiffness and damping are NaN in this version.
+ */
+FURROW_API furrow_status furrow_get_contacts(struct furrow_world *world, size_t count, const furrow_body *bodies,
+					     struct furrow_contact *contacts, size_t contact_size);
+
+/* --- asking: the newest ground, wherever it is --- */
+
+/* The ground at a point. */
+struct furrow_point {
+	double height;    /* m; NaN where nodata */
+	double normal[3]; /* unit, upward */
+	double offset;    /* m that deformation added to the base: negative in a rut */
+	int32_t soil;     /* index among the scene's soils */
+	bool nodata;      /* outside the terrain, or in a hole */
+};
+
+/*
+ * Fills `count` points. `xy`: `count` pairs in m, local axes. A point outside the terrain is nodata and no failure.
+ * FURROW_USAGE: a NULL or a NaN.
+ */
+FURROW_API furrow_status furrow_points(struct furrow_world *world, size_t count, const double (*xy)[2],
+				       struct furrow_point *points);
+
+/* Where a ray meets the ground. */
+struct furrow_hit {
+	double position[3]; /* m, local axes; NaN where nothing is hit */
+	double normal[3];   /* unit, upward */
+	double distance;    /* m from the origin */
+	bool hit;
+};
+
+/*
+ * Fills `count` hits: the first place where each ray meets the ground. `origin`: m; `direction`: of any length but 0; local
+ * axes, `count` entries each. FURROW_USAGE: a NULL, a NaN, or a direction of length 0.
+ */
+FURROW_API furrow_status furrow_rays(struct furrow_world *world, size_t count, const double (*origin)[3],
+				     const double (*direction)[3], struct furrow_hit *hits);
+
+/* Metres, but for DISTURBANCE: 0 to 1. */
+enum furrow_layer {
+	FURROW_SURFACE,     /* base + offset */
+	FURROW_BASE,        /* as imported */
+	FURROW_OFFSET,      /* what deformation added */
+	FURROW_DEPOSITED,   /* deposited thickness: soil that was heaped up */
+	FURROW_SINKAGE,     /* plastic sinkage */
+	FURROW_SHEAR_X,     /* shear displacement, to the east */
+	FURROW_SHEAR_Y,     /* and to the north */
+	FURROW_DISTURBANCE
+};
+
+/*
+ * Reads a rectangle of posts of a level, from (column, row) on; row 0 is the southernmost.
+ * `posts`: post (c, r) of the rectangle is posts[r * row_stride + c]; row_stride counts posts and is at least `columns`.
+ * NaN where there is no post. Layers of the soil's state exist at the working level; elsewhere they are NaN.
+ * FURROW_USAGE: a NULL, an unknown layer, a level below the working one or above the coarsest, a stride below `columns`.
+ */
+FURROW_API furrow_status furrow_read(struct furrow_world *world, enum furrow_layer layer, int level, int64_t column,
+				     int64_t row, uint32_t columns, uint32_t rows, double *posts, size_t row_stride);
+
+/* A rectangle of posts of the working level. */
+struct furrow_rect {
+	int64_t column, row, columns, rows;
+};
+
+/*
+ * Tells which rectangles of the working level changed since a revision, and the revision now. For engines that keep a copy.
+ * `since`: a revision of this world, by an earlier call or by furrow_info; 0: since the store was made.
+ * `rects`: room for *count; may be NULL if *count is 0. *count gets the number. `now` may be NULL.
+ * FURROW_USAGE: there is too little room; *count and *now are filled then, too. Or `since` has not been yet.
+ */
+FURROW_API furrow_status furrow_changes(struct furrow_world *world, uint64_t since, struct furrow_rect *rects, size_t *count,
+					uint64_t *now);
+
+/* --- looking --- */
+
+/* What is looked at, and how large the picture is. */
+struct furrow_camera {
+	size_t size;             /* sizeof(struct furrow_camera) */
+	struct furrow_pose pose; /* it looks along its own x; its z is up in the picture */
+	double fovy;             /* rad: the vertical angle of view, above 0 and below pi */
+	uint32_t width, height;  /* pixels, 1 to 8192 each */
+};
+
+/*
+ * Draws a picture of the newest ground. Rows come from the top. The scene's `view` says what is drawn, and may be absent.
+ * `rgb`: 3 x width x height bytes, sRGB. `depth`: width x height metres along the view direction; INFINITY: sky. Either may
+ * be NULL. What drawing needs is made at the first call. FURROW_USAGE: a NaN, a size that is off.
+ */
+FURROW_API furrow_status furrow_render(struct furrow_world *world, const struct furrow_camera *camera, uint8_t *rgb,
+				       float *depth);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

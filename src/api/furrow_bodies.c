@@ -1,0 +1,204 @@
+/* furrow.h: bodies. Handles are the world's numbers. */
+#include "api/library.h"
+
+#include <math.h>
+#include <string.h>
+
+_Static_assert((int)FURROW_AIR == (int)WORLD_AIR && (int)FURROW_UNKNOWN == (int)WORLD_UNKNOWN, "the same states in the same order");
+
+/* The two are the same numbers in the same order; only their names are furrow.h's. */
+static struct world_pose pose_of(const struct furrow_pose *from)
+{
+	struct world_pose pose;
+	memcpy(pose.position, from->position, sizeof pose.position);
+	memcpy(pose.orientation, from->orientation, sizeof pose.orientation);
+	return pose;
+}
+
+static struct world_state state_of(const struct furrow_state *from)
+{
+	struct world_state state = {.pose = pose_of(&from->pose)};
+	memcpy(state.linear, from->linear, sizeof state.linear);
+	memcpy(state.angular, from->angular, sizeof state.angular);
+	return state;
+}
+
+static void tell_state(const struct world_state *from, struct furrow_state *state)
+{
+	memcpy(state->pose.position, from->pose.position, sizeof state->pose.position);
+	memcpy(state->pose.orientation, from->pose.orientation, sizeof state->pose.orientation);
+	memcpy(state->linear, from->linear, sizeof state->linear);
+	memcpy(state->angular, from->angular, sizeof state->angular);
+}
+
+static void tell_contact(const struct world_contact *from, struct furrow_contact *contact)
+{
+	*contact = (struct furrow_contact){
+		.time = from->time,
+		.sinkage = from->sinkage,
+		.area = from->area,
+		.slip = from->slip,
+		.normal_force = from->normal_force,
+		.shear_limit = from->shear_limit,
+		.state = (enum furrow_contact_state)from->state,
+	};
+	memcpy(contact->force, from->force, sizeof contact->force);
+	memcpy(contact->moment, from->moment, sizeof contact->moment);
+	memcpy(contact->point, from->point, sizeof contact->point);
+	memcpy(contact->normal, from->normal, sizeof contact->normal);
+	for (int i = 0; i < 6; i++)
+		for (int k = 0; k < 6; k++)
+			contact->stiffness[i][k] = contact->damping[i][k] = NAN;
+}
+
+/* Lists of bodies, and of what belongs to each. */
+static enum status need_lists(const struct furrow_world *world, size_t count, const void *bodies, const void *items, const char *name)
+{
+	enum status status = api_library_need(world, "world");
+	if (status == STATUS_OK && count > 0)
+		status = api_library_need(bodies, "bodies");
+	if (status == STATUS_OK && count > 0)
+		status = api_library_need(items, name);
+	return status;
+}
+
+static enum status need_contact_size(size_t size)
+{
+	if (size == sizeof(struct furrow_contact))
+		return STATUS_OK;
+	return fail_with(STATUS_USAGE, "contact_size: it is %zu, and a contact has %zu bytes; give sizeof(struct furrow_contact)", size,
+			 sizeof(struct furrow_contact));
+}
+
+furrow_status furrow_body_add(struct furrow_world *world, const char *object, furrow_body *body)
+{
+	struct library_call call;
+	struct scene_object parsed;
+	enum status status = api_library_enter(&call, world);
+	if (body != NULL)
+		*body = -1;
+	if (status == STATUS_OK)
+		status = api_library_need(object, "object");
+	if (status == STATUS_OK)
+		status = api_library_need(body, "body");
+	if (status == STATUS_OK)
+		status = scene_object_parse(world->scene, object, &parsed);
+	if (status != STATUS_OK)
+		return api_library_leave(&call, status);
+	status = world_body_add(&world->world, &parsed, body);
+	if (status != STATUS_OK)
+		scene_object_finish(&parsed);
+	return api_library_leave(&call, status);
+}
+
+furrow_status furrow_body_find(struct furrow_world *world, const char *name, furrow_body *body)
+{
+	api_library_begin();
+	enum status status = api_library_need(world, "world");
+	if (body != NULL)
+		*body = -1;
+	if (status == STATUS_OK)
+		status = api_library_need(name, "name");
+	if (status == STATUS_OK)
+		status = api_library_need(body, "body");
+	if (status == STATUS_OK)
+		status = world_body_find(&world->world, name, body);
+	return api_library_end(status);
+}
+
+furrow_status furrow_body_remove(struct furrow_world *world, furrow_body body)
+{
+	struct library_call call;
+	enum status status = api_library_enter(&call, world);
+	if (status == STATUS_OK)
+		status = world_body_remove(&world->world, body);
+	return api_library_leave(&call, status);
+}
+
+furrow_status furrow_place(struct furrow_world *world, furrow_body body, const struct furrow_pose *pose)
+{
+	struct library_call call;
+	enum status status = api_library_enter(&call, world);
+	if (status == STATUS_OK)
+		status = api_library_need(pose, "pose");
+	if (status == STATUS_OK) {
+		const struct world_pose at = pose_of(pose);
+		status = world_body_place(&world->world, body, &at);
+	}
+	return api_library_leave(&call, status);
+}
+
+furrow_status furrow_set_states(struct furrow_world *world, size_t count, const furrow_body *bodies, const struct furrow_state *states)
+{
+	api_library_begin();
+	enum status status = need_lists(world, count, bodies, states, "states");
+	struct world_state *list = NULL;
+	if (status == STATUS_OK && count > 0) {
+		list = mem_alloc(count, sizeof *list);
+		status = list != NULL ? STATUS_OK : fail_memory("states");
+	}
+	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+		list[i] = state_of(&states[i]);
+	if (status == STATUS_OK && count > 0)
+		status = world_bodies_set(&world->world, count, bodies, list);
+	mem_free(list);
+	return api_library_end(status);
+}
+
+furrow_status furrow_get_states(struct furrow_world *world, size_t count, const furrow_body *bodies, struct furrow_state *states)
+{
+	api_library_begin();
+	enum status status = need_lists(world, count, bodies, states, "states");
+	struct world_state state;
+	for (size_t i = 0; i < count && status == STATUS_OK; i++) /* all are there, or nothing is told */
+		status = world_body_state(&world->world, bodies[i], &state);
+	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+		status = world_body_state(&world->world, bodies[i], &state);
+		if (status == STATUS_OK)
+			tell_state(&state, &states[i]);
+	}
+	return api_library_end(status);
+}
+
+furrow_status furrow_get_contacts(struct furrow_world *world, size_t count, const furrow_body *bodies, struct furrow_contact *contacts,
+				  size_t contact_size)
+{
+	struct library_call call;
+	enum status status = api_library_enter(&call, world);
+	if (status == STATUS_OK)
+		status = need_lists(world, count, bodies, contacts, "contacts");
+	if (status == STATUS_OK)
+		status = need_contact_size(contact_size);
+	struct world_state state;
+	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+		status = world_body_state(&world->world, bodies[i], &state);
+	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+		struct world_contact contact;
+		status = world_body_contact(&world->world, bodies[i], &contact);
+		if (status == STATUS_OK)
+			tell_contact(&contact, &contacts[i]);
+	}
+	return api_library_leave(&call, status);
+}
+
+furrow_status furrow_probe(struct furrow_world *world, size_t count, const furrow_body *bodies, const struct furrow_state *states,
+			   struct furrow_contact *contacts, size_t contact_size)
+{
+	api_library_begin();
+	enum status status = need_lists(world, count, bodies, states, "states");
+	if (status == STATUS_OK)
+		status = need_lists(world, count, bodies, contacts, "contacts");
+	if (status == STATUS_OK)
+		status = need_contact_size(contact_size);
+	struct world_state state;
+	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+		status = world_body_state(&world->world, bodies[i], &state);
+	/* No patch of ground is kept on the host in this version: nothing is known of any state. */
+	const struct world_contact unknown = {
+		.time = NAN, .force = {NAN, NAN, NAN}, .moment = {NAN, NAN, NAN}, .point = {NAN, NAN, NAN}, .normal = {NAN, NAN, NAN},
+		.sinkage = NAN, .area = NAN, .slip = NAN, .normal_force = NAN, .shear_limit = NAN, .state = WORLD_UNKNOWN,
+	};
+	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+		tell_contact(&unknown, &contacts[i]);
+	return api_library_end(status);
+}

@@ -1,0 +1,249 @@
+/* furrow.h: questions about the newest ground. */
+#include "api/library.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Offsets smaller than this are what rounding leaves of the base: twice the lattice's 2^-18 m. */
+#define OFFSET_NOISE 0x1p-17
+
+static enum status points_of(struct furrow_world *world, size_t count, const double (*xy)[2], struct terrain_point *points)
+{
+	(void)world;
+	for (size_t i = 0; i < count; i++) {
+		if (!isfinite(xy[i][0]) || !isfinite(xy[i][1]))
+			return fail_with(STATUS_USAGE, "xy[%zu]: %g, %g is no place; give finite numbers, m", i, xy[i][0], xy[i][1]);
+		points[i] = (struct terrain_point){xy[i][0], xy[i][1]};
+	}
+	return STATUS_OK;
+}
+
+static enum status tell_point(struct furrow_world *world, const struct terrain_point *at, const struct terrain_height *height,
+			      struct furrow_point *point)
+{
+	*point = (struct furrow_point){.height = height->bilinear, .offset = NAN, .nodata = isnan(height->bilinear)};
+	memcpy(point->normal, height->normal, sizeof point->normal);
+	if (point->nodata) {
+		point->normal[0] = point->normal[1] = point->normal[2] = NAN;
+		return STATUS_OK;
+	}
+	int64_t base;
+	bool any;
+	enum status status = resident_ground_height(world->world.ground, lattice_offset(at->x), lattice_offset(at->y), &base, &any);
+	if (status == STATUS_OK && any) {
+		point->offset = height->bilinear - lattice_offset_metres(base);
+		point->offset = fabs(point->offset) <= OFFSET_NOISE ? 0 : point->offset;
+	}
+	int soil = 0;
+	if (status == STATUS_OK)
+		status = world_soil_at(&world->world, at->x, at->y, &soil);
+	point->soil = soil;
+	return status;
+}
+
+furrow_status furrow_points(struct furrow_world *world, size_t count, const double (*xy)[2], struct furrow_point *points)
+{
+	struct library_call call;
+	struct terrain_point *at = NULL;
+	struct terrain_height *heights = NULL;
+	enum status status = api_library_enter(&call, world);
+	if (status == STATUS_OK && count > 0)
+		status = api_library_need(xy, "xy");
+	if (status == STATUS_OK && count > 0)
+		status = api_library_need(points, "points");
+	if (status != STATUS_OK || count == 0)
+		return api_library_leave(&call, status);
+	at = mem_alloc(count, sizeof *at);
+	heights = mem_alloc(count, sizeof *heights);
+	status = at != NULL && heights != NULL ? points_of(world, count, xy, at) : fail_memory("points");
+	if (status == STATUS_OK)
+		status = api_library_settle(world);
+	if (status == STATUS_OK)
+		status = world_heights(&world->world, at, count, heights);
+	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+		status = tell_point(world, &at[i], &heights[i], &points[i]);
+	mem_free(at);
+	mem_free(heights);
+	return api_library_leave(&call, status);
+}
+
+static enum status rays_of(size_t count, const double (*origin)[3], const double (*direction)[3], struct terrain_ray *rays)
+{
+	for (size_t i = 0; i < count; i++) {
+		double sum = 0, length = 0;
+		for (int k = 0; k < 3; k++) {
+			sum += fabs(origin[i][k]) + fabs(direction[i][k]);
+			length += fabs(direction[i][k]);
+		}
+		if (!isfinite(sum) || length == 0)
+			return fail_with(STATUS_USAGE, "ray %zu: it is no ray; give finite numbers, and a direction that is not 0", i);
+		rays[i] = (struct terrain_ray){.length = INFINITY};
+		memcpy(rays[i].origin, origin[i], sizeof rays[i].origin);
+		memcpy(rays[i].direction, direction[i], sizeof rays[i].direction);
+	}
+	return STATUS_OK;
+}
+
+static void tell_hit(const struct terrain_hit *from, struct furrow_hit *hit)
+{
+	*hit = (struct furrow_hit){{NAN, NAN, NAN}, {NAN, NAN, NAN}, NAN, from->hit};
+	if (!from->hit)
+		return;
+	memcpy(hit->position, from->point, sizeof hit->position);
+	memcpy(hit->normal, from->normal, sizeof hit->normal);
+	hit->distance = from->distance;
+}
+
+furrow_status furrow_rays(struct furrow_world *world, size_t count, const double (*origin)[3], const double (*direction)[3],
+			  struct furrow_hit *hits)
+{
+	struct library_call call;
+	struct terrain_ray *rays = NULL;
+	struct terrain_hit *found = NULL;
+	enum status status = api_library_enter(&call, world);
+	if (status == STATUS_OK && count > 0)
+		status = api_library_need(origin, "origin");
+	if (status == STATUS_OK && count > 0)
+		status = api_library_need(direction, "direction");
+	if (status == STATUS_OK && count > 0)
+		status = api_library_need(hits, "hits");
+	if (status != STATUS_OK || count == 0)
+		return api_library_leave(&call, status);
+	rays = mem_alloc(count, sizeof *rays);
+	found = mem_alloc(count, sizeof *found);
+	status = rays != NULL && found != NULL ? rays_of(count, origin, direction, rays) : fail_memory("rays");
+	if (status == STATUS_OK)
+		status = api_library_settle(world);
+	if (status == STATUS_OK)
+		status = world_rays(&world->world, rays, count, found);
+	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+		tell_hit(&found[i], &hits[i]);
+	mem_free(rays);
+	mem_free(found);
+	return api_library_leave(&call, status);
+}
+
+/* --- posts --- */
+
+#define DISTURBANCE_MOST 255.0
+
+/* STORE_LAYERS: this version does not keep it. */
+static enum store_layer layer_of(enum furrow_layer layer)
+{
+	switch (layer) {
+	case FURROW_SURFACE:
+		return STORE_SURFACE;
+	case FURROW_BASE:
+		return STORE_BASE;
+	case FURROW_OFFSET:
+		return STORE_OFFSET;
+	case FURROW_DEPOSITED:
+		return STORE_HEAPED;
+	case FURROW_SINKAGE:
+		return STORE_PRESSED;
+	case FURROW_DISTURBANCE:
+		return STORE_SOIL;
+	case FURROW_SHEAR_X: /* only the amount of shear is kept, not its direction */
+	case FURROW_SHEAR_Y:
+		break;
+	}
+	return STORE_LAYERS;
+}
+
+static enum status check_read(const struct furrow_world *world, enum furrow_layer layer, int level, uint32_t columns, const double *posts,
+			      size_t row_stride)
+{
+	const int coarsest = extent_coarsest(&world->world.meta->extent);
+	enum status status = api_library_need(posts, "posts");
+	if (status != STATUS_OK)
+		return status;
+	if ((int)layer < 0 || (int)layer > (int)FURROW_DISTURBANCE)
+		return fail_with(STATUS_USAGE, "layer: %d is none; give one of enum furrow_layer", (int)layer);
+	if (level < world->world.level || level > coarsest)
+		return fail_with(STATUS_USAGE, "level: %d is not kept; give %d to %d", level, world->world.level, coarsest);
+	if (row_stride < columns)
+		return fail_with(STATUS_USAGE, "row_stride: %zu posts are less than the %u of a row; give at least as many", row_stride, columns);
+	return STATUS_OK;
+}
+
+static void fill_nan(double *posts, size_t columns, size_t rows, size_t stride)
+{
+	for (size_t r = 0; r < rows; r++)
+		for (size_t c = 0; c < columns; c++)
+			posts[r * stride + c] = NAN;
+}
+
+static enum status read_rows(struct furrow_world *world, enum store_layer layer, int level, struct post_rect rect, double *posts, size_t stride)
+{
+	const size_t columns = (size_t)(rect.x1 - rect.x0);
+	const int64_t at_once = columns < 65536 ? 65536 / (int64_t)columns + 1 : 1; /* rows: a block of memory of about half a MB */
+	const int64_t all = rect.y1 - rect.y0;
+	double *values = mem_alloc((size_t)(at_once < all ? at_once : all) * columns, sizeof *values);
+	enum status status = values != NULL ? STATUS_OK : fail_memory("posts");
+	for (int64_t y = rect.y0; y < rect.y1 && status == STATUS_OK; y += at_once) {
+		const int64_t end = y + at_once < rect.y1 ? y + at_once : rect.y1;
+		status = world_read_posts(&world->world, layer, level, (struct post_rect){rect.x0, y, rect.x1, end}, values);
+		for (int64_t r = y; r < end && status == STATUS_OK; r++)
+			for (size_t c = 0; c < columns; c++) {
+				const double value = values[(size_t)(r - y) * columns + c];
+				posts[(size_t)(r - rect.y0) * stride + c] = layer == STORE_SOIL ? value / DISTURBANCE_MOST : value;
+			}
+	}
+	mem_free(values);
+	return status;
+}
+
+furrow_status furrow_read(struct furrow_world *world, enum furrow_layer layer, int level, int64_t column, int64_t row, uint32_t columns,
+			  uint32_t rows, double *posts, size_t row_stride)
+{
+	struct library_call call;
+	enum status status = api_library_enter(&call, world);
+	if (status == STATUS_OK && (columns == 0 || rows == 0))
+		return api_library_leave(&call, status);
+	if (status == STATUS_OK)
+		status = check_read(world, layer, level, columns, posts, row_stride);
+	if (status == STATUS_OK)
+		status = api_library_settle(world);
+	if (status != STATUS_OK)
+		return api_library_leave(&call, status);
+	const enum store_layer kept = layer_of(layer);
+	const struct extent *extent = &world->world.meta->extent;
+	const struct post_rect all = {0, 0, extent_posts(extent->width, level), extent_posts(extent->height, level)};
+	const bool soil = kept == STORE_HEAPED || kept == STORE_PRESSED || kept == STORE_LAYERS;
+	struct post_rect rect = {column, row, column, row};
+	/* What lies beyond the terrain is not there; so a sum that would overflow is not needed either. */
+	if (column < all.x1 && row < all.y1 && column > -(int64_t)columns && row > -(int64_t)rows)
+		rect = post_rect_intersect((struct post_rect){column, row, column + columns, row + rows}, all);
+	fill_nan(posts, columns, rows, row_stride);
+	if (!post_rect_empty(rect) && kept != STORE_LAYERS && !(soil && level != world->world.level))
+		status = read_rows(world, kept, level, rect, posts + (size_t)(rect.y0 - row) * row_stride + (size_t)(rect.x0 - column),
+				   row_stride);
+	return api_library_leave(&call, status);
+}
+
+furrow_status furrow_changes(struct furrow_world *world, uint64_t since, struct furrow_rect *rects, size_t *count, uint64_t *now)
+{
+	struct library_call call;
+	struct post_rect *found = NULL;
+	uint64_t revision = 0;
+	enum status status = api_library_enter(&call, world);
+	if (status == STATUS_OK)
+		status = api_library_need(count, "count");
+	if (status == STATUS_OK && *count > 0)
+		status = api_library_need(rects, "rects");
+	if (status == STATUS_OK)
+		status = api_library_settle(world);
+	if (status == STATUS_OK && *count > 0) {
+		found = mem_alloc(*count, sizeof *found);
+		status = found != NULL ? STATUS_OK : fail_memory("rectangles");
+	}
+	if (status == STATUS_OK) {
+		status = world_changes_since(&world->world, since, found, count, &revision);
+		if (now != NULL)
+			*now = revision;
+		for (size_t i = 0; status == STATUS_OK && i < *count; i++)
+			rects[i] = (struct furrow_rect){found[i].x0, found[i].y0, found[i].x1 - found[i].x0, found[i].y1 - found[i].y0};
+	}
+	mem_free(found);
+	return api_library_leave(&call, status);
+}

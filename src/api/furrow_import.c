@@ -1,0 +1,121 @@
+/* furrow.h: elevation data to a store. */
+#include "api/library.h"
+
+#include <string.h>
+#include <yaml.h>
+
+#include "api/import.h"
+
+struct telling {
+	bool (*progress)(double share, void *user);
+	void *user;
+	const char *store;
+};
+
+static enum status tell(void *user, int64_t done, int64_t total)
+{
+	const struct telling *telling = user;
+	if (telling->progress == NULL || telling->progress(total > 0 ? (double)done / (double)total : 1, telling->user))
+		return STATUS_OK;
+	return fail_with(STATUS_INTERRUPTED, "%s: stopped; the same call with {resume: true} goes on", telling->store);
+}
+
+/* --- options: a mapping of scalars, or of lists of them --- */
+
+static enum status off(const yaml_node_t *node, const char *why)
+{
+	return fail_with(STATUS_USAGE, "options: line %zu: %s; give a mapping of the command's long names, as in {max_error: 0.01}",
+			 node != NULL ? node->start_mark.line + 1 : 1, why);
+}
+
+static enum status take(struct import *import, const char *name, const yaml_node_t *value)
+{
+	if (value == NULL || value->type != YAML_SCALAR_NODE)
+		return off(value, "a value is no number, word or text");
+	return api_import_option(import, name, (const char *)value->data.scalar.value);
+}
+
+static enum status take_pair(struct import *import, yaml_document_t *document, const yaml_node_pair_t *pair)
+{
+	const yaml_node_t *key = yaml_document_get_node(document, pair->key), *value = yaml_document_get_node(document, pair->value);
+	if (key == NULL || key->type != YAML_SCALAR_NODE)
+		return off(key, "a name is no text");
+	const char *name = (const char *)key->data.scalar.value;
+	if (value == NULL || value->type != YAML_SEQUENCE_NODE)
+		return take(import, name, value);
+	char range[128] = "";
+	enum status status = STATUS_OK;
+	const bool is_range = strcmp(name, "height_range") == 0 || strcmp(name, "height-range") == 0;
+	for (const yaml_node_item_t *item = value->data.sequence.items.start; item < value->data.sequence.items.top && status == STATUS_OK; item++) {
+		const yaml_node_t *one = yaml_document_get_node(document, *item);
+		const size_t used = strlen(range);
+		if (!is_range)
+			status = take(import, name, one);
+		else if (one == NULL || one->type != YAML_SCALAR_NODE)
+			status = off(one, "a value is no number");
+		else
+			snprintf(range + used, sizeof range - used, "%s%s", used > 0 ? "," : "", (const char *)one->data.scalar.value);
+	}
+	return status == STATUS_OK && is_range ? api_import_option(import, name, range) : status;
+}
+
+static enum status take_document(struct import *import, yaml_document_t *document)
+{
+	const yaml_node_t *root = yaml_document_get_root_node(document);
+	enum status status = STATUS_OK;
+	if (root == NULL)
+		return STATUS_OK;
+	if (root->type != YAML_MAPPING_NODE)
+		return off(root, "it is no mapping");
+	for (const yaml_node_pair_t *pair = root->data.mapping.pairs.start; pair < root->data.mapping.pairs.top && status == STATUS_OK; pair++)
+		status = take_pair(import, document, pair);
+	return status;
+}
+
+static enum status read_options(struct import *import, const char *text)
+{
+	yaml_parser_t parser;
+	yaml_document_t document;
+	if (text == NULL)
+		return STATUS_OK;
+	if (!yaml_parser_initialize(&parser))
+		return fail_memory("options");
+	yaml_parser_set_input_string(&parser, (const unsigned char *)text, strlen(text));
+	enum status status = STATUS_OK;
+	if (!yaml_parser_load(&parser, &document)) {
+		status = fail_with(STATUS_USAGE, "options: line %zu: %s; give YAML, as in {max_error: 0.01}", parser.problem_mark.line + 1,
+				   parser.problem != NULL ? parser.problem : "not YAML");
+	} else {
+		status = take_document(import, &document);
+		yaml_document_delete(&document);
+	}
+	yaml_parser_delete(&parser);
+	return status;
+}
+
+furrow_status furrow_import(const char *const *sources, size_t count, const char *store, const char *options,
+			    bool (*progress)(double share, void *user), void *user)
+{
+	struct import import;
+	struct intake made;
+	struct telling telling = {progress, user, store};
+	api_library_begin();
+	api_import_init(&import);
+	enum status status = api_library_need(sources, "sources");
+	if (status == STATUS_OK && count == 0)
+		status = fail_with(STATUS_USAGE, "sources: there are none; give at least one path");
+	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+		status = api_library_need(sources[i], "a source");
+	if (status == STATUS_OK)
+		status = api_library_need(store, "store");
+	if (status == STATUS_OK && store[0] == '\0')
+		status = fail_with(STATUS_USAGE, "store: its path is empty; give the file to make, as in world.furrow");
+	if (status == STATUS_OK)
+		status = read_options(&import, options);
+	if (status == STATUS_OK)
+		status = api_import_open(&import, sources, count);
+	if (status == STATUS_OK)
+		status = api_import_run(&import, store, tell, &telling, &made);
+	api_import_finish(&import);
+	return api_library_end(status);
+}

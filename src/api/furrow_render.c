@@ -1,0 +1,125 @@
+/* furrow.h: pictures from a host's camera. */
+#include "api/library.h"
+
+#include <math.h>
+#include <string.h>
+
+/* What a scene without a view is drawn with: the defaults of `view`. */
+static const char default_view[] = "view: {size: [640, 480], camera: {fixed: {eye: [0, 0, 1], target: [1, 0, 0]}}}\n";
+
+enum status api_library_start_view(struct furrow_world *host)
+{
+	enum status status = render_view_create(&host->world, true, &host->view);
+	if (status != STATUS_OK)
+		return status;
+	host->watcher = render_view_watcher(host->view);
+	world_watch(&host->world, &host->watcher);
+	return STATUS_OK;
+}
+
+/* The first picture of a scene without a view. */
+static enum status need_view(struct furrow_world *host)
+{
+	struct scene *defaults;
+	if (host->view != NULL)
+		return STATUS_OK;
+	enum status status = scene_load_text(default_view, NULL, NULL, 0, SCENE_HOST, &defaults);
+	if (status != STATUS_OK)
+		return status;
+	host->scene->view = defaults->view;
+	scene_destroy(defaults);
+	status = world_start_drawing(&host->world);
+	if (status == STATUS_OK)
+		status = api_library_start_view(host);
+	if (status != STATUS_OK)
+		host->scene->view.present = false;
+	return status;
+}
+
+static enum status camera_of(const struct furrow_camera *from, struct render_camera *camera)
+{
+	double q[4], length = 0, sum = 0;
+	for (int i = 0; i < 3; i++)
+		sum += fabs(from->pose.position[i]);
+	for (int i = 0; i < 4; i++)
+		length += from->pose.orientation[i] * from->pose.orientation[i];
+	length = sqrt(length);
+	if (!isfinite(sum) || !(fabs(length - 1) < 1e-3))
+		return fail_with(STATUS_USAGE, "camera: its pose is none; give a place in m and a unit quaternion w, x, y, z");
+	if (!(from->fovy > 0 && from->fovy < M_PI))
+		return fail_with(STATUS_USAGE, "camera.fovy: %g is no angle of view; give radians above 0 and below pi", from->fovy);
+	if (from->width < 1 || from->height < 1 || from->width > API_PICTURE_MOST || from->height > API_PICTURE_MOST)
+		return fail_with(STATUS_USAGE, "camera: %u x %u pixels; give 1 to %u each", from->width, from->height, API_PICTURE_MOST);
+	for (int i = 0; i < 4; i++)
+		q[i] = from->pose.orientation[i] / length;
+	const double w = q[0], x = q[1], y = q[2], z = q[3];
+	const double forward[3] = {1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)};
+	*camera = (struct render_camera){
+		.fov = from->fovy,
+		.up = {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)},
+	};
+	for (int i = 0; i < 3; i++) {
+		camera->eye[i] = from->pose.position[i];
+		camera->target[i] = from->pose.position[i] + forward[i];
+	}
+	return STATUS_OK;
+}
+
+/* Pictures come with the lowest row first. */
+static void tell_colours(const uint8_t *pixels, uint32_t width, uint32_t height, uint8_t *rgb)
+{
+	for (uint32_t y = 0; y < height; y++) {
+		const uint8_t *from = pixels + (size_t)(height - 1 - y) * width * 4;
+		for (uint32_t x = 0; x < width; x++)
+			memcpy(rgb + ((size_t)y * width + x) * 3, from + (size_t)x * 4, 3);
+	}
+}
+
+static void turn_rows(float *values, uint32_t width, uint32_t height)
+{
+	for (uint32_t y = 0; y < height / 2; y++)
+		for (uint32_t x = 0; x < width; x++) {
+			float *a = &values[(size_t)y * width + x], *b = &values[(size_t)(height - 1 - y) * width + x], was = *a;
+			*a = *b;
+			*b = was;
+		}
+}
+
+static enum status picture(struct furrow_world *host, const struct furrow_camera *from, uint8_t *rgb, float *depth)
+{
+	struct render_camera camera;
+	enum status status = camera_of(from, &camera);
+	if (status == STATUS_OK && depth != NULL && host->scene->view.present && host->scene->view.samples > 1)
+		status = fail_with(STATUS_INPUT, "depth: pictures of this scene have %d samples a pixel, and depth has one; set view.samples: 1",
+				   host->scene->view.samples);
+	if (status == STATUS_OK)
+		status = api_library_settle(host);
+	if (status == STATUS_OK)
+		status = need_view(host);
+	if (status == STATUS_OK)
+		status = render_view_resize(host->view, from->width, from->height);
+	if (status != STATUS_OK)
+		return status;
+	uint8_t *pixels = rgb != NULL ? mem_alloc((size_t)from->width * from->height, 4) : NULL;
+	if (rgb != NULL && pixels == NULL)
+		return fail_memory("a picture");
+	render_view_look_from(host->view, &camera);
+	status = render_view_picture(host->view, pixels, depth);
+	if (status == STATUS_OK && rgb != NULL)
+		tell_colours(pixels, from->width, from->height, rgb);
+	if (status == STATUS_OK && depth != NULL)
+		turn_rows(depth, from->width, from->height);
+	mem_free(pixels);
+	return status;
+}
+
+furrow_status furrow_render(struct furrow_world *world, const struct furrow_camera *camera, uint8_t *rgb, float *depth)
+{
+	struct library_call call;
+	enum status status = api_library_enter(&call, world);
+	if (status == STATUS_OK)
+		status = api_library_need(camera, "camera");
+	if (status == STATUS_OK && camera->size < sizeof *camera)
+		status = fail_with(STATUS_USAGE, "camera: its size is %zu; set it to sizeof(struct furrow_camera), %zu", camera->size, sizeof *camera);
+	return api_library_leave(&call, status == STATUS_OK ? picture(world, camera, rgb, depth) : status);
+}

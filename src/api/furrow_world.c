@@ -1,0 +1,300 @@
+/* furrow.h: a world is opened, stepped, rolled back and closed. */
+#include "api/library.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "api/internal.h"
+
+/* --- opening --- */
+
+static enum status load_scene(const struct furrow_open *open, struct scene **out)
+{
+	if ((open->scene != NULL) == (open->scene_file != NULL))
+		return fail_with(STATUS_USAGE, "open: scene and scene_file are both given, or neither; give one of them");
+	return open->scene != NULL ? scene_load_text(open->scene, NULL, NULL, 0, SCENE_HOST, out)
+				   : scene_load_file(open->scene_file, NULL, 0, SCENE_HOST, out);
+}
+
+static enum status start_pages(struct furrow_world *host)
+{
+	FILE *epochs = NULL;
+	enum status status = host->output != NULL ? api_folder_make(host->output) : STATUS_OK;
+	if (status == STATUS_OK && host->output != NULL)
+		status = api_folder_epochs(host->output, &epochs);
+	return status == STATUS_OK ? world_start_pages(&host->world, epochs, NULL) : status;
+}
+
+static enum status start_output(struct furrow_world *host)
+{
+	if (host->output == NULL)
+		return STATUS_OK;
+	enum status status = api_folder_clear(&host->world, host->output);
+	if (status == STATUS_OK)
+		status = report_rows_open(&host->world, host->output, &host->rows);
+	host->world.rows = report_rows_sink(host->rows);
+	return status;
+}
+
+static enum status start(struct furrow_world *host)
+{
+	struct world *world = &host->world;
+	enum status status = world_start(world);
+	if (status == STATUS_OK)
+		status = start_pages(host);
+	if (status == STATUS_OK && host->scene->view.present)
+		status = api_library_start_view(host);
+	if (status == STATUS_OK)
+		status = world_warm(world);
+	if (status == STATUS_OK && host->view != NULL)
+		status = render_view_warm(host->view);
+	if (status == STATUS_OK)
+		status = start_output(host);
+	if (status != STATUS_OK)
+		return status;
+	world_seal(world);
+	status = world_begin(world);
+	return status == STATUS_OK ? world_checkpoint(world) : status;
+}
+
+static void destroy(struct furrow_world *host, enum status status)
+{
+	world_stop(&host->world);
+	render_view_destroy(host->view);
+	world_finish(&host->world, status);
+	report_rows_close(host->rows);
+	scene_destroy(host->scene);
+	mem_free(host->output);
+	mem_free(host);
+}
+
+static enum status create(const struct furrow_open *open, struct furrow_world **out)
+{
+	struct furrow_world *host = mem_calloc(1, sizeof *host);
+	if (host == NULL)
+		return fail_memory("a world");
+	enum status status = load_scene(open, &host->scene);
+	if (status == STATUS_OK && open->output != NULL) {
+		host->output = mem_alloc(strlen(open->output) + 1, 1);
+		status = host->output != NULL ? STATUS_OK : fail_memory("a world");
+		if (status == STATUS_OK)
+			strcpy(host->output, open->output);
+	}
+	if (status == STATUS_OK) {
+		const struct world_params params = {
+			.scene = host->scene,
+			.store = open->store,
+			.overlay = open->overlay,
+			.resume = open->resume,
+			.durable_full = open->durable,
+			.draws = host->scene->view.present,
+			.rows = open->output != NULL,
+		};
+		status = world_prepare(&host->world, &params);
+	}
+	if (status == STATUS_OK)
+		status = start(host);
+	if (status != STATUS_OK) {
+		struct failure failure;
+		failure_capture(&failure, status);
+		destroy(host, status);
+		return failure_restore(&failure);
+	}
+	host->origin = host->world.time;
+	if (host->world.time == world_step_time(host->scene, host->world.step)) { /* whole steps from the scene's start */
+		host->origin = 0;
+		host->steps = host->world.step;
+	}
+	host->mark = (struct library_mark){host->origin, host->steps};
+	host->began = clock_seconds();
+	*out = host;
+	return STATUS_OK;
+}
+
+furrow_status furrow_world_open(const struct furrow_open *open, struct furrow_world **world)
+{
+	struct gpu_kept kept;
+	struct furrow_open known = {.size = 0};
+	api_library_begin();
+	if (world != NULL)
+		*world = NULL;
+	enum status status = api_library_need(open, "open");
+	if (status == STATUS_OK)
+		status = api_library_need(world, "world");
+	if (status == STATUS_OK && open->size < sizeof *open)
+		status = fail_with(STATUS_USAGE, "open: its size is %zu; set it to sizeof(struct furrow_open), %zu", open->size, sizeof *open);
+	if (status != STATUS_OK)
+		return api_library_end(status);
+	memcpy(&known, open, sizeof known < open->size ? sizeof known : open->size);
+	gpu_keep(&kept);
+	status = create(&known, world);
+	gpu_give(&kept);
+	return api_library_end(status);
+}
+
+/* --- closing --- */
+
+/* run.json, as the command writes it. */
+static enum status write_report(struct furrow_world *host, const char *ended)
+{
+	host->report.world = &host->world;
+	host->report.view = host->view;
+	host->report.seconds = host->busy;
+	char *json = report_json(&host->report, ended);
+	if (json == NULL)
+		return fail_memory("run.json");
+	enum status status = report_write(host->output, json);
+	mem_free(json);
+	return status;
+}
+
+/* Whether it went as far as the scene says. */
+static bool is_complete(const struct furrow_world *host)
+{
+	return isfinite(host->scene->end_time) && host->world.time >= host->scene->end_time * (1 - 1e-12);
+}
+
+furrow_status furrow_world_close(struct furrow_world *world)
+{
+	struct library_call call;
+	if (world == NULL)
+		return FURROW_OK;
+	enum status status = api_library_enter(&call, world);
+	if (status == STATUS_OK && !world->world.torn)
+		status = world_hosts_commit(&world->world);
+	if (status == STATUS_OK)
+		status = world_end(&world->world, is_complete(world));
+	world->report.threads = thread_running();
+	world_stop(&world->world);
+	struct failure failure;
+	failure_capture(&failure, status);
+	if (world->output != NULL) {
+		enum status written = write_report(world, status != STATUS_OK ? "failed" : is_complete(world) ? "complete" : "interrupted");
+		if (status == STATUS_OK && written != STATUS_OK) {
+			status = written;
+			failure_capture(&failure, status);
+		}
+	}
+	destroy(world, status);
+	if (status != STATUS_OK)
+		status = failure_restore(&failure);
+	return api_library_leave(&call, status);
+}
+
+/* --- steps --- */
+
+static enum status step(struct furrow_world *host, double seconds)
+{
+	struct world *world = &host->world;
+	if (!(seconds >= 0) || !isfinite(seconds))
+		return fail_with(STATUS_USAGE, "step: %g s is no step; give 0 for the scene's time_step, or seconds above 0", seconds);
+	if (world->torn)
+		return fail_with(STATUS_FAILED, "step: the last one failed half-way; roll back first, or close the world");
+	const double began = clock_seconds();
+	const double until = seconds == 0 ? host->origin + (double)(host->steps + 1) * host->scene->time_step : world->time + seconds;
+	enum status status = world_step_to(world, until);
+	const double took = clock_seconds() - began;
+	host->busy += took;
+	if (status != STATUS_OK)
+		return status;
+	host->steps++;
+	if (seconds != 0) {
+		host->origin = until;
+		host->steps = 0;
+	}
+	times_add(&host->report.step_ms, took * 1e3);
+	times_add(&host->report.frame_ms, took * 1e3);
+	return STATUS_OK;
+}
+
+furrow_status furrow_step(struct furrow_world *world, double seconds)
+{
+	struct library_call call;
+	enum status status = api_library_enter(&call, world);
+	return api_library_leave(&call, status == STATUS_OK ? step(world, seconds) : status);
+}
+
+double furrow_time(const struct furrow_world *world)
+{
+	return world != NULL ? world->world.time : (double)NAN;
+}
+
+furrow_status furrow_checkpoint(struct furrow_world *world)
+{
+	struct library_call call;
+	enum status status = api_library_enter(&call, world);
+	if (status == STATUS_OK)
+		status = world_checkpoint(&world->world);
+	if (status == STATUS_OK)
+		world->mark = (struct library_mark){world->origin, world->steps};
+	return api_library_leave(&call, status);
+}
+
+furrow_status furrow_rollback(struct furrow_world *world)
+{
+	struct library_call call;
+	enum status status = api_library_enter(&call, world);
+	if (status == STATUS_OK)
+		status = world_rollback(&world->world);
+	if (status == STATUS_OK) {
+		world->origin = world->mark.origin;
+		world->steps = world->mark.steps;
+	}
+	return api_library_leave(&call, status);
+}
+
+/* --- what it is --- */
+
+furrow_status furrow_info(struct furrow_world *world, struct furrow_info *info)
+{
+	api_library_begin();
+	enum status status = api_library_need(world, "world");
+	if (status == STATUS_OK)
+		status = api_library_need(info, "info");
+	if (status == STATUS_OK && info->size < sizeof info->size)
+		status = fail_with(STATUS_USAGE, "info: its size is %zu; set it to sizeof(struct furrow_info), %zu", info->size, sizeof *info);
+	if (status != STATUS_OK)
+		return api_library_end(status);
+	const struct world *of = &world->world;
+	const struct extent *extent = &of->meta->extent;
+	const size_t size = info->size < sizeof *info ? info->size : sizeof *info;
+	const struct furrow_info all = {
+		.size = info->size,
+		.level = of->level,
+		.coarsest = extent_coarsest(extent),
+		.cells = extent->cells,
+		.spacing = of->spacing,
+		.columns = extent_posts(extent->width, of->level),
+		.rows = extent_posts(extent->height, of->level),
+		.levels = extent_coarsest(extent) - of->level + 1,
+		.extent = {(double)(extent->width - 1) * extent->spacing, (double)(extent->height - 1) * extent->spacing},
+		.low = of->meta->low,
+		.high = of->meta->high,
+		.gravity = world->scene->gravity,
+		.time_step = world->scene->time_step,
+		.srs = of->meta->srs,
+		.origin = {of->meta->origin[0], of->meta->origin[1]},
+		.revision = of->changes.revision,
+	};
+	memcpy(info, &all, size);
+	return api_library_end(STATUS_OK);
+}
+
+furrow_status furrow_stats(struct furrow_world *world, char **json)
+{
+	struct library_call call;
+	enum status status = api_library_enter(&call, world);
+	if (json != NULL)
+		*json = NULL;
+	if (status == STATUS_OK)
+		status = api_library_need(json, "json");
+	if (status == STATUS_OK) {
+		world->report.world = &world->world;
+		world->report.view = world->view;
+		world->report.seconds = world->busy;
+		world->report.threads = thread_running();
+		*json = report_json(&world->report, "running");
+		status = *json != NULL ? STATUS_OK : fail_memory("the statistics");
+	}
+	return api_library_leave(&call, status);
+}

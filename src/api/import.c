@@ -1,0 +1,344 @@
+/* Elevation data to a store: what is asked for, and the making of it. */
+#define _GNU_SOURCE /* strtod_l */
+#include "api/import.h"
+
+#include <errno.h>
+#include <locale.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* --- options by their long names --- */
+
+enum kind { FLAG, WHOLE, NUMBER, TEXT, WORD, RANGE, LIST };
+
+struct option {
+	const char *name;
+	enum kind kind;
+	double low, high;         /* of numbers */
+	const char *const *words; /* of a word, ended by NULL */
+};
+
+static const char *const methods[] = {"bilinear", "cubic", "near", NULL};
+static const char *const packs[] = {"fast", "small", NULL};
+static const struct option options[] = {
+	{"tile", WHOLE, TILE_CELLS_MIN, TILE_CELLS_MAX, NULL},
+	{"jobs", WHOLE, 1, 256, NULL},
+	{"max-error", NUMBER, 0, 1e4, NULL},
+	{"spacing", NUMBER, 1e-4, 1e6, NULL},
+	{"s-srs", TEXT, 0, 0, NULL},
+	{"t-srs", TEXT, 0, 0, NULL},
+	{"r", WORD, 0, 0, methods},
+	{"pack", WORD, 0, 0, packs},
+	{"nodata", LIST, 0, 0, NULL},
+	{"height-range", RANGE, 0, 0, NULL},
+	{"fill", FLAG, 0, 0, NULL},
+	{"resume", FLAG, 0, 0, NULL},
+	{"overwrite", FLAG, 0, 0, NULL},
+};
+
+static enum status refuse(const char *name, const char *text, const char *allowed)
+{
+	return fail_with(STATUS_USAGE, "import: %s%s %s: not a value it takes; give %s", name[1] == '\0' ? "-" : "--", name, text, allowed);
+}
+
+/* The same whatever the process's locale. */
+static double number_of(const char *text, char **end)
+{
+	const locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
+	const double number = plain != (locale_t)0 ? strtod_l(text, end, plain) : strtod(text, end);
+	if (plain != (locale_t)0)
+		freelocale(plain);
+	return number;
+}
+
+static enum status take_number(const struct option *option, const char *text, double *number)
+{
+	char *end, allowed[96];
+	*number = number_of(text, &end);
+	const bool whole = option->kind != WHOLE || (*number == floor(*number) && strpbrk(text, ".eExX") == NULL);
+	if (end != text && *end == '\0' && *number >= option->low && *number <= option->high && whole)
+		return STATUS_OK;
+	snprintf(allowed, sizeof allowed, "a %snumber from %g to %g", option->kind == WHOLE ? "whole " : "", option->low, option->high);
+	return refuse(option->name, text, allowed);
+}
+
+static enum status take_word(const struct option *option, const char *text, int *word)
+{
+	char allowed[160] = "one of";
+	for (int i = 0; option->words[i] != NULL; i++) {
+		if (strcmp(option->words[i], text) == 0) {
+			*word = i;
+			return STATUS_OK;
+		}
+		const size_t used = strlen(allowed);
+		snprintf(allowed + used, sizeof allowed - used, " %s", option->words[i]);
+	}
+	return refuse(option->name, text, allowed);
+}
+
+static enum status take_range(struct import *import, const char *text)
+{
+	char *middle, *end;
+	import->dem.height_min = number_of(text, &middle);
+	import->dem.height_max = number_of(*middle == ',' ? middle + 1 : middle, &end);
+	import->dem.has_height_range = true;
+	if (middle == text || *middle != ',' || end == middle + 1 || *end != '\0' || !isfinite(import->dem.height_min) ||
+	    !isfinite(import->dem.height_max))
+		return refuse("height-range", text, "2 numbers parted by commas");
+	return STATUS_OK;
+}
+
+static enum status take_nodata(struct import *import, const char *text)
+{
+	char *end;
+	if (import->dem.nodata_count == sizeof import->nodata / sizeof *import->nodata)
+		return fail_with(STATUS_USAGE, "import: --nodata is given too often; %zu values at most",
+				 sizeof import->nodata / sizeof *import->nodata);
+	const double value = number_of(text, &end);
+	if (end == text || *end != '\0' || isnan(value))
+		return fail_with(STATUS_USAGE, "import: --nodata %s: not a number; give one as in --nodata -32767", text);
+	import->nodata[import->dem.nodata_count++] = value;
+	return STATUS_OK;
+}
+
+static enum status take_tile(struct import *import, int64_t tile)
+{
+	import->tile = tile;
+	if ((tile & (tile - 1)) == 0)
+		return STATUS_OK;
+	return fail_with(STATUS_USAGE, "import: --tile %lld: not a power of two; give 8, 16, ... 256 (default), 512 or 1024", (long long)tile);
+}
+
+static enum status take_text(const char *text, const char **to, char **kept)
+{
+	char *copy = mem_alloc(strlen(text) + 1, 1);
+	if (copy == NULL)
+		return fail_memory("an option");
+	strcpy(copy, text);
+	mem_free(*kept);
+	*to = *kept = copy;
+	return STATUS_OK;
+}
+
+static enum status take_flag(struct import *import, const char *name, bool on)
+{
+	if (strcmp(name, "fill") == 0)
+		import->dem.fill = on;
+	else if (strcmp(name, "resume") == 0)
+		import->resume = on;
+	else
+		import->overwrite = on;
+	return STATUS_OK;
+}
+
+static enum status take(struct import *import, const struct option *option, const char *text)
+{
+	double number = 0;
+	int word = 0;
+	enum status status = STATUS_OK;
+	switch (option->kind) {
+	case FLAG:
+		if (strcmp(text, "true") != 0 && strcmp(text, "false") != 0 && text[0] != '\0')
+			return refuse(option->name, text, "true or false");
+		return take_flag(import, option->name, text[0] != 'f');
+	case WHOLE:
+		status = take_number(option, text, &number);
+		if (status == STATUS_OK && strcmp(option->name, "tile") == 0)
+			return take_tile(import, (int64_t)number);
+		import->jobs = (int64_t)number;
+		return status;
+	case NUMBER:
+		status = take_number(option, text, &number);
+		if (status == STATUS_OK && strcmp(option->name, "spacing") == 0)
+			import->dem.spacing = number;
+		else if (status == STATUS_OK)
+			import->max_error = number;
+		return status;
+	case TEXT:
+		return option->name[0] == 's' ? take_text(text, &import->dem.s_srs, &import->texts[0])
+					      : take_text(text, &import->dem.t_srs, &import->texts[1]);
+	case WORD:
+		status = take_word(option, text, &word);
+		if (option->name[0] == 'r')
+			import->dem.resample = (enum dem_resample)word;
+		else
+			import->pack = (enum store_pack)word;
+		return status;
+	case RANGE:
+		return take_range(import, text);
+	case LIST:
+		return take_nodata(import, text);
+	}
+	return status;
+}
+
+/* "max_error" is "max-error", as a mapping would have it. */
+static bool is_name(const char *name, const char *given)
+{
+	for (; *name != '\0' && (*name == *given || (*name == '-' && *given == '_')); name++, given++)
+		;
+	return *name == '\0' && *given == '\0';
+}
+
+bool api_import_has_option(const char *name)
+{
+	for (size_t i = 0; i < sizeof options / sizeof *options; i++)
+		if (is_name(options[i].name, name))
+			return true;
+	return false;
+}
+
+enum status api_import_option(struct import *import, const char *name, const char *value)
+{
+	for (size_t i = 0; i < sizeof options / sizeof *options; i++)
+		if (is_name(options[i].name, name))
+			return take(import, &options[i], value);
+	return fail_with(STATUS_USAGE, "import: %s is not an option; furrow import --help lists them", name);
+}
+
+void api_import_init(struct import *import)
+{
+	*import = (struct import){.tile = 256, .jobs = thread_cores(), .max_error = -1};
+}
+
+void api_import_finish(struct import *import)
+{
+	for (size_t i = 0; i < sizeof import->texts / sizeof *import->texts; i++)
+		mem_free(import->texts[i]);
+	mem_free(import->lines);
+	free(import->description);
+	dem_close(import->opened);
+}
+
+/* --- making the store --- */
+
+static char *join_lines(const char *const *lines, size_t count)
+{
+	size_t bytes = 1;
+	for (size_t i = 0; i < count; i++)
+		bytes += strlen(lines[i]) + 1;
+	char *text = mem_alloc(bytes, 1), *at = text;
+	for (size_t i = 0; text != NULL && i < count; i++)
+		at += sprintf(at, "%s%s", i > 0 ? "\n" : "", lines[i]);
+	if (text != NULL)
+		*at = '\0';
+	return text;
+}
+
+static enum status read_posts(void *user, struct post_rect rect, double *heights)
+{
+	return dem_read(user, rect, heights);
+}
+
+static void describe_file(FILE *out, const char *path)
+{
+	struct stat file = {0};
+	(void)stat(path, &file); /* what GDAL reads need not be a file */
+	fprintf(out, "%lld bytes of %lld.%09ld %s\n", (long long)file.st_size, (long long)file.st_mtim.tv_sec,
+		(long)file.st_mtim.tv_nsec, path);
+}
+
+/*
+ * All that decides what the store will hold, a line each: what was asked for and, for each source and what
+ * it is made of, its size and when it was last changed; and by which program, for the order of the tiles and
+ * their bytes are its own. NULL without memory.
+ */
+static char *describe(const struct import *import, const struct dem_info *info, double step)
+{
+	char *text = NULL;
+	size_t size = 0;
+	FILE *out = open_memstream(&text, &size);
+	if (out == NULL)
+		return NULL;
+	const struct dem_params *dem = &import->dem;
+	fputs("furrow " FURROW_VERSION "\n", out);
+	fprintf(out, "posts %lld %lld tile %lld step %.17g pack %d spacing %.17g origin %.17g %.17g\n",
+		(long long)info->width, (long long)info->height, (long long)import->tile, step, (int)import->pack,
+		info->spacing, info->origin[0], info->origin[1]);
+	fprintf(out, "panel %lld resample %d fill %d range %d %.17g %.17g nodata", (long long)info->panel_posts,
+		(int)dem->resample, dem->fill, dem->has_height_range, dem->height_min, dem->height_max);
+	for (size_t i = 0; i < dem->nodata_count; i++)
+		fprintf(out, " %.17g", dem->nodata[i]);
+	fprintf(out, "\nsrs %s\nfrom %s\n", info->srs, dem->s_srs != NULL ? dem->s_srs : "");
+	for (size_t i = 0; i < info->source_count; i++)
+		describe_file(out, info->sources[i]);
+	for (size_t i = 0; i < info->file_count; i++)
+		describe_file(out, info->files[i]);
+	bool whole = ferror(out) == 0;
+	if (fclose(out) == 0 && whole)
+		return text;
+	free(text);
+	return NULL;
+}
+
+/* A hole that nobody declared shows as a height no ground has; mixed with others it may be any. */
+static void note_sentinel(const struct intake *intake)
+{
+	static const double usual[] = {-9999, -32767, -32768, -99999, 32767, 99999};
+	/* Coarser heights may be off a sentinel that they come from, or be on one that they do not. */
+	for (size_t i = 0; i < sizeof usual / sizeof usual[0] && intake->meta.max_error < 1; i++)
+		if (intake->low == usual[i] || intake->high == usual[i]) {
+			note("the %s height is %g m; if that means nodata, import again with --nodata %g",
+			     usual[i] < 0 ? "lowest" : "highest", usual[i], usual[i]);
+			return;
+		}
+	if (intake->low <= -12000)
+		note("the lowest height is %g m; if a value of the sources means nodata, as -32767 often does, import "
+		     "again with --nodata and that value", intake->low);
+}
+
+enum status api_import_open(struct import *import, const char *const *sources, size_t count)
+{
+	import->dem.sources = sources;
+	import->dem.source_count = count;
+	import->dem.nodata = import->nodata;
+	import->dem.jobs = import->jobs;
+	enum status status = dem_open(&import->dem, &import->opened);
+	if (status != STATUS_OK)
+		return status;
+	const struct dem_info *info = dem_info(import->opened);
+	const double max_error = import->max_error >= 0 ? import->max_error : api_intake_default_error(info->unit);
+	const double step = api_intake_step(max_error, info->unit, info->whole);
+	import->lines = join_lines(info->sources, info->source_count);
+	import->description = describe(import, info, step);
+	if (import->lines == NULL || import->description == NULL)
+		return fail_memory("sources");
+	import->meta = (struct store_meta){
+		.extent = {info->width, info->height, info->spacing, (uint32_t)import->tile},
+		.step = step,
+		.max_error = max_error,
+		.srs = info->srs,
+		.origin = {info->origin[0], info->origin[1]},
+		.vertical = info->vertical,
+		.sources = import->lines,
+		.request = import->description,
+		.pack = import->pack,
+	};
+	const char *problem = extent_problem(&import->meta.extent);
+	if (problem != NULL)
+		return fail_with(STATUS_INPUT, "import: %s; change --tile, --spacing or the sources", problem);
+	return STATUS_OK;
+}
+
+enum status api_import_run(struct import *import, const char *store, dem_progress_fn progress, void *user, struct intake *made)
+{
+	*made = (struct intake){
+		.path = store,
+		.overwrite = import->overwrite,
+		.resume = import->resume,
+		.jobs = import->jobs,
+		.posts = read_posts,
+		.posts_user = import->opened,
+		.panel_posts = dem_info(import->opened)->panel_posts,
+		.meta = import->meta,
+		.progress = progress,
+		.progress_user = user,
+	};
+	enum status status = api_intake_run(made);
+	if (status == STATUS_OK)
+		note_sentinel(made);
+	return status;
+}

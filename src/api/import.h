@@ -1,0 +1,36 @@
+/* Elevation data to a store, for the command and for furrow_import. Any thread, each import by one at a time. */
+#ifndef FURROW_API_IMPORT_H
+#define FURROW_API_IMPORT_H
+
+#include "api/intake.h"
+#include "dem/dem.h"
+#include "store/store.h"
+
+#define IMPORT_NODATA_MOST 32
+
+/* api_import_init -> api_import_option ... -> api_import_open -> api_import_run -> api_import_finish */
+struct import {
+	struct dem_params dem;
+	int64_t tile, jobs;
+	double max_error; /* m; below 0: the default */
+	enum store_pack pack;
+	bool resume, overwrite;
+	double nodata[IMPORT_NODATA_MOST];
+	/* After api_import_open: */
+	struct dem *opened;
+	struct store_meta meta; /* of the store that will be made */
+	char *lines, *description, *texts[2];
+};
+
+void api_import_init(struct import *import); /* all defaults */
+void api_import_finish(struct import *import);
+/* The command's long names, with dashes or underlines; `value` as the command takes it, of a switch "", "true" or "false". `nodata` adds
+ * one. STATUS_USAGE: there is no such option, or it does not take this value. */
+enum status api_import_option(struct import *import, const char *name, const char *value) FURROW_CHECKED;
+bool api_import_has_option(const char *name);
+/* Opens the sources, which must outlive the import. Makes nothing. STATUS_INPUT: they make no terrain. */
+enum status api_import_open(struct import *import, const char *const *sources, size_t count) FURROW_CHECKED;
+/* Makes the store whole or not at all; `made` says what. STATUS_INTERRUPTED: `progress` broke it off. */
+enum status api_import_run(struct import *import, const char *store, dem_progress_fn progress, void *user, struct intake *made) FURROW_CHECKED;
+
+#endif

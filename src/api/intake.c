@@ -1,0 +1,88 @@
+/* Rows of posts into a store: cut, coded, written aside, renamed when whole. */
+#include "api/intake.h"
+
+#include <math.h>
+#include <sys/stat.h>
+
+#include "api/conveyor.h"
+
+double api_intake_default_error(double unit)
+{
+	return unit > 0 ? unit / 2 : 0.001;
+}
+
+double api_intake_step(double max_error, double unit, bool whole)
+{
+	if (whole && max_error <= unit / 2)
+		return unit;
+	if (max_error == 0 || max_error == unit / 2)
+		return 2 * max_error;
+	int exponent;
+	(void)frexp(2 * max_error, &exponent);
+	return ldexp(1, exponent - 1);
+}
+
+static enum status cut_and_store(const struct intake *intake, struct store *store, int64_t stored)
+{
+	struct conveyor *conveyor = NULL;
+	enum status status = api_conveyor_create(store, intake->jobs, stored, &conveyor);
+	if (status != STATUS_OK)
+		return status;
+	status = dem_cut(&(struct dem_cut){
+		.extent = &intake->meta.extent,
+		.step = intake->meta.step,
+		.posts = intake->posts,
+		.posts_user = intake->posts_user,
+		.emit = api_conveyor_put,
+		.emit_user = conveyor,
+		.known = stored > 0 ? api_conveyor_known : NULL,
+		.known_user = conveyor,
+		.panel_posts = intake->panel_posts,
+		.progress = intake->progress,
+		.progress_user = intake->progress_user,
+	});
+	struct failure failure;
+	failure_capture(&failure, status);
+	enum status done = api_conveyor_finish(conveyor);
+	/* Beside an interruption, what failed is what is told. */
+	bool other = status == STATUS_OK || (status == STATUS_INTERRUPTED && done != STATUS_OK);
+	return other ? done : failure_restore(&failure);
+}
+
+/* Broken off: what is stored is kept for a later call. */
+static enum status suspend(const struct intake *intake, struct store *store)
+{
+	enum status status = store_suspend(store);
+	return status != STATUS_OK ? status
+				   : fail_with(STATUS_INTERRUPTED, "%s: interrupted; the same with resume goes on",
+					       intake->path);
+}
+
+enum status api_intake_run(struct intake *intake)
+{
+	struct store *store = NULL;
+	const double started = clock_seconds();
+	int64_t stored = 0;
+	enum status status = intake->resume
+				     ? store_resume(intake->path, &intake->meta, intake->overwrite, &store, &stored)
+				     : store_create(intake->path, &intake->meta, intake->overwrite, &store);
+	if (status != STATUS_OK)
+		return status;
+	status = cut_and_store(intake, store, stored);
+	if (status == STATUS_INTERRUPTED && intake->meta.request != NULL)
+		return suspend(intake, store);
+	if (status == STATUS_OK)
+		status = store_publish(store);
+	if (status == STATUS_OK) {
+		intake->low = store_meta(store)->low;
+		intake->high = store_meta(store)->high;
+	}
+	store_close(store);
+	if (status != STATUS_OK)
+		return status;
+	struct stat file;
+	intake->stored = stored;
+	intake->bytes = stat(intake->path, &file) == 0 ? (int64_t)file.st_size : 0;
+	intake->seconds = clock_seconds() - started;
+	return STATUS_OK;
+}

@@ -1,0 +1,104 @@
+/* The library itself: version, messages, the log, and what each call begins and ends with. */
+#include "api/library.h"
+
+#include <pthread.h>
+#include <string.h>
+
+#include "dem/dem.h"
+
+/* --- messages --- */
+
+static _Thread_local char error[sizeof(((struct failure *)0)->message)];
+
+const char *furrow_version(void)
+{
+	return FURROW_VERSION;
+}
+
+const char *furrow_last_error(void)
+{
+	return error;
+}
+
+void furrow_free(void *memory)
+{
+	mem_free(memory);
+}
+
+/* --- the log --- */
+
+static pthread_rwlock_t log_lock = PTHREAD_RWLOCK_INITIALIZER;
+static void (*log_function)(int level, const char *message, void *user);
+static void *log_user;
+
+static void take_note(const char *text)
+{
+	pthread_rwlock_rdlock(&log_lock);
+	if (log_function != NULL)
+		log_function(0, text, log_user);
+	pthread_rwlock_unlock(&log_lock);
+}
+
+static void begin_once(void)
+{
+	note_to(take_note);
+}
+
+void api_library_begin(void)
+{
+	static pthread_once_t once = PTHREAD_ONCE_INIT;
+	pthread_once(&once, begin_once);
+	dem_quiet_begin();
+}
+
+void furrow_set_log(void (*log)(int level, const char *message, void *user), void *user)
+{
+	api_library_begin();
+	pthread_rwlock_wrlock(&log_lock);
+	log_function = log;
+	log_user = user;
+	pthread_rwlock_unlock(&log_lock);
+	api_library_end(STATUS_OK);
+}
+
+/* --- calls --- */
+
+furrow_status api_library_end(enum status status)
+{
+	dem_quiet_end();
+	if (status != STATUS_OK)
+		snprintf(error, sizeof error, "%s", failure_message());
+	return (furrow_status)status_exit_code(status);
+}
+
+enum status api_library_enter(struct library_call *call, struct furrow_world *world)
+{
+	api_library_begin();
+	*call = (struct library_call){.world = NULL};
+	enum status status = api_library_need(world, "world");
+	if (status != STATUS_OK)
+		return status;
+	gpu_keep(&call->kept);
+	call->world = world;
+	page_cache_adopt(world->world.cache); /* another thread may have used the world before */
+	return gpu_take(world->world.gpu);
+}
+
+furrow_status api_library_leave(struct library_call *call, enum status status)
+{
+	if (call->world != NULL)
+		gpu_give(&call->kept);
+	return api_library_end(status);
+}
+
+enum status api_library_need(const void *pointer, const char *name)
+{
+	return pointer != NULL ? STATUS_OK : fail_with(STATUS_USAGE, "%s: it is NULL; give one", name);
+}
+
+enum status api_library_settle(struct furrow_world *world)
+{
+	if (world->world.torn)
+		return fail_with(STATUS_FAILED, "world: its last step failed half-way; roll back first, or close it");
+	return world_hosts_commit(&world->world);
+}

@@ -1,0 +1,90 @@
+/*
+ * Back to what the store was: everything newer is dropped, and read again when it is asked for.
+ *
+ *   no epoch in flight -> loads on their way are given up -> the store goes back -> images that wait, and pages that are
+ *   dirty or have changed, are dropped
+ *
+ * In that order: where it fails, nothing was dropped but loads, which are asked for again. While the store goes back no
+ * page is wanted, so no loader reads it; what one had begun to read before is stale, and dropped when it comes.
+ */
+#include "page/page_internal.h"
+
+#include <assert.h>
+
+static void give_up_loads_locked(struct page_cache *cache)
+{
+	struct page_table *table = &cache->table;
+	struct page *next;
+	assert(table->urgent.count == 0);
+	while (table->wished.first != NULL) {
+		page_loads_abandon_locked(cache, table->wished.first);
+		cache->stats.cancelled++;
+	}
+	for (struct page *page = table->flights.first; page != NULL; page = next) {
+		next = page->next;
+		if (page->stale)
+			continue;
+		page_loads_abandon_locked(cache, page);
+		cache->stats.cancelled++;
+	}
+	assert(cache->queue.kept.count == 0); /* 6 */
+}
+
+static void drop_page_locked(struct page_cache *cache, struct page *page)
+{
+	struct page_table *table = &cache->table;
+	assert(page->pins == 0);
+	table->dirty -= page->dirty;
+	page->dirty = false;
+	table->used -= page->used_in == cache->step;
+	cache->wishes_kept = cache->wishes_kept && !page_wished(cache, page);
+	table->free_slots[table->free_count++] = page->slot;
+	page_table_forget_locked(table, page, &table->resident);
+}
+
+/* Its newest bits are in its slot, or were read back from there and wait. */
+static bool uncommitted(struct page_cache *cache, const struct page *page)
+{
+	mutex_lock(&cache->mutex);
+	bool waits = page_queue_newest_locked(&cache->queue, page->key) != NULL;
+	mutex_unlock(&cache->mutex);
+	return page->dirty || waits;
+}
+
+/* Only the owner touches what is resident (8): it may ask and tell without the mutex. */
+static void drop_pages(struct page_cache *cache, const struct page_rollback *rollback)
+{
+	struct page *next;
+	for (struct page *page = cache->table.resident.first; page != NULL; page = next) {
+		uint64_t key = page->key;
+		next = page->next;
+		if (!uncommitted(cache, page) && !rollback->changed(rollback->user, key))
+			continue;
+		mutex_lock(&cache->mutex);
+		drop_page_locked(cache, page);
+		mutex_unlock(&cache->mutex);
+		rollback->dropped(rollback->user, key);
+	}
+}
+
+enum status page_cache_rollback(struct page_cache *cache, const struct page_rollback *rollback)
+{
+	assert(page_owner(cache));
+	mutex_lock(&cache->mutex);
+	assert(page_cache_sane_locked(cache));
+	enum status status = page_wait_for_epoch_locked(cache, false);
+	if (status == STATUS_OK)
+		give_up_loads_locked(cache);
+	mutex_unlock(&cache->mutex);
+	if (status == STATUS_OK)
+		status = rollback->back(rollback->user);
+	if (status != STATUS_OK)
+		return status;
+	drop_pages(cache, rollback);
+	mutex_lock(&cache->mutex);
+	page_queue_drop_waiting_locked(cache);
+	cache->dirty_since = 0;
+	assert(page_cache_sane_locked(cache));
+	mutex_unlock(&cache->mutex);
+	return STATUS_OK;
+}

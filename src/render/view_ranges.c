@@ -1,0 +1,54 @@
+/*
+ * Ranges that are not on the CPU yet. A picture that is written reads them: it is the same whenever they come. All other
+ * selections, of pictures in a window and of times ahead, wait for nothing. They take the range of a tile above, which holds that
+ * of the tile, and the look-ahead's thread is asked for the tile's own.
+ */
+#include "render/view.h"
+
+bool render_view_has_range(struct view *view, enum ground_range_kind kind, struct tile tile)
+{
+	return resident_ground_has_range(view->world->ground, &(struct ground_range_key){kind, tile});
+}
+
+static void add(struct view *view, enum ground_range_kind kind, struct tile tile)
+{
+	if (view->missing_count < VIEW_MISSING)
+		view->missing[view->missing_count++] = (struct ground_range_key){kind, tile};
+}
+
+bool render_view_lacks_range(struct view *view, enum ground_range_kind kind, struct tile tile)
+{
+	bool coarsest = tile.level == extent_coarsest(&view->world->meta->extent); /* nothing is above it */
+	if (view->exact || coarsest || render_view_has_range(view, kind, tile))
+		return false;
+	view->guessed = true;
+	add(view, kind, tile);
+	return true;
+}
+
+void render_view_ask_ranges(struct view *view)
+{
+	if (view->missing_count > 0)
+		motion_look_ahead_ranges(view->world->ahead, view->missing, view->missing_count);
+	view->missing_count = 0;
+}
+
+void render_view_expect_presses(struct view *view)
+{
+	const struct world *world = view->world;
+	if (view->deformed.count == 0 || !motion_look_ahead_brings_ranges(world->ahead))
+		return;
+	const struct requests *requests = motion_look_ahead_requests(world->ahead);
+	for (size_t i = 0; i < requests->count; i++) {
+		struct tile tile = tile_from_key(requests->requests[i].key);
+		for (int level = world->level; tile.level == world->level && level <= extent_coarsest(&world->meta->extent); level++) {
+			const struct tile above = tile_ancestor(tile, level);
+			uint64_t key = tile_key(above);
+			if (!key_set_has(&view->deformed, key))
+				continue;
+			if (key_map_find(&view->stored, key) != NULL || render_view_has_range(view, GROUND_OFFSETS, above))
+				break; /* and so those above it, most often */
+			add(view, GROUND_OFFSETS, above);
+		}
+	}
+}

@@ -1,0 +1,30 @@
+/* What the files ground*.c share. */
+#ifndef FURROW_RESIDENT_GROUND_INTERNAL_H
+#define FURROW_RESIDENT_GROUND_INTERNAL_H
+
+#include "base/key_map.h"
+#include "base/recent.h"
+#include "resident/resident.h"
+
+struct ground {
+	struct store_reader *reader; /* the owner's */
+	const struct store_meta *meta;
+	int32_t reference;
+	struct mutex mutex; /* guards the rest */
+	struct recent recent;
+	int32_t **posts; /* by place; NULL: never used */
+	uint32_t latest;
+	int32_t *spare;  /* left over from a trade; may be NULL */
+	struct resident_ground_figures figures;
+	/* ground_ranges.c */
+	struct key_cache bases;   /* a: lowest, b: highest base in metres; NaN: all is nodata */
+	struct key_cache errors;  /* a: metres */
+	struct key_cache offsets; /* what other threads brought. a: lowest, b: highest offset in metres; NaN: there is none */
+};
+
+/* For the owner; the posts are there while the mutex is held. */
+enum status resident_ground_posts_locked(struct ground *ground, struct tile tile, const int32_t **posts) FURROW_CHECKED;
+/* Widens the range by the posts of a rectangle that have data; `stride` posts a row. */
+void resident_ground_widen(const int32_t *posts, uint32_t width, uint32_t height, uint32_t stride, int32_t *low, int32_t *high);
+
+#endif

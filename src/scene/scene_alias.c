@@ -1,0 +1,91 @@
+/* The one table of former names, and how a scene's tree loses them. */
+#include "scene/scene_alias.h"
+
+#include <string.h>
+
+#include "scene/scene.h"
+#include "scene/scene_error.h"
+
+/* `where`: of a key its mapping, of a word its own place, with anonymous indices. NULL: no part of a scene, but
+ * what commands take and tell. */
+static const struct alias {
+	const char *where, *former, *name;
+} aliases[] = {
+	{"objects[].shape.wheel", "lugs", "grousers"},
+	{"objects[].shape.wheel", "lug_height", "grouser_height"},
+	{"objects[].shape.wheel", "lug_thickness", "grouser_thickness"},
+	{"attributes[]", "dirt", "disturbance"},
+	{"redistribute.undisturbed", "stands", "stable"},
+	{NULL, "heaped", "deposited"},
+	{NULL, "pressed", "plastic_sinkage"},
+	{NULL, "quanta", "fixed_point"},
+};
+#define ALIASES (sizeof aliases / sizeof aliases[0])
+
+const char *scene_name_now(const char *name)
+{
+	for (size_t i = 0; i < ALIASES; i++)
+		if (strcmp(aliases[i].former, name) == 0)
+			return aliases[i].name;
+	return name;
+}
+
+/* The present name of a key in `place`, or of a word at `place`; NULL: it is no former name there. */
+static const char *name_at(const struct scene_node *place, const char *former)
+{
+	char path[160];
+	for (size_t i = 0; i < ALIASES; i++) {
+		if (aliases[i].where == NULL || strcmp(aliases[i].former, former) != 0)
+			continue;
+		scene_node_path(place, true, path, sizeof path);
+		if (strcmp(aliases[i].where, path) == 0)
+			return aliases[i].name;
+	}
+	return NULL;
+}
+
+const char *scene_alias_key(const struct scene_node *parent, const char *key)
+{
+	const char *name = parent->kind == SCENE_MAPPING ? name_at(parent, key) : NULL;
+	return name != NULL ? name : key;
+}
+
+static enum status rename_text(char **text, const char *name)
+{
+	char *copy = mem_strdup(name);
+	if (copy == NULL)
+		return fail_memory("reading the scene");
+	mem_free(*text);
+	*text = copy;
+	return STATUS_OK;
+}
+
+static enum status rename_node(const struct scene_tree *tree, struct scene_node *node)
+{
+	const char *name = node->key != NULL ? name_at(node->parent, node->key) : NULL;
+	enum status status = STATUS_OK;
+	if (name != NULL && scene_node_child(node->parent, name) != NULL)
+		return scene_error(tree->file, node, "is the former name of %s, and both are given; allowed: %s alone", name, name);
+	if (name != NULL)
+		status = rename_text(&node->key, name);
+	if (status != STATUS_OK || node->kind != SCENE_SCALAR)
+		return status;
+	name = name_at(node, node->text);
+	return name != NULL ? rename_text(&node->text, name) : STATUS_OK;
+}
+
+static enum status rename_below(const struct scene_tree *tree, struct scene_node *parent)
+{
+	enum status status = STATUS_OK;
+	for (struct scene_node *node = parent->first; node != NULL && status == STATUS_OK; node = node->next) {
+		status = rename_node(tree, node);
+		if (status == STATUS_OK)
+			status = rename_below(tree, node);
+	}
+	return status;
+}
+
+enum status scene_alias(const struct scene_tree *tree)
+{
+	return rename_below(tree, tree->root);
+}

@@ -1,0 +1,162 @@
+/*
+ * Numbers that are within their range but probably in another unit: degrees given in radians, Pa in kPa, N in kN or kg.
+ * Each gets a note with its place, what was given, the key's unit and what to write. Nothing is refused.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "scene/scene_check.h"
+
+#define DEGREES (180 / M_PI)
+#define LEAST_ANGLE 1.6     /* degrees: friction of less is none; pi / 2 is less, too */
+#define LEAST_COHESION 50.0 /* Pa: of the soils in the tables the least has 170 */
+#define LEAST_LOAD 10.0     /* N */
+#define LARGE_WHEEL 0.5     /* metres across: its own weight is more than LEAST_LOAD */
+#define LEAST_SUN 10.0      /* degrees */
+#define GRAVITY 9.81        /* m/s2, of a load in kg */
+
+struct units {
+	const struct scene_tree *tree;
+	const struct raw_scene *raw;
+	struct scene *scene;
+};
+
+/* Keeps "FILE:LINE: KEY: WHY; WHAT TO DO". `why`: the last two. */
+static enum status doubt(const struct units *units, const struct scene_node *node, const char *why)
+{
+	char key[160], text[800];
+	struct scene *scene = units->scene;
+	scene_node_path(node, false, key, sizeof key);
+	if (node->setting != NULL)
+		snprintf(text, sizeof text, "%.200s: --set %.100s: %s: %s", units->tree->file, node->setting, key, why);
+	else
+		snprintf(text, sizeof text, "%.200s:%d: %s: %s", units->tree->file, node->line, key, why);
+	char **doubts = mem_realloc(scene->doubts, scene->doubt_count + 1, sizeof *doubts);
+	if (doubts == NULL)
+		return fail_memory("reading the scene");
+	scene->doubts = doubts;
+	doubts[scene->doubt_count] = mem_strdup(text);
+	return doubts[scene->doubt_count++] != NULL ? STATUS_OK : fail_memory("reading the scene");
+}
+
+/* An angle of the soil at `where`; 0 is no friction, in any unit. */
+static enum status doubt_angle(const struct units *units, const char *where, const char *key, const double *angle)
+{
+	char why[200];
+	if (angle == NULL || *angle == 0 || *angle >= LEAST_ANGLE)
+		return STATUS_OK;
+	snprintf(why, sizeof why, "%g degrees is less than soils have, and probably in radians; the unit is degrees: give %.4g", *angle,
+		 fmin(*angle * DEGREES, 89));
+	return doubt(units, scene_tree_find(units->tree, "%s.%s", where, key), why);
+}
+
+static enum status doubt_class(const struct units *units, const char *where, const struct raw_class *class)
+{
+	char why[200];
+	enum status status = STATUS_OK;
+	if (class->cohesion != NULL && *class->cohesion > 0 && *class->cohesion < LEAST_COHESION) {
+		snprintf(why, sizeof why, "%g Pa is less than soils have, and probably in kPa; the unit is Pa: give %.6g, or 0 for none",
+			 *class->cohesion, *class->cohesion * 1e3);
+		status = doubt(units, scene_tree_find(units->tree, "%s.cohesion", where), why);
+	}
+	if (status == STATUS_OK)
+		status = doubt_angle(units, where, "friction_angle", class->friction_angle);
+	return status == STATUS_OK ? doubt_angle(units, where, "repose", class->repose) : status;
+}
+
+/* Soils of models that read these keys. */
+static enum status doubt_soils(const struct units *units)
+{
+	const struct raw_soil *soil = units->raw->soil;
+	enum status status = STATUS_OK;
+	if (soil == NULL || (units->scene->model != DEFORM_SCM && units->scene->model != DEFORM_SLIPPAGE))
+		return STATUS_OK;
+	if (soil->map == NULL)
+		return doubt_class(units, "soil", &soil->all);
+	if (soil->elsewhere != NULL)
+		status = doubt_class(units, "soil.default", soil->elsewhere);
+	for (uint32_t i = 0; i < soil->classes_count && status == STATUS_OK; i++) {
+		char where[40];
+		snprintf(where, sizeof where, "soil.classes[%u]", i);
+		status = doubt_class(units, where, &soil->classes[i]);
+	}
+	return status;
+}
+
+static bool is_light(const struct scene_object *object)
+{
+	return object->load > 0 && object->load < LEAST_LOAD && object->shape.kind == DEFORM_WHEEL &&
+	       2 * object->shape.radius >= LARGE_WHEEL;
+}
+
+/* Wheels with one load and radius get one note. */
+static enum status doubt_loads(const struct units *units)
+{
+	const struct scene_object *objects = units->scene->objects;
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < units->scene->object_count && status == STATUS_OK; i++) {
+		char why[320], others[48] = "";
+		size_t before = 0, alike = 0;
+		if (!is_light(&objects[i]))
+			continue;
+		for (size_t j = 0; j < units->scene->object_count; j++) {
+			bool same = is_light(&objects[j]) && objects[j].load == objects[i].load &&
+				    objects[j].shape.radius == objects[i].shape.radius;
+			before += same && j < i;
+			alike += same && j > i;
+		}
+		if (before > 0)
+			continue;
+		if (alike > 0)
+			snprintf(others, sizeof others, ", as %zu other%s,", alike, alike > 1 ? "s have" : " has");
+		snprintf(why, sizeof why, "%g N on a wheel of %g m radius%s is less than the wheel's own weight; the unit is N: if it is in "
+					  "kN give %.6g, if it is in kg give %.6g",
+			 objects[i].load, objects[i].shape.radius, others, objects[i].load * 1e3, objects[i].load * GRAVITY);
+		status = doubt(units, scene_tree_find(units->tree, "objects[%zu].load", i), why);
+	}
+	return status;
+}
+
+/* A sun near the horizon leaves level ground black, unless its colour makes up for that. */
+static enum status doubt_sun(const struct units *units)
+{
+	const struct raw_view *view = units->raw->view;
+	const double *height = view != NULL && view->sun != NULL ? view->sun->height : NULL;
+	char why[320], radians[48] = "";
+	double brightest = 1;
+	if (height == NULL || *height >= LEAST_SUN)
+		return STATUS_OK;
+	if (view->sun->colour != NULL)
+		brightest = fmax(fmax(view->sun->colour[0], view->sun->colour[1]), view->sun->colour[2]);
+	if (brightest * sin(*height / DEGREES) >= sin(LEAST_SUN / DEGREES))
+		return STATUS_OK;
+	if (*height > 0 && *height <= M_PI / 2)
+		snprintf(radians, sizeof radians, "if it is in radians give %.4g, else ", *height * DEGREES);
+	snprintf(why, sizeof why, "%g degrees above the horizon: level ground is drawn almost black; the unit is degrees: %sgive %g or more, "
+				  "or a brighter view.sun.colour",
+		 *height, radians, LEAST_SUN);
+	return doubt(units, scene_tree_find(units->tree, "view.sun.height"), why);
+}
+
+enum status scene_check_units(const struct scene_tree *tree, const struct raw_scene *raw, struct scene *scene)
+{
+	const struct units units = {tree, raw, scene};
+	enum status status = doubt_soils(&units);
+	if (status == STATUS_OK)
+		status = doubt_loads(&units);
+	return status == STATUS_OK ? doubt_sun(&units) : status;
+}
+
+void scene_advise_units(const struct scene *scene, scene_advice_fn tell, void *user)
+{
+	for (size_t i = 0; i < scene->doubt_count; i++)
+		tell(user, scene->doubts[i]);
+}
+
+void scene_drop_doubts(struct scene *scene)
+{
+	for (size_t i = 0; i < scene->doubt_count; i++)
+		mem_free(scene->doubts[i]);
+	mem_free(scene->doubts);
+}

@@ -1,0 +1,170 @@
+/*
+ * Which tiles of the working level changed after which revision.
+ *
+ * A row says when it was written, but not that one is gone, and to look at all of them takes longer the more ground is
+ * deformed. So the tiles that this opening changed are kept by key, with the last revision that changed each: 16 bytes a
+ * tile, in a table at most half full. What was before the opening is read from the rows, once it is asked for.
+ */
+#include "store/internal.h"
+
+#include <assert.h>
+#include <stdio.h>
+
+#define LEAST_ROOM 64
+
+void store_changes_begin(struct changes *changes)
+{
+	mutex_init(&changes->mutex);
+}
+
+void store_changes_finish(struct changes *changes)
+{
+	mem_free(changes->entries);
+	mem_free(changes->pending);
+	mutex_finish(&changes->mutex);
+}
+
+void store_changes_restart(struct changes *changes, int64_t revision)
+{
+	mutex_lock(&changes->mutex);
+	for (size_t i = 0; i < changes->room; i++)
+		changes->entries[i].revision = 0;
+	changes->count = 0;
+	changes->from = changes->now = revision;
+	mutex_unlock(&changes->mutex);
+}
+
+enum status store_changes_note(struct changes *changes, uint64_t key)
+{
+	if (changes->pending_count == changes->pending_room) {
+		size_t room = changes->pending_room != 0 ? 2 * changes->pending_room : LEAST_ROOM;
+		uint64_t *pending = mem_realloc(changes->pending, room, sizeof *pending);
+		if (pending == NULL)
+			return fail_memory("the changed tiles");
+		changes->pending = pending;
+		changes->pending_room = room;
+	}
+	changes->pending[changes->pending_count++] = key;
+	return STATUS_OK;
+}
+
+/* --- the table --- */
+
+static void put(struct changes *changes, uint64_t key, int64_t revision)
+{
+	size_t mask = changes->room - 1, at = (size_t)((key * 0x9e3779b97f4a7c15u) >> 20) & mask;
+	while (changes->entries[at].revision != 0 && changes->entries[at].key != key)
+		at = (at + 1) & mask;
+	struct changes_entry *entry = &changes->entries[at];
+	changes->count += entry->revision == 0;
+	*entry = (struct changes_entry){key, revision > entry->revision ? revision : entry->revision};
+}
+
+static enum status reserve_locked(struct changes *changes, size_t more)
+{
+	struct changes old = *changes;
+	size_t room = old.room != 0 ? old.room : LEAST_ROOM;
+	while (room < 2 * (old.count + more))
+		room *= 2;
+	if (room == old.room)
+		return STATUS_OK;
+	struct changes_entry *entries = mem_calloc(room, sizeof *entries);
+	if (entries == NULL)
+		return fail_memory("the changed tiles");
+	changes->entries = entries;
+	changes->room = room;
+	changes->count = 0;
+	for (size_t i = 0; i < old.room; i++)
+		if (old.entries[i].revision != 0)
+			put(changes, old.entries[i].key, old.entries[i].revision);
+	mem_free(old.entries);
+	return STATUS_OK;
+}
+
+enum status store_changes_reserve(struct changes *changes)
+{
+	mutex_lock(&changes->mutex);
+	enum status status = reserve_locked(changes, changes->pending_count);
+	mutex_unlock(&changes->mutex);
+	return status;
+}
+
+void store_changes_commit(struct changes *changes, int64_t revision)
+{
+	mutex_lock(&changes->mutex);
+	assert(revision > changes->now);
+	for (size_t i = 0; i < changes->pending_count; i++)
+		put(changes, changes->pending[i], revision);
+	changes->now = revision;
+	changes->pending_count = 0;
+	mutex_unlock(&changes->mutex);
+}
+
+void store_changes_drop(struct changes *changes)
+{
+	changes->pending_count = 0;
+}
+
+/* --- asking --- */
+
+/* Rows of the working level that an earlier opening wrote after `since`. */
+static enum status read_rows_locked(struct store_reader *reader, enum row_table table, int64_t since)
+{
+	const struct store *store = reader->store;
+	struct changes *changes = &reader->store->changes;
+	const char *path = reader->rows.path;
+	uint64_t first, last;
+	sqlite3_stmt *statement = NULL;
+	char sql[128];
+	snprintf(sql, sizeof sql, "SELECT key, revision FROM %s WHERE key BETWEEN ?1 AND ?2 AND revision BETWEEN ?3 AND ?4",
+		 store_rows_sql_name(table));
+	enum status status = store_sql_prepare(reader->db, path, &statement, sql);
+	if (status != STATUS_OK)
+		return status;
+	level_keys(store->working, &first, &last);
+	sqlite3_bind_int64(statement, 1, (sqlite3_int64)first);
+	sqlite3_bind_int64(statement, 2, (sqlite3_int64)last);
+	sqlite3_bind_int64(statement, 3, since + 1);
+	sqlite3_bind_int64(statement, 4, changes->from);
+	int code;
+	while (status == STATUS_OK && (code = sqlite3_step(statement)) != SQLITE_DONE) {
+		uint64_t key = (uint64_t)sqlite3_column_int64(statement, 0);
+		if (code != SQLITE_ROW)
+			status = store_sql_fail(reader->db, code, path, "reading its tiles");
+		else if (!extent_has(reader->rows.extent, tile_from_key(key)))
+			status = fail_with(STATUS_INPUT, "%s: it has an %s tile outside its terrain; the store is "
+					   "damaged, restore it", path, store_rows_name(table));
+		else
+			status = reserve_locked(changes, 1);
+		if (status == STATUS_OK)
+			put(changes, key, sqlite3_column_int64(statement, 1));
+	}
+	sqlite3_finalize(statement);
+	return status;
+}
+
+static enum status reach_back_locked(struct store_reader *reader, int64_t since)
+{
+	enum status status = STATUS_OK;
+	for (int table = ROW_OFFSET; table < ROW_TABLES && reader->store->has_working && status == STATUS_OK; table++)
+		status = read_rows_locked(reader, (enum row_table)table, since);
+	if (status == STATUS_OK)
+		reader->store->changes.from = since;
+	return status;
+}
+
+enum status store_each_changed(struct store_reader *reader, int64_t since, store_key_fn fn, void *user, int64_t *now)
+{
+	struct changes *changes = &reader->store->changes;
+	enum status status = STATUS_OK;
+	assert(since >= 0);
+	mutex_lock(&changes->mutex);
+	if (since < changes->from)
+		status = reach_back_locked(reader, since);
+	for (size_t i = 0; i < changes->room && status == STATUS_OK; i++)
+		if (changes->entries[i].revision > since)
+			status = fn(user, changes->entries[i].key);
+	*now = changes->now;
+	mutex_unlock(&changes->mutex);
+	return status;
+}

@@ -1,0 +1,82 @@
+/* The record of the run that made the last commit: the only row of its table. */
+#include "store/internal.h"
+
+static enum status keep_text(char **kept, const unsigned char *text)
+{
+	mem_free(*kept);
+	*kept = mem_strdup(text != NULL ? (const char *)text : "");
+	return *kept != NULL ? STATUS_OK : fail_memory("the run's record");
+}
+
+void store_run_copy_finish(struct store_run_copy *copy)
+{
+	mem_free(copy->scene_hash);
+	mem_free(copy->state);
+	*copy = (struct store_run_copy){0};
+}
+
+enum status store_run_copy(struct store *store, struct store_run_copy *copy)
+{
+	sqlite3_stmt *statement = NULL;
+	copy->epoch = 0;
+	copy->found = false;
+	enum status status = store_sql_prepare(store->db, store->path, &statement,
+					 "SELECT epoch, scene_hash, step, time, state FROM run WHERE id = 1");
+	if (status != STATUS_OK)
+		return status;
+	int code = sqlite3_step(statement);
+	if (code == SQLITE_ROW) {
+		status = keep_text(&copy->scene_hash, sqlite3_column_text(statement, 1));
+		if (status == STATUS_OK)
+			status = keep_text(&copy->state, sqlite3_column_text(statement, 4));
+		copy->found = status == STATUS_OK;
+		copy->epoch = sqlite3_column_int64(statement, 0);
+		copy->step = sqlite3_column_int64(statement, 2);
+		copy->time = sqlite3_column_double(statement, 3);
+	} else if (code != SQLITE_DONE) {
+		status = store_sql_fail(store->db, code, store->path, "reading the run's record");
+	}
+	sqlite3_finalize(statement);
+	return status;
+}
+
+enum status store_run_put(struct store *store, const struct store_run *run, const char *state)
+{
+	enum status status = store_sql_prepare(store->db, store->path, &store->run_statement,
+					 "INSERT OR REPLACE INTO run(id, epoch, scene_hash, step, time, state) "
+					 "VALUES(1, ?1, ?2, ?3, ?4, ?5)");
+	if (status != STATUS_OK)
+		return status;
+	sqlite3_stmt *statement = store->run_statement;
+	sqlite3_bind_int64(statement, 1, store->epoch + 1);
+	sqlite3_bind_text(statement, 2, run->scene_hash, -1, SQLITE_STATIC);
+	sqlite3_bind_int64(statement, 3, run->step);
+	sqlite3_bind_double(statement, 4, run->time);
+	sqlite3_bind_text(statement, 5, state, -1, SQLITE_STATIC);
+	int code = sqlite3_step(statement);
+	if (code != SQLITE_DONE)
+		status = store_sql_fail(store->db, code, store->path, "writing the run's record");
+	sqlite3_reset(statement);
+	sqlite3_clear_bindings(statement);
+	return status;
+}
+
+enum status store_run_put_back(struct store *store, const struct store_run_copy *copy)
+{
+	if (!copy->found)
+		return store_sql_exec(store->db, store->path, "removing the run's record", "DELETE FROM run");
+	const struct store_run run = {.scene_hash = copy->scene_hash, .step = copy->step, .time = copy->time};
+	return store_run_put(store, &run, copy->state);
+}
+
+enum status store_last_run(struct store *store, struct store_run *run)
+{
+	struct store_run_copy *copy = &store->last_run;
+	enum status status = store_run_copy(store, copy);
+	*run = (struct store_run){0};
+	if (status == STATUS_OK && copy->found)
+		*run = (struct store_run){
+			.scene_hash = copy->scene_hash, .step = copy->step, .time = copy->time, .state = copy->state,
+		};
+	return status;
+}

@@ -1,0 +1,218 @@
+/*
+ * Marks, and rollbacks to them.
+ *
+ *   store_mark -> epochs; before each changes a row for the first time since, that row is kept in the undo
+ *   -> store_rollback: one transaction of the store puts all of it back -> as after the mark
+ *
+ * The undo has the store's tables; "there was none" is a row of the codec NONE. The run's record and the header's
+ * entries are kept by the mark itself. Invariants: (1) what the undo has of a row is what the row was at the mark, and it
+ * has every row that the store's commits changed since; so a row too many, of an epoch that failed, does no harm; (2) a row is
+ * in the undo before the store commits a change of it; (3) what is put back gets a revision that was never used.
+ */
+#include "store/internal.h"
+
+#include <assert.h>
+#include <stdio.h>
+#include <string.h>
+
+#define NONE (-1) /* codec */
+#define CACHE_PRAGMA "PRAGMA cache_size=-4096" /* KiB */
+
+static const char name[] = "what is kept for a rollback";
+
+void store_undo_destroy(struct undo *undo)
+{
+	if (undo == NULL)
+		return;
+	sqlite3 *db = undo->rows.db;
+	store_rows_finish(&undo->rows);
+	sqlite3_close(db);
+	store_run_copy_finish(&undo->run);
+	mem_free(undo);
+}
+
+static enum status create(const struct extent *extent, struct undo **out)
+{
+	struct undo *undo = mem_calloc(1, sizeof *undo);
+	if (undo == NULL)
+		return fail_memory("a mark");
+	undo->rows = (struct rows){.path = name, .extent = extent};
+	int flags = SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE | SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+	int code = sqlite3_open_v2("", &undo->rows.db, flags, NULL);
+	enum status status = code == SQLITE_OK ? STATUS_OK : store_sql_fail(undo->rows.db, code, name, "making it");
+	if (status == STATUS_OK)
+		status = store_sql_exec(undo->rows.db, name, "making it",
+				  "PRAGMA page_size=16384; PRAGMA journal_mode=MEMORY; " CACHE_PRAGMA);
+	if (status == STATUS_OK)
+		status = store_schema_create(undo->rows.db, name);
+	if (status != STATUS_OK) {
+		store_undo_destroy(undo);
+		return status;
+	}
+	*out = undo;
+	return STATUS_OK;
+}
+
+/* All or nothing. */
+static enum status empty(struct undo *undo)
+{
+	enum status status = store_sql_begin(undo->rows.db, name, "emptying it");
+	if (status == STATUS_OK)
+		status = store_sql_exec(undo->rows.db, name, "emptying it",
+				      "DELETE FROM \"offset\"; DELETE FROM dirt; DELETE FROM heaped; "
+				      "DELETE FROM pressed; DELETE FROM shear; COMMIT");
+	if (status == STATUS_OK)
+		undo->kept = 0;
+	else
+		store_sql_undo(undo->rows.db);
+	return status;
+}
+
+enum status store_mark(struct store *store)
+{
+	assert(store->writing);
+	struct store_run_copy run = {0};
+	int64_t has_compacted = 0;
+	enum status status = store->undo == NULL ? create(&store->meta.extent, &store->undo) : STATUS_OK;
+	if (status == STATUS_OK)
+		status = store_run_copy(store, &run);
+	if (status == STATUS_OK)
+		status = store_sql_integer(store->db, store->path, "SELECT count(*) FROM meta WHERE key = 'compacted'", &has_compacted);
+	if (status == STATUS_OK)
+		status = empty(store->undo);
+	if (status != STATUS_OK) {
+		store_run_copy_finish(&run);
+		return status;
+	}
+	struct undo *undo = store->undo;
+	store_run_copy_finish(&undo->run);
+	undo->run = run;
+	undo->epoch = store->epoch;
+	undo->working_stored = store->working_stored;
+	undo->has_compacted = has_compacted != 0;
+	undo->compacted = store->compacted;
+	store->marked = true;
+	return STATUS_OK;
+}
+
+enum status store_undo_keep(struct store *store, enum plane plane, struct tile tile, bool had)
+{
+	struct undo *undo = store->undo;
+	enum row_table table = row_table_of(plane);
+	struct row row;
+	bool kept;
+	store_sql_undo(undo->rows.db); /* an emptying that failed, and that could not be undone then */
+	enum status status = store_rows_head(&undo->rows, table, tile, &row, &kept);
+	if (status != STATUS_OK || kept)
+		return status;
+	row = (struct row){.tile = tile, .codec = NONE, .bytes = "", .size = 0};
+	status = had ? store_rows_copy(&store->rows, &undo->rows, table, tile, store->epoch) : store_rows_put(&undo->rows, table, &row);
+	undo->kept += status == STATUS_OK;
+	return status;
+}
+
+/* --- back --- */
+
+static enum status put_back_row(struct store *store, enum row_table table, struct tile tile)
+{
+	struct rows *rows = &store->undo->rows;
+	struct row row;
+	bool found = false;
+	enum status status = extent_has(rows->extent, tile) ? store_rows_head(rows, table, tile, &row, &found) : STATUS_OK;
+	if (status == STATUS_OK && !found)
+		status = fail_with(STATUS_INPUT, "%s: it is damaged", name);
+	if (status == STATUS_OK && tile.level == store->working)
+		status = store_changes_note(&store->changes, tile_key(tile));
+	if (status != STATUS_OK)
+		return status;
+	if (row.codec == NONE)
+		return store_rows_drop(&store->rows, table, tile);
+	return store_rows_copy(rows, &store->rows, table, tile, store->epoch + 1);
+}
+
+static enum status put_back_table(struct store *store, enum row_table table, int64_t *rows)
+{
+	struct undo *undo = store->undo;
+	sqlite3_stmt *statement = NULL;
+	char keys[64];
+	snprintf(keys, sizeof keys, "SELECT key FROM %s", store_rows_sql_name(table));
+	enum status status = store_sql_prepare(undo->rows.db, name, &statement, keys);
+	int code;
+	while (status == STATUS_OK && (code = sqlite3_step(statement)) != SQLITE_DONE) {
+		struct tile tile = tile_from_key((uint64_t)sqlite3_column_int64(statement, 0));
+		++*rows;
+		status = code == SQLITE_ROW ? put_back_row(store, table, tile) : store_sql_fail(undo->rows.db, code, name, "reading it");
+	}
+	sqlite3_finalize(statement);
+	return status;
+}
+
+static enum status put_back_header(struct store *store)
+{
+	const struct undo *undo = store->undo;
+	enum status status = STATUS_OK;
+	if (!undo->working_stored)
+		status = store_meta_drop(store, "working");
+	if (status == STATUS_OK)
+		status = undo->has_compacted ? store_meta_put_integer(store, "compacted", undo->compacted)
+					     : store_meta_drop(store, "compacted");
+	return status;
+}
+
+/* Not the store's fault: the temporary file's, or the memory's. */
+static enum status cannot(const struct store *store)
+{
+	struct failure failure;
+	failure_capture(&failure, STATUS_INPUT);
+	char *advice = strstr(failure.message, "; ");
+	if (advice != NULL)
+		*advice = '\0';
+	return fail_with(STATUS_FAILED, "%s: it cannot be rolled back: %s; go on from its last commit", store->path,
+			 failure.message);
+}
+
+static enum status put_back(struct store *store)
+{
+	struct undo *undo = store->undo;
+	enum status status = STATUS_OK;
+	int64_t rows = 0;
+	for (int table = ROW_OFFSET; table < ROW_TABLES && status == STATUS_OK; table++)
+		status = put_back_table(store, (enum row_table)table, &rows);
+	if (status == STATUS_OK && rows != undo->kept)
+		status = fail_with(STATUS_INPUT, "%s: rows are missing", name);
+	if (status == STATUS_INPUT)
+		status = cannot(store);
+	if (status == STATUS_OK)
+		status = put_back_header(store);
+	if (status == STATUS_OK)
+		status = store_run_put_back(store, &undo->run);
+	if (status == STATUS_OK)
+		status = store_changes_reserve(&store->changes);
+	return status == STATUS_OK ? store_sql_exec(store->db, store->path, "rolling it back", "COMMIT") : status;
+}
+
+enum status store_rollback(struct store *store)
+{
+	assert(store->writing && store->marked);
+	struct undo *undo = store->undo;
+	if (store->epoch == undo->epoch)
+		return STATUS_OK; /* no epoch since */
+	store_sql_undo(undo->rows.db);
+	enum status status = store_sql_begin(store->db, store->path, "rolling it back");
+	if (status == STATUS_OK)
+		status = put_back(store);
+	if (status != STATUS_OK) {
+		store_sql_undo(store->db);
+		store_changes_drop(&store->changes);
+		return status;
+	}
+	store->epoch++;
+	store_changes_commit(&store->changes, store->epoch);
+	undo->epoch = store->epoch;
+	store->working_stored = undo->working_stored;
+	store->compacted = undo->compacted;
+	/* If that fails it keeps rows too many: they are what they were at the mark still (1). */
+	enum status emptied = empty(undo);
+	(void)emptied;
+	return STATUS_OK;
+}

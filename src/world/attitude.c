@@ -1,0 +1,106 @@
+/* A host's pose, a place and a quaternion, as the pose that deformation takes: yaw, pitch, roll and a wheel's turn. */
+#include <math.h>
+
+#include "world/internal.h"
+
+/* A wheel's axle may be so far off level, as rounding leaves it: sine of the angle. */
+#define LEVEL 1e-3
+/* A quaternion may be so far off length 1. */
+#define UNIT 1e-3
+#define PLACE_MOST 1e9   /* m, along x and y */
+#define HEIGHT_MOST 1e6  /* m */
+
+/* The body's own axes, forward, left and up, in local axes. `q`: of length 1; w, x, y, z. */
+static void axes_of(const double q[4], double axes[3][3])
+{
+	const double w = q[0], x = q[1], y = q[2], z = q[3];
+	const double rows[3][3] = {
+		{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
+		{2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
+		{2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)},
+	};
+	for (int i = 0; i < 3; i++)
+		for (int k = 0; k < 3; k++)
+			axes[i][k] = rows[i][k];
+}
+
+/* Its turn is how far its own x axis is below the horizontal, seen along its axle. */
+static enum status wheel_of(const char *name, const double axes[3][3], struct deform_pose *pose)
+{
+	const double *axle = axes[1];
+	if (fabs(axle[2]) > LEVEL)
+		return fail_with(STATUS_INPUT, "%s: its axle is %.3g degrees off level; a wheel cannot lean yet: keep its y axis level",
+				 name, asin(fmin(fabs(axle[2]), 1)) * 180 / M_PI);
+	pose->yaw = atan2(-axle[0], axle[1]);
+	const double along = axes[0][0] * cos(pose->yaw) + axes[0][1] * sin(pose->yaw);
+	pose->turn = atan2(-axes[0][2], along);
+	return STATUS_OK;
+}
+
+enum status world_attitude(const struct deform_shape *shape, const char *name, const struct world_pose *from, struct deform_pose *pose)
+{
+	double q[4], length = 0, axes[3][3];
+	for (int i = 0; i < 4; i++)
+		length += from->orientation[i] * from->orientation[i];
+	length = sqrt(length);
+	for (int i = 0; i < 3; i++)
+		if (!(fabs(from->position[i]) <= (i < 2 ? PLACE_MOST : HEIGHT_MOST)))
+			return fail_with(STATUS_USAGE, "%s: its place is %g, %g, %g m; give numbers within 1e9 m, and a height within 1e6 m",
+					 name, from->position[0], from->position[1], from->position[2]);
+	if (!(fabs(length - 1) <= UNIT))
+		return fail_with(STATUS_USAGE, "%s: its orientation has length %g; give a unit quaternion w, x, y, z", name, length);
+	for (int i = 0; i < 4; i++)
+		q[i] = from->orientation[i] / length;
+	*pose = (struct deform_pose){
+		.x = lattice_offset(from->position[0]),
+		.y = lattice_offset(from->position[1]),
+		.z = lattice_offset(from->position[2]),
+	};
+	if (shape->kind == DEFORM_SPHERE)
+		return STATUS_OK;
+	axes_of(q, axes);
+	if (shape->kind == DEFORM_WHEEL)
+		return wheel_of(name, (const double(*)[3])axes, pose);
+	pose->pitch = asin(fmin(fmax(axes[0][2], -1), 1));
+	/* Nose straight up or down: all of the turn about the vertical is taken as yaw. */
+	if (hypot(axes[0][0], axes[0][1]) < 1e-9) {
+		pose->yaw = atan2(-axes[1][0], axes[1][1]);
+		return STATUS_OK;
+	}
+	pose->yaw = atan2(axes[0][1], axes[0][0]);
+	pose->roll = atan2(axes[1][2], axes[2][2]);
+	return STATUS_OK;
+}
+
+void world_orientation(const struct deform_pose *pose, double q[4])
+{
+	double axes[3][3];
+	deform_axes(pose->yaw, pose->pitch, pose->roll, pose->turn, axes);
+	/* By Shepperd's method: the largest of the four is found first, so that nothing small is divided by. */
+	const double m[3][3] = {
+		{axes[0][0], axes[1][0], axes[2][0]},
+		{axes[0][1], axes[1][1], axes[2][1]},
+		{axes[0][2], axes[1][2], axes[2][2]},
+	};
+	const double trace = m[0][0] + m[1][1] + m[2][2];
+	int most = 0;
+	double greatest = trace;
+	for (int i = 0; i < 3; i++)
+		if (m[i][i] > greatest) {
+			greatest = m[i][i];
+			most = i + 1;
+		}
+	const double root = sqrt(fmax(1 + 2 * greatest - trace, 0));
+	if (most == 0) {
+		q[0] = sqrt(1 + trace) / 2;
+		q[1] = (m[2][1] - m[1][2]) / (4 * q[0]);
+		q[2] = (m[0][2] - m[2][0]) / (4 * q[0]);
+		q[3] = (m[1][0] - m[0][1]) / (4 * q[0]);
+		return;
+	}
+	const int i = most - 1, j = (i + 1) % 3, k = (i + 2) % 3;
+	q[1 + i] = root / 2;
+	q[0] = (m[k][j] - m[j][k]) / (2 * root);
+	q[1 + j] = (m[j][i] + m[i][j]) / (2 * root);
+	q[1 + k] = (m[k][i] + m[i][k]) / (2 * root);
+}

@@ -1,0 +1,178 @@
+/*
+ * Checkpoints, and going back to the last one: ground, bodies, forces, time and rows.
+ *
+ * The store keeps what commits replace after a checkpoint (store_mark), and the pages forget what they have of it. What the world
+ * itself carries from step to step is copied here. What is only kept for speed, and stays right when it says too much, is left
+ * as it is: touched posts, tiles that were looked at, ranges of a view.
+ */
+#include <string.h>
+
+#include "world/internal.h"
+
+struct checkpoint {
+	int64_t step;
+	double time;
+	int64_t intervals;
+	uint64_t revision;
+	struct deform_tally tally;
+	struct record *record;
+	struct body *bodies;      /* of the scene */
+	struct host_body *hosts;  /* host_count; of numbers without one all zero */
+	size_t host_count;
+	struct forces_saved *forces; /* NULL: nobody asks for any */
+};
+
+void world_checkpoint_free(struct checkpoint *saved)
+{
+	if (saved == NULL)
+		return;
+	mem_free(saved->record);
+	mem_free(saved->bodies);
+	mem_free(saved->hosts);
+	world_forces_saved_free(saved->forces);
+	mem_free(saved);
+}
+
+static void *copy_of(const void *from, size_t bytes)
+{
+	void *copy = mem_alloc(bytes > 0 ? bytes : 1, 1);
+	if (copy != NULL && bytes > 0)
+		memcpy(copy, from, bytes);
+	return copy;
+}
+
+static enum status save(struct world *world, struct checkpoint **out)
+{
+	const size_t objects = world->scene->object_count;
+	struct checkpoint *saved = mem_calloc(1, sizeof *saved);
+	if (saved == NULL)
+		return fail_memory("a checkpoint");
+	*saved = (struct checkpoint){
+		.step = world->step,
+		.time = world->time,
+		.intervals = world->relaxation.intervals,
+		.revision = world->changes.revision,
+		.record = copy_of(world->record, world_record_bytes(objects)),
+		.bodies = copy_of(world->bodies, (objects + 1) * sizeof *world->bodies),
+		.hosts = mem_calloc(world->hosts.count + 1, sizeof *saved->hosts),
+		.host_count = world->hosts.count,
+	};
+	enum status status = STATUS_OK;
+	if (saved->record == NULL || saved->bodies == NULL || saved->hosts == NULL)
+		status = fail_memory("a checkpoint");
+	for (size_t i = 0; i < world->hosts.count && status == STATUS_OK; i++)
+		if (world->hosts.list[i] != NULL)
+			saved->hosts[i] = *world->hosts.list[i];
+	if (status == STATUS_OK)
+		status = world_forces_save(world->forces, &saved->forces);
+	if (status == STATUS_OK && world->deform != NULL)
+		status = deform_tally(world->deform, &saved->tally);
+	if (status != STATUS_OK) {
+		world_checkpoint_free(saved);
+		return status;
+	}
+	*out = saved;
+	return STATUS_OK;
+}
+
+enum status world_checkpoint(struct world *world)
+{
+	struct checkpoint *saved = NULL;
+	if (world->torn)
+		return fail_with(STATUS_FAILED, "checkpoint: the last step failed half-way; roll back first, or close the world");
+	enum status status = world_hosts_commit(world);
+	if (status == STATUS_OK)
+		status = world_forces_wait(world->forces);
+	if (status == STATUS_OK)
+		status = page_cache_flush(world->cache, world->record);
+	if (status == STATUS_OK)
+		status = save(world, &saved);
+	if (status == STATUS_OK)
+		status = resident_pages_mark(world->pages);
+	if (status == STATUS_OK && world->rows != NULL && world->rows->mark != NULL)
+		status = world->rows->mark(world->rows->user);
+	if (status != STATUS_OK) {
+		world_checkpoint_free(saved);
+		return status;
+	}
+	world_checkpoint_free(world->checkpoint);
+	world->checkpoint = saved;
+	return STATUS_OK;
+}
+
+/* Blocks and the heights of loaded bodies, as they were when the record was made. */
+static enum status restore_deform(struct world *world, const struct checkpoint *saved)
+{
+	if (world->deform == NULL)
+		return STATUS_OK;
+	enum status status = deform_restore(world->deform, &saved->tally);
+	for (size_t i = 0; i < saved->record->awake_count && status == STATUS_OK; i++)
+		status = deform_wake_block(world->deform, saved->record->awake[i]);
+	for (size_t i = 0; i < world->scene->object_count; i++) {
+		const struct body *body = &world->bodies[i];
+		if (body->carrier > 0 && body->in_contact)
+			deform_stands(world->deform, body->carrier, (int32_t)(body->stands - body->last.z));
+	}
+	return status;
+}
+
+static void restore_hosts(struct world *world, const struct checkpoint *saved)
+{
+	for (size_t i = 0; i < world->hosts.count; i++) {
+		struct host_body *host = world->hosts.list[i];
+		if (host == NULL)
+			continue;
+		if (i < saved->host_count) {
+			*host = saved->hosts[i];
+			continue;
+		}
+		world_host_free(host);
+		world->hosts.list[i] = NULL;
+	}
+}
+
+/* Bodies with paths go on from where they were. */
+static enum status rewind_paths(struct world *world)
+{
+	int64_t *next = mem_calloc(world->scene->object_count + 1, sizeof *next);
+	size_t count = 0;
+	if (next == NULL)
+		return fail_memory("going back");
+	for (size_t i = 0; i < world->scene->object_count; i++)
+		if (world->bodies[i].track != NULL)
+			next[count++] = world->bodies[i].next;
+	motion_look_ahead_rewind(world->ahead, next, world->time);
+	mem_free(next);
+	return STATUS_OK;
+}
+
+enum status world_rollback(struct world *world)
+{
+	const struct checkpoint *saved = world->checkpoint;
+	if (saved == NULL)
+		return fail_with(STATUS_FAILED, "rollback: there is no checkpoint");
+	const size_t objects = world->scene->object_count;
+	enum status status = world_forces_wait(world->forces);
+	if (status == STATUS_OK)
+		status = resident_pages_rollback(world->pages);
+	if (status != STATUS_OK)
+		return status;
+	world->step = saved->step;
+	world->time = saved->time;
+	world->relaxation.intervals = saved->intervals;
+	memcpy(world->record, saved->record, world_record_bytes(objects));
+	memcpy(world->bodies, saved->bodies, (objects + 1) * sizeof *world->bodies);
+	restore_hosts(world, saved);
+	world_forces_restore(world->forces, saved->forces);
+	world->events.count = 0;
+	resident_pyramid_forget(world->pyramid);
+	resident_newest_changed(world->newest);
+	world_changes_rollback(world, saved->revision);
+	status = restore_deform(world, saved);
+	if (status == STATUS_OK)
+		status = rewind_paths(world);
+	if (status == STATUS_OK && world->rows != NULL && world->rows->rollback != NULL)
+		status = world->rows->rollback(world->rows->user);
+	world->torn = status != STATUS_OK;
+	return status;
+}

@@ -1,0 +1,24 @@
+/* Tells that the ground has ruts before the first step: whoever drives a second time may have meant the ground as imported. */
+#include <math.h>
+#include <stdio.h>
+
+#include "world/internal.h"
+
+enum status world_tell_ruts(const struct world *world)
+{
+	const struct extent *extent = &world->meta->extent;
+	const struct tile all = {extent_coarsest(extent), 0, 0}; /* its row has the range of every tile below it */
+	double low = 0, high = 0;
+	bool found = false;
+	char heaps[48] = "";
+	if (!world->was_deformed)
+		return STATUS_OK;
+	enum status status = store_read_offset_range(resident_ground_reader(world->ground), all, &low, &high, &found);
+	if (status != STATUS_OK || world->params.resume || !found || (low >= 0 && high <= 0))
+		return status;
+	if (high > 0)
+		snprintf(heaps, sizeof heaps, " and heaps up to %.3g m high", high);
+	note("%s: the ground has ruts already, up to %.3g m deep%s; this run goes on over them; for the ground as it was imported %s"
+	     "run furrow reset %s", world->path, fmax(-low, 0), heaps, world->params.overlay != NULL ? "give another --overlay, or " : "", world->path);
+	return STATUS_OK;
+}

@@ -1,0 +1,157 @@
+/* What the soil does to a body, as a host is told it: the line of the force, the normal, slip, and the most shear. */
+#include <math.h>
+#include <string.h>
+
+#include "world/internal.h"
+
+#define NORMAL_POSTS 2 /* working posts to each side, over which the base's slope is taken */
+
+static void unknown(struct world_contact *contact)
+{
+	*contact = (struct world_contact){
+		.time = NAN, .force = {NAN, NAN, NAN}, .moment = {NAN, NAN, NAN}, .point = {NAN, NAN, NAN}, .normal = {NAN, NAN, NAN},
+		.sinkage = NAN, .area = NAN, .slip = NAN, .normal_force = NAN, .shear_limit = NAN, .state = WORLD_UNKNOWN,
+	};
+}
+
+/* Of the undisturbed surface there. NaN where it cannot be told. */
+static enum status normal_at(const struct world *world, const double place[3], double normal[3])
+{
+	const double step = NORMAL_POSTS * world->spacing;
+	double height[4];
+	static const double to[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
+	for (int i = 0; i < 4; i++) {
+		int64_t found;
+		bool any;
+		enum status status = resident_ground_height(world->ground, lattice_offset(place[0] + to[i][0] * step),
+						   lattice_offset(place[1] + to[i][1] * step), &found, &any);
+		if (status != STATUS_OK)
+			return status;
+		height[i] = any ? lattice_offset_metres(found) : NAN;
+	}
+	const double dx = (height[0] - height[1]) / (2 * step), dy = (height[2] - height[3]) / (2 * step);
+	const double length = sqrt(1 + dx * dx + dy * dy);
+	normal[0] = -dx / length;
+	normal[1] = -dy / length;
+	normal[2] = 1 / length;
+	return STATUS_OK;
+}
+
+/* The place on the force's line that is nearest the body's lowest point. */
+static void line_of(const double origin[3], double reach, const double force[3], const double moment[3], double point[3])
+{
+	const double squares = force[0] * force[0] + force[1] * force[1] + force[2] * force[2];
+	double arm[3], along = 0;
+	if (!(squares > 0)) {
+		point[0] = point[1] = point[2] = NAN;
+		return;
+	}
+	for (int i = 0; i < 3; i++) {
+		const int j = (i + 1) % 3, k = (i + 2) % 3;
+		arm[i] = (force[j] * moment[k] - force[k] * moment[j]) / squares;
+	}
+	const double low[3] = {0, 0, -reach};
+	for (int i = 0; i < 3; i++)
+		along += (low[i] - arm[i]) * force[i] / squares;
+	for (int i = 0; i < 3; i++)
+		point[i] = origin[i] + arm[i] + along * force[i];
+}
+
+static double slip_of(const struct scene_object *object, const struct world_state *state)
+{
+	struct deform_pose pose;
+	if (object->shape.kind != DEFORM_WHEEL || world_attitude(&object->shape, object->name, &state->pose, &pose) != STATUS_OK)
+		return NAN;
+	const double along = state->linear[0] * cos(pose.yaw) + state->linear[1] * sin(pose.yaw);
+	const double rim = (-sin(pose.yaw) * state->angular[0] + cos(pose.yaw) * state->angular[1]) * object->shape.radius;
+	return rim != 0 ? 1 - along / rim : NAN;
+}
+
+static enum status fill(struct world *world, const struct scene_object *object, const struct world_state *state,
+			const struct world_force *force, double time, enum world_contact_state touches, struct world_contact *contact)
+{
+	unknown(contact);
+	contact->time = time;
+	contact->state = touches;
+	contact->sinkage = touches == WORLD_AIR ? 0 : force->sinkage;
+	contact->slip = slip_of(object, state);
+	enum status status = normal_at(world, state->pose.position, contact->normal);
+	if (status != STATUS_OK || !world_feels(world))
+		return status;
+	memcpy(contact->force, force->force, sizeof contact->force);
+	memcpy(contact->moment, force->moment, sizeof contact->moment);
+	contact->area = force->area;
+	struct deform_pose pose = {.x = 0};
+	status = world_attitude(&object->shape, object->name, &state->pose, &pose);
+	if (status != STATUS_OK)
+		return status;
+	line_of(state->pose.position, deform_shape_reach(&object->shape, pose.pitch, pose.roll), force->force, force->moment, contact->point);
+	contact->normal_force = 0;
+	for (int i = 0; i < 3; i++)
+		contact->normal_force += contact->force[i] * contact->normal[i];
+	int at;
+	status = world_soil_at(world, state->pose.position[0], state->pose.position[1], &at);
+	if (status != STATUS_OK || at < 0)
+		return status;
+	const struct deform_soil *soil = &world->scene->soils[at];
+	contact->shear_limit = soil->cohesion * force->area + fmax(contact->normal_force, 0) * tan(soil->friction_angle);
+	return STATUS_OK;
+}
+
+enum status world_body_contact(struct world *world, int32_t number, struct world_contact *contact)
+{
+	struct world_state state;
+	unknown(contact);
+	enum status status = world_body_state(world, number, &state);
+	if (status == STATUS_OK)
+		status = world_forces_wait(world->forces);
+	if (status != STATUS_OK)
+		return status;
+	const struct host_body *host = world_host_body(world, number);
+	if (host != NULL)
+		return host->placed ? fill(world, host->body.object, &state, &host->force, host->told, host->state, contact) : STATUS_OK;
+	const struct body *body = &world->bodies[number];
+	if (body->next == 0)
+		return STATUS_OK;
+	struct world_force force = {.z = 0};
+	bool known = world_forces_known(world->forces, (size_t)number, &force);
+	enum world_contact_state touches = !body->in_contact ? WORLD_AIR : WORLD_TOUCHING;
+	if (known)
+		touches = force.area > 0 ? WORLD_TOUCHING : WORLD_AIR;
+	else
+		force.sinkage = body->sinkage;
+	return fill(world, body->object, &state, &force, world->time, touches, contact);
+}
+
+enum status world_path_state(const struct world *world, size_t body, struct world_state *state)
+{
+	const struct body *at = &world->bodies[body];
+	struct track_point point, before;
+	const double moment = 1e-3; /* s, over which velocities are taken */
+	motion_track_at(at->track, world->time, &point);
+	motion_track_at(at->track, fmax(world->time - moment, 0), &before);
+	struct deform_pose pose = at->last;
+	pose.yaw = point.yaw;
+	pose.pitch = point.pitch;
+	pose.roll = point.roll;
+	*state = (struct world_state){.pose = {{point.x, point.y, lattice_offset_metres(at->last.z)}, {1, 0, 0, 0}}};
+	if (!at->in_contact)
+		world_place(world, body, state->pose.position, &pose.yaw);
+	else if (at->carrier > 0)
+		state->pose.position[2] += lattice_offset_metres(at->raised);
+	world_orientation(&pose, state->pose.orientation);
+	const double seconds = fmin(moment, world->time);
+	if (seconds > 0) {
+		state->linear[0] = (point.x - before.x) / seconds;
+		state->linear[1] = (point.y - before.y) / seconds;
+		state->angular[2] = remainder(point.yaw - before.yaw, 2 * M_PI) / seconds;
+	}
+	const struct scene_object *object = at->object;
+	if (object->shape.kind == DEFORM_WHEEL) {
+		const double rolls = (state->linear[0] * cos(pose.yaw) + state->linear[1] * sin(pose.yaw)) /
+				     (object->shape.radius * (1 - object->slip));
+		state->angular[0] = -sin(pose.yaw) * rolls;
+		state->angular[1] = cos(pose.yaw) * rolls;
+	}
+	return STATUS_OK;
+}

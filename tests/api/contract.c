@@ -1,0 +1,447 @@
+/* What furrow.h promises of a world that is stepped, asked, rolled back and looked at. */
+#include "hosted.h"
+
+#include <cjson/cJSON.h>
+
+static struct furrow_point point_at(struct furrow_world *world, double x, double y)
+{
+	const double xy[1][2] = {{x, y}};
+	struct furrow_point point;
+	done(furrow_points(world, 1, xy, &point));
+	return point;
+}
+
+static struct furrow_contact contact_of(struct furrow_world *world, furrow_body body)
+{
+	struct furrow_contact contact;
+	done(furrow_get_contacts(world, 1, &body, &contact, sizeof contact));
+	return contact;
+}
+
+/* Presses a ball 0.1 m deep and moves it east, `steps` steps of 0.05 m. */
+static void make_rut(struct furrow_world *world, furrow_body ball, double x, double y, int steps)
+{
+	for (int i = 0; i <= steps; i++)
+		hosted_move(world, ball, x + 0.05 * i, y, 100.4);
+}
+
+static void steps_end_at_multiples_of_the_time_step(void **state)
+{
+	struct furrow_world *world = hosted_world("steps.furrow");
+	for (int i = 1; i <= 300; i++) {
+		done(furrow_step(world, 0));
+		assert_true(furrow_time(world) == i * 0.01);
+	}
+	done(furrow_step(world, 0.25));
+	assert_float_equal(furrow_time(world), 3.25, 1e-12);
+	done(furrow_step(world, 0));
+	assert_float_equal(furrow_time(world), 3.26, 1e-12);
+	done(furrow_world_close(world));
+}
+
+static void the_world_says_what_it_is(void **state)
+{
+	struct furrow_world *world = hosted_world_over("info.furrow", HOSTED_SCENE, support_hills);
+	struct furrow_info info = {.size = sizeof info};
+	done(furrow_info(world, &info));
+	assert_int_equal(info.level, -1);
+	assert_true(info.spacing == 0.125);
+	assert_int_equal(info.columns, 257);
+	assert_int_equal(info.rows, 257);
+	assert_true(info.extent[0] == 32 && info.extent[1] == 32);
+	assert_int_equal(info.cells, 32);
+	assert_int_equal(info.coarsest, 2);
+	assert_int_equal(info.levels, 4);
+	assert_true(info.low > 96 && info.low < 100 && info.high > 100 && info.high < 105);
+	assert_true(info.gravity == 9.81 && info.time_step == 0.01);
+	assert_string_equal(info.srs, "");
+	/* A host that knows fewer members gets those. */
+	struct furrow_info partial;
+	memset(&partial, 0x55, sizeof partial);
+	partial.size = offsetof(struct furrow_info, gravity);
+	done(furrow_info(world, &partial));
+	assert_true(partial.low == info.low);
+	for (size_t i = partial.size; i < sizeof partial; i++)
+		assert_int_equal(((unsigned char *)&partial)[i], 0x55);
+	done(furrow_world_close(world));
+}
+
+static void a_ball_leaves_a_rut_that_every_question_sees(void **state)
+{
+	struct furrow_world *world = hosted_world("rut.furrow");
+	furrow_body ball = hosted_ball(world, 10, 16);
+	make_rut(world, ball, 10, 16, 40);
+	const struct furrow_contact contact = contact_of(world, ball);
+	assert_int_equal(contact.state, FURROW_TOUCHING);
+	assert_true(contact.force[2] > 100 && contact.normal_force > 100);
+	/* 0.1 m below the flat ground; soil that is heaped before the ball counts, too. */
+	assert_true(contact.area > 0 && contact.sinkage > 0.09 && contact.sinkage < 0.2);
+	assert_float_equal(contact.time, furrow_time(world), 1e-12);
+	assert_true(isnan(contact.slip));
+	assert_true(isnan(contact.stiffness[0][0]) && isnan(contact.damping[5][5]));
+
+	const struct furrow_point in = point_at(world, 11, 16), beside = point_at(world, 11, 20), out = point_at(world, -1, 16);
+	assert_true(in.offset < -0.05 && in.height < 99.95 && !in.nodata);
+	assert_float_equal(in.height, 100 + in.offset, 1e-6);
+	assert_true(beside.offset == 0 && beside.height == 100 && beside.normal[2] == 1);
+	assert_true(out.nodata && isnan(out.height));
+
+	const double from[2][3] = {{11, 16, 120}, {11, 16, 120}}, to[2][3] = {{0, 0, -3}, {0, 0, 1}};
+	struct furrow_hit hits[2];
+	done(furrow_rays(world, 2, from, to, hits));
+	assert_true(hits[0].hit && !hits[1].hit);
+	assert_float_equal(hits[0].position[2], in.height, 1e-6);
+	assert_float_equal(hits[0].distance, 120 - in.height, 1e-6);
+
+	struct furrow_info info;
+	double *surface = hosted_read(world, FURROW_SURFACE, &info), *base = hosted_read(world, FURROW_BASE, &info),
+	       *offset = hosted_read(world, FURROW_OFFSET, &info), *sinkage = hosted_read(world, FURROW_SINKAGE, &info);
+	double deepest = 0, sunk = 0;
+	for (int64_t i = 0; i < info.columns * info.rows; i++) {
+		assert_float_equal(surface[i], base[i] + offset[i], 1e-5);
+		deepest = fmin(deepest, offset[i]);
+		sunk = fmax(sunk, sinkage[i]);
+	}
+	assert_true(deepest < -0.05 && deepest > -0.15 && sunk > 0.01);
+	assert_float_equal(offset[128 * info.columns + 88], in.offset, 1e-6);
+	free(surface);
+	free(base);
+	free(offset);
+	free(sinkage);
+	/* Part of the rows of a wider picture; what is between them is kept. */
+	double rows[2][4] = {{-7, -7, -7, -7}, {-7, -7, -7, -7}};
+	done(furrow_read(world, FURROW_OFFSET, info.level, 88, 128, 3, 2, rows[0], 4));
+	assert_true(rows[0][0] < -0.05 && rows[0][3] == -7 && rows[1][3] == -7);
+
+	done(furrow_place(world, ball, &(struct furrow_pose){{10, 10, 103}, {1, 0, 0, 0}}));
+	done(furrow_step(world, 0));
+	const struct furrow_contact air = contact_of(world, ball);
+	assert_int_equal(air.state, FURROW_AIR);
+	assert_true(air.force[0] == 0 && air.force[2] == 0);
+	done(furrow_world_close(world));
+}
+
+static void states_are_as_they_were_set(void **state)
+{
+	struct furrow_world *world = hosted_world("states.furrow");
+	const furrow_body ball = hosted_ball(world, 16, 16);
+	struct furrow_state set = hosted_state(16.25, 16, 100.45), got;
+	set.linear[0] = 25;
+	set.angular[1] = 3;
+	done(furrow_set_states(world, 1, &ball, &set));
+	done(furrow_get_states(world, 1, &ball, &got));
+	assert_float_equal(got.pose.position[0], 16, 1e-6); /* until the step */
+	done(furrow_step(world, 0));
+	done(furrow_get_states(world, 1, &ball, &got));
+	assert_memory_equal(&got, &set, sizeof got);
+	done(furrow_world_close(world));
+}
+
+static void a_probe_does_not_know_yet(void **state)
+{
+	struct furrow_world *world = hosted_world("probe.furrow");
+	const furrow_body ball = hosted_ball(world, 16, 16);
+	const struct furrow_state at = hosted_state(16, 16, 100.4);
+	struct furrow_contact contact;
+	struct furrow_info info = {.size = sizeof info}, after = {.size = sizeof after};
+	done(furrow_info(world, &info));
+	done(furrow_probe(world, 1, &ball, &at, &contact, sizeof contact));
+	assert_int_equal(contact.state, FURROW_UNKNOWN);
+	assert_true(isnan(contact.force[2]) && isnan(contact.stiffness[2][2]));
+	done(furrow_info(world, &after));
+	assert_true(info.revision == after.revision);
+	done(furrow_world_close(world));
+}
+
+/* A whole copy of what a host can ask for. */
+struct copy {
+	double time;
+	double *offsets, *sinkages;
+	size_t posts;
+	struct furrow_state state;
+	struct furrow_contact contact;
+};
+
+static struct copy copy_of(struct furrow_world *world, furrow_body ball)
+{
+	struct furrow_info info;
+	struct copy copy = {.time = furrow_time(world)};
+	copy.offsets = hosted_read(world, FURROW_OFFSET, &info);
+	copy.sinkages = hosted_read(world, FURROW_SINKAGE, &info);
+	copy.posts = (size_t)(info.columns * info.rows);
+	done(furrow_get_states(world, 1, &ball, &copy.state));
+	copy.contact = contact_of(world, ball);
+	return copy;
+}
+
+static void assert_same(struct copy *a, struct copy *b)
+{
+	assert_true(a->time == b->time);
+	assert_memory_equal(a->offsets, b->offsets, a->posts * sizeof(double));
+	assert_memory_equal(a->sinkages, b->sinkages, a->posts * sizeof(double));
+	assert_memory_equal(&a->state, &b->state, sizeof a->state);
+	for (int i = 0; i < 3; i++)
+		assert_true(a->contact.force[i] == b->contact.force[i] && a->contact.moment[i] == b->contact.moment[i]);
+	assert_true(a->contact.sinkage == b->contact.sinkage && a->contact.state == b->contact.state);
+}
+
+static void free_copy(struct copy *copy)
+{
+	free(copy->offsets);
+	free(copy->sinkages);
+}
+
+static void a_rollback_leaves_what_the_checkpoint_had(void **state)
+{
+	struct furrow_world *world = hosted_world("rollback.furrow");
+	furrow_body ball = hosted_ball(world, 10, 16), kept = -1, later = -1;
+	done(furrow_body_add(world, "{name: kept, shape: {sphere: {radius: 0.5}}}", &kept));
+	make_rut(world, ball, 10, 16, 12);
+	done(furrow_checkpoint(world));
+	struct copy first = copy_of(world, ball), ways[2];
+	for (int i = 0; i < 2; i++) {
+		make_rut(world, ball, 10.6, 16, 20);
+		ways[i] = copy_of(world, ball);
+		done(furrow_body_remove(world, kept));
+		done(furrow_body_add(world, HOSTED_BALL, &later));
+		assert_true(later > kept);
+		done(furrow_rollback(world));
+		struct copy back = copy_of(world, ball);
+		assert_same(&first, &back);
+		free_copy(&back);
+		furrow_body found = -1;
+		done(furrow_body_find(world, "kept", &found));
+		assert_int_equal(found, kept);
+		misused(furrow_body_remove(world, later));
+	}
+	assert_same(&ways[0], &ways[1]);
+	assert_memory_not_equal(first.offsets, ways[0].offsets, first.posts * sizeof(double));
+	done(furrow_rollback(world)); /* again: the checkpoint is still there */
+	done(furrow_world_close(world));
+	free_copy(&first);
+	free_copy(&ways[0]);
+	free_copy(&ways[1]);
+}
+
+static void a_rollback_without_a_checkpoint_goes_back_to_the_opening(void **state)
+{
+	struct furrow_world *world = hosted_world("opening.furrow");
+	struct furrow_info info;
+	furrow_body ball = hosted_ball(world, 10, 16);
+	make_rut(world, ball, 10, 16, 12);
+	done(furrow_rollback(world));
+	assert_true(furrow_time(world) == 0);
+	misused(furrow_body_remove(world, ball));
+	double *offsets = hosted_read(world, FURROW_OFFSET, &info);
+	for (int64_t i = 0; i < info.columns * info.rows; i++)
+		assert_true(offsets[i] == 0);
+	free(offsets);
+	done(furrow_world_close(world));
+}
+
+static furrow_status open_again(const char *name, struct furrow_world **world)
+{
+	const struct furrow_open open = hosted_open(HOSTED_SCENE, support_path(name));
+	return furrow_world_open(&open, world);
+}
+
+static void what_is_closed_is_in_the_store(void **state)
+{
+	struct furrow_world *world = hosted_world("closed.furrow");
+	furrow_body ball = hosted_ball(world, 10, 16);
+	make_rut(world, ball, 10, 16, 12);
+	done(furrow_checkpoint(world));
+	const double rut = point_at(world, 10.5, 16).offset, beyond = point_at(world, 20, 16).offset;
+	assert_true(rut < -0.05 && beyond == 0);
+	make_rut(world, ball, 19, 16, 1);
+	make_rut(world, ball, 19.05, 16, 40);
+	assert_true(point_at(world, 20, 16).offset < -0.05);
+	done(furrow_rollback(world));
+	done(furrow_world_close(world));
+	support_verify(support_path("closed.furrow"));
+	done(open_again("closed.furrow", &world));
+	assert_true(point_at(world, 10.5, 16).offset == rut && point_at(world, 20, 16).offset == 0);
+	done(furrow_world_close(world));
+}
+
+static void an_overlay_keeps_the_store_as_it_was(void **state)
+{
+	const char *store = support_path("base.furrow"), *overlay = support_path("overlay.furrow");
+	struct furrow_world *world;
+	support_store(store, hosted_extent, hosted_flat);
+	const uint64_t hash = support_hash(store);
+	struct furrow_open open = hosted_open(HOSTED_SCENE, store);
+	open.overlay = overlay;
+	done(furrow_world_open(&open, &world));
+	make_rut(world, hosted_ball(world, 10, 16), 10, 16, 12);
+	done(furrow_world_close(world));
+	assert_true(support_hash(store) == hash);
+	done(furrow_world_open(&open, &world));
+	assert_true(point_at(world, 10.5, 16).offset < -0.05);
+	done(furrow_world_close(world));
+}
+
+/* An engine that keeps a copy reads only what changed. */
+static void copies_that_follow_changes_end_as_the_store_does(void **state)
+{
+	struct furrow_world *world = hosted_world("copies.furrow");
+	struct furrow_info info;
+	struct furrow_rect rects[64];
+	furrow_body ball = hosted_ball(world, 5, 5);
+	double *copy = hosted_read(world, FURROW_SURFACE, &info);
+	uint64_t since = info.revision, now = 0;
+	uint64_t read = 0;
+	for (int turn = 0; turn < 10; turn++) {
+		if (turn == 5)
+			done(furrow_checkpoint(world));
+		if (turn == 8)
+			done(furrow_rollback(world));
+		else
+			make_rut(world, ball, 5 + turn, 5 + turn, 10);
+		if (turn == 8)
+			done(furrow_place(world, ball, &(struct furrow_pose){{13, 13, 100.5}, {1, 0, 0, 0}}));
+		else if (turn < 9)
+			done(furrow_place(world, ball, &(struct furrow_pose){{6 + turn, 6 + turn, 100.5}, {1, 0, 0, 0}}));
+		size_t count = 64;
+		done(furrow_changes(world, since, rects, &count, &now));
+		assert_true(count > 0);
+		since = now;
+		for (size_t i = 0; i < count; i++) {
+			const struct furrow_rect *rect = &rects[i];
+			assert_true(rect->column >= 0 && rect->row >= 0 && rect->columns > 0 && rect->rows > 0);
+			assert_true(rect->column + rect->columns <= info.columns && rect->row + rect->rows <= info.rows);
+			done(furrow_read(world, FURROW_SURFACE, info.level, rect->column, rect->row, (uint32_t)rect->columns, (uint32_t)rect->rows,
+					 copy + rect->row * info.columns + rect->column, (size_t)info.columns));
+			read += (uint64_t)(rect->columns * rect->rows);
+		}
+		double *truth = hosted_read(world, FURROW_SURFACE, &info);
+		assert_memory_equal(copy, truth, (size_t)(info.columns * info.rows) * sizeof *copy);
+		free(truth);
+	}
+	assert_true(read < 10 * (uint64_t)(info.columns * info.rows) / 2);
+	size_t none = 64;
+	done(furrow_changes(world, since, rects, &none, &now));
+	assert_int_equal(none, 0);
+	/* Too little room: the number is told. */
+	size_t few = 0;
+	misused(furrow_changes(world, 0, NULL, &few, &now));
+	assert_true(few > 0 && now == since);
+	done(furrow_world_close(world));
+	free(copy);
+}
+
+static void a_picture_has_depths_in_metres(void **state)
+{
+	struct furrow_world *world = hosted_world("picture.furrow");
+	enum { WIDTH = 64, HEIGHT = 48 };
+	static uint8_t rgb[HEIGHT][WIDTH][3];
+	static float depth[HEIGHT][WIDTH], again[HEIGHT][WIDTH];
+	const double half = sqrt(0.5);
+	/* Straight down from 10 m: its own x axis to -z. */
+	struct furrow_camera camera = {sizeof camera, {{16, 16, 110}, {half, 0, half, 0}}, 0.8, WIDTH, HEIGHT};
+	done(furrow_render(world, &camera, rgb[0][0], depth[0]));
+	for (int y = 0; y < HEIGHT; y++)
+		for (int x = 0; x < WIDTH; x++)
+			assert_float_equal(depth[y][x], 10, 0.01);
+	/* Level, to the east: the ground below, the sky above. */
+	camera.pose = (struct furrow_pose){{16, 16, 101}, {1, 0, 0, 0}};
+	done(furrow_render(world, &camera, rgb[0][0], depth[0]));
+	assert_true(isinf(depth[0][WIDTH / 2]) && depth[0][WIDTH / 2] > 0);
+	assert_true(depth[HEIGHT - 1][WIDTH / 2] > 1 && depth[HEIGHT - 1][WIDTH / 2] < 4);
+	assert_memory_not_equal(rgb[0][WIDTH / 2], rgb[HEIGHT - 1][WIDTH / 2], 3);
+	done(furrow_render(world, &camera, NULL, again[0]));
+	assert_memory_equal(depth, again, sizeof depth);
+	done(furrow_render(world, &camera, rgb[0][0], NULL));
+	camera.width = 32;
+	done(furrow_render(world, &camera, rgb[0][0], depth[0]));
+	done(furrow_world_close(world));
+}
+
+static void figures_are_json(void **state)
+{
+	struct furrow_world *world = hosted_world("stats.furrow");
+	char *json = NULL;
+	done(furrow_step(world, 0));
+	done(furrow_step(world, 0));
+	done(furrow_stats(world, &json));
+	cJSON *tree = cJSON_Parse(json);
+	assert_non_null(tree);
+	assert_int_equal(cJSON_GetObjectItem(tree, "steps")->valueint, 2);
+	cJSON_Delete(tree);
+	furrow_free(json);
+	done(furrow_world_close(world));
+}
+
+static bool stop_early(double share, void *user)
+{
+	assert_true(share >= 0 && share <= 1);
+	return ++*(int *)user < 2;
+}
+
+static bool go_on(double share, void *user)
+{
+	assert_true(share >= *(double *)user && share <= 1);
+	*(double *)user = share;
+	return true;
+}
+
+/* A PNG of 16 bits, one metre a unit. */
+static void write_png(const char *path)
+{
+	enum { SIDE = 600 };
+	struct dem_writer *writer;
+	const struct dem_raster raster = {.path = path, .width = SIDE, .height = SIDE, .type = DEM_UINT16, .srs = "", .spacing = 1};
+	double *heights = malloc(sizeof *heights * SIDE * SIDE);
+	assert_non_null(heights);
+	for (int i = 0; i < SIDE * SIDE; i++)
+		heights[i] = 200 + i % SIDE % 7;
+	must(dem_writer_create(&raster, &writer));
+	must(dem_writer_rows(writer, SIDE, heights));
+	must(dem_writer_publish(writer));
+	dem_writer_destroy(writer);
+	free(heights);
+}
+
+static void an_import_stops_and_goes_on(void **state)
+{
+	const char *png = support_path("dem.png"), *store = support_path("imported.furrow");
+	int asked = 0;
+	double share = 0;
+	write_png(png);
+	refused(FURROW_INTERRUPTED, furrow_import(&png, 1, store, "{spacing: 2, tile: 32}", stop_early, &asked));
+	assert_int_equal(access(store, F_OK), -1);
+	done(furrow_import(&png, 1, store, "{spacing: 2, tile: 32, resume: true}", go_on, &share));
+	assert_true(share == 1);
+	support_verify(store);
+	refused(FURROW_INPUT, furrow_import(&png, 1, store, NULL, NULL, NULL));
+	done(furrow_import(&png, 1, store, "{overwrite: true}", NULL, NULL));
+	struct furrow_world *world;
+	const struct furrow_open open = hosted_open("{scene: 1}", store);
+	struct furrow_info info = {.size = sizeof info};
+	done(furrow_world_open(&open, &world));
+	done(furrow_info(world, &info));
+	assert_int_equal(info.columns, 600);
+	assert_true(info.spacing == 1 && info.low == 200 && info.high == 206);
+	assert_true(point_at(world, 3, 300).height == 203);
+	done(furrow_world_close(world));
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(steps_end_at_multiples_of_the_time_step),
+		cmocka_unit_test(the_world_says_what_it_is),
+		cmocka_unit_test(a_ball_leaves_a_rut_that_every_question_sees),
+		cmocka_unit_test(states_are_as_they_were_set),
+		cmocka_unit_test(a_probe_does_not_know_yet),
+		cmocka_unit_test(a_rollback_leaves_what_the_checkpoint_had),
+		cmocka_unit_test(a_rollback_without_a_checkpoint_goes_back_to_the_opening),
+		cmocka_unit_test(what_is_closed_is_in_the_store),
+		cmocka_unit_test(an_overlay_keeps_the_store_as_it_was),
+		cmocka_unit_test(copies_that_follow_changes_end_as_the_store_does),
+		cmocka_unit_test(a_picture_has_depths_in_metres),
+		cmocka_unit_test(figures_are_json),
+		cmocka_unit_test(an_import_stops_and_goes_on),
+	};
+	return cmocka_run_group_tests(tests, support_enter, support_leave);
+}

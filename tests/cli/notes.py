@@ -1,0 +1,73 @@
+"""Notes that a drive prints before its first step: ruts that are there already, and numbers that are probably in another unit."""
+import shutil
+
+from furrow_test import SCENE, FurrowTest, main
+
+SCM = """scene: 1
+time_step: 0.05
+end_time: 1
+soil: {name: dry_sand, cohesion: 1.04}
+redistribute: {model: scm}
+objects:
+  - {name: a, shape: {wheel: {radius: 0.5, width: 0.4}}, load: 900, path: {points: [[20, 20], [40, 20]], speed: 5}}
+"""
+
+
+class Notes(FurrowTest):
+    def setUp(self):
+        super().setUp()
+        self.store = self.synth()
+        self.scene()
+
+    def notes(self, word, *arguments, scene="scene.yaml", status=0):
+        """The notes of a drive that have `word` in them."""
+        result = self.furrow("drive", scene, "--store", "world.furrow", "-o", "out", *arguments)
+        if result.returncode == 4:
+            self.skipTest("no GL here: " + result.stderr.strip())
+        self.assertEqual(result.returncode, status, result.stderr)
+        return [line for line in result.stderr.splitlines() if line.startswith("furrow: note: ") and word in line]
+
+    def deepest(self, store):
+        return -min(point["offset"] for point in self.json("query", store, stdin="".join(
+            f"{20 + 100 * i / 4000} {20 + 70 * i / 4000}\n" for i in range(4001)))["points"])
+
+    def test_ruts_in_an_overlay_are_told(self):
+        self.assertEqual(self.notes("ruts", "--overlay", "a.furrow"), [], "it has none yet")
+        told = self.notes("ruts", "--overlay", "a.furrow")
+        self.assertEqual(len(told), 1, told)
+        self.assertIn("a.furrow: the ground has ruts already, up to ", told[0])
+        self.assertIn("; for the ground as it was imported give another --overlay, or run furrow reset a.furrow", told[0])
+        self.assertEqual(self.notes("ruts", "--overlay", "b.furrow"), [], "another overlay has none")
+        self.ok("reset", "a.furrow")
+        self.assertEqual(self.notes("ruts", "--overlay", "a.furrow"), [], "nor has one that was reset")
+
+    def test_how_deep_they_are(self):
+        self.notes("ruts")
+        deepest = self.deepest("world.furrow")
+        told = self.notes("ruts")
+        self.assertEqual(len(told), 1, told)
+        said = float(told[0].split("up to ")[1].split(" m deep")[0])
+        self.assertGreater(said, 0.1)
+        self.assertGreaterEqual(said, 0.98 * deepest)
+        self.assertLess(said, 1.5 * deepest)
+        self.assertIn("as it was imported run furrow reset world.furrow", told[0])
+        self.assertNotIn("--overlay", told[0], "an overlay goes over no store with ruts")
+
+    def test_a_resumed_drive_is_told_nothing(self):
+        self.notes("ruts", "--overlay", "a.furrow", "--steps", "40")
+        shutil.copy(self.folder / "a.furrow", self.folder / "b.furrow")
+        self.assertEqual(self.notes("ruts already", "--overlay", "a.furrow", "--resume"), [])
+        self.assertEqual(len(self.notes("ruts already", "--overlay", "b.furrow")), 1)
+
+    def test_the_unit_of_a_number_is_told_once(self):
+        self.scene(SCM, "scm.yaml")
+        told = self.notes("kPa", "--overlay", "a.furrow", scene="scm.yaml")
+        self.assertEqual(told, ["furrow: note: scm.yaml:4: soil.cohesion: 1.04 Pa is less than soils have, and probably in kPa; the unit is "
+                                "Pa: give 1040, or 0 for none"])
+        self.assertEqual(len([note for note in self.json("explain", "scm.yaml")["notes"] if "kPa" in note]), 1)
+        self.scene(SCM.replace("1.04", "1040"), "scm.yaml")
+        self.assertEqual(self.notes("kPa", "--overlay", "b.furrow", scene="scm.yaml"), [])
+
+
+if __name__ == "__main__":
+    main()

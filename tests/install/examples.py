@@ -1,0 +1,83 @@
+"""The examples, built with pkg-config in another folder against an installed Furrow, and run."""
+import csv
+import shutil
+import unittest
+
+import prefix
+
+EXAMPLES = prefix.ROOT / "examples"
+
+
+def rows(text):
+    lines = [line for line in text.splitlines() if not line.startswith("#")]
+    return [{name: float(value) for name, value in row.items()} for row in csv.DictReader(lines)]
+
+
+class ExamplesTest(unittest.TestCase):
+    def build(self, compiler, source, *flags):
+        shutil.copy(EXAMPLES / source, prefix.work)
+        program = prefix.work / source.rsplit(".", 1)[0]
+        prefix.run(compiler, *flags, "-Wall", "-Wextra", "-Wpedantic", "-Werror", *prefix.compile_flags, source, "-o", program,
+                   *prefix.package_config("--cflags", "--libs"))
+        return program
+
+    def run_example(self, program, *arguments):
+        result = prefix.run(program, *arguments, env=prefix.environment, check=False)
+        if result.returncode == 4:
+            self.skipTest("there is no GL")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(result.stderr, "")
+        return result.stdout
+
+    def test_drop_ball(self):
+        program = self.build("cc", "drop_ball.c", "-std=c99")
+        text = self.run_example(program, prefix.synthesize("plain.furrow", "plain"), "drop_ball.furrow")
+        fall = rows(text)
+        self.assertEqual(len(fall), 21)
+        self.assertAlmostEqual(fall[0]["above_ground_m"], 0.5, places=3)
+        # It falls as bodies fall until it touches, then the soil carries its 196 N and it lies still, a little sunk.
+        self.assertAlmostEqual(fall[4]["above_ground_m"], 0.5 - 9.81 * 0.2 ** 2 / 2, delta=0.01)
+        self.assertLess(abs(fall[-1]["velocity_m_s"]), 0.02)
+        self.assertTrue(-0.1 < fall[-1]["above_ground_m"] < -0.001, fall[-1])
+        self.assertAlmostEqual(fall[-1]["force_N"], 196.2, delta=40)
+        self.assertIn("# the ball left a hollow", text)
+
+    def test_spring_wheel(self):
+        program = self.build("c++", "spring_wheel.cpp", "-std=c++17")
+        ride = rows(self.run_example(program, prefix.synthesize("dunes.furrow", "dunes"), "spring_wheel.furrow"))
+        self.assertEqual(len(ride), 12)
+        self.assertAlmostEqual(ride[-1]["x_m"], 16 + 3, places=3)
+        later = ride[4:]
+        # The soil carries wheel and carriage, 736 N, up and down the dunes.
+        self.assertAlmostEqual(sum(row["soil_N"] for row in later) / len(later), 736, delta=150)
+        self.assertTrue(all(0 < row["sinkage_m"] < 0.15 for row in later), later)
+
+    def test_rut(self):
+        shutil.copy(EXAMPLES / "rut.py", prefix.work)
+        plots = prefix.python_with("numpy", "matplotlib") is not None
+        picture = prefix.work / "rut.png"
+        result = prefix.run_python("rut.py", prefix.synthesize("plain.furrow", "plain"), "rut.furrow", picture,
+                                   modules=("numpy", "matplotlib") if plots else ("numpy",), check=False)
+        if "no GL" in result.stderr or "OpenGL 4.5" in result.stderr:
+            self.skipTest("there is no GL")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        told = dict(line.split(": ", 1) for line in result.stdout.splitlines() if ": " in line)
+        self.assertEqual(told["posts"], "33 x 97")
+        self.assertTrue(0.01 < float(told["deepest"].split()[0]) < 0.06, told)
+        self.assertGreater(float(told["highest heap"].split()[0]), 0)
+        self.assertGreater(float(told["drawbar pull, mean of the last half"].split()[0]), 0)
+        if plots:
+            self.assertEqual(picture.read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
+        else:
+            self.assertIn("nothing is plotted", result.stdout)
+
+    def test_what_is_wrong_is_said(self):
+        program = self.build("cc", "drop_ball.c", "-std=c99")
+        result = prefix.run(program, "missing.furrow", "none.furrow", env=prefix.environment, check=False)
+        self.assertEqual(result.returncode, 3)
+        self.assertIn("drop_ball: ", result.stderr)
+        self.assertIn("missing.furrow", result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,241 @@
+/* Named soils: which models may have them, what is said of one that lacks a number, and the docs' table of them. DOCS: the folder
+ * of docs. */
+#include <math.h>
+
+#include "fixture.h"
+
+static const char *const models[] = {"none", "box", "sumner", "slippage", "scm"};
+
+/* What each kind of soil has. */
+static const char *const by_wong[] = {"sandy_loam_15", "sandy_loam_22", "clayey_38", "heavy_clay_25", "heavy_clay_40", "lean_clay_22",
+				      "lete_sand", "upland_loam_51", "snow_us", "snow_sweden", "lunar"};
+static const char *const by_sumner[] = {"sand", "mud", "snow"};
+#define COUNT(array) (sizeof(array) / sizeof(array)[0])
+
+static const char scm_reads[] = "bekker_kc, bekker_kphi, bekker_n, cohesion, friction_angle, janosi_shear, elastic_stiffness, damping";
+static const char slippage_reads[] = "cohesion, friction_angle, unit_weight";
+static const char sumner_reads[] = "theta_in, theta_out, theta_stop, roughness, compression";
+static const char wongs[] = "name one of dry_sand, sandy_loam_15, sandy_loam_22, clayey_38, heavy_clay_25, heavy_clay_40, "
+			    "lean_clay_22, lete_sand, upland_loam_51, snow_us, snow_sweden, lunar";
+static const char sumners[] = "name one of dry_sand, sand, mud, snow";
+
+/* A scene of that soil, as it is written after "soil: ". */
+static enum status load_soil(const char *soil, const char *model, struct scene **scene)
+{
+	char text[1024];
+	snprintf(text, sizeof text,
+		 "scene: 1\nend_time: 1\nsoil: %s\nredistribute: {model: %s}\nobjects:\n  - name: a\n"
+		 "    shape: {wheel: {radius: 0.5, width: 0.4}}\n    path: {points: [[1, 2]], speed: 3}\n", soil, model);
+	return load_text(text, NULL, 0, scene);
+}
+
+static void take(const char *soil, const char *model, struct scene **scene)
+{
+	if (load_soil(soil, model, scene) != STATUS_OK)
+		fail_msg("%s, model %s: %s", soil, model, failure_message());
+}
+
+/* `says` is the end of the message. */
+static void refuse(const char *soil, const char *model, const char *says)
+{
+	struct scene *scene;
+	enum status status = load_soil(soil, model, &scene);
+	if (status != STATUS_INPUT)
+		fail_msg("%s, model %s, gives %d", soil, model, status);
+	assert_null(scene);
+	size_t length = strlen(failure_message());
+	if (length < strlen(says) || strcmp(failure_message() + length - strlen(says), says) != 0)
+		fail_msg("\"%s\" does not end in \"%s\"", failure_message(), says);
+}
+
+static const char *named(const char *name)
+{
+	static char soil[80];
+	snprintf(soil, sizeof soil, "{name: %s}", name);
+	return soil;
+}
+
+static void refuse_named(const char *name, const char *model, const char *missing, const char *instead)
+{
+	char says[640];
+	snprintf(says, sizeof says, "scene.yaml:3: soil.name: %s has no %s, which model %s reads; give these beside the name, or %s",
+		 name, missing, model, instead);
+	refuse(named(name), model, says);
+}
+
+static void a_soil_goes_with_the_models_that_it_has_the_numbers_for(void **state)
+{
+	size_t names = 0;
+	while (deform_soil_name(names) != NULL)
+		names++;
+	assert_int_equal(names, 1 + COUNT(by_wong) + COUNT(by_sumner));
+	for (size_t m = 0; m < COUNT(models); m++) {
+		struct scene *scene;
+		take("{name: dry_sand}", models[m], &scene);
+		assert_int_equal(scene->soil_count, m < 2 ? 0 : 1);
+		scene_destroy(scene);
+		for (size_t i = 0; i < COUNT(by_wong); i++) {
+			if (strcmp(models[m], "sumner") == 0) {
+				refuse_named(by_wong[i], models[m], sumner_reads, sumners);
+				continue;
+			}
+			take(named(by_wong[i]), models[m], &scene);
+			scene_destroy(scene);
+		}
+		for (size_t i = 0; i < COUNT(by_sumner); i++) {
+			if (m > 2) {
+				refuse_named(by_sumner[i], models[m], strcmp(models[m], "scm") == 0 ? scm_reads : slippage_reads, wongs);
+				continue;
+			}
+			take(named(by_sumner[i]), models[m], &scene);
+			scene_destroy(scene);
+		}
+	}
+}
+
+static void only_what_the_model_reads_and_the_soil_lacks_is_asked_for(void **state)
+{
+	struct scene *scene;
+	refuse("{name: mud, cohesion: 5000}", "slippage", ": mud has no friction_angle, unit_weight, which model slippage reads; give these "
+	       "beside the name, or name one of dry_sand, sandy_loam_15, sandy_loam_22, clayey_38, heavy_clay_25, heavy_clay_40, lean_clay_22, "
+	       "lete_sand, upland_loam_51, snow_us, snow_sweden, lunar");
+	refuse("{name: lunar, theta_in: 40, theta_out: 30, theta_stop: 40, roughness: 0.1}", "sumner",
+	       ": lunar has no compression, which model sumner reads; give these beside the name, or name one of dry_sand, sand, mud, snow");
+	take("{name: mud, cohesion: 5000, friction_angle: 12, unit_weight: 17000}", "slippage", &scene);
+	assert_string_equal(scene->soil_names[0], "mud");
+	assert_true(scene->soils[0].cohesion == 5000 && scene->soils[0].unit_weight == 17000);
+	/* What nobody gave, and nobody reads, is not made up. */
+	assert_true(isnan(scene->soils[0].bekker_n) && isnan(scene->soils[0].damping));
+	scene_destroy(scene);
+	take("{name: snow, bekker_kc: 1000, bekker_kphi: 2e5, bekker_n: 1.5, cohesion: 900, friction_angle: 21, janosi_shear: 0.03, "
+	     "elastic_stiffness: 4e7, damping: 3e4}", "scm", &scene);
+	assert_true(scene->soils[0].repose == scene->soils[0].friction_angle);
+	scene_destroy(scene);
+	refuse("{name: snow, bekker_kc: 1000, bekker_kphi: 2e5, bekker_n: 1.5, cohesion: 900, friction_angle: 0, janosi_shear: 0.03, "
+	       "elastic_stiffness: 4e7, damping: 3e4}", "scm", ": soil: without friction it needs repose too; allowed: above 0 to 89");
+}
+
+static void each_soil_of_a_map_is_held_to_it(void **state)
+{
+	struct scene *scene;
+	write_text("m.png", "m");
+	refuse("{map: m.png, classes: {1: lunar, 9: sand}, default: dry_sand}", "slippage",
+	       ":3: soil.classes[1].name: sand has no cohesion, friction_angle, unit_weight, which model slippage reads; give these beside the "
+	       "name, or name one of dry_sand, sandy_loam_15, sandy_loam_22, clayey_38, heavy_clay_25, heavy_clay_40, lean_clay_22, lete_sand, "
+	       "upland_loam_51, snow_us, snow_sweden, lunar");
+	refuse("{map: m.png, classes: {1: mud}, default: lunar}", "sumner",
+	       ":3: soil.default.name: lunar has no theta_in, theta_out, theta_stop, roughness, compression, which model sumner reads; give "
+	       "these beside the name, or name one of dry_sand, sand, mud, snow");
+	/* A picture reads no numbers. */
+	take("{map: m.png, classes: {1: mud}, default: lunar}", "box", &scene);
+	scene_destroy(scene);
+	take("{map: m.png, classes: {4: lunar, 200: {cohesion: 0, friction_angle: 30, unit_weight: 15000}}, default: {cohesion: 1, "
+	     "friction_angle: 20, unit_weight: 15000}}", "slippage", &scene);
+	assert_string_equal(scene->soil_names[0], "unnamed");
+	assert_string_equal(scene->soil_names[1], "lunar");
+	assert_string_equal(scene->soil_names[2], "unnamed_200");
+	assert_int_equal(scene_soil_value(scene, 0), -1);
+	assert_int_equal(scene_soil_value(scene, 1), 4);
+	assert_int_equal(scene_soil_value(scene, 2), 200);
+	scene_destroy(scene);
+	unlink(in_folder("m.png"));
+}
+
+/* --- the docs' table --- */
+
+struct text {
+	char *bytes;
+	size_t length, room;
+};
+
+static void add(struct text *text, const char *format, ...) FURROW_PRINTF(2, 3);
+static void add(struct text *text, const char *format, ...)
+{
+	va_list arguments;
+	va_start(arguments, format);
+	text->length += (size_t)vsnprintf(text->bytes + text->length, text->room - text->length, format, arguments);
+	va_end(arguments);
+	assert_true(text->length < text->room);
+}
+
+static void add_cell(struct text *text, double value)
+{
+	if (isnan(value))
+		add(text, " — |");
+	else
+		add(text, " %.7g |", value);
+}
+
+/* A table of those numbers that the soil `like` has, and of the soils that have any of them. */
+static void add_table(struct text *text, const struct deform_soil *like)
+{
+	const char *key, *name;
+	double has, value;
+	size_t columns = 0;
+	add(text, "| name |");
+	for (size_t i = 0; scene_soil_number(like, i, &key, &has); i++) {
+		char path[80];
+		struct scene_parameter parameter;
+		if (isnan(has))
+			continue;
+		snprintf(path, sizeof path, "soil.%s", key);
+		assert_true(scene_parameter(path, &parameter));
+		add(text, parameter.unit != NULL ? " `%s`, %s |" : " `%s` |", key, parameter.unit);
+		columns++;
+	}
+	add(text, "\n| --- |");
+	for (size_t i = 0; i < columns; i++)
+		add(text, " --- |");
+	for (size_t n = 0; (name = deform_soil_name(n)) != NULL; n++) {
+		struct deform_soil soil;
+		struct text line = {(char[1024]){""}, 0, 1024};
+		bool any = false;
+		assert_int_equal(deform_soil_named(name, &soil), STATUS_OK);
+		for (size_t i = 0; scene_soil_number(like, i, &key, &has); i++)
+			if (!isnan(has) && scene_soil_number(&soil, i, &key, &value)) {
+				any = any || !isnan(value);
+				add_cell(&line, value);
+			}
+		if (any)
+			add(text, "\n| %s |%s", name, line.bytes);
+	}
+	add(text, "\n");
+}
+
+static void the_docs_have_every_number_of_every_named_soil(void **state)
+{
+	static char page[1 << 16], bytes[1 << 15];
+	char path[512];
+	struct deform_soil wong, sumner;
+	assert_int_equal(deform_soil_named("lunar", &wong), STATUS_OK);
+	assert_int_equal(deform_soil_named("mud", &sumner), STATUS_OK);
+	const char *docs = getenv("DOCS");
+	assert_non_null(docs);
+	snprintf(path, sizeof path, "%s/SOILS.md", docs);
+	FILE *file = fopen(path, "r");
+	assert_non_null(file);
+	size_t got = fread(page, 1, sizeof page - 1, file);
+	fclose(file);
+	assert_true(got > 0 && got < sizeof page - 1);
+	const struct deform_soil *const tables[] = {&wong, &sumner};
+	for (size_t i = 0; i < COUNT(tables); i++) {
+		struct text text = {bytes, 0, sizeof bytes};
+		add_table(&text, tables[i]);
+		add(&text, "\n"); /* it has no row more */
+		if (strstr(page, bytes) != NULL)
+			continue;
+		fputs(bytes, stderr);
+		fail_msg("%s does not have the table that stands above; put it there", path);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_soil_goes_with_the_models_that_it_has_the_numbers_for),
+		cmocka_unit_test(only_what_the_model_reads_and_the_soil_lacks_is_asked_for),
+		cmocka_unit_test(each_soil_of_a_map_is_held_to_it),
+		cmocka_unit_test(the_docs_have_every_number_of_every_named_soil),
+	};
+	return cmocka_run_group_tests_name("scene/soils", tests, make_folder, drop_folder);
+}

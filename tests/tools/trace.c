@@ -1,0 +1,535 @@
+/* Traces: what is noted comes back; what is cut, damaged or made up is refused; nothing half-made is left. */
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <xxhash.h>
+
+#include "../page/fake.h"
+#include "sim/sim.h"
+
+static char folder[64];
+
+static int enter(void **state)
+{
+	(void)state;
+	(void)signal(SIGXFSZ, SIG_IGN);
+	strcpy(folder, "/tmp/furrow-trace-XXXXXX");
+	return mkdtemp(folder) == NULL;
+}
+
+static int leave(void **state)
+{
+	char command[96];
+	(void)state;
+	snprintf(command, sizeof command, "rm -rf '%s'", folder);
+	return system(command);
+}
+
+static const char *in_folder(const char *name)
+{
+	static char paths[8][128];
+	static int next;
+	char *path = paths[next++ % 8];
+	snprintf(path, sizeof paths[0], "%s/%s", folder, name);
+	return path;
+}
+
+static int files_there(void)
+{
+	char command[96], line[16];
+	snprintf(command, sizeof command, "ls -A '%s' | wc -l", folder);
+	FILE *pipe = popen(command, "r");
+	assert_non_null(fgets(line, sizeof line, pipe));
+	pclose(pipe);
+	return atoi(line);
+}
+
+static uint64_t chance = 88172645463325252u;
+
+static uint64_t draw(uint64_t below)
+{
+	chance ^= chance << 13;
+	chance ^= chance >> 7;
+	chance ^= chance << 17;
+	return chance % below;
+}
+
+/* --- bytes by hand --- */
+
+struct bytes {
+	uint8_t at[1 << 16];
+	size_t size;
+};
+
+static void put_number(struct bytes *bytes, uint64_t value)
+{
+	for (; value > 127; value /= 128)
+		bytes->at[bytes->size++] = (uint8_t)(128 + value % 128);
+	bytes->at[bytes->size++] = (uint8_t)value;
+}
+
+static void put_whole(struct bytes *bytes, uint64_t value, int count)
+{
+	for (; count > 0; count--, value >>= 8)
+		bytes->at[bytes->size++] = (uint8_t)value;
+}
+
+static struct bytes header(uint32_t version)
+{
+	struct bytes bytes = {.size = 8};
+	memcpy(bytes.at, "furrowPT", 8);
+	put_whole(&bytes, version, 4);
+	return bytes;
+}
+
+static void put_end(struct bytes *bytes, uint64_t accesses, uint64_t tiles)
+{
+	put_number(bytes, 1);
+	put_whole(bytes, accesses, 8);
+	put_whole(bytes, tiles, 8);
+	put_whole(bytes, XXH3_64bits(bytes->at, bytes->size), 8);
+}
+
+static void write_file(const char *path, const void *bytes, size_t size)
+{
+	FILE *file = fopen(path, "wb");
+	assert_non_null(file);
+	assert_int_equal(fwrite(bytes, 1, size, file), size);
+	fclose(file);
+}
+
+static struct bytes read_file(const char *path)
+{
+	struct bytes bytes;
+	FILE *file = fopen(path, "rb");
+	assert_non_null(file);
+	bytes.size = fread(bytes.at, 1, sizeof bytes.at, file);
+	fclose(file);
+	return bytes;
+}
+
+/* A copy of just that size, so that a read past it is seen. */
+static enum status parse(const struct bytes *bytes, size_t size, struct sim_accesses *accesses)
+{
+	uint8_t *copy = malloc(size);
+	if (size > 0)
+		memcpy(copy, bytes->at, size);
+	enum status status = sim_accesses_parse("t", copy, size, accesses);
+	free(copy);
+	return status;
+}
+
+static void refused(const struct bytes *bytes, const char *why)
+{
+	struct sim_accesses accesses;
+	assert_int_equal(parse(bytes, bytes->size, &accesses), STATUS_INPUT);
+	if (strstr(failure_message(), why) == NULL)
+		fail_msg("%s: says nothing of: %s", failure_message(), why);
+	assert_null(accesses.tiles);
+}
+
+/* --- tests --- */
+
+enum { MANY = 300000, TILES = 5000 };
+
+static void page_trace_gives_back_what_was_noted(void **state)
+{
+	static uint64_t keys[MANY], steps[MANY];
+	static uint8_t flags[MANY];
+	static bool seen[TILES];
+	struct page_trace *trace;
+	struct sim_accesses accesses;
+	uint64_t step = 0, counts[4] = {0}, distinct = 0;
+	(void)state;
+	memset(seen, 0, sizeof seen);
+	assert_int_equal(page_trace_create(in_folder("a"), &trace), STATUS_OK);
+	for (int i = 0; i < MANY; i++) {
+		step += draw(100) == 0 ? draw(2) == 0 ? 1 : draw(UINT32_MAX) : 0;
+		uint64_t tile = draw(1 + draw(TILES));
+		distinct += !seen[tile];
+		seen[tile] = true;
+		keys[i] = (UINT64_C(1) << 62) - 1 - tile * 0x1234567;
+		steps[i] = step;
+		flags[i] = (uint8_t)draw(4);
+		counts[flags[i]]++;
+		page_trace_access(trace, step, keys[i], flags[i] & 1 ? PAGE_ACCESS_DRAW : PAGE_ACCESS_PIN,
+				  (flags[i] & 2) != 0);
+	}
+	assert_int_equal(page_trace_status(trace), STATUS_OK);
+	assert_int_equal(access(in_folder("a"), F_OK), -1); /* not before it is whole */
+	assert_int_equal(page_trace_publish(trace), STATUS_OK);
+	page_trace_destroy(trace);
+	assert_int_equal(files_there(), 1);
+	assert_int_equal(sim_accesses_read(in_folder("a"), &accesses), STATUS_OK);
+	assert_int_equal(accesses.count, MANY);
+	assert_int_equal(accesses.tile_count, distinct);
+	uint32_t next = 0;
+	for (int i = 0; i < MANY; i++) {
+		assert_true(accesses.tiles[i] <= next); /* in the order in which they come */
+		next += accesses.tiles[i] == next;
+		assert_int_equal(accesses.keys[accesses.tiles[i]], keys[i]);
+		assert_int_equal(accesses.steps[i], steps[i]);
+	}
+	assert_int_equal(accesses.misses[PAGE_ACCESS_PIN], counts[0]);
+	assert_int_equal(accesses.misses[PAGE_ACCESS_DRAW], counts[1]);
+	assert_int_equal(accesses.hits[PAGE_ACCESS_PIN], counts[2]);
+	assert_int_equal(accesses.hits[PAGE_ACCESS_DRAW], counts[3]);
+	sim_accesses_finish(&accesses);
+}
+
+static void page_trace_takes_two_bytes_an_access_of_a_few_hundred_tiles(void **state)
+{
+	struct page_trace *trace;
+	struct stat found;
+	(void)state;
+	assert_int_equal(page_trace_create(in_folder("a"), &trace), STATUS_OK);
+	for (uint64_t i = 0; i < 100000; i++)
+		page_trace_access(trace, i / 100, draw(400), PAGE_ACCESS_PIN, true);
+	assert_int_equal(page_trace_publish(trace), STATUS_OK);
+	page_trace_destroy(trace);
+	assert_int_equal(stat(in_folder("a"), &found), 0);
+	assert_true(found.st_size < 2 * 100000 + 1000 + 8 * 400 + 100);
+}
+
+static struct bytes small_trace(void)
+{
+	struct page_trace *trace;
+	assert_int_equal(page_trace_create(in_folder("small"), &trace), STATUS_OK);
+	for (uint64_t i = 0; i < 60; i++)
+		page_trace_access(trace, i / 7 * 40, draw(20) << 40, i % 5 == 0 ? PAGE_ACCESS_DRAW : PAGE_ACCESS_PIN,
+				  i % 3 == 0);
+	assert_int_equal(page_trace_publish(trace), STATUS_OK);
+	page_trace_destroy(trace);
+	return read_file(in_folder("small"));
+}
+
+static void page_trace_of_nothing_is_whole(void **state)
+{
+	struct page_trace *trace;
+	struct sim_accesses accesses;
+	(void)state;
+	assert_int_equal(page_trace_create(in_folder("a"), &trace), STATUS_OK);
+	assert_int_equal(page_trace_publish(trace), STATUS_OK);
+	page_trace_destroy(trace);
+	assert_int_equal(sim_accesses_read(in_folder("a"), &accesses), STATUS_OK);
+	assert_int_equal(accesses.count, 0);
+	sim_accesses_finish(&accesses);
+}
+
+static void page_trace_cut_anywhere_is_refused(void **state)
+{
+	struct bytes bytes = small_trace();
+	struct sim_accesses accesses;
+	(void)state;
+	assert_int_equal(parse(&bytes, bytes.size, &accesses), STATUS_OK);
+	sim_accesses_finish(&accesses);
+	for (size_t size = 0; size < bytes.size; size++) {
+		assert_int_equal(parse(&bytes, size, &accesses), STATUS_INPUT);
+		assert_non_null(strstr(failure_message(), size < 8 ? "is no trace" : "cut short"));
+	}
+}
+
+static void page_trace_with_any_bit_changed_is_refused(void **state)
+{
+	struct bytes bytes = small_trace();
+	struct sim_accesses accesses;
+	(void)state;
+	for (size_t bit = 0; bit < 8 * bytes.size; bit++) {
+		bytes.at[bit / 8] ^= (uint8_t)(1 << bit % 8);
+		assert_int_equal(parse(&bytes, bytes.size, &accesses), STATUS_INPUT);
+		bytes.at[bit / 8] ^= (uint8_t)(1 << bit % 8);
+	}
+}
+
+/* Each is the only thing wrong: the checksum is right. */
+static void page_trace_says_what_is_wrong(void **state)
+{
+	struct bytes bytes = header(2);
+	(void)state;
+	put_end(&bytes, 0, 0);
+	refused(&bytes, "version 2");
+
+	bytes = header(1);
+	put_number(&bytes, 0);
+	put_whole(&bytes, 77, 8);
+	put_number(&bytes, 2 << 3);
+	put_whole(&bytes, 78, 8);
+	put_end(&bytes, 2, 2);
+	refused(&bytes, "a tile that has not come yet");
+
+	bytes = header(1);
+	put_number(&bytes, 0);
+	put_whole(&bytes, 77, 8);
+	put_number(&bytes, 1 << 3);
+	put_whole(&bytes, 77, 8);
+	put_end(&bytes, 2, 2);
+	refused(&bytes, "comes as a new one");
+
+	bytes = header(1);
+	put_number(&bytes, 0);
+	put_whole(&bytes, UINT64_C(1) << 62, 8);
+	put_end(&bytes, 1, 1);
+	refused(&bytes, "a key that no tile has");
+
+	bytes = header(1);
+	memset(bytes.at + bytes.size, 0xff, 9);
+	bytes.size += 9;
+	put_number(&bytes, 2);
+	put_end(&bytes, 0, 0);
+	refused(&bytes, "more than 64 bits");
+
+	bytes = header(1);
+	put_number(&bytes, (uint64_t)INT64_MAX << 1 | 1);
+	put_number(&bytes, 1 << 1 | 1);
+	put_end(&bytes, 0, 0);
+	refused(&bytes, "a step beyond any");
+
+	for (unsigned more = 0; more < 2; more++) {
+		bytes = header(1);
+		put_number(&bytes, 0);
+		put_whole(&bytes, 77, 8);
+		put_end(&bytes, 1 + more, 2 - more);
+		refused(&bytes, "the accesses and tiles it says");
+	}
+
+	bytes = header(1);
+	put_end(&bytes, 0, 0);
+	put_number(&bytes, 1);
+	refused(&bytes, "something follows");
+}
+
+static void check_sane(const struct sim_accesses *accesses)
+{
+	uint64_t counted = 0;
+	for (int kind = 0; kind < PAGE_ACCESS_KINDS; kind++)
+		counted += accesses->hits[kind] + accesses->misses[kind];
+	assert_int_equal(counted, accesses->count);
+	for (size_t i = 0; i < accesses->count; i++) {
+		assert_true(accesses->tiles[i] < accesses->tile_count);
+		assert_true(i == 0 || accesses->steps[i - 1] <= accesses->steps[i]);
+	}
+	for (uint32_t i = 0; i < accesses->tile_count; i++)
+		for (uint32_t j = 0; j < i; j++)
+			assert_true(accesses->keys[i] != accesses->keys[j]);
+}
+
+/* Hostile files that know the checksum: read or refused, never believed beyond their bytes. */
+static void page_trace_survives_whatever_is_in_it(void **state)
+{
+	struct bytes whole = small_trace();
+	unsigned taken = 0;
+	(void)state;
+	for (int round = 0; round < 60000; round++) {
+		struct bytes bytes = whole;
+		struct sim_accesses accesses;
+		bytes.size -= 8;
+		if (round % 2 == 0) {
+			bytes = header(1);
+			for (uint64_t records = draw(30); records > 0; records--)
+				bytes.at[bytes.size++] = (uint8_t)(draw(3) == 0 ? draw(256) : draw(16));
+			put_number(&bytes, 1);
+			put_whole(&bytes, draw(20), 8);
+			put_whole(&bytes, draw(3), 8);
+		}
+		for (uint64_t changes = draw(4); changes > 0; changes--)
+			bytes.at[PAGE_TRACE_HEADER + draw(bytes.size - PAGE_TRACE_HEADER)] = (uint8_t)draw(256);
+		put_whole(&bytes, XXH3_64bits(bytes.at, bytes.size), 8);
+		enum status status = parse(&bytes, bytes.size, &accesses);
+		assert_true(status == STATUS_OK || status == STATUS_INPUT);
+		if (status != STATUS_OK)
+			continue;
+		taken++;
+		check_sane(&accesses);
+		sim_accesses_finish(&accesses);
+	}
+	assert_true(taken > 1000);
+}
+
+static void page_trace_that_is_none_is_refused(void **state)
+{
+	struct sim_accesses accesses;
+	(void)state;
+	assert_int_equal(sim_accesses_read(in_folder("absent"), &accesses), STATUS_INPUT);
+	assert_int_equal(sim_accesses_read(folder, &accesses), STATUS_INPUT);
+	write_file(in_folder("text"), "time,obj_id\n1,2\n", 16);
+	assert_int_equal(sim_accesses_read(in_folder("text"), &accesses), STATUS_INPUT);
+	assert_non_null(strstr(failure_message(), "is no trace"));
+}
+
+static void page_trace_replaces_traces_only(void **state)
+{
+	struct page_trace *trace;
+	struct bytes before = small_trace();
+	(void)state;
+	write_file(in_folder("text"), "a store, say", 12);
+	assert_int_equal(page_trace_create(in_folder("text"), &trace), STATUS_FAILED);
+	assert_non_null(strstr(failure_message(), "is no trace"));
+	assert_int_equal(read_file(in_folder("text")).size, 12);
+	write_file(in_folder("new.part"), "a letter", 8);
+	assert_int_equal(page_trace_create(in_folder("new"), &trace), STATUS_FAILED);
+	assert_int_equal(read_file(in_folder("new.part")).size, 8);
+	assert_int_equal(remove(in_folder("new.part")), 0);
+	assert_int_equal(page_trace_create(folder, &trace), STATUS_FAILED);
+	assert_int_equal(page_trace_create(in_folder("no/where"), &trace), STATUS_FAILED);
+	/* One that is given up leaves the older one as it was. */
+	assert_int_equal(page_trace_create(in_folder("small"), &trace), STATUS_OK);
+	page_trace_access(trace, 1, 2, PAGE_ACCESS_PIN, false);
+	page_trace_destroy(trace);
+	struct bytes after = read_file(in_folder("small"));
+	assert_int_equal(after.size, before.size);
+	assert_memory_equal(after.at, before.at, after.size);
+	assert_int_equal(files_there(), 2);
+	/* What a killed drive left is written over. */
+	write_file(in_folder("small.part"), before.at, 100);
+	assert_int_equal(page_trace_create(in_folder("small"), &trace), STATUS_OK);
+	assert_int_equal(page_trace_publish(trace), STATUS_OK);
+	page_trace_destroy(trace);
+	assert_int_equal(files_there(), 2);
+	struct sim_accesses accesses;
+	assert_int_equal(sim_accesses_read(in_folder("small"), &accesses), STATUS_OK);
+	assert_int_equal(accesses.count, 0);
+	sim_accesses_finish(&accesses);
+}
+
+static void page_trace_has_one_writer(void **state)
+{
+	struct page_trace *trace, *second;
+	(void)state;
+	assert_int_equal(page_trace_create(in_folder("a"), &trace), STATUS_OK);
+	page_trace_access(trace, 1, 2, PAGE_ACCESS_PIN, false);
+	assert_int_equal(page_trace_create(in_folder("a"), &second), STATUS_FAILED);
+	assert_non_null(strstr(failure_message(), "another drive"));
+	assert_int_equal(page_trace_publish(trace), STATUS_OK);
+	page_trace_destroy(trace);
+	struct sim_accesses accesses;
+	assert_int_equal(sim_accesses_read(in_folder("a"), &accesses), STATUS_OK);
+	assert_int_equal(accesses.count, 1);
+	sim_accesses_finish(&accesses);
+}
+
+/* A file of 16 tiles, each once in 16 accesses, one byte an access, and what comes before and after. */
+enum { FULL = 200000, FULL_BYTES = PAGE_TRACE_HEADER + FULL + 16 * 8 + 1 + 3 * 8 };
+
+/* The file may not grow beyond so many bytes: at the first, in the middle, at the last ones, and just so. */
+static void page_trace_on_a_full_disk_says_so_and_leaves_nothing(void **state)
+{
+	const rlim_t limits[] = {5, 1 << 16, (1 << 16) + 100, FULL_BYTES - 25, FULL_BYTES - 1, FULL_BYTES};
+	struct rlimit before;
+	(void)state;
+	assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+	for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
+		struct page_trace *trace = NULL;
+		struct rlimit limit = {limits[i], before.rlim_max};
+		assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
+		enum status created = page_trace_create(in_folder("a"), &trace);
+		assert_int_equal(created, STATUS_OK);
+		for (uint64_t n = 0; n < FULL; n++)
+			page_trace_access(trace, 0, n % 16, PAGE_ACCESS_PIN, true);
+		enum status status = page_trace_status(trace);
+		enum status published = page_trace_publish(trace);
+		char message[512];
+		snprintf(message, sizeof message, "%s", failure_message());
+		enum status again = published != STATUS_OK ? page_trace_publish(trace) : published;
+		page_trace_destroy(trace);
+		assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+		if (limits[i] == FULL_BYTES) {
+			assert_int_equal(published, STATUS_OK);
+			continue;
+		}
+		assert_int_equal(status, i < 3 ? STATUS_FAILED : STATUS_OK);
+		assert_int_equal(published, STATUS_FAILED);
+		assert_int_equal(again, STATUS_FAILED);
+		assert_non_null(strstr(message, "File too large"));
+		assert_non_null(strstr(message, in_folder("a")));
+		assert_int_equal(files_there(), 0);
+	}
+}
+
+static void page_trace_without_memory_says_so_and_leaves_nothing(void **state)
+{
+	(void)state;
+	bool failed = true;
+	for (uint64_t nth = 1; failed; nth++) {
+		struct page_trace *trace = NULL;
+		struct sim_accesses accesses;
+		mem_fail_nth(nth, 0);
+		enum status status = page_trace_create(in_folder("a"), &trace);
+		for (uint64_t i = 0; status == STATUS_OK && i < 2000; i++)
+			page_trace_access(trace, 0, i, PAGE_ACCESS_PIN, false);
+		if (status == STATUS_OK)
+			status = page_trace_publish(trace);
+		page_trace_destroy(trace);
+		assert_int_equal(access(in_folder("a"), F_OK), status == STATUS_OK ? 0 : -1);
+		if (status == STATUS_OK)
+			status = sim_accesses_read(in_folder("a"), &accesses);
+		mem_fail_nth(0, 0);
+		failed = status != STATUS_OK;
+		if (!failed)
+			sim_accesses_finish(&accesses);
+		unlink(in_folder("a"));
+		assert_int_equal(files_there(), 0);
+		assert_true(nth < 100 && (failed || nth > 12));
+	}
+}
+
+static void page_cache_notes_every_access(void **state)
+{
+	static struct fake fake;
+	struct page_params params = fake_params(&fake, 4, 1);
+	struct sim_accesses accesses;
+	const uint64_t keys[] = {5, 7}, expected[] = {5, 7, 5, 9, 7, 6}, steps[] = {0, 0, 0, 0, 1, 1};
+	uint32_t slots[2], slot;
+	(void)state;
+	assert_int_equal(page_trace_create(in_folder("a"), &params.trace), STATUS_OK);
+	fake_start(&fake, &params);
+	assert_int_equal(page_cache_pin_all(fake.cache, keys, 2, slots), STATUS_OK);
+	page_cache_unpin(fake.cache, 5);
+	page_cache_unpin(fake.cache, 7);
+	fake_visit(&fake, 5);
+	assert_false(page_cache_peek(fake.cache, 9, true, &slot));
+	assert_false(page_cache_peek(fake.cache, 10, false, &slot)); /* none: nobody uses it */
+	fake_end_step(&fake, 1);
+	assert_true(page_cache_peek(fake.cache, 7, true, &slot));
+	fake.fail_load = 6 + 1;
+	assert_int_equal(page_cache_pin(fake.cache, 6, &slot), STATUS_INPUT); /* asked for all the same */
+	struct page_stats stats = fake_stats(&fake);
+	fake_finish(&fake);
+	assert_int_equal(page_trace_publish(params.trace), STATUS_OK);
+	page_trace_destroy(params.trace);
+	assert_int_equal(sim_accesses_read(in_folder("a"), &accesses), STATUS_OK);
+	assert_int_equal(accesses.count, 6);
+	for (int i = 0; i < 6; i++) {
+		assert_int_equal(accesses.keys[accesses.tiles[i]], expected[i]);
+		assert_int_equal(accesses.steps[i], steps[i]);
+	}
+	assert_int_equal(accesses.hits[PAGE_ACCESS_PIN], stats.hits);
+	assert_int_equal(accesses.misses[PAGE_ACCESS_PIN], stats.misses);
+	assert_int_equal(stats.hits, 1);
+	assert_int_equal(accesses.hits[PAGE_ACCESS_DRAW], 1);
+	assert_int_equal(accesses.misses[PAGE_ACCESS_DRAW], 1);
+	sim_accesses_finish(&accesses);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test_setup_teardown(page_trace_gives_back_what_was_noted, enter, leave),
+		cmocka_unit_test_setup_teardown(page_trace_takes_two_bytes_an_access_of_a_few_hundred_tiles, enter, leave),
+		cmocka_unit_test_setup_teardown(page_trace_of_nothing_is_whole, enter, leave),
+		cmocka_unit_test_setup_teardown(page_trace_cut_anywhere_is_refused, enter, leave),
+		cmocka_unit_test_setup_teardown(page_trace_with_any_bit_changed_is_refused, enter, leave),
+		cmocka_unit_test_setup_teardown(page_trace_says_what_is_wrong, enter, leave),
+		cmocka_unit_test_setup_teardown(page_trace_survives_whatever_is_in_it, enter, leave),
+		cmocka_unit_test_setup_teardown(page_trace_that_is_none_is_refused, enter, leave),
+		cmocka_unit_test_setup_teardown(page_trace_replaces_traces_only, enter, leave),
+		cmocka_unit_test_setup_teardown(page_trace_has_one_writer, enter, leave),
+		cmocka_unit_test_setup_teardown(page_trace_on_a_full_disk_says_so_and_leaves_nothing, enter, leave),
+		cmocka_unit_test_setup_teardown(page_trace_without_memory_says_so_and_leaves_nothing, enter, leave),
+		cmocka_unit_test_setup_teardown(page_cache_notes_every_access, enter, leave),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

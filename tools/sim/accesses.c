@@ -1,0 +1,244 @@
+/*
+ * Reading a trace. The file is untrusted: every record is checked before it is believed, and what is
+ * allocated is bounded by the bytes that are there.
+ */
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <xxhash.h>
+
+#include "base/key_set.h"
+#include "sim/sim.h"
+
+#define TRACE_NUMBER_MOST 10                 /* bytes of a LEB128 of 64 bits */
+#define TRACE_ACCESSES_MOST ((1u << 30) - 2) /* sums over twice as many fit 31 bits */
+
+struct parsing {
+	const char *path;
+	const uint8_t *bytes;
+	size_t size, at;
+	struct key_set index;
+	struct sim_accesses *out;
+	size_t access_room, tile_room;
+	uint64_t step;
+	bool ended;
+};
+
+static enum status cut(const struct parsing *parsing)
+{
+	return fail_with(STATUS_INPUT, "%s: the trace is cut short after %zu bytes; copy it again, or drive again",
+			 parsing->path, parsing->size);
+}
+
+static enum status damaged(const struct parsing *parsing, const char *why)
+{
+	return fail_with(STATUS_INPUT, "%s: the trace is damaged before byte %zu: %s; copy it again, or drive again",
+			 parsing->path, parsing->at, why);
+}
+
+static uint64_t fetch(const uint8_t *bytes, int count)
+{
+	uint64_t value = 0;
+	for (int i = 0; i < count; i++)
+		value |= (uint64_t)bytes[i] << (8 * i);
+	return value;
+}
+
+static enum status take_bytes(struct parsing *parsing, int count, uint64_t *value)
+{
+	if (parsing->size - parsing->at < (size_t)count)
+		return cut(parsing);
+	*value = fetch(parsing->bytes + parsing->at, count);
+	parsing->at += (size_t)count;
+	return STATUS_OK;
+}
+
+static enum status take_number(struct parsing *parsing, uint64_t *value)
+{
+	*value = 0;
+	for (int i = 0; i < TRACE_NUMBER_MOST; i++) {
+		if (parsing->at == parsing->size)
+			return cut(parsing);
+		uint8_t byte = parsing->bytes[parsing->at++];
+		if (i == TRACE_NUMBER_MOST - 1 && byte > 1)
+			break;
+		*value |= (uint64_t)(byte & 0x7f) << (7 * i);
+		if (byte < 0x80)
+			return STATUS_OK;
+	}
+	return damaged(parsing, "a number of more than 64 bits");
+}
+
+/* --- records --- */
+
+static enum status grow(void *array, size_t *room, size_t size)
+{
+	void **memory = array;
+	void *wider = mem_realloc(*memory, *room, size);
+	if (wider == NULL)
+		return fail_memory("the trace");
+	*memory = wider;
+	return STATUS_OK;
+}
+
+static enum status add_tile(struct parsing *parsing)
+{
+	struct sim_accesses *out = parsing->out;
+	uint64_t key = 0;
+	uint32_t number;
+	bool fresh = false;
+	enum status status = take_bytes(parsing, 8, &key);
+	if (status != STATUS_OK)
+		return status;
+	if (key >> PAGE_TRACE_KEY_BITS != 0)
+		return damaged(parsing, "a key that no tile has");
+	status = key_set_number(&parsing->index, key, &number, &fresh);
+	if (status != STATUS_OK)
+		return status;
+	if (!fresh)
+		return damaged(parsing, "a tile that came before comes as a new one");
+	if (out->tile_count == parsing->tile_room) {
+		parsing->tile_room = parsing->tile_room != 0 ? 2 * parsing->tile_room : 256;
+		status = grow(&out->keys, &parsing->tile_room, sizeof *out->keys);
+	}
+	if (status == STATUS_OK)
+		out->keys[out->tile_count++] = key;
+	return status;
+}
+
+static enum status add_access(struct parsing *parsing, uint64_t record)
+{
+	struct sim_accesses *out = parsing->out;
+	uint64_t number = record >> 3;
+	unsigned kind = record >> 1 & 1;
+	enum status status = STATUS_OK;
+	if (number > out->tile_count)
+		return damaged(parsing, "a tile that has not come yet");
+	if (out->count == TRACE_ACCESSES_MOST)
+		return fail_with(STATUS_INPUT, "%s: has more than %u accesses; trace fewer steps", parsing->path,
+				 TRACE_ACCESSES_MOST);
+	if (number == out->tile_count)
+		status = add_tile(parsing);
+	if (status == STATUS_OK && out->count == parsing->access_room) {
+		parsing->access_room = parsing->access_room != 0 ? 2 * parsing->access_room : 4096;
+		status = grow(&out->tiles, &parsing->access_room, sizeof *out->tiles);
+		if (status == STATUS_OK)
+			status = grow(&out->steps, &parsing->access_room, sizeof *out->steps);
+	}
+	if (status != STATUS_OK)
+		return status;
+	out->tiles[out->count] = (uint32_t)number;
+	out->steps[out->count++] = parsing->step;
+	++*((record >> 2 & 1) != 0 ? &out->hits[kind] : &out->misses[kind]);
+	return STATUS_OK;
+}
+
+static enum status end(struct parsing *parsing)
+{
+	uint64_t accesses = 0, tiles = 0, hash = 0;
+	enum status status = take_bytes(parsing, 8, &accesses);
+	if (status == STATUS_OK)
+		status = take_bytes(parsing, 8, &tiles);
+	size_t hashed = parsing->at;
+	if (status == STATUS_OK)
+		status = take_bytes(parsing, 8, &hash);
+	if (status != STATUS_OK)
+		return status;
+	if (accesses != parsing->out->count || tiles != parsing->out->tile_count)
+		return damaged(parsing, "it does not have the accesses and tiles it says");
+	if (hash != XXH3_64bits(parsing->bytes, hashed))
+		return damaged(parsing, "its checksum differs");
+	if (parsing->at != parsing->size)
+		return damaged(parsing, "something follows its end");
+	parsing->ended = true;
+	return STATUS_OK;
+}
+
+static enum status take_record(struct parsing *parsing)
+{
+	uint64_t record = 0;
+	enum status status = take_number(parsing, &record);
+	if (status != STATUS_OK)
+		return status;
+	if ((record & 1) == 0)
+		return add_access(parsing, record);
+	if (record == 1)
+		return end(parsing);
+	if (record >> 1 > (uint64_t)INT64_MAX - parsing->step)
+		return damaged(parsing, "a step beyond any");
+	parsing->step += record >> 1;
+	return STATUS_OK;
+}
+
+/* --- the whole --- */
+
+static enum status check_header(struct parsing *parsing)
+{
+	size_t magic = sizeof PAGE_TRACE_MAGIC - 1;
+	if (parsing->size < magic || memcmp(parsing->bytes, PAGE_TRACE_MAGIC, magic) != 0)
+		return fail_with(STATUS_INPUT, "%s: is no trace; give a file that furrow drive --trace made",
+				 parsing->path);
+	if (parsing->size < PAGE_TRACE_HEADER)
+		return cut(parsing);
+	uint64_t version = fetch(parsing->bytes + magic, 4);
+	if (version != PAGE_TRACE_VERSION)
+		return fail_with(STATUS_INPUT, "%s: is a trace of version %llu and this furrow reads %d; trace it again",
+				 parsing->path, (unsigned long long)version, PAGE_TRACE_VERSION);
+	parsing->at = PAGE_TRACE_HEADER;
+	return STATUS_OK;
+}
+
+enum status sim_accesses_parse(const char *path, const uint8_t *bytes, size_t size, struct sim_accesses *out)
+{
+	struct parsing parsing = {.path = path, .bytes = bytes, .size = size, .out = out};
+	*out = (struct sim_accesses){.count = 0};
+	enum status status = check_header(&parsing);
+	while (status == STATUS_OK && !parsing.ended)
+		status = take_record(&parsing);
+	key_set_finish(&parsing.index);
+	if (status != STATUS_OK)
+		sim_accesses_finish(out);
+	return status;
+}
+
+static enum status read_all(const char *path, uint8_t **bytes, size_t *size)
+{
+	FILE *file = fopen(path, "rb");
+	if (file == NULL)
+		return fail_with(STATUS_INPUT, "%s: %s; give a trace that can be read", path, strerror(errno));
+	enum status status = STATUS_OK;
+	for (size_t room = 1 << 16; status == STATUS_OK && !feof(file); room *= 2) {
+		uint8_t *wider = mem_realloc(*bytes, room, 1);
+		if (wider == NULL) {
+			status = fail_memory("the trace");
+			break;
+		}
+		*bytes = wider;
+		*size += fread(*bytes + *size, 1, room - *size, file);
+		if (ferror(file))
+			status = fail_with(STATUS_INPUT, "%s: %s; give a trace that can be read", path,
+					   strerror(errno));
+	}
+	fclose(file);
+	return status;
+}
+
+enum status sim_accesses_read(const char *path, struct sim_accesses *out)
+{
+	uint8_t *bytes = NULL;
+	size_t size = 0;
+	enum status status = read_all(path, &bytes, &size);
+	if (status == STATUS_OK)
+		status = sim_accesses_parse(path, bytes, size, out);
+	mem_free(bytes);
+	return status;
+}
+
+void sim_accesses_finish(struct sim_accesses *accesses)
+{
+	mem_free(accesses->tiles);
+	mem_free(accesses->steps);
+	mem_free(accesses->keys);
+	*accesses = (struct sim_accesses){.count = 0};
+}
