@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { COLUMNS = 100, REASONS = 60 }; /* where reasons begin, where what is before leaves room */
+enum { COLUMNS = 100, REASONS = 56 }; /* where reasons begin, where what is before leaves room */
 
 void layout_row(const char *what, const char *why)
 {

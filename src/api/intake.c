@@ -54,7 +54,7 @@ static enum status suspend(const struct intake *intake, struct store *store)
 {
 	enum status status = store_suspend(store);
 	return status != STATUS_OK ? status
-				   : fail_with(STATUS_INTERRUPTED, "%s: interrupted; the same with resume goes on",
+				   : fail_with(STATUS_INTERRUPTED, "%s: interrupted; the same once more with --resume, or {resume: true}, goes on",
 					       intake->path);
 }
 

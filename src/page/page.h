@@ -73,7 +73,7 @@ struct page_params {
 	uint32_t queue_soft;
 	uint32_t queue_most; /* images for changed pages: PAGE_QUEUE_MOST; needing more is STATUS_FAILED */
 	double epoch_age;    /* seconds after which a change is committed; 0: only by their number */
-	size_t world_record_bytes; /* of the run's record, copied at each epoch */
+	size_t record_bytes; /* of the run's record, copied at each epoch */
 	/* The owner, before the record of an epoch is taken; NULL: nothing to do. */
 	enum status (*before_epoch)(void *user);
 	void *before_epoch_user;
@@ -146,6 +146,9 @@ enum status page_cache_end_step(struct page_cache *cache, const void *record) FU
 /* Commits everything and waits for it. */
 enum status page_cache_flush(struct page_cache *cache, const void *record) FURROW_CHECKED;
 
+/* True while a rollback waits for the commit in flight, which need not end then: io.commit may fail with STATUS_INTERRUPTED, having
+ * changed nothing, and that is no failure. Any thread. */
+bool page_cache_gives_up(struct page_cache *cache);
 /* Goes back to an earlier state of the store, between two steps. All for the owner thread. After page_cache_flush, and in
  * `back`, the writer thread is idle until the next epoch begins: the owner may use what io.commit writes to. */
 struct page_rollback {

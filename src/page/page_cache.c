@@ -52,7 +52,7 @@ enum status page_cache_create(const struct page_params *params, struct page_cach
 	if (status == STATUS_OK) {
 		cache->loaders = mem_calloc(params->loaders > 0 ? params->loaders : 1, sizeof *cache->loaders);
 		cache->epoch_images = mem_calloc(params->queue_most, sizeof *cache->epoch_images);
-		cache->epoch_record = mem_calloc(1, params->world_record_bytes);
+		cache->epoch_record = mem_calloc(1, params->record_bytes);
 		if (cache->loaders == NULL || cache->epoch_images == NULL ||
 		    cache->epoch_record == NULL)
 			status = fail_memory("the page cache");
@@ -173,7 +173,7 @@ static enum status start_epoch(struct page_cache *cache, const void *record, boo
 		return status;
 	mutex_lock(&cache->mutex);
 	page_queue_begin_epoch_locked(cache);
-	memcpy(cache->epoch_record, record, cache->params.world_record_bytes);
+	memcpy(cache->epoch_record, record, cache->params.record_bytes);
 	cache->dirty_since = 0;
 	assert(page_cache_sane_locked(cache));
 	condition_wake_all(&cache->work);

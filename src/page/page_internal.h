@@ -148,6 +148,7 @@ struct page_cache {
 	void *epoch_record;
 	struct page_host *epoch_snapshot; /* the one there is, referred to for good, in no list; NULL: none */
 	double dirty_since;     /* clock_seconds of the oldest change in no epoch; 0: none */
+	_Atomic bool giving_up; /* a rollback waits for the epoch: it need not be committed */
 	struct failure failure; /* sticky */
 	struct page_stats stats;
 	struct page_loader *loaders;

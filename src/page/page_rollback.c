@@ -1,7 +1,7 @@
 /*
  * Back to what the store was: everything newer is dropped, and read again when it is asked for.
  *
- *   no epoch in flight -> loads on their way are given up -> the store goes back -> images that wait, and pages that are
+ *   no epoch in flight (the one that is need not be committed) -> loads on their way are given up -> the store goes back -> images that wait, and pages that are
  *   dirty or have changed, are dropped
  *
  * In that order: where it fails, nothing was dropped but loads, which are asked for again. While the store goes back no
@@ -67,12 +67,19 @@ static void drop_pages(struct page_cache *cache, const struct page_rollback *rol
 	}
 }
 
+bool page_cache_gives_up(struct page_cache *cache)
+{
+	return cache->giving_up;
+}
+
 enum status page_cache_rollback(struct page_cache *cache, const struct page_rollback *rollback)
 {
 	assert(page_owner(cache));
 	mutex_lock(&cache->mutex);
 	assert(page_cache_sane_locked(cache));
+	cache->giving_up = true;
 	enum status status = page_wait_for_epoch_locked(cache, false);
+	cache->giving_up = false;
 	if (status == STATUS_OK)
 		give_up_loads_locked(cache);
 	mutex_unlock(&cache->mutex);

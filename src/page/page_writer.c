@@ -4,7 +4,8 @@
  *     idle -> (page_queue_begin_epoch_locked, all read-backs settled) -> io.commit -> idle
  *
  * While an epoch is in flight its images, the array of them, the record and the snapshot are the writer's to
- * read and nobody's to write. A commit that fails is sticky: its images wait again.
+ * read and nobody's to write. A commit that fails is sticky: its images wait again. So do those of one that was given up for a
+ * rollback, which drops them.
  */
 #include "page/page_internal.h"
 
@@ -33,7 +34,7 @@ void *page_writer_body(void *argument)
 		if (status == STATUS_OK) {
 			cache->stats.commits++;
 			cache->stats.writebacks += count;
-		} else {
+		} else if (status != STATUS_INTERRUPTED || !cache->giving_up) {
 			failure_capture(&cache->failure, status);
 		}
 		page_queue_end_epoch_locked(cache, status == STATUS_OK);

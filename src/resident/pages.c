@@ -47,7 +47,7 @@ static struct page_params cache_params(const struct pages_params *params, const 
 		.epoch_age = params->epoch_age,
 		.before_epoch = params->before_epoch,
 		.before_epoch_user = params->user,
-		.world_record_bytes = params->record.bytes,
+		.record_bytes = params->record.bytes,
 		.trace = params->trace,
 	};
 }

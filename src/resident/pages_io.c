@@ -91,6 +91,12 @@ static const char *describe(void *user, const struct store_epoch_result *result)
 	return describing->state;
 }
 
+static bool given_up(void *user)
+{
+	const struct describing *describing = user;
+	return page_cache_gives_up(describing->pages->cache);
+}
+
 static enum status acknowledge(struct pages *pages, int64_t epoch, int64_t step)
 {
 	FILE *log = pages->params.epochs;
@@ -154,6 +160,7 @@ static enum status commit(void *user, const struct page_image *const *images, si
 		.scene_hash = pages->params.record.scene_hash,
 		.compacted = tally - pages->tallied,
 		.describe = describe,
+		.given_up = given_up,
 		.user = &describing,
 	};
 	struct store_epoch_result result;

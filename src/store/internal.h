@@ -16,6 +16,9 @@
 #define STORE_VERSION 3
 #define STORE_BUSY_MS 5000
 
+/* store_epoch.c: STATUS_INTERRUPTED if run->given_up says that the epoch is given up. */
+enum status store_epoch_goes_on(const struct store *store, const struct store_run *run) FURROW_CHECKED;
+
 /* --- store_sql.c: SQLite with messages --- */
 
 /* A failed call on `db`, told: what was being done to the store at `path`. Never STATUS_OK. */
@@ -291,7 +294,7 @@ enum status store_change_drop(struct store *store, enum row_table table, const s
 /* One plane of it: written where pages have it; where they have not, dropped. A table that no page has rows for,
  * and that has none, is not touched. */
 enum status store_state_put(struct store *store, enum row_table table, const struct store_page *pages, size_t count,
-		      struct store_epoch_result *result) FURROW_CHECKED;
+			    const struct store_run *run, struct store_epoch_result *result) FURROW_CHECKED;
 
 /* --- store_lock.c: one writer --- */
 

@@ -172,6 +172,8 @@ struct store_run {
 	/* Where that tells what this epoch changed too: called once that is known, within the transaction, and
 	 * what it returns is the state. NULL: out of memory. */
 	const char *(*describe)(void *user, const struct store_epoch_result *result);
+	/* Asked before each tile: true gives the whole epoch up, with STATUS_INTERRUPTED. NULL: it goes on. */
+	bool (*given_up)(void *user);
 	void *user;
 };
 

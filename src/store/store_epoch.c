@@ -27,6 +27,7 @@ struct climb {
 	struct order *order; /* by key */
 	enum row_table table;
 	int32_t *planes[TILE_LEVEL_MAX - TILE_LEVEL_MIN + 1]; /* by level - TILE_LEVEL_MIN */
+	const struct store_run *run;
 	struct store_epoch_result *result;
 };
 
@@ -107,11 +108,21 @@ static enum status put_parent(struct climb *climb, struct tile tile, const int32
 	return put_row(climb, &row, posts, children > 0, old);
 }
 
+enum status store_epoch_goes_on(const struct store *store, const struct store_run *run)
+{
+	if (run->given_up == NULL || !run->given_up(run->user))
+		return STATUS_OK;
+	return fail_with(STATUS_INTERRUPTED, "%s: a commit was given up; roll back, or commit again", store->path);
+}
+
 /* The pages first .. last - 1 of the order lie below (or are) the tile of `level`. */
 static enum status climb_tile(struct climb *climb, int level, size_t first, size_t last,
 			      const int32_t **posts)
 {
 	const struct store_page *page = &climb->pages[climb->order[first].page];
+	enum status going = store_epoch_goes_on(climb->store, climb->run);
+	if (going != STATUS_OK)
+		return going;
 	if (level == page->tile.level) {
 		assert(last == first + 1); /* each page once */
 		return put_page(climb, page, posts);
@@ -145,9 +156,9 @@ static enum status climb_tile(struct climb *climb, int level, size_t first, size
 }
 
 static enum status climb_table(struct store *store, enum row_table table, const struct store_page *pages,
-			       size_t count, struct store_epoch_result *result)
+			       size_t count, const struct store_run *run, struct store_epoch_result *result)
 {
-	struct climb climb = {.store = store, .pages = pages, .table = table, .result = result};
+	struct climb climb = {.store = store, .pages = pages, .table = table, .run = run, .result = result};
 	size_t with = 0;
 	climb.order = mem_alloc(count, sizeof *climb.order);
 	if (climb.order == NULL)
@@ -185,11 +196,11 @@ static enum status put_all(struct store *store, const struct store_page *pages, 
 		result->header++;
 	}
 	if (status == STATUS_OK)
-		status = climb_table(store, ROW_OFFSET, pages, count, result);
+		status = climb_table(store, ROW_OFFSET, pages, count, run, result);
 	if (status == STATUS_OK)
-		status = climb_table(store, ROW_DIRT, pages, count, result);
+		status = climb_table(store, ROW_DIRT, pages, count, run, result);
 	for (int table = ROW_HEAPED; table < ROW_TABLES && status == STATUS_OK; table++)
-		status = store_state_put(store, (enum row_table)table, pages, count, result);
+		status = store_state_put(store, (enum row_table)table, pages, count, run, result);
 	if (status == STATUS_OK)
 		status = store_meta_add_compacted(store, run->compacted);
 	result->header += run->compacted != 0;

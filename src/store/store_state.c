@@ -141,7 +141,7 @@ static bool all_lack(enum plane plane, const struct store_page *pages, size_t co
 }
 
 enum status store_state_put(struct store *store, enum row_table table, const struct store_page *pages, size_t count,
-		      struct store_epoch_result *result)
+			    const struct store_run *run, struct store_epoch_result *result)
 {
 	size_t side = tile_posts(&store->meta.extent);
 	struct state state = {.store = store, .table = table, .result = result};
@@ -164,9 +164,11 @@ enum status store_state_put(struct store *store, enum row_table table, const str
 		qsort(state.dropped, state.drop_count, sizeof *state.dropped, compare_keys);
 	for (size_t i = 0; i < state.drop_count && status == STATUS_OK; i++)
 		status = drop(&state, tile_from_key(state.dropped[i]));
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		if (pages[i].planes[row_plane(table)] != NULL)
+	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+		status = store_epoch_goes_on(store, run);
+		if (status == STATUS_OK && pages[i].planes[row_plane(table)] != NULL)
 			status = put_page(&state, &pages[i]);
+	}
 	mem_free(state.dropped);
 	mem_free(state.posts);
 	return status;

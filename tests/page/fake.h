@@ -19,6 +19,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
+#include <time.h>
 
 #include <cmocka.h>
 #include <sched.h>
@@ -46,6 +47,7 @@ struct fake {
 	uint64_t store[FINE];
 	uint64_t record;  /* of the last commit */
 	bool hold_commits;
+	bool gives_up; /* a commit that is held ends when a rollback waits for it */
 	uint64_t hold_load; /* key + 1 whose load waits; UINT64_MAX: every one */
 	uint64_t fail_load;  /* key + 1 */
 	uint64_t fail_loads; /* bit key % 64: loads of all such keys fail */
@@ -119,6 +121,15 @@ static inline enum status fake_commit(void *user, const struct page_image *const
 	mutex_lock(&fake->mutex);
 	fake->commits_begun++;
 	condition_wake_all(&fake->changed);
+	while (fake->gives_up && fake->hold_commits && !page_cache_gives_up(fake->cache)) {
+		mutex_unlock(&fake->mutex);
+		nanosleep(&(struct timespec){0, 500000}, NULL);
+		mutex_lock(&fake->mutex);
+	}
+	if (fake->gives_up && fake->hold_commits) {
+		status = fail_with(STATUS_INTERRUPTED, "store: given up; commit again");
+		goto unlock;
+	}
 	while (fake->hold_commits)
 		condition_wait(&fake->changed, &fake->mutex);
 	if (fake->fail_commits > 0) {
@@ -281,7 +292,7 @@ static inline struct page_params fake_params(struct fake *fake, uint32_t slots, 
 		.loaders = loaders,
 		.queue_soft = 8,
 		.queue_most = 64,
-		.world_record_bytes = sizeof(uint64_t),
+		.record_bytes = sizeof(uint64_t),
 		.io = {fake, fake_load, fake_commit},
 		.executor = {fake, fake_create, fake_destroy, fake_upload, fake_read_back, NULL, fake_settled},
 	};

@@ -166,6 +166,32 @@ static void page_rollback_waits_for_the_commit_in_flight(void **state)
 	fake_finish(&fake);
 }
 
+/* The commit in flight ends early, is no failure, and nothing of it is lost if the rollback fails. */
+static void page_rollback_gives_the_commit_in_flight_up(void **state)
+{
+	for (int fails = 0; fails < 2; fails++) {
+		static struct fake fake;
+		struct page_params params = fake_params(&fake, 4, 2);
+		params.queue_soft = 0;
+		fake_start(&fake, &params);
+		struct going going = mark(&fake);
+		fake.gives_up = true;
+		fake_gate(&fake, 0, true);
+		change_to(&fake, 0, 200);
+		fake_end_step(&fake, 2);
+		fake_await(&fake, 0, 2);
+		going.fails = fails > 0;
+		assert_int_equal(roll_back(&going), fails ? STATUS_FAILED : STATUS_OK);
+		assert_int_equal(fake_stats(&fake).writebacks, 0);
+		assert_false(page_cache_gives_up(fake.cache));
+		fake_gate(&fake, 0, false);
+		fake_visit(&fake, 0);
+		fake_flush(&fake, 3);
+		assert_int_equal(fake_stats(&fake).writebacks, fails);
+		fake_finish(&fake);
+	}
+}
+
 /* A load that had read the store before, or what waited, comes after. */
 static void page_load_that_began_before_a_rollback_is_dropped(void **state)
 {
@@ -248,6 +274,7 @@ int main(void)
 		cmocka_unit_test(page_rollback_drops_what_changed_and_nothing_else),
 		cmocka_unit_test(page_rollback_drops_what_was_loaded_from_the_queue),
 		cmocka_unit_test(page_rollback_waits_for_the_commit_in_flight),
+		cmocka_unit_test(page_rollback_gives_the_commit_in_flight_up),
 		cmocka_unit_test(page_load_that_began_before_a_rollback_is_dropped),
 		cmocka_unit_test(page_rollback_that_fails_loses_nothing),
 		cmocka_unit_test(page_rollback_gives_all_slots_back),
