@@ -300,7 +300,7 @@ static void *load_again_and_again(void *argument)
 {
 	struct loader *loader = argument;
 	char text[400];
-	snprintf(text, sizeof text, "{soil: {name: lunar}, redistribute: {model: %s}, objects: [{shape: {mesh: {file: %s.obj}}}]}", loader->model,
+	snprintf(text, sizeof text, "{soil: {name: dry_sand}, redistribute: {model: %s}, objects: [{shape: {mesh: {file: %s.obj}}}]}", loader->model,
 		 loader->model);
 	for (int i = 0; i < 50; i++) {
 		struct scene *scene = NULL, *none = NULL;
