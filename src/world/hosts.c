@@ -1,9 +1,7 @@
 /*
  * Bodies of a host: it says where they are at the end of each step, and is told what the soil does to them.
  *
- * A host moves a body by less than a post in a step. So its motion accumulates, and changes the ground when it is worth a
- * swept contact: after a working post of travel or turn, or a tenth of one of sinkage; at a checkpoint, and before a query. In
- * between the forces alone are found, from the same ground (deform_feel).
+ * Here: their numbers, their names, and where the host says they are. host_steps.c moves them.
  *
  * Invariants:
  * 1. body.last is the pose up to which motion has changed the ground; body.in_contact says that there is one.
@@ -15,20 +13,11 @@
 
 #include "world/internal.h"
 
-#define SINKAGE_SHARE 0.1     /* of a post */
-#define PIECES_MOST 4096      /* posts that a body may travel in a step */
-#define TRAVEL_TILES 64       /* tiles that bodies may cross in a step, together */
-
 /* --- numbers --- */
 
 struct host_body *world_host_body(const struct world *world, int32_t number)
 {
 	return number >= 0 && (size_t)number < world->hosts.count ? world->hosts.list[number] : NULL;
-}
-
-static size_t index_of(const struct world *world, int32_t number)
-{
-	return world->scene->object_count + 1 + (size_t)number;
 }
 
 struct body *world_body_at(const struct world *world, size_t index)
@@ -239,9 +228,9 @@ static enum status check_state(const struct world *world, const struct host_body
 		return status;
 	const struct world_state *from = &host->now;
 	const double way = hypot(state->pose.position[0] - from->pose.position[0], state->pose.position[1] - from->pose.position[1]);
-	if (way > PIECES_MOST * world->spacing)
+	if (way > WORLD_HOST_WAY * world->spacing)
 		return fail_with(STATUS_USAGE, "%s: it moves %g m in one step, more than %d posts; step more often, or use furrow_place", name, way,
-				 PIECES_MOST);
+				 WORLD_HOST_WAY);
 	return STATUS_OK;
 }
 
@@ -329,237 +318,6 @@ enum status world_body_remove(struct world *world, int32_t number)
 	if (status == STATUS_OK)
 		host->removed = true;
 	return status;
-}
-
-/* --- steps --- */
-
-static struct event event_of(const struct world *world, int32_t number, const struct deform_pose *pose, double time)
-{
-	return (struct event){.body = index_of(world, number), .time = time, .contact = true, .next_time = INFINITY, .pose = *pose};
-}
-
-/* Sets what follows from the base under it. */
-static enum status over_ground(struct world *world, struct event *event, const struct deform_shape *shape)
-{
-	int64_t ground;
-	enum status status = resident_ground_height(world->ground, event->pose.x, event->pose.y, &ground, &event->contact);
-	if (status == STATUS_OK && event->contact)
-		event->sinkage = lattice_offset_metres(ground - event->pose.z) + deform_shape_reach(shape, event->pose.pitch, event->pose.roll);
-	return status;
-}
-
-static double travel(const struct deform_pose *from, const struct deform_pose *to)
-{
-	return hypot(lattice_offset_metres(to->x - from->x), lattice_offset_metres(to->y - from->y));
-}
-
-static double turn_between(double from, double to)
-{
-	return remainder(to - from, 2 * M_PI);
-}
-
-/* Metres by which its outermost points have turned. */
-static double turned_by(const struct host_body *host, const struct deform_pose *to)
-{
-	const struct deform_pose *from = &host->body.last;
-	const double attitude = fabs(turn_between(from->yaw, to->yaw)) + fabs(to->pitch - from->pitch) +
-				fabs(turn_between(from->roll, to->roll));
-	return deform_shape_bound(&host->body.object->shape) * fmax(attitude, fabs(host->turned));
-}
-
-static bool is_worth_a_contact(const struct world *world, const struct host_body *host, const struct deform_pose *to)
-{
-	const double sinkage = fabs(lattice_offset_metres(to->z - host->body.last.z));
-	return travel(&host->body.last, to) >= world->spacing || turned_by(host, to) >= world->spacing ||
-	       sinkage >= SINKAGE_SHARE * world->spacing;
-}
-
-static bool has_moved(const struct host_body *host, const struct deform_pose *to)
-{
-	const struct deform_pose *at = &host->felt;
-	return at->x != to->x || at->y != to->y || at->z != to->z || at->yaw != to->yaw || at->pitch != to->pitch || at->roll != to->roll ||
-	       host->turned != host->felt_turned;
-}
-
-static struct deform_pose between(const struct deform_pose *a, const struct deform_pose *b, size_t part, size_t parts)
-{
-	if (part == parts)
-		return *b;
-	const double share = (double)part / (double)parts;
-	return (struct deform_pose){
-		.x = a->x + llround((double)(b->x - a->x) * share),
-		.y = a->y + llround((double)(b->y - a->y) * share),
-		.z = a->z + llround((double)(b->z - a->z) * share),
-		.yaw = a->yaw + turn_between(a->yaw, b->yaw) * share,
-		.pitch = a->pitch + (b->pitch - a->pitch) * share,
-		.roll = a->roll + turn_between(a->roll, b->roll) * share,
-		.turn = a->turn + turn_between(a->turn, b->turn) * share,
-	};
-}
-
-/* The ground changes up to this pose, by swept contacts of at most a post each. */
-static enum status press(struct world *world, int32_t number, const struct deform_pose *to, double time)
-{
-	struct host_body *host = world_host_body(world, number);
-	struct body *body = &host->body;
-	const struct deform_pose from = body->last;
-	size_t parts = 1;
-	if (body->in_contact)
-		parts = (size_t)fmin(PIECES_MOST, fmax(1, ceil(fmax(travel(&from, to), turned_by(host, to)) / world->spacing - 1e-9)));
-	enum status status = STATUS_OK;
-	for (size_t part = 1; part <= parts && status == STATUS_OK; part++) {
-		const struct deform_pose pose = body->in_contact ? between(&from, to, part, parts) : *to;
-		struct event event = event_of(world, number, &pose, time);
-		event.seconds = host->since / (double)parts;
-		event.turned = host->turned / (double)parts;
-		event.distance = body->in_contact ? travel(&body->last, &pose) : 0;
-		status = over_ground(world, &event, &body->object->shape);
-		if (status != STATUS_OK)
-			return status;
-		if (!event.contact) { /* off the terrain, or over a hole */
-			status = world_let_go(world, body);
-			body->in_contact = false;
-			world_host_absent(world, event.body);
-			continue;
-		}
-		body->distance += event.distance;
-		body->sinkage = event.sinkage;
-		status = world_contact(world, &event, part == parts);
-	}
-	host->fresh = !body->in_contact;
-	host->since = host->turned = 0;
-	host->felt = *to;
-	host->felt_turned = 0;
-	host->felt_moving = parts > 1 || from.x != to->x || from.y != to->y || from.z != to->z;
-	return status;
-}
-
-/* The forces alone. */
-static enum status feel(struct world *world, int32_t number, const struct deform_pose *to, double time, bool moves)
-{
-	struct host_body *host = world_host_body(world, number);
-	struct event event = event_of(world, number, to, time);
-	event.seconds = moves ? host->since : 0;
-	event.turned = host->turned;
-	enum status status = over_ground(world, &event, &host->body.object->shape);
-	if (status != STATUS_OK)
-		return status;
-	host->felt = *to;
-	host->felt_turned = host->turned;
-	host->felt_moving = moves;
-	if (event.contact)
-		return world_feel(world, &event);
-	world_host_absent(world, event.body);
-	return STATUS_OK;
-}
-
-static enum status step_body(struct world *world, int32_t number, double seconds, double until)
-{
-	struct host_body *host = world_host_body(world, number);
-	struct deform_pose to;
-	if (host->has_next)
-		host->now = host->next;
-	host->has_next = false;
-	enum status status = world_attitude(&host->body.object->shape, host->body.object->name, &host->now.pose, &to);
-	if (status != STATUS_OK)
-		return status;
-	if (host->body.object->shape.kind == DEFORM_WHEEL)
-		host->turned += (-sin(to.yaw) * host->now.angular[0] + cos(to.yaw) * host->now.angular[1]) * seconds;
-	const bool moved = has_moved(host, &to);
-	host->since += moved ? seconds : 0;
-	if (host->fresh || !host->body.in_contact || is_worth_a_contact(world, host, &to))
-		return press(world, number, &to, until);
-	/* Where it came to rest the rates go. */
-	if (world_feels(world) && (moved || host->felt_moving))
-		return feel(world, number, &to, until, moved);
-	host->told = until; /* nothing moves: what was told holds */
-	return STATUS_OK;
-}
-
-enum status world_hosts_step(struct world *world, double seconds, double until)
-{
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < world->hosts.count && status == STATUS_OK; i++) {
-		const struct host_body *host = world->hosts.list[i];
-		if (host != NULL && host->placed && !host->removed)
-			status = step_body(world, (int32_t)i, seconds, until);
-	}
-	return status;
-}
-
-static bool is_behind(const struct world *world, const struct host_body *host, struct deform_pose *to)
-{
-	if (host == NULL || !host->placed || host->removed || host->fresh || !host->body.in_contact ||
-	    world_attitude(&host->body.object->shape, host->body.object->name, &host->now.pose, to) != STATUS_OK)
-		return false;
-	const struct deform_pose *last = &host->body.last;
-	return to->x != last->x || to->y != last->y || to->z != last->z || to->yaw != last->yaw || to->pitch != last->pitch ||
-	       to->roll != last->roll;
-}
-
-enum status world_hosts_commit(struct world *world)
-{
-	enum status status = STATUS_OK;
-	bool any = false;
-	struct deform_pose to;
-	for (size_t i = 0; i < world->hosts.count && status == STATUS_OK; i++) {
-		if (!is_behind(world, world->hosts.list[i], &to))
-			continue;
-		world->torn = any = true;
-		status = press(world, (int32_t)i, &to, world->time);
-	}
-	if (status == STATUS_OK && any)
-		status = world_forces_end_step(world->forces, world->time);
-	return status == STATUS_OK && any ? world_end_step(world) : status;
-}
-
-size_t world_host_rests(const struct world *world, struct deform_rest *rests)
-{
-	size_t count = 0;
-	for (size_t i = 0; i < world->hosts.count; i++) {
-		const struct host_body *host = world->hosts.list[i];
-		if (host != NULL && host->body.in_contact && !host->removed)
-			rests[count++] = (struct deform_rest){&host->body.object->shape, host->body.last, 0};
-	}
-	return count;
-}
-
-/* --- being told --- */
-
-void world_host_asked(struct world *world, size_t index, uint64_t tag, const struct event *event)
-{
-	struct host_body *host = world->hosts.list[index - world->scene->object_count - 1];
-	host->tag = tag;
-	host->asked = event->time;
-	if (tag != 0)
-		return;
-	/* The model tells no forces: whether it touches is all that is known. */
-	host->state = event->sinkage > 0 ? WORLD_TOUCHING : WORLD_AIR;
-	host->force = (struct world_force){.sinkage = event->sinkage};
-	host->told = event->time;
-}
-
-void world_host_absent(struct world *world, size_t index)
-{
-	struct host_body *host = world->hosts.list[index - world->scene->object_count - 1];
-	host->tag = 0;
-	host->state = WORLD_AIR;
-	host->force = (struct world_force){.z = 0};
-	host->told = world->hosts.until;
-}
-
-void world_host_arrived(struct world *world, uint64_t tag, const struct world_force *force)
-{
-	for (size_t i = 0; i < world->hosts.count; i++) {
-		struct host_body *host = world->hosts.list[i];
-		if (host == NULL || host->tag != tag)
-			continue;
-		host->tag = 0;
-		host->force = *force;
-		host->told = host->asked;
-		host->state = force->area > 0 ? WORLD_TOUCHING : WORLD_AIR;
-		return;
-	}
 }
 
 enum status world_body_state(const struct world *world, int32_t number, struct world_state *state)

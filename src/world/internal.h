@@ -35,6 +35,7 @@ void world_orientation(const struct deform_pose *pose, double q[4]);
 /* --- hosts.c: bodies of a host --- */
 
 #define WORLD_HOST_PAGES 4096 /* tiles that a host's bodies may change in one step */
+#define WORLD_HOST_WAY 4096   /* posts that one of them may travel in one step */
 enum status world_make_hosts(struct world *world) FURROW_CHECKED;
 void world_free_hosts(struct world *world);
 void world_host_free(struct host_body *host); /* takes NULL */
@@ -43,6 +44,8 @@ struct host_body *world_host_body(const struct world *world, int32_t number);
 /* Of event.body: the scene's objects, then the one that a window drops, then a host's by number. */
 struct body *world_body_at(const struct world *world, size_t index);
 bool world_is_hosts(const struct world *world, size_t index);
+/* --- host_steps.c --- */
+
 /* Moves them to where the host said, over `seconds` that end at `until`. */
 enum status world_hosts_step(struct world *world, double seconds, double until) FURROW_CHECKED;
 /* Adds those that rest on the ground; returns how many. */
