@@ -6,7 +6,7 @@
 const int ONE = 1 << 28;   // of fractions
 const int REACH = (1 << 30) - 1;
 
-// F(i, j) = at + i * di + j * dj, in 64 bits, then an arithmetic shift: what src/deform/affine.h holds.
+// F(i, j) = at + i * di + j * dj, in 64 bits, then an arithmetic shift: what src/deform/shape/affine.h holds.
 struct functional {
 	ivec4 at_di;    // lo, hi of at; lo, hi of di
 	ivec4 dj_shift; // lo, hi of dj; the shift

@@ -3,7 +3,7 @@
  * window: gather, displace, redistribute, scatter (with attributes). SOIL.md says what happens in which.
  *
  * Results are integers and the same on every driver: an object's underside is evaluated at each
- * post from affine functionals of the post's place in the window (affine.h), in 64-bit
+ * post from affine functionals of the post's place in the window (shape/affine.h), in 64-bit
  * fixed point. They do not depend on tiles: a window knows only global posts. For the GPU's thread.
  */
 #ifndef FURROW_DEFORM_H

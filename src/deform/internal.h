@@ -95,7 +95,7 @@ void deform_scratch_plan(const struct deform_params *params, struct plan *plan);
 /* What follows from the parameters. */
 bool deform_needs_contacts(const struct deform_params *params); /* scratch.c */
 bool deform_has_classes(const struct deform_params *params);
-int deform_soil_slots(const struct deform_params *params); /* slide.c: classes of soil that a shader's parameters have room for */
+int deform_soil_slots(const struct deform_params *params); /* soil/slide.c: classes of soil that a shader's parameters have room for */
 bool deform_is_bounded(const struct deform_params *params);
 bool deform_is_steep(const struct deform_params *params);
 bool deform_asks_what_stood(const struct deform_params *params); /* undisturbed ground stands */
@@ -206,7 +206,7 @@ bool deform_fits_window(const struct deform *deform, struct post_rect reached);
 /* spread.c: from `carried`, which a press wrote (at most 2^23 quanta a post), into `deposits`. */
 enum status deform_spread(struct deform *deform, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
 
-/* slide.c: lays the deposits down, then the model's rule over a window's written posts, `iterations` times. A press
+/* soil/slide.c: lays the deposits down, then the model's rule over a window's written posts, `iterations` times. A press
  * has left offsets and heaped soil in planes_of[1], and so does this. */
 enum status deform_slide(struct deform *deform, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
 struct slide_place {
@@ -246,7 +246,7 @@ struct scatter_from {
 enum status deform_scatter_from(struct deform *deform, struct post_rect write, const struct scatter_from *from,
 				const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
 
-/* awake.c */
+/* schedule/active.c */
 enum status deform_awake_create(struct deform *deform) FURROW_CHECKED;
 void deform_awake_destroy(struct awake *awake); /* takes NULL */
 void deform_awake_plan(const char *effect, struct plan *plan);

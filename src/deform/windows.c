@@ -1,7 +1,7 @@
 /* Which posts a sweep can change, and the windows they are worked on in. */
 #include <math.h>
 
-#include "deform/body.h"
+#include "deform/shape/body.h"
 #include "deform/internal.h"
 
 /* Heights within an object are int32 quanta: its half and what a sweep may rise must fit. */

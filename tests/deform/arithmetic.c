@@ -1,7 +1,7 @@
 /* The whole-number arithmetic under the undersides is exact on this driver, as it must be on every one. */
 #include "ground.h"
 
-#include "deform/affine.h"
+#include "deform/shape/affine.h"
 
 enum { EDGE = 256, COUNT = EDGE * EDGE };
 

@@ -1,6 +1,6 @@
 /* The sliding rules post by post against the obvious ones, bit for bit, and the hard cases of the laws. */
 #include "ground.h"
-#include "deform/stand.h"
+#include "deform/soil/stand.h"
 
 #define N 40 /* posts a side of what is written */
 #define HELD 2

@@ -1,7 +1,7 @@
 /* The set of touched posts is what a plain field of bits would be. */
 #include "ground.h"
 
-#include "deform/touched.h"
+#include "deform/schedule/touched.h"
 
 #define SIDE_BLOCKS 7
 #define FIELD (SIDE_BLOCKS * DEFORM_BLOCK)

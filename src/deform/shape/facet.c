@@ -1,4 +1,4 @@
-#include "deform/facet.h"
+#include "deform/shape/facet.h"
 
 #include <math.h>
 #include <string.h>

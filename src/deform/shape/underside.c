@@ -2,7 +2,7 @@
  * The first stage over a window: how low the object is above each post. What the ground makes of it is
  * the model's; so shapes and models need not know of each other.
  */
-#include "deform/body.h"
+#include "deform/shape/body.h"
 #include "deform/internal.h"
 
 /* std140 twin of lib/underside.glsl's block. */

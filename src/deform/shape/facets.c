@@ -2,7 +2,7 @@
  * Triangles in motion drawn over a window: each as a rectangle around the posts it can be above, by instances; the
  * fragment decides in whole numbers and keeps the lowest by an atomic minimum, so their order does not matter.
  */
-#include "deform/facet.h"
+#include "deform/shape/facet.h"
 #include "deform/internal.h"
 
 #define ROOM 512 /* facets a draw: drivers hand out so many bytes without asking the system */

@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "deform/internal.h"
-#include "deform/stand.h"
+#include "deform/soil/stand.h"
 
 /* std140 twins. */
 struct slide_params {

@@ -1,4 +1,4 @@
-#include "deform/touched.h"
+#include "deform/schedule/touched.h"
 
 #include <assert.h>
 #include <string.h>

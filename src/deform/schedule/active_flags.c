@@ -1,10 +1,10 @@
 /*
  * What the flags of sweeps and visits say once their fences have passed: which blocks are awake, and which posts were
- * touched; and what to take for that meanwhile. The invariants are awake.c's.
+ * touched; and what to take for that meanwhile. The invariants are schedule/active.c's.
  */
 #include <string.h>
 
-#include "deform/awake.h"
+#include "deform/schedule/active.h"
 
 void deform_awake_visit_finish(struct visit *visit)
 {

@@ -2,7 +2,7 @@
 #ifndef FURROW_DEFORM_BODY_H
 #define FURROW_DEFORM_BODY_H
 
-#include "deform/affine.h"
+#include "deform/shape/affine.h"
 #include "deform/deform.h"
 
 /* Where a window's first post lies, and its zero height. */

@@ -1,10 +1,10 @@
-/* What the files of awake share: awake.c, which is asked and told, and awake_flags.c, which reads what the GPU says. */
+/* What the files of active blocks share: schedule/active.c, which is asked and told, and schedule/active_flags.c, which reads what the GPU says. */
 #ifndef FURROW_DEFORM_AWAKE_H
 #define FURROW_DEFORM_AWAKE_H
 
-#include "deform/block_set.h"
+#include "deform/schedule/block_set.h"
 #include "deform/internal.h"
-#include "deform/touched.h"
+#include "deform/schedule/touched.h"
 
 #define VISITS 3 /* under way at most: then it is waited for */
 #define SWEEP_WORDS 8192 /* of sweeps between two intervals; those beyond wake all that they write */
@@ -52,7 +52,7 @@ struct block_grid {
 	uint32_t columns, rows;
 };
 
-/* awake_flags.c */
+/* schedule/active_flags.c */
 void deform_awake_visit_finish(struct visit *visit);    /* but for its staging */
 void deform_awake_period_finish(struct period *period); /* likewise */
 /* Inside the world; else nothing is added. */

@@ -5,7 +5,7 @@
 #ifndef FURROW_DEFORM_TOUCHED_H
 #define FURROW_DEFORM_TOUCHED_H
 
-#include "deform/block_set.h"
+#include "deform/schedule/block_set.h"
 
 struct touched {
 	struct block_set blocks;

@@ -13,8 +13,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "deform/body.h"
-#include "deform/facet.h"
+#include "deform/shape/body.h"
+#include "deform/shape/facet.h"
 #include "deform/internal.h"
 
 #define STEP 0.2     /* radians */

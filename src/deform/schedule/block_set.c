@@ -1,4 +1,4 @@
-#include "deform/block_set.h"
+#include "deform/schedule/block_set.h"
 
 #include <stdlib.h>
 #include <string.h>

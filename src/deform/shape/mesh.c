@@ -8,8 +8,8 @@
  */
 #include <math.h>
 
-#include "deform/body.h"
-#include "deform/facet.h"
+#include "deform/shape/body.h"
+#include "deform/shape/facet.h"
 #include "deform/internal.h"
 
 static const double unit[3] = {2, 2, 2}; /* of which half is one */

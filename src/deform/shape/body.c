@@ -1,4 +1,4 @@
-#include "deform/body.h"
+#include "deform/shape/body.h"
 
 #include <math.h>
 #include <string.h>

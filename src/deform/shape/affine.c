@@ -1,4 +1,4 @@
-#include "deform/affine.h"
+#include "deform/shape/affine.h"
 
 #include <math.h>
 

@@ -4,7 +4,7 @@
  */
 #include <math.h>
 
-#include "deform/body.h"
+#include "deform/shape/body.h"
 #include "deform/internal.h"
 
 struct gpu_rect deform_rows(const int32_t posts[4])

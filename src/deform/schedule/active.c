@@ -19,7 +19,7 @@
  * `iterations` posts, one an iteration, of what was changed before, since of two posts that exchange soil one has risen or
  * sunk. Of each the flags say which parts of blocks it was.
  */
-#include "deform/awake.h"
+#include "deform/schedule/active.h"
 
 #include <assert.h>
 #include <string.h>
