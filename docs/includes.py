@@ -32,8 +32,8 @@ def build_ranks(text):
 
 
 def includes(sources, folders):
-    """{(from, to): files of `from` that include a header of `to`}."""
-    found = collections.Counter()
+    """{(from, to)}: a file of `from` includes a header of `to`."""
+    found = set()
     for folder in folders:
         for path in sorted((sources / folder).rglob("*.[ch]")):
             lines = re.findall(r'^\s*#\s*include\s+"(\w+)/', path.read_text(encoding="utf-8"), re.MULTILINE)
@@ -85,23 +85,23 @@ def way(edge, at, side):
     return points
 
 
-def arrow(edge, count, at, kind, side):
-    return '<path d="M%.0f %.0fC%.0f %.0f %.0f %.0f %.0f %.0f" class="%s"><title>%d files of %s include %s</title></path>' % (
-        *[part for point in way(edge, at, side) for part in point], kind, count, *edge)
+def arrow(edge, at, kind, side):
+    return '<path d="M%.0f %.0fC%.0f %.0f %.0f %.0f %.0f %.0f" class="%s"><title>%s includes %s</title></path>' % (
+        *[part for point in way(edge, at, side) for part in point], kind, *edge)
 
 
 def draw(ranks, edges):
     at = places(ranks)
     bottom = min(ranks, key=ranks.get)
-    drawn = {edge: count for edge, count in edges.items() if edge[1] != bottom}
+    drawn = {edge for edge in edges if edge[1] != bottom}
     pale, dark, left = [], [], False
-    for edge, count in sorted(drawn.items(), key=lambda each: (-ranks[each[0][0]], ranks[each[0][1]], each[0])):
+    for edge in sorted(drawn, key=lambda edge: (-ranks[edge[0]], ranks[edge[1]], edge)):
         past = edge[1] in reached([other for other in drawn if other != edge], edge[0])
         lean = at[edge[1]][0] + at[edge[0]][0] - WIDTH
         left ^= lean == 0 and past
         side = -1 if lean < 0 or (lean == 0 and left) else 1
-        (pale if past else dark).append(arrow(edge, count, at, "past" if past else "direct", side))
-    dark += [arrow((folder, bottom), edges[folder, bottom], at, "direct", 1) for folder in ranks if ranks[folder] == 1]
+        (pale if past else dark).append(arrow(edge, at, "past" if past else "direct", side))
+    dark += [arrow((folder, bottom), at, "direct", 1) for folder in ranks if (folder, bottom) in edges and ranks[folder] == 1]
     boxes = ['<rect x="%g" y="%g" width="%d" height="%d" rx="5"/><text x="%g" y="%g">%s</text>' %
              (x - BOX / 2, y - HIGH / 2, BOX, HIGH, x, y + 5, folder) for folder, (x, y) in at.items()]
     high = max(y for _, y in at.values()) + 70
