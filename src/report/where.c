@@ -1,4 +1,4 @@
-/* run.json's "where": of the regions in which an effect might have worked, those in which it did. run.h has the units. */
+/* run.json's "where": of the regions in which an effect might have worked, those in which it did. api.h has the units. */
 #include "base/json.h"
 #include "report/report.h"
 

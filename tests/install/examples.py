@@ -1,5 +1,6 @@
 """The examples, built with pkg-config in another folder against an installed Furrow, and run."""
 import csv
+import re
 import shutil
 import unittest
 
@@ -70,6 +71,21 @@ class ExamplesTest(unittest.TestCase):
             self.assertEqual(picture.read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
         else:
             self.assertIn("nothing is plotted", result.stdout)
+
+    def test_the_programs_of_the_readme(self):
+        section = (prefix.ROOT / "README.md").read_text(encoding="utf-8").split("## From C and Python")[1].split("\n## ")[0]
+        sources = dict(re.findall(r"```(python|c)\n(.*?)```", section, re.DOTALL))
+        prefix.synthesize("plain.furrow", "plain")
+        source = prefix.work / "readme.c"
+        source.write_text(sources["c"])
+        program = prefix.work / "readme"
+        prefix.run("cc", "-std=c99", "-Wall", "-Wextra", "-Werror", *prefix.compile_flags, source, "-o", program,
+                   *prefix.package_config("--cflags", "--libs"))
+        self.assertAlmostEqual(float(re.match(r"offset: (\S+) m", self.run_example(program)).group(1)), -0.05, delta=0.01)
+        (prefix.work / "readme.py").write_text(sources["python"])
+        force, offset = map(float, re.match(r"force: (\S+) N; offset: (\S+) m", prefix.run_python("readme.py").stdout).groups())
+        self.assertGreater(force, 0)
+        self.assertAlmostEqual(offset, -0.05, delta=0.002)
 
     def test_what_is_wrong_is_said(self):
         program = self.build("cc", "drop_ball.c", "-std=c99")
