@@ -10,11 +10,6 @@
 
 #include "deform/internal.h"
 
-bool deform_conserves(enum deform_model model)
-{
-	return model == DEFORM_SUMNER || model == DEFORM_SLIPPAGE || model == DEFORM_SCM;
-}
-
 enum status deform_create(const struct deform_params *params, struct deform **out)
 {
 	struct deform *deform = mem_calloc(1, sizeof *deform);

@@ -40,6 +40,19 @@ struct deform;
 typedef enum status (*deform_model_fn)(struct deform *deform, const struct deform_sweep *sweep,
 				       const struct deform_window *window, uint32_t layer);
 
+/* One soil model: soil/models.c has a row for each. */
+struct soil_model {
+	deform_model_fn contact;    /* what a contact does to its window */
+	const char *shader;         /* of its contact */
+	const char *contact_effect; /* names of scene's effects: of the contact, */
+	const char *window_effect;  /* of what else works on its window, */
+	const char *slide_effect;   /* and of soil that slides; NULL: none does */
+	unsigned planes;            /* that it keeps beside the offset: a mask of PLANE_BIT */
+	bool conserves;             /* it moves soil, and loses none but what is compacted */
+	int slide_passes;           /* of one iteration of sliding */
+};
+extern const struct soil_model deform_soil_models[DEFORM_MODELS];
+
 /* Differences of heights that stand, axial and diagonal, quanta. */
 struct slide_soil {
 	int32_t stands[2];

@@ -52,12 +52,7 @@ void deform_programs_facet(const struct deform_params *params, struct deform_req
 
 void deform_programs_press(const struct deform_params *params, unsigned with, struct deform_request *out)
 {
-	static const char *const files[DEFORM_MODELS] = {
-		[DEFORM_NONE] = "deform/none.frag",         [DEFORM_BOX_FILTER] = "deform/none.frag",
-		[DEFORM_SUMNER] = "deform/sumner.frag",     [DEFORM_SLIPPAGE] = "deform/slippage.frag",
-		[DEFORM_SCM] = "deform/scm.frag",
-	};
-	begin(out, "full.vert", files[params->model]);
+	begin(out, "full.vert", deform_soil_models[params->model].shader);
 	if (params->model == DEFORM_SCM) {
 		define(out, "FORCES", with & WITH_FORCES);
 		define(out, "PATCH", with & WITH_PATCH);
@@ -140,25 +135,6 @@ void deform_programs_dirt(struct deform_request *out)
 }
 
 /* --- which an object can ask for --- */
-
-const char *deform_press_effect(enum deform_model model)
-{
-	static const char *const names[DEFORM_MODELS] = {
-		[DEFORM_NONE] = "displace", [DEFORM_BOX_FILTER] = "displace", [DEFORM_SUMNER] = "sumner",
-		[DEFORM_SLIPPAGE] = "slippage", [DEFORM_SCM] = "scm",
-	};
-	return names[model];
-}
-
-const char *deform_slide_effect(enum deform_model model)
-{
-	return model == DEFORM_SUMNER ? "shed" : "slide";
-}
-
-const char *deform_contact_effect(enum deform_model model)
-{
-	return model == DEFORM_NONE ? "dirt" : model == DEFORM_BOX_FILTER ? "box" : deform_press_effect(model);
-}
 
 /* Always in one window, wherever it is, as it must be for that. */
 static bool always_fits(const struct deform_params *params, const struct deform_shape *shape)

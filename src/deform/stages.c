@@ -103,17 +103,10 @@ enum status deform_run_feel(struct deform *deform, const struct deform_sweep *sw
 enum status deform_run_stages(struct deform *deform, const struct deform_sweep *sweep,
 			      const struct deform_window *window, uint32_t layer)
 {
-	static const deform_model_fn models[DEFORM_MODELS] = {
-		[DEFORM_NONE] = deform_none,
-		[DEFORM_BOX_FILTER] = deform_box,
-		[DEFORM_SUMNER] = deform_sumner,
-		[DEFORM_SLIPPAGE] = deform_slippage,
-		[DEFORM_SCM] = deform_scm,
-	};
 	begin_layer(deform, sweep, window, layer);
 	enum status status = deform_underside(deform, sweep, window, layer);
 	if (status == STATUS_OK)
-		status = models[deform->params.model](deform, sweep, window, layer);
+		status = deform_soil_models[deform->params.model].contact(deform, sweep, window, layer);
 	if (status == STATUS_OK && deform->params.dirt)
 		status = dirty(deform, window->read, layer);
 	return status;

@@ -52,7 +52,7 @@ bool deform_is_steep(const struct deform_params *params)
 /* One that begins, and those of the iterations: Sumner's takes two. */
 int deform_slide_passes(const struct deform_params *params)
 {
-	return 1 + params->iterations * (params->model == DEFORM_SUMNER ? 2 : 1);
+	return 1 + params->iterations * deform_soil_models[params->model].slide_passes;
 }
 
 /* An iteration of Sumner's looks two posts far. */

@@ -105,11 +105,3 @@ enum status deform_soil_named(const char *name, struct deform_soil *soil)
 	}
 	return fail_with(STATUS_INPUT, "soil: there is none by that name; known are: %s", all);
 }
-
-unsigned deform_planes(enum deform_model model, bool dirt)
-{
-	unsigned planes = PLANE_BIT(PLANE_OFFSET) | (dirt ? PLANE_BIT(PLANE_DIRT) : 0);
-	if (model == DEFORM_SCM)
-		planes |= PLANE_BIT(PLANE_HEAPED) | PLANE_BIT(PLANE_PRESSED) | PLANE_BIT(PLANE_SHEAR);
-	return planes;
-}
