@@ -135,7 +135,7 @@ struct api_result {
  * once, since none is freed before the end.
  *
  * Counted from the start of the process: programs, textures, bytes, threads, units of memory, and the store's work (statements,
- * loaded to epoch). Counted from the first step: passes and the other units. "threads" ran when the last step was over.
+ * "loaded" to "epoch"). Counted from the first step: passes and the other units. "threads" ran when the last step was over.
  * "unplanned" counts programs that were linked in a step; more than 0 is an error in the plan.
  *
  * A resumed drive with nothing left to do needs no GL and describes only the drive as a whole. It writes run.json and map.png
