@@ -5,7 +5,7 @@
  * The world does not know who steps it. A host prepares it, starts it, warms it up, and then calls world_step. The command, the
  * window and the library are such hosts. Who draws watches the world through struct world_watcher.
  *
- *      world_prepare -> world_start -> (a view is made) -> world_warm -> world_begin -> world_step ... -> world_end -> world_finish
+ *     world_prepare -> world_start -> (a view is made) -> world_warm -> world_begin -> world_step ... -> world_end -> world_finish
  *
  * Only one thread uses a world, the one that owns its GL context. Each part of struct world belongs to the file that is named
  * beside it; other files read it.
@@ -384,7 +384,7 @@ enum world_drop_shape {
 	WORLD_DROP_BALL,
 	WORLD_DROP_SHAPES
 };
-/* Drops a body at (x, y), local metres. *pressed false: there is no ground, or the scene has no object, and nothing changed. */
+/* Drops a body at (x, y), local metres. `*pressed` false: there is no ground, or the scene has no object, and nothing changed. */
 enum status world_drop(struct world *world, enum world_drop_shape shape, double x, double y, double yaw, bool *pressed)
 	FURROW_CHECKED;
 /* Tells where a body is on its path now. `place`: local metres, on the base; `yaw`: radians from east to north. */
@@ -413,7 +413,7 @@ enum status world_soil_at(struct world *world, double x, double y, int *soil) FU
  * has it. Without bodies: the planes that are drawn, if the store `was_deformed`. */
 unsigned world_planes(const struct scene *scene, bool was_deformed);
 bool world_needs_soil_map(const struct scene *scene); /* there is a map of soils and something uses it */
-/* Opens the store for reading and makes the bodies. `store` NULL: assumes flat ground, and fills `assumed`. Only for plans. End
+/* Opens the store for reading and makes the bodies. `store` NULL: assumes some ground, and fills `assumed`. Only for plans. End
  * it with world_finish. */
 enum status world_prepare_plan(struct world *world, const struct scene *scene, const char *store, struct store_meta *assumed)
 	FURROW_CHECKED;
