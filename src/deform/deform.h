@@ -3,8 +3,8 @@
  * displace, redistribute, scatter (with attributes). SOIL.md describes each stage.
  *
  * Results are integers and the same on every driver. The lower envelope of an object is evaluated at each post in 64-bit fixed
- * point, from affine functionals of the post's place in the window (affine.h). Results do not depend on tiles, since a window
- * knows only global posts. For the GPU's thread.
+ * point. It comes from affine functionals of the post's place in the window (affine.h). Results do not depend on tiles, since a
+ * window knows only global posts. For the GPU's thread.
  */
 #ifndef FURROW_DEFORM_H
 #define FURROW_DEFORM_H
@@ -260,9 +260,9 @@ struct deform_tally {
 };
 /* Reads the tally. Waits for the GPU. For the end of a drive. */
 enum status deform_tally(struct deform *deform, struct deform_tally *tally) FURROW_CHECKED;
-/* Begins to read the tally as bytes, as gpu_buffer_read_into does: sizeof(struct deform_tally). Does not wait. */
-/* Sets the tally, and makes no block active. Waits for the work in flight. Touched posts stay touched. */
+/* Sets the tally back, and makes every block inactive. Waits for the work in flight. Touched posts stay touched. */
 enum status deform_restore(struct deform *deform, const struct deform_tally *tally) FURROW_CHECKED;
+/* Begins to read the tally as bytes, as gpu_buffer_read_into does: sizeof(struct deform_tally). Does not wait. */
 void deform_tally_read_into(struct deform *deform, struct gpu_staging *staging, size_t offset);
 
 /* The forces of the soil on an object, for a contact with a tag under DEFORM_SCM. They are sums of whole numbers over the posts
