@@ -163,8 +163,8 @@ struct terrain_hit {
 };
 
 /* Finds the first place where each ray meets the ground, from above or from below. It may be the origin, if that is on the
- * ground. No ray passes between two triangles that share an edge. STATUS_INPUT: a number is NaN or infinite, or the direction
- * is 0. */
+ * ground. No ray passes between two triangles that share an edge. STATUS_INPUT: a number is NaN or infinite, the direction is
+ * 0, or the length is negative. */
 enum status terrain_rays(const struct terrain_ground *ground, const struct terrain_ray *rays, size_t count,
 			 struct terrain_hit *hits) FURROW_CHECKED;
 
