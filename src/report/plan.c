@@ -1,13 +1,12 @@
 /*
- * What a drive will make and run, before it does. What a drive does by these functions it does by them alone, so that the plan
- * cannot say otherwise.
+ * What a drive will make and run, found before it begins. A drive uses these same functions. So the plan and the drive agree.
  */
 #include <string.h>
 #include <unistd.h>
 
 #include "report/report.h"
 
-/* Room for one more is made before it is filled; a failure is kept by `failed`. */
+/* There is always room for one more text before it is written. `failed` keeps a failure. */
 struct notes {
 	struct report_plan *plan;
 	bool failed;
@@ -38,7 +37,7 @@ static enum status plan_lines(const struct world *world, struct plan *plan)
 	bool classes = world_needs_soil_map(scene);
 	bool decimates = planes != 0 && scene->view.present;
 	enum status status = world_plan_deform(world, plan);
-	/* Its planes come first: what calls for the offset has the tiles deformed. */
+	/* Its planes come first: the effect that needs the offset is the one that deforms tiles. */
 	const char *effect = plan->count > 0 ? plan->lines[0].effect : NULL;
 	gpu_slots_plan(cells, planes, classes, world->level < 0, decimates, effect, plan);
 	if (scene->view.present) {
