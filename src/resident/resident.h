@@ -94,7 +94,7 @@ struct soil_map;
 
 struct soil_map_params {
 	const char *path;              /* of the raster */
-	const uint8_t *classes;        /* 256: the index of the soil that each value of the raster means */
+	const uint8_t *classes;        /* 256: the index of the soil for each value of the raster */
 	unsigned loaders;              /* 0: one thread, the owner, reads */
 	bool places;                   /* resident_soil_map_at will be asked */
 	const struct store_meta *meta; /* where the terrain lies */
