@@ -1,4 +1,4 @@
-/* The objects on their ways: each gets its path as stations, in local metres, and the record a place for it. */
+/* Makes the bodies: each gets its path as path samples in local metres, and a place in the record. */
 #include <assert.h>
 #include <math.h>
 

@@ -1,4 +1,4 @@
-/* What is due in a step: stations of all objects in the order of time, then of the scene. */
+/* Collects the path samples that are due in a step, in the order of time, then of the scene's objects. */
 #include <math.h>
 
 #include "world/internal.h"

@@ -1,14 +1,18 @@
 /*
- * Bodies of a host: it says where they are at the end of each step, and is told what the soil does to them.
+ * Bodies of a host. The host says where they are at the end of each step, and is told what the soil does to them.
  *
- * A host moves a body by less than a post in a step. So its motion accumulates, and changes the ground when it is worth a
- * swept contact: after a working post of travel or turn, or a tenth of one of sinkage; at a checkpoint, and before a query. In
- * between the forces alone are found, from the same ground (deform_feel).
+ * A host moves a body by less than a post in a step. So its motion accumulates. It changes the ground when it is worth a swept
+ * contact:
+ * - after a working post of travel or of turn,
+ * - after a tenth of a post of sinkage,
+ * - at a checkpoint, and before a query.
+ *
+ * In between only the forces are computed, over the same ground (deform_feel).
  *
  * Invariants:
- * 1. body.last is the pose up to which motion has changed the ground; body.in_contact says that there is one.
- * 2. `now` is where the body is; `next`, if has_next, where it will be after the next step.
- * 3. A number is given out once. list[number] is NULL of a body with a path, and of one that a rollback took back.
+ * - body.last is the pose up to which motion has changed the ground; body.in_contact says that there is one.
+ * - `now` is where the body is; `next`, if has_next, is where it will be after the next step.
+ * - A number is given out once. list[number] is NULL for a body with a path, and for one that a rollback removed.
  */
 #include <math.h>
 #include <string.h>
@@ -17,7 +21,7 @@
 
 #define SINKAGE_SHARE 0.1     /* of a post */
 #define PIECES_MOST 4096      /* posts that a body may travel in a step */
-#define TRAVEL_TILES 64       /* tiles that bodies may cross in a step, together */
+#define TRAVEL_TILES 64       /* tiles that all bodies together may cross in a step */
 
 /* --- numbers --- */
 
@@ -54,7 +58,7 @@ static enum status gone(int32_t number)
 				       "furrow_body_find gave", (int)number);
 }
 
-/* The host's body of this number, or why there is none. */
+/* Finds the host's body of this number, or says why there is none. */
 static enum status find(const struct world *world, int32_t number, struct host_body **out)
 {
 	*out = world_host_body(world, number);
@@ -156,7 +160,7 @@ enum status world_body_find(const struct world *world, const char *name, int32_t
 	return fail_with(STATUS_INPUT, "%s: no body has this name; give one of the scene's objects, or one that was added", name);
 }
 
-/* A name that is free, in place of the scene's "body-1". */
+/* Gives a free name instead of the scene's "body-1". */
 static enum status name_it(const struct world *world, struct scene_object *object, bool given)
 {
 	int32_t other;
@@ -199,7 +203,7 @@ enum status world_body_add(struct world *world, struct scene_object *object, int
 	if (status == STATUS_OK)
 		status = name_it(world, object, !is_made_up(object->name));
 	if (status == STATUS_OK)
-		status = world_forces_wait(world->forces); /* warming up drops what is on its way */
+		status = world_forces_wait(world->forces); /* warming up drops forces that are being computed */
 	if (status == STATUS_OK)
 		status = deform_warm(world->deform, &planned, world_asks_forces(world));
 	if (status != STATUS_OK)
@@ -245,7 +249,7 @@ static enum status check_state(const struct world *world, const struct host_body
 	return STATUS_OK;
 }
 
-/* Pages that one body's way can change. */
+/* Returns the number of pages that one body's motion can change. */
 static double pages_of(const struct world *world, const struct host_body *host, const struct world_state *state)
 {
 	const double side = world->spacing * world->meta->extent.cells;
@@ -289,7 +293,7 @@ enum status world_bodies_set(struct world *world, size_t count, const int32_t *n
 	return status;
 }
 
-/* What it rested on is free, and it touches nothing until the next step. */
+/* Frees the ground that it rested on. It touches nothing until the next step. */
 static enum status lift(struct world *world, struct host_body *host)
 {
 	enum status status = world_let_go(world, &host->body);
@@ -338,7 +342,7 @@ static struct event event_of(const struct world *world, int32_t number, const st
 	return (struct event){.body = index_of(world, number), .time = time, .contact = true, .next_time = INFINITY, .pose = *pose};
 }
 
-/* Sets what follows from the base under it. */
+/* Sets the parts of the event that follow from the base under the body. */
 static enum status over_ground(struct world *world, struct event *event, const struct deform_shape *shape)
 {
 	int64_t ground;
@@ -358,7 +362,7 @@ static double turn_between(double from, double to)
 	return remainder(to - from, 2 * M_PI);
 }
 
-/* Metres by which its outermost points have turned. */
+/* Returns the metres by which its outermost points have turned. */
 static double turned_by(const struct host_body *host, const struct deform_pose *to)
 {
 	const struct deform_pose *from = &host->body.last;
@@ -397,7 +401,7 @@ static struct deform_pose between(const struct deform_pose *a, const struct defo
 	};
 }
 
-/* The ground changes up to this pose, by swept contacts of at most a post each. */
+/* Changes the ground up to this pose, by swept contacts of at most one post each. */
 static enum status press(struct world *world, int32_t number, const struct deform_pose *to, double time)
 {
 	struct host_body *host = world_host_body(world, number);
@@ -469,10 +473,10 @@ static enum status step_body(struct world *world, int32_t number, double seconds
 	host->since += moved ? seconds : 0;
 	if (host->fresh || !host->body.in_contact || is_worth_a_contact(world, host, &to))
 		return press(world, number, &to, until);
-	/* Where it came to rest the rates go. */
+	/* Where it came to rest, the rates end. */
 	if (world_feels(world) && (moved || host->felt_moving))
 		return feel(world, number, &to, until, moved);
-	host->told = until; /* nothing moves: what was told holds */
+	host->told = until; /* nothing moves: the last forces hold */
 	return STATUS_OK;
 }
 
@@ -533,7 +537,7 @@ void world_host_asked(struct world *world, size_t index, uint64_t tag, const str
 	host->asked = event->time;
 	if (tag != 0)
 		return;
-	/* The model tells no forces: whether it touches is all that is known. */
+	/* The model tells no forces; only the contact state is known. */
 	host->state = event->sinkage > 0 ? WORLD_TOUCHING : WORLD_AIR;
 	host->force = (struct world_force){.sinkage = event->sinkage};
 	host->told = event->time;
