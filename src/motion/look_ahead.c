@@ -303,7 +303,7 @@ enum status motion_look_ahead_step(struct look_ahead *ahead, double time)
 		status = look(ahead, time, &changed);
 	if (status == STATUS_OK && changed)
 		status = gather(ahead);
-	if (status == STATUS_OK && (changed || page_cache_wishes(ahead->pages.cache) != PAGE_WISHES_HERE))
+	if (status == STATUS_OK && (changed || page_cache_request_state(ahead->pages.cache) != PAGE_REQUESTS_HERE))
 		page_cache_want(ahead->pages.cache, ahead->keys, ahead->key_count);
 	return status;
 }
@@ -312,7 +312,7 @@ enum status motion_look_ahead_first(struct look_ahead *ahead, double time, const
 {
 	const struct timespec nap = {0, 50000};
 	enum status status = motion_look_ahead_step(ahead, time);
-	while (status == STATUS_OK && page_cache_wishes(ahead->pages.cache) == PAGE_WISHES_COMING && (stop == NULL || !*stop)) {
+	while (status == STATUS_OK && page_cache_request_state(ahead->pages.cache) == PAGE_REQUESTS_COMING && (stop == NULL || !*stop)) {
 		nanosleep(&nap, NULL);
 		status = page_cache_poll(ahead->pages.cache);
 	}

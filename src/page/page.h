@@ -128,8 +128,8 @@ void page_cache_dirty(struct page_cache *cache, uint64_t key);
 void page_cache_want(struct page_cache *cache, const uint64_t *keys, size_t count);
 /* State of the last list of prefetch requests. COMING: some pages are being loaded. HERE: all are resident, so an unchanged
  * list need not be given again. SHORT: neither, because slots are missing, a load failed, or another page had to have a slot. */
-enum page_wishes { PAGE_WISHES_COMING, PAGE_WISHES_HERE, PAGE_WISHES_SHORT };
-enum page_wishes page_cache_wishes(struct page_cache *cache);
+enum page_request_state { PAGE_REQUESTS_COMING, PAGE_REQUESTS_HERE, PAGE_REQUESTS_SHORT };
+enum page_request_state page_cache_request_state(struct page_cache *cache);
 /* Returns true, with the slot, if the page is resident now. Does not wait, load or pin. With `use` it becomes the most recently
  * used. The slot is valid until the next call that can evict (pin, poll). */
 bool page_cache_peek(struct page_cache *cache, uint64_t key, bool use, uint32_t *slot);

@@ -72,12 +72,12 @@ static struct page *find_victim(const struct page_cache *cache, bool ahead)
 {
 	struct page *farthest = NULL;
 	for (struct page *page = cache->table.resident.first; page != NULL; page = page->next) {
-		bool wished = page_wished(cache, page);
-		if (page->pins > 0 || (ahead && (wished || page->used_in == cache->step)))
+		bool requested = page_requested(cache, page);
+		if (page->pins > 0 || (ahead && (requested || page->used_in == cache->step)))
 			continue;
-		if (!wished)
+		if (!requested)
 			return page;
-		if (farthest == NULL || page->wished_at > farthest->wished_at)
+		if (farthest == NULL || page->requested_at > farthest->requested_at)
 			farthest = page;
 	}
 	return farthest;
@@ -104,7 +104,7 @@ static enum status take_slot(struct page_cache *cache, bool ahead, uint32_t *slo
 	mutex_lock(&cache->mutex);
 	*slot = page->slot;
 	table->used -= page->used_in == cache->step;
-	cache->wishes_kept = cache->wishes_kept && !page_wished(cache, page);
+	cache->requests_kept = cache->requests_kept && !page_requested(cache, page);
 	page_table_forget_locked(table, page, &table->resident);
 	cache->stats.evictions++;
 	mutex_unlock(&cache->mutex);
@@ -152,7 +152,7 @@ enum status page_install(struct page_cache *cache, struct page *page, bool *late
 	if (!*later) {
 		if (upload) /* had it failed half-way, the executor might still read the image */
 			page_busy_add_locked(cache, host, false);
-		cache->wishes_kept = cache->wishes_kept && uploaded;
+		cache->requests_kept = cache->requests_kept && uploaded;
 		page_loads_land_locked(cache, page, uploaded ? slot : PAGE_NO_SLOT);
 	}
 	mutex_unlock(&cache->mutex);

@@ -42,7 +42,7 @@
 #define PAGE_NO_SLOT UINT32_MAX
 #define PAGE_PIN_MOST 64
 #define PAGE_FLIGHTS_PER_LOADER 3
-#define PAGE_WISHES_PER_LOADER 2
+#define PAGE_REQUESTS_PER_LOADER 2
 
 enum page_image_place { PAGE_UNQUEUED, PAGE_KEPT, PAGE_COMMITTING, PAGE_WAITING };
 
@@ -75,8 +75,8 @@ struct page {
 	bool dirty;
 	uint32_t slot, pins;
 	uint64_t used_in;       /* the last step it was pinned or drawn in */
-	uint64_t wished_in;     /* the last wish list that had it, and where */
-	size_t wished_at;
+	uint64_t requested_in;     /* the last wish list that had it, and where */
+	size_t requested_at;
 	uint64_t polled;        /* LOADED: the last poll that could not install it */
 	uint64_t begun;         /* LOADING, LOADED: the clock of loads when it was taken */
 	struct page_host *host; /* LOADING, LOADED */
@@ -93,7 +93,7 @@ struct page_table {
 	size_t mask;
 	struct page *pages, *unused; /* all there can be; those ABSENT, by hash_next */
 	struct page_list resident;   /* in order of use */
-	struct page_list urgent, wished, flights;
+	struct page_list urgent, requested, flights;
 	uint32_t pinned; /* pages with a pin */
 	uint32_t used;   /* resident pages used in this step */
 	uint32_t dirty;
@@ -139,8 +139,8 @@ struct page_cache {
 	struct key_set touched; /* the keys that were ever pinned */
 	uint64_t load_clock; /* loads taken so far */
 	uint64_t step;       /* steps begun so far: pages that were never used say 0 */
-	uint64_t wish_list;  /* lists so far */
-	bool wishes_kept;    /* nothing of the last list was lost since, nor left out */
+	uint64_t request_list;  /* lists so far */
+	bool requests_kept;    /* nothing of the last list was lost since, nor left out */
 	uint64_t polls;
 	struct page_busy busy;
 	enum page_epoch epoch;
@@ -250,10 +250,10 @@ enum status page_read_back(struct page_cache *cache, struct page *page, bool ahe
  * without failure too if its load failed; `*later` if it cannot be installed yet. */
 enum status page_install(struct page_cache *cache, struct page *page, bool *later) FURROW_CHECKED;
 
-/* --- page_wish.c --- */
+/* --- page_request.c --- */
 
 /* The page is the most recently used. */
 void page_use_locked(struct page_cache *cache, struct page *page);
-bool page_wished(const struct page_cache *cache, const struct page *page);
+bool page_requested(const struct page_cache *cache, const struct page *page);
 
 #endif

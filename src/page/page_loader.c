@@ -21,7 +21,7 @@ struct page *page_loads_want_locked(struct page_cache *cache, uint64_t key, bool
 {
 	struct page_table *table = &cache->table;
 	struct page *page =
-		page_table_add_locked(table, key, urgent ? &table->urgent : &table->wished);
+		page_table_add_locked(table, key, urgent ? &table->urgent : &table->requested);
 	page->urgent = urgent;
 	condition_wake_all(&cache->work);
 	return page;
@@ -31,7 +31,7 @@ void page_loads_make_urgent_locked(struct page_cache *cache, struct page *page)
 {
 	assert(page->state != PAGE_RESIDENT && !page->stale);
 	if (page->state == PAGE_WANTED && !page->urgent) {
-		page_list_remove(&cache->table.wished, page);
+		page_list_remove(&cache->table.requested, page);
 		page_list_append(&cache->table.urgent, page);
 		condition_wake_all(&cache->work); /* for wishes there may be no room now */
 	}
@@ -52,10 +52,10 @@ void page_loads_abandon_locked(struct page_cache *cache, struct page *page)
 {
 	assert(page->state != PAGE_RESIDENT);
 	struct page_table *table = &cache->table;
-	cache->wishes_kept = cache->wishes_kept && !page_wished(cache, page);
+	cache->requests_kept = cache->requests_kept && !page_requested(cache, page);
 	if (page->state == PAGE_WANTED) {
 		page_table_forget_locked(table, page,
-					 page->urgent ? &table->urgent : &table->wished);
+					 page->urgent ? &table->urgent : &table->requested);
 	} else if (page->state == PAGE_LOADED) {
 		drop_locked(cache, page);
 	} else {
@@ -140,8 +140,8 @@ static struct page *take_locked(struct page_cache *cache)
 		return NULL; /* 9 */
 	struct page_list *list = &table->urgent;
 	struct page *page = first_readable_locked(cache, list);
-	if (page == NULL && page_loads_ahead_locked(cache) < PAGE_WISHES_PER_LOADER * cache->params.loaders) {
-		list = &table->wished;
+	if (page == NULL && page_loads_ahead_locked(cache) < PAGE_REQUESTS_PER_LOADER * cache->params.loaders) {
+		list = &table->requested;
 		page = first_readable_locked(cache, list);
 		cache->stats.prefetched += page != NULL;
 	}

@@ -16,8 +16,8 @@ static void give_up_loads_locked(struct page_cache *cache)
 	struct page_table *table = &cache->table;
 	struct page *next;
 	assert(table->urgent.count == 0);
-	while (table->wished.first != NULL) {
-		page_loads_abandon_locked(cache, table->wished.first);
+	while (table->requested.first != NULL) {
+		page_loads_abandon_locked(cache, table->requested.first);
 		cache->stats.cancelled++;
 	}
 	for (struct page *page = table->flights.first; page != NULL; page = next) {
@@ -37,7 +37,7 @@ static void drop_page_locked(struct page_cache *cache, struct page *page)
 	table->dirty -= page->dirty;
 	page->dirty = false;
 	table->used -= page->used_in == cache->step;
-	cache->wishes_kept = cache->wishes_kept && !page_wished(cache, page);
+	cache->requests_kept = cache->requests_kept && !page_requested(cache, page);
 	table->free_slots[table->free_count++] = page->slot;
 	page_table_forget_locked(table, page, &table->resident);
 }

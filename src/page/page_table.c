@@ -149,10 +149,10 @@ bool page_cache_sane_locked(const struct page_cache *cache)
 	       table->resident.count + table->free_count <= cache->params.slots && /* 2 */
 	       table->flights.count <= page_load_images(cache->params.loaders) && /* 9 */
 	       page_loads_ahead_locked(cache) <=
-		       PAGE_WISHES_PER_LOADER * cache->params.loaders && /* 9 */
+		       PAGE_REQUESTS_PER_LOADER * cache->params.loaders && /* 9 */
 	       cache->queue.made[PAGE_CHANGED_IMAGE] <= cache->params.queue_most &&
 	       list_sane_locked(table, &table->resident) &&
 	       list_sane_locked(table, &table->urgent) &&
-	       list_sane_locked(table, &table->wished) &&
+	       list_sane_locked(table, &table->requested) &&
 	       list_sane_locked(table, &table->flights) && queue_sane_locked(cache);
 }

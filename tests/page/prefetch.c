@@ -33,7 +33,7 @@ static void page_prefetched_and_polled_is_a_hit(void **state)
 	fake_want(&fake, 5);
 	fake_want(&fake, 5);
 	poll_until_resident(&fake, 5);
-	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_HERE);
+	assert_int_equal(page_cache_request_state(fake.cache), PAGE_REQUESTS_HERE);
 	fake_want(&fake, 5);
 	fake_visit(&fake, 5);
 	struct page_stats stats = fake_stats(&fake);
@@ -107,7 +107,7 @@ static void page_prefetch_never_evicts_what_the_step_pinned(void **state)
 		assert_true(fake_resident(&fake, key));
 	assert_false(fake_resident(&fake, 7));
 	fake_want(&fake, 8); /* not honoured: nothing can go for it */
-	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_SHORT);
+	assert_int_equal(page_cache_request_state(fake.cache), PAGE_REQUESTS_SHORT);
 	assert_int_equal(fake_stats(&fake).prefetched, 1);
 	fake_end_step(&fake, 2);
 	fake_pin(&fake, 0);
@@ -165,9 +165,9 @@ static void page_wishes_are_loaded_soonest_first_and_cancelled(void **state)
 	assert_memory_equal(fake.loaded, expected, sizeof expected);
 	assert_int_equal(fake.loads_begun, 4);
 	assert_false(fake_resident(&fake, 1));
-	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_HERE);
+	assert_int_equal(page_cache_request_state(fake.cache), PAGE_REQUESTS_HERE);
 	page_cache_want(fake.cache, NULL, 0);
-	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_HERE);
+	assert_int_equal(page_cache_request_state(fake.cache), PAGE_REQUESTS_HERE);
 	assert_true(fake_resident(&fake, 3)); /* it stays, as what was used */
 	fake_finish(&fake);
 }
@@ -189,11 +189,11 @@ static void page_wished_pages_stay(void **state)
 	assert_false(fake_resident(&fake, 10));
 	uint32_t held = fake_pin(&fake, 11);
 	(void)held;
-	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_HERE);
+	assert_int_equal(page_cache_request_state(fake.cache), PAGE_REQUESTS_HERE);
 	fake_visit(&fake, 12); /* for 1: it is needed last */
 	assert_false(fake_resident(&fake, 1));
 	assert_true(fake_resident(&fake, 0) && fake_resident(&fake, 2));
-	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_SHORT);
+	assert_int_equal(page_cache_request_state(fake.cache), PAGE_REQUESTS_SHORT);
 	fake_unpin(&fake, 11);
 	fake_end_step(&fake, 2);
 	/* Four wishes for four slots: the fifth is not honoured, and none goes for another. */
@@ -204,7 +204,7 @@ static void page_wished_pages_stay(void **state)
 	for (int i = 0; i < 100; i++)
 		assert_int_equal(page_cache_poll(fake.cache), STATUS_OK);
 	assert_false(fake_resident(&fake, 22));
-	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_SHORT);
+	assert_int_equal(page_cache_request_state(fake.cache), PAGE_REQUESTS_SHORT);
 	fake_finish(&fake);
 }
 
@@ -226,12 +226,12 @@ static void page_wish_pushes_out_no_other(void **state)
 	assert_int_equal(page_cache_poll(fake.cache), STATUS_OK);
 	assert_true(fake_resident(&fake, 0) && fake_resident(&fake, 1));
 	assert_false(fake_resident(&fake, 2));
-	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_COMING);
+	assert_int_equal(page_cache_request_state(fake.cache), PAGE_REQUESTS_COMING);
 	fake_unpin(&fake, 11);
 	fake_end_step(&fake, 1);
 	poll_until_resident(&fake, 2); /* for 11 */
 	assert_false(fake_resident(&fake, 11));
-	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_HERE);
+	assert_int_equal(page_cache_request_state(fake.cache), PAGE_REQUESTS_HERE);
 	fake_finish(&fake);
 }
 
@@ -266,13 +266,13 @@ static void page_wish_that_outlives_two_epochs_is_short(void **state)
 	fake_want(&fake, COARSE);
 	fake_await(&fake, 1, 0);
 	for (uint64_t record = 1; record < 3; record++) {
-		assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_COMING);
+		assert_int_equal(page_cache_request_state(fake.cache), PAGE_REQUESTS_COMING);
 		fake_change(&fake, 0);
 		fake_flush(&fake, record);
 	}
-	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_SHORT);
+	assert_int_equal(page_cache_request_state(fake.cache), PAGE_REQUESTS_SHORT);
 	fake_gate(&fake, 0, false);
-	while (page_cache_wishes(fake.cache) != PAGE_WISHES_HERE) {
+	while (page_cache_request_state(fake.cache) != PAGE_REQUESTS_HERE) {
 		fake_want(&fake, COARSE);
 		assert_int_equal(page_cache_poll(fake.cache), STATUS_OK);
 		sched_yield();
@@ -312,7 +312,7 @@ static void page_without_loaders_the_owner_loads(void **state)
 	(void)state;
 	fake_start(&fake, &params);
 	fake_want(&fake, 5);
-	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_HERE);
+	assert_int_equal(page_cache_request_state(fake.cache), PAGE_REQUESTS_HERE);
 	assert_int_equal(page_cache_poll(fake.cache), STATUS_OK);
 	assert_int_equal(fake.loads_begun, 0);
 	for (uint64_t key = 0; key < 20; key++)
@@ -382,9 +382,9 @@ static void page_wish_given_up_for_an_epoch_is_not_here(void **state)
 	fake_want(&fake, 5);
 	fake_await(&fake, 2, 0);
 	fake_flush(&fake, 1);
-	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_COMING);
+	assert_int_equal(page_cache_request_state(fake.cache), PAGE_REQUESTS_COMING);
 	fake_flush(&fake, 2);
-	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_SHORT);
+	assert_int_equal(page_cache_request_state(fake.cache), PAGE_REQUESTS_SHORT);
 	assert_int_equal(fake_stats(&fake).cancelled, 1);
 	fake_gate(&fake, 0, false);
 	while (!fake_resident(&fake, 5)) {
