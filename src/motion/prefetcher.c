@@ -27,7 +27,7 @@
 struct walker {
 	const struct track *track; /* NULL: the camera's */
 	int64_t past;              /* the last path sample that is not ahead */
-	int64_t station, last;
+	int64_t sample, last;
 	int64_t stride;            /* path samples from place to place */
 	double time;               /* time of `station`, or the camera's; INFINITY: at the end */
 };
@@ -86,7 +86,7 @@ static bool add_walker(struct prefetcher *prefetcher, const struct walker *walke
 {
 	if (walker->track != NULL) {
 		struct track_point point;
-		motion_track_sample(walker->track, walker->station, &point);
+		motion_track_sample(walker->track, walker->sample, &point);
 		return add_place(prefetcher, point.x, point.y);
 	}
 	double places[2][2];
@@ -97,7 +97,7 @@ static bool add_walker(struct prefetcher *prefetcher, const struct walker *walke
 	return room;
 }
 
-static int64_t next_station(const struct walker *walker, int64_t from)
+static int64_t next_sample(const struct walker *walker, int64_t from)
 {
 	return walker->last - from > walker->stride ? from + walker->stride : walker->last;
 }
@@ -108,11 +108,11 @@ static void begin(struct prefetcher *prefetcher, struct walker *walker, double n
 		walker->time = now;
 		return;
 	}
-	for (int64_t next; (next = next_station(walker, walker->past)) != walker->past; walker->past = next)
+	for (int64_t next; (next = next_sample(walker, walker->past)) != walker->past; walker->past = next)
 		if (motion_track_sample_time(walker->track, next) > now || atomic_load(&prefetcher->stopping))
 			break;
-	walker->station = walker->past;
-	walker->time = motion_track_sample_time(walker->track, walker->station);
+	walker->sample = walker->past;
+	walker->time = motion_track_sample_time(walker->track, walker->sample);
 }
 
 static void go_on(const struct prefetcher *prefetcher, struct walker *walker)
@@ -121,9 +121,9 @@ static void go_on(const struct prefetcher *prefetcher, struct walker *walker)
 		walker->time += prefetcher->camera_stride;
 		return;
 	}
-	int64_t next = next_station(walker, walker->station);
-	walker->time = next == walker->station ? INFINITY : motion_track_sample_time(walker->track, next);
-	walker->station = next;
+	int64_t next = next_sample(walker, walker->sample);
+	walker->time = next == walker->sample ? INFINITY : motion_track_sample_time(walker->track, next);
+	walker->sample = next;
 }
 
 /* Lists the tiles needed from `now` on; returns the time until which the list is complete. */

@@ -180,7 +180,7 @@ static void at_length(const struct track *track, double length, struct track_poi
 		*point = track->knots[k + 1].at;
 }
 
-static double station_length(const struct track *track, int64_t index, int64_t *lap)
+static double sample_length(const struct track *track, int64_t index, int64_t *lap)
 {
 	*lap = track->loop ? index / track->lap : 0;
 	int64_t within = index - *lap * track->lap;
@@ -192,7 +192,7 @@ static double station_length(const struct track *track, int64_t index, int64_t *
 void motion_track_sample(const struct track *track, int64_t index, struct track_point *point)
 {
 	int64_t lap;
-	at_length(track, station_length(track, index, &lap), point);
+	at_length(track, sample_length(track, index, &lap), point);
 	point->time = motion_track_sample_time(track, index);
 	place(track, point);
 }
@@ -200,7 +200,7 @@ void motion_track_sample(const struct track *track, int64_t index, struct track_
 double motion_track_sample_time(const struct track *track, int64_t index)
 {
 	int64_t lap;
-	double length = station_length(track, index, &lap);
+	double length = sample_length(track, index, &lap);
 	if (!track->timed)
 		return track->speed > 0 ? ((double)lap * track->length + length) / track->speed : 0;
 	struct track_point point;
@@ -213,7 +213,7 @@ static bool is_within(const struct track_point *point, double width, double heig
 	return point->x >= 0 && point->y >= 0 && point->x <= width && point->y <= height;
 }
 
-static bool station_within(const struct track *track, int64_t index, double width, double height)
+static bool sample_within(const struct track *track, int64_t index, double width, double height)
 {
 	struct track_point point;
 	motion_track_sample(track, index, &point);
@@ -223,13 +223,13 @@ static bool station_within(const struct track *track, int64_t index, double widt
 /* Finds the first of [first, last] that is outside. All lie on one straight line, so those inside are one piece. */
 static int64_t leaves_line(const struct track *track, int64_t first, int64_t last, double width, double height)
 {
-	if (first > last || !station_within(track, first, width, height))
+	if (first > last || !sample_within(track, first, width, height))
 		return first > last ? -1 : first;
-	if (station_within(track, last, width, height))
+	if (sample_within(track, last, width, height))
 		return -1;
 	while (last - first > 1) {
 		int64_t middle = first + (last - first) / 2;
-		if (station_within(track, middle, width, height))
+		if (sample_within(track, middle, width, height))
 			first = middle;
 		else
 			last = middle;
@@ -255,7 +255,7 @@ int64_t motion_track_leaves(const struct track *track, double width, double heig
 		was_within = within;
 	}
 	/* The last path sample is at the path's end, which need not be a whole post. */
-	return was_within || track->loop || station_within(track, all - 1, width, height) ? -1 : all - 1;
+	return was_within || track->loop || sample_within(track, all - 1, width, height) ? -1 : all - 1;
 }
 
 void motion_track_at(const struct track *track, double time, struct track_point *point)

@@ -74,11 +74,11 @@ static enum status describe(struct world *world, struct report_plan *out)
 	out->steps = (int64_t)world_steps_until(scene, scene->end_time);
 	out->picture_steps = scene->view.present ? scene->view.images : 0;
 	out->pictures = out->picture_steps > 0 ? out->steps / out->picture_steps : 0;
-	out->stations = mem_calloc(scene->object_count + 1, sizeof *out->stations);
-	if (out->stations == NULL)
+	out->samples = mem_calloc(scene->object_count + 1, sizeof *out->samples);
+	if (out->samples == NULL)
 		return fail_memory("the plan");
 	for (size_t i = 0; i < scene->object_count; i++)
-		out->stations[i] = world_samples_until(world->bodies[i].track, scene->end_time);
+		out->samples[i] = world_samples_until(world->bodies[i].track, scene->end_time);
 	world_advise(world, keep_note, &notes);
 	status = plan_lines(world, &out->plan);
 	return status == STATUS_OK && notes.failed ? fail_memory("the plan") : status;
@@ -115,7 +115,7 @@ void report_plan_finish(struct report_plan *plan)
 	for (size_t i = 0; i < plan->note_count; i++)
 		mem_free(plan->notes[i]);
 	mem_free(plan->notes);
-	mem_free(plan->stations);
+	mem_free(plan->samples);
 	mem_free(plan->store);
 	mem_free(plan->missing);
 	plan_finish(&plan->plan);

@@ -73,7 +73,7 @@ struct report_plan {
 	size_t window_tiles;  /* most tiles that one window, or one block of relaxing soil, can touch */
 	int64_t steps, pictures; /* until end_time; `pictures`: pictures drawn, which are those that are written */
 	int64_t picture_steps; /* steps from one written picture to the next; 0: none is written */
-	uint64_t *stations;   /* path samples of each object, until end_time */
+	uint64_t *samples;   /* path samples of each object, until end_time */
 	char **notes;         /* texts of scene_advise, and those about the store: "KEY: WHY; WHAT TO DO" */
 	size_t note_count;
 };

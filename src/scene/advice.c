@@ -299,12 +299,12 @@ static void advise_forces(const struct adviser *adviser)
 		fastest = fmax(fastest, path_fastest(scene, &scene->objects[i].path));
 	if (scene->object_count == 0 || scene->forces == 0)
 		return;
-	double stations = adviser->spacing > 0 || fastest == 0 ? fastest / fmax(adviser->spacing, 1e-9) : INFINITY;
-	if (scene->forces > stations && stations > 0)
+	double samples = adviser->spacing > 0 || fastest == 0 ? fastest / fmax(adviser->spacing, 1e-9) : INFINITY;
+	if (scene->forces > samples && samples > 0)
 		advise(adviser, "output.forces: %g rows a second, and no object comes to more than %.4g posts in one: rows between repeat the "
 				"last; give at most that",
-		       scene->forces, stations);
-	if (stations == 0 && all_are_there(scene) && scene->forces * scene->end_time >= 1)
+		       scene->forces, samples);
+	if (samples == 0 && all_are_there(scene) && scene->forces * scene->end_time >= 1)
 		advise(adviser, "output.forces: no object moves: all rows of an object are the same; one is enough, with less than %.4g",
 		       1 / scene->end_time);
 	if (scene->forces * scene->end_time < 1)

@@ -151,15 +151,15 @@ static void advise_leaving(const struct world *world, scene_advice_fn tell, void
 		const struct body *body = &world->bodies[i];
 		if (body->track == NULL)
 			continue;
-		int64_t station = motion_track_leaves(body->track, width, height);
-		double time = station >= 0 ? motion_track_sample_time(body->track, station) : INFINITY;
+		int64_t sample = motion_track_leaves(body->track, width, height);
+		double time = sample >= 0 ? motion_track_sample_time(body->track, sample) : INFINITY;
 		if (time > scene->end_time)
 			continue;
 		leaving++;
 		if (time >= at.time)
 			continue;
 		first = body;
-		motion_track_sample(body->track, station, &at);
+		motion_track_sample(body->track, sample, &at);
 	}
 	if (first == NULL)
 		return;

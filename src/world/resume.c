@@ -27,10 +27,10 @@ static enum status check_object(struct world *world, struct body *body, const st
 		return object->next == 0 && !object->in_contact ? STATUS_OK : world_record_damaged(store, "a path of a body that has none");
 	if (record->step == 0 && object->next == 0)
 		return object->in_contact ? world_record_damaged(store, "contact before the first step") : STATUS_OK;
-	int64_t stations = motion_track_samples(body->track);
-	if (object->next > stations ||
+	int64_t samples = motion_track_samples(body->track);
+	if (object->next > samples ||
 	    (object->next > 0 && motion_track_sample_time(body->track, object->next - 1) > record->time) ||
-	    (object->next < stations && motion_track_sample_time(body->track, object->next) <= record->time))
+	    (object->next < samples && motion_track_sample_time(body->track, object->next) <= record->time))
 		return world_record_damaged(store, "stations that are not those of its time");
 	if (object->next == 0)
 		return object->in_contact ? world_record_damaged(store, "contact before the first station") : STATUS_OK;
