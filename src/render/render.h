@@ -166,7 +166,7 @@ double render_shade(const struct render_sun *sun, double east, double north);
 void render_slopes(const double *heights, int64_t width, int64_t rows, double spacing, double *east, double *north);
 
 /* A map raster: one pixel for each post of `level`, row 0 south. */
-struct render_survey {
+struct render_map_raster {
 	uint32_t width, height;
 	int level;
 	double spacing;        /* metres a pixel */
@@ -175,7 +175,7 @@ struct render_survey {
 	float *values;         /* metres: the value of the largest size within the pixel; 0: none */
 	double flat;           /* the shade of ground without slope */
 };
-struct render_survey_params {
+struct render_map_raster_params {
 	struct store_reader *reader;
 	const struct store_meta *meta;
 	bool deformed;         /* the store has a working level, `working` */
@@ -190,10 +190,10 @@ struct render_survey_params {
 	void *progress_user;
 };
 /* Makes a map raster. On failure `out` is all zero. */
-enum status render_survey_create(const struct render_survey_params *params, struct render_survey *out) FURROW_CHECKED;
-void render_survey_finish(struct render_survey *survey); /* also takes one that is all zero */
+enum status render_map_raster_create(const struct render_map_raster_params *params, struct render_map_raster *out) FURROW_CHECKED;
+void render_map_raster_finish(struct render_map_raster *raster); /* also takes one that is all zero */
 /* Gives each pixel the largest value among its neighbours. Lines of one pixel become three pixels wide. */
-enum status render_survey_widen(struct render_survey *survey) FURROW_CHECKED;
+enum status render_map_raster_widen(struct render_map_raster *raster) FURROW_CHECKED;
 
 /* Returns the end of a legend for values up to `size`, above 0: the least round number that is no smaller. */
 double render_round_range(double size);
@@ -203,8 +203,8 @@ enum render_ramp { RENDER_RAMP_SIGNED, RENDER_RAMP_GREEN, RENDER_RAMP_ROSE };
 struct render_range {
 	double low, high; /* metres: the ends of the ramp. `low` is below 0 for the signed ramp, else 0 */
 };
-struct render_sheet {
-	const struct render_survey *survey;
+struct render_map_layout {
+	const struct render_map_raster *raster;
 	const char *title, *subtitle; /* above the map: left, and right if there is room */
 	const char *layer;            /* the legend's title */
 	enum render_ramp ramp;
@@ -217,11 +217,11 @@ struct render_placed {
 	int left, low, right, high; /* pixels of the canvas that are the map */
 	int unit;                   /* the scale of its letters */
 };
-/* Makes a canvas with the map on it. The caller may then draw on it, even over the map's edges. render_sheet_frame adds the
+/* Makes a canvas with the map on it. The caller may then draw on it, even over the map's edges. render_map_layout_frame adds the
  * frame. */
-enum status render_sheet_create(const struct render_sheet *sheet, struct render_canvas *canvas, struct render_placed *placed)
+enum status render_map_layout_create(const struct render_map_layout *layout, struct render_canvas *canvas, struct render_placed *placed)
 	FURROW_CHECKED;
-enum status render_sheet_frame(const struct render_sheet *sheet, const struct render_canvas *canvas,
+enum status render_map_layout_frame(const struct render_map_layout *layout, const struct render_canvas *canvas,
 			       const struct render_placed *placed) FURROW_CHECKED;
 
 /*

@@ -45,7 +45,7 @@ struct way {
 struct map {
 	const struct world *world;
 	struct way *ways;
-	struct render_survey survey;
+	struct render_map_raster raster;
 	struct render_canvas canvas;
 	struct render_placed placed;
 };
@@ -121,11 +121,11 @@ static struct post_rect find_rect(const struct map *map, int *level)
 	}
 }
 
-static enum status survey(struct map *map)
+static enum status raster(struct map *map)
 {
 	const struct world *world = map->world;
 	struct store_reader *reader = NULL;
-	struct render_survey_params params = {
+	struct render_map_raster_params params = {
 		.meta = world->meta,
 		.layer = STORE_OFFSET,
 		.exaggerate = 1,
@@ -137,10 +137,10 @@ static enum status survey(struct map *map)
 	enum status status = store_reader_create(world->store, &reader);
 	params.reader = reader;
 	if (status == STATUS_OK)
-		status = render_survey_create(&params, &map->survey);
+		status = render_map_raster_create(&params, &map->raster);
 	/* The line of a way would hide ruts that are as narrow. */
 	if (status == STATUS_OK && params.deformed && params.level > params.working)
-		status = render_survey_widen(&map->survey);
+		status = render_map_raster_widen(&map->raster);
 	store_reader_destroy(reader);
 	return status;
 }
@@ -239,23 +239,23 @@ static enum status draw(struct map *map, const char *path, const char *ended)
 	char title[256], subtitle[96];
 	snprintf(title, sizeof title, "%s, %g s", slash != NULL ? slash + 1 : world->scene->file, world->time);
 	snprintf(subtitle, sizeof subtitle, "%s%s%.4g m a post", strcmp(ended, "complete") == 0 ? "" : ended,
-		 strcmp(ended, "complete") == 0 ? "" : ", ", map->survey.spacing);
-	struct render_sheet sheet = {
-		.survey = &map->survey,
+		 strcmp(ended, "complete") == 0 ? "" : ", ", map->raster.spacing);
+	struct render_map_layout layout = {
+		.raster = &map->raster,
 		.title = title,
 		.subtitle = subtitle,
 		.layer = "offset",
 		.ramp = RENDER_RAMP_SIGNED,
 		.side = SIDE,
 	};
-	enum status status = render_sheet_create(&sheet, &map->canvas, &map->placed);
+	enum status status = render_map_layout_create(&layout, &map->canvas, &map->placed);
 	if (status != STATUS_OK)
 		return status;
 	status = draw_ways(map);
 	if (status == STATUS_OK)
 		draw_names(map);
 	if (status == STATUS_OK)
-		status = render_sheet_frame(&sheet, &map->canvas, &map->placed);
+		status = render_map_layout_frame(&layout, &map->canvas, &map->placed);
 	return status == STATUS_OK ? render_canvas_write(&map->canvas, path) : status;
 }
 
@@ -264,13 +264,13 @@ enum status report_map(const struct world *world, const char *path, const char *
 	struct map map = {.world = world};
 	enum status status = take_ways(&map);
 	if (status == STATUS_OK)
-		status = survey(&map);
+		status = raster(&map);
 	if (status == STATUS_OK)
 		status = draw(&map, path, ended);
 	for (size_t i = 0; map.ways != NULL && i < world->scene->object_count; i++)
 		mem_free(map.ways[i].places);
 	mem_free(map.ways);
-	render_survey_finish(&map.survey);
+	render_map_raster_finish(&map.raster);
 	render_canvas_finish(&map.canvas);
 	return status;
 }
