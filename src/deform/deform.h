@@ -50,7 +50,7 @@ struct deform_sweep {
 	double seconds; /* s of the motion; 0: no rates are used */
 	double turned;  /* wheel: radians turned about its axis during the motion (slip 0: distance / radius) */
 	double load;    /* N, downwards; 0: to.z is given. Otherwise to.z is near the equilibrium height, which is searched */
-	uint32_t carrier; /* with a load: number of the loaded body, 1 to params.carriers; 0: its equilibrium height is not kept */
+	uint32_t loaded_body; /* with a load: number of the loaded body, 1 to params.carriers; 0: its equilibrium height is not kept */
 	/* the object is above all ground in its windows before the contact, by more than the rounding of its lower envelope */
 	bool above;
 	uint64_t tag;    /* not 0: its forces are summed, and deform_forces_take tells them under this tag */
@@ -101,7 +101,7 @@ struct deform_params {
 	bool stands;
 	double bulldozing;   /* scm: share of the plastic flow that is deposited on the ring, 0 .. 1 */
 	bool touched;        /* deform_is_touched will be called; needs `stands` and a model that conserves soil */
-	uint32_t carriers;   /* scm: number of objects that carry a load and rest on the ground between contacts */
+	uint32_t loaded_bodies;   /* scm: number of objects that carry a load and rest on the ground between contacts */
 	bool dirt;
 };
 
@@ -213,10 +213,10 @@ struct deform_rest {
 	const struct deform_shape *shape;
 	struct deform_pose pose;
 	/* not 0: it is at the equilibrium height that the last contact of this loaded body found, relative to this pose */
-	uint32_t carrier;
+	uint32_t loaded_body;
 };
 /* Sets the equilibrium height of a loaded body that had no contact yet. `raised`: above its pose, 2^-20 m. */
-void deform_stands(struct deform *deform, uint32_t carrier, int32_t raised);
+void deform_stands(struct deform *deform, uint32_t loaded_body, int32_t raised);
 /* One interval: begin; gather each of `count` blocks; then scatter each; end. Does nothing without blocks. The objects stay the
  * caller's, and must live until the end. The ground that they rest on is held. */
 enum status deform_interval_begin(struct deform *deform, const struct deform_rest *objects, size_t object_count,

@@ -263,7 +263,7 @@ enum status deform_awake_visited(struct deform *deform, struct gpu_buffer *flags
 /* interval.c */
 enum status deform_interval_create(struct deform *deform) FURROW_CHECKED;
 /* As deform_warm. */
-enum status deform_interval_warm(struct deform *deform, const struct deform_shape *shape, uint32_t carrier) FURROW_CHECKED;
+enum status deform_interval_warm(struct deform *deform, const struct deform_shape *shape, uint32_t loaded_body) FURROW_CHECKED;
 void deform_interval_plan(const struct deform_params *params, struct plan *plan);
 void deform_interval_destroy(struct deform *deform); /* of one that has none, too */
 

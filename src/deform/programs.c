@@ -272,8 +272,8 @@ void deform_programs_each(const struct deform_params *params, const struct defor
 		add(&each, "spread");
 		each_slide(&each, false, loaded);
 		each_slide(&each, true, false);
-		deform_programs_held(loaded && params->carriers > 0, &each.request);
-		add(&each, loaded && params->carriers > 0 ? "load" : deform_slide_effect(params->model));
+		deform_programs_held(loaded && params->loaded_bodies > 0, &each.request);
+		add(&each, loaded && params->loaded_bodies > 0 ? "load" : deform_slide_effect(params->model));
 	}
 	if (params->dirt) {
 		deform_programs_dirt(&each.request);

@@ -70,7 +70,7 @@ enum status deform_warm(struct deform *deform, const struct deform_planned *obje
 	if (status == STATUS_OK)
 		status = sweep_all(deform, object, params->model == DEFORM_SCM && (forces || loaded));
 	if (status == STATUS_OK && deform->interval != NULL)
-		status = deform_interval_warm(deform, object->shape, loaded && params->carriers > 0);
+		status = deform_interval_warm(deform, object->shape, loaded && params->loaded_bodies > 0);
 	if (status == STATUS_OK)
 		status = drop_forces(deform);
 	deform->figures = before;

@@ -110,8 +110,8 @@ static enum status restore_deform(struct world *world, const struct checkpoint *
 		status = deform_wake_block(world->deform, saved->record->awake[i]);
 	for (size_t i = 0; i < world->scene->object_count; i++) {
 		const struct body *body = &world->bodies[i];
-		if (body->carrier > 0 && body->in_contact)
-			deform_stands(world->deform, body->carrier, (int32_t)(body->stands - body->last.z));
+		if (body->loaded_body > 0 && body->in_contact)
+			deform_stands(world->deform, body->loaded_body, (int32_t)(body->stands - body->last.z));
 	}
 	return status;
 }

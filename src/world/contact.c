@@ -119,7 +119,7 @@ static struct deform_sweep sweep_of(const struct world *world, const struct body
 		.from = body->in_contact ? body->last : event->pose,
 		.to = event->pose,
 		.load = body->object->load,
-		.carrier = body->carrier,
+		.loaded_body = body->loaded_body,
 	};
 	if (world_is_hosts(world, event->body)) {
 		sweep.seconds = event->seconds;

@@ -99,7 +99,7 @@ void world_deform_params(const struct world *world, struct deform_params *params
 	};
 	memcpy(params->soils, scene->soils, sizeof params->soils);
 	for (size_t i = 0; i < scene->object_count; i++)
-		params->carriers += world->bodies[i].carrier > 0;
+		params->loaded_bodies += world->bodies[i].loaded_body > 0;
 }
 
 struct deform_planned world_planned(const struct scene_object *object)

@@ -38,7 +38,7 @@ static size_t rests_of(const struct world *world)
 	for (size_t i = 0; i < world->scene->object_count; i++)
 		if (world->bodies[i].in_contact)
 			world->relaxation.rests[count++] = (struct deform_rest){&world->bodies[i].object->shape, world->bodies[i].last,
-								     world->bodies[i].carrier};
+								     world->bodies[i].loaded_body};
 	return count + world_host_rests(world, world->relaxation.rests + count);
 }
 

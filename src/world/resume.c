@@ -42,7 +42,7 @@ static enum status check_object(struct world *world, struct body *body, const st
 	if (object->in_contact != event.contact ||
 	    (event.contact && !(near(last->x, pose->x) && near(last->y, pose->y) && near(last->z, pose->z))))
 		return world_record_damaged(store, "an object is not where its path was");
-	if (body->carrier > 0 && event.contact &&
+	if (body->loaded_body > 0 && event.contact &&
 	    (object->force.z <= last->z - STANDS_MOST || object->force.z >= last->z + STANDS_MOST))
 		return world_record_damaged(store, "an object stands where it cannot");
 	return STATUS_OK;
@@ -95,7 +95,7 @@ static void restore(struct world *world)
 		body->distance = object->distance;
 		body->sinkage = body->sinkage_before = object->sinkage;
 		body->stands = object->force.z;
-		body->raised = body->carrier > 0 && object->in_contact ? object->force.z - object->last.z : 0;
+		body->raised = body->loaded_body > 0 && object->in_contact ? object->force.z - object->last.z : 0;
 		body->skipped = object->skipped;
 	}
 }

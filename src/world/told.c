@@ -137,7 +137,7 @@ enum status world_path_state(const struct world *world, size_t body, struct worl
 	*state = (struct world_state){.pose = {{point.x, point.y, lattice_offset_metres(at->last.z)}, {1, 0, 0, 0}}};
 	if (!at->in_contact)
 		world_place(world, body, state->pose.position, &pose.yaw);
-	else if (at->carrier > 0)
+	else if (at->loaded_body > 0)
 		state->pose.position[2] += lattice_offset_metres(at->raised);
 	world_orientation(&pose, state->pose.orientation);
 	const double seconds = fmin(moment, world->time);

@@ -136,7 +136,7 @@ struct body {
 	double sinkage_before;
 	int64_t stands;           /* 2^-20 m, for a body with a load: its equilibrium height, where the soil carries it */
 	int64_t raised;           /* 2^-20 m: how far `stands` is above the height at which the search began */
-	uint32_t carrier;         /* for a body with a load: its number among the loaded bodies, from 1 */
+	uint32_t loaded_body;         /* for a body with a load: its number among the loaded bodies, from 1 */
 	int64_t skipped;          /* path samples without ground */
 	uint64_t windows, windows_moved; /* windows computed; windows over which the body moved */
 };
