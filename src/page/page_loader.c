@@ -1,12 +1,12 @@
 /*
- * Loads: who wants what, the loader threads, and the loads that are on their way.
+ * Loads: the pages that are wanted, the loader threads, and the running loads.
  *
- *     WANTED (urgent, in order of asking, or wished) -> LOADING -> LOADED -> the owner installs it
+ *     WANTED (urgent, in order of asking, or requested) -> LOADING -> LOADED -> the owner makes it resident
  *
- * Loaders take what a pin waits for first, and none whose newest version is still being read back
- * (10). A load gets its image when it is taken, so that a pin of many pages needs no more memory than
- * one of a few. The flights are in the order they began, so that the first one says which committed
- * images must still be kept (6). Without loaders the owner takes what its own pin waits for.
+ * Loaders first take pages that a pin waits for. They take none whose newest version is still being read back (10). A load gets
+ * its image when it is taken. So a pin of many pages needs no more memory than a pin of a few. The flights are in the order in
+ * which they began. So the first one tells which committed images must still be kept (6). Without loaders the owner loads the
+ * pages that its own pin waits for.
  */
 #include "page/page_internal.h"
 
@@ -33,7 +33,7 @@ void page_loads_make_urgent_locked(struct page_cache *cache, struct page *page)
 	if (page->state == PAGE_WANTED && !page->urgent) {
 		page_list_remove(&cache->table.requested, page);
 		page_list_append(&cache->table.urgent, page);
-		condition_wake_all(&cache->work); /* for wishes there may be no room now */
+		condition_wake_all(&cache->work); /* for requests there may be no room now */
 	}
 	page->urgent = true;
 }

@@ -1,10 +1,9 @@
 /*
- * Wishes: what is loaded ahead, in which order, and what stays for it.
+ * Prefetch requests: which pages are loaded ahead, in which order, and which pages stay for them.
  *
- * A list replaces the one before. It is honoured from its front, as far as there are slots that this
- * step has not used: so a page that is wished for always finds one that may go for it, and wishes
- * never push each other, or what is being drawn, out. What is no longer wished is let go wherever it
- * is on its way.
+ * A new list replaces the one before. It is served from its front, as far as there are slots that this step has not used. So a
+ * requested page always finds a page that may go. Requests never evict each other, or a page that is being drawn. A page that
+ * is no longer requested is given up, in whatever state it is.
  */
 #include "page/page_internal.h"
 
@@ -24,7 +23,7 @@ bool page_requested(const struct page_cache *cache, const struct page *page)
 	return page->requested_in == cache->request_list && page->requested_in > 0;
 }
 
-/* The page takes its place in the list; false if it cannot, since a stale load of it is on its way. */
+/* Puts the page at its place in the list; false if it cannot, since a stale load of it is running. */
 static bool request_locked(struct page_cache *cache, uint64_t key, size_t at)
 {
 	struct page_table *table = &cache->table;
@@ -46,7 +45,7 @@ static void cancel_locked(struct page_cache *cache)
 {
 	struct page_table *table = &cache->table;
 	struct page *next;
-	/* Those wished for again went behind the others. */
+	/* Pages that are requested again went behind the others. */
 	while (table->requested.first != NULL && !page_requested(cache, table->requested.first)) {
 		page_loads_abandon_locked(cache, table->requested.first);
 		cache->stats.cancelled++;

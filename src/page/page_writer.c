@@ -1,10 +1,10 @@
 /*
- * The writer thread: commits the epochs the owner hands over, one at a time.
+ * The writer thread: makes the commits that the owner hands over, one at a time.
  *
  *     idle -> (page_queue_begin_epoch_locked, all read-backs settled) -> io.commit -> idle
  *
- * While an epoch is in flight its images, the array of them, the record and the snapshot are the writer's to
- * read and nobody's to write. A commit that fails is sticky: its images wait again.
+ * While a commit is in flight, only the writer reads its images, their array, the record and the snapshot. Nobody writes them.
+ * A failed commit is sticky: its images wait again.
  */
 #include "page/page_internal.h"
 
