@@ -2,7 +2,7 @@
  * Gather from the tiles into a window, run the stages there, scatter to the tiles again.
  *
  * Invariant: a window's layer holds the ground as the tiles had it; nothing reaches a tile before
- * deform_scatter, so windows of one sweep do not see each other.
+ * deform_scatter, so windows of one contact do not see each other.
  */
 #include "deform/deform.h"
 

@@ -166,8 +166,8 @@ static void place_of(const struct interval *interval, size_t block, uint32_t *x,
 	*y = square / interval->columns * interval->side;
 }
 
-/* One window of an object at rest, whose underside is in layer 0, over one block. `shadow`: beyond it the object is above
- * no post, and its underside was not drawn. */
+/* One window of an object at rest, whose lower envelope is in layer 0, over one block. `shadow`: beyond it the object is above
+ * no post, and its lower envelope was not drawn. */
 static enum status hold(struct deform *deform, const struct deform_rest *object, struct post_rect window,
 			struct post_rect shadow, size_t block)
 {
@@ -212,7 +212,7 @@ static bool overlaps(const struct deform *deform, struct post_rect window, size_
 	return false;
 }
 
-/* What an object rests on is held, as at the end of a sweep. */
+/* What an object rests on is held, as at the end of a contact. */
 static enum status hold_all(struct deform *deform, const struct deform_rest *object, size_t first, size_t last)
 {
 	const struct deform_sweep sweep = rest_sweep(object);

@@ -10,7 +10,7 @@
 
 #include "deform/internal.h"
 
-#define TRIES 32 /* a bracket of 2^26 quanta, 64 m, is halved to one; a smooth soil takes four */
+#define TRIES 32 /* a bracket of 2^26 fixed-point units, 64 m, is halved to one; a smooth soil takes four */
 
 struct attempt {
 	uint32_t words[12]; /* lib/found.glsl */

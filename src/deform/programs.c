@@ -165,7 +165,7 @@ static bool always_fits(const struct deform_params *params, const struct deform_
 {
 	if (params->extent == NULL)
 		return true;
-	/* A station is a post from the next, or as far as a corner's; and ends are rounded. */
+	/* A path sample is a post from the next, or as far as a corner's; and ends are rounded. */
 	double across = 2 * deform_shape_bound(shape) / extent_spacing(params->extent, params->level) + 2 * M_SQRT2 + 4;
 	return across + 2 * (double)deform_reach(params) <= (double)deform_core(params);
 }

@@ -15,7 +15,7 @@ static void link_program(void *user, const char *effect, const struct gpu_progra
 		linking->status = gpu_program_get(linking->gpu, request, &program);
 }
 
-/* What a sweep that asked for its forces is told, and nobody wants. */
+/* What a contact that asked for its forces is told, and nobody wants. */
 static enum status drop_forces(struct deform *deform)
 {
 	struct deform_forces forces;
