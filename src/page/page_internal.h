@@ -231,7 +231,7 @@ void page_loads_abandon_locked(struct page_cache *cache, struct page *page);
 void page_loads_abandon_late_locked(struct page_cache *cache);
 /* Takes a LOADED page out of the flights. It enters the LRU list if it has a slot now; otherwise it is forgotten. */
 void page_loads_land_locked(struct page_cache *cache, struct page *page, uint32_t slot);
-/* Flights for requestes. */
+/* Running loads for prefetch requests. */
 uint32_t page_loads_ahead_locked(const struct page_cache *cache);
 /* Returns when the oldest load began that will become resident; UINT64_MAX: no load is running. */
 uint64_t page_loads_oldest_locked(const struct page_cache *cache);
