@@ -73,7 +73,7 @@ static enum status load(void *user, unsigned loader, struct page_image *image, c
 struct describing {
 	struct pages *pages;
 	const void *record;
-	int64_t compacted; /* in this epoch */
+	int64_t compacted; /* in this commit */
 	char *state;
 };
 
