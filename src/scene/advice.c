@@ -67,7 +67,7 @@ static double length_between(const struct scene_waypoint *a, const struct scene_
 	return sqrt((b->x - a->x) * (b->x - a->x) + (b->y - a->y) * (b->y - a->y) + (b->z - a->z) * (b->z - a->z));
 }
 
-/* When its last station is due, s; INFINITY: never, or not known here. */
+/* When its last path sample is due, s; INFINITY: never, or not known here. */
 static double path_end(const struct scene *scene, const struct scene_path *path)
 {
 	double length = 0;
@@ -139,7 +139,7 @@ static void advise_time(const struct adviser *adviser)
 	if (scene->time_step > scene->end_time)
 		advise(adviser, "time_step: %g s is longer than the drive, %g s: it is one step; give less", scene->time_step,
 		       scene->end_time);
-	/* Soil may slide on after the last station, and a camera that stands sees it. */
+	/* Soil may slide on after the last path sample, and a camera that stands sees it. */
 	double last = 0;
 	for (size_t i = 0; i < scene->object_count; i++)
 		last = fmax(last, path_end(scene, &scene->objects[i].path));
