@@ -69,7 +69,7 @@ static void sweep(struct rig *rig, const struct deform_sweep *of)
 	rig->in_contact = true;
 }
 
-static void station(struct rig *rig, const struct track *track, int64_t index)
+static void sample(struct rig *rig, const struct track *track, int64_t index)
 {
 	struct track_point point;
 	int64_t ground;
@@ -174,11 +174,11 @@ void accuracy_variant(const struct accuracy_variant *variant, const struct accur
 	struct rig rig;
 	*figures = (struct accuracy_figures){.time_step = TIME_STEP};
 	rig_open(variant, scene, &rig);
-	int64_t stations = motion_track_samples(track);
+	int64_t samples = motion_track_samples(track);
 	double seconds = accuracy_ends(track), began = clock_seconds();
 	for (int turn = 0; turn < variant->passes; turn++, rig.begins += seconds)
-		for (int64_t i = 0; i < stations; i++)
-			station(&rig, track, i);
+		for (int64_t i = 0; i < samples; i++)
+			sample(&rig, track, i);
 	gpu_finish(rig.gpu);
 	figures->steps = (int64_t)lrint(seconds / TIME_STEP) * variant->passes;
 	figures->ms_step = (clock_seconds() - began) * 1e3 / (double)figures->steps;

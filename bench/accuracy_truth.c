@@ -63,10 +63,10 @@ static size_t rect_posts(struct post_rect rect)
 
 static const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = ACCURACY_RADIUS, .width = ACCURACY_WIDTH};
 
-static struct deform_pose pose_at(const struct track *track, int64_t station)
+static struct deform_pose pose_at(const struct track *track, int64_t sample)
 {
 	struct track_point point;
-	motion_track_sample(track, station, &point);
+	motion_track_sample(track, sample, &point);
 	double ground = accuracy_height(lattice_offset_metres(point.qx), lattice_offset_metres(point.qy));
 	return (struct deform_pose){.x = point.qx, .y = point.qy, .z = lattice_offset(ground + ACCURACY_RADIUS - ACCURACY_SINK),
 				    .yaw = point.yaw};

@@ -50,17 +50,17 @@ static struct rut rolled(bool on_gpu, const struct deform_soil *soil, double loa
 			 double spacing)
 {
 	double deep = reference_arc(soil, load, width, radius, false), contact = radius * sin(acos(1 - deep / radius));
-	int stations = (int)(1.5 * contact / spacing) + 1, far = (int)(radius / spacing) + RIM;
+	int samples = (int)(1.5 * contact / spacing) + 1, far = (int)(radius / spacing) + RIM;
 	int across = 2 * ((int)(width / 2 / spacing) + RIM) + 1;
 	struct reference_forces forces;
 	struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = radius, .width = width};
 	struct deform_sweep sweep = {.shape = &wheel, .load = load};
 	struct rut rut;
-	struct bed *bed = bed_create(on_gpu, 2 * far + 1 + stations, across, spacing, soil);
+	struct bed *bed = bed_create(on_gpu, 2 * far + 1 + samples, across, spacing, soil);
 	sweep.from = sweep.to = at(far, across / 2, radius, spacing);
 	bed_sweep(bed, &sweep, &forces, &rut.sinkage);
 	sweep.turned = spacing / (radius * (1 - slip));
-	for (int i = 1; i <= stations; i++) {
+	for (int i = 1; i <= samples; i++) {
 		sweep.from = sweep.to;
 		sweep.to = at(far + i, across / 2, radius, spacing);
 		bed_sweep(bed, &sweep, &forces, &rut.sinkage);

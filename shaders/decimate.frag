@@ -1,6 +1,6 @@
 #version 450 core
-// A coarser tile's offsets (and dirt) from a finer one's: every 2^steps-th post, no filter.
-// DIRT: the tiles have a dirt plane.
+// A coarser tile's offsets (and disturbance) from a finer one's: every 2^steps-th post, no filter.
+// DIRT: the tiles have a disturbance plane.
 
 layout(binding = 0) uniform isampler2D fine_offset;
 #ifdef DIRT

@@ -149,9 +149,9 @@ enum status explain_json(const struct scene *scene, const struct report_plan *pl
 	json_integer(root, "steps", plan->steps);
 	json_integer(root, "pictures", plan->pictures);
 	json_integer(root, "window_tiles", (int64_t)plan->window_tiles);
-	cJSON *stations = cJSON_AddObjectToObject(root, "stations");
+	cJSON *samples = cJSON_AddObjectToObject(root, "stations");
 	for (size_t i = 0; i < scene->object_count; i++)
-		json_integer(stations, scene->objects[i].name, (int64_t)plan->stations[i]);
+		json_integer(samples, scene->objects[i].name, (int64_t)plan->samples[i]);
 	add_effects(root, scene, plan);
 	add_lines(root, "planes", scene, plan, PLAN_PLANE);
 	add_lines(root, "programs", scene, plan, PLAN_PROGRAM);

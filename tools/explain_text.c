@@ -225,8 +225,8 @@ static void print_object(const struct scene *scene, const struct report_plan *pl
 		if (i < first)
 			return;
 		alike++;
-		least = plan->stations[i] < least ? plan->stations[i] : least;
-		most = plan->stations[i] > most ? plan->stations[i] : most;
+		least = plan->samples[i] < least ? plan->samples[i] : least;
+		most = plan->samples[i] > most ? plan->samples[i] : most;
 	}
 	printf("  %s", scene->objects[first].name);
 	if (alike > 1)

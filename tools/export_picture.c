@@ -47,14 +47,14 @@ static enum render_ramp ramp_of(int layer)
 	return layer == LAYER_PRESSED ? RENDER_RAMP_GREEN : layer == LAYER_SHEAR ? RENDER_RAMP_ROSE : RENDER_RAMP_SIGNED;
 }
 
-static enum status draw(const struct export_request *request, const struct render_survey *survey)
+static enum status draw(const struct export_request *request, const struct render_map_raster *raster)
 {
 	const char *slash = strrchr(request->store, '/'), *layer = export_layer_name(request->layer);
 	char title[256], subtitle[64];
 	snprintf(title, sizeof title, "%s: %s", slash != NULL ? slash + 1 : request->store, layer);
-	snprintf(subtitle, sizeof subtitle, "%.4g m a post", survey->spacing);
-	struct render_sheet sheet = {
-		.survey = survey,
+	snprintf(subtitle, sizeof subtitle, "%.4g m a post", raster->spacing);
+	struct render_map_layout layout = {
+		.raster = raster,
 		.title = title,
 		.subtitle = subtitle,
 		.layer = layer,
@@ -64,14 +64,14 @@ static enum status draw(const struct export_request *request, const struct rende
 	};
 	struct render_canvas canvas = {NULL, 0, 0};
 	struct render_placed placed;
-	enum status status = render_sheet_create(&sheet, &canvas, &placed);
+	enum status status = render_map_layout_create(&layout, &canvas, &placed);
 	if (status == STATUS_OK)
-		status = render_sheet_frame(&sheet, &canvas, &placed);
+		status = render_map_layout_frame(&layout, &canvas, &placed);
 	if (status == STATUS_OK)
 		status = render_canvas_write(&canvas, request->path);
 	if (status == STATUS_OK)
 		printf("%s: a map of %s, %u x %u pixels, of %u x %u posts, %g m apart\n", request->path, layer, canvas.width,
-		       canvas.height, survey->width, survey->height, survey->spacing);
+		       canvas.height, raster->width, raster->height, raster->spacing);
 	render_canvas_finish(&canvas);
 	return status;
 }
@@ -80,9 +80,9 @@ enum status export_picture(const struct export_request *request, struct store *s
 {
 	const struct store_meta *meta = store_meta(store);
 	struct store_reader *reader = NULL;
-	struct render_survey survey = {.width = 0};
+	struct render_map_raster raster = {.width = 0};
 	struct progress progress;
-	struct render_survey_params params = {
+	struct render_map_raster_params params = {
 		.meta = meta,
 		.layer = export_store_layer(request->layer),
 		.sun = request->sun,
@@ -100,11 +100,11 @@ enum status export_picture(const struct export_request *request, struct store *s
 	params.reader = reader;
 	progress_start(&progress, request->path, "rows and tiles");
 	if (status == STATUS_OK)
-		status = render_survey_create(&params, &survey);
+		status = render_map_raster_create(&params, &raster);
 	progress_end(&progress);
 	if (status == STATUS_OK)
-		status = draw(request, &survey);
-	render_survey_finish(&survey);
+		status = draw(request, &raster);
+	render_map_raster_finish(&raster);
 	store_reader_destroy(reader);
 	return status;
 }

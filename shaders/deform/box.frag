@@ -1,5 +1,5 @@
 #version 450 core
-// Redistribution `box`: the mean offset of the neighbourhood, where the sweep pressed the ground and
+// Redistribution `box`: the mean offset of the neighbourhood, where the contact pressed the ground and
 // its end pose left it, and as far around as the filter reaches. One fragment a post of the window.
 // Define: RADIUS.
 

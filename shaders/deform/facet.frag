@@ -1,5 +1,5 @@
 #version 450 core
-// The lowest a facet is above a post, over the sweep and at its end, into what is lowest there so far.
+// The lowest a facet is above a post, over the contact and at its end, into what is lowest there so far.
 // Define: REST.
 
 #include "lib/facet.glsl"

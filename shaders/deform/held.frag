@@ -10,7 +10,7 @@ layout(binding = 1, r32i) readonly uniform iimage2DArray bases;
 layout(binding = 2, r32i) readonly uniform iimage2DArray offsets;
 
 layout(std140, binding = 0) uniform params {
-	ivec4 zero;   // lo, hi: the window's zero height, quanta from the store's reference; the window's layer, the atlas'
+	ivec4 zero;   // lo, hi: the window's zero height, fixed-point units from the store's reference; the window's layer, the atlas'
 	ivec4 window; // where its first post lies in the atlas; LOAD: whose load it is, from 0
 };
 

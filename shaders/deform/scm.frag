@@ -16,8 +16,8 @@ layout(binding = 6, r8ui) uniform writeonly restrict uimage2DArray contacts;
 layout(binding = 7, r32i) uniform writeonly restrict iimage2DArray carries;
 
 #ifdef FORCES
-// Of each sweep that asks for it, 16 words: force and moment, 64 bits a component; posts in contact; the deepest sinkage,
-// quanta; the height found, quanta; posts whose share was too large to count.
+// Of each contact that asks for it, 16 words: force and moment, 64 bits a component; posts in contact; the deepest sinkage,
+// fixed-point units; the height found, fixed-point units; posts whose share was too large to count.
 layout(std430, binding = 1) restrict buffer records {
 	int record[];
 };
@@ -36,7 +36,7 @@ void record_add(int at, total t)
 
 #ifdef LOAD
 layout(std430, binding = 3) restrict buffer standings {
-	int standing[]; // of those that carry a load: how much higher than prescribed, quanta
+	int standing[]; // of those that carry a load: how much higher than prescribed, fixed-point units
 };
 #endif
 

@@ -18,7 +18,7 @@ layout(binding = 4, r32i) readonly uniform iimage2DArray heaps;
 
 layout(std140, binding = 0) uniform params {
 	ivec4 region;  // regions.vert's
-	ivec4 place;   // the layer; loose soil below the base, quanta
+	ivec4 place;   // the layer; loose soil below the base, fixed-point units
 	ivec4 written; // the posts that exchange: first, one behind the last
 };
 

@@ -1,6 +1,6 @@
 #version 450 core
-// The underside of a swept object above each post of the window: quanta from the window's zero height.
-// Defines: SHAPE_WHEEL, SHAPE_SPHERE or SHAPE_BOX; REST: also as it lies at the sweep's end.
+// The lower envelope of a swept object above each post of the window: fixed-point units from the window's zero height.
+// Defines: SHAPE_WHEEL, SHAPE_SPHERE or SHAPE_BOX; REST: also as it lies at the contact's end.
 
 #include "lib/underside.glsl"
 #include "lib/window.glsl"

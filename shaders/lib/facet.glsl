@@ -1,5 +1,5 @@
 // A triangle in straight motion over the posts of a window; whole numbers as src/deform/shape/facet.c makes
-// them. Places are in 2^-16 posts from the facet's own post, heights in quanta from the window's zero, times in
+// them. Places are in 2^-16 posts from the facet's own post, heights in fixed-point units from the window's zero, times in
 // 2^-28 of the motion, counted back from its end.
 
 #include "lib/int64.glsl"

@@ -1,6 +1,6 @@
 // What is found out about an object before it presses: of how many posts its patch is (PATCH), and how
 // high it stands (LOAD). Try by try: what a try summed says where the next one looks, which every invocation of it
-// works out for itself. Heights are quanta above the prescribed.
+// works out for itself. Heights are fixed-point units above the prescribed.
 
 struct attempt {
 	int low, high;  // the soil carries it at low (or that is as deep as it may sink), and not at high
@@ -8,7 +8,7 @@ struct attempt {
 	uint gap;       // of try 0: the height of the first contact, + 2^31; 0: none
 	uint posts;     // that are touched
 	uint force[2];  // of the load, 2^-26
-	uint stiff[2];  // growth of that per quantum, 2^-26
+	uint stiff[2];  // growth of that per fixed-point unit, 2^-26
 	uint done;      // it stands there
 	uint spare;
 };
@@ -35,7 +35,7 @@ attempt found_next(int k, int depth)
 	float z = float(top - b.at), power = clamp(z * grows / max(share, 1e-6), 0.1, 1e6);
 	float step = z * exp2(clamp(-log2(max(share, 1e-6)) / power, -20.0, 20.0));
 	int next = top - int(round(min(step, float(depth))));
-	// Halved where the bracket lags, so that the last try leaves a quantum of it.
+	// Halved where the bracket lags, so that the last try leaves a fixed-point unit of it.
 	int width = high - low;
 	bool lags = width > (depth >> clamp(k - 6, 0, 31)) || share <= 1e-6;
 	next = lags ? low + width / 2 : next;

@@ -1,4 +1,4 @@
-// Where the underside lies below the surface, the surface becomes it. Define CONTACT: which posts that
+// Where the lower envelope lies below the surface, the surface becomes it. Define CONTACT: which posts that
 // are is asked for too. PRESS_MORE: what a model adds to the parameters.
 
 #include "lib/int64.glsl"
@@ -16,14 +16,14 @@ layout(binding = 3) uniform isampler2DArray rests;
 #define PRESS_MORE
 #endif
 layout(std140, binding = 0) uniform params {
-	ivec4 zero;    // lo, hi: the window's zero height, quanta from the store's reference; the layer
+	ivec4 zero;    // lo, hi: the window's zero height, fixed-point units from the store's reference; the layer
 	ivec4 written; // the posts this window writes: first, one behind the last
 	PRESS_MORE
 };
 
 struct press {
 	int offset;
-	uint fell;    // quanta
+	uint fell;    // fixed-point units
 	uint contact;
 	bool written; // the rim of one window is another's to count
 };
@@ -38,7 +38,7 @@ press press_at(ivec2 post)
 	p.written = all(greaterThanEqual(post, written.xy)) && all(lessThan(post, written.zw));
 	p.contact = base == BASE_NODATA ? HOLE : 0u;
 	p.fell = 0u;
-	// The underside as an offset: from the base, in 64 bits, since it may be far away.
+	// The lower envelope as an offset: from the base, in 64 bits, since it may be far away.
 	i64 ground = i64_sub(i64_shl(i64_from(base), 2), i64(zero.y, uint(zero.x)));
 	i64 wanted = i64_sub(i64_from(under), ground);
 	bool touches = base != BASE_NODATA && under != UNDER_NONE && !i64_less(i64_from(offset), wanted);

@@ -7,8 +7,8 @@ const int STILL = int(0x80000000u); // a height: gives nothing and takes nothing
 // What `stills` says of a post.
 const uint IS_STILL = 1u, IS_HELD = 2u;
 const uint MAY_BE_FREED = 4u; // held, but perhaps not by the object as an interval finds it
-const uint IS_DISTURBED = 8u; // a sweep changed it before it slid
-const int SLIDE_MOST = 1 << 22;     // passes between two posts at once, quanta
+const uint IS_DISTURBED = 8u; // a contact changed it before it slid
+const int SLIDE_MOST = 1 << 22;     // passes between two posts at once, fixed-point units
 // Beyond these an offset takes no part: eight iterations with eight neighbours cannot take one out of its range.
 const int SLIDE_LOW = -OFFSET_LIMIT + (1 << 28), SLIDE_HIGH = OFFSET_LIMIT - (1 << 28);
 

@@ -1,7 +1,7 @@
 // What the passes of scm share: the ground and the object at a post, and the soil's answer. SOIL.md
 // says what it is. A pass has one invocation a row of the window's written posts, each with a loop over
 // its posts: sums stay in registers, and posts that nothing touches are passed over.
-// Heights are quanta (2^-20 m) from the object's centre as prescribed; stress is Pa.
+// Heights are fixed-point units (2^-20 m) from the object's centre as prescribed; stress is Pa.
 // Defines: SOIL_MAP: posts differ in their soil.
 
 #include "lib/window.glsl"
@@ -20,15 +20,15 @@ struct soil {
 };
 
 layout(std140, binding = 0) uniform params {
-	ivec4 zero;    // the centre, 2^-18 m from the store's reference, and 0 .. 3 quanta; the layer; the record, or the try
+	ivec4 zero;    // the centre, 2^-18 m from the store's reference, and 0 .. 3 fixed-point units; the layer; the record, or the try
 	ivec4 written; // the posts this window writes: first, one behind the last
 	ivec4 shadow;  // of those, the posts that the object can be above
-	vec4 scale;    // slope of a quantum between posts; metres between posts; units of force a pascal; 1 / b
+	vec4 scale;    // slope of a fixed-point unit between posts; metres between posts; units of force a pascal; 1 / b
 	vec4 way;      // of the object, m; 1 / s that it took
 	vec4 spin;     // about its centre meanwhile, rad; share of the plastic flow that is laid aside
 	vec4 rolls;    // a wheel that did not slip would have turned so, rad
 	vec4 place;    // post (0, 0) from the centre, m; 1 / unit of length in moments; square metres a post
-	vec4 load;     // N; how deep the object may sink below its first contact, quanta; whose load it is, from 1; 0: nobody's
+	vec4 load;     // N; how deep the object may sink below its first contact, fixed-point units; whose load it is, from 1; 0: nobody's
 	soil soils[SOILS];
 };
 
@@ -104,13 +104,13 @@ float plastic_part(soil s, float z, float yields)
 	return max(0.0, z - yields * s.a.w);
 }
 
-// Sinkage, along the normal, of a height in the ground: whole quanta, so that what is kept is what was compared.
+// Sinkage, along the normal, of a height in the ground: whole fixed-point units, so that what is kept is what was compared.
 int sinkage_of(float ca, ground g, int height)
 {
 	return int(round(clamp(ca * float(g.height - height), 0.0, 1.9e9)));
 }
 
-// The lowest the object is over the sweep, and where it rests, `raised` higher than prescribed.
+// The lowest the object is over the contact, and where it rests, `raised` higher than prescribed.
 // UNDER_NONE: nowhere above the post.
 struct object {
 	int lowest, rests;
@@ -133,10 +133,10 @@ bool may_touch(ground g, object o)
 
 // What a post becomes, and how it bears the object.
 struct answer {
-	int most;      // sinkage, quanta: the largest so far
+	int most;      // sinkage, fixed-point units: the largest so far
 	float plastic; // of it, m: what stays
 	float yields;  // Pa: at the largest
-	int sunk;      // quanta: under the object as it rests
+	int sunk;      // fixed-point units: under the object as it rests
 	bool touched, held;
 	float stress;  // Pa
 	float stiff;   // Pa/m: how it grows with the sinkage
@@ -166,7 +166,7 @@ vec3 from_centre(int x, int y, object o, int raised)
 	return vec3(place.xy + scale.y * vec2(x, y), float(o.rests - raised) * QUANTUM);
 }
 
-// m over the sweep: of the object's surface at a place from its centre, relative to the ground.
+// m over the contact: of the object's surface at a place from its centre, relative to the ground.
 vec3 way_of_surface(vec3 at)
 {
 	return way.xyz + cross(spin.xyz, at);

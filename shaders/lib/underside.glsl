@@ -1,5 +1,5 @@
-// The underside of a swept object at a post of the window: whole numbers throughout, the same on
-// every driver. Distances are in 2^-fine m, heights in quanta (2^-20 m) from the window's own zero.
+// The lower envelope of a swept object at a post of the window: whole numbers throughout, the same on
+// every driver. Distances are in 2^-fine m, heights in fixed-point units (2^-20 m) from the window's own zero.
 
 #include "lib/int64.glsl"
 
@@ -54,12 +54,12 @@ struct body {
 	functional f[10];
 	ivec4 a; // wheel, sphere: radius, half the width, length of the motion, sine of its slope (of ONE)
 	ivec4 b; // height of the centre, rise of the motion, rise per length, its shift
-	ivec4 c; // x, w: from 2^-fine m to quanta, factor and shift; y, z: wheel: moves sideways; box:
+	ivec4 c; // x, w: from 2^-fine m to fixed-point units, factor and shift; y, z: wheel: moves sideways; box:
 	         // number of planes, of slabs
 };
 
 layout(std140, binding = 0) uniform params {
-	body bodies[2]; // the sweep; its end pose
+	body bodies[2]; // the contact; its end pose
 };
 
 #define AT(which, k, post) functional_int(bodies[which].f[k].at_di, bodies[which].f[k].dj_shift, post)

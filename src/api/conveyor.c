@@ -1,12 +1,14 @@
 /*
  * A ring of parcels, each a tile on its way:
  *
- *   cut (api_conveyor_put) -> [stored ... taken ... put) -> packed by any worker -> stored, first first
+ *     cut (api_conveyor_put) -> [stored ... taken ... put) -> packed by any worker -> stored, first first
  *
- * A worker that finds the first parcel packed, and nobody storing, stores it; otherwise it packs the
- * next one. Invariants: (1) one thread at a time uses the store (`storing`, or the mutex held);
- * (2) parcels are stored in the order they were put in, so the store does not depend on the number of
- * threads; (3) after a failure parcels are let pass unstored, so that nobody waits for ever.
+ * A worker that finds the first parcel packed, and nobody storing, stores it. Otherwise it packs the next one.
+ *
+ * Invariants:
+ * - One thread at a time uses the store (`storing`, or the mutex held).
+ * - Parcels are stored in the order in which they were put in. So the store does not depend on the number of threads.
+ * - After a failure parcels are skipped, so that nobody waits for ever.
  */
 #include "api/conveyor.h"
 
@@ -14,8 +16,8 @@
 
 #define WORKERS_MOST 64
 #define PARCELS_MOST 64
-#define PARCEL_BYTES (32 << 20) /* that all parcels may take, about */
-#define WORKER_BYTES (64 << 20) /* that all workers may take, about */
+#define PARCEL_BYTES (32 << 20) /* about what all parcels may take */
+#define WORKER_BYTES (64 << 20) /* about what all workers may take */
 #define WORKER_POST_BYTES 22    /* a packer's scratch for a post */
 
 struct parcel {
@@ -36,17 +38,17 @@ struct worker {
 struct conveyor {
 	struct store *store;
 	size_t posts;
-	int64_t passing; /* that many are in the store already */
+	int64_t passing; /* number of tiles already in the store */
 	struct parcel parcels[PARCELS_MOST];
 	int64_t parcel_count;
 	int64_t put, taken, stored; /* since the beginning: stored <= taken <= put */
 	bool storing, ended;
-	bool known_ended; /* a tile was not known: none after it is */
+	bool known_ended; /* a tile was not known, so none after it is */
 	struct failure failure;
 	struct mutex mutex;
 	struct condition changed;
 	struct worker workers[WORKERS_MOST];
-	int64_t worker_count; /* 0: the cutting thread does it all, with workers[0]'s packer */
+	int64_t worker_count; /* 0: the cutting thread does everything, with workers[0]'s packer */
 };
 
 static struct parcel *parcel_at(struct conveyor *conveyor, int64_t index)
@@ -59,7 +61,7 @@ static enum status store_parcel(struct conveyor *conveyor, const struct parcel *
 	return store_put_packed(conveyor->store, parcel->tile, &parcel->packed, &parcel->range);
 }
 
-/* With the mutex held, as all of a worker's steps are but for their long parts. */
+/* Call with the mutex held. A worker releases it only for long work. */
 static void store_first(struct conveyor *conveyor)
 {
 	struct parcel *parcel = parcel_at(conveyor, conveyor->stored);

@@ -1,4 +1,4 @@
-/* The command's loop: a checked scene and a store become steps, pictures, objects.csv, run.json and a map. */
+/* The command's loop: makes steps, pictures, objects.csv, run.json and a map from a checked scene and a store. */
 #include <math.h>
 #include <string.h>
 #include <unistd.h>
@@ -13,7 +13,7 @@ static void before_record(void *user)
 	render_pictures_mark(drive->pictures);
 }
 
-/* What goes on from this commit draws its step's picture again, and none before. */
+/* A run resumed from this commit draws the picture of its step again, and none before it. */
 static enum status before_commit(void *user)
 {
 	const struct drive *drive = user;
@@ -65,7 +65,7 @@ static enum status start(struct drive *drive)
 	enum status status = world_start(world);
 	if (status == STATUS_OK && scene->view.present)
 		status = render_check_samples(world->gpu, scene->view.samples);
-	/* Nothing is left behind of a drive that could not begin. */
+	/* A drive that could not begin leaves nothing behind. */
 	if (status == STATUS_OK)
 		status = api_folder_make(drive->params->directory);
 	if (status == STATUS_OK)
@@ -95,7 +95,7 @@ static void finish(struct drive *drive, enum status status)
 	report_rows_close(drive->rows);
 }
 
-/* Also of a drive that failed or was interrupted: it began. Its own failure goes before the trace's. */
+/* Also for a drive that failed or was interrupted, once it began. The drive's own failure is returned before the trace's. */
 static enum status publish_trace(const struct drive *drive, enum status status)
 {
 	struct failure failure;
@@ -106,7 +106,7 @@ static enum status publish_trace(const struct drive *drive, enum status status)
 	return status == STATUS_OK ? STATUS_OK : failure_restore(&failure);
 }
 
-/* run.json, unless `keep` and there is one. */
+/* Writes run.json, unless `keep` and it exists. */
 static enum status report(struct drive *drive, bool keep, struct api_result *result)
 {
 	const struct world *world = &drive->world;
@@ -125,7 +125,7 @@ static enum status report(struct drive *drive, bool keep, struct api_result *res
 	return keep && access(path, F_OK) == 0 ? STATUS_OK : report_write(drive->params->directory, result->json);
 }
 
-/* map.png, if it is asked for; unless `keep` and there is one. Returns `status`, or if that is well what the map's is. */
+/* Draws map.png, if asked for, unless `keep` and it exists. Returns `status` if that is a failure, else the map's status. */
 static enum status draw_map(const struct drive *drive, bool keep, struct api_result *result, enum status status)
 {
 	char path[4096];
@@ -151,7 +151,7 @@ static bool is_image_step(const struct drive *drive)
 	return every > 0 && drive->world.step % every == 0 && drive->params->host == NULL;
 }
 
-/* The step was committed; its picture may not have been written. One that was cut short is yet to end. */
+/* The step was committed, but its picture may be missing. A step that was cut short is still to be finished. */
 static enum status begin(struct drive *drive)
 {
 	const struct world *world = &drive->world;
@@ -180,7 +180,7 @@ static void show_progress(const struct drive *drive, int64_t total, double *show
 	fflush(stderr);
 }
 
-/* One after the other, some with a picture. */
+/* Makes all steps, some of them with a picture. */
 static enum status all_steps(struct drive *drive, int64_t total)
 {
 	struct world *world = &drive->world;
@@ -238,7 +238,7 @@ static enum status all(struct drive *drive)
 	return status == STATUS_OK ? status : failure_restore(&failure);
 }
 
-/* No thread reads or writes any more: what is counted is whole. */
+/* Stops all threads, so that the counts are complete. */
 static void stop_threads(struct drive *drive)
 {
 	drive->report.threads = thread_running();
@@ -297,7 +297,7 @@ enum status api_drive(const struct api_params *params, struct api_result *result
 		if (status == STATUS_OK)
 			status = draw_map(&drive, true, result, report(&drive, true, result));
 	} else if (status == STATUS_OK) {
-		if (params->host == NULL) /* what is of no use to a drive may be of use to who watches */
+		if (params->host == NULL) /* settings that a drive does not use may matter to who watches */
 			world_advise(&drive.world, tell_advice, NULL);
 		else
 			scene_advise_units(params->scene, tell_advice, NULL);

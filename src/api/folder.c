@@ -1,4 +1,4 @@
-/* The folder of a run: made, locked, and cleared of what an earlier run left. */
+/* The folder of a run: makes it, locks it, and removes the files of an earlier run. */
 #include <errno.h>
 #include <string.h>
 #include <sys/file.h>
@@ -17,7 +17,7 @@ enum status api_folder_make(const char *path)
 	return STATUS_OK;
 }
 
-/* The log is also what says that a run writes into this folder; the lock goes with the process. */
+/* The log also shows that a run writes into this folder. Its lock ends with the process. */
 enum status api_folder_epochs(const char *directory, FILE **out)
 {
 	char path[4096];

@@ -6,7 +6,7 @@
 
 _Static_assert((int)FURROW_AIR == (int)WORLD_AIR && (int)FURROW_UNKNOWN == (int)WORLD_UNKNOWN, "the same states in the same order");
 
-/* The two are the same numbers in the same order; only their names are furrow.h's. */
+/* Both structs have the same numbers in the same order; only the names are furrow.h's. */
 static struct world_pose pose_of(const struct furrow_pose *from)
 {
 	struct world_pose pose;
@@ -51,7 +51,7 @@ static void tell_contact(const struct world_contact *from, struct furrow_contact
 			contact->stiffness[i][k] = contact->damping[i][k] = NAN;
 }
 
-/* Lists of bodies, and of what belongs to each. */
+/* Checks lists of bodies, and of the data of each. */
 static enum status need_lists(const struct furrow_world *world, size_t count, const void *bodies, const void *items, const char *name)
 {
 	enum status status = api_library_need(world, "world");
@@ -150,7 +150,7 @@ furrow_status furrow_get_states(struct furrow_world *world, size_t count, const 
 	api_library_begin();
 	enum status status = need_lists(world, count, bodies, states, "states");
 	struct world_state state;
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) /* all are there, or nothing is told */
+	for (size_t i = 0; i < count && status == STATUS_OK; i++) /* all bodies exist, or nothing is told */
 		status = world_body_state(&world->world, bodies[i], &state);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 		status = world_body_state(&world->world, bodies[i], &state);
@@ -193,7 +193,7 @@ furrow_status furrow_probe(struct furrow_world *world, size_t count, const furro
 	struct world_state state;
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		status = world_body_state(&world->world, bodies[i], &state);
-	/* No patch of ground is kept on the host in this version: nothing is known of any state. */
+	/* This version keeps no patch of ground on the host, so nothing is known about other states. */
 	const struct world_contact unknown = {
 		.time = NAN, .force = {NAN, NAN, NAN}, .moment = {NAN, NAN, NAN}, .point = {NAN, NAN, NAN}, .normal = {NAN, NAN, NAN},
 		.sinkage = NAN, .area = NAN, .slip = NAN, .normal_force = NAN, .shear_limit = NAN, .state = WORLD_UNKNOWN,

@@ -1,10 +1,10 @@
-/* furrow.h: questions about the newest ground. */
+/* furrow.h: queries about the newest ground. */
 #include "api/library.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Offsets smaller than this are what rounding leaves of the base: twice the lattice's 2^-18 m. */
+/* Offsets smaller than this are rounding errors of the base: twice the lattice's 2^-18 m. */
 #define OFFSET_NOISE 0x1p-17
 
 static enum status points_of(struct furrow_world *world, size_t count, const double (*xy)[2], struct terrain_point *points)
@@ -211,7 +211,7 @@ furrow_status furrow_read(struct furrow_world *world, enum furrow_layer layer, i
 	const struct post_rect all = {0, 0, extent_posts(extent->width, level), extent_posts(extent->height, level)};
 	const bool soil = kept == STORE_HEAPED || kept == STORE_PRESSED || kept == STORE_LAYERS;
 	struct post_rect rect = {column, row, column, row};
-	/* What lies beyond the terrain is not there; so a sum that would overflow is not needed either. */
+	/* Posts beyond the terrain do not exist. So a sum that would overflow is never needed. */
 	if (column < all.x1 && row < all.y1 && column > -(int64_t)columns && row > -(int64_t)rows)
 		rect = post_rect_intersect((struct post_rect){column, row, column + columns, row + rows}, all);
 	fill_nan(posts, columns, rows, row_stride);

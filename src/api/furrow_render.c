@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-/* What a scene without a view is drawn with: the defaults of `view`. */
+/* The view of a scene without one: the defaults of `view`. */
 static const char default_view[] = "view: {size: [640, 480], camera: {fixed: {eye: [0, 0, 1], target: [1, 0, 0]}}}\n";
 
 enum status api_library_start_view(struct furrow_world *host)
@@ -17,7 +17,7 @@ enum status api_library_start_view(struct furrow_world *host)
 	return STATUS_OK;
 }
 
-/* The first picture of a scene without a view. */
+/* Makes the view before the first picture of a scene without one. */
 static enum status need_view(struct furrow_world *host)
 {
 	struct scene *defaults;

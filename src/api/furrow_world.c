@@ -148,7 +148,7 @@ static enum status write_report(struct furrow_world *host, const char *ended)
 	return status;
 }
 
-/* Whether it went as far as the scene says. */
+/* Tells whether it went as far as the scene says. */
 static bool is_complete(const struct furrow_world *host)
 {
 	return isfinite(host->scene->end_time) && host->world.time >= host->scene->end_time * (1 - 1e-12);

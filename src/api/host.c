@@ -1,11 +1,11 @@
 /*
- * The loop of a drive that a host has a say in. A turn: the host; the steps that are due; what is loading; a picture.
+ * The loop of a drive that a host controls. A turn has four parts: the host, the steps that are due, loads, and a picture.
  *
  *     nothing drawn -> (something changed) -> drawn -> (read back) -> shown -> nothing drawn
  *
- * A picture is drawn only when the one before was shown, is read back without waiting where there is a GPU to read from,
- * and is shown in a later turn than it was drawn in: so the host is called again and again, whatever the GPU is at. Steps are
- * paced by the clock: those that are due, but no more of them in a turn than fit a moment.
+ * A picture is drawn only after the one before was shown. On a hardware GPU it is read back without waiting. It is shown in a
+ * later turn than it was drawn in. So the host is called regularly, whatever the GPU does. Steps follow the clock: those that
+ * are due are made, but in one turn only as many as fit a short time.
  */
 #include <assert.h>
 #include <math.h>
@@ -14,12 +14,12 @@
 
 #include "api/internal.h"
 
-#define SLICE 0.03            /* s: after which no further step is begun in a turn; without a pace, as long as a picture */
-#define BEHIND 0.25           /* s: what the clock is ahead by is caught up with, and what is more is let go */
-#define PICTURES (1.0 / 60)   /* s: no picture is begun sooner after the one before */
-#define REST 1.0              /* s: without a picture: nothing changes */
-#define NAP 1000000           /* ns, in a turn in which there was nothing to do but wait */
-#define OFFSETS_LEAST 0.05    /* m: that colours of offsets range over, either way */
+#define SLICE 0.03            /* s: after this no further step is begun in a turn; without a pace, as long as a picture takes */
+#define BEHIND 0.25           /* s: a delay behind the clock up to this is caught up; more is dropped */
+#define PICTURES (1.0 / 60)   /* s: least time between the begins of two pictures */
+#define REST 1.0              /* s: time without pictures after which nothing counts as changing */
+#define NAP 1000000           /* ns: sleep in a turn with nothing to do */
+#define OFFSETS_LEAST 0.05    /* m: least range of colours of offsets, either way */
 #define SLOPES_MOST 45.0      /* degrees */
 
 struct host {
@@ -27,22 +27,22 @@ struct host {
 	const struct api_host *calls;
 	struct api_control wish, shown; /* now; of the last picture */
 	struct gpu_staging *staging;
-	uint32_t width, height;      /* of the picture, and of staging */
+	uint32_t width, height;      /* size of the picture, and of staging */
 	bool software;
 	bool drawn;                  /* and not shown yet */
 	bool read;                   /* drawn, and its read-back begun */
-	bool stale;                  /* something changed that the last picture does not show */
-	uint64_t drops;              /* of the drive's, those that made it so */
-	double turned, credit;       /* s: the last turn; simulated time that is due */
+	bool stale;                  /* something changed since the last picture */
+	uint64_t drops;              /* drops of the drive that changed it */
+	double turned, credit;       /* s: time of the last turn; simulated time that is due */
 	double began;                /* s: when the last picture was */
 	double came;                 /* s: when the last picture was shown */
-	double apart;                /* s: between pictures, about the last second's mean */
+	double apart;                /* s: between pictures, about the mean of the last second */
 	double frame_ms, step_ms;
 };
 
 /* --- the picture --- */
 
-/* By what the objects are let sink: the ruts to be told apart. */
+/* Returns the greatest sink of the objects, so that colours show their ruts. */
 static double deepest(const struct scene *scene)
 {
 	double deep = OFFSETS_LEAST;
@@ -78,7 +78,7 @@ static enum status make_staging(struct host *host, uint32_t width, uint32_t heig
 	return gpu_staging_create(host->drive->world.gpu, (size_t)4 * width * height, &host->staging);
 }
 
-/* What was drawn at the old size is never shown. */
+/* A picture drawn at the old size is never shown. */
 static enum status resize(struct host *host)
 {
 	const struct api_control *wish = &host->wish;
@@ -96,7 +96,7 @@ static bool same_camera(const struct api_control *a, const struct api_control *b
 	return a->free == b->free && (!a->free || memcmp(&a->camera, &b->camera, sizeof a->camera) == 0);
 }
 
-/* Pictures that follow each other at once: a rest says nothing of how fast they are. */
+/* Counts only pictures that follow each other at once. A pause says nothing about their speed. */
 static void count_picture(struct host *host, double now)
 {
 	double apart = now - host->came;
@@ -108,7 +108,7 @@ static void count_picture(struct host *host, double now)
 static enum status show(struct host *host)
 {
 	struct drive *drive = host->drive;
-	/* A software driver has nothing to wait for but its own drawing, which goes on beside the turn until here. */
+	/* A software driver draws on the CPU beside the turn. Here it is waited for. */
 	if (!host->read)
 		render_view_read_into(drive->view, host->staging);
 	host->read = true;
@@ -163,7 +163,7 @@ static enum status one_step(struct host *host)
 	return status;
 }
 
-/* The clock ran on: simulated time that is due now; not what a slow machine has no hope to catch up with. */
+/* Adds the simulated time that is due now. Time that a slow machine cannot catch up with is dropped. */
 static void earn(struct host *host)
 {
 	double now = clock_seconds(), step = host->drive->world.scene->time_step, pace = host->wish.pace;
@@ -191,7 +191,7 @@ static enum status steps(struct host *host, int64_t total, bool *any)
 	*any = drive->world.step > first;
 	if (*any || status != STATUS_OK)
 		return status;
-	/* What a step does beside stepping: loads go on, slots come free again, an epoch comes of age. */
+	/* Work that a step does beside stepping: loads go on, slots become free, and a commit may become due. */
 	status = page_cache_poll(drive->world.cache);
 	if (status == STATUS_OK)
 		status = motion_look_ahead_step(drive->world.ahead, drive->world.time);

@@ -1,4 +1,4 @@
-/* Elevation data to a store: what is asked for, and the making of it. */
+/* Imports elevation data into a store: the options, and the import. */
 #define _GNU_SOURCE /* strtod_l */
 #include "api/import.h"
 
@@ -44,7 +44,7 @@ static enum status refuse(const char *name, const char *text, const char *allowe
 	return fail_with(STATUS_USAGE, "import: %s%s %s: not a value it takes; give %s", name[1] == '\0' ? "-" : "--", name, text, allowed);
 }
 
-/* The same whatever the process's locale. */
+/* Independent of the process's locale. */
 static double number_of(const char *text, char **end)
 {
 	const locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
@@ -175,7 +175,7 @@ static enum status take(struct import *import, const struct option *option, cons
 	return status;
 }
 
-/* "max_error" is "max-error", as a mapping would have it. */
+/* "max_error" is the same as "max-error", for mappings. */
 static bool is_name(const char *name, const char *given)
 {
 	for (; *name != '\0' && (*name == *given || (*name == '-' && *given == '_')); name++, given++)
@@ -236,15 +236,15 @@ static enum status read_posts(void *user, struct post_rect rect, double *heights
 static void describe_file(FILE *out, const char *path)
 {
 	struct stat file = {0};
-	(void)stat(path, &file); /* what GDAL reads need not be a file */
+	(void)stat(path, &file); /* GDAL may read sources that are no files */
 	fprintf(out, "%lld bytes of %lld.%09ld %s\n", (long long)file.st_size, (long long)file.st_mtim.tv_sec,
 		(long)file.st_mtim.tv_nsec, path);
 }
 
 /*
- * All that decides what the store will hold, a line each: what was asked for and, for each source and what
- * it is made of, its size and when it was last changed; and by which program, for the order of the tiles and
- * their bytes are its own. NULL without memory.
+ * Returns a text with everything that decides the store's content, one fact a line. These are the options, and each source with
+ * its files, their size and time of change. The program is one too, since the order of tiles and their bytes depend on it.
+ * NULL: out of memory.
  */
 static char *describe(const struct import *import, const struct dem_info *info, double step)
 {
@@ -274,11 +274,11 @@ static char *describe(const struct import *import, const struct dem_info *info, 
 	return NULL;
 }
 
-/* A hole that nobody declared shows as a height no ground has; mixed with others it may be any. */
+/* Notes a height that is probably an undeclared hole. Such a value mixed with others may become any height. */
 static void note_sentinel(const struct intake *intake)
 {
 	static const double usual[] = {-9999, -32767, -32768, -99999, 32767, 99999};
-	/* Coarser heights may be off a sentinel that they come from, or be on one that they do not. */
+	/* Coarser heights may differ from a sentinel by rounding, or reach one by chance. */
 	for (size_t i = 0; i < sizeof usual / sizeof usual[0] && intake->meta.max_error < 1; i++)
 		if (intake->low == usual[i] || intake->high == usual[i]) {
 			note("the %s height is %g m; if that means nodata, import again with --nodata %g",

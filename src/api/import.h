@@ -1,4 +1,4 @@
-/* Elevation data to a store, for the command and for furrow_import. Any thread, each import by one at a time. */
+/* Imports elevation data into a store, for the command and for furrow_import. Any thread; one thread at a time uses an import. */
 #ifndef FURROW_API_IMPORT_H
 #define FURROW_API_IMPORT_H
 
@@ -24,13 +24,13 @@ struct import {
 
 void api_import_init(struct import *import); /* all defaults */
 void api_import_finish(struct import *import);
-/* The command's long names, with dashes or underlines; `value` as the command takes it, of a switch "", "true" or "false". `nodata` adds
- * one. STATUS_USAGE: there is no such option, or it does not take this value. */
+/* Sets an option by the command's long name, with dashes or underlines. `value`: as the command takes it; of a switch "",
+ * "true" or "false". `nodata` adds one value. STATUS_USAGE: there is no such option, or it does not take this value. */
 enum status api_import_option(struct import *import, const char *name, const char *value) FURROW_CHECKED;
 bool api_import_has_option(const char *name);
-/* Opens the sources, which must outlive the import. Makes nothing. STATUS_INPUT: they make no terrain. */
+/* Opens the sources, which must outlive the import. Writes nothing. STATUS_INPUT: they give no terrain. */
 enum status api_import_open(struct import *import, const char *const *sources, size_t count) FURROW_CHECKED;
-/* Makes the store whole or not at all; `made` says what. STATUS_INTERRUPTED: `progress` broke it off. */
+/* Makes the complete store, or none; fills `made`. STATUS_INTERRUPTED: `progress` stopped it. */
 enum status api_import_run(struct import *import, const char *store, dem_progress_fn progress, void *user, struct intake *made) FURROW_CHECKED;
 
 #endif

@@ -1,4 +1,4 @@
-/* Rows of posts into a store: cut, coded, written aside, renamed when whole. */
+/* Writes rows of posts into a store: cuts and codes them, writes under another name, and renames when complete. */
 #include "api/intake.h"
 
 #include <math.h>
@@ -44,12 +44,12 @@ static enum status cut_and_store(const struct intake *intake, struct store *stor
 	struct failure failure;
 	failure_capture(&failure, status);
 	enum status done = api_conveyor_finish(conveyor);
-	/* Beside an interruption, what failed is what is told. */
+	/* If something failed besides an interruption, the failure is told. */
 	bool other = status == STATUS_OK || (status == STATUS_INTERRUPTED && done != STATUS_OK);
 	return other ? done : failure_restore(&failure);
 }
 
-/* Broken off: what is stored is kept for a later call. */
+/* Broken off: the stored part is kept for a later call. */
 static enum status suspend(const struct intake *intake, struct store *store)
 {
 	enum status status = store_suspend(store);

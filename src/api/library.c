@@ -1,4 +1,4 @@
-/* The library itself: version, messages, the log, and what each call begins and ends with. */
+/* The library itself: version, messages, the log, and the begin and end of each call. */
 #include "api/library.h"
 
 #include <pthread.h>

@@ -1,4 +1,4 @@
-/* What the files of furrow.h share: entering and leaving a call, and a world as a host has it. */
+/* Shared by the files that implement furrow.h: how a call begins and ends, and a world as a host has it. */
 #ifndef FURROW_API_LIBRARY_H
 #define FURROW_API_LIBRARY_H
 
@@ -19,9 +19,9 @@ struct furrow_world {
 	struct report report;
 	struct view *view;        /* NULL until the first picture, if the scene has no view */
 	struct world_watcher watcher;
-	double origin;            /* s: steps of time_step are counted from here */
-	int64_t steps;            /* so many of them since */
-	struct library_mark {     /* both as the last checkpoint left them */
+	double origin;            /* s: time from which steps of time_step are counted */
+	int64_t steps;            /* steps since then */
+	struct library_mark {     /* both as at the last checkpoint */
 		double origin;
 		int64_t steps;
 	} mark;
@@ -29,16 +29,16 @@ struct furrow_world {
 	double busy;              /* s, by the clock, in furrow_step */
 };
 
-/* A call of the host's. What it is to find again is kept. */
+/* A call of the host. It keeps the host's GL context. */
 struct library_call {
 	struct furrow_world *world; /* NULL: none, or its GL is not taken */
 	struct gpu_kept kept;
 };
 
-/* Begins a call without GL, and ends one: returns what the host is told, and keeps the message of a failure for it. */
+/* Begin and end a call without GL. The end returns the host's status, and keeps the message of a failure for it. */
 void api_library_begin(void);
 furrow_status api_library_end(enum status status);
-/* The same of a call that uses the world's GL. STATUS_USAGE: `world` is NULL. Ends with api_library_leave whatever it returns. */
+/* The same for a call that uses the world's GL. STATUS_USAGE: `world` is NULL. End with api_library_leave, whatever it returns. */
 enum status api_library_enter(struct library_call *call, struct furrow_world *world) FURROW_CHECKED;
 furrow_status api_library_leave(struct library_call *call, enum status status);
 
@@ -46,7 +46,7 @@ furrow_status api_library_leave(struct library_call *call, enum status status);
 enum status api_library_start_view(struct furrow_world *host) FURROW_CHECKED;
 /* STATUS_USAGE: "NAME: it is NULL; WHAT". */
 enum status api_library_need(const void *pointer, const char *name) FURROW_CHECKED;
-/* Motion of the host's bodies is committed, so that a question is of the ground as it is. */
+/* Commits the motion of the host's bodies, so that a query sees the ground as it is. */
 enum status api_library_settle(struct furrow_world *world) FURROW_CHECKED;
 
 #endif

@@ -1,10 +1,9 @@
 /*
- * base: what every part of Furrow stands on. No GL, no SQLite, no GDAL.
+ * base: what every part of Furrow uses. No GL, no SQLite, no GDAL.
  *
- * Statuses and messages, memory that may be told to fail, threads, clock, the words of the
- * lattice (tiles, levels, the integer height lattice) and the three pure functions every part
- * shares: decimation, interpolation and rounding to the lattice. Any thread may call anything
- * here unless a function says otherwise.
+ * It has statuses and messages, memory that can be made to fail, threads, and a clock. It defines the lattice: tiles, levels,
+ * and integer heights. It also has the three pure functions that every part shares: decimation, interpolation and rounding to
+ * the lattice. Any thread may call any function, unless its comment says otherwise.
  */
 #ifndef FURROW_BASE_H
 #define FURROW_BASE_H

@@ -1,9 +1,9 @@
 /*
- * How a stored base height is written as an int32 code, without loss beyond the asked error.
+ * How a base height is stored as an int32 code, within the error asked for.
  *
- * step > 0: code = the nearest multiple of `step` metres on the absolute lattice, height =
- * code * step, error at most step / 2. step == 0: lossless float32, the code is its bits mapped so
- * that order is kept (negative zero becomes zero's neighbour and comes back as itself).
+ * step > 0: the code is the nearest multiple of `step` metres on the absolute lattice. height = code * step, with an error of
+ * at most step / 2. step == 0: lossless float32. The code is the float's bits, mapped so that order is kept. Negative zero
+ * becomes the code beside zero, and is read back as negative zero.
  */
 #ifndef FURROW_BASE_HEIGHT_CODE_H
 #define FURROW_BASE_HEIGHT_CODE_H
@@ -14,7 +14,7 @@
 #include <string.h>
 
 #define HEIGHT_CODE_NODATA INT32_MIN
-#define HEIGHT_MAX 1e8 /* metres either way; beyond no body goes, and the lattice is exact */
+#define HEIGHT_MAX 1e8 /* metres, also downwards; no body goes beyond, and the lattice is exact within */
 
 static inline int32_t height_code_of_float(float value)
 {
@@ -53,8 +53,8 @@ static inline bool height_code_encode(double metres, double step, int32_t *code)
 	return true;
 }
 
-/* A row of them; returns how many were coded: `count`, or where the first is that cannot be. Ties between
- * two codes go to the even one. */
+/* Codes a row of heights. Returns how many were coded: `count`, or the index of the first that cannot be. Ties between two
+ * codes go to the even one. */
 int64_t height_code_row(const double *metres, int64_t count, double step, int32_t *codes);
 
 static inline double height_code_metres(int32_t code, double step)

@@ -1,6 +1,6 @@
 /*
- * What everybody who writes JSON adds to cJSON: whole 64-bit numbers, and null for what is not finite.
- * A failed allocation leaves the key out, as cJSON's own functions do. Not part of base.h.
+ * Functions that cJSON lacks: whole 64-bit numbers, and null for numbers that are not finite. A failed allocation leaves the
+ * key out, as with cJSON's own functions. Not part of base.h.
  */
 #ifndef FURROW_BASE_JSON_H
 #define FURROW_BASE_JSON_H

@@ -1,6 +1,5 @@
 /*
- * Tile keys to a pair of doubles: a table that only grows, and a cache made of two of them whose memory is bounded. One
- * thread.
+ * A map from tile keys to a pair of doubles. It only grows. A cache of bounded memory is made of two of them. One thread.
  */
 #ifndef FURROW_BASE_KEY_MAP_H
 #define FURROW_BASE_KEY_MAP_H
@@ -20,12 +19,12 @@ struct key_map {
 };
 
 void key_map_finish(struct key_map *map);
-/* NULL if absent. Valid until the next put. */
+/* Returns NULL if the key is absent. Valid until the next put. */
 const struct key_pair *key_map_find(const struct key_map *map, uint64_t key);
 enum status key_map_put(struct key_map *map, uint64_t key, double a, double b) FURROW_CHECKED;
 
-/* Two generations: what is asked for moves to the younger; when that is full it becomes the older,
- * and the one before it is forgotten. What was asked for within the last `most` keys is kept. */
+/* A cache of two generations. A key that is asked for moves to the younger. When that is full it becomes the older one, and the
+ * older one is dropped. Every key asked for within the last `most` keys is kept. */
 struct key_cache {
 	struct key_map young, old;
 	size_t most; /* keys in each, at least 1 */

@@ -1,7 +1,7 @@
 /*
- * The hash table of the program: 64-bit keys (tiles', mostly) and the order in which they came. Open addressing, at most three
- * quarters full, 12 bytes a place; it only grows. Who keeps something for each key keeps it in an array by the key's number.
- * One thread. Starts as {0}.
+ * A hash table of 64-bit keys (mostly of tiles) and the order in which they came. Open addressing, at most three quarters full,
+ * 12 bytes a place. It only grows. To keep data for each key, use an array indexed by the key's number. One thread. Starts as
+ * {0}.
  */
 #ifndef FURROW_BASE_KEY_SET_H
 #define FURROW_BASE_KEY_SET_H
@@ -14,7 +14,7 @@ struct key_set {
 	size_t count, room; /* room: a power of two, or 0 */
 };
 
-/* Spread over the low bits. */
+/* Returns a hash whose low bits are well spread. */
 static inline size_t key_hash(uint64_t key)
 {
 	return (size_t)((key * 0x9e3779b97f4a7c15ull) >> 20);
@@ -22,15 +22,15 @@ static inline size_t key_hash(uint64_t key)
 
 void key_set_finish(struct key_set *set);
 bool key_set_has(const struct key_set *set, uint64_t key);
-/* The key's number, from 0; false: it is not there, and the number says nothing. */
+/* Finds the key's number, from 0. Returns false if it is absent; then the number is undefined. */
 bool key_set_find(const struct key_set *set, uint64_t key, uint32_t *number);
 enum status key_set_add(struct key_set *set, uint64_t key) FURROW_CHECKED;
-/* Adds it, and says its number and whether it is new. */
+/* Adds the key, and tells its number and whether it is new. */
 enum status key_set_number(struct key_set *set, uint64_t key, uint32_t *number, bool *fresh) FURROW_CHECKED;
-/* Makes room for so many keys more, which key_set_put then adds: that cannot fail. */
+/* Makes room for `more` keys, so that key_set_put cannot fail for them. */
 enum status key_set_reserve(struct key_set *set, size_t more) FURROW_CHECKED;
 void key_set_put(struct key_set *set, uint64_t key);
-/* Empties it and keeps the memory. */
+/* Removes all keys and keeps the memory. */
 void key_set_clear(struct key_set *set);
 
 #endif

@@ -1,9 +1,9 @@
 /*
- * The absolute integer lattice heights live on, and the pure functions over it.
+ * The absolute integer lattice of heights, and the pure functions over it.
  *
- *   base    int32, 2^-18 m, relative to a reference that is a multiple of 1024 m (BASE_NODATA: a hole)
- *   offset  int32, 2^-20 m ("quanta"); a post without data has offset 0
- *   pose    int64, 2^-20 m
+ *     base    int32, 2^-18 m, relative to a reference that is a multiple of 1024 m (BASE_NODATA: a hole)
+ *     offset  int32, 2^-20 m; a post without data has offset 0
+ *     pose    int64, 2^-20 m
  *
  * shaders/lib/lattice.glsl holds the same formulas; tests/gpu compares them bit for bit.
  */
@@ -43,21 +43,22 @@ int32_t lattice_interpolate(int32_t a, int32_t b, int32_t c, int32_t d, uint32_t
 			    int shift);
 
 /*
- * Fills a tile of a level below zero, (cells + 1)^2 posts, from the patch of level-0 posts it lies
- * in: `patch` is patch_posts x patch_posts, patch_posts = lattice_patch_posts(cells, shift), its
- * first post being the level-0 post at or south-west of the tile's first post. (sub_x, sub_y) is
- * the tile's first post within the patch's first cell, in 2^-shift of a cell (0 unless
- * 2^shift > cells).
+ * Fills a tile of a level below zero, (cells + 1)^2 posts, from the patch of level-0 posts around it.
+ *
+ * `patch` is patch_posts x patch_posts, with patch_posts = lattice_patch_posts(cells, shift). Its first post is the level-0
+ * post at or south-west of the tile's first post. (sub_x, sub_y) is the tile's first post within the patch's first cell, in
+ * 2^-shift of a cell. It is 0 unless 2^shift > cells.
  */
 uint32_t lattice_patch_posts(uint32_t cells, int shift);
-/* Post (x, y) of a level `shift` levels finer than that of the side x side posts, both from their first post on. */
+/* Returns post (x, y) of a level `shift` levels finer than the side x side posts. Both levels count from their first post. */
 int32_t lattice_finer(const int32_t *posts, uint32_t side, int shift, uint64_t x, uint64_t y);
 void lattice_subdivide(const int32_t *patch, uint32_t cells, int shift, uint32_t sub_x,
 		       uint32_t sub_y, int32_t *posts);
 
-/* The sum of the values by their weights. A value whose weight is at most `beside` may be NaN, and is left out then. */
+/* Returns the weighted sum of the values. A value with a weight of at most `beside` may be NaN, and is left out then. */
 double lattice_weighted(const double *values, const double *weights, int count, double beside);
-/* Between the corners south-west, south-east, north-west and north-east of a cell, at (u, v) of it, 0 to 1. */
+/* Interpolates between the corners south-west, south-east, north-west and north-east of a cell. (u, v): place in the cell, 0 to
+ * 1. */
 double lattice_bilinear(const double corners[4], double u, double v, double beside);
 
 /* The first multiple of 2^steps at or above v. */

@@ -1,10 +1,9 @@
 /*
- * A plan: what a drive will make and run, known before it begins.
+ * A plan: the resources that a drive will make and the passes that it will run, known before it begins.
  *
- * Each part of Furrow appends the lines of what it will use, beside the code that uses it. A line is so much
- * of something for each one of a unit: two passes a window, 20 bytes a post, a program once. What was counted
- * at a drive's end equals the lines' amounts times the units' counts, and nothing else was made or run (law 7).
- * Pure: no GL, no store. One thread at a time.
+ * Each part of Furrow adds the lines of what it will use, beside the code that uses it. A line is an amount for each one of a
+ * unit: two passes a window, 20 bytes a post, a program once. The counts at a drive's end equal the lines' amounts times the
+ * units' counts. Nothing else was made or run (law 7). Pure: no GL, no store. One thread at a time.
  */
 #ifndef FURROW_BASE_PLAN_H
 #define FURROW_BASE_PLAN_H
@@ -26,30 +25,30 @@ enum plan_kind {
 	PLAN_KINDS
 };
 
-/* What amounts are of one of. All of them but PLAN_ONCE are counted in a drive. */
+/* The units of amounts. All of them except PLAN_ONCE are counted in a drive. */
 enum plan_unit {
 	PLAN_ONCE,
-	/* memory, as much as there ever was at once */
+	/* memory: the most that existed at once */
 	PLAN_BASE_SLOT,    /* slots that a tile was ever loaded to */
 	PLAN_CLASS_SLOT,   /* those with classes of soil */
 	PLAN_DEFORM_SLOT,  /* deform slots, with the planes that are drawn */
 	PLAN_STATE_SLOT,   /* those of them with the planes of the working level */
 	PLAN_PATCH,        /* textures that bases are interpolated from */
 	PLAN_PAGE,         /* images of pages on their way to slots and from them */
-	PLAN_WINDOW_LAYER, /* windows that one sweep needs at once */
-	PLAN_RESULT_LAYER, /* what blocks that slide become waits in */
-	PLAN_RING,         /* segments of the passes' parameters */
+	PLAN_WINDOW_LAYER, /* windows that one contact needs at once */
+	PLAN_RESULT_LAYER, /* results of blocks that relax, before they are copied */
+	PLAN_RING,         /* segments of the ring of pass parameters */
 	/* work */
 	PLAN_WINDOW,       /* windows of an object that were computed */
-	PLAN_MOVED,        /* those of them over which it moved */
+	PLAN_MOVED,        /* windows of them over which it moved */
 	PLAN_FACETS,       /* draws of an object's triangles */
-	PLAN_HELD,         /* blocks of soil that slides, each for every object that rests there */
-	PLAN_RESTING,      /* windows of such objects, whose undersides were drawn for that */
-	PLAN_ATLAS,        /* atlases of blocks that slid */
-	PLAN_DECIMATED,    /* coarser tiles that followed a change */
+	PLAN_HELD,         /* blocks of relaxing soil, once for every object at rest there */
+	PLAN_RESTING,      /* windows of such objects for which a lower envelope was drawn */
+	PLAN_ATLAS,        /* atlases of blocks that relaxed */
+	PLAN_DECIMATED,    /* updates of coarser tiles after a change */
 	PLAN_SUBDIVIDED,   /* bases interpolated */
 	PLAN_DRAWN,        /* tiles in pictures */
-	PLAN_OBJECTS,      /* draws of objects in pictures: of all of one shape that look as large */
+	PLAN_OBJECTS,      /* draws of objects in pictures; one draws all of one shape and detail */
 	PLAN_SHADOWED,     /* pictures in which objects cast shadows */
 	PLAN_FRAME,
 	PLAN_LOADED,       /* tiles of the working level whose planes were read */
@@ -57,10 +56,10 @@ enum plan_unit {
 	PLAN_READ,         /* bases read, by anybody */
 	PLAN_RANGE,        /* ranges of bases, to cull by, and how far off coarser ones are */
 	PLAN_OFFSET_RANGE, /* ranges of offsets: how far the ground is from its base */
-	PLAN_COMMITTED,    /* tiles of the working level in epochs */
+	PLAN_COMMITTED,    /* tiles of the working level in commits */
 	PLAN_COMMITTED_COARSER, /* tiles above them, whose offsets followed */
-	PLAN_CHANGED,      /* rows of the line's own table that epochs changed: what is as it was is not written */
-	PLAN_LEFT,         /* rows of the line's own table that were looked up for what an earlier drive left there */
+	PLAN_CHANGED,      /* rows of the line's table that commits changed; an unchanged row is not written */
+	PLAN_LEFT,         /* rows of the line's table that were looked up because an earlier drive may have left them */
 	PLAN_EPOCH,
 	PLAN_UNITS
 };
@@ -68,8 +67,8 @@ enum plan_unit {
 struct plan_line {
 	enum plan_kind kind;
 	enum plan_unit unit;
-	const char *effect; /* the name of the effect that calls for it (scene.h's table); NULL: every drive has it */
-	int object;         /* of the scene, whose units count; -1: all */
+	const char *effect; /* name of the effect that needs it (table of scene.h); NULL: every drive needs it */
+	int object;         /* object of the scene whose units count; -1: all */
 	int64_t amount;
 	uint64_t bytes;
 	char name[96];

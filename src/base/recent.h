@@ -1,8 +1,8 @@
 /*
- * Which tile is in which of a few places, the one used longest ago going to the next: what caches of decoded tiles share. The
- * owner keeps what is in a place by its number. Not locked.
+ * Which tile is in which of a few places; the place used longest ago is reused next. Caches of decoded tiles share it. The
+ * owner keeps the data of a place by its number. Not locked.
  *
- * Invariant: no two places that are used have the same key.
+ * Invariant: no two used places have the same key.
  */
 #ifndef FURROW_BASE_RECENT_H
 #define FURROW_BASE_RECENT_H
@@ -26,11 +26,11 @@ struct recent {
 
 enum status recent_create(struct recent *recent, uint32_t count) FURROW_CHECKED; /* at least 1 place, all empty */
 void recent_finish(struct recent *recent);
-/* RECENT_NONE: it is in none. */
+/* Returns the place of the key; RECENT_NONE: it has none. */
 uint32_t recent_find(const struct recent *recent, uint64_t key);
-/* An empty place, or the one used longest ago, but for `spared`; RECENT_NONE if there is no other. */
+/* Returns an empty place, or the one used longest ago, but never `spared`. RECENT_NONE: there is no other. */
 uint32_t recent_oldest(const struct recent *recent, uint32_t spared);
-/* The key is in the place, and was just used. */
+/* Puts the key into the place, and marks it as just used. */
 void recent_use(struct recent *recent, uint32_t place, uint64_t key);
 void recent_empty(struct recent *recent, uint32_t place);
 

@@ -1,9 +1,9 @@
 /*
- * Statuses and the one message that goes with a failure.
+ * Statuses, and the one message that goes with a failure.
  *
- * Whoever detects an error writes the whole message, once: "WHAT: WHY; WHAT TO DO". Everyone
- * above only returns the status. The message is kept per thread; a worker that fails copies its
- * own into a struct failure and the thread that reports it restores it.
+ * The code that detects an error writes the whole message, once: "WHAT: WHY; WHAT TO DO". All callers above only return the
+ * status. Each thread has its own message. A worker that fails copies its message into a struct failure. The thread that
+ * reports it restores it.
  */
 #ifndef FURROW_BASE_STATUS_H
 #define FURROW_BASE_STATUS_H
@@ -42,9 +42,9 @@ enum status failure_restore(const struct failure *failure);
 /* 0, 1, 2, 3, 4 or 130: the command's exit status. */
 int status_exit_code(enum status status);
 
-/* Told, but nothing failed: one line on stderr, "furrow: note: ...", unless note_to() says who gets it. Any thread. */
+/* Tells something that is no failure: one line on stderr, "furrow: note: ...", unless note_to() set a receiver. Any thread. */
 void note(const char *format, ...) FURROW_PRINTF(1, 2);
-/* From now on `take` gets each note's text, without a newline, on the thread that tells it. NULL: stderr. For the whole process. */
+/* Sets who gets the text of each note, without a newline, on the thread that tells it. NULL: stderr. For the whole process. */
 void note_to(void (*take)(const char *text));
 
 #endif

@@ -31,7 +31,7 @@ void mutex_unlock(struct mutex *mutex);
 void condition_init(struct condition *condition);
 void condition_finish(struct condition *condition);
 void condition_wait(struct condition *condition, struct mutex *mutex);
-/* As condition_wait, but for at most so many seconds. */
+/* As condition_wait, but waits at most `seconds`. */
 void condition_wait_for(struct condition *condition, struct mutex *mutex, double seconds);
 void condition_wake_all(struct condition *condition);
 
@@ -41,8 +41,8 @@ enum status thread_start(struct thread *thread, void *(*body)(void *), void *arg
 void thread_join(struct thread *thread); /* nothing if it was never started */
 unsigned thread_running(void); /* in this process: started and not joined */
 
-/* Called by the thread it is for: it runs after those that did not call it where cores are few. Where that is
- * not to be had nothing changes. */
+/* Lowers the priority of the calling thread, so that other threads run first when cores are few. Does nothing where this is not
+ * possible. */
 void thread_background(void);
 
 int thread_cores(void); /* cores this process may run on, at least 1 */

@@ -1,10 +1,9 @@
 /*
- * Tiles, levels and the world they cut up.
+ * Tiles, levels and the world that they divide.
  *
- * x counts east, y counts north, both from 0 at the world's south-west post. A tile of level L
- * holds (n + 1) x (n + 1) posts and shares its edge posts with its neighbours. Level 0 is the
- * source's spacing; level +k has 2^k times the spacing and is every 2^k-th post; level -k has
- * 2^-k times the spacing.
+ * x counts east, y counts north, both from 0 at the world's south-west post. A tile of level L holds (n + 1) x (n + 1) posts
+ * and shares its edge posts with its neighbours. Level 0 has the source's spacing. Level +k has 2^k times the spacing; its
+ * posts are every 2^k-th post. Level -k has 2^-k times the spacing.
  */
 #ifndef FURROW_BASE_TILE_H
 #define FURROW_BASE_TILE_H
@@ -48,7 +47,7 @@ int extent_coarsest(const struct extent *extent); /* first level of a single til
 /* The coarsest level whose spacing is at most `spacing` metres; TILE_LEVEL_MIN - 1 if none is. */
 int extent_level_for(const struct extent *extent, double spacing);
 bool extent_has(const struct extent *extent, struct tile tile);
-/* NULL if the world is one this program can hold, else why not (a static text). */
+/* Returns NULL if this program can hold the world, else why not (a static text). */
 const char *extent_problem(const struct extent *extent);
 
 static inline uint32_t tile_posts(const struct extent *extent)

@@ -1,7 +1,6 @@
 /*
- * How long something took, over and over: a histogram of fixed size, so that a drive of hours keeps no more than
- * one of seconds. Number, mean, least and most are exact; a percentile is within TIMES_ERROR of the value that
- * sorting all of them would give. One thread; no allocation.
+ * Durations of something repeated, as a histogram of fixed size. So a drive of hours needs no more memory than one of seconds.
+ * Number, mean, least and most are exact. A percentile is within TIMES_ERROR of the exact one. One thread; no allocation.
  */
 #ifndef FURROW_RUN_TIMES_H
 #define FURROW_RUN_TIMES_H
@@ -11,7 +10,7 @@
 enum { TIMES_OCTAVES = 40, TIMES_PARTS = 128 };
 
 #define TIMES_ERROR (0.5 / TIMES_PARTS) /* of the value */
-/* Between these, in ms (61 ns and 18 hours). Beyond, a value counts as the nearest that is not. */
+/* Limits of values, in ms (61 ns and 18 hours). A value outside is counted as the nearer limit. */
 #define TIMES_LEAST 0x1p-14
 #define TIMES_MOST (TIMES_LEAST * (double)((uint64_t)1 << TIMES_OCTAVES))
 

@@ -2,7 +2,7 @@
  * Gather from the tiles into a window, run the stages there, scatter to the tiles again.
  *
  * Invariant: a window's layer holds the ground as the tiles had it; nothing reaches a tile before
- * deform_scatter, so windows of one sweep do not see each other.
+ * deform_scatter, so windows of one contact do not see each other.
  */
 #include "deform/deform.h"
 
@@ -25,8 +25,8 @@ enum status deform_create(const struct deform_params *params, struct deform **ou
 	enum status status = gpu_buffer_create(params->gpu, GPU_STORAGE, sizeof(struct deform_tally), NULL, &deform->tally);
 	if (status == STATUS_OK)
 		status = deform_need_layers(deform, 1);
-	if (status == STATUS_OK && params->carriers > 0)
-		status = gpu_buffer_create(params->gpu, GPU_STORAGE, params->carriers * sizeof(int32_t), NULL, &deform->standing);
+	if (status == STATUS_OK && params->loaded_bodies > 0)
+		status = gpu_buffer_create(params->gpu, GPU_STORAGE, params->loaded_bodies * sizeof(int32_t), NULL, &deform->standing);
 	if (status == STATUS_OK && deform_conserves(params->model))
 		status = deform_awake_create(deform);
 	if (status == STATUS_OK && deform_conserves(params->model))

@@ -1,6 +1,6 @@
 /*
  * Forces on their way from the GPU: records that presses add to, brought to the host in batches, and handed out in the
- * order of the sweeps.
+ * order of the contacts.
  *
  * Sweep n with a tag adds to record n % RECORDS. Invariants: first <= sent <= next <= first + RECORDS; records of [first, sent)
  * are in a batch under way or there; those of [sent, next) are being summed; all others are zeros.

@@ -18,7 +18,7 @@ enum scratch_target {
 	TO_HEIGHTS_0, TO_HEIGHTS_1,
 	TO_SHED,    /* sumner: what is shed, where `carried` was */
 	TO_SLID,    /* offset plane 1, and what slides with it */
-	TO_DIRT,    /* dirt plane 1 */
+	TO_DIRT,    /* disturbance plane 1 */
 	TO_HELD,    /* contacts alone */
 	TO_BARE,    /* nothing: images and buffers */
 	SCRATCH_TARGETS
@@ -28,15 +28,15 @@ enum scratch_target {
 struct layer {
 	struct gpu_target *to[SCRATCH_TARGETS];
 	int now[PLANES]; /* which of planes[0 .. 1][plane] holds the result so far */
-	bool alone;      /* the window is all of its sweep */
+	bool alone;      /* the window is all of its contact */
 	bool loaded;     /* the object may turn out to stand elsewhere */
-	bool above;      /* the sweep's */
+	bool above;      /* the contact's */
 	bool flagged;    /* its sliding says where something still moves */
 };
 
 struct deform;
 
-/* One model: what a press does once the underside is known, and all that follows it in the window. */
+/* One model: what a press does once the lower envelope is known, and all that follows it in the window. */
 typedef enum status (*deform_model_fn)(struct deform *deform, const struct deform_sweep *sweep,
 				       const struct deform_window *window, uint32_t layer);
 
@@ -53,7 +53,7 @@ struct soil_model {
 };
 extern const struct soil_model deform_soil_models[DEFORM_MODELS];
 
-/* Differences of heights that stand, axial and diagonal, quanta. */
+/* Differences of heights that stand, axial and diagonal, fixed-point units. */
 struct slide_soil {
 	int32_t stands[2];
 	int32_t held[2], stop[2]; /* sumner: beside a held post; where all are within these nothing slides. Its three have the
@@ -71,7 +71,7 @@ struct deform {
 	struct gpu_texture *bases;
 	struct gpu_texture *under, *rest;      /* rest NULL: nobody asks */
 	struct gpu_texture *contacts;          /* PRESSED, HELD; NULL: nobody asks */
-	struct gpu_texture *carried, *deposits; /* conserving models: quanta, before and after deform_spread */
+	struct gpu_texture *carried, *deposits; /* conserving models: fixed-point units, before and after deform_spread */
 	struct gpu_texture *heights[2], *stills, *floors; /* while it slides; floors NULL: all soil is loose */
 	struct gpu_texture *classes;           /* of soil; NULL: there is but one */
 	struct gpu_texture *planes_of[2][PLANES]; /* [0] is gathered into, or what deform_gathers_into says */
@@ -82,17 +82,17 @@ struct deform {
 	struct gpu_program *box, *press, *dirt, *spread;
 	struct gpu_program *held[2];           /* [by load] */
 	struct gpu_program *facet;
-	struct facets *facets;                 /* meshes' and lugs': made when first needed */
+	struct facets *facets;                 /* meshes' and grousers': made when first needed */
 	struct gpu_program *slide_begin[2][2]; /* [over blocks][by load] */
 	struct gpu_program *slide[2][2], *shed[2]; /* [over blocks][last iteration] */
 	struct slide_soil soils[DEFORM_SOILS];
-	bool sweeps_flag;                      /* what a sweep looked at says all about what moves after it */
+	bool sweeps_flag;                      /* what a contact looked at says all about what moves after it */
 	struct gpu_program *scm[8], *find[4]; /* by their defines, as bits */
-	struct forces *forces;                /* NULL until a sweep asks */
-	struct gpu_buffer *tries;             /* of load.c; NULL until a sweep needs it */
-	struct gpu_buffer *standing;          /* int32 a carrier: quanta above its pose; NULL: there are none */
+	struct forces *forces;                /* NULL until a contact asks */
+	struct gpu_buffer *tries;             /* of load.c; NULL until a contact needs it */
+	struct gpu_buffer *standing;          /* int32 a loaded body: fixed-point units above its pose; NULL: there are none */
 	struct gpu_buffer *tally;              /* struct deform_tally */
-	struct gpu_buffer *felt;               /* the same, of sweeps of which only the forces count; NULL until one does */
+	struct gpu_buffer *felt;               /* the same, of contacts of which only the forces count; NULL until one does */
 	struct deform_figures figures;         /* window_layers: see `layers` */
 	uint64_t warmed;                       /* the kinds of objects that were (warm.c) */
 };
@@ -129,7 +129,7 @@ struct window_params {
 	int32_t window[4]; /* posts in x and y; the layer */
 };
 struct press_params {
-	uint32_t zero[4];   /* lo, hi: the window's zero height, quanta from the store's reference; the layer */
+	uint32_t zero[4];   /* lo, hi: the window's zero height, fixed-point units from the store's reference; the layer */
 	int32_t written[4]; /* the posts this window writes: first, one behind the last */
 };
 struct press_params deform_press_params(const struct deform *deform, const struct deform_sweep *sweep,
@@ -161,7 +161,7 @@ enum status deform_mesh(struct deform *deform, const struct deform_sweep *sweep,
 			uint32_t layer) FURROW_CHECKED;
 double deform_mesh_reach(const struct deform_mesh *mesh, double pitch, double roll);
 
-/* lugs.c: a wheel's lugs over the window, where the smooth wheel was drawn. */
+/* lugs.c: a wheel's grousers over the window, where the smooth wheel was drawn. */
 enum status deform_lugs(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
 			uint32_t layer) FURROW_CHECKED;
 
@@ -204,19 +204,19 @@ void deform_find_plan(const char *effect, struct plan *plan);
 
 /* Forces are whole sixteenths of a pascal times a post's area; moments that times an arm. */
 #define DEFORM_UNITS_A_PASCAL 16
-/* forces.c: the record that this sweep's windows add to. */
+/* forces.c: the record that this contact's windows add to. */
 enum status deform_forces_record(struct deform *deform, const struct deform_sweep *sweep, bool first_window, double arm,
 				 struct gpu_buffer **records, uint32_t *record) FURROW_CHECKED;
 void deform_forces_destroy(struct deform *deform);
 void deform_forces_plan(const char *effect, struct plan *plan);
 
-/* windows.c: the posts a sweep can be above. */
+/* windows.c: the posts a contact can be above. */
 struct post_rect deform_shadow(const struct deform *deform, const struct deform_sweep *sweep);
 /* The posts it can change; whether they fit one window. */
 struct post_rect deform_reached(const struct deform *deform, const struct deform_sweep *sweep);
 bool deform_fits_window(const struct deform *deform, struct post_rect reached);
 
-/* spread.c: from `carried`, which a press wrote (at most 2^23 quanta a post), into `deposits`. */
+/* spread.c: from `carried`, which a press wrote (at most 2^23 fixed-point units a post), into `deposits`. */
 enum status deform_spread(struct deform *deform, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
 
 /* soil/slide.c: lays the deposits down, then the model's rule over a window's written posts, `iterations` times. A press
@@ -276,7 +276,7 @@ enum status deform_awake_visited(struct deform *deform, struct gpu_buffer *flags
 /* interval.c */
 enum status deform_interval_create(struct deform *deform) FURROW_CHECKED;
 /* As deform_warm. */
-enum status deform_interval_warm(struct deform *deform, const struct deform_shape *shape, uint32_t carrier) FURROW_CHECKED;
+enum status deform_interval_warm(struct deform *deform, const struct deform_shape *shape, uint32_t loaded_body) FURROW_CHECKED;
 void deform_interval_plan(const struct deform_params *params, struct plan *plan);
 void deform_interval_destroy(struct deform *deform); /* of one that has none, too */
 

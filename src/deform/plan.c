@@ -106,8 +106,8 @@ void deform_plan(const struct deform_params *params, const struct deform_planned
 	}
 	deform_scratch_plan(params, plan);
 	deform_plan_buffer(plan, deform_press_effect(params->model), 1, sizeof(struct deform_tally), "tally");
-	if (params->carriers > 0)
-		deform_plan_buffer(plan, "load", 1, params->carriers * sizeof(int32_t), "heights of the loaded");
+	if (params->loaded_bodies > 0)
+		deform_plan_buffer(plan, "load", 1, params->loaded_bodies * sizeof(int32_t), "heights of the loaded");
 	if (any.facets != NULL) {
 		add_passes(plan, any.facets, -1, PLAN_FACETS, GPU_FACETS, 1);
 		deform_facets_plan(any.facets, plan);

@@ -141,7 +141,7 @@ static bool always_fits(const struct deform_params *params, const struct deform_
 {
 	if (params->extent == NULL)
 		return true;
-	/* A station is a post from the next, or as far as a corner's; and ends are rounded. */
+	/* A path sample is a post from the next, or as far as a corner's; and ends are rounded. */
 	double across = 2 * deform_shape_bound(shape) / extent_spacing(params->extent, params->level) + 2 * M_SQRT2 + 4;
 	return across + 2 * (double)deform_reach(params) <= (double)deform_core(params);
 }
@@ -248,8 +248,8 @@ void deform_programs_each(const struct deform_params *params, const struct defor
 		add(&each, "spread");
 		each_slide(&each, false, loaded);
 		each_slide(&each, true, false);
-		deform_programs_held(loaded && params->carriers > 0, &each.request);
-		add(&each, loaded && params->carriers > 0 ? "load" : deform_slide_effect(params->model));
+		deform_programs_held(loaded && params->loaded_bodies > 0, &each.request);
+		add(&each, loaded && params->loaded_bodies > 0 ? "load" : deform_slide_effect(params->model));
 	}
 	if (params->dirt) {
 		deform_programs_dirt(&each.request);

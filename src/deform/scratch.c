@@ -1,4 +1,4 @@
-/* The windows' textures: arrays of one layer a window, made when a sweep first needs so many. */
+/* The windows' textures: arrays of one layer a window, made when a contact first needs so many. */
 #include <stddef.h>
 #include <string.h>
 
@@ -174,7 +174,7 @@ enum status deform_need_layers(struct deform *deform, uint32_t layers)
 {
 	if (layers <= deform->layers)
 		return STATUS_OK;
-	/* Growing loses what the layers hold: a sweep grows them before its first window. */
+	/* Growing loses what the layers hold: a contact grows them before its first window. */
 	deform_drop_layers(deform);
 	uint32_t all = layers + beside_windows(&deform->params);
 	enum status status = make_textures(deform, all);

@@ -1,4 +1,4 @@
-/* The passes over a gathered window: underside, the model's, attributes. */
+/* The passes over a gathered window: lower envelope, the model's, attributes. */
 #include <string.h>
 
 #include "deform/internal.h"

@@ -15,7 +15,7 @@ static void link_program(void *user, const char *effect, const struct gpu_progra
 		linking->status = gpu_program_get(linking->gpu, request, &program);
 }
 
-/* What a sweep that asked for its forces is told, and nobody wants. */
+/* What a contact that asked for its forces is told, and nobody wants. */
 static enum status drop_forces(struct deform *deform)
 {
 	struct deform_forces forces;
@@ -70,7 +70,7 @@ enum status deform_warm(struct deform *deform, const struct deform_planned *obje
 	if (status == STATUS_OK)
 		status = sweep_all(deform, object, params->model == DEFORM_SCM && (forces || loaded));
 	if (status == STATUS_OK && deform->interval != NULL)
-		status = deform_interval_warm(deform, object->shape, loaded && params->carriers > 0);
+		status = deform_interval_warm(deform, object->shape, loaded && params->loaded_bodies > 0);
 	if (status == STATUS_OK)
 		status = drop_forces(deform);
 	deform->figures = before;

@@ -1,10 +1,10 @@
-/* Which posts a sweep can change, and the windows they are worked on in. */
+/* Which posts a contact can change, and the windows they are worked on in. */
 #include <math.h>
 
 #include "deform/shape/body.h"
 #include "deform/internal.h"
 
-/* Heights within an object are int32 quanta: its half and what a sweep may rise must fit. */
+/* Heights within an object are int32 fixed-point units: its half and what a contact may rise must fit. */
 #define SIZE_MAX_METRES 512.0
 #define LUGS_MAX 360
 

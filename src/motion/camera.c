@@ -1,4 +1,4 @@
-/* Where a camera that follows a body is: a function of the path, at any time. */
+/* Finds the place of a camera that follows a body: a function of the path and time. */
 #include <math.h>
 
 #include "motion/motion.h"
@@ -14,7 +14,7 @@ size_t motion_track_camera_places(const struct scene_view *view, const struct sc
 	places[0][1] = now.y;
 	if (view->camera == SCENE_OVERHEAD)
 		return 1;
-	/* Behind along the chord of the last stretch, which turns slower than the path does. Where poses are timed, at the speed
+	/* The camera is behind along the chord of the last stretch, which turns slower than the path. Timed poses use the speed
 	 * of the last second. */
 	double speed = path->speed;
 	if (path->timed) {

@@ -1,12 +1,14 @@
 /*
- * The look-ahead: pages that paths will touch within `prefetch` seconds, pages that pictures lack, and (prefetcher.c) the tiles of
- * base heights that bodies will be set upon.
+ * The look-ahead loads three things: pages that paths will touch within `prefetch` seconds, pages that pictures lack, and base
+ * tiles for bodies (prefetcher.c).
  *
- * Each body has a watch that goes along its path before it, sample by sample. The watch notes the tiles of the very windows
- * that the body will have there, and since when and until when each tile is needed. A tile stays noted until the body has
- * left it. A world that runs faster than real time looks ahead as much farther, so that loads have `prefetch` seconds by the
- * clock too. Invariants: (1) a body's tiles are in the order in which they are first needed; (2) what is loaded ahead never
- * decides what comes out, only when.
+ * Each body has a watch that goes along its path before it, sample by sample. The watch notes the tiles of the windows that the
+ * body will have there, and from when until when each tile is needed. A tile stays noted until the body has left it. A world
+ * that runs faster than real time looks ahead by the same factor farther. So loads have `prefetch` seconds by the clock too.
+ *
+ * Invariants:
+ * - A body's tiles are in the order in which they are first needed.
+ * - What is loaded ahead never decides a result, only how long a step waits.
  */
 #include <math.h>
 #include <time.h>
@@ -14,7 +16,7 @@
 #include "motion/motion.h"
 #include "motion/prefetcher.h"
 
-#define RECENT 16 /* tiles looked through for one that is still in use */
+#define RECENT 16 /* tiles searched for one that is still in use */
 
 struct ahead_tile {
 	uint64_t key;
@@ -37,7 +39,7 @@ struct look_ahead {
 	struct requests requests;
 	const uint64_t *keys;          /* of the requests, in order */
 	size_t key_count;
-	size_t passed;                 /* tiles forgotten since they were ordered */
+	size_t passed;                 /* tiles forgotten since they were sorted */
 	double began;                  /* s, by the clock: the first step; 0: not yet */
 	double began_time;             /* s, simulated */
 };
@@ -47,7 +49,7 @@ void motion_look_ahead_plan(double prefetch, size_t count, struct plan *plan)
 	motion_prefetcher_plan(prefetch, count, plan);
 }
 
-/* Ahead of everything: it reads while the GPU's programs are made. */
+/* Starts before everything else: it reads while the GPU's programs are made. */
 static enum status start_prefetcher(struct look_ahead *ahead)
 {
 	const struct look_ahead_params *params = &ahead->params;
@@ -216,7 +218,7 @@ static enum status note_sample(const struct look_ahead *ahead, struct watch *wat
 	return status;
 }
 
-/* Forgets what the object has left; returns how many. */
+/* Forgets the tiles that the object has left; returns how many. */
 static size_t forget_passed(struct watch *watch, double now)
 {
 	size_t kept = 0, count = watch->count;
@@ -231,14 +233,14 @@ static size_t forget_passed(struct watch *watch, double now)
 
 double motion_look_ahead_reach(const struct look_ahead *ahead, double time)
 {
-	const double settled = 0.05; /* s: before, the pace says little */
+	const double settled = 0.05; /* s: before this the pace is not known well */
 	if (ahead->began <= 0)
 		return ahead->params.prefetch;
 	double pace = (time - ahead->began_time) / fmax(clock_seconds() - ahead->began, settled);
 	return ahead->params.prefetch * fmax(pace, 1);
 }
 
-/* On along the path until then; and no further once `most` tiles are noted. True in *news if one is new. */
+/* Goes on along the path until then, and stops when `most` tiles are noted. Sets *news if one is new. */
 static enum status go_on(const struct look_ahead *ahead, struct watch *watch, double until, size_t most, bool *news)
 {
 	const struct track *track = watch->body.track;
@@ -253,7 +255,7 @@ static enum status go_on(const struct look_ahead *ahead, struct watch *watch, do
 	return status;
 }
 
-/* *changed: there is something new, or enough was left behind. */
+/* `*changed`: there are new tiles, or enough were left behind. */
 static enum status look(struct look_ahead *ahead, double time, bool *changed)
 {
 	double far = motion_look_ahead_reach(ahead, time), until = fmin(time + far, ahead->params.end);
@@ -265,7 +267,7 @@ static enum status look(struct look_ahead *ahead, double time, bool *changed)
 		if (status == STATUS_OK)
 			status = go_on(ahead, watch, time, SIZE_MAX, changed);
 		ahead->passed += forget_passed(watch, time);
-		/* More than a slot each is never loaded ahead, however far it looks. */
+		/* Never loads ahead more than there are slots, however far it looks. */
 		if (status == STATUS_OK)
 			status = go_on(ahead, watch, until, ahead->pages.slots, changed);
 	}
@@ -301,7 +303,7 @@ enum status motion_look_ahead_step(struct look_ahead *ahead, double time)
 		status = look(ahead, time, &changed);
 	if (status == STATUS_OK && changed)
 		status = gather(ahead);
-	if (status == STATUS_OK && (changed || page_cache_wishes(ahead->pages.cache) != PAGE_WISHES_HERE))
+	if (status == STATUS_OK && (changed || page_cache_request_state(ahead->pages.cache) != PAGE_REQUESTS_HERE))
 		page_cache_want(ahead->pages.cache, ahead->keys, ahead->key_count);
 	return status;
 }
@@ -310,7 +312,7 @@ enum status motion_look_ahead_first(struct look_ahead *ahead, double time, const
 {
 	const struct timespec nap = {0, 50000};
 	enum status status = motion_look_ahead_step(ahead, time);
-	while (status == STATUS_OK && page_cache_wishes(ahead->pages.cache) == PAGE_WISHES_COMING && (stop == NULL || !*stop)) {
+	while (status == STATUS_OK && page_cache_request_state(ahead->pages.cache) == PAGE_REQUESTS_COMING && (stop == NULL || !*stop)) {
 		nanosleep(&nap, NULL);
 		status = page_cache_poll(ahead->pages.cache);
 	}

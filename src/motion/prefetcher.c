@@ -1,15 +1,16 @@
 /*
- * A look: walkers, one a track and one for the camera, go on from the present in turn, whoever is soonest, and list
- * the tiles around where they stand until the time, the list or the number of places is used up. Then the tiles of
- * the list are brought, soonest first. It looks again when an eighth of what it saw has passed.
+ * A look: walkers go on from the present, one for each track and one for the camera. The walker with the earliest time goes
+ * first. Each lists the tiles around its place. The look ends at the time limit, or when the list or the number of places is
+ * full. Then the tiles of the list are loaded, soonest needed first. The next look begins when an eighth of that time has
+ * passed.
  *
  * Invariants:
- * 1. The walkers and the list are the thread's own; `told`, `look_at`, `reach`, `ranges_done` and `stopping` are atomic;
- *    the mutex guards `asleep` and the ranges; the rest does not change.
- * 2. It sleeps only while told < look_at and no range is left to bring. It writes look_at and then reads told, who tells writes told and then
- *    reads look_at, and wakes it with the mutex held: one of the two sees the other.
- * 3. The list is shorter than the ground holds, and what is there of it is marked as used before anything is
- *    brought: nothing of it is evicted while there is something else that the owner did not use since.
+ * - Only the thread uses the walkers and the list. `told`, `look_at`, `reach`, `ranges_done` and `stopping` are atomic. The
+ * mutex guards `asleep` and the ranges. Nothing else changes.
+ * - It sleeps only while told < look_at and no range is left to load. It writes look_at and then reads told. The caller writes
+ * told and then reads look_at, and wakes it with the mutex held. So one of the two sees the other's value.
+ * - The list is shorter than the ground holds. Its tiles that are already there are marked as used before any is loaded. So
+ * none of them is evicted while the ground has a tile that the owner did not use since.
  */
 #include "motion/prefetcher.h"
 
@@ -25,10 +26,10 @@
 
 struct walker {
 	const struct track *track; /* NULL: the camera's */
-	int64_t past;              /* the last of its stations that is not ahead */
-	int64_t station, last;
-	int64_t stride;            /* stations from place to place */
-	double time;               /* of `station`, or the camera's; INFINITY: at the end */
+	int64_t past;              /* the last path sample that is not ahead */
+	int64_t sample, last;
+	int64_t stride;            /* path samples from place to place */
+	double time;               /* time of `station`, or the camera's; INFINITY: at the end */
 };
 
 struct prefetcher {
@@ -42,10 +43,10 @@ struct prefetcher {
 	uint32_t listed;
 	struct thread thread;
 	struct mutex mutex;
-	struct condition changed; /* of what the sleeping and the waiting go by */
+	struct condition changed; /* condition for sleeping and for waiting */
 	bool asleep;              /* guarded by the mutex, as are: */
 	struct ground_range_key ranges[RANGES_ROOM];
-	size_t range_next, range_count; /* of `ranges`: the next to bring, and how many there are */
+	size_t range_next, range_count; /* index of the next range to load, and their number */
 	_Atomic uint64_t ranges_done;
 	_Atomic double told, look_at, reach; /* s; reach: how far ahead */
 	atomic_bool stopping;
@@ -64,7 +65,7 @@ static bool add_tile(struct prefetcher *prefetcher, struct tile tile)
 	return true;
 }
 
-/* Every tile between here and half-way to the neighbouring places; false if the list is full. */
+/* Adds every tile from here half-way to the neighbouring places; false if the list is full. */
 static bool add_place(struct prefetcher *prefetcher, double x, double y)
 {
 	const struct extent *extent = prefetcher->extent;
@@ -85,7 +86,7 @@ static bool add_walker(struct prefetcher *prefetcher, const struct walker *walke
 {
 	if (walker->track != NULL) {
 		struct track_point point;
-		motion_track_sample(walker->track, walker->station, &point);
+		motion_track_sample(walker->track, walker->sample, &point);
 		return add_place(prefetcher, point.x, point.y);
 	}
 	double places[2][2];
@@ -96,7 +97,7 @@ static bool add_walker(struct prefetcher *prefetcher, const struct walker *walke
 	return room;
 }
 
-static int64_t next_station(const struct walker *walker, int64_t from)
+static int64_t next_sample(const struct walker *walker, int64_t from)
 {
 	return walker->last - from > walker->stride ? from + walker->stride : walker->last;
 }
@@ -107,11 +108,11 @@ static void begin(struct prefetcher *prefetcher, struct walker *walker, double n
 		walker->time = now;
 		return;
 	}
-	for (int64_t next; (next = next_station(walker, walker->past)) != walker->past; walker->past = next)
+	for (int64_t next; (next = next_sample(walker, walker->past)) != walker->past; walker->past = next)
 		if (motion_track_sample_time(walker->track, next) > now || atomic_load(&prefetcher->stopping))
 			break;
-	walker->station = walker->past;
-	walker->time = motion_track_sample_time(walker->track, walker->station);
+	walker->sample = walker->past;
+	walker->time = motion_track_sample_time(walker->track, walker->sample);
 }
 
 static void go_on(const struct prefetcher *prefetcher, struct walker *walker)
@@ -120,12 +121,12 @@ static void go_on(const struct prefetcher *prefetcher, struct walker *walker)
 		walker->time += prefetcher->camera_stride;
 		return;
 	}
-	int64_t next = next_station(walker, walker->station);
-	walker->time = next == walker->station ? INFINITY : motion_track_sample_time(walker->track, next);
-	walker->station = next;
+	int64_t next = next_sample(walker, walker->sample);
+	walker->time = next == walker->sample ? INFINITY : motion_track_sample_time(walker->track, next);
+	walker->sample = next;
 }
 
-/* Lists what is needed from `now` on; returns until when that is all. */
+/* Lists the tiles needed from `now` on; returns the time until which the list is complete. */
 static double look(struct prefetcher *prefetcher, double now)
 {
 	double until = fmin(now + atomic_load(&prefetcher->reach), prefetcher->params.end);
@@ -145,7 +146,7 @@ static double look(struct prefetcher *prefetcher, double now)
 	}
 }
 
-/* Brings the next range; false: none is left. */
+/* Loads the next range; false: none is left. */
 static bool bring_range(struct prefetcher *prefetcher)
 {
 	struct ground_range_key key;
@@ -156,14 +157,14 @@ static bool bring_range(struct prefetcher *prefetcher)
 	mutex_unlock(&prefetcher->mutex);
 	if (!any)
 		return false;
-	/* A range that cannot be read is left to the ground's owner, who must tell of it. */
+	/* A range that cannot be read is left to the ground's owner, who reports the failure. */
 	enum status status = resident_ground_warm_range(prefetcher->params.ground, prefetcher->reader, &key);
 	(void)status;
 	atomic_fetch_add(&prefetcher->ranges_done, 1);
 	return true;
 }
 
-/* The list's tiles into the ground; what cannot be read is left to its owner, who must tell of it. */
+/* Loads the list's tiles into the ground. A tile that cannot be read is left to the owner, who reports the failure. */
 static void bring(struct prefetcher *prefetcher)
 {
 	for (uint32_t i = prefetcher->listed; i-- > 0;)

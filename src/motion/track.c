@@ -13,7 +13,7 @@ struct track {
 	size_t count;
 	int64_t origin_x, origin_y; /* 2^-20 m: the first point */
 	double post, speed, length;
-	int64_t lap; /* stations a lap; loops only */
+	int64_t lap; /* path samples of a lap; loops only */
 	bool loop, timed;
 };
 
@@ -66,7 +66,7 @@ enum status motion_track_create(const struct scene_path *path, const double (*po
 		if (track->count > 0) {
 			struct knot *before = &knots[track->count - 1];
 			length = before->length + distance(&before->at, &point, path->has_attitude, turn_reach);
-			/* A point that stands still says nothing to an untimed path. */
+			/* A point without motion gives nothing to an untimed path. */
 			if (!path->timed && length == before->length)
 				continue;
 		}
@@ -83,7 +83,7 @@ enum status motion_track_create(const struct scene_path *path, const double (*po
 	}
 	track->length = knots[track->count - 1].length;
 	track->loop = closed && track->length > 0;
-	/* The direction of travel: that of the stretch a knot begins; the last keeps the one it ends. */
+	/* The direction of travel at a knot is that of the stretch after it; at the last knot, of the stretch before. */
 	for (size_t i = 0; i < track->count && !path->has_attitude; i++) {
 		size_t a = i + 1 < track->count ? i : i > 0 ? i - 1 : 0, b = a + 1 < track->count ? a + 1 : a;
 		double dx = knots[b].at.x - knots[a].at.x, dy = knots[b].at.y - knots[a].at.y;
@@ -133,7 +133,7 @@ static size_t find(const struct track *track, double key, bool by_time)
 	while (high - low > 1) {
 		size_t middle = (low + high) / 2;
 		double at = by_time ? track->knots[middle].at.time : track->knots[middle].length;
-		/* A timed path that stands still is at a place from when it came there. */
+		/* A timed path that pauses is at a place from the time when it arrived. */
 		if (by_time || !track->timed ? at <= key : at < key)
 			low = middle;
 		else
@@ -180,7 +180,7 @@ static void at_length(const struct track *track, double length, struct track_poi
 		*point = track->knots[k + 1].at;
 }
 
-static double station_length(const struct track *track, int64_t index, int64_t *lap)
+static double sample_length(const struct track *track, int64_t index, int64_t *lap)
 {
 	*lap = track->loop ? index / track->lap : 0;
 	int64_t within = index - *lap * track->lap;
@@ -192,7 +192,7 @@ static double station_length(const struct track *track, int64_t index, int64_t *
 void motion_track_sample(const struct track *track, int64_t index, struct track_point *point)
 {
 	int64_t lap;
-	at_length(track, station_length(track, index, &lap), point);
+	at_length(track, sample_length(track, index, &lap), point);
 	point->time = motion_track_sample_time(track, index);
 	place(track, point);
 }
@@ -200,7 +200,7 @@ void motion_track_sample(const struct track *track, int64_t index, struct track_
 double motion_track_sample_time(const struct track *track, int64_t index)
 {
 	int64_t lap;
-	double length = station_length(track, index, &lap);
+	double length = sample_length(track, index, &lap);
 	if (!track->timed)
 		return track->speed > 0 ? ((double)lap * track->length + length) / track->speed : 0;
 	struct track_point point;
@@ -213,23 +213,23 @@ static bool is_within(const struct track_point *point, double width, double heig
 	return point->x >= 0 && point->y >= 0 && point->x <= width && point->y <= height;
 }
 
-static bool station_within(const struct track *track, int64_t index, double width, double height)
+static bool sample_within(const struct track *track, int64_t index, double width, double height)
 {
 	struct track_point point;
 	motion_track_sample(track, index, &point);
 	return is_within(&point, width, height);
 }
 
-/* The first of [first, last] that is not within, all on one straight line: what is within of that is in one piece. */
+/* Finds the first of [first, last] that is outside. All lie on one straight line, so those inside are one piece. */
 static int64_t leaves_line(const struct track *track, int64_t first, int64_t last, double width, double height)
 {
-	if (first > last || !station_within(track, first, width, height))
+	if (first > last || !sample_within(track, first, width, height))
 		return first > last ? -1 : first;
-	if (station_within(track, last, width, height))
+	if (sample_within(track, last, width, height))
 		return -1;
 	while (last - first > 1) {
 		int64_t middle = first + (last - first) / 2;
-		if (station_within(track, middle, width, height))
+		if (sample_within(track, middle, width, height))
 			first = middle;
 		else
 			last = middle;
@@ -254,8 +254,8 @@ int64_t motion_track_leaves(const struct track *track, double width, double heig
 		}
 		was_within = within;
 	}
-	/* The last one is at the path's end, and need not be at a whole post. */
-	return was_within || track->loop || station_within(track, all - 1, width, height) ? -1 : all - 1;
+	/* The last path sample is at the path's end, which need not be a whole post. */
+	return was_within || track->loop || sample_within(track, all - 1, width, height) ? -1 : all - 1;
 }
 
 void motion_track_at(const struct track *track, double time, struct track_point *point)

@@ -1,11 +1,10 @@
 /*
- * page: decides which tiles are resident, and keeps what was changed until it is committed.
+ * page: decides which tiles are resident, and keeps changed tiles until they are committed.
  *
- * It knows neither GL nor SQLite. The owner (one thread, the one that owns GL) asks for pages by
- * key, executes the work the cache hands it ("upload 7", "read back 9"), and says when a step is
- * over. Loader threads call io.load, one writer thread calls io.commit; both outside the mutex.
- * The owner begins an upload or a read-back and does not wait for it: the cache asks later whether
- * it is settled, and until then leaves its image alone.
+ * It knows neither GL nor SQLite. It has one owner: the thread that owns GL. The owner asks for pages by key. It executes the
+ * work that the cache gives it ("upload 7", "read back 9"), and says when a step is over. Loader threads call io.load; one
+ * writer thread calls io.commit. Both run outside the mutex. The owner begins an upload or a read-back and does not wait for
+ * it. The cache asks later whether the transfer is settled, and leaves the image alone until then.
  *
  * Every function is for the owner thread unless it says otherwise.
  *
@@ -14,8 +13,8 @@
  *                                                  pin unpin             v
  *                                                      queue (filling -> full) -> committing -> gone
  *
- * The page that goes for another is the least recently used one that is not pinned; one that is
- * wished for goes only if there is no other. Use is a pin, or a picture's peek.
+ * A page that needs a slot evicts the least recently used page that is not pinned. A page with a prefetch request is evicted
+ * only if there is no other. A pin is a use, and so is a peek for a picture.
  */
 #ifndef FURROW_PAGE_H
 #define FURROW_PAGE_H
@@ -25,173 +24,173 @@
 
 #include "base/base.h"
 
-/* A page's bytes on the host. What they mean is the io's and the executor's business. */
-/* All planes; those a step changes; what else goes into an epoch. */
+/* A page's bytes on the host. Only the io and the executor know what they mean. */
+/* With all planes; with the planes that a step changes; with other data that is committed. */
 enum page_image_kind { PAGE_LOADED_IMAGE, PAGE_CHANGED_IMAGE, PAGE_SNAPSHOT_IMAGE, PAGE_IMAGE_KINDS };
 struct page_image {
 	uint64_t key;
-	unsigned flags; /* the io's own: which planes are filled */
-	bool overlays;  /* set by io.load: its upload looks at the queue's versions of other pages */
+	unsigned flags; /* for the io: which planes are filled */
+	bool overlays;  /* set by io.load: its upload reads the queued versions of other pages */
 	void *bytes;    /* executor.create's */
 	void *memory;   /* executor.create's own */
 };
 
 struct page_io {
 	void *user;
-	/* A loader thread (0 .. loaders - 1; the owner is 0 without loaders): fill `image`. `queued` is
-	 * the newest version of this page that is not in the store yet, or NULL: the planes it has are
-	 * newer than the store's. */
+	/* On a loader thread (0 .. loaders - 1; without loaders on the owner as 0): fills `image`. `queued` is the newest
+	 * version of this page that is not in the store yet, or NULL. Its planes are newer than the store's. */
 	enum status (*load)(void *user, unsigned loader, struct page_image *image,
 			    const struct page_image *queued);
-	/* The writer thread: commit `images`, `record` and the snapshot (NULL: there is none) as one epoch,
-	 * all or nothing. */
+	/* On the writer thread: commits `images`, `record` and `snapshot` (NULL: there is none), all or nothing. */
 	enum status (*commit)(void *user, const struct page_image *const *images, size_t count,
 			      const void *record, const struct page_image *snapshot);
 };
 
-/* What the owner does to slots and to the memory that feeds them; all in the order it is asked. */
+/* What the owner does to slots and to the memory that feeds them. Everything happens in the order of the calls. */
 struct page_executor {
 	void *user;
-	/* Sets image->bytes and image->memory; kept until destroy, which may wait. */
+	/* Sets image->bytes and image->memory, which stay until `destroy`. `destroy` may wait. */
 	enum status (*create)(void *user, enum page_image_kind kind, struct page_image *image);
 	void (*destroy)(void *user, struct page_image *image);
-	/* Begin to fill the slot from the image, or the image from the slot. */
+	/* Begins to fill the slot from the image, or the image from the slot. */
 	enum status (*upload)(void *user, uint32_t slot, struct page_image *image);
 	enum status (*read_back)(void *user, uint32_t slot, struct page_image *image);
-	/* Begin to fill the image from what is no page's and changes with the steps, as it is when an epoch
-	 * begins. NULL: there is nothing such. */
+	/* Begins to fill the image with data that belongs to no page and changes with the steps, as it is when a commit begins.
+	 * NULL: there is no such data. */
 	enum status (*snapshot)(void *user, struct page_image *image);
-	/* Whether what was begun last with this image is over; never waits. */
+	/* Tells whether the last transfer of this image has finished. Never waits. */
 	enum status (*settled)(void *user, const struct page_image *image, bool *settled);
 };
 
 struct page_params {
 	uint32_t slots;   /* at least 1 */
-	uint32_t loaders; /* threads; 0: the owner loads, and nothing ahead of time */
-	/* Changed pages (dirty, or waiting for a commit) at which page_cache_end_step starts an epoch;
-	 * at twice as many it waits for the one in flight. */
+	uint32_t loaders; /* threads; 0: the owner loads, and nothing is loaded ahead */
+	/* Number of changed pages (dirty, or waiting for a commit) at which page_cache_end_step starts a commit. At twice as
+	 * many it waits for the commit in flight. */
 	uint32_t queue_soft;
-	uint32_t queue_most; /* images for changed pages: PAGE_QUEUE_MOST; needing more is STATUS_FAILED */
-	double epoch_age;    /* seconds after which a change is committed; 0: only by their number */
-	size_t record_bytes; /* of the run's record, copied at each epoch */
-	/* The owner, before the record of an epoch is taken; NULL: nothing to do. */
+	uint32_t queue_most; /* images for changed pages: PAGE_QUEUE_MOST. If more are needed: STATUS_FAILED */
+	double epoch_age;    /* s after which a change is committed; 0: only their number counts */
+	size_t record_bytes; /* size of the run's record, which is copied at each commit */
+	/* On the owner's thread, before a commit takes the record; NULL: nothing to do. */
 	enum status (*before_epoch)(void *user);
 	void *before_epoch_user;
 	struct page_io io;
 	struct page_executor executor;
-	struct page_trace *trace; /* every access is noted there; NULL: nowhere */
+	struct page_trace *trace; /* notes every access; NULL: nothing does */
 };
-/* Enough for any step that changes `step_pages` pages: as many wait, at most, as are committed. */
+/* Enough for any step that changes `step_pages` pages: as many wait, at most, as are being committed. */
 #define PAGE_QUEUE_MOST(soft, step_pages) (2 * (2 * (soft) + (step_pages)))
 /* The threads' names. */
 #define PAGE_WRITER_THREAD "furrow-write"
 #define PAGE_LOADER_THREAD "furrow-load"
-/* Images for loads, made at once and kept. */
+/* Returns how many images for loads are made at the start and kept. */
 uint32_t page_load_images(uint32_t loaders);
 
 struct page_stats {
-	uint64_t hits, misses;    /* accesses by page_cache_pin that found it resident, or not */
-	uint64_t prefetched;      /* loads begun for a wish */
-	uint64_t cancelled;       /* wishes given up before they were resident */
-	uint64_t late;            /* misses whose load had begun and was not in its slot yet */
-	uint64_t not_begun;       /* misses that were requested ahead and whose load had not begun */
+	uint64_t hits, misses;    /* page_cache_pin found the page resident, or did not */
+	uint64_t prefetched;      /* loads begun for a prefetch request */
+	uint64_t cancelled;       /* prefetch requests given up before the page was resident */
+	uint64_t late;            /* misses whose load had begun, but was not in its slot yet */
+	uint64_t not_begun;       /* misses that had a prefetch request, but no load had begun */
 	uint64_t evictions;       /* pages that gave up their slot */
 	uint64_t writebacks;      /* pages committed */
-	uint64_t stalls;          /* times the owner waited: for a page, for the queue, for an epoch */
+	uint64_t stalls;          /* times the owner waited: for a page, for the queue, for a commit */
 	double stall_ms;
 	uint64_t touched;         /* different pages ever pinned */
-	uint64_t commits;         /* epochs whose commit returned */
+	uint64_t commits;         /* calls of io.commit that have returned */
 	uint32_t queue_peak;      /* images of changed pages made */
 };
 
 struct page_cache;
 
 enum status page_cache_create(const struct page_params *params, struct page_cache **out) FURROW_CHECKED;
-/* Stops the threads, after what each is at; commits nothing. Then only page_cache_stats and page_cache_destroy. */
+/* Stops the threads when each has finished its current work. Commits nothing. After it call only page_cache_stats and
+ * page_cache_destroy. */
 void page_cache_stop(struct page_cache *cache);
-/* This thread is the owner from now on; another one was, and does not use the cache meanwhile. Takes NULL. */
+/* Makes this thread the owner. The owner before it must not use the cache meanwhile. Takes NULL. */
 void page_cache_adopt(struct page_cache *cache);
-/* The same, and all it has. Takes NULL. */
+/* Stops the threads as page_cache_stop does, and frees everything. Takes NULL. */
 void page_cache_destroy(struct page_cache *cache);
 
-/* Resident and pinned on return: waits for the load if it must (counted as a stall), runs the work
- * list meanwhile. STATUS_FAILED if every slot is pinned. Pins count. */
+/* Makes a page resident and pins it. Waits for the load if it must, which counts as a stall, and executes other work meanwhile.
+ * A page pinned twice must be unpinned twice. STATUS_FAILED: every slot is pinned. */
 enum status page_cache_pin(struct page_cache *cache, uint64_t key, uint32_t *slot) FURROW_CHECKED;
-/* Several at once: all are requested before the first is waited for. At most 64. */
+/* Pins several pages, at most 64. Requests all loads before it waits for the first. */
 enum status page_cache_pin_all(struct page_cache *cache, const uint64_t *keys, size_t count,
 			       uint32_t *slots) FURROW_CHECKED;
 void page_cache_unpin(struct page_cache *cache, uint64_t key);
-/* The pinned page now differs from the store. */
+/* Says that the pinned page now differs from the store. */
 void page_cache_dirty(struct page_cache *cache, uint64_t key);
 
-/* The whole wish list, soonest needed first, each key once: these are loaded ahead, in this order, as far
- * as there are slots that this step has not used, and stay if anything else can go. What was wished
- * before and is not in the list is cancelled. */
+/* Sets the prefetch requests: the whole list, soonest needed first, each key once. These pages are loaded ahead in this order,
+ * as far as there are slots that this step has not used. They stay if anything else can go. Earlier requests that are not in
+ * the list are cancelled. */
 void page_cache_want(struct page_cache *cache, const uint64_t *keys, size_t count);
-/* How far the last list is: some of it is on its way; or all is resident, so that until it changes it
- * need not be given again; or neither, for want of slots, or since a load failed or something else
- * had to have a slot. */
-enum page_wishes { PAGE_WISHES_COMING, PAGE_WISHES_HERE, PAGE_WISHES_SHORT };
-enum page_wishes page_cache_wishes(struct page_cache *cache);
-/* True, with its slot, if resident now; no wait, no load, no pin. With `use` it becomes the most
- * recently used. The slot is valid until the next call that can evict (pin, poll). */
+/* State of the last list of prefetch requests. COMING: some pages are being loaded. HERE: all are resident, so an unchanged
+ * list need not be given again. SHORT: neither, because slots are missing, a load failed, or another page had to have a slot. */
+enum page_request_state { PAGE_REQUESTS_COMING, PAGE_REQUESTS_HERE, PAGE_REQUESTS_SHORT };
+enum page_request_state page_cache_request_state(struct page_cache *cache);
+/* Returns true, with the slot, if the page is resident now. Does not wait, load or pin. With `use` it becomes the most recently
+ * used. The slot is valid until the next call that can evict (pin, poll). */
 bool page_cache_peek(struct page_cache *cache, uint64_t key, bool use, uint32_t *slot);
-/* Executes the work that is ready (finished loads become resident), without waiting. */
+/* Executes the work that is ready: finished loads become resident. Does not wait. */
 enum status page_cache_poll(struct page_cache *cache) FURROW_CHECKED;
 
-/* The step is over and every page is consistent: starts an epoch if enough changed or a change is
- * old enough. `record` (world_record_bytes) goes into it. Dirty pages are read back as they are now and
- * committed in the background; they are clean unless dirtied again. Sticky failures surface here. */
+/* Call at the end of a step, when every page is consistent. Starts a commit if enough pages changed or a change is old enough.
+ * `record` (world_record_bytes) goes with it. Dirty pages are read back as they are now and committed in the background. They
+ * are clean unless a later step changes them again. Returns failures of the threads too. */
 enum status page_cache_end_step(struct page_cache *cache, const void *record) FURROW_CHECKED;
-/* Commits everything and waits for it. */
+/* Commits everything with this record, and waits for it. */
 enum status page_cache_flush(struct page_cache *cache, const void *record) FURROW_CHECKED;
 
-/* True while a rollback waits for the commit in flight, which need not end then: io.commit may fail with STATUS_INTERRUPTED, having
- * changed nothing, and that is no failure. Any thread. */
+/* Returns true while a rollback waits for the commit in flight. io.commit need not end then: it may change nothing and fail with
+ * STATUS_INTERRUPTED, which is no failure. Any thread. */
 bool page_cache_gives_up(struct page_cache *cache);
-/* Goes back to an earlier state of the store, between two steps. All for the owner thread. After page_cache_flush, and in
- * `back`, the writer thread is idle until the next epoch begins: the owner may use what io.commit writes to. */
+/* Goes back to an earlier state of the store, between two steps. All calls are on the owner thread. After page_cache_flush, and
+ * in `back`, the writer thread is idle until the next commit begins. So the owner may use what io.commit writes to. */
 struct page_rollback {
 	void *user;
-	/* The store goes back. Nothing reads it whose result is used. If it fails, it must be what it was. What will be lost,
-	 * though it was never committed, is what page_cache_each_changed() tells still. */
+	/* Sets the store back. No load whose result is used reads the store meanwhile. If it fails, it must change nothing.
+	 * page_cache_each_changed() still tells the changes that were never committed and will be lost. */
 	enum status (*back)(void *user);
-	/* After that, of a resident page that was committed: whether a load may bring now what is not in its slot. */
+	/* Called after `back`, for a resident page that was committed: whether a load could now bring other values than its
+	 * slot has. */
 	bool (*changed)(void *user, uint64_t key);
-	/* The page was resident, and is no more. */
+	/* Called when a page was resident and has been dropped. */
 	void (*dropped)(void *user, uint64_t key);
 };
-/* Waits for the epoch in flight, then goes back. What was changed and not committed is lost, loads and wishes are given up,
- * pages that changed are dropped, and read again when they are asked for; all others stay where they are. Nothing that is
- * dropped may be pinned. Sticky failures surface here; if it fails, no change is lost, and it may be called again. */
+/* Waits for the commit in flight, then goes back. Changes that were not committed are lost. Loads and prefetch requests are
+ * given up. Pages that changed are dropped, and read again when asked for; all others stay in their slots. No dropped page may
+ * be pinned. Also returns failures of the threads. If it fails, no change is lost, and it may be called again. */
 enum status page_cache_rollback(struct page_cache *cache, const struct page_rollback *rollback) FURROW_CHECKED;
 
-/* Versions of pages that a load which began before now may have missed: those waiting for a commit,
- * and those committed after the oldest load still on its way began. Oldest first. An executor that
- * uploads an image that `overlays` looks at them, and then at what each_resident shows; all are
- * filled then. At other times one whose read-back is not settled is not shown. */
+/* Tells versions of pages that a load begun earlier may have missed, oldest first. These are the versions that wait for a
+ * commit, and those committed after the oldest running load began.
+ *
+ * An executor that uploads an image with `overlays` reads them, and then the pages that page_cache_each_resident tells. All
+ * images are filled then. At other times an image whose read-back is not settled is left out. */
 typedef void (*page_image_fn)(void *user, const struct page_image *image);
 void page_cache_each_queued(struct page_cache *cache, page_image_fn fn, void *user);
-/* Resident pages, any order. */
+/* Tells the resident pages, in any order. */
 typedef void (*page_resident_fn)(void *user, uint64_t key, uint32_t slot, bool dirty);
 void page_cache_each_resident(struct page_cache *cache, page_resident_fn fn, void *user);
 
-/* Where the newest version of a page is, between two steps. With PAGE_NEWEST_QUEUED `fn` was called with its image, filled:
- * waits for its read-back if that is not settled. With PAGE_NEWEST_SLOT it is in `*slot`, dirty. Nothing is used, loaded or counted. */
+/* Tells where the newest version of a page is, between two steps. PAGE_NEWEST_QUEUED: `fn` was called with its filled image;
+ * this waits for its read-back. PAGE_NEWEST_SLOT: it is in `*slot`, dirty. Loads nothing; does not count as a use or an access. */
 enum page_newest { PAGE_NEWEST_STORED, PAGE_NEWEST_QUEUED, PAGE_NEWEST_SLOT };
 enum status page_cache_newest(struct page_cache *cache, uint64_t key, page_image_fn fn, void *user, enum page_newest *newest,
 			      uint32_t *slot) FURROW_CHECKED;
-/* Every page whose newest version may not be in the store, some twice. `fn` may not ask the cache for anything. */
+/* Tells every page whose newest version may not be in the store, some of them twice. `fn` must not call the cache. */
 typedef void (*page_key_fn)(void *user, uint64_t key);
 void page_cache_each_changed(struct page_cache *cache, page_key_fn fn, void *user);
 
 void page_cache_stats(struct page_cache *cache, struct page_stats *stats);
 
 /*
- * --- traces: what was asked of a cache, kept to judge it by ---
+ * --- traces: the accesses to a cache, to judge replacement policies by ---
  *
- * An access is a key of a pin or a peek with `use`. A trace is written beside its file and is that
- * file only once it is whole. One thread at a time a trace. Its file:
+ * An access is the key of a pin, or of a peek with `use`. A trace is written beside its file and gets the file's name only when
+ * it is complete. One thread at a time uses a trace. The file:
  *
  *     header   8 bytes "furrowPT", uint32 version, little-endian
  *     records  each begins with a number in LEB128 (7 bits a byte, low bits first):
@@ -202,8 +201,8 @@ void page_cache_stats(struct page_cache *cache, struct page_stats *stats);
  *       1                                         the end, followed by three uint64: how many accesses,
  *                                                 how many tiles, and the XXH3 of all bytes before itself
  *
- * A drive comes back to the tiles it lately had, and has few in all: of a million accesses most name
- * one of a few hundred tiles, which is two bytes, where key, step and flags in full would be 16.
+ * A drive uses few tiles, and the same ones again and again. Of a million accesses most name one of a few hundred tiles. Such
+ * an access takes two bytes. Key, step and flags in full would take 16.
  */
 #define PAGE_TRACE_MAGIC "furrowPT"
 #define PAGE_TRACE_VERSION 1
@@ -215,15 +214,15 @@ struct page_trace;
 
 /* STATUS_FAILED if `path` cannot be written, or is there and is no trace. */
 enum status page_trace_create(const char *path, struct page_trace **out) FURROW_CHECKED;
-/* `step` never falls; `key` is below 2^62; `resident`: the cache had it. A failure is kept for
- * page_trace_status, and nothing more is noted. Takes NULL: nothing. */
+/* Notes an access. `step` never falls; `key` is below 2^62; `resident`: the cache had the page. After a failure it notes
+ * nothing more; page_trace_status returns the failure. NULL: does nothing. */
 void page_trace_access(struct page_trace *trace, uint64_t step, uint64_t key, enum page_access kind,
 		       bool resident);
-/* What went wrong so far. Takes NULL. */
+/* Returns the first failure so far. Takes NULL. */
 enum status page_trace_status(const struct page_trace *trace) FURROW_CHECKED;
-/* Makes the trace whole and puts it in place; nothing may be noted after. Takes NULL. */
+/* Completes the trace and gives it its name. Note nothing after that. Takes NULL. */
 enum status page_trace_publish(struct page_trace *trace) FURROW_CHECKED;
-/* Leaves nothing behind unless it was published. Takes NULL. */
+/* Frees the trace, and removes its file unless it was published. Takes NULL. */
 void page_trace_destroy(struct page_trace *trace);
 
 #endif

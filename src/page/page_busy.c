@@ -1,12 +1,12 @@
 /*
- * What the executor has begun and not finished: uploads that still read their image, read-backs that
- * still fill theirs (10). It finishes in the order it was asked, so only the first is looked at.
+ * Transfers that the executor has begun and not finished: uploads that still read their image, and read-backs that still fill
+ * theirs (10). They finish in order, so only the first one is tested.
  */
 #include "page/page_internal.h"
 
 #include <assert.h>
 
-#define NAP 1e-4 /* s, between two looks at the executor, which wakes nobody */
+#define NAP 1e-4 /* s between two tests of the executor, which wakes nobody */
 
 void page_busy_add_locked(struct page_cache *cache, struct page_host *host, bool filling)
 {
@@ -69,7 +69,7 @@ enum status page_wait_locked(struct page_cache *cache)
 	mutex_unlock(&cache->mutex);
 	enum status status = page_settle(cache);
 	mutex_lock(&cache->mutex);
-	/* A thread may have called meanwhile: never sleep long. */
+	/* A thread may have signalled meanwhile: never sleep long. */
 	if (status == STATUS_OK && cache->busy.first == first)
 		condition_wait_for(&cache->done, &cache->mutex, NAP);
 	return status == STATUS_OK ? page_sticky_locked(cache) : status;

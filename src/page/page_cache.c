@@ -1,9 +1,9 @@
 /*
- * The cache as a whole: its life, its epochs, its numbers.
+ * The cache as a whole: creation, commits, figures.
  *
- * An epoch starts only in page_cache_end_step and page_cache_flush, where every page is as a step
- * left it: what is dirty is read back, and with all that waits, the record and the snapshot it is one commit (5).
- * So a page evicted in the middle of a step is never committed before the rest of that step.
+ * A commit starts only in page_cache_end_step and page_cache_flush, where every page is as a step left it. Dirty pages are read
+ * back. With all waiting images, the record and the snapshot they are one commit (5). So a page that is evicted in the middle
+ * of a step is never committed before the rest of that step.
  */
 #include "page/page_internal.h"
 
@@ -119,7 +119,7 @@ void page_cache_destroy(struct page_cache *cache)
 	mem_free(cache);
 }
 
-/* --- epochs --- */
+/* --- commits --- */
 
 static enum status read_back_dirty(struct page_cache *cache)
 {
@@ -131,7 +131,7 @@ static enum status read_back_dirty(struct page_cache *cache)
 	return status;
 }
 
-/* Behind the read-backs, so that whoever waits for the first waits for no more than it must. */
+/* After the read-backs, so that a wait for the first of them is not longer than it must be. */
 static enum status take_snapshot(struct page_cache *cache)
 {
 	const struct page_executor *executor = &cache->params.executor;
@@ -181,8 +181,8 @@ static enum status start_epoch(struct page_cache *cache, const void *record, boo
 	return page_settle(cache);
 }
 
-/* Many changes or an old one call for an epoch. It waits for the one in flight only when twice as
- * many are there: what can wait for a commit stays bounded then, however fast things change. */
+/* Many changes or an old one start a commit. It waits for the commit in flight only at twice that number. So the number of
+ * waiting changes is bounded, however fast the ground changes. */
 static bool epoch_is_due_locked(const struct page_cache *cache)
 {
 	const struct page_params *params = &cache->params;

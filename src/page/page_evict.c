@@ -3,18 +3,17 @@
  *
  *     LOADED -> take a slot (free, or of the least recently used page that may go) -> upload
  *
- * A dirty page goes to the queue before its slot is given away, and only once its read-back has begun
- * does it count as clean: the executor keeps the order, so whatever is uploaded over it comes after.
- * Whatever fails on the way, its newest bits are still in its slot or already wait. The executor is
- * called without the mutex (8).
+ * A dirty page goes to the queue before its slot is given away. It counts as clean only when its read-back has begun. The
+ * executor keeps the order, so an upload over it comes later. If anything fails on the way, its newest bits are still in its
+ * slot or already wait. The executor is called without the mutex (8).
  */
 #include "page/page_internal.h"
 
 #include <assert.h>
 
-/* An image for a changed page; NULL without failure only if `ahead`. There is one for every page of a
- * step that changes no more of them than it said: what waits is less than twice queue_soft before the
- * step, and so is what is committed, or kept after that. */
+/* Takes an image for a changed page; NULL without failure only if `ahead`. Every page of a step has one, if the step changes no
+ * more pages than promised. Fewer than twice queue_soft images wait before the step. The same bound holds for images that are
+ * being committed, or kept after that. */
 static enum status take_image(struct page_cache *cache, uint64_t key, bool ahead,
 			      struct page_host **out)
 {
@@ -66,24 +65,24 @@ enum status page_read_back(struct page_cache *cache, struct page *page, bool ahe
 	return status;
 }
 
-/* The least recently used page that may go: of those nobody wishes for, or else the one whose need is
- * farthest off. What is loaded ahead takes nothing that is wished for, nor from the step that runs. */
+/* Finds the least recently used page that may go. It has no prefetch request, or else its need is farthest off. A page that is
+ * loaded ahead replaces no requested page, and no page that this step used. */
 static struct page *find_victim(const struct page_cache *cache, bool ahead)
 {
 	struct page *farthest = NULL;
 	for (struct page *page = cache->table.resident.first; page != NULL; page = page->next) {
-		bool wished = page_wished(cache, page);
-		if (page->pins > 0 || (ahead && (wished || page->used_in == cache->step)))
+		bool requested = page_requested(cache, page);
+		if (page->pins > 0 || (ahead && (requested || page->used_in == cache->step)))
 			continue;
-		if (!wished)
+		if (!requested)
 			return page;
-		if (farthest == NULL || page->wished_at > farthest->wished_at)
+		if (farthest == NULL || page->requested_at > farthest->requested_at)
 			farthest = page;
 	}
 	return farthest;
 }
 
-/* A slot for a page; PAGE_NO_SLOT without failure only if `ahead`. */
+/* Takes a slot for a page; PAGE_NO_SLOT without failure only if `ahead`. */
 static enum status take_slot(struct page_cache *cache, bool ahead, uint32_t *slot)
 {
 	struct page_table *table = &cache->table;
@@ -104,14 +103,14 @@ static enum status take_slot(struct page_cache *cache, bool ahead, uint32_t *slo
 	mutex_lock(&cache->mutex);
 	*slot = page->slot;
 	table->used -= page->used_in == cache->step;
-	cache->wishes_kept = cache->wishes_kept && !page_wished(cache, page);
+	cache->requests_kept = cache->requests_kept && !page_requested(cache, page);
 	page_table_forget_locked(table, page, &table->resident);
 	cache->stats.evictions++;
 	mutex_unlock(&cache->mutex);
 	return STATUS_OK;
 }
 
-/* Whether the image may be uploaded: one that overlays needs every read-back there (10). */
+/* Tells whether the image may be uploaded. An image with `overlays` needs all read-backs to be settled (10). */
 static enum status wait_for_fills(struct page_cache *cache, const struct page_host *host, bool ahead,
 				  bool *ready)
 {
@@ -139,7 +138,7 @@ enum status page_install(struct page_cache *cache, struct page *page, bool *late
 		loaded = failure_restore(&host->failure);
 	else
 		status = take_slot(cache, ahead, &slot);
-	if (status == STATUS_OK && slot != PAGE_NO_SLOT) /* what went for it is being read back */
+	if (status == STATUS_OK && slot != PAGE_NO_SLOT) /* the page that it replaces is being read back */
 		status = wait_for_fills(cache, host, ahead, &ready);
 	*later = loaded == STATUS_OK && status == STATUS_OK && (slot == PAGE_NO_SLOT || !ready);
 	bool upload = slot != PAGE_NO_SLOT && status == STATUS_OK && ready;
@@ -152,7 +151,7 @@ enum status page_install(struct page_cache *cache, struct page *page, bool *late
 	if (!*later) {
 		if (upload) /* had it failed half-way, the executor might still read the image */
 			page_busy_add_locked(cache, host, false);
-		cache->wishes_kept = cache->wishes_kept && uploaded;
+		cache->requests_kept = cache->requests_kept && uploaded;
 		page_loads_land_locked(cache, page, uploaded ? slot : PAGE_NO_SLOT);
 	}
 	mutex_unlock(&cache->mutex);

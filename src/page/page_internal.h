@@ -1,7 +1,7 @@
 /*
- * page, inside: the structures one mutex guards, and what may be relied on between its sections.
+ * page, inside: the structures that one mutex guards, and the invariants between its sections.
  *
- * A page (a key the cache knows something about; ABSENT is: no page) and an image (host bytes):
+ * The states of a page (a key that the cache knows; ABSENT means: no page) and of an image (host bytes):
  *
  *          want, pin            loader takes it      io.load returns        upload
  *     ABSENT ---------> WANTED ---------> LOADING ---------> LOADED ---------> RESIDENT
@@ -12,26 +12,25 @@
  *          v                   |   commit returned   oldest load is newer         |
  *       waiting ------> committing --------> kept --------> unused       waiting <+
  *
- * A rollback takes dirty RESIDENT pages and those that changed to ABSENT, and what waits to unused.
+ * A rollback makes dirty RESIDENT pages, and pages that changed, ABSENT. It makes waiting images unused.
  *
  * Invariants, which asserts name:
  *
- *   1. A page is in one list: resident, urgent or wished (WANTED), or flights (LOADING, LOADED).
+ *   1. A page is in one list: resident, urgent or requested (WANTED), or flights (LOADING, LOADED).
  *   2. A page has a slot exactly when RESIDENT, and no slot has two pages.
- *   3. A pinned or dirty page is RESIDENT; while it is dirty its newest bits are in its slot.
+ *   3. A pinned or dirty page is RESIDENT. While it is dirty its newest bits are in its slot.
  *   4. A key has at most one image waiting, one committing and one kept, each newer than the next.
- *   5. An epoch takes every waiting image and every dirty page, between two steps; one at a time.
- *   6. A kept image is visible as long as a load is on its way that began before its commit
- *      returned; nothing is kept when no such load is.
- *   7. A page LOADING is the loader's: the owner only marks it urgent or stale. The loader drops
- *      what is stale; everything else it loaded is the owner's.
- *   8. What is in a slot or dirty is only touched by the owner thread, so that it may walk the
- *      resident list, and execute, without the mutex.
- *   9. There are at most three images a loader on their way, of which wishes have two, so
- *      that a pin is always served. A load needs no slot until it is uploaded.
- *  10. An image that the executor has begun to fill or to read is in `busy`, in the order begun, and
- *      neither read nor used again before it is settled: no load of its key begins, no epoch with it
- *      is handed over, and no page that overlays is uploaded while one is filling.
+ *   5. A commit takes every waiting image and every dirty page, between two steps; one at a time.
+ *   6. A kept image is visible while a load is running that began before the commit returned. Without such a load
+ *      nothing is kept.
+ *   7. A page LOADING belongs to its loader. The owner only marks it urgent or stale. The loader drops a stale page. Every
+ *      other page that it loaded belongs to the owner.
+ *   8. Only the owner thread uses slots and dirty pages. So it may walk the resident list, and execute, without the mutex.
+ *   9. At most three images a loader are in flight, and at most two of them for prefetch requests. So a pin is always
+ *      served. A load needs no slot until it is uploaded.
+ *  10. An image that the executor has begun to fill or to read is in `busy`, in the order begun. Until it is settled it
+ *      is neither read nor used again. That is: no load of its key begins, and no commit with it is handed over. While an
+ *      image is being filled, no page with `overlays` is uploaded.
  */
 #ifndef FURROW_PAGE_INTERNAL_H
 #define FURROW_PAGE_INTERNAL_H
@@ -42,17 +41,17 @@
 #define PAGE_NO_SLOT UINT32_MAX
 #define PAGE_PIN_MOST 64
 #define PAGE_FLIGHTS_PER_LOADER 3
-#define PAGE_WISHES_PER_LOADER 2
+#define PAGE_REQUESTS_PER_LOADER 2
 
 enum page_image_place { PAGE_UNQUEUED, PAGE_KEPT, PAGE_COMMITTING, PAGE_WAITING };
 
-/* Host bytes; the queue finds them by key, readers refer to them. Back to the pool at no `refs`. */
+/* Host bytes. The queue finds them by key, and readers count references. With no `refs` they return to the pool. */
 struct page_host {
 	struct page_image image;
 	enum page_image_kind kind;
 	enum page_image_place place;
 	bool filling;           /* a read-back into it is not settled */
-	uint32_t refs;          /* 1 by its list or by whoever fills it, 1 by each reader, 1 by `busy` */
+	uint32_t refs;          /* 1 for its list or for who fills it, 1 for each reader, 1 for `busy` */
 	uint64_t kept_until;    /* KEPT: for loads whose `begun` is at most this */
 	struct failure failure; /* LOADED: what io.load returned */
 	struct page_host *prev, *next, *hash_next;
@@ -75,9 +74,9 @@ struct page {
 	bool dirty;
 	uint32_t slot, pins;
 	uint64_t used_in;       /* the last step it was pinned or drawn in */
-	uint64_t wished_in;     /* the last wish list that had it, and where */
-	size_t wished_at;
-	uint64_t polled;        /* LOADED: the last poll that could not install it */
+	uint64_t requested_in;     /* number of the last request list that had it, and its place there */
+	size_t requested_at;
+	uint64_t polled;        /* LOADED: the last poll that could not make it resident */
 	uint64_t begun;         /* LOADING, LOADED: the clock of loads when it was taken */
 	struct page_host *host; /* LOADING, LOADED */
 	struct page *prev, *next, *hash_next;
@@ -91,9 +90,9 @@ struct page_list {
 struct page_table {
 	struct page **buckets;
 	size_t mask;
-	struct page *pages, *unused; /* all there can be; those ABSENT, by hash_next */
+	struct page *pages, *unused; /* all pages that can be known; unused ones are linked by hash_next */
 	struct page_list resident;   /* in order of use */
-	struct page_list urgent, wished, flights;
+	struct page_list urgent, requested, flights;
 	uint32_t pinned; /* pages with a pin */
 	uint32_t used;   /* resident pages used in this step */
 	uint32_t dirty;
@@ -110,7 +109,7 @@ struct page_queue {
 	uint32_t epoch_filling;      /* of those, committing */
 };
 
-/* Owner's: images in the executor's hands. */
+/* The owner's: images that the executor is working on. */
 struct page_busy {
 	struct page_host *first, *last;
 };
@@ -131,24 +130,24 @@ struct page_cache {
 	struct page_params params;
 	pthread_t owner;
 	struct mutex mutex;
-	struct condition work; /* to loaders and writer: something to do, or stopping */
-	struct condition done; /* to the owner: a load or a commit came back */
+	struct condition work; /* for loaders and writer: there is work, or they must stop */
+	struct condition done; /* for the owner: a load or a commit has ended */
 	bool stopping;
 	struct page_table table;
 	struct page_queue queue;
 	struct key_set touched; /* the keys that were ever pinned */
 	uint64_t load_clock; /* loads taken so far */
 	uint64_t step;       /* steps begun so far: pages that were never used say 0 */
-	uint64_t wish_list;  /* lists so far */
-	bool wishes_kept;    /* nothing of the last list was lost since, nor left out */
+	uint64_t request_list;  /* lists so far */
+	bool requests_kept;    /* no page of the last list was lost or left out since */
 	uint64_t polls;
 	struct page_busy busy;
 	enum page_epoch epoch;
 	const struct page_image **epoch_images; /* room for queue_most */
 	void *epoch_record;
-	struct page_host *epoch_snapshot; /* the one there is, referred to for good, in no list; NULL: none */
-	double dirty_since;     /* clock_seconds of the oldest change in no epoch; 0: none */
-	_Atomic bool giving_up; /* a rollback waits for the epoch: it need not be committed */
+	struct page_host *epoch_snapshot; /* the only one, always referenced, in no list; NULL: none */
+	double dirty_since;     /* clock_seconds of the oldest change that is in no commit; 0: none */
+	_Atomic bool giving_up; /* a rollback waits for the commit in flight, which need not be made */
 	struct failure failure; /* sticky */
 	struct page_stats stats;
 	struct page_loader *loaders;
@@ -160,13 +159,13 @@ static inline bool page_owner(const struct page_cache *cache)
 	return pthread_equal(cache->owner, pthread_self()) != 0;
 }
 
-/* The sticky failure, if there is one; leaves the thread's message alone if not. */
+/* Returns the sticky failure, if there is one. Otherwise it leaves the thread's message unchanged. */
 static inline enum status page_sticky_locked(const struct page_cache *cache)
 {
 	return cache->failure.status == STATUS_OK ? STATUS_OK : failure_restore(&cache->failure);
 }
 
-/* For assert only: everything above that can be seen without executing. */
+/* For assert only: checks all invariants above that can be seen without executing. */
 bool page_cache_sane_locked(const struct page_cache *cache);
 
 /* --- page_table.c --- */
@@ -182,7 +181,7 @@ void page_list_remove(struct page_list *list, struct page *page);
 
 /* --- page_cache.c --- */
 
-/* Until no epoch is in flight; a stall if a step waits for it. Sticky failures end it. */
+/* Waits until no commit is in flight; this is a stall if a step waits. A failure of the threads ends the wait. */
 enum status page_wait_for_epoch_locked(struct page_cache *cache, bool stall) FURROW_CHECKED;
 
 /* --- page_queue.c --- */
@@ -190,52 +189,52 @@ enum status page_wait_for_epoch_locked(struct page_cache *cache, bool stall) FUR
 enum status page_queue_init(struct page_queue *queue,
 			    const struct page_params *params) FURROW_CHECKED;
 void page_queue_finish(struct page_cache *cache);
-/* The owner: one more image of the kind, in the pool. */
+/* On the owner's thread: makes one more image of the kind, in the pool. */
 enum status page_host_make(struct page_cache *cache, enum page_image_kind kind) FURROW_CHECKED;
-/* An image with one reference from the pool; NULL if that is empty. */
+/* Returns an image from the pool with one reference; NULL: the pool is empty. */
 struct page_host *page_host_acquire_locked(struct page_cache *cache, enum page_image_kind kind,
 					   uint64_t key);
 void page_host_release_locked(struct page_cache *cache, struct page_host *host);
 struct page_host *page_queue_find_locked(const struct page_queue *queue, uint64_t key,
 					 enum page_image_place place);
-/* The newest version that the store may not have, or NULL. */
+/* Returns the newest version that the store may not have, or NULL. */
 struct page_host *page_queue_newest_locked(const struct page_queue *queue, uint64_t key);
-/* Takes the caller's reference; replaces an older version that waits. */
+/* Puts an image into the queue, with the caller's reference. It replaces an older waiting version. */
 void page_queue_wait_locked(struct page_cache *cache, struct page_host *host);
 void page_queue_begin_epoch_locked(struct page_cache *cache);
 void page_queue_end_epoch_locked(struct page_cache *cache, bool committed);
-/* Everything that waits is let go, though it was never committed. */
+/* Releases all waiting images, though they were never committed. */
 void page_queue_drop_waiting_locked(struct page_cache *cache);
-/* Lets go of what no load on its way can have missed. */
+/* Releases kept images that every running load is newer than. */
 void page_queue_release_kept_locked(struct page_cache *cache);
 
-/* --- page_busy.c: what the executor has begun --- */
+/* --- page_busy.c: transfers that the executor has begun --- */
 
 void page_busy_add_locked(struct page_cache *cache, struct page_host *host, bool filling);
-/* Lets go of what is settled, without waiting. Failing is sticky. */
+/* Releases images whose transfers are settled. Does not wait. Failures are sticky. */
 enum status page_settle(struct page_cache *cache) FURROW_CHECKED;
-/* The owner waits until a thread or the executor may have got further. Sticky failures end it. */
+/* Waits on the owner's thread until a thread or the executor may have made progress. Sticky failures end it. */
 enum status page_wait_locked(struct page_cache *cache) FURROW_CHECKED;
-/* The same, counted: `*stalled` says whether this occasion was counted before. */
+/* The same, counted as a stall. `*stalled` says whether this wait was counted before. */
 enum status page_stall_locked(struct page_cache *cache, bool *stalled) FURROW_CHECKED;
 
 /* --- page_loader.c --- */
 
 void *page_loader_body(void *loader);
-/* Takes the next page and loads it, letting the mutex go meanwhile; false if there is none to take. */
+/* Takes the next page and loads it, with the mutex released meanwhile. Returns false if there is no page to take. */
 bool page_load_next_locked(struct page_cache *cache, unsigned loader);
 /* The page is ABSENT. */
 struct page *page_loads_want_locked(struct page_cache *cache, uint64_t key, bool urgent);
 void page_loads_make_urgent_locked(struct page_cache *cache, struct page *page);
-/* The page, not RESIDENT, is dropped: now, or when its load comes. */
+/* Drops a page that is not RESIDENT: now, or when its load ends. */
 void page_loads_abandon_locked(struct page_cache *cache, struct page *page);
-/* Lets kept images go, by abandoning the loads they are kept for; not those a pin waits for. */
+/* Releases kept images by abandoning the loads that need them, except loads that a pin waits for. */
 void page_loads_abandon_late_locked(struct page_cache *cache);
-/* A LOADED page leaves the flights: for the LRU if it has a slot now, else it is forgotten. */
+/* Takes a LOADED page out of the flights. It enters the LRU list if it has a slot now; otherwise it is forgotten. */
 void page_loads_land_locked(struct page_cache *cache, struct page *page, uint32_t slot);
-/* Flights for wishes. */
+/* Running loads for prefetch requests. */
 uint32_t page_loads_ahead_locked(const struct page_cache *cache);
-/* When the oldest load began that will be installed; UINT64_MAX if none is on its way. */
+/* Returns when the oldest load began that will become resident; UINT64_MAX: no load is running. */
 uint64_t page_loads_oldest_locked(const struct page_cache *cache);
 
 /* --- page_writer.c --- */
@@ -244,17 +243,17 @@ void *page_writer_body(void *cache);
 
 /* --- page_evict.c: the owner's work list --- */
 
-/* Begins to read a dirty page back: it is clean and waits then. Without an image for it, it stays
- * dirty, which `ahead` is no failure. Failing in the executor is sticky. */
+/* Begins to read a dirty page back. It is clean then, and its image waits. Without a free image it stays dirty, which is no
+ * failure with `ahead`. A failure of the executor is sticky. */
 enum status page_read_back(struct page_cache *cache, struct page *page, bool ahead) FURROW_CHECKED;
-/* The LOADED page becomes RESIDENT, or on failure ABSENT. A wished one (not urgent) becomes ABSENT
- * without failure too if its load failed; `*later` if it cannot be installed yet. */
+/* Makes a LOADED page RESIDENT, or on failure ABSENT. A requested page that is not urgent becomes ABSENT without a failure if
+ * its load failed. `*later`: it cannot be made resident yet. */
 enum status page_install(struct page_cache *cache, struct page *page, bool *later) FURROW_CHECKED;
 
-/* --- page_wish.c --- */
+/* --- page_request.c --- */
 
-/* The page is the most recently used. */
+/* Marks the page as the most recently used. */
 void page_use_locked(struct page_cache *cache, struct page *page);
-bool page_wished(const struct page_cache *cache, const struct page *page);
+bool page_requested(const struct page_cache *cache, const struct page *page);
 
 #endif

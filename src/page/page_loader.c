@@ -1,12 +1,12 @@
 /*
- * Loads: who wants what, the loader threads, and the loads that are on their way.
+ * Loads: the pages that are wanted, the loader threads, and the running loads.
  *
- *     WANTED (urgent, in order of asking, or wished) -> LOADING -> LOADED -> the owner installs it
+ *     WANTED (urgent, in order of asking, or requested) -> LOADING -> LOADED -> the owner makes it resident
  *
- * Loaders take what a pin waits for first, and none whose newest version is still being read back
- * (10). A load gets its image when it is taken, so that a pin of many pages needs no more memory than
- * one of a few. The flights are in the order they began, so that the first one says which committed
- * images must still be kept (6). Without loaders the owner takes what its own pin waits for.
+ * Loaders first take pages that a pin waits for. They take none whose newest version is still being read back (10). A load gets
+ * its image when it is taken. So a pin of many pages needs no more memory than a pin of a few. The flights are in the order in
+ * which they began. So the first one tells which committed images must still be kept (6). Without loaders the owner loads the
+ * pages that its own pin waits for.
  */
 #include "page/page_internal.h"
 
@@ -21,7 +21,7 @@ struct page *page_loads_want_locked(struct page_cache *cache, uint64_t key, bool
 {
 	struct page_table *table = &cache->table;
 	struct page *page =
-		page_table_add_locked(table, key, urgent ? &table->urgent : &table->wished);
+		page_table_add_locked(table, key, urgent ? &table->urgent : &table->requested);
 	page->urgent = urgent;
 	condition_wake_all(&cache->work);
 	return page;
@@ -31,9 +31,9 @@ void page_loads_make_urgent_locked(struct page_cache *cache, struct page *page)
 {
 	assert(page->state != PAGE_RESIDENT && !page->stale);
 	if (page->state == PAGE_WANTED && !page->urgent) {
-		page_list_remove(&cache->table.wished, page);
+		page_list_remove(&cache->table.requested, page);
 		page_list_append(&cache->table.urgent, page);
-		condition_wake_all(&cache->work); /* for wishes there may be no room now */
+		condition_wake_all(&cache->work); /* for requests there may be no room now */
 	}
 	page->urgent = true;
 }
@@ -52,10 +52,10 @@ void page_loads_abandon_locked(struct page_cache *cache, struct page *page)
 {
 	assert(page->state != PAGE_RESIDENT);
 	struct page_table *table = &cache->table;
-	cache->wishes_kept = cache->wishes_kept && !page_wished(cache, page);
+	cache->requests_kept = cache->requests_kept && !page_requested(cache, page);
 	if (page->state == PAGE_WANTED) {
 		page_table_forget_locked(table, page,
-					 page->urgent ? &table->urgent : &table->wished);
+					 page->urgent ? &table->urgent : &table->requested);
 	} else if (page->state == PAGE_LOADED) {
 		drop_locked(cache, page);
 	} else {
@@ -140,8 +140,8 @@ static struct page *take_locked(struct page_cache *cache)
 		return NULL; /* 9 */
 	struct page_list *list = &table->urgent;
 	struct page *page = first_readable_locked(cache, list);
-	if (page == NULL && page_loads_ahead_locked(cache) < PAGE_WISHES_PER_LOADER * cache->params.loaders) {
-		list = &table->wished;
+	if (page == NULL && page_loads_ahead_locked(cache) < PAGE_REQUESTS_PER_LOADER * cache->params.loaders) {
+		list = &table->requested;
 		page = first_readable_locked(cache, list);
 		cache->stats.prefetched += page != NULL;
 	}

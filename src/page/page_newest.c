@@ -1,6 +1,6 @@
 /*
- * Looking at the newest version of a page, wherever it is: for who asks about the ground between two steps. Changes
- * nothing that decides what goes or stays.
+ * Finds the newest version of a page, wherever it is, for queries between two steps. It changes nothing that decides which page
+ * goes or stays.
  */
 #include "page/page_internal.h"
 
@@ -20,7 +20,7 @@ enum status page_cache_newest(struct page_cache *cache, uint64_t key, page_image
 		mutex_unlock(&cache->mutex);
 		return STATUS_OK;
 	}
-	/* What is being filled is in busy: so there is something to wait for. */
+	/* An image that is being filled is in busy, so there is something to wait for. */
 	while ((host = page_queue_newest_locked(&cache->queue, key)) != NULL && host->filling && status == STATUS_OK)
 		status = page_wait_locked(cache);
 	*newest = host != NULL ? PAGE_NEWEST_QUEUED : PAGE_NEWEST_STORED;

@@ -1,9 +1,9 @@
 /*
- * Pins: making pages resident now; and looking whether they are.
+ * Pins make pages resident now. A peek tells whether they are.
  *
- * A pin counts the slots first: what it wants and what is pinned already must fit, so that an
- * eviction always finds a victim. Then it asks for everything, and pins each page as soon as it is
- * resident, so that none is evicted for its siblings. If anything fails, all it did is undone.
+ * A pin counts the slots first. The wanted pages and the pages already pinned must fit, so that an eviction always finds a
+ * page. Then it asks for all pages, and pins each one as soon as it is resident. So none is evicted for another one of the same
+ * call. If anything fails, all of it is undone.
  */
 #include "page/page_internal.h"
 
@@ -52,7 +52,7 @@ static void hold_locked(struct page_cache *cache, struct request *request, size_
 	request->held[i] = true;
 }
 
-/* Counts the access; the page is resident and pinned then, or on its way. */
+/* Counts the access. After it the page is resident and pinned, or being loaded. */
 static void ask_locked(struct page_cache *cache, struct request *request, size_t i)
 {
 	struct page *page = page_table_find_locked(&cache->table, request->keys[i]);

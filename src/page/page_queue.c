@@ -1,15 +1,15 @@
 /*
- * Images, and the host queue: versions of pages that are not in the store yet, or only just.
+ * Images, and the host queue: versions of pages that are not in the store yet, or have only just been committed.
  *
  *     unused -> waiting (a read-back fills it) -> committing -> kept -> unused
  *
- * Every version is found by key, so that a load gets the newest one instead of what the store
- * has. A newer version that waits replaces an older one that waits; one that is being committed
- * stays as it is (invariant 4). An image with a reader leaves its list but not the memory.
+ * Every version is found by key, so that a load gets the newest one instead of the store's. A newer waiting version replaces an
+ * older waiting one. A version that is being committed stays as it is (invariant 4). An image with a reader leaves its list,
+ * but keeps its memory.
  *
- * Memory: those for loads are made with the cache (9), those for changed pages when first needed, at
- * most queue_most; all go back with the cache. One taken by a load comes back when its upload is
- * settled, one of a changed page when it is committed and no load can have missed it.
+ * Images for loads are made with the cache (9). Images for changed pages are made when first needed, at most queue_most. All
+ * are freed with the cache. An image of a load returns to the pool when its upload is settled. An image of a changed page
+ * returns when it is committed and no load can have missed it.
  */
 #include "page/page_internal.h"
 
@@ -174,7 +174,7 @@ void page_queue_wait_locked(struct page_cache *cache, struct page_host *host)
 	enter_locked(queue, host, PAGE_WAITING, queue->waiting.last);
 }
 
-/* --- epochs --- */
+/* --- commits --- */
 
 void page_queue_begin_epoch_locked(struct page_cache *cache)
 {

@@ -1,11 +1,13 @@
 /*
- * Back to what the store was: everything newer is dropped, and read again when it is asked for.
+ * Goes back to an earlier state of the store. Everything newer is dropped, and read again when it is asked for. The order is:
  *
- *   no epoch in flight (the one that is need not be committed) -> loads on their way are given up -> the store goes back -> images that wait, and pages that are
- *   dirty or have changed, are dropped
+ * - no commit is in flight; the one that is need not be made,
+ * - running loads are given up,
+ * - the store goes back,
+ * - waiting images, and pages that are dirty or have changed, are dropped.
  *
- * In that order: where it fails, nothing was dropped but loads, which are asked for again. While the store goes back no
- * page is wanted, so no loader reads it; what one had begun to read before is stale, and dropped when it comes.
+ * If a step of this fails, only loads were dropped, and they are asked for again. While the store goes back no page is wanted,
+ * so no loader reads it. A load that began earlier is stale, and is dropped when it ends.
  */
 #include "page/page_internal.h"
 
@@ -16,8 +18,8 @@ static void give_up_loads_locked(struct page_cache *cache)
 	struct page_table *table = &cache->table;
 	struct page *next;
 	assert(table->urgent.count == 0);
-	while (table->wished.first != NULL) {
-		page_loads_abandon_locked(cache, table->wished.first);
+	while (table->requested.first != NULL) {
+		page_loads_abandon_locked(cache, table->requested.first);
 		cache->stats.cancelled++;
 	}
 	for (struct page *page = table->flights.first; page != NULL; page = next) {
@@ -37,12 +39,12 @@ static void drop_page_locked(struct page_cache *cache, struct page *page)
 	table->dirty -= page->dirty;
 	page->dirty = false;
 	table->used -= page->used_in == cache->step;
-	cache->wishes_kept = cache->wishes_kept && !page_wished(cache, page);
+	cache->requests_kept = cache->requests_kept && !page_requested(cache, page);
 	table->free_slots[table->free_count++] = page->slot;
 	page_table_forget_locked(table, page, &table->resident);
 }
 
-/* Its newest bits are in its slot, or were read back from there and wait. */
+/* Tells whether its newest bits are in its slot, or were read back from there and wait. */
 static bool uncommitted(struct page_cache *cache, const struct page *page)
 {
 	mutex_lock(&cache->mutex);
@@ -51,7 +53,7 @@ static bool uncommitted(struct page_cache *cache, const struct page *page)
 	return page->dirty || waits;
 }
 
-/* Only the owner touches what is resident (8): it may ask and tell without the mutex. */
+/* Only the owner uses resident pages (8), so this needs no mutex. */
 static void drop_pages(struct page_cache *cache, const struct page_rollback *rollback)
 {
 	struct page *next;

@@ -1,9 +1,9 @@
 /*
- * The page table: key to page, the lists pages are in, the slots nobody has.
+ * The page table: finds a page by key. It has the lists of pages, and the free slots.
  *
- * Nothing here allocates after page_table_init: there are as many pages as can ever be known at
- * once, which is one a slot, what one pin may ask for, what is on its way (9), and a wish a slot; and
- * as many again, of the list before, while a list replaces another.
+ * Nothing here allocates after page_table_init, since it makes as many pages as can be known at once. That is one for each
+ * slot, the pages of one pin, the running loads (9), and one prefetch request for each slot. While one list of requests
+ * replaces another, the requests of the old list count too.
  */
 #include "page/page_internal.h"
 
@@ -149,10 +149,10 @@ bool page_cache_sane_locked(const struct page_cache *cache)
 	       table->resident.count + table->free_count <= cache->params.slots && /* 2 */
 	       table->flights.count <= page_load_images(cache->params.loaders) && /* 9 */
 	       page_loads_ahead_locked(cache) <=
-		       PAGE_WISHES_PER_LOADER * cache->params.loaders && /* 9 */
+		       PAGE_REQUESTS_PER_LOADER * cache->params.loaders && /* 9 */
 	       cache->queue.made[PAGE_CHANGED_IMAGE] <= cache->params.queue_most &&
 	       list_sane_locked(table, &table->resident) &&
 	       list_sane_locked(table, &table->urgent) &&
-	       list_sane_locked(table, &table->wished) &&
+	       list_sane_locked(table, &table->requested) &&
 	       list_sane_locked(table, &table->flights) && queue_sane_locked(cache);
 }

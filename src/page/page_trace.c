@@ -1,10 +1,10 @@
 /*
- * Writing a trace: FILE.part while it grows, FILE once it is whole.
+ * Writes a trace: FILE.part while it grows, FILE once it is complete. Noting an access costs the step a look-up and a few bytes
+ * into a buffer, and a write for every 64 KiB.
  *
- * Noting an access costs the step a look-up and a few bytes into a buffer, and every 64 KiB a write.
- * 1. Nothing is noted or put in place after a failure: what is in place is a whole trace or none.
- * 2. A file that is no trace is never replaced, and two drives never write the same one: the .part is
- *    locked, and the lock goes with the process.
+ * - After a failure nothing more is noted or renamed. A FILE is always a complete trace.
+ * - A file that is no trace is never replaced. Two drives never write the same trace: the .part is locked, and the lock ends
+ * with the process.
  */
 #include <assert.h>
 #include <errno.h>
@@ -98,7 +98,7 @@ static enum status begin(struct page_trace *trace)
 	int file = open(trace->aside.part, O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
 	if (file < 0)
 		return fail_with(STATUS_FAILED, "%s: %s; give a file that can be written", trace->aside.part, strerror(errno));
-	/* Between the two another drive may have published this very file, which is no .part any more. */
+	/* Between open and lock another drive may have published this very file, so that it is no .part any more. */
 	struct stat found, named;
 	if (flock(file, LOCK_EX | LOCK_NB) != 0 || stat(trace->aside.part, &named) != 0 || fstat(file, &found) != 0 ||
 	    found.st_ino != named.st_ino) {
@@ -107,7 +107,7 @@ static enum status begin(struct page_trace *trace)
 	}
 	trace->file = file;
 	trace->aside.begun = true;
-	/* What a killed drive left is written over. */
+	/* The file of a killed drive is overwritten. */
 	if (found.st_size > 0 && ftruncate(file, 0) != 0)
 		return cannot_write(trace);
 	memcpy(trace->buffer, PAGE_TRACE_MAGIC, sizeof PAGE_TRACE_MAGIC - 1);

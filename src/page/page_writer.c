@@ -1,11 +1,11 @@
 /*
- * The writer thread: commits the epochs the owner hands over, one at a time.
+ * The writer thread: makes the commits that the owner hands over, one at a time.
  *
  *     idle -> (page_queue_begin_epoch_locked, all read-backs settled) -> io.commit -> idle
  *
- * While an epoch is in flight its images, the array of them, the record and the snapshot are the writer's to
- * read and nobody's to write. A commit that fails is sticky: its images wait again. So do those of one that was given up for a
- * rollback, which drops them.
+ * While a commit is in flight, only the writer reads its images, their array, the record and the snapshot. Nobody writes them.
+ * A failed commit is sticky: its images wait again. So do those of a commit that was
+ * given up for a rollback, which drops them.
  */
 #include "page/page_internal.h"
 

@@ -118,12 +118,12 @@ struct render_colour render_ground_colour(double shade, double flat, struct rend
 /* --- font.c --- */
 size_t render_text_letters(const char *text);
 
-/* --- survey.c --- */
+/* --- map_raster.c --- */
 /* Metres: of all pixels with values, `share` are no larger than *size; and the least and most of all (0 too). */
-enum status render_survey_spread(const struct render_survey *survey, double share, double *size, double *low,
+enum status render_map_raster_spread(const struct render_map_raster *raster, double share, double *size, double *low,
 				 double *high) FURROW_CHECKED;
 
-/* --- sheet.c --- */
+/* --- map_layout.c --- */
 double render_round_length(double most); /* the longest of 1, 2 or 5 times a power of ten that is no longer */
 
 struct render {

@@ -24,7 +24,7 @@ struct object_mesh {
 	bool closed; /* triangles are seen from their front alone */
 	bool failed; /* out of memory; the end of making it says so */
 };
-/* A wheel has its lugs where deform presses them at turn 0. */
+/* A wheel has its grousers where deform presses them at turn 0. */
 enum status render_object_mesh_make(const struct deform_shape *shape, struct object_mesh *mesh) FURROW_CHECKED;
 void render_object_mesh_finish(struct object_mesh *mesh);
 /* The number of the new corner. */

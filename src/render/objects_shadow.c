@@ -1,6 +1,6 @@
 /*
  * What an object's shadow is made of: a form as simple as can be, and a volume in which it shades the ground. The form is
- * the shape itself, but for a wheel's lugs, and the box around a mesh. The volume is a box along the sun's azimuth, from a little behind the
+ * the shape itself, but for a wheel's grousers, and the box around a mesh. The volume is a box along the sun's azimuth, from a little behind the
  * object to where the shadow of its top ends; the shader lets the shadow fade before its sides.
  */
 #include <math.h>

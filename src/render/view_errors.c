@@ -60,7 +60,7 @@ enum status render_view_errors_touch(struct view *view, struct tile tile)
 }
 
 /* How far to a shape's sides the ground beside its middle counts, forwards and to the left, and by how much its
- * underside is higher there; metres. */
+ * lower envelope is higher there; metres. */
 static void sides(const struct deform_shape *shape, double far[2], double lift[2])
 {
 	lift[0] = lift[1] = 0;

@@ -1,5 +1,5 @@
 /*
- * Where the objects are in a picture: at its time, between two stations. Over the ground they are as the last station
+ * Where the objects are in a picture: at its time, between two path samples. Over the ground they are as the last path sample
  * pressed: as deep below the undisturbed ground as there, a load as deep as the soil was last found to carry it. A wheel and a ball have
  * turned by the way since.
  */
@@ -7,7 +7,7 @@
 
 #include "render/view.h"
 
-/* Radians that it has turned, with the way since its last station. A path's attitude says all of a ball's. */
+/* Radians that it has turned, with the way since its last path sample. A path's attitude says all of a ball's. */
 static double turned_at(const struct body *body, const struct track_point *point)
 {
 	const struct deform_shape *shape = &body->object->shape;

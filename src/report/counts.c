@@ -1,8 +1,8 @@
 /*
- * What a drive made and ran, counted where it was made and run: run.json's "counts", by the words of plans (base/plan.h).
+ * The "counts" of run.json: what a drive made and ran, named as in plans (base/plan.h).
  *
- * What lasts (programs, textures, bytes, threads, and the units of memory) and the store's statements are counted from the
- * process's start, warming up included; passes, and the units of work, from the first step.
+ * Lasting things (programs, textures, bytes, threads, units of memory) and the store's statements are counted from the
+ * process's start, with warming up. Passes and units of work are counted from the first step.
  */
 #include "base/json.h"
 #include "base/plan.h"

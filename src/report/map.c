@@ -1,11 +1,12 @@
 /*
- * map.png: where a drive went and what it left. The hillshade around the objects' ways, the offsets in false colour, each
- * way as a thin line from a dot with the object's name.
+ * map.png: where a drive went and what it left. It shows the hillshade around the objects' ways and the offsets in false
+ * colour. Each way is a thin line from a dot with the object's name.
  *
- * Made when all else is over, from the store as the last commit left it, with a reader of its own: nothing of it is in
- * the drive's counts. It takes at most SIDE_MOST posts on a side, of the finest level that needs no more of them and is no
- * finer than what is stored; and TILES_MOST tiles of offsets, at a coarser level where there are more: so that a drive of any
- * length over any terrain costs about the same. With that many each pixel still has 8 x 8 posts, or all there are.
+ * It is made at the end, from the last commit, with a reader of its own. So the drive's counts do not include it.
+ *
+ * It takes at most SIDE_MOST posts on a side. The level is the finest one that fits, but no finer than the stored one. It reads
+ * at most TILES_MOST tiles of offsets, at a coarser level if there are more. So its cost is about the same for any drive and
+ * terrain. With that many each pixel still has 8 x 8 posts, or all there are.
  */
 #include <math.h>
 #include <string.h>
@@ -13,12 +14,12 @@
 #include "report/report.h"
 
 #define SIDE_MOST 1080 /* pixels of the map, without its frame */
-#define SIDE 900       /* smaller ones are enlarged to about that */
+#define SIDE 900       /* smaller maps are enlarged to about that */
 #define TILES_MOST 2048
 #define POSTS_LEAST 64 /* of the working level, across */
 #define NAMES_MOST 24
 
-/* Told apart from each other and from the ramps; by the object's number. */
+/* Colours that differ from each other and from the ramps; by the object's number. */
 static const struct render_colour colours[] = {
 	{20, 120, 60, 255}, {0, 0, 0, 255}, {0, 150, 150, 255}, {150, 110, 10, 255}, {190, 20, 130, 255}, {90, 90, 90, 255},
 };
@@ -28,7 +29,7 @@ static struct render_colour colour_of(size_t object)
 	return colours[object % (sizeof colours / sizeof *colours)];
 }
 
-/* The same, to lie around white letters. */
+/* The same colours, darker, for the outline of white letters. */
 static struct render_colour dark_of(size_t object)
 {
 	struct render_colour colour = colour_of(object);
@@ -44,7 +45,7 @@ struct way {
 struct map {
 	const struct world *world;
 	struct way *ways;
-	struct render_survey survey;
+	struct render_map_raster raster;
 	struct render_canvas canvas;
 	struct render_placed placed;
 };
@@ -67,7 +68,7 @@ static enum status take_ways(struct map *map)
 	return STATUS_OK;
 }
 
-/* Metres: around all ways, of what of them is on the terrain; all of it if none is. */
+/* Finds the extent around all ways, metres, as far as it is on the terrain; the whole terrain if none is. */
 static void find_extent(const struct map *map, const double size[2], double low[2], double high[2])
 {
 	const struct world *world = map->world;
@@ -99,7 +100,7 @@ static void find_extent(const struct map *map, const double size[2], double low[
 	}
 }
 
-/* Which posts of which level: in view, at least two across where the terrain has so many. */
+/* Finds the level and its posts in view, at least two across if the terrain has so many. */
 static struct post_rect find_rect(const struct map *map, int *level)
 {
 	const struct world *world = map->world;
@@ -120,11 +121,11 @@ static struct post_rect find_rect(const struct map *map, int *level)
 	}
 }
 
-static enum status survey(struct map *map)
+static enum status raster(struct map *map)
 {
 	const struct world *world = map->world;
 	struct store_reader *reader = NULL;
-	struct render_survey_params params = {
+	struct render_map_raster_params params = {
 		.meta = world->meta,
 		.layer = STORE_OFFSET,
 		.exaggerate = 1,
@@ -136,10 +137,10 @@ static enum status survey(struct map *map)
 	enum status status = store_reader_create(world->store, &reader);
 	params.reader = reader;
 	if (status == STATUS_OK)
-		status = render_survey_create(&params, &map->survey);
-	/* A way's line would hide what is as narrow. */
+		status = render_map_raster_create(&params, &map->raster);
+	/* The line of a way would hide ruts that are as narrow. */
 	if (status == STATUS_OK && params.deformed && params.level > params.working)
-		status = render_survey_widen(&map->survey);
+		status = render_map_raster_widen(&map->raster);
 	store_reader_destroy(reader);
 	return status;
 }
@@ -170,7 +171,7 @@ static bool is_free(const struct label *label, const struct label *others, size_
 	return true;
 }
 
-/* The nearest place beside a dot that is on the map and free: right or left of it, above and below. False: none is. */
+/* Finds the nearest free place beside a dot that is on the map: right or left, above or below. False: there is none. */
 static bool place_label(const struct render_placed *placed, const double dot[2], const char *name, const struct label *others,
 			size_t count, struct label *label)
 {
@@ -198,7 +199,7 @@ static enum status draw_ways(const struct map *map)
 		struct way *way = &map->ways[i];
 		const double(*places)[2] = (const double(*)[2])on_canvas(map, way);
 		struct render_colour colour = colour_of(i);
-		colour.a = 200; /* the rut below is seen through it */
+		colour.a = 200; /* the rut below stays visible */
 		status = render_canvas_path(&map->canvas, places, way->count, 1.2 * unit, pale);
 		if (status == STATUS_OK)
 			status = render_canvas_path(&map->canvas, places, way->count, 0.6 * unit, colour);
@@ -238,23 +239,23 @@ static enum status draw(struct map *map, const char *path, const char *ended)
 	char title[256], subtitle[96];
 	snprintf(title, sizeof title, "%s, %g s", slash != NULL ? slash + 1 : world->scene->file, world->time);
 	snprintf(subtitle, sizeof subtitle, "%s%s%.4g m a post", strcmp(ended, "complete") == 0 ? "" : ended,
-		 strcmp(ended, "complete") == 0 ? "" : ", ", map->survey.spacing);
-	struct render_sheet sheet = {
-		.survey = &map->survey,
+		 strcmp(ended, "complete") == 0 ? "" : ", ", map->raster.spacing);
+	struct render_map_layout layout = {
+		.raster = &map->raster,
 		.title = title,
 		.subtitle = subtitle,
 		.layer = "offset",
 		.ramp = RENDER_RAMP_SIGNED,
 		.side = SIDE,
 	};
-	enum status status = render_sheet_create(&sheet, &map->canvas, &map->placed);
+	enum status status = render_map_layout_create(&layout, &map->canvas, &map->placed);
 	if (status != STATUS_OK)
 		return status;
 	status = draw_ways(map);
 	if (status == STATUS_OK)
 		draw_names(map);
 	if (status == STATUS_OK)
-		status = render_sheet_frame(&sheet, &map->canvas, &map->placed);
+		status = render_map_layout_frame(&layout, &map->canvas, &map->placed);
 	return status == STATUS_OK ? render_canvas_write(&map->canvas, path) : status;
 }
 
@@ -263,13 +264,13 @@ enum status report_map(const struct world *world, const char *path, const char *
 	struct map map = {.world = world};
 	enum status status = take_ways(&map);
 	if (status == STATUS_OK)
-		status = survey(&map);
+		status = raster(&map);
 	if (status == STATUS_OK)
 		status = draw(&map, path, ended);
 	for (size_t i = 0; map.ways != NULL && i < world->scene->object_count; i++)
 		mem_free(map.ways[i].places);
 	mem_free(map.ways);
-	render_survey_finish(&map.survey);
+	render_map_raster_finish(&map.raster);
 	render_canvas_finish(&map.canvas);
 	return status;
 }

@@ -1,4 +1,4 @@
-/* objects.csv: what the soil did to each body, a row for each multiple of 1 / output.forces. SCENE.md has the columns. */
+/* objects.csv: the forces of the soil on each body, a row for each multiple of 1 / output.forces. SCENE.md has the columns. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,7 +13,7 @@ struct report_rows {
 	const struct world *world;
 	const char *directory;
 	FILE *file;
-	long marked; /* bytes: what a rollback leaves */
+	long marked; /* bytes that a rollback keeps */
 	struct world_rows sink;
 };
 
@@ -59,7 +59,7 @@ static enum status rollback(void *user)
 	return STATUS_OK;
 }
 
-/* Where the rows at or before `time` end; a kill may have torn the last line. */
+/* Finds where the rows at or before `time` end. A kill may have torn the last line. */
 static long whole_until(FILE *file, double time)
 {
 	char line[1024];

@@ -1,13 +1,12 @@
 /*
- * What a drive will make and run, before it does. What a drive does by these functions it does by them alone, so that the plan
- * cannot say otherwise.
+ * What a drive will make and run, found before it begins. A drive uses these same functions. So the plan and the drive agree.
  */
 #include <string.h>
 #include <unistd.h>
 
 #include "report/report.h"
 
-/* Room for one more is made before it is filled; a failure is kept by `failed`. */
+/* There is always room for one more text before it is written. `failed` keeps a failure. */
 struct notes {
 	struct report_plan *plan;
 	bool failed;
@@ -38,7 +37,7 @@ static enum status plan_lines(const struct world *world, struct plan *plan)
 	bool classes = world_needs_soil_map(scene);
 	bool decimates = planes != 0 && scene->view.present;
 	enum status status = world_plan_deform(world, plan);
-	/* Its planes come first: what calls for the offset has the tiles deformed. */
+	/* Its planes come first: the effect that needs the offset is the one that deforms tiles. */
 	const char *effect = plan->count > 0 ? plan->lines[0].effect : NULL;
 	gpu_slots_plan(cells, planes, classes, world->level < 0, decimates, effect, plan);
 	if (scene->view.present) {
@@ -75,11 +74,11 @@ static enum status describe(struct world *world, struct report_plan *out)
 	out->steps = (int64_t)world_steps_until(scene, scene->end_time);
 	out->picture_steps = scene->view.present ? scene->view.images : 0;
 	out->pictures = out->picture_steps > 0 ? out->steps / out->picture_steps : 0;
-	out->stations = mem_calloc(scene->object_count + 1, sizeof *out->stations);
-	if (out->stations == NULL)
+	out->samples = mem_calloc(scene->object_count + 1, sizeof *out->samples);
+	if (out->samples == NULL)
 		return fail_memory("the plan");
 	for (size_t i = 0; i < scene->object_count; i++)
-		out->stations[i] = world_samples_until(world->bodies[i].track, scene->end_time);
+		out->samples[i] = world_samples_until(world->bodies[i].track, scene->end_time);
 	world_advise(world, keep_note, &notes);
 	status = plan_lines(world, &out->plan);
 	return status == STATUS_OK && notes.failed ? fail_memory("the plan") : status;
@@ -116,7 +115,7 @@ void report_plan_finish(struct report_plan *plan)
 	for (size_t i = 0; i < plan->note_count; i++)
 		mem_free(plan->notes[i]);
 	mem_free(plan->notes);
-	mem_free(plan->stations);
+	mem_free(plan->samples);
 	mem_free(plan->store);
 	mem_free(plan->missing);
 	plan_finish(&plan->plan);

@@ -1,4 +1,4 @@
-/* run.json: what a drive did and what it took. */
+/* run.json: what a drive did and what it used. */
 #include <math.h>
 #include <string.h>
 
@@ -13,7 +13,7 @@ static const char *const group_names[GPU_GROUPS] = {
 
 static void add_times(cJSON *root, const struct report *report)
 {
-	/* p99 of frames a second: of the slow end. */
+	/* p99 of frames a second: at the slow end. */
 	cJSON *fps = cJSON_AddObjectToObject(root, "fps");
 	json_number(fps, "mean", 1e3 / times_mean(&report->frame_ms));
 	json_number(fps, "p50", 1e3 / times_percentile(&report->frame_ms, 0.5));
@@ -59,7 +59,7 @@ static void add_cache(cJSON *root, const struct report *report, const struct pag
 	json_integer(cache, "stalls_late", report->settled ? (int64_t)(stalls.count - report->stalls_settled.count) : 0);
 }
 
-/* Before the first step: all of it, and what of it were waits for the store. */
+/* Before the first step: the whole time, and the waits for the store within it. */
 static void add_warm_up(cJSON *root, const struct report *report)
 {
 	const struct world_warmed *warmed = &report->world->warmed;
@@ -92,7 +92,7 @@ static void add_memory(cJSON *root, const struct report *report, const struct gp
 	json_integer(memory, "rss_peak", (int64_t)mem_peak_resident());
 	json_integer(memory, "gpu_bytes", (int64_t)gpu->bytes);
 	json_integer(memory, "host_bytes", (int64_t)io->host_bytes);
-	/* What may be taken at most, whatever the terrain's size and the drive's length. */
+	/* The most memory that may be used, whatever the terrain's size and the drive's length. */
 	struct resident_pages_budget most;
 	world_budget(report->world, &most);
 	cJSON *budget = cJSON_AddObjectToObject(memory, "budget");
@@ -156,7 +156,7 @@ static void add_objects(cJSON *root, const struct report *report)
 	}
 }
 
-/* Every number that the soils have, in the scene's units. None where no model reads a soil. */
+/* Every number of the soils, in the scene's units. None if no model reads a soil. */
 static void add_soils(cJSON *root, const struct report *report)
 {
 	const struct scene *scene = report->world->scene;
@@ -224,7 +224,7 @@ static void add_view(cJSON *root, const struct report *report)
 	json_number(view, "image_wait_ms", pictures.wait_ms);
 }
 
-/* What this process did and what it took. */
+/* What this process did and what it used. */
 static void add_process(cJSON *root, const struct report *report, const struct resident_pages_io *io)
 {
 	struct gpu_stats gpu;
@@ -299,7 +299,7 @@ enum status report_write(const char *directory, const char *json)
 	snprintf(path, sizeof path, "%s/run.json", directory);
 	enum status status = aside_begin(&aside, path);
 	if (status == STATUS_OK) {
-		/* What fails here fails when it is made whole. */
+		/* A failure here returns when the file is completed. */
 		(void)fputs(json, aside.file);
 		(void)fputc('\n', aside.file);
 		status = aside_whole(&aside, true);

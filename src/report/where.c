@@ -1,4 +1,4 @@
-/* run.json's "where": of the regions in which an effect might have worked, those in which it did. api.h has the units. */
+/* The "where" of run.json: the regions in which an effect worked, and those in which it might have worked. api.h has the units. */
 #include "base/json.h"
 #include "report/report.h"
 
@@ -16,7 +16,7 @@ static void add_windows(cJSON *where, const struct report *report, const struct 
 	for (size_t i = 0; i < sizeof of_windows / sizeof *of_windows; i++) {
 		enum scene_effect effect = of_windows[i];
 		uint64_t visited = report->world->windows.computed;
-		if (effect == EFFECT_BOX) /* not where an object only stands */
+		if (effect == EFFECT_BOX) /* not where an object is only at rest */
 			visited = gpu->passes[GPU_SMOOTH] / (uint64_t)report->world->scene->box_repetitions;
 		if (scene_effects(report->world->scene, report->world->level) >> effect & 1)
 			add(where, scene_effect_row(effect)->name, visited, report->world->windows.due);

@@ -1,10 +1,11 @@
 /*
- * Invariants, of what the mutex guards:
- * 1. An empty place has any posts or none; the posts of another are whole.
- * 2. `latest` is the place the owner used last, RECENT_NONE before. Only the owner's own misses take it.
- * 3. Posts are read and changed under the mutex. Reading a tile is long: a warming thread does it without, into
- *    posts of no place, and then trades them for a place's. Only the owner reads with the mutex held:
- *    nobody is more urgent.
+ * Invariants of the data that the mutex guards:
+ * - An empty place has any posts or none; the posts of every other place are complete.
+ * - `latest` is the place that the owner used last, RECENT_NONE before. Only the owner's own misses take it.
+ * - Posts are read and changed under the mutex.
+ *
+ * Reading a tile takes long. A warming thread reads without the mutex, into posts of no place, and then exchanges them with a
+ * place's. Only the owner reads with the mutex held, since nobody is more urgent.
  */
 #include "resident/ground_internal.h"
 
@@ -12,7 +13,7 @@
 #include <math.h>
 #include <string.h>
 
-#define RANGES 16384 /* tiles of which a range is kept: about what a few pictures ask for */
+#define RANGES 16384 /* tiles whose range is kept: about what a few pictures need */
 
 int32_t resident_ground_reference(const struct store *store)
 {
@@ -124,7 +125,7 @@ enum status resident_ground_patch(struct ground *ground, struct tile tile, int32
 	assert(tile.level < 0);
 	uint32_t cells = ground->meta->extent.cells, mask = cells - 1, stride = cells + 1;
 	*shift = -tile.level;
-	/* The tile's first post, in 2^-shift cells of level 0, parted into tile, cell and rest. */
+	/* The tile's first post, in 2^-shift cells of level 0, divided into tile, cell and rest. */
 	uint64_t x = (uint64_t)tile.x * cells, y = (uint64_t)tile.y * cells, part = ((uint64_t)1 << *shift) - 1;
 	uint32_t cx = (uint32_t)(x >> *shift) & mask, cy = (uint32_t)(y >> *shift) & mask;
 	*sub_x = (uint32_t)(x & part);
@@ -151,7 +152,7 @@ void resident_ground_widen(const int32_t *posts, uint32_t width, uint32_t height
 		}
 }
 
-/* The posts of level 0 that those of a level below it are interpolated from. */
+/* Returns the posts of level 0 from which a rectangle of a finer level is interpolated. */
 static struct post_rect around(struct post_rect rect, int shift)
 {
 	int64_t up = ((int64_t)1 << shift) - 1;
@@ -159,7 +160,7 @@ static struct post_rect around(struct post_rect rect, int shift)
 				  ((rect.y1 - 1 + up) >> shift) + 1};
 }
 
-/* As few tiles as hold all posts from one to one behind another: those of an edge are in two. */
+/* Finds the fewest tiles that hold all posts of first .. end - 1. A post on an edge is in two tiles. */
 static void tiles_over(int64_t first, int64_t end, int64_t cells, int64_t tiles, uint32_t range[2])
 {
 	int64_t low = first / cells, high = end - first > 1 ? (end - 2) / cells : low;
@@ -200,7 +201,7 @@ enum status resident_ground_highest(struct ground *ground, int level, struct pos
 	return status;
 }
 
-/* The level-0 cell a height at (x, y) comes from, within the world: the last one reaches to its edge. */
+/* Finds the level-0 cell for a height at (x, y), within the world. The last cell includes the world's edge. */
 static void cell_of(const struct extent *extent, double x, double y, int64_t *cx, int64_t *cy)
 {
 	*cx = (int64_t)x < extent->width - 1 ? (int64_t)x : extent->width - 2;

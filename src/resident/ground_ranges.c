@@ -1,6 +1,6 @@
 /*
- * The ranges of bases and offsets: looked up without a tile. Those of bases never change, so that what was read once is kept.
- * Offsets are kept only when another thread brings them, for an owner that wants them as they were before its own changes.
+ * The ranges of bases and offsets, found without a tile. Ranges of bases never change, so they are kept once read. Ranges of
+ * offsets are kept only if another thread brings them, for an owner that needs them as they were before its own changes.
  */
 #include "resident/ground_internal.h"
 
@@ -9,7 +9,7 @@
 
 /* --- what is kept --- */
 
-/* A cache that has no memory to move a key to its younger half has not found it: the range is read again. */
+/* Without memory to move a key to the younger half, the range counts as absent and is read again. */
 static bool kept(struct ground *ground, struct key_cache *cache, struct tile tile, struct key_pair *pair)
 {
 	bool found;
@@ -40,7 +40,7 @@ static enum status keep_base(struct ground *ground, struct tile tile, const stru
 
 /* --- looking up --- */
 
-/* The owner has read a range itself: since `began`, s. */
+/* Counts a wait: the owner read a range itself, since `began`, s. */
 static void count_range_wait(struct ground *ground, double began)
 {
 	mutex_lock(&ground->mutex);
@@ -93,7 +93,7 @@ enum status resident_ground_offset_range(struct ground *ground, struct tile tile
 	return status;
 }
 
-/* The range of a tile below level 0, from the posts of its level-0 tile. NaN: all is nodata. */
+/* Computes the range of a tile below level 0 from the posts of its level-0 tile. NaN: all is nodata. */
 static void range_of_posts(const struct ground *ground, struct tile tile, const int32_t *posts, struct store_range *range)
 {
 	uint32_t cells = ground->meta->extent.cells;
@@ -130,7 +130,7 @@ enum status resident_ground_range(struct ground *ground, struct tile tile, doubl
 	return STATUS_OK;
 }
 
-/* --- ranges that other threads bring --- */
+/* --- ranges that other threads load --- */
 
 bool resident_ground_has_range(struct ground *ground, const struct ground_range_key *key)
 {

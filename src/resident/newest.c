@@ -1,9 +1,9 @@
 /*
- * What a query asks of the ground: which tiles there are, and how high and low. Ranges come from the store; of what
- * it may not have yet nothing is known but that it changed.
+ * What a query needs of the ground: which tiles exist, and how high and low they are. Ranges come from the store. A tile that
+ * the store may not have yet is only known to have changed.
  *
- * Invariants: `changed` is of the moment it was found at, and a page leaves it for the store alone, with the same bits:
- * so what was found stays true until the ground changes, wherever commits are by then.
+ * Invariant: `changed` describes the moment when it was found. A page leaves it only for the store, with the same bits. So it
+ * stays true until the ground changes, however commits proceed.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -135,7 +135,7 @@ static enum status bounds(void *user, struct tile tile, double *low, double *hig
 	return status;
 }
 
-/* --- which tiles there are --- */
+/* --- which tiles exist --- */
 
 static enum status present(void *user, struct tile tile, bool *out)
 {
@@ -151,7 +151,7 @@ static enum status present(void *user, struct tile tile, bool *out)
 		return status;
 	}
 	if (tile.level == newest->level) {
-		/* Touched, and maybe left as it was: then the store will have no such tile. */
+		/* It was touched, but may be unchanged: then the store will have no such tile. */
 		const struct resident_newest_tile *held;
 		status = resident_newest_tile(newest, tile, &held);
 		*out = status == STATUS_OK && held->offsets;

@@ -20,12 +20,12 @@ struct newest {
 	bool fits;                 /* on the lattice */
 	bool deformed;             /* there is a level with offsets: */
 	int level;
-	bool settled;              /* the ground is as it was when what follows was found */
-	uint64_t *changed;         /* keys of what may not be in the store, sorted */
+	bool settled;              /* the ground has not changed since the following was found */
+	uint64_t *changed;         /* keys of tiles that may not be in the store, sorted */
 	size_t changed_count, changed_room;
 	bool lost;                 /* no memory for one of them */
-	struct key_cache offsets;  /* ranges over the subtree; a: NaN where there are none. Of this moment */
-	struct key_cache bases;    /* the same of the base, for good */
+	struct key_cache offsets;  /* ranges over the subtree; a: NaN without offsets. Valid for this moment */
+	struct key_cache bases;    /* the same of the base, always valid */
 	struct recent recent;
 	struct resident_newest_tile *tiles; /* by place */
 	int32_t *posts, *patch;    /* of one tile */
@@ -37,11 +37,11 @@ enum status resident_newest_settle(struct newest *newest) FURROW_CHECKED; /* bef
 /* newest_tiles.c */
 enum status resident_newest_create_tiles(struct newest *newest) FURROW_CHECKED;
 void resident_newest_destroy_tiles(struct newest *newest);
-/* Those with offsets are as they were: another step was done. */
+/* Drops tiles with offsets: another step was made. */
 void resident_newest_forget_tiles(struct newest *newest);
-/* A plane of a tile of the level with offsets, as the plane keeps it; zeros if it is not there. `posts`: room for int32. */
+/* Reads a plane of a tile of the level with offsets, in the plane's own type; zeros if it is missing. `posts`: room for int32. */
 enum status resident_newest_plane(struct newest *newest, struct tile tile, enum plane plane, void *posts) FURROW_CHECKED;
-/* A tile of level 0 or below; valid until another is asked for. */
+/* Finds a tile of level 0 or below; valid until the next one is asked for. */
 enum status resident_newest_tile(struct newest *newest, struct tile tile, const struct resident_newest_tile **out) FURROW_CHECKED;
 
 #endif

@@ -1,6 +1,6 @@
 /*
- * Posts of any rectangle at any level, newest: those of the store, and over them those of the tiles that changed since. A
- * coarser post is a post of the working level; a finer one is interpolated, as the store does it.
+ * Reads the newest posts of any rectangle at any level: those of the store, and over them those of the tiles that changed
+ * since. A coarser post is a post of the working level. A finer one is interpolated, as the store does it.
  */
 #include <math.h>
 
@@ -21,7 +21,7 @@ static const enum plane planes[STORE_LAYERS] = {
 	[STORE_HEAPED] = PLANE_HEAPED,  [STORE_PRESSED] = PLANE_PRESSED, [STORE_SHEAR] = PLANE_SHEAR,
 };
 
-/* The planes of fewer bytes, in the same memory: from the end on, so that none is overwritten before it is read. */
+/* Widens planes of fewer bytes in the same memory. It goes from the end, so that no value is overwritten before it is read. */
 static void widen(enum plane plane, size_t count, void *posts)
 {
 	int32_t *wide = posts;
@@ -31,7 +31,7 @@ static void widen(enum plane plane, size_t count, void *posts)
 		wide[i] = ((const uint16_t *)posts)[i];
 }
 
-/* Post (x, y) of the level asked for, which the tile has. */
+/* Returns post (x, y) of the requested level, which the tile has. */
 static int32_t post_at(const struct patch *patch, struct post_rect own, int64_t x, int64_t y)
 {
 	const uint32_t side = tile_posts(patch->newest->extent);
@@ -47,7 +47,7 @@ static double value_of(enum store_layer layer, int32_t post)
 	return layer == STORE_QUANTA ? post : plane_value(planes[layer], post);
 }
 
-/* The posts asked for that lie on the tile, edges included. */
+/* Returns the requested posts that lie on the tile, edges included. */
 static struct post_rect part_of(const struct patch *patch, struct post_rect own)
 {
 	const int finer = patch->newest->level - patch->level, coarser = -finer;
@@ -59,7 +59,7 @@ static struct post_rect part_of(const struct patch *patch, struct post_rect own)
 	return post_rect_intersect(own, patch->rect);
 }
 
-/* A surface is its base and the newest offset: the base that was read with the old one is read alone. */
+/* A surface is the base plus the newest offset. The base was read with the old offset, so it is read again alone. */
 static enum status need_base(struct patch *patch)
 {
 	const struct post_rect *rect = &patch->rect;

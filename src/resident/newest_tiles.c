@@ -1,4 +1,4 @@
-/* Heights of tiles: the base as the lattice has it, and the newest offsets; the last used of them kept. */
+/* Heights of tiles: the base on the lattice plus the newest offsets. Keeps the tiles used last. */
 #include <math.h>
 #include <string.h>
 
@@ -36,7 +36,7 @@ void resident_newest_destroy_tiles(struct newest *newest)
 	mem_free(newest->patch);
 }
 
-/* Whether its heights have offsets: coarser tiles are shown only where there are none. */
+/* Tells whether its heights include offsets. Coarser tiles are used only where there are none. */
 static bool takes_offsets(const struct newest *newest, struct tile tile)
 {
 	return newest->deformed && (newest->level < 0 ? tile.level == newest->level : tile.level == 0);
@@ -99,7 +99,7 @@ enum status resident_newest_plane(struct newest *newest, struct tile tile, enum 
 
 /* --- heights --- */
 
-/* Posts of the tile from those of one `shift` levels coarser, in the same place. */
+/* Interpolates the tile's posts from a level `shift` levels coarser, in the same memory. */
 static void divide(struct newest *newest, struct tile tile, int shift, const int32_t *coarse, int32_t *posts)
 {
 	const uint32_t cells = newest->extent->cells, side = lattice_patch_posts(cells, shift);
@@ -141,7 +141,7 @@ static enum status add_offsets(struct newest *newest, struct tile tile, struct r
 {
 	const size_t count = posts_of(newest);
 	int32_t *offsets = newest->posts, bits = 0;
-	const int shift = newest->level - tile.level; /* 0, or the offsets are of a coarser level */
+	const int shift = newest->level - tile.level; /* 0, unless the offsets are of a coarser level */
 	int32_t *fine = NULL;
 	enum status status = resident_newest_plane(newest, tile_ancestor(tile, newest->level), PLANE_OFFSET, offsets);
 	if (status == STATUS_OK && shift > 0) {

@@ -1,10 +1,10 @@
-/* The adaptor's life, what it may take, and its figures. */
+/* Creates and destroys pages, and tells their memory and figures. */
 #include <assert.h>
 
 #include "resident/pages_internal.h"
 
 #define GROUND_TILES 4
-#define ALIGN sizeof(int32_t) /* of a plane, whatever is before it */
+#define ALIGN sizeof(int32_t) /* bytes of a plane, whatever is before it */
 #define EPOCH_BYTES ((size_t)16 << 20)
 
 size_t resident_pages_plane_room(const struct pages_layout *layout, enum plane plane)
@@ -27,7 +27,7 @@ struct pages_layout resident_pages_layout_of(uint32_t cells, unsigned planes, bo
 	return layout;
 }
 
-/* Changed pages for an epoch: more make it cheaper a page, and take memory. */
+/* Returns the number of changed pages that start a commit. More pages cost less each, but need memory. */
 static uint32_t epoch_pages(uint32_t slots, const struct pages_layout *layout)
 {
 	enum { LEAST = 4, MOST = 64 };

@@ -1,5 +1,5 @@
 /*
- * The adaptor's inside, shared by the files pages*.c: what a page's bytes are, and who may touch what.
+ * Shared by the files pages*.c: the bytes of a page, and which thread uses what.
  *
  *     loader threads --- pages_io.c ---> image ---> pages_slots.c ---> slot      (base, planes)
  *     the writer     <-- pages_io.c ---- image <--- pages_slots.c <--- slot      (planes)
@@ -9,9 +9,8 @@
 
 #include "resident/resident.h"
 
-/* A loaded image's bytes: this, base posts or patch, the planes, and classes if there are such. A changed one's:
- * the planes alone. A snapshot's: the tally.
- * page_image.flags: the planes that are filled; 0: not deformed. */
+/* The bytes of a loaded image: this head, base posts or a patch, the planes, and classes if there are any. A changed image has
+ * only the planes; a snapshot has the tally. page_image.flags: the planes that are filled; 0: not deformed. */
 struct pages_head {
 	int shift; /* 0: the base is posts; else a patch to subdivide */
 	uint32_t sub_x, sub_y;
@@ -37,7 +36,7 @@ struct pages {
 	struct ground *grounds[16];      /* one a loader */
 	struct store_page *commit_pages; /* the writer's */
 	size_t commit_room;
-	int64_t tallied;                 /* the writer's: compacted as of the last commit, by the tally */
+	int64_t tallied;                 /* the writer's: what was compacted at the last commit, by the tally */
 	struct pages_marked {            /* pages_rollback.c */
 		bool is;
 		struct store_reader *reader; /* the owner's; NULL until the first mark */

@@ -1,4 +1,4 @@
-/* Pages from the store and back: loads on the loader threads, epochs on the writer's. */
+/* Moves pages from the store and back: loads on the loader threads, commits on the writer's. */
 #include <assert.h>
 #include <errno.h>
 #include <string.h>
@@ -69,11 +69,11 @@ static enum status load(void *user, unsigned loader, struct page_image *image, c
 
 /* --- the writer thread --- */
 
-/* What the writer thread makes the record's text of. */
+/* The data for the record's text, on the writer thread. */
 struct describing {
 	struct pages *pages;
 	const void *record;
-	int64_t compacted; /* in this epoch */
+	int64_t compacted; /* in this commit */
 	char *state;
 };
 

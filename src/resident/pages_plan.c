@@ -1,10 +1,10 @@
-/* What a drive's pages will make and ask the store for: threads, staging memory, statements. */
+/* The plan of a drive's pages: threads, staging memory, statements. */
 #include <stdio.h>
 #include <string.h>
 
 #include "resident/pages_internal.h"
 
-/* Of the plan's line for that plane; NULL: nothing calls for it but what earlier drives left. */
+/* Returns the effect of the plan's line for that plane; NULL: only earlier drives left it. */
 static const char *effect_of(const struct plan *plan, enum plane plane)
 {
 	for (size_t i = 0; i < plan->count; i++)
@@ -30,7 +30,7 @@ static void add_staging(struct plan *plan, enum plan_unit unit, const char *effe
 					   .bytes = (uint64_t)amount * bytes}, name);
 }
 
-/* Each buffer by its parts, since each plane's part is there for another reason. */
+/* Adds each buffer by its parts, since each plane has its own reason. */
 static void add_images(const struct pages_planned *planned, const struct pages_layout *layout,
 		       const char *const effects[PLANES], struct plan *plan)
 {
@@ -65,7 +65,7 @@ void resident_pages_plan(const struct pages_planned *planned, struct plan *plan)
 	/* Which tiles they are. */
 	if (shown)
 		store_plan_reads(plan, STORE_OFFSET_TABLE, 1, PLAN_ONCE, picture);
-	/* Bounds of what is seen; and, under models that raise nothing, of what an object may be in the air above. */
+	/* Bounds of the drawn ground. Under models that raise nothing, also bounds for objects in the air. */
 	if (shown || planned->lowers)
 		store_plan_reads(plan, STORE_OFFSET_TABLE, 1, PLAN_OFFSET_RANGE, shown ? picture : effects[PLANE_OFFSET]);
 	for (int plane = 0; plane < PLANES; plane++) {
@@ -78,7 +78,7 @@ void resident_pages_plan(const struct pages_planned *planned, struct plan *plan)
 	/* How deep its ruts are. */
 	if (planned->was_deformed)
 		store_plan_reads(plan, STORE_OFFSET_TABLE, 1, PLAN_ONCE, NULL);
-	/* The last drive's record: whether it could have been resumed. */
+	/* The last drive's record, to see whether it could have been resumed. */
 	store_plan_reads(plan, STORE_RUN_TABLE, 1, PLAN_ONCE, NULL);
 	store_epoch_plan(planned->deforms ? planes : 0, planned->was_deformed, effects, plan);
 }

@@ -1,8 +1,6 @@
 /*
- * Marks, and going back to the last one.
- *
- * The store puts its rows back. Of the pages in slots those are dropped that changed since, at the working level, and all above
- * them: a coarser page follows its finer ones on the GPU, without being dirty.
+ * Marks, and going back to the last one. The store puts its rows back. Pages in slots that changed since are dropped, at the
+ * working level. All pages above them are dropped too. A coarser page follows its finer ones on the GPU without being dirty.
  */
 #include "base/key_set.h"
 #include "resident/pages_internal.h"

@@ -1,9 +1,9 @@
 /*
- * Pages into slots and out of them, on the GPU's thread: transfers that are begun, and later settled.
+ * Moves pages into slots and out of them, on the GPU's thread. Transfers are begun here, and later settled.
  *
- * A coarser level than the working one is overlaid when it becomes resident: with the versions that are
- * not in the store yet, then with what is dirty in a slot, so that it is the decimation of the finer
- * one (law 4) also between two commits.
+ * When a page coarser than the working level becomes resident, newer values are laid over it. First come the versions that are
+ * not in the store yet, then the pages that are dirty in a slot. So it is the decimation of the finer level (law 4), also
+ * between two commits.
  */
 #include <string.h>
 
@@ -17,7 +17,7 @@ struct overlay {
 	enum status status;
 };
 
-/* The posts of `fine` that are posts of `coarse` too: where they go. steps levels apart. */
+/* Finds where the posts of `fine` that are also posts of `coarse` go. The levels are `steps` apart. */
 static bool overlaps(const struct pages *pages, struct tile fine, struct tile coarse, int *steps, uint32_t *to_x,
 		     uint32_t *to_y, struct gpu_rect *rect)
 {
@@ -80,7 +80,7 @@ static void overlay_resident(void *user, uint64_t key, uint32_t slot, bool dirty
 	overlay->status = gpu_slots_decimate(slots, slot, rect, steps, overlay->slot, to_x, to_y);
 }
 
-/* Where those of `wanted` are in an image whose planes begin at `planes`. */
+/* Finds where the wanted planes are in an image whose planes begin at `planes`. */
 static void places_of(const struct pages *pages, unsigned wanted, size_t planes, size_t places[PLANES])
 {
 	for (int plane = 0; plane < PLANES; plane++)

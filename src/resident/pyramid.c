@@ -74,7 +74,7 @@ static enum status decimate(struct pyramid *pyramid, struct page_cache *cache, c
 		int steps = level - pyramid->level;
 		int64_t x0 = lattice_align(change->rect.x0, steps), y0 = lattice_align(change->rect.y0, steps);
 		if (x0 >= change->rect.x1 || y0 >= change->rect.y1)
-			return STATUS_OK; /* no post of this level changed, so none of a coarser one */
+			return STATUS_OK; /* no post of this level changed, and so none of a coarser one */
 		struct tile above = tile_ancestor(change->tile, level);
 		uint32_t coarse;
 		if (!page_cache_peek(cache, tile_key(above), false, &coarse))
@@ -110,7 +110,7 @@ static void count_coarser(void *user, uint64_t key, uint32_t slot, bool dirty)
 	if (tile_from_key(key).level <= pyramid->level)
 		return;
 	pyramid->figures.resident++;
-	/* What was brought up to date and has left its slot since is neither. */
+	/* A tile that was updated and has left its slot since is not counted. */
 	pyramid->figures.updated += key_set_has(&pyramid->updated, key);
 }
 
@@ -120,7 +120,7 @@ enum status resident_pyramid_flush(struct pyramid *pyramid, struct page_cache *c
 	while (pyramid->count > 0 && status == STATUS_OK) {
 		struct change change = pyramid->changes[--pyramid->count];
 		uint32_t slot;
-		/* A page that left its slot was flushed before it was read back. */
+		/* A page that left its slot was updated before it was read back. */
 		if (page_cache_peek(cache, tile_key(change.tile), false, &slot))
 			status = decimate(pyramid, cache, &change, slot);
 	}

@@ -67,7 +67,7 @@ static double length_between(const struct scene_waypoint *a, const struct scene_
 	return sqrt((b->x - a->x) * (b->x - a->x) + (b->y - a->y) * (b->y - a->y) + (b->z - a->z) * (b->z - a->z));
 }
 
-/* When its last station is due, s; INFINITY: never, or not known here. */
+/* When its last path sample is due, s; INFINITY: never, or not known here. */
 static double path_end(const struct scene *scene, const struct scene_path *path)
 {
 	double length = 0;
@@ -139,7 +139,7 @@ static void advise_time(const struct adviser *adviser)
 	if (scene->time_step > scene->end_time)
 		advise(adviser, "time_step: %g s is longer than the drive, %g s: it is one step; give less", scene->time_step,
 		       scene->end_time);
-	/* Soil may slide on after the last station, and a camera that stands sees it. */
+	/* Soil may slide on after the last path sample, and a camera that stands sees it. */
 	double last = 0;
 	for (size_t i = 0; i < scene->object_count; i++)
 		last = fmax(last, path_end(scene, &scene->objects[i].path));
@@ -299,12 +299,12 @@ static void advise_forces(const struct adviser *adviser)
 		fastest = fmax(fastest, path_fastest(scene, &scene->objects[i].path));
 	if (scene->object_count == 0 || scene->forces == 0)
 		return;
-	double stations = adviser->spacing > 0 || fastest == 0 ? fastest / fmax(adviser->spacing, 1e-9) : INFINITY;
-	if (scene->forces > stations && stations > 0)
+	double samples = adviser->spacing > 0 || fastest == 0 ? fastest / fmax(adviser->spacing, 1e-9) : INFINITY;
+	if (scene->forces > samples && samples > 0)
 		advise(adviser, "output.forces: %g rows a second, and no object comes to more than %.4g posts in one: rows between repeat the "
 				"last; give at most that",
-		       scene->forces, stations);
-	if (stations == 0 && all_are_there(scene) && scene->forces * scene->end_time >= 1)
+		       scene->forces, samples);
+	if (samples == 0 && all_are_there(scene) && scene->forces * scene->end_time >= 1)
 		advise(adviser, "output.forces: no object moves: all rows of an object are the same; one is enough, with less than %.4g",
 		       1 / scene->end_time);
 	if (scene->forces * scene->end_time < 1)

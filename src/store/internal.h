@@ -58,12 +58,12 @@ static inline bool row_is_state(enum row_table table)
 
 struct row {
 	struct tile tile;
-	double low, high; /* metres (dirt: as it is); NaN both: nothing but nodata */
+	double low, high; /* metres (disturbance: as it is); NaN both: nothing but nodata */
 	double error;     /* metres; base only */
 	int64_t codec;    /* not yet checked */
-	int64_t revision; /* the epoch that wrote it, 0: import */
+	int64_t revision; /* the commit that wrote it, 0: import */
 	uint64_t hash;
-	int64_t below, above; /* quanta, own sums; offset only */
+	int64_t below, above; /* fixed-point units, own sums; offset only */
 	const void *bytes;    /* until the next use of the table */
 	size_t size;
 };
@@ -106,9 +106,9 @@ enum status store_rows_under(struct rows *rows, enum row_table table, struct til
 		       double *high, int *count) FURROW_CHECKED;
 uint64_t store_rows_hash(enum row_table table, const struct row *row);
 
-/* A post in metres (dirt: as it is). */
+/* A post in metres (disturbance: as it is). */
 double store_rows_metres(enum row_table table, int32_t post, double step);
-/* Range in metres (dirt: as it is) of a plane's own posts; NaN if all are nodata. */
+/* Range in metres (disturbance: as it is) of a plane's own posts; NaN if all are nodata. */
 void store_rows_range(enum row_table table, const int32_t *posts, size_t count, double step, double *low,
 		double *high);
 bool store_rows_all_zero(const int32_t *posts, size_t count);
@@ -136,7 +136,7 @@ struct store_run_copy {
 /* What the file has now, into what an earlier call filled, or zeros. */
 enum status store_run_copy(struct store *store, struct store_run_copy *copy) FURROW_CHECKED;
 void store_run_copy_finish(struct store_run_copy *copy);
-/* As that of the next epoch, with this text. */
+/* As that of the next commit, with this text. */
 enum status store_run_put(struct store *store, const struct store_run *run, const char *state) FURROW_CHECKED;
 /* The same, of a copy; none where that found none. */
 enum status store_run_put_back(struct store *store, const struct store_run_copy *copy) FURROW_CHECKED;
@@ -155,7 +155,7 @@ struct undo {
 	struct store_run_copy run;
 };
 
-/* Before a row changes in an epoch: the undo of the last mark has what it was then. `had`: it is there. */
+/* Before a row changes in a commit: the undo of the last mark has what it was then. `had`: it is there. */
 enum status store_undo_keep(struct store *store, enum plane plane, struct tile tile, bool had) FURROW_CHECKED;
 void store_undo_destroy(struct undo *undo); /* takes NULL */
 
@@ -188,7 +188,7 @@ struct store {
 	int32_t code_low, code_high; /* of the meta's low and high; low > high: all nodata */
 	bool has_working, working_stored;
 	int working;
-	int64_t compacted; /* writing: as of the last epoch */
+	int64_t compacted; /* writing: as of the last commit */
 	enum state_rows state_rows[ROW_TABLES]; /* writing: by table of the soil's state */
 	uint64_t base_hash; /* store_identity.c */
 	int64_t epoch; /* the last one committed */
@@ -250,7 +250,7 @@ enum status store_schema_check(sqlite3 *db, const char *path) FURROW_CHECKED;
 enum status store_meta_copy(struct store_meta *to, const struct store_meta *from) FURROW_CHECKED;
 void store_meta_finish(struct store_meta *meta);
 enum status store_meta_write(struct store *store) FURROW_CHECKED;
-enum status store_meta_read(struct store *store) FURROW_CHECKED; /* also the working level and the epoch */
+enum status store_meta_read(struct store *store) FURROW_CHECKED; /* also the working level and the commit */
 /* The request that a store is made by: put when it is begun, asked for when that goes on, also where all was
  * done but the renaming. *same false: another, or none. */
 enum status store_meta_put_request(struct store *store) FURROW_CHECKED;
@@ -260,7 +260,7 @@ enum status store_meta_put_real(struct store *store, const char *key, double val
 enum status store_meta_drop(struct store *store, const char *key) FURROW_CHECKED;
 /* The base's hash as a connection's file has it. */
 enum status store_meta_base_hash(sqlite3 *db, const char *path, uint64_t *hash) FURROW_CHECKED;
-/* What an epoch adds; store->compacted stays as it was. */
+/* What a commit adds; store->compacted stays as it was. */
 enum status store_meta_add_compacted(struct store *store, int64_t more) FURROW_CHECKED;
 /* Quanta lost for good, as the file has it now. */
 enum status store_meta_compacted(sqlite3 *db, const char *path, int64_t *compacted) FURROW_CHECKED;
@@ -280,7 +280,7 @@ uint64_t store_hash_real(double value); /* its bits; NaN: 0 */
 /* From what the base's tables hold; the store's meta must be complete. */
 enum status store_identity_compute(struct store *store, uint64_t *hash) FURROW_CHECKED;
 
-/* --- store_change.c: an epoch's rows --- */
+/* --- store_change.c: a commit's rows --- */
 
 /* The row becomes `posts`, with the range and sums in *row; `old`: what is there, NULL: nothing. Counts what it does. */
 enum status store_change_write(struct store *store, enum row_table table, const int32_t *posts, struct row *row,
@@ -289,7 +289,7 @@ enum status store_change_write(struct store *store, enum row_table table, const 
 enum status store_change_drop(struct store *store, enum row_table table, const struct row *old,
 			struct store_epoch_result *result) FURROW_CHECKED;
 
-/* --- store_state.c: the soil's state in an epoch --- */
+/* --- store_state.c: the soil's state in a commit --- */
 
 /* One plane of it: written where pages have it; where they have not, dropped. A table that no page has rows for,
  * and that has none, is not touched. */

@@ -1,5 +1,5 @@
 /*
- * The rows an epoch writes and removes: what each replaces is kept for a rollback, and its tile is noted as changed.
+ * The rows a commit writes and removes: what each replaces is kept for a rollback, and its tile is noted as changed.
  *
  * A row that would be what it is already is left alone: it keeps its revision, and its tile did not change.
  */

@@ -1,7 +1,7 @@
 /*
- * Epochs: pages of the working level and every coarser level above them, in one transaction.
+ * Commits: pages of the working level and every coarser level above them, in one transaction.
  *
- *   BEGIN IMMEDIATE -> a climb for the offsets -> one for the dirt -> the soil's state
+ *   BEGIN IMMEDIATE -> a climb for the offsets -> one for the disturbance -> the soil's state
  *   -> what was compacted, the run's record -> COMMIT
  *
  * A climb goes down from the coarsest tile to each page and writes on its way back up, so that one

@@ -6,7 +6,7 @@
  *     --close--> checkpoint, rollback mode again, one file; lock dropped
  *
  * A killed writer leaves FILE, FILE-wal and FILE-shm: the next that opens it, for reading or
- * writing, sees the last epoch committed.
+ * writing, sees the last commit committed.
  */
 #include "store/internal.h"
 

@@ -4,7 +4,7 @@
  * Two passes over the rectangle: the base (which says where there is no data), then what
  * deformation added. Each reads the tiles of the one level that holds it, at or coarser than the
  * level asked for, and interpolates on the lattice as the shaders do. One transaction: what is read
- * belongs to one epoch.
+ * belongs to one commit.
  */
 #include "store/internal.h"
 

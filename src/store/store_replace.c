@@ -2,7 +2,7 @@
  * Before a store is replaced: what a killed writer left beside it goes back into it.
  *
  * Those files have to be gone before another file takes the name, or they would be taken for that
- * one's. Should the rename then fail, the older store must still hold its last epoch.
+ * one's. Should the rename then fail, the older store must still hold its last commit.
  */
 #include "store/internal.h"
 

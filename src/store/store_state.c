@@ -1,5 +1,5 @@
 /*
- * The soil's state (heaped, pressed, shear) in an epoch: a row a tile of the working level, and no pyramid,
+ * The soil's state (heaped, pressed, shear) in a commit: a row a tile of the working level, and no pyramid,
  * since nobody draws it.
  *
  * A page without a plane of the state was changed by a model that keeps none: what the plane says there is

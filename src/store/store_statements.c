@@ -94,7 +94,7 @@ void store_epoch_plan(unsigned planes, bool was_deformed, const char *const effe
 	if (planes != 0)
 		store_plan_writes(plan, STORE_META_TABLE, 1, PLAN_CHANGED, effects[PLANE_OFFSET]);
 	store_plan_writes(plan, STORE_RUN_TABLE, 1, PLAN_EPOCH, NULL);
-	/* Where an epoch begins and ends. */
+	/* Where a commit begins and ends. */
 	store_plan_writes(plan, STORE_NO_TABLE, 2, PLAN_EPOCH, NULL);
 }
 

@@ -1,12 +1,12 @@
 /*
  * Marks, and rollbacks to them.
  *
- *   store_mark -> epochs; before each changes a row for the first time since, that row is kept in the undo
+ *   store_mark -> commits; before each changes a row for the first time since, that row is kept in the undo
  *   -> store_rollback: one transaction of the store puts all of it back -> as after the mark
  *
  * The undo has the store's tables; "there was none" is a row of the codec NONE. The run's record and the header's
  * entries are kept by the mark itself. Invariants: (1) what the undo has of a row is what the row was at the mark, and it
- * has every row that the store's commits changed since; so a row too many, of an epoch that failed, does no harm; (2) a row is
+ * has every row that the store's commits changed since; so a row too many, of a commit that failed, does no harm; (2) a row is
  * in the undo before the store commits a change of it; (3) what is put back gets a revision that was never used.
  */
 #include "store/internal.h"
@@ -196,7 +196,7 @@ enum status store_rollback(struct store *store)
 	assert(store->writing && store->marked);
 	struct undo *undo = store->undo;
 	if (store->epoch == undo->epoch)
-		return STATUS_OK; /* no epoch since */
+		return STATUS_OK; /* no commit since */
 	store_sql_undo(undo->rows.db);
 	enum status status = store_sql_begin(store->db, store->path, "rolling it back");
 	if (status == STATUS_OK)

@@ -205,7 +205,7 @@ enum status store_verify(struct store *store, store_problem_fn problem, store_pr
 	enum status status = STATUS_OK;
 	if (verifying->posts == NULL || verifying->expected == NULL)
 		status = fail_memory("verifying");
-	/* One transaction: what is compared belongs to one epoch. */
+	/* One transaction: what is compared belongs to one commit. */
 	if (status == STATUS_OK)
 		status = store_sql_exec(store->db, store->path, "checking it", "BEGIN");
 	if (status == STATUS_OK) {

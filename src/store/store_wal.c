@@ -1,7 +1,7 @@
 /*
  * Keeping the WAL short while a store is written.
  *
- * A checkpoint that could copy everything lets the next epoch begin at the WAL's start again, unless a reader
+ * A checkpoint that could copy everything lets the next commit begin at the WAL's start again, unless a reader
  * is in it just then; one that a reader holds back, or that lets this happen over and over, is repeated in the
  * mode that waits. Until a reader that stays has gone nothing helps, and the WAL grows; then it is cut
  * (journal_size_limit).
@@ -72,7 +72,7 @@ enum status store_bound_wal(struct store *store)
 	sqlite3_busy_timeout(store->db, WAIT_MS);
 	status = checkpoint(store, SQLITE_CHECKPOINT_TRUNCATE, &whole);
 	sqlite3_busy_timeout(store->db, STORE_BUSY_MS);
-	/* A reader that stays is not waited for at every epoch. */
+	/* A reader that stays is not waited for at every commit. */
 	store->wal_patience = whole ? PATIENCE : store->wal_bytes + WAL_BYTES;
 	return status;
 }

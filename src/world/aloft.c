@@ -1,28 +1,31 @@
 /*
- * An object in the air runs no pass: what of a station's sweep changes nothing is seen on the CPU.
+ * A contact that changes nothing runs no pass. The CPU finds this out.
  *
- * Aloft is a sweep whose pose is prescribed, and of whose windows every post, were they computed, would be what it was:
- * 1. The object lies above all ground there, by more than the underside is rounded by: nothing is pressed, and nothing held.
- *    The base is no higher than the posts of level 0 it is interpolated from. Of offsets there are two bounds: a tile
- *    without planes has none; and under the models none and box no offset is ever above the highest there was, or 0: a press
- *    lowers, and a mean of offsets is no higher than the highest of them.
- * 2. Nothing slides: under models that move soil every sweep also makes iterations of sliding over its window, whether it
- *    touches anything or not. Undisturbed ground stands, unless the scene says that it slides, and soil passes only between two
- *    written posts of a window, of which one has risen or sunk. So these models need windows in whose written posts nothing was
- *    ever touched (deform_is_touched); over others the sweep is computed, and no bound on their offsets is of use.
+ * An object is aloft if its pose is given (it has no load) and computing its windows would change no post. Two things must
+ * hold:
  *
- * What was touched before the drive is known by tiles: those that come with planes when they are first looked at (`old`; a
- * page that comes back was seen before). All of their posts are taken as touched. And where another model left walls in them,
- * a sweep that is computed nearby may wake these: near such tiles all are.
+ * 1. The object lies above all ground in the windows, by more than the rounding of its lower envelope. So it lowers and holds
+ * no post. The base is no higher than the posts of level 0 from which it is interpolated. Offsets have two bounds. A tile
+ * without planes has no offset. Under the models none and box, no offset is higher than the highest one so far, or 0. A contact
+ * only lowers the ground, and a mean of offsets is no higher than the highest one.
  *
- * It stays what the drive knows the object by (its last pose, that it may have left something), and it is still among those
- * that hold the ground in intervals: soil may slide until it touches what hangs over it.
+ * 2. No soil slides. Under models that move soil every contact also makes relaxation iterations over its window. Undisturbed
+ * ground is stable, unless the scene says that it slides. Soil passes only between two written posts of a window of which one
+ * has risen or sunk. So these models need windows in which no written post was ever touched (deform_is_touched). Over other
+ * windows the contact is computed, and bounds of offsets do not help.
+ *
+ * Ground touched before the drive is known by tiles: tiles that have planes when they are first looked at (`old`). A page that
+ * comes back was looked at before. All posts of an old tile count as touched. Another model may have left walls in it, and a
+ * contact nearby may make blocks there active. So near old tiles every contact is computed.
+ *
+ * The drive still notes the object's last pose and that it may have left a rest pose. The object also still holds the ground in
+ * intervals, since soil may slide until it touches the object.
  */
 #include <math.h>
 
 #include "world/internal.h"
 
-/* Underside and touch are right to a few quanta; what is large or goes far, to a 2^-28th of that. */
+/* Fixed-point units: the error of the lower envelope and of a touch. For large or far objects, 2^-28 of the size is added. */
 #define AIR_QUANTA 64
 #define AIR_SHARE 26
 
@@ -38,7 +41,7 @@ int64_t world_lowest(const struct deform_sweep *sweep)
 	return (from->z < to->z ? from->z : to->z) - (int64_t)ceil(below) - AIR_QUANTA;
 }
 
-/* Of all bases in the windows, quanta. INT64_MIN: there is no ground. */
+/* Finds the highest base in the windows, 2^-20 m. INT64_MIN: there is no ground. */
 static enum status highest_base(struct world *world, const struct deform_window *windows, size_t count, int64_t *highest)
 {
 	enum status status = STATUS_OK;
@@ -56,8 +59,8 @@ static enum status highest_base(struct world *world, const struct deform_window 
 	return status;
 }
 
-/* What is committed is as high as what is there now, or higher: it was there before. Asked for once, and not before an object
- * is above the base. */
+/* Reads the highest committed offset. What is in memory now is no higher, since it only became lower. Read once, and only when
+ * an object is above the base. */
 static enum status ask_offsets(struct world *world)
 {
 	const struct tile top = {extent_coarsest(&world->meta->extent), 0, 0};
@@ -71,7 +74,7 @@ static enum status ask_offsets(struct world *world)
 	return STATUS_OK;
 }
 
-/* Whether no tile of the windows has planes. */
+/* Tells whether no tile of the windows has planes. */
 static enum status without_planes(struct world *world, const struct deform_window *windows, size_t count, bool *none)
 {
 	struct held_tiles held = {.count = 0};
@@ -86,7 +89,7 @@ static enum status without_planes(struct world *world, const struct deform_windo
 	return status;
 }
 
-/* One that has a load, or whose height is the ground's less its sink, is never above it. */
+/* An object with a load, or with a height given as the ground's less its sink, is never above the ground. */
 bool world_asks_touched(const struct world *world)
 {
 	const struct scene *scene = world->scene;
@@ -125,8 +128,8 @@ static enum status look(struct world *world, struct tile tile)
 	return status;
 }
 
-/* Whether a tile that was touched before the drive has posts in a block that the window, were it computed, might keep awake.
- * Where it has none no wall stands at the block's sides either: posts on an edge are in both tiles. */
+/* Tells whether a tile touched before the drive has posts in a block that this window might keep active. If not, no wall stands
+ * at the sides of the block either, since posts on an edge are in both tiles. */
 static enum status near_old(struct world *world, const struct deform_window *window, bool *near)
 {
 	struct tile first, last;
@@ -162,7 +165,7 @@ enum status world_is_aloft(struct world *world, const struct event *event, struc
 {
 	bool conserves = deform_conserves(world->scene->model);
 	*aloft = false;
-	/* Most are on the ground where they are: those look no farther. */
+	/* Most objects are on the ground: they need no further test. */
 	if (count == 0 || sweep->load > 0 || event->sinkage >= 0 || world->params.everywhere)
 		return STATUS_OK;
 	if (conserves && !world->aloft.asks_touched)

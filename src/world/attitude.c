@@ -1,11 +1,11 @@
-/* A host's pose, a place and a quaternion, as the pose that deformation takes: yaw, pitch, roll and a wheel's turn. */
+/* Converts a host's pose, a place and a quaternion, to the pose of deform: yaw, pitch, roll and a wheel's turn. */
 #include <math.h>
 
 #include "world/internal.h"
 
-/* A wheel's axle may be so far off level, as rounding leaves it: sine of the angle. */
+/* Greatest slope of a wheel's axle that counts as rounding: sine of the angle. */
 #define LEVEL 1e-3
-/* A quaternion may be so far off length 1. */
+/* Greatest difference of a quaternion's length from 1. */
 #define UNIT 1e-3
 #define PLACE_MOST 1e9   /* m, along x and y */
 #define HEIGHT_MOST 1e6  /* m */
@@ -24,7 +24,7 @@ static void axes_of(const double q[4], double axes[3][3])
 			axes[i][k] = rows[i][k];
 }
 
-/* Its turn is how far its own x axis is below the horizontal, seen along its axle. */
+/* The turn is the angle of its own x axis below the horizontal, seen along its axle. */
 static enum status wheel_of(const char *name, const double axes[3][3], struct deform_pose *pose)
 {
 	const double *axle = axes[1];
@@ -62,7 +62,7 @@ enum status world_attitude(const struct deform_shape *shape, const char *name, c
 	if (shape->kind == DEFORM_WHEEL)
 		return wheel_of(name, (const double(*)[3])axes, pose);
 	pose->pitch = asin(fmin(fmax(axes[0][2], -1), 1));
-	/* Nose straight up or down: all of the turn about the vertical is taken as yaw. */
+	/* Nose straight up or down: the whole turn about the vertical becomes yaw. */
 	if (hypot(axes[0][0], axes[0][1]) < 1e-9) {
 		pose->yaw = atan2(-axes[1][0], axes[1][1]);
 		return STATUS_OK;
@@ -76,7 +76,7 @@ void world_orientation(const struct deform_pose *pose, double q[4])
 {
 	double axes[3][3];
 	deform_axes(pose->yaw, pose->pitch, pose->roll, pose->turn, axes);
-	/* By Shepperd's method: the largest of the four is found first, so that nothing small is divided by. */
+	/* Shepperd's method finds the largest of the four first, so that it never divides by a small number. */
 	const double m[3][3] = {
 		{axes[0][0], axes[1][0], axes[2][0]},
 		{axes[0][1], axes[1][1], axes[2][1]},

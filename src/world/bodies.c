@@ -1,4 +1,4 @@
-/* The objects on their ways: each gets its path as stations, in local metres, and the record a place for it. */
+/* Makes the bodies: each gets its path as path samples in local metres, and a place in the record. */
 #include <assert.h>
 #include <math.h>
 
@@ -37,11 +37,11 @@ enum status world_make_bodies(struct world *world)
 	world->record = mem_calloc(1, world_record_bytes(scene->object_count));
 	if (world->bodies == NULL || world->relaxation.rests == NULL || world->record == NULL)
 		return fail_memory("the objects");
-	uint32_t carriers = 0;
+	uint32_t loaded_bodies = 0;
 	for (size_t i = 0; i < scene->object_count; i++) {
 		struct body *body = &world->bodies[i];
 		body->object = &scene->objects[i];
-		body->carrier = body->object->load > 0 ? ++carriers : 0;
+		body->loaded_body = body->object->load > 0 ? ++loaded_bodies : 0;
 		if (body->object->path.count == 0) { /* the host's */
 			enum status fits = deform_shape_check(&body->object->shape, world->spacing);
 			if (fits != STATUS_OK)

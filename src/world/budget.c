@@ -1,4 +1,4 @@
-/* What a drive needs at least, and what it takes at most: found before it begins. */
+/* The resources that a drive needs at least and uses at most, found before it begins. */
 #include <math.h>
 
 #include "world/internal.h"
@@ -8,21 +8,21 @@ bool world_deforms(const struct world *world)
 	return world->scene->object_count > 0 || world->scene->hosted;
 }
 
-/* Tiles that so many posts in a row can lie in, shared edges included. */
+/* Returns the most tiles that so many posts in a row can lie in, shared edges included. */
 static size_t tiles_across(int64_t posts, uint32_t cells, int64_t most)
 {
 	int64_t tiles = (posts - 1) / cells + 2;
 	return (size_t)(tiles < most ? tiles : most);
 }
 
-/* Elsewhere between its posts an object can touch one more of them in a row; a window has no more than it has. */
+/* At another place between posts an object can touch one more post in a row. A window has no more than its size. */
 static int64_t at_most(int64_t posts)
 {
 	return posts < DEFORM_WINDOW_POSTS ? posts + 1 : DEFORM_WINDOW_POSTS;
 }
 
-/* Of the sphere around the object, a station's sweep in the middle of the world. Where several windows are cut from
- * it depends on the place: one may have all there is in a row. */
+/* Returns the most tiles that a window of this object touches. It takes a contact of the object's bounding sphere in the middle
+ * of the world. How several windows are cut depends on the place, so one of them may have the full size. */
 static size_t window_tiles(const struct world *world, const struct deform_params *params, const struct deform_shape *shape)
 {
 	const struct extent *extent = &world->meta->extent;
@@ -34,7 +34,7 @@ static size_t window_tiles(const struct world *world, const struct deform_params
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	struct post_rect all = {0, 0, DEFORM_WINDOW_POSTS, DEFORM_WINDOW_POSTS};
 	size_t count;
-	/* The sphere may need too many; the object, which is smaller, needs none larger than a window. */
+	/* The sphere may need too many windows. The object is smaller, and no window of it is larger than a full one. */
 	if (deform_cut(params, &sweep, windows, &count) == STATUS_OK && count > 0) {
 		const struct post_rect *first = &windows[0].read, *last = &windows[count - 1].read;
 		all = (struct post_rect){first->x0, first->y0, last->x1, last->y1};
@@ -52,7 +52,7 @@ static size_t block_tiles(const struct world *world, const struct deform_params 
 	       tiles_across(side, extent->cells, extent_tiles_y(extent, world->level));
 }
 
-/* Ground that slides undisturbed. */
+/* Checks that undisturbed ground that relaxes fits into the active blocks. */
 static enum status check_awake(const struct world *world)
 {
 	const struct extent *extent = &world->meta->extent;
@@ -86,7 +86,7 @@ enum status world_budget_check(struct world *world)
 {
 	const struct scene *scene = world->scene;
 	struct deform_params params;
-	/* Of a terrain that is not known it is not known either. */
+	/* For an assumed terrain it is not known. */
 	bool slides = world_deforms(world) && scene->undisturbed == SCENE_SLIDES && world->store != NULL;
 	enum status status = slides ? check_awake(world) : STATUS_OK;
 	if (status != STATUS_OK)
@@ -109,17 +109,18 @@ enum status world_budget_check(struct world *world)
 
 uint32_t world_step_pages(const struct world *world)
 {
-	/* Stations a step can bring an object, and the tiles they can lie on: a path's length crosses
-	 * at most two rows and two columns more than its extent asks for. */
+	/* Path samples that one step can have for an object, and the tiles that they can lie on. A way crosses at most two rows
+	 * and two columns more than its extent needs. */
 	double pages = world->scene->hosted ? WORLD_HOST_PAGES : 0, side = world->spacing * world->meta->extent.cells;
 	for (size_t i = 0; i < world->scene->object_count; i++) {
 		if (world->bodies[i].track == NULL)
 			continue;
-		double size = 2 * deform_shape_bound(&world->scene->objects[i].shape) + 16 * world->spacing; /* and what is smoothed around it */
+		/* also the posts that are smoothed around it */
+		double size = 2 * deform_shape_bound(&world->scene->objects[i].shape) + 16 * world->spacing;
 		double along = motion_track_fastest(world->bodies[i].track) * world->scene->time_step / side + 2, across = ceil(size / side) + 1;
 		pages += 2 * along * across + across * across;
 	}
-	/* What slides on behind them: a block on a tile of its own each, at worst. */
+	/* Blocks that relax behind the objects: at worst each lies on a tile of its own. */
 	if (deform_conserves(world->scene->model))
 		pages += fmin(DEFORM_BLOCKS_MAX, (double)extent_tiles_x(&world->meta->extent, world->level) *
 							 extent_tiles_y(&world->meta->extent, world->level));

@@ -1,9 +1,9 @@
 /*
- * What changed since a revision, for hosts that keep a copy of the ground.
+ * Tells what changed since a revision, for hosts that keep a copy of the ground.
  *
- * A revision is a number of this world's: it grows by one with each step, each motion that is committed between steps and each
- * rollback that changed the ground. For each tile that changed there is its last revision, and one rectangle that holds all its
- * changes after the revision `from`. A host that asks again and again gets rectangles; another gets whole tiles.
+ * A revision is a number of this world. It grows by one with each step, each motion committed between steps, and each rollback
+ * that changed the ground. Each changed tile has its last revision, and one rectangle with all its changes after the revision
+ * `from`. A host that asks regularly gets rectangles. Another host gets whole tiles.
  */
 #include "world/internal.h"
 
@@ -45,7 +45,7 @@ enum status world_changed(struct world *world, struct tile tile, struct post_rec
 		status = add(changes, tile, &changed);
 	if (status != STATUS_OK)
 		return status;
-	if (changed->last <= changes->asked) { /* nobody who asked last has seen a part of it */
+	if (changed->last <= changes->asked) { /* the last host that asked has seen no part of it */
 		changed->from = changes->asked;
 		changed->rect = rect;
 	} else {

@@ -1,9 +1,9 @@
 /*
  * Checkpoints, and going back to the last one: ground, bodies, forces, time and rows.
  *
- * The store keeps what commits replace after a checkpoint (store_mark), and the pages forget what they have of it. What the world
- * itself carries from step to step is copied here. What is only kept for speed, and stays right when it says too much, is left
- * as it is: touched posts, tiles that were looked at, ranges of a view.
+ * After a checkpoint the store keeps what commits replace (store_mark), and a rollback drops the pages that changed. The
+ * world's own state is copied here. Touched posts, seen tiles and ranges of a view are not set back. They only save time, and
+ * may include too much.
  */
 #include <string.h>
 
@@ -17,7 +17,7 @@ struct checkpoint {
 	struct deform_tally tally;
 	struct record *record;
 	struct body *bodies;      /* of the scene */
-	struct host_body *hosts;  /* host_count; of numbers without one all zero */
+	struct host_body *hosts;  /* host_count of them; all zero where a number has no body */
 	size_t host_count;
 	struct forces_saved *forces; /* NULL: nobody asks for any */
 };
@@ -100,7 +100,7 @@ enum status world_checkpoint(struct world *world)
 	return STATUS_OK;
 }
 
-/* Blocks and the heights of loaded bodies, as they were when the record was made. */
+/* Sets active blocks and equilibrium heights back to those of the record. */
 static enum status restore_deform(struct world *world, const struct checkpoint *saved)
 {
 	if (world->deform == NULL)
@@ -110,8 +110,8 @@ static enum status restore_deform(struct world *world, const struct checkpoint *
 		status = deform_wake_block(world->deform, saved->record->awake[i]);
 	for (size_t i = 0; i < world->scene->object_count; i++) {
 		const struct body *body = &world->bodies[i];
-		if (body->carrier > 0 && body->in_contact)
-			deform_stands(world->deform, body->carrier, (int32_t)(body->stands - body->last.z));
+		if (body->loaded_body > 0 && body->in_contact)
+			deform_stands(world->deform, body->loaded_body, (int32_t)(body->stands - body->last.z));
 	}
 	return status;
 }
@@ -131,7 +131,7 @@ static void restore_hosts(struct world *world, const struct checkpoint *saved)
 	}
 }
 
-/* Bodies with paths go on from where they were. */
+/* Bodies with paths go on from their place at the checkpoint. */
 static enum status rewind_paths(struct world *world)
 {
 	int64_t *next = mem_calloc(world->scene->object_count + 1, sizeof *next);

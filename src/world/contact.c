@@ -1,4 +1,4 @@
-/* One station's deformation: pin the tiles its windows touch, compute, scatter, mark dirty. */
+/* The deformation at one path sample: pins the tiles that its windows touch, computes, scatters, and marks them dirty. */
 #include <assert.h>
 #include <math.h>
 
@@ -77,7 +77,7 @@ static enum status scatter(struct world *world, const struct deform_window *wind
 	return status == STATUS_OK ? deform_wake_swept(world->deform, window, layer) : status;
 }
 
-/* How it rolled from one station to the next: by its slip s, as far as way / (r (1 - s)). */
+/* Computes how far a wheel turned between two path samples. With slip s it is distance / (r (1 - s)). */
 static void roll(const struct body *body, const struct event *event, struct deform_sweep *sweep)
 {
 	const struct scene_object *object = body->object;
@@ -90,7 +90,7 @@ static void roll(const struct body *body, const struct event *event, struct defo
 	sweep->to.turn = remainder(sweep->from.turn + sweep->turned, 2 * M_PI);
 }
 
-/* The least that holds both. */
+/* Returns the smallest rectangle that holds both. */
 static struct post_rect around(struct post_rect a, struct post_rect b)
 {
 	return (struct post_rect){a.x0 < b.x0 ? a.x0 : b.x0, a.y0 < b.y0 ? a.y0 : b.y0, a.x1 > b.x1 ? a.x1 : b.x1,
@@ -119,7 +119,7 @@ static struct deform_sweep sweep_of(const struct world *world, const struct body
 		.from = body->in_contact ? body->last : event->pose,
 		.to = event->pose,
 		.load = body->object->load,
-		.carrier = body->carrier,
+		.loaded_body = body->loaded_body,
 	};
 	if (world_is_hosts(world, event->body)) {
 		sweep.seconds = event->seconds;
@@ -163,7 +163,7 @@ enum status world_contact(struct world *world, const struct event *event, bool l
 {
 	struct body *body = world_body_at(world, event->body);
 	struct deform_sweep sweep = sweep_of(world, body, event);
-	/* Where it stood is not known here, and need not be: it presses as it stands now. */
+	/* Its earlier height is not known here and is not needed: it acts on the ground at its height now. */
 	if (sweep.load > 0)
 		sweep.from.z = sweep.to.z;
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
@@ -177,7 +177,8 @@ enum status world_contact(struct world *world, const struct event *event, bool l
 		sweep.tag = world_forces_ask(world->forces, event->body, event, last);
 	else
 		world_forces_absent(world->forces, event->body, event);
-	/* What it stood on is free: where the sweep does not look, if it has jumped or turned, somebody else must. */
+	/* The ground under its last pose is free now. If the object jumped or turned, the contact may not cover it; then make
+	 * it active. */
 	if (status == STATUS_OK && body->in_contact && !deform_covers(world->deform, &sweep, &body->last))
 		status = world_let_go(world, body);
 	world->windows.due += count;

@@ -1,17 +1,16 @@
 /*
- * What a host drops: an object that is no part of the scene is set down, pressed once and taken away, by the same sweep as any
- * station (sweep.c), between two steps. It is committed like a step.
- *
- * It is no larger than the scene's first object, so that the budget holds for it too.
+ * Bodies that a window drops, between two steps. A body that is no part of the scene is set down once and taken away. It uses
+ * the same contact as a path sample (contact.c). This is committed as a step is. The body is no larger than the scene's first
+ * object, so the budget holds for it too.
  */
 #include <math.h>
 
 #include "world/internal.h"
 
-/* A ball one can see the print of. */
+/* A ball whose print can be seen. */
 #define BALL_RADIUS 0.5 /* m, or */
 #define BALL_POSTS 4    /* of the working level, whichever is more */
-#define SINK_SHARE 0.3  /* of what reaches below its middle, where the scene's object says no depth */
+#define SINK_SHARE 0.3  /* share of the height below its centre, if the scene gives no depth */
 
 static struct scene_object dropped(const struct world *world, enum world_drop_shape shape)
 {
@@ -37,7 +36,7 @@ enum status world_warm_drops(struct world *world)
 	return deform_warm(world->deform, &planned, world->scene->forces > 0);
 }
 
-/* The ground it is set upon: as it is now, ruts and all. */
+/* Finds the ground that it is set upon, as it is now, with ruts. */
 static enum status surface(struct world *world, double x, double y, int64_t *height, bool *any)
 {
 	const struct terrain_point point = {x, y};
@@ -49,7 +48,7 @@ static enum status surface(struct world *world, double x, double y, int64_t *hei
 	return status;
 }
 
-/* One upon another they go deeper than any object of the scene: boxes of tiles must know. */
+/* Several drops at one place go deeper than any object of the scene. Bounding boxes of tiles must include this. */
 static enum status tell_watcher(struct world *world, const struct event *event, int64_t height, const struct deform_shape *shape)
 {
 	int64_t base;
@@ -60,7 +59,7 @@ static enum status tell_watcher(struct world *world, const struct event *event, 
 	return status;
 }
 
-/* Between steps the drive is whole; until this is over it is not. */
+/* Between steps the drive is consistent; during a drop it is not. */
 static enum status press(struct world *world, const struct event *event)
 {
 	struct body *body = &world->bodies[event->body];

@@ -1,4 +1,4 @@
-/* What is due in a step: stations of all objects in the order of time, then of the scene. */
+/* Collects the path samples that are due in a step, in the order of time, then of the scene's objects. */
 #include <math.h>
 
 #include "world/internal.h"
@@ -30,11 +30,11 @@ static enum status no_ground(const struct body *body, const struct track_point *
 			 body->object->name, point->x, point->y, point->time);
 }
 
-enum status world_set_down(struct world *world, struct body *body, int64_t station, struct event *event)
+enum status world_set_down(struct world *world, struct body *body, int64_t sample, struct event *event)
 {
 	struct track_point point;
-	motion_track_sample(body->track, station, &point);
-	event->next_time = station + 1 < motion_track_samples(body->track) ? motion_track_sample_time(body->track, station + 1) : INFINITY;
+	motion_track_sample(body->track, sample, &point);
+	event->next_time = sample + 1 < motion_track_samples(body->track) ? motion_track_sample_time(body->track, sample + 1) : INFINITY;
 	event->pose = (struct deform_pose){
 		.x = point.qx,
 		.y = point.qy,
@@ -59,9 +59,9 @@ enum status world_set_down(struct world *world, struct body *body, int64_t stati
 	else
 		event->pose.z = ground + lattice_offset(reach - body->object->sink);
 	event->sinkage = lattice_offset_metres(ground - event->pose.z) + reach;
-	if (station > 0) {
+	if (sample > 0) {
 		struct track_point before;
-		motion_track_sample(body->track, station - 1, &before);
+		motion_track_sample(body->track, sample - 1, &before);
 		event->distance = hypot(point.x - before.x, point.y - before.y);
 		event->seconds = point.time - before.time;
 	}

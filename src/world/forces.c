@@ -1,11 +1,13 @@
 /*
- * What the soil does to the objects, as it comes from the GPU: objects.csv, and how deep and how high those stand that
- * carry a load.
+ * The forces of the soil on the objects, as they come from the GPU. They give the rows of objects.csv, and sinkage and
+ * equilibrium height of loaded bodies.
  *
- * A row is for a multiple of 1 / output.forces; each object's is that of its latest station until then, at most a post
- * behind where it is, and it holds while the object stands. Only sweeps that a row asks for are summed. What was asked in
- * a step is used `delay` steps later, whenever it came: so the rows, and what a commit keeps of them, are the same
- * however fast the GPU is. It is waited for only if it is not there by then, and at a commit.
+ * Each row is for a multiple of 1 / output.forces. An object's row is that of its latest path sample until then, at most one
+ * post behind the object. It holds while the object is at rest. Only contacts that a row needs are summed.
+ *
+ * Forces asked for in a step are used `delay` steps later, even if they came earlier. So the rows, and the part of them that a
+ * commit keeps, do not depend on the GPU's speed. The thread waits for forces only if they have not come by then, and at a
+ * commit.
  */
 #include <assert.h>
 #include <errno.h>
@@ -16,16 +18,16 @@
 
 #include "world/internal.h"
 
-#define LOAD_DELAY 2 /* steps, where only loads ask */
+#define LOAD_DELAY 2 /* steps, if only loaded bodies need forces */
 
-/* What an object's latest station is known by. */
+/* Identifies an object's latest path sample. */
 struct standing {
-	uint64_t tag; /* 0: it touches nothing; or no row is its */
+	uint64_t tag; /* 0: it touches nothing, or no row needs it */
 	struct deform_pose pose;
 	bool placed;  /* it was set down once */
 };
 
-/* A row that waits, or (t < 0) a loaded object's height. */
+/* A row that waits for its forces; t < 0: the height of a loaded body. */
 struct entry {
 	int64_t step; /* when it was asked for */
 	double t;
@@ -42,9 +44,9 @@ struct forces {
 	int64_t row;                /* the next */
 	uint64_t tag, tag_before;   /* the last; before this step */
 	struct standing *standing;  /* by object */
-	struct world_force *known; /* the latest that came of each: of known_tag */
+	struct world_force *known; /* the latest forces of each object, for known_tag */
 	uint64_t *known_tag;
-	struct entry *entries;      /* [first, count) wait, in their order; [kept, first) were used before `delay` steps had passed */
+	struct entry *entries;      /* [first, count) wait, in order; [kept, first) were used before `delay` steps had passed */
 	size_t kept, first, count, room;
 	uint64_t saturated, sunk;   /* posts; sweeps */
 };
@@ -98,7 +100,7 @@ enum status world_forces_create(struct world *world, struct forces **out)
 		forces->known[i] = object->force;
 		forces->known_tag[i] = 1;
 	}
-	forces->tag = forces->tag_before = 1; /* 1: before the drive was resumed */
+	forces->tag = forces->tag_before = 1; /* 1: rows from before the drive was resumed */
 	while (world->resumed.is && (double)forces->row <= world->record->time * forces->rate && forces->rate > 0 &&
 	       (double)forces->row / forces->rate <= world->record->time)
 		forces->row++;
@@ -172,12 +174,12 @@ uint64_t world_forces_ask(struct forces *forces, size_t object, const struct eve
 			world_host_asked(forces->world, object, tag, event);
 		return tag;
 	}
-	if (object == forces->world->scene->object_count) /* what a window drops has no rows */
+	if (object == forces->world->scene->object_count) /* bodies that a window drops have no rows */
 		return 0;
 	const struct body *body = &forces->world->bodies[object];
 	bool asked = last_in_step && (body->object->load > 0 || forces->world->scene->hosted);
 	if (forces->rate > 0) {
-		/* The next row, and whether it is this station's. */
+		/* The next row, and whether this path sample gives it. */
 		double row = (double)forces->row / forces->rate;
 		asked = asked || event->next_time > row;
 	}
@@ -199,8 +201,8 @@ void world_forces_absent(struct forces *forces, size_t object, const struct even
 	struct standing *standing = &forces->standing[object];
 	struct deform_pose pose = event->pose;
 	if (!event->contact)
-		pose.z = standing->pose.z; /* there is no ground to stand on */
-	else /* in the air above it: so says the record too */
+		pose.z = standing->pose.z; /* there is no ground */
+	else /* in the air above it; the record has the same */
 		forces->known[object] = (struct world_force){.z = pose.z};
 	*standing = (struct standing){0, pose, true};
 }
@@ -241,7 +243,7 @@ static enum status give_row(const struct forces *forces, const struct entry *ent
 	return status == STATUS_OK ? rows->row(rows->user, &row) : status;
 }
 
-/* Uses the entries of steps until `step`, in order; what is not there is waited for. */
+/* Uses the entries of all steps until `step`, in order. Waits for forces that have not come. */
 static enum status use(struct forces *forces, int64_t step)
 {
 	enum status status = STATUS_OK;
@@ -270,7 +272,7 @@ static enum status use(struct forces *forces, int64_t step)
 	return rows != NULL ? rows->flush(rows->user) : STATUS_OK;
 }
 
-/* What was known `delay` steps ago. world_forces_settle may have used it before that. */
+/* Takes what was known `delay` steps ago. world_forces_settle may have used it earlier. */
 static void look_back(struct forces *forces, int64_t step)
 {
 	for (; forces->kept < forces->first && forces->entries[forces->kept].step <= step; forces->kept++) {
@@ -382,7 +384,7 @@ enum status world_forces_save(const struct forces *forces, struct forces_saved *
 	return STATUS_OK;
 }
 
-/* Tags go on: none comes twice. */
+/* Tags are not set back: none is used twice. */
 void world_forces_restore(struct forces *forces, const struct forces_saved *saved)
 {
 	if (forces == NULL)

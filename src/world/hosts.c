@@ -1,12 +1,12 @@
 /*
- * Bodies of a host: it says where they are at the end of each step, and is told what the soil does to them.
+ * Bodies of a host. The host says where they are at the end of each step, and is told what the soil does to them.
  *
  * Here: their numbers, their names, and where the host says they are. host_steps.c moves them.
  *
  * Invariants:
- * 1. body.last is the pose up to which motion has changed the ground; body.in_contact says that there is one.
- * 2. `now` is where the body is; `next`, if has_next, where it will be after the next step.
- * 3. A number is given out once. list[number] is NULL of a body with a path, and of one that a rollback took back.
+ * - body.last is the pose up to which motion has changed the ground; body.in_contact says that there is one.
+ * - `now` is where the body is; `next`, if has_next, is where it will be after the next step.
+ * - A number is given out once. list[number] is NULL for a body with a path, and for one that a rollback removed.
  */
 #include <math.h>
 #include <string.h>
@@ -43,7 +43,7 @@ static enum status gone(int32_t number)
 				       "furrow_body_find gave", (int)number);
 }
 
-/* The host's body of this number, or why there is none. */
+/* Finds the host's body of this number, or says why there is none. */
 static enum status find(const struct world *world, int32_t number, struct host_body **out)
 {
 	*out = world_host_body(world, number);
@@ -145,7 +145,7 @@ enum status world_body_find(const struct world *world, const char *name, int32_t
 	return fail_with(STATUS_INPUT, "%s: no body has this name; give one of the scene's objects, or one that was added", name);
 }
 
-/* A name that is free, in place of the scene's "body-1". */
+/* Gives a free name instead of the scene's "body-1". */
 static enum status name_it(const struct world *world, struct scene_object *object, bool given)
 {
 	int32_t other;
@@ -188,7 +188,7 @@ enum status world_body_add(struct world *world, struct scene_object *object, int
 	if (status == STATUS_OK)
 		status = name_it(world, object, !is_made_up(object->name));
 	if (status == STATUS_OK)
-		status = world_forces_wait(world->forces); /* warming up drops what is on its way */
+		status = world_forces_wait(world->forces); /* warming up drops forces that are being computed */
 	if (status == STATUS_OK)
 		status = deform_warm(world->deform, &planned, world_asks_forces(world));
 	if (status != STATUS_OK)
@@ -234,7 +234,7 @@ static enum status check_state(const struct world *world, const struct host_body
 	return STATUS_OK;
 }
 
-/* Pages that one body's way can change. */
+/* Returns the number of pages that one body's motion can change. */
 static double pages_of(const struct world *world, const struct host_body *host, const struct world_state *state)
 {
 	const double side = world->spacing * world->meta->extent.cells;
@@ -278,7 +278,7 @@ enum status world_bodies_set(struct world *world, size_t count, const int32_t *n
 	return status;
 }
 
-/* What it rested on is free, and it touches nothing until the next step. */
+/* Frees the ground that it rested on. It touches nothing until the next step. */
 static enum status lift(struct world *world, struct host_body *host)
 {
 	enum status status = world_let_go(world, &host->body);

@@ -1,6 +1,6 @@
 /*
- * Everything that is known of a drive before it makes anything: its level, its parameters, and the plan of what it will
- * make and run. What a drive does by these it does by these functions alone, so that the plan cannot say otherwise.
+ * Everything about a drive that is known before it makes anything: its level, its parameters, and its plan. A drive uses these
+ * same functions. So the plan and the drive agree.
  */
 #include <math.h>
 #include <string.h>
@@ -11,12 +11,12 @@
 #define GROUND_BYTES (64 << 20)
 enum { GROUND_LEAST = 16, GROUND_MOST = 256 }; /* tiles */
 
-/* Where there is no store: tiles as import makes them, on ground as wide as can be, of little relief. */
+/* Assumed without a store: tiles as import makes them, on the widest ground, of little relief. */
 enum { ASSUMED_CELLS = 256 };
 #define ASSUMED_SPACING 1.0
 #define ASSUMED_POSTS ((int64_t)1 << 24)
 
-/* --- what follows from scene and store --- */
+/* --- facts that follow from scene and store --- */
 
 enum status world_settle_level(struct world *world)
 {
@@ -68,7 +68,7 @@ enum status world_open_soil_map(struct world *world)
 	return world_needs_soil_map(world->scene) ? resident_soil_map_open(&params, &world->soil_map) : STATUS_OK;
 }
 
-/* Tiles of the ground: a few for each object, while that is not too much. */
+/* Returns the number of tiles of the ground: a few for each object, up to a limit. */
 uint32_t world_ground_tiles(const struct world *world)
 {
 	size_t side = tile_posts(&world->meta->extent), most = GROUND_BYTES / (side * side * sizeof(int32_t));
@@ -99,7 +99,7 @@ void world_deform_params(const struct world *world, struct deform_params *params
 	};
 	memcpy(params->soils, scene->soils, sizeof params->soils);
 	for (size_t i = 0; i < scene->object_count; i++)
-		params->carriers += world->bodies[i].carrier > 0;
+		params->loaded_bodies += world->bodies[i].loaded_body > 0;
 }
 
 struct deform_planned world_planned(const struct scene_object *object)
@@ -109,7 +109,7 @@ struct deform_planned world_planned(const struct scene_object *object)
 
 /* --- advice --- */
 
-/* Tiles that there are at all, of the working level and coarser ones. */
+/* Returns the number of all tiles of the working level and of coarser ones. */
 static double all_tiles(const struct world *world)
 {
 	const struct extent *extent = &world->meta->extent;
@@ -119,7 +119,7 @@ static double all_tiles(const struct world *world)
 	return tiles;
 }
 
-/* A spacing that the store cannot be divided to is taken finer, for up to four times the posts that were meant. */
+/* The store can only be divided by powers of two. A spacing in between becomes finer, with up to four times as many posts. */
 static void advise_spacing(const struct world *world, scene_advice_fn tell, void *user)
 {
 	const struct extent *extent = &world->meta->extent;
@@ -137,7 +137,7 @@ static void advise_spacing(const struct world *world, scene_advice_fn tell, void
 	tell(user, text);
 }
 
-/* Paths that leave the terrain before the drive ends: the one that does so first is named. Holes are not looked for. */
+/* Tells about paths that leave the terrain before the drive ends. It names the first to leave. It does not look for holes. */
 static void advise_leaving(const struct world *world, scene_advice_fn tell, void *user)
 {
 	const struct scene *scene = world->scene;
@@ -151,15 +151,15 @@ static void advise_leaving(const struct world *world, scene_advice_fn tell, void
 		const struct body *body = &world->bodies[i];
 		if (body->track == NULL)
 			continue;
-		int64_t station = motion_track_leaves(body->track, width, height);
-		double time = station >= 0 ? motion_track_sample_time(body->track, station) : INFINITY;
+		int64_t sample = motion_track_leaves(body->track, width, height);
+		double time = sample >= 0 ? motion_track_sample_time(body->track, sample) : INFINITY;
 		if (time > scene->end_time)
 			continue;
 		leaving++;
 		if (time >= at.time)
 			continue;
 		first = body;
-		motion_track_sample(body->track, station, &at);
+		motion_track_sample(body->track, sample, &at);
 	}
 	if (first == NULL)
 		return;
@@ -241,7 +241,7 @@ uint64_t world_samples_until(const struct track *track, double end)
 	}
 	if (motion_track_sample_time(track, 0) > end)
 		return 0;
-	/* [low] is due; [high], if there is one, is not, or is the last. */
+	/* Sample `low` is due. Sample `high`, if it exists, is not due, or is the last. */
 	while (high - low > 1) {
 		int64_t middle = low + (high - low) / 2;
 		if (motion_track_sample_time(track, middle) <= end)
@@ -261,7 +261,7 @@ static enum status over_store(struct world *world, const char *path)
 		return status;
 	world->meta = store_meta(world->store);
 	status = world_settle_level(world);
-	/* A drive would refuse one that cannot be read. */
+	/* A drive refuses a map of soils that cannot be read, so this does too. */
 	return status == STATUS_OK ? world_open_soil_map(world) : status;
 }
 

@@ -1,4 +1,4 @@
-/* Questions about the ground as it is now. */
+/* Queries about the ground as it is now. */
 #include <math.h>
 
 #include "world/internal.h"

@@ -9,14 +9,14 @@
 #include "base/json.h"
 
 #define VERSION 2
-#define SUM_MOST (INT64_MAX / 4) /* so that what a drive adds, and their differences, are numbers too */
+#define SUM_MOST (INT64_MAX / 4) /* so that sums and differences are still numbers */
 
 size_t world_record_bytes(size_t objects)
 {
 	return sizeof(struct record) + objects * sizeof(struct record_object);
 }
 
-/* --- writing; false: out of memory --- */
+/* --- writing; each returns false when out of memory --- */
 
 static bool put_whole(cJSON *object, const char *name, int64_t value)
 {
@@ -110,7 +110,7 @@ struct pages_record world_record_pages(const struct scene *scene)
 	return (struct pages_record){world_record_bytes(scene->object_count), scene->hash, scene, when, print};
 }
 
-/* --- reading; false: not there, or not what it must be --- */
+/* --- reading; each returns false if the value is missing or wrong --- */
 
 static const char *get_text(const cJSON *object, const char *name)
 {

@@ -1,16 +1,16 @@
 /*
- * The ground at large: every `interval` of simulated time it slides on where it is awake, after the stations of the
- * same time. The tiles of a block are pinned while it is gathered and while it is scattered, no longer.
+ * Relaxation of the whole ground. Every `interval` of simulated time soil slides in active blocks, after the path samples of
+ * the same time. The tiles of a block are pinned only while it is gathered and while it is scattered.
  */
 #include <math.h>
 
 #include "world/internal.h"
 
-/* Intervals that are over at `time`: those at multiples of it, from the first. */
+/* Returns the number of intervals that are over at `time`. They end at multiples of the interval. */
 static int64_t intervals_by(const struct world *world, double time)
 {
 	double interval = world->scene->interval, whole = floor(time / interval);
-	if (!deform_conserves(world->scene->model) || !(whole < 0x1p52)) /* none, or more than there are */
+	if (!deform_conserves(world->scene->model) || !(whole < 0x1p52)) /* none, or more blocks than exist */
 		return 0;
 	int64_t count = (int64_t)whole;
 	while ((double)(count + 1) * interval <= time)
@@ -38,7 +38,7 @@ static size_t rests_of(const struct world *world)
 	for (size_t i = 0; i < world->scene->object_count; i++)
 		if (world->bodies[i].in_contact)
 			world->relaxation.rests[count++] = (struct deform_rest){&world->bodies[i].object->shape, world->bodies[i].last,
-								     world->bodies[i].carrier};
+								     world->bodies[i].loaded_body};
 	return count + world_host_rests(world, world->relaxation.rests + count);
 }
 
@@ -82,7 +82,7 @@ enum status world_intervals(struct world *world, double time, bool at_it)
 	while (world->relaxation.intervals < over && status == STATUS_OK) {
 		size_t blocks;
 		status = one_interval(world, &blocks);
-		/* Where nothing is awake nothing wakes by itself. */
+		/* If no block is active, none becomes active by itself. */
 		world->relaxation.intervals = blocks > 0 ? world->relaxation.intervals + 1 : over;
 	}
 	return status;

@@ -1,8 +1,8 @@
 /*
- * Going on from the store's last drive of the same scene.
+ * Goes on from the store's last drive of the same scene.
  *
- * Nearly all of a record follows from its step's time: which stations are behind, and where the last of them set
- * the object down. What a record says that is not so was not written by a drive of this scene.
+ * Nearly all of a record follows from the time of its step. That is, which path samples are done, and where the last one set
+ * the object down. A record that says otherwise was not written by a drive of this scene.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -10,9 +10,9 @@
 
 #include "world/internal.h"
 
-#define STANDS_MOST (INT64_C(1) << 31) /* quanta from where a load's height was guessed */
+#define STANDS_MOST (INT64_C(1) << 31) /* 2^-20 m from the guessed height of a loaded body */
 
-/* To a few quanta, far less than a post: what is swept from there must fit the budget too. */
+/* Equal within a few fixed-point units, far less than a post. A contact swept from there must fit the budget too. */
 static bool near(int64_t a, int64_t b)
 {
 	return a > b - 16 && a < b + 16;
@@ -27,22 +27,22 @@ static enum status check_object(struct world *world, struct body *body, const st
 		return object->next == 0 && !object->in_contact ? STATUS_OK : world_record_damaged(store, "a path of a body that has none");
 	if (record->step == 0 && object->next == 0)
 		return object->in_contact ? world_record_damaged(store, "contact before the first step") : STATUS_OK;
-	int64_t stations = motion_track_samples(body->track);
-	if (object->next > stations ||
+	int64_t samples = motion_track_samples(body->track);
+	if (object->next > samples ||
 	    (object->next > 0 && motion_track_sample_time(body->track, object->next - 1) > record->time) ||
-	    (object->next < stations && motion_track_sample_time(body->track, object->next) <= record->time))
+	    (object->next < samples && motion_track_sample_time(body->track, object->next) <= record->time))
 		return world_record_damaged(store, "stations that are not those of its time");
 	if (object->next == 0)
 		return object->in_contact ? world_record_damaged(store, "contact before the first station") : STATUS_OK;
 	enum status status = world_set_down(world, body, object->next - 1, &event);
 	if (status != STATUS_OK)
 		return status;
-	/* Not to the bit: another machine's mathematics may have made it. */
+	/* Not compared bit for bit: another machine's mathematics may have made it. */
 	const struct deform_pose *pose = &event.pose, *last = &object->last;
 	if (object->in_contact != event.contact ||
 	    (event.contact && !(near(last->x, pose->x) && near(last->y, pose->y) && near(last->z, pose->z))))
 		return world_record_damaged(store, "an object is not where its path was");
-	if (body->carrier > 0 && event.contact &&
+	if (body->loaded_body > 0 && event.contact &&
 	    (object->force.z <= last->z - STANDS_MOST || object->force.z >= last->z + STANDS_MOST))
 		return world_record_damaged(store, "an object stands where it cannot");
 	return STATUS_OK;
@@ -52,7 +52,7 @@ static enum status check(struct world *world)
 {
 	const struct record *record = world->record;
 	const char *store = world->path;
-	/* The last step may have been cut short by the end_time that was. */
+	/* An earlier end_time may have cut the last step short. */
 	double whole = (double)record->step * world->scene->time_step;
 	if (!world->scene->hosted && world_steps_until(world->scene, record->time) != (double)record->step &&
 	    fabs(record->time - whole) > 1e-12 * whole)
@@ -79,12 +79,12 @@ static void restore(struct world *world)
 	world->resumed.is = true;
 	world->step = record->step;
 	world->time = record->time;
-	/* The scene ends later now: its last step is done to its end. */
+	/* The scene ends later now: its last step is done to its full length. */
 	if (!world->scene->hosted && record->step > 0 && record->time < world_step_time(world->scene, record->step) * (1 - 1e-12))
 		world->step--;
 	world->resumed.from = world->step;
 	world->resumed.time = world->time;
-	const int64_t total = world->scene->hosted ? INT64_MAX : world_step_count(world); /* a host says how far it goes */
+	const int64_t total = world->scene->hosted ? INT64_MAX : world_step_count(world); /* a host decides how far it goes */
 	world->resumed.nothing_left = world->step > total || (world->step == total && record->ended);
 	for (size_t i = 0; i < world->scene->object_count; i++) {
 		const struct record_object *object = &record->objects[i];
@@ -95,7 +95,7 @@ static void restore(struct world *world)
 		body->distance = object->distance;
 		body->sinkage = body->sinkage_before = object->sinkage;
 		body->stands = object->force.z;
-		body->raised = body->carrier > 0 && object->in_contact ? object->force.z - object->last.z : 0;
+		body->raised = body->loaded_body > 0 && object->in_contact ? object->force.z - object->last.z : 0;
 		body->skipped = object->skipped;
 	}
 }

@@ -1,4 +1,4 @@
-/* Tells that the ground has ruts before the first step: whoever drives a second time may have meant the ground as imported. */
+/* Says before the first step that the ground already has ruts. Who drives a second time may have wanted the ground as imported. */
 #include <math.h>
 #include <stdio.h>
 
@@ -7,7 +7,7 @@
 enum status world_tell_ruts(const struct world *world)
 {
 	const struct extent *extent = &world->meta->extent;
-	const struct tile all = {extent_coarsest(extent), 0, 0}; /* its row has the range of every tile below it */
+	const struct tile all = {extent_coarsest(extent), 0, 0}; /* the row has the range of every tile below it */
 	double low = 0, high = 0;
 	bool found = false;
 	char heaps[48] = "";

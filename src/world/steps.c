@@ -1,4 +1,4 @@
-/* One step: what is due in it, what that does to the ground, and the record of it. */
+/* One step: collects its events, applies them to the ground, and records it. */
 #include <math.h>
 #include <string.h>
 
@@ -20,7 +20,7 @@ int64_t world_step_count(const struct world *world)
 double world_step_time(const struct scene *scene, int64_t step)
 {
 	double time = (double)step * scene->time_step;
-	/* The last step ends where the scene does, whatever the time step: the same stations are due. */
+	/* The last step ends where the scene does, whatever the time step. So the same path samples are due. */
 	return time < scene->end_time * (1 - 1e-12) ? time : scene->end_time;
 }
 
@@ -93,7 +93,7 @@ enum status world_begin(struct world *world)
 {
 	world_intervals_from(world, world->time);
 	motion_look_ahead_begin(world->ahead, world->resumed.time);
-	/* Killed before its first commit it is not to be taken for the run before it. */
+	/* A drive that is killed before its first commit must not be taken for the run before it. */
 	enum status status = world->resumed.is ? STATUS_OK : fill_record(world);
 	if (status == STATUS_OK && !world->resumed.is)
 		status = page_cache_flush(world->cache, world->record);
@@ -111,7 +111,7 @@ enum status world_end_step(struct world *world)
 	enum status status = world->pyramid != NULL ? resident_pyramid_flush(world->pyramid, world->cache) : STATUS_OK;
 	if (status == STATUS_OK)
 		status = fill_record(world);
-	/* Until the record is of this step too there is nothing to commit. */
+	/* Until the record describes this step too, there is nothing to commit. */
 	if (status != STATUS_OK)
 		return status;
 	world->torn = false;
@@ -127,7 +127,7 @@ enum status world_step(struct world *world)
 enum status world_step_to(struct world *world, double until)
 {
 	world->hosts.until = until;
-	/* Before anything changes: a scene that leaves the ground stops at a step's end. */
+	/* This is before anything changes: a scene that leaves the ground stops at the end of a step. */
 	enum status status = world_collect_events(world, until);
 	if (status == STATUS_OK)
 		status = page_cache_poll(world->cache);
@@ -187,6 +187,6 @@ enum status world_interrupted(const struct world *world)
 enum status world_end(struct world *world, bool ended)
 {
 	world->record->ended = ended;
-	/* A step that failed half-way is no state to commit: the last commit stands. */
+	/* A step that failed half-way must not be committed. The last commit remains. */
 	return world->torn ? STATUS_OK : page_cache_flush(world->cache, world->record);
 }

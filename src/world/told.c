@@ -1,10 +1,10 @@
-/* What the soil does to a body, as a host is told it: the line of the force, the normal, slip, and the most shear. */
+/* What a host is told about the soil under a body: the force's line, the normal, slip, and the shear limit. */
 #include <math.h>
 #include <string.h>
 
 #include "world/internal.h"
 
-#define NORMAL_POSTS 2 /* working posts to each side, over which the base's slope is taken */
+#define NORMAL_POSTS 2 /* working posts to each side over which the base's slope is measured */
 
 static void unknown(struct world_contact *contact)
 {
@@ -14,7 +14,7 @@ static void unknown(struct world_contact *contact)
 	};
 }
 
-/* Of the undisturbed surface there. NaN where it cannot be told. */
+/* Finds the normal of the undisturbed surface. NaN: it cannot be found. */
 static enum status normal_at(const struct world *world, const double place[3], double normal[3])
 {
 	const double step = NORMAL_POSTS * world->spacing;
@@ -37,7 +37,7 @@ static enum status normal_at(const struct world *world, const double place[3], d
 	return STATUS_OK;
 }
 
-/* The place on the force's line that is nearest the body's lowest point. */
+/* Finds the place on the force's line nearest the body's lowest point. */
 static void line_of(const double origin[3], double reach, const double force[3], const double moment[3], double point[3])
 {
 	const double squares = force[0] * force[0] + force[1] * force[1] + force[2] * force[2];
@@ -127,7 +127,7 @@ enum status world_path_state(const struct world *world, size_t body, struct worl
 {
 	const struct body *at = &world->bodies[body];
 	struct track_point point, before;
-	const double moment = 1e-3; /* s, over which velocities are taken */
+	const double moment = 1e-3; /* s over which velocities are measured */
 	motion_track_at(at->track, world->time, &point);
 	motion_track_at(at->track, fmax(world->time - moment, 0), &before);
 	struct deform_pose pose = at->last;
@@ -137,7 +137,7 @@ enum status world_path_state(const struct world *world, size_t body, struct worl
 	*state = (struct world_state){.pose = {{point.x, point.y, lattice_offset_metres(at->last.z)}, {1, 0, 0, 0}}};
 	if (!at->in_contact)
 		world_place(world, body, state->pose.position, &pose.yaw);
-	else if (at->carrier > 0)
+	else if (at->loaded_body > 0)
 		state->pose.position[2] += lattice_offset_metres(at->raised);
 	world_orientation(&pose, state->pose.orientation);
 	const double seconds = fmin(moment, world->time);

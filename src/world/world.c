@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#define COMMIT_AGE 1.0 /* s: how much of a run a kill may cost */
+#define COMMIT_AGE 1.0 /* s of a run that a kill may lose */
 
 enum status world_prepare(struct world *world, const struct world_params *params)
 {
@@ -65,7 +65,7 @@ static enum status start_look_ahead(struct world *world)
 	const struct look_ahead_params params = {
 		.store = world->store,
 		.ground = world->ground,
-		.tiles = tiles - tiles / 4, /* the rest is for what the view asks for, and for what was passed */
+		.tiles = tiles - tiles / 4, /* the rest is for tiles of the view, and for passed ones */
 		.bodies = bodies,
 		.count = count,
 		.spacing = world->spacing,
@@ -80,7 +80,7 @@ static enum status start_look_ahead(struct world *world)
 	return status;
 }
 
-/* What relaxes, and where loaded bodies are carried: as what is resumed left it. */
+/* Sets active blocks and the equilibrium heights of loaded bodies as the resumed run left them. */
 static enum status go_on_with_ground(struct world *world)
 {
 	const struct record *record = world->record;
@@ -90,8 +90,8 @@ static enum status go_on_with_ground(struct world *world)
 		status = deform_wake_block(world->deform, record->awake[i]);
 	for (size_t i = 0; i < world->scene->object_count && world->resumed.is; i++) {
 		const struct body *body = &world->bodies[i];
-		if (body->carrier > 0 && body->in_contact)
-			deform_stands(world->deform, body->carrier, (int32_t)(body->stands - body->last.z));
+		if (body->loaded_body > 0 && body->in_contact)
+			deform_stands(world->deform, body->loaded_body, (int32_t)(body->stands - body->last.z));
 	}
 	return status;
 }
@@ -99,7 +99,7 @@ static enum status go_on_with_ground(struct world *world)
 enum status world_start(struct world *world)
 {
 	const struct scene *scene = world->scene;
-	struct gpu_params gpu = {.draws = world->params.draws || world->scene->hosted}; /* a host's environment is its own */
+	struct gpu_params gpu = {.draws = world->params.draws || world->scene->hosted}; /* the environment belongs to the host */
 	struct deform_params deform;
 	enum status status = start_look_ahead(world);
 	if (status == STATUS_OK)
@@ -217,7 +217,7 @@ enum status world_start_drawing(struct world *world)
 {
 	if (world->pyramid != NULL)
 		return STATUS_OK;
-	/* Coarser tiles of pages that changed and are not committed are made from the store. */
+	/* Coarser tiles of changed pages are made from the store, so commit first. */
 	enum status status = page_cache_flush(world->cache, world->record);
 	if (status == STATUS_OK)
 		status = resident_pyramid_create(&world->meta->extent, world->level, world->slots, &world->pyramid);
@@ -238,8 +238,8 @@ static void serve(struct world *world)
 				       });
 }
 
-/* A driver compiles a program when it first draws with it: now, and not in a step. The ground of the first steps is
- * read by then too. */
+/* A driver compiles a program at its first draw. That happens here and not in a step. By the end the ground of the first steps
+ * is read, too. */
 enum status world_warm(struct world *world)
 {
 	const struct scene *scene = world->scene;
@@ -266,7 +266,7 @@ void world_seal(struct world *world)
 	gpu_finish(world->gpu);
 	gpu_stats(world->gpu, &world->warmed.gpu);
 	gpu_slots_figures(world->slots, &world->warmed.slots);
-	if (!world->scene->hosted) /* a host's later bodies and pictures bring programs of their own */
+	if (!world->scene->hosted) /* later bodies and pictures of a host need more programs */
 		gpu_seal(world->gpu);
 }
 

@@ -30,7 +30,7 @@ struct ground_params {
 	bool stands;                     /* undisturbed ground does */
 	bool touched;                    /* deform_is_touched is asked */
 	double bulldozing;
-	uint32_t carriers;
+	uint32_t loaded_bodies;
 };
 
 struct ground {
@@ -100,7 +100,7 @@ static inline void ground_init(struct ground *ground, const struct ground_params
 		.stands = params->stands,
 		.touched = params->touched,
 		.bulldozing = params->bulldozing,
-		.carriers = params->carriers,
+		.loaded_bodies = params->loaded_bodies,
 	};
 	assert_ok(deform_soil_named("dry_sand", &deform.soils[0]));
 	for (int i = 0; i < deform.soil_count && params->soils != NULL; i++)

@@ -155,12 +155,12 @@ static int32_t *slid_on(const struct deform_soil *soil, const struct deform_swee
 {
 	struct ground ground;
 	ground_init(&ground, &(struct ground_params){.cells = 64, .tiles = 2, .spacing = 0.03125, .model = DEFORM_SCM, .bulldozing = 1,
-						     .soils = soil, .iterations = 2, .carriers = 2});
+						     .soils = soil, .iterations = 2, .loaded_bodies = 2});
 	struct deform_forces forces = ground_forces(&ground, sweep);
 	if (told) /* as after a resume */
 		deform_stands(ground.deform, 2, (int32_t)(forces.z - sweep->to.z));
 	struct deform_rest rest = *at;
-	if (at->carrier == 0)
+	if (at->loaded_body == 0)
 		rest.pose.z = forces.z;
 	assert_ok(deform_wake(ground.deform, ground.windows[0].write));
 	for (int n = 0; n < 12; n++) {
@@ -191,7 +191,7 @@ static void the_ground_slides_around_where_it_stands(void **state)
 	for (int i = 0; i < 2; i++) {
 		struct deform_pose pose = {.x = lattice_offset(64.37 * 0.03125), .y = lattice_offset(64.21 * 0.03125),
 					   .z = lattice_offset(i == 0 ? 0.55 : 0.2)};
-		struct deform_sweep sweep = {.shape = &wheel, .from = pose, .to = pose, .load = 6000, .carrier = 1};
+		struct deform_sweep sweep = {.shape = &wheel, .from = pose, .to = pose, .load = 6000, .loaded_body = 1};
 		int32_t *where = slid_on(&soil, &sweep, &(struct deform_rest){&wheel, pose, 0}, false);
 		int32_t *found = slid_on(&soil, &sweep, &(struct deform_rest){&wheel, pose, 1}, false);
 		int32_t *resumed = slid_on(&soil, &sweep, &(struct deform_rest){&wheel, pose, 2}, true);

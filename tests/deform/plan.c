@@ -72,7 +72,7 @@ static void sweep(struct drive *drive, size_t object, double x, double y, double
 	sweep.to = ground_pose(&drive->ground, x + dx, y + dy, z);
 	sweep.turned = dx * drive->ground.params.spacing / 0.5;
 	if (planned->load > 0)
-		sweep.carrier = (uint32_t)object + 1;
+		sweep.loaded_body = (uint32_t)object + 1;
 	if (asks)
 		sweep.tag = ++drive->tag;
 	ground_sweep(&drive->ground, &sweep);
@@ -111,7 +111,7 @@ static void go(struct drive *drive)
 		}
 		rests[i] = (struct deform_rest){.shape = planned->shape, .pose = ground_pose(&drive->ground, x + 0.7, middle + 1,
 											     deform_shape_reach(planned->shape, 0, 0) - 0.1),
-						.carrier = planned->load > 0 ? (uint32_t)i + 1 : 0};
+						.loaded_body = planned->load > 0 ? (uint32_t)i + 1 : 0};
 	}
 	take_forces(drive);
 	for (int n = 0; n < 3; n++) {
@@ -246,15 +246,15 @@ static void hold_to_plan(const struct scenario *scenario)
 	struct deform_figures figures;
 	assert_ok(gpu_create(&(struct gpu_params){.draws = false}, &test_gpu)); /* no programs yet */
 	struct deform_soil soils[DEFORM_SOILS];
-	uint32_t carriers = 0;
+	uint32_t loaded_bodies = 0;
 	for (int i = 0; i < DEFORM_SOILS; i++)
 		assert_ok(deform_soil_named("dry_sand", &soils[i]));
 	for (size_t i = 0; i < scenario->count; i++)
-		carriers = scenario->objects[i].load > 0 ? (uint32_t)i + 1 : carriers;
+		loaded_bodies = scenario->objects[i].load > 0 ? (uint32_t)i + 1 : loaded_bodies;
 	ground_init(&drive.ground, &(struct ground_params){
 		.cells = 32, .tiles = scenario->tiles != 0 ? scenario->tiles : 3, .spacing = 0.125, .height = conserve_rough,
 		.model = scenario->model, .dirt = scenario->dirt, .repetitions = 3, .iterations = scenario->iterations, .soils = soils,
-		.soil_count = scenario->soils, .depth = scenario->depth, .relief = scenario->relief, .carriers = carriers, .bulldozing = 0.5,
+		.soil_count = scenario->soils, .depth = scenario->depth, .relief = scenario->relief, .loaded_bodies = loaded_bodies, .bulldozing = 0.5,
 	});
 	struct deform_params params = drive.ground.deform->params;
 	params.gpu = NULL;

@@ -12,7 +12,7 @@ struct trip {
 	int iterations;
 	resident_ground_height height;
 	bool dirt;
-	int stations;
+	int samples;
 };
 
 static int32_t slope(int64_t x, int64_t y)
@@ -130,7 +130,7 @@ static void make(const struct trip *trip, size_t seed)
 	test_seed = (uint32_t)seed;
 	begin(&ground, trip);
 	double at[2] = {(double)ground.posts / 2, (double)ground.posts / 2};
-	for (int n = 0; n < trip->stations; n++) {
+	for (int n = 0; n < trip->samples; n++) {
 		bool above = n > 0 && any_word() % 3 != 0;
 		late_misses = any_word() % 4 == 0;
 		any_station(&ground, above, wide && n == 9, at);

@@ -207,7 +207,7 @@ static void page_evicted_and_wanted_at_once_is_read_from_its_copy(void **state)
 {
 	(void)state;
 	for (uint32_t loaders = 0; loaders < 3; loaders++)
-		for (int wished = 0; wished < 2 && (wished == 0 || loaders > 0); wished++) {
+		for (int requested = 0; requested < 2 && (requested == 0 || loaders > 0); requested++) {
 			static struct fake fake;
 			struct page_params params = fake_params(&fake, 4, loaders);
 			fake_start(&fake, &params);
@@ -220,7 +220,7 @@ static void page_evicted_and_wanted_at_once_is_read_from_its_copy(void **state)
 			assert_int_equal(fake_queued(&fake, 0).count, 0); /* not shown: it is rubbish yet */
 			unsigned loads = fake.loads_begun;
 			fake_end_step(&fake, 1);
-			if (wished) {
+			if (requested) {
 				fake_want(&fake, 0);
 				for (int i = 0; i < 1000; i++)
 					sched_yield();
@@ -269,7 +269,7 @@ static void page_pinned_while_its_given_up_load_runs_is_loaded_again(void **stat
 		assert_int_equal(fake_queued(&fake, 0).count, 0); /* nothing is kept for it */
 		if (again) {
 			fake_want(&fake, COARSE);
-			assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_SHORT);
+			assert_int_equal(page_cache_request_state(fake.cache), PAGE_REQUESTS_SHORT);
 		}
 		unsigned loads = fake.loads_begun;
 		mutex_lock(&fake.cache->mutex);

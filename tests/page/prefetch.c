@@ -1,7 +1,7 @@
 /* Prefetching: it makes pins hits, and takes nothing from the step that runs. */
 #include "page/fake.h"
-
 #include "page/page_internal.h"
+
 
 /* Polls until a prefetched page is resident; its load must be on its way and not held. */
 static void poll_until_resident(struct fake *fake, uint64_t key)
@@ -33,7 +33,7 @@ static void page_prefetched_and_polled_is_a_hit(void **state)
 	fake_want(&fake, 5);
 	fake_want(&fake, 5);
 	poll_until_resident(&fake, 5);
-	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_HERE);
+	assert_int_equal(page_cache_request_state(fake.cache), PAGE_REQUESTS_HERE);
 	fake_want(&fake, 5);
 	fake_visit(&fake, 5);
 	struct page_stats stats = fake_stats(&fake);
@@ -65,21 +65,35 @@ static void page_pin_of_a_prefetch_on_its_way_is_late(void **state)
 	fake_finish(&fake);
 }
 
+/* Opens the gates once the owner waits for a page. */
+static void *open_at_a_miss(void *argument)
+{
+	struct fake *fake = argument;
+	for (uint64_t misses = 0; misses == 0;) {
+		mutex_lock(&fake->cache->mutex);
+		misses = fake->cache->stats.misses;
+		mutex_unlock(&fake->cache->mutex);
+		nanosleep(&(struct timespec){0, 100000}, NULL);
+	}
+	fake_gate(fake, 0, false);
+	return NULL;
+}
+
 /* The only loader is busy with another page. */
 static void page_pin_of_a_request_that_waits_for_a_loader_is_not_begun(void **state)
 {
 	static struct fake fake;
 	const uint64_t keys[] = {5, 6};
 	struct page_params params = fake_params(&fake, 4, 1);
-	struct fake_opener opener;
+	struct thread opener;
 	(void)state;
 	fake_start(&fake, &params);
 	fake_gate(&fake, 5 + 1, false);
 	page_cache_want(fake.cache, keys, 2);
 	fake_await(&fake, 1, 0);
-	fake_open_later(&opener, &fake, 1, 0);
+	assert_int_equal(thread_start(&opener, open_at_a_miss, &fake, "opener"), STATUS_OK);
 	fake_visit(&fake, 6);
-	thread_join(&opener.thread);
+	thread_join(&opener);
 	struct page_stats stats = fake_stats(&fake);
 	assert_int_equal(stats.misses, 1);
 	assert_int_equal(stats.late, 0);
@@ -107,7 +121,7 @@ static void page_prefetch_never_evicts_what_the_step_pinned(void **state)
 		assert_true(fake_resident(&fake, key));
 	assert_false(fake_resident(&fake, 7));
 	fake_want(&fake, 8); /* not honoured: nothing can go for it */
-	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_SHORT);
+	assert_int_equal(page_cache_request_state(fake.cache), PAGE_REQUESTS_SHORT);
 	assert_int_equal(fake_stats(&fake).prefetched, 1);
 	fake_end_step(&fake, 2);
 	fake_pin(&fake, 0);
@@ -165,9 +179,9 @@ static void page_wishes_are_loaded_soonest_first_and_cancelled(void **state)
 	assert_memory_equal(fake.loaded, expected, sizeof expected);
 	assert_int_equal(fake.loads_begun, 4);
 	assert_false(fake_resident(&fake, 1));
-	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_HERE);
+	assert_int_equal(page_cache_request_state(fake.cache), PAGE_REQUESTS_HERE);
 	page_cache_want(fake.cache, NULL, 0);
-	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_HERE);
+	assert_int_equal(page_cache_request_state(fake.cache), PAGE_REQUESTS_HERE);
 	assert_true(fake_resident(&fake, 3)); /* it stays, as what was used */
 	fake_finish(&fake);
 }
@@ -189,11 +203,11 @@ static void page_wished_pages_stay(void **state)
 	assert_false(fake_resident(&fake, 10));
 	uint32_t held = fake_pin(&fake, 11);
 	(void)held;
-	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_HERE);
+	assert_int_equal(page_cache_request_state(fake.cache), PAGE_REQUESTS_HERE);
 	fake_visit(&fake, 12); /* for 1: it is needed last */
 	assert_false(fake_resident(&fake, 1));
 	assert_true(fake_resident(&fake, 0) && fake_resident(&fake, 2));
-	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_SHORT);
+	assert_int_equal(page_cache_request_state(fake.cache), PAGE_REQUESTS_SHORT);
 	fake_unpin(&fake, 11);
 	fake_end_step(&fake, 2);
 	/* Four wishes for four slots: the fifth is not honoured, and none goes for another. */
@@ -204,7 +218,7 @@ static void page_wished_pages_stay(void **state)
 	for (int i = 0; i < 100; i++)
 		assert_int_equal(page_cache_poll(fake.cache), STATUS_OK);
 	assert_false(fake_resident(&fake, 22));
-	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_SHORT);
+	assert_int_equal(page_cache_request_state(fake.cache), PAGE_REQUESTS_SHORT);
 	fake_finish(&fake);
 }
 
@@ -226,12 +240,12 @@ static void page_wish_pushes_out_no_other(void **state)
 	assert_int_equal(page_cache_poll(fake.cache), STATUS_OK);
 	assert_true(fake_resident(&fake, 0) && fake_resident(&fake, 1));
 	assert_false(fake_resident(&fake, 2));
-	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_COMING);
+	assert_int_equal(page_cache_request_state(fake.cache), PAGE_REQUESTS_COMING);
 	fake_unpin(&fake, 11);
 	fake_end_step(&fake, 1);
 	poll_until_resident(&fake, 2); /* for 11 */
 	assert_false(fake_resident(&fake, 11));
-	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_HERE);
+	assert_int_equal(page_cache_request_state(fake.cache), PAGE_REQUESTS_HERE);
 	fake_finish(&fake);
 }
 
@@ -266,13 +280,13 @@ static void page_wish_that_outlives_two_epochs_is_short(void **state)
 	fake_want(&fake, COARSE);
 	fake_await(&fake, 1, 0);
 	for (uint64_t record = 1; record < 3; record++) {
-		assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_COMING);
+		assert_int_equal(page_cache_request_state(fake.cache), PAGE_REQUESTS_COMING);
 		fake_change(&fake, 0);
 		fake_flush(&fake, record);
 	}
-	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_SHORT);
+	assert_int_equal(page_cache_request_state(fake.cache), PAGE_REQUESTS_SHORT);
 	fake_gate(&fake, 0, false);
-	while (page_cache_wishes(fake.cache) != PAGE_WISHES_HERE) {
+	while (page_cache_request_state(fake.cache) != PAGE_REQUESTS_HERE) {
 		fake_want(&fake, COARSE);
 		assert_int_equal(page_cache_poll(fake.cache), STATUS_OK);
 		sched_yield();
@@ -312,7 +326,7 @@ static void page_without_loaders_the_owner_loads(void **state)
 	(void)state;
 	fake_start(&fake, &params);
 	fake_want(&fake, 5);
-	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_HERE);
+	assert_int_equal(page_cache_request_state(fake.cache), PAGE_REQUESTS_HERE);
 	assert_int_equal(page_cache_poll(fake.cache), STATUS_OK);
 	assert_int_equal(fake.loads_begun, 0);
 	for (uint64_t key = 0; key < 20; key++)
@@ -382,9 +396,9 @@ static void page_wish_given_up_for_an_epoch_is_not_here(void **state)
 	fake_want(&fake, 5);
 	fake_await(&fake, 2, 0);
 	fake_flush(&fake, 1);
-	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_COMING);
+	assert_int_equal(page_cache_request_state(fake.cache), PAGE_REQUESTS_COMING);
 	fake_flush(&fake, 2);
-	assert_int_equal(page_cache_wishes(fake.cache), PAGE_WISHES_SHORT);
+	assert_int_equal(page_cache_request_state(fake.cache), PAGE_REQUESTS_SHORT);
 	assert_int_equal(fake_stats(&fake).cancelled, 1);
 	fake_gate(&fake, 0, false);
 	while (!fake_resident(&fake, 5)) {

@@ -280,7 +280,7 @@ static void come_to_rest(bool wishes)
 		mutex_lock(&fake->cache->mutex);
 		busy = fake->cache->epoch != PAGE_EPOCH_NONE || fake->cache->queue.filling > 0;
 		mutex_unlock(&fake->cache->mutex);
-		busy |= wishes && page_cache_wishes(fake->cache) == PAGE_WISHES_COMING;
+		busy |= wishes && page_cache_request_state(fake->cache) == PAGE_REQUESTS_COMING;
 		sched_yield();
 	}
 }

@@ -199,7 +199,7 @@ static void page_load_that_began_before_a_rollback_is_dropped(void **state)
 		for (int committed = 0; committed < 2; committed++) {
 			static struct fake fake;
 			struct page_params params = fake_params(&fake, 4, 2);
-			uint64_t wished = coarse ? COARSE : 0;
+			uint64_t requested = coarse ? COARSE : 0;
 			fake_start(&fake, &params);
 			struct going going = mark(&fake);
 			change_to(&fake, 0, 200);
@@ -207,12 +207,12 @@ static void page_load_that_began_before_a_rollback_is_dropped(void **state)
 				fake_flush(&fake, 2);
 			fake_push_out(&fake, 4, 10);
 			unsigned loads = fake.loads_begun;
-			fake_gate(&fake, wished + 1, false);
+			fake_gate(&fake, requested + 1, false);
 			fake_end_step(&fake, 3);
-			page_cache_want(fake.cache, (const uint64_t[]){wished, 30}, 2);
+			page_cache_want(fake.cache, (const uint64_t[]){requested, 30}, 2);
 			fake_await(&fake, loads + 1, 0);
 			assert_int_equal(roll_back(&going), STATUS_OK);
-			assert_int_not_equal(page_cache_wishes(fake.cache), PAGE_WISHES_HERE);
+			assert_int_not_equal(page_cache_request_state(fake.cache), PAGE_REQUESTS_HERE);
 			fake_gate(&fake, 0, false);
 			fake_visit(&fake, 0);
 			check_coarse(&fake, 0);

@@ -97,10 +97,10 @@ static inline void check_all(void)
 	assert_int_equal(fake->images[PAGE_LOADED_IMAGE], page_load_images(trial.params.loaders));
 	assert_true(fake->images[PAGE_CHANGED_IMAGE] <= trial.params.queue_most);
 	assert_int_equal(fake_stats(fake).queue_peak, fake->images[PAGE_CHANGED_IMAGE]);
-	enum page_wishes wishes = page_cache_wishes(fake->cache);
+	enum page_request_state wishes = page_cache_request_state(fake->cache);
 	if (trial.params.loaders == 0)
-		assert_int_equal(wishes, PAGE_WISHES_HERE);
-	else if (wishes == PAGE_WISHES_HERE)
+		assert_int_equal(wishes, PAGE_REQUESTS_HERE);
+	else if (wishes == PAGE_REQUESTS_HERE)
 		for (size_t i = 0; i < trial.wish_count; i++)
 			assert_true(fake_resident(fake, trial.wishes[i]));
 }

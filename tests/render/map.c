@@ -89,9 +89,9 @@ static int leave(void **state)
 	return support_leave(state);
 }
 
-static struct render_survey_params asked(int level, enum store_layer layer)
+static struct render_map_raster_params asked(int level, enum store_layer layer)
 {
-	struct render_survey_params params = {
+	struct render_map_raster_params params = {
 		.reader = reader,
 		.meta = store_meta(store),
 		.deformed = true,
@@ -107,7 +107,7 @@ static struct render_survey_params asked(int level, enum store_layer layer)
 
 /* From the function alone: the largest of the posts that are nearer to the pixel's own than to others'; what is beyond the
  * last pixel's is that one's. */
-static double largest_within(const struct render_survey_params *params, int64_t px, int64_t py, int from)
+static double largest_within(const struct render_map_raster_params *params, int64_t px, int64_t py, int from)
 {
 	int shift = params->level - from;
 	int64_t half = shift > 0 ? (int64_t)1 << (shift - 1) : 0, size = (int64_t)1 << shift, fine = (int64_t)1 << (from - LEVEL);
@@ -122,30 +122,30 @@ static double largest_within(const struct render_survey_params *params, int64_t 
 	return largest;
 }
 
-static void check_values(const struct render_survey_params *params, int from)
+static void check_values(const struct render_map_raster_params *params, int from)
 {
-	struct render_survey survey;
-	must(render_survey_create(params, &survey));
-	assert_int_equal(survey.width, params->rect.x1 - params->rect.x0);
-	assert_true(survey.spacing == extent_spacing(&extent, params->level));
-	for (uint32_t y = 0; y < survey.height; y++)
-		for (uint32_t x = 0; x < survey.width; x++) {
+	struct render_map_raster raster;
+	must(render_map_raster_create(params, &raster));
+	assert_int_equal(raster.width, params->rect.x1 - params->rect.x0);
+	assert_true(raster.spacing == extent_spacing(&extent, params->level));
+	for (uint32_t y = 0; y < raster.height; y++)
+		for (uint32_t x = 0; x < raster.width; x++) {
 			double wanted = largest_within(params, params->rect.x0 + x, params->rect.y0 + y, from);
-			assert_true(survey.values[y * survey.width + x] == (float)wanted);
+			assert_true(raster.values[y * raster.width + x] == (float)wanted);
 		}
-	render_survey_finish(&survey);
+	render_map_raster_finish(&raster);
 }
 
 static void a_pixel_has_the_largest_value_within_it(void **state)
 {
 	for (int level = LEVEL; level <= extent_coarsest(&extent); level++) {
-		struct render_survey_params params = asked(level, STORE_OFFSET);
+		struct render_map_raster_params params = asked(level, STORE_OFFSET);
 		check_values(&params, LEVEL);
 	}
 	/* Of any window. */
 	uint32_t seed = 1;
 	for (int i = 0; i < 40; i++) {
-		struct render_survey_params params = asked(LEVEL + i % 5, STORE_OFFSET);
+		struct render_map_raster_params params = asked(LEVEL + i % 5, STORE_OFFSET);
 		for (int k = 0; k < 2; k++) {
 			seed = seed * 1664525 + 1013904223;
 			int64_t *low = k == 0 ? &params.rect.x0 : &params.rect.y0, *high = k == 0 ? &params.rect.x1 : &params.rect.y1;
@@ -158,7 +158,7 @@ static void a_pixel_has_the_largest_value_within_it(void **state)
 
 static void with_fewer_tiles_a_coarser_level_is_looked_at(void **state)
 {
-	struct render_survey_params params = asked(2, STORE_OFFSET);
+	struct render_map_raster_params params = asked(2, STORE_OFFSET);
 	/* Of level -1 there are this many; it is the finest that has no more. */
 	size_t tiles[3] = {0, 0, 0};
 	for (int level = -2; level <= 0; level++)
@@ -182,114 +182,114 @@ static void with_fewer_tiles_a_coarser_level_is_looked_at(void **state)
 
 static void a_map_finer_than_what_is_stored_is_interpolated(void **state)
 {
-	struct render_survey_params params = asked(LEVEL - 2, STORE_OFFSET);
+	struct render_map_raster_params params = asked(LEVEL - 2, STORE_OFFSET);
 	params.rect = (struct post_rect){390, 370, 650, 500};
-	struct render_survey survey;
-	must(render_survey_create(&params, &survey));
-	double *values = calloc((size_t)survey.width * survey.height, sizeof *values);
+	struct render_map_raster raster;
+	must(render_map_raster_create(&params, &raster));
+	double *values = calloc((size_t)raster.width * raster.height, sizeof *values);
 	must(store_read_posts(reader, STORE_OFFSET, params.level, params.rect, values));
 	bool between = false;
-	for (size_t i = 0; i < (size_t)survey.width * survey.height; i++) {
-		assert_true(survey.values[i] == (isnan(values[i]) ? 0 : (float)values[i]));
+	for (size_t i = 0; i < (size_t)raster.width * raster.height; i++) {
+		assert_true(raster.values[i] == (isnan(values[i]) ? 0 : (float)values[i]));
 		between |= values[i] < -0.01 && values[i] > -0.12;
 	}
 	assert_true(between);
 	free(values);
-	render_survey_finish(&survey);
+	render_map_raster_finish(&raster);
 }
 
 /* Also where no offset is; and nowhere else. */
 static void the_soils_state_is_found_wherever_it_is(void **state)
 {
 	for (int level = LEVEL; level <= LEVEL + 3; level++) {
-		struct render_survey_params params = asked(level, STORE_PRESSED);
-		struct render_survey survey;
-		must(render_survey_create(&params, &survey));
+		struct render_map_raster_params params = asked(level, STORE_PRESSED);
+		struct render_map_raster raster;
+		must(render_map_raster_create(&params, &raster));
 		int64_t at_x = 20 * CELLS + 200 % (CELLS + 1), at_y = 2 * CELLS + 200 / (CELLS + 1);
 		int shift = level - LEVEL;
 		int64_t half = shift > 0 ? 1 << (shift - 1) : 0;
-		int64_t pixel = ((at_y + half) >> shift) * survey.width + ((at_x + half) >> shift);
-		assert_true(survey.values[pixel] == 0.25f);
+		int64_t pixel = ((at_y + half) >> shift) * raster.width + ((at_x + half) >> shift);
+		assert_true(raster.values[pixel] == 0.25f);
 		double size, low, high;
-		must(render_survey_spread(&survey, 1, &size, &low, &high));
+		must(render_map_raster_spread(&raster, 1, &size, &low, &high));
 		assert_true(low == 0 && high == 1 && size == 1);
-		render_survey_finish(&survey);
+		render_map_raster_finish(&raster);
 	}
 }
 
 static void holes_are_holes_and_the_rest_is_lit(void **state)
 {
 	for (int level = LEVEL; level <= 1; level++) {
-		struct render_survey_params params = asked(level, STORE_OFFSET);
-		struct render_survey survey;
-		must(render_survey_create(&params, &survey));
-		double *base = calloc((size_t)survey.width * survey.height, sizeof *base);
+		struct render_map_raster_params params = asked(level, STORE_OFFSET);
+		struct render_map_raster raster;
+		must(render_map_raster_create(&params, &raster));
+		double *base = calloc((size_t)raster.width * raster.height, sizeof *base);
 		must(store_read_posts(reader, STORE_BASE, level, params.rect, base));
-		for (size_t i = 0; i < (size_t)survey.width * survey.height; i++) {
-			assert_int_equal(isnan(survey.shade[i]), isnan(base[i]));
+		for (size_t i = 0; i < (size_t)raster.width * raster.height; i++) {
+			assert_int_equal(isnan(raster.shade[i]), isnan(base[i]));
 			/* The ground is level: what is not beside an offset has that shade. */
 			if (!isnan(base[i]) && level > LEVEL)
-				assert_true(survey.shade[i] == (float)survey.flat);
+				assert_true(raster.shade[i] == (float)raster.flat);
 		}
 		free(base);
-		render_survey_finish(&survey);
+		render_map_raster_finish(&raster);
 	}
 }
 
 static void slopes_of_ruts_are_added_to_the_grounds(void **state)
 {
-	struct render_survey_params params = asked(LEVEL, STORE_OFFSET);
-	struct render_survey survey;
-	must(render_survey_create(&params, &survey));
+	struct render_map_raster_params params = asked(LEVEL, STORE_OFFSET);
+	struct render_map_raster raster;
+	must(render_map_raster_create(&params, &raster));
 	/* The broad rut's floor is level, its west wall falls to the east, its east wall rises. */
-	assert_true(survey.shade[150 * survey.width + 130] == (float)survey.flat);
-	assert_true(survey.shade[150 * survey.width + 100] < survey.flat - 0.01);
-	assert_true(survey.shade[150 * survey.width + 159] > survey.flat + 0.01);
-	float west = survey.shade[150 * survey.width + 100];
-	render_survey_finish(&survey);
+	assert_true(raster.shade[150 * raster.width + 130] == (float)raster.flat);
+	assert_true(raster.shade[150 * raster.width + 100] < raster.flat - 0.01);
+	assert_true(raster.shade[150 * raster.width + 159] > raster.flat + 0.01);
+	float west = raster.shade[150 * raster.width + 100];
+	render_map_raster_finish(&raster);
 	params.exaggerate = 2;
-	must(render_survey_create(&params, &survey));
-	assert_true(survey.shade[150 * survey.width + 100] < west - 0.01f);
-	render_survey_finish(&survey);
+	must(render_map_raster_create(&params, &raster));
+	assert_true(raster.shade[150 * raster.width + 100] < west - 0.01f);
+	render_map_raster_finish(&raster);
 }
 
 static void most_values_are_no_larger_than_the_spread(void **state)
 {
 	enum { SIDE = 100 };
 	static float values[SIDE * SIDE];
-	struct render_survey survey = {.width = SIDE, .height = SIDE, .values = values};
+	struct render_map_raster raster = {.width = SIDE, .height = SIDE, .values = values};
 	double size, low, high;
-	must(render_survey_spread(&survey, 0.9, &size, &low, &high));
+	must(render_map_raster_spread(&raster, 0.9, &size, &low, &high));
 	assert_true(size == 0 && low == 0 && high == 0);
 	for (int i = 0; i < SIDE * SIDE / 2; i++)
 		values[2 * i] = (float)(i + 1) * (i % 3 == 0 ? -0.001f : 0.001f);
-	must(render_survey_spread(&survey, 0.9, &size, &low, &high));
+	must(render_map_raster_spread(&raster, 0.9, &size, &low, &high));
 	assert_true(fabs(size - 4.5) < 0.03 && fabs(low + 4.999) < 1e-5 && fabs(high - 5) < 1e-5);
-	must(render_survey_spread(&survey, 1, &size, &low, &high));
+	must(render_map_raster_spread(&raster, 1, &size, &low, &high));
 	assert_true(fabs(size - 5) < 1e-5);
 }
 
 static void lines_are_widened_by_a_pixel(void **state)
 {
-	struct render_survey_params params = asked(2, STORE_OFFSET);
-	struct render_survey survey;
-	must(render_survey_create(&params, &survey));
-	float *was = malloc((size_t)survey.width * survey.height * sizeof *was);
-	memcpy(was, survey.values, (size_t)survey.width * survey.height * sizeof *was);
-	must(render_survey_widen(&survey));
-	for (int64_t y = 0; y < survey.height; y++)
-		for (int64_t x = 0; x < survey.width; x++) {
+	struct render_map_raster_params params = asked(2, STORE_OFFSET);
+	struct render_map_raster raster;
+	must(render_map_raster_create(&params, &raster));
+	float *was = malloc((size_t)raster.width * raster.height * sizeof *was);
+	memcpy(was, raster.values, (size_t)raster.width * raster.height * sizeof *was);
+	must(render_map_raster_widen(&raster));
+	for (int64_t y = 0; y < raster.height; y++)
+		for (int64_t x = 0; x < raster.width; x++) {
 			float largest = 0;
 			for (int i = 0; i < 9; i++) {
 				int64_t px = x + i % 3 - 1, py = y + i / 3 - 1;
-				if (px >= 0 && py >= 0 && px < survey.width && py < survey.height &&
-				    fabsf(was[py * survey.width + px]) > fabsf(largest))
-					largest = was[py * survey.width + px];
+				if (px >= 0 && py >= 0 && px < raster.width && py < raster.height &&
+				    fabsf(was[py * raster.width + px]) > fabsf(largest))
+					largest = was[py * raster.width + px];
 			}
-			assert_true(survey.values[y * survey.width + x] == largest);
+			assert_true(raster.values[y * raster.width + x] == largest);
 		}
 	free(was);
-	render_survey_finish(&survey);
+	render_map_raster_finish(&raster);
 }
 
 /* --- sheets --- */
@@ -326,25 +326,25 @@ static bool says(const struct render_canvas *canvas, const struct render_placed 
 }
 
 struct drawn {
-	struct render_survey survey;
+	struct render_map_raster raster;
 	struct render_canvas canvas;
 	struct render_placed placed;
 };
 
-static struct drawn draw(const struct render_survey_params *params, struct render_range range, uint32_t side)
+static struct drawn draw(const struct render_map_raster_params *params, struct render_range range, uint32_t side)
 {
 	struct drawn drawn;
-	must(render_survey_create(params, &drawn.survey));
-	struct render_sheet sheet = {.survey = &drawn.survey, .title = "a title", .subtitle = "2 m a post", .layer = "offset",
+	must(render_map_raster_create(params, &drawn.raster));
+	struct render_map_layout layout = {.raster = &drawn.raster, .title = "a title", .subtitle = "2 m a post", .layer = "offset",
 				     .ramp = RENDER_RAMP_SIGNED, .range = range, .side = side};
-	must(render_sheet_create(&sheet, &drawn.canvas, &drawn.placed));
-	must(render_sheet_frame(&sheet, &drawn.canvas, &drawn.placed));
+	must(render_map_layout_create(&layout, &drawn.canvas, &drawn.placed));
+	must(render_map_layout_frame(&layout, &drawn.canvas, &drawn.placed));
 	return drawn;
 }
 
 static void drawn_finish(struct drawn *drawn)
 {
-	render_survey_finish(&drawn->survey);
+	render_map_raster_finish(&drawn->raster);
 	render_canvas_finish(&drawn->canvas);
 }
 
@@ -365,9 +365,9 @@ static void a_rut_has_its_place_and_its_depths_colour(void **state)
 {
 	for (uint32_t side = 100; side <= 2000; side += 1900)
 		for (int level = LEVEL; level <= 0; level++) {
-			struct render_survey_params params = asked(level, STORE_OFFSET);
+			struct render_map_raster_params params = asked(level, STORE_OFFSET);
 			struct drawn drawn = draw(&params, (struct render_range){-0.25, 0.25}, side);
-			double flat = drawn.survey.flat;
+			double flat = drawn.raster.flat;
 			/* The middles of the broad rut and the heap, the narrow rut; the ground beside; the hole. */
 			assert_colour(at_place(&drawn, 65, 75), render_ground_colour(flat, flat, render_ramp(RENDER_RAMP_SIGNED, -0.5)));
 			assert_colour(at_place(&drawn, 260, 180), render_ground_colour(flat, flat, render_ramp(RENDER_RAMP_SIGNED, 0.25)));
@@ -375,7 +375,7 @@ static void a_rut_has_its_place_and_its_depths_colour(void **state)
 			assert_true(at_place(&drawn, 166.5, 250)[2] > at_place(&drawn, 166.5, 250)[0] + 30);
 			assert_true(at_place(&drawn, 130, 50)[2] >= at_place(&drawn, 130, 50)[0] + 10);
 			/* Enlarged by a whole factor. */
-			double factor = drawn.placed.scale * drawn.survey.spacing;
+			double factor = drawn.placed.scale * drawn.raster.spacing;
 			assert_true(factor == floor(factor) && factor >= 1);
 			assert_true(side < 1000 ? factor == 1 : factor > 1);
 			drawn_finish(&drawn);
@@ -407,7 +407,7 @@ static void the_scale_bar_is_as_long_as_it_says(void **state)
 		const char *text;
 	} cases[] = {{0, 100, 200, "200 m"}, {0, 1200, 200, "200 m"}, {-2, 100, 100, "100 m"}, {2, 60, 500, "500 m"}, {-2, 3000, 200, "200 m"}};
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		struct render_survey_params params = asked(cases[i].level, STORE_OFFSET);
+		struct render_map_raster_params params = asked(cases[i].level, STORE_OFFSET);
 		struct drawn drawn = draw(&params, (struct render_range){0, 0}, cases[i].side);
 		int64_t pixels;
 		scale_bar(&drawn, &pixels);
@@ -419,7 +419,7 @@ static void the_scale_bar_is_as_long_as_it_says(void **state)
 
 static void the_legend_says_what_the_colours_mean(void **state)
 {
-	struct render_survey_params params = asked(0, STORE_OFFSET);
+	struct render_map_raster_params params = asked(0, STORE_OFFSET);
 	struct drawn drawn = draw(&params, (struct render_range){-0.1, 0.05}, 0);
 	for (size_t i = 0; i < 6; i++) {
 		static const char *const texts[] = {"a title", "offset, cm", "<-10", "-5", "0", ">5"};
@@ -451,7 +451,7 @@ static void the_smallest_maps_have_all_of_it(void **state)
 	static const struct post_rect rects[] = {{0, 0, 1, 1}, {3, 3, 5, 5}, {7, 0, 8, 150}, {0, 9, 201, 10}, {65, 25, 66, 26}};
 	for (size_t i = 0; i < sizeof rects / sizeof *rects; i++)
 		for (uint32_t side = 0; side < 1000; side += 800) {
-			struct render_survey_params params = asked(0, STORE_OFFSET);
+			struct render_map_raster_params params = asked(0, STORE_OFFSET);
 			params.rect = rects[i];
 			struct drawn drawn = draw(&params, (struct render_range){0, 0}, side);
 			int64_t pixels;
@@ -464,20 +464,20 @@ static void the_smallest_maps_have_all_of_it(void **state)
 
 static void running_out_of_memory_is_told(void **state)
 {
-	struct render_survey_params params = asked(1, STORE_PRESSED);
+	struct render_map_raster_params params = asked(1, STORE_PRESSED);
 	enum status status = STATUS_FAILED;
 	for (uint64_t nth = 1; status != STATUS_OK; nth++) {
-		struct drawn drawn = {.survey = {.width = 0}};
-		struct render_sheet sheet = {.survey = &drawn.survey, .title = "", .subtitle = "", .layer = "pressed",
+		struct drawn drawn = {.raster = {.width = 0}};
+		struct render_map_layout layout = {.raster = &drawn.raster, .title = "", .subtitle = "", .layer = "pressed",
 					     .ramp = RENDER_RAMP_GREEN};
 		mem_fail_nth(nth, 0);
-		status = render_survey_create(&params, &drawn.survey);
+		status = render_map_raster_create(&params, &drawn.raster);
 		if (status == STATUS_OK)
-			status = render_survey_widen(&drawn.survey);
+			status = render_map_raster_widen(&drawn.raster);
 		if (status == STATUS_OK)
-			status = render_sheet_create(&sheet, &drawn.canvas, &drawn.placed);
+			status = render_map_layout_create(&layout, &drawn.canvas, &drawn.placed);
 		if (status == STATUS_OK)
-			status = render_sheet_frame(&sheet, &drawn.canvas, &drawn.placed);
+			status = render_map_layout_frame(&layout, &drawn.canvas, &drawn.placed);
 		mem_fail_nth(0, 0);
 		assert_true(status == STATUS_OK ? nth > 8 : status == STATUS_FAILED);
 		drawn_finish(&drawn);

@@ -33,15 +33,15 @@ static size_t shown(struct rig *rig, double time, struct render_object *out)
 }
 
 /* As the station's sweep leaves it. */
-static void press(struct rig *rig, int64_t station, double turn)
+static void press(struct rig *rig, int64_t sample, double turn)
 {
 	struct event event = {.body = 0};
-	must(world_set_down(&rig->world, &rig->body, station, &event));
+	must(world_set_down(&rig->world, &rig->body, sample, &event));
 	assert_true(event.contact);
 	rig->body.last = event.pose;
 	rig->body.last.turn = turn;
 	rig->body.in_contact = true;
-	rig->body.next = station + 1;
+	rig->body.next = sample + 1;
 	rig->body.distance += event.distance;
 }
 

@@ -40,13 +40,13 @@ static double rough(int64_t x, int64_t y, uint32_t seed)
 /* At a post of 1 cm. */
 static struct soil soil_at(int64_t px, int64_t py)
 {
-	const double half = 0.2, radius = 0.5, station = 0.01, quantum = 0x1p-20;
+	const double half = 0.2, radius = 0.5, sample = 0.01, quantum = 0x1p-20;
 	double x = px * 0.01, y = py * 0.01;
 	double slope = 2 / 3.0 * cos(x / 3), across = (y - 10 - 2 * sin(x / 3)) / sqrt(1 + slope * slope);
 	double along = x * sqrt(1 + slope * slope), hill = 0.04 * sin(x / 0.7) + 0.03 * cos(y / 0.5);
 	struct soil soil = {0};
 	if (fabs(across) < half) {
-		double part = fmod(along, station) - station / 2, scallop = part * part / (2 * radius);
+		double part = fmod(along, sample) - sample / 2, scallop = part * part / (2 * radius);
 		/* The bottom is flat across the wheel where the ground is not. */
 		double sinkage = 0.1 + 0.012 * sin(along / 0.9) + hill - scallop + 4 * quantum * rough(px, py, 1);
 		soil.pressed = sinkage * 0.98;

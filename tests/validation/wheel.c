@@ -35,8 +35,8 @@ static struct rut roll(const struct bed_kind *kind, const struct towed *wheel, c
 		       double spacing, double shift, double stiff)
 {
 	double radius = wheel->diameter / 2, contact = sqrt(wheel->millimetres / 1e3 * wheel->diameter);
-	int stations = (int)(1.3 * contact / spacing) + 1, rim = 3;
-	int width = (int)(wheel->diameter / spacing) + stations + 2 * rim, height = (int)lround(wheel->width / spacing) + 2 * rim;
+	int samples = (int)(1.3 * contact / spacing) + 1, rim = 3;
+	int width = (int)(wheel->diameter / spacing) + samples + 2 * rim, height = (int)lround(wheel->width / spacing) + 2 * rim;
 	struct bed_params params = bed_scm(width, height, spacing, *soil);
 	struct deform_shape shape = {.kind = DEFORM_WHEEL, .radius = radius, .width = wheel->width};
 	double x = ceil(rim + radius / spacing) + shift, y = (height - 1) / 2.0;
@@ -48,7 +48,7 @@ static struct rut roll(const struct bed_kind *kind, const struct towed *wheel, c
 	kind->sweep(bed, &sweep, &forces, &rut.sinkage);
 	double standing = rut.sinkage;
 	sweep.turned = spacing / radius;
-	for (int i = 1; i <= stations; i++) {
+	for (int i = 1; i <= samples; i++) {
 		sweep.from = sweep.to;
 		sweep.to = bed_pose(x + i, y, radius, spacing);
 		kind->sweep(bed, &sweep, &forces, &rut.sinkage);

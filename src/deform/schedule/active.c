@@ -1,20 +1,20 @@
 /*
- * Which blocks are awake. They are visited once an interval; the last iteration of a visit, and that of a sweep, say of
+ * Which blocks are awake. They are visited once an interval; the last iteration of a visit, and that of a contact, say of
  * each block where soil still moves (flags.glsl), in buffers that are read when their fences have passed.
  *
  * Where no soil moved in the last iteration within `rim` posts of a block, none within it moves in the next
  * interval, since each iteration looks only so far. So a block is awake after a visit if its own flags say so,
- * or a neighbour's for the side that is towards it, or if it was woken since. A sweep's flags count what it could not
+ * or a neighbour's for the side that is towards it, or if it was woken since. A contact's flags count what it could not
  * look at, too (SOIL.md).
  *
  * Invariants: (1) `blocks` holds all blocks in which the next interval may change something: what the last visit whose
- * flags are here left awake (`known`), and what was woken in the period since; of sweeps whose flags are not here all that
+ * flags are here left awake (`known`), and what was woken in the period since; of contacts whose flags are not here all that
  * they wrote. (2) Visits whose flags are not here yet are in `visits`, oldest first; what is awake at each is widened by
  * one block all round, which is farther than change comes in an interval (the rim is less than a block). (3) The words of
  * a period's sweeps are those of `sweeps` from word 0, in the order of `swept`, until they are asked for; behind them all is
  * zero, or flags of a window that nobody scattered. (4) Stagings are made once and handed on: a visit's and a period's
  * that is over goes behind those that are to come. (5) Every post that is other than it was when the deform was made, or that
- * deform_touch named, is in `touched`; or, while flags are on their way that are to say so, in `maybe`. A sweep changes what it
+ * deform_touch named, is in `touched`; or, while flags are on their way that are to say so, in `maybe`. A contact changes what it
  * writes; one above the undisturbed ground nothing where nothing was changed before; a visit what lies within
  * `iterations` posts, one an iteration, of what was changed before, since of two posts that exchange soil one has risen or
  * sunk. Of each the flags say which parts of blocks it was.

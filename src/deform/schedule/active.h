@@ -7,7 +7,7 @@
 #include "deform/schedule/touched.h"
 
 #define VISITS 3 /* under way at most: then it is waited for */
-#define SWEEP_WORDS 8192 /* of sweeps between two intervals; those beyond wake all that they write */
+#define SWEEP_WORDS 8192 /* of contacts between two intervals; those beyond wake all that they write */
 #define WINDOW_BLOCKS ((SIDE / DEFORM_BLOCK + 1) * (SIDE / DEFORM_BLOCK + 1)) /* that a window lies on, at most */
 
 #define SWEEPS_BYTES ((SWEEP_WORDS + WINDOW_BLOCKS) * sizeof(uint32_t))

@@ -1,5 +1,5 @@
 /*
- * What the flags of sweeps and visits say once their fences have passed: which blocks are awake, and which posts were
+ * What the flags of contacts and visits say once their fences have passed: which blocks are awake, and which posts were
  * touched; and what to take for that meanwhile. The invariants are schedule/active.c's.
  */
 #include <string.h>
@@ -80,7 +80,7 @@ struct block_grid deform_awake_grid(struct post_rect write)
 	return grid;
 }
 
-/* What a sweep has changed in one of its blocks. */
+/* What a contact has changed in one of its blocks. */
 static enum status add_changed(struct deform *deform, struct post_rect write, struct deform_block block, uint32_t parts)
 {
 	enum status status = STATUS_OK;

@@ -166,12 +166,12 @@ static void place_of(const struct interval *interval, size_t block, uint32_t *x,
 	*y = square / interval->columns * interval->side;
 }
 
-/* One window of an object at rest, whose underside is in layer 0, over one block. `shadow`: beyond it the object is above
- * no post, and its underside was not drawn. */
+/* One window of an object at rest, whose lower envelope is in layer 0, over one block. `shadow`: beyond it the object is above
+ * no post, and its lower envelope was not drawn. */
 static enum status hold(struct deform *deform, const struct deform_rest *object, struct post_rect window,
 			struct post_rect shadow, size_t block)
 {
-	bool loaded = object->carrier > 0;
+	bool loaded = object->loaded_body > 0;
 	struct post_rect square = deform_interval_reads(deform, block);
 	struct post_rect both = post_rect_intersect(post_rect_intersect(window, shadow), square);
 	uint32_t x, y;
@@ -187,7 +187,7 @@ static enum status hold(struct deform *deform, const struct deform_rest *object,
 	const struct held_params params = {
 		.zero = {(uint32_t)zero, (uint32_t)((uint64_t)zero >> 32), 0, deform->layers},
 		.window = {(int32_t)(window.x0 - square.x0 + x), (int32_t)(window.y0 - square.y0 + y),
-			   (int32_t)object->carrier - 1},
+			   (int32_t)object->loaded_body - 1},
 	};
 	deform->figures.held++;
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
@@ -212,7 +212,7 @@ static bool overlaps(const struct deform *deform, struct post_rect window, size_
 	return false;
 }
 
-/* What an object rests on is held, as at the end of a sweep. */
+/* What an object rests on is held, as at the end of a contact. */
 static enum status hold_all(struct deform *deform, const struct deform_rest *object, size_t first, size_t last)
 {
 	const struct deform_sweep sweep = rest_sweep(object);
@@ -296,11 +296,11 @@ enum status deform_interval_gather(struct deform *deform, size_t block, const st
 	return compute(deform, block - block % interval->batch, block);
 }
 
-enum status deform_interval_warm(struct deform *deform, const struct deform_shape *shape, uint32_t carrier)
+enum status deform_interval_warm(struct deform *deform, const struct deform_shape *shape, uint32_t loaded_body)
 {
 	static const struct deform_block beyond = {-4, -4};
 	struct interval *interval = deform->interval;
-	const struct deform_rest object = {.shape = shape, .carrier = carrier};
+	const struct deform_rest object = {.shape = shape, .loaded_body = loaded_body};
 	interval->blocks = &beyond;
 	interval->count = 1;
 	interval->object_count = 0;

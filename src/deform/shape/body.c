@@ -147,7 +147,7 @@ static void box_of(const struct deform_shape *shape, const struct deform_pose *t
 {
 	double g[4][3];
 	deform_body_axes(shape->size, to->yaw, to->pitch, to->roll, g);
-	/* In quanta above the zero, and in metres along the ground. */
+	/* In fixed-point units above the zero, and in metres along the ground. */
 	g[3][0] = (double)m->dx / 2;
 	g[3][1] = (double)m->dy / 2;
 	g[3][2] = (double)metres(m->dz) / 2;

@@ -1,4 +1,4 @@
-/* An object in motion as whole numbers for the shader: what a window needs of a sweep. */
+/* An object in motion as whole numbers for the shader: what a window needs of a contact. */
 #ifndef FURROW_DEFORM_BODY_H
 #define FURROW_DEFORM_BODY_H
 
@@ -9,14 +9,14 @@
 struct body_frame {
 	int64_t x0, y0; /* post */
 	double spacing; /* metres */
-	int64_t zero;   /* quanta, absolute */
+	int64_t zero;   /* fixed-point units, absolute */
 };
 
 struct body_motion {
 	int64_t x0, y0;     /* the window's first post from the anchor: the post south-west of the end */
 	long double x, y;   /* of the start, from the anchor, metres */
 	long double dx, dy; /* to the end */
-	int64_t z, dz;      /* quanta: start above the frame's zero, rise */
+	int64_t z, dz;      /* fixed-point units: start above the frame's zero, rise */
 };
 
 struct body_motion deform_body_motion_of(const struct deform_pose *from, const struct deform_pose *to,
@@ -30,9 +30,9 @@ void deform_body_extent(const struct deform_shape *shape, const struct deform_po
 long double deform_body_from_post(int64_t place, int64_t post, double spacing);
 /* The three half-axes of a box in this attitude. */
 void deform_body_axes(const double size[3], double yaw, double pitch, double roll, double axes[3][3]);
-/* To the end of its lugs. */
+/* To the end of its grousers. */
 double deform_body_wheel_radius(const struct deform_shape *shape);
-/* A rise beyond which a sweep counts as a new contact, quanta. */
+/* A rise beyond which a contact counts as a new contact, fixed-point units. */
 #define BODY_RISE_MAX (1 << 29)
 
 #endif

@@ -6,7 +6,7 @@
 #define UNIT (1 << FACET_BITS)
 #define ONE_BITS 28       /* of shares of the way */
 #define COEFFICIENT 30    /* bits of what is multiplied with a number of posts */
-#define STEEPEST 0x1p46   /* quanta a post: what is steeper is narrower than 2^-FACET_BITS posts */
+#define STEEPEST 0x1p46   /* fixed-point units a post: what is steeper is narrower than 2^-FACET_BITS posts */
 #define ASIDE 16          /* an edge that moves less than 2^-FACET_BITS / ASIDE posts aside moves along itself */
 
 enum edge_kind { EDGE_ALONG, EDGE_ENTERS, EDGE_LEAVES };

@@ -18,13 +18,13 @@ struct facet {
 	int32_t corners[4], third[4], cover[4], base[4], plane[4], edges[3][4], sides[3][4];
 };
 
-/* x, y from the anchor in 2^-FACET_BITS posts; z in quanta above the frame's zero. */
+/* x, y from the anchor in 2^-FACET_BITS posts; z in fixed-point units above the frame's zero. */
 struct facet_corner {
 	int32_t x, y;
 	double z;
 };
 
-/* From where it was to where it is at the end: in 2^-FACET_BITS posts, and quanta. */
+/* From where it was to where it is at the end: in 2^-FACET_BITS posts, and fixed-point units. */
 struct facet_motion {
 	int32_t x, y, z;
 };
@@ -35,7 +35,7 @@ struct facet_window {
 	int32_t width, height;
 };
 
-/* `resting`: it is there at the sweep's end. False if it is above no post of the window: nothing is
+/* `resting`: it is there at the contact's end. False if it is above no post of the window: nothing is
  * written. A triangle seen edge-on from above, or all but so, is none: its edges are its
  * neighbours' too. */
 bool deform_facet_of(const struct facet_corner corners[3], const struct facet_motion *motion, bool resting,

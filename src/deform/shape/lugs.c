@@ -1,13 +1,13 @@
 /*
- * A wheel's lugs: bars across its rim, as long as it is wide, that stand out from it and turn with it. The smooth wheel
- * is there already; here the lower faces of the bars are drawn over it, and the lower of the two is the underside.
+ * A wheel's grousers: bars across its rim, as long as it is wide, that stand out from it and turn with it. The smooth wheel
+ * is there already; here the lower faces of the bars are drawn over it, and the lower of the two is the lower envelope.
  *
- * A sweep translates; a bar also turns about the axle. It is taken to go straight from where it is at the sweep's
+ * A contact translates; a bar also turns about the axle. It is taken to go straight from where it is at the contact's
  * start to where it is at its end, the first half in the attitude of its start and the second in that of its end (a bar of
  * a rolling wheel hardly leaves its place on the ground). That is off by half the turn times a bar's half diagonal at
  * most. Where the wheel turns far, as when it spins, it does so in steps of at most STEP.
  *
- * What it turned by is the sweep's own: poses may leave whole turns out. Turned by a bar's share of a turn the wheel is
+ * What it turned by is the contact's own: poses may leave whole turns out. Turned by a bar's share of a turn the wheel is
  * the same to the bit: the phase is a whole number of 2^-32 of that.
  */
 #include <math.h>

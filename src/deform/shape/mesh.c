@@ -1,5 +1,5 @@
 /*
- * A mesh in motion over a window. Its underside, exactly: at a post the lowest of all its triangles over the
+ * A mesh in motion over a window. Its lower envelope, exactly: at a post the lowest of all its triangles over the
  * sweep, whichever way round they are, so a mesh may be concave, open or cut through itself. A sheet that stands exactly
  * upright is seen edge-on and presses nothing where no other triangle shares its edges.
  *
@@ -32,7 +32,7 @@ double deform_mesh_reach(const struct deform_mesh *mesh, double pitch, double ro
 	return -lowest;
 }
 
-/* Where the vertices are at the sweep's end. */
+/* Where the vertices are at the contact's end. */
 static void place(const struct deform_mesh *mesh, const struct deform_pose *to, const struct body_motion *motion,
 		  double spacing, struct facet_corner *corners)
 {

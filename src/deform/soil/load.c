@@ -10,7 +10,7 @@
 
 #include "deform/internal.h"
 
-#define TRIES 32 /* a bracket of 2^26 quanta, 64 m, is halved to one; a smooth soil takes four */
+#define TRIES 32 /* a bracket of 2^26 fixed-point units, 64 m, is halved to one; a smooth soil takes four */
 
 struct attempt {
 	uint32_t words[12]; /* lib/found.glsl */
@@ -85,10 +85,10 @@ void deform_find_plan(const char *effect, struct plan *plan)
 	deform_plan_buffer(plan, effect, 1, TRIES * sizeof(struct attempt), "tries");
 }
 
-void deform_stands(struct deform *deform, uint32_t carrier, int32_t raised)
+void deform_stands(struct deform *deform, uint32_t loaded_body, int32_t raised)
 {
-	assert(carrier > 0 && carrier <= deform->params.carriers);
-	gpu_buffer_write(deform->standing, (carrier - 1) * sizeof raised, sizeof raised, &raised);
+	assert(loaded_body > 0 && loaded_body <= deform->params.loaded_bodies);
+	gpu_buffer_write(deform->standing, (loaded_body - 1) * sizeof raised, sizeof raised, &raised);
 }
 
 double deform_sinkage_guess(const struct deform_shape *shape, const struct deform_soil *soil, double load)

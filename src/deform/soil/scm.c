@@ -93,7 +93,7 @@ static struct scm_params params_of(const struct deform *deform, const struct def
 		.place = {(float)-deform_body_from_post(sweep->to.x, window->read.x0, spacing),
 			  (float)-deform_body_from_post(sweep->to.y, window->read.y0, spacing), (float)(1 / arm_of(sweep->shape, extent)),
 			  (float)(spacing * spacing)},
-		.load = {(float)fmax(sweep->load, 1e-6), (float)fmin(ldexp(deepest(sweep), OFFSET_BITS), 0x1p28), (float)sweep->carrier},
+		.load = {(float)fmax(sweep->load, 1e-6), (float)fmin(ldexp(deepest(sweep), OFFSET_BITS), 0x1p28), (float)sweep->loaded_body},
 	};
 	struct post_rect shadow = post_rect_intersect(deform_shadow(deform, sweep), window->write);
 	if (!post_rect_empty(shadow)) {

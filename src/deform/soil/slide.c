@@ -73,7 +73,7 @@ static int32_t loose_depth(const struct deform *deform)
 	return (int32_t)(quanta < most ? quanta : most);
 }
 
-/* Of these quanta more than what stands nothing is made. */
+/* Of these fixed-point units more than what stands nothing is made. */
 static int32_t tolerance_of(const struct deform *deform)
 {
 	return (int32_t)floor(ldexp(deform->params.tolerance, OFFSET_BITS));
@@ -114,7 +114,7 @@ void deform_slide_prepare(struct deform *deform)
 			prepare_sumner(deform, &deform->params.soils[i], &deform->soils[i]);
 		else
 			prepare_excess(deform, &deform->params.soils[i], deform->soils[i].stands);
-	/* Where soil slides sooner for being held, another object may set it in motion: no sweep knows of that. */
+	/* Where soil slides sooner for being held, another object may set it in motion: no contact knows of that. */
 	for (int i = 0; i < deform->params.soil_count && deform->params.model == DEFORM_SUMNER; i++)
 		for (int k = 0; k < 2; k++)
 			if (deform->soils[i].held[k] < deform->soils[i].stands[k])

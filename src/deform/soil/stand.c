@@ -1,5 +1,5 @@
 /*
- * Angles and strengths as whole quanta between two posts.
+ * Angles and strengths as whole fixed-point units between two posts.
  *
  * A slope of height H and angle b fails by Culmann's plane wedge where H > 4 c sin b cos phi / (gamma (1 - cos(b - phi))):
  * Taylor, Fundamentals of Soil Mechanics, 1948; here b follows from H, since the slope is that between two posts.

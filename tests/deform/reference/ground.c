@@ -1,4 +1,4 @@
-/* A field of posts, and where an object's underside is above it. */
+/* A field of posts, and where an object's lower envelope is above it. */
 #include <math.h>
 
 #include "deform/reference/reference.h"

@@ -1,4 +1,4 @@
-/* A wheel's lugs along its way: the wheel rolls evenly from one turn to the other, and is looked at many times. */
+/* A wheel's grousers along its way: the wheel rolls evenly from one turn to the other, and is looked at many times. */
 #include <math.h>
 
 #include "deform/reference/reference.h"

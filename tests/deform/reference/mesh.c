@@ -1,5 +1,5 @@
 /*
- * A mesh's underside along its way, a triangle at a time: in straight motion a triangle fills the convex hull of its
+ * A mesh's lower envelope along its way, a triangle at a time: in straight motion a triangle fills the convex hull of its
  * three corners where it was and where it is. The lowest of a hull above a point lies in some triangle of three of its
  * corners, so all twenty are tried.
  */

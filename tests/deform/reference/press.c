@@ -1,11 +1,11 @@
 /*
- * The models in which the ground simply becomes the underside of what is pressed into it: they differ in
+ * The models in which the ground simply becomes the lower envelope of what is pressed into it: they differ in
  * where the soil goes. `none`: nowhere, all of it is compacted. `slippage`: aside, all of it. `sumner`: a
  * share is compacted, the rest goes aside.
  */
 #include "deform/reference/reference.h"
 
-/* A sweep and its end are two searches; what they find of one place differs by less than this. */
+/* A contact and its end are two searches; what they find of one place differs by less than this. */
 #define TOUCH 4e-6
 
 static void press(struct reference_ground *ground, const double *under, const double *rest, double compacted)

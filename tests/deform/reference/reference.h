@@ -3,27 +3,27 @@
  * brute force and in the plainest words. For tests and accuracy only; it shares nothing with what
  * it checks but the poses and the soils. No state but the ground's; any thread, a ground at a time.
  *
- * What it must agree with is ../SOIL.md. Its soil is divisible: no quanta, nothing is rounded.
+ * What it must agree with is ../SOIL.md. Its soil is divisible: no fixed-point units, nothing is rounded.
  */
 #ifndef FURROW_DEFORM_REFERENCE_H
 #define FURROW_DEFORM_REFERENCE_H
 
 #include "deform/deform.h"
 
-/* The lowest that the underside of the swept object is above (x, y), in metres from the start of the
+/* The lowest that the lower envelope of the swept object is above (x, y), in metres from the start of the
  * sweep (its `from`): x, y along the ground and *z up. False if the object never is above it. */
 bool reference_underside(const struct deform_sweep *sweep, long double x, long double y,
 			 long double *z);
 
-/* Of it, what a mesh and a wheel's lugs are: `axes` the object's own at the end, `way` from start to end in metres. The
- * lugs are sampled in time: a place on them is right to a 100th of their way. */
+/* Of it, what a mesh and a wheel's grousers are: `axes` the object's own at the end, `way` from start to end in metres. The
+ * grousers are sampled in time: a place on them is right to a 100th of their way. */
 bool reference_mesh(const struct deform_sweep *sweep, long double axes[3][3], const long double way[3], long double x,
 		    long double y, long double *z);
 bool reference_lugs(const struct deform_sweep *sweep, const long double way[3], long double x, long double y,
 		    long double *z);
 
 /* Ground of width x height posts, row 0 the southern: `box` of radius posts, once. In place. */
-#define REFERENCE_SWEPT 1 /* contact: the sweep pressed the post */
+#define REFERENCE_SWEPT 1 /* contact: the contact pressed the post */
 #define REFERENCE_HELD 2  /* contact: the object rests on it at the end */
 enum status reference_box(int width, int height, const int32_t *base, const uint8_t *contact, int radius,
 			  int32_t *offset) FURROW_CHECKED;
@@ -52,18 +52,18 @@ enum status reference_ground_init(struct reference_ground *ground, int width, in
 void reference_ground_finish(struct reference_ground *ground);
 /* m3: of the offsets, of what is carried and of what was compacted. */
 double reference_volume(const struct reference_ground *ground);
-/* The height that the object's underside has above each post, over the sweep and at its end; absolute
+/* The height that the object's lower envelope has above each post, over the contact and at its end; absolute
  * metres, INFINITY where it never is. */
 void reference_undersides(const struct reference_ground *ground, const struct deform_sweep *sweep, double *under,
 			  double *rest);
 
-/* On the object, about its centre at the sweep's end. */
+/* On the object, about its centre at the contact's end. */
 struct reference_forces {
 	double force[3], moment[3]; /* N, N m: east, north, up */
 	double normal; /* N: the vertical part of the normal stress without damping */
 	double area;   /* m2 of posts that it rests on */
 	double sinkage; /* m, the deepest of those */
-	double work;   /* J that the soil's yielding took over the sweep */
+	double work;   /* J that the soil's yielding took over the contact */
 };
 
 /* Press: what becomes of each post under the object. Sets contact and carried. */
@@ -94,7 +94,7 @@ double reference_stands(const struct deform_params *params, double distance);
 enum status reference_load(const struct reference_ground *ground, const struct deform_soil *soil,
 			   const struct deform_sweep *sweep, const double *under, const double *rest,
 			   double *lower) FURROW_CHECKED;
-/* One sweep: press, spread, slide; with a load, level at to.z before it is lowered. Of the parameters only those of the model count, and the first soil;
+/* One contact: press, spread, slide; with a load, level at to.z before it is lowered. Of the parameters only those of the model count, and the first soil;
  * DEFORM_BOX_FILTER has reference_box. A load needs DEFORM_SCM; *lower is what reference_load says, else 0.
  * Forces are 0 but for DEFORM_SCM. */
 enum status reference_sweep(struct reference_ground *ground, const struct deform_params *params,

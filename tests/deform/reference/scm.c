@@ -15,8 +15,8 @@ struct vector {
 /* What one post has of the object. */
 struct post {
 	struct vector normal; /* of the undisturbed surface */
-	double sinkage;       /* p: at the sweep's end, along the normal; -INFINITY: not under it */
-	double deepest;       /* P: over the sweep */
+	double sinkage;       /* p: at the contact's end, along the normal; -INFINITY: not under it */
+	double deepest;       /* P: over the contact */
 	double largest;       /* z_max' */
 	double plastic;       /* what of that stays */
 	double stress;        /* along the normal */
@@ -76,7 +76,7 @@ static double breadth(const struct reference_ground *ground, const struct deform
 	return sqrt(fmax(area, ground->spacing * ground->spacing) / M_PI);
 }
 
-/* How the object's surface at a place moved over the sweep. */
+/* How the object's surface at a place moved over the contact. */
 static struct vector way_at(const struct deform_sweep *sweep, double turned, struct vector from_centre)
 {
 	/* A wheel's axis is its own y, level; forwards, its lowest point turns backwards. */
@@ -140,7 +140,7 @@ double reference_scm_normal(const struct reference_ground *ground, const struct 
 	return sum;
 }
 
-/* The stresses of one post, on the object; and the shear that the sweep added. */
+/* The stresses of one post, on the object; and the shear that the contact added. */
 static void add_forces(struct reference_ground *ground, const struct deform_soil *soil, const struct deform_sweep *sweep,
 		       int at, double rest, const struct post *post, struct reference_forces *forces)
 {

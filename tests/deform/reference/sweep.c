@@ -1,4 +1,4 @@
-/* One sweep of an object, and the height at which the soil carries it. */
+/* One contact of an object, and the height at which the soil carries it. */
 #include <assert.h>
 #include <math.h>
 

@@ -1,7 +1,7 @@
 /*
- * An object's underside along its way: at each time t (0 at the start, 1 at the end) the object
+ * An object's lower envelope along its way: at each time t (0 at the start, 1 at the end) the object
  * is above a point of the ground or not, and so far from being so that the distance is convex in
- * t, as is the height of its underside while it is. So: search for the time at which it is most
+ * t, as is the height of its lower envelope while it is. So: search for the time at which it is most
  * above the point, bisect for when it comes and goes, search for the lowest between.
  */
 #include <math.h>
@@ -15,7 +15,7 @@ struct way {
 	long double axes[3][3]; /* the object's own x, y, z */
 };
 
-/* At one time: how far the object is from being above the point (<= 0: it is), and its underside
+/* At one time: how far the object is from being above the point (<= 0: it is), and its lower envelope
  * there, from the centre's height at the start. */
 struct sight {
 	long double outside, z;

@@ -47,35 +47,35 @@ double render_round_range(double size)
 /* --- the map --- */
 
 /* The shade at a pixel of an enlarged map: between the posts beside it, unless one of them is a hole. */
-static double shade_at(const struct render_survey *survey, int zoom, int64_t x, int64_t y)
+static double shade_at(const struct render_map_raster *raster, int zoom, int64_t x, int64_t y)
 {
-	int64_t width = survey->width, px = x / zoom, py = y / zoom;
-	double here = survey->shade[py * width + px];
+	int64_t width = raster->width, px = x / zoom, py = y / zoom;
+	double here = raster->shade[py * width + px];
 	double u = ((double)x + 0.5) / zoom - 0.5, v = ((double)y + 0.5) / zoom - 0.5;
 	int64_t cx = (int64_t)floor(u), cy = (int64_t)floor(v);
 	double sum = 0;
 	for (int64_t i = 0; i < 4 && !isnan(here); i++) {
-		int64_t nx = cx + (i & 1), ny = cy + (i >> 1), top = survey->height - 1;
+		int64_t nx = cx + (i & 1), ny = cy + (i >> 1), top = raster->height - 1;
 		nx = nx < 0 ? 0 : nx < width ? nx : width - 1;
 		ny = ny < 0 ? 0 : ny < top ? ny : top;
-		double shade = survey->shade[ny * width + nx];
+		double shade = raster->shade[ny * width + nx];
 		double weight = (i & 1 ? u - (double)cx : 1 - u + (double)cx) * (i >> 1 ? v - (double)cy : 1 - v + (double)cy);
 		sum += weight * (isnan(shade) ? here : shade);
 	}
 	return isnan(here) ? here : sum;
 }
 
-static void draw_map(const struct render_sheet *sheet, const struct render_range *range, int zoom,
+static void draw_map(const struct render_map_layout *layout, const struct render_range *range, int zoom,
 		     const struct render_canvas *canvas, const struct render_placed *placed)
 {
-	const struct render_survey *survey = sheet->survey;
+	const struct render_map_raster *raster = layout->raster;
 	for (int y = placed->low; y < placed->high; y++)
 		for (int x = placed->left; x < placed->right; x++) {
 			int64_t mx = x - placed->left, my = y - placed->low;
-			size_t pixel = (size_t)(my / zoom) * survey->width + (size_t)(mx / zoom);
-			double shade = zoom > 1 ? shade_at(survey, zoom, mx, my) : survey->shade[pixel];
-			struct render_colour over = render_ramp(sheet->ramp, render_ramp_place(range, survey->values[pixel]));
-			struct render_colour colour = render_ground_colour(shade, survey->flat, over);
+			size_t pixel = (size_t)(my / zoom) * raster->width + (size_t)(mx / zoom);
+			double shade = zoom > 1 ? shade_at(raster, zoom, mx, my) : raster->shade[pixel];
+			struct render_colour over = render_ramp(layout->ramp, render_ramp_place(range, raster->values[pixel]));
+			struct render_colour colour = render_ground_colour(shade, raster->flat, over);
 			/* Sparse hatching says that nothing is known. */
 			if (isnan(shade) && (x + y) % (12 * placed->unit) < placed->unit)
 				colour = (struct render_colour){176, 184, 194, 255};
@@ -84,44 +84,44 @@ static void draw_map(const struct render_sheet *sheet, const struct render_range
 }
 
 /* What the ramp's ends are, and whether values lie beyond them. */
-static enum status settle_range(const struct render_sheet *sheet, struct render_range *range, bool beyond[2])
+static enum status settle_range(const struct render_map_layout *layout, struct render_range *range, bool beyond[2])
 {
 	double size, low, high;
-	enum status status = render_survey_spread(sheet->survey, SHARE, &size, &low, &high);
+	enum status status = render_map_raster_spread(layout->raster, SHARE, &size, &low, &high);
 	if (status != STATUS_OK)
 		return status;
-	*range = sheet->range;
+	*range = layout->range;
 	if (range->low == 0 && range->high == 0 && size > 0) {
 		range->high = render_round_range(size);
-		range->low = sheet->ramp == RENDER_RAMP_SIGNED ? -range->high : 0;
+		range->low = layout->ramp == RENDER_RAMP_SIGNED ? -range->high : 0;
 	}
 	beyond[0] = low < range->low * (1 + 1e-9);
 	beyond[1] = high > range->high * (1 + 1e-9);
 	return STATUS_OK;
 }
 
-enum status render_sheet_create(const struct render_sheet *sheet, struct render_canvas *canvas, struct render_placed *placed)
+enum status render_map_layout_create(const struct render_map_layout *layout, struct render_canvas *canvas, struct render_placed *placed)
 {
-	const struct render_survey *survey = sheet->survey;
-	uint32_t longest = survey->width > survey->height ? survey->width : survey->height;
-	int zoom = longest < sheet->side ? (int)(sheet->side / longest) : 1;
-	int width = (int)survey->width * zoom, height = (int)survey->height * zoom;
-	*placed = (struct render_placed){.scale = zoom / survey->spacing, .unit = unit_of(width, height)};
+	const struct render_map_raster *raster = layout->raster;
+	uint32_t longest = raster->width > raster->height ? raster->width : raster->height;
+	int zoom = longest < layout->side ? (int)(layout->side / longest) : 1;
+	int width = (int)raster->width * zoom, height = (int)raster->height * zoom;
+	*placed = (struct render_placed){.scale = zoom / raster->spacing, .unit = unit_of(width, height)};
 	int unit = placed->unit, least = WIDTH_LEAST * unit, side = PAD * unit;
 	int whole = (width > least ? width : least) + 2 * side;
 	placed->left = (whole - width) / 2;
 	placed->right = placed->left + width;
 	placed->low = BELOW * unit;
 	placed->high = placed->low + height;
-	placed->x = placed->left + (0.5 - (double)survey->rect.x0) * zoom;
-	placed->y = placed->low + (0.5 - (double)survey->rect.y0) * zoom;
+	placed->x = placed->left + (0.5 - (double)raster->rect.x0) * zoom;
+	placed->y = placed->low + (0.5 - (double)raster->rect.y0) * zoom;
 	struct render_range range;
 	bool beyond[2];
-	enum status status = settle_range(sheet, &range, beyond);
+	enum status status = settle_range(layout, &range, beyond);
 	if (status == STATUS_OK)
 		status = render_canvas_create((uint32_t)whole, (uint32_t)(placed->high + ABOVE * unit), paper, canvas);
 	if (status == STATUS_OK)
-		draw_map(sheet, &range, zoom, canvas, placed);
+		draw_map(layout, &range, zoom, canvas, placed);
 	return status;
 }
 
@@ -132,10 +132,10 @@ static void text(const struct render_canvas *canvas, int x, int y, int unit, con
 	render_canvas_text(canvas, x, y, unit, line, colour, none);
 }
 
-static bool has_holes(const struct render_survey *survey)
+static bool has_holes(const struct render_map_raster *raster)
 {
-	size_t pixels = (size_t)survey->width * survey->height, i = 0;
-	while (i < pixels && !isnan(survey->shade[i]))
+	size_t pixels = (size_t)raster->width * raster->height, i = 0;
+	while (i < pixels && !isnan(raster->shade[i]))
 		i++;
 	return i < pixels;
 }
@@ -174,23 +174,23 @@ static void draw_ticks(const struct render_canvas *canvas, int left, int low, in
 	}
 }
 
-static void draw_legend(const struct render_sheet *sheet, const struct render_canvas *canvas, int left, int low, int unit,
+static void draw_legend(const struct render_map_layout *layout, const struct render_canvas *canvas, int left, int low, int unit,
 			const struct render_range *range, const bool beyond[2])
 {
 	char line[96];
 	int top = low + BAR * unit + 3 * unit;
-	double flat = sheet->survey->flat, metres;
+	double flat = layout->raster->flat, metres;
 	if (range->low == 0 && range->high == 0) {
-		snprintf(line, sizeof line, "%s: none", sheet->layer);
+		snprintf(line, sizeof line, "%s: none", layout->layer);
 		text(canvas, left, top, unit, line, ink);
 		return;
 	}
-	snprintf(line, sizeof line, "%s, %s", sheet->layer, unit_for(range, &metres));
+	snprintf(line, sizeof line, "%s, %s", layout->layer, unit_for(range, &metres));
 	text(canvas, left, top, unit, line, ink);
 	render_canvas_box(canvas, left - unit, low - unit, left + LEGEND * unit + unit, low + BAR * unit + unit, ink);
 	for (int x = 0; x < LEGEND * unit; x++) {
 		double value = range->low + (x + 0.5) / (LEGEND * unit) * (range->high - range->low);
-		struct render_colour over = render_ramp(sheet->ramp, render_ramp_place(range, value));
+		struct render_colour over = render_ramp(layout->ramp, render_ramp_place(range, value));
 		render_canvas_box(canvas, left + x, low, left + x + 1, low + BAR * unit, render_ground_colour(flat, flat, over));
 	}
 	draw_ticks(canvas, left, low - unit, unit, range, beyond, metres);
@@ -227,13 +227,13 @@ static enum status draw_north(const struct render_canvas *canvas, int x, int low
 	return status;
 }
 
-enum status render_sheet_frame(const struct render_sheet *sheet, const struct render_canvas *canvas,
+enum status render_map_layout_frame(const struct render_map_layout *layout, const struct render_canvas *canvas,
 			       const struct render_placed *placed)
 {
 	int unit = placed->unit, width = (int)canvas->width, height = (int)canvas->height, side = PAD * unit;
 	struct render_range range;
 	bool beyond[2];
-	enum status status = settle_range(sheet, &range, beyond);
+	enum status status = settle_range(layout, &range, beyond);
 	if (status != STATUS_OK)
 		return status;
 	/* What was drawn beyond the map. */
@@ -247,15 +247,15 @@ enum status render_sheet_frame(const struct render_sheet *sheet, const struct re
 	render_canvas_box(canvas, placed->right, placed->low, placed->right + unit, placed->high, ink);
 
 	char line[128];
-	snprintf(line, sizeof line, "%s%s", has_holes(sheet->survey) ? "hatched: no data, " : "", sheet->subtitle);
+	snprintf(line, sizeof line, "%s%s", has_holes(layout->raster) ? "hatched: no data, " : "", layout->subtitle);
 	int above = placed->high + PAD * unit, subtitle = render_text_width(line, unit);
-	bool room = render_text_width(sheet->title, unit) + subtitle + 4 * side < width;
-	title(canvas, side, above, unit, sheet->title, width - 2 * side);
+	bool room = render_text_width(layout->title, unit) + subtitle + 4 * side < width;
+	title(canvas, side, above, unit, layout->title, width - 2 * side);
 	if (room)
 		text(canvas, width - side - subtitle, above, unit, line, faint);
 
 	int bar = PAD * unit + (RENDER_LETTER_HEIGHT + 4) * unit;
-	draw_legend(sheet, canvas, side + 14 * unit, bar, unit, &range, beyond);
+	draw_legend(layout, canvas, side + 14 * unit, bar, unit, &range, beyond);
 	int right = width - side - 20 * unit;
 	draw_scale(canvas, right, bar, unit, right - (side + (LEGEND + 40) * unit), placed->scale);
 	return draw_north(canvas, width - side - 6 * unit, PAD * unit, unit);

@@ -1,10 +1,9 @@
 /*
- * Wishes: what is loaded ahead, in which order, and what stays for it.
+ * Prefetch requests: which pages are loaded ahead, in which order, and which pages stay for them.
  *
- * A list replaces the one before. It is honoured from its front, as far as there are slots that this
- * step has not used: so a page that is wished for always finds one that may go for it, and wishes
- * never push each other, or what is being drawn, out. What is no longer wished is let go wherever it
- * is on its way.
+ * A new list replaces the one before. It is served from its front, as far as there are slots that this step has not used. So a
+ * requested page always finds a page that may go. Requests never evict each other, or a page that is being drawn. A page that
+ * is no longer requested is given up, in whatever state it is.
  */
 #include "page/page_internal.h"
 
@@ -19,13 +18,13 @@ void page_use_locked(struct page_cache *cache, struct page *page)
 	page_list_append(&table->resident, page);
 }
 
-bool page_wished(const struct page_cache *cache, const struct page *page)
+bool page_requested(const struct page_cache *cache, const struct page *page)
 {
-	return page->wished_in == cache->wish_list && page->wished_in > 0;
+	return page->requested_in == cache->request_list && page->requested_in > 0;
 }
 
-/* The page takes its place in the list; false if it cannot, since a stale load of it is on its way. */
-static bool wish_locked(struct page_cache *cache, uint64_t key, size_t at)
+/* Puts the page at its place in the list; false if it cannot, since a stale load of it is running. */
+static bool request_locked(struct page_cache *cache, uint64_t key, size_t at)
 {
 	struct page_table *table = &cache->table;
 	struct page *page = page_table_find_locked(table, key);
@@ -34,11 +33,11 @@ static bool wish_locked(struct page_cache *cache, uint64_t key, size_t at)
 	if (page == NULL) {
 		page = page_loads_want_locked(cache, key, false);
 	} else if (page->state == PAGE_WANTED) {
-		page_list_remove(&table->wished, page);
-		page_list_append(&table->wished, page);
+		page_list_remove(&table->requested, page);
+		page_list_append(&table->requested, page);
 	}
-	page->wished_in = cache->wish_list;
-	page->wished_at = at;
+	page->requested_in = cache->request_list;
+	page->requested_at = at;
 	return true;
 }
 
@@ -46,14 +45,14 @@ static void cancel_locked(struct page_cache *cache)
 {
 	struct page_table *table = &cache->table;
 	struct page *next;
-	/* Those wished for again went behind the others. */
-	while (table->wished.first != NULL && !page_wished(cache, table->wished.first)) {
-		page_loads_abandon_locked(cache, table->wished.first);
+	/* Pages that are requested again went behind the others. */
+	while (table->requested.first != NULL && !page_requested(cache, table->requested.first)) {
+		page_loads_abandon_locked(cache, table->requested.first);
 		cache->stats.cancelled++;
 	}
 	for (struct page *page = table->flights.first; page != NULL; page = next) {
 		next = page->next;
-		if (page->urgent || page->stale || page_wished(cache, page))
+		if (page->urgent || page->stale || page_requested(cache, page))
 			continue;
 		page_loads_abandon_locked(cache, page);
 		cache->stats.cancelled++;
@@ -68,30 +67,30 @@ void page_cache_want(struct page_cache *cache, const uint64_t *keys, size_t coun
 	mutex_lock(&cache->mutex);
 	assert(cache->table.urgent.count == 0);
 	uint32_t room = cache->params.slots - cache->table.used;
-	cache->wish_list++;
-	cache->wishes_kept = true;
+	cache->request_list++;
+	cache->requests_kept = true;
 	for (size_t i = 0; i < count; i++) {
 		const struct page *page = page_table_find_locked(&cache->table, keys[i]);
 		bool used = page != NULL && page->state == PAGE_RESIDENT && page->used_in == cache->step;
 		if (!used && room == 0) {
-			cache->wishes_kept = false;
+			cache->requests_kept = false;
 			break;
 		}
 		room -= !used;
-		if (!wish_locked(cache, keys[i], i))
-			cache->wishes_kept = false;
+		if (!request_locked(cache, keys[i], i))
+			cache->requests_kept = false;
 	}
 	cancel_locked(cache);
 	assert(page_cache_sane_locked(cache));
 	mutex_unlock(&cache->mutex);
 }
 
-enum page_wishes page_cache_wishes(struct page_cache *cache)
+enum page_request_state page_cache_request_state(struct page_cache *cache)
 {
 	assert(page_owner(cache));
 	mutex_lock(&cache->mutex);
-	bool coming = cache->table.wished.count > 0 || page_loads_ahead_locked(cache) > 0;
-	bool here = cache->wishes_kept || cache->params.loaders == 0;
+	bool coming = cache->table.requested.count > 0 || page_loads_ahead_locked(cache) > 0;
+	bool here = cache->requests_kept || cache->params.loaders == 0;
 	mutex_unlock(&cache->mutex);
-	return coming ? PAGE_WISHES_COMING : here ? PAGE_WISHES_HERE : PAGE_WISHES_SHORT;
+	return coming ? PAGE_REQUESTS_COMING : here ? PAGE_REQUESTS_HERE : PAGE_REQUESTS_SHORT;
 }

@@ -16,9 +16,9 @@
 #define STRIP 128 /* rows */
 
 struct surveying {
-	const struct render_survey_params *params;
+	const struct render_map_raster_params *params;
 	const struct extent *extent;
-	struct render_survey *survey;
+	struct render_map_raster *raster;
 	float *offset; /* of each pixel, where offsets shade; NULL: they do not */
 	int working;
 	bool deformed;
@@ -28,7 +28,7 @@ struct surveying {
 static enum status tell(struct surveying *s, int64_t more)
 {
 	s->done += more;
-	const struct render_survey_params *params = s->params;
+	const struct render_map_raster_params *params = s->params;
 	return params->progress != NULL ? params->progress(params->progress_user, s->done, s->total) : STATUS_OK;
 }
 
@@ -67,7 +67,7 @@ static struct post_rect fine_rect(const struct surveying *s, int level)
 	int coarse = s->params->level, shift = coarse - level;
 	int64_t half = shift > 0 ? (int64_t)1 << (shift - 1) : 0;
 	const struct extent *w = s->extent;
-	struct post_rect r = s->survey->rect;
+	struct post_rect r = s->raster->rect;
 	fine_posts(shift, half, extent_posts(w->width, coarse), extent_posts(w->width, level), &r.x0, &r.x1);
 	fine_posts(shift, half, extent_posts(w->height, coarse), extent_posts(w->height, level), &r.y0, &r.y1);
 	return r;
@@ -108,7 +108,7 @@ static enum status find_tiles(struct surveying *s, struct key_list *list)
 	int level = s->params->level;
 	uint64_t most = s->params->tiles_most;
 	enum status status = STATUS_OK;
-	if (!tile_range_of(s->extent, level, s->survey->rect, &first, &last))
+	if (!tile_range_of(s->extent, level, s->raster->rect, &first, &last))
 		return STATUS_OK;
 	for (uint32_t y = first.y; y <= last.y; y++)
 		for (uint32_t x = first.x; x <= last.x && status == STATUS_OK; x++)
@@ -139,18 +139,18 @@ static float metres_of(enum plane plane, const void *posts, size_t i)
 /* The tile's posts into the pixels they lie in. */
 static void splat(const struct surveying *s, struct tile tile, enum plane plane, const void *posts, float *into)
 {
-	const struct render_survey *survey = s->survey;
+	const struct render_map_raster *raster = s->raster;
 	int shift = s->params->level - tile.level;
 	int64_t half = shift > 0 ? (int64_t)1 << (shift - 1) : 0, side = tile_posts(s->extent);
 	struct post_rect own = tile_post_rect(s->extent, tile);
 	struct post_rect part = post_rect_intersect(own, fine_rect(s, tile.level));
-	int64_t last_x = survey->width - 1, last_y = survey->height - 1;
+	int64_t last_x = raster->width - 1, last_y = raster->height - 1;
 	for (int64_t y = part.y0; y < part.y1; y++) {
-		int64_t py = ((y + half) >> shift) - survey->rect.y0;
-		float *row = into + (py < last_y ? py : last_y) * survey->width;
+		int64_t py = ((y + half) >> shift) - raster->rect.y0;
+		float *row = into + (py < last_y ? py : last_y) * raster->width;
 		for (int64_t x = part.x0; x < part.x1; x++) {
 			float value = metres_of(plane, posts, (size_t)((y - own.y0) * side + x - own.x0));
-			int64_t px = ((x + half) >> shift) - survey->rect.x0;
+			int64_t px = ((x + half) >> shift) - raster->rect.x0;
 			float *pixel = row + (px < last_x ? px : last_x);
 			if (fabsf(value) > fabsf(*pixel))
 				*pixel = value;
@@ -187,15 +187,15 @@ static enum status read_tiles(struct surveying *s, enum plane plane, float *into
 /* Finer than what is stored: interpolated, as exports are. */
 static enum status read_posts(struct surveying *s, enum store_layer layer, float *into)
 {
-	const struct render_survey *survey = s->survey;
-	double *values = mem_alloc((size_t)survey->width * STRIP, sizeof *values);
+	const struct render_map_raster *raster = s->raster;
+	double *values = mem_alloc((size_t)raster->width * STRIP, sizeof *values);
 	enum status status = values != NULL ? STATUS_OK : fail_memory("rows of a map");
-	struct post_rect rect = survey->rect;
+	struct post_rect rect = raster->rect;
 	for (int64_t y = rect.y0; y < rect.y1 && status == STATUS_OK; y += STRIP) {
 		struct post_rect part = {rect.x0, y, rect.x1, y + STRIP < rect.y1 ? y + STRIP : rect.y1};
 		status = store_read_posts(s->params->reader, layer, s->params->level, part, values);
-		size_t count = (size_t)(part.y1 - part.y0) * survey->width;
-		float *to = into + (size_t)(y - rect.y0) * survey->width;
+		size_t count = (size_t)(part.y1 - part.y0) * raster->width;
+		float *to = into + (size_t)(y - rect.y0) * raster->width;
 		for (size_t i = 0; i < count && status == STATUS_OK; i++)
 			to[i] = isnan(values[i]) ? 0 : (float)values[i];
 	}
@@ -251,41 +251,41 @@ static void slope_at(const struct surveying *s, const struct strip *strip, int64
 /* Slopes that offsets add, of the pixels around one; those beyond the map go on as at the other side. */
 static void add_offset_slope(const struct surveying *s, int64_t x, int64_t y, double *east, double *north)
 {
-	const struct render_survey *survey = s->survey;
+	const struct render_map_raster *raster = s->raster;
 	double around[9];
 	for (int64_t i = 0; i < 9; i++) {
 		int64_t px = x + i % 3 - 1, py = y + i / 3 - 1;
-		bool in = px >= 0 && py >= 0 && px < survey->width && py < survey->height;
-		around[i] = in ? s->offset[py * survey->width + px] : (double)NAN;
+		bool in = px >= 0 && py >= 0 && px < raster->width && py < raster->height;
+		around[i] = in ? s->offset[py * raster->width + px] : (double)NAN;
 	}
 	double e, n;
-	render_slopes(around, 1, 1, survey->spacing, &e, &n);
+	render_slopes(around, 1, 1, raster->spacing, &e, &n);
 	*east += e;
 	*north += n;
 }
 
 static bool is_flat_around(const struct surveying *s, int64_t x, int64_t y)
 {
-	const struct render_survey *survey = s->survey;
-	if (x < 1 || y < 1 || x + 1 >= survey->width || y + 1 >= survey->height)
+	const struct render_map_raster *raster = s->raster;
+	if (x < 1 || y < 1 || x + 1 >= raster->width || y + 1 >= raster->height)
 		return false;
-	const float *p = s->offset + y * survey->width + x;
-	int64_t w = survey->width;
+	const float *p = s->offset + y * raster->width + x;
+	int64_t w = raster->width;
 	return p[-w - 1] == 0 && p[-w] == 0 && p[-w + 1] == 0 && p[-1] == 0 && p[1] == 0 && p[w - 1] == 0 && p[w] == 0 &&
 	       p[w + 1] == 0;
 }
 
 static void shade_strip(struct surveying *s, const struct strip *strip, struct post_rect part)
 {
-	struct render_survey *survey = s->survey;
+	struct render_map_raster *raster = s->raster;
 	for (int64_t y = part.y0; y < part.y1; y++)
 		for (int64_t x = part.x0; x < part.x1; x++) {
 			double east, north, steeper = s->params->exaggerate;
-			int64_t px = x - survey->rect.x0, py = y - survey->rect.y0;
+			int64_t px = x - raster->rect.x0, py = y - raster->rect.y0;
 			slope_at(s, strip, x, y, &east, &north);
 			if (s->offset != NULL && !is_flat_around(s, px, py))
 				add_offset_slope(s, px, py, &east, &north);
-			survey->shade[py * survey->width + px] =
+			raster->shade[py * raster->width + px] =
 				(float)render_shade(&s->params->sun, steeper * east, steeper * north);
 		}
 }
@@ -293,7 +293,7 @@ static void shade_strip(struct surveying *s, const struct strip *strip, struct p
 static enum status shade(struct surveying *s)
 {
 	int level = s->params->level > 0 ? s->params->level : 0, shift = level - s->params->level;
-	struct post_rect rect = s->survey->rect;
+	struct post_rect rect = s->raster->rect;
 	int64_t rows = STRIP < rect.y1 - rect.y0 ? STRIP : rect.y1 - rect.y0;
 	size_t width = (size_t)(((rect.x1 - 1) >> shift) + 2 - (rect.x0 >> shift)), high = (size_t)((rows >> shift) + 3);
 	struct strip strip = {
@@ -324,19 +324,19 @@ static enum status shade(struct surveying *s)
 
 static enum status allocate(struct surveying *s)
 {
-	struct render_survey *survey = s->survey;
-	size_t pixels = (size_t)survey->width * survey->height;
-	survey->shade = mem_alloc(pixels, sizeof *survey->shade);
-	survey->values = mem_calloc(pixels, sizeof *survey->values);
+	struct render_map_raster *raster = s->raster;
+	size_t pixels = (size_t)raster->width * raster->height;
+	raster->shade = mem_alloc(pixels, sizeof *raster->shade);
+	raster->values = mem_calloc(pixels, sizeof *raster->values);
 	bool shared = s->params->layer == STORE_OFFSET, shades = s->deformed && s->params->level <= s->working;
-	s->offset = shades ? (shared ? survey->values : mem_calloc(pixels, sizeof *s->offset)) : NULL;
-	return survey->shade != NULL && survey->values != NULL && (!shades || s->offset != NULL) ? STATUS_OK
+	s->offset = shades ? (shared ? raster->values : mem_calloc(pixels, sizeof *s->offset)) : NULL;
+	return raster->shade != NULL && raster->values != NULL && (!shades || s->offset != NULL) ? STATUS_OK
 												 : fail_memory("a map");
 }
 
-enum status render_survey_create(const struct render_survey_params *params, struct render_survey *out)
+enum status render_map_raster_create(const struct render_map_raster_params *params, struct render_map_raster *out)
 {
-	*out = (struct render_survey){
+	*out = (struct render_map_raster){
 		.width = (uint32_t)(params->rect.x1 - params->rect.x0),
 		.height = (uint32_t)(params->rect.y1 - params->rect.y0),
 		.level = params->level,
@@ -344,7 +344,7 @@ enum status render_survey_create(const struct render_survey_params *params, stru
 		.spacing = extent_spacing(&params->meta->extent, params->level),
 		.flat = render_shade(&params->sun, 0, 0),
 	};
-	struct surveying s = {.params = params, .extent = &params->meta->extent, .survey = out, .working = params->working,
+	struct surveying s = {.params = params, .extent = &params->meta->extent, .raster = out, .working = params->working,
 			      .deformed = params->deformed, .total = out->height};
 	enum status status = allocate(&s);
 	if (status == STATUS_OK && s.deformed)
@@ -356,20 +356,20 @@ enum status render_survey_create(const struct render_survey_params *params, stru
 	if (s.offset != out->values)
 		mem_free(s.offset);
 	if (status != STATUS_OK)
-		render_survey_finish(out);
+		render_map_raster_finish(out);
 	return status;
 }
 
-void render_survey_finish(struct render_survey *survey)
+void render_map_raster_finish(struct render_map_raster *raster)
 {
-	mem_free(survey->shade);
-	mem_free(survey->values);
-	*survey = (struct render_survey){.width = 0};
+	mem_free(raster->shade);
+	mem_free(raster->values);
+	*raster = (struct render_map_raster){.width = 0};
 }
 
-enum status render_survey_widen(struct render_survey *survey)
+enum status render_map_raster_widen(struct render_map_raster *raster)
 {
-	uint32_t width = survey->width, height = survey->height;
+	uint32_t width = raster->width, height = raster->height;
 	float *wide = mem_alloc((size_t)width * height, sizeof *wide);
 	if (wide == NULL)
 		return fail_memory("a map");
@@ -378,13 +378,13 @@ enum status render_survey_widen(struct render_survey *survey)
 			float largest = 0;
 			for (uint32_t py = y > 0 ? y - 1 : 0; py <= y + 1 && py < height; py++)
 				for (uint32_t px = x > 0 ? x - 1 : 0; px <= x + 1 && px < width; px++) {
-					float value = survey->values[(size_t)py * width + px];
+					float value = raster->values[(size_t)py * width + px];
 					largest = fabsf(value) > fabsf(largest) ? value : largest;
 				}
 			wide[(size_t)y * width + x] = largest;
 		}
-	mem_free(survey->values);
-	survey->values = wide;
+	mem_free(raster->values);
+	raster->values = wide;
 	return STATUS_OK;
 }
 
@@ -396,16 +396,16 @@ static uint32_t size_class(float value)
 	return (bits & 0x7fffffff) >> 15;
 }
 
-enum status render_survey_spread(const struct render_survey *survey, double share, double *size, double *low, double *high)
+enum status render_map_raster_spread(const struct render_map_raster *raster, double share, double *size, double *low, double *high)
 {
-	size_t pixels = (size_t)survey->width * survey->height;
+	size_t pixels = (size_t)raster->width * raster->height;
 	uint32_t *classes = mem_calloc((size_t)1 << 16, sizeof *classes);
 	uint64_t count = 0;
 	if (classes == NULL)
 		return fail_memory("a map's values");
 	*size = *low = *high = 0;
 	for (size_t i = 0; i < pixels; i++) {
-		float value = survey->values[i];
+		float value = raster->values[i];
 		*low = fmin(*low, value);
 		*high = fmax(*high, value);
 		count += value != 0;
