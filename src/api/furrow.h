@@ -1,8 +1,8 @@
 /*
  * furrow.h: terrain that is larger than memory and that changes under what drives on it.
  *
- * A world is a terrain that is open for simulation. It is opened from a scene (the YAML of SCENE.md, as text or as a file)
- * and a store (a file that `furrow import` or furrow_import makes). The host places bodies, steps, and asks for forces,
+ * A world is a terrain that is open for simulation. It is opened from a scene and a store. A scene is the YAML of SCENE.md, as
+ * text or file. A store is a file that `furrow import` or furrow_import makes. The host places bodies, steps, and asks for forces,
  * heights and pictures. furrow(3) begins with a program that runs; the folder examples/ holds three.
  *
  *     furrow_world_open -> furrow_body_add -> furrow_place -> (furrow_set_states -> furrow_step -> furrow_get_contacts) ...
@@ -235,10 +235,10 @@ FURROW_API furrow_status furrow_probe(struct furrow_world *world, size_t count, 
 
 /*
  * Says where `count` bodies are at the end of the next step. `bodies`, `states`: `count` entries each; 0: does nothing.
- * The way comes from poses; slip and spin come from `linear` and `angular`. Motion accumulates. It changes the ground once it is a
- * working post of travel or turn, or a tenth of one of sinkage, and at a checkpoint, and before a query.
- * FURROW_USAGE: a body follows a path, is gone, was never placed or stands twice in the list; a number is NaN or infinite; a
- * quaternion is not of length 1. FURROW_INPUT: the axle of a wheel is not level.
+ * The way comes from poses; slip and spin come from `linear` and `angular`. Motion accumulates. It changes the ground after a
+ * working post of travel or turn, or a tenth of a post of sinkage. It also does so at a checkpoint, and before a query.
+ * FURROW_USAGE: a body follows a path, is gone, was never placed, or is twice in the list. Or a number is NaN or infinite, or
+ * a quaternion is not of length 1. FURROW_INPUT: the axle of a wheel is not level.
  */
 FURROW_API furrow_status furrow_set_states(struct furrow_world *world, size_t count, const furrow_body *bodies,
 					   const struct furrow_state *states);
@@ -298,7 +298,7 @@ enum furrow_layer {
 	FURROW_SURFACE,     /* base + offset */
 	FURROW_BASE,        /* as imported */
 	FURROW_OFFSET,      /* what deformation added */
-	FURROW_DEPOSITED,   /* deposited thickness: soil that was heaped up */
+	FURROW_DEPOSITED,   /* deposited thickness: soil that was moved there */
 	FURROW_SINKAGE,     /* plastic sinkage */
 	FURROW_SHEAR_X,     /* shear displacement, to the east */
 	FURROW_SHEAR_Y,     /* and to the north */

@@ -34,10 +34,10 @@ bool lattice_fits(double low, double high);
 int32_t lattice_base_relative(double metres, int32_t reference);
 
 /*
- * Bilinear interpolation of a cell whose corners are a (south-west), b (south-east), c (north-west)
- * and d (north-east), at (fx, fy) / 2^shift of the cell, 0 <= fx, fy <= 2^shift, 0 <= shift <= 14.
- * Exact weighted sum in 64 bits, rounded to nearest (halves up); a post is nodata if any corner
- * with weight is.
+ * Interpolates bilinearly in a cell. Corners: a (south-west), b (south-east), c (north-west), d (north-east). The place is (fx,
+ * fy) / 2^shift of the cell, with 0 <= fx, fy <= 2^shift and 0 <= shift <= 14.
+ *
+ * The weighted sum is exact in 64 bits, and rounded to nearest (halves up). The result is nodata if a corner with weight is.
  */
 int32_t lattice_interpolate(int32_t a, int32_t b, int32_t c, int32_t d, uint32_t fx, uint32_t fy,
 			    int shift);

@@ -13,8 +13,8 @@ enum status fail_with(enum status status, const char *format, ...)
 	va_start(args, format);
 	vsnprintf(text, sizeof text, format, args);
 	va_end(args);
-	/* The arguments may have pointed into last_message itself, hence the copy; an error is
-	 * one line, and nothing that moves a terminal's cursor, whatever a file put into its text. */
+	/* The arguments may point into last_message itself, so it is copied. An error is one line. Nothing in it moves a
+	 * terminal's cursor, whatever a file put into its text. */
 	for (char *c = text; *c != '\0'; c++)
 		if ((unsigned char)*c < 0x20 || *c == 0x7f)
 			*c = ' ';

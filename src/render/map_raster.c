@@ -1,12 +1,6 @@
 /*
- * A survey: what a map shows of a store, a pixel a post of one level: how light the ground is, and the values of a layer.
- *
- * (1) A pixel's value is the one that is largest, whatever its sign, of all posts of the finest level looked at that lie
- *     in the pixel: a rut narrower than a pixel is there. Tiles without a row are not read.
- * (2) A map finer than the source has the slopes of the source's own posts, interpolated; those of the offsets are
- *     added as they are, since heights are a sum. Offsets finer than a pixel do not shade.
- * (3) Memory is the pictures' and one strip's of posts; work is that of the base's posts in view and of the tiles
- *     with offsets there, of which `tiles_most` are read at most: at the finest level that has no more of them.
+ * A map raster: what a map shows of a store, a pixel for each post of one level. It has the lightness of the ground and the
+ * values of a layer.
  */
 #include <math.h>
 #include <string.h>

@@ -11,8 +11,7 @@
 enum status scene_file_read(const char *path, const char *told, size_t limit, char **bytes,
 			    size_t *length) FURROW_CHECKED;
 
-/* The hash of all bytes of a regular file (a scene is a stranger's: it may name a pipe that nobody writes
- * to, or a device). STATUS_INPUT as above. */
+/* Hashes all bytes of a regular file. A scene is untrusted: it may name a pipe that nobody writes to, or a device. */
 enum status scene_file_hash(const char *path, const char *told, uint64_t limit, uint64_t hash[2])
 	FURROW_CHECKED;
 

@@ -1,8 +1,9 @@
 /*
- * Mesh files through assimp, which is handed bytes and never a path: the file itself, and what a glTF
- * names in its folder, all within SCENE_MESH_BYTES. Which of assimp's readers is meant is said by the
- * file's ending; none but the three is reached. What is read is only its nodes and the triangles of its
- * meshes, counted before anything is allocated for them: nodes may show one mesh many times.
+ * Reads mesh files through assimp. It gets bytes and never a path: the file itself, and files that a glTF names in its folder.
+ * All together are within SCENE_MESH_BYTES.
+ *
+ * Only nodes and the triangles of their meshes are used. They are counted before anything is allocated, since nodes may show
+ * one mesh many times.
  */
 #include "scene/scene_mesh_import.h"
 

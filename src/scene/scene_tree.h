@@ -1,10 +1,6 @@
 /*
- * A scene's text as a tree of nodes that know their line, so that whatever is wrong can be told
- * with its place; read from libyaml's events under limits that make hostile text harmless.
- *
- * Invariants: 1. the text of a node holds no control character but newline and tab; 2. no node is
- * deeper than SCENE_DEPTH; 3. no mapping holds a key twice, or more than SCENE_KEYS keys;
- * 4. there are no aliases, so the tree is as large as its text.
+ * A scene's text as a tree of nodes that know their line, so that messages can name the place of a mistake. It is read from
+ * libyaml's events, under limits that make hostile text harmless.
  */
 #ifndef FURROW_SCENE_TREE_H
 #define FURROW_SCENE_TREE_H

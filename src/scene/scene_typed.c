@@ -1,6 +1,6 @@
 /*
- * The tree is written out again, in the subset of YAML that JSON is, and cyaml reads that: so
- * that settings count, and nothing reaches cyaml that scene_match has not passed.
+ * Writes the tree as JSON, which is a subset of YAML, and lets cyaml read that. So settings are applied, and cyaml sees only
+ * text that scene_match has passed.
  */
 #include "scene/scene_typed.h"
 

@@ -112,8 +112,8 @@ double store_rows_metres(enum row_table table, int32_t post, double step);
 void store_rows_range(enum row_table table, const int32_t *posts, size_t count, double step, double *low,
 		double *high);
 bool store_rows_all_zero(const int32_t *posts, size_t count);
-/* Sums of a tile's own offsets below and above zero: all but its last row and column, unless it is
- * the world's last in that direction. */
+/* Sums of a tile's own offsets below and above zero. The last row and column do not count, unless it is the world's last tile
+ * in that direction. */
 void store_rows_sums(const struct extent *extent, struct tile tile, const int32_t *posts, int64_t *below,
 	       int64_t *above);
 

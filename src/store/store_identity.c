@@ -1,9 +1,6 @@
 /*
- * Which base a store has: one hash over what the terrain is and over the hash of every base row, so
- * that an overlay (store_overlay.c) can name the base it belongs to.
- *
- * It is of the base as it is stored: the same heights packed otherwise are another base. Where the
- * terrain came from and how it was asked for are no part of it.
+ * Identifies the base of a store: one hash over the terrain's description and over the hash of every base row. With it an
+ * overlay (store_overlay.c) names the base it belongs to.
  */
 #include "store/internal.h"
 
