@@ -16,8 +16,8 @@
 #define STORE_VERSION 3
 #define STORE_BUSY_MS 5000
 
-/* store_epoch.c: STATUS_INTERRUPTED if run->given_up says that the epoch is given up. */
-enum status store_epoch_goes_on(const struct store *store, const struct store_run *run) FURROW_CHECKED;
+/* store_epoch.c: STATUS_INTERRUPTED if run->given_up says that the commit is given up. */
+enum status store_commit_goes_on(const struct store *store, const struct store_run *run) FURROW_CHECKED;
 
 /* --- store_sql.c: SQLite with messages --- */
 

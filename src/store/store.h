@@ -174,7 +174,7 @@ struct store_run {
 	/* For a state that depends on what this commit changed. Called inside the transaction, when that is known. It returns
 	 * the state; NULL: out of memory. */
 	const char *(*describe)(void *user, const struct store_epoch_result *result);
-	/* Asked before each tile: true gives the whole epoch up, with STATUS_INTERRUPTED. NULL: it goes on. */
+	/* Asked before each tile: true gives the whole commit up, with STATUS_INTERRUPTED. NULL: it goes on. */
 	bool (*given_up)(void *user);
 	void *user;
 };

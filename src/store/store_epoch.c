@@ -108,7 +108,7 @@ static enum status put_parent(struct climb *climb, struct tile tile, const int32
 	return put_row(climb, &row, posts, children > 0, old);
 }
 
-enum status store_epoch_goes_on(const struct store *store, const struct store_run *run)
+enum status store_commit_goes_on(const struct store *store, const struct store_run *run)
 {
 	if (run->given_up == NULL || !run->given_up(run->user))
 		return STATUS_OK;
@@ -120,7 +120,7 @@ static enum status climb_tile(struct climb *climb, int level, size_t first, size
 			      const int32_t **posts)
 {
 	const struct store_page *page = &climb->pages[climb->order[first].page];
-	enum status going = store_epoch_goes_on(climb->store, climb->run);
+	enum status going = store_commit_goes_on(climb->store, climb->run);
 	if (going != STATUS_OK)
 		return going;
 	if (level == page->tile.level) {

@@ -165,7 +165,7 @@ enum status store_state_put(struct store *store, enum row_table table, const str
 	for (size_t i = 0; i < state.drop_count && status == STATUS_OK; i++)
 		status = drop(&state, tile_from_key(state.dropped[i]));
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
-		status = store_epoch_goes_on(store, run);
+		status = store_commit_goes_on(store, run);
 		if (status == STATUS_OK && pages[i].planes[row_plane(table)] != NULL)
 			status = put_page(&state, &pages[i]);
 	}

@@ -1,9 +1,13 @@
 /*
  * Bodies of a host in a step: what their motion does to the ground, and what the soil tells of them.
  *
- * A host moves a body by less than a post in a step. So its motion accumulates, and changes the ground when it is worth a
- * swept contact: after a working post of travel or turn, or a tenth of one of sinkage; at a checkpoint, and before a query. In
- * between the forces alone are found, from the same ground (deform_feel).
+ * A host moves a body by less than a post in a step. So its motion accumulates. It changes the ground when it is worth a swept
+ * contact:
+ * - after a working post of travel or of turn,
+ * - after a tenth of a post of sinkage,
+ * - at a checkpoint, and before a query.
+ *
+ * In between only the forces are computed, over the same ground (deform_feel).
  */
 #include <math.h>
 

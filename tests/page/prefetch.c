@@ -2,7 +2,6 @@
 #include "page/fake.h"
 #include "page/page_internal.h"
 
-
 /* Polls until a prefetched page is resident; its load must be on its way and not held. */
 static void poll_until_resident(struct fake *fake, uint64_t key)
 {
