@@ -61,7 +61,7 @@ enum status world_attitude(const struct deform_shape *shape, const char *name, c
 	axes_of(q, axes);
 	if (shape->kind == DEFORM_WHEEL)
 		return wheel_of(name, (const double(*)[3])axes, pose);
-	pose->pitch = asin(fmin(fmax(axes[0][2], -1), 1));
+	pose->pitch = atan2(axes[0][2], hypot(axes[0][0], axes[0][1]));
 	/* Nose straight up or down: the whole turn about the vertical becomes yaw. */
 	if (hypot(axes[0][0], axes[0][1]) < 1e-9) {
 		pose->yaw = atan2(-axes[1][0], axes[1][1]);

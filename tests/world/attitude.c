@@ -1,0 +1,96 @@
+/* A host's quaternion and deformation's yaw, pitch, roll and turn are the same attitude, in every direction. */
+#include "../support.h"
+
+#include <math.h>
+
+#include "world/internal.h"
+
+static const struct deform_shape box = {.kind = DEFORM_BOX, .size = {1, 0.6, 0.4}};
+static const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.3, .width = 0.2};
+
+static struct world_pose pose_of(const struct deform_pose *from)
+{
+	struct world_pose pose = {{1, 2, 3}, {0}};
+	world_orientation(from, pose.orientation);
+	return pose;
+}
+
+static void assert_same_axes(const struct deform_pose *a, const struct deform_pose *b)
+{
+	double x[3][3], y[3][3];
+	deform_axes(a->yaw, a->pitch, a->roll, a->turn, x);
+	deform_axes(b->yaw, b->pitch, b->roll, b->turn, y);
+	for (int i = 0; i < 3; i++)
+		for (int k = 0; k < 3; k++)
+			assert_true(fabs(x[i][k] - y[i][k]) < 1e-12);
+}
+
+static void an_attitude_comes_back(void **state)
+{
+	(void)state;
+	for (int yaw = -12; yaw <= 12; yaw++)
+		for (int pitch = -8; pitch <= 8; pitch++)
+			for (int roll = -12; roll <= 12; roll += 3) {
+				const struct deform_pose from = {.yaw = yaw * M_PI / 12, .pitch = pitch * M_PI / 16, .roll = roll * M_PI / 12};
+				const struct world_pose pose = pose_of(&from);
+				struct deform_pose got;
+				double length = 0;
+				for (int i = 0; i < 4; i++)
+					length += pose.orientation[i] * pose.orientation[i];
+				assert_true(fabs(length - 1) < 1e-12);
+				must(world_attitude(&box, "box", &pose, &got));
+				assert_same_axes(&from, &got);
+			}
+}
+
+static void a_wheel_turns_about_its_axle(void **state)
+{
+	(void)state;
+	for (int yaw = -12; yaw <= 12; yaw++)
+		for (int turn = -12; turn <= 12; turn++) {
+			const struct deform_pose from = {.yaw = yaw * M_PI / 12, .turn = turn * M_PI / 12};
+			const struct world_pose pose = pose_of(&from);
+			struct deform_pose got;
+			must(world_attitude(&wheel, "wheel", &pose, &got));
+			assert_same_axes(&from, &got);
+			assert_true(got.pitch == 0 && got.roll == 0);
+		}
+}
+
+/* The quaternion of a turn by 90 degrees about z heads north: it is from the body's axes to the local ones. */
+static void a_known_turn_has_a_known_quaternion(void **state)
+{
+	(void)state;
+	const struct world_pose north = {{0, 0, 0}, {sqrt(0.5), 0, 0, sqrt(0.5)}};
+	const struct world_pose nose_up = {{0, 0, 0}, {cos(M_PI / 8), 0, -sin(M_PI / 8), 0}};
+	struct deform_pose got;
+	must(world_attitude(&box, "box", &north, &got));
+	assert_float_equal(got.yaw, M_PI / 2, 1e-12);
+	must(world_attitude(&box, "box", &nose_up, &got));
+	assert_float_equal(got.pitch, M_PI / 4, 1e-12);
+}
+
+static void what_is_no_pose_is_refused(void **state)
+{
+	(void)state;
+	const struct world_pose leaning = pose_of(&(struct deform_pose){.roll = 0.1}), bad[] = {
+		{{NAN, 0, 0}, {1, 0, 0, 0}}, {{0, 0, INFINITY}, {1, 0, 0, 0}}, {{0, 0, 0}, {0, 0, 0, 0}}, {{0, 0, 0}, {1, 1, 0, 0}},
+		{{0, 0, 0}, {NAN, 0, 0, 0}}, {{2e9, 0, 0}, {1, 0, 0, 0}},
+	};
+	struct deform_pose got;
+	assert_int_equal(world_attitude(&wheel, "wheel", &leaning, &got), STATUS_INPUT);
+	must(world_attitude(&box, "box", &leaning, &got));
+	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+		assert_int_equal(world_attitude(&box, "box", &bad[i], &got), STATUS_USAGE);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(an_attitude_comes_back),
+		cmocka_unit_test(a_wheel_turns_about_its_axle),
+		cmocka_unit_test(a_known_turn_has_a_known_quaternion),
+		cmocka_unit_test(what_is_no_pose_is_refused),
+	};
+	return cmocka_run_group_tests(tests, support_enter, support_leave);
+}
