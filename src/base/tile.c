@@ -131,6 +131,16 @@ const char *extent_problem(const struct extent *extent)
 	return 0;
 }
 
+struct post_rect post_rect_around(struct post_rect a, struct post_rect b)
+{
+	return (struct post_rect){
+		.x0 = a.x0 < b.x0 ? a.x0 : b.x0,
+		.y0 = a.y0 < b.y0 ? a.y0 : b.y0,
+		.x1 = a.x1 > b.x1 ? a.x1 : b.x1,
+		.y1 = a.y1 > b.y1 ? a.y1 : b.y1,
+	};
+}
+
 struct post_rect post_rect_intersect(struct post_rect a, struct post_rect b)
 {
 	return (struct post_rect){

@@ -61,6 +61,7 @@ struct post_rect {
 };
 
 struct post_rect post_rect_intersect(struct post_rect a, struct post_rect b);
+struct post_rect post_rect_around(struct post_rect a, struct post_rect b); /* the least rectangle that holds both */
 bool post_rect_empty(struct post_rect rect);
 /* The posts of a tile, shared edges included. */
 struct post_rect tile_post_rect(const struct extent *extent, struct tile tile);

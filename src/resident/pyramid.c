@@ -36,22 +36,12 @@ void resident_pyramid_destroy(struct pyramid *pyramid)
 	mem_free(pyramid);
 }
 
-static struct post_rect hull(struct post_rect a, struct post_rect b)
-{
-	return (struct post_rect){
-		.x0 = a.x0 < b.x0 ? a.x0 : b.x0,
-		.y0 = a.y0 < b.y0 ? a.y0 : b.y0,
-		.x1 = a.x1 > b.x1 ? a.x1 : b.x1,
-		.y1 = a.y1 > b.y1 ? a.y1 : b.y1,
-	};
-}
-
 enum status resident_pyramid_changed(struct pyramid *pyramid, struct tile tile, struct post_rect rect)
 {
 	rect = post_rect_intersect(rect, tile_post_rect(pyramid->extent, tile));
 	for (size_t i = 0; i < pyramid->count; i++)
 		if (tile_equal(pyramid->changes[i].tile, tile)) {
-			pyramid->changes[i].rect = hull(pyramid->changes[i].rect, rect);
+			pyramid->changes[i].rect = post_rect_around(pyramid->changes[i].rect, rect);
 			return STATUS_OK;
 		}
 	if (pyramid->count == pyramid->room) {

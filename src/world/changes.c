@@ -7,12 +7,6 @@
  */
 #include "world/internal.h"
 
-static struct post_rect around(struct post_rect a, struct post_rect b)
-{
-	return (struct post_rect){a.x0 < b.x0 ? a.x0 : b.x0, a.y0 < b.y0 ? a.y0 : b.y0, a.x1 > b.x1 ? a.x1 : b.x1,
-				  a.y1 > b.y1 ? a.y1 : b.y1};
-}
-
 static enum status add(struct world_changes *changes, struct tile tile, struct changed_tile **out)
 {
 	if (changes->count == changes->room) {
@@ -49,7 +43,7 @@ enum status world_changed(struct world *world, struct tile tile, struct post_rec
 		changed->from = changes->asked;
 		changed->rect = rect;
 	} else {
-		changed->rect = around(changed->rect, rect);
+		changed->rect = post_rect_around(changed->rect, rect);
 	}
 	changed->last = changes->revision + 1;
 	changes->pending = true;

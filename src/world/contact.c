@@ -90,13 +90,6 @@ static void roll(const struct body *body, const struct event *event, struct defo
 	sweep->to.turn = remainder(sweep->from.turn + sweep->turned, 2 * M_PI);
 }
 
-/* Returns the smallest rectangle that holds both. */
-static struct post_rect around(struct post_rect a, struct post_rect b)
-{
-	return (struct post_rect){a.x0 < b.x0 ? a.x0 : b.x0, a.y0 < b.y0 ? a.y0 : b.y0, a.x1 > b.x1 ? a.x1 : b.x1,
-				  a.y1 > b.y1 ? a.y1 : b.y1};
-}
-
 static enum status tell_watcher(const struct world *world, const struct event *event, const struct deform_sweep *sweep,
 			     const struct deform_window *windows, size_t count)
 {
@@ -106,8 +99,8 @@ static enum status tell_watcher(const struct world *world, const struct event *e
 		.read = windows[0].read,
 	};
 	for (size_t i = 1; i < count; i++) {
-		told.changed = around(told.changed, windows[i].write);
-		told.read = around(told.read, windows[i].read);
+		told.changed = post_rect_around(told.changed, windows[i].write);
+		told.read = post_rect_around(told.read, windows[i].read);
 	}
 	return world->watcher->contact(world->watcher->user, event, &told);
 }
