@@ -43,13 +43,13 @@ static void intervals_before(struct rig *rig, double time)
 		interval(rig);
 }
 
-static void sweep(struct rig *rig, const struct deform_sweep *of)
+static void sweep(struct rig *rig, const struct deform_contact *of)
 {
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	size_t count;
 	bench_must(deform_windows(rig->deform, of, windows, &count));
 	if (rig->in_contact && !deform_covers(rig->deform, of, &rig->rest.pose)) {
-		const struct deform_sweep left = {.shape = &rig_wheel, .from = rig->rest.pose, .to = rig->rest.pose};
+		const struct deform_contact left = {.shape = &rig_wheel, .from = rig->rest.pose, .to = rig->rest.pose};
 		struct deform_window around[DEFORM_WINDOWS_MAX];
 		size_t number;
 		bench_must(deform_windows(rig->deform, &left, around, &number));
@@ -76,7 +76,7 @@ static void sample(struct rig *rig, const struct track *track, int64_t index)
 	bool any;
 	motion_track_sample(track, index, &point);
 	bench_must(resident_ground_height(rig->ground, point.qx, point.qy, &ground, &any));
-	struct deform_sweep of = {.shape = &rig_wheel};
+	struct deform_contact of = {.shape = &rig_wheel};
 	of.to = (struct deform_pose){.x = point.qx, .y = point.qy, .z = ground + lattice_offset(ACCURACY_RADIUS - ACCURACY_SINK),
 				     .yaw = point.yaw};
 	of.from = index > 0 ? rig->rest.pose : of.to;

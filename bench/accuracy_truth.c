@@ -51,7 +51,7 @@ static size_t field_posts(void)
 
 /* One sweep as all models see it: the posts around the wheel. */
 struct sweep {
-	struct deform_sweep sweep;
+	struct deform_contact sweep;
 	struct post_rect rect; /* global posts */
 	double *under, *rest;
 };
@@ -73,7 +73,7 @@ static struct deform_pose pose_at(const struct track *track, int64_t sample)
 }
 
 /* The wheel's plan, and where it came from, with room to spare: elsewhere it is not above the post. */
-static bool may_be_above(const struct deform_sweep *sweep, double x, double y)
+static bool may_be_above(const struct deform_contact *sweep, double x, double y)
 {
 	double c = cos(sweep->to.yaw), s = sin(sweep->to.yaw);
 	double dx = x - lattice_offset_metres(sweep->to.x), dy = y - lattice_offset_metres(sweep->to.y);
@@ -81,7 +81,7 @@ static bool may_be_above(const struct deform_sweep *sweep, double x, double y)
 	return fabs(dx * c + dy * s) < ACCURACY_RADIUS + way + 1e-3 && fabs(dy * c - dx * s) < ACCURACY_WIDTH / 2 + way + 1e-3;
 }
 
-static double underside(const struct deform_sweep *sweep, double x, double y)
+static double underside(const struct deform_contact *sweep, double x, double y)
 {
 	long double z;
 	if (!reference_underside(sweep, (long double)x - lattice_offset_metres(sweep->from.x),
@@ -104,7 +104,7 @@ static void find_undersides(struct sweep *sweep)
 	sweep->rest = mem_alloc(count, sizeof *sweep->rest);
 	if (sweep->under == NULL || sweep->rest == NULL)
 		bench_must(fail_memory("bench"));
-	struct deform_sweep end = sweep->sweep;
+	struct deform_contact end = sweep->sweep;
 	end.from = end.to;
 	size_t i = 0;
 	for (int64_t row = around.y0; row < around.y1; row++)
@@ -234,7 +234,7 @@ static void make(struct accuracy_truth *truth)
 		struct deform_pose to = pose_at(track, (int64_t)i), from = i > 0 ? sweeps[i - 1].sweep.to : to;
 		double seconds = i > 0 ? motion_track_sample_time(track, (int64_t)i) - motion_track_sample_time(track, (int64_t)i - 1) : 0;
 		double way = lattice_offset_metres(to.x - from.x) * cos(to.yaw) + lattice_offset_metres(to.y - from.y) * sin(to.yaw);
-		sweeps[i].sweep = (struct deform_sweep){.shape = &wheel, .from = from, .to = to, .seconds = seconds,
+		sweeps[i].sweep = (struct deform_contact){.shape = &wheel, .from = from, .to = to, .seconds = seconds,
 							.turned = way / ACCURACY_RADIUS};
 		find_undersides(&sweeps[i]);
 	}

@@ -74,7 +74,7 @@ static size_t tiles_of(const struct ground *ground, struct post_rect rect, struc
 static void sweep(struct ground *ground, int step, int number)
 {
 	double seconds = ground->of.spacing / 2;
-	struct deform_sweep sweep = {
+	struct deform_contact sweep = {
 		.shape = &wheel,
 		.from = pose_of(ground, step, number),
 		.to = pose_of(ground, step + 1, number),
@@ -156,7 +156,7 @@ static void open_ground(const struct bench_case *of, bool draws, struct ground *
 		.iterations = 1,
 		.depth = of->model == DEFORM_SCM ? 0 : INFINITY,
 		.bulldozing = 0.5,
-		.dirt = of->dirt,
+		.disturbance = of->dirt,
 	};
 	bench_must(deform_soil_named(of->model == DEFORM_SUMNER ? "sand" : "dry_sand", &params.soils[0]));
 	bench_must(deform_create(&params, &ground->deform));

@@ -96,7 +96,7 @@ static void open_rig(struct rig *rig, const char *store)
 	if (world->epochs == NULL)
 		bench_must(fail_with(STATUS_FAILED, "/tmp: no file can be made; free some space"));
 	bench_must(gpu_create(&(struct gpu_params){.draws = true}, &world->gpu));
-	bench_must(gpu_slots_create(world->gpu, CELLS, SLOTS, PLANE_BIT(PLANE_DIRT), &world->slots));
+	bench_must(gpu_slots_create(world->gpu, CELLS, SLOTS, PLANE_BIT(PLANE_DISTURBANCE), &world->slots));
 	bench_must(resident_ground_create(world->store, 64, &world->ground));
 	bench_must(resident_pages_create(&(struct pages_params){.gpu = world->gpu, .store = world->store, .slots = world->slots,
 						       .level = world->level, .count = SLOTS, .loaders = 2, .step_pages = 16,

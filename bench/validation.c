@@ -54,7 +54,7 @@ static struct rut rolled(bool on_gpu, const struct deform_soil *soil, double loa
 	int across = 2 * ((int)(width / 2 / spacing) + RIM) + 1;
 	struct reference_forces forces;
 	struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = radius, .width = width};
-	struct deform_sweep sweep = {.shape = &wheel, .load = load};
+	struct deform_contact sweep = {.shape = &wheel, .load = load};
 	struct rut rut;
 	struct bed *bed = bed_create(on_gpu, 2 * far + 1 + samples, across, spacing, soil);
 	sweep.from = sweep.to = at(far, across / 2, radius, spacing);
@@ -145,7 +145,7 @@ static double pushed(bool on_gpu, const struct deform_soil *soil, double side, d
 	struct deform_shape plate = {.kind = DEFORM_BOX, .size = {side, side, 1}};
 	int posts = (int)(side / spacing) + 2 * RIM;
 	struct deform_pose pose = at(posts / 2, posts / 2, 0.5 - sinkage, spacing);
-	struct deform_sweep sweep = {.shape = &plate, .from = pose, .to = pose};
+	struct deform_contact sweep = {.shape = &plate, .from = pose, .to = pose};
 	struct reference_forces forces;
 	double lower;
 	struct bed *bed = bed_create(on_gpu, posts, posts, spacing, soil);

@@ -88,13 +88,13 @@ void bed_destroy(struct bed *bed)
 	mem_free(bed);
 }
 
-void bed_sweep(struct bed *bed, const struct deform_sweep *sweep, struct reference_forces *forces, double *lower)
+void bed_sweep(struct bed *bed, const struct deform_contact *sweep, struct reference_forces *forces, double *lower)
 {
 	if (!bed->on_gpu) {
 		bench_must(reference_sweep(&bed->ground, &bed->params, sweep, forces, lower));
 		return;
 	}
-	struct deform_sweep asked = *sweep;
+	struct deform_contact asked = *sweep;
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	struct deform_forces got = {.tag = 0};
 	size_t count;

@@ -1,10 +1,10 @@
 #version 450 core
 // A coarser tile's offsets (and disturbance) from a finer one's: every 2^steps-th post, no filter.
-// DIRT: the tiles have a disturbance plane.
+// DISTURBANCE: the tiles have a disturbance plane.
 
 layout(binding = 0) uniform isampler2D fine_offset;
-#ifdef DIRT
-layout(binding = 1) uniform usampler2D fine_dirt;
+#ifdef DISTURBANCE
+layout(binding = 1) uniform usampler2D fine_disturbance;
 #endif
 
 layout(std140, binding = 0) uniform params {
@@ -14,15 +14,15 @@ layout(std140, binding = 0) uniform params {
 };
 
 layout(location = 0) out int offset;
-#ifdef DIRT
-layout(location = 1) out uint dirt;
+#ifdef DISTURBANCE
+layout(location = 1) out uint disturbance;
 #endif
 
 void main()
 {
 	ivec2 p = from + ((ivec2(gl_FragCoord.xy) - to) << steps);
 	offset = texelFetch(fine_offset, p, 0).r;
-#ifdef DIRT
-	dirt = texelFetch(fine_dirt, p, 0).r;
+#ifdef DISTURBANCE
+	disturbance = texelFetch(fine_disturbance, p, 0).r;
 #endif
 }

@@ -32,8 +32,8 @@ layout(location = 0) out vec4 colour;
 layout(binding = 0, r32i) readonly uniform iimage2D base_posts;
 #ifdef OFFSET
 layout(binding = 1, r32i) readonly uniform iimage2D offset_posts;
-#ifdef DIRT
-layout(binding = 2, r8ui) readonly uniform uimage2D dirt_posts;
+#ifdef DISTURBANCE
+layout(binding = 2, r8ui) readonly uniform uimage2D disturbance_posts;
 #endif
 #endif
 
@@ -51,9 +51,9 @@ void main()
 	vec2 cut = offset.gradient * (offset_metre / origin.z);
 	gradient += cut;
 	float moved = offset.value * offset_metre;
-	float pressed = smoothstep(0.004, 0.06, -moved);
-	float heaped = max(smoothstep(0.004, 0.03, moved), smoothstep(0.04, 0.25, length(cut)));
-	dug = max(pressed, heaped);
+	float sunken = smoothstep(0.004, 0.06, -moved);
+	float risen = max(smoothstep(0.004, 0.03, moved), smoothstep(0.04, 0.25, length(cut)));
+	dug = max(sunken, risen);
 	shade = 1.0 - 0.35 * smoothstep(0.0, 0.35, -moved);
 #endif
 
@@ -66,16 +66,16 @@ void main()
 
 #ifdef OFFSET
 	// Turned over it is fresh and rough; pressed it is dark, and smooth where that is loose soil.
-	albedo *= (1.0 - 0.15 * heaped) * (1.0 - 0.45 * pressed);
+	albedo *= (1.0 - 0.15 * risen) * (1.0 - 0.45 * sunken);
 #if defined TEXTURE && defined DETAIL
-	surface.tilt *= 1.0 + 0.6 * heaped - 0.55 * surface.loose * pressed;
+	surface.tilt *= 1.0 + 0.6 * risen - 0.55 * surface.loose * sunken;
 #endif
-#ifdef DIRT
+#ifdef DISTURBANCE
 	ivec2 at = clamp(ivec2(floor(post)), ivec2(0), ivec2(tile.x - 1));
 	vec2 part = post - vec2(at);
-	vec4 dirt = vec4(imageLoad(dirt_posts, at).r, imageLoad(dirt_posts, at + ivec2(1, 0)).r,
-			 imageLoad(dirt_posts, at + ivec2(0, 1)).r, imageLoad(dirt_posts, at + ivec2(1, 1)).r);
-	vec2 row = mix(dirt.xz, dirt.yw, part.x);
+	vec4 disturbance = vec4(imageLoad(disturbance_posts, at).r, imageLoad(disturbance_posts, at + ivec2(1, 0)).r,
+			 imageLoad(disturbance_posts, at + ivec2(0, 1)).r, imageLoad(disturbance_posts, at + ivec2(1, 1)).r);
+	vec2 row = mix(disturbance.xz, disturbance.yw, part.x);
 	float wet = mix(row.x, row.y, part.y) / 255.0;
 	albedo *= 1.0 - 0.4 * wet;
 #endif
@@ -88,8 +88,8 @@ void main()
 	layer_values values = layer_values(0.0, 0.0, place.z + relief.w, length(gradient));
 #ifdef OFFSET
 	values.moved = moved;
-#ifdef DIRT
-	values.dirt = wet;
+#ifdef DISTURBANCE
+	values.disturbance = wet;
 #endif
 #endif
 	colour = layer_colour(values, gradient);
@@ -97,7 +97,7 @@ void main()
 	vec3 normal = normalize(vec3(-gradient, 1.0));
 	float facing = max(dot(normal, sun.xyz), 0.0);
 	vec3 lit = albedo * (sunlight.rgb * facing + mix(groundlight, skylight, 0.5 + 0.5 * normal.z) * (shade * sunlight.w));
-#if defined OFFSET && defined DIRT
+#if defined OFFSET && defined DISTURBANCE
 	// Half-way between sun and eye, to the power of 24.
 	vec3 between = sun.xyz - place * inversesqrt(dot(place, place));
 	float along = max(dot(normal, between), 0.0), square = along * along / dot(between, between);

@@ -104,7 +104,7 @@ static enum status ask_point(struct asking *asking, double x, double y)
 		enum plane plane;
 		double value;
 	} state[] = {
-		{PLANE_HEAPED, sample.heaped}, {PLANE_PRESSED, sample.pressed}, {PLANE_SHEAR, sample.shear},
+		{PLANE_DEPOSITED, sample.heaped}, {PLANE_PLASTIC_SINKAGE, sample.pressed}, {PLANE_SHEAR, sample.shear},
 	};
 	for (size_t i = 0; i < sizeof state / sizeof *state; i++)
 		if (sample.planes & PLANE_BIT(state[i].plane))

@@ -26,7 +26,7 @@ void main()
 	bool left = false;
 	for (int y = low.y; y <= high.y; y++)
 		for (int x = low.x; x <= high.x; x++)
-			left = left || (texelFetch(contacts, ivec3(x, y, window.z), 0).r & (PRESSED | HELD)) == PRESSED;
+			left = left || (texelFetch(contacts, ivec3(x, y, window.z), 0).r & (LOWERED | HELD)) == LOWERED;
 	if (!left)
 		return;
 	// The sum of up to 81 offsets exceeds 32 bits: high and low halves apart, and counted from the

@@ -1,7 +1,7 @@
 #version 450 core
 // Pure compaction: what is pressed is gone. One fragment a post of the window. Define: CONTACT.
 
-#include "lib/press.glsl"
+#include "lib/contact.glsl"
 
 layout(location = 0) out int offset_out;
 #ifdef CONTACT
@@ -10,7 +10,7 @@ layout(location = 1) out uint contact_out;
 
 void main()
 {
-	press p = press_at(ivec2(gl_FragCoord.xy));
+	contact_result p = contact_at(ivec2(gl_FragCoord.xy));
 #ifdef CONTACT
 	contact_out = p.contact;
 #endif

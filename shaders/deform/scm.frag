@@ -10,7 +10,7 @@
 #endif
 
 layout(binding = 3, r32i) uniform restrict iimage2DArray offsets;
-layout(binding = 4, r32i) uniform restrict iimage2DArray presseds;
+layout(binding = 4, r32i) uniform restrict iimage2DArray sinkages;
 layout(binding = 5, r16ui) uniform restrict uimage2DArray shears;
 layout(binding = 6, r8ui) uniform writeonly restrict uimage2DArray contacts;
 layout(binding = 7, r32i) uniform writeonly restrict iimage2DArray carries;
@@ -80,24 +80,24 @@ void main()
 		object o = object_at(x, y, raised);
 		vec3 n = normal_of(west, g, east, ground_at(x, y - 1), ground_at(x, y + 1));
 		soil s = soil_at(x, y);
-		int pressed = imageLoad(presseds, post).r, offset = imageLoad(offsets, post).r;
-		int heaped = imageLoad(heaps, post).r;
+		int sinkage = imageLoad(sinkages, post).r, offset = imageLoad(offsets, post).r;
+		int thickness = imageLoad(heaps, post).r;
 		uint shear = imageLoad(shears, post).r;
-		answer a = answer_of(s, by_width, n.z, g, o, pressed);
+		answer a = answer_of(s, by_width, n.z, g, o, sinkage);
 		bool touched = a.touched && may_touch(g, o);
 		bool held = a.held && touched;
 
-		float before = float(pressed) * QUANTUM;
+		float before = float(sinkage) * UNIT_METRES;
 		float was_plastic = plastic_part(s, before, yield_stress(s, by_width, before));
 		int released = int(round(min(a.plastic / n.z * 1048576.0, 1.9e9)));
 		int had = int(round(min(was_plastic / n.z * 1048576.0, 1.9e9)));
 		int sunk = held ? g.height - o.rests : released;
-		bool refused = touched && (g.far || sunk > OFFSET_LIMIT || abs(heaped - sunk) > OFFSET_LIMIT);
+		bool refused = touched && (g.far || sunk > OFFSET_LIMIT || abs(thickness - sunk) > OFFSET_LIMIT);
 		over += uint(refused);
 		touched = touched && !refused;
 		held = held && !refused;
 		int carried = touched ? int(min(spin.w * float(max(released - had, 0)), float(CARRIED_MOST))) : 0;
-		int lower = touched ? heaped - sunk : offset;
+		int lower = touched ? thickness - sunk : offset;
 		total_add(lost, offset - lower - carried);
 
 		vec3 at = from_centre(x, y, o, raised), surface = way_of_surface(at);
@@ -106,9 +106,9 @@ void main()
 		uint sheared = held ? min(shear + uint(round(min(slid, 1.0) * 65536.0)), 65535u) : shear;
 		if (touched) {
 			imageStore(offsets, post, ivec4(lower));
-			imageStore(presseds, post, ivec4(a.most));
+			imageStore(sinkages, post, ivec4(a.most));
 			imageStore(shears, post, uvec4(sheared));
-			imageStore(contacts, post, uvec4(PRESSED | (held ? HELD : 0u)));
+			imageStore(contacts, post, uvec4(LOWERED | (held ? HELD : 0u)));
 			imageStore(carries, post, ivec4(carried));
 		}
 #ifdef FORCES

@@ -7,7 +7,7 @@
 #include "lib/soil.glsl"
 #include "lib/found.glsl"
 
-layout(binding = 3, r32i) uniform readonly restrict iimage2DArray presseds;
+layout(binding = 3, r32i) uniform readonly restrict iimage2DArray sinkages;
 
 const int NOWHERE = -2000000000;
 
@@ -19,7 +19,7 @@ void find(int y, int first, int last)
 		ground g = ground_at(x, y);
 		object o = object_at(x, y, 0);
 		bool above = g.base != BASE_NODATA && !g.far && o.rests != UNDER_NONE;
-		highest = max(highest, above ? g.height - min(o.rests, FAR_QUANTA) : NOWHERE);
+		highest = max(highest, above ? g.height - min(o.rests, FAR_UNITS) : NOWHERE);
 	}
 	if (highest > NOWHERE)
 		atomicMax(tries[0].gap, uint(highest) ^ 0x80000000u);
@@ -72,11 +72,11 @@ void find(int y, int first, int last)
 		object o = object_at(x, y, a.at);
 		vec3 n = normal_of(ground_at(x - 1, y), g, ground_at(x + 1, y), ground_at(x, y - 1), ground_at(x, y + 1));
 		soil s = soil_at(x, y);
-		answer w = answer_of(s, by_width, n.z, g, o, imageLoad(presseds, ivec3(x, y, zero.z)).r);
+		answer w = answer_of(s, by_width, n.z, g, o, imageLoad(sinkages, ivec3(x, y, zero.z)).r);
 		bool bears = w.held && may_touch(g, o) && !g.far;
 		float stress = w.stress + damped(s, from_centre(x, y, o, a.at), n);
 		total_add(force, bears ? int(round(min(stress * n.z * unit, 1e9))) : 0);
-		total_add(stiff, bears ? int(round(min(w.stiff * n.z * n.z * QUANTUM * unit, 1e9))) : 0);
+		total_add(stiff, bears ? int(round(min(w.stiff * n.z * n.z * UNIT_METRES * unit, 1e9))) : 0);
 	}
 	if (a.done == 0u) {
 		add_to(k, false, total_words(force));

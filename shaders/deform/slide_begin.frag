@@ -1,6 +1,6 @@
 #version 450 core
 // Before sliding: the deposits are laid down, and the heights that slide are worked out. One fragment a post.
-// Defines: DEPOSITS: there are any; LOAD: the object may stand elsewhere later; HEAPED: the heaped soil moves along; BOUNDED: only loose soil
+// Defines: DEPOSITS: there are any; LOAD: the object may stand elsewhere later; THICKNESS: the heaped soil moves along; BOUNDED: only loose soil
 // slides; STEEP: neighbours may lie 1536 m apart and more; HELD_STILL: so is what an object rests on.
 
 #include "lib/slide.glsl"
@@ -12,7 +12,7 @@ layout(binding = 2, r8ui) readonly uniform uimage2DArray contacts;
 #ifdef DEPOSITS
 layout(binding = 3, r32i) readonly uniform iimage2DArray deposits;
 #endif
-#ifdef HEAPED
+#ifdef THICKNESS
 layout(binding = 4, r32i) readonly uniform iimage2DArray heaps;
 #endif
 
@@ -25,7 +25,7 @@ layout(std140, binding = 0) uniform params {
 layout(location = 0) out int offset_out;
 layout(location = 1) out int height_out;
 layout(location = 2) out uint still_out;
-#ifdef HEAPED
+#ifdef THICKNESS
 layout(location = 3) out int heap_out;
 #define FLOOR 4
 #else
@@ -42,7 +42,7 @@ void main()
 	int base = imageLoad(bases, at).r;
 	int offset = imageLoad(offsets, at).r;
 	int heap = offset; // what counts as loose, from the base
-#ifdef HEAPED
+#ifdef THICKNESS
 	heap = imageLoad(heaps, at).r;
 #endif
 	bool ours = all(greaterThanEqual(post, written.xy)) && all(lessThan(post, written.zw));
@@ -65,7 +65,7 @@ void main()
 		tally_add(REFUSED, 1u);
 		deposit = room;
 	}
-	marks |= ours && (deposit != 0u || (contact & PRESSED) != 0u) ? IS_DISTURBED : 0u;
+	marks |= ours && (deposit != 0u || (contact & LOWERED) != 0u) ? IS_DISTURBED : 0u;
 	offset += int(deposit);
 	heap += int(deposit);
 	if (!still && (min(offset, heap) < SLIDE_LOW || max(offset, heap) > SLIDE_HIGH))
@@ -87,7 +87,7 @@ void main()
 	offset_out = offset;
 	height_out = still ? STILL : int(uint(base) * 4u + uint(offset));
 	still_out = marks | (still ? IS_STILL : 0u);
-#ifdef HEAPED
+#ifdef THICKNESS
 	heap_out = heap;
 #endif
 #ifdef BOUNDED

@@ -2,7 +2,7 @@
 // Sliding by what a difference of heights exceeds one that stands: once, between each post and its
 // eight neighbours. One fragment a post.
 // Defines: BOUNDED: only loose soil slides; STOOD: the ground as it was stands, however steep; SOILS: classes of
-// soil that the parameters hold; LAST: back to offsets; HEAPED: and the heaped soil has moved along; FLAGS: over blocks.
+// soil that the parameters hold; LAST: back to offsets; THICKNESS: and the heaped soil has moved along; FLAGS: over blocks.
 
 #include "lib/slide.glsl"
 
@@ -18,17 +18,17 @@ layout(std140, binding = 0) uniform params {
 	ivec4 region;        // regions.vert's; over a window: a post's place from its first block, blocks in a row, the first word
 	ivec4 place;         // the layer; near a block's side is within so many posts of it
 	ivec4 edge;          // over a window: posts across whose sides all was looked at: first, one behind the last
-	ivec4 stands[SOILS]; // difference of heights that stands: axial, diagonal; what more is tolerated
+	ivec4 critical[SOILS]; // difference of heights that stands: axial, diagonal; what more is tolerated
 };
 
 #include "lib/slid.glsl"
 
-ivec2 stands_at(ivec3 at)
+ivec2 critical_at(ivec3 at)
 {
 #if SOILS > 1
-	return stands[min(int(imageLoad(classes, at).r), SOILS - 1)].xy;
+	return critical[min(int(imageLoad(classes, at).r), SOILS - 1)].xy;
 #else
-	return stands[0].xy;
+	return critical[0].xy;
 #endif
 }
 
@@ -36,7 +36,7 @@ void main()
 {
 	ivec3 at = ivec3(ivec2(gl_FragCoord.xy), place.x);
 	int height = imageLoad(heights, at).r;
-	ivec2 stand = stands_at(at);
+	ivec2 own = critical_at(at);
 #ifdef BOUNDED
 	int loose = max(0, height - imageLoad(floors, at).r) >> 3;
 #endif
@@ -50,9 +50,9 @@ void main()
 		int difference = height - other, high = abs(difference);
 		bool gives = difference > 0;
 #if SOILS > 1
-		ivec2 both = gives ? stand : stands_at(there);
+		ivec2 both = gives ? own : critical_at(there);
 #else
-		ivec2 both = stand;
+		ivec2 both = own;
 #endif
 		int over = high - (k < 4 ? both.x : both.y);
 		int amount = min(min((over + 7) >> 3, high >> 3), SLIDE_MOST);
@@ -64,7 +64,7 @@ void main()
 		amount = min(amount, more);
 		over = min(over, more);
 #endif
-		amount = other == STILL || over <= stands[0].z ? 0 : max(amount, 0);
+		amount = other == STILL || over <= critical[0].z ? 0 : max(amount, 0);
 		change += gives ? -amount : amount;
 		moves |= amount;
 	}

@@ -2,7 +2,7 @@
 // Granular soil under an object: all that is pressed away is carried to the posts around. One fragment a
 // post of the window. Define: CONTACT.
 
-#include "lib/press.glsl"
+#include "lib/contact.glsl"
 
 layout(location = 0) out int offset_out;
 layout(location = 1) out uint contact_out;
@@ -10,8 +10,8 @@ layout(location = 2) out int carried_out;
 
 void main()
 {
-	press p = press_at(ivec2(gl_FragCoord.xy));
+	contact_result p = contact_at(ivec2(gl_FragCoord.xy));
 	offset_out = p.offset;
 	contact_out = p.contact;
-	carried_out = press_carry(p, 1u << 31);
+	carried_out = contact_carry(p, 1u << 31);
 }

@@ -3,8 +3,8 @@
 // posts around. One fragment a post of the window. Defines: CONTACT; SOILS: classes that the
 // parameters hold.
 
-#define PRESS_MORE uvec4 kept[SOILS]; // of 2^31: what is carried of what is pressed away
-#include "lib/press.glsl"
+#define CONTACT_MORE uvec4 kept[SOILS]; // of 2^31: what is carried of what is pressed away
+#include "lib/contact.glsl"
 
 #if SOILS > 1
 layout(binding = 4) uniform usampler2DArray classes;
@@ -17,12 +17,12 @@ layout(location = 2) out int carried_out;
 void main()
 {
 	ivec2 post = ivec2(gl_FragCoord.xy);
-	press p = press_at(post);
+	contact_result p = contact_at(post);
 	offset_out = p.offset;
 	contact_out = p.contact;
 #if SOILS > 1
-	carried_out = press_carry(p, kept[min(int(texelFetch(classes, ivec3(post, zero.z), 0).r), SOILS - 1)].x);
+	carried_out = contact_carry(p, kept[min(int(texelFetch(classes, ivec3(post, zero.z), 0).r), SOILS - 1)].x);
 #else
-	carried_out = press_carry(p, kept[0].x);
+	carried_out = contact_carry(p, kept[0].x);
 #endif
 }

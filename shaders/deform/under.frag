@@ -2,7 +2,7 @@
 // The lower envelope of a swept object above each post of the window: fixed-point units from the window's zero height.
 // Defines: SHAPE_WHEEL, SHAPE_SPHERE or SHAPE_BOX; REST: also as it lies at the contact's end.
 
-#include "lib/underside.glsl"
+#include "lib/envelope.glsl"
 #include "lib/window.glsl"
 
 layout(location = 0) out int under_out;
@@ -14,8 +14,8 @@ void main()
 {
 	ivec2 post = ivec2(gl_FragCoord.xy);
 	int height;
-	under_out = underside(0, post, height) ? height : UNDER_NONE;
+	under_out = envelope(0, post, height) ? height : UNDER_NONE;
 #ifdef REST
-	rest_out = underside(1, post, height) ? height : UNDER_NONE;
+	rest_out = envelope(1, post, height) ? height : UNDER_NONE;
 #endif
 }

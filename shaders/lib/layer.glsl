@@ -1,7 +1,7 @@
 // False colours of the ground: one value at a pixel through a ramp, with enough of the light that shape reads.
 // src/render/layer.c and ramp.c have the same ramps on the CPU; sRGB.
 #define LAYER_OFFSETS 1
-#define LAYER_DIRT 2
+#define LAYER_DISTURBANCE 2
 #define LAYER_HEIGHTS 3
 #define LAYER_SLOPES 4
 #define LAYER_TILES 5
@@ -15,7 +15,7 @@ const vec3 levels[6] = vec3[6](vec3(0.90, 0.60, 0.00), vec3(0.34, 0.71, 0.91), v
 			       vec3(0.94, 0.89, 0.26), vec3(0.00, 0.45, 0.70), vec3(0.80, 0.47, 0.65));
 
 struct layer_values {
-	float moved, dirt, height, steep; // metres, 0 to 1, metres, rise a metre
+	float moved, disturbance, height, steep; // metres, 0 to 1, metres, rise a metre
 };
 
 vec3 layer_linear(vec3 coded)
@@ -55,7 +55,7 @@ vec4 layer_colour(layer_values values, vec2 gradient)
 	if (kind == LAYER_TILES) {
 		flat_colour = layer_tile();
 	} else {
-		float value = kind == LAYER_OFFSETS ? values.moved : kind == LAYER_DIRT ? values.dirt :
+		float value = kind == LAYER_OFFSETS ? values.moved : kind == LAYER_DISTURBANCE ? values.disturbance :
 			      kind == LAYER_HEIGHTS ? values.height : degrees(atan(values.steep));
 		float at = (value - layer.y) * layer.z;
 		flat_colour = kind == LAYER_OFFSETS ? layer_apart(at) : layer_rising(at);

@@ -1,12 +1,12 @@
 // The end of an iteration: a height, or with LAST what it means, and where soil still moves. Comes behind the parameters.
-// Defines: LAST, HEAPED; FLAGS: over blocks; else LAST is over a window; TOUCHED: which parts of blocks were changed counts.
+// Defines: LAST, THICKNESS; FLAGS: over blocks; else LAST is over a window; TOUCHED: which parts of blocks were changed counts.
 
 #ifdef LAST
 layout(binding = 3, r32i) readonly uniform iimage2DArray bases;
 layout(binding = 4, r32i) readonly uniform iimage2DArray offsets; // before
 layout(binding = 5, r8ui) readonly uniform uimage2DArray stills;
 layout(location = 0) out int offset_out;
-#ifdef HEAPED
+#ifdef THICKNESS
 layout(binding = 6, r32i) readonly uniform iimage2DArray heaps; // before
 layout(location = 1) out int heap_out;
 #endif
@@ -30,7 +30,7 @@ void slid(ivec3 at, int height, int change, bool moves)
 	uint marks = imageLoad(stills, at).r;
 	int offset = (marks & IS_STILL) != 0u ? before : int(uint(height) - uint(imageLoad(bases, at).r) * 4u);
 	offset_out = offset;
-#ifdef HEAPED
+#ifdef THICKNESS
 	heap_out = imageLoad(heaps, at).r + (offset - before);
 #endif
 	// What rests on it may not any more.

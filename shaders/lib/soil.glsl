@@ -6,9 +6,9 @@
 
 #include "lib/window.glsl"
 
-const float QUANTUM = 1.0 / 1048576.0;
+const float UNIT_METRES = 1.0 / 1048576.0;
 const int FAR = (1 << 28) - (1 << 18); // of 2^-18 m: beyond it ground and object are no matter of each other
-const int FAR_QUANTA = (1 << 30) - (1 << 20);
+const int FAR_UNITS = (1 << 30) - (1 << 20);
 const float STEEPEST = 19.974984;      // slope at which the normal's z is 0.05: taken for all that is steeper
 const float STRESS_MOST = 1e20;        // Pa: whatever soil and sinkage, nothing becomes infinite
 const int SOILS = 16;
@@ -62,7 +62,7 @@ ground ground_at(int x, int y)
 	bool wraps = ((g.base ^ zero.x) & (g.base ^ d)) < 0;
 	d = wraps ? (g.base < 0 ? -FAR : FAR) : d;
 	g.far = abs(d) >= FAR;
-	g.height = clamp(4 * clamp(d, -FAR, FAR) - zero.y + imageLoad(heaps, post).r, -FAR_QUANTA, FAR_QUANTA);
+	g.height = clamp(4 * clamp(d, -FAR, FAR) - zero.y + imageLoad(heaps, post).r, -FAR_UNITS, FAR_UNITS);
 	return g;
 }
 
@@ -95,7 +95,7 @@ soil soil_at(int x, int y)
 float yield_stress(soil s, float by_width, float z)
 {
 	float k = max(s.a.x * by_width + s.a.y, 0.0); // k_c may be negative, and a patch small
-	return z > 0.0 ? min(k * exp2(s.a.z * log2(max(z, QUANTUM))), STRESS_MOST) : 0.0;
+	return z > 0.0 ? min(k * exp2(s.a.z * log2(max(z, UNIT_METRES))), STRESS_MOST) : 0.0;
 }
 
 // m: what stays of sinkage z when nothing presses any more.
@@ -121,8 +121,8 @@ object object_at(int x, int y, int raised)
 	object o;
 	int rest = imageLoad(rests, ivec3(x, y, zero.z)).r;
 	int lowest = min(rest, texelFetch(unders, ivec3(x, y, zero.z), 0).r);
-	o.rests = rest == UNDER_NONE ? UNDER_NONE : max(rest, -FAR_QUANTA) + raised;
-	o.lowest = lowest == UNDER_NONE ? UNDER_NONE : max(lowest, -FAR_QUANTA) + raised;
+	o.rests = rest == UNDER_NONE ? UNDER_NONE : max(rest, -FAR_UNITS) + raised;
+	o.lowest = lowest == UNDER_NONE ? UNDER_NONE : max(lowest, -FAR_UNITS) + raised;
 	return o;
 }
 
@@ -148,22 +148,22 @@ answer answer_of(soil s, float by_width, float ca, ground g, object o, int most)
 	int deepest = sinkage_of(ca, g, o.lowest);
 	a.most = max(most, deepest);
 	a.sunk = o.rests != UNDER_NONE ? sinkage_of(ca, g, o.rests) : 0;
-	float z = float(a.most) * QUANTUM;
+	float z = float(a.most) * UNIT_METRES;
 	a.yields = yield_stress(s, by_width, z);
 	a.plastic = plastic_part(s, z, a.yields);
 	// What bears it is linear from nothing, where all is plastic, to the yield.
-	float elastic = max(z - a.plastic, 1e-9), sunk = float(a.sunk) * QUANTUM;
-	a.touched = deepest > 0 && (deepest == a.most || float(deepest) * QUANTUM > a.plastic);
+	float elastic = max(z - a.plastic, 1e-9), sunk = float(a.sunk) * UNIT_METRES;
+	a.touched = deepest > 0 && (deepest == a.most || float(deepest) * UNIT_METRES > a.plastic);
 	a.held = a.sunk > 0 && (a.sunk == a.most || sunk > a.plastic);
 	bool flows = a.sunk == a.most;
 	a.stress = !a.held ? 0.0 : flows ? a.yields : a.yields * clamp((sunk - a.plastic) / elastic, 0.0, 1.0);
-	a.stiff = !a.held ? 0.0 : flows ? a.yields * s.a.z / max(z, QUANTUM) : a.yields / elastic;
+	a.stiff = !a.held ? 0.0 : flows ? a.yields * s.a.z / max(z, UNIT_METRES) : a.yields / elastic;
 	return a;
 }
 
 vec3 from_centre(int x, int y, object o, int raised)
 {
-	return vec3(place.xy + scale.y * vec2(x, y), float(o.rests - raised) * QUANTUM);
+	return vec3(place.xy + scale.y * vec2(x, y), float(o.rests - raised) * UNIT_METRES);
 }
 
 // m over the contact: of the object's surface at a place from its centre, relative to the ground.

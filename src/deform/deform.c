@@ -16,7 +16,7 @@ enum status deform_create(const struct deform_params *params, struct deform **ou
 	if (deform == NULL)
 		return fail_memory("deformation");
 	deform->params = *params;
-	deform->planes = deform_planes(params->model, params->dirt);
+	deform->planes = deform_planes(params->model, params->disturbance);
 	deform->spacing = extent_spacing(params->extent, params->level);
 	deform->reach = deform_reach(params);
 	deform->border = deform_border(params);
@@ -28,7 +28,7 @@ enum status deform_create(const struct deform_params *params, struct deform **ou
 	if (status == STATUS_OK && params->loaded_bodies > 0)
 		status = gpu_buffer_create(params->gpu, GPU_STORAGE, params->loaded_bodies * sizeof(int32_t), NULL, &deform->standing);
 	if (status == STATUS_OK && deform_conserves(params->model))
-		status = deform_awake_create(deform);
+		status = deform_active_create(deform);
 	if (status == STATUS_OK && deform_conserves(params->model))
 		status = deform_interval_create(deform);
 	if (status != STATUS_OK) {
@@ -44,7 +44,7 @@ void deform_destroy(struct deform *deform)
 	if (deform == NULL)
 		return;
 	deform_interval_destroy(deform);
-	deform_awake_destroy(deform->awake);
+	deform_active_destroy(deform->active);
 	deform_drop_layers(deform);
 	deform_facets_destroy(deform->facets);
 	gpu_buffer_destroy(deform->tally);
@@ -72,7 +72,7 @@ static bool shared(const struct deform *deform, struct tile tile, struct post_re
 /* What scm presses in place lies where sliding begins. */
 int deform_gathers_into(const struct deform *deform, int plane)
 {
-	return deform->params.model == DEFORM_SCM && (plane == PLANE_OFFSET || plane == PLANE_HEAPED);
+	return deform->params.model == DEFORM_SCM && (plane == PLANE_OFFSET || plane == PLANE_DEPOSITED);
 }
 
 static int which(const struct deform *deform, int plane, bool atlas)
@@ -118,28 +118,28 @@ void deform_gather(struct deform *deform, struct post_rect read, uint32_t layer,
 	}
 }
 
-enum status deform_compute(struct deform *deform, const struct deform_sweep *sweep,
+enum status deform_compute(struct deform *deform, const struct deform_contact *contact,
 			   const struct deform_window *window, uint32_t layer, const struct deform_tile *tiles,
 			   size_t count)
 {
 	assert(window->read.x1 - window->read.x0 <= SIDE && window->read.y1 - window->read.y0 <= SIDE);
 	assert(layer < deform->layers);
 	deform_gather(deform, window->read, layer, 0, 0, false, deform->planes, tiles, count);
-	enum status status = deform_run_stages(deform, sweep, window, layer);
+	enum status status = deform_run_stages(deform, contact, window, layer);
 	return status == STATUS_OK ? gpu_check(deform->params.gpu, "deformation") : status;
 }
 
-enum status deform_feel(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window, uint32_t layer,
+enum status deform_feel(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer,
 			const struct deform_tile *tiles, size_t count)
 {
-	assert(deform->params.model == DEFORM_SCM && sweep->tag != 0 && layer < deform->layers);
+	assert(deform->params.model == DEFORM_SCM && contact->tag != 0 && layer < deform->layers);
 	enum status status = STATUS_OK;
 	if (deform->felt == NULL)
 		status = gpu_buffer_create(deform->params.gpu, GPU_STORAGE, sizeof(struct deform_tally), NULL, &deform->felt);
 	if (status != STATUS_OK)
 		return status;
 	deform_gather(deform, window->read, layer, 0, 0, false, deform->planes, tiles, count);
-	status = deform_run_feel(deform, sweep, window, layer);
+	status = deform_run_feel(deform, contact, window, layer);
 	return status == STATUS_OK ? gpu_check(deform->params.gpu, "forces") : status;
 }
 
@@ -180,7 +180,7 @@ enum status deform_tally(struct deform *deform, struct deform_tally *tally)
 
 enum status deform_restore(struct deform *deform, const struct deform_tally *tally)
 {
-	enum status status = deform->awake != NULL ? deform_awake_forget(deform) : STATUS_OK;
+	enum status status = deform->active != NULL ? deform_active_forget(deform) : STATUS_OK;
 	gpu_buffer_write(deform->tally, 0, sizeof *tally, tally);
 	return status == STATUS_OK ? gpu_check(deform->params.gpu, "going back") : status;
 }

@@ -30,8 +30,8 @@ struct deform_shape {
 	double radius;  /* wheel, sphere: metres */
 	double width;   /* wheel: metres along its axis */
 	double size[3]; /* box: metres along its own x (forward), y (left), z (up) */
-	int lugs;       /* wheel: grousers, evenly spaced bars across the rim that turn with it; 0: a smooth wheel */
-	double lug_height, lug_thickness; /* of a grouser, metres: beyond the radius, and along the rim */
+	int grousers;       /* wheel: grousers, evenly spaced bars across the rim that turn with it; 0: a smooth wheel */
+	double grouser_height, grouser_thickness; /* of a grouser, metres: beyond the radius, and along the rim */
 	const struct deform_mesh *mesh;
 };
 
@@ -44,7 +44,7 @@ struct deform_pose {
 };
 
 /* A contact: the object moves straight from `from` to `to` with the attitude of `to`. A first contact has from == to. */
-struct deform_sweep {
+struct deform_contact {
 	const struct deform_shape *shape;
 	struct deform_pose from, to;
 	double seconds; /* s of the motion; 0: no rates are used */
@@ -98,15 +98,15 @@ struct deform_params {
 	double tolerance;
 	/* undisturbed ground is stable: soil slides only from a post that has risen above its neighbour, or to one that has
 	 * sunk. Otherwise the caller must have activated all steep ground */
-	bool stands;
+	bool undisturbed_stable;
 	double bulldozing;   /* scm: share of the plastic flow that is deposited on the ring, 0 .. 1 */
 	bool touched;        /* deform_is_touched will be called; needs `stands` and a model that conserves soil */
 	uint32_t loaded_bodies;   /* scm: number of objects that carry a load and rest on the ground between contacts */
-	bool dirt;
+	bool disturbance;
 };
 
 /* Returns the planes that a model keeps, a mask of PLANE_BIT. */
-unsigned deform_planes(enum deform_model model, bool dirt);
+unsigned deform_planes(enum deform_model model, bool disturbance);
 
 /* Returns true for a model that moves soil and loses only what is compacted. */
 bool deform_conserves(enum deform_model model);
@@ -137,14 +137,14 @@ struct deform_window {
 	struct post_rect read, write;
 };
 /* Returns true if the contact has no motion. Then only its end pose acts on the ground. */
-bool deform_is_contact_only(const struct deform_sweep *sweep);
+bool deform_is_contact_only(const struct deform_contact *contact);
 /* Finds the windows of a contact. *count 0: it lies outside the world. STATUS_INPUT: it needs more than DEFORM_WINDOWS_MAX, or
  * a wheel's axis is not level (roll). */
-enum status deform_windows(struct deform *deform, const struct deform_sweep *sweep,
+enum status deform_windows(struct deform *deform, const struct deform_contact *contact,
 			   struct deform_window *windows, size_t *count) FURROW_CHECKED;
 
 /* Finds the same windows from parameters alone, and makes no memory for them. gpu and slots may be NULL. Pure. */
-enum status deform_cut(const struct deform_params *params, const struct deform_sweep *sweep,
+enum status deform_cut(const struct deform_params *params, const struct deform_contact *contact,
 		       struct deform_window *windows, size_t *count) FURROW_CHECKED;
 
 /* A resident, pinned tile of the working level. */
@@ -155,12 +155,12 @@ struct deform_tile {
 
 /* Gathers, displaces and redistributes, into the window's own layer. `tiles`: all that hold a post of `read`. They do not
  * change. */
-enum status deform_compute(struct deform *deform, const struct deform_sweep *sweep,
+enum status deform_compute(struct deform *deform, const struct deform_contact *contact,
 			   const struct deform_window *window, uint32_t layer,
 			   const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
 /* DEFORM_SCM: computes only the forces of a contact with a tag, over one window, as deform_compute would. Changes nothing, not
  * even the tally. Do not scatter after it. */
-enum status deform_feel(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window, uint32_t layer,
+enum status deform_feel(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer,
 			const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
 /* The facts about an object that decide its resources and passes. */
 struct deform_planned {
@@ -195,7 +195,7 @@ struct post_rect deform_wakes(const struct deform *deform, struct post_rect chan
 enum status deform_wake_swept(struct deform *deform, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
 /* Returns true if the contact reads everything that the object rests on in a pose, and around it. Then nothing need be made
  * active when the object leaves that pose. */
-bool deform_covers(const struct deform *deform, const struct deform_sweep *sweep, const struct deform_pose *rest);
+bool deform_covers(const struct deform *deform, const struct deform_contact *contact, const struct deform_pose *rest);
 /*
  * Touched posts: posts whose planes may have changed since the deform was made, and posts named with deform_touch. Only if the
  * parameters ask for it. They include posts that contacts wrote, and posts that sliding soil can have reached. After a contact
@@ -206,7 +206,7 @@ enum status deform_is_touched(struct deform *deform, struct post_rect rect, bool
 enum status deform_wake_block(struct deform *deform, struct deform_block block) FURROW_CHECKED; /* the block must lie inside the world */
 /* Tells all active blocks, in an order that depends on these blocks alone. Valid until the next call. STATUS_FAILED: more than
  * DEFORM_BLOCKS_MAX. Rarely waits. */
-enum status deform_awake(struct deform *deform, const struct deform_block **blocks, size_t *count) FURROW_CHECKED;
+enum status deform_active_blocks(struct deform *deform, const struct deform_block **blocks, size_t *count) FURROW_CHECKED;
 
 /* An object at rest, where its last path sample put it. */
 struct deform_rest {
@@ -216,7 +216,7 @@ struct deform_rest {
 	uint32_t loaded_body;
 };
 /* Sets the equilibrium height of a loaded body that had no contact yet. `raised`: above its pose, 2^-20 m. */
-void deform_stands(struct deform *deform, uint32_t loaded_body, int32_t raised);
+void deform_set_equilibrium(struct deform *deform, uint32_t loaded_body, int32_t raised);
 /* One interval: begin; gather each of `count` blocks; then scatter each; end. Does nothing without blocks. The objects stay the
  * caller's, and must live until the end. The ground that they rest on is held. */
 enum status deform_interval_begin(struct deform *deform, const struct deform_rest *objects, size_t object_count,

@@ -169,7 +169,7 @@ enum status deform_forces_take(struct deform *deform, bool wait, struct deform_f
 	return STATUS_OK;
 }
 
-enum status deform_forces_record(struct deform *deform, const struct deform_sweep *sweep, bool first_window, double arm,
+enum status deform_forces_record(struct deform *deform, const struct deform_contact *contact, bool first_window, double arm,
 				 struct gpu_buffer **records, uint32_t *record)
 {
 	if (deform->forces == NULL) {
@@ -186,7 +186,7 @@ enum status deform_forces_record(struct deform *deform, const struct deform_swee
 			status = land_oldest(deform);
 		if (status != STATUS_OK)
 			return status;
-		forces->asked[forces->next++ % RECORDS] = (struct asked){sweep->tag, sweep->to.z, arm};
+		forces->asked[forces->next++ % RECORDS] = (struct asked){contact->tag, contact->to.z, arm};
 	}
 	*records = forces->records;
 	*record = (uint32_t)((forces->next - 1) % RECORDS);

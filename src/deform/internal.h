@@ -11,14 +11,14 @@
 /* FBOs over one layer of the scratch; those that the parameters do not call for are NULL. */
 enum scratch_target {
 	TO_UNDER,   /* under, rest */
-	TO_PRESSED, /* what the model's press writes */
+	TO_CONTACT, /* what the model's press writes */
 	TO_FIRST,   /* box: offset plane 0 */
 	TO_SECOND,  /* the same, 1 */
 	TO_BEGUN,   /* sliding: offset plane 0, heights, and what else it begins with */
 	TO_HEIGHTS_0, TO_HEIGHTS_1,
 	TO_SHED,    /* sumner: what is shed, where `carried` was */
 	TO_SLID,    /* offset plane 1, and what slides with it */
-	TO_DIRT,    /* disturbance plane 1 */
+	TO_DISTURBANCE,    /* disturbance plane 1 */
 	TO_HELD,    /* contacts alone */
 	TO_BARE,    /* nothing: images and buffers */
 	SCRATCH_TARGETS
@@ -37,7 +37,7 @@ struct layer {
 struct deform;
 
 /* One model: what a press does once the lower envelope is known, and all that follows it in the window. */
-typedef enum status (*deform_model_fn)(struct deform *deform, const struct deform_sweep *sweep,
+typedef enum status (*deform_model_fn)(struct deform *deform, const struct deform_contact *contact,
 				       const struct deform_window *window, uint32_t layer);
 
 /* One soil model: soil/models.c has a row for each. */
@@ -55,7 +55,7 @@ extern const struct soil_model deform_soil_models[DEFORM_MODELS];
 
 /* Differences of heights that stand, axial and diagonal, fixed-point units. */
 struct slide_soil {
-	int32_t stands[2];
+	int32_t critical[2];
 	int32_t held[2], stop[2]; /* sumner: beside a held post; where all are within these nothing slides. Its three have the
 				   * tolerance in them */
 	uint32_t share[8];        /* sumner: of 2^32, for 1 .. 8 neighbours */
@@ -70,23 +70,23 @@ struct deform {
 	uint32_t layers; /* that the textures have */
 	struct gpu_texture *bases;
 	struct gpu_texture *under, *rest;      /* rest NULL: nobody asks */
-	struct gpu_texture *contacts;          /* PRESSED, HELD; NULL: nobody asks */
+	struct gpu_texture *contacts;          /* LOWERED, HELD; NULL: nobody asks */
 	struct gpu_texture *carried, *deposits; /* conserving models: fixed-point units, before and after deform_spread */
 	struct gpu_texture *heights[2], *stills, *floors; /* while it slides; floors NULL: all soil is loose */
 	struct gpu_texture *classes;           /* of soil; NULL: there is but one */
 	struct gpu_texture *planes_of[2][PLANES]; /* [0] is gathered into, or what deform_gathers_into says */
 	struct layer scratch[DEFORM_WINDOWS_MAX + 1]; /* [layers]: the atlas of blocks, of models that conserve */
-	struct awake *awake;                   /* NULL: of others */
+	struct active *active;                   /* NULL: of others */
 	struct interval *interval;
 	struct gpu_program *under_program[2 * DEFORM_SHAPES]; /* made when first needed, as all of them */
-	struct gpu_program *box, *press, *dirt, *spread;
+	struct gpu_program *box, *contact, *disturbance, *spread;
 	struct gpu_program *held[2];           /* [by load] */
 	struct gpu_program *facet;
 	struct facets *facets;                 /* meshes' and grousers': made when first needed */
 	struct gpu_program *slide_begin[2][2]; /* [over blocks][by load] */
 	struct gpu_program *slide[2][2], *shed[2]; /* [over blocks][last iteration] */
 	struct slide_soil soils[DEFORM_SOILS];
-	bool sweeps_flag;                      /* what a contact looked at says all about what moves after it */
+	bool contacts_flag;                      /* what a contact looked at says all about what moves after it */
 	struct gpu_program *scm[8], *find[4]; /* by their defines, as bits */
 	struct forces *forces;                /* NULL until a contact asks */
 	struct gpu_buffer *tries;             /* of load.c; NULL until a contact needs it */
@@ -128,11 +128,11 @@ void deform_plan_buffer(struct plan *plan, const char *effect, int64_t amount, u
 struct window_params {
 	int32_t window[4]; /* posts in x and y; the layer */
 };
-struct press_params {
+struct contact_params {
 	uint32_t zero[4];   /* lo, hi: the window's zero height, fixed-point units from the store's reference; the layer */
 	int32_t written[4]; /* the posts this window writes: first, one behind the last */
 };
-struct press_params deform_press_params(const struct deform *deform, const struct deform_sweep *sweep,
+struct contact_params deform_contact_params(const struct deform *deform, const struct deform_contact *contact,
 					const struct deform_window *window, uint32_t layer);
 struct window_params deform_window_params(struct post_rect read, uint32_t layer);
 
@@ -142,7 +142,7 @@ struct gpu_rect deform_written(const struct deform_window *window);
 struct gpu_rect deform_window_rect(const struct deform_window *window);
 
 /* underside.c: the object over the window, into `under` and `rest`. */
-enum status deform_underside(struct deform *deform, const struct deform_sweep *sweep,
+enum status deform_envelope(struct deform *deform, const struct deform_contact *contact,
 			     const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
 
 /* facets.c: the lowest of triangles in motion over the window, into `under` and `rest` by minimum. Begun, added to and
@@ -157,28 +157,28 @@ void deform_facets_plan(const char *effect, struct plan *plan);
 void deform_facets_destroy(struct facets *facets);
 
 /* mesh.c: a mesh over the window; and what its vertices say of it. */
-enum status deform_mesh(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
+enum status deform_mesh(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 			uint32_t layer) FURROW_CHECKED;
 double deform_mesh_reach(const struct deform_mesh *mesh, double pitch, double roll);
 
 /* lugs.c: a wheel's grousers over the window, where the smooth wheel was drawn. */
-enum status deform_lugs(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
+enum status deform_grousers(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 			uint32_t layer) FURROW_CHECKED;
 
-/* stages.c: the press of a model that fills TO_PRESSED; its parameters begin with press_params. */
-enum status deform_press(struct deform *deform, const void *params, size_t params_bytes,
+/* stages.c: the press of a model that fills TO_CONTACT; its parameters begin with contact_params. */
+enum status deform_run_contact(struct deform *deform, const void *params, size_t params_bytes,
 			 const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
 
 /* model_*.c */
-enum status deform_none(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
+enum status deform_none(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 			uint32_t layer) FURROW_CHECKED;
-enum status deform_box(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
+enum status deform_box(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 		       uint32_t layer) FURROW_CHECKED;
 
 /* Its press alone, for the forces. */
-enum status deform_scm_feel(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window, uint32_t layer)
+enum status deform_scm_feel(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer)
 	FURROW_CHECKED;
-enum status deform_scm(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
+enum status deform_scm(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 		       uint32_t layer) FURROW_CHECKED;
 
 /* std140 twin of lib/soil.glsl's block. */
@@ -205,15 +205,15 @@ void deform_find_plan(const char *effect, struct plan *plan);
 /* Forces are whole sixteenths of a pascal times a post's area; moments that times an arm. */
 #define DEFORM_UNITS_A_PASCAL 16
 /* forces.c: the record that this contact's windows add to. */
-enum status deform_forces_record(struct deform *deform, const struct deform_sweep *sweep, bool first_window, double arm,
+enum status deform_forces_record(struct deform *deform, const struct deform_contact *contact, bool first_window, double arm,
 				 struct gpu_buffer **records, uint32_t *record) FURROW_CHECKED;
 void deform_forces_destroy(struct deform *deform);
 void deform_forces_plan(const char *effect, struct plan *plan);
 
 /* windows.c: the posts a contact can be above. */
-struct post_rect deform_shadow(const struct deform *deform, const struct deform_sweep *sweep);
+struct post_rect deform_shadow(const struct deform *deform, const struct deform_contact *contact);
 /* The posts it can change; whether they fit one window. */
-struct post_rect deform_reached(const struct deform *deform, const struct deform_sweep *sweep);
+struct post_rect deform_reached(const struct deform *deform, const struct deform_contact *contact);
 bool deform_fits_window(const struct deform *deform, struct post_rect reached);
 
 /* spread.c: from `carried`, which a press wrote (at most 2^23 fixed-point units a post), into `deposits`. */
@@ -244,9 +244,9 @@ int64_t deform_slide_step(const struct deform *deform);
 /* What follows from the parameters. */
 void deform_slide_prepare(struct deform *deform);
 
-enum status deform_sumner(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
+enum status deform_sumner(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 			  uint32_t layer) FURROW_CHECKED;
-enum status deform_slippage(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
+enum status deform_slippage(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 			    uint32_t layer) FURROW_CHECKED;
 /* deform.c: the planes of a rectangle of posts to a place of a layer (of the atlas: planes_of[1]), and from there to
  * tiles. */
@@ -260,18 +260,18 @@ enum status deform_scatter_from(struct deform *deform, struct post_rect write, c
 				const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
 
 /* schedule/active.c */
-enum status deform_awake_create(struct deform *deform) FURROW_CHECKED;
-void deform_awake_destroy(struct awake *awake); /* takes NULL */
-void deform_awake_plan(const char *effect, struct plan *plan);
+enum status deform_active_create(struct deform *deform) FURROW_CHECKED;
+void deform_active_destroy(struct active *active); /* takes NULL */
+void deform_active_plan(const char *effect, struct plan *plan);
 /* Where a window's sliding puts its flags; of use until the next is asked for, and lasting if deform_wake_swept follows. */
-struct place_flags deform_awake_flags(struct deform *deform, const struct deform_window *window, uint32_t layer);
+struct place_flags deform_active_flags(struct deform *deform, const struct deform_window *window, uint32_t layer);
 /* Waits for all flags; then no block is awake. */
-enum status deform_awake_forget(struct deform *deform) FURROW_CHECKED;
-/* The blocks of an interval that begins: the list stays as it is until deform_awake_visited. */
-enum status deform_awake_visit(struct deform *deform, const struct deform_block **blocks, size_t *count) FURROW_CHECKED;
-bool deform_awake_is_visited(const struct deform *deform, struct deform_block block);
+enum status deform_active_forget(struct deform *deform) FURROW_CHECKED;
+/* The blocks of an interval that begins: the list stays as it is until deform_active_visited. */
+enum status deform_active_visit(struct deform *deform, const struct deform_block **blocks, size_t *count) FURROW_CHECKED;
+bool deform_active_is_visited(const struct deform *deform, struct deform_block block);
 /* They were worked on; `flags` says what still moves in each. */
-enum status deform_awake_visited(struct deform *deform, struct gpu_buffer *flags) FURROW_CHECKED;
+enum status deform_active_visited(struct deform *deform, struct gpu_buffer *flags) FURROW_CHECKED;
 
 /* interval.c */
 enum status deform_interval_create(struct deform *deform) FURROW_CHECKED;
@@ -281,9 +281,9 @@ void deform_interval_plan(const struct deform_params *params, struct plan *plan)
 void deform_interval_destroy(struct deform *deform); /* of one that has none, too */
 
 /* stages.c: the passes over a gathered window. */
-enum status deform_run_feel(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window, uint32_t layer)
+enum status deform_run_feel(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer)
 	FURROW_CHECKED;
-enum status deform_run_stages(struct deform *deform, const struct deform_sweep *sweep,
+enum status deform_run_stages(struct deform *deform, const struct deform_contact *contact,
 			      const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
 
 #endif

@@ -24,11 +24,11 @@ void deform_plan_buffer(struct plan *plan, const char *effect, int64_t amount, u
 
 static void plan_planes(const struct deform_params *params, struct plan *plan)
 {
-	unsigned planes = deform_planes(params->model, params->dirt);
-	const char *press = deform_press_effect(params->model);
+	unsigned planes = deform_planes(params->model, params->disturbance);
+	const char *displace = deform_displace_effect(params->model);
 	for (int plane = 0; plane < PLANES; plane++)
 		if (planes & PLANE_BIT(plane))
-			plan_add(plan, &(struct plan_line){.kind = PLAN_PLANE, .effect = plane == PLANE_DIRT ? "dirt" : press, .object = -1,
+			plan_add(plan, &(struct plan_line){.kind = PLAN_PLANE, .effect = plane == PLANE_DISTURBANCE ? "dirt" : displace, .object = -1,
 							   .amount = 1, .bytes = plane_bytes((enum plane)plane)},
 				 plane_name((enum plane)plane));
 }
@@ -48,18 +48,18 @@ static int find_passes(const struct deform_params *params, const struct deform_p
 static void plan_windows(const struct deform_params *params, const struct deform_planned *object, int number,
 			 struct plan *plan)
 {
-	const char *press = deform_press_effect(params->model), *slide = deform_slide_effect(params->model);
-	add_passes(plan, press, number, PLAN_WINDOW, GPU_UNDERSIDE, object->shape->kind != DEFORM_MESH);
-	add_passes(plan, is_loaded(params, object) ? "load" : press, number, PLAN_WINDOW, GPU_LOAD, find_passes(params, object));
-	add_passes(plan, press, number, PLAN_WINDOW, GPU_PRESS, 1);
+	const char *displace = deform_displace_effect(params->model), *slide = deform_slide_effect(params->model);
+	add_passes(plan, displace, number, PLAN_WINDOW, GPU_ENVELOPE, object->shape->kind != DEFORM_MESH);
+	add_passes(plan, is_loaded(params, object) ? "load" : displace, number, PLAN_WINDOW, GPU_LOAD, find_passes(params, object));
+	add_passes(plan, displace, number, PLAN_WINDOW, GPU_CONTACT, 1);
 	if (params->model == DEFORM_BOX_FILTER && object->moves)
 		add_passes(plan, "box", number, PLAN_MOVED, GPU_SMOOTH, params->box_repetitions);
 	if (deform_conserves(params->model)) {
 		add_passes(plan, "spread", number, PLAN_WINDOW, GPU_SPREAD, 1);
 		add_passes(plan, slide, number, PLAN_WINDOW, GPU_SLIDE, deform_slide_passes(params));
 	}
-	if (params->dirt)
-		add_passes(plan, "dirt", number, PLAN_WINDOW, GPU_DIRT, 1);
+	if (params->disturbance)
+		add_passes(plan, "dirt", number, PLAN_WINDOW, GPU_DISTURBANCE, 1);
 }
 
 /* What some of the objects call for, once. */
@@ -73,7 +73,7 @@ static void look(const struct deform_params *params, const struct deform_planned
 	const struct deform_shape *shape = object->shape;
 	bool load = is_loaded(params, object);
 	any->closed = any->closed || shape->kind != DEFORM_MESH;
-	if (any->facets == NULL && (shape->kind == DEFORM_MESH || shape->lugs > 0))
+	if (any->facets == NULL && (shape->kind == DEFORM_MESH || shape->grousers > 0))
 		any->facets = shape->kind == DEFORM_MESH ? "mesh" : "lugs";
 	if (any->tries == NULL && (load || deform_is_counted(params, shape, false)))
 		any->tries = load ? "load" : "scm";
@@ -87,8 +87,8 @@ static void plan_intervals(const struct deform_params *params, const struct any 
 	add_passes(plan, effect, -1, PLAN_ATLAS, GPU_SETTLE, deform_slide_passes(params));
 	add_passes(plan, effect, -1, PLAN_HELD, GPU_HOLD, 1);
 	if (any->closed)
-		add_passes(plan, effect, -1, PLAN_RESTING, GPU_UNDERSIDE, 1);
-	deform_awake_plan(effect, plan);
+		add_passes(plan, effect, -1, PLAN_RESTING, GPU_ENVELOPE, 1);
+	deform_active_plan(effect, plan);
 	deform_interval_plan(params, plan);
 }
 
@@ -105,7 +105,7 @@ void deform_plan(const struct deform_params *params, const struct deform_planned
 		look(params, &objects[i], forces, &any);
 	}
 	deform_scratch_plan(params, plan);
-	deform_plan_buffer(plan, deform_press_effect(params->model), 1, sizeof(struct deform_tally), "tally");
+	deform_plan_buffer(plan, deform_displace_effect(params->model), 1, sizeof(struct deform_tally), "tally");
 	if (params->loaded_bodies > 0)
 		deform_plan_buffer(plan, "load", 1, params->loaded_bodies * sizeof(int32_t), "heights of the loaded");
 	if (any.facets != NULL) {

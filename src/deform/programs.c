@@ -29,12 +29,12 @@ static void define_number(struct deform_request *out, const char *name, int numb
 	define(out, out->own, true);
 }
 
-static bool is_heaped(const struct deform_params *params)
+static bool has_thickness(const struct deform_params *params)
 {
-	return (deform_planes(params->model, params->dirt) & PLANE_BIT(PLANE_HEAPED)) != 0;
+	return (deform_planes(params->model, params->disturbance) & PLANE_BIT(PLANE_DEPOSITED)) != 0;
 }
 
-void deform_programs_underside(const struct deform_params *params, enum deform_shape_kind kind, bool sideways,
+void deform_programs_envelope(const struct deform_params *params, enum deform_shape_kind kind, bool sideways,
 			struct deform_request *out)
 {
 	static const char *const shapes[DEFORM_SHAPES] = {"SHAPE_WHEEL", "SHAPE_SPHERE", "SHAPE_BOX"};
@@ -50,7 +50,7 @@ void deform_programs_facet(const struct deform_params *params, struct deform_req
 	define(out, "REST", deform_needs_contacts(params));
 }
 
-void deform_programs_press(const struct deform_params *params, unsigned with, struct deform_request *out)
+void deform_programs_contact(const struct deform_params *params, unsigned with, struct deform_request *out)
 {
 	begin(out, "full.vert", deform_soil_models[params->model].shader);
 	if (params->model == DEFORM_SCM) {
@@ -95,7 +95,7 @@ void deform_programs_begin(const struct deform_params *params, bool blocks, bool
 	begin_over(out, blocks, "deform/slide_begin.frag");
 	define(out, "DEPOSITS", !blocks);
 	define(out, "LOAD", !blocks && loaded);
-	define(out, "HEAPED", is_heaped(params));
+	define(out, "THICKNESS", has_thickness(params));
 	define(out, "BOUNDED", deform_is_bounded(params));
 	define(out, "STEEP", deform_is_steep(params));
 	define(out, "HELD_STILL", params->model != DEFORM_SUMNER);
@@ -117,7 +117,7 @@ void deform_programs_slide(const struct deform_params *params, enum slide_what w
 	}
 	if (what != SLIDE_SHED && last) {
 		define(out, "LAST", true);
-		define(out, "HEAPED", is_heaped(params));
+		define(out, "THICKNESS", has_thickness(params));
 		define(out, "FLAGS", blocks);
 		define(out, "TOUCHED", params->touched);
 	}
@@ -129,9 +129,9 @@ void deform_programs_held(bool loaded, struct deform_request *out)
 	define(out, "LOAD", loaded);
 }
 
-void deform_programs_dirt(struct deform_request *out)
+void deform_programs_disturbance(struct deform_request *out)
 {
-	begin(out, "full.vert", "deform/dirt.frag");
+	begin(out, "full.vert", "deform/disturbance.frag");
 }
 
 /* --- which an object can ask for --- */
@@ -165,19 +165,19 @@ static void add(struct each *each, const char *effect)
 	each->each(each->user, effect, &each->request.gl);
 }
 
-static void each_underside(struct each *each, const struct deform_planned *object)
+static void each_envelope(struct each *each, const struct deform_planned *object)
 {
 	const struct deform_shape *shape = object->shape;
-	const char *press = deform_press_effect(each->params->model);
+	const char *displace = deform_displace_effect(each->params->model);
 	if (shape->kind != DEFORM_MESH) {
-		deform_programs_underside(each->params, shape->kind, false, &each->request);
-		add(each, press);
+		deform_programs_envelope(each->params, shape->kind, false, &each->request);
+		add(each, displace);
 	}
 	if (shape->kind == DEFORM_WHEEL && object->moves) {
-		deform_programs_underside(each->params, shape->kind, true, &each->request);
-		add(each, press);
+		deform_programs_envelope(each->params, shape->kind, true, &each->request);
+		add(each, displace);
 	}
-	if (shape->kind == DEFORM_MESH || shape->lugs > 0) {
+	if (shape->kind == DEFORM_MESH || shape->grousers > 0) {
 		deform_programs_facet(each->params, &each->request);
 		add(each, shape->kind == DEFORM_MESH ? "mesh" : "lugs");
 	}
@@ -202,10 +202,10 @@ static void each_scm(struct each *each, const struct deform_planned *object, boo
 	bool load = object->load > 0, patch = deform_is_counted(each->params, object->shape, load);
 	unsigned with = (patch ? WITH_PATCH : 0) | (load ? WITH_LOAD : 0);
 	each_find(each, patch, load);
-	deform_programs_press(each->params, with, &each->request);
+	deform_programs_contact(each->params, with, &each->request);
 	add(each, load ? "load" : "scm");
 	if (forces || load) {
-		deform_programs_press(each->params, with | WITH_FORCES, &each->request);
+		deform_programs_contact(each->params, with | WITH_FORCES, &each->request);
 		add(each, forces ? "forces" : "load");
 	}
 }
@@ -232,12 +232,12 @@ void deform_programs_each(const struct deform_params *params, const struct defor
 {
 	struct each each = {.params = params, .each = fn, .user = user};
 	bool loaded = params->model == DEFORM_SCM && object->load > 0;
-	each_underside(&each, object);
+	each_envelope(&each, object);
 	if (params->model == DEFORM_SCM) {
 		each_scm(&each, object, forces);
 	} else {
-		deform_programs_press(params, 0, &each.request);
-		add(&each, deform_press_effect(params->model));
+		deform_programs_contact(params, 0, &each.request);
+		add(&each, deform_displace_effect(params->model));
 	}
 	if (params->model == DEFORM_BOX_FILTER && object->moves) {
 		deform_programs_box(params, &each.request);
@@ -251,8 +251,8 @@ void deform_programs_each(const struct deform_params *params, const struct defor
 		deform_programs_held(loaded && params->loaded_bodies > 0, &each.request);
 		add(&each, loaded && params->loaded_bodies > 0 ? "load" : deform_slide_effect(params->model));
 	}
-	if (params->dirt) {
-		deform_programs_dirt(&each.request);
+	if (params->disturbance) {
+		deform_programs_disturbance(&each.request);
 		add(&each, "dirt");
 	}
 }

@@ -20,10 +20,10 @@ enum find_what { FIND_GAP, FIND_COUNT, FIND_BEARS };
 enum slide_what { SLIDE_EXCESS, SLIDE_SHED, SLIDE_TAKE };
 
 /* Each fills `out` anew. Pure. */
-void deform_programs_underside(const struct deform_params *params, enum deform_shape_kind kind, bool sideways,
+void deform_programs_envelope(const struct deform_params *params, enum deform_shape_kind kind, bool sideways,
 			struct deform_request *out);
 void deform_programs_facet(const struct deform_params *params, struct deform_request *out);
-void deform_programs_press(const struct deform_params *params, unsigned with, struct deform_request *out);
+void deform_programs_contact(const struct deform_params *params, unsigned with, struct deform_request *out);
 void deform_programs_find(const struct deform_params *params, enum find_what what, bool patch, struct deform_request *out);
 void deform_programs_box(const struct deform_params *params, struct deform_request *out);
 void deform_programs_spread(struct deform_request *out);
@@ -32,7 +32,7 @@ void deform_programs_begin(const struct deform_params *params, bool blocks, bool
 void deform_programs_slide(const struct deform_params *params, enum slide_what what, bool blocks, bool last,
 		    struct deform_request *out);
 void deform_programs_held(bool loaded, struct deform_request *out);
-void deform_programs_dirt(struct deform_request *out);
+void deform_programs_disturbance(struct deform_request *out);
 
 /* Every program that an object can ask for, some of them twice. As deform_warm. */
 typedef void (*programs_fn)(void *user, const char *effect, const struct gpu_program_request *request);
@@ -44,7 +44,7 @@ void deform_programs_each(const struct deform_params *params, const struct defor
 bool deform_is_counted(const struct deform_params *params, const struct deform_shape *shape, bool loaded);
 
 /* The effects (src/scene/effects.c) that call for what all objects need under the model. */
-const char *deform_press_effect(enum deform_model model);
+const char *deform_displace_effect(enum deform_model model);
 const char *deform_slide_effect(enum deform_model model);
 const char *deform_contact_effect(enum deform_model model); /* the textures that tell what an object touched */
 

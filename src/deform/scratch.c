@@ -19,7 +19,7 @@ struct rows {
 
 bool deform_needs_contacts(const struct deform_params *params)
 {
-	return params->model != DEFORM_NONE || params->dirt;
+	return params->model != DEFORM_NONE || params->disturbance;
 }
 
 bool deform_has_classes(const struct deform_params *params)
@@ -41,13 +41,13 @@ static enum gpu_format format_of(enum plane plane)
 /* The one list: what is made, and what is planned. */
 static void rows_of(const struct deform_params *params, struct rows *rows)
 {
-	const char *press = deform_press_effect(params->model), *slide = deform_slide_effect(params->model);
+	const char *displace = deform_displace_effect(params->model), *slide = deform_slide_effect(params->model);
 	const char *touched = deform_contact_effect(params->model);
 	bool contacts = deform_needs_contacts(params), conserves = deform_conserves(params->model);
-	unsigned planes = deform_planes(params->model, params->dirt);
+	unsigned planes = deform_planes(params->model, params->disturbance);
 	rows->count = 0;
-	add(rows, true, (struct row){"window's base", press, GPU_R32I, PLACE(bases)});
-	add(rows, true, (struct row){"under", press, GPU_R32I, PLACE(under)});
+	add(rows, true, (struct row){"window's base", displace, GPU_R32I, PLACE(bases)});
+	add(rows, true, (struct row){"under", displace, GPU_R32I, PLACE(under)});
 	add(rows, contacts, (struct row){"rest", touched, GPU_R32I, PLACE(rest)});
 	add(rows, contacts, (struct row){"contacts", touched, GPU_R8UI, PLACE(contacts)});
 	add(rows, conserves, (struct row){"carried", "spread", GPU_R32I, PLACE(carried)});
@@ -60,7 +60,7 @@ static void rows_of(const struct deform_params *params, struct rows *rows)
 	for (int plane = 0; plane < PLANES; plane++)
 		for (int i = 0; i < 2; i++)
 			add(rows, (planes & PLANE_BIT(plane)) != 0,
-			    (struct row){plane_name((enum plane)plane), plane == PLANE_DIRT ? "dirt" : press, format_of((enum plane)plane),
+			    (struct row){plane_name((enum plane)plane), plane == PLANE_DISTURBANCE ? "dirt" : displace, format_of((enum plane)plane),
 					 PLACE(planes_of[0][0]) + (size_t)(i * PLANES + plane) * sizeof(struct gpu_texture *)});
 }
 
@@ -139,9 +139,9 @@ static enum status make_targets(struct deform *deform, uint32_t number)
 	struct attachments of[SCRATCH_TARGETS] = {{.count = 0}};
 	attach(&of[TO_UNDER], deform->under, number);
 	attach(&of[TO_UNDER], deform->rest, number);
-	attach(&of[TO_PRESSED], deform->planes_of[1][PLANE_OFFSET], number);
-	attach(&of[TO_PRESSED], deform->contacts, number);
-	attach(&of[TO_PRESSED], deform->carried, number);
+	attach(&of[TO_CONTACT], deform->planes_of[1][PLANE_OFFSET], number);
+	attach(&of[TO_CONTACT], deform->contacts, number);
+	attach(&of[TO_CONTACT], deform->carried, number);
 	for (int i = 0; i < 2 && deform->params.model == DEFORM_BOX_FILTER; i++)
 		attach(&of[TO_FIRST + i], deform->planes_of[i][PLANE_OFFSET], number);
 	bool conserves = deform_conserves(deform->params.model);
@@ -149,7 +149,7 @@ static enum status make_targets(struct deform *deform, uint32_t number)
 		attach(&of[TO_BEGUN], deform->planes_of[0][PLANE_OFFSET], number);
 		attach(&of[TO_BEGUN], deform->heights[0], number);
 		attach(&of[TO_BEGUN], deform->stills, number);
-		attach(&of[TO_BEGUN], deform->planes_of[0][PLANE_HEAPED], number);
+		attach(&of[TO_BEGUN], deform->planes_of[0][PLANE_DEPOSITED], number);
 		attach(&of[TO_BEGUN], deform->floors, number);
 		attach(&of[TO_HELD], deform->contacts, number);
 		attach(&of[TO_HEIGHTS_0], deform->heights[0], number);
@@ -157,9 +157,9 @@ static enum status make_targets(struct deform *deform, uint32_t number)
 		if (deform->params.model == DEFORM_SUMNER)
 			attach(&of[TO_SHED], deform->carried, number);
 		attach(&of[TO_SLID], deform->planes_of[1][PLANE_OFFSET], number);
-		attach(&of[TO_SLID], deform->planes_of[1][PLANE_HEAPED], number);
+		attach(&of[TO_SLID], deform->planes_of[1][PLANE_DEPOSITED], number);
 	}
-	attach(&of[TO_DIRT], deform->planes_of[1][PLANE_DIRT], number);
+	attach(&of[TO_DISTURBANCE], deform->planes_of[1][PLANE_DISTURBANCE], number);
 	enum status status = STATUS_OK;
 	for (int k = 0; k < SCRATCH_TARGETS && status == STATUS_OK; k++)
 		if (of[k].count > 0)

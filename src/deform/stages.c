@@ -8,12 +8,12 @@ enum status deform_program(struct deform *deform, const struct deform_request *r
 	return *place != NULL ? STATUS_OK : gpu_program_get(deform->params.gpu, &request->gl, place);
 }
 
-struct press_params deform_press_params(const struct deform *deform, const struct deform_sweep *sweep,
+struct contact_params deform_contact_params(const struct deform *deform, const struct deform_contact *contact,
 					const struct deform_window *window, uint32_t layer)
 {
 	const struct post_rect read = window->read, write = window->write;
-	int64_t zero = sweep->to.z - (int64_t)deform->params.reference * (1 << OFFSET_BITS);
-	return (struct press_params){
+	int64_t zero = contact->to.z - (int64_t)deform->params.reference * (1 << OFFSET_BITS);
+	return (struct contact_params){
 		.zero = {(uint32_t)zero, (uint32_t)((uint64_t)zero >> 32), layer, 0},
 		.written = {(int32_t)(write.x0 - read.x0), (int32_t)(write.y0 - read.y0), (int32_t)(write.x1 - read.x0),
 			    (int32_t)(write.y1 - read.y0)},
@@ -38,18 +38,18 @@ struct gpu_rect deform_window_rect(const struct deform_window *window)
 				 (uint32_t)(window->read.y1 - window->read.y0)};
 }
 
-enum status deform_press(struct deform *deform, const void *params, size_t params_bytes,
+enum status deform_run_contact(struct deform *deform, const void *params, size_t params_bytes,
 			 const struct deform_window *window, uint32_t layer)
 {
 	struct deform_request request;
-	deform_programs_press(&deform->params, 0, &request);
-	enum status status = deform_program(deform, &request, &deform->press);
+	deform_programs_contact(&deform->params, 0, &request);
+	enum status status = deform_program(deform, &request, &deform->contact);
 	if (status != STATUS_OK)
 		return status;
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
-		.stage = GPU_PRESS,
-		.program = deform->press,
-		.target = deform->scratch[layer].to[TO_PRESSED],
+		.stage = GPU_CONTACT,
+		.program = deform->contact,
+		.target = deform->scratch[layer].to[TO_CONTACT],
 		.viewport = deform_window_rect(window),
 		.textures = {deform->bases, deform->planes_of[0][PLANE_OFFSET], deform->under, deform->rest, deform->classes},
 		.storage = {deform->tally},
@@ -63,51 +63,51 @@ enum status deform_press(struct deform *deform, const void *params, size_t param
 static enum status dirty(struct deform *deform, struct post_rect read, uint32_t layer)
 {
 	struct deform_request request;
-	deform_programs_dirt(&request);
-	enum status status = deform_program(deform, &request, &deform->dirt);
+	deform_programs_disturbance(&request);
+	enum status status = deform_program(deform, &request, &deform->disturbance);
 	if (status != STATUS_OK)
 		return status;
 	struct layer *scratch = &deform->scratch[layer];
 	struct window_params params = deform_window_params(read, layer);
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
-		.stage = GPU_DIRT,
-		.program = deform->dirt,
-		.target = scratch->to[TO_DIRT],
+		.stage = GPU_DISTURBANCE,
+		.program = deform->disturbance,
+		.target = scratch->to[TO_DISTURBANCE],
 		.viewport = {0, 0, (uint32_t)params.window[0], (uint32_t)params.window[1]},
 		.textures = {deform->planes_of[scratch->now[PLANE_OFFSET]][PLANE_OFFSET], deform->contacts,
-			     deform->planes_of[0][PLANE_DIRT]},
+			     deform->planes_of[0][PLANE_DISTURBANCE]},
 		.params = &params,
 		.params_bytes = sizeof params,
 	});
-	scratch->now[PLANE_DIRT] = 1;
+	scratch->now[PLANE_DISTURBANCE] = 1;
 	return STATUS_OK;
 }
 
-static void begin_layer(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window, uint32_t layer)
+static void begin_layer(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer)
 {
 	struct layer *scratch = &deform->scratch[layer];
-	const struct post_rect all = deform_reached(deform, sweep), write = window->write;
+	const struct post_rect all = deform_reached(deform, contact), write = window->write;
 	memset(scratch->now, 0, sizeof scratch->now);
 	scratch->alone = all.x0 == write.x0 && all.y0 == write.y0 && all.x1 == write.x1 && all.y1 == write.y1;
-	scratch->above = sweep->above;
-	scratch->loaded = deform->params.model == DEFORM_SCM && sweep->load > 0;
+	scratch->above = contact->above;
+	scratch->loaded = deform->params.model == DEFORM_SCM && contact->load > 0;
 }
 
-enum status deform_run_feel(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window, uint32_t layer)
+enum status deform_run_feel(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer)
 {
-	begin_layer(deform, sweep, window, layer);
-	enum status status = deform_underside(deform, sweep, window, layer);
-	return status == STATUS_OK ? deform_scm_feel(deform, sweep, window, layer) : status;
+	begin_layer(deform, contact, window, layer);
+	enum status status = deform_envelope(deform, contact, window, layer);
+	return status == STATUS_OK ? deform_scm_feel(deform, contact, window, layer) : status;
 }
 
-enum status deform_run_stages(struct deform *deform, const struct deform_sweep *sweep,
+enum status deform_run_stages(struct deform *deform, const struct deform_contact *contact,
 			      const struct deform_window *window, uint32_t layer)
 {
-	begin_layer(deform, sweep, window, layer);
-	enum status status = deform_underside(deform, sweep, window, layer);
+	begin_layer(deform, contact, window, layer);
+	enum status status = deform_envelope(deform, contact, window, layer);
 	if (status == STATUS_OK)
-		status = deform_soil_models[deform->params.model].contact(deform, sweep, window, layer);
-	if (status == STATUS_OK && deform->params.dirt)
+		status = deform_soil_models[deform->params.model].contact(deform, contact, window, layer);
+	if (status == STATUS_OK && deform->params.disturbance)
 		status = dirty(deform, window->read, layer);
 	return status;
 }

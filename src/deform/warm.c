@@ -27,7 +27,7 @@ static enum status drop_forces(struct deform *deform)
 }
 
 /* Standing, or in motion, however little; a wheel along its own axis too. With a tag and without, as sweeps have them. */
-static enum status sweep_all(struct deform *deform, const struct deform_planned *object, bool tags)
+static enum status contact_all(struct deform *deform, const struct deform_planned *object, bool tags)
 {
 	const struct post_rect beyond = {-64, -64, -48, -48};
 	const struct deform_window window = {beyond, beyond};
@@ -35,11 +35,11 @@ static enum status sweep_all(struct deform *deform, const struct deform_planned 
 	int ways = !object->moves ? 1 : object->shape->kind == DEFORM_WHEEL ? 3 : 2;
 	enum status status = STATUS_OK;
 	for (int i = 0; i < ways * (1 + tags) && status == STATUS_OK; i++) {
-		struct deform_sweep sweep = {.shape = object->shape, .from = middle, .to = middle, .load = object->load,
+		struct deform_contact contact = {.shape = object->shape, .from = middle, .to = middle, .load = object->load,
 					     .tag = (uint64_t)(i / ways)};
-		sweep.to.x += i % ways > 0;
-		sweep.to.y += i % ways > 1;
-		status = deform_compute(deform, &sweep, &window, 0, NULL, 0);
+		contact.to.x += i % ways > 0;
+		contact.to.y += i % ways > 1;
+		status = deform_compute(deform, &contact, &window, 0, NULL, 0);
 	}
 	return status;
 }
@@ -48,7 +48,7 @@ static enum status sweep_all(struct deform *deform, const struct deform_planned 
 static uint64_t kind_of(const struct deform_params *params, const struct deform_planned *object)
 {
 	const struct deform_shape *shape = object->shape;
-	const bool facts[4] = {shape->lugs > 0, object->load > 0, object->moves, deform_is_counted(params, shape, object->load > 0)};
+	const bool facts[4] = {shape->grousers > 0, object->load > 0, object->moves, deform_is_counted(params, shape, object->load > 0)};
 	int kind = (int)shape->kind;
 	for (int i = 0; i < 4; i++)
 		kind = 2 * kind + facts[i];
@@ -68,7 +68,7 @@ enum status deform_warm(struct deform *deform, const struct deform_planned *obje
 	deform_programs_each(params, object, forces, link_program, &linking);
 	enum status status = linking.status;
 	if (status == STATUS_OK)
-		status = sweep_all(deform, object, params->model == DEFORM_SCM && (forces || loaded));
+		status = contact_all(deform, object, params->model == DEFORM_SCM && (forces || loaded));
 	if (status == STATUS_OK && deform->interval != NULL)
 		status = deform_interval_warm(deform, object->shape, loaded && params->loaded_bodies > 0);
 	if (status == STATUS_OK)

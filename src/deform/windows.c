@@ -6,18 +6,18 @@
 
 /* Heights within an object are int32 fixed-point units: its half and what a contact may rise must fit. */
 #define SIZE_MAX_METRES 512.0
-#define LUGS_MAX 360
+#define GROUSERS_MAX 360
 
-static enum status check_lugs(const struct deform_shape *shape)
+static enum status check_grousers(const struct deform_shape *shape)
 {
-	if (shape->lugs < 0 || shape->lugs > LUGS_MAX)
-		return fail_with(STATUS_INPUT, "wheel: %d lugs; give 0 to %d", shape->lugs, LUGS_MAX);
-	if (shape->lugs > 0 && (!(shape->lug_height > 0) || !(shape->lug_thickness > 0)))
+	if (shape->grousers < 0 || shape->grousers > GROUSERS_MAX)
+		return fail_with(STATUS_INPUT, "wheel: %d lugs; give 0 to %d", shape->grousers, GROUSERS_MAX);
+	if (shape->grousers > 0 && (!(shape->grouser_height > 0) || !(shape->grouser_thickness > 0)))
 		return fail_with(STATUS_INPUT, "wheel: its lugs have no size; give lug_height and lug_thickness above 0");
-	double room = 2 * M_PI * shape->radius / (shape->lugs > 0 ? shape->lugs : 1);
-	if (shape->lugs > 0 && shape->lug_thickness > room)
-		return fail_with(STATUS_INPUT, "wheel: %d lugs %g m thick do not fit around it; give at most %g m", shape->lugs,
-				 shape->lug_thickness, room);
+	double room = 2 * M_PI * shape->radius / (shape->grousers > 0 ? shape->grousers : 1);
+	if (shape->grousers > 0 && shape->grouser_thickness > room)
+		return fail_with(STATUS_INPUT, "wheel: %d lugs %g m thick do not fit around it; give at most %g m", shape->grousers,
+				 shape->grouser_thickness, room);
 	return STATUS_OK;
 }
 
@@ -35,7 +35,7 @@ static double mesh_across(const struct deform_mesh *mesh)
 enum status deform_shape_check(const struct deform_shape *shape, double spacing)
 {
 	double least = 2 * shape->radius, most = 2 * shape->radius;
-	enum status status = shape->kind == DEFORM_WHEEL ? check_lugs(shape) : STATUS_OK;
+	enum status status = shape->kind == DEFORM_WHEEL ? check_grousers(shape) : STATUS_OK;
 	if (status != STATUS_OK)
 		return status;
 	if (shape->kind == DEFORM_WHEEL) {
@@ -78,16 +78,16 @@ double deform_shape_reach(const struct deform_shape *shape, double pitch, double
 	if (shape->kind == DEFORM_MESH)
 		return deform_mesh_reach(shape->mesh, pitch, roll);
 	if (shape->kind != DEFORM_BOX)
-		return shape->radius + (shape->kind == DEFORM_WHEEL && shape->lugs > 0 ? shape->lug_height : 0);
+		return shape->radius + (shape->kind == DEFORM_WHEEL && shape->grousers > 0 ? shape->grouser_height : 0);
 	double axes[3][3];
 	deform_body_axes(shape->size, 0, pitch, roll, axes);
 	return fabs(axes[0][2]) + fabs(axes[1][2]) + fabs(axes[2][2]);
 }
 
-bool deform_is_contact_only(const struct deform_sweep *sweep)
+bool deform_is_contact_only(const struct deform_contact *contact)
 {
-	int64_t rise = sweep->to.z - sweep->from.z;
-	return (sweep->to.x == sweep->from.x && sweep->to.y == sweep->from.y && rise == 0) || rise > BODY_RISE_MAX ||
+	int64_t rise = contact->to.z - contact->from.z;
+	return (contact->to.x == contact->from.x && contact->to.y == contact->from.y && rise == 0) || rise > BODY_RISE_MAX ||
 	       rise < -BODY_RISE_MAX;
 }
 
@@ -110,31 +110,31 @@ static int64_t floor_to(int64_t v, int64_t step)
 	return v - rest - (rest < 0 ? step : 0);
 }
 
-struct post_rect deform_shadow(const struct deform *deform, const struct deform_sweep *sweep)
+struct post_rect deform_shadow(const struct deform *deform, const struct deform_contact *contact)
 {
-	const struct deform_pose *from = deform_is_contact_only(sweep) ? &sweep->to : &sweep->from;
+	const struct deform_pose *from = deform_is_contact_only(contact) ? &contact->to : &contact->from;
 	double extent[2];
 	struct post_rect shadow;
-	deform_body_extent(sweep->shape, &sweep->to, extent);
-	span(deform, from->x, sweep->to.x, extent[0], &shadow.x0, &shadow.x1);
-	span(deform, from->y, sweep->to.y, extent[1], &shadow.y0, &shadow.y1);
+	deform_body_extent(contact->shape, &contact->to, extent);
+	span(deform, from->x, contact->to.x, extent[0], &shadow.x0, &shadow.x1);
+	span(deform, from->y, contact->to.y, extent[1], &shadow.y0, &shadow.y1);
 	return shadow;
 }
 
-struct post_rect deform_reached(const struct deform *deform, const struct deform_sweep *sweep)
+struct post_rect deform_reached(const struct deform *deform, const struct deform_contact *contact)
 {
 	const struct post_rect extent = {0, 0, extent_posts(deform->params.extent->width, deform->params.level),
 					extent_posts(deform->params.extent->height, deform->params.level)};
-	return post_rect_intersect(grown(deform_shadow(deform, sweep), deform->reach), extent);
+	return post_rect_intersect(grown(deform_shadow(deform, contact), deform->reach), extent);
 }
 
-bool deform_covers(const struct deform *deform, const struct deform_sweep *sweep, const struct deform_pose *rest)
+bool deform_covers(const struct deform *deform, const struct deform_contact *contact, const struct deform_pose *rest)
 {
-	const struct deform_sweep standing = {.shape = sweep->shape, .from = *rest, .to = *rest};
+	const struct deform_contact standing = {.shape = contact->shape, .from = *rest, .to = *rest};
 	const struct post_rect extent = {0, 0, extent_posts(deform->params.extent->width, deform->params.level),
 					extent_posts(deform->params.extent->height, deform->params.level)};
 	struct post_rect held = post_rect_intersect(grown(deform_shadow(deform, &standing), deform_slide_step(deform)), extent);
-	struct post_rect all = deform_reached(deform, sweep);
+	struct post_rect all = deform_reached(deform, contact);
 	return post_rect_empty(held) || (held.x0 >= all.x0 && held.y0 >= all.y0 && held.x1 <= all.x1 && held.y1 <= all.y1);
 }
 
@@ -163,20 +163,20 @@ bool deform_fits_window(const struct deform *deform, struct post_rect reached)
 	return reached.x1 - reached.x0 <= deform_core(&deform->params) && reached.y1 - reached.y0 <= deform_core(&deform->params);
 }
 
-static enum status cut(const struct deform *deform, const struct deform_sweep *sweep, struct deform_window *windows,
+static enum status cut(const struct deform *deform, const struct deform_contact *contact, struct deform_window *windows,
 		       size_t *count)
 {
 	*count = 0;
-	if (sweep->shape->kind == DEFORM_WHEEL && sweep->to.roll != 0)
+	if (contact->shape->kind == DEFORM_WHEEL && contact->to.roll != 0)
 		return fail_with(STATUS_INPUT, "wheel: its axis lies level, and its pose has it rolled by %g rad; give roll 0",
-				 sweep->to.roll);
-	struct post_rect write = deform_reached(deform, sweep);
+				 contact->to.roll);
+	struct post_rect write = deform_reached(deform, contact);
 	if (post_rect_empty(write))
 		return STATUS_OK;
 	/* Cut on multiples of the core, so that the cuts are the terrain's, not the object's or the tiles'. */
 	int64_t core = deform_core(&deform->params);
 	bool one = deform_fits_window(deform, write);
-	if (!one && sweep->load > 0)
+	if (!one && contact->load > 0)
 		return fail_with(STATUS_INPUT, "load: an object of %lld x %lld posts is too large for one; give sink instead, or a "
 					       "coarser spacing than %g m",
 				 (long long)(write.x1 - write.x0), (long long)(write.y1 - write.y0), deform->spacing);
@@ -195,7 +195,7 @@ static enum status cut(const struct deform *deform, const struct deform_sweep *s
 	return STATUS_OK;
 }
 
-enum status deform_cut(const struct deform_params *params, const struct deform_sweep *sweep,
+enum status deform_cut(const struct deform_params *params, const struct deform_contact *contact,
 		       struct deform_window *windows, size_t *count)
 {
 	const struct deform deform = {
@@ -204,12 +204,12 @@ enum status deform_cut(const struct deform_params *params, const struct deform_s
 		.reach = deform_reach(params),
 		.border = deform_border(params),
 	};
-	return cut(&deform, sweep, windows, count);
+	return cut(&deform, contact, windows, count);
 }
 
-enum status deform_windows(struct deform *deform, const struct deform_sweep *sweep,
+enum status deform_windows(struct deform *deform, const struct deform_contact *contact,
 			   struct deform_window *windows, size_t *count)
 {
-	enum status status = cut(deform, sweep, windows, count);
+	enum status status = cut(deform, contact, windows, count);
 	return status == STATUS_OK && *count > 0 ? deform_need_layers(deform, (uint32_t)*count) : status;
 }

@@ -196,7 +196,7 @@ static enum status note_sample(const struct look_ahead *ahead, struct watch *wat
 	const struct look_ahead_pages *pages = &ahead->pages;
 	struct track_point point;
 	motion_track_sample(watch->body.track, watch->sample, &point);
-	struct deform_sweep sweep = {
+	struct deform_contact sweep = {
 		.shape = watch->body.shape,
 		.from = watch->last,
 		.to = {.x = point.qx, .y = point.qy, .yaw = point.yaw, .pitch = point.pitch, .roll = point.roll},

@@ -29,8 +29,8 @@ static bool same_shape(const struct deform_shape *a, const struct deform_shape *
 		return memcmp(a->size, b->size, sizeof a->size) == 0;
 	if (a->radius != b->radius || a->kind == DEFORM_SPHERE)
 		return a->radius == b->radius;
-	return a->width == b->width && a->lugs == b->lugs &&
-	       (a->lugs == 0 || (a->lug_height == b->lug_height && a->lug_thickness == b->lug_thickness));
+	return a->width == b->width && a->grousers == b->grousers &&
+	       (a->grousers == 0 || (a->grouser_height == b->grouser_height && a->grouser_thickness == b->grouser_thickness));
 }
 
 /* Whether no object before it has its shape. */

@@ -181,12 +181,12 @@ static void wheel_side(struct object_mesh *mesh, double radius, double half, dou
 
 /* Bars as deform has them (deform.h): evenly round from straight down, forwards turning them back and up. Their inner
  * faces lie in the tyre. */
-static void lugs(struct object_mesh *mesh, const struct deform_shape *shape, double shoulder)
+static void grousers(struct object_mesh *mesh, const struct deform_shape *shape, double shoulder)
 {
-	double inner = shape->radius - shoulder, outer = shape->radius + shape->lug_height;
-	for (int i = 0; i < shape->lugs; i++) {
-		double s = sin(2 * M_PI * i / shape->lugs), c = cos(2 * M_PI * i / shape->lugs);
-		double middle = (inner + outer) / 2, reach = (outer - inner) / 2, along = shape->lug_thickness / 2;
+	double inner = shape->radius - shoulder, outer = shape->radius + shape->grouser_height;
+	for (int i = 0; i < shape->grousers; i++) {
+		double s = sin(2 * M_PI * i / shape->grousers), c = cos(2 * M_PI * i / shape->grousers);
+		double middle = (inner + outer) / 2, reach = (outer - inner) / 2, along = shape->grouser_thickness / 2;
 		double axes[3][3] = {{-s * reach, 0, -c * reach}, {0, shape->width / 2, 0}, {-c * along, 0, s * along}};
 		brick(mesh, (const double[3]){-s * middle, 0, -c * middle}, axes, OBJECT_RUBBER);
 	}
@@ -200,7 +200,7 @@ static void wheel(struct object_mesh *mesh, const struct deform_shape *shape)
 		tyre(mesh, shape->radius, half, shoulder, rounds[detail], steps[detail]);
 		for (int side = -1; side <= 1; side += 2)
 			wheel_side(mesh, shape->radius, half, shoulder, side, steps[detail]);
-		lugs(mesh, shape, shoulder);
+		grousers(mesh, shape, shoulder);
 		end_detail(mesh, detail);
 	}
 }

@@ -32,7 +32,7 @@ static void form_of(const struct deform_shape *shape, struct object_shadow *shad
 	shadow->kind[0] = shape->kind == DEFORM_SPHERE ? 2 : shape->kind == DEFORM_WHEEL ? 1 : 0;
 	if (shape->kind == DEFORM_WHEEL) {
 		half[1] = shape->width / 2;
-		half[0] = half[2] = shape->radius + (shape->lugs > 0 ? shape->lug_height / 2 : 0);
+		half[0] = half[2] = shape->radius + (shape->grousers > 0 ? shape->grouser_height / 2 : 0);
 	}
 	for (int k = 0; k < 3 && shape->kind == DEFORM_BOX; k++)
 		half[k] = shape->size[k] / 2;

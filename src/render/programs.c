@@ -33,7 +33,7 @@ static struct gpu_program_request request_of(uint64_t effects, const char *body,
 	if (variant != RENDER_PLAIN)
 		request.defines[count++] = "OFFSET";
 	if (variant != RENDER_PLAIN && dirt)
-		request.defines[count++] = "DIRT";
+		request.defines[count++] = "DISTURBANCE";
 	if (variant == RENDER_LEVEL0)
 		request.defines[count++] = "LEVEL0";
 	request.defines[count] = body;

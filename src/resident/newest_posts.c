@@ -17,8 +17,8 @@ struct patch {
 };
 
 static const enum plane planes[STORE_LAYERS] = {
-	[STORE_SURFACE] = PLANE_OFFSET, [STORE_OFFSET] = PLANE_OFFSET,   [STORE_QUANTA] = PLANE_OFFSET, [STORE_SOIL] = PLANE_DIRT,
-	[STORE_HEAPED] = PLANE_HEAPED,  [STORE_PRESSED] = PLANE_PRESSED, [STORE_SHEAR] = PLANE_SHEAR,
+	[STORE_SURFACE] = PLANE_OFFSET, [STORE_OFFSET] = PLANE_OFFSET,   [STORE_QUANTA] = PLANE_OFFSET, [STORE_SOIL] = PLANE_DISTURBANCE,
+	[STORE_HEAPED] = PLANE_DEPOSITED,  [STORE_PRESSED] = PLANE_PLASTIC_SINKAGE, [STORE_SHEAR] = PLANE_SHEAR,
 };
 
 /* Widens planes of fewer bytes in the same memory. It goes from the end, so that no value is overwritten before it is read. */

@@ -212,7 +212,7 @@ static void advise_attributes(const struct adviser *adviser)
 	const struct scene *scene = adviser->scene;
 	if (scene->dirt && !scene->view.present && !scene->view.left_out)
 		advise(adviser, "attributes.disturbance: no picture shows it: it is kept for query and for later drives that draw it, at %zu byte a post; add a view, or take "
-				"it away", plane_bytes(PLANE_DIRT));
+				"it away", plane_bytes(PLANE_DISTURBANCE));
 }
 
 /* --- objects --- */
@@ -235,7 +235,7 @@ static double narrowest(const struct scene_object *object)
 /* Metres between the prints of bars, on the ground. */
 static double lug_pitch(const struct scene_object *object)
 {
-	return object->shape.lugs > 0 ? 2 * M_PI * object->shape.radius * (1 - object->slip) / object->shape.lugs : INFINITY;
+	return object->shape.grousers > 0 ? 2 * M_PI * object->shape.radius * (1 - object->slip) / object->shape.grousers : INFINITY;
 }
 
 /* Objects that are alike are told of once. */

@@ -84,7 +84,7 @@ static const struct scene_effect_row rows[EFFECT_COUNT] = {
 		"a post bears at most 134 MPa, in steps of a sixteenth of a pascal",
 		"sums the soil's forces on each object"},
 	[EFFECT_DIRT] = {
-		"dirt", "attributes", "", LIST("deform/dirt.frag"), "offset, dirt", "dirt", 0, NONE,
+		"dirt", "attributes", "", LIST("deform/disturbance.frag"), "offset, dirt", "dirt", 0, NONE,
 		"256 shades: 255 is the dirtiest", "keeps where the ground was disturbed"},
 	[EFFECT_SUBDIVIDE] = {
 		"subdivide", "spacing", "", LIST("subdivide.frag"), "base", "base", 1, LIST("spacing"),
@@ -184,7 +184,7 @@ static uint64_t model_effects(enum deform_model model)
 uint64_t scene_object_effects(const struct scene_object *object)
 {
 	return (object->shape.kind == DEFORM_MESH ? EFFECT_BIT(EFFECT_MESH) : 0) |
-	       (object->shape.lugs > 0 ? EFFECT_BIT(EFFECT_LUGS) : 0) | (object->load > 0 ? EFFECT_BIT(EFFECT_LOAD) : 0);
+	       (object->shape.grousers > 0 ? EFFECT_BIT(EFFECT_LUGS) : 0) | (object->load > 0 ? EFFECT_BIT(EFFECT_LOAD) : 0);
 }
 
 static uint64_t object_effects(const struct scene *scene)
@@ -252,7 +252,7 @@ static const struct scene_object *caller(const struct scene *scene, enum scene_e
 	for (size_t i = 0; i < scene->object_count; i++) {
 		const struct scene_object *object = &scene->objects[i];
 		if ((effect == EFFECT_MESH && object->shape.kind == DEFORM_MESH) ||
-		    (effect == EFFECT_LUGS && object->shape.lugs > 0) || (effect == EFFECT_LOAD && object->load > 0))
+		    (effect == EFFECT_LUGS && object->shape.grousers > 0) || (effect == EFFECT_LOAD && object->load > 0))
 			return object;
 	}
 	return NULL;

@@ -80,11 +80,11 @@ static void add_mesh(XXH3_state_t *state, size_t index, const struct deform_mesh
 static void add_object_more(XXH3_state_t *state, size_t index, const struct scene_object *object)
 {
 	const struct deform_shape *shape = &object->shape;
-	if (shape->lugs > 0) {
+	if (shape->grousers > 0) {
 		add_part(state, 'g', index);
-		add_whole(state, (uint64_t)shape->lugs);
-		add_number(state, shape->lug_height);
-		add_number(state, shape->lug_thickness);
+		add_whole(state, (uint64_t)shape->grousers);
+		add_number(state, shape->grouser_height);
+		add_number(state, shape->grouser_thickness);
 	}
 	if (object->load > 0) {
 		add_part(state, 'l', index);

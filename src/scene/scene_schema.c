@@ -22,9 +22,9 @@ static const cyaml_schema_value_t point_entry = {
 static const cyaml_schema_field_t wheel_fields[] = {
 	CYAML_FIELD_FLOAT("radius", NEEDED, struct raw_wheel, radius),
 	CYAML_FIELD_FLOAT("width", NEEDED, struct raw_wheel, width),
-	CYAML_FIELD_INT_PTR("grousers", OPTIONAL, struct raw_wheel, lugs),
-	CYAML_FIELD_FLOAT_PTR("grouser_height", OPTIONAL, struct raw_wheel, lug_height),
-	CYAML_FIELD_FLOAT_PTR("grouser_thickness", OPTIONAL, struct raw_wheel, lug_thickness),
+	CYAML_FIELD_INT_PTR("grousers", OPTIONAL, struct raw_wheel, grousers),
+	CYAML_FIELD_FLOAT_PTR("grouser_height", OPTIONAL, struct raw_wheel, grouser_height),
+	CYAML_FIELD_FLOAT_PTR("grouser_thickness", OPTIONAL, struct raw_wheel, grouser_thickness),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t sphere_fields[] = {

@@ -16,20 +16,20 @@ static enum status check_wheel(const struct scene_tree *tree, const struct raw_w
 	shape->kind = DEFORM_WHEEL;
 	shape->radius = raw->radius;
 	shape->width = raw->width;
-	shape->lugs = raw->lugs != NULL ? (int)*raw->lugs : 0;
-	if (shape->lugs == 0) {
-		const char *key = raw->lug_height != NULL ? "grouser_height" : "grouser_thickness";
-		if (raw->lug_height == NULL && raw->lug_thickness == NULL)
+	shape->grousers = raw->grousers != NULL ? (int)*raw->grousers : 0;
+	if (shape->grousers == 0) {
+		const char *key = raw->grouser_height != NULL ? "grouser_height" : "grouser_thickness";
+		if (raw->grouser_height == NULL && raw->grouser_thickness == NULL)
 			return STATUS_OK;
 		return scene_error(tree->file, scene_tree_find(tree, "objects[%zu].shape.wheel.%s", index, key),
 				   "is of grousers, and the wheel has none; allowed with: grousers above 0");
 	}
-	shape->lug_height = raw->lug_height != NULL ? *raw->lug_height : LUG_HEIGHT * raw->radius;
-	shape->lug_thickness = raw->lug_thickness != NULL ? *raw->lug_thickness : LUG_THICKNESS * raw->radius;
-	if (shape->lug_height > shape->radius)
+	shape->grouser_height = raw->grouser_height != NULL ? *raw->grouser_height : LUG_HEIGHT * raw->radius;
+	shape->grouser_thickness = raw->grouser_thickness != NULL ? *raw->grouser_thickness : LUG_THICKNESS * raw->radius;
+	if (shape->grouser_height > shape->radius)
 		return scene_error(tree->file, scene_tree_find(tree, "objects[%zu].shape.wheel.grouser_height", index),
 				   "%.10g is out of range; allowed: above 0 to the wheel's radius, %.10g",
-				   shape->lug_height, shape->radius);
+				   shape->grouser_height, shape->radius);
 	return STATUS_OK;
 }
 

@@ -78,7 +78,7 @@ static enum status put_page(struct climb *climb, const struct store_page *page, 
 		enum status status = plane_at(climb, page->tile.level, &wide);
 		if (status != STATUS_OK)
 			return status;
-		const uint8_t *dirt = page->planes[PLANE_DIRT];
+		const uint8_t *dirt = page->planes[PLANE_DISTURBANCE];
 		for (size_t i = 0; i < count; i++)
 			wide[i] = dirt[i];
 		*posts = wide;

@@ -291,8 +291,8 @@ static enum status sample_inside(struct store_reader *reader, double x, double y
 		enum store_layer layer;
 		double *value;
 	} state[] = {
-		{PLANE_HEAPED, STORE_HEAPED, &sample->heaped},
-		{PLANE_PRESSED, STORE_PRESSED, &sample->pressed},
+		{PLANE_DEPOSITED, STORE_HEAPED, &sample->heaped},
+		{PLANE_PLASTIC_SINKAGE, STORE_PRESSED, &sample->pressed},
 		{PLANE_SHEAR, STORE_SHEAR, &sample->shear},
 	};
 	for (size_t i = 0; i < sizeof state / sizeof *state && status == STATUS_OK; i++)

@@ -29,13 +29,13 @@
 #define AIR_QUANTA 64
 #define AIR_SHARE 26
 
-int64_t world_lowest(const struct deform_sweep *sweep)
+int64_t world_lowest(const struct deform_contact *sweep)
 {
 	const struct deform_shape *shape = sweep->shape;
 	const struct deform_pose *from = &sweep->from, *to = &sweep->to;
 	double reach = deform_shape_reach(shape, to->pitch, to->roll);
-	if (shape->kind == DEFORM_WHEEL && shape->lugs > 0) /* their corners */
-		reach = hypot(shape->radius + shape->lug_height, shape->lug_thickness / 2);
+	if (shape->kind == DEFORM_WHEEL && shape->grousers > 0) /* their corners */
+		reach = hypot(shape->radius + shape->grouser_height, shape->grouser_thickness / 2);
 	double way = hypot(lattice_offset_metres(to->x - from->x), lattice_offset_metres(to->y - from->y));
 	double below = ldexp(reach, OFFSET_BITS) + ldexp(way + deform_shape_bound(shape), OFFSET_BITS - AIR_SHARE);
 	return (from->z < to->z ? from->z : to->z) - (int64_t)ceil(below) - AIR_QUANTA;
@@ -160,7 +160,7 @@ static enum status untouched_soil(struct world *world, const struct deform_windo
 	return status;
 }
 
-enum status world_is_aloft(struct world *world, const struct event *event, struct deform_sweep *sweep,
+enum status world_is_aloft(struct world *world, const struct event *event, struct deform_contact *sweep,
 			   const struct deform_window *windows, size_t count, bool *aloft)
 {
 	bool conserves = deform_conserves(world->scene->model);

@@ -30,7 +30,7 @@ static size_t window_tiles(const struct world *world, const struct deform_params
 	int64_t post = lattice_offset(world->spacing);
 	int64_t x = lattice_offset((double)(extent->width - 1) * extent->spacing / 2);
 	int64_t y = lattice_offset((double)(extent->height - 1) * extent->spacing / 2);
-	struct deform_sweep sweep = {.shape = &around, .from = {.x = x, .y = y}, .to = {.x = x + post, .y = y + post}};
+	struct deform_contact sweep = {.shape = &around, .from = {.x = x, .y = y}, .to = {.x = x + post, .y = y + post}};
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	struct post_rect all = {0, 0, DEFORM_WINDOW_POSTS, DEFORM_WINDOW_POSTS};
 	size_t count;

@@ -111,7 +111,7 @@ static enum status restore_deform(struct world *world, const struct checkpoint *
 	for (size_t i = 0; i < world->scene->object_count; i++) {
 		const struct body *body = &world->bodies[i];
 		if (body->loaded_body > 0 && body->in_contact)
-			deform_stands(world->deform, body->loaded_body, (int32_t)(body->stands - body->last.z));
+			deform_set_equilibrium(world->deform, body->loaded_body, (int32_t)(body->stands - body->last.z));
 	}
 	return status;
 }

@@ -78,7 +78,7 @@ static enum status scatter(struct world *world, const struct deform_window *wind
 }
 
 /* Computes how far a wheel turned between two path samples. With slip s it is distance / (r (1 - s)). */
-static void roll(const struct body *body, const struct event *event, struct deform_sweep *sweep)
+static void roll(const struct body *body, const struct event *event, struct deform_contact *sweep)
 {
 	const struct scene_object *object = body->object;
 	sweep->seconds = event->seconds;
@@ -90,7 +90,7 @@ static void roll(const struct body *body, const struct event *event, struct defo
 	sweep->to.turn = remainder(sweep->from.turn + sweep->turned, 2 * M_PI);
 }
 
-static enum status tell_watcher(const struct world *world, const struct event *event, const struct deform_sweep *sweep,
+static enum status tell_watcher(const struct world *world, const struct event *event, const struct deform_contact *sweep,
 			     const struct deform_window *windows, size_t count)
 {
 	struct contact_area told = {
@@ -105,9 +105,9 @@ static enum status tell_watcher(const struct world *world, const struct event *e
 	return world->watcher->contact(world->watcher->user, event, &told);
 }
 
-static struct deform_sweep sweep_of(const struct world *world, const struct body *body, const struct event *event)
+static struct deform_contact sweep_of(const struct world *world, const struct body *body, const struct event *event)
 {
-	struct deform_sweep sweep = {
+	struct deform_contact sweep = {
 		.shape = &body->object->shape,
 		.from = body->in_contact ? body->last : event->pose,
 		.to = event->pose,
@@ -128,7 +128,7 @@ static struct deform_sweep sweep_of(const struct world *world, const struct body
 enum status world_feel(struct world *world, const struct event *event)
 {
 	const struct body *body = world_body_at(world, event->body);
-	struct deform_sweep sweep = sweep_of(world, body, event);
+	struct deform_contact sweep = sweep_of(world, body, event);
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	struct held_tiles held = {.count = 0};
 	size_t count = 0;
@@ -155,7 +155,7 @@ enum status world_feel(struct world *world, const struct event *event)
 enum status world_contact(struct world *world, const struct event *event, bool last)
 {
 	struct body *body = world_body_at(world, event->body);
-	struct deform_sweep sweep = sweep_of(world, body, event);
+	struct deform_contact sweep = sweep_of(world, body, event);
 	/* Its earlier height is not known here and is not needed: it acts on the ground at its height now. */
 	if (sweep.load > 0)
 		sweep.from.z = sweep.to.z;

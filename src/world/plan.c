@@ -91,11 +91,11 @@ void world_deform_params(const struct world *world, struct deform_params *params
 		.iterations = scene->iterations,
 		.relief = isnan(world->meta->low) ? 0 : world->meta->high - world->meta->low,
 		.depth = scene->depth,
-		.stands = scene->undisturbed == SCENE_STANDS,
+		.undisturbed_stable = scene->undisturbed == SCENE_STANDS,
 		.tolerance = scene->tolerance,
 		.bulldozing = scene->bulldozing,
 		.touched = world_asks_touched(world),
-		.dirt = scene->dirt,
+		.disturbance = scene->dirt,
 	};
 	memcpy(params->soils, scene->soils, sizeof params->soils);
 	for (size_t i = 0; i < scene->object_count; i++)

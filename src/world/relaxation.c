@@ -90,7 +90,7 @@ enum status world_intervals(struct world *world, double time, bool at_it)
 
 enum status world_let_go(struct world *world, const struct body *body)
 {
-	const struct deform_sweep rest = {.shape = &body->object->shape, .from = body->last, .to = body->last};
+	const struct deform_contact rest = {.shape = &body->object->shape, .from = body->last, .to = body->last};
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	size_t count = 0;
 	if (!body->in_contact || !deform_conserves(world->scene->model))

@@ -30,7 +30,7 @@ static enum status fill_record(struct world *world)
 	const struct deform_block *awake;
 	size_t count = 0;
 	if (world->deform != NULL) {
-		enum status status = deform_awake(world->deform, &awake, &count);
+		enum status status = deform_active_blocks(world->deform, &awake, &count);
 		if (status != STATUS_OK)
 			return status;
 	}

@@ -54,8 +54,8 @@ static void begin_reference(void)
 	struct reference_ground *reference = &match.reference;
 	for (int i = 0; i < COUNT; i++) {
 		reference->offset[i] = lattice_offset_metres(match.plane[PLANE_OFFSET][i]);
-		reference->heaped[i] = lattice_offset_metres(match.plane[PLANE_HEAPED][i]);
-		reference->pressed[i] = lattice_offset_metres(match.plane[PLANE_PRESSED][i]);
+		reference->heaped[i] = lattice_offset_metres(match.plane[PLANE_DEPOSITED][i]);
+		reference->pressed[i] = lattice_offset_metres(match.plane[PLANE_PLASTIC_SINKAGE][i]);
 		reference->shear[i] = ldexp(match.plane[PLANE_SHEAR][i], -16);
 	}
 	reference->compacted = reference->confined = 0;
@@ -65,7 +65,7 @@ static void begin_reference(void)
 /* --- undersides --- */
 
 /* Whether the underside within a hair's breadth of the post is all that, where it is upright or ends. */
-static bool on_edge(const struct deform_sweep *sweep, int at, double z)
+static bool on_edge(const struct deform_contact *sweep, int at, double z)
 {
 	long double low = 1e30L, high = -1e30L, beside;
 	int covered = 0;
@@ -85,7 +85,7 @@ static bool on_edge(const struct deform_sweep *sweep, int at, double z)
 	return covered > 0 && z > low - NEAR && z < high + NEAR;
 }
 
-static void share_underside(const struct deform_sweep *sweep, struct gpu_texture *texture, double *under)
+static void share_underside(const struct deform_contact *sweep, struct gpu_texture *texture, double *under)
 {
 	static int32_t window[SIDE * SIDE];
 	struct post_rect read = match.ground.windows[0].read, shadow = deform_shadow(match.ground.deform, sweep);
@@ -108,9 +108,9 @@ static void share_underside(const struct deform_sweep *sweep, struct gpu_texture
 	}
 }
 
-static void share_undersides(const struct deform_sweep *sweep)
+static void share_undersides(const struct deform_contact *sweep)
 {
-	struct deform_sweep end = *sweep;
+	struct deform_contact end = *sweep;
 	end.from = end.to;
 	reference_undersides(&match.reference, sweep, match.under, match.rest);
 	share_underside(sweep, match.ground.deform->under, match.under);
@@ -126,7 +126,7 @@ static void shift_rest(double by)
 		match.rest[i] += by;
 }
 
-static struct reference_forces press(double lower, const struct deform_sweep *sweep)
+static struct reference_forces press(double lower, const struct deform_contact *sweep)
 {
 	struct reference_ground *reference = &match.reference;
 	const struct deform_soil *soil = &match.params.soils[0];
@@ -147,7 +147,7 @@ static struct reference_forces press(double lower, const struct deform_sweep *sw
  * Contacts are the same. Of scm sinkages are whole quanta and the stress's power is of single precision: a quantum or two higher or lower
  * may be another contact. Of the others nothing is rounded: no tie.
  */
-static int compare_contacts(double lower, const struct deform_sweep *sweep, double slant)
+static int compare_contacts(double lower, const struct deform_contact *sweep, double slant)
 {
 	static uint8_t above[COUNT], below[COUNT];
 	int ties = 0;
@@ -185,8 +185,8 @@ static double aslant(void)
 			int x = i % POSTS + (k - 1) % 2, y = i / POSTS + (k - 2) % 2, j = y * POSTS + x;
 			if (x < 0 || y < 0 || x >= POSTS || y >= POSTS || match.reference.hole[j])
 				continue;
-			double rise = match.reference.base[i] + lattice_offset_metres(match.plane[PLANE_HEAPED][i]) -
-				      match.reference.base[j] - lattice_offset_metres(match.plane[PLANE_HEAPED][j]);
+			double rise = match.reference.base[i] + lattice_offset_metres(match.plane[PLANE_DEPOSITED][i]) -
+				      match.reference.base[j] - lattice_offset_metres(match.plane[PLANE_DEPOSITED][j]);
 			steepest = fmax(steepest, fabs(rise) / match.reference.spacing);
 		}
 	return fmin(20, sqrt(1 + 2 * steepest * steepest));
@@ -300,8 +300,8 @@ static void compare_posts(double error, double pressed)
 		near_enough("offset", i, lattice_offset_metres(match.plane[PLANE_OFFSET][i]), match.reference.offset[i], error);
 		if (match.params.model != DEFORM_SCM)
 			continue;
-		near_enough("heaped", i, lattice_offset_metres(match.plane[PLANE_HEAPED][i]), match.reference.heaped[i], error);
-		near_enough("pressed", i, lattice_offset_metres(match.plane[PLANE_PRESSED][i]), match.reference.pressed[i], pressed);
+		near_enough("heaped", i, lattice_offset_metres(match.plane[PLANE_DEPOSITED][i]), match.reference.heaped[i], error);
+		near_enough("pressed", i, lattice_offset_metres(match.plane[PLANE_PLASTIC_SINKAGE][i]), match.reference.pressed[i], pressed);
 		/* To steps of 2^-16 m, from single precision of a way of up to a metre. */
 		double shear = ldexp(match.plane[PLANE_SHEAR][i], -16), wanted = fmin(match.reference.shear[i], ldexp(65535, -16));
 		if (!(fabs(shear - wanted) <= 0x1p-17 + 3e-7))
@@ -335,7 +335,7 @@ static void compare_forces(const struct deform_forces *got, const struct referen
 }
 
 /* At the height found the reference carries the load, and a little above it does not. */
-static void compare_load(const struct deform_sweep *sweep, const struct deform_forces *got, double slant)
+static void compare_load(const struct deform_contact *sweep, const struct deform_forces *got, double slant)
 {
 	double lower = lattice_offset_metres(sweep->to.z - got->z), wanted, within = (1 + slant) * QUANTUM;
 	const struct deform_soil *soil = &match.params.soils[0];
@@ -354,7 +354,7 @@ static void compare_load(const struct deform_sweep *sweep, const struct deform_f
 	seen.loads++;
 }
 
-static void run(const struct deform_sweep *sweep)
+static void run(const struct deform_contact *sweep)
 {
 	struct ground *ground = &match.ground;
 	struct deform_tally before, after;
@@ -446,7 +446,7 @@ static struct deform_shape any_shape(double spacing)
 	return shape;
 }
 
-static struct deform_sweep any_sweep(const struct deform_shape *shape, int k, double x, double y)
+static struct deform_contact any_sweep(const struct deform_shape *shape, int k, double x, double y)
 {
 	double spacing = match.reference.spacing;
 	struct deform_pose pose = {.yaw = 4 * any_share()};
@@ -458,7 +458,7 @@ static struct deform_sweep any_sweep(const struct deform_shape *shape, int k, do
 	int at = (int)fmin(fmax(y, 0), POSTS - 1) * POSTS + (int)fmin(fmax(x, 0), POSTS - 1);
 	double ground = match.ground.base[at] == BASE_NODATA ? 0 : lattice_base_metres(match.ground.base[at]);
 	double z = ground + deform_shape_reach(shape, pose.pitch, pose.roll) - any_between(-0.2, 3) * spacing;
-	struct deform_sweep sweep = {.shape = shape, .from = ground_pose(&match.ground, x, y, z), .to = pose};
+	struct deform_contact sweep = {.shape = shape, .from = ground_pose(&match.ground, x, y, z), .to = pose};
 	struct deform_pose to = ground_pose(&match.ground, x + 2 * any_share(), y + 2 * any_share(), z - 0.5 * spacing * any_share());
 	sweep.to.x = to.x;
 	sweep.to.y = to.y;
@@ -505,7 +505,7 @@ static void rounds(enum deform_model model, int count)
 		/* Near a corner of four tiles, the hole, or the edge of the world; several sweeps about one place. */
 		double x = round % 5 == 4 ? 1 : 32 + 8 * any_share(), y = round % 5 == 3 ? POSTS - 3 : 50 + 16 * any_share();
 		for (int k = 0; k < 5; k++) {
-			struct deform_sweep sweep = any_sweep(&shape, k, x + 3 * any_share(), y + 3 * any_share());
+			struct deform_contact sweep = any_sweep(&shape, k, x + 3 * any_share(), y + 3 * any_share());
 			if (model == DEFORM_SCM) {
 				sweep.tag = 1;
 				sweep.load = k % 2 == 1 ? exp2(any_between(2, 12)) : 0;

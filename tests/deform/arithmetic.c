@@ -6,7 +6,7 @@
 enum { EDGE = 256, COUNT = EDGE * EDGE };
 
 static const char shader[] = "#version 450 core\n"
-			     "#include \"lib/underside.glsl\"\n"
+			     "#include \"lib/envelope.glsl\"\n"
 			     "layout(binding = 0) uniform isampler2D inputs[3];\n"
 			     "layout(location = 0) out int result;\n"
 			     "int at(int i) { return texelFetch(inputs[i], ivec2(gl_FragCoord.xy), 0).r; }\n"

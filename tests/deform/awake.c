@@ -127,7 +127,7 @@ static void what_an_object_rests_on_is_held(void **state)
 		start(&all, &setup);
 		struct ground *grounds[] = {&few, &all};
 		struct deform_shape box = {.kind = DEFORM_BOX, .size = {1.4, 0.9, 4}}, ball = {.kind = DEFORM_SPHERE, .radius = 0.5};
-		struct deform_sweep sweep = {.shape = &box, .from = ground_pose(&few, 64.3, 63.8, 1.4)};
+		struct deform_contact sweep = {.shape = &box, .from = ground_pose(&few, 64.3, 63.8, 1.4)};
 		sweep.from.yaw = 0.5;
 		sweep.to = sweep.from;
 		struct deform_rest rests[] = {{.shape = &ball, .pose = ground_pose(&few, 150, 20, 0.4)}, {.shape = &box, .pose = sweep.to}};
@@ -259,14 +259,14 @@ static void more_blocks_than_there_may_be_are_refused(void **state)
 	for (int64_t y = 0; y < 128; y++)
 		for (int64_t x = 0; x < 128; x++)
 			assert_ok(deform_wake_block(ground.deform, (struct deform_block){x, y}));
-	assert_ok(deform_awake(ground.deform, &blocks, &count));
+	assert_ok(deform_active_blocks(ground.deform, &blocks, &count));
 	assert_int_equal(count, DEFORM_BLOCKS_MAX);
 	for (size_t i = 1; i < count; i++)
 		assert_true(blocks[i].x != blocks[i - 1].x || blocks[i].y != blocks[i - 1].y);
 	assert_ok(deform_wake_block(ground.deform, (struct deform_block){500, 3})); /* beyond the world */
-	assert_ok(deform_awake(ground.deform, &blocks, &count));
+	assert_ok(deform_active_blocks(ground.deform, &blocks, &count));
 	assert_ok(deform_wake_block(ground.deform, (struct deform_block){128, 3}));
-	assert_int_equal(deform_awake(ground.deform, &blocks, &count), STATUS_FAILED);
+	assert_int_equal(deform_active_blocks(ground.deform, &blocks, &count), STATUS_FAILED);
 	assert_non_null(strstr(failure_message(), "16384"));
 	ground_finish(&ground);
 }

@@ -56,7 +56,7 @@ static inline void conserve_every_quantum(enum deform_model model)
 			double middle = (double)ground.posts / 2, x = middle * (1 + any_share()), y = middle * (1 + any_share());
 			double z = (heights[round % 4] == conserve_cliff && x > 40 ? 1000 : 0) +
 				   deform_shape_reach(&shape, 0, 0) - 0.3 * fabs(any_share());
-			struct deform_sweep sweep = {.shape = &shape, .from = ground_pose(&ground, x, y, z)};
+			struct deform_contact sweep = {.shape = &shape, .from = ground_pose(&ground, x, y, z)};
 			sweep.to = ground_pose(&ground, x + 2 * any_share(), y + 2 * any_share(), z - 0.05 * any_share());
 			sweep.to.yaw = 3 * any_share();
 			if (shape.kind == DEFORM_BOX)

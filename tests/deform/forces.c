@@ -3,10 +3,10 @@
 
 static const struct deform_shape plate = {.kind = DEFORM_BOX, .size = {0.4, 0.4, 0.5}};
 
-static struct deform_sweep press(const struct ground *ground, int i)
+static struct deform_contact press(const struct ground *ground, int i)
 {
 	struct deform_pose pose = ground_pose(ground, 20 + i % 30, 20 + i / 30 % 30, 0.25 - 0.001 * (1 + i % 7));
-	return (struct deform_sweep){.shape = &plate, .from = pose, .to = pose, .tag = 100 + (uint64_t)i};
+	return (struct deform_contact){.shape = &plate, .from = pose, .to = pose, .tag = 100 + (uint64_t)i};
 }
 
 static void open_ground(struct ground *ground)
@@ -27,7 +27,7 @@ static void every_sweep_that_asks_is_told_once_and_in_order(void **state)
 		struct deform_forces forces;
 		open_ground(&ground);
 		for (int i = 0; i < 700; i++) {
-			struct deform_sweep sweep = press(&ground, i);
+			struct deform_contact sweep = press(&ground, i);
 			ground_sweep(&ground, &sweep);
 			if (round == 1 && i % 7 == 0)
 				assert_ok(deform_forces_begin(ground.deform));
@@ -63,7 +63,7 @@ static void who_does_not_ask_is_not_told(void **state)
 	(void)state;
 	need_gpu();
 	open_ground(&ground);
-	struct deform_sweep sweep = press(&ground, 3);
+	struct deform_contact sweep = press(&ground, 3);
 	sweep.tag = 0;
 	ground_sweep(&ground, &sweep);
 	assert_ok(deform_forces_begin(ground.deform));
@@ -80,7 +80,7 @@ static void moments_are_about_the_centre(void **state)
 	(void)state;
 	need_gpu();
 	open_ground(&ground);
-	struct deform_sweep sweep = press(&ground, 3);
+	struct deform_contact sweep = press(&ground, 3);
 	/* 0.3 of a post off: the posts under it lie to one side. */
 	sweep.from.x = sweep.to.x += lattice_offset(0.3 * 0.0625);
 	struct deform_forces forces = ground_forces(&ground, &sweep);
@@ -110,7 +110,7 @@ static void windows_of_one_sweep_add_up(void **state)
 	need_gpu();
 	ground_init(&ground, &(struct ground_params){.cells = 512, .tiles = 1, .first = 1, .spacing = 0.03125, .model = DEFORM_SCM});
 	struct deform_pose pose = ground_pose(&ground, 256.3, 256.3, 0.5 - 0.01);
-	struct deform_sweep sweep = {.shape = &large, .from = pose, .to = pose};
+	struct deform_contact sweep = {.shape = &large, .from = pose, .to = pose};
 	struct deform_soil soil = ground.deform->params.soils[0];
 	struct deform_forces forces = ground_forces(&ground, &sweep);
 	assert_true(ground.window_count > 1);

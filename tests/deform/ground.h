@@ -91,13 +91,13 @@ static inline void ground_init(struct ground *ground, const struct ground_params
 		.model = params->model,
 		.box_radius = params->radius + (params->radius == 0),
 		.box_repetitions = params->repetitions + (params->repetitions == 0),
-		.dirt = params->dirt,
+		.disturbance = params->dirt,
 		.soil_count = params->soil_count + (params->soil_count == 0),
 		.iterations = params->iterations != 0 ? params->iterations : 4,
 		.relief = params->relief != 0 ? params->relief : (double)INFINITY,
 		.depth = params->depth != 0 ? params->depth : params->model == DEFORM_SCM ? 0 : (double)INFINITY,
 		.tolerance = params->tolerance,
-		.stands = params->stands,
+		.undisturbed_stable = params->stands,
 		.touched = params->touched,
 		.bulldozing = params->bulldozing,
 		.loaded_bodies = params->loaded_bodies,
@@ -125,7 +125,7 @@ static inline void ground_reset(struct ground *ground)
 		gpu_slots_undeform(ground->slots, k);
 }
 
-static inline void ground_sweep(struct ground *ground, const struct deform_sweep *sweep)
+static inline void ground_sweep(struct ground *ground, const struct deform_contact *sweep)
 {
 	assert_ok(deform_windows(ground->deform, sweep, ground->windows, &ground->window_count));
 	for (size_t i = 0; i < ground->window_count; i++)
@@ -174,7 +174,7 @@ static inline void ground_read(struct ground *ground)
 }
 
 /* What a sweep leaves of ground where nothing was before: its offsets. Freed by the caller. */
-static inline int32_t *ground_swept(struct ground *ground, const struct deform_sweep *sweep)
+static inline int32_t *ground_swept(struct ground *ground, const struct deform_contact *sweep)
 {
 	ground_reset(ground);
 	ground_sweep(ground, sweep);
@@ -203,18 +203,18 @@ static inline uint8_t *ground_contacts(struct ground *ground)
 }
 
 /* What rests at a sweep's end is what an object is above that only stands there. */
-static inline void assert_rests_where_it_ends(struct ground *ground, const struct deform_sweep *sweep)
+static inline void assert_rests_where_it_ends(struct ground *ground, const struct deform_contact *sweep)
 {
 	struct gpu_rect all = rect_of(0, 0, SIDE, SIDE);
 	int32_t *rest = ground_room(SIDE * SIDE, sizeof *rest), *under = ground_room(SIDE * SIDE, sizeof *under);
 	assert_ok(deform_windows(ground->deform, sweep, ground->windows, &ground->window_count));
 	const struct deform_window *window = &ground->windows[0];
-	assert_ok(deform_underside(ground->deform, sweep, window, 0));
+	assert_ok(deform_envelope(ground->deform, sweep, window, 0));
 	gpu_texture_read(ground->deform->rest, 0, all, rest);
-	struct deform_sweep standing = *sweep;
+	struct deform_contact standing = *sweep;
 	standing.from = standing.to;
 	standing.turned = 0;
-	assert_ok(deform_underside(ground->deform, &standing, window, 0));
+	assert_ok(deform_envelope(ground->deform, &standing, window, 0));
 	gpu_texture_read(ground->deform->under, 0, all, under);
 	int above = 0;
 	for (int64_t y = 0; y < window->read.y1 - window->read.y0; y++)
@@ -228,10 +228,10 @@ static inline void assert_rests_where_it_ends(struct ground *ground, const struc
 }
 
 /* Of a sweep that is made to ask. */
-static inline struct deform_forces ground_forces(struct ground *ground, const struct deform_sweep *sweep)
+static inline struct deform_forces ground_forces(struct ground *ground, const struct deform_contact *sweep)
 {
 	static uint64_t tag;
-	struct deform_sweep asked = *sweep;
+	struct deform_contact asked = *sweep;
 	struct deform_forces forces;
 	bool taken;
 	asked.tag = ++tag;

@@ -12,7 +12,7 @@ struct field {
 	size_t count;
 };
 
-static struct field field_of(const struct ground *ground, const struct deform_sweep *sweep)
+static struct field field_of(const struct ground *ground, const struct deform_contact *sweep)
 {
 	struct field field = {ground_room(ground->posts * ground->posts, sizeof *field.above), 0};
 	double reach = deform_shape_reach(sweep->shape, 0, 0);
@@ -53,7 +53,7 @@ static void try_shape(const struct deform_shape *shape, double width, double spa
 		for (int i = (int)k % 2; i < LOADS; i += 2) {
 			double load = pow(10, i);
 			struct deform_pose pose = ground_pose(&ground, 32.37, 32.21, reach - deform_sinkage_guess(shape, &soil, load));
-			struct deform_sweep sweep = {.shape = shape, .from = pose, .to = pose, .load = load};
+			struct deform_contact sweep = {.shape = shape, .from = pose, .to = pose, .load = load};
 			if (field.above == NULL)
 				field = field_of(&ground, &sweep);
 			ground_reset(&ground);
@@ -108,7 +108,7 @@ static void the_guess_does_not_matter(void **state)
 	for (size_t i = 0; i < sizeof guesses / sizeof *guesses; i++) {
 		ground_reset(&ground);
 		struct deform_pose pose = ground_pose(&ground, 64.37, 64.21, guesses[i]);
-		struct deform_sweep sweep = {.shape = &wheel, .from = pose, .to = pose, .load = 3000};
+		struct deform_contact sweep = {.shape = &wheel, .from = pose, .to = pose, .load = 3000};
 		struct deform_forces forces = ground_forces(&ground, &sweep);
 		assert_true(i == 0 || llabs(forces.z - z) <= 1);
 		z = i == 0 ? forces.z : z;
@@ -125,7 +125,7 @@ static void a_wheel_that_stands_again_stands_as_high(void **state)
 	need_gpu();
 	ground_init(&ground, &(struct ground_params){.cells = 64, .tiles = 2, .first = 2, .spacing = 0.03125, .model = DEFORM_SCM});
 	struct deform_pose pose = ground_pose(&ground, 64.37, 64.21, 0.45);
-	struct deform_sweep sweep = {.shape = &wheel, .from = pose, .to = pose, .load = 3000};
+	struct deform_contact sweep = {.shape = &wheel, .from = pose, .to = pose, .load = 3000};
 	int64_t z = ground_forces(&ground, &sweep).z;
 	for (int i = 0; i < 20; i++)
 		assert_true(llabs(ground_forces(&ground, &sweep).z - z) <= 1);
@@ -142,7 +142,7 @@ static void an_object_over_nothing_stays_where_it_is(void **state)
 	ground_init(&ground, &(struct ground_params){.cells = 64, .tiles = 2, .first = 0, .spacing = 0.03125, .model = DEFORM_SCM});
 	/* Its rim reaches over the world's edge, itself not. */
 	struct deform_pose pose = ground_pose(&ground, -17, 64, 0.45);
-	struct deform_sweep sweep = {.shape = &wheel, .from = pose, .to = pose, .load = 3000};
+	struct deform_contact sweep = {.shape = &wheel, .from = pose, .to = pose, .load = 3000};
 	struct deform_forces forces = ground_forces(&ground, &sweep);
 	assert_true(forces.z == pose.z && forces.force[2] == 0 && forces.area == 0 && !forces.sunk);
 	assert_ok(deform_tally(ground.deform, &tally));
@@ -151,14 +151,14 @@ static void an_object_over_nothing_stays_where_it_is(void **state)
 }
 
 /* The intervals that follow a press of one wheel; `at`: where it is said to stand. */
-static int32_t *slid_on(const struct deform_soil *soil, const struct deform_sweep *sweep, const struct deform_rest *at, bool told)
+static int32_t *slid_on(const struct deform_soil *soil, const struct deform_contact *sweep, const struct deform_rest *at, bool told)
 {
 	struct ground ground;
 	ground_init(&ground, &(struct ground_params){.cells = 64, .tiles = 2, .spacing = 0.03125, .model = DEFORM_SCM, .bulldozing = 1,
 						     .soils = soil, .iterations = 2, .loaded_bodies = 2});
 	struct deform_forces forces = ground_forces(&ground, sweep);
 	if (told) /* as after a resume */
-		deform_stands(ground.deform, 2, (int32_t)(forces.z - sweep->to.z));
+		deform_set_equilibrium(ground.deform, 2, (int32_t)(forces.z - sweep->to.z));
 	struct deform_rest rest = *at;
 	if (at->loaded_body == 0)
 		rest.pose.z = forces.z;
@@ -191,7 +191,7 @@ static void the_ground_slides_around_where_it_stands(void **state)
 	for (int i = 0; i < 2; i++) {
 		struct deform_pose pose = {.x = lattice_offset(64.37 * 0.03125), .y = lattice_offset(64.21 * 0.03125),
 					   .z = lattice_offset(i == 0 ? 0.55 : 0.2)};
-		struct deform_sweep sweep = {.shape = &wheel, .from = pose, .to = pose, .load = 6000, .loaded_body = 1};
+		struct deform_contact sweep = {.shape = &wheel, .from = pose, .to = pose, .load = 6000, .loaded_body = 1};
 		int32_t *where = slid_on(&soil, &sweep, &(struct deform_rest){&wheel, pose, 0}, false);
 		int32_t *found = slid_on(&soil, &sweep, &(struct deform_rest){&wheel, pose, 1}, false);
 		int32_t *resumed = slid_on(&soil, &sweep, &(struct deform_rest){&wheel, pose, 2}, true);

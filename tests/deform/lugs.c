@@ -3,10 +3,10 @@
 
 #define BELOW 250 /* how deep in the ground the wheels run */
 
-static const struct deform_shape lugged = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4, .lugs = 12, .lug_height = 0.05, .lug_thickness = 0.06};
+static const struct deform_shape lugged = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4, .grousers = 12, .grouser_height = 0.05, .grouser_thickness = 0.06};
 
 /* Lowest and highest of the reference around a post, and how many of eight places are under the wheel. */
-static int around(const struct deform_sweep *sweep, long double x, long double y, long double radius, long double *low,
+static int around(const struct deform_contact *sweep, long double x, long double y, long double radius, long double *low,
 		  long double *high)
 {
 	int covered = 0;
@@ -24,7 +24,7 @@ static int around(const struct deform_sweep *sweep, long double x, long double y
 }
 
 /* Within `near`, or within what lies no farther than `beside` metres from the post. Returns the posts compared. */
-static int compare(struct ground *ground, const struct deform_sweep *sweep, long double near, long double beside)
+static int compare(struct ground *ground, const struct deform_contact *sweep, long double near, long double beside)
 {
 	int posts = 0;
 	int32_t *offset = ground_swept(ground, sweep);
@@ -60,12 +60,12 @@ static void a_standing_wheel_is_that_of_the_reference(void **state)
 		ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .first = 3, .spacing = spacings[s]});
 		for (int i = 0; i < 24; i++) {
 			struct deform_shape shape = {.kind = DEFORM_WHEEL, .radius = 0.4 + 0.1 * any_share(), .width = 0.3 + 0.2 * any_share(),
-						     .lugs = 1 + i % 24, .lug_height = 0.02 + 0.1 * fabs(any_share()), .lug_thickness = 0.01 + 0.04 * fabs(any_share())};
+						     .grousers = 1 + i % 24, .grouser_height = 0.02 + 0.1 * fabs(any_share()), .grouser_thickness = 0.01 + 0.04 * fabs(any_share())};
 			assert_ok(deform_shape_check(&shape, spacings[s]));
 			struct deform_pose pose = ground_pose(&ground, 32 + any_share(), 32 + any_share(), -BELOW);
 			pose.yaw = i % 4 == 0 ? M_PI / 2 * i / 4 : any_share() * 4;
 			pose.turn = i % 5 == 0 ? 0 : any_share() * 20;
-			struct deform_sweep sweep = {.shape = &shape, .from = pose, .to = pose};
+			struct deform_contact sweep = {.shape = &shape, .from = pose, .to = pose};
 			posts += compare(&ground, &sweep, 4e-6L, 2e-5L * spacings[s]);
 		}
 		ground_finish(&ground);
@@ -82,7 +82,7 @@ static void a_rolling_wheel_is_nearly_that_of_the_reference(void **state)
 	need_gpu();
 	ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .spacing = 0.05});
 	for (int i = 0; i < 10; i++) {
-		struct deform_sweep sweep = {.shape = &lugged, .from = ground_pose(&ground, 32 + any_share(), 32 + any_share(), -BELOW)};
+		struct deform_contact sweep = {.shape = &lugged, .from = ground_pose(&ground, 32 + any_share(), 32 + any_share(), -BELOW)};
 		double heading = i < 5 ? 0 : any_share() * 4, way = slips[i % 5] == 1 ? 0 : 0.05;
 		sweep.to = sweep.from;
 		sweep.to.x += lattice_offset(way * cos(heading));
@@ -108,14 +108,14 @@ static void turned_by_one_lug_it_is_the_same(void **state)
 	ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .spacing = 0.0625});
 	for (int i = 0; i < 30; i++) {
 		struct deform_shape shape = lugged;
-		shape.lugs = 1 + i;
-		shape.lug_thickness = 0.03;
-		struct deform_sweep sweep = {.shape = &shape, .from = ground_pose(&ground, 31.3, 31.8, -1), .to = ground_pose(&ground, 32.1, 32.2, -1)};
+		shape.grousers = 1 + i;
+		shape.grouser_thickness = 0.03;
+		struct deform_contact sweep = {.shape = &shape, .from = ground_pose(&ground, 31.3, 31.8, -1), .to = ground_pose(&ground, 32.1, 32.2, -1)};
 		sweep.to.yaw = 0.3 * i;
 		sweep.turned = 0.1;
 		sweep.to.turn = 0.37 * i - 4;
 		int32_t *a = ground_swept(&ground, &sweep);
-		double by = 2 * M_PI / shape.lugs * (i % 3 == 0 ? 1 : i % 3 == 1 ? -7 : 1000);
+		double by = 2 * M_PI / shape.grousers * (i % 3 == 0 ? 1 : i % 3 == 1 ? -7 : 1000);
 		sweep.to.turn += by;
 		int32_t *b = ground_swept(&ground, &sweep);
 		assert_memory_equal(a, b, (size_t)(ground.posts * ground.posts) * sizeof *a);
@@ -139,8 +139,8 @@ static void without_lugs_it_is_the_smooth_wheel(void **state)
 	need_gpu();
 	ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .spacing = 0.0625, .model = DEFORM_BOX_FILTER, .radius = 1});
 	struct deform_shape smooth = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4}, none = lugged;
-	none.lugs = 0;
-	struct deform_sweep sweep = {.shape = &smooth, .from = ground_pose(&ground, 31.3, 31.8, 0.4), .to = ground_pose(&ground, 32.1, 32.2, 0.4)};
+	none.grousers = 0;
+	struct deform_contact sweep = {.shape = &smooth, .from = ground_pose(&ground, 31.3, 31.8, 0.4), .to = ground_pose(&ground, 32.1, 32.2, 0.4)};
 	sweep.to.turn = 1;
 	int32_t *a = ground_swept(&ground, &sweep);
 	sweep.shape = &none;
@@ -166,7 +166,7 @@ static void a_track_shows_every_lug(void **state)
 	for (int i = 0; i < 140; i++) {
 		struct deform_pose next = pose;
 		next.x += lattice_offset(0.015625);
-		struct deform_sweep sweep = {.shape = &shape, .from = pose, .to = next, .turned = 0.015625 / 0.55}; /* on its lugs */
+		struct deform_contact sweep = {.shape = &shape, .from = pose, .to = next, .turned = 0.015625 / 0.55}; /* on its lugs */
 		next.turn = sweep.to.turn = remainder(pose.turn + sweep.turned, 2 * M_PI);
 		ground_sweep(&ground, &sweep);
 		pose = next;
@@ -189,19 +189,19 @@ static void lugs_that_cannot_be_are_refused(void **state)
 	assert_int_equal(deform_shape_check(&shape, 0.1), STATUS_OK);
 	assert_true(fabs(deform_shape_reach(&shape, 1, 0) - 0.55) < 1e-12);
 	assert_true(deform_shape_bound(&shape) >= hypot(0.55, 0.2));
-	shape.lug_height = 0;
+	shape.grouser_height = 0;
 	assert_int_equal(deform_shape_check(&shape, 0.1), STATUS_INPUT);
 	shape = lugged;
-	shape.lug_thickness = 0.3;
+	shape.grouser_thickness = 0.3;
 	assert_int_equal(deform_shape_check(&shape, 0.1), STATUS_INPUT);
 	assert_non_null(strstr(failure_message(), "do not fit"));
 	shape = lugged;
-	shape.lugs = 361;
+	shape.grousers = 361;
 	assert_int_equal(deform_shape_check(&shape, 0.1), STATUS_INPUT);
-	shape.lugs = -1;
+	shape.grousers = -1;
 	assert_int_equal(deform_shape_check(&shape, 0.1), STATUS_INPUT);
 	shape = lugged;
-	shape.lug_height = 300;
+	shape.grouser_height = 300;
 	assert_int_equal(deform_shape_check(&shape, 0.1), STATUS_INPUT);
 }
 

@@ -123,7 +123,7 @@ struct tally {
 	long double worst;
 };
 
-static void around(const struct deform_sweep *sweep, long double x, long double y, long double radius, long double *low,
+static void around(const struct deform_contact *sweep, long double x, long double y, long double radius, long double *low,
 		   long double *high, int *covered)
 {
 	*low = 1e30L;
@@ -139,7 +139,7 @@ static void around(const struct deform_sweep *sweep, long double x, long double 
 	}
 }
 
-static void compare(struct ground *ground, const struct deform_sweep *sweep, int64_t stride, struct tally *tally)
+static void compare(struct ground *ground, const struct deform_contact *sweep, int64_t stride, struct tally *tally)
 {
 	long double radius = SNAPPED * ground->params.spacing;
 	ground_reset(ground);
@@ -181,13 +181,13 @@ static void compare(struct ground *ground, const struct deform_sweep *sweep, int
 
 static const double spacings[] = {1, 0.25, 0.0903, 0.015625};
 
-static struct deform_sweep any_sweep(const struct ground *ground, const struct deform_shape *shape, int number)
+static struct deform_contact any_sweep(const struct ground *ground, const struct deform_shape *shape, int number)
 {
 	double middle = (double)ground->posts / 2, far = number % 5 == 0 ? 12 : 1.2, spacing = ground->params.spacing;
 	double dx = number % 4 == 1 ? 0 : any_share() * far, dy = number % 4 == 1 ? 0 : any_share() * far;
 	double dz = number % 4 == 2 ? 0 : any_share() * far * spacing * (number % 3 == 0 ? 3 : 0.5);
 	double x = middle + any_share(), y = middle + any_share();
-	struct deform_sweep sweep = {.shape = shape, .from = ground_pose(ground, x, y, -BELOW), .to = ground_pose(ground, x + dx, y + dy, dz - BELOW)};
+	struct deform_contact sweep = {.shape = shape, .from = ground_pose(ground, x, y, -BELOW), .to = ground_pose(ground, x + dx, y + dy, dz - BELOW)};
 	sweep.to.yaw = number % 7 == 3 ? M_PI / 2 * (number % 4) : any_share() * 4;
 	if (number % 7 == 5 && number % 4 != 1)
 		sweep.to.yaw = atan2(dy, dx) + (number % 2 ? M_PI / 2 : 0);
@@ -227,7 +227,7 @@ static void every_mesh_is_that_of_the_reference(void **state)
 			make_any(&made, i % 5, spacings[s] * exp2(2.6 + 1.6 * any_share()));
 			struct deform_shape shape = {.kind = DEFORM_MESH, .mesh = &made.mesh};
 			assert_ok(deform_shape_check(&shape, spacings[s]));
-			struct deform_sweep sweep = any_sweep(&ground, &shape, i);
+			struct deform_contact sweep = any_sweep(&ground, &shape, i);
 			compare(&ground, &sweep, 1, &tally);
 		}
 		ground_finish(&ground);
@@ -248,7 +248,7 @@ static void a_mesh_larger_than_a_window_is_that_of_the_reference(void **state)
 	ground_init(&ground, &(struct ground_params){.cells = 512, .tiles = 1, .spacing = 0.25});
 	arch(&made, 80);
 	struct deform_shape shape = {.kind = DEFORM_MESH, .mesh = &made.mesh};
-	struct deform_sweep sweep = {.shape = &shape, .from = ground_pose(&ground, 255.3, 256.1, -BELOW), .to = ground_pose(&ground, 256.1, 255.9, -BELOW - 0.1)};
+	struct deform_contact sweep = {.shape = &shape, .from = ground_pose(&ground, 255.3, 256.1, -BELOW), .to = ground_pose(&ground, 256.1, 255.9, -BELOW - 0.1)};
 	sweep.to.yaw = 0.4;
 	sweep.to.pitch = 0.1;
 	compare(&ground, &sweep, 13, &tally);
@@ -270,7 +270,7 @@ static void a_brick_is_the_box(void **state)
 	static const double ways[][3] = {{0, 0, 0}, {1, 0, 0}, {0, -2, 0}, {2, 1, 0}, {0, 0, -0.5}, {1, 1, 0.25}};
 	for (size_t i = 0; i < sizeof ways / sizeof ways[0]; i++)
 		for (int turned = 0; turned < 2; turned++) {
-			struct deform_sweep sweep = {.shape = &mesh, .from = ground_pose(&ground, 30, 31, -2),
+			struct deform_contact sweep = {.shape = &mesh, .from = ground_pose(&ground, 30, 31, -2),
 						     .to = ground_pose(&ground, 30 + ways[i][0], 31 + ways[i][1], -2 + ways[i][2])};
 			sweep.to.yaw = turned * M_PI / 2;
 			int32_t *a = ground_swept(&ground, &sweep);
@@ -298,7 +298,7 @@ static void a_fine_ball_is_the_sphere(void **state)
 	ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .spacing = 0.0625});
 	ball(&made, 1, 40);
 	struct deform_shape mesh = {.kind = DEFORM_MESH, .mesh = &made.mesh}, sphere = {.kind = DEFORM_SPHERE, .radius = 1};
-	struct deform_sweep sweep = {.shape = &mesh, .from = ground_pose(&ground, 30.3, 31.8, -2), .to = ground_pose(&ground, 31.1, 32.2, -2.01)};
+	struct deform_contact sweep = {.shape = &mesh, .from = ground_pose(&ground, 30.3, 31.8, -2), .to = ground_pose(&ground, 31.1, 32.2, -2.01)};
 	sweep.to.pitch = 0.7;
 	int32_t *a = ground_swept(&ground, &sweep);
 	sweep.shape = &sphere;
@@ -331,7 +331,7 @@ static void what_stands_under_an_arch_is_left_standing(void **state)
 	arch(&made, 2);
 	struct deform_shape shape = {.kind = DEFORM_MESH, .mesh = &made.mesh};
 	/* Its feet 0.2 deep, its crown 1.2 above the ground. */
-	struct deform_sweep sweep = {.shape = &shape, .from = ground_pose(&ground, 32, 32, 0.8), .to = ground_pose(&ground, 32, 32, 0.8)};
+	struct deform_contact sweep = {.shape = &shape, .from = ground_pose(&ground, 32, 32, 0.8), .to = ground_pose(&ground, 32, 32, 0.8)};
 	int32_t *a = ground_swept(&ground, &sweep);
 	for (int x = -9; x <= 9; x++) {
 		int32_t at = a[32 * ground.posts + 32 + x];
@@ -356,7 +356,7 @@ static void it_rests_where_it_ends(void **state)
 	for (int k = 0; k < 20; k++) {
 		make_any(&made, k % 5, 1);
 		struct deform_shape shape = {.kind = DEFORM_MESH, .mesh = &made.mesh};
-		struct deform_sweep sweep = any_sweep(&ground, &shape, k);
+		struct deform_contact sweep = any_sweep(&ground, &shape, k);
 		assert_rests_where_it_ends(&ground, &sweep);
 	}
 	ground_finish(&ground);
@@ -378,9 +378,9 @@ static void ten_thousand_kilometres_away_are_the_same_bits(void **state)
 			make_any(&made, k % 5, fine[i] * 12);
 			struct deform_shape shape = {.kind = DEFORM_MESH, .mesh = &made.mesh};
 			uint32_t seed = test_seed;
-			struct deform_sweep here = any_sweep(&near, &shape, k);
+			struct deform_contact here = any_sweep(&near, &shape, k);
 			test_seed = seed;
-			struct deform_sweep there = any_sweep(&far, &shape, k);
+			struct deform_contact there = any_sweep(&far, &shape, k);
 			int32_t *a = ground_swept(&near, &here), *b = ground_swept(&far, &there);
 			assert_memory_equal(a, b, (size_t)(near.posts * near.posts) * sizeof *a);
 			mem_free(a);
@@ -420,7 +420,7 @@ static void any_number_of_triangles(void **state)
 	ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .spacing = 0.0625});
 	ball(&made, 1.5, 44); /* 7,744 */
 	struct deform_shape shape = {.kind = DEFORM_MESH, .mesh = &made.mesh};
-	struct deform_sweep sweep = {.shape = &shape, .from = ground_pose(&ground, 31.4, 31.5, -BELOW), .to = ground_pose(&ground, 32.2, 32.6, -BELOW)};
+	struct deform_contact sweep = {.shape = &shape, .from = ground_pose(&ground, 31.4, 31.5, -BELOW), .to = ground_pose(&ground, 32.2, 32.6, -BELOW)};
 	sweep.to.roll = 1;
 	compare(&ground, &sweep, 17, &tally);
 	assert_true(tally.posts > 50);

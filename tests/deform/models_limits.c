@@ -69,12 +69,12 @@ static int32_t rough(int64_t x, int64_t y)
 	return h % 97 == 0 ? BASE_NODATA : (int32_t)(h >> 16) + (cliff ? 300 << BASE_BITS : 0);
 }
 
-static struct deform_sweep any_sweep(const struct ground *ground, const struct deform_shape *shape)
+static struct deform_contact any_sweep(const struct ground *ground, const struct deform_shape *shape)
 {
 	double spacing = ground->params.spacing, x = 48 + 40 * any_share(), y = 48 + 40 * any_share();
 	double height = any_word() % 8 == 0 ? 600 * any_share() : x > 60 && y > 40 ? 300 : 0;
 	double z = height + deform_shape_reach(shape, 0, 0) - 4 * spacing * any_share();
-	struct deform_sweep sweep = {.shape = shape, .tag = 1};
+	struct deform_contact sweep = {.shape = shape, .tag = 1};
 	sweep.from = ground_pose(ground, x, y, z);
 	sweep.to = ground_pose(ground, x + 2 * any_share(), y + 2 * any_share(), z + spacing * any_share());
 	sweep.to.yaw = 4 * any_share();
@@ -89,7 +89,7 @@ static struct deform_sweep any_sweep(const struct ground *ground, const struct d
 	return sweep;
 }
 
-static void forces_are_numbers(struct ground *ground, const struct deform_sweep *sweep)
+static void forces_are_numbers(struct ground *ground, const struct deform_contact *sweep)
 {
 	struct deform_forces forces;
 	bool taken;
@@ -121,9 +121,9 @@ static int64_t look(struct ground *ground)
 		assert_true(ground->base[i] != BASE_NODATA || ground->offset[i] == 0);
 	}
 	int32_t *heaped = ground_room((CELLS + 1) * (CELLS + 1), sizeof *heaped), *pressed = ground_room((CELLS + 1) * (CELLS + 1), sizeof *pressed);
-	for (uint32_t k = 0; k < ground->tile_count && (planes & PLANE_BIT(PLANE_PRESSED)); k++) {
+	for (uint32_t k = 0; k < ground->tile_count && (planes & PLANE_BIT(PLANE_PLASTIC_SINKAGE)); k++) {
 		assert_ok(staged_read_planes(test_gpu, ground->slots, CELLS, k,
-					     (void *[PLANES]){[PLANE_HEAPED] = heaped, [PLANE_PRESSED] = pressed}));
+					     (void *[PLANES]){[PLANE_DEPOSITED] = heaped, [PLANE_PLASTIC_SINKAGE] = pressed}));
 		for (int i = 0; i < (CELLS + 1) * (CELLS + 1); i++)
 			assert_true(heaped[i] >= -MOST && heaped[i] <= MOST && pressed[i] >= 0 && pressed[i] <= 2 * (int64_t)MOST);
 	}
@@ -157,7 +157,7 @@ static void at_its_limits(enum deform_model model, int rounds)
 		/* Not all of it stands: any of it may slide. */
 		assert_ok(deform_wake(ground.deform, (struct post_rect){0, 0, POSTS, POSTS}));
 		for (int k = 0; k < 6; k++) {
-			struct deform_sweep sweep = any_sweep(&ground, &shape);
+			struct deform_contact sweep = any_sweep(&ground, &shape);
 			ground_sweep(&ground, &sweep);
 			for (size_t i = 0; i < ground.window_count; i++)
 				assert_ok(deform_wake(ground.deform, ground.windows[i].write));

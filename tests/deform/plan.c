@@ -8,8 +8,8 @@
 #define NAMES_MAX 64
 
 static const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4};
-static const struct deform_shape lugged = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4, .lugs = 9, .lug_height = 0.06,
-					   .lug_thickness = 0.05};
+static const struct deform_shape lugged = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4, .grousers = 9, .grouser_height = 0.06,
+					   .grouser_thickness = 0.05};
 static const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 0.6};
 static const struct deform_shape crate = {.kind = DEFORM_BOX, .size = {1, 0.8, 0.6}};
 static const struct deform_shape hall = {.kind = DEFORM_BOX, .size = {34, 30, 1}}; /* of several windows */
@@ -68,7 +68,7 @@ static void sweep(struct drive *drive, size_t object, double x, double y, double
 {
 	const struct deform_planned *planned = &drive->scenario->objects[object];
 	double z = deform_shape_reach(planned->shape, 0, 0) - 0.1;
-	struct deform_sweep sweep = {.shape = planned->shape, .from = ground_pose(&drive->ground, x, y, z), .load = planned->load};
+	struct deform_contact sweep = {.shape = planned->shape, .from = ground_pose(&drive->ground, x, y, z), .load = planned->load};
 	sweep.to = ground_pose(&drive->ground, x + dx, y + dy, z);
 	sweep.turned = dx * drive->ground.params.spacing / 0.5;
 	if (planned->load > 0)
@@ -365,7 +365,7 @@ static void soil_contact_runs_what_is_planned(void **state)
 static void nothing_is_planned_without_objects(void **state)
 {
 	struct plan plan = {.lines = NULL};
-	struct deform_params params = {.model = DEFORM_SCM, .soil_count = 1, .iterations = 1, .dirt = true};
+	struct deform_params params = {.model = DEFORM_SCM, .soil_count = 1, .iterations = 1, .disturbance = true};
 	const struct deform_planned object = {&wheel, 0, true};
 	(void)state;
 	deform_plan(&params, NULL, 0, true, &plan);

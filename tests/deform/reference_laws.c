@@ -48,7 +48,7 @@ static struct deform_pose at(const struct reference_ground *ground, double x, do
 	};
 }
 
-static void swept(struct reference_ground *ground, const struct deform_params *params, const struct deform_sweep *sweep,
+static void swept(struct reference_ground *ground, const struct deform_params *params, const struct deform_contact *sweep,
 		  struct reference_forces *forces)
 {
 	double lower;
@@ -79,7 +79,7 @@ static void soil_is_neither_made_nor_lost(void **state)
 		ground.hole[POST(24, 11)] = true;
 		for (int i = 0; i < 48 * 24; i++)
 			ground.base[i] = 0.1 * any_height();
-		struct deform_sweep sweep = {.shape = &wheel, .from = at(&ground, 8, 12, 0.4), .to = at(&ground, 8, 12, 0.4)};
+		struct deform_contact sweep = {.shape = &wheel, .from = at(&ground, 8, 12, 0.4), .to = at(&ground, 8, 12, 0.4)};
 		double lowest = 0;
 		for (int i = 0; i <= 60; i++) {
 			double turn = i <= 30 ? i : 60 - i;
@@ -265,7 +265,7 @@ static void forces_are_those_of_a_plate(void **state)
 	params.bulldozing = 0;
 	const struct deform_soil *soil = &params.soils[0];
 	struct deform_shape plate = {.kind = DEFORM_BOX, .size = {1, 0.8, 0.6}};
-	struct deform_sweep sweep = {.shape = &plate, .from = at(&ground, 14.5, 14.5, 0.28), .to = at(&ground, 14.5, 14.5, 0.28)};
+	struct deform_contact sweep = {.shape = &plate, .from = at(&ground, 14.5, 14.5, 0.28), .to = at(&ground, 14.5, 14.5, 0.28)};
 	struct reference_forces forces;
 	swept(&ground, &params, &sweep, &forces);
 	double sunk = 0.3 - lattice_offset_metres(lattice_offset(0.28)), area = 0.8, pressure = reference_bekker(soil, 0.8, sunk);
@@ -295,7 +295,7 @@ static void forces_are_those_of_a_plate(void **state)
 	struct reference_ground half = made(30, 30, 0.1);
 	for (int i = 0; i < 900; i++)
 		half.base[i] = i % 30 >= 15 ? 0 : -1;
-	sweep = (struct deform_sweep){.shape = &plate, .from = at(&half, 14.5, 14.5, 0.28), .to = at(&half, 14.5, 14.5, 0.28)};
+	sweep = (struct deform_contact){.shape = &plate, .from = at(&half, 14.5, 14.5, 0.28), .to = at(&half, 14.5, 14.5, 0.28)};
 	swept(&half, &params, &sweep, &forces);
 	assert_true(fabs(forces.area - area / 2) < 1e-12 && forces.moment[1] < -0.2 * forces.force[2]);
 	reference_ground_finish(&half);
@@ -312,7 +312,7 @@ static void shear_is_against_the_way_of_the_rim(void **state)
 	for (int i = 0; i < 4; i++)
 		for (int spins = 0; spins < 2; spins++) {
 			struct reference_ground ground = made(40, 40, 0.05);
-			struct deform_sweep sweep = {.shape = &wheel, .from = at(&ground, 19.5, 19.5, 0.45), .to = at(&ground, 19.5, 19.5, 0.45)};
+			struct deform_contact sweep = {.shape = &wheel, .from = at(&ground, 19.5, 19.5, 0.45), .to = at(&ground, 19.5, 19.5, 0.45)};
 			struct reference_forces forces;
 			sweep.to.yaw = sweep.from.yaw = yaws[i];
 			if (spins)
@@ -339,7 +339,7 @@ static void a_load_is_carried_wherever_there_is_ground(void **state)
 	struct deform_shape sphere = {.kind = DEFORM_SPHERE, .radius = 0.3};
 	struct reference_ground ground = made(20, 20, 0.05);
 	struct reference_forces forces;
-	struct deform_sweep sweep = {.shape = &sphere, .load = 40};
+	struct deform_contact sweep = {.shape = &sphere, .load = 40};
 	double lower;
 	for (int i = 0; i < 400; i++)
 		ground.base[i] = 7 + 0.05 * any_height();
@@ -370,7 +370,7 @@ static void heaped_soil_is_undisturbed(void **state)
 	struct deform_params params = with(DEFORM_SCM, "dry_sand");
 	struct deform_shape plate = {.kind = DEFORM_BOX, .size = {0.4, 0.4, 1}};
 	struct reference_ground ground = made(20, 20, 0.1);
-	struct deform_sweep sweep = {.shape = &plate, .from = at(&ground, 9.5, 9.5, 0.4), .to = at(&ground, 9.5, 9.5, 0.4)};
+	struct deform_contact sweep = {.shape = &plate, .from = at(&ground, 9.5, 9.5, 0.4), .to = at(&ground, 9.5, 9.5, 0.4)};
 	struct reference_forces forces;
 	params.bulldozing = 1;
 	params.soils[0].repose = 80 * RADIANS;
@@ -399,7 +399,7 @@ static void what_is_pressed_and_what_is_held_is_told(void **state)
 	struct deform_params params = with(DEFORM_SLIPPAGE, "dry_sand");
 	struct deform_shape plate = {.kind = DEFORM_BOX, .size = {0.4, 0.4, 1}};
 	struct reference_ground ground = made(20, 20, 0.1);
-	struct deform_sweep sweep = {.shape = &plate, .from = at(&ground, 8.5, 9.5, 0.4), .to = at(&ground, 11.5, 9.5, 0.4)};
+	struct deform_contact sweep = {.shape = &plate, .from = at(&ground, 8.5, 9.5, 0.4), .to = at(&ground, 11.5, 9.5, 0.4)};
 	struct reference_forces forces;
 	swept(&ground, &params, &sweep, &forces);
 	for (int y = 0; y < 20; y++)
@@ -424,7 +424,7 @@ static void stress_is_along_the_undisturbed_normal(void **state)
 	struct reference_forces forces;
 	params.bulldozing = params.iterations = 0;
 	for (int hole = 0; hole < 2; hole++) {
-		struct deform_sweep sweep = {.shape = &plate, .from = at(&ground, 9, 9 + hole, 0.85), .to = at(&ground, 9, 9 + hole, 0.85)};
+		struct deform_contact sweep = {.shape = &plate, .from = at(&ground, 9, 9 + hole, 0.85), .to = at(&ground, 9, 9 + hole, 0.85)};
 		for (int i = 0; i < 400; i++)
 			ground.base[i] = 0.05 * (i % 20);
 		ground.hole[POST(8, 10)] = hole;
@@ -432,7 +432,7 @@ static void stress_is_along_the_undisturbed_normal(void **state)
 		assert_true(fabs(forces.force[0] / forces.force[2] + 0.5) < 1e-9 && fabs(forces.force[1]) < 1e-9);
 		assert_true(fabs(forces.sinkage - 0.1 / sqrt(1.25)) < 1e-5);
 	}
-	struct deform_sweep sweep = {.shape = &plate, .from = at(&ground, 10, 5, 9.5), .to = at(&ground, 10, 5, 9.5)};
+	struct deform_contact sweep = {.shape = &plate, .from = at(&ground, 10, 5, 9.5), .to = at(&ground, 10, 5, 9.5)};
 	for (int i = 0; i < 400; i++)
 		ground.base[i] = i % 20 < 10 ? 0 : 10;
 	swept(&ground, &params, &sweep, &forces);

@@ -31,15 +31,15 @@ static void init(struct ground *ground, const struct deform_soil *soil, double s
 						    .soils = soil, .bulldozing = bulldozing});
 }
 
-static struct deform_sweep stand(const struct ground *ground, const struct deform_shape *shape, double x, double y, double z)
+static struct deform_contact stand(const struct ground *ground, const struct deform_shape *shape, double x, double y, double z)
 {
 	struct deform_pose pose = ground_pose(ground, x, y, z);
-	return (struct deform_sweep){.shape = shape, .from = pose, .to = pose};
+	return (struct deform_contact){.shape = shape, .from = pose, .to = pose};
 }
 
-static struct deform_sweep move(const struct deform_sweep *before, double dx, double dy, double dz)
+static struct deform_contact move(const struct deform_contact *before, double dx, double dy, double dz)
 {
-	struct deform_sweep sweep = *before;
+	struct deform_contact sweep = *before;
 	sweep.from = before->to;
 	sweep.to.x += lattice_offset(dx);
 	sweep.to.y += lattice_offset(dy);
@@ -60,7 +60,7 @@ static void plates_sink_as_bekker_says(void **state)
 		struct ground ground;
 		struct deform_soil soil = named(plates[i].soil);
 		init(&ground, &soil, 0.015625, 0);
-		struct deform_sweep sweep = stand(&ground, &plate, 64.3, 64.4, 0.25 - plates[i].sinkage / 1000);
+		struct deform_contact sweep = stand(&ground, &plate, 64.3, 64.4, 0.25 - plates[i].sinkage / 1000);
 		struct deform_forces forces = ground_forces(&ground, &sweep);
 		double pressure = forces.force[2] / forces.area, rounding = plates[i].sinkage > 100 ? 0.055 : 0.0055;
 		assert_true(fabs(pressure / 20e3 - 1) < soil.bekker_n * rounding / plates[i].sinkage);
@@ -85,7 +85,7 @@ static void plates_shear_as_janosi_says(void **state)
 	init(&ground, &soil, 0.015625, 0);
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		ground_reset(&ground);
-		struct deform_sweep first = stand(&ground, &plate, 40, 64, 0.25 - 0.0192946), sweep = move(&first, cases[i].way * 0.8, cases[i].way * 0.6, 0);
+		struct deform_contact first = stand(&ground, &plate, 40, 64, 0.25 - 0.0192946), sweep = move(&first, cases[i].way * 0.8, cases[i].way * 0.6, 0);
 		struct deform_forces forces = ground_forces(&ground, &sweep);
 		assert_true(fabs(forces.force[2] / forces.area - 20e3) < 2);
 		assert_true(fabs(-forces.force[0] / forces.area - 0.8 * cases[i].tau) < 2);
@@ -106,7 +106,7 @@ static void soil_that_is_pressed_fast_bears_more(void **state)
 	double still = 0;
 	for (int i = 0; i < 3; i++) {
 		ground_reset(&ground);
-		struct deform_sweep first = stand(&ground, &plate, 64, 64, 0.25 - 0.04), sweep = move(&first, 0, 0, -0.01);
+		struct deform_contact first = stand(&ground, &plate, 64, 64, 0.25 - 0.04), sweep = move(&first, 0, 0, -0.01);
 		sweep.seconds = seconds[i];
 		struct deform_forces forces = ground_forces(&ground, &sweep);
 		double pressure = forces.force[2] / forces.area, rate = i > 0 ? 0.01 / seconds[i] : 0;
@@ -131,17 +131,17 @@ static void a_load_rebounds_and_presses_no_deeper_again(void **state)
 	(void)state;
 	need_gpu();
 	init(&ground, &soil, 0.015625, 0);
-	struct deform_sweep first = stand(&ground, &plate, 64, 64, 0.25);
+	struct deform_contact first = stand(&ground, &plate, 64, 64, 0.25);
 	first.load = 1;
 	struct deform_forces forces = ground_forces(&ground, &first);
 	ground_reset(&ground);
 	first.load = 20e3 * forces.area;
 	forces = ground_forces(&ground, &first);
 	assert_true(fabs(forces.sinkage - 0.12328) < 6e-6);
-	struct deform_sweep lift = stand(&ground, &plate, 64, 64, 0.25 - forces.sinkage);
+	struct deform_contact lift = stand(&ground, &plate, 64, 64, 0.25 - forces.sinkage);
 	lift.to.z = lattice_offset(1);
 	ground_sweep(&ground, &lift);
-	int32_t rut = at_centre(&ground, PLANE_OFFSET), pressed = at_centre(&ground, PLANE_PRESSED);
+	int32_t rut = at_centre(&ground, PLANE_OFFSET), pressed = at_centre(&ground, PLANE_PLASTIC_SINKAGE);
 	assert_true(fabs(lattice_offset_metres(rut) + forces.sinkage - 0.0005) < 2e-6);
 	for (int i = 0; i < 3; i++) {
 		struct deform_forces again = ground_forces(&ground, &first);
@@ -150,7 +150,7 @@ static void a_load_rebounds_and_presses_no_deeper_again(void **state)
 		lift.from.z = again.z;
 		ground_sweep(&ground, &lift);
 		assert_int_equal(at_centre(&ground, PLANE_OFFSET), rut);
-		assert_int_equal(at_centre(&ground, PLANE_PRESSED), pressed);
+		assert_int_equal(at_centre(&ground, PLANE_PLASTIC_SINKAGE), pressed);
 	}
 	ground_finish(&ground);
 }
@@ -170,7 +170,7 @@ static void drive_about(struct ground *ground, int sweeps)
 		{.kind = DEFORM_WHEEL, .radius = 0.8, .width = 0.5}, {.kind = DEFORM_SPHERE, .radius = 0.6}, {.kind = DEFORM_BOX, .size = {1, 0.6, 0.4}}};
 	const struct deform_shape *shape = &shapes[any_word() % 3];
 	double heading = any_share() * M_PI, reach = deform_shape_reach(shape, 0, 0);
-	struct deform_sweep sweep = stand(ground, shape, 64 + 40 * any_share(), 64 + 40 * any_share(), reach - 0.1 + 0.15 * any_share());
+	struct deform_contact sweep = stand(ground, shape, 64 + 40 * any_share(), 64 + 40 * any_share(), reach - 0.1 + 0.15 * any_share());
 	for (int i = 0; i < sweeps; i++) {
 		ground_sweep(ground, &sweep);
 		heading += 0.3 * any_share();
@@ -206,8 +206,8 @@ static void what_is_not_compacted_is_somewhere(void **state)
 			int64_t sum = 0, heaped = 0;
 			drive_about(&ground, 25);
 			assert_ok(deform_tally(ground.deform, &tally));
-			int32_t *offsets = ground_plane(&ground, PLANE_OFFSET), *heaps = ground_plane(&ground, PLANE_HEAPED);
-			int32_t *pressed = ground_plane(&ground, PLANE_PRESSED);
+			int32_t *offsets = ground_plane(&ground, PLANE_OFFSET), *heaps = ground_plane(&ground, PLANE_DEPOSITED);
+			int32_t *pressed = ground_plane(&ground, PLANE_PLASTIC_SINKAGE);
 			for (int64_t k = 0; k < ground.posts * ground.posts; k++) {
 				sum += offsets[k];
 				heaped += heaps[k];
@@ -228,7 +228,7 @@ struct planes {
 	int32_t *all[PLANES];
 };
 
-static const enum plane kept[] = {PLANE_OFFSET, PLANE_HEAPED, PLANE_PRESSED, PLANE_SHEAR};
+static const enum plane kept[] = {PLANE_OFFSET, PLANE_DEPOSITED, PLANE_PLASTIC_SINKAGE, PLANE_SHEAR};
 #define KEPT (sizeof kept / sizeof *kept)
 
 static struct planes planes_of(struct ground *ground)
@@ -287,9 +287,9 @@ static void a_rut_that_was_paged_is_the_same_to_the_next_wheel(void **state)
 	ground_finish(&ground);
 }
 
-static void roll(struct ground *ground, const struct deform_sweep *start, int sweeps, struct deform_forces *last)
+static void roll(struct ground *ground, const struct deform_contact *start, int sweeps, struct deform_forces *last)
 {
-	struct deform_sweep sweep = *start;
+	struct deform_contact sweep = *start;
 	ground_sweep(ground, &sweep);
 	for (int i = 0; i < sweeps; i++) {
 		sweep = move(&sweep, ground->params.spacing, 0, 0);
@@ -307,7 +307,7 @@ static void a_second_pass_sinks_no_deeper(void **state)
 	(void)state;
 	need_gpu();
 	init(&ground, &soil, 0.03125, 0);
-	struct deform_sweep start = stand(&ground, &wheel, 40, 64, 0.3 - 0.05);
+	struct deform_contact start = stand(&ground, &wheel, 40, 64, 0.3 - 0.05);
 	roll(&ground, &start, 40, NULL);
 	struct planes first = planes_of(&ground);
 	roll(&ground, &start, 40, NULL);
@@ -331,7 +331,7 @@ static void left_and_right_are_the_same(void **state)
 	need_gpu();
 	/* What is carried away leaves its remainder to the south first. */
 	init(&ground, &soil, 0.03125, 0);
-	struct deform_sweep start = stand(&ground, &wheel, 40, 64, 0.3 - 0.06);
+	struct deform_contact start = stand(&ground, &wheel, 40, 64, 0.3 - 0.06);
 	start.seconds = 0.01;
 	start.turned = 0.03125 / 0.3 / 0.8;
 	roll(&ground, &start, 30, &forces);
@@ -359,7 +359,7 @@ static void a_wheel_that_slips_more_pulls_more(void **state)
 	for (int i = -2; i < 9; i++) {
 		struct deform_forces forces;
 		ground_reset(&ground);
-		struct deform_sweep start = stand(&ground, &wheel, 40, 64, 0.3 - 0.03);
+		struct deform_contact start = stand(&ground, &wheel, 40, 64, 0.3 - 0.03);
 		start.turned = 0.03125 / (0.3 * (1 - i * 0.1));
 		roll(&ground, &start, 30, &forces);
 		assert_true(forces.force[0] > before);
@@ -403,7 +403,7 @@ static void height_and_distance_do_not_matter(void **state)
 		ground_init(&ground, &(struct ground_params){.cells = 64, .tiles = 2, .first = places[i].first, .spacing = 0.03125,
 							     .model = DEFORM_SCM, .soils = &soil, .bulldozing = 0.5,
 							     .height = places[i].height, .reference = places[i].reference});
-		struct deform_sweep sweep = stand(&ground, &wheel, 40, 64, places[i].z + 0.75);
+		struct deform_contact sweep = stand(&ground, &wheel, 40, 64, places[i].z + 0.75);
 		for (int k = 0; k < 30; k++) {
 			ground_sweep(&ground, &sweep);
 			sweep = move(&sweep, 0.03, 0.005, 0.0003);
@@ -442,7 +442,7 @@ static void no_soil_makes_anything_but_numbers(void **state)
 			((double *)&soil)[k] = any_word() % 2 ? ((const double *)&low)[k] : ((const double *)&high)[k];
 		ground_init(&ground, &(struct ground_params){.cells = 64, .tiles = 1, .first = 2, .spacing = 0.125, .model = DEFORM_SCM, .height = rough,
 							     .soils = &soil, .bulldozing = round % 2});
-		struct deform_sweep sweep = stand(&ground, &wheel, 30, 32, 0.3 - 0.1);
+		struct deform_contact sweep = stand(&ground, &wheel, 30, 32, 0.3 - 0.1);
 		int64_t sum = 0;
 		for (int k = 0; k < 6; k++) {
 			sweep.load = k % 2 == 0 ? 0 : k == 1 ? 1 : 1e9;

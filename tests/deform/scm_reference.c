@@ -41,7 +41,7 @@ static void heap(struct ground *ground)
 			heaped[i] = hole ? 0 : (int32_t)ldexp(MOUND * sin((double)x * 0.31) * sin((double)y * 0.23), OFFSET_BITS);
 			pressed[i] = 0;
 		}
-		const void *planes[PLANES] = {[PLANE_OFFSET] = heaped, [PLANE_HEAPED] = heaped, [PLANE_PRESSED] = pressed};
+		const void *planes[PLANES] = {[PLANE_OFFSET] = heaped, [PLANE_DEPOSITED] = heaped, [PLANE_PLASTIC_SINKAGE] = pressed};
 		assert_ok(staged_upload_planes(test_gpu, ground->slots, cells, k, planes));
 	}
 	mem_free(heaped);
@@ -54,8 +54,8 @@ struct state {
 
 static struct state state_of(struct ground *ground)
 {
-	return (struct state){ground_plane(ground, PLANE_OFFSET), ground_plane(ground, PLANE_HEAPED),
-			      ground_plane(ground, PLANE_PRESSED), ground_plane(ground, PLANE_SHEAR)};
+	return (struct state){ground_plane(ground, PLANE_OFFSET), ground_plane(ground, PLANE_DEPOSITED),
+			      ground_plane(ground, PLANE_PLASTIC_SINKAGE), ground_plane(ground, PLANE_SHEAR)};
 }
 
 static void state_free(struct state *state)
@@ -127,7 +127,7 @@ static void every_sweep_is_that_of_the_reference(void **state)
 			struct deform_shape shape = {.kind = k % 3 ? DEFORM_WHEEL : DEFORM_BOX, .radius = 0.9, .width = 0.7, .size = {1, 1.5, 1.8}};
 			double x = 32 + 12 * any_share(), y = 32 + 12 * any_share();
 			double z = ldexp(x * 9000 + y * 4000, -BASE_BITS) + 0.9 - 0.12 * (1 + any_share());
-			struct deform_sweep sweep = {.shape = &shape, .from = ground_pose(&ground, x, y, z)};
+			struct deform_contact sweep = {.shape = &shape, .from = ground_pose(&ground, x, y, z)};
 			sweep.to = ground_pose(&ground, x + any_share(), y + any_share(), z - 0.01 * any_share());
 			sweep.to.yaw = sweep.from.yaw = 3 * any_share();
 			sweep.seconds = k % 4 ? 0.05 : 0;
@@ -172,10 +172,10 @@ static void pressed_again_as_deep_it_lays_nothing_more_aside(void **state)
 	ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .spacing = 0.125, .model = DEFORM_SCM, .soils = &soil,
 						     .iterations = 1, .bulldozing = 0.5});
 	for (int k = 0; k < 3; k++) {
-		struct deform_sweep sweep = {.shape = &plate, .from = ground_pose(&ground, 30.4, 32.3, k < 2 ? 0.4 : 0.35)};
+		struct deform_contact sweep = {.shape = &plate, .from = ground_pose(&ground, 30.4, 32.3, k < 2 ? 0.4 : 0.35)};
 		sweep.to = sweep.from;
 		ground_sweep(&ground, &sweep);
-		int32_t *heaped = ground_plane(&ground, PLANE_HEAPED);
+		int32_t *heaped = ground_plane(&ground, PLANE_DEPOSITED);
 		for (int64_t i = 0; i < ground.posts * ground.posts; i++)
 			sums[k] += heaped[i];
 		mem_free(heaped);

@@ -1,6 +1,6 @@
 /* The sliding rules post by post against the obvious ones, bit for bit, and the hard cases of the laws. */
 #include "ground.h"
-#include "deform/soil/stand.h"
+#include "deform/soil/stability.h"
 
 #define N 40 /* posts a side of what is written */
 #define HELD 2
@@ -101,7 +101,7 @@ static int64_t least(int64_t a, int64_t b)
 static int64_t excess(const struct ground *ground, const struct slab *of, int i, int j, bool diagonal)
 {
 	int64_t drop = height_of(of, i) - height_of(of, j);
-	int64_t over = drop - ground->deform->soils[of->classes[i]].stands[diagonal];
+	int64_t over = drop - ground->deform->soils[of->classes[i]].critical[diagonal];
 	int64_t more = stands ? drop - 4 * ((int64_t)of->base[i] - of->base[j]) : INT64_MAX;
 	if (least(over, more) <= (int64_t)ldexp(tolerance, 20))
 		return 0;
@@ -131,7 +131,7 @@ static struct flow sumner(const struct ground *ground, const struct slab *of, co
 		if (stands && drop - 4 * ((int64_t)of->base[i] - of->base[j]) <= (int64_t)ldexp(tolerance, 20))
 			continue;
 		starts |= drop > soil->stop[diagonal];
-		if (drop > (held ? soil->held : soil->stands)[diagonal]) {
+		if (drop > (held ? soil->held : soil->critical)[diagonal]) {
 			flow.to[k] = true;
 			count++;
 			sum += least(drop, 64 << 20);
@@ -252,9 +252,9 @@ static void a_tolerance_is_whole_quanta_on_every_difference(void **state)
 		for (int k = 0; k < 2; k++) {
 			const struct slide_soil *is = &ground.deform->soils[0];
 			double apart = k == 0 ? 0.5 : 0.5 * M_SQRT2;
-			assert_int_equal(is->stands[k], deform_stands_at(soil.theta_out, apart) + quanta);
-			assert_int_equal(is->held[k], deform_stands_at(soil.theta_in, apart) + quanta);
-			assert_int_equal(is->stop[k], deform_stands_at(soil.theta_stop, apart) + quanta);
+			assert_int_equal(is->critical[k], deform_critical_difference(soil.theta_out, apart) + quanta);
+			assert_int_equal(is->held[k], deform_critical_difference(soil.theta_in, apart) + quanta);
+			assert_int_equal(is->stop[k], deform_critical_difference(soil.theta_stop, apart) + quanta);
 		}
 		ground_finish(&ground);
 	}
@@ -262,7 +262,7 @@ static void a_tolerance_is_whole_quanta_on_every_difference(void **state)
 	struct ground ground;
 	soil.theta_in = soil.theta_out = soil.theta_stop = 90 * M_PI / 180;
 	start(&ground, DEFORM_SUMNER, 0.5, 1, 0, &soil, 1);
-	assert_int_equal(ground.deform->soils[0].stands[0], INT32_MAX);
+	assert_int_equal(ground.deform->soils[0].critical[0], INT32_MAX);
 	assert_int_equal(ground.deform->soils[0].stop[1], INT32_MAX);
 	ground_finish(&ground);
 	tolerance = 0;
@@ -328,7 +328,7 @@ static int64_t steepest_over(const struct ground *ground)
 			int px = i % N + k % 3 - 1, py = i / N + k / 3 - 1, j = py * N + px;
 			if (k == 4 || px < 0 || py < 0 || px >= N || py >= N)
 				continue;
-			int64_t drop = height_of(&slab, i) - height_of(&slab, j) - ground->deform->soils[0].stands[k % 2 == 0];
+			int64_t drop = height_of(&slab, i) - height_of(&slab, j) - ground->deform->soils[0].critical[k % 2 == 0];
 			over = drop > over ? drop : over;
 		}
 	return over;
@@ -353,7 +353,7 @@ static void a_spike_and_a_cliff_of_1000_m_come_to_the_angle_of_repose(void **sta
 		/* Both ways: it stands, and no flatter than it must. A pair gives at least a quantum while it is too steep. */
 		int64_t over = steepest_over(&ground);
 		assert_true(over <= 0);
-		assert_true(over >= -ground.deform->soils[0].stands[0] / 100);
+		assert_true(over >= -ground.deform->soils[0].critical[0] / 100);
 		if (!cliff)
 			assert_true(height_of(&slab, N / 2 * N + N / 2) < (int64_t)(200) << 20);
 		ground_finish(&ground);
@@ -407,7 +407,7 @@ static void what_is_tolerated_stays_to_the_last_quantum(void **state)
 		flat_slab();
 		for (int k = 0; k < N * N && stands; k++)
 			slab.base[k] += k % N < N / 2 ? 1 << 17 : 0;
-		int32_t soil_stands = stands ? 0 : ground.deform->soils[0].stands[0], tolerated = sumner && !stands ? 0 : 10485;
+		int32_t soil_stands = stands ? 0 : ground.deform->soils[0].critical[0], tolerated = sumner && !stands ? 0 : 10485;
 		for (int k = 0; k < N * N; k++)
 			slab.offset[k] = k % N < N / 2 ? soil_stands + tolerated + more : 0;
 		before = slab;
@@ -488,22 +488,22 @@ static void a_cohesive_cut_stands_to_culmanns_height_and_slips_above(void **stat
 	const struct deform_soil clay = {.cohesion = 4140, .friction_angle = 13 * M_PI / 180, .unit_weight = 16000};
 	(void)state;
 	/* Between posts so near the cut is upright, to a per mille. */
-	assert_true(fabs(ldexp(deform_stands_cohesive(&clay, 1e-4), -20) - 1.301) < 0.001);
+	assert_true(fabs(ldexp(deform_critical_difference_cohesive(&clay, 1e-4), -20) - 1.301) < 0.001);
 	/* Without cohesion the angle alone. */
 	struct deform_soil sand = clay;
 	sand.cohesion = 0;
-	assert_int_equal(deform_stands_cohesive(&sand, 0.5), (int)floor(ldexp(0.5 * tan(sand.friction_angle), 20)));
+	assert_int_equal(deform_critical_difference_cohesive(&sand, 0.5), (int)floor(ldexp(0.5 * tan(sand.friction_angle), 20)));
 	/* With more than any height is worth, always. */
 	sand.cohesion = 1e9;
-	assert_int_equal(deform_stands_cohesive(&sand, 0.5), INT32_MAX);
-	assert_int_equal(deform_stands_at(89.95 * M_PI / 180, 1), INT32_MAX);
-	assert_true(deform_stands_at(89.9 * M_PI / 180, 1) < INT32_MAX);
+	assert_int_equal(deform_critical_difference_cohesive(&sand, 0.5), INT32_MAX);
+	assert_int_equal(deform_critical_difference(89.95 * M_PI / 180, 1), INT32_MAX);
+	assert_true(deform_critical_difference(89.9 * M_PI / 180, 1) < INT32_MAX);
 	need_gpu();
 	struct ground ground;
 	start(&ground, DEFORM_SLIPPAGE, 1.0 / 64, 4, 0, &clay, 1);
 	for (int above = 0; above < 2; above++) {
 		flat_slab();
-		int32_t height = deform_stands_cohesive(&clay, 1.0 / 64) + above;
+		int32_t height = deform_critical_difference_cohesive(&clay, 1.0 / 64) + above;
 		assert_true(fabs(ldexp(height, -20) - 1.301) < 0.02);
 		for (int i = 0; i < N * N; i++)
 			slab.offset[i] = i % N < N / 2 ? height : 0;

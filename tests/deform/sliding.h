@@ -36,7 +36,7 @@ static inline struct post_rect disturb(struct ground *ground, int64_t x, int64_t
 {
 	struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 6 * ground->params.spacing};
 	double z = ldexp(ground->base[y * ground->posts + x], -BASE_BITS) + ball.radius - height;
-	struct deform_sweep sweep = {.shape = &ball, .from = ground_pose(ground, (double)x, (double)y, z)};
+	struct deform_contact sweep = {.shape = &ball, .from = ground_pose(ground, (double)x, (double)y, z)};
 	sweep.to = sweep.from;
 	ground_sweep(ground, &sweep);
 	for (size_t i = 0; i < ground->window_count; i++)

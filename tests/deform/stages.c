@@ -17,11 +17,11 @@ static int32_t holed(int64_t x, int64_t y)
 static const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4};
 static const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 0.7};
 
-static struct deform_sweep roll(const struct ground *ground, const struct deform_shape *shape, double x, double y,
+static struct deform_contact roll(const struct ground *ground, const struct deform_shape *shape, double x, double y,
 				double depth)
 {
 	double z = shape->radius - depth;
-	struct deform_sweep sweep = {.shape = shape, .from = ground_pose(ground, x, y, z), .to = ground_pose(ground, x + 1.7, y + 0.9, z)};
+	struct deform_contact sweep = {.shape = shape, .from = ground_pose(ground, x, y, z), .to = ground_pose(ground, x + 1.7, y + 0.9, z)};
 	sweep.to.yaw = atan2(0.9, 1.7);
 	return sweep;
 }
@@ -40,7 +40,7 @@ static void only_ground_above_the_object_is_pressed(void **state)
 	(void)state;
 	need_gpu();
 	ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .first = 2, .spacing = 0.0625, .height = holed});
-	struct deform_sweep sweep = roll(&ground, &wheel, 31.3, 30.8, 0.05);
+	struct deform_contact sweep = roll(&ground, &wheel, 31.3, 30.8, 0.05);
 	ground_sweep(&ground, &sweep);
 	ground_read(&ground);
 	for (int64_t i = 0; i < ground.posts * ground.posts; i++) {
@@ -71,8 +71,8 @@ static void contacts_tell_what_was_pressed_and_what_is_held(void **state)
 	for (int round = 0; round < 6; round++) {
 		ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .first = 2, .spacing = 0.125,
 							     .height = holed, .model = DEFORM_NONE, .dirt = true});
-		struct deform_sweep sweep = roll(&ground, round % 2 ? &ball : &wheel, 30 + any_share(), 29 + any_share(), 0.05);
-		struct deform_sweep end = {.shape = sweep.shape, .from = sweep.to, .to = sweep.to};
+		struct deform_contact sweep = roll(&ground, round % 2 ? &ball : &wheel, 30 + any_share(), 29 + any_share(), 0.05);
+		struct deform_contact end = {.shape = sweep.shape, .from = sweep.to, .to = sweep.to};
 		ground_sweep(&ground, &sweep);
 		ground_read(&ground);
 		uint8_t *contacts = ground_contacts(&ground);
@@ -130,7 +130,7 @@ static void the_box_filter_is_that_of_the_reference_bit_for_bit(void **state)
 		mem_free(was);
 		/* Across the world's rim too. */
 		double x = round % 5 == 4 ? 62 : 31 + 3 * any_share();
-		struct deform_sweep sweep = roll(&smoothed, round % 2 ? &ball : &wheel, x, 30 + any_share(), 0.1);
+		struct deform_contact sweep = roll(&smoothed, round % 2 ? &ball : &wheel, x, 30 + any_share(), 0.1);
 		ground_sweep(&pressed, &sweep);
 		ground_sweep(&smoothed, &sweep);
 		ground_read(&pressed);
@@ -158,8 +158,8 @@ static void an_object_at_rest_changes_nothing_more(void **state)
 	need_gpu();
 	ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .first = 2, .spacing = 0.125, .height = rough,
 						     .model = DEFORM_BOX_FILTER, .radius = 2, .repetitions = 3});
-	struct deform_sweep sweep = roll(&ground, &wheel, 31.3, 30.8, 0.1);
-	struct deform_sweep rest = {.shape = &wheel, .from = sweep.to, .to = sweep.to};
+	struct deform_contact sweep = roll(&ground, &wheel, 31.3, 30.8, 0.1);
+	struct deform_contact rest = {.shape = &wheel, .from = sweep.to, .to = sweep.to};
 	ground_sweep(&ground, &sweep);
 	ground_sweep(&ground, &rest); /* presses again what smoothing raised within its reach */
 	ground_read(&ground);
@@ -182,12 +182,12 @@ static void what_an_object_rests_on_is_not_smoothed(void **state)
 	ground_init(&pressed, &params);
 	params.model = DEFORM_BOX_FILTER;
 	ground_init(&smoothed, &params);
-	struct deform_sweep sweep = roll(&smoothed, &ball, 31.3, 30.8, 0.2);
+	struct deform_contact sweep = roll(&smoothed, &ball, 31.3, 30.8, 0.2);
 	ground_sweep(&pressed, &sweep);
 	ground_sweep(&smoothed, &sweep);
 	ground_read(&pressed);
 	ground_read(&smoothed);
-	struct deform_sweep end = {.shape = &ball, .from = sweep.to, .to = sweep.to};
+	struct deform_contact end = {.shape = &ball, .from = sweep.to, .to = sweep.to};
 	for (int64_t i = 0; i < pressed.posts * pressed.posts; i++) {
 		long double z, x = ground_from(&pressed, i % pressed.posts, end.from.x);
 		long double y = ground_from(&pressed, i / pressed.posts, end.from.y);
@@ -209,7 +209,7 @@ static void depths_beyond_the_range_are_refused_and_counted(void **state)
 	need_gpu();
 	ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .first = 2, .spacing = 0.25});
 	struct deform_shape box = {.kind = DEFORM_BOX, .size = {1.9, 0.9, 1}};
-	struct deform_sweep sweep = {.shape = &box, .from = ground_pose(&ground, 32.5, 32.5, -1023.4), .to = ground_pose(&ground, 32.5, 32.5, -1023.4)};
+	struct deform_contact sweep = {.shape = &box, .from = ground_pose(&ground, 32.5, 32.5, -1023.4), .to = ground_pose(&ground, 32.5, 32.5, -1023.4)};
 	ground_sweep(&ground, &sweep);
 	ground_read(&ground);
 	assert_ok(deform_tally(ground.deform, &tally));
@@ -238,7 +238,7 @@ static void dirt_grows_with_depth_where_the_sweep_touches(void **state)
 						     .model = DEFORM_BOX_FILTER, .dirt = true});
 	uint8_t *expected = ground_room(ground.posts * ground.posts, 1);
 	for (int round = 0; round < 3; round++) {
-		struct deform_sweep sweep = roll(&ground, &wheel, 28 + 2 * round, 30, 0.15 - 0.04 * round);
+		struct deform_contact sweep = roll(&ground, &wheel, 28 + 2 * round, 30, 0.15 - 0.04 * round);
 		ground_sweep(&ground, &sweep);
 		ground_read(&ground);
 		uint8_t *contacts = ground_contacts(&ground);
@@ -273,7 +273,7 @@ static void shapes_and_poses_beyond_limits_are_refused(void **state)
 	assert_int_equal(deform_shape_check(&wheel, 0.015625), STATUS_OK);
 	need_gpu();
 	ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 1, .spacing = 0.25});
-	struct deform_sweep sweep = roll(&ground, &wheel, 16, 16, 0.1);
+	struct deform_contact sweep = roll(&ground, &wheel, 16, 16, 0.1);
 	sweep.to.roll = 0.1;
 	assert_int_equal(deform_windows(ground.deform, &sweep, windows, &count), STATUS_INPUT);
 	sweep = roll(&ground, &wheel, -16, 16, 0.1);

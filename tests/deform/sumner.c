@@ -22,7 +22,7 @@ static void what_is_compacted_is_its_share(void **state)
 		ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .spacing = 0.125, .height = conserve_rough,
 							     .model = DEFORM_SUMNER, .soils = &soil, .soil_count = 1});
 		struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 1};
-		struct deform_sweep sweep = {.shape = &ball, .from = ground_pose(&ground, 31, 32, 0.8), .to = ground_pose(&ground, 32, 32, 0.8)};
+		struct deform_contact sweep = {.shape = &ball, .from = ground_pose(&ground, 31, 32, 0.8), .to = ground_pose(&ground, 32, 32, 0.8)};
 		ground_sweep(&ground, &sweep);
 		int64_t sum = conserve_sum(&ground), low = 0, high = 0;
 		assert_ok(deform_tally(ground.deform, &tally));

@@ -3,9 +3,9 @@
 #include "sliding.h"
 
 /* What a sweep leaves awake, by its own flags or all of it: the drive's rules. */
-static void sweep_and_wake(struct ground *ground, const struct deform_sweep *sweep, const struct deform_pose *left, bool all)
+static void sweep_and_wake(struct ground *ground, const struct deform_contact *sweep, const struct deform_pose *left, bool all)
 {
-	struct deform_sweep rest = {.shape = sweep->shape, .from = left != NULL ? *left : sweep->to};
+	struct deform_contact rest = {.shape = sweep->shape, .from = left != NULL ? *left : sweep->to};
 	rest.to = rest.from;
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	size_t count;
@@ -41,14 +41,14 @@ static struct walker any_walker(const struct ground *ground, int kind)
 }
 
 /* A post on, mostly; now and then it turns, jumps, or has left the ground. */
-static bool any_way(const struct ground *ground, const struct walker *walker, int kind, struct deform_sweep *sweep)
+static bool any_way(const struct ground *ground, const struct walker *walker, int kind, struct deform_contact *sweep)
 {
 	double middle = (double)ground->posts / 2, d = ground->params.spacing, x = middle * (1 + any_share());
 	double y = middle * (1 + any_share()), z = deform_shape_reach(&walker->shape, 0, 0) - 1.5 * d * any_share() * any_share();
 	bool jumps = !walker->stands || any_word() % 16 == 0;
 	if (kind == 3)
 		z = walker->shape.radius - d * fabs(any_share());
-	*sweep = (struct deform_sweep){.shape = &walker->shape, .from = walker->last, .to = walker->last, .seconds = 0.01,
+	*sweep = (struct deform_contact){.shape = &walker->shape, .from = walker->last, .to = walker->last, .seconds = 0.01,
 				       .load = walker->load};
 	if (jumps) {
 		sweep->to = ground_pose(ground, x, y, z);
@@ -96,7 +96,7 @@ static void what_a_sweep_lets_sleep_would_not_move(void **state)
 			for (int i = 0; i < 3 && n < 30; i++) {
 				int k = any_word() % 32 == 0 && wide ? 3 : (int)(any_word() % 3);
 				struct walker *walker = &walkers[k];
-				struct deform_sweep sweep;
+				struct deform_contact sweep;
 				bool stays = any_way(&few, walker, k, &sweep);
 				sweep_and_wake(&few, &sweep, walker->stands ? &walker->last : NULL, false);
 				sweep_and_wake(&all, &sweep, walker->stands ? &walker->last : NULL, true);
@@ -104,7 +104,7 @@ static void what_a_sweep_lets_sleep_would_not_move(void **state)
 				walker->stands = stays;
 				if (stays)
 					continue;
-				const struct deform_sweep rest = {.shape = &walker->shape, .from = sweep.to, .to = sweep.to};
+				const struct deform_contact rest = {.shape = &walker->shape, .from = sweep.to, .to = sweep.to};
 				assert_ok(deform_windows(few.deform, &rest, few.windows, &few.window_count));
 				for (size_t w = 0; w < few.window_count; w++)
 					assert_ok(deform_wake(few.deform, few.windows[w].write));
@@ -114,7 +114,7 @@ static void what_a_sweep_lets_sleep_would_not_move(void **state)
 					rests[count++] = (struct deform_rest){.shape = &walkers[k].shape, .pose = walkers[k].last};
 			const struct deform_block *blocks;
 			size_t awake;
-			assert_ok(deform_awake(few.deform, &blocks, &awake));
+			assert_ok(deform_active_blocks(few.deform, &blocks, &awake));
 			woken += awake;
 			/* Of odd ones flags come late. */
 			late_by = s % 2;
@@ -126,7 +126,7 @@ static void what_a_sweep_lets_sleep_would_not_move(void **state)
 			assert_same(&few, &all, n);
 		}
 		if (few.params.model == DEFORM_SCM) {
-			int32_t *a = ground_plane(&few, PLANE_HEAPED), *b = ground_plane(&all, PLANE_HEAPED);
+			int32_t *a = ground_plane(&few, PLANE_DEPOSITED), *b = ground_plane(&all, PLANE_DEPOSITED);
 			assert_memory_equal(a, b, (size_t)(few.posts * few.posts) * sizeof *a);
 			mem_free(a);
 			mem_free(b);
@@ -148,7 +148,7 @@ static void a_settled_rut_wakes_nothing(void **state)
 		start(&ground, &(struct setup){models[m], 64, 3, 0.0625, 0, 4, NULL});
 		/* Shallower than what stands, beside the corner of four tiles; then on, four posts. */
 		struct deform_shape plate = {.kind = DEFORM_BOX, .size = {1.6, 1.2, 0.5}};
-		struct deform_sweep sweep = {.shape = &plate, .from = ground_pose(&ground, 70, 60, 0.249)};
+		struct deform_contact sweep = {.shape = &plate, .from = ground_pose(&ground, 70, 60, 0.249)};
 		sweep.to = sweep.from;
 		for (int n = 0; n < 4; n++) {
 			const struct deform_pose left = sweep.to;
@@ -158,7 +158,7 @@ static void a_settled_rut_wakes_nothing(void **state)
 		}
 		const struct deform_block *blocks;
 		size_t awake;
-		assert_ok(deform_awake(ground.deform, &blocks, &awake));
+		assert_ok(deform_active_blocks(ground.deform, &blocks, &awake));
 		assert_true(awake >= 4);
 		ground_read(&ground);
 		size_t pressed = 0;
@@ -210,13 +210,13 @@ static int32_t lane_after(enum deform_model model, double depth, int32_t *stands
 	struct setup setup = {model, 64, 2, 0.0625, 0, 8, to_the_rim};
 	struct deform_shape plate = {.kind = DEFORM_BOX, .size = {0.8, 0.5, 0.5}};
 	start(&ground, &setup);
-	struct deform_sweep sweep = {.shape = &plate, .from = ground_pose(&ground, 60, 60, 0.25 - depth)};
+	struct deform_contact sweep = {.shape = &plate, .from = ground_pose(&ground, 60, 60, 0.25 - depth)};
 	sweep.to = sweep.from;
 	assert_ok(deform_windows(ground.deform, &sweep, ground.windows, &ground.window_count));
 	bool placed = memcmp(&rim.write, &ground.windows[0].write, sizeof rim.write) == 0;
 	rim.write = ground.windows[0].write;
 	rim.lane = (rim.write.y0 + rim.write.y1) / 2;
-	*stands = ground.deform->soils[0].stands[0];
+	*stands = ground.deform->soils[0].critical[0];
 	sweep_and_wake(&ground, &sweep, NULL, false);
 	ground_read(&ground);
 	int32_t left = ground.offset[rim.lane * ground.posts + rim.write.x1 - rim.length];
@@ -256,7 +256,7 @@ static bool is_awake(struct ground *ground, int64_t x, int64_t y)
 	const struct deform_block *blocks;
 	size_t count;
 	bool found = false;
-	assert_ok(deform_awake(ground->deform, &blocks, &count));
+	assert_ok(deform_active_blocks(ground->deform, &blocks, &count));
 	for (size_t i = 0; i < count; i++)
 		found = found || (blocks[i].x == x / DEFORM_BLOCK && blocks[i].y == y / DEFORM_BLOCK);
 	return found;
@@ -274,7 +274,7 @@ static void what_is_not_known_to_sleep_is_awake(void **state)
 	assert_true(interval(&ground, NULL, 0) > 0);
 	late_by = 0;
 	struct deform_shape plate = {.kind = DEFORM_BOX, .size = {1.2, 0.8, 0.5}};
-	struct deform_sweep sweep = {.shape = &plate, .from = ground_pose(&ground, 200, 200, 0.249)};
+	struct deform_contact sweep = {.shape = &plate, .from = ground_pose(&ground, 200, 200, 0.249)};
 	sweep.to = sweep.from;
 	sweep_and_wake(&ground, &sweep, NULL, false);
 	assert_true(is_awake(&ground, 200, 200));
@@ -296,7 +296,7 @@ static void many_sweeps_are_as_right(void **state)
 	start(&all, &setup);
 	struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 5.5};
 	for (int n = 0; n < 500; n++) {
-		struct deform_sweep sweep = {.shape = &ball, .from = ground_pose(&few, 96 + n % 7, 96 - n % 5, 5.1 - n % 3 * 0.02)};
+		struct deform_contact sweep = {.shape = &ball, .from = ground_pose(&few, 96 + n % 7, 96 - n % 5, 5.1 - n % 3 * 0.02)};
 		sweep.to = sweep.from;
 		sweep_and_wake(&few, &sweep, NULL, false);
 		sweep_and_wake(&all, &sweep, NULL, true);

@@ -42,8 +42,8 @@ static bool is_touched(struct ground *ground, int64_t x, int64_t y)
 /* How many posts have changed. */
 static size_t assert_all_are_told(struct ground *ground, int n)
 {
-	bool heaps = deform_planes(ground->params.model, false) & PLANE_BIT(PLANE_HEAPED);
-	int32_t *heaped = heaps ? ground_plane(ground, PLANE_HEAPED) : NULL;
+	bool heaps = deform_planes(ground->params.model, false) & PLANE_BIT(PLANE_DEPOSITED);
+	int32_t *heaped = heaps ? ground_plane(ground, PLANE_DEPOSITED) : NULL;
 	size_t changed = 0;
 	ground_read(ground);
 	for (int64_t i = 0; i < ground->posts * ground->posts; i++) {
@@ -66,7 +66,7 @@ static size_t told(struct ground *ground)
 	return count;
 }
 
-static void sweep_and_wake(struct ground *ground, const struct deform_sweep *sweep)
+static void sweep_and_wake(struct ground *ground, const struct deform_contact *sweep)
 {
 	ground_sweep(ground, sweep);
 	for (size_t i = 0; i < ground->window_count; i++)
@@ -80,7 +80,7 @@ static void pass_interval(struct ground *ground)
 }
 
 /* Of the bases in the sweep's windows, metres. */
-static double highest(struct ground *ground, const struct deform_sweep *sweep)
+static double highest(struct ground *ground, const struct deform_contact *sweep)
 {
 	int32_t most = INT32_MIN;
 	assert_ok(deform_windows(ground->deform, sweep, ground->windows, &ground->window_count));
@@ -97,7 +97,7 @@ static void any_station(struct ground *ground, bool above, bool large, double at
 	bool box = above || large, jumps = large || any_word() % 6 == 0;
 	const struct deform_shape shape = {.kind = box ? DEFORM_BOX : DEFORM_SPHERE, .radius = radius,
 					   .size = {length, large ? length : radius, 2 * d}};
-	struct deform_sweep sweep = {.shape = &shape, .seconds = 0.05, .above = above};
+	struct deform_contact sweep = {.shape = &shape, .seconds = 0.05, .above = above};
 	sweep.from = ground_pose(ground, at[0], at[1], 0);
 	for (int i = 0; i < 2; i++)
 		at[i] = jumps ? (double)ground->posts / 2 * (1 + (large ? 0.1 : 1.04) * any_share()) : at[i] + 12 * any_share();
@@ -159,7 +159,7 @@ static void what_comes_takes_back_the_guess(void **state)
 		begin(&ground, &(struct trip){DEFORM_SLIPPAGE, 64, 3, 0.0625, 4, NULL, false, 0});
 		double d = ground.params.spacing;
 		const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 30 * d};
-		struct deform_sweep sweep = {.shape = &ball, .above = above};
+		struct deform_contact sweep = {.shape = &ball, .above = above};
 		assert_ok(deform_touch(ground.deform, (struct post_rect){96, 96, 97, 97}));
 		sweep.from = sweep.to = ground_pose(&ground, 96, 96, (above ? 30.1 : 29.9) * d);
 		late_by = LATE_UNTIL_WAITED;
@@ -189,7 +189,7 @@ static void only_over_touched_ground_is_guessed(void **state)
 	begin(&ground, &(struct trip){DEFORM_SUMNER, 64, 3, 0.0625, 4, NULL, false, 0});
 	double d = ground.params.spacing;
 	const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 12 * d};
-	struct deform_sweep sweep = {.shape = &ball, .above = true};
+	struct deform_contact sweep = {.shape = &ball, .above = true};
 	sweep.from = sweep.to = ground_pose(&ground, 96, 96, 12.1 * d);
 	late_by = LATE_UNTIL_WAITED;
 	for (int over = 0; over < 2; over++) {
@@ -212,7 +212,7 @@ static void a_guess_leads_to_a_guess(void **state)
 	begin(&ground, &(struct trip){DEFORM_SLIPPAGE, 64, 3, 0.0625, 4, NULL, false, 0});
 	double d = ground.params.spacing;
 	const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 12 * d};
-	struct deform_sweep press = {.shape = &ball}, over = {.shape = &ball, .above = true};
+	struct deform_contact press = {.shape = &ball}, over = {.shape = &ball, .above = true};
 	press.from = press.to = ground_pose(&ground, 80, 80, 11 * d);
 	over.from = over.to = ground_pose(&ground, 100, 100, 12.1 * d);
 	late_by = LATE_UNTIL_WAITED;
@@ -238,7 +238,7 @@ static void sweeps_nobody_looked_at_are_touched(void **state)
 	begin(&ground, &(struct trip){DEFORM_SLIPPAGE, 64, 3, 0.0625, 4, NULL, false, 0});
 	double d = ground.params.spacing;
 	const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 12 * d};
-	struct deform_sweep sweep = {.shape = &ball};
+	struct deform_contact sweep = {.shape = &ball};
 	sweep.from = sweep.to = ground_pose(&ground, 80, 80, 11 * d);
 	late_by = 1;
 	sweep_and_wake(&ground, &sweep);

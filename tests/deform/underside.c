@@ -12,7 +12,7 @@ struct tally {
 };
 
 /* Where the underside is all but upright, what lies within a tenth of a micrometre beside the post. */
-static bool on_flank(const struct deform_sweep *sweep, long double x, long double y, long double z)
+static bool on_flank(const struct deform_contact *sweep, long double x, long double y, long double z)
 {
 	long double low = 1e30L, high = -1e30L;
 	for (int i = 0; i < 8; i++) {
@@ -26,7 +26,7 @@ static bool on_flank(const struct deform_sweep *sweep, long double x, long doubl
 }
 
 /* The reference says otherwise within a hair's breadth: the post lies on the silhouette. */
-static bool on_silhouette(const struct deform_sweep *sweep, long double x, long double y)
+static bool on_silhouette(const struct deform_contact *sweep, long double x, long double y)
 {
 	int covered = 0;
 	for (int i = 0; i < 8; i++) {
@@ -36,7 +36,7 @@ static bool on_silhouette(const struct deform_sweep *sweep, long double x, long 
 	return covered > 0 && covered < 8;
 }
 
-static void compare(struct ground *ground, const struct deform_sweep *sweep, struct tally *tally)
+static void compare(struct ground *ground, const struct deform_contact *sweep, struct tally *tally)
 {
 	ground_reset(ground);
 	ground_sweep(ground, sweep);
@@ -87,13 +87,13 @@ static void compare(struct ground *ground, const struct deform_sweep *sweep, str
 }
 
 /* Every fourth motion goes straight up or down, every fourth is level. */
-static struct deform_sweep any_sweep(const struct ground *ground, const struct deform_shape *shape, int number)
+static struct deform_contact any_sweep(const struct ground *ground, const struct deform_shape *shape, int number)
 {
 	double middle = (double)ground->posts / 2, far = number % 5 == 0 ? 20 : 1.5, spacing = ground->params.spacing;
 	double dx = number % 4 == 1 ? 0 : any_share() * far, dy = number % 4 == 1 ? 0 : any_share() * far;
 	double dz = number % 4 == 2 ? 0 : any_share() * far * spacing * (number % 3 == 0 ? 3 : 0.5);
 	double x = middle + any_share(), y = middle + any_share();
-	struct deform_sweep sweep = {.shape = shape, .from = ground_pose(ground, x, y, -BELOW), .to = ground_pose(ground, x + dx, y + dy, dz - BELOW)};
+	struct deform_contact sweep = {.shape = shape, .from = ground_pose(ground, x, y, -BELOW), .to = ground_pose(ground, x + dx, y + dy, dz - BELOW)};
 	static const double straight[] = {0, 1.5707963267948966, 3.141592653589793, 0.7853981633974483};
 	sweep.to.yaw = number % 7 == 3 ? straight[number % 4] : any_share() * 4;
 	if (number % 7 == 5 && number % 4 != 1) /* along its heading, or exactly across it */
@@ -118,7 +118,7 @@ static void many(enum deform_shape_kind kind, int count)
 				shape.radius = size / 2;
 				shape.width = kind == DEFORM_WHEEL ? size * exp2(any_share() - 1) : 0;
 			}
-			struct deform_sweep sweep = any_sweep(&ground, &shape, i);
+			struct deform_contact sweep = any_sweep(&ground, &shape, i);
 			if (kind == DEFORM_BOX && i % 3 != 0) {
 				sweep.to.pitch = i % 6 == 1 ? 1.5707963267948966 : any_share() * 4;
 				sweep.to.roll = i % 6 == 2 ? 0 : any_share() * 4;

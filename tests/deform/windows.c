@@ -36,7 +36,7 @@ static void drive(struct ground *ground, double height)
 			pose.yaw = 0.3 * i;
 			pose.pitch = k == 2 ? 0.11 * i : 0;
 			pose.roll = k == 2 ? -0.17 * i : 0;
-			struct deform_sweep sweep = {.shape = &shapes[k], .from = i == 0 ? pose : last, .to = pose};
+			struct deform_contact sweep = {.shape = &shapes[k], .from = i == 0 ? pose : last, .to = pose};
 			ground_sweep(ground, &sweep);
 			last = pose;
 		}
@@ -129,7 +129,7 @@ static void heights_do_not_matter(void **state)
 static void sweep_large(struct ground *ground, const struct deform_shape *shape, int64_t dx, int64_t dy)
 {
 	double x = 500 + (double)dx, y = 520 + (double)dy;
-	struct deform_sweep sweep = {.shape = shape, .from = ground_pose(ground, x, y, shape->radius - 1), .to = ground_pose(ground, x + 3.25, y + 2.5, shape->radius - 1.25)};
+	struct deform_contact sweep = {.shape = shape, .from = ground_pose(ground, x, y, shape->radius - 1), .to = ground_pose(ground, x + 3.25, y + 2.5, shape->radius - 1.25)};
 	sweep.to.yaw = 0.7;
 	sweep.to.pitch = shape->kind == DEFORM_BOX ? 0.05 : 0;
 	sweep.to.roll = shape->kind == DEFORM_BOX ? -0.03 : 0;
@@ -183,7 +183,7 @@ static void a_large_sphere_is_that_of_the_reference_in_every_window(void **state
 	need_gpu();
 	ground_init(&ground, &(struct ground_params){.cells = 1024, .tiles = 1, .spacing = 0.25});
 	struct deform_shape shape = {.kind = DEFORM_SPHERE, .radius = 60};
-	struct deform_sweep sweep = {.shape = &shape, .from = ground_pose(&ground, 510.3, 511.8, -10), .to = ground_pose(&ground, 512.9, 512.1, -10.4)};
+	struct deform_contact sweep = {.shape = &shape, .from = ground_pose(&ground, 510.3, 511.8, -10), .to = ground_pose(&ground, 512.9, 512.1, -10.4)};
 	ground_sweep(&ground, &sweep);
 	ground_read(&ground);
 	for (int64_t i = 0; i < ground.posts * ground.posts; i += 5) {
@@ -217,9 +217,9 @@ static void a_sweep_holds_its_own_halves(void **state)
 		b.y = (a.y + c.y) / 2;
 		b.z = (a.z + c.z) / 2;
 		a.yaw = b.yaw = c.yaw = 0.6;
-		ground_sweep(&whole, &(struct deform_sweep){.shape = &shapes[k], .from = a, .to = c});
-		ground_sweep(&halves, &(struct deform_sweep){.shape = &shapes[k], .from = a, .to = b});
-		ground_sweep(&halves, &(struct deform_sweep){.shape = &shapes[k], .from = b, .to = c});
+		ground_sweep(&whole, &(struct deform_contact){.shape = &shapes[k], .from = a, .to = c});
+		ground_sweep(&halves, &(struct deform_contact){.shape = &shapes[k], .from = a, .to = b});
+		ground_sweep(&halves, &(struct deform_contact){.shape = &shapes[k], .from = b, .to = c});
 		ground_read(&whole);
 		ground_read(&halves);
 		int pressed = 0;
@@ -250,7 +250,7 @@ static void nothing_that_was_not_asked_for_is_made_or_run(void **state)
 		uint32_t expected = params.dirt ? 8 : planes[i / 2];
 		assert_int_equal(after.textures - before.textures, 1 + expected);
 		before = after;
-		struct deform_sweep sweep = {.shape = &shapes[0], .from = ground_pose(&ground, 100, 100, 1), .to = ground_pose(&ground, 101, 100, 1)};
+		struct deform_contact sweep = {.shape = &shapes[0], .from = ground_pose(&ground, 100, 100, 1), .to = ground_pose(&ground, 101, 100, 1)};
 		ground_sweep(&ground, &sweep);
 		gpu_stats(test_gpu, &after);
 		assert_int_equal(gpu_group_passes(&after, GPU_DISPLACE) - gpu_group_passes(&before, GPU_DISPLACE), 2);

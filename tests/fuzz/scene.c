@@ -123,8 +123,8 @@ static void check_object(const struct scene *scene, const struct scene_object *o
 		fuzz_check(object->mesh != NULL && shape->mesh == object->mesh);
 	else
 		fuzz_check(shape->radius > 0 && isfinite(shape->radius));
-	fuzz_check(shape->lugs >= 0 && shape->lugs <= 128 && (shape->lugs == 0) == (shape->lug_height == 0));
-	fuzz_check(shape->lug_height <= shape->radius && (shape->lugs == 0) == (shape->lug_thickness == 0));
+	fuzz_check(shape->grousers >= 0 && shape->grousers <= 128 && (shape->grousers == 0) == (shape->grouser_height == 0));
+	fuzz_check(shape->grouser_height <= shape->radius && (shape->grousers == 0) == (shape->grouser_thickness == 0));
 	fuzz_check(object->load >= 0 && object->load <= 1e9 && fabs(object->slip) < 1);
 	fuzz_check((object->load == 0 && object->slip == 0) || scene->model == DEFORM_SCM);
 	fuzz_check(object->load == 0 || (object->sink == 0 && !path->has_z));

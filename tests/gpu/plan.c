@@ -5,7 +5,7 @@
 #include "staged.h"
 
 enum { CELLS = 16, COUNT = 9, POSTS = (CELLS + 1) * (CELLS + 1) };
-#define STATE_PLANES (PLANE_BIT(PLANE_HEAPED) | PLANE_BIT(PLANE_PRESSED) | PLANE_BIT(PLANE_SHEAR))
+#define STATE_PLANES (PLANE_BIT(PLANE_DEPOSITED) | PLANE_BIT(PLANE_PLASTIC_SINKAGE) | PLANE_BIT(PLANE_SHEAR))
 
 struct asked {
 	unsigned planes;
@@ -128,10 +128,10 @@ static void slots_make_and_run_what_is_planned(void **state)
 {
 	static const struct asked cases[] = {
 		{PLANE_BIT(PLANE_OFFSET), false, false, false},
-		{PLANE_BIT(PLANE_DIRT), false, false, true},
+		{PLANE_BIT(PLANE_DISTURBANCE), false, false, true},
 		{PLANE_BIT(PLANE_OFFSET), false, true, true},
 		{STATE_PLANES, true, false, false},
-		{STATE_PLANES | PLANE_BIT(PLANE_DIRT), true, true, true},
+		{STATE_PLANES | PLANE_BIT(PLANE_DISTURBANCE), true, true, true},
 	};
 	(void)state;
 	need_gpu();
@@ -163,10 +163,10 @@ static void state_planes_come_together(void **state)
 	(void)state;
 	need_gpu();
 	assert_ok(gpu_slots_create(test_gpu, CELLS, 2, STATE_PLANES, &slots));
-	assert_ok(staged_upload_planes(test_gpu, slots, CELLS, 0, (const void *const[PLANES]){[PLANE_PRESSED] = zeros}));
+	assert_ok(staged_upload_planes(test_gpu, slots, CELLS, 0, (const void *const[PLANES]){[PLANE_PLASTIC_SINKAGE] = zeros}));
 	assert_ok(staged_upload_deform(test_gpu, slots, CELLS, 1, zeros, NULL));
 	for (int plane = 0; plane < PLANES; plane++)
-		assert_int_equal(gpu_slots_get(slots, 0)->planes[plane] != NULL, plane != PLANE_DIRT);
+		assert_int_equal(gpu_slots_get(slots, 0)->planes[plane] != NULL, plane != PLANE_DISTURBANCE);
 	gpu_slots_figures(slots, &figures);
 	assert_int_equal(figures.deform_slots, 2);
 	assert_int_equal(figures.state_slots, 1);
@@ -190,13 +190,13 @@ static void keep_first(void *user, const char *name, uint64_t passes)
 
 static void programs_are_listed_by_their_names(void **state)
 {
-	const struct gpu_program_request request = {"full.vert", "decimate.frag", {"DIRT", "DEPTH 3"}};
+	const struct gpu_program_request request = {"full.vert", "decimate.frag", {"DISTURBANCE", "DEPTH 3"}};
 	struct gpu_program *program;
 	struct last last = {.count = 0};
 	char name[GPU_PROGRAM_NAME], small[12];
 	(void)state;
 	gpu_program_name(&request, name, sizeof name);
-	assert_string_equal(name, "full.vert decimate.frag DIRT DEPTH 3");
+	assert_string_equal(name, "full.vert decimate.frag DISTURBANCE DEPTH 3");
 	gpu_program_name(&request, small, sizeof small);
 	assert_string_equal(small, "full.vert d");
 	need_gpu();
@@ -209,7 +209,7 @@ static void programs_are_listed_by_their_names(void **state)
 
 static void a_program_linked_behind_the_seal_is_counted(void **state)
 {
-	struct gpu_program_request request = {"full.vert", "decimate.frag", {"DIRT", "DEPTH 4"}};
+	struct gpu_program_request request = {"full.vert", "decimate.frag", {"DISTURBANCE", "DEPTH 4"}};
 	struct gpu_program *program;
 	struct gpu_stats stats;
 	(void)state;

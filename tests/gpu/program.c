@@ -11,7 +11,7 @@ static void the_same_request_is_the_same_program(void **state)
 	gpu_stats(test_gpu, &before);
 	assert_ok(gpu_program_get(test_gpu, &request, &first));
 	assert_ok(gpu_program_get(test_gpu, &request, &second));
-	request.defines[0] = "DIRT";
+	request.defines[0] = "DISTURBANCE";
 	assert_ok(gpu_program_get(test_gpu, &request, &variant));
 	request.defines[1] = "DEPTH 2";
 	assert_ok(gpu_program_get(test_gpu, &request, &other));

@@ -102,8 +102,8 @@ static double beside_rut(double x, double y)
 static double offset_at(double x, double y)
 {
 	double across = fabs(beside_rut(x, y)), end = clamped(0, 1, (3.5 - fabs(y - MIDDLE_Y)) / 0.4);
-	double lugs = 0.02 * (fabs(fmod(y * 4, 2) - 1) < 0.5);
-	double deep = across < 0.31 ? -0.14 + lugs : across < 0.56 ? 0.045 : 0;
+	double grousers = 0.02 * (fabs(fmod(y * 4, 2) - 1) < 0.5);
+	double deep = across < 0.31 ? -0.14 + grousers : across < 0.56 ? 0.045 : 0;
 	return deep * end;
 }
 
@@ -251,7 +251,7 @@ static void select_all(struct shown *shown, const struct terrain_view *view, str
 /* --- drawing --- */
 
 static const struct scene_object objects[2] = {
-	{.name = "wheel", .shape = {.kind = DEFORM_WHEEL, .radius = 0.45, .width = 0.5, .lugs = 14, .lug_height = 0.05, .lug_thickness = 0.07}},
+	{.name = "wheel", .shape = {.kind = DEFORM_WHEEL, .radius = 0.45, .width = 0.5, .grousers = 14, .grouser_height = 0.05, .grouser_thickness = 0.07}},
 	{.name = "ball", .shape = {.kind = DEFORM_SPHERE, .radius = 0.5}},
 };
 
@@ -279,7 +279,7 @@ static void draw(const struct golden *golden, uint8_t *pixels)
 		light.azimuth = golden->azimuth;
 		light.height = golden->height;
 	}
-	must(gpu_slots_create(gpu, CELLS, SLOTS, golden->dirt ? PLANE_BIT(PLANE_DIRT) : 0, &shown.slots));
+	must(gpu_slots_create(gpu, CELLS, SLOTS, golden->dirt ? PLANE_BIT(PLANE_DISTURBANCE) : 0, &shown.slots));
 	const struct render_params params = {
 		.gpu = gpu, .slots = shown.slots, .extent = &extent, .low = 0, .high = 820, .width = WIDTH, .height = HEIGHT,
 		.effects = golden->effects, .dirt = golden->dirt, .light = &light, .soils = &soils, .pixel_error = golden->pixel_error,

@@ -66,7 +66,7 @@ static void commit(void)
 				for (int64_t i = 0; i < (CELLS + 1) * (CELLS + 1); i++)
 					pressed[i] = i == 40 * 5 ? 1 << 18 : 0;
 			}
-			page.planes[PLANE_PRESSED] = pressed;
+			page.planes[PLANE_PLASTIC_SINKAGE] = pressed;
 			must(store_epoch(store, &page, 1, &run, &result));
 		}
 }

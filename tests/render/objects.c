@@ -24,7 +24,7 @@
 /* Tiles are 16 m wide. */
 static const struct extent extent = {40000001, 40000001, 0.25, CELLS};
 static const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4};
-static const struct deform_shape lugged = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4, .lugs = 11, .lug_height = 0.06, .lug_thickness = 0.09};
+static const struct deform_shape lugged = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4, .grousers = 11, .grouser_height = 0.06, .grouser_thickness = 0.09};
 static const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 0.6};
 static const struct deform_shape box = {.kind = DEFORM_BOX, .size = {1.2, 0.5, 0.3}};
 
@@ -365,7 +365,7 @@ static void lugs_are_drawn_where_they_press(void **state)
 	double shoulder = 0.35 * lugged.width / 2, steepest = 0;
 	size_t bars = 0, compared = 0;
 	for (int k = 0; k < 5; k++) {
-		struct deform_sweep sweep = {.shape = &lugged, .from = {.yaw = 0.6 * k, .turn = 0.37 * k}};
+		struct deform_contact sweep = {.shape = &lugged, .from = {.yaw = 0.6 * k, .turn = 0.37 * k}};
 		double axes[3][3], yaw = 0.6 * k;
 		sweep.to = sweep.from;
 		deform_axes(yaw, 0, 0, sweep.to.turn, axes);

@@ -45,7 +45,7 @@ static void press(struct rig *rig, int64_t sample, double turn)
 	rig->body.distance += event.distance;
 }
 
-static const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4, .lugs = 11, .lug_height = 0.05, .lug_thickness = 0.05};
+static const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4, .grousers = 11, .grouser_height = 0.05, .grouser_thickness = 0.05};
 
 static void a_wheel_rolls_on_from_its_last_station_to_the_next(void **state)
 {

@@ -45,7 +45,7 @@ static void rig_open(struct rig *rig, const char *path, uint32_t slots)
 		skip();
 	}
 	must(status);
-	must(gpu_slots_create(world->gpu, CELLS, slots, PLANE_BIT(PLANE_DIRT), &world->slots));
+	must(gpu_slots_create(world->gpu, CELLS, slots, PLANE_BIT(PLANE_DISTURBANCE), &world->slots));
 	must(resident_ground_create(world->store, 4, &world->ground));
 	must(resident_pyramid_create(&world->meta->extent, LEVEL, world->slots, &world->pyramid));
 	must(deform_create(&(struct deform_params){.gpu = world->gpu,
@@ -56,7 +56,7 @@ static void rig_open(struct rig *rig, const char *path, uint32_t slots)
 						   .model = DEFORM_BOX_FILTER,
 						   .box_radius = 1,
 						   .box_repetitions = 1,
-						   .dirt = true},
+						   .disturbance = true},
 			   &world->deform));
 	must(resident_pages_create(&(struct pages_params){.store = world->store,
 						 .gpu = world->gpu,

@@ -54,7 +54,7 @@ static void rig_open(struct rig *rig, const char *path, support_height ground, i
 		skip();
 	}
 	must(status);
-	must(gpu_slots_create(world->gpu, CELLS, SLOTS, PLANE_BIT(PLANE_DIRT), &world->slots));
+	must(gpu_slots_create(world->gpu, CELLS, SLOTS, PLANE_BIT(PLANE_DISTURBANCE), &world->slots));
 	must(resident_ground_create(world->store, 4, &world->ground));
 	must(deform_create(&(struct deform_params){.gpu = world->gpu,
 						   .slots = world->slots,
@@ -64,7 +64,7 @@ static void rig_open(struct rig *rig, const char *path, support_height ground, i
 						   .model = DEFORM_BOX_FILTER,
 						   .box_radius = 1,
 						   .box_repetitions = 1,
-						   .dirt = true},
+						   .disturbance = true},
 			   &world->deform));
 	must(resident_pages_create(&(struct pages_params){.store = world->store,
 						 .gpu = world->gpu,

@@ -34,8 +34,8 @@ static struct scene *load(const char *text, const struct scene_setting *settings
 static void each_former_name_makes_the_same_scene(void **state)
 {
 	struct scene *former = load(scm, NULL, 0);
-	assert_true(former->dirt && former->objects[0].shape.lugs == 9 && former->objects[0].shape.lug_height == 0.1 &&
-		    former->objects[0].shape.lug_thickness == 0.2);
+	assert_true(former->dirt && former->objects[0].shape.grousers == 9 && former->objects[0].shape.grouser_height == 0.1 &&
+		    former->objects[0].shape.grouser_thickness == 0.2);
 	for (size_t i = 0; i < PAIRS; i++) {
 		char *text = edited(scm, pairs[i].former, pairs[i].now);
 		struct scene *scene = load(text, NULL, 0);
@@ -55,17 +55,17 @@ static void a_setting_finds_a_key_by_either_name(void **state)
 	for (size_t t = 0; t < 2; t++)
 		for (size_t k = 0; k < 2; k++) {
 			struct scene *scene = load(texts[t], &(struct scene_setting){keys[k], "5"}, 1);
-			assert_int_equal(scene->objects[0].shape.lugs, 5);
+			assert_int_equal(scene->objects[0].shape.grousers, 5);
 			scene_destroy(scene);
 			const struct scene_setting none[] = {{keys[k], "null"},
 							     {"objects.a.shape.wheel.lug_height", "null"},
 							     {"objects.a.shape.wheel.grouser_thickness", "null"}};
 			scene = load(texts[t], none, 3);
-			assert_int_equal(scene->objects[0].shape.lugs, 0);
+			assert_int_equal(scene->objects[0].shape.grousers, 0);
 			scene_destroy(scene);
 		}
 	struct scene *scene = load(now, &(struct scene_setting){wheels[0], wheels[1]}, 1);
-	assert_int_equal(scene->objects[0].shape.lugs, 3);
+	assert_int_equal(scene->objects[0].shape.grousers, 3);
 	scene_destroy(scene);
 	scene = load(now, &(struct scene_setting){"redistribute.undisturbed", "stands"}, 1);
 	assert_int_equal(scene->undisturbed, SCENE_STANDS);
@@ -116,7 +116,7 @@ static void an_object_of_a_hosts_may_use_them(void **state)
 	struct scene_object object;
 	assert_int_equal(scene_load_text("{}", folder, NULL, 0, SCENE_HOST, &scene), STATUS_OK);
 	assert_int_equal(scene_object_parse(scene, "{shape: {wheel: {radius: 1, width: 1, lugs: 7}}}", &object), STATUS_OK);
-	assert_int_equal(object.shape.lugs, 7);
+	assert_int_equal(object.shape.grousers, 7);
 	scene_object_finish(&object);
 	scene_destroy(scene);
 }

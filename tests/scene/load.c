@@ -64,7 +64,7 @@ static void what_is_absent_is_its_default_and_calls_for_nothing(void **state)
 	assert_true(scene->forces == 0 && scene->forces_delay == 0);
 	assert_true(scene->objects[0].load == 0 && scene->objects[0].slip == 0);
 	assert_null(scene->objects[0].mesh);
-	assert_int_equal(scene->objects[0].shape.lugs, 0);
+	assert_int_equal(scene->objects[0].shape.grousers, 0);
 	assert_true(scene->iterations == 0 && scene->interval == 0 && scene->depth == 0 && scene->bulldozing == 0);
 	assert_true(scene->time_step == 0.02 && scene->gravity == 9.81 && scene->spacing == 0);
 	assert_int_equal(scene->model, DEFORM_NONE);

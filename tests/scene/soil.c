@@ -366,13 +366,13 @@ static void lugs_have_a_height_and_a_thickness(void **state)
 {
 	struct scene *scene = load_edited(base, "0.4}", "0.4, grousers: 12}");
 	const struct deform_shape *shape = &scene->objects[0].shape;
-	assert_int_equal(shape->lugs, 12);
-	assert_true(shape->lug_height == 0.025 && shape->lug_thickness == 0.05);
+	assert_int_equal(shape->grousers, 12);
+	assert_true(shape->grouser_height == 0.025 && shape->grouser_thickness == 0.05);
 	assert_true((scene_effects(scene, 0) >> EFFECT_LUGS & 1) == 1);
 	scene_destroy(scene);
 	scene = load_edited(base, "0.4}", "0.4, grousers: 1, grouser_height: 0.5, grouser_thickness: 0.2}");
 	shape = &scene->objects[0].shape;
-	assert_true(shape->lugs == 1 && shape->lug_height == 0.5 && shape->lug_thickness == 0.2);
+	assert_true(shape->grousers == 1 && shape->grouser_height == 0.5 && shape->grouser_thickness == 0.2);
 	scene_destroy(scene);
 	refuse("0.4}", "0.4, grouser_height: 0.1}", ":7: objects[0].shape.wheel.grouser_height: is of grousers, and the wheel has none; allowed with: grousers above 0");
 	refuse("0.4}", "0.4, grousers: 0, grouser_thickness: 0.1}", ":7: objects[0].shape.wheel.grouser_thickness: is of grousers");

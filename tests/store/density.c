@@ -69,11 +69,11 @@ static bool fill(struct tile tile, int32_t *planes[PLANES], int64_t *deformed)
 	for (int i = 0; i < TILE_POSTS; i++) {
 		struct soil soil = soil_at(tile.x * CELLS + (unsigned)i % SIDE_POSTS, tile.y * CELLS + (unsigned)i / SIDE_POSTS);
 		planes[PLANE_OFFSET][i] = (int32_t)lround(ldexp(soil.offset, 20));
-		((uint8_t *)planes[PLANE_DIRT])[i] = (uint8_t)soil.dirt;
-		planes[PLANE_HEAPED][i] = (int32_t)lround(ldexp(soil.heaped, 20));
-		planes[PLANE_PRESSED][i] = (int32_t)lround(ldexp(soil.pressed, 20));
+		((uint8_t *)planes[PLANE_DISTURBANCE])[i] = (uint8_t)soil.dirt;
+		planes[PLANE_DEPOSITED][i] = (int32_t)lround(ldexp(soil.heaped, 20));
+		planes[PLANE_PLASTIC_SINKAGE][i] = (int32_t)lround(ldexp(soil.pressed, 20));
 		((uint16_t *)planes[PLANE_SHEAR])[i] = (uint16_t)lround(ldexp(soil.shear, 16));
-		*deformed += planes[PLANE_OFFSET][i] != 0 || planes[PLANE_PRESSED][i] != 0;
+		*deformed += planes[PLANE_OFFSET][i] != 0 || planes[PLANE_PLASTIC_SINKAGE][i] != 0;
 	}
 	return *deformed > before;
 }
@@ -127,7 +127,7 @@ static void a_plane_of_one_value_takes_4_bytes(void **state)
 	struct store_page page = {{LEVEL, 3, 3}, {posts, posts, posts, posts, shear}};
 	assert_ok(store_epoch(store, &page, 1, &run, &result));
 	assert_ok(store_count(store, &numbers));
-	for (int plane = PLANE_HEAPED; plane < PLANES; plane++) {
+	for (int plane = PLANE_DEPOSITED; plane < PLANES; plane++) {
 		assert_int_equal(numbers.plane_tiles[plane], 1);
 		assert_int_equal(numbers.plane_bytes[plane], 4);
 	}

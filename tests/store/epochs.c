@@ -27,8 +27,8 @@ static void assert_level(struct store_reader *reader, const struct field *field)
 			uint8_t dirt[POSTS], want_dirt[POSTS];
 			unsigned present;
 			struct tile tile = {field->level, x, y};
-			void *const planes[PLANES] = {[PLANE_OFFSET] = offset, [PLANE_DIRT] = dirt};
-			assert_ok(store_read_deformed(reader, tile, PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DIRT), planes,
+			void *const planes[PLANES] = {[PLANE_OFFSET] = offset, [PLANE_DISTURBANCE] = dirt};
+			assert_ok(store_read_deformed(reader, tile, PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DISTURBANCE), planes,
 						      &present));
 			field_tile(field, tile, want, want_dirt);
 			assert_memory_equal(offset, want, sizeof want);
@@ -117,7 +117,7 @@ static void content_does_not_depend_on_how_it_was_split(void **state)
 		hashes[way] = content(store);
 		struct store_numbers numbers;
 		assert_ok(store_count(store, &numbers));
-		rows[way] = numbers.plane_tiles[PLANE_OFFSET] + numbers.plane_tiles[PLANE_PRESSED];
+		rows[way] = numbers.plane_tiles[PLANE_OFFSET] + numbers.plane_tiles[PLANE_PLASTIC_SINKAGE];
 		assert_int_equal(numbers.epochs, step);
 		field_free(&field);
 		store_close(store);
@@ -155,18 +155,18 @@ static void pages_without_dirt_leave_the_soil_alone(void **state)
 	int32_t offset[POSTS] = {[100] = -5}, got[POSTS];
 	uint8_t dirt[POSTS] = {[100] = 200}, soil[POSTS];
 	unsigned present;
-	struct store_page page = {{0, 1, 1}, {[PLANE_OFFSET] = offset, [PLANE_DIRT] = dirt}};
+	struct store_page page = {{0, 1, 1}, {[PLANE_OFFSET] = offset, [PLANE_DISTURBANCE] = dirt}};
 	struct store_run run = {.scene_hash = "abc", .step = 1, .time = 0.5, .state = "{}"};
 	struct store_epoch_result result;
 	assert_ok(store_epoch(store, &page, 1, &run, &result));
-	page.planes[PLANE_DIRT] = NULL;
+	page.planes[PLANE_DISTURBANCE] = NULL;
 	offset[100] = -6;
 	assert_ok(store_epoch(store, &page, 1, &run, &result));
 	assert_int_equal(result.below, -1);
 	struct store_reader *reader;
 	assert_ok(store_reader_create(store, &reader));
-	void *const planes[PLANES] = {[PLANE_OFFSET] = got, [PLANE_DIRT] = soil};
-	unsigned both = PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DIRT);
+	void *const planes[PLANES] = {[PLANE_OFFSET] = got, [PLANE_DISTURBANCE] = soil};
+	unsigned both = PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DISTURBANCE);
 	assert_ok(store_read_deformed(reader, page.tile, both, planes, &present));
 	assert_int_equal(present, both);
 	assert_int_equal(got[100], -6);
@@ -200,7 +200,7 @@ static void assert_planes(struct store *store, const struct field *field)
 					memset(want, 0, sizeof want);
 					if (level == field->level)
 						field_tile_plane(field, (struct tile){level, x, y}, (enum plane)plane, want);
-					else if (plane < PLANE_HEAPED)
+					else if (plane < PLANE_DEPOSITED)
 						continue;
 					assert_memory_equal(texels[plane], want, bytes);
 					bool zero = true;
@@ -256,7 +256,7 @@ static void a_drive_without_state_forgets_it_where_it_digs(void **state)
 			field.offset[y * field.width + x] = -7;
 	field.carried = PLANE_BIT(PLANE_OFFSET);
 	assert_ok(field_commit(&field, dug, store, 2, &result));
-	for (int plane = PLANE_HEAPED; plane < PLANES; plane++)
+	for (int plane = PLANE_DEPOSITED; plane < PLANES; plane++)
 		for (int64_t y = 48; y <= 80; y++)
 			for (int64_t x = 64; x <= 80; x++) {
 				size_t size = plane_bytes((enum plane)plane);
@@ -275,13 +275,13 @@ static void a_drive_without_state_forgets_it_where_it_digs(void **state)
 	verified(store);
 	assert_planes(store, &field);
 	/* All at once, where nothing beside keeps any. */
-	field.carried = PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DIRT);
+	field.carried = PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DISTURBANCE);
 	assert_ok(field_commit(&field, field_all(&field), store, 5, &result));
 	struct store_numbers numbers;
 	assert_ok(store_count(store, &numbers));
-	assert_int_equal(numbers.plane_tiles[PLANE_HEAPED] + numbers.plane_tiles[PLANE_PRESSED], 0);
+	assert_int_equal(numbers.plane_tiles[PLANE_DEPOSITED] + numbers.plane_tiles[PLANE_PLASTIC_SINKAGE], 0);
 	assert_int_equal(numbers.plane_tiles[PLANE_SHEAR], 0);
-	assert_true(numbers.plane_tiles[PLANE_DIRT] > 0);
+	assert_true(numbers.plane_tiles[PLANE_DISTURBANCE] > 0);
 	verified(store);
 	store_close(store);
 	field_free(&field);

@@ -188,7 +188,7 @@ static UNUSED struct field field_make(int level)
 		assert_non_null(field.planes[plane]);
 	}
 	field.offset = field.planes[PLANE_OFFSET];
-	field.dirt = field.planes[PLANE_DIRT];
+	field.dirt = field.planes[PLANE_DISTURBANCE];
 	return field;
 }
 
@@ -210,8 +210,8 @@ static UNUSED void field_dig(struct field *field, int64_t cx, int64_t cy, int64_
 			int64_t i = y * field->width + x;
 			field->offset[i] = (int32_t)(h % 400000) - 300000;
 			field->dirt[i] = (uint8_t)(h >> 24);
-			((int32_t *)field->planes[PLANE_HEAPED])[i] = (int32_t)(h >> 3 & 0xffff) - 0x4000;
-			((int32_t *)field->planes[PLANE_PRESSED])[i] = (int32_t)(h >> 7 & 0x7ffff);
+			((int32_t *)field->planes[PLANE_DEPOSITED])[i] = (int32_t)(h >> 3 & 0xffff) - 0x4000;
+			((int32_t *)field->planes[PLANE_PLASTIC_SINKAGE])[i] = (int32_t)(h >> 7 & 0x7ffff);
 			((uint16_t *)field->planes[PLANE_SHEAR])[i] = (uint16_t)(h >> 5);
 		}
 }
@@ -229,7 +229,7 @@ static UNUSED void field_tile_plane(const struct field *field, struct tile tile,
 static UNUSED void field_tile(const struct field *field, struct tile tile, int32_t *offset, uint8_t *dirt)
 {
 	field_tile_plane(field, tile, PLANE_OFFSET, offset);
-	field_tile_plane(field, tile, PLANE_DIRT, dirt);
+	field_tile_plane(field, tile, PLANE_DISTURBANCE, dirt);
 }
 
 /* Commits the tiles that `rect` (posts of the field's level) touches. */

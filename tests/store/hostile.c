@@ -132,9 +132,9 @@ static void planes_beyond_their_range_are_refused(void **state)
 		enum store_layer layer;
 		int32_t beyond;
 	} cases[] = {
-		{PLANE_DIRT, STORE_SOIL, 256},        {PLANE_DIRT, STORE_SOIL, -1},    {PLANE_DIRT, STORE_SOIL, INT32_MIN},
-		{PLANE_PRESSED, STORE_PRESSED, -1},   {PLANE_SHEAR, STORE_SHEAR, -1},  {PLANE_SHEAR, STORE_SHEAR, 65536},
-		{PLANE_PRESSED, STORE_PRESSED, INT32_MIN},
+		{PLANE_DISTURBANCE, STORE_SOIL, 256},        {PLANE_DISTURBANCE, STORE_SOIL, -1},    {PLANE_DISTURBANCE, STORE_SOIL, INT32_MIN},
+		{PLANE_PLASTIC_SINKAGE, STORE_PRESSED, -1},   {PLANE_SHEAR, STORE_SHEAR, -1},  {PLANE_SHEAR, STORE_SHEAR, 65536},
+		{PLANE_PLASTIC_SINKAGE, STORE_PRESSED, INT32_MIN},
 	};
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct field field;

@@ -41,7 +41,7 @@ static void what_was_put_is_read_back(void **state)
 	struct store_numbers numbers;
 	assert_ok(store_count(store, &numbers));
 	assert_int_equal(numbers.base_tiles, tiles);
-	assert_int_equal(numbers.plane_tiles[PLANE_OFFSET] + numbers.plane_tiles[PLANE_DIRT] + numbers.epochs, 0);
+	assert_int_equal(numbers.plane_tiles[PLANE_OFFSET] + numbers.plane_tiles[PLANE_DISTURBANCE] + numbers.epochs, 0);
 	assert_true(numbers.file_bytes >= numbers.base_bytes && numbers.base_bytes > 0);
 	assert_null(numbers.last_run.scene_hash);
 	verified(store);

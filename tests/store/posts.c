@@ -14,7 +14,7 @@ static int32_t field_post(const struct field *field, enum plane plane, int64_t x
 	if (x >= field->width || y >= field->height)
 		return 0;
 	int64_t i = y * field->width + x;
-	return plane == PLANE_DIRT    ? field->dirt[i]
+	return plane == PLANE_DISTURBANCE    ? field->dirt[i]
 	       : plane == PLANE_SHEAR ? ((uint16_t *)field->planes[plane])[i]
 				      : ((int32_t *)field->planes[plane])[i];
 }
@@ -51,11 +51,11 @@ static double post_of(const struct field *field, enum store_layer layer, int lev
 	double base = base_metres(level, x, y);
 	if (isnan(base) || layer == STORE_BASE)
 		return base;
-	static const enum plane planes[STORE_LAYERS] = {[STORE_SOIL] = PLANE_DIRT, [STORE_HEAPED] = PLANE_HEAPED,
-							[STORE_PRESSED] = PLANE_PRESSED, [STORE_SHEAR] = PLANE_SHEAR};
+	static const enum plane planes[STORE_LAYERS] = {[STORE_SOIL] = PLANE_DISTURBANCE, [STORE_HEAPED] = PLANE_DEPOSITED,
+							[STORE_PRESSED] = PLANE_PLASTIC_SINKAGE, [STORE_SHEAR] = PLANE_SHEAR};
 	int32_t value = deformed_post(field, planes[layer], level, x, y);
 	return layer == STORE_SURFACE				      ? base + lattice_offset_metres(value)
-	       : layer == STORE_QUANTA || planes[layer] == PLANE_DIRT ? value
+	       : layer == STORE_QUANTA || planes[layer] == PLANE_DISTURBANCE ? value
 	       : planes[layer] == PLANE_SHEAR			      ? value / 65536.0
 								      : lattice_offset_metres(value);
 }
@@ -209,8 +209,8 @@ static void a_point_lies_between_the_finest_posts_stored_there(void **state)
 	assert_ok(store_sample(reader, 50, 40, &sample));
 	assert_int_equal(sample.dirt, field.dirt[80 * field.width + 100]);
 	assert_int_equal(sample.planes, (1u << PLANES) - 1);
-	assert_true(sample.heaped == lattice_offset_metres(field_post(&field, PLANE_HEAPED, 100, 80)) && sample.heaped != 0);
-	assert_true(sample.pressed == lattice_offset_metres(field_post(&field, PLANE_PRESSED, 100, 80)) && sample.pressed > 0);
+	assert_true(sample.heaped == lattice_offset_metres(field_post(&field, PLANE_DEPOSITED, 100, 80)) && sample.heaped != 0);
+	assert_true(sample.pressed == lattice_offset_metres(field_post(&field, PLANE_PLASTIC_SINKAGE, 100, 80)) && sample.pressed > 0);
 	assert_true(sample.shear == field_post(&field, PLANE_SHEAR, 100, 80) / 65536.0 && sample.shear > 0);
 	assert_ok(store_sample(reader, 5, 5, &sample));
 	assert_true(sample.planes == 0 && sample.heaped == 0 && sample.pressed == 0 && sample.shear == 0);

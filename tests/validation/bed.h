@@ -23,7 +23,7 @@ struct bed_kind {
 	void *(*make)(const struct bed_params *params);
 	void (*destroy)(void *bed);
 	/* `lower`: how far the soil let the load sink below the sweep's height. */
-	void (*sweep)(void *bed, const struct deform_sweep *sweep, struct reference_forces *forces, double *lower);
+	void (*sweep)(void *bed, const struct deform_contact *sweep, struct reference_forces *forces, double *lower);
 	/* Slides until nothing moves more than `tolerance`. */
 	void (*settle)(void *bed, double tolerance);
 	double (*surface)(void *bed, int x, int y);
@@ -53,7 +53,7 @@ static void bed_reference_destroy(void *user)
 	mem_free(bed);
 }
 
-static void bed_reference_sweep(void *user, const struct deform_sweep *sweep, struct reference_forces *forces, double *lower)
+static void bed_reference_sweep(void *user, const struct deform_contact *sweep, struct reference_forces *forces, double *lower)
 {
 	struct bed_reference *bed = user;
 	if (reference_sweep(&bed->ground, &bed->params, sweep, forces, lower) != STATUS_OK)

@@ -34,7 +34,7 @@ static double sinkage(const struct bed_kind *kind, struct deform_soil soil, doub
 	struct bed_params params = bed_scm(posts, posts, spacing, soil);
 	struct deform_shape plate = {.kind = DEFORM_BOX, .size = {ACROSS, ACROSS, 1}};
 	struct deform_pose pose = bed_pose(at, at, 0.5, spacing);
-	struct deform_sweep sweep = {.shape = &plate, .from = pose, .to = pose, .load = PRESSURE * ACROSS * ACROSS};
+	struct deform_contact sweep = {.shape = &plate, .from = pose, .to = pose, .load = PRESSURE * ACROSS * ACROSS};
 	struct reference_forces forces;
 	double lower;
 	void *bed = kind->make(&params);
@@ -113,7 +113,7 @@ static void a_dragged_plate_is_held_back_by_that_shear(void **state)
 	struct bed_params params = bed_scm(180, 16, spacing, soil);
 	struct deform_shape plate = {.kind = DEFORM_BOX, .size = {length, ACROSS, 1}};
 	struct deform_pose pose = bed_pose(84.5, 7.5, 0.5, spacing);
-	struct deform_sweep sweep = {.shape = &plate, .from = pose, .to = pose, .load = PRESSURE * length * ACROSS};
+	struct deform_contact sweep = {.shape = &plate, .from = pose, .to = pose, .load = PRESSURE * length * ACROSS};
 	struct reference_forces forces;
 	double lower, way = 0, fresh = 0;
 	void *bed = kind->make(&params);
@@ -147,8 +147,8 @@ static void a_second_equal_load_sinks_no_deeper(void **state)
 	struct bed_params params = bed_scm(30, 30, 0.01, soil);
 	struct deform_shape plate = {.kind = DEFORM_BOX, .size = {ACROSS, ACROSS, 1}};
 	struct deform_pose pose = bed_pose(14.5, 14.5, 0.5, 0.01), lifted = bed_pose(14.5, 14.5, 2, 0.01);
-	struct deform_sweep press = {.shape = &plate, .from = pose, .to = pose, .load = PRESSURE * ACROSS * ACROSS};
-	struct deform_sweep lift = {.shape = &plate, .from = pose, .to = lifted};
+	struct deform_contact press = {.shape = &plate, .from = pose, .to = pose, .load = PRESSURE * ACROSS * ACROSS};
+	struct deform_contact lift = {.shape = &plate, .from = pose, .to = lifted};
 	struct reference_forces forces;
 	double first, again, lower;
 	void *bed = kind->make(&params);
@@ -182,8 +182,8 @@ static void a_stiff_clay_carries_any_second_load(void **state)
 	struct bed_params params = bed_scm(30, 30, 0.01, soil);
 	struct deform_shape plate = {.kind = DEFORM_BOX, .size = {ACROSS, ACROSS, 1}};
 	struct deform_pose deep = bed_pose(14.5, 14.5, 0.499, 0.01), lifted = bed_pose(14.5, 14.5, 2, 0.01);
-	struct deform_sweep press = {.shape = &plate, .from = deep, .to = deep};
-	struct deform_sweep lift = {.shape = &plate, .from = deep, .to = lifted};
+	struct deform_contact press = {.shape = &plate, .from = deep, .to = deep};
+	struct deform_contact lift = {.shape = &plate, .from = deep, .to = lifted};
 	struct reference_forces forces;
 	double lower, full;
 	void *bed = kind->make(&params);

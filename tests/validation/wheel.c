@@ -41,7 +41,7 @@ static struct rut roll(const struct bed_kind *kind, const struct towed *wheel, c
 	struct deform_shape shape = {.kind = DEFORM_WHEEL, .radius = radius, .width = wheel->width};
 	double x = ceil(rim + radius / spacing) + shift, y = (height - 1) / 2.0;
 	struct deform_pose start = bed_pose(x, y, radius, spacing);
-	struct deform_sweep sweep = {.shape = &shape, .from = start, .to = start, .load = wheel->load};
+	struct deform_contact sweep = {.shape = &shape, .from = start, .to = start, .load = wheel->load};
 	struct reference_forces forces;
 	struct rut rut;
 	void *bed = kind->make(&params);

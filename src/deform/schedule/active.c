@@ -24,84 +24,84 @@
 #include <assert.h>
 #include <string.h>
 
-enum status deform_awake_create(struct deform *deform)
+enum status deform_active_create(struct deform *deform)
 {
-	deform->awake = mem_calloc(1, sizeof *deform->awake);
-	if (deform->awake == NULL)
+	deform->active = mem_calloc(1, sizeof *deform->active);
+	if (deform->active == NULL)
 		return fail_memory("the awake blocks");
 	struct gpu *gpu = deform->params.gpu;
-	enum status status = gpu_buffer_create(gpu, GPU_STORAGE, SWEEPS_BYTES, NULL, &deform->awake->sweeps);
+	enum status status = gpu_buffer_create(gpu, GPU_STORAGE, CONTACT_BYTES, NULL, &deform->active->contact_flags);
 	for (int i = 0; i < VISITS && status == STATUS_OK; i++)
-		status = gpu_staging_create(gpu, VISIT_BYTES, &deform->awake->visits[i].flags);
+		status = gpu_staging_create(gpu, VISIT_BYTES, &deform->active->visits[i].flags);
 	for (int i = 0; i <= VISITS && status == STATUS_OK; i++)
-		status = gpu_staging_create(gpu, PERIOD_BYTES, &deform->awake->periods[i].flags);
+		status = gpu_staging_create(gpu, PERIOD_BYTES, &deform->active->periods[i].flags);
 	return status;
 }
 
-void deform_awake_plan(const char *effect, struct plan *plan)
+void deform_active_plan(const char *effect, struct plan *plan)
 {
-	deform_plan_buffer(plan, effect, 1, SWEEPS_BYTES, "sweeps' flags");
+	deform_plan_buffer(plan, effect, 1, CONTACT_BYTES, "sweeps' flags");
 	deform_plan_buffer(plan, effect, VISITS, VISITS * VISIT_BYTES, "blocks' flags on their way");
 	deform_plan_buffer(plan, effect, VISITS + 1, (VISITS + 1) * PERIOD_BYTES, "sweeps' flags on their way");
 }
 
-void deform_awake_destroy(struct awake *awake)
+void deform_active_destroy(struct active *active)
 {
-	if (awake == NULL)
+	if (active == NULL)
 		return;
 	for (size_t i = 0; i < VISITS; i++) {
-		deform_awake_visit_finish(&awake->visits[i]);
-		gpu_staging_destroy(awake->visits[i].flags);
+		deform_active_visit_finish(&active->visits[i]);
+		gpu_staging_destroy(active->visits[i].flags);
 	}
 	for (size_t i = 0; i <= VISITS; i++) {
-		deform_awake_period_finish(&awake->periods[i]);
-		gpu_staging_destroy(awake->periods[i].flags);
+		deform_active_period_finish(&active->periods[i]);
+		gpu_staging_destroy(active->periods[i].flags);
 	}
-	gpu_buffer_destroy(awake->sweeps);
-	deform_block_set_finish(&awake->known);
-	deform_block_set_finish(&awake->blocks);
-	deform_block_set_finish(&awake->next);
-	deform_touched_finish(&awake->touched);
-	deform_touched_finish(&awake->maybe);
-	mem_free(awake);
+	gpu_buffer_destroy(active->contact_flags);
+	deform_block_set_finish(&active->known);
+	deform_block_set_finish(&active->blocks);
+	deform_block_set_finish(&active->next);
+	deform_touched_finish(&active->touched);
+	deform_touched_finish(&active->maybe);
+	mem_free(active);
 }
 
-static struct period *this_period(struct awake *awake)
+static struct period *this_period(struct active *active)
 {
-	return &awake->periods[awake->visit_count];
+	return &active->periods[active->visit_count];
 }
 
 /* Sends for the flags of what was swept since the last visit. */
 static void ask_swept(struct deform *deform)
 {
-	struct awake *awake = deform->awake;
-	struct period *period = this_period(awake);
+	struct active *active = deform->active;
+	struct period *period = this_period(active);
 	if (period->count == 0 || period->asked)
 		return;
 	period->asked = true;
-	gpu_buffer_read_into(awake->sweeps, 0, awake->used * sizeof(uint32_t), period->flags, 0);
+	gpu_buffer_read_into(active->contact_flags, 0, active->used * sizeof(uint32_t), period->flags, 0);
 	/* And what a window that nobody scattered has left behind them. */
-	uint32_t dirty = awake->used + WINDOW_BLOCKS;
-	gpu_buffer_clear(awake->sweeps, 0, (dirty < SWEEP_WORDS ? dirty : SWEEP_WORDS) * sizeof(uint32_t));
-	awake->used = 0;
+	uint32_t dirty = active->used + WINDOW_BLOCKS;
+	gpu_buffer_clear(active->contact_flags, 0, (dirty < CONTACT_WORDS ? dirty : CONTACT_WORDS) * sizeof(uint32_t));
+	active->used = 0;
 }
 
-struct place_flags deform_awake_flags(struct deform *deform, const struct deform_window *window, uint32_t layer)
+struct place_flags deform_active_flags(struct deform *deform, const struct deform_window *window, uint32_t layer)
 {
-	struct awake *awake = deform->awake;
+	struct active *active = deform->active;
 	struct layer *scratch = &deform->scratch[layer];
 	const struct post_rect read = window->read, write = window->write;
 	const struct extent *extent = deform->params.extent;
 	int64_t posts_x = extent_posts(extent->width, deform->params.level);
 	int64_t posts_y = extent_posts(extent->height, deform->params.level);
-	struct block_grid grid = deform_awake_grid(write);
+	struct block_grid grid = deform_active_grid(write);
 	int32_t step = (int32_t)deform_slide_step(deform);
 	assert(grid.columns * grid.rows <= WINDOW_BLOCKS);
-	scratch->flagged = deform->sweeps_flag && scratch->alone && !this_period(awake)->asked &&
-			   grid.columns * grid.rows <= SWEEP_WORDS - awake->used;
+	scratch->flagged = deform->contacts_flag && scratch->alone && !this_period(active)->asked &&
+			   grid.columns * grid.rows <= CONTACT_WORDS - active->used;
 	return (struct place_flags){
-		.words = awake->sweeps,
-		.first = scratch->flagged ? awake->used : SWEEP_WORDS,
+		.words = active->contact_flags,
+		.first = scratch->flagged ? active->used : CONTACT_WORDS,
 		.columns = grid.columns,
 		.from = {(int32_t)(read.x0 - grid.x * DEFORM_BLOCK), (int32_t)(read.y0 - grid.y * DEFORM_BLOCK)},
 		/* Nothing lies beyond the world. */
@@ -129,8 +129,8 @@ static enum status keep_swept(struct period *period, struct swept window)
 
 enum status deform_wake_swept(struct deform *deform, const struct deform_window *window, uint32_t layer)
 {
-	struct awake *awake = deform->awake;
-	if (awake == NULL || post_rect_empty(window->write))
+	struct active *active = deform->active;
+	if (active == NULL || post_rect_empty(window->write))
 		return STATUS_OK;
 	struct layer *scratch = &deform->scratch[layer];
 	const struct swept swept = {window->write, scratch->above};
@@ -139,118 +139,118 @@ enum status deform_wake_swept(struct deform *deform, const struct deform_window 
 		return status == STATUS_OK ? deform_wake(deform, window->write) : status;
 	}
 	scratch->flagged = false;
-	struct block_grid grid = deform_awake_grid(window->write);
-	enum status status = keep_swept(this_period(awake), swept);
+	struct block_grid grid = deform_active_grid(window->write);
+	enum status status = keep_swept(this_period(active), swept);
 	if (status == STATUS_OK && deform->params.touched)
-		status = deform_awake_maybe_swept(awake, &swept);
+		status = deform_active_maybe_swept(active, &swept);
 	if (status != STATUS_OK)
 		return status;
-	awake->used += grid.columns * grid.rows;
-	return deform_awake_add_near(deform, &awake->blocks, window->write);
+	active->used += grid.columns * grid.rows;
+	return deform_active_add_near(deform, &active->blocks, window->write);
 }
 
 enum status deform_wake_block(struct deform *deform, struct deform_block block)
 {
-	struct awake *awake = deform->awake;
-	if (awake == NULL)
+	struct active *active = deform->active;
+	if (active == NULL)
 		return STATUS_OK;
-	enum status status = deform_awake_add(deform, &awake->blocks, block.x, block.y);
-	return status == STATUS_OK ? deform_awake_add(deform, &this_period(awake)->woken, block.x, block.y) : status;
+	enum status status = deform_active_add(deform, &active->blocks, block.x, block.y);
+	return status == STATUS_OK ? deform_active_add(deform, &this_period(active)->woken, block.x, block.y) : status;
 }
 
 enum status deform_wake(struct deform *deform, struct post_rect changed)
 {
-	struct awake *awake = deform->awake;
-	if (awake == NULL || post_rect_empty(changed))
+	struct active *active = deform->active;
+	if (active == NULL || post_rect_empty(changed))
 		return STATUS_OK;
-	enum status status = deform_awake_add_near(deform, &awake->blocks, changed);
-	return status == STATUS_OK ? deform_awake_add_near(deform, &this_period(awake)->woken, changed) : status;
+	enum status status = deform_active_add_near(deform, &active->blocks, changed);
+	return status == STATUS_OK ? deform_active_add_near(deform, &this_period(active)->woken, changed) : status;
 }
 
-enum status deform_awake(struct deform *deform, const struct deform_block **blocks, size_t *count)
+enum status deform_active_blocks(struct deform *deform, const struct deform_block **blocks, size_t *count)
 {
-	struct awake *awake = deform->awake;
+	struct active *active = deform->active;
 	*count = 0;
-	if (awake == NULL)
+	if (active == NULL)
 		return STATUS_OK;
 	bool came;
-	enum status status = deform_awake_settle(deform, &came);
+	enum status status = deform_active_settle(deform, &came);
 	/* Some of so many may be so only because their flags are not here yet. */
-	if (status == STATUS_OK && awake->blocks.count > DEFORM_BLOCKS_MAX) {
+	if (status == STATUS_OK && active->blocks.count > DEFORM_BLOCKS_MAX) {
 		ask_swept(deform);
-		status = deform_awake_wait(deform);
+		status = deform_active_wait(deform);
 	}
-	if (status == STATUS_OK && awake->blocks.count > DEFORM_BLOCKS_MAX)
+	if (status == STATUS_OK && active->blocks.count > DEFORM_BLOCKS_MAX)
 		status = fail_with(STATUS_FAILED, "soil: the ground slides in more than %d blocks of %d x %d posts at once; choose a "
 						  "soil that stands steeper, a coarser spacing, or model none", DEFORM_BLOCKS_MAX,
 				   DEFORM_BLOCK, DEFORM_BLOCK);
 	if (status != STATUS_OK)
 		return status;
-	deform_block_set_sort(&awake->blocks);
-	*blocks = awake->blocks.blocks;
-	*count = awake->blocks.count;
+	deform_block_set_sort(&active->blocks);
+	*blocks = active->blocks.blocks;
+	*count = active->blocks.count;
 	return STATUS_OK;
 }
 
-enum status deform_awake_visit(struct deform *deform, const struct deform_block **blocks, size_t *count)
+enum status deform_active_visit(struct deform *deform, const struct deform_block **blocks, size_t *count)
 {
-	enum status status = deform->awake->visit_count == VISITS ? deform_awake_wait(deform) : STATUS_OK;
+	enum status status = deform->active->visit_count == VISITS ? deform_active_wait(deform) : STATUS_OK;
 	if (status != STATUS_OK)
 		return status;
 	ask_swept(deform);
-	return deform_awake(deform, blocks, count);
+	return deform_active_blocks(deform, blocks, count);
 }
 
-bool deform_awake_is_visited(const struct deform *deform, struct deform_block block)
+bool deform_active_is_visited(const struct deform *deform, struct deform_block block)
 {
-	return deform_block_set_has(&deform->awake->blocks, block);
+	return deform_block_set_has(&deform->active->blocks, block);
 }
 
-enum status deform_awake_visited(struct deform *deform, struct gpu_buffer *flags)
+enum status deform_active_visited(struct deform *deform, struct gpu_buffer *flags)
 {
-	struct awake *awake = deform->awake;
-	size_t count = awake->blocks.count;
-	assert(count > 0 && awake->visit_count < VISITS);
-	struct visit *visit = &awake->visits[awake->visit_count];
+	struct active *active = deform->active;
+	size_t count = active->blocks.count;
+	assert(count > 0 && active->visit_count < VISITS);
+	struct visit *visit = &active->visits[active->visit_count];
 	visit->visited = mem_alloc(count, sizeof *visit->visited);
 	if (visit->visited == NULL)
 		return fail_memory("the awake blocks");
-	memcpy(visit->visited, awake->blocks.blocks, count * sizeof *visit->visited);
+	memcpy(visit->visited, active->blocks.blocks, count * sizeof *visit->visited);
 	visit->count = count;
-	awake->visit_count++;
-	enum status status = deform->params.touched ? deform_awake_maybe_visited(deform, visit) : STATUS_OK;
+	active->visit_count++;
+	enum status status = deform->params.touched ? deform_active_maybe_visited(deform, visit) : STATUS_OK;
 	if (status != STATUS_OK)
 		return status;
 	gpu_buffer_read_into(flags, 0, count * sizeof(uint32_t), visit->flags, 0);
 	bool came;
-	status = deform_awake_settle(deform, &came);
-	return status == STATUS_OK && !came ? deform_awake_widen(deform, &awake->blocks) : status;
+	status = deform_active_settle(deform, &came);
+	return status == STATUS_OK && !came ? deform_active_widen(deform, &active->blocks) : status;
 }
 
-enum status deform_awake_forget(struct deform *deform)
+enum status deform_active_forget(struct deform *deform)
 {
-	struct awake *awake = deform->awake;
+	struct active *active = deform->active;
 	ask_swept(deform);
-	enum status status = deform_awake_wait(deform);
-	assert(status != STATUS_OK || awake->visit_count == 0);
-	deform_block_set_clear(&awake->known);
-	deform_block_set_clear(&awake->blocks);
-	deform_block_set_clear(&awake->next);
-	deform_awake_period_finish(&awake->periods[0]);
+	enum status status = deform_active_wait(deform);
+	assert(status != STATUS_OK || active->visit_count == 0);
+	deform_block_set_clear(&active->known);
+	deform_block_set_clear(&active->blocks);
+	deform_block_set_clear(&active->next);
+	deform_active_period_finish(&active->periods[0]);
 	return status;
 }
 
 enum status deform_touch(struct deform *deform, struct post_rect rect)
 {
-	return deform->params.touched ? deform_touched_add(&deform->awake->touched, rect) : STATUS_OK;
+	return deform->params.touched ? deform_touched_add(&deform->active->touched, rect) : STATUS_OK;
 }
 
 enum status deform_is_touched(struct deform *deform, struct post_rect rect, bool *is)
 {
-	const struct awake *awake = deform->awake;
+	const struct active *active = deform->active;
 	bool came;
 	assert(deform->params.touched);
-	enum status status = deform_awake_settle(deform, &came);
-	*is = deform_awake_is_touched(awake, rect);
+	enum status status = deform_active_settle(deform, &came);
+	*is = deform_active_is_touched(active, rect);
 	return status;
 }

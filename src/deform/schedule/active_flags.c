@@ -6,13 +6,13 @@
 
 #include "deform/schedule/active.h"
 
-void deform_awake_visit_finish(struct visit *visit)
+void deform_active_visit_finish(struct visit *visit)
 {
 	mem_free(visit->visited);
 	*visit = (struct visit){.flags = visit->flags};
 }
 
-void deform_awake_period_finish(struct period *period)
+void deform_active_period_finish(struct period *period)
 {
 	mem_free(period->swept);
 	deform_block_set_finish(&period->woken);
@@ -27,7 +27,7 @@ static struct deform_block last_block(const struct deform *deform)
 				     (extent_posts(extent->height, deform->params.level) - 1) / DEFORM_BLOCK};
 }
 
-enum status deform_awake_add(const struct deform *deform, struct block_set *set, int64_t x, int64_t y)
+enum status deform_active_add(const struct deform *deform, struct block_set *set, int64_t x, int64_t y)
 {
 	struct deform_block last = last_block(deform);
 	if (x < 0 || y < 0 || x > last.x || y > last.y)
@@ -50,13 +50,13 @@ static enum status add_word(const struct deform *deform, struct block_set *set, 
 	enum status status = STATUS_OK;
 	for (int way = 0; way < 9 && status == STATUS_OK; way++)
 		if (flags & 1u << way)
-			status = deform_awake_add(deform, set, x + ways[way][0], y + ways[way][1]);
+			status = deform_active_add(deform, set, x + ways[way][0], y + ways[way][1]);
 	return status;
 }
 
 static enum status add_visited(struct deform *deform, struct block_set *set, const struct visit *visit)
 {
-	struct touched *touched = &deform->awake->touched;
+	struct touched *touched = &deform->active->touched;
 	const uint32_t *flags = gpu_staging_bytes(visit->flags);
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < visit->count && status == STATUS_OK; i++) {
@@ -72,7 +72,7 @@ static int64_t block_of(int64_t post)
 	return post >= 0 ? post / DEFORM_BLOCK : -((DEFORM_BLOCK - 1 - post) / DEFORM_BLOCK);
 }
 
-struct block_grid deform_awake_grid(struct post_rect write)
+struct block_grid deform_active_grid(struct post_rect write)
 {
 	struct block_grid grid = {.x = block_of(write.x0), .y = block_of(write.y0)};
 	grid.columns = (uint32_t)(block_of(write.x1 - 1) - grid.x + 1);
@@ -86,7 +86,7 @@ static enum status add_changed(struct deform *deform, struct post_rect write, st
 	enum status status = STATUS_OK;
 	for (int part = 0; parts >> part != 0 && status == STATUS_OK; part++)
 		if (parts >> part & 1)
-			status = deform_touched_add(&deform->awake->touched, post_rect_intersect(write, deform_touched_part(block, part)));
+			status = deform_touched_add(&deform->active->touched, post_rect_intersect(write, deform_touched_part(block, part)));
 	return status;
 }
 
@@ -96,7 +96,7 @@ static enum status add_swept(struct deform *deform, struct period *period)
 	const uint32_t *flags = gpu_staging_bytes(period->flags);
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < period->count; i++) {
-		struct block_grid grid = deform_awake_grid(period->swept[i].write);
+		struct block_grid grid = deform_active_grid(period->swept[i].write);
 		for (uint32_t k = 0; k < grid.columns * grid.rows && status == STATUS_OK; k++, flags++) {
 			int64_t x = grid.x + k % grid.columns, y = grid.y + k / grid.columns;
 			status = add_word(deform, &period->woken, x, y, *flags);
@@ -122,7 +122,7 @@ struct post_rect deform_wakes(const struct deform *deform, struct post_rect chan
 	return (struct post_rect){x0 * DEFORM_BLOCK, y0 * DEFORM_BLOCK, (x1 + 1) * DEFORM_BLOCK, (y1 + 1) * DEFORM_BLOCK};
 }
 
-enum status deform_awake_add_near(const struct deform *deform, struct block_set *set, struct post_rect changed)
+enum status deform_active_add_near(const struct deform *deform, struct block_set *set, struct post_rect changed)
 {
 	const struct post_rect posts = deform_wakes(deform, changed);
 	enum status status = STATUS_OK;
@@ -136,61 +136,61 @@ static enum status add_period(const struct deform *deform, struct block_set *set
 {
 	enum status status = add_all(set, &period->woken);
 	for (size_t i = 0; i < period->count && status == STATUS_OK; i++)
-		status = deform_awake_add_near(deform, set, period->swept[i].write);
+		status = deform_active_add_near(deform, set, period->swept[i].write);
 	return status;
 }
 
 /* The oldest period is over, and what its sweeps have changed nobody has looked at. */
 static enum status add_all_swept(struct deform *deform)
 {
-	const struct period *period = &deform->awake->periods[0];
+	const struct period *period = &deform->active->periods[0];
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < period->count && deform->params.touched && status == STATUS_OK; i++)
-		status = deform_touched_add(&deform->awake->touched, period->swept[i].write);
+		status = deform_touched_add(&deform->active->touched, period->swept[i].write);
 	return status;
 }
 
-enum status deform_awake_widen(const struct deform *deform, struct block_set *set)
+enum status deform_active_widen(const struct deform *deform, struct block_set *set)
 {
 	enum status status = STATUS_OK;
 	size_t count = set->count;
 	for (size_t i = 0; i < count; i++)
 		for (int k = 0; k < 9 && status == STATUS_OK; k++)
-			status = deform_awake_add(deform, set, set->blocks[i].x + k % 3 - 1, set->blocks[i].y + k / 3 - 1);
+			status = deform_active_add(deform, set, set->blocks[i].x + k % 3 - 1, set->blocks[i].y + k / 3 - 1);
 	return status;
 }
 
 /* The oldest visit is over, and the period before it. */
-static void hand_on(struct awake *awake)
+static void hand_on(struct active *active)
 {
-	const struct visit visit = awake->visits[0];
-	const struct period period = awake->periods[0];
-	memmove(awake->visits, awake->visits + 1, (VISITS - 1) * sizeof *awake->visits);
-	memmove(awake->periods, awake->periods + 1, VISITS * sizeof *awake->periods);
-	awake->visits[VISITS - 1] = visit;
-	awake->periods[VISITS] = period;
-	awake->visit_count--;
+	const struct visit visit = active->visits[0];
+	const struct period period = active->periods[0];
+	memmove(active->visits, active->visits + 1, (VISITS - 1) * sizeof *active->visits);
+	memmove(active->periods, active->periods + 1, VISITS * sizeof *active->periods);
+	active->visits[VISITS - 1] = visit;
+	active->periods[VISITS] = period;
+	active->visit_count--;
 }
 
-bool deform_awake_is_touched(const struct awake *awake, struct post_rect rect)
+bool deform_active_is_touched(const struct active *active, struct post_rect rect)
 {
-	return deform_touched_any(&awake->touched, rect) || deform_touched_any(&awake->maybe, rect);
+	return deform_touched_any(&active->touched, rect) || deform_touched_any(&active->maybe, rect);
 }
 
-enum status deform_awake_maybe_swept(struct awake *awake, const struct swept *swept)
+enum status deform_active_maybe_swept(struct active *active, const struct swept *swept)
 {
-	return !swept->above || deform_awake_is_touched(awake, swept->write) ? deform_touched_add(&awake->maybe, swept->write) : STATUS_OK;
+	return !swept->above || deform_active_is_touched(active, swept->write) ? deform_touched_add(&active->maybe, swept->write) : STATUS_OK;
 }
 
-enum status deform_awake_maybe_visited(struct deform *deform, const struct visit *visit)
+enum status deform_active_maybe_visited(struct deform *deform, const struct visit *visit)
 {
-	struct awake *awake = deform->awake;
+	struct active *active = deform->active;
 	int64_t by = deform->params.iterations;
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < visit->count && status == STATUS_OK; i++) {
-		status = deform_touched_grow(&awake->maybe, &awake->maybe, visit->visited[i], by, TOUCHED_PARTS);
+		status = deform_touched_grow(&active->maybe, &active->maybe, visit->visited[i], by, TOUCHED_PARTS);
 		if (status == STATUS_OK)
-			status = deform_touched_grow(&awake->maybe, &awake->touched, visit->visited[i], by, TOUCHED_PARTS);
+			status = deform_touched_grow(&active->maybe, &active->touched, visit->visited[i], by, TOUCHED_PARTS);
 	}
 	return status;
 }
@@ -198,14 +198,14 @@ enum status deform_awake_maybe_visited(struct deform *deform, const struct visit
 /* All whose flags are not here, in their order: they may have changed less than was thought, since others did. */
 static enum status guess_anew(struct deform *deform)
 {
-	struct awake *awake = deform->awake;
+	struct active *active = deform->active;
 	enum status status = STATUS_OK;
-	deform_touched_clear(&awake->maybe);
-	for (size_t i = 0; i <= awake->visit_count && status == STATUS_OK; i++) {
-		for (size_t k = 0; k < awake->periods[i].count && status == STATUS_OK; k++)
-			status = deform_awake_maybe_swept(awake, &awake->periods[i].swept[k]);
-		if (status == STATUS_OK && i < awake->visit_count)
-			status = deform_awake_maybe_visited(deform, &awake->visits[i]);
+	deform_touched_clear(&active->maybe);
+	for (size_t i = 0; i <= active->visit_count && status == STATUS_OK; i++) {
+		for (size_t k = 0; k < active->periods[i].count && status == STATUS_OK; k++)
+			status = deform_active_maybe_swept(active, &active->periods[i].swept[k]);
+		if (status == STATUS_OK && i < active->visit_count)
+			status = deform_active_maybe_visited(deform, &active->visits[i]);
 	}
 	return status;
 }
@@ -213,52 +213,52 @@ static enum status guess_anew(struct deform *deform)
 /* Takes in the flags that have come. */
 static enum status take_flags(struct deform *deform, bool *came)
 {
-	struct awake *awake = deform->awake;
+	struct active *active = deform->active;
 	enum status status = STATUS_OK;
 	*came = false;
-	for (size_t i = 0; i <= awake->visit_count && status == STATUS_OK; i++)
-		if (awake->periods[i].asked && gpu_staging_idle(awake->periods[i].flags)) {
-			status = add_swept(deform, &awake->periods[i]);
+	for (size_t i = 0; i <= active->visit_count && status == STATUS_OK; i++)
+		if (active->periods[i].asked && gpu_staging_idle(active->periods[i].flags)) {
+			status = add_swept(deform, &active->periods[i]);
 			*came = true;
 		}
-	while (awake->visit_count > 0 && status == STATUS_OK && gpu_staging_idle(awake->visits[0].flags)) {
-		deform_block_set_clear(&awake->known);
+	while (active->visit_count > 0 && status == STATUS_OK && gpu_staging_idle(active->visits[0].flags)) {
+		deform_block_set_clear(&active->known);
 		status = add_all_swept(deform);
 		if (status == STATUS_OK)
-			status = add_visited(deform, &awake->known, &awake->visits[0]);
-		deform_awake_visit_finish(&awake->visits[0]);
-		deform_awake_period_finish(&awake->periods[0]);
-		hand_on(awake);
+			status = add_visited(deform, &active->known, &active->visits[0]);
+		deform_active_visit_finish(&active->visits[0]);
+		deform_active_period_finish(&active->periods[0]);
+		hand_on(active);
 		*came = true;
 	}
 	return status;
 }
 
-enum status deform_awake_settle(struct deform *deform, bool *came)
+enum status deform_active_settle(struct deform *deform, bool *came)
 {
-	struct awake *awake = deform->awake;
+	struct active *active = deform->active;
 	enum status status = take_flags(deform, came);
 	if (!*came || status != STATUS_OK)
 		return status;
-	deform_block_set_clear(&awake->next);
-	status = add_all(&awake->next, &awake->known);
-	for (size_t i = 0; i <= awake->visit_count && status == STATUS_OK; i++) {
+	deform_block_set_clear(&active->next);
+	status = add_all(&active->next, &active->known);
+	for (size_t i = 0; i <= active->visit_count && status == STATUS_OK; i++) {
 		if (i > 0)
-			status = deform_awake_widen(deform, &awake->next);
+			status = deform_active_widen(deform, &active->next);
 		if (status == STATUS_OK)
-			status = add_period(deform, &awake->next, &awake->periods[i]);
+			status = add_period(deform, &active->next, &active->periods[i]);
 	}
-	struct block_set was = awake->blocks;
-	awake->blocks = awake->next;
-	awake->next = was;
+	struct block_set was = active->blocks;
+	active->blocks = active->next;
+	active->next = was;
 	if (status == STATUS_OK && deform->params.touched)
 		status = guess_anew(deform);
 	return status == STATUS_OK ? gpu_check(deform->params.gpu, "the awake blocks") : status;
 }
 
-enum status deform_awake_wait(struct deform *deform)
+enum status deform_active_wait(struct deform *deform)
 {
 	bool came;
 	gpu_finish(deform->params.gpu);
-	return deform_awake_settle(deform, &came);
+	return deform_active_settle(deform, &came);
 }

@@ -47,7 +47,7 @@ static void drop_results(struct deform *deform)
 /* What slides. */
 static unsigned sliding_planes(const struct deform_params *params)
 {
-	return deform_planes(params->model, params->dirt) & (PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_HEAPED));
+	return deform_planes(params->model, params->disturbance) & (PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DEPOSITED));
 }
 
 static enum status need_results(struct deform *deform, size_t blocks)
@@ -110,9 +110,9 @@ void deform_interval_destroy(struct deform *deform)
 	mem_free(interval);
 }
 
-static struct deform_sweep rest_sweep(const struct deform_rest *object)
+static struct deform_contact rest_contact(const struct deform_rest *object)
 {
-	return (struct deform_sweep){.shape = object->shape, .from = object->pose, .to = object->pose};
+	return (struct deform_contact){.shape = object->shape, .from = object->pose, .to = object->pose};
 }
 
 enum status deform_interval_begin(struct deform *deform, const struct deform_rest *objects, size_t object_count,
@@ -122,17 +122,17 @@ enum status deform_interval_begin(struct deform *deform, const struct deform_res
 	*count = 0;
 	if (interval == NULL)
 		return STATUS_OK;
-	enum status status = deform_awake_visit(deform, &interval->blocks, &interval->count);
+	enum status status = deform_active_visit(deform, &interval->blocks, &interval->count);
 	if (status != STATUS_OK || interval->count == 0)
 		return status;
 	interval->objects = objects;
 	interval->object_count = object_count;
 	/* As many layers as the objects' windows will need: growing later would lose what is gathered. */
 	for (size_t i = 0; i < object_count && status == STATUS_OK; i++) {
-		const struct deform_sweep sweep = rest_sweep(&objects[i]);
+		const struct deform_contact contact = rest_contact(&objects[i]);
 		struct deform_window windows[DEFORM_WINDOWS_MAX];
 		size_t needed;
-		status = deform_windows(deform, &sweep, windows, &needed);
+		status = deform_windows(deform, &contact, windows, &needed);
 	}
 	if (status == STATUS_OK)
 		status = need_results(deform, interval->count);
@@ -215,17 +215,17 @@ static bool overlaps(const struct deform *deform, struct post_rect window, size_
 /* What an object rests on is held, as at the end of a contact. */
 static enum status hold_all(struct deform *deform, const struct deform_rest *object, size_t first, size_t last)
 {
-	const struct deform_sweep sweep = rest_sweep(object);
+	const struct deform_contact contact = rest_contact(object);
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	size_t count;
-	enum status status = deform_windows(deform, &sweep, windows, &count);
+	enum status status = deform_windows(deform, &contact, windows, &count);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 		if (!overlaps(deform, windows[i].read, first, last))
 			continue;
-		status = deform_underside(deform, &sweep, &windows[i], 0);
+		status = deform_envelope(deform, &contact, &windows[i], 0);
 		deform->figures.resting += object->shape->kind != DEFORM_MESH;
 		for (size_t block = first; block <= last && status == STATUS_OK; block++)
-			status = hold(deform, object, windows[i].read, deform_shadow(deform, &sweep), block);
+			status = hold(deform, object, windows[i].read, deform_shadow(deform, &contact), block);
 	}
 	return status;
 }
@@ -275,7 +275,7 @@ static void close_sides(struct deform *deform, size_t block, uint32_t x, uint32_
 	const uint32_t from[3] = {0, rim, rim + DEFORM_BLOCK}, length[3] = {rim, DEFORM_BLOCK, rim};
 	for (int k = 0; k < 9; k++) {
 		int i = k % 3, j = k / 3;
-		if (k == 4 || deform_awake_is_visited(deform, (struct deform_block){own->x + i - 1, own->y + j - 1}))
+		if (k == 4 || deform_active_is_visited(deform, (struct deform_block){own->x + i - 1, own->y + j - 1}))
 			continue;
 		const struct gpu_rect side = {x + from[i], y + from[j], length[i], length[j]};
 		gpu_texture_clear(deform->bases, deform->layers, side, BASE_NODATA);
@@ -327,5 +327,5 @@ enum status deform_interval_scatter(struct deform *deform, size_t block, const s
 
 enum status deform_interval_end(struct deform *deform)
 {
-	return deform_awake_visited(deform, deform->interval->flags);
+	return deform_active_visited(deform, deform->interval->flags);
 }

@@ -1,5 +1,5 @@
 /*
- * Affine functionals of a post's place (i, j) in a window, as shaders/lib/underside.glsl evaluates
+ * Affine functionals of a post's place (i, j) in a window, as shaders/lib/envelope.glsl evaluates
  * them: at + i * di + j * dj in 64 bits, shifted right by `shift`. Pure.
  */
 #ifndef FURROW_DEFORM_AFFINE_H
@@ -15,7 +15,7 @@ struct functional {
 /* std140 twin of `struct body`. */
 struct body {
 	struct functional f[10];
-	int32_t a[4], b[4], c[4]; /* what they hold: shaders/lib/underside.glsl */
+	int32_t a[4], b[4], c[4]; /* what they hold: shaders/lib/envelope.glsl */
 };
 
 /* A real at + x * dx + y * dy of the posts around an object; x and y counted from its anchor, a post

@@ -4,9 +4,9 @@
 #include <string.h>
 
 /* Metres between two lattice places, exact before it is rounded. */
-static long double metres(int64_t quanta)
+static long double metres(int64_t units)
 {
-	return ldexpl((long double)quanta, -OFFSET_BITS);
+	return ldexpl((long double)units, -OFFSET_BITS);
 }
 
 long double deform_body_from_post(int64_t place, int64_t post, double spacing)
@@ -210,7 +210,7 @@ void deform_body_of(const struct deform_shape *shape, const struct deform_pose *
 
 double deform_body_wheel_radius(const struct deform_shape *shape)
 {
-	return shape->lugs > 0 ? hypot(shape->radius + shape->lug_height, shape->lug_thickness / 2) : shape->radius;
+	return shape->grousers > 0 ? hypot(shape->radius + shape->grouser_height, shape->grouser_thickness / 2) : shape->radius;
 }
 
 /* Of the box around it. */

@@ -62,15 +62,15 @@ static void draw(struct deform *deform, const struct deform_mesh *mesh, const st
 	deform_facets_end(deform);
 }
 
-enum status deform_mesh(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
+enum status deform_mesh(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 			uint32_t layer)
 {
-	const struct deform_mesh *mesh = sweep->shape->mesh;
+	const struct deform_mesh *mesh = contact->shape->mesh;
 	const struct post_rect read = window->read;
 	const struct gpu_rect all = {0, 0, (uint32_t)(read.x1 - read.x0), (uint32_t)(read.y1 - read.y0)};
-	const struct body_frame frame = {.x0 = read.x0, .y0 = read.y0, .spacing = deform->spacing, .zero = sweep->to.z};
-	const struct deform_pose *from = deform_is_contact_only(sweep) ? &sweep->to : &sweep->from;
-	struct body_motion motion = deform_body_motion_of(from, &sweep->to, &frame);
+	const struct body_frame frame = {.x0 = read.x0, .y0 = read.y0, .spacing = deform->spacing, .zero = contact->to.z};
+	const struct deform_pose *from = deform_is_contact_only(contact) ? &contact->to : &contact->from;
+	struct body_motion motion = deform_body_motion_of(from, &contact->to, &frame);
 	struct facet_corner *corners = mem_alloc(mesh->vertex_count, sizeof *corners);
 	if (corners == NULL)
 		return fail_memory("the vertices of a mesh");
@@ -83,7 +83,7 @@ enum status deform_mesh(struct deform *deform, const struct deform_sweep *sweep,
 		gpu_texture_clear(deform->under, layer, all, UNDER_NONE);
 		if (deform->rest != NULL)
 			gpu_texture_clear(deform->rest, layer, all, UNDER_NONE);
-		place(mesh, &sweep->to, &motion, deform->spacing, corners);
+		place(mesh, &contact->to, &motion, deform->spacing, corners);
 		draw(deform, mesh, corners, &by, &around);
 	}
 	mem_free(corners);

@@ -26,12 +26,12 @@ static enum status filter(struct deform *deform, struct post_rect read, uint32_t
 	return STATUS_OK;
 }
 
-enum status deform_box(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
+enum status deform_box(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 		       uint32_t layer)
 {
-	enum status status = deform_none(deform, sweep, window, layer);
+	enum status status = deform_none(deform, contact, window, layer);
 	/* An object that only stands uncovers nothing: there is nothing to smooth. */
-	if (status == STATUS_OK && !deform_is_contact_only(sweep))
+	if (status == STATUS_OK && !deform_is_contact_only(contact))
 		status = filter(deform, window->read, layer);
 	return status;
 }

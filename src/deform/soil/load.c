@@ -36,8 +36,8 @@ static void run(struct deform *deform, struct gpu_program *program, const struct
 		.target = deform->scratch[layer].to[TO_BARE],
 		.viewport = deform_rows(now.shadow),
 		.textures = {deform->under, deform->classes},
-		.images = {deform->bases, deform->planes_of[1][PLANE_HEAPED], deform->rest,
-			   deform->planes_of[0][PLANE_PRESSED]},
+		.images = {deform->bases, deform->planes_of[1][PLANE_DEPOSITED], deform->rest,
+			   deform->planes_of[0][PLANE_PLASTIC_SINKAGE]},
 		.storage = {[2] = deform->tries},
 		.params = &now,
 		.params_bytes = sizeof now,
@@ -85,7 +85,7 @@ void deform_find_plan(const char *effect, struct plan *plan)
 	deform_plan_buffer(plan, effect, 1, TRIES * sizeof(struct attempt), "tries");
 }
 
-void deform_stands(struct deform *deform, uint32_t loaded_body, int32_t raised)
+void deform_set_equilibrium(struct deform *deform, uint32_t loaded_body, int32_t raised)
 {
 	assert(loaded_body > 0 && loaded_body <= deform->params.loaded_bodies);
 	gpu_buffer_write(deform->standing, (loaded_body - 1) * sizeof raised, sizeof raised, &raised);

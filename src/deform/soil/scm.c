@@ -38,23 +38,23 @@ static double arm_of(const struct deform_shape *shape, const double extent[2])
 	return exp2(ceil(log2(hypot(hypot(extent[0], extent[1]), deform_shape_reach(shape, 0, 0)))));
 }
 
-static void fill_motion(const struct deform_sweep *sweep, struct scm_params *params)
+static void fill_motion(const struct deform_contact *contact, struct scm_params *params)
 {
-	if (deform_is_contact_only(sweep))
+	if (deform_is_contact_only(contact))
 		return;
-	params->way[0] = (float)lattice_offset_metres(sweep->to.x - sweep->from.x);
-	params->way[1] = (float)lattice_offset_metres(sweep->to.y - sweep->from.y);
-	params->way[2] = (float)lattice_offset_metres(sweep->to.z - sweep->from.z);
-	params->way[3] = sweep->seconds > 0 ? (float)(1 / sweep->seconds) : 0;
+	params->way[0] = (float)lattice_offset_metres(contact->to.x - contact->from.x);
+	params->way[1] = (float)lattice_offset_metres(contact->to.y - contact->from.y);
+	params->way[2] = (float)lattice_offset_metres(contact->to.z - contact->from.z);
+	params->way[3] = contact->seconds > 0 ? (float)(1 / contact->seconds) : 0;
 	/* About the wheel's own y, which lies level. */
-	params->spin[0] = (float)(-sin(sweep->to.yaw) * sweep->turned);
-	params->spin[1] = (float)(cos(sweep->to.yaw) * sweep->turned);
+	params->spin[0] = (float)(-sin(contact->to.yaw) * contact->turned);
+	params->spin[1] = (float)(cos(contact->to.yaw) * contact->turned);
 	/* Damping is of the rate at which soil is pressed: a smooth wheel that spins presses none the faster. */
-	double turned = sweep->shape->kind == DEFORM_WHEEL ? (params->way[0] * cos(sweep->to.yaw) + params->way[1] * sin(sweep->to.yaw)) /
-								     sweep->shape->radius
+	double turned = contact->shape->kind == DEFORM_WHEEL ? (params->way[0] * cos(contact->to.yaw) + params->way[1] * sin(contact->to.yaw)) /
+								     contact->shape->radius
 							   : 0;
-	params->rolls[0] = (float)(-sin(sweep->to.yaw) * turned);
-	params->rolls[1] = (float)(cos(sweep->to.yaw) * turned);
+	params->rolls[0] = (float)(-sin(contact->to.yaw) * turned);
+	params->rolls[1] = (float)(cos(contact->to.yaw) * turned);
 }
 
 static void fill_soils(const struct deform_params *params, struct scm_soil *soils)
@@ -69,18 +69,18 @@ static void fill_soils(const struct deform_params *params, struct scm_soil *soil
 }
 
 /* Metres: no load presses an object deeper than it is high. A mesh's centre may lie anywhere in it. */
-static double deepest(const struct deform_sweep *sweep)
+static double deepest(const struct deform_contact *contact)
 {
-	const struct deform_shape *shape = sweep->shape;
+	const struct deform_shape *shape = contact->shape;
 	return 2 * (shape->kind == DEFORM_MESH ? deform_shape_bound(shape)
-					       : deform_shape_reach(shape, sweep->to.pitch, sweep->to.roll));
+					       : deform_shape_reach(shape, contact->to.pitch, contact->to.roll));
 }
 
-static struct scm_params params_of(const struct deform *deform, const struct deform_sweep *sweep,
+static struct scm_params params_of(const struct deform *deform, const struct deform_contact *contact,
 				   const struct deform_window *window, uint32_t layer, const double extent[2])
 {
 	const struct gpu_rect written = deform_written(window);
-	int64_t zero = sweep->to.z - (int64_t)deform->params.reference * (1 << OFFSET_BITS);
+	int64_t zero = contact->to.z - (int64_t)deform->params.reference * (1 << OFFSET_BITS);
 	int64_t base = zero >> (OFFSET_BITS - BASE_BITS);
 	base = base < INT32_MIN + 1 ? INT32_MIN + 1 : base > INT32_MAX ? INT32_MAX : base;
 	double spacing = deform->spacing;
@@ -90,57 +90,57 @@ static struct scm_params params_of(const struct deform *deform, const struct def
 			    (int32_t)(written.y + written.height)},
 		.scale = {(float)(ldexp(1, -OFFSET_BITS) / spacing), (float)spacing, DEFORM_UNITS_A_PASCAL},
 		.spin = {[3] = (float)deform->params.bulldozing},
-		.place = {(float)-deform_body_from_post(sweep->to.x, window->read.x0, spacing),
-			  (float)-deform_body_from_post(sweep->to.y, window->read.y0, spacing), (float)(1 / arm_of(sweep->shape, extent)),
+		.place = {(float)-deform_body_from_post(contact->to.x, window->read.x0, spacing),
+			  (float)-deform_body_from_post(contact->to.y, window->read.y0, spacing), (float)(1 / arm_of(contact->shape, extent)),
 			  (float)(spacing * spacing)},
-		.load = {(float)fmax(sweep->load, 1e-6), (float)fmin(ldexp(deepest(sweep), OFFSET_BITS), 0x1p28), (float)sweep->loaded_body},
+		.load = {(float)fmax(contact->load, 1e-6), (float)fmin(ldexp(deepest(contact), OFFSET_BITS), 0x1p28), (float)contact->loaded_body},
 	};
-	struct post_rect shadow = post_rect_intersect(deform_shadow(deform, sweep), window->write);
+	struct post_rect shadow = post_rect_intersect(deform_shadow(deform, contact), window->write);
 	if (!post_rect_empty(shadow)) {
 		const int64_t sides[4] = {shadow.x0 - window->read.x0, shadow.y0 - window->read.y0, shadow.x1 - window->read.x0,
 					  shadow.y1 - window->read.y0};
 		for (int i = 0; i < 4; i++)
 			params.shadow[i] = (int32_t)sides[i];
 	}
-	fill_motion(sweep, &params);
+	fill_motion(contact, &params);
 	fill_soils(&deform->params, params.soils);
 	return params;
 }
 
-static enum status press(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
+static enum status run_contact(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 			 uint32_t layer, struct gpu_buffer *tally)
 {
 	double extent[2];
-	deform_body_extent(sweep->shape, &sweep->to, extent);
-	struct scm_params params = params_of(deform, sweep, window, layer, extent);
-	bool counted = deform_is_counted(&deform->params, sweep->shape, sweep->load > 0) &&
-		       deform_fits_window(deform, deform_reached(deform, sweep));
-	params.scale[3] = (float)by_width(sweep->shape, extent, counted);
-	unsigned with = (sweep->tag != 0 ? WITH_FORCES : 0) | (params.scale[3] == 0 ? WITH_PATCH : 0) |
-			(sweep->load > 0 ? WITH_LOAD : 0);
+	deform_body_extent(contact->shape, &contact->to, extent);
+	struct scm_params params = params_of(deform, contact, window, layer, extent);
+	bool counted = deform_is_counted(&deform->params, contact->shape, contact->load > 0) &&
+		       deform_fits_window(deform, deform_reached(deform, contact));
+	params.scale[3] = (float)by_width(contact->shape, extent, counted);
+	unsigned with = (contact->tag != 0 ? WITH_FORCES : 0) | (params.scale[3] == 0 ? WITH_PATCH : 0) |
+			(contact->load > 0 ? WITH_LOAD : 0);
 	struct gpu_buffer *records = NULL;
 	uint32_t record = 0;
 	int last = 0;
 	struct deform_request request;
-	deform_programs_press(&deform->params, with, &request);
+	deform_programs_contact(&deform->params, with, &request);
 	enum status status = deform_program(deform, &request, &deform->scm[with]);
 	if (status == STATUS_OK && (with & (WITH_PATCH | WITH_LOAD)))
 		status = deform_find(deform, &params, layer, with / WITH_PATCH, &last);
 	if (status == STATUS_OK && (with & WITH_FORCES))
-		status = deform_forces_record(deform, sweep, layer == 0, arm_of(sweep->shape, extent), &records, &record);
+		status = deform_forces_record(deform, contact, layer == 0, arm_of(contact->shape, extent), &records, &record);
 	if (status != STATUS_OK)
 		return status;
 	params.zero[3] = (int32_t)record | last << 16;
 	gpu_texture_clear(deform->contacts, layer, deform_written(window), 0);
 	gpu_texture_clear(deform->carried, layer, deform_written(window), 0);
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
-		.stage = GPU_PRESS,
+		.stage = GPU_CONTACT,
 		.program = deform->scm[with],
 		.target = deform->scratch[layer].to[TO_BARE],
 		.viewport = deform_rows(params.written),
 		.textures = {deform->under, deform->classes},
-		.images = {deform->bases, deform->planes_of[1][PLANE_HEAPED], deform->rest, deform->planes_of[1][PLANE_OFFSET],
-			   deform->planes_of[0][PLANE_PRESSED], deform->planes_of[0][PLANE_SHEAR], deform->contacts,
+		.images = {deform->bases, deform->planes_of[1][PLANE_DEPOSITED], deform->rest, deform->planes_of[1][PLANE_OFFSET],
+			   deform->planes_of[0][PLANE_PLASTIC_SINKAGE], deform->planes_of[0][PLANE_SHEAR], deform->contacts,
 			   deform->carried},
 		.storage = {tally, records, deform->tries, deform->standing},
 		.params = &params,
@@ -149,17 +149,17 @@ static enum status press(struct deform *deform, const struct deform_sweep *sweep
 	return STATUS_OK;
 }
 
-enum status deform_scm_feel(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window, uint32_t layer)
+enum status deform_scm_feel(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer)
 {
-	deform->scratch[layer].now[PLANE_OFFSET] = deform->scratch[layer].now[PLANE_HEAPED] = 1;
-	return press(deform, sweep, window, layer, deform->felt);
+	deform->scratch[layer].now[PLANE_OFFSET] = deform->scratch[layer].now[PLANE_DEPOSITED] = 1;
+	return run_contact(deform, contact, window, layer, deform->felt);
 }
 
-enum status deform_scm(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
+enum status deform_scm(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 		       uint32_t layer)
 {
-	deform->scratch[layer].now[PLANE_OFFSET] = deform->scratch[layer].now[PLANE_HEAPED] = 1;
-	enum status status = press(deform, sweep, window, layer, deform->tally);
+	deform->scratch[layer].now[PLANE_OFFSET] = deform->scratch[layer].now[PLANE_DEPOSITED] = 1;
+	enum status status = run_contact(deform, contact, window, layer, deform->tally);
 	if (status == STATUS_OK)
 		status = deform_spread(deform, window, layer);
 	if (status == STATUS_OK)

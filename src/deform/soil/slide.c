@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "deform/internal.h"
-#include "deform/soil/stand.h"
+#include "deform/soil/stability.h"
 
 /* std140 twins. */
 struct slide_params {
@@ -18,7 +18,7 @@ struct slide_params {
 };
 struct excess_params {
 	struct slide_params slide;
-	int32_t stands[DEFORM_SOILS][4];
+	int32_t critical[DEFORM_SOILS][4];
 };
 struct shed_params {
 	struct slide_params slide;
@@ -41,7 +41,7 @@ bool deform_is_bounded(const struct deform_params *params)
 /* Where only heaped soil slides it does so anyway. */
 bool deform_asks_what_stood(const struct deform_params *params)
 {
-	return params->stands && !(deform_is_bounded(params) && params->depth == 0);
+	return params->undisturbed_stable && !(deform_is_bounded(params) && params->depth == 0);
 }
 
 bool deform_is_steep(const struct deform_params *params)
@@ -69,8 +69,8 @@ int64_t deform_slide_rim(const struct deform *deform)
 
 static int32_t loose_depth(const struct deform *deform)
 {
-	double quanta = floor(ldexp(deform->params.depth, OFFSET_BITS)), most = (1 << 30) - 1;
-	return (int32_t)(quanta < most ? quanta : most);
+	double units = floor(ldexp(deform->params.depth, OFFSET_BITS)), most = (1 << 30) - 1;
+	return (int32_t)(units < most ? units : most);
 }
 
 /* Of these fixed-point units more than what stands nothing is made. */
@@ -79,18 +79,18 @@ static int32_t tolerance_of(const struct deform *deform)
 	return (int32_t)floor(ldexp(deform->params.tolerance, OFFSET_BITS));
 }
 
-static int32_t with_tolerance(const struct deform *deform, int32_t stands)
+static int32_t with_tolerance(const struct deform *deform, int32_t critical)
 {
 	int32_t tolerance = tolerance_of(deform);
-	return stands < INT32_MAX - tolerance ? stands + tolerance : INT32_MAX;
+	return critical < INT32_MAX - tolerance ? critical + tolerance : INT32_MAX;
 }
 
-static void prepare_excess(struct deform *deform, const struct deform_soil *soil, int32_t stands[2])
+static void prepare_excess(struct deform *deform, const struct deform_soil *soil, int32_t critical[2])
 {
 	for (int k = 0; k < 2; k++) {
 		double apart = k == 0 ? deform->spacing : deform->spacing * M_SQRT2;
-		stands[k] = deform->params.model == DEFORM_SCM ? deform_stands_at(soil->repose, apart)
-							       : deform_stands_cohesive(soil, apart);
+		critical[k] = deform->params.model == DEFORM_SCM ? deform_critical_difference(soil->repose, apart)
+							       : deform_critical_difference_cohesive(soil, apart);
 	}
 }
 
@@ -98,9 +98,9 @@ static void prepare_sumner(struct deform *deform, const struct deform_soil *soil
 {
 	for (int k = 0; k < 2; k++) {
 		double apart = k == 0 ? deform->spacing : deform->spacing * M_SQRT2;
-		to->stands[k] = with_tolerance(deform, deform_stands_at(soil->theta_out, apart));
-		to->held[k] = with_tolerance(deform, deform_stands_at(soil->theta_in, apart));
-		to->stop[k] = with_tolerance(deform, deform_stands_at(soil->theta_stop, apart));
+		to->critical[k] = with_tolerance(deform, deform_critical_difference(soil->theta_out, apart));
+		to->held[k] = with_tolerance(deform, deform_critical_difference(soil->theta_in, apart));
+		to->stop[k] = with_tolerance(deform, deform_critical_difference(soil->theta_stop, apart));
 	}
 	for (int n = 1; n <= 8; n++)
 		to->share[n - 1] = (uint32_t)floor(ldexp(soil->roughness, 32) / (n * n));
@@ -108,17 +108,17 @@ static void prepare_sumner(struct deform *deform, const struct deform_soil *soil
 
 void deform_slide_prepare(struct deform *deform)
 {
-	deform->sweeps_flag = true;
+	deform->contacts_flag = true;
 	for (int i = 0; i < deform->params.soil_count; i++)
 		if (deform->params.model == DEFORM_SUMNER)
 			prepare_sumner(deform, &deform->params.soils[i], &deform->soils[i]);
 		else
-			prepare_excess(deform, &deform->params.soils[i], deform->soils[i].stands);
+			prepare_excess(deform, &deform->params.soils[i], deform->soils[i].critical);
 	/* Where soil slides sooner for being held, another object may set it in motion: no contact knows of that. */
 	for (int i = 0; i < deform->params.soil_count && deform->params.model == DEFORM_SUMNER; i++)
 		for (int k = 0; k < 2; k++)
-			if (deform->soils[i].held[k] < deform->soils[i].stands[k])
-				deform->sweeps_flag = false;
+			if (deform->soils[i].held[k] < deform->soils[i].critical[k])
+				deform->contacts_flag = false;
 }
 
 /* Of an iteration. `trim`: posts along each side of a block's square that are not needed any more. */
@@ -169,7 +169,7 @@ static enum status begin(struct deform *deform, const struct slide_place *place)
 		.viewport = place->all,
 		.instances = place->blocks,
 		.images = {deform->bases, deform->planes_of[1][PLANE_OFFSET], deform->contacts,
-			   blocks ? NULL : deform->deposits, deform->planes_of[1][PLANE_HEAPED]},
+			   blocks ? NULL : deform->deposits, deform->planes_of[1][PLANE_DEPOSITED]},
 		.storage = {deform->tally},
 		.params = &params,
 		.params_bytes = sizeof params,
@@ -188,7 +188,7 @@ static void run(struct deform *deform, const struct slide_place *place, int iter
 	pass->images[3] = last ? deform->bases : NULL;
 	pass->images[4] = last ? deform->planes_of[0][PLANE_OFFSET] : NULL;
 	pass->images[5] = last ? deform->stills : NULL;
-	pass->images[6] = last ? deform->planes_of[0][PLANE_HEAPED] : NULL;
+	pass->images[6] = last ? deform->planes_of[0][PLANE_DEPOSITED] : NULL;
 	pass->storage[1] = last ? place->flags.words : NULL;
 	gpu_pass_run(deform->params.gpu, pass);
 }
@@ -206,14 +206,14 @@ static enum status excess(struct deform *deform, const struct slide_place *place
 	struct excess_params params = {.slide = slide_params(place, rim - left, rim)};
 	for (int i = 0; i < deform->params.soil_count; i++) {
 		for (int k = 0; k < 2; k++)
-			params.stands[i][k] = deform->soils[i].stands[k];
-		params.stands[i][2] = tolerance_of(deform);
+			params.critical[i][k] = deform->soils[i].critical[k];
+		params.critical[i][2] = tolerance_of(deform);
 	}
 	run(deform, place, iteration, &(struct gpu_pass){
 		.program = *program,
 		.images = {NULL, deform->floors, deform->classes, [7] = stood ? deform->bases : NULL},
 		.params = &params,
-		.params_bytes = (size_t)((char *)params.stands[deform_soil_slots(&deform->params)] - (char *)&params),
+		.params_bytes = (size_t)((char *)params.critical[deform_soil_slots(&deform->params)] - (char *)&params),
 	});
 	return STATUS_OK;
 }
@@ -232,7 +232,7 @@ static enum status shed(struct deform *deform, const struct slide_place *place, 
 	for (int i = 0; i < deform->params.soil_count; i++) {
 		const struct slide_soil *soil = &deform->soils[i];
 		for (int k = 0; k < 2; k++) {
-			params.soils[i].out_in[k] = soil->stands[k];
+			params.soils[i].out_in[k] = soil->critical[k];
 			params.soils[i].out_in[2 + k] = soil->held[k];
 			params.soils[i].stop[k] = soil->stop[k];
 		}
@@ -292,9 +292,9 @@ enum status deform_slide(struct deform *deform, const struct deform_window *wind
 		.layer = layer,
 		.all = deform_window_rect(window),
 		.written = deform_written(window),
-		.flags = deform_awake_flags(deform, window, layer),
+		.flags = deform_active_flags(deform, window, layer),
 	};
 	assert(deform->scratch[layer].now[PLANE_OFFSET] == 1);
-	assert(!(deform->planes & PLANE_BIT(PLANE_HEAPED)) || deform->scratch[layer].now[PLANE_HEAPED] == 1);
+	assert(!(deform->planes & PLANE_BIT(PLANE_DEPOSITED)) || deform->scratch[layer].now[PLANE_DEPOSITED] == 1);
 	return deform_slide_run(deform, &place);
 }

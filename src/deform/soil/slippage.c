@@ -1,11 +1,11 @@
 /* Li and Moshell 1993: the object pushes soil aside, all of it, and what is too steep to stand slips. */
 #include "deform/internal.h"
 
-enum status deform_slippage(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
+enum status deform_slippage(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 			    uint32_t layer)
 {
-	const struct press_params params = deform_press_params(deform, sweep, window, layer);
-	enum status status = deform_press(deform, &params, sizeof params, window, layer);
+	const struct contact_params params = deform_contact_params(deform, contact, window, layer);
+	enum status status = deform_run_contact(deform, &params, sizeof params, window, layer);
 	if (status == STATUS_OK)
 		status = deform_spread(deform, window, layer);
 	return status == STATUS_OK ? deform_slide(deform, window, layer) : status;

@@ -54,7 +54,7 @@ static double reach_of(const struct deform_shape *shape)
 	double squares = 0;
 	switch (shape->kind) {
 	case DEFORM_WHEEL:
-		return hypot(shape->radius + shape->lug_height, shape->width / 2);
+		return hypot(shape->radius + shape->grouser_height, shape->width / 2);
 	case DEFORM_SPHERE:
 		return shape->radius;
 	case DEFORM_BOX:
@@ -73,7 +73,7 @@ static double reach_of(const struct deform_shape *shape)
 	return 0;
 }
 
-static double above(const struct deform_sweep *sweep, long double x, long double y)
+static double above(const struct deform_contact *sweep, long double x, long double y)
 {
 	long double z;
 	if (!reference_underside(sweep, x, y, &z))
@@ -81,10 +81,10 @@ static double above(const struct deform_sweep *sweep, long double x, long double
 	return (double)(ldexpl((long double)sweep->from.z, -OFFSET_BITS) + z);
 }
 
-void reference_undersides(const struct reference_ground *ground, const struct deform_sweep *sweep, double *under,
+void reference_undersides(const struct reference_ground *ground, const struct deform_contact *sweep, double *under,
 			  double *rest)
 {
-	struct deform_sweep end = *sweep;
+	struct deform_contact end = *sweep;
 	end.from = end.to;
 	long double from_x = ldexpl((long double)sweep->from.x, -OFFSET_BITS), to_x = ldexpl((long double)sweep->to.x, -OFFSET_BITS);
 	long double from_y = ldexpl((long double)sweep->from.y, -OFFSET_BITS), to_y = ldexpl((long double)sweep->to.y, -OFFSET_BITS);

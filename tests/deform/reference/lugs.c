@@ -9,7 +9,7 @@
 static bool cut(const struct deform_shape *shape, long double angle, long double u, long double *w)
 {
 	const long double out[2] = {-sinl(angle), -cosl(angle)}, along[2] = {-cosl(angle), sinl(angle)};
-	long double half = shape->lug_thickness / 2.0L, outer = shape->radius + (long double)shape->lug_height;
+	long double half = shape->grouser_thickness / 2.0L, outer = shape->radius + (long double)shape->grouser_height;
 	long double low = -1e30L, high = 1e30L;
 	for (int k = 0; k < 2; k++) {
 		const long double *v = k == 0 ? out : along;
@@ -27,7 +27,7 @@ static bool cut(const struct deform_shape *shape, long double angle, long double
 	return low <= high;
 }
 
-bool reference_lugs(const struct deform_sweep *sweep, const long double way[3], long double x, long double y,
+bool reference_lugs(const struct deform_contact *sweep, const long double way[3], long double x, long double y,
 		    long double *z)
 {
 	const struct deform_shape *shape = sweep->shape;
@@ -37,8 +37,8 @@ bool reference_lugs(const struct deform_sweep *sweep, const long double way[3], 
 		long double t = (long double)look / LOOKS, px = x - t * way[0], py = y - t * way[1], w;
 		if (fabsl(py * c - px * s) > shape->width / 2.0L)
 			continue;
-		for (int i = 0; i < shape->lugs; i++) {
-			long double angle = sweep->to.turn - (1 - t) * turned + 2 * 3.14159265358979323846264L * i / shape->lugs;
+		for (int i = 0; i < shape->grousers; i++) {
+			long double angle = sweep->to.turn - (1 - t) * turned + 2 * 3.14159265358979323846264L * i / shape->grousers;
 			if (!cut(shape, angle, px * c + py * s, &w))
 				continue;
 			*z = found ? fminl(*z, w + t * way[2]) : w + t * way[2];

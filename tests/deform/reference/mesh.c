@@ -49,7 +49,7 @@ static bool above(const place hull[6], long double x, long double y, long double
 	return found;
 }
 
-bool reference_mesh(const struct deform_sweep *sweep, long double axes[3][3], const long double way[3], long double x,
+bool reference_mesh(const struct deform_contact *sweep, long double axes[3][3], const long double way[3], long double x,
 		    long double y, long double *z)
 {
 	const struct deform_mesh *mesh = sweep->shape->mesh;

@@ -12,14 +12,14 @@
 
 /* The lowest that the lower envelope of the swept object is above (x, y), in metres from the start of the
  * sweep (its `from`): x, y along the ground and *z up. False if the object never is above it. */
-bool reference_underside(const struct deform_sweep *sweep, long double x, long double y,
+bool reference_underside(const struct deform_contact *sweep, long double x, long double y,
 			 long double *z);
 
 /* Of it, what a mesh and a wheel's grousers are: `axes` the object's own at the end, `way` from start to end in metres. The
  * grousers are sampled in time: a place on them is right to a 100th of their way. */
-bool reference_mesh(const struct deform_sweep *sweep, long double axes[3][3], const long double way[3], long double x,
+bool reference_mesh(const struct deform_contact *sweep, long double axes[3][3], const long double way[3], long double x,
 		    long double y, long double *z);
-bool reference_lugs(const struct deform_sweep *sweep, const long double way[3], long double x, long double y,
+bool reference_lugs(const struct deform_contact *sweep, const long double way[3], long double x, long double y,
 		    long double *z);
 
 /* Ground of width x height posts, row 0 the southern: `box` of radius posts, once. In place. */
@@ -54,7 +54,7 @@ void reference_ground_finish(struct reference_ground *ground);
 double reference_volume(const struct reference_ground *ground);
 /* The height that the object's lower envelope has above each post, over the contact and at its end; absolute
  * metres, INFINITY where it never is. */
-void reference_undersides(const struct reference_ground *ground, const struct deform_sweep *sweep, double *under,
+void reference_undersides(const struct reference_ground *ground, const struct deform_contact *sweep, double *under,
 			  double *rest);
 
 /* On the object, about its centre at the contact's end. */
@@ -73,11 +73,11 @@ void reference_sumner(struct reference_ground *ground, const struct deform_soil 
 void reference_slippage(struct reference_ground *ground, const double *under, const double *rest);
 /* The object is moved down by `lower` metres, the whole sweep. */
 void reference_scm(struct reference_ground *ground, const struct deform_soil *soil, double bulldozing,
-		   const struct deform_sweep *sweep, const double *under, const double *rest, double lower,
+		   const struct deform_contact *sweep, const double *under, const double *rest, double lower,
 		   struct reference_forces *forces);
 /* The vertical part of the normal stress with damping: what carries a load. Nothing is changed. */
 double reference_scm_normal(const struct reference_ground *ground, const struct deform_soil *soil,
-			    const struct deform_sweep *sweep, const double *under, const double *rest, double lower);
+			    const struct deform_contact *sweep, const double *under, const double *rest, double lower);
 
 /* Lays down what is carried. */
 void reference_spread(struct reference_ground *ground);
@@ -92,13 +92,13 @@ double reference_stands(const struct deform_params *params, double distance);
 /* By how much the whole sweep, which is level, must be lowered for the soil to carry sweep->load; metres. STATUS_INPUT:
  * nothing under the object carries it. */
 enum status reference_load(const struct reference_ground *ground, const struct deform_soil *soil,
-			   const struct deform_sweep *sweep, const double *under, const double *rest,
+			   const struct deform_contact *sweep, const double *under, const double *rest,
 			   double *lower) FURROW_CHECKED;
 /* One contact: press, spread, slide; with a load, level at to.z before it is lowered. Of the parameters only those of the model count, and the first soil;
  * DEFORM_BOX_FILTER has reference_box. A load needs DEFORM_SCM; *lower is what reference_load says, else 0.
  * Forces are 0 but for DEFORM_SCM. */
 enum status reference_sweep(struct reference_ground *ground, const struct deform_params *params,
-			    const struct deform_sweep *sweep, struct reference_forces *forces,
+			    const struct deform_contact *sweep, struct reference_forces *forces,
 			    double *lower) FURROW_CHECKED;
 
 /* Closed forms: wheel.c. Width: the k_c / b of Bekker's formula. */

@@ -77,7 +77,7 @@ static double breadth(const struct reference_ground *ground, const struct deform
 }
 
 /* How the object's surface at a place moved over the contact. */
-static struct vector way_at(const struct deform_sweep *sweep, double turned, struct vector from_centre)
+static struct vector way_at(const struct deform_contact *sweep, double turned, struct vector from_centre)
 {
 	/* A wheel's axis is its own y, level; forwards, its lowest point turns backwards. */
 	struct vector axis = {-sin(sweep->to.yaw) * turned, cos(sweep->to.yaw) * turned, 0};
@@ -89,7 +89,7 @@ static struct vector way_at(const struct deform_sweep *sweep, double turned, str
 	return way;
 }
 
-static struct vector from_centre(const struct reference_ground *ground, const struct deform_sweep *sweep, int at,
+static struct vector from_centre(const struct reference_ground *ground, const struct deform_contact *sweep, int at,
 				 double rest)
 {
 	return (struct vector){
@@ -100,7 +100,7 @@ static struct vector from_centre(const struct reference_ground *ground, const st
 }
 
 static struct post post_of(const struct reference_ground *ground, const struct deform_soil *soil, double stiffness,
-			   const struct deform_sweep *sweep, int at, double under, double rest, double lower)
+			   const struct deform_contact *sweep, int at, double under, double rest, double lower)
 {
 	struct post post = {.normal = normal_at(ground, at), .sinkage = -INFINITY, .deepest = -INFINITY};
 	double undisturbed_here = ground->base[at] + ground->heaped[at];
@@ -129,7 +129,7 @@ static struct post post_of(const struct reference_ground *ground, const struct d
 }
 
 double reference_scm_normal(const struct reference_ground *ground, const struct deform_soil *soil,
-			    const struct deform_sweep *sweep, const double *under, const double *rest, double lower)
+			    const struct deform_contact *sweep, const double *under, const double *rest, double lower)
 {
 	double stiffness = reference_stiffness(soil, breadth(ground, sweep->shape, rest, lower)), sum = 0;
 	for (int i = 0; i < ground->width * ground->height; i++)
@@ -141,7 +141,7 @@ double reference_scm_normal(const struct reference_ground *ground, const struct 
 }
 
 /* The stresses of one post, on the object; and the shear that the contact added. */
-static void add_forces(struct reference_ground *ground, const struct deform_soil *soil, const struct deform_sweep *sweep,
+static void add_forces(struct reference_ground *ground, const struct deform_soil *soil, const struct deform_contact *sweep,
 		       int at, double rest, const struct post *post, struct reference_forces *forces)
 {
 	struct vector arm = from_centre(ground, sweep, at, rest), way = way_at(sweep, sweep->turned, arm);
@@ -169,7 +169,7 @@ static void add_forces(struct reference_ground *ground, const struct deform_soil
 }
 
 void reference_scm(struct reference_ground *ground, const struct deform_soil *soil, double bulldozing,
-		   const struct deform_sweep *sweep, const double *under, const double *rest, double lower,
+		   const struct deform_contact *sweep, const double *under, const double *rest, double lower,
 		   struct reference_forces *forces)
 {
 	double stiffness = reference_stiffness(soil, breadth(ground, sweep->shape, rest, lower));

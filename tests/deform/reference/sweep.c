@@ -7,7 +7,7 @@
 #define DEEPEST 1024 /* metres: no offset goes further */
 
 enum status reference_load(const struct reference_ground *ground, const struct deform_soil *soil,
-			   const struct deform_sweep *sweep, const double *under, const double *rest, double *lower)
+			   const struct deform_contact *sweep, const double *under, const double *rest, double *lower)
 {
 	/* From where it does not touch the ground to where it is carried. */
 	double low = INFINITY, step = 1e-3;
@@ -34,7 +34,7 @@ enum status reference_load(const struct reference_ground *ground, const struct d
 }
 
 static enum status press(struct reference_ground *ground, const struct deform_params *params,
-			 const struct deform_sweep *sweep, const double *under, const double *rest,
+			 const struct deform_contact *sweep, const double *under, const double *rest,
 			 struct reference_forces *forces, double *lower)
 {
 	const struct deform_soil *soil = &params->soils[0];
@@ -64,7 +64,7 @@ static enum status press(struct reference_ground *ground, const struct deform_pa
 }
 
 enum status reference_sweep(struct reference_ground *ground, const struct deform_params *params,
-			    const struct deform_sweep *sweep, struct reference_forces *forces, double *lower)
+			    const struct deform_contact *sweep, struct reference_forces *forces, double *lower)
 {
 	assert(sweep->load == 0 || params->model == DEFORM_SCM);
 	size_t count = (size_t)ground->width * (size_t)ground->height;
@@ -75,7 +75,7 @@ enum status reference_sweep(struct reference_ground *ground, const struct deform
 	if (under == NULL || rest == NULL) {
 		status = fail_memory("reference");
 	} else {
-		struct deform_sweep level = *sweep;
+		struct deform_contact level = *sweep;
 		if (sweep->load > 0) /* what is looked for is the height of all of it */
 			level.from.z = level.to.z;
 		reference_undersides(ground, &level, under, rest);

@@ -9,7 +9,7 @@
 #include "deform/reference/reference.h"
 
 struct way {
-	const struct deform_sweep *sweep;
+	const struct deform_contact *sweep;
 	long double dx, dy, dz; /* start to end, metres */
 	long double x, y;       /* the point, from the start */
 	long double axes[3][3]; /* the object's own x, y, z */
@@ -143,7 +143,7 @@ static bool smooth(const struct way *way, long double *z)
 	return true;
 }
 
-bool reference_underside(const struct deform_sweep *sweep, long double x, long double y, long double *z)
+bool reference_underside(const struct deform_contact *sweep, long double x, long double y, long double *z)
 {
 	struct way way = {
 		.sweep = sweep,
@@ -163,7 +163,7 @@ bool reference_underside(const struct deform_sweep *sweep, long double x, long d
 		return reference_mesh(sweep, way.axes, whole, x, y, z);
 	long double lug;
 	bool covered = smooth(&way, z);
-	if (sweep->shape->kind != DEFORM_WHEEL || sweep->shape->lugs == 0 || !reference_lugs(sweep, whole, x, y, &lug))
+	if (sweep->shape->kind != DEFORM_WHEEL || sweep->shape->grousers == 0 || !reference_lugs(sweep, whole, x, y, &lug))
 		return covered;
 	*z = covered ? fminl(*z, lug) : lug;
 	return true;

@@ -1,5 +1,5 @@
 // Where the lower envelope lies below the surface, the surface becomes it. Define CONTACT: which posts that
-// are is asked for too. PRESS_MORE: what a model adds to the parameters.
+// are is asked for too. CONTACT_MORE: what a model adds to the parameters.
 
 #include "lib/int64.glsl"
 #include "lib/tally.glsl"
@@ -12,25 +12,25 @@ layout(binding = 2) uniform isampler2DArray unders;
 layout(binding = 3) uniform isampler2DArray rests;
 #endif
 
-#ifndef PRESS_MORE
-#define PRESS_MORE
+#ifndef CONTACT_MORE
+#define CONTACT_MORE
 #endif
 layout(std140, binding = 0) uniform params {
 	ivec4 zero;    // lo, hi: the window's zero height, fixed-point units from the store's reference; the layer
 	ivec4 written; // the posts this window writes: first, one behind the last
-	PRESS_MORE
+	CONTACT_MORE
 };
 
-struct press {
+struct contact_result {
 	int offset;
 	uint fell;    // fixed-point units
 	uint contact;
 	bool written; // the rim of one window is another's to count
 };
 
-press press_at(ivec2 post)
+contact_result contact_at(ivec2 post)
 {
-	press p;
+	contact_result p;
 	ivec3 at = ivec3(post, zero.z);
 	int base = texelFetch(bases, at, 0).r;
 	int offset = texelFetch(offsets, at, 0).r;
@@ -50,7 +50,7 @@ press press_at(ivec2 post)
 	if (touches) {
 		p.fell = uint(offset) - uint(i64_to_int(wanted));
 		offset = i64_to_int(wanted);
-		p.contact |= PRESSED;
+		p.contact |= LOWERED;
 	}
 #ifdef CONTACT
 	int rest = texelFetch(rests, at, 0).r;
@@ -65,7 +65,7 @@ press press_at(ivec2 post)
 // A share of what fell is carried to the posts around, 2^-31; the rest is gone for good.
 const uint CARRIED_MOST = 1u << 23; // so that no sum of them is beyond 32 bits
 
-int press_carry(press p, uint share)
+int contact_carry(contact_result p, uint share)
 {
 	uint high, low;
 	umulExtended(p.fell, share, high, low);

@@ -26,7 +26,7 @@ struct spot {
 };
 
 /* One window's drawing. */
-struct lugs {
+struct grousers {
 	struct deform *deform;
 	const struct deform_shape *shape;
 	const struct body_motion *motion;
@@ -37,8 +37,8 @@ struct lugs {
 /* A bar's section at an angle from straight down, forwards going back and up: inner corners on the rim's inside. */
 static void section(const struct deform_shape *shape, double angle, struct spot corners[4])
 {
-	double half = shape->lug_thickness / 2;
-	double inner = sqrt(fmax(0, shape->radius * shape->radius - half * half)), outer = shape->radius + shape->lug_height;
+	double half = shape->grouser_thickness / 2;
+	double inner = sqrt(fmax(0, shape->radius * shape->radius - half * half)), outer = shape->radius + shape->grouser_height;
 	double c = cos(angle), s = sin(angle);
 	const double out[4] = {inner, outer, outer, inner}, along[4] = {-half, -half, half, half};
 	for (int k = 0; k < 4; k++)
@@ -60,12 +60,12 @@ static bool shows(const struct deform_shape *shape, const struct spot corners[4]
 }
 
 /* A place of the wheel when `share` of the way is behind it. */
-static struct facet_corner corner_of(const struct lugs *lugs, struct spot spot, double side, double share)
+static struct facet_corner corner_of(const struct grousers *grousers, struct spot spot, double side, double share)
 {
-	const struct body_motion *m = lugs->motion;
-	double posts = ldexp(1, FACET_BITS) / lugs->deform->spacing;
-	double x = (double)(m->x + share * m->dx) + spot.u * lugs->c - side * lugs->s;
-	double y = (double)(m->y + share * m->dy) + spot.u * lugs->s + side * lugs->c;
+	const struct body_motion *m = grousers->motion;
+	double posts = ldexp(1, FACET_BITS) / grousers->deform->spacing;
+	double x = (double)(m->x + share * m->dx) + spot.u * grousers->c - side * grousers->s;
+	double y = (double)(m->y + share * m->dy) + spot.u * grousers->s + side * grousers->c;
 	return (struct facet_corner){
 		.x = (int32_t)lrint(x * posts),
 		.y = (int32_t)lrint(y * posts),
@@ -74,43 +74,43 @@ static struct facet_corner corner_of(const struct lugs *lugs, struct spot spot, 
 }
 
 /* A bar whose section is `corners` at the end of its way, which is `motion`. */
-static void draw_bar(struct lugs *lugs, const struct spot corners[4], double share, const struct facet_motion *motion,
+static void draw_bar(struct grousers *grousers, const struct spot corners[4], double share, const struct facet_motion *motion,
 		     bool resting)
 {
 	for (int k = 0; k < 3; k++) { /* the fourth face lies in the wheel */
 		const struct spot *a = &corners[k], *b = &corners[k + 1];
 		if (b->u >= a->u)
 			continue; /* it looks up, or aside: what is below it is lower */
-		double half = lugs->shape->width / 2;
-		const struct facet_corner at[4] = {corner_of(lugs, *a, -half, share), corner_of(lugs, *b, -half, share),
-						   corner_of(lugs, *b, half, share), corner_of(lugs, *a, half, share)};
+		double half = grousers->shape->width / 2;
+		const struct facet_corner at[4] = {corner_of(grousers, *a, -half, share), corner_of(grousers, *b, -half, share),
+						   corner_of(grousers, *b, half, share), corner_of(grousers, *a, half, share)};
 		const struct facet_corner halves[2][3] = {{at[0], at[1], at[2]}, {at[0], at[2], at[3]}};
 		for (int i = 0; i < 2; i++)
-			if (deform_facet_of(halves[i], motion, resting, &lugs->window, deform_facets_next(lugs->deform)))
-				deform_facets_keep(lugs->deform);
+			if (deform_facet_of(halves[i], motion, resting, &grousers->window, deform_facets_next(grousers->deform)))
+				deform_facets_keep(grousers->deform);
 	}
 }
 
 /* A bar, `corners` at the end, whose middle goes from one place to another. */
-static void draw_half(struct lugs *lugs, const struct spot corners[4], const struct spot middle[2], const double shares[2],
+static void draw_half(struct grousers *grousers, const struct spot corners[4], const struct spot middle[2], const double shares[2],
 		      bool resting)
 {
-	struct facet_corner start = corner_of(lugs, middle[0], 0, shares[0]), end = corner_of(lugs, middle[1], 0, shares[1]);
+	struct facet_corner start = corner_of(grousers, middle[0], 0, shares[0]), end = corner_of(grousers, middle[1], 0, shares[1]);
 	struct facet_motion motion = {end.x - start.x, end.y - start.y, (int32_t)lrint(end.z - start.z)};
-	draw_bar(lugs, corners, shares[1], &motion, resting);
+	draw_bar(grousers, corners, shares[1], &motion, resting);
 }
 
 /* From one angle to the next, while the wheel goes from one share of its way to the other. */
-static void draw_step(struct lugs *lugs, const double angles[2], const double shares[2], bool last)
+static void draw_step(struct grousers *grousers, const double angles[2], const double shares[2], bool last)
 {
 	struct spot corners[2][4];
 	for (int k = 0; k < 2; k++)
-		section(lugs->shape, angles[k], corners[k]);
-	if (!shows(lugs->shape, corners[0]) && !shows(lugs->shape, corners[1]))
+		section(grousers->shape, angles[k], corners[k]);
+	if (!shows(grousers->shape, corners[0]) && !shows(grousers->shape, corners[1]))
 		return;
-	struct spot from = centre_of(lugs->shape, angles[0]), to = centre_of(lugs->shape, angles[1]);
+	struct spot from = centre_of(grousers->shape, angles[0]), to = centre_of(grousers->shape, angles[1]);
 	if (angles[0] == angles[1]) {
-		draw_half(lugs, corners[1], (const struct spot[2]){from, to}, shares, last);
+		draw_half(grousers, corners[1], (const struct spot[2]){from, to}, shares, last);
 		return;
 	}
 	struct spot middle = {(from.u + to.u) / 2, (from.w + to.w) / 2};
@@ -119,8 +119,8 @@ static void draw_step(struct lugs *lugs, const double angles[2], const double sh
 		corners[0][k].u += middle.u - from.u;
 		corners[0][k].w += middle.w - from.w;
 	}
-	draw_half(lugs, corners[0], (const struct spot[2]){from, middle}, (const double[2]){shares[0], half}, false);
-	draw_half(lugs, corners[1], (const struct spot[2]){middle, to}, (const double[2]){half, shares[1]}, last);
+	draw_half(grousers, corners[0], (const struct spot[2]){from, middle}, (const double[2]){shares[0], half}, false);
+	draw_half(grousers, corners[1], (const struct spot[2]){middle, to}, (const double[2]){half, shares[1]}, last);
 }
 
 /* The angle of the first bar, less than a bar's share of a turn. */
@@ -130,33 +130,33 @@ static double phase_of(double turn, double share)
 	return (double)(uint32_t)(int64_t)llrint(ldexp(bars - floor(bars), 32)) * ldexp(share, -32);
 }
 
-enum status deform_lugs(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
+enum status deform_grousers(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 			uint32_t layer)
 {
-	const struct deform_shape *shape = sweep->shape;
+	const struct deform_shape *shape = contact->shape;
 	const struct post_rect read = window->read;
-	const struct body_frame frame = {.x0 = read.x0, .y0 = read.y0, .spacing = deform->spacing, .zero = sweep->to.z};
-	const struct deform_pose *from = deform_is_contact_only(sweep) ? &sweep->to : &sweep->from;
+	const struct body_frame frame = {.x0 = read.x0, .y0 = read.y0, .spacing = deform->spacing, .zero = contact->to.z};
+	const struct deform_pose *from = deform_is_contact_only(contact) ? &contact->to : &contact->from;
 	enum status status = deform_facets_begin(deform, read, layer);
 	if (status != STATUS_OK)
 		return status;
-	struct body_motion motion = deform_body_motion_of(from, &sweep->to, &frame);
-	struct lugs lugs = {
+	struct body_motion motion = deform_body_motion_of(from, &contact->to, &frame);
+	struct grousers grousers = {
 		.deform = deform,
 		.shape = shape,
 		.motion = &motion,
 		.window = {motion.x0, motion.y0, (int32_t)(read.x1 - read.x0), (int32_t)(read.y1 - read.y0)},
-		.c = cos(sweep->to.yaw),
-		.s = sin(sweep->to.yaw),
+		.c = cos(contact->to.yaw),
+		.s = sin(contact->to.yaw),
 	};
-	double share = 2 * M_PI / shape->lugs, turned = deform_is_contact_only(sweep) ? 0 : sweep->turned;
-	double end = phase_of(sweep->to.turn, share);
+	double share = 2 * M_PI / shape->grousers, turned = deform_is_contact_only(contact) ? 0 : contact->turned;
+	double end = phase_of(contact->to.turn, share);
 	int steps = (int)fmin(fmax(ceil(fabs(turned) / STEP), 1), STEPS_MAX);
-	for (int i = 0; i < shape->lugs; i++)
+	for (int i = 0; i < shape->grousers; i++)
 		for (int k = 0; k < steps; k++) {
 			const double shares[2] = {(double)k / steps, (double)(k + 1) / steps};
 			double angle = end + i * share;
-			draw_step(&lugs, (const double[2]){angle - (1 - shares[0]) * turned, angle - (1 - shares[1]) * turned}, shares,
+			draw_step(&grousers, (const double[2]){angle - (1 - shares[0]) * turned, angle - (1 - shares[1]) * turned}, shares,
 				  k + 1 == steps);
 		}
 	deform_facets_end(deform);

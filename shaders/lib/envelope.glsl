@@ -67,7 +67,7 @@ layout(std140, binding = 0) uniform params {
 #ifdef SHAPE_WHEEL
 // Along (0) and across (1) from the centre at the start; 2, 3: when in the motion (of ONE) the post
 // comes under the wheel's two sides, if it moves sideways at all (c.y).
-bool underside(int which, ivec2 post, out int height)
+bool envelope(int which, ivec2 post, out int height)
 {
 	ivec4 a = bodies[which].a, b = bodies[which].b, c = bodies[which].c;
 	int u = AT(which, 0, post), r = a.x;
@@ -99,7 +99,7 @@ bool underside(int which, ivec2 post, out int height)
 
 #ifdef SHAPE_SPHERE
 // Along the motion (0) and across it (1).
-bool underside(int which, ivec2 post, out int height)
+bool envelope(int which, ivec2 post, out int height)
 {
 	int u = AT(which, 0, post), v = AT(which, 1, post), r = bodies[which].a.x;
 	int across = clamp(v, -r, r);
@@ -116,7 +116,7 @@ bool underside(int which, ivec2 post, out int height)
 
 #ifdef SHAPE_BOX
 // A box in motion is a zonotope: inside its slabs (f[6] ..), above its lower planes (f[0] ..).
-bool underside(int which, ivec2 post, out int height)
+bool envelope(int which, ivec2 post, out int height)
 {
 	height = -REACH;
 	for (int k = 0; k < bodies[which].c.z; k++)

@@ -4,7 +4,7 @@
  * A slope of height H and angle b fails by Culmann's plane wedge where H > 4 c sin b cos phi / (gamma (1 - cos(b - phi))):
  * Taylor, Fundamentals of Soil Mechanics, 1948; here b follows from H, since the slope is that between two posts.
  */
-#include "deform/soil/stand.h"
+#include "deform/soil/stability.h"
 
 #include <math.h>
 
@@ -14,18 +14,18 @@
 
 static int32_t whole(double metres)
 {
-	double quanta = floor(ldexp(metres, OFFSET_BITS));
-	return quanta < INT32_MAX ? (int32_t)quanta : INT32_MAX;
+	double units = floor(ldexp(metres, OFFSET_BITS));
+	return units < INT32_MAX ? (int32_t)units : INT32_MAX;
 }
 
-int32_t deform_stands_at(double angle, double apart)
+int32_t deform_critical_difference(double angle, double apart)
 {
 	return angle < UPRIGHT ? whole(tan(angle) * apart) : INT32_MAX;
 }
 
-static bool slips(const struct deform_soil *soil, double apart, int32_t quanta)
+static bool slips(const struct deform_soil *soil, double apart, int32_t units)
 {
-	double height = ldexp(quanta, -OFFSET_BITS), slope = atan2(height, apart), over = slope - soil->friction_angle;
+	double height = ldexp(units, -OFFSET_BITS), slope = atan2(height, apart), over = slope - soil->friction_angle;
 	if (over <= 0)
 		return false;
 	/* 1 - cos x, without what it loses where x is small. */
@@ -33,18 +33,18 @@ static bool slips(const struct deform_soil *soil, double apart, int32_t quanta)
 	return height * driving > 4 * soil->cohesion * sin(slope) * cos(soil->friction_angle);
 }
 
-int32_t deform_stands_cohesive(const struct deform_soil *soil, double apart)
+int32_t deform_critical_difference_cohesive(const struct deform_soil *soil, double apart)
 {
-	int32_t stands = deform_stands_at(soil->friction_angle, apart), fails = INT32_MAX;
-	if (soil->cohesion <= 0 || stands == INT32_MAX || !slips(soil, apart, fails))
-		return soil->cohesion <= 0 ? stands : INT32_MAX;
+	int32_t critical = deform_critical_difference(soil->friction_angle, apart), fails = INT32_MAX;
+	if (soil->cohesion <= 0 || critical == INT32_MAX || !slips(soil, apart, fails))
+		return soil->cohesion <= 0 ? critical : INT32_MAX;
 	/* Above phi the steeper the slope, the higher it is and the less stands: it fails from one height on. */
-	while (fails - stands > 1) {
-		int32_t middle = stands + (fails - stands) / 2;
+	while (fails - critical > 1) {
+		int32_t middle = critical + (fails - critical) / 2;
 		if (slips(soil, apart, middle))
 			fails = middle;
 		else
-			stands = middle;
+			critical = middle;
 	}
-	return stands;
+	return critical;
 }

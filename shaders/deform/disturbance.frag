@@ -3,20 +3,20 @@
 
 layout(binding = 0) uniform isampler2DArray offsets;
 layout(binding = 1) uniform usampler2DArray contacts;
-layout(binding = 2) uniform usampler2DArray dirts;
+layout(binding = 2) uniform usampler2DArray disturbances;
 
 layout(std140, binding = 0) uniform params {
 	ivec4 window; // posts in x and y; the layer
 };
 
-layout(location = 0) out uint dirt_out;
+layout(location = 0) out uint disturbance_out;
 
 void main()
 {
 	ivec3 post = ivec3(ivec2(gl_FragCoord.xy), window.z);
-	dirt_out = texelFetch(dirts, post, 0).r;
+	disturbance_out = texelFetch(disturbances, post, 0).r;
 	if ((texelFetch(contacts, post, 0).r & 1u) == 0u)
 		return;
 	int depth = max(0, -texelFetch(offsets, post, 0).r);
-	dirt_out = max(dirt_out, uint(min(255, 96 + (depth >> 10))));
+	disturbance_out = max(disturbance_out, uint(min(255, 96 + (depth >> 10))));
 }
