@@ -1,8 +1,8 @@
 /*
  * Gather from the tiles into a window, run the stages there, scatter to the tiles again.
  *
- * Invariant: a window's layer holds the ground as the tiles had it; nothing reaches a tile before
- * deform_scatter, so windows of one contact do not see each other.
+ * Invariant: a window's layer holds the ground as the tiles had it before the contact. Nothing is written to a tile before
+ * deform_scatter. So the windows of one contact do not see each other's results.
  */
 #include "deform/deform.h"
 
@@ -55,7 +55,8 @@ void deform_destroy(struct deform *deform)
 	mem_free(deform);
 }
 
-/* Where the posts that a tile and a rectangle share lie: in the tile, and in the window. */
+/* Finds the posts that a tile and a rectangle share: their place in the tile and their place in the window. Returns false if
+ * they share none. */
 static bool shared(const struct deform *deform, struct tile tile, struct post_rect rect, struct post_rect window,
 		   struct gpu_rect *in_tile, struct gpu_rect *in_window)
 {
@@ -69,7 +70,7 @@ static bool shared(const struct deform *deform, struct tile tile, struct post_re
 	return true;
 }
 
-/* What scm presses in place lies where sliding begins. */
+/* scm changes the offset and the deposited thickness in place, so they are gathered into the textures where sliding begins. */
 int deform_gathers_into(const struct deform *deform, int plane)
 {
 	return deform->params.model == DEFORM_SCM && (plane == PLANE_OFFSET || plane == PLANE_DEPOSITED);

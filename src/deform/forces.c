@@ -1,11 +1,11 @@
 /*
- * Forces on their way from the GPU: records that presses add to, brought to the host in batches, and handed out in the
- * order of the contacts.
+ * Forces on their way from the GPU. Contacts add to records on the GPU. Batches of records are read to the host, and forces
+ * are handed out in the order of the contacts.
  *
- * Sweep n with a tag adds to record n % RECORDS. Invariants: first <= sent <= next <= first + RECORDS; records of [first, sent)
- * are in a batch under way or there; those of [sent, next) are being summed; all others are zeros.
- * A batch's staging is its own, so that its fence is its own too. Where records or batches run out, the oldest batch is
- * waited for, and what it brought is kept until it is taken.
+ * The n-th contact with a tag adds to record n % RECORDS. Invariants: first <= sent <= next <= first + RECORDS. The records of
+ * [first, sent) are in a batch. The records of [sent, next) are still being summed. All other records are zero.
+ * Each batch has its own staging buffer, and so its own fence. When no record or no batch is free, the oldest batch is waited
+ * for. Its forces are kept until they are taken.
  */
 #include <string.h>
 
@@ -14,7 +14,7 @@
 #define RECORDS 256
 #define BATCHES 8
 
-/* scm.frag's. */
+/* A record of scm.frag. */
 struct record {
 	int64_t force[3], moment[3];
 	uint32_t posts;
@@ -31,7 +31,7 @@ struct asked {
 
 struct batch {
 	struct gpu_staging *staging;
-	uint64_t first, end; /* sweeps */
+	uint64_t first, end; /* numbers of contacts */
 };
 
 struct forces {

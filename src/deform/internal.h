@@ -8,19 +8,19 @@
 #define SIDE DEFORM_WINDOW_POSTS
 #define UNDER_NONE INT32_MAX /* lib/window.glsl: the object is not above the post */
 
-/* FBOs over one layer of the scratch; those that the parameters do not call for are NULL. */
+/* FBOs over one layer of the scratch textures. FBOs that the parameters do not need are NULL. */
 enum scratch_target {
 	TO_UNDER,   /* under, rest */
-	TO_CONTACT, /* what the model's press writes */
+	TO_CONTACT, /* what the model's contact pass writes */
 	TO_FIRST,   /* box: offset plane 0 */
-	TO_SECOND,  /* the same, 1 */
-	TO_BEGUN,   /* sliding: offset plane 0, heights, and what else it begins with */
+	TO_SECOND,  /* box: offset plane 1 */
+	TO_BEGUN,   /* the start of sliding: offset plane 0, heights, and the other textures that sliding starts with */
 	TO_HEIGHTS_0, TO_HEIGHTS_1,
-	TO_SHED,    /* sumner: what is shed, where `carried` was */
-	TO_SLID,    /* offset plane 1, and what slides with it */
-	TO_DISTURBANCE,    /* disturbance plane 1 */
-	TO_HELD,    /* contacts alone */
-	TO_BARE,    /* nothing: images and buffers */
+	TO_SHED,    /* sumner: the soil that each post sheds, in the texture `carried` */
+	TO_SLID,    /* offset plane 1, and deposited thickness plane 1 */
+	TO_DISTURBANCE, /* disturbance plane 1 */
+	TO_HELD,    /* only the texture `contacts` */
+	TO_BARE,    /* no attachment: the pass writes images and buffers */
 	SCRATCH_TARGETS
 };
 
@@ -28,76 +28,78 @@ enum scratch_target {
 struct layer {
 	struct gpu_target *to[SCRATCH_TARGETS];
 	int now[PLANES]; /* which of planes[0 .. 1][plane] holds the result so far */
-	bool alone;      /* the window is all of its contact */
-	bool loaded;     /* the object may turn out to stand elsewhere */
-	bool above;      /* the contact's */
-	bool flagged;    /* its sliding says where something still moves */
+	bool alone;      /* the contact has only this window */
+	bool loaded;     /* the object carries a load, so its equilibrium height is still unknown */
+	bool above;      /* `above` of struct deform_contact */
+	bool flagged;    /* its sliding wrote flags: where soil still moves */
 };
 
 struct deform;
 
-/* One model: what a press does once the lower envelope is known, and all that follows it in the window. */
+/* Runs a model's passes over a window whose lower envelope is known: the contact, and all that follows it. */
 typedef enum status (*deform_model_fn)(struct deform *deform, const struct deform_contact *contact,
 				       const struct deform_window *window, uint32_t layer);
 
 /* One soil model: soil/models.c has a row for each. */
 struct soil_model {
-	deform_model_fn contact;    /* what a contact does to its window */
-	const char *shader;         /* of its contact */
-	const char *contact_effect; /* names of scene's effects: of the contact, */
-	const char *window_effect;  /* of what else works on its window, */
-	const char *slide_effect;   /* and of soil that slides; NULL: none does */
-	unsigned planes;            /* that it keeps beside the offset: a mask of PLANE_BIT */
-	bool conserves;             /* it moves soil, and loses none but what is compacted */
-	int slide_passes;           /* of one iteration of sliding */
+	deform_model_fn contact;    /* runs the passes of a contact over one window */
+	const char *shader;         /* the fragment shader of its contact pass */
+	const char *contact_effect; /* name of the scene's effect that the contact pass belongs to */
+	const char *window_effect;  /* name of the effect that its other passes over a window belong to */
+	const char *slide_effect;   /* name of the effect that sliding belongs to; NULL: no soil slides */
+	unsigned planes;            /* planes it keeps beside the offset: a mask of PLANE_BIT */
+	bool conserves;             /* it moves soil, and loses only soil that is compacted */
+	int slide_passes;           /* passes of one iteration of sliding */
 };
 extern const struct soil_model deform_soil_models[DEFORM_MODELS];
 
-/* Differences of heights that stand, axial and diagonal, fixed-point units. */
+/* Critical height differences between two posts, fixed-point units: [0] axial, [1] diagonal neighbours. For sumner they include
+ * the tolerance. */
 struct slide_soil {
 	int32_t critical[2];
-	int32_t held[2], stop[2]; /* sumner: beside a held post; where all are within these nothing slides. Its three have the
-				   * tolerance in them */
-	uint32_t share[8];        /* sumner: of 2^32, for 1 .. 8 neighbours */
+	int32_t held[2];   /* sumner: if one of the two posts is held */
+	int32_t stop[2];   /* sumner: a post sheds nothing if no difference exceeds this */
+	uint32_t share[8]; /* sumner: share of the differences that moves, in 2^-32, for 1 .. 8 lower neighbours */
 };
 
 struct deform {
 	struct deform_params params;
 	unsigned planes; /* deform_planes() */
 	double spacing;
-	int64_t reach;  /* posts beyond the footprint that change */
-	int64_t border; /* posts beyond those that are read */
-	uint32_t layers; /* that the textures have */
+	int64_t reach;  /* so many posts around the footprint can change */
+	int64_t border; /* so many posts around these are read */
+	uint32_t layers; /* windows' layers in the textures */
 	struct gpu_texture *bases;
-	struct gpu_texture *under, *rest;      /* rest NULL: nobody asks */
-	struct gpu_texture *contacts;          /* LOWERED, HELD; NULL: nobody asks */
-	struct gpu_texture *carried, *deposits; /* conserving models: fixed-point units, before and after deform_spread */
-	struct gpu_texture *heights[2], *stills, *floors; /* while it slides; floors NULL: all soil is loose */
-	struct gpu_texture *classes;           /* of soil; NULL: there is but one */
-	struct gpu_texture *planes_of[2][PLANES]; /* [0] is gathered into, or what deform_gathers_into says */
-	struct layer scratch[DEFORM_WINDOWS_MAX + 1]; /* [layers]: the atlas of blocks, of models that conserve */
-	struct active *active;                   /* NULL: of others */
+	struct gpu_texture *under, *rest;      /* lower envelopes: of the motion, and of the end pose; rest NULL: not needed */
+	struct gpu_texture *contacts;          /* bits LOWERED, HELD, HOLE; NULL: not needed */
+	struct gpu_texture *carried, *deposits; /* conserving models: soil before and after deform_spread, fixed-point units */
+	struct gpu_texture *heights[2], *stills, *floors; /* used while soil slides; floors NULL: relaxing soil has no bottom */
+	struct gpu_texture *classes;           /* classes of soil; NULL: there is only one soil */
+	struct gpu_texture *planes_of[2][PLANES]; /* deform_gathers_into tells which of the two a gather writes */
+	struct layer scratch[DEFORM_WINDOWS_MAX + 1]; /* [layers]: the atlas of blocks; only models that conserve have it */
+	struct active *active;                 /* active blocks; NULL: the model does not conserve soil */
 	struct interval *interval;
-	struct gpu_program *under_program[2 * DEFORM_SHAPES]; /* made when first needed, as all of them */
+	struct gpu_program *under_program[2 * DEFORM_SHAPES]; /* every program is made when it is first needed */
 	struct gpu_program *box, *contact, *disturbance, *spread;
 	struct gpu_program *held[2];           /* [by load] */
 	struct gpu_program *facet;
-	struct facets *facets;                 /* meshes' and grousers': made when first needed */
+	struct facets *facets;                 /* triangles of meshes and grousers; made when first needed */
 	struct gpu_program *slide_begin[2][2]; /* [over blocks][by load] */
 	struct gpu_program *slide[2][2], *shed[2]; /* [over blocks][last iteration] */
 	struct slide_soil soils[DEFORM_SOILS];
-	bool contacts_flag;                      /* what a contact looked at says all about what moves after it */
-	struct gpu_program *scm[8], *find[4]; /* by their defines, as bits */
-	struct forces *forces;                /* NULL until a contact asks */
-	struct gpu_buffer *tries;             /* of load.c; NULL until a contact needs it */
-	struct gpu_buffer *standing;          /* int32 a loaded body: fixed-point units above its pose; NULL: there are none */
+	bool contacts_flag;                    /* a contact's flags tell all blocks where soil moves after it */
+	struct gpu_program *scm[8], *find[4];  /* indices are the defines, as bits */
+	struct forces *forces;                 /* NULL until a contact has a tag */
+	struct gpu_buffer *tries;              /* of load.c; NULL until a contact needs it */
+	struct gpu_buffer *standing;           /* int32 for each loaded body: equilibrium height above its pose, fixed-point units;
+						* NULL: there are no loaded bodies */
 	struct gpu_buffer *tally;              /* struct deform_tally */
-	struct gpu_buffer *felt;               /* the same, of contacts of which only the forces count; NULL until one does */
-	struct deform_figures figures;         /* window_layers: see `layers` */
-	uint64_t warmed;                       /* the kinds of objects that were (warm.c) */
+	struct gpu_buffer *felt;               /* a tally for deform_feel, which must not change `tally`; NULL until it is called */
+	struct deform_figures figures;         /* its window_layers is unused: see `layers` */
+	uint64_t warmed;                       /* kinds of objects that were warmed, as bits (warm.c) */
 };
 
-
+/* deform.c: returns which of planes_of[0 .. 1] a gather writes this plane to. */
 int deform_gathers_into(const struct deform *deform, int plane);
 
 /* scratch.c: textures and targets for `layers` windows. */
@@ -105,26 +107,26 @@ enum status deform_need_layers(struct deform *deform, uint32_t layers) FURROW_CH
 void deform_drop_layers(struct deform *deform);
 void deform_scratch_plan(const struct deform_params *params, struct plan *plan);
 
-/* What follows from the parameters. */
+/* Facts that follow from the parameters alone. */
 bool deform_needs_contacts(const struct deform_params *params); /* scratch.c */
 bool deform_has_classes(const struct deform_params *params);
 int deform_soil_slots(const struct deform_params *params); /* soil/slide.c: classes of soil that a shader's parameters have room for */
-bool deform_is_bounded(const struct deform_params *params);
-bool deform_is_steep(const struct deform_params *params);
-bool deform_asks_what_stood(const struct deform_params *params); /* undisturbed ground stands */
+bool deform_is_bounded(const struct deform_params *params); /* relaxing soil has a bottom */
+bool deform_is_steep(const struct deform_params *params);   /* two posts may be too far apart in height: STEEP_RELIEF */
+bool deform_asks_what_stood(const struct deform_params *params); /* sliding must compare with the undisturbed ground */
 int deform_slide_passes(const struct deform_params *params);
 int64_t deform_reach(const struct deform_params *params);  /* windows.c: struct deform's reach and border */
 int64_t deform_border(const struct deform_params *params);
-int64_t deform_core(const struct deform_params *params);   /* posts of a window that are written, at most */
+int64_t deform_core(const struct deform_params *params);   /* most posts of a window that are written, along a side */
 
-/* A program by its place: made when first asked for. */
+/* Makes the program at *place if it is not there yet. */
 enum status deform_program(struct deform *deform, const struct deform_request *request,
 			   struct gpu_program **place) FURROW_CHECKED;
 
-/* Lines of memory, of all objects: a buffer, or staging. */
+/* Adds the plan's line of a buffer or a staging buffer that all objects share. `bytes`: of all `amount` buffers together. */
 void deform_plan_buffer(struct plan *plan, const char *effect, int64_t amount, uint64_t bytes, const char *name);
 
-/* std140 twins of what most passes over a window begin with. */
+/* std140 twins of the first parameters of most passes over a window. */
 struct window_params {
 	int32_t window[4]; /* posts in x and y; the layer */
 };
@@ -136,46 +138,46 @@ struct contact_params deform_contact_params(const struct deform *deform, const s
 					const struct deform_window *window, uint32_t layer);
 struct window_params deform_window_params(struct post_rect read, uint32_t layer);
 
-/* The written posts, in the window's layer. */
+/* Returns the written posts, in the window's layer. */
 struct gpu_rect deform_written(const struct deform_window *window);
-/* All of them. */
+/* Returns all posts of the window, in its layer. */
 struct gpu_rect deform_window_rect(const struct deform_window *window);
 
-/* underside.c: the object over the window, into `under` and `rest`. */
+/* shape/envelope.c: draws the object's lower envelope over the window into `under` and `rest`. */
 enum status deform_envelope(struct deform *deform, const struct deform_contact *contact,
 			     const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
 
-/* facets.c: the lowest of triangles in motion over the window, into `under` and `rest` by minimum. Begun, added to and
- * ended for one window at a time. */
+/* shape/facets.c: draws moving triangles over a window into `under` and `rest`; the lowest height is kept. Begin, add facets,
+ * and end, for one window at a time. */
 struct facet;
 enum status deform_facets_begin(struct deform *deform, struct post_rect read, uint32_t layer) FURROW_CHECKED;
-/* Room for one more; it counts once it is kept. */
+/* Returns room for one more facet. The facet counts only after deform_facets_keep. */
 struct facet *deform_facets_next(struct deform *deform);
 void deform_facets_keep(struct deform *deform);
 void deform_facets_end(struct deform *deform);
 void deform_facets_plan(const char *effect, struct plan *plan);
 void deform_facets_destroy(struct facets *facets);
 
-/* mesh.c: a mesh over the window; and what its vertices say of it. */
+/* shape/mesh.c: draws a mesh's lower envelope over the window. deform_mesh_reach: as deform_shape_reach. */
 enum status deform_mesh(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 			uint32_t layer) FURROW_CHECKED;
 double deform_mesh_reach(const struct deform_mesh *mesh, double pitch, double roll);
 
-/* lugs.c: a wheel's grousers over the window, where the smooth wheel was drawn. */
+/* shape/grousers.c: draws a wheel's grousers over the window. The smooth wheel must be drawn before. */
 enum status deform_grousers(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 			uint32_t layer) FURROW_CHECKED;
 
-/* stages.c: the press of a model that fills TO_CONTACT; its parameters begin with contact_params. */
+/* stages.c: runs the contact pass of a model that writes TO_CONTACT. Its parameters begin with struct contact_params. */
 enum status deform_run_contact(struct deform *deform, const void *params, size_t params_bytes,
 			 const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
 
-/* model_*.c */
+/* soil/none.c, soil/box.c: as deform_model_fn. */
 enum status deform_none(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 			uint32_t layer) FURROW_CHECKED;
 enum status deform_box(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 		       uint32_t layer) FURROW_CHECKED;
 
-/* Its press alone, for the forces. */
+/* soil/scm.c: deform_scm_feel runs only the contact pass, for deform_feel. deform_scm: as deform_model_fn. */
 enum status deform_scm_feel(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer)
 	FURROW_CHECKED;
 enum status deform_scm(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
@@ -190,70 +192,73 @@ struct scm_params {
 	float scale[4], way[4], spin[4], rolls[4], place[4], load[4];
 	struct scm_soil soils[DEFORM_SOILS];
 };
-/* Rows of a window, DEFORM_ROWS_ABREAST invocations side by side. */
+/* Returns the viewport of a pass with one invocation for each row of `posts`. The rows lie DEFORM_ROWS_ABREAST side by side. */
 #define DEFORM_ROWS_ABREAST 4
 struct gpu_rect deform_rows(const int32_t posts[4]);
 
-/* load.c: the size of the object's patch and the height at which the soil carries it, as far as they are not known: into
- * `tries`; *last: the try the press goes by. */
+/* soil/load.c: finds the size of the contact patch, the equilibrium height, or both: `what`, bits of enum deform_find. The
+ * results are in the buffer `tries`. *last: the try that the contact pass uses. */
 enum deform_find { DEFORM_FIND_PATCH = 1, DEFORM_FIND_LOAD = 2 };
 enum status deform_find(struct deform *deform, const struct scm_params *params, uint32_t layer, unsigned what,
 			int *last) FURROW_CHECKED;
 int deform_find_passes(bool patch, bool load);
 void deform_find_plan(const char *effect, struct plan *plan);
 
-/* Forces are whole sixteenths of a pascal times a post's area; moments that times an arm. */
+/* Forces are whole numbers of (Pa / 16) times a post's area. Moments are forces times `arm`. */
 #define DEFORM_UNITS_A_PASCAL 16
-/* forces.c: the record that this contact's windows add to. */
+/* forces.c: finds the record that this contact's windows add to. May wait for the GPU. */
 enum status deform_forces_record(struct deform *deform, const struct deform_contact *contact, bool first_window, double arm,
 				 struct gpu_buffer **records, uint32_t *record) FURROW_CHECKED;
 void deform_forces_destroy(struct deform *deform);
 void deform_forces_plan(const char *effect, struct plan *plan);
 
-/* windows.c: the posts a contact can be above. */
+/* windows.c: returns the posts that the object can be above during a contact. */
 struct post_rect deform_shadow(const struct deform *deform, const struct deform_contact *contact);
-/* The posts it can change; whether they fit one window. */
+/* deform_reached: returns the posts that a contact can change. deform_fits_window: returns true if they fit one window. */
 struct post_rect deform_reached(const struct deform *deform, const struct deform_contact *contact);
 bool deform_fits_window(const struct deform *deform, struct post_rect reached);
 
-/* spread.c: from `carried`, which a press wrote (at most 2^23 fixed-point units a post), into `deposits`. */
+/* soil/spread.c: moves the soil in `carried` to the nearest free posts, in `deposits`. A contact pass wrote `carried`: at most
+ * 2^23 fixed-point units a post. */
 enum status deform_spread(struct deform *deform, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
 
-/* soil/slide.c: lays the deposits down, then the model's rule over a window's written posts, `iterations` times. A press
- * has left offsets and heaped soil in planes_of[1], and so does this. */
+/* soil/slide.c: adds the deposits to the ground. Then applies the model's relaxation rule `iterations` times to the window's
+ * written posts. Reads offsets and deposited thickness from planes_of[1], and leaves them there. */
 enum status deform_slide(struct deform *deform, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
 struct slide_place {
 	uint32_t layer;
-	struct gpu_rect all, written; /* what is worked on; what exchanges soil */
+	struct gpu_rect all, written; /* posts that are computed; posts that exchange soil */
 	struct place_flags {
 		struct gpu_buffer *words;
-		uint32_t first, columns;  /* over a window: of the words, of its blocks */
-		int32_t from[2];          /* and its first post, from that of its first block */
-		int32_t looked[4];        /* its posts across whose sides all was looked at: first, one behind the last */
-		bool loaded;
+		/* Only over a window: */
+		uint32_t first, columns;  /* its first word; its blocks in a row */
+		int32_t from[2];          /* its first post, counted from the first post of its first block */
+		int32_t looked[4];        /* posts whose neighbours were all computed: first, one behind the last */
+		bool loaded;              /* as in struct layer */
 	} flags;
-	/* Over blocks: a square of `side` posts each, so many in a row, of which the block and its rim are right. */
+	/* Only over blocks: their number, 0 over a window; posts along a block's square in the atlas; squares in a row. */
 	uint32_t blocks, side, columns;
-	uint32_t first;               /* of the list: whose flags come first */
+	uint32_t first;               /* index of the first block in the list, and of its word in the flags */
 };
 enum status deform_slide_run(struct deform *deform, const struct slide_place *place) FURROW_CHECKED;
-int64_t deform_slide_rim(const struct deform *deform); /* posts */
-/* Posts around one that has changed that may exchange soil otherwise. */
+/* Returns how many posts around a block an interval reads. */
+int64_t deform_slide_rim(const struct deform *deform);
+/* Returns how many posts around a changed post the next iteration may change. */
 int64_t deform_slide_step(const struct deform *deform);
-#define STEEP_RELIEF 500.0 /* metres; in a world of less no two posts are too far apart in height */
-/* What follows from the parameters. */
+#define STEEP_RELIEF 500.0 /* metres; with less relief no two posts are too far apart in height for 32 bits */
+/* Computes the critical differences of all soils. */
 void deform_slide_prepare(struct deform *deform);
 
 enum status deform_sumner(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 			  uint32_t layer) FURROW_CHECKED;
 enum status deform_slippage(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 			    uint32_t layer) FURROW_CHECKED;
-/* deform.c: the planes of a rectangle of posts to a place of a layer (of the atlas: planes_of[1]), and from there to
- * tiles. */
+/* deform.c: deform_gather copies planes of a rectangle of posts from tiles to place (x, y) of a layer; of the atlas: into
+ * planes_of[1]. deform_scatter_from copies planes back to tiles. */
 void deform_gather(struct deform *deform, struct post_rect read, uint32_t layer, uint32_t x, uint32_t y, bool atlas,
 		   unsigned planes, const struct deform_tile *tiles, size_t count);
 struct scatter_from {
-	struct gpu_texture *planes[PLANES]; /* NULL: stays as it is */
+	struct gpu_texture *planes[PLANES]; /* NULL: the tiles keep this plane */
 	uint32_t layer, x, y;
 };
 enum status deform_scatter_from(struct deform *deform, struct post_rect write, const struct scatter_from *from,
@@ -263,14 +268,15 @@ enum status deform_scatter_from(struct deform *deform, struct post_rect write, c
 enum status deform_active_create(struct deform *deform) FURROW_CHECKED;
 void deform_active_destroy(struct active *active); /* takes NULL */
 void deform_active_plan(const char *effect, struct plan *plan);
-/* Where a window's sliding puts its flags; of use until the next is asked for, and lasting if deform_wake_swept follows. */
+/* Returns where a window's sliding must write its flags. Valid until the next call. The flags are kept only if
+ * deform_wake_swept follows. */
 struct place_flags deform_active_flags(struct deform *deform, const struct deform_window *window, uint32_t layer);
-/* Waits for all flags; then no block is awake. */
+/* Waits for all flags, then makes all blocks inactive. */
 enum status deform_active_forget(struct deform *deform) FURROW_CHECKED;
-/* The blocks of an interval that begins: the list stays as it is until deform_active_visited. */
+/* Begins an interval: tells its blocks. The list does not change before deform_active_visited. */
 enum status deform_active_visit(struct deform *deform, const struct deform_block **blocks, size_t *count) FURROW_CHECKED;
 bool deform_active_is_visited(const struct deform *deform, struct deform_block block);
-/* They were worked on; `flags` says what still moves in each. */
+/* Ends an interval. `flags`: a word for each block of the list: where soil still moves in it. */
 enum status deform_active_visited(struct deform *deform, struct gpu_buffer *flags) FURROW_CHECKED;
 
 /* interval.c */
@@ -278,7 +284,7 @@ enum status deform_interval_create(struct deform *deform) FURROW_CHECKED;
 /* As deform_warm. */
 enum status deform_interval_warm(struct deform *deform, const struct deform_shape *shape, uint32_t loaded_body) FURROW_CHECKED;
 void deform_interval_plan(const struct deform_params *params, struct plan *plan);
-void deform_interval_destroy(struct deform *deform); /* of one that has none, too */
+void deform_interval_destroy(struct deform *deform); /* does nothing if it was never created */
 
 /* stages.c: the passes over a gathered window. */
 enum status deform_run_feel(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer)

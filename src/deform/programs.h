@@ -1,25 +1,25 @@
-/* The programs of deform, each request built in one place: for the stages that run them and for the plan. */
+/* The requests of deform's programs. The stages and the plan build them here, so that both name the same programs. */
 #ifndef FURROW_DEFORM_PROGRAMS_H
 #define FURROW_DEFORM_PROGRAMS_H
 
 #include "deform/deform.h"
 
-/* Points into itself: never copied. */
+/* Points into itself: do not copy it. */
 struct deform_request {
 	struct gpu_program_request gl;
-	char own[16]; /* a define that is made */
+	char own[16]; /* text of a define with a number */
 };
 
-/* Of scm's press: what of an object it depends on. */
+/* Variants of scm's contact pass, as bits: it sums forces; counts the contact patch; the object carries a load. */
 enum { WITH_FORCES = 1, WITH_PATCH = 2, WITH_LOAD = 4 };
 
-/* Of scm's search: where first contact is; how many posts are touched; what the soil bears. */
+/* Passes of scm's search: the height of the first contact; the number of touched posts; the load that the soil bears. */
 enum find_what { FIND_GAP, FIND_COUNT, FIND_BEARS };
 
-/* An iteration: in one pass, or Sumner's in two. */
+/* Passes of an iteration of sliding: EXCESS alone, or for sumner SHED and TAKE. */
 enum slide_what { SLIDE_EXCESS, SLIDE_SHED, SLIDE_TAKE };
 
-/* Each fills `out` anew. Pure. */
+/* Each fills `out` completely. Pure. */
 void deform_programs_envelope(const struct deform_params *params, enum deform_shape_kind kind, bool sideways,
 			struct deform_request *out);
 void deform_programs_facet(const struct deform_params *params, struct deform_request *out);
@@ -34,18 +34,18 @@ void deform_programs_slide(const struct deform_params *params, enum slide_what w
 void deform_programs_held(bool loaded, struct deform_request *out);
 void deform_programs_disturbance(struct deform_request *out);
 
-/* Every program that an object can ask for, some of them twice. As deform_warm. */
+/* Calls `each` for every program that an object can need, for some of them twice. Arguments as of deform_warm. */
 typedef void (*programs_fn)(void *user, const char *effect, const struct gpu_program_request *request);
 void deform_programs_each(const struct deform_params *params, const struct deform_planned *object, bool forces, programs_fn each,
 		   void *user);
 
-/* Whether an object's patch is counted on the ground: of a shape that has no width of its own, and lies in one window
- * wherever it is. */
+/* Returns true if the size of the object's contact patch is counted on the ground. So it is for a shape without a width of its
+ * own, if every contact fits one window. */
 bool deform_is_counted(const struct deform_params *params, const struct deform_shape *shape, bool loaded);
 
-/* The effects (src/scene/effects.c) that call for what all objects need under the model. */
+/* Each returns the name of an effect (src/scene/effects.c) to which a model's passes and memory belong; NULL: none. */
 const char *deform_displace_effect(enum deform_model model);
 const char *deform_slide_effect(enum deform_model model);
-const char *deform_contact_effect(enum deform_model model); /* the textures that tell what an object touched */
+const char *deform_contact_effect(enum deform_model model); /* the texture `contacts` */
 
 #endif

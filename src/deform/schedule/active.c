@@ -1,23 +1,26 @@
 /*
- * Which blocks are awake. They are visited once an interval; the last iteration of a visit, and that of a contact, say of
- * each block where soil still moves (flags.glsl), in buffers that are read when their fences have passed.
+ * The set of active blocks. An interval visits each of them once. The last iteration of a visit or of a contact writes flags
+ * for each block: where soil still moves in it (flags.glsl). The host reads the flags when their fence has passed.
  *
- * Where no soil moved in the last iteration within `rim` posts of a block, none within it moves in the next
- * interval, since each iteration looks only so far. So a block is awake after a visit if its own flags say so,
- * or a neighbour's for the side that is towards it, or if it was woken since. A contact's flags count what it could not
- * look at, too (SOIL.md).
+ * An iteration reads only near posts. So a block stays at rest in the next interval if no soil moved within `rim` posts of
+ * it in the last iteration. A block is therefore active after a visit in three cases: its own flags say so; a neighbour's flags
+ * say so for the side towards it; or it was activated since. A contact also flags posts whose neighbours it could not
+ * read (SOIL.md).
  *
- * Invariants: (1) `blocks` holds all blocks in which the next interval may change something: what the last visit whose
- * flags are here left awake (`known`), and what was woken in the period since; of contacts whose flags are not here all that
- * they wrote. (2) Visits whose flags are not here yet are in `visits`, oldest first; what is awake at each is widened by
- * one block all round, which is farther than change comes in an interval (the rim is less than a block). (3) The words of
- * a period's sweeps are those of `sweeps` from word 0, in the order of `swept`, until they are asked for; behind them all is
- * zero, or flags of a window that nobody scattered. (4) Stagings are made once and handed on: a visit's and a period's
- * that is over goes behind those that are to come. (5) Every post that is other than it was when the deform was made, or that
- * deform_touch named, is in `touched`; or, while flags are on their way that are to say so, in `maybe`. A contact changes what it
- * writes; one above the undisturbed ground nothing where nothing was changed before; a visit what lies within
- * `iterations` posts, one an iteration, of what was changed before, since of two posts that exchange soil one has risen or
- * sunk. Of each the flags say which parts of blocks it was.
+ * A period is the time between two visits. Invariants:
+ * (1) `blocks` holds all blocks in which the next interval may change something. These are the blocks that the last visit
+ * with known flags left active (`known`), and the blocks activated since. For a contact with unknown flags, all
+ * blocks that it wrote are included.
+ * (2) `visits` holds the visits whose flags are still unknown, oldest first. For each of them the set is widened by one
+ * block all round. That is enough, since soil moves less than a block in an interval (the rim is less than a block).
+ * (3) Flags of a period's contacts are in `contact_flags` from word 0, in the order of `swept`, until they are asked
+ * for. Words behind them are zero, or flags of a window that was not scattered.
+ * (4) Staging buffers are made once. When a visit or a period ends, its staging buffer goes to the end of the array.
+ * (5) `touched` holds every post that changed since the deform was made, and every post that deform_touch named. While flags
+ * are on their way, the posts that they may name are in `maybe`.
+ * A contact changes only posts that it writes. A contact above the undisturbed ground changes only posts that changed
+ * before. A visit changes only posts within `iterations` posts of a changed one: where two posts exchange soil, one of the
+ * two has changed before. The flags tell which parts of blocks changed.
  */
 #include "deform/schedule/active.h"
 
@@ -71,7 +74,7 @@ static struct period *this_period(struct active *active)
 	return &active->periods[active->visit_count];
 }
 
-/* Sends for the flags of what was swept since the last visit. */
+/* Starts the transfer of the flags of all contacts since the last visit. */
 static void ask_swept(struct deform *deform)
 {
 	struct active *active = deform->active;
@@ -80,7 +83,7 @@ static void ask_swept(struct deform *deform)
 		return;
 	period->asked = true;
 	gpu_buffer_read_into(active->contact_flags, 0, active->used * sizeof(uint32_t), period->flags, 0);
-	/* And what a window that nobody scattered has left behind them. */
+	/* A window that was not scattered may have left flags behind them. */
 	uint32_t dirty = active->used + WINDOW_BLOCKS;
 	gpu_buffer_clear(active->contact_flags, 0, (dirty < CONTACT_WORDS ? dirty : CONTACT_WORDS) * sizeof(uint32_t));
 	active->used = 0;
@@ -104,7 +107,7 @@ struct place_flags deform_active_flags(struct deform *deform, const struct defor
 		.first = scratch->flagged ? active->used : CONTACT_WORDS,
 		.columns = grid.columns,
 		.from = {(int32_t)(read.x0 - grid.x * DEFORM_BLOCK), (int32_t)(read.y0 - grid.y * DEFORM_BLOCK)},
-		/* Nothing lies beyond the world. */
+		/* Beyond the world there is no soil, so at its border all neighbours were computed. */
 		.looked = {write.x0 > 0 ? (int32_t)(write.x0 - read.x0) + step : 0,
 			   write.y0 > 0 ? (int32_t)(write.y0 - read.y0) + step : 0,
 			   (int32_t)(write.x1 - read.x0) - (write.x1 < posts_x ? step : 0),
@@ -175,7 +178,7 @@ enum status deform_active_blocks(struct deform *deform, const struct deform_bloc
 		return STATUS_OK;
 	bool came;
 	enum status status = deform_active_settle(deform, &came);
-	/* Some of so many may be so only because their flags are not here yet. */
+	/* Some of them may be active only because their flags are still unknown. */
 	if (status == STATUS_OK && active->blocks.count > DEFORM_BLOCKS_MAX) {
 		ask_swept(deform);
 		status = deform_active_wait(deform);

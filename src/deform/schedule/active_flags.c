@@ -1,6 +1,6 @@
 /*
- * What the flags of contacts and visits say once their fences have passed: which blocks are awake, and which posts were
- * touched; and what to take for that meanwhile. The invariants are schedule/active.c's.
+ * Reads the flags of contacts and visits once their fences have passed: which blocks are active, and which posts were
+ * touched. Until then it takes the largest sets that the flags can name. The invariants are in schedule/active.c.
  */
 #include <string.h>
 
@@ -19,7 +19,7 @@ void deform_active_period_finish(struct period *period)
 	*period = (struct period){.flags = period->flags};
 }
 
-/* The blocks from which the world's posts are made. */
+/* Returns the north-eastern block of the world. */
 static struct deform_block last_block(const struct deform *deform)
 {
 	const struct extent *extent = deform->params.extent;
@@ -43,7 +43,7 @@ static enum status add_all(struct block_set *set, const struct block_set *from)
 	return status;
 }
 
-/* What a block's flags keep awake: bit 0 the block itself, then W, E, S, N, SW, SE, NW, NE. */
+/* Adds the blocks that the flags of block (x, y) keep active. Bit 0: the block itself, then W, E, S, N, SW, SE, NW, NE. */
 static enum status add_word(const struct deform *deform, struct block_set *set, int64_t x, int64_t y, uint32_t flags)
 {
 	static const int ways[9][2] = {{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
@@ -80,7 +80,7 @@ struct block_grid deform_active_grid(struct post_rect write)
 	return grid;
 }
 
-/* What a contact has changed in one of its blocks. */
+/* Adds to `touched` the parts of one block that a contact changed. */
 static enum status add_changed(struct deform *deform, struct post_rect write, struct deform_block block, uint32_t parts)
 {
 	enum status status = STATUS_OK;
@@ -90,7 +90,7 @@ static enum status add_changed(struct deform *deform, struct post_rect write, st
 	return status;
 }
 
-/* Its sweeps' flags are here. */
+/* Adds what a period's contacts have activated and touched. Their flags must be here. */
 static enum status add_swept(struct deform *deform, struct period *period)
 {
 	const uint32_t *flags = gpu_staging_bytes(period->flags);
@@ -140,7 +140,7 @@ static enum status add_period(const struct deform *deform, struct block_set *set
 	return status;
 }
 
-/* The oldest period is over, and what its sweeps have changed nobody has looked at. */
+/* Adds all posts that contacts of the oldest period wrote, since the period ends and their flags were not read. */
 static enum status add_all_swept(struct deform *deform)
 {
 	const struct period *period = &deform->active->periods[0];
@@ -160,7 +160,7 @@ enum status deform_active_widen(const struct deform *deform, struct block_set *s
 	return status;
 }
 
-/* The oldest visit is over, and the period before it. */
+/* Ends the oldest visit and the period before it. Their staging buffers go to the ends of the arrays. */
 static void hand_on(struct active *active)
 {
 	const struct visit visit = active->visits[0];
@@ -195,7 +195,8 @@ enum status deform_active_maybe_visited(struct deform *deform, const struct visi
 	return status;
 }
 
-/* All whose flags are not here, in their order: they may have changed less than was thought, since others did. */
+/* Builds `maybe` again from all contacts and visits with unknown flags, in their order. It may become smaller, since other flags
+ * have come. */
 static enum status guess_anew(struct deform *deform)
 {
 	struct active *active = deform->active;
@@ -210,7 +211,7 @@ static enum status guess_anew(struct deform *deform)
 	return status;
 }
 
-/* Takes in the flags that have come. */
+/* Reads all flags whose fence has passed. *came: there were some. */
 static enum status take_flags(struct deform *deform, bool *came)
 {
 	struct active *active = deform->active;

@@ -1,9 +1,9 @@
 /*
- * An interval: all awake blocks make `iterations` iterations of the sliding rule, as if the whole lattice did.
+ * An interval: all active blocks make `iterations` iterations of the sliding rule, as if the whole lattice did.
  *
- * Blocks lie in an atlas, a layer like a window's, as many as it holds at a time, each in a square with a rim as
- * wide as wrong values from beyond it can come. What they become waits in `results` until all have been
- * gathered: no block sees what another has become.
+ * Blocks are computed in an atlas, a layer like a window's. It holds a batch of blocks at a time. Each block lies in a
+ * square with a rim around it. Values near the square's border become wrong, and the rim is wide enough to keep them
+ * out of the block. Results wait in `results` until all blocks have been gathered. So no block reads another's result.
  */
 #include <assert.h>
 
@@ -17,9 +17,9 @@ struct interval {
 	size_t count;
 	const struct deform_rest *objects;
 	size_t object_count;
-	uint32_t side, columns, batch; /* posts of a square, squares in a row, and in the atlas */
+	uint32_t side, columns, batch; /* posts along a square; squares in a row; squares in the atlas */
 	struct gpu_texture *results[PLANES];
-	struct gpu_buffer *flags;      /* a word a block */
+	struct gpu_buffer *flags;      /* one word for each block */
 };
 
 /* std140 twin of held.frag's block. */
@@ -44,7 +44,7 @@ static void drop_results(struct deform *deform)
 	deform->figures.result_layers = 0;
 }
 
-/* What slides. */
+/* Returns the planes that sliding changes, a mask of PLANE_BIT. */
 static unsigned sliding_planes(const struct deform_params *params)
 {
 	return deform_planes(params->model, params->disturbance) & (PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DEPOSITED));
@@ -127,7 +127,7 @@ enum status deform_interval_begin(struct deform *deform, const struct deform_res
 		return status;
 	interval->objects = objects;
 	interval->object_count = object_count;
-	/* As many layers as the objects' windows will need: growing later would lose what is gathered. */
+	/* Makes all layers that the objects' windows will need. Making them later would lose the gathered blocks. */
 	for (size_t i = 0; i < object_count && status == STATUS_OK; i++) {
 		const struct deform_contact contact = rest_contact(&objects[i]);
 		struct deform_window windows[DEFORM_WINDOWS_MAX];
@@ -158,7 +158,7 @@ struct post_rect deform_interval_reads(const struct deform *deform, size_t block
 	return (struct post_rect){x, y, x + deform->interval->side, y + deform->interval->side};
 }
 
-/* Where a block's square begins in the atlas. */
+/* Finds the first post of a block's square in the atlas. */
 static void place_of(const struct interval *interval, size_t block, uint32_t *x, uint32_t *y)
 {
 	uint32_t square = (uint32_t)(block % interval->batch);
@@ -166,8 +166,8 @@ static void place_of(const struct interval *interval, size_t block, uint32_t *x,
 	*y = square / interval->columns * interval->side;
 }
 
-/* One window of an object at rest, whose lower envelope is in layer 0, over one block. `shadow`: beyond it the object is above
- * no post, and its lower envelope was not drawn. */
+/* Marks the posts of one block that an object at rest holds. The object's lower envelope over `window` is in layer 0.
+ * `shadow`: the posts that the object can be above. Elsewhere the envelope was not drawn. */
 static enum status hold(struct deform *deform, const struct deform_rest *object, struct post_rect window,
 			struct post_rect shadow, size_t block)
 {
@@ -212,7 +212,7 @@ static bool overlaps(const struct deform *deform, struct post_rect window, size_
 	return false;
 }
 
-/* What an object rests on is held, as at the end of a contact. */
+/* Marks the posts of blocks first .. last that an object rests on as held, as at the end of a contact. */
 static enum status hold_all(struct deform *deform, const struct deform_rest *object, size_t first, size_t last)
 {
 	const struct deform_contact contact = rest_contact(object);
@@ -230,7 +230,7 @@ static enum status hold_all(struct deform *deform, const struct deform_rest *obj
 	return status;
 }
 
-/* The atlas is full, or this was the last block. */
+/* Computes the blocks in the atlas: it is full, or `last` is the last block. Copies them into `results`. */
 static enum status compute(struct deform *deform, size_t first, size_t last)
 {
 	struct interval *interval = deform->interval;
@@ -266,8 +266,8 @@ static enum status compute(struct deform *deform, size_t first, size_t last)
 	return status == STATUS_OK ? gpu_check(deform->params.gpu, "sliding") : status;
 }
 
-/* What is not visited gives nothing and takes nothing: it counts as a hole. Were it steep, as an earlier drive may have left
- * it, one end of a pair would move and the other not. */
+/* Makes holes of neighbouring blocks that are not visited, so that they exchange no soil with this one. An earlier drive may
+ * have left them steep. Then one post of a pair would change and the other would not. */
 static void close_sides(struct deform *deform, size_t block, uint32_t x, uint32_t y)
 {
 	const struct deform_block *own = &deform->interval->blocks[block];

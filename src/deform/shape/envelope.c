@@ -1,16 +1,17 @@
 /*
- * The first stage over a window: how low the object is above each post. What the ground makes of it is
- * the model's; so shapes and models need not know of each other.
+ * The first stage over a window: the object's lower envelope above each post. The soil model decides what the ground does
+ * then. So shapes and models do not depend on each other.
  */
 #include "deform/shape/body.h"
 #include "deform/internal.h"
 
-/* std140 twin of lib/envelope.glsl's block. */
+/* std140 twin of the uniform block in lib/envelope.glsl. */
 struct under_params {
-	struct body contact, end;
+	struct body motion, end;
 };
 
-/* The posts that it can be above, in the window; if there are none, any: a window's passes are as many wherever it lies. */
+/* Returns the posts of the window that the object can be above; one post if there are none. A window always runs the same
+ * number of passes. */
 static struct gpu_rect shadow_of(const struct deform *deform, const struct deform_contact *contact, struct post_rect read)
 {
 	struct post_rect in = post_rect_intersect(deform_shadow(deform, contact), read);
@@ -35,17 +36,17 @@ enum status deform_envelope(struct deform *deform, const struct deform_contact *
 		.zero = contact->to.z,
 	};
 	struct under_params params;
-	deform_body_of(contact->shape, from, &contact->to, &frame, &params.contact);
+	deform_body_of(contact->shape, from, &contact->to, &frame, &params.motion);
 	deform_body_of(contact->shape, &contact->to, &contact->to, &frame, &params.end);
-	/* A wheel that goes where it rolls needs no times at which its sides pass. */
-	bool sideways = kind == DEFORM_WHEEL && (params.contact.c[1] != 0 || params.end.c[1] != 0);
+	/* Only a wheel that moves sideways needs the times at which its sides pass over a post. */
+	bool sideways = kind == DEFORM_WHEEL && (params.motion.c[1] != 0 || params.end.c[1] != 0);
 	struct deform_request request;
 	deform_programs_envelope(&deform->params, kind, sideways, &request);
 	struct gpu_program **program = &deform->under_program[kind + (sideways ? DEFORM_SHAPES : 0)];
 	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
 		return status;
-	/* Beyond its shadow it is above no post, and scm does not look there. */
+	/* scm reads the envelope only within the object's shadow. */
 	const struct gpu_rect all = {0, 0, (uint32_t)(read.x1 - read.x0), (uint32_t)(read.y1 - read.y0)};
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
 		.stage = GPU_ENVELOPE,

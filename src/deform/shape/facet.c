@@ -4,9 +4,9 @@
 #include <string.h>
 
 #define UNIT (1 << FACET_BITS)
-#define ONE_BITS 28       /* of shares of the way */
-#define COEFFICIENT 30    /* bits of what is multiplied with a number of posts */
-#define STEEPEST 0x1p46   /* fixed-point units a post: what is steeper is narrower than 2^-FACET_BITS posts */
+#define ONE_BITS 28       /* fraction bits of times in the motion */
+#define COEFFICIENT 30    /* bits of a coefficient that is multiplied by a number of posts */
+#define STEEPEST 0x1p46   /* fixed-point units a post: a steeper facet is narrower than 2^-FACET_BITS posts */
 #define ASIDE 16          /* an edge that moves less than 2^-FACET_BITS / ASIDE posts aside moves along itself */
 
 enum edge_kind { EDGE_ALONG, EDGE_ENTERS, EDGE_LEAVES };
@@ -31,7 +31,7 @@ static double larger(double a, double b)
 	return a > b ? a : b;
 }
 
-/* ldexp(1, n) and ilogb(v) of ordinary numbers: a mesh asks for ten of them a triangle. */
+/* ldexp(1, n), and below ilogb(v), for normal numbers only. They are faster, and each triangle needs about ten. */
 static double power_of_two(int n)
 {
 	uint64_t bits = (uint64_t)(n + 1023) << 52;
@@ -57,8 +57,8 @@ static int64_t ceil_posts(int64_t place)
 	return (place + UNIT - 1) >> FACET_BITS;
 }
 
-/* at + i di + j dj in 2^-shift, as large as its coefficients allow; the half makes a shift right round to nearest.
- * A negative shift is one to the left. */
+/* Writes at + i di + j dj as whole numbers in 2^-shift, and returns the shift: the largest one that the coefficients allow.
+ * Adds one half, so that a shift to the right rounds to nearest. A negative shift means one to the left. */
 static int affine_of(double at, double di, double dj, int shift_most, int32_t words[4])
 {
 	int shift = COEFFICIENT - 1 - exponent_of(larger(fabs(di), fabs(dj)));
@@ -75,13 +75,13 @@ static int affine_of(double at, double di, double dj, int shift_most, int32_t wo
 /* One edge of a facet in motion. */
 struct edge {
 	const int32_t *from, *to; /* x, y from the facet's post */
-	double z, rise;           /* of `from`; to `to` */
+	double z, rise;           /* height of `from`; rise from `from` to `to` */
 	enum edge_kind kind;
 	int when_shift, side_shift;
 };
 
-/* When in the motion, counted back from its end, the edge passes over the facet's post (i, j), and how high it is then:
- * the plane that it sweeps over. */
+/* Computes two functionals of the facet's post (i, j). `when`: the time at which the edge passes over the post, counted back from
+ * the end of the motion. `side`: the height of the edge at that time. */
 static void edge_of(struct edge *edge, const struct facet_motion *motion, int32_t when[4], int32_t side[4])
 {
 	int64_t x = (int64_t)edge->to[0] - edge->from[0], y = (int64_t)edge->to[1] - edge->from[1];
@@ -101,8 +101,8 @@ static void edge_of(struct edge *edge, const struct facet_motion *motion, int32_
 	edge->side_shift = affine_of(edge->z - (di * edge->from[0] + dj * edge->from[1]) / UNIT, di, dj, 12, side);
 }
 
-/* What the height at a post changes by over the whole motion, counted back, as a factor of at most 31 bits of a
- * share, and its shift; in the plane's own fractions. */
+/* Returns the change of height at a post over the whole motion, counted back from its end. It is a factor of at most 31 bits,
+ * to be multiplied by a time and shifted by *shift. It has the fractions of the facet's plane. */
 static int32_t rate_of(double rate, int *shift)
 {
 	*shift = 0;
@@ -113,7 +113,7 @@ static int32_t rate_of(double rate, int *shift)
 	return (int32_t)lrint(rate * power_of_two(*shift - ONE_BITS));
 }
 
-/* The posts it is ever above: first and last, from the anchor. */
+/* Finds the posts that the facet is ever above along one axis: first and last, from the anchor. False: none. */
 static bool covers(const int32_t at[3], int32_t motion, int64_t posts[2])
 {
 	int64_t low = least(least(at[0], at[1]), at[2]), high = most(most(at[0], at[1]), at[2]);
@@ -122,7 +122,7 @@ static bool covers(const int32_t at[3], int32_t motion, int64_t posts[2])
 	return posts[0] <= posts[1];
 }
 
-/* The same within a window's side: first, and one behind the last in the high half. */
+/* Clips these posts to a window's side: first in the low half, one behind the last in the high half. False: none is left. */
 static bool clipped(const int64_t posts[2], int64_t first, int32_t side, int32_t *word)
 {
 	int64_t low = posts[0] - first, high = posts[1] + 1 - first;

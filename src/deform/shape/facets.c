@@ -1,17 +1,17 @@
 /*
- * Triangles in motion drawn over a window: each as a rectangle around the posts it can be above, by instances; the
- * fragment decides in whole numbers and keeps the lowest by an atomic minimum, so their order does not matter.
+ * Draws moving triangles over a window. Each is one instance: a rectangle around the posts that it can be above. The
+ * fragment shader computes its height in whole numbers. An atomic minimum keeps the lowest, so the order does not matter.
  */
 #include "deform/shape/facet.h"
 #include "deform/internal.h"
 
-#define ROOM 512 /* facets a draw: drivers hand out so many bytes without asking the system */
+#define ROOM 512 /* facets a draw: small enough that drivers need not ask the system for memory */
 
 struct facets {
 	struct gpu_buffer *buffer;
 	struct post_rect read;
 	uint32_t layer, count;
-	bool drawn; /* the program was run: drivers compile it then */
+	bool drawn; /* the program was run once; drivers compile it at its first run */
 	struct facet list[ROOM];
 };
 
@@ -94,7 +94,7 @@ void deform_facets_end(struct deform *deform)
 {
 	struct facets *facets = deform->facets;
 	if (facets->count == 0 && !facets->drawn)
-		/* Its first edge leaves before the motion begins: it is above no post. */
+		/* A facet that is above no post: its first edge leaves before the motion begins. */
 		facets->list[facets->count++] = (struct facet){
 			.cover = {1 << 16, 1 << 16, 2 << 2, 64 | 64 << 8 | 64 << 16 | 64 << 24},
 			.edges = {{-1, -1, 0, 0}},

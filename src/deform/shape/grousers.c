@@ -1,14 +1,14 @@
 /*
- * A wheel's grousers: bars across its rim, as long as it is wide, that stand out from it and turn with it. The smooth wheel
- * is there already; here the lower faces of the bars are drawn over it, and the lower of the two is the lower envelope.
+ * A wheel's grousers: bars across its rim, as long as the wheel is wide. They turn with the wheel. The smooth wheel was drawn
+ * before. Here the lower faces of the bars are drawn over it. The lower of the two is the lower envelope.
  *
- * A contact translates; a bar also turns about the axle. It is taken to go straight from where it is at the contact's
- * start to where it is at its end, the first half in the attitude of its start and the second in that of its end (a bar of
- * a rolling wheel hardly leaves its place on the ground). That is off by half the turn times a bar's half diagonal at
- * most. Where the wheel turns far, as when it spins, it does so in steps of at most STEP.
+ * The wheel moves straight during a contact, but a bar also turns about the axle. Here a bar moves straight from its place at
+ * the start to its place at the end. For the first half it has its attitude at the start, for the second half its attitude
+ * at the end. A bar of a rolling wheel hardly moves on the ground, so this is close. The error is at most half the turn times
+ * half the bar's diagonal. A large turn, as of a spinning wheel, is divided into steps of at most STEP.
  *
- * What it turned by is the contact's own: poses may leave whole turns out. Turned by a bar's share of a turn the wheel is
- * the same to the bit: the phase is a whole number of 2^-32 of that.
+ * The turn comes from the contact, since poses may leave whole turns out. A wheel that turns by the angle between two bars
+ * has the same bits as before, since the phase is a whole number of 2^-32 of this angle.
  */
 #include <math.h>
 #include <string.h>
@@ -18,23 +18,24 @@
 #include "deform/internal.h"
 
 #define STEP 0.2     /* radians */
-#define STEPS_MAX 32 /* more than that in one post, and every place on the rim was passed */
+#define STEPS_MAX 32 /* so large a turn within one post moves a bar past every place on the rim */
 
-/* In the wheel's own plane: along its heading, and up; metres. */
+/* A place in the wheel's plane: u along its heading, w up; metres. */
 struct spot {
 	double u, w;
 };
 
-/* One window's drawing. */
+/* The state while one window is drawn. */
 struct grousers {
 	struct deform *deform;
 	const struct deform_shape *shape;
 	const struct body_motion *motion;
 	struct facet_window window;
-	double c, s; /* of the yaw */
+	double c, s; /* cosine and sine of the yaw */
 };
 
-/* A bar's section at an angle from straight down, forwards going back and up: inner corners on the rim's inside. */
+/* Computes the corners of a bar's section. `angle`: from straight down, positive towards the back and up. The inner corners lie
+ * inside the rim. */
 static void section(const struct deform_shape *shape, double angle, struct spot corners[4])
 {
 	double half = shape->grouser_thickness / 2;
@@ -50,7 +51,7 @@ static struct spot centre_of(const struct deform_shape *shape, double angle)
 	return (struct spot){-sin(angle) * shape->radius, -cos(angle) * shape->radius};
 }
 
-/* Under the smooth wheel's top half nothing of a bar shows, except beyond the rim. */
+/* Returns true if the bar can lower the envelope: it is in the wheel's lower half, or sticks out beyond the rim. */
 static bool shows(const struct deform_shape *shape, const struct spot corners[4])
 {
 	for (int k = 0; k < 4; k++)
@@ -59,7 +60,7 @@ static bool shows(const struct deform_shape *shape, const struct spot corners[4]
 	return false;
 }
 
-/* A place of the wheel when `share` of the way is behind it. */
+/* Returns where a place of the wheel is after `share` of the motion. `side`: metres along the axle. */
 static struct facet_corner corner_of(const struct grousers *grousers, struct spot spot, double side, double share)
 {
 	const struct body_motion *m = grousers->motion;
@@ -73,14 +74,14 @@ static struct facet_corner corner_of(const struct grousers *grousers, struct spo
 	};
 }
 
-/* A bar whose section is `corners` at the end of its way, which is `motion`. */
+/* Draws a bar that moves by `motion`. `corners`: its section at the end of the motion. */
 static void draw_bar(struct grousers *grousers, const struct spot corners[4], double share, const struct facet_motion *motion,
 		     bool resting)
 {
-	for (int k = 0; k < 3; k++) { /* the fourth face lies in the wheel */
+	for (int k = 0; k < 3; k++) { /* the fourth face lies inside the wheel */
 		const struct spot *a = &corners[k], *b = &corners[k + 1];
 		if (b->u >= a->u)
-			continue; /* it looks up, or aside: what is below it is lower */
+			continue; /* the face looks up or aside, so another face is lower */
 		double half = grousers->shape->width / 2;
 		const struct facet_corner at[4] = {corner_of(grousers, *a, -half, share), corner_of(grousers, *b, -half, share),
 						   corner_of(grousers, *b, half, share), corner_of(grousers, *a, half, share)};
@@ -91,7 +92,7 @@ static void draw_bar(struct grousers *grousers, const struct spot corners[4], do
 	}
 }
 
-/* A bar, `corners` at the end, whose middle goes from one place to another. */
+/* Draws a bar whose middle moves from middle[0] to middle[1]. `corners`: its section at the end. */
 static void draw_half(struct grousers *grousers, const struct spot corners[4], const struct spot middle[2], const double shares[2],
 		      bool resting)
 {
@@ -100,7 +101,7 @@ static void draw_half(struct grousers *grousers, const struct spot corners[4], c
 	draw_bar(grousers, corners, shares[1], &motion, resting);
 }
 
-/* From one angle to the next, while the wheel goes from one share of its way to the other. */
+/* Draws a bar that turns from angles[0] to angles[1], while the wheel moves from one share of its motion to the other. */
 static void draw_step(struct grousers *grousers, const double angles[2], const double shares[2], bool last)
 {
 	struct spot corners[2][4];
@@ -123,7 +124,7 @@ static void draw_step(struct grousers *grousers, const double angles[2], const d
 	draw_half(grousers, corners[1], (const struct spot[2]){middle, to}, (const double[2]){half, shares[1]}, last);
 }
 
-/* The angle of the first bar, less than a bar's share of a turn. */
+/* Returns the angle of the first bar. It is less than `share`, the angle between two bars. */
 static double phase_of(double turn, double share)
 {
 	double bars = turn / share;

@@ -1,10 +1,10 @@
 /*
- * A mesh in motion over a window. Its lower envelope, exactly: at a post the lowest of all its triangles over the
- * sweep, whichever way round they are, so a mesh may be concave, open or cut through itself. A sheet that stands exactly
- * upright is seen edge-on and presses nothing where no other triangle shares its edges.
+ * The lower envelope of a moving mesh over a window. At each post it is the lowest height of all triangles during the
+ * motion. The order of a triangle's vertices does not matter. So a mesh may be concave, open or cut through itself. An exactly
+ * vertical triangle has no area from above. It lowers the ground only if another triangle shares its edges.
  *
- * Vertices are turned in doubles and snapped to 2^-FACET_BITS posts along the ground; all that follows
- * from them at a post is whole numbers.
+ * Vertices are rotated in doubles. Then their x and y are rounded to 2^-FACET_BITS posts. Everything after that is whole
+ * numbers.
  */
 #include <math.h>
 
