@@ -1,4 +1,4 @@
-/* The variants: which files and defines each pass runs with, and which of them an object can ask for. */
+/* The files and defines of each pass's program, and the programs that an object can need. */
 #include "deform/programs.h"
 
 #include <assert.h>
@@ -12,7 +12,7 @@ static void begin(struct deform_request *out, const char *vertex, const char *fr
 	*out = (struct deform_request){.gl = {.vertex = vertex, .fragment = fragment}};
 }
 
-/* One more define, if it is called for. */
+/* Adds a define if it is wanted. */
 static void define(struct deform_request *out, const char *name, bool wanted)
 {
 	size_t count = 0;
@@ -134,14 +134,14 @@ void deform_programs_disturbance(struct deform_request *out)
 	begin(out, "full.vert", "deform/disturbance.frag");
 }
 
-/* --- which an object can ask for --- */
+/* --- programs that an object can need --- */
 
-/* Always in one window, wherever it is, as it must be for that. */
+/* Returns true if every contact of the object fits one window, wherever it is. */
 static bool always_fits(const struct deform_params *params, const struct deform_shape *shape)
 {
 	if (params->extent == NULL)
 		return true;
-	/* A path sample is a post from the next, or as far as a corner's; and ends are rounded. */
+	/* Two path samples are one post apart, at corners more, and places are rounded. */
 	double across = 2 * deform_shape_bound(shape) / extent_spacing(params->extent, params->level) + 2 * M_SQRT2 + 4;
 	return across + 2 * (double)deform_reach(params) <= (double)deform_core(params);
 }
@@ -149,7 +149,7 @@ static bool always_fits(const struct deform_params *params, const struct deform_
 bool deform_is_counted(const struct deform_params *params, const struct deform_shape *shape, bool loaded)
 {
 	bool round = shape->kind == DEFORM_SPHERE || shape->kind == DEFORM_MESH;
-	/* A load too large for one window is refused. */
+	/* A loaded object too large for one window is refused, so a loaded one always fits. */
 	return params->model == DEFORM_SCM && round && (loaded || always_fits(params, shape));
 }
 

@@ -38,7 +38,7 @@ static enum gpu_format format_of(enum plane plane)
 	return plane_bytes(plane) == 1 ? GPU_R8UI : plane_bytes(plane) == 2 ? GPU_R16UI : GPU_R32I;
 }
 
-/* The one list: what is made, and what is planned. */
+/* The only list of the textures: deform_need_layers makes them, and deform_scratch_plan plans them. */
 static void rows_of(const struct deform_params *params, struct rows *rows)
 {
 	const char *displace = deform_displace_effect(params->model), *slide = deform_slide_effect(params->model);
@@ -69,7 +69,7 @@ static struct gpu_texture **place_of(struct deform *deform, const struct row *ro
 	return (struct gpu_texture **)((char *)deform + row->place);
 }
 
-/* And the atlas. */
+/* Returns how many layers the textures have beside the windows' layers: 1 for the atlas, or 0. */
 static uint32_t beside_windows(const struct deform_params *params)
 {
 	return deform_conserves(params->model);
@@ -85,7 +85,7 @@ void deform_scratch_plan(const struct deform_params *params, struct plan *plan)
 		struct plan_line line = {.kind = PLAN_TEXTURE, .unit = PLAN_ONCE, .effect = row->effect, .object = -1, .amount = 1,
 					 .bytes = layer * beside_windows(params)};
 		plan_add(plan, &line, row->name);
-		/* A layer more is no texture more. */
+		/* Another layer adds bytes, but no texture. */
 		line.unit = PLAN_WINDOW_LAYER;
 		line.amount = 0;
 		line.bytes = layer;
@@ -126,7 +126,7 @@ struct attachments {
 	uint32_t count;
 };
 
-/* NULL: not called for. */
+/* Adds an attachment. Does nothing if the texture is NULL, which means that it is not needed. */
 static void attach(struct attachments *to, struct gpu_texture *texture, uint32_t layer)
 {
 	if (texture != NULL)
@@ -174,7 +174,7 @@ enum status deform_need_layers(struct deform *deform, uint32_t layers)
 {
 	if (layers <= deform->layers)
 		return STATUS_OK;
-	/* Growing loses what the layers hold: a contact grows them before its first window. */
+	/* Growing loses the content of the layers. So a contact grows them before its first window. */
 	deform_drop_layers(deform);
 	uint32_t all = layers + beside_windows(&deform->params);
 	enum status status = make_textures(deform, all);

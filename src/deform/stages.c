@@ -1,4 +1,4 @@
-/* The passes over a gathered window: lower envelope, the model's, attributes. */
+/* The passes over a gathered window: the lower envelope, the model's passes, the attributes. */
 #include <string.h>
 
 #include "deform/internal.h"

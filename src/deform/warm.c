@@ -1,4 +1,4 @@
-/* Everything that an object's sweeps and its rest will run, once, where there is no ground. */
+/* Runs all passes that an object's contacts and its rest can need once, over a window outside the world. */
 #include "deform/internal.h"
 
 struct linking {
@@ -15,7 +15,7 @@ static void link_program(void *user, const char *effect, const struct gpu_progra
 		linking->status = gpu_program_get(linking->gpu, request, &program);
 }
 
-/* What a contact that asked for its forces is told, and nobody wants. */
+/* Takes the forces of the contacts below, which nobody needs. */
 static enum status drop_forces(struct deform *deform)
 {
 	struct deform_forces forces;
@@ -26,7 +26,8 @@ static enum status drop_forces(struct deform *deform)
 	return status;
 }
 
-/* Standing, or in motion, however little; a wheel along its own axis too. With a tag and without, as sweeps have them. */
+/* Runs contacts without motion, with a small motion, and for a wheel also with a motion along its axis. Each runs without a tag, and
+ * with one if `tags`. */
 static enum status contact_all(struct deform *deform, const struct deform_planned *object, bool tags)
 {
 	const struct post_rect beyond = {-64, -64, -48, -48};
@@ -44,7 +45,7 @@ static enum status contact_all(struct deform *deform, const struct deform_planne
 	return status;
 }
 
-/* A bit for each kind of object that programs are told apart by. */
+/* Returns the kind of an object, as one bit. Objects of one kind need the same programs. */
 static uint64_t kind_of(const struct deform_params *params, const struct deform_planned *object)
 {
 	const struct deform_shape *shape = object->shape;

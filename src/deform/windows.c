@@ -1,10 +1,10 @@
-/* Which posts a contact can change, and the windows they are worked on in. */
+/* Finds the posts that a contact can change, and cuts them into windows. */
 #include <math.h>
 
 #include "deform/shape/body.h"
 #include "deform/internal.h"
 
-/* Heights within an object are int32 fixed-point units: its half and what a contact may rise must fit. */
+/* Heights within an object are int32 fixed-point units. Half its height and the rise of a contact must fit. */
 #define SIZE_MAX_METRES 512.0
 #define GROUSERS_MAX 360
 
@@ -21,7 +21,7 @@ static enum status check_grousers(const struct deform_shape *shape)
 	return STATUS_OK;
 }
 
-/* Across in any attitude, about its origin: windows are cut around that. */
+/* Returns a mesh's width in any attitude, counted from its origin, metres. Windows are cut around the origin. */
 static double mesh_across(const struct deform_mesh *mesh)
 {
 	double squares = 0;
@@ -42,7 +42,7 @@ enum status deform_shape_check(const struct deform_shape *shape, double spacing)
 		least = fmin(least, shape->width);
 		most = hypot(2 * deform_body_wheel_radius(shape), shape->width);
 	} else if (shape->kind == DEFORM_MESH) {
-		least = most = mesh_across(shape->mesh); /* a sheet has no thickness, and is a surface */
+		least = most = mesh_across(shape->mesh); /* a flat mesh has no thickness, and still is a surface */
 	} else if (shape->kind == DEFORM_BOX) {
 		least = fmin(fmin(shape->size[0], shape->size[1]), shape->size[2]);
 		most = hypot(hypot(shape->size[0], shape->size[1]), shape->size[2]);
@@ -91,7 +91,7 @@ bool deform_is_contact_only(const struct deform_contact *contact)
 	       rise < -BODY_RISE_MAX;
 }
 
-/* First post at or above, last at or below, with one to spare for rounding. */
+/* Finds the posts between a and b, `extent` metres more on both sides, with one post to spare for rounding. */
 static void span(const struct deform *deform, int64_t a, int64_t b, double extent, int64_t *first, int64_t *last)
 {
 	double low = lattice_offset_metres(a < b ? a : b) - extent, high = lattice_offset_metres(a > b ? a : b) + extent;
@@ -141,15 +141,15 @@ bool deform_covers(const struct deform *deform, const struct deform_contact *con
 int64_t deform_reach(const struct deform_params *params)
 {
 	if (deform_conserves(params->model))
-		return params->iterations + 2; /* what is pressed is laid down beside it, and slides on by a post an iteration */
+		return params->iterations + 2; /* displaced soil is deposited beside the object, then slides by a post an iteration */
 	return params->model == DEFORM_BOX_FILTER ? params->box_radius : 0;
 }
 
 int64_t deform_border(const struct deform_params *params)
 {
 	if (deform_conserves(params->model))
-		return 1; /* whose heights are looked at */
-	/* A window's posts are right as far in as wrong ones from beyond its rim can reach. */
+		return 1; /* sliding reads the heights of the neighbours */
+	/* Each repetition makes `box_radius` more posts along the border wrong. */
 	return params->model == DEFORM_BOX_FILTER ? (int64_t)params->box_radius * params->box_repetitions : 0;
 }
 
@@ -173,7 +173,7 @@ static enum status cut(const struct deform *deform, const struct deform_contact 
 	struct post_rect write = deform_reached(deform, contact);
 	if (post_rect_empty(write))
 		return STATUS_OK;
-	/* Cut on multiples of the core, so that the cuts are the terrain's, not the object's or the tiles'. */
+	/* Cuts are at multiples of the core. So they depend on the terrain alone, not on the object or the tiles. */
 	int64_t core = deform_core(&deform->params);
 	bool one = deform_fits_window(deform, write);
 	if (!one && contact->load > 0)

@@ -3,8 +3,8 @@
  * for each block: where soil still moves in it (flags.glsl). The host reads the flags when their fence has passed.
  *
  * An iteration reads only near posts. So a block stays at rest in the next interval if no soil moved within `rim` posts of
- * it in the last iteration. A block is therefore active after a visit in three cases: its own flags say so; a neighbour's flags
- * say so for the side towards it; or it was activated since. A contact also flags posts whose neighbours it could not
+ * it in the last iteration. A block is therefore active after a visit if its own flags say so, or a neighbour's flags for the
+ * side towards it. It is also active if it was activated since. A contact also flags posts whose neighbours it could not
  * read (SOIL.md).
  *
  * A period is the time between two visits. Invariants:

@@ -25,14 +25,14 @@ void deform_touched_clear(struct touched *touched)
 	touched->count = touched->count > 0;
 }
 
-/* NULL: it has none. */
+/* Returns the block's rows; NULL: none of its posts is touched. */
 static const uint32_t *rows_of(const struct touched *touched, struct deform_block block)
 {
 	size_t at = deform_block_set_place(&touched->blocks, block);
 	return at < touched->blocks.count ? touched->rows[touched->whiches[at]] : NULL;
 }
 
-/* Room for one more block, and for its rows. */
+/* Makes room for one more block and its rows. */
 static enum status make_room(struct touched *touched)
 {
 	if (touched->blocks.count == touched->which_room) {
@@ -120,7 +120,8 @@ bool deform_touched_any(const struct touched *touched, struct post_rect rect)
 	return false;
 }
 
-/* What is in the middle one of three rows beside each other, and what comes into it from both sides. NULL: nothing. */
+/* Widens row y of the middle block by `by` posts along x, and returns its bits. `rows`: of the western, the middle and the eastern
+ * block; NULL: none is touched. */
 static uint32_t widened(const uint32_t *const rows[3], int64_t y, int64_t by)
 {
 	uint64_t west = rows[0] != NULL ? rows[0][y] : 0, east = rows[2] != NULL ? rows[2][y] : 0;
@@ -130,7 +131,7 @@ static uint32_t widened(const uint32_t *const rows[3], int64_t y, int64_t by)
 	return (uint32_t)(wide >> DEFORM_BLOCK);
 }
 
-/* Of a row of posts: those of the parts. */
+/* Returns the bits of row y of a block that lie in the parts. */
 static uint32_t row_of_parts(uint32_t parts, int64_t y)
 {
 	uint32_t row = 0;

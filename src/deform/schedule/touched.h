@@ -1,7 +1,7 @@
 /*
  * A set of touched posts: posts that may have changed. It has a bit for each post, in blocks. Only blocks with a touched
- * post are kept. For one thread. Starts as {0}. It grows until it is cleared: about 170 bytes for each block with a touched
- * post, 16 bytes if all posts of the block are touched.
+ * post are kept. For one thread. Starts as {0}. It grows until it is cleared. A block with a touched post needs about 170
+ * bytes, or 16 bytes if all its posts are touched.
  */
 #ifndef FURROW_DEFORM_TOUCHED_H
 #define FURROW_DEFORM_TOUCHED_H

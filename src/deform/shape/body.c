@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Metres between two lattice places, exact before it is rounded. */
+/* Converts fixed-point units to metres, rounded once. */
 static long double metres(int64_t units)
 {
 	return ldexpl((long double)units, -OFFSET_BITS);
@@ -36,7 +36,7 @@ struct body_motion deform_body_motion_of(const struct deform_pose *from, const s
 	};
 }
 
-/* The post's place along the direction (c, s) from (x, y). */
+/* Returns the functional of a post's place along the direction (c, s), counted from (m->x, m->y). */
 static struct functional along(const struct body_motion *m, long double c, long double s, double spacing,
 			       long double factor, long double plus, int scale, int shift)
 {
@@ -44,14 +44,14 @@ static struct functional along(const struct body_motion *m, long double c, long 
 	return deform_functional_of(value, scale, shift, m->x0, m->y0);
 }
 
-/* Bits of fraction so that the object and its way stay below 2^30: posts beyond are clamped. */
+/* Returns how many fraction bits distances may have, so that the object and its motion stay below 2^30. Farther posts are clamped. */
 static int fine_bits(const struct body_motion *m, long double size)
 {
 	int bits = 29 - ilogbl((hypotl(m->dx, m->dy) + size) * 1.001L);
 	return bits < 40 ? bits : 40;
 }
 
-/* rise per length as a multiplier of at most 30 bits and its shift. */
+/* Computes rise / length as a factor of at most 30 bits and its shift. */
 static void slope_of(int64_t rise, int64_t length, int32_t *factor, int32_t *shift)
 {
 	*factor = 0;
@@ -87,7 +87,7 @@ static void wheel_of(const struct deform_shape *shape, const struct deform_pose 
 {
 	long double c = cosl(to->yaw), s = sinl(to->yaw);
 	long double du = m->dx * c + m->dy * s, dv = m->dy * c - m->dx * s;
-	if (du < 0) { /* a wheel is the same both ways round: let it roll forwards */
+	if (du < 0) { /* a wheel has no front, so let it roll forwards */
 		c = -c;
 		s = -s;
 		du = -du;
@@ -119,7 +119,7 @@ static void sphere_of(const struct deform_shape *shape, const struct body_motion
 void deform_body_axes(const double size[3], double yaw, double pitch, double roll, double axes[3][3])
 {
 	double cy = cos(yaw), sy = sin(yaw), cp = cos(pitch), sp = sin(pitch), cr = cos(roll), sr = sin(roll);
-	/* Yaw, then nose up, then right side down. */
+	/* Yaw first, then pitch (nose up), then roll (right side down). */
 	const double turned[3][3] = {
 		{cy * cp, sy * cp, sp},
 		{-sy * cr - cy * sp * sr, cy * cr - sy * sp * sr, cp * sr},
@@ -162,7 +162,7 @@ static void box_of(const struct deform_shape *shape, const struct deform_pose *t
 				       (long double)g[p][(k + 2) % 3] * g[q][(k + 1) % 3];
 			long double size = sqrtl(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
 			if (size == 0 || fabsl(n[2]) < 1e-6L * size)
-				continue; /* no plane, or an upright one: a slab's business */
+				continue; /* not a plane, or a vertical one, which is one of the slabs */
 			long double support = 0;
 			for (int k = 0; k < 4; k++)
 				support += fabsl(n[0] * g[k][0] + n[1] * g[k][1] + n[2] * g[k][2]);
@@ -177,7 +177,7 @@ static void box_of(const struct deform_shape *shape, const struct deform_pose *t
 		for (int k = 0; k < 4; k++)
 			half += fabsl(nx * g[k][0] + ny * g[k][1]);
 		if (half < 1e-12L * hypotl(nx, ny))
-			continue; /* seen edge-on: the other slabs hold it */
+			continue; /* it has no width here, and the other slabs bound the box */
 		nx /= half;
 		ny /= half;
 		struct affine slab = {-nx * x - ny * y, nx * frame->spacing, ny * frame->spacing};
@@ -204,7 +204,7 @@ void deform_body_of(const struct deform_shape *shape, const struct deform_pose *
 		break;
 	case DEFORM_MESH:
 	case DEFORM_SHAPES:
-		break; /* no closed form */
+		break; /* it has no closed form */
 	}
 }
 

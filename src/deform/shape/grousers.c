@@ -8,7 +8,7 @@
  * half the bar's diagonal. A large turn, as of a spinning wheel, is divided into steps of at most STEP.
  *
  * The turn comes from the contact, since poses may leave whole turns out. A wheel that turns by the angle between two bars
- * has the same bits as before, since the phase is a whole number of 2^-32 of this angle.
+ * has the same bits as before. For that the phase is a whole number of 2^-32 of this angle.
  */
 #include <math.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-/* The dissertation's smoothing (5.5): the mean of the neighbourhood where an object has just left. */
+/* The dissertation's smoothing (5.5): where an object has just left, posts take the mean offset of their neighbourhood. */
 #include "deform/internal.h"
 
 static enum status filter(struct deform *deform, struct post_rect read, uint32_t layer)
@@ -30,7 +30,7 @@ enum status deform_box(struct deform *deform, const struct deform_contact *conta
 		       uint32_t layer)
 {
 	enum status status = deform_none(deform, contact, window, layer);
-	/* An object that only stands uncovers nothing: there is nothing to smooth. */
+	/* A contact without motion leaves no post, so there is nothing to smooth. */
 	if (status == STATUS_OK && !deform_is_contact_only(contact))
 		status = filter(deform, window->read, layer);
 	return status;

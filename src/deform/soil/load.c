@@ -1,16 +1,16 @@
 /*
- * What a press must know beforehand and only the ground can tell: how many posts the object touches, and at which height
- * the soil carries its load. Found on the GPU, a pass a try; nothing is read back.
+ * Two numbers that scm needs before its contact pass: how many posts the object touches, and its equilibrium height. They
+ * depend on the ground. Both are searched on the GPU, with one pass for each try. Nothing is read back.
  *
- * A try sums over the window, and every invocation of the next works out from that where to look
- * (lib/found.glsl), so that none waits for another. Once it is found the tries left look at no post.
+ * A try sums over the window. In the next pass each invocation computes the next height to try from these sums
+ * (lib/found.glsl). So no invocation waits for another. Once the height is found, the remaining tries read no post.
  */
 #include <assert.h>
 #include <math.h>
 
 #include "deform/internal.h"
 
-#define TRIES 32 /* a bracket of 2^26 fixed-point units, 64 m, is halved to one; a smooth soil takes four */
+#define TRIES 32 /* enough to halve a bracket of 2^26 fixed-point units, 64 m, to one unit; most soils need four */
 
 struct attempt {
 	uint32_t words[12]; /* lib/found.glsl */
@@ -68,13 +68,14 @@ enum status deform_find(struct deform *deform, const struct scm_params *params, 
 			run(deform, count, params, layer, try);
 		run(deform, bears, params, layer, try);
 	}
-	/* The press looks where the tries ended. */
+	/* The contact pass is the last try, so its patch is counted here. */
 	if (patch)
 		run(deform, count, params, layer, *last);
 	return STATUS_OK;
 }
 
-/* Try 0 finds the first contact; the last is the press itself, which counts all the same. */
+/* Returns the number of passes of a search. Try 0 finds the first contact. The last try is the contact pass itself, but its patch
+ * is counted here. */
 int deform_find_passes(bool patch, bool load)
 {
 	return load ? 1 + (TRIES - 2) * (1 + patch) + patch : patch;

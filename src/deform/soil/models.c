@@ -1,4 +1,4 @@
-/* The soil models: one row each. What differs between them in a number or a flag stands here; the rest is in the model's file. */
+/* The soil models: one row each. Numbers and flags that differ between models are here. The rest is in the model's file. */
 #include "deform/internal.h"
 
 const struct soil_model deform_soil_models[DEFORM_MODELS] = {

@@ -1,4 +1,4 @@
-/* Pure compaction: what is pressed is gone (dissertation 4.4.2). */
+/* Pure compaction: the soil that the object displaces is lost (dissertation 4.4.2). */
 #include "deform/internal.h"
 
 enum status deform_none(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,

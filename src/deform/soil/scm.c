@@ -1,6 +1,6 @@
 /*
- * The soil contact model of Krenn and Hirzinger (2009): Bekker's pressure and sinkage, elastic rebound, Janosi and
- * Hanamoto's shear; what is displaced is laid beside and slides to its angle of repose.
+ * The soil contact model of Krenn and Hirzinger (2009). Pressure and sinkage are Bekker's, shear is Janosi and Hanamoto's, and
+ * the soil rebounds elastically. Displaced soil is deposited around the object and slides to its angle of repose.
  */
 #include <math.h>
 
@@ -9,30 +9,30 @@
 
 struct gpu_rect deform_rows(const int32_t posts[4])
 {
-	/* Of no rows the first invocations find nothing to do: a window's passes are as many wherever it lies. */
+	/* Without rows the pass still runs, and its invocations do nothing. A window always runs the same number of passes. */
 	uint32_t rows = posts[3] > posts[1] ? (uint32_t)(posts[3] - posts[1]) : 1;
 	return (struct gpu_rect){0, 0, DEFORM_ROWS_ABREAST, (rows + DEFORM_ROWS_ABREAST - 1) / DEFORM_ROWS_ABREAST};
 }
 
-/* 1 / b; 0: it follows from the posts that the object touches. */
+/* Returns 1 / b, b the width of the contact patch; 0: b is computed from the number of posts that the object touches. */
 static double by_width(const struct deform_shape *shape, const double extent[2], bool counted)
 {
 	if (shape->kind == DEFORM_WHEEL)
 		return 1 / shape->width;
 	if (shape->kind == DEFORM_BOX)
 		return 1 / fmin(shape->size[0], shape->size[1]);
-	/* Too large to count in one place: as if all of its shadow touched. */
+	/* An object too large for one window is not counted. Its whole shadow is taken as the patch. */
 	double shadow = shape->kind == DEFORM_SPHERE ? M_PI * shape->radius * shape->radius : 4 * extent[0] * extent[1];
 	return counted ? 0 : 1 / sqrt(shadow / M_PI);
 }
 
-/* A reciprocal that is a number in single precision too, and small enough to be multiplied. */
+/* Returns 1 / value, limited so that it is finite in single precision and can be multiplied. */
 static float inverse(double value)
 {
 	return (float)fmin(1 / value, 1e30);
 }
 
-/* A power of two that no post it touches is farther from its centre than, about: moments are counted in it. */
+/* Returns the unit of length of moments, metres: a power of two, about the largest distance of a touched post from the centre. */
 static double arm_of(const struct deform_shape *shape, const double extent[2])
 {
 	return exp2(ceil(log2(hypot(hypot(extent[0], extent[1]), deform_shape_reach(shape, 0, 0)))));
@@ -46,10 +46,11 @@ static void fill_motion(const struct deform_contact *contact, struct scm_params 
 	params->way[1] = (float)lattice_offset_metres(contact->to.y - contact->from.y);
 	params->way[2] = (float)lattice_offset_metres(contact->to.z - contact->from.z);
 	params->way[3] = contact->seconds > 0 ? (float)(1 / contact->seconds) : 0;
-	/* About the wheel's own y, which lies level. */
+	/* The rotation about the wheel's own y axis, which is level. */
 	params->spin[0] = (float)(-sin(contact->to.yaw) * contact->turned);
 	params->spin[1] = (float)(cos(contact->to.yaw) * contact->turned);
-	/* Damping is of the rate at which soil is pressed: a smooth wheel that spins presses none the faster. */
+	/* Damping depends on how fast soil is pushed down. A smooth wheel that spins does not push it down faster. So its slip is left
+	 * out here. */
 	double turned = contact->shape->kind == DEFORM_WHEEL ? (params->way[0] * cos(contact->to.yaw) + params->way[1] * sin(contact->to.yaw)) /
 								     contact->shape->radius
 							   : 0;
@@ -68,7 +69,7 @@ static void fill_soils(const struct deform_params *params, struct scm_soil *soil
 	}
 }
 
-/* Metres: no load presses an object deeper than it is high. A mesh's centre may lie anywhere in it. */
+/* Returns the largest sinkage of a loaded object, metres: its height. A mesh's centre may lie anywhere in the mesh. */
 static double deepest(const struct deform_contact *contact)
 {
 	const struct deform_shape *shape = contact->shape;

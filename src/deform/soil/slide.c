@@ -1,9 +1,10 @@
 /*
- * Sliding: `iterations` of the model's rule. One pass turns offsets into heights, the last one turns them back.
+ * Sliding: `iterations` iterations of the model's relaxation rule. The first pass turns offsets into heights. The last one turns
+ * heights into offsets.
  *
- * Invariants: (1) what a post gives the other end of the pair takes: the sum of a window's written
- * posts changes by what was deposited and not compacted, and by nothing else; (2) nothing passes the rim of what is
- * written. Both ends work out the same number from the same integers, in whatever window or block they lie.
+ * Invariants: (1) The two posts of a pair exchange the same amount of soil. So the sum over a window's written posts changes
+ * only by the deposited soil that is not compacted. (2) No soil leaves the written posts. Both posts of a pair
+ * compute the same amount from the same integers, whatever window or block they lie in.
  */
 #include <assert.h>
 #include <math.h>
@@ -12,7 +13,7 @@
 #include "deform/internal.h"
 #include "deform/soil/stability.h"
 
-/* std140 twins. */
+/* std140 twins of the uniform blocks of slide_begin.frag and slide_take.frag, slide_excess.frag, and slide_shed.frag. */
 struct slide_params {
 	int32_t region[4], place[4], edge[4];
 };
@@ -38,7 +39,7 @@ bool deform_is_bounded(const struct deform_params *params)
 	return params->model != DEFORM_SUMNER && isfinite(params->depth);
 }
 
-/* Where only heaped soil slides it does so anyway. */
+/* If only deposited soil slides, undisturbed ground needs no comparison. */
 bool deform_asks_what_stood(const struct deform_params *params)
 {
 	return params->undisturbed_stable && !(deform_is_bounded(params) && params->depth == 0);
@@ -49,19 +50,19 @@ bool deform_is_steep(const struct deform_params *params)
 	return !(params->relief < STEEP_RELIEF);
 }
 
-/* One that begins, and those of the iterations: Sumner's takes two. */
+/* The pass that begins, and those of the iterations. An iteration of sumner has two passes. */
 int deform_slide_passes(const struct deform_params *params)
 {
 	return 1 + params->iterations * deform_soil_models[params->model].slide_passes;
 }
 
-/* An iteration of Sumner's looks two posts far. */
+/* An iteration of sumner depends on posts up to two posts away. */
 int64_t deform_slide_step(const struct deform *deform)
 {
 	return deform->params.model == DEFORM_SUMNER ? 2 : 1;
 }
 
-/* A post is right once all around it that it depends on are. */
+/* The result at a post is right if all posts within the rim were read. */
 int64_t deform_slide_rim(const struct deform *deform)
 {
 	return deform_slide_step(deform) * deform->params.iterations + deform_is_steep(&deform->params);
@@ -73,7 +74,7 @@ static int32_t loose_depth(const struct deform *deform)
 	return (int32_t)(units < most ? units : most);
 }
 
-/* Of these fixed-point units more than what stands nothing is made. */
+/* Returns by how much a difference may exceed the critical one without sliding, fixed-point units. */
 static int32_t tolerance_of(const struct deform *deform)
 {
 	return (int32_t)floor(ldexp(deform->params.tolerance, OFFSET_BITS));
@@ -114,14 +115,15 @@ void deform_slide_prepare(struct deform *deform)
 			prepare_sumner(deform, &deform->params.soils[i], &deform->soils[i]);
 		else
 			prepare_excess(deform, &deform->params.soils[i], deform->soils[i].critical);
-	/* Where soil slides sooner for being held, another object may set it in motion: no contact knows of that. */
+	/* If soil beside a held post slides at a smaller difference, another object can set it in motion. A contact's flags cannot tell
+	 * that. */
 	for (int i = 0; i < deform->params.soil_count && deform->params.model == DEFORM_SUMNER; i++)
 		for (int k = 0; k < 2; k++)
 			if (deform->soils[i].held[k] < deform->soils[i].critical[k])
 				deform->contacts_flag = false;
 }
 
-/* Of an iteration. `trim`: posts along each side of a block's square that are not needed any more. */
+/* Returns the parameters of an iteration. `trim`: posts along each side of a block's square that later iterations do not need. */
 static struct slide_params slide_params(const struct slide_place *place, int64_t trim, int64_t rim)
 {
 	const struct place_flags *flags = &place->flags;
@@ -139,13 +141,13 @@ static struct slide_params slide_params(const struct slide_place *place, int64_t
 	return params;
 }
 
-/* Over a window, or over blocks. */
+/* Tells passes over a window from passes over blocks. */
 static enum gpu_stage stage_of(const struct slide_place *place)
 {
 	return place->blocks > 0 ? GPU_SETTLE : GPU_SLIDE;
 }
 
-/* From planes_of[1] into planes_of[0] and the heights. */
+/* Runs the first pass: reads planes_of[1]; writes planes_of[0] and the heights. */
 static enum status begin(struct deform *deform, const struct slide_place *place)
 {
 	bool blocks = place->blocks > 0, loaded = place->flags.loaded;

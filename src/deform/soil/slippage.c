@@ -1,4 +1,4 @@
-/* Li and Moshell 1993: the object pushes soil aside, all of it, and what is too steep to stand slips. */
+/* Li and Moshell 1993: the object pushes all soil aside, and slopes that are too steep slip. */
 #include "deform/internal.h"
 
 enum status deform_slippage(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,

@@ -1,4 +1,4 @@
-/* Soil that the press carries away, to the nearest free posts: from `carried` into `deposits`. */
+/* Moves the soil that the object displaces to the nearest free posts: from `carried` into `deposits`. */
 #include "deform/internal.h"
 
 struct spread_params {

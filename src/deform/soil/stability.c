@@ -1,8 +1,9 @@
 /*
- * Angles and strengths as whole fixed-point units between two posts.
+ * Critical height differences between two posts, from a soil's angles and cohesion.
  *
- * A slope of height H and angle b fails by Culmann's plane wedge where H > 4 c sin b cos phi / (gamma (1 - cos(b - phi))):
- * Taylor, Fundamentals of Soil Mechanics, 1948; here b follows from H, since the slope is that between two posts.
+ * By Culmann's plane wedge a slope of height H and angle b fails if
+ *     H > 4 c sin b cos phi / (gamma (1 - cos(b - phi))).
+ * See Taylor, Fundamentals of Soil Mechanics, 1948. Here b depends on H, since the slope is the one between two posts.
  */
 #include "deform/soil/stability.h"
 
@@ -10,7 +11,7 @@
 
 #include "base/base.h"
 
-#define UPRIGHT (89.95 * M_PI / 180) /* an angle no lower stands whatever its height */
+#define UPRIGHT (89.95 * M_PI / 180) /* rad; a slope with at least this angle of repose is stable at any height */
 
 static int32_t whole(double metres)
 {
@@ -28,7 +29,7 @@ static bool slips(const struct deform_soil *soil, double apart, int32_t units)
 	double height = ldexp(units, -OFFSET_BITS), slope = atan2(height, apart), over = slope - soil->friction_angle;
 	if (over <= 0)
 		return false;
-	/* 1 - cos x, without what it loses where x is small. */
+	/* 2 half^2 is 1 - cos(over), and keeps its precision where `over` is small. */
 	double half = sin(over / 2), driving = soil->unit_weight * 2 * half * half;
 	return height * driving > 4 * soil->cohesion * sin(slope) * cos(soil->friction_angle);
 }
@@ -38,7 +39,7 @@ int32_t deform_critical_difference_cohesive(const struct deform_soil *soil, doub
 	int32_t critical = deform_critical_difference(soil->friction_angle, apart), fails = INT32_MAX;
 	if (soil->cohesion <= 0 || critical == INT32_MAX || !slips(soil, apart, fails))
 		return soil->cohesion <= 0 ? critical : INT32_MAX;
-	/* Above phi the steeper the slope, the higher it is and the less stands: it fails from one height on. */
+	/* Above phi a steeper slope is also higher, and less stable. So there is one height from which on it fails: bisection. */
 	while (fails - critical > 1) {
 		int32_t middle = critical + (fails - critical) / 2;
 		if (slips(soil, apart, middle))

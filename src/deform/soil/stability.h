@@ -1,4 +1,4 @@
-/* What stands: the greatest difference of heights between two posts at which nothing slides. Pure. */
+/* Critical height differences: the largest difference of height between two posts at which the slope is stable. Pure. */
 #ifndef FURROW_DEFORM_STABILITY_H
 #define FURROW_DEFORM_STABILITY_H
 
@@ -6,9 +6,10 @@
 
 #include "deform/deform.h"
 
-/* Quanta, between posts `apart` metres apart; INT32_MAX: whatever the difference, it stands. */
-int32_t deform_critical_difference(double angle, double apart); /* radians, 0 or more */
-/* Culmann's: of a soil with cohesion; friction_angle's alone without. */
+/* Returns the critical difference of posts `apart` metres apart, fixed-point units. INT32_MAX: any difference is stable. `angle`:
+ * angle of repose, radians, 0 or more. */
+int32_t deform_critical_difference(double angle, double apart);
+/* The same for a soil with cohesion, by Culmann's wedge. Without cohesion the angle of repose is friction_angle. */
 int32_t deform_critical_difference_cohesive(const struct deform_soil *soil, double apart);
 
 #endif

@@ -1,4 +1,4 @@
-/* Sumner, O'Brien and Hodgins 1999: the object pushes aside what it does not compact, and the ground erodes. */
+/* Sumner, O'Brien and Hodgins 1999: the object pushes aside the soil that it does not compact, and the ground erodes. */
 #include <math.h>
 
 #include "deform/internal.h"
