@@ -1,5 +1,5 @@
 #version 450 core
-// A coarser tile's offsets (and disturbance) from a finer one's: every 2^steps-th post, no filter.
+// Copies a finer tile's offsets (and disturbance) to a coarser tile: every 2^steps-th post, without a filter.
 // DISTURBANCE: the tiles have a disturbance plane.
 
 layout(binding = 0) uniform isampler2D fine_offset;

@@ -65,7 +65,7 @@ void main()
 #endif
 
 #ifdef OFFSET
-	// Turned over it is fresh and rough; pressed it is dark, and smooth where that is loose soil.
+	// Raised soil is fresh and rough. Lowered soil is dark, and smooth if it is soft (surface.loose).
 	albedo *= (1.0 - 0.15 * risen) * (1.0 - 0.45 * sunken);
 #if defined TEXTURE && defined DETAIL
 	surface.tilt *= 1.0 + 0.6 * risen - 0.55 * surface.loose * sunken;

@@ -1,7 +1,7 @@
 #version 450 core
-// A block of a tile: a grid of posts at a stride, its height fetched per vertex. With GEOMORPH a vertex slides to the
-// next coarser stride's post south-west of it as it recedes, along the ground too, until it lies upon it: the mesh has then
-// become the coarser one, so that nothing jumps when that is drawn, and where both meet there is neither crack nor T-junction.
+// A block of a tile: a grid of posts at a stride. Each vertex reads its height. With GEOMORPH a vertex that recedes moves to the
+// next coarser stride's post south-west of it, also horizontally, until both coincide. The mesh is then the coarser one. So
+// nothing jumps when the coarser mesh is drawn. Where both meshes meet there is no crack and no T-junction.
 #include "lib/picture.glsl"
 #ifdef LEVEL0
 #define SLOPE_OF_VERTICES

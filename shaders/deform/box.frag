@@ -1,6 +1,6 @@
 #version 450 core
-// Redistribution `box`: the mean offset of the neighbourhood, where the contact pressed the ground and
-// its end pose left it, and as far around as the filter reaches. One fragment a post of the window.
+// Redistribution `box`: a post takes the mean offset of its neighbourhood if the object has left a post in it. The object has
+// left a post that the contact lowered and that its end pose does not hold. One fragment for each post of the window.
 // Define: RADIUS.
 
 #include "lib/window.glsl"
@@ -29,8 +29,8 @@ void main()
 			left = left || (texelFetch(contacts, ivec3(x, y, window.z), 0).r & (LOWERED | HELD)) == LOWERED;
 	if (!left)
 		return;
-	// The sum of up to 81 offsets exceeds 32 bits: high and low halves apart, and counted from the
-	// lowest offset there is, since GLSL does not say how a negative number is divided.
+	// The sum of up to 81 offsets exceeds 32 bits, so high and low halves are summed apart. Offsets are counted from the
+	// lowest possible one, since GLSL does not define the division of negative numbers.
 	uint count = 0u, high_sum = 0u, low_sum = 0u;
 	for (int y = low.y; y <= high.y; y++)
 		for (int x = low.x; x <= high.x; x++) {

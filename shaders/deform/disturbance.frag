@@ -1,5 +1,5 @@
 #version 450 core
-// The attribute `dirt`: how much the soil was pressed, kept beside the offset. One fragment a post.
+// The disturbance plane: how much the soil was disturbed, kept beside the offset. One fragment for each post.
 
 layout(binding = 0) uniform isampler2DArray offsets;
 layout(binding = 1) uniform usampler2DArray contacts;

@@ -1,6 +1,6 @@
 #version 450 core
-// The lowest a facet is above a post, over the contact and at its end, into what is lowest there so far.
-// Define: REST.
+// The lowest height of a facet above a post, during the contact and at its end. The image keeps the minimum of all facets.
+// Define: REST: the end pose is needed too.
 
 #include "lib/facet.glsl"
 
@@ -21,10 +21,10 @@ void main()
 	ivec2 post = at.xy - f.base.xy, place = post << 16;
 	i64 height = affine(f.plane, post);
 	int plane_shift = int(uint(f.cover.w) >> 24) - 64;
-	// When it is above the post: behind the edges that enter, before those that leave.
+	// The facet is above the post after the last edge that enters has passed, and before the first edge that leaves.
 	bool inside[3] = bool[3](left_of(f.corners.xy, f.corners.zw, place), left_of(f.corners.zw, f.third.xy, place),
 				 left_of(f.third.xy, f.corners.xy, place));
-	int first = 0, last = ONE, comes = -1, goes = -1; // and by which edge
+	int first = 0, last = ONE, comes = -1, goes = -1; // times; the edges that enter and leave then
 	bool swept = true;
 	for (int k = 0; k < 3; k++) {
 		int kind = (f.cover.z >> (2 + 2 * k)) & 3;
@@ -37,7 +37,7 @@ void main()
 		swept = swept && (kind != 0 || inside[k]);
 	}
 	if (swept && first <= last) {
-		// In between its height changes evenly: the lowest is at one end, on an edge or where the motion ends.
+		// Its height changes linearly with time. So the lowest is at one of the two times.
 		bool later = f.base.z < 0;
 		int edge = later ? goes : comes;
 		i64 change = later ? i64_sar(i64_mul(ONE, f.base.z), (f.cover.z >> 8) & 63) : i64_from(0);

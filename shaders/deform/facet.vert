@@ -1,6 +1,6 @@
 #version 450 core
-// A rectangle around the posts that a facet is ever above, one instance each; for a few posts half of one twice
-// as large, which is set up once. What it covers only bounds the work.
+// One instance for each facet: a rectangle around the posts that it is ever above. For a few posts it is one triangle around the
+// rectangle, which is faster. Posts that are drawn needlessly do no harm.
 
 #include "lib/facet.glsl"
 

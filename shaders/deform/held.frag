@@ -1,6 +1,6 @@
 #version 450 core
-// Which posts of a block an object rests on. One fragment a post of what the object's window and the
-// block's square share. Define: LOAD: where the object stands was found when it last pressed.
+// Marks the posts of a block that an object rests on as held. One fragment for each post that lies both in the object's window
+// and in the block's square. Define: LOAD: the object's last contact found its equilibrium height.
 
 #include "lib/int64.glsl"
 #include "lib/window.glsl"
@@ -10,13 +10,13 @@ layout(binding = 1, r32i) readonly uniform iimage2DArray bases;
 layout(binding = 2, r32i) readonly uniform iimage2DArray offsets;
 
 layout(std140, binding = 0) uniform params {
-	ivec4 zero;   // lo, hi: the window's zero height, fixed-point units from the store's reference; the window's layer, the atlas'
-	ivec4 window; // where its first post lies in the atlas; LOAD: whose load it is, from 0
+	ivec4 zero;   // lo, hi: the window's zero height, fixed-point units from the store's reference; layers of the window and of the atlas
+	ivec4 window; // place of its first post in the atlas; LOAD: number of the loaded body, from 0
 };
 
 #ifdef LOAD
 layout(std430, binding = 0) restrict readonly buffer standings {
-	int standing[]; // scm.frag's
+	int standing[]; // scm.frag writes it
 };
 #endif
 
@@ -32,11 +32,11 @@ void main()
 #ifdef LOAD
 	ground = i64_sub(ground, i64_from(standing[window.z]));
 #endif
-	// Soil that was laid or slid up into the object's side is not what it rests on: it goes on sliding.
+	// The object does not rest on soil above its lower envelope, which lies against its side. Such soil goes on sliding.
 	i64 above = i64_sub(i64_add(ground, i64_from(offset)), i64_from(rest));
 	bool held = base != BASE_NODATA && rest != UNDER_NONE && !i64_less(above, i64_from(-TOUCH)) &&
 		    !i64_less(i64_from(TOUCH), above);
 	if (!held)
-		discard; // what another object holds stays held
+		discard; // another object may hold the post
 	contact_out = HELD;
 }

@@ -1,5 +1,5 @@
 #version 450 core
-// Pure compaction: what is pressed is gone. One fragment a post of the window. Define: CONTACT.
+// Pure compaction: displaced soil is lost. One fragment for each post of the window. Define: CONTACT.
 
 #include "lib/contact.glsl"
 

@@ -1,13 +1,13 @@
 #version 450 core
-// One strip a block: its square of posts in the atlas, less what the pass need not work out any more.
+// One instance for each block: its square of posts in the atlas, without the border that later passes do not need.
 
 layout(std140, binding = 0) uniform regions {
-	ivec4 squares; // a square's side; squares in a row; trimmed from each side of it; the first block
+	ivec4 squares; // posts along a square's side; squares in a row; posts cut off along each side; the first block
 };
 
 #define ATLAS_POSTS 256.0 /* DEFORM_WINDOW_POSTS */
 
-flat out ivec3 block; // the first post that is drawn; the block
+flat out ivec3 block; // x, y: the first post that is drawn; z: number of the block
 
 void main()
 {

@@ -1,7 +1,7 @@
 #version 450 core
-// scm: the object presses, and the soil answers. One invocation a row, as soil.glsl says. In place: of its neighbours a post
-// reads only the base and what is heaped on it, which stay as they are.
-// Defines: FORCES: sums what acts on the object; PATCH: b was counted; LOAD: the height was found.
+// The contact pass of scm: the soil's answer to the object. One invocation for each row (soil.glsl). Images change in place: of
+// its neighbours a post reads only the base and the deposited thickness, which this pass does not write.
+// Defines: FORCES: sums forces and moments; PATCH: b follows from the counted posts; LOAD: the equilibrium height was found.
 
 #include "lib/soil.glsl"
 #include "lib/tally.glsl"
@@ -16,14 +16,17 @@ layout(binding = 6, r8ui) uniform writeonly restrict uimage2DArray contacts;
 layout(binding = 7, r32i) uniform writeonly restrict iimage2DArray carries;
 
 #ifdef FORCES
-// Of each contact that asks for it, 16 words: force and moment, 64 bits a component; posts in contact; the deepest sinkage,
-// fixed-point units; the height found, fixed-point units; posts whose share was too large to count.
+// 16 words for each contact with a tag: force and moment, 64 bits for each component; then four counts:
+// - posts in contact
+// - the deepest sinkage, fixed-point units
+// - the equilibrium height above the prescribed one, fixed-point units
+// - posts whose share was too large to count
 layout(std430, binding = 1) restrict buffer records {
 	int record[];
 };
 
 const int POSTS = 12, DEEPEST = 13, RAISED = 14, SATURATED = 15;
-const int SUNK = int(0x80000000u); // beside the saturated: the soil does not carry it
+const int SUNK = int(0x80000000u); // a bit beside the number of saturated posts: the soil does not carry the load
 const float MOST = 2147483000.0;
 
 void record_add(int at, total t)
@@ -36,7 +39,7 @@ void record_add(int at, total t)
 
 #ifdef LOAD
 layout(std430, binding = 3) restrict buffer standings {
-	int standing[]; // of those that carry a load: how much higher than prescribed, fixed-point units
+	int standing[]; // for each loaded body: equilibrium height above the prescribed one, fixed-point units
 };
 #endif
 

@@ -1,7 +1,7 @@
 #version 450 core
-// scm, before the press: a sum over the posts that an object touches, for one try at finding the size of its patch, or the
-// height at which the soil carries it. One invocation a row, as soil.glsl says.
-// Defines: GAP: the height of its first contact; COUNT: the posts touched; otherwise what the soil bears of the load.
+// One try of scm's search before the contact pass: for the size of the contact patch, or for the equilibrium height. It sums over
+// the posts that an object touches. One invocation for each row (soil.glsl).
+// Defines: GAP: finds the height of the first contact. COUNT: counts touched posts. Neither: sums the force that the soil bears.
 // PATCH: b follows from the count.
 
 #include "lib/soil.glsl"

@@ -1,7 +1,12 @@
 #version 450 core
-// Before sliding: the deposits are laid down, and the heights that slide are worked out. One fragment a post.
-// Defines: DEPOSITS: there are any; LOAD: the object may stand elsewhere later; THICKNESS: the heaped soil moves along; BOUNDED: only loose soil
-// slides; STEEP: neighbours may lie 1536 m apart and more; HELD_STILL: so is what an object rests on.
+// The first pass of sliding: adds the deposits, and computes the heights. One fragment for each post.
+// Defines:
+// - DEPOSITS: there are deposits
+// - LOAD: the object carries a load, so it may have another height later
+// - THICKNESS: the deposited thickness changes with the offset
+// - BOUNDED: relaxing soil has a bottom
+// - STEEP: neighbours may differ in height by 1536 m and more
+// - HELD_STILL: held posts do not slide
 
 #include "lib/slide.glsl"
 #include "lib/tally.glsl"
@@ -18,7 +23,7 @@ layout(binding = 4, r32i) readonly uniform iimage2DArray heaps;
 
 layout(std140, binding = 0) uniform params {
 	ivec4 region;  // regions.vert's
-	ivec4 place;   // the layer; loose soil below the base, fixed-point units
+	ivec4 place;   // the layer; depth of relaxing soil below the base, fixed-point units
 	ivec4 written; // the posts that exchange: first, one behind the last
 };
 
@@ -41,7 +46,7 @@ void main()
 	ivec3 at = ivec3(post, place.x);
 	int base = imageLoad(bases, at).r;
 	int offset = imageLoad(offsets, at).r;
-	int heap = offset; // what counts as loose, from the base
+	int heap = offset; // top of the relaxing soil, from the base
 #ifdef THICKNESS
 	heap = imageLoad(heaps, at).r;
 #endif

@@ -1,8 +1,13 @@
 #version 450 core
-// Sliding by what a difference of heights exceeds one that stands: once, between each post and its
-// eight neighbours. One fragment a post.
-// Defines: BOUNDED: only loose soil slides; STOOD: the ground as it was stands, however steep; SOILS: classes of
-// soil that the parameters hold; LAST: back to offsets; THICKNESS: and the heaped soil has moved along; FLAGS: over blocks.
+// One iteration of sliding between each post and its eight neighbours. The amount depends on how much their difference of
+// height exceeds the critical one. One fragment for each post.
+// Defines:
+// - BOUNDED: relaxing soil has a bottom
+// - STOOD: undisturbed ground is stable, however steep
+// - SOILS: number of soil classes in the parameters
+// - LAST: the last iteration, which writes offsets
+// - THICKNESS: with LAST: writes the deposited thickness too
+// - FLAGS: over blocks
 
 #include "lib/slide.glsl"
 
@@ -15,10 +20,10 @@ layout(binding = 2, r8ui) readonly uniform uimage2DArray classes;
 #endif
 
 layout(std140, binding = 0) uniform params {
-	ivec4 region;        // regions.vert's; over a window: a post's place from its first block, blocks in a row, the first word
-	ivec4 place;         // the layer; near a block's side is within so many posts of it
-	ivec4 edge;          // over a window: posts across whose sides all was looked at: first, one behind the last
-	ivec4 critical[SOILS]; // difference of heights that stands: axial, diagonal; what more is tolerated
+	ivec4 region; // over blocks: as in regions.vert; over a window: its first post from its first block; blocks in a row; first word
+	ivec4 place;  // the layer; a post this near a block's side concerns the neighbour too
+	ivec4 edge;   // over a window: posts whose neighbours were all computed: first, one behind the last
+	ivec4 critical[SOILS]; // critical difference of heights: axial, diagonal; tolerance
 };
 
 #include "lib/slid.glsl"

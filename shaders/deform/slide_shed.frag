@@ -1,6 +1,6 @@
 #version 450 core
-// Sumner's erosion, what each post sheds: the share that goes to a neighbour, and to which. One fragment a post.
-// Defines: SOILS: classes of soil that the parameters hold; STOOD: the ground as it was stands, however steep.
+// Sumner's erosion, first pass: how much each post sheds to each lower neighbour, and to which. One fragment for each post.
+// Defines: SOILS: number of soil classes in the parameters; STOOD: undisturbed ground is stable, however steep.
 
 #include "lib/slide.glsl"
 
@@ -11,9 +11,9 @@ layout(binding = 2, r8ui) readonly uniform uimage2DArray classes;
 #endif
 
 struct sumner {
-	ivec4 out_in;     // difference of heights from which soil goes: axial, diagonal; the same beside a held post
-	ivec4 stop;       // one that must be exceeded for any to go: axial, diagonal; what is tolerated, and in all of these
-	uvec4 few, many;  // of 2^32: the share that goes to each of 1 .. 8 posts of the sum of their differences
+	ivec4 out_in;     // difference of heights above which soil moves: axial, diagonal; the same beside a held post
+	ivec4 stop;       // a post sheds only if a difference exceeds this: axial, diagonal; the tolerance, which all of these include
+	uvec4 few, many;  // in 2^-32: share of the sum of differences that each of 1 .. 8 neighbours gets
 };
 
 layout(std140, binding = 0) uniform params {
@@ -23,9 +23,9 @@ layout(std140, binding = 0) uniform params {
 	sumner soils[SOILS];
 };
 
-layout(location = 0) out int shed_out; // the share, and from bit 23 on the neighbours that get it
+layout(location = 0) out int shed_out; // bits 0 .. 22: the share; from bit 23 on a bit for each neighbour that gets it
 
-const int DIFFERENCE_MOST = 1 << 26; // so that eight of them are a number
+const int DIFFERENCE_MOST = 1 << 26; // the sum of eight fits 32 bits
 
 void main()
 {

@@ -1,6 +1,6 @@
 #version 450 core
-// Sumner's erosion: what was shed arrives. One fragment a post.
-// Defines: LAST: back to offsets; FLAGS: over blocks.
+// Sumner's erosion, second pass: each post takes the soil that its neighbours shed. One fragment for each post.
+// Defines: LAST: the last iteration, which writes offsets; FLAGS: over blocks.
 
 #include "lib/slide.glsl"
 
@@ -8,9 +8,9 @@ layout(binding = 0, r32i) readonly uniform iimage2DArray heights;
 layout(binding = 1, r32i) readonly uniform iimage2DArray sheds;
 
 layout(std140, binding = 0) uniform params {
-	ivec4 region; // regions.vert's; over a window: a post's place from its first block, blocks in a row, the first word
-	ivec4 place;  // the layer; near a block's side is within so many posts of it
-	ivec4 edge;   // over a window: posts across whose sides all was looked at: first, one behind the last
+	ivec4 region; // over blocks: as in regions.vert; over a window: its first post from its first block; blocks in a row; first word
+	ivec4 place;  // the layer; a post this near a block's side concerns the neighbour too
+	ivec4 edge;   // over a window: posts whose neighbours were all computed: first, one behind the last
 };
 
 #include "lib/slid.glsl"
@@ -30,7 +30,7 @@ void main()
 	}
 	bool moves = change != 0 || come != 0;
 #ifndef FLAGS
-	// Shares of nothing too: beside another object fewer posts may get one, and then it is something.
+	// A share that rounds to 0 counts as motion: beside another object fewer posts may share it, and then it is more than 0.
 	moves = nothing != 0;
 #endif
 	slid(at, imageLoad(heights, at).r, change + come, moves);

@@ -1,6 +1,6 @@
 #version 450 core
-// Granular soil under an object: all that is pressed away is carried to the posts around. One fragment a
-// post of the window. Define: CONTACT.
+// Granular soil under an object: all displaced soil is carried to the posts around. One fragment for each post of the window.
+// Define: CONTACT.
 
 #include "lib/contact.glsl"
 

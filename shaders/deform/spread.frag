@@ -1,6 +1,6 @@
 #version 450 core
-// Soil that the press carries away goes to the nearest free post of its row and its column. One fragment
-// a written post of the window; nothing is attached.
+// Displaced soil goes to the nearest free posts of its row and its column. One fragment for each written post of the window.
+// There is no attachment.
 
 #include "lib/tally.glsl"
 #include "lib/window.glsl"

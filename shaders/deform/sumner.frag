@@ -1,9 +1,8 @@
 #version 450 core
-// Sumner's soil under an object: of what is pressed away a share is compacted, the rest is carried to the
-// posts around. One fragment a post of the window. Defines: CONTACT; SOILS: classes that the
-// parameters hold.
+// Sumner's soil under an object: a share of the displaced soil is compacted, the rest is carried to the posts around. One
+// fragment for each post of the window. Defines: CONTACT; SOILS: number of soil classes in the parameters.
 
-#define CONTACT_MORE uvec4 kept[SOILS]; // of 2^31: what is carried of what is pressed away
+#define CONTACT_MORE uvec4 kept[SOILS]; // in 2^-31: share of the displaced soil that is carried
 #include "lib/contact.glsl"
 
 #if SOILS > 1

@@ -1,4 +1,4 @@
-// Where the lower envelope lies below the surface, the surface becomes it. Define CONTACT: which posts that
+// The contact at a post: if the lower envelope lies below the surface, the surface is lowered to it. Define CONTACT: which posts that
 // are is asked for too. CONTACT_MORE: what a model adds to the parameters.
 
 #include "lib/int64.glsl"

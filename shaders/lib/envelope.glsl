@@ -1,9 +1,9 @@
-// The lower envelope of a swept object at a post of the window: whole numbers throughout, the same on
-// every driver. Distances are in 2^-fine m, heights in fixed-point units (2^-20 m) from the window's own zero.
+// The lower envelope of a moving object at a post of the window. All numbers are whole, so every driver gives the same result.
+// Distances are in 2^-fine m, heights in fixed-point units (2^-20 m) from the window's own zero.
 
 #include "lib/int64.glsl"
 
-const int ONE = 1 << 28;   // of fractions
+const int ONE = 1 << 28;   // 1 as a fraction: of the motion, of a sine
 const int REACH = (1 << 30) - 1;
 
 // F(i, j) = at + i * di + j * dj, in 64 bits, then an arithmetic shift: what src/deform/shape/affine.h holds.
@@ -12,7 +12,7 @@ struct functional {
 	ivec4 dj_shift; // lo, hi of dj; the shift
 };
 
-// Clamped: beyond the window's reach only its sign matters.
+// Clamped, since far away only the sign matters.
 int functional_int(ivec4 at_di, ivec4 dj_shift, ivec2 post)
 {
 	i64 at = i64(at_di.y, uint(at_di.x)), di = i64(at_di.w, uint(at_di.z));
@@ -22,13 +22,13 @@ int functional_int(ivec4 at_di, ivec4 dj_shift, ivec2 post)
 	return i64_to_int(i64_clamp(v, i64_from(-REACH), i64_from(REACH)));
 }
 
-// floor(sqrt(d)), 0 <= d < 2^62: a float's guess, one correction, and a proof.
+// floor(sqrt(d)), 0 <= d < 2^62: a guess in float, one correction, and steps of 1 to the exact root.
 int square_root(i64 d)
 {
 	int q = int(sqrt(i64_to_float(d)));
 	if (q > 0)
 		q += int(floor(i64_to_float(i64_sub(d, i64_mul(q, q))) / (2.0 * float(q))));
-	// What is left of it, kept along: 0 <= rest <= 2 q where q is the root.
+	// rest is d - q * q. If q is the root, 0 <= rest <= 2 q.
 	i64 rest = i64_sub(d, i64_mul(q, q));
 	for (int k = 0; k < 3; k++) {
 		bool over = rest.hi < 0;
@@ -65,8 +65,8 @@ layout(std140, binding = 0) uniform params {
 #define AT(which, k, post) functional_int(bodies[which].f[k].at_di, bodies[which].f[k].dj_shift, post)
 
 #ifdef SHAPE_WHEEL
-// Along (0) and across (1) from the centre at the start; 2, 3: when in the motion (of ONE) the post
-// comes under the wheel's two sides, if it moves sideways at all (c.y).
+// Functionals 0 and 1: the post's place along and across the motion, from the centre at the start. 2 and 3: the times, of ONE,
+// at which the wheel's two sides pass over the post. They are used only if the wheel moves sideways (c.y).
 bool envelope(int which, ivec2 post, out int height)
 {
 	ivec4 a = bodies[which].a, b = bodies[which].b, c = bodies[which].c;
@@ -82,13 +82,13 @@ bool envelope(int which, ivec2 post, out int height)
 	bool covered = first <= last && (sideways || abs(AT(which, 1, post)) <= a.y);
 	first = clamp(first, 0, ONE);
 	last = clamp(last, 0, ONE);
-	// x: from the centre to the post at the time they are nearest; the lowest is where the wheel
-	// is tangent to its own motion.
+	// x: distance from the centre to the post at the time when the wheel is lowest there. That is where the wheel is
+	// tangent to its motion.
 	int at_last = u - scaled(last, a.z, 28), at_first = u - scaled(first, a.z, 28);
 	int low = max(at_last, -r), high = min(at_first, r);
 	covered = covered && low <= high;
 	int x = clamp(max(min(scaled(r, a.w, 28), high), low), -r, r);
-	// A time that is known says more of the rise than a place: a wheel may slide while it hardly rolls.
+	// A known time gives the rise more exactly than a place: a wheel may slide aside while it hardly rolls.
 	bool lasts = x == at_last && (x != at_first || b.y < 0);
 	int rise = lasts || x == at_first ? scaled(lasts ? last : first, b.y, 28) : scaled(u - x, b.z, b.w);
 	int up = square_root(i64_sub(i64_mul(r, r), i64_mul(x, x)));
@@ -98,7 +98,7 @@ bool envelope(int which, ivec2 post, out int height)
 #endif
 
 #ifdef SHAPE_SPHERE
-// Along the motion (0) and across it (1).
+// Functionals 0 and 1: the post's place along and across the motion.
 bool envelope(int which, ivec2 post, out int height)
 {
 	int u = AT(which, 0, post), v = AT(which, 1, post), r = bodies[which].a.x;
@@ -115,7 +115,7 @@ bool envelope(int which, ivec2 post, out int height)
 #endif
 
 #ifdef SHAPE_BOX
-// A box in motion is a zonotope: inside its slabs (f[6] ..), above its lower planes (f[0] ..).
+// A moving box is a zonotope. The post must lie inside all slabs (f[6] ..). The height is the highest of the lower planes (f[0] ..).
 bool envelope(int which, ivec2 post, out int height)
 {
 	height = -REACH;

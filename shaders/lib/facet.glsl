@@ -1,19 +1,21 @@
-// A triangle in straight motion over the posts of a window; whole numbers as src/deform/shape/facet.c makes
-// them. Places are in 2^-16 posts from the facet's own post, heights in fixed-point units from the window's zero, times in
-// 2^-28 of the motion, counted back from its end.
+// A triangle in straight motion over the posts of a window, as whole numbers from src/deform/shape/facet.c. Places are in
+// 2^-16 posts from the facet's own post. Heights are in fixed-point units from the window's zero. Times are in 2^-28 of the motion,
+// counted back from its end.
 
 #include "lib/int64.glsl"
 
 struct facet {
-	ivec4 corners; // x, y; x, y: at the end, counter-clockwise
-	ivec4 third;   // x, y; the lowest and the highest of the three
-	ivec4 cover;   // posts of the window it is ever above, in x and in y: first, one behind the last << 16;
-	               // bit 0: rests, two bits an edge from bit 2 on, rate's shift << 8, six bits a side from bit
-	               // 14 on: its shift + 32; the shifts of the edges and of the plane + 64, a byte each
-	ivec4 base;    // its own post, of the window; how much lower it was at a post at the start; rise of the motion
-	ivec4 plane;   // height at the end: lo, hi at its own post; a post east, north
-	ivec4 edges[3]; // when an edge passes over a post: the same
-	ivec4 sides[3]; // how high it is then: the same
+	ivec4 corners; // two corners at the end: x, y; x, y. The three are counter-clockwise
+	ivec4 third;   // the third corner: x, y; the lowest and the highest of the three heights
+	// x and y: posts of the window that it is ever above, along each axis: first, one behind the last << 16.
+	// z: bit 0: it rests at the end. From bit 2 on: kinds of the edges, two bits each. From bit 8 on: shift of base.z.
+	// From bit 14 on: shifts of the sides + 32, six bits each.
+	// w: shifts of the three edges and of the plane + 64, a byte each.
+	ivec4 cover;
+	ivec4 base;    // its own post in the window; change of height over the motion, counted back; rise of the motion
+	ivec4 plane;   // height at the end, affine: lo, hi at its own post; change one post east; one post north
+	ivec4 edges[3]; // time at which an edge passes over a post, affine as `plane`
+	ivec4 sides[3]; // height of the edge at that time, affine as `plane`
 };
 
 layout(std430, binding = 0) readonly buffer facet_list {

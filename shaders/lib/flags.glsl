@@ -1,13 +1,13 @@
-// Where soil still moves in a block: its own bit, and one for each side and corner. With TOUCHED also which sixteenths of it
-// were changed.
+// The flags of a block: bit 0: soil still moves in it. Eight more bits: soil moves near that side or corner. With TOUCHED also
+// 16 bits from bit 16 on: which sixteenths of the block changed.
 
 layout(std430, binding = 1) buffer flags {
-	uint flag_words[]; // a block's, in the order of the list
+	uint flag_words[]; // one for each block, in the order of the list
 };
 
 const int BLOCK = 32; // DEFORM_BLOCK
 
-// A post by its place in its block; near: within so many posts of a side.
+// Sets the flags of a post that moves. at: its place in its block; near: so many posts from a side count as near it.
 void flag_post(ivec2 at, int word, int near)
 {
 	bvec2 low = lessThan(at, ivec2(near)), high = greaterThanEqual(at, ivec2(BLOCK - near));
@@ -19,7 +19,7 @@ void flag_post(ivec2 at, int word, int near)
 }
 
 #ifdef TOUCHED
-// From bit 16 on: squares of 8 x 8 posts, from the south-west.
+// Sets the flag of the post's square of 8 x 8 posts, from the south-west.
 void flag_changed(ivec2 at, int word)
 {
 	uint part = 65536u << (at.y / 8 * 4 + at.x / 8);

@@ -1,15 +1,15 @@
-// What is found out about an object before it presses: of how many posts its patch is (PATCH), and how
-// high it stands (LOAD). Try by try: what a try summed says where the next one looks, which every invocation of it
-// works out for itself. Heights are fixed-point units above the prescribed.
+// The search before a contact of scm: for the number of posts in the contact patch (PATCH), and for the equilibrium height
+// (LOAD). A try sums over the posts. Each invocation of the next try computes the next height from these sums.
+// Heights are fixed-point units above the prescribed one.
 
 struct attempt {
-	int low, high;  // the soil carries it at low (or that is as deep as it may sink), and not at high
-	int top, at;    // first contact; where this try looks
+	int low, high;  // the soil carries the load at low (or it may not sink deeper), and does not at high
+	int top, at;    // height of the first contact; height of this try
 	uint gap;       // of try 0: the height of the first contact, + 2^31; 0: none
-	uint posts;     // that are touched
-	uint force[2];  // of the load, 2^-26
-	uint stiff[2];  // growth of that per fixed-point unit, 2^-26
-	uint done;      // it stands there
+	uint posts;     // touched posts
+	uint force[2];  // force that the soil bears, in 2^-26 of the load
+	uint stiff[2];  // how this grows for each fixed-point unit of sinkage
+	uint done;      // `at` is the equilibrium height
 	uint spare;
 };
 layout(std430, binding = 2) restrict buffer attempts {
@@ -21,21 +21,21 @@ float found_real(uint low, uint high)
 	return float(high) * 4294967296.0 + float(low);
 }
 
-// Where try `k` looks, from the one before it; 0: as prescribed.
+// Try `k`, computed from the one before it. Try 0 is at the prescribed height.
 attempt found_next(int k, int depth)
 {
 	attempt b = tries[max(k - 1, 0)];
 	attempt a;
-	// The first is the guess, if that is in the ground.
+	// Try 1 is at the guess, if that is in the ground.
 	int top = k <= 1 ? int(b.gap ^ 0x80000000u) : b.top;
 	float share = found_real(b.force[0], b.force[1]) * exp2(-26.0), grows = found_real(b.stiff[0], b.stiff[1]) * exp2(-26.0);
 	bool carries = share >= 1.0;
 	int low = k <= 1 ? top - depth : carries ? b.at : b.low, high = k <= 1 ? top : carries ? b.high : b.at;
-	// Force is about a power of depth: Newton's step between logarithms.
+	// Force is about a power of depth, so this is Newton's step for the logarithms.
 	float z = float(top - b.at), power = clamp(z * grows / max(share, 1e-6), 0.1, 1e6);
 	float step = z * exp2(clamp(-log2(max(share, 1e-6)) / power, -20.0, 20.0));
 	int next = top - int(round(min(step, float(depth))));
-	// Halved where the bracket lags, so that the last try leaves a fixed-point unit of it.
+	// If the bracket shrinks too slowly, it is halved. So the last try leaves one fixed-point unit.
 	int width = high - low;
 	bool lags = width > (depth >> clamp(k - 6, 0, 31)) || share <= 1e-6;
 	next = lags ? low + width / 2 : next;
@@ -50,7 +50,7 @@ attempt found_next(int k, int depth)
 	return a;
 }
 
-// 1 / b, of so many posts of this area; of one at least: what is only brushed counts too.
+// 1 / b of a patch of so many posts of this area, m2. At least one post is counted.
 float found_by_width(uint posts, float area)
 {
 	return inversesqrt(max(float(posts), 1.0) * area * 0.31830989);

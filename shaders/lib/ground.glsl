@@ -1,7 +1,7 @@
-// What the ground is made of, and how that looks. Sand, grass, soil, rock and snow lie in this order along one number, so
-// that a place is of one of them and has part of a neighbour; with SPLAT the soil map's classes come before. One texture of
-// a few metres is for what is near: in its hollows the neighbour shows. One of a hundred and more, in which any ground is
-// uneven, is for what is far, and moves the borders. Both are filtered: what is smaller than a pixel is its mean.
+// The material of the ground and its look. Sand, grass, soil, rock and snow lie in this order along one number. So a place has one
+// material and part of a neighbouring one. With SPLAT the soil map's classes decide first. There are two textures. One of a few
+// metres is for near ground. The neighbouring material shows in its hollows. One of a hundred metres and more is for far
+// ground, and makes the borders between materials uneven. Both are filtered: details smaller than a pixel become their mean.
 #include "lib/body.glsl"
 #include "lib/ground_map.glsl"
 #include "lib/tone.glsl"
@@ -86,8 +86,8 @@ vec3 ground_along(vec4 steps, const vec3 sand, const vec3 cover, const vec3 eart
 // turned over.
 ground_surface ground_at(vec2 post, vec4 squares, float log_pixel, float region, float rise, float steep, float dug)
 {
-	// Levels of the near texture are strewn, not blended; the far one is as smooth as it may be, since what is large in a
-	// cache is dear.
+	// The near texture is read from one level, chosen at random between two, which is cheaper than blending them. The far
+	// texture is read from a coarse level, since large texture reads fill the cache.
 	float level = log_pixel + dither();
 	// So far off that many squares are seen, one 16 times as wide; between the two neither.
 	float beyond = log_pixel > GROUND_BEYOND ? 1.0 : 0.0, strong = clamp(0.7 * abs(log_pixel - GROUND_BEYOND), 0.0, 1.0);

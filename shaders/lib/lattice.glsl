@@ -4,9 +4,9 @@
 
 const int BASE_NODATA = int(0x80000000u);
 
-// Bilinear interpolation in a cell with corners a (south-west), b (south-east), c (north-west) and
-// d (north-east), at f / 2^shift of it, 0 <= f <= 2^shift, 0 <= shift <= 14: the exact weighted sum
-// rounded to nearest, halves up; nodata if any corner with weight is.
+// Bilinear interpolation in a cell. Corners: a south-west, b south-east, c north-west, d north-east. The place is f / 2^shift of
+// the cell, 0 <= f <= 2^shift, 0 <= shift <= 14. Returns the exact weighted sum rounded to nearest, halves up. Returns nodata
+// if any corner with weight is nodata.
 int lattice_interpolate(int a, int b, int c, int d, uvec2 f, int shift)
 {
 	uvec2 g = uvec2(1u << shift) - f;

@@ -1,5 +1,6 @@
-// The end of an iteration: a height, or with LAST what it means, and where soil still moves. Comes behind the parameters.
-// Defines: LAST, THICKNESS; FLAGS: over blocks; else LAST is over a window; TOUCHED: which parts of blocks were changed counts.
+// The end of an iteration: writes a height, or with LAST an offset and the flags. Include it after the parameters.
+// Defines: LAST: the last iteration; THICKNESS: writes the deposited thickness too; FLAGS: over blocks, otherwise over a window.
+// TOUCHED: flags tell which parts of blocks changed.
 
 #ifdef LAST
 layout(binding = 3, r32i) readonly uniform iimage2DArray bases;
@@ -18,7 +19,7 @@ flat in ivec3 block;
 layout(location = 0) out int height_out;
 #endif
 
-// moves: soil came or went, were it as much.
+// moves: soil came or went, even if the amounts are equal.
 void slid(ivec3 at, int height, int change, bool moves)
 {
 	if (height == STILL)
@@ -33,7 +34,7 @@ void slid(ivec3 at, int height, int change, bool moves)
 #ifdef THICKNESS
 	heap_out = imageLoad(heaps, at).r + (offset - before);
 #endif
-	// What rests on it may not any more.
+	// An object that rested on this post may not rest on it any more.
 	moves = moves || (marks & MAY_BE_FREED) != 0u || ((marks & IS_HELD) != 0u && offset != before);
 #ifdef FLAGS
 	if (moves)
@@ -43,7 +44,7 @@ void slid(ivec3 at, int height, int change, bool moves)
 		flag_changed(at.xy - block.xy, block.z);
 #endif
 #else
-	// Across the rim nothing was looked at.
+	// Beyond the rim no neighbour was computed, so a change here may make soil move there.
 	bool rim = any(lessThan(at.xy, edge.xy)) || any(greaterThanEqual(at.xy, edge.zw));
 	bool changed = (marks & IS_DISTURBED) != 0u || offset != before;
 	ivec2 from_first = at.xy + region.xy;

@@ -1,6 +1,6 @@
-// The ground's slope between posts: the gradient of the quadratic B-spline through a map of integers,
-// continuous across cells. Of nine posts: read one by one as an image where pixels ask, which a renderer in
-// software does far sooner than it gathers texels; as a texture where vertices do, which have no images.
+// The ground's slope between posts: the gradient of the quadratic B-spline through a map of integers. It is continuous
+// across cells and uses nine posts. For pixels they are read one by one from an image. A software renderer does that much
+// faster than a texture gather. Vertex shaders have no images, so there they are read from a texture.
 struct slope_of_map {
 	vec2 gradient; // units a post
 	float value;   // units
@@ -8,8 +8,8 @@ struct slope_of_map {
 
 #define SLOPE_NODATA int(0x80000000)
 
-// Of the three weights along an axis, that of the post which a tile's edge leaves out goes to the others: beyond it the
-// ground goes on as it came.
+// The three weights along an axis. At a tile's edge one post is missing. Its weight goes to the other two, as if the ground went
+// on beyond the edge with the same slope.
 vec3 slope_weights(float f, bool first, bool last)
 {
 	float before = 0.5 - f, after = 0.5 + f;

@@ -1,18 +1,18 @@
-// What the passes of scm share: the ground and the object at a post, and the soil's answer. SOIL.md
-// says what it is. A pass has one invocation a row of the window's written posts, each with a loop over
-// its posts: sums stay in registers, and posts that nothing touches are passed over.
+// Shared by the passes of scm: the ground and the object at a post, and the soil's answer (SOIL.md). A pass has one
+// invocation for each row of the window's written posts, which loops over the posts. So sums stay in registers, and posts that
+// nothing touches are skipped.
 // Heights are fixed-point units (2^-20 m) from the object's centre as prescribed; stress is Pa.
 // Defines: SOIL_MAP: posts differ in their soil.
 
 #include "lib/window.glsl"
 
 const float UNIT_METRES = 1.0 / 1048576.0;
-const int FAR = (1 << 28) - (1 << 18); // of 2^-18 m: beyond it ground and object are no matter of each other
+const int FAR = (1 << 28) - (1 << 18); // 2^-18 m: ground and object farther apart do not touch
 const int FAR_UNITS = (1 << 30) - (1 << 20);
-const float STEEPEST = 19.974984;      // slope at which the normal's z is 0.05: taken for all that is steeper
-const float STRESS_MOST = 1e20;        // Pa: whatever soil and sinkage, nothing becomes infinite
+const float STEEPEST = 19.974984;      // slope at which the normal's z is 0.05; steeper slopes are taken as this one
+const float STRESS_MOST = 1e20;        // Pa: a limit that keeps all numbers finite
 const int SOILS = 16;
-const int COLUMNS = 4;                 // of rows in the pass's viewport: blocks of pixels are whole
+const int COLUMNS = 4;                 // rows side by side in the pass's viewport, so that its blocks of pixels are full
 
 struct soil {
 	vec4 a; // k_c, k_phi, n, 1 / K_e
@@ -24,11 +24,11 @@ layout(std140, binding = 0) uniform params {
 	ivec4 written; // the posts this window writes: first, one behind the last
 	ivec4 shadow;  // of those, the posts that the object can be above
 	vec4 scale;    // slope of a fixed-point unit between posts; metres between posts; units of force a pascal; 1 / b
-	vec4 way;      // of the object, m; 1 / s that it took
-	vec4 spin;     // about its centre meanwhile, rad; share of the plastic flow that is laid aside
-	vec4 rolls;    // a wheel that did not slip would have turned so, rad
+	vec4 way;      // motion of the object, m; 1 / its time, 1/s
+	vec4 spin;     // its rotation about its centre, rad; share of the plastic flow that is deposited around
+	vec4 rolls;    // the rotation of a wheel without slip, rad
 	vec4 place;    // post (0, 0) from the centre, m; 1 / unit of length in moments; square metres a post
-	vec4 load;     // N; how deep the object may sink below its first contact, fixed-point units; whose load it is, from 1; 0: nobody's
+	vec4 load;     // N; how deep the object may sink below its first contact, fixed-point units; number of the loaded body, from 1; 0: none
 	soil soils[SOILS];
 };
 
@@ -40,17 +40,17 @@ layout(binding = 0) uniform isampler2DArray unders;
 layout(binding = 1) uniform usampler2DArray classes;
 #endif
 
-// The row of this invocation; written.w and beyond: none.
+// Returns the row of this invocation. If it is written.w or more, there is none.
 int row_of_pass()
 {
 	ivec2 at = ivec2(gl_FragCoord.xy);
 	return written.y + at.x + COLUMNS * at.y;
 }
 
-// The undisturbed ground: base and what is heaped on it.
+// The undisturbed surface: base and deposited thickness.
 struct ground {
 	int base, height;
-	bool far; // it is not where `height` says, but out of reach
+	bool far; // it is out of reach, and `height` is clamped
 };
 
 ground ground_at(int x, int y)
@@ -91,27 +91,28 @@ soil soil_at(int x, int y)
 #endif
 }
 
-// Pa: what it bears at sinkage z, m, as it yields.
+// Returns the stress that the soil bears at sinkage z, m, when it yields; Pa.
 float yield_stress(soil s, float by_width, float z)
 {
 	float k = max(s.a.x * by_width + s.a.y, 0.0); // k_c may be negative, and a patch small
 	return z > 0.0 ? min(k * exp2(s.a.z * log2(max(z, UNIT_METRES))), STRESS_MOST) : 0.0;
 }
 
-// m: what stays of sinkage z when nothing presses any more.
+// Returns the plastic part of sinkage z, m: what stays after unloading.
 float plastic_part(soil s, float z, float yields)
 {
 	return max(0.0, z - yields * s.a.w);
 }
 
-// Sinkage, along the normal, of a height in the ground: whole fixed-point units, so that what is kept is what was compared.
+// Returns the sinkage of a height below the surface, along the normal, fixed-point units. It is whole, so that the stored number
+// is the compared one.
 int sinkage_of(float ca, ground g, int height)
 {
 	return int(round(clamp(ca * float(g.height - height), 0.0, 1.9e9)));
 }
 
-// The lowest the object is over the contact, and where it rests, `raised` higher than prescribed.
-// UNDER_NONE: nowhere above the post.
+// The object's lowest height during the contact, and its height in the end pose, `raised` above the prescribed one. UNDER_NONE: it
+// is not above the post.
 struct object {
 	int lowest, rests;
 };
@@ -131,15 +132,15 @@ bool may_touch(ground g, object o)
 	return g.base != BASE_NODATA && o.lowest < g.height;
 }
 
-// What a post becomes, and how it bears the object.
+// The new state of a post, and how it bears the object.
 struct answer {
-	int most;      // sinkage, fixed-point units: the largest so far
-	float plastic; // of it, m: what stays
-	float yields;  // Pa: at the largest
-	int sunk;      // fixed-point units: under the object as it rests
+	int most;      // the largest sinkage so far, fixed-point units
+	float plastic; // its plastic part, m
+	float yields;  // yield stress at the largest sinkage, Pa
+	int sunk;      // sinkage under the end pose, fixed-point units
 	bool touched, held;
 	float stress;  // Pa
-	float stiff;   // Pa/m: how it grows with the sinkage
+	float stiff;   // how the stress grows with the sinkage, Pa/m
 };
 
 answer answer_of(soil s, float by_width, float ca, ground g, object o, int most)
@@ -151,7 +152,7 @@ answer answer_of(soil s, float by_width, float ca, ground g, object o, int most)
 	float z = float(a.most) * UNIT_METRES;
 	a.yields = yield_stress(s, by_width, z);
 	a.plastic = plastic_part(s, z, a.yields);
-	// What bears it is linear from nothing, where all is plastic, to the yield.
+	// The stress grows linearly, from 0 at the plastic sinkage to the yield stress at the largest one.
 	float elastic = max(z - a.plastic, 1e-9), sunk = float(a.sunk) * UNIT_METRES;
 	a.touched = deepest > 0 && (deepest == a.most || float(deepest) * UNIT_METRES > a.plastic);
 	a.held = a.sunk > 0 && (a.sunk == a.most || sunk > a.plastic);
@@ -166,19 +167,19 @@ vec3 from_centre(int x, int y, object o, int raised)
 	return vec3(place.xy + scale.y * vec2(x, y), float(o.rests - raised) * UNIT_METRES);
 }
 
-// m over the contact: of the object's surface at a place from its centre, relative to the ground.
+// Returns the motion of the object's surface relative to the ground during the contact, m. `at`: place from the centre.
 vec3 way_of_surface(vec3 at)
 {
 	return way.xyz + cross(spin.xyz, at);
 }
 
-// Pa more: soil that is pressed fast.
+// Returns the additional stress of damping: soil that is pushed down fast; Pa.
 float damped(soil s, vec3 at, vec3 normal)
 {
 	return s.b.w * max(0.0, -dot(way.xyz + cross(rolls.xyz, at), normal)) * way.w;
 }
 
-// A sum of at most 2^15 whole numbers, exactly, without carries.
+// An exact sum of at most 2^15 whole numbers. It needs no carries.
 struct total {
 	int high;
 	uint low;
@@ -190,7 +191,7 @@ void total_add(inout total t, int value)
 	t.low += uint(value) & 0xffffu;
 }
 
-// Its two's complement in 64 bits: low, high.
+// Returns it in 64 bits, two's complement: low, high word.
 uvec2 total_words(total t)
 {
 	uint carry;

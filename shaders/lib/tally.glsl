@@ -1,4 +1,4 @@
-// What is counted since the start, in 64 bits each: struct deform_tally in src/deform/deform.h.
+// Counts since the start, 64 bits each: struct deform_tally in src/deform/deform.h.
 
 layout(std430, binding = 0) buffer tally {
 	uint tally_words[6]; // compacted, refused, confined: lo, hi
@@ -13,7 +13,7 @@ void tally_add(int what, uint amount)
 		atomicAdd(tally_words[what + 1], 1u);
 }
 
-// 64 bits, of either sign: low, high.
+// Adds a signed number of 64 bits: low, high word.
 void tally_sum(int what, uvec2 words)
 {
 	uint before = atomicAdd(tally_words[what], words.x);

@@ -1,5 +1,5 @@
-// From light to what a screen shows: a filmic curve, then noise of less than one step of 8 bits,
-// which keeps wide gradients from banding. The target's sRGB encoding comes after.
+// Turns light into the colour on a screen: a filmic curve, then noise of less than one step of 8 bits. The noise keeps wide
+// gradients from banding. The target's sRGB encoding comes after.
 float dither()
 {
 	// Interleaved gradient noise: no table, even at every scale.

@@ -1,14 +1,14 @@
-/* The windows' textures: arrays of one layer a window, made when a contact first needs so many. */
+/* The windows' textures: arrays with one layer for each window. They grow when a contact needs more layers. */
 #include <stddef.h>
 #include <string.h>
 
 #include "deform/internal.h"
 
-/* One texture of the layers. */
+/* One of these textures. */
 struct row {
-	const char *name, *effect; /* that calls for it */
+	const char *name, *effect; /* for the plan: its name, and the effect that needs it */
 	enum gpu_format format;
-	size_t place; /* in struct deform */
+	size_t place; /* offset of its pointer in struct deform */
 };
 struct rows {
 	struct row list[11 + 2 * PLANES];

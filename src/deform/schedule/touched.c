@@ -3,7 +3,7 @@
 #include <assert.h>
 #include <string.h>
 
-/* What a block has from one column to one behind another. */
+/* Returns the bits of the columns from `first` up to, not including, `end`, as far as a block has them. */
 static uint32_t columns(int64_t first, int64_t end)
 {
 	first = first > 0 ? first : 0;

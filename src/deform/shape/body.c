@@ -213,7 +213,7 @@ double deform_body_wheel_radius(const struct deform_shape *shape)
 	return shape->grousers > 0 ? hypot(shape->radius + shape->grouser_height, shape->grouser_thickness / 2) : shape->radius;
 }
 
-/* Of the box around it. */
+/* Computes the extent of a mesh: that of its bounding box. */
 static void mesh_extent(const struct deform_mesh *mesh, const struct deform_pose *pose, double extent[2])
 {
 	const double unit[3] = {2, 2, 2};
