@@ -34,7 +34,7 @@ static void compute(const char *expression, const void *params, size_t bytes)
 		gpu_texture_destroy(pass.textures[k]);
 }
 
-static const uint32_t uniforms[1024]; /* for what underside.glsl declares and this does not use */
+static const uint32_t uniforms[1024]; /* for what envelope.glsl declares and this does not use */
 
 static void roots_are_the_largest_whole_ones(void **state)
 {
