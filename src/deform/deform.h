@@ -100,9 +100,9 @@ struct deform_params {
 	 * sunk. Otherwise the caller must have activated all steep ground */
 	bool undisturbed_stable;
 	double bulldozing;   /* scm: share of the plastic flow that is deposited on the ring, 0 .. 1 */
-	bool touched;        /* deform_is_touched will be called; needs `stands` and a model that conserves soil */
+	bool touched;        /* deform_is_touched will be called; needs `undisturbed_stable` and a model that conserves soil */
 	uint32_t loaded_bodies;   /* scm: number of objects that carry a load and rest on the ground between contacts */
-	bool disturbance;
+	bool disturbance;    /* keep the disturbance plane */
 };
 
 /* Returns the planes that a model keeps, a mask of PLANE_BIT. */

@@ -37,7 +37,7 @@ struct gpu_info {
 
 /* The stage under which a pass is counted, in the order in which stages run. */
 enum gpu_stage {
-	GPU_ENVELOPE, /* lower envelope of an object over its window, from a closed form, */
+	GPU_ENVELOPE,  /* lower envelope of an object over its window, from a closed form, */
 	GPU_FACETS,    /* or from triangles */
 	GPU_LOAD,      /* equilibrium height of a loaded body */
 	GPU_CONTACT,

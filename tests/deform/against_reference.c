@@ -9,7 +9,7 @@
 #include "ground.h"
 
 #define QUANTUM 0x1p-20
-#define NEAR 4e-6 /* m: of undersides, as tests/deform/underside.c has it */
+#define NEAR 4e-6 /* m: of undersides, as tests/deform/envelope.c has it */
 
 enum { CELLS = 32, TILES = 3, POSTS = CELLS * TILES + 1, COUNT = POSTS * POSTS };
 

@@ -1,4 +1,4 @@
-/* Awake blocks: what becomes of the ground is what becomes of it when all of it is worked on. */
+/* Active blocks: the ground becomes the same as if all of it were computed. */
 #include "late.h"
 #include "sliding.h"
 
@@ -283,5 +283,5 @@ int main(void)
 		cmocka_unit_test(a_world_at_rest_makes_no_pass),
 		cmocka_unit_test(more_blocks_than_there_may_be_are_refused),
 	};
-	return cmocka_run_group_tests_name("deform/awake", tests, open_gpu, close_gpu);
+	return cmocka_run_group_tests_name("deform/active", tests, open_gpu, close_gpu);
 }

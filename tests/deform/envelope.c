@@ -1,4 +1,4 @@
-/* At every post under it, an object presses the ground to within 4 micrometres of the reference. */
+/* At every post under an object, the ground is lowered to within 4 micrometres of the reference. */
 #include "ground.h"
 
 #define NEAR 4e-6L /* metres */
@@ -161,5 +161,5 @@ int main(void)
 		cmocka_unit_test(a_sphere_is_that_of_the_reference),
 		cmocka_unit_test(a_box_of_any_attitude_is_that_of_the_reference),
 	};
-	return cmocka_run_group_tests_name("deform/underside", tests, open_gpu, close_gpu);
+	return cmocka_run_group_tests_name("deform/envelope", tests, open_gpu, close_gpu);
 }

@@ -1,4 +1,4 @@
-/* A wheel with lugs: the smooth wheel and its bars, whichever is lower, turned as the pose says. */
+/* A wheel with grousers: the lower of the smooth wheel and its bars, turned as the pose says. */
 #include "ground.h"
 
 #define BELOW 250 /* how deep in the ground the wheels run */
@@ -215,5 +215,5 @@ int main(void)
 		cmocka_unit_test(a_track_shows_every_lug),
 		cmocka_unit_test(lugs_that_cannot_be_are_refused),
 	};
-	return cmocka_run_group_tests_name("deform/lugs", tests, open_gpu, close_gpu);
+	return cmocka_run_group_tests_name("deform/grousers", tests, open_gpu, close_gpu);
 }
