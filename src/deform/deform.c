@@ -69,10 +69,10 @@ static bool shared(const struct deform *deform, struct tile tile, struct post_re
 	return true;
 }
 
-/* What scm presses in place lies where sliding begins. */
+/* What is pressed in place lies where sliding begins. */
 int deform_gathers_into(const struct deform *deform, int plane)
 {
-	return deform->params.model == DEFORM_SCM && (plane == PLANE_OFFSET || plane == PLANE_HEAPED);
+	return deform_model_row(deform->params.model)->in_place && (plane == PLANE_OFFSET || plane == PLANE_HEAPED);
 }
 
 static int which(const struct deform *deform, int plane, bool atlas)
@@ -132,7 +132,7 @@ enum status deform_compute(struct deform *deform, const struct deform_sweep *swe
 enum status deform_feel(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window, uint32_t layer,
 			const struct deform_tile *tiles, size_t count)
 {
-	assert(deform->params.model == DEFORM_SCM && sweep->tag != 0 && layer < deform->layers);
+	assert(deform_tells_forces(deform->params.model) && sweep->tag != 0 && layer < deform->layers);
 	enum status status = STATUS_OK;
 	if (deform->felt == NULL)
 		status = gpu_buffer_create(deform->params.gpu, GPU_STORAGE, sizeof(struct deform_tally), NULL, &deform->felt);

@@ -36,22 +36,22 @@ struct layer {
 
 struct deform;
 
-/* One model: what a press does once the lower envelope is known, and all that follows it in the window. */
-typedef enum status (*deform_model_fn)(struct deform *deform, const struct deform_sweep *sweep,
-				       const struct deform_window *window, uint32_t layer);
+struct slide_soil;
+struct slide_place;
 
-/* One soil model: soil/models.c has a row for each. */
-struct soil_model {
-	deform_model_fn contact;    /* what a contact does to its window */
-	const char *shader;         /* of its contact */
-	const char *contact_effect; /* names of scene's effects: of the contact, */
-	const char *window_effect;  /* of what else works on its window, */
-	const char *slide_effect;   /* and of soil that slides; NULL: none does */
-	unsigned planes;            /* that it keeps beside the offset: a mask of PLANE_BIT */
-	bool conserves;             /* it moves soil, and loses none but what is compacted */
-	int slide_passes;           /* of one iteration of sliding */
+/* One way in which soil slides: soil/slide.c. A model that conserves soil names one. */
+struct soil_slide {
+	const char *effect; /* its name */
+	int pass_count;     /* passes of one iteration, in which soil depends on posts as many posts away */
+	enum slide_what passes[2];
+	bool bounded;       /* the soil that can relax may have a bottom */
+	bool held_still;    /* soil below an object does not slide */
+	/* Computes what follows from a soil's numbers. */
+	void (*prepare)(const struct deform *deform, const struct deform_soil *soil, struct slide_soil *to);
+	enum status (*iterate)(struct deform *deform, const struct slide_place *place, int iteration);
 };
-extern const struct soil_model deform_soil_models[DEFORM_MODELS];
+extern const struct soil_slide deform_slide_excess; /* part of what exceeds the critical difference slides */
+extern const struct soil_slide deform_slide_shed;   /* Sumner's: steep posts shed soil, by roughness */
 
 /* Differences of heights that stand, axial and diagonal, fixed-point units. */
 struct slide_soil {
@@ -169,17 +169,11 @@ enum status deform_lugs(struct deform *deform, const struct deform_sweep *sweep,
 enum status deform_press(struct deform *deform, const void *params, size_t params_bytes,
 			 const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
 
-/* model_*.c */
-enum status deform_none(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
-			uint32_t layer) FURROW_CHECKED;
-enum status deform_box(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
-		       uint32_t layer) FURROW_CHECKED;
-
-/* Its press alone, for the forces. */
-enum status deform_scm_feel(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window, uint32_t layer)
-	FURROW_CHECKED;
-enum status deform_scm(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
-		       uint32_t layer) FURROW_CHECKED;
+/* stages.c: a press whose parameters are press_params alone. */
+enum status deform_press_plainly(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
+				 uint32_t layer) FURROW_CHECKED;
+/* soil/slide.c: what follows a press that carried soil away. */
+enum status deform_spread_and_slide(struct deform *deform, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
 
 /* std140 twin of lib/soil.glsl's block. */
 struct scm_soil {
@@ -244,10 +238,6 @@ int64_t deform_slide_step(const struct deform *deform);
 /* What follows from the parameters. */
 void deform_slide_prepare(struct deform *deform);
 
-enum status deform_sumner(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
-			  uint32_t layer) FURROW_CHECKED;
-enum status deform_slippage(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
-			    uint32_t layer) FURROW_CHECKED;
 /* deform.c: the planes of a rectangle of posts to a place of a layer (of the atlas: planes_of[1]), and from there to
  * tiles. */
 void deform_gather(struct deform *deform, struct post_rect read, uint32_t layer, uint32_t x, uint32_t y, bool atlas,

@@ -10,13 +10,13 @@ struct deform_request {
 	char own[16]; /* a define that is made */
 };
 
-/* Of scm's press: what of an object it depends on. */
+/* Of the press of a model that tells forces: what of an object it depends on. */
 enum { WITH_FORCES = 1, WITH_PATCH = 2, WITH_LOAD = 4 };
 
 /* Of scm's search: where first contact is; how many posts are touched; what the soil bears. */
 enum find_what { FIND_GAP, FIND_COUNT, FIND_BEARS };
 
-/* An iteration: in one pass, or Sumner's in two. */
+/* A pass of an iteration: in one pass, or to shed soil and then to take it. */
 enum slide_what { SLIDE_EXCESS, SLIDE_SHED, SLIDE_TAKE };
 
 /* Each fills `out` anew. Pure. */
@@ -42,10 +42,5 @@ void deform_programs_each(const struct deform_params *params, const struct defor
 /* Whether an object's patch is counted on the ground: of a shape that has no width of its own, and lies in one window
  * wherever it is. */
 bool deform_is_counted(const struct deform_params *params, const struct deform_shape *shape, bool loaded);
-
-/* The effects (src/scene/effects.c) that call for what all objects need under the model. */
-const char *deform_press_effect(enum deform_model model);
-const char *deform_slide_effect(enum deform_model model);
-const char *deform_contact_effect(enum deform_model model); /* the textures that tell what an object touched */
 
 #endif

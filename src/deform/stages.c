@@ -60,6 +60,13 @@ enum status deform_press(struct deform *deform, const void *params, size_t param
 	return STATUS_OK;
 }
 
+enum status deform_press_plainly(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
+				 uint32_t layer)
+{
+	const struct press_params params = deform_press_params(deform, sweep, window, layer);
+	return deform_press(deform, &params, sizeof params, window, layer);
+}
+
 static enum status dirty(struct deform *deform, struct post_rect read, uint32_t layer)
 {
 	struct deform_request request;
@@ -90,14 +97,14 @@ static void begin_layer(struct deform *deform, const struct deform_sweep *sweep,
 	memset(scratch->now, 0, sizeof scratch->now);
 	scratch->alone = all.x0 == write.x0 && all.y0 == write.y0 && all.x1 == write.x1 && all.y1 == write.y1;
 	scratch->above = sweep->above;
-	scratch->loaded = deform->params.model == DEFORM_SCM && sweep->load > 0;
+	scratch->loaded = deform_tells_forces(deform->params.model) && sweep->load > 0;
 }
 
 enum status deform_run_feel(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window, uint32_t layer)
 {
 	begin_layer(deform, sweep, window, layer);
 	enum status status = deform_underside(deform, sweep, window, layer);
-	return status == STATUS_OK ? deform_scm_feel(deform, sweep, window, layer) : status;
+	return status == STATUS_OK ? deform_model_row(deform->params.model)->feel(deform, sweep, window, layer) : status;
 }
 
 enum status deform_run_stages(struct deform *deform, const struct deform_sweep *sweep,
@@ -106,7 +113,7 @@ enum status deform_run_stages(struct deform *deform, const struct deform_sweep *
 	begin_layer(deform, sweep, window, layer);
 	enum status status = deform_underside(deform, sweep, window, layer);
 	if (status == STATUS_OK)
-		status = deform_soil_models[deform->params.model].contact(deform, sweep, window, layer);
+		status = deform_model_row(deform->params.model)->contact(deform, sweep, window, layer);
 	if (status == STATUS_OK && deform->params.dirt)
 		status = dirty(deform, window->read, layer);
 	return status;

@@ -45,13 +45,13 @@ enum status deform_underside(struct deform *deform, const struct deform_sweep *s
 	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
 		return status;
-	/* Beyond its shadow it is above no post, and scm does not look there. */
+	/* Beyond its shadow it is above no post, and a model that works in place does not look there. */
 	const struct gpu_rect all = {0, 0, (uint32_t)(read.x1 - read.x0), (uint32_t)(read.y1 - read.y0)};
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
 		.stage = GPU_UNDERSIDE,
 		.program = *program,
 		.target = deform->scratch[layer].to[TO_UNDER],
-		.viewport = deform->params.model == DEFORM_SCM ? shadow_of(deform, sweep, read) : all,
+		.viewport = deform_model_row(deform->params.model)->in_place ? shadow_of(deform, sweep, read) : all,
 		.params = &params,
 		.params_bytes = sizeof params,
 	});

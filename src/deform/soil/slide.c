@@ -28,6 +28,11 @@ struct shed_params {
 	} soils[DEFORM_SOILS];
 };
 
+static const struct soil_slide *slide_of(const struct deform_params *params)
+{
+	return deform_model_row(params->model)->slide;
+}
+
 int deform_soil_slots(const struct deform_params *params)
 {
 	return deform_has_classes(params) ? DEFORM_SOILS : 1;
@@ -35,7 +40,8 @@ int deform_soil_slots(const struct deform_params *params)
 
 bool deform_is_bounded(const struct deform_params *params)
 {
-	return params->model != DEFORM_SUMNER && isfinite(params->depth);
+	const struct soil_slide *slide = slide_of(params);
+	return slide != NULL && slide->bounded && isfinite(params->depth);
 }
 
 /* Where only heaped soil slides it does so anyway. */
@@ -49,16 +55,16 @@ bool deform_is_steep(const struct deform_params *params)
 	return !(params->relief < STEEP_RELIEF);
 }
 
-/* One that begins, and those of the iterations: Sumner's takes two. */
+/* One that begins, and those of the iterations. */
 int deform_slide_passes(const struct deform_params *params)
 {
-	return 1 + params->iterations * deform_soil_models[params->model].slide_passes;
+	return 1 + params->iterations * slide_of(params)->pass_count;
 }
 
-/* An iteration of Sumner's looks two posts far. */
 int64_t deform_slide_step(const struct deform *deform)
 {
-	return deform->params.model == DEFORM_SUMNER ? 2 : 1;
+	const struct soil_slide *slide = slide_of(&deform->params);
+	return slide != NULL ? slide->pass_count : 1;
 }
 
 /* A post is right once all around it that it depends on are. */
@@ -85,16 +91,14 @@ static int32_t with_tolerance(const struct deform *deform, int32_t stands)
 	return stands < INT32_MAX - tolerance ? stands + tolerance : INT32_MAX;
 }
 
-static void prepare_excess(struct deform *deform, const struct deform_soil *soil, int32_t stands[2])
+static void prepare_excess(const struct deform *deform, const struct deform_soil *soil, struct slide_soil *to)
 {
-	for (int k = 0; k < 2; k++) {
-		double apart = k == 0 ? deform->spacing : deform->spacing * M_SQRT2;
-		stands[k] = deform->params.model == DEFORM_SCM ? deform_stands_at(soil->repose, apart)
-							       : deform_stands_cohesive(soil, apart);
-	}
+	for (int k = 0; k < 2; k++)
+		to->stands[k] = deform_model_row(deform->params.model)
+					->stands(soil, k == 0 ? deform->spacing : deform->spacing * M_SQRT2);
 }
 
-static void prepare_sumner(struct deform *deform, const struct deform_soil *soil, struct slide_soil *to)
+static void prepare_shed(const struct deform *deform, const struct deform_soil *soil, struct slide_soil *to)
 {
 	for (int k = 0; k < 2; k++) {
 		double apart = k == 0 ? deform->spacing : deform->spacing * M_SQRT2;
@@ -110,12 +114,9 @@ void deform_slide_prepare(struct deform *deform)
 {
 	deform->sweeps_flag = true;
 	for (int i = 0; i < deform->params.soil_count; i++)
-		if (deform->params.model == DEFORM_SUMNER)
-			prepare_sumner(deform, &deform->params.soils[i], &deform->soils[i]);
-		else
-			prepare_excess(deform, &deform->params.soils[i], deform->soils[i].stands);
+		slide_of(&deform->params)->prepare(deform, &deform->params.soils[i], &deform->soils[i]);
 	/* Where soil slides sooner for being held, another object may set it in motion: no contact knows of that. */
-	for (int i = 0; i < deform->params.soil_count && deform->params.model == DEFORM_SUMNER; i++)
+	for (int i = 0; i < deform->params.soil_count && !slide_of(&deform->params)->held_still; i++)
 		for (int k = 0; k < 2; k++)
 			if (deform->soils[i].held[k] < deform->soils[i].stands[k])
 				deform->sweeps_flag = false;
@@ -277,12 +278,28 @@ static enum status shed_and_take(struct deform *deform, const struct slide_place
 	return STATUS_OK;
 }
 
+const struct soil_slide deform_slide_excess = {
+	.effect = "slide",
+	.pass_count = 1,
+	.passes = {SLIDE_EXCESS},
+	.bounded = true,
+	.held_still = true,
+	.prepare = prepare_excess,
+	.iterate = excess,
+};
+const struct soil_slide deform_slide_shed = {
+	.effect = "shed",
+	.pass_count = 2,
+	.passes = {SLIDE_SHED, SLIDE_TAKE},
+	.prepare = prepare_shed,
+	.iterate = shed_and_take,
+};
+
 enum status deform_slide_run(struct deform *deform, const struct slide_place *place)
 {
-	bool sumner = deform->params.model == DEFORM_SUMNER;
 	enum status status = begin(deform, place);
 	for (int i = 0; i < deform->params.iterations && status == STATUS_OK; i++)
-		status = (sumner ? shed_and_take : excess)(deform, place, i);
+		status = slide_of(&deform->params)->iterate(deform, place, i);
 	return status;
 }
 
@@ -297,4 +314,10 @@ enum status deform_slide(struct deform *deform, const struct deform_window *wind
 	assert(deform->scratch[layer].now[PLANE_OFFSET] == 1);
 	assert(!(deform->planes & PLANE_BIT(PLANE_HEAPED)) || deform->scratch[layer].now[PLANE_HEAPED] == 1);
 	return deform_slide_run(deform, &place);
+}
+
+enum status deform_spread_and_slide(struct deform *deform, const struct deform_window *window, uint32_t layer)
+{
+	enum status status = deform_spread(deform, window, layer);
+	return status == STATUS_OK ? deform_slide(deform, window, layer) : status;
 }
