@@ -107,13 +107,13 @@ struct soil_model {
 	unsigned planes;         /* that it keeps beside the offset: a mask of PLANE_BIT */
 	bool blind;              /* it needs not know which posts were touched */
 	bool in_place;           /* its contact changes the planes where they are, and looks only at posts below the object */
-	bool press_soils;        /* the shader of its contact reads the soils' numbers: it gets the define SOILS */
+	bool contact_soils;      /* the shader of its contact reads the soils' numbers: it gets the define SOILS */
 	bool smooths;            /* it smooths the trail of an object that moves, by the keys `radius` and `repetitions` */
 	const struct soil_slide *slide; /* how its soil slides; NULL: it does not, and soil is lost. Otherwise it moves soil, and loses
 					 * only what is compacted */
 	/* Computes the critical height difference of a soil between two posts `apart` metres apart, fixed-point units. For sliding by
 	 * excess. */
-	int32_t (*stands)(const struct deform_soil *soil, double apart);
+	int32_t (*critical)(const struct deform_soil *soil, double apart);
 };
 
 /* Returns the row of a model. */
@@ -127,8 +127,8 @@ bool deform_model_reads(enum deform_model model, const char *number);
 bool deform_conserves(enum deform_model model);
 /* Returns true for a model that tells the forces on an object. Only such a model can carry a load. */
 bool deform_tells_forces(enum deform_model model);
-/* Each returns the name of the effect that calls for what all objects need under the model: for their contacts, for soil that
- * slides (NULL: none does), for the textures that tell what an object touched. */
+/* Each returns the name of an effect, which calls for what all objects need under the model. The first is of contacts, the second
+ * of soil that slides (NULL: none does). The third is of the textures that tell what an object touched. */
 const char *deform_press_effect(enum deform_model model);
 const char *deform_slide_effect(enum deform_model model);
 const char *deform_contact_effect(enum deform_model model);

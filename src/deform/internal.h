@@ -170,7 +170,7 @@ enum status deform_press(struct deform *deform, const void *params, size_t param
 			 const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
 
 /* stages.c: a press whose parameters are press_params alone. */
-enum status deform_press_plainly(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
+enum status deform_contact_plainly(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
 				 uint32_t layer) FURROW_CHECKED;
 /* soil/slide.c: what follows a press that carried soil away. */
 enum status deform_spread_and_slide(struct deform *deform, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;

@@ -59,7 +59,7 @@ void deform_programs_press(const struct deform_params *params, unsigned with, st
 	define(out, "LOAD", with & WITH_LOAD);
 	define(out, "SOIL_MAP", model->in_place && deform_has_classes(params));
 	define(out, "CONTACT", !model->in_place && deform_needs_contacts(params));
-	if (model->press_soils)
+	if (model->contact_soils)
 		define_number(out, "SOILS", deform_soil_slots(params));
 }
 

@@ -60,7 +60,7 @@ enum status deform_press(struct deform *deform, const void *params, size_t param
 	return STATUS_OK;
 }
 
-enum status deform_press_plainly(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
+enum status deform_contact_plainly(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
 				 uint32_t layer)
 {
 	const struct press_params params = deform_press_params(deform, sweep, window, layer);

@@ -144,7 +144,7 @@ static uint64_t bit_of(const char *name)
 /* Its own, that of a contact which it shares with another model, and those of soil that moves. */
 static uint64_t model_effects(enum deform_model model)
 {
-	return EFFECT_BIT(EFFECT_OF(model)) | bit_of(deform_press_effect(model)) | bit_of(deform_slide_effect(model)) |
+	return EFFECT_BIT(EFFECT_OF(model)) | bit_of(deform_model_row(model)->contact_effect) | bit_of(deform_slide_effect(model)) |
 	       (deform_conserves(model) ? EFFECT_BIT(EFFECT_SPREAD) : 0);
 }
 

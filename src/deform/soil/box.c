@@ -29,7 +29,7 @@ static enum status filter(struct deform *deform, struct post_rect read, uint32_t
 static enum status contact(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
 			   uint32_t layer)
 {
-	enum status status = deform_press_plainly(deform, sweep, window, layer);
+	enum status status = deform_contact_plainly(deform, sweep, window, layer);
 	/* An object that only stands uncovers nothing: there is nothing to smooth. */
 	if (status == STATUS_OK && !deform_is_contact_only(sweep))
 		status = filter(deform, window->read, layer);

@@ -13,7 +13,7 @@ const struct soil_model deform_model_none = {
 		"512 m; an offset at most 1024 m",
 		"lowers the ground to what presses it, no more"},
 	.touched_effect = "dirt",
-	.contact = deform_press_plainly,
+	.contact = deform_contact_plainly,
 	.shader = "deform/none.frag",
 	.blind = true,
 };

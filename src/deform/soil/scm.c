@@ -164,7 +164,7 @@ static enum status contact(struct deform *deform, const struct deform_sweep *swe
 	return status == STATUS_OK ? deform_spread_and_slide(deform, window, layer) : status;
 }
 
-static int32_t stands(const struct deform_soil *soil, double apart)
+static int32_t critical(const struct deform_soil *soil, double apart)
 {
 	return deform_stands_at(soil->repose, apart);
 }
@@ -189,5 +189,5 @@ const struct soil_model deform_model_scm = {
 	.planes = PLANE_BIT(PLANE_HEAPED) | PLANE_BIT(PLANE_PRESSED) | PLANE_BIT(PLANE_SHEAR),
 	.in_place = true,
 	.slide = &deform_slide_excess,
-	.stands = stands,
+	.critical = critical,
 };

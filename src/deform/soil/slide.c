@@ -95,7 +95,7 @@ static void prepare_excess(const struct deform *deform, const struct deform_soil
 {
 	for (int k = 0; k < 2; k++)
 		to->stands[k] = deform_model_row(deform->params.model)
-					->stands(soil, k == 0 ? deform->spacing : deform->spacing * M_SQRT2);
+					->critical(soil, k == 0 ? deform->spacing : deform->spacing * M_SQRT2);
 }
 
 static void prepare_shed(const struct deform *deform, const struct deform_soil *soil, struct slide_soil *to)

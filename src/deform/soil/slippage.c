@@ -7,7 +7,7 @@
 static enum status contact(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
 			   uint32_t layer)
 {
-	enum status status = deform_press_plainly(deform, sweep, window, layer);
+	enum status status = deform_contact_plainly(deform, sweep, window, layer);
 	return status == STATUS_OK ? deform_spread_and_slide(deform, window, layer) : status;
 }
 
@@ -26,5 +26,5 @@ const struct soil_model deform_model_slippage = {
 	.contact = contact,
 	.shader = "deform/slippage.frag",
 	.slide = &deform_slide_excess,
-	.stands = deform_stands_cohesive,
+	.critical = deform_stands_cohesive,
 };

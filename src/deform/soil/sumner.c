@@ -32,6 +32,6 @@ const struct soil_model deform_model_sumner = {
 	.depth = (double)INFINITY,
 	.contact = contact,
 	.shader = "deform/sumner.frag",
-	.press_soils = true,
+	.contact_soils = true,
 	.slide = &deform_slide_shed,
 };
