@@ -14,10 +14,10 @@ struct key_set {
 	size_t count, room; /* room: a power of two, or 0 */
 };
 
-/* Returns a hash whose low bits are well spread: they depend on the lower 33 bits of the key. */
+/* Returns a hash whose low bits are well spread. */
 static inline size_t key_hash(uint64_t key)
 {
-	return (size_t)((key * 0x9e3779b97f4a7c15ull) >> 32);
+	return (size_t)((key * 0x9e3779b97f4a7c15ull) >> 20);
 }
 
 void key_set_finish(struct key_set *set);

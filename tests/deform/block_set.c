@@ -5,8 +5,8 @@
 
 enum { SIDE_BLOCKS = 40 };
 
-/* Larger than 32 bits of both together, and at the world's edge. */
-static const int64_t corners[][2] = {{0, 0}, {1, 0}, {4096, 70000}, {(int64_t)1 << 31, 3}, {5, (int64_t)1 << 31}};
+/* At the world's edge, and where x and y together have more than 64 bits. */
+static const int64_t corners[][2] = {{0, 0}, {1, 0}, {4096, 70000}, {(int64_t)1 << 31, 3}, {5, (int64_t)1 << 31}, {(int64_t)1 << 40, (int64_t)1 << 34}, {1, (int64_t)1 << 40}};
 
 static void a_block_is_found_once_it_was_added(void **state)
 {

@@ -1,60 +1,79 @@
 #include "deform/schedule/block_set.h"
 
-#include <assert.h>
 #include <stdlib.h>
+#include <string.h>
 
 void deform_block_set_finish(struct block_set *set)
 {
 	mem_free(set->blocks);
-	key_set_finish(&set->keys);
+	mem_free(set->places);
 	*set = (struct block_set){.count = 0};
 }
 
-/* Of a block of a world: none has 2^32 blocks a side. */
-static uint64_t key_of(struct deform_block block)
+static size_t place_of(const struct block_set *set, struct deform_block block)
 {
-	assert(block.x >= 0 && block.x < UINT32_MAX && block.y >= 0 && block.y < UINT32_MAX);
-	return (uint64_t)block.y << 32 | (uint64_t)block.x;
+	uint64_t hash = (uint64_t)block.x * 0x9e3779b97f4a7c15u ^ (uint64_t)block.y * 0xc2b2ae3d27d4eb4fu;
+	size_t place = (size_t)((hash ^ hash >> 32) & (set->room - 1));
+	for (;; place = (place + 1) & (set->room - 1)) {
+		uint32_t at = set->places[place];
+		if (at == 0 || (set->blocks[at - 1].x == block.x && set->blocks[at - 1].y == block.y))
+			return place;
+	}
+}
+
+static void index_all(struct block_set *set)
+{
+	memset(set->places, 0, set->room * sizeof *set->places);
+	for (size_t i = 0; i < set->count; i++)
+		set->places[place_of(set, set->blocks[i])] = (uint32_t)i + 1;
 }
 
 static enum status grow(struct block_set *set)
 {
-	size_t room = set->room != 0 ? 2 * set->room : 64;
-	struct deform_block *blocks = mem_realloc(set->blocks, room, sizeof *blocks);
+	size_t room = set->room != 0 ? 2 * set->room : 128;
+	struct deform_block *blocks = mem_realloc(set->blocks, room / 2, sizeof *blocks);
 	if (blocks == NULL)
 		return fail_memory("the awake blocks");
 	set->blocks = blocks;
+	uint32_t *places = mem_realloc(set->places, room, sizeof *places);
+	if (places == NULL)
+		return fail_memory("the awake blocks");
+	set->places = places;
 	set->room = room;
+	index_all(set);
 	return STATUS_OK;
 }
 
 enum status deform_block_set_add(struct block_set *set, struct deform_block block)
 {
-	uint32_t number;
-	bool fresh = false;
-	enum status status = set->count == set->room ? grow(set) : STATUS_OK;
-	if (status == STATUS_OK)
-		status = key_set_number(&set->keys, key_of(block), &number, &fresh);
-	if (fresh)
+	if (2 * set->count == set->room) {
+		enum status status = grow(set);
+		if (status != STATUS_OK)
+			return status;
+	}
+	size_t place = place_of(set, block);
+	if (set->places[place] == 0) {
 		set->blocks[set->count++] = block;
-	return status;
+		set->places[place] = (uint32_t)set->count;
+	}
+	return STATUS_OK;
 }
 
 bool deform_block_set_has(const struct block_set *set, struct deform_block block)
 {
-	return deform_block_set_place(set, block) < set->count;
+	return set->room != 0 && set->places[place_of(set, block)] != 0;
 }
 
 size_t deform_block_set_place(const struct block_set *set, struct deform_block block)
 {
-	uint32_t number;
-	bool below = block.x < 0 || block.y < 0; /* the neighbour of a block at the world's edge */
-	return !below && key_set_find(&set->keys, key_of(block), &number) ? number : set->count;
+	uint32_t at = set->room != 0 ? set->places[place_of(set, block)] : 0;
+	return at != 0 ? at - 1 : set->count;
 }
 
 void deform_block_set_clear(struct block_set *set)
 {
-	key_set_clear(&set->keys);
+	if (set->count > 0)
+		memset(set->places, 0, set->room * sizeof *set->places);
 	set->count = 0;
 }
 
@@ -73,8 +92,6 @@ void deform_block_set_sort(struct block_set *set)
 {
 	if (set->count > 0)
 		qsort(set->blocks, set->count, sizeof *set->blocks, morton);
-	/* The numbers follow the new order; there is room for them. */
-	key_set_clear(&set->keys);
-	for (size_t i = 0; i < set->count; i++)
-		key_set_put(&set->keys, key_of(set->blocks[i]));
+	if (set->count > 0)
+		index_all(set);
 }

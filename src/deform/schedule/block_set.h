@@ -1,14 +1,14 @@
-/* A set of blocks: a list, and a key_set of them. One thread. Starts as {0}. */
+/* A set of blocks: a list, and a table of places in it. Not a key_set: its keys have 64 bits, and a block has 64 in x and 64 in y.
+ * One thread. Starts as {0}. */
 #ifndef FURROW_DEFORM_BLOCK_SET_H
 #define FURROW_DEFORM_BLOCK_SET_H
 
-#include "base/key_set.h"
 #include "deform/deform.h"
 
 struct block_set {
 	struct deform_block *blocks; /* `count` of them, in the order in which they came */
-	struct key_set keys;         /* a block's number: its index in blocks */
-	size_t count, room;          /* room: of blocks */
+	uint32_t *places;            /* 1 + the index in blocks; 0: none */
+	size_t count, room;          /* room: of places, a power of two or 0; blocks have half of it */
 };
 
 void deform_block_set_finish(struct block_set *set);
