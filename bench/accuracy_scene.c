@@ -146,8 +146,7 @@ static void point_of(int i, double *x, double *y)
 
 const char *accuracy_model_name(enum deform_model model)
 {
-	static const char *const names[DEFORM_MODELS] = {"none", "box", "sumner", "slippage", "scm"};
-	return names[model];
+	return deform_model_row(model)->name;
 }
 
 struct scene *accuracy_scene(enum deform_model model, int laps, const struct scene_setting *settings, size_t count)
@@ -157,7 +156,7 @@ struct scene *accuracy_scene(enum deform_model model, int laps, const struct sce
 	if (file == NULL)
 		bench_must(fail_with(STATUS_FAILED, "%s: cannot be written; free some space", path));
 	fprintf(file, "scene: 1\nend_time: 0.001\nsoil: {name: dry_sand, cohesion: 0}\n");
-	if (model != DEFORM_NONE)
+	if (model != DEFORM_MODEL_DEFAULT)
 		fprintf(file, "redistribute: {model: %s}\n", accuracy_model_name(model));
 	fprintf(file, "objects:\n  - name: wheel\n    shape: {wheel: {radius: %g, width: %g}}\n    sink: %g\n    path:\n"
 		      "      speed: %g\n      points:\n        [",

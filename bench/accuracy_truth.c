@@ -149,7 +149,7 @@ static void box(struct reference_ground *ground, const struct sweep *sweep)
 static struct deform_params params_of(enum deform_model model)
 {
 	struct deform_params params = {.model = model, .soil_count = 1, .bulldozing = 0.5,
-				       .depth = model == DEFORM_SCM ? 0 : INFINITY};
+				       .depth = deform_model_row(model)->depth};
 	bench_must(deform_soil_named("dry_sand", &params.soils[0]));
 	params.soils[0].cohesion = 0;
 	return params;

@@ -21,7 +21,6 @@
 enum { STEPS = 400, RUNS = 5, SIDE = 5, CELLS = 256, WHEELS_MOST = 4 };
 
 static const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4};
-static const char *const model_names[DEFORM_MODELS] = {"none", "box", "sumner", "slippage", "scm"};
 
 struct bench_case {
 	enum deform_model model;
@@ -80,7 +79,7 @@ static void sweep(struct ground *ground, int step, int number)
 		.to = pose_of(ground, step + 1, number),
 		.seconds = seconds,
 		.turned = ground->of.spacing / (wheel.radius * 0.8), /* slip 0.2 */
-		.tag = ground->of.model == DEFORM_SCM ? 1 : 0,
+		.tag = deform_tells_forces(ground->of.model) ? 1 : 0,
 	};
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	struct deform_tile tiles[SIDE * SIDE];
@@ -129,7 +128,7 @@ static void one_step(struct ground *ground, int step)
 		sweep(ground, step, number);
 	if (floor((step + 1) * seconds / INTERVAL) > floor(step * seconds / INTERVAL))
 		interval(ground);
-	if (ground->of.model == DEFORM_SCM)
+	if (deform_tells_forces(ground->of.model))
 		take_forces(ground);
 }
 
@@ -154,13 +153,13 @@ static void open_ground(const struct bench_case *of, bool draws, struct ground *
 		.box_repetitions = 1,
 		.soil_count = 1,
 		.iterations = 1,
-		.depth = of->model == DEFORM_SCM ? 0 : INFINITY,
+		.depth = deform_model_row(of->model)->depth,
 		.bulldozing = 0.5,
 		.disturbance = of->dirt,
 	};
-	bench_must(deform_soil_named(of->model == DEFORM_SUMNER ? "sand" : "dry_sand", &params.soils[0]));
+	bench_must(deform_soil_named("dry_sand", &params.soils[0]));
 	bench_must(deform_create(&params, &ground->deform));
-	bench_must(deform_warm(ground->deform, &(struct deform_planned){&wheel, 0, true}, of->model == DEFORM_SCM));
+	bench_must(deform_warm(ground->deform, &(struct deform_planned){&wheel, 0, true}, deform_tells_forces(of->model)));
 }
 
 static void close_ground(struct ground *ground)
@@ -251,7 +250,7 @@ static void measure(const struct bench_case *of, bool draws, int runs, double ra
 	printf("{\"bench\": \"deform\", \"model\": \"%s\", \"posts_m\": %g, \"wheels\": %d, \"dirt\": %s, \"draws\": %s, "
 	       "\"step_ms\": %.3f, \"p50\": %.3f, \"p95\": %.3f, \"posts\": %.0f, \"posts_per_s\": %.3g, \"passes\": %.1f, "
 	       "\"post_bytes\": %zu, \"copy_fraction\": %.4f, \"gl\": \"%s\"}\n",
-	       model_names[of->model], of->spacing, of->wheels, of->dirt ? "true" : "false", draws ? "true" : "false", ms,
+	       deform_model_row(of->model)->name, of->spacing, of->wheels, of->dirt ? "true" : "false", draws ? "true" : "false", ms,
 	       bench_median(p50, (size_t)runs), bench_median(p95, (size_t)runs), each[0].posts, posts_per_s, each[0].passes,
 	       post_bytes(of), posts_per_s * (double)post_bytes(of) * 2 / rate, gpu_info(ground.gpu)->renderer);
 	fflush(stdout);
@@ -276,9 +275,9 @@ int main(int argc, char **argv)
 	printf("{\"bench\": \"deform\", \"memcpy_bytes_per_s\": %.3g}\n", rate);
 	bool one = false, fine = says(argc, argv, "fine");
 	for (int model = 0; model < DEFORM_MODELS; model++)
-		one = one || says(argc, argv, model_names[model]);
+		one = one || says(argc, argv, deform_model_row((enum deform_model)model)->name);
 	for (int model = 0; model < DEFORM_MODELS; model++)
-		for (size_t s = fine ? COUNT - 1 : 0; s < COUNT && (!one || says(argc, argv, model_names[model])); s++)
+		for (size_t s = fine ? COUNT - 1 : 0; s < COUNT && (!one || says(argc, argv, deform_model_row((enum deform_model)model)->name)); s++)
 			for (int wheels = 1; wheels <= WHEELS_MOST; wheels *= 4)
 				for (int dirt = 0; dirt < (spacings[s] == 0.125 ? 2 : 1); dirt++)
 					measure(&(struct bench_case){(enum deform_model)model, spacings[s], wheels, dirt == 1}, draws,

@@ -62,7 +62,7 @@ static void add_effects(cJSON *root, const struct scene *scene, const struct rep
 {
 	cJSON *array = cJSON_AddArrayToObject(root, "effects");
 	for (int e = 0; e < EFFECT_COUNT; e++) {
-		const struct scene_effect_row *row = scene_effect_row((enum scene_effect)e);
+		const struct effect_row *row = scene_effect_row((enum scene_effect)e);
 		bool called = plan->effects >> e & 1;
 		char reason[160] = "";
 		cJSON *effect = cJSON_CreateObject();

@@ -52,7 +52,7 @@ static void print_effects(const struct scene *scene, const struct report_plan *p
 {
 	puts("\neffects");
 	for (int e = 0; e < EFFECT_COUNT; e++) {
-		const struct scene_effect_row *effect = scene_effect_row((enum scene_effect)e);
+		const struct effect_row *effect = scene_effect_row((enum scene_effect)e);
 		char what[160], why[160];
 		if ((plan->effects >> e & 1) == 0)
 			continue;

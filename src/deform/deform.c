@@ -70,10 +70,11 @@ static bool shared(const struct deform *deform, struct tile tile, struct post_re
 	return true;
 }
 
-/* scm changes the offset and the deposited thickness in place, so they are gathered into the textures where sliding begins. */
+/* A model that works in place changes the offset and the deposited thickness, so they are gathered into the textures where
+ * sliding begins. */
 int deform_gathers_into(const struct deform *deform, int plane)
 {
-	return deform->params.model == DEFORM_SCM && (plane == PLANE_OFFSET || plane == PLANE_DEPOSITED);
+	return deform_model_row(deform->params.model)->in_place && (plane == PLANE_OFFSET || plane == PLANE_DEPOSITED);
 }
 
 static int which(const struct deform *deform, int plane, bool atlas)
@@ -133,7 +134,7 @@ enum status deform_compute(struct deform *deform, const struct deform_contact *c
 enum status deform_feel(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer,
 			const struct deform_tile *tiles, size_t count)
 {
-	assert(deform->params.model == DEFORM_SCM && contact->tag != 0 && layer < deform->layers);
+	assert(deform_tells_forces(deform->params.model) && contact->tag != 0 && layer < deform->layers);
 	enum status status = STATUS_OK;
 	if (deform->felt == NULL)
 		status = gpu_buffer_create(deform->params.gpu, GPU_STORAGE, sizeof(struct deform_tally), NULL, &deform->felt);

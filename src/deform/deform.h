@@ -13,6 +13,7 @@
 #include <stdint.h>
 
 #include "base/base.h"
+#include "base/effect.h"
 #include "gpu/gpu.h"
 
 enum deform_shape_kind { DEFORM_WHEEL, DEFORM_SPHERE, DEFORM_BOX, DEFORM_MESH, DEFORM_SHAPES };
@@ -56,7 +57,81 @@ struct deform_contact {
 	uint64_t tag;    /* not 0: its forces are summed, and deform_forces_take tells them under this tag */
 };
 
-enum deform_model { DEFORM_NONE, DEFORM_BOX_FILTER, DEFORM_SUMNER, DEFORM_SLIPPAGE, DEFORM_SCM, DEFORM_MODELS };
+/*
+ * The soil models. A model is one C file in src/deform/soil, which defines its row, and one line of DEFORM_MODELS_EACH. Code
+ * outside of that folder asks the row what the model does, and names no model.
+ *
+ * Every model: its number, and its name in a scene. Its row is `deform_model_NAME`. Numbers are in the hashes of scenes, so a
+ * new model comes last.
+ */
+#define DEFORM_MODELS_EACH(MODEL) \
+	MODEL(DEFORM_NONE, none) \
+	MODEL(DEFORM_BOX_FILTER, box) \
+	MODEL(DEFORM_SUMNER, sumner) \
+	MODEL(DEFORM_SLIPPAGE, slippage) \
+	MODEL(DEFORM_SCM, scm)
+
+#define DEFORM_MODEL_NUMBER(number, word) number,
+enum deform_model { DEFORM_MODELS_EACH(DEFORM_MODEL_NUMBER) DEFORM_MODELS };
+#undef DEFORM_MODEL_NUMBER
+#define DEFORM_MODEL_DEFAULT ((enum deform_model)0) /* of a scene without `redistribute` */
+
+struct deform;
+struct deform_soil;
+struct deform_window;
+struct soil_slide; /* in which way soil slides: src/deform/internal.h */
+
+/* Runs a model over one window whose lower envelope is known. */
+typedef enum status (*soil_contact_fn)(struct deform *deform, const struct deform_contact *contact,
+				       const struct deform_window *window, uint32_t layer);
+
+/* One soil model. Members that are left out are false, 0 or NULL. */
+struct soil_model {
+	const char *name; /* in a scene */
+	/* For the pages: what the ground does under it, and what becomes of the volume. */
+	const char *use, *volume;
+	struct effect_row effect; /* its own effect, as `furrow explain` tells it */
+	const char *contact_effect; /* name of the effect of its contact; NULL: its own. A name that is not its own is of another
+				     * model, whose contact it shares */
+	const char *touched_effect; /* name of the effect that asks which posts were touched; NULL: its own */
+
+	/* What a scene says. Both lists are NULL-terminated; a list that is NULL is empty. */
+	const char *const *keys;    /* keys of `redistribute` that it takes, beside `model` */
+	const char *const *numbers; /* numbers of a soil that it reads, by their keys; without any it needs no soil */
+	double depth;               /* the default of `depth`, metres */
+
+	/* What it does. */
+	soil_contact_fn contact; /* changes the ground */
+	soil_contact_fn feel;    /* computes the forces on the object alone; NULL: it tells none, and takes no load and no slip */
+	const char *shader;      /* of its contact */
+	unsigned planes;         /* that it keeps beside the offset: a mask of PLANE_BIT */
+	bool blind;              /* it needs not know which posts were touched */
+	bool in_place;           /* its contact changes the planes where they are, and looks only at posts below the object */
+	bool contact_soils;      /* the shader of its contact reads the soils' numbers: it gets the define SOILS */
+	bool smooths;            /* it smooths the trail of an object that moves, by the keys `radius` and `repetitions` */
+	const struct soil_slide *slide; /* how its soil slides; NULL: it does not, and soil is lost. Otherwise it moves soil, and loses
+					 * only what is compacted */
+	/* Computes the critical height difference of a soil between two posts `apart` metres apart, fixed-point units. For sliding by
+	 * excess. */
+	int32_t (*critical)(const struct deform_soil *soil, double apart);
+};
+
+/* Returns the row of a model. */
+const struct soil_model *deform_model_row(enum deform_model model);
+
+/* Returns true if the model takes this key of `redistribute`. */
+bool deform_model_takes(enum deform_model model, const char *key);
+/* Returns true if the model reads this number of a soil. */
+bool deform_model_reads(enum deform_model model, const char *number);
+/* Returns true for a model that moves soil and loses only what is compacted. */
+bool deform_conserves(enum deform_model model);
+/* Returns true for a model that tells the forces on an object. Only such a model can carry a load. */
+bool deform_tells_forces(enum deform_model model);
+/* Each returns the name of an effect, which calls for what all objects need under the model. The first is of contacts, the second
+ * of soil that slides (NULL: none does). The third is of the textures that tell what an object touched. */
+const char *deform_displace_effect(enum deform_model model);
+const char *deform_slide_effect(enum deform_model model);
+const char *deform_contact_effect(enum deform_model model);
 
 /* The numbers of one soil, SI, angles in radians. The scene checks ranges. NAN: the soil has no such number, and no model may
  * read it. */
@@ -108,9 +183,6 @@ struct deform_params {
 /* Returns the planes that a model keeps, a mask of PLANE_BIT. */
 unsigned deform_planes(enum deform_model model, bool disturbance);
 
-/* Returns true for a model that moves soil and loses only what is compacted. */
-bool deform_conserves(enum deform_model model);
-
 struct deform;
 
 /* Checks a shape. STATUS_INPUT, with the limit: it cannot be simulated at this spacing. */
@@ -158,14 +230,14 @@ struct deform_tile {
 enum status deform_compute(struct deform *deform, const struct deform_contact *contact,
 			   const struct deform_window *window, uint32_t layer,
 			   const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
-/* DEFORM_SCM: computes only the forces of a contact with a tag, over one window, as deform_compute would. Changes nothing, not
+/* For a model that tells forces: computes only the forces of a contact with a tag, over one window, as deform_compute would. Changes nothing, not
  * even the tally. Do not scatter after it. */
 enum status deform_feel(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer,
 			const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
 /* The facts about an object that decide its resources and passes. */
 struct deform_planned {
 	const struct deform_shape *shape;
-	double load; /* N; DEFORM_SCM, not 0: its forces are computed too, since they tell its equilibrium height */
+	double load; /* N; not 0, and the model tells forces: its forces are computed too, since they tell its equilibrium height */
 	bool moves;  /* it moves after it was set down */
 };
 /* Links the programs that contacts of this object, and its rest, can need, and no others. Runs each over a window outside the
@@ -265,7 +337,7 @@ enum status deform_restore(struct deform *deform, const struct deform_tally *tal
 /* Begins to read the tally as bytes, as gpu_buffer_read_into does: sizeof(struct deform_tally). Does not wait. */
 void deform_tally_read_into(struct deform *deform, struct gpu_staging *staging, size_t offset);
 
-/* The forces of the soil on an object, for a contact with a tag under DEFORM_SCM. They are sums of whole numbers over the posts
+/* The forces of the soil on an object, for a contact with a tag, under a model that tells forces. They are sums of whole numbers over the posts
  * that carry it at the contact's end. Each share is rounded to 1/16 Pa times the post's area. */
 struct deform_forces {
 	uint64_t tag;

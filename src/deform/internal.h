@@ -36,22 +36,22 @@ struct layer {
 
 struct deform;
 
-/* Runs a model's passes over a window whose lower envelope is known: the contact, and all that follows it. */
-typedef enum status (*deform_model_fn)(struct deform *deform, const struct deform_contact *contact,
-				       const struct deform_window *window, uint32_t layer);
+struct slide_soil;
+struct slide_place;
 
-/* One soil model: soil/models.c has a row for each. */
-struct soil_model {
-	deform_model_fn contact;    /* runs the passes of a contact over one window */
-	const char *shader;         /* the fragment shader of its contact pass */
-	const char *contact_effect; /* name of the scene's effect that the contact pass belongs to */
-	const char *window_effect;  /* name of the effect that its other passes over a window belong to */
-	const char *slide_effect;   /* name of the effect that sliding belongs to; NULL: no soil slides */
-	unsigned planes;            /* planes it keeps beside the offset: a mask of PLANE_BIT */
-	bool conserves;             /* it moves soil, and loses only soil that is compacted */
-	int slide_passes;           /* passes of one iteration of sliding */
+/* One way in which soil slides: soil/slide.c. A model that conserves soil names one. */
+struct soil_slide {
+	const char *effect; /* its name */
+	int pass_count;     /* passes of one iteration, in which soil depends on posts as many posts away */
+	enum slide_what passes[2];
+	bool bounded;       /* the soil that can relax may have a bottom */
+	bool held_still;    /* soil below an object does not slide */
+	/* Computes what follows from a soil's numbers. */
+	void (*prepare)(const struct deform *deform, const struct deform_soil *soil, struct slide_soil *to);
+	enum status (*iterate)(struct deform *deform, const struct slide_place *place, int iteration);
 };
-extern const struct soil_model deform_soil_models[DEFORM_MODELS];
+extern const struct soil_slide deform_slide_excess; /* part of what exceeds the critical difference slides */
+extern const struct soil_slide deform_slide_shed;   /* Sumner's: steep posts shed soil, by roughness */
 
 /* Critical height differences between two posts, fixed-point units: [0] axial, [1] diagonal neighbours. For sumner they include
  * the tolerance. */
@@ -171,17 +171,11 @@ enum status deform_grousers(struct deform *deform, const struct deform_contact *
 enum status deform_run_contact(struct deform *deform, const void *params, size_t params_bytes,
 			 const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
 
-/* soil/none.c, soil/box.c: as deform_model_fn. */
-enum status deform_none(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
-			uint32_t layer) FURROW_CHECKED;
-enum status deform_box(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
-		       uint32_t layer) FURROW_CHECKED;
-
-/* soil/scm.c: deform_scm_feel runs only the contact pass, for deform_feel. deform_scm: as deform_model_fn. */
-enum status deform_scm_feel(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer)
-	FURROW_CHECKED;
-enum status deform_scm(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
-		       uint32_t layer) FURROW_CHECKED;
+/* stages.c: a contact whose parameters are contact_params alone. */
+enum status deform_contact_plainly(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
+				   uint32_t layer) FURROW_CHECKED;
+/* soil/slide.c: what follows a contact that displaced soil: it is spread, then it slides. */
+enum status deform_spread_and_slide(struct deform *deform, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
 
 /* std140 twin of lib/soil.glsl's block. */
 struct scm_soil {
@@ -249,10 +243,6 @@ int64_t deform_slide_step(const struct deform *deform);
 /* Computes the critical differences of all soils. */
 void deform_slide_prepare(struct deform *deform);
 
-enum status deform_sumner(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
-			  uint32_t layer) FURROW_CHECKED;
-enum status deform_slippage(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
-			    uint32_t layer) FURROW_CHECKED;
 /* deform.c: deform_gather copies planes of a rectangle of posts from tiles to place (x, y) of a layer; of the atlas: into
  * planes_of[1]. deform_scatter_from copies planes back to tiles. */
 void deform_gather(struct deform *deform, struct post_rect read, uint32_t layer, uint32_t x, uint32_t y, bool atlas,

@@ -35,7 +35,7 @@ static void plan_planes(const struct deform_params *params, struct plan *plan)
 
 static bool is_loaded(const struct deform_params *params, const struct deform_planned *object)
 {
-	return params->model == DEFORM_SCM && object->load > 0;
+	return deform_tells_forces(params->model) && object->load > 0;
 }
 
 static int find_passes(const struct deform_params *params, const struct deform_planned *object)
@@ -52,8 +52,8 @@ static void plan_windows(const struct deform_params *params, const struct deform
 	add_passes(plan, displace, number, PLAN_WINDOW, GPU_ENVELOPE, object->shape->kind != DEFORM_MESH);
 	add_passes(plan, is_loaded(params, object) ? "load" : displace, number, PLAN_WINDOW, GPU_LOAD, find_passes(params, object));
 	add_passes(plan, displace, number, PLAN_WINDOW, GPU_CONTACT, 1);
-	if (params->model == DEFORM_BOX_FILTER && object->moves)
-		add_passes(plan, "box", number, PLAN_MOVED, GPU_SMOOTH, params->box_repetitions);
+	if (deform_model_row(params->model)->smooths && object->moves)
+		add_passes(plan, deform_model_row(params->model)->effect.name, number, PLAN_MOVED, GPU_SMOOTH, params->box_repetitions);
 	if (deform_conserves(params->model)) {
 		add_passes(plan, "spread", number, PLAN_WINDOW, GPU_SPREAD, 1);
 		add_passes(plan, slide, number, PLAN_WINDOW, GPU_SLIDE, deform_slide_passes(params));
@@ -76,8 +76,8 @@ static void look(const struct deform_params *params, const struct deform_planned
 	if (any->facets == NULL && (shape->kind == DEFORM_MESH || shape->grousers > 0))
 		any->facets = shape->kind == DEFORM_MESH ? "mesh" : "lugs";
 	if (any->tries == NULL && (load || deform_is_counted(params, shape, false)))
-		any->tries = load ? "load" : "scm";
-	if (any->forces == NULL && params->model == DEFORM_SCM && (load || forces))
+		any->tries = load ? "load" : deform_displace_effect(params->model);
+	if (any->forces == NULL && deform_tells_forces(params->model) && (load || forces))
 		any->forces = forces ? "forces" : "load";
 }
 

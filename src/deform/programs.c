@@ -52,16 +52,14 @@ void deform_programs_facet(const struct deform_params *params, struct deform_req
 
 void deform_programs_contact(const struct deform_params *params, unsigned with, struct deform_request *out)
 {
-	begin(out, "full.vert", deform_soil_models[params->model].shader);
-	if (params->model == DEFORM_SCM) {
-		define(out, "FORCES", with & WITH_FORCES);
-		define(out, "PATCH", with & WITH_PATCH);
-		define(out, "LOAD", with & WITH_LOAD);
-		define(out, "SOIL_MAP", deform_has_classes(params));
-	} else {
-		define(out, "CONTACT", deform_needs_contacts(params));
-	}
-	if (params->model == DEFORM_SUMNER)
+	const struct soil_model *model = deform_model_row(params->model);
+	begin(out, "full.vert", model->shader);
+	define(out, "FORCES", with & WITH_FORCES);
+	define(out, "PATCH", with & WITH_PATCH);
+	define(out, "LOAD", with & WITH_LOAD);
+	define(out, "SOIL_MAP", model->in_place && deform_has_classes(params));
+	define(out, "CONTACT", !model->in_place && deform_needs_contacts(params));
+	if (model->contact_soils)
 		define_number(out, "SOILS", deform_soil_slots(params));
 }
 
@@ -98,7 +96,7 @@ void deform_programs_begin(const struct deform_params *params, bool blocks, bool
 	define(out, "THICKNESS", has_thickness(params));
 	define(out, "BOUNDED", deform_is_bounded(params));
 	define(out, "STEEP", deform_is_steep(params));
-	define(out, "HELD_STILL", params->model != DEFORM_SUMNER);
+	define(out, "HELD_STILL", deform_model_row(params->model)->slide->held_still);
 }
 
 void deform_programs_slide(const struct deform_params *params, enum slide_what what, bool blocks, bool last,
@@ -150,7 +148,7 @@ bool deform_is_counted(const struct deform_params *params, const struct deform_s
 {
 	bool round = shape->kind == DEFORM_SPHERE || shape->kind == DEFORM_MESH;
 	/* A loaded object too large for one window is refused, so a loaded one always fits. */
-	return params->model == DEFORM_SCM && round && (loaded || always_fits(params, shape));
+	return deform_tells_forces(params->model) && round && (loaded || always_fits(params, shape));
 }
 
 struct each {
@@ -193,17 +191,18 @@ static void each_find(struct each *each, bool patch, bool load)
 	}
 	if (patch) {
 		deform_programs_find(each->params, FIND_COUNT, false, &each->request);
-		add(each, "scm");
+		add(each, deform_displace_effect(each->params->model));
 	}
 }
 
-static void each_scm(struct each *each, const struct deform_planned *object, bool forces)
+/* The presses of a model that tells forces. */
+static void each_felt(struct each *each, const struct deform_planned *object, bool forces)
 {
 	bool load = object->load > 0, patch = deform_is_counted(each->params, object->shape, load);
 	unsigned with = (patch ? WITH_PATCH : 0) | (load ? WITH_LOAD : 0);
 	each_find(each, patch, load);
 	deform_programs_contact(each->params, with, &each->request);
-	add(each, load ? "load" : "scm");
+	add(each, load ? "load" : deform_displace_effect(each->params->model));
 	if (forces || load) {
 		deform_programs_contact(each->params, with | WITH_FORCES, &each->request);
 		add(each, forces ? "forces" : "load");
@@ -214,15 +213,16 @@ static void each_slide(struct each *each, bool blocks, bool loaded)
 {
 	const struct deform_params *params = each->params;
 	const char *effect = deform_slide_effect(params->model);
-	bool sumner = params->model == DEFORM_SUMNER;
+	const struct soil_slide *slide = deform_model_row(params->model)->slide;
+	const int last_pass = slide->pass_count - 1;
 	deform_programs_begin(params, blocks, loaded, &each->request);
 	add(each, !blocks && loaded ? "load" : effect);
-	if (sumner) {
-		deform_programs_slide(params, SLIDE_SHED, blocks, false, &each->request);
+	for (int pass = 0; pass < last_pass; pass++) {
+		deform_programs_slide(params, slide->passes[pass], blocks, false, &each->request);
 		add(each, effect);
 	}
 	for (int last = params->iterations == 1; last < 2; last++) {
-		deform_programs_slide(params, sumner ? SLIDE_TAKE : SLIDE_EXCESS, blocks, last, &each->request);
+		deform_programs_slide(params, slide->passes[last_pass], blocks, last, &each->request);
 		add(each, effect);
 	}
 }
@@ -231,17 +231,17 @@ void deform_programs_each(const struct deform_params *params, const struct defor
 		   void *user)
 {
 	struct each each = {.params = params, .each = fn, .user = user};
-	bool loaded = params->model == DEFORM_SCM && object->load > 0;
+	bool loaded = deform_tells_forces(params->model) && object->load > 0;
 	each_envelope(&each, object);
-	if (params->model == DEFORM_SCM) {
-		each_scm(&each, object, forces);
+	if (deform_tells_forces(params->model)) {
+		each_felt(&each, object, forces);
 	} else {
 		deform_programs_contact(params, 0, &each.request);
 		add(&each, deform_displace_effect(params->model));
 	}
-	if (params->model == DEFORM_BOX_FILTER && object->moves) {
+	if (deform_model_row(params->model)->smooths && object->moves) {
 		deform_programs_box(params, &each.request);
-		add(&each, "box");
+		add(&each, deform_model_row(params->model)->effect.name);
 	}
 	if (deform_conserves(params->model)) {
 		deform_programs_spread(&each.request);

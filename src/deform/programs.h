@@ -10,13 +10,14 @@ struct deform_request {
 	char own[16]; /* text of a define with a number */
 };
 
-/* Variants of scm's contact pass, as bits: it sums forces; counts the contact patch; the object carries a load. */
+/* Variants of the contact pass of a model that computes forces, as bits: it sums forces; counts the contact patch; the object
+ * carries a load. */
 enum { WITH_FORCES = 1, WITH_PATCH = 2, WITH_LOAD = 4 };
 
 /* Passes of scm's search: the height of the first contact; the number of touched posts; the load that the soil bears. */
 enum find_what { FIND_GAP, FIND_COUNT, FIND_BEARS };
 
-/* Passes of an iteration of sliding: EXCESS alone, or for sumner SHED and TAKE. */
+/* Passes of an iteration of sliding: EXCESS alone, or SHED and TAKE. */
 enum slide_what { SLIDE_EXCESS, SLIDE_SHED, SLIDE_TAKE };
 
 /* Each fills `out` completely. Pure. */
@@ -42,10 +43,5 @@ void deform_programs_each(const struct deform_params *params, const struct defor
 /* Returns true if the size of the object's contact patch is counted on the ground. So it is for a shape without a width of its
  * own, if every contact fits one window. */
 bool deform_is_counted(const struct deform_params *params, const struct deform_shape *shape, bool loaded);
-
-/* Each returns the name of an effect (src/scene/effects.c) to which a model's passes and memory belong; NULL: none. */
-const char *deform_displace_effect(enum deform_model model);
-const char *deform_slide_effect(enum deform_model model);
-const char *deform_contact_effect(enum deform_model model); /* the texture `contacts` */
 
 #endif

@@ -19,7 +19,7 @@ struct rows {
 
 bool deform_needs_contacts(const struct deform_params *params)
 {
-	return params->model != DEFORM_NONE || params->disturbance;
+	return !deform_model_row(params->model)->blind || params->disturbance;
 }
 
 bool deform_has_classes(const struct deform_params *params)
@@ -142,7 +142,7 @@ static enum status make_targets(struct deform *deform, uint32_t number)
 	attach(&of[TO_CONTACT], deform->planes_of[1][PLANE_OFFSET], number);
 	attach(&of[TO_CONTACT], deform->contacts, number);
 	attach(&of[TO_CONTACT], deform->carried, number);
-	for (int i = 0; i < 2 && deform->params.model == DEFORM_BOX_FILTER; i++)
+	for (int i = 0; i < 2 && deform_model_row(deform->params.model)->smooths; i++)
 		attach(&of[TO_FIRST + i], deform->planes_of[i][PLANE_OFFSET], number);
 	bool conserves = deform_conserves(deform->params.model);
 	if (conserves) {
@@ -154,7 +154,7 @@ static enum status make_targets(struct deform *deform, uint32_t number)
 		attach(&of[TO_HELD], deform->contacts, number);
 		attach(&of[TO_HEIGHTS_0], deform->heights[0], number);
 		attach(&of[TO_HEIGHTS_1], deform->heights[1], number);
-		if (deform->params.model == DEFORM_SUMNER)
+		if (deform_model_row(deform->params.model)->slide->pass_count > 1)
 			attach(&of[TO_SHED], deform->carried, number);
 		attach(&of[TO_SLID], deform->planes_of[1][PLANE_OFFSET], number);
 		attach(&of[TO_SLID], deform->planes_of[1][PLANE_DEPOSITED], number);

@@ -60,6 +60,13 @@ enum status deform_run_contact(struct deform *deform, const void *params, size_t
 	return STATUS_OK;
 }
 
+enum status deform_contact_plainly(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
+				 uint32_t layer)
+{
+	const struct contact_params params = deform_contact_params(deform, contact, window, layer);
+	return deform_run_contact(deform, &params, sizeof params, window, layer);
+}
+
 static enum status dirty(struct deform *deform, struct post_rect read, uint32_t layer)
 {
 	struct deform_request request;
@@ -90,14 +97,14 @@ static void begin_layer(struct deform *deform, const struct deform_contact *cont
 	memset(scratch->now, 0, sizeof scratch->now);
 	scratch->alone = all.x0 == write.x0 && all.y0 == write.y0 && all.x1 == write.x1 && all.y1 == write.y1;
 	scratch->above = contact->above;
-	scratch->loaded = deform->params.model == DEFORM_SCM && contact->load > 0;
+	scratch->loaded = deform_tells_forces(deform->params.model) && contact->load > 0;
 }
 
 enum status deform_run_feel(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer)
 {
 	begin_layer(deform, contact, window, layer);
 	enum status status = deform_envelope(deform, contact, window, layer);
-	return status == STATUS_OK ? deform_scm_feel(deform, contact, window, layer) : status;
+	return status == STATUS_OK ? deform_model_row(deform->params.model)->feel(deform, contact, window, layer) : status;
 }
 
 enum status deform_run_stages(struct deform *deform, const struct deform_contact *contact,
@@ -106,7 +113,7 @@ enum status deform_run_stages(struct deform *deform, const struct deform_contact
 	begin_layer(deform, contact, window, layer);
 	enum status status = deform_envelope(deform, contact, window, layer);
 	if (status == STATUS_OK)
-		status = deform_soil_models[deform->params.model].contact(deform, contact, window, layer);
+		status = deform_model_row(deform->params.model)->contact(deform, contact, window, layer);
 	if (status == STATUS_OK && deform->params.disturbance)
 		status = dirty(deform, window->read, layer);
 	return status;

@@ -64,12 +64,12 @@ enum status deform_warm(struct deform *deform, const struct deform_planned *obje
 		return STATUS_OK;
 	deform->warmed |= kind;
 	const struct deform_figures before = deform->figures;
-	bool loaded = params->model == DEFORM_SCM && object->load > 0;
+	bool loaded = deform_tells_forces(params->model) && object->load > 0;
 	struct linking linking = {.gpu = params->gpu};
 	deform_programs_each(params, object, forces, link_program, &linking);
 	enum status status = linking.status;
 	if (status == STATUS_OK)
-		status = contact_all(deform, object, params->model == DEFORM_SCM && (forces || loaded));
+		status = contact_all(deform, object, deform_tells_forces(params->model) && (forces || loaded));
 	if (status == STATUS_OK && deform->interval != NULL)
 		status = deform_interval_warm(deform, object->shape, loaded && params->loaded_bodies > 0);
 	if (status == STATUS_OK)

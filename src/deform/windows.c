@@ -142,7 +142,7 @@ int64_t deform_reach(const struct deform_params *params)
 {
 	if (deform_conserves(params->model))
 		return params->iterations + 2; /* displaced soil is deposited beside the object, then slides by a post an iteration */
-	return params->model == DEFORM_BOX_FILTER ? params->box_radius : 0;
+	return deform_model_row(params->model)->smooths ? params->box_radius : 0;
 }
 
 int64_t deform_border(const struct deform_params *params)
@@ -150,7 +150,7 @@ int64_t deform_border(const struct deform_params *params)
 	if (deform_conserves(params->model))
 		return 1; /* sliding reads the heights of the neighbours */
 	/* Each repetition makes `box_radius` more posts along the border wrong. */
-	return params->model == DEFORM_BOX_FILTER ? (int64_t)params->box_radius * params->box_repetitions : 0;
+	return deform_model_row(params->model)->smooths ? (int64_t)params->box_radius * params->box_repetitions : 0;
 }
 
 int64_t deform_core(const struct deform_params *params)

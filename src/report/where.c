@@ -11,15 +11,15 @@ static void add(cJSON *where, const char *name, uint64_t visited, uint64_t possi
 
 static void add_windows(cJSON *where, const struct report *report, const struct gpu_stats *gpu)
 {
-	static const enum scene_effect of_windows[] = {EFFECT_DISPLACE, EFFECT_BOX, EFFECT_SUMNER, EFFECT_SLIPPAGE,
-						       EFFECT_SCM, EFFECT_SPREAD, EFFECT_DIRT};
-	for (size_t i = 0; i < sizeof of_windows / sizeof *of_windows; i++) {
-		enum scene_effect effect = of_windows[i];
+	const enum deform_model model = report->world->scene->model;
+	const uint64_t used = scene_effects(report->world->scene, report->world->level);
+	for (int effect = EFFECT_MODEL; effect <= EFFECT_DIRT; effect++) {
 		uint64_t visited = report->world->windows.computed;
-		if (effect == EFFECT_BOX) /* not where an object is only at rest */
+		if ((effect > EFFECT_SPREAD && effect < EFFECT_DIRT) || (used >> effect & 1) == 0)
+			continue;
+		if (deform_model_row(model)->smooths && effect == (int)EFFECT_OF(model)) /* not where an object is only at rest */
 			visited = gpu->passes[GPU_SMOOTH] / (uint64_t)report->world->scene->box_repetitions;
-		if (scene_effects(report->world->scene, report->world->level) >> effect & 1)
-			add(where, scene_effect_row(effect)->name, visited, report->world->windows.due);
+		add(where, scene_effect_row((enum scene_effect)effect)->name, visited, report->world->windows.due);
 	}
 }
 

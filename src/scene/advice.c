@@ -162,9 +162,9 @@ static void advise_without_objects(const struct adviser *adviser)
 		return;
 	if (scene->coordinates != SCENE_LOCAL)
 		advise(adviser, "coordinates: are of paths, and there is none; add an object, or take them away");
-	if (scene->model != DEFORM_NONE)
+	if (scene->model != DEFORM_MODEL_DEFAULT)
 		advise(adviser, "redistribute.model: %s moves the soil that objects press, and there is none; add one, or take it away",
-		       scene_model_word(scene->model));
+		       deform_model_row(scene->model)->name);
 	if (scene->outside == SCENE_SKIP)
 		advise(adviser, "outside: is of objects, and there is none; add one, or take it away");
 	if (scene->forces > 0)
@@ -191,11 +191,12 @@ static void advise_ground(const struct adviser *adviser)
 		return;
 	if (scene->soil_map != NULL && is_one_soil(scene))
 		advise(adviser, "soil.map: all its classes are the default's soil; give them others, or one soil and no map");
-	if (scene->model == DEFORM_BOX_FILTER && all_stand_still(scene))
-		advise(adviser, "redistribute.model: box smooths where an object leaves, and none moves; let one move, or take it away");
+	if (deform_model_row(scene->model)->smooths && all_stand_still(scene))
+		advise(adviser, "redistribute.model: %s smooths where an object leaves, and none moves; let one move, or take it away",
+		       deform_model_row(scene->model)->name);
 	if (!moves_soil(scene))
 		return;
-	bool lays_none = scene->model == DEFORM_SCM && scene->bulldozing == 0 && scene->depth == 0;
+	bool lays_none = deform_model_takes(scene->model, "bulldozing") && scene->bulldozing == 0 && scene->depth == 0;
 	if (lays_none && scene->iterations > scene_absent("redistribute.iterations"))
 		advise(adviser, "redistribute.iterations: no soil is laid (bulldozing 0), and none is loose (depth 0): nothing slides "
 				"but what earlier drives laid; give bulldozing or depth, or 1");

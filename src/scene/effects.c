@@ -10,39 +10,12 @@
 #include "scene/scene_schema.h"
 
 #define STATE "base, offset, heaped, pressed, shear"
-#define STATE_CHANGED "offset, heaped, pressed, shear"
-#define LIST(...) (const char *const[]){__VA_ARGS__, NULL}
-#define NONE (const char *const[]){NULL}
+#define LIST EFFECT_LIST
+#define NONE EFFECT_LIST_NONE
 #define SLIDING "redistribute.iterations", "redistribute.interval", "redistribute.tolerance", "redistribute.undisturbed"
 
-static const struct scene_effect_row rows[EFFECT_COUNT] = {
-	[EFFECT_DISPLACE] = {
-		"displace", "objects", "", LIST("deform/under.frag", "deform/none.frag"), "base, offset", "offset", 0,
-		LIST("objects[].shape.wheel.radius", "objects[].shape.wheel.width", "objects[].shape.sphere.radius",
-		     "objects[].shape.box.size[]", "objects[].sink"),
-		"a window is at most 256 x 256 posts, a sweep at most 16 of them; an object at most 672 posts across, and "
-		"512 m; an offset at most 1024 m",
-		"lowers the ground to what presses it, no more"},
-	[EFFECT_BOX] = {
-		"box", "redistribute.model", "", LIST("deform/box.frag"), "base, offset", "offset", 4,
-		LIST("redistribute.radius", "redistribute.repetitions"),
-		"reads as many posts around the trail as the radius times the repetitions: 32 at most",
-		"smooths the trail: the mean of the posts around"},
-	[EFFECT_SUMNER] = {
-		"sumner", "redistribute.model", "", LIST("deform/sumner.frag"), "base, offset", "offset", 0,
-		LIST("soil.compression"),
-		"gives away at most 8 m of soil a post and sweep",
-		"lays part of what objects press away around"},
-	[EFFECT_SLIPPAGE] = {
-		"slippage", "redistribute.model", "", LIST("deform/slippage.frag"), "base, offset", "offset", 0, NONE,
-		"gives away at most 8 m of soil a post and sweep",
-		"lays all that objects press away around"},
-	[EFFECT_SCM] = {
-		"scm", "redistribute.model", "", LIST("deform/scm.frag"), STATE, STATE_CHANGED, 1,
-		LIST("redistribute.bulldozing", "soil.bekker_kc", "soil.bekker_kphi", "soil.bekker_n", "soil.cohesion",
-		     "soil.friction_angle", "soil.janosi_shear", "soil.elastic_stiffness", "soil.damping", "objects[].slip"),
-		"a stress is at most 1e20 Pa; a slope counts as at most 87 degrees; integer sums, but floating point by driver",
-		"sinks and springs back by the soil's pressure"},
+/* Without the models' own: those are in the models' rows. */
+static const struct effect_row rows[EFFECT_COUNT] = {
 	[EFFECT_SPREAD] = {
 		"spread", "redistribute.model", "", LIST("deform/spread.frag"), "offset", "offset", DEFORM_WINDOW_POSTS, NONE,
 		"along the rows and columns of one window; soil that finds no free post there is compacted, and counted",
@@ -146,39 +119,33 @@ static const struct scene_effect_row rows[EFFECT_COUNT] = {
 		"shades the ground beside the objects"},
 };
 
-const struct scene_effect_row *scene_effect_row(enum scene_effect effect)
+const struct effect_row *scene_effect_row(enum scene_effect effect)
 {
 	assert((unsigned)effect < EFFECT_COUNT);
-	return &rows[effect];
+	return effect < EFFECT_SPREAD ? &deform_model_row((enum deform_model)(effect - EFFECT_MODEL))->effect : &rows[effect];
 }
 
 bool scene_effect_named(const char *name, enum scene_effect *effect)
 {
 	for (int e = 0; e < EFFECT_COUNT; e++)
-		if (strcmp(rows[e].name, name) == 0) {
+		if (strcmp(scene_effect_row((enum scene_effect)e)->name, name) == 0) {
 			*effect = (enum scene_effect)e;
 			return true;
 		}
 	return false;
 }
 
+static uint64_t bit_of(const char *name)
+{
+	enum scene_effect effect;
+	return name != NULL && scene_effect_named(name, &effect) ? EFFECT_BIT(effect) : 0;
+}
+
+/* Its own, that of a contact which it shares with another model, and those of soil that moves. */
 static uint64_t model_effects(enum deform_model model)
 {
-	switch (model) {
-	case DEFORM_NONE:
-		return EFFECT_BIT(EFFECT_DISPLACE);
-	case DEFORM_BOX_FILTER:
-		return EFFECT_BIT(EFFECT_DISPLACE) | EFFECT_BIT(EFFECT_BOX);
-	case DEFORM_SUMNER:
-		return EFFECT_BIT(EFFECT_SUMNER) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SHED);
-	case DEFORM_SLIPPAGE:
-		return EFFECT_BIT(EFFECT_SLIPPAGE) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SLIDE);
-	case DEFORM_SCM:
-		return EFFECT_BIT(EFFECT_SCM) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SLIDE);
-	case DEFORM_MODELS:
-		break;
-	}
-	return 0;
+	return EFFECT_BIT(EFFECT_OF(model)) | bit_of(deform_model_row(model)->contact_effect) | bit_of(deform_slide_effect(model)) |
+	       (deform_conserves(model) ? EFFECT_BIT(EFFECT_SPREAD) : 0);
 }
 
 uint64_t scene_object_effects(const struct scene_object *object)
@@ -260,14 +227,15 @@ static const struct scene_object *caller(const struct scene *scene, enum scene_e
 
 void scene_effect_reason(const struct scene *scene, enum scene_effect effect, char *text, size_t size)
 {
-	const char *key = rows[effect].key;
+	const struct effect_row *row = scene_effect_row(effect);
+	const char *key = row->key;
 	const struct scene_object *object = caller(scene, effect);
 	if (object != NULL) /* objects.NAME.load */
 		snprintf(text, size, "objects.%s%s", object->name, key + strlen("objects"));
 	else if (strcmp(key, "redistribute.model") == 0)
-		snprintf(text, size, "%s: %s", key, scene_model_word(scene->model));
+		snprintf(text, size, "%s: %s", key, deform_model_row(scene->model)->name);
 	else if (strcmp(key, "view.effects") == 0 || strcmp(key, "attributes") == 0)
-		snprintf(text, size, "%s.%s", key, scene_name_now(rows[effect].name));
+		snprintf(text, size, "%s.%s", key, scene_name_now(row->name));
 	else if (effect == EFFECT_FORCES)
 		snprintf(text, size, "%s: %g", key, scene->forces);
 	else if (effect == EFFECT_PREFETCH)

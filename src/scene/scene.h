@@ -13,6 +13,7 @@
 #include <stdint.h>
 
 #include "base/base.h"
+#include "base/effect.h"
 #include "deform/deform.h"
 
 enum scene_coordinates { SCENE_LOCAL, SCENE_STORE, SCENE_SRS };
@@ -21,14 +22,10 @@ enum scene_undisturbed { SCENE_STANDS, SCENE_SLIDES };
 enum scene_body { SCENE_EARTH, SCENE_MARS, SCENE_MOON };
 enum scene_camera_kind { SCENE_CHASE, SCENE_OVERHEAD, SCENE_FIXED };
 
-/* Every effect that a scene can use, in the order of the table in src/scene/effects.c. */
+/* Every effect that a scene can use: the models' own, and those of the table in src/scene/effects.c in its order. */
 enum scene_effect {
-	EFFECT_DISPLACE,
-	EFFECT_BOX,
-	EFFECT_SUMNER,
-	EFFECT_SLIPPAGE,
-	EFFECT_SCM,
-	EFFECT_SPREAD,
+	EFFECT_MODEL, /* of the first model; each model has one */
+	EFFECT_SPREAD = EFFECT_MODEL + DEFORM_MODELS,
 	EFFECT_SHED,
 	EFFECT_SLIDE,
 	EFFECT_SOIL_MAP,
@@ -57,20 +54,10 @@ enum scene_effect {
 	EFFECT_SHADOW,
 	EFFECT_COUNT
 };
+#define EFFECT_OF(model) ((enum scene_effect)(EFFECT_MODEL + (int)(model))) /* a model's own effect */
 #define EFFECT_BIT(effect) ((uint64_t)1 << (effect)) /* in a set of effects */
 
-struct scene_effect_row {
-	const char *name;    /* its name in a scene, if it has one */
-	const char *key;     /* the scene's key that turns it on: "redistribute.model" */
-	const char *define;  /* define of the shader variant, "" if it has its own program */
-	const char *const *shaders; /* files, NULL-terminated; the first has the define */
-	const char *reads, *writes; /* planes, or other data in words */
-	int stencil;         /* most posts that it reads around a post it writes */
-	const char *const *parameters; /* keys of the scene, NULL-terminated, for scene_parameter */
-	const char *limits;  /* in words, with numbers */
-	const char *what;    /* description in one line */
-};
-const struct scene_effect_row *scene_effect_row(enum scene_effect effect);
+const struct effect_row *scene_effect_row(enum scene_effect effect);
 bool scene_effect_named(const char *name, enum scene_effect *effect);
 
 /* Returns the present name of a key, word or layer that was renamed: "disturbance" for "dirt". Other names are returned
@@ -109,8 +96,8 @@ struct scene_object {
 	struct scene_path path;
 	struct deform_mesh *mesh; /* owned: shape.mesh, or NULL */
 	double sink; /* metres below the base at the path's point; 0 with a load */
-	double load; /* N that the soil carries, instead of `sink`, model scm; 0: none */
-	double slip; /* of a wheel, model scm: 1 - distance / (radius x angle turned), or below 0 if it is dragged */
+	double load; /* N that the soil carries, instead of `sink`, of a model that tells forces; 0: none */
+	double slip; /* of a wheel, of a model that tells forces: 1 - distance / (radius x angle turned), or below 0 if it is dragged */
 };
 
 /* The light of pictures. */
@@ -180,9 +167,6 @@ struct scene {
 	size_t doubt_count;
 	char hash[33];   /* hex: hash of everything that decides the ground; without cache, view, output, store, end_time */
 };
-
-/* Returns the model's name in a scene: "none", "box", ... */
-const char *scene_model_word(enum deform_model model);
 
 struct scene_setting {
 	const char *key, *value; /* key with dots, objects by name */

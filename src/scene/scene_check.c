@@ -24,36 +24,27 @@ static enum status copy(char **out, const char *text)
 	return *out == NULL ? fail_memory("reading the scene") : STATUS_OK;
 }
 
-#define MODEL(model) (1u << (model))
-#define SOILS_MODELS (MODEL(DEFORM_SUMNER) | MODEL(DEFORM_SLIPPAGE) | MODEL(DEFORM_SCM))
-
-/* No parameter of another model is passed over in silence. */
+/* Every key of `redistribute` beside the model is taken by some models. None of another model is passed over in silence. */
 static enum status check_parameters(const struct scene_tree *tree, const struct raw_redistribute *raw)
 {
+	const enum deform_model chosen = (enum deform_model)raw->model;
 	const struct {
 		const char *key;
 		const void *value;
-		unsigned models;
 	} parameters[] = {
-		{"radius", raw->radius, MODEL(DEFORM_BOX_FILTER)},
-		{"repetitions", raw->repetitions, MODEL(DEFORM_BOX_FILTER)},
-		{"iterations", raw->iterations, SOILS_MODELS},
-		{"interval", raw->interval, SOILS_MODELS},
-		{"depth", raw->depth, MODEL(DEFORM_SLIPPAGE) | MODEL(DEFORM_SCM)},
-		{"undisturbed", raw->undisturbed, SOILS_MODELS},
-		{"tolerance", raw->tolerance, SOILS_MODELS},
-		{"bulldozing", raw->bulldozing, MODEL(DEFORM_SCM)},
+		{"radius", raw->radius},	   {"repetitions", raw->repetitions}, {"iterations", raw->iterations},
+		{"interval", raw->interval},	   {"depth", raw->depth},	      {"undisturbed", raw->undisturbed},
+		{"tolerance", raw->tolerance}, {"bulldozing", raw->bulldozing},
 	};
 	for (size_t i = 0; i < sizeof parameters / sizeof parameters[0]; i++) {
 		struct scene_list models = {.length = 0};
-		if (parameters[i].value == NULL || (parameters[i].models >> raw->model & 1) != 0)
+		if (parameters[i].value == NULL || deform_model_takes(chosen, parameters[i].key))
 			continue;
 		for (int model = 0; model < DEFORM_MODELS; model++)
-			if ((parameters[i].models >> model & 1) != 0)
-				scene_list_add(&models, scene_model_word((enum deform_model)model));
+			if (deform_model_takes((enum deform_model)model, parameters[i].key))
+				scene_list_add(&models, deform_model_row((enum deform_model)model)->name);
 		return scene_error(tree->file, scene_tree_find(tree, "redistribute.%s", parameters[i].key),
-				   "is no parameter of model %s; allowed with: %s",
-				   scene_model_word((enum deform_model)raw->model), models.text);
+				   "is no parameter of model %s; allowed with: %s", deform_model_row(chosen)->name, models.text);
 	}
 	return STATUS_OK;
 }
@@ -61,22 +52,31 @@ static enum status check_parameters(const struct scene_tree *tree, const struct 
 static enum status check_redistribute(const struct scene_tree *tree,
 				      const struct raw_redistribute *raw, struct scene *scene)
 {
-	const struct raw_redistribute none = {.model = DEFORM_NONE};
+	const struct raw_redistribute none = {.model = DEFORM_MODEL_DEFAULT};
 	if (raw == NULL)
 		raw = &none;
 	scene->model = (enum deform_model)raw->model;
 	scene->box_radius = (int)whole(raw->radius, "redistribute.radius");
 	scene->box_repetitions = (int)whole(raw->repetitions, "redistribute.repetitions");
-	if ((SOILS_MODELS >> scene->model & 1) != 0) {
+	if (deform_conserves(scene->model)) {
 		scene->iterations = (int)whole(raw->iterations, "redistribute.iterations");
 		scene->interval = number(raw->interval, "redistribute.interval");
-		scene->depth = raw->depth != NULL ? *raw->depth : scene->model == DEFORM_SCM ? 0 : (double)INFINITY;
+		scene->depth = raw->depth != NULL ? *raw->depth : deform_model_row(scene->model)->depth;
 		scene->tolerance = number(raw->tolerance, "redistribute.tolerance");
 		scene->undisturbed = raw->undisturbed != NULL ? (enum scene_undisturbed)*raw->undisturbed : SCENE_STANDS;
 	}
-	if (scene->model == DEFORM_SCM)
+	if (deform_model_takes(scene->model, "bulldozing"))
 		scene->bulldozing = number(raw->bulldozing, "redistribute.bulldozing");
 	return check_parameters(tree, raw);
+}
+
+struct scene_list scene_models_with_forces(void)
+{
+	struct scene_list models = {.length = 0};
+	for (int model = 0; model < DEFORM_MODELS; model++)
+		if (deform_tells_forces((enum deform_model)model))
+			scene_list_add(&models, deform_model_row((enum deform_model)model)->name);
+	return models;
 }
 
 static enum status check_output(const struct scene_tree *tree, const struct raw_output *output,
@@ -89,9 +89,10 @@ static enum status check_output(const struct scene_tree *tree, const struct raw_
 				   "is of forces, and none are asked for; allowed with: forces");
 	if (output->forces == NULL)
 		return STATUS_OK;
-	if (*output->forces > 0 && scene->model != DEFORM_SCM)
+	if (*output->forces > 0 && !deform_tells_forces(scene->model))
 		return scene_error(tree->file, scene_tree_find(tree, "output.forces"),
-				   "no model but scm computes forces; allowed with: redistribute: {model: scm}");
+				   "no model but %s computes forces; allowed with: redistribute: {model: %s}",
+				   scene_models_with_forces().text, scene_models_with_forces().text);
 	scene->forces = *output->forces;
 	scene->forces_delay = scene->forces > 0 ? (int)whole(output->delay, "output.delay") : 0;
 	return STATUS_OK;

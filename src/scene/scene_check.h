@@ -6,6 +6,7 @@
 #define FURROW_SCENE_CHECK_H
 
 #include "scene/scene.h"
+#include "scene/scene_error.h"
 #include "scene/scene_schema.h"
 #include "scene/scene_tree.h"
 
@@ -38,6 +39,8 @@ enum status scene_check_view(const struct scene_tree *tree, const struct raw_sce
 /* Keeps notes of numbers that are probably in another unit, for scene_advise_units. After the others. */
 enum status scene_check_units(const struct scene_tree *tree, const struct raw_scene *raw,
 			      struct scene *scene) FURROW_CHECKED;
+/* Returns the names of the models that tell forces. */
+struct scene_list scene_models_with_forces(void);
 void scene_drop_doubts(struct scene *scene); /* frees those notes */
 
 /* scene->hash, of all that decides what the ground becomes: not of the cache, the view, the output, the

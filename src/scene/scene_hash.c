@@ -178,7 +178,7 @@ enum status scene_hash(struct scene *scene)
 		add_object(state, &scene->objects[i]);
 	for (size_t i = 0; i < scene->object_count; i++)
 		add_object_more(state, i, &scene->objects[i]);
-	if (scene->model != DEFORM_NONE && scene->model != DEFORM_BOX_FILTER) /* others may have soils to be drawn */
+	if (deform_model_row(scene->model)->numbers != NULL) /* others may have soils to be drawn */
 		add_soils(state, scene);
 	XXH128_hash_t hash = XXH3_128bits_digest(state);
 	XXH3_freeState(state);

@@ -10,7 +10,8 @@
 
 #include "scene/scene_mesh_import.h"
 
-/* Which vertex is at a place: open addressing, at most half full. */
+/* Which vertex is at a place: open addressing, at most half full. Not a key_set: its keys have 64 bits and a place has 96. With
+ * two of those, one for x and y and one for z, a mesh of a million triangles took up to twice as long. */
 struct places {
 	uint32_t *vertex; /* + 1; 0: free */
 	size_t mask;

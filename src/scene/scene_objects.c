@@ -92,25 +92,26 @@ static enum status check_path(const struct scene_tree *tree, const struct raw_pa
 	return status;
 }
 
-/* What only forces can decide: of model scm. */
+/* What only forces can decide. */
 static enum status check_forces(const struct scene_tree *tree, const struct raw_object *raw,
 				const struct scene_object *object, enum deform_model kind, size_t index)
 {
-	const char *model = scene_model_word(kind);
+	const char *model = deform_model_row(kind)->name;
+	const bool forces = deform_tells_forces(kind);
 	const struct scene_node *load = scene_tree_find(tree, "objects[%zu].load", index);
 	const struct scene_node *slip = scene_tree_find(tree, "objects[%zu].slip", index);
 	if (raw->load != NULL && raw->sink != NULL)
 		return scene_error(tree->file, load, "sink is given too; allowed: one of sink, load");
-	if (raw->load != NULL && kind != DEFORM_SCM)
+	if (raw->load != NULL && !forces)
 		return scene_error(tree->file, load, "model %s computes no force that carries it; allowed with: "
-				   "redistribute: {model: scm}", model);
+				   "redistribute: {model: %s}", model, scene_models_with_forces().text);
 	if (raw->load != NULL && object->path.has_z)
 		return scene_error(tree->file, load, "its poses say z already; allowed with: poses t,x,y, or points");
 	if (raw->slip != NULL && object->shape.kind != DEFORM_WHEEL)
 		return scene_error(tree->file, slip, "only a wheel slips; allowed with: wheel");
-	if (raw->slip != NULL && kind != DEFORM_SCM)
+	if (raw->slip != NULL && !forces)
 		return scene_error(tree->file, slip, "model %s does not depend on it; allowed with: redistribute: "
-				   "{model: scm}", model);
+				   "{model: %s}", model, scene_models_with_forces().text);
 	return STATUS_OK;
 }
 

@@ -106,11 +106,8 @@ static const cyaml_schema_field_t soil_fields[] = {
 	CYAML_FIELD_END,
 };
 
-static const cyaml_strval_t model_words[] = {{"none", DEFORM_NONE},
-					     {"box", DEFORM_BOX_FILTER},
-					     {"sumner", DEFORM_SUMNER},
-					     {"slippage", DEFORM_SLIPPAGE},
-					     {"scm", DEFORM_SCM}};
+#define MODEL_WORD(number, word) {#word, number},
+static const cyaml_strval_t model_words[] = {DEFORM_MODELS_EACH(MODEL_WORD)};
 static const cyaml_strval_t undisturbed_words[] = {{"stable", SCENE_STANDS}, {"slides", SCENE_SLIDES}};
 static const cyaml_strval_t body_words[] = {{"earth", SCENE_EARTH}, {"mars", SCENE_MARS}, {"moon", SCENE_MOON}};
 static const cyaml_strval_t outside_words[] = {{"stop", SCENE_STOP}, {"skip", SCENE_SKIP}};
@@ -207,14 +204,6 @@ bool scene_needed_by_command(const char *where)
 		if (strcmp(needed[i], where) == 0)
 			return true;
 	return false;
-}
-
-const char *scene_model_word(enum deform_model model)
-{
-	size_t at = 0;
-	while (model_words[at].val != (int64_t)model)
-		at++;
-	return model_words[at].str;
 }
 
 static const struct scene_limit limits[] = {

@@ -10,36 +10,32 @@
 #include "scene/scene_file.h"
 
 #define MAP_BYTES ((uint64_t)1 << 30)
-#define SUMNER (1u << DEFORM_SUMNER)
-#define SLIPPAGE (1u << DEFORM_SLIPPAGE)
-#define SCM (1u << DEFORM_SCM)
 
-#define PARAMETER(name, unit, models, optional) \
-	{#name, offsetof(struct raw_class, name), offsetof(struct deform_soil, name), unit, models, optional}
+#define PARAMETER(name, unit, optional) \
+	{#name, offsetof(struct raw_class, name), offsetof(struct deform_soil, name), unit, optional}
 #define DEGREE (3.14159265358979323846 / 180)
 
 static const struct parameter {
 	const char *key;
 	size_t from, to;
 	double unit;
-	unsigned models; /* that read it */
-	bool optional;   /* and have a default for it */
+	bool optional; /* it has a default */
 } parameters[] = {
-	PARAMETER(bekker_kc, 1, SCM, false),
-	PARAMETER(bekker_kphi, 1, SCM, false),
-	PARAMETER(bekker_n, 1, SCM, false),
-	PARAMETER(cohesion, 1, SLIPPAGE | SCM, false),
-	PARAMETER(friction_angle, DEGREE, SLIPPAGE | SCM, false),
-	PARAMETER(janosi_shear, 1, SCM, false),
-	PARAMETER(elastic_stiffness, 1, SCM, false),
-	PARAMETER(damping, 1, SCM, false),
-	PARAMETER(unit_weight, 1, SLIPPAGE, false),
-	PARAMETER(repose, DEGREE, SCM, true),
-	PARAMETER(theta_in, DEGREE, SUMNER, false),
-	PARAMETER(theta_out, DEGREE, SUMNER, false),
-	PARAMETER(theta_stop, DEGREE, SUMNER, false),
-	PARAMETER(roughness, 1, SUMNER, false),
-	PARAMETER(compression, 1, SUMNER, false),
+	PARAMETER(bekker_kc, 1, false),
+	PARAMETER(bekker_kphi, 1, false),
+	PARAMETER(bekker_n, 1, false),
+	PARAMETER(cohesion, 1, false),
+	PARAMETER(friction_angle, DEGREE, false),
+	PARAMETER(janosi_shear, 1, false),
+	PARAMETER(elastic_stiffness, 1, false),
+	PARAMETER(damping, 1, false),
+	PARAMETER(unit_weight, 1, false),
+	PARAMETER(repose, DEGREE, true),
+	PARAMETER(theta_in, DEGREE, false),
+	PARAMETER(theta_out, DEGREE, false),
+	PARAMETER(theta_stop, DEGREE, false),
+	PARAMETER(roughness, 1, false),
+	PARAMETER(compression, 1, false),
 };
 #define PARAMETERS (sizeof parameters / sizeof parameters[0])
 
@@ -84,7 +80,7 @@ static bool draws_soil(const struct raw_scene *raw)
 
 static bool reads_soil(const struct scene *scene)
 {
-	return scene->model != DEFORM_NONE && scene->model != DEFORM_BOX_FILTER;
+	return deform_model_row(scene->model)->numbers != NULL;
 }
 
 static double *number_of(struct deform_soil *soil, const struct parameter *parameter)
@@ -97,7 +93,7 @@ static struct scene_list missing_keys(struct deform_soil *soil, enum deform_mode
 {
 	struct scene_list missing = {.length = 0};
 	for (size_t i = 0; i < PARAMETERS; i++)
-		if ((parameters[i].models >> model & 1) != 0 && !parameters[i].optional && isnan(*number_of(soil, &parameters[i])))
+		if (deform_model_reads(model, parameters[i].key) && !parameters[i].optional && isnan(*number_of(soil, &parameters[i])))
 			scene_list_add(&missing, parameters[i].key);
 	return missing;
 }
@@ -122,11 +118,11 @@ static enum status check_whole(const struct scene_tree *tree, const char *name, 
 		return STATUS_OK;
 	if (name == NULL)
 		return scene_error(tree->file, scene_tree_find(tree, "%s", where),
-				   "model %s needs %s too; allowed: a name, or all of these", scene_model_word(model),
+				   "model %s needs %s too; allowed: a name, or all of these", deform_model_row(model)->name,
 				   missing.text);
 	return scene_error(tree->file, scene_tree_find(tree, "%s.name", where),
 			   "%s has no %s, which model %s reads; give these beside the name, or name one of %s", name, missing.text,
-			   scene_model_word(model), whole_soils(model).text);
+			   deform_model_row(model)->name, whole_soils(model).text);
 }
 
 /* The soil written at `where`. */
@@ -147,10 +143,10 @@ static enum status check_class(const struct scene_tree *tree, const struct raw_c
 		return status;
 	if (isnan(soil->repose))
 		soil->repose = soil->friction_angle;
-	if (model == DEFORM_SCM && soil->repose <= 0)
+	if (deform_model_reads(model, "repose") && soil->repose <= 0)
 		return scene_error(tree->file, scene_tree_find(tree, "%s", where),
 				   "without friction it needs repose too; allowed: above 0 to 89");
-	if (model == DEFORM_SUMNER && soil->theta_stop < soil->theta_out)
+	if (deform_model_reads(model, "theta_stop") && soil->theta_stop < soil->theta_out)
 		return scene_error(tree->file,
 				   scene_tree_find(tree, "%s.%s", where,
 						   raw->theta_stop != NULL ? "theta_stop" : "theta_out"),
@@ -163,11 +159,11 @@ static enum status check_unread(const struct raw_class *raw, const char *where, 
 {
 	struct scene_list unread = {.length = 0};
 	for (size_t i = 0; i < PARAMETERS; i++)
-		if (given(raw, &parameters[i]) != NULL && (parameters[i].models >> scene->model & 1) == 0)
+		if (given(raw, &parameters[i]) != NULL && !deform_model_reads(scene->model, parameters[i].key))
 			scene_list_add(&unread, parameters[i].key);
 	return unread.length == 0 ? STATUS_OK
 				  : scene_tell_unused(scene, "%s: model %s does not read %s; take that away", where,
-						      scene_model_word(scene->model), unread.text);
+						      deform_model_row(scene->model)->name, unread.text);
 }
 
 /* Metres: scm's b of an object whose shape says it; 0: it depends on the contact. */
@@ -205,7 +201,7 @@ enum status scene_check_bearing(const struct scene_tree *tree, const struct scen
 				const struct scene_object *object)
 {
 	double width = contact_width(&object->shape);
-	for (int i = 0; scene->model == DEFORM_SCM && i < scene->soil_count; i++) {
+	for (int i = 0; deform_model_reads(scene->model, "bekker_kc") && i < scene->soil_count; i++) {
 		double modulus = modulus_under(&scene->soils[i], width);
 		if (modulus <= 0)
 			return scene_error(tree->file, scene_tree_find(tree, "objects[0].shape"),
@@ -279,7 +275,7 @@ enum status scene_check_soil(const struct scene_tree *tree, const struct raw_sce
 	if (soil == NULL)
 		return scene_error(tree->file, scene_tree_find(tree, "redistribute.model"),
 				   "%s needs a soil, and none is given; write soil: {name: dry_sand}, or another",
-				   scene_model_word(scene->model));
+				   deform_model_row(scene->model)->name);
 	bool mapped = soil->map != NULL;
 	if (!mapped && (soil->classes != NULL || soil->elsewhere != NULL))
 		return scene_error(tree->file,
@@ -296,7 +292,7 @@ enum status scene_check_soil(const struct scene_tree *tree, const struct raw_sce
 		status = check_unread(mapped ? soil->elsewhere : &soil->all, mapped ? "soil.default" : "soil", scene);
 	if (status == STATUS_OK)
 		status = check_classes(tree, soil, scene);
-	if (status == STATUS_OK && scene->model == DEFORM_SCM)
+	if (status == STATUS_OK && deform_model_reads(scene->model, "bekker_kc"))
 		status = check_bearings(tree, scene, mapped);
 	if (read || status != STATUS_OK)
 		return status;
@@ -306,7 +302,7 @@ enum status scene_check_soil(const struct scene_tree *tree, const struct raw_sce
 	memset(scene->soil_class, 0, sizeof scene->soil_class);
 	scene->soil_count = 0;
 	return scene_tell_unused(scene, "soil: model %s does not depend on it; take it away, or name a model that moves soil",
-				 scene_model_word(scene->model));
+				 deform_model_row(scene->model)->name);
 }
 
 bool scene_soil_number(const struct deform_soil *soil, size_t index, const char **key, double *value)

@@ -70,7 +70,7 @@ static enum status doubt_soils(const struct units *units)
 {
 	const struct raw_soil *soil = units->raw->soil;
 	enum status status = STATUS_OK;
-	if (soil == NULL || (units->scene->model != DEFORM_SCM && units->scene->model != DEFORM_SLIPPAGE))
+	if (soil == NULL || !deform_model_reads(units->scene->model, "friction_angle"))
 		return STATUS_OK;
 	if (soil->map == NULL)
 		return doubt_class(units, "soil", &soil->all);

@@ -72,7 +72,7 @@ static enum status check_effects(const struct scene_tree *tree, const struct raw
 		const struct scene_node *node = scene_tree_find(tree, "view.effects[%u]", i);
 		uint64_t bit = 0;
 		for (int e = 0; e < EFFECT_COUNT; e++) {
-			const struct scene_effect_row *row = scene_effect_row((enum scene_effect)e);
+			const struct effect_row *row = scene_effect_row((enum scene_effect)e);
 			if (strcmp(row->key, "view.effects") == 0 &&
 			    strcmp(row->name, raw->effects[i]) == 0)
 				bit = EFFECT_BIT(e);

@@ -53,7 +53,7 @@ struct forces {
 
 bool world_feels(const struct world *world)
 {
-	return world->scene->model == DEFORM_SCM;
+	return deform_tells_forces(world->scene->model);
 }
 
 bool world_asks_forces(const struct world *world)

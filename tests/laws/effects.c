@@ -49,11 +49,11 @@ struct pair {
 };
 
 static const struct pair pairs[] = {
-	{EFFECT_DISPLACE, NOTHING, HEAD SPHERE, false},
-	{EFFECT_BOX, HEAD SPHERE, HEAD SPHERE "redistribute: {model: box}\n", true},
-	{EFFECT_SUMNER, HEAD SPHERE, HEAD SPHERE SOIL "redistribute: {model: sumner}\n", false},
-	{EFFECT_SLIPPAGE, HEAD SPHERE, HEAD SPHERE SOIL "redistribute: {model: slippage}\n", false},
-	{EFFECT_SCM, HEAD SPHERE, HEAD SPHERE SCM, false},
+	{EFFECT_OF(DEFORM_NONE), NOTHING, HEAD SPHERE, false},
+	{EFFECT_OF(DEFORM_BOX_FILTER), HEAD SPHERE, HEAD SPHERE "redistribute: {model: box}\n", true},
+	{EFFECT_OF(DEFORM_SUMNER), HEAD SPHERE, HEAD SPHERE SOIL "redistribute: {model: sumner}\n", false},
+	{EFFECT_OF(DEFORM_SLIPPAGE), HEAD SPHERE, HEAD SPHERE SOIL "redistribute: {model: slippage}\n", false},
+	{EFFECT_OF(DEFORM_SCM), HEAD SPHERE, HEAD SPHERE SCM, false},
 	{EFFECT_SPREAD, HEAD SPHERE, HEAD SPHERE SCM, false},
 	{EFFECT_SHED, HEAD SPHERE, HEAD SPHERE SOIL "redistribute: {model: sumner}\n", false},
 	{EFFECT_SLIDE, HEAD SPHERE, HEAD SPHERE SCM, false},

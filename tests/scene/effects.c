@@ -15,7 +15,7 @@ static const struct shader_text *shader(const char *path)
 static void every_effect_has_a_row_that_says_what_it_costs(void **state)
 {
 	for (int e = 0; e < EFFECT_COUNT; e++) {
-		const struct scene_effect_row *row = scene_effect_row((enum scene_effect)e);
+		const struct effect_row *row = scene_effect_row((enum scene_effect)e);
 		enum scene_effect found;
 		assert_non_null(row->name);
 		assert_true(row->key[0] != '\0' && row->what[0] != '\0' && row->limits[0] != '\0');
@@ -109,7 +109,7 @@ static void each_key_calls_for_its_own(void **state)
 		uint64_t adds;
 		const char *reason; /* of the first of them */
 	} keys[] = {
-		{object, "redistribute.model", "box", EFFECT_BIT(EFFECT_BOX), "redistribute.model: box"},
+		{object, "redistribute.model", "box", EFFECT_BIT(EFFECT_OF(DEFORM_BOX_FILTER)), "redistribute.model: box"},
 		{object, "attributes", "[disturbance]", EFFECT_BIT(EFFECT_DIRT), "attributes.disturbance"},
 		{object, "objects.a.shape.wheel.grousers", "5", EFFECT_BIT(EFFECT_LUGS), "objects.a.shape.wheel.grousers"},
 		{object, "cache.loaders", "3", EFFECT_BIT(EFFECT_LOADERS), "cache.loaders: 3"},

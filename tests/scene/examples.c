@@ -58,7 +58,7 @@ static void every_example_loads_and_stays_within_its_ground(void **state)
 static void the_bare_scene_calls_for_displacement_and_reading_alone(void **state)
 {
 	struct scene *scene = load("bare");
-	assert_int_equal(scene_effects(scene, 0), EFFECT_BIT(EFFECT_DISPLACE) | EFFECT_BIT(EFFECT_LOADERS) | EFFECT_BIT(EFFECT_PREFETCH));
+	assert_int_equal(scene_effects(scene, 0), EFFECT_BIT(EFFECT_OF(DEFORM_NONE)) | EFFECT_BIT(EFFECT_LOADERS) | EFFECT_BIT(EFFECT_PREFETCH));
 	scene_destroy(scene);
 }
 

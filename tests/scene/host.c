@@ -111,13 +111,13 @@ static void a_host_may_leave_out_what_the_command_needs(void **state)
 	struct scene *scene = hosted("{}");
 	assert_true(scene->hosted && isinf(scene->end_time) && scene->time_step == 0.02);
 	assert_int_equal(scene->object_count, 0);
-	assert_true((scene_effects(scene, 0) & EFFECT_BIT(EFFECT_DISPLACE)) != 0);
+	assert_true((scene_effects(scene, 0) & EFFECT_BIT(EFFECT_OF(DEFORM_NONE))) != 0);
 	scene_destroy(scene);
 	scene = hosted("{\"spacing\": 0.02, \"soil\": {\"name\": \"lunar\"}, \"redistribute\": {\"model\": \"scm\"}}");
 	assert_int_equal(scene->model, DEFORM_SCM);
 	assert_int_equal(scene->soil_count, 1);
 	assert_true(scene->spacing == 0.02);
-	assert_true((scene_effects(scene, 0) & EFFECT_BIT(EFFECT_SCM)) != 0);
+	assert_true((scene_effects(scene, 0) & EFFECT_BIT(EFFECT_OF(DEFORM_SCM))) != 0);
 	scene_destroy(scene);
 	scene = hosted("objects: [{shape: {sphere: {radius: 1}}}, {name: body-1, shape: {sphere: {radius: 1}}},"
 		       "{shape: {wheel: {radius: 1, width: 1}}, path: {points: [[1, 2]], speed: 1}}]");
@@ -305,7 +305,7 @@ static void *load_again_and_again(void *argument)
 	for (int i = 0; i < 50; i++) {
 		struct scene *scene = NULL, *none = NULL;
 		if (scene_load_text(text, folder, NULL, 0, SCENE_HOST, &scene) != STATUS_OK ||
-		    strcmp(scene_model_word(scene->model), loader->model) != 0 ||
+		    strcmp(deform_model_row(scene->model)->name, loader->model) != 0 ||
 		    scene->objects[0].mesh->triangle_count != (strcmp(loader->model, "scm") == 0 ? 1 : 2))
 			loader->wrong++;
 		if (scene_load_text(loader->says, folder, NULL, 0, SCENE_HOST, &none) != STATUS_INPUT ||

@@ -48,7 +48,7 @@ static void the_manuals_scene_has_the_values_it_says(void **state)
 	assert_int_equal(strlen(scene->hash), 32);
 	uint64_t view = EFFECT_BIT(EFFECT_TEXTURE) | EFFECT_BIT(EFFECT_DETAIL) | EFFECT_BIT(EFFECT_FOG) | EFFECT_BIT(EFFECT_SKY) |
 			EFFECT_BIT(EFFECT_GEOMORPH) | EFFECT_BIT(EFFECT_SKIRTS);
-	assert_int_equal(scene_effects(scene, 0), view | EFFECT_BIT(EFFECT_DISPLACE) | EFFECT_BIT(EFFECT_BOX) | EFFECT_BIT(EFFECT_DIRT) |
+	assert_int_equal(scene_effects(scene, 0), view | EFFECT_BIT(EFFECT_OF(DEFORM_NONE)) | EFFECT_BIT(EFFECT_OF(DEFORM_BOX_FILTER)) | EFFECT_BIT(EFFECT_DIRT) |
 							 EFFECT_BIT(EFFECT_PYRAMID) | EFFECT_BIT(EFFECT_PICTURE) | EFFECT_BIT(EFFECT_NORMALS) |
 							 EFFECT_BIT(EFFECT_IMAGES) | CACHE_EFFECTS);
 	scene_destroy(scene);
@@ -73,7 +73,7 @@ static void what_is_absent_is_its_default_and_calls_for_nothing(void **state)
 	assert_int_equal(scene->slots, 256);
 	assert_int_equal(scene->loaders, 2);
 	assert_true(scene->prefetch == 1.5 && scene->objects[0].sink == 0);
-	assert_int_equal(scene_effects(scene, 0), EFFECT_BIT(EFFECT_DISPLACE) | CACHE_EFFECTS);
+	assert_int_equal(scene_effects(scene, 0), EFFECT_BIT(EFFECT_OF(DEFORM_NONE)) | CACHE_EFFECTS);
 	scene_destroy(scene);
 }
 

@@ -202,30 +202,127 @@ static void add_table(struct text *text, const struct deform_soil *like)
 	add(text, "\n");
 }
 
-static void the_docs_have_every_number_of_every_named_soil(void **state)
+/* The text of a page of the docs, or of the README beside them. Valid until the next call. */
+static const char *page_of(const char *name)
 {
-	static char page[1 << 16], bytes[1 << 15];
+	static char page[1 << 17];
 	char path[512];
-	struct deform_soil wong, sumner;
-	assert_int_equal(deform_soil_named("lunar", &wong), STATUS_OK);
-	assert_int_equal(deform_soil_named("mud", &sumner), STATUS_OK);
 	const char *docs = getenv("DOCS");
 	assert_non_null(docs);
-	snprintf(path, sizeof path, "%s/SOILS.md", docs);
+	snprintf(path, sizeof path, "%s/%s", docs, name);
 	FILE *file = fopen(path, "r");
 	assert_non_null(file);
 	size_t got = fread(page, 1, sizeof page - 1, file);
 	fclose(file);
 	assert_true(got > 0 && got < sizeof page - 1);
+	page[got] = 0;
+	return page;
+}
+
+/* The page has this table. */
+static void page_has(const char *name, const struct text *table)
+{
+	if (strstr(page_of(name), table->bytes) != NULL)
+		return;
+	fputs(table->bytes, stderr);
+	fail_msg("%s does not have the table that stands above; put it there", name);
+}
+
+static void the_docs_have_every_number_of_every_named_soil(void **state)
+{
+	static char bytes[1 << 15];
+	struct deform_soil wong, sumner;
+	assert_int_equal(deform_soil_named("lunar", &wong), STATUS_OK);
+	assert_int_equal(deform_soil_named("mud", &sumner), STATUS_OK);
 	const struct deform_soil *const tables[] = {&wong, &sumner};
 	for (size_t i = 0; i < COUNT(tables); i++) {
 		struct text text = {bytes, 0, sizeof bytes};
 		add_table(&text, tables[i]);
 		add(&text, "\n"); /* it has no row more */
-		if (strstr(page, bytes) != NULL)
-			continue;
-		fputs(bytes, stderr);
-		fail_msg("%s does not have the table that stands above; put it there", path);
+		page_has("SOILS.md", &text);
+	}
+}
+
+/* A number of a soil by its key; NAN: it has none. Fails if no soil has such a number. */
+static double number_of(const struct deform_soil *soil, const char *key)
+{
+	const char *name;
+	double value;
+	for (size_t i = 0; scene_soil_number(soil, i, &name, &value); i++)
+		if (strcmp(name, key) == 0)
+			return value;
+	fail_msg("a model reads %s, and no soil has such a number", key);
+	return (double)NAN;
+}
+
+static void add_numbers(struct text *text, const char *const *numbers)
+{
+	if (numbers == NULL)
+		add(text, " no number |");
+	for (size_t i = 0; numbers != NULL && numbers[i] != NULL; i++)
+		add(text, "%s `%s`%s", i > 0 ? "," : "", numbers[i], numbers[i + 1] == NULL ? " |" : "");
+}
+
+/* The named soils that have all of these numbers. */
+static void add_soils(struct text *text, const char *const *numbers)
+{
+	const char *name, *before = " ";
+	for (size_t n = 0; numbers != NULL && (name = deform_soil_name(n)) != NULL; n++) {
+		struct deform_soil soil;
+		bool whole = true;
+		assert_int_equal(deform_soil_named(name, &soil), STATUS_OK);
+		for (size_t i = 0; numbers[i] != NULL; i++)
+			whole = whole && !isnan(number_of(&soil, numbers[i]));
+		if (whole)
+			add(text, "%s%s", before, name);
+		before = whole ? ", " : before;
+	}
+	add(text, numbers == NULL ? " all |" : " |");
+}
+
+static void the_docs_have_every_model_as_its_row_says(void **state)
+{
+	static char bytes[1 << 14];
+	struct text uses = {bytes, 0, sizeof bytes / 2}, reads = {bytes + sizeof bytes / 2, 0, sizeof bytes / 2};
+	add(&uses, "| model | what the ground does | volume |\n| --- | --- | --- |\n");
+	add(&reads, "| model | reads | soils that have it |\n| --- | --- | --- |\n");
+	for (int m = 0; m < DEFORM_MODELS; m++) {
+		const struct soil_model *model = deform_model_row((enum deform_model)m);
+		add(&uses, "| `%s` | %s | %s |\n", model->name, model->use, model->volume);
+		add(&reads, "| `%s` |", model->name);
+		add_numbers(&reads, model->numbers);
+		add_soils(&reads, model->numbers);
+		add(&reads, "\n");
+	}
+	add(&uses, "\n"); /* they have no row more */
+	add(&reads, "\n");
+	page_has("../README.md", &uses);
+	page_has("SOILS.md", &uses);
+	page_has("SOILS.md", &reads);
+}
+
+/* What a row says of a scene is of a scene: keys, words, effects. */
+static void every_row_names_what_a_scene_knows(void **state)
+{
+	struct scene_parameter parameter;
+	enum scene_effect effect;
+	for (int m = 0; m < DEFORM_MODELS; m++) {
+		const enum deform_model number = (enum deform_model)m;
+		const struct soil_model *model = deform_model_row(number);
+		char key[80];
+		for (size_t i = 0; model->keys != NULL && model->keys[i] != NULL; i++) {
+			snprintf(key, sizeof key, "redistribute.%s", model->keys[i]);
+			assert_true(scene_parameter(key, &parameter));
+		}
+		assert_true(scene_effect_named(model->effect.name, &effect) && effect == EFFECT_OF(m));
+		assert_true(scene_effect_named(deform_displace_effect(number), &effect));
+		assert_true(scene_effect_named(deform_contact_effect(number), &effect));
+		assert_true(model->slide == NULL || scene_effect_named(deform_slide_effect(number), &effect));
+		/* Soil that slides has strengths, and a rule by which it does. */
+		assert_int_equal(model->slide != NULL, model->numbers != NULL);
+		assert_int_equal(model->slide != NULL, deform_model_takes(number, "iterations"));
+		assert_int_equal(model->smooths, deform_model_takes(number, "radius"));
+		assert_true(scene_parameter("redistribute.model", &parameter) && strstr(parameter.words, model->name) != NULL);
 	}
 }
 
@@ -236,6 +333,8 @@ int main(void)
 		cmocka_unit_test(only_what_the_model_reads_and_the_soil_lacks_is_asked_for),
 		cmocka_unit_test(each_soil_of_a_map_is_held_to_it),
 		cmocka_unit_test(the_docs_have_every_number_of_every_named_soil),
+		cmocka_unit_test(the_docs_have_every_model_as_its_row_says),
+		cmocka_unit_test(every_row_names_what_a_scene_knows),
 	};
 	return cmocka_run_group_tests_name("scene/soils", tests, make_folder, drop_folder);
 }

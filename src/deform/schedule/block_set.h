@@ -1,4 +1,5 @@
-/* A set of blocks: a list, and a hash table of indices into the list. For one thread. Starts as {0}. */
+/* A set of blocks: a list, and a hash table of indices into the list. Not a key_set: its keys have 64 bits, and a block has 64 in x
+ * and 64 in y. For one thread. Starts as {0}. */
 #ifndef FURROW_DEFORM_BLOCK_SET_H
 #define FURROW_DEFORM_BLOCK_SET_H
 

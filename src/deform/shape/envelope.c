@@ -46,13 +46,13 @@ enum status deform_envelope(struct deform *deform, const struct deform_contact *
 	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
 		return status;
-	/* scm reads the envelope only within the object's shadow. */
+	/* A model that works in place reads the envelope only within the object's shadow. */
 	const struct gpu_rect all = {0, 0, (uint32_t)(read.x1 - read.x0), (uint32_t)(read.y1 - read.y0)};
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
 		.stage = GPU_ENVELOPE,
 		.program = *program,
 		.target = deform->scratch[layer].to[TO_UNDER],
-		.viewport = deform->params.model == DEFORM_SCM ? shadow_of(deform, contact, read) : all,
+		.viewport = deform_model_row(deform->params.model)->in_place ? shadow_of(deform, contact, read) : all,
 		.params = &params,
 		.params_bytes = sizeof params,
 	});

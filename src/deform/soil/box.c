@@ -26,12 +26,28 @@ static enum status filter(struct deform *deform, struct post_rect read, uint32_t
 	return STATUS_OK;
 }
 
-enum status deform_box(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
-		       uint32_t layer)
+static enum status contact(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
+			   uint32_t layer)
 {
-	enum status status = deform_none(deform, contact, window, layer);
+	enum status status = deform_contact_plainly(deform, contact, window, layer);
 	/* A contact without motion leaves no post, so there is nothing to smooth. */
 	if (status == STATUS_OK && !deform_is_contact_only(contact))
 		status = filter(deform, window->read, layer);
 	return status;
 }
+
+const struct soil_model deform_model_box = {
+	.name = "box",
+	.use = "takes the imprint; the dissertation's smoothing",
+	.volume = "compacted",
+	.effect = {
+		"box", "redistribute.model", "", EFFECT_LIST("deform/box.frag"), "base, offset", "offset", 4,
+		EFFECT_LIST("redistribute.radius", "redistribute.repetitions"),
+		"reads as many posts around the trail as the radius times the repetitions: 32 at most",
+		"smooths the trail: the mean of the posts around"},
+	.contact_effect = "displace",
+	.keys = EFFECT_LIST("radius", "repetitions"),
+	.contact = contact,
+	.shader = "deform/none.frag",
+	.smooths = true,
+};

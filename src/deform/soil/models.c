@@ -1,70 +1,62 @@
-/* The soil models: one row each. Numbers and flags that differ between models are here. The rest is in the model's file. */
+/* The soil models' rows, gathered from the models' own files. */
+#include <string.h>
+
 #include "deform/internal.h"
 
-const struct soil_model deform_soil_models[DEFORM_MODELS] = {
-	[DEFORM_NONE] = {
-		.contact = deform_none,
-		.shader = "deform/none.frag",
-		.contact_effect = "displace",
-		.window_effect = "dirt",
-	},
-	[DEFORM_BOX_FILTER] = {
-		.contact = deform_box,
-		.shader = "deform/none.frag",
-		.contact_effect = "displace",
-		.window_effect = "box",
-	},
-	[DEFORM_SUMNER] = {
-		.contact = deform_sumner,
-		.shader = "deform/sumner.frag",
-		.contact_effect = "sumner",
-		.window_effect = "sumner",
-		.slide_effect = "shed",
-		.conserves = true,
-		.slide_passes = 2,
-	},
-	[DEFORM_SLIPPAGE] = {
-		.contact = deform_slippage,
-		.shader = "deform/slippage.frag",
-		.contact_effect = "slippage",
-		.window_effect = "slippage",
-		.slide_effect = "slide",
-		.conserves = true,
-		.slide_passes = 1,
-	},
-	[DEFORM_SCM] = {
-		.contact = deform_scm,
-		.shader = "deform/scm.frag",
-		.contact_effect = "scm",
-		.window_effect = "scm",
-		.slide_effect = "slide",
-		.planes = PLANE_BIT(PLANE_DEPOSITED) | PLANE_BIT(PLANE_PLASTIC_SINKAGE) | PLANE_BIT(PLANE_SHEAR),
-		.conserves = true,
-		.slide_passes = 1,
-	},
-};
+#define DECLARE(number, word) extern const struct soil_model deform_model_##word;
+DEFORM_MODELS_EACH(DECLARE)
+#define ROW(number, word) [number] = &deform_model_##word,
+static const struct soil_model *const rows[DEFORM_MODELS] = {DEFORM_MODELS_EACH(ROW)};
+
+const struct soil_model *deform_model_row(enum deform_model model)
+{
+	return rows[model];
+}
+
+static bool has(const char *const *list, const char *word)
+{
+	for (; list != NULL && *list != NULL; list++)
+		if (strcmp(*list, word) == 0)
+			return true;
+	return false;
+}
+
+bool deform_model_takes(enum deform_model model, const char *key)
+{
+	return has(rows[model]->keys, key);
+}
+
+bool deform_model_reads(enum deform_model model, const char *number)
+{
+	return has(rows[model]->numbers, number);
+}
 
 bool deform_conserves(enum deform_model model)
 {
-	return deform_soil_models[model].conserves;
+	return rows[model]->slide != NULL;
+}
+
+bool deform_tells_forces(enum deform_model model)
+{
+	return rows[model]->feel != NULL;
 }
 
 unsigned deform_planes(enum deform_model model, bool disturbance)
 {
-	return PLANE_BIT(PLANE_OFFSET) | (disturbance ? PLANE_BIT(PLANE_DISTURBANCE) : 0) | deform_soil_models[model].planes;
+	return PLANE_BIT(PLANE_OFFSET) | (disturbance ? PLANE_BIT(PLANE_DISTURBANCE) : 0) | rows[model]->planes;
 }
 
 const char *deform_displace_effect(enum deform_model model)
 {
-	return deform_soil_models[model].contact_effect;
+	return rows[model]->contact_effect != NULL ? rows[model]->contact_effect : rows[model]->effect.name;
 }
 
 const char *deform_slide_effect(enum deform_model model)
 {
-	return deform_soil_models[model].slide_effect;
+	return rows[model]->slide != NULL ? rows[model]->slide->effect : NULL;
 }
 
 const char *deform_contact_effect(enum deform_model model)
 {
-	return deform_soil_models[model].window_effect;
+	return rows[model]->touched_effect != NULL ? rows[model]->touched_effect : rows[model]->effect.name;
 }

@@ -1,9 +1,19 @@
 /* Pure compaction: the soil that the object displaces is lost (dissertation 4.4.2). */
 #include "deform/internal.h"
 
-enum status deform_none(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
-			uint32_t layer)
-{
-	const struct contact_params params = deform_contact_params(deform, contact, window, layer);
-	return deform_run_contact(deform, &params, sizeof params, window, layer);
-}
+const struct soil_model deform_model_none = {
+	.name = "none",
+	.use = "takes the imprint",
+	.volume = "compacted",
+	.effect = {
+		"displace", "objects", "", EFFECT_LIST("deform/under.frag", "deform/none.frag"), "base, offset", "offset", 0,
+		EFFECT_LIST("objects[].shape.wheel.radius", "objects[].shape.wheel.width", "objects[].shape.sphere.radius",
+			    "objects[].shape.box.size[]", "objects[].sink"),
+		"a window is at most 256 x 256 posts, a sweep at most 16 of them; an object at most 672 posts across, and "
+		"512 m; an offset at most 1024 m",
+		"lowers the ground to what presses it, no more"},
+	.touched_effect = "dirt",
+	.contact = deform_contact_plainly,
+	.shader = "deform/none.frag",
+	.blind = true,
+};

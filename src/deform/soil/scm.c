@@ -6,6 +6,7 @@
 
 #include "deform/shape/body.h"
 #include "deform/internal.h"
+#include "deform/soil/stability.h"
 
 struct gpu_rect deform_rows(const int32_t posts[4])
 {
@@ -150,20 +151,44 @@ static enum status run_contact(struct deform *deform, const struct deform_contac
 	return STATUS_OK;
 }
 
-enum status deform_scm_feel(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer)
+static enum status feel(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer)
 {
 	deform->scratch[layer].now[PLANE_OFFSET] = deform->scratch[layer].now[PLANE_DEPOSITED] = 1;
 	return run_contact(deform, contact, window, layer, deform->felt);
 }
 
-enum status deform_scm(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
-		       uint32_t layer)
+static enum status contact(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
+			   uint32_t layer)
 {
 	deform->scratch[layer].now[PLANE_OFFSET] = deform->scratch[layer].now[PLANE_DEPOSITED] = 1;
 	enum status status = run_contact(deform, contact, window, layer, deform->tally);
-	if (status == STATUS_OK)
-		status = deform_spread(deform, window, layer);
-	if (status == STATUS_OK)
-		status = deform_slide(deform, window, layer);
-	return status;
+	return status == STATUS_OK ? deform_spread_and_slide(deform, window, layer) : status;
 }
+
+static int32_t critical(const struct deform_soil *soil, double apart)
+{
+	return deform_critical_difference(soil->repose, apart);
+}
+
+const struct soil_model deform_model_scm = {
+	.name = "scm",
+	.use = "Bekker, Janosi, elastic rebound, a rim; loads, slip, forces",
+	.volume = "exact",
+	.effect = {
+		"scm", "redistribute.model", "", EFFECT_LIST("deform/scm.frag"), "base, offset, heaped, pressed, shear",
+		"offset, heaped, pressed, shear", 1,
+		EFFECT_LIST("redistribute.bulldozing", "soil.bekker_kc", "soil.bekker_kphi", "soil.bekker_n", "soil.cohesion",
+			    "soil.friction_angle", "soil.janosi_shear", "soil.elastic_stiffness", "soil.damping", "objects[].slip"),
+		"a stress is at most 1e20 Pa; a slope counts as at most 87 degrees; integer sums, but floating point by driver",
+		"sinks and springs back by the soil's pressure"},
+	.keys = EFFECT_LIST("iterations", "interval", "depth", "undisturbed", "tolerance", "bulldozing"),
+	.numbers = EFFECT_LIST("bekker_kc", "bekker_kphi", "bekker_n", "cohesion", "friction_angle", "janosi_shear",
+			       "elastic_stiffness", "damping", "repose"),
+	.contact = contact,
+	.feel = feel,
+	.shader = "deform/scm.frag",
+	.planes = PLANE_BIT(PLANE_DEPOSITED) | PLANE_BIT(PLANE_PLASTIC_SINKAGE) | PLANE_BIT(PLANE_SHEAR),
+	.in_place = true,
+	.slide = &deform_slide_excess,
+	.critical = critical,
+};

@@ -29,6 +29,11 @@ struct shed_params {
 	} soils[DEFORM_SOILS];
 };
 
+static const struct soil_slide *slide_of(const struct deform_params *params)
+{
+	return deform_model_row(params->model)->slide;
+}
+
 int deform_soil_slots(const struct deform_params *params)
 {
 	return deform_has_classes(params) ? DEFORM_SOILS : 1;
@@ -36,7 +41,8 @@ int deform_soil_slots(const struct deform_params *params)
 
 bool deform_is_bounded(const struct deform_params *params)
 {
-	return params->model != DEFORM_SUMNER && isfinite(params->depth);
+	const struct soil_slide *slide = slide_of(params);
+	return slide != NULL && slide->bounded && isfinite(params->depth);
 }
 
 /* If only deposited soil slides, undisturbed ground needs no comparison. */
@@ -50,16 +56,17 @@ bool deform_is_steep(const struct deform_params *params)
 	return !(params->relief < STEEP_RELIEF);
 }
 
-/* The pass that begins, and those of the iterations. An iteration of sumner has two passes. */
+/* The pass that begins, and those of the iterations. */
 int deform_slide_passes(const struct deform_params *params)
 {
-	return 1 + params->iterations * deform_soil_models[params->model].slide_passes;
+	return 1 + params->iterations * slide_of(params)->pass_count;
 }
 
-/* An iteration of sumner depends on posts up to two posts away. */
+/* A pass of an iteration depends on the posts beside a post. */
 int64_t deform_slide_step(const struct deform *deform)
 {
-	return deform->params.model == DEFORM_SUMNER ? 2 : 1;
+	const struct soil_slide *slide = slide_of(&deform->params);
+	return slide != NULL ? slide->pass_count : 1;
 }
 
 /* The result at a post is right if all posts within the rim were read. */
@@ -86,16 +93,14 @@ static int32_t with_tolerance(const struct deform *deform, int32_t critical)
 	return critical < INT32_MAX - tolerance ? critical + tolerance : INT32_MAX;
 }
 
-static void prepare_excess(struct deform *deform, const struct deform_soil *soil, int32_t critical[2])
+static void prepare_excess(const struct deform *deform, const struct deform_soil *soil, struct slide_soil *to)
 {
-	for (int k = 0; k < 2; k++) {
-		double apart = k == 0 ? deform->spacing : deform->spacing * M_SQRT2;
-		critical[k] = deform->params.model == DEFORM_SCM ? deform_critical_difference(soil->repose, apart)
-							       : deform_critical_difference_cohesive(soil, apart);
-	}
+	for (int k = 0; k < 2; k++)
+		to->critical[k] = deform_model_row(deform->params.model)
+					->critical(soil, k == 0 ? deform->spacing : deform->spacing * M_SQRT2);
 }
 
-static void prepare_sumner(struct deform *deform, const struct deform_soil *soil, struct slide_soil *to)
+static void prepare_shed(const struct deform *deform, const struct deform_soil *soil, struct slide_soil *to)
 {
 	for (int k = 0; k < 2; k++) {
 		double apart = k == 0 ? deform->spacing : deform->spacing * M_SQRT2;
@@ -111,13 +116,10 @@ void deform_slide_prepare(struct deform *deform)
 {
 	deform->contacts_flag = true;
 	for (int i = 0; i < deform->params.soil_count; i++)
-		if (deform->params.model == DEFORM_SUMNER)
-			prepare_sumner(deform, &deform->params.soils[i], &deform->soils[i]);
-		else
-			prepare_excess(deform, &deform->params.soils[i], deform->soils[i].critical);
+		slide_of(&deform->params)->prepare(deform, &deform->params.soils[i], &deform->soils[i]);
 	/* If soil beside a held post slides at a smaller difference, another object can set it in motion. A contact's flags cannot tell
 	 * that. */
-	for (int i = 0; i < deform->params.soil_count && deform->params.model == DEFORM_SUMNER; i++)
+	for (int i = 0; i < deform->params.soil_count && !slide_of(&deform->params)->held_still; i++)
 		for (int k = 0; k < 2; k++)
 			if (deform->soils[i].held[k] < deform->soils[i].critical[k])
 				deform->contacts_flag = false;
@@ -279,12 +281,28 @@ static enum status shed_and_take(struct deform *deform, const struct slide_place
 	return STATUS_OK;
 }
 
+const struct soil_slide deform_slide_excess = {
+	.effect = "slide",
+	.pass_count = 1,
+	.passes = {SLIDE_EXCESS},
+	.bounded = true,
+	.held_still = true,
+	.prepare = prepare_excess,
+	.iterate = excess,
+};
+const struct soil_slide deform_slide_shed = {
+	.effect = "shed",
+	.pass_count = 2,
+	.passes = {SLIDE_SHED, SLIDE_TAKE},
+	.prepare = prepare_shed,
+	.iterate = shed_and_take,
+};
+
 enum status deform_slide_run(struct deform *deform, const struct slide_place *place)
 {
-	bool sumner = deform->params.model == DEFORM_SUMNER;
 	enum status status = begin(deform, place);
 	for (int i = 0; i < deform->params.iterations && status == STATUS_OK; i++)
-		status = (sumner ? shed_and_take : excess)(deform, place, i);
+		status = slide_of(&deform->params)->iterate(deform, place, i);
 	return status;
 }
 
@@ -299,4 +317,10 @@ enum status deform_slide(struct deform *deform, const struct deform_window *wind
 	assert(deform->scratch[layer].now[PLANE_OFFSET] == 1);
 	assert(!(deform->planes & PLANE_BIT(PLANE_DEPOSITED)) || deform->scratch[layer].now[PLANE_DEPOSITED] == 1);
 	return deform_slide_run(deform, &place);
+}
+
+enum status deform_spread_and_slide(struct deform *deform, const struct deform_window *window, uint32_t layer)
+{
+	enum status status = deform_spread(deform, window, layer);
+	return status == STATUS_OK ? deform_slide(deform, window, layer) : status;
 }

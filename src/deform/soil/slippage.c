@@ -1,12 +1,30 @@
 /* Li and Moshell 1993: the object pushes all soil aside, and slopes that are too steep slip. */
-#include "deform/internal.h"
+#include <math.h>
 
-enum status deform_slippage(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
-			    uint32_t layer)
+#include "deform/internal.h"
+#include "deform/soil/stability.h"
+
+static enum status contact(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
+			   uint32_t layer)
 {
-	const struct contact_params params = deform_contact_params(deform, contact, window, layer);
-	enum status status = deform_run_contact(deform, &params, sizeof params, window, layer);
-	if (status == STATUS_OK)
-		status = deform_spread(deform, window, layer);
-	return status == STATUS_OK ? deform_slide(deform, window, layer) : status;
+	enum status status = deform_contact_plainly(deform, contact, window, layer);
+	return status == STATUS_OK ? deform_spread_and_slide(deform, window, layer) : status;
 }
+
+const struct soil_model deform_model_slippage = {
+	.name = "slippage",
+	.use = "granular soil by Culmann's wedge: slides until it stands",
+	.volume = "exact",
+	.effect = {
+		"slippage", "redistribute.model", "", EFFECT_LIST("deform/slippage.frag"), "base, offset", "offset", 0,
+		EFFECT_LIST_NONE,
+		"gives away at most 8 m of soil a post and sweep",
+		"lays all that objects press away around"},
+	.keys = EFFECT_LIST("iterations", "interval", "depth", "undisturbed", "tolerance"),
+	.numbers = EFFECT_LIST("cohesion", "friction_angle", "unit_weight"),
+	.depth = (double)INFINITY,
+	.contact = contact,
+	.shader = "deform/slippage.frag",
+	.slide = &deform_slide_excess,
+	.critical = deform_critical_difference_cohesive,
+};

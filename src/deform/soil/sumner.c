@@ -8,14 +8,30 @@ struct sumner_params {
 	uint32_t kept[DEFORM_SOILS][4];
 };
 
-enum status deform_sumner(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
-			  uint32_t layer)
+static enum status contact(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
+			   uint32_t layer)
 {
 	struct sumner_params params = {.contact = deform_contact_params(deform, contact, window, layer)};
 	for (int i = 0; i < deform->params.soil_count; i++)
 		params.kept[i][0] = (uint32_t)floor(ldexp(1 - deform->params.soils[i].compression, 31));
 	enum status status = deform_run_contact(deform, &params, sizeof params, window, layer);
-	if (status == STATUS_OK)
-		status = deform_spread(deform, window, layer);
-	return status == STATUS_OK ? deform_slide(deform, window, layer) : status;
+	return status == STATUS_OK ? deform_spread_and_slide(deform, window, layer) : status;
 }
+
+const struct soil_model deform_model_sumner = {
+	.name = "sumner",
+	.use = "sand, mud, snow by appearance: displaced soil is laid around and erodes",
+	.volume = "exact: offsets + compacted",
+	.effect = {
+		"sumner", "redistribute.model", "", EFFECT_LIST("deform/sumner.frag"), "base, offset", "offset", 0,
+		EFFECT_LIST("soil.compression"),
+		"gives away at most 8 m of soil a post and sweep",
+		"lays part of what objects press away around"},
+	.keys = EFFECT_LIST("iterations", "interval", "undisturbed", "tolerance"),
+	.numbers = EFFECT_LIST("theta_in", "theta_out", "theta_stop", "roughness", "compression"),
+	.depth = (double)INFINITY,
+	.contact = contact,
+	.shader = "deform/sumner.frag",
+	.contact_soils = true,
+	.slide = &deform_slide_shed,
+};

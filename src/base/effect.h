@@ -1,0 +1,21 @@
+/* One row of the table of effects: what turns an effect on, what it reads and writes, and its limits. */
+#ifndef FURROW_BASE_EFFECT_H
+#define FURROW_BASE_EFFECT_H
+
+struct effect_row {
+	const char *name;    /* its name in a scene, if it has one */
+	const char *key;     /* the scene's key that turns it on: "redistribute.model" */
+	const char *define;  /* define of the shader variant, "" if it has its own program */
+	const char *const *shaders; /* files, NULL-terminated; the first has the define */
+	const char *reads, *writes; /* planes, or other data in words */
+	int stencil;         /* most posts that it reads around a post it writes */
+	const char *const *parameters; /* keys of the scene, NULL-terminated */
+	const char *limits;  /* in words, with numbers */
+	const char *what;    /* description in one line */
+};
+
+/* A list of texts for these rows, NULL-terminated. */
+#define EFFECT_LIST(...) (const char *const[]){__VA_ARGS__, NULL}
+#define EFFECT_LIST_NONE (const char *const[]){NULL}
+
+#endif
