@@ -46,7 +46,8 @@ static void two_derivations_agree(void **state)
 		struct deform_soil soil = random_soil();
 		struct reference_rolling wheel = {.radius = between_powers(0.05, 1), .rebound = i % 4 != 0};
 		wheel.width = wheel.radius * between(0.2, 1.2);
-		double slip = i % 20 == 0 ? -1 : i % 20 == 1 ? 0 : between(-1, 0.9), sinkage = wheel.radius * between_powers(0.005, 0.7);
+		double slip = i % 20 == 0 ? -1 : i % 20 == 1 ? 0 : between(-1, 0.9);
+		double sinkage = wheel.radius * between_powers(0.005, 0.7);
 		wheel.turned = reference_turned(slip);
 		for (int kind = 0; kind < 4; kind++) {
 			wheel.normals = kind % 2 == 0 ? REFERENCE_NORMALS_GROUND : REFERENCE_NORMALS_SURFACE;
@@ -59,13 +60,11 @@ static void two_derivations_agree(void **state)
 					  fabs(got.moment - other.sums[2]) / wheel.radius) / all;
 			worst = fmax(worst, off);
 			if (!(off <= 1e-6))
-				print_message("wheel %d kind %d n %g slip %g sinkage %g r %g K %g kink %g: off by %g\n", i, kind,
-					      soil.bekker_n, slip, sinkage, wheel.radius, soil.janosi_shear,
-					      reference_yield_crossing(&soil, wheel.width), off);
+				fail_msg("wheel %d, kind %d, n %g, slip %g, sinkage %g m, radius %g m, K %g m: off by %g", i, kind,
+					 soil.bekker_n, slip, sinkage, wheel.radius, soil.janosi_shear, off);
 		}
 	}
 	print_message("the two differ by %.2g at most\n", worst);
-	assert_true(worst <= 1e-6);
 }
 
 static void close_to(const char *what, double got, double wanted, double error)
@@ -183,7 +182,8 @@ static void the_sinkage_is_the_least(void **state)
 	for (int i = 0; i < 60; i++) {
 		struct deform_soil soil = bed_soil(wong_soils[i % WONG_SOILS]);
 		struct reference_rolling wheel = {.radius = 0.32, .width = 0.24, .turned = reference_turned(slips[i / 12]),
-						  .normals = REFERENCE_NORMALS_SURFACE, .follows = REFERENCE_FOLLOWS_RIM, .rebound = true};
+						  .normals = REFERENCE_NORMALS_SURFACE, .follows = REFERENCE_FOLLOWS_RIM,
+						  .rebound = true};
 		double load = between_powers(1, 5e4), sinkage = reference_rolling_sinkage(&soil, &wheel, load);
 		double to = isnan(sinkage) ? wheel.radius : sinkage;
 		carried += !isnan(sinkage);
@@ -206,7 +206,8 @@ static double pressure_of(const struct deform_soil *soil, double width, double s
 static double vertical_of(const struct deform_soil *soil, bool level, double load, double slope, double sinkage)
 {
 	enum { STRIPS = 4000 };
-	double length = 0.5, width = 0.3, normal = 0, area = 0;
+	/* Of a level box only what is below the ground. */
+	double length = level ? fmin(0.5, sinkage / sin(slope)) : 0.5, width = 0.3, normal = 0, area = 0;
 	for (int i = 0; i < STRIPS; i++) {
 		double x = (i + 0.5) * length / STRIPS, strip = width * length / STRIPS / (level ? cos(slope) : 1);
 		double deep = sinkage - (level ? x * sin(slope) : 0);
@@ -234,8 +235,8 @@ static void a_box_on_a_slope_is_in_balance(void **state)
 									   : reference_rest_flat(&soil, 0.5, 0.3, loads[l], steep);
 					double other = vertical_of(&soil, level, loads[l], steep, rest.sinkage);
 					assert_true(fabs(rest.vertical / loads[l] - 1) < 1e-9);
-					/* A strip that is half below the surface counts as one or as none: 1 of 4000. */
-					if (!(fabs(other / loads[l] - 1) < (level ? 2e-3 : 1e-9)))
+					/* The strips' error: the pressure begins steeply where n is small. */
+					if (!(fabs(other / loads[l] - 1) < (level ? 1e-4 : 1e-9)))
 						fail_msg("%s, %g N, %g degrees, level %d: %.9g N", wong_soils[i], loads[l],
 							 steep / RADIANS, level, other);
 					assert_true(vertical_of(&soil, level, loads[l], steep, rest.sinkage * 0.99) < loads[l]);
@@ -287,7 +288,8 @@ static void plates_and_spheres_settle(void **state)
 			pressure = 20e3;
 		double slow = reference_yield_sinkage(&soil, 0.3, pressure);
 		if (n >= 0.5)
-			bed_near("at once, and slowly", reference_plate_at_once(&soil, 0.3, pressure) / slow, pow(n + 1, 1 / n), 0.01);
+			bed_near("at once, and slowly", reference_plate_at_once(&soil, 0.3, pressure) / slow, pow(n + 1, 1 / n),
+				 0.01);
 		/* For any of them by its energy. */
 		double most = reference_plate_at_once(&soil, 0.3, 20e3), work = 0;
 		for (int step = 0; step < 100000; step++)

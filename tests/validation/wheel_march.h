@@ -1,7 +1,7 @@
 /*
  * The wheel of reference_rolling, derived a second time: posts of any width in x, from first touch backwards.
- * Nothing is taken over from it but the soil's law, and that is written again here. Each post gets its place on the rim as a
- * vector, the velocity of the rim there as a cross product, and its stress as a vector; j is summed from post to post.
+ * Nothing is taken over from it but the soil's law, and that is written again here. A post's place on the rim and
+ * its stress are vectors. The rim's velocity there is a cross product, and j is summed from post to post.
  * The posts are midpoints, crowded towards the kinks of the pressure. Three widths are extrapolated after Richardson.
  */
 #ifndef FURROW_TESTS_VALIDATION_WHEEL_MARCH_H
@@ -29,13 +29,13 @@ static inline double march_pressure(const struct deform_soil *soil, double width
 	return plastic < elastic ? plastic : elastic;
 }
 
-/* Adds the posts from x0 back to x1, `posts` of them. *slid: j at x0, then at x1. */
+/* Adds the posts from x0 back to x1, `posts` of them; none if that is nowhere. *slid: j at x0, then at x1. */
 static inline void march_piece(const struct deform_soil *soil, const struct reference_rolling *wheel, double sinkage, double x0,
 			       double x1, int posts, double *slid, struct march_force *force)
 {
 	double r = wheel->radius, most = march_pressure(soil, wheel->width, sinkage);
 	double stays = sinkage - most / soil->elastic_stiffness;
-	for (int i = 0; i < posts; i++) {
+	for (int i = 0; i < posts && x0 > x1; i++) {
 		/* Posts are narrow at both ends: the width's root is a polynomial of u. */
 		double u = (i + 0.5) / posts;
 		double x = x0 + (x1 - x0) * u * u * u * (10 - 15 * u + 6 * u * u);

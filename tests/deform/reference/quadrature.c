@@ -4,7 +4,7 @@
 
 #include "deform/reference/quadrature.h"
 
-#define HALVINGS 40
+#define HALVINGS 30
 
 /* Nodes of Kronrod's rule in 0 .. 1, and their weights. Every second node is one of Gauss's. */
 static const double nodes[8] = {

@@ -170,7 +170,7 @@ struct reference_rest {
 /* The box lies on the slope: the same sinkage everywhere. length x width is measured along the ground. A closed form. */
 struct reference_rest reference_rest_flat(const struct deform_soil *soil, double length, double width, double load, double slope);
 /* The box is level: a wedge of soil is below it. length x width is measured along the level. The normal force is
- * width (W(z) - W(z - length sin a)) / (sin a cos a), W the work of yield, and the sinkage z is found by halving. */
+ * width (W(z) - W(z - length sin a)) / (sin a cos a), where W is reference_yield_work. The sinkage z is found by halving. */
 struct reference_rest reference_rest_level(const struct deform_soil *soil, double length, double width, double load, double slope);
 
 /*

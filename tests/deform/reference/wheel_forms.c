@@ -26,13 +26,24 @@
 struct arc {
 	const struct deform_soil *soil;
 	const struct reference_rolling *wheel;
-	double sinkage, entry, exit; /* m, rad, rad */
-	double plastic;              /* m: what stays of the sinkage */
+	double entry, exit; /* rad: t where contact begins, in front, and where it ends */
 };
 
 double reference_turned(double slip)
 {
 	return slip < 0 ? 1 + slip : 1 / (1 - slip);
+}
+
+/* How much higher the rim is at `end` than at t, m: r (cos t - cos end), without its cancellation. */
+static double height(const struct arc *arc, double t, double end)
+{
+	return 2 * arc->wheel->radius * sin((end - t) / 2) * sin((end + t) / 2);
+}
+
+/* The angle at which the rim is so much higher than its lowest point. */
+static double angle_of(double radius, double height)
+{
+	return 2 * asin(sqrt(fmin(height / (2 * radius), 1)));
 }
 
 /* The slip displacement at t, m; above 0 where the rim has moved backwards over the soil. */
@@ -52,10 +63,9 @@ static double displacement(const struct arc *arc, double t)
 /* The pressure at t, Pa. */
 static double pressure(const struct arc *arc, double t)
 {
-	double deep = fmax(0, arc->wheel->radius * (cos(t) - cos(arc->entry)));
 	if (t >= 0)
-		return reference_yield(arc->soil, arc->wheel->width, deep);
-	return arc->soil->elastic_stiffness * fmax(0, deep - arc->plastic);
+		return reference_yield(arc->soil, arc->wheel->width, fmax(0, height(arc, t, arc->entry)));
+	return arc->soil->elastic_stiffness * fmax(0, height(arc, t, arc->exit));
 }
 
 enum value { DRAWBAR, VERTICAL, MOMENT, SHEAR_MOMENT, SHEAR_VERTICAL };
@@ -86,14 +96,14 @@ struct reference_rolling_force reference_rolling(const struct deform_soil *soil,
 						 double sinkage)
 {
 	double r = wheel->radius, sums[QUADRATURE_MOST] = {0};
-	struct arc arc = {soil, wheel, .sinkage = sinkage, .entry = acos(1 - sinkage / r)};
+	struct arc arc = {soil, wheel, .entry = angle_of(r, sinkage)};
 	double most = reference_yield(soil, wheel->width, sinkage);
-	arc.plastic = fmax(0, sinkage - most / soil->elastic_stiffness);
-	arc.exit = wheel->rebound ? -acos(1 - (sinkage - arc.plastic) / r) : 0;
+	/* p <= K_e z: it springs back by no more than it was pressed. */
+	arc.exit = wheel->rebound ? -angle_of(r, fmin(most / soil->elastic_stiffness, sinkage)) : 0;
 	double tolerance = TOLERANCE / 4 * r * wheel->width * (most + soil->cohesion) * (arc.entry - arc.exit);
 	/* The pressure has a kink where yield begins or ends. */
 	double kink = reference_yield_crossing(soil, wheel->width);
-	double at = kink < sinkage ? acos(1 - (sinkage - kink) / r) : 0;
+	double at = kink < sinkage ? angle_of(r, sinkage - kink) : 0;
 	quadrature_add(stresses, &arc, arc.exit, 0, tolerance, sums);
 	quadrature_add(stresses, &arc, 0, at, tolerance, sums);
 	quadrature_add(stresses, &arc, at, arc.entry, tolerance, sums);
