@@ -194,6 +194,15 @@ static void the_sinkage_is_the_least(void **state)
 	}
 	print_message("%d of 60 are carried\n", carried);
 	assert_true(carried >= 40);
+	/* A locked wheel drags itself down: the force grows to 1434 N at 175 mm, and falls to 1040 N at the axle. */
+	struct deform_soil soil = bed_soil("sandy_loam_22");
+	struct reference_rolling wheel = {.radius = 0.32, .width = 0.24, .normals = REFERENCE_NORMALS_SURFACE,
+					  .follows = REFERENCE_FOLLOWS_RIM, .rebound = true};
+	double sinkage = reference_rolling_sinkage(&soil, &wheel, 1200);
+	print_message("a locked wheel under 1200 N: %.2f mm\n", sinkage * 1e3);
+	assert_true(sinkage > 0 && sinkage < 0.175);
+	assert_true(reference_rolling(&soil, &wheel, wheel.radius).vertical < 1200);
+	assert_true(isnan(reference_rolling_sinkage(&soil, &wheel, 1500)));
 }
 
 /* p by the definition, and the sum of a box's strips or a sphere's rings: midpoints. */
