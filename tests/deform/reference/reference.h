@@ -127,6 +127,94 @@ struct reference_wheel_forces reference_wong_reece(const struct deform_soil *soi
 /* The sinkage at which it carries the load, m. */
 double reference_wong_reece_sinkage(const struct deform_soil *soil, const struct reference_wheel *wheel, double load);
 
+/*
+ * Closed forms: statics.c. The pressure of scm soil in yield is p(z) = min(K_s z^n, K_e z): Bekker's curve, nowhere steeper than
+ * elastic unloading. z is along the ground's normal. n above 0; K_s = k_c / width + k_phi above 0; all angles in rad.
+ */
+double reference_yield(const struct deform_soil *soil, double width, double sinkage);          /* p, Pa, at z in m */
+double reference_yield_sinkage(const struct deform_soil *soil, double width, double pressure); /* its inverse, m */
+double reference_yield_work(const struct deform_soil *soil, double width, double sinkage);     /* integral of p dz, J/m2 */
+/* Returns the sinkage at which the two curves cross, m. Elastic below it if n < 1, above it if n > 1; INFINITY if n = 1. */
+double reference_yield_crossing(const struct deform_soil *soil, double width);
+
+/* Returns how deep a plate sinks, m, when its whole load is applied at once and nothing damps: integral of p dz = pressure z.
+ * That is (n + 1)^(1/n) times as deep as under a slow load, where all of it follows Bekker's curve. Width m, pressure Pa. */
+double reference_plate_at_once(const struct deform_soil *soil, double width, double pressure);
+
+/*
+ * Returns the load in N that carries a sphere of `radius` m at `sinkage` m, 0 .. radius, below level ground. Each ring of it
+ * is a plate of its own: F = 2 pi ((R - z) integral of p dz + integral of z p dz), exact for the circle. The width in K_s is the
+ * patch's radius, sqrt(z (2 R - z)).
+ */
+double reference_sphere_load(const struct deform_soil *soil, double radius, double sinkage);
+/* Its inverse: the sinkage in m under a load in N that is applied slowly. NAN: half of the sphere does not carry it. */
+double reference_sphere(const struct deform_soil *soil, double load, double radius);
+
+/*
+ * A box at rest on a slope. Its guide is vertical: it can push along the level, and carries no weight. The soil's vertical force
+ * is the load: N cos a + T sin a = W. The shear T holds what acts along the slope, W sin a, up to Coulomb's limit:
+ * T = min(W sin a, c A + N tan phi). Where T is W sin a, N is W cos a, as of a body without a guide.
+ * The vertical force grows with the sinkage, so there is one sinkage, and it is the least.
+ * It exists for each load above 0 and slope from 0 to below pi / 2, since p has no bound. `width` is across the slope.
+ * Soil with K_s or K_e of 0 carries nothing: the results are infinite or NAN. A box whose height is below the sinkage is buried;
+ * these functions do not know its height.
+ */
+struct reference_rest {
+	double sinkage;  /* m, along the ground's normal; of a level box at its upper edge */
+	double normal;   /* N, across the slope, N */
+	double shear;    /* T, up the slope, N */
+	double vertical; /* N cos a + T sin a, N */
+	double residual; /* W sin a - T, N: what the soil leaves along the slope; above 0 the body slides. The guide's push is
+			  * residual / cos a */
+};
+/* The box lies on the slope: the same sinkage everywhere. length x width is measured along the ground. A closed form. */
+struct reference_rest reference_rest_flat(const struct deform_soil *soil, double length, double width, double load, double slope);
+/* The box is level: a wedge of soil is below it. length x width is measured along the level. The normal force is
+ * width (W(z) - W(z - length sin a)) / (sin a cos a), where W is reference_yield_work. The sinkage z is found by halving. */
+struct reference_rest reference_rest_level(const struct deform_soil *soil, double length, double width, double load, double slope);
+
+/*
+ * Closed forms: wheel_forms.c. A rigid wheel rolls straight over level, undisturbed scm soil at a constant slip, without grousers.
+ * The soil yields at p(z), z vertical, in front of the lowest point, and springs back with K_e behind it.
+ * Shear is Janosi's and Hanamoto's, tau = (c + p tan phi)(1 - exp(-j / K)), against the sign of the slip displacement j.
+ */
+enum reference_normals {
+	REFERENCE_NORMALS_GROUND,  /* p is vertical and tau horizontal, both per area of ground: Project Chrono's SCM */
+	REFERENCE_NORMALS_SURFACE, /* p is normal to the rim and tau along it, both per area of rim: Wong and Reece 1967 */
+};
+/* What the slip displacement is of. Both add up the rim's speed along the ground or the rim, from first touch. */
+enum reference_follows {
+	REFERENCE_FOLLOWS_SOIL, /* a place of the soil that the rim passes over: what a post remembers, and Chrono's SCM */
+	REFERENCE_FOLLOWS_RIM,  /* a point of the rim that passes over the soil: Wong and Reece */
+};
+struct reference_rolling {
+	double radius, width; /* m */
+	double turned;        /* rim's way / axle's way, 0 or more: 0 locked, 1 rolls, above 1 driven */
+	enum reference_normals normals;
+	enum reference_follows follows;
+	bool rebound;         /* false: contact ends at the lowest point */
+};
+/* On the wheel, at its axle. */
+struct reference_rolling_force {
+	double drawbar;        /* N, forwards */
+	double vertical;       /* N, upwards: normal and shear */
+	double moment;         /* N m, about the axle to the left: below 0 it resists a driven wheel */
+	double shear_moment;   /* N m of it: vertical pressure has a moment about the axle too, one along the rim has none */
+	double shear_vertical; /* N of the vertical force */
+};
+/* Returns `turned` of a slip: below 0 turned = 1 + slip (the measured wheel's: -1 locked), else 1 / (1 - slip), slip below 1.
+ * A scene's slip, 1 - way / rim, is 1 / (1 - slip) below 0 too: there the measured -0.2 is -0.25, and -0.5 is -1. */
+double reference_turned(double slip);
+/* Returns the forces at a sinkage in m, 0 .. radius, with an error below 1e-9 of radius x width x (p + c) x arc (times radius for
+ * moments). Any n above 0. The displacement j is signed: where it changes its sign within the arc, a law of |j| differs. */
+struct reference_rolling_force reference_rolling(const struct deform_soil *soil, const struct reference_rolling *wheel,
+						 double sinkage);
+/* Returns the least sinkage in m at which the vertical force is the load in N. NAN: none up to the radius. It is found between
+ * sinkages that are 8 % apart: a force that reaches the load only between two of these is missed. */
+double reference_rolling_sinkage(const struct deform_soil *soil, const struct reference_rolling *wheel, double load);
+/* Returns the load in N that carries a wheel let down slowly without rolling: both halves of its arc yield vertically. */
+double reference_standing_load(const struct deform_soil *soil, double sinkage, double width, double radius);
+
 /* Closed forms: slope.c. Slopes in rad. The least factor of safety of a slope over all planes, and the height at
  * which that is 1 (INFINITY: for no height). */
 double reference_safety(const struct deform_soil *soil, double slope, double height);
