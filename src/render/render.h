@@ -251,7 +251,7 @@ void render_view_settle(struct view *view);
 /* Returns the view as a watcher of its world, for world_watch. */
 struct world_watcher render_view_watcher(struct view *view);
 enum status render_view_deformed(struct view *view, struct tile tile) FURROW_CHECKED;
-enum status render_view_pressed(struct view *view, const struct event *event, const struct contact_area *area) FURROW_CHECKED;
+enum status render_view_contact(struct view *view, const struct event *event, const struct contact_area *area) FURROW_CHECKED;
 enum status render_view_requests(struct view *view, struct requests *requests) FURROW_CHECKED;
 void render_view_reach_at_least(struct view *view, double metres);
 struct render_view_figures {

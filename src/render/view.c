@@ -121,7 +121,7 @@ enum status render_view_warm(struct view *view)
 		status = draw(view, !view->watched); /* who watches sees it come */
 	for (int i = 0; i < VIEW_LOOKS && status == STATUS_OK; i++)
 		status = render_view_look_ahead(view);
-	render_view_expect_presses(view);
+	render_view_expect_contacts(view);
 	render_view_ask_ranges(view);
 	/* It is none of the drive's pictures. */
 	double overdraw;
@@ -148,7 +148,7 @@ enum status render_view_between(struct view *view, struct pictures *pictures)
 	enum status status = render_pictures_poll(pictures);
 	if (status == STATUS_OK)
 		status = render_view_look_ahead(view);
-	render_view_expect_presses(view);
+	render_view_expect_contacts(view);
 	render_view_ask_ranges(view);
 	return status;
 }
@@ -173,7 +173,7 @@ enum status render_view_frame(struct view *view, struct pictures *pictures, bool
 	view->coarsened += view->coarse;
 	view->frames++;
 	status = render_view_look_ahead(view);
-	render_view_expect_presses(view);
+	render_view_expect_contacts(view);
 	render_view_ask_ranges(view);
 	if (!image || status != STATUS_OK)
 		return status;
@@ -229,12 +229,14 @@ enum status render_view_create(struct world *world, bool watched, struct view **
 	view->watched = watched;
 	view->at_steps = !watched && scene->view.images > 0;
 	view->ranges.most = RANGES;
+	view->bounds.extent = &world->meta->extent;
 	view->selection = mem_alloc(1, sizeof *view->selection);
 	view->now = mem_calloc(1, sizeof *view->now);
 	view->missing = mem_calloc(VIEW_MISSING, sizeof *view->missing);
 	view->exact = true;
 	view->ahead = mem_calloc(VIEW_LOOKS, sizeof *view->ahead);
 	render_view_find_room(view);
+	resident_ground_forget_offsets(world->ground); /* of before a view that comes late */
 	enum status status = STATUS_OK;
 	if (view->selection == NULL || view->now == NULL || view->ahead == NULL || view->missing == NULL)
 		status = fail_memory("the view");
@@ -247,7 +249,7 @@ enum status render_view_create(struct world *world, bool watched, struct view **
 	if (status == STATUS_OK && (world->was_deformed || scene->hosted)) /* a host's view may come late */
 		status = store_each_offset(resident_ground_reader(world->ground), world->level, deformed_key, view);
 	if (status == STATUS_OK)
-		status = render_view_pressed(view, NULL, NULL);
+		status = render_view_contact(view, NULL, NULL);
 	if (status != STATUS_OK) {
 		render_view_destroy(view);
 		return status;
@@ -262,8 +264,7 @@ void render_view_destroy(struct view *view)
 		return;
 	render_destroy(view->render);
 	key_set_finish(&view->deformed);
-	key_map_finish(&view->stored);
-	key_map_finish(&view->pressed);
+	resident_bounds_finish(&view->bounds);
 	key_set_finish(&view->expected);
 	key_set_finish(&view->seen);
 	key_cache_finish(&view->ranges);
@@ -347,7 +348,7 @@ enum status render_view_picture(struct view *view, uint8_t *pixels, float *depth
 
 static enum status on_contact(void *user, const struct event *event, const struct contact_area *area)
 {
-	return render_view_pressed(user, event, area);
+	return render_view_contact(user, event, area);
 }
 
 static enum status on_changed(void *user, struct tile tile)

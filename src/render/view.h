@@ -22,7 +22,7 @@ struct view_look {
 
 struct view_errors; /* view_errors.c */
 
-struct view_press {
+struct view_contact {
 	bool known;       /* no offset it leaves is below `low` or above `high`; else they are as far as objects reach */
 	double low, high; /* 0 or less, 0 or more; metres */
 };
@@ -34,9 +34,8 @@ struct view {
 	uint64_t frames;          /* drawn */
 	struct render *render;
 	struct key_set deformed;  /* tiles that had offset tiles at or below them before the drive; 11 to 21 bytes each */
-	struct key_map stored;    /* of those, as far as asked for: lowest (0 or less) and highest (0 or more) offset; metres */
-	struct key_map pressed;   /* the same bound for tiles that this drive deformed */
-	struct view_press press;  /* what is deformed now is widened by */
+	struct offset_bounds bounds; /* what this drive's contacts may have left, of each tile that they changed */
+	struct view_contact contact; /* what this one may leave */
 	struct key_set expected;  /* the same of tiles that will be deformed; empty but while looking ahead */
 	struct key_cache ranges;  /* of bases; a: NaN where nothing is */
 	double reach;             /* metres that what is not known of a press may be off what was there */
@@ -84,7 +83,7 @@ bool render_view_has_range(struct view *view, enum ground_range_kind kind, struc
 /* Hands the missing ranges to the look-ahead. */
 void render_view_ask_ranges(struct view *view);
 /* Adds the ranges of ground that bodies will press, and that was deformed before the drive. */
-void render_view_expect_presses(struct view *view);
+void render_view_expect_contacts(struct view *view);
 
 /* view_source.c */
 void render_view_find_room(struct view *view);
@@ -101,12 +100,10 @@ void render_view_mark_used(struct view *view, bool stand_ins);
 /* view_offsets.c: how far off its base a tile's surface may be. */
 bool render_view_is_deformed(const struct view *view, struct tile tile); /* it has offsets at or below it */
 double render_view_find_reach(const struct world *world);
-/* Widens what a map (a: lowest, b: highest) has of a tile and of all above it. */
-enum status render_view_widen(const struct view *view, struct key_map *map, struct tile tile, double low, double high) FURROW_CHECKED;
 /* Of the drive's start, 0 or less and 0 or more; metres. Exact where the view is: else it may be that of a tile above. */
 enum status render_view_stored_offsets(struct view *view, struct tile tile, double *low, double *high) FURROW_CHECKED;
-/* render_view_pressed's. */
-enum status render_view_offsets_press(struct view *view, const struct contact_area *area) FURROW_CHECKED;
+/* render_view_contact's. */
+enum status render_view_offsets_contact(struct view *view, const struct contact_area *area) FURROW_CHECKED;
 /* A tile of the working level is changed, by what presses now. */
 enum status render_view_offsets_touch(struct view *view, struct tile tile) FURROW_CHECKED;
 /* No offset of the tile's subtree is or will be drawn outside these; metres. `expected`: it will be deformed by the time
@@ -116,8 +113,8 @@ enum status render_view_offsets(struct view *view, struct tile tile, bool expect
 /* view_errors.c: how far off the ground a tile is drawn. With a pixel error alone. */
 enum status render_view_errors_create(const struct world *world, struct view_errors **out) FURROW_CHECKED;
 void render_view_errors_destroy(struct view_errors *errors); /* takes NULL */
-/* render_view_pressed's. */
-enum status render_view_errors_press(struct view *view, const struct event *event) FURROW_CHECKED;
+/* render_view_contact's. */
+enum status render_view_errors_contact(struct view *view, const struct event *event) FURROW_CHECKED;
 /* A tile of the working level is changed, by what presses now. */
 enum status render_view_errors_touch(struct view *view, struct tile tile) FURROW_CHECKED;
 /* Metres, as terrain_source.error. `expected`: it will be deformed by the time that is looked at. */

@@ -18,7 +18,7 @@
 
 struct view_errors {
 	struct key_cache bases; /* a: metres */
-	struct key_map pressed; /* in this drive. a: lowest, 0 or less; b: highest, 0 or more; metres */
+	struct offset_bounds bounds; /* estimated, of this drive's contacts */
 	double low, high;       /* of what is marked now */
 	double lowest, highest; /* of what was marked in this drive, and of what is expected to be */
 };
@@ -30,6 +30,7 @@ enum status render_view_errors_create(const struct world *world, struct view_err
 	if (errors == NULL)
 		return fail_memory("the view");
 	errors->bases.most = BASES;
+	errors->bounds.extent = &world->meta->extent;
 	for (size_t i = 0; i < scene->object_count; i++) {
 		const struct scene_object *object = &scene->objects[i];
 		double deep = object->load > 0 ? deform_sinkage_guess(&object->shape, &scene->soils[0], object->load) : object->sink;
@@ -48,7 +49,7 @@ void render_view_errors_destroy(struct view_errors *errors)
 	if (errors == NULL)
 		return;
 	key_cache_finish(&errors->bases);
-	key_map_finish(&errors->pressed);
+	resident_bounds_finish(&errors->bounds);
 	mem_free(errors);
 }
 
@@ -56,7 +57,7 @@ void render_view_errors_destroy(struct view_errors *errors)
 
 enum status render_view_errors_touch(struct view *view, struct tile tile)
 {
-	return render_view_widen(view, &view->errors->pressed, tile, view->errors->low, view->errors->high);
+	return resident_bounds_add(&view->errors->bounds, tile, view->errors->low, view->errors->high);
 }
 
 /* How far to a shape's sides the ground beside its middle counts, forwards and to the left, and by how much its
@@ -111,7 +112,7 @@ static enum status rise_beside(struct view *view, const struct event *event, dou
 	return STATUS_OK;
 }
 
-enum status render_view_errors_press(struct view *view, const struct event *event)
+enum status render_view_errors_contact(struct view *view, const struct event *event)
 {
 	struct view_errors *errors = view->errors;
 	if (event == NULL) {
@@ -169,11 +170,7 @@ enum status render_view_error(struct view *view, struct tile tile, bool expected
 		return STATUS_OK;
 	double low, high;
 	enum status status = render_view_stored_offsets(view, tile, &low, &high);
-	const struct key_pair *pressed = key_map_find(&errors->pressed, tile_key(tile));
-	if (pressed != NULL) {
-		low = fmin(low, pressed->a);
-		high = fmax(high, pressed->b);
-	}
+	resident_bounds_widen(&errors->bounds, tile, &low, &high);
 	double apart = high - low;
 	if (expected)
 		apart = fmax(apart, errors->highest - errors->lowest);

@@ -86,10 +86,10 @@ enum status render_view_add_chain(const struct view *view, struct key_set *set, 
 	return STATUS_OK;
 }
 
-enum status render_view_pressed(struct view *view, const struct event *event, const struct contact_area *sweep)
+enum status render_view_contact(struct view *view, const struct event *event, const struct contact_area *sweep)
 {
-	enum status status = render_view_offsets_press(view, sweep);
-	return status == STATUS_OK && view->errors != NULL ? render_view_errors_press(view, event) : status;
+	enum status status = render_view_offsets_contact(view, sweep);
+	return status == STATUS_OK && view->errors != NULL ? render_view_errors_contact(view, event) : status;
 }
 
 enum status render_view_deformed(struct view *view, struct tile tile)

@@ -176,16 +176,16 @@ static size_t different(const uint8_t *a, const uint8_t *b)
 static void draw_three(struct drive *drive, const struct render_camera *camera)
 {
 	struct view *view = drive->view;
-	struct key_map kept = view->pressed;
+	struct offset_bounds kept = view->bounds;
 	draw(drive, camera, by_boxes);
-	view->pressed = (struct key_map){.room = 0};
+	view->bounds.added = (struct key_map){.room = 0};
 	draw(drive, camera, by_base);
 	for (uint32_t y = 0; y < extent_tiles_y(&ground, 0); y++)
 		for (uint32_t x = 0; x < extent_tiles_x(&ground, 0); x++)
-			must(render_view_widen(view, &view->pressed, (struct tile){0, x, y}, -1e4, 1e4));
+			must(resident_bounds_add(&view->bounds, (struct tile){0, x, y}, -1e4, 1e4));
 	draw(drive, camera, by_none);
-	key_map_finish(&view->pressed);
-	view->pressed = kept;
+	resident_bounds_finish(&view->bounds);
+	view->bounds = kept;
 }
 
 static void look_into_the_trench(struct drive *drive)

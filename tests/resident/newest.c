@@ -193,7 +193,7 @@ static void places(struct rig *rig, size_t where[3])
 			double low, high;
 			bool stored;
 			must(page_cache_newest(rig->world.cache, tile_key(tile), look, &looks, &place, &slot));
-			must(resident_ground_offset_range(rig->world.ground, tile, &low, &high, &stored));
+			must(store_read_offset_range(resident_ground_reader(rig->world.ground), tile, &low, &high, &stored));
 			where[place] += place != PAGE_NEWEST_STORED || stored;
 		}
 	assert_int_equal(looks, where[PAGE_NEWEST_QUEUED]);
