@@ -49,7 +49,7 @@ double render_view_find_reach(const struct world *world)
 		const double *size = object->shape.size;
 		reach = fmax(reach, object->sink + 2 * object->shape.radius +
 					    sqrt(size[0] * size[0] + size[1] * size[1] + size[2] * size[2]));
-		/* A path with heights of its own may dig as deep as it lies below the ground. */
+		/* If a path gives heights, the object may dig as deep as the path is below the ground. */
 		for (size_t k = 0; object->path.has_z && k < object->path.count; k++)
 			deepest = fmax(deepest, world->meta->high - object->path.points[k].z);
 	}

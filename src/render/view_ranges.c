@@ -1,7 +1,7 @@
 /*
- * Ranges that are not on the CPU yet. A picture that is written reads them: it is the same whenever they come. All other
- * selections, of pictures in a window and of times ahead, wait for nothing. They take the range of a tile above, which holds that
- * of the tile, and the look-ahead's thread is asked for the tile's own.
+ * Ranges that are not on the CPU yet. A picture that is written reads them, so that it is always the same. All other selections
+ * wait for nothing: those of pictures in a window, and of times ahead. They use the range of a tile above, which contains the
+ * tile's own. The look-ahead's thread is asked to read the tile's own.
  */
 #include "render/view.h"
 
@@ -46,7 +46,7 @@ void render_view_expect_contacts(struct view *view)
 			if (!key_set_has(&view->deformed, tile_key(above)))
 				continue;
 			if (render_view_has_range(view, GROUND_OFFSETS, above))
-				break; /* and so those above it, most often */
+				break; /* mostly the tiles above have theirs, too */
 			add(view, GROUND_OFFSETS, above);
 		}
 	}

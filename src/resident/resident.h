@@ -92,8 +92,9 @@ enum status resident_ground_warm_range(struct ground *ground, struct store_reade
 /*
  * --- bounds of offsets ---
  *
- * No offset of a tile's subtree is outside of two ranges together: the one that the store had (resident_ground_offset_range), and
- * the one that the owner of these bounds has added since. Metres. One thread. Starts with the extent alone.
+ * Every offset of a tile's subtree is within one of two ranges, or between them. The store had the first one
+ * (resident_ground_offset_range). The owner of these bounds has added the second one since. Metres. One thread. Starts with only
+ * the extent set.
  *
  * Invariant: the added range of a tile is within that of the tile above it.
  */
@@ -173,8 +174,8 @@ struct pages_params {
 	uint32_t step_pages;     /* most pages one step can change, which bounds the queue */
 	struct pages_record record;
 	struct pages_sums before; /* sums of this drive before these pages were made */
-	FILE *epochs;            /* a line for each commit; NULL: none */
-	double epoch_age;        /* s */
+	FILE *commit_log;           /* a line for each commit; NULL: none */
+	double commit_age;        /* s */
 	struct page_trace *trace; /* may be NULL */
 	/* Called before a page of the working level is read back. After that the page may leave its slot. */
 	enum status (*before_read_back)(void *user, struct tile tile, uint32_t slot);
@@ -186,7 +187,7 @@ struct pages_params {
 	enum status (*classes)(void *user, unsigned loader, struct tile tile, uint8_t *classes);
 	bool classes_drawn; /* classes are loaded for all tiles at and above the working level, not only for those at it */
 	/* On the GPU's thread, before a commit takes the record; may be NULL. */
-	enum status (*before_epoch)(void *user);
+	enum status (*begin_commit)(void *user);
 	/* On the writer thread, before each commit, which fails if this fails; may be NULL. */
 	enum status (*before_commit)(void *user);
 	void *user; /* passed to all functions above */
