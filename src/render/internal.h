@@ -119,7 +119,7 @@ struct render_colour render_ground_colour(double shade, double flat, struct rend
 size_t render_text_letters(const char *text);
 
 /* --- map_raster.c --- */
-/* Finds the size, metres, that `share` of all pixels with values do not exceed. Also finds the lowest and highest value, or 0. */
+/* Finds the size, metres, that `share` of all pixels with values do not exceed, and the lowest and highest value, or 0. */
 enum status render_map_raster_spread(const struct render_map_raster *raster, double share, double *size, double *low,
 				 double *high) FURROW_CHECKED;
 

@@ -2,8 +2,8 @@
  * What pictures will need: tiles that the last picture did not have, and tiles of pictures at a few times ahead. If only some steps
  * have pictures, these are the times of the next ones.
  *
- * A look ahead is a selection as if no tile were resident. So its wanted tiles are the whole picture of that time. The ground is as
- * finely divided as the objects will have left it. Each frame or step makes one look, in turn. It is kept until it is replaced or its
+ * A look ahead is a selection as if no tile were resident. So its wanted tiles are the whole picture of that time. The ground is
+ * as finely divided as the objects will have left it. Each frame or step makes one look, in turn. It is kept until it is replaced, or its
  * time has passed.
  *
  * Invariant: the tiles of the last picture and of the requests are together no more than `room`. So tiles that are loaded ahead never

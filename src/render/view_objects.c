@@ -22,7 +22,7 @@ static double turned_at(const struct body *body, const struct track_point *point
 	return remainder((body->distance + (body->in_contact ? hypot(dx, dy) : 0)) / shape->radius, 2 * M_PI);
 }
 
-/* Finds the height of its centre, 2^-20 m. *known false: there is no ground at its place, and it was never on any. */
+/* Finds the height of its centre, 2^-20 m. *known false: there is no ground, and it was never on any. */
 static enum status height_at(struct world *world, const struct body *body, const struct track_point *point, int64_t *height, bool *known)
 {
 	const struct scene_object *object = body->object;
