@@ -119,7 +119,7 @@ static void open_rig(struct rig *rig, const char *store, const char *overlay, ui
 	world->gpu = gpu;
 	bench_must(resident_pages_create(&(struct pages_params){.gpu = gpu, .store = world->store, .slots = world->slots, .planes = planes,
 						       .level = world->level, .count = slots, .loaders = 2, .step_pages = 16,
-						       .record = world_record_pages(rig->scene), .epochs = world->epochs, .epoch_age = 1e6,
+						       .record = world_record_pages(rig->scene), .commit_log = world->epochs, .commit_age = 1e6,
 						       .before_read_back = before_read_back},
 				&world->pages));
 	world->cache = resident_pages_cache(world->pages);

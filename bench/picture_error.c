@@ -100,7 +100,7 @@ static void open_rig(struct rig *rig, const char *store)
 	bench_must(resident_ground_create(world->store, 64, &world->ground));
 	bench_must(resident_pages_create(&(struct pages_params){.gpu = world->gpu, .store = world->store, .slots = world->slots,
 						       .level = world->level, .count = SLOTS, .loaders = 2, .step_pages = 16,
-						       .record = world_record_pages(&rig->scene), .epochs = world->epochs, .epoch_age = 1000,
+						       .record = world_record_pages(&rig->scene), .commit_log = world->epochs, .commit_age = 1000,
 						       .before_read_back = before_read_back},
 				&world->pages));
 	world->cache = resident_pages_cache(world->pages);

@@ -127,7 +127,7 @@ static void open_drive(struct world *world, struct scene *scene, struct body *bo
 	bench_must(deform_create(&deform, &world->deform));
 	const struct pages_params pages = {.store = world->store, .gpu = world->gpu, .slots = world->slots,
 					   .planes = gpu_slots_planes(world->slots), .level = LEVEL, .count = SLOTS, .loaders = 2,
-					   .step_pages = 16, .record = world_record_pages(scene), .epochs = world->epochs, .before_read_back = before_read_back,
+					   .step_pages = 16, .record = world_record_pages(scene), .commit_log = world->epochs, .before_read_back = before_read_back,
 					   .user = world};
 	bench_must(resident_pages_create(&pages, &world->pages));
 	world->cache = resident_pages_cache(world->pages);

@@ -67,7 +67,7 @@ static void draw_help(const struct render_canvas *canvas, int scale, int top)
 /* A bar of the layer's colours, with what its ends and its middle are. */
 static void draw_legend(const struct render_canvas *canvas, int scale, const struct render_layer *layer)
 {
-	static const char *const units[RENDER_LAYERS] = {[RENDER_OFFSETS] = "m", [RENDER_DIRT] = "", [RENDER_HEIGHTS] = "m",
+	static const char *const units[RENDER_LAYERS] = {[RENDER_OFFSETS] = "m", [RENDER_DISTURBANCE] = "", [RENDER_HEIGHTS] = "m",
 							 [RENDER_SLOPES] = "degrees"};
 	int width = 200 * scale, height = 10 * scale, x = MARGIN * scale + 4, y = (MARGIN + 14) * scale;
 	char text[64];

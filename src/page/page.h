@@ -69,11 +69,11 @@ struct page_params {
 	 * many it waits for the commit in flight. */
 	uint32_t queue_soft;
 	uint32_t queue_most; /* images for changed pages: PAGE_QUEUE_MOST. If more are needed: STATUS_FAILED */
-	double epoch_age;    /* s after which a change is committed; 0: only their number counts */
+	double commit_age;    /* s after which a change is committed; 0: only their number counts */
 	size_t record_bytes; /* size of the run's record, which is copied at each commit */
 	/* On the owner's thread, before a commit takes the record; NULL: nothing to do. */
-	enum status (*before_epoch)(void *user);
-	void *before_epoch_user;
+	enum status (*begin_commit)(void *user);
+	void *begin_commit_user;
 	struct page_io io;
 	struct page_executor executor;
 	struct page_trace *trace; /* notes every access; NULL: nothing does */

@@ -30,10 +30,10 @@ static void settle_first_locked(struct page_cache *cache)
 	if (host->filling) {
 		host->filling = false;
 		queue->filling--;
-		queue->epoch_filling -= host->place == PAGE_COMMITTING;
+		queue->commit_filling -= host->place == PAGE_COMMITTING;
 	}
-	if (cache->epoch == PAGE_EPOCH_FILLING && queue->epoch_filling == 0)
-		cache->epoch = PAGE_EPOCH_COMMITTING;
+	if (cache->commit == PAGE_COMMIT_FILLING && queue->commit_filling == 0)
+		cache->commit = PAGE_COMMIT_WRITING;
 	page_host_release_locked(cache, host);
 	condition_wake_all(&cache->work);
 }

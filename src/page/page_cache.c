@@ -29,7 +29,7 @@ static enum status make_snapshot(struct page_cache *cache)
 	if (status != STATUS_OK)
 		return status;
 	mutex_lock(&cache->mutex);
-	cache->epoch_snapshot = page_host_acquire_locked(cache, PAGE_SNAPSHOT_IMAGE, 0);
+	cache->commit_snapshot = page_host_acquire_locked(cache, PAGE_SNAPSHOT_IMAGE, 0);
 	mutex_unlock(&cache->mutex);
 	return STATUS_OK;
 }
@@ -51,10 +51,10 @@ enum status page_cache_create(const struct page_params *params, struct page_cach
 		status = page_queue_init(&cache->queue, params);
 	if (status == STATUS_OK) {
 		cache->loaders = mem_calloc(params->loaders > 0 ? params->loaders : 1, sizeof *cache->loaders);
-		cache->epoch_images = mem_calloc(params->queue_most, sizeof *cache->epoch_images);
-		cache->epoch_record = mem_calloc(1, params->record_bytes);
-		if (cache->loaders == NULL || cache->epoch_images == NULL ||
-		    cache->epoch_record == NULL)
+		cache->commit_images = mem_calloc(params->queue_most, sizeof *cache->commit_images);
+		cache->commit_record = mem_calloc(1, params->record_bytes);
+		if (cache->loaders == NULL || cache->commit_images == NULL ||
+		    cache->commit_record == NULL)
 			status = fail_memory("the page cache");
 	}
 	for (uint32_t i = 0; i < page_load_images(params->loaders) && status == STATUS_OK; i++)
@@ -102,17 +102,17 @@ void page_cache_destroy(struct page_cache *cache)
 		host->filling = false;
 		page_host_release_locked(cache, host);
 	}
-	if (cache->epoch_snapshot != NULL) {
-		cache->epoch_snapshot->place = PAGE_UNQUEUED;
-		page_host_release_locked(cache, cache->epoch_snapshot);
+	if (cache->commit_snapshot != NULL) {
+		cache->commit_snapshot->place = PAGE_UNQUEUED;
+		page_host_release_locked(cache, cache->commit_snapshot);
 	}
 	mutex_unlock(&cache->mutex);
 	page_queue_finish(cache);
 	page_table_finish(&cache->table);
 	key_set_finish(&cache->touched);
 	mem_free(cache->loaders);
-	mem_free(cache->epoch_images);
-	mem_free(cache->epoch_record);
+	mem_free(cache->commit_images);
+	mem_free(cache->commit_record);
 	condition_finish(&cache->done);
 	condition_finish(&cache->work);
 	mutex_finish(&cache->mutex);
@@ -137,43 +137,43 @@ static enum status take_snapshot(struct page_cache *cache)
 	const struct page_executor *executor = &cache->params.executor;
 	if (executor->snapshot == NULL)
 		return STATUS_OK;
-	enum status status = executor->snapshot(executor->user, &cache->epoch_snapshot->image);
+	enum status status = executor->snapshot(executor->user, &cache->commit_snapshot->image);
 	mutex_lock(&cache->mutex);
 	if (status == STATUS_OK)
-		page_busy_add_locked(cache, cache->epoch_snapshot, true);
+		page_busy_add_locked(cache, cache->commit_snapshot, true);
 	else
 		failure_capture(&cache->failure, status);
 	mutex_unlock(&cache->mutex);
 	return status;
 }
 
-enum status page_wait_for_epoch_locked(struct page_cache *cache, bool stall)
+enum status page_wait_for_commit_locked(struct page_cache *cache, bool stall)
 {
 	enum status status = page_sticky_locked(cache);
 	bool stalled = false;
-	while (cache->epoch != PAGE_EPOCH_NONE && status == STATUS_OK)
+	while (cache->commit != PAGE_COMMIT_NONE && status == STATUS_OK)
 		status = stall ? page_stall_locked(cache, &stalled) : page_wait_locked(cache);
 	return status;
 }
 
-static enum status start_epoch(struct page_cache *cache, const void *record, bool stall)
+static enum status start_commit(struct page_cache *cache, const void *record, bool stall)
 {
 	mutex_lock(&cache->mutex);
-	enum status status = page_wait_for_epoch_locked(cache, stall);
+	enum status status = page_wait_for_commit_locked(cache, stall);
 	if (status == STATUS_OK)
 		page_loads_abandon_late_locked(cache);
 	mutex_unlock(&cache->mutex);
 	if (status == STATUS_OK)
 		status = read_back_dirty(cache);
-	if (status == STATUS_OK && cache->params.before_epoch != NULL)
-		status = cache->params.before_epoch(cache->params.before_epoch_user);
+	if (status == STATUS_OK && cache->params.begin_commit != NULL)
+		status = cache->params.begin_commit(cache->params.begin_commit_user);
 	if (status == STATUS_OK)
 		status = take_snapshot(cache);
 	if (status != STATUS_OK)
 		return status;
 	mutex_lock(&cache->mutex);
-	page_queue_begin_epoch_locked(cache);
-	memcpy(cache->epoch_record, record, cache->params.record_bytes);
+	page_queue_begin_commit_locked(cache);
+	memcpy(cache->commit_record, record, cache->params.record_bytes);
 	cache->dirty_since = 0;
 	assert(page_cache_sane_locked(cache));
 	condition_wake_all(&cache->work);
@@ -183,15 +183,15 @@ static enum status start_epoch(struct page_cache *cache, const void *record, boo
 
 /* Many changes or an old one start a commit. It waits for the commit in flight only at twice that number. So the number of
  * waiting changes is bounded, however fast the ground changes. */
-static bool epoch_is_due_locked(const struct page_cache *cache)
+static bool commit_is_due_locked(const struct page_cache *cache)
 {
 	const struct page_params *params = &cache->params;
 	uint32_t changed = cache->queue.waiting.count + cache->table.dirty;
-	if (cache->epoch != PAGE_EPOCH_NONE)
+	if (cache->commit != PAGE_COMMIT_NONE)
 		return changed >= 2 * params->queue_soft;
 	return changed >= params->queue_soft ||
-	       (params->epoch_age > 0 && cache->dirty_since > 0 &&
-		clock_seconds() - cache->dirty_since > params->epoch_age);
+	       (params->commit_age > 0 && cache->dirty_since > 0 &&
+		clock_seconds() - cache->dirty_since > params->commit_age);
 }
 
 enum status page_cache_end_step(struct page_cache *cache, const void *record)
@@ -204,19 +204,19 @@ enum status page_cache_end_step(struct page_cache *cache, const void *record)
 	cache->table.used = 0;
 	if (status == STATUS_OK)
 		status = page_sticky_locked(cache);
-	bool due = status == STATUS_OK && epoch_is_due_locked(cache);
+	bool due = status == STATUS_OK && commit_is_due_locked(cache);
 	mutex_unlock(&cache->mutex);
-	return due ? start_epoch(cache, record, true) : status;
+	return due ? start_commit(cache, record, true) : status;
 }
 
 enum status page_cache_flush(struct page_cache *cache, const void *record)
 {
 	assert(page_owner(cache));
-	enum status status = start_epoch(cache, record, false);
+	enum status status = start_commit(cache, record, false);
 	if (status != STATUS_OK)
 		return status;
 	mutex_lock(&cache->mutex);
-	status = page_wait_for_epoch_locked(cache, false);
+	status = page_wait_for_commit_locked(cache, false);
 	mutex_unlock(&cache->mutex);
 	return status;
 }

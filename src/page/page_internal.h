@@ -106,7 +106,7 @@ struct page_queue {
 	struct page_host *unused[PAGE_IMAGE_KINDS]; /* by kind; by next */
 	uint32_t made[PAGE_IMAGE_KINDS];
 	uint32_t filling;            /* images with a read-back that is not settled */
-	uint32_t epoch_filling;      /* of those, committing */
+	uint32_t commit_filling;      /* of those, committing */
 };
 
 /* The owner's: images that the executor is working on. */
@@ -114,10 +114,10 @@ struct page_busy {
 	struct page_host *first, *last;
 };
 
-enum page_epoch {
-	PAGE_EPOCH_NONE,
-	PAGE_EPOCH_FILLING,    /* begun; some of its read-backs are not settled */
-	PAGE_EPOCH_COMMITTING, /* the writer's */
+enum page_commit {
+	PAGE_COMMIT_NONE,
+	PAGE_COMMIT_FILLING,    /* begun; some of its read-backs are not settled */
+	PAGE_COMMIT_WRITING, /* the writer's */
 };
 
 struct page_loader {
@@ -142,10 +142,10 @@ struct page_cache {
 	bool requests_kept;    /* no page of the last list was lost or left out since */
 	uint64_t polls;
 	struct page_busy busy;
-	enum page_epoch epoch;
-	const struct page_image **epoch_images; /* room for queue_most */
-	void *epoch_record;
-	struct page_host *epoch_snapshot; /* the only one, always referenced, in no list; NULL: none */
+	enum page_commit commit;
+	const struct page_image **commit_images; /* room for queue_most */
+	void *commit_record;
+	struct page_host *commit_snapshot; /* the only one, always referenced, in no list; NULL: none */
 	double dirty_since;     /* clock_seconds of the oldest change that is in no commit; 0: none */
 	_Atomic bool giving_up; /* a rollback waits for the commit in flight, which need not be made */
 	struct failure failure; /* sticky */
@@ -182,7 +182,7 @@ void page_list_remove(struct page_list *list, struct page *page);
 /* --- page_cache.c --- */
 
 /* Waits until no commit is in flight; this is a stall if a step waits. A failure of the threads ends the wait. */
-enum status page_wait_for_epoch_locked(struct page_cache *cache, bool stall) FURROW_CHECKED;
+enum status page_wait_for_commit_locked(struct page_cache *cache, bool stall) FURROW_CHECKED;
 
 /* --- page_queue.c --- */
 
@@ -201,8 +201,8 @@ struct page_host *page_queue_find_locked(const struct page_queue *queue, uint64_
 struct page_host *page_queue_newest_locked(const struct page_queue *queue, uint64_t key);
 /* Puts an image into the queue, with the caller's reference. It replaces an older waiting version. */
 void page_queue_wait_locked(struct page_cache *cache, struct page_host *host);
-void page_queue_begin_epoch_locked(struct page_cache *cache);
-void page_queue_end_epoch_locked(struct page_cache *cache, bool committed);
+void page_queue_begin_commit_locked(struct page_cache *cache);
+void page_queue_end_commit_locked(struct page_cache *cache, bool committed);
 /* Releases all waiting images, though they were never committed. */
 void page_queue_drop_waiting_locked(struct page_cache *cache);
 /* Releases kept images that every running load is newer than. */

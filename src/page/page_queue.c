@@ -176,7 +176,7 @@ void page_queue_wait_locked(struct page_cache *cache, struct page_host *host)
 
 /* --- commits --- */
 
-void page_queue_begin_epoch_locked(struct page_cache *cache)
+void page_queue_begin_commit_locked(struct page_cache *cache)
 {
 	struct page_queue *queue = &cache->queue;
 	assert(queue->committing.count == 0); /* 5 */
@@ -184,13 +184,13 @@ void page_queue_begin_epoch_locked(struct page_cache *cache)
 		struct page_host *host = queue->waiting.first;
 		leave_locked(queue, host);
 		enter_locked(queue, host, PAGE_COMMITTING, queue->committing.last);
-		queue->epoch_filling += host->filling;
+		queue->commit_filling += host->filling;
 	}
-	if (cache->epoch_snapshot != NULL) {
-		cache->epoch_snapshot->place = PAGE_COMMITTING;
-		queue->epoch_filling += cache->epoch_snapshot->filling;
+	if (cache->commit_snapshot != NULL) {
+		cache->commit_snapshot->place = PAGE_COMMITTING;
+		queue->commit_filling += cache->commit_snapshot->filling;
 	}
-	cache->epoch = queue->epoch_filling > 0 ? PAGE_EPOCH_FILLING : PAGE_EPOCH_COMMITTING;
+	cache->commit = queue->commit_filling > 0 ? PAGE_COMMIT_FILLING : PAGE_COMMIT_WRITING;
 }
 
 static void put_back_locked(struct page_cache *cache, struct page_host *host)
@@ -201,7 +201,7 @@ static void put_back_locked(struct page_cache *cache, struct page_host *host)
 		enter_locked(&cache->queue, host, PAGE_WAITING, NULL);
 }
 
-void page_queue_end_epoch_locked(struct page_cache *cache, bool committed)
+void page_queue_end_commit_locked(struct page_cache *cache, bool committed)
 {
 	struct page_queue *queue = &cache->queue;
 	while (queue->committing.first != NULL) {
@@ -216,8 +216,8 @@ void page_queue_end_epoch_locked(struct page_cache *cache, bool committed)
 			put_back_locked(cache, host);
 		}
 	}
-	if (cache->epoch_snapshot != NULL)
-		cache->epoch_snapshot->place = PAGE_UNQUEUED;
+	if (cache->commit_snapshot != NULL)
+		cache->commit_snapshot->place = PAGE_UNQUEUED;
 	page_queue_release_kept_locked(cache);
 }
 

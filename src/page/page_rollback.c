@@ -80,7 +80,7 @@ enum status page_cache_rollback(struct page_cache *cache, const struct page_roll
 	mutex_lock(&cache->mutex);
 	assert(page_cache_sane_locked(cache));
 	cache->giving_up = true;
-	enum status status = page_wait_for_epoch_locked(cache, false);
+	enum status status = page_wait_for_commit_locked(cache, false);
 	cache->giving_up = false;
 	if (status == STATUS_OK)
 		give_up_loads_locked(cache);

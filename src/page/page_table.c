@@ -133,7 +133,7 @@ static bool queue_sane_locked(const struct page_cache *cache)
 	uint64_t oldest = page_loads_oldest_locked(cache);
 	if (queue->kept.first != NULL && queue->kept.first->kept_until < oldest)
 		return false; /* 6 */
-	return cache->epoch != PAGE_EPOCH_NONE || queue->committing.count == 0; /* 5 */
+	return cache->commit != PAGE_COMMIT_NONE || queue->committing.count == 0; /* 5 */
 }
 
 bool page_cache_sane_locked(const struct page_cache *cache)

@@ -1,7 +1,7 @@
 /*
  * The writer thread: makes the commits that the owner hands over, one at a time.
  *
- *     idle -> (page_queue_begin_epoch_locked, all read-backs settled) -> io.commit -> idle
+ *     idle -> (page_queue_begin_commit_locked, all read-backs settled) -> io.commit -> idle
  *
  * While a commit is in flight, only the writer reads its images, their array, the record and the snapshot. Nobody writes them.
  * A failed commit is sticky: its images wait again. So do those of a commit that was
@@ -17,19 +17,19 @@ void *page_writer_body(void *argument)
 	thread_background();
 	mutex_lock(&cache->mutex);
 	while (!cache->stopping) {
-		if (cache->epoch != PAGE_EPOCH_COMMITTING) {
+		if (cache->commit != PAGE_COMMIT_WRITING) {
 			condition_wait(&cache->work, &cache->mutex);
 			continue;
 		}
 		size_t count = 0;
 		for (struct page_host *host = cache->queue.committing.first; host != NULL;
 		     host = host->next)
-			cache->epoch_images[count++] = &host->image;
+			cache->commit_images[count++] = &host->image;
 		mutex_unlock(&cache->mutex);
 		const struct page_io *io = &cache->params.io;
 		enum status status =
-			io->commit(io->user, cache->epoch_images, count, cache->epoch_record,
-				   cache->epoch_snapshot != NULL ? &cache->epoch_snapshot->image : NULL);
+			io->commit(io->user, cache->commit_images, count, cache->commit_record,
+				   cache->commit_snapshot != NULL ? &cache->commit_snapshot->image : NULL);
 		mutex_lock(&cache->mutex);
 		if (status == STATUS_OK) {
 			cache->stats.commits++;
@@ -37,8 +37,8 @@ void *page_writer_body(void *argument)
 		} else if (status != STATUS_INTERRUPTED || !cache->giving_up) {
 			failure_capture(&cache->failure, status);
 		}
-		page_queue_end_epoch_locked(cache, status == STATUS_OK);
-		cache->epoch = PAGE_EPOCH_NONE;
+		page_queue_end_commit_locked(cache, status == STATUS_OK);
+		cache->commit = PAGE_COMMIT_NONE;
 		assert(page_cache_sane_locked(cache));
 		condition_wake_all(&cache->done);
 	}

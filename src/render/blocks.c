@@ -1,6 +1,6 @@
 /*
- * Which parts of a tile are drawn at which stride: a quadtree of blocks, each a grid of the same
- * number of cells, divided while nearer than its stride's reach and culled by its box.
+ * Which parts of a tile are drawn at which stride. A tile is a quadtree of blocks. Each block is a grid of the same number of
+ * cells. A block is divided while it is nearer than its stride's reach. It is culled by its box.
  */
 #include <math.h>
 #include <string.h>
@@ -40,8 +40,8 @@ static enum status append(struct render_blocks *blocks, uint32_t block)
 	return STATUS_OK;
 }
 
-/* Vertices slide south-westward, onto posts of the coarsest stride that any of the block may have begun to become
- * (terrain.vert's morph): how far the block's ground then reaches beyond its own, metres. */
+/* Finds how far the block's ground reaches once its vertices have slid, metres. They slide south-west, onto posts of the coarsest
+ * stride that any part of the block may have begun to become (terrain.vert's morph). */
 static void slide_west_and_south(const struct splitter *s, const double low[3], const double high[3], double out[3])
 {
 	double far = 0, reach;
@@ -72,7 +72,7 @@ static void split(struct splitter *s, uint32_t x, uint32_t y, int stride)
 		return;
 	double distance = terrain_box_distance(s->view->eye, low, high);
 	if (stride > 0 && distance < s->reaches[stride]) {
-		/* Near ones first: they hide what is behind. */
+		/* The nearest first, since they hide what is behind. */
 		uint32_t nearest = (s->view->eye[0] >= low[0] + size / 2 ? 1u : 0u) |
 				   (s->view->eye[1] >= low[1] + size / 2 ? 2u : 0u);
 		for (uint32_t i = 0; i < 4; i++)

@@ -1,6 +1,6 @@
 /*
- * Where the ground is: on the Earth, on Mars or on the Moon. What it looks like there is shaders/lib/body.glsl; here is what
- * depends on the scene: the sun's colour at its height, how soils of a map look, which textures there are.
+ * Where the ground is: on the Earth, on Mars or on the Moon. shaders/lib/body.glsl says how it looks there. This file has what
+ * depends on the scene: the sun's colour at its height, the look of a map's soils, and the textures.
  */
 #include <math.h>
 #include <string.h>
@@ -23,8 +23,7 @@ static const struct celestial_body {
 			{3.6, 3.5, 3.34}, 0, 0, {0, 0, 0, 1}},
 };
 
-/* Soils by what their names begin with: what they are like, by its layer, and how bright beside that on the Earth. Others
- * are soil as it is. */
+/* Soils by the beginning of their names: the layer that each looks like, and its tint on the Earth. Others look like plain soil. */
 enum { LIKE_SAND, LIKE_SOIL = 2, LIKE_SNOW = 4 };
 static const struct soil {
 	const char *begins;
@@ -45,7 +44,7 @@ static const struct soil {
 	{"", LIKE_SOIL, {1, 1, 1}},
 };
 
-/* Elsewhere than on the Earth a soil has that body's hue. */
+/* Off the Earth a soil has the hue of that planet. */
 static void fill_soil(const char *name, bool earth, float out[4])
 {
 	const struct soil *soil = soils;
@@ -56,7 +55,7 @@ static void fill_soil(const char *name, bool earth, float out[4])
 	out[3] = (float)soil->like;
 }
 
-/* How much air the sun shines through, of that above (Kasten and Young 1989). */
+/* Returns how much air the sun shines through; 1: the air straight above (Kasten and Young 1989). */
 static double air_mass(double height)
 {
 	return 1 / (sin(height) + 0.50572 * pow(height * (180 / M_PI) + 6.07995, -1.6364));
@@ -82,7 +81,7 @@ void render_body_fill(const struct scene_light *light, const struct scene *scene
 		params->sunlight[i] = (float)sun;
 		params->tint[i] = (float)sqrt(sun / body->sunlight[i]);
 	}
-	/* The sky is lit by the sun: less, the lower it is. */
+	/* A lower sun lights the sky less. */
 	params->sunlight[3] = (float)fmin(0.2 + 1.6 * sin(light->height), 1);
 	for (int i = 0; scene != NULL && i < scene->soil_count; i++)
 		fill_soil(scene->soil_names[i], light->body == SCENE_EARTH, params->soils[i]);

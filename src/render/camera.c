@@ -1,30 +1,30 @@
 /*
- * A camera's axes, the view terrain selects by, and how coarse a mesh may be at which distance. In doubles.
+ * A camera's axes, the view that terrain selects by, and how coarse a mesh may be at which distance. In doubles.
  *
- * By the radii what counts is size on the screen: a tile is divided while its posts stand more than 6 pixels
- * apart, and drawn as cells of up to 32. Flat ground is cut as finely as a cliff, and nothing bounds how
- * wrong a picture is. With a pixel error what counts is height: a tile, or a stride within it, is as coarse
- * as it can be with an error below so many pixels.
+ * By radii, the size on the screen counts. A tile is divided while its posts are more than 6 pixels apart. It is drawn in cells of
+ * up to 32 pixels. Flat ground is cut as finely as a cliff, and nothing bounds how wrong a picture is.
+ *
+ * With a pixel error, height counts. A tile, or a stride within it, is as coarse as that error allows.
  */
 #include <math.h>
 #include <string.h>
 
 #include "render/internal.h"
 
-/* Pixels a post's spacing may take before a finer tile is asked for, and a mesh cell before its
- * stride is halved. Tiles are finer than the mesh: light is computed from their posts. */
+/* Most pixels of a post's spacing: beyond, a finer tile is asked for. Most pixels of a mesh cell: beyond, its stride is halved.
+ * Tiles are finer than the mesh, since light is computed from their posts. */
 #define PIXELS_A_POST 6.0
 #define PIXELS_A_CELL 32.0
 /* Below this, blocks of one stride would be too small beside their distance to slide in time. */
 #define REACH_LEAST 24.0
-/* What wheels leave is finer than the ground: cut more finely where vertices are near enough to show it. It goes by how far
- * apart they are alone, the same in every tile: what meets at an edge must slide alike. shaders/lib/picture.glsl has it too. */
+/* Ruts are finer than the ground. So the mesh is cut more finely where vertices are near enough to show a rut. This depends only on
+ * how far apart they are, so that vertices on a shared edge slide alike. shaders/lib/picture.glsl has it too. */
 #define RUT_CELL 0.3f /* metres */
-/* By pixel error: spacings of a stride; and what its reach is at least of that of the one before, for it is slid to from 0.8
- * of it on (shaders/terrain.vert). */
+/* By pixel error: the least reach of a stride, in its spacings, and as a factor of the reach of the stride before. Vertices slide
+ * to a stride from 0.8 of its reach on (shaders/terrain.vert). */
 #define ERROR_REACH_LEAST 10.0
 #define REACHES_APART 1.25
-#define REACH_MOST 1e30 /* metres: a float, with room to reckon */
+#define REACH_MOST 1e30 /* metres; a float has room to compute with it */
 
 static double normalise(double v[3])
 {
@@ -71,8 +71,8 @@ void render_reaches(const struct render *render, const struct render_axes *axes,
 			reaches[k] = apart * render_mesh_reach(axes) * ((float)apart <= RUT_CELL ? RENDER_RUT_REACH : 1);
 			continue;
 		}
-		/* A stride of 2^k is the surface k levels above: as far as that level's error (Equation 3). But a vertex slides up to
-		 * a new stride over the last fifth of the way there: from so far off that it does not overtake its neighbours. */
+		/* A stride of 2^k is the surface k levels above, so that level's error decides (Equation 3). But a vertex slides to a
+		 * new stride over the last fifth of the way. The way must be so long that it does not overtake its neighbours. */
 		double reach = draw->errors[k] * (axes->focal / render->pixel_error);
 		if (k > 0)
 			reach = fmax(reach, fmax(ERROR_REACH_LEAST * apart, REACHES_APART * reaches[k - 1]));

@@ -1,9 +1,8 @@
 /*
- * What is drawn upon pixels on the CPU: boxes, discs, lines, each blended over what is there.
+ * Draws boxes, discs and lines on pixels, on the CPU. Each is blended over what is there.
  *
- * A place is in pixels from the canvas's lower left corner: pixel (x, y) covers [x, x + 1) x [y, y + 1). Everything may
- * lie beyond the canvas, however far: what is seen of it is drawn. Edges are smooth: a pixel takes as much of a colour
- * as the shape covers of it, by the distance of its centre from the edge.
+ * A place is in pixels from the canvas's lower left corner: pixel (x, y) covers [x, x + 1) x [y, y + 1). A shape may be partly or
+ * wholly outside the canvas. Edges are smooth: the distance of a pixel's centre from the edge says how much the shape covers of it.
  */
 #include <math.h>
 #include <string.h>
@@ -31,7 +30,7 @@ enum status render_canvas_write(const struct render_canvas *canvas, const char *
 	return render_png_write(path, canvas->pixels, canvas->width, canvas->height);
 }
 
-/* `cover`: 0 .. 255 of the colour's own opacity. */
+/* `cover`: 0 to 255, a factor of the colour's own opacity. */
 static void blend(uint8_t *to, struct render_colour colour, unsigned cover)
 {
 	unsigned alpha = (colour.a * cover + 127) / 255, under = (to[3] * (255 - alpha) + 127) / 255, all = alpha + under;
@@ -43,7 +42,7 @@ static void blend(uint8_t *to, struct render_colour colour, unsigned cover)
 	to[3] = (uint8_t)all;
 }
 
-/* Of [low, high) in pixels, whole ones on the canvas. */
+/* Finds the whole pixels of the canvas that [low, high) touches. */
 static void clip(double low, double high, uint32_t size, int64_t *first, int64_t *end)
 {
 	*first = (int64_t)floor(fmin(fmax(low, 0), size));
@@ -60,7 +59,7 @@ void render_canvas_box(const struct render_canvas *canvas, int x0, int y0, int x
 			blend(canvas->pixels + 4 * ((size_t)y * canvas->width + (size_t)x), colour, 255);
 }
 
-/* 0 .. 255 of a pixel whose centre is `inside` pixels within an edge. */
+/* Returns 0 to 255: how much of a pixel is covered whose centre is `inside` pixels within an edge. */
 static unsigned coverage(double inside)
 {
 	return (unsigned)(255 * fmin(fmax(inside + 0.5, 0), 1) + 0.5);
@@ -78,7 +77,7 @@ void render_canvas_disc(const struct render_canvas *canvas, double x, double y, 
 		}
 }
 
-/* How much of each pixel a line covers, however often it passes: a corner or a crossing is no darker. */
+/* How much of each pixel a line covers, however often it passes. So a corner or a crossing is no darker. */
 struct mask {
 	uint8_t *cover;
 	int64_t left, low, width, height; /* on the canvas */
@@ -137,7 +136,7 @@ enum status render_canvas_path(const struct render_canvas *canvas, const double 
 	mask.cover = mem_calloc((size_t)mask.width, (size_t)mask.height);
 	if (mask.cover == NULL)
 		return fail_memory("a line");
-	/* Points that are a quarter of a pixel and less from the one before are not seen apart. */
+	/* Skip points closer than a quarter of a pixel to the one before: nobody can see them apart. */
 	const double *from = points[0];
 	for (size_t i = count > 1; i < count; i++) {
 		if (i + 1 < count && hypot(points[i][0] - from[0], points[i][1] - from[1]) < 0.25)

@@ -1,6 +1,6 @@
 /*
- * Letters: a fixed cell of 6 x 10 pixels, drawn here; every printable character of ASCII. A glyph is nine rows of
- * five from the top, the last two below the baseline; the cell's sixth column and tenth row part letters and lines.
+ * Letters of a fixed cell of 6 x 10 pixels: every printable character of ASCII. A glyph is nine rows of five pixels from the top.
+ * The last two rows are below the baseline. The cell's sixth column and tenth row are empty, between letters and lines.
  */
 #include <string.h>
 
@@ -107,7 +107,8 @@ static const char *const glyphs[] = {
 	['~' - 32] = "..... ..... .#... #.#.# ...#. ..... ..... ..... .....",
 };
 
-/* The letter a byte of UTF-8 begins; NULL: none begins there. What is not ASCII is a question mark. */
+/* Returns the glyph of the letter that begins at this byte of UTF-8; NULL: no letter begins there. Letters outside ASCII are
+ * question marks. */
 static const char *glyph_of(unsigned char byte)
 {
 	if ((byte & 0xc0) == 0x80)
@@ -144,8 +145,8 @@ static bool is_beside(const char *glyph, int row, int column)
 	return false;
 }
 
-/* One letter's pixels, or those around them. An outline reaches into the columns between letters, never into a letter
- * itself: columns are five of six. */
+/* Draws one letter's pixels, or the outline around them. A letter has five of its cell's six columns. So an outline reaches into the
+ * empty column between letters, and never into a letter. */
 static void draw_letter(const struct render_canvas *canvas, const char *glyph, int x, int y, int scale,
 			struct render_colour colour, bool around)
 {

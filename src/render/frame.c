@@ -1,7 +1,6 @@
 /*
- * One frame: each selected tile is one instanced draw of its visible blocks, then the sky where
- * nothing was drawn. Positions are relative to the eye: the CPU subtracts in doubles and on the
- * integer lattice, the shader only adds what is small.
+ * One frame. Each selected tile is one instanced draw of its visible blocks. Then the sky is drawn where no ground is. Positions are
+ * relative to the eye: the CPU subtracts in doubles and on the integer lattice. The shader only adds small numbers.
  */
 #include <cglm/cglm.h>
 #include <math.h>
@@ -60,8 +59,8 @@ static void fill_frame(const struct render *render, const struct render_camera *
 	to_floats(params->relief, render->low, 1 / relief, mountain * mountain * (3 - 2 * mountain), camera->eye[2]);
 }
 
-/* Tiles that stand in for finer ones, or that the budget keeps from being divided: what meets them may be off by more than a
- * complete picture is. */
+/* Tells whether some tile is coarser than it should be: a finer one is not resident, or the budget does not allow it. Its edges
+ * may then be off by more than in a complete picture. */
 static bool is_patched(const struct render *render, const struct render_axes *axes, const struct terrain_selection *selection)
 {
 	for (size_t i = 0; i < selection->draw_count; i++) {
@@ -166,7 +165,7 @@ static enum status run_tile(struct render *render, const struct gpu_slot *slot, 
 		.depth_test = true,
 		.cull_back = true,
 	};
-	if (render->dirt)
+	if (render->disturbance)
 		pass.images[2] = slot->planes[PLANE_DISTURBANCE];
 	unsigned variant = slot->planes[PLANE_OFFSET] == NULL ? RENDER_PLAIN : ground != NULL ? RENDER_LEVEL0 : RENDER_OFFSET;
 	enum status status = render_tile_program(render, variant, &pass.program);
@@ -253,9 +252,9 @@ enum status render_frame(struct render *render, const struct render_camera *came
 	return status;
 }
 
-/* --- before the first --- */
+/* --- before the first frame --- */
 
-/* Each kind of tile once, in natural and false colours where there are such. */
+/* Draws each kind of tile once. */
 static enum status draw_kinds(struct render *render, const struct gpu_slot *deformed, bool any, bool divided,
 			      const struct picture_params *params)
 {
@@ -270,13 +269,13 @@ static enum status draw_kinds(struct render *render, const struct gpu_slot *defo
 
 static enum status draw_unseen(struct render *render, const struct gpu_slot *slot, bool deformed, bool divided)
 {
-	struct picture_params params = {.project = {[12] = 4, [15] = 1}}; /* every vertex at one place, beside the picture */
+	struct picture_params params = {.project = {[12] = 4, [15] = 1}}; /* puts every vertex at one place beside the picture */
 	uint32_t none = 0;
 	params.tile[0] = (int32_t)render->extent.cells;
 	params.tile[3] = (int32_t)render_block_cells(&render->extent);
 	params.origin[2] = params.pattern[2] = params.ground[2] = params.ground[3] = params.detail[0] = params.detail[2] = 1;
 	gpu_buffer_write(render->instances, 0, sizeof none, &none);
-	/* Counted as any frame's: llvmpipe compiles what counts samples apart. */
+	/* Count samples as in any frame, since llvmpipe compiles a program again for that. */
 	gpu_counter_begin(render->ground_samples);
 	enum status status = draw_kinds(render, slot, deformed, divided, &params);
 	if (status == STATUS_OK && render->layers) {
@@ -296,11 +295,11 @@ enum status render_draw_unseen(struct render *render, bool deformed, bool divide
 	struct gpu *gpu = render->gpu;
 	const uint32_t side = render->extent.cells + 1;
 	struct gpu_slot slot = {.base = NULL};
-	/* As those of a slot: a driver may compile anew for others. */
+	/* Textures like those of a slot, since a driver may compile again for others. */
 	enum status status = gpu_texture_create(gpu, GPU_R32I, side, side, 0, &slot.base);
 	if (status == STATUS_OK && deformed)
 		status = gpu_texture_create(gpu, GPU_R32I, side, side, 0, &slot.planes[PLANE_OFFSET]);
-	if (status == STATUS_OK && deformed && render->dirt)
+	if (status == STATUS_OK && deformed && render->disturbance)
 		status = gpu_texture_create(gpu, GPU_R8UI, side, side, 0, &slot.planes[PLANE_DISTURBANCE]);
 	if (status == STATUS_OK)
 		status = draw_unseen(render, &slot, deformed, divided);

@@ -1,8 +1,9 @@
 /*
- * A map as it is printed: title above, map in a frame, and below it a legend, a scale bar and north.
+ * A map as it is printed. The title is above, the map in a frame. A legend, a scale bar and a north arrow are below it.
  *
- * All but the map is laid out in a unit of one letter's pixel, a whole factor that goes by the map's size. A map
- * smaller than asked for is enlarged by a whole factor: each post is a square, its shade interpolated between posts.
+ * Everything but the map is laid out in units. A unit is a whole number of pixels, and follows from the map's size. A dot of a letter
+ * is one unit. A map that is smaller than asked for is enlarged by a whole factor. Then each post is a square, and shades are
+ * interpolated.
  */
 #include <math.h>
 #include <stdio.h>
@@ -10,13 +11,13 @@
 
 #include "render/internal.h"
 
-#define WIDTH_LEAST 330 /* of what is below the map, in units */
+#define WIDTH_LEAST 330 /* of the part below the map, units */
 #define PAD 8
 #define LEGEND 150 /* the ramp's length */
 #define BAR 7      /* the ramp's height, and the scale bar's */
 #define ABOVE (RENDER_LETTER_HEIGHT + 2 * PAD)
 #define BELOW (2 * RENDER_LETTER_HEIGHT + BAR + 6 + 2 * PAD)
-#define SHARE 0.999 /* of values that the legend's range holds */
+#define SHARE 0.999 /* part of the values that are within the legend's range */
 
 static const struct render_colour ink = {28, 30, 34, 255}, paper = {255, 255, 255, 255}, faint = {110, 114, 120, 255},
 				  none = {0, 0, 0, 0};
@@ -46,7 +47,7 @@ double render_round_range(double size)
 
 /* --- the map --- */
 
-/* The shade at a pixel of an enlarged map: between the posts beside it, unless one of them is a hole. */
+/* Returns the shade at a pixel of an enlarged map, interpolated between the posts beside it unless one is a hole. */
 static double shade_at(const struct render_map_raster *raster, int zoom, int64_t x, int64_t y)
 {
 	int64_t width = raster->width, px = x / zoom, py = y / zoom;
@@ -76,7 +77,7 @@ static void draw_map(const struct render_map_layout *layout, const struct render
 			double shade = zoom > 1 ? shade_at(raster, zoom, mx, my) : raster->shade[pixel];
 			struct render_colour over = render_ramp(layout->ramp, render_ramp_place(range, raster->values[pixel]));
 			struct render_colour colour = render_ground_colour(shade, raster->flat, over);
-			/* Sparse hatching says that nothing is known. */
+			/* Sparse hatching means no data. */
 			if (isnan(shade) && (x + y) % (12 * placed->unit) < placed->unit)
 				colour = (struct render_colour){176, 184, 194, 255};
 			memcpy(canvas->pixels + 4 * ((size_t)y * canvas->width + (size_t)x), &colour, sizeof colour);
@@ -151,7 +152,7 @@ static void title(const struct render_canvas *canvas, int x, int y, int unit, co
 	text(canvas, x, y, unit, cut, ink);
 }
 
-/* The unit a range is told in. */
+/* Returns the unit that a range is given in. */
 static const char *unit_for(const struct render_range *range, double *metres)
 {
 	double size = fmax(-range->low, range->high);
@@ -196,7 +197,7 @@ static void draw_legend(const struct render_map_layout *layout, const struct ren
 	draw_ticks(canvas, left, low - unit, unit, range, beyond, metres);
 }
 
-/* A bar of a round length in four parts, its right end at `right`. */
+/* Draws a bar of a round length in four parts. Its right end is at `right`. */
 static void draw_scale(const struct render_canvas *canvas, int right, int low, int unit, int room, double scale)
 {
 	char line[32];
@@ -236,7 +237,7 @@ enum status render_map_layout_frame(const struct render_map_layout *layout, cons
 	enum status status = settle_range(layout, &range, beyond);
 	if (status != STATUS_OK)
 		return status;
-	/* What was drawn beyond the map. */
+	/* Cover what the caller drew outside the map. */
 	render_canvas_box(canvas, 0, 0, width, placed->low, paper);
 	render_canvas_box(canvas, 0, placed->high, width, height, paper);
 	render_canvas_box(canvas, 0, placed->low, placed->left, placed->high, paper);

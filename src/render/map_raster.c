@@ -1,6 +1,6 @@
 /*
- * A map raster: what a map shows of a store, a pixel for each post of one level. It has the lightness of the ground and the
- * values of a layer.
+ * A map raster: the part of a store that a map shows, with a pixel for each post of one level. It has the lightness of the ground
+ * and the values of a layer.
  */
 #include <math.h>
 #include <string.h>
@@ -9,17 +9,17 @@
 
 #define STRIP 128 /* rows */
 
-struct surveying {
+struct rasterizing {
 	const struct render_map_raster_params *params;
 	const struct extent *extent;
 	struct render_map_raster *raster;
-	float *offset; /* of each pixel, where offsets shade; NULL: they do not */
+	float *offset; /* of each pixel, if offsets change the shade; NULL: they do not */
 	int working;
 	bool deformed;
-	int64_t done, total; /* told to progress */
+	int64_t done, total; /* for the progress function */
 };
 
-static enum status tell(struct surveying *s, int64_t more)
+static enum status tell(struct rasterizing *s, int64_t more)
 {
 	s->done += more;
 	const struct render_map_raster_params *params = s->params;
@@ -47,7 +47,7 @@ static enum status add_key(struct key_list *list, uint64_t key)
 	return STATUS_OK;
 }
 
-/* One axis of the posts that pixels [first, end) are made of. The last pixel of a terrain has all that is left of it. */
+/* Finds, on one axis, the posts that pixels [first, end) are made of. The terrain's last pixel has all posts that are left. */
 static void fine_posts(int shift, int64_t half, int64_t size, int64_t all, int64_t *first, int64_t *end)
 {
 	bool last = *end == size;
@@ -55,8 +55,8 @@ static void fine_posts(int shift, int64_t half, int64_t size, int64_t all, int64
 	*end = last ? all : ((*end - 1) << shift) + (half > 0 ? half : 1);
 }
 
-/* The posts of `level` that the pixels are made of. */
-static struct post_rect fine_rect(const struct surveying *s, int level)
+/* Returns the posts of `level` that the pixels are made of. */
+static struct post_rect fine_rect(const struct rasterizing *s, int level)
 {
 	int coarse = s->params->level, shift = coarse - level;
 	int64_t half = shift > 0 ? (int64_t)1 << (shift - 1) : 0;
@@ -68,7 +68,7 @@ static struct post_rect fine_rect(const struct surveying *s, int level)
 }
 
 /* Adds the tile if it has an offset somewhere and posts in the map. */
-static enum status look_at(struct surveying *s, struct tile tile, struct key_list *list)
+static enum status look_at(struct rasterizing *s, struct tile tile, struct key_list *list)
 {
 	double low, high;
 	bool found = false;
@@ -79,9 +79,9 @@ static enum status look_at(struct surveying *s, struct tile tile, struct key_lis
 	return status == STATUS_OK && found ? add_key(list, tile_key(tile)) : status;
 }
 
-/* Soil's state is of the working level alone, and may be where no offset is. */
+/* Only the working level has the soil's state. There may be soil state where there is no offset. */
 struct finding {
-	const struct surveying *s;
+	const struct rasterizing *s;
 	struct key_list *list;
 };
 
@@ -94,9 +94,9 @@ static enum status take_key(void *user, uint64_t key)
 	return outside ? STATUS_OK : add_key(finding->list, key);
 }
 
-/* The tiles with offsets in the map, of the finest level that has at most `tiles_most`: from the map's own level down,
- * below those that have any. */
-static enum status find_tiles(struct surveying *s, struct key_list *list)
+/* Lists the tiles with offsets in the map, of the finest level that has at most `tiles_most` of them. Begins at the map's own
+ * level. Looks only below tiles that have offsets. */
+static enum status find_tiles(struct rasterizing *s, struct key_list *list)
 {
 	struct tile first, last;
 	int level = s->params->level;
@@ -130,8 +130,8 @@ static float metres_of(enum plane plane, const void *posts, size_t i)
 	return (float)lattice_offset_metres(((const int32_t *)posts)[i]);
 }
 
-/* The tile's posts into the pixels they lie in. */
-static void splat(const struct surveying *s, struct tile tile, enum plane plane, const void *posts, float *into)
+/* Adds the tile's posts to the pixels that they are in. */
+static void splat(const struct rasterizing *s, struct tile tile, enum plane plane, const void *posts, float *into)
 {
 	const struct render_map_raster *raster = s->raster;
 	int shift = s->params->level - tile.level;
@@ -152,7 +152,7 @@ static void splat(const struct surveying *s, struct tile tile, enum plane plane,
 	}
 }
 
-static enum status read_tiles(struct surveying *s, enum plane plane, float *into)
+static enum status read_tiles(struct rasterizing *s, enum plane plane, float *into)
 {
 	struct key_list list = {NULL, 0, 0};
 	size_t side = tile_posts(s->extent);
@@ -178,8 +178,8 @@ static enum status read_tiles(struct surveying *s, enum plane plane, float *into
 	return status;
 }
 
-/* Finer than what is stored: interpolated, as exports are. */
-static enum status read_posts(struct surveying *s, enum store_layer layer, float *into)
+/* For pixels finer than the store has: interpolates, as exports do. */
+static enum status read_posts(struct rasterizing *s, enum store_layer layer, float *into)
 {
 	const struct render_map_raster *raster = s->raster;
 	double *values = mem_alloc((size_t)raster->width * STRIP, sizeof *values);
@@ -197,7 +197,7 @@ static enum status read_posts(struct surveying *s, enum store_layer layer, float
 	return status;
 }
 
-static enum status read_layer(struct surveying *s, enum store_layer layer, float *into)
+static enum status read_layer(struct rasterizing *s, enum store_layer layer, float *into)
 {
 	static const enum plane planes[STORE_LAYERS] = {
 		[STORE_OFFSET] = PLANE_OFFSET, [STORE_HEAPED] = PLANE_DEPOSITED, [STORE_PRESSED] = PLANE_PLASTIC_SINKAGE,
@@ -208,14 +208,14 @@ static enum status read_layer(struct surveying *s, enum store_layer layer, float
 /* --- the ground --- */
 
 struct strip {
-	double *heights;      /* with a post more at each side */
+	double *heights;      /* with one more post at each side */
 	double *east, *north; /* slopes */
 	struct post_rect rect;
 	int level;
 };
 
-/* The base's slopes at the posts of strip->rect. */
-static enum status read_slopes(struct surveying *s, struct strip *strip)
+/* Computes the base's slopes at the posts of strip->rect. */
+static enum status read_slopes(struct rasterizing *s, struct strip *strip)
 {
 	struct post_rect r = strip->rect, wide = {r.x0 - 1, r.y0 - 1, r.x1 + 1, r.y1 + 1};
 	enum status status = store_read_posts(s->params->reader, STORE_BASE, strip->level, wide, strip->heights);
@@ -225,8 +225,8 @@ static enum status read_slopes(struct surveying *s, struct strip *strip)
 	return status;
 }
 
-/* The base's slope at a post of the map; NaN where nodata. */
-static void slope_at(const struct surveying *s, const struct strip *strip, int64_t x, int64_t y, double *east, double *north)
+/* Finds the base's slope at a post of the map; NaN: nodata. */
+static void slope_at(const struct rasterizing *s, const struct strip *strip, int64_t x, int64_t y, double *east, double *north)
 {
 	int shift = strip->level - s->params->level;
 	int64_t cx = x >> shift, cy = y >> shift, width = strip->rect.x1 - strip->rect.x0;
@@ -242,8 +242,9 @@ static void slope_at(const struct surveying *s, const struct strip *strip, int64
 	}
 }
 
-/* Slopes that offsets add, of the pixels around one; those beyond the map go on as at the other side. */
-static void add_offset_slope(const struct surveying *s, int64_t x, int64_t y, double *east, double *north)
+/* Adds the slope that offsets cause at a pixel, from the pixels around it. For a pixel outside the map, the slope of the other
+ * side is used. */
+static void add_offset_slope(const struct rasterizing *s, int64_t x, int64_t y, double *east, double *north)
 {
 	const struct render_map_raster *raster = s->raster;
 	double around[9];
@@ -258,7 +259,7 @@ static void add_offset_slope(const struct surveying *s, int64_t x, int64_t y, do
 	*north += n;
 }
 
-static bool is_flat_around(const struct surveying *s, int64_t x, int64_t y)
+static bool is_flat_around(const struct rasterizing *s, int64_t x, int64_t y)
 {
 	const struct render_map_raster *raster = s->raster;
 	if (x < 1 || y < 1 || x + 1 >= raster->width || y + 1 >= raster->height)
@@ -269,7 +270,7 @@ static bool is_flat_around(const struct surveying *s, int64_t x, int64_t y)
 	       p[w + 1] == 0;
 }
 
-static void shade_strip(struct surveying *s, const struct strip *strip, struct post_rect part)
+static void shade_strip(struct rasterizing *s, const struct strip *strip, struct post_rect part)
 {
 	struct render_map_raster *raster = s->raster;
 	for (int64_t y = part.y0; y < part.y1; y++)
@@ -284,7 +285,7 @@ static void shade_strip(struct surveying *s, const struct strip *strip, struct p
 		}
 }
 
-static enum status shade(struct surveying *s)
+static enum status shade(struct rasterizing *s)
 {
 	int level = s->params->level > 0 ? s->params->level : 0, shift = level - s->params->level;
 	struct post_rect rect = s->raster->rect;
@@ -314,9 +315,9 @@ static enum status shade(struct surveying *s)
 	return status;
 }
 
-/* --- all of it --- */
+/* --- the whole raster --- */
 
-static enum status allocate(struct surveying *s)
+static enum status allocate(struct rasterizing *s)
 {
 	struct render_map_raster *raster = s->raster;
 	size_t pixels = (size_t)raster->width * raster->height;
@@ -338,7 +339,7 @@ enum status render_map_raster_create(const struct render_map_raster_params *para
 		.spacing = extent_spacing(&params->meta->extent, params->level),
 		.flat = render_shade(&params->sun, 0, 0),
 	};
-	struct surveying s = {.params = params, .extent = &params->meta->extent, .raster = out, .working = params->working,
+	struct rasterizing s = {.params = params, .extent = &params->meta->extent, .raster = out, .working = params->working,
 			      .deformed = params->deformed, .total = out->height};
 	enum status status = allocate(&s);
 	if (status == STATUS_OK && s.deformed)
@@ -382,7 +383,7 @@ enum status render_map_raster_widen(struct render_map_raster *raster)
 	return STATUS_OK;
 }
 
-/* A value's bits without its sign, coarsely: larger ones are of larger values. */
+/* Returns the high bits of a value without its sign: the class of its size. A larger class has larger values. */
 static uint32_t size_class(float value)
 {
 	uint32_t bits;
@@ -412,7 +413,7 @@ enum status render_map_raster_spread(const struct render_map_raster *raster, dou
 		if ((double)above > beyond)
 			break;
 	}
-	/* The largest of the class. */
+	/* The largest value of the class. */
 	uint32_t bits = (class << 15) | 0x7fff;
 	float most;
 	memcpy(&most, &bits, sizeof most);

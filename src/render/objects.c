@@ -1,10 +1,12 @@
 /*
- * Objects in the picture, and their shadows on the ground. Each distinct shape is triangles in buffers once; those
- * objects of it that look about as large are one draw. Shadows are one draw of all volumes over the ground, before the
- * objects are there: they read the depth, and multiply.
+ * Objects in the picture, and their shadows on the ground. Each different shape has its triangles in buffers once. Objects of one
+ * shape that look about equally large are one draw. All shadows are one draw over the ground, before the objects are drawn. It
+ * reads the depth, and multiplies.
  *
- * Invariants: what is planned of a shape is what is made of it, by the same function; places are made relative to the eye in
- * doubles; at most as many objects are shown as there are in the scene.
+ * Invariants:
+ * - One function decides what is planned of a shape and what is made of it.
+ * - Places are made relative to the eye in doubles.
+ * - At most as many objects are shown as there are in the scene.
  */
 #include <math.h>
 #include <stdio.h>
@@ -13,7 +15,7 @@
 
 #include "render/objects.h"
 
-/* Pixels of the radius of the ball around an object, from which on its finer details are drawn. */
+/* Radius in pixels of the ball around an object, from which on its finer details are drawn. */
 static const double details_from[OBJECT_DETAILS] = {50, 12, 0};
 
 static const uint16_t volume_sides[36] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
@@ -33,7 +35,7 @@ static bool same_shape(const struct deform_shape *a, const struct deform_shape *
 	       (a->grousers == 0 || (a->grouser_height == b->grouser_height && a->grouser_thickness == b->grouser_thickness));
 }
 
-/* Whether no object before it has its shape. */
+/* Returns true if no object before it has its shape. */
 static bool is_first(const struct scene_object *objects, size_t i, size_t *first)
 {
 	for (*first = 0; *first < i; ++*first)
@@ -194,7 +196,7 @@ enum status render_objects_create(struct render *render, const struct render_par
 	struct render_objects *objects = mem_calloc(1, sizeof *objects);
 	if (objects == NULL)
 		return fail_memory("the picture's objects");
-	render->objects = objects; /* whatever happens: render_destroy's */
+	render->objects = objects; /* from here on render_destroy frees it */
 	objects->objects = params->objects;
 	objects->count = count;
 	objects->casts = casts(params->effects, count);
@@ -255,7 +257,7 @@ static bool ball_visible(const struct terrain_view *view, const double eye[3], c
 {
 	for (int p = 0; p < 5; p++) {
 		const double *plane = view->planes[p];
-		/* The eye is on all of them but the far one. */
+		/* The eye is on all planes but the far one. */
 		double beyond = plane[3];
 		for (int k = 0; k < 3; k++)
 			beyond += plane[k] * (at[k] + eye[k]);
@@ -273,7 +275,7 @@ static int in_order(const void *a, const void *b)
 	return (x->detail > y->detail) - (x->detail < y->detail);
 }
 
-/* What of them is in the picture, by shape and detail; and whose shadows are, which the objects need not be. */
+/* Lists the objects in the picture, by shape and detail. Also lists the shadows in the picture: their objects may be outside. */
 static void look(const struct render *render, const struct render_camera *camera, const struct render_axes *axes,
 		 const struct terrain_view *view, const double sun[3], size_t *seen_count, size_t *shadow_count)
 {
@@ -356,7 +358,7 @@ static void run_objects(struct render *render, const struct picture_params *para
 	});
 }
 
-/* `first` of `count` that are seen are alike. */
+/* Draws `count` seen objects from `first` on, which have one shape and one detail. */
 static void draw_alike(struct render *render, struct picture_params *params, struct gpu_program *program, size_t first, size_t count)
 {
 	const struct object_seen *seen = &render->objects->seen[first];

@@ -6,7 +6,8 @@
 
 /* --- objects_mesh.c, objects_file.c: a shape as triangles, in its own axes; pure --- */
 
-/* As the vertex shader reads it: metres; 10 bits each of the normal from bit 0 on, and what it is of from bit 30 on. */
+/* As the vertex shader reads it. `at`: metres. `look`: the normal, 10 bits for each axis from bit 0 on, and the material from bit 30
+ * on. */
 struct object_corner {
 	float at[3];
 	uint32_t look;
@@ -20,29 +21,30 @@ struct object_mesh {
 	uint32_t *indices;
 	uint32_t corner_count, index_count;
 	uint32_t corner_room, index_room;
-	uint32_t first[OBJECT_DETAILS + 1]; /* index of each detail, the finest first, and of the end; one that is empty is that before it */
-	bool closed; /* triangles are seen from their front alone */
-	bool failed; /* out of memory; the end of making it says so */
+	uint32_t first[OBJECT_DETAILS + 1]; /* of each detail, the finest first, and the end; an empty detail uses the one before it */
+	bool closed; /* only fronts of triangles are seen */
+	bool failed; /* out of memory; render_object_mesh_make returns it */
 };
-/* A wheel has its grousers where deform presses them at turn 0. */
+/* A wheel has its grousers where deform has them at turn 0. */
 enum status render_object_mesh_make(const struct deform_shape *shape, struct object_mesh *mesh) FURROW_CHECKED;
 void render_object_mesh_finish(struct object_mesh *mesh);
-/* The number of the new corner. */
+/* Returns the number of the new corner. */
 uint32_t render_object_mesh_corner(struct object_mesh *mesh, const double at[3], uint32_t look);
 void render_object_mesh_triangle(struct object_mesh *mesh, uint32_t a, uint32_t b, uint32_t c);
-/* objects_file.c: a file's triangles, smooth where they meet at less than 40 degrees. */
+/* objects_file.c: adds a file's triangles. They look smooth where they meet at less than 40 degrees. */
 void render_object_mesh_of_file(struct object_mesh *mesh, const struct deform_mesh *file);
 
 /* --- objects_shadow.c --- */
 
 /* shaders/shadow.vert's, std430. */
 struct object_shadow {
-	float to_own[3][4];    /* from a place relative to the eye to the form's own axes, metres */
-	float form[4];         /* half its size along them; its size, of one number */
+	float to_own[3][4];    /* from a place relative to the eye, metres, to the form's own axes */
+	float form[4];         /* half its size along these axes; its size as one number */
 	float to_volume[3][4]; /* to the volume that is shaded, -1 .. 1 each way */
 	float kind[4];         /* 0 a box, 1 a cylinder about its y, 2 a ball */
 };
-/* The object's centre is `at` from the eye. `radius` of the ball round the volume, and its `middle` from the eye. */
+/* Fills the shadow of an object whose centre is `at`, from the eye. Also finds the ball around the volume: `middle` from the eye,
+ * and `radius`. Metres. */
 void render_object_shadow_of(const struct deform_shape *shape, double axes[3][3], const double at[3], const double sun[3],
 		      struct object_shadow *shadow, double middle[3], double *radius);
 

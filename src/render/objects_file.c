@@ -1,6 +1,6 @@
 /*
- * A file's triangles, for drawing: smooth where they meet at a small angle, with an edge where they do not. Where more than
- * MEET of them share a corner each keeps its own normal: the work is bounded whatever the file.
+ * A file's triangles, for drawing. They look smooth where they meet at a small angle, and have an edge elsewhere. If more than MEET
+ * triangles share a corner, each keeps its own normal. So the work is bounded for any file.
  */
 #include <math.h>
 
@@ -9,10 +9,10 @@
 #define MEET 32
 #define SMOOTH 0.766 /* the cosine of 40 degrees */
 
-/* Triangles by corner: those of vertex i are of[begin[i]] .. of[begin[i + 1] - 1]. */
+/* Triangles by vertex: of[begin[i]] to of[begin[i + 1] - 1] are those of vertex i. */
 struct meeting {
 	uint32_t *begin, *of;
-	float (*normals)[3]; /* of triangles, as long as twice their area */
+	float (*normals)[3]; /* of triangles; the length is twice the area */
 };
 
 static void normal_of(const struct deform_mesh *file, uint32_t triangle, float normal[3])
@@ -40,7 +40,7 @@ static bool meet(const struct deform_mesh *file, struct meeting *meeting)
 	meeting->normals = mem_alloc(triangles, sizeof *meeting->normals);
 	if (meeting->begin == NULL || meeting->of == NULL || meeting->normals == NULL)
 		return false;
-	/* Counted two places on, summed, and filled one place on: then each begins where it should. */
+	/* Count at index + 2, sum, then fill by index + 1. Afterwards begin[i] is right for each vertex i. */
 	for (uint32_t i = 0; i < triangles; i++) {
 		normal_of(file, i, meeting->normals[i]);
 		for (int k = 0; k < 3; k++)
@@ -54,7 +54,7 @@ static bool meet(const struct deform_mesh *file, struct meeting *meeting)
 	return true;
 }
 
-/* The mean of those around the corner that are much as this one. */
+/* Sums the normals around the vertex that are at a small angle to this triangle's. */
 static void smooth(const struct meeting *meeting, uint32_t vertex, uint32_t triangle, double normal[3])
 {
 	const float *own = meeting->normals[triangle];
@@ -75,7 +75,7 @@ static void smooth(const struct meeting *meeting, uint32_t vertex, uint32_t tria
 void render_object_mesh_of_file(struct object_mesh *mesh, const struct deform_mesh *file)
 {
 	struct meeting meeting = {NULL, NULL, NULL};
-	/* The corner that was last made at each vertex: neighbours in a file often share it. */
+	/* The corner that was made last at each vertex. Neighbours in a file often share it. */
 	uint32_t *last = mem_alloc(file->vertex_count, sizeof *last);
 	if (last == NULL || !meet(file, &meeting))
 		mesh->failed = true;

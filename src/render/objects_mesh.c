@@ -1,6 +1,6 @@
 /*
- * Wheels, balls and boxes as triangles, in three details: for what is large in the picture, less, and small. A circle's
- * corners lie on it, so that what is drawn is within the shape; a detail is as fine as keeps it within half a pixel.
+ * Wheels, balls and boxes as triangles, in three details: for objects that are large, middling and small in the picture. The
+ * corners of a circle lie on it, so that the drawn form is within the shape. Each detail is off by less than half a pixel.
  *
  * Invariant: triangles are counter-clockwise seen from outside.
  */

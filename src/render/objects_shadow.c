@@ -1,16 +1,16 @@
 /*
- * What an object's shadow is made of: a form as simple as can be, and a volume in which it shades the ground. The form is
- * the shape itself, but for a wheel's grousers, and the box around a mesh. The volume is a box along the sun's azimuth, from a little behind the
- * object to where the shadow of its top ends; the shader lets the shadow fade before its sides.
+ * The parts of an object's shadow: a simple form, and a volume in which it shades the ground. The form is the shape itself, without
+ * a wheel's grousers. For a mesh it is the box around it. The volume is a box along the sun's azimuth. It goes from a little behind
+ * the object to where the shadow of its top ends. The shader lets the shadow fade before the volume's sides.
  */
 #include <math.h>
 #include <string.h>
 
 #include "render/objects.h"
 
-#define LENGTH_MOST 6.0 /* of the object's largest half size: by a low sun the end is cut off */
+#define LENGTH_MOST 6.0 /* times the object's largest half size; if the sun is low, the end is cut off */
 
-/* Half the form's size along a direction of length 1. */
+/* Returns half the form's size along a direction of length 1. */
 static double extent(const struct object_shadow *shadow, double axes[3][3], const double along[3])
 {
 	double part[3];
@@ -24,7 +24,7 @@ static double extent(const struct object_shadow *shadow, double axes[3][3], cons
 	return part[0] * half[0] + part[1] * half[1] + part[2] * half[2];
 }
 
-/* The form about the object's centre; *middle: its own middle, in the object's axes. */
+/* Fills the form around the object's centre. *middle: the form's own middle, in the object's axes. */
 static void form_of(const struct deform_shape *shape, struct object_shadow *shadow, double middle[3])
 {
 	double half[3] = {shape->radius, shape->radius, shape->radius};

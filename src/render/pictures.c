@@ -3,13 +3,13 @@
  *
  *     free -> begun (the GPU fills it) -> handed (waits for the thread, or is being written) -> free
  *
- * Places are used in turn, so three counts tell the state of each: of all pictures there ever were, those from `written`
- * to `handed` are the thread's, those from `handed` to `begun` the GPU's.
+ * Places are used in turn, so three counts of pictures tell the state of each. Pictures from `written` to `handed` are the
+ * thread's. Those from `handed` to `begun` are the GPU's.
  *
  * Invariants:
  *   1. written <= handed <= begun <= written + PICTURES_ROOM.
- *   2. The bytes of a place are the thread's from when it is handed until it is written, and nobody else's.
- *   3. The thread takes what it is handed in order and gives up on none, failure or not: whoever waits for it ends.
+ *   2. Only the thread uses the bytes of a place from when it is handed until it is written.
+ *   3. The thread takes every place that it is handed, in order, even after a failure. So every wait for it ends.
  */
 #include "render/render.h"
 
@@ -26,8 +26,8 @@ struct pictures {
 	struct gpu_staging *places[PICTURES_ROOM];
 	int64_t steps[PICTURES_ROOM];
 	struct thread thread;
-	uint64_t begun;              /* the owner's, and */
-	struct render_pictures_figures figures; /* its waits */
+	uint64_t begun;              /* only the owner uses it */
+	struct render_pictures_figures figures; /* the same */
 	struct mutex mutex;          /* guards what follows */
 	struct condition changed;
 	uint64_t handed, written, marked;
@@ -90,7 +90,7 @@ static void *write_body(void *argument)
 
 /* --- the owner --- */
 
-/* What cannot be read back comes to nothing: it is no picture. */
+/* Hands pictures that were read back to the thread. If a read-back failed, all pictures after it are dropped. */
 static void hand_over(struct pictures *pictures)
 {
 	while (pictures->handed < pictures->begun &&
@@ -108,7 +108,7 @@ static void hand_over(struct pictures *pictures)
 	}
 }
 
-/* Until so many are the thread's, or what could not be read back is none. Fences are looked at by nobody else. */
+/* Waits until `handed` pictures were handed over, or until a failed read-back dropped the rest. Only the owner looks at fences. */
 static void wait_for_gpu(struct pictures *pictures, uint64_t handed)
 {
 	const struct timespec nap = {0, 200000};
@@ -125,7 +125,7 @@ static void wait_until_written_locked(struct pictures *pictures, uint64_t writte
 		condition_wait(&pictures->changed, &pictures->mutex);
 }
 
-/* Of the next picture. */
+/* Waits for the place of the next picture. */
 static void wait_for_room(struct pictures *pictures)
 {
 	mutex_lock(&pictures->mutex);

@@ -1,13 +1,13 @@
 /*
- * The programs a picture is drawn with, and its plan: a variant for each kind of tile that there may be, with the
- * code of the effects that the view names and of no other.
+ * The programs that draw a picture, and its plan. Each kind of tile that there may be has a variant. It has only the code of the
+ * effects that the view names.
  */
 #include <string.h>
 
 #include "render/internal.h"
 #include "render/textures.h"
 
-/* By pixel error each draw has reaches of its own, which what changes a mesh with the distance must know. */
+/* By pixel error each draw has its own reaches. All code that changes a mesh with the distance must read them. */
 static bool asks_reaches(uint64_t effects, bool by_error)
 {
 	return by_error && (effects & (EFFECT_BIT(EFFECT_GEOMORPH) | EFFECT_BIT(EFFECT_SKIRTS)));
@@ -19,7 +19,7 @@ uint64_t render_effects(const struct render_params *params)
 	return classes ? params->effects : params->effects & ~EFFECT_BIT(EFFECT_SPLAT);
 }
 
-static struct gpu_program_request request_of(uint64_t effects, const char *body, bool dirt, bool by_error, unsigned variant)
+static struct gpu_program_request request_of(uint64_t effects, const char *body, bool disturbance, bool by_error, unsigned variant)
 {
 	struct gpu_program_request request = {.vertex = "terrain.vert", .fragment = "terrain.frag"};
 	size_t count = 0;
@@ -32,7 +32,7 @@ static struct gpu_program_request request_of(uint64_t effects, const char *body,
 		request.defines[count++] = scene_effect_row(EFFECT_PIXEL_ERROR)->define;
 	if (variant != RENDER_PLAIN)
 		request.defines[count++] = "OFFSET";
-	if (variant != RENDER_PLAIN && dirt)
+	if (variant != RENDER_PLAIN && disturbance)
 		request.defines[count++] = "DISTURBANCE";
 	if (variant == RENDER_LEVEL0)
 		request.defines[count++] = "LEVEL0";
@@ -40,11 +40,11 @@ static struct gpu_program_request request_of(uint64_t effects, const char *body,
 	return request;
 }
 
-/* In false colours: the same shape, and nothing of what it looks like. */
+/* For false colours: has the effects that change the shape, and none that change the look. */
 static struct gpu_program_request layer_request_of(const struct render *render, unsigned variant)
 {
 	uint64_t shape = render->effects & (EFFECT_BIT(EFFECT_GEOMORPH) | EFFECT_BIT(EFFECT_SKIRTS));
-	struct gpu_program_request request = request_of(shape, NULL, render->dirt, render->pixel_error > 0, variant);
+	struct gpu_program_request request = request_of(shape, NULL, render->disturbance, render->pixel_error > 0, variant);
 	size_t count = 0;
 	while (request.defines[count] != NULL)
 		count++;
@@ -70,7 +70,7 @@ enum status render_tile_program(struct render *render, unsigned variant, struct 
 	enum status status = STATUS_OK;
 	if (*program == NULL) {
 		const char *body = render_body_define(&render->light);
-		struct gpu_program_request request = natural ? request_of(render->effects, body, render->dirt, render->pixel_error > 0, variant) :
+		struct gpu_program_request request = natural ? request_of(render->effects, body, render->disturbance, render->pixel_error > 0, variant) :
 							       layer_request_of(render, variant);
 		status = gpu_program_get(render->gpu, &request, program);
 	}
@@ -134,7 +134,7 @@ void render_plan(const struct render_params *params, bool deformed, bool divided
 	const char *picture = scene_effect_row(EFFECT_PICTURE)->name, *by_error = scene_effect_row(EFFECT_PIXEL_ERROR)->name;
 	for (unsigned variant = 0; variant < RENDER_VARIANTS; variant++)
 		if (has_variant(variant, deformed, divided)) {
-			struct gpu_program_request request = request_of(effects, body, params->dirt, params->pixel_error > 0, variant);
+			struct gpu_program_request request = request_of(effects, body, params->disturbance, params->pixel_error > 0, variant);
 			add_program(plan, asks_reaches(effects, params->pixel_error > 0) ? by_error : picture, &request);
 		}
 	add(plan, PLAN_PASS, PLAN_DRAWN, picture, 0, gpu_stage_name(GPU_TERRAIN));

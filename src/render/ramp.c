@@ -1,7 +1,7 @@
 /*
- * Colour ramps: what a value between its ends looks like over shaded ground. Nothing is nothing: 0 is all
- * transparent, and small values come out of the ground's own grey. On flat ground a value has its ramp's own colour; slopes
- * darken and lighten it as they do the grey, so that the ground is seen through.
+ * Colour ramps: the look of a value between the ramp's ends, over shaded ground. 0 is fully transparent, and small values let the
+ * ground's grey through. On flat ground a value has its ramp's own colour. Slopes darken and lighten it as they do the grey, so that
+ * the shape of the ground can be seen.
  */
 #include <math.h>
 
@@ -9,7 +9,7 @@
 
 #define STOPS 4
 
-/* From nothing to the end. Down: blue to purple; up: orange to red. */
+/* From 0 to the end. Down: blue to purple; up: orange to red. */
 static const uint8_t down[STOPS][3] = {{150, 205, 255}, {55, 130, 235}, {75, 50, 195}, {62, 0, 105}};
 static const uint8_t up[STOPS][3] = {{255, 226, 140}, {253, 160, 50}, {222, 70, 25}, {125, 0, 32}};
 static const uint8_t green[STOPS][3] = {{205, 235, 150}, {85, 185, 110}, {20, 120, 130}, {28, 38, 95}};
@@ -35,7 +35,7 @@ struct render_colour render_ground_colour(double shade, double flat, struct rend
 	static const double tint[3] = {1, 0.992, 0.972}; /* of paper */
 	if (isnan(shade))
 		return (struct render_colour){214, 219, 226, 255};
-	/* A map's ground is paler than a hillshade by itself, so that what lies over it stands out. */
+	/* A map's ground is paler than a hillshade alone, so that the values over it are easy to see. */
 	double alpha = over.a / 255.0, grey = 255 * (0.28 + 0.72 * shade);
 	double lit = fmin(fmax(1 + 0.7 * (shade - flat), 0.5), 1.12);
 	const uint8_t rgb[3] = {over.r, over.g, over.b};

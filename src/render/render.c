@@ -1,4 +1,4 @@
-/* A picture's life: what it is drawn into, the mesh of one block, the ground's textures. */
+/* A picture's life: its targets, the mesh of one block, and the ground's textures. */
 #include <assert.h>
 #include <math.h>
 #include <string.h>
@@ -6,8 +6,8 @@
 #include "render/internal.h"
 #include "render/textures.h"
 
-/* Vertices of a block: its grid row by row, then one row more for each edge's skirt (south, north,
- * west, east). Counter-clockwise seen from above, skirts seen from outside. */
+/* Fills the indices of a block. Its vertices are its grid, row by row, then a row for each edge's skirt: south, north, west, east.
+ * Triangles are counter-clockwise seen from above, those of skirts seen from outside. */
 static uint32_t fill_indices(uint16_t *indices, uint32_t cells, bool skirts)
 {
 	uint32_t side = cells + 1, count = 0;
@@ -136,7 +136,7 @@ enum status render_create(const struct render_params *params, struct render **ou
 		.width = (uint32_t)params->width,
 		.height = (uint32_t)params->height,
 		.effects = render_effects(params),
-		.dirt = params->dirt,
+		.disturbance = params->disturbance,
 		.pixel_error = params->pixel_error,
 		.samples = params->samples > 1 ? (uint32_t)params->samples : 1,
 		.layers = params->layers,
@@ -217,7 +217,7 @@ enum status render_read(struct render *render, uint8_t *pixels, float *depth)
 		gpu_texture_read(render->colour, 0, all, pixels);
 	if (depth != NULL)
 		gpu_texture_read(render->depth, 0, all, depth);
-	for (size_t i = 0; depth != NULL && i < count; i++) /* near / distance; 0 without end */
+	for (size_t i = 0; depth != NULL && i < count; i++) /* the buffer has near / distance; 0: infinitely far */
 		depth[i] = depth[i] > 0 ? (float)RENDER_NEAR / depth[i] : INFINITY;
 	return gpu_check(render->gpu, "reading the picture back");
 }

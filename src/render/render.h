@@ -31,7 +31,7 @@ struct render_params {
 	double low, high;     /* lowest and highest height of the terrain, for colours by height */
 	int width, height;
 	uint64_t effects;     /* EFFECT_BIT of each */
-	bool dirt;
+	bool disturbance;
 	const struct scene_light *light; /* the planet and the sun; NULL: the default of a scene */
 	const struct scene *soils; /* for splat: its soils are the classes in the slots; must outlive the picture. NULL: none */
 	double pixel_error;   /* pixels by which drawn ground may be off; 0: radii decide its detail (camera.c) */
@@ -53,7 +53,7 @@ struct render_object {
 enum render_layer_kind {
 	RENDER_NATURAL, /* its natural look */
 	RENDER_OFFSETS, /* metres above and below the base */
-	RENDER_DIRT,    /* disturbance from 0 to 1; 0 where none is kept */
+	RENDER_DISTURBANCE,    /* disturbance from 0 to 1; 0 where none is kept */
 	RENDER_HEIGHTS, /* metres */
 	RENDER_SLOPES,  /* degrees */
 	RENDER_TILES,   /* each tile in the colour of its level */
@@ -251,7 +251,7 @@ void render_view_settle(struct view *view);
 /* Returns the view as a watcher of its world, for world_watch. */
 struct world_watcher render_view_watcher(struct view *view);
 enum status render_view_deformed(struct view *view, struct tile tile) FURROW_CHECKED;
-enum status render_view_pressed(struct view *view, const struct event *event, const struct contact_area *area) FURROW_CHECKED;
+enum status render_view_contact(struct view *view, const struct event *event, const struct contact_area *area) FURROW_CHECKED;
 enum status render_view_requests(struct view *view, struct requests *requests) FURROW_CHECKED;
 void render_view_reach_at_least(struct view *view, double metres);
 struct render_view_figures {

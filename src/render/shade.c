@@ -1,18 +1,18 @@
 /*
  * Hillshade: slopes by Horn's 3 x 3 posts, and how light ground of a slope is.
  *
- * Slopes are metres a metre, whatever the level. Where a neighbour is nodata the ground is taken to go on as on the
- * other side of the post, so that a plane has its own slope up to its last post; where both are, to be level. A corner is
- * as its two neighbours say.
+ * Slopes are metres a metre, whatever the level. Where one neighbour is nodata, the slope of the post's other side is used. So a
+ * plane has its own slope up to its last post. Where both neighbours are nodata, the ground is taken to be level. A corner is
+ * computed from its two neighbours.
  *
- * The light is a sun's, softened by two more that stand at its sides and lower, and by the sky: slopes along the sun's
- * own light are told apart too, flat ground lies well below white, and what turns away is not all black.
+ * The light is that of a sun. Two more suns, lower and at its sides, and the sky soften it. So slopes along the sun's light differ,
+ * too. Flat ground is well below white, and slopes that face away are not black.
  */
 #include <math.h>
 
 #include "render/internal.h"
 
-/* Two opposite neighbours, in place; `here` is a number. */
+/* Replaces NaN in two opposite neighbours of `here`, which is a number. */
 static void go_on(double *a, double *b, double here)
 {
 	double was = *a;

@@ -1,7 +1,7 @@
 /*
- * How the ground's textures are made: each a height field with a brightness and a hue, by noise that repeats, and by
- * strewing blades and stones, of which the highest is seen. Brightness is then darkened in what lies deep, and freed of
- * what is broad, since that is what the eye finds when a texture repeats.
+ * Makes the ground's textures. Each is a height field with a brightness and a hue. It is made of noise that repeats, and of strewn
+ * blades and stones; the highest one is seen. Then deep places are made darker. Broad differences of brightness are removed, since
+ * the eye would find them where a texture repeats.
  */
 #include "render/textures.h"
 
@@ -12,11 +12,11 @@
 #define TEXELS ((size_t)SIZE * SIZE)
 #define WRAP(i) ((uint32_t)(i) & (SIZE - 1))
 
-/* A layer in the making; all fields row by row. */
+/* A layer while it is made. All fields are row by row. */
 struct ground {
 	float *height; /* texels */
 	float *tone;   /* brightness, any scale */
-	float *hue;    /* 0 .. 1 */
+	float *hue;    /* 0 to 1 */
 	float *spare;
 	uint32_t random;
 };
@@ -51,7 +51,7 @@ static float smooth(float low, float high, float x)
 	return t * t * (3 - 2 * t);
 }
 
-/* Adds one octave of value noise, -amplitude .. amplitude, of so many cells across and along; both divide SIZE. */
+/* Adds one octave of value noise, from -amplitude to amplitude. The numbers of cells across and along divide SIZE. */
 static void add_noise(float *field, uint32_t across, uint32_t along, float amplitude, uint32_t seed)
 {
 	float row[SIZE + 1], weight[SIZE];
@@ -68,14 +68,14 @@ static void add_noise(float *field, uint32_t across, uint32_t along, float ampli
 	}
 }
 
-/* Octaves from `from` to `to` cells, each `fall` of the one before. */
+/* Adds octaves from `from` to `to` cells. Each has `fall` times the amplitude of the one before. */
 static void add_clouds(float *field, uint32_t from, uint32_t to, float amplitude, float fall, uint32_t seed)
 {
 	for (uint32_t cells = from; cells <= to; cells *= 2, amplitude *= fall)
 		add_noise(field, cells, cells, amplitude, seed + cells);
 }
 
-/* The mean of 2 x radius + 1 texels each way, twice: nearly a bell. */
+/* Takes the mean of 2 x radius + 1 texels each way, twice. The weights are nearly a bell curve. */
 static void blur(const float *from, float *to, uint32_t radius)
 {
 	float line[SIZE];
@@ -96,7 +96,7 @@ static void blur(const float *from, float *to, uint32_t radius)
 		}
 }
 
-/* What lies `deep` texels below its surroundings gets no light of the sky. */
+/* Darkens deep places. Texels `deep` below their surroundings get no light from the sky. */
 static void darken_deep(struct ground *ground, uint32_t radius, float deep)
 {
 	blur(ground->height, ground->spare, radius);
@@ -106,7 +106,7 @@ static void darken_deep(struct ground *ground, uint32_t radius, float deep)
 	}
 }
 
-/* A stone, or a clod: its outline and its surface are rough by `grain`. */
+/* Draws a stone or a clod. `grain` makes its outline and surface rough. */
 static void strew_stone(struct ground *ground, const float *grain, float radius, float flat, float tone, float hue)
 {
 	float x = roll(ground) * SIZE, y = roll(ground) * SIZE, turn = 6.2832f * roll(ground);
@@ -130,14 +130,14 @@ static void strew_stone(struct ground *ground, const float *grain, float radius,
 		}
 }
 
-/* A blade of grass: from a dark root to a light tip that hangs. */
+/* Draws a blade of grass, from a dark root to a light tip that hangs. */
 static void strew_blade(struct ground *ground, float x, float y, float length, float tone, float hue)
 {
-	float turn = 6.2832f * roll(ground), bend = 2.4f * (roll(ground) - 0.5f), stands = 0.35f + 0.5f * roll(ground);
+	float turn = 6.2832f * roll(ground), bend = 2.4f * (roll(ground) - 0.5f), tall = 0.35f + 0.5f * roll(ground);
 	int steps = (int)(1.4f * length);
 	for (int k = 0; k < steps; k++) {
 		float t = (float)k / (float)steps, angle = turn + bend * t, width = 1.5f * (1 - t) + 0.4f;
-		float step = length / (float)steps, height = stands * length * t * (1.5f - t);
+		float step = length / (float)steps, height = tall * length * t * (1.5f - t);
 		x += step * cosf(angle);
 		y += step * sinf(angle);
 		for (int j = 0; j < 2; j++)
@@ -160,7 +160,7 @@ static void make_grass(struct ground *ground)
 		ground->tone[i] = 0.45f + 0.15f * ground->height[i];
 		ground->hue[i] = 0.75f;
 	}
-	/* Tufts, and what grows between them. */
+	/* Tufts, and shorter grass between them. */
 	for (int tuft = 0; tuft < 560; tuft++) {
 		float x = roll(ground) * SIZE, y = roll(ground) * SIZE, dry = roll(ground), tall = 0.6f + 0.7f * roll(ground);
 		float tone = 0.85f + 0.3f * roll(ground);
@@ -183,7 +183,7 @@ static void make_soil(struct ground *ground)
 		ground->tone[i] = 0.9f + 0.3f * grain[i] + 0.2f * (unit((uint32_t)i, 3, 22) - 0.5f);
 		ground->hue[i] = 0.15f + 0.1f * grain[i];
 	}
-	/* Crumbs of its own colour, many and small; stones, few and paler. */
+	/* Many small crumbs of the soil's own colour, and a few paler stones. */
 	for (int i = 0; i < 4200; i++) {
 		float size = roll(ground);
 		strew_stone(ground, grain, 1.1f + 8.0f * size * size * size * size * size, 0.6f, 0.8f + 0.35f * roll(ground), 0.05f + 0.3f * roll(ground));
@@ -195,7 +195,7 @@ static void make_soil(struct ground *ground)
 	darken_deep(ground, 4, 2.2f);
 }
 
-/* Broken rock: plates with a tilt of their own between cracks, large ones and small ones in them. */
+/* Broken rock: large plates between cracks, each with its own tilt, and small plates in them. */
 static void add_plates(struct ground *ground, const float *warp, uint32_t cells, float size, uint32_t seed)
 {
 	const float side = (float)SIZE / (float)cells;
@@ -272,7 +272,7 @@ static void make_snow(struct ground *ground)
 	}
 }
 
-/* Of any ground, a third of a metre a texel: humps and hollows, and what stands and lies on them. */
+/* For any ground seen from afar, a third of a metre a texel: humps and hollows, and what is on them. */
 static void make_far(struct ground *ground)
 {
 	add_clouds(ground->height, 8, 256, 6, 0.62f, 61);
@@ -291,7 +291,7 @@ static uint8_t byte(float value)
 	return (uint8_t)(scaled < 0 ? 0 : scaled > 255 ? 255 : scaled);
 }
 
-/* Brightness beside its mean in `broad` texels around, hue as it is, and slopes of height with a mean of none. */
+/* Writes the texels: brightness beside its mean over `broad` texels around, hue, and slopes of height whose mean is 0. */
 static void write(struct ground *ground, uint32_t broad, float tilt, uint8_t *texels)
 {
 	double sum = 0;
@@ -319,7 +319,7 @@ enum status render_textures_fill(const enum render_ground *kinds, uint32_t layer
 	static const struct {
 		void (*make)(struct ground *ground);
 		uint32_t broad; /* texels */
-		float tilt;     /* of a slope of one texel a texel */
+		float tilt;     /* factor of the slopes */
 	} makers[RENDER_GROUNDS] = {
 		[RENDER_GRASS] = {make_grass, 40, 0.35f}, [RENDER_SOIL] = {make_soil, 40, 0.7f}, [RENDER_ROCK] = {make_rock, 60, 0.5f},
 		[RENDER_SAND] = {make_sand, 60, 0.55f},	  [RENDER_SNOW] = {make_snow, 60, 0.6f}, [RENDER_WIDE] = {make_far, 48, 0.3f},

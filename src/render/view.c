@@ -1,20 +1,20 @@
-/* Frames: what terrain selected for the camera, what the cache has of it, what is drawn. */
+/* Frames: terrain selects tiles for the camera, the cache says which are resident, and render draws them. */
 #include <math.h>
 #include <time.h>
 
 #include "render/view.h"
 
-#define RANGES 16384 /* tiles one selection asks about, and room to move */
+#define RANGES 16384 /* tiles that one selection asks about, and some more */
 
 /* --- frames --- */
 
-/* Asks for what a selection wanted while a picture waits: all of it, and nothing else. */
+/* Requests all tiles that the selection wants, and no other, while a picture waits. */
 static void ask(struct view *view)
 {
 	page_cache_want(view->world->cache, view->selection->wanted, view->selection->wanted_count);
 }
 
-/* Waits for the coarsest tile that is missing. It says why, where a prefetch would not. */
+/* Waits for the coarsest tile that is missing. If it cannot be read, this says why; a prefetch would not. */
 static enum status load_first(struct view *view, const struct render_camera *camera)
 {
 	uint32_t slot;
@@ -26,8 +26,8 @@ static enum status load_first(struct view *view, const struct render_camera *cam
 	return render_view_select(view, camera, false);
 }
 
-/* A picture that is kept waits for its tiles, however long. They fit: it ends when they are there. What comes no
- * nearer, or what no loader brings, is pinned: that says why, if it cannot be read. */
+/* Waits for all tiles of a picture that is kept, however long. They fit into the slots, so the wait ends. If nothing arrives, or
+ * there is no loader, it pins a tile. That says why, if the tile cannot be read. */
 static enum status load_wanted(struct view *view, const struct render_camera *camera)
 {
 	const struct world *world = view->world;
@@ -44,7 +44,7 @@ static enum status load_wanted(struct view *view, const struct render_camera *ca
 		}
 		if (stop != NULL && *stop)
 			return load_first(view, camera);
-		/* What only stands in meanwhile must not be in the way of what it stands in for. */
+		/* Coarser tiles that are drawn meanwhile must not take slots from the tiles that they replace. */
 		render_view_mark_used(view, false);
 		ask(view);
 		if (world->scene->loaders == 0 || now - progressed > 1) {
@@ -59,7 +59,7 @@ static enum status load_wanted(struct view *view, const struct render_camera *ca
 	return status;
 }
 
-/* How long the world's thread has waited for the store so far; ms. */
+/* Returns how long the world's thread has waited for the store so far, ms. */
 static double waited(const struct world *world)
 {
 	struct stalls stalls, ranges;
@@ -95,14 +95,14 @@ static enum status draw(struct view *view, bool complete)
 	enum status status = render_view_select(view, &camera, false);
 	if (status == STATUS_OK && complete)
 		status = wait_for_wanted(view, &camera);
-	/* Where the step pins every slot not even the coarsest tile stays, and a picture needs one. */
+	/* If the step pinned every slot, not even the coarsest tile is resident. A picture needs it. */
 	if (status == STATUS_OK && !has_ground(view))
 		status = load_first(view, &camera);
 	view->exact = true;
 	if (status != STATUS_OK)
 		return status;
 	render_view_mark_used(view, true);
-	if (!view->at_steps) /* nothing of it is on a screen */
+	if (!view->at_steps) /* with at_steps no picture stays on a screen */
 		render_view_keep_now(view);
 	status = render_view_set_objects(view, complete);
 	if (status != STATUS_OK)
@@ -118,12 +118,12 @@ enum status render_view_warm(struct view *view)
 	if (status == STATUS_OK)
 		status = render_draw_unseen(view->render, deformed, world->level < 0);
 	if (status == STATUS_OK && !view->at_steps)
-		status = draw(view, !view->watched); /* who watches sees it come */
+		status = draw(view, !view->watched); /* a watched picture may be drawn before its tiles are there */
 	for (int i = 0; i < VIEW_LOOKS && status == STATUS_OK; i++)
 		status = render_view_look_ahead(view);
-	render_view_expect_presses(view);
+	render_view_expect_contacts(view);
 	render_view_ask_ranges(view);
-	/* It is none of the drive's pictures. */
+	/* This picture is not one of the drive's. */
 	double overdraw;
 	gpu_finish(world->gpu);
 	render_take_overdraw(view->render, &overdraw);
@@ -148,7 +148,7 @@ enum status render_view_between(struct view *view, struct pictures *pictures)
 	enum status status = render_pictures_poll(pictures);
 	if (status == STATUS_OK)
 		status = render_view_look_ahead(view);
-	render_view_expect_presses(view);
+	render_view_expect_contacts(view);
 	render_view_ask_ranges(view);
 	return status;
 }
@@ -173,7 +173,7 @@ enum status render_view_frame(struct view *view, struct pictures *pictures, bool
 	view->coarsened += view->coarse;
 	view->frames++;
 	status = render_view_look_ahead(view);
-	render_view_expect_presses(view);
+	render_view_expect_contacts(view);
 	render_view_ask_ranges(view);
 	if (!image || status != STATUS_OK)
 		return status;
@@ -190,7 +190,7 @@ void render_view_params(const struct world *world, struct render_params *params)
 		.width = scene->view.width,
 		.height = scene->view.height,
 		.effects = scene->view.effects,
-		.dirt = scene->dirt,
+		.disturbance = scene->dirt,
 		.pixel_error = scene->view.pixel_error,
 		.samples = scene->view.samples,
 		.objects = scene->objects,
@@ -229,12 +229,14 @@ enum status render_view_create(struct world *world, bool watched, struct view **
 	view->watched = watched;
 	view->at_steps = !watched && scene->view.images > 0;
 	view->ranges.most = RANGES;
+	view->bounds.extent = &world->meta->extent;
 	view->selection = mem_alloc(1, sizeof *view->selection);
 	view->now = mem_calloc(1, sizeof *view->now);
 	view->missing = mem_calloc(VIEW_MISSING, sizeof *view->missing);
 	view->exact = true;
 	view->ahead = mem_calloc(VIEW_LOOKS, sizeof *view->ahead);
 	render_view_find_room(view);
+	resident_ground_forget_offsets(world->ground); /* they may be older than a view that is made late */
 	enum status status = STATUS_OK;
 	if (view->selection == NULL || view->now == NULL || view->ahead == NULL || view->missing == NULL)
 		status = fail_memory("the view");
@@ -244,10 +246,10 @@ enum status render_view_create(struct world *world, bool watched, struct view **
 		status = make_render(world, watched, &view->render);
 	if (status == STATUS_OK && scene->view.pixel_error > 0)
 		status = render_view_errors_create(world, &view->errors);
-	if (status == STATUS_OK && (world->was_deformed || scene->hosted)) /* a host's view may come late */
+	if (status == STATUS_OK && (world->was_deformed || scene->hosted)) /* a host may make its view late */
 		status = store_each_offset(resident_ground_reader(world->ground), world->level, deformed_key, view);
 	if (status == STATUS_OK)
-		status = render_view_pressed(view, NULL, NULL);
+		status = render_view_contact(view, NULL, NULL);
 	if (status != STATUS_OK) {
 		render_view_destroy(view);
 		return status;
@@ -262,8 +264,7 @@ void render_view_destroy(struct view *view)
 		return;
 	render_destroy(view->render);
 	key_set_finish(&view->deformed);
-	key_map_finish(&view->stored);
-	key_map_finish(&view->pressed);
+	resident_bounds_finish(&view->bounds);
 	key_set_finish(&view->expected);
 	key_set_finish(&view->seen);
 	key_cache_finish(&view->ranges);
@@ -298,7 +299,7 @@ void render_view_look_from(struct view *view, const struct render_camera *camera
 	if (camera == NULL)
 		return;
 	view->camera = *camera;
-	/* What the scene's camera will see nobody will. */
+	/* Nobody will see the pictures of the scene's camera. */
 	for (int i = 0; i < VIEW_LOOKS; i++)
 		view->ahead[i].count = 0;
 }
@@ -347,7 +348,7 @@ enum status render_view_picture(struct view *view, uint8_t *pixels, float *depth
 
 static enum status on_contact(void *user, const struct event *event, const struct contact_area *area)
 {
-	return render_view_pressed(user, event, area);
+	return render_view_contact(user, event, area);
 }
 
 static enum status on_changed(void *user, struct tile tile)

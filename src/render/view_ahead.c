@@ -1,14 +1,13 @@
 /*
- * What pictures will need: the last one what it did not have, and those at a few times ahead. Where pictures are of some
- * steps alone, these are the times of the next of them.
+ * What pictures will need: tiles that the last picture did not have, and tiles of pictures at a few times ahead. If only some steps
+ * have pictures, these are the times of the next ones.
  *
- * A look ahead is a selection that pretends nothing is resident: its wanted tiles are the whole
- * picture of that time, of a ground as divided as the objects will have left it. One is made a
- * frame or step, in rotation, and kept until it is replaced or its time has passed.
+ * A look ahead is a selection as if no tile were resident. So its wanted tiles are the whole picture of that time. The ground is
+ * as finely divided as the objects will have left it. Each frame or step makes one look, in turn. It is kept until it is replaced, or its
+ * time has passed.
  *
- * Invariant: the last picture and the requests are together no more tiles than `room`. So what is
- * loaded ahead of time never pushes out what is on screen or what is needed sooner, and a view that
- * nothing moves in comes to rest.
+ * Invariant: the tiles of the last picture and of the requests are together no more than `room`. So tiles that are loaded ahead never
+ * push out tiles that are on screen or needed sooner. If nothing moves, the view stops loading.
  */
 #include <math.h>
 #include <string.h>
@@ -26,7 +25,7 @@ void render_view_keep_now(struct view *view)
 		now->keys[now->count++] = tile_key(selection->draws[i].tile);
 }
 
-/* Where the objects will be by then the ground is divided: the step's requests tell. */
+/* Adds the tiles where objects will be by then. The step's requests name them. */
 static enum status expect_tracks(struct view *view, double time)
 {
 	const struct requests *requests = motion_look_ahead_requests(view->world->ahead);
@@ -39,7 +38,7 @@ static enum status expect_tracks(struct view *view, double time)
 	return status;
 }
 
-/* The time of the n-th picture from now, n from 0, in simulated seconds; INFINITY: the drive ends before. */
+/* Returns the time of the n-th picture from now, n from 0, in simulated seconds. INFINITY: the drive ends before. */
 static double picture_time(const struct world *world, int64_t n)
 {
 	int64_t every = world->scene->view.images, step = (world->step / every + 1 + n) * every;
@@ -80,8 +79,8 @@ static struct view_look *earliest_look(struct view *view)
 }
 
 /* Chooses the time to look at now, and the look that is made anew for it. Returns false if there is nothing to look at. A picture
- * is looked at once, and again whenever half of the time until it has passed: the bodies' ways are known better by then. So it is
- * when ranges came that the look lacked. */
+ * is looked at once, and again whenever half of the time until it has passed, since the bodies' ways are known better then. It is also
+ * looked at again when ranges arrive that the look lacked. */
 static bool choose_time(struct view *view, struct view_look **look, double *time)
 {
 	const struct world *world = view->world;
@@ -136,7 +135,7 @@ enum status render_view_look_ahead(struct view *view)
 	return STATUS_OK;
 }
 
-/* Soonest first; those whose time has passed are left out. */
+/* Sorts the looks by time, the soonest first. Those whose time has passed are left out. */
 static size_t order_ahead(const struct view *view, const struct view_look *order[VIEW_LOOKS])
 {
 	size_t count = 0;
@@ -152,7 +151,7 @@ static size_t order_ahead(const struct view *view, const struct view_look *order
 	return count;
 }
 
-/* The look's tiles that are not resident, as long as there is room for them. */
+/* Requests the look's tiles that are not resident, as long as there is room for them. */
 static enum status add_look(struct view *view, const struct view_look *look, double time, size_t room,
 			    struct requests *requests)
 {

@@ -1,10 +1,10 @@
-/* Where the camera is: a function of the track and of the ground, at any time. */
+/* Where the camera is at any time: computed from the track and the ground. */
 #include <math.h>
 #include <string.h>
 
 #include "render/view.h"
 
-/* About how high the ground is there, by the range of the finest tile whose range is known. */
+/* Returns about how high the ground is there, from the range of the finest tile whose range is known. */
 static double about(struct view *view, struct tile tile, double otherwise)
 {
 	struct key_pair range;
@@ -26,7 +26,7 @@ static double ground_at(struct view *view, double x, double y, double otherwise)
 	return lattice_offset_metres(height);
 }
 
-/* The body that the scene's camera follows; NULL: it stands still. */
+/* Returns the body that the scene's camera follows; NULL: it does not move. */
 static const struct body *target_of(const struct world *world)
 {
 	const struct scene_view *view = &world->scene->view;
@@ -36,7 +36,7 @@ static const struct body *target_of(const struct world *world)
 void render_view_place_camera(struct view *view, double time, struct render_camera *camera)
 {
 	const struct world *world = view->world;
-	const struct scene_view *wish = &world->scene->view;
+	const struct scene_view *given = &world->scene->view;
 	double places[2][2];
 	if (view->free) {
 		*camera = view->camera;
@@ -45,9 +45,9 @@ void render_view_place_camera(struct view *view, double time, struct render_came
 	*camera = (struct render_camera){.fov = 0.9};
 	const struct body *target = target_of(world);
 	const struct scene_path *path = target != NULL ? &target->object->path : NULL;
-	if (motion_track_camera_places(wish, path, target != NULL ? target->track : NULL, time, places) == 0) {
-		memcpy(camera->eye, wish->eye, sizeof camera->eye);
-		memcpy(camera->target, wish->target, sizeof camera->target);
+	if (motion_track_camera_places(given, path, target != NULL ? target->track : NULL, time, places) == 0) {
+		memcpy(camera->eye, given->eye, sizeof camera->eye);
+		memcpy(camera->target, given->target, sizeof camera->target);
 		return;
 	}
 	double middle = (world->meta->low + world->meta->high) / 2;
@@ -55,17 +55,17 @@ void render_view_place_camera(struct view *view, double time, struct render_came
 	camera->target[0] = places[0][0];
 	camera->target[1] = places[0][1];
 	camera->target[2] = ground;
-	if (wish->camera == SCENE_OVERHEAD) {
+	if (given->camera == SCENE_OVERHEAD) {
 		/* A hair off the vertical, so that north is up. */
 		camera->eye[0] = places[0][0];
-		camera->eye[1] = places[0][1] - 0.02 * wish->over_height;
-		camera->eye[2] = ground + wish->over_height;
+		camera->eye[1] = places[0][1] - 0.02 * given->over_height;
+		camera->eye[2] = ground + given->over_height;
 		return;
 	}
 	camera->eye[0] = places[1][0];
 	camera->eye[1] = places[1][1];
 	double below = ground_at(view, camera->eye[0], camera->eye[1], ground);
-	camera->eye[2] = fmax(ground, below) + wish->up;
+	camera->eye[2] = fmax(ground, below) + given->up;
 }
 
 void render_view_scene_camera(struct view *view, struct render_camera *camera)

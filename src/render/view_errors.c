@@ -1,26 +1,28 @@
 /*
  * How far off the ground a tile is drawn, for pictures that go by a pixel error (the dissertation's Equation 3).
  *
- * A base tile's error is kept in the store, over its whole subtree. What deformation adds to it is at most how far
- * apart the offsets of its subtree are: a surface through some of them is between the lowest and the highest. Those
- * that were there before the drive the store knows (view_offsets.c). What is pressed later is known only on the GPU, so it is reckoned from how the
- * object stands: as deep as its lowest point is under the base beside it, and where soil is moved, heaped as high.
- * So it is about right and known at once; the next drive over that store knows it exactly.
+ * The store has the error of each base tile, over its whole subtree. A surface through some offsets is between the lowest and the
+ * highest one. So deformation adds at most the difference of these two, in the subtree.
  *
- * Invariant: a tile's offsets are within its parent's. With the store's, a parent's error is no less than a child's.
+ * The store knows the offsets from before the drive (view_offsets.c). Only the GPU knows those of this drive. So they are estimated
+ * from the object's pose. They go as deep as its lowest point is below the base beside it. If soil is moved, deposits go as high.
+ * This is about right, and known at once. The next drive over that store knows it exactly.
+ *
+ * Invariant: a tile's range of offsets is within that of the tile above it. So with the store's errors, a tile's error is no more
+ * than that of the tile above it.
  */
 #include <math.h>
 #include <stdlib.h>
 
 #include "render/view.h"
 
-#define BASES 16384 /* tiles one selection asks about, and room to move */
+#define BASES 16384 /* tiles that one selection asks about, and some more */
 
 struct view_errors {
 	struct key_cache bases; /* a: metres */
-	struct key_map pressed; /* in this drive. a: lowest, 0 or less; b: highest, 0 or more; metres */
-	double low, high;       /* of what is marked now */
-	double lowest, highest; /* of what was marked in this drive, and of what is expected to be */
+	struct offset_bounds bounds; /* estimated, of this drive's contacts */
+	double low, high;       /* of the contact now */
+	double lowest, highest; /* of all contacts of this drive, and of those that are expected */
 };
 
 enum status render_view_errors_create(const struct world *world, struct view_errors **out)
@@ -30,6 +32,7 @@ enum status render_view_errors_create(const struct world *world, struct view_err
 	if (errors == NULL)
 		return fail_memory("the view");
 	errors->bases.most = BASES;
+	errors->bounds.extent = &world->meta->extent;
 	for (size_t i = 0; i < scene->object_count; i++) {
 		const struct scene_object *object = &scene->objects[i];
 		double deep = object->load > 0 ? deform_sinkage_guess(&object->shape, &scene->soils[0], object->load) : object->sink;
@@ -48,7 +51,7 @@ void render_view_errors_destroy(struct view_errors *errors)
 	if (errors == NULL)
 		return;
 	key_cache_finish(&errors->bases);
-	key_map_finish(&errors->pressed);
+	resident_bounds_finish(&errors->bounds);
 	mem_free(errors);
 }
 
@@ -56,16 +59,16 @@ void render_view_errors_destroy(struct view_errors *errors)
 
 enum status render_view_errors_touch(struct view *view, struct tile tile)
 {
-	return render_view_widen(view, &view->errors->pressed, tile, view->errors->low, view->errors->high);
+	return resident_bounds_add(&view->errors->bounds, tile, view->errors->low, view->errors->high);
 }
 
-/* How far to a shape's sides the ground beside its middle counts, forwards and to the left, and by how much its
- * lower envelope is higher there; metres. */
+/* Finds how far beside a shape's middle the ground counts, forwards and to the left. Also finds how much higher its lower envelope
+ * is there. Metres. */
 static void sides(const struct deform_shape *shape, double far[2], double lift[2])
 {
 	lift[0] = lift[1] = 0;
 	switch (shape->kind) {
-	case DEFORM_WHEEL: /* round along its way alone; 0.6 and 0.8: a point of the unit circle */
+	case DEFORM_WHEEL: /* round only along its way; 0.6 and 0.8: a point of the unit circle */
 	case DEFORM_SPHERE:
 		far[0] = 0.6 * shape->radius;
 		lift[0] = shape->radius - 0.8 * shape->radius;
@@ -86,7 +89,7 @@ static void sides(const struct deform_shape *shape, double far[2], double lift[2
 	far[0] = far[1] = 0;
 }
 
-/* Metres by which an object on a slope digs deeper beside its middle than there. */
+/* Finds how much deeper an object on a slope digs beside its middle than at the middle, metres. */
 static enum status rise_beside(struct view *view, const struct event *event, double *rise)
 {
 	const struct deform_pose *pose = &event->pose;
@@ -111,7 +114,7 @@ static enum status rise_beside(struct view *view, const struct event *event, dou
 	return STATUS_OK;
 }
 
-enum status render_view_errors_press(struct view *view, const struct event *event)
+enum status render_view_errors_contact(struct view *view, const struct event *event)
 {
 	struct view_errors *errors = view->errors;
 	if (event == NULL) {
@@ -125,7 +128,7 @@ enum status render_view_errors_press(struct view *view, const struct event *even
 		return status;
 	const struct body *body = &view->world->bodies[event->body];
 	double deep = event->sinkage;
-	if (body->object->load > 0) /* as it was found to stand, some steps ago */
+	if (body->object->load > 0) /* as the soil was found to carry it, some steps ago */
 		deep = fmax(deep, body->sinkage_before);
 	deep = fmax(deep + rise, 0);
 	errors->low = -deep;
@@ -148,7 +151,7 @@ static enum status base_error(struct view *view, struct tile tile, double *error
 	if (status != STATUS_OK || found)
 		return status;
 	if (render_view_lacks_range(view, GROUND_BASE, tile)) {
-		/* Errors about halve from level to level: a guess, so that not all is divided for want of an error. */
+		/* Errors about halve from level to level. This guess avoids that all is divided until the error is known. */
 		status = base_error(view, tile_ancestor(tile, tile.level + 1), error);
 		*error /= 2;
 		return status;
@@ -164,16 +167,12 @@ enum status render_view_error(struct view *view, struct tile tile, bool expected
 {
 	const struct view_errors *errors = view->errors;
 	*error = 0;
-	/* Nothing is finer than the working level where there are offsets, nor than level 0 elsewhere. */
+	/* No tile is finer than the working level if it has offsets, nor finer than level 0 otherwise. */
 	if ((expected || render_view_is_deformed(view, tile)) && tile.level <= view->world->level)
 		return STATUS_OK;
 	double low, high;
 	enum status status = render_view_stored_offsets(view, tile, &low, &high);
-	const struct key_pair *pressed = key_map_find(&errors->pressed, tile_key(tile));
-	if (pressed != NULL) {
-		low = fmin(low, pressed->a);
-		high = fmax(high, pressed->b);
-	}
+	resident_bounds_widen(&errors->bounds, tile, &low, &high);
 	double apart = high - low;
 	if (expected)
 		apart = fmax(apart, errors->highest - errors->lowest);

@@ -1,13 +1,14 @@
 /*
- * Where the objects are in a picture: at its time, between two path samples. Over the ground they are as the last path sample
- * pressed: as deep below the undisturbed ground as there, a load as deep as the soil was last found to carry it. A wheel and a ball have
- * turned by the way since.
+ * Where the objects are in a picture: at its time, between two path samples. They are as deep below the undisturbed ground as at
+ * the last path sample. A loaded body is as deep as the soil was last found to carry it. A wheel and a ball have turned by the way
+ * since.
  */
 #include <math.h>
 
 #include "render/view.h"
 
-/* Radians that it has turned, with the way since its last path sample. A path's attitude says all of a ball's. */
+/* Returns how far it has turned, radians, with the way since its last path sample. Returns 0 for a ball whose path gives
+ * its attitude. */
 static double turned_at(const struct body *body, const struct track_point *point)
 {
 	const struct deform_shape *shape = &body->object->shape;
@@ -21,7 +22,7 @@ static double turned_at(const struct body *body, const struct track_point *point
 	return remainder((body->distance + (body->in_contact ? hypot(dx, dy) : 0)) / shape->radius, 2 * M_PI);
 }
 
-/* Height of its centre, 2^-20 m. *known false: it is nowhere yet, or where there is no ground it never was on any. */
+/* Finds the height of its centre, 2^-20 m. *known false: there is no ground, and it was never on any. */
 static enum status height_at(struct world *world, const struct body *body, const struct track_point *point, int64_t *height, bool *known)
 {
 	const struct scene_object *object = body->object;
@@ -57,7 +58,7 @@ enum status render_view_set_objects(struct view *view, bool settled)
 		int64_t height;
 		bool known;
 		if (world->time < motion_track_sample_time(body->track, 0))
-			continue; /* it has not begun */
+			continue; /* its path has not begun */
 		motion_track_at(body->track, world->time, &point);
 		status = height_at(world, body, &point, &height, &known);
 		bool attitude = scene->objects[i].shape.kind != DEFORM_WHEEL; /* a wheel's axle is level */

@@ -1,74 +1,41 @@
 /*
- * How far a tile's surface may be off its base: the boxes that pictures cull by, and what errors know of ruts.
+ * How far a tile's surface may be off its base. Pictures cull by these bounds, and errors know of ruts by them.
  *
- * What was there before the drive the store says exactly, for every tile over its whole subtree; it is read when first
- * asked for, which for what is pressed is before it is changed, so that it is of the drive's start whenever commits come.
- * What the drive presses is known only on the GPU: for that there is a bound.
- * 1. Under models that only lower (none, box) an object of known height leaves every post no lower than the lowest of it,
- *    or than it was; and a mean of offsets is between the lowest and the highest of them. So no offset is below the object
- *    less the highest base beneath, and the offsets around; nor above these, or 0.
- * 2. What an unknown load sinks to, and where soil goes that is moved, is taken to be no farther off what was there before
- *    than the scene's objects reach (heaps: twice that), and where all ground may slide, than the terrain is high. That is
- *    not proven: no law says how high one may push soil together.
- * A bound is not narrowed by commits: the next drive over the store has the exact ranges.
+ * The store knows the offsets from before the drive exactly, for each tile over its whole subtree. They are read when first asked
+ * for. For a tile that is about to change this is before the change. So they are those of the drive's start, whenever commits come.
  *
- * Invariants: a tile's range is within its parent's; a tile is in `pressed` with all above it.
+ * Only the GPU knows what contacts of this drive leave. For that there is a bound.
+ * 1. The models none and box only lower the ground. An object of known height then leaves each post where it was, or no lower than
+ *    the object's lowest point. A mean of offsets is between the lowest and the highest one. So no offset is below the object's
+ *    lowest point less the highest base beneath it, nor below the offsets around. None is above those around, or 0.
+ * 2. How deep a load sinks, and where moved soil goes, is not known. It is taken to be no farther off what was there before than
+ *    the scene's objects reach. For deposits it is twice that. Where all ground may slide, the terrain's relief is added. This is
+ *    not proven: no law says how high soil can be pushed.
+ * Commits do not narrow a bound. The next drive over the store has the exact ranges.
+ *
+ * Invariants: a tile's range is within that of the tile above it. If a tile has bounds, so have all tiles above it.
  */
 #include <math.h>
 
 #include "render/view.h"
 
-/* --- chains of tiles --- */
-
-enum status render_view_widen(const struct view *view, struct key_map *map, struct tile tile, double low, double high)
-{
-	int coarsest = extent_coarsest(&view->world->meta->extent);
-	for (int level = tile.level; level <= coarsest; level++) {
-		uint64_t key = tile_key(tile_ancestor(tile, level));
-		const struct key_pair *had = key_map_find(map, key);
-		if (had != NULL && had->a <= low && had->b >= high)
-			return STATUS_OK; /* and so are all above it */
-		low = had != NULL ? fmin(had->a, low) : low;
-		high = had != NULL ? fmax(had->b, high) : high;
-		enum status status = key_map_put(map, key, low, high);
-		if (status != STATUS_OK)
-			return status;
-	}
-	return STATUS_OK;
-}
-
 bool render_view_is_deformed(const struct view *view, struct tile tile)
 {
 	uint64_t key = tile_key(tile);
-	return key_set_has(&view->deformed, key) || key_map_find(&view->pressed, key) != NULL;
+	return key_set_has(&view->deformed, key) || key_map_find(&view->bounds.added, key) != NULL;
 }
 
 /* --- before the drive --- */
 
 enum status render_view_stored_offsets(struct view *view, struct tile tile, double *low, double *high)
 {
-	uint64_t key = tile_key(tile);
-	*low = *high = 0;
-	if (!key_set_has(&view->deformed, key))
-		return STATUS_OK;
-	const struct key_pair *known = key_map_find(&view->stored, key);
-	if (known != NULL) {
-		*low = known->a;
-		*high = known->b;
-		return STATUS_OK;
-	}
-	if (render_view_lacks_range(view, GROUND_OFFSETS, tile))
-		return render_view_stored_offsets(view, tile_ancestor(tile, tile.level + 1), low, high);
-	double lowest = 0, highest = 0;
 	bool found;
-	enum status status = resident_ground_offset_range(view->world->ground, tile, &lowest, &highest, &found);
-	if (status != STATUS_OK)
-		return status;
-	if (found) {
-		*low = fmin(lowest, 0);
-		*high = fmax(highest, 0);
-	}
-	return key_map_put(&view->stored, key, *low, *high);
+	*low = *high = 0;
+	if (!key_set_has(&view->deformed, tile_key(tile)))
+		return STATUS_OK;
+	while (render_view_lacks_range(view, GROUND_OFFSETS, tile))
+		tile = tile_ancestor(tile, tile.level + 1);
+	return resident_ground_offset_range(view->world->ground, tile, low, high, &found);
 }
 
 /* --- in this drive --- */
@@ -82,7 +49,7 @@ double render_view_find_reach(const struct world *world)
 		const double *size = object->shape.size;
 		reach = fmax(reach, object->sink + 2 * object->shape.radius +
 					    sqrt(size[0] * size[0] + size[1] * size[1] + size[2] * size[2]));
-		/* A path with heights of its own may dig as deep as it lies below the ground. */
+		/* If a path gives heights, the object may dig as deep as the path is below the ground. */
 		for (size_t k = 0; object->path.has_z && k < object->path.count; k++)
 			deepest = fmax(deepest, world->meta->high - object->path.points[k].z);
 	}
@@ -91,13 +58,13 @@ double render_view_find_reach(const struct world *world)
 	return reach + deepest + relief;
 }
 
-/* How far above what was there soil that is moved may come; metres. */
-static double heap(const struct view *view)
+/* Returns how far moved soil may rise above what was there, metres. */
+static double deposit(const struct view *view)
 {
 	return deform_conserves(view->world->scene->model) ? 2 * view->reach : 0;
 }
 
-/* What is around there, which soil that is moved or smoothed may become like. */
+/* Finds the range of the offsets around, metres. Soil that is moved or smoothed may become like them. */
 static enum status around(struct view *view, struct post_rect rect, double *low, double *high)
 {
 	struct tile first, last;
@@ -108,45 +75,38 @@ static enum status around(struct view *view, struct post_rect rect, double *low,
 	for (uint32_t y = first.y; y <= last.y; y++)
 		for (uint32_t x = first.x; x <= last.x && status == STATUS_OK; x++) {
 			const struct tile tile = {view->world->level, x, y};
-			const struct key_pair *pressed = key_map_find(&view->pressed, tile_key(tile));
 			double lowest, highest;
 			status = render_view_stored_offsets(view, tile, &lowest, &highest);
-			if (status == STATUS_OK && pressed != NULL && view->press.known) {
-				lowest = fmin(lowest, pressed->a);
-				highest = fmax(highest, pressed->b);
-			}
+			if (view->contact.known)
+				resident_bounds_widen(&view->bounds, tile, &lowest, &highest);
 			*low = fmin(*low, lowest);
 			*high = fmax(*high, highest);
 		}
 	return status;
 }
 
-enum status render_view_offsets_press(struct view *view, const struct contact_area *sweep)
+enum status render_view_offsets_contact(struct view *view, const struct contact_area *area)
 {
 	const struct world *world = view->world;
 	const bool raises = deform_conserves(world->scene->model);
-	struct view_press *press = &view->press;
-	*press = (struct view_press){.low = -view->reach, .high = heap(view)};
-	if (sweep == NULL)
+	struct view_contact *contact = &view->contact;
+	*contact = (struct view_contact){.low = -view->reach, .high = deposit(view)};
+	if (area == NULL)
 		return STATUS_OK;
-	press->known = sweep->lowest != INT64_MIN && !raises;
+	contact->known = area->lowest != INT64_MIN && !raises;
 	double low = 0, high = 0, depth = 0;
-	enum status status = around(view, sweep->read, &low, &high);
-	int32_t base = 0;
-	bool any = false;
-	if (status == STATUS_OK && sweep->lowest != INT64_MIN)
-		status = resident_ground_highest(world->ground, world->level, sweep->changed, &base, &any);
+	enum status status = around(view, area->read, &low, &high);
+	int64_t base = INT64_MIN;
+	if (status == STATUS_OK && area->lowest != INT64_MIN)
+		status = resident_ground_highest(world->ground, world->level, area->changed, &base);
 	if (status != STATUS_OK)
 		return status;
-	if (any) {
-		int64_t highest = (int64_t)base * (1 << (OFFSET_BITS - BASE_BITS)) +
-				  (int64_t)resident_ground_reference(world->store) * (1 << OFFSET_BITS);
-		depth = fmax(lattice_offset_metres(highest - sweep->lowest), 0);
-	}
-	if (press->known)
-		*press = (struct view_press){.known = true, .low = fmin(low, -depth), .high = high};
+	if (base != INT64_MIN)
+		depth = fmax(lattice_offset_metres(base - area->lowest), 0);
+	if (contact->known)
+		*contact = (struct view_contact){.known = true, .low = fmin(low, -depth), .high = high};
 	else
-		*press = (struct view_press){.low = fmin(low - view->reach, -depth), .high = high + press->high};
+		*contact = (struct view_contact){.low = fmin(low - view->reach, -depth), .high = high + contact->high};
 	return STATUS_OK;
 }
 
@@ -154,10 +114,10 @@ enum status render_view_offsets_touch(struct view *view, struct tile tile)
 {
 	double low, high;
 	enum status status = STATUS_OK;
-	/* The store's of all above it too, as they are before anything of this is committed. */
+	/* Read the store's ranges of all tiles above, too, before this change is committed. */
 	for (int level = tile.level; level <= extent_coarsest(&view->world->meta->extent) && status == STATUS_OK; level++) {
 		const struct tile above = tile_ancestor(tile, level);
-		if (key_map_find(&view->pressed, tile_key(above)) != NULL)
+		if (key_map_find(&view->bounds.added, tile_key(above)) != NULL)
 			break;
 		status = render_view_stored_offsets(view, above, &low, &high);
 	}
@@ -165,23 +125,19 @@ enum status render_view_offsets_touch(struct view *view, struct tile tile)
 		status = render_view_stored_offsets(view, tile, &low, &high);
 	if (status != STATUS_OK)
 		return status;
-	const struct view_press *press = &view->press;
-	low -= press->known ? 0 : view->reach;
-	high += press->known ? 0 : heap(view);
-	return render_view_widen(view, &view->pressed, tile, fmin(press->low, low), fmax(press->high, high));
+	const struct view_contact *contact = &view->contact;
+	low -= contact->known ? 0 : view->reach;
+	high += contact->known ? 0 : deposit(view);
+	return resident_bounds_add(&view->bounds, tile, fmin(contact->low, low), fmax(contact->high, high));
 }
 
 enum status render_view_offsets(struct view *view, struct tile tile, bool expected, double *low, double *high)
 {
 	enum status status = render_view_stored_offsets(view, tile, low, high);
-	const struct key_pair *pressed = key_map_find(&view->pressed, tile_key(tile));
-	if (pressed != NULL) {
-		*low = fmin(*low, pressed->a);
-		*high = fmax(*high, pressed->b);
-	}
+	resident_bounds_widen(&view->bounds, tile, low, high);
 	if (expected) {
 		*low -= view->reach;
-		*high += heap(view);
+		*high += deposit(view);
 	}
 	return status;
 }

@@ -1,7 +1,7 @@
 /*
- * Ranges that are not on the CPU yet. A picture that is written reads them: it is the same whenever they come. All other
- * selections, of pictures in a window and of times ahead, wait for nothing. They take the range of a tile above, which holds that
- * of the tile, and the look-ahead's thread is asked for the tile's own.
+ * Ranges that are not on the CPU yet. A picture that is written reads them, so that it is always the same. All other selections
+ * wait for nothing: those of pictures in a window, and of times ahead. They use the range of a tile above, which contains the
+ * tile's own. The look-ahead's thread is asked to read the tile's own.
  */
 #include "render/view.h"
 
@@ -33,7 +33,7 @@ void render_view_ask_ranges(struct view *view)
 	view->missing_count = 0;
 }
 
-void render_view_expect_presses(struct view *view)
+void render_view_expect_contacts(struct view *view)
 {
 	const struct world *world = view->world;
 	if (view->deformed.count == 0 || !motion_look_ahead_brings_ranges(world->ahead))
@@ -43,11 +43,10 @@ void render_view_expect_presses(struct view *view)
 		struct tile tile = tile_from_key(requests->requests[i].key);
 		for (int level = world->level; tile.level == world->level && level <= extent_coarsest(&world->meta->extent); level++) {
 			const struct tile above = tile_ancestor(tile, level);
-			uint64_t key = tile_key(above);
-			if (!key_set_has(&view->deformed, key))
+			if (!key_set_has(&view->deformed, tile_key(above)))
 				continue;
-			if (key_map_find(&view->stored, key) != NULL || render_view_has_range(view, GROUND_OFFSETS, above))
-				break; /* and so those above it, most often */
+			if (render_view_has_range(view, GROUND_OFFSETS, above))
+				break; /* mostly the tiles above have theirs, too */
 			add(view, GROUND_OFFSETS, above);
 		}
 	}

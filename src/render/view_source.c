@@ -1,12 +1,12 @@
 /*
- * What terrain asks of a drive: where there is ground, what of it is resident, what may be divided.
- * And how much of it a picture may need: no more than the slots that deformation leaves it.
+ * Answers what terrain asks of a drive: where there is ground, which tiles are resident, and which may be divided. Also limits a
+ * picture to the slots that deformation leaves.
  */
 #include <math.h>
 
 #include "render/view.h"
 
-/* A base's range does not change: read once, kept while it is asked for. That of a tile above may stand in. */
+/* A base's range does not change. It is read once, and kept while it is asked for. The range of a tile above may be used instead. */
 enum status render_view_base_range(struct view *view, struct tile tile, struct key_pair *range)
 {
 	uint64_t key = tile_key(tile);
@@ -29,7 +29,7 @@ static bool is_expected(const struct view *view, struct tile tile)
 	return view->expected.count > 0 && key_set_has(&view->expected, tile_key(tile));
 }
 
-/* Has offsets at or below it, or will have by the time that is looked at. */
+/* Returns true if it or a tile below it has offsets, or will have by the time that is looked at. */
 static bool is_deformed(const struct view *view, struct tile tile)
 {
 	return render_view_is_deformed(view, tile) || is_expected(view, tile);
@@ -68,7 +68,7 @@ static bool divisible(void *user, struct tile tile)
 {
 	struct view *view = user;
 	bool deformed = is_deformed(view, tile);
-	/* Offsets live at the working level: nothing finer than it knows of them. */
+	/* Offsets are kept at the working level. No finer tile has them. */
 	return deformed ? tile.level > view->world->level : tile.level > 0;
 }
 
@@ -86,10 +86,10 @@ enum status render_view_add_chain(const struct view *view, struct key_set *set, 
 	return STATUS_OK;
 }
 
-enum status render_view_pressed(struct view *view, const struct event *event, const struct contact_area *sweep)
+enum status render_view_contact(struct view *view, const struct event *event, const struct contact_area *area)
 {
-	enum status status = render_view_offsets_press(view, sweep);
-	return status == STATUS_OK && view->errors != NULL ? render_view_errors_press(view, event) : status;
+	enum status status = render_view_offsets_contact(view, area);
+	return status == STATUS_OK && view->errors != NULL ? render_view_errors_contact(view, event) : status;
 }
 
 enum status render_view_deformed(struct view *view, struct tile tile)
@@ -115,17 +115,17 @@ static bool not_resident(void *user, struct tile tile, uint32_t *slot)
 
 /* --- selecting --- */
 
-/* Tiles that are being divided need places in a selection too. */
+/* A selection also needs places for tiles that are being divided. */
 #define MOST (TERRAIN_DRAWS_MAX - 2 * (TILE_LEVEL_MAX - TILE_LEVEL_MIN))
 
-/* Of so many slots, those that pictures and what is loaded ahead for them may take; *budget: one picture. */
+/* Returns how many of the slots pictures and their requests may take. *budget: those of one picture. */
 static size_t room_of(const struct scene *scene, size_t slots, size_t *budget)
 {
-	/* Of each object what one window touches, and once more for where it goes next. */
+	/* For each object, the tiles that one window touches, and as many for the next window. */
 	size_t half = slots / 2, hold = 2 * 4 * scene->object_count;
 	hold = hold < 4 ? 4 : hold;
 	size_t room = slots - (hold < half ? hold : half);
-	/* And the loads on their way. */
+	/* Leave some for running loads. */
 	size_t loads = 3 * (size_t)scene->loaders, quarter = room / 4;
 	*budget = room - (loads < quarter ? loads : quarter);
 	if (*budget > MOST)
@@ -165,7 +165,7 @@ enum status render_view_select(struct view *view, const struct render_camera *ca
 	view->failed = STATUS_OK;
 	view->guessed = false;
 	looking = whole;
-	/* The whole view first, whatever the last picture was: what is drawn does not depend on pictures before. */
+	/* Always begin with the whole view, so that a picture does not depend on the pictures before. */
 	terrain_select(extent, &looking, &source, view->selection);
 	view->coarse = view->selection->needed > view->budget;
 	if (view->coarse) {
@@ -181,7 +181,7 @@ void render_view_mark_used(struct view *view, bool stand_ins)
 	struct page_cache *cache = view->world->cache;
 	const struct terrain_selection *selection = view->selection;
 	uint32_t slot;
-	/* Near to far: the nearest last, which is the last to go; and after it what stands in for all. */
+	/* From far to near, since the tile used last is evicted last. The coarsest tile, which can replace all, comes after them. */
 	for (size_t i = selection->draw_count; i-- > 0;) {
 		const struct terrain_draw *draw = &selection->draws[i];
 		if (draw->stands_in && !stand_ins)

@@ -28,7 +28,8 @@ enum status resident_ground_create(struct store *store, uint32_t tiles, struct g
 		return fail_memory("the ground");
 	assert(tiles >= 1);
 	mutex_init(&ground->mutex);
-	ground->bases.most = ground->errors.most = ground->offsets.most = RANGES;
+	ground->bases.most = ground->errors.most = RANGES;
+	ground->offsets.most = SIZE_MAX;
 	ground->meta = store_meta(store);
 	ground->reference = resident_ground_reference(store);
 	ground->latest = RECENT_NONE;
@@ -168,14 +169,13 @@ static void tiles_over(int64_t first, int64_t end, int64_t cells, int64_t tiles,
 	range[1] = (uint32_t)(high < tiles ? high : tiles - 1);
 }
 
-enum status resident_ground_highest(struct ground *ground, int level, struct post_rect rect, int32_t *highest, bool *any)
+enum status resident_ground_highest(struct ground *ground, int level, struct post_rect rect, int64_t *highest)
 {
 	const struct extent *extent = &ground->meta->extent;
 	const int from = level > 0 ? level : 0;
 	const int64_t cells = extent->cells;
-	int32_t lowest = INT32_MAX;
-	*highest = INT32_MIN;
-	*any = false;
+	int32_t lowest = INT32_MAX, most = INT32_MIN;
+	*highest = INT64_MIN;
 	rect = post_rect_intersect(rect, (struct post_rect){0, 0, extent_posts(extent->width, level), extent_posts(extent->height, level)});
 	if (post_rect_empty(rect))
 		return STATUS_OK;
@@ -194,10 +194,11 @@ enum status resident_ground_highest(struct ground *ground, int level, struct pos
 			status = resident_ground_posts_locked(ground, tile, &posts);
 			if (status == STATUS_OK)
 				resident_ground_widen(posts + (size_t)(in.y0 - own.y0) * (size_t)(cells + 1) + (size_t)(in.x0 - own.x0),
-				      (uint32_t)(in.x1 - in.x0), (uint32_t)(in.y1 - in.y0), (uint32_t)cells + 1, &lowest, highest);
+				      (uint32_t)(in.x1 - in.x0), (uint32_t)(in.y1 - in.y0), (uint32_t)cells + 1, &lowest, &most);
 			mutex_unlock(&ground->mutex);
 		}
-	*any = lowest <= *highest;
+	if (lowest <= most)
+		*highest = (int64_t)most * (1 << (OFFSET_BITS - BASE_BITS)) + (int64_t)ground->reference * (1 << OFFSET_BITS);
 	return status;
 }
 

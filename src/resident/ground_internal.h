@@ -19,7 +19,7 @@ struct ground {
 	/* ground_ranges.c */
 	struct key_cache bases;   /* a: lowest, b: highest base in metres; NaN: all is nodata */
 	struct key_cache errors;  /* a: metres */
-	struct key_cache offsets; /* what other threads brought. a: lowest, b: highest offset in metres; NaN: there is none */
+	struct key_cache offsets; /* of the store. a: lowest, b: highest in metres; NaN: none. All are kept, unless `most` is set lower */
 };
 
 /* For the owner; the posts are there while the mutex is held. */

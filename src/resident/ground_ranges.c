@@ -1,6 +1,6 @@
 /*
- * The ranges of bases and offsets, found without a tile. Ranges of bases never change, so they are kept once read. Ranges of
- * offsets are kept only if another thread brings them, for an owner that needs them as they were before its own changes.
+ * The ranges of bases and offsets, found without a tile. Ranges of bases never change, so the ones used last are kept. Ranges of
+ * offsets change with commits. All are kept, for an owner that needs them as they were before its own changes.
  */
 #include "resident/ground_internal.h"
 
@@ -58,13 +58,18 @@ static enum status read_base_range(struct ground *ground, struct store_reader *r
 	return status == STATUS_OK ? keep_base(ground, tile, range) : status;
 }
 
-static enum status read_offset_range(struct ground *ground, struct store_reader *reader, struct tile tile, double *low, double *high,
-				     bool *found)
+static enum status read_offset_range(struct ground *ground, struct store_reader *reader, struct tile tile, struct key_pair *range)
 {
+	bool found;
+	enum status status = store_read_offset_range(reader, tile, &range->a, &range->b, &found);
 	mutex_lock(&ground->mutex);
 	ground->figures.offset_ranges++;
+	if (status == STATUS_OK && !found)
+		range->a = range->b = NAN;
+	if (status == STATUS_OK)
+		status = key_cache_put(&ground->offsets, tile_key(tile), range->a, range->b);
 	mutex_unlock(&ground->mutex);
-	return store_read_offset_range(reader, tile, low, high, found);
+	return status;
 }
 
 enum status resident_ground_base_range(struct ground *ground, struct tile tile, struct store_range *range)
@@ -80,17 +85,24 @@ enum status resident_ground_base_range(struct ground *ground, struct tile tile, 
 
 enum status resident_ground_offset_range(struct ground *ground, struct tile tile, double *low, double *high, bool *found)
 {
-	struct key_pair pair;
-	if (kept(ground, &ground->offsets, tile, &pair)) {
-		*low = pair.a;
-		*high = pair.b;
-		*found = !isnan(pair.a);
-		return STATUS_OK;
+	struct key_pair range = {.a = NAN};
+	enum status status = STATUS_OK;
+	if (!kept(ground, &ground->offsets, tile, &range)) {
+		double began = clock_seconds();
+		status = read_offset_range(ground, ground->reader, tile, &range);
+		count_range_wait(ground, began);
 	}
-	double began = clock_seconds();
-	enum status status = read_offset_range(ground, ground->reader, tile, low, high, found);
-	count_range_wait(ground, began);
+	*found = status == STATUS_OK && !isnan(range.a);
+	*low = *found ? fmin(range.a, 0) : 0;
+	*high = *found ? fmax(range.b, 0) : 0;
 	return status;
+}
+
+void resident_ground_forget_offsets(struct ground *ground)
+{
+	mutex_lock(&ground->mutex);
+	key_cache_finish(&ground->offsets);
+	mutex_unlock(&ground->mutex);
 }
 
 /* Computes the range of a tile below level 0 from the posts of its level-0 tile. NaN: all is nodata. */
@@ -173,15 +185,5 @@ enum status resident_ground_warm_range(struct ground *ground, struct store_reade
 			return STATUS_OK;
 		return key->tile.level < 0 ? warm_fine_range(ground, reader, key->tile) : read_base_range(ground, reader, key->tile, &range);
 	}
-	if (kept(ground, &ground->offsets, key->tile, &pair))
-		return STATUS_OK;
-	double low, high;
-	bool found;
-	enum status status = read_offset_range(ground, reader, key->tile, &low, &high, &found);
-	if (status != STATUS_OK)
-		return status;
-	mutex_lock(&ground->mutex);
-	status = key_cache_put(&ground->offsets, tile_key(key->tile), found ? low : NAN, found ? high : NAN);
-	mutex_unlock(&ground->mutex);
-	return status;
+	return kept(ground, &ground->offsets, key->tile, &pair) ? STATUS_OK : read_offset_range(ground, reader, key->tile, &pair);
 }

@@ -6,8 +6,8 @@
  * stays true until the ground changes, however commits proceed.
  */
 #include <math.h>
-#include <stdlib.h>
 
+#include "resident/ground_internal.h"
 #include "resident/newest_internal.h"
 
 enum { RANGES = 1 << 16, BASE_TILES = 4 };
@@ -17,42 +17,15 @@ enum { RANGES = 1 << 16, BASE_TILES = 4 };
 static void note_changed(void *user, uint64_t key)
 {
 	struct newest *newest = user;
-	if (tile_from_key(key).level != newest->level)
-		return;
-	if (newest->changed_count == newest->changed_room) {
-		size_t room = newest->changed_room > 0 ? 2 * newest->changed_room : 64;
-		uint64_t *keys = mem_realloc(newest->changed, room, sizeof *keys);
-		if (keys == NULL) {
-			newest->lost = true;
-			return;
-		}
-		newest->changed = keys;
-		newest->changed_room = room;
-	}
-	newest->changed[newest->changed_count++] = key;
-}
-
-static int compare(const void *a, const void *b)
-{
-	const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
-	return x < y ? -1 : x > y;
+	const struct tile tile = tile_from_key(key);
+	if (tile.level == newest->level && newest->noted == STATUS_OK)
+		newest->noted = resident_bounds_add(&newest->changed, tile, -INFINITY, INFINITY);
 }
 
 static bool has_changed(const struct newest *newest, struct tile tile)
 {
-	uint64_t first, last;
-	size_t low = 0, high = newest->changed_count;
-	if (high == 0)
-		return false;
-	tile_descendants(tile, newest->level, &first, &last);
-	while (low < high) {
-		size_t middle = low + (high - low) / 2;
-		if (newest->changed[middle] < first)
-			low = middle + 1;
-		else
-			high = middle;
-	}
-	return low < newest->changed_count && newest->changed[low] <= last;
+	double low = 0, high = 0;
+	return resident_bounds_widen(&newest->changed, tile, &low, &high);
 }
 
 void resident_newest_changed(struct newest *newest)
@@ -65,35 +38,18 @@ enum status resident_newest_settle(struct newest *newest)
 {
 	if (newest->pages == NULL || newest->settled)
 		return STATUS_OK;
-	newest->changed_count = 0;
-	newest->lost = false;
-	key_cache_finish(&newest->offsets);
-	newest->offsets = (struct key_cache){.most = RANGES};
+	newest->noted = STATUS_OK;
+	resident_bounds_clear(&newest->changed);
+	resident_ground_forget_offsets(newest->base);
 	resident_newest_forget_tiles(newest);
 	page_cache_each_changed(newest->pages->cache, note_changed, newest);
-	if (newest->lost)
-		return fail_memory("what changed, for a query");
-	if (newest->changed_count > 0)
-		qsort(newest->changed, newest->changed_count, sizeof *newest->changed, compare);
+	if (newest->noted != STATUS_OK)
+		return newest->noted;
 	newest->settled = true;
 	return STATUS_OK;
 }
 
 /* --- ranges --- */
-
-static enum status stored_offsets(struct newest *newest, struct tile tile, struct key_pair *range)
-{
-	bool found;
-	enum status status = key_cache_find(&newest->offsets, tile_key(tile), range, &found);
-	if (status != STATUS_OK || found)
-		return status;
-	status = store_read_offset_range(resident_ground_reader(newest->base), tile, &range->a, &range->b, &found);
-	if (status != STATUS_OK)
-		return status;
-	if (!found)
-		range->a = range->b = NAN;
-	return key_cache_put(&newest->offsets, tile_key(tile), range->a, range->b);
-}
 
 static enum status base_range(struct newest *newest, struct tile tile, struct key_pair *range)
 {
@@ -112,7 +68,7 @@ static enum status base_range(struct newest *newest, struct tile tile, struct ke
 static enum status bounds(void *user, struct tile tile, double *low, double *high, bool *any)
 {
 	struct newest *newest = user;
-	struct key_pair base, offset = {.a = NAN};
+	struct key_pair base;
 	enum status status = base_range(newest, tile, &base);
 	if (status != STATUS_OK)
 		return status;
@@ -122,16 +78,13 @@ static enum status bounds(void *user, struct tile tile, double *low, double *hig
 	if (!*any || !newest->deformed)
 		return STATUS_OK;
 	const struct tile held = tile.level < newest->level ? tile_ancestor(tile, newest->level) : tile;
-	if (has_changed(newest, held)) {
-		*low = -INFINITY;
-		*high = INFINITY;
+	if (resident_bounds_widen(&newest->changed, held, low, high)) /* then the store's range is of no use */
 		return STATUS_OK;
-	}
-	status = stored_offsets(newest, held, &offset);
-	if (status == STATUS_OK && !isnan(offset.a)) {
-		*low += fmin(offset.a, 0);
-		*high += fmax(offset.b, 0);
-	}
+	double lowest, highest;
+	bool found;
+	status = resident_ground_offset_range(newest->base, held, &lowest, &highest, &found);
+	*low += lowest;
+	*high += highest;
 	return status;
 }
 
@@ -145,10 +98,8 @@ static enum status present(void *user, struct tile tile, bool *out)
 	if (!extent_has(newest->extent, tile))
 		return STATUS_OK;
 	if (!has_changed(newest, tile)) {
-		struct key_pair range;
-		status = stored_offsets(newest, tile, &range);
-		*out = status == STATUS_OK && !isnan(range.a);
-		return status;
+		double low, high;
+		return resident_ground_offset_range(newest->base, tile, &low, &high, out);
 	}
 	if (tile.level == newest->level) {
 		/* It was touched, but may be unchanged: then the store will have no such tile. */
@@ -184,7 +135,7 @@ enum status resident_newest_create(struct store *store, struct pages *pages, str
 		.pages = pages,
 		.extent = &meta->extent,
 		.fits = isnan(meta->low) || lattice_fits(meta->low, meta->high),
-		.offsets = {.most = RANGES},
+		.changed = {.extent = &meta->extent},
 		.bases = {.most = RANGES},
 	};
 	newest->deformed = store_has_working_level(store, &newest->level);
@@ -209,6 +160,7 @@ enum status resident_newest_create(struct store *store, struct pages *pages, str
 		resident_newest_destroy(newest);
 		return status;
 	}
+	newest->base->offsets.most = RANGES; /* they may be dropped: any later value is as good */
 	*out = newest;
 	return STATUS_OK;
 }
@@ -219,9 +171,8 @@ void resident_newest_destroy(struct newest *newest)
 		return;
 	resident_newest_destroy_tiles(newest);
 	resident_ground_destroy(newest->base);
-	key_cache_finish(&newest->offsets);
 	key_cache_finish(&newest->bases);
-	mem_free(newest->changed);
+	resident_bounds_finish(&newest->changed);
 	mem_free(newest);
 }
 

@@ -21,11 +21,9 @@ struct newest {
 	bool deformed;             /* there is a level with offsets: */
 	int level;
 	bool settled;              /* the ground has not changed since the following was found */
-	uint64_t *changed;         /* keys of tiles that may not be in the store, sorted */
-	size_t changed_count, changed_room;
-	bool lost;                 /* no memory for one of them */
-	struct key_cache offsets;  /* ranges over the subtree; a: NaN without offsets. Valid for this moment */
-	struct key_cache bases;    /* the same of the base, always valid */
+	struct offset_bounds changed; /* tiles that may not be in the store, with infinite ranges */
+	enum status noted;         /* of a callback that noted them */
+	struct key_cache bases;    /* ranges of bases over the subtree; a: NaN: all is nodata */
 	struct recent recent;
 	struct resident_newest_tile *tiles; /* by place */
 	int32_t *posts, *patch;    /* of one tile */

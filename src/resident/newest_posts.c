@@ -99,10 +99,11 @@ static enum status take_changed(struct patch *patch, struct tile tile)
 
 enum status resident_read_posts(struct newest *newest, enum store_layer layer, int level, struct post_rect rect, double *values)
 {
+	const struct key_map *changed = &newest->changed.added;
 	enum status status = resident_newest_settle(newest);
 	if (status == STATUS_OK)
 		status = store_read_posts(resident_ground_reader(newest->base), layer, level, rect, values);
-	if (status != STATUS_OK || layer == STORE_BASE || newest->changed_count == 0 || post_rect_empty(rect))
+	if (status != STATUS_OK || layer == STORE_BASE || changed->keys.count == 0 || post_rect_empty(rect))
 		return status;
 	if (level > newest->level && !(PLANE_BIT(planes[layer]) & GPU_DRAWN_PLANES))
 		return fail_with(STATUS_INPUT, "level %d has no state of the soil; ask for level %d, which is deformed, or a finer one",
@@ -112,9 +113,11 @@ enum status resident_read_posts(struct newest *newest, enum store_layer layer, i
 	patch.posts = mem_alloc(side * side, sizeof(int32_t));
 	if (patch.posts == NULL)
 		return fail_memory("a tile for queries");
-	for (size_t i = 0; i < newest->changed_count && status == STATUS_OK; i++)
-		if (i == 0 || newest->changed[i] != newest->changed[i - 1])
-			status = take_changed(&patch, tile_from_key(newest->changed[i]));
+	for (size_t i = 0; i < changed->keys.count && status == STATUS_OK; i++) {
+		const struct tile tile = tile_from_key(changed->pairs[i].key);
+		if (tile.level == newest->level)
+			status = take_changed(&patch, tile);
+	}
 	mem_free(patch.base);
 	mem_free(patch.posts);
 	return status;

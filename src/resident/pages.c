@@ -5,7 +5,7 @@
 
 #define GROUND_TILES 4
 #define ALIGN sizeof(int32_t) /* bytes of a plane, whatever is before it */
-#define EPOCH_BYTES ((size_t)16 << 20)
+#define COMMIT_BYTES ((size_t)16 << 20)
 
 size_t resident_pages_plane_room(const struct pages_layout *layout, enum plane plane)
 {
@@ -28,25 +28,25 @@ struct pages_layout resident_pages_layout_of(uint32_t cells, unsigned planes, bo
 }
 
 /* Returns the number of changed pages that start a commit. More pages cost less each, but need memory. */
-static uint32_t epoch_pages(uint32_t slots, const struct pages_layout *layout)
+static uint32_t commit_pages_most(uint32_t slots, const struct pages_layout *layout)
 {
 	enum { LEAST = 4, MOST = 64 };
-	size_t fit = layout->changed > 0 ? EPOCH_BYTES / layout->changed : MOST;
+	size_t fit = layout->changed > 0 ? COMMIT_BYTES / layout->changed : MOST;
 	uint32_t pages = fit < LEAST ? LEAST : fit > MOST ? MOST : (uint32_t)fit;
 	return pages < slots ? pages : slots;
 }
 
 static struct page_params cache_params(const struct pages_params *params, const struct pages_layout *layout)
 {
-	uint32_t soft = epoch_pages(params->count, layout);
+	uint32_t soft = commit_pages_most(params->count, layout);
 	return (struct page_params){
 		.slots = params->count,
 		.loaders = params->loaders,
 		.queue_soft = soft,
 		.queue_most = PAGE_QUEUE_MOST(soft, params->step_pages),
-		.epoch_age = params->epoch_age,
-		.before_epoch = params->before_epoch,
-		.before_epoch_user = params->user,
+		.commit_age = params->commit_age,
+		.begin_commit = params->begin_commit,
+		.begin_commit_user = params->user,
 		.record_bytes = params->record.bytes,
 		.trace = params->trace,
 	};

@@ -97,12 +97,12 @@ static bool given_up(void *user)
 	return page_cache_gives_up(describing->pages->cache);
 }
 
-static enum status acknowledge(struct pages *pages, int64_t epoch, int64_t step)
+static enum status acknowledge(struct pages *pages, int64_t commit, int64_t step)
 {
-	FILE *log = pages->params.epochs;
+	FILE *log = pages->params.commit_log;
 	if (log == NULL)
 		return STATUS_OK;
-	if (fprintf(log, "epoch %lld step %lld\n", (long long)epoch, (long long)step) < 0 || fflush(log) != 0)
+	if (fprintf(log, "epoch %lld step %lld\n", (long long)commit, (long long)step) < 0 || fflush(log) != 0)
 		return fail_with(STATUS_FAILED, "epochs.log: %s; free some disk space", strerror(errno));
 	return STATUS_OK;
 }
@@ -125,7 +125,7 @@ static struct store_page store_page_of(const struct pages *pages, const struct p
 	return page;
 }
 
-static void count_epoch_locked(struct pages *pages, size_t count, const struct store_epoch_result *result)
+static void count_commit_locked(struct pages *pages, size_t count, const struct store_epoch_result *result)
 {
 	struct pages_counts *counts = &pages->io.counts;
 	counts->committed += (int64_t)count;
@@ -148,7 +148,7 @@ static enum status commit(void *user, const struct page_image *const *images, si
 	if (count > pages->commit_room) {
 		struct store_page *room = mem_realloc(pages->commit_pages, count, sizeof *room);
 		if (room == NULL)
-			return fail_memory("an epoch");
+			return fail_memory("a commit");
 		pages->commit_pages = room;
 		pages->commit_room = count;
 	}
@@ -180,7 +180,7 @@ static enum status commit(void *user, const struct page_image *const *images, si
 	pages->io.sums.below += result.below;
 	pages->io.sums.above += result.above;
 	pages->io.sums.compacted += run.compacted;
-	count_epoch_locked(pages, count, &result);
+	count_commit_locked(pages, count, &result);
 	pages->io.writeback_ms += (clock_seconds() - started) * 1e3;
 	mutex_unlock(&pages->mutex);
 	return status;

@@ -10,6 +10,7 @@
 #include <stdio.h>
 
 #include "base/base.h"
+#include "base/key_map.h"
 #include "base/plan.h"
 #include "gpu/gpu.h"
 #include "page/page.h"
@@ -42,15 +43,18 @@ enum status resident_ground_patch(struct ground *ground, struct tile tile, int32
 /* Finds the lowest and highest base of the tile's subtree, metres. *any false: all of it is nodata. */
 enum status resident_ground_range(struct ground *ground, struct tile tile, double *low, double *high, bool *any)
 	FURROW_CHECKED;
-/* Finds what the store has: the base range of a tile from level 0 up, or the offset range of any tile. If no other thread
- * brought it, the owner reads it, and this counts as a wait. An offset range that was brought is as old as that. */
+/* Finds the base range of a tile from level 0 up. If no other thread brought it, the owner reads it, and this counts as a
+ * wait. */
 enum status resident_ground_base_range(struct ground *ground, struct tile tile, struct store_range *range) FURROW_CHECKED;
+/* Finds the lowest (0 or less) and highest (0 or more) offset that the store has of the tile's subtree, metres. *found false: it
+ * has none, and both are 0. The owner waits as above. The range stays as first read, whatever is committed later. */
 enum status resident_ground_offset_range(struct ground *ground, struct tile tile, double *low, double *high, bool *found)
 	FURROW_CHECKED;
-/* Finds a height that no base of the rectangle exceeds, 2^-18 m from the reference. Below level 0 it is the highest post of
- * level 0 that the rectangle is interpolated from; otherwise the rectangle's own highest post. *any false: no post has data. */
-enum status resident_ground_highest(struct ground *ground, int level, struct post_rect rect, int32_t *highest, bool *any)
-	FURROW_CHECKED;
+/* Forgets all offset ranges, so that they are read anew. */
+void resident_ground_forget_offsets(struct ground *ground);
+/* Finds an absolute height that no base of the rectangle exceeds, 2^-20 m; INT64_MIN: no post has data. Below level 0 it is the
+ * highest post of level 0 that the rectangle is interpolated from; otherwise the rectangle's own highest post. */
+enum status resident_ground_highest(struct ground *ground, int level, struct post_rect rect, int64_t *highest) FURROW_CHECKED;
 /* Finds the absolute base height at a local point, all in 2^-20 m, bilinear in the level-0 cell. *any false: outside the world,
  * or a corner with weight is nodata. */
 enum status resident_ground_height(struct ground *ground, int64_t x, int64_t y, int64_t *height, bool *any)
@@ -84,6 +88,27 @@ struct ground_range_key {
 bool resident_ground_has_range(struct ground *ground, const struct ground_range_key *key);
 /* Reads a range with the caller's own reader and keeps it. For a base below level 0 it also reads the tile it comes from. */
 enum status resident_ground_warm_range(struct ground *ground, struct store_reader *reader, const struct ground_range_key *key) FURROW_CHECKED;
+
+/*
+ * --- bounds of offsets ---
+ *
+ * Every offset of a tile's subtree is within one of two ranges, or between them. The store had the first one
+ * (resident_ground_offset_range). The owner of these bounds has added the second one since. Metres. One thread. Starts with only
+ * the extent set.
+ *
+ * Invariant: the added range of a tile is within that of the tile above it.
+ */
+struct offset_bounds {
+	const struct extent *extent;
+	struct key_map added; /* by tile. a: lowest, b: highest; infinite: it is not known what changed */
+};
+
+/* Adds a range to a tile and to all tiles above it. */
+enum status resident_bounds_add(struct offset_bounds *bounds, struct tile tile, double low, double high) FURROW_CHECKED;
+/* Widens a range by what was added to the tile. Returns false if nothing was. */
+bool resident_bounds_widen(const struct offset_bounds *bounds, struct tile tile, double *low, double *high);
+void resident_bounds_clear(struct offset_bounds *bounds); /* removes all that was added */
+void resident_bounds_finish(struct offset_bounds *bounds);
 
 /*
  * --- map of soils ---
@@ -149,8 +174,8 @@ struct pages_params {
 	uint32_t step_pages;     /* most pages one step can change, which bounds the queue */
 	struct pages_record record;
 	struct pages_sums before; /* sums of this drive before these pages were made */
-	FILE *epochs;            /* a line for each commit; NULL: none */
-	double epoch_age;        /* s */
+	FILE *commit_log;           /* a line for each commit; NULL: none */
+	double commit_age;        /* s */
 	struct page_trace *trace; /* may be NULL */
 	/* Called before a page of the working level is read back. After that the page may leave its slot. */
 	enum status (*before_read_back)(void *user, struct tile tile, uint32_t slot);
@@ -162,7 +187,7 @@ struct pages_params {
 	enum status (*classes)(void *user, unsigned loader, struct tile tile, uint8_t *classes);
 	bool classes_drawn; /* classes are loaded for all tiles at and above the working level, not only for those at it */
 	/* On the GPU's thread, before a commit takes the record; may be NULL. */
-	enum status (*before_epoch)(void *user);
+	enum status (*begin_commit)(void *user);
 	/* On the writer thread, before each commit, which fails if this fails; may be NULL. */
 	enum status (*before_commit)(void *user);
 	void *user; /* passed to all functions above */

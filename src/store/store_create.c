@@ -299,7 +299,9 @@ static enum status remove_beside(const struct store *store)
 	return status;
 }
 
-/* The folder is synced before, so that no power cut brings back what belonged to the older store,
+/* base/aside is not used: a suspended or resumed part must stay, and a part that is removed takes its journal along.
+ *
+ * The folder is synced before, so that no power cut brings back what belonged to the older store,
  * and after. Nothing but that last sync can fail once the name is the new store's. */
 static enum status rename_part(struct store *store, int folder)
 {

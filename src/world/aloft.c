@@ -26,7 +26,7 @@
 #include "world/internal.h"
 
 /* Fixed-point units: the error of the lower envelope and of a touch. For large or far objects, 2^-28 of the size is added. */
-#define AIR_QUANTA 64
+#define AIR_UNITS 64
 #define AIR_SHARE 26
 
 int64_t world_lowest(const struct deform_contact *sweep)
@@ -38,7 +38,7 @@ int64_t world_lowest(const struct deform_contact *sweep)
 		reach = hypot(shape->radius + shape->grouser_height, shape->grouser_thickness / 2);
 	double way = hypot(lattice_offset_metres(to->x - from->x), lattice_offset_metres(to->y - from->y));
 	double below = ldexp(reach, OFFSET_BITS) + ldexp(way + deform_shape_bound(shape), OFFSET_BITS - AIR_SHARE);
-	return (from->z < to->z ? from->z : to->z) - (int64_t)ceil(below) - AIR_QUANTA;
+	return (from->z < to->z ? from->z : to->z) - (int64_t)ceil(below) - AIR_UNITS;
 }
 
 /* Finds the highest base in the windows, 2^-20 m. INT64_MIN: there is no ground. */
@@ -47,31 +47,23 @@ static enum status highest_base(struct world *world, const struct deform_window 
 	enum status status = STATUS_OK;
 	*highest = INT64_MIN;
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
-		int32_t base;
-		bool any;
-		status = resident_ground_highest(world->ground, world->level, windows[i].write, &base, &any);
-		if (status != STATUS_OK || !any)
-			continue;
-		int64_t height = (int64_t)base * (1 << (OFFSET_BITS - BASE_BITS)) +
-				 (int64_t)resident_ground_reference(world->store) * (1 << OFFSET_BITS);
-		*highest = height > *highest ? height : *highest;
+		int64_t height;
+		status = resident_ground_highest(world->ground, world->level, windows[i].write, &height);
+		*highest = status == STATUS_OK && height > *highest ? height : *highest;
 	}
 	return status;
 }
 
-/* Reads the highest committed offset. What is in memory now is no higher, since it only became lower. Read once, and only when
- * an object is above the base. */
-static enum status ask_offsets(struct world *world)
+/* Finds a bound of the offsets, 2^-20 m: the highest one that the store had when it was first asked. No offset is higher now, since
+ * the ground only became lower. */
+static enum status highest_offset(struct world *world, int64_t *highest)
 {
 	const struct tile top = {extent_coarsest(&world->meta->extent), 0, 0};
 	double low, high;
 	bool found;
 	enum status status = resident_ground_offset_range(world->ground, top, &low, &high, &found);
-	if (status != STATUS_OK)
-		return status;
-	world->aloft.offsets_most = found && high > 0 ? lattice_offset(high) + 1 : 0;
-	world->aloft.offsets_asked = true;
-	return STATUS_OK;
+	*highest = high > 0 ? lattice_offset(high) + 1 : 0;
+	return status;
 }
 
 /* Tells whether no tile of the windows has planes. */
@@ -177,11 +169,11 @@ enum status world_is_aloft(struct world *world, const struct event *event, struc
 	sweep->above = true;
 	if (conserves)
 		return untouched_soil(world, windows, count, aloft);
-	if (!world->aloft.offsets_asked)
-		status = ask_offsets(world);
+	int64_t offset;
+	status = highest_offset(world, &offset);
 	if (status != STATUS_OK)
 		return status;
-	if (low > highest + world->aloft.offsets_most) {
+	if (low > highest + offset) {
 		*aloft = true;
 		return STATUS_OK;
 	}

@@ -171,9 +171,9 @@ void world_pages_params(const struct world *world, struct pages_params *params)
 		.loaders = scene->loaders,
 		.step_pages = world_step_pages(world),
 		.record = world_record_pages(scene),
-		.epoch_age = COMMIT_AGE,
+		.commit_age = COMMIT_AGE,
 		.before_read_back = before_read_back,
-		.before_epoch = before_epoch,
+		.begin_commit = before_epoch,
 		.before_commit = before_commit,
 		.snapshot = world_deforms(world) ? tally_snapshot : NULL,
 		.classes = world_needs_soil_map(scene) ? soil_classes : NULL,
@@ -197,7 +197,7 @@ enum status world_start_pages(struct world *world, FILE *epochs, struct page_tra
 	params.gpu = world->gpu;
 	params.slots = world->slots;
 	params.before = world->record->sums;
-	params.epochs = epochs;
+	params.commit_log = epochs;
 	params.trace = trace;
 	params.user = world;
 	enum status status = resident_pages_create(&params, &world->pages);

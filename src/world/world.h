@@ -253,8 +253,6 @@ struct world {
 	struct world_aloft {      /* aloft.c */
 		struct key_set seen, old; /* `seen`: tiles that were looked at; `old`: those of them with planes from before this world */
 		bool asks_touched;
-		bool offsets_asked;
-		int64_t offsets_most; /* 2^-20 m: no offset is higher; for models that only lower the ground */
 	} aloft;
 	struct world_windows {    /* contact.c */
 		uint64_t computed, due; /* windows of contacts; `due`: the number if all contacts on the ground were computed */

@@ -193,7 +193,7 @@ static enum status rig_open(struct rig *rig, const char *path)
 		.loaders = 2,
 		.step_pages = 4,
 		.record = world_record_pages(&scene),
-		.epochs = rig->log,
+		.commit_log = rig->log,
 		.before.compacted = COMPACTED_BEFORE,
 		.before_read_back = nothing_before,
 		.snapshot = take_tally,

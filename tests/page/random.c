@@ -278,7 +278,7 @@ static void come_to_rest(bool wishes)
 		enum status status = page_cache_poll(fake->cache);
 		assert_true(status == STATUS_OK || is_sticky(status));
 		mutex_lock(&fake->cache->mutex);
-		busy = fake->cache->epoch != PAGE_EPOCH_NONE || fake->cache->queue.filling > 0;
+		busy = fake->cache->commit != PAGE_COMMIT_NONE || fake->cache->queue.filling > 0;
 		mutex_unlock(&fake->cache->mutex);
 		busy |= wishes && page_cache_request_state(fake->cache) == PAGE_REQUESTS_COMING;
 		sched_yield();

@@ -318,7 +318,7 @@ static void page_old_change_starts_an_epoch_and_a_young_one_does_not(void **stat
 	struct page_params params = fake_params(&fake, 4, 1);
 	(void)state;
 	for (int old = 0; old < 2; old++) {
-		params.epoch_age = old ? 1e-12 : 1e9;
+		params.commit_age = old ? 1e-12 : 1e9;
 		fake_start(&fake, &params);
 		fake_end_step(&fake, 0); /* nothing changed: no epoch, however old */
 		fake_change(&fake, 0);

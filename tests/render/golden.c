@@ -282,7 +282,7 @@ static void draw(const struct golden *golden, uint8_t *pixels)
 	must(gpu_slots_create(gpu, CELLS, SLOTS, golden->dirt ? PLANE_BIT(PLANE_DISTURBANCE) : 0, &shown.slots));
 	const struct render_params params = {
 		.gpu = gpu, .slots = shown.slots, .extent = &extent, .low = 0, .high = 820, .width = WIDTH, .height = HEIGHT,
-		.effects = golden->effects, .dirt = golden->dirt, .light = &light, .soils = &soils, .pixel_error = golden->pixel_error,
+		.effects = golden->effects, .disturbance = golden->dirt, .light = &light, .soils = &soils, .pixel_error = golden->pixel_error,
 		.samples = golden->samples, .objects = objects, .object_count = 2, .layers = golden->layer != RENDER_NATURAL,
 	};
 	must(render_create(&params, &render));

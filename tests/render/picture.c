@@ -655,7 +655,7 @@ static void any_two_effects_draw_together(void **state)
 		uint64_t chosen = pairs_choices[i] & ((1u << EFFECTS) - 1); /* the first: all */
 		struct render_params params = {
 			.gpu = gpu, .extent = &extent, .low = -1, .high = 1, .width = 32, .height = 16,
-			.effects = chosen << EFFECT_TEXTURE, .dirt = true,
+			.effects = chosen << EFFECT_TEXTURE, .disturbance = true,
 		};
 		assert_ok(gpu_slots_create(gpu, CELLS, 3, PLANE_BIT(PLANE_DISTURBANCE), &slots));
 		params.slots = slots;

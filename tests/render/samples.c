@@ -57,7 +57,7 @@ static int close_gpu(void **state)
 static struct render_params params_of(const struct extent *extent, int samples)
 {
 	return (struct render_params){.gpu = gpu, .slots = slots, .extent = extent, .low = -1, .high = 1, .width = WIDTH,
-				      .height = HEIGHT, .dirt = true, .samples = samples};
+				      .height = HEIGHT, .disturbance = true, .samples = samples};
 }
 
 /* Slot 0 is ground that rises by so much a post to the south-east, slot 1 the same `higher` by so many metres, and dirty. */

@@ -96,7 +96,7 @@ static void take(const struct shot *shot)
 	gpu_staging_destroy(staging);
 	must(render_create(&(struct render_params){
 		.gpu = gpu, .slots = slots, .extent = &extent, .low = shot->low, .high = shot->high, .width = WIDTH, .height = HEIGHT,
-		.effects = shot->effects, .dirt = shot->dirt != NULL, .light = &shot->light, .soils = shot->soils,
+		.effects = shot->effects, .disturbance = shot->dirt != NULL, .light = &shot->light, .soils = shot->soils,
 	}, &render));
 	selection.draw_count = 1;
 	selection.draws[0] = (struct terrain_draw){.quadrants = 15, .finest = true, .low = shot->low, .high = shot->high};

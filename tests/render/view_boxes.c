@@ -176,16 +176,16 @@ static size_t different(const uint8_t *a, const uint8_t *b)
 static void draw_three(struct drive *drive, const struct render_camera *camera)
 {
 	struct view *view = drive->view;
-	struct key_map kept = view->pressed;
+	struct offset_bounds kept = view->bounds;
 	draw(drive, camera, by_boxes);
-	view->pressed = (struct key_map){.room = 0};
+	view->bounds.added = (struct key_map){.room = 0};
 	draw(drive, camera, by_base);
 	for (uint32_t y = 0; y < extent_tiles_y(&ground, 0); y++)
 		for (uint32_t x = 0; x < extent_tiles_x(&ground, 0); x++)
-			must(render_view_widen(view, &view->pressed, (struct tile){0, x, y}, -1e4, 1e4));
+			must(resident_bounds_add(&view->bounds, (struct tile){0, x, y}, -1e4, 1e4));
 	draw(drive, camera, by_none);
-	key_map_finish(&view->pressed);
-	view->pressed = kept;
+	resident_bounds_finish(&view->bounds);
+	view->bounds = kept;
 }
 
 static void look_into_the_trench(struct drive *drive)
@@ -312,12 +312,38 @@ static void what_was_dug_before_is_known_exactly_and_the_rest_is_as_the_base(voi
 	rig_close(&rig);
 }
 
+/* Others asked the ground for its range before: a view that comes later knows what was committed since. */
+static void a_late_view_knows_what_is_there(void **state)
+{
+	struct rig rig;
+	rig_mode = STORE_WRITE;
+	rig_open(&rig, 400, 0, 0);
+	const struct tile top = {extent_coarsest(&extent), 0, 0};
+	int32_t offset[(CELLS + 1) * (CELLS + 1)] = {0};
+	struct store_epoch_result result;
+	double low, high;
+	bool found;
+	must(resident_ground_offset_range(rig.world.ground, top, &low, &high, &found));
+	offset[5 * (CELLS + 1) + 7] = (int32_t)lattice_offset(-77);
+	const struct store_page page = {.tile = {rig.world.level, 2, 2}, .planes = {[PLANE_OFFSET] = offset}};
+	const struct store_run run = {.scene_hash = "0", .step = 1, .state = "{}"};
+	must(store_set_working_level(rig.world.store, rig.world.level));
+	must(store_epoch(rig.world.store, &page, 1, &run, &result));
+	render_view_destroy(rig.view);
+	rig.world.was_deformed = true;
+	must(render_view_create(&rig.world, false, &rig.view));
+	must(render_view_offsets(rig.view, top, false, &low, &high));
+	assert_true(low == -77 && high == 0);
+	rig_close(&rig);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(boxes_hold_what_is_pressed_in_every_step),
 		cmocka_unit_test(a_pit_below_and_a_heap_above_the_bases_box_are_drawn_in_their_step),
 		cmocka_unit_test(what_was_dug_before_is_known_exactly_and_the_rest_is_as_the_base),
+		cmocka_unit_test(a_late_view_knows_what_is_there),
 	};
 	return cmocka_run_group_tests_name("view_boxes", tests, support_enter, support_leave);
 }

@@ -36,9 +36,9 @@ static void press(struct rig *rig, struct tile tile, double x, double y, double 
 	int64_t cx = (int64_t)(x / rig->world.spacing), cy = (int64_t)(y / rig->world.spacing), r = (int64_t)ceil(0.5 / rig->world.spacing);
 	const struct post_rect under = {cx - r, cy - r, cx + r + 2, cy + r + 2};
 	const struct contact_area sweep = {event.pose.z - lattice_offset(rig->object.shape.radius), under, under};
-	must(render_view_pressed(rig->view, &event, &sweep));
+	must(render_view_contact(rig->view, &event, &sweep));
 	must(render_view_deformed(rig->view, tile));
-	must(render_view_pressed(rig->view, NULL, NULL));
+	must(render_view_contact(rig->view, NULL, NULL));
 }
 
 static void without_a_pixel_error_no_errors_are_kept(void **state)

@@ -21,6 +21,8 @@ struct rig {
 	struct body body;
 };
 
+static enum store_mode rig_mode = STORE_READ;
+
 static inline enum status before_read_back(void *user, struct tile tile, uint32_t slot)
 {
 	return STATUS_OK; /* nothing is ever dirty here */
@@ -68,7 +70,7 @@ static inline void rig_open(struct rig *rig, uint32_t slots, double speed, doubl
 	};
 	if (access(path, F_OK) != 0)
 		support_store(path, extent, support_hills);
-	must(store_open(path, &(struct store_options){.mode = STORE_READ}, &world->store)); /* nothing is deformed */
+	must(store_open(path, &(struct store_options){.mode = rig_mode}, &world->store)); /* nothing is deformed */
 	world->scene = &rig->scene;
 	world->meta = store_meta(world->store);
 	world->was_deformed = store_has_working_level(world->store, NULL);
@@ -95,8 +97,8 @@ static inline void rig_open(struct rig *rig, uint32_t slots, double speed, doubl
 						 .loaders = 2,
 						 .step_pages = 16,
 						 .record = world_record_pages(&rig->scene),
-						 .epochs = world->epochs,
-						 .epoch_age = 1000,
+						 .commit_log = world->epochs,
+						 .commit_age = 1000,
 						 .before_read_back = before_read_back},
 			  &world->pages));
 	world->cache = resident_pages_cache(world->pages);

@@ -67,8 +67,8 @@ static void rig_open(struct rig *rig, const char *path, uint32_t slots)
 						 .loaders = 2,
 						 .step_pages = 64,
 						 .record = world_record_pages(&rig->scene),
-						 .epochs = world->epochs,
-						 .epoch_age = 0.01,
+						 .commit_log = world->epochs,
+						 .commit_age = 0.01,
 						 .before_read_back = before_read_back,
 						 .user = world},
 			  &world->pages));

@@ -66,9 +66,8 @@ static void the_highest_is_that_of_the_posts_it_comes_from(void **state)
 			/* Along tile edges too, and over those of the world. */
 			int64_t x = (i % 4 == 0 ? i % 3 * 32 : i * 7919) % width, y = (i % 5 == 0 ? i % 2 * 64 : i * 104729) % height;
 			struct post_rect rect = {x - i % 3, y - i % 2, x + 1 + i * 5 % 40, y + 1 + i * 3 % 23}, in;
-			int32_t highest, expected = INT32_MIN, own = INT32_MIN;
-			bool any;
-			must(resident_ground_highest(ground, level, rect, &highest, &any));
+			int64_t highest, expected = INT64_MIN, own = INT64_MIN;
+			must(resident_ground_highest(ground, level, rect, &highest));
 			in = post_rect_intersect(rect, (struct post_rect){0, 0, width, height});
 			const struct post_rect source = {in.x0 >> shift, in.y0 >> shift, ((in.x1 - 1 + (1 << shift) - 1) >> shift) + 1,
 							 ((in.y1 - 1 + (1 << shift) - 1) >> shift) + 1};
@@ -77,29 +76,29 @@ static void the_highest_is_that_of_the_posts_it_comes_from(void **state)
 				int64_t count = (rects[k].x1 - rects[k].x0) * (rects[k].y1 - rects[k].y0);
 				double *posts = malloc((size_t)count * sizeof *posts);
 				must(store_read_posts(resident_ground_reader(ground), STORE_BASE, k == 0 || level > 0 ? level : 0, rects[k], posts));
-				int32_t *most = k == 0 ? &own : &expected;
+				int64_t *most = k == 0 ? &own : &expected;
 				for (int64_t p = 0; p < count; p++)
 					if (!isnan(posts[p])) {
-						int32_t post = lattice_base_relative(posts[p], resident_ground_reference(store));
+						int64_t reference = resident_ground_reference(store);
+						int64_t post = (int64_t)lattice_base_relative(posts[p], (int32_t)reference) * 4 + reference * (1 << OFFSET_BITS);
 						*most = post > *most ? post : *most;
 					}
 				free(posts);
 			}
-			assert_true(any && highest == expected && own <= highest);
+			assert_true(highest > INT64_MIN && highest == expected && own <= highest);
 			assert_true(level < 0 || own == highest);
 		}
 	/* A hole has none, nor has what lies beyond the world. */
-	int32_t highest;
-	bool any;
-	must(resident_ground_highest(ground, 0, (struct post_rect){50, 40, 51, 41}, &highest, &any));
-	assert_false(any);
-	must(resident_ground_highest(ground, 0, (struct post_rect){50, 40, 52, 41}, &highest, &any));
-	assert_true(any);
-	must(resident_ground_highest(ground, -2, (struct post_rect){-9, 4, 0, 9}, &highest, &any));
-	assert_false(any);
+	int64_t highest;
+	must(resident_ground_highest(ground, 0, (struct post_rect){50, 40, 51, 41}, &highest));
+	assert_true(highest == INT64_MIN);
+	must(resident_ground_highest(ground, 0, (struct post_rect){50, 40, 52, 41}, &highest));
+	assert_true(highest > INT64_MIN);
+	must(resident_ground_highest(ground, -2, (struct post_rect){-9, 4, 0, 9}, &highest));
+	assert_true(highest == INT64_MIN);
 	/* The last post of the world, whose tile it ends. */
-	must(resident_ground_highest(ground, 0, (struct post_rect){128, 96, 129, 97}, &highest, &any));
-	assert_true(any && fabs(resident_ground_reference(store) + lattice_base_metres(highest) - support_hills(128, 96)) < 1.0 / 1024);
+	must(resident_ground_highest(ground, 0, (struct post_rect){128, 96, 129, 97}, &highest));
+	assert_true(fabs(lattice_offset_metres(highest) - support_hills(128, 96)) < 1.0 / 1024);
 	resident_ground_destroy(ground);
 	store_close(store);
 }
@@ -110,13 +109,12 @@ static void the_highest_asks_for_no_tile_it_does_not_need(void **state)
 	struct store *store = open_store();
 	struct ground *ground;
 	struct resident_ground_figures before, after;
-	int32_t highest;
-	bool any;
+	int64_t highest;
 	must(resident_ground_create(store, 4, &ground));
-	must(resident_ground_highest(ground, 0, (struct post_rect){3, 3, 33, 33}, &highest, &any));
+	must(resident_ground_highest(ground, 0, (struct post_rect){3, 3, 33, 33}, &highest));
 	resident_ground_figures(ground, &before);
 	assert_int_equal(before.reads, 1);
-	must(resident_ground_highest(ground, 0, (struct post_rect){3, 3, 34, 33}, &highest, &any));
+	must(resident_ground_highest(ground, 0, (struct post_rect){3, 3, 34, 33}, &highest));
 	resident_ground_figures(ground, &after);
 	assert_int_equal(after.reads, 2);
 	resident_ground_destroy(ground);

@@ -34,7 +34,7 @@ static double level_ground(int64_t x, int64_t y)
 	return 100;
 }
 
-static void rig_open(struct rig *rig, const char *path, support_height ground, int level, double epoch_age)
+static void rig_open(struct rig *rig, const char *path, support_height ground, int level, double commit_age)
 {
 	struct world *world = &rig->world;
 	*rig = (struct rig){.scene = {.slots = SLOTS, .hash = "0"}, .body = {.object = &object}};
@@ -75,8 +75,8 @@ static void rig_open(struct rig *rig, const char *path, support_height ground, i
 						 .loaders = 2,
 						 .step_pages = 64,
 						 .record = world_record_pages(&rig->scene),
-						 .epochs = world->epochs,
-						 .epoch_age = epoch_age,
+						 .commit_log = world->epochs,
+						 .commit_age = commit_age,
 						 .before_read_back = before_read_back,
 						 .user = world},
 			  &world->pages));
@@ -193,7 +193,7 @@ static void places(struct rig *rig, size_t where[3])
 			double low, high;
 			bool stored;
 			must(page_cache_newest(rig->world.cache, tile_key(tile), look, &looks, &place, &slot));
-			must(resident_ground_offset_range(rig->world.ground, tile, &low, &high, &stored));
+			must(store_read_offset_range(resident_ground_reader(rig->world.ground), tile, &low, &high, &stored));
 			where[place] += place != PAGE_NEWEST_STORED || stored;
 		}
 	assert_int_equal(looks, where[PAGE_NEWEST_QUEUED]);
@@ -465,6 +465,63 @@ static void without_memory(void **state)
 	store_close(store);
 }
 
+/* What a drive has of its start stays; what the store has since is found once the ranges were forgotten. */
+static void ranges_of_offsets_stay_until_they_are_forgotten(void **state)
+{
+	struct rig rig;
+	rig_open(&rig, support_path("ranges.furrow"), level_ground, 0, 0);
+	struct ground *ground = rig.world.ground;
+	const struct tile top = {extent_coarsest(&extent), 0, 0};
+	struct resident_ground_figures first, last;
+	double low, high, lowest, highest;
+	bool found;
+	must(resident_ground_offset_range(ground, top, &low, &high, &found));
+	assert_true(!found && low == 0 && high == 0);
+	resident_ground_figures(ground, &first);
+	roll(&rig, 7);
+	end_step(&rig);
+	must(page_cache_flush(rig.world.cache, rig.world.record));
+	must(store_read_offset_range(resident_ground_reader(ground), top, &lowest, &highest, &found));
+	assert_true(found && lowest < -0.3);
+	must(resident_ground_offset_range(ground, top, &low, &high, &found));
+	assert_true(!found && low == 0 && high == 0);
+	resident_ground_figures(ground, &last);
+	assert_true(last.range_waits == first.range_waits && last.offset_ranges == first.offset_ranges);
+	resident_ground_forget_offsets(ground);
+	must(resident_ground_offset_range(ground, top, &low, &high, &found));
+	assert_true(found && low == lowest && high == fmax(highest, 0));
+	resident_ground_figures(ground, &last);
+	assert_int_equal(last.range_waits, first.range_waits + 1);
+	rig_close(&rig);
+}
+
+static void bounds_hold_what_was_added_in_a_tile_and_above(void **state)
+{
+	struct offset_bounds bounds = {.extent = &extent};
+	const struct tile tile = {0, 3, 2}, beside = {0, 2, 2};
+	const int coarsest = extent_coarsest(&extent);
+	double low = 0, high = 0;
+	assert_false(resident_bounds_widen(&bounds, tile, &low, &high));
+	must(resident_bounds_add(&bounds, tile, -2, 1));
+	must(resident_bounds_add(&bounds, beside, -1, 3));
+	must(resident_bounds_add(&bounds, tile, -0.5, 0.5)); /* narrows nothing */
+	for (int level = 0; level <= coarsest; level++) {
+		low = high = 0;
+		assert_true(resident_bounds_widen(&bounds, tile_ancestor(tile, level), &low, &high));
+		assert_true(low == -2 && high == (level > 0 ? 3 : 1));
+	}
+	low = -5, high = 0;
+	assert_true(resident_bounds_widen(&bounds, beside, &low, &high));
+	assert_true(low == -5 && high == 3);
+	assert_false(resident_bounds_widen(&bounds, (struct tile){0, 0, 0}, &low, &high));
+	resident_bounds_clear(&bounds);
+	assert_false(resident_bounds_widen(&bounds, (struct tile){coarsest, 0, 0}, &low, &high));
+	must(resident_bounds_add(&bounds, beside, -1, 0));
+	low = high = 0;
+	assert_true(resident_bounds_widen(&bounds, (struct tile){coarsest, 0, 0}, &low, &high) && low == -1 && high == 0);
+	resident_bounds_finish(&bounds);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -473,6 +530,8 @@ int main(void)
 		cmocka_unit_test(ruts_are_lower_than_their_base),
 		cmocka_unit_test(asking_changes_nothing), cmocka_unit_test(points_are_as_the_store_samples),
 		cmocka_unit_test(without_memory),
+		cmocka_unit_test(ranges_of_offsets_stay_until_they_are_forgotten),
+		cmocka_unit_test(bounds_hold_what_was_added_in_a_tile_and_above),
 	};
 	return cmocka_run_group_tests(tests, support_enter, support_leave);
 }
