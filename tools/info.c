@@ -41,7 +41,7 @@ static cJSON *sources_json(const char *lines)
 static int64_t soil_sum(const int64_t numbers[PLANES])
 {
 	int64_t sum = 0;
-	for (int plane = PLANE_DIRT; plane < PLANES; plane++)
+	for (int plane = PLANE_DISTURBANCE; plane < PLANES; plane++)
 		sum += numbers[plane];
 	return sum;
 }
@@ -54,7 +54,7 @@ static cJSON *last_run_json(const struct store_numbers *numbers)
 	cJSON_AddStringToObject(run, "scene_hash", numbers->last_run.scene_hash);
 	json_integer(run, "step", numbers->last_run.step);
 	json_number(run, "time", numbers->last_run.time);
-	json_integer(run, "epochs", numbers->epochs);
+	json_integer(run, "epochs", numbers->commits);
 	return run;
 }
 
@@ -102,7 +102,7 @@ static enum status print_json(struct store *store, const struct store_numbers *n
 	json_integer(bytes, "offset", numbers->plane_bytes[PLANE_OFFSET]);
 	json_integer(bytes, "soil", soil_sum(numbers->plane_bytes));
 	cJSON *soil = cJSON_AddObjectToObject(object, "soil");
-	for (int plane = PLANE_DIRT; plane < PLANES; plane++) {
+	for (int plane = PLANE_DISTURBANCE; plane < PLANES; plane++) {
 		cJSON *one = cJSON_AddObjectToObject(soil, plane_name((enum plane)plane));
 		json_integer(one, "tiles", numbers->plane_tiles[plane]);
 		json_integer(one, "bytes", numbers->plane_bytes[plane]);
@@ -165,7 +165,7 @@ static void print_text(struct store *store, const struct store_numbers *numbers)
 	}
 	if (numbers->last_run.scene_hash != NULL)
 		printf("last run   scene %s, step %lld (%.3f s), %lld epochs\n", numbers->last_run.scene_hash,
-		       (long long)numbers->last_run.step, numbers->last_run.time, (long long)numbers->epochs);
+		       (long long)numbers->last_run.step, numbers->last_run.time, (long long)numbers->commits);
 }
 
 static enum status run(const struct arguments *arguments)

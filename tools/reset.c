@@ -18,7 +18,7 @@ static enum status run(const struct arguments *arguments)
 	if (status == STATUS_OK)
 		status = store_count(store, &before);
 	int64_t soil = 0;
-	for (int plane = PLANE_DIRT; plane < PLANES && status == STATUS_OK; plane++)
+	for (int plane = PLANE_DISTURBANCE; plane < PLANES && status == STATUS_OK; plane++)
 		soil += before.plane_tiles[plane];
 	if (status == STATUS_OK)
 		status = store_reset(store);

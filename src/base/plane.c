@@ -9,8 +9,8 @@ static const struct {
 	const char *name;
 	size_t bytes;
 } planes[PLANES] = {
-	[PLANE_OFFSET] = {"offset", 4},	  [PLANE_DIRT] = {"dirt", 1},	[PLANE_HEAPED] = {"heaped", 4},
-	[PLANE_PRESSED] = {"pressed", 4}, [PLANE_SHEAR] = {"shear", 2},
+	[PLANE_OFFSET] = {"offset", 4},	  [PLANE_DISTURBANCE] = {"dirt", 1},	[PLANE_DEPOSITED] = {"heaped", 4},
+	[PLANE_PLASTIC] = {"pressed", 4}, [PLANE_SHEAR] = {"shear", 2},
 };
 
 size_t plane_bytes(enum plane plane)
@@ -27,5 +27,5 @@ const char *plane_name(enum plane plane)
 
 double plane_value(enum plane plane, int32_t post)
 {
-	return plane == PLANE_DIRT ? post : plane == PLANE_SHEAR ? ldexp(post, -16) : lattice_offset_metres(post);
+	return plane == PLANE_DISTURBANCE ? post : plane == PLANE_SHEAR ? ldexp(post, -16) : lattice_offset_metres(post);
 }

@@ -72,7 +72,7 @@ static bool shared(const struct deform *deform, struct tile tile, struct post_re
 /* What scm presses in place lies where sliding begins. */
 int deform_gathers_into(const struct deform *deform, int plane)
 {
-	return deform->params.model == DEFORM_SCM && (plane == PLANE_OFFSET || plane == PLANE_HEAPED);
+	return deform->params.model == DEFORM_SCM && (plane == PLANE_OFFSET || plane == PLANE_DEPOSITED);
 }
 
 static int which(const struct deform *deform, int plane, bool atlas)

@@ -28,7 +28,7 @@ static void plan_planes(const struct deform_params *params, struct plan *plan)
 	const char *press = deform_press_effect(params->model);
 	for (int plane = 0; plane < PLANES; plane++)
 		if (planes & PLANE_BIT(plane))
-			plan_add(plan, &(struct plan_line){.kind = PLAN_PLANE, .effect = plane == PLANE_DIRT ? "dirt" : press, .object = -1,
+			plan_add(plan, &(struct plan_line){.kind = PLAN_PLANE, .effect = plane == PLANE_DISTURBANCE ? "dirt" : press, .object = -1,
 							   .amount = 1, .bytes = plane_bytes((enum plane)plane)},
 				 plane_name((enum plane)plane));
 }
@@ -49,9 +49,9 @@ static void plan_windows(const struct deform_params *params, const struct deform
 			 struct plan *plan)
 {
 	const char *press = deform_press_effect(params->model), *slide = deform_slide_effect(params->model);
-	add_passes(plan, press, number, PLAN_WINDOW, GPU_UNDERSIDE, object->shape->kind != DEFORM_MESH);
+	add_passes(plan, press, number, PLAN_WINDOW, GPU_ENVELOPE, object->shape->kind != DEFORM_MESH);
 	add_passes(plan, is_loaded(params, object) ? "load" : press, number, PLAN_WINDOW, GPU_LOAD, find_passes(params, object));
-	add_passes(plan, press, number, PLAN_WINDOW, GPU_PRESS, 1);
+	add_passes(plan, press, number, PLAN_WINDOW, GPU_CONTACT, 1);
 	if (params->model == DEFORM_BOX_FILTER && object->moves)
 		add_passes(plan, "box", number, PLAN_MOVED, GPU_SMOOTH, params->box_repetitions);
 	if (deform_conserves(params->model)) {
@@ -59,7 +59,7 @@ static void plan_windows(const struct deform_params *params, const struct deform
 		add_passes(plan, slide, number, PLAN_WINDOW, GPU_SLIDE, deform_slide_passes(params));
 	}
 	if (params->dirt)
-		add_passes(plan, "dirt", number, PLAN_WINDOW, GPU_DIRT, 1);
+		add_passes(plan, "dirt", number, PLAN_WINDOW, GPU_DISTURBANCE, 1);
 }
 
 /* What some of the objects call for, once. */
@@ -87,7 +87,7 @@ static void plan_intervals(const struct deform_params *params, const struct any 
 	add_passes(plan, effect, -1, PLAN_ATLAS, GPU_SETTLE, deform_slide_passes(params));
 	add_passes(plan, effect, -1, PLAN_HELD, GPU_HOLD, 1);
 	if (any->closed)
-		add_passes(plan, effect, -1, PLAN_RESTING, GPU_UNDERSIDE, 1);
+		add_passes(plan, effect, -1, PLAN_RESTING, GPU_ENVELOPE, 1);
 	deform_awake_plan(effect, plan);
 	deform_interval_plan(params, plan);
 }

@@ -60,7 +60,7 @@ static void rows_of(const struct deform_params *params, struct rows *rows)
 	for (int plane = 0; plane < PLANES; plane++)
 		for (int i = 0; i < 2; i++)
 			add(rows, (planes & PLANE_BIT(plane)) != 0,
-			    (struct row){plane_name((enum plane)plane), plane == PLANE_DIRT ? "dirt" : press, format_of((enum plane)plane),
+			    (struct row){plane_name((enum plane)plane), plane == PLANE_DISTURBANCE ? "dirt" : press, format_of((enum plane)plane),
 					 PLACE(planes_of[0][0]) + (size_t)(i * PLANES + plane) * sizeof(struct gpu_texture *)});
 }
 
@@ -149,7 +149,7 @@ static enum status make_targets(struct deform *deform, uint32_t number)
 		attach(&of[TO_BEGUN], deform->planes_of[0][PLANE_OFFSET], number);
 		attach(&of[TO_BEGUN], deform->heights[0], number);
 		attach(&of[TO_BEGUN], deform->stills, number);
-		attach(&of[TO_BEGUN], deform->planes_of[0][PLANE_HEAPED], number);
+		attach(&of[TO_BEGUN], deform->planes_of[0][PLANE_DEPOSITED], number);
 		attach(&of[TO_BEGUN], deform->floors, number);
 		attach(&of[TO_HELD], deform->contacts, number);
 		attach(&of[TO_HEIGHTS_0], deform->heights[0], number);
@@ -157,9 +157,9 @@ static enum status make_targets(struct deform *deform, uint32_t number)
 		if (deform->params.model == DEFORM_SUMNER)
 			attach(&of[TO_SHED], deform->carried, number);
 		attach(&of[TO_SLID], deform->planes_of[1][PLANE_OFFSET], number);
-		attach(&of[TO_SLID], deform->planes_of[1][PLANE_HEAPED], number);
+		attach(&of[TO_SLID], deform->planes_of[1][PLANE_DEPOSITED], number);
 	}
-	attach(&of[TO_DIRT], deform->planes_of[1][PLANE_DIRT], number);
+	attach(&of[TO_DIRT], deform->planes_of[1][PLANE_DISTURBANCE], number);
 	enum status status = STATUS_OK;
 	for (int k = 0; k < SCRATCH_TARGETS && status == STATUS_OK; k++)
 		if (of[k].count > 0)

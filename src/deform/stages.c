@@ -47,7 +47,7 @@ enum status deform_press(struct deform *deform, const void *params, size_t param
 	if (status != STATUS_OK)
 		return status;
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
-		.stage = GPU_PRESS,
+		.stage = GPU_CONTACT,
 		.program = deform->press,
 		.target = deform->scratch[layer].to[TO_PRESSED],
 		.viewport = deform_window_rect(window),
@@ -70,16 +70,16 @@ static enum status dirty(struct deform *deform, struct post_rect read, uint32_t 
 	struct layer *scratch = &deform->scratch[layer];
 	struct window_params params = deform_window_params(read, layer);
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
-		.stage = GPU_DIRT,
+		.stage = GPU_DISTURBANCE,
 		.program = deform->dirt,
 		.target = scratch->to[TO_DIRT],
 		.viewport = {0, 0, (uint32_t)params.window[0], (uint32_t)params.window[1]},
 		.textures = {deform->planes_of[scratch->now[PLANE_OFFSET]][PLANE_OFFSET], deform->contacts,
-			     deform->planes_of[0][PLANE_DIRT]},
+			     deform->planes_of[0][PLANE_DISTURBANCE]},
 		.params = &params,
 		.params_bytes = sizeof params,
 	});
-	scratch->now[PLANE_DIRT] = 1;
+	scratch->now[PLANE_DISTURBANCE] = 1;
 	return STATUS_OK;
 }
 

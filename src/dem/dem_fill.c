@@ -13,7 +13,7 @@
 #include "dem_scratch.h"
 
 #define LEVELS_MAX 32
-#define SWEEPS 12 /* of relaxation a grid: half of them from the south, half from the north */
+#define PASSES 12 /* of relaxation a grid: half of them from the south, half from the north */
 
 struct level {
 	int64_t width, height, start; /* cells; first float in the file */
@@ -219,8 +219,8 @@ static enum status solve(struct fill *fill)
 		status = coarsen(fill, level);
 	for (int level = fill->levels - 2; holes && status == STATUS_OK && level >= 0; level--) {
 		status = refine(fill, level);
-		for (int sweep = 0; status == STATUS_OK && sweep < SWEEPS; sweep++)
-			status = relax(fill, level, sweep % 2 != 0);
+		for (int pass = 0; status == STATUS_OK && pass < PASSES; pass++)
+			status = relax(fill, level, pass % 2 != 0);
 	}
 	return status;
 }

@@ -37,16 +37,16 @@ struct gpu_info {
 
 /* The stage under which a pass is counted, in the order in which stages run. */
 enum gpu_stage {
-	GPU_UNDERSIDE, /* lower envelope of an object over its window, from a closed form, */
+	GPU_ENVELOPE, /* lower envelope of an object over its window, from a closed form, */
 	GPU_FACETS,    /* or from triangles */
 	GPU_LOAD,      /* equilibrium height of a loaded body */
-	GPU_PRESS,
+	GPU_CONTACT,
 	GPU_SMOOTH,
 	GPU_SPREAD,
 	GPU_SLIDE,     /* relaxation over a window */
 	GPU_HOLD,      /* objects at rest on blocks that relax */
 	GPU_SETTLE,    /* relaxation over blocks */
-	GPU_DIRT,
+	GPU_DISTURBANCE,
 	GPU_PYRAMID,
 	GPU_TERRAIN,
 	GPU_SHADOW,    /* of objects, on the terrain */
@@ -260,7 +260,7 @@ void gpu_counter_take(struct gpu_counter *counter, uint64_t *samples, uint64_t *
  * Offset and disturbance are drawn: every deformed tile has them, also coarser ones. The other planes are the soil's state of
  * the working level. All of them exist once gpu_slots_deform or an upload asked for one.
  */
-#define GPU_DRAWN_PLANES (PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DIRT))
+#define GPU_DRAWN_PLANES (PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DISTURBANCE))
 struct gpu_slot {
 	struct gpu_texture *base;           /* NULL: no tile was ever loaded here */
 	struct gpu_texture *classes;        /* NULL: no classes were ever loaded here */

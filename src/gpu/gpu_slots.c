@@ -248,8 +248,8 @@ enum status gpu_slots_upload_classes(struct gpu_slots *slots, uint32_t slot, str
 static enum status plane_create(struct gpu_slots *slots, struct deform_slot *home, int plane)
 {
 	static const enum gpu_format formats[PLANES] = {
-		[PLANE_OFFSET] = GPU_R32I,  [PLANE_DIRT] = GPU_R8UI,   [PLANE_HEAPED] = GPU_R32I,
-		[PLANE_PRESSED] = GPU_R32I, [PLANE_SHEAR] = GPU_R16UI,
+		[PLANE_OFFSET] = GPU_R32I,  [PLANE_DISTURBANCE] = GPU_R8UI,   [PLANE_DEPOSITED] = GPU_R32I,
+		[PLANE_PLASTIC] = GPU_R32I, [PLANE_SHEAR] = GPU_R16UI,
 	};
 	uint32_t posts = slots->cells + 1;
 	return gpu_texture_create(slots->gpu, formats[plane], posts, posts, 0, &home->planes[plane]);
@@ -458,7 +458,7 @@ enum status gpu_slots_decimate(struct gpu_slots *slots, uint32_t fine, struct gp
 		.program = program,
 		.target = to->slot.target,
 		.viewport = into,
-		.textures = {from->slot.planes[PLANE_OFFSET], from->slot.planes[PLANE_DIRT]},
+		.textures = {from->slot.planes[PLANE_OFFSET], from->slot.planes[PLANE_DISTURBANCE]},
 		.params = &params,
 		.params_bytes = sizeof params,
 	});

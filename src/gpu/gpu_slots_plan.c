@@ -14,7 +14,7 @@ const struct gpu_program_request *gpu_slots_subdivide_request(void)
 
 const struct gpu_program_request *gpu_slots_decimate_request(unsigned planes)
 {
-	return &decimate[(planes & PLANE_BIT(PLANE_DIRT)) != 0];
+	return &decimate[(planes & PLANE_BIT(PLANE_DISTURBANCE)) != 0];
 }
 
 static void add_program(struct plan *plan, const char *effect, const struct gpu_program_request *request)
@@ -50,7 +50,7 @@ void gpu_slots_plan(uint32_t cells, unsigned planes, bool classes, bool divides,
 	}
 	for (int plane = 0; plane < PLANES; plane++)
 		if (planes & PLANE_BIT(plane))
-			add_texture(plan, plane == PLANE_DIRT && effect != NULL ? "dirt" : effect,
+			add_texture(plan, plane == PLANE_DISTURBANCE && effect != NULL ? "dirt" : effect,
 				    GPU_DRAWN_PLANES & PLANE_BIT(plane) ? PLAN_DEFORM_SLOT : PLAN_STATE_SLOT,
 				    posts * plane_bytes((enum plane)plane), plane_name((enum plane)plane));
 	if (divides) {

@@ -7,11 +7,11 @@ static const struct {
 	const char *name;
 	enum gpu_group group;
 } stages[GPU_STAGES] = {
-	[GPU_UNDERSIDE] = {"underside", GPU_DISPLACE}, [GPU_FACETS] = {"facets", GPU_DISPLACE},
-	[GPU_LOAD] = {"load", GPU_DISPLACE},	       [GPU_PRESS] = {"press", GPU_DISPLACE},
+	[GPU_ENVELOPE] = {"underside", GPU_DISPLACE}, [GPU_FACETS] = {"facets", GPU_DISPLACE},
+	[GPU_LOAD] = {"load", GPU_DISPLACE},	       [GPU_CONTACT] = {"press", GPU_DISPLACE},
 	[GPU_SMOOTH] = {"smooth", GPU_REDISTRIBUTE},   [GPU_SPREAD] = {"spread", GPU_REDISTRIBUTE},
 	[GPU_SLIDE] = {"slide", GPU_REDISTRIBUTE},     [GPU_HOLD] = {"hold", GPU_REDISTRIBUTE},
-	[GPU_SETTLE] = {"settle", GPU_REDISTRIBUTE},   [GPU_DIRT] = {"dirt", GPU_ATTRIBUTES},
+	[GPU_SETTLE] = {"settle", GPU_REDISTRIBUTE},   [GPU_DISTURBANCE] = {"dirt", GPU_ATTRIBUTES},
 	[GPU_PYRAMID] = {"pyramid", GPU_DECIMATE},     [GPU_TERRAIN] = {"terrain", GPU_RENDER},
 	[GPU_SHADOW] = {"shadow", GPU_RENDER},	       [GPU_OBJECTS] = {"objects", GPU_RENDER},
 	[GPU_SKY] = {"sky", GPU_RENDER},	       [GPU_RESOLVE] = {"resolve", GPU_RENDER},

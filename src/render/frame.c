@@ -167,7 +167,7 @@ static enum status run_tile(struct render *render, const struct gpu_slot *slot, 
 		.cull_back = true,
 	};
 	if (render->dirt)
-		pass.images[2] = slot->planes[PLANE_DIRT];
+		pass.images[2] = slot->planes[PLANE_DISTURBANCE];
 	unsigned variant = slot->planes[PLANE_OFFSET] == NULL ? RENDER_PLAIN : ground != NULL ? RENDER_LEVEL0 : RENDER_OFFSET;
 	enum status status = render_tile_program(render, variant, &pass.program);
 	if (status == STATUS_OK)
@@ -301,12 +301,12 @@ enum status render_draw_unseen(struct render *render, bool deformed, bool divide
 	if (status == STATUS_OK && deformed)
 		status = gpu_texture_create(gpu, GPU_R32I, side, side, 0, &slot.planes[PLANE_OFFSET]);
 	if (status == STATUS_OK && deformed && render->dirt)
-		status = gpu_texture_create(gpu, GPU_R8UI, side, side, 0, &slot.planes[PLANE_DIRT]);
+		status = gpu_texture_create(gpu, GPU_R8UI, side, side, 0, &slot.planes[PLANE_DISTURBANCE]);
 	if (status == STATUS_OK)
 		status = draw_unseen(render, &slot, deformed, divided);
 	if (status == STATUS_OK)
 		status = gpu_check(gpu, "drawing before the first picture");
-	gpu_texture_destroy(slot.planes[PLANE_DIRT]);
+	gpu_texture_destroy(slot.planes[PLANE_DISTURBANCE]);
 	gpu_texture_destroy(slot.planes[PLANE_OFFSET]);
 	gpu_texture_destroy(slot.base);
 	return status;

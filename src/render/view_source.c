@@ -184,7 +184,7 @@ void render_view_mark_used(struct view *view, bool stand_ins)
 	/* Near to far: the nearest last, which is the last to go; and after it what stands in for all. */
 	for (size_t i = selection->draw_count; i-- > 0;) {
 		const struct terrain_draw *draw = &selection->draws[i];
-		if (draw->stands_in && !stand_ins)
+		if (draw->replaces && !stand_ins)
 			continue;
 		page_cache_peek(cache, tile_key(draw->tile), true, &slot);
 		if (draw->tile.level < 0)

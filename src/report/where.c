@@ -12,7 +12,7 @@ static void add(cJSON *where, const char *name, uint64_t visited, uint64_t possi
 static void add_windows(cJSON *where, const struct report *report, const struct gpu_stats *gpu)
 {
 	static const enum scene_effect of_windows[] = {EFFECT_DISPLACE, EFFECT_BOX, EFFECT_SUMNER, EFFECT_SLIPPAGE,
-						       EFFECT_SCM, EFFECT_SPREAD, EFFECT_DIRT};
+						       EFFECT_SCM, EFFECT_SPREAD, EFFECT_DISTURBANCE};
 	for (size_t i = 0; i < sizeof of_windows / sizeof *of_windows; i++) {
 		enum scene_effect effect = of_windows[i];
 		uint64_t visited = report->world->windows.computed;

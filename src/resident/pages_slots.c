@@ -41,8 +41,8 @@ static bool overlaps(const struct pages *pages, struct tile fine, struct tile co
 static void copy_post(const struct pages *pages, void *fine, size_t from, void *coarse, size_t to)
 {
 	((int32_t *)pages_plane(pages, coarse, PLANE_OFFSET))[to] = ((int32_t *)pages_plane(pages, fine, PLANE_OFFSET))[from];
-	if (pages->planes & PLANE_BIT(PLANE_DIRT))
-		((uint8_t *)pages_plane(pages, coarse, PLANE_DIRT))[to] = ((uint8_t *)pages_plane(pages, fine, PLANE_DIRT))[from];
+	if (pages->planes & PLANE_BIT(PLANE_DISTURBANCE))
+		((uint8_t *)pages_plane(pages, coarse, PLANE_DISTURBANCE))[to] = ((uint8_t *)pages_plane(pages, fine, PLANE_DISTURBANCE))[from];
 }
 
 static void overlay_queued(void *user, const struct page_image *fine)

@@ -170,7 +170,7 @@ enum status scene_hash(struct scene *scene)
 	add_whole(state, (uint64_t)scene->model);
 	add_whole(state, (uint64_t)scene->box_radius);
 	add_whole(state, (uint64_t)scene->box_repetitions);
-	add_whole(state, scene->dirt);
+	add_whole(state, scene->disturbance);
 	add_whole(state, (uint64_t)scene->outside);
 	add_whole(state, 0); /* once whether soil was named */
 	add_whole(state, scene->object_count);

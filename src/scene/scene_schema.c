@@ -22,9 +22,9 @@ static const cyaml_schema_value_t point_entry = {
 static const cyaml_schema_field_t wheel_fields[] = {
 	CYAML_FIELD_FLOAT("radius", NEEDED, struct raw_wheel, radius),
 	CYAML_FIELD_FLOAT("width", NEEDED, struct raw_wheel, width),
-	CYAML_FIELD_INT_PTR("grousers", OPTIONAL, struct raw_wheel, lugs),
-	CYAML_FIELD_FLOAT_PTR("grouser_height", OPTIONAL, struct raw_wheel, lug_height),
-	CYAML_FIELD_FLOAT_PTR("grouser_thickness", OPTIONAL, struct raw_wheel, lug_thickness),
+	CYAML_FIELD_INT_PTR("grousers", OPTIONAL, struct raw_wheel, grousers),
+	CYAML_FIELD_FLOAT_PTR("grouser_height", OPTIONAL, struct raw_wheel, grouser_height),
+	CYAML_FIELD_FLOAT_PTR("grouser_thickness", OPTIONAL, struct raw_wheel, grouser_thickness),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t sphere_fields[] = {
@@ -111,7 +111,7 @@ static const cyaml_strval_t model_words[] = {{"none", DEFORM_NONE},
 					     {"sumner", DEFORM_SUMNER},
 					     {"slippage", DEFORM_SLIPPAGE},
 					     {"scm", DEFORM_SCM}};
-static const cyaml_strval_t undisturbed_words[] = {{"stable", SCENE_STANDS}, {"slides", SCENE_SLIDES}};
+static const cyaml_strval_t undisturbed_words[] = {{"stable", SCENE_STABLE}, {"slides", SCENE_SLIDES}};
 static const cyaml_strval_t body_words[] = {{"earth", SCENE_EARTH}, {"mars", SCENE_MARS}, {"moon", SCENE_MOON}};
 static const cyaml_strval_t outside_words[] = {{"stop", SCENE_STOP}, {"skip", SCENE_SKIP}};
 

@@ -16,8 +16,8 @@
 /* Optional values are pointers, NULL when absent. */
 struct raw_wheel {
 	double radius, width;
-	int64_t *lugs;
-	double *lug_height, *lug_thickness;
+	int64_t *grousers;
+	double *grouser_height, *grouser_thickness;
 };
 struct raw_sphere {
 	double radius;

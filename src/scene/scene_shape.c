@@ -7,8 +7,8 @@
 #include "scene/scene_mesh.h"
 
 /* Of the radius, where the scene does not say. */
-#define LUG_HEIGHT 0.05
-#define LUG_THICKNESS 0.1
+#define GROUSER_HEIGHT 0.05
+#define GROUSER_THICKNESS 0.1
 
 static enum status check_wheel(const struct scene_tree *tree, const struct raw_wheel *raw, size_t index,
 			       struct deform_shape *shape)
@@ -16,16 +16,16 @@ static enum status check_wheel(const struct scene_tree *tree, const struct raw_w
 	shape->kind = DEFORM_WHEEL;
 	shape->radius = raw->radius;
 	shape->width = raw->width;
-	shape->lugs = raw->lugs != NULL ? (int)*raw->lugs : 0;
+	shape->lugs = raw->grousers != NULL ? (int)*raw->grousers : 0;
 	if (shape->lugs == 0) {
-		const char *key = raw->lug_height != NULL ? "grouser_height" : "grouser_thickness";
-		if (raw->lug_height == NULL && raw->lug_thickness == NULL)
+		const char *key = raw->grouser_height != NULL ? "grouser_height" : "grouser_thickness";
+		if (raw->grouser_height == NULL && raw->grouser_thickness == NULL)
 			return STATUS_OK;
 		return scene_error(tree->file, scene_tree_find(tree, "objects[%zu].shape.wheel.%s", index, key),
 				   "is of grousers, and the wheel has none; allowed with: grousers above 0");
 	}
-	shape->lug_height = raw->lug_height != NULL ? *raw->lug_height : LUG_HEIGHT * raw->radius;
-	shape->lug_thickness = raw->lug_thickness != NULL ? *raw->lug_thickness : LUG_THICKNESS * raw->radius;
+	shape->lug_height = raw->grouser_height != NULL ? *raw->grouser_height : GROUSER_HEIGHT * raw->radius;
+	shape->lug_thickness = raw->grouser_thickness != NULL ? *raw->grouser_thickness : GROUSER_THICKNESS * raw->radius;
 	if (shape->lug_height > shape->radius)
 		return scene_error(tree->file, scene_tree_find(tree, "objects[%zu].shape.wheel.grouser_height", index),
 				   "%.10g is out of range; allowed: above 0 to the wheel's radius, %.10g",

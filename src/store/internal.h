@@ -16,7 +16,7 @@
 #define STORE_VERSION 3
 #define STORE_BUSY_MS 5000
 
-/* store_epoch.c: STATUS_INTERRUPTED if run->given_up says that the commit is given up. */
+/* store_commit.c: STATUS_INTERRUPTED if run->given_up says that the commit is given up. */
 enum status store_commit_goes_on(const struct store *store, const struct store_run *run) FURROW_CHECKED;
 
 /* --- store_sql.c: SQLite with messages --- */
@@ -37,7 +37,7 @@ enum status store_sql_integer(sqlite3 *db, const char *path, const char *sql, in
 /* --- store_rows.c: the tables of tiles, a row at a time --- */
 
 /* The base's, and one for each plane. */
-enum row_table { ROW_BASE, ROW_OFFSET, ROW_DIRT, ROW_HEAPED, ROW_PRESSED, ROW_SHEAR, ROW_TABLES };
+enum row_table { ROW_BASE, ROW_OFFSET, ROW_DISTURBANCE, ROW_DEPOSITED, ROW_PLASTIC, ROW_SHEAR, ROW_TABLES };
 
 static inline enum row_table row_table_of(enum plane plane)
 {
@@ -53,7 +53,7 @@ static inline enum plane row_plane(enum row_table table)
 /* The soil's state: of the working level alone, without a pyramid. */
 static inline bool row_is_state(enum row_table table)
 {
-	return table >= ROW_HEAPED;
+	return table >= ROW_DEPOSITED;
 }
 
 struct row {
@@ -129,7 +129,7 @@ void store_statements_count(struct statements *statements, sqlite3 *db);
 
 struct store_run_copy {
 	bool found;
-	int64_t epoch, step;
+	int64_t commit, step;
 	double time;
 	char *scene_hash, *state; /* its own */
 };
@@ -149,7 +149,7 @@ struct undo {
 	struct rows rows; /* of its connection; without a codec */
 	int64_t kept;     /* how many */
 	/* The store at the mark: */
-	int64_t epoch; /* or of the last rollback to it */
+	int64_t commit; /* or of the last rollback to it */
 	bool working_stored, has_compacted;
 	int64_t compacted;
 	struct store_run_copy run;
@@ -191,7 +191,7 @@ struct store {
 	int64_t compacted; /* writing: as of the last commit */
 	enum state_rows state_rows[ROW_TABLES]; /* writing: by table of the soil's state */
 	uint64_t base_hash; /* store_identity.c */
-	int64_t epoch; /* the last one committed */
+	int64_t commit; /* the last one committed */
 	bool marked;       /* the undo is of a mark that holds */
 	struct undo *undo; /* NULL: never marked */
 	struct changes changes; /* store_changes.c */
@@ -284,17 +284,17 @@ enum status store_identity_compute(struct store *store, uint64_t *hash) FURROW_C
 
 /* The row becomes `posts`, with the range and sums in *row; `old`: what is there, NULL: nothing. Counts what it does. */
 enum status store_change_write(struct store *store, enum row_table table, const int32_t *posts, struct row *row,
-			 const struct row *old, struct store_epoch_result *result) FURROW_CHECKED;
+			 const struct row *old, struct store_commit_result *result) FURROW_CHECKED;
 /* Removes the row; `old` is what is there. */
 enum status store_change_drop(struct store *store, enum row_table table, const struct row *old,
-			struct store_epoch_result *result) FURROW_CHECKED;
+			struct store_commit_result *result) FURROW_CHECKED;
 
 /* --- store_state.c: the soil's state in a commit --- */
 
 /* One plane of it: written where pages have it; where they have not, dropped. A table that no page has rows for,
  * and that has none, is not touched. */
 enum status store_state_put(struct store *store, enum row_table table, const struct store_page *pages, size_t count,
-			    const struct store_run *run, struct store_epoch_result *result) FURROW_CHECKED;
+			    const struct store_run *run, struct store_commit_result *result) FURROW_CHECKED;
 
 /* --- store_lock.c: one writer --- */
 

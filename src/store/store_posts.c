@@ -57,8 +57,8 @@ static const struct {
 	meaning_fn meaning;
 } added[STORE_LAYERS] = {
 	[STORE_SURFACE] = {ROW_OFFSET, add_metres}, [STORE_OFFSET] = {ROW_OFFSET, add_metres},
-	[STORE_QUANTA] = {ROW_OFFSET, add_as_is},   [STORE_SOIL] = {ROW_DIRT, add_as_is},
-	[STORE_HEAPED] = {ROW_HEAPED, add_metres},  [STORE_PRESSED] = {ROW_PRESSED, add_metres},
+	[STORE_UNITS] = {ROW_OFFSET, add_as_is},   [STORE_SOIL] = {ROW_DISTURBANCE, add_as_is},
+	[STORE_DEPOSITED] = {ROW_DEPOSITED, add_metres},  [STORE_PLASTIC] = {ROW_PLASTIC, add_metres},
 	[STORE_SHEAR] = {ROW_SHEAR, add_shear},
 };
 
@@ -279,20 +279,20 @@ static enum status sample_inside(struct store_reader *reader, double x, double y
 	enum status status = level_at(reader, x, y, &level, &sample->planes);
 	if (status != STATUS_OK)
 		return status;
-	double u, v, base[4], offset[4], dirt = 0;
+	double u, v, base[4], offset[4], disturbance = 0;
 	struct post_rect cell = cell_at(reader->rows.extent, level, x, y, &u, &v);
 	status = store_read_posts(reader, STORE_BASE, level, cell, base);
 	if (status == STATUS_OK)
 		status = store_read_posts(reader, STORE_OFFSET, level, cell, offset);
 	if (status == STATUS_OK)
-		status = nearest(reader, STORE_SOIL, level, cell, u, v, &dirt);
+		status = nearest(reader, STORE_SOIL, level, cell, u, v, &disturbance);
 	const struct {
 		enum plane plane;
 		enum store_layer layer;
 		double *value;
 	} state[] = {
-		{PLANE_HEAPED, STORE_HEAPED, &sample->heaped},
-		{PLANE_PRESSED, STORE_PRESSED, &sample->pressed},
+		{PLANE_DEPOSITED, STORE_DEPOSITED, &sample->deposited},
+		{PLANE_PLASTIC, STORE_PLASTIC, &sample->plastic},
 		{PLANE_SHEAR, STORE_SHEAR, &sample->shear},
 	};
 	for (size_t i = 0; i < sizeof state / sizeof *state && status == STATUS_OK; i++)
@@ -306,7 +306,7 @@ static enum status sample_inside(struct store_reader *reader, double x, double y
 		return STATUS_OK;
 	sample->offset = lattice_bilinear(offset, u, v, 0);
 	sample->height = sample->base + sample->offset;
-	sample->dirt = (unsigned)dirt;
+	sample->disturbance = (unsigned)disturbance;
 	return STATUS_OK;
 }
 

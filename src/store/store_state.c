@@ -20,7 +20,7 @@ struct state {
 	uint64_t *dropped; /* keys of pages without the plane, sorted */
 	size_t drop_count;
 	int32_t *posts;
-	struct store_epoch_result *result;
+	struct store_commit_result *result;
 };
 
 static int compare_keys(const void *a, const void *b)
@@ -115,7 +115,7 @@ static enum status drop(struct state *state, struct tile tile)
 }
 
 /* What an earlier drive left. */
-static enum status ask_for_rows(struct store *store, enum row_table table, struct store_epoch_result *result)
+static enum status ask_for_rows(struct store *store, enum row_table table, struct store_commit_result *result)
 {
 	char sql[64];
 	int64_t any = 0;
@@ -141,7 +141,7 @@ static bool all_lack(enum plane plane, const struct store_page *pages, size_t co
 }
 
 enum status store_state_put(struct store *store, enum row_table table, const struct store_page *pages, size_t count,
-			    const struct store_run *run, struct store_epoch_result *result)
+			    const struct store_run *run, struct store_commit_result *result)
 {
 	size_t side = tile_posts(&store->meta.extent);
 	struct state state = {.store = store, .table = table, .result = result};
@@ -156,7 +156,7 @@ enum status store_state_put(struct store *store, enum row_table table, const str
 	}
 	state.dropped = mem_alloc(count + 1, sizeof *state.dropped);
 	state.posts = mem_alloc(side * side, sizeof *state.posts);
-	enum status status = state.dropped != NULL && state.posts != NULL ? STATUS_OK : fail_memory("an epoch");
+	enum status status = state.dropped != NULL && state.posts != NULL ? STATUS_OK : fail_memory("a commit");
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		if (pages[i].planes[row_plane(table)] == NULL)
 			state.dropped[state.drop_count++] = tile_key(pages[i].tile);

@@ -87,7 +87,7 @@ enum status store_mark(struct store *store)
 	struct undo *undo = store->undo;
 	store_run_copy_finish(&undo->run);
 	undo->run = run;
-	undo->epoch = store->epoch;
+	undo->commit = store->commit;
 	undo->working_stored = store->working_stored;
 	undo->has_compacted = has_compacted != 0;
 	undo->compacted = store->compacted;
@@ -106,7 +106,7 @@ enum status store_undo_keep(struct store *store, enum plane plane, struct tile t
 	if (status != STATUS_OK || kept)
 		return status;
 	row = (struct row){.tile = tile, .codec = NONE, .bytes = "", .size = 0};
-	status = had ? store_rows_copy(&store->rows, &undo->rows, table, tile, store->epoch) : store_rows_put(&undo->rows, table, &row);
+	status = had ? store_rows_copy(&store->rows, &undo->rows, table, tile, store->commit) : store_rows_put(&undo->rows, table, &row);
 	undo->kept += status == STATUS_OK;
 	return status;
 }
@@ -127,7 +127,7 @@ static enum status put_back_row(struct store *store, enum row_table table, struc
 		return status;
 	if (row.codec == NONE)
 		return store_rows_drop(&store->rows, table, tile);
-	return store_rows_copy(rows, &store->rows, table, tile, store->epoch + 1);
+	return store_rows_copy(rows, &store->rows, table, tile, store->commit + 1);
 }
 
 static enum status put_back_table(struct store *store, enum row_table table, int64_t *rows)
@@ -195,7 +195,7 @@ enum status store_rollback(struct store *store)
 {
 	assert(store->writing && store->marked);
 	struct undo *undo = store->undo;
-	if (store->epoch == undo->epoch)
+	if (store->commit == undo->commit)
 		return STATUS_OK; /* no commit since */
 	store_sql_undo(undo->rows.db);
 	enum status status = store_sql_begin(store->db, store->path, "rolling it back");
@@ -206,9 +206,9 @@ enum status store_rollback(struct store *store)
 		store_changes_drop(&store->changes);
 		return status;
 	}
-	store->epoch++;
-	store_changes_commit(&store->changes, store->epoch);
-	undo->epoch = store->epoch;
+	store->commit++;
+	store_changes_commit(&store->changes, store->commit);
+	undo->commit = store->commit;
 	store->working_stored = undo->working_stored;
 	store->compacted = undo->compacted;
 	/* If that fails it keeps rows too many: they are what they were at the mark still (1). */

@@ -163,7 +163,7 @@ static bool cover(struct selector *s, const struct terrain_place *place)
 
 	struct terrain_draw draw = {
 		.tile = tile, .ground = TERRAIN_NO_SLOT, .quadrants = own | standing, .finest = !divisible,
-		.divided = divided, .standing = standing, .stands_in = own == 0 && !ground && !coarsest,
+		.divided = divided, .standing = standing, .replaces = own == 0 && !ground && !coarsest,
 		.low = place->low[2], .high = place->high[2], .distance = place->distance,
 	};
 	if (s->view->by_error)

@@ -26,7 +26,7 @@
 #include "world/internal.h"
 
 /* Fixed-point units: the error of the lower envelope and of a touch. For large or far objects, 2^-28 of the size is added. */
-#define AIR_QUANTA 64
+#define AIR_UNITS 64
 #define AIR_SHARE 26
 
 int64_t world_lowest(const struct deform_sweep *sweep)
@@ -38,7 +38,7 @@ int64_t world_lowest(const struct deform_sweep *sweep)
 		reach = hypot(shape->radius + shape->lug_height, shape->lug_thickness / 2);
 	double way = hypot(lattice_offset_metres(to->x - from->x), lattice_offset_metres(to->y - from->y));
 	double below = ldexp(reach, OFFSET_BITS) + ldexp(way + deform_shape_bound(shape), OFFSET_BITS - AIR_SHARE);
-	return (from->z < to->z ? from->z : to->z) - (int64_t)ceil(below) - AIR_QUANTA;
+	return (from->z < to->z ? from->z : to->z) - (int64_t)ceil(below) - AIR_UNITS;
 }
 
 /* Finds the highest base in the windows, 2^-20 m. INT64_MIN: there is no ground. */
@@ -99,7 +99,7 @@ bool world_asks_touched(const struct world *world)
 		rises = rises || (object->load == 0 && (object->path.has_z || object->sink < 0));
 	}
 	bool everywhere = world->params.everywhere;
-	return rises && !everywhere && deform_conserves(scene->model) && scene->undisturbed == SCENE_STANDS;
+	return rises && !everywhere && deform_conserves(scene->model) && scene->undisturbed == SCENE_STABLE;
 }
 
 enum status world_see(struct world *world, const struct deform_tile *held)

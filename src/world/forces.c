@@ -262,7 +262,7 @@ static enum status use(struct forces *forces, int64_t step)
 			status = give_row(forces, entry);
 		} else {
 			forces->world->bodies[entry->object].sinkage = entry->force.sinkage;
-			forces->world->bodies[entry->object].stands = entry->force.z;
+			forces->world->bodies[entry->object].equilibrium = entry->force.z;
 			forces->world->bodies[entry->object].raised = entry->force.z - entry->at.pose.z;
 		}
 		if (status != STATUS_OK)

@@ -86,12 +86,12 @@ static enum status go_on_with_ground(struct world *world)
 	const struct record *record = world->record;
 	bool relaxes = world->deform != NULL && world->scene->undisturbed == SCENE_SLIDES && !world->resumed.is;
 	enum status status = relaxes ? world_wake_all(world) : STATUS_OK;
-	for (size_t i = 0; i < record->awake_count && status == STATUS_OK; i++)
-		status = deform_wake_block(world->deform, record->awake[i]);
+	for (size_t i = 0; i < record->active_count && status == STATUS_OK; i++)
+		status = deform_wake_block(world->deform, record->active[i]);
 	for (size_t i = 0; i < world->scene->object_count && world->resumed.is; i++) {
 		const struct body *body = &world->bodies[i];
 		if (body->loaded_body > 0 && body->in_contact)
-			deform_stands(world->deform, body->loaded_body, (int32_t)(body->stands - body->last.z));
+			deform_stands(world->deform, body->loaded_body, (int32_t)(body->equilibrium - body->last.z));
 	}
 	return status;
 }
@@ -187,17 +187,17 @@ static enum status watcher_requests(void *user, struct requests *requests)
 	return world->watcher->requests(world->watcher->user, requests);
 }
 
-enum status world_start_pages(struct world *world, FILE *epochs, struct page_trace *trace)
+enum status world_start_pages(struct world *world, FILE *commit_log, struct page_trace *trace)
 {
 	struct pages_params params;
-	world->epochs = epochs;
+	world->commit_log = commit_log;
 	world->trace = trace;
 	world_pages_params(world, &params);
 	params.store = world->store;
 	params.gpu = world->gpu;
 	params.slots = world->slots;
 	params.before = world->record->sums;
-	params.epochs = epochs;
+	params.epochs = commit_log;
 	params.trace = trace;
 	params.user = world;
 	enum status status = resident_pages_create(&params, &world->pages);
@@ -298,8 +298,8 @@ void world_finish(struct world *world, enum status status)
 	key_set_finish(&world->aloft.seen);
 	key_set_finish(&world->aloft.old);
 	mem_free(world->events.list);
-	if (world->epochs != NULL)
-		fclose(world->epochs);
+	if (world->commit_log != NULL)
+		fclose(world->commit_log);
 	resident_ground_destroy(world->ground);
 	if (status == STATUS_OK)
 		store_close(world->store);

@@ -54,8 +54,8 @@ static void begin_reference(void)
 	struct reference_ground *reference = &match.reference;
 	for (int i = 0; i < COUNT; i++) {
 		reference->offset[i] = lattice_offset_metres(match.plane[PLANE_OFFSET][i]);
-		reference->heaped[i] = lattice_offset_metres(match.plane[PLANE_HEAPED][i]);
-		reference->pressed[i] = lattice_offset_metres(match.plane[PLANE_PRESSED][i]);
+		reference->heaped[i] = lattice_offset_metres(match.plane[PLANE_DEPOSITED][i]);
+		reference->pressed[i] = lattice_offset_metres(match.plane[PLANE_PLASTIC][i]);
 		reference->shear[i] = ldexp(match.plane[PLANE_SHEAR][i], -16);
 	}
 	reference->compacted = reference->confined = 0;
@@ -185,8 +185,8 @@ static double aslant(void)
 			int x = i % POSTS + (k - 1) % 2, y = i / POSTS + (k - 2) % 2, j = y * POSTS + x;
 			if (x < 0 || y < 0 || x >= POSTS || y >= POSTS || match.reference.hole[j])
 				continue;
-			double rise = match.reference.base[i] + lattice_offset_metres(match.plane[PLANE_HEAPED][i]) -
-				      match.reference.base[j] - lattice_offset_metres(match.plane[PLANE_HEAPED][j]);
+			double rise = match.reference.base[i] + lattice_offset_metres(match.plane[PLANE_DEPOSITED][i]) -
+				      match.reference.base[j] - lattice_offset_metres(match.plane[PLANE_DEPOSITED][j]);
 			steepest = fmax(steepest, fabs(rise) / match.reference.spacing);
 		}
 	return fmin(20, sqrt(1 + 2 * steepest * steepest));
@@ -300,8 +300,8 @@ static void compare_posts(double error, double pressed)
 		near_enough("offset", i, lattice_offset_metres(match.plane[PLANE_OFFSET][i]), match.reference.offset[i], error);
 		if (match.params.model != DEFORM_SCM)
 			continue;
-		near_enough("heaped", i, lattice_offset_metres(match.plane[PLANE_HEAPED][i]), match.reference.heaped[i], error);
-		near_enough("pressed", i, lattice_offset_metres(match.plane[PLANE_PRESSED][i]), match.reference.pressed[i], pressed);
+		near_enough("heaped", i, lattice_offset_metres(match.plane[PLANE_DEPOSITED][i]), match.reference.heaped[i], error);
+		near_enough("pressed", i, lattice_offset_metres(match.plane[PLANE_PLASTIC][i]), match.reference.pressed[i], pressed);
 		/* To steps of 2^-16 m, from single precision of a way of up to a metre. */
 		double shear = ldexp(match.plane[PLANE_SHEAR][i], -16), wanted = fmin(match.reference.shear[i], ldexp(65535, -16));
 		if (!(fabs(shear - wanted) <= 0x1p-17 + 3e-7))

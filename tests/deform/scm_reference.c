@@ -41,7 +41,7 @@ static void heap(struct ground *ground)
 			heaped[i] = hole ? 0 : (int32_t)ldexp(MOUND * sin((double)x * 0.31) * sin((double)y * 0.23), OFFSET_BITS);
 			pressed[i] = 0;
 		}
-		const void *planes[PLANES] = {[PLANE_OFFSET] = heaped, [PLANE_HEAPED] = heaped, [PLANE_PRESSED] = pressed};
+		const void *planes[PLANES] = {[PLANE_OFFSET] = heaped, [PLANE_DEPOSITED] = heaped, [PLANE_PLASTIC] = pressed};
 		assert_ok(staged_upload_planes(test_gpu, ground->slots, cells, k, planes));
 	}
 	mem_free(heaped);
@@ -54,8 +54,8 @@ struct state {
 
 static struct state state_of(struct ground *ground)
 {
-	return (struct state){ground_plane(ground, PLANE_OFFSET), ground_plane(ground, PLANE_HEAPED),
-			      ground_plane(ground, PLANE_PRESSED), ground_plane(ground, PLANE_SHEAR)};
+	return (struct state){ground_plane(ground, PLANE_OFFSET), ground_plane(ground, PLANE_DEPOSITED),
+			      ground_plane(ground, PLANE_PLASTIC), ground_plane(ground, PLANE_SHEAR)};
 }
 
 static void state_free(struct state *state)
@@ -175,7 +175,7 @@ static void pressed_again_as_deep_it_lays_nothing_more_aside(void **state)
 		struct deform_sweep sweep = {.shape = &plate, .from = ground_pose(&ground, 30.4, 32.3, k < 2 ? 0.4 : 0.35)};
 		sweep.to = sweep.from;
 		ground_sweep(&ground, &sweep);
-		int32_t *heaped = ground_plane(&ground, PLANE_HEAPED);
+		int32_t *heaped = ground_plane(&ground, PLANE_DEPOSITED);
 		for (int64_t i = 0; i < ground.posts * ground.posts; i++)
 			sums[k] += heaped[i];
 		mem_free(heaped);

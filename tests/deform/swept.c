@@ -126,7 +126,7 @@ static void what_a_sweep_lets_sleep_would_not_move(void **state)
 			assert_same(&few, &all, n);
 		}
 		if (few.params.model == DEFORM_SCM) {
-			int32_t *a = ground_plane(&few, PLANE_HEAPED), *b = ground_plane(&all, PLANE_HEAPED);
+			int32_t *a = ground_plane(&few, PLANE_DEPOSITED), *b = ground_plane(&all, PLANE_DEPOSITED);
 			assert_memory_equal(a, b, (size_t)(few.posts * few.posts) * sizeof *a);
 			mem_free(a);
 			mem_free(b);

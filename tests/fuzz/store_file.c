@@ -114,9 +114,9 @@ static void read_samples(struct store_reader *reader, const struct extent *exten
 		struct store_sample sample;
 		if (!done(store_sample(reader, points[i][0], points[i][1], &sample)))
 			continue;
-		fuzz_check(sample.dirt <= UINT8_MAX);
+		fuzz_check(sample.disturbance <= UINT8_MAX);
 		fuzz_check(sample.nodata || (isfinite(sample.height) && isfinite(sample.base)));
-		fuzz_check(isfinite(sample.heaped) && sample.pressed >= 0 && sample.shear >= 0 && sample.shear < 1);
+		fuzz_check(isfinite(sample.deposited) && sample.plastic >= 0 && sample.shear >= 0 && sample.shear < 1);
 	}
 }
 
@@ -246,19 +246,19 @@ static bool commit(struct store *store, bool clean, uint64_t hash)
 		for (size_t x = 1; x + 1 < side; x++) {
 			size_t i = y * side + x;
 			((int32_t *)planes.of[PLANE_OFFSET])[i] = (int32_t)(hash >> i % 32);
-			((uint8_t *)planes.of[PLANE_DIRT])[i] = (uint8_t)(hash >> i % 48);
-			((int32_t *)planes.of[PLANE_HEAPED])[i] = (int32_t)(hash >> i % 31);
-			((int32_t *)planes.of[PLANE_PRESSED])[i] = (int32_t)(hash >> i % 30 & INT32_MAX);
+			((uint8_t *)planes.of[PLANE_DISTURBANCE])[i] = (uint8_t)(hash >> i % 48);
+			((int32_t *)planes.of[PLANE_DEPOSITED])[i] = (int32_t)(hash >> i % 31);
+			((int32_t *)planes.of[PLANE_PLASTIC])[i] = (int32_t)(hash >> i % 30 & INT32_MAX);
 			((uint16_t *)planes.of[PLANE_SHEAR])[i] = (uint16_t)(hash >> i % 45);
 		}
 	if (good) {
 		struct store_page page = {.tile = tile};
 		/* Now and then a model that keeps no state. */
-		for (int plane = 0; plane < ((hash >> 50 & 1) != 0 ? PLANES : PLANE_HEAPED); plane++)
+		for (int plane = 0; plane < ((hash >> 50 & 1) != 0 ? PLANES : PLANE_DEPOSITED); plane++)
 			page.planes[plane] = planes.of[plane];
 		struct store_run run = {.scene_hash = "00", .step = 1, .time = 0.5, .state = "{}"};
-		struct store_epoch_result result;
-		enum status status = store_epoch(store, &page, 1, &run, &result);
+		struct store_commit_result result;
+		enum status status = store_commit(store, &page, 1, &run, &result);
 		good = status == STATUS_OK;
 		must(clean, status);
 		must(clean, store_checkpoint(store));

@@ -47,7 +47,7 @@ static void every_pass_sees_its_own_parameters(void **state)
 			int32_t value[5]; /* longer than the block */
 		} params = {{i * 7}};
 		gpu_pass_run(test_gpu, &(struct gpu_pass){
-			.stage = GPU_DIRT,
+			.stage = GPU_DISTURBANCE,
 			.program = program,
 			.target = target,
 			.viewport = {at % SIDE, at / SIDE, 1, 1},
@@ -61,7 +61,7 @@ static void every_pass_sees_its_own_parameters(void **state)
 		assert_int_equal(read[i], (i + SIDE * SIDE * (ROUNDS - 1)) * 7);
 	struct gpu_stats stats;
 	gpu_stats(test_gpu, &stats);
-	assert_int_equal(stats.passes[GPU_DIRT], SIDE * SIDE * ROUNDS);
+	assert_int_equal(stats.passes[GPU_DISTURBANCE], SIDE * SIDE * ROUNDS);
 	gpu_target_destroy(target);
 	gpu_texture_destroy(texture);
 }
@@ -96,7 +96,7 @@ static void normalised_and_float_textures_are_drawn_and_sampled(void **state)
 		}
 		for (int k = 0; k < 2; k++)
 			gpu_pass_run(test_gpu, &(struct gpu_pass){
-				.stage = GPU_DIRT,
+				.stage = GPU_DISTURBANCE,
 				.program = program,
 				.target = targets[1 - k],
 				.viewport = {0, 0, 3, 2},
@@ -126,7 +126,7 @@ static void the_time_of_passes_is_counted_by_stage(void **state)
 	struct gpu_target *target = target_over(texture, NULL);
 	struct gpu_program *program = program_of(full, paint);
 	for (int way = 0; way < 2; way++) {
-		enum gpu_stage stage = way == 0 ? GPU_PRESS : GPU_PYRAMID;
+		enum gpu_stage stage = way == 0 ? GPU_CONTACT : GPU_PYRAMID;
 		test_gpu->info.software = way == 0;
 		for (int i = 0; i < GPU_TIMER_QUERIES + 100; i++)
 			gpu_pass_run(test_gpu, &(struct gpu_pass){

@@ -5,7 +5,7 @@
 #include "staged.h"
 
 enum { CELLS = 16, COUNT = 9, POSTS = (CELLS + 1) * (CELLS + 1) };
-#define STATE_PLANES (PLANE_BIT(PLANE_HEAPED) | PLANE_BIT(PLANE_PRESSED) | PLANE_BIT(PLANE_SHEAR))
+#define STATE_PLANES (PLANE_BIT(PLANE_DEPOSITED) | PLANE_BIT(PLANE_PLASTIC) | PLANE_BIT(PLANE_SHEAR))
 
 struct asked {
 	unsigned planes;
@@ -128,10 +128,10 @@ static void slots_make_and_run_what_is_planned(void **state)
 {
 	static const struct asked cases[] = {
 		{PLANE_BIT(PLANE_OFFSET), false, false, false},
-		{PLANE_BIT(PLANE_DIRT), false, false, true},
+		{PLANE_BIT(PLANE_DISTURBANCE), false, false, true},
 		{PLANE_BIT(PLANE_OFFSET), false, true, true},
 		{STATE_PLANES, true, false, false},
-		{STATE_PLANES | PLANE_BIT(PLANE_DIRT), true, true, true},
+		{STATE_PLANES | PLANE_BIT(PLANE_DISTURBANCE), true, true, true},
 	};
 	(void)state;
 	need_gpu();
@@ -163,10 +163,10 @@ static void state_planes_come_together(void **state)
 	(void)state;
 	need_gpu();
 	assert_ok(gpu_slots_create(test_gpu, CELLS, 2, STATE_PLANES, &slots));
-	assert_ok(staged_upload_planes(test_gpu, slots, CELLS, 0, (const void *const[PLANES]){[PLANE_PRESSED] = zeros}));
+	assert_ok(staged_upload_planes(test_gpu, slots, CELLS, 0, (const void *const[PLANES]){[PLANE_PLASTIC] = zeros}));
 	assert_ok(staged_upload_deform(test_gpu, slots, CELLS, 1, zeros, NULL));
 	for (int plane = 0; plane < PLANES; plane++)
-		assert_int_equal(gpu_slots_get(slots, 0)->planes[plane] != NULL, plane != PLANE_DIRT);
+		assert_int_equal(gpu_slots_get(slots, 0)->planes[plane] != NULL, plane != PLANE_DISTURBANCE);
 	gpu_slots_figures(slots, &figures);
 	assert_int_equal(figures.deform_slots, 2);
 	assert_int_equal(figures.state_slots, 1);

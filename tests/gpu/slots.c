@@ -47,7 +47,7 @@ static void planes_are_allocated_when_first_needed_and_reused(void **state)
 	(void)state;
 	need_gpu();
 	posts = random_ints(POSTS);
-	assert_ok(gpu_slots_create(test_gpu, N, 100, PLANE_BIT(PLANE_DIRT), &slots));
+	assert_ok(gpu_slots_create(test_gpu, N, 100, PLANE_BIT(PLANE_DISTURBANCE), &slots));
 	assert_int_equal(textures_alive(), 0);
 	assert_null(gpu_slots_get(slots, 7)->base);
 	assert_ok(staged_upload_base(test_gpu, slots, N, 7, posts));
@@ -69,7 +69,7 @@ static void planes_are_allocated_when_first_needed_and_reused(void **state)
 	gpu_slots_undeform(slots, 7);
 	gpu_slots_undeform(slots, 7);
 	assert_null(gpu_slots_get(slots, 7)->planes[PLANE_OFFSET]);
-	assert_null(gpu_slots_get(slots, 7)->planes[PLANE_DIRT]);
+	assert_null(gpu_slots_get(slots, 7)->planes[PLANE_DISTURBANCE]);
 	assert_null(gpu_slots_get(slots, 7)->target);
 	assert_ok(staged_read_deform(test_gpu, slots, N, 7, offset, dirt));
 	assert_memory_equal(offset, zeros, sizeof offset);
@@ -90,7 +90,7 @@ static void planes_are_allocated_when_first_needed_and_reused(void **state)
 	gpu_slots_bytes(slots, &bytes);
 	assert_int_equal(bytes.base, POSTS * 4);
 	assert_int_equal(bytes.planes[PLANE_OFFSET], POSTS * 4);
-	assert_int_equal(bytes.planes[PLANE_DIRT], POSTS);
+	assert_int_equal(bytes.planes[PLANE_DISTURBANCE], POSTS);
 	gpu_slots_destroy(slots);
 	assert_int_equal(textures_alive(), 0);
 	mem_free(posts);
@@ -106,7 +106,7 @@ static void without_dirt_there_is_no_dirt_plane(void **state)
 	need_gpu();
 	assert_ok(gpu_slots_create(test_gpu, N, 2, 0, &slots));
 	assert_ok(gpu_slots_deform(slots, 0));
-	assert_null(gpu_slots_get(slots, 0)->planes[PLANE_DIRT]);
+	assert_null(gpu_slots_get(slots, 0)->planes[PLANE_DISTURBANCE]);
 	assert_int_equal(textures_alive(), 1);
 	memset(dirt, 1, sizeof dirt);
 	assert_ok(staged_read_deform(test_gpu, slots, N, 0, offset, dirt));
@@ -168,7 +168,7 @@ static void every_plane_comes_back_the_same_bits(void **state)
 		for (int plane = 0; plane < PLANES; plane++)
 			given[plane] = some & PLANE_BIT(plane) ? next.planes[plane] : NULL;
 		assert_ok(staged_upload_planes(test_gpu, slots, CELLS, 0, given));
-		for (int plane = PLANE_HEAPED; plane < PLANES; plane++)
+		for (int plane = PLANE_DEPOSITED; plane < PLANES; plane++)
 			assert_int_equal(gpu_slots_get(slots, 0)->planes[plane] != NULL,
 					 (some & planes & ~GPU_DRAWN_PLANES) != 0 && (planes >> plane & 1) != 0); /* all, or none */
 		assert_planes(slots, CELLS, 0, next, some & gpu_slots_planes(slots));
@@ -187,12 +187,12 @@ static void state_planes_are_those_of_the_working_level(void **state)
 	need_gpu();
 	struct tile_planes tile = random_planes(CELLS);
 	assert_ok(gpu_slots_create(test_gpu, CELLS, COUNT, ALL, &slots));
-	assert_ok(staged_upload_deform(test_gpu, slots, CELLS, 0, tile.planes[PLANE_OFFSET], tile.planes[PLANE_DIRT]));
-	assert_null(gpu_slots_get(slots, 0)->planes[PLANE_PRESSED]); /* it had none in the store */
+	assert_ok(staged_upload_deform(test_gpu, slots, CELLS, 0, tile.planes[PLANE_OFFSET], tile.planes[PLANE_DISTURBANCE]));
+	assert_null(gpu_slots_get(slots, 0)->planes[PLANE_PLASTIC]); /* it had none in the store */
 	assert_ok(gpu_slots_decimate(slots, 0, rect_of(0, 0, CELLS + 1, CELLS + 1), 1, 1, 0, 0));
 	gpu_slots_bytes(slots, &bytes);
 	assert_int_equal(bytes.planes[PLANE_OFFSET], 2 * TILE * 4);
-	assert_int_equal(bytes.planes[PLANE_HEAPED] + bytes.planes[PLANE_PRESSED] + bytes.planes[PLANE_SHEAR], 0);
+	assert_int_equal(bytes.planes[PLANE_DEPOSITED] + bytes.planes[PLANE_PLASTIC] + bytes.planes[PLANE_SHEAR], 0);
 
 	assert_ok(gpu_slots_deform(slots, 0)); /* about to be written: all, and those it had as they were */
 	assert_non_null(gpu_slots_get(slots, 0)->planes[PLANE_SHEAR]);
@@ -201,7 +201,7 @@ static void state_planes_are_those_of_the_working_level(void **state)
 	tile = random_planes(CELLS);
 	assert_ok(staged_upload_planes(test_gpu, slots, CELLS, 0, (const void *const *)tile.planes));
 	gpu_slots_bytes(slots, &bytes);
-	assert_int_equal(bytes.planes[PLANE_PRESSED], TILE * 4);
+	assert_int_equal(bytes.planes[PLANE_PLASTIC], TILE * 4);
 	assert_int_equal(bytes.planes[PLANE_SHEAR], TILE * 2);
 
 	/* A coarser tile that takes over such a deform slot shows nothing of it. */
@@ -212,11 +212,11 @@ static void state_planes_are_those_of_the_working_level(void **state)
 	gpu_slots_undeform(slots, 2);
 	for (uint32_t i = 0; i < 2; i++)
 		assert_ok(staged_upload_deform(test_gpu, slots, CELLS, i, tile.planes[PLANE_OFFSET], NULL));
-	assert_null(gpu_slots_get(slots, 0)->planes[PLANE_HEAPED]);
-	assert_null(gpu_slots_get(slots, 1)->planes[PLANE_HEAPED]);
+	assert_null(gpu_slots_get(slots, 0)->planes[PLANE_DEPOSITED]);
+	assert_null(gpu_slots_get(slots, 1)->planes[PLANE_DEPOSITED]);
 	gpu_slots_bytes(slots, &bytes);
 	assert_int_equal(bytes.planes[PLANE_OFFSET], 2 * TILE * 4);
-	assert_int_equal(bytes.planes[PLANE_PRESSED], TILE * 4);
+	assert_int_equal(bytes.planes[PLANE_PLASTIC], TILE * 4);
 
 	/* However they change hands: never more of a plane than there are slots. */
 	for (int i = 0; i < 100; i++) {
@@ -330,7 +330,7 @@ static void pair_init(struct pair *pair)
 	pair->coarse = random_ints(POSTS);
 	pair->fine_dirt = random_bytes(POSTS);
 	pair->coarse_dirt = random_bytes(POSTS);
-	assert_ok(gpu_slots_create(test_gpu, N, 2, PLANE_BIT(PLANE_DIRT), &pair->slots));
+	assert_ok(gpu_slots_create(test_gpu, N, 2, PLANE_BIT(PLANE_DISTURBANCE), &pair->slots));
 	assert_ok(staged_upload_deform(test_gpu, pair->slots, N, 0, pair->fine, pair->fine_dirt));
 	assert_ok(staged_upload_deform(test_gpu, pair->slots, N, 1, pair->coarse, pair->coarse_dirt));
 }
@@ -471,7 +471,7 @@ static void a_failed_allocation_loses_nothing(void **state)
 			assert_ok(gpu_slots_deform(slots, 0));
 			assert_ok(staged_read_deform(test_gpu, slots, M, 0, read, NULL));
 			assert_memory_equal(read, posts, sizeof read);
-			assert_ok(staged_read_planes(test_gpu, slots, M, 0, (void *[PLANES]){[PLANE_PRESSED] = read}));
+			assert_ok(staged_read_planes(test_gpu, slots, M, 0, (void *[PLANES]){[PLANE_PLASTIC] = read}));
 			assert_memory_equal(read, zeros, sizeof read);
 		}
 		gpu_slots_destroy(slots);

@@ -101,14 +101,14 @@ static inline enum status staged_upload_deform(struct gpu *gpu, struct gpu_slots
 					       const int32_t *offset, const uint8_t *dirt_or_null)
 {
 	return staged_upload_planes(gpu, slots, cells, slot,
-				    (const void *const[PLANES]){[PLANE_OFFSET] = offset, [PLANE_DIRT] = dirt_or_null});
+				    (const void *const[PLANES]){[PLANE_OFFSET] = offset, [PLANE_DISTURBANCE] = dirt_or_null});
 }
 
 static inline enum status staged_read_deform(struct gpu *gpu, struct gpu_slots *slots, uint32_t cells, uint32_t slot,
 					     int32_t *offset, uint8_t *dirt_or_null)
 {
 	return staged_read_planes(gpu, slots, cells, slot,
-				  (void *const[PLANES]){[PLANE_OFFSET] = offset, [PLANE_DIRT] = dirt_or_null});
+				  (void *const[PLANES]){[PLANE_OFFSET] = offset, [PLANE_DISTURBANCE] = dirt_or_null});
 }
 
 #endif

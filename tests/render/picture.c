@@ -657,7 +657,7 @@ static void any_two_effects_draw_together(void **state)
 			.gpu = gpu, .extent = &extent, .low = -1, .high = 1, .width = 32, .height = 16,
 			.effects = chosen << EFFECT_TEXTURE, .dirt = true,
 		};
-		assert_ok(gpu_slots_create(gpu, CELLS, 3, PLANE_BIT(PLANE_DIRT), &slots));
+		assert_ok(gpu_slots_create(gpu, CELLS, 3, PLANE_BIT(PLANE_DISTURBANCE), &slots));
 		params.slots = slots;
 		assert_ok(render_create(&params, &render));
 		for (uint32_t k = 0; k < 3; k++)

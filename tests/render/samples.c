@@ -70,7 +70,7 @@ static void begin(const struct extent *extent, int samples, double rise, double 
 		raised[i] = (int32_t)lattice_offset(higher);
 	}
 	memset(dirt, 255, sizeof dirt);
-	assert_ok(gpu_slots_create(gpu, CELLS, 2, PLANE_BIT(PLANE_DIRT), &slots));
+	assert_ok(gpu_slots_create(gpu, CELLS, 2, PLANE_BIT(PLANE_DISTURBANCE), &slots));
 	const struct render_params params = params_of(extent, samples);
 	assert_ok(render_create(&params, &render));
 	for (uint32_t slot = 0; slot < 2; slot++)

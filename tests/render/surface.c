@@ -87,7 +87,7 @@ static void take(const struct shot *shot)
 			offset[y][x] = shot->offset != NULL ? shot->offset(x, y) : 0;
 			dirt[y][x] = shot->dirt != NULL ? shot->dirt(x, y) : 0;
 		}
-	must(gpu_slots_create(gpu, CELLS, 1, shot->dirt != NULL ? PLANE_BIT(PLANE_DIRT) : 0, &slots));
+	must(gpu_slots_create(gpu, CELLS, 1, shot->dirt != NULL ? PLANE_BIT(PLANE_DISTURBANCE) : 0, &slots));
 	must(staged_upload_base(gpu, slots, CELLS, 0, *posts));
 	if (shot->offset != NULL)
 		must(staged_upload_deform(gpu, slots, CELLS, 0, *offset, *dirt));

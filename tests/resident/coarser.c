@@ -37,15 +37,15 @@ static void rig_open(struct rig *rig, const char *path, uint32_t slots)
 	world->meta = store_meta(world->store);
 	world->level = LEVEL;
 	world->spacing = extent_spacing(&extent, LEVEL);
-	world->epochs = tmpfile();
-	assert_non_null(world->epochs);
+	world->commit_log = tmpfile();
+	assert_non_null(world->commit_log);
 	enum status status = gpu_create(&(struct gpu_params){.draws = false}, &world->gpu);
 	if (status == STATUS_NO_GL) {
 		store_close(world->store);
 		skip();
 	}
 	must(status);
-	must(gpu_slots_create(world->gpu, CELLS, slots, PLANE_BIT(PLANE_DIRT), &world->slots));
+	must(gpu_slots_create(world->gpu, CELLS, slots, PLANE_BIT(PLANE_DISTURBANCE), &world->slots));
 	must(resident_ground_create(world->store, 4, &world->ground));
 	must(resident_pyramid_create(&world->meta->extent, LEVEL, world->slots, &world->pyramid));
 	must(deform_create(&(struct deform_params){.gpu = world->gpu,
@@ -67,7 +67,7 @@ static void rig_open(struct rig *rig, const char *path, uint32_t slots)
 						 .loaders = 2,
 						 .step_pages = 64,
 						 .record = world_record_pages(&rig->scene),
-						 .epochs = world->epochs,
+						 .epochs = world->commit_log,
 						 .epoch_age = 0.01,
 						 .before_read_back = before_read_back,
 						 .user = world},
@@ -86,7 +86,7 @@ static void rig_close(struct rig *rig)
 	gpu_slots_destroy(world->slots);
 	gpu_destroy(world->gpu);
 	store_close(world->store);
-	fclose(world->epochs);
+	fclose(world->commit_log);
 	free(world->record);
 }
 

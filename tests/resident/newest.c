@@ -46,15 +46,15 @@ static void rig_open(struct rig *rig, const char *path, support_height ground, i
 	world->meta = store_meta(world->store);
 	world->level = level;
 	world->spacing = extent_spacing(&extent, level);
-	world->epochs = tmpfile();
-	assert_non_null(world->epochs);
+	world->commit_log = tmpfile();
+	assert_non_null(world->commit_log);
 	enum status status = gpu_create(&(struct gpu_params){.draws = false}, &world->gpu);
 	if (status == STATUS_NO_GL) {
 		store_close(world->store);
 		skip();
 	}
 	must(status);
-	must(gpu_slots_create(world->gpu, CELLS, SLOTS, PLANE_BIT(PLANE_DIRT), &world->slots));
+	must(gpu_slots_create(world->gpu, CELLS, SLOTS, PLANE_BIT(PLANE_DISTURBANCE), &world->slots));
 	must(resident_ground_create(world->store, 4, &world->ground));
 	must(deform_create(&(struct deform_params){.gpu = world->gpu,
 						   .slots = world->slots,
@@ -75,7 +75,7 @@ static void rig_open(struct rig *rig, const char *path, support_height ground, i
 						 .loaders = 2,
 						 .step_pages = 64,
 						 .record = world_record_pages(&rig->scene),
-						 .epochs = world->epochs,
+						 .epochs = world->commit_log,
 						 .epoch_age = epoch_age,
 						 .before_read_back = before_read_back,
 						 .user = world},
@@ -94,7 +94,7 @@ static void rig_close(struct rig *rig)
 	gpu_slots_destroy(world->slots);
 	gpu_destroy(world->gpu);
 	store_close(world->store);
-	fclose(world->epochs);
+	fclose(world->commit_log);
 	free(world->record);
 }
 

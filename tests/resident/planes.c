@@ -177,7 +177,7 @@ static void check_posts(struct newest *newest, struct post_rect rect, enum store
 		if (finer > 0 && (x % 2 != 0 || y % 2 != 0))
 			continue;
 		int32_t post = finer > 0 ? truth_at(plane, x / 2, y / 2) : truth_at(plane, x << -finer, y << -finer);
-		double value = layer == STORE_QUANTA ? post : plane_value(plane, post);
+		double value = layer == STORE_UNITS ? post : plane_value(plane, post);
 		assert_true(posts[i] == (surface ? base[i] + value : value));
 	}
 }
@@ -188,13 +188,13 @@ static void check_newest(struct newest *newest)
 	resident_newest_changed(newest);
 	check_posts(newest, all, STORE_SURFACE, PLANE_OFFSET, 0);
 	check_posts(newest, all, STORE_OFFSET, PLANE_OFFSET, 0);
-	check_posts(newest, some, STORE_QUANTA, PLANE_OFFSET, 0);
-	check_posts(newest, some, STORE_SOIL, PLANE_DIRT, 0);
-	check_posts(newest, all, STORE_HEAPED, PLANE_HEAPED, 0);
-	check_posts(newest, some, STORE_PRESSED, PLANE_PRESSED, 0);
+	check_posts(newest, some, STORE_UNITS, PLANE_OFFSET, 0);
+	check_posts(newest, some, STORE_SOIL, PLANE_DISTURBANCE, 0);
+	check_posts(newest, all, STORE_DEPOSITED, PLANE_DEPOSITED, 0);
+	check_posts(newest, some, STORE_PLASTIC, PLANE_PLASTIC, 0);
 	check_posts(newest, all, STORE_SHEAR, PLANE_SHEAR, 0);
 	check_posts(newest, half, STORE_SURFACE, PLANE_OFFSET, -1);
-	check_posts(newest, half, STORE_SOIL, PLANE_DIRT, -1);
+	check_posts(newest, half, STORE_SOIL, PLANE_DISTURBANCE, -1);
 	check_posts(newest, some, STORE_SURFACE, PLANE_OFFSET, 1);
 	check_posts(newest, some, STORE_SHEAR, PLANE_SHEAR, 1);
 	assert_int_equal(resident_read_posts(newest, STORE_SHEAR, LEVEL + 1, half, posts), STATUS_INPUT);
@@ -228,8 +228,8 @@ static void assert_no_coarser_state(struct rig *rig)
 		struct tile tile = {level, 0, 0};
 		must(page_cache_pin(rig->cache, tile_key(tile), &slot));
 		const struct gpu_slot *held = gpu_slots_get(rig->slots, slot);
-		assert_non_null(held->planes[PLANE_DIRT]);
-		for (int plane = PLANE_HEAPED; plane < PLANES; plane++)
+		assert_non_null(held->planes[PLANE_DISTURBANCE]);
+		for (int plane = PLANE_DEPOSITED; plane < PLANES; plane++)
 			assert_null(held->planes[plane]);
 		page_cache_unpin(rig->cache, tile_key(tile));
 	}
@@ -284,7 +284,7 @@ static void state_comes_back_the_same_bits(void **state)
 	rig_close(&rig);
 	check_store(path, ALL, ALL, true);
 	/* Who needs no state reads none and makes no room for it. */
-	check_store(path, PLANE_BIT(PLANE_DIRT), PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DIRT), false);
+	check_store(path, PLANE_BIT(PLANE_DISTURBANCE), PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DISTURBANCE), false);
 	check_store(path, 0, PLANE_BIT(PLANE_OFFSET), false);
 }
 

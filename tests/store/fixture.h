@@ -188,7 +188,7 @@ static UNUSED struct field field_make(int level)
 		assert_non_null(field.planes[plane]);
 	}
 	field.offset = field.planes[PLANE_OFFSET];
-	field.dirt = field.planes[PLANE_DIRT];
+	field.dirt = field.planes[PLANE_DISTURBANCE];
 	return field;
 }
 
@@ -210,8 +210,8 @@ static UNUSED void field_dig(struct field *field, int64_t cx, int64_t cy, int64_
 			int64_t i = y * field->width + x;
 			field->offset[i] = (int32_t)(h % 400000) - 300000;
 			field->dirt[i] = (uint8_t)(h >> 24);
-			((int32_t *)field->planes[PLANE_HEAPED])[i] = (int32_t)(h >> 3 & 0xffff) - 0x4000;
-			((int32_t *)field->planes[PLANE_PRESSED])[i] = (int32_t)(h >> 7 & 0x7ffff);
+			((int32_t *)field->planes[PLANE_DEPOSITED])[i] = (int32_t)(h >> 3 & 0xffff) - 0x4000;
+			((int32_t *)field->planes[PLANE_PLASTIC])[i] = (int32_t)(h >> 7 & 0x7ffff);
 			((uint16_t *)field->planes[PLANE_SHEAR])[i] = (uint16_t)(h >> 5);
 		}
 }
@@ -229,12 +229,12 @@ static UNUSED void field_tile_plane(const struct field *field, struct tile tile,
 static UNUSED void field_tile(const struct field *field, struct tile tile, int32_t *offset, uint8_t *dirt)
 {
 	field_tile_plane(field, tile, PLANE_OFFSET, offset);
-	field_tile_plane(field, tile, PLANE_DIRT, dirt);
+	field_tile_plane(field, tile, PLANE_DISTURBANCE, dirt);
 }
 
 /* Commits the tiles that `rect` (posts of the field's level) touches. */
 static UNUSED enum status field_commit(const struct field *field, struct post_rect rect, struct store *store,
-				       int64_t step, struct store_epoch_result *result)
+				       int64_t step, struct store_commit_result *result)
 {
 	struct tile first, last;
 	assert_true(tile_range_of(&extent, field->level, rect, &first, &last));
@@ -254,7 +254,7 @@ static UNUSED enum status field_commit(const struct field *field, struct post_re
 			}
 		}
 	struct store_run run = {.scene_hash = "abc", .step = step, .time = (double)step / 10, .state = "{\"poses\":[]}"};
-	enum status status = store_epoch(store, pages, count, &run, result);
+	enum status status = store_commit(store, pages, count, &run, result);
 	free(pages);
 	free(texels);
 	return status;

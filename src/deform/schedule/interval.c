@@ -47,7 +47,7 @@ static void drop_results(struct deform *deform)
 /* What slides. */
 static unsigned sliding_planes(const struct deform_params *params)
 {
-	return deform_planes(params->model, params->dirt) & (PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_HEAPED));
+	return deform_planes(params->model, params->dirt) & (PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DEPOSITED));
 }
 
 static enum status need_results(struct deform *deform, size_t blocks)

@@ -48,7 +48,7 @@ enum status deform_underside(struct deform *deform, const struct deform_sweep *s
 	/* Beyond its shadow it is above no post, and scm does not look there. */
 	const struct gpu_rect all = {0, 0, (uint32_t)(read.x1 - read.x0), (uint32_t)(read.y1 - read.y0)};
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
-		.stage = GPU_UNDERSIDE,
+		.stage = GPU_ENVELOPE,
 		.program = *program,
 		.target = deform->scratch[layer].to[TO_UNDER],
 		.viewport = deform->params.model == DEFORM_SCM ? shadow_of(deform, sweep, read) : all,

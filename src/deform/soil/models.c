@@ -38,7 +38,7 @@ const struct soil_model deform_soil_models[DEFORM_MODELS] = {
 		.contact_effect = "scm",
 		.window_effect = "scm",
 		.slide_effect = "slide",
-		.planes = PLANE_BIT(PLANE_HEAPED) | PLANE_BIT(PLANE_PRESSED) | PLANE_BIT(PLANE_SHEAR),
+		.planes = PLANE_BIT(PLANE_DEPOSITED) | PLANE_BIT(PLANE_PLASTIC) | PLANE_BIT(PLANE_SHEAR),
 		.conserves = true,
 		.slide_passes = 1,
 	},
@@ -51,7 +51,7 @@ bool deform_conserves(enum deform_model model)
 
 unsigned deform_planes(enum deform_model model, bool dirt)
 {
-	return PLANE_BIT(PLANE_OFFSET) | (dirt ? PLANE_BIT(PLANE_DIRT) : 0) | deform_soil_models[model].planes;
+	return PLANE_BIT(PLANE_OFFSET) | (dirt ? PLANE_BIT(PLANE_DISTURBANCE) : 0) | deform_soil_models[model].planes;
 }
 
 const char *deform_press_effect(enum deform_model model)

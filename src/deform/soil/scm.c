@@ -134,13 +134,13 @@ static enum status press(struct deform *deform, const struct deform_sweep *sweep
 	gpu_texture_clear(deform->contacts, layer, deform_written(window), 0);
 	gpu_texture_clear(deform->carried, layer, deform_written(window), 0);
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
-		.stage = GPU_PRESS,
+		.stage = GPU_CONTACT,
 		.program = deform->scm[with],
 		.target = deform->scratch[layer].to[TO_BARE],
 		.viewport = deform_rows(params.written),
 		.textures = {deform->under, deform->classes},
-		.images = {deform->bases, deform->planes_of[1][PLANE_HEAPED], deform->rest, deform->planes_of[1][PLANE_OFFSET],
-			   deform->planes_of[0][PLANE_PRESSED], deform->planes_of[0][PLANE_SHEAR], deform->contacts,
+		.images = {deform->bases, deform->planes_of[1][PLANE_DEPOSITED], deform->rest, deform->planes_of[1][PLANE_OFFSET],
+			   deform->planes_of[0][PLANE_PLASTIC], deform->planes_of[0][PLANE_SHEAR], deform->contacts,
 			   deform->carried},
 		.storage = {tally, records, deform->tries, deform->standing},
 		.params = &params,
@@ -151,14 +151,14 @@ static enum status press(struct deform *deform, const struct deform_sweep *sweep
 
 enum status deform_scm_feel(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window, uint32_t layer)
 {
-	deform->scratch[layer].now[PLANE_OFFSET] = deform->scratch[layer].now[PLANE_HEAPED] = 1;
+	deform->scratch[layer].now[PLANE_OFFSET] = deform->scratch[layer].now[PLANE_DEPOSITED] = 1;
 	return press(deform, sweep, window, layer, deform->felt);
 }
 
 enum status deform_scm(struct deform *deform, const struct deform_sweep *sweep, const struct deform_window *window,
 		       uint32_t layer)
 {
-	deform->scratch[layer].now[PLANE_OFFSET] = deform->scratch[layer].now[PLANE_HEAPED] = 1;
+	deform->scratch[layer].now[PLANE_OFFSET] = deform->scratch[layer].now[PLANE_DEPOSITED] = 1;
 	enum status status = press(deform, sweep, window, layer, deform->tally);
 	if (status == STATUS_OK)
 		status = deform_spread(deform, window, layer);

@@ -169,7 +169,7 @@ static enum status begin(struct deform *deform, const struct slide_place *place)
 		.viewport = place->all,
 		.instances = place->blocks,
 		.images = {deform->bases, deform->planes_of[1][PLANE_OFFSET], deform->contacts,
-			   blocks ? NULL : deform->deposits, deform->planes_of[1][PLANE_HEAPED]},
+			   blocks ? NULL : deform->deposits, deform->planes_of[1][PLANE_DEPOSITED]},
 		.storage = {deform->tally},
 		.params = &params,
 		.params_bytes = sizeof params,
@@ -188,7 +188,7 @@ static void run(struct deform *deform, const struct slide_place *place, int iter
 	pass->images[3] = last ? deform->bases : NULL;
 	pass->images[4] = last ? deform->planes_of[0][PLANE_OFFSET] : NULL;
 	pass->images[5] = last ? deform->stills : NULL;
-	pass->images[6] = last ? deform->planes_of[0][PLANE_HEAPED] : NULL;
+	pass->images[6] = last ? deform->planes_of[0][PLANE_DEPOSITED] : NULL;
 	pass->storage[1] = last ? place->flags.words : NULL;
 	gpu_pass_run(deform->params.gpu, pass);
 }
@@ -295,6 +295,6 @@ enum status deform_slide(struct deform *deform, const struct deform_window *wind
 		.flags = deform_awake_flags(deform, window, layer),
 	};
 	assert(deform->scratch[layer].now[PLANE_OFFSET] == 1);
-	assert(!(deform->planes & PLANE_BIT(PLANE_HEAPED)) || deform->scratch[layer].now[PLANE_HEAPED] == 1);
+	assert(!(deform->planes & PLANE_BIT(PLANE_DEPOSITED)) || deform->scratch[layer].now[PLANE_DEPOSITED] == 1);
 	return deform_slide_run(deform, &place);
 }
