@@ -180,7 +180,7 @@ static void relax_row(float *row, const float *south, const float *north, const 
 	}
 }
 
-/* One sweep, each hole the mean of its neighbours, rows in one order or the other. */
+/* One pass: sets each hole to the mean of its neighbours, row by row. `from_north`: the order of the rows. */
 static enum status relax(struct fill *fill, int level, bool from_north)
 {
 	const struct level *here = &fill->level[level];

@@ -139,7 +139,7 @@ static void advise_time(const struct adviser *adviser)
 	if (scene->time_step > scene->end_time)
 		advise(adviser, "time_step: %g s is longer than the drive, %g s: it is one step; give less", scene->time_step,
 		       scene->end_time);
-	/* Soil may slide on after the last path sample, and a camera that stands sees it. */
+	/* Soil may go on relaxing after the last path sample, and a fixed camera shows that. */
 	double last = 0;
 	for (size_t i = 0; i < scene->object_count; i++)
 		last = fmax(last, path_end(scene, &scene->objects[i].path));

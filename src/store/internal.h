@@ -143,8 +143,8 @@ enum status store_run_put_back(struct store *store, const struct store_run_copy 
 
 /* --- store_undo.c: marks and rollbacks --- */
 
-/* What a rollback needs, in a database of its own that has no name: SQLite keeps it in memory, and in a file that it has
- * unlinked once it is a few MB. So the store's file has no more tables than ever, and a kill leaves nothing to clean up. */
+/* What a rollback needs, in a database of its own without a name. SQLite keeps it in memory; above a few MB it uses a file that
+ * it has unlinked. So the store's file gets no more tables, and a kill leaves nothing to clean up. */
 struct undo {
 	struct rows rows; /* of its connection; without a codec */
 	int64_t kept;     /* how many */
@@ -251,8 +251,8 @@ enum status store_meta_copy(struct store_meta *to, const struct store_meta *from
 void store_meta_finish(struct store_meta *meta);
 enum status store_meta_write(struct store *store) FURROW_CHECKED;
 enum status store_meta_read(struct store *store) FURROW_CHECKED; /* also the working level and the commit */
-/* The request that a store is made by: put when it is begun, asked for when that goes on, also where all was
- * done but the renaming. *same false: another, or none. */
+/* The request from which a store is made. It is written when the store is begun. It is compared when making the store is resumed,
+ * even if only the renaming is missing. *same false: the file has another request, or none. */
 enum status store_meta_put_request(struct store *store) FURROW_CHECKED;
 enum status store_meta_same_request(struct store *store, bool *same) FURROW_CHECKED;
 enum status store_meta_put_integer(struct store *store, const char *key, int64_t value) FURROW_CHECKED;
@@ -262,7 +262,7 @@ enum status store_meta_drop(struct store *store, const char *key) FURROW_CHECKED
 enum status store_meta_base_hash(sqlite3 *db, const char *path, uint64_t *hash) FURROW_CHECKED;
 /* What a commit adds; store->compacted stays as it was. */
 enum status store_meta_add_compacted(struct store *store, int64_t more) FURROW_CHECKED;
-/* Quanta lost for good, as the file has it now. */
+/* Soil compacted so far, as the file has it now: 2^-20 m, summed over posts. */
 enum status store_meta_compacted(sqlite3 *db, const char *path, int64_t *compacted) FURROW_CHECKED;
 /* The working level as the file has it now. */
 enum status store_meta_working(sqlite3 *db, const char *path, const struct extent *extent, bool *has, int *level)

@@ -4,10 +4,13 @@
  *   BEGIN IMMEDIATE -> a climb for the offsets -> one for the disturbance -> the soil's state
  *   -> what was compacted, the run's record -> COMMIT
  *
- * A climb goes down from the coarsest tile to each page and writes on its way back up, so that one
- * plane a level is held. The soil's state has no coarser levels (store_state.c). Invariants: (1) a row exists iff a row exists below it (at the working
- * level: iff it is not all zero); (2) what is written depends only on what the working level then
- * holds, never on how it came about; (3) after a failure the file holds what it held before.
+ * A climb goes down from the coarsest tile to each page, and writes on its way back up. So only one plane of each level is held.
+ * The soil's state has no coarser levels (store_state.c).
+ *
+ * Invariants:
+ *   1. A row of a coarser level exists iff a row exists below it. A row of the working level exists iff it is not all zero.
+ *   2. The rows written depend only on the working level's new content, never on how it came about.
+ *   3. After a failure the file has the content that it had before.
  */
 #include "store/internal.h"
 

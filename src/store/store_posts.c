@@ -1,10 +1,9 @@
 /*
  * Posts of any rectangle at any level, and the height at a point.
  *
- * Two passes over the rectangle: the base (which says where there is no data), then what
- * deformation added. Each reads the tiles of the one level that holds it, at or coarser than the
- * level asked for, and interpolates on the lattice as the shaders do. One transaction: what is read
- * belongs to one commit.
+ * Two passes over the rectangle: the base first, which tells where there is no data, then the deformation. Each pass reads tiles
+ * of one stored level, which is the requested level or coarser. It interpolates on the lattice as the shaders do. Both passes
+ * are in one transaction, so all posts are of one commit.
  */
 #include "store/internal.h"
 
@@ -213,8 +212,8 @@ enum status store_read_posts(struct store_reader *reader, enum store_layer layer
 
 /* --- a point --- */
 
-/* The finest level stored at the cell of level-0 posts (or finer) that holds (x, y), and the planes that
- * the tile of the working level there has. */
+/* Finds the finest level stored at the cell that holds (x, y); cells are of level 0 or finer. Also finds the planes that the tile
+ * of the working level has there. */
 static enum status level_at(struct store_reader *reader, double x, double y, int *level, unsigned *planes)
 {
 	const struct extent *extent = reader->rows.extent;

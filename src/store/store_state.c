@@ -1,12 +1,14 @@
 /*
- * The soil's state (heaped, pressed, shear) in a commit: a row a tile of the working level, and no pyramid,
- * since nobody draws it.
+ * The soil's state in a commit: deposited thickness, plastic sinkage, shear. It has rows at the working level only, without coarser
+ * levels, since nothing draws it.
  *
- * A page without a plane of the state was changed by a model that keeps none: what the plane says there is
- * of ground which is no more. Its row is dropped, and the posts that tiles beside it share with it become
- * zero, so that a shared post has one value still. Invariants: (1) a row exists iff it is not all zero; (2) a
- * table is asked whether it has rows at all before anything is dropped from it, once, and not where the store
- * was never deformed.
+ * If a page lacks a plane of the state, a model changed it that does not keep this plane. The plane's row describes ground that no
+ * longer exists, so it is dropped. Posts that neighbouring tiles share with it become zero, so a shared post still has one value.
+ *
+ * Invariants:
+ *   1. A row exists iff it is not all zero.
+ *   2. Before rows of a table are dropped, the table is asked once whether it has any. It is not asked if the store was never
+ *      deformed.
  */
 #include "store/internal.h"
 

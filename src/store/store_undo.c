@@ -1,13 +1,17 @@
 /*
  * Marks, and rollbacks to them.
  *
- *   store_mark -> commits; before each changes a row for the first time since, that row is kept in the undo
- *   -> store_rollback: one transaction of the store puts all of it back -> as after the mark
+ *   store_mark -> commits, each of which keeps rows in the undo -> store_rollback -> as after the mark
  *
- * The undo has the store's tables; "there was none" is a row of the codec NONE. The run's record and the header's
- * entries are kept by the mark itself. Invariants: (1) what the undo has of a row is what the row was at the mark, and it
- * has every row that the store's commits changed since; so a row too many, of a commit that failed, does no harm; (2) a row is
- * in the undo before the store commits a change of it; (3) what is put back gets a revision that was never used.
+ * A commit keeps a row in the undo before it changes it for the first time since the mark. A rollback puts all of them back in one
+ * transaction of the store. The undo has the store's tables. A row with the codec NONE says that there was no row. The mark itself
+ * keeps the run's record and the header's entries.
+ *
+ * Invariants:
+ *   1. A row in the undo is as it was at the mark. The undo has every row that the store's commits changed since then. It may have
+ *      more rows, from a commit that failed; they do no harm.
+ *   2. A row is in the undo before the store commits a change of it.
+ *   3. A row that is put back gets a revision that was never used.
  */
 #include "store/internal.h"
 

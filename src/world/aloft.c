@@ -128,8 +128,8 @@ static enum status look(struct world *world, struct tile tile)
 	return status;
 }
 
-/* Tells whether a tile touched before the drive has posts in a block that this window might keep active. If not, no wall stands
- * at the sides of the block either, since posts on an edge are in both tiles. */
+/* Tells whether a tile touched before the drive has posts in a block that this window might keep active. If not, there is no
+ * wall at the sides of the block either, since posts on an edge are in both tiles. */
 static enum status near_old(struct world *world, const struct deform_window *window, bool *near)
 {
 	struct tile first, last;

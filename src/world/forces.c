@@ -48,7 +48,7 @@ struct forces {
 	uint64_t *known_tag;
 	struct entry *entries;      /* [first, count) wait, in order; [kept, first) were used before `delay` steps had passed */
 	size_t kept, first, count, room;
-	uint64_t saturated, sunk;   /* posts; sweeps */
+	uint64_t saturated, sunk;   /* posts; contacts */
 };
 
 bool world_feels(const struct world *world)

@@ -181,7 +181,7 @@ static void as_many_blocks_as_may_be_awake_and_no_more(void **state)
 	struct record *read = room();
 	assert_int_equal(parse(text, 1, 1, &scene, read), STATUS_OK);
 	assert_int_equal(read->active_count, DEFORM_BLOCKS_MAX);
-	assert_memory_equal(read->awake, record->active, sizeof read->awake);
+	assert_memory_equal(read->active, record->active, sizeof read->active);
 	/* One more. */
 	more = malloc(strlen(text) + 8);
 	at = strstr(text, "\"awake\":\"");
