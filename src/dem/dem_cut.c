@@ -8,7 +8,7 @@
  *
  * A tile is open while it is put together from the tiles below it. If a tile is at most as wide as a panel, one row of its
  * level is open at once. If it is wider, one column is open: one of its tiles is in memory, and the others are in a temporary
- * file, since the height of a terrain has no limit.
+ * file. That is because the height of a terrain has no limit.
  *
  * Invariants:
  *   1. A tile is emitted as soon as the last tile below it was. So it comes after all tiles that it covers, and the order
