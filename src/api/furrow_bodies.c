@@ -194,10 +194,7 @@ furrow_status furrow_probe(struct furrow_world *world, size_t count, const furro
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		status = world_body_state(&world->world, bodies[i], &state);
 	/* This version keeps no patch of ground on the host, so nothing is known about other states. */
-	const struct world_contact unknown = {
-		.time = NAN, .force = {NAN, NAN, NAN}, .moment = {NAN, NAN, NAN}, .point = {NAN, NAN, NAN}, .normal = {NAN, NAN, NAN},
-		.sinkage = NAN, .area = NAN, .slip = NAN, .normal_force = NAN, .shear_limit = NAN, .state = WORLD_UNKNOWN,
-	};
+	const struct world_contact unknown = world_contact_unknown();
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		tell_contact(&unknown, &contacts[i]);
 	return api_library_end(status);

@@ -7,9 +7,8 @@
 /* Offsets smaller than this are rounding errors of the base: twice the lattice's 2^-18 m. */
 #define OFFSET_NOISE 0x1p-17
 
-static enum status points_of(struct furrow_world *world, size_t count, const double (*xy)[2], struct terrain_point *points)
+static enum status points_of(size_t count, const double (*xy)[2], struct terrain_point *points)
 {
-	(void)world;
 	for (size_t i = 0; i < count; i++) {
 		if (!isfinite(xy[i][0]) || !isfinite(xy[i][1]))
 			return fail_with(STATUS_USAGE, "xy[%zu]: %g, %g is no place; give finite numbers, m", i, xy[i][0], xy[i][1]);
@@ -55,7 +54,7 @@ furrow_status furrow_points(struct furrow_world *world, size_t count, const doub
 		return api_library_leave(&call, status);
 	at = mem_alloc(count, sizeof *at);
 	heights = mem_alloc(count, sizeof *heights);
-	status = at != NULL && heights != NULL ? points_of(world, count, xy, at) : fail_memory("points");
+	status = at != NULL && heights != NULL ? points_of(count, xy, at) : fail_memory("points");
 	if (status == STATUS_OK)
 		status = api_library_settle(world);
 	if (status == STATUS_OK)

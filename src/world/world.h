@@ -362,8 +362,12 @@ enum status world_bodies_set(struct world *world, size_t count, const int32_t *n
 	FURROW_CHECKED;
 /* Tells the state of any body, also of one with a path. NaN: it was never placed. */
 enum status world_body_state(const struct world *world, int32_t number, struct world_state *state) FURROW_CHECKED;
+/* Returns a contact of which nothing is known: all numbers are NaN. Pure. */
+struct world_contact world_contact_unknown(void);
 /* Tells what the soil does to any body. Waits for forces that are being computed. */
 enum status world_body_contact(struct world *world, int32_t number, struct world_contact *contact) FURROW_CHECKED;
+/* Computes the axes of a body, forward, left and up, in local axes. `q`: a quaternion of length 1; w, x, y, z. Pure. */
+void world_axes(const double q[4], double axes[3][3]);
 /* Commits everything so far. world_rollback goes back to this state. */
 enum status world_checkpoint(struct world *world) FURROW_CHECKED;
 /* Sets ground, bodies, forces, time and rows back to the last checkpoint. STATUS_FAILED: there was none. */
