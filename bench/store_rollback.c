@@ -44,7 +44,7 @@ static void fill(struct soil *soil, struct store_page *page, int number, int rou
 	*page = (struct store_page){.tile = {LEVEL, (uint32_t)number % 10, (uint32_t)number / 10}};
 	page->planes[PLANE_OFFSET] = soil->offset;
 	page->planes[PLANE_DEPOSITED] = soil->heaped;
-	page->planes[PLANE_PLASTIC] = soil->pressed;
+	page->planes[PLANE_PLASTIC_SINKAGE] = soil->pressed;
 	page->planes[PLANE_SHEAR] = soil->shear;
 }
 

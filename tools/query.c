@@ -104,7 +104,7 @@ static enum status ask_point(struct asking *asking, double x, double y)
 		enum plane plane;
 		double value;
 	} state[] = {
-		{PLANE_DEPOSITED, sample.deposited}, {PLANE_PLASTIC, sample.plastic}, {PLANE_SHEAR, sample.shear},
+		{PLANE_DEPOSITED, sample.deposited}, {PLANE_PLASTIC_SINKAGE, sample.plastic_sinkage}, {PLANE_SHEAR, sample.shear},
 	};
 	for (size_t i = 0; i < sizeof state / sizeof *state; i++)
 		if (sample.planes & PLANE_BIT(state[i].plane))

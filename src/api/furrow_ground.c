@@ -139,7 +139,7 @@ static enum store_layer layer_of(enum furrow_layer layer)
 	case FURROW_DEPOSITED:
 		return STORE_DEPOSITED;
 	case FURROW_SINKAGE:
-		return STORE_PLASTIC;
+		return STORE_PLASTIC_SINKAGE;
 	case FURROW_DISTURBANCE:
 		return STORE_SOIL;
 	case FURROW_SHEAR_X: /* only the amount of shear is kept, not its direction */
@@ -208,7 +208,7 @@ furrow_status furrow_read(struct furrow_world *world, enum furrow_layer layer, i
 	const enum store_layer kept = layer_of(layer);
 	const struct extent *extent = &world->world.meta->extent;
 	const struct post_rect all = {0, 0, extent_posts(extent->width, level), extent_posts(extent->height, level)};
-	const bool soil = kept == STORE_DEPOSITED || kept == STORE_PLASTIC || kept == STORE_LAYERS;
+	const bool soil = kept == STORE_DEPOSITED || kept == STORE_PLASTIC_SINKAGE || kept == STORE_LAYERS;
 	struct post_rect rect = {column, row, column, row};
 	/* Posts beyond the terrain do not exist. So a sum that would overflow is never needed. */
 	if (column < all.x1 && row < all.y1 && column > -(int64_t)columns && row > -(int64_t)rows)

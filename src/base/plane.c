@@ -10,7 +10,7 @@ static const struct {
 	size_t bytes;
 } planes[PLANES] = {
 	[PLANE_OFFSET] = {"offset", 4},	  [PLANE_DISTURBANCE] = {"dirt", 1},	[PLANE_DEPOSITED] = {"heaped", 4},
-	[PLANE_PLASTIC] = {"pressed", 4}, [PLANE_SHEAR] = {"shear", 2},
+	[PLANE_PLASTIC_SINKAGE] = {"pressed", 4}, [PLANE_SHEAR] = {"shear", 2},
 };
 
 size_t plane_bytes(enum plane plane)

@@ -11,11 +11,11 @@
 #include <stdint.h>
 
 enum plane {
-	PLANE_OFFSET,  /* int32, 2^-20 m: height = base + offset */
-	PLANE_DISTURBANCE,    /* uint8: disturbance, how much the soil was compressed */
-	PLANE_DEPOSITED,  /* int32, 2^-20 m: deposited thickness, of relaxing soil laid on the base; below 0 where soil slid away */
-	PLANE_PLASTIC, /* int32, 2^-20 m: plastic sinkage, the largest sinkage so far along the surface's normal */
-	PLANE_SHEAR,   /* uint16, 2^-16 m: shear displacement under contact so far; 65535: that or more */
+	PLANE_OFFSET,          /* int32, 2^-20 m: height = base + offset */
+	PLANE_DISTURBANCE,     /* uint8: how much the soil was compressed */
+	PLANE_DEPOSITED,       /* int32, 2^-20 m: deposited thickness, of relaxing soil laid on the base; below 0 where soil slid away */
+	PLANE_PLASTIC_SINKAGE, /* int32, 2^-20 m: the largest plastic sinkage so far, along the surface's normal */
+	PLANE_SHEAR,           /* uint16, 2^-16 m: shear displacement under contact so far; 65535: that or more */
 	PLANES
 };
 

@@ -18,7 +18,7 @@ struct patch {
 
 static const enum plane planes[STORE_LAYERS] = {
 	[STORE_SURFACE] = PLANE_OFFSET, [STORE_OFFSET] = PLANE_OFFSET,   [STORE_UNITS] = PLANE_OFFSET, [STORE_SOIL] = PLANE_DISTURBANCE,
-	[STORE_DEPOSITED] = PLANE_DEPOSITED,  [STORE_PLASTIC] = PLANE_PLASTIC, [STORE_SHEAR] = PLANE_SHEAR,
+	[STORE_DEPOSITED] = PLANE_DEPOSITED,  [STORE_PLASTIC_SINKAGE] = PLANE_PLASTIC_SINKAGE, [STORE_SHEAR] = PLANE_SHEAR,
 };
 
 /* Widens planes of fewer bytes in the same memory. It goes from the end, so that no value is overwritten before it is read. */

@@ -207,7 +207,7 @@ enum store_table {
 	STORE_OFFSET_TABLE,
 	STORE_DISTURBANCE_TABLE,
 	STORE_DEPOSITED_TABLE,
-	STORE_PLASTIC_TABLE,
+	STORE_PLASTIC_SINKAGE_TABLE,
 	STORE_SHEAR_TABLE,
 	STORE_META_TABLE,
 	STORE_RUN_TABLE,
@@ -263,7 +263,7 @@ enum store_layer {
 	STORE_UNITS,
 	STORE_SOIL, /* disturbance */
 	STORE_DEPOSITED,
-	STORE_PLASTIC,
+	STORE_PLASTIC_SINKAGE,
 	STORE_SHEAR,
 	STORE_LAYERS
 };
@@ -281,7 +281,7 @@ struct store_sample {
 	bool nodata, outside;
 	unsigned disturbance;
 	unsigned planes; /* a mask: planes that the tile there has */
-	double deposited, plastic, shear; /* metres, at the nearest post */
+	double deposited, plastic_sinkage, shear; /* metres, at the nearest post */
 };
 enum status store_sample(struct store_reader *reader, double x, double y, struct store_sample *sample)
 	FURROW_CHECKED;

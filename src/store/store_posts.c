@@ -57,7 +57,7 @@ static const struct {
 } added[STORE_LAYERS] = {
 	[STORE_SURFACE] = {ROW_OFFSET, add_metres}, [STORE_OFFSET] = {ROW_OFFSET, add_metres},
 	[STORE_UNITS] = {ROW_OFFSET, add_as_is},   [STORE_SOIL] = {ROW_DISTURBANCE, add_as_is},
-	[STORE_DEPOSITED] = {ROW_DEPOSITED, add_metres},  [STORE_PLASTIC] = {ROW_PLASTIC, add_metres},
+	[STORE_DEPOSITED] = {ROW_DEPOSITED, add_metres},  [STORE_PLASTIC_SINKAGE] = {ROW_PLASTIC_SINKAGE, add_metres},
 	[STORE_SHEAR] = {ROW_SHEAR, add_shear},
 };
 
@@ -291,7 +291,7 @@ static enum status sample_inside(struct store_reader *reader, double x, double y
 		double *value;
 	} state[] = {
 		{PLANE_DEPOSITED, STORE_DEPOSITED, &sample->deposited},
-		{PLANE_PLASTIC, STORE_PLASTIC, &sample->plastic},
+		{PLANE_PLASTIC_SINKAGE, STORE_PLASTIC_SINKAGE, &sample->plastic_sinkage},
 		{PLANE_SHEAR, STORE_SHEAR, &sample->shear},
 	};
 	for (size_t i = 0; i < sizeof state / sizeof *state && status == STATUS_OK; i++)

@@ -181,7 +181,7 @@ enum status store_rows_head(struct rows *rows, enum row_table table, struct tile
 static bool all_fit(enum row_table table, const int32_t *posts, size_t count)
 {
 	static const int32_t most[ROW_TABLES] = {
-		[ROW_DISTURBANCE] = UINT8_MAX, [ROW_PLASTIC] = INT32_MAX, [ROW_SHEAR] = UINT16_MAX,
+		[ROW_DISTURBANCE] = UINT8_MAX, [ROW_PLASTIC_SINKAGE] = INT32_MAX, [ROW_SHEAR] = UINT16_MAX,
 	};
 	bool fits = true;
 	for (size_t i = 0; i < count && most[table] != 0; i++)

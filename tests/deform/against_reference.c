@@ -55,7 +55,7 @@ static void begin_reference(void)
 	for (int i = 0; i < COUNT; i++) {
 		reference->offset[i] = lattice_offset_metres(match.plane[PLANE_OFFSET][i]);
 		reference->heaped[i] = lattice_offset_metres(match.plane[PLANE_DEPOSITED][i]);
-		reference->pressed[i] = lattice_offset_metres(match.plane[PLANE_PLASTIC][i]);
+		reference->pressed[i] = lattice_offset_metres(match.plane[PLANE_PLASTIC_SINKAGE][i]);
 		reference->shear[i] = ldexp(match.plane[PLANE_SHEAR][i], -16);
 	}
 	reference->compacted = reference->confined = 0;
@@ -301,7 +301,7 @@ static void compare_posts(double error, double pressed)
 		if (match.params.model != DEFORM_SCM)
 			continue;
 		near_enough("heaped", i, lattice_offset_metres(match.plane[PLANE_DEPOSITED][i]), match.reference.heaped[i], error);
-		near_enough("pressed", i, lattice_offset_metres(match.plane[PLANE_PLASTIC][i]), match.reference.pressed[i], pressed);
+		near_enough("pressed", i, lattice_offset_metres(match.plane[PLANE_PLASTIC_SINKAGE][i]), match.reference.pressed[i], pressed);
 		/* To steps of 2^-16 m, from single precision of a way of up to a metre. */
 		double shear = ldexp(match.plane[PLANE_SHEAR][i], -16), wanted = fmin(match.reference.shear[i], ldexp(65535, -16));
 		if (!(fabs(shear - wanted) <= 0x1p-17 + 3e-7))

@@ -121,9 +121,9 @@ static int64_t look(struct ground *ground)
 		assert_true(ground->base[i] != BASE_NODATA || ground->offset[i] == 0);
 	}
 	int32_t *heaped = ground_room((CELLS + 1) * (CELLS + 1), sizeof *heaped), *pressed = ground_room((CELLS + 1) * (CELLS + 1), sizeof *pressed);
-	for (uint32_t k = 0; k < ground->tile_count && (planes & PLANE_BIT(PLANE_PLASTIC)); k++) {
+	for (uint32_t k = 0; k < ground->tile_count && (planes & PLANE_BIT(PLANE_PLASTIC_SINKAGE)); k++) {
 		assert_ok(staged_read_planes(test_gpu, ground->slots, CELLS, k,
-					     (void *[PLANES]){[PLANE_DEPOSITED] = heaped, [PLANE_PLASTIC] = pressed}));
+					     (void *[PLANES]){[PLANE_DEPOSITED] = heaped, [PLANE_PLASTIC_SINKAGE] = pressed}));
 		for (int i = 0; i < (CELLS + 1) * (CELLS + 1); i++)
 			assert_true(heaped[i] >= -MOST && heaped[i] <= MOST && pressed[i] >= 0 && pressed[i] <= 2 * (int64_t)MOST);
 	}

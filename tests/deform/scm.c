@@ -141,7 +141,7 @@ static void a_load_rebounds_and_presses_no_deeper_again(void **state)
 	struct deform_sweep lift = stand(&ground, &plate, 64, 64, 0.25 - forces.sinkage);
 	lift.to.z = lattice_offset(1);
 	ground_sweep(&ground, &lift);
-	int32_t rut = at_centre(&ground, PLANE_OFFSET), pressed = at_centre(&ground, PLANE_PLASTIC);
+	int32_t rut = at_centre(&ground, PLANE_OFFSET), pressed = at_centre(&ground, PLANE_PLASTIC_SINKAGE);
 	assert_true(fabs(lattice_offset_metres(rut) + forces.sinkage - 0.0005) < 2e-6);
 	for (int i = 0; i < 3; i++) {
 		struct deform_forces again = ground_forces(&ground, &first);
@@ -150,7 +150,7 @@ static void a_load_rebounds_and_presses_no_deeper_again(void **state)
 		lift.from.z = again.z;
 		ground_sweep(&ground, &lift);
 		assert_int_equal(at_centre(&ground, PLANE_OFFSET), rut);
-		assert_int_equal(at_centre(&ground, PLANE_PLASTIC), pressed);
+		assert_int_equal(at_centre(&ground, PLANE_PLASTIC_SINKAGE), pressed);
 	}
 	ground_finish(&ground);
 }
@@ -207,7 +207,7 @@ static void what_is_not_compacted_is_somewhere(void **state)
 			drive_about(&ground, 25);
 			assert_ok(deform_tally(ground.deform, &tally));
 			int32_t *offsets = ground_plane(&ground, PLANE_OFFSET), *heaps = ground_plane(&ground, PLANE_DEPOSITED);
-			int32_t *pressed = ground_plane(&ground, PLANE_PLASTIC);
+			int32_t *pressed = ground_plane(&ground, PLANE_PLASTIC_SINKAGE);
 			for (int64_t k = 0; k < ground.posts * ground.posts; k++) {
 				sum += offsets[k];
 				heaped += heaps[k];
@@ -228,7 +228,7 @@ struct planes {
 	int32_t *all[PLANES];
 };
 
-static const enum plane kept[] = {PLANE_OFFSET, PLANE_DEPOSITED, PLANE_PLASTIC, PLANE_SHEAR};
+static const enum plane kept[] = {PLANE_OFFSET, PLANE_DEPOSITED, PLANE_PLASTIC_SINKAGE, PLANE_SHEAR};
 #define KEPT (sizeof kept / sizeof *kept)
 
 static struct planes planes_of(struct ground *ground)

@@ -41,7 +41,7 @@ static void heap(struct ground *ground)
 			heaped[i] = hole ? 0 : (int32_t)ldexp(MOUND * sin((double)x * 0.31) * sin((double)y * 0.23), OFFSET_BITS);
 			pressed[i] = 0;
 		}
-		const void *planes[PLANES] = {[PLANE_OFFSET] = heaped, [PLANE_DEPOSITED] = heaped, [PLANE_PLASTIC] = pressed};
+		const void *planes[PLANES] = {[PLANE_OFFSET] = heaped, [PLANE_DEPOSITED] = heaped, [PLANE_PLASTIC_SINKAGE] = pressed};
 		assert_ok(staged_upload_planes(test_gpu, ground->slots, cells, k, planes));
 	}
 	mem_free(heaped);
@@ -55,7 +55,7 @@ struct state {
 static struct state state_of(struct ground *ground)
 {
 	return (struct state){ground_plane(ground, PLANE_OFFSET), ground_plane(ground, PLANE_DEPOSITED),
-			      ground_plane(ground, PLANE_PLASTIC), ground_plane(ground, PLANE_SHEAR)};
+			      ground_plane(ground, PLANE_PLASTIC_SINKAGE), ground_plane(ground, PLANE_SHEAR)};
 }
 
 static void state_free(struct state *state)

@@ -5,7 +5,7 @@
 #include "staged.h"
 
 enum { CELLS = 16, COUNT = 9, POSTS = (CELLS + 1) * (CELLS + 1) };
-#define STATE_PLANES (PLANE_BIT(PLANE_DEPOSITED) | PLANE_BIT(PLANE_PLASTIC) | PLANE_BIT(PLANE_SHEAR))
+#define STATE_PLANES (PLANE_BIT(PLANE_DEPOSITED) | PLANE_BIT(PLANE_PLASTIC_SINKAGE) | PLANE_BIT(PLANE_SHEAR))
 
 struct asked {
 	unsigned planes;
@@ -163,7 +163,7 @@ static void state_planes_come_together(void **state)
 	(void)state;
 	need_gpu();
 	assert_ok(gpu_slots_create(test_gpu, CELLS, 2, STATE_PLANES, &slots));
-	assert_ok(staged_upload_planes(test_gpu, slots, CELLS, 0, (const void *const[PLANES]){[PLANE_PLASTIC] = zeros}));
+	assert_ok(staged_upload_planes(test_gpu, slots, CELLS, 0, (const void *const[PLANES]){[PLANE_PLASTIC_SINKAGE] = zeros}));
 	assert_ok(staged_upload_deform(test_gpu, slots, CELLS, 1, zeros, NULL));
 	for (int plane = 0; plane < PLANES; plane++)
 		assert_int_equal(gpu_slots_get(slots, 0)->planes[plane] != NULL, plane != PLANE_DISTURBANCE);

@@ -188,11 +188,11 @@ static void state_planes_are_those_of_the_working_level(void **state)
 	struct tile_planes tile = random_planes(CELLS);
 	assert_ok(gpu_slots_create(test_gpu, CELLS, COUNT, ALL, &slots));
 	assert_ok(staged_upload_deform(test_gpu, slots, CELLS, 0, tile.planes[PLANE_OFFSET], tile.planes[PLANE_DISTURBANCE]));
-	assert_null(gpu_slots_get(slots, 0)->planes[PLANE_PLASTIC]); /* it had none in the store */
+	assert_null(gpu_slots_get(slots, 0)->planes[PLANE_PLASTIC_SINKAGE]); /* it had none in the store */
 	assert_ok(gpu_slots_decimate(slots, 0, rect_of(0, 0, CELLS + 1, CELLS + 1), 1, 1, 0, 0));
 	gpu_slots_bytes(slots, &bytes);
 	assert_int_equal(bytes.planes[PLANE_OFFSET], 2 * TILE * 4);
-	assert_int_equal(bytes.planes[PLANE_DEPOSITED] + bytes.planes[PLANE_PLASTIC] + bytes.planes[PLANE_SHEAR], 0);
+	assert_int_equal(bytes.planes[PLANE_DEPOSITED] + bytes.planes[PLANE_PLASTIC_SINKAGE] + bytes.planes[PLANE_SHEAR], 0);
 
 	assert_ok(gpu_slots_deform(slots, 0)); /* about to be written: all, and those it had as they were */
 	assert_non_null(gpu_slots_get(slots, 0)->planes[PLANE_SHEAR]);
@@ -201,7 +201,7 @@ static void state_planes_are_those_of_the_working_level(void **state)
 	tile = random_planes(CELLS);
 	assert_ok(staged_upload_planes(test_gpu, slots, CELLS, 0, (const void *const *)tile.planes));
 	gpu_slots_bytes(slots, &bytes);
-	assert_int_equal(bytes.planes[PLANE_PLASTIC], TILE * 4);
+	assert_int_equal(bytes.planes[PLANE_PLASTIC_SINKAGE], TILE * 4);
 	assert_int_equal(bytes.planes[PLANE_SHEAR], TILE * 2);
 
 	/* A coarser tile that takes over such a deform slot shows nothing of it. */
@@ -216,7 +216,7 @@ static void state_planes_are_those_of_the_working_level(void **state)
 	assert_null(gpu_slots_get(slots, 1)->planes[PLANE_DEPOSITED]);
 	gpu_slots_bytes(slots, &bytes);
 	assert_int_equal(bytes.planes[PLANE_OFFSET], 2 * TILE * 4);
-	assert_int_equal(bytes.planes[PLANE_PLASTIC], TILE * 4);
+	assert_int_equal(bytes.planes[PLANE_PLASTIC_SINKAGE], TILE * 4);
 
 	/* However they change hands: never more of a plane than there are slots. */
 	for (int i = 0; i < 100; i++) {
@@ -471,7 +471,7 @@ static void a_failed_allocation_loses_nothing(void **state)
 			assert_ok(gpu_slots_deform(slots, 0));
 			assert_ok(staged_read_deform(test_gpu, slots, M, 0, read, NULL));
 			assert_memory_equal(read, posts, sizeof read);
-			assert_ok(staged_read_planes(test_gpu, slots, M, 0, (void *[PLANES]){[PLANE_PLASTIC] = read}));
+			assert_ok(staged_read_planes(test_gpu, slots, M, 0, (void *[PLANES]){[PLANE_PLASTIC_SINKAGE] = read}));
 			assert_memory_equal(read, zeros, sizeof read);
 		}
 		gpu_slots_destroy(slots);

@@ -66,7 +66,7 @@ static void commit(void)
 				for (int64_t i = 0; i < (CELLS + 1) * (CELLS + 1); i++)
 					pressed[i] = i == 40 * 5 ? 1 << 18 : 0;
 			}
-			page.planes[PLANE_PLASTIC] = pressed;
+			page.planes[PLANE_PLASTIC_SINKAGE] = pressed;
 			must(store_commit(store, &page, 1, &run, &result));
 		}
 }
@@ -202,7 +202,7 @@ static void a_map_finer_than_what_is_stored_is_interpolated(void **state)
 static void the_soils_state_is_found_wherever_it_is(void **state)
 {
 	for (int level = LEVEL; level <= LEVEL + 3; level++) {
-		struct render_map_raster_params params = asked(level, STORE_PLASTIC);
+		struct render_map_raster_params params = asked(level, STORE_PLASTIC_SINKAGE);
 		struct render_map_raster raster;
 		must(render_map_raster_create(&params, &raster));
 		int64_t at_x = 20 * CELLS + 200 % (CELLS + 1), at_y = 2 * CELLS + 200 / (CELLS + 1);
@@ -464,7 +464,7 @@ static void the_smallest_maps_have_all_of_it(void **state)
 
 static void running_out_of_memory_is_told(void **state)
 {
-	struct render_map_raster_params params = asked(1, STORE_PLASTIC);
+	struct render_map_raster_params params = asked(1, STORE_PLASTIC_SINKAGE);
 	enum status status = STATUS_FAILED;
 	for (uint64_t nth = 1; status != STATUS_OK; nth++) {
 		struct drawn drawn = {.raster = {.width = 0}};

@@ -191,7 +191,7 @@ static void check_newest(struct newest *newest)
 	check_posts(newest, some, STORE_UNITS, PLANE_OFFSET, 0);
 	check_posts(newest, some, STORE_SOIL, PLANE_DISTURBANCE, 0);
 	check_posts(newest, all, STORE_DEPOSITED, PLANE_DEPOSITED, 0);
-	check_posts(newest, some, STORE_PLASTIC, PLANE_PLASTIC, 0);
+	check_posts(newest, some, STORE_PLASTIC_SINKAGE, PLANE_PLASTIC_SINKAGE, 0);
 	check_posts(newest, all, STORE_SHEAR, PLANE_SHEAR, 0);
 	check_posts(newest, half, STORE_SURFACE, PLANE_OFFSET, -1);
 	check_posts(newest, half, STORE_SOIL, PLANE_DISTURBANCE, -1);

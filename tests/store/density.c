@@ -71,9 +71,9 @@ static bool fill(struct tile tile, int32_t *planes[PLANES], int64_t *deformed)
 		planes[PLANE_OFFSET][i] = (int32_t)lround(ldexp(soil.offset, 20));
 		((uint8_t *)planes[PLANE_DISTURBANCE])[i] = (uint8_t)soil.dirt;
 		planes[PLANE_DEPOSITED][i] = (int32_t)lround(ldexp(soil.heaped, 20));
-		planes[PLANE_PLASTIC][i] = (int32_t)lround(ldexp(soil.pressed, 20));
+		planes[PLANE_PLASTIC_SINKAGE][i] = (int32_t)lround(ldexp(soil.pressed, 20));
 		((uint16_t *)planes[PLANE_SHEAR])[i] = (uint16_t)lround(ldexp(soil.shear, 16));
-		*deformed += planes[PLANE_OFFSET][i] != 0 || planes[PLANE_PLASTIC][i] != 0;
+		*deformed += planes[PLANE_OFFSET][i] != 0 || planes[PLANE_PLASTIC_SINKAGE][i] != 0;
 	}
 	return *deformed > before;
 }

@@ -117,7 +117,7 @@ static void content_does_not_depend_on_how_it_was_split(void **state)
 		hashes[way] = content(store);
 		struct store_numbers numbers;
 		assert_ok(store_count(store, &numbers));
-		rows[way] = numbers.plane_tiles[PLANE_OFFSET] + numbers.plane_tiles[PLANE_PLASTIC];
+		rows[way] = numbers.plane_tiles[PLANE_OFFSET] + numbers.plane_tiles[PLANE_PLASTIC_SINKAGE];
 		assert_int_equal(numbers.commits, step);
 		field_free(&field);
 		store_close(store);
@@ -279,7 +279,7 @@ static void a_drive_without_state_forgets_it_where_it_digs(void **state)
 	assert_ok(field_commit(&field, field_all(&field), store, 5, &result));
 	struct store_numbers numbers;
 	assert_ok(store_count(store, &numbers));
-	assert_int_equal(numbers.plane_tiles[PLANE_DEPOSITED] + numbers.plane_tiles[PLANE_PLASTIC], 0);
+	assert_int_equal(numbers.plane_tiles[PLANE_DEPOSITED] + numbers.plane_tiles[PLANE_PLASTIC_SINKAGE], 0);
 	assert_int_equal(numbers.plane_tiles[PLANE_SHEAR], 0);
 	assert_true(numbers.plane_tiles[PLANE_DISTURBANCE] > 0);
 	verified(store);

@@ -133,8 +133,8 @@ static void planes_beyond_their_range_are_refused(void **state)
 		int32_t beyond;
 	} cases[] = {
 		{PLANE_DISTURBANCE, STORE_SOIL, 256},        {PLANE_DISTURBANCE, STORE_SOIL, -1},    {PLANE_DISTURBANCE, STORE_SOIL, INT32_MIN},
-		{PLANE_PLASTIC, STORE_PLASTIC, -1},   {PLANE_SHEAR, STORE_SHEAR, -1},  {PLANE_SHEAR, STORE_SHEAR, 65536},
-		{PLANE_PLASTIC, STORE_PLASTIC, INT32_MIN},
+		{PLANE_PLASTIC_SINKAGE, STORE_PLASTIC_SINKAGE, -1},   {PLANE_SHEAR, STORE_SHEAR, -1},  {PLANE_SHEAR, STORE_SHEAR, 65536},
+		{PLANE_PLASTIC_SINKAGE, STORE_PLASTIC_SINKAGE, INT32_MIN},
 	};
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct field field;

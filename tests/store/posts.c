@@ -52,7 +52,7 @@ static double post_of(const struct field *field, enum store_layer layer, int lev
 	if (isnan(base) || layer == STORE_BASE)
 		return base;
 	static const enum plane planes[STORE_LAYERS] = {[STORE_SOIL] = PLANE_DISTURBANCE, [STORE_DEPOSITED] = PLANE_DEPOSITED,
-							[STORE_PLASTIC] = PLANE_PLASTIC, [STORE_SHEAR] = PLANE_SHEAR};
+							[STORE_PLASTIC_SINKAGE] = PLANE_PLASTIC_SINKAGE, [STORE_SHEAR] = PLANE_SHEAR};
 	int32_t value = deformed_post(field, planes[layer], level, x, y);
 	return layer == STORE_SURFACE				      ? base + lattice_offset_metres(value)
 	       : layer == STORE_UNITS || planes[layer] == PLANE_DISTURBANCE ? value
@@ -210,10 +210,10 @@ static void a_point_lies_between_the_finest_posts_stored_there(void **state)
 	assert_int_equal(sample.disturbance, field.dirt[80 * field.width + 100]);
 	assert_int_equal(sample.planes, (1u << PLANES) - 1);
 	assert_true(sample.deposited == lattice_offset_metres(field_post(&field, PLANE_DEPOSITED, 100, 80)) && sample.deposited != 0);
-	assert_true(sample.plastic == lattice_offset_metres(field_post(&field, PLANE_PLASTIC, 100, 80)) && sample.plastic > 0);
+	assert_true(sample.plastic_sinkage == lattice_offset_metres(field_post(&field, PLANE_PLASTIC_SINKAGE, 100, 80)) && sample.plastic_sinkage > 0);
 	assert_true(sample.shear == field_post(&field, PLANE_SHEAR, 100, 80) / 65536.0 && sample.shear > 0);
 	assert_ok(store_sample(reader, 5, 5, &sample));
-	assert_true(sample.planes == 0 && sample.deposited == 0 && sample.plastic == 0 && sample.shear == 0);
+	assert_true(sample.planes == 0 && sample.deposited == 0 && sample.plastic_sinkage == 0 && sample.shear == 0);
 	static const double outside[][2] = {{-0.001, 5}, {148.001, 5}, {5, -1}, {5, 98.001}, {NAN, 5}};
 	for (size_t i = 0; i < 5; i++) {
 		assert_ok(store_sample(reader, outside[i][0], outside[i][1], &sample));

@@ -239,8 +239,8 @@ static void state_at_a_coarser_level_is_found(void **state)
 	struct store *store = open_store(path, STORE_WRITE);
 	struct row row = {.tile = {0, 1, 1}, .low = 0, .high = lattice_offset_metres(1)};
 	int32_t posts[POSTS] = {[5 * SIDE + 5] = 1};
-	store_rows_encode(&store->rows, ROW_PLASTIC, posts, &row);
-	assert_ok(store_rows_put(&store->rows, ROW_PLASTIC, &row));
+	store_rows_encode(&store->rows, ROW_PLASTIC_SINKAGE, posts, &row);
+	assert_ok(store_rows_put(&store->rows, ROW_PLASTIC_SINKAGE, &row));
 	store_close(store);
 	assert_told(path, "pressed tile level 0 x 1 y 1: it is coarser than the level that is deformed");
 }

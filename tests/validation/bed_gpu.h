@@ -60,7 +60,7 @@ static double bed_gpu_work(struct bed_gpu *bed, const struct deform_shape *shape
 	for (uint32_t k = 0; k < bed->ground.tile_count; k++) {
 		int32_t *before = bed->pressed + k / bed->ground.params.tiles * BED_CELLS * bed->ground.posts +
 				  k % bed->ground.params.tiles * BED_CELLS;
-		assert_ok(staged_read_planes(test_gpu, bed->ground.slots, BED_CELLS, k, (void *[PLANES]){[PLANE_PLASTIC] = now}));
+		assert_ok(staged_read_planes(test_gpu, bed->ground.slots, BED_CELLS, k, (void *[PLANES]){[PLANE_PLASTIC_SINKAGE] = now}));
 		for (int64_t i = 0; i < (BED_CELLS + 1) * (BED_CELLS + 1); i++) {
 			int32_t *at = before + i / (BED_CELLS + 1) * bed->ground.posts + i % (BED_CELLS + 1);
 			sum += pow(lattice_offset_metres(now[i]), power) - pow(lattice_offset_metres(*at), power);

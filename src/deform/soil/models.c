@@ -38,7 +38,7 @@ const struct soil_model deform_soil_models[DEFORM_MODELS] = {
 		.contact_effect = "scm",
 		.window_effect = "scm",
 		.slide_effect = "slide",
-		.planes = PLANE_BIT(PLANE_DEPOSITED) | PLANE_BIT(PLANE_PLASTIC) | PLANE_BIT(PLANE_SHEAR),
+		.planes = PLANE_BIT(PLANE_DEPOSITED) | PLANE_BIT(PLANE_PLASTIC_SINKAGE) | PLANE_BIT(PLANE_SHEAR),
 		.conserves = true,
 		.slide_passes = 1,
 	},

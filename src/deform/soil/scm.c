@@ -140,7 +140,7 @@ static enum status press(struct deform *deform, const struct deform_sweep *sweep
 		.viewport = deform_rows(params.written),
 		.textures = {deform->under, deform->classes},
 		.images = {deform->bases, deform->planes_of[1][PLANE_DEPOSITED], deform->rest, deform->planes_of[1][PLANE_OFFSET],
-			   deform->planes_of[0][PLANE_PLASTIC], deform->planes_of[0][PLANE_SHEAR], deform->contacts,
+			   deform->planes_of[0][PLANE_PLASTIC_SINKAGE], deform->planes_of[0][PLANE_SHEAR], deform->contacts,
 			   deform->carried},
 		.storage = {tally, records, deform->tries, deform->standing},
 		.params = &params,
