@@ -108,8 +108,8 @@ static void open_rig(struct rig *rig, const char *store, const char *overlay, ui
 	const struct store_options write = {.mode = STORE_WRITE}, read = {.mode = STORE_READ};
 	bench_must(overlay != NULL ? store_open_overlay(overlay, store, &write, &world->store) : store_open(store, &read, &world->store));
 	world->meta = store_meta(world->store);
-	world->epochs = tmpfile();
-	if (world->epochs == NULL)
+	world->commit_log = tmpfile();
+	if (world->commit_log == NULL)
 		bench_must(fail_with(STATUS_FAILED, "/tmp: no file can be made; free some space"));
 	bench_must(world_settle_level(world));
 	bench_must(resident_ground_create(world->store, world_ground_tiles(world), &world->ground));
@@ -119,7 +119,7 @@ static void open_rig(struct rig *rig, const char *store, const char *overlay, ui
 	world->gpu = gpu;
 	bench_must(resident_pages_create(&(struct pages_params){.gpu = gpu, .store = world->store, .slots = world->slots, .planes = planes,
 						       .level = world->level, .count = slots, .loaders = 2, .step_pages = 16,
-						       .record = world_record_pages(rig->scene), .commit_log = world->epochs, .commit_age = 1e6,
+						       .record = world_record_pages(rig->scene), .commit_log = world->commit_log, .commit_age = 1e6,
 						       .before_read_back = before_read_back},
 				&world->pages));
 	world->cache = resident_pages_cache(world->pages);
@@ -136,7 +136,7 @@ static void close_rig(struct rig *rig)
 	mem_free(world->events.list);
 	resident_ground_destroy(world->ground);
 	store_abandon(world->store);
-	fclose(world->epochs);
+	fclose(world->commit_log);
 	scene_destroy(rig->scene);
 }
 

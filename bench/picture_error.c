@@ -81,7 +81,7 @@ static void open_rig(struct rig *rig, const char *store)
 {
 	struct world *world = &rig->world;
 	*rig = (struct rig){.scene = {
-		.end_time = 1, .slots = SLOTS, .loaders = 2, .dirt = true,
+		.end_time = 1, .slots = SLOTS, .loaders = 2, .disturbance = true,
 		.view = {.present = true, .width = WIDTH, .height = HEIGHT, .camera = SCENE_FIXED, .target = {1, 1, 0},
 			 .effects = EFFECT_BIT(EFFECT_TEXTURE) | EFFECT_BIT(EFFECT_DETAIL) | EFFECT_BIT(EFFECT_FOG) | EFFECT_BIT(EFFECT_SKY) |
 				    EFFECT_BIT(EFFECT_GEOMORPH) | EFFECT_BIT(EFFECT_SKIRTS)},
@@ -92,15 +92,15 @@ static void open_rig(struct rig *rig, const char *store)
 	if (!store_has_working_level(world->store, &world->level))
 		bench_must(fail_with(STATUS_FAILED, "%s: no rut was made; look at the drive", store));
 	world->spacing = extent_spacing(&world->meta->extent, world->level);
-	world->epochs = tmpfile();
-	if (world->epochs == NULL)
+	world->commit_log = tmpfile();
+	if (world->commit_log == NULL)
 		bench_must(fail_with(STATUS_FAILED, "/tmp: no file can be made; free some space"));
 	bench_must(gpu_create(&(struct gpu_params){.draws = true}, &world->gpu));
 	bench_must(gpu_slots_create(world->gpu, CELLS, SLOTS, PLANE_BIT(PLANE_DISTURBANCE), &world->slots));
 	bench_must(resident_ground_create(world->store, 64, &world->ground));
 	bench_must(resident_pages_create(&(struct pages_params){.gpu = world->gpu, .store = world->store, .slots = world->slots,
 						       .level = world->level, .count = SLOTS, .loaders = 2, .step_pages = 16,
-						       .record = world_record_pages(&rig->scene), .commit_log = world->epochs, .commit_age = 1000,
+						       .record = world_record_pages(&rig->scene), .commit_log = world->commit_log, .commit_age = 1000,
 						       .before_read_back = before_read_back},
 				&world->pages));
 	world->cache = resident_pages_cache(world->pages);
@@ -115,7 +115,7 @@ static void close_rig(struct rig *rig)
 	gpu_slots_destroy(world->slots);
 	gpu_destroy(world->gpu);
 	store_close(world->store);
-	fclose(world->epochs);
+	fclose(world->commit_log);
 	mem_free(world->record);
 }
 

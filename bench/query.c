@@ -118,7 +118,7 @@ static void open_drive(struct world *world, struct scene *scene, struct body *bo
 	world->meta = store_meta(world->store);
 	const struct extent *extent = &world->meta->extent;
 	world->spacing = extent_spacing(extent, LEVEL);
-	world->epochs = tmpfile();
+	world->commit_log = tmpfile();
 	bench_must(gpu_create(&(struct gpu_params){.draws = false}, &world->gpu));
 	bench_must(gpu_slots_create(world->gpu, extent->cells, SLOTS, 0, &world->slots));
 	bench_must(resident_ground_create(world->store, 8, &world->ground));
@@ -127,7 +127,7 @@ static void open_drive(struct world *world, struct scene *scene, struct body *bo
 	bench_must(deform_create(&deform, &world->deform));
 	const struct pages_params pages = {.store = world->store, .gpu = world->gpu, .slots = world->slots,
 					   .planes = gpu_slots_planes(world->slots), .level = LEVEL, .count = SLOTS, .loaders = 2,
-					   .step_pages = 16, .record = world_record_pages(scene), .commit_log = world->epochs, .before_read_back = before_read_back,
+					   .step_pages = 16, .record = world_record_pages(scene), .commit_log = world->commit_log, .before_read_back = before_read_back,
 					   .user = world};
 	bench_must(resident_pages_create(&pages, &world->pages));
 	world->cache = resident_pages_cache(world->pages);
@@ -143,7 +143,7 @@ static void close_drive(struct world *world)
 	gpu_slots_destroy(world->slots);
 	gpu_destroy(world->gpu);
 	store_close(world->store);
-	fclose(world->epochs);
+	fclose(world->commit_log);
 	mem_free(world->record);
 }
 

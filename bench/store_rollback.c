@@ -52,10 +52,10 @@ static void fill(struct soil *soil, struct store_page *page, int number, int rou
 static double commit(struct store *store, const struct store_page *pages, int round)
 {
 	struct store_run run = {.scene_hash = "00", .step = round + 1, .time = round, .state = "{}"};
-	struct store_epoch_result result;
+	struct store_commit_result result;
 	double began = clock_seconds();
 	for (int half = 0; half < 2; half++) {
-		bench_must(store_epoch(store, pages + half * (PAGES / 2), PAGES / 2, &run, &result));
+		bench_must(store_commit(store, pages + half * (PAGES / 2), PAGES / 2, &run, &result));
 		bench_must(store_bound_wal(store));
 	}
 	return (clock_seconds() - began) * 1e3;

@@ -1,5 +1,5 @@
 /*
- * Write-backs: pages of offsets with two ruts across each, committed in batches by store_epoch (one
+ * Write-backs: pages of offsets with two ruts across each, committed in batches by store_commit (one
  * transaction: the pages, every coarser level above, the run's record), beside GDAL updating the
  * same blocks of one level of a tiled GeoTIFF (no transaction, no pyramid).
  */
@@ -77,8 +77,8 @@ static void commit(struct target *target, const struct store_page *pages, size_t
 		return;
 	}
 	struct store_run run = {.scene_hash = "00", .step = target->step, .time = 0.02 * (double)target->step, .state = "{}"};
-	struct store_epoch_result result;
-	bench_must(store_epoch(target->store, pages, count, &run, &result));
+	struct store_commit_result result;
+	bench_must(store_commit(target->store, pages, count, &run, &result));
 	target->step++;
 	target->uncheckpointed += result.bytes_written;
 	if (target->uncheckpointed > CHECKPOINT_BYTES) { /* as a drive does */

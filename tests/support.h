@@ -171,7 +171,7 @@ static inline double *support_quanta(const char *path, int level, struct post_re
 	double *values = malloc((size_t)((rect.x1 - rect.x0) * (rect.y1 - rect.y0)) * sizeof *values);
 	must(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
 	must(store_reader_create(store, &reader));
-	must(store_read_posts(reader, STORE_QUANTA, level, rect, values));
+	must(store_read_posts(reader, STORE_UNITS, level, rect, values));
 	store_reader_destroy(reader);
 	store_close(store);
 	return values;

@@ -28,8 +28,8 @@ const char *export_layer_name(int layer)
 
 enum store_layer export_store_layer(int layer)
 {
-	static const enum store_layer layers[] = {STORE_SURFACE, STORE_BASE,  STORE_OFFSET, STORE_HEAPED,
-						  STORE_PRESSED, STORE_SHEAR, STORE_QUANTA, STORE_SURFACE};
+	static const enum store_layer layers[] = {STORE_SURFACE, STORE_BASE,  STORE_OFFSET, STORE_DEPOSITED,
+						  STORE_PLASTIC_SINKAGE, STORE_SHEAR, STORE_UNITS, STORE_SURFACE};
 	return layers[layer];
 }
 

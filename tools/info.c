@@ -54,7 +54,7 @@ static cJSON *last_run_json(const struct store_numbers *numbers)
 	cJSON_AddStringToObject(run, "scene_hash", numbers->last_run.scene_hash);
 	json_integer(run, "step", numbers->last_run.step);
 	json_number(run, "time", numbers->last_run.time);
-	json_integer(run, "epochs", numbers->epochs);
+	json_integer(run, "epochs", numbers->commits);
 	return run;
 }
 
@@ -165,7 +165,7 @@ static void print_text(struct store *store, const struct store_numbers *numbers)
 	}
 	if (numbers->last_run.scene_hash != NULL)
 		printf("last run   scene %s, step %lld (%.3f s), %lld epochs\n", numbers->last_run.scene_hash,
-		       (long long)numbers->last_run.step, numbers->last_run.time, (long long)numbers->epochs);
+		       (long long)numbers->last_run.step, numbers->last_run.time, (long long)numbers->commits);
 }
 
 static enum status run(const struct arguments *arguments)

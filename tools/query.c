@@ -78,7 +78,7 @@ static enum status ask_point(struct asking *asking, double x, double y)
 			printf("%.15g %.15g %s\n", x, y, sample.outside ? "outside" : "nodata");
 		else
 			printf("%.15g %.15g height %.6f base %.6f offset %.6f dirt %u\n", x, y, sample.height,
-			       sample.base, sample.offset, sample.dirt);
+			       sample.base, sample.offset, sample.disturbance);
 		return STATUS_OK;
 	}
 	struct terrain_height surface;
@@ -99,12 +99,12 @@ static enum status ask_point(struct asking *asking, double x, double y)
 	cJSON_AddBoolToObject(point, "nodata", nodata);
 	cJSON_AddBoolToObject(point, "outside", sample.outside);
 	cJSON *soil = cJSON_AddObjectToObject(point, "soil");
-	json_integer(soil, "dirt", sample.dirt);
+	json_integer(soil, "dirt", sample.disturbance);
 	const struct {
 		enum plane plane;
 		double value;
 	} state[] = {
-		{PLANE_DEPOSITED, sample.heaped}, {PLANE_PLASTIC_SINKAGE, sample.pressed}, {PLANE_SHEAR, sample.shear},
+		{PLANE_DEPOSITED, sample.deposited}, {PLANE_PLASTIC_SINKAGE, sample.plastic_sinkage}, {PLANE_SHEAR, sample.shear},
 	};
 	for (size_t i = 0; i < sizeof state / sizeof *state; i++)
 		if (sample.planes & PLANE_BIT(state[i].plane))

@@ -162,7 +162,7 @@ static void show_layer(struct viewer *viewer, const struct scene *scene, int whi
 {
 	static const char *const names[RENDER_LAYERS] = {"natural colours", "offset", "dirt", "height", "slope", "tiles, by level"};
 	viewer->layer = (enum render_layer_kind)which;
-	tell(viewer, viewer->layer == RENDER_DISTURBANCE && !scene->dirt ? "the scene keeps no dirt" : "%s", names[which]);
+	tell(viewer, viewer->layer == RENDER_DISTURBANCE && !scene->disturbance ? "the scene keeps no dirt" : "%s", names[which]);
 }
 
 static enum status key_down(struct viewer *viewer, struct drive *drive, int key)

@@ -51,7 +51,7 @@ struct api_control {
 struct api_host {
 	void *user;
 	/* May use the functions below. A status other than STATUS_OK ends the drive, as a failed step does. */
-	enum status (*turn)(void *user, struct drive *drive, struct api_control *wish);
+	enum status (*turn)(void *user, struct drive *drive, struct api_control *control);
 	/* Takes a picture: sRGB and alpha, 4 x width x height bytes, row 0 at the bottom. The host may change the pixels until
 	 * it returns. Pictures come in the order in which they were drawn. With a software driver each comes at most one turn
 	 * late. Nothing is drawn when nothing has changed. */
@@ -80,7 +80,7 @@ void api_scene_camera(const struct drive *drive, struct render_camera *camera);
 void api_place(const struct drive *drive, size_t object, double place[3], double *yaw);
 
 /* Drops a body, as world_drop does. The soil that relaxes after it goes on relaxing in the steps that follow. */
-enum status api_drop(struct drive *drive, enum world_drop_shape shape, double x, double y, double yaw, bool *pressed)
+enum status api_drop(struct drive *drive, enum world_drop_shape shape, double x, double y, double yaw, bool *landed)
 	FURROW_CHECKED;
 
 /* --- a drive --- */

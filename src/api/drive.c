@@ -44,16 +44,16 @@ static enum status start_view(struct drive *drive)
 static enum status start_pages(struct drive *drive)
 {
 	const struct api_params *params = drive->params;
-	FILE *epochs;
+	FILE *commit_log;
 	struct page_trace *trace = NULL;
-	enum status status = api_folder_epochs(params->directory, &epochs);
+	enum status status = api_folder_commits(params->directory, &commit_log);
 	if (status != STATUS_OK)
 		return status;
 	if (params->trace != NULL)
 		status = page_trace_create(params->trace, &trace);
 	if (status == STATUS_OK)
-		return world_start_pages(&drive->world, epochs, trace);
-	fclose(epochs);
+		return world_start_pages(&drive->world, commit_log, trace);
+	fclose(commit_log);
 	return status;
 }
 

@@ -18,7 +18,7 @@ enum status api_folder_make(const char *path)
 }
 
 /* The log also shows that a run writes into this folder. Its lock ends with the process. */
-enum status api_folder_epochs(const char *directory, FILE **out)
+enum status api_folder_commits(const char *directory, FILE **out)
 {
 	char path[4096];
 	snprintf(path, sizeof path, "%s/epochs.log", directory);
@@ -35,14 +35,14 @@ enum status api_folder_epochs(const char *directory, FILE **out)
 enum status api_folder_clear(const struct world *world, const char *directory)
 {
 	char path[4096];
-	FILE *epochs = world->epochs;
+	FILE *commit_log = world->commit_log;
 	long whole = 0;
-	for (int c; world->resumed.is && (c = getc(epochs)) != EOF;) /* a kill may have torn the last line */
+	for (int c; world->resumed.is && (c = getc(commit_log)) != EOF;) /* a kill may have torn the last line */
 		if (c == '\n')
-			whole = ftell(epochs);
-	if (whole < 0 || ferror(epochs) || ftruncate(fileno(epochs), whole) != 0)
+			whole = ftell(commit_log);
+	if (whole < 0 || ferror(commit_log) || ftruncate(fileno(commit_log), whole) != 0)
 		return fail_with(STATUS_FAILED, "%s/epochs.log: %s; give a folder that can be written", directory, strerror(errno));
-	rewind(epochs);
+	rewind(commit_log);
 	snprintf(path, sizeof path, "%s/run.json", directory);
 	unlink(path);
 	snprintf(path, sizeof path, "%s/map.png", directory);

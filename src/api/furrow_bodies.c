@@ -62,12 +62,25 @@ static enum status need_lists(const struct furrow_world *world, size_t count, co
 	return status;
 }
 
-static enum status need_contact_size(size_t size)
+/* Checks that all bodies exist. Call it before telling about the first of them, so that a call tells everything or nothing. */
+static enum status need_bodies(const struct furrow_world *world, size_t count, const furrow_body *bodies)
 {
-	if (size == sizeof(struct furrow_contact))
-		return STATUS_OK;
+	struct world_state state;
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+		status = world_body_state(&world->world, bodies[i], &state);
+	return status;
+}
+
+/* Checks lists of bodies and of their contacts, and the caller's size of a contact. */
+static enum status need_contacts(const struct furrow_world *world, size_t count, const furrow_body *bodies,
+				 const struct furrow_contact *contacts, size_t size)
+{
+	enum status status = need_lists(world, count, bodies, contacts, "contacts");
+	if (status != STATUS_OK || size == sizeof *contacts)
+		return status;
 	return fail_with(STATUS_USAGE, "contact_size: it is %zu, and a contact has %zu bytes; give sizeof(struct furrow_contact)", size,
-			 sizeof(struct furrow_contact));
+			 sizeof *contacts);
 }
 
 furrow_status furrow_body_add(struct furrow_world *world, const char *object, furrow_body *body)
@@ -149,10 +162,10 @@ furrow_status furrow_get_states(struct furrow_world *world, size_t count, const 
 {
 	api_library_begin();
 	enum status status = need_lists(world, count, bodies, states, "states");
-	struct world_state state;
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) /* all bodies exist, or nothing is told */
-		status = world_body_state(&world->world, bodies[i], &state);
+	if (status == STATUS_OK)
+		status = need_bodies(world, count, bodies);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+		struct world_state state;
 		status = world_body_state(&world->world, bodies[i], &state);
 		if (status == STATUS_OK)
 			tell_state(&state, &states[i]);
@@ -166,12 +179,9 @@ furrow_status furrow_get_contacts(struct furrow_world *world, size_t count, cons
 	struct library_call call;
 	enum status status = api_library_enter(&call, world);
 	if (status == STATUS_OK)
-		status = need_lists(world, count, bodies, contacts, "contacts");
+		status = need_contacts(world, count, bodies, contacts, contact_size);
 	if (status == STATUS_OK)
-		status = need_contact_size(contact_size);
-	struct world_state state;
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		status = world_body_state(&world->world, bodies[i], &state);
+		status = need_bodies(world, count, bodies);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 		struct world_contact contact;
 		status = world_body_contact(&world->world, bodies[i], &contact);
@@ -187,17 +197,11 @@ furrow_status furrow_probe(struct furrow_world *world, size_t count, const furro
 	api_library_begin();
 	enum status status = need_lists(world, count, bodies, states, "states");
 	if (status == STATUS_OK)
-		status = need_lists(world, count, bodies, contacts, "contacts");
+		status = need_contacts(world, count, bodies, contacts, contact_size);
 	if (status == STATUS_OK)
-		status = need_contact_size(contact_size);
-	struct world_state state;
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		status = world_body_state(&world->world, bodies[i], &state);
+		status = need_bodies(world, count, bodies);
 	/* This version keeps no patch of ground on the host, so nothing is known about other states. */
-	const struct world_contact unknown = {
-		.time = NAN, .force = {NAN, NAN, NAN}, .moment = {NAN, NAN, NAN}, .point = {NAN, NAN, NAN}, .normal = {NAN, NAN, NAN},
-		.sinkage = NAN, .area = NAN, .slip = NAN, .normal_force = NAN, .shear_limit = NAN, .state = WORLD_UNKNOWN,
-	};
+	const struct world_contact unknown = world_contact_unknown();
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		tell_contact(&unknown, &contacts[i]);
 	return api_library_end(status);

@@ -7,9 +7,8 @@
 /* Offsets smaller than this are rounding errors of the base: twice the lattice's 2^-18 m. */
 #define OFFSET_NOISE 0x1p-17
 
-static enum status points_of(struct furrow_world *world, size_t count, const double (*xy)[2], struct terrain_point *points)
+static enum status points_of(size_t count, const double (*xy)[2], struct terrain_point *points)
 {
-	(void)world;
 	for (size_t i = 0; i < count; i++) {
 		if (!isfinite(xy[i][0]) || !isfinite(xy[i][1]))
 			return fail_with(STATUS_USAGE, "xy[%zu]: %g, %g is no place; give finite numbers, m", i, xy[i][0], xy[i][1]);
@@ -55,7 +54,7 @@ furrow_status furrow_points(struct furrow_world *world, size_t count, const doub
 		return api_library_leave(&call, status);
 	at = mem_alloc(count, sizeof *at);
 	heights = mem_alloc(count, sizeof *heights);
-	status = at != NULL && heights != NULL ? points_of(world, count, xy, at) : fail_memory("points");
+	status = at != NULL && heights != NULL ? points_of(count, xy, at) : fail_memory("points");
 	if (status == STATUS_OK)
 		status = api_library_settle(world);
 	if (status == STATUS_OK)
@@ -138,9 +137,9 @@ static enum store_layer layer_of(enum furrow_layer layer)
 	case FURROW_OFFSET:
 		return STORE_OFFSET;
 	case FURROW_DEPOSITED:
-		return STORE_HEAPED;
+		return STORE_DEPOSITED;
 	case FURROW_SINKAGE:
-		return STORE_PRESSED;
+		return STORE_PLASTIC_SINKAGE;
 	case FURROW_DISTURBANCE:
 		return STORE_SOIL;
 	case FURROW_SHEAR_X: /* only the amount of shear is kept, not its direction */
@@ -209,7 +208,7 @@ furrow_status furrow_read(struct furrow_world *world, enum furrow_layer layer, i
 	const enum store_layer kept = layer_of(layer);
 	const struct extent *extent = &world->world.meta->extent;
 	const struct post_rect all = {0, 0, extent_posts(extent->width, level), extent_posts(extent->height, level)};
-	const bool soil = kept == STORE_HEAPED || kept == STORE_PRESSED || kept == STORE_LAYERS;
+	const bool soil = kept == STORE_DEPOSITED || kept == STORE_PLASTIC_SINKAGE || kept == STORE_LAYERS;
 	struct post_rect rect = {column, row, column, row};
 	/* Posts beyond the terrain do not exist. So a sum that would overflow is never needed. */
 	if (column < all.x1 && row < all.y1 && column > -(int64_t)columns && row > -(int64_t)rows)

@@ -38,7 +38,7 @@ static enum status need_view(struct furrow_world *host)
 
 static enum status camera_of(const struct furrow_camera *from, struct render_camera *camera)
 {
-	double q[4], length = 0, sum = 0;
+	double q[4], axes[3][3], length = 0, sum = 0;
 	for (int i = 0; i < 3; i++)
 		sum += fabs(from->pose.position[i]);
 	for (int i = 0; i < 4; i++)
@@ -52,15 +52,11 @@ static enum status camera_of(const struct furrow_camera *from, struct render_cam
 		return fail_with(STATUS_USAGE, "camera: %u x %u pixels; give 1 to %u each", from->width, from->height, API_PICTURE_MOST);
 	for (int i = 0; i < 4; i++)
 		q[i] = from->pose.orientation[i] / length;
-	const double w = q[0], x = q[1], y = q[2], z = q[3];
-	const double forward[3] = {1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)};
-	*camera = (struct render_camera){
-		.fov = from->fovy,
-		.up = {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)},
-	};
+	world_axes(q, axes);
+	*camera = (struct render_camera){.fov = from->fovy, .up = {axes[2][0], axes[2][1], axes[2][2]}};
 	for (int i = 0; i < 3; i++) {
 		camera->eye[i] = from->pose.position[i];
-		camera->target[i] = from->pose.position[i] + forward[i];
+		camera->target[i] = from->pose.position[i] + axes[0][i];
 	}
 	return STATUS_OK;
 }

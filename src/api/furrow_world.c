@@ -18,11 +18,11 @@ static enum status load_scene(const struct furrow_open *open, struct scene **out
 
 static enum status start_pages(struct furrow_world *host)
 {
-	FILE *epochs = NULL;
+	FILE *commit_log = NULL;
 	enum status status = host->output != NULL ? api_folder_make(host->output) : STATUS_OK;
 	if (status == STATUS_OK && host->output != NULL)
-		status = api_folder_epochs(host->output, &epochs);
-	return status == STATUS_OK ? world_start_pages(&host->world, epochs, NULL) : status;
+		status = api_folder_commits(host->output, &commit_log);
+	return status == STATUS_OK ? world_start_pages(&host->world, commit_log, NULL) : status;
 }
 
 static enum status start_output(struct furrow_world *host)

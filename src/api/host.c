@@ -25,7 +25,7 @@
 struct host {
 	struct drive *drive;
 	const struct api_host *calls;
-	struct api_control wish, shown; /* now; of the last picture */
+	struct api_control control, shown; /* now; of the last picture */
 	struct gpu_staging *staging;
 	uint32_t width, height;      /* size of the picture, and of staging */
 	bool software;
@@ -81,14 +81,14 @@ static enum status make_staging(struct host *host, uint32_t width, uint32_t heig
 /* A picture drawn at the old size is never shown. */
 static enum status resize(struct host *host)
 {
-	const struct api_control *wish = &host->wish;
-	if (wish->width == host->width && wish->height == host->height)
+	const struct api_control *control = &host->control;
+	if (control->width == host->width && control->height == host->height)
 		return STATUS_OK;
-	assert(wish->width > 0 && wish->height > 0 && wish->width <= API_PICTURE_MOST && wish->height <= API_PICTURE_MOST);
+	assert(control->width > 0 && control->height > 0 && control->width <= API_PICTURE_MOST && control->height <= API_PICTURE_MOST);
 	host->drawn = host->read = false;
 	host->stale = true;
-	enum status status = render_view_resize(host->drive->view, wish->width, wish->height);
-	return status == STATUS_OK ? make_staging(host, wish->width, wish->height) : status;
+	enum status status = render_view_resize(host->drive->view, control->width, control->height);
+	return status == STATUS_OK ? make_staging(host, control->width, control->height) : status;
 }
 
 static bool same_camera(const struct api_control *a, const struct api_control *b)
@@ -128,16 +128,16 @@ static enum status show(struct host *host)
 static enum status draw(struct host *host)
 {
 	struct drive *drive = host->drive;
-	struct api_control *wish = &host->wish;
-	bool changed = host->stale || wish->again || !same_camera(wish, &host->shown) || wish->layer != host->shown.layer;
+	struct api_control *control = &host->control;
+	bool changed = host->stale || control->again || !same_camera(control, &host->shown) || control->layer != host->shown.layer;
 	if (!changed || clock_seconds() - host->began < PICTURES)
 		return STATUS_OK;
 	host->began = clock_seconds();
-	struct render_layer layer = layer_of(drive, wish->layer);
+	struct render_layer layer = layer_of(drive, control->layer);
 	render_view_show_layer(drive->view, &layer);
 	enum status status = render_view_frame(drive->view, NULL, false);
-	host->shown = *wish;
-	wish->again = false;
+	host->shown = *control;
+	control->again = false;
 	host->stale = render_view_lacks(drive->view);
 	host->drawn = true;
 	if (status == STATUS_OK && !host->software) {
@@ -166,9 +166,9 @@ static enum status one_step(struct host *host)
 /* Adds the simulated time that is due now. Time that a slow machine cannot catch up with is dropped. */
 static void earn(struct host *host)
 {
-	double now = clock_seconds(), step = host->drive->world.scene->time_step, pace = host->wish.pace;
+	double now = clock_seconds(), step = host->drive->world.scene->time_step, pace = host->control.pace;
 	double most = step + BEHIND * (isinf(pace) ? 0 : pace);
-	host->credit = host->wish.go != API_ON ? 0 : isinf(pace) ? INFINITY : fmin(host->credit + (now - host->turned) * pace, most);
+	host->credit = host->control.go != API_ON ? 0 : isinf(pace) ? INFINITY : fmin(host->credit + (now - host->turned) * pace, most);
 	host->turned = now;
 }
 
@@ -181,7 +181,7 @@ static enum status steps(struct host *host, int64_t total, bool *any)
 	enum status status = STATUS_OK;
 	earn(host);
 	double slice = isinf(host->credit) ? fmin(fmax(SLICE, host->frame_ms / 1e3), BEHIND) : SLICE;
-	if (host->wish.go == API_ONE)
+	if (host->control.go == API_ONE)
 		host->credit = step;
 	while (status == STATUS_OK && drive->world.step < total && host->credit >= step && !world_stopped(&drive->world) &&
 	       clock_seconds() - began < slice) {
@@ -202,13 +202,13 @@ static enum status turn(struct host *host, int64_t total)
 {
 	struct drive *drive = host->drive;
 	bool stepped = false, before = host->drawn;
-	enum status status = host->calls->turn(host->calls->user, drive, &host->wish);
+	enum status status = host->calls->turn(host->calls->user, drive, &host->control);
 	host->stale = host->stale || drive->world.drops != host->drops; /* while a picture was shown, too */
 	host->drops = drive->world.drops;
 	if (status == STATUS_OK)
 		status = resize(host);
-	render_view_look_from(drive->view, host->wish.free ? &host->wish.camera : NULL);
-	if (status == STATUS_OK && host->wish.go != API_STOP)
+	render_view_look_from(drive->view, host->control.free ? &host->control.camera : NULL);
+	if (status == STATUS_OK && host->control.go != API_STOP)
 		status = steps(host, total, &stepped);
 	if (status == STATUS_OK && host->drawn)
 		status = show(host);
@@ -228,7 +228,7 @@ enum status api_host_steps(struct drive *drive, int64_t total)
 	struct host host = {
 		.drive = drive,
 		.calls = drive->params->host,
-		.wish = {.go = API_ON, .pace = 1, .width = (uint32_t)view->width, .height = (uint32_t)view->height},
+		.control = {.go = API_ON, .pace = 1, .width = (uint32_t)view->width, .height = (uint32_t)view->height},
 		.software = gpu_info(drive->world.gpu)->software,
 		.stale = true,
 		.turned = drive->began,
@@ -236,7 +236,7 @@ enum status api_host_steps(struct drive *drive, int64_t total)
 	};
 	drive->host = &host;
 	enum status status = make_staging(&host, (uint32_t)view->width, (uint32_t)view->height);
-	while (status == STATUS_OK && host.wish.go != API_STOP)
+	while (status == STATUS_OK && host.control.go != API_STOP)
 		status = world_stopped(&drive->world) ? world_interrupted(&drive->world) : turn(&host, total);
 	gpu_staging_destroy(host.staging);
 	drive->host = NULL;
@@ -311,7 +311,7 @@ void api_place(const struct drive *drive, size_t object, double place[3], double
 	world_place(&drive->world, object, place, yaw);
 }
 
-enum status api_drop(struct drive *drive, enum world_drop_shape shape, double x, double y, double yaw, bool *pressed)
+enum status api_drop(struct drive *drive, enum world_drop_shape shape, double x, double y, double yaw, bool *landed)
 {
-	return world_drop(&drive->world, shape, x, y, yaw, pressed);
+	return world_drop(&drive->world, shape, x, y, yaw, landed);
 }

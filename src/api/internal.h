@@ -23,7 +23,7 @@ struct drive {
 /* folder.c: makes the folder if it does not exist. STATUS_FAILED: it cannot. */
 enum status api_folder_make(const char *path) FURROW_CHECKED;
 /* Opens the folder's log of commits, and locks the folder with it. */
-enum status api_folder_epochs(const char *directory, FILE **out) FURROW_CHECKED;
+enum status api_folder_commits(const char *directory, FILE **out) FURROW_CHECKED;
 /* Removes the files of an earlier run, except the lines that a resumed run continues. */
 enum status api_folder_clear(const struct world *world, const char *directory) FURROW_CHECKED;
 

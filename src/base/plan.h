@@ -60,7 +60,7 @@ enum plan_unit {
 	PLAN_COMMITTED_COARSER, /* tiles above them, whose offsets followed */
 	PLAN_CHANGED,      /* rows of the line's table that commits changed; an unchanged row is not written */
 	PLAN_LEFT,         /* rows of the line's table that were looked up because an earlier drive may have left them */
-	PLAN_EPOCH,
+	PLAN_COMMIT,
 	PLAN_UNITS
 };
 

@@ -195,7 +195,7 @@ static void each_find(struct each *each, bool patch, bool load)
 	}
 }
 
-/* The presses of a model that tells forces. */
+/* The contact passes of a model that tells forces. */
 static void each_felt(struct each *each, const struct deform_planned *object, bool forces)
 {
 	bool load = object->load > 0, patch = deform_is_counted(each->params, object->shape, load);

@@ -8,8 +8,8 @@
 #define DEM_CLASSES_WINDOW (1 << 20) /* pixels that are read at once at most */
 
 struct dem_raster_of_classes {
-	/* From posts of level 0, counted from the south-west one, to columns and rows, counted from the
-	 * north-west corner of the raster (the middle of its first pixel is 0.5, 0.5). NaN: nowhere. */
+	/* Converts positions in place. In: posts of level 0, counted from the south-west post. Out: columns and rows of the
+	 * raster, counted from its north-west corner. The middle of the first pixel is (0.5, 0.5). NaN: outside of the raster. */
 	void (*locate)(struct dem_raster_of_classes *raster, size_t count, double *x, double *y);
 	/* Values of pixels, rows from the north; at most DEM_CLASSES_WINDOW. */
 	enum status (*window)(struct dem_raster_of_classes *raster, struct post_rect pixels, int32_t *values);

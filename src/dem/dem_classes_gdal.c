@@ -1,6 +1,6 @@
 /*
- * Classes of a GeoTIFF in any SRS. Each post is transformed by itself: GDAL may choose between ways from
- * one SRS to another by where the points of a call lie, and a post's class must not depend on its neighbours.
+ * Classes of a GeoTIFF in any SRS. Each post is transformed in a call of its own. GDAL may choose a transformation by the area
+ * that all points of one call cover. But the class of a post must not depend on its neighbours.
  */
 #include <cpl_error.h>
 #include <math.h>

@@ -1,17 +1,20 @@
 /*
- * Posts to tiles of every level, in one pass.
+ * Cuts posts into tiles of every level, in one pass.
  *
  *   posts -> a band of rows -> tiles of level 0 -> every second post into the tile above -> ...
  *
- * The terrain is cut in panels from west to east, each from south to north, so that a band is never
- * wider than memory allows; most terrains are one panel. A tile that is being put together from
- * those below it is open. Of a level no coarser than a panel is wide, one row of tiles is open at
- * once; of a coarser one, one column, of which one tile is in memory and the rest in a temporary file,
- * since a terrain has no most height.
+ * The terrain is processed in panels from west to east, and each panel from south to north. So a band is never wider than
+ * memory allows. Most terrains are one panel.
  *
- * Invariants: (1) a tile is emitted as soon as the last of those below it was, so it comes after
- * all it covers, and the order depends on the terrain's size only; (2) posts beyond the terrain are
- * nodata; (3) the first row of a band is the last of the one before.
+ * A tile is open while it is put together from the tiles below it. If a tile is at most as wide as a panel, one row of its
+ * level is open at once. If it is wider, one column is open: one of its tiles is in memory, and the others are in a temporary
+ * file. That is because the height of a terrain has no limit.
+ *
+ * Invariants:
+ *   1. A tile is emitted as soon as the last tile below it was. So it comes after all tiles that it covers, and the order
+ *      depends only on the terrain's size.
+ *   2. Posts beyond the terrain are nodata.
+ *   3. The first row of a band is the last row of the band before.
  */
 #include "dem/dem.h"
 

@@ -13,7 +13,7 @@
 #include "dem_scratch.h"
 
 #define LEVELS_MAX 32
-#define SWEEPS 12 /* of relaxation a grid: half of them from the south, half from the north */
+#define PASSES 12 /* of relaxation a grid: half of them from the south, half from the north */
 
 struct level {
 	int64_t width, height, start; /* cells; first float in the file */
@@ -180,7 +180,7 @@ static void relax_row(float *row, const float *south, const float *north, const 
 	}
 }
 
-/* One sweep, each hole the mean of its neighbours, rows in one order or the other. */
+/* One pass: sets each hole to the mean of its neighbours, row by row. `from_north`: the order of the rows. */
 static enum status relax(struct fill *fill, int level, bool from_north)
 {
 	const struct level *here = &fill->level[level];
@@ -219,8 +219,8 @@ static enum status solve(struct fill *fill)
 		status = coarsen(fill, level);
 	for (int level = fill->levels - 2; holes && status == STATUS_OK && level >= 0; level--) {
 		status = refine(fill, level);
-		for (int sweep = 0; status == STATUS_OK && sweep < SWEEPS; sweep++)
-			status = relax(fill, level, sweep % 2 != 0);
+		for (int pass = 0; status == STATUS_OK && pass < PASSES; pass++)
+			status = relax(fill, level, pass % 2 != 0);
 	}
 	return status;
 }

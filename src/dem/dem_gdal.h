@@ -7,8 +7,8 @@
 
 #include "dem_internal.h"
 
-/* One file. Its `vrt` is a small text in GDAL's memory files that gives its band 1 as metres, NaN
- * where nodata, so that everything after it need not know of tags, scales and units. */
+/* One file. `vrt` is a small virtual raster among GDAL's files in memory. It gives band 1 in metres, with NaN where there is no
+ * data. So the code that reads it needs no tags, scales and units. */
 struct gdal_source {
 	const char *path;
 	char *vrt; /* its name; NULL before it is made */

@@ -1,5 +1,5 @@
 /*
- * Inside dem: what stands between a file and rows of metres.
+ * Inside dem: how a file becomes rows of metres.
  *
  * A grid is something that rows can be read from: a raw heightmap, a PNG, GDAL's mosaic, or another
  * grid with its holes filled. Grids own what they hold; dem_grid_destroy takes NULL.

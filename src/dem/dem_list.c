@@ -1,6 +1,7 @@
 /*
- * Sources as named to files: a directory stands for the rasters in it (by name, not deeper), and
- * "@list.txt" for one source a line, taken from the list's own folder where it is there.
+ * Finds the files of the sources that a user named. A directory means the rasters in it, in the order of their names, without
+ * those in its subdirectories. "@list.txt" names one source in each line. A name in the list is looked for in the list's own
+ * folder first.
  */
 #include "dem_internal.h"
 
@@ -54,8 +55,8 @@ static bool is_sidecar(const char *name)
 	return false;
 }
 
-/* What is called a raster is meant as one: broken, empty or unreadable it is refused by its name when
- * it is opened, and not left out without a word. */
+/* Tells by its name whether a file is a raster. A broken, empty or unreadable file counts too: opening it later fails with its
+ * name, so it is not left out without an error. */
 static bool is_raster(const char *path)
 {
 	static const char *const endings[] = {".png", ".raw", ".r16", ".tif", ".tiff", ".hgt", ".bil", ".flt",
@@ -122,7 +123,7 @@ static enum status add_one(struct dem_list *list, const char *path)
 	return dem_list_add(list, path);
 }
 
-/* A line of the list at `list_path`: from its folder if it is there, else as it stands. */
+/* Adds a line of the list at `list_path`: as a path in the list's folder if that exists, otherwise as it is written. */
 static enum status add_line(struct dem_list *list, const char *list_path, const char *line)
 {
 	const char *slash = strrchr(list_path, '/');

@@ -1,7 +1,7 @@
 /*
- * A tile measured twice over: the plain way with heights, for holes and floats, and the way most
- * tiles go, with whole codes that the compiler makes vector code of. Both give the same, but
- * for a loss's rounding where the step is no power of two.
+ * Measures a tile, in one of two ways. The plain way computes with heights, for tiles with holes and floats. Most tiles go the
+ * other way: it computes with whole codes, which the compiler turns into vector code. Both give the same results. Only the
+ * rounding of a loss differs where the step is no power of two.
  */
 #include "dem_measure.h"
 

@@ -1,6 +1,6 @@
 /*
- * Several sources as one dataset: GDAL's virtual mosaic of their metres, the first named drawn last
- * and so on top; and by how much they disagree where they overlap.
+ * Joins several sources to one dataset: GDAL's virtual mosaic of their metres. The source named first is drawn last, so it is on
+ * top. Also measures by how much sources disagree where they overlap.
  */
 #include "dem_gdal.h"
 

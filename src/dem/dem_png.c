@@ -1,7 +1,7 @@
 /*
- * Grey PNGs in, through libpng. A PNG is stored from the north and cannot be read from the south, so
- * its rows go into a temporary file first, two bytes a post. An interlaced one is whole only at its
- * end and is held in memory until then, up to a limit.
+ * Reads grey PNGs, through libpng. A PNG begins with its northern row and cannot be read from the south. So its rows go into a
+ * temporary file first, two bytes a post. An interlaced PNG is complete only at its end. It is held in memory until then, up to
+ * a limit.
  */
 #include "dem_internal.h"
 

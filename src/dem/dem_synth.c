@@ -1,10 +1,9 @@
 /*
  * Synthetic terrain: a pure function of post, seed, kind, spacing, relief and the terrain's size.
  *
- * Sums of gradient noise over an integer hash, worked out in short runs of a row so that what is
- * the same along a lattice cell is done once. Features are laid out in metres: the longest
- * wavelength follows the terrain's extent, the shortest is above two posts. Only +, -, *, / and
- * sqrt are used, so that every machine makes the same bits.
+ * Heights are sums of gradient noise over an integer hash. They are computed in short runs of a row, so that values which are the
+ * same along a lattice cell are computed once. Features have sizes in metres: the longest wavelength follows the terrain's
+ * extent, the shortest is above two posts. Only +, -, *, / and sqrt are used, so that every machine makes the same bits.
  */
 #include "dem/dem.h"
 
@@ -193,7 +192,7 @@ static double dune_profile(double phase, double crest)
 
 static void dunes_run(const struct dem_synth *synth, int64_t x, int64_t y, int count, double *out)
 {
-	/* Long enough that no slip face is steeper than sand stands, where the terrain is. */
+	/* Where the terrain is large enough, waves are so long that no slip face is steeper than sand's angle of repose. */
 	double extent = extent_of(synth), wavelength = extent / 10, bend[RUN], swell[RUN], broad[RUN];
 	if (wavelength > 400)
 		wavelength = 400;

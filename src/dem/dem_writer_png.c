@@ -1,6 +1,6 @@
 /*
- * Grey PNGs out. A PNG is stored from the north while rows come from the south, so all of it is
- * held until it is finished; larger ones than the limit are to be GeoTIFFs.
+ * Writes grey PNGs. A PNG begins with its northern row, but rows come from the south. So the whole picture is held in memory until
+ * it is finished. A picture above the limit must be written as GeoTIFF.
  */
 #include "dem_internal.h"
 

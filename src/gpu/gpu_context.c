@@ -1,9 +1,8 @@
 /*
  * The context's life, its counts, and its failure.
  *
- * States: usable -> failed, once and for good: the first GL error, loss of the context or failed
- * creation is kept; from then on nothing calls GL any more except to destroy, and everything that
- * can fail returns it.
+ * States: usable -> failed, for good. It fails at the first GL error, when the context is lost, or when its creation fails. That
+ * failure is kept. After it, only destroy functions call GL, and every function that can fail returns the kept failure.
  */
 #include <string.h>
 

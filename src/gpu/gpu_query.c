@@ -1,6 +1,6 @@
 /*
- * How many samples passed the depth test, of what was drawn between two calls: a GL_SAMPLES_PASSED query each time, read
- * when its result is there and never waited for. Where no query is free nothing is counted that time.
+ * Counts the samples that passed the depth test in draws between two calls. Each time uses one GL_SAMPLES_PASSED query. Its result
+ * is read when it is ready; nothing waits for it. If no query is free, nothing is counted that time.
  *
  * Invariant: queries [first, first + count) of the ring are in flight, in the order in which they began.
  */

@@ -6,7 +6,7 @@
  *
  * Invariants:
  *   1. The buffer is mapped for as long as it lives.
- *   2. A fence stands behind the last transfer; NULL: idle. Fences pass in order, so one is enough.
+ *   2. `fence` comes after the last transfer; NULL: idle. Fences pass in order, so one is enough.
  */
 #include <string.h>
 
@@ -15,23 +15,24 @@
 #define PATIENCE_NS 10000000000u /* of destroy: ten seconds */
 
 /*
- * On a software driver the mapped bytes are handed over as any other memory, and no fence is needed.
- * llvmpipe's pixel buffer is a copy by the CPU all the same, in the call, that first waits for what is
- * queued; and the fence behind it makes it draw everything queued, even what has nothing to do with
- * the tile. 257 x 257 R32I, microseconds of the call by pointer / by pixel buffer, read and upload,
- * Mesa 22.3 on two cores (bench_transfer):
+ * On a software driver the mapped bytes are passed to GL as a plain pointer, and no fence is needed. A pixel buffer has no
+ * advantage there: llvmpipe copies it with the CPU, within the call, after it has waited for queued work. A fence behind the
+ * copy makes llvmpipe draw everything queued, even work that does not use the tile.
  *
- *   behind 25 ms of passes ...          without raster threads      with them
- *   none                                4/4         3/4             4/4         3/4
- *   that write the tile                 26k/26k     26k/26k         30k/27k     29k/30k
- *   that sample it                      32/27k      26k/26k         32/60+44k   28k/27k
- *   of other textures                   36/28k      36/27k          37/70+42k   37/64+45k
+ * Measured with bench_transfer, for 257 x 257 R32I and Mesa 22.3 on two cores. Each entry is the call's time in microseconds, by
+ * pointer / by pixel buffer. The first of two entries is a read, the second an upload. +: until its fence passes.
  *
- * (+: until its fence passes.) Behind a pass that writes the tile either way waits for it.
+ *      after 25 ms of passes ...           without raster threads      with them
+ *      none                                4/4         3/4             4/4         3/4
+ *      that write the tile                 26k/26k     26k/26k         30k/27k     29k/30k
+ *      that sample it                      32/27k      26k/26k         32/60+44k   28k/27k
+ *      of other textures                   36/28k      36/27k          37/70+42k   37/64+45k
  *
- * Both flags matter for reads by the CPU: with GL_CLIENT_STORAGE_BIT and GL_MAP_READ_BIT Mesa's
- * drivers take cached host memory (without the first it may be the GPU's own, read uncached over the
- * bus); NVIDIA's takes it for GL_MAP_READ_BIT.
+ * After a pass that writes the tile, both ways wait for it.
+ *
+ * Both flags matter for reads by the CPU. With GL_CLIENT_STORAGE_BIT and GL_MAP_READ_BIT, Mesa's drivers use cached host memory.
+ * Without the first flag it may be the GPU's own memory, which the CPU reads uncached over the bus. NVIDIA's driver uses cached
+ * host memory for GL_MAP_READ_BIT alone.
  */
 #define MAP_FLAGS (GL_MAP_READ_BIT | GL_MAP_WRITE_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT)
 

@@ -1,10 +1,12 @@
 /*
  * Textures and the targets over them.
  *
- * Invariants: a texture has one mip level, samples NEAREST and clamped, but for those created mipmapped, which have
- * all levels, filter within one and repeat, and those of several samples a pixel, which do not filter; data in and out is
- * tight, in the format's own type, row 0 first. GL orders copies, clears, uploads and draws among
- * themselves; only what passes wrote as images needs a barrier.
+ * Invariants:
+ *   1. A texture has one mip level, and is sampled NEAREST and clamped. There are two exceptions. A texture created mipmapped has
+ *      all levels, filters within a level, and repeats. A texture of several samples a pixel does not filter.
+ *   2. Data in and out is tight, in the format's own type, row 0 first.
+ *
+ * GL orders copies, clears, uploads and draws among themselves. Only textures that passes wrote as images need a barrier.
  */
 #include <string.h>
 

@@ -21,9 +21,9 @@ void gpu_egl_close(struct gpu_egl *egl); /* takes one that was never opened, all
 
 /* --- gpu_ring.c: where the parameters of passes live until they were drawn --- */
 /*
- * A ring of segments of one mapped buffer each. Passes append to the current one; when it is full
- * a fence is put behind it and the next becomes current, if its fence has passed, or else a new one
- * is put between: writing never waits and never touches what a queued draw still reads.
+ * A ring of segments, each with a mapped buffer. Passes append to the current segment. When it is full, a fence is put behind it,
+ * and the next segment becomes current. If that one's fence has not passed yet, a new segment is inserted before it instead.
+ * So writing never waits, and never changes bytes that a queued draw still reads.
  */
 #define GPU_RING_SEGMENTS 64
 #define GPU_RING_BYTES ((size_t)128 * 1024) /* of a segment */

@@ -200,7 +200,7 @@ static enum status read_posts(struct rasterizing *s, enum store_layer layer, flo
 static enum status read_layer(struct rasterizing *s, enum store_layer layer, float *into)
 {
 	static const enum plane planes[STORE_LAYERS] = {
-		[STORE_OFFSET] = PLANE_OFFSET, [STORE_HEAPED] = PLANE_DEPOSITED, [STORE_PRESSED] = PLANE_PLASTIC_SINKAGE,
+		[STORE_OFFSET] = PLANE_OFFSET, [STORE_DEPOSITED] = PLANE_DEPOSITED, [STORE_PLASTIC_SINKAGE] = PLANE_PLASTIC_SINKAGE,
 		[STORE_SHEAR] = PLANE_SHEAR};
 	return s->params->level < s->working ? read_posts(s, layer, into) : read_tiles(s, planes[layer], into);
 }

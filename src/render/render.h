@@ -180,7 +180,7 @@ struct render_map_raster_params {
 	const struct store_meta *meta;
 	bool deformed;         /* the store has a working level, `working` */
 	int working;
-	enum store_layer layer; /* STORE_OFFSET, STORE_HEAPED, STORE_PRESSED or STORE_SHEAR */
+	enum store_layer layer; /* STORE_OFFSET, STORE_DEPOSITED, STORE_PLASTIC_SINKAGE or STORE_SHEAR */
 	int level;             /* level of the pixels, TILE_LEVEL_MIN to the coarsest */
 	struct post_rect rect; /* not empty, within the terrain; held whole in memory, 8 to 12 bytes a pixel */
 	struct render_sun sun;

@@ -190,7 +190,7 @@ void render_view_params(const struct world *world, struct render_params *params)
 		.width = scene->view.width,
 		.height = scene->view.height,
 		.effects = scene->view.effects,
-		.disturbance = scene->dirt,
+		.disturbance = scene->disturbance,
 		.pixel_error = scene->view.pixel_error,
 		.samples = scene->view.samples,
 		.objects = scene->objects,

@@ -184,7 +184,7 @@ void render_view_mark_used(struct view *view, bool stand_ins)
 	/* From far to near, since the tile used last is evicted last. The coarsest tile, which can replace all, comes after them. */
 	for (size_t i = selection->draw_count; i-- > 0;) {
 		const struct terrain_draw *draw = &selection->draws[i];
-		if (draw->stands_in && !stand_ins)
+		if (draw->replaces && !stand_ins)
 			continue;
 		page_cache_peek(cache, tile_key(draw->tile), true, &slot);
 		if (draw->tile.level < 0)

@@ -106,7 +106,7 @@ static void add_units(cJSON *counts, const struct report *report, const struct g
 	add_unit(units, PLAN_COMMITTED, (uint64_t)io->counts.committed);
 	add_unit(units, PLAN_COMMITTED_COARSER, (uint64_t)io->counts.committed_coarser);
 	add_table_units(units, report, &io->counts);
-	add_unit(units, PLAN_EPOCH, (uint64_t)io->commits);
+	add_unit(units, PLAN_COMMIT, (uint64_t)io->commits);
 }
 
 void report_counts(cJSON *root, const struct report *report, const struct gpu_stats *gpu, const struct resident_pages_io *io)

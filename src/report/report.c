@@ -126,18 +126,18 @@ static void add_io(cJSON *root, const struct report *report, const struct reside
 
 static void add_volume(cJSON *root, const struct report *report, const struct resident_pages_io *io)
 {
-	double quantum = lattice_offset_metres(1) * report->world->spacing * report->world->spacing;
+	double unit = lattice_offset_metres(1) * report->world->spacing * report->world->spacing;
 	int64_t removed = -io->sums.below, raised = io->sums.above;
 	cJSON *volume = cJSON_AddObjectToObject(root, "volume");
-	json_number(volume, "removed", (double)removed * quantum);
-	json_number(volume, "raised", (double)raised * quantum);
-	json_number(volume, "net", (double)(raised - removed) * quantum);
-	json_number(volume, "compacted", (double)io->sums.compacted * quantum);
-	cJSON *quanta = cJSON_AddObjectToObject(volume, "quanta");
-	json_integer(quanta, "removed", removed);
-	json_integer(quanta, "raised", raised);
-	json_integer(quanta, "net", raised - removed);
-	json_integer(quanta, "compacted", io->sums.compacted);
+	json_number(volume, "removed", (double)removed * unit);
+	json_number(volume, "raised", (double)raised * unit);
+	json_number(volume, "net", (double)(raised - removed) * unit);
+	json_number(volume, "compacted", (double)io->sums.compacted * unit);
+	cJSON *units = cJSON_AddObjectToObject(volume, "quanta");
+	json_integer(units, "removed", removed);
+	json_integer(units, "raised", raised);
+	json_integer(units, "net", raised - removed);
+	json_integer(units, "compacted", io->sums.compacted);
 }
 
 static void add_objects(cJSON *root, const struct report *report)
@@ -151,7 +151,7 @@ static void add_objects(cJSON *root, const struct report *report)
 		json_number(object, "load", body->object->load > 0 ? body->object->load : (double)NAN);
 		json_number(object, "slip", body->object->slip);
 		if (body->object->load > 0 && body->in_contact)
-			json_number(object, "z", lattice_offset_metres(body->stands));
+			json_number(object, "z", lattice_offset_metres(body->equilibrium));
 		json_integer(object, "skipped", body->skipped);
 	}
 }
@@ -185,7 +185,7 @@ static void add_slide(cJSON *root, const struct report *report)
 	struct world_recorded recorded;
 	world_recorded(report->world, &recorded);
 	cJSON *slide = cJSON_AddObjectToObject(root, "slide");
-	json_integer(slide, "awake", (int64_t)recorded.awake);
+	json_integer(slide, "awake", (int64_t)recorded.active);
 	json_integer(slide, "visited", (int64_t)report->world->relaxation.visited);
 	json_integer(slide, "possible", (int64_t)report->world->relaxation.possible);
 }

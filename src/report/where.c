@@ -13,9 +13,9 @@ static void add_windows(cJSON *where, const struct report *report, const struct 
 {
 	const enum deform_model model = report->world->scene->model;
 	const uint64_t used = scene_effects(report->world->scene, report->world->level);
-	for (int effect = EFFECT_MODEL; effect <= EFFECT_DIRT; effect++) {
+	for (int effect = EFFECT_MODEL; effect <= EFFECT_DISTURBANCE; effect++) {
 		uint64_t visited = report->world->windows.computed;
-		if ((effect > EFFECT_SPREAD && effect < EFFECT_DIRT) || (used >> effect & 1) == 0)
+		if ((effect > EFFECT_SPREAD && effect < EFFECT_DISTURBANCE) || (used >> effect & 1) == 0)
 			continue;
 		if (deform_model_row(model)->smooths && effect == (int)EFFECT_OF(model)) /* not where an object is only at rest */
 			visited = gpu->passes[GPU_SMOOTH] / (uint64_t)report->world->scene->box_repetitions;

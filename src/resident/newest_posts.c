@@ -17,8 +17,8 @@ struct patch {
 };
 
 static const enum plane planes[STORE_LAYERS] = {
-	[STORE_SURFACE] = PLANE_OFFSET, [STORE_OFFSET] = PLANE_OFFSET,   [STORE_QUANTA] = PLANE_OFFSET, [STORE_SOIL] = PLANE_DISTURBANCE,
-	[STORE_HEAPED] = PLANE_DEPOSITED,  [STORE_PRESSED] = PLANE_PLASTIC_SINKAGE, [STORE_SHEAR] = PLANE_SHEAR,
+	[STORE_SURFACE] = PLANE_OFFSET, [STORE_OFFSET] = PLANE_OFFSET,   [STORE_UNITS] = PLANE_OFFSET, [STORE_SOIL] = PLANE_DISTURBANCE,
+	[STORE_DEPOSITED] = PLANE_DEPOSITED,  [STORE_PLASTIC_SINKAGE] = PLANE_PLASTIC_SINKAGE, [STORE_SHEAR] = PLANE_SHEAR,
 };
 
 /* Widens planes of fewer bytes in the same memory. It goes from the end, so that no value is overwritten before it is read. */
@@ -44,7 +44,7 @@ static int32_t post_at(const struct patch *patch, struct post_rect own, int64_t 
 
 static double value_of(enum store_layer layer, int32_t post)
 {
-	return layer == STORE_QUANTA ? post : plane_value(planes[layer], post);
+	return layer == STORE_UNITS ? post : plane_value(planes[layer], post);
 }
 
 /* Returns the requested posts that lie on the tile, edges included. */

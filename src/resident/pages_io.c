@@ -77,7 +77,7 @@ struct describing {
 	char *state;
 };
 
-static const char *describe(void *user, const struct store_epoch_result *result)
+static const char *describe(void *user, const struct store_commit_result *result)
 {
 	struct describing *describing = user;
 	const struct pages_record *record = &describing->pages->params.record;
@@ -125,7 +125,7 @@ static struct store_page store_page_of(const struct pages *pages, const struct p
 	return page;
 }
 
-static void count_commit_locked(struct pages *pages, size_t count, const struct store_epoch_result *result)
+static void count_commit_locked(struct pages *pages, size_t count, const struct store_commit_result *result)
 {
 	struct pages_counts *counts = &pages->io.counts;
 	counts->committed += (int64_t)count;
@@ -163,14 +163,14 @@ static enum status commit(void *user, const struct page_image *const *images, si
 		.given_up = given_up,
 		.user = &describing,
 	};
-	struct store_epoch_result result;
+	struct store_commit_result result;
 	pages->params.record.when(record, &run.step, &run.time);
-	status = store_epoch(pages->params.store, pages->commit_pages, count, &run, &result);
+	status = store_commit(pages->params.store, pages->commit_pages, count, &run, &result);
 	mem_free(describing.state);
 	if (status != STATUS_OK)
 		return status;
 	pages->tallied = tally;
-	status = acknowledge(pages, result.epoch, run.step);
+	status = acknowledge(pages, result.commit, run.step);
 	if (status == STATUS_OK)
 		status = store_bound_wal(pages->params.store);
 	mutex_lock(&pages->mutex);

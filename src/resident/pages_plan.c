@@ -80,5 +80,5 @@ void resident_pages_plan(const struct pages_planned *planned, struct plan *plan)
 		store_plan_reads(plan, STORE_OFFSET_TABLE, 1, PLAN_ONCE, NULL);
 	/* The last drive's record, to see whether it could have been resumed. */
 	store_plan_reads(plan, STORE_RUN_TABLE, 1, PLAN_ONCE, NULL);
-	store_epoch_plan(planned->deforms ? planes : 0, planned->was_deformed, effects, plan);
+	store_commit_plan(planned->deforms ? planes : 0, planned->was_deformed, effects, plan);
 }

@@ -52,7 +52,7 @@ static bool same_place(const struct scene_waypoint *a, const struct scene_waypoi
 	return a->x == b->x && a->y == b->y && a->z == b->z && a->yaw == b->yaw && a->pitch == b->pitch && a->roll == b->roll;
 }
 
-static bool stands_still(const struct scene_path *path)
+static bool is_fixed(const struct scene_path *path)
 {
 	if (path->count == 0)
 		return false;
@@ -75,7 +75,7 @@ static double path_end(const struct scene *scene, const struct scene_path *path)
 		return INFINITY; /* the host moves it */
 	if (path->timed)
 		return path->points[path->count - 1].t;
-	if (stands_still(path))
+	if (is_fixed(path))
 		return 0;
 	if (path->loop || scene->coordinates == SCENE_SRS)
 		return INFINITY;
@@ -90,7 +90,7 @@ static double path_fastest(const struct scene *scene, const struct scene_path *p
 	double fastest = 0;
 	if (path->count == 0)
 		return INFINITY;
-	if (stands_still(path))
+	if (is_fixed(path))
 		return 0;
 	if (!path->timed)
 		return path->speed;
@@ -107,7 +107,7 @@ static bool all_stand_still(const struct scene *scene)
 	if (scene->hosted)
 		return false; /* more may come */
 	for (size_t i = 0; i < scene->object_count; i++)
-		if (!stands_still(&scene->objects[i].path))
+		if (!is_fixed(&scene->objects[i].path))
 			return false;
 	return true;
 }
@@ -139,7 +139,7 @@ static void advise_time(const struct adviser *adviser)
 	if (scene->time_step > scene->end_time)
 		advise(adviser, "time_step: %g s is longer than the drive, %g s: it is one step; give less", scene->time_step,
 		       scene->end_time);
-	/* Soil may slide on after the last path sample, and a camera that stands sees it. */
+	/* Soil may go on relaxing after the last path sample, and a fixed camera shows that. */
 	double last = 0;
 	for (size_t i = 0; i < scene->object_count; i++)
 		last = fmax(last, path_end(scene, &scene->objects[i].path));
@@ -211,7 +211,7 @@ static void advise_ground(const struct adviser *adviser)
 static void advise_attributes(const struct adviser *adviser)
 {
 	const struct scene *scene = adviser->scene;
-	if (scene->dirt && !scene->view.present && !scene->view.left_out)
+	if (scene->disturbance && !scene->view.present && !scene->view.left_out)
 		advise(adviser, "attributes.disturbance: no picture shows it: it is kept for query and for later drives that draw it, at %zu byte a post; add a view, or take "
 				"it away", plane_bytes(PLANE_DISTURBANCE));
 }
@@ -223,7 +223,7 @@ static double narrowest(const struct scene_object *object)
 {
 	const struct deform_shape *shape = &object->shape;
 	/* What goes straight ahead meets a post sooner or later, however short it is. */
-	bool ahead = !object->path.has_attitude && !stands_still(&object->path);
+	bool ahead = !object->path.has_attitude && !is_fixed(&object->path);
 	if (shape->kind == DEFORM_WHEEL)
 		return ahead ? shape->width : fmin(shape->width, 2 * shape->radius);
 	if (shape->kind == DEFORM_SPHERE)
@@ -234,7 +234,7 @@ static double narrowest(const struct scene_object *object)
 }
 
 /* Metres between the prints of bars, on the ground. */
-static double lug_pitch(const struct scene_object *object)
+static double grouser_pitch(const struct scene_object *object)
 {
 	return object->shape.grousers > 0 ? 2 * M_PI * object->shape.radius * (1 - object->slip) / object->shape.grousers : INFINITY;
 }
@@ -247,7 +247,7 @@ static bool is_first_alike(const struct scene *scene, const struct scene_object 
 {
 	size_t others = 0;
 	for (const struct scene_object *other = scene->objects; other < scene->objects + scene->object_count; other++) {
-		if (narrowest(other) != narrowest(object) || lug_pitch(other) != lug_pitch(object))
+		if (narrowest(other) != narrowest(object) || grouser_pitch(other) != grouser_pitch(object))
 			continue;
 		if (other < object)
 			return false;
@@ -270,7 +270,7 @@ static void advise_shape(const struct adviser *adviser, const struct scene_objec
 		advise(adviser, "objects.%s.shape: is %g m across%s and posts are %g m apart: it can pass between them and leave nothing; "
 				"give a spacing of at most %g",
 		       object->name, narrowest(object), alike.others, spacing, narrowest(object));
-	double pitch = lug_pitch(object);
+	double pitch = grouser_pitch(object);
 	if (pitch < 2 * spacing)
 		advise(adviser, "objects.%s.shape.wheel.grousers: their prints are %.3g m apart%s less than two posts of %g m: the ground cannot "
 				"tell them apart; give fewer, or a spacing of at most %.3g",
@@ -285,10 +285,10 @@ static void advise_path(const struct adviser *adviser, const struct scene_object
 		advise(adviser, "objects.%s.path: begins after %g s, and the drive ends after %g s: it never touches the ground; end later, or "
 				"take it away",
 		       object->name, path->points[0].t, scene->end_time);
-	if (path->loop && stands_still(path))
+	if (path->loop && is_fixed(path))
 		advise(adviser, "objects.%s.path.loop: its points are one place: there is no way round; give others, or take it away",
 		       object->name);
-	if (object->slip != 0 && stands_still(path))
+	if (object->slip != 0 && is_fixed(path))
 		advise(adviser, "objects.%s.slip: a wheel that stands does not turn; give it a way, or take it away", object->name);
 }
 

@@ -42,7 +42,7 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		LIST("objects[].shape.mesh.file", "objects[].shape.mesh.scale"),
 		"at most 1,000,000 triangles; its longest side from 1 mm to 1000 m",
 		"finds the lower envelope of triangles"},
-	[EFFECT_LUGS] = {
+	[EFFECT_GROUSERS] = {
 		"lugs", "objects.shape.wheel.grousers", "", LIST("deform/facet.vert", "deform/facet.frag"), "", "underside", 0,
 		LIST("objects[].shape.wheel.grousers", "objects[].shape.wheel.grouser_height", "objects[].shape.wheel.grouser_thickness"),
 		"at most 128 grousers, as high as the wheel's radius",
@@ -56,7 +56,7 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		LIST("output.forces", "output.delay"),
 		"a post bears at most 134 MPa, in steps of a sixteenth of a pascal",
 		"sums the soil's forces on each object"},
-	[EFFECT_DIRT] = {
+	[EFFECT_DISTURBANCE] = {
 		"dirt", "attributes", "", LIST("deform/disturbance.frag"), "offset, dirt", "dirt", 0, NONE,
 		"256 shades: 255 is the dirtiest", "keeps where the ground was disturbed"},
 	[EFFECT_SUBDIVIDE] = {
@@ -151,14 +151,14 @@ static uint64_t model_effects(enum deform_model model)
 uint64_t scene_object_effects(const struct scene_object *object)
 {
 	return (object->shape.kind == DEFORM_MESH ? EFFECT_BIT(EFFECT_MESH) : 0) |
-	       (object->shape.grousers > 0 ? EFFECT_BIT(EFFECT_LUGS) : 0) | (object->load > 0 ? EFFECT_BIT(EFFECT_LOAD) : 0);
+	       (object->shape.grousers > 0 ? EFFECT_BIT(EFFECT_GROUSERS) : 0) | (object->load > 0 ? EFFECT_BIT(EFFECT_LOAD) : 0);
 }
 
 static uint64_t object_effects(const struct scene *scene)
 {
 	uint64_t effects = model_effects(scene->model);
-	if (scene->dirt)
-		effects |= EFFECT_BIT(EFFECT_DIRT);
+	if (scene->disturbance)
+		effects |= EFFECT_BIT(EFFECT_DISTURBANCE);
 	if (scene->soil_map != NULL)
 		effects |= EFFECT_BIT(EFFECT_SOIL_MAP);
 	if (scene->forces > 0)
@@ -219,7 +219,7 @@ static const struct scene_object *caller(const struct scene *scene, enum scene_e
 	for (size_t i = 0; i < scene->object_count; i++) {
 		const struct scene_object *object = &scene->objects[i];
 		if ((effect == EFFECT_MESH && object->shape.kind == DEFORM_MESH) ||
-		    (effect == EFFECT_LUGS && object->shape.grousers > 0) || (effect == EFFECT_LOAD && object->load > 0))
+		    (effect == EFFECT_GROUSERS && object->shape.grousers > 0) || (effect == EFFECT_LOAD && object->load > 0))
 			return object;
 	}
 	return NULL;

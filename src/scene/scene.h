@@ -18,7 +18,7 @@
 
 enum scene_coordinates { SCENE_LOCAL, SCENE_STORE, SCENE_SRS };
 enum scene_outside { SCENE_STOP, SCENE_SKIP };
-enum scene_undisturbed { SCENE_STANDS, SCENE_SLIDES };
+enum scene_undisturbed { SCENE_STABLE, SCENE_SLIDES };
 enum scene_body { SCENE_EARTH, SCENE_MARS, SCENE_MOON };
 enum scene_camera_kind { SCENE_CHASE, SCENE_OVERHEAD, SCENE_FIXED };
 
@@ -30,10 +30,10 @@ enum scene_effect {
 	EFFECT_SLIDE,
 	EFFECT_SOIL_MAP,
 	EFFECT_MESH,
-	EFFECT_LUGS,
+	EFFECT_GROUSERS,
 	EFFECT_LOAD,
 	EFFECT_FORCES,
-	EFFECT_DIRT,
+	EFFECT_DISTURBANCE,
 	EFFECT_SUBDIVIDE,
 	EFFECT_PYRAMID,
 	EFFECT_PICTURE,
@@ -152,7 +152,7 @@ struct scene {
 	char *soil_map;          /* path of a raster, resolved relative to the scene's file; NULL: soils[0] everywhere */
 	uint8_t soil_class[256]; /* index of the soil for each value of the map */
 	uint64_t soil_map_hash[2]; /* hash of the raster's bytes */
-	bool dirt;
+	bool disturbance;
 	enum scene_outside outside;
 	struct scene_object *objects;
 	size_t object_count;
@@ -214,7 +214,7 @@ void scene_object_finish(struct scene_object *object);
 /* Returns the effects that a scene uses at a working level (0: the store's own posts), as EFFECT_BIT of each. For a hosted
  * scene it adds the effects that every body uses, whether it has a body or not. Effects of some bodies only are not added. */
 uint64_t scene_effects(const struct scene *scene, int level);
-/* Returns effects that this object uses and others may not: of EFFECT_MESH, EFFECT_LUGS, EFFECT_LOAD. */
+/* Returns effects that this object uses and others may not: of EFFECT_MESH, EFFECT_GROUSERS, EFFECT_LOAD. */
 uint64_t scene_object_effects(const struct scene_object *object);
 /* Copies the scene as a drive without a window runs it. A view is left out if no picture of it is written. `out` points to what
  * `scene` owns. Do not destroy it. */

@@ -63,7 +63,7 @@ static enum status check_redistribute(const struct scene_tree *tree,
 		scene->interval = number(raw->interval, "redistribute.interval");
 		scene->depth = raw->depth != NULL ? *raw->depth : deform_model_row(scene->model)->depth;
 		scene->tolerance = number(raw->tolerance, "redistribute.tolerance");
-		scene->undisturbed = raw->undisturbed != NULL ? (enum scene_undisturbed)*raw->undisturbed : SCENE_STANDS;
+		scene->undisturbed = raw->undisturbed != NULL ? (enum scene_undisturbed)*raw->undisturbed : SCENE_STABLE;
 	}
 	if (deform_model_takes(scene->model, "bulldozing"))
 		scene->bulldozing = number(raw->bulldozing, "redistribute.bulldozing");
@@ -101,15 +101,15 @@ static enum status check_output(const struct scene_tree *tree, const struct raw_
 static enum status check_attributes(const struct scene_tree *tree, const struct raw_scene *raw,
 				    struct scene *scene)
 {
-	const char *dirt = scene_name_now(scene_effect_row(EFFECT_DIRT)->name);
+	const char *disturbance = scene_name_now(scene_effect_row(EFFECT_DISTURBANCE)->name);
 	for (uint32_t i = 0; i < raw->attributes_count; i++) {
 		const struct scene_node *node = scene_tree_find(tree, "attributes[%u]", i);
-		if (strcmp(raw->attributes[i], dirt) != 0)
+		if (strcmp(raw->attributes[i], disturbance) != 0)
 			return scene_error(tree->file, node, "%s is unknown; allowed: %s",
-					   scene_quote(raw->attributes[i]).text, dirt);
-		if (scene->dirt)
-			return scene_error(tree->file, node, "%s is named twice; allowed: once", dirt);
-		scene->dirt = true;
+					   scene_quote(raw->attributes[i]).text, disturbance);
+		if (scene->disturbance)
+			return scene_error(tree->file, node, "%s is named twice; allowed: once", disturbance);
+		scene->disturbance = true;
 	}
 	return STATUS_OK;
 }

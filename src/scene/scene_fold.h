@@ -5,9 +5,9 @@
 #include "scene/scene_tree.h"
 
 /*
- * Cameras written flat go under their names. `soil.classes`, a mapping of a raster's values to soils,
- * becomes a list of soils that each hold their `value`; a soil there, or `soil.default`, that is only a
- * name becomes a mapping that holds it. What is none of these stays for scene_match to refuse.
+ * Rewrites the tree's short forms as the schema has them. Cameras written flat go under their names. `soil.classes` maps a
+ * raster's values to soils: it becomes a list of soils, each with its `value`. A soil there, or in `soil.default`, may be only a
+ * name: it becomes a mapping that holds the name. Everything else stays, and scene_match refuses it.
  */
 enum status scene_fold(struct scene_tree *tree) FURROW_CHECKED;
 

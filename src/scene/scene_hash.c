@@ -56,8 +56,8 @@ static void add_object(XXH3_state_t *state, const struct scene_object *object)
 	}
 }
 
-/* What began to count after scenes were first hashed follows them, each part after its letter: a scene that
- * has none of it keeps its hash. */
+/* Parts of a scene that were added to the hash later come last, each after a letter of its own. So a scene without such parts
+ * keeps its hash. */
 static void add_part(XXH3_state_t *state, char letter, size_t index)
 {
 	add_whole(state, (uint64_t)letter);
@@ -170,7 +170,7 @@ enum status scene_hash(struct scene *scene)
 	add_whole(state, (uint64_t)scene->model);
 	add_whole(state, (uint64_t)scene->box_radius);
 	add_whole(state, (uint64_t)scene->box_repetitions);
-	add_whole(state, scene->dirt);
+	add_whole(state, scene->disturbance);
 	add_whole(state, (uint64_t)scene->outside);
 	add_whole(state, 0); /* once whether soil was named */
 	add_whole(state, scene->object_count);

@@ -1,6 +1,6 @@
 /*
- * Does the tree say only what the schema knows? Keys, types, ranges and the words of enumerations,
- * in the order of the text, so that the first mistake in the file is the one that is told.
+ * Checks that the tree has only what the schema knows: keys, types, ranges and the words of enumerations. It checks in the order
+ * of the text, so the error names the first mistake in the file.
  */
 #ifndef FURROW_SCENE_MATCH_H
 #define FURROW_SCENE_MATCH_H

@@ -15,11 +15,13 @@
  * left, its up (y) up. Nodes are applied; points, lines and triangles without area are left out;
  * equal vertices are one. The order is the file's.
  *
- * The file is untrusted. STATUS_INPUT, beginning with `told` (the place that names it): missing, larger than
- * SCENE_MESH_BYTES, not a mesh, without a triangle, with more than SCENE_MESH_TRIANGLES, with a place that is not
- * finite, or of a size beyond SCENE_MESH_METRES_*; also if the build has no mesh reader. A glTF may name buffers
- * in its own folder, and nothing else is opened. Files are read one at a time where several
- * threads call it.
+ * The file is untrusted. STATUS_INPUT, with a message that begins with `told` (the place in the scene that names the file):
+ * - it is missing, larger than SCENE_MESH_BYTES, or not a mesh;
+ * - it has no triangle, or more than SCENE_MESH_TRIANGLES;
+ * - a vertex is not finite, or its size is beyond SCENE_MESH_METRES_*;
+ * - the build has no mesh reader.
+ *
+ * A glTF may name buffers in its own folder, and nothing else is opened. Any thread; files are read one at a time.
  */
 enum status scene_mesh_load(const char *path, const char *told, double scale, struct deform_mesh **out)
 	FURROW_CHECKED;

@@ -108,7 +108,7 @@ static const cyaml_schema_field_t soil_fields[] = {
 
 #define MODEL_WORD(number, word) {#word, number},
 static const cyaml_strval_t model_words[] = {DEFORM_MODELS_EACH(MODEL_WORD)};
-static const cyaml_strval_t undisturbed_words[] = {{"stable", SCENE_STANDS}, {"slides", SCENE_SLIDES}};
+static const cyaml_strval_t undisturbed_words[] = {{"stable", SCENE_STABLE}, {"slides", SCENE_SLIDES}};
 static const cyaml_strval_t body_words[] = {{"earth", SCENE_EARTH}, {"mars", SCENE_MARS}, {"moon", SCENE_MOON}};
 static const cyaml_strval_t outside_words[] = {{"stop", SCENE_STOP}, {"skip", SCENE_SKIP}};
 

@@ -7,8 +7,8 @@
 #include "scene/scene_mesh.h"
 
 /* Of the radius, where the scene does not say. */
-#define LUG_HEIGHT 0.05
-#define LUG_THICKNESS 0.1
+#define GROUSER_HEIGHT 0.05
+#define GROUSER_THICKNESS 0.1
 
 static enum status check_wheel(const struct scene_tree *tree, const struct raw_wheel *raw, size_t index,
 			       struct deform_shape *shape)
@@ -24,8 +24,8 @@ static enum status check_wheel(const struct scene_tree *tree, const struct raw_w
 		return scene_error(tree->file, scene_tree_find(tree, "objects[%zu].shape.wheel.%s", index, key),
 				   "is of grousers, and the wheel has none; allowed with: grousers above 0");
 	}
-	shape->grouser_height = raw->grouser_height != NULL ? *raw->grouser_height : LUG_HEIGHT * raw->radius;
-	shape->grouser_thickness = raw->grouser_thickness != NULL ? *raw->grouser_thickness : LUG_THICKNESS * raw->radius;
+	shape->grouser_height = raw->grouser_height != NULL ? *raw->grouser_height : GROUSER_HEIGHT * raw->radius;
+	shape->grouser_thickness = raw->grouser_thickness != NULL ? *raw->grouser_thickness : GROUSER_THICKNESS * raw->radius;
 	if (shape->grouser_height > shape->radius)
 		return scene_error(tree->file, scene_tree_find(tree, "objects[%zu].shape.wheel.grouser_height", index),
 				   "%.10g is out of range; allowed: above 0 to the wheel's radius, %.10g",

@@ -180,7 +180,7 @@ static double modulus_under(const struct deform_soil *soil, double width)
 	return width > 0 ? soil->bekker_kc / width + soil->bekker_kphi : 1;
 }
 
-/* A soil that is lighter to press the deeper it is pressed is none: k_c / b + k_phi must be above 0. */
+/* A soil's resistance must grow with sinkage: checks that k_c / b + k_phi is above 0. */
 static enum status check_bearing(const struct scene_tree *tree, const struct scene *scene, const char *where,
 				 const struct deform_soil *soil)
 {

@@ -142,8 +142,8 @@ static enum status refuse(const struct builder *builder, int line, const char *w
 	return fail_with(STATUS_INPUT, "%s:%d: %s", builder->file, line, why);
 }
 
-/* An escape can write what YAML does not take as it is, and what would break a line: C1 controls, line
- * and paragraph separators, byte order marks, what is no character. */
+/* Returns false for characters that YAML refuses unless they are escaped, or that break a line. These are C1 controls, line and
+ * paragraph separators, byte order marks, and codes that are no character. */
 static bool text_is_clean(const char *text, size_t length)
 {
 	static const char *const unclean[] = {"\xe2\x80\xa8", "\xe2\x80\xa9", "\xef\xbb\xbf", "\xef\xbf\xbe",

@@ -1,13 +1,13 @@
 /*
  * The codec of tiles (FORMAT.md describes the bytes).
  *
- *   posts -> holes foretold -> minus what is foretold -> zigzag -> widths by 16 -> bits [-> LZ4]
+ *   posts -> holes predicted -> minus the prediction -> zigzag -> widths by 16 -> bits [-> LZ4]
  *                                                               -> byte planes -> zstd
  *
- * Invariants: (1) all arithmetic on posts is modulo 2^32, so that every int32 comes back; (2) a
- * hole's residual is 0, so the mask is looked at only when posts are whole; (3) nothing read from a blob is
- * used as a length or a width before it was checked against what is left of the blob and against
- * the plane's own size.
+ * Invariants:
+ *   1. All arithmetic on posts is modulo 2^32, so that every int32 comes back.
+ *   2. A hole's residual is 0. So the mask is used only once all posts are decoded.
+ *   3. A length or a width from a blob is checked before use: against the rest of the blob, and against the plane's own size.
  */
 #include "store/codec.h"
 

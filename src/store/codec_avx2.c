@@ -1,10 +1,9 @@
 /*
  * The codec's inner loops for x86-64 with AVX2, and the choice between them and the plain ones.
  *
- * Eight residuals of w bits are w bytes. Each half of a register takes the 16 bytes that hold four
- * of them (the second half from bit 4 w on), a shuffle brings the four bytes that a residual lies
- * in to its lane, a shift and a mask cut it out. That holds up to 25 bits (7 + 25 = 32); wider
- * blocks, which only lossless floats have, are left to plain C.
+ * Eight residuals of w bits are w bytes. Each half of a register loads 16 bytes, which hold four residuals; the second half
+ * begins at bit 4 w. A shuffle moves the four bytes around each residual into its lane. A shift and a mask then cut it out.
+ * This works up to 25 bits (7 + 25 = 32). Only lossless floats have wider blocks, and plain C decodes them.
  */
 #include "store/codec_kernels.h"
 

@@ -123,8 +123,8 @@ static void blocks_next(struct blocks *blocks, const struct codec_kernels *kerne
 	blocks->widths += count;
 }
 
-/* Posts of whole rows from `y` on; `before` is the row before them, or stands for it, and then is the last
- * of these. */
+/* Computes the posts of `rows` whole rows from row `y` on. `before`, in: the row before them, or a constant row for row 0; out:
+ * the last of these rows. */
 static void finish_rows(struct codec *codec, const struct head *head, const uint32_t *rest, uint32_t y, uint32_t rows,
 			int32_t *before, int32_t *posts)
 {

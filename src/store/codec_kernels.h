@@ -23,8 +23,8 @@ struct codec_kernels {
 	/* `count` blocks of `widths` (each at most 32) to residuals, zigzag undone; returns their end.
 	 * `from` can be read for CODEC_SLACK bytes beyond it. */
 	const uint8_t *(*unpack)(const uint8_t *from, const uint8_t *widths, size_t count, uint32_t *rest);
-	/* Residuals of `rows` rows to posts: their sums along each row (with `slope`, from a row's second
-	 * post on, sums of sums), added to the row before it, the first one's to `before`. */
+	/* Residuals of `rows` rows to posts. Sums the residuals along each row, and adds the row before; for the first row, that is
+	 * `before`. With `slope` it adds sums of sums, from a row's second post on. */
 	void (*sum)(const uint32_t *rest, uint32_t side, uint32_t rows, const int32_t *before, bool slope,
 		    int32_t *posts);
 };

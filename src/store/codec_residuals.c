@@ -33,7 +33,7 @@ FURROW_WIDE static void take_row(const uint32_t *row, const uint32_t *before, ui
 			rest[x] = zigzag(row[x] - row[x - 1] - (before[x] - before[x - 1]));
 }
 
-/* The same where posts may be holes: each is foretold from what was taken for those before it. */
+/* The same where posts may be holes: each prediction uses the predictions that replaced holes before it. */
 static void take_row_with_holes(const int32_t *row, const int32_t *before, uint32_t side, uint32_t first,
 				bool slope, int32_t *filled, uint32_t *rest)
 {

@@ -8,10 +8,10 @@
 #include "base/base.h"
 
 /*
- * Zigzagged residuals of side^2 posts. A post is foretold as left + up - corner; with `slope`, and
- * from a row's third post on, that difference between rows is foretold to grow as it did one post
- * before. Row 0 stands on a row of `first`. Where a hole is (CODEC_NODATA), what is foretold is
- * taken as the post, so its residual is 0. `filled`: side^2 posts of scratch.
+ * Computes zigzagged residuals of side^2 posts. The prediction of a post is left + up - corner. With `slope`, from a row's third
+ * post on, the difference between the rows is predicted to grow as it did one post before. The row before row 0 counts as
+ * `first` everywhere. A hole (CODEC_NODATA) gets the prediction as its post, so its residual is 0. `filled`: side^2 posts of
+ * scratch.
  */
 void store_residuals_take(const int32_t *posts, uint32_t side, uint32_t first, bool slope, bool holes,
 		    int32_t *filled, uint32_t *rest);

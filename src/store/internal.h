@@ -16,7 +16,7 @@
 #define STORE_VERSION 3
 #define STORE_BUSY_MS 5000
 
-/* store_epoch.c: STATUS_INTERRUPTED if run->given_up says that the commit is given up. */
+/* store_commit.c: STATUS_INTERRUPTED if run->given_up says that the commit is given up. */
 enum status store_commit_goes_on(const struct store *store, const struct store_run *run) FURROW_CHECKED;
 
 /* --- store_sql.c: SQLite with messages --- */
@@ -37,7 +37,7 @@ enum status store_sql_integer(sqlite3 *db, const char *path, const char *sql, in
 /* --- store_rows.c: the tables of tiles, a row at a time --- */
 
 /* The base's, and one for each plane. */
-enum row_table { ROW_BASE, ROW_OFFSET, ROW_DIRT, ROW_HEAPED, ROW_PRESSED, ROW_SHEAR, ROW_TABLES };
+enum row_table { ROW_BASE, ROW_OFFSET, ROW_DISTURBANCE, ROW_DEPOSITED, ROW_PLASTIC_SINKAGE, ROW_SHEAR, ROW_TABLES };
 
 static inline enum row_table row_table_of(enum plane plane)
 {
@@ -53,7 +53,7 @@ static inline enum plane row_plane(enum row_table table)
 /* The soil's state: of the working level alone, without a pyramid. */
 static inline bool row_is_state(enum row_table table)
 {
-	return table >= ROW_HEAPED;
+	return table >= ROW_DEPOSITED;
 }
 
 struct row {
@@ -129,7 +129,7 @@ void store_statements_count(struct statements *statements, sqlite3 *db);
 
 struct store_run_copy {
 	bool found;
-	int64_t epoch, step;
+	int64_t commit, step;
 	double time;
 	char *scene_hash, *state; /* its own */
 };
@@ -143,13 +143,13 @@ enum status store_run_put_back(struct store *store, const struct store_run_copy 
 
 /* --- store_undo.c: marks and rollbacks --- */
 
-/* What a rollback needs, in a database of its own that has no name: SQLite keeps it in memory, and in a file that it has
- * unlinked once it is a few MB. So the store's file has no more tables than ever, and a kill leaves nothing to clean up. */
+/* What a rollback needs, in a database of its own without a name. SQLite keeps it in memory; above a few MB it uses a file that
+ * it has unlinked. So the store's file gets no more tables, and a kill leaves nothing to clean up. */
 struct undo {
 	struct rows rows; /* of its connection; without a codec */
 	int64_t kept;     /* how many */
 	/* The store at the mark: */
-	int64_t epoch; /* or of the last rollback to it */
+	int64_t commit; /* or of the last rollback to it */
 	bool working_stored, has_compacted;
 	int64_t compacted;
 	struct store_run_copy run;
@@ -191,7 +191,7 @@ struct store {
 	int64_t compacted; /* writing: as of the last commit */
 	enum state_rows state_rows[ROW_TABLES]; /* writing: by table of the soil's state */
 	uint64_t base_hash; /* store_identity.c */
-	int64_t epoch; /* the last one committed */
+	int64_t commit; /* the last one committed */
 	bool marked;       /* the undo is of a mark that holds */
 	struct undo *undo; /* NULL: never marked */
 	struct changes changes; /* store_changes.c */
@@ -251,8 +251,8 @@ enum status store_meta_copy(struct store_meta *to, const struct store_meta *from
 void store_meta_finish(struct store_meta *meta);
 enum status store_meta_write(struct store *store) FURROW_CHECKED;
 enum status store_meta_read(struct store *store) FURROW_CHECKED; /* also the working level and the commit */
-/* The request that a store is made by: put when it is begun, asked for when that goes on, also where all was
- * done but the renaming. *same false: another, or none. */
+/* The request from which a store is made. It is written when the store is begun. It is compared when making the store is resumed,
+ * even if only the renaming is missing. *same false: the file has another request, or none. */
 enum status store_meta_put_request(struct store *store) FURROW_CHECKED;
 enum status store_meta_same_request(struct store *store, bool *same) FURROW_CHECKED;
 enum status store_meta_put_integer(struct store *store, const char *key, int64_t value) FURROW_CHECKED;
@@ -262,7 +262,7 @@ enum status store_meta_drop(struct store *store, const char *key) FURROW_CHECKED
 enum status store_meta_base_hash(sqlite3 *db, const char *path, uint64_t *hash) FURROW_CHECKED;
 /* What a commit adds; store->compacted stays as it was. */
 enum status store_meta_add_compacted(struct store *store, int64_t more) FURROW_CHECKED;
-/* Quanta lost for good, as the file has it now. */
+/* Soil compacted so far, as the file has it now: 2^-20 m, summed over posts. */
 enum status store_meta_compacted(sqlite3 *db, const char *path, int64_t *compacted) FURROW_CHECKED;
 /* The working level as the file has it now. */
 enum status store_meta_working(sqlite3 *db, const char *path, const struct extent *extent, bool *has, int *level)
@@ -284,17 +284,17 @@ enum status store_identity_compute(struct store *store, uint64_t *hash) FURROW_C
 
 /* The row becomes `posts`, with the range and sums in *row; `old`: what is there, NULL: nothing. Counts what it does. */
 enum status store_change_write(struct store *store, enum row_table table, const int32_t *posts, struct row *row,
-			 const struct row *old, struct store_epoch_result *result) FURROW_CHECKED;
+			 const struct row *old, struct store_commit_result *result) FURROW_CHECKED;
 /* Removes the row; `old` is what is there. */
 enum status store_change_drop(struct store *store, enum row_table table, const struct row *old,
-			struct store_epoch_result *result) FURROW_CHECKED;
+			struct store_commit_result *result) FURROW_CHECKED;
 
 /* --- store_state.c: the soil's state in a commit --- */
 
 /* One plane of it: written where pages have it; where they have not, dropped. A table that no page has rows for,
  * and that has none, is not touched. */
 enum status store_state_put(struct store *store, enum row_table table, const struct store_page *pages, size_t count,
-			    const struct store_run *run, struct store_epoch_result *result) FURROW_CHECKED;
+			    const struct store_run *run, struct store_commit_result *result) FURROW_CHECKED;
 
 /* --- store_lock.c: one writer --- */
 

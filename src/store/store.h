@@ -154,8 +154,8 @@ struct store_page {
 	const void *planes[PLANES];
 };
 
-struct store_epoch_result {
-	int64_t epoch; /* number of this commit, 1 for the first */
+struct store_commit_result {
+	int64_t commit; /* number of this commit, 1 for the first */
 	int64_t tiles_written, bytes_written; /* rows of all levels and tables */
 	int64_t coarser;           /* coarser tiles above the pages whose offsets changed */
 	int64_t changed[PLANES];   /* rows of each plane that were written or removed */
@@ -173,15 +173,15 @@ struct store_run {
 	const char *state; /* JSON: everything else that a resumed drive needs */
 	/* For a state that depends on what this commit changed. Called inside the transaction, when that is known. It returns
 	 * the state; NULL: out of memory. */
-	const char *(*describe)(void *user, const struct store_epoch_result *result);
+	const char *(*describe)(void *user, const struct store_commit_result *result);
 	/* Asked before each tile: true gives the whole commit up, with STATUS_INTERRUPTED. NULL: it goes on. */
 	bool (*given_up)(void *user);
 	void *user;
 };
 
 /* Commits in one transaction: the pages, every coarser level above them, and the run's record. All or nothing. */
-enum status store_epoch(struct store *store, const struct store_page *pages, size_t count,
-			const struct store_run *run, struct store_epoch_result *result) FURROW_CHECKED;
+enum status store_commit(struct store *store, const struct store_page *pages, size_t count,
+			const struct store_run *run, struct store_commit_result *result) FURROW_CHECKED;
 /* Moves the WAL into the file, as far as readers allow. Waits for no reader. */
 enum status store_checkpoint(struct store *store) FURROW_CHECKED;
 /* Call after a commit. Moves the WAL into the file once it has grown to about 64 MB, so that it stays near that size. Waits
@@ -205,9 +205,9 @@ enum status store_reset(struct store *store) FURROW_CHECKED;
 enum store_table {
 	STORE_BASE_TABLE,
 	STORE_OFFSET_TABLE,
-	STORE_DIRT_TABLE,
-	STORE_HEAPED_TABLE,
-	STORE_PRESSED_TABLE,
+	STORE_DISTURBANCE_TABLE,
+	STORE_DEPOSITED_TABLE,
+	STORE_PLASTIC_SINKAGE_TABLE,
 	STORE_SHEAR_TABLE,
 	STORE_META_TABLE,
 	STORE_RUN_TABLE,
@@ -224,7 +224,7 @@ void store_statements(const struct store *store, struct store_statements *out);
 
 /* Adds the statements that commits execute with pages of these planes (0: commits have no pages). effects[plane] calls for a
  * plane. `was_deformed`: earlier commits had pages, maybe with other planes. Pure. */
-void store_epoch_plan(unsigned planes, bool was_deformed, const char *const effects[PLANES], struct plan *plan);
+void store_commit_plan(unsigned planes, bool was_deformed, const char *const effects[PLANES], struct plan *plan);
 /* Adds a line for `amount` reads or writes of a table for each unit. */
 void store_plan_reads(struct plan *plan, enum store_table table, int64_t amount, enum plan_unit unit, const char *effect);
 void store_plan_writes(struct plan *plan, enum store_table table, int64_t amount, enum plan_unit unit, const char *effect);
@@ -233,7 +233,7 @@ void store_plan_writes(struct plan *plan, enum store_table table, int64_t amount
 struct store_numbers {
 	int64_t base_tiles, plane_tiles[PLANES];
 	int64_t file_bytes, base_bytes, plane_bytes[PLANES]; /* blobs as stored */
-	int64_t epochs, compacted;
+	int64_t commits, compacted;
 	struct store_run last_run; /* scene_hash NULL if there was none; owned by the store */
 };
 enum status store_count(struct store *store, struct store_numbers *numbers) FURROW_CHECKED;
@@ -260,10 +260,10 @@ enum store_layer {
 	STORE_SURFACE,
 	STORE_BASE,
 	STORE_OFFSET,
-	STORE_QUANTA,
+	STORE_UNITS,
 	STORE_SOIL, /* disturbance */
-	STORE_HEAPED,
-	STORE_PRESSED,
+	STORE_DEPOSITED,
+	STORE_PLASTIC_SINKAGE,
 	STORE_SHEAR,
 	STORE_LAYERS
 };
@@ -279,9 +279,9 @@ enum status store_read_posts(struct store_reader *reader, enum store_layer layer
 struct store_sample {
 	double height, base, offset; /* metres; NaN where nodata */
 	bool nodata, outside;
-	unsigned dirt;
+	unsigned disturbance;
 	unsigned planes; /* a mask: planes that the tile there has */
-	double heaped, pressed, shear; /* metres, at the nearest post */
+	double deposited, plastic_sinkage, shear; /* metres, at the nearest post */
 };
 enum status store_sample(struct store_reader *reader, double x, double y, struct store_sample *sample)
 	FURROW_CHECKED;

@@ -14,9 +14,9 @@ static enum status begin(struct store *store, enum row_table table, struct tile 
 }
 
 enum status store_change_write(struct store *store, enum row_table table, const int32_t *posts, struct row *row,
-			 const struct row *old, struct store_epoch_result *result)
+			 const struct row *old, struct store_commit_result *result)
 {
-	row->revision = store->epoch + 1;
+	row->revision = store->commit + 1;
 	store_rows_encode(&store->rows, table, posts, row);
 	if (old != NULL && old->hash == row->hash)
 		return STATUS_OK;
@@ -32,7 +32,7 @@ enum status store_change_write(struct store *store, enum row_table table, const 
 }
 
 enum status store_change_drop(struct store *store, enum row_table table, const struct row *old,
-			struct store_epoch_result *result)
+			struct store_commit_result *result)
 {
 	enum status status = begin(store, table, old->tile, true);
 	if (status == STATUS_OK)

@@ -1,9 +1,10 @@
 /*
  * Which tiles of the working level changed after which revision.
  *
- * A row says when it was written, but not that one is gone, and to look at all of them takes longer the more ground is
- * deformed. So the tiles that this opening changed are kept by key, with the last revision that changed each: 16 bytes a
- * tile, in a table at most half full. What was before the opening is read from the rows, once it is asked for.
+ * A row has the revision that wrote it. But no row tells of a row that was removed, and reading all rows takes longer the more
+ * ground is deformed. So the tiles that this opening changed are kept in a table by key, with the last revision that changed each.
+ * A tile takes 16 bytes, and the table is at most half full. Changes before the opening are read from the rows when they are
+ * first asked for.
  */
 #include "store/internal.h"
 

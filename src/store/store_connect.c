@@ -78,8 +78,8 @@ bool store_connect_has_journal(const char *path)
 	return has_beside(path, "-journal");
 }
 
-/* Who may write can make the file that WAL needs: if that failed it would not always fail, and the
- * store is not one that stays as it is. */
+/* Tells whether this process may write in the store's folder. If so, it can create the file that WAL needs, and an error of that
+ * is temporary. Such a store may also still change. */
 static bool may_write(const char *path)
 {
 	char folder[PATH_MAX];
@@ -120,8 +120,8 @@ enum status store_connect_reader(const char *path, const char *named, bool *immu
 		int code = sqlite3_exec(*db, "SELECT count(*) FROM sqlite_schema", NULL, NULL, NULL);
 		if (code == SQLITE_OK)
 			return keep_little(db, named);
-		/* A store whose writer did not end cleanly says WAL; where its folder cannot be written,
-		 * SQLite cannot make the file beside it that WAL needs, nor is one needed without a WAL. */
+		/* A store's header says WAL if its writer did not end cleanly. SQLite then needs a file beside it, which it cannot
+		 * create in a folder without write permission. If no WAL file is there, that file is not needed. */
 		bool beside = (code & 0xff) == SQLITE_CANTOPEN || (code & 0xff) == SQLITE_READONLY;
 		bool journal = store_connect_has_journal(path);
 		if (!beside || (journal && undone) || (!journal && may_write(path)))

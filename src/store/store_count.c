@@ -40,6 +40,6 @@ enum status store_count(struct store *store, struct store_numbers *numbers)
 		status = store_meta_compacted(store->db, store->path, &numbers->compacted);
 	if (status == STATUS_OK)
 		status = store_last_run(store, &numbers->last_run);
-	numbers->epochs = store->last_run.epoch;
+	numbers->commits = store->last_run.commit;
 	return status;
 }

@@ -4,9 +4,9 @@
  *   create: PATH.part, locked -> put_base... -> publish: COMMIT, fsync, what is beside PATH goes,
  *   fsync of the folder, rename, fsync of the folder
  *
- * Whatever fails before the rename leaves PATH as it was, and close removes PATH.part; a kill, or
- * store_suspend, leaves it, and store_resume takes it up where it holds the same request. One that was
- * taken up is left in any case: it was there before, and may be hours of work.
+ * A failure before the rename leaves PATH as it was, and close removes PATH.part. A kill or store_suspend leaves PATH.part.
+ * store_resume continues with it if it was begun by the same request. A resumed PATH.part is never removed: it was there before,
+ * and may be hours of work.
  */
 #include "store/internal.h"
 

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #define COMPACTED_MAX (INT64_MAX / 4) /* either way; so that sums of such are numbers too */
-#define EPOCH_MAX (INT64_C(1) << 53) /* nobody commits that many */
+#define COMMITS_MOST (INT64_C(1) << 53) /* nobody commits that many */
 
 enum status store_meta_copy(struct store_meta *to, const struct store_meta *from)
 {
@@ -376,8 +376,8 @@ enum status store_meta_read(struct store *store)
 	sqlite3_finalize(lookup.statement);
 	if (status != STATUS_OK)
 		return status;
-	status = store_sql_integer(store->db, store->path, "SELECT coalesce(max(epoch), 0) FROM run", &store->epoch);
-	if (status == STATUS_OK && (store->epoch < 0 || store->epoch > EPOCH_MAX))
+	status = store_sql_integer(store->db, store->path, "SELECT coalesce(max(epoch), 0) FROM run", &store->commit);
+	if (status == STATUS_OK && (store->commit < 0 || store->commit > COMMITS_MOST))
 		return bad_key(&lookup, "epoch");
 	return status;
 }

@@ -110,7 +110,7 @@ enum status store_open_as(const char *path, const struct store_options *options,
 	}
 	if (status == STATUS_OK)
 		store_statements_count(&store->statements, store->db);
-	store_changes_restart(&store->changes, store->epoch);
+	store_changes_restart(&store->changes, store->commit);
 	if (status != STATUS_OK) {
 		store_close(store);
 		return status;
@@ -169,7 +169,7 @@ void store_close(struct store *store)
 
 void store_abandon(struct store *store)
 {
-	close_store(store, store != NULL && store->made && store->epoch == 0);
+	close_store(store, store != NULL && store->made && store->commit == 0);
 }
 
 /* --- what it is --- */

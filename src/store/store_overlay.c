@@ -1,9 +1,11 @@
 /*
  * Overlays: a store without base tiles, which names the store that has them.
  *
- * Invariants: (1) the base is opened for reading only, and is no overlay; (2) a base whose hash or
- * header is not what the overlay says is refused; (3) the path to it is from the overlay's folder,
- * so that both may be moved together, and absolute where they share no folder.
+ * Invariants:
+ *   1. The base is opened for reading only, and is no overlay.
+ *   2. A base is refused if its hash or its header differs from what the overlay has.
+ *   3. The path to the base starts at the overlay's folder, so that both can be moved together. It is absolute if they share no
+ *      folder.
  */
 #include "store/internal.h"
 

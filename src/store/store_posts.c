@@ -1,10 +1,9 @@
 /*
  * Posts of any rectangle at any level, and the height at a point.
  *
- * Two passes over the rectangle: the base (which says where there is no data), then what
- * deformation added. Each reads the tiles of the one level that holds it, at or coarser than the
- * level asked for, and interpolates on the lattice as the shaders do. One transaction: what is read
- * belongs to one commit.
+ * Two passes over the rectangle: the base first, which tells where there is no data, then the deformation. Each pass reads tiles
+ * of one stored level, which is the requested level or coarser. It interpolates on the lattice as the shaders do. Both passes
+ * are in one transaction, so all posts are of one commit.
  */
 #include "store/internal.h"
 
@@ -57,8 +56,8 @@ static const struct {
 	meaning_fn meaning;
 } added[STORE_LAYERS] = {
 	[STORE_SURFACE] = {ROW_OFFSET, add_metres}, [STORE_OFFSET] = {ROW_OFFSET, add_metres},
-	[STORE_QUANTA] = {ROW_OFFSET, add_as_is},   [STORE_SOIL] = {ROW_DIRT, add_as_is},
-	[STORE_HEAPED] = {ROW_HEAPED, add_metres},  [STORE_PRESSED] = {ROW_PRESSED, add_metres},
+	[STORE_UNITS] = {ROW_OFFSET, add_as_is},   [STORE_SOIL] = {ROW_DISTURBANCE, add_as_is},
+	[STORE_DEPOSITED] = {ROW_DEPOSITED, add_metres},  [STORE_PLASTIC_SINKAGE] = {ROW_PLASTIC_SINKAGE, add_metres},
 	[STORE_SHEAR] = {ROW_SHEAR, add_shear},
 };
 
@@ -213,8 +212,8 @@ enum status store_read_posts(struct store_reader *reader, enum store_layer layer
 
 /* --- a point --- */
 
-/* The finest level stored at the cell of level-0 posts (or finer) that holds (x, y), and the planes that
- * the tile of the working level there has. */
+/* Finds the finest level stored at the cell that holds (x, y); cells are of level 0 or finer. Also finds the planes that the tile
+ * of the working level has there. */
 static enum status level_at(struct store_reader *reader, double x, double y, int *level, unsigned *planes)
 {
 	const struct extent *extent = reader->rows.extent;
@@ -279,20 +278,20 @@ static enum status sample_inside(struct store_reader *reader, double x, double y
 	enum status status = level_at(reader, x, y, &level, &sample->planes);
 	if (status != STATUS_OK)
 		return status;
-	double u, v, base[4], offset[4], dirt = 0;
+	double u, v, base[4], offset[4], disturbance = 0;
 	struct post_rect cell = cell_at(reader->rows.extent, level, x, y, &u, &v);
 	status = store_read_posts(reader, STORE_BASE, level, cell, base);
 	if (status == STATUS_OK)
 		status = store_read_posts(reader, STORE_OFFSET, level, cell, offset);
 	if (status == STATUS_OK)
-		status = nearest(reader, STORE_SOIL, level, cell, u, v, &dirt);
+		status = nearest(reader, STORE_SOIL, level, cell, u, v, &disturbance);
 	const struct {
 		enum plane plane;
 		enum store_layer layer;
 		double *value;
 	} state[] = {
-		{PLANE_DEPOSITED, STORE_HEAPED, &sample->heaped},
-		{PLANE_PLASTIC_SINKAGE, STORE_PRESSED, &sample->pressed},
+		{PLANE_DEPOSITED, STORE_DEPOSITED, &sample->deposited},
+		{PLANE_PLASTIC_SINKAGE, STORE_PLASTIC_SINKAGE, &sample->plastic_sinkage},
 		{PLANE_SHEAR, STORE_SHEAR, &sample->shear},
 	};
 	for (size_t i = 0; i < sizeof state / sizeof *state && status == STATUS_OK; i++)
@@ -306,7 +305,7 @@ static enum status sample_inside(struct store_reader *reader, double x, double y
 		return STATUS_OK;
 	sample->offset = lattice_bilinear(offset, u, v, 0);
 	sample->height = sample->base + sample->offset;
-	sample->dirt = (unsigned)dirt;
+	sample->disturbance = (unsigned)disturbance;
 	return STATUS_OK;
 }
 

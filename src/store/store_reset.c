@@ -22,7 +22,7 @@ enum status store_reset(struct store *store)
 	store->compacted = 0;
 	for (int table = 0; table < ROW_TABLES; table++)
 		store->state_rows[table] = STATE_UNKNOWN;
-	store->epoch = 0;
+	store->commit = 0;
 	store->marked = false;
 	store_changes_restart(&store->changes, 0);
 	/* The pages that are free now are given back to the disk; the base's mostly lie before them. */

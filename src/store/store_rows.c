@@ -1,10 +1,10 @@
 /*
  * The rows of the tables of tiles, read and written one at a time.
  *
- * Invariants: (1) no statement is left stepped: each is reset before the function that stepped it
- * returns, except that store_rows_read() does so only after the blob was decoded; (2) a row whose hash or
- * codec does not check out never reaches a caller; (3) the same posts, range and sums give the same
- * hash: it covers everything in the row but its revision.
+ * Invariants:
+ *   1. Each statement is reset before the function that stepped it returns. store_rows_read() resets it after decoding the blob.
+ *   2. A row with a wrong hash or an unknown codec never reaches a caller.
+ *   3. The same posts, range and sums give the same hash. It covers everything in the row but its revision.
  */
 #include "store/internal.h"
 
@@ -181,7 +181,7 @@ enum status store_rows_head(struct rows *rows, enum row_table table, struct tile
 static bool all_fit(enum row_table table, const int32_t *posts, size_t count)
 {
 	static const int32_t most[ROW_TABLES] = {
-		[ROW_DIRT] = UINT8_MAX, [ROW_PRESSED] = INT32_MAX, [ROW_SHEAR] = UINT16_MAX,
+		[ROW_DISTURBANCE] = UINT8_MAX, [ROW_PLASTIC_SINKAGE] = INT32_MAX, [ROW_SHEAR] = UINT16_MAX,
 	};
 	bool fits = true;
 	for (size_t i = 0; i < count && most[table] != 0; i++)

@@ -18,7 +18,7 @@ void store_run_copy_finish(struct store_run_copy *copy)
 enum status store_run_copy(struct store *store, struct store_run_copy *copy)
 {
 	sqlite3_stmt *statement = NULL;
-	copy->epoch = 0;
+	copy->commit = 0;
 	copy->found = false;
 	enum status status = store_sql_prepare(store->db, store->path, &statement,
 					 "SELECT epoch, scene_hash, step, time, state FROM run WHERE id = 1");
@@ -30,7 +30,7 @@ enum status store_run_copy(struct store *store, struct store_run_copy *copy)
 		if (status == STATUS_OK)
 			status = keep_text(&copy->state, sqlite3_column_text(statement, 4));
 		copy->found = status == STATUS_OK;
-		copy->epoch = sqlite3_column_int64(statement, 0);
+		copy->commit = sqlite3_column_int64(statement, 0);
 		copy->step = sqlite3_column_int64(statement, 2);
 		copy->time = sqlite3_column_double(statement, 3);
 	} else if (code != SQLITE_DONE) {
@@ -48,7 +48,7 @@ enum status store_run_put(struct store *store, const struct store_run *run, cons
 	if (status != STATUS_OK)
 		return status;
 	sqlite3_stmt *statement = store->run_statement;
-	sqlite3_bind_int64(statement, 1, store->epoch + 1);
+	sqlite3_bind_int64(statement, 1, store->commit + 1);
 	sqlite3_bind_text(statement, 2, run->scene_hash, -1, SQLITE_STATIC);
 	sqlite3_bind_int64(statement, 3, run->step);
 	sqlite3_bind_double(statement, 4, run->time);

@@ -1,5 +1,5 @@
-/* The tables, and the check that a file has these and nothing else: no view, trigger or index that
- * a stranger's file might bring is ever run. */
+/* The tables, and the check that a file has these and nothing else. So no view, trigger or index of a stranger's file is ever
+ * run. */
 #include "store/internal.h"
 
 #include <stdio.h>

@@ -1,12 +1,14 @@
 /*
- * The soil's state (heaped, pressed, shear) in a commit: a row a tile of the working level, and no pyramid,
- * since nobody draws it.
+ * The soil's state in a commit: deposited thickness, plastic sinkage, shear. It has rows at the working level only, without coarser
+ * levels, since nothing draws it.
  *
- * A page without a plane of the state was changed by a model that keeps none: what the plane says there is
- * of ground which is no more. Its row is dropped, and the posts that tiles beside it share with it become
- * zero, so that a shared post has one value still. Invariants: (1) a row exists iff it is not all zero; (2) a
- * table is asked whether it has rows at all before anything is dropped from it, once, and not where the store
- * was never deformed.
+ * If a page lacks a plane of the state, a model changed it that does not keep this plane. The plane's row describes ground that no
+ * longer exists, so it is dropped. Posts that neighbouring tiles share with it become zero, so a shared post still has one value.
+ *
+ * Invariants:
+ *   1. A row exists iff it is not all zero.
+ *   2. Before rows of a table are dropped, the table is asked once whether it has any. It is not asked if the store was never
+ *      deformed.
  */
 #include "store/internal.h"
 
@@ -20,7 +22,7 @@ struct state {
 	uint64_t *dropped; /* keys of pages without the plane, sorted */
 	size_t drop_count;
 	int32_t *posts;
-	struct store_epoch_result *result;
+	struct store_commit_result *result;
 };
 
 static int compare_keys(const void *a, const void *b)
@@ -115,7 +117,7 @@ static enum status drop(struct state *state, struct tile tile)
 }
 
 /* What an earlier drive left. */
-static enum status ask_for_rows(struct store *store, enum row_table table, struct store_epoch_result *result)
+static enum status ask_for_rows(struct store *store, enum row_table table, struct store_commit_result *result)
 {
 	char sql[64];
 	int64_t any = 0;
@@ -141,7 +143,7 @@ static bool all_lack(enum plane plane, const struct store_page *pages, size_t co
 }
 
 enum status store_state_put(struct store *store, enum row_table table, const struct store_page *pages, size_t count,
-			    const struct store_run *run, struct store_epoch_result *result)
+			    const struct store_run *run, struct store_commit_result *result)
 {
 	size_t side = tile_posts(&store->meta.extent);
 	struct state state = {.store = store, .table = table, .result = result};
@@ -156,7 +158,7 @@ enum status store_state_put(struct store *store, enum row_table table, const str
 	}
 	state.dropped = mem_alloc(count + 1, sizeof *state.dropped);
 	state.posts = mem_alloc(side * side, sizeof *state.posts);
-	enum status status = state.dropped != NULL && state.posts != NULL ? STATUS_OK : fail_memory("an epoch");
+	enum status status = state.dropped != NULL && state.posts != NULL ? STATUS_OK : fail_memory("a commit");
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		if (pages[i].planes[row_plane(table)] == NULL)
 			state.dropped[state.drop_count++] = tile_key(pages[i].tile);

@@ -11,8 +11,8 @@
 #include <string.h>
 
 static const char *const names[STORE_TABLES] = {
-	[STORE_BASE_TABLE] = "base",       [STORE_OFFSET_TABLE] = "offset", [STORE_DIRT_TABLE] = "dirt",
-	[STORE_HEAPED_TABLE] = "heaped",   [STORE_PRESSED_TABLE] = "pressed", [STORE_SHEAR_TABLE] = "shear",
+	[STORE_BASE_TABLE] = "base",       [STORE_OFFSET_TABLE] = "offset", [STORE_DISTURBANCE_TABLE] = "dirt",
+	[STORE_DEPOSITED_TABLE] = "heaped",   [STORE_PLASTIC_SINKAGE_TABLE] = "pressed", [STORE_SHEAR_TABLE] = "shear",
 	[STORE_META_TABLE] = "meta",       [STORE_RUN_TABLE] = "run",       [STORE_NO_TABLE] = "other",
 };
 static_assert((int)STORE_BASE_TABLE == (int)ROW_BASE && (int)STORE_SHEAR_TABLE == (int)ROW_SHEAR, "tables in one order");
@@ -75,7 +75,7 @@ void store_plan_writes(struct plan *plan, enum store_table table, int64_t amount
 	add(plan, "write", table, amount, unit, effect);
 }
 
-void store_epoch_plan(unsigned planes, bool was_deformed, const char *const effects[PLANES], struct plan *plan)
+void store_commit_plan(unsigned planes, bool was_deformed, const char *const effects[PLANES], struct plan *plan)
 {
 	for (int plane = 0; plane < PLANES; plane++) {
 		enum store_table table = (enum store_table)row_table_of((enum plane)plane);
@@ -93,9 +93,9 @@ void store_epoch_plan(unsigned planes, bool was_deformed, const char *const effe
 	}
 	if (planes != 0)
 		store_plan_writes(plan, STORE_META_TABLE, 1, PLAN_CHANGED, effects[PLANE_OFFSET]);
-	store_plan_writes(plan, STORE_RUN_TABLE, 1, PLAN_EPOCH, NULL);
+	store_plan_writes(plan, STORE_RUN_TABLE, 1, PLAN_COMMIT, NULL);
 	/* Where a commit begins and ends. */
-	store_plan_writes(plan, STORE_NO_TABLE, 2, PLAN_EPOCH, NULL);
+	store_plan_writes(plan, STORE_NO_TABLE, 2, PLAN_COMMIT, NULL);
 }
 
 /* --- what was executed --- */

@@ -1,13 +1,17 @@
 /*
  * Marks, and rollbacks to them.
  *
- *   store_mark -> commits; before each changes a row for the first time since, that row is kept in the undo
- *   -> store_rollback: one transaction of the store puts all of it back -> as after the mark
+ *   store_mark -> commits, each of which keeps rows in the undo -> store_rollback -> as after the mark
  *
- * The undo has the store's tables; "there was none" is a row of the codec NONE. The run's record and the header's
- * entries are kept by the mark itself. Invariants: (1) what the undo has of a row is what the row was at the mark, and it
- * has every row that the store's commits changed since; so a row too many, of a commit that failed, does no harm; (2) a row is
- * in the undo before the store commits a change of it; (3) what is put back gets a revision that was never used.
+ * A commit keeps a row in the undo before it changes it for the first time since the mark. A rollback puts all of them back in one
+ * transaction of the store. The undo has the store's tables. A row with the codec NONE says that there was no row. The mark itself
+ * keeps the run's record and the header's entries.
+ *
+ * Invariants:
+ *   1. A row in the undo is as it was at the mark. The undo has every row that the store's commits changed since then. It may have
+ *      more rows, from a commit that failed; they do no harm.
+ *   2. A row is in the undo before the store commits a change of it.
+ *   3. A row that is put back gets a revision that was never used.
  */
 #include "store/internal.h"
 
@@ -87,7 +91,7 @@ enum status store_mark(struct store *store)
 	struct undo *undo = store->undo;
 	store_run_copy_finish(&undo->run);
 	undo->run = run;
-	undo->epoch = store->epoch;
+	undo->commit = store->commit;
 	undo->working_stored = store->working_stored;
 	undo->has_compacted = has_compacted != 0;
 	undo->compacted = store->compacted;
@@ -106,7 +110,7 @@ enum status store_undo_keep(struct store *store, enum plane plane, struct tile t
 	if (status != STATUS_OK || kept)
 		return status;
 	row = (struct row){.tile = tile, .codec = NONE, .bytes = "", .size = 0};
-	status = had ? store_rows_copy(&store->rows, &undo->rows, table, tile, store->epoch) : store_rows_put(&undo->rows, table, &row);
+	status = had ? store_rows_copy(&store->rows, &undo->rows, table, tile, store->commit) : store_rows_put(&undo->rows, table, &row);
 	undo->kept += status == STATUS_OK;
 	return status;
 }
@@ -127,7 +131,7 @@ static enum status put_back_row(struct store *store, enum row_table table, struc
 		return status;
 	if (row.codec == NONE)
 		return store_rows_drop(&store->rows, table, tile);
-	return store_rows_copy(rows, &store->rows, table, tile, store->epoch + 1);
+	return store_rows_copy(rows, &store->rows, table, tile, store->commit + 1);
 }
 
 static enum status put_back_table(struct store *store, enum row_table table, int64_t *rows)
@@ -195,7 +199,7 @@ enum status store_rollback(struct store *store)
 {
 	assert(store->writing && store->marked);
 	struct undo *undo = store->undo;
-	if (store->epoch == undo->epoch)
+	if (store->commit == undo->commit)
 		return STATUS_OK; /* no commit since */
 	store_sql_undo(undo->rows.db);
 	enum status status = store_sql_begin(store->db, store->path, "rolling it back");
@@ -206,9 +210,9 @@ enum status store_rollback(struct store *store)
 		store_changes_drop(&store->changes);
 		return status;
 	}
-	store->epoch++;
-	store_changes_commit(&store->changes, store->epoch);
-	undo->epoch = store->epoch;
+	store->commit++;
+	store_changes_commit(&store->changes, store->commit);
+	undo->commit = store->commit;
 	store->working_stored = undo->working_stored;
 	store->compacted = undo->compacted;
 	/* If that fails it keeps rows too many: they are what they were at the mark still (1). */

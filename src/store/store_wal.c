@@ -1,10 +1,9 @@
 /*
  * Keeping the WAL short while a store is written.
  *
- * A checkpoint that could copy everything lets the next commit begin at the WAL's start again, unless a reader
- * is in it just then; one that a reader holds back, or that lets this happen over and over, is repeated in the
- * mode that waits. Until a reader that stays has gone nothing helps, and the WAL grows; then it is cut
- * (journal_size_limit).
+ * After a checkpoint that copied everything, the next commit begins at the WAL's start again, unless a reader uses the WAL just
+ * then. If a reader stops the checkpoint, or this happens again and again, the checkpoint is repeated in the mode that waits. While
+ * a reader stays, the WAL grows. When the reader has gone, it is cut (journal_size_limit).
  */
 #include "store/internal.h"
 

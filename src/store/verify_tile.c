@@ -1,9 +1,9 @@
 /*
- * One tile checked: it decodes, its range and sums, its edges against the tiles beside it, its
- * posts against the tiles it covers, and that there is a tile above it.
+ * Checks one tile: that it decodes, its range and its sums. Compares its edges with the tiles beside it, and its posts with the
+ * tiles that it covers. Checks that there is a tile above it.
  *
- * A tile that does not decode is named once, as itself; comparisons with it are left out. A missing
- * row of a plane counts as zeros, one of the base is named by store_verify.c.
+ * A tile that does not decode is reported once, and comparisons with it are left out. A missing row of a plane counts as zeros.
+ * store_verify.c reports a missing row of the base.
  */
 #include "store/verify.h"
 

@@ -1,10 +1,10 @@
 /*
  * How coarse a view must be to need no more tiles than there are places for.
  *
- * Tiles are divided in the order in which a growing radius would divide them (by error: an error allowed
- * that shrinks), until the next would need more than the budget; the radius ends before that one. What is
- * drawn then is what terrain_select draws with a smaller radius: no other rule, and a function of the view
- * alone, so that a camera that stands still gets the same picture again and again.
+ * Tiles are divided in the order in which a growing radius would divide them. With a limit on the error, it is the order of a
+ * shrinking limit. Dividing stops before the tile that would exceed the budget, and the radius ends there. terrain_select then
+ * draws with that smaller radius, by its usual rules. The result depends only on the view, so a fixed camera always gets the same
+ * picture.
  *
  * Invariants:
  *   1. `needed` is at least what terrain_select would count if every tile divided here were.

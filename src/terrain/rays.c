@@ -9,9 +9,8 @@
  *    no triangle, the side is forgotten.
  * 2. The side at a piece's end is compared with that at the next one's begin. So whatever rounding does where
  *    two triangles meet, and however slanted the ray, it cannot be above here and below there without a hit.
- * 3. A node is passed over only if the ray stays CLEAR of its bounds: more than neighbours can differ in heights
- *    along their common edge (roundings of the lattice). So a side that was forgotten there is found again the
- *    same, unless there was a hole.
+ * 3. A node is passed over only if the ray stays CLEAR of its bounds. CLEAR is more than the heights of neighbours can differ
+ *    along their common edge, by roundings of the lattice. So the ray comes out on the same side, unless there was a hole.
  */
 #include "terrain/cell.h"
 

@@ -1,8 +1,8 @@
 /*
  * Which tiles a view draws: by the dissertation's distance radii, or by its Equation 3.
  *
- * One descent from the coarsest tile. A tile nearer than its radius is divided; each child covers its
- * quadrant or fails to, and what fails is drawn by the nearest ancestor that is resident.
+ * One descent from the coarsest tile. A tile nearer than its radius is divided, and each child covers its quadrant or fails. If it
+ * fails, the nearest resident ancestor draws that quadrant.
  *
  * Invariants:
  *   1. cover() returns true only if the visible ground of the tile is drawn exactly once by the draws
@@ -163,7 +163,7 @@ static bool cover(struct selector *s, const struct terrain_place *place)
 
 	struct terrain_draw draw = {
 		.tile = tile, .ground = TERRAIN_NO_SLOT, .quadrants = own | standing, .finest = !divisible,
-		.divided = divided, .standing = standing, .stands_in = own == 0 && !ground && !coarsest,
+		.divided = divided, .standing = standing, .replaces = own == 0 && !ground && !coarsest,
 		.low = place->low[2], .high = place->high[2], .distance = place->distance,
 	};
 	if (s->view->by_error)
@@ -212,7 +212,7 @@ void terrain_select(const struct extent *extent, const struct terrain_view *view
 	selection->visited = selection->culled = selection->ideal = selection->needed = 0;
 	if (!terrain_find(extent, view, source, root, &place))
 		return;
-	/* It stands in for everything, seen or not. */
+	/* The coarsest tile can replace every other tile, so it is needed even if it is not visible. */
 	selection->needed = 1;
 	if (!source->resident(source->user, root, &slot))
 		want(&s, root, place.distance);

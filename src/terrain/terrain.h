@@ -51,7 +51,7 @@ struct terrain_draw {
 	bool finest;  /* nothing finer exists below */
 	bool divided; /* finer tiles are drawn in the other quadrants, or wanted in `standing` */
 	unsigned standing; /* quadrants that should be drawn finer, but their finer tiles are not resident */
-	bool stands_in; /* the complete picture does not need it; it replaces finer tiles that are not resident */
+	bool replaces; /* the complete picture does not need it; it replaces finer tiles that are not resident */
 	double low, high, distance; /* metres; distance: eye to its box */
 	/* With by_error: metres, the error when it is drawn at a stride of 2^k, which is that of the tile k levels above it.
 	 * Beyond the coarsest level: its relief. No entry is less than the one before. */

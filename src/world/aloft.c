@@ -91,7 +91,7 @@ bool world_asks_touched(const struct world *world)
 		rises = rises || (object->load == 0 && (object->path.has_z || object->sink < 0));
 	}
 	bool everywhere = world->params.everywhere;
-	return rises && !everywhere && deform_conserves(scene->model) && scene->undisturbed == SCENE_STANDS;
+	return rises && !everywhere && deform_conserves(scene->model) && scene->undisturbed == SCENE_STABLE;
 }
 
 enum status world_see(struct world *world, const struct deform_tile *held)
@@ -120,8 +120,8 @@ static enum status look(struct world *world, struct tile tile)
 	return status;
 }
 
-/* Tells whether a tile touched before the drive has posts in a block that this window might keep active. If not, no wall stands
- * at the sides of the block either, since posts on an edge are in both tiles. */
+/* Tells whether a tile touched before the drive has posts in a block that this window might keep active. If not, there is no
+ * wall at the sides of the block either, since posts on an edge are in both tiles. */
 static enum status near_old(struct world *world, const struct deform_window *window, bool *near)
 {
 	struct tile first, last;

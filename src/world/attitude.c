@@ -10,8 +10,7 @@
 #define PLACE_MOST 1e9   /* m, along x and y */
 #define HEIGHT_MOST 1e6  /* m */
 
-/* The body's own axes, forward, left and up, in local axes. `q`: of length 1; w, x, y, z. */
-static void axes_of(const double q[4], double axes[3][3])
+void world_axes(const double q[4], double axes[3][3])
 {
 	const double w = q[0], x = q[1], y = q[2], z = q[3];
 	const double rows[3][3] = {
@@ -58,7 +57,7 @@ enum status world_attitude(const struct deform_shape *shape, const char *name, c
 	};
 	if (shape->kind == DEFORM_SPHERE)
 		return STATUS_OK;
-	axes_of(q, axes);
+	world_axes(q, axes);
 	if (shape->kind == DEFORM_WHEEL)
 		return wheel_of(name, (const double(*)[3])axes, pose);
 	pose->pitch = atan2(axes[0][2], hypot(axes[0][0], axes[0][1]));

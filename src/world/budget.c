@@ -53,7 +53,7 @@ static size_t block_tiles(const struct world *world, const struct deform_params 
 }
 
 /* Checks that undisturbed ground that relaxes fits into the active blocks. */
-static enum status check_awake(const struct world *world)
+static enum status check_active(const struct world *world)
 {
 	const struct extent *extent = &world->meta->extent;
 	double blocks = ceil((double)extent_posts(extent->width, world->level) / DEFORM_BLOCK) *
@@ -88,7 +88,7 @@ enum status world_budget_check(struct world *world)
 	struct deform_params params;
 	/* For an assumed terrain it is not known. */
 	bool slides = world_deforms(world) && scene->undisturbed == SCENE_SLIDES && world->store != NULL;
-	enum status status = slides ? check_awake(world) : STATUS_OK;
+	enum status status = slides ? check_active(world) : STATUS_OK;
 	if (status != STATUS_OK)
 		return status;
 	world_deform_params(world, &params);

@@ -106,12 +106,12 @@ static enum status restore_deform(struct world *world, const struct checkpoint *
 	if (world->deform == NULL)
 		return STATUS_OK;
 	enum status status = deform_restore(world->deform, &saved->tally);
-	for (size_t i = 0; i < saved->record->awake_count && status == STATUS_OK; i++)
-		status = deform_wake_block(world->deform, saved->record->awake[i]);
+	for (size_t i = 0; i < saved->record->active_count && status == STATUS_OK; i++)
+		status = deform_wake_block(world->deform, saved->record->active[i]);
 	for (size_t i = 0; i < world->scene->object_count; i++) {
 		const struct body *body = &world->bodies[i];
 		if (body->loaded_body > 0 && body->in_contact)
-			deform_set_equilibrium(world->deform, body->loaded_body, (int32_t)(body->stands - body->last.z));
+			deform_set_equilibrium(world->deform, body->loaded_body, (int32_t)(body->equilibrium - body->last.z));
 	}
 	return status;
 }

@@ -105,7 +105,7 @@ static enum status tell_watcher(const struct world *world, const struct event *e
 	return world->watcher->contact(world->watcher->user, event, &told);
 }
 
-static struct deform_contact sweep_of(const struct world *world, const struct body *body, const struct event *event)
+static struct deform_contact contact_of(const struct world *world, const struct body *body, const struct event *event)
 {
 	struct deform_contact sweep = {
 		.shape = &body->object->shape,
@@ -128,7 +128,7 @@ static struct deform_contact sweep_of(const struct world *world, const struct bo
 enum status world_feel(struct world *world, const struct event *event)
 {
 	const struct body *body = world_body_at(world, event->body);
-	struct deform_contact sweep = sweep_of(world, body, event);
+	struct deform_contact sweep = contact_of(world, body, event);
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	struct held_tiles held = {.count = 0};
 	size_t count = 0;
@@ -155,7 +155,7 @@ enum status world_feel(struct world *world, const struct event *event)
 enum status world_contact(struct world *world, const struct event *event, bool last)
 {
 	struct body *body = world_body_at(world, event->body);
-	struct deform_contact sweep = sweep_of(world, body, event);
+	struct deform_contact sweep = contact_of(world, body, event);
 	/* Its earlier height is not known here and is not needed: it acts on the ground at its height now. */
 	if (sweep.load > 0)
 		sweep.from.z = sweep.to.z;

@@ -60,7 +60,7 @@ static enum status tell_watcher(struct world *world, const struct event *event, 
 }
 
 /* Between steps the drive is consistent; during a drop it is not. */
-static enum status press(struct world *world, const struct event *event)
+static enum status touch(struct world *world, const struct event *event)
 {
 	struct body *body = &world->bodies[event->body];
 	world->torn = true;
@@ -70,10 +70,10 @@ static enum status press(struct world *world, const struct event *event)
 	return status == STATUS_OK ? world_end_step(world) : status;
 }
 
-enum status world_drop(struct world *world, enum world_drop_shape shape, double x, double y, double yaw, bool *pressed)
+enum status world_drop(struct world *world, enum world_drop_shape shape, double x, double y, double yaw, bool *landed)
 {
 	size_t spare = world->scene->object_count;
-	*pressed = false;
+	*landed = false;
 	if (spare == 0)
 		return STATUS_OK;
 	const struct scene_object object = dropped(world, shape);
@@ -85,8 +85,8 @@ enum status world_drop(struct world *world, enum world_drop_shape shape, double 
 		.next_time = INFINITY,
 	};
 	int64_t height = 0;
-	enum status status = surface(world, x, y, &height, pressed);
-	if (status != STATUS_OK || !*pressed)
+	enum status status = surface(world, x, y, &height, landed);
+	if (status != STATUS_OK || !*landed)
 		return status;
 	event.pose = (struct deform_pose){.x = lattice_offset(x), .y = lattice_offset(y), .yaw = yaw};
 	*body = (struct body){.object = &object};
@@ -96,7 +96,7 @@ enum status world_drop(struct world *world, enum world_drop_shape shape, double 
 	event.sinkage = sink;
 	status = tell_watcher(world, &event, height, &object.shape);
 	if (status == STATUS_OK)
-		status = press(world, &event);
+		status = touch(world, &event);
 	*body = (struct body){.object = NULL};
 	world->drops++;
 	return status;

@@ -48,7 +48,7 @@ struct forces {
 	uint64_t *known_tag;
 	struct entry *entries;      /* [first, count) wait, in order; [kept, first) were used before `delay` steps had passed */
 	size_t kept, first, count, room;
-	uint64_t saturated, sunk;   /* posts; sweeps */
+	uint64_t saturated, sunk;   /* posts; contacts */
 };
 
 bool world_feels(const struct world *world)
@@ -262,7 +262,7 @@ static enum status use(struct forces *forces, int64_t step)
 			status = give_row(forces, entry);
 		} else {
 			forces->world->bodies[entry->object].sinkage = entry->force.sinkage;
-			forces->world->bodies[entry->object].stands = entry->force.z;
+			forces->world->bodies[entry->object].equilibrium = entry->force.z;
 			forces->world->bodies[entry->object].raised = entry->force.z - entry->at.pose.z;
 		}
 		if (status != STATUS_OK)

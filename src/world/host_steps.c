@@ -91,7 +91,7 @@ static struct deform_pose between(const struct deform_pose *a, const struct defo
 }
 
 /* The ground changes up to this pose, by swept contacts of at most a post each. */
-static enum status press(struct world *world, int32_t number, const struct deform_pose *to, double time)
+static enum status touch(struct world *world, int32_t number, const struct deform_pose *to, double time)
 {
 	struct host_body *host = world_host_body(world, number);
 	struct body *body = &host->body;
@@ -161,7 +161,7 @@ static enum status step_body(struct world *world, int32_t number, double seconds
 	const bool moved = has_moved(host, &to);
 	host->since += moved ? seconds : 0;
 	if (host->fresh || !host->body.in_contact || is_worth_a_contact(world, host, &to))
-		return press(world, number, &to, until);
+		return touch(world, number, &to, until);
 	/* Where it came to rest the rates go. */
 	if (world_feels(world) && (moved || host->felt_moving))
 		return feel(world, number, &to, until, moved);
@@ -199,7 +199,7 @@ enum status world_hosts_commit(struct world *world)
 		if (!is_behind(world, world->hosts.list[i], &to))
 			continue;
 		world->torn = any = true;
-		status = press(world, (int32_t)i, &to, world->time);
+		status = touch(world, (int32_t)i, &to, world->time);
 	}
 	if (status == STATUS_OK && any)
 		status = world_forces_end_step(world->forces, world->time);

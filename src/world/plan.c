@@ -44,7 +44,7 @@ enum status world_settle_level(struct world *world)
 
 unsigned world_planes(const struct scene *scene, bool was_deformed)
 {
-	unsigned planes = deform_planes(scene->model, scene->dirt);
+	unsigned planes = deform_planes(scene->model, scene->disturbance);
 	if (scene->object_count > 0 || scene->hosted)
 		return planes;
 	return was_deformed && scene->view.present ? planes & GPU_DRAWN_PLANES : 0;
@@ -91,11 +91,11 @@ void world_deform_params(const struct world *world, struct deform_params *params
 		.iterations = scene->iterations,
 		.relief = isnan(world->meta->low) ? 0 : world->meta->high - world->meta->low,
 		.depth = scene->depth,
-		.undisturbed_stable = scene->undisturbed == SCENE_STANDS,
+		.undisturbed_stable = scene->undisturbed == SCENE_STABLE,
 		.tolerance = scene->tolerance,
 		.bulldozing = scene->bulldozing,
 		.touched = world_asks_touched(world),
-		.disturbance = scene->dirt,
+		.disturbance = scene->disturbance,
 	};
 	memcpy(params->soils, scene->soils, sizeof params->soils);
 	for (size_t i = 0; i < scene->object_count; i++)

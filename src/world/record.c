@@ -61,15 +61,15 @@ static bool put_object(cJSON *objects, const struct record_object *from, const c
 }
 
 /* "x,y;" for each block. */
-static bool put_awake(cJSON *root, const struct record *record)
+static bool put_active(cJSON *root, const struct record *record)
 {
 	const size_t most = 2 * 20 + 3;
-	char *text = mem_alloc(record->awake_count * most + 1, 1), *at = text;
+	char *text = mem_alloc(record->active_count * most + 1, 1), *at = text;
 	if (text == NULL)
 		return false;
 	*at = '\0';
-	for (size_t i = 0; i < record->awake_count; i++)
-		at += snprintf(at, most, "%lld,%lld;", (long long)record->awake[i].x, (long long)record->awake[i].y);
+	for (size_t i = 0; i < record->active_count; i++)
+		at += snprintf(at, most, "%lld,%lld;", (long long)record->active[i].x, (long long)record->active[i].y);
 	bool whole = cJSON_AddStringToObject(root, "awake", text) != NULL;
 	mem_free(text);
 	return whole;
@@ -82,7 +82,7 @@ char *world_record_print(const struct record *record, const struct scene *scene,
 		     put_whole(root, "level", record->level) &&
 		     cJSON_AddBoolToObject(root, "ended", record->ended) != NULL &&
 		     put_whole(root, "below", sums->below) && put_whole(root, "above", sums->above) &&
-		     put_whole(root, "compacted", sums->compacted) && put_awake(root, record) && (objects = cJSON_AddArrayToObject(root, "objects")) != NULL;
+		     put_whole(root, "compacted", sums->compacted) && put_active(root, record) && (objects = cJSON_AddArrayToObject(root, "objects")) != NULL;
 	for (size_t i = 0; i < scene->object_count && whole; i++)
 		whole = put_object(objects, &record->objects[i], scene->objects[i].name);
 	char *printed = whole ? cJSON_PrintUnformatted(root) : NULL, *text = NULL;
@@ -181,17 +181,17 @@ static bool get_place(const char **at, char behind, int64_t *value)
 	return errno == 0 && *end == behind;
 }
 
-static bool get_awake(const cJSON *root, struct record *record)
+static bool get_active(const cJSON *root, struct record *record)
 {
 	const char *at = get_text(root, "awake");
-	record->awake_count = 0;
+	record->active_count = 0;
 	if (at == NULL)
 		return false;
 	while (*at != '\0') {
-		struct deform_block *block = &record->awake[record->awake_count];
-		if (record->awake_count == DEFORM_BLOCKS_MAX || !get_place(&at, ',', &block->x) || !get_place(&at, ';', &block->y))
+		struct deform_block *block = &record->active[record->active_count];
+		if (record->active_count == DEFORM_BLOCKS_MAX || !get_place(&at, ',', &block->x) || !get_place(&at, ';', &block->y))
 			return false;
-		record->awake_count++;
+		record->active_count++;
 	}
 	return true;
 }
@@ -239,7 +239,7 @@ static enum status parse_root(const cJSON *root, const char *store, struct recor
 	    !get_whole(root, "above", -SUM_MOST, &sums->above) || sums->above > SUM_MOST ||
 	    !get_whole(root, "compacted", -SUM_MOST, &sums->compacted) || sums->compacted > SUM_MOST)
 		return world_record_damaged(store, "its sums");
-	if (!get_awake(root, record))
+	if (!get_active(root, record))
 		return world_record_damaged(store, "what was awake");
 	return STATUS_OK;
 }

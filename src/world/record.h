@@ -34,8 +34,8 @@ struct record {
 	int level;            /* the working level */
 	bool ended;           /* the drive was complete with this step */
 	struct pages_sums sums; /* only in a record that was read from the store */
-	size_t awake_count;   /* active blocks: soil may still relax there */
-	struct deform_block awake[DEFORM_BLOCKS_MAX];
+	size_t active_count;  /* active blocks: soil may still relax there */
+	struct deform_block active[DEFORM_BLOCKS_MAX];
 	struct record_object objects[]; /* as many as the scene has, in its order */
 };
 

@@ -10,7 +10,7 @@
 
 #include "world/internal.h"
 
-#define STANDS_MOST (INT64_C(1) << 31) /* 2^-20 m from the guessed height of a loaded body */
+#define EQUILIBRIUM_MOST (INT64_C(1) << 31) /* 2^-20 m from the guessed height of a loaded body */
 
 /* Equal within a few fixed-point units, far less than a post. A contact swept from there must fit the budget too. */
 static bool near(int64_t a, int64_t b)
@@ -43,7 +43,7 @@ static enum status check_object(struct world *world, struct body *body, const st
 	    (event.contact && !(near(last->x, pose->x) && near(last->y, pose->y) && near(last->z, pose->z))))
 		return world_record_damaged(store, "an object is not where its path was");
 	if (body->loaded_body > 0 && event.contact &&
-	    (object->force.z <= last->z - STANDS_MOST || object->force.z >= last->z + STANDS_MOST))
+	    (object->force.z <= last->z - EQUILIBRIUM_MOST || object->force.z >= last->z + EQUILIBRIUM_MOST))
 		return world_record_damaged(store, "an object stands where it cannot");
 	return STATUS_OK;
 }
@@ -61,11 +61,11 @@ static enum status check(struct world *world)
 		return world_record_damaged(store, "its level is not the store's");
 	const struct extent *extent = &world->meta->extent;
 	int64_t width = extent_posts(extent->width, world->level), height = extent_posts(extent->height, world->level);
-	for (size_t i = 0; i < record->awake_count; i++)
-		if (record->awake[i].x >= (width + DEFORM_BLOCK - 1) / DEFORM_BLOCK ||
-		    record->awake[i].y >= (height + DEFORM_BLOCK - 1) / DEFORM_BLOCK)
+	for (size_t i = 0; i < record->active_count; i++)
+		if (record->active[i].x >= (width + DEFORM_BLOCK - 1) / DEFORM_BLOCK ||
+		    record->active[i].y >= (height + DEFORM_BLOCK - 1) / DEFORM_BLOCK)
 			return world_record_damaged(store, "what was awake lies beyond the ground");
-	if (record->awake_count > 0 && (!world_deforms(world) || !deform_conserves(world->scene->model)))
+	if (record->active_count > 0 && (!world_deforms(world) || !deform_conserves(world->scene->model)))
 		return world_record_damaged(store, "something is awake that cannot be");
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < world->scene->object_count && status == STATUS_OK; i++)
@@ -94,7 +94,7 @@ static void restore(struct world *world)
 		body->last = object->last;
 		body->distance = object->distance;
 		body->sinkage = body->sinkage_before = object->sinkage;
-		body->stands = object->force.z;
+		body->equilibrium = object->force.z;
 		body->raised = body->loaded_body > 0 && object->in_contact ? object->force.z - object->last.z : 0;
 		body->skipped = object->skipped;
 	}

@@ -27,16 +27,16 @@ double world_step_time(const struct scene *scene, int64_t step)
 static enum status fill_record(struct world *world)
 {
 	struct record *record = world->record;
-	const struct deform_block *awake;
+	const struct deform_block *active;
 	size_t count = 0;
 	if (world->deform != NULL) {
-		enum status status = deform_active_blocks(world->deform, &awake, &count);
+		enum status status = deform_active_blocks(world->deform, &active, &count);
 		if (status != STATUS_OK)
 			return status;
 	}
 	if (count > 0)
-		memcpy(record->awake, awake, count * sizeof *awake);
-	record->awake_count = count;
+		memcpy(record->active, active, count * sizeof *active);
+	record->active_count = count;
 	record->step = world->step;
 	record->time = world->time;
 	record->level = world->level;
@@ -160,7 +160,7 @@ void world_stalls(const struct world *world, struct stalls *stalls)
 void world_recorded(const struct world *world, struct world_recorded *recorded)
 {
 	const struct record *record = world->record;
-	*recorded = (struct world_recorded){record->step, record->time, record->sums, record->awake_count};
+	*recorded = (struct world_recorded){record->step, record->time, record->sums, record->active_count};
 }
 
 void world_range_waits(const struct world *world, struct stalls *waits)

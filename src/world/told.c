@@ -6,9 +6,9 @@
 
 #define NORMAL_POSTS 2 /* working posts to each side over which the base's slope is measured */
 
-static void unknown(struct world_contact *contact)
+struct world_contact world_contact_unknown(void)
 {
-	*contact = (struct world_contact){
+	return (struct world_contact){
 		.time = NAN, .force = {NAN, NAN, NAN}, .moment = {NAN, NAN, NAN}, .point = {NAN, NAN, NAN}, .normal = {NAN, NAN, NAN},
 		.sinkage = NAN, .area = NAN, .slip = NAN, .normal_force = NAN, .shear_limit = NAN, .state = WORLD_UNKNOWN,
 	};
@@ -70,7 +70,7 @@ static double slip_of(const struct scene_object *object, const struct world_stat
 static enum status fill(struct world *world, const struct scene_object *object, const struct world_state *state,
 			const struct world_force *force, double time, enum world_contact_state touches, struct world_contact *contact)
 {
-	unknown(contact);
+	*contact = world_contact_unknown();
 	contact->time = time;
 	contact->state = touches;
 	contact->sinkage = touches == WORLD_AIR ? 0 : force->sinkage;
@@ -101,7 +101,7 @@ static enum status fill(struct world *world, const struct scene_object *object, 
 enum status world_body_contact(struct world *world, int32_t number, struct world_contact *contact)
 {
 	struct world_state state;
-	unknown(contact);
+	*contact = world_contact_unknown();
 	enum status status = world_body_state(world, number, &state);
 	if (status == STATUS_OK)
 		status = world_forces_wait(world->forces);

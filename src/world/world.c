@@ -86,12 +86,12 @@ static enum status go_on_with_ground(struct world *world)
 	const struct record *record = world->record;
 	bool relaxes = world->deform != NULL && world->scene->undisturbed == SCENE_SLIDES && !world->resumed.is;
 	enum status status = relaxes ? world_wake_all(world) : STATUS_OK;
-	for (size_t i = 0; i < record->awake_count && status == STATUS_OK; i++)
-		status = deform_wake_block(world->deform, record->awake[i]);
+	for (size_t i = 0; i < record->active_count && status == STATUS_OK; i++)
+		status = deform_wake_block(world->deform, record->active[i]);
 	for (size_t i = 0; i < world->scene->object_count && world->resumed.is; i++) {
 		const struct body *body = &world->bodies[i];
 		if (body->loaded_body > 0 && body->in_contact)
-			deform_set_equilibrium(world->deform, body->loaded_body, (int32_t)(body->stands - body->last.z));
+			deform_set_equilibrium(world->deform, body->loaded_body, (int32_t)(body->equilibrium - body->last.z));
 	}
 	return status;
 }
@@ -133,7 +133,7 @@ static enum status before_read_back(void *user, struct tile tile, uint32_t slot)
 	return world->pyramid != NULL ? resident_pyramid_flush_tile(world->pyramid, world->cache, tile, slot) : STATUS_OK;
 }
 
-static enum status before_epoch(void *user)
+static enum status begin_commit(void *user)
 {
 	struct world *world = user;
 	if (world->commits != NULL && world->commits->before_record != NULL)
@@ -173,7 +173,7 @@ void world_pages_params(const struct world *world, struct pages_params *params)
 		.record = world_record_pages(scene),
 		.commit_age = COMMIT_AGE,
 		.before_read_back = before_read_back,
-		.begin_commit = before_epoch,
+		.begin_commit = begin_commit,
 		.before_commit = before_commit,
 		.snapshot = world_deforms(world) ? tally_snapshot : NULL,
 		.classes = world_needs_soil_map(scene) ? soil_classes : NULL,
@@ -187,17 +187,17 @@ static enum status watcher_requests(void *user, struct requests *requests)
 	return world->watcher->requests(world->watcher->user, requests);
 }
 
-enum status world_start_pages(struct world *world, FILE *epochs, struct page_trace *trace)
+enum status world_start_pages(struct world *world, FILE *commit_log, struct page_trace *trace)
 {
 	struct pages_params params;
-	world->epochs = epochs;
+	world->commit_log = commit_log;
 	world->trace = trace;
 	world_pages_params(world, &params);
 	params.store = world->store;
 	params.gpu = world->gpu;
 	params.slots = world->slots;
 	params.before = world->record->sums;
-	params.commit_log = epochs;
+	params.commit_log = commit_log;
 	params.trace = trace;
 	params.user = world;
 	enum status status = resident_pages_create(&params, &world->pages);
@@ -298,8 +298,8 @@ void world_finish(struct world *world, enum status status)
 	key_set_finish(&world->aloft.seen);
 	key_set_finish(&world->aloft.old);
 	mem_free(world->events.list);
-	if (world->epochs != NULL)
-		fclose(world->epochs);
+	if (world->commit_log != NULL)
+		fclose(world->commit_log);
 	resident_ground_destroy(world->ground);
 	if (status == STATUS_OK)
 		store_close(world->store);

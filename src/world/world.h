@@ -45,7 +45,7 @@ struct world_recorded {
 	int64_t step;             /* steps done since the scene's start */
 	double time;              /* s */
 	struct pages_sums sums;   /* only in a record that was read from the store */
-	size_t awake;             /* active blocks: soil may still relax there */
+	size_t active;            /* active blocks: soil may still relax there */
 };
 
 /* One path sample that is due in a step, or one pose that a host gave. The body is already set upon the ground. */
@@ -134,8 +134,8 @@ struct body {
 	/* m, for a body with a load: `sinkage` as it was a fixed number of steps ago. Waits for commits and pictures do not
 	 * change it */
 	double sinkage_before;
-	int64_t stands;           /* 2^-20 m, for a body with a load: its equilibrium height, where the soil carries it */
-	int64_t raised;           /* 2^-20 m: how far `stands` is above the height at which the search began */
+	int64_t equilibrium;           /* 2^-20 m, for a body with a load: its equilibrium height, where the soil carries it */
+	int64_t raised;           /* 2^-20 m: how far `equilibrium` is above the height at which the search began */
 	uint32_t loaded_body;         /* for a body with a load: its number among the loaded bodies, from 1 */
 	int64_t skipped;          /* path samples without ground */
 	uint64_t windows, windows_moved; /* windows computed; windows over which the body moved */
@@ -234,7 +234,7 @@ struct world {
 	struct page_trace *trace; /* NULL: none is asked for */
 	struct pyramid *pyramid;  /* NULL: nobody uses coarser levels */
 	struct newest *newest;    /* NULL until the first query */
-	FILE *epochs;             /* a line for each commit; NULL: none */
+	FILE *commit_log;         /* a line for each commit; NULL: none */
 
 	struct deform *deform;    /* NULL: no body */
 	struct forces *forces;    /* forces.c; NULL: nobody asks for any */
@@ -290,9 +290,9 @@ struct world {
 enum status world_prepare(struct world *world, const struct world_params *params) FURROW_CHECKED;
 /* Starts the look-ahead's thread. Makes the GL context, the slots and everything that bodies need. */
 enum status world_start(struct world *world) FURROW_CHECKED;
-/* Makes the page cache and its threads. `epochs`: a file that gets a line for each commit. `trace`: notes each access. Either
+/* Makes the page cache and its threads. `commit_log`: a file that gets a line for each commit. `trace`: notes each access. Either
  * may be NULL. The world takes both over. */
-enum status world_start_pages(struct world *world, FILE *epochs, struct page_trace *trace) FURROW_CHECKED;
+enum status world_start_pages(struct world *world, FILE *commit_log, struct page_trace *trace) FURROW_CHECKED;
 /* Sets the watcher. Call it before world_warm. The watcher stays the caller's and must outlive the world. */
 void world_watch(struct world *world, const struct world_watcher *watcher);
 /* Lets a host's world be drawn from now on, if it was not drawn before. */
@@ -360,8 +360,12 @@ enum status world_bodies_set(struct world *world, size_t count, const int32_t *n
 	FURROW_CHECKED;
 /* Tells the state of any body, also of one with a path. NaN: it was never placed. */
 enum status world_body_state(const struct world *world, int32_t number, struct world_state *state) FURROW_CHECKED;
+/* Returns a contact of which nothing is known: all numbers are NaN. Pure. */
+struct world_contact world_contact_unknown(void);
 /* Tells what the soil does to any body. Waits for forces that are being computed. */
 enum status world_body_contact(struct world *world, int32_t number, struct world_contact *contact) FURROW_CHECKED;
+/* Computes the axes of a body, forward, left and up, in local axes. `q`: a quaternion of length 1; w, x, y, z. Pure. */
+void world_axes(const double q[4], double axes[3][3]);
 /* Commits everything so far. world_rollback goes back to this state. */
 enum status world_checkpoint(struct world *world) FURROW_CHECKED;
 /* Sets ground, bodies, forces, time and rows back to the last checkpoint. STATUS_FAILED: there was none. */
@@ -382,8 +386,8 @@ enum world_drop_shape {
 	WORLD_DROP_BALL,
 	WORLD_DROP_SHAPES
 };
-/* Drops a body at (x, y), local metres. `*pressed` false: there is no ground, or the scene has no object, and nothing changed. */
-enum status world_drop(struct world *world, enum world_drop_shape shape, double x, double y, double yaw, bool *pressed)
+/* Drops a body at (x, y), local metres. `*landed` false: there is no ground, or the scene has no object, and nothing changed. */
+enum status world_drop(struct world *world, enum world_drop_shape shape, double x, double y, double yaw, bool *landed)
 	FURROW_CHECKED;
 /* Tells where a body is on its path now. `place`: local metres, on the base; `yaw`: radians from east to north. */
 void world_place(const struct world *world, size_t body, double place[3], double *yaw);

@@ -65,16 +65,14 @@ static enum status on_picture(void *user, struct drive *drive, uint8_t *pixels, 
 	return STATUS_OK;
 }
 
-static enum status watch_drive(const char *store, const char *text, struct guest *guest, bool hosted)
+/* Drives a scene with this host; NULL: without one. */
+static enum status drive_with(const char *store, const char *text, const struct api_host *host)
 {
 	const char *path = support_path("scene.yaml");
 	struct scene *scene;
 	support_write(path, text);
 	must(scene_load(path, NULL, 0, &scene));
-	const struct api_host host = {guest, on_turn, on_picture};
-	struct api_params params = {
-		.scene = scene, .store = store, .directory = support_path("out"), .host = hosted ? &host : NULL,
-	};
+	struct api_params params = {.scene = scene, .store = store, .directory = support_path("out"), .host = host};
 	struct api_result result;
 	enum status status = api_drive(&params, &result);
 	scene_destroy(scene);
@@ -84,6 +82,12 @@ static enum status watch_drive(const char *store, const char *text, struct guest
 		assert_int_equal(support_figure(result.json, "\"counts\"", "unplanned"), 0);
 	mem_free(result.json);
 	return status;
+}
+
+static enum status watch_drive(const char *store, const char *text, struct guest *guest, bool hosted)
+{
+	const struct api_host host = {guest, on_turn, on_picture};
+	return drive_with(store, text, hosted ? &host : NULL);
 }
 
 /* --- */
@@ -247,21 +251,10 @@ static enum status look_turn(void *user, struct drive *drive, struct api_control
 
 static void the_camera_the_layer_and_the_size_are_the_hosts(void **state)
 {
-	const char *store = support_path("looks.furrow"), *path = support_path("scene.yaml");
+	const char *store = support_path("looks.furrow");
 	struct looks looks = {.guest = {.stage = 0}};
-	struct scene *scene;
 	support_store(store, extent, support_hills);
-	support_write(path, scene_text);
-	must(scene_load(path, NULL, 0, &scene));
-	const struct api_host host = {&looks, look_turn, on_picture};
-	struct api_result result;
-	enum status status = api_drive(&(struct api_params){.scene = scene, .store = store, .directory = support_path("out"), .host = &host},
-				       &result);
-	scene_destroy(scene);
-	if (status == STATUS_NO_GL)
-		skip();
-	must(status);
-	mem_free(result.json);
+	must(drive_with(store, scene_text, &(struct api_host){&looks, look_turn, on_picture}));
 	assert_true(looks.seen[0] != looks.seen[1]);
 	assert_true(looks.seen[2] == looks.seen[0]);
 	assert_true(looks.seen[3] != looks.seen[0]);
@@ -393,21 +386,10 @@ static const char box_text[] = /* its print is level */
 
 static void layers_have_the_colours_of_their_legend(void **state)
 {
-	const char *store = support_path("colours.furrow"), *path = support_path("scene.yaml");
+	const char *store = support_path("colours.furrow");
 	struct colours colours = {.guest = {.stage = 0}};
-	struct scene *scene;
 	support_store(store, extent, flat);
-	support_write(path, box_text);
-	must(scene_load(path, NULL, 0, &scene));
-	const struct api_host host = {&colours, colours_turn, on_picture};
-	struct api_result result;
-	enum status status = api_drive(&(struct api_params){.scene = scene, .store = store, .directory = support_path("out"), .host = &host},
-				       &result);
-	scene_destroy(scene);
-	if (status == STATUS_NO_GL)
-		skip();
-	must(status);
-	mem_free(result.json);
+	must(drive_with(store, box_text, &(struct api_host){&colours, colours_turn, on_picture}));
 	double light = NAN;
 	is_colour(colours.height, RENDER_HEIGHTS, 1, &light); /* 100 m, where all is as high: above its range */
 	assert_true(light > 0.5 && light < 1);
@@ -481,21 +463,10 @@ static enum status dropper_picture(void *user, struct drive *drive, uint8_t *pix
 
 static void what_is_dropped_while_a_picture_is_shown_is_in_the_next(void **state)
 {
-	const char *store = support_path("shown.furrow"), *path = support_path("scene.yaml");
+	const char *store = support_path("shown.furrow");
 	struct dropper dropper = {.guest = {.stage = 0}};
-	struct scene *scene;
 	support_store(store, extent, flat);
-	support_write(path, scene_text);
-	must(scene_load(path, NULL, 0, &scene));
-	const struct api_host host = {&dropper, dropper_turn, dropper_picture};
-	struct api_result result;
-	enum status status = api_drive(&(struct api_params){.scene = scene, .store = store, .directory = support_path("out"), .host = &host},
-				       &result);
-	scene_destroy(scene);
-	if (status == STATUS_NO_GL)
-		skip();
-	must(status);
-	mem_free(result.json);
+	must(drive_with(store, scene_text, &(struct api_host){&dropper, dropper_turn, dropper_picture}));
 	assert_true(dropper.guest.pressed);
 	assert_true(dropper.guest.hash != dropper.before);
 }

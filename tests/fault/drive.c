@@ -74,7 +74,7 @@ static void look(enum status status)
 	expect(store_verify(store, print_problem, NULL, NULL, &check) == STATUS_OK);
 	expect(check.problems == 0);
 	expect(store_count(store, &numbers) == STATUS_OK);
-	expect(numbers.epochs == acknowledged() || (status != STATUS_OK && numbers.epochs == acknowledged() + 1));
+	expect(numbers.commits == acknowledged() || (status != STATUS_OK && numbers.commits == acknowledged() + 1));
 	expect(store_content_hash(store, &hash) == STATUS_OK);
 	expect(status != STATUS_OK || hash == hash_driven);
 	store_close(store);

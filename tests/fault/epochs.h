@@ -31,12 +31,12 @@ struct outcome {
 
 static UNUSED enum status one_epoch(struct store *store, struct field *field, int number)
 {
-	struct store_epoch_result result;
+	struct store_commit_result result;
 	struct post_rect rect = dig(field, number);
 	enum status status = field_commit(field, rect, store, number, &result);
 	expect(status == STATUS_OK || told(status));
 	if (status == STATUS_OK)
-		expect(result.epoch == number);
+		expect(result.commit == number);
 	return status;
 }
 
@@ -45,7 +45,7 @@ static UNUSED void drive(struct store *store, bool forever, struct outcome *outc
 {
 	struct field field = field_make(LEVEL);
 	for (int number = 1; number <= EPOCHS; number++) {
-		struct store_epoch_result result;
+		struct store_commit_result result;
 		struct post_rect rect = dig(&field, number);
 		enum status status = field_commit(&field, rect, store, number, &result);
 		if (status != STATUS_OK) {
@@ -56,7 +56,7 @@ static UNUSED void drive(struct store *store, bool forever, struct outcome *outc
 		}
 		if (status != STATUS_OK)
 			break;
-		expect(result.epoch == number);
+		expect(result.commit == number);
 		outcome->unknown = false;
 		outcome->acknowledged = number;
 		if (number % 2 == 0) {
@@ -91,7 +91,7 @@ static UNUSED int look(const char *path, int least, int most)
 	expect(check.problems == 0);
 	expect(store_count(store, &numbers) == STATUS_OK);
 	expect(store_content_hash(store, &hash) == STATUS_OK);
-	int epochs = (int)numbers.epochs;
+	int epochs = (int)numbers.commits;
 	expect(epochs >= least && epochs <= most && epochs <= EPOCHS);
 	expect(hash == reference[epochs]);
 	expect(epochs == 0 || numbers.last_run.step == epochs);

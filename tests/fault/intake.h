@@ -95,7 +95,7 @@ static UNUSED void make_before(void)
 		if (child == 0) {
 			struct store *store = open_store(path, STORE_WRITE);
 			struct field field = field_make(-2);
-			struct store_epoch_result result;
+			struct store_commit_result result;
 			assert_ok(store_set_working_level(store, -2));
 			field_dig(&field, 100, 90, 80, 5);
 			assert_ok(field_commit(&field, field_all(&field), store, 1, &result));

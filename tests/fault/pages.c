@@ -329,9 +329,9 @@ static void look(const char *path, int least, int most)
 	expect(store_verify(store, print_problem, NULL, NULL, &check) == STATUS_OK);
 	expect(check.problems == 0);
 	expect(store_count(store, &numbers) == STATUS_OK);
-	expect(numbers.epochs >= least && numbers.epochs <= most);
+	expect(numbers.commits >= least && numbers.commits <= most);
 	struct field field = field_make(LEVEL);
-	for (int step = 1; numbers.epochs > 0 && step <= numbers.last_run.step; step++)
+	for (int step = 1; numbers.commits > 0 && step <= numbers.last_run.step; step++)
 		dig_step(&field, step);
 	expect(store_reader_create(store, &reader) == STATUS_OK);
 	for (uint32_t y = 0; y < extent_tiles_y(&extent, LEVEL); y++)
@@ -339,9 +339,9 @@ static void look(const char *path, int least, int most)
 			expect(stored_is(reader, &field, (struct tile){LEVEL, x, y}));
 	store_reader_destroy(reader);
 	/* What was compacted belongs to the same step, and so does the record's share of it. */
-	int64_t compacted = numbers.epochs > 0 ? compacted_by(numbers.last_run.step) : 0;
+	int64_t compacted = numbers.commits > 0 ? compacted_by(numbers.last_run.step) : 0;
 	expect(numbers.compacted == compacted && check.compacted == compacted);
-	if (numbers.epochs > 0) {
+	if (numbers.commits > 0) {
 		struct record *record = calloc(1, world_record_bytes(0));
 		assert_non_null(record);
 		expect(world_record_parse(&numbers.last_run, "trial", &scene, record) == STATUS_OK);

@@ -73,7 +73,7 @@ static uint64_t trial(const void *user, const struct fault *fault)
 	if (fault->kind == FAULT_SHORT_READ)
 		return calls;
 	expect(seen.hash == right.hash && seen.run_right);
-	expect(seen.numbers.epochs == right.numbers.epochs && seen.numbers.plane_tiles[PLANE_OFFSET] == right.numbers.plane_tiles[PLANE_OFFSET]);
+	expect(seen.numbers.commits == right.numbers.commits && seen.numbers.plane_tiles[PLANE_OFFSET] == right.numbers.plane_tiles[PLANE_OFFSET]);
 	/* A check tells of a page that cannot be read as of one that is wrong. */
 	expect(fault->kind == FAULT_READ || seen.check.problems == 0);
 	return calls;

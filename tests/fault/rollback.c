@@ -14,7 +14,7 @@ enum { COMMITS = sizeof states / sizeof *states - 1, MARK_AFTER = 2, ROLLBACKS =
 
 static enum status act(struct store *store, int commit)
 {
-	struct store_epoch_result result;
+	struct store_commit_result result;
 	struct field field = field_make(LEVEL);
 	enum status status;
 	if (ROLLBACKS >> commit & 1) {
@@ -64,7 +64,7 @@ static void look_at(const char *path, int done, bool unknown)
 	expect(store_content_hash(store, &hash) == STATUS_OK);
 	bool next = unknown && done < COMMITS && hash == reference[states[done + 1]];
 	expect(next || hash == reference[states[done]]);
-	expect(store->epoch == done + next);
+	expect(store->commit == done + next);
 	struct store_run run;
 	expect(store_last_run(store, &run) == STATUS_OK);
 	expect(run.step == states[done + next]);

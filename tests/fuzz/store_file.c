@@ -114,9 +114,9 @@ static void read_samples(struct store_reader *reader, const struct extent *exten
 		struct store_sample sample;
 		if (!done(store_sample(reader, points[i][0], points[i][1], &sample)))
 			continue;
-		fuzz_check(sample.dirt <= UINT8_MAX);
+		fuzz_check(sample.disturbance <= UINT8_MAX);
 		fuzz_check(sample.nodata || (isfinite(sample.height) && isfinite(sample.base)));
-		fuzz_check(isfinite(sample.heaped) && sample.pressed >= 0 && sample.shear >= 0 && sample.shear < 1);
+		fuzz_check(isfinite(sample.deposited) && sample.plastic_sinkage >= 0 && sample.shear >= 0 && sample.shear < 1);
 	}
 }
 
@@ -257,8 +257,8 @@ static bool commit(struct store *store, bool clean, uint64_t hash)
 		for (int plane = 0; plane < ((hash >> 50 & 1) != 0 ? PLANES : PLANE_DEPOSITED); plane++)
 			page.planes[plane] = planes.of[plane];
 		struct store_run run = {.scene_hash = "00", .step = 1, .time = 0.5, .state = "{}"};
-		struct store_epoch_result result;
-		enum status status = store_epoch(store, &page, 1, &run, &result);
+		struct store_commit_result result;
+		enum status status = store_commit(store, &page, 1, &run, &result);
 		good = status == STATUS_OK;
 		must(clean, status);
 		must(clean, store_checkpoint(store));

@@ -99,7 +99,7 @@ static void change_row(sqlite3 *db)
 	};
 	char sql[256];
 	size_t table = below(ROW_TABLES), other = below(ROW_TABLES);
-	const char *name = tables[table], *column = columns[table < ROW_DIRT ? table : ROW_DIRT][below(7)];
+	const char *name = tables[table], *column = columns[table < ROW_DISTURBANCE ? table : ROW_DISTURBANCE][below(7)];
 	switch (below(6)) {
 	case 0:
 	case 1:

@@ -95,8 +95,8 @@ static void deform(const struct kind *kind, const char *path)
 	struct store_page page = {{kind->working, 0, 0}, {offset, dirt, heaped, pressed, shear}};
 	struct store_run run = {.scene_hash = "0123abcd", .step = 12, .time = 0.25, .compacted = 12345,
 				.state = "{\"poses\":[],\"ended\":false}"};
-	struct store_epoch_result result;
-	fuzz_check(store_epoch(store, &page, 1, &run, &result) == STATUS_OK);
+	struct store_commit_result result;
+	fuzz_check(store_commit(store, &page, 1, &run, &result) == STATUS_OK);
 	store_close(store);
 }
 

@@ -59,12 +59,12 @@ static const struct pair pairs[] = {
 	{EFFECT_SLIDE, HEAD SPHERE, HEAD SPHERE SCM, false},
 	{EFFECT_SOIL_MAP, HEAD SPHERE SCM, HEAD SPHERE MAP, true},
 	{EFFECT_MESH, HEAD SPHERE, HEAD OBJECT("mesh: {file: block.obj}"), false},
-	{EFFECT_LUGS, HEAD OBJECT(WHEEL "}"), HEAD OBJECT(WHEEL ", lugs: 12}"), false},
+	{EFFECT_GROUSERS, HEAD OBJECT(WHEEL "}"), HEAD OBJECT(WHEEL ", lugs: 12}"), false},
 	{EFFECT_LOAD, HEAD SPHERE SCM, HEAD LOADED, false},
 	{EFFECT_FORCES, HEAD SPHERE SCM, HEAD SPHERE SCM "output: {forces: 20}\n", true},
 	{EFFECT_FORCES, HEAD LOADED, HEAD LOADED "output: {forces: 20}\n", true},
-	{EFFECT_DIRT, HEAD SPHERE, HEAD SEEN, true},
-	{EFFECT_DIRT, HEAD SPHERE VIEW(""), HEAD SEEN VIEW(""), true},
+	{EFFECT_DISTURBANCE, HEAD SPHERE, HEAD SEEN, true},
+	{EFFECT_DISTURBANCE, HEAD SPHERE VIEW(""), HEAD SEEN VIEW(""), true},
 	{EFFECT_SUBDIVIDE, HEAD SPHERE, HEAD SPHERE "spacing: 0.5\n", false},
 	{EFFECT_PYRAMID, HEAD SPHERE, HEAD SPHERE VIEW(""), false},
 	{EFFECT_PICTURE, HEAD SPHERE, HEAD SPHERE VIEW(""), false},
@@ -250,7 +250,7 @@ static int check_lines(const struct plan *less, const struct plan *more, uint64_
 /* What follows from when an epoch ends, and from how far the driver is. */
 static bool goes_by_the_clock(const char *unit)
 {
-	static const enum plan_unit units[] = {PLAN_PAGE, PLAN_RING, PLAN_COMMITTED, PLAN_COMMITTED_COARSER, PLAN_CHANGED, PLAN_EPOCH};
+	static const enum plan_unit units[] = {PLAN_PAGE, PLAN_RING, PLAN_COMMITTED, PLAN_COMMITTED_COARSER, PLAN_CHANGED, PLAN_COMMIT};
 	for (size_t i = 0; i < sizeof units / sizeof *units; i++)
 		if (strcmp(unit, plan_unit_name(units[i])) == 0)
 			return true;

@@ -126,7 +126,7 @@ struct golden {
 	double eye[3], target[3]; /* metres; up is above the ground there */
 	double mean;              /* of 255: what it may be off by */
 	double share;             /* of the pixels may be far off */
-	bool deformed, dirt, stands_in;
+	bool deformed, dirt, replaces;
 	int samples;
 	double pixel_error;
 	enum scene_body body;
@@ -231,14 +231,14 @@ static void select_all(struct shown *shown, const struct terrain_view *view, str
 {
 	const struct terrain_source source = {shown, bounds, resident, divisible, error_of};
 	/* What stands in is no part of a complete picture, so that nobody wants it. */
-	for (uint32_t i = 0; shown->golden->stands_in && i < 4; i++)
+	for (uint32_t i = 0; shown->golden->replaces && i < 4; i++)
 		load(shown, (struct tile){1, i % 2, i / 2});
 	for (;;) {
 		size_t loaded = 0;
 		terrain_select(&extent, view, &source, selection);
 		for (size_t i = 0; i < selection->wanted_count; i++) {
 			struct tile tile = tile_from_key(selection->wanted[i]);
-			bool missing = shown->golden->stands_in && tile.level == 0 && (tile.x + tile.y) % 2 > 0;
+			bool missing = shown->golden->replaces && tile.level == 0 && (tile.x + tile.y) % 2 > 0;
 			if (!missing)
 				load(shown, tile);
 			loaded += !missing;
@@ -412,7 +412,7 @@ static const struct golden goldens[] = {
 	{"fog", TEXTURE | FOG, WIDE, TIGHT},
 	{"sky", SKY, WIDE, TIGHT},
 	{"geomorph", GEOMORPH, ROUGH, TIGHT},
-	{"skirts", SKIRTS, SEAM, TIGHT, .stands_in = true},
+	{"skirts", SKIRTS, SEAM, TIGHT, .replaces = true},
 	{"splat", TEXTURE | SPLAT, WIDE, TIGHT},
 	{"antialias", OBJECTS | SKY, CLOSE, TIGHT, .samples = 4},
 	{"objects", OBJECTS, BESIDE, TIGHT, .deformed = true},

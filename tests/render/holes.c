@@ -107,7 +107,7 @@ static double highest_drawn(const double at[2])
 		double low[2], high[2];
 		terrain_box(&land_world, draw->tile, low, high);
 		bool in = at[0] >= low[0] && at[0] <= high[0] && at[1] >= low[1] && at[1] <= high[1];
-		if (in && draw->stands_in)
+		if (in && draw->replaces)
 			return draw->high;
 		for (int level = draw->tile.level; in && level <= draw->tile.level + 1 && level <= extent_coarsest(&land_world); level++)
 			most = fmax(most, land_surface(level, at[0], at[1]));

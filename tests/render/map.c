@@ -50,7 +50,7 @@ static void commit(void)
 	static int32_t posts[16][(CELLS + 1) * (CELLS + 1)];
 	static int32_t pressed[(CELLS + 1) * (CELLS + 1)];
 	struct store_run run = {.scene_hash = "00", .state = "{}"};
-	struct store_epoch_result result;
+	struct store_commit_result result;
 	must(store_set_working_level(store, LEVEL));
 	for (uint32_t y = 0; y < extent_tiles_y(&extent, LEVEL); y++)
 		for (uint32_t x = 0; x < extent_tiles_x(&extent, LEVEL); x++) {
@@ -67,7 +67,7 @@ static void commit(void)
 					pressed[i] = i == 40 * 5 ? 1 << 18 : 0;
 			}
 			page.planes[PLANE_PLASTIC_SINKAGE] = pressed;
-			must(store_epoch(store, &page, 1, &run, &result));
+			must(store_commit(store, &page, 1, &run, &result));
 		}
 }
 
@@ -202,7 +202,7 @@ static void a_map_finer_than_what_is_stored_is_interpolated(void **state)
 static void the_soils_state_is_found_wherever_it_is(void **state)
 {
 	for (int level = LEVEL; level <= LEVEL + 3; level++) {
-		struct render_map_raster_params params = asked(level, STORE_PRESSED);
+		struct render_map_raster_params params = asked(level, STORE_PLASTIC_SINKAGE);
 		struct render_map_raster raster;
 		must(render_map_raster_create(&params, &raster));
 		int64_t at_x = 20 * CELLS + 200 % (CELLS + 1), at_y = 2 * CELLS + 200 / (CELLS + 1);
@@ -464,7 +464,7 @@ static void the_smallest_maps_have_all_of_it(void **state)
 
 static void running_out_of_memory_is_told(void **state)
 {
-	struct render_map_raster_params params = asked(1, STORE_PRESSED);
+	struct render_map_raster_params params = asked(1, STORE_PLASTIC_SINKAGE);
 	enum status status = STATUS_FAILED;
 	for (uint64_t nth = 1; status != STATUS_OK; nth++) {
 		struct drawn drawn = {.raster = {.width = 0}};

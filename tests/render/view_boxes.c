@@ -226,13 +226,13 @@ static void dig(uint32_t x, uint32_t y, double metres)
 {
 	int32_t offset[(CELLS + 1) * (CELLS + 1)] = {0};
 	struct store *store;
-	struct store_epoch_result result;
+	struct store_commit_result result;
 	must(store_open(support_path("view.furrow"), &(struct store_options){.mode = STORE_WRITE}, &store));
 	must(store_set_working_level(store, 0));
 	offset[5 * (CELLS + 1) + 7] = (int32_t)lattice_offset(-metres);
 	const struct store_page page = {.tile = {0, x, y}, .planes = {[PLANE_OFFSET] = offset}};
 	const struct store_run run = {.scene_hash = "0", .step = 1, .state = "{}"};
-	must(store_epoch(store, &page, 1, &run, &result));
+	must(store_commit(store, &page, 1, &run, &result));
 	store_close(store);
 }
 
@@ -320,7 +320,7 @@ static void a_late_view_knows_what_is_there(void **state)
 	rig_open(&rig, 400, 0, 0);
 	const struct tile top = {extent_coarsest(&extent), 0, 0};
 	int32_t offset[(CELLS + 1) * (CELLS + 1)] = {0};
-	struct store_epoch_result result;
+	struct store_commit_result result;
 	double low, high;
 	bool found;
 	must(resident_ground_offset_range(rig.world.ground, top, &low, &high, &found));
@@ -328,7 +328,7 @@ static void a_late_view_knows_what_is_there(void **state)
 	const struct store_page page = {.tile = {rig.world.level, 2, 2}, .planes = {[PLANE_OFFSET] = offset}};
 	const struct store_run run = {.scene_hash = "0", .step = 1, .state = "{}"};
 	must(store_set_working_level(rig.world.store, rig.world.level));
-	must(store_epoch(rig.world.store, &page, 1, &run, &result));
+	must(store_commit(rig.world.store, &page, 1, &run, &result));
 	render_view_destroy(rig.view);
 	rig.world.was_deformed = true;
 	must(render_view_create(&rig.world, false, &rig.view));

@@ -206,7 +206,7 @@ static void what_was_committed_is_known_exactly(void **state)
 {
 	struct rig rig;
 	struct store *store;
-	struct store_epoch_result result;
+	struct store_commit_result result;
 	double before[16], after[16];
 	rig_open_with(&rig, 1, 0);
 	chain(&rig, 0, 50, 40, before);
@@ -219,7 +219,7 @@ static void what_was_committed_is_known_exactly(void **state)
 	const struct store_page pages[2] = {{.tile = {0, 2, 2}, .planes = {[PLANE_OFFSET] = pit}},
 					    {.tile = {0, 3, 2}, .planes = {[PLANE_OFFSET] = heap}}};
 	const struct store_run run = {.scene_hash = "0", .step = 1, .state = "{}"};
-	must(store_epoch(store, pages, 2, &run, &result));
+	must(store_commit(store, pages, 2, &run, &result));
 	store_close(store);
 	rig_open_with(&rig, 1, 0);
 	chain(&rig, 0, 50, 40, after);

@@ -79,8 +79,8 @@ static inline void rig_open(struct rig *rig, uint32_t slots, double speed, doubl
 	rig->body.object = &rig->object;
 	const double places[2][2] = {{40, 60}, {460, 440}};
 	must(motion_track_create(&rig->object.path, places, 1, 1, &rig->body.track));
-	world->epochs = tmpfile();
-	assert_non_null(world->epochs);
+	world->commit_log = tmpfile();
+	assert_non_null(world->commit_log);
 	enum status status = gpu_create(&(struct gpu_params){.draws = true}, &world->gpu);
 	if (status == STATUS_NO_GL) {
 		store_close(world->store);
@@ -97,7 +97,7 @@ static inline void rig_open(struct rig *rig, uint32_t slots, double speed, doubl
 						 .loaders = 2,
 						 .step_pages = 16,
 						 .record = world_record_pages(&rig->scene),
-						 .commit_log = world->epochs,
+						 .commit_log = world->commit_log,
 						 .commit_age = 1000,
 						 .before_read_back = before_read_back},
 			  &world->pages));
@@ -120,7 +120,7 @@ static inline void rig_close(struct rig *rig)
 	motion_track_destroy(rig->body.track);
 	motion_requests_finish(&rig->requests);
 	store_close(world->store);
-	fclose(world->epochs);
+	fclose(world->commit_log);
 	free(world->record);
 }
 

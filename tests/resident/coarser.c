@@ -3,111 +3,9 @@
  * working level, whether it was there when the ground changed or came later, and whatever of the
  * change is in a slot, in the queue or in the store by then.
  */
-#include "../gpu/staged.h"
-#include "../support.h"
+#include "rig.h"
 
-#include "world/internal.h"
-
-enum { CELLS = 32, LEVEL = -1, SIDE = 8 * CELLS + 1 };
-static const struct extent extent = {129, 129, 1, CELLS};
-static const struct deform_shape sphere = {.kind = DEFORM_SPHERE, .radius = 2.5};
-static const struct scene_object object = {.name = "ball", .shape = {.kind = DEFORM_SPHERE, .radius = 2.5}};
-
-struct rig {
-	struct world world;
-	struct scene scene;
-	struct body body;
-};
-
-static enum status before_read_back(void *user, struct tile tile, uint32_t slot)
-{
-	struct world *world = user;
-	return resident_pyramid_flush_tile(world->pyramid, world->cache, tile, slot);
-}
-
-static void rig_open(struct rig *rig, const char *path, uint32_t slots)
-{
-	struct world *world = &rig->world;
-	*rig = (struct rig){.scene = {.slots = slots, .hash = "0"}, .body = {.object = &object}};
-	support_store(path, extent, support_hills);
-	must(store_open(path, &(struct store_options){.mode = STORE_WRITE}, &world->store));
-	must(store_set_working_level(world->store, LEVEL));
-	world->scene = &rig->scene;
-	world->bodies = &rig->body;
-	world->meta = store_meta(world->store);
-	world->level = LEVEL;
-	world->spacing = extent_spacing(&extent, LEVEL);
-	world->epochs = tmpfile();
-	assert_non_null(world->epochs);
-	enum status status = gpu_create(&(struct gpu_params){.draws = false}, &world->gpu);
-	if (status == STATUS_NO_GL) {
-		store_close(world->store);
-		skip();
-	}
-	must(status);
-	must(gpu_slots_create(world->gpu, CELLS, slots, PLANE_BIT(PLANE_DISTURBANCE), &world->slots));
-	must(resident_ground_create(world->store, 4, &world->ground));
-	must(resident_pyramid_create(&world->meta->extent, LEVEL, world->slots, &world->pyramid));
-	must(deform_create(&(struct deform_params){.gpu = world->gpu,
-						   .slots = world->slots,
-						   .extent = &world->meta->extent,
-						   .level = LEVEL,
-						   .reference = resident_ground_reference(world->store),
-						   .model = DEFORM_BOX_FILTER,
-						   .box_radius = 1,
-						   .box_repetitions = 1,
-						   .disturbance = true},
-			   &world->deform));
-	must(resident_pages_create(&(struct pages_params){.store = world->store,
-						 .gpu = world->gpu,
-						 .slots = world->slots,
-						 .planes = gpu_slots_planes(world->slots),
-						 .level = LEVEL,
-						 .count = slots,
-						 .loaders = 2,
-						 .step_pages = 64,
-						 .record = world_record_pages(&rig->scene),
-						 .commit_log = world->epochs,
-						 .commit_age = 0.01,
-						 .before_read_back = before_read_back,
-						 .user = world},
-			  &world->pages));
-	world->cache = resident_pages_cache(world->pages);
-	world->record = calloc(1, world_record_bytes(0));
-}
-
-static void rig_close(struct rig *rig)
-{
-	struct world *world = &rig->world;
-	resident_pages_destroy(world->pages);
-	deform_destroy(world->deform);
-	resident_pyramid_destroy(world->pyramid);
-	resident_ground_destroy(world->ground);
-	gpu_slots_destroy(world->slots);
-	gpu_destroy(world->gpu);
-	store_close(world->store);
-	fclose(world->epochs);
-	free(world->record);
-}
-
-static void roll(struct rig *rig, int step)
-{
-	double angle = step * 0.05, x = 64 + 50 * sin(angle), y = 64 + 45 * sin(2.1 * angle);
-	struct event event = {.contact = true, .pose = {.x = lattice_offset(x), .y = lattice_offset(y)}};
-	int64_t ground;
-	bool any;
-	must(resident_ground_height(rig->world.ground, event.pose.x, event.pose.y, &ground, &any));
-	assert_true(any);
-	event.pose.z = ground + lattice_offset(sphere.radius - 0.4);
-	must(world_contact(&rig->world, &event, true));
-}
-
-static void end_step(struct rig *rig)
-{
-	must(resident_pyramid_flush(rig->world.pyramid, rig->world.cache));
-	rig->world.record->step++;
-	must(page_cache_end_step(rig->world.cache, rig->world.record));
-}
+enum { LEVEL = -1, SIDE = 8 * CELLS + 1 };
 
 static void read_tile(struct rig *rig, struct tile tile, int32_t *offset, uint8_t *dirt)
 {
@@ -165,11 +63,13 @@ static void world_and_compare(uint32_t slots)
 	static uint8_t dirts[SIDE * SIDE], clean[SIDE * SIDE];
 	const char *path = support_path("coarser.furrow");
 	struct rig rig;
-	rig_open(&rig, path, slots);
+	rig_open(&rig, path, &(struct rig_params){
+		.ground = support_hills, .level = LEVEL, .slots = slots, .commit_age = 0.01, .pyramid = true,
+	});
 	/* Coarser tiles first: with slots for all they stay, and follow every change. */
 	check_coarser(&rig, untouched, clean);
 	for (int step = 0; step < 240; step++) {
-		roll(&rig, step);
+		assert_true(roll(&rig, step));
 		end_step(&rig);
 		if (step % 40 == 39) {
 			read_working(&rig, offsets, dirts);

@@ -3,118 +3,18 @@
  * queue, once it is committed, and over the store by itself; those of the posts that the store has. And a drive that is
  * asked all the time leaves what one leaves that is not.
  */
-#include "../gpu/staged.h"
-#include "../support.h"
+#include "rig.h"
 
-#include "world/internal.h"
-
-enum { CELLS = 32, POINTS = 1500, RAYS = 600, SLOTS = 6 };
-static const struct extent extent = {129, 129, 1, CELLS};
-static const struct deform_shape sphere = {.kind = DEFORM_SPHERE, .radius = 2.5};
-static const struct scene_object object = {.name = "ball", .shape = {.kind = DEFORM_SPHERE, .radius = 2.5}};
-
-struct rig {
-	struct world world;
-	struct scene scene;
-	struct body body;
-};
+enum { POINTS = 1500, RAYS = 600, SLOTS = 6 };
 
 static double hills_with_a_hole(int64_t x, int64_t y)
 {
 	return x > 100 && x < 110 && y > 90 && y < 97 ? (double)NAN : support_hills(x, y);
 }
 
-static enum status before_read_back(void *user, struct tile tile, uint32_t slot)
-{
-	return STATUS_OK;
-}
-
 static double level_ground(int64_t x, int64_t y)
 {
 	return 100;
-}
-
-static void rig_open(struct rig *rig, const char *path, support_height ground, int level, double commit_age)
-{
-	struct world *world = &rig->world;
-	*rig = (struct rig){.scene = {.slots = SLOTS, .hash = "0"}, .body = {.object = &object}};
-	support_store(path, extent, ground);
-	must(store_open(path, &(struct store_options){.mode = STORE_WRITE}, &world->store));
-	must(store_set_working_level(world->store, level));
-	world->scene = &rig->scene;
-	world->bodies = &rig->body;
-	world->meta = store_meta(world->store);
-	world->level = level;
-	world->spacing = extent_spacing(&extent, level);
-	world->epochs = tmpfile();
-	assert_non_null(world->epochs);
-	enum status status = gpu_create(&(struct gpu_params){.draws = false}, &world->gpu);
-	if (status == STATUS_NO_GL) {
-		store_close(world->store);
-		skip();
-	}
-	must(status);
-	must(gpu_slots_create(world->gpu, CELLS, SLOTS, PLANE_BIT(PLANE_DISTURBANCE), &world->slots));
-	must(resident_ground_create(world->store, 4, &world->ground));
-	must(deform_create(&(struct deform_params){.gpu = world->gpu,
-						   .slots = world->slots,
-						   .extent = &world->meta->extent,
-						   .level = level,
-						   .reference = resident_ground_reference(world->store),
-						   .model = DEFORM_BOX_FILTER,
-						   .box_radius = 1,
-						   .box_repetitions = 1,
-						   .disturbance = true},
-			   &world->deform));
-	must(resident_pages_create(&(struct pages_params){.store = world->store,
-						 .gpu = world->gpu,
-						 .slots = world->slots,
-						 .planes = gpu_slots_planes(world->slots),
-						 .level = level,
-						 .count = SLOTS,
-						 .loaders = 2,
-						 .step_pages = 64,
-						 .record = world_record_pages(&rig->scene),
-						 .commit_log = world->epochs,
-						 .commit_age = commit_age,
-						 .before_read_back = before_read_back,
-						 .user = world},
-			  &world->pages));
-	world->cache = resident_pages_cache(world->pages);
-	world->record = calloc(1, world_record_bytes(0));
-}
-
-static void rig_close(struct rig *rig)
-{
-	struct world *world = &rig->world;
-	resident_newest_destroy(world->newest);
-	resident_pages_destroy(world->pages);
-	deform_destroy(world->deform);
-	resident_ground_destroy(world->ground);
-	gpu_slots_destroy(world->slots);
-	gpu_destroy(world->gpu);
-	store_close(world->store);
-	fclose(world->epochs);
-	free(world->record);
-}
-
-static void roll(struct rig *rig, int step)
-{
-	double angle = step * 0.05, x = 64 + 50 * sin(angle), y = 64 + 45 * sin(2.1 * angle);
-	struct event event = {.contact = true, .pose = {.x = lattice_offset(x), .y = lattice_offset(y)}};
-	int64_t ground;
-	bool any;
-	must(resident_ground_height(rig->world.ground, event.pose.x, event.pose.y, &ground, &any));
-	if (!any)
-		return;
-	event.pose.z = ground + lattice_offset(sphere.radius - 0.4);
-	must(world_contact(&rig->world, &event, true));
-}
-
-static void end_step(struct rig *rig)
-{
-	rig->world.record->step++;
-	must(page_cache_end_step(rig->world.cache, rig->world.record));
 }
 
 /* --- asking --- */
@@ -254,7 +154,7 @@ static void wherever_it_is(int level)
 	struct newest *alone;
 	struct store *store;
 	size_t where[3];
-	rig_open(&rig, path, hills_with_a_hole, level, 0);
+	rig_open(&rig, path, &(struct rig_params){.ground = hills_with_a_hole, .level = level, .slots = SLOTS, .commit_age = 0});
 	choose();
 	ask_anew(&rig, &before);
 	/* One step's rut, and a tile that was touched and left as it was. */
@@ -344,7 +244,7 @@ static void ruts_are_lower_than_their_base(void **state)
 	struct newest *alone;
 	struct store *store;
 	const double x = 64 + 50 * sin(0.35), y = 64 + 45 * sin(2.1 * 0.35);
-	rig_open(&rig, path, level_ground, -1, 0);
+	rig_open(&rig, path, &(struct rig_params){.ground = level_ground, .level = -1, .slots = SLOTS, .commit_age = 0});
 	roll(&rig, 7);
 	end_step(&rig);
 	must(resident_newest_create(rig.world.store, rig.world.pages, &rig.world.newest));
@@ -361,12 +261,12 @@ static void ruts_are_lower_than_their_base(void **state)
 	rig_close(&rig);
 }
 
-/* Asked between all steps, with 6 slots, epochs on their way, and read-backs that are not over. */
+/* Asked between all steps, with 6 slots, commits on their way, and read-backs that are not over. */
 static uint64_t world_all(const char *path, bool asked)
 {
 	struct rig rig;
 	size_t moved = 0;
-	rig_open(&rig, path, hills_with_a_hole, -1, 0.002);
+	rig_open(&rig, path, &(struct rig_params){.ground = hills_with_a_hole, .level = -1, .slots = SLOTS, .commit_age = 0.002});
 	choose();
 	for (int step = 0; step < 120; step++) {
 		roll(&rig, step);
@@ -469,7 +369,7 @@ static void without_memory(void **state)
 static void ranges_of_offsets_stay_until_they_are_forgotten(void **state)
 {
 	struct rig rig;
-	rig_open(&rig, support_path("ranges.furrow"), level_ground, 0, 0);
+	rig_open(&rig, support_path("ranges.furrow"), &(struct rig_params){.ground = level_ground, .slots = SLOTS});
 	struct ground *ground = rig.world.ground;
 	const struct tile top = {extent_coarsest(&extent), 0, 0};
 	struct resident_ground_figures first, last;

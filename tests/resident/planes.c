@@ -24,7 +24,7 @@ struct rig {
 	struct resident_pages_budget most;
 	struct page_cache *cache;
 	struct record *record;
-	FILE *epochs;
+	FILE *commit_log;
 	int64_t tallied;
 };
 
@@ -57,8 +57,8 @@ static enum status classes_of(void *user, unsigned loader, struct tile tile, uin
 
 static void rig_open(struct rig *rig, const char *path, unsigned planes, bool soil)
 {
-	*rig = (struct rig){.epochs = tmpfile(), .record = calloc(1, world_record_bytes(0))};
-	assert_true(rig->epochs != NULL && rig->record != NULL);
+	*rig = (struct rig){.commit_log = tmpfile(), .record = calloc(1, world_record_bytes(0))};
+	assert_true(rig->commit_log != NULL && rig->record != NULL);
 	must(store_open(path, &(struct store_options){.mode = STORE_WRITE}, &rig->store));
 	must(store_set_working_level(rig->store, LEVEL));
 	enum status status = gpu_create(&(struct gpu_params){.draws = false}, &rig->gpu);
@@ -80,7 +80,7 @@ static void rig_open(struct rig *rig, const char *path, unsigned planes, bool so
 		.loaders = 2,
 		.step_pages = 16,
 		.record = world_record_pages(&scene),
-		.commit_log = rig->epochs,
+		.commit_log = rig->commit_log,
 		.commit_age = 0.01,
 		.before_read_back = before_read_back,
 		.snapshot = soil ? snapshot : NULL,
@@ -99,7 +99,7 @@ static void rig_close(struct rig *rig)
 	gpu_slots_destroy(rig->slots);
 	gpu_destroy(rig->gpu);
 	store_close(rig->store);
-	fclose(rig->epochs);
+	fclose(rig->commit_log);
 	free(rig->record);
 }
 
@@ -177,7 +177,7 @@ static void check_posts(struct newest *newest, struct post_rect rect, enum store
 		if (finer > 0 && (x % 2 != 0 || y % 2 != 0))
 			continue;
 		int32_t post = finer > 0 ? truth_at(plane, x / 2, y / 2) : truth_at(plane, x << -finer, y << -finer);
-		double value = layer == STORE_QUANTA ? post : plane_value(plane, post);
+		double value = layer == STORE_UNITS ? post : plane_value(plane, post);
 		assert_true(posts[i] == (surface ? base[i] + value : value));
 	}
 }
@@ -188,10 +188,10 @@ static void check_newest(struct newest *newest)
 	resident_newest_changed(newest);
 	check_posts(newest, all, STORE_SURFACE, PLANE_OFFSET, 0);
 	check_posts(newest, all, STORE_OFFSET, PLANE_OFFSET, 0);
-	check_posts(newest, some, STORE_QUANTA, PLANE_OFFSET, 0);
+	check_posts(newest, some, STORE_UNITS, PLANE_OFFSET, 0);
 	check_posts(newest, some, STORE_SOIL, PLANE_DISTURBANCE, 0);
-	check_posts(newest, all, STORE_HEAPED, PLANE_DEPOSITED, 0);
-	check_posts(newest, some, STORE_PRESSED, PLANE_PLASTIC_SINKAGE, 0);
+	check_posts(newest, all, STORE_DEPOSITED, PLANE_DEPOSITED, 0);
+	check_posts(newest, some, STORE_PLASTIC_SINKAGE, PLANE_PLASTIC_SINKAGE, 0);
 	check_posts(newest, all, STORE_SHEAR, PLANE_SHEAR, 0);
 	check_posts(newest, half, STORE_SURFACE, PLANE_OFFSET, -1);
 	check_posts(newest, half, STORE_SOIL, PLANE_DISTURBANCE, -1);

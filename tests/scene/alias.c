@@ -20,7 +20,7 @@ static void assert_same(const struct scene *a, const struct scene *b)
 {
 	assert_string_equal(a->hash, b->hash);
 	assert_memory_equal(&a->objects[0].shape, &b->objects[0].shape, sizeof a->objects[0].shape);
-	assert_true(a->dirt == b->dirt && a->undisturbed == b->undisturbed);
+	assert_true(a->disturbance == b->disturbance && a->undisturbed == b->undisturbed);
 }
 
 static struct scene *load(const char *text, const struct scene_setting *settings, size_t count)
@@ -34,7 +34,7 @@ static struct scene *load(const char *text, const struct scene_setting *settings
 static void each_former_name_makes_the_same_scene(void **state)
 {
 	struct scene *former = load(scm, NULL, 0);
-	assert_true(former->dirt && former->objects[0].shape.grousers == 9 && former->objects[0].shape.grouser_height == 0.1 &&
+	assert_true(former->disturbance && former->objects[0].shape.grousers == 9 && former->objects[0].shape.grouser_height == 0.1 &&
 		    former->objects[0].shape.grouser_thickness == 0.2);
 	for (size_t i = 0; i < PAIRS; i++) {
 		char *text = edited(scm, pairs[i].former, pairs[i].now);
@@ -68,7 +68,7 @@ static void a_setting_finds_a_key_by_either_name(void **state)
 	assert_int_equal(scene->objects[0].shape.grousers, 3);
 	scene_destroy(scene);
 	scene = load(now, &(struct scene_setting){"redistribute.undisturbed", "stands"}, 1);
-	assert_int_equal(scene->undisturbed, SCENE_STANDS);
+	assert_int_equal(scene->undisturbed, SCENE_STABLE);
 	scene_destroy(scene);
 	free(now);
 }

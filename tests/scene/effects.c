@@ -110,8 +110,8 @@ static void each_key_calls_for_its_own(void **state)
 		const char *reason; /* of the first of them */
 	} keys[] = {
 		{object, "redistribute.model", "box", EFFECT_BIT(EFFECT_OF(DEFORM_BOX_FILTER)), "redistribute.model: box"},
-		{object, "attributes", "[disturbance]", EFFECT_BIT(EFFECT_DIRT), "attributes.disturbance"},
-		{object, "objects.a.shape.wheel.grousers", "5", EFFECT_BIT(EFFECT_LUGS), "objects.a.shape.wheel.grousers"},
+		{object, "attributes", "[disturbance]", EFFECT_BIT(EFFECT_DISTURBANCE), "attributes.disturbance"},
+		{object, "objects.a.shape.wheel.grousers", "5", EFFECT_BIT(EFFECT_GROUSERS), "objects.a.shape.wheel.grousers"},
 		{object, "cache.loaders", "3", EFFECT_BIT(EFFECT_LOADERS), "cache.loaders: 3"},
 		{object, "cache.prefetch", "0.5", EFFECT_BIT(EFFECT_PREFETCH), "cache.prefetch: 0.5"},
 		{object, "view.camera.chase", "a", EFFECT_BIT(EFFECT_PYRAMID) | EFFECT_BIT(EFFECT_PICTURE) | EFFECT_BIT(EFFECT_NORMALS), "view"},

@@ -225,7 +225,7 @@ static void an_object_becomes_what_the_scene_would_make_of_it(void **state)
 	assert_memory_equal(&object.shape, &with->objects[0].shape, sizeof object.shape);
 	assert_true(object.load == 9 && object.path.speed == 2 && object.path.count == 2);
 	assert_memory_equal(object.path.points, with->objects[0].path.points, 2 * sizeof *object.path.points);
-	assert_int_equal(scene_object_effects(&object), EFFECT_BIT(EFFECT_LUGS) | EFFECT_BIT(EFFECT_LOAD));
+	assert_int_equal(scene_object_effects(&object), EFFECT_BIT(EFFECT_GROUSERS) | EFFECT_BIT(EFFECT_LOAD));
 	assert_int_equal(scene_object_parse(with, "{\"shape\": {\"sphere\": {\"radius\": 5e-1}}}", &body), STATUS_OK);
 	assert_string_equal(body.name, "body-1");
 	assert_true(body.path.count == 0 && body.path.points == NULL && body.shape.radius == 0.5);

@@ -21,7 +21,7 @@ static void the_manuals_scene_has_the_values_it_says(void **state)
 	assert_int_equal(scene->model, DEFORM_BOX_FILTER);
 	assert_int_equal(scene->box_radius, 1);
 	assert_int_equal(scene->box_repetitions, 1);
-	assert_true(scene->dirt);
+	assert_true(scene->disturbance);
 	assert_int_equal(scene->outside, SCENE_STOP);
 	assert_int_equal(scene->object_count, 1);
 	const struct scene_object *wheel = &scene->objects[0];
@@ -48,7 +48,7 @@ static void the_manuals_scene_has_the_values_it_says(void **state)
 	assert_int_equal(strlen(scene->hash), 32);
 	uint64_t view = EFFECT_BIT(EFFECT_TEXTURE) | EFFECT_BIT(EFFECT_DETAIL) | EFFECT_BIT(EFFECT_FOG) | EFFECT_BIT(EFFECT_SKY) |
 			EFFECT_BIT(EFFECT_GEOMORPH) | EFFECT_BIT(EFFECT_SKIRTS);
-	assert_int_equal(scene_effects(scene, 0), view | EFFECT_BIT(EFFECT_OF(DEFORM_NONE)) | EFFECT_BIT(EFFECT_OF(DEFORM_BOX_FILTER)) | EFFECT_BIT(EFFECT_DIRT) |
+	assert_int_equal(scene_effects(scene, 0), view | EFFECT_BIT(EFFECT_OF(DEFORM_NONE)) | EFFECT_BIT(EFFECT_OF(DEFORM_BOX_FILTER)) | EFFECT_BIT(EFFECT_DISTURBANCE) |
 							 EFFECT_BIT(EFFECT_PYRAMID) | EFFECT_BIT(EFFECT_PICTURE) | EFFECT_BIT(EFFECT_NORMALS) |
 							 EFFECT_BIT(EFFECT_IMAGES) | CACHE_EFFECTS);
 	scene_destroy(scene);
@@ -68,7 +68,7 @@ static void what_is_absent_is_its_default_and_calls_for_nothing(void **state)
 	assert_true(scene->iterations == 0 && scene->interval == 0 && scene->depth == 0 && scene->bulldozing == 0);
 	assert_true(scene->time_step == 0.02 && scene->gravity == 9.81 && scene->spacing == 0);
 	assert_int_equal(scene->model, DEFORM_NONE);
-	assert_false(scene->dirt);
+	assert_false(scene->disturbance);
 	assert_false(scene->view.present);
 	assert_int_equal(scene->slots, 256);
 	assert_int_equal(scene->loaders, 2);

@@ -368,7 +368,7 @@ static void lugs_have_a_height_and_a_thickness(void **state)
 	const struct deform_shape *shape = &scene->objects[0].shape;
 	assert_int_equal(shape->grousers, 12);
 	assert_true(shape->grouser_height == 0.025 && shape->grouser_thickness == 0.05);
-	assert_true((scene_effects(scene, 0) >> EFFECT_LUGS & 1) == 1);
+	assert_true((scene_effects(scene, 0) >> EFFECT_GROUSERS & 1) == 1);
 	scene_destroy(scene);
 	scene = load_edited(base, "0.4}", "0.4, grousers: 1, grouser_height: 0.5, grouser_thickness: 0.2}");
 	shape = &scene->objects[0].shape;

@@ -83,7 +83,7 @@ static void a_rut_with_all_its_planes_takes_8_bytes_a_post(void **state)
 	const char *path = in_folder("density.furrow");
 	struct store *store = make(path);
 	struct store_run run = {.scene_hash = "abc", .step = 1, .state = "{}"};
-	struct store_epoch_result result;
+	struct store_commit_result result;
 	struct store_numbers numbers;
 	int32_t *planes[PLANES];
 	int64_t deformed = 0, all = 0, bytes[PLANES] = {0};
@@ -95,7 +95,7 @@ static void a_rut_with_all_its_planes_takes_8_bytes_a_post(void **state)
 			continue;
 		for (int plane = 0; plane < PLANES; plane++)
 			page.planes[plane] = planes[plane];
-		assert_ok(store_epoch(store, &page, 1, &run, &result));
+		assert_ok(store_commit(store, &page, 1, &run, &result));
 	}
 	assert_true(deformed > 100000);
 	verified(store);
@@ -118,14 +118,14 @@ static void a_plane_of_one_value_takes_4_bytes(void **state)
 	const char *path = in_folder("constant.furrow");
 	struct store *store = make(path);
 	struct store_run run = {.scene_hash = "abc", .step = 1, .state = "{}"};
-	struct store_epoch_result result;
+	struct store_commit_result result;
 	struct store_numbers numbers;
 	int32_t *posts = malloc(TILE_POSTS * sizeof *posts);
 	uint16_t *shear = malloc(TILE_POSTS * sizeof *shear);
 	memset(posts, 7, TILE_POSTS * sizeof *posts);
 	memset(shear, 255, TILE_POSTS * sizeof *shear);
 	struct store_page page = {{LEVEL, 3, 3}, {posts, posts, posts, posts, shear}};
-	assert_ok(store_epoch(store, &page, 1, &run, &result));
+	assert_ok(store_commit(store, &page, 1, &run, &result));
 	assert_ok(store_count(store, &numbers));
 	for (int plane = PLANE_DEPOSITED; plane < PLANES; plane++) {
 		assert_int_equal(numbers.plane_tiles[plane], 1);

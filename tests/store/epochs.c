@@ -5,7 +5,7 @@
 
 #include "fixture.h"
 
-/* What store_epoch is to have written, from the field alone, at one coarser level. */
+/* What store_commit is to have written, from the field alone, at one coarser level. */
 static struct field coarser(const struct field *fine)
 {
 	struct field coarse = field_make(fine->level + 1);
@@ -53,14 +53,14 @@ static void every_level_is_the_decimation_of_the_finer(void **state)
 		struct store *store = open_store(path, STORE_WRITE);
 		assert_ok(store_set_working_level(store, level));
 		struct field field = field_make(level);
-		struct store_epoch_result result;
+		struct store_commit_result result;
 		int64_t below = 0, above = 0, want_below, want_above;
 		for (int i = 0; i < 6; i++) {
 			int64_t cx = mix((uint32_t)i, 1, 9) % extent_posts(extent.width, level);
 			int64_t cy = mix((uint32_t)i, 2, 9) % extent_posts(extent.height, level);
 			field_dig(&field, cx, cy, 9, (uint32_t)i);
 			assert_ok(field_commit(&field, around(cx, cy, 9), store, i, &result));
-			assert_int_equal(result.epoch, i + 1);
+			assert_int_equal(result.commit, i + 1);
 			assert_true(result.tiles_written > 0 && result.bytes_written > 0);
 			below += result.below;
 			above += result.above;
@@ -94,7 +94,7 @@ static void content_does_not_depend_on_how_it_was_split(void **state)
 		struct store *store = open_store(path, STORE_WRITE);
 		assert_ok(store_set_working_level(store, -1));
 		struct field field = field_make(-1);
-		struct store_epoch_result result;
+		struct store_commit_result result;
 		int64_t step = 0;
 		if (way == 1) { /* dug elsewhere and everywhere, then filled again */
 			field_dig(&field, 80, 60, 60, 99);
@@ -118,7 +118,7 @@ static void content_does_not_depend_on_how_it_was_split(void **state)
 		struct store_numbers numbers;
 		assert_ok(store_count(store, &numbers));
 		rows[way] = numbers.plane_tiles[PLANE_OFFSET] + numbers.plane_tiles[PLANE_PLASTIC_SINKAGE];
-		assert_int_equal(numbers.epochs, step);
+		assert_int_equal(numbers.commits, step);
 		field_free(&field);
 		store_close(store);
 	}
@@ -135,13 +135,13 @@ static void rows_that_did_not_change_are_not_written(void **state)
 	struct store *store = open_store(path, STORE_WRITE);
 	assert_ok(store_set_working_level(store, -1));
 	struct field field = field_make(-1);
-	struct store_epoch_result result;
+	struct store_commit_result result;
 	field_dig(&field, 40, 40, 6, 1);
 	assert_ok(field_commit(&field, around(40, 40, 6), store, 0, &result));
 	assert_ok(field_commit(&field, around(40, 40, 6), store, 1, &result));
 	assert_int_equal(result.tiles_written, 0);
 	assert_int_equal(result.below, 0);
-	assert_int_equal(result.epoch, 2);
+	assert_int_equal(result.commit, 2);
 	field_free(&field);
 	store_close(store);
 }
@@ -157,11 +157,11 @@ static void pages_without_dirt_leave_the_soil_alone(void **state)
 	unsigned present;
 	struct store_page page = {{0, 1, 1}, {[PLANE_OFFSET] = offset, [PLANE_DISTURBANCE] = dirt}};
 	struct store_run run = {.scene_hash = "abc", .step = 1, .time = 0.5, .state = "{}"};
-	struct store_epoch_result result;
-	assert_ok(store_epoch(store, &page, 1, &run, &result));
+	struct store_commit_result result;
+	assert_ok(store_commit(store, &page, 1, &run, &result));
 	page.planes[PLANE_DISTURBANCE] = NULL;
 	offset[100] = -6;
-	assert_ok(store_epoch(store, &page, 1, &run, &result));
+	assert_ok(store_commit(store, &page, 1, &run, &result));
 	assert_int_equal(result.below, -1);
 	struct store_reader *reader;
 	assert_ok(store_reader_create(store, &reader));
@@ -220,7 +220,7 @@ static void every_plane_comes_back_the_same_bits(void **state)
 		struct store *store = open_store(path, STORE_WRITE);
 		assert_ok(store_set_working_level(store, level));
 		struct field field = field_make(level);
-		struct store_epoch_result result;
+		struct store_commit_result result;
 		for (int i = 0; i < 4; i++) {
 			int64_t cx = mix((uint32_t)i, 1, 5) % extent_posts(extent.width, level);
 			int64_t cy = mix((uint32_t)i, 2, 5) % extent_posts(extent.height, level);
@@ -246,7 +246,7 @@ static void a_drive_without_state_forgets_it_where_it_digs(void **state)
 	struct store *store = open_store(path, STORE_WRITE);
 	assert_ok(store_set_working_level(store, -1));
 	struct field field = field_make(-1);
-	struct store_epoch_result result;
+	struct store_commit_result result;
 	field_dig(&field, 64, 48, 40, 1); /* 25 tiles */
 	assert_ok(field_commit(&field, field_all(&field), store, 1, &result));
 
@@ -295,13 +295,13 @@ static void what_was_compacted_is_counted(void **state)
 	uint64_t fresh = content(store);
 	assert_ok(store_set_working_level(store, 0));
 	struct store_run run = {.scene_hash = "abc", .step = 1, .time = 0.5, .state = "{}"};
-	struct store_epoch_result result;
+	struct store_commit_result result;
 	struct store_numbers numbers;
 	int64_t sum = 0;
 	static const int64_t more[] = {5, 0, -7, INT64_C(1) << 60, -(INT64_C(1) << 50)};
 	for (size_t i = 0; i < sizeof more / sizeof *more; i++) {
 		run.compacted = more[i];
-		assert_ok(store_epoch(store, NULL, 0, &run, &result));
+		assert_ok(store_commit(store, NULL, 0, &run, &result));
 		sum += more[i];
 		assert_int_equal(verified(store).compacted, sum);
 		store_close(store);
@@ -315,11 +315,11 @@ static void what_was_compacted_is_counted(void **state)
 	for (size_t i = 0; i < 2; i++) {
 		uint64_t before = content(store);
 		run.compacted = most[i];
-		assert_status(store_epoch(store, NULL, 0, &run, &result), STATUS_FAILED);
+		assert_status(store_commit(store, NULL, 0, &run, &result), STATUS_FAILED);
 		assert_true(content(store) == before);
 	}
 	run.compacted = 1;
-	assert_ok(store_epoch(store, NULL, 0, &run, &result));
+	assert_ok(store_commit(store, NULL, 0, &run, &result));
 	assert_int_equal(verified(store).compacted, sum + 1);
 	assert_ok(store_reset(store));
 	assert_int_equal(verified(store).compacted, 0);
@@ -343,7 +343,7 @@ static void a_working_level_is_fixed_by_the_first_epoch_until_reset(void **state
 	assert_false(store_has_working_level(store, &level));
 	assert_ok(store_set_working_level(store, -1));
 	struct field field = field_make(-1);
-	struct store_epoch_result result;
+	struct store_commit_result result;
 	field_dig(&field, 40, 40, 6, 1);
 	assert_ok(field_commit(&field, around(40, 40, 6), store, 7, &result));
 	store_close(store);
@@ -364,7 +364,7 @@ static void a_working_level_is_fixed_by_the_first_epoch_until_reset(void **state
 	assert_null(numbers.last_run.scene_hash);
 	for (int plane = 0; plane < PLANES; plane++)
 		assert_int_equal(numbers.plane_tiles[plane], 0);
-	assert_int_equal(numbers.epochs, 0);
+	assert_int_equal(numbers.commits, 0);
 	assert_ok(store_set_working_level(store, -2));
 	verified(store);
 	field_free(&field);
@@ -382,7 +382,7 @@ static void a_failed_epoch_leaves_the_one_before(void **state)
 	struct store *store = open_store(path, STORE_WRITE);
 	assert_ok(store_set_working_level(store, -1));
 	struct field field = field_make(-1);
-	struct store_epoch_result result;
+	struct store_commit_result result;
 	field_dig(&field, 40, 40, 6, 1);
 	assert_ok(field_commit(&field, around(40, 40, 6), store, 1, &result));
 	uint64_t before = content(store);
@@ -416,7 +416,7 @@ static void a_failed_epoch_leaves_the_one_before(void **state)
 	assert_non_null(strstr(failure_message(), path));
 	assert_true(content(store) == after);
 	assert_ok(field_commit(&field, around(90, 50, 30), store, 3, &result));
-	assert_int_equal(result.epoch, 3);
+	assert_int_equal(result.commit, 3);
 	verified(store);
 	field_free(&field);
 	store_close(store);
@@ -445,11 +445,11 @@ static void a_killed_writer_leaves_its_last_epoch(void **state)
 				_exit(1);
 			struct field field = field_make(-1);
 			for (int64_t i = 0;; i++) {
-				struct store_epoch_result result;
+				struct store_commit_result result;
 				field_dig(&field, 75, 50, 40, (uint32_t)(round * 1000 + i));
 				if (field_commit(&field, around(75, 50, 40), store, i, &result) != STATUS_OK ||
 				    (i % 5 == 4 && store_checkpoint(store) != STATUS_OK) ||
-				    write(ends[1], &result.epoch, sizeof result.epoch) != sizeof result.epoch)
+				    write(ends[1], &result.commit, sizeof result.commit) != sizeof result.commit)
 					_exit(1);
 			}
 		}
@@ -469,9 +469,9 @@ static void a_killed_writer_leaves_its_last_epoch(void **state)
 		struct store *store = open_store(path, round % 3 == 0 ? STORE_READ : STORE_WRITE);
 		struct store_numbers numbers;
 		assert_ok(store_count(store, &numbers));
-		assert_true(numbers.epochs == last || numbers.epochs == last + 1);
-		assert_true(numbers.epochs > furthest);
-		furthest = numbers.epochs;
+		assert_true(numbers.commits == last || numbers.commits == last + 1);
+		assert_true(numbers.commits > furthest);
+		furthest = numbers.commits;
 		verified(store);
 		store_close(store);
 	}
@@ -490,7 +490,7 @@ static void readers_see_a_whole_epoch_or_the_one_before(void **state)
 	assert_ok(store_reader_create(other, &outside));
 	assert_ok(store_set_working_level(store, -1));
 	struct field field = field_make(-1);
-	struct store_epoch_result result;
+	struct store_commit_result result;
 	for (int i = 0; i < 4; i++) {
 		field_dig(&field, 40 + i, 40, 6, (uint32_t)i);
 		assert_ok(field_commit(&field, around(40 + i, 40, 6), store, i, &result));

@@ -234,7 +234,7 @@ static UNUSED void field_tile(const struct field *field, struct tile tile, int32
 
 /* Commits the tiles that `rect` (posts of the field's level) touches. */
 static UNUSED enum status field_commit(const struct field *field, struct post_rect rect, struct store *store,
-				       int64_t step, struct store_epoch_result *result)
+				       int64_t step, struct store_commit_result *result)
 {
 	struct tile first, last;
 	assert_true(tile_range_of(&extent, field->level, rect, &first, &last));
@@ -254,7 +254,7 @@ static UNUSED enum status field_commit(const struct field *field, struct post_re
 			}
 		}
 	struct store_run run = {.scene_hash = "abc", .step = step, .time = (double)step / 10, .state = "{\"poses\":[]}"};
-	enum status status = store_epoch(store, pages, count, &run, result);
+	enum status status = store_commit(store, pages, count, &run, result);
 	free(pages);
 	free(texels);
 	return status;

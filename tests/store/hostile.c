@@ -91,7 +91,7 @@ static void a_file_cut_short_is_refused(void **state)
 
 static void make_deformed(const char *path, struct field *field)
 {
-	struct store_epoch_result result;
+	struct store_commit_result result;
 	make_store(path);
 	struct store *store = open_store(path, STORE_WRITE);
 	assert_ok(store_set_working_level(store, -1));
@@ -111,7 +111,7 @@ static void sums_that_no_tile_has_are_refused(void **state)
 	};
 	for (size_t i = 0; i < sizeof edits / sizeof *edits; i++) {
 		struct field field;
-		struct store_epoch_result result;
+		struct store_commit_result result;
 		make_deformed(path, &field);
 		raw_sql(path, edits[i]);
 		struct store *store = open_store(path, STORE_WRITE);
@@ -133,8 +133,8 @@ static void planes_beyond_their_range_are_refused(void **state)
 		int32_t beyond;
 	} cases[] = {
 		{PLANE_DISTURBANCE, STORE_SOIL, 256},        {PLANE_DISTURBANCE, STORE_SOIL, -1},    {PLANE_DISTURBANCE, STORE_SOIL, INT32_MIN},
-		{PLANE_PLASTIC_SINKAGE, STORE_PRESSED, -1},   {PLANE_SHEAR, STORE_SHEAR, -1},  {PLANE_SHEAR, STORE_SHEAR, 65536},
-		{PLANE_PLASTIC_SINKAGE, STORE_PRESSED, INT32_MIN},
+		{PLANE_PLASTIC_SINKAGE, STORE_PLASTIC_SINKAGE, -1},   {PLANE_SHEAR, STORE_SHEAR, -1},  {PLANE_SHEAR, STORE_SHEAR, 65536},
+		{PLANE_PLASTIC_SINKAGE, STORE_PLASTIC_SINKAGE, INT32_MIN},
 	};
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct field field;

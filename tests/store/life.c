@@ -41,7 +41,7 @@ static void what_was_put_is_read_back(void **state)
 	struct store_numbers numbers;
 	assert_ok(store_count(store, &numbers));
 	assert_int_equal(numbers.base_tiles, tiles);
-	assert_int_equal(numbers.plane_tiles[PLANE_OFFSET] + numbers.plane_tiles[PLANE_DISTURBANCE] + numbers.epochs, 0);
+	assert_int_equal(numbers.plane_tiles[PLANE_OFFSET] + numbers.plane_tiles[PLANE_DISTURBANCE] + numbers.commits, 0);
 	assert_true(numbers.file_bytes >= numbers.base_bytes && numbers.base_bytes > 0);
 	assert_null(numbers.last_run.scene_hash);
 	verified(store);
@@ -189,7 +189,7 @@ static void an_existing_store_is_replaced_only_when_told(void **state)
 	pid_t child = fork();
 	if (child == 0) {
 		struct field field = field_make(0);
-		struct store_epoch_result result;
+		struct store_commit_result result;
 		field_dig(&field, 30, 20, 8, 1);
 		struct store_options options = {STORE_WRITE, false};
 		if (store_open(path, &options, &writer) != STATUS_OK ||

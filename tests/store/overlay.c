@@ -29,7 +29,7 @@ static void same_posts(struct store *a, struct store *b)
 	for (int i = 0; i < 2; i++)
 		assert_ok(store_sample(readers[i], 30.3, 60.7, &samples[i]));
 	assert_true(samples[0].height == samples[1].height && samples[0].offset == samples[1].offset);
-	assert_true(samples[0].offset != 0 && samples[0].dirt == samples[1].dirt);
+	assert_true(samples[0].offset != 0 && samples[0].disturbance == samples[1].disturbance);
 	for (int i = 0; i < 2; i++)
 		store_reader_destroy(readers[i]);
 }
@@ -62,7 +62,7 @@ static void an_overlay_is_the_store_it_would_have_been(void **state)
 	assert_int_equal(numbers[0].base_tiles, numbers[1].base_tiles);
 	assert_int_equal(numbers[0].base_bytes, numbers[1].base_bytes);
 	assert_int_equal(numbers[0].plane_tiles[PLANE_OFFSET], numbers[1].plane_tiles[PLANE_OFFSET]);
-	assert_true(numbers[0].plane_tiles[PLANE_OFFSET] > 0 && numbers[0].epochs == 3);
+	assert_true(numbers[0].plane_tiles[PLANE_OFFSET] > 0 && numbers[0].commits == 3);
 	assert_true(store_base_hash(over) == store_base_hash(plain));
 	assert_string_equal(store_base_path(over), base);
 	assert_null(store_base_path(plain));
@@ -356,7 +356,7 @@ static void a_killed_writer_leaves_its_last_epoch(void **state)
 	struct store_numbers numbers;
 	verified(store);
 	assert_ok(store_count(store, &numbers));
-	assert_int_equal(numbers.epochs, 3);
+	assert_int_equal(numbers.commits, 3);
 	store_close(store);
 	store_close(open_store(overlay, STORE_WRITE));
 	assert_int_equal(files_of("over.furrow"), 1);

@@ -29,13 +29,13 @@ static UNUSED char *bytes_of(const char *path, size_t *size)
 static UNUSED void dig(struct store *store, uint32_t seed, int epochs)
 {
 	struct field field = field_make(-1);
-	struct store_epoch_result result;
+	struct store_commit_result result;
 	assert_ok(store_set_working_level(store, -1));
 	for (int i = 0; i < epochs; i++) {
 		int64_t x = 30 + 25 * i, y = 60 - 10 * i;
 		field_dig(&field, x, y, 12, seed + (uint32_t)i);
 		assert_ok(field_commit(&field, around(x, y, 12), store, i + 1, &result));
-		assert_int_equal(result.epoch, i + 1);
+		assert_int_equal(result.commit, i + 1);
 	}
 	field_free(&field);
 }

@@ -51,11 +51,11 @@ static double post_of(const struct field *field, enum store_layer layer, int lev
 	double base = base_metres(level, x, y);
 	if (isnan(base) || layer == STORE_BASE)
 		return base;
-	static const enum plane planes[STORE_LAYERS] = {[STORE_SOIL] = PLANE_DISTURBANCE, [STORE_HEAPED] = PLANE_DEPOSITED,
-							[STORE_PRESSED] = PLANE_PLASTIC_SINKAGE, [STORE_SHEAR] = PLANE_SHEAR};
+	static const enum plane planes[STORE_LAYERS] = {[STORE_SOIL] = PLANE_DISTURBANCE, [STORE_DEPOSITED] = PLANE_DEPOSITED,
+							[STORE_PLASTIC_SINKAGE] = PLANE_PLASTIC_SINKAGE, [STORE_SHEAR] = PLANE_SHEAR};
 	int32_t value = deformed_post(field, planes[layer], level, x, y);
 	return layer == STORE_SURFACE				      ? base + lattice_offset_metres(value)
-	       : layer == STORE_QUANTA || planes[layer] == PLANE_DISTURBANCE ? value
+	       : layer == STORE_UNITS || planes[layer] == PLANE_DISTURBANCE ? value
 	       : planes[layer] == PLANE_SHEAR			      ? value / 65536.0
 								      : lattice_offset_metres(value);
 }
@@ -86,7 +86,7 @@ static void posts_are_those_of_the_definition(void **state)
 		reference = lattice_reference(store_meta(store)->low, store_meta(store)->high);
 		assert_ok(store_set_working_level(store, working));
 		struct field field = field_make(working);
-		struct store_epoch_result result;
+		struct store_commit_result result;
 		int64_t width = extent_posts(extent.width, working), height = extent_posts(extent.height, working);
 		field_dig(&field, width / 3, height / 2, width / 6, 5);
 		field_dig(&field, width - 3, height - 3, 4, 6);
@@ -96,7 +96,7 @@ static void posts_are_those_of_the_definition(void **state)
 		for (int level = -3; level <= extent_coarsest(&extent); level++)
 			for (int layer = STORE_SURFACE; layer < STORE_LAYERS; layer++) {
 				double value;
-				if (layer >= STORE_HEAPED && level > working) { /* it is of the working level alone */
+				if (layer >= STORE_DEPOSITED && level > working) { /* it is of the working level alone */
 					assert_status(store_read_posts(reader, (enum store_layer)layer, level,
 								       (struct post_rect){0, 0, 1, 1}, &value), STATUS_INPUT);
 					assert_non_null(strstr(failure_message(), "has no state of the soil"));
@@ -172,7 +172,7 @@ static void a_point_lies_between_the_finest_posts_stored_there(void **state)
 	reference = lattice_reference(store_meta(store)->low, store_meta(store)->high);
 	assert_ok(store_set_working_level(store, -2));
 	struct field field = field_make(-2);
-	struct store_epoch_result result;
+	struct store_commit_result result;
 	field_dig(&field, 100, 80, 20, 5);
 	assert_ok(field_commit(&field, around(100, 80, 20), store, 1, &result));
 	struct store_reader *reader;
@@ -207,13 +207,13 @@ static void a_point_lies_between_the_finest_posts_stored_there(void **state)
 	assert_ok(store_sample(reader, 148, 98, &sample));
 	assert_true(!sample.nodata && sample.base == terrain(74, 49) * STEP);
 	assert_ok(store_sample(reader, 50, 40, &sample));
-	assert_int_equal(sample.dirt, field.dirt[80 * field.width + 100]);
+	assert_int_equal(sample.disturbance, field.dirt[80 * field.width + 100]);
 	assert_int_equal(sample.planes, (1u << PLANES) - 1);
-	assert_true(sample.heaped == lattice_offset_metres(field_post(&field, PLANE_DEPOSITED, 100, 80)) && sample.heaped != 0);
-	assert_true(sample.pressed == lattice_offset_metres(field_post(&field, PLANE_PLASTIC_SINKAGE, 100, 80)) && sample.pressed > 0);
+	assert_true(sample.deposited == lattice_offset_metres(field_post(&field, PLANE_DEPOSITED, 100, 80)) && sample.deposited != 0);
+	assert_true(sample.plastic_sinkage == lattice_offset_metres(field_post(&field, PLANE_PLASTIC_SINKAGE, 100, 80)) && sample.plastic_sinkage > 0);
 	assert_true(sample.shear == field_post(&field, PLANE_SHEAR, 100, 80) / 65536.0 && sample.shear > 0);
 	assert_ok(store_sample(reader, 5, 5, &sample));
-	assert_true(sample.planes == 0 && sample.heaped == 0 && sample.pressed == 0 && sample.shear == 0);
+	assert_true(sample.planes == 0 && sample.deposited == 0 && sample.plastic_sinkage == 0 && sample.shear == 0);
 	static const double outside[][2] = {{-0.001, 5}, {148.001, 5}, {5, -1}, {5, 98.001}, {NAN, 5}};
 	for (size_t i = 0; i < 5; i++) {
 		assert_ok(store_sample(reader, outside[i][0], outside[i][1], &sample));
@@ -244,7 +244,7 @@ static void keys_of_a_level_come_in_order_until_told_to_stop(void **state)
 	struct store *store = open_store(path, STORE_WRITE);
 	assert_ok(store_set_working_level(store, -1));
 	struct field field = field_make(-1);
-	struct store_epoch_result result;
+	struct store_commit_result result;
 	field_dig(&field, 20, 20, 18, 5);
 	assert_ok(field_commit(&field, field_all(&field), store, 1, &result));
 	struct store_reader *reader;

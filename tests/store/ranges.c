@@ -66,7 +66,7 @@ static void ranges_follow_every_edit(void **state)
 		assert_ok(store_reader_create(store, &reader));
 		/* On a corner of four tiles, and away from it. */
 		const int64_t places[][2] = {{32, 32}, {24, 40}, {43, 20}};
-		struct store_epoch_result result;
+		struct store_commit_result result;
 		int rows = 0, step = 0;
 		for (int i = 0; i < 3; i++) {
 			int64_t x = places[i][0], y = places[i][1];

@@ -138,11 +138,11 @@ static uint64_t hash_of(const struct field *field, int64_t compacted)
 	const char *path = in_folder("fresh.furrow");
 	make_store(path);
 	struct store *store = open_store(path, STORE_WRITE);
-	struct store_epoch_result result;
+	struct store_commit_result result;
 	struct store_run run = {.scene_hash = "abc", .state = "{}", .compacted = compacted};
 	assert_ok(store_set_working_level(store, LEVEL));
 	assert_ok(field_commit(field, field_all(field), store, 1, &result));
-	assert_ok(store_epoch(store, NULL, 0, &run, &result));
+	assert_ok(store_commit(store, NULL, 0, &run, &result));
 	uint64_t hash = content(store);
 	store_close(store);
 	return hash;
@@ -164,7 +164,7 @@ static void assert_as_model(struct model *model)
 static void model_commit(struct model *model)
 {
 	struct field before = field_make(LEVEL);
-	struct store_epoch_result result;
+	struct store_commit_result result;
 	struct post_rect rect;
 	field_copy(&before, &model->field);
 	int64_t cx = draw(model, 150), cy = draw(model, 100);
@@ -177,7 +177,7 @@ static void model_commit(struct model *model)
 	}
 	assert_ok(field_commit(&model->field, rect, model->store, ++model->step, &result));
 	model->revision++;
-	assert_int_equal(result.epoch, model->revision);
+	assert_int_equal(result.commit, model->revision);
 	for (int i = 0; i < TILES; i++) {
 		bool changed = !tile_same(&before, &model->field, tile_at(i));
 		model->changed[model->revision][i] = changed;
@@ -188,10 +188,10 @@ static void model_commit(struct model *model)
 
 static void model_compact(struct model *model)
 {
-	struct store_epoch_result result;
+	struct store_commit_result result;
 	struct store_run run = {.scene_hash = "abd", .step = ++model->step, .time = 0.125, .state = "[1]"};
 	run.compacted = (int64_t)draw(model, 1000) - 500;
-	assert_ok(store_epoch(model->store, NULL, 0, &run, &result));
+	assert_ok(store_commit(model->store, NULL, 0, &run, &result));
 	model->compacted += run.compacted;
 	model->revision++;
 }
@@ -312,7 +312,7 @@ static void marks_leave_nothing_in_the_file(void **state)
 		make_store(path);
 		struct store *store = open_store(path, STORE_WRITE);
 		struct field field = field_make(LEVEL);
-		struct store_epoch_result result;
+		struct store_commit_result result;
 		assert_ok(store_set_working_level(store, LEVEL));
 		for (int i = 0; i < 6; i++) {
 			if (way == 1 && i % 2 == 1)
@@ -341,7 +341,7 @@ static void an_overlay_rolls_back_and_its_base_is_not_touched(void **state)
 	uint64_t marked = content(store);
 	assert_ok(store_mark(store));
 	struct field field = field_make(LEVEL);
-	struct store_epoch_result result;
+	struct store_commit_result result;
 	field_dig(&field, 75, 50, 40, 4);
 	assert_ok(field_commit(&field, around(75, 50, 40), store, 9, &result));
 	assert_true(content(store) != marked);
@@ -364,7 +364,7 @@ static void much_is_kept_in_a_temporary_file(void **state)
 	make_store(path);
 	struct store *store = open_store(path, STORE_WRITE);
 	struct field field = field_make(-3);
-	struct store_epoch_result result;
+	struct store_commit_result result;
 	assert_ok(store_set_working_level(store, -3));
 	field_dig(&field, 300, 200, 150, 1);
 	assert_ok(field_commit(&field, around(300, 200, 150), store, 1, &result));
@@ -423,7 +423,7 @@ enum { KILL_EPOCHS = 60 };
 /* The epoch number that this commits; epoch 1 was before the mark. Every fifth is a rollback. */
 static enum status kill_step(struct store *store, struct field *field, struct field *marked, int64_t number)
 {
-	struct store_epoch_result result;
+	struct store_commit_result result;
 	if (number % 5 == 0) {
 		field_copy(field, marked);
 		return store_rollback(store);
@@ -445,7 +445,7 @@ static void kill_run(const char *path, int say, uint64_t *hashes)
 	assert_ok(store_set_working_level(store, LEVEL));
 	for (int64_t number = 1; number <= KILL_EPOCHS; number++) {
 		assert_ok(kill_step(store, &field, &marked, number));
-		assert_int_equal(store->epoch, number);
+		assert_int_equal(store->commit, number);
 		if (hashes != NULL)
 			hashes[number] = content(store);
 		if (say >= 0 && write(say, &number, sizeof number) != sizeof number)
@@ -489,8 +489,8 @@ static void a_kill_leaves_the_last_commit_and_nothing_of_the_mark(void **state)
 			last = number;
 		close(ends[0]);
 		struct store *store = open_store(path, round % 2 ? STORE_WRITE : STORE_READ);
-		assert_true(store->epoch == last || store->epoch == last + 1);
-		assert_true(content(store) == hashes[store->epoch]);
+		assert_true(store->commit == last || store->commit == last + 1);
+		assert_true(content(store) == hashes[store->commit]);
 		verified(store);
 		store_close(store);
 	}

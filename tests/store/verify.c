@@ -44,7 +44,7 @@ static const char *deformed_store(const char *name)
 	struct store *store = open_store(path, STORE_WRITE);
 	assert_ok(store_set_working_level(store, -1));
 	struct field field = field_make(-1);
-	struct store_epoch_result result;
+	struct store_commit_result result;
 	field_dig(&field, 64, 48, 20, 1); /* over where four tiles meet */
 	assert_ok(field_commit(&field, field_all(&field), store, 1, &result));
 	verified(store);
@@ -239,8 +239,8 @@ static void state_at_a_coarser_level_is_found(void **state)
 	struct store *store = open_store(path, STORE_WRITE);
 	struct row row = {.tile = {0, 1, 1}, .low = 0, .high = lattice_offset_metres(1)};
 	int32_t posts[POSTS] = {[5 * SIDE + 5] = 1};
-	store_rows_encode(&store->rows, ROW_PRESSED, posts, &row);
-	assert_ok(store_rows_put(&store->rows, ROW_PRESSED, &row));
+	store_rows_encode(&store->rows, ROW_PLASTIC_SINKAGE, posts, &row);
+	assert_ok(store_rows_put(&store->rows, ROW_PLASTIC_SINKAGE, &row));
 	store_close(store);
 	assert_told(path, "pressed tile level 0 x 1 y 1: it is coarser than the level that is deformed");
 }
@@ -254,7 +254,7 @@ static void a_broken_pyramid_is_found(void **state)
 	edit_row(path, ROW_OFFSET, (struct tile){0, 1, 1}, edit_odd);
 	assert_told(path, "offset tile level 0 x 1 y 1: it is not every second post");
 	path = deformed_store("pyramid3.furrow");
-	edit_row(path, ROW_DIRT, (struct tile){1, 0, 0}, edit_odd);
+	edit_row(path, ROW_DISTURBANCE, (struct tile){1, 0, 0}, edit_odd);
 	assert_told(path, "dirt tile level 1 x 0 y 0: it is not every second post");
 	path = deformed_store("pyramid4.furrow");
 	sql_tile(path, "DELETE FROM \"offset\" WHERE key = %lld", (struct tile){1, 0, 0});
@@ -310,7 +310,7 @@ static void rows_that_do_not_belong_are_found(void **state)
 	edit_row(path, ROW_OFFSET, (struct tile){-1, 3, 2}, edit_zero);
 	assert_told(path, "offset tile level -1 x 3 y 2: all its posts are zero");
 	path = deformed_store("big.furrow");
-	edit_row(path, ROW_DIRT, (struct tile){-1, 3, 2}, edit_big);
+	edit_row(path, ROW_DISTURBANCE, (struct tile){-1, 3, 2}, edit_big);
 	assert_told(path, "dirt tile level -1 x 3 y 2: it has posts beyond its plane's range");
 	path = deformed_store("far.furrow");
 	raw_sql(path, "INSERT INTO \"offset\" SELECT key + 1000000, low, high, below, above, codec, revision, hash, "

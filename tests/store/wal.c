@@ -45,12 +45,12 @@ static int64_t wal_bytes(const char *path)
 static int64_t write_epoch(struct store *store, int step)
 {
 	struct store_run run = {.scene_hash = "abc", .step = step, .state = "{}"};
-	struct store_epoch_result result;
+	struct store_commit_result result;
 	size_t posts = (CELLS + 1) * (CELLS + 1);
 	for (int i = 0; i < TILES * TILES; i++)
 		pages[i] = (struct store_page){{LEVEL, (uint32_t)(i % TILES), (uint32_t)(i / TILES)},
 					       {planes + (size_t)((i + step) % (TILES * TILES)) * posts}};
-	assert_ok(store_epoch(store, pages, TILES * TILES, &run, &result));
+	assert_ok(store_commit(store, pages, TILES * TILES, &run, &result));
 	assert_ok(store_bound_wal(store));
 	return result.bytes_written;
 }

@@ -49,7 +49,7 @@ static void what_a_picture_needs_is_counted_and_wanted_once_each(void **state)
 		assert_int_equal(needed, distinct(&fake));
 		for (size_t i = 0; i < selection.draw_count; i++) {
 			below += selection.draws[i].tile.level < 0;
-			assert_false(selection.draws[i].stands_in);
+			assert_false(selection.draws[i].replaces);
 		}
 		/* The same picture, whatever is resident; without anything, all of it is wanted. */
 		source.resident = nothing_resident;
@@ -81,7 +81,7 @@ static void what_only_stands_in_is_told_from_what_is_needed(void **state)
 			bool needed = false;
 			for (size_t k = 0; k < all.wanted_count && !needed; k++)
 				needed = all.wanted[k] == tile_key(selection.draws[i].tile);
-			assert_int_equal(selection.draws[i].stands_in, !needed);
+			assert_int_equal(selection.draws[i].replaces, !needed);
 			standing += !needed;
 		}
 	}

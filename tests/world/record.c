@@ -41,9 +41,9 @@ static char *printed(void)
 	record->level = -3;
 	record->ended = true;
 	memcpy(record->objects, objects, sizeof objects);
-	record->awake_count = 2;
-	record->awake[0] = (struct deform_block){3, 4};
-	record->awake[1] = (struct deform_block){INT64_C(1) << 33, 0};
+	record->active_count = 2;
+	record->active[0] = (struct deform_block){3, 4};
+	record->active[1] = (struct deform_block){INT64_C(1) << 33, 0};
 	char *text = world_record_print(record, &scene, &(struct pages_sums){-SUM_MOST, SUM_MOST, SUM_MOST - 1});
 	assert_non_null(text);
 	free(record);
@@ -69,8 +69,8 @@ static void it_comes_back_to_the_bit(void **state)
 	assert_true(record->step == 7 && same_real(record->time, 0.1) && record->level == -3 && record->ended);
 	assert_true(record->sums.below == -SUM_MOST && record->sums.above == SUM_MOST &&
 		    record->sums.compacted == SUM_MOST - 1);
-	assert_true(record->awake_count == 2 && record->awake[0].x == 3 && record->awake[0].y == 4);
-	assert_true(record->awake[1].x == INT64_C(1) << 33 && record->awake[1].y == 0);
+	assert_true(record->active_count == 2 && record->active[0].x == 3 && record->active[0].y == 4);
+	assert_true(record->active[1].x == INT64_C(1) << 33 && record->active[1].y == 0);
 	for (int i = 0; i < 2; i++) {
 		const struct record_object *a = &record->objects[i], *b = &objects[i];
 		assert_true(a->next == b->next && a->in_contact == b->in_contact && a->skipped == b->skipped);
@@ -173,15 +173,15 @@ static void a_record_cut_short_anywhere_is_refused(void **state)
 static void as_many_blocks_as_may_be_awake_and_no_more(void **state)
 {
 	struct record *record = room();
-	record->awake_count = DEFORM_BLOCKS_MAX;
+	record->active_count = DEFORM_BLOCKS_MAX;
 	for (int64_t i = 0; i < DEFORM_BLOCKS_MAX; i++)
-		record->awake[i] = (struct deform_block){i, INT64_MAX - i};
+		record->active[i] = (struct deform_block){i, INT64_MAX - i};
 	memcpy(record->objects, objects, sizeof objects);
 	char *text = world_record_print(record, &scene, &(struct pages_sums){0, 0, 0}), *more, *at;
 	struct record *read = room();
 	assert_int_equal(parse(text, 1, 1, &scene, read), STATUS_OK);
-	assert_int_equal(read->awake_count, DEFORM_BLOCKS_MAX);
-	assert_memory_equal(read->awake, record->awake, sizeof read->awake);
+	assert_int_equal(read->active_count, DEFORM_BLOCKS_MAX);
+	assert_memory_equal(read->active, record->active, sizeof read->active);
 	/* One more. */
 	more = malloc(strlen(text) + 8);
 	at = strstr(text, "\"awake\":\"");

@@ -4,10 +4,13 @@
  *   BEGIN IMMEDIATE -> a climb for the offsets -> one for the disturbance -> the soil's state
  *   -> what was compacted, the run's record -> COMMIT
  *
- * A climb goes down from the coarsest tile to each page and writes on its way back up, so that one
- * plane a level is held. The soil's state has no coarser levels (store_state.c). Invariants: (1) a row exists iff a row exists below it (at the working
- * level: iff it is not all zero); (2) what is written depends only on what the working level then
- * holds, never on how it came about; (3) after a failure the file holds what it held before.
+ * A climb goes down from the coarsest tile to each page, and writes on its way back up. So only one plane of each level is held.
+ * The soil's state has no coarser levels (store_state.c).
+ *
+ * Invariants:
+ *   1. A row of a coarser level exists iff a row exists below it. A row of the working level exists iff it is not all zero.
+ *   2. The rows written depend only on the working level's new content, never on how it came about.
+ *   3. After a failure the file has the content that it had before.
  */
 #include "store/internal.h"
 
@@ -28,7 +31,7 @@ struct climb {
 	enum row_table table;
 	int32_t *planes[TILE_LEVEL_MAX - TILE_LEVEL_MIN + 1]; /* by level - TILE_LEVEL_MIN */
 	const struct store_run *run;
-	struct store_epoch_result *result;
+	struct store_commit_result *result;
 };
 
 static int order_compare(const void *a, const void *b)
@@ -49,7 +52,7 @@ static enum status plane_at(struct climb *climb, int level, int32_t **plane)
 	if (*held == NULL)
 		*held = mem_alloc(plane_posts(climb->store), sizeof **held);
 	*plane = *held;
-	return *held != NULL ? STATUS_OK : fail_memory("an epoch");
+	return *held != NULL ? STATUS_OK : fail_memory("a commit");
 }
 
 /* Writes or drops one row; `exists`: it belongs there. `old`: what is there, NULL: nothing. */
@@ -57,7 +60,7 @@ static enum status put_row(struct climb *climb, struct row *row, const int32_t *
 			   const struct row *old)
 {
 	struct store *store = climb->store;
-	struct store_epoch_result *result = climb->result;
+	struct store_commit_result *result = climb->result;
 	if (climb->table == ROW_OFFSET && exists)
 		store_rows_sums(&store->meta.extent, row->tile, posts, &row->below, &row->above);
 	if (climb->table == ROW_OFFSET && row->tile.level == store->working) {
@@ -73,14 +76,14 @@ static enum status put_page(struct climb *climb, const struct store_page *page, 
 {
 	size_t count = plane_posts(climb->store);
 	*posts = page->planes[PLANE_OFFSET];
-	if (climb->table == ROW_DIRT) {
+	if (climb->table == ROW_DISTURBANCE) {
 		int32_t *wide;
 		enum status status = plane_at(climb, page->tile.level, &wide);
 		if (status != STATUS_OK)
 			return status;
-		const uint8_t *dirt = page->planes[PLANE_DISTURBANCE];
+		const uint8_t *disturbance = page->planes[PLANE_DISTURBANCE];
 		for (size_t i = 0; i < count; i++)
-			wide[i] = dirt[i];
+			wide[i] = disturbance[i];
 		*posts = wide;
 	}
 	struct row old, row = {.tile = page->tile};
@@ -156,13 +159,13 @@ static enum status climb_tile(struct climb *climb, int level, size_t first, size
 }
 
 static enum status climb_table(struct store *store, enum row_table table, const struct store_page *pages,
-			       size_t count, const struct store_run *run, struct store_epoch_result *result)
+			       size_t count, const struct store_run *run, struct store_commit_result *result)
 {
 	struct climb climb = {.store = store, .pages = pages, .table = table, .run = run, .result = result};
 	size_t with = 0;
 	climb.order = mem_alloc(count, sizeof *climb.order);
 	if (climb.order == NULL)
-		return fail_memory("an epoch");
+		return fail_memory("a commit");
 	for (size_t i = 0; i < count; i++)
 		if (pages[i].planes[row_plane(table)] != NULL)
 			climb.order[with++] = (struct order){tile_key(pages[i].tile), i};
@@ -179,7 +182,7 @@ static enum status climb_table(struct store *store, enum row_table table, const 
 }
 
 static enum status put_run(struct store *store, const struct store_run *run,
-			   const struct store_epoch_result *result)
+			   const struct store_commit_result *result)
 {
 	const char *state = run->describe != NULL ? run->describe(run->user, result) : run->state;
 	if (state == NULL)
@@ -188,7 +191,7 @@ static enum status put_run(struct store *store, const struct store_run *run,
 }
 
 static enum status put_all(struct store *store, const struct store_page *pages, size_t count,
-			   const struct store_run *run, struct store_epoch_result *result)
+			   const struct store_run *run, struct store_commit_result *result)
 {
 	enum status status = STATUS_OK;
 	if (!store->working_stored && count > 0) {
@@ -198,8 +201,8 @@ static enum status put_all(struct store *store, const struct store_page *pages, 
 	if (status == STATUS_OK)
 		status = climb_table(store, ROW_OFFSET, pages, count, run, result);
 	if (status == STATUS_OK)
-		status = climb_table(store, ROW_DIRT, pages, count, run, result);
-	for (int table = ROW_HEAPED; table < ROW_TABLES && status == STATUS_OK; table++)
+		status = climb_table(store, ROW_DISTURBANCE, pages, count, run, result);
+	for (int table = ROW_DEPOSITED; table < ROW_TABLES && status == STATUS_OK; table++)
 		status = store_state_put(store, (enum row_table)table, pages, count, run, result);
 	if (status == STATUS_OK)
 		status = store_meta_add_compacted(store, run->compacted);
@@ -209,19 +212,19 @@ static enum status put_all(struct store *store, const struct store_page *pages, 
 	if (status == STATUS_OK)
 		status = store_changes_reserve(&store->changes);
 	if (status == STATUS_OK)
-		status = store_sql_exec(store->db, store->path, "committing an epoch", "COMMIT");
+		status = store_sql_exec(store->db, store->path, "committing", "COMMIT");
 	return status;
 }
 
-enum status store_epoch(struct store *store, const struct store_page *pages, size_t count,
-			const struct store_run *run, struct store_epoch_result *result)
+enum status store_commit(struct store *store, const struct store_page *pages, size_t count,
+			const struct store_run *run, struct store_commit_result *result)
 {
 	assert(store->writing && store->has_working);
 	for (size_t i = 0; i < count; i++)
 		assert(pages[i].tile.level == store->working && extent_has(&store->meta.extent, pages[i].tile) &&
 		       pages[i].planes[PLANE_OFFSET] != NULL);
-	*result = (struct store_epoch_result){.epoch = store->epoch + 1};
-	enum status status = store_sql_begin(store->db, store->path, "beginning an epoch");
+	*result = (struct store_commit_result){.commit = store->commit + 1};
+	enum status status = store_sql_begin(store->db, store->path, "beginning a commit");
 	if (status != STATUS_OK)
 		return status;
 	status = put_all(store, pages, count, run, result);
@@ -233,7 +236,7 @@ enum status store_epoch(struct store *store, const struct store_page *pages, siz
 	if (count > 0)
 		store->working_stored = true;
 	store->compacted += run->compacted;
-	store->epoch++;
-	store_changes_commit(&store->changes, store->epoch);
+	store->commit++;
+	store_changes_commit(&store->changes, store->commit);
 	return STATUS_OK;
 }
