@@ -54,10 +54,10 @@ if [ "${1:-}" = quick ]; then
 elif [ $# -gt 0 ]; then
 	run "$build" "$@"
 else
-	ninja -C "$build" --quiet
-	run "$build" --no-suite drives
+	run "$build" --no-suite plain
 	setup "$laws"
-	run "$laws" --suite drives
+	ninja -C "$laws" --quiet benches
+	run "$laws" --suite plain
 	if has_tsan; then
 		setup "$tsan" -Doptimization=1 -Db_sanitize=thread
 		# shellcheck disable=SC2086
