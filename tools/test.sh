@@ -1,12 +1,13 @@
 #!/bin/sh
 # Packages, builds, tests:
 #
-#   sh tools/test.sh            every test; a few minutes
+#   sh tools/test.sh            every test; CONTRIBUTING.md says for how long
 #   sh tools/test.sh quick      the tests of suite `quick`; a minute or two
 #   sh tools/test.sh ARGUMENT   what `meson test` takes: names, --suite X; in the sanitizer build alone
 #
-# Three builds: one with address and undefined-behaviour sanitizers; one without, optimized and with asserts, for the laws and other
-# tests that drive for long (suite `drives`); one with ThreadSanitizer, for the tests of threads again.
+# Three builds: one with address and undefined-behaviour sanitizers; one without, optimized and with asserts, for the suite `plain`:
+# laws, power cuts, the command and what is installed; one with ThreadSanitizer, for the tests of threads again. Each builds only
+# what its tests need, and the second the benches too.
 set -eu
 cd "$(dirname "$0")/.."
 sh tools/packages.sh
@@ -54,10 +55,10 @@ if [ "${1:-}" = quick ]; then
 elif [ $# -gt 0 ]; then
 	run "$build" "$@"
 else
-	ninja -C "$build" --quiet
-	run "$build" --no-suite drives
+	run "$build" --no-suite plain
 	setup "$laws"
-	run "$laws" --suite drives
+	ninja -C "$laws" --quiet benches
+	run "$laws" --suite plain
 	if has_tsan; then
 		setup "$tsan" -Doptimization=1 -Db_sanitize=thread
 		# shellcheck disable=SC2086

@@ -29,7 +29,7 @@ class Notes(FurrowTest):
 
     def deepest(self, store):
         return -min(point["offset"] for point in self.json("query", store, stdin="".join(
-            f"{20 + 100 * i / 4000} {20 + 70 * i / 4000}\n" for i in range(4001)))["points"])
+            f"{20 + 100 * i / 1000} {20 + 70 * i / 1000}\n" for i in range(1001)))["points"])
 
     def test_ruts_in_an_overlay_are_told(self):
         self.assertEqual(self.notes("ruts", "--overlay", "a.furrow"), [], "it has none yet")

@@ -83,9 +83,12 @@ class Screen(WindowTest):
         self.assertLess(math.hypot(seen_x - x, seen_y - y), 5, f"it is seen at {seen_x:.1f}, {seen_y:.1f}")
         # And in the overlay: the middle of what is lower now.
         meant = self.json("query", "world.furrow", "--ray", ",".join(map(str, [*EYE, *ray_through(x, y)])))["point"]
-        places = [(east, north) for north in range(70, 251) for east in range(30, 231)]
+        middle = [round(part) for part in meant[:2]]
+        places = [(east, north) for north in range(max(middle[1] - 20, 70), middle[1] + 21)
+                  for east in range(middle[0] - 20, middle[0] + 21)]
         points = self.json("query", "ruts.furrow", stdin="".join(f"{east} {north}\n" for east, north in places))["points"]
         depths = [max(-point["offset"], 0) for point in points]
+        self.assertGreater(sum(depths), 0, f"no rut within 20 m of {meant}")
         east, north = (sum(depth * place[i] for depth, place in zip(depths, places)) / sum(depths) for i in (0, 1))
         self.assertLess(math.hypot(east - meant[0], north - meant[1]), 1, f"{east:.2f}, {north:.2f}, not {meant}")
 

@@ -26,9 +26,20 @@ cache: {slots: 128}
 """
 
 
-def read_png(path):
+def unpredicted(row, before):
+    """Undoes the Paeth filter of PNG, in place."""
+    left, corner = [0, 0, 0], [0, 0, 0]
+    for i, up in enumerate(before):
+        channel = i % 3
+        west, north_west = left[channel], corner[channel]
+        to_west, to_north, to_corner = abs(up - north_west), abs(west - north_west), abs(west + up - 2 * north_west)
+        guess = west if to_west <= to_north and to_west <= to_corner else up if to_north <= to_corner else north_west
+        left[channel] = row[i] = (row[i] + guess) & 255
+        corner[channel] = up
+
+
+def read_png(data):
     """width, height and the RGB rows of a PNG such as furrow writes."""
-    data = path.read_bytes()
     width, height = struct.unpack(">II", data[16:24])
     at, packed = 8, b""
     while at < len(data):
@@ -39,12 +50,12 @@ def read_png(path):
     for y in range(height):
         kind, row = raw[y * (stride + 1)], bytearray(raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)])
         before = rows[-1] if rows else bytes(stride)
-        for i in range(stride):
-            left, up = row[i - 3] if i >= 3 else 0, before[i]
-            corner = before[i - 3] if i >= 3 else 0
-            guess = left + up - corner
-            near = min((abs(guess - left), 0, left), (abs(guess - up), 1, up), (abs(guess - corner), 2, corner))[2]
-            row[i] = (row[i] + (0, left, up, (left + up) // 2, near)[kind]) & 255
+        if kind == 4:
+            unpredicted(row, before)
+        elif kind != 0:
+            for i in range(stride):
+                left = row[i - 3] if i >= 3 else 0
+                row[i] = (row[i] + (left, before[i], (left + before[i]) // 2)[kind - 1]) & 255
         rows.append(bytes(row))
     return width, height, rows
 
@@ -147,23 +158,27 @@ class WindowTest(FurrowTest):
     def eye(self):
         return tuple(map(float, self.title().split("eye ")[1].split()[:3]))
 
-    def picture(self):
-        """What P writes."""
+    def picture_file(self):
+        """The bytes of what P writes."""
         self.pictures += 1
         path = self.folder / f"view-{self.pictures:04d}.png"
         self.key("p")
         self.until(path.name, path.exists)
-        return read_png(path)
+        return path.read_bytes()
+
+    def picture(self):
+        """What P writes."""
+        return read_png(self.picture_file())
 
     def still_picture(self):
         """Once nothing changes any more: tiles have come, messages have gone, a follower has swung round."""
-        pictures = [self.picture()]
+        files = [self.picture_file()]
 
         def rested():
-            pictures.append(self.picture())
-            return pictures[-1] == pictures[-2]
+            files.append(self.picture_file())
+            return files[-1] == files[-2]
         self.until("a picture at rest", rested)
-        return pictures[-1]
+        return read_png(files[-1])
 
     def close(self, status=0):
         out, err = self.process.communicate(timeout=PATIENCE)

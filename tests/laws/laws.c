@@ -151,6 +151,9 @@ static void no_time_step_shows_in_the_rut(void **state)
 	for (int m = 1; m < MODELS; m++) {
 		uint64_t first = 0;
 		for (int i = 0; i < 4; i++) {
+			/* Of the two steps between the longest and the shortest, each with every other model. */
+			if (i == 1 + m % 2)
+				continue;
 			const char *path = fresh_store("step.furrow", extent);
 			mem_free(support_drive(scene, path, under(models[m], steps[i], NULL, NULL, true)));
 			uint64_t hash = support_hash(path);

@@ -1,0 +1,50 @@
+"""Some tests of every program of the command, which run under sanitizers; the other tests of this folder run without."""
+import importlib
+import sys
+import unittest
+
+from furrow_test import has_gdal
+
+CHOSEN = {
+    "contract": ["Usage", "BadInput.test_missing_empty_garbage_and_truncated_stores_are_status_3",
+                 "BadInput.test_missing_empty_and_garbage_sources_are_status_3_and_leave_nothing",
+                 "BadInput.test_an_existing_store_is_not_overwritten_unless_asked",
+                 "BadInput.test_a_dry_run_makes_nothing_and_tells_what_is_in_the_way", "BadInput.test_a_png_with_holes",
+                 "BadInput.test_a_scene_with_a_wrong_key_names_file_line_and_what_is_allowed",
+                 "RoundTrips.test_a_png_comes_back_as_it_was", "RoundTrips.test_info_holds_what_the_contract_names",
+                 "RoundTrips.test_query_reads_points_from_stdin", "RoundTrips.test_query_casts_rays",
+                 "Maps.test_the_soils_state_is_a_map_too", "Maps.test_what_is_no_picture_is_refused_and_leaves_nothing",
+                 "Drives.test_a_drive_leaves_ruts_figures_and_a_clean_store", "Drives.test_ctrl_c_ends_cleanly_with_130",
+                 "Drives.test_pictures_are_written"],
+    "cache_sim": ["CacheSim.test_table_and_plot", "CacheSim.test_what_is_no_trace_is_refused_and_nothing_is_left"],
+    "drive_resume": ["Resume.test_interrupted_it_goes_on", "Resume.test_a_damaged_record_is_refused_and_named"],
+    "explain": ["Explain.test_the_store_decides_level_and_spacing", "Explain.test_what_is_wrong_is_told",
+                "Explain.test_a_drive_tells_the_same_on_stderr"],
+    "notes": ["Notes.test_the_unit_of_a_number_is_told_once"],
+    "overlay": ["Drives.test_one_overlay_has_one_drive_and_its_base_may_be_driven_meanwhile",
+                "Refusals.test_what_is_no_overlay_of_that_store_is_refused_and_kept"],
+    "resume": ["Resume.test_interrupted_it_says_how_to_go_on_and_does", "Resume.test_a_damaged_part_is_refused_and_kept"],
+    "soil_map": ["SoilMap.test_what_is_no_map_is_refused_before_anything_is_driven"],
+    "view": ["View.test_what_is_dropped_is_kept_in_the_overlay", "View.test_a_display_that_is_lost_leaves_nothing_behind"],
+}
+OF_GDAL = {
+    "failures": ["Unreadable", "SeamsThatDisagree", "Damage", "FullDisk.test_a_store_that_is_to_be_overwritten_survives_a_full_disk"],
+    "nodata": ["Nodata.test_no_kernel_reaches_over_a_holes_edge"],
+    "round_trips": ["Places.test_levels_and_windows_export_in_their_place"],
+    "values": ["Values.test_a_negative_scale_keeps_the_bound", "Bytes"],
+}
+
+
+def suite():
+    found = unittest.TestSuite()
+    for name, tests in {**CHOSEN, **(OF_GDAL if has_gdal() else {})}.items():
+        module = importlib.import_module(name)
+        missing = getattr(module, "NEEDED", [])
+        if name == "view" and not (module.WINDOW and all(map(module.shutil.which, missing))):
+            continue
+        found.addTests(unittest.defaultTestLoader.loadTestsFromNames(tests, module))
+    return found
+
+
+if __name__ == "__main__":
+    sys.exit(not unittest.TextTestRunner(verbosity=2).run(suite()).wasSuccessful())
