@@ -196,17 +196,17 @@ static enum status note_sample(const struct look_ahead *ahead, struct watch *wat
 	const struct look_ahead_pages *pages = &ahead->pages;
 	struct track_point point;
 	motion_track_sample(watch->body.track, watch->sample, &point);
-	struct deform_contact sweep = {
+	struct deform_contact contact = {
 		.shape = watch->body.shape,
 		.from = watch->last,
 		.to = {.x = point.qx, .y = point.qy, .yaw = point.yaw, .pitch = point.pitch, .roll = point.roll},
 	};
 	if (watch->sample == 0 || watch->count == 0)
-		sweep.from = sweep.to;
-	watch->last = sweep.to;
+		contact.from = contact.to;
+	watch->last = contact.to;
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	size_t count = 0;
-	enum status status = deform_windows(pages->deform, &sweep, windows, &count);
+	enum status status = deform_windows(pages->deform, &contact, windows, &count);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 		struct tile first, last;
 		if (!tile_range_of(pages->extent, pages->level, windows[i].read, &first, &last))

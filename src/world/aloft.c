@@ -29,10 +29,10 @@
 #define AIR_UNITS 64
 #define AIR_SHARE 26
 
-int64_t world_lowest(const struct deform_contact *sweep)
+int64_t world_lowest(const struct deform_contact *contact)
 {
-	const struct deform_shape *shape = sweep->shape;
-	const struct deform_pose *from = &sweep->from, *to = &sweep->to;
+	const struct deform_shape *shape = contact->shape;
+	const struct deform_pose *from = &contact->from, *to = &contact->to;
 	double reach = deform_shape_reach(shape, to->pitch, to->roll);
 	if (shape->kind == DEFORM_WHEEL && shape->grousers > 0) /* their corners */
 		reach = hypot(shape->radius + shape->grouser_height, shape->grouser_thickness / 2);
@@ -152,21 +152,21 @@ static enum status untouched_soil(struct world *world, const struct deform_windo
 	return status;
 }
 
-enum status world_is_aloft(struct world *world, const struct event *event, struct deform_contact *sweep,
+enum status world_is_aloft(struct world *world, const struct event *event, struct deform_contact *contact,
 			   const struct deform_window *windows, size_t count, bool *aloft)
 {
 	bool conserves = deform_conserves(world->scene->model);
 	*aloft = false;
 	/* Most objects are on the ground: they need no further test. */
-	if (count == 0 || sweep->load > 0 || event->sinkage >= 0 || world->params.everywhere)
+	if (count == 0 || contact->load > 0 || event->sinkage >= 0 || world->params.everywhere)
 		return STATUS_OK;
 	if (conserves && !world->aloft.asks_touched)
 		return STATUS_OK;
-	int64_t low = world_lowest(sweep), highest;
+	int64_t low = world_lowest(contact), highest;
 	enum status status = highest_base(world, windows, count, &highest);
 	if (status != STATUS_OK || low <= highest)
 		return status;
-	sweep->above = true;
+	contact->above = true;
 	if (conserves)
 		return untouched_soil(world, windows, count, aloft);
 	int64_t offset;

@@ -30,12 +30,12 @@ static size_t window_tiles(const struct world *world, const struct deform_params
 	int64_t post = lattice_offset(world->spacing);
 	int64_t x = lattice_offset((double)(extent->width - 1) * extent->spacing / 2);
 	int64_t y = lattice_offset((double)(extent->height - 1) * extent->spacing / 2);
-	struct deform_contact sweep = {.shape = &around, .from = {.x = x, .y = y}, .to = {.x = x + post, .y = y + post}};
+	struct deform_contact contact = {.shape = &around, .from = {.x = x, .y = y}, .to = {.x = x + post, .y = y + post}};
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	struct post_rect all = {0, 0, DEFORM_WINDOW_POSTS, DEFORM_WINDOW_POSTS};
 	size_t count;
 	/* The sphere may need too many windows. The object is smaller, and no window of it is larger than a full one. */
-	if (deform_cut(params, &sweep, windows, &count) == STATUS_OK && count > 0) {
+	if (deform_cut(params, &contact, windows, &count) == STATUS_OK && count > 0) {
 		const struct post_rect *first = &windows[0].read, *last = &windows[count - 1].read;
 		all = (struct post_rect){first->x0, first->y0, last->x1, last->y1};
 	}

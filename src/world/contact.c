@@ -78,23 +78,23 @@ static enum status scatter(struct world *world, const struct deform_window *wind
 }
 
 /* Computes how far a wheel turned between two path samples. With slip s it is distance / (r (1 - s)). */
-static void roll(const struct body *body, const struct event *event, struct deform_contact *sweep)
+static void roll(const struct body *body, const struct event *event, struct deform_contact *contact)
 {
 	const struct scene_object *object = body->object;
-	sweep->seconds = event->seconds;
+	contact->seconds = event->seconds;
 	if (object->shape.kind != DEFORM_WHEEL)
 		return;
-	double along = lattice_offset_metres(sweep->to.x - sweep->from.x) * cos(sweep->to.yaw) +
-		       lattice_offset_metres(sweep->to.y - sweep->from.y) * sin(sweep->to.yaw);
-	sweep->turned = along / (object->shape.radius * (1 - object->slip));
-	sweep->to.turn = remainder(sweep->from.turn + sweep->turned, 2 * M_PI);
+	double along = lattice_offset_metres(contact->to.x - contact->from.x) * cos(contact->to.yaw) +
+		       lattice_offset_metres(contact->to.y - contact->from.y) * sin(contact->to.yaw);
+	contact->turned = along / (object->shape.radius * (1 - object->slip));
+	contact->to.turn = remainder(contact->from.turn + contact->turned, 2 * M_PI);
 }
 
-static enum status tell_watcher(const struct world *world, const struct event *event, const struct deform_contact *sweep,
+static enum status tell_watcher(const struct world *world, const struct event *event, const struct deform_contact *contact,
 			     const struct deform_window *windows, size_t count)
 {
 	struct contact_area told = {
-		.lowest = sweep->load > 0 ? INT64_MIN : world_lowest(sweep),
+		.lowest = contact->load > 0 ? INT64_MIN : world_lowest(contact),
 		.changed = windows[0].write,
 		.read = windows[0].read,
 	};
@@ -107,7 +107,7 @@ static enum status tell_watcher(const struct world *world, const struct event *e
 
 static struct deform_contact contact_of(const struct world *world, const struct body *body, const struct event *event)
 {
-	struct deform_contact sweep = {
+	struct deform_contact contact = {
 		.shape = &body->object->shape,
 		.from = body->in_contact ? body->last : event->pose,
 		.to = event->pose,
@@ -115,38 +115,38 @@ static struct deform_contact contact_of(const struct world *world, const struct 
 		.loaded_body = body->loaded_body,
 	};
 	if (world_is_hosts(world, event->body)) {
-		sweep.seconds = event->seconds;
-		sweep.turned = event->turned;
-		return sweep;
+		contact.seconds = event->seconds;
+		contact.turned = event->turned;
+		return contact;
 	}
-	sweep.to.turn = sweep.from.turn = body->last.turn;
+	contact.to.turn = contact.from.turn = body->last.turn;
 	if (body->in_contact)
-		roll(body, event, &sweep);
-	return sweep;
+		roll(body, event, &contact);
+	return contact;
 }
 
 enum status world_feel(struct world *world, const struct event *event)
 {
 	const struct body *body = world_body_at(world, event->body);
-	struct deform_contact sweep = contact_of(world, body, event);
+	struct deform_contact contact = contact_of(world, body, event);
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	struct held_tiles held = {.count = 0};
 	size_t count = 0;
 	bool aloft = false;
-	enum status status = deform_windows(world->deform, &sweep, windows, &count);
+	enum status status = deform_windows(world->deform, &contact, windows, &count);
 	if (status == STATUS_OK)
-		status = world_is_aloft(world, event, &sweep, windows, count, &aloft);
+		status = world_is_aloft(world, event, &contact, windows, count, &aloft);
 	if (status != STATUS_OK)
 		return status;
 	if (count == 0 || aloft) {
 		world_forces_absent(world->forces, event->body, event);
 		return STATUS_OK;
 	}
-	sweep.tag = world_forces_ask(world->forces, event->body, event, true);
+	contact.tag = world_forces_ask(world->forces, event->body, event, true);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 		status = world_hold(world, windows[i].read, &held);
 		if (status == STATUS_OK)
-			status = deform_feel(world->deform, &sweep, &windows[i], (uint32_t)i, held.tiles, held.count);
+			status = deform_feel(world->deform, &contact, &windows[i], (uint32_t)i, held.tiles, held.count);
 		world_release(world, &held);
 	}
 	return status;
@@ -155,36 +155,36 @@ enum status world_feel(struct world *world, const struct event *event)
 enum status world_contact(struct world *world, const struct event *event, bool last)
 {
 	struct body *body = world_body_at(world, event->body);
-	struct deform_contact sweep = contact_of(world, body, event);
+	struct deform_contact contact = contact_of(world, body, event);
 	/* Its earlier height is not known here and is not needed: it acts on the ground at its height now. */
-	if (sweep.load > 0)
-		sweep.from.z = sweep.to.z;
+	if (contact.load > 0)
+		contact.from.z = contact.to.z;
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	size_t count = 0;
-	enum status status = deform_windows(world->deform, &sweep, windows, &count);
+	enum status status = deform_windows(world->deform, &contact, windows, &count);
 	struct held_tiles held = {.count = 0};
 	bool aloft = false;
 	if (status == STATUS_OK)
-		status = world_is_aloft(world, event, &sweep, windows, count, &aloft);
+		status = world_is_aloft(world, event, &contact, windows, count, &aloft);
 	if (status == STATUS_OK && count > 0 && !aloft)
-		sweep.tag = world_forces_ask(world->forces, event->body, event, last);
+		contact.tag = world_forces_ask(world->forces, event->body, event, last);
 	else
 		world_forces_absent(world->forces, event->body, event);
 	/* The ground under its last pose is free now. If the object jumped or turned, the contact may not cover it; then make
 	 * it active. */
-	if (status == STATUS_OK && body->in_contact && !deform_covers(world->deform, &sweep, &body->last))
+	if (status == STATUS_OK && body->in_contact && !deform_covers(world->deform, &contact, &body->last))
 		status = world_let_go(world, body);
 	world->windows.due += count;
 	count = aloft ? 0 : count;
 	world->windows.computed += count;
 	if (status == STATUS_OK && world->watcher != NULL && count > 0)
-		status = tell_watcher(world, event, &sweep, windows, count);
+		status = tell_watcher(world, event, &contact, windows, count);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 		status = world_hold(world, windows[i].read, &held);
 		if (status == STATUS_OK)
-			status = deform_compute(world->deform, &sweep, &windows[i], (uint32_t)i, held.tiles, held.count);
+			status = deform_compute(world->deform, &contact, &windows[i], (uint32_t)i, held.tiles, held.count);
 		body->windows += status == STATUS_OK;
-		body->windows_moved += status == STATUS_OK && !deform_is_contact_only(&sweep);
+		body->windows_moved += status == STATUS_OK && !deform_is_contact_only(&contact);
 		if (status == STATUS_OK && count == 1)
 			status = scatter(world, &windows[0], 0, &held);
 		world_release(world, &held);
@@ -197,7 +197,7 @@ enum status world_contact(struct world *world, const struct event *event, bool l
 		world_release(world, &held);
 	}
 	body->in_contact = true;
-	body->last = sweep.to;
+	body->last = contact.to;
 	if (status == STATUS_OK && world->watcher != NULL && count > 0)
 		status = world->watcher->contact(world->watcher->user, NULL, NULL);
 	return status;

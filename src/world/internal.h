@@ -130,11 +130,11 @@ enum status world_feel(struct world *world, const struct event *event) FURROW_CH
 /* Tells whether touched posts must be known: soil moves, and a body may be above it. */
 bool world_asks_touched(const struct world *world);
 /* Returns a height that no part of the body is below during the contact, 2^-20 m. */
-int64_t world_lowest(const struct deform_contact *sweep);
+int64_t world_lowest(const struct deform_contact *contact);
 /* Looks at a held tile before anything changes it. */
 enum status world_see(struct world *world, const struct deform_tile *held) FURROW_CHECKED;
 /* Tells whether computing the windows would change nothing. Sets the contact's `above`. May pin tiles for a while. */
-enum status world_is_aloft(struct world *world, const struct event *event, struct deform_contact *sweep,
+enum status world_is_aloft(struct world *world, const struct event *event, struct deform_contact *contact,
 			   const struct deform_window *windows, size_t count, bool *aloft) FURROW_CHECKED;
 
 /* --- forces.c; NULL instead of a struct forces is allowed: no forces --- */
