@@ -230,8 +230,8 @@ struct deform_tile {
 enum status deform_compute(struct deform *deform, const struct deform_contact *contact,
 			   const struct deform_window *window, uint32_t layer,
 			   const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
-/* For a model that tells forces: computes only the forces of a contact with a tag, over one window, as deform_compute would. Changes nothing, not
- * even the tally. Do not scatter after it. */
+/* For a model that tells forces: computes only the forces of a contact with a tag, over one window, as deform_compute would.
+ * Changes nothing, not even the tally. Do not scatter after it. */
 enum status deform_feel(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer,
 			const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
 /* The facts about an object that decide its resources and passes. */
@@ -337,8 +337,8 @@ enum status deform_restore(struct deform *deform, const struct deform_tally *tal
 /* Begins to read the tally as bytes, as gpu_buffer_read_into does: sizeof(struct deform_tally). Does not wait. */
 void deform_tally_read_into(struct deform *deform, struct gpu_staging *staging, size_t offset);
 
-/* The forces of the soil on an object, for a contact with a tag, under a model that tells forces. They are sums of whole numbers over the posts
- * that carry it at the contact's end. Each share is rounded to 1/16 Pa times the post's area. */
+/* The forces of the soil on an object, for a contact with a tag, under a model that tells forces. They are sums of whole numbers
+ * over the posts that carry it at the contact's end. Each share is rounded to 1/16 Pa times the post's area. */
 struct deform_forces {
 	uint64_t tag;
 	double force[3];      /* N on the object: east, north, up */

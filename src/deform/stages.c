@@ -61,7 +61,7 @@ enum status deform_run_contact(struct deform *deform, const void *params, size_t
 }
 
 enum status deform_contact_plainly(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
-				 uint32_t layer)
+				   uint32_t layer)
 {
 	const struct contact_params params = deform_contact_params(deform, contact, window, layer);
 	return deform_run_contact(deform, &params, sizeof params, window, layer);

@@ -1,7 +1,7 @@
 /*
- * A coarser level goes stale after an edit: never. Law 4 where it can be seen before a commit: a coarser tile in a slot is the decimation of the
- * working level, whether it was there when the ground changed or came later, and whatever of the
- * change is in a slot, in the queue or in the store by then.
+ * A coarser level goes stale after an edit: never. Law 4 where it can be seen before a commit: a coarser tile in
+ * a slot is the decimation of the working level, whether it was there when the ground changed or came later, and
+ * whatever of the change is in a slot, in the queue or in the store by then.
  */
 #include "rig.h"
 
