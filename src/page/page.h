@@ -160,7 +160,7 @@ struct page_rollback {
 	/* Called after `back`, for each resident page that was committed. Returns true if loading the page now could give other
 	 * values than those in its slot. */
 	bool (*changed)(void *user, uint64_t key);
-	/* Called when a page was resident and has been dropped. */
+	/* Called after a resident page was dropped. */
 	void (*dropped)(void *user, uint64_t key);
 };
 /* Waits for the commit in flight, then goes back to an earlier state of the store. Changes that were not committed are lost.

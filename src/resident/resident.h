@@ -79,8 +79,8 @@ void resident_ground_figures(struct ground *ground, struct resident_ground_figur
 struct tile resident_ground_tile(const struct extent *extent, double x, double y);
 /* Returns true if the tile is in memory, and marks it as just used. */
 bool resident_ground_touch(struct ground *ground, struct tile tile);
-/* Reads a tile with the caller's own reader and keeps it. Does not hold up the owner. It replaces the tile used longest ago,
- * never the one the owner used last. On failure nothing changes. */
+/* Reads a tile with the caller's own reader and keeps it. The owner is not delayed. The tile replaces the least recently used
+ * one, but never the one that the owner used last. On failure nothing changes. */
 enum status resident_ground_warm(struct ground *ground, struct store_reader *reader, struct tile tile) FURROW_CHECKED;
 
 /* A range that the owner may look up: the base heights of a tile, or its offsets in the store. */
@@ -185,7 +185,7 @@ struct pages_params {
 	FILE *commit_log;           /* a line for each commit; NULL: none */
 	double commit_age;        /* s after which a change is committed */
 	struct page_trace *trace; /* may be NULL */
-	/* Called before a page of the working level is read back. After that the page may leave its slot. */
+	/* Called before a page of the working level is read back. Afterwards the page may be evicted. */
 	enum status (*before_read_back)(void *user, struct tile tile, uint32_t slot);
 	/* Begins to read the tally into `staging`, PAGES_TALLY_BYTES. Called on the GPU's thread when a commit begins. Tally
 	 * and pages are committed as the same step left them. NULL: there is no tally. */
