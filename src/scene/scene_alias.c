@@ -30,7 +30,7 @@ const char *scene_name_now(const char *name)
 	return name;
 }
 
-/* The present name of a key in `place`, or of a word at `place`; NULL: it is no former name there. */
+/* Returns the present name of a key in the mapping `place`, or of the word at `place`. NULL: it is not an old name. */
 static const char *name_at(const struct scene_node *place, const char *former)
 {
 	char path[160];
