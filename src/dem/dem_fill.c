@@ -28,7 +28,7 @@ struct fill {
 	uint8_t *known; /* one row: 1 where a cell has data */
 };
 
-/* Returns where a row of the `known` bytes of this grid is in the file. They tell which cells are filled. */
+/* Returns where a row of the `known` bytes of this grid is in the file. 1: the cell has data; 0: it was a hole. */
 static int64_t known_offset(const struct fill *fill, int level, int64_t y)
 {
 	const struct level *top = &fill->level[fill->levels - 1], *at = &fill->level[level];

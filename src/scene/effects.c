@@ -141,7 +141,7 @@ static uint64_t bit_of(const char *name)
 	return name != NULL && scene_effect_named(name, &effect) ? EFFECT_BIT(effect) : 0;
 }
 
-/* Returns the effects of a model: its own, that of a contact computed by another model, and those of models that move soil. */
+/* Returns the effects of a model: its own, that of a contact shared with another model, and those of models that move soil. */
 static uint64_t model_effects(enum deform_model model)
 {
 	return EFFECT_BIT(EFFECT_OF(model)) | bit_of(deform_model_row(model)->contact_effect) | bit_of(deform_slide_effect(model)) |
