@@ -1,4 +1,4 @@
-/* The one table of former names, and how a scene's tree loses them. */
+/* The table of old names, and the replacement of old names in a scene's tree. */
 #include "scene/scene_alias.h"
 
 #include <string.h>

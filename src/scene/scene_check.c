@@ -1,4 +1,4 @@
-/* The scene outside its objects, its soil and its view; see scene_check.h. */
+/* Checks the scene, except its objects, soil and view. See scene_check.h. */
 #include "scene/scene_check.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* Settings onto the tree; see scene_set.h. */
+/* Applies settings to the tree; see scene_set.h. */
 #include "scene/scene_set.h"
 
 #include <stdio.h>

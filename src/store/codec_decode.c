@@ -1,4 +1,4 @@
-/* A blob, which may be anything, to posts. */
+/* Decodes a blob into posts. The blob is untrusted. */
 #include <lz4.h>
 #include <string.h>
 #include <zstd.h>

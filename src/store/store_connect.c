@@ -1,4 +1,4 @@
-/* Connections to a store's file, with what an untrusted file calls for. */
+/* Opens connections to a store's file, with the settings that an untrusted file needs. */
 #include "store/internal.h"
 
 #include <libgen.h>
