@@ -1,4 +1,4 @@
-/* A drive: a world, and the data that a host keeps beside it. The files of api share it. Only the world's thread uses it. */
+/* A drive: a world, and its view, pictures and report. What the files of api share. Only the world's thread uses it. */
 #ifndef FURROW_API_INTERNAL_H
 #define FURROW_API_INTERNAL_H
 

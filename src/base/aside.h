@@ -14,19 +14,19 @@
 #include "base/status.h"
 
 struct aside {
-	const char *path; /* owned by the caller */
+	const char *path; /* the final path; owned by the caller */
 	char *part;
 	FILE *file; /* NULL: not begun, or whole */
-	bool begun; /* the file at `part` was made by this one */
+	bool begun; /* this struct made the file at `part`, so aside_finish may remove it */
 };
 
-/* Only makes the name, for a caller that writes `part` by other means and sets `begun`. */
+/* Only sets the name `part`. For a caller that writes the file by other means, and then sets `begun`. */
 enum status aside_name(struct aside *aside, const char *path) FURROW_CHECKED;
 enum status aside_begin(struct aside *aside, const char *path) FURROW_CHECKED;
-/* Closes the file, or returns why it could not be written. `synced`: also syncs it to the disk. */
+/* Closes the file; it is then whole. If it could not be written, returns the failure. `synced`: also syncs it to the disk. */
 enum status aside_whole(struct aside *aside, bool synced) FURROW_CHECKED;
 enum status aside_publish(struct aside *aside) FURROW_CHECKED;
-/* Frees it, and removes PATH.part unless it was published. Also takes one that is all zero. */
+/* Frees it, and removes PATH.part unless it was published. aside may be all zero. */
 void aside_finish(struct aside *aside);
 
 #endif

@@ -1,4 +1,4 @@
-/* One row of the table of effects: what turns an effect on, what it reads and writes, and its limits. */
+/* One row of the table of effects: the key that turns an effect on, the data that it reads and writes, and its limits. */
 #ifndef FURROW_BASE_EFFECT_H
 #define FURROW_BASE_EFFECT_H
 
@@ -8,13 +8,13 @@ struct effect_row {
 	const char *define;  /* define of the shader variant, "" if it has its own program */
 	const char *const *shaders; /* files, NULL-terminated; the first has the define */
 	const char *reads, *writes; /* planes, or other data in words */
-	int stencil;         /* most posts that it reads around a post it writes */
+	int stencil;         /* the farthest post that it reads around the post it writes, in posts */
 	const char *const *parameters; /* keys of the scene, NULL-terminated */
 	const char *limits;  /* in words, with numbers */
 	const char *what;    /* description in one line */
 };
 
-/* A list of texts for these rows, NULL-terminated. */
+/* A NULL-terminated list of texts for these rows. */
 #define EFFECT_LIST(...) (const char *const[]){__VA_ARGS__, NULL}
 #define EFFECT_LIST_NONE (const char *const[]){NULL}
 

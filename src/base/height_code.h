@@ -31,8 +31,8 @@ static inline float height_code_to_float(int32_t code)
 	return value;
 }
 
-/* False if the height cannot be coded: infinite, too far from zero for the step, or (step 0) not a
- * float32. NaN is nodata and codes as HEIGHT_CODE_NODATA. */
+/* Codes a height. Returns false if this is not possible: it is infinite, too far from zero for the step, or (step 0) not a
+ * float32. NaN means nodata and becomes HEIGHT_CODE_NODATA. */
 static inline bool height_code_encode(double metres, double step, int32_t *code)
 {
 	if (isnan(metres)) {
@@ -53,8 +53,8 @@ static inline bool height_code_encode(double metres, double step, int32_t *code)
 	return true;
 }
 
-/* Codes a row of heights. Returns how many were coded: `count`, or the index of the first that cannot be. Ties between two
- * codes go to the even one. */
+/* Codes a row of heights. Returns the number of coded heights: `count`, or the index of the first height that cannot be coded.
+ * A height in the middle between two codes gets the even code. */
 int64_t height_code_row(const double *metres, int64_t count, double step, int32_t *codes);
 
 static inline double height_code_metres(int32_t code, double step)

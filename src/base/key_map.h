@@ -1,6 +1,4 @@
-/*
- * A map from tile keys to a pair of doubles. It only grows. A cache of bounded memory is made of two of them. One thread.
- */
+/* A map from tile keys to pairs of doubles. It only grows. A cache with limited memory consists of two such maps. One thread. */
 #ifndef FURROW_BASE_KEY_MAP_H
 #define FURROW_BASE_KEY_MAP_H
 
@@ -14,20 +12,20 @@ struct key_pair {
 
 struct key_map {
 	struct key_set keys;
-	struct key_pair *pairs; /* by the keys' numbers */
-	size_t room;            /* of the pairs */
+	struct key_pair *pairs; /* indexed by the number of a key */
+	size_t room;            /* number of pairs allocated */
 };
 
 void key_map_finish(struct key_map *map);
-/* Returns NULL if the key is absent. Valid until the next put. */
+/* Returns the pair of a key, or NULL. It is valid until the next put. */
 const struct key_pair *key_map_find(const struct key_map *map, uint64_t key);
 enum status key_map_put(struct key_map *map, uint64_t key, double a, double b) FURROW_CHECKED;
 
-/* A cache of two generations. A key that is asked for moves to the younger. When that is full it becomes the older one, and the
- * older one is dropped. Every key asked for within the last `most` keys is kept. */
+/* A cache of two maps, a younger and an older one. A key that is asked for moves to the younger. When the younger is full, the
+ * older is dropped, and the younger becomes the older. So every key is kept that was among the last `most` keys asked for. */
 struct key_cache {
 	struct key_map young, old;
-	size_t most; /* keys in each, at least 1 */
+	size_t most; /* most keys in each of the two maps, at least 1 */
 };
 
 void key_cache_finish(struct key_cache *cache);

@@ -19,18 +19,18 @@
 #define BASE_NODATA INT32_MIN
 #define REFERENCE_STEP 1024 /* metres */
 
-/* Nearest lattice value, halves away from zero. `metres` must be finite and below 2^40. */
+/* Returns the nearest lattice value, halves away from zero. `metres` must be finite and below 2^40. */
 int64_t lattice_base(double metres);
 int64_t lattice_offset(double metres);
 double lattice_base_metres(int64_t base);
 double lattice_offset_metres(int64_t offset);
 
-/* The reference (metres, a multiple of 1024) for posts from `low` to `high` metres. */
+/* Returns the reference in metres, a multiple of 1024, for posts from `low` to `high` metres. */
 int32_t lattice_reference(double low, double high);
-/* True if every height from `low` to `high` fits int32 relative to their reference. */
+/* Returns true if all heights from `low` to `high` fit int32 relative to their reference. */
 bool lattice_fits(double low, double high);
 
-/* A height relative to `reference` metres; NaN becomes BASE_NODATA. */
+/* Returns a height relative to `reference` (metres). NaN becomes BASE_NODATA. */
 int32_t lattice_base_relative(double metres, int32_t reference);
 
 /*
@@ -55,13 +55,13 @@ int32_t lattice_finer(const int32_t *posts, uint32_t side, int shift, uint64_t x
 void lattice_subdivide(const int32_t *patch, uint32_t cells, int shift, uint32_t sub_x,
 		       uint32_t sub_y, int32_t *posts);
 
-/* Returns the weighted sum of the values. A value with a weight of at most `beside` may be NaN, and is left out then. */
+/* Returns the weighted sum of the values. If a value is NaN but its weight is at most `beside`, it is left out. */
 double lattice_weighted(const double *values, const double *weights, int count, double beside);
-/* Interpolates between the corners south-west, south-east, north-west and north-east of a cell. (u, v): place in the cell, 0 to
- * 1. */
+/* Interpolates between the corners of a cell: south-west, south-east, north-west, north-east. (u, v): position in the cell, 0
+ * to 1. */
 double lattice_bilinear(const double corners[4], double u, double v, double beside);
 
-/* The first multiple of 2^steps at or above v. */
+/* Returns the first multiple of 2^steps that is at least v. */
 int64_t lattice_align(int64_t v, int steps);
 
 /*

@@ -1,6 +1,6 @@
 /*
- * Allocation that can be made to fail. Returns NULL on failure, like malloc; the caller says
- * what was being allocated with fail_memory(). Freed with mem_free (which takes NULL).
+ * Memory allocation that tests can make fail. The functions return NULL on failure, like malloc; the caller then calls
+ * fail_memory() with the name of the object. Free memory with mem_free, which accepts NULL.
  */
 #ifndef FURROW_BASE_MEMORY_H
 #define FURROW_BASE_MEMORY_H
@@ -14,11 +14,11 @@ void *mem_realloc(void *memory, size_t count, size_t size);
 char *mem_strdup(const char *text);
 void mem_free(void *memory);
 
-/* Tests: the `nth` allocation from now (1 is the next) fails, and every one after it if `forever`.
- * 0 turns it off. Returns how many allocations were made since the last call. Not for production. */
+/* For tests only: the `nth` allocation from now fails (1 is the next), and if `forever` all later ones. 0 turns this off.
+ * Returns the number of allocations since the last call. */
 uint64_t mem_fail_nth(uint64_t nth, int forever);
 
-/* Peak resident set of this process in bytes (VmHWM); 0 if unknown. */
+/* Returns the largest resident memory of this process so far, in bytes (VmHWM); 0 if unknown. */
 uint64_t mem_peak_resident(void);
 
 #endif

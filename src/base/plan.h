@@ -1,9 +1,9 @@
 /*
  * A plan: the resources that a drive will make and the passes that it will run, known before it begins.
  *
- * Each part of Furrow adds the lines of what it will use, beside the code that uses it. A line is an amount for each one of a
- * unit: two passes a window, 20 bytes a post, a program once. The counts at a drive's end equal the lines' amounts times the
- * units' counts. Nothing else was made or run (law 7). Pure: no GL, no store. One thread at a time.
+ * Each part of Furrow adds lines for what it will use, in the same file as the code that uses it. A line is an amount for each
+ * unit: two passes for each window, 20 bytes for each post, a program once. At a drive's end, every count equals the sum of its
+ * lines: amount times number of units. Nothing else was made or run (law 7). Pure: no GL, no store. One thread at a time.
  */
 #ifndef FURROW_BASE_PLAN_H
 #define FURROW_BASE_PLAN_H
@@ -15,49 +15,49 @@
 #include "base/status.h"
 
 enum plan_kind {
-	PLAN_PLANE,     /* what is kept a post; bytes: of one */
-	PLAN_PROGRAM,   /* linked; the name is its key: files, then defines */
-	PLAN_PASS,      /* amount: how many a unit; the name is the stage it counts as */
-	PLAN_TEXTURE,   /* amount and bytes a unit */
-	PLAN_BUFFER,    /* the same, of GL's buffers and of staging memory */
+	PLAN_PLANE,     /* data kept for each post; bytes: for one post */
+	PLAN_PROGRAM,   /* a linked program; the name is its key: files, then defines */
+	PLAN_PASS,      /* amount: passes for each unit; the name is the stage under which they count */
+	PLAN_TEXTURE,   /* amount and bytes for each unit */
+	PLAN_BUFFER,    /* the same for buffers of GL and staging buffers */
 	PLAN_THREAD,    /* amount */
-	PLAN_STATEMENT, /* of SQLite, executed; amount a unit; the name is "read" or "write" and the table's */
+	PLAN_STATEMENT, /* executed statements of SQLite; amount for each unit; the name is "read" or "write" and the table */
 	PLAN_KINDS
 };
 
 /* The units of amounts. All of them except PLAN_ONCE are counted in a drive. */
 enum plan_unit {
 	PLAN_ONCE,
-	/* memory: the most that existed at once */
-	PLAN_BASE_SLOT,    /* slots that a tile was ever loaded to */
-	PLAN_CLASS_SLOT,   /* those with classes of soil */
-	PLAN_DEFORM_SLOT,  /* deform slots, with the planes that are drawn */
-	PLAN_STATE_SLOT,   /* those of them with the planes of the working level */
-	PLAN_PATCH,        /* textures that bases are interpolated from */
+	/* memory: the largest number that existed at once */
+	PLAN_BASE_SLOT,    /* base slots into which a tile was loaded at least once */
+	PLAN_CLASS_SLOT,   /* base slots that also have soil classes */
+	PLAN_DEFORM_SLOT,  /* deform slots with the drawn planes */
+	PLAN_STATE_SLOT,   /* deform slots that also have the planes of the soil's state */
+	PLAN_PATCH,        /* textures from which base heights are interpolated */
 	PLAN_PAGE,         /* images of pages on their way to slots and from them */
 	PLAN_WINDOW_LAYER, /* windows that one contact needs at once */
 	PLAN_RESULT_LAYER, /* results of blocks that relax, before they are copied */
 	PLAN_RING,         /* segments of the ring of pass parameters */
 	/* work */
 	PLAN_WINDOW,       /* windows of an object that were computed */
-	PLAN_MOVED,        /* windows of them over which it moved */
+	PLAN_MOVED,        /* windows in which the object moved */
 	PLAN_FACETS,       /* draws of an object's triangles */
-	PLAN_HELD,         /* blocks of relaxing soil, once for every object at rest there */
-	PLAN_RESTING,      /* windows of such objects for which a lower envelope was drawn */
+	PLAN_HELD,         /* blocks of relaxing soil with objects at rest, counted once for each object */
+	PLAN_RESTING,      /* windows of objects at rest for which a lower envelope was drawn */
 	PLAN_ATLAS,        /* atlases of blocks that relaxed */
 	PLAN_DECIMATED,    /* updates of coarser tiles after a change */
-	PLAN_SUBDIVIDED,   /* bases interpolated */
+	PLAN_SUBDIVIDED,   /* base tiles interpolated */
 	PLAN_DRAWN,        /* tiles in pictures */
-	PLAN_OBJECTS,      /* draws of objects in pictures; one draws all of one shape and detail */
+	PLAN_OBJECTS,      /* draws of objects in pictures; one draw shows all objects of one shape and detail */
 	PLAN_SHADOWED,     /* pictures in which objects cast shadows */
 	PLAN_FRAME,
 	PLAN_LOADED,       /* tiles of the working level whose planes were read */
-	PLAN_LOADED_COARSER, /* coarser ones */
-	PLAN_READ,         /* bases read, by anybody */
-	PLAN_RANGE,        /* ranges of bases, to cull by, and how far off coarser ones are */
-	PLAN_OFFSET_RANGE, /* ranges of offsets: how far the ground is from its base */
+	PLAN_LOADED_COARSER, /* coarser tiles whose planes were read */
+	PLAN_READ,         /* base tiles read, by any thread */
+	PLAN_RANGE,        /* ranges of base heights, for culling, and errors of coarser levels */
+	PLAN_OFFSET_RANGE, /* ranges of offsets: bounds of the ground above and below its base */
 	PLAN_COMMITTED,    /* tiles of the working level in commits */
-	PLAN_COMMITTED_COARSER, /* tiles above them, whose offsets followed */
+	PLAN_COMMITTED_COARSER, /* coarser tiles that were updated with them */
 	PLAN_CHANGED,      /* rows of the line's table that commits changed; an unchanged row is not written */
 	PLAN_LEFT,         /* rows of the line's table that were looked up because an earlier drive may have left them */
 	PLAN_COMMIT,
@@ -67,24 +67,25 @@ enum plan_unit {
 struct plan_line {
 	enum plan_kind kind;
 	enum plan_unit unit;
-	const char *effect; /* name of the effect that needs it (table of scene.h); NULL: every drive needs it */
-	int object;         /* object of the scene whose units count; -1: all */
+	const char *effect; /* name of the effect that needs this line (table of scene.h); NULL: every drive needs it */
+	int object;         /* index of the scene's object whose units count; -1: all */
 	int64_t amount;
 	uint64_t bytes;
 	char name[96];
 };
 
-/* Lines in the order they were added. A plan that ran out of memory says so at the end: plan_status. */
+/* Lines in the order in which they were added. If memory ran out, plan_status returns the failure. */
 struct plan {
 	struct plan_line *lines;
 	size_t count, room;
 	bool failed;
 };
 
-/* The name is cut to what fits. A program, plane or thread of a name that is there already is not added again. */
+/* Adds a line. The name is cut if it does not fit. A program, plane or thread whose name is already in the plan is not added
+ * again. */
 void plan_add(struct plan *plan, const struct plan_line *line, const char *name);
 enum status plan_status(const struct plan *plan) FURROW_CHECKED;
-void plan_finish(struct plan *plan); /* of one that is all zero too */
+void plan_finish(struct plan *plan); /* the plan may be all zero */
 
 const char *plan_kind_name(enum plan_kind kind);
 const char *plan_unit_name(enum plan_unit unit); /* "once", "base_slot", .. */

@@ -13,16 +13,16 @@
 enum plane {
 	PLANE_OFFSET,          /* int32, 2^-20 m: height = base + offset */
 	PLANE_DISTURBANCE,     /* uint8: disturbance, how much the soil was compressed */
-	PLANE_DEPOSITED,       /* int32, 2^-20 m: deposited thickness, of relaxing soil laid on the base; below 0 where soil slid away */
+	PLANE_DEPOSITED,       /* int32, 2^-20 m: deposited thickness of relaxing soil on the base; negative where soil slid away */
 	PLANE_PLASTIC_SINKAGE, /* int32, 2^-20 m: plastic sinkage, the largest sinkage so far along the surface's normal */
-	PLANE_SHEAR,           /* uint16, 2^-16 m: shear displacement under contact so far; 65535: that or more */
+	PLANE_SHEAR,           /* uint16, 2^-16 m: shear displacement under contact so far; 65535: this much or more */
 	PLANES
 };
 
-/* Bytes a post, and the name: "offset", "dirt", ... Pure. */
+/* Return the bytes of a post, and the name: "offset", "dirt", ... Pure. */
 size_t plane_bytes(enum plane plane);
 const char *plane_name(enum plane plane);
-/* Returns the value of a post: metres; disturbance as it is. Pure. */
+/* Returns the value of a post in metres; for disturbance the stored number. Pure. */
 double plane_value(enum plane plane, int32_t post);
 
 #define PLANE_BIT(plane) (1u << (plane))

@@ -1,6 +1,6 @@
 /*
- * Which tile is in which of a few places; the place used longest ago is reused next. Caches of decoded tiles share it. The
- * owner keeps the data of a place by its number. Not locked.
+ * Remembers which tile is in which of a few places. When a new place is needed, the least recently used one is reused. Caches
+ * of decoded tiles use it. The cache keeps the data of a place in arrays, indexed by the place's number. Not locked.
  *
  * Invariant: no two used places have the same key.
  */
@@ -16,7 +16,7 @@
 
 struct recent_place {
 	uint64_t key;
-	uint64_t used; /* by the clock; 0: empty */
+	uint64_t used; /* value of `clock` at the last use; 0: empty */
 };
 struct recent {
 	struct recent_place *places;
@@ -26,9 +26,9 @@ struct recent {
 
 enum status recent_create(struct recent *recent, uint32_t count) FURROW_CHECKED; /* at least 1 place, all empty */
 void recent_finish(struct recent *recent);
-/* Returns the place of the key; RECENT_NONE: it has none. */
+/* Returns the place of the key, or RECENT_NONE. */
 uint32_t recent_find(const struct recent *recent, uint64_t key);
-/* Returns an empty place, or the one used longest ago, but never `spared`. RECENT_NONE: there is no other. */
+/* Returns an empty place, or else the least recently used one, but never `spared`. RECENT_NONE: there is no other. */
 uint32_t recent_oldest(const struct recent *recent, uint32_t spared);
 /* Puts the key into the place, and marks it as just used. */
 void recent_use(struct recent *recent, uint32_t place, uint64_t key);

@@ -1,6 +1,6 @@
 /*
- * Threads, a mutex and a condition, over pthreads. Locking and waking cannot fail on a valid
- * object and abort if they do; starting can fail and returns a status.
+ * Threads, a mutex and a condition, on top of pthreads. Locking and waking abort the program on failure, which cannot occur
+ * with valid objects. Starting a thread may fail and returns a status.
  */
 #ifndef FURROW_BASE_THREAD_H
 #define FURROW_BASE_THREAD_H
@@ -35,16 +35,16 @@ void condition_wait(struct condition *condition, struct mutex *mutex);
 void condition_wait_for(struct condition *condition, struct mutex *mutex, double seconds);
 void condition_wake_all(struct condition *condition);
 
-/* Signals are blocked in the new thread, so that Ctrl-C always reaches the main one. */
+/* Starts a thread. Signals are blocked in it, so that Ctrl-C always reaches the main thread. */
 enum status thread_start(struct thread *thread, void *(*body)(void *), void *argument,
 			 const char *name) FURROW_CHECKED;
-void thread_join(struct thread *thread); /* nothing if it was never started */
-unsigned thread_running(void); /* in this process: started and not joined */
+void thread_join(struct thread *thread); /* does nothing if the thread was never started */
+unsigned thread_running(void); /* returns the number of threads in this process that were started and not joined */
 
 /* Lowers the priority of the calling thread, so that other threads run first when cores are few. Does nothing where this is not
  * possible. */
 void thread_background(void);
 
-int thread_cores(void); /* cores this process may run on, at least 1 */
+int thread_cores(void); /* returns the number of cores that this process may use, at least 1 */
 
 #endif

@@ -21,33 +21,33 @@ struct tile {
 	uint32_t x, y; /* each below 2^28 */
 };
 
-/* What the keys mean in one store. */
+/* The terrain's size and tiling, which give tile keys their meaning. */
 struct extent {
 	int64_t width, height; /* posts at level 0, at least 2 each */
 	double spacing;        /* metres between posts at level 0 */
 	uint32_t cells;        /* N: cells along a tile's side, a power of two */
 };
 
-/* level (6 bits, biased by 32) above Morton(x, y) (2 x 28 bits): 62 bits, never negative as int64.
- * All tiles below one ancestor at one level are one contiguous range of keys. */
+/* Returns the key of a tile, 62 bits, so never negative as int64. Upper 6 bits: level + 32. Lower 56 bits: x and y in Morton
+ * order. All tiles of one level below a coarser tile have consecutive keys. */
 uint64_t tile_key(struct tile tile);
 struct tile tile_from_key(uint64_t key);
 bool tile_equal(struct tile a, struct tile b);
 
-/* The tile of a coarser (or the same) level that covers this one. */
+/* Returns the tile that contains this one, at a coarser (or the same) level. */
 struct tile tile_ancestor(struct tile tile, int level);
-/* The keys of all descendants of `tile` at a finer (or the same) `level`: first..last inclusive. */
+/* Gives the first and last key of the tiles below `tile` at a finer (or the same) `level`, both inclusive. */
 void tile_descendants(struct tile tile, int level, uint64_t *first, uint64_t *last);
 
 double extent_spacing(const struct extent *extent, int level);   /* metres */
-int64_t extent_posts(int64_t posts, int level);                /* along a side of `posts` at level 0 */
+int64_t extent_posts(int64_t posts, int level);                /* posts along a side that has `posts` posts at level 0 */
 uint32_t extent_tiles_x(const struct extent *extent, int level); /* at least 1 */
 uint32_t extent_tiles_y(const struct extent *extent, int level);
-int extent_coarsest(const struct extent *extent); /* first level of a single tile */
-/* The coarsest level whose spacing is at most `spacing` metres; TILE_LEVEL_MIN - 1 if none is. */
+int extent_coarsest(const struct extent *extent); /* returns the finest level at which the world is one tile */
+/* Returns the coarsest level whose spacing is at most `spacing` metres. Returns TILE_LEVEL_MIN - 1 if there is none. */
 int extent_level_for(const struct extent *extent, double spacing);
 bool extent_has(const struct extent *extent, struct tile tile);
-/* Returns NULL if this program can hold the world, else why not (a static text). */
+/* Returns NULL if this program can handle such a world. Otherwise returns the reason, a static text. */
 const char *extent_problem(const struct extent *extent);
 
 static inline uint32_t tile_posts(const struct extent *extent)
@@ -61,11 +61,11 @@ struct post_rect {
 };
 
 struct post_rect post_rect_intersect(struct post_rect a, struct post_rect b);
-struct post_rect post_rect_around(struct post_rect a, struct post_rect b); /* the least rectangle that holds both */
+struct post_rect post_rect_around(struct post_rect a, struct post_rect b); /* returns the smallest rectangle that contains both */
 bool post_rect_empty(struct post_rect rect);
-/* The posts of a tile, shared edges included. */
+/* Returns the rectangle of a tile's posts, shared edges included. */
 struct post_rect tile_post_rect(const struct extent *extent, struct tile tile);
-/* The tiles (inclusive) of one level that hold any post of `rect`, edges included. False if none. */
+/* Gives the first and last tile of a level that have a post of `rect`, edges included. Returns false if there is none. */
 bool tile_range_of(const struct extent *extent, int level, struct post_rect rect, struct tile *first,
 		   struct tile *last);
 

@@ -1,6 +1,6 @@
 /*
- * Durations of something repeated, as a histogram of fixed size. So a drive of hours needs no more memory than one of seconds.
- * Number, mean, least and most are exact. A percentile is within TIMES_ERROR of the exact one. One thread; no allocation.
+ * A histogram of durations, of fixed size. So a drive of hours needs no more memory than a drive of seconds. Count, mean,
+ * smallest and largest are exact. The relative error of a percentile is at most TIMES_ERROR. One thread; no allocation.
  */
 #ifndef FURROW_RUN_TIMES_H
 #define FURROW_RUN_TIMES_H
@@ -9,12 +9,12 @@
 
 enum { TIMES_OCTAVES = 40, TIMES_PARTS = 128 };
 
-#define TIMES_ERROR (0.5 / TIMES_PARTS) /* of the value */
+#define TIMES_ERROR (0.5 / TIMES_PARTS) /* relative */
 /* Limits of values, in ms (61 ns and 18 hours). A value outside is counted as the nearer limit. */
 #define TIMES_LEAST 0x1p-14
 #define TIMES_MOST (TIMES_LEAST * (double)((uint64_t)1 << TIMES_OCTAVES))
 
-/* All zero is empty. */
+/* An empty histogram is all zero. */
 struct times {
 	uint64_t count;
 	double sum, least, most; /* ms */
@@ -22,8 +22,8 @@ struct times {
 };
 
 void times_add(struct times *times, double ms); /* 0 or more */
-double times_mean(const struct times *times);   /* NaN if empty, as the next */
-/* share 0: the least, 1: the most, both exact. */
+double times_mean(const struct times *times);   /* NaN if empty, also for times_percentile */
+/* Returns a percentile. share 0: the smallest, 1: the largest; both are exact. */
 double times_percentile(const struct times *times, double share);
 
 #endif

@@ -1,14 +1,14 @@
 /*
- * FURROW_WIDE before a function compiles it a second time for machines with wider vectors. The loader chooses one. For loops
- * over posts without branches. The results are the same bits.
+ * FURROW_WIDE before a function compiles it twice, the second time for CPUs with wider vectors. The loader chooses one version.
+ * Use it for loops over posts without branches. Both versions give the same bits.
  */
 #ifndef FURROW_BASE_WIDE_H
 #define FURROW_BASE_WIDE_H
 
 #include <features.h>
 
-/* Off under sanitizers: the loader chooses before the sanitizer is set up, and that would crash. gcc and clang name sanitizers
- * differently. */
+/* Not used with sanitizers: the loader chooses before the sanitizer is initialised, and that would crash. gcc and clang name
+ * sanitizers differently. */
 #if defined(__has_feature)
 #if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) || __has_feature(memory_sanitizer)
 #define FURROW_WATCHED

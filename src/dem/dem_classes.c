@@ -71,7 +71,7 @@ void dem_classes_close(struct dem_classes *classes)
 	mem_free(classes);
 }
 
-/* The pixel that a place from one rim to the other lies in; NaN if beyond. */
+/* Returns the pixel that contains a position, also on the raster's edges. NaN if the position is outside. */
 static double pixel_of(double place, int64_t pixels)
 {
 	if (!(place >= -EDGE && place <= (double)pixels + EDGE))
@@ -81,7 +81,7 @@ static double pixel_of(double place, int64_t pixels)
 	return pixel < (double)pixels ? pixel : (double)(pixels - 1);
 }
 
-/* The pixels of all posts of a part. */
+/* Finds the pixel of each post of a part. */
 static void locate(struct dem_classes *classes, int level, struct post_rect part)
 {
 	struct dem_raster_of_classes *raster = classes->raster;
@@ -108,7 +108,7 @@ struct reading {
 	uint8_t *out; /* of the part */
 };
 
-/* The pixels that posts of the part need; empty if all are beyond the raster. */
+/* Returns the rectangle of pixels that the posts of the part need. It is empty if all are outside the raster. */
 static struct post_rect window_of(const struct reading *reading, struct post_rect posts)
 {
 	struct post_rect window = {INT64_MAX, INT64_MAX, -1, -1};

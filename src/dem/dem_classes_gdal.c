@@ -113,7 +113,7 @@ static enum status take_band(struct gdal_of_classes *gdal)
 	return STATUS_OK;
 }
 
-/* From the store's SRS to the raster's, unless they are the same. */
+/* Makes the transform from the store's SRS to the raster's SRS, unless they are the same. */
 static enum status take_way(struct gdal_of_classes *gdal, OGRSpatialReferenceH srs)
 {
 	const struct dem_classes_params *params = gdal->params;

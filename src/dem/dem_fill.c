@@ -1,12 +1,11 @@
 /*
- * Holes filled smoothly from their rims: a membrane over each hole, by a cascade of grids.
+ * Fills holes smoothly from their edges. Each hole gets the shape of a membrane, computed on a cascade of grids.
  *
- *   posts -> means of 2 x 2 -> ... -> one cell; then, from the coarsest down: holes start from the
- *   coarser grid's bilinear surface and are relaxed (each hole the mean of its neighbours)
+ *     posts -> means of 2 x 2 -> ... -> one cell; then, from the coarsest down: holes start from the
+ *     coarser grid's bilinear surface and are relaxed (each hole the mean of its neighbours)
  *
- * The grids lie in a temporary file without a name and are worked on row by row, so that memory
- * grows with a row only. A filled height lies between the lowest and highest of its surroundings; a
- * post that has data comes from the source itself, unchanged.
+ * The grids are in a temporary file and are processed row by row. So memory grows only with the length of a row. A filled
+ * height lies between the lowest and highest height around the hole. Posts with data are not changed.
  */
 #include "dem_internal.h"
 
@@ -29,7 +28,7 @@ struct fill {
 	uint8_t *known; /* one row: 1 where a cell has data */
 };
 
-/* A filled cell is marked in the file by a second plane of bytes: this grid's rows of `known`. */
+/* Returns where a row of the `known` bytes of this grid is in the file. 1: the cell has data; 0: it was a hole. */
 static int64_t known_offset(const struct fill *fill, int level, int64_t y)
 {
 	const struct level *top = &fill->level[fill->levels - 1], *at = &fill->level[level];
@@ -112,7 +111,7 @@ static enum status coarsen(struct fill *fill, int level)
 	return STATUS_OK;
 }
 
-/* Where a fine cell lies among the coarse ones, clamped at the rims. */
+/* Finds the coarse cells on both sides of a fine cell, clamped at the edges. */
 static void between(int64_t fine, int64_t count, int64_t *low, int64_t *high, double *part)
 {
 	double at = ((double)fine - 0.5) / 2;

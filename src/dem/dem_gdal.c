@@ -31,7 +31,7 @@ static void gdal_destroy(struct dem_grid *grid)
 	mem_free(gdal);
 }
 
-/* All of one source is read to see whether it can be. */
+/* Reads all of one source to find out if it can be read. */
 static bool reads(const struct gdal_source *source)
 {
 	GDALDatasetH dataset = GDALOpen(source->vrt, GA_ReadOnly);
@@ -46,7 +46,7 @@ static bool reads(const struct gdal_source *source)
 	return good;
 }
 
-/* The source that GDAL's message is about: the one it names, or the first that cannot be read. */
+/* Returns the source that GDAL's message is about: the one it names, or the first one that cannot be read. */
 static const char *culprit(const struct gdal_grid *gdal, const char *message)
 {
 	const char *found = NULL;
@@ -127,7 +127,7 @@ static bool all_whole(const struct gdal_source *sources, size_t count, double un
 	return whole;
 }
 
-/* The least of the sources', less where posts are projected and so spread over more rows. */
+/* Returns the smallest panel of the sources. It is smaller if posts are projected, since then they need more source rows. */
 static int64_t common_panel(const struct gdal_source *sources, size_t count, bool warped)
 {
 	int64_t panel = 0;

@@ -1,27 +1,27 @@
 /*
- * Inside dem: how a file becomes rows of metres.
+ * Inside dem: reading a file as rows of heights in metres.
  *
- * A grid is something that rows can be read from: a raw heightmap, a PNG, GDAL's mosaic, or another
- * grid with its holes filled. Grids own what they hold; dem_grid_destroy takes NULL.
+ * A grid is anything from which rows can be read: a raw heightmap, a PNG, GDAL's mosaic, or another grid with filled holes. A
+ * grid owns its data. dem_grid_destroy accepts NULL.
  */
 #ifndef FURROW_DEM_INTERNAL_H
 #define FURROW_DEM_INTERNAL_H
 
 #include "dem/dem.h"
 
-/* --- dem_list.c: names of files --- */
+/* --- dem_list.c: lists of file names --- */
 struct dem_list {
 	char **paths;
 	size_t count, room;
 };
 
-/* Sources as named to files: opens directories and "@lists". */
+/* Fills the list with files. Sources may be files, directories, or "@list". */
 enum status dem_list_init(struct dem_list *list, const char *const *sources, size_t count) FURROW_CHECKED;
 enum status dem_list_add(struct dem_list *list, const char *path) FURROW_CHECKED; /* copies it */
 void dem_list_finish(struct dem_list *list);
 
 struct dem_grid {
-	/* As dem_read; the rectangle lies within. */
+	/* As dem_read. The rectangle lies within the grid. */
 	enum status (*read)(struct dem_grid *grid, struct post_rect rect, double *heights);
 	void (*destroy)(struct dem_grid *grid);
 	int64_t width, height; /* posts */
@@ -37,19 +37,20 @@ struct dem_grid {
 
 void dem_grid_destroy(struct dem_grid *grid); /* also frees the texts */
 
-/* --- dem_nodata.c: what a stored value means --- */
+/* --- dem_nodata.c: from stored values to metres --- */
 struct dem_meaning {
 	double scale, offset; /* metres = value * scale + offset */
-	const double *nodata; /* values as they are stored */
+	const double *nodata; /* nodata values, as stored */
 	size_t nodata_count;
-	bool single; /* values are no more exact than a float: they are compared, and heights rounded, so */
+	bool single; /* values are only as exact as a float, so they are compared, and heights rounded, as floats */
 };
 
-/* A row of values to metres, NaN where nodata; may be the same row. */
+/* Converts a row of values to metres, with NaN for nodata. `metres` may be the same array as `values`. */
 void dem_metres(const struct dem_meaning *meaning, const double *values, int64_t count, double *metres);
-/* True if whole numbers of this unit are exact: whole metres, or a power of two. 0 is none. */
+/* Returns true if whole numbers of this unit are exact in metres: the unit is whole metres or a power of two. 0 (no unit) gives
+ * false. */
 bool dem_unit_exact(double unit);
-/* Metres in a unit as GDAL names it ("ft"), 1 for "" and names not known. */
+/* Returns the metres of a unit named as GDAL does ("ft"). Returns 1 for "" and unknown names. */
 double dem_unit_metres(const char *unit);
 
 /* --- grids --- */
@@ -57,28 +58,28 @@ enum status dem_raw_open(const struct dem_params *params, const char *path, stru
 	FURROW_CHECKED;
 enum status dem_png_open(const struct dem_params *params, const char *path, struct dem_grid **out)
 	FURROW_CHECKED;
-/* Everything else, also several files as one (dem_gdal.c, or dem_nogdal.c). */
+/* Opens all other files, and several files as one grid (dem_gdal.c, or dem_nogdal.c). */
 enum status dem_gdal_open(const struct dem_params *params, const struct dem_list *list,
 			  struct dem_grid **out) FURROW_CHECKED;
-/* True if the file looks like a raster; for what lies in a directory. */
+/* Returns true if the file seems to be a raster. Used for the files of a directory. */
 bool dem_gdal_knows(const char *path);
-/* `grid` without holes; owns it from now on, also when it fails. */
+/* Makes a grid in which the holes of `grid` are filled. Takes over `grid`, even on failure. */
 enum status dem_fill_create(struct dem_grid *grid, struct dem_grid **out) FURROW_CHECKED;
 
 /* --- writers --- */
 struct dem_sink {
-	/* One row, `y` counted from the south. */
+	/* Writes one row. `y` is counted from the south. */
 	enum status (*row)(struct dem_sink *sink, int64_t y, const double *values);
-	enum status (*finish)(struct dem_sink *sink); /* all of it is with the system */
+	enum status (*finish)(struct dem_sink *sink); /* writes the rest and closes the file */
 	void (*destroy)(struct dem_sink *sink);
 };
 
-/* `part` is the file to write; `raster` must outlive the sink. */
+/* `part`: path of the file to write. `raster` must stay valid longer than the sink. */
 enum status dem_gdal_sink(const struct dem_raster *raster, const char *part, struct dem_sink **out)
 	FURROW_CHECKED;
 enum status dem_png_sink(const struct dem_raster *raster, const char *part, struct dem_sink **out)
 	FURROW_CHECKED;
-/* `value` as the raster's type holds it, NaN as its nodata. */
+/* Returns `value` as the raster's type stores it. NaN becomes the nodata value. */
 double dem_raster_value(const struct dem_raster *raster, double value);
 
 #endif

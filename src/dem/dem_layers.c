@@ -80,7 +80,7 @@ static void lay_over(const double *posts, int64_t count, double *below)
 		below[i] = isnan(posts[i]) ? below[i] : posts[i];
 }
 
-/* The part of a layer in columns x0 .. x1 - 1 and rows y0 .. y1 - 1 from the north, over `heights`. */
+/* Copies a layer's part in columns x0 .. x1 - 1 and rows y0 .. y1 - 1 (from the north) over `heights`. */
 static bool take_layer(struct dem_layers *layers, const struct layer *layer, struct post_rect rect, double *heights)
 {
 	struct post_rect own = {layer->column, layer->row, layer->column + layer->width, layer->row + layer->height};

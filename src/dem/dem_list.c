@@ -41,7 +41,7 @@ static int by_name(const void *a, const void *b)
 	return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
-/* What lies beside rasters and is none, though some driver may claim it. */
+/* Returns true for files that accompany rasters but are not rasters, even if some driver would open them. */
 static bool is_sidecar(const char *name)
 {
 	static const char *const endings[] = {".hdr", ".prj", ".xml", ".tfw", ".wld", ".pgw", ".txt",

@@ -54,7 +54,7 @@ static bool is_whole(double v)
 	return fabs(v - round(v)) < 0.01;
 }
 
-/* One strip of the overlap: rows of `mine` and the same ground in `theirs`. */
+/* Reads one strip of the overlap: rows of `mine`, and the same ground in `theirs`. */
 static CPLErr read_window(GDALDatasetH dataset, struct shared window, int width, int rows, double *out)
 {
 	GDALRasterIOExtraArg extra;

@@ -1,4 +1,4 @@
-/* What a stored value means: nodata or metres. NaN is always nodata. */
+/* Converts stored values to metres, or to NaN for nodata. NaN is always nodata. */
 #include "dem_internal.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* What needs GDAL, in a build without it. */
+/* Replaces the functions that need GDAL in a build without it. */
 #include "dem_classes.h"
 
 enum status dem_gdal_open(const struct dem_params *params, const struct dem_list *list,

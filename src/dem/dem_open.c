@@ -140,7 +140,7 @@ FURROW_WIDE static bool all_within(const double *heights, int64_t count)
 	return beyond == 0;
 }
 
-/* What no ground is: refused where it is seen, with its place. */
+/* Refuses heights that no ground can have. The message gives their place. */
 static enum status check_heights(struct post_rect rect, const double *heights)
 {
 	int64_t width = rect.x1 - rect.x0, count = width * (rect.y1 - rect.y0), i = 0;

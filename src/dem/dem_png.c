@@ -67,7 +67,7 @@ static void on_warning(png_structp reader, png_const_charp text)
 	(void)text;
 }
 
-/* A row of bytes becomes one of uint16, from its end. */
+/* Converts a row of bytes to uint16 in place, starting at its end. */
 static void widen_row(uint16_t *row, int64_t width)
 {
 	for (int64_t x = width; x-- > 0;)
@@ -84,7 +84,7 @@ static void keep_row(png_structp reader, struct png *png, int bits, int64_t y, u
 		png_error(reader, "its rows cannot be kept");
 }
 
-/* Its rows to the temporary file. False: see problem. */
+/* Decodes all rows into the temporary file. Returns false on failure; then `problem` is set. */
 static bool decode(png_structp reader, png_infop header, FILE *file, struct png *png, int *full,
 		   struct png_problem *problem)
 {

@@ -1,4 +1,4 @@
-/* A file without a name, for what is too large for memory; gone with the process. */
+/* A temporary file without a name, for data too large for memory. It disappears with the process. */
 #ifndef FURROW_DEM_SCRATCH_H
 #define FURROW_DEM_SCRATCH_H
 
@@ -12,10 +12,10 @@ struct dem_scratch {
 	int file; /* -1: none */
 };
 
-/* In TMPDIR, or /tmp. `doing` begins the message. */
+/* Makes the file in TMPDIR, or else /tmp. `doing` begins the error message. */
 enum status dem_scratch_open(struct dem_scratch *scratch, const char *doing) FURROW_CHECKED;
 void dem_scratch_close(struct dem_scratch *scratch);
-/* All of `bytes` at `offset`, into the file or (not `write`) from it, or STATUS_FAILED. */
+/* Writes `bytes` bytes at `offset`, or reads them if not `write`. STATUS_FAILED if not all could be moved. */
 enum status dem_scratch_move(const struct dem_scratch *scratch, bool write, void *data, size_t bytes, int64_t offset)
 	FURROW_CHECKED;
 

@@ -58,7 +58,7 @@ static enum status place_source(struct gdal_source *source, GDALDatasetH dataset
 	return STATUS_OK;
 }
 
-/* The vertical unit in metres: the band's, or the vertical SRS's; also what to tell of it. */
+/* Returns the vertical unit in metres: that of the band, or of the vertical SRS. Also describes the vertical reference. */
 static double vertical_unit(struct gdal_source *source, GDALRasterBandH band)
 {
 	const char *unit = GDALGetRasterUnitType(band), *name = NULL;
@@ -86,7 +86,7 @@ static bool fits_float(GDALDataType type)
 	return type == GDT_Byte || type == GDT_UInt16 || type == GDT_Int16 || type == GDT_Float32;
 }
 
-/* The nodata tag as it is stored; false without one. */
+/* Gives the nodata value of the band as it is stored. Returns false if there is none. */
 static bool nodata_tag(GDALRasterBandH band, GDALDataType type, double *value)
 {
 	int has = 0;

@@ -43,7 +43,7 @@ void gpu_egl_close(struct gpu_egl *egl)
 	*egl = (struct gpu_egl){0};
 }
 
-/* A 4.5 core context that tells of a lost GPU, or at least a 4.5 core context. */
+/* Makes a 4.5 core context that reports a lost GPU; if that fails, a 4.5 core context without it. */
 static EGLContext create_context(EGLDisplay display)
 {
 	EGLConfig config = EGL_NO_CONFIG_KHR;
@@ -99,7 +99,8 @@ static EGLDisplay platform_display(EGLenum platform, void *native)
 	return get != NULL ? get(platform, native, NULL) : EGL_NO_DISPLAY;
 }
 
-/* The first device that gives a context; only hardware if there is a software one already. */
+/* Opens the first device that gives a context. `only_hardware`: skips software devices, since there is a software context
+ * already. */
 static bool try_devices(struct gpu_egl *egl, bool only_hardware, const char **why)
 {
 	PFNEGLQUERYDEVICESEXTPROC query =

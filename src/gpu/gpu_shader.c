@@ -30,7 +30,7 @@ static enum status append(struct gpu_shader *shader, const char *text, size_t le
 	return STATUS_OK;
 }
 
-/* The line that follows is line `line` of file number `file`. */
+/* Appends a #line: the next line is line `line` of file number `file`. */
 static enum status append_line_number(struct gpu_shader *shader, int line, uint32_t file)
 {
 	char text[24];
@@ -130,7 +130,7 @@ void gpu_shader_finish(struct gpu_shader *shader)
 	*shader = (struct gpu_shader){0};
 }
 
-/* Where a line of the log speaks of an error, or NULL. */
+/* Returns where a line of the log has the word "error", or NULL. */
 static const char *error_word(const char *line, const char *end)
 {
 	for (const char *c = line; end - c >= 5; c++)

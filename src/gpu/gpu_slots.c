@@ -178,7 +178,7 @@ enum status gpu_slots_upload_base(struct gpu_slots *slots, uint32_t slot, struct
 	return gpu_check(slots->gpu, "upload of a tile");
 }
 
-/* The next scratch texture, with the patch in it. */
+/* Uploads the patch into the next scratch texture. */
 static enum status upload_patch(struct gpu_slots *slots, struct gpu_staging *staging, size_t patch,
 				uint32_t stride, struct gpu_texture **out)
 {
@@ -280,7 +280,7 @@ static enum status deform_slot_create(struct gpu_slots *slots, struct deform_slo
 	return STATUS_OK;
 }
 
-/* A free deform slot, if it can be one that suits; NULL: there is none. */
+/* Returns a free deform slot that suits; NULL: there is none. */
 static struct deform_slot *take_free(struct gpu_slots *slots, bool state)
 {
 	struct deform_slot **list = slots->free[state] != NULL ? &slots->free[state] : &slots->free[!state];
@@ -410,7 +410,7 @@ enum status gpu_slots_read_deform(struct gpu_slots *slots, uint32_t slot, struct
 
 /* --- coarser tiles --- */
 
-/* Of `length` posts, how many are kept, beginning with the first. */
+/* Returns how many of length posts remain if only every 2^steps-th is kept, beginning with the first. */
 static uint32_t kept(uint32_t length, int steps)
 {
 	return length == 0 ? 0 : ((length - 1) >> steps) + 1;

@@ -1,4 +1,4 @@
-/* What the files of gpu share: the objects behind the handles, and the state that is cached. */
+/* What the files of this folder share: the structs behind the handles, and the cached GL state. */
 #ifndef FURROW_GPU_INTERNAL_H
 #define FURROW_GPU_INTERNAL_H
 
@@ -17,43 +17,44 @@ struct gpu_egl {
 	bool software;
 };
 enum status gpu_egl_open(bool draws, struct gpu_egl *egl) FURROW_CHECKED;
-void gpu_egl_close(struct gpu_egl *egl); /* takes one that was never opened, all zero */
+void gpu_egl_close(struct gpu_egl *egl); /* egl may be all zeros: never opened */
 
-/* --- gpu_ring.c: where the parameters of passes live until they were drawn --- */
+/* --- gpu_ring.c: memory of pass parameters until the GPU has used them --- */
 /*
- * A ring of segments, each with a mapped buffer. Passes append to the current segment. When it is full, a fence is put behind it,
- * and the next segment becomes current. If that one's fence has not passed yet, a new segment is inserted before it instead.
- * So writing never waits, and never changes bytes that a queued draw still reads.
+ * A ring of segments, each with a mapped buffer. Passes append their parameters to the current segment. When it is full, a
+ * fence is inserted after its last use, and the next segment becomes current. If the fence of that next segment has not passed
+ * yet, a new segment is inserted before it and used instead. So writing never waits, and never changes bytes that a queued draw
+ * still reads.
  */
 #define GPU_RING_SEGMENTS 64
-#define GPU_RING_BYTES ((size_t)128 * 1024) /* of a segment */
+#define GPU_RING_BYTES ((size_t)128 * 1024) /* bytes of a segment */
 struct gpu_ring_segment {
 	GLuint buffer;
 	uint8_t *map;
-	GLsync fence; /* NULL: nothing queued reads it */
+	GLsync fence; /* NULL: no queued draw reads this segment */
 };
 struct gpu_ring {
 	struct gpu_ring_segment segments[GPU_RING_SEGMENTS];
-	uint32_t count, current; /* count 0: nothing was ever written */
-	size_t used;             /* of the current segment, bytes */
+	uint32_t count, current; /* count 0: the ring was never written to */
+	size_t used;             /* bytes used in the current segment */
 };
-/* Copies `bytes` and binds them as uniform block 0. */
+/* Copies `bytes` of parameters into the ring and binds them as uniform block 0. */
 enum status gpu_ring_bind(struct gpu *gpu, const void *params, size_t bytes) FURROW_CHECKED;
 void gpu_ring_finish(struct gpu *gpu);
 
-/* --- gpu_timer.c: how long each stage's passes took --- */
+/* --- gpu_timer.c: time of the passes of each stage --- */
 #define GPU_TIMER_QUERIES 512
 struct gpu_timer {
-	GLuint queries[GPU_TIMER_QUERIES]; /* made when first needed, on hardware only */
-	uint8_t stages[GPU_TIMER_QUERIES]; /* what query i measures */
-	uint32_t first, count;             /* those in flight, a ring */
+	GLuint queries[GPU_TIMER_QUERIES]; /* made when first needed; on hardware only */
+	uint8_t stages[GPU_TIMER_QUERIES]; /* the stage that query i measures */
+	uint32_t first, count;             /* queries in flight, as a ring */
 	bool running;
-	uint64_t timed[GPU_STAGES]; /* passes of which the time is known */
+	uint64_t timed[GPU_STAGES]; /* number of passes whose time is known */
 	double ms[GPU_STAGES], began;
 };
 void gpu_timer_begin(struct gpu *gpu, enum gpu_stage stage);
 void gpu_timer_end(struct gpu *gpu, enum gpu_stage stage);
-/* Takes what has ended, without waiting, into the gpu's stats. */
+/* Adds the times of finished queries to the gpu's stats. Does not wait. */
 void gpu_timer_collect(struct gpu *gpu);
 void gpu_timer_finish(struct gpu *gpu);
 
@@ -67,25 +68,25 @@ struct gpu {
 	struct gpu_ring ring;
 	struct gpu_timer timer;
 	GLuint vertex_array;
-	/* What is bound, so that it is not bound again. Destroyed objects are taken out. */
+	/* What is bound now, so that it is not bound again. A destroyed object is removed here. */
 	const struct gpu_program *program;
 	const struct gpu_target *target;
 	const struct gpu_texture *textures[GPU_PASS_TEXTURES];
 	const struct gpu_texture *images[GPU_PASS_IMAGES];
-	bool images_only_read[GPU_PASS_IMAGES]; /* bound so */
+	bool images_only_read[GPU_PASS_IMAGES]; /* bound for reading only */
 	const struct gpu_buffer *indices;
 	bool depth_test, culls, culls_front, blends, srgb;
-	bool sealed; /* no program should be missing any more */
-	bool storage_written; /* a pass had storage buffers; no barrier since */
-	bool images_written;  /* a pass had images; no barrier since */
-	bool only_read;       /* the passes that had either since then only read them */
+	bool sealed; /* gpu_seal was called: no new program should be needed */
+	bool storage_written; /* a pass with storage buffers ran, and no barrier since */
+	bool images_written;  /* a pass with images ran, and no barrier since */
+	bool only_read;       /* all passes since then that had storage or images only read them */
 };
 
-/* Asserts that the caller is the owner. True if nothing failed so far: GL may be called. */
+/* Asserts that the caller's thread owns the gpu. Returns true if GL may be called, that is, if nothing has failed so far. */
 bool gpu_usable(const struct gpu *gpu);
-/* Records a failure as the sticky one and returns its status. */
+/* Records a failure as the sticky failure and returns its status. */
 enum status gpu_fail(struct gpu *gpu, enum status status);
-/* Before GL reads or writes what a pass may have written into storage buffers or images. */
+/* Call this before GL reads or writes what a pass may have written into storage buffers or images. */
 void gpu_written_barrier(struct gpu *gpu);
 
 struct gpu_texture {
@@ -93,8 +94,8 @@ struct gpu_texture {
 	GLuint name;
 	GLenum kind; /* GL_TEXTURE_2D, GL_TEXTURE_2D_ARRAY or GL_TEXTURE_2D_MULTISAMPLE */
 	enum gpu_format format;
-	uint32_t width, height, layers; /* layers 1 for a plain one */
-	uint32_t levels;                /* of mipmaps; 1: none */
+	uint32_t width, height, layers; /* layers is 1 for a plain texture */
+	uint32_t levels;                /* number of mip levels; 1: no mipmaps */
 	uint64_t bytes;
 };
 
@@ -108,17 +109,17 @@ struct gpu_staging {
 	GLuint name;
 	size_t bytes;
 	uint8_t *map;
-	GLsync fence; /* NULL: idle */
-	bool direct;  /* transfers take the mapped bytes as any other memory and are over at once */
+	GLsync fence; /* passes when all transfers have finished; NULL: idle */
+	bool direct;  /* in software: transfers use the mapped bytes as plain memory and end at once */
 };
 
-/* Behind a transfer that was begun with it. */
+/* Inserts the fence after a transfer that was begun with this staging buffer. */
 void gpu_staging_fence(struct gpu_staging *staging);
 
 struct gpu_target {
 	struct gpu *gpu;
 	GLuint name;
-	uint32_t width, height; /* what all attachments have */
+	uint32_t width, height; /* size of all attachments */
 	uint32_t colours;
 	bool depth, srgb, integer;
 };
@@ -134,36 +135,36 @@ struct gpu_program {
 	struct gpu_program *next;
 	GLuint name;
 	const struct shader_text *table;
-	uint64_t passes; /* that ran with it */
-	char *key; /* vertex, fragment and defines, a line each */
+	uint64_t passes; /* passes that used this program */
+	char *key; /* vertex, fragment and defines, each on a line */
 };
 
-/* Makes `target` what is drawn into. */
+/* Makes `target` the target of drawing. */
 void gpu_target_bind(struct gpu *gpu, const struct gpu_target *target);
 
-/* --- gpu_shader.c: one shader's text from its files --- */
+/* --- gpu_shader.c: joins a shader's text from its files --- */
 #define GPU_SHADER_FILES 16
 struct gpu_shader {
-	char *text; /* mem_free */
+	char *text; /* freed with mem_free */
 	size_t length, capacity;
-	const char *files[GPU_SHADER_FILES]; /* by their number in the joined text's line numbers */
+	const char *files[GPU_SHADER_FILES]; /* indexed by the file number in #line of the joined text */
 	uint32_t file_count;
 };
-/* Joins `path` of `table` with what it includes (each file once); `defines` follow #version. */
+/* Joins the file `path` of `table` with the files it includes, each file once. `defines` are put after #version. */
 enum status gpu_shader_assemble(const struct shader_text *table, const char *path,
 				const char *const *defines, struct gpu_shader *shader) FURROW_CHECKED;
 void gpu_shader_finish(struct gpu_shader *shader);
-/* The first error of a driver's log, and where it is; `line` 0: the driver did not say. */
+/* Finds the first error in a driver's log, and its place. `line` 0: the driver gave no line. */
 void gpu_shader_locate(const struct gpu_shader *shader, const char *log, const char **file, int *line,
 		       char *text, size_t text_bytes);
 
-/* --- gpu_program.c --- */
-/* gpu_program_get over another table of shaders than gpu_shader_table. */
+/* --- gpu_program.c: compiles and links programs --- */
+/* As gpu_program_get, with another table of shaders than gpu_shader_table. */
 enum status gpu_program_get_from(struct gpu *gpu, const struct shader_text *table,
 				 const struct gpu_program_request *request, struct gpu_program **out) FURROW_CHECKED;
 void gpu_programs_finish(struct gpu *gpu);
 
-/* --- gpu_slots_plan.c: the programs of slots --- */
+/* --- gpu_slots_plan.c: the programs that slots use --- */
 const struct gpu_program_request *gpu_slots_subdivide_request(void);
 const struct gpu_program_request *gpu_slots_decimate_request(unsigned planes);
 struct gpu *gpu_slots_gpu(const struct gpu_slots *slots);

@@ -126,7 +126,7 @@ double motion_track_fastest(const struct track *track)
 	return fastest;
 }
 
-/* The stretch that begins at or before `key`, by length or by time: knots [k, k + 1]. */
+/* Finds the segment that begins at or before `key` (a length or a time): knots [k, k + 1]. */
 static size_t find(const struct track *track, double key, bool by_time)
 {
 	size_t low = 0, high = track->count - 1;
@@ -157,7 +157,7 @@ static void between(const struct track *track, size_t k, double share, struct tr
 	}
 }
 
-/* From the track's origin to the world's. */
+/* Converts a point from the track's origin to the world's. */
 static void place(const struct track *track, struct track_point *point)
 {
 	point->qx = track->origin_x + lattice_offset(point->x);

@@ -1,20 +1,20 @@
 /*
- * page: decides which tiles are resident, and keeps changed tiles until they are committed.
+ * page: decides which tiles are resident (in a slot of the GPU), and keeps changed tiles until they are committed.
  *
- * It knows neither GL nor SQLite. It has one owner: the thread that owns GL. The owner asks for pages by key. It executes the
- * work that the cache gives it ("upload 7", "read back 9"), and says when a step is over. Loader threads call io.load; one
- * writer thread calls io.commit. Both run outside the mutex. The owner begins an upload or a read-back and does not wait for
- * it. The cache asks later whether the transfer is settled, and leaves the image alone until then.
+ * It uses neither GL nor SQLite itself. It has one owner: the thread that owns GL. The owner asks for pages by key. It executes
+ * the work that the cache gives it ("upload 7", "read back 9"), and says when a step is over. Loader threads call io.load, and
+ * one writer thread calls io.commit, both without holding the mutex. The owner begins an upload or a read-back and does not
+ * wait for it. The cache asks later if the transfer is settled (finished). Until then it does not touch the image.
  *
- * Every function is for the owner thread unless it says otherwise.
+ * Call every function on the owner thread, unless its comment says otherwise.
  *
  *     ABSENT -> LOADING -> LOADED -> (upload) -> RESIDENT -> (read back, if dirty) -> ABSENT
  *                                                   |  ^                 |
  *                                                  pin unpin             v
  *                                                      queue (filling -> full) -> committing -> gone
  *
- * A page that needs a slot evicts the least recently used page that is not pinned. A page with a prefetch request is evicted
- * only if there is no other. A pin is a use, and so is a peek for a picture.
+ * A page that needs a slot evicts the least recently used page that is not pinned. Pages with a prefetch request are evicted
+ * last. Pinning a page uses it, and so does drawing it (a peek with `use`).
  */
 #ifndef FURROW_PAGE_H
 #define FURROW_PAGE_H
@@ -24,29 +24,31 @@
 
 #include "base/base.h"
 
-/* A page's bytes on the host. Only the io and the executor know what they mean. */
-/* With all planes; with the planes that a step changes; with other data that is committed. */
+/* A page's bytes in CPU memory. Only the io and the executor know their layout. */
+/* Loaded image: has all planes. Changed image: has the planes that a step changes. Snapshot image: has other data that is
+ * committed with the pages. */
 enum page_image_kind { PAGE_LOADED_IMAGE, PAGE_CHANGED_IMAGE, PAGE_SNAPSHOT_IMAGE, PAGE_IMAGE_KINDS };
 struct page_image {
 	uint64_t key;
-	unsigned flags; /* for the io: which planes are filled */
+	unsigned flags; /* set by the io: which planes are filled */
 	bool overlays;  /* set by io.load: its upload reads the queued versions of other pages */
-	void *bytes;    /* executor.create's */
-	void *memory;   /* executor.create's own */
+	void *bytes;    /* allocated by executor.create */
+	void *memory;   /* private data of executor.create */
 };
 
 struct page_io {
 	void *user;
-	/* On a loader thread (0 .. loaders - 1; without loaders on the owner as 0): fills `image`. `queued` is the newest
-	 * version of this page that is not in the store yet, or NULL. Its planes are newer than the store's. */
+	/* Fills `image`. Called on loader thread `loader`, 0 .. loaders - 1; if there are no loaders, on the owner thread as 0.
+	 * `queued`: the newest version of this page that is not in the store yet, or NULL. Its planes are newer than those in
+	 * the store. */
 	enum status (*load)(void *user, unsigned loader, struct page_image *image,
 			    const struct page_image *queued);
-	/* On the writer thread: commits `images`, `record` and `snapshot` (NULL: there is none), all or nothing. */
+	/* Commits `images`, `record` and `snapshot` (may be NULL) in one transaction. Called on the writer thread. */
 	enum status (*commit)(void *user, const struct page_image *const *images, size_t count,
 			      const void *record, const struct page_image *snapshot);
 };
 
-/* What the owner does to slots and to the memory that feeds them. Everything happens in the order of the calls. */
+/* The work on slots and on images, done by the owner. Transfers take effect in the order of the calls. */
 struct page_executor {
 	void *user;
 	/* Sets image->bytes and image->memory, which stay until `destroy`. `destroy` may wait. */
@@ -65,25 +67,26 @@ struct page_executor {
 struct page_params {
 	uint32_t slots;   /* at least 1 */
 	uint32_t loaders; /* threads; 0: the owner loads, and nothing is loaded ahead */
-	/* Number of changed pages (dirty, or waiting for a commit) at which page_cache_end_step starts a commit. At twice as
-	 * many it waits for the commit in flight. */
+	/* If so many pages are changed (dirty, or waiting for a commit), page_cache_end_step starts a commit. At twice as many
+	 * it waits for the commit in flight. */
 	uint32_t queue_soft;
 	uint32_t queue_most; /* images for changed pages: PAGE_QUEUE_MOST. If more are needed: STATUS_FAILED */
-	double commit_age;    /* s after which a change is committed; 0: only their number counts */
+	double commit_age;    /* s after which a change is committed; 0: only the number of changed pages counts */
 	size_t record_bytes; /* size of the run's record, which is copied at each commit */
-	/* On the owner's thread, before a commit takes the record; NULL: nothing to do. */
+	/* Called on the owner's thread, before a commit takes the record. May be NULL. */
 	enum status (*begin_commit)(void *user);
 	void *begin_commit_user;
 	struct page_io io;
 	struct page_executor executor;
-	struct page_trace *trace; /* notes every access; NULL: nothing does */
+	struct page_trace *trace; /* notes every access; may be NULL */
 };
-/* Enough for any step that changes `step_pages` pages: as many wait, at most, as are being committed. */
+/* Number of images that is enough if a step changes at most `step_pages` pages. At most half of them wait; the other half is
+ * being committed. */
 #define PAGE_QUEUE_MOST(soft, step_pages) (2 * (2 * (soft) + (step_pages)))
-/* The threads' names. */
+/* Names of the threads. */
 #define PAGE_WRITER_THREAD "furrow-write"
 #define PAGE_LOADER_THREAD "furrow-load"
-/* Returns how many images for loads are made at the start and kept. */
+/* Returns the number of images for loads. They are made at the start and kept. */
 uint32_t page_load_images(uint32_t loaders);
 
 struct page_stats {
@@ -91,7 +94,7 @@ struct page_stats {
 	uint64_t prefetched;      /* loads begun for a prefetch request */
 	uint64_t cancelled;       /* prefetch requests given up before the page was resident */
 	uint64_t late;            /* misses whose load had begun, but was not in its slot yet */
-	uint64_t not_begun;       /* misses that had a prefetch request, but no load had begun */
+	uint64_t not_begun;       /* misses with a prefetch request whose load had not begun */
 	uint64_t evictions;       /* pages that gave up their slot */
 	uint64_t writebacks;      /* pages committed */
 	uint64_t stalls;          /* times the owner waited: for a page, for the queue, for a commit */
@@ -104,83 +107,86 @@ struct page_stats {
 struct page_cache;
 
 enum status page_cache_create(const struct page_params *params, struct page_cache **out) FURROW_CHECKED;
-/* Stops the threads when each has finished its current work. Commits nothing. After it call only page_cache_stats and
- * page_cache_destroy. */
+/* Stops the threads after their current work. Commits nothing. Afterwards call only page_cache_stats and page_cache_destroy. */
 void page_cache_stop(struct page_cache *cache);
-/* Makes this thread the owner. The owner before it must not use the cache meanwhile. Takes NULL. */
+/* Makes the calling thread the owner. The earlier owner must not use the cache at the same time. cache may be NULL. */
 void page_cache_adopt(struct page_cache *cache);
-/* Stops the threads as page_cache_stop does, and frees everything. Takes NULL. */
+/* Stops the threads as page_cache_stop does, and frees everything. cache may be NULL. */
 void page_cache_destroy(struct page_cache *cache);
 
-/* Makes a page resident and pins it. Waits for the load if it must, which counts as a stall, and executes other work meanwhile.
- * A page pinned twice must be unpinned twice. STATUS_FAILED: every slot is pinned. */
+/* Makes a page resident and pins it. If the page must be loaded, waits for that (a stall) and executes other work meanwhile. A
+ * page pinned twice must be unpinned twice. STATUS_FAILED: every slot is pinned. */
 enum status page_cache_pin(struct page_cache *cache, uint64_t key, uint32_t *slot) FURROW_CHECKED;
 /* Pins several pages, at most 64. Requests all loads before it waits for the first. */
 enum status page_cache_pin_all(struct page_cache *cache, const uint64_t *keys, size_t count,
 			       uint32_t *slots) FURROW_CHECKED;
 void page_cache_unpin(struct page_cache *cache, uint64_t key);
-/* Says that the pinned page now differs from the store. */
+/* Marks a pinned page as dirty: it now differs from the store. */
 void page_cache_dirty(struct page_cache *cache, uint64_t key);
 
-/* Sets the prefetch requests: the whole list, soonest needed first, each key once. These pages are loaded ahead in this order,
- * as far as there are slots that this step has not used. They stay if anything else can go. Earlier requests that are not in
- * the list are cancelled. */
+/* Sets the prefetch requests: the whole list, soonest needed first, each key once. The pages are loaded ahead in this order,
+ * into slots that this step does not use. Other pages are evicted before them. Requests of the earlier list that are not in the
+ * new one are cancelled. */
 void page_cache_want(struct page_cache *cache, const uint64_t *keys, size_t count);
-/* State of the last list of prefetch requests. COMING: some pages are being loaded. HERE: all are resident, so an unchanged
- * list need not be given again. SHORT: neither, because slots are missing, a load failed, or another page had to have a slot. */
+/* State of the last list of prefetch requests. COMING: some pages are being loaded. HERE: all pages are resident, so the same
+ * list need not be given again. SHORT: neither. Slots are missing, a load failed, or a requested page was evicted for another
+ * one. */
 enum page_request_state { PAGE_REQUESTS_COMING, PAGE_REQUESTS_HERE, PAGE_REQUESTS_SHORT };
 enum page_request_state page_cache_request_state(struct page_cache *cache);
-/* Returns true, with the slot, if the page is resident now. Does not wait, load or pin. With `use` it becomes the most recently
- * used. The slot is valid until the next call that can evict (pin, poll). */
+/* Returns true if the page is resident now, and gives its slot. Does not wait, load or pin. With `use` the page becomes the
+ * most recently used. The slot is valid until the next call that can evict (pin, poll). */
 bool page_cache_peek(struct page_cache *cache, uint64_t key, bool use, uint32_t *slot);
 /* Executes the work that is ready: finished loads become resident. Does not wait. */
 enum status page_cache_poll(struct page_cache *cache) FURROW_CHECKED;
 
-/* Call at the end of a step, when every page is consistent. Starts a commit if enough pages changed or a change is old enough.
- * `record` (world_record_bytes) goes with it. Dirty pages are read back as they are now and committed in the background. They
- * are clean unless a later step changes them again. Returns failures of the threads too. */
+/* Call this at the end of a step, when all pages are consistent. Starts a commit if enough pages changed or a change is old
+ * enough. `record`: params.record_bytes bytes, committed with the pages. Dirty pages are read back as they are now and
+ * committed in the background. After that they are clean, until a later step changes them. Also returns failures of the
+ * threads. */
 enum status page_cache_end_step(struct page_cache *cache, const void *record) FURROW_CHECKED;
-/* Commits everything with this record, and waits for it. */
+/* Commits all changes with this record, and waits until it is done. */
 enum status page_cache_flush(struct page_cache *cache, const void *record) FURROW_CHECKED;
 
-/* Returns true while a rollback waits for the commit in flight. io.commit need not end then: it may change nothing and fail with
- * STATUS_INTERRUPTED, which is no failure. Any thread. */
+/* Returns true while a rollback waits for the commit in flight. Then io.commit may stop early: it changes nothing and returns
+ * STATUS_INTERRUPTED, which does not count as a failure. Any thread. */
 bool page_cache_gives_up(struct page_cache *cache);
-/* Goes back to an earlier state of the store, between two steps. All calls are on the owner thread. After page_cache_flush, and
- * in `back`, the writer thread is idle until the next commit begins. So the owner may use what io.commit writes to. */
+/* Functions for page_cache_rollback, all called on the owner thread. After page_cache_flush, and during `back`, the writer
+ * thread is idle until the next commit begins. So the owner may then use the data that io.commit writes to. */
 struct page_rollback {
 	void *user;
-	/* Sets the store back. No load whose result is used reads the store meanwhile. If it fails, it must change nothing.
-	 * page_cache_each_changed() still tells the changes that were never committed and will be lost. */
+	/* Sets the store back. Meanwhile no load reads the store, except loads whose result is dropped. On failure it must
+	 * change nothing. page_cache_each_changed() still tells the changes that were never committed and will be lost. */
 	enum status (*back)(void *user);
-	/* Called after `back`, for a resident page that was committed: whether a load could now bring other values than its
-	 * slot has. */
+	/* Called after `back`, for each resident page that was committed. Returns true if loading the page now could give other
+	 * values than those in its slot. */
 	bool (*changed)(void *user, uint64_t key);
-	/* Called when a page was resident and has been dropped. */
+	/* Called after a resident page was dropped. */
 	void (*dropped)(void *user, uint64_t key);
 };
-/* Waits for the commit in flight, then goes back. Changes that were not committed are lost. Loads and prefetch requests are
- * given up. Pages that changed are dropped, and read again when asked for; all others stay in their slots. No dropped page may
- * be pinned. Also returns failures of the threads. If it fails, no change is lost, and it may be called again. */
+/* Waits for the commit in flight, then goes back to an earlier state of the store. Changes that were not committed are lost.
+ * Loads and prefetch requests are cancelled. Pages that changed are dropped, and loaded again when they are asked for; other
+ * pages stay resident. No dropped page may be pinned. Also returns failures of the threads. On failure no change is lost, and
+ * the call may be repeated. */
 enum status page_cache_rollback(struct page_cache *cache, const struct page_rollback *rollback) FURROW_CHECKED;
 
-/* Tells versions of pages that a load begun earlier may have missed, oldest first. These are the versions that wait for a
- * commit, and those committed after the oldest running load began.
+/* Calls `fn` with versions of pages that a load begun earlier may have missed, oldest first. These are the versions that wait
+ * for a commit, and those committed after the oldest running load began.
  *
- * An executor that uploads an image with `overlays` reads them, and then the pages that page_cache_each_resident tells. All
- * images are filled then. At other times an image whose read-back is not settled is left out. */
+ * When the executor uploads an image with `overlays`, it reads these, and then the pages that page_cache_each_resident gives.
+ * At that time all images are filled. At other times, images whose read-back is not settled are left out. */
 typedef void (*page_image_fn)(void *user, const struct page_image *image);
 void page_cache_each_queued(struct page_cache *cache, page_image_fn fn, void *user);
-/* Tells the resident pages, in any order. */
+/* Calls `fn` with each resident page, in any order. */
 typedef void (*page_resident_fn)(void *user, uint64_t key, uint32_t slot, bool dirty);
 void page_cache_each_resident(struct page_cache *cache, page_resident_fn fn, void *user);
 
-/* Tells where the newest version of a page is, between two steps. PAGE_NEWEST_QUEUED: `fn` was called with its filled image;
- * this waits for its read-back. PAGE_NEWEST_SLOT: it is in `*slot`, dirty. Loads nothing; does not count as a use or an access. */
+/* Finds the newest version of a page, between two steps. PAGE_NEWEST_QUEUED: `fn` was called with its image, after waiting for
+ * the read-back. PAGE_NEWEST_SLOT: the newest version is in `*slot` (dirty). PAGE_NEWEST_STORED: it is in the store. Loads
+ * nothing, and counts as neither a use nor an access. */
 enum page_newest { PAGE_NEWEST_STORED, PAGE_NEWEST_QUEUED, PAGE_NEWEST_SLOT };
 enum status page_cache_newest(struct page_cache *cache, uint64_t key, page_image_fn fn, void *user, enum page_newest *newest,
 			      uint32_t *slot) FURROW_CHECKED;
-/* Tells every page whose newest version may not be in the store, some of them twice. `fn` must not call the cache. */
+/* Calls `fn` with every page whose newest version may not be in the store; some pages come twice. `fn` must not call the cache. */
 typedef void (*page_key_fn)(void *user, uint64_t key);
 void page_cache_each_changed(struct page_cache *cache, page_key_fn fn, void *user);
 
@@ -212,17 +218,17 @@ void page_cache_stats(struct page_cache *cache, struct page_stats *stats);
 enum page_access { PAGE_ACCESS_PIN, PAGE_ACCESS_DRAW, PAGE_ACCESS_KINDS };
 struct page_trace;
 
-/* STATUS_FAILED if `path` cannot be written, or is there and is no trace. */
+/* Begins a trace. STATUS_FAILED if `path` cannot be written, or is an existing file that is not a trace. */
 enum status page_trace_create(const char *path, struct page_trace **out) FURROW_CHECKED;
-/* Notes an access. `step` never falls; `key` is below 2^62; `resident`: the cache had the page. After a failure it notes
- * nothing more; page_trace_status returns the failure. NULL: does nothing. */
+/* Adds an access to the trace. `step` must not decrease; `key` is below 2^62; `resident`: the cache had the page. After a
+ * failure it adds nothing more, and page_trace_status returns the failure. trace may be NULL. */
 void page_trace_access(struct page_trace *trace, uint64_t step, uint64_t key, enum page_access kind,
 		       bool resident);
-/* Returns the first failure so far. Takes NULL. */
+/* Returns the first failure so far. trace may be NULL. */
 enum status page_trace_status(const struct page_trace *trace) FURROW_CHECKED;
-/* Completes the trace and gives it its name. Note nothing after that. Takes NULL. */
+/* Completes the trace and renames it to its path. Add no access afterwards. trace may be NULL. */
 enum status page_trace_publish(struct page_trace *trace) FURROW_CHECKED;
-/* Frees the trace, and removes its file unless it was published. Takes NULL. */
+/* Frees the trace, and removes its file unless it was published. trace may be NULL. */
 void page_trace_destroy(struct page_trace *trace);
 
 #endif

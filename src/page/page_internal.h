@@ -45,18 +45,19 @@
 
 enum page_image_place { PAGE_UNQUEUED, PAGE_KEPT, PAGE_COMMITTING, PAGE_WAITING };
 
-/* Host bytes. The queue finds them by key, and readers count references. With no `refs` they return to the pool. */
+/* A page's image in CPU memory. The queue finds it by key. refs counts its users. At 0 it goes back to the list of unused
+ * images. */
 struct page_host {
 	struct page_image image;
 	enum page_image_kind kind;
 	enum page_image_place place;
-	bool filling;           /* a read-back into it is not settled */
-	uint32_t refs;          /* 1 for its list or for who fills it, 1 for each reader, 1 for `busy` */
-	uint64_t kept_until;    /* KEPT: for loads whose `begun` is at most this */
-	struct failure failure; /* LOADED: what io.load returned */
+	bool filling;           /* a read-back into this image is not finished */
+	uint32_t refs;          /* users: its list or the thread that fills it, each reader, and `busy` */
+	uint64_t kept_until;    /* KEPT: the image is kept for loads whose `begun` is at most this number */
+	struct failure failure; /* LOADED: the result of io.load */
 	struct page_host *prev, *next, *hash_next;
-	struct page_host *visit_next; /* the owner's, in page_cache_each_queued */
-	struct page_host *busy_next;  /* the owner's */
+	struct page_host *visit_next; /* used by the owner in page_cache_each_queued */
+	struct page_host *busy_next;  /* next in struct page_busy; used by the owner */
 };
 
 struct page_host_list {
@@ -69,15 +70,16 @@ enum page_state { PAGE_WANTED, PAGE_LOADING, PAGE_LOADED, PAGE_RESIDENT };
 struct page {
 	uint64_t key;
 	enum page_state state;
-	bool urgent; /* not RESIDENT: a pin waits for it */
-	bool stale;  /* LOADING: drop it when it comes */
+	bool urgent; /* not RESIDENT yet, and a pin waits for it */
+	bool stale;  /* LOADING: drop the page when its load ends */
 	bool dirty;
 	uint32_t slot, pins;
-	uint64_t used_in;       /* the last step it was pinned or drawn in */
-	uint64_t requested_in;     /* number of the last request list that had it, and its place there */
+	uint64_t used_in;       /* number of the last step in which it was pinned or drawn */
+	/* number of the last list of prefetch requests with this page; requested_at: its index in that list */
+	uint64_t requested_in;
 	size_t requested_at;
-	uint64_t polled;        /* LOADED: the last poll that could not make it resident */
-	uint64_t begun;         /* LOADING, LOADED: the clock of loads when it was taken */
+	uint64_t polled;        /* LOADED: number of the last poll that could not make it resident */
+	uint64_t begun;         /* LOADING, LOADED: value of load_clock when its load began */
 	struct page_host *host; /* LOADING, LOADED */
 	struct page *prev, *next, *hash_next;
 };
@@ -90,7 +92,7 @@ struct page_list {
 struct page_table {
 	struct page **buckets;
 	size_t mask;
-	struct page *pages, *unused; /* all pages that can be known; unused ones are linked by hash_next */
+	struct page *pages, *unused; /* pages: all page structs; unused: the free ones, linked by hash_next */
 	struct page_list resident;   /* in order of use */
 	struct page_list urgent, requested, flights;
 	uint32_t pinned; /* pages with a pin */
@@ -103,21 +105,21 @@ struct page_queue {
 	struct page_host **buckets;
 	size_t mask;
 	struct page_host_list waiting, committing, kept;
-	struct page_host *unused[PAGE_IMAGE_KINDS]; /* by kind; by next */
+	struct page_host *unused[PAGE_IMAGE_KINDS]; /* images that nobody uses, by kind, linked by `next` */
 	uint32_t made[PAGE_IMAGE_KINDS];
 	uint32_t filling;            /* images with a read-back that is not settled */
-	uint32_t commit_filling;      /* of those, committing */
+	uint32_t commit_filling;      /* images in `committing` with a read-back that is not settled */
 };
 
-/* The owner's: images that the executor is working on. */
+/* Images whose transfers the executor has begun and that are not settled, oldest first. Used by the owner. */
 struct page_busy {
 	struct page_host *first, *last;
 };
 
 enum page_commit {
 	PAGE_COMMIT_NONE,
-	PAGE_COMMIT_FILLING,    /* begun; some of its read-backs are not settled */
-	PAGE_COMMIT_WRITING, /* the writer's */
+	PAGE_COMMIT_FILLING,    /* begun; some read-backs of its images are not settled */
+	PAGE_COMMIT_WRITING, /* the writer thread is committing */
 };
 
 struct page_loader {
@@ -136,18 +138,18 @@ struct page_cache {
 	struct page_table table;
 	struct page_queue queue;
 	struct key_set touched; /* the keys that were ever pinned */
-	uint64_t load_clock; /* loads taken so far */
-	uint64_t step;       /* steps begun so far: pages that were never used say 0 */
-	uint64_t request_list;  /* lists so far */
-	bool requests_kept;    /* no page of the last list was lost or left out since */
+	uint64_t load_clock; /* number of loads begun so far */
+	uint64_t step;       /* number of steps begun so far; `used_in` of a page that was never used is 0 */
+	uint64_t request_list;  /* number of lists of prefetch requests so far */
+	bool requests_kept;    /* since the last list, no page of it was evicted or left out */
 	uint64_t polls;
 	struct page_busy busy;
 	enum page_commit commit;
 	const struct page_image **commit_images; /* room for queue_most */
 	void *commit_record;
-	struct page_host *commit_snapshot; /* the only one, always referenced, in no list; NULL: none */
-	double dirty_since;     /* clock_seconds of the oldest change that is in no commit; 0: none */
-	_Atomic bool giving_up; /* a rollback waits for the commit in flight, which need not be made */
+	struct page_host *commit_snapshot; /* the only image for snapshots, in no list; NULL: there is none */
+	double dirty_since;     /* clock_seconds of the oldest change that no commit contains yet; 0: there is none */
+	_Atomic bool giving_up; /* a rollback waits for the commit in flight, which may stop early */
 	struct failure failure; /* sticky */
 	struct page_stats stats;
 	struct page_loader *loaders;
@@ -165,7 +167,7 @@ static inline enum status page_sticky_locked(const struct page_cache *cache)
 	return cache->failure.status == STATUS_OK ? STATUS_OK : failure_restore(&cache->failure);
 }
 
-/* For assert only: checks all invariants above that can be seen without executing. */
+/* Only for assert: checks the invariants above as far as this is possible without calling the executor. */
 bool page_cache_sane_locked(const struct page_cache *cache);
 
 /* --- page_table.c --- */
@@ -181,7 +183,8 @@ void page_list_remove(struct page_list *list, struct page *page);
 
 /* --- page_cache.c --- */
 
-/* Waits until no commit is in flight; this is a stall if a step waits. A failure of the threads ends the wait. */
+/* Waits until no commit is in flight. `stall`: a step waits, so it counts as a stall. Returns early with a failure of the
+ * threads. */
 enum status page_wait_for_commit_locked(struct page_cache *cache, bool stall) FURROW_CHECKED;
 
 /* --- page_queue.c --- */
@@ -189,33 +192,33 @@ enum status page_wait_for_commit_locked(struct page_cache *cache, bool stall) FU
 enum status page_queue_init(struct page_queue *queue,
 			    const struct page_params *params) FURROW_CHECKED;
 void page_queue_finish(struct page_cache *cache);
-/* On the owner's thread: makes one more image of the kind, in the pool. */
+/* Makes one more image of this kind, unused. On the owner's thread. */
 enum status page_host_make(struct page_cache *cache, enum page_image_kind kind) FURROW_CHECKED;
-/* Returns an image from the pool with one reference; NULL: the pool is empty. */
+/* Takes an unused image and sets refs to 1. Returns NULL if there is none. */
 struct page_host *page_host_acquire_locked(struct page_cache *cache, enum page_image_kind kind,
 					   uint64_t key);
 void page_host_release_locked(struct page_cache *cache, struct page_host *host);
 struct page_host *page_queue_find_locked(const struct page_queue *queue, uint64_t key,
 					 enum page_image_place place);
-/* Returns the newest version that the store may not have, or NULL. */
+/* Returns the newest queued version of a page, which may not be in the store yet. Returns NULL if there is none. */
 struct page_host *page_queue_newest_locked(const struct page_queue *queue, uint64_t key);
-/* Puts an image into the queue, with the caller's reference. It replaces an older waiting version. */
+/* Puts an image into the queue; the queue takes over the caller's reference. An older waiting version of the page is replaced. */
 void page_queue_wait_locked(struct page_cache *cache, struct page_host *host);
 void page_queue_begin_commit_locked(struct page_cache *cache);
 void page_queue_end_commit_locked(struct page_cache *cache, bool committed);
-/* Releases all waiting images, though they were never committed. */
+/* Releases all waiting images without committing them. */
 void page_queue_drop_waiting_locked(struct page_cache *cache);
-/* Releases kept images that every running load is newer than. */
+/* Releases the kept images that no running load needs: all running loads began after their commit. */
 void page_queue_release_kept_locked(struct page_cache *cache);
 
-/* --- page_busy.c: transfers that the executor has begun --- */
+/* --- page_busy.c: transfers that the executor has begun and that are not settled --- */
 
 void page_busy_add_locked(struct page_cache *cache, struct page_host *host, bool filling);
 /* Releases images whose transfers are settled. Does not wait. Failures are sticky. */
 enum status page_settle(struct page_cache *cache) FURROW_CHECKED;
-/* Waits on the owner's thread until a thread or the executor may have made progress. Sticky failures end it. */
+/* Waits on the owner's thread until a thread or the executor may have made progress. Returns early with a sticky failure. */
 enum status page_wait_locked(struct page_cache *cache) FURROW_CHECKED;
-/* The same, counted as a stall. `*stalled` says whether this wait was counted before. */
+/* As page_wait_locked, but counts as a stall. `*stalled`: this stall was counted before, so only its time is added. */
 enum status page_stall_locked(struct page_cache *cache, bool *stalled) FURROW_CHECKED;
 
 /* --- page_loader.c --- */
@@ -223,18 +226,19 @@ enum status page_stall_locked(struct page_cache *cache, bool *stalled) FURROW_CH
 void *page_loader_body(void *loader);
 /* Takes the next page and loads it, with the mutex released meanwhile. Returns false if there is no page to take. */
 bool page_load_next_locked(struct page_cache *cache, unsigned loader);
-/* The page is ABSENT. */
+/* Adds a page with state WANTED. It must be ABSENT before. */
 struct page *page_loads_want_locked(struct page_cache *cache, uint64_t key, bool urgent);
 void page_loads_make_urgent_locked(struct page_cache *cache, struct page *page);
-/* Drops a page that is not RESIDENT: now, or when its load ends. */
+/* Drops a page that is not RESIDENT: at once, or if it is LOADING, when its load ends. */
 void page_loads_abandon_locked(struct page_cache *cache, struct page *page);
-/* Releases kept images by abandoning the loads that need them, except loads that a pin waits for. */
+/* Abandons the loads that need kept images, except loads that a pin waits for. So the kept images are released. */
 void page_loads_abandon_late_locked(struct page_cache *cache);
-/* Takes a LOADED page out of the flights. It enters the LRU list if it has a slot now; otherwise it is forgotten. */
+/* Takes a LOADED page out of the list `flights`. If it has a slot now, it goes to the list of resident pages; otherwise it is
+ * forgotten. */
 void page_loads_land_locked(struct page_cache *cache, struct page *page, uint32_t slot);
-/* Running loads for prefetch requests. */
+/* Returns the number of running loads for prefetch requests. */
 uint32_t page_loads_ahead_locked(const struct page_cache *cache);
-/* Returns when the oldest load began that will become resident; UINT64_MAX: no load is running. */
+/* Returns the `begun` of the oldest running load that may still become resident. Returns UINT64_MAX if there is none. */
 uint64_t page_loads_oldest_locked(const struct page_cache *cache);
 
 /* --- page_writer.c --- */
@@ -243,11 +247,11 @@ void *page_writer_body(void *cache);
 
 /* --- page_evict.c: the owner's work list --- */
 
-/* Begins to read a dirty page back. It is clean then, and its image waits. Without a free image it stays dirty, which is no
- * failure with `ahead`. A failure of the executor is sticky. */
+/* Begins to read a dirty page back. The page is clean then, and its image waits for a commit. If there is no free image, it
+ * stays dirty; with `ahead` this is not a failure. A failure of the executor is sticky. */
 enum status page_read_back(struct page_cache *cache, struct page *page, bool ahead) FURROW_CHECKED;
-/* Makes a LOADED page RESIDENT, or on failure ABSENT. A requested page that is not urgent becomes ABSENT without a failure if
- * its load failed. `*later`: it cannot be made resident yet. */
+/* Makes a LOADED page RESIDENT, or ABSENT on failure. If the load of a prefetch request failed and no pin waits for it, this is
+ * not a failure. `*later`: the page cannot be made resident yet. */
 enum status page_install(struct page_cache *cache, struct page *page, bool *later) FURROW_CHECKED;
 
 /* --- page_request.c --- */

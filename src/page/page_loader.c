@@ -119,7 +119,7 @@ uint64_t page_loads_oldest_locked(const struct page_cache *cache)
 
 /* --- the threads --- */
 
-/* The first page of the list whose newest bits can be read now. */
+/* Returns the first page of the list whose newest version can be read now. */
 static struct page *first_readable_locked(const struct page_cache *cache, const struct page_list *list)
 {
 	struct page *page = list->first;
@@ -131,7 +131,7 @@ static struct page *first_readable_locked(const struct page_cache *cache, const 
 	return NULL;
 }
 
-/* The next page to load, now LOADING and with an image; NULL if there is none to take now. */
+/* Takes the next page to load: sets it to LOADING and gives it an image. Returns NULL if there is none now. */
 static struct page *take_locked(struct page_cache *cache)
 {
 	struct page_table *table = &cache->table;

@@ -208,7 +208,7 @@ bool page_cache_peek(struct page_cache *cache, uint64_t key, bool use, uint32_t 
 	return resident;
 }
 
-/* A page that is loaded and that this poll has not tried. */
+/* Returns a LOADED page that this poll has not tried yet. */
 static struct page *first_loaded_locked(const struct page_cache *cache)
 {
 	struct page *page = cache->table.flights.first;

@@ -82,7 +82,7 @@ static void split(struct splitter *s, uint32_t x, uint32_t y, int stride)
 	s->status = append(s->blocks, x | y << 10 | (uint32_t)stride << 20);
 }
 
-/* A block's edge needs no skirt where its neighbour is of the same tile and stride. */
+/* Marks edges that need a skirt. An edge needs none if the neighbouring block is of the same tile and has the same stride. */
 static void add_skirts(struct splitter *s, uint32_t *edge_strides, uint32_t across)
 {
 	uint32_t *blocks = s->blocks->blocks;

@@ -77,7 +77,8 @@ void render_canvas_disc(const struct render_canvas *canvas, double x, double y, 
 		}
 }
 
-/* How much of each pixel a line covers, however often it passes. So a corner or a crossing is no darker. */
+/* For each pixel, the share of it that a line covers. Where the line crosses itself it is counted once, so a crossing is not
+ * darker. */
 struct mask {
 	uint8_t *cover;
 	int64_t left, low, width, height; /* on the canvas */

@@ -111,7 +111,7 @@ struct drawn {
 	uint32_t first, count; /* blocks */
 };
 
-/* The blocks of as many draws, from the first on, as the GPU holds at once. *end: the draw after them. */
+/* Collects blocks of draws, beginning with the first, until the GPU's buffer is full. *end: the first draw that did not fit. */
 static enum status collect_blocks(struct render *render, const struct terrain_view *view, const struct render_axes *axes,
 				  const struct terrain_selection *selection, size_t first, size_t *end, struct drawn *drawn)
 {

@@ -84,7 +84,7 @@ static void draw_map(const struct render_map_layout *layout, const struct render
 		}
 }
 
-/* What the ramp's ends are, and whether values lie beyond them. */
+/* Sets the values at the ramp's ends, and notes if values lie outside them. */
 static enum status settle_range(const struct render_map_layout *layout, struct render_range *range, bool beyond[2])
 {
 	double size, low, high;

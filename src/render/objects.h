@@ -1,13 +1,13 @@
-/* Objects in the picture: what objects*.c share. */
+/* Drawing of objects (bodies): what the files objects*.c share. */
 #ifndef FURROW_RENDER_OBJECTS_H
 #define FURROW_RENDER_OBJECTS_H
 
 #include "render/internal.h"
 
-/* --- objects_mesh.c, objects_file.c: a shape as triangles, in its own axes; pure --- */
+/* --- objects_mesh.c, objects_file.c: a shape as triangles, in the axes of the object; pure --- */
 
-/* As the vertex shader reads it. `at`: metres. `look`: the normal, 10 bits for each axis from bit 0 on, and the material from bit 30
- * on. */
+/* A corner of a triangle, read by object.vert. `at`: metres. `look`: bits 0-29 hold the normal, 10 bits for each axis; bits
+ * 30-31 hold the material. */
 struct object_corner {
 	float at[3];
 	uint32_t look;
@@ -21,30 +21,31 @@ struct object_mesh {
 	uint32_t *indices;
 	uint32_t corner_count, index_count;
 	uint32_t corner_room, index_room;
-	uint32_t first[OBJECT_DETAILS + 1]; /* of each detail, the finest first, and the end; an empty detail uses the one before it */
-	bool closed; /* only fronts of triangles are seen */
-	bool failed; /* out of memory; render_object_mesh_make returns it */
+	/* first index of each detail, the finest first, and the end; an empty detail is drawn as the one before it */
+	uint32_t first[OBJECT_DETAILS + 1];
+	bool closed; /* the surface is closed, so back faces are never seen */
+	bool failed; /* out of memory; render_object_mesh_make returns the failure */
 };
-/* A wheel has its grousers where deform has them at turn 0. */
+/* Makes the triangles of a shape. A wheel is made at turn 0, with its grousers where deform computes them. */
 enum status render_object_mesh_make(const struct deform_shape *shape, struct object_mesh *mesh) FURROW_CHECKED;
 void render_object_mesh_finish(struct object_mesh *mesh);
-/* Returns the number of the new corner. */
+/* Adds a corner and returns its number. */
 uint32_t render_object_mesh_corner(struct object_mesh *mesh, const double at[3], uint32_t look);
 void render_object_mesh_triangle(struct object_mesh *mesh, uint32_t a, uint32_t b, uint32_t c);
-/* objects_file.c: adds a file's triangles. They look smooth where they meet at less than 40 degrees. */
+/* In objects_file.c: adds the triangles of a mesh file. Two triangles that meet at less than 40 degrees are shaded smoothly. */
 void render_object_mesh_of_file(struct object_mesh *mesh, const struct deform_mesh *file);
 
 /* --- objects_shadow.c --- */
 
-/* shaders/shadow.vert's, std430. */
+/* Read by shaders/shadow.vert, std430. */
 struct object_shadow {
-	float to_own[3][4];    /* from a place relative to the eye, metres, to the form's own axes */
-	float form[4];         /* half its size along these axes; its size as one number */
-	float to_volume[3][4]; /* to the volume that is shaded, -1 .. 1 each way */
-	float kind[4];         /* 0 a box, 1 a cylinder about its y, 2 a ball */
+	float to_own[3][4];    /* converts a point relative to the eye, in metres, to the object's axes */
+	float form[4];         /* half the object's size along its axes; then its size as one number */
+	float to_volume[3][4]; /* converts a point to the volume in which the shadow lies, -1 .. 1 on each axis */
+	float kind[4];         /* [0]: 0 a box, 1 a cylinder around its y axis, 2 a ball */
 };
-/* Fills the shadow of an object whose centre is `at`, from the eye. Also finds the ball around the volume: `middle` from the eye,
- * and `radius`. Metres. */
+/* Computes the shadow of an object. `at`: its centre, relative to the eye. Also gives a ball that contains the shadow's volume:
+ * `middle` relative to the eye, and `radius`. Metres. */
 void render_object_shadow_of(const struct deform_shape *shape, double axes[3][3], const double at[3], const double sun[3],
 		      struct object_shadow *shadow, double middle[3], double *radius);
 
@@ -54,11 +55,11 @@ struct object_shape {
 	const struct deform_shape *shape;
 	struct gpu_buffer *corners, *indices;
 	uint32_t first[OBJECT_DETAILS + 1];
-	double bound; /* metres: radius of a ball about its centre */
+	double bound; /* metres: radius of a ball around the object's centre that contains it */
 	bool closed;
 };
 
-/* shaders/object.vert's, std430. */
+/* Read by shaders/object.vert, std430. */
 struct object_posed {
 	float axes[3][4];
 	float size[4];
@@ -70,18 +71,18 @@ struct object_seen {
 };
 
 struct render_objects {
-	const struct scene_object *objects; /* the caller's */
+	const struct scene_object *objects; /* owned by the caller */
 	size_t count;
 	bool casts;
-	struct object_shape *shapes; /* distinct ones */
-	uint32_t *shape_of;   /* by object */
+	struct object_shape *shapes; /* different shapes; several objects may share one */
+	uint32_t *shape_of;   /* index into `shapes`, for each object */
 	struct render_object *shown;
 	size_t shown_count;
-	struct object_seen *seen;    /* of the present picture, as these: */
+	struct object_seen *seen;    /* of the present picture; so are the next two */
 	struct object_posed *posed;
 	struct object_shadow *shadows;
-	struct gpu_buffer *instances, *casters, *volume; /* the latter two NULL without shadows */
-	struct gpu_target *over; /* the picture's colour alone */
+	struct gpu_buffer *instances, *casters, *volume; /* casters and volume are NULL without shadows */
+	struct gpu_target *over; /* target with only the picture's colour */
 };
 
 #endif

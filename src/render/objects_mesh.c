@@ -91,7 +91,7 @@ static void flat(struct object_mesh *mesh, double at[4][3], const double normal[
 	face(mesh, corners[0], corners[2], corners[3], normal);
 }
 
-/* A brick: its middle and its three half axes. */
+/* Adds a brick. `middle`: its centre; then its three half axes. */
 static void brick(struct object_mesh *mesh, const double middle[3], double half[3][3], enum object_material material)
 {
 	for (int axis = 0; axis < 3; axis++)
@@ -109,7 +109,7 @@ static void brick(struct object_mesh *mesh, const double middle[3], double half[
 
 /* --- what is round about the y axis --- */
 
-/* A ring: its radius, where it is along the axis, and its normal away from the axis and along it. */
+/* A ring around an axis: its radius, its position along the axis, and its normal (away from the axis, and along it). */
 struct ring {
 	double radius, y, out, along;
 };
@@ -156,7 +156,7 @@ static void tyre(struct object_mesh *mesh, double radius, double half, double sh
 	lathe(mesh, rings, count, 0, steps, steps, OBJECT_RUBBER);
 }
 
-/* One side of it, looking along the axis one way or the other: the wall, the rim, and the disc with its spokes. */
+/* Adds one side of a wheel: the wall of the tyre, the rim, and the disc with its spokes. */
 static void wheel_side(struct object_mesh *mesh, double radius, double half, double shoulder, int side, int steps)
 {
 	double rim = 0.64 * radius, y = side * half, floor_y = 0.55 * y, cap = 0.16 * radius;

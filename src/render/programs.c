@@ -40,7 +40,7 @@ static struct gpu_program_request request_of(uint64_t effects, const char *body,
 	return request;
 }
 
-/* For false colours: has the effects that change the shape, and none that change the look. */
+/* The request for false colours. It has the effects that change the ground's shape, but not those that change its look. */
 static struct gpu_program_request layer_request_of(const struct render *render, unsigned variant)
 {
 	uint64_t shape = render->effects & (EFFECT_BIT(EFFECT_GEOMORPH) | EFFECT_BIT(EFFECT_SKIRTS));

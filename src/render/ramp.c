@@ -9,7 +9,7 @@
 
 #define STOPS 4
 
-/* From 0 to the end. Down: blue to purple; up: orange to red. */
+/* Colours from 0 to the ramp's end. Below zero: blue to purple. Above zero: orange to red. */
 static const uint8_t down[STOPS][3] = {{150, 205, 255}, {55, 130, 235}, {75, 50, 195}, {62, 0, 105}};
 static const uint8_t up[STOPS][3] = {{255, 226, 140}, {253, 160, 50}, {222, 70, 25}, {125, 0, 32}};
 static const uint8_t green[STOPS][3] = {{205, 235, 150}, {85, 185, 110}, {20, 120, 130}, {28, 38, 95}};

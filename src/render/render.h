@@ -1,6 +1,7 @@
 /*
- * render: pictures. It draws the tiles that terrain selected, in one instanced draw a tile. Only the effects that the scene
- * names are compiled in. It reads the picture back and writes PNGs. For the GPU's thread. It also draws maps, on the CPU.
+ * render: pictures. It draws the tiles that terrain selected, each tile with one instanced draw. Shaders contain only the
+ * effects that the scene names. It reads pictures back and writes PNGs. Call it on the GPU's thread. It also draws maps, on the
+ * CPU.
  */
 #ifndef FURROW_RENDER_H
 #define FURROW_RENDER_H
@@ -20,7 +21,7 @@
 struct render_camera {
 	double eye[3], target[3]; /* absolute metres */
 	double fov;               /* vertical, radians */
-	double up[3];             /* direction that is up in the picture; all 0: z */
+	double up[3];             /* direction that is up in the picture; all zero: the z axis */
 };
 
 struct render_params {
@@ -33,12 +34,14 @@ struct render_params {
 	uint64_t effects;     /* EFFECT_BIT of each */
 	bool disturbance;
 	const struct scene_light *light; /* the planet and the sun; NULL: the default of a scene */
-	const struct scene *soils; /* for splat: its soils are the classes in the slots; must outlive the picture. NULL: none */
-	double pixel_error;   /* pixels by which drawn ground may be off; 0: radii decide its detail (camera.c) */
-	int samples;          /* samples a pixel; 0 and 1: the colour at the pixel's centre */
-	const struct scene_object *objects; /* objects that may be drawn, with EFFECT_OBJECTS; they outlive the picture */
+	/* for the effect splat: its soils are the classes in the slots. Must stay valid longer than the render; NULL: none */
+	const struct scene *soils;
+	double pixel_error;   /* pixels by which drawn ground may be wrong; 0: distance alone decides the detail (camera.c) */
+	int samples;          /* samples for each pixel; 0 and 1: only the colour at the pixel's centre */
+	/* objects that may be drawn, with EFFECT_OBJECTS; must stay valid longer than the render */
+	const struct scene_object *objects;
 	size_t object_count;
-	bool layers;          /* render_show_layer will be called; the plan does not count it */
+	bool layers;          /* render_show_layer will be called; plans do not count layers */
 };
 
 /* Where one of the objects is. */
@@ -51,9 +54,9 @@ struct render_object {
 
 /* What the colours of the ground show. */
 enum render_layer_kind {
-	RENDER_NATURAL, /* its natural look */
+	RENDER_NATURAL, /* the natural look of the ground */
 	RENDER_OFFSETS, /* metres above and below the base */
-	RENDER_DISTURBANCE,    /* disturbance from 0 to 1; 0 where none is kept */
+	RENDER_DISTURBANCE,    /* disturbance from 0 to 1; 0 if the slots have no disturbance */
 	RENDER_HEIGHTS, /* metres */
 	RENDER_SLOPES,  /* degrees */
 	RENDER_TILES,   /* each tile in the colour of its level */
@@ -61,55 +64,55 @@ enum render_layer_kind {
 };
 struct render_layer {
 	enum render_layer_kind kind;
-	double low, high; /* range of the colours, low < high; not used for natural and tiles */
+	double low, high; /* values at the ends of the colour range, low < high; not used for natural and tiles */
 };
 
 struct render;
 
-/* Adds the plan's lines of such a picture. Ignores gpu, slots, reference, low and high. `deformed`: some tile is or may be
- * deformed. `divided`: the working level is below 0, and tiles there are drawn. Pure. */
+/* Adds the plan's lines of pictures with these params. Ignores gpu, slots, reference, low and high. `deformed`: some tile is or
+ * may be deformed. `divided`: the working level is below 0, and such tiles are drawn. Pure. */
 void render_plan(const struct render_params *params, bool deformed, bool divided, struct plan *plan);
 
 /* Checks that the driver can draw so many samples a pixel. STATUS_INPUT: it cannot; the message names its limit. */
 enum status render_check_samples(const struct gpu *gpu, int samples) FURROW_CHECKED;
-/* Makes what draws the pictures. Also checks the samples, as render_check_samples does. */
+/* Makes the programs and buffers for pictures. Also checks the samples, as render_check_samples does. */
 enum status render_create(const struct render_params *params, struct render **out) FURROW_CHECKED;
 void render_destroy(struct render *render);
 /* Sets the size of the next frames, in pixels. The last frame is lost. After a failure only render_destroy may be called. */
 enum status render_resize(struct render *render, uint32_t width, uint32_t height) FURROW_CHECKED;
-/* Links every program that pictures of such ground can need. Arguments as render_plan's. */
+/* Links every program that such pictures can need. Arguments as for render_plan. */
 enum status render_warm(struct render *render, bool deformed, bool divided) FURROW_CHECKED;
-/* Draws once with each of these programs, since drivers compile the rest at a program's first draw. The content of the picture
- * is undefined until the next frame. This counts as passes, and as a frame of overdraw. Arguments as render_warm's. */
+/* Draws once with each of these programs, because drivers finish compiling at the first draw. The picture is undefined until
+ * the next frame. This counts as passes, and as a frame of overdraw. Arguments as for render_warm. */
 enum status render_draw_unseen(struct render *render, bool deformed, bool divided) FURROW_CHECKED;
 /* Fills the view that terrain_select needs for this camera. */
 void render_view(const struct render *render, const struct render_camera *camera, struct terrain_view *view);
-/* render_set_objects sets the objects that pictures show from now on, each at most once; none before. It copies them. Without
- * EFFECT_OBJECTS no object is shown; then render_shows_objects is false, and places need not be computed. */
+/* render_set_objects copies the objects that pictures show from now on, each at most once. Before the first call there are
+ * none. Without EFFECT_OBJECTS none is shown: render_shows_objects returns false, and their places need not be computed. */
 bool render_shows_objects(const struct render *render);
 void render_set_objects(struct render *render, const struct render_object *objects, size_t count);
 enum status render_frame(struct render *render, const struct render_camera *camera,
 			 const struct terrain_selection *selection) FURROW_CHECKED;
-/* Sets the layer from the next frame on; natural before the first call. A layer has light and shape, but no haze and no
- * texture. */
+/* Sets the layer that pictures show from the next frame on. At the start it is RENDER_NATURAL. Other layers have light and
+ * shade, but no haze and no texture. */
 void render_show_layer(struct render *render, const struct render_layer *layer);
-uint64_t render_triangles(const struct render *render); /* of the last frame */
-/* Returns the number of frames whose overdraw is known now and was not returned before. *overdraw: summed over these frames,
- * the samples of ground that passed the depth test, divided by the samples of the picture. 1: ground fills the picture and no
- * part was drawn twice. A driver that takes more samples than asked for makes it larger by that factor. */
+uint64_t render_triangles(const struct render *render); /* returns the triangles of the last frame */
+/* Returns the number of frames whose overdraw became known since the last call. *overdraw: sum over these frames of the samples
+ * of ground that passed the depth test, divided by the samples of the picture. 1 for a frame: ground fills the picture and is
+ * drawn once. If the driver uses more samples than asked for, the result is larger by that factor. */
 uint64_t render_take_overdraw(struct render *render, double *overdraw);
-/* Draws of the last frame. `drawn`: tiles; `deformed`: tiles whose draw reads an offset. */
+/* Counts of the last frame. `drawn`: tiles. `deformed`: tiles that are drawn with offsets. */
 struct render_tiles {
 	uint64_t drawn, deformed;
 	uint64_t objects;  /* draws of objects (PLAN_OBJECTS) */
 	uint64_t shadowed; /* 1: with shadows (PLAN_SHADOWED) */
 };
 void render_tiles(const struct render *render, struct render_tiles *tiles);
-/* Begins to read the last frame into staging, 4 bytes a pixel: sRGB and alpha, row 0 at the bottom. The next frame may be drawn
- * at once. */
+/* Begins to read the last frame into a staging buffer: 4 bytes for each pixel, sRGB and alpha, the bottom row first. The next
+ * frame may be drawn at once. */
 void render_read_into(struct render *render, struct gpu_staging *staging);
-/* Waits for the last frame and copies it. Either pointer may be NULL. `depth`: m along the view direction, INFINITY: sky.
- * `depth` needs one sample a pixel. */
+/* Waits for the last frame and copies it. Either pointer may be NULL. `depth`: metres along the view direction, INFINITY: sky.
+ * `depth` can only be read with one sample for each pixel. */
 enum status render_read(struct render *render, uint8_t *pixels, float *depth) FURROW_CHECKED;
 /* Writes such pixels to a PNG without alpha: as PATH.part, then renamed. Removes it on failure. Any thread. */
 enum status render_png_write(const char *path, const uint8_t *pixels, uint32_t width, uint32_t height) FURROW_CHECKED;
@@ -122,13 +125,13 @@ struct render_colour {
 	uint8_t r, g, b, a; /* sRGB; a: 255 is opaque */
 };
 
-/* Returns the colour of a value in a layer. `t`: 0 at the layer's low end to 1 at its high end. Not for natural and tiles.
- * Pictures add light and shade. */
+/* Returns the colour of a value in a layer. `t`: 0 at the layer's low end, 1 at its high end. Not for natural and tiles. The
+ * result is without light and shade. */
 struct render_colour render_layer_colour(enum render_layer_kind kind, double t);
 
-/* RGBA8 pixels, rows from the lowest up, as GL reads pictures back. A canvas may wrap pixels of the caller. Pixels of
- * render_canvas_create are freed by render_canvas_finish, which also takes a canvas that is all zero. Places are in pixels from
- * the lower left corner; whole numbers are corners of pixels. Parts outside the canvas are not drawn. */
+/* RGBA8 pixels, the bottom row first, as GL reads pictures back. The pixels may belong to the caller. Pixels made by
+ * render_canvas_create are freed by render_canvas_finish, which also accepts a canvas that is all zero. Positions are in pixels
+ * from the lower left corner. Whole numbers are corners of pixels. Drawing outside the canvas has no effect. */
 struct render_canvas {
 	uint8_t *pixels;
 	uint32_t width, height;
@@ -141,9 +144,9 @@ void render_canvas_disc(const struct render_canvas *canvas, double x, double y, 
 /* Draws a line through the points, with round ends and corners. `count` 0: nothing, 1: a dot. */
 enum status render_canvas_path(const struct render_canvas *canvas, const double (*points)[2], size_t count, double width,
 			       struct render_colour colour) FURROW_CHECKED;
-/* Draws one line of text. Each letter has a cell of 6 x 10 pixels times `scale`, which is at least 1. The lower left corner of
- * the first cell is at (x, y). An outline of `scale` pixels goes around it, unless it is fully transparent. `text` is UTF-8.
- * Characters outside ASCII are drawn as question marks. */
+/* Draws one line of text. Each letter takes 6 x 10 pixels times `scale` (at least 1). (x, y) is the lower left corner of the
+ * first letter. The letters have an outline of `scale` pixels, unless its colour is fully transparent. `text` is UTF-8;
+ * characters outside ASCII are drawn as question marks. */
 #define RENDER_LETTER_WIDTH 6
 #define RENDER_LETTER_HEIGHT 10
 void render_canvas_text(const struct render_canvas *canvas, int x, int y, int scale, const char *text,
@@ -152,7 +155,7 @@ int render_text_width(const char *text, int scale); /* pixels */
 /* Writes the canvas as a PNG without alpha, under another name first, then renamed. */
 enum status render_canvas_write(const struct render_canvas *canvas, const char *path) FURROW_CHECKED;
 
-/* A sun, as a few directions that soften its light. Angles in radians, the azimuth clockwise from north. */
+/* The sun of a map: several directions, so that its light is soft. Angles are in radians, the azimuth clockwise from north. */
 #define RENDER_AZIMUTH (M_PI * 315 / 180)
 #define RENDER_ALTITUDE (M_PI / 4)
 #define RENDER_SUNS 4
@@ -160,9 +163,11 @@ struct render_sun {
 	double toward[RENDER_SUNS][3];
 };
 void render_sun_of(double azimuth, double altitude, struct render_sun *sun);
-/* Returns how light ground of this slope is, 0 to 1. `east`, `north`: rise in metres a metre. NaN for NaN. */
+/* Returns the brightness of ground with this slope, 0 to 1; NaN if a slope is NaN. `east`, `north`: rise in metres for each
+ * metre. */
 double render_shade(const struct render_sun *sun, double east, double north);
-/* Computes slopes at width x rows posts `spacing` metres apart. `heights` has one post more at each side; NaN: nodata. */
+/* Computes slopes at width x rows posts. `heights` has one more row and column on each side; NaN: nodata. `spacing`: metres
+ * between posts. */
 void render_slopes(const double *heights, int64_t width, int64_t rows, double spacing, double *east, double *north);
 
 /* A map raster: one pixel for each post of `level`, row 0 south. */
@@ -172,8 +177,8 @@ struct render_map_raster {
 	double spacing;        /* metres a pixel */
 	struct post_rect rect; /* of posts of `level` */
 	float *shade;          /* 0 to 1; NaN: nodata */
-	float *values;         /* metres: the value of the largest size within the pixel; 0: none */
-	double flat;           /* the shade of ground without slope */
+	float *values;         /* metres: of the values within the pixel, the one with the largest absolute value; 0: none */
+	double flat;           /* the shade of level ground */
 };
 struct render_map_raster_params {
 	struct store_reader *reader;
@@ -185,17 +190,18 @@ struct render_map_raster_params {
 	struct post_rect rect; /* not empty, within the terrain; held whole in memory, 8 to 12 bytes a pixel */
 	struct render_sun sun;
 	double exaggerate;     /* factor of heights for the shading; 1: none */
-	uint64_t tiles_most;   /* most tiles of the offset to read; a coarser level is used if there are more. 0: all. STORE_OFFSET only */
-	store_progress_fn progress; /* NULL: no progress is told; return another status than STATUS_OK to stop */
+	/* most offset tiles to read; if there are more, a coarser level is used. 0: no limit. Only for STORE_OFFSET */
+	uint64_t tiles_most;
+	store_progress_fn progress; /* called to tell progress; if it does not return STATUS_OK, the work stops. May be NULL */
 	void *progress_user;
 };
 /* Makes a map raster. On failure `out` is all zero. */
 enum status render_map_raster_create(const struct render_map_raster_params *params, struct render_map_raster *out) FURROW_CHECKED;
-void render_map_raster_finish(struct render_map_raster *raster); /* also takes one that is all zero */
-/* Gives each pixel the largest value among its neighbours. Lines of one pixel become three pixels wide. */
+void render_map_raster_finish(struct render_map_raster *raster); /* raster may be all zero */
+/* Sets each pixel to the largest value among itself and its neighbours. So lines of one pixel become three pixels wide. */
 enum status render_map_raster_widen(struct render_map_raster *raster) FURROW_CHECKED;
 
-/* Returns the end of a legend for values up to `size`, above 0: the least round number that is no smaller. */
+/* Returns the end of a legend for values up to `size` (above 0): the smallest round number that is at least `size`. */
 double render_round_range(double size);
 
 /* A map layout: a title, the map in a frame, and below it a legend of colours, a scale bar and a north arrow. */
@@ -208,14 +214,16 @@ struct render_map_layout {
 	const char *title, *subtitle; /* above the map: left, and right if there is room */
 	const char *layer;            /* the legend's title */
 	enum render_ramp ramp;
-	struct render_range range; /* both 0: taken from the values, so that 99.9 % of them are within */
-	uint32_t side;             /* pixels: a map whose longer side is smaller is enlarged to about this, by a whole factor */
+	struct render_range range; /* both 0: chosen so that 99.9 % of the values are within it */
+	/* pixels: a map whose longer side is shorter than this is enlarged to about this size, by a whole factor */
+	uint32_t side;
 };
-/* The map's place on the canvas. A place `east` metres east of the world's south-west post is at x + east * scale; north alike. */
+/* Where the map lies on the canvas. A point `east` metres east of the world's south-west post is at x + east * scale, and north
+ * in the same way. */
 struct render_placed {
 	double x, y, scale;
-	int left, low, right, high; /* pixels of the canvas that are the map */
-	int unit;                   /* the scale of its letters */
+	int left, low, right, high; /* the map's rectangle, in pixels of the canvas */
+	int unit;                   /* scale of the map's text */
 };
 /* Makes a canvas with the map on it. The caller may then draw on it, even over the map's edges. render_map_layout_frame adds the
  * frame. */
@@ -227,26 +235,26 @@ enum status render_map_layout_frame(const struct render_map_layout *layout, cons
 /*
  * --- the view of a world ---
  *
- * The pictures that a scene's `view` asks for. It selects tiles for the camera, finds those that are resident, and draws them.
- * It reads the world. It changes only which pages are requested and used. For the world's thread.
+ * Draws the pictures that a scene's `view` asks for. It selects tiles for the camera, finds those that are resident, and draws
+ * them. It only reads the world, but requests and uses pages. Call it on the world's thread.
  */
 struct view;
 
-/* Makes a view. `watched`: somebody looks at every picture; then no picture waits for its tiles, and layers can be shown. The
- * world's pages must have been started. */
+/* Makes a view. `watched`: somebody watches every picture, as in a window. Then no picture waits for its tiles, and layers can
+ * be shown. The world's pages must have been started. */
 enum status render_view_create(struct world *world, bool watched, struct view **out) FURROW_CHECKED;
-void render_view_destroy(struct view *view); /* takes NULL */
+void render_view_destroy(struct view *view); /* view may be NULL */
 /* Fills the parameters of a picture of this world, except gpu, slots, reference, low, high and layers. Pure. */
 void render_view_params(const struct world *world, struct render_params *params);
-/* Links and runs every program once, so that no step pays for it. If a picture may follow any step, it also loads what the
- * first picture needs and draws it. */
+/* Links and runs every program once, so that no step has to. If a picture may follow any step, it also loads the tiles of the
+ * first picture and draws it. */
 enum status render_view_warm(struct view *view) FURROW_CHECKED;
-/* Draws a picture of the present. `image`: waits for the tiles that it needs, and begins to write it to `pictures`. */
+/* Draws the present picture. `image`: waits for the tiles that it needs, and begins to write it to `pictures`. */
 struct pictures;
 enum status render_view_frame(struct view *view, struct pictures *pictures, bool image) FURROW_CHECKED;
-/* Call after a step without a picture. Passes on pictures that are being read back, and requests tiles for the next picture. */
+/* Call this after a step without a picture. Continues writing earlier pictures, and requests tiles for the next one. */
 enum status render_view_between(struct view *view, struct pictures *pictures) FURROW_CHECKED;
-/* Call after the last step. Waits for what the GPU still counts. */
+/* Call this after the last step. Waits for results that the GPU is still counting. */
 void render_view_settle(struct view *view);
 /* Returns the view as a watcher of its world, for world_watch. */
 struct world_watcher render_view_watcher(struct view *view);
@@ -255,17 +263,19 @@ enum status render_view_contact(struct view *view, const struct event *event, co
 enum status render_view_requests(struct view *view, struct requests *requests) FURROW_CHECKED;
 void render_view_reach_at_least(struct view *view, double metres);
 struct render_view_figures {
-	double triangles;   /* triangles a frame */
-	double overdraw;    /* samples of ground drawn, divided by the picture's: mean of the frames that were counted; NaN: none was */
+	double triangles;   /* triangles for each frame */
+	/* samples of ground drawn, divided by the picture's samples: mean over the frames that were counted; NaN: none was
+	 * counted */
+	double overdraw;
 	uint64_t frames;    /* pictures drawn */
 	uint64_t starved;   /* frames drawn coarser than asked for: a coarser tile was drawn instead, or detail was reduced */
 	uint64_t coarsened; /* frames whose detail was reduced to fit the slots */
-	uint64_t naps;      /* waits of written pictures for their tiles, */
-	double nap_ms;      /* and their time, without the world's stalls and waits for ranges */
+	uint64_t naps;      /* how often a picture to be written waited for its tiles */
+	double nap_ms;      /* time of these waits, without the world's stalls and waits for ranges */
 	struct render_tiles tiles; /* draws of tiles, objects and shadows */
 };
 void render_view_figures(const struct view *view, struct render_view_figures *figures);
-/* For a host that watches: */
+/* For a host whose view is watched: */
 void render_view_look_from(struct view *view, const struct render_camera *camera); /* NULL: the scene's camera */
 void render_view_scene_camera(struct view *view, struct render_camera *camera);    /* the scene's camera, now */
 void render_view_show_layer(struct view *view, const struct render_layer *layer);
@@ -274,18 +284,18 @@ enum status render_view_resize(struct view *view, uint32_t width, uint32_t heigh
  * render_view_read_into. `depth`: m along the view direction, INFINITY: sky, rows from the lowest up; needs one sample a pixel.
  * Either may be NULL. */
 enum status render_view_picture(struct view *view, uint8_t *pixels, float *depth) FURROW_CHECKED;
-bool render_view_lacks(const struct view *view);         /* the last picture was drawn before all its tiles were resident */
-uint64_t render_view_triangles(const struct view *view); /* of the last picture */
+bool render_view_lacks(const struct view *view);         /* true: the last picture was drawn before all its tiles were resident */
+uint64_t render_view_triangles(const struct view *view); /* triangles of the last picture */
 /* Begins to read the last picture into staging: 4 x width x height bytes. */
 void render_view_read_into(struct view *view, struct gpu_staging *staging);
 
 /*
  * --- pictures that are written ---
  *
- * Takes pictures from the GPU to their files while steps go on: frame-NNNNNN.png of a folder. Each is written under another
- * name, then renamed. For the GPU's thread. It has one thread of its own, which writes.
+ * Writes pictures to files frame-NNNNNN.png in a folder while steps go on. Each file is written under another name, then
+ * renamed. Call it on the GPU's thread. A thread of its own does the writing.
  *
- * After a failure to read back or to write, every later call returns that failure with its message. Pictures begun before it
+ * If reading back or writing fails, every later call returns that failure with its message. Pictures begun before the failure
  * are still tried. In the end each picture is complete or missing.
  */
 /* Most pictures in memory at once, from read-back to written file. */
@@ -295,22 +305,24 @@ void render_view_read_into(struct view *view, struct gpu_staging *staging);
 /* Adds the plan's lines of pictures of this size. Pure. */
 void render_pictures_plan(uint32_t width, uint32_t height, struct plan *plan);
 
-/* Makes it for pictures of this size and starts its thread. `directory` stays the caller's and must outlive it. */
+/* Prepares for pictures of this size and starts the writing thread. The caller owns `directory`, which must stay valid until
+ * render_pictures_destroy. */
 enum status render_pictures_create(struct gpu *gpu, const char *directory, uint32_t width, uint32_t height,
 			    struct pictures **out) FURROW_CHECKED;
-/* Finishes all pictures that were begun and stops the thread. After it call only render_pictures_figures and
+/* Finishes all pictures that were begun and stops the thread. Afterwards call only render_pictures_figures and
  * render_pictures_destroy. */
 void render_pictures_stop(struct pictures *pictures);
-void render_pictures_destroy(struct pictures *pictures); /* takes NULL; stops first */
+void render_pictures_destroy(struct pictures *pictures); /* stops first; pictures may be NULL */
 
 /* The following functions do nothing for NULL, except render_pictures_figures. */
-/* Begins to write the last frame, as the picture after `step` steps. If PICTURES_ROOM are unfinished, it waits for the first. */
+/* Begins to write the last frame as the picture after `step` steps. If PICTURES_ROOM pictures are unfinished, waits for the
+ * first of them. */
 enum status render_pictures_begin(struct pictures *pictures, struct render *render, int64_t step) FURROW_CHECKED;
-/* Passes finished read-backs to the thread. Never waits. Call it once a step. */
+/* Passes pictures that were read back to the writing thread. Never waits. Call it once for each step. */
 enum status render_pictures_poll(struct pictures *pictures) FURROW_CHECKED;
-/* Waits until the GPU has read back all pictures that were begun, and marks them. */
+/* Waits until all pictures that were begun are read back, and marks them. */
 void render_pictures_mark(struct pictures *pictures);
-/* Waits until all pictures marked last are in their files. Any thread. */
+/* Waits until all pictures of the last render_pictures_mark are in their files. Any thread. */
 enum status render_pictures_await(struct pictures *pictures) FURROW_CHECKED;
 
 struct render_pictures_figures {

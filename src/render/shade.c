@@ -42,7 +42,7 @@ void render_slopes(const double *heights, int64_t width, int64_t rows, double sp
 		}
 }
 
-/* The sun; two at its sides, lower; and the sky straight above. */
+/* Directions of light: the sun, two lower ones at its sides, and the sky straight above. */
 static const struct {
 	double turn, lower, weight;
 } suns[RENDER_SUNS] = {{0, 0, 0.52}, {-M_PI * 65 / 180, M_PI / 12, 0.17}, {M_PI * 65 / 180, M_PI / 12, 0.17}, {0, -M_PI, 0.14}};

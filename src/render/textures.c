@@ -12,7 +12,7 @@
 #define TEXELS ((size_t)SIZE * SIZE)
 #define WRAP(i) ((uint32_t)(i) & (SIZE - 1))
 
-/* A layer while it is made. All fields are row by row. */
+/* A layer while it is being made. All arrays are row by row. */
 struct ground {
 	float *height; /* texels */
 	float *tone;   /* brightness, any scale */
@@ -272,7 +272,7 @@ static void make_snow(struct ground *ground)
 	}
 }
 
-/* For any ground seen from afar, a third of a metre a texel: humps and hollows, and what is on them. */
+/* Makes the layer for ground seen from afar, a third of a metre for each texel: humps and hollows, and the cover on them. */
 static void make_far(struct ground *ground)
 {
 	add_clouds(ground->height, 8, 256, 6, 0.62f, 61);

@@ -1,4 +1,4 @@
-/* What the files view*.c share. Only the world's thread touches it. */
+/* What the files view*.c share. Only the world's thread uses it. */
 #ifndef FURROW_RENDER_VIEW_H
 #define FURROW_RENDER_VIEW_H
 
@@ -7,123 +7,129 @@
 #include "base/key_set.h"
 #include "terrain/terrain.h"
 
-/* What the picture of one time needs: tiles, in the order of need. */
+/* The tiles that the picture of one moment needs, most needed first. */
 struct view_look {
 	double time; /* simulated, s */
-	double made; /* when it was looked at; simulated, s */
-	bool guessed; /* ranges were missing */
-	uint64_t done; /* ranges that had been brought by then */
+	double made; /* simulated time, s, at which this was computed */
+	bool guessed; /* ranges were missing, so others were used in their place */
+	uint64_t done; /* number of ranges that the look-ahead had loaded by then */
 	size_t count;
 	uint64_t keys[2 * TERRAIN_DRAWS_MAX];
 };
 
-#define VIEW_LOOKS 4 /* times looked ahead to */
+#define VIEW_LOOKS 4 /* number of future moments that are looked at */
 #define VIEW_MISSING 1024
 
 struct view_errors; /* view_errors.c */
 
 struct view_contact {
-	bool known;       /* no offset it leaves is below `low` or above `high`; else they are as far as objects reach */
-	double low, high; /* 0 or less, 0 or more; metres */
+	bool known;       /* `low` and `high` bound the offsets that this contact leaves; false: only `reach` bounds them */
+	double low, high; /* metres; low <= 0 <= high */
 };
 
 struct view {
 	struct world *world;
-	bool watched;             /* somebody looks at every picture */
-	bool at_steps;            /* only every scene.view.images-th step has a picture; else any step may have one */
-	uint64_t frames;          /* drawn */
+	bool watched;             /* somebody watches every picture, as in a window */
+	bool at_steps;            /* true: only every scene.view.images-th step has a picture; false: any step may have one */
+	uint64_t frames;          /* pictures drawn */
 	struct render *render;
-	struct key_set deformed;  /* tiles that had offset tiles at or below them before the drive; 11 to 21 bytes each */
-	struct offset_bounds bounds; /* what this drive's contacts may have left, of each tile that they changed */
-	struct view_contact contact; /* what this one may leave */
-	struct key_set expected;  /* tiles that will be deformed, and all above them; empty but while looking ahead */
-	struct key_cache ranges;  /* of bases; a: NaN where nothing is */
-	double reach;             /* metres that an unknown result of a contact may be off what was there */
-	struct view_errors *errors; /* NULL: detail goes by the radii */
-	size_t budget;            /* slots one picture may need */
-	size_t room;              /* slots this picture and those ahead may need together */
-	bool exact;               /* missing ranges are read now; else the look-ahead's thread reads them, and others are used meanwhile */
-	bool guessed;             /* the last selection used such other ranges */
-	struct ground_range_key *missing; /* ranges to ask for, VIEW_MISSING at most */
+	struct key_set deformed;  /* tiles that had offsets, or a finer tile with offsets, before the drive; 11 to 21 bytes each */
+	/* for each tile that this drive changed: bounds of the offsets that its contacts may have left */
+	struct offset_bounds bounds;
+	struct view_contact contact; /* what the current contact may leave */
+	/* tiles that will be deformed, and all coarser tiles above them; empty except while looking ahead */
+	struct key_set expected;
+	struct key_cache ranges;  /* ranges of base heights; a is NaN: the tile has nothing to draw */
+	double reach;             /* metres; bounds how far a contact with an unknown result may change the ground */
+	struct view_errors *errors; /* NULL: distance alone decides the detail */
+	size_t budget;            /* most slots that one picture may need */
+	size_t room;              /* most slots that this picture and the future ones may need together */
+	/* true: missing ranges are read at once; false: the look-ahead's thread reads them, and other ranges are used meanwhile */
+	bool exact;
+	bool guessed;             /* the last selection used other ranges in place of missing ones */
+	struct ground_range_key *missing; /* ranges to ask the look-ahead for, at most VIEW_MISSING */
 	size_t missing_count;
-	bool coarse;              /* the last selection was cut to the budget; only for figures */
+	bool coarse;              /* the last selection had less detail, to fit the budget; only for figures */
 	bool told;
-	bool free;                /* a host has the camera: */
+	bool free;                /* a host has set the camera: */
 	struct render_camera camera;
-	bool lacks;               /* the last picture wanted tiles that had not come */
+	bool lacks;               /* the last picture lacked tiles that were not resident */
 	struct terrain_selection *selection;
 	struct view_look *now;    /* the last picture */
-	struct view_look *ahead;  /* VIEW_LOOKS of them, each replaced in turn */
+	struct view_look *ahead;  /* VIEW_LOOKS of them, replaced in turn */
 	unsigned turn;
-	struct key_set seen;      /* used while requests are put together */
+	struct key_set seen;      /* used while prefetch requests are collected */
 	uint64_t naps;            /* pictures that waited for their tiles */
-	double nap_ms;            /* their time without waits for the store, which are counted elsewhere */
-	uint64_t starved;         /* frames drawn coarser than asked for, for any reason */
-	uint64_t coarsened;       /* of those: the budget was the reason */
+	double nap_ms;            /* time of these waits, without waits for the store, which are counted elsewhere */
+	uint64_t starved;         /* frames drawn with less detail than asked for, for any reason */
+	uint64_t coarsened;       /* frames among `starved` whose reason was the budget */
 	double triangles;         /* summed over frames */
-	struct render_tiles tiles; /* the same */
-	double overdraw;          /* the same, over frames whose overdraw is known */
+	struct render_tiles tiles; /* summed over frames */
+	double overdraw;          /* summed over frames whose overdraw is known */
 	uint64_t overdraw_frames;
-	enum status failed;       /* of a source callback */
+	enum status failed;       /* status of a failed source callback */
 };
 
 /* view_camera.c */
-/* If the view is not exact, the camera may be off in height, since nothing is waited for. */
+/* Places the camera. If the view is not exact, nothing is waited for, and the camera's height may be wrong. */
 void render_view_place_camera(struct view *view, double time, struct render_camera *camera);
 
-/* view_objects.c: tells the picture where the objects are now. `settled`: waits for the heights of loaded bodies, so that the
- * picture is always the same. Otherwise uses the heights known last. */
+/* view_objects.c: gives the picture the present places of objects. `settled`: waits for the heights of loaded bodies, so that
+ * the picture is always the same. Otherwise the last known heights are used. */
 enum status render_view_set_objects(struct view *view, bool settled) FURROW_CHECKED;
 
-/* view_ranges.c: ranges of tiles, exact or as those of the tiles above them. */
-/* Returns true if this range is not on the CPU and must not be read now. Then it is noted as missing; the caller uses another. */
+/* view_ranges.c: ranges of tiles. If the exact range is missing, that of a coarser tile above is used. */
+/* Returns true if this range is not in memory and must not be read now. It is then noted as missing, and the caller must use
+ * another. */
 bool render_view_lacks_range(struct view *view, enum ground_range_kind kind, struct tile tile);
-/* Returns true if the range of this tile is on the CPU. */
+/* Returns true if the range of this tile is in memory. */
 bool render_view_has_range(struct view *view, enum ground_range_kind kind, struct tile tile);
-/* Hands the missing ranges to the look-ahead. */
+/* Gives the missing ranges to the look-ahead, which reads them. */
 void render_view_ask_ranges(struct view *view);
-/* Adds the ranges of tiles that contacts will change and that were deformed before the drive. */
+/* Notes missing ranges of tiles that contacts will change and that were deformed before the drive. */
 void render_view_expect_contacts(struct view *view);
 
 /* view_source.c */
 void render_view_find_room(struct view *view);
-/* Finds the lowest (a) and highest (b) base, metres; a NaN: all is nodata. If the view is not exact, it may be of a tile above. */
+/* Finds the lowest (a) and highest (b) base height of a tile, in metres; a is NaN: all is nodata. If the view is not exact, the
+ * range may be that of a coarser tile above. */
 enum status render_view_base_range(struct view *view, struct tile tile, struct key_pair *range) FURROW_CHECKED;
 /* Adds a tile and all above it. */
 enum status render_view_add_chain(const struct view *view, struct key_set *set, struct tile tile) FURROW_CHECKED;
-/* Selects what `camera` sees, cut to the budget. `everything`: as if no tile were resident, so that the wanted tiles are the whole
- * picture. Marks no tile as used. */
+/* Selects the tiles that `camera` sees, within the budget. `everything`: treats all tiles as not resident, so that `wanted` has
+ * the whole picture. No tile counts as used. */
 enum status render_view_select(struct view *view, const struct render_camera *camera, bool everything) FURROW_CHECKED;
-/* Marks the selected tiles as used. Without `stand_ins` only those that the complete picture needs. */
+/* Marks the selected tiles as used. `stand_ins`: also those that are drawn in place of tiles that are not resident. */
 void render_view_mark_used(struct view *view, bool stand_ins);
 
-/* view_offsets.c: how far off its base a tile's surface may be. */
-bool render_view_is_deformed(const struct view *view, struct tile tile); /* it or a tile below it has offsets */
+/* view_offsets.c: bounds of the offsets of a tile. */
+bool render_view_is_deformed(const struct view *view, struct tile tile); /* the tile, or a finer tile below it, has offsets */
 double render_view_find_reach(const struct world *world);
-/* Finds the range that the store had at the drive's start, metres: 0 or less to 0 or more. If the view is not exact, it may be that
- * of a tile above. */
+/* Finds the range of offsets that the store had at the drive's start, in metres; low <= 0 <= high. If the view is not exact,
+ * the range may be that of a coarser tile above. */
 enum status render_view_stored_offsets(struct view *view, struct tile tile, double *low, double *high) FURROW_CHECKED;
-/* For render_view_contact. */
+/* Called by render_view_contact. */
 enum status render_view_offsets_contact(struct view *view, const struct contact_area *area) FURROW_CHECKED;
-/* Says that the contact of now changes a tile of the working level. */
+/* Notes that the current contact changes this tile of the working level. */
 enum status render_view_offsets_touch(struct view *view, struct tile tile) FURROW_CHECKED;
-/* Finds a range, metres, that all offsets of the tile's subtree are within. `expected`: also those that the drive will have made by
- * the time that is looked at. */
+/* Finds a range, in metres, that contains all offsets of the tile and of finer tiles below it. `expected`: also those that the
+ * drive will have made by the future moment that is looked at. */
 enum status render_view_offsets(struct view *view, struct tile tile, bool expected, double *low, double *high) FURROW_CHECKED;
 
-/* view_errors.c: how far off the ground a tile is drawn. Only with a pixel error. */
+/* view_errors.c: how much a drawn tile differs in height from the finest ground. Used only with a pixel error. */
 enum status render_view_errors_create(const struct world *world, struct view_errors **out) FURROW_CHECKED;
-void render_view_errors_destroy(struct view_errors *errors); /* takes NULL */
-/* For render_view_contact. */
+void render_view_errors_destroy(struct view_errors *errors); /* errors may be NULL */
+/* Called by render_view_contact. */
 enum status render_view_errors_contact(struct view *view, const struct event *event) FURROW_CHECKED;
-/* Says that the contact of now changes a tile of the working level. */
+/* Notes that the current contact changes this tile of the working level. */
 enum status render_view_errors_touch(struct view *view, struct tile tile) FURROW_CHECKED;
-/* Finds the error, metres, for terrain_source.error. `expected`: the tile will be deformed by the time that is looked at. */
+/* Gives the error in metres, for terrain_source.error. `expected`: the tile will be deformed by the future moment that is
+ * looked at. */
 enum status render_view_error(struct view *view, struct tile tile, bool expected, double *error) FURROW_CHECKED;
 
-/* view_ahead.c: what pictures will need. */
+/* view_ahead.c: tiles that future pictures will need. */
 void render_view_keep_now(struct view *view);
-/* Looks at one of the times ahead; call once a frame, after it was selected and kept. */
+/* Looks at one of the future moments. Call this once for each frame, after it was selected and kept. */
 enum status render_view_look_ahead(struct view *view) FURROW_CHECKED;
 
 #endif

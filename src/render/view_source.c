@@ -115,7 +115,7 @@ static bool not_resident(void *user, struct tile tile, uint32_t *slot)
 
 /* --- selecting --- */
 
-/* A selection also needs places for tiles that are being divided. */
+/* Most draws of a selection. The rest of the list is room for tiles that are being divided. */
 #define MOST (TERRAIN_DRAWS_MAX - 2 * (TILE_LEVEL_MAX - TILE_LEVEL_MIN))
 
 /* Returns how many of the slots pictures and their requests may take. *budget: those of one picture. */

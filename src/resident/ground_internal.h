@@ -7,24 +7,25 @@
 #include "resident/resident.h"
 
 struct ground {
-	struct store_reader *reader; /* the owner's */
+	struct store_reader *reader; /* used by the owner */
 	const struct store_meta *meta;
 	int32_t reference;
 	struct mutex mutex; /* guards the rest */
 	struct recent recent;
-	int32_t **posts; /* by place; NULL: never used */
+	int32_t **posts; /* by place number in `recent`; NULL: never used */
 	uint32_t latest;
-	int32_t *spare;  /* left over from a trade; may be NULL */
+	int32_t *spare;  /* an unused tile buffer; may be NULL */
 	struct resident_ground_figures figures;
 	/* ground_ranges.c */
 	struct key_cache bases;   /* a: lowest, b: highest base in metres; NaN: all is nodata */
 	struct key_cache errors;  /* a: metres */
-	struct key_cache offsets; /* of the store. a: lowest, b: highest in metres; NaN: none. All are kept, unless `most` is set lower */
+	/* as in the store. a: lowest, b: highest, in metres; NaN: no offsets. All are kept, unless `most` is set lower */
+	struct key_cache offsets;
 };
 
-/* For the owner; the posts are there while the mutex is held. */
+/* Gives the posts of a tile, for the owner. They are valid while the mutex is held. */
 enum status resident_ground_posts_locked(struct ground *ground, struct tile tile, const int32_t **posts) FURROW_CHECKED;
-/* Widens the range by the posts of a rectangle that have data; `stride` posts a row. */
+/* Widens low .. high by all posts of a rectangle that are not nodata. Rows are `stride` posts apart. */
 void resident_ground_widen(const int32_t *posts, uint32_t width, uint32_t height, uint32_t stride, int32_t *low, int32_t *high);
 
 #endif

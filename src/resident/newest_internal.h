@@ -7,26 +7,26 @@
 #include "resident/pages_internal.h"
 
 struct resident_newest_tile {
-	bool offsets;  /* any that is not 0 */
+	bool offsets;  /* at least one offset is not 0 */
 	double *heights, (*blocks)[2];
 };
 
 struct newest {
 	struct store *store;
-	struct pages *pages;       /* NULL: the store alone */
+	struct pages *pages;       /* NULL: only the store is read */
 	const struct extent *extent;
 	struct terrain_ground ground;
 	struct ground *base;
-	bool fits;                 /* on the lattice */
-	bool deformed;             /* there is a level with offsets: */
+	bool fits;                 /* the level is on the lattice */
+	bool deformed;             /* there is a level with offsets, namely `level` */
 	int level;
-	bool settled;              /* the ground has not changed since the following was found */
-	struct offset_bounds changed; /* tiles that may not be in the store, with infinite ranges */
-	enum status noted;         /* of a callback that noted them */
-	struct key_cache bases;    /* ranges of bases over the subtree; a: NaN: all is nodata */
+	bool settled;              /* true: the ground has not changed since the members below were filled */
+	struct offset_bounds changed; /* tiles whose newest version may not be in the store; their ranges are infinite */
+	enum status noted;         /* status of the callback that filled `changed` */
+	struct key_cache bases;    /* ranges of bases over the tile and all finer tiles below it; a is NaN: all is nodata */
 	struct recent recent;
-	struct resident_newest_tile *tiles; /* by place */
-	int32_t *posts, *patch;    /* of one tile */
+	struct resident_newest_tile *tiles; /* by place number in `recent` */
+	int32_t *posts, *patch;    /* scratch memory for one tile */
 };
 
 /* newest.c */
@@ -35,11 +35,12 @@ enum status resident_newest_settle(struct newest *newest) FURROW_CHECKED; /* bef
 /* newest_tiles.c */
 enum status resident_newest_create_tiles(struct newest *newest) FURROW_CHECKED;
 void resident_newest_destroy_tiles(struct newest *newest);
-/* Drops tiles with offsets: another step was made. */
+/* Drops the tiles with offsets. Called after a step changed the ground. */
 void resident_newest_forget_tiles(struct newest *newest);
-/* Reads a plane of a tile of the level with offsets, in the plane's own type; zeros if it is missing. `posts`: room for int32. */
+/* Reads a plane of a tile, of the level with offsets, in the plane's own type. Zeros if the plane is missing. `posts`: room for
+ * one int32 for each post. */
 enum status resident_newest_plane(struct newest *newest, struct tile tile, enum plane plane, void *posts) FURROW_CHECKED;
-/* Finds a tile of level 0 or below; valid until the next one is asked for. */
+/* Gives a tile of level 0 or below. It is valid until the next call. */
 enum status resident_newest_tile(struct newest *newest, struct tile tile, const struct resident_newest_tile **out) FURROW_CHECKED;
 
 #endif

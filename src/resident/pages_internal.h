@@ -9,41 +9,42 @@
 
 #include "resident/resident.h"
 
-/* The bytes of a loaded image: this head, base posts or a patch, the planes, and classes if there are any. A changed image has
- * only the planes; a snapshot has the tally. page_image.flags: the planes that are filled; 0: not deformed. */
+/* Head of a loaded image. After it come base posts or a patch, the planes, and the classes if there are any. A changed image
+ * has only the planes; a snapshot has the tally. page_image.flags: the planes that are filled; 0: the tile is not deformed. */
 struct pages_head {
-	int shift; /* 0: the base is posts; else a patch to subdivide */
+	int shift; /* 0: the base is posts; otherwise it is a patch, and the tile is this many levels below 0 */
 	uint32_t sub_x, sub_y;
 };
 
 struct pages_layout {
 	uint32_t cells;
-	size_t posts;                /* of a tile */
-	size_t base, planes, classes, loaded; /* bytes: where they begin, and all of a loaded image */
-	size_t places[PLANES];       /* bytes from the planes' begin; of those there are */
-	size_t changed;              /* bytes: all of the planes */
+	size_t posts;                /* number of posts of a tile */
+	/* base, planes, classes: where they begin, in bytes; loaded: size of a loaded image */
+	size_t base, planes, classes, loaded;
+	size_t places[PLANES];       /* where each plane begins, in bytes after the first plane */
+	size_t changed;              /* size of all planes together, in bytes */
 };
 
-/* pages.c; `planes`: params.planes. */
+/* In pages.c. `planes`: as params.planes. */
 struct pages_layout resident_pages_layout_of(uint32_t cells, unsigned planes, bool classes);
-size_t resident_pages_plane_room(const struct pages_layout *layout, enum plane plane); /* bytes of it in an image */
+size_t resident_pages_plane_room(const struct pages_layout *layout, enum plane plane); /* bytes that the plane takes in an image */
 
 struct pages {
 	struct pages_params params;
 	unsigned planes; /* params.planes */
 	struct pages_layout layout;
 	struct page_cache *cache;
-	struct ground *grounds[16];      /* one a loader */
-	struct store_page *commit_pages; /* the writer's */
+	struct ground *grounds[16];      /* one for each loader */
+	struct store_page *commit_pages; /* used by the writer thread */
 	size_t commit_room;
-	int64_t tallied;                 /* the writer's: what was compacted at the last commit, by the tally */
+	int64_t tallied;                 /* used by the writer thread: soil compacted at the last commit, by the tally */
 	struct pages_marked {            /* pages_rollback.c */
 		bool is;
-		struct store_reader *reader; /* the owner's; NULL until the first mark */
+		struct store_reader *reader; /* used by the owner; NULL before the first mark */
 		int64_t revision, tallied;
 		struct pages_sums sums;
 	} marked;
-	double readback_ms;              /* the GPU's thread's, and */
+	double readback_ms;              /* readback_ms and the next two are used by the GPU's thread */
 	uint64_t host_bytes, changed_images;
 	struct mutex mutex;              /* guards io */
 	struct resident_pages_io io;
@@ -64,7 +65,7 @@ static inline void *pages_planes(const struct pages *pages, const struct page_im
 	return (char *)loaded->bytes + pages->layout.planes;
 }
 
-/* In an image whose planes begin at `planes`. */
+/* Returns a plane in an image whose planes begin at `planes`. */
 static inline void *pages_plane(const struct pages *pages, void *planes, enum plane plane)
 {
 	return (char *)planes + pages->layout.places[plane];

@@ -107,7 +107,7 @@ static enum status acknowledge(struct pages *pages, int64_t commit, int64_t step
 	return STATUS_OK;
 }
 
-/* Of the tally; 0 without one. */
+/* Returns the compacted soil that the tally gives; 0 if there is no tally. */
 static int64_t tally_compacted(const struct page_image *snapshot)
 {
 	uint64_t value = 0;

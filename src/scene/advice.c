@@ -154,7 +154,7 @@ static void advise_time(const struct adviser *adviser)
 		       scene->gravity);
 }
 
-/* What is of objects where there are none. */
+/* Tells the settings that are only for objects, if the scene has no objects. */
 static void advise_without_objects(const struct adviser *adviser)
 {
 	const struct scene *scene = adviser->scene;
@@ -218,7 +218,8 @@ static void advise_attributes(const struct adviser *adviser)
 
 /* --- objects --- */
 
-/* How wide a trail is, metres: with as much between posts it meets none. INFINITY: not known here. */
+/* Returns the width of an object's trail in metres. If posts are that far apart, the trail may miss them all. INFINITY: not
+ * known here. */
 static double narrowest(const struct scene_object *object)
 {
 	const struct deform_shape *shape = &object->shape;

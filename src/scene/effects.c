@@ -141,7 +141,7 @@ static uint64_t bit_of(const char *name)
 	return name != NULL && scene_effect_named(name, &effect) ? EFFECT_BIT(effect) : 0;
 }
 
-/* Its own, that of a contact which it shares with another model, and those of soil that moves. */
+/* Returns the effects of a model: its own, that of a contact shared with another model, and those of models that move soil. */
 static uint64_t model_effects(enum deform_model model)
 {
 	return EFFECT_BIT(EFFECT_OF(model)) | bit_of(deform_model_row(model)->contact_effect) | bit_of(deform_slide_effect(model)) |
@@ -213,7 +213,7 @@ void scene_unwatched(const struct scene *scene, struct scene *out)
 
 /* --- why --- */
 
-/* The first object that calls for it. */
+/* Returns the first object that uses the effect. */
 static const struct scene_object *caller(const struct scene *scene, enum scene_effect effect)
 {
 	for (size_t i = 0; i < scene->object_count; i++) {

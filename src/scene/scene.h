@@ -1,9 +1,9 @@
 /*
  * scene: reads a YAML file into a checked scene. It also holds the one table that describes every effect.
  *
- * A scene is untrusted input. Unknown keys, wrong types and values out of range are STATUS_INPUT, with "FILE:LINE: KEY: WHY;
- * what is allowed". All values are SI; angles are radians once checked. A struct scene does not change after scene_load. The
- * caller owns it.
+ * A scene is untrusted input. Unknown keys, wrong types and values out of range are STATUS_INPUT. The message is "FILE:LINE:
+ * KEY: WHY; what is allowed". All values of a struct scene are SI units; angles are in radians. A struct scene does not change
+ * after scene_load. The caller owns it.
  */
 #ifndef FURROW_SCENE_H
 #define FURROW_SCENE_H
@@ -22,9 +22,10 @@ enum scene_undisturbed { SCENE_STABLE, SCENE_SLIDES };
 enum scene_body { SCENE_EARTH, SCENE_MARS, SCENE_MOON };
 enum scene_camera_kind { SCENE_CHASE, SCENE_OVERHEAD, SCENE_FIXED };
 
-/* Every effect that a scene can use: the models' own, and those of the table in src/scene/effects.c in its order. */
+/* Every effect that a scene can use: first one for each soil model, then those of the table in src/scene/effects.c, in its
+ * order. */
 enum scene_effect {
-	EFFECT_MODEL, /* of the first model; each model has one */
+	EFFECT_MODEL, /* the effect of the first model; each model has one */
 	EFFECT_SPREAD = EFFECT_MODEL + DEFORM_MODELS,
 	EFFECT_SHED,
 	EFFECT_SLIDE,
@@ -54,8 +55,8 @@ enum scene_effect {
 	EFFECT_SHADOW,
 	EFFECT_COUNT
 };
-#define EFFECT_OF(model) ((enum scene_effect)(EFFECT_MODEL + (int)(model))) /* a model's own effect */
-#define EFFECT_BIT(effect) ((uint64_t)1 << (effect)) /* in a set of effects */
+#define EFFECT_OF(model) ((enum scene_effect)(EFFECT_MODEL + (int)(model))) /* the effect of using a model */
+#define EFFECT_BIT(effect) ((uint64_t)1 << (effect)) /* the bit of an effect in a set of effects */
 
 const struct effect_row *scene_effect_row(enum scene_effect effect);
 bool scene_effect_named(const char *name, enum scene_effect *effect);
@@ -64,29 +65,31 @@ bool scene_effect_named(const char *name, enum scene_effect *effect);
  * unchanged. Effects and planes keep their old names in code and in files. */
 const char *scene_name_now(const char *name);
 
-/* What a scene may give for a key. In a list: "objects[].sink". Of a soil: "soil.cohesion". */
+/* Describes what a scene may give for a key. `key` is written without indices: "objects[].sink". Keys of any soil are written
+ * "soil.": "soil.cohesion". */
 struct scene_parameter {
 	const char *kind;      /* "number", "whole number", "word", "switch", "text", "list" or "mapping" */
 	const char *unit;      /* NULL: none */
 	double low, high;      /* range of a number; NaN both: any finite number */
-	bool above;            /* `low` itself is not allowed */
-	double absent;         /* default of a number; NaN: `otherwise` says it, or, if NULL, */
-	const char *otherwise; /* the key is required there */
-	char words[96];        /* of a word: "stands, slides" */
+	bool above;            /* true: the value must be above `low`; `low` itself is not allowed */
+	double absent;         /* default of a number; NaN: `otherwise` describes the default */
+	const char *otherwise; /* the default in words; NULL while `absent` is NaN: the key is required in its mapping */
+	char words[96];        /* the allowed words of a "word": "stands, slides" */
 };
 bool scene_parameter(const char *key, struct scene_parameter *parameter); /* returns false if there is no such key */
 
-/* A pose at a time. A path of points gives no t, z or attitude. They follow from its speed and the ground. */
+/* A pose at a time. Waypoints of a path of points have x and y only. Time, height and attitude follow from the speed and the
+ * ground. */
 struct scene_waypoint {
-	double t, x, y, z, yaw, pitch, roll; /* s, coordinates' unit, m, rad */
+	double t, x, y, z, yaw, pitch, roll; /* t in s; x, y in the unit of `coordinates`; z in m; angles in rad */
 };
 
 struct scene_path {
 	struct scene_waypoint *points;
-	size_t count; /* 0: the host moves the object */
-	double speed; /* m/s; points only */
+	size_t count; /* 0: the path has no points, and the host moves the object */
+	double speed; /* m/s; only for a path of points */
 	bool loop;
-	bool timed;            /* from a poses file: t is given */
+	bool timed;            /* the path is from a poses file, so each waypoint has its t */
 	bool has_z, has_attitude;
 };
 
@@ -94,61 +97,64 @@ struct scene_object {
 	char *name;
 	struct deform_shape shape;
 	struct scene_path path;
-	struct deform_mesh *mesh; /* owned: shape.mesh, or NULL */
-	double sink; /* metres below the base at the path's point; 0 with a load */
-	double load; /* N that the soil carries, instead of `sink`, of a model that tells forces; 0: none */
-	double slip; /* of a wheel, of a model that tells forces: 1 - distance / (radius x angle turned), or below 0 if it is dragged */
+	struct deform_mesh *mesh; /* owned by the object; it is also shape.mesh. NULL: no mesh */
+	double sink; /* metres that the object sinks below the base at the path's point; 0 if it has a load */
+	double load; /* N that the soil carries; given instead of `sink`, for models that compute forces. 0: no load */
+	/* of a wheel, for models that compute forces: 1 - distance / (radius x angle turned); below 0 if the wheel is dragged */
+	double slip;
 };
 
 /* The light of pictures. */
 struct scene_light {
 	enum scene_body body;
-	double azimuth, height; /* of the sun: rad clockwise from north; rad above the horizon */
-	bool coloured;          /* false: the colour of the sun on this planet, at this height */
+	double azimuth, height; /* of the sun, in rad: azimuth clockwise from north, height above the horizon */
+	bool coloured;          /* `colour` is given; false: the colour is computed for this planet and this height of the sun */
 	double colour[3];       /* linear */
 };
 #define SCENE_SUN_AZIMUTH (135 * M_PI / 180)
 #define SCENE_SUN_HEIGHT (35 * M_PI / 180)
-struct scene_light scene_light_default(void); /* the light of a view that names none */
+struct scene_light scene_light_default(void); /* returns the light of a view that gives no light */
 
 struct scene_view {
 	bool present;
-	bool left_out;         /* left out by scene_unwatched */
+	bool left_out;         /* scene_unwatched left this view out */
 	int width, height;
 	enum scene_camera_kind camera;
 	int target_object;     /* chase, overhead: index of the object */
-	double back, up;       /* chase, metres */
-	double over_height;    /* overhead, metres */
-	double eye[3], target[3]; /* fixed: local metres */
+	double back, up;       /* of a chase camera, in metres */
+	double over_height;    /* of an overhead camera, in metres */
+	double eye[3], target[3]; /* of a fixed camera, in local metres */
 	uint64_t effects;      /* EFFECT_BIT of each */
 	int64_t images;        /* steps from one PNG to the next; 0: none */
-	int samples;           /* samples a pixel: 1, 2, 4 or 8 */
-	double pixel_error;    /* pixels by which drawn ground may be off; 0: radii decide its detail */
+	int samples;           /* samples for each pixel: 1, 2, 4 or 8 */
+	/* pixels by which drawn ground may be wrong; 0: distance alone decides its detail */
+	double pixel_error;
 	struct scene_light light;
 };
 
 struct scene {
-	char *file;   /* path as given; for a text: "scene text" */
-	char *folder; /* folder of the files that it names: "" or ends in '/'; absolute if hosted */
-	bool hosted;  /* read for a host, which may add objects */
-	char *store; /* resolved relative to the scene's file; NULL if none was named */
+	char *file;   /* path as the caller gave it; "scene text" if the scene was read from a text */
+	char *folder; /* folder where the files named in the scene are looked for: "" or ends in '/'; absolute if hosted */
+	bool hosted;  /* the scene was read for a host, which may add objects */
+	char *store; /* path of the store, resolved relative to the scene's file; NULL if the scene names none */
 	double time_step, gravity;
-	double end_time; /* s; INFINITY if hosted and not given */
-	double spacing; /* 0: the store's own */
+	double end_time; /* s; INFINITY if the scene is hosted and does not give it */
+	double spacing; /* metres between posts of the working level; 0: the spacing of the store */
 	enum scene_coordinates coordinates;
-	char *srs; /* SCENE_SRS */
+	char *srs; /* used with SCENE_SRS only */
 	enum deform_model model;
 	int box_radius, box_repetitions;
-	/* For models that move soil; 0 for others: */
+	/* The next values are for models that move soil. For other models they are 0. */
 	int iterations;    /* relaxation iterations */
 	double interval;   /* s of simulated time between relaxation intervals of the whole ground */
 	double depth;      /* metres of soil below the base that can relax; INFINITY: no bottom */
 	double tolerance;  /* metres by which a height difference may exceed the critical one without sliding */
-	double bulldozing; /* share */
-	enum scene_undisturbed undisturbed; /* what undisturbed ground does where it is steeper than soil is stable */
-	struct deform_soil soils[DEFORM_SOILS]; /* with a map, the first is used where the map gives no other */
+	double bulldozing; /* share of the displaced soil, 0 to 1 */
+	enum scene_undisturbed undisturbed; /* what undisturbed ground does where it is steeper than the soil's critical slope */
+	struct deform_soil soils[DEFORM_SOILS]; /* with a map, soils[0] is used where the map names no other soil */
 	int soil_count;
-	char soil_names[DEFORM_SOILS][64]; /* "unnamed" if given by numbers alone; for a class of the map then "unnamed_VALUE" */
+	/* "unnamed" if the scene gives numbers without a name; such a class of the map is "unnamed_VALUE" */
+	char soil_names[DEFORM_SOILS][64];
 	char *soil_map;          /* path of a raster, resolved relative to the scene's file; NULL: soils[0] everywhere */
 	uint8_t soil_class[256]; /* index of the soil for each value of the map */
 	uint64_t soil_map_hash[2]; /* hash of the raster's bytes */
@@ -156,81 +162,87 @@ struct scene {
 	enum scene_outside outside;
 	struct scene_object *objects;
 	size_t object_count;
-	double forces;      /* rows of objects.csv for a second of simulated time; 0: none */
-	int forces_delay;   /* steps after which forces are read back; 0: at once, waiting */
+	double forces;      /* rows of objects.csv for each second of simulated time; 0: none */
+	int forces_delay;   /* steps after which forces are read back from the GPU; 0: read at once, and wait for them */
 	struct scene_view view;
 	uint32_t slots, loaders;
-	double prefetch; /* s */
-	char **unused;   /* settings without effect that the checker found: "KEY: WHY; WHAT TO DO" */
+	double prefetch; /* s of driving that the prefetcher looks ahead */
+	char **unused;   /* settings of the scene that have no effect: "KEY: WHY; WHAT TO DO" */
 	size_t unused_count;
-	char **doubts;   /* numbers that are probably in another unit: "FILE:LINE: KEY: WHY; WHAT TO DO" */
+	char **doubts;   /* numbers that seem to be given in a wrong unit: "FILE:LINE: KEY: WHY; WHAT TO DO" */
 	size_t doubt_count;
-	char hash[33];   /* hex: hash of everything that decides the ground; without cache, view, output, store, end_time */
+	/* hex: hash of all settings that decide the ground. The cache, view, output, store and end_time do not count. */
+	char hash[33];
 };
 
 struct scene_setting {
-	const char *key, *value; /* key with dots, objects by name */
+	const char *key, *value; /* the key with dots; an object is named by its name: "objects.front_left.load" */
 };
 
-/* Who uses the scene. A host steps the world itself and moves bodies. For a host `scene`, `end_time` and `objects` may be left
- * out, and `name` and `path` of an object. Its scene may have neither objects nor a view. */
+/* Who reads the scene: the furrow command, or a host (a program that calls the library, steps the world and moves bodies
+ * itself). A host's scene may leave out the keys scene, end_time, objects, and each object's name and path. It may have neither
+ * objects nor a view. */
 enum scene_reader { SCENE_COMMAND, SCENE_HOST };
 
-/* Reads a scene from a file of at most 1 MiB. Applies the settings in order; their values are YAML, and `null` removes a key.
- * Then reads the files that it names: poses (256 MiB each), meshes, the map of soils (1 GiB). STATUS_INPUT: the message says
- * what is wrong, and where. */
+/* Reads a scene from a file of at most 1 MiB. Applies the settings in their order. Values of settings are YAML; the value
+ * `null` removes a key. Then reads the files that the scene names: poses (at most 256 MiB each), meshes, the map of soils (at
+ * most 1 GiB). STATUS_INPUT: the message tells what is wrong, and where. */
 enum status scene_load(const char *path, const struct scene_setting *settings, size_t count,
 		       struct scene **out) FURROW_CHECKED;
 enum status scene_load_file(const char *path, const struct scene_setting *settings, size_t count,
 			    enum scene_reader reader, struct scene **out) FURROW_CHECKED;
-/* The same from a text: YAML in UTF-8 (JSON is YAML). Messages begin with "scene text:LINE". Files that it names are looked for
- * in `folder`; NULL: the process's current folder. Several threads may call all three at once. They change nothing of the
- * process, not even the locale. */
+/* The same from a text: YAML in UTF-8 (JSON is YAML). Messages begin with "scene text:LINE". Files that the scene names are
+ * looked for in `folder`; NULL: the current folder of the process. Several threads may call these three functions at once. None
+ * of them changes anything in the process, not even the locale. */
 enum status scene_load_text(const char *text, const char *folder, const struct scene_setting *settings,
 			    size_t count, enum scene_reader reader, struct scene **out) FURROW_CHECKED;
 void scene_destroy(struct scene *scene);
 
 /*
- * Tells one number of a soil, index 0, 1, ..., in the order of the docs. `key`: its key in a scene, "cohesion". `value`: in the
- * scene's unit, so angles are in degrees; NAN: the soil has none. Returns false beyond the last number.
+ * Gives one number of a soil. `index`: 0, 1, ..., in the order of the docs. `key`: the number's key in a scene, such as
+ * "cohesion". `value`: in the unit that a scene uses, so angles are in degrees; NAN: the soil has no such number. Returns false
+ * if `index` is beyond the last number.
  */
 bool scene_soil_number(const struct deform_soil *soil, size_t index, const char **key, double *value);
-/* Returns the map's value for soils[soil]; -1: it is the default soil, or there is no map. */
+/* Returns the value of the map of soils that means soils[soil]. Returns -1 for the default soil, or if there is no map. */
 int scene_soil_value(const struct scene *scene, int soil);
 
 /*
- * Fills `object` from the YAML of one entry of `objects`, with the checks of scene_load for this scene. Messages begin with
- * "object text:LINE: objects[0]". Without `path` it is a body of the host, and has no sink, load or slip. With a path it
- * follows the path.
+ * Fills `object` from the YAML text of one entry of `objects`. Checks it as scene_load would for this scene. Messages begin
+ * with "object text:LINE: objects[0]". If the text has a `path`, the object follows it. Otherwise the host moves the object,
+ * and it has no sink, load or slip.
  *
- * Its name must differ from the names of the scene's objects. Without a name it becomes body-N, the first that is free. Files
- * are looked for in the scene's folder. Free it with scene_object_finish; the scene may be gone by then. On failure there is
- * nothing to free.
+ * The object's name must differ from the names of the scene's objects. An object without a name is named body-N, with the first
+ * N that is free. Files are looked for in the scene's folder. The caller frees the object with scene_object_finish, also after
+ * the scene was destroyed. On failure there is nothing to free.
  */
 enum status scene_object_parse(const struct scene *scene, const char *text, struct scene_object *object)
 	FURROW_CHECKED;
 void scene_object_finish(struct scene_object *object);
 
-/* Returns the effects that a scene uses at a working level (0: the store's own posts), as EFFECT_BIT of each. For a hosted
- * scene it adds the effects that every body uses, whether it has a body or not. Effects of some bodies only are not added. */
+/* Returns the effects that a scene uses at a working level, as a set of EFFECT_BIT. Level 0 means the store's own posts. A
+ * hosted scene may get bodies later. So the result includes the effects that every body uses, but not the effects of some
+ * bodies only. */
 uint64_t scene_effects(const struct scene *scene, int level);
-/* Returns effects that this object uses and others may not: of EFFECT_MESH, EFFECT_GROUSERS, EFFECT_LOAD. */
+/* Returns those of EFFECT_MESH, EFFECT_GROUSERS and EFFECT_LOAD that this object uses. */
 uint64_t scene_object_effects(const struct scene_object *object);
-/* Copies the scene as a drive without a window runs it. A view is left out if no picture of it is written. `out` points to what
- * `scene` owns. Do not destroy it. */
+/* Copies the scene as it is run without a window: the view is left out unless pictures are written. `out` shares the memory of
+ * `scene`, so do not destroy `out`. */
 void scene_unwatched(const struct scene *scene, struct scene *out);
-/* Returns true if pictures show the map of soils. Then all drawn tiles need their classes. */
+/* Returns true if pictures show which soil is where, by the map of soils. Then the soil class of each post must be loaded for
+ * all drawn tiles. */
 bool scene_draws_classes(const struct scene *scene);
-/* Tells which setting of the scene turns on an effect that it uses: "redistribute.model: box", "objects.front_left.load". */
+/* Writes into `text` which setting turns on an effect that the scene uses: "redistribute.model: box",
+ * "objects.front_left.load". */
 void scene_effect_reason(const struct scene *scene, enum scene_effect effect, char *text, size_t size);
 
-/* Tells the settings without effect, or without an effect that anybody sees. One line each, "KEY: WHY; WHAT TO DO", in the
- * scene's order. Each is certain for ground of any shape, except those of scene_advise_units. `spacing`: metres between posts
- * of the working level; 0: not known. */
+/* Calls `tell` for each setting that has no effect, or no effect that anybody can see. The text is one line, "KEY: WHY; WHAT TO
+ * DO". The order is that of the scene. All are certain for ground of any shape, except those of scene_advise_units, which come
+ * first. `spacing`: metres between posts of the working level; 0: not known. */
 typedef void (*scene_advice_fn)(void *user, const char *text);
 void scene_advise(const struct scene *scene, double spacing, scene_advice_fn tell, void *user);
-/* Tells the numbers that are probably in another unit. One line each, "FILE:LINE: KEY: WHY; WHAT TO DO". scene_advise tells
- * them first. */
+/* Calls `tell` for each number that seems to be given in a wrong unit. The text is one line, "FILE:LINE: KEY: WHY; WHAT TO DO".
+ * scene_advise calls this first. */
 void scene_advise_units(const struct scene *scene, scene_advice_fn tell, void *user);
 
 #endif

@@ -1,4 +1,4 @@
-/* The one table of former names, and how a scene's tree loses them. */
+/* The table of old names, and the replacement of old names in a scene's tree. */
 #include "scene/scene_alias.h"
 
 #include <string.h>
@@ -30,7 +30,7 @@ const char *scene_name_now(const char *name)
 	return name;
 }
 
-/* The present name of a key in `place`, or of a word at `place`; NULL: it is no former name there. */
+/* Returns the present name of a key in the mapping `place`, or of the word at `place`. NULL: it is not an old name. */
 static const char *name_at(const struct scene_node *place, const char *former)
 {
 	char path[160];

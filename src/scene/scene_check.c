@@ -1,4 +1,4 @@
-/* The scene outside its objects, its soil and its view; see scene_check.h. */
+/* Checks the scene, except its objects, soil and view. See scene_check.h. */
 #include "scene/scene_check.h"
 
 #include <math.h>
@@ -7,7 +7,7 @@
 #include "scene/scene_error.h"
 #include "scene/scene_file.h"
 
-/* As given, or what it is where the scene does not say. */
+/* Returns the given value, or the default if the scene gives none. */
 static double number(const double *value, const char *where)
 {
 	return value != NULL ? *value : scene_absent(where);
@@ -24,7 +24,8 @@ static enum status copy(char **out, const char *text)
 	return *out == NULL ? fail_memory("reading the scene") : STATUS_OK;
 }
 
-/* Every key of `redistribute` beside the model is taken by some models. None of another model is passed over in silence. */
+/* Checks the keys of `redistribute`. Each key except the model is for some models only. Keys that are for other models are not
+ * ignored silently. */
 static enum status check_parameters(const struct scene_tree *tree, const struct raw_redistribute *raw)
 {
 	const enum deform_model chosen = (enum deform_model)raw->model;

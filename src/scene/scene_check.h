@@ -1,6 +1,6 @@
 /*
- * From typed values to the checked scene: defaults, units, references between keys, and what no
- * single key can say about itself. What it refuses it refuses with the line of the key.
+ * Makes the checked scene from the typed values. Sets defaults, converts units, and resolves references between keys. Checks
+ * rules that concern several keys together. An error message names the line of the key.
  */
 #ifndef FURROW_SCENE_CHECK_H
 #define FURROW_SCENE_CHECK_H
@@ -10,41 +10,43 @@
 #include "scene/scene_schema.h"
 #include "scene/scene_tree.h"
 
-/* Fills `scene`, zeroed but for its file. On failure what it holds so far is the caller's. */
+/* Fills `scene`. Before the call it is zero, except for its file, folder and `hosted`. On failure the caller frees what `scene`
+ * holds by then. */
 enum status scene_check(const struct scene_tree *tree, const struct raw_scene *raw,
 			struct scene *scene) FURROW_CHECKED;
 
-/* Something that the scene says is of no use, and no mistake: kept for scene_advise. */
+/* Notes a setting that has no effect but is no error. scene_advise tells it. */
 enum status scene_tell_unused(struct scene *scene, const char *format, ...) FURROW_PRINTF(2, 3) FURROW_CHECKED;
 
-/* The parts of it, one a file. */
+/* The parts of scene_check, each in a file of its own. */
 enum status scene_check_objects(const struct scene_tree *tree, const struct raw_scene *raw,
 				struct scene *scene) FURROW_CHECKED;
-/* Fills `object`, which is zeroed, from entry `index` of the tree's objects. The name stays NULL where none is
- * given. What the caller gets on failure it frees, too. */
+/* Fills `object`, which is zero before the call, from entry `index` of the tree's objects. The name stays NULL if the entry has
+ * none. The caller frees the object, even on failure. */
 enum status scene_check_object(const struct scene_tree *tree, const struct raw_object *raw, size_t index,
 			       const struct scene *scene, struct scene_object *object) FURROW_CHECKED;
-/* Fills the shape, and the mesh, of objects[index]. */
+/* Fills the shape and the mesh of objects[index]. */
 enum status scene_check_shape(const struct scene_tree *tree, const struct raw_shape *raw, size_t index,
 			      struct scene_object *object) FURROW_CHECKED;
-/* Refuses an object, the only one of its tree, that one of the scene's soils cannot bear. */
+/* STATUS_INPUT if one of the scene's soils cannot carry the object, by the model's pressure-sinkage law. The object is the only
+ * one of its tree. */
 enum status scene_check_bearing(const struct scene_tree *tree, const struct scene *scene,
 				const struct scene_object *object) FURROW_CHECKED;
-/* After the objects. */
+/* Call this after scene_check_objects. */
 enum status scene_check_soil(const struct scene_tree *tree, const struct raw_scene *raw,
 			     struct scene *scene) FURROW_CHECKED;
 enum status scene_check_view(const struct scene_tree *tree, const struct raw_scene *raw,
 			     struct scene *scene) FURROW_CHECKED;
 
-/* Keeps notes of numbers that are probably in another unit, for scene_advise_units. After the others. */
+/* Notes the numbers that seem to be given in a wrong unit, for scene_advise_units. Call this after the other checks. */
 enum status scene_check_units(const struct scene_tree *tree, const struct raw_scene *raw,
 			      struct scene *scene) FURROW_CHECKED;
-/* Returns the names of the models that tell forces. */
+/* Returns the names of the models that compute forces. */
 struct scene_list scene_models_with_forces(void);
-void scene_drop_doubts(struct scene *scene); /* frees those notes */
+void scene_drop_doubts(struct scene *scene); /* frees the notes of scene_check_units */
 
-/* scene->hash, of all that decides what the ground becomes: not of the cache, the view, the output, the
- * store's name, or when the drive ends. */
+/* Computes scene->hash from all settings that decide the ground. The cache, the view, the output, the store's name and the end
+ * time do not count. */
 enum status scene_hash(struct scene *scene) FURROW_CHECKED;
 
 #endif

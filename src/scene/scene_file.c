@@ -1,4 +1,4 @@
-/* Whole files into memory, or through a hash, up to a limit. */
+/* Reads or hashes whole files, up to a limit. */
 #include "scene/scene_file.h"
 
 #include <errno.h>

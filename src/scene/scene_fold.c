@@ -5,7 +5,7 @@
 
 #include "scene/scene_error.h"
 
-/* A camera may be written flat, {over, height}, as well as under its name: moves the keys there. */
+/* The keys of a camera may be written without its kind: {over, height}. Moves them into a mapping named by the kind. */
 static enum status fold_camera(struct scene_node *camera, const char *name,
 			       const char *const keys[2])
 {
@@ -41,7 +41,7 @@ static enum status fold_cameras(const struct scene_tree *tree)
 	return status != STATUS_OK ? status : fold_camera(camera, "fixed", fixed);
 }
 
-/* A text below `parent`, which takes it; it is freed if that fails. */
+/* Adds a text below `parent`. The tree owns the text; on failure it is freed. */
 static enum status add_text(struct scene_node *parent, const char *key, char *text, bool plain)
 {
 	struct scene_node *node = scene_node_create(SCENE_SCALAR, key);

@@ -1,13 +1,14 @@
-/* What may be written shortly, or with keys that no schema can name, as the schema knows it. */
+/* Rewrites short forms in a scene's tree into the full forms that the schema describes. */
 #ifndef FURROW_SCENE_FOLD_H
 #define FURROW_SCENE_FOLD_H
 
 #include "scene/scene_tree.h"
 
 /*
- * Rewrites the tree's short forms as the schema has them. Cameras written flat go under their names. `soil.classes` maps a
- * raster's values to soils: it becomes a list of soils, each with its `value`. A soil there, or in `soil.default`, may be only a
- * name: it becomes a mapping that holds the name. Everything else stays, and scene_match refuses it.
+ * Rewrites the short forms in the tree. The keys of a camera written without its kind go into a mapping of that kind.
+ * `soil.classes`, which maps values of a raster to soils, becomes a list of soils, each with its `value`. A soil there, or in
+ * `soil.default`, may be only a name; it becomes a mapping with that name. Wrong input stays as it is, and scene_match refuses
+ * it.
  */
 enum status scene_fold(struct scene_tree *tree) FURROW_CHECKED;
 

@@ -1,4 +1,4 @@
-/* A text or a file to a scene: tree, settings, shorthands, schema, types, checks. */
+/* Makes a scene from a text or a file. Steps: tree, settings, short forms, schema, types, checks. */
 #include <stdio.h>
 #include <string.h>
 

@@ -1,4 +1,4 @@
-/* Numbers with a point, whatever the process's locale writes in its place. */
+/* Makes numbers use a decimal point, even if the locale of the process uses a comma. */
 #ifndef FURROW_SCENE_LOCALE_H
 #define FURROW_SCENE_LOCALE_H
 
@@ -11,8 +11,8 @@ struct scene_locale {
 };
 
 /*
- * From begin to end, the calling thread reads and writes numbers as the C locale does. The process's locale
- * and all other threads keep theirs. End gives the thread back the locale that it had.
+ * Between begin and end, the calling thread reads and writes numbers as in the C locale. The locale of the process and of other
+ * threads does not change. scene_locale_end restores the thread's earlier locale.
  */
 enum status scene_locale_begin(struct scene_locale *locale) FURROW_CHECKED;
 void scene_locale_end(struct scene_locale *locale);

@@ -1,4 +1,4 @@
-/* The tree against the schema; see scene_match.h. */
+/* Checks the tree by the schema; see scene_match.h. */
 #include "scene/scene_match.h"
 
 #include <errno.h>

@@ -10,8 +10,9 @@
 
 enum status scene_match(const struct scene_tree *tree) FURROW_CHECKED;
 
-/* A decimal number, `whole` without a point: no hexadecimal, no infinity by name, no leading zero
- * of an octal. False if the text is none. Out of a double's range it is infinite, or zero. */
+/* Reads a decimal number; if `whole`, one without a point. Hexadecimal, infinity by name, and a leading zero as in an octal
+ * number are not allowed. Returns false if the text is not such a number. A number beyond a double's range becomes infinite or
+ * zero. */
 bool scene_number_read(const char *text, bool whole, double *value);
 
 #endif

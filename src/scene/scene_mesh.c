@@ -106,7 +106,8 @@ static void fill(struct deform_mesh *mesh, struct places *places, const struct m
 	}
 }
 
-/* Nobody needs what was meant for triangles that were left out or corners that are shared. */
+/* Gives back memory. Room was made for every triangle and three corners each, but triangles without area are left out and equal
+ * corners are shared. */
 static enum status trim(struct deform_mesh *mesh)
 {
 	void *vertices = mem_realloc(mesh->vertices, mesh->vertex_count, sizeof *mesh->vertices);

@@ -21,7 +21,7 @@
 
 #define DEPTH_MAX 256 /* of nodes */
 
-/* The files that one import may open: its own, which is read before, and those beside it. */
+/* The files that one import may open: the mesh file, which was read before, and files in the same folder. */
 struct folder {
 	const char *path; /* of the mesh */
 	char name[16];    /* what assimp is told it is called */
@@ -83,7 +83,7 @@ static void flush_proc(struct aiFile *file)
 {
 }
 
-/* A name, and no way to it. */
+/* Returns true if this is a file name without a folder. */
 static bool is_beside(const char *name)
 {
 	return name[0] != '\0' && name[0] != '.' && strpbrk(name, "/\\:") == NULL;

@@ -1,4 +1,4 @@
-/* In place of scene_mesh_import.c in a build without assimp. */
+/* Replaces scene_mesh_import.c in a build without assimp. */
 #include "scene/scene_mesh_import.h"
 
 enum status scene_mesh_import(const char *path, const char *told, struct mesh_corners *corners)

@@ -92,7 +92,7 @@ static enum status check_path(const struct scene_tree *tree, const struct raw_pa
 	return status;
 }
 
-/* What only forces can decide. */
+/* Checks the keys that need a model that computes forces. */
 static enum status check_forces(const struct scene_tree *tree, const struct raw_object *raw,
 				const struct scene_object *object, enum deform_model kind, size_t index)
 {
@@ -115,7 +115,7 @@ static enum status check_forces(const struct scene_tree *tree, const struct raw_
 	return STATUS_OK;
 }
 
-/* What a body of the host's has no use for: the host says where it is, and how it turns. */
+/* Refuses keys that a host's body cannot use, since the host moves and turns the body. */
 static enum status check_hosted(const struct scene_tree *tree, const struct raw_object *raw, size_t index)
 {
 	const char *key = raw->load != NULL ? "load" : raw->sink != NULL ? "sink" : raw->slip != NULL ? "slip" : NULL;
@@ -169,7 +169,7 @@ enum status scene_check_objects(const struct scene_tree *tree, const struct raw_
 	return status;
 }
 
-/* The tree of a scene that has this object and nothing else. */
+/* Makes a scene's tree that has only this object. */
 static enum status plant(struct scene_tree *tree, const char *text)
 {
 	struct scene_node *list = NULL, *object = NULL;

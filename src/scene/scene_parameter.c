@@ -7,7 +7,8 @@
 #include "scene/scene_error.h"
 #include "scene/scene_schema.h"
 
-/* One step down: into a list by "[]", into a mapping by a key; *key is moved behind it. NULL: there is no such. */
+/* Goes one step down in the schema: into a list by "[]", into a mapping by a key. Moves *key behind the step. Returns NULL if
+ * there is no such key. */
 static const cyaml_schema_value_t *step(const cyaml_schema_value_t *at, const char **key)
 {
 	if (**key == '[') {

@@ -1,7 +1,6 @@
 /*
- * What a scene may say: the typed values as cyaml loads them, the tables it loads them by, the
- * ranges of the numbers. The tables are also what scene_match checks the tree against, so that each
- * key is described once.
+ * The schema of a scene: the typed values that cyaml loads, the tables that cyaml loads them by, and the ranges of numbers.
+ * scene_match checks the tree by the same tables. So each key is described once.
  */
 #ifndef FURROW_SCENE_SCHEMA_H
 #define FURROW_SCENE_SCHEMA_H
@@ -13,7 +12,7 @@
 
 #include "deform/deform.h"
 
-/* Optional values are pointers, NULL when absent. */
+/* Optional values are pointers. They are NULL if the scene does not give them. */
 struct raw_wheel {
 	double radius, width;
 	int64_t *grousers;
@@ -48,16 +47,16 @@ struct raw_object {
 	struct raw_path *path;
 	double *sink, *load, *slip;
 };
-/* One class of soil, angles in degrees. */
+/* One class of soil. Angles are in degrees. */
 struct raw_class {
-	int64_t value; /* in a table: the raster's */
+	int64_t value; /* in a table of classes: the raster's value of this class */
 	char *name;
 	double *bekker_kc, *bekker_kphi, *bekker_n, *cohesion, *friction_angle, *janosi_shear;
 	double *elastic_stiffness, *damping, *unit_weight, *repose;
 	double *theta_in, *theta_out, *theta_stop, *roughness, *compression;
 };
 struct raw_soil {
-	struct raw_class all; /* of the only soil there is */
+	struct raw_class all; /* if the scene has one soil, it is this one */
 	char *map;
 	struct raw_class *classes;
 	uint32_t classes_count;
@@ -126,22 +125,22 @@ struct raw_scene {
 
 extern const cyaml_schema_value_t scene_schema;
 
-/* Returns true when the schema calls this key optional and the command demands it all the same. A host
- * may leave it out. `where`: a path with anonymous indices. */
+/* Returns true if a key is optional in the schema but required by the furrow command. Only a host may leave it out. `where`:
+ * the key's path with [] in place of indices, such as "objects[].path". */
 bool scene_needed_by_command(const char *where);
 
-/* The range of the number at `where`, a path with anonymous indices: low .. high, without `low`
- * itself if `above`. A soil's are those of `soil.`, wherever it is written. */
+/* Allowed values of the number at `where` (its path with [] in place of indices): from low to high. If `above`, low itself is
+ * not allowed. Limits of "soil." hold for every soil, wherever the scene gives it. */
 struct scene_limit {
 	const char *where;
 	double low, high;
 	bool above;
-	const char *why; /* said in place of "is out of range", or NULL */
-	const char *unit; /* NULL: a number, or a share of 1 */
-	double absent;    /* what it is where the scene does not say; NAN: what `otherwise` says, */
-	const char *otherwise; /* or (NULL) it must be given where its mapping is */
+	const char *why; /* the reason in the error message; NULL: "is out of range" */
+	const char *unit; /* NULL: a number without a unit, or a share of 1 */
+	double absent;    /* default value; NAN: `otherwise` describes the default */
+	const char *otherwise; /* the default in words; NULL while `absent` is NAN: the key is required in its mapping */
 };
-const struct scene_limit *scene_limit_of(const char *where); /* NULL: any finite number */
-double scene_absent(const char *where); /* of a number that has one */
+const struct scene_limit *scene_limit_of(const char *where); /* returns NULL if any finite number is allowed */
+double scene_absent(const char *where); /* returns the default of a number that has one */
 
 #endif

@@ -1,4 +1,4 @@
-/* Settings onto the tree; see scene_set.h. */
+/* Applies settings to the tree; see scene_set.h. */
 #include "scene/scene_set.h"
 
 #include <stdio.h>
@@ -17,7 +17,7 @@ static enum status refuse(const struct scene_tree *tree, const struct scene_sett
 			 scene_quote(segment).text, why);
 }
 
-/* The element of a list that a segment names, or NULL. */
+/* Returns the element of a list that a part of the key names, or NULL. */
 static struct scene_node *element_of(const struct scene_node *list, const char *segment)
 {
 	for (struct scene_node *node = list->first; node != NULL; node = node->next) {

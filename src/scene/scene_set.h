@@ -1,13 +1,13 @@
-/* `--set KEY=VALUE` onto a scene's tree, before it is checked. */
+/* Applies `--set KEY=VALUE` to a scene's tree before the tree is checked. */
 #ifndef FURROW_SCENE_SET_H
 #define FURROW_SCENE_SET_H
 
 #include "scene/scene.h"
 #include "scene/scene_tree.h"
 
-/* Writes the value (YAML, so lists and mappings too) at the dotted key, making the mappings on the
- * way. An element of `objects` is named by its name, of another list by its index. `null` takes
- * the key away. Whether the key and the value are allowed is for scene_match to say. */
+/* Writes the value at the dotted key and adds missing mappings on the way. The value is YAML, so it may be a list or a mapping.
+ * An element of `objects` is given by its name, an element of another list by its index. The value `null` removes the key.
+ * scene_match checks later whether key and value are allowed. */
 enum status scene_set(struct scene_tree *tree, const struct scene_setting *setting) FURROW_CHECKED;
 
 #endif

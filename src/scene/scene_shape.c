@@ -6,7 +6,7 @@
 #include "scene/scene_file.h"
 #include "scene/scene_mesh.h"
 
-/* Of the radius, where the scene does not say. */
+/* default, as a share of the wheel's radius */
 #define GROUSER_HEIGHT 0.05
 #define GROUSER_THICKNESS 0.1
 

@@ -88,7 +88,7 @@ static double *number_of(struct deform_soil *soil, const struct parameter *param
 	return (double *)((char *)soil + parameter->to);
 }
 
-/* The keys that the model reads and that the soil has no number for. */
+/* Returns the keys that the model needs and for which the soil has no number. */
 static struct scene_list missing_keys(struct deform_soil *soil, enum deform_model model)
 {
 	struct scene_list missing = {.length = 0};
@@ -98,7 +98,7 @@ static struct scene_list missing_keys(struct deform_soil *soil, enum deform_mode
 	return missing;
 }
 
-/* The named soils that have every number that the model reads. */
+/* Returns the names of soils that have every number that the model needs. */
 static struct scene_list whole_soils(enum deform_model model)
 {
 	struct scene_list whole = {.length = 0};
@@ -125,7 +125,7 @@ static enum status check_whole(const struct scene_tree *tree, const char *name, 
 			   deform_model_row(model)->name, whole_soils(model).text);
 }
 
-/* The soil written at `where`. */
+/* Checks the soil written at `where`. */
 static enum status check_class(const struct scene_tree *tree, const struct raw_class *raw, const char *where,
 			       enum deform_model model, struct deform_soil *soil)
 {

@@ -72,7 +72,7 @@ static void *typed_memory(void *context, void *memory, size_t size)
 	return mem_realloc(memory, size, 1);
 }
 
-/* The first line of cyaml's backtrace is the reason. */
+/* Keeps the first line of cyaml's backtrace, which tells the reason. */
 static void keep_reason(cyaml_log_t level, void *context, const char *format, va_list args)
 {
 	char *reason = context;

@@ -1,4 +1,4 @@
-/* A matched tree as typed values, loaded by cyaml. */
+/* Loads a matched tree as typed values, with cyaml. */
 #ifndef FURROW_SCENE_TYPED_H
 #define FURROW_SCENE_TYPED_H
 

@@ -40,7 +40,7 @@ static enum status doubt(const struct units *units, const struct scene_node *nod
 	return doubts[scene->doubt_count++] != NULL ? STATUS_OK : fail_memory("reading the scene");
 }
 
-/* An angle of the soil at `where`; 0 is no friction, in any unit. */
+/* Doubts the angle of the soil at `where`. 0 means no friction in any unit. */
 static enum status doubt_angle(const struct units *units, const char *where, const char *key, const double *angle)
 {
 	char why[200];
@@ -118,7 +118,7 @@ static enum status doubt_loads(const struct units *units)
 	return status;
 }
 
-/* A sun near the horizon leaves level ground black, unless its colour makes up for that. */
+/* Doubts the sun's height. A sun near the horizon leaves level ground black, unless its colour makes up for that. */
 static enum status doubt_sun(const struct units *units)
 {
 	const struct raw_view *view = units->raw->view;

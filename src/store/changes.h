@@ -1,4 +1,4 @@
-/* Which tiles of the working level changed, and when: for who keeps a copy of the ground. */
+/* Remembers which tiles of the working level changed, and when. Used by callers that keep a copy of the ground. */
 #ifndef FURROW_STORE_CHANGES_H
 #define FURROW_STORE_CHANGES_H
 
@@ -14,25 +14,25 @@ struct changes_entry {
 };
 
 struct changes {
-	struct mutex mutex; /* of all but the list of what is pending, which is the writer's */
+	struct mutex mutex; /* protects all members except the pending list, which only the writer uses */
 	struct changes_entry *entries; /* open addressing, at most half full */
 	size_t room, count;
-	int64_t from, now; /* every change after `from` is here, up to `now` */
-	uint64_t *pending; /* keys that the transaction under way changes, some more than once */
+	int64_t from, now; /* the table has every change after revision `from`, up to revision `now` */
+	uint64_t *pending; /* keys of tiles that the current transaction changes; a key may occur twice */
 	size_t pending_room, pending_count;
 };
 
 void store_changes_begin(struct changes *changes);
 void store_changes_finish(struct changes *changes);
-/* Forgets all: what there is now is of `revision` or before. */
+/* Forgets all changes. The present content counts as of `revision`. */
 void store_changes_restart(struct changes *changes, int64_t revision);
-/* The transaction that is under way changes this tile of the working level. */
+/* Notes that the current transaction changes this tile of the working level. */
 enum status store_changes_note(struct changes *changes, uint64_t key) FURROW_CHECKED;
-/* Before it commits: room for what it changes, so that nothing can fail once it did. */
+/* Call this before a commit. Makes room for the noted tiles, so that nothing can fail after the commit. */
 enum status store_changes_reserve(struct changes *changes) FURROW_CHECKED;
-/* It committed as this revision. */
+/* Call this after a commit. The noted tiles changed at this revision. */
 void store_changes_commit(struct changes *changes, int64_t revision);
-/* It did not. */
+/* Call this if the transaction was undone. Forgets the noted tiles. */
 void store_changes_drop(struct changes *changes);
 
 #endif

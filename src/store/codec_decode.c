@@ -1,4 +1,4 @@
-/* A blob, which may be anything, to posts. */
+/* Decodes a blob into posts. The blob is untrusted. */
 #include <lz4.h>
 #include <string.h>
 #include <zstd.h>
@@ -10,7 +10,7 @@ struct head {
 	uint32_t first;
 };
 
-/* What write_head() wrote, the mask into codec->mask; moves `from` on. */
+/* Reads the head that write_head() wrote, and the mask into codec->mask. Moves `from` behind them. */
 static bool read_head(struct codec *codec, unsigned known, const uint8_t **from, size_t *left, struct head *head)
 {
 	const uint8_t *at = *from;
@@ -62,7 +62,7 @@ static void apply_mask(const uint8_t *mask, size_t count, int32_t *posts)
 	}
 }
 
-/* The widths, a byte each, into `widths`; *payload: what their blocks take. */
+/* Reads the widths into `widths`, a byte each. *payload: the number of bytes of their blocks. */
 static bool read_widths(const struct codec *codec, bool wide, const uint8_t **from, size_t *left, uint8_t *widths,
 			size_t *payload)
 {
@@ -91,7 +91,7 @@ static bool read_widths(const struct codec *codec, bool wide, const uint8_t **fr
 	return beyond == 0;
 }
 
-/* The blocks of a body, some at a time. The last ones are a copy, with room to read beyond them. */
+/* Blocks of a body, read some at a time. The last ones are copied, so that reading beyond them is safe. */
 struct blocks {
 	const uint8_t *from, *widths;
 	size_t direct; /* blocks before the copy's */

@@ -1,4 +1,4 @@
-/* Posts to a blob: the residuals that pack better, then the packing that is shorter. */
+/* Encodes posts into a blob: takes the residuals that pack better, then the packing that is shorter. */
 #include <assert.h>
 #include <lz4.h>
 #include <string.h>

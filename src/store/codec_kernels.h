@@ -1,6 +1,6 @@
 /*
- * The codec's two inner loops, once in plain C and once for each kind of machine that is worth it.
- * All give the same bits; which one a machine runs is found out when a codec is made.
+ * The codec's two inner loops, in plain C and in versions for some CPUs. All versions give the same bits. The version is chosen
+ * when a codec is made, by the CPU that it runs on.
  */
 #ifndef FURROW_STORE_CODEC_KERNELS_H
 #define FURROW_STORE_CODEC_KERNELS_H
@@ -10,8 +10,8 @@
 
 #include "base/base.h"
 
-#define CODEC_BLOCK 16 /* residuals that share a width; 2 * width bytes */
-#define CODEC_SLACK 48 /* bytes that unpack may read beyond a block */
+#define CODEC_BLOCK 16 /* residuals that share a bit width; a block takes 2 * width bytes */
+#define CODEC_SLACK 48 /* bytes that unpack may read after the end of a block */
 
 static inline uint32_t codec_unzigzag(uint32_t value)
 {
@@ -20,17 +20,17 @@ static inline uint32_t codec_unzigzag(uint32_t value)
 
 struct codec_kernels {
 	const char *name;
-	/* `count` blocks of `widths` (each at most 32) to residuals, zigzag undone; returns their end.
-	 * `from` can be read for CODEC_SLACK bytes beyond it. */
+	/* Unpacks `count` blocks with these `widths` (each at most 32) into residuals and undoes their zigzag coding. Returns
+	 * the end of the bytes read. CODEC_SLACK bytes after the end must be readable. */
 	const uint8_t *(*unpack)(const uint8_t *from, const uint8_t *widths, size_t count, uint32_t *rest);
-	/* Residuals of `rows` rows to posts. Sums the residuals along each row, and adds the row before; for the first row, that is
-	 * `before`. With `slope` it adds sums of sums, from a row's second post on. */
+	/* Turns the residuals of `rows` rows into posts. Sums the residuals along each row, and adds the row before it.
+	 * `before` is the row before the first. With `slope`, sums twice from a row's second post on. */
 	void (*sum)(const uint32_t *rest, uint32_t side, uint32_t rows, const int32_t *before, bool slope,
 		    int32_t *posts);
 };
 
 extern const struct codec_kernels store_codec_plain;
-/* The fastest that this machine has. */
+/* Returns the fastest version that this CPU can run. */
 const struct codec_kernels *store_codec_kernels_best(void);
 
 #endif

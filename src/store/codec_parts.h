@@ -1,12 +1,12 @@
-/* What encoding and decoding share: the parts of a blob, and how many posts and blocks a plane has. */
+/* What encoding and decoding share: flags of a blob, and the number of posts and blocks of a plane. */
 #ifndef FURROW_STORE_CODEC_PARTS_H
 #define FURROW_STORE_CODEC_PARTS_H
 
 #include "store/codec.h"
 #include "store/codec_kernels.h"
 
-#define CODEC_MASK 1u  /* there are holes */
-#define CODEC_WIDE 2u  /* a width is a byte, not half of one */
+#define CODEC_MASK 1u  /* some posts are nodata */
+#define CODEC_WIDE 2u  /* a width takes a byte instead of half a byte */
 #define CODEC_SLOPE 4u /* residuals are of the second order along rows */
 #define CODEC_LENGTH_BYTES 4
 #define CODEC_NARROW_MOST 15

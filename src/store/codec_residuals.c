@@ -8,7 +8,7 @@ static uint32_t zigzag(uint32_t value)
 	return value << 1 ^ (0u - (value >> 31));
 }
 
-/* A row without holes, whose residuals depend on posts only. `before`: NULL for row 0. */
+/* Takes a row without holes. The residuals depend on posts only. `before`: the row before, NULL for row 0. */
 FURROW_WIDE static void take_row(const uint32_t *row, const uint32_t *before, uint32_t side, uint32_t first, bool slope,
 		     uint32_t *rest)
 {
@@ -33,7 +33,7 @@ FURROW_WIDE static void take_row(const uint32_t *row, const uint32_t *before, ui
 			rest[x] = zigzag(row[x] - row[x - 1] - (before[x] - before[x - 1]));
 }
 
-/* The same where posts may be holes: each prediction uses the predictions that replaced holes before it. */
+/* Takes a row that may have holes. A hole's post is its prediction, so later predictions depend on it. */
 static void take_row_with_holes(const int32_t *row, const int32_t *before, uint32_t side, uint32_t first,
 				bool slope, int32_t *filled, uint32_t *rest)
 {

@@ -1,4 +1,4 @@
-/* What is left of posts when what their neighbours foretell is taken off. Encoding only. */
+/* Computes residuals: the difference between each post and its prediction from its neighbours. For encoding only. */
 #ifndef FURROW_STORE_CODEC_RESIDUALS_H
 #define FURROW_STORE_CODEC_RESIDUALS_H
 

@@ -118,7 +118,7 @@ enum status store_commit_goes_on(const struct store *store, const struct store_r
 	return fail_with(STATUS_INTERRUPTED, "%s: a commit was given up; roll back, or commit again", store->path);
 }
 
-/* The pages first .. last - 1 of the order lie below (or are) the tile of `level`. */
+/* Updates one tile of `level` and the tiles below it. It covers the pages first .. last - 1 of the order. */
 static enum status climb_tile(struct climb *climb, int level, size_t first, size_t last,
 			      const int32_t **posts)
 {

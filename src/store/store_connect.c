@@ -1,4 +1,4 @@
-/* Connections to a store's file, with what an untrusted file calls for. */
+/* Opens connections to a store's file, with the settings that an untrusted file needs. */
 #include "store/internal.h"
 
 #include <libgen.h>
@@ -98,7 +98,7 @@ static enum status roll_back(const char *path, const char *named)
 	return status;
 }
 
-/* A reader comes back to the tree's inner pages, and hardly to a tile; there are many readers. */
+/* Limits the page cache of a reader's connection. A reader rarely reads a tile twice, and there are many readers. */
 static enum status keep_little(sqlite3 **db, const char *named)
 {
 	enum status status = store_sql_exec(*db, named, "opening it", "PRAGMA cache_size=-512");

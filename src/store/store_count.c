@@ -1,4 +1,4 @@
-/* How much there is of what, and the last run. */
+/* Counts rows and bytes of a store, and reads its last run. */
 #include "store/internal.h"
 
 #include <errno.h>

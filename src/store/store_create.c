@@ -35,7 +35,7 @@ static enum status check_meta(const char *path, const struct store_meta *meta)
 	return STATUS_OK;
 }
 
-/* The file itself, which need not be there: its folder must. */
+/* Finds the real path of the file. The file need not exist, but its folder must. */
 static enum status resolve(const char *path, char **real)
 {
 	char there[PATH_MAX];
@@ -282,7 +282,7 @@ static enum status sync_part(const struct store *store)
 				  strerror(error));
 }
 
-/* What belongs to a store that is replaced would be taken for the new one's. */
+/* Removes files beside a store that is replaced. Otherwise they would be taken for files of the new store. */
 static enum status remove_beside(const struct store *store)
 {
 	static const char *const suffixes[] = {"-wal", "-shm", "-journal"};

@@ -38,7 +38,7 @@ struct hashing {
 	int32_t *posts;
 };
 
-/* What the terrain is; not where it came from, nor how it is packed. */
+/* Adds the description of the terrain to the hash, but not its sources or how it is packed. */
 static void add_meta(struct hashing *hashing)
 {
 	const struct store *store = hashing->store;

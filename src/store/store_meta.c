@@ -261,7 +261,7 @@ enum status store_meta_working(sqlite3 *db, const char *path, const struct exten
 	return status;
 }
 
-/* No such key: nothing. */
+/* Reads the compacted soil. If there is no such key, nothing changes. */
 static enum status get_compacted(struct lookup *lookup, int64_t *compacted)
 {
 	bool found;

@@ -29,7 +29,7 @@ bool store_overlay_path_fits(const char *path, size_t length)
 
 /* --- to the base and back --- */
 
-/* From `folder` to `file`, both real paths; NULL without memory. */
+/* Returns the relative path from `folder` to `file`; both are real paths. NULL: out of memory. */
 static char *path_between(const char *folder, const char *file)
 {
 	size_t same = 0, at = 0, up = 0;
@@ -53,7 +53,7 @@ static char *path_between(const char *folder, const char *file)
 	return path;
 }
 
-/* Where the overlay says its base is; the file itself if it is there. NULL without memory. */
+/* Returns the path of the base by the overlay's header. If the file exists, it is the real path. NULL: out of memory. */
 static char *base_file(const struct store *store)
 {
 	char there[PATH_MAX];
@@ -72,7 +72,7 @@ static char *base_file(const struct store *store)
 	return mem_strdup(there);
 }
 
-/* The base's own message, in a sentence about the overlay. */
+/* Turns the base's error message into one about the overlay. */
 static enum status base_unusable(const struct store *store, enum status status)
 {
 	struct failure failure;
@@ -91,7 +91,8 @@ static bool same_real(double a, double b)
 	return memcmp(&a, &b, sizeof a) == 0 || (a != a && b != b);
 }
 
-/* All that a reader of the base's tiles takes from the overlay's header. */
+/* Returns true if both headers describe the same terrain. They must agree, since the base's tiles are read with the overlay's
+ * header. */
 static bool same_terrain(const struct store_meta *a, const struct store_meta *b)
 {
 	return a->extent.width == b->extent.width && a->extent.height == b->extent.height &&

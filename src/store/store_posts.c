@@ -50,7 +50,7 @@ static double add_shear(const struct reading *reading, double was, int32_t post)
 	return was + store_rows_metres(ROW_SHEAR, post, 0);
 }
 
-/* What a layer adds to its base, or to nothing. */
+/* The tables of each layer: the plane that is added to the base, or read alone. */
 static const struct {
 	enum row_table table;
 	meaning_fn meaning;
@@ -90,7 +90,7 @@ static void take_tile(const struct reading *reading, struct tile tile, int shift
 	}
 }
 
-/* One tile into reading->posts. */
+/* Reads one tile into reading->posts. */
 static enum status load_tile(struct reading *reading, enum row_table table, struct tile tile, bool *found)
 {
 	struct rows *rows = &reading->reader->rows;
@@ -109,7 +109,7 @@ static enum status load_tile(struct reading *reading, enum row_table table, stru
 	return STATUS_OK;
 }
 
-/* Every tile of `source` that holds part of the (already cut) rectangle. */
+/* Reads every tile of `source` that has a part of the rectangle, which is already cut to the terrain. */
 static enum status take_level(struct reading *reading, enum row_table table, int source,
 			      struct post_rect rect, meaning_fn meaning)
 {
@@ -245,7 +245,7 @@ static double snapped(double part)
 	return fabs(part - round(part)) < BESIDE ? round(part) : part;
 }
 
-/* The cell of `level` that holds (x, y), and where in it. */
+/* Returns the cell of `level` that contains (x, y), and the position within it. */
 static struct post_rect cell_at(const struct extent *extent, int level, double x, double y, double *u,
 				double *v)
 {
@@ -259,7 +259,7 @@ static struct post_rect cell_at(const struct extent *extent, int level, double x
 	return (struct post_rect){cx, cy, cx + 2, cy + 2};
 }
 
-/* A layer at the post that is nearest; 0 in a hole. */
+/* Reads a layer at the nearest post; 0 in a hole. */
 static enum status nearest(struct store_reader *reader, enum store_layer layer, int level, struct post_rect cell,
 			   double u, double v, double *value)
 {

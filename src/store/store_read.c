@@ -116,7 +116,7 @@ enum status store_read_base_range(struct store_reader *reader, struct tile tile,
 	return status;
 }
 
-/* From the codec's words into the plane's own texels. */
+/* Converts the codec's int32 posts to the plane's own type. */
 static void narrow(enum plane plane, const int32_t *wide, size_t count, void *texels)
 {
 	switch (plane_bytes(plane)) {

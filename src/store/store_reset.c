@@ -1,4 +1,4 @@
-/* Dropping every deformation at once. */
+/* Drops all deformation at once. */
 #include "store/internal.h"
 
 #include <assert.h>

@@ -177,7 +177,7 @@ enum status store_rows_head(struct rows *rows, enum row_table table, struct tile
 	return status;
 }
 
-/* What posts of a table may be; the base's are read against the header's. */
+/* Returns true if all posts are allowed in this table. Base posts are checked against the header when they are read. */
 static bool all_fit(enum row_table table, const int32_t *posts, size_t count)
 {
 	static const int32_t most[ROW_TABLES] = {

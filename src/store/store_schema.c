@@ -9,12 +9,12 @@ struct object {
 	const char *name, *sql;
 };
 
-/* A plane's but the offset's. */
+/* The table of a plane other than the offset. */
 #define PLANE_TABLE(name)                                                                          \
 	"CREATE TABLE " name "(key INTEGER PRIMARY KEY, low REAL, high REAL, "                     \
 	"codec INTEGER NOT NULL, revision INTEGER NOT NULL, hash INTEGER NOT NULL, blob BLOB NOT NULL)"
 
-/* In the order of their names, as store_schema_check() reads them; FORMAT.md explains them. */
+/* The tables sorted by name, as store_schema_check() reads them. FORMAT.md explains them. */
 static const struct object objects[] = {
 	{"base",
 	 "CREATE TABLE base(key INTEGER PRIMARY KEY, low REAL, high REAL, error REAL NOT NULL, "

@@ -37,7 +37,7 @@ static bool is_dropped(const struct state *state, struct tile tile)
 	return bsearch(&key, state->dropped, state->drop_count, sizeof key, compare_keys) != NULL;
 }
 
-/* The tile's row becomes what state->posts holds. */
+/* Writes state->posts as the tile's row. */
 static enum status put_posts(struct state *state, struct tile tile)
 {
 	struct rows *rows = &state->store->rows;
@@ -68,7 +68,7 @@ static enum status put_page(struct state *state, const struct store_page *page)
 	return put_posts(state, page->tile);
 }
 
-/* The posts that `tile` shares with the tile dx, dy of it: zero in state->posts. */
+/* Sets to zero, in state->posts, the posts that `tile` shares with its neighbour at dx, dy. */
 static void clear_shared(const struct state *state, int dx, int dy)
 {
 	size_t side = tile_posts(state->store->rows.extent);
@@ -78,7 +78,7 @@ static void clear_shared(const struct state *state, int dx, int dy)
 		memset(state->posts + y * side + x0, 0, (x1 - x0) * sizeof *state->posts);
 }
 
-/* A tile beside one that was dropped: everything it shares with any that was. */
+/* Corrects a tile beside a dropped one: sets to zero all posts that it shares with dropped tiles. */
 static enum status trim(struct state *state, struct tile tile)
 {
 	struct rows *rows = &state->store->rows;
@@ -116,7 +116,7 @@ static enum status drop(struct state *state, struct tile tile)
 	return status;
 }
 
-/* What an earlier drive left. */
+/* Looks once if the table has rows from an earlier drive. */
 static enum status ask_for_rows(struct store *store, enum row_table table, struct store_commit_result *result)
 {
 	char sql[64];

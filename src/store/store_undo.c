@@ -57,7 +57,7 @@ static enum status create(const struct extent *extent, struct undo **out)
 	return STATUS_OK;
 }
 
-/* All or nothing. */
+/* Removes all kept rows in one transaction. */
 static enum status empty(struct undo *undo)
 {
 	enum status status = store_sql_begin(undo->rows.db, name, "emptying it");

@@ -1,4 +1,4 @@
-/* What the two halves of verifying share. */
+/* What verify_tile.c and store_verify.c share. */
 #ifndef FURROW_STORE_VERIFY_H
 #define FURROW_STORE_VERIFY_H
 
@@ -10,7 +10,7 @@
 
 enum held { HELD_NOTHING, HELD_MISSING, HELD_BROKEN, HELD_POSTS };
 
-/* A decoded tile as neighbours and parents ask for it. */
+/* A decoded tile in a cache, for comparison with its neighbours and with coarser tiles. */
 struct entry {
 	uint64_t key;
 	enum row_table table;
@@ -26,10 +26,10 @@ struct verifying {
 	void *user;
 	struct store_check *check;
 	int64_t total; /* rows */
-	int64_t base_found; /* base rows within the terrain */
+	int64_t base_found; /* number of base rows within the terrain */
 	enum row_table table;
 	size_t side;
-	int32_t *posts, *expected; /* the tile being checked, and what those below make of it */
+	int32_t *posts, *expected; /* posts: the tile being checked; expected: what it should be by the finer tiles below it */
 	struct entry entries[VERIFY_CACHE];
 	uint32_t entry_count;
 };
@@ -41,7 +41,7 @@ static inline bool verify_same(double a, double b)
 
 void store_verify_tell(struct verifying *verifying, const char *format, ...) FURROW_PRINTF(2, 3);
 void store_verify_tell_tile(struct verifying *verifying, struct tile tile, const char *what);
-/* One row of verifying->table, of a tile that the world has. */
+/* Checks one row of verifying->table. The tile is within the terrain. */
 enum status store_verify_tile(struct verifying *verifying, struct tile tile) FURROW_CHECKED;
 
 #endif

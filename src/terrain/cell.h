@@ -1,4 +1,4 @@
-/* The two triangles of a cell, as pictures draw them: parted from its south-west to its north-east post. */
+/* The two triangles of a cell, as they are drawn. The diagonal goes from the cell's south-west to its north-east post. */
 #ifndef FURROW_TERRAIN_CELL_H
 #define FURROW_TERRAIN_CELL_H
 
@@ -6,13 +6,13 @@
 
 #include "terrain/terrain.h"
 
-/* height = at + slope[0] u + slope[1] v, (u, v) in cells from the cell's south-west post. */
+/* The plane of a triangle: height = at + slope[0] u + slope[1] v. (u, v) is in cells, from the cell's south-west post. */
 struct terrain_plane {
 	double at, slope[2];
 };
 
-/* Of the cell whose south-west post is `sw`, in rows of `stride`; `upper`: the triangle to the north-west. NaN where a corner
- * has no data. */
+/* Returns the plane of a triangle. `sw`: pointer to the cell's south-west post, in rows of `stride` posts. `upper`: the
+ * north-west triangle. If a corner is nodata, the plane has NaN. */
 static inline struct terrain_plane terrain_plane_of(const double *sw, size_t stride, bool upper)
 {
 	const double a = sw[0], d = sw[stride + 1];
@@ -25,7 +25,7 @@ static inline bool terrain_plane_whole(const struct terrain_plane *plane)
 	return !isnan(plane->slope[0] + plane->slope[1]);
 }
 
-/* Upward, of length 1. */
+/* Computes the upward unit normal. `spacing`: metres between posts. */
 static inline void terrain_plane_normal(const struct terrain_plane *plane, double spacing, double normal[3])
 {
 	const double x = plane->slope[0] / spacing, y = plane->slope[1] / spacing, length = sqrt(x * x + y * y + 1);
@@ -34,7 +34,8 @@ static inline void terrain_plane_normal(const struct terrain_plane *plane, doubl
 	normal[2] = 1 / length;
 }
 
-/* Cells of a tile that are in the world, along a side of so many posts at level 0. */
+/* Returns how many of a tile's cells are within the world, along one side. `tile`: the tile's x or y. `posts`: posts of the
+ * world along this side at level 0. */
 static inline uint32_t terrain_cells_in(const struct extent *extent, int level, uint32_t tile, int64_t posts)
 {
 	const int64_t left = extent_posts(posts, level) - 1 - (int64_t)tile * extent->cells;

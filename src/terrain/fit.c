@@ -18,7 +18,7 @@
 
 #define NODES_MAX (2 * TERRAIN_DRAWS_MAX)
 
-/* A tile that the view as it was would divide. */
+/* A tile that the original view would divide. */
 struct node {
 	struct tile tile;
 	double ratio; /* not less than its parent's */
@@ -74,7 +74,7 @@ static bool in_view(const struct fitter *fitter, const struct terrain_place *pla
 	return terrain_box_visible(fitter->view->planes, place->low, place->high);
 }
 
-/* A tile the picture may need. False: it is out of view. */
+/* Adds a tile that the picture may need. Returns false if it is out of view. */
 static bool enter(struct fitter *fitter, const struct terrain_place *place, double least)
 {
 	if (!in_view(fitter, place))

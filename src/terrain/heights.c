@@ -22,7 +22,8 @@ static int compare(const void *a, const void *b)
 	return p->index < q->index ? -1 : p->index > q->index;
 }
 
-/* The tile of `level` along a side, of a place within the world; `tiles` there are. */
+/* Returns the number of the tile along one side that contains a position; there are `tiles` of them. The position is in the
+ * world. */
 static uint32_t along(double at, double side, uint32_t tiles)
 {
 	double tile = floor(at / side);
@@ -59,7 +60,7 @@ static uint64_t finest_key(const struct terrain_ground *ground, struct terrain_p
 				      along(on[1], side, extent_tiles_y(extent, ground->finest))});
 }
 
-/* The tile whose triangles are there. */
+/* Finds the tile whose triangles are the ground at a point. */
 static enum status resolve(const struct terrain_ground *ground, struct tile finest, struct tile *tile)
 {
 	*tile = tile_ancestor(finest, 0);
@@ -104,7 +105,7 @@ static void measure(const struct extent *extent, struct tile tile, const struct 
 		terrain_plane_normal(&plane, spacing, height->normal);
 }
 
-/* The places hold the points' keys and are sorted. */
+/* Computes the heights of all points. `places` has the points' keys and is sorted. */
 static enum status measure_all(const struct terrain_ground *ground, const struct place *places,
 			       const struct terrain_point *points, size_t count, struct terrain_height *heights)
 {

@@ -1,4 +1,4 @@
-/* What selecting and fitting share: a tile in its box, and when it is divided. */
+/* What select.c and fit.c share: the box of a tile, and the test if a tile is divided. */
 #ifndef FURROW_TERRAIN_INTERNAL_H
 #define FURROW_TERRAIN_INTERNAL_H
 
@@ -6,14 +6,14 @@
 
 #include "terrain/terrain.h"
 
-/* A tile in its box; the third of low and high is of its heights. */
+/* A tile and its box. low[2] and high[2] are its lowest and highest height. */
 struct terrain_place {
 	struct tile tile;
 	double low[3], high[3];
-	double distance; /* metres, eye to box */
-	double error;    /* metres, as the source says; 0 by radii */
-	double ratio;    /* of the distance to the tile's side, or to its error */
-	const struct terrain_place *above; /* the tile that was divided for it; NULL: none */
+	double distance; /* metres, from the eye to the box */
+	double error;    /* metres, as the source gives it; 0 if radii decide */
+	double ratio;    /* distance / the tile's side; with by_error, distance / the tile's error */
+	const struct terrain_place *above; /* the tile whose division gave this tile; NULL: none */
 };
 
 static inline struct tile terrain_child(struct tile tile, unsigned quadrant)
@@ -31,7 +31,7 @@ static inline void terrain_put(const struct extent *extent, const struct terrain
 	place->distance = terrain_box_distance(view->eye, place->low, place->high);
 }
 
-/* False: nothing to draw there. */
+/* Fills `place`. Returns false if the tile has nothing to draw. */
 static inline bool terrain_find(const struct extent *extent, const struct terrain_view *view,
 				const struct terrain_source *source, struct tile tile, struct terrain_place *place)
 {
@@ -45,13 +45,14 @@ static inline bool terrain_find(const struct extent *extent, const struct terrai
 		place->ratio = place->distance / (extent_spacing(extent, tile.level) * extent->cells);
 		return true;
 	}
-	/* Equation 3: error x focal / distance, in pixels, against what is allowed. NaN and less than 0: none. */
+	/* Equation 3: error x focal length / distance, in pixels, is compared with the allowed error. An error of NaN or below
+	 * 0 counts as 0. */
 	place->error = source->error(source->user, tile);
 	place->ratio = place->error > 0 ? place->distance / place->error : INFINITY;
 	return true;
 }
 
-/* One expression for both: what is fitted must be what is selected, to the last bit. */
+/* Returns true if the tile is divided. Selecting and fitting both use this expression, so their results agree to the last bit. */
 static inline bool terrain_near(const struct terrain_view *view, struct tile tile, double ratio)
 {
 	return tile.level > view->finest && ratio < view->radius;

@@ -81,7 +81,7 @@ static bool in_cell(struct ray *ray, uint32_t x, uint32_t y, double begin, doubl
 	return piece(ray, begin, middle, x, y, first < 0) || piece(ray, middle, end, x, y, last < 0);
 }
 
-/* Whether it stays clear of heights between these. */
+/* Returns true if the ray between `begin` and `end` stays above or below all heights in this range. */
 static bool is_clear(const struct ray *ray, double begin, double end, double low, double high)
 {
 	const double first = ray->origin[2] + begin * ray->way[2];
@@ -234,7 +234,7 @@ static enum status in_tile(struct ray *ray, struct tile tile, double begin, doub
 	return status;
 }
 
-/* The part of it that is over the world. */
+/* Finds the part of the ray that is over the world. */
 static bool clip(const struct extent *extent, const struct ray *ray, double length, double *begin, double *end)
 {
 	const double most[2] = {(double)(extent->width - 1) * extent->spacing, (double)(extent->height - 1) * extent->spacing};

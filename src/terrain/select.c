@@ -43,7 +43,7 @@ static int compare_wants(const void *a, const void *b)
 	return p->key < q->key ? -1 : p->key > q->key;
 }
 
-/* A full list loses its least needed entry. */
+/* Adds a wanted tile. If the list is full, its least needed entry is dropped. */
 static void want(struct selector *s, struct tile tile, double distance)
 {
 	struct want entry = {tile_key(tile), tile.level, distance};

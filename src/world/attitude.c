@@ -23,7 +23,7 @@ void world_axes(const double q[4], double axes[3][3])
 			axes[i][k] = rows[i][k];
 }
 
-/* The turn is the angle of its own x axis below the horizontal, seen along its axle. */
+/* Computes a wheel's pose. Its turn is the angle of its own x axis below the horizontal, seen along its axle. */
 static enum status wheel_of(const char *name, const double axes[3][3], struct deform_pose *pose)
 {
 	const double *axle = axes[1];

@@ -5,7 +5,7 @@
 #include "dem/dem.h"
 #include "world/internal.h"
 
-/* The path's points in local metres. */
+/* Converts the path's points to local metres. */
 static enum status local_points(const struct world *world, const struct scene_path *path, double (*points)[2])
 {
 	const struct scene *scene = world->scene;

@@ -7,7 +7,7 @@
 
 #include "world/internal.h"
 
-/* A ball whose print can be seen. */
+/* A ball of a size whose print can be seen. */
 #define BALL_RADIUS 0.5 /* m, or */
 #define BALL_POSTS 4    /* of the working level, whichever is more */
 #define SINK_SHARE 0.3  /* share of the height below its centre, if the scene gives no depth */

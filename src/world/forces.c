@@ -27,7 +27,7 @@ struct standing {
 	bool placed;  /* it was set down once */
 };
 
-/* A row that waits for its forces; t < 0: the height of a loaded body. */
+/* A row that waits for its forces. t < 0: not a row, but the height of a loaded body. */
 struct entry {
 	int64_t step; /* when it was asked for */
 	double t;

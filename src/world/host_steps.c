@@ -20,7 +20,7 @@ static size_t index_of(const struct world *world, int32_t number)
 	return world->scene->object_count + 1 + (size_t)number;
 }
 
-/* The host's body that an event is of. */
+/* Returns the host's body of an event's index. */
 static struct host_body *body_of(const struct world *world, size_t index)
 {
 	return world->hosts.list[index - world->scene->object_count - 1];
@@ -90,7 +90,7 @@ static struct deform_pose between(const struct deform_pose *a, const struct defo
 	};
 }
 
-/* The ground changes up to this pose, by swept contacts of at most a post each. */
+/* Changes the ground up to this pose, by swept contacts of at most one post spacing each. */
 static enum status touch(struct world *world, int32_t number, const struct deform_pose *to, double time)
 {
 	struct host_body *host = world_host_body(world, number);
@@ -127,7 +127,7 @@ static enum status touch(struct world *world, int32_t number, const struct defor
 	return status;
 }
 
-/* The forces alone. */
+/* Computes only the forces, without changing the ground. */
 static enum status feel(struct world *world, int32_t number, const struct deform_pose *to, double time, bool moves)
 {
 	struct host_body *host = world_host_body(world, number);

@@ -169,7 +169,7 @@ static bool get_object(const cJSON *object, const char *name, struct record_obje
 	       get_whole(object, "skipped", 0, &to->skipped) && to->skipped <= to->next;
 }
 
-/* A number of a block, and the character behind it. */
+/* Reads a number of a block's place, and the character `behind` after it. */
 static bool get_place(const char **at, char behind, int64_t *value)
 {
 	char *end;

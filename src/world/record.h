@@ -1,8 +1,8 @@
 /*
- * The run's record. Each commit has one, so that a drive can be resumed with the same bits.
+ * The run's record. It is written with each commit, so that a drive can be resumed with the same bits.
  *
- * Step, time and the scene's hash have columns of their own in the store (struct store_run). The rest is the state, a JSON
- * object. Its numbers are texts, since numbers of JSON do not hold 64 bits. Whole numbers are decimal; reals are in C's
+ * Step, time and the scene's hash have their own columns in the store (struct store_run). Everything else is the state, a JSON
+ * object. Its numbers are strings, since JSON numbers cannot hold 64 bits. Whole numbers are decimal; reals are in C's
  * hexadecimal form, which is exact. A record that is read is untrusted input.
  */
 #ifndef FURROW_WORLD_RECORD_H
@@ -21,10 +21,10 @@
 /* The state of an object between steps. */
 struct record_object {
 	int64_t next;             /* path sample */
-	bool in_contact;          /* `last` was in contact: the next contact is swept from it */
+	bool in_contact;          /* `last` is a pose in contact, so the next contact is swept from it */
 	struct deform_pose last;
 	double distance, sinkage; /* m */
-	int64_t skipped;          /* path samples without contact */
+	int64_t skipped;          /* number of path samples without contact */
 	struct world_force force;
 };
 
@@ -32,23 +32,23 @@ struct record {
 	int64_t step;         /* steps done since the scene's start */
 	double time;          /* s */
 	int level;            /* the working level */
-	bool ended;           /* the drive was complete with this step */
-	struct pages_sums sums; /* only in a record that was read from the store */
-	size_t active_count;  /* active blocks: soil may still relax there */
+	bool ended;           /* the drive ended with this step */
+	struct pages_sums sums; /* read from the store; not used for writing */
+	size_t active_count;  /* active blocks, where soil may still relax */
 	struct deform_block active[DEFORM_BLOCKS_MAX];
-	struct record_object objects[]; /* as many as the scene has, in its order */
+	struct record_object objects[]; /* one for each of the scene's objects, in its order */
 };
 
 size_t world_record_bytes(size_t objects);
-/* Returns how pages commit the records of a scene. The scene must outlive it. */
+/* Returns the functions with which pages write the records of a scene. The scene must stay valid as long as they are used. */
 struct pages_record world_record_pages(const struct scene *scene);
-/* Returns the state's text, to free with mem_free; NULL: out of memory. Any thread. */
+/* Returns the record's state as text, which the caller frees with mem_free. NULL: out of memory. Any thread. */
 char *world_record_print(const struct record *record, const struct scene *scene, const struct pages_sums *sums);
-/* Reads a record. `record` has room for the scene's objects. STATUS_INPUT: something is missing or contradicts itself. The
- * caller must check that it fits the ground and the paths. */
+/* Reads a record. `record` needs room for the scene's objects. STATUS_INPUT: something is missing or contradictory. The caller
+ * must check that the record fits the ground and the paths. */
 enum status world_record_parse(const struct store_run *run, const char *store, const struct scene *scene,
 			 struct record *record) FURROW_CHECKED;
-/* Fails with the reason why the record of the store at that path cannot be used. */
+/* Returns STATUS_INPUT with a message: the record of the store at this path cannot be used, and why. */
 enum status world_record_damaged(const char *store, const char *why);
 
 #endif

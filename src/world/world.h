@@ -1,14 +1,15 @@
 /*
- * world: a terrain that is open for simulation. It owns the bodies and the step: the events that are due, what they do to the
- * ground, relaxation, forces, and commits. It also owns the record that a resumed drive goes on from.
+ * world: a terrain that is open for simulation. It owns the bodies and makes the steps. A step collects the events that are
+ * due, deforms the ground, relaxes soil, computes forces, and commits. The world also keeps the record with which a drive can
+ * be resumed.
  *
- * The world does not know who steps it. A host prepares it, starts it, warms it up, and then calls world_step. The command, the
- * window and the library are such hosts. Who draws watches the world through struct world_watcher.
+ * The world does not know which program steps it. That program is the command, the window, or a host (a program that calls the
+ * library). It calls the functions below in this order. To draw the world, it watches it through struct world_watcher.
  *
  *     world_prepare -> world_start -> (a view is made) -> world_warm -> world_begin -> world_step ... -> world_end -> world_finish
  *
- * Only one thread uses a world, the one that owns its GL context. Each part of struct world belongs to the file that is named
- * beside it; other files read it.
+ * Only one thread uses a world, the one that owns its GL context. Each part of struct world belongs to the file named beside
+ * it. Other files only read it.
  */
 #ifndef FURROW_WORLD_H
 #define FURROW_WORLD_H
@@ -33,133 +34,136 @@ struct forces; /* forces.c */
 struct record; /* record.c */
 struct world;
 
-/* What the soil did to a body when this was last computed. All zero: nothing. */
+/* The force of the soil on a body, when it was last computed. All zero: no force. */
 struct world_force {
 	double force[3], moment[3]; /* N, N m */
 	double sinkage, area;       /* m, m2 */
 	int64_t z;                  /* 2^-20 m */
 };
 
-/* A part of the record that goes with each commit, as the last whole step or the resumed run left it. */
+/* A part of the record that is committed next. It is as the last whole step left it, or as the resumed run had it. */
 struct world_recorded {
 	int64_t step;             /* steps done since the scene's start */
 	double time;              /* s */
-	struct pages_sums sums;   /* only in a record that was read from the store */
-	size_t active;            /* active blocks: soil may still relax there */
+	struct pages_sums sums;   /* read from the store; 0 if not resumed */
+	size_t active;            /* active blocks, where soil may still relax */
 };
 
-/* One path sample that is due in a step, or one pose that a host gave. The body is already set upon the ground. */
+/* One path sample that is due in a step, or one pose that a host gave. The body is already placed on the ground. */
 struct event {
 	size_t body;      /* index into world.bodies */
 	double time;      /* s since the scene's start */
 	bool contact;     /* false: outside the terrain or over nodata; the sample is skipped */
-	double distance;  /* m along the ground since the sample before */
+	double distance;  /* m along the ground since the last sample */
 	double sinkage;   /* m below the base */
-	double seconds;   /* s since the sample before */
+	double seconds;   /* s since the last sample */
 	double next_time; /* s: when the next sample is due; INFINITY: there is no next sample */
-	double turned;    /* rad about a wheel's axle since then; a host's bodies only */
+	double turned;    /* rad that a wheel has turned since the last sample; only for a host's bodies */
 	struct deform_pose pose;
 };
 
-/* A body is about to change the ground in this area. */
+/* The area in which a body is about to change the ground. */
 struct contact_area {
-	int64_t lowest;         /* 2^-20 m: no part of the body is lower. INT64_MIN: not known */
-	struct post_rect changed, read; /* posts of the working level that may change, and posts whose values they may take */
+	int64_t lowest;         /* 2^-20 m: no part of the body is below this height. INT64_MIN: not known */
+	/* changed: posts of the working level that may change. read: posts whose values they may take. */
+	struct post_rect changed, read;
 };
 
 /*
- * Who watches a world, to draw it. All calls come from the world's thread, except `places`. Any function may be NULL.
- * A status other than STATUS_OK makes the step fail with it.
+ * A watcher of a world, which draws it. All calls come from the world's thread. Any function may be NULL. If a function does
+ * not return STATUS_OK, the step fails with that status.
  */
 struct world_watcher {
 	void *user;
-	/* The next changes come from this contact. Both NULL: from now on changes come from relaxation. */
+	/* The next calls of `changed` belong to this contact. Both arguments NULL: they belong to relaxation. */
 	enum status (*contact)(void *user, const struct event *event, const struct contact_area *area);
 	/* Posts of this tile of the working level have changed. */
 	enum status (*changed)(void *user, struct tile tile);
-	/* Adds the tiles that the watcher will need and when. */
+	/* Adds prefetch requests: the tiles that the watcher will need, and when. */
 	enum status (*requests)(void *user, struct requests *requests);
-	/* The ground may lie up to so many metres off its base from now on. */
+	/* From now on the ground may differ from its base by up to this many metres. */
 	void (*reach)(void *user, double metres);
 };
 
-/* Calls before a commit. Both may be NULL. */
+/* Functions that are called around a commit. Both may be NULL. */
 struct world_commits {
 	void *user;
-	void (*before_record)(void *user);         /* the world's thread, before a commit takes the record */
-	enum status (*before_commit)(void *user);  /* the writer thread, before it commits */
+	void (*before_record)(void *user);         /* on the world's thread, before a commit takes the record */
+	enum status (*before_commit)(void *user);  /* on the writer thread, before it commits */
 };
 
-/* A row of objects.csv: what the soil does to a body at a time. */
+/* A row of objects.csv: the force of the soil on a body at one time. */
 struct world_row {
 	double time;         /* s */
 	size_t body;
 	double position[3];  /* m, of the body's origin */
-	int soil;            /* index into the scene's soils, of the post nearest to the origin; -1: there is no terrain */
+	/* index of the soil at the post nearest to the origin, in the scene's soils; -1: outside the terrain */
+	int soil;
 	struct world_force force;
 };
-/* Takes the rows in their order. `flush` is called after some rows. */
+/* Receives the rows in their order. `flush` is called after some rows. */
 struct world_rows {
 	void *user;
 	enum status (*row)(void *user, const struct world_row *row);
 	enum status (*flush)(void *user);
-	/* `mark`: a checkpoint; rows written so far are kept. `rollback`: drops all rows after the checkpoint. NULL: no
-	 * checkpoints. */
+	/* mark: a checkpoint was made, and the rows so far are kept. rollback: drop all rows after the checkpoint. NULL: there
+	 * are no checkpoints. */
 	enum status (*mark)(void *user);
 	enum status (*rollback)(void *user);
 };
 
 struct world_params {
-	const struct scene *scene; /* must outlive the world */
-	const char *store;         /* path; overrides the scene's; may be NULL if that names one */
-	const char *overlay;       /* path of what keeps the deformation instead of the store; made if absent; may be NULL */
-	bool resume;               /* goes on from the store's last drive of this scene; begins anew if there was none */
+	const struct scene *scene; /* must stay valid longer than the world */
+	const char *store;         /* path; overrides the store that the scene names; NULL: the scene must name one */
+	/* path of the overlay to which deformation is written in place of the store; made if it does not exist; may be NULL */
+	const char *overlay;
+	bool resume;               /* continue the store's last drive of this scene; if there was none, start from the beginning */
 	bool durable_full;
-	bool everywhere;           /* contacts are computed where they change nothing, too: for tests that compare */
-	bool draws;                /* somebody draws: coarser levels are kept */
+	bool everywhere;           /* compute also contacts that change nothing; for tests that compare */
+	bool draws;                /* pictures are drawn, so coarser levels are kept */
 	bool drops;                /* a window may drop bodies */
-	bool rows;                 /* somebody takes the rows that the scene's output.forces asks for */
+	bool rows;                 /* rows are used: those that the scene's output.forces asks for */
 	int64_t steps;             /* the last step, counted from the scene's start; 0: until the scene's end_time */
-	const volatile sig_atomic_t *stop; /* becomes non-zero: waits are given up; may be NULL */
+	const volatile sig_atomic_t *stop; /* becomes non-zero to end waits early; may be NULL */
 };
 
-/* One body. Its shape, sink, load and slip are the scene object's. */
+/* One body. Its shape, sink, load and slip are in the scene object. */
 struct body {
 	const struct scene_object *object;
 	struct track *track;
-	int64_t next;             /* path sample */
-	bool in_contact;          /* `last` was in contact: the next contact is swept from it */
+	int64_t next;             /* number of its next path sample */
+	bool in_contact;          /* `last` is a pose in contact, so the next contact is swept from it */
 	struct deform_pose last;
 	double distance, sinkage; /* m */
-	/* m, for a body with a load: `sinkage` as it was a fixed number of steps ago. Waits for commits and pictures do not
-	 * change it */
+	/* m, for a body with a load: the value of `sinkage` a fixed number of steps ago. It does not depend on how long commits
+	 * or pictures took */
 	double sinkage_before;
-	int64_t equilibrium;           /* 2^-20 m, for a body with a load: its equilibrium height, where the soil carries it */
-	int64_t raised;           /* 2^-20 m: how far `equilibrium` is above the height at which the search began */
+	int64_t equilibrium;           /* 2^-20 m, for a body with a load: its equilibrium height, at which the soil carries it */
+	int64_t raised;           /* 2^-20 m: height of `equilibrium` above the height where the search for it began */
 	uint32_t loaded_body;         /* for a body with a load: its number among the loaded bodies, from 1 */
-	int64_t skipped;          /* path samples without ground */
-	uint64_t windows, windows_moved; /* windows computed; windows over which the body moved */
+	int64_t skipped;          /* number of path samples without ground */
+	uint64_t windows, windows_moved; /* windows computed; of these, the windows in which the body moved */
 };
 
 /* Where a host's body is, and how it moves. Local axes: x east, y north, z up. */
 struct world_pose {
 	double position[3];    /* m */
-	double orientation[4]; /* unit quaternion w, x, y, z: from the body's axes (x forward, y left, z up) to the local ones */
+	double orientation[4]; /* unit quaternion w, x, y, z, from the body's axes (x forward, y left, z up) to local axes */
 };
 struct world_state {
 	struct world_pose pose;
-	double linear[3];  /* m/s, of the origin */
+	double linear[3];  /* m/s, velocity of the origin */
 	double angular[3]; /* rad/s */
 };
 
 enum world_contact_state { WORLD_AIR, WORLD_TOUCHING, WORLD_SLIDES, WORLD_SUNK, WORLD_UNKNOWN };
 
-/* What the soil does to a body. NaN: not known. */
+/* The contact of a body with the soil. NaN: not known. */
 struct world_contact {
-	double time;                  /* s: the time of the ground and the state that it describes */
-	double force[3], moment[3];   /* N, and N m about the origin, on the body, local axes */
-	double point[3];              /* m: the point on the force's line nearest the body's lowest point */
-	double normal[3];             /* unit vector: of the undisturbed surface under the body */
+	double time;                  /* s: time at which the ground and the body were as described here */
+	double force[3], moment[3];   /* on the body, in local axes: N, and N m about the origin */
+	double point[3];              /* m: on the line of the force, the point nearest to the body's lowest point */
+	double normal[3];             /* unit normal of the undisturbed surface under the body */
 	double sinkage, area, slip;   /* m below the undisturbed surface; m2; slip of a wheel */
 	double normal_force, shear_limit; /* N */
 	enum world_contact_state state;
@@ -167,34 +171,34 @@ struct world_contact {
 
 /* One body of a host: hosts.c. */
 struct host_body {
-	struct body body;             /* `last`: the pose up to which its motion has changed the ground */
-	struct scene_object *owned;   /* NULL: it is the scene's object */
+	struct body body;             /* its member `last` is the pose up to which the motion has changed the ground */
+	struct scene_object *owned;   /* NULL: the scene owns the object */
 	bool placed, removed;
-	bool fresh;                   /* placed since the last step: no motion leads to where it is */
+	bool fresh;                   /* placed since the last step, so there is no motion from an earlier pose */
 	bool has_next;
-	struct world_state now, next; /* `now`: after the last step; `next`: after the next step, if has_next */
+	struct world_state now, next; /* now: after the last step. next: after the next step, if has_next */
 	double since;                 /* s: time of its motion since `last` */
 	double turned;                /* rad about a wheel's axle since `last` */
-	struct deform_pose felt;      /* the pose for which its forces were last computed, */
+	struct deform_pose felt;      /* the pose for which forces were last computed, */
 	double felt_turned;           /* the value of `turned` then, */
-	bool felt_moving;             /* and whether it moved then */
-	uint64_t tag;                 /* of the forces being computed; 0: none */
+	bool felt_moving;             /* and true if it moved then */
+	uint64_t tag;                 /* tag of the forces that are being computed; 0: none */
 	double asked;                 /* s: time of those forces */
 	double told;                  /* s: time of `force` and `state` */
 	struct world_force force;
 	enum world_contact_state state;
-	uint64_t turn;                /* world_bodies_set: number of the last list that named this body */
+	uint64_t turn;                /* number of the last call of world_bodies_set that named this body */
 };
 
-/* A tile of the working level that changed: changes.c. */
+/* A changed tile of the working level: changes.c. */
 struct changed_tile {
 	struct tile tile;
 	uint64_t last;         /* revision of the last change */
-	uint64_t from;         /* `rect` holds all changes after this revision; 0: it holds the whole tile */
+	uint64_t from;         /* `rect` contains all changes after this revision; 0: it is the whole tile */
 	struct post_rect rect;
 };
 
-/* Times the step's thread waited: for a page, for a commit, or for the ground to set a body upon. */
+/* Waits of the step's thread: for a page, for a commit, or for the ground on which a body is placed. */
 struct stalls {
 	uint64_t count;
 	double ms;
@@ -203,20 +207,20 @@ struct stalls {
 struct world {
 	struct world_params params;
 	const struct scene *scene;
-	const char *path; /* of the store or overlay that is written */
-	const struct world_watcher *watcher; /* NULL: nobody watches */
-	const struct world_rows *rows;       /* NULL: nobody takes rows */
-	const struct world_commits *commits; /* NULL: nobody */
+	const char *path; /* path of the file that is written: the store or the overlay */
+	const struct world_watcher *watcher; /* NULL: nothing watches the world */
+	const struct world_rows *rows;       /* NULL: rows are not used */
+	const struct world_commits *commits; /* NULL: no functions */
 	int64_t step;     /* steps done since the scene's start */
-	double time;      /* simulated since then, s */
-	bool torn;        /* inside a step: the ground may not be committed now */
+	double time;      /* s of simulated time since the scene's start */
+	bool torn;        /* true inside a step: the ground must not be committed now */
 	struct world_resumed {
 		bool is;
 		int64_t from;  /* step */
 		double time;   /* s */
 		bool nothing_left;
 	} resumed;
-	struct record *record; /* as the last whole step, or what was resumed, left it */
+	struct record *record; /* as the last whole step left it, or as it was resumed */
 
 	/* The ground in memory. */
 	struct store *store;
@@ -227,19 +231,19 @@ struct world {
 	struct gpu *gpu;
 	struct gpu_slots *slots;
 	struct ground *ground;
-	uint32_t ground_tiles; /* tiles that `ground` keeps at most */
+	uint32_t ground_tiles; /* most tiles that `ground` keeps */
 	struct soil_map *soil_map; /* NULL: one soil */
 	struct pages *pages;
 	struct page_cache *cache;
-	struct page_trace *trace; /* NULL: none is asked for */
-	struct pyramid *pyramid;  /* NULL: nobody uses coarser levels */
+	struct page_trace *trace; /* NULL: no trace was asked for */
+	struct pyramid *pyramid;  /* NULL: coarser levels are not used */
 	struct newest *newest;    /* NULL until the first query */
 	FILE *commit_log;         /* a line for each commit; NULL: none */
 
-	struct deform *deform;    /* NULL: no body */
-	struct forces *forces;    /* forces.c; NULL: nobody asks for any */
-	struct look_ahead *ahead; /* motion: loads what will be needed */
-	struct body *bodies;      /* bodies.c: the scene's objects in its order, and one more for what a window drops */
+	struct deform *deform;    /* NULL: there is no body */
+	struct forces *forces;    /* forces.c; NULL: forces are not needed */
+	struct look_ahead *ahead; /* motion: loads tiles before they are needed */
+	struct body *bodies;      /* bodies.c: the scene's objects in its order, and one more for drops of a window */
 
 	struct world_events {     /* events.c: events of the current step */
 		struct event *list;
@@ -247,36 +251,39 @@ struct world {
 	} events;
 	struct world_relaxation { /* relaxation.c */
 		struct deform_rest *rests; /* room for all bodies */
-		int64_t intervals;         /* intervals done or skipped since the scene's start */
-		uint64_t visited, possible; /* blocks; `possible`: the number if all blocks of each touched tile were visited */
+		int64_t intervals;         /* relaxation intervals that were run or skipped since the scene's start */
+		/* blocks visited; possible: how many there would be if all blocks of each touched tile were visited */
+		uint64_t visited, possible;
 	} relaxation;
 	struct world_aloft {      /* aloft.c */
-		struct key_set seen, old; /* `seen`: tiles that were looked at; `old`: those of them with planes from before this world */
+		struct key_set seen, old; /* seen: tiles that were looked at; old: those that have planes from before this world */
 		bool asks_touched;
 	} aloft;
 	struct world_windows {    /* contact.c */
-		uint64_t computed, due; /* windows of contacts; `due`: the number if all contacts on the ground were computed */
-		size_t tiles;           /* most tiles that one window can touch, by the budget */
-		uint64_t tiles_most;    /* most tiles that one window touched */
+		/* windows of contacts that were computed; due: how many there would be if every contact on the ground were
+		 * computed */
+		uint64_t computed, due;
+		size_t tiles;           /* most tiles that one window may touch, by the budget */
+		uint64_t tiles_most;    /* most tiles that one window has touched */
 		bool told;
 	} windows;
-	uint64_t drops;           /* drop.c: bodies that a window dropped */
-	struct world_hosts {      /* hosts.c: by number. NULL for a body with a path, and for one that a rollback removed */
+	uint64_t drops;           /* drop.c: number of bodies that a window dropped */
+	struct world_hosts {      /* hosts.c: by number. NULL for a body with a path, and for a body that a rollback removed */
 		struct host_body **list;
 		size_t count, room;
-		uint64_t turn;        /* number of lists of states so far */
+		uint64_t turn;        /* number of calls of world_bodies_set so far */
 		double until;         /* s: the end of the current step */
 	} hosts;
 	struct checkpoint *checkpoint; /* checkpoint.c; NULL: none yet */
-	struct world_changes {    /* changes.c; of a host's world */
+	struct world_changes {    /* changes.c: for a host's world */
 		struct key_map places;  /* a tile's index in list */
 		struct changed_tile *list;
 		size_t count, room;
-		uint64_t revision;      /* revision of the ground now */
-		uint64_t asked;         /* revision that was returned last */
-		bool pending;           /* something changed since `revision` */
+		uint64_t revision;      /* present revision of the ground */
+		uint64_t asked;         /* revision that was last returned to the host */
+		bool pending;           /* the ground changed after `revision` */
 	} changes;
-	struct world_warmed {     /* what warming up ran; it is not counted in the steps' figures */
+	struct world_warmed {     /* figures of warming up, which do not count as figures of steps */
 		struct gpu_stats gpu;
 		struct gpu_slots_figures slots;
 		struct stalls stalls, range_waits;
@@ -284,119 +291,121 @@ struct world {
 	} warmed;
 };
 
-/* --- a world's life --- */
+/* --- life of a world --- */
 
-/* Opens the store, makes the bodies, and reads the record of a resumed run. Changes nothing. `world` must be all zero. */
+/* Opens the store, makes the bodies, and reads the record if a run is resumed. Changes no file. `world` must be all zero. */
 enum status world_prepare(struct world *world, const struct world_params *params) FURROW_CHECKED;
-/* Starts the look-ahead's thread. Makes the GL context, the slots and everything that bodies need. */
+/* Starts the look-ahead's thread. Makes the GL context, the slots, and everything that bodies need. */
 enum status world_start(struct world *world) FURROW_CHECKED;
-/* Makes the page cache and its threads. `commit_log`: a file that gets a line for each commit. `trace`: notes each access. Either
- * may be NULL. The world takes both over. */
+/* Makes the page cache and its threads. `commit_log`: a file that gets a line for each commit. `trace`: notes each access. Both
+ * may be NULL. The world owns them from now on. */
 enum status world_start_pages(struct world *world, FILE *commit_log, struct page_trace *trace) FURROW_CHECKED;
-/* Sets the watcher. Call it before world_warm. The watcher stays the caller's and must outlive the world. */
+/* Sets the watcher. Call it before world_warm. The caller owns the watcher, which must stay valid longer than the world. */
 void world_watch(struct world *world, const struct world_watcher *watcher);
-/* Lets a host's world be drawn from now on, if it was not drawn before. */
+/* Allows drawing a host's world from now on, if it was not drawn before. */
 enum status world_start_drawing(struct world *world) FURROW_CHECKED;
 /* Links every program, runs each once, and loads what the first step needs. */
 enum status world_warm(struct world *world) FURROW_CHECKED;
-/* From here on passes are counted as the steps'. A program linked later is counted as an error. */
+/* From now on passes count as those of steps. Linking another program counts as an error. */
 void world_seal(struct world *world);
-/* Commits the start of this run, or goes on where the resumed run stopped. */
+/* Commits the start of this run. If the run is resumed, continues where it stopped. */
 enum status world_begin(struct world *world) FURROW_CHECKED;
-/* Makes one time step. STATUS_FAILED, before anything changes: a path leaves the terrain and the scene says stop. */
+/* Makes one time step. STATUS_FAILED, and nothing has changed: a path leaves the terrain, and the scene's `outside` is stop. */
 enum status world_step(struct world *world) FURROW_CHECKED;
-/* Makes one step that ends at `until`, s, which must be later than now. */
+/* Makes one step that ends at time `until`, in s, later than now. */
 enum status world_step_to(struct world *world, double until) FURROW_CHECKED;
-/* Commits everything, with `ended` in the record. Commits nothing if a step failed half-way. */
+/* Commits everything. `ended` is written to the record. If a step failed half-way, nothing is committed. */
 enum status world_end(struct world *world, bool ended) FURROW_CHECKED;
-/* Stops the threads, so that figures are complete. Also takes a world that was not started. */
+/* Stops the threads, so that figures are final. The world need not have been started. */
 void world_stop(struct world *world);
-/* Frees everything. `status`: how the drive ended; after a failure an overlay without a commit is removed. Also takes a world
- * that is all zero or that failed half-way. */
+/* Frees everything. `status`: how the drive ended. After a failure, an overlay without a commit is removed. The world may be
+ * all zero, or half made. */
 void world_finish(struct world *world, enum status status);
 
 /* --- steps --- */
 
-int64_t world_step_count(const struct world *world); /* the last step */
-double world_steps_until(const struct scene *scene, double time); /* whole steps until `time`, s */
-double world_step_time(const struct scene *scene, int64_t step);  /* s: when this step ends */
+int64_t world_step_count(const struct world *world); /* number of the last step */
+double world_steps_until(const struct scene *scene, double time); /* number of whole steps until `time`, s */
+double world_step_time(const struct scene *scene, int64_t step);  /* time in s at which this step ends */
 bool world_stopped(const struct world *world); /* true after Ctrl-C */
 enum status world_interrupted(const struct world *world) FURROW_CHECKED;
-/* Ends a change of the ground: from now on it may be committed, with the record as it is. */
+/* Ends a change of the ground. From now on it may be committed with the present record. */
 enum status world_end_step(struct world *world) FURROW_CHECKED;
-void world_stalls(const struct world *world, struct stalls *stalls); /* since world_begin */
+void world_stalls(const struct world *world, struct stalls *stalls); /* waits since world_begin */
 void world_recorded(const struct world *world, struct world_recorded *recorded);
-/* waits for ranges of tiles, which are not counted as stalls; since world_begin */
+/* waits for ranges of tiles since world_begin; they do not count as stalls */
 void world_range_waits(const struct world *world, struct stalls *waits);
 
 /* --- forces --- */
 
 struct world_forces_figures {
 	uint64_t saturated; /* posts whose pressure was too large to count */
-	uint64_t sunk;      /* contacts in which the soil did not carry the load */
+	uint64_t sunk;      /* contacts in which the soil could not carry the load */
 };
 void world_forces_figures(const struct forces *forces, struct world_forces_figures *figures); /* `forces` must not be NULL */
-/* Waits for all forces that were asked for, and uses them, also in the record. */
+/* Waits for all forces in flight and applies them, also to the record. */
 enum status world_settle_forces(struct world *world) FURROW_CHECKED;
 
 /*
  * --- bodies of a host: bodies without a path, in a scene that was read for a host ---
  *
- * Numbers 0 .. object_count - 1 are the scene's objects in its order. Bodies that are added get the numbers after them. A
- * number is never used again. STATUS_USAGE: there is no such body, or it follows a path.
+ * Numbers 0 .. object_count - 1 are the scene's objects in its order. Bodies that are added get the next numbers. A number is
+ * never used twice. STATUS_USAGE: there is no body with this number, or it follows a path.
  */
 
-/* Adds a body and gives its number. Takes over `object`, which scene_object_parse made, unless it fails. STATUS_INPUT: the name
- * is taken, or the shape is too large for the spacing or the slots. */
+/* Adds a body and gives its number. `object` was made by scene_object_parse; the world owns it from now on, unless the call
+ * fails. STATUS_INPUT: the name is used already, or the shape is too large for the spacing or the slots. */
 enum status world_body_add(struct world *world, struct scene_object *object, int32_t *number) FURROW_CHECKED;
 /* Finds a body by name. STATUS_INPUT: no body has that name; then *number is -1. */
 enum status world_body_find(const struct world *world, const char *name, int32_t *number) FURROW_CHECKED;
-/* Removes a body. The soil under it is unloaded. */
+/* Removes a body. Its weight no longer acts on the soil. */
 enum status world_body_remove(struct world *world, int32_t number) FURROW_CHECKED;
-/* Puts a body at a pose, at rest. It touches nothing between the old pose and the new one. */
+/* Puts a body at a pose, at rest. It touches nothing on the way from the old pose to the new one. */
 enum status world_body_place(struct world *world, int32_t number, const struct world_pose *pose) FURROW_CHECKED;
-/* Sets where bodies will be after the next step. Names each body at most once. On failure it sets none. */
+/* Sets where bodies will be after the next step. The list names each body at most once. On failure no body is set. */
 enum status world_bodies_set(struct world *world, size_t count, const int32_t *numbers, const struct world_state *states)
 	FURROW_CHECKED;
-/* Tells the state of any body, also of one with a path. NaN: it was never placed. */
+/* Gives the state of any body, also of a body with a path. NaN: it was never placed. */
 enum status world_body_state(const struct world *world, int32_t number, struct world_state *state) FURROW_CHECKED;
-/* Returns a contact of which nothing is known: all numbers are NaN. Pure. */
+/* Returns a contact whose numbers are all NaN (not known). Pure. */
 struct world_contact world_contact_unknown(void);
-/* Tells what the soil does to any body. Waits for forces that are being computed. */
+/* Gives the contact of any body with the soil. Waits for forces that are being computed. */
 enum status world_body_contact(struct world *world, int32_t number, struct world_contact *contact) FURROW_CHECKED;
-/* Computes the axes of a body, forward, left and up, in local axes. `q`: a quaternion of length 1; w, x, y, z. Pure. */
+/* Computes the axes of a body (forward, left, up) in local axes. `q`: unit quaternion w, x, y, z. Pure. */
 void world_axes(const double q[4], double axes[3][3]);
-/* Commits everything so far. world_rollback goes back to this state. */
+/* Commits everything so far. world_rollback can restore this state. */
 enum status world_checkpoint(struct world *world) FURROW_CHECKED;
-/* Sets ground, bodies, forces, time and rows back to the last checkpoint. STATUS_FAILED: there was none. */
+/* Restores ground, bodies, forces, time and rows to the last checkpoint. STATUS_FAILED: there is none. */
 enum status world_rollback(struct world *world) FURROW_CHECKED;
-/* Tells the rectangles of the working level that changed after the revision `since`, and the revision now. `since` 0: also
- * everything that the store already held. *count: room on entry, number on return. STATUS_USAGE: the room is too small (*count
- * and *now are still set), or `since` is later than now. */
+/* Gives the rectangles of the working level that changed after the revision `since`, and the present revision. With `since` 0
+ * it includes everything that the store had before. *count: room on entry, number on return. STATUS_USAGE: the room is too
+ * small (*count and *now are still set), or `since` is later than now. */
 enum status world_changes_since(struct world *world, uint64_t since, struct post_rect *rects, size_t *count, uint64_t *now)
 	FURROW_CHECKED;
-/* Changes the ground up to where the host's bodies are now. Does nothing if it has been changed that far. */
+/* Changes the ground up to the present places of the host's bodies. Does nothing if that was already done. */
 enum status world_hosts_commit(struct world *world) FURROW_CHECKED;
 
 /* --- bodies that a window drops ---
  *
- * Each is set down once and taken away. Its lowest point goes `sink` below the surface; with a load the soil decides how deep. */
+ * Each is placed once and then removed. Its lowest point goes `sink` below the surface. With a load, the soil decides how deep
+ * it sinks. */
 enum world_drop_shape {
-	WORLD_DROP_FIRST, /* the shape, and the sink or load, of the scene's first object */
+	WORLD_DROP_FIRST, /* shape and sink or load of the scene's first object */
 	WORLD_DROP_BALL,
 	WORLD_DROP_SHAPES
 };
-/* Drops a body at (x, y), local metres. `*landed` false: there is no ground, or the scene has no object, and nothing changed. */
+/* Drops a body at (x, y), in local metres. `*landed` is false if there is no ground, or the scene has no object. Then nothing
+ * changed. */
 enum status world_drop(struct world *world, enum world_drop_shape shape, double x, double y, double yaw, bool *landed)
 	FURROW_CHECKED;
-/* Tells where a body is on its path now. `place`: local metres, on the base; `yaw`: radians from east to north. */
+/* Gives the present place of a body on its path. `place`: local metres, on the base. `yaw`: radians from east to north. */
 void world_place(const struct world *world, size_t body, double place[3], double *yaw);
 
 /*
  * --- queries ---
  *
- * Call them between two steps. They tell the newest ground, with the changes of the last step. A query changes nothing that
- * results depend on. terrain/terrain.h defines heights and rays. One call for many points is cheaper than many calls.
+ * Call them between two steps. They give the newest ground, with the changes of the last step. They never change results. For
+ * heights and rays see terrain/terrain.h. One call for many points is faster than many calls.
  */
 enum status world_heights(struct world *world, const struct terrain_point *points, size_t count, struct terrain_height *heights)
 	FURROW_CHECKED;
@@ -405,32 +414,31 @@ enum status world_rays(struct world *world, const struct terrain_ray *rays, size
 enum status world_read_posts(struct world *world, enum store_layer layer, int level, struct post_rect rect, double *values)
 	FURROW_CHECKED;
 
-/* Tells which of the scene's soils is at the post of the working level nearest to (x, y), local metres. -1: outside the
- * terrain. */
+/* Gives the index of the soil at the post of the working level nearest to (x, y), in local metres. -1: outside the terrain. */
 enum status world_soil_at(struct world *world, double x, double y, int *soil) FURROW_CHECKED;
 
 /* --- facts that follow from scene and store, before anything is made: plan.c --- */
 
 /* Returns the planes that are read and committed. With bodies: the planes of the scene's model, and disturbance if the scene
- * has it. Without bodies: the planes that are drawn, if the store `was_deformed`. */
+ * asks for it. Without bodies: the drawn planes if the store `was_deformed`, otherwise none. */
 unsigned world_planes(const struct scene *scene, bool was_deformed);
-bool world_needs_soil_map(const struct scene *scene); /* there is a map of soils and something uses it */
-/* Opens the store for reading and makes the bodies. `store` NULL: assumes some ground, and fills `assumed`. Only for plans. End
- * it with world_finish. */
+bool world_needs_soil_map(const struct scene *scene); /* true if there is a map of soils and something uses it */
+/* Opens the store for reading and makes the bodies; only for plans. If `store` is NULL, it assumes a terrain and describes it
+ * in `assumed`. End with world_finish. */
 enum status world_prepare_plan(struct world *world, const struct scene *scene, const char *store, struct store_meta *assumed)
 	FURROW_CHECKED;
-/* Tells which settings of the scene have no effect over this store. */
+/* Calls `tell` for each setting of the scene that has no effect on this store. */
 void world_advise(const struct world *world, scene_advice_fn tell, void *user);
-/* These add lines to a plan: of the passes and resources of contacts; then of pages and of the look-ahead. */
+/* Add lines to a plan: the first for the passes and resources of contacts, the second for pages and the look-ahead. */
 enum status world_plan_deform(const struct world *world, struct plan *plan) FURROW_CHECKED;
 void world_plan_pages(const struct world *world, struct plan *plan);
-uint64_t world_samples_until(const struct track *track, double end); /* path samples that are due until `end`, s */
+uint64_t world_samples_until(const struct track *track, double end); /* number of path samples that are due until `end`, s */
 
-/* --- the resources that a world needs at least, and uses at most: budget.c --- */
+/* --- resources that a world needs at least, and uses at most: budget.c --- */
 
-/* STATUS_INPUT, with the number needed: one window touches more tiles than there are slots, or more ground relaxes than can at
- * once. */
+/* STATUS_INPUT, with the number needed: one window touches more tiles than there are slots, or more ground relaxes than can
+ * relax at once. */
 enum status world_budget_check(struct world *world) FURROW_CHECKED;
-void world_budget(const struct world *world, struct resident_pages_budget *budget); /* bytes, of everything that holds tiles */
+void world_budget(const struct world *world, struct resident_pages_budget *budget); /* bytes of everything that holds tiles */
 
 #endif
