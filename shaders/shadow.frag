@@ -1,5 +1,6 @@
 #version 450 core
-// How much of its light an object leaves to the ground that is seen at a pixel: multiplies what is there.
+// Darkens the ground in the shadow of an object. Writes the share of light that is left; blending multiplies the pixel by this
+// share.
 #include "lib/picture.glsl"
 flat in vec4 own_x, own_y, own_z, form, volume_x, volume_y, volume_z;
 flat in vec4 to_sun;
@@ -8,7 +9,8 @@ flat in vec2 strength;
 layout(location = 0) out vec4 left;
 
 #ifdef SAMPLES
-// Each sample of a pixel for itself: an edge's far side is shaded as far ground is.
+// With multisampling, the shader runs for each sample of a pixel and reads the depth of that sample. So at the edge of a hill,
+// the ground behind the edge gets its own shadow.
 layout(binding = 0) uniform sampler2DMS depth_map;
 float depth_here()
 {

@@ -1,5 +1,7 @@
-/* Classes of a grey PNG, which has no place: a pixel a post of level 0, from the north-west post. Read as a
- * heightmap of whole metres. */
+/*
+ * Reads the soil class of each post from a grey PNG. A PNG has no coordinates: each pixel is one post of level 0, and the first
+ * pixel is the north-west post. The value of a pixel is the class.
+ */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>

@@ -1,4 +1,7 @@
-/* The grid that GDAL's sources make: opened, put together, projected if need be, read by rows. */
+/*
+ * Makes one grid of all sources that GDAL can read. It opens the sources, joins them, and projects them to metres if necessary.
+ * The rest of dem reads the grid row by row.
+ */
 #include "dem_gdal.h"
 
 #include <cpl_conv.h>
@@ -12,8 +15,10 @@ struct gdal_grid {
 	size_t source_count;
 	char *name; /* of the first source, for messages */
 	GDALDatasetH mosaic;
-	GDALDatasetH warped; /* NULL if the mosaic is read as it is */
-	struct dem_layers *layers; /* instead of the mosaic, if that is read as it is and the sources fit; else NULL */
+	GDALDatasetH warped; /* the projected or resampled mosaic; NULL if the mosaic is used unchanged */
+	/* reads the sources directly. Used instead of the mosaic if nothing is projected and all sources have the same lattice;
+	 * otherwise NULL */
+	struct dem_layers *layers;
 };
 
 static void gdal_destroy(struct dem_grid *grid)

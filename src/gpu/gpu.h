@@ -49,11 +49,12 @@ enum gpu_stage {
 	GPU_DISTURBANCE,
 	GPU_PYRAMID,
 	GPU_TERRAIN,
-	GPU_SHADOW,    /* of objects, on the terrain */
+	GPU_SHADOW,    /* draws the shadows of objects on the terrain */
 	GPU_OBJECTS,
 	GPU_SKY,
-	GPU_RESOLVE,   /* from several samples for each pixel to one */
-	GPU_SUBDIVIDE, /* Technique 4 of the dissertation: interpolates a tile below level 0 when it is loaded */
+	GPU_RESOLVE,   /* averages the samples of each pixel */
+	/* fills a tile finer than level 0 by interpolation when the tile is loaded (Technique 4 of the dissertation) */
+	GPU_SUBDIVIDE,
 	GPU_STAGES
 };
 const char *gpu_stage_name(enum gpu_stage stage);

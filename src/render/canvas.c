@@ -97,7 +97,7 @@ static void mask_stretch(const struct mask *mask, const double a[2], const doubl
 	double low = fmax(fmin(a[1], b[1]) - reach, (double)mask->low);
 	double high = fmin(fmax(a[1], b[1]) + reach, (double)(mask->low + mask->height));
 	for (int64_t y = (int64_t)floor(low); y < (int64_t)ceil(high); y++) {
-		/* The part of the stretch that this row is within reach of. */
+		/* s .. e is the part of the line from a to b that can cover pixels of this row; 0 is a, 1 is b. */
 		double s = 0, e = 1, row = (double)y + 0.5;
 		if (dy != 0) {
 			double p = (row - reach - a[1]) / dy, q = (row + reach - a[1]) / dy;

@@ -1,6 +1,7 @@
 /*
- * A file's triangles, for drawing. They look smooth where they meet at a small angle, and have an edge elsewhere. If more than MEET
- * triangles share a corner, each keeps its own normal. So the work is bounded for any file.
+ * Makes the mesh to draw from the triangles of a mesh file. Two triangles that meet at a small angle look smooth; at a larger
+ * angle they show an edge. If more than MEET triangles share a vertex, each triangle keeps its own normal there. So the work is
+ * bounded for any file.
  */
 #include <math.h>
 
@@ -75,7 +76,8 @@ static void smooth(const struct meeting *meeting, uint32_t vertex, uint32_t tria
 void render_object_mesh_of_file(struct object_mesh *mesh, const struct deform_mesh *file)
 {
 	struct meeting meeting = {NULL, NULL, NULL};
-	/* The corner that was made last at each vertex. Neighbours in a file often share it. */
+	/* For each vertex of the file: the last corner that was made there. The next triangle uses this corner again if its normal
+	 * there is the same. */
 	uint32_t *last = mem_alloc(file->vertex_count, sizeof *last);
 	if (last == NULL || !meet(file, &meeting))
 		mesh->failed = true;

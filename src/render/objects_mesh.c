@@ -61,7 +61,7 @@ static void end_detail(struct object_mesh *mesh, int detail)
 	mesh->first[detail + 1] = mesh->index_count;
 }
 
-/* Counter-clockwise seen from where `outward` points; two corners that are one are no triangle. */
+/* Adds a triangle that is counter-clockwise seen from where `outward` points. Adds none if two of its corners are the same. */
 static void face(struct object_mesh *mesh, uint32_t a, uint32_t b, uint32_t c, const double outward[3])
 {
 	if (mesh->failed)
@@ -81,7 +81,7 @@ static void face(struct object_mesh *mesh, uint32_t a, uint32_t b, uint32_t c, c
 		render_object_mesh_triangle(mesh, a, along >= 0 ? b : c, along >= 0 ? c : b);
 }
 
-/* Four corners in turn. */
+/* Adds a quadrilateral. Its four corners are given in order around it. */
 static void flat(struct object_mesh *mesh, double at[4][3], const double normal[3], enum object_material material)
 {
 	uint32_t look = render_object_look(normal, material), corners[4];
@@ -107,14 +107,14 @@ static void brick(struct object_mesh *mesh, const double middle[3], double half[
 		}
 }
 
-/* --- what is round about the y axis --- */
+/* --- shapes that are round about the y axis --- */
 
 /* A ring around an axis: its radius, its position along the axis, and its normal (away from the axis, and along it). */
 struct ring {
 	double radius, y, out, along;
 };
 
-/* The surface between rings, from one of `steps` round to another. */
+/* Adds the surface that connects the rings. A full turn has `steps` steps; the surface goes from step `from` to step `to`. */
 static void lathe(struct object_mesh *mesh, const struct ring *rings, int count, int from, int to, int steps,
 		  enum object_material material)
 {
@@ -142,7 +142,7 @@ static void lathe(struct object_mesh *mesh, const struct ring *rings, int count,
 #define SHOULDER_STEPS 3
 #define SPOKES 5
 
-/* Tread and shoulders, from one side's wall to the other's. */
+/* Adds the tread and the shoulders of a tyre, from the wall of one side to the wall of the other. */
 static void tyre(struct object_mesh *mesh, double radius, double half, double shoulder, int round_steps, int steps)
 {
 	struct ring rings[2 * SHOULDER_STEPS + 2];
@@ -205,11 +205,12 @@ static void wheel(struct object_mesh *mesh, const struct deform_shape *shape)
 	}
 }
 
-/* --- the others --- */
+/* --- balls, boxes and meshes --- */
 
 #define GORES 8
 
-/* Its poles are at its sides, and every other gore is dark: it is seen to roll. */
+/* Adds a ball. Its poles are at its left and right. Every second stripe from pole to pole is dark, so that one can see the ball
+ * roll. */
 static void ball(struct object_mesh *mesh, double radius)
 {
 	static const int steps[OBJECT_DETAILS] = {56, 32, 16};
@@ -238,7 +239,7 @@ enum status render_object_mesh_make(const struct deform_shape *shape, struct obj
 	else
 		brick(mesh, (const double[3]){0, 0, 0},
 		      (double[3][3]){{shape->size[0] / 2, 0, 0}, {0, shape->size[1] / 2, 0}, {0, 0, shape->size[2] / 2}}, OBJECT_PAINT);
-	/* Others are as they are at every distance. */
+	/* Other shapes look the same in all details. */
 	for (int detail = 0; detail < OBJECT_DETAILS && shape->kind != DEFORM_WHEEL && shape->kind != DEFORM_SPHERE; detail++)
 		end_detail(mesh, detail);
 	if (!mesh->failed)

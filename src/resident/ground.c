@@ -1,11 +1,14 @@
 /*
- * Invariants of the data that the mutex guards:
- * - An empty place has any posts or none; the posts of every other place are complete.
- * - `latest` is the place that the owner used last, RECENT_NONE before. Only the owner's own misses take it.
- * - Posts are read and changed under the mutex.
+ * Keeps the posts of recently used tiles in memory. The owner's thread uses them; a second thread, the warming thread, may read
+ * tiles ahead. Each place holds the posts of one tile.
  *
- * Reading a tile takes long. A warming thread reads without the mutex, into posts of no place, and then exchanges them with a
- * place's. Only the owner reads with the mutex held, since nobody is more urgent.
+ * Invariants of the data that the mutex guards:
+ * - The posts of a place without a tile have no meaning. The posts of every other place are complete.
+ * - `latest` is the place that the owner used last, or RECENT_NONE at the start. Only a read by the owner may replace its tile.
+ * - Posts are read and changed only while the mutex is held.
+ *
+ * Reading a tile takes long. So the warming thread reads into a spare buffer without the mutex. Then it exchanges this buffer with
+ * the buffer of a place. Only the owner keeps the mutex while it reads, since no other thread is more urgent.
  */
 #include "resident/ground_internal.h"
 
@@ -13,7 +16,7 @@
 #include <math.h>
 #include <string.h>
 
-#define RANGES 16384 /* tiles whose range is kept: about what a few pictures need */
+#define RANGES 16384 /* number of tiles whose height range stays in memory: about as many as a few pictures need */
 
 int32_t resident_ground_reference(const struct store *store)
 {

@@ -1,4 +1,7 @@
-/* The hash of what a scene makes of the ground, over a little-endian list of its checked values. */
+/*
+ * Computes the hash of a scene. It covers all checked values that decide how the ground changes. Two scenes with the same hash
+ * change a terrain in the same way. Each value is added as little-endian bytes.
+ */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

@@ -13,7 +13,8 @@
 #include "scene/scene_set.h"
 #include "scene/scene_typed.h"
 
-/* Fills `tree->root` from `text`, with the settings over it and the shorthands written out. */
+/* Makes the tree of the scene from `text`, in tree->root. Replaces old names of keys, applies the settings, and expands the short
+ * forms. */
 static enum status read_tree(struct scene_tree *tree, const char *text, size_t length,
 			     const struct scene_setting *settings, size_t count)
 {
@@ -25,11 +26,11 @@ static enum status read_tree(struct scene_tree *tree, const char *text, size_t l
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		status = scene_set(tree, &settings[i]);
 	if (status == STATUS_OK && count > 0)
-		status = scene_alias(tree); /* in the settings' values */
+		status = scene_alias(tree); /* the values of the settings may have old names, too */
 	return status == STATUS_OK ? scene_fold(tree) : status;
 }
 
-/* `scene`: has its file, its folder and whom it is for. */
+/* Fills the scene from `text`. The caller has already set the members file, folder and hosted. */
 static enum status fill(struct scene *scene, const char *text, size_t length,
 			const struct scene_setting *settings, size_t count)
 {
@@ -47,7 +48,8 @@ static enum status fill(struct scene *scene, const char *text, size_t length,
 	return status;
 }
 
-/* `name`: what messages call the text. `beside`: a file in the folder, or the folder. */
+/* Makes a scene from a text. `name`: the name of the text in messages. `beside`: the folder for the files that the scene names, or
+ * a file in that folder. */
 static enum status load(const char *name, const char *beside, const char *text, size_t length,
 			const struct scene_setting *settings, size_t count, enum scene_reader reader,
 			struct scene **out)

@@ -61,8 +61,8 @@ static const struct {
 	[STORE_SHEAR] = {ROW_SHEAR, add_shear},
 };
 
-/* The part of `rect` that a tile `shift` levels coarser gives: its last row and column only where
- * no tile follows. */
+/* Returns the part of `rect` that this tile provides. The tile is `shift` levels coarser than the posts of `rect`. Neighbouring
+ * tiles share a row or column of posts; the tile to the north or east provides it, if there is one. */
 static struct post_rect part_of(const struct reading *reading, struct tile tile, int shift,
 				struct post_rect rect)
 {
@@ -109,7 +109,7 @@ static enum status load_tile(struct reading *reading, enum row_table table, stru
 	return STATUS_OK;
 }
 
-/* Reads every tile of `source` that has a part of the rectangle, which is already cut to the terrain. */
+/* Reads all tiles of level `source` that overlap the rectangle. The rectangle already lies inside the terrain. */
 static enum status take_level(struct reading *reading, enum row_table table, int source,
 			      struct post_rect rect, meaning_fn meaning)
 {
@@ -119,7 +119,7 @@ static enum status take_level(struct reading *reading, enum row_table table, int
 		return fail_with(STATUS_INPUT, "%s: level %d is more than %d levels finer than what is stored; ask "
 				 "for a coarser one", reading->reader->rows.path, reading->level, SHIFT_MAX);
 	const struct extent *extent = reading->reader->rows.extent;
-	/* A last post of the terrain may be the last of the tile before: none begins there. */
+	/* The last post of the terrain may belong to the last tile. Then no tile begins there. */
 	int64_t span = (int64_t)extent->cells << shift;
 	uint32_t tiles_x = extent_tiles_x(extent, source), tiles_y = extent_tiles_y(extent, source);
 	uint32_t first_x = (uint32_t)(rect.x0 / span), first_y = (uint32_t)(rect.y0 / span);
@@ -239,7 +239,8 @@ static enum status level_at(struct store_reader *reader, double x, double y, int
 	return status;
 }
 
-/* A part of a cell; a rounding beside a post is the post, or a hole next to it would take it. */
+/* Rounds a position within a cell to 0 or 1 if it is almost there. Otherwise a rounding error at a post would include the post
+ * beside it, which may be a hole. */
 static double snapped(double part)
 {
 	return fabs(part - round(part)) < BESIDE ? round(part) : part;

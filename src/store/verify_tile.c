@@ -12,7 +12,8 @@
 
 /* --- other tiles --- */
 
-/* Reads a tile; what is wrong with the store is no failure, `why` then says it. */
+/* Reads a tile of the table that is checked. Wrong content is not a failure of this function: it sets *held to HELD_BROKEN, and
+ * the failure message tells the reason. */
 static enum status read_tile(struct verifying *verifying, struct tile tile, int32_t *posts, struct row *row,
 			     enum held *held)
 {
@@ -60,8 +61,8 @@ static bool edge_same(const struct verifying *verifying, const int32_t *other, b
 	return true;
 }
 
-/* To the west and south only against rows that are missing: those there were are checked from
- * themselves. */
+/* Returns true if all posts of the west or south edge are zero. Used only if the neighbour there has no row. If it has one,
+ * check_edges compares this edge when it checks the neighbour. */
 static bool near_edge_zero(const struct verifying *verifying, bool west)
 {
 	size_t side = verifying->side;
@@ -103,7 +104,8 @@ static enum status check_edges(struct verifying *verifying, struct tile tile)
 	return STATUS_OK;
 }
 
-/* What the tiles below make of this one: posts into `expected`, their ranges into `range`. */
+/* Checks that this tile has every second post of the tiles below it. `expected` gets the posts that it should have. Widens `range`
+ * by the ranges of the tiles below. *exact: false if a tile below cannot be read. */
 static enum status check_below(struct verifying *verifying, struct tile tile, struct row *range, bool *exact)
 {
 	const struct extent *extent = &verifying->store->meta.extent;
@@ -145,7 +147,7 @@ static enum status check_above(struct verifying *verifying, struct tile tile)
 	enum status status = store_rows_head(store_table(verifying->store, verifying->table), verifying->table,
 				       tile_ancestor(tile, tile.level + 1), &above, &found);
 	if (status == STATUS_INPUT)
-		return STATUS_OK; /* told when it is that tile's turn */
+		return STATUS_OK; /* reported when the tile above is checked */
 	if (status == STATUS_OK && !found)
 		store_verify_tell_tile(verifying, tile, "there is no tile above it");
 	return status;
@@ -191,7 +193,7 @@ enum status store_verify_tile(struct verifying *verifying, struct tile tile)
 		return STATUS_OK;
 	}
 	if (held != HELD_POSTS) {
-		/* "store: base tile ...: why": the path is known to who asked. */
+		/* The message begins with the path of the store, which the reader of the report knows: leave it out. */
 		const char *text = failure_message(), *path = store_table(store, verifying->table)->path;
 		size_t length = strlen(path);
 		store_verify_tell(verifying, "%s", strncmp(text, path, length) == 0 ? text + length + 2 : text);

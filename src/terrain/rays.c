@@ -67,7 +67,7 @@ static bool piece(struct ray *ray, double begin, double end, uint32_t x, uint32_
 
 static bool in_cell(struct ray *ray, uint32_t x, uint32_t y, double begin, double end)
 {
-	/* Where it is beside the diagonal: below it is the lower triangle. */
+	/* Each cell has two triangles. The sign of `apart` tells on which side of the diagonal the ray is. */
 	const double apart = (ray->at[0] - x) - (ray->at[1] - y), rate = ray->step[0] - ray->step[1];
 	const double first = apart + rate * begin, last = rate == 0 ? apart : apart + rate * end;
 	if (first == 0 && last == 0) {
@@ -93,7 +93,7 @@ struct cell_rect {
 	uint32_t x0, y0, x1, y1; /* in squares */
 };
 
-/* When it leaves a row of squares, `size` cells wide. */
+/* Returns the ray parameter at which the ray leaves a row of squares. Each square is `size` cells wide. */
 static double leaves(double at, double step, uint32_t square, uint32_t size)
 {
 	if (step == 0)
@@ -170,12 +170,12 @@ static enum status in_posts(struct ray *ray, struct tile tile, struct cell_rect 
 
 static enum status in_tile(struct ray *ray, struct tile tile, double begin, double end);
 
-/* A quarter of a tile: the child there, or what the tile itself has. */
+/* Follows the ray through a quarter of a tile. Uses the child tile there, or the posts of the tile itself if there is no child. */
 static enum status in_quarter(struct ray *ray, struct tile tile, bool east, bool north, double begin, double end)
 {
 	const struct terrain_ground *ground = ray->ground;
 	struct tile child = {tile.level - 1, 2 * tile.x + east, 2 * tile.y + north};
-	/* On the world's edge it is in the last tile. */
+	/* At the edge of the world the quarter may have no child tile. Its posts are then in the last tile before it. */
 	if (child.x >= extent_tiles_x(ground->extent, child.level))
 		child.x--;
 	if (child.y >= extent_tiles_y(ground->extent, child.level))
@@ -195,7 +195,8 @@ static enum status in_quarter(struct ray *ray, struct tile tile, bool east, bool
 	return in_posts(ray, tile, (struct cell_rect){x, y, x + half, y + half}, begin, end);
 }
 
-/* Where it crosses the middle of a tile, and on which side of it it is before. */
+/* Returns the ray parameter at which the ray crosses the middle of a tile along this axis; INFINITY: never. *beyond: the ray is on
+ * the eastern or northern side before it crosses. */
 static double crosses(const struct ray *ray, int axis, uint32_t tile, double side, bool *beyond)
 {
 	const double middle = (tile + 0.5) * side, way = ray->way[axis];

@@ -77,13 +77,13 @@ static bool in_view(struct selector *s, const struct terrain_place *place)
 
 static bool cover(struct selector *s, const struct terrain_place *place);
 
-/* What of a divided tile is left for the tile itself: `own` has nothing finer, `standing` should be
- * drawn finer and cannot. */
+/* Selects the children of a divided tile. Then the tile itself must still draw some quadrants, each a bit. `own`: quadrants for
+ * which there are no finer tiles. `standing`: quadrants whose finer tiles are not resident yet. */
 static void cover_children(struct selector *s, const struct terrain_place *place, unsigned *own,
 			   unsigned *standing)
 {
 	struct tile tile = place->tile;
-	/* Nearest quadrant first: it gets what room there is. */
+	/* Begin with the nearest quadrant, so that it gets the slots that are still free. */
 	double middle[2];
 	double side = extent_spacing(s->extent, tile.level) * s->extent->cells;
 	middle[0] = (tile.x + 0.5) * side;
@@ -108,7 +108,8 @@ static void cover_children(struct selector *s, const struct terrain_place *place
 	}
 }
 
-/* Below level 0 the ground's broad shape is read from the level-0 tile: the picture needs it too. */
+/* A tile below level 0 needs its level-0 tile too, which has the broad shape of the ground. Counts this tile, and requests it if
+ * it is not resident. */
 static void need_ground(struct selector *s, const struct terrain_place *place)
 {
 	uint32_t slot;

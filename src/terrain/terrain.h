@@ -34,8 +34,8 @@ struct terrain_source {
 	/* Returns true if the tile is resident now, and gives its slot. Asked only about tiles that the picture needs, or that
 	 * may be drawn in their place. If it always returns false, all tiles of the picture become wanted. */
 	bool (*resident)(void *user, struct tile tile, uint32_t *slot);
-	/* Returns true if this tile may be divided: its children exist (level > 0), or tiles below it have offsets. Children
-	 * outside the world are not asked about. */
+	/* Returns true if finer tiles may be drawn in place of this tile. At level > 0: its children exist. At level 0 and finer:
+	 * there are finer tiles with offsets below it. terrain never asks about children outside the world. */
 	bool (*divisible)(void *user, struct tile tile);
 	/* Used if by_error. Returns the largest height difference, in metres, between the drawn tile and the finest ground,
 	 * with deformation. Asked only about tiles that have bounds. A child's error should be at most its parent's. A larger

@@ -144,10 +144,11 @@ enum status world_is_aloft(struct world *world, const struct event *event, struc
 
 enum status world_forces_create(struct world *world, struct forces **out) FURROW_CHECKED; /* *out is NULL if nothing needs forces */
 void world_forces_destroy(struct forces *forces);
-/* Tells the rows of objects.csv that are due before `until` (with `inclusive`, also at `until`), by the forces known so far.
- * Call it before an event. */
+/* Writes the rows of objects.csv that are due before `until` (with `inclusive`, also at `until`). The rows have the forces that
+ * are known so far. Call it before an event. */
 enum status world_forces_rows(struct forces *forces, double until, bool inclusive) FURROW_CHECKED;
-/* Returns the tag for the contact of an event; 0: its forces are not needed. */
+/* Returns the tag to put into the contact of this event. A contact with a tag makes deform compute the forces on the body. Returns
+ * 0 if these forces are not needed. */
 uint64_t world_forces_ask(struct forces *forces, size_t body, const struct event *event, bool last_in_step);
 /* Returns true if the scene's model computes forces. */
 bool world_feels(const struct world *world);

@@ -36,7 +36,8 @@ struct body_motion deform_body_motion_of(const struct deform_pose *from, const s
 	};
 }
 
-/* Returns the functional of a post's place along the direction (c, s), counted from (m->x, m->y). */
+/* Computes how far a post lies from (m->x, m->y) along the direction (c, s), as an affine function of the post's position. The
+ * distance is multiplied by `factor`; then `plus` is added. `scale` and `shift`: as in deform_functional_of. */
 static struct functional along(const struct body_motion *m, long double c, long double s, double spacing,
 			       long double factor, long double plus, int scale, int shift)
 {
