@@ -24,33 +24,34 @@
 #include "dem_measure.h"
 #include "dem_scratch.h"
 
-#define STRIP_POSTS (1 << 20) /* of doubles asked for at once, about */
-#define PANEL_POSTS (1 << 23) /* of a band and, about as many again, of open tiles */
+#define STRIP_POSTS (1 << 20) /* posts: about so many heights are requested at once, as doubles */
+#define PANEL_POSTS (1 << 23) /* posts: the most in a band; open tiles need about as many again */
 
 struct open {
 	bool begun;
-	int32_t *codes; /* kept for the next tile in its place */
-	double low, high, error; /* metres, over what is below; low and high NaN while there is no data */
+	int32_t *codes; /* the posts so far; the memory is used again for the next tile in this place */
+	double low, high, error; /* metres, over all tiles below this one; low and high are NaN while there is no data */
 };
 
 struct cutting {
 	const struct dem_cut *cut;
 	const struct extent *extent;
-	size_t posts;        /* of a tile */
+	size_t posts;        /* in a tile */
 	int coarsest;
 	int panel_level;     /* a tile of this level is as wide as a panel */
 	int64_t panel;       /* the panel being cut */
-	int64_t x0, width;   /* its first post and how many */
-	int64_t stride;      /* posts of a band's row */
+	int64_t x0, width;   /* the first post of the panel, and how many posts it is wide */
+	int64_t stride;      /* posts in a row of the band */
 	int32_t *band;       /* cells + 1 rows */
 	uint32_t filled;     /* rows */
 	uint32_t tile_y;     /* of the band */
-	int32_t *tile;       /* the one being emitted */
+	int32_t *tile;       /* a tile of the band, cut out to be emitted */
 	double *heights;
-	int64_t strip;       /* rows of them */
-	int64_t rows_done;   /* over all panels */
-	struct open *open[TILE_LEVEL_MAX + 1]; /* by level, from 1 */
-	/* Of levels coarser than a panel: whose codes are in memory, and where in the file those of the first are. */
+	int64_t strip;       /* rows that `heights` has room for */
+	int64_t rows_done;   /* rows done so far, over all panels */
+	struct open *open[TILE_LEVEL_MAX + 1]; /* open tiles by level; level 0 has none */
+	/* For levels whose tiles are wider than a panel. `held`: the tile whose codes are in memory. `first`: where the codes of
+	 * the level begin in the temporary file, in tiles. */
 	struct open *held[TILE_LEVEL_MAX + 1];
 	int64_t first[TILE_LEVEL_MAX + 1]; /* tiles */
 	struct dem_scratch scratch;
@@ -89,7 +90,8 @@ static enum status move_codes(struct cutting *cutting, int level, struct open *o
 	return dem_scratch_move(&cutting->scratch, write, open->codes, bytes, tile * (int64_t)bytes);
 }
 
-/* The tile's codes into memory, if it has any; those of the one before it in its level make room. */
+/* Makes room in memory for the codes of this tile, and reads them if there are any. If needed, the tile of this level that was in
+ * memory before is written to the temporary file. */
 static enum status hold(struct cutting *cutting, int level, struct open *open)
 {
 	struct open *before = cutting->held[level];
@@ -134,7 +136,8 @@ static void widen(struct open *open, double low, double high, double error)
 	open->high = isnan(open->high) || high > open->high ? high : open->high;
 }
 
-/* Emits a tile whose `loss` is what leaving out its odd posts loses, and puts it into the one above. */
+/* Emits a tile, then adds every second post of it to the tile above. `loss`: the error that leaving out the other posts makes,
+ * metres. If the tile above is complete now, it is emitted too. */
 static enum status finish_tile(struct cutting *cutting, const struct dem_tile *tile, double loss)
 {
 	enum status status = cutting->cut->emit(cutting->cut->emit_user, tile);
@@ -162,7 +165,7 @@ static enum status finish_tile(struct cutting *cutting, const struct dem_tile *t
 
 /* --- bands --- */
 
-/* Codes of the band's tile number i, of which `to` may be all. */
+/* Copies the codes of tile number i of the band into `to`. */
 static void band_tile(const struct cutting *cutting, int64_t i, int32_t *to)
 {
 	size_t side = tile_posts(cutting->extent);
@@ -225,7 +228,8 @@ static enum status take_row(struct cutting *cutting, const double *heights, int6
 	return cutting->filled == cutting->extent->cells + 1 ? band_full(cutting) : STATUS_OK;
 }
 
-/* The band as it was cut before, if it is known; otherwise the band is left as it is. */
+/* Fills the band with codes that an earlier, interrupted import has stored already. *known: true if it did; otherwise the band is
+ * not usable unless it is filled from posts. */
 static enum status take_known(struct cutting *cutting, bool *known)
 {
 	const struct dem_cut *cut = cutting->cut;
@@ -234,7 +238,7 @@ static enum status take_known(struct cutting *cutting, bool *known)
 	*known = false;
 	if (cut->known == NULL)
 		return STATUS_OK;
-	/* Tiles become known in the order they are emitted in: with the last all are. */
+	/* Tiles are stored in the order in which they are emitted. So if the last tile of the band is known, all are. */
 	for (int64_t i = tiles - 1; i >= 0; i--) {
 		enum status status = cut->known(cut->known_user, band_tile_at(cutting, i), cutting->tile, known);
 		if (status != STATUS_OK || !*known)
@@ -278,7 +282,7 @@ static enum status cut_panel(struct cutting *cutting, int64_t panels)
 	while (status == STATUS_OK && y < extent->height) {
 		bool known = false;
 		int64_t band_end = smaller(cutting->tile_y * cells + cells + 1, extent->height);
-		if (cutting->filled == (cutting->tile_y > 0)) /* it begins */
+		if (cutting->filled == (cutting->tile_y > 0)) /* a new band begins */
 			status = take_known(cutting, &known);
 		int64_t rows = known ? band_end - y : smaller(band_end - y, cutting->strip);
 		if (status == STATUS_OK)
@@ -287,7 +291,7 @@ static enum status cut_panel(struct cutting *cutting, int64_t panels)
 		if (status == STATUS_OK)
 			status = progress(cutting, rows, panels);
 	}
-	/* What is north of the terrain, up to its last tiles' north edge. */
+	/* Fill the last band with nodata, from the terrain's north edge to the north edge of the last tiles. */
 	while (status == STATUS_OK && cutting->tile_y < extent_tiles_y(extent, 0)) {
 		int64_t left = cells + 1 - cutting->filled;
 		codes_clear(cutting->band + (int64_t)cutting->filled * cutting->stride, left * cutting->stride);

@@ -1,15 +1,17 @@
 /*
- * Synthetic terrain: a pure function of post, seed, kind, spacing, relief and the terrain's size.
+ * Computes synthetic terrain, for tests and examples without elevation data. A height depends only on the post, seed, kind,
+ * spacing, relief and the terrain's size.
  *
- * Heights are sums of gradient noise over an integer hash. They are computed in short runs of a row, so that values which are the
- * same along a lattice cell are computed once. Features have sizes in metres: the longest wavelength follows the terrain's
- * extent, the shortest is above two posts. Only +, -, *, / and sqrt are used, so that every machine makes the same bits.
+ * Heights are sums of gradient noise: random slopes at the points of a lattice, interpolated between them. A hash of integers
+ * gives the slopes. Each sum has several octaves, each with half the wavelength of the octave before. The longest wavelength
+ * follows the terrain's size. The shortest is above the distance of two posts. Only +, -, *, / and sqrt are used, so every machine
+ * computes the same bits.
  */
 #include "dem/dem.h"
 
 #include <math.h>
 
-#define RUN 256 /* posts worked on at once */
+#define RUN 256 /* posts of a row that are computed at once */
 #define OCTAVES_MAX 24
 
 static uint64_t mix(uint64_t v)
@@ -22,7 +24,8 @@ static uint64_t mix(uint64_t v)
 	return v;
 }
 
-/* One octave: `scale` lattice cells a post, shifted so that no two octaves share lattice points. */
+/* One octave of noise. `scale`: lattice cells for each post. The shift differs for each octave, so that no two octaves share
+ * lattice points. */
 struct octave {
 	uint64_t seed;
 	double scale, shift_x, shift_y;
@@ -39,7 +42,7 @@ static struct octave octave_make(const struct dem_synth *synth, double wavelengt
 	};
 }
 
-/* What a lattice column gives along a row: noise contributed at distance dx is slope * dx + value. */
+/* One lattice column, for a fixed row of posts. At the distance dx from the column its noise is slope * dx + value. */
 struct column {
 	double slope, value;
 };
@@ -64,7 +67,7 @@ static struct column column_at(uint64_t seed, int64_t cx, int64_t cy, double fy,
 	return (struct column){slope0 + blend * (slope1 - slope0), value0 + blend * (value1 - value0)};
 }
 
-/* Noise within (-1, 1), mostly within 0.5, at posts (x .. x + count - 1, y). */
+/* Computes noise at the posts (x .. x + count - 1, y). It lies within (-1, 1), mostly within (-0.5, 0.5). */
 static void noise_run(const struct octave *octave, int64_t x, int64_t y, int count, double *out)
 {
 	double at_y = (double)y * octave->scale + octave->shift_y, floor_y = floor(at_y);
@@ -79,7 +82,8 @@ static void noise_run(const struct octave *octave, int64_t x, int64_t y, int cou
 			east = column_at(octave->seed, cx + 1, cy, fy, blend);
 			known = cx;
 		}
-		/* The posts of this cell; a guess that is too long is cut, one too short goes on. */
+		/* Find the last post in this cell. A guess that is too far is reduced. If it is too near, the loop continues with
+		 * the same cell. */
 		double guess = (cell + 1 - octave->shift_x) / octave->scale - (double)x + 1;
 		int end = guess < count ? (int)guess : count;
 		if (end <= i)
@@ -106,13 +110,13 @@ static double extent_of(const struct dem_synth *synth)
 	return (double)(posts > 1 ? posts - 1 : 1) * synth->spacing;
 }
 
-/* Smooth, from (-inf, inf) to (0, 1). */
+/* Maps any number to (0, 1) by a smooth, rising curve. */
 static double squash(double v)
 {
 	return 0.5 + 0.5 * v / sqrt(1 + v * v);
 }
 
-/* --- ridged mountains: a fine ridge grows only where the coarser one is high --- */
+/* --- ridged mountains: a small ridge is high only where the large ridge is high --- */
 
 static void ridged_run(const struct dem_synth *synth, int64_t x, int64_t y, int count, double *out)
 {
@@ -144,7 +148,7 @@ static void ridged_run(const struct dem_synth *synth, int64_t x, int64_t y, int 
 
 /* --- sums of plain noise --- */
 
-/* Adds octaves from `wavelength` metres down to `shortest`; returns the gains' sum. */
+/* Adds octaves with wavelengths from `wavelength` down to `shortest`, metres. Returns the sum of their gains. */
 static double add_octaves(const struct dem_synth *synth, double wavelength, double shortest,
 			  double persistence, unsigned number, int64_t x, int64_t y, int count,
 			  double *out)
@@ -164,7 +168,7 @@ static double add_octaves(const struct dem_synth *synth, double wavelength, doub
 	return total;
 }
 
-/* A plain: gentle rolling, and bumps of some metres' length on it. */
+/* Computes a plain: long, gentle waves, and bumps of a few metres on them. */
 static void plain_run(const struct dem_synth *synth, int64_t x, int64_t y, int count, double *out)
 {
 	double wavelength = extent_of(synth) / 2, bumps[RUN];
@@ -182,7 +186,8 @@ static void plain_run(const struct dem_synth *synth, int64_t x, int64_t y, int c
 
 /* --- dunes --- */
 
-/* One wave of 0 .. 1 and period 1: a long windward rise, a short slip face, smooth at both ends. */
+/* Returns the height, 0 .. 1, of a dune at this phase. A period is 1. The windward side is long, the slip face is short, and both
+ * ends are smooth. */
 static double dune_profile(double phase, double crest)
 {
 	double t = phase - floor(phase);
@@ -192,7 +197,7 @@ static double dune_profile(double phase, double crest)
 
 static void dunes_run(const struct dem_synth *synth, int64_t x, int64_t y, int count, double *out)
 {
-	/* Where the terrain is large enough, waves are so long that no slip face is steeper than sand's angle of repose. */
+	/* On a large terrain the waves are so long that no slip face is steeper than the angle of repose of sand. */
 	double extent = extent_of(synth), wavelength = extent / 10, bend[RUN], swell[RUN], broad[RUN];
 	if (wavelength > 400)
 		wavelength = 400;
@@ -206,14 +211,14 @@ static void dunes_run(const struct dem_synth *synth, int64_t x, int64_t y, int c
 	add_octaves(synth, 3 * wavelength, 2 * wavelength, 0.5, 32, x, y, count, swell);
 	add_octaves(synth, 8 * wavelength, 4 * wavelength, 0.5, 48, x, y, count, broad);
 	double along = synth->spacing / wavelength;
-	const double wind_x = 0.8, wind_y = 0.6; /* a unit vector: where the wind blows to */
+	const double wind_x = 0.8, wind_y = 0.6; /* a unit vector: the direction the wind blows to */
 	bool ripples = wavelength / 9 > 4 * synth->spacing;
 	bool small = wavelength / 61 > 4 * synth->spacing;
 	for (int i = 0; i < count; i++) {
 		double phase = ((double)(x + i) * wind_x + (double)y * wind_y) * along + 2.4 * bend[i];
 		double crest = dune_profile(phase, 0.72);
 		double height = 0.7 * crest * clamp01(0.75 + 0.9 * swell[i]);
-		/* Ripples ride the windward side, and bend more than the dune under them. */
+		/* Ripples lie on the dune. Their crests bend more than the crest of the dune. */
 		if (ripples)
 			height += 0.03 * crest * dune_profile(9 * phase + 6 * bend[i] + 3 * swell[i], 0.7);
 		if (small)

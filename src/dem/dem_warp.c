@@ -1,10 +1,12 @@
 /*
- * From the sources' grid to square posts in metres.
+ * Makes square posts in metres from the joined sources.
  *
- * What is in metres, square, upright and true to 0.1 % stays as it is, post for post. The rest goes
- * through GDAL's warper, block by block; its kernels leave out what is NaN. Up to twice the source's
- * spacing a post is a sample of the interpolated surface; beyond, GDAL widens the kernel. A projected
- * grid's posts lie at whole multiples of the spacing, a resampled one's start at the south-west post.
+ * A grid that is in metres, square and upright, and whose scale is true to 0.1 %, is not changed. Any other grid is resampled by
+ * GDAL's warper. Its kernels ignore posts that are NaN.
+ *
+ * With posts at most twice as far apart as the source's, a post is a sample of the interpolated surface. With a larger spacing
+ * GDAL widens the kernel, so that a post is a mean. In a projected grid the posts lie at whole multiples of the spacing. In a grid
+ * that is only resampled they start at the south-west post.
  */
 #include "dem_gdal.h"
 
@@ -26,9 +28,9 @@
 #define PROBES 33           /* points along a side at which the target's extent is taken */
 
 struct warp_plan {
-	OGRSpatialReferenceH from, to; /* NULL both: without projection */
+	OGRSpatialReferenceH from, to; /* the SRS of the source and of the target; NULL: none, or the source keeps its own */
 	bool project, resample;
-	bool sample; /* the kernel is not widened */
+	bool sample; /* a post is a sample of the surface: the kernel is not widened */
 	double spacing;
 	double step[2];   /* metres between the source's posts */
 	double origin[2]; /* the south-west post */
@@ -48,7 +50,8 @@ static void post_at(const double place[6], double column, double row, double *x,
 	*y = place[3] + (column + 0.5) * place[4] + (row + 0.5) * place[5];
 }
 
-/* Metres between posts along a row and along a column, and whether the SRS must be left. */
+/* Measures the distance of posts along a row and a column, metres. *unfit: the source's SRS is not in true metres, so it must be
+ * projected. */
 static enum status measure(GDALDatasetH mosaic, const double place[6], OGRSpatialReferenceH srs,
 			   const char *name, double step[2], bool *unfit)
 {
@@ -75,7 +78,8 @@ static enum status measure(GDALDatasetH mosaic, const double place[6], OGRSpatia
 	return STATUS_OK;
 }
 
-/* The target's SRS into plan->to (the caller's to destroy); plan->project says whether it is another. */
+/* Chooses the SRS of the target and puts it into plan->to, which the caller must destroy. plan->project: the target has another
+ * SRS than the source. */
 static enum status choose_srs(struct warp_plan *plan, const struct dem_params *params, GDALDatasetH mosaic,
 			      const double place[6], const char *name, bool unfit)
 {
@@ -104,7 +108,7 @@ static enum status choose_srs(struct warp_plan *plan, const struct dem_params *p
 	return STATUS_OK;
 }
 
-/* The target's posts: as many as lie within the source's outermost ones. */
+/* Computes the posts of the target: as many as lie within the area of the source's posts. */
 static enum status lay_out(struct warp_plan *plan, GDALDatasetH mosaic, const double place[6], const char *name)
 {
 	int columns = GDALGetRasterXSize(mosaic), rows = GDALGetRasterYSize(mosaic);
@@ -210,7 +214,7 @@ static enum status create_piece(const struct warp_plan *plan, const struct dem_p
 	char threads[24];
 	snprintf(threads, sizeof threads, "%lld", (long long)(params->jobs > 1 ? params->jobs : 1));
 	options->papszWarpOptions = CSLSetNameValue(options->papszWarpOptions, "NUM_THREADS", threads);
-	/* GDAL would take the kernel's width from each block anew. */
+	/* Set the width of the kernel. Otherwise GDAL computes it for each block, and blocks would differ. */
 	static const char *const axes[] = {"XSCALE", "YSCALE"};
 	for (int i = 0; i < 2; i++) {
 		char text[32];
@@ -227,11 +231,9 @@ static enum status create_piece(const struct warp_plan *plan, const struct dem_p
 	return STATUS_OK;
 }
 
-/*
- * GDAL warps a block of 512 x 128 posts at once with all of the source under it. Where that is much
- * the target is made of pieces with PIECE_PIXELS under each (more, where that were over PIECES_MAX of them),
- * put together again.
- */
+/* GDAL warps blocks of 512 x 128 posts. For each block it reads all source pixels below it. If these are too many, the target is
+ * made of pieces, which are then joined. A piece has about PIECE_PIXELS source pixels below it. It has more if there were more
+ * than PIECES_MAX pieces. */
 static enum status create(const struct warp_plan *plan, const struct dem_params *params, GDALDatasetH mosaic,
 			  const char *name, GDALDatasetH *out)
 {
@@ -261,7 +263,7 @@ static enum status create(const struct warp_plan *plan, const struct dem_params 
 				break;
 			CPLErr added = VRTAddSimpleSource(band, GDALGetRasterBand(made, 1), 0, 0, w, h, (int)x, (int)y, w, h,
 							  NULL, VRT_NODATA_UNSET);
-			GDALReleaseDataset(made); /* the whole holds it now */
+			GDALReleaseDataset(made); /* `whole` keeps its own reference */
 			if (added != CE_None)
 				status = fail_memory(name);
 		}
@@ -273,14 +275,14 @@ static enum status create(const struct warp_plan *plan, const struct dem_params 
 	return STATUS_OK;
 }
 
-/* Where the target's metres are not those on the ground, ruts and wheels are of another size there. */
+/* Prints a note if a metre of the target differs much from a metre on the ground. There, ruts and wheels have a wrong size. */
 static void note_scale(const struct warp_plan *plan, const char *name)
 {
 	double worst = 0, s = plan->spacing;
 	for (int i = 0; plan->to != NULL && i < 9; i++) {
 		double x = plan->origin[0] + i % 3 * 0.5 * (double)(plan->width - 1) * s;
 		double y = plan->origin[1] + i / 3 * 0.5 * (double)(plan->height - 1) * s;
-		worst = fmax(worst, fabs(dem_srs_ground(plan->to, x, y, s, 0) / s - 1)); /* NaN: passed over */
+		worst = fmax(worst, fabs(dem_srs_ground(plan->to, x, y, s, 0) / s - 1)); /* fmax ignores NaN */
 		worst = fmax(worst, fabs(dem_srs_ground(plan->to, x, y, 0, s) / s - 1));
 	}
 	if (worst > SCALE_TOLD)
@@ -324,7 +326,7 @@ enum status dem_warp(const struct dem_params *params, GDALDatasetH mosaic, const
 		goto done;
 	bool upright = place[2] == 0 && place[4] == 0 && place[1] > 0 && place[5] < 0;
 	bool square = fabs(step[0] / step[1] - 1) < 1e-6;
-	/* Posts that stay keep their distance to the last bit; others get a clean one. */
+	/* Posts that are not resampled keep their exact distance. For others it is rounded to 3 digits. */
 	double own = square && !plan.project ? step[0] : round_to_3_digits(sqrt(step[0] * step[1]));
 	plan.spacing = params->spacing > 0 ? params->spacing : own;
 	plan.sample = plan.spacing <= 2 * fmin(step[0], step[1]);
