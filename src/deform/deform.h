@@ -1,10 +1,11 @@
 /*
- * deform: changes the ground under an object, on the GPU. It runs the dissertation's four stages over one window: gather,
- * displace, redistribute, scatter (with attributes). SOIL.md describes each stage.
+ * deform: changes the ground under an object, on the GPU. Its work is on windows: rectangles of posts around the object. It runs
+ * the dissertation's four stages over each window: gather, displace, redistribute, scatter (with attributes). SOIL.md describes
+ * each stage.
  *
- * Results are integers and the same on every driver. The lower envelope of an object is evaluated at each post in 64-bit fixed
- * point. It comes from affine functionals of the post's place in the window (shape/affine.h). Results do not depend on tiles, since a
- * window knows only global posts. For the GPU's thread.
+ * Results are integers and the same on every driver. The lower envelope of an object is its lowest height above each post during
+ * the motion. It is computed from affine functions of the post's position, in 64-bit fixed point (shape/affine.h). Results do not
+ * depend on tiles, since a window knows only global posts. All functions are for the GPU's thread, unless they are marked Pure.
  */
 #ifndef FURROW_DEFORM_H
 #define FURROW_DEFORM_H
@@ -48,13 +49,17 @@ struct deform_pose {
 struct deform_contact {
 	const struct deform_shape *shape;
 	struct deform_pose from, to;
-	double seconds; /* s of the motion; 0: no rates are used */
+	double seconds; /* duration of the motion, s; 0: models ignore speeds */
 	double turned;  /* wheel: radians turned about its axis during the motion (slip 0: distance / radius) */
-	double load;    /* N, downwards; 0: to.z is given. Otherwise to.z is near the equilibrium height, which is searched */
-	uint32_t loaded_body; /* with a load: number of the loaded body, 1 to params.carriers; 0: its equilibrium height is not kept */
-	/* the object is above all ground in its windows before the contact, by more than the rounding of its lower envelope */
+	double load;    /* N, downwards. 0: the height is to.z. Otherwise the equilibrium height is searched, starting near to.z */
+	/* with a load: number of the loaded body, 1 to params.loaded_bodies; 0: its equilibrium height is not kept */
+	uint32_t loaded_body;
+	/* The object is above all ground of its windows before the contact. The distance exceeds the rounding of its lower
+	 * envelope. */
 	bool above;
-	uint64_t tag;    /* not 0: its forces are summed, and deform_forces_take tells them under this tag */
+	/* a number that the caller chooses to find the forces of this contact: deform_forces_take gives them with it. 0: no
+	 * forces are computed */
+	uint64_t tag;
 };
 
 /*
@@ -79,7 +84,7 @@ enum deform_model { DEFORM_MODELS_EACH(DEFORM_MODEL_NUMBER) DEFORM_MODELS };
 struct deform;
 struct deform_soil;
 struct deform_window;
-struct soil_slide; /* in which way soil slides: src/deform/internal.h */
+struct soil_slide; /* how soil slides: src/deform/internal.h */
 
 /* Runs a model over one window whose lower envelope is known. */
 typedef enum status (*soil_contact_fn)(struct deform *deform, const struct deform_contact *contact,
@@ -88,47 +93,52 @@ typedef enum status (*soil_contact_fn)(struct deform *deform, const struct defor
 /* One soil model. Members that are left out are false, 0 or NULL. */
 struct soil_model {
 	const char *name; /* in a scene */
-	/* For the pages: what the ground does under it, and what becomes of the volume. */
+	/* For the documentation: what the ground does under this model, and what becomes of the displaced volume. */
 	const char *use, *volume;
-	struct effect_row effect; /* its own effect, as `furrow explain` tells it */
-	const char *contact_effect; /* name of the effect of its contact; NULL: its own. A name that is not its own is of another
-				     * model, whose contact it shares */
-	const char *touched_effect; /* name of the effect that asks which posts were touched; NULL: its own */
+	struct effect_row effect; /* the model's effect, as `furrow explain` prints it */
+	/* name of the effect that computes the model's contacts; NULL: the model's own effect. Another model's name means that
+	 * both share one contact pass */
+	const char *contact_effect;
+	/* name of the effect that needs to know which posts were touched; NULL: the model's own effect */
+	const char *touched_effect;
 
-	/* What a scene says. Both lists are NULL-terminated; a list that is NULL is empty. */
-	const char *const *keys;    /* keys of `redistribute` that it takes, beside `model` */
-	const char *const *numbers; /* numbers of a soil that it reads, by their keys; without any it needs no soil */
+	/* Keys that a scene may give for this model. Both lists are NULL-terminated; a list that is NULL is empty. */
+	const char *const *keys;    /* keys of `redistribute` that the model accepts, apart from `model` */
+	/* keys of the soil's numbers that the model reads; with an empty list the model needs no soil */
+	const char *const *numbers;
 	double depth;               /* the default of `depth`, metres */
 
-	/* What it does. */
-	soil_contact_fn contact; /* changes the ground */
-	soil_contact_fn feel;    /* computes the forces on the object alone; NULL: it tells none, and takes no load and no slip */
-	const char *shader;      /* of its contact */
-	unsigned planes;         /* that it keeps beside the offset: a mask of PLANE_BIT */
-	bool blind;              /* it needs not know which posts were touched */
-	bool in_place;           /* its contact changes the planes where they are, and looks only at posts below the object */
-	bool contact_soils;      /* the shader of its contact reads the soils' numbers: it gets the define SOILS */
-	bool smooths;            /* it smooths the trail of an object that moves, by the keys `radius` and `repetitions` */
-	const struct soil_slide *slide; /* how its soil slides; NULL: it does not, and soil is lost. Otherwise it moves soil, and loses
-					 * only what is compacted */
-	/* Computes the critical height difference of a soil between two posts `apart` metres apart, fixed-point units. For sliding by
-	 * excess. */
+	/* Functions and properties of the model. */
+	soil_contact_fn contact; /* computes one contact over a window and changes the ground */
+	/* computes only the forces on the object; NULL: the model has no forces, and accepts no load and no slip */
+	soil_contact_fn feel;
+	const char *shader;      /* file of the shader that computes the contact */
+	unsigned planes;         /* planes that the model stores apart from the offset: a mask of PLANE_BIT */
+	bool blind;              /* the model does not need to know which posts were touched */
+	bool in_place;           /* the contact writes the planes that it reads. So it may look only at posts below the object */
+	bool contact_soils;      /* the contact's shader reads the soils' numbers, so it is compiled with the define SOILS */
+	bool smooths;            /* the model smooths the track of a moving object, by the keys `radius` and `repetitions` */
+	/* how soil slides; NULL: it does not slide, and displaced soil is lost. With sliding, only compacted soil is lost */
+	const struct soil_slide *slide;
+	/* Computes the largest height difference, fixed-point units, at which two posts of a soil are stable. `apart`: their
+	 * distance, metres. Used if soil slides by excess (deform_slide_excess). */
 	int32_t (*critical)(const struct deform_soil *soil, double apart);
 };
 
-/* Returns the row of a model. */
+/* Returns the struct that describes a model. It is constant. */
 const struct soil_model *deform_model_row(enum deform_model model);
 
-/* Returns true if the model takes this key of `redistribute`. */
+/* Returns true if the model accepts this key of `redistribute`. */
 bool deform_model_takes(enum deform_model model, const char *key);
 /* Returns true if the model reads this number of a soil. */
 bool deform_model_reads(enum deform_model model, const char *number);
 /* Returns true for a model that moves soil and loses only what is compacted. */
 bool deform_conserves(enum deform_model model);
-/* Returns true for a model that tells the forces on an object. Only such a model can carry a load. */
+/* Returns true if the model computes the forces on an object. Only then an object can have a load. */
 bool deform_tells_forces(enum deform_model model);
-/* Each returns the name of an effect, which calls for what all objects need under the model. The first is of contacts, the second
- * of soil that slides (NULL: none does). The third is of the textures that tell what an object touched. */
+/* Each returns the name of an effect that is needed for every object under the model. deform_displace_effect: the effect that
+ * computes contacts. deform_slide_effect: the effect that lets soil slide; NULL: soil does not slide. deform_contact_effect: the
+ * effect that keeps which posts an object touched. */
 const char *deform_displace_effect(enum deform_model model);
 const char *deform_slide_effect(enum deform_model model);
 const char *deform_contact_effect(enum deform_model model);
@@ -149,9 +159,10 @@ struct deform_soil {
 
 /* Sets every number to NAN. */
 void deform_soil_clear(struct deform_soil *soil);
-/* Returns the name of a named soil, index 0, 1, ...; NULL beyond the last. */
+/* Returns the name of a predefined soil by its index, 0, 1, ...; NULL beyond the last. */
 const char *deform_soil_name(size_t index);
-/* Fills the numbers of a named soil: Wong's, Sumner's, or both. STATUS_INPUT, with all names: there is no such soil. */
+/* Fills the numbers of a predefined soil, from Wong's table, Sumner's table, or both. STATUS_INPUT: no soil has this name; the
+ * message lists all names. */
 enum status deform_soil_named(const char *name, struct deform_soil *soil) FURROW_CHECKED;
 
 struct deform_params {
@@ -159,13 +170,13 @@ struct deform_params {
 	struct gpu_slots *slots;
 	const struct extent *extent; /* must outlive the deform */
 	int level;                 /* the working level */
-	int32_t reference;         /* metres: reference of the bases in the slots */
+	int32_t reference;         /* metres: base heights in the slots are relative to this height */
 	enum deform_model model;
 	int box_radius;      /* posts, 1 .. 4 */
 	int box_repetitions; /* 1 .. 8 */
 	/* For models that conserve soil: */
 	struct deform_soil soils[DEFORM_SOILS];
-	int soil_count;      /* 1, or the number of classes in the slots' class planes */
+	int soil_count;      /* number of soils: 1, or one for each class in the slots' class planes */
 	int iterations;      /* relaxation iterations of a contact and of an interval; 1 .. 8 */
 	double relief;       /* metres between the world's lowest and highest post; INFINITY: not known */
 	double depth;        /* metres of soil below the base that can relax; INFINITY: no bottom */
@@ -175,7 +186,7 @@ struct deform_params {
 	 * sunk. Otherwise the caller must have activated all steep ground */
 	bool undisturbed_stable;
 	double bulldozing;   /* scm: share of the plastic flow that is deposited on the ring, 0 .. 1 */
-	bool touched;        /* deform_is_touched will be called; needs `undisturbed_stable` and a model that conserves soil */
+	bool touched;        /* the caller will ask deform_is_touched. Needs `undisturbed_stable` and a model that conserves soil */
 	uint32_t loaded_bodies;   /* scm: number of objects that carry a load and rest on the ground between contacts */
 	bool disturbance;    /* keep the disturbance plane */
 };
@@ -185,7 +196,7 @@ unsigned deform_planes(enum deform_model model, bool disturbance);
 
 struct deform;
 
-/* Checks a shape. STATUS_INPUT, with the limit: it cannot be simulated at this spacing. */
+/* Checks that a shape can be simulated with posts `spacing` metres apart. STATUS_INPUT: it cannot; the message tells the limit. */
 enum status deform_shape_check(const struct deform_shape *shape, double spacing) FURROW_CHECKED;
 /* Returns a distance from the object's centre that holds the whole object in any attitude, metres. */
 double deform_shape_bound(const struct deform_shape *shape);
@@ -201,8 +212,8 @@ double deform_sinkage_guess(const struct deform_shape *shape, const struct defor
 enum status deform_create(const struct deform_params *params, struct deform **out) FURROW_CHECKED;
 void deform_destroy(struct deform *deform);
 
-/* The posts that one contact changes (`write`), and those it reads for this (`read`). At most DEFORM_WINDOW_POSTS a side. A
- * larger object gets several windows, cut at fixed global posts. */
+/* A window: the posts that a contact changes (`write`), and the posts that it reads to compute them (`read`). `read` has at most
+ * DEFORM_WINDOW_POSTS on each side. A larger contact has several windows, whose `write` parts meet at fixed global posts. */
 #define DEFORM_WINDOW_POSTS 256
 #define DEFORM_WINDOWS_MAX 16
 struct deform_window {
@@ -215,7 +226,8 @@ bool deform_is_contact_only(const struct deform_contact *contact);
 enum status deform_windows(struct deform *deform, const struct deform_contact *contact,
 			   struct deform_window *windows, size_t *count) FURROW_CHECKED;
 
-/* Finds the same windows from parameters alone, and makes no memory for them. gpu and slots may be NULL. Pure. */
+/* Finds the same windows as deform_windows, but needs only the parameters and allocates no memory. gpu and slots may be NULL.
+ * Pure. */
 enum status deform_cut(const struct deform_params *params, const struct deform_contact *contact,
 		       struct deform_window *windows, size_t *count) FURROW_CHECKED;
 
@@ -225,26 +237,29 @@ struct deform_tile {
 	uint32_t slot;
 };
 
-/* Gathers, displaces and redistributes, into the window's own layer. `tiles`: all that hold a post of `read`. They do not
- * change. */
+/* Computes one window of a contact: gathers it from tiles, displaces and redistributes soil. The result stays in the window's
+ * layer, a part of deform's textures. `tiles`: all tiles that hold a post of `read`; they do not change. deform_scatter writes the
+ * result. */
 enum status deform_compute(struct deform *deform, const struct deform_contact *contact,
 			   const struct deform_window *window, uint32_t layer,
 			   const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
-/* For a model that tells forces: computes only the forces of a contact with a tag, over one window, as deform_compute would.
- * Changes nothing, not even the tally. Do not scatter after it. */
+/* For a model that computes forces, and a contact with a tag: computes only the forces over one window, as deform_compute would.
+ * Changes nothing else, not even the tally (struct deform_tally). Do not call deform_scatter after it. */
 enum status deform_feel(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer,
 			const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
 /* The facts about an object that decide its resources and passes. */
 struct deform_planned {
 	const struct deform_shape *shape;
-	double load; /* N; not 0, and the model tells forces: its forces are computed too, since they tell its equilibrium height */
-	bool moves;  /* it moves after it was set down */
+	double load; /* N. If it is not 0, the model must compute forces: they give the equilibrium height */
+	bool moves;  /* the object moves after it was set down */
 };
-/* Links the programs that contacts of this object, and its rest, can need, and no others. Runs each over a window outside the
- * world, since a driver's first draw of a program can take a tenth of a second. Changes nothing. `forces`: contacts of every
- * object may have tags; otherwise only those with loads; the same at each call. A program that was warmed is not warmed again. */
+/* Prepares ("warms") the programs that this object needs in contacts and at rest, so that no later step links one. It runs each
+ * program once over a window outside the world, since a driver's first draw may take a tenth of a second. Changes no ground.
+ * `forces`: contacts of every object may have tags; false: only those with loads. Use the same value in each call. A program is
+ * prepared only once. */
 enum status deform_warm(struct deform *deform, const struct deform_planned *object, bool forces) FURROW_CHECKED;
-/* Copies `write` to every tile that holds a post of it, and gives these tiles deform slots. */
+/* Writes the result of deform_compute to the tiles: copies the posts of `write` to every tile that holds them. Gives these tiles
+ * deform slots, if they have none. */
 enum status deform_scatter(struct deform *deform, const struct deform_window *window, uint32_t layer,
 			   const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
 
@@ -258,12 +273,13 @@ enum status deform_scatter(struct deform *deform, const struct deform_window *wi
 struct deform_block {
 	int64_t x, y; /* posts / DEFORM_BLOCK */
 };
-/* Makes blocks active: these posts changed, or the object that held them has gone. */
+/* Makes the blocks near these posts active. Call it when the posts were changed, or when an object that rested on them has gone. */
 enum status deform_wake(struct deform *deform, struct post_rect changed) FURROW_CHECKED;
 /* Returns the posts of all blocks that deform_wake makes active for this change. */
 struct post_rect deform_wakes(const struct deform *deform, struct post_rect changed);
-/* Call after the last computed window was scattered. Only blocks where soil still moves stay active. A contact of several
- * windows makes blocks active as deform_wake does. The window must cover what the object rested on before (deform_covers). */
+/* Makes blocks active after a contact. Call it after the last computed window was scattered. Only blocks where soil still moves
+ * stay active. For a contact of several windows it does the same as deform_wake. The window must cover what the object rested on
+ * before (deform_covers). */
 enum status deform_wake_swept(struct deform *deform, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
 /* Returns true if the contact reads everything that the object rests on in a pose, and around it. Then nothing need be made
  * active when the object leaves that pose. */
@@ -276,45 +292,47 @@ bool deform_covers(const struct deform *deform, const struct deform_contact *con
 enum status deform_touch(struct deform *deform, struct post_rect rect) FURROW_CHECKED;
 enum status deform_is_touched(struct deform *deform, struct post_rect rect, bool *is) FURROW_CHECKED;
 enum status deform_wake_block(struct deform *deform, struct deform_block block) FURROW_CHECKED; /* the block must lie inside the world */
-/* Tells all active blocks, in an order that depends on these blocks alone. Valid until the next call. STATUS_FAILED: more than
- * DEFORM_BLOCKS_MAX. Rarely waits. */
+/* Gives the list of all active blocks. Its order depends only on which blocks are active. The list is valid until the next call.
+ * STATUS_FAILED: there are more than DEFORM_BLOCKS_MAX. Rarely waits for the GPU. */
 enum status deform_active_blocks(struct deform *deform, const struct deform_block **blocks, size_t *count) FURROW_CHECKED;
 
-/* An object at rest, where its last path sample put it. */
+/* An object at rest, in the pose of its last path sample. */
 struct deform_rest {
 	const struct deform_shape *shape;
 	struct deform_pose pose;
 	/* not 0: it is at the equilibrium height that the last contact of this loaded body found, relative to this pose */
 	uint32_t loaded_body;
 };
-/* Sets the equilibrium height of a loaded body that had no contact yet. `raised`: above its pose, 2^-20 m. */
+/* Sets the equilibrium height of a loaded body that has had no contact yet. `raised`: how far the body rests above its pose, 2^-20
+ * m. */
 void deform_set_equilibrium(struct deform *deform, uint32_t loaded_body, int32_t raised);
-/* One interval: begin; gather each of `count` blocks; then scatter each; end. Does nothing without blocks. The objects stay the
- * caller's, and must live until the end. The ground that they rest on is held. */
+/* One interval of relaxation, between two steps. Call deform_interval_begin, which gives the number of blocks. Then call
+ * deform_interval_gather for each block, then deform_interval_scatter for each block, then deform_interval_end. Without blocks
+ * nothing is done. The caller keeps the objects, which must live until the end. Soil under an object does not move. */
 enum status deform_interval_begin(struct deform *deform, const struct deform_rest *objects, size_t object_count,
 				  size_t *count) FURROW_CHECKED;
 struct post_rect deform_interval_reads(const struct deform *deform, size_t block);
 struct post_rect deform_interval_writes(const struct deform *deform, size_t block);
-/* `tiles`: all that hold a post that the block reads, or writes. Call in the order of blocks. */
+/* `tiles`: all tiles that hold a post that this block reads or writes. Call with block 0, 1, ... in turn. */
 enum status deform_interval_gather(struct deform *deform, size_t block, const struct deform_tile *tiles,
 				   size_t count) FURROW_CHECKED;
 enum status deform_interval_scatter(struct deform *deform, size_t block, const struct deform_tile *tiles,
 				    size_t count) FURROW_CHECKED;
 enum status deform_interval_end(struct deform *deform) FURROW_CHECKED;
-/* Returns the most posts that a block reads along a side, for these parameters. Pure. */
+/* Returns how many posts a block reads along one side, at most, with these parameters. Pure. */
 int64_t deform_interval_side(const struct deform_params *params);
 
 /*
- * Adds the plan's lines (base/plan.h) of a deform of these parameters, warmed with each of the objects. `params`: gpu and slots
- * may be NULL; the extent too, and then every object fits one window. Pure.
+ * Adds to the plan what a deform with these parameters will allocate and run (base/plan.h). Each of the objects is prepared with
+ * deform_warm. `params`: gpu and slots may be NULL. The extent may be NULL too; then every object fits one window. Pure.
  *
- * Passes are by object for PLAN_WINDOW and PLAN_MOVED. For PLAN_FACETS, PLAN_HELD, PLAN_RESTING and PLAN_ATLAS they are for all
- * objects together (-1), as deform_figures counts them.
+ * Passes are listed by object for PLAN_WINDOW and PLAN_MOVED. For PLAN_FACETS, PLAN_HELD, PLAN_RESTING and PLAN_ATLAS they are for
+ * all objects together (-1), as deform_figures counts them.
  */
 void deform_plan(const struct deform_params *params, const struct deform_planned *objects, size_t count, bool forces,
 		 struct plan *plan);
-/* The units that deform counts. Layers: the most that existed at once, without the atlas'. Draws: since the start, without
- * those of warming. */
+/* Counts of deform's work. Layers: the largest number that existed at once, without the layers of atlases. The others: draws since
+ * the start, without those of deform_warm. */
 struct deform_figures {
 	uint64_t window_layers, result_layers;
 	uint64_t facets;   /* draws of an object's triangles */
@@ -324,7 +342,7 @@ struct deform_figures {
 };
 void deform_figures(const struct deform *deform, struct deform_figures *figures);
 
-/* Counts made on the GPU since the start. */
+/* The tally: counts that the GPU adds up since the start. */
 struct deform_tally {
 	int64_t compacted; /* soil that conserving models compacted: 2^-20 m, summed over posts */
 	uint64_t refused;  /* posts where the change would have left the range of an offset */
@@ -332,13 +350,13 @@ struct deform_tally {
 };
 /* Reads the tally. Waits for the GPU. For the end of a drive. */
 enum status deform_tally(struct deform *deform, struct deform_tally *tally) FURROW_CHECKED;
-/* Sets the tally back, and makes every block inactive. Waits for the work in flight. Touched posts stay touched. */
+/* Goes back to an earlier tally, and makes every block inactive. Waits for the work in flight. Touched posts stay touched. */
 enum status deform_restore(struct deform *deform, const struct deform_tally *tally) FURROW_CHECKED;
 /* Begins to read the tally as bytes, as gpu_buffer_read_into does: sizeof(struct deform_tally). Does not wait. */
 void deform_tally_read_into(struct deform *deform, struct gpu_staging *staging, size_t offset);
 
-/* The forces of the soil on an object, for a contact with a tag, under a model that tells forces. They are sums of whole numbers
- * over the posts that carry it at the contact's end. Each share is rounded to 1/16 Pa times the post's area. */
+/* The forces of the soil on an object in one contact with a tag. They are sums of whole numbers over the posts that carry the
+ * object at the end of the contact. The share of each post is rounded to 1/16 Pa times the post's area. */
 struct deform_forces {
 	uint64_t tag;
 	double force[3];      /* N on the object: east, north, up */
@@ -349,10 +367,10 @@ struct deform_forces {
 	uint32_t saturated;   /* posts whose share exceeded 2^31 sixteenths of a pascal, and was cut to that */
 	bool sunk;            /* the soil does not carry the load: it sank as deep as its height (a mesh: as its size) */
 };
-/* Begins to read the forces summed since the last call. Does not wait. */
+/* Begins to read the forces of all contacts since the last call. Does not wait. */
 enum status deform_forces_begin(struct deform *deform) FURROW_CHECKED;
-/* Takes the next forces, in the order of the contacts. *taken false: there are none. Without `wait` also: they have not arrived
- * yet. */
+/* Takes the forces of the next contact, in the order of the contacts. *taken is false if no contact is left. Without `wait` it is
+ * also false if the forces have not arrived yet. */
 enum status deform_forces_take(struct deform *deform, bool wait, struct deform_forces *forces,
 			       bool *taken) FURROW_CHECKED;
 

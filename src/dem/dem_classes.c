@@ -1,8 +1,8 @@
 /*
- * What class each post is of: the value of the pixel nearest to it.
+ * Tells the soil class of each post: the value of the nearest pixel of the class raster.
  *
- * 1. A post's class depends on the post alone, not on what else is read with it. 2. A tile is one window
- * of pixels, unless that is too large: then the tile is halved until each part's is not.
+ * 1. The class of a post depends on this post alone, not on other posts that are read with it.
+ * 2. A tile is read as one window of pixels. If that is too large, the tile is halved until each window is small enough.
  */
 #include "dem_classes.h"
 

@@ -1,4 +1,4 @@
-/* Inside dem: a raster of classes, read as PNG or with GDAL, and the place of its pixels. */
+/* Used inside dem only. A raster of soil classes, read as PNG or with GDAL, and the position of its pixels. */
 #ifndef FURROW_DEM_CLASSES_H
 #define FURROW_DEM_CLASSES_H
 

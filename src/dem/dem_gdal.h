@@ -1,4 +1,4 @@
-/* Inside dem, with GDAL: the opened sources, their mosaic, and its projection. */
+/* Used inside dem only, in a build with GDAL. Opens sources, joins them to a mosaic, and projects it to metres. */
 #ifndef FURROW_DEM_GDAL_H
 #define FURROW_DEM_GDAL_H
 

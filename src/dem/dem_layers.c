@@ -1,6 +1,6 @@
 /*
- * Sources whose posts fall together, read one over the other without GDAL's mosaic between, which
- * looks at every post by itself. The last named lies lowest.
+ * Joins sources that have the same lattice of posts, without GDAL's mosaic. GDAL's mosaic handles each post alone, so this is
+ * faster. Where sources overlap, the source named first is on top.
  */
 #include "dem_gdal.h"
 

@@ -1,4 +1,4 @@
-/* A struct dem: the sources' files, the grid made of them, and what is known of it. */
+/* Opens a struct dem: finds the files of the sources, makes one grid from them, and collects what is known about that grid. */
 #include "dem_internal.h"
 
 #include "base/wide.h"

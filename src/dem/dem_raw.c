@@ -1,4 +1,4 @@
-/* Raw heightmaps: a square of little-endian uint16, the first row the northernmost. */
+/* Reads raw heightmaps: squares of little-endian uint16 posts. The first row in the file is the northernmost. */
 #include "dem_internal.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* Makes and uses the temporary files of dem. They are in the folder TMPDIR, or in /tmp. */
 #define _GNU_SOURCE
 #include "dem_scratch.h"
 

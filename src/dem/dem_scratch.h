@@ -1,4 +1,4 @@
-/* A temporary file without a name, for data too large for memory. It disappears with the process. */
+/* A temporary file without a name, for data too large for memory. The system removes it when the process ends. */
 #ifndef FURROW_DEM_SCRATCH_H
 #define FURROW_DEM_SCRATCH_H
 

@@ -1,4 +1,7 @@
-/* One file through GDAL: what it is, where it lies, and a VRT that gives it as metres. */
+/*
+ * Opens one source file with GDAL. Finds out what kind of raster it is and where it lies. Makes a VRT that gives its heights in
+ * metres.
+ */
 #include "dem_gdal.h"
 
 #include <cpl_conv.h>

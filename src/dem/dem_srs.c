@@ -1,4 +1,7 @@
-/* Spatial reference systems: read, measured on the ground, chosen, and points moved between them. */
+/*
+ * Handles spatial reference systems (SRS) for imports. Reads their names, chooses a metric one, measures distances on the ground,
+ * and converts points between two of them.
+ */
 #include "dem_gdal.h"
 
 #include <cpl_conv.h>

@@ -1,8 +1,8 @@
 /*
- * Rasters out: written aside as PATH.part, from the south, and renamed when whole.
+ * Writes a raster row by row, from the south, into PATH.part. When it is complete, PATH.part is renamed to PATH.
  *
  *   created -> rows... -> published
- *      \__________\________ destroyed: the part is removed
+ *      \__________\________ destroyed: PATH.part is removed
  */
 #include "dem_internal.h"
 

@@ -1,4 +1,4 @@
-/* GeoTIFF out: uncompressed rows, each its own strip, so that they may come from the south. */
+/* Writes GeoTIFF files with GDAL. Each row is an uncompressed strip, so rows can be written from the south. */
 #include "dem_gdal.h"
 
 #include <cpl_conv.h>

@@ -1,7 +1,7 @@
 /*
- * What of a scene has no effect, or none that anybody sees, one rule a function. What cannot be is the checker's, which
- * refuses it. A rule is certain whatever the ground is like; where it would have to guess it says nothing. The one
- * guess is of units: scene_units.c.
+ * Finds settings of a scene that have no effect, or none that a user can see, and tells the user about each. One function checks
+ * one rule. A rule never guesses: it holds for any ground. Impossible settings are not handled here; scene_check.c refuses them.
+ * Values that are probably in a wrong unit: scene_units.c.
  */
 #include <math.h>
 #include <stdarg.h>

@@ -1,6 +1,6 @@
 /*
- * The one table of effects: what each is called, what calls for it, and what it costs. What a scene calls for is
- * decided here and nowhere else; the ranges and defaults of parameters are those of the scene's schema.
+ * The table of effects: the name of each effect, the settings that call for it, and its cost. Only this file decides which effects
+ * a scene calls for. The schema of the scene (scene_schema.c) has the ranges and defaults of the effects' parameters.
  */
 #include <assert.h>
 #include <stdio.h>

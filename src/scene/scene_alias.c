@@ -1,4 +1,7 @@
-/* The table of old names, and the replacement of old names in a scene's tree. */
+/*
+ * Replaces old names of keys and words in a scene's tree by the new ones, so that old scenes still load. The table of old names is
+ * here.
+ */
 #include "scene/scene_alias.h"
 
 #include <string.h>

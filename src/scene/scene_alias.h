@@ -1,4 +1,4 @@
-/* Old names of keys and words. A scene may still use them. */
+/* Replaces old names of keys and words in a scene, so that old scenes still load. */
 #ifndef FURROW_SCENE_ALIAS_H
 #define FURROW_SCENE_ALIAS_H
 

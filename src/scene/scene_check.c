@@ -1,4 +1,7 @@
-/* Checks the scene, except its objects, soil and view. See scene_check.h. */
+/*
+ * Makes the checked scene from its typed values, as scene_check.h describes. Objects, soil and view are checked in files of their
+ * own.
+ */
 #include "scene/scene_check.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* The wording of a scene's errors: place, key, reason. See scene_error.h. */
+/* Writes error messages about a scene: the place, the key and the reason. */
 #include "scene/scene_error.h"
 
 #include <stdio.h>

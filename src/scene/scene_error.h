@@ -1,4 +1,4 @@
-/* Error messages about a scene. Each is one line: "FILE:LINE: KEY: WHY; WHAT IS ALLOWED". */
+/* Functions that report errors in a scene. Each message is one line: "FILE:LINE: KEY: WHY; WHAT IS ALLOWED". */
 #ifndef FURROW_SCENE_ERROR_H
 #define FURROW_SCENE_ERROR_H
 

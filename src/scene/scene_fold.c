@@ -1,4 +1,4 @@
-/* The shorthands of a scene; see scene_fold.h. */
+/* Replaces each short form in a scene's tree by the full form, as scene_fold.h describes. */
 #include "scene/scene_fold.h"
 
 #include <string.h>

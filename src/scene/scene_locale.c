@@ -1,4 +1,4 @@
-/* The thread's locale; see scene_locale.h. */
+/* Sets the locale of the thread to "C" while a scene is read, and restores it afterwards. */
 #include "scene/scene_locale.h"
 
 enum status scene_locale_begin(struct scene_locale *locale)

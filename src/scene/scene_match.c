@@ -1,4 +1,4 @@
-/* Checks the tree by the schema; see scene_match.h. */
+/* Checks a scene's tree against the schema: keys, types, ranges and words. See scene_match.h. */
 #include "scene/scene_match.h"
 
 #include <errno.h>

@@ -1,7 +1,8 @@
 /*
- * A mesh from loose triangles: scaled, checked, without what has no area, each place once.
+ * Makes the mesh of an object from the triangles of a mesh file. It scales and checks them, removes triangles without area, and
+ * joins equal vertices.
  *
- * Vertices are in the order in which the triangles first use them: the same file makes the same mesh.
+ * Vertices are in the order in which the triangles first use them. So the same file always makes the same mesh.
  */
 #include "scene/scene_mesh.h"
 

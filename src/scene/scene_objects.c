@@ -1,4 +1,4 @@
-/* The checked objects: names, paths, what they bear. */
+/* Checks the objects of a scene and fills their values: names, paths, and the loads that they carry. */
 #include <stdio.h>
 #include <string.h>
 

@@ -1,4 +1,6 @@
-/* What a scene may say at a key: the schema's type of it, and the range, unit and default of a number. */
+/*
+ * Tells what a scene may have at a key: its type, and the range, unit and default of a number. The answers come from the schema.
+ */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

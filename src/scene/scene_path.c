@@ -1,4 +1,4 @@
-/* The reader of poses; see scene_path.h. */
+/* Reads the poses of an object over time from a CSV file. See scene_path.h. */
 #include "scene/scene_path.h"
 
 #include <math.h>

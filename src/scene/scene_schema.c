@@ -1,4 +1,4 @@
-/* The tables of scene_schema.h. */
+/* Defines the tables that describe every key of a scene. See scene_schema.h. */
 #include "scene/scene_schema.h"
 
 #include <assert.h>

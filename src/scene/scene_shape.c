@@ -1,4 +1,4 @@
-/* The checked shape of an object. */
+/* Checks the shape of an object and fills its values in the scene. */
 #include <string.h>
 
 #include "scene/scene_check.h"

@@ -1,4 +1,7 @@
-/* The checked soils: by name, by parameters, one everywhere or classes by a map. */
+/*
+ * Checks the soils of a scene and fills their values. A soil has a name or its own numbers. The scene has one soil everywhere, or
+ * a class of soil for each post by a map.
+ */
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>

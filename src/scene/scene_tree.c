@@ -1,4 +1,7 @@
-/* YAML events to a tree of nodes with lines; see scene_tree.h for the limits it keeps. */
+/*
+ * Makes a tree of nodes from the events of the YAML parser. Each node knows its line. scene_tree.h tells the limits that protect
+ * against hostile files.
+ */
 #include "scene/scene_tree.h"
 
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /*
- * Numbers that are within their range but probably in another unit: degrees given in radians, Pa in kPa, N in kN or kg.
- * Each gets a note with its place, what was given, the key's unit and what to write. Nothing is refused.
+ * Warns about numbers of a scene that are allowed but probably in a wrong unit. Examples: radians for degrees, kPa for Pa, kN or
+ * kg for N. The note names the place, the number, the key's unit, and what to write. Nothing is refused.
  */
 #include <math.h>
 #include <stdio.h>

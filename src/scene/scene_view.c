@@ -1,4 +1,4 @@
-/* The checked view: size, camera, effects. */
+/* Checks the view of a scene and fills its values: picture size, camera and effects. */
 #include <string.h>
 
 #include "scene/scene_check.h"

@@ -1,5 +1,5 @@
 /*
- * The codec of tiles (FORMAT.md describes the bytes).
+ * Makes and destroys a codec, which packs tiles (FORMAT.md describes the bytes). The steps of encoding are:
  *
  *   posts -> holes predicted -> minus the prediction -> zigzag -> widths by 16 -> bits [-> LZ4]
  *                                                               -> byte planes -> zstd

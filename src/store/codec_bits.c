@@ -1,3 +1,4 @@
+/* Packs blocks of residuals into bits, for the encoder of tiles. */
 #include "store/codec_bits.h"
 
 #include "store/codec_kernels.h"

@@ -1,4 +1,4 @@
-/* What encoding and decoding share: flags of a blob, and the number of posts and blocks of a plane. */
+/* Shared by the encoder and the decoder of tiles: the flags of a blob, and the number of posts and blocks of a plane. */
 #ifndef FURROW_STORE_CODEC_PARTS_H
 #define FURROW_STORE_CODEC_PARTS_H
 

@@ -1,4 +1,4 @@
-/* The codec's inner loops in plain C: what every machine can run, and what defines the others. */
+/* The inner loops of the codec in plain C. They run on every machine. The versions for some CPUs must give the same bits. */
 #include <string.h>
 
 #include "store/codec_kernels.h"

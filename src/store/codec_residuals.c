@@ -1,3 +1,4 @@
+/* Computes the residuals of a plane, for the encoder: each post minus its prediction from neighbours, as an unsigned number. */
 #include "store/codec_residuals.h"
 
 #include "base/wide.h"

@@ -1,4 +1,4 @@
-/* What the files of this folder share: the connection, rows of tiles, and small helpers for SQLite. */
+/* Shared by the files of src/store: the connection to SQLite, rows of tiles, and small helpers for SQLite. */
 #ifndef FURROW_STORE_INTERNAL_H
 #define FURROW_STORE_INTERNAL_H
 

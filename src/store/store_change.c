@@ -1,7 +1,7 @@
 /*
- * The rows a commit writes and removes: what each replaces is kept for a rollback, and its tile is noted as changed.
+ * Writes and removes rows in a commit. The old row is kept for a rollback, and the tile is marked as changed.
  *
- * A row that would be what it is already is left alone: it keeps its revision, and its tile did not change.
+ * If the new row equals the old row, nothing is written: the row keeps its revision, and the tile counts as unchanged.
  */
 #include "store/internal.h"
 

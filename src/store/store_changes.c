@@ -1,10 +1,10 @@
 /*
- * Which tiles of the working level changed after which revision.
+ * Remembers which tiles of the working level changed after which revision.
  *
- * A row has the revision that wrote it. But no row tells of a row that was removed, and reading all rows takes longer the more
- * ground is deformed. So the tiles that this opening changed are kept in a table by key, with the last revision that changed each.
- * A tile takes 16 bytes, and the table is at most half full. Changes before the opening are read from the rows when they are
- * first asked for.
+ * Each row has the revision that wrote it. But no row tells that another row was removed. Also, reading all rows takes longer the
+ * more ground is deformed. So a table in memory holds each tile that changed since the store was opened, with the last revision
+ * that changed it. A tile takes 16 bytes, and the table is at most half full. For changes before the opening, the rows are read
+ * when they are first needed.
  */
 #include "store/internal.h"
 

@@ -1,7 +1,7 @@
 /*
- * Making a store: beside its name, with a commit now and then (store_put.c); renamed when whole.
+ * Makes a store. It is written as PATH.part, with commits in between (store_put.c). When it is complete, it is renamed to PATH.
  *
- *   create: PATH.part, locked -> put_base... -> publish: COMMIT, fsync, what is beside PATH goes,
+ *   create: PATH.part, locked -> put_base... -> publish: COMMIT, fsync, remove files beside PATH,
  *   fsync of the folder, rename, fsync of the folder
  *
  * A failure before the rename leaves PATH as it was, and close removes PATH.part. A kill or store_suspend leaves PATH.part.

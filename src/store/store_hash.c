@@ -1,4 +1,7 @@
-/* "The same store": a hash of what the rows mean, not of how they are packed or when written. */
+/*
+ * Computes the hash that tells whether two stores have the same content. It covers the posts of all rows, not their packing or the
+ * time when they were written.
+ */
 #include "store/internal.h"
 
 #include <stdio.h>

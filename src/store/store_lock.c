@@ -1,8 +1,9 @@
 /*
- * One writer a store: a lock on a file beside it, which the kernel drops with the process.
+ * Makes sure that a store has only one writer. The writer locks a file beside the store. The kernel releases this lock when the
+ * process ends.
  *
- * Not on the store itself, since closing any descriptor of that would drop SQLite's own locks. The
- * lock's file is removed by its holder; who then locks a file that is no longer there begins again.
+ * The store itself is not locked: closing any descriptor of it would release SQLite's own locks. The writer removes the lock file
+ * at the end. So a process that has locked a removed file must start again.
  */
 #include "store/internal.h"
 

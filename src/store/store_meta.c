@@ -1,4 +1,4 @@
-/* The table of what is known of a store as a whole. Every key is checked for type and sense. */
+/* Reads and writes the table that describes the store as a whole. The type and the value of every key are checked. */
 #include "store/internal.h"
 
 #include <math.h>

@@ -1,12 +1,12 @@
 /*
- * Opening and closing.
+ * Opens and closes stores.
  *
  *   published: one file, rollback journal mode
  *     --open for writing--> lock taken, WAL
- *     --close--> checkpoint, rollback mode again, one file; lock dropped
+ *     --close--> checkpoint, rollback mode again, one file; lock released
  *
- * A killed writer leaves FILE, FILE-wal and FILE-shm: the next that opens it, for reading or
- * writing, sees the last commit committed.
+ * A killed writer leaves FILE, FILE-wal and FILE-shm. The next process that opens the store, for reading or writing, sees its last
+ * complete commit.
  */
 #include "store/internal.h"
 

@@ -1,11 +1,11 @@
 /*
- * Overlays: a store without base tiles, which names the store that has them.
+ * Makes and opens overlays. An overlay is a store without base tiles; it names another store, the base, which has them.
  *
  * Invariants:
- *   1. The base is opened for reading only, and is no overlay.
+ *   1. The base is opened for reading only. The base is not an overlay.
  *   2. A base is refused if its hash or its header differs from what the overlay has.
- *   3. The path to the base starts at the overlay's folder, so that both can be moved together. It is absolute if they share no
- *      folder.
+ *   3. The path to the base starts at the overlay's folder, so that both can be moved together. It is absolute if they share
+ *      no folder.
  */
 #include "store/internal.h"
 

@@ -1,9 +1,9 @@
 /*
- * Posts of any rectangle at any level, and the height at a point.
+ * Reads the posts of any rectangle at any level, and the height at a point.
  *
- * Two passes over the rectangle: the base first, which tells where there is no data, then the deformation. Each pass reads tiles
- * of one stored level, which is the requested level or coarser. It interpolates on the lattice as the shaders do. Both passes
- * are in one transaction, so all posts are of one commit.
+ * Two passes over the rectangle read it. The first reads the base, which tells where there is no data; the second reads the
+ * deformation. Each pass reads tiles of one stored level, which is the requested level or coarser. It interpolates between posts
+ * as the shaders do. Both passes are in one transaction, so all posts are of one commit.
  */
 #include "store/internal.h"
 

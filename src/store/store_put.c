@@ -1,8 +1,8 @@
 /*
- * Base tiles into a store that is being made, with a commit every so many bytes or seconds.
+ * Puts base tiles into a store that is being made. It commits after a certain number of bytes or seconds.
  *
- * What was committed survives a kill, and a power cut, since commits are synced. Packing needs no
- * store and is apart from putting, so that threads can share it.
+ * Committed tiles survive a killed process and a power failure, since commits are synced. Packing a tile is a separate function
+ * that needs no store, so several threads can pack.
  */
 #include "store/internal.h"
 

@@ -1,4 +1,4 @@
-/* Readers: a read-only connection each; whole tiles and their ranges. */
+/* Reads whole tiles and their ranges. Each reader has its own read-only connection to the store. */
 #include "base/wide.h"
 #include "store/internal.h"
 

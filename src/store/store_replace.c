@@ -1,8 +1,9 @@
 /*
- * Before a store is replaced: what a killed writer left beside it goes back into it.
+ * Prepares an existing store for being replaced by a new one. If a killed writer left files beside it, their content is moved into
+ * the store.
  *
- * Those files have to be gone before another file takes the name, or they would be taken for that
- * one's. Should the rename then fail, the older store must still hold its last commit.
+ * These files must be gone before the new store gets the name. Otherwise SQLite would use them with the new store. If renaming the
+ * new store fails, the old store must still have its last commit.
  */
 #include "store/internal.h"
 

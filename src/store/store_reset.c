@@ -1,4 +1,4 @@
-/* Drops all deformation at once. */
+/* Removes all deformation from a store at once. The base stays. */
 #include "store/internal.h"
 
 #include <assert.h>

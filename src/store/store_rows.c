@@ -1,5 +1,5 @@
 /*
- * The rows of the tables of tiles, read and written one at a time.
+ * Reads and writes single rows of the tables that hold tiles.
  *
  * Invariants:
  *   1. Each statement is reset before the function that stepped it returns. store_rows_read() resets it after decoding the blob.

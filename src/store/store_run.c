@@ -1,4 +1,4 @@
-/* The record of the run that made the last commit: the only row of its table. */
+/* Reads and writes the record of the run that made the last commit. The record is the only row of its table. */
 #include "store/internal.h"
 
 static enum status keep_text(char **kept, const unsigned char *text)

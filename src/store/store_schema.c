@@ -1,5 +1,7 @@
-/* The tables, and the check that a file has these and nothing else. So no view, trigger or index of a stranger's file is ever
- * run. */
+/*
+ * Defines the tables of a store, and checks that a file has exactly these. So a view, trigger or index in an untrusted file is
+ * never run.
+ */
 #include "store/internal.h"
 
 #include <stdio.h>

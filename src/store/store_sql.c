@@ -1,4 +1,4 @@
-/* Calls on SQLite that turn its codes into statuses and messages. */
+/* Calls SQLite for the other files of store, and converts its error codes to a status and a message. */
 #include "store/internal.h"
 
 #include <errno.h>

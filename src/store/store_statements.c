@@ -1,8 +1,8 @@
 /*
- * What SQLite executed, by table: it tells each connection's own thread of every statement that begins.
+ * Counts the statements that SQLite executes for each table. SQLite reports each statement on the thread of its connection.
  *
- * Every statement here is of one table, named first after FROM or INTO. What begins otherwise (transactions,
- * pragmas) is of none.
+ * Every statement here uses one table. Its name comes first after FROM or INTO. Statements that use no table (transactions,
+ * pragmas) count as "other".
  */
 #include "store/internal.h"
 

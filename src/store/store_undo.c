@@ -1,5 +1,5 @@
 /*
- * Marks, and rollbacks to them.
+ * Sets a mark in a store, and rolls the store back to that mark. The undo is a set of tables with the old rows.
  *
  *   store_mark -> commits, each of which keeps rows in the undo -> store_rollback -> as after the mark
  *

@@ -1,7 +1,7 @@
 /*
- * Everything that can be checked about a store:
+ * Verifies a store: checks everything about its content that can be checked. The order is:
  *
- *   SQLite's own check -> base tiles that are not there -> every row of every table (verify_tile.c)
+ *   SQLite's own check -> base tiles that are missing -> every row of every table (verify_tile.c)
  *   -> the header's range and the base's hash
  */
 #include "store/verify.h"

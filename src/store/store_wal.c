@@ -1,9 +1,9 @@
 /*
- * Keeping the WAL short while a store is written.
+ * Keeps SQLite's write-ahead log (WAL) short while a store is written.
  *
- * After a checkpoint that copied everything, the next commit begins at the WAL's start again, unless a reader uses the WAL just
- * then. If a reader stops the checkpoint, or this happens again and again, the checkpoint is repeated in the mode that waits. While
- * a reader stays, the WAL grows. When the reader has gone, it is cut (journal_size_limit).
+ * After a checkpoint that copied everything, the next commit begins at the start of the WAL again. This fails if a reader uses the
+ * WAL at that moment. If a reader stops the checkpoint, or this happens repeatedly, the next checkpoint runs in the mode that
+ * waits. While a reader stays, the WAL grows. When the reader has gone, the WAL is cut (journal_size_limit).
  */
 #include "store/internal.h"
 

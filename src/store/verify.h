@@ -1,4 +1,4 @@
-/* What verify_tile.c and store_verify.c share. */
+/* Shared by verify_tile.c and store_verify.c, which verify a store. */
 #ifndef FURROW_STORE_VERIFY_H
 #define FURROW_STORE_VERIFY_H
 

@@ -1,3 +1,4 @@
+/* Implements the set of blocks that block_set.h describes. */
 #include "deform/schedule/block_set.h"
 
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* Implements the set of touched posts that touched.h describes: a row of bits for each row of a block. */
 #include "deform/schedule/touched.h"
 
 #include <assert.h>

@@ -1,3 +1,4 @@
+/* Converts affine functions of a post's position to whole numbers that the shaders evaluate. See affine.h. */
 #include "deform/shape/affine.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* Converts the motion of a wheel, sphere or box to whole numbers, from which shaders compute its lower envelope. */
 #include "deform/shape/body.h"
 
 #include <math.h>

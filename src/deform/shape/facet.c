@@ -1,3 +1,4 @@
+/* Converts a moving triangle to whole numbers, from which the shader computes its lowest height at a post. */
 #include "deform/shape/facet.h"
 
 #include <math.h>
