@@ -1,4 +1,4 @@
-/* What the files of deform share. */
+/* Shared by the files of src/deform: the struct deform, its textures, and the functions that one file offers to the others. */
 #ifndef FURROW_DEFORM_INTERNAL_H
 #define FURROW_DEFORM_INTERNAL_H
 
@@ -11,7 +11,7 @@
 /* FBOs over one layer of the scratch textures. FBOs that the parameters do not need are NULL. */
 enum scratch_target {
 	TO_UNDER,   /* under, rest */
-	TO_CONTACT, /* what the model's contact pass writes */
+	TO_CONTACT, /* the textures that the model's contact pass writes */
 	TO_FIRST,   /* box: offset plane 0 */
 	TO_SECOND,  /* box: offset plane 1 */
 	TO_BEGUN,   /* the start of sliding: offset plane 0, heights, and the other textures that sliding starts with */
@@ -24,14 +24,14 @@ enum scratch_target {
 	SCRATCH_TARGETS
 };
 
-/* The scratch of one window. */
+/* The render targets and the state of one window. Each window is computed in its own layer of the textures. */
 struct layer {
 	struct gpu_target *to[SCRATCH_TARGETS];
-	int now[PLANES]; /* which of planes[0 .. 1][plane] holds the result so far */
+	int now[PLANES]; /* for each plane: 0 or 1, the one of planes_of[0 .. 1] that holds the newest result */
 	bool alone;      /* the contact has only this window */
 	bool loaded;     /* the object carries a load, so its equilibrium height is still unknown */
-	bool above;      /* `above` of struct deform_contact */
-	bool flagged;    /* its sliding wrote flags: where soil still moves */
+	bool above;      /* as `above` in struct deform_contact: the object is above all ground */
+	bool flagged;    /* sliding wrote flags for this window, which tell where soil still moves */
 };
 
 struct deform;
@@ -39,91 +39,102 @@ struct deform;
 struct slide_soil;
 struct slide_place;
 
-/* One way in which soil slides: soil/slide.c. A model that conserves soil names one. */
+/* A rule by which soil slides (soil/slide.c). The row of a model that conserves soil points to one. */
 struct soil_slide {
-	const char *effect; /* its name */
-	int pass_count;     /* passes of one iteration, in which soil depends on posts as many posts away */
+	const char *effect; /* name of its effect */
+	/* number of passes in one iteration. In one iteration the soil of a post depends on posts up to that many posts away */
+	int pass_count;
 	enum slide_what passes[2];
-	bool bounded;       /* the soil that can relax may have a bottom */
+	bool bounded;       /* the layer of soil that can relax may have a bottom */
 	bool held_still;    /* soil below an object does not slide */
-	/* Computes what follows from a soil's numbers. */
+	/* Computes the limits in `to` from the numbers of a soil. */
 	void (*prepare)(const struct deform *deform, const struct deform_soil *soil, struct slide_soil *to);
 	enum status (*iterate)(struct deform *deform, const struct slide_place *place, int iteration);
 };
-extern const struct soil_slide deform_slide_excess; /* part of what exceeds the critical difference slides */
-extern const struct soil_slide deform_slide_shed;   /* Sumner's: steep posts shed soil, by roughness */
+extern const struct soil_slide deform_slide_excess; /* a part of the height difference above the critical one slides */
+/* Sumner's rule: a post that is steep sheds soil to lower posts, by the soil's roughness */
+extern const struct soil_slide deform_slide_shed;
 
-/* Critical height differences between two posts, fixed-point units: [0] axial, [1] diagonal neighbours. For sumner they include
- * the tolerance. */
+/* The limits by which a soil slides. Each is the largest height difference between two posts that is stable, fixed-point units.
+ * Index 0: neighbours along x or y. Index 1: diagonal neighbours. For sumner the limits include the tolerance. */
 struct slide_soil {
 	int32_t critical[2];
-	int32_t held[2];   /* sumner: if one of the two posts is held */
-	int32_t stop[2];   /* sumner: a post sheds nothing if no difference exceeds this */
-	uint32_t share[8]; /* sumner: share of the differences that moves, in 2^-32, for 1 .. 8 lower neighbours */
+	int32_t held[2];   /* sumner: the limits if an object holds one of the two posts */
+	int32_t stop[2];   /* sumner: a post sheds no soil if no difference to a neighbour exceeds this */
+	/* sumner: the share of the differences that moves, in 2^-32. Index: number of lower neighbours, 1 .. 8, minus 1 */
+	uint32_t share[8];
 };
 
 struct deform {
 	struct deform_params params;
 	unsigned planes; /* deform_planes() */
 	double spacing;
-	int64_t reach;  /* so many posts around the footprint can change */
-	int64_t border; /* so many posts around these are read */
-	uint32_t layers; /* windows' layers in the textures */
+	int64_t reach;  /* how many posts around the footprint a contact can change */
+	int64_t border; /* how many more posts around these a contact reads */
+	uint32_t layers; /* number of layers in the textures; each holds one window */
 	struct gpu_texture *bases;
-	struct gpu_texture *under, *rest;      /* lower envelopes: of the motion, and of the end pose; rest NULL: not needed */
-	struct gpu_texture *contacts;          /* bits LOWERED, HELD, HOLE; NULL: not needed */
+	/* lower envelopes: `under` of the whole motion, `rest` of the end pose. rest is NULL if the model does not need it */
+	struct gpu_texture *under, *rest;
+	/* what a contact did to each post: the bits LOWERED, HELD, HOLE. NULL if no pass needs them */
+	struct gpu_texture *contacts;
 	struct gpu_texture *carried, *deposits; /* conserving models: soil before and after deform_spread, fixed-point units */
-	struct gpu_texture *heights[2], *stills, *floors; /* used while soil slides; floors NULL: relaxing soil has no bottom */
-	struct gpu_texture *classes;           /* classes of soil; NULL: there is only one soil */
-	struct gpu_texture *planes_of[2][PLANES]; /* deform_gathers_into tells which of the two a gather writes */
-	struct layer scratch[DEFORM_WINDOWS_MAX + 1]; /* [layers]: the atlas of blocks; only models that conserve have it */
+	/* used only while soil slides. floors is NULL if the relaxing soil has no bottom */
+	struct gpu_texture *heights[2], *stills, *floors;
+	struct gpu_texture *classes;           /* the class of soil of each post; NULL if there is only one soil */
+	/* two textures for each plane, since a pass reads one and writes the other. deform_gathers_into tells which one a gather
+	 * writes */
+	struct gpu_texture *planes_of[2][PLANES];
+	/* index `layers`: the atlas, in which blocks relax. Only models that conserve soil have it */
+	struct layer scratch[DEFORM_WINDOWS_MAX + 1];
 	struct active *active;                 /* active blocks; NULL: the model does not conserve soil */
 	struct interval *interval;
-	struct gpu_program *under_program[2 * DEFORM_SHAPES]; /* every program is made when it is first needed */
+	struct gpu_program *under_program[2 * DEFORM_SHAPES]; /* every program is linked when it is first needed */
 	struct gpu_program *box, *contact, *disturbance, *spread;
-	struct gpu_program *held[2];           /* [by load] */
+	struct gpu_program *held[2];           /* index: 1 if the object carries a load */
 	struct gpu_program *facet;
 	struct facets *facets;                 /* triangles of meshes and grousers; made when first needed */
-	struct gpu_program *slide_begin[2][2]; /* [over blocks][by load] */
-	struct gpu_program *slide[2][2], *shed[2]; /* [over blocks][last iteration] */
+	struct gpu_program *slide_begin[2][2]; /* indices: 1 over blocks, 0 over a window; 1 if the object carries a load */
+	struct gpu_program *slide[2][2], *shed[2]; /* indices: 1 over blocks, 0 over a window; 1 in the last iteration */
 	struct slide_soil soils[DEFORM_SOILS];
-	bool contacts_flag;                    /* a contact's flags tell all blocks where soil moves after it */
-	struct gpu_program *scm[8], *find[4];  /* indices are the defines, as bits */
+	bool contacts_flag;                    /* the flags that a contact writes show all blocks where soil moves after it */
+	struct gpu_program *scm[8], *find[4];  /* the index has one bit for each define of the program */
 	struct forces *forces;                 /* NULL until a contact has a tag */
-	struct gpu_buffer *tries;              /* of load.c; NULL until a contact needs it */
+	struct gpu_buffer *tries;              /* the search of soil/load.c; NULL until a contact needs it */
 	struct gpu_buffer *standing;           /* int32 for each loaded body: equilibrium height above its pose, fixed-point units;
 						* NULL: there are no loaded bodies */
-	struct gpu_buffer *tally;              /* struct deform_tally */
+	struct gpu_buffer *tally;              /* counts on the GPU: a struct deform_tally */
 	struct gpu_buffer *felt;               /* a tally for deform_feel, which must not change `tally`; NULL until it is called */
 	struct deform_figures figures;         /* its window_layers is unused: see `layers` */
-	uint64_t warmed;                       /* kinds of objects that were warmed, as bits (warm.c) */
+	uint64_t warmed;                       /* kinds of objects whose programs deform_warm has prepared, as bits (warm.c) */
 };
 
 /* deform.c: returns which of planes_of[0 .. 1] a gather writes this plane to. */
 int deform_gathers_into(const struct deform *deform, int plane);
 
-/* scratch.c: textures and targets for `layers` windows. */
+/* scratch.c: makes textures and render targets for at least `layers` windows. */
 enum status deform_need_layers(struct deform *deform, uint32_t layers) FURROW_CHECKED;
 void deform_drop_layers(struct deform *deform);
 void deform_scratch_plan(const struct deform_params *params, struct plan *plan);
 
-/* Facts that follow from the parameters alone. */
+/* Each returns a property of the deform that depends on its parameters only. */
 bool deform_needs_contacts(const struct deform_params *params); /* scratch.c */
 bool deform_has_classes(const struct deform_params *params);
 int deform_soil_slots(const struct deform_params *params); /* soil/slide.c: classes of soil that a shader's parameters have room for */
-bool deform_is_bounded(const struct deform_params *params); /* relaxing soil has a bottom */
-bool deform_is_steep(const struct deform_params *params);   /* two posts may be too far apart in height: STEEP_RELIEF */
+bool deform_is_bounded(const struct deform_params *params); /* the layer of soil that can relax has a bottom */
+/* the height difference of two posts may not fit 32 bits: the relief exceeds STEEP_RELIEF */
+bool deform_is_steep(const struct deform_params *params);
 bool deform_asks_what_stood(const struct deform_params *params); /* sliding must compare with the undisturbed ground */
 int deform_slide_passes(const struct deform_params *params);
 int64_t deform_reach(const struct deform_params *params);  /* windows.c: struct deform's reach and border */
 int64_t deform_border(const struct deform_params *params);
-int64_t deform_core(const struct deform_params *params);   /* most posts of a window that are written, along a side */
+int64_t deform_core(const struct deform_params *params);   /* the most posts that a window writes along one side */
 
 /* Makes the program at *place if it is not there yet. */
 enum status deform_program(struct deform *deform, const struct deform_request *request,
 			   struct gpu_program **place) FURROW_CHECKED;
 
-/* Adds the plan's line of a buffer or a staging buffer that all objects share. `bytes`: of all `amount` buffers together. */
+/* Adds a line to the plan, for a buffer or staging buffer that all objects share. `amount`: how many such buffers. `bytes`: of all
+ * of them together. */
 void deform_plan_buffer(struct plan *plan, const char *effect, int64_t amount, uint64_t bytes, const char *name);
 
 /* std140 twins of the first parameters of most passes over a window. */
@@ -171,10 +182,10 @@ enum status deform_grousers(struct deform *deform, const struct deform_contact *
 enum status deform_run_contact(struct deform *deform, const void *params, size_t params_bytes,
 			 const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
 
-/* stages.c: a contact whose parameters are contact_params alone. */
+/* stages.c: runs the contact pass of a model whose parameters are only struct contact_params. */
 enum status deform_contact_plainly(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 				   uint32_t layer) FURROW_CHECKED;
-/* soil/slide.c: what follows a contact that displaced soil: it is spread, then it slides. */
+/* soil/slide.c: runs the passes after a contact that displaced soil: first the soil is spread, then it slides. */
 enum status deform_spread_and_slide(struct deform *deform, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
 
 /* std140 twin of lib/soil.glsl's block. */
@@ -190,8 +201,8 @@ struct scm_params {
 #define DEFORM_ROWS_ABREAST 4
 struct gpu_rect deform_rows(const int32_t posts[4]);
 
-/* soil/load.c: finds the size of the contact patch, the equilibrium height, or both: `what`, bits of enum deform_find. The
- * results are in the buffer `tries`. *last: the try that the contact pass uses. */
+/* soil/load.c: finds the size of the contact patch, the equilibrium height, or both. `what`: bits of enum deform_find. The results
+ * are in the buffer `tries`. *last: index of the result that the contact pass uses. */
 enum deform_find { DEFORM_FIND_PATCH = 1, DEFORM_FIND_LOAD = 2 };
 enum status deform_find(struct deform *deform, const struct scm_params *params, uint32_t layer, unsigned what,
 			int *last) FURROW_CHECKED;
@@ -200,13 +211,13 @@ void deform_find_plan(const char *effect, struct plan *plan);
 
 /* Forces are whole numbers of (Pa / 16) times a post's area. Moments are forces times `arm`. */
 #define DEFORM_UNITS_A_PASCAL 16
-/* forces.c: finds the record that this contact's windows add to. May wait for the GPU. */
+/* forces.c: finds the record, a place in a buffer, to which this contact's windows add their forces. May wait for the GPU. */
 enum status deform_forces_record(struct deform *deform, const struct deform_contact *contact, bool first_window, double arm,
 				 struct gpu_buffer **records, uint32_t *record) FURROW_CHECKED;
 void deform_forces_destroy(struct deform *deform);
 void deform_forces_plan(const char *effect, struct plan *plan);
 
-/* windows.c: returns the posts that the object can be above during a contact. */
+/* windows.c: returns the shadow of a contact: all posts that the object can be above while it moves. */
 struct post_rect deform_shadow(const struct deform *deform, const struct deform_contact *contact);
 /* deform_reached: returns the posts that a contact can change. deform_fits_window: returns true if they fit one window. */
 struct post_rect deform_reached(const struct deform *deform, const struct deform_contact *contact);
@@ -261,9 +272,9 @@ void deform_active_plan(const char *effect, struct plan *plan);
 /* Returns where a window's sliding must write its flags. Valid until the next call. The flags are kept only if
  * deform_wake_swept follows. */
 struct place_flags deform_active_flags(struct deform *deform, const struct deform_window *window, uint32_t layer);
-/* Waits for all flags, then makes all blocks inactive. */
+/* Waits until all flags from the GPU have been read, then makes all blocks inactive. */
 enum status deform_active_forget(struct deform *deform) FURROW_CHECKED;
-/* Begins an interval: tells its blocks. The list does not change before deform_active_visited. */
+/* Begins an interval, and gives the list of its blocks. The list does not change before deform_active_visited. */
 enum status deform_active_visit(struct deform *deform, const struct deform_block **blocks, size_t *count) FURROW_CHECKED;
 bool deform_active_is_visited(const struct deform *deform, struct deform_block block);
 /* Ends an interval. `flags`: a word for each block of the list: where soil still moves in it. */
@@ -271,12 +282,12 @@ enum status deform_active_visited(struct deform *deform, struct gpu_buffer *flag
 
 /* interval.c */
 enum status deform_interval_create(struct deform *deform) FURROW_CHECKED;
-/* As deform_warm. */
+/* Prepares the interval's programs, as deform_warm does for contacts. */
 enum status deform_interval_warm(struct deform *deform, const struct deform_shape *shape, uint32_t loaded_body) FURROW_CHECKED;
 void deform_interval_plan(const struct deform_params *params, struct plan *plan);
 void deform_interval_destroy(struct deform *deform); /* does nothing if it was never created */
 
-/* stages.c: the passes over a gathered window. */
+/* stages.c: run all passes over a window that was gathered. deform_run_feel: only those that compute forces. */
 enum status deform_run_feel(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer)
 	FURROW_CHECKED;
 enum status deform_run_stages(struct deform *deform, const struct deform_contact *contact,

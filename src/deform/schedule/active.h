@@ -6,28 +6,29 @@
 #include "deform/internal.h"
 #include "deform/schedule/touched.h"
 
-#define VISITS 3 /* most visits with unknown flags; a further one waits for the oldest */
-#define CONTACT_WORDS 8192 /* words for contacts in a period; a contact without room activates all blocks that it writes */
+#define VISITS 3 /* the most visits whose flags have not been read yet; one more visit waits for the oldest */
+/* flag words for all contacts of a period; a contact for which none is left activates all blocks that it writes */
+#define CONTACT_WORDS 8192
 #define WINDOW_BLOCKS ((SIDE / DEFORM_BLOCK + 1) * (SIDE / DEFORM_BLOCK + 1)) /* most blocks that a window lies on */
 
 #define CONTACT_BYTES ((CONTACT_WORDS + WINDOW_BLOCKS) * sizeof(uint32_t))
 #define PERIOD_BYTES (CONTACT_WORDS * sizeof(uint32_t))
 #define VISIT_BYTES (DEFORM_BLOCKS_MAX * sizeof(uint32_t))
-#define CHANGED 16 /* flags.glsl: from this bit on, a bit for each part that changed */
+#define CHANGED 16 /* in a flag word: the first of 16 bits, one for each part of the block, set if the part changed (flags.glsl) */
 
 struct visit {
 	struct gpu_staging *flags;    /* DEFORM_BLOCKS_MAX words, one for each visited block */
-	struct deform_block *visited; /* in the order of the flags */
+	struct deform_block *visited; /* the blocks that the interval computed, in the order of the flags */
 	size_t count;
 };
 
-/* A scattered window whose flags are still unknown. */
+/* A window that was written to tiles, and whose flags have not been read from the GPU yet. */
 struct swept {
 	struct post_rect write;
 	bool above; /* as in struct deform_contact */
 };
 
-/* The time from one visit to the next. */
+/* A period: the time from one visit to the next. A visit is one interval of relaxation, in which all active blocks are computed. */
 struct period {
 	struct block_set woken;    /* blocks that were activated */
 	struct swept *swept;       /* `count` windows */
@@ -37,13 +38,16 @@ struct period {
 };
 
 struct active {
-	struct block_set known, blocks, next; /* `next`: room to build the next `blocks` */
+	/* known: active after the last visit whose flags were read. blocks: active now. next: used to build the next `blocks` */
+	struct block_set known, blocks, next;
 	struct visit visits[VISITS];
 	size_t visit_count;
 	struct period periods[VISITS + 1]; /* [0]: after the visit behind `known`; [i + 1]: after visits[i] */
 	struct gpu_buffer *contact_flags;         /* CONTACT_WORDS, then room for one window whose flags are not read */
-	uint32_t used;                     /* words of it that this period uses */
-	struct touched touched, maybe;     /* empty unless the parameters ask for touched posts */
+	uint32_t used;                     /* words of contact_flags that this period uses so far */
+	/* touched: posts known to have changed. maybe: posts that may have changed, since flags are missing. Both are used only
+	 * if params.touched */
+	struct touched touched, maybe;
 };
 
 /* The blocks on which a window lies, in rows from the south-west. */
@@ -63,7 +67,7 @@ enum status deform_active_add_near(const struct deform *deform, struct block_set
 enum status deform_active_widen(const struct deform *deform, struct block_set *set) FURROW_CHECKED;
 /* Returns the blocks on which these posts lie. */
 struct block_grid deform_active_grid(struct post_rect write);
-/* Returns true if any post is in `touched` or in `maybe`. */
+/* Returns true if any post of the rectangle is in `touched` or in `maybe`. */
 bool deform_active_is_touched(const struct active *active, struct post_rect rect);
 /* Each adds to `maybe` all posts that a window or a visit with unknown flags may have changed. */
 enum status deform_active_maybe_swept(struct active *active, const struct swept *swept) FURROW_CHECKED;

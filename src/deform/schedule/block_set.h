@@ -1,5 +1,7 @@
-/* A set of blocks: a list, and a hash table of indices into the list. Not a key_set: its keys have 64 bits, and a block has 64 in x
- * and 64 in y. For one thread. Starts as {0}. */
+/*
+ * A set of blocks: a list, and a hash table of indices into the list. A key_set cannot be used: its keys have 64 bits, and a block
+ * has 64 bits in x and 64 bits in y. One thread at a time uses a set. A set starts as {0}.
+ */
 #ifndef FURROW_DEFORM_BLOCK_SET_H
 #define FURROW_DEFORM_BLOCK_SET_H
 
@@ -16,10 +18,10 @@ enum status deform_block_set_add(struct block_set *set, struct deform_block bloc
 bool deform_block_set_has(const struct block_set *set, struct deform_block block);
 /* Returns the block's index in `blocks`; `count` if it is not in the set. */
 size_t deform_block_set_place(const struct block_set *set, struct deform_block block);
-/* Empties it and keeps the memory. */
+/* Removes all blocks from the set and keeps its memory. */
 void deform_block_set_clear(struct block_set *set);
-/* Sorts the blocks along a Morton curve. Then the blocks of a tile are neighbours in the list, whatever the tiles' size. No block
- * may have a negative place. */
+/* Sorts the blocks along a Morton curve. Then all blocks of one tile are neighbours in the list, for any size of tiles. No block
+ * may have a negative x or y. */
 void deform_block_set_sort(struct block_set *set);
 
 #endif

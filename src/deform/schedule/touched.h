@@ -1,7 +1,7 @@
 /*
- * A set of touched posts: posts that may have changed. It has a bit for each post, in blocks. Only blocks with a touched
- * post are kept. For one thread. Starts as {0}. It grows until it is cleared. A block with a touched post needs about 170
- * bytes, or 16 bytes if all its posts are touched.
+ * A set of touched posts: posts that may have changed. It has a bit for each post. The bits are in blocks; a block without a
+ * touched post takes no memory. A block needs about 170 bytes, or 16 bytes if all its posts are touched. A set starts as {0}, and
+ * grows until it is cleared. One thread at a time uses it.
  */
 #ifndef FURROW_DEFORM_TOUCHED_H
 #define FURROW_DEFORM_TOUCHED_H
@@ -16,13 +16,14 @@ struct touched {
 };
 
 void deform_touched_finish(struct touched *touched);
-/* Empties it and keeps the memory. */
+/* Removes all posts from the set and keeps its memory. */
 void deform_touched_clear(struct touched *touched);
 /* Adds the posts of a rectangle. Posts south or west of the world are ignored. */
 enum status deform_touched_add(struct touched *touched, struct post_rect rect) FURROW_CHECKED;
 bool deform_touched_any(const struct touched *touched, struct post_rect rect);
-/* Adds posts of some parts of a block: those at most `by` posts along x and along y from a post in `from`. `by` is less than a
- * block. `parts`: a bit for each square of TOUCHED_PART x TOUCHED_PART posts, from the south-west. */
+/* Adds posts of a block that are near posts of the set `from`: at most `by` posts away along x and along y. Only some parts of the
+ * block are filled. `by` is less than DEFORM_BLOCK. `parts`: a bit for each square of TOUCHED_PART x TOUCHED_PART posts, from the
+ * south-west. */
 enum status deform_touched_grow(struct touched *touched, const struct touched *from, struct deform_block block, int64_t by,
 			 uint32_t parts) FURROW_CHECKED;
 #define TOUCHED_PART 8

@@ -1,8 +1,8 @@
 /*
- * A facet: a triangle in straight motion, as whole numbers. shaders/lib/facet.glsl evaluates it at a post. Pure.
+ * A facet: a triangle in straight motion, as whole numbers. shaders/lib/facet.glsl computes its lowest height at a post. Pure.
  *
- * Horizontal places are in 2^-FACET_BITS posts from an anchor, a post that depends on the object alone. A facet
- * counts from its own post, which is near it. So the bits at a post are the same in every window, wherever the object is.
+ * Horizontal positions are in 2^-FACET_BITS posts from an anchor, a post that depends on the object alone. A facet counts from its
+ * own post, which is near it. So the bits at a post are the same in every window, wherever the object is.
  */
 #ifndef FURROW_DEFORM_FACET_H
 #define FURROW_DEFORM_FACET_H
@@ -17,7 +17,7 @@ struct facet {
 	int32_t corners[4], third[4], cover[4], base[4], plane[4], edges[3][4], sides[3][4];
 };
 
-/* x, y from the anchor in 2^-FACET_BITS posts; z in fixed-point units above the frame's zero. */
+/* A corner of a triangle. x, y: from the anchor, 2^-FACET_BITS posts; z: above the frame's zero, fixed-point units. */
 struct facet_corner {
 	int32_t x, y;
 	double z;
@@ -34,9 +34,9 @@ struct facet_window {
 	int32_t width, height;
 };
 
-/* Computes the facet of a triangle whose end position is `corners`. `resting`: it is there at the contact's end. Returns false if
- * it is above no post of the window; *facet is then undefined. A triangle that is vertical, or nearly so, gives no facet. Its
- * neighbours have its edges. */
+/* Makes the facet of a triangle. `corners`: its position at the end. `resting`: the triangle remains there after the contact.
+ * Returns false if it is above no post of the window; *facet is then undefined. A triangle that is almost vertical gives no facet,
+ * since the triangles beside it have its edges. */
 bool deform_facet_of(const struct facet_corner corners[3], const struct facet_motion *motion, bool resting,
 	      const struct facet_window *window, struct facet *facet);
 
