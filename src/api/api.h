@@ -1,6 +1,6 @@
 /*
- * api: steps a world. furrow.h is the contract of the library. This header has the loop of the command and of the window. Both
- * are made of the same parts.
+ * api: runs a drive, step by step. furrow.h is the public header of the library. This header has the loop that the command and the
+ * window use. The library and this loop are made of the same parts.
  */
 #ifndef FURROW_API_H
 #define FURROW_API_H
@@ -29,15 +29,16 @@ struct drive; /* a world with its view, its pictures and its report */
  * Bodies that it drops do change the ground.
  */
 enum api_go {
-	API_ON,   /* steps at the pace */
-	API_ONE,  /* one step, now */
-	API_HOLD, /* no steps; pictures go on */
-	API_STOP, /* ends the drive: all that was done is committed, STATUS_OK */
+	API_ON,   /* makes steps at the speed `pace` */
+	API_ONE,  /* makes one step at once */
+	API_HOLD, /* makes no steps, but still draws pictures */
+	API_STOP, /* ends the drive with STATUS_OK; everything done so far is committed */
 };
 
 #define API_PICTURE_MOST 8192u /* pixels a side */
 
-/* Before each turn it holds what the turn before left in it. Before the first turn it holds the values named here. */
+/* What the host wants. The host changes it in a call of `turn`; it keeps its values until the next call. Before the first call it
+ * has the values named here. */
 struct api_control {
 	enum api_go go;               /* API_ON. After the scene's last step everything but API_STOP acts as API_HOLD */
 	double pace;                  /* simulated seconds for each second, above 0: 1. INFINITY: as fast as possible */
@@ -62,13 +63,13 @@ struct api_figures {
 	double fps;               /* pictures a second: about the mean of the last second in which there were any */
 	double frame_ms, step_ms; /* frame_ms: the last picture, until it was read back; step_ms: the last step */
 	uint32_t slots, slots_used;
-	uint64_t hits, misses;    /* of the page cache, by steps only */
+	uint64_t hits, misses;    /* hits and misses of the page cache, counted only for steps, not for pictures */
 	size_t dirty, queued;     /* dirty: pages changed since the last commit; queued: images that wait for a commit */
 	uint64_t triangles;       /* of the last picture */
 	int64_t step, steps;      /* steps done, and all steps of the scene */
-	double time, end;         /* s, simulated */
+	double time, end;         /* simulated seconds: now, and at the end of the scene */
 	bool over;                /* the scene's last step is done */
-	struct render_layer layer; /* of the last picture, with the range of its colours */
+	struct render_layer layer; /* the layer that the last picture shows, with the range of its colours */
 };
 void api_figures(struct drive *drive, struct api_figures *figures);
 
@@ -96,8 +97,9 @@ struct api_params {
 	bool durable_full;
 	bool progress;         /* writes a line of progress on stderr */
 	bool map;              /* also writes map.png, of the whole drive, at the end; run.json does not count it */
-	bool everywhere;       /* contacts are computed even where they change nothing: for tests that compare */
-	/* watches and controls the drive. Only for a scene with a view; its images are not written. NULL: nobody */
+	bool everywhere;       /* computes every contact, also one that changes nothing: for tests that compare results */
+	/* The host that watches and controls the drive; NULL: none. Only for a scene with a view; then the scene's images are not
+	 * written. */
 	const struct api_host *host;
 	const volatile sig_atomic_t *stop; /* becomes non-zero to end the drive cleanly, with STATUS_INTERRUPTED. May be NULL */
 };

@@ -1,6 +1,6 @@
 /*
- * Takes tiles from the thread that cuts them to the store. Several threads pack them at once. They are stored in the order in
- * which they were cut.
+ * A conveyor brings tiles of an import from the thread that cuts them into the store. Several threads pack the tiles. The tiles
+ * are stored in the order in which they were cut.
  */
 #ifndef FURROW_API_CONVEYOR_H
 #define FURROW_API_CONVEYOR_H
@@ -16,9 +16,10 @@ struct conveyor;
  */
 enum status api_conveyor_create(struct store *store, int64_t jobs, int64_t stored, struct conveyor **out)
 	FURROW_CHECKED;
-/* A dem_tile_fn: copies the tile. Waits while all buffers are full. Returns a failure of another thread, too. */
+/* Gives a tile to the conveyor, which copies it. It is a dem_tile_fn (dem.h). Waits while all buffers are full. Returns also a
+ * failure of another thread. */
 enum status api_conveyor_put(void *conveyor, const struct dem_tile *tile) FURROW_CHECKED;
-/* A dem_known_fn: reads the tiles that are stored. */
+/* Reads a tile that the store has already. It is a dem_known_fn (dem.h). */
 enum status api_conveyor_known(void *conveyor, struct tile tile, int32_t *codes, bool *known) FURROW_CHECKED;
 /* Waits until everything is stored, then destroys the conveyor. */
 enum status api_conveyor_finish(struct conveyor *conveyor) FURROW_CHECKED;

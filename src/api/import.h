@@ -22,7 +22,7 @@ struct import {
 	char *lines, *description, *texts[2];
 };
 
-void api_import_init(struct import *import); /* all defaults */
+void api_import_init(struct import *import); /* sets all options to their defaults */
 void api_import_finish(struct import *import);
 /* Sets an option by the command's long name, with dashes or underlines. `value`: as the command takes it; of a switch "",
  * "true" or "false". `nodata` adds one value. STATUS_USAGE: there is no such option, or it does not take this value. */

@@ -7,13 +7,14 @@
 
 struct intake {
 	const char *path; /* of the store to make */
-	struct store_meta meta; /* with a request, a store that was broken off can be resumed */
+	struct store_meta meta; /* describes the store. If it has a request, an interrupted import can be resumed later */
 	bool overwrite, resume;
 	int64_t jobs; /* threads that pack; 1: one thread for everything */
 	dem_posts_fn posts;
 	void *posts_user;
 	int64_t panel_posts; /* as in struct dem_cut */
-	dem_progress_fn progress; /* rows done, and all rows; NULL: nobody asks. STATUS_INTERRUPTED stops it */
+	/* called with the rows done and all rows; NULL: no calls. If it returns STATUS_INTERRUPTED, the import stops */
+	dem_progress_fn progress;
 	void *progress_user;
 	/* Results, once the store is made: */
 	double low, high; /* of all heights, metres */

@@ -1,4 +1,7 @@
-/* A drive: a world, and its view, pictures and report. What the files of api share. Only the world's thread uses it. */
+/*
+ * Shared by the files of src/api: the struct drive. A drive is a run of a scene: its world, view, pictures and report. Only the
+ * world's thread uses it.
+ */
 #ifndef FURROW_API_INTERNAL_H
 #define FURROW_API_INTERNAL_H
 
@@ -8,16 +11,16 @@ struct host; /* host.c */
 
 struct drive {
 	const struct api_params *params;
-	struct scene scene;           /* without a window: from scene_unwatched */
+	struct scene scene;           /* the scene that is run; without a window it comes from scene_unwatched */
 	struct world world;
 	struct world_watcher watcher; /* the view's */
 	struct world_commits commits; /* the pictures' */
-	struct view *view;            /* NULL without one */
+	struct view *view;            /* NULL if the scene has no view */
 	struct pictures *pictures;    /* NULL: none are written */
 	struct report_rows *rows;     /* NULL: no objects.csv */
 	struct report report;
 	struct host *host;            /* NULL unless a window controls the drive */
-	double entered, began;        /* s, by the clock: start of the drive, and of its loop */
+	double entered, began;        /* s, of the system's clock: start of the drive, and of its loop */
 };
 
 /* folder.c: makes the folder if it does not exist. STATUS_FAILED: it cannot. */

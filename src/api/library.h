@@ -1,4 +1,6 @@
-/* Shared by the files that implement furrow.h: how a call begins and ends, and a world as a host has it. */
+/*
+ * Shared by the files that implement furrow.h: how each function of the library begins and ends, and the struct furrow_world.
+ */
 #ifndef FURROW_API_LIBRARY_H
 #define FURROW_API_LIBRARY_H
 
@@ -21,7 +23,7 @@ struct furrow_world {
 	struct world_watcher watcher;
 	double origin;            /* s: time from which steps of time_step are counted */
 	int64_t steps;            /* steps since then */
-	struct library_mark {     /* both as at the last checkpoint */
+	struct library_mark {     /* values of `origin` and `steps` at the last checkpoint */
 		double origin;
 		int64_t steps;
 	} mark;
@@ -29,9 +31,9 @@ struct furrow_world {
 	double busy;              /* s, by the clock, in furrow_step */
 };
 
-/* A call of the host. It keeps the host's GL context. */
+/* State of one call of the library by its host. It keeps the host's GL context, which is restored when the call ends. */
 struct library_call {
-	struct furrow_world *world; /* NULL: none, or its GL is not taken */
+	struct furrow_world *world; /* the world of the call; NULL if there is none, or if its GL context is not current */
 	struct gpu_kept kept;
 };
 
@@ -42,9 +44,9 @@ furrow_status api_library_end(enum status status);
 enum status api_library_enter(struct library_call *call, struct furrow_world *world) FURROW_CHECKED;
 furrow_status api_library_leave(struct library_call *call, enum status status);
 
-/* furrow_render.c: makes the scene's view. */
+/* furrow_render.c: makes the view of the scene, which draws pictures. */
 enum status api_library_start_view(struct furrow_world *host) FURROW_CHECKED;
-/* STATUS_USAGE: "NAME: it is NULL; WHAT". */
+/* Checks that an argument is not NULL. If it is: STATUS_USAGE, with a message that has `name`. */
 enum status api_library_need(const void *pointer, const char *name) FURROW_CHECKED;
 /* Commits the motion of the host's bodies, so that a query sees the ground as it is. */
 enum status api_library_settle(struct furrow_world *world) FURROW_CHECKED;

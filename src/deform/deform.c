@@ -1,5 +1,5 @@
 /*
- * Gather from the tiles into a window, run the stages there, scatter to the tiles again.
+ * Copies posts from tiles into a window (gather), runs the stages there, and copies the results to the tiles (scatter).
  *
  * Invariant: a window's layer holds the ground as the tiles had it before the contact. Nothing is written to a tile before
  * deform_scatter. So the windows of one contact do not see each other's results.

@@ -1,4 +1,7 @@
-/* What a deform will make and run: its programs, its passes and its memory, each from the file that makes or runs it. */
+/*
+ * Lists in the plan what a deform will make and run: programs, passes and memory. The file that makes or runs something also lists
+ * it.
+ */
 #include "deform/internal.h"
 
 static void add_program(void *user, const char *effect, const struct gpu_program_request *request)

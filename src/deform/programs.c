@@ -1,4 +1,4 @@
-/* The files and defines of each pass's program, and the programs that an object can need. */
+/* Tells for each pass which shader files and defines its program has. Tells also which programs an object can need. */
 #include "deform/programs.h"
 
 #include <assert.h>

@@ -1,4 +1,7 @@
-/* The requests of deform's programs. The stages and the plan build them here, so that both name the same programs. */
+/*
+ * Builds the requests for the shader programs of deform. The stages and the plan both call these functions, so that both name the
+ * same programs.
+ */
 #ifndef FURROW_DEFORM_PROGRAMS_H
 #define FURROW_DEFORM_PROGRAMS_H
 

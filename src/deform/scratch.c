@@ -1,4 +1,7 @@
-/* The windows' textures: arrays with one layer for each window. They grow when a contact needs more layers. */
+/*
+ * Makes the textures in which windows are computed. Each texture is an array with one layer for each window. It grows when a
+ * contact needs more layers.
+ */
 #include <stddef.h>
 #include <string.h>
 

@@ -1,4 +1,4 @@
-/* The passes over a gathered window: the lower envelope, the model's passes, the attributes. */
+/* Runs the passes over a window that was gathered: the lower envelope, the soil model's passes, and the attributes. */
 #include <string.h>
 
 #include "deform/internal.h"

@@ -1,4 +1,7 @@
-/* Runs all passes that an object's contacts and its rest can need once, over a window outside the world. */
+/*
+ * Prepares the programs of an object before the first step. Each pass that its contacts or its rest can need runs once, over a
+ * window outside the world.
+ */
 #include "deform/internal.h"
 
 struct linking {

@@ -1,6 +1,7 @@
 /*
- * Which parts of a tile are drawn at which stride. A tile is a quadtree of blocks. Each block is a grid of the same number of
- * cells. A block is divided while it is nearer than its stride's reach. It is culled by its box.
+ * Decides which parts of a tile are drawn at which stride, the distance between drawn posts. A tile is a quadtree of blocks. Each
+ * block is a grid of the same number of cells. A block is divided while it is nearer than its stride's reach. A block is not drawn
+ * if its box is outside the picture.
  */
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,7 @@
 /*
- * Letters of a fixed cell of 6 x 10 pixels: every printable character of ASCII. A glyph is nine rows of five pixels from the top.
- * The last two rows are below the baseline. The cell's sixth column and tenth row are empty, between letters and lines.
+ * Has the letters for maps: every printable character of ASCII, in a cell of 6 x 10 pixels. A glyph is nine rows of five pixels
+ * from the top. The last two rows are below the baseline. The cell's sixth column and tenth row are empty, between letters and
+ * lines.
  */
 #include <string.h>
 

@@ -1,4 +1,4 @@
-/* What the files of this folder share. */
+/* Shared by the files of src/render. */
 #ifndef FURROW_RENDER_INTERNAL_H
 #define FURROW_RENDER_INTERNAL_H
 

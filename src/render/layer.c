@@ -1,4 +1,4 @@
-/* The colours of layers on the CPU, for a legend: shaders/lib/layer.glsl has the same. */
+/* Computes the colours of a layer's values on the CPU, for a legend. shaders/lib/layer.glsl computes the same colours. */
 #include <math.h>
 
 #include "render/internal.h"

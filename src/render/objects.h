@@ -1,4 +1,4 @@
-/* Drawing of objects (bodies): what the files objects*.c share. */
+/* Shared by the files objects*.c, which draw objects (bodies) and their shadows. */
 #ifndef FURROW_RENDER_OBJECTS_H
 #define FURROW_RENDER_OBJECTS_H
 

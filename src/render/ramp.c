@@ -1,7 +1,7 @@
 /*
- * Colour ramps: the look of a value between the ramp's ends, over shaded ground. 0 is fully transparent, and small values let the
- * ground's grey through. On flat ground a value has its ramp's own colour. Slopes darken and lighten it as they do the grey, so that
- * the shape of the ground can be seen.
+ * Colours the values of a layer, over shaded ground. A colour ramp goes from the lowest value to the highest. 0 is fully
+ * transparent, and small values let the ground's grey through. On flat ground a value has its ramp's own colour. Slopes darken and
+ * lighten it as they do the grey, so that the shape of the ground can be seen.
  */
 #include <math.h>
 

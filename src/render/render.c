@@ -1,4 +1,4 @@
-/* A picture's life: its targets, the mesh of one block, and the ground's textures. */
+/* Makes and destroys what a picture needs: its targets, the mesh of one block, and the ground's textures. */
 #include <assert.h>
 #include <math.h>
 #include <string.h>

@@ -1,4 +1,7 @@
-/* Frames: terrain selects tiles for the camera, the cache says which are resident, and render draws them. */
+/*
+ * Draws the frames of a drive. The terrain folder selects tiles for the camera, the cache tells which are resident, and render
+ * draws them.
+ */
 #include <math.h>
 #include <time.h>
 

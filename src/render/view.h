@@ -1,4 +1,4 @@
-/* What the files view*.c share. Only the world's thread uses it. */
+/* Shared by the files view*.c, which draw the pictures of a drive. Only the world's thread uses it. */
 #ifndef FURROW_RENDER_VIEW_H
 #define FURROW_RENDER_VIEW_H
 

@@ -1,4 +1,4 @@
-/* Where the camera is at any time: computed from the track and the ground. */
+/* Computes the position and direction of the camera at any time, from its track and the ground. */
 #include <math.h>
 #include <string.h>
 

@@ -1,4 +1,7 @@
-/* The dissertation's smoothing (5.5): where an object has just left, posts take the mean offset of their neighbourhood. */
+/*
+ * The soil model "box": smooths the ground that an object has just left (dissertation 5.5). Each post there takes the mean offset
+ * of the posts around it.
+ */
 #include "deform/internal.h"
 
 static enum status filter(struct deform *deform, struct post_rect read, uint32_t layer)

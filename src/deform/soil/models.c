@@ -1,4 +1,4 @@
-/* The soil models' rows, gathered from the models' own files. */
+/* Collects the rows of all soil models. Each model's own file defines its row, a struct soil_model. */
 #include <string.h>
 
 #include "deform/internal.h"

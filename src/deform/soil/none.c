@@ -1,4 +1,4 @@
-/* Pure compaction: the soil that the object displaces is lost (dissertation 4.4.2). */
+/* The soil model "none": an object only compacts soil. The soil that it displaces is lost (dissertation 4.4.2). */
 #include "deform/internal.h"
 
 const struct soil_model deform_model_none = {

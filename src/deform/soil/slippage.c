@@ -1,4 +1,7 @@
-/* Li and Moshell 1993: the object pushes all soil aside, and slopes that are too steep slip. */
+/*
+ * The soil model "slippage", by Li and Moshell (1993). The object pushes all soil aside. Then soil slips down slopes that are too
+ * steep.
+ */
 #include <math.h>
 
 #include "deform/internal.h"

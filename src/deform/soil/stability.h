@@ -1,4 +1,7 @@
-/* Critical height differences: the largest difference of height between two posts at which the slope is stable. Pure. */
+/*
+ * Computes critical height differences. A critical height difference is the largest one between two posts at which the slope is
+ * stable. Pure.
+ */
 #ifndef FURROW_DEFORM_STABILITY_H
 #define FURROW_DEFORM_STABILITY_H
 

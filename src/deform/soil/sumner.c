@@ -1,4 +1,7 @@
-/* Sumner, O'Brien and Hodgins 1999: the object pushes aside the soil that it does not compact, and the ground erodes. */
+/*
+ * The soil model "sumner", by Sumner, O'Brien and Hodgins (1999). The object compacts a part of the soil and pushes the rest
+ * aside. Steep ground then erodes.
+ */
 #include <math.h>
 
 #include "deform/internal.h"
