@@ -33,7 +33,8 @@ struct furrow_world {
 
 /* State of one call of the library by its host. It keeps the host's GL context, which is restored when the call ends. */
 struct library_call {
-	struct furrow_world *world; /* the world of the call; NULL if there is none, or if its GL context is not current */
+	/* the world of the call; NULL if there is none, or if the call has not made its GL context current */
+	struct furrow_world *world;
 	struct gpu_kept kept;
 };
 

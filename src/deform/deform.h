@@ -5,7 +5,7 @@
  *
  * Results are integers and the same on every driver. The lower envelope of an object is its lowest height above each post during
  * the motion. It is computed from affine functions of the post's position, in 64-bit fixed point (shape/affine.h). Results do not
- * depend on tiles, since a window knows only global posts. All functions are for the GPU's thread, unless they are marked Pure.
+ * depend on tiles, since a window knows only global posts. Functions on a struct deform are for the GPU's thread.
  */
 #ifndef FURROW_DEFORM_H
 #define FURROW_DEFORM_H
@@ -138,7 +138,7 @@ bool deform_conserves(enum deform_model model);
 bool deform_tells_forces(enum deform_model model);
 /* Each returns the name of an effect that is needed for every object under the model. deform_displace_effect: the effect that
  * computes contacts. deform_slide_effect: the effect that lets soil slide; NULL: soil does not slide. deform_contact_effect: the
- * effect that keeps which posts an object touched. */
+ * effect of the textures that tell what an object touched. */
 const char *deform_displace_effect(enum deform_model model);
 const char *deform_slide_effect(enum deform_model model);
 const char *deform_contact_effect(enum deform_model model);
@@ -250,7 +250,7 @@ enum status deform_feel(struct deform *deform, const struct deform_contact *cont
 /* The facts about an object that decide its resources and passes. */
 struct deform_planned {
 	const struct deform_shape *shape;
-	double load; /* N. If it is not 0, the model must compute forces: they give the equilibrium height */
+	double load; /* N. If it is not 0 and the model computes forces, the forces on the object are computed too */
 	bool moves;  /* the object moves after it was set down */
 };
 /* Prepares ("warms") the programs that this object needs in contacts and at rest, so that no later step links one. It runs each
@@ -306,7 +306,7 @@ struct deform_rest {
 /* Sets the equilibrium height of a loaded body that has had no contact yet. `raised`: how far the body rests above its pose, 2^-20
  * m. */
 void deform_set_equilibrium(struct deform *deform, uint32_t loaded_body, int32_t raised);
-/* One interval of relaxation, between two steps. Call deform_interval_begin, which gives the number of blocks. Then call
+/* One interval of relaxation (SOIL.md). Call deform_interval_begin, which gives the number of blocks. Then call
  * deform_interval_gather for each block, then deform_interval_scatter for each block, then deform_interval_end. Without blocks
  * nothing is done. The caller keeps the objects, which must live until the end. Soil under an object does not move. */
 enum status deform_interval_begin(struct deform *deform, const struct deform_rest *objects, size_t object_count,

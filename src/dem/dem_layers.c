@@ -1,6 +1,6 @@
 /*
- * Joins sources that have the same lattice of posts, without GDAL's mosaic. GDAL's mosaic handles each post alone, so this is
- * faster. Where sources overlap, the source named first is on top.
+ * Joins sources that have the same lattice of posts. GDAL's mosaic is not used here, since it handles each post alone. Where
+ * sources overlap, the source named first is on top.
  */
 #include "dem_gdal.h"
 
