@@ -205,6 +205,9 @@ static enum status roll_back(void)
 	if (status != STATUS_OK)
 		return status;
 	memcpy(fake->model, trial.mark, sizeof fake->model);
+	mutex_lock(&fake->mutex);
+	memcpy(snapshots[trial.step], fake->model, sizeof fake->model); /* the step ends as the mark was */
+	mutex_unlock(&fake->mutex);
 	trial.rollbacks++;
 	check_all();
 	if (one_in(3))
