@@ -16,7 +16,8 @@
  * FURROW_USAGE changed nothing. Results are written only by a call that returns FURROW_OK, unless said otherwise.
  *
  * Threads. One thread at a time uses a world. Several threads may use several worlds at once. The functions without a world
- * may be called from any thread.
+ * may be called from any thread. On software GL, calls on several worlds take turns: llvmpipe is not safe to use from several
+ * threads (seen with Mesa 22.3.6). A host that draws on llvmpipe itself does so on the thread that calls the library.
  *
  * Manners. No function prints, exits, sets a signal handler, or changes the environment or the locale. A function that needs
  * GL makes its own EGL context current, and gives back the one that was current before. Where a GLX context is current the

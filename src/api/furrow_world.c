@@ -126,7 +126,7 @@ furrow_status furrow_world_open(const struct furrow_open *open, struct furrow_wo
 	if (status != STATUS_OK)
 		return api_library_end(status);
 	memcpy(&known, open, sizeof known < open->size ? sizeof known : open->size);
-	gpu_keep(&kept);
+	gpu_keep(NULL, &kept);
 	status = create(&known, world);
 	gpu_give(&kept);
 	return api_library_end(status);

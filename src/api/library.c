@@ -78,7 +78,7 @@ enum status api_library_enter(struct library_call *call, struct furrow_world *wo
 	enum status status = api_library_need(world, "world");
 	if (status != STATUS_OK)
 		return status;
-	gpu_keep(&call->kept);
+	gpu_keep(world->world.gpu, &call->kept);
 	call->world = world;
 	page_cache_adopt(world->world.cache); /* another thread may have used the world before */
 	return gpu_take(world->world.gpu);

@@ -88,13 +88,15 @@ void gpu_destroy(struct gpu *gpu); /* destroy everything made from it before; gp
 /*
  * The program that calls the library may draw with GL too, and may call from changing threads. So each call of the library
  * first saves the current context (gpu_keep) and makes its own current (gpu_take). At its end it restores the saved one
- * (gpu_give). Between gpu_take and gpu_give the calling thread owns the gpu.
+ * (gpu_give). Between gpu_take and gpu_give the calling thread owns the gpu. Where GL is software, and while a context is made,
+ * a call waits until the calls that began before it have ended: see gpu_turn.c.
  */
 struct gpu_kept {
 	void *display, *draw, *read, *context; /* of EGL; context NULL: no context was current */
 	unsigned api;
+	bool turn; /* other threads wait */
 };
-void gpu_keep(struct gpu_kept *kept);
+void gpu_keep(const struct gpu *gpu, struct gpu_kept *kept); /* gpu NULL: it will be made */
 void gpu_give(const struct gpu_kept *kept);
 /* STATUS_NO_GL: the context cannot be made current on this thread. */
 enum status gpu_take(struct gpu *gpu) FURROW_CHECKED;

@@ -173,9 +173,12 @@ enum status gpu_egl_open(bool draws, struct gpu_egl *egl)
 	return status;
 }
 
-void gpu_keep(struct gpu_kept *kept)
+void gpu_keep(const struct gpu *gpu, struct gpu_kept *kept)
 {
-	*kept = (struct gpu_kept){.api = eglQueryAPI(), .context = eglGetCurrentContext()};
+	bool turn = gpu == NULL || gpu->egl.software;
+	if (turn)
+		gpu_turn_begin();
+	*kept = (struct gpu_kept){.api = eglQueryAPI(), .context = eglGetCurrentContext(), .turn = turn};
 	if (kept->context == EGL_NO_CONTEXT)
 		return;
 	kept->display = eglGetCurrentDisplay();
@@ -192,6 +195,8 @@ void gpu_give(const struct gpu_kept *kept)
 		eglMakeCurrent(kept->display, kept->draw, kept->read, kept->context);
 	else if (ours != EGL_NO_DISPLAY)
 		eglMakeCurrent(ours, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+	if (kept->turn)
+		gpu_turn_end();
 }
 
 enum status gpu_take(struct gpu *gpu)

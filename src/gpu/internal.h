@@ -19,6 +19,10 @@ struct gpu_egl {
 enum status gpu_egl_open(bool draws, struct gpu_egl *egl) FURROW_CHECKED;
 void gpu_egl_close(struct gpu_egl *egl); /* egl may be all zeros: never opened */
 
+/* --- gpu_turn.c: one thread at a time where GL is software --- */
+void gpu_turn_begin(void); /* waits until each thread that asked before has ended its turn */
+void gpu_turn_end(void);
+
 /* --- gpu_ring.c: memory of pass parameters until the GPU has used them --- */
 /*
  * A ring of segments, each with a mapped buffer. Passes append their parameters to the current segment. When it is full, a

@@ -1,4 +1,7 @@
 /* The context: what it says of itself, that its counts return to nothing, that failure stays. */
+#include <stdatomic.h>
+
+#include "base/thread.h"
 #include "gpu_test.h"
 
 static void it_says_what_it_is(void **state)
@@ -115,6 +118,74 @@ static void without_gl_it_says_so(void **state)
 	assert_ok(gpu_create(&(struct gpu_params){.draws = false}, &test_gpu));
 }
 
+enum { TURNS = 300, USERS = 2 };
+
+struct user {
+	struct thread thread;
+	struct gpu *gpu;
+	struct gpu_texture *texture;
+	atomic_uint *inside, *most; /* threads that use GL now; the most at one time */
+	enum status status;
+};
+
+static void *use_gl(void *argument)
+{
+	struct user *user = argument;
+	const int32_t value = 1;
+	for (int i = 0; i < TURNS && user->status == STATUS_OK; i++) {
+		struct gpu_kept kept;
+		gpu_keep(user->gpu, &kept);
+		unsigned inside = 1 + atomic_fetch_add(user->inside, 1);
+		if (inside > atomic_load(user->most))
+			atomic_store(user->most, inside);
+		user->status = gpu_take(user->gpu);
+		for (int x = 0; x < 8 && user->status == STATUS_OK; x++) {
+			gpu_texture_clear(user->texture, 0, rect_of(8 * x, 0, 8, 8), x);
+			gpu_texture_upload(user->texture, 0, rect_of(8 * x, 0, 1, 1), &value);
+		}
+		if (user->status == STATUS_OK)
+			user->status = gpu_check(user->gpu, "the test");
+		atomic_fetch_sub(user->inside, 1);
+		gpu_give(&kept);
+	}
+	return NULL;
+}
+
+/* On llvmpipe two threads that use GL at once crash. Freed memory is overwritten in all tests, so that they do it soon. */
+static void several_threads_take_turns_on_software_gl(void **state)
+{
+	atomic_uint inside = 0, most = 0;
+	struct user users[USERS] = {{.status = STATUS_OK}};
+	(void)state;
+	need_gpu();
+	bool software = gpu_info(test_gpu)->software;
+	close_gpu(NULL);
+	for (int i = 0; i < USERS; i++) {
+		struct gpu_kept kept;
+		users[i] = (struct user){.inside = &inside, .most = &most};
+		gpu_keep(NULL, &kept);
+		assert_ok(gpu_create(&(struct gpu_params){.draws = false}, &users[i].gpu));
+		assert_ok(gpu_texture_create(users[i].gpu, GPU_R32I, 64, 64, 0, &users[i].texture));
+		gpu_give(&kept);
+	}
+	for (int i = 0; i < USERS; i++)
+		assert_ok(thread_start(&users[i].thread, use_gl, &users[i], "user"));
+	for (int i = 0; i < USERS; i++)
+		thread_join(&users[i].thread);
+	for (int i = 0; i < USERS; i++) {
+		struct gpu_kept kept;
+		assert_int_equal(users[i].status, STATUS_OK);
+		gpu_keep(users[i].gpu, &kept);
+		assert_ok(gpu_take(users[i].gpu));
+		gpu_texture_destroy(users[i].texture);
+		gpu_destroy(users[i].gpu);
+		gpu_give(&kept);
+	}
+	if (software)
+		assert_int_equal(most, 1);
+	assert_ok(gpu_create(&(struct gpu_params){.draws = false}, &test_gpu));
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -125,6 +196,7 @@ int main(void)
 		cmocka_unit_test(a_gl_error_is_told_and_stays),
 		cmocka_unit_test(more_memory_than_there_is_is_refused),
 		cmocka_unit_test(without_gl_it_says_so),
+		cmocka_unit_test(several_threads_take_turns_on_software_gl),
 	};
 	return cmocka_run_group_tests(tests, open_gpu, close_gpu);
 }

@@ -18,10 +18,26 @@ work = _folder / "work"  # examples are built and run here
 work.mkdir()
 
 
+def where_it_waits(process):
+    """What the threads of a process do, as gdb tells it."""
+    if shutil.which("gdb") is None:
+        return "install gdb to see where it waits"
+    return subprocess.run(["gdb", "-p", str(process.pid), "-batch", "-ex", "thread apply all backtrace"], capture_output=True,
+                          text=True, timeout=60).stdout
+
+
 def run(*command, cwd=None, env=None, check=True):
-    result = subprocess.run([*map(str, command)], cwd=cwd or work, env=env, capture_output=True, text=True, timeout=600)
+    command = [*map(str, command)]
+    with subprocess.Popen(command, cwd=cwd or work, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        try:
+            out, err = process.communicate(timeout=600)
+        except subprocess.TimeoutExpired:
+            where = where_it_waits(process)
+            process.kill()
+            raise AssertionError(f"{' '.join(command)}: not done after 600 s\n{where}")
+    result = subprocess.CompletedProcess(command, process.returncode, out, err)
     if check and result.returncode != 0:
-        raise AssertionError(f"{' '.join(map(str, command))}: exit {result.returncode}\n{result.stdout}\n{result.stderr}")
+        raise AssertionError(f"{' '.join(command)}: exit {result.returncode}\n{result.stdout}\n{result.stderr}")
     return result
 
 
