@@ -1,6 +1,8 @@
 /* What furrow.h promises of checkpoints and rollbacks, of the store after a world is closed, and of copies that follow changes. */
 #include "rut.h"
 
+#include "api/library.h"
+
 /* A whole copy of what a host can ask for. */
 struct copy {
 	double time;
@@ -178,11 +180,87 @@ static void copies_that_follow_changes_end_as_the_store_does(void **state)
 	free(copy);
 }
 
+/* --- higher ground comes back --- */
+
+#define HEAP_METRES 0.5
+
+/* A store of flat ground with a heap of 4 by 4 m around 16, 16, as an earlier drive may leave it. */
+static void store_with_heap(const char *path)
+{
+	enum { LEVEL = -1, CELLS = 32, SIDE = CELLS + 1 };
+	const struct post_rect heap = {112, 112, 145, 145}; /* posts of 0.125 m */
+	static int32_t offsets[SIDE * SIDE];
+	struct store *store;
+	struct store_commit_result result;
+	const struct store_run run = {.scene_hash = "00", .state = "{}"};
+	support_store(path, hosted_extent, hosted_flat);
+	must(store_open(path, &(struct store_options){.mode = STORE_WRITE}, &store));
+	must(store_set_working_level(store, LEVEL));
+	for (uint32_t y = 3; y <= 4; y++)
+		for (uint32_t x = 3; x <= 4; x++) {
+			struct store_page page = {.tile = {LEVEL, x, y}};
+			for (int64_t i = 0; i < SIDE * SIDE; i++) {
+				const int64_t px = x * CELLS + i % SIDE, py = y * CELLS + i / SIDE;
+				const bool in = px >= heap.x0 && px < heap.x1 && py >= heap.y0 && py < heap.y1;
+				offsets[i] = in ? (int32_t)lattice_offset(HEAP_METRES) : 0;
+			}
+			page.planes[PLANE_OFFSET] = offsets;
+			must(store_commit(store, &page, 1, &run, &result));
+		}
+	store_close(store);
+}
+
+/* Sets the box of 1 m height down with its bottom there, in a step. */
+static void set_down(struct furrow_world *world, furrow_body box, double bottom)
+{
+	const struct furrow_pose pose = hosted_pose(16, 16, bottom + 0.5);
+	done(furrow_place(world, box, &pose));
+	done(furrow_step(world, 0));
+}
+
+/* A commit that nobody asked for, as its age makes it. */
+static void force_commit(struct furrow_world *world)
+{
+	struct library_call call;
+	must(api_library_enter(&call, world));
+	done(api_library_leave(&call, page_cache_flush(world->world.cache, world->world.record)));
+}
+
+/* The heap is pressed flat and committed before a body is first looked at in the air. A rollback brings the heap back: now a body
+ * above the base is in the heap, and must press it. */
+static void ground_that_a_rollback_raises_is_pressed(void **state)
+{
+	static const char *const models[] = {"none", "box"};
+	for (size_t m = 0; m < sizeof models / sizeof *models; m++) {
+		const char *path = support_path("raised.furrow");
+		char scene[160];
+		struct furrow_world *world;
+		furrow_body box = -1;
+		store_with_heap(path);
+		snprintf(scene, sizeof scene, "{\"scene\": 1, \"time_step\": 0.01, \"spacing\": 0.125, \"redistribute\": {\"model\": \"%s\"}}", models[m]);
+		const struct furrow_open open = hosted_open(scene, path);
+		done(furrow_world_open(&open, &world));
+		assert_float_equal(point_at(world, 16, 16).height, 100 + HEAP_METRES, 1e-6);
+		done(furrow_body_add(world, "{name: press, shape: {box: {size: [6, 6, 1]}}}", &box));
+		done(furrow_checkpoint(world));
+		set_down(world, box, 99.9);
+		force_commit(world);
+		assert_true(point_at(world, 16, 16).height < 100);
+		set_down(world, box, 105);
+		done(furrow_rollback(world));
+		assert_float_equal(point_at(world, 16, 16).height, 100 + HEAP_METRES, 1e-6);
+		set_down(world, box, 100.2);
+		assert_float_equal(point_at(world, 16, 16).height, 100.2, 1e-3);
+		done(furrow_world_close(world));
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_rollback_leaves_what_the_checkpoint_had),
 		cmocka_unit_test(a_rollback_without_a_checkpoint_goes_back_to_the_opening),
+		cmocka_unit_test(ground_that_a_rollback_raises_is_pressed),
 		cmocka_unit_test(what_is_closed_is_in_the_store),
 		cmocka_unit_test(an_overlay_keeps_the_store_as_it_was),
 		cmocka_unit_test(copies_that_follow_changes_end_as_the_store_does),
