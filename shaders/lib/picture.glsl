@@ -24,5 +24,5 @@ layout(std140, binding = 0) uniform picture {
 const float half_base_metre = 1.0 / 131072.0; // metres of half a base height, 2^-17
 const float base_metre = 1.0 / 262144.0;      // of a base height, 2^-18
 const float offset_metre = 1.0 / 1048576.0;   // of an offset, 2^-20
-// Vertices at most so far apart show what wheels leave: src/render/camera.c.
+// Where vertices are at most so far apart, in metres, the mesh is made to show ruts (src/render/camera.c has the same value).
 #define RUT_CELL 0.3

@@ -50,6 +50,7 @@ static void every_drive_counts_what_was_planned(void **state)
 		BUSY MANY "soil: {map: classes.png, classes: {1: mud}, default: sand}\n" VIEW("splat, texture, fog"),
 		BUSY "view: {" CAMERA ", body: mars, effects: [texture, sky, fog]}\n",
 	};
+	write_files();
 	support_write(support_path("hops.csv"), "t,x,y,z\n0,40,40,150\n0.5,50,50,98\n1,60,60,150\n");
 	for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
 		struct outcome outcome = drive(scenes[i]);
