@@ -1,10 +1,11 @@
 /*
- * Rollbacks by furrow.h, as reinforcement learning makes them: 50 tiles of 256 cells are changed by balls under scm, commits are
- * forced in between, and the world goes back to its checkpoint. Prints the median and the worst of so many rollbacks (1000).
+ * Measures rollbacks by furrow.h, as reinforcement learning makes them. Under scm, balls change 50 tiles of 256 cells, with forced
+ * commits in between. Then the world goes back to its checkpoint. Prints the median and the worst time of ROLLBACKS rollbacks; the
+ * default is 1000.
  *
  *     LP_NUM_THREADS=0 bench_rollback [ROLLBACKS]
  *
- * After the last one the ground is compared with that of the checkpoint.
+ * After the last rollback the ground is compared with that of the checkpoint.
  */
 #include <math.h>
 #include <stdio.h>
@@ -51,7 +52,7 @@ static void press(struct furrow_world *world, const furrow_body balls[TILES])
 	must(furrow_step(world, 0));
 }
 
-/* A commit that nobody asked for, as age or a full queue makes it. */
+/* Commits all changed pages now. In a drive the cache does this when pages are old or its queue is full. */
 static void force_commit(struct furrow_world *world)
 {
 	bench_must(page_cache_flush(world->world.cache, world->world.record));
@@ -94,8 +95,9 @@ int main(int argc, char **argv)
 			press(world, balls);
 			force_commit(world);
 		}
-		press(world, balls); /* and what nobody committed */
-		struct furrow_contact contact; /* the step's own work is not the rollback's */
+		press(world, balls); /* changes that are not committed when the rollback comes */
+		/* Wait until the GPU has done the step, so that the measured time is that of the rollback alone. */
+		struct furrow_contact contact;
 		for (int i = 0; i < TILES; i++)
 			must(furrow_get_contacts(world, 1, &balls[i], &contact, sizeof contact));
 		const double began = clock_seconds();

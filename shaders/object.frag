@@ -1,5 +1,5 @@
 #version 450 core
-// An object's light: the ground's sun, sky and air on rubber, metal and paint.
+// The light and colour of an object at a pixel, with the same sun, sky and haze as the ground.
 #include "lib/picture.glsl"
 #include "lib/body.glsl"
 #include "lib/tone.glsl"
@@ -19,7 +19,7 @@ layout(location = 0) out vec4 colour;
 
 void main()
 {
-	// Both sides of what is no closed surface are seen.
+	// A surface that is not closed is seen from both sides.
 	vec3 outward = normalize(gl_FrontFacing ? normal : -normal);
 	float facing = max(dot(outward, sun.xyz), 0.0);
 	vec3 lit = surface.rgb * (sunlight.rgb * facing + mix(groundlight, skylight, 0.5 + 0.5 * outward.z) * (open * sunlight.w));

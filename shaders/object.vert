@@ -1,18 +1,19 @@
 #version 450 core
-// An object: its corners in the world, as seen from the eye. Instances are objects of one shape.
+// Places the corners of an object's triangles relative to the eye. All objects of one shape are instances of one draw.
 #include "lib/picture.glsl"
 #ifdef FOG
 #include "lib/sky.glsl"
 #include "lib/haze.glsl"
 #endif
 
-// Place along its own axes, metres; a normal of 10 bits each, what it is of (2 bits)
+// xyz: place of a corner along the object's own axes, metres, as float bits. w: three components of its normal, 10 bits each, and its
+// material, 2 bits
 layout(std430, binding = 0) readonly buffer corners {
 	uvec4 corner[];
 };
 struct posed {
-	vec4 forward, left, up; // its axes; w: its centre, metres relative to the eye
-	vec4 size;              // of the ball around it, metres
+	vec4 forward, left, up; // xyz: the object's axes; the three w: its centre relative to the eye, metres
+	vec4 size;              // x: radius of a ball that contains it, metres
 };
 layout(std430, binding = 1) readonly buffer objects {
 	posed object[];
@@ -20,13 +21,13 @@ layout(std430, binding = 1) readonly buffer objects {
 
 out vec3 place;  // metres relative to the eye
 out vec3 normal;
-out float open;  // how much of the sky the ground under the object leaves
-flat out vec4 surface; // albedo, how much it shines
+out float open;  // share of the sky that the ground does not hide; less at the object's lower side
+flat out vec4 surface; // rgb: albedo; w: how much it shines
 #ifdef FOG
 out vec2 air;
 #endif
 
-// Rubber with dust on it, metal, paint, and what is dark.
+// The materials: rubber with dust on it, metal, paint, and a dark one.
 const vec4 surfaces[4] = vec4[](vec4(0.045, 0.042, 0.039, 0.04), vec4(0.27, 0.275, 0.28, 0.5),
 				vec4(0.30, 0.285, 0.25, 0.15), vec4(0.075, 0.078, 0.085, 0.1));
 

@@ -1,6 +1,6 @@
 #version 450 core
-// Darkens the ground in the shadow of an object. Writes the share of light that is left; blending multiplies the pixel by this
-// share.
+// Darkens the ground in the shadow of one object. The output is the share of light that still reaches the ground, for each colour.
+// Blending multiplies the pixel by this share. The inputs are described in shadow.vert.
 #include "lib/picture.glsl"
 flat in vec4 own_x, own_y, own_z, form, volume_x, volume_y, volume_z;
 flat in vec4 to_sun;
@@ -32,7 +32,8 @@ vec2 picture_size()
 }
 #endif
 
-// Metres outside the form, less than 0 inside. About y it is round, or not; a ball is so in y too.
+// Returns the distance of `at` from the surface of the object's simple form, in metres; negative inside. The form is a box, or a
+// cylinder about the y axis (to_sun.w > 0), or a ball (to_sun.w == 2).
 float outside(vec3 at)
 {
 	bool is_round = to_sun.w > 0.0, ball = to_sun.w == 2.0;
@@ -47,8 +48,8 @@ void main()
 {
 	float depth = depth_here();
 	if (depth == 0.0)
-		discard; // nothing is there
-	// Reversed depth without a far plane: the near plane's distance over how far ahead it is.
+		discard; // nothing was drawn at this pixel
+	// Depth is reversed and has no far plane: it is the distance of the near plane, divided by the distance of the place ahead.
 	vec2 corner = 2.0 * gl_FragCoord.xy / picture_size() - 1.0;
 	vec3 place = (forward.xyz + corner.x * right.xyz + corner.y * up.xyz) * (project[3][2] / depth);
 	vec3 within = abs(vec3(dot(volume_x.xyz, place) + volume_x.w, dot(volume_y.xyz, place) + volume_y.w,
@@ -58,7 +59,8 @@ void main()
 	vec3 fade = min((1.0 - within) * vec3(6.0, 5.0, 5.0), 1.0);
 	vec3 own = vec3(dot(own_x.xyz, place) + own_x.w, dot(own_y.xyz, place) + own_y.w, dot(own_z.xyz, place) + own_z.w);
 
-	// Toward the sun the form is nearest where it is when scaled to a ball; the farther that is, the softer its edge.
+	// A ray goes from the place toward the sun. In space scaled so that the form is a ball, the ray comes nearest to the form after
+	// `way` metres. The edge of the shadow is softer where this is farther.
 	vec3 scaled = own / form.xyz, ahead = to_sun.xyz / form.xyz;
 	float way = max(-dot(scaled, ahead) / dot(ahead, ahead), 0.0);
 	float soft = 0.05 * form.w + 0.09 * way;

@@ -1,5 +1,6 @@
 #version 450 core
-// The volume that an object shades, a box: its far sides are drawn, so that each pixel is, once, wherever the eye is.
+// Draws the volume that the shadow of one object may reach: a box. Only its far sides are drawn. So each pixel of the volume is drawn
+// once, also if the eye is inside.
 #include "lib/picture.glsl"
 #include "lib/body.glsl"
 #ifdef FOG
@@ -9,21 +10,22 @@
 
 // struct object_shadow in src/render/objects.h
 struct caster {
-	vec4 to_own[3];    // from a place relative to the eye to the form's own axes, metres
-	vec4 form;         // half its size along them; its size, of one number
-	vec4 to_volume[3]; // to the volume, -1 .. 1 each way
-	vec4 kind;         // 0 a box, 1 a cylinder about its y, 2 a ball
+	// affine maps of a place relative to the eye, one row for each axis: onto the axes of the object's simple form, metres
+	vec4 to_own[3];
+	vec4 form;         // xyz: half the size of the form along its axes, metres; w: its size as one number
+	vec4 to_volume[3]; // onto the axes of the volume, -1 .. 1 inside
+	vec4 kind;         // x: 0 a box, 1 a cylinder about its y axis, 2 a ball
 };
 layout(std430, binding = 0) readonly buffer casters {
 	caster all[];
 };
 
 flat out vec4 own_x, own_y, own_z, form, volume_x, volume_y, volume_z;
-flat out vec4 to_sun; // along the form's axes; its kind
-flat out vec3 of_sun; // the sun's part of the light on level ground
-flat out vec2 strength; // by the air between, of the sun's shadow and of the sky's
+flat out vec4 to_sun; // xyz: direction to the sun along the form's axes; w: kind of the form
+flat out vec3 of_sun; // share of the light on level ground that comes from the sun, for each colour
+flat out vec2 strength; // 0 .. 1: strength of the shadow from the sun, and from the sky; weaker in haze
 
-// Along a volume's axis, from its middle to its side.
+// Returns the part along one axis of the place on the volume where that axis has the value `side`.
 vec3 side_of(vec4 axis, float side)
 {
 	return axis.xyz * ((side - axis.w) / dot(axis.xyz, axis.xyz));

@@ -1,6 +1,7 @@
 #version 450 core
-// One triangle over the picture, behind everything: its depth is nearer than the cleared one only.
-out vec2 corner; // -1 .. 1 across the picture
+// Draws the sky: one triangle that covers the whole picture, behind everything else. Depth is reversed, and 0 where nothing was drawn.
+// The triangle's depth is just above 0, so it shows only at those pixels.
+out vec2 corner; // place in the picture: -1 .. 1, x to the right, y upward
 
 void main()
 {

@@ -1,5 +1,6 @@
 #version 450 core
-// The ground's light and colour at a pixel: slope from the posts themselves, ruts included.
+// The light and colour of the ground at a pixel. The slope is computed from the posts around it, offsets included, and not from the
+// mesh. So ruts show even where the mesh is coarse.
 #include "lib/picture.glsl"
 #include "lib/body.glsl"
 #include "lib/slope.glsl"
@@ -98,7 +99,7 @@ void main()
 	float facing = max(dot(normal, sun.xyz), 0.0);
 	vec3 lit = albedo * (sunlight.rgb * facing + mix(groundlight, skylight, 0.5 + 0.5 * normal.z) * (shade * sunlight.w));
 #if defined OFFSET && defined DISTURBANCE
-	// Half-way between sun and eye, to the power of 24.
+	// Wet soil shines: Blinn-Phong with the vector half-way between sun and eye, to the power of 24.
 	vec3 between = sun.xyz - place * inversesqrt(dot(place, place));
 	float along = max(dot(normal, between), 0.0), square = along * along / dot(between, between);
 	float fourth = square * square, eighth = fourth * fourth;

@@ -1,7 +1,9 @@
 #version 450 core
-// A block of a tile: a grid of posts at a stride. Each vertex reads its height. With GEOMORPH a vertex that recedes moves to the
-// next coarser stride's post south-west of it, also horizontally, until both coincide. The mesh is then the coarser one. So
-// nothing jumps when the coarser mesh is drawn. Where both meshes meet there is no crack and no T-junction.
+// A block of a tile: a grid of vertices, one at each post of a stride. Each vertex reads its height from the tile.
+//
+// With GEOMORPH the mesh changes smoothly to a coarser stride as its distance from the eye grows. Each vertex moves, also horizontally,
+// to the next post of the coarser stride on its south-west side. When all have arrived, the mesh is the coarser one, so nothing jumps
+// when the coarser one is drawn. Where both meet there is no crack and no T-junction.
 #include "lib/picture.glsl"
 #ifdef LEVEL0
 #define SLOPE_OF_VERTICES
@@ -29,20 +31,20 @@ layout(std430, binding = 0) readonly buffer blocks {
 	uint block[];
 };
 
-out vec2 post;      // in the tile's posts
+out vec2 post;      // place in the tile, in posts
 out vec3 place;     // metres relative to the eye
 #ifdef LEVEL0
 out vec2 broad; // slope of the ground without offsets
 #endif
 #ifdef TEXTURE
-out vec4 squares; // the place in the ground's textures, near and far
-out vec2 country; // noise of kilometres; 0 at the lowest, 1 at the highest, less so where that is no mountain
+out vec4 squares; // place in the ground's near texture (xy) and far one (zw)
+out vec2 country; // x: noise of kilometres; y: 0 at the lowest ground, up to 1 at the highest if it is a mountain
 #endif
 #ifdef FOG
 out vec2 air;
 #endif
 
-// Metres relative to the eye. False where there is no ground.
+// Finds the height of a post relative to the eye, metres. Returns false if the post is nodata.
 bool fetch_height(ivec2 at, out float height)
 {
 	int base = texelFetch(base_map, at, 0).r;
@@ -54,8 +56,8 @@ bool fetch_height(ivec2 at, out float height)
 }
 
 #ifdef GEOMORPH
-// Metres from the eye from which on a stride of 2^power does. By radii of how far apart its posts are alone, whatever the
-// tile: so all that meet at a vertex move it alike.
+// Returns the reach of the stride 2^power: the distance from the eye, in metres, from which on this stride is fine enough. Without a
+// pixel error it depends only on the distance between vertices, not on the tile. So all tiles that share a vertex move it alike.
 float reach(int power)
 {
 #ifdef REACHES
@@ -66,8 +68,9 @@ float reach(int power)
 #endif
 }
 
-// A vertex of a stride to where it is drawn; false: there is no ground. Strides are passed over whose reach ends where the
-// next begins: from each it slides to the one that follows it.
+// Moves the vertex of a stride to the place where it is drawn. Returns false if there is no ground. First the vertex goes to the
+// coarsest stride that is fine enough at its distance. Then it is blended toward the next coarser stride. If two strides have the same
+// reach, the finer of them is skipped.
 bool morph(ivec2 at, int stride, bool ground, inout float height, out vec2 drawn)
 {
 	float far = length(vec3(origin.xy + vec2(at) * origin.z, ground ? height : 0.0));
@@ -92,7 +95,7 @@ bool morph(ivec2 at, int stride, bool ground, inout float height, out vec2 drawn
 		next++;
 	ivec2 then = at & ~((1 << next) - 1);
 	float coarse;
-	// Beside a hole it stays until the coarser stride is drawn.
+	// If the coarser post is nodata, the vertex stays where it is.
 	if (blend > 0.0 && then != now && fetch_height(then, coarse)) {
 		drawn = mix(drawn, vec2(then), blend);
 		height = mix(height, coarse, blend);
@@ -125,12 +128,14 @@ void main()
 #endif
 	place = vec3(origin.xy + post * origin.z, height);
 #ifdef SKIRTS
-	// What meets here is off by as much as is allowed, either side; or, where tiles stand in for others, by anything.
+	// A skirt covers the gap to the neighbouring tile. Both edges may have the allowed error. If coarser tiles are drawn in place of
+	// missing ones, the gap may be larger, so detail.y gives the least depth.
 	if (drop > 0.0)
 		place.z -= max(2.0 * detail.w * length(place), detail.y);
 #endif
 #ifdef LEVEL0
-	// Below level 0 posts lie on planes between the source's: the broad shape is that of level 0.
+	// Base heights of levels below 0 are interpolated linearly, so their slope would jump at each level-0 post. The slope of the
+	// level-0 posts is smooth.
 	broad = slope_of_base(level0_map, ground.xy + post * ground.z, tile.x) * (base_metre / ground.w);
 #endif
 #ifdef TEXTURE
@@ -142,6 +147,6 @@ void main()
 #ifdef FOG
 	air = haze_between(place);
 #endif
-	// A triangle with a corner that is nowhere is not drawn.
+	// A vertex without ground becomes NaN. Triangles with such a corner are not drawn.
 	gl_Position = ground_here ? project * vec4(place, 1.0) : vec4(uintBitsToFloat(0x7fc00000u));
 }

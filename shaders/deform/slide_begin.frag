@@ -1,12 +1,14 @@
 #version 450 core
-// The first pass of sliding: adds the deposits, and computes the heights. One fragment for each post.
-// Defines:
-// - DEPOSITS: there are deposits
-// - LOAD: the object carries a load, so it may have another height later
-// - THICKNESS: the deposited thickness changes with the offset
-// - BOUNDED: relaxing soil has a bottom
-// - STEEP: neighbours may differ in height by 1536 m and more
-// - HELD_STILL: held posts do not slide
+// The first pass of relaxation. It adds the soil that a contact deposited, and computes the heights with which the iterations
+// begin. One fragment for each post of the window.
+//
+// Defines, each present or absent:
+// - DEPOSITS: a contact deposited soil on posts; it is added to their offsets
+// - LOAD: the object carries a load, so its height is found on the GPU and may change
+// - THICKNESS: the deposited thickness is kept for each post, and changes with the offset
+// - BOUNDED: only soil down to a depth below the base relaxes, so a floor is written too
+// - STEEP: neighbouring posts may differ in height by 1536 m and more
+// - HELD_STILL: posts on which an object rests do not relax
 
 #include "lib/slide.glsl"
 #include "lib/tally.glsl"
@@ -22,9 +24,9 @@ layout(binding = 4, r32i) readonly uniform iimage2DArray heaps;
 #endif
 
 layout(std140, binding = 0) uniform params {
-	ivec4 region;  // regions.vert's
-	ivec4 place;   // the layer; depth of relaxing soil below the base, fixed-point units
-	ivec4 written; // the posts that exchange: first, one behind the last
+	ivec4 region;  // of the window, as in regions.vert
+	ivec4 place;   // x: layer of the images; y: depth of relaxing soil below the base, fixed-point units
+	ivec4 written; // posts that exchange soil: the first (x, y), one behind the last (z, w)
 };
 
 layout(location = 0) out int offset_out;
@@ -46,7 +48,7 @@ void main()
 	ivec3 at = ivec3(post, place.x);
 	int base = imageLoad(bases, at).r;
 	int offset = imageLoad(offsets, at).r;
-	int heap = offset; // top of the relaxing soil, from the base
+	int heap = offset; // top of the relaxing soil above the base, fixed-point units
 #ifdef THICKNESS
 	heap = imageLoad(heaps, at).r;
 #endif

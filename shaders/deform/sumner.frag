@@ -1,8 +1,12 @@
 #version 450 core
-// Sumner's soil under an object: a share of the displaced soil is compacted, the rest is carried to the posts around. One
-// fragment for each post of the window. Defines: CONTACT; SOILS: number of soil classes in the parameters.
+// The contact of the model sumner. The object displaces soil. A share of it is compacted, and the rest is carried to the posts
+// around the object. One fragment for each post of the window.
+//
+// Defines:
+// - CONTACT: the pass also finds the posts on which the object rests (lib/contact.glsl)
+// - SOILS: number of soil classes that the parameters have room for
 
-#define CONTACT_MORE uvec4 kept[SOILS]; // in 2^-31: share of the displaced soil that is carried
+#define CONTACT_MORE uvec4 kept[SOILS]; // x: share of the displaced soil that is carried, in 2^-31
 #include "lib/contact.glsl"
 
 #if SOILS > 1

@@ -1,14 +1,14 @@
-// Where the ground is: what it, the sky and what is seen of the sun look like there. Numbers in the text, not values of the
-// block: there are many, and a software rasteriser fetches each at every pixel. Linear; light where a white that faces
-// the Earth's sun is 2.6. The first of two colours of a ground is that of its texture's hue 0, the second of hue 1.
+// The look of the ground, the sky and the sun on each planet. These are constants and not parameters, since there are many, and a
+// software rasteriser reads each parameter anew at every pixel. Colours are linear. A white surface that faces the Earth's sun has
+// 2.6. Each kind of ground has two colours: the first where its texture has the hue 0, the second where it has the hue 1.
 #if defined MARS
 const vec3 sand_colours[2] = vec3[](vec3(0.165, 0.092, 0.056), vec3(0.230, 0.128, 0.074));
 const vec3 cover_colours[2] = vec3[](vec3(0.260, 0.128, 0.058), vec3(0.340, 0.180, 0.085)); // dust
 const vec3 soil_colours[2] = vec3[](vec3(0.210, 0.103, 0.050), vec3(0.190, 0.118, 0.078));
 const vec3 rock_colours[2] = vec3[](vec3(0.140, 0.078, 0.048), vec3(0.250, 0.146, 0.088));
-const vec3 snow_colours[2] = vec3[](vec3(0.700, 0.640, 0.600), vec3(0.700, 0.640, 0.600)); // a map's alone
+const vec3 snow_colours[2] = vec3[](vec3(0.700, 0.640, 0.600), vec3(0.700, 0.640, 0.600)); // only where a soil map has snow
 const float snow_lies = 0.0, water = 0.0, stars = 0.0;
-const vec3 low_colour = vec3(0.200, 0.100, 0.050), high_colour = vec3(0.300, 0.160, 0.080); // without texture
+const vec3 low_colour = vec3(0.200, 0.100, 0.050), high_colour = vec3(0.300, 0.160, 0.080); // of low and high ground, without textures
 const vec3 skylight = vec3(0.46, 0.34, 0.22), groundlight = vec3(0.24, 0.14, 0.08);
 const vec3 zenith = vec3(0.300, 0.190, 0.112), middle = vec3(0.460, 0.300, 0.170), horizon = vec3(0.660, 0.445, 0.265);
 const vec3 toward = vec3(0.700, 0.600, 0.500), halo = vec3(0.18, 0.24, 0.33); // dust scatters blue forward
@@ -21,7 +21,7 @@ const vec3 rock_colours[2] = vec3[](vec3(0.120, 0.116, 0.110), vec3(0.190, 0.186
 const vec3 snow_colours[2] = vec3[](vec3(0.160, 0.156, 0.150), vec3(0.160, 0.156, 0.150));
 const float snow_lies = 0.0, water = 0.0, stars = 0.25;
 const vec3 low_colour = vec3(0.095, 0.092, 0.088), high_colour = vec3(0.150, 0.146, 0.140);
-const vec3 skylight = vec3(0.012), groundlight = vec3(0.110, 0.106, 0.100); // from what is lit around
+const vec3 skylight = vec3(0.012), groundlight = vec3(0.110, 0.106, 0.100); // reflected by the lit ground around
 const vec3 zenith = vec3(0.0), middle = vec3(0.0), horizon = vec3(0.0), toward = vec3(0.0), halo = vec3(0.0);
 const float sky_falls = 1.0, haze_falls = 1.0, haze_turns = 0.0, sun_edge = 0.99995;
 #else

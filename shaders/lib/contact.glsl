@@ -1,5 +1,7 @@
-// The contact at a post: if the lower envelope lies below the surface, the surface is lowered to it. Define CONTACT: which posts that
-// are is asked for too. CONTACT_MORE: what a model adds to the parameters.
+// The contact at a post. If the object's lower envelope lies below the surface, the surface is lowered to it.
+// Defines:
+// - CONTACT: also find the posts on which the object rests
+// - CONTACT_MORE: members that a model adds to the parameters
 
 #include "lib/int64.glsl"
 #include "lib/tally.glsl"
@@ -25,7 +27,7 @@ struct contact_result {
 	int offset;
 	uint fell;    // fixed-point units
 	uint contact;
-	bool written; // the rim of one window is another's to count
+	bool written; // this window writes the post; posts on its rim are written and counted by another window
 };
 
 contact_result contact_at(ivec2 post)
@@ -62,8 +64,11 @@ contact_result contact_at(ivec2 post)
 	return p;
 }
 
-// A share of what fell is carried to the posts around, 2^-31; the rest is gone for good.
-const uint CARRIED_MOST = 1u << 23; // so that no sum of them is beyond 32 bits
+// The most soil that one post gives away, fixed-point units, so that sums of it fit 32 bits.
+const uint CARRIED_MOST = 1u << 23;
+
+// Returns how much of the soil that fell at the post is carried to posts around, fixed-point units. share: in 2^-31. The rest is
+// compacted.
 
 int contact_carry(contact_result p, uint share)
 {

@@ -3,7 +3,8 @@
 // Heights are fixed-point units above the prescribed one.
 
 struct attempt {
-	int low, high;  // the soil carries the load at low (or it may not sink deeper), and does not at high
+	// the bracket: the soil carries the load at `low`, or the object may not sink deeper; it does not carry the load at `high`
+	int low, high;
 	int top, at;    // height of the first contact; height of this try
 	uint gap;       // of try 0: the height of the first contact, + 2^31; 0: none
 	uint posts;     // touched posts

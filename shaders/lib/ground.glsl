@@ -1,7 +1,9 @@
-// The material of the ground and its look. Sand, grass, soil, rock and snow lie in this order along one number. So a place has one
-// material and part of a neighbouring one. With SPLAT the soil map's classes decide first. There are two textures. One of a few
-// metres is for near ground. The neighbouring material shows in its hollows. One of a hundred metres and more is for far
-// ground, and makes the borders between materials uneven. Both are filtered: details smaller than a pixel become their mean.
+// The material of the ground and its look. One number gives the material: sand 0, grass 1, soil 2, rock 3, snow 4. Between two whole
+// numbers a place has both materials. With SPLAT the classes of the soil map give the material, except where rock shows.
+//
+// There are two textures. The near one repeats every few metres. A second material of a place shows in its hollows. The far one repeats
+// every hundred metres and more, and makes the borders between materials uneven. Both are filtered: details smaller than a pixel
+// become their mean.
 #include "lib/body.glsl"
 #include "lib/ground_map.glsl"
 #include "lib/tone.glsl"
@@ -9,15 +11,16 @@
 layout(binding = 5) uniform usampler2D class_map;
 #endif
 
-// Levels of texels beside those of a metre, and somewhat less: RENDER_GROUND_* in src/render/internal.h.
+// Added to the log2 of a pixel's size in metres, they give the level of each texture to read. They are a little less than log2 of
+// texels per metre (RENDER_GROUND_* in src/render/internal.h), so that the ground looks sharper.
 #define GROUND_NEAR_LEVEL 7.26
 #define GROUND_FAR_LEVEL 2.66
-#define GROUND_BEYOND 1.0 // log2 of metres a pixel
+#define GROUND_BEYOND 1.0 // log2 of metres per pixel; see ground_at
 
 struct ground_surface {
 	vec3 albedo;
-	vec2 tilt;   // of its grain
-	float loose; // how much of it a wheel digs up: 0 rock .. 1 soil
+	vec2 tilt;   // slope of its fine structure, to the east and north
+	float loose; // how loose it is: 0.4 rock .. 1 soil
 };
 
 float ground_ramp(float low, float high, float x)
@@ -25,13 +28,14 @@ float ground_ramp(float low, float high, float x)
 	return clamp((x - low) * (1.0 / (high - low)), 0.0, 1.0);
 }
 
-// Near enough for a level of a texture.
+// Returns about log2(x), exact enough to choose a level of a texture.
 float ground_log2(float x)
 {
 	return float(floatBitsToInt(x)) * 1.1920929e-7 - 126.957;
 }
 
-// How long a pixel is on the ground, log2 of metres: more along a grazing view, though less than it is that way.
+// Returns log2 of the size of a pixel on the ground, metres. In a grazing view it is larger. It is then between the pixel's width and
+// its length.
 float ground_pixel(vec3 place, vec2 gradient)
 {
 	float square = dot(place, place), facing = max(abs(dot(place, vec3(-gradient, 1.0))), 1e-3 * abs(place.x + place.y));
@@ -39,7 +43,8 @@ float ground_pixel(vec3 place, vec2 gradient)
 }
 
 #ifdef SPLAT
-// Of the four posts around: the class that is most there, and which else, by their weights in the cell and by noise.
+// Finds the two soil classes with the largest weights at a place, from the four posts around it. Noise moves the borders. part: the
+// share of the second class among the two.
 void ground_classes(vec2 post, float noise, out int one, out int other, out float part)
 {
 	vec2 at = clamp(floor(post), vec2(0.0), vec2(float(tile.x - 1))), in_cell = clamp(post - at + 0.8 * noise, 0.0, 1.0);
@@ -75,21 +80,24 @@ vec3 ground_apart(vec4 soil)
 			   rock_colours[1] - rock_colours[0], snow_colours[1] - snow_colours[0]);
 }
 #else
-// From one to the next along the line.
+// Returns a value for a place on the line of materials, from the values of the five. Each of `steps` is 0 .. 1.
 vec3 ground_along(vec4 steps, const vec3 sand, const vec3 cover, const vec3 earth, const vec3 rock, const vec3 snow)
 {
 	return sand + steps.x * (cover - sand) + steps.y * (earth - cover) + steps.z * (rock - earth) + steps.w * (snow - rock);
 }
 #endif
 
-// `squares`: the place in the textures, near and far; `rise`: 0 at the lowest, 1 at the highest; `dug`: how far it is
-// turned over.
+// Returns the look of the ground at a pixel.
+// post: the place in the tile. squares: the place in the near texture (xy) and in the far one (zw). log_pixel: from ground_pixel.
+// region: noise of kilometres, -1 .. 1. rise: 0 at the lowest ground, 1 at the highest. steep: slope. dug: 0 .. 1, how much a wheel
+// has turned it over.
 ground_surface ground_at(vec2 post, vec4 squares, float log_pixel, float region, float rise, float steep, float dug)
 {
 	// The near texture is read from one level, chosen at random between two, which is cheaper than blending them. The far
 	// texture is read from a coarse level, since large texture reads fill the cache.
 	float level = log_pixel + dither();
-	// So far off that many squares are seen, one 16 times as wide; between the two neither.
+	// Far away many repeats of the far texture would be seen. There it is drawn 16 times as wide. Where one changes to the other, both
+	// fade out, so that no border is seen.
 	float beyond = log_pixel > GROUND_BEYOND ? 1.0 : 0.0, strong = clamp(0.7 * abs(log_pixel - GROUND_BEYOND), 0.0, 1.0);
 	vec4 wide = textureLod(ground_map, vec3(squares.zw * (1.0 - 0.9375 * beyond), GROUND_WIDE), log_pixel + GROUND_FAR_LEVEL - 4.0 * beyond);
 	wide = 0.5 + strong * (wide - 0.5);
@@ -108,11 +116,12 @@ ground_surface ground_at(vec2 post, vec4 squares, float log_pixel, float region,
 	}
 	float layer = soil.w;
 #else
-	// Sand where it is low and level, then grass, soil where it is bare, rock, snow where it is high and not too steep.
+	// Low and level ground has sand. Steep or high ground has bare soil or rock. High ground that is not too steep has snow. All other
+	// ground has grass.
 	float bare = max(ground_ramp(0.36, 0.58, slope) + ground_ramp(0.46, 0.60, rise), ground_ramp(0.15, 0.40, large));
 	float sandy = ground_ramp(-0.10, -0.03, -rise) * ground_ramp(-0.35, -0.15, -slope) * (1.0 - stony);
 	float white = snow_lies * ground_ramp(0.70, 0.74, rise) * ground_ramp(-1.05, -0.75, -slope);
-	// Under grass there is soil; under sand, sand.
+	// Where the ground is dug up, soil shows under grass, and sand under sand.
 	float along = (1.0 - sandy) * (1.0 + max(min(bare, 1.0) + stony, dug * (1.0 - 0.6 * stony)));
 	along = mix(along, 4.0, white);
 	float layer = floor(along + 0.5), part = along - layer, aside = part < 0.0 ? -1.0 : 1.0;

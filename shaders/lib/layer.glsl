@@ -1,12 +1,13 @@
-// False colours of the ground: one value at a pixel through a ramp, with enough of the light that shape reads.
-// src/render/layer.c and ramp.c have the same ramps on the CPU; sRGB.
+// False colours of the ground: each pixel has one value, and a ramp gives its colour. Part of the light stays, so that the shape of the
+// ground is seen. src/render/layer.c and ramp.c have the same ramps on the CPU, in sRGB.
 #define LAYER_OFFSETS 1
 #define LAYER_DISTURBANCE 2
 #define LAYER_HEIGHTS 3
 #define LAYER_SLOPES 4
 #define LAYER_TILES 5
 
-// From nothing down and up, over paper; and from low to high.
+// Colours of offsets: down from zero (lowered) and up from zero (raised), mixed over the colour of zero (paper). Colours of other
+// values: from low to high (rising). levels: colours of tiles by their level.
 const vec3 lowered[4] = vec3[4](vec3(150, 205, 255), vec3(55, 130, 235), vec3(75, 50, 195), vec3(62, 0, 105));
 const vec3 raised[4] = vec3[4](vec3(255, 226, 140), vec3(253, 160, 50), vec3(222, 70, 25), vec3(125, 0, 32));
 const vec3 paper = vec3(232, 230, 224);
@@ -39,7 +40,7 @@ vec3 layer_apart(float at)
 	return layer_linear(mix(paper, colour, min(1.6 * sqrt(size), 0.94)) / 255.0);
 }
 
-// Each level has a colour; neighbours differ in how light they are, and a line is between them.
+// Returns the colour of a tile by its level. Neighbouring tiles differ in brightness, and a line separates them.
 vec3 layer_tile()
 {
 	int code = int(layer.w), level = (code >> 1) % 6;

@@ -1,28 +1,36 @@
-// The parameters of one terrain draw, or of the sky: struct picture_params in src/render/internal.h.
+// The parameters of one draw of a tile, of objects, or of the sky: struct picture_params in src/render/internal.h, filled by
+// src/render/frame.c and body.c. Directions and places are in the store's axes (x east, y north, z up), places relative to the eye.
 layout(std140, binding = 0) uniform picture {
-	mat4 project;     // metres relative to the eye, store axes, to clip space
-	vec4 right, up, forward; // the camera's axes; right and up scaled to the picture's edge; right.w: a pixel's angle
-	vec4 sun;         // direction to it
-	vec4 haze;        // extinction per metre at the eye, 1 / its scale height, metres; eye above low
-	vec4 relief;      // lowest height, 1 / relief, how much of a mountain it is, height of the eye; metres
-	vec4 origin;      // the tile's south-west post relative to the eye; spacing; the eye above its lattice height
-	vec4 pattern;     // the tile's south-west post modulo the ground pattern's period, metres; metres a post; log2 of a pixel's angle
-	vec4 corner_squares; // the same post in the ground's textures: near, far
-	vec4 ground;      // its post in the level-0 tile, level-0 posts a post, level-0 spacing
-	vec4 detail;      // by radii: metres of distance a metre between vertices; where tiles stand in, a skirt's depth, metres; as the
-	                  // first, where vertices are near enough to show ruts; how far off ground may be drawn, a metre of distance
-	vec4 sunlight;    // its light; w: the sky's, beside that by day
-	vec4 tint;        // of the sky on the sun's side and round it
-	vec4 soils[16];   // how each class of the map looks beside what it is like; w: what that is, a layer of the textures
-	ivec4 tile;       // cells, first instance, the eye's lattice height / 2, cells along a block
-	vec4 layer;       // what colours tell, as enum render_layer_kind; their range's low end, 1 / its width; 2 x level, + 1 of every other tile
+	mat4 project;     // from a place in metres to clip space
+	vec4 right, up, forward; // xyz: axes of the camera; right and up reach to the picture's edge; right.w: angle of a pixel, rad
+	vec4 sun;         // xyz: direction to the sun
+	vec4 haze;        // x: extinction at the eye, 1/m; y: 1 / scale height, 1/m; z: height of the eye above the lowest ground, m
+	// x: lowest height, m; y: 1 / relief, 1/m; z: 0 .. 1, from a relief of hills to one of mountains; w: height of the eye, m
+	vec4 relief;
+	// xy: the tile's south-west post; z: spacing; w: height of the eye above its lattice height (tile.z); metres
+	vec4 origin;
+	// xy: the tile's south-west post modulo the period of the ground's pattern, m; z: spacing, m; w: log2 of a pixel's angle
+	vec4 pattern;
+	vec4 corner_squares; // the tile's south-west post in the ground's textures, in repeats: xy near texture, zw far texture
+	vec4 ground;      // xy: the tile's south-west post in its level-0 tile, in level-0 posts; z: level-0 posts per post; w: level-0 spacing
+	// Without a pixel error: x: reach of a stride (src/render/camera.c), per metre between vertices; z: the same where vertices are
+	// near enough to show ruts. y: least depth of a skirt, m; 0 if every tile is as fine as selected. w: allowed error of the ground's
+	// height, per metre of distance.
+	vec4 detail;
+	vec4 sunlight;    // rgb: light of the sun; w: light of the sky relative to that at noon
+	vec4 tint;        // rgb: factor for the colour of the sky around the sun
+	vec4 soils[16];   // for each soil class of the map: rgb: tint; w: layer of the ground's textures (src/render/body.c)
+	ivec4 tile;       // x: cells of a tile; y: first instance; z: the eye's lattice height, in units of 2 base units; w: cells of a block
+	// False colours. x: enum render_layer_kind; y: low end of its range; z: 1 / width of the range. w: 2 * (level - TILE_LEVEL_MIN), plus
+	// 1 for every other tile, as on a chessboard.
+	vec4 layer;
 #ifdef REACHES
-	vec4 reaches[3];  // distances from which on strides of 2^0, 2^1 ... do; none is less than the one before
+	vec4 reaches[3];  // reach of the strides 2^0, 2^1, ..., m; none is less than the one before
 #endif
 };
 
-const float half_base_metre = 1.0 / 131072.0; // metres of half a base height, 2^-17
-const float base_metre = 1.0 / 262144.0;      // of a base height, 2^-18
-const float offset_metre = 1.0 / 1048576.0;   // of an offset, 2^-20
-// Vertices at most so far apart show what wheels leave: src/render/camera.c.
+const float half_base_metre = 1.0 / 131072.0; // metres in two units of a base height, 2^-17
+const float base_metre = 1.0 / 262144.0;      // metres in a unit of a base height, 2^-18
+const float offset_metre = 1.0 / 1048576.0;   // metres in a fixed-point unit of an offset, 2^-20
+// Where vertices are at most so far apart, in metres, the mesh is made to show ruts (src/render/camera.c has the same value).
 #define RUT_CELL 0.3

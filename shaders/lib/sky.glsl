@@ -1,4 +1,5 @@
-// The sky there: haze at the horizon, up to the zenith's colour; brighter round the sun. Without air it is black.
+// The colour of the sky in a direction. From the horizon, where haze has its colour, it changes to the colour at the zenith. It is
+// brighter around the sun. On a planet without air it is black.
 #include "lib/body.glsl"
 
 float haze_glow(vec3 direction)
@@ -19,7 +20,7 @@ vec3 sky_colour(vec3 direction)
 	return mix(colour, haze_colour(haze_glow(direction)), exp(-haze_falls * height));
 }
 
-// A star in one of so many cells of the sky; none near the sun.
+// Returns the light of a star. The sky is divided into cells, and one cell in about 70 has a star.
 float star_light(vec3 direction)
 {
 	vec3 at = direction * 90.0, cell = floor(at + 0.5), off = at - cell;

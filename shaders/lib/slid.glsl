@@ -1,14 +1,18 @@
-// The end of an iteration: writes a height, or with LAST an offset and the flags. Include it after the parameters.
-// Defines: LAST: the last iteration; THICKNESS: writes the deposited thickness too; FLAGS: over blocks, otherwise over a window.
-// TOUCHED: flags tell which parts of blocks changed.
+// The end of a relaxation iteration at a post. It writes the new height, or after the last iteration the new offset and the flags of
+// its block. Include it after the declaration of the parameters.
+// Defines:
+// - LAST: this is the last iteration
+// - THICKNESS: the deposited thickness is written too
+// - FLAGS: the pass computes active blocks; otherwise it computes a window
+// - TOUCHED: flags also tell which parts of a block changed
 
 #ifdef LAST
 layout(binding = 3, r32i) readonly uniform iimage2DArray bases;
-layout(binding = 4, r32i) readonly uniform iimage2DArray offsets; // before
+layout(binding = 4, r32i) readonly uniform iimage2DArray offsets; // before the first iteration
 layout(binding = 5, r8ui) readonly uniform uimage2DArray stills;
 layout(location = 0) out int offset_out;
 #ifdef THICKNESS
-layout(binding = 6, r32i) readonly uniform iimage2DArray heaps; // before
+layout(binding = 6, r32i) readonly uniform iimage2DArray heaps; // deposited thickness before the first iteration
 layout(location = 1) out int heap_out;
 #endif
 #include "lib/flags.glsl"
@@ -19,7 +23,8 @@ flat in ivec3 block;
 layout(location = 0) out int height_out;
 #endif
 
-// moves: soil came or went, even if the amounts are equal.
+// Writes the result. height: before this iteration. change: soil that the post got, less what it gave. moves: the post got or gave
+// soil, even if both are equal.
 void slid(ivec3 at, int height, int change, bool moves)
 {
 	if (height == STILL)
@@ -44,7 +49,7 @@ void slid(ivec3 at, int height, int change, bool moves)
 		flag_changed(at.xy - block.xy, block.z);
 #endif
 #else
-	// Beyond the rim no neighbour was computed, so a change here may make soil move there.
+	// This window did not compute the posts beyond its rim. So a change on the rim may make soil move there, and flags the block.
 	bool rim = any(lessThan(at.xy, edge.xy)) || any(greaterThanEqual(at.xy, edge.zw));
 	bool changed = (marks & IS_DISTURBED) != 0u || offset != before;
 	ivec2 from_first = at.xy + region.xy;

@@ -1,14 +1,15 @@
-// The ground's slope between posts: the gradient of the quadratic B-spline through a map of integers. It is continuous
-// across cells and uses nine posts. For pixels they are read one by one from an image. A software renderer does that much
-// faster than a texture gather. Vertex shaders have no images, so there they are read from a texture.
+// The slope of the ground between posts. It is the gradient of a quadratic B-spline over nine posts of a map of integers, and is
+// continuous across cells. Fragment shaders read the nine posts one by one from an image, since a software renderer does that much
+// faster than a texture gather. Vertex shaders read them from a texture, since they have no images.
 struct slope_of_map {
-	vec2 gradient; // units a post
-	float value;   // units
+	vec2 gradient; // east and north, units of the map for each post
+	float value;   // units of the map
 };
 
 #define SLOPE_NODATA int(0x80000000)
 
-// The three weights along an axis. At a tile's edge one post is missing. Its weight goes to the other two, as if the ground went
+// Returns the weights of three neighbouring posts along an axis. f: place from the middle post, -0.5 .. 0.5. first, last: the middle
+// post is on the tile's edge, so the post before it, or after it, is missing. Then the other two get its weight, as if the ground went
 // on beyond the edge with the same slope.
 vec3 slope_weights(float f, bool first, bool last)
 {
@@ -24,8 +25,8 @@ float slope_along(vec3 posts, float f, bool first, bool last)
 	return mix(first ? after : before, last ? before : after, 0.5 + f);
 }
 
-// Three rows of posts around post `c`, from south to north, each from west to east, and the place from it. What lies beyond
-// the edge may be anything.
+// Returns the slope at the place `f` from post `c`, -0.5 .. 0.5 along each axis. south, row, north: the three rows of posts around
+// `c`, each from west to east. Posts beyond the tile's edge are not used; they may have any value.
 slope_of_map slope_between(ivec2 c, vec2 f, vec3 south, vec3 row, vec3 north, int cells)
 {
 	bvec2 first = equal(c, ivec2(0)), last = equal(c, ivec2(cells));
@@ -38,7 +39,8 @@ slope_of_map slope_between(ivec2 c, vec2 f, vec3 south, vec3 row, vec3 north, in
 	return slope;
 }
 
-// Relative to the middle one: what is small is exact. Posts without data count as level with it.
+// Returns the height of a post above the middle one. The difference is small, so a float holds it exactly. A post without data
+// counts as level with the middle one.
 float slope_post(int post, int middle)
 {
 	return post == SLOPE_NODATA ? 0.0 : float(post - middle);
@@ -70,7 +72,7 @@ vec2 slope_of_base(SLOPE_MAP map, vec2 at, int cells)
 			     ivec3(SLOPE_AT(low.x, high.y), SLOPE_AT(c.x, high.y), SLOPE_AT(high.x, high.y)), cells);
 }
 
-// Offsets are never without data.
+// As slope_of_base, but every post has data, and the value is returned too.
 slope_of_map slope_of_offset(SLOPE_MAP map, vec2 at, int cells)
 {
 	ivec2 c = clamp(ivec2(floor(at + 0.5)), ivec2(0), ivec2(cells));

@@ -14,19 +14,22 @@
 #include "base/status.h"
 
 struct aside {
-	const char *path; /* the final path; owned by the caller */
-	char *part;
-	FILE *file; /* NULL: not begun, or whole */
-	bool begun; /* this struct made the file at `part`, so aside_finish may remove it */
+	const char *path; /* PATH, the final path; owned by the caller */
+	char *part;       /* PATH.part; owned by this struct */
+	FILE *file;       /* open for writing; NULL: before aside_begin and after aside_whole */
+	bool begun;       /* PATH.part was made for this struct, so aside_finish may remove it */
 };
 
-/* Only sets the name `part`. For a caller that writes the file by other means, and then sets `begun`. */
+/* Sets the name `part` and makes no file. It is for a caller that makes PATH.part without aside_begin. Such a caller sets `begun`
+ * when it has made the file. Returns STATUS_FAILED if memory runs out. */
 enum status aside_name(struct aside *aside, const char *path) FURROW_CHECKED;
+/* Sets the name, and opens a new PATH.part as `file`. Returns a failure if it cannot be made. */
 enum status aside_begin(struct aside *aside, const char *path) FURROW_CHECKED;
-/* Closes the file; it is then whole. If it could not be written, returns the failure. `synced`: also syncs it to the disk. */
+/* Closes the file; it is then whole. Returns the failure if a write failed. `synced`: also syncs the file to the disk. */
 enum status aside_whole(struct aside *aside, bool synced) FURROW_CHECKED;
+/* Renames a whole PATH.part to PATH. */
 enum status aside_publish(struct aside *aside) FURROW_CHECKED;
-/* Frees it, and removes PATH.part unless it was published. aside may be all zero. */
+/* Frees the struct's memory, and removes PATH.part unless it was published. `aside` may be all zero. */
 void aside_finish(struct aside *aside);
 
 #endif

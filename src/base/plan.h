@@ -15,30 +15,30 @@
 #include "base/status.h"
 
 enum plan_kind {
-	PLAN_PLANE,     /* data kept for each post; bytes: for one post */
-	PLAN_PROGRAM,   /* a linked program; the name is its key: files, then defines */
-	PLAN_PASS,      /* amount: passes for each unit; the name is the stage under which they count */
-	PLAN_TEXTURE,   /* amount and bytes for each unit */
-	PLAN_BUFFER,    /* the same for buffers of GL and staging buffers */
-	PLAN_THREAD,    /* amount */
-	PLAN_STATEMENT, /* executed statements of SQLite; amount for each unit; the name is "read" or "write" and the table */
+	PLAN_PLANE,     /* a value kept for each post; bytes: size of one value */
+	PLAN_PROGRAM,   /* a linked program; name: its shader files, then its defines */
+	PLAN_PASS,      /* amount: passes for each unit; name: the stage under which they are counted */
+	PLAN_TEXTURE,   /* amount: textures for each unit; bytes: size of one */
+	PLAN_BUFFER,    /* amount: buffers of GL and staging buffers for each unit; bytes: size of one */
+	PLAN_THREAD,    /* amount: threads */
+	PLAN_STATEMENT, /* amount: SQLite statements executed for each unit; name: "read" or "write", and the table */
 	PLAN_KINDS
 };
 
-/* The units of amounts. All of them except PLAN_ONCE are counted in a drive. */
+/* The unit of a line: what its amount is multiplied by. A drive counts all units except PLAN_ONCE, which is 1. */
 enum plan_unit {
 	PLAN_ONCE,
-	/* memory: the largest number that existed at once */
+	/* units of memory; counted as the largest number that existed at once */
 	PLAN_BASE_SLOT,    /* base slots into which a tile was loaded at least once */
 	PLAN_CLASS_SLOT,   /* base slots that also have soil classes */
 	PLAN_DEFORM_SLOT,  /* deform slots with the drawn planes */
 	PLAN_STATE_SLOT,   /* deform slots that also have the planes of the soil's state */
 	PLAN_PATCH,        /* textures from which base heights are interpolated */
-	PLAN_PAGE,         /* images of pages on their way to slots and from them */
+	PLAN_PAGE,         /* copies of pages in main memory, while they are loaded or committed */
 	PLAN_WINDOW_LAYER, /* windows that one contact needs at once */
 	PLAN_RESULT_LAYER, /* results of blocks that relax, before they are copied */
 	PLAN_RING,         /* segments of the ring of pass parameters */
-	/* work */
+	/* units of work; counted over the whole drive */
 	PLAN_WINDOW,       /* windows of an object that were computed */
 	PLAN_MOVED,        /* windows in which the object moved */
 	PLAN_FACETS,       /* draws of an object's triangles */
@@ -50,7 +50,7 @@ enum plan_unit {
 	PLAN_DRAWN,        /* tiles in pictures */
 	PLAN_OBJECTS,      /* draws of objects in pictures; one draw shows all objects of one shape and detail */
 	PLAN_SHADOWED,     /* pictures in which objects cast shadows */
-	PLAN_FRAME,
+	PLAN_FRAME,        /* pictures */
 	PLAN_LOADED,       /* tiles of the working level whose planes were read */
 	PLAN_LOADED_COARSER, /* coarser tiles whose planes were read */
 	PLAN_READ,         /* base tiles read, by any thread */
@@ -60,7 +60,7 @@ enum plan_unit {
 	PLAN_COMMITTED_COARSER, /* coarser tiles that were updated with them */
 	PLAN_CHANGED,      /* rows of the line's table that commits changed; an unchanged row is not written */
 	PLAN_LEFT,         /* rows of the line's table that were looked up because an earlier drive may have left them */
-	PLAN_COMMIT,
+	PLAN_COMMIT,       /* commits */
 	PLAN_UNITS
 };
 

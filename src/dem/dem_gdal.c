@@ -114,7 +114,7 @@ static enum status open_sources(struct gdal_grid *gdal, const struct dem_params 
 	return status;
 }
 
-/* Whole numbers in one unit keep it; of several the finest counts. */
+/* Returns the unit of heights for all sources, metres: the finest of their units. */
 static double common_unit(const struct gdal_source *sources, size_t count)
 {
 	double unit = sources[0].unit;
@@ -123,7 +123,7 @@ static double common_unit(const struct gdal_source *sources, size_t count)
 	return unit;
 }
 
-/* Sources whose posts do not fall together are resampled. */
+/* Returns true if heights stay whole numbers of `unit`: all sources have that unit, and none is resampled, since their posts coincide. */
 static bool all_whole(const struct gdal_source *sources, size_t count, double unit)
 {
 	bool whole = dem_layers_fit(sources, count);

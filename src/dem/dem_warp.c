@@ -22,19 +22,19 @@
 #define SCALE_TOLERANCE 1e-3
 #define SCALE_TOLD 5e-3
 #define WARP_MEMORY (64.0 * 1024 * 1024)
-#define APPROXIMATION 0.005 /* pixels that the transformation may be off */
-#define PIECE_PIXELS (16.0 * 1024 * 1024)
-#define PIECES_MAX 1024
-#define PROBES 33           /* points along a side at which the target's extent is taken */
+#define APPROXIMATION 0.005 /* largest error of GDAL's approximate transformation, pixels of the source */
+#define PIECE_PIXELS (16.0 * 1024 * 1024) /* source pixels below one piece of the target */
+#define PIECES_MAX 1024     /* pieces of the target; see create() */
+#define PROBES 33           /* points along each side of the source that are projected to find the target's extent */
 
 struct warp_plan {
 	OGRSpatialReferenceH from, to; /* the SRS of the source and of the target; NULL: none, or the source keeps its own */
-	bool project, resample;
-	bool sample; /* a post is a sample of the surface: the kernel is not widened */
-	double spacing;
+	bool project, resample; /* the target has another SRS; its posts are computed by GDAL's warper */
+	bool sample;      /* a post is a sample of the interpolated surface; otherwise it is a mean of source posts */
+	double spacing;   /* metres between the target's posts */
 	double step[2];   /* metres between the source's posts */
-	double origin[2]; /* the south-west post */
-	int64_t width, height;
+	double origin[2]; /* place of the target's south-west post, in its SRS */
+	int64_t width, height; /* posts of the target */
 };
 
 static double round_to_3_digits(double v)

@@ -1,33 +1,33 @@
 /*
- * Slots: where resident tiles live.
+ * Slots: the textures that hold resident tiles. A tile has a base slot. If it is deformed, its base slot also holds a deform slot.
  *
- * A base slot:   empty -> has a base texture (first load), for good.
- * A deform slot: absent -> held by one base slot -> free -> held again. Never freed before the end.
+ * A base slot:   empty -> has a base texture, from its first load to the end.
+ * A deform slot: absent -> held by one base slot -> free -> held again. Its textures exist until the end.
  *
  * Invariants:
- *   1. slot.planes and slot.target are of the slot's deform slot, or all NULL.
+ *   1. slot.planes and slot.target belong to the deform slot that the base slot holds. If it holds none, all are NULL.
  *   2. A deform slot is held by exactly one base slot, or is in one of the free lists.
- *   3. A deform slot has all planes that are drawn from its making on, and all others once one was wanted: a
- *      coarser tile's has those only if a tile of the working level held it before.
+ *   3. A deform slot always has the planes that pictures show. It gets all other planes (those of the soil's state) as soon as one
+ *      of them is needed. Only tiles of the working level need them.
  *   4. There are never more deform slots than base slots.
  */
 #include <string.h>
 
 #include "gpu/internal.h"
 
-#define SCRATCH_COUNT 4 /* patches in flight before an upload queues behind the pass of another */
+#define SCRATCH_COUNT 4 /* scratch textures; if more patches are in flight, an upload waits on the GPU for the pass of an older one */
 
 struct deform_slot {
-	struct deform_slot *next; /* of all that were made */
-	struct deform_slot *free; /* of the free ones */
+	struct deform_slot *next; /* in the list of all deform slots */
+	struct deform_slot *free; /* the next one in a list of free ones */
 	struct gpu_texture *planes[PLANES];
 	struct gpu_target *target;
 };
 
 struct entry {
 	struct gpu_slot slot;
-	struct gpu_target *base_target; /* NULL until a base is interpolated here */
-	struct deform_slot *home;
+	struct gpu_target *base_target; /* NULL until a base is interpolated into this slot */
+	struct deform_slot *home;       /* the deform slot that it holds; NULL: none */
 };
 
 struct gpu_slots {
@@ -35,7 +35,7 @@ struct gpu_slots {
 	uint32_t cells, count;
 	unsigned planes;
 	struct entry *entries;
-	struct deform_slot *all, *free[2]; /* those with state planes apart */
+	struct deform_slot *all, *free[2]; /* lists. free[0]: without planes of the soil's state; free[1]: with them */
 	struct gpu_texture *scratch[SCRATCH_COUNT];
 	uint32_t next_scratch;
 	uint64_t subdivided, decimated;
@@ -280,7 +280,7 @@ static enum status deform_slot_create(struct gpu_slots *slots, struct deform_slo
 	return STATUS_OK;
 }
 
-/* Returns a free deform slot that suits; NULL: there is none. */
+/* Takes a deform slot from a free list, if possible from the list that `state` names. Returns NULL if both lists are empty. */
 static struct deform_slot *take_free(struct gpu_slots *slots, bool state)
 {
 	struct deform_slot **list = slots->free[state] != NULL ? &slots->free[state] : &slots->free[!state];
@@ -322,8 +322,8 @@ static void clear_planes(const struct entry *entry, unsigned planes, struct gpu_
 			gpu_texture_clear(entry->slot.planes[plane], 0, rect, 0);
 }
 
-/* Gives the entry these planes of the slots', and those that are drawn, where it lacks any; *fresh: the ones
- * that hold whatever they held. All of them or, after a failure, none. */
+/* Gives the entry the planes that pictures show, and those of the mask `planes` that the slots have. *fresh: planes that it did not
+ * have before; their content is undefined. If it had no planes, a failure leaves it without any. */
 static enum status need_planes(struct gpu_slots *slots, struct entry *entry, unsigned planes, unsigned *fresh)
 {
 	enum status status = STATUS_OK;
@@ -380,7 +380,7 @@ enum status gpu_slots_upload_deform(struct gpu_slots *slots, uint32_t slot, stru
 	unsigned given = 0, fresh;
 	for (int plane = 0; plane < PLANES; plane++)
 		given |= places[plane] != GPU_NO_PLANE ? PLANE_BIT(plane) : 0;
-	if (entry->home != NULL) /* another tile's: this one may lack planes that it had */
+	if (entry->home != NULL) /* of the tile before; this tile may have fewer planes */
 		release(slots, entry);
 	enum status status = need_planes(slots, entry, given, &fresh);
 	if (status != STATUS_OK)
@@ -423,7 +423,7 @@ enum status gpu_slots_decimate(struct gpu_slots *slots, uint32_t fine, struct gp
 	struct entry *to = entry_of(slots, coarse);
 	struct gpu_program *program;
 	assert(steps >= 1 && fine != coarse);
-	/* Beyond a tile's side a single post is kept, whatever the steps. */
+	/* With so many steps that they exceed the tile's side, one post is kept. */
 	int shift = steps < 16 ? steps : 16;
 	struct gpu_rect into = {to_x, to_y, kept(rect.width, shift), kept(rect.height, shift)};
 	if (into.width == 0 || into.height == 0)
@@ -434,7 +434,7 @@ enum status gpu_slots_decimate(struct gpu_slots *slots, uint32_t fine, struct gp
 	assert(to_x <= slots->cells && into.width <= slots->cells + 1 - to_x);
 	assert(to_y <= slots->cells && into.height <= slots->cells + 1 - to_y);
 	if (from->home == NULL && to->home == NULL)
-		return STATUS_OK; /* zero to zero */
+		return STATUS_OK; /* both tiles have no offsets, so nothing changes */
 	enum status status = deform_with(slots, to, GPU_DRAWN_PLANES);
 	if (status != STATUS_OK)
 		return status;

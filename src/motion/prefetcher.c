@@ -1,8 +1,10 @@
 /*
- * A look: walkers go on from the present, one for each track and one for the camera. The walker with the earliest time goes
- * first. Each lists the tiles around its place. The look ends at the time limit, or when the list or the number of places is
- * full. Then the tiles of the list are loaded, soonest needed first. The next look begins when an eighth of that time has
- * passed.
+ * Loads base tiles before a body or the camera needs them. This is the work of one thread, in looks.
+ *
+ * A look predicts which tiles will be needed. Walkers move along the tracks of bodies and the way of the camera, one for each,
+ * beginning at the present time. The walker with the earliest time moves next. At each of its places it adds the tiles around it
+ * to the list. The look ends at its time limit, or when the list or the number of places is full. Then the tiles of the list are
+ * loaded, those needed soonest first. The next look begins when an eighth of the predicted time has passed.
  *
  * Invariants:
  * - Only the thread uses the walkers and the list. `told`, `look_at`, `reach`, `ranges_done` and `stopping` are atomic. The
@@ -20,16 +22,16 @@
 #include <string.h>
 
 #define PREFETCHER_THREAD "furrow-ahead"
-#define TILE_PARTS 16 /* places a tile's width */
-#define PLACES_MAX 65536 /* in one look */
-#define RANGES_ROOM 1024
+#define TILE_PARTS 16 /* a walker's places are a sixteenth of a tile's width apart */
+#define PLACES_MAX 65536 /* most places in one look */
+#define RANGES_ROOM 1024 /* most ranges that wait to be loaded */
 
 struct walker {
 	const struct track *track; /* NULL: the camera's */
-	int64_t past;              /* the last path sample that is not ahead */
-	int64_t sample, last;
-	int64_t stride;            /* path samples from place to place */
-	double time;               /* time of `station`, or the camera's; INFINITY: at the end */
+	int64_t past;              /* the last path sample whose time has passed */
+	int64_t sample, last;      /* path sample where the walker is; the last one of the track */
+	int64_t stride;            /* path samples from one place to the next */
+	double time;               /* of the walker, s; INFINITY: it is at the end of its track */
 };
 
 struct prefetcher {
@@ -43,12 +45,14 @@ struct prefetcher {
 	uint32_t listed;
 	struct thread thread;
 	struct mutex mutex;
-	struct condition changed; /* condition for sleeping and for waiting */
-	bool asleep;              /* guarded by the mutex, as are: */
+	struct condition changed; /* the thread sleeps on it, and motion_prefetcher_wait waits on it */
+	/* guarded by the mutex: */
+	bool asleep;
 	struct ground_range_key ranges[RANGES_ROOM];
 	size_t range_next, range_count; /* index of the next range to load, and their number */
 	_Atomic uint64_t ranges_done;
-	_Atomic double told, look_at, reach; /* s; reach: how far ahead */
+	/* s. told: the present time, from the caller. look_at: time at which the next look begins. reach: how far ahead a look goes */
+	_Atomic double told, look_at, reach;
 	atomic_bool stopping;
 };
 
@@ -65,7 +69,8 @@ static bool add_tile(struct prefetcher *prefetcher, struct tile tile)
 	return true;
 }
 
-/* Adds every tile from here half-way to the neighbouring places; false if the list is full. */
+/* Adds the tiles within half the distance between two places, so that successive places miss no tile. Returns false if the list is
+ * full. */
 static bool add_place(struct prefetcher *prefetcher, double x, double y)
 {
 	const struct extent *extent = prefetcher->extent;
@@ -126,7 +131,7 @@ static void go_on(const struct prefetcher *prefetcher, struct walker *walker)
 	walker->sample = next;
 }
 
-/* Lists the tiles needed from `now` on; returns the time until which the list is complete. */
+/* Lists the tiles that will be needed from `now` on, s. Returns the time until which the list has all of them. */
 static double look(struct prefetcher *prefetcher, double now)
 {
 	double until = fmin(now + atomic_load(&prefetcher->reach), prefetcher->params.end);
@@ -146,7 +151,7 @@ static double look(struct prefetcher *prefetcher, double now)
 	}
 }
 
-/* Loads the next range; false: none is left. */
+/* Loads the next range. Returns false if none is left. */
 static bool bring_range(struct prefetcher *prefetcher)
 {
 	struct ground_range_key key;
@@ -157,14 +162,14 @@ static bool bring_range(struct prefetcher *prefetcher)
 	mutex_unlock(&prefetcher->mutex);
 	if (!any)
 		return false;
-	/* A range that cannot be read is left to the ground's owner, who reports the failure. */
+	/* On failure the range stays missing. The ground's owner will read it again and report the failure. */
 	enum status status = resident_ground_warm_range(prefetcher->params.ground, prefetcher->reader, &key);
 	(void)status;
 	atomic_fetch_add(&prefetcher->ranges_done, 1);
 	return true;
 }
 
-/* Loads the list's tiles into the ground. A tile that cannot be read is left to the owner, who reports the failure. */
+/* Loads the tiles of the list into the ground. If a tile cannot be read, it stays missing, and the ground's owner will report it. */
 static void bring(struct prefetcher *prefetcher)
 {
 	for (uint32_t i = prefetcher->listed; i-- > 0;)
@@ -198,7 +203,7 @@ static void *body(void *argument)
 			condition_wait(&prefetcher->changed, &prefetcher->mutex);
 			prefetcher->asleep = false;
 		}
-		atomic_store(&prefetcher->look_at, (double)INFINITY); /* nobody need wake it now */
+		atomic_store(&prefetcher->look_at, (double)INFINITY); /* it is awake, so no caller needs to wake it */
 		mutex_unlock(&prefetcher->mutex);
 	}
 	return NULL;
@@ -236,7 +241,7 @@ enum status motion_prefetcher_create(const struct prefetcher_params *params, str
 	assert(params->count >= 1 && params->prefetch > 0);
 	struct prefetcher *prefetcher = mem_calloc(1, sizeof *prefetcher);
 	if (prefetcher == NULL)
-		return fail_memory("the scout");
+		return fail_memory("the prefetcher");
 	prefetcher->params = *params;
 	prefetcher->extent = &store_meta(params->store)->extent;
 	mutex_init(&prefetcher->mutex);
@@ -248,7 +253,7 @@ enum status motion_prefetcher_create(const struct prefetcher_params *params, str
 	atomic_init(&prefetcher->ranges_done, 0);
 	prefetcher->walkers = mem_calloc(params->count + 1, sizeof *prefetcher->walkers);
 	prefetcher->list = mem_alloc(params->tiles, sizeof *prefetcher->list);
-	enum status status = prefetcher->walkers != NULL && prefetcher->list != NULL ? STATUS_OK : fail_memory("the scout");
+	enum status status = prefetcher->walkers != NULL && prefetcher->list != NULL ? STATUS_OK : fail_memory("the prefetcher");
 	if (status == STATUS_OK)
 		mount_walkers(prefetcher);
 	if (status == STATUS_OK)

@@ -1,19 +1,22 @@
+/*
+ * Tracks: the way of a body along its path, from knot to knot in straight segments. Path samples are one post of way apart.
+ */
 #include "motion/motion.h"
 
 #include <assert.h>
 #include <math.h>
 
 struct knot {
-	struct track_point at; /* x, y from the track's origin */
-	double length;         /* from the path's start */
+	struct track_point at; /* x, y in metres from the track's origin */
+	double length;         /* of the path up to here, m; with attitudes, turns add to it */
 };
 
 struct track {
-	struct knot *knots; /* at least 1; a loop's first is repeated as its last */
+	struct knot *knots; /* at least 1; in a loop the first is repeated at the end */
 	size_t count;
-	int64_t origin_x, origin_y; /* 2^-20 m: the first point */
-	double post, speed, length;
-	int64_t lap; /* path samples of a lap; loops only */
+	int64_t origin_x, origin_y; /* the first point, 2^-20 m */
+	double post, speed, length; /* m between path samples; m/s; m of the whole path */
+	int64_t lap; /* number of path samples in one lap; loops only */
 	bool loop, timed;
 };
 
@@ -66,7 +69,7 @@ enum status motion_track_create(const struct scene_path *path, const double (*po
 		if (track->count > 0) {
 			struct knot *before = &knots[track->count - 1];
 			length = before->length + distance(&before->at, &point, path->has_attitude, turn_reach);
-			/* A point without motion gives nothing to an untimed path. */
+			/* A path without times does not pause: skip a point that is where the last one is. */
 			if (!path->timed && length == before->length)
 				continue;
 		}
@@ -83,7 +86,7 @@ enum status motion_track_create(const struct scene_path *path, const double (*po
 	}
 	track->length = knots[track->count - 1].length;
 	track->loop = closed && track->length > 0;
-	/* The direction of travel at a knot is that of the stretch after it; at the last knot, of the stretch before. */
+	/* Without attitudes, a body faces along the segment that begins at the knot; at the last knot, along the segment before it. */
 	for (size_t i = 0; i < track->count && !path->has_attitude; i++) {
 		size_t a = i + 1 < track->count ? i : i > 0 ? i - 1 : 0, b = a + 1 < track->count ? a + 1 : a;
 		double dx = knots[b].at.x - knots[a].at.x, dy = knots[b].at.y - knots[a].at.y;
@@ -126,14 +129,14 @@ double motion_track_fastest(const struct track *track)
 	return fastest;
 }
 
-/* Finds the segment that begins at or before `key` (a length or a time): knots [k, k + 1]. */
+/* Returns k so that `key` lies between knots k and k + 1. key: a time in s if by_time, otherwise a length in m. */
 static size_t find(const struct track *track, double key, bool by_time)
 {
 	size_t low = 0, high = track->count - 1;
 	while (high - low > 1) {
 		size_t middle = (low + high) / 2;
 		double at = by_time ? track->knots[middle].at.time : track->knots[middle].length;
-		/* A timed path that pauses is at a place from the time when it arrived. */
+		/* Where a timed path pauses, several knots have the same length. Then the first of them counts: the time of arrival. */
 		if (by_time || !track->timed ? at <= key : at < key)
 			low = middle;
 		else
@@ -150,14 +153,14 @@ static void between(const struct track *track, size_t k, double share, struct tr
 	point->x += share * (b->x - a->x);
 	point->y += share * (b->y - a->y);
 	point->z += share * (b->z - a->z);
-	if (track->timed) { /* an attitude that the path gave, or the direction between samples */
+	if (track->timed) { /* a timed path turns between knots; others keep the attitude of the segment */
 		point->yaw += share * turn(a->yaw, b->yaw);
 		point->pitch += share * turn(a->pitch, b->pitch);
 		point->roll += share * turn(a->roll, b->roll);
 	}
 }
 
-/* Converts a point from the track's origin to the world's. */
+/* Converts a point that is given from the track's origin to one that is given from the world's origin. */
 static void place(const struct track *track, struct track_point *point)
 {
 	point->qx = track->origin_x + lattice_offset(point->x);
@@ -220,7 +223,8 @@ static bool sample_within(const struct track *track, int64_t index, double width
 	return is_within(&point, width, height);
 }
 
-/* Finds the first of [first, last] that is outside. All lie on one straight line, so those inside are one piece. */
+/* Returns the first path sample of first .. last that is outside the world; -1: none. All samples lie on one straight line. So once
+ * the line has left the world, it does not come back. */
 static int64_t leaves_line(const struct track *track, int64_t first, int64_t last, double width, double height)
 {
 	if (first > last || !sample_within(track, first, width, height))
@@ -254,7 +258,7 @@ int64_t motion_track_leaves(const struct track *track, double width, double heig
 		}
 		was_within = within;
 	}
-	/* The last path sample is at the path's end, which need not be a whole post. */
+	/* The last path sample is at the end of the path. Its distance from the sample before may be less than a post. */
 	return was_within || track->loop || sample_within(track, all - 1, width, height) ? -1 : all - 1;
 }
 

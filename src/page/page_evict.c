@@ -149,7 +149,7 @@ enum status page_install(struct page_cache *cache, struct page *page, bool *late
 	if (slot != PAGE_NO_SLOT && !uploaded)
 		cache->table.free_slots[cache->table.free_count++] = slot;
 	if (!*later) {
-		if (upload) /* had it failed half-way, the executor might still read the image */
+		if (upload) /* also after a failure, since the executor may still read the image */
 			page_busy_add_locked(cache, host, false);
 		cache->requests_kept = cache->requests_kept && uploaded;
 		page_loads_land_locked(cache, page, uploaded ? slot : PAGE_NO_SLOT);

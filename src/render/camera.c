@@ -1,30 +1,32 @@
 /*
- * A camera's axes, the view that terrain selects by, and how coarse a mesh may be at which distance. In doubles.
+ * Computes a camera's axes, the view that terrain_select needs, and how coarse a mesh may be at which distance. All in doubles.
  *
- * By radii, the size on the screen counts. A tile is divided while its posts are more than 6 pixels apart. It is drawn in cells of
- * up to 32 pixels. Flat ground is cut as finely as a cliff, and nothing bounds how wrong a picture is.
+ * Without a pixel error, the distance of posts on the screen decides. A tile is divided while its posts are more than 6 pixels
+ * apart. The mesh is drawn in cells of up to 32 pixels. Flat ground is cut as finely as a cliff, and the error is not bounded.
  *
- * With a pixel error, height counts. A tile, or a stride within it, is as coarse as that error allows.
+ * With a pixel error, the error of height on the screen decides. A tile, and a stride within it, is as coarse as the error allows.
+ * A stride is the distance between two vertices of the mesh, in posts. The reach of a stride is the distance from the camera beyond
+ * which the mesh has this stride or a coarser one.
  */
 #include <math.h>
 #include <string.h>
 
 #include "render/internal.h"
 
-/* Most pixels of a post's spacing: beyond, a finer tile is asked for. Most pixels of a mesh cell: beyond, its stride is halved.
- * Tiles are finer than the mesh, since light is computed from their posts. */
+/* If posts are more pixels apart than this, a finer tile is selected. If a mesh cell is wider than this, its stride is halved. Tiles
+ * are finer than the mesh, since light is computed from their posts. */
 #define PIXELS_A_POST 6.0
 #define PIXELS_A_CELL 32.0
-/* Below this, blocks of one stride would be too small beside their distance to slide in time. */
+/* The least reach of a stride, in its spacings. Below it, the zone in which vertices move to the next stride would be too narrow. */
 #define REACH_LEAST 24.0
-/* Ruts are finer than the ground. So the mesh is cut more finely where vertices are near enough to show a rut. This depends only on
- * how far apart they are, so that vertices on a shared edge slide alike. shaders/lib/picture.glsl has it too. */
+/* Ruts are finer than the ground. So strides up to this length have a longer reach, which shows ruts from farther away. The reach
+ * depends only on the stride's length, so that vertices on an edge of two tiles move alike. shaders/lib/picture.glsl has it too. */
 #define RUT_CELL 0.3f /* metres */
-/* By pixel error: the least reach of a stride, in its spacings, and as a factor of the reach of the stride before. Vertices slide
- * to a stride from 0.8 of its reach on (shaders/terrain.vert). */
+/* With a pixel error: the least reach of a stride, in its spacings, and as a multiple of the reach of the next finer stride. Between
+ * 0.8 of a reach and the reach, vertices move to the coarser stride (shaders/terrain.vert). */
 #define ERROR_REACH_LEAST 10.0
 #define REACHES_APART 1.25
-#define REACH_MOST 1e30 /* metres; a float has room to compute with it */
+#define REACH_MOST 1e30 /* metres; small enough that floats do not overflow */
 
 static double normalise(double v[3])
 {
@@ -71,8 +73,9 @@ void render_reaches(const struct render *render, const struct render_axes *axes,
 			reaches[k] = apart * render_mesh_reach(axes) * ((float)apart <= RUT_CELL ? RENDER_RUT_REACH : 1);
 			continue;
 		}
-		/* A stride of 2^k is the surface k levels above, so that level's error decides (Equation 3). But a vertex slides to a
-		 * new stride over the last fifth of the way. The way must be so long that it does not overtake its neighbours. */
+		/* A stride of 2^k posts shows the surface of the level k levels above. So the error of that level decides (Equation 3).
+		 * But the zones of two strides, in which vertices move, must not overlap. So each reach is at least 1.25 of the one
+		 * before. */
 		double reach = draw->errors[k] * (axes->focal / render->pixel_error);
 		if (k > 0)
 			reach = fmax(reach, fmax(ERROR_REACH_LEAST * apart, REACHES_APART * reaches[k - 1]));

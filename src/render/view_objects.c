@@ -1,14 +1,14 @@
 /*
- * Where the objects are in a picture: at its time, between two path samples. They are as deep below the undisturbed ground as at
- * the last path sample. A loaded body is as deep as the soil was last found to carry it. A wheel and a ball have turned by the way
- * since.
+ * Finds the poses of objects for a picture. The time of a picture may be between two path samples. An object is shown as deep below
+ * the undisturbed ground as at its last path sample. A loaded body is shown at the depth where the soil was last found to carry it.
+ * A wheel and a ball have rolled on since the last path sample.
  */
 #include <math.h>
 
 #include "render/view.h"
 
-/* Returns how far it has turned, radians, with the way since its last path sample. Returns 0 for a ball whose path gives
- * its attitude. */
+/* Returns how far the body has turned about its axis, radians, including the way since its last path sample. Returns 0 if it does not
+ * roll: a box, a mesh, or a ball whose path gives its attitude. */
 static double turned_at(const struct body *body, const struct track_point *point)
 {
 	const struct deform_shape *shape = &body->object->shape;
@@ -22,7 +22,7 @@ static double turned_at(const struct body *body, const struct track_point *point
 	return remainder((body->distance + (body->in_contact ? hypot(dx, dy) : 0)) / shape->radius, 2 * M_PI);
 }
 
-/* Finds the height of its centre, 2^-20 m. *known false: there is no ground, and it was never on any. */
+/* Finds the height of the body's centre, 2^-20 m. *known is false if there is no ground below it and it was never on the ground. */
 static enum status height_at(struct world *world, const struct body *body, const struct track_point *point, int64_t *height, bool *known)
 {
 	const struct scene_object *object = body->object;

@@ -113,16 +113,16 @@ enum status render_view_offsets_contact(struct view *view, const struct contact_
 enum status render_view_offsets_touch(struct view *view, struct tile tile)
 {
 	double low, high;
-	enum status status = STATUS_OK;
+	enum status status = render_view_stored_offsets(view, tile, &low, &high);
 	/* Read the store's ranges of all tiles above, too, before this change is committed. */
 	for (int level = tile.level; level <= extent_coarsest(&view->world->meta->extent) && status == STATUS_OK; level++) {
 		const struct tile above = tile_ancestor(tile, level);
+		double above_low, above_high;
 		if (key_map_find(&view->bounds.added, tile_key(above)) != NULL)
 			break;
-		status = render_view_stored_offsets(view, above, &low, &high);
+		if (level > tile.level)
+			status = render_view_stored_offsets(view, above, &above_low, &above_high);
 	}
-	if (status == STATUS_OK)
-		status = render_view_stored_offsets(view, tile, &low, &high);
 	if (status != STATUS_OK)
 		return status;
 	const struct view_contact *contact = &view->contact;

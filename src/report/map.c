@@ -1,12 +1,12 @@
 /*
- * map.png: where a drive went and what it left. It shows the hillshade around the objects' ways and the offsets in false
- * colour. Each way is a thin line from a dot with the object's name.
+ * map.png: shows where the objects of a drive went, and how they changed the ground. It has the hillshade around their ways, and the
+ * offsets in false colour. The way of an object is a thin line that begins at a dot with the object's name.
  *
- * It is made at the end, from the last commit, with a reader of its own. So the drive's counts do not include it.
+ * The map is made at the drive's end, from the last commit, with a store reader of its own. The drive's counts do not include it.
  *
- * It takes at most SIDE_MOST posts on a side. The level is the finest one that fits, but no finer than the stored one. It reads
- * at most TILES_MOST tiles of offsets, at a coarser level if there are more. So its cost is about the same for any drive and
- * terrain. With that many each pixel still has 8 x 8 posts, or all there are.
+ * The map has at most SIDE_MOST posts on a side. Its level is the finest one that fits, but no finer than the stored one. It reads
+ * at most TILES_MOST tiles of offsets. If the drive left more, it reads those of a coarser level. So its cost is about the same for
+ * any drive and terrain. Even then each pixel is computed from 8 x 8 posts, or from all posts that are stored.
  */
 #include <math.h>
 #include <string.h>
@@ -14,12 +14,12 @@
 #include "report/report.h"
 
 #define SIDE_MOST 1080 /* pixels of the map, without its frame */
-#define SIDE 900       /* smaller maps are enlarged to about that */
-#define TILES_MOST 2048
-#define POSTS_LEAST 64 /* of the working level, across */
-#define NAMES_MOST 24
+#define SIDE 900       /* pixels; a smaller map is enlarged to about this */
+#define TILES_MOST 2048 /* tiles of offsets that are read */
+#define POSTS_LEAST 64 /* a map shows at least so many posts of the working level on a side */
+#define NAMES_MOST 24  /* objects that get a label */
 
-/* Colours that differ from each other and from the ramps; by the object's number. */
+/* Colours of the objects' ways, in the order of the objects. They differ from each other and from the colours of offsets. */
 static const struct render_colour colours[] = {
 	{20, 120, 60, 255}, {0, 0, 0, 255}, {0, 150, 150, 255}, {150, 110, 10, 255}, {190, 20, 130, 255}, {90, 90, 90, 255},
 };
@@ -29,14 +29,14 @@ static struct render_colour colour_of(size_t object)
 	return colours[object % (sizeof colours / sizeof *colours)];
 }
 
-/* The same colours, darker, for the outline of white letters. */
+/* Returns the object's colour, darker. It is the outline of the white letters of its name. */
 static struct render_colour dark_of(size_t object)
 {
 	struct render_colour colour = colour_of(object);
 	return (struct render_colour){colour.r * 3 / 5, colour.g * 3 / 5, colour.b * 3 / 5, 255};
 }
 
-/* An object's way so far, metres. */
+/* The way of an object up to now, places in metres. */
 struct way {
 	double (*places)[2];
 	size_t count;
@@ -68,7 +68,7 @@ static enum status take_ways(struct map *map)
 	return STATUS_OK;
 }
 
-/* Finds the extent around all ways, metres, as far as it is on the terrain; the whole terrain if none is. */
+/* Finds the extent around all ways, metres, cut at the terrain's edges. If no way is on the terrain, it is the whole terrain. */
 static void find_extent(const struct map *map, const double size[2], double low[2], double high[2])
 {
 	const struct world *world = map->world;
@@ -138,7 +138,7 @@ static enum status raster(struct map *map)
 	params.reader = reader;
 	if (status == STATUS_OK)
 		status = render_map_raster_create(&params, &map->raster);
-	/* The line of a way would hide ruts that are as narrow. */
+	/* Widen ruts of one pixel. Otherwise the line of the way would hide them. */
 	if (status == STATUS_OK && params.deformed && params.level > params.working)
 		status = render_map_raster_widen(&map->raster);
 	store_reader_destroy(reader);
@@ -157,7 +157,7 @@ static double (*on_canvas(const struct map *map, const struct way *way))[2]
 	return way->places;
 }
 
-/* Pixels of the canvas. */
+/* The rectangle of an object's name on the canvas, pixels. */
 struct label {
 	int left, low, right, high;
 };
@@ -171,7 +171,8 @@ static bool is_free(const struct label *label, const struct label *others, size_
 	return true;
 }
 
-/* Finds the nearest free place beside a dot that is on the map: right or left, above or below. False: there is none. */
+/* Finds the nearest free place for a name beside a dot: right or left of it, above or below. Returns false if there is none on the
+ * map. */
 static bool place_label(const struct render_placed *placed, const double dot[2], const char *name, const struct label *others,
 			size_t count, struct label *label)
 {

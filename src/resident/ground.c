@@ -86,7 +86,7 @@ static enum status read_posts(const struct ground *ground, struct store_reader *
 	return status;
 }
 
-/* For the owner; the posts are there while the mutex is held. */
+/* Only the owner calls it, with the mutex held. The posts stay in memory while the mutex is held. */
 enum status resident_ground_posts_locked(struct ground *ground, struct tile tile, const int32_t **posts)
 {
 	assert(tile.level >= 0);
@@ -97,7 +97,7 @@ enum status resident_ground_posts_locked(struct ground *ground, struct tile tile
 		place = recent_oldest(&ground->recent, RECENT_NONE);
 		if (ground->posts[place] == NULL && (ground->posts[place] = alloc_posts(ground)) == NULL)
 			return fail_memory("a base tile");
-		recent_empty(&ground->recent, place); /* until it is whole */
+		recent_empty(&ground->recent, place); /* has no tile until the read is complete */
 		enum status status = read_posts(ground, ground->reader, tile, ground->posts[place]);
 		if (status != STATUS_OK)
 			return status;
@@ -129,7 +129,8 @@ enum status resident_ground_patch(struct ground *ground, struct tile tile, int32
 	assert(tile.level < 0);
 	uint32_t cells = ground->meta->extent.cells, mask = cells - 1, stride = cells + 1;
 	*shift = -tile.level;
-	/* The tile's first post, in 2^-shift cells of level 0, divided into tile, cell and rest. */
+	/* x and y: the tile's first post, in 2^-shift cells of level 0. From this come the cell within the level-0 tile (cx, cy), and
+	 * the place within that cell (sub_x, sub_y). */
 	uint64_t x = (uint64_t)tile.x * cells, y = (uint64_t)tile.y * cells, part = ((uint64_t)1 << *shift) - 1;
 	uint32_t cx = (uint32_t)(x >> *shift) & mask, cy = (uint32_t)(y >> *shift) & mask;
 	*sub_x = (uint32_t)(x & part);
@@ -279,7 +280,7 @@ enum status resident_ground_warm(struct ground *ground, struct store_reader *rea
 	enum status status = read_posts(ground, reader, tile, posts);
 	mutex_lock(&ground->mutex);
 	ground->figures.reads += status == STATUS_OK;
-	/* The owner may have read it meanwhile: one copy is enough. */
+	/* If the owner has read the same tile meanwhile, its copy stays. */
 	uint32_t place = recent_find(&ground->recent, tile_key(tile));
 	if (status == STATUS_OK && place == RECENT_NONE && (place = recent_oldest(&ground->recent, ground->latest)) != RECENT_NONE) {
 		int32_t *old = ground->posts[place];

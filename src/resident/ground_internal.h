@@ -21,6 +21,7 @@ struct ground {
 	struct key_cache errors;  /* a: metres */
 	/* as in the store. a: lowest, b: highest, in metres; NaN: no offsets. All are kept, unless `most` is set lower */
 	struct key_cache offsets;
+	uint64_t forgotten; /* how often all of `offsets` were forgotten */
 };
 
 /* Gives the posts of a tile, for the owner. They are valid while the mutex is held. */

@@ -61,12 +61,16 @@ static enum status read_base_range(struct ground *ground, struct store_reader *r
 static enum status read_offset_range(struct ground *ground, struct store_reader *reader, struct tile tile, struct key_pair *range)
 {
 	bool found;
+	mutex_lock(&ground->mutex);
+	const uint64_t forgotten = ground->forgotten;
+	mutex_unlock(&ground->mutex);
 	enum status status = store_read_offset_range(reader, tile, &range->a, &range->b, &found);
 	mutex_lock(&ground->mutex);
 	ground->figures.offset_ranges++;
 	if (status == STATUS_OK && !found)
 		range->a = range->b = NAN;
-	if (status == STATUS_OK)
+	/* If all were forgotten meanwhile, this one may be from before. */
+	if (status == STATUS_OK && forgotten == ground->forgotten)
 		status = key_cache_put(&ground->offsets, tile_key(tile), range->a, range->b);
 	mutex_unlock(&ground->mutex);
 	return status;
@@ -102,6 +106,7 @@ void resident_ground_forget_offsets(struct ground *ground)
 {
 	mutex_lock(&ground->mutex);
 	key_cache_finish(&ground->offsets);
+	ground->forgotten++;
 	mutex_unlock(&ground->mutex);
 }
 

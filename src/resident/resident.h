@@ -52,10 +52,10 @@ enum status resident_ground_range(struct ground *ground, struct tile tile, doubl
 enum status resident_ground_base_range(struct ground *ground, struct tile tile, struct store_range *range) FURROW_CHECKED;
 /* Finds the range of the offsets that the store has for the tile and all finer tiles below it, in metres. low <= 0 <= high. If
  * there are none, *found is false and both are 0. If no other thread has loaded the range, the owner reads it. The range stays
- * as first read, also after later commits. */
+ * as first read, also after later commits, until resident_ground_forget_offsets(). */
 enum status resident_ground_offset_range(struct ground *ground, struct tile tile, double *low, double *high, bool *found)
 	FURROW_CHECKED;
-/* Forgets all ranges of offsets, so that they are read again. */
+/* Forgets all ranges of offsets, so that they are read again. A range that another thread reads meanwhile is not kept. */
 void resident_ground_forget_offsets(struct ground *ground);
 /* Finds a height that no base height of the rectangle exceeds, in 2^-20 m; INT64_MIN: no post has data. At level >= 0 it is the
  * highest post of the rectangle. Below level 0 it is the highest of the level-0 posts from which the rectangle is interpolated. */

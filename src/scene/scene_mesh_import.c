@@ -23,20 +23,20 @@
 
 /* The files that one import may open: the mesh file, which was read before, and files in the same folder. */
 struct folder {
-	const char *path; /* of the mesh */
-	char name[16];    /* what assimp is told it is called */
-	const char *bytes;
-	size_t length, left; /* left: bytes that may still be read */
+	const char *path; /* of the mesh file */
+	char name[16];    /* name of the mesh file that assimp is told, in place of its path */
+	const char *bytes; /* the content of the mesh file */
+	size_t length, left; /* bytes of it; bytes that other files may still have */
 };
 
 struct open_file {
 	struct aiFile file;
-	char *owned; /* NULL: the folder's */
-	const char *bytes;
-	size_t length, at;
+	char *owned; /* the content, freed when the file is closed; NULL: this is the mesh file, whose content the folder has */
+	const char *bytes; /* the content */
+	size_t length, at; /* bytes of it; place of the next read */
 };
 
-/* --- what assimp reads from --- */
+/* --- files that assimp reads --- */
 
 static struct open_file *opened(struct aiFile *file)
 {
@@ -131,7 +131,7 @@ static void close_proc(struct aiFileIO *io, struct aiFile *file)
 	mem_free(open);
 }
 
-/* --- what it makes of it --- */
+/* --- triangles from assimp's scene --- */
 
 static enum status too_many(const char *told)
 {
@@ -155,7 +155,7 @@ static enum status count_node(const struct aiScene *scene, const struct aiNode *
 	return status;
 }
 
-/* a times b, rows of 4. */
+/* Computes the product of two transformations; rows of 4. */
 static void product(const double a[3][4], const struct aiMatrix4x4 *b, double out[3][4])
 {
 	const double rows[4][4] = {{b->a1, b->a2, b->a3, b->a4},
@@ -218,7 +218,7 @@ static enum status take_scene(const struct aiScene *scene, bool gltf, const char
 	return status;
 }
 
-/* assimp's own words, one line of them; they may hold the file's. */
+/* Fails with one line of assimp's message. The message may contain text of the file, so it is made printable. */
 static enum status not_a_mesh(const char *told)
 {
 	char line[200];
@@ -230,7 +230,7 @@ static enum status not_a_mesh(const char *told)
 	return fail_with(STATUS_INPUT, "%s: it cannot be read as a mesh (%s); give a whole OBJ, STL or glTF 2 file", told, line);
 }
 
-/* assimp's last error is one for all threads. */
+/* All threads share one last error of assimp. So only one thread at a time imports. */
 static pthread_mutex_t assimp = PTHREAD_MUTEX_INITIALIZER;
 
 static enum status import(struct folder *folder, bool gltf, const char *told, struct mesh_corners *corners)

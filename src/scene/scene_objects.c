@@ -12,7 +12,7 @@
 #include "scene/scene_path.h"
 #include "scene/scene_typed.h"
 
-/* Objects of the scene that have their names: all for one that is added, those before it for one of the scene's. */
+/* Returns true if another object of the scene already has the name. While the scene is read, later objects have no names yet. */
 static bool is_named(const struct scene *scene, const struct scene_object *object, const char *name)
 {
 	for (size_t i = 0; i < scene->object_count; i++)
@@ -38,7 +38,7 @@ static enum status take_name(const struct scene_tree *tree, const struct scene *
 	return object->name != NULL ? STATUS_OK : fail_memory("reading the objects");
 }
 
-/* body-1, or the first number after it that is free. */
+/* Names an object body-1, or body-N with the first N whose name no other object has. */
 static enum status make_name(const struct scene *scene, struct scene_object *object)
 {
 	char name[32];
@@ -162,14 +162,14 @@ enum status scene_check_objects(const struct scene_tree *tree, const struct raw_
 			status = scene_tell_unused(scene, "objects.%s.sink: its poses say z already; take it away",
 						   object->name != NULL ? object->name : "");
 	}
-	/* The names that are given come first: none is refused for one that was made. */
+	/* Names are made only after all given names are known. So a made name never takes a name that the scene gives later. */
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		if (scene->objects[i].name == NULL)
 			status = make_name(scene, &scene->objects[i]);
 	return status;
 }
 
-/* Makes a scene's tree that has only this object. */
+/* Makes the tree of a scene that has only the object `text`. */
 static enum status plant(struct scene_tree *tree, const char *text)
 {
 	struct scene_node *list = NULL, *object = NULL;
@@ -202,7 +202,7 @@ static enum status parse(const struct scene *scene, const char *text, struct sce
 		status = scene_typed_load(&tree, &raw);
 	if (status == STATUS_OK)
 		status = scene_check_object(&tree, &raw->objects[0], 0, scene, object);
-	/* A scene's note of this has no place here. */
+	/* In a scene file this is a note, and `sink` is not used. A single object has no place for notes, so it is refused. */
 	if (status == STATUS_OK && object->path.has_z && raw->objects[0].sink != NULL)
 		status = scene_error(tree.file, scene_tree_find(&tree, "objects[0].sink"),
 				     "its poses say z already; allowed with: poses t,x,y, or points");

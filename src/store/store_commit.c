@@ -27,9 +27,9 @@ struct order {
 struct climb {
 	struct store *store;
 	const struct store_page *pages;
-	struct order *order; /* by key */
+	struct order *order; /* the pages, sorted by key */
 	enum row_table table;
-	int32_t *planes[TILE_LEVEL_MAX - TILE_LEVEL_MIN + 1]; /* by level - TILE_LEVEL_MIN */
+	int32_t *planes[TILE_LEVEL_MAX - TILE_LEVEL_MIN + 1]; /* one tile of each level; index: level - TILE_LEVEL_MIN */
 	const struct store_run *run;
 	struct store_commit_result *result;
 };
@@ -55,7 +55,8 @@ static enum status plane_at(struct climb *climb, int level, int32_t **plane)
 	return *held != NULL ? STATUS_OK : fail_memory("a commit");
 }
 
-/* Writes or drops one row; `exists`: it belongs there. `old`: what is there, NULL: nothing. */
+/* Brings one row of the file up to date. If `exists`, writes it with these posts; otherwise deletes it. old: the row that the file
+ * has now; NULL: it has none. */
 static enum status put_row(struct climb *climb, struct row *row, const int32_t *posts, bool exists,
 			   const struct row *old)
 {
@@ -118,7 +119,8 @@ enum status store_commit_goes_on(const struct store *store, const struct store_r
 	return fail_with(STATUS_INTERRUPTED, "%s: a commit was given up; roll back, or commit again", store->path);
 }
 
-/* Updates one tile of `level` and the tiles below it. It covers the pages first .. last - 1 of the order. */
+/* Updates one tile of `level` and the tiles below it. Pages first .. last - 1 of the order lie in this tile. Sets *posts to its new
+ * posts, which stay valid until another tile of the level is updated. */
 static enum status climb_tile(struct climb *climb, int level, size_t first, size_t last,
 			      const int32_t **posts)
 {
@@ -127,7 +129,7 @@ static enum status climb_tile(struct climb *climb, int level, size_t first, size
 	if (going != STATUS_OK)
 		return going;
 	if (level == page->tile.level) {
-		assert(last == first + 1); /* each page once */
+		assert(last == first + 1); /* each page is in the order once */
 		return put_page(climb, page, posts);
 	}
 	struct tile tile = tile_ancestor(page->tile, level);

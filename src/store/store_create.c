@@ -64,7 +64,8 @@ static enum status resolve(const char *path, char **real)
 	return status;
 }
 
-/* By SQLite's header and our application id in it: also one of another version, or damaged further on. */
+/* Finds out whether the file at PATH is a store, by SQLite's header and Furrow's application id in it. This is also true for a store
+ * of another version, and for one that is damaged behind its header. */
 static enum status looks_like_a_store(const struct store *store, bool *looks)
 {
 	static const uint8_t id[4] = {STORE_APPLICATION_ID >> 24, STORE_APPLICATION_ID >> 16 & 0xff,
@@ -83,7 +84,7 @@ static enum status looks_like_a_store(const struct store *store, bool *looks)
 	return STATUS_OK;
 }
 
-/* Only a store is ever replaced: a name given by mistake is somebody's DEM. */
+/* Fails if there is a file at PATH, unless it is a store and may be overwritten. So a wrong name never destroys a DEM, for example. */
 static enum status refuse_existing(const struct store *store)
 {
 	struct stat file;
@@ -121,7 +122,7 @@ static enum status connect_part(struct store *store)
 static enum status begin_part(struct store *store)
 {
 	store->keeps_part = false;
-	if (!store_create_remove_part(store)) /* left by one that was killed: the lock is ours */
+	if (!store_create_remove_part(store)) /* an import that was killed left it; this process has the lock, so none uses it */
 		return fail_with(STATUS_FAILED, "%s: what an earlier import left beside it cannot be removed: %s; make its "
 				 "folder writable", store->path, strerror(errno));
 	int file = open(store->part_path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
@@ -137,7 +138,7 @@ static enum status begin_part(struct store *store)
 	return status == STATUS_OK && store->meta.request[0] != '\0' ? store_meta_put_request(store) : status;
 }
 
-/* Takes up what is there. *resumed false: there is nothing, or it was killed before its first commit. */
+/* Opens an existing PATH.part to continue with it. *resumed is false if there is none, or if it has no commit yet. */
 static enum status resume_part(struct store *store, bool *resumed)
 {
 	struct stat file;
@@ -148,7 +149,7 @@ static enum status resume_part(struct store *store, bool *resumed)
 	enum status status = connect_part(store);
 	if (status == STATUS_OK)
 		status = store_sql_integer(store->db, store->path, "SELECT count(*) FROM sqlite_schema", &tables);
-	if (status == STATUS_OK && tables == 0) { /* what was begun was undone */
+	if (status == STATUS_OK && tables == 0) { /* it was killed before its first commit, and SQLite has undone the rest */
 		sqlite3_close(store->db);
 		store->db = NULL;
 		return STATUS_OK;
@@ -299,10 +300,11 @@ static enum status remove_beside(const struct store *store)
 	return status;
 }
 
-/* base/aside is not used: a suspended or resumed part must stay, and a part that is removed takes its journal along.
+/* Renames PATH.part to PATH. base/aside is not used, since a suspended or resumed PATH.part must stay, and since removing it also
+ * removes its journal.
  *
- * The folder is synced before, so that no power cut brings back what belonged to the older store,
- * and after. Nothing but that last sync can fail once the name is the new store's. */
+ * The folder is synced before the rename, so that no power cut brings back files of the older store. It is synced again after the
+ * rename. Once the rename is done, only this last sync can fail. */
 static enum status rename_part(struct store *store, int folder)
 {
 	enum status status = refuse_existing(store);
@@ -343,7 +345,7 @@ static enum status put_in_place(struct store *store)
 enum status store_publish(struct store *store)
 {
 	assert(store->part_path != NULL);
-	/* What an overlay says of its base was set when it was made. */
+	/* The description of an overlay's base was written when the overlay was made. */
 	enum status status = store->base_path == NULL ? take_base(store) : STATUS_OK;
 	if (status == STATUS_OK)
 		status = store_meta_write(store);

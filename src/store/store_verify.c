@@ -71,7 +71,7 @@ static enum status check_files(struct verifying *verifying)
 	return status == STATUS_OK ? check_file(verifying, store->base, "its base's file") : status;
 }
 
-/* --- all of them --- */
+/* --- every row, and rows that are missing --- */
 
 static enum status check_table(struct verifying *verifying, enum row_table table)
 {
@@ -104,7 +104,7 @@ static enum status check_table(struct verifying *verifying, enum row_table table
 	return status;
 }
 
-/* Base tiles that should be there: a walk of all there can be, only if some are missing. */
+/* Tells each base tile that is missing. If as many tiles were found as the terrain has, none is missing, and none is looked up. */
 static enum status check_missing(struct verifying *verifying)
 {
 	const struct extent *extent = &verifying->store->meta.extent;
@@ -114,8 +114,7 @@ static enum status check_missing(struct verifying *verifying)
 	verifying->table = ROW_BASE;
 	if (verifying->base_found >= want)
 		return STATUS_OK;
-	/* More than this are one problem, not that many lines. */
-	int64_t left = 1000;
+	int64_t left = 1000; /* tells at most this many missing tiles */
 	for (int level = extent_coarsest(extent); level >= 0; level--)
 		for (uint32_t y = 0; y < extent_tiles_y(extent, level); y++)
 			for (uint32_t x = 0; x < extent_tiles_x(extent, level); x++) {
@@ -205,16 +204,16 @@ enum status store_verify(struct store *store, store_problem_fn problem, store_pr
 	enum status status = STATUS_OK;
 	if (verifying->posts == NULL || verifying->expected == NULL)
 		status = fail_memory("verifying");
-	/* One transaction: what is compared belongs to one commit. */
+	/* One transaction, so that all rows that are compared are of the same commit. */
 	if (status == STATUS_OK)
 		status = store_sql_exec(store->db, store->path, "checking it", "BEGIN");
 	if (status == STATUS_OK) {
 		status = check_all(verifying);
-		if (status == STATUS_INPUT) { /* what could not even be read is what was asked for */
+		if (status == STATUS_INPUT) { /* the store is too damaged to be read; that is a problem of the store, not a failure */
 			store_verify_tell(verifying, "%s", failure_message());
 			status = STATUS_OK;
 		}
-		sqlite3_exec(store->db, "ROLLBACK", NULL, NULL, NULL); /* only read */
+		sqlite3_exec(store->db, "ROLLBACK", NULL, NULL, NULL); /* nothing was written */
 	}
 	for (uint32_t i = 0; i < verifying->entry_count; i++)
 		mem_free(verifying->entries[i].posts);

@@ -54,8 +54,8 @@ static enum status highest_base(struct world *world, const struct deform_window 
 	return status;
 }
 
-/* Finds a bound of the offsets, 2^-20 m: the highest one that the store had when it was first asked. No offset is higher now, since
- * the ground only became lower. */
+/* Finds a bound of the offsets, 2^-20 m: the highest one that the store had when it was first asked. A rollback makes it ask anew.
+ * No offset is higher now, since the ground only became lower. */
 static enum status highest_offset(struct world *world, int64_t *highest)
 {
 	const struct tile top = {extent_coarsest(&world->meta->extent), 0, 0};

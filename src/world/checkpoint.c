@@ -2,8 +2,9 @@
  * Checkpoints, and going back to the last one: ground, bodies, forces, time and rows.
  *
  * After a checkpoint the store keeps what commits replace (store_mark), and a rollback drops the pages that changed. The
- * world's own state is copied here. Touched posts, seen tiles and ranges of a view are not set back. They only save time, and
- * may include too much.
+ * world's own state is copied here. Touched posts, seen tiles and the bounds of what a view saw change are not set back. They only
+ * save time, and may include too much. Ranges of offsets that were read from the store may include too little, since commits
+ * narrow them. So they are forgotten, and read again.
  */
 #include <string.h>
 
@@ -165,6 +166,7 @@ enum status world_rollback(struct world *world)
 	restore_hosts(world, saved);
 	world_forces_restore(world->forces, saved->forces);
 	world->events.count = 0;
+	resident_ground_forget_offsets(world->ground); /* higher ground may be back than what was read since the checkpoint */
 	resident_pyramid_forget(world->pyramid);
 	resident_newest_changed(world->newest);
 	world_changes_rollback(world, saved->revision);

@@ -4,9 +4,9 @@
  *     a late load overwrites a newer page                  here
  *     the cleaner clears a page dirtied since its copy     here
  *     a load races its own eviction                        here
- *     a coarser level goes stale after an edit             tests/run/coarser.c, tests/store/epochs.c
- *     a tile's min and max go stale after an edit          tests/store/ranges.c, tests/run/view.c
- *     a budget below the visible set spins                 tests/run/view.c, tests/page/prefetch.c
+ *     a coarser level goes stale after an edit             tests/resident/coarser.c, tests/store/commits.c
+ *     a tile's min and max go stale after an edit          tests/store/ranges.c, tests/render/view.c
+ *     a budget below the visible set spins                 tests/render/view.c, tests/page/prefetch.c
  */
 #include "page/fake.h"
 

@@ -1,15 +1,7 @@
 /* Edges, light and depth: samples a pixel, their mean, sRGB, and how near two surfaces may be. Skipped without GL. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
-#include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
-#include "../gpu/staged.h"
+#include "gpu_rig.h"
 #include "render/internal.h"
 
 #define WIDTH 192
@@ -20,7 +12,6 @@
 
 #define LOW -100.0 /* metres, of flat ground: it has the colour of what is low */
 
-static struct gpu *gpu; /* NULL: no GL */
 static struct gpu_slots *slots;
 static struct render *render;
 static struct terrain_selection selection;
@@ -30,29 +21,6 @@ static struct terrain_selection selection;
 		if (gpu == NULL || gpu_info(gpu)->samples_most < (samples))                        \
 			skip();                                                                    \
 	} while (0)
-
-#define assert_ok(call)                                                                            \
-	do {                                                                                       \
-		if ((call) != STATUS_OK)                                                           \
-			fail_msg("%s", failure_message());                                         \
-	} while (0)
-
-static int open_gpu(void **state)
-{
-	enum status status = gpu_create(&(struct gpu_params){.draws = true}, &gpu);
-	if (status == STATUS_NO_GL) {
-		print_message("%s\n", failure_message());
-		gpu = NULL;
-		return 0;
-	}
-	return status == STATUS_OK ? 0 : -1;
-}
-
-static int close_gpu(void **state)
-{
-	gpu_destroy(gpu);
-	return 0;
-}
 
 static struct render_params params_of(const struct extent *extent, int samples)
 {

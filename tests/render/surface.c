@@ -1,14 +1,5 @@
 /* What the ground and the sky look like: by body, by the sun, by the soil map, by what was pressed. Skipped without GL. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "../gpu/staged.h"
+#include "gpu_rig.h"
 #include "render/internal.h"
 
 #define WIDTH 160
@@ -22,33 +13,6 @@
 #define SPLAT EFFECT_BIT(EFFECT_SPLAT)
 
 static const struct extent extent = {65, 65, 4, CELLS};
-static struct gpu *gpu; /* NULL: no GL */
-
-#define need_gpu()                                                                                 \
-	do {                                                                                       \
-		if (gpu == NULL)                                                                   \
-			skip();                                                                    \
-	} while (0)
-
-static void must(enum status status)
-{
-	if (status != STATUS_OK)
-		fail_msg("%s", failure_message());
-}
-
-static int open_gpu(void **state)
-{
-	enum status status = gpu_create(&(struct gpu_params){.draws = true}, &gpu);
-	if (status == STATUS_NO_GL)
-		gpu = NULL;
-	return status == STATUS_OK || status == STATUS_NO_GL ? 0 : -1;
-}
-
-static int close_gpu(void **state)
-{
-	gpu_destroy(gpu);
-	return 0;
-}
 
 /* One tile of 256 m, as a test makes it. */
 struct shot {
@@ -87,14 +51,14 @@ static void take(const struct shot *shot)
 			offset[y][x] = shot->offset != NULL ? shot->offset(x, y) : 0;
 			dirt[y][x] = shot->dirt != NULL ? shot->dirt(x, y) : 0;
 		}
-	must(gpu_slots_create(gpu, CELLS, 1, shot->dirt != NULL ? PLANE_BIT(PLANE_DISTURBANCE) : 0, &slots));
-	must(staged_upload_base(gpu, slots, CELLS, 0, *posts));
+	assert_ok(gpu_slots_create(gpu, CELLS, 1, shot->dirt != NULL ? PLANE_BIT(PLANE_DISTURBANCE) : 0, &slots));
+	assert_ok(staged_upload_base(gpu, slots, CELLS, 0, *posts));
 	if (shot->offset != NULL)
-		must(staged_upload_deform(gpu, slots, CELLS, 0, *offset, *dirt));
-	must(staged_from(gpu, classes, sizeof classes, &staging));
-	must(gpu_slots_upload_classes(slots, 0, staging, STAGED_AT));
+		assert_ok(staged_upload_deform(gpu, slots, CELLS, 0, *offset, *dirt));
+	assert_ok(staged_from(gpu, classes, sizeof classes, &staging));
+	assert_ok(gpu_slots_upload_classes(slots, 0, staging, STAGED_AT));
 	gpu_staging_destroy(staging);
-	must(render_create(&(struct render_params){
+	assert_ok(render_create(&(struct render_params){
 		.gpu = gpu, .slots = slots, .extent = &extent, .low = shot->low, .high = shot->high, .width = WIDTH, .height = HEIGHT,
 		.effects = shot->effects, .disturbance = shot->dirt != NULL, .light = &shot->light, .soils = shot->soils,
 	}, &render));
@@ -103,7 +67,7 @@ static void take(const struct shot *shot)
 	struct render_camera camera = {.fov = 0.9};
 	memcpy(camera.eye, shot->eye, sizeof camera.eye);
 	memcpy(camera.target, shot->target, sizeof camera.target);
-	must(render_frame(render, &camera, &selection));
+	assert_ok(render_frame(render, &camera, &selection));
 	gpu_texture_read(render->colour, 0, (struct gpu_rect){0, 0, WIDTH, HEIGHT}, pixels);
 	render_destroy(render);
 	gpu_slots_destroy(slots);

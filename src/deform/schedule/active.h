@@ -6,8 +6,8 @@
 #include "deform/internal.h"
 #include "deform/schedule/touched.h"
 
-#define VISITS 3 /* the most visits whose flags have not been read yet; one more visit waits for the oldest */
-/* flag words for all contacts of a period; a contact for which none is left activates all blocks that it writes */
+#define VISITS 3 /* the most visits whose flags are not read yet; before one more visit, the oldest flags are waited for */
+/* flag words for all contacts of one period; if too few are left, a contact activates all blocks that its window lies on */
 #define CONTACT_WORDS 8192
 #define WINDOW_BLOCKS ((SIDE / DEFORM_BLOCK + 1) * (SIDE / DEFORM_BLOCK + 1)) /* most blocks that a window lies on */
 
@@ -30,21 +30,23 @@ struct swept {
 
 /* A period: the time from one visit to the next. A visit is one interval of relaxation, in which all active blocks are computed. */
 struct period {
-	struct block_set woken;    /* blocks that were activated */
-	struct swept *swept;       /* `count` windows */
+	struct block_set woken;    /* blocks that were activated without flags */
+	struct swept *swept;       /* the windows of this period: `count` in use, room for `room` */
 	size_t count, room;
 	struct gpu_staging *flags; /* CONTACT_WORDS: flags of these windows, if `asked` */
 	bool asked;                /* the transfer of the flags has started */
 };
 
 struct active {
-	/* known: active after the last visit whose flags were read. blocks: active now. next: used to build the next `blocks` */
+	/* known: blocks that were active after the last visit whose flags were read. blocks: blocks that are active now, as far as is
+	 * known; too many rather than too few. next: used to build the next `blocks` */
 	struct block_set known, blocks, next;
-	struct visit visits[VISITS];
-	size_t visit_count;
-	struct period periods[VISITS + 1]; /* [0]: after the visit behind `known`; [i + 1]: after visits[i] */
-	struct gpu_buffer *contact_flags;         /* CONTACT_WORDS, then room for one window whose flags are not read */
-	uint32_t used;                     /* words of contact_flags that this period uses so far */
+	struct visit visits[VISITS];       /* visits whose flags are not read yet, oldest first */
+	size_t visit_count;                /* number of them */
+	/* [0]: the period after the visit whose flags gave `known`; [i + 1]: the period after visits[i] */
+	struct period periods[VISITS + 1];
+	struct gpu_buffer *contact_flags;  /* CONTACT_WORDS, then room for one window whose flags nobody reads */
+	uint32_t used;                     /* words of contact_flags that the current period uses so far */
 	/* touched: posts known to have changed. maybe: posts that may have changed, since flags are missing. Both are used only
 	 * if params.touched */
 	struct touched touched, maybe;
@@ -52,7 +54,7 @@ struct active {
 
 /* The blocks on which a window lies, in rows from the south-west. */
 struct block_grid {
-	int64_t x, y; /* the first */
+	int64_t x, y; /* column and row of the first, counted from the south-west of the world */
 	uint32_t columns, rows;
 };
 

@@ -1,0 +1,269 @@
+/* What furrow.h promises of checkpoints and rollbacks, of the store after a world is closed, and of copies that follow changes. */
+#include "rut.h"
+
+#include "api/library.h"
+
+/* A whole copy of what a host can ask for. */
+struct copy {
+	double time;
+	double *offsets, *sinkages;
+	size_t posts;
+	struct furrow_state state;
+	struct furrow_contact contact;
+};
+
+static struct copy copy_of(struct furrow_world *world, furrow_body ball)
+{
+	struct furrow_info info;
+	struct copy copy = {.time = furrow_time(world)};
+	copy.offsets = hosted_read(world, FURROW_OFFSET, &info);
+	copy.sinkages = hosted_read(world, FURROW_SINKAGE, &info);
+	copy.posts = (size_t)(info.columns * info.rows);
+	done(furrow_get_states(world, 1, &ball, &copy.state));
+	copy.contact = contact_of(world, ball);
+	return copy;
+}
+
+static void assert_same(struct copy *a, struct copy *b)
+{
+	assert_true(a->time == b->time);
+	assert_memory_equal(a->offsets, b->offsets, a->posts * sizeof(double));
+	assert_memory_equal(a->sinkages, b->sinkages, a->posts * sizeof(double));
+	assert_memory_equal(&a->state, &b->state, sizeof a->state);
+	for (int i = 0; i < 3; i++)
+		assert_true(a->contact.force[i] == b->contact.force[i] && a->contact.moment[i] == b->contact.moment[i]);
+	assert_true(a->contact.sinkage == b->contact.sinkage && a->contact.state == b->contact.state);
+}
+
+static void free_copy(struct copy *copy)
+{
+	free(copy->offsets);
+	free(copy->sinkages);
+}
+
+static void a_rollback_leaves_what_the_checkpoint_had(void **state)
+{
+	struct furrow_world *world = hosted_world("rollback.furrow");
+	furrow_body ball = hosted_ball(world, 10, 16), kept = -1, later = -1;
+	done(furrow_body_add(world, "{name: kept, shape: {sphere: {radius: 0.5}}}", &kept));
+	make_rut(world, ball, 10, 16, 12);
+	done(furrow_checkpoint(world));
+	struct copy first = copy_of(world, ball), ways[2];
+	for (int i = 0; i < 2; i++) {
+		make_rut(world, ball, 10.6, 16, 20);
+		ways[i] = copy_of(world, ball);
+		done(furrow_body_remove(world, kept));
+		done(furrow_body_add(world, HOSTED_BALL, &later));
+		assert_true(later > kept);
+		done(furrow_rollback(world));
+		struct copy back = copy_of(world, ball);
+		assert_same(&first, &back);
+		free_copy(&back);
+		furrow_body found = -1;
+		done(furrow_body_find(world, "kept", &found));
+		assert_int_equal(found, kept);
+		misused(furrow_body_remove(world, later));
+	}
+	assert_same(&ways[0], &ways[1]);
+	assert_memory_not_equal(first.offsets, ways[0].offsets, first.posts * sizeof(double));
+	done(furrow_rollback(world)); /* again: the checkpoint is still there */
+	done(furrow_world_close(world));
+	free_copy(&first);
+	free_copy(&ways[0]);
+	free_copy(&ways[1]);
+}
+
+static void a_rollback_without_a_checkpoint_goes_back_to_the_opening(void **state)
+{
+	struct furrow_world *world = hosted_world("opening.furrow");
+	struct furrow_info info;
+	furrow_body ball = hosted_ball(world, 10, 16);
+	make_rut(world, ball, 10, 16, 12);
+	done(furrow_rollback(world));
+	assert_true(furrow_time(world) == 0);
+	misused(furrow_body_remove(world, ball));
+	double *offsets = hosted_read(world, FURROW_OFFSET, &info);
+	for (int64_t i = 0; i < info.columns * info.rows; i++)
+		assert_true(offsets[i] == 0);
+	free(offsets);
+	done(furrow_world_close(world));
+}
+
+static furrow_status open_again(const char *name, struct furrow_world **world)
+{
+	const struct furrow_open open = hosted_open(HOSTED_SCENE, support_path(name));
+	return furrow_world_open(&open, world);
+}
+
+static void what_is_closed_is_in_the_store(void **state)
+{
+	struct furrow_world *world = hosted_world("closed.furrow");
+	furrow_body ball = hosted_ball(world, 10, 16);
+	make_rut(world, ball, 10, 16, 12);
+	done(furrow_checkpoint(world));
+	const double rut = point_at(world, 10.5, 16).offset, beyond = point_at(world, 20, 16).offset;
+	assert_true(rut < -0.05 && beyond == 0);
+	make_rut(world, ball, 19, 16, 1);
+	make_rut(world, ball, 19.05, 16, 40);
+	assert_true(point_at(world, 20, 16).offset < -0.05);
+	done(furrow_rollback(world));
+	done(furrow_world_close(world));
+	support_verify(support_path("closed.furrow"));
+	done(open_again("closed.furrow", &world));
+	assert_true(point_at(world, 10.5, 16).offset == rut && point_at(world, 20, 16).offset == 0);
+	done(furrow_world_close(world));
+}
+
+static void an_overlay_keeps_the_store_as_it_was(void **state)
+{
+	const char *store = support_path("base.furrow"), *overlay = support_path("overlay.furrow");
+	struct furrow_world *world;
+	support_store(store, hosted_extent, hosted_flat);
+	const uint64_t hash = support_hash(store);
+	struct furrow_open open = hosted_open(HOSTED_SCENE, store);
+	open.overlay = overlay;
+	done(furrow_world_open(&open, &world));
+	make_rut(world, hosted_ball(world, 10, 16), 10, 16, 12);
+	done(furrow_world_close(world));
+	assert_true(support_hash(store) == hash);
+	done(furrow_world_open(&open, &world));
+	assert_true(point_at(world, 10.5, 16).offset < -0.05);
+	done(furrow_world_close(world));
+}
+
+/* An engine that keeps a copy reads only what changed. */
+static void copies_that_follow_changes_end_as_the_store_does(void **state)
+{
+	struct furrow_world *world = hosted_world("copies.furrow");
+	struct furrow_info info;
+	struct furrow_rect rects[64];
+	furrow_body ball = hosted_ball(world, 5, 5);
+	double *copy = hosted_read(world, FURROW_SURFACE, &info);
+	uint64_t since = info.revision, now = 0;
+	uint64_t read = 0;
+	for (int turn = 0; turn < 10; turn++) {
+		if (turn == 5)
+			done(furrow_checkpoint(world));
+		if (turn == 8)
+			done(furrow_rollback(world));
+		else
+			make_rut(world, ball, 5 + turn, 5 + turn, 10);
+		if (turn == 8)
+			done(furrow_place(world, ball, &(struct furrow_pose){{13, 13, 100.5}, {1, 0, 0, 0}}));
+		else if (turn < 9)
+			done(furrow_place(world, ball, &(struct furrow_pose){{6 + turn, 6 + turn, 100.5}, {1, 0, 0, 0}}));
+		size_t count = 64;
+		done(furrow_changes(world, since, rects, &count, &now));
+		assert_true(count > 0);
+		since = now;
+		for (size_t i = 0; i < count; i++) {
+			const struct furrow_rect *rect = &rects[i];
+			assert_true(rect->column >= 0 && rect->row >= 0 && rect->columns > 0 && rect->rows > 0);
+			assert_true(rect->column + rect->columns <= info.columns && rect->row + rect->rows <= info.rows);
+			done(furrow_read(world, FURROW_SURFACE, info.level, rect->column, rect->row, (uint32_t)rect->columns, (uint32_t)rect->rows,
+					 copy + rect->row * info.columns + rect->column, (size_t)info.columns));
+			read += (uint64_t)(rect->columns * rect->rows);
+		}
+		double *truth = hosted_read(world, FURROW_SURFACE, &info);
+		assert_memory_equal(copy, truth, (size_t)(info.columns * info.rows) * sizeof *copy);
+		free(truth);
+	}
+	assert_true(read < 10 * (uint64_t)(info.columns * info.rows) / 2);
+	size_t none = 64;
+	done(furrow_changes(world, since, rects, &none, &now));
+	assert_int_equal(none, 0);
+	/* Too little room: the number is told. */
+	size_t few = 0;
+	misused(furrow_changes(world, 0, NULL, &few, &now));
+	assert_true(few > 0 && now == since);
+	done(furrow_world_close(world));
+	free(copy);
+}
+
+/* --- higher ground comes back --- */
+
+#define HEAP_METRES 0.5
+
+/* A store of flat ground with a heap of 4 by 4 m around 16, 16, as an earlier drive may leave it. */
+static void store_with_heap(const char *path)
+{
+	enum { LEVEL = -1, CELLS = 32, SIDE = CELLS + 1 };
+	const struct post_rect heap = {112, 112, 145, 145}; /* posts of 0.125 m */
+	static int32_t offsets[SIDE * SIDE];
+	struct store *store;
+	struct store_commit_result result;
+	const struct store_run run = {.scene_hash = "00", .state = "{}"};
+	support_store(path, hosted_extent, hosted_flat);
+	must(store_open(path, &(struct store_options){.mode = STORE_WRITE}, &store));
+	must(store_set_working_level(store, LEVEL));
+	for (uint32_t y = 3; y <= 4; y++)
+		for (uint32_t x = 3; x <= 4; x++) {
+			struct store_page page = {.tile = {LEVEL, x, y}};
+			for (int64_t i = 0; i < SIDE * SIDE; i++) {
+				const int64_t px = x * CELLS + i % SIDE, py = y * CELLS + i / SIDE;
+				const bool in = px >= heap.x0 && px < heap.x1 && py >= heap.y0 && py < heap.y1;
+				offsets[i] = in ? (int32_t)lattice_offset(HEAP_METRES) : 0;
+			}
+			page.planes[PLANE_OFFSET] = offsets;
+			must(store_commit(store, &page, 1, &run, &result));
+		}
+	store_close(store);
+}
+
+/* Sets the box of 1 m height down with its bottom there, in a step. */
+static void set_down(struct furrow_world *world, furrow_body box, double bottom)
+{
+	const struct furrow_pose pose = hosted_pose(16, 16, bottom + 0.5);
+	done(furrow_place(world, box, &pose));
+	done(furrow_step(world, 0));
+}
+
+/* A commit that nobody asked for, as its age makes it. */
+static void force_commit(struct furrow_world *world)
+{
+	struct library_call call;
+	must(api_library_enter(&call, world));
+	done(api_library_leave(&call, page_cache_flush(world->world.cache, world->world.record)));
+}
+
+/* The heap is pressed flat and committed before a body is first looked at in the air. A rollback brings the heap back: now a body
+ * above the base is in the heap, and must press it. */
+static void ground_that_a_rollback_raises_is_pressed(void **state)
+{
+	static const char *const models[] = {"none", "box"};
+	for (size_t m = 0; m < sizeof models / sizeof *models; m++) {
+		const char *path = support_path("raised.furrow");
+		char scene[160];
+		struct furrow_world *world;
+		furrow_body box = -1;
+		store_with_heap(path);
+		snprintf(scene, sizeof scene, "{\"scene\": 1, \"time_step\": 0.01, \"spacing\": 0.125, \"redistribute\": {\"model\": \"%s\"}}", models[m]);
+		const struct furrow_open open = hosted_open(scene, path);
+		done(furrow_world_open(&open, &world));
+		assert_float_equal(point_at(world, 16, 16).height, 100 + HEAP_METRES, 1e-6);
+		done(furrow_body_add(world, "{name: press, shape: {box: {size: [6, 6, 1]}}}", &box));
+		done(furrow_checkpoint(world));
+		set_down(world, box, 99.9);
+		force_commit(world);
+		assert_true(point_at(world, 16, 16).height < 100);
+		set_down(world, box, 105);
+		done(furrow_rollback(world));
+		assert_float_equal(point_at(world, 16, 16).height, 100 + HEAP_METRES, 1e-6);
+		set_down(world, box, 100.2);
+		assert_float_equal(point_at(world, 16, 16).height, 100.2, 1e-3);
+		done(furrow_world_close(world));
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_rollback_leaves_what_the_checkpoint_had),
+		cmocka_unit_test(a_rollback_without_a_checkpoint_goes_back_to_the_opening),
+		cmocka_unit_test(ground_that_a_rollback_raises_is_pressed),
+		cmocka_unit_test(what_is_closed_is_in_the_store),
+		cmocka_unit_test(an_overlay_keeps_the_store_as_it_was),
+		cmocka_unit_test(copies_that_follow_changes_end_as_the_store_does),
+	};
+	return cmocka_run_group_tests(tests, support_enter, support_leave);
+}

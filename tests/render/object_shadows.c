@@ -1,0 +1,182 @@
+/* Shadows of objects: they lie on the ground alone, away from the sun, with samples too. Skipped without GL. */
+#include "objects_rig.h"
+
+/* --- pictures of one tile, or of nothing, with objects --- */
+
+/* Where a place is in the picture; pixels. */
+static void project(const struct render_camera *camera, const double place[3], double at[2])
+{
+	struct render_axes axes;
+	double v[3], part[3] = {0, 0, 0};
+	render_axes(render, camera, &axes);
+	for (int k = 0; k < 3; k++) {
+		v[k] = place[k] - camera->eye[k];
+		part[0] += v[k] * axes.right[k];
+		part[1] += v[k] * axes.up[k];
+		part[2] += v[k] * axes.forward[k];
+	}
+	at[0] = WIDTH / 2.0 + part[0] / part[2] * axes.focal;
+	at[1] = HEIGHT / 2.0 + part[1] / part[2] * axes.focal;
+}
+
+/* --- shadows --- */
+
+/* The way the light goes along the ground: the sun is in the south-east. */
+static void shadow_way(double way[2])
+{
+	way[0] = -sin(2.35);
+	way[1] = -cos(2.35);
+}
+
+static void a_shadow_lies_beside_its_object_away_from_the_sun(void **state)
+{
+	need_gpu();
+	const struct deform_shape shapes[3] = {wheel, ball, box};
+	const double heights[3] = {0.5, 0.6, 0.15};
+	double way[2];
+	shadow_way(way);
+	for (size_t i = 0; i < 3; i++) {
+		uint8_t *pixels[2];
+		struct render_object object = posed(i, 8, 8, heights[i]);
+		struct render_camera camera = camera_at((double[3]){8, 7.9, 9}, (double[3]){8, 8, 0});
+		double at[2], radius = heights[i];
+		object.yaw = 0.5;
+		for (int k = 0; k < 2; k++) {
+			begin(OBJECTS | (k > 0 ? SHADOW : 0), flat, shapes, 3);
+			pixels[k] = draw(&camera, &object, 1);
+			if (k == 0)
+				end();
+		}
+		int darker = 0;
+		for (int y = 0; y < HEIGHT; y++)
+			for (int x = 0; x < WIDTH; x++) {
+				assert_true(luminance(pixels[1], x, y) <= luminance(pixels[0], x, y) + 1);
+				darker += luminance(pixels[1], x, y) < 0.8 * luminance(pixels[0], x, y);
+			}
+		assert_true(darker > 20 && darker < WIDTH * HEIGHT / 8);
+		/* In the shadow, beyond its end, toward the sun, and the object itself. */
+		const struct {
+			double along, least, most;
+		} places[] = {{1.9 * radius, 0.42, 0.7}, {5 * radius, 0.97, 1.03}, {-3 * radius, 0.97, 1.03}, {0, 0.97, 1.03}};
+		for (size_t k = 0; k < 4; k++) {
+			/* The box is wider than it is high. */
+			double along = places[k].along + (i == 2 && places[k].along != 0 ? copysign(0.28, places[k].along) : 0);
+			double place[3] = {object.at[0] + way[0] * along, object.at[1] + way[1] * along, GROUND};
+			project(&camera, place, at);
+			double ratio = (double)luminance(pixels[1], (int)at[0], (int)at[1]) / luminance(pixels[0], (int)at[0], (int)at[1]);
+			if (ratio < places[k].least || ratio > places[k].most)
+				fail_msg("shape %zu, %g m along its shadow: %g of the light", i, along, ratio);
+		}
+		end();
+		test_free(pixels[0]);
+		test_free(pixels[1]);
+	}
+}
+
+/* The sky, and what is far behind or before the volume, is left alone. */
+static void a_shadow_is_on_the_ground_alone(void **state)
+{
+	need_gpu();
+	uint8_t *pixels[2];
+	begin(OBJECTS | SHADOW, NULL, &ball, 1);
+	struct render_camera camera = camera_at((double[3]){8, 4, 1}, (double[3]){8, 8, 0.5});
+	struct render_object object = posed(0, 8, 8, 0.6);
+	for (int k = 0; k < 2; k++) {
+		render->objects->casts = k > 0;
+		pixels[k] = draw(&camera, &object, 1);
+	}
+	assert_memory_equal(pixels[0], pixels[1], 4 * WIDTH * HEIGHT);
+	end();
+	test_free(pixels[0]);
+	test_free(pixels[1]);
+	/* High above the ground its shadow has faded. */
+	begin(OBJECTS | SHADOW, flat, &ball, 1);
+	object = posed(0, 8, 8, 9);
+	camera = camera_at((double[3]){8, 7.9, 14}, (double[3]){8, 8, 0});
+	for (int k = 0; k < 2; k++) {
+		render->objects->casts = k > 0;
+		pixels[k] = draw(&camera, &object, 1);
+	}
+	assert_memory_equal(pixels[0], pixels[1], 4 * WIDTH * HEIGHT);
+	end();
+	test_free(pixels[0]);
+	test_free(pixels[1]);
+}
+
+static void with_samples_a_shadow_lies_there_too(void **state)
+{
+	need_gpu();
+	if (gpu_info(gpu)->samples_most < 4)
+		skip();
+	samples = 4;
+	a_shadow_lies_beside_its_object_away_from_the_sun(state);
+	a_shadow_is_on_the_ground_alone(state);
+	samples = 1;
+}
+
+/* Wherever the eye is, in the volume too. */
+/* Larger and back: the very picture it was, shadow and all, in as many bytes. */
+static void resized_it_is_as_if_it_had_been_so(void **state)
+{
+	need_gpu();
+	const struct render_camera camera = camera_at((const double[3]){8, 2, 2.5}, (const double[3]){8, 8, 0});
+	const struct render_object shown = posed(0, 8, 8, 0.5);
+	for (samples = 1; samples <= 4 && samples <= (int)gpu_info(gpu)->samples_most; samples += 3) {
+		struct gpu_stats before, after;
+		begin(OBJECTS | SHADOW, flat, &wheel, 1);
+		uint8_t *first = draw(&camera, &shown, 1);
+		gpu_stats(gpu, &before);
+		assert_ok(render_resize(render, 2 * WIDTH, HEIGHT - 4));
+		render_set_objects(render, &shown, 1);
+		assert_ok(render_frame(render, &camera, &selection));
+		assert_ok(render_resize(render, WIDTH, HEIGHT));
+		gpu_stats(gpu, &after);
+		assert_true(after.bytes == before.bytes);
+		uint8_t *second = draw(&camera, &shown, 1);
+		assert_memory_equal(first, second, 4 * WIDTH * HEIGHT);
+		render_set_objects(render, NULL, 0);
+		uint8_t *without = draw(&camera, NULL, 0);
+		assert_memory_not_equal(without, second, 4 * WIDTH * HEIGHT);
+		test_free(first);
+		test_free(second);
+		test_free(without);
+		mem_fail_nth(2, 0);
+		enum status status = render_resize(render, 2 * WIDTH, HEIGHT);
+		mem_fail_nth(0, 0);
+		assert_int_equal(status, STATUS_FAILED);
+		end();
+	}
+	samples = 1;
+}
+
+static void an_eye_within_the_volume_sees_the_shadow(void **state)
+{
+	need_gpu();
+	uint8_t *pixels[2];
+	double way[2];
+	shadow_way(way);
+	const struct deform_shape large = {.kind = DEFORM_SPHERE, .radius = 3};
+	struct render_camera camera = camera_at((double[3]){8 + 4 * way[0], 8 + 4 * way[1], 0.4}, (double[3]){8 + 5 * way[0], 8 + 5 * way[1], 0});
+	struct render_object object = posed(0, 8, 8, 3);
+	begin(OBJECTS | SHADOW, flat, &large, 1);
+	for (int k = 0; k < 2; k++) {
+		render->objects->casts = k > 0;
+		pixels[k] = draw(&camera, &object, 1);
+	}
+	assert_true(luminance(pixels[1], WIDTH / 2, HEIGHT / 2) < 0.7 * luminance(pixels[0], WIDTH / 2, HEIGHT / 2));
+	end();
+	test_free(pixels[0]);
+	test_free(pixels[1]);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_shadow_lies_beside_its_object_away_from_the_sun),
+		cmocka_unit_test(a_shadow_is_on_the_ground_alone),
+		cmocka_unit_test(with_samples_a_shadow_lies_there_too),
+		cmocka_unit_test(resized_it_is_as_if_it_had_been_so),
+		cmocka_unit_test(an_eye_within_the_volume_sees_the_shadow),
+	};
+	return cmocka_run_group_tests(tests, open_gpu, close_gpu);
+}

@@ -1,0 +1,223 @@
+/* What a scene says of its soil model and of bodies on soil: parameters, loads, slip, grousers, meshes, forces, and the hash. */
+#include "soil.h"
+
+static void a_model_has_its_own_parameters_with_their_defaults(void **state)
+{
+	static const struct {
+		const char *model;
+		enum deform_model is;
+		double depth, bulldozing;
+	} models[] = {{"sumner", DEFORM_SUMNER, (double)INFINITY, 0},
+		      {"slippage", DEFORM_SLIPPAGE, (double)INFINITY, 0},
+		      {"scm", DEFORM_SCM, 0, 0.5}};
+	for (size_t i = 0; i < 3; i++) {
+		struct scene *scene = load_edited(base, "scm", models[i].model);
+		assert_int_equal(scene->model, models[i].is);
+		assert_int_equal(scene->iterations, 1);
+		assert_true(scene->interval == 0.05 && scene->depth == models[i].depth);
+		assert_true(scene->bulldozing == models[i].bulldozing && scene->tolerance == 0);
+		scene_destroy(scene);
+	}
+	struct scene *scene = load_edited(base, "model: scm", "model: scm, iterations: 5, interval: 0.5, depth: 1.5, bulldozing: 0.25, tolerance: 0.01");
+	assert_int_equal(scene->iterations, 5);
+	assert_true(scene->interval == 0.5 && scene->depth == 1.5 && scene->bulldozing == 0.25 && scene->tolerance == 0.01);
+	scene_destroy(scene);
+	refuse("model: scm", "model: scm, radius: 2", ":4: redistribute.radius: is no parameter of model scm; allowed with: box");
+	refuse("model: scm", "model: none, repetitions: 2", "repetitions: is no parameter of model none; allowed with: box");
+	refuse("model: scm", "model: box, iterations: 2", "is no parameter of model box; allowed with: sumner, slippage, scm");
+	refuse("model: scm", "model: none, interval: 2", "interval: is no parameter of model none");
+	refuse("model: scm", "model: box, tolerance: 0", "tolerance: is no parameter of model box; allowed with: sumner, slippage, scm");
+	refuse("model: scm", "model: box, depth: 2", "depth: is no parameter of model box");
+	refuse("model: scm", "model: sumner, bulldozing: 1", "is no parameter of model sumner; allowed with: scm");
+	refuse("model: scm", "model: slippage, bulldozing: 0", "is no parameter of model slippage; allowed with: scm");
+	refuse("model: scm", "model: mud", ":4: redistribute.model: \"mud\" is unknown; allowed: none, box, sumner, slippage, scm");
+}
+
+static void a_load_takes_the_place_of_a_sinkage(void **state)
+{
+	struct scene *scene = load_edited(base, "3}\n", "3}\n    load: 4000\n    slip: -0.25\n");
+	assert_true(scene->objects[0].load == 4000 && scene->objects[0].sink == 0 && scene->objects[0].slip == -0.25);
+	assert_int_equal(scene_effects(scene, 0), EFFECT_BIT(EFFECT_OF(DEFORM_SCM)) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SLIDE) |
+							 EFFECT_BIT(EFFECT_LOAD) | CACHE_EFFECTS);
+	scene_destroy(scene);
+	refuse("3}\n", "3}\n    load: 1\n    sink: 0\n", ":9: objects[0].load: sink is given too; allowed: one of sink, load");
+	refuse("scm}\nobjects:\n  - name: a\n", "box}\nobjects:\n  - name: a\n    load: 4\n", ":7: objects[0].load: model box computes no "
+	       "force that carries it; allowed with: redistribute: {model: scm}");
+	refuse("scm}\nobjects:\n  - name: a\n", "sumner}\nobjects:\n  - name: a\n    load: 4\n", "model sumner computes no force");
+	refuse("scm}\nobjects:\n  - name: a\n", "sumner}\nobjects:\n  - name: a\n    slip: 0.1\n", ":7: objects[0].slip: model sumner does "
+	       "not depend on it; allowed with: redistribute: {model: scm}");
+	refuse("wheel: {radius: 0.5, width: 0.4}}\n", "sphere: {radius: 0.5}}\n    slip: 0\n", ":8: objects[0].slip: only a wheel slips; "
+											 "allowed with: wheel");
+	write_text("poses.csv", "0,1,2,3\n");
+	refuse("{points: [[1, 2]], speed: 3}\n", "{file: poses.csv}\n    load: 4\n", ":9: objects[0].load: its poses say z already; allowed with");
+	write_text("poses.csv", "0,1,2\n");
+	scene = load_edited(base, "{points: [[1, 2]], speed: 3}\n", "{file: poses.csv}\n    load: 4\n");
+	assert_true(scene->objects[0].load == 4);
+	scene_destroy(scene);
+	unlink(in_folder("poses.csv"));
+}
+
+static void lugs_have_a_height_and_a_thickness(void **state)
+{
+	struct scene *scene = load_edited(base, "0.4}", "0.4, grousers: 12}");
+	const struct deform_shape *shape = &scene->objects[0].shape;
+	assert_int_equal(shape->grousers, 12);
+	assert_true(shape->grouser_height == 0.025 && shape->grouser_thickness == 0.05);
+	assert_true((scene_effects(scene, 0) >> EFFECT_GROUSERS & 1) == 1);
+	scene_destroy(scene);
+	scene = load_edited(base, "0.4}", "0.4, grousers: 1, grouser_height: 0.5, grouser_thickness: 0.2}");
+	shape = &scene->objects[0].shape;
+	assert_true(shape->grousers == 1 && shape->grouser_height == 0.5 && shape->grouser_thickness == 0.2);
+	scene_destroy(scene);
+	refuse("0.4}", "0.4, grouser_height: 0.1}", ":7: objects[0].shape.wheel.grouser_height: is of grousers, and the wheel has none; allowed with: grousers above 0");
+	refuse("0.4}", "0.4, grousers: 0, grouser_thickness: 0.1}", ":7: objects[0].shape.wheel.grouser_thickness: is of grousers");
+	refuse("0.4}", "0.4, grousers: 2, grouser_height: 0.6}", ":7: objects[0].shape.wheel.grouser_height: 0.6 is out of range; allowed: above 0 to "
+							 "the wheel's radius, 0.5");
+	refuse("0.4}", "0.4, grousers: 2.5}", "\"2.5\" is not a whole number; allowed: a whole number, 0 to 128");
+}
+
+static void a_mesh_is_read_beside_the_scene_and_counts_by_its_triangles(void **state)
+{
+	static const char obj[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n";
+	static const char wheel[] = "wheel: {radius: 0.5, width: 0.4}", mesh[] = "mesh: {file: foot.obj}";
+	char hash[33];
+	struct scene *scene;
+	refuse(wheel, mesh, ":7: objects[0].shape.mesh.file: \"foot.obj\": ");
+	write_text("foot.obj", obj);
+	char *text = edited(base, wheel, mesh);
+	if (load_text(text, NULL, 0, &scene) != STATUS_OK) {
+		assert_says("reads no meshes");
+		free(text);
+		unlink(in_folder("foot.obj"));
+		skip();
+	}
+	const struct scene_object *foot = &scene->objects[0];
+	assert_int_equal(foot->shape.kind, DEFORM_MESH);
+	assert_ptr_equal(foot->shape.mesh, foot->mesh);
+	assert_int_equal(foot->mesh->triangle_count, 4);
+	assert_true(foot->mesh->high[2] == 1);
+	assert_true((scene_effects(scene, 0) >> EFFECT_MESH & 1) == 1);
+	strcpy(hash, scene->hash);
+	scene_destroy(scene);
+	scene = load_edited(base, wheel, "mesh: {file: foot.obj, scale: 2}");
+	assert_true(scene->objects[0].mesh->high[2] == 2);
+	assert_string_not_equal(scene->hash, hash);
+	scene_destroy(scene);
+	/* Its triangles, not its bytes or its name. */
+	static const struct {
+		const char *from, *to;
+		bool same;
+	} edits[] = {{"v 0 0 0", "# a foot\nv 0 0 0", true}, {"v 0 0 1", "v 0 0 2", false}, {"f 2 3 4\n", "", false}};
+	for (size_t i = 0; i < 3; i++) {
+		char *other = edited(obj, edits[i].from, edits[i].to);
+		write_text("foot.obj", other);
+		free(other);
+		assert_int_equal(load_text(text, NULL, 0, &scene), STATUS_OK);
+		assert_true((strcmp(scene->hash, hash) == 0) == edits[i].same);
+		scene_destroy(scene);
+	}
+	/* What is refused after it was read does not keep it. */
+	refuse("wheel: {radius: 0.5, width: 0.4}}\n", "mesh: {file: foot.obj}}\n    slip: 0.1\n", "only a wheel slips");
+	free(text);
+	unlink(in_folder("foot.obj"));
+}
+
+static void forces_are_of_scm_and_their_delay_of_forces(void **state)
+{
+	struct scene *scene = load_edited(base, "3}\n", "3}\noutput: {forces: 50}\n");
+	assert_true(scene->forces == 50);
+	assert_int_equal(scene->forces_delay, 2);
+	assert_true((scene_effects(scene, 0) >> EFFECT_FORCES & 1) == 1);
+	scene_destroy(scene);
+	scene = load_edited(base, "3}\n", "3}\noutput: {forces: 0.5, delay: 0}\n");
+	assert_true(scene->forces == 0.5);
+	assert_int_equal(scene->forces_delay, 0);
+	scene_destroy(scene);
+	scene = load_edited(base, "3}\n", "3}\noutput: {}\n");
+	assert_true(scene->forces == 0);
+	assert_true((scene_effects(scene, 0) >> EFFECT_FORCES & 1) == 0);
+	scene_destroy(scene);
+	refuse("3}\n", "3}\noutput: {delay: 1}\n", ":9: output.delay: is of forces, and none are asked for; allowed with: forces");
+	refuse("scm}", "slippage}\noutput: {forces: 1}", ":5: output.forces: no model but scm computes forces; allowed with: redistribute: "
+							 "{model: scm}");
+	scene_destroy(load_edited(base, "scm}", "slippage}\noutput: {forces: 0}"));
+}
+
+static void each_model_calls_for_its_own_effects(void **state)
+{
+	static const struct {
+		const char *model;
+		uint64_t effects;
+	} models[] = {
+		{"none", EFFECT_BIT(EFFECT_OF(DEFORM_NONE))},
+		{"box", EFFECT_BIT(EFFECT_OF(DEFORM_NONE)) | EFFECT_BIT(EFFECT_OF(DEFORM_BOX_FILTER))},
+		{"sumner", EFFECT_BIT(EFFECT_OF(DEFORM_SUMNER)) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SHED)},
+		{"slippage", EFFECT_BIT(EFFECT_OF(DEFORM_SLIPPAGE)) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SLIDE)},
+		{"scm", EFFECT_BIT(EFFECT_OF(DEFORM_SCM)) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SLIDE)},
+	};
+	for (size_t i = 0; i < sizeof models / sizeof models[0]; i++) {
+		struct scene *scene = load_edited(base, "scm", models[i].model);
+		assert_int_equal(scene_effects(scene, 0), models[i].effects | CACHE_EFFECTS);
+		scene_destroy(scene);
+	}
+}
+
+static void the_hash_is_of_all_that_decides_how_the_ground_gives_way(void **state)
+{
+	static const struct {
+		const char *from, *to;
+		bool same;
+	} edits[] = {
+		{"3}\n", "3}\noutput: {forces: 50, delay: 4}\n", true},
+		{"dry_sand", "dry_sand, bekker_n: 1.1", true}, /* as the name says */
+		{"model: scm", "model: scm, iterations: 1, interval: 0.05, depth: 0, bulldozing: 0.5, tolerance: 0", true},
+		{"0.4}", "0.4, grousers: 0}", true},
+		{"dry_sand", "lunar", false},
+		{"dry_sand", "dry_sand, bekker_kc: 1", false},
+		{"dry_sand", "dry_sand, repose: 1", false},
+		{"dry_sand", "dry_sand, compression: 1", false},
+		{"model: scm", "model: slippage", false},
+		{"model: scm", "model: scm, iterations: 3", false},
+		{"model: scm", "model: scm, interval: 0.03", false},
+		{"model: scm", "model: scm, depth: 1", false},
+		{"model: scm", "model: scm, tolerance: 0.001", false},
+		{"model: scm", "model: scm, tolerance: 0.002", false},
+		{"model: scm", "model: scm, bulldozing: 0.6", false},
+		{"3}\n", "3}\n    load: 5\n", false},
+		{"3}\n", "3}\n    slip: 0.1\n", false},
+		{"0.4}", "0.4, grousers: 3}", false},
+		{"0.4}", "0.4, grousers: 3, grouser_height: 0.1}", false},
+		{"0.4}", "0.4, grousers: 3, grouser_thickness: 0.1}", false},
+		{"{name: dry_sand}", "{map: scene.yaml, classes: {1: dry_sand}, default: dry_sand}", false},
+		{"{name: dry_sand}", "{map: m.png, classes: {1: dry_sand}, default: dry_sand}", false},
+		{"{name: dry_sand}", "{map: m.png, classes: {2: dry_sand}, default: dry_sand}", false},
+	};
+	char hashes[sizeof edits / sizeof edits[0]][33];
+	struct scene *first = load_edited(base, "scene: 1", "scene: 1");
+	write_text("m.png", "m");
+	for (size_t i = 0; i < sizeof edits / sizeof edits[0]; i++) {
+		struct scene *scene = load_edited(base, edits[i].from, edits[i].to);
+		if ((strcmp(scene->hash, first->hash) == 0) != edits[i].same)
+			fail_msg("%s: the hash is wrong to %s", edits[i].to, edits[i].same ? "differ" : "be the same");
+		strcpy(hashes[i], scene->hash);
+		for (size_t k = 0; k < i && !edits[i].same; k++)
+			assert_string_not_equal(hashes[i], hashes[k]);
+		scene_destroy(scene);
+	}
+	scene_destroy(first);
+	unlink(in_folder("m.png"));
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_model_has_its_own_parameters_with_their_defaults),
+		cmocka_unit_test(a_load_takes_the_place_of_a_sinkage),
+		cmocka_unit_test(lugs_have_a_height_and_a_thickness),
+		cmocka_unit_test(a_mesh_is_read_beside_the_scene_and_counts_by_its_triangles),
+		cmocka_unit_test(forces_are_of_scm_and_their_delay_of_forces),
+		cmocka_unit_test(each_model_calls_for_its_own_effects),
+		cmocka_unit_test(the_hash_is_of_all_that_decides_how_the_ground_gives_way),
+	};
+	return cmocka_run_group_tests(tests, make_folder, drop_folder);
+}
