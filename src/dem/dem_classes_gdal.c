@@ -2,7 +2,6 @@
  * Classes of a GeoTIFF in any SRS. Each post is transformed in a call of its own. GDAL may choose a transformation by the area
  * that all points of one call cover. But the class of a post must not depend on its neighbours.
  */
-#include <cpl_error.h>
 #include <math.h>
 
 #include "dem_classes.h"
@@ -159,7 +158,9 @@ enum status dem_classes_gdal_open(const struct dem_classes_params *params, struc
 {
 	/* A scene is a stranger's: no format that names further files, or places on the net. */
 	static const char *const drivers[] = {"GTiff", NULL};
-	dem_gdal_init();
+	enum status status = dem_gdal_init(params->path);
+	if (status != STATUS_OK)
+		return status;
 	struct gdal_of_classes *gdal = mem_calloc(1, sizeof *gdal);
 	if (gdal == NULL)
 		return fail_memory(params->path);
@@ -169,7 +170,6 @@ enum status dem_classes_gdal_open(const struct dem_classes_params *params, struc
 	gdal->raster.destroy = gdal_destroy;
 	gdal->dataset = GDALOpenEx(params->path, GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, drivers,
 				   NULL, NULL);
-	enum status status = STATUS_OK;
 	if (gdal->dataset == NULL)
 		status = fail_with(STATUS_INPUT, "%s: cannot be opened as a map of classes: %s; give a whole GeoTIFF or "
 				   "a grey PNG", params->path, dem_gdal_message());

@@ -4,9 +4,6 @@
  */
 #include "dem_gdal.h"
 
-#include <cpl_conv.h>
-#include <cpl_error.h>
-#include <cpl_string.h>
 #include <stdio.h>
 
 struct gdal_grid {
@@ -145,7 +142,9 @@ static int64_t common_panel(const struct gdal_source *sources, size_t count, boo
 enum status dem_gdal_open(const struct dem_params *params, const struct dem_list *list,
 			  struct dem_grid **out)
 {
-	dem_gdal_init();
+	enum status status = dem_gdal_init(list->paths[0]);
+	if (status != STATUS_OK)
+		return status;
 	struct gdal_grid *gdal = mem_calloc(1, sizeof *gdal);
 	if (gdal == NULL)
 		return fail_memory("opening the sources");
@@ -153,8 +152,8 @@ enum status dem_gdal_open(const struct dem_params *params, const struct dem_list
 	gdal->grid.read = gdal_read;
 	gdal->sources = mem_calloc(list->count, sizeof *gdal->sources);
 	gdal->name = mem_strdup(list->paths[0]);
-	enum status status = gdal->sources != NULL && gdal->name != NULL ? open_sources(gdal, params, list)
-									   : fail_memory("opening the sources");
+	status = gdal->sources != NULL && gdal->name != NULL ? open_sources(gdal, params, list)
+							     : fail_memory("opening the sources");
 	if (status == STATUS_OK)
 		status = dem_mosaic(gdal->sources, gdal->source_count, &gdal->grid, &gdal->mosaic);
 	double place[6];
@@ -186,8 +185,8 @@ enum status dem_gdal_open(const struct dem_params *params, const struct dem_list
 
 bool dem_gdal_knows(const char *path)
 {
-	dem_gdal_init();
-	return GDALIdentifyDriverEx(path, GDAL_OF_RASTER, NULL, NULL) != NULL;
+	/* Without GDAL opening it will say so. */
+	return dem_gdal_init(path) != STATUS_OK || GDALIdentifyDriverEx(path, GDAL_OF_RASTER, NULL, NULL) != NULL;
 }
 
 const char *dem_gdal_message(void)
@@ -199,8 +198,6 @@ const char *dem_gdal_message(void)
 		text[--length] = '\0';
 	return length > 0 ? text : "no reason given";
 }
-
-/* --- once --- */
 
 /* The pixel function of a source's vrt: values to metres. The meaning comes as text: scale, offset,
  * whether single, how many nodata values, and these. A second source is a mask. */
@@ -242,32 +239,9 @@ static CPLErr pixels_to_metres(void **sources, int source_count, void *data, int
 	return CE_None;
 }
 
-static void init_once(void)
+void dem_gdal_register(void)
 {
 	GDALAllRegister();
 	GDALSetCacheMax64(DEM_CACHE_BYTES);
 	GDALAddDerivedBandPixelFuncWithArgs("furrow_metres", pixels_to_metres, NULL);
-}
-
-void dem_gdal_init(void)
-{
-	static pthread_once_t once = PTHREAD_ONCE_INIT;
-	pthread_once(&once, init_once);
-	CPLErrorReset();
-}
-
-/* What GDAL has to say goes into our messages, never to stderr by itself. */
-void dem_quiet_process(void)
-{
-	CPLSetErrorHandler(CPLQuietErrorHandler);
-}
-
-void dem_quiet_begin(void)
-{
-	CPLPushErrorHandler(CPLQuietErrorHandler);
-}
-
-void dem_quiet_end(void)
-{
-	CPLPopErrorHandler();
 }

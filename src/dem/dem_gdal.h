@@ -2,9 +2,7 @@
 #ifndef FURROW_DEM_GDAL_H
 #define FURROW_DEM_GDAL_H
 
-#include <gdal.h>
-#include <ogr_srs_api.h>
-
+#include "dem_gdal_calls.h"
 #include "dem_internal.h"
 
 /* One source file. `vrt` is a small virtual raster in GDAL's memory files. It gives band 1 in metres, with NaN for nodata. So
@@ -25,7 +23,10 @@ struct gdal_source {
 
 #define DEM_CACHE_BYTES (48 << 20) /* bytes of decoded blocks that GDAL keeps */
 
-void dem_gdal_init(void);           /* registers the GDAL drivers that are needed, once; any thread */
+/* Loads GDAL and registers its drivers, once; any thread. To be called before any function of GDAL. STATUS_FAILED: it cannot
+ * be loaded; the message names `what`, the file or name that needs it. */
+enum status dem_gdal_init(const char *what) FURROW_CHECKED;
+void dem_gdal_register(void);       /* of dem_gdal_init: drivers, the size of the cache, and our pixel function */
 const char *dem_gdal_message(void); /* the last message of GDAL; valid until the next call in this thread */
 
 /* --- dem_source.c --- */

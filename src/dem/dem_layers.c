@@ -4,8 +4,6 @@
  */
 #include "dem_gdal.h"
 
-#include <cpl_error.h>
-
 struct layer {
 	GDALDatasetH dataset;
 	int64_t column, row; /* of its first pixel among all, from the north-west */

@@ -4,11 +4,6 @@
  */
 #include "dem_gdal.h"
 
-#include <cpl_conv.h>
-#include <cpl_error.h>
-#include <cpl_string.h>
-#include <gdal_utils.h>
-
 #define COMPARE_POSTS (1 << 19)
 
 static bool upright(const double place[6])

@@ -4,10 +4,6 @@
  */
 #include "dem_gdal.h"
 
-#include <cpl_conv.h>
-#include <cpl_error.h>
-#include <cpl_string.h>
-#include <cpl_vsi.h>
 #include <stdatomic.h>
 #include <stdio.h>
 

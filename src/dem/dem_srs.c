@@ -4,8 +4,6 @@
  */
 #include "dem_gdal.h"
 
-#include <cpl_conv.h>
-#include <cpl_error.h>
 #include <stdio.h>
 
 #define SCALE_TOLERANCE 1e-3
@@ -153,13 +151,15 @@ done:
 
 enum status dem_transform(const char *from_srs, const char *to_wkt, size_t count, double *x, double *y)
 {
-	dem_gdal_init();
+	enum status status = dem_gdal_init(from_srs);
+	if (status != STATUS_OK)
+		return status;
 	if (to_wkt[0] == '\0')
 		return fail_with(STATUS_INPUT, "coordinates in \"%.80s\": the store is local metres and lies on "
 				 "no planet; give local coordinates", from_srs);
 	OGRSpatialReferenceH from = dem_srs_parse(from_srs), to = NULL;
 	OGRCoordinateTransformationH move = NULL;
-	enum status status = STATUS_INPUT;
+	status = STATUS_INPUT;
 	if (from == NULL || (to = dem_srs_parse(to_wkt)) == NULL)
 		goto done;
 	move = OCTNewCoordinateTransformation(from, to);

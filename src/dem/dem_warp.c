@@ -10,12 +10,6 @@
  */
 #include "dem_gdal.h"
 
-#include <cpl_conv.h>
-#include <cpl_error.h>
-#include <cpl_string.h>
-#include <gdal_alg.h>
-#include <gdal_vrt.h>
-#include <gdalwarper.h>
 #include <stdio.h>
 #include <stdlib.h>
 

@@ -1,9 +1,6 @@
 /* Writes GeoTIFF files with GDAL. Each row is an uncompressed strip, so rows can be written from the south. */
 #include "dem_gdal.h"
 
-#include <cpl_conv.h>
-#include <cpl_error.h>
-#include <cpl_string.h>
 #include <errno.h>
 #include <stdio.h>
 
@@ -77,14 +74,16 @@ enum status dem_gdal_sink(const struct dem_raster *raster, const char *part, str
 {
 	static const GDALDataType types[] = {[DEM_FLOAT32] = GDT_Float32, [DEM_INT32] = GDT_Int32,
 					     [DEM_UINT8] = GDT_Byte, [DEM_UINT16] = GDT_UInt16};
-	dem_gdal_init();
+	enum status status = dem_gdal_init(raster->path);
+	if (status != STATUS_OK)
+		return status;
 	struct gdal_sink *gdal = mem_calloc(1, sizeof *gdal);
 	if (gdal == NULL)
 		return fail_memory(raster->path);
 	gdal->sink = (struct dem_sink){sink_row, sink_finish, sink_destroy};
 	gdal->raster = raster;
 	gdal->row = mem_alloc((size_t)raster->width, sizeof *gdal->row);
-	enum status status = gdal->row != NULL ? STATUS_OK : fail_memory(raster->path);
+	status = gdal->row != NULL ? STATUS_OK : fail_memory(raster->path);
 	GDALDriverH driver = GDALGetDriverByName("GTiff");
 	if (status == STATUS_OK) {
 		char **options = CSLSetNameValue(NULL, "BIGTIFF", "IF_SAFER");

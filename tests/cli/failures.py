@@ -245,5 +245,29 @@ class Damage(FurrowTest):
         self.assertIn("outside the terrain", text)
 
 
+class WithoutGdal(RasterTest):
+    def test_only_what_needs_gdal_says_that_it_is_missing(self):
+        """A file that is no library stands before GDAL's."""
+        self.make("in.tif", 40, 30, lambda x, y: x + y, "h")
+        self.ok("import", "in.tif", "-o", "s.furrow")
+        libraries = subprocess.run(["ldd", shutil.which("gdalinfo")], capture_output=True, text=True, check=True).stdout
+        name = next(line.split()[0] for line in libraries.splitlines() if line.split()[0].startswith("libgdal."))
+        (self.folder / "broken").mkdir()
+        (self.folder / "broken" / name).write_bytes(b"no library")
+        env = {"LD_LIBRARY_PATH": str(self.folder / "broken")}
+        self.assertEqual(self.json("info", "s.furrow", env=env)["posts"], [40, 30])
+        self.ok("export", "s.furrow", "-o", "out.png", "--layer", "hillshade", env=env)
+        # Each of the ways to GDAL; a folder, whose files it is asked about, too.
+        (self.folder / "tiles").mkdir()
+        shutil.copy(self.folder / "in.tif", self.folder / "tiles")
+        for arguments in (["import", "in.tif", "-o", "b.furrow"], ["import", "tiles", "-o", "b.furrow"],
+                          ["export", "s.furrow", "-o", "out.tif"], ["query", "s.furrow", "1", "2", "--srs", "EPSG:4326"]):
+            with self.subTest(arguments=arguments):
+                error = self.refused(1, *arguments, env=env)
+                self.assertIn("needs GDAL, which cannot be loaded: ", error)
+                self.assertIn(name, error)
+        self.assertEqual([*self.folder.glob("b.furrow*"), *self.folder.glob("out.tif*")], [])
+
+
 if __name__ == "__main__":
     main()
