@@ -101,7 +101,7 @@ class SoilMap(FurrowTest):
         return f"{{map: {path}, classes: {{1: {SOILS[model][0]}}}, default: {SOILS[model][1]}}}"
 
     def test_each_half_is_that_of_its_soil_alone_whatever_is_resident(self):
-        for model, loader_counts in (("sumner", (0,)), ("slippage", (3,)), ("scm", (0, 1, 2, 3))):
+        for model, loader_counts in (("sumner", (0, 1)), ("slippage", (3,)), ("scm", (0, 2))):
             store, report = self.driven(model, self.mapped(model), options=("--set", "cache.slots=512"))
             self.assertEqual(report["cache"]["evictions"], 0)
             self.assertGreater(report["memory"]["plane_bytes"]["classes"], 0)
@@ -168,7 +168,7 @@ class SoilMap(FurrowTest):
         subprocess.run(["gdalwarp", "-q", "-t_srs", "EPSG:4326", "-r", "near", "-tr", "0.000004", "0.000004", "-dstnodata", "255",
                         "classes.tif", "degrees.tif"], cwd=self.folder, check=True, capture_output=True)
         store, _ = self.driven("scm", self.mapped("scm", "degrees.tif"), "utm.furrow",
-                               ("--set", "cache.slots=4", "--set", "cache.loaders=2"))
+                               ("--set", "cache.slots=64", "--set", "cache.loaders=2"))  # each load transforms every post
         self.check_halves("scm", store, "utm.furrow")
 
     @unittest.skipUnless(has_gdal(), "needs GDAL's programs")
