@@ -13,7 +13,7 @@ from furrow_test import FURROW, SCENE, FurrowTest, main
 
 # Every tile has a slot: a picture is the same whenever it is drawn.
 VIEW = SCENE.replace("slots: 16", "slots: 120") + """view:
-  size: [480, 270]
+  size: [240, 135]
   camera: {overhead: {over: left, height: 40}}
   effects: [texture, detail]
 """
