@@ -186,6 +186,16 @@ static long double meets(const struct rig_triangle *triangle, const long double 
 	return u >= -slack && v >= -slack && u + v <= 1 + slack && t >= -slack ? t : INFINITY;
 }
 
+/* Seen from above the ray's line passes a triangle by: corner 0 is farther from it than any point of the triangle is from that corner,
+ * sqrt(2) sides, and a third more. `across`: length of the direction from above. */
+static bool passes_by(const struct rig_triangle *triangle, const struct terrain_ray *ray, double across)
+{
+	const double(*c)[3] = triangle->corner;
+	double x = c[0][0] - ray->origin[0], y = c[0][1] - ray->origin[1];
+	double reach = c[2][0] - c[0][0] + (c[2][1] - c[0][1]); /* two sides: corner 2 is opposite to corner 0 in the cell */
+	return fabs(ray->direction[0] * y - ray->direction[1] * x) > across * reach;
+}
+
 struct rig_strike rig_strike(const struct rig_triangle *all, size_t count, const struct terrain_ray *ray, long double slack)
 {
 	struct rig_strike struck = {INFINITY, NULL};
@@ -197,7 +207,10 @@ struct rig_strike rig_strike(const struct rig_triangle *all, size_t count, const
 	}
 	for (int i = 0; i < 3; i++)
 		way[i] /= sqrtl(length);
+	double across = hypot(ray->direction[0], ray->direction[1]);
 	for (size_t i = 0; i < count; i++) {
+		if (passes_by(&all[i], ray, across))
+			continue;
 		long double t = meets(&all[i], origin, way, slack);
 		if (t <= ray->length + slack && t < struck.first)
 			struck = (struct rig_strike){t, &all[i]};
