@@ -53,7 +53,7 @@ PICTURES = """view: {size: [160, 90], camera: {overhead: {over: left, height: 40
 SCENES = {
     "objects": (HEAD.format(step=0.05, end=90, model="box") + "attributes: [dirt]\n" + WHEELS + "cache: {slots: 24}\n",
                 "hills.furrow", []),
-    "slots": (HEAD.format(step=0.37, end=120, model="box") + "attributes: [dirt]\n" + WHEELS +
+    "slots": (HEAD.format(step=0.37, end=60, model="box") + "attributes: [dirt]\n" + WHEELS +
               "cache: {slots: 4, loaders: 1, prefetch: 0}\n", "hills.furrow", []),
     "holes": (HEAD.format(step=0.03, end=240, model="box") + ASTRAY + "cache: {slots: 9}\n", "holes.furrow", []),
     "overlay": (HEAD.format(step=0.11, end=120, model="none") + "attributes: [dirt]\n" + WHEELS + "cache: {slots: 12}\n",
