@@ -5,7 +5,7 @@
 #include "lib/facet.glsl"
 
 layout(std140, binding = 0) uniform params {
-	ivec4 window; // posts in x and y; the layer
+	ivec4 window; // xy: the window's size in posts; z: its layer in the images; w is not used
 };
 
 layout(binding = 0, r32i) uniform iimage2DArray under;

@@ -1,6 +1,8 @@
 #version 450 core
 // Sumner's erosion, second pass: each post takes the soil that its neighbours shed. One fragment for each post.
-// Defines: LAST: the last iteration, which writes offsets; FLAGS: over blocks.
+// Defines:
+// - LAST: the last iteration, which writes offsets
+// - FLAGS: the pass computes active blocks instead of a window, and writes for each where soil still moves
 
 #include "lib/slide.glsl"
 

@@ -283,7 +283,7 @@ FURROW_API furrow_status furrow_points(struct furrow_world *world, size_t count,
 struct furrow_hit {
 	double position[3]; /* m, local axes; NaN where nothing is hit */
 	double normal[3];   /* unit, upward */
-	double distance;    /* m from the origin */
+	double distance;    /* m from the ray's origin */
 	bool hit;
 };
 

@@ -274,7 +274,8 @@ void deform_active_plan(const char *effect, struct plan *plan);
 struct place_flags deform_active_flags(struct deform *deform, const struct deform_window *window, uint32_t layer);
 /* Waits until all flags from the GPU have been read, then makes all blocks inactive. */
 enum status deform_active_forget(struct deform *deform) FURROW_CHECKED;
-/* Begins an interval, and gives the list of its blocks. The list does not change before deform_active_visited. */
+/* Begins an interval: one round of sliding, which runs every few steps. Gives the blocks in which soil may still move. The list does
+ * not change before deform_active_visited. */
 enum status deform_active_visit(struct deform *deform, const struct deform_block **blocks, size_t *count) FURROW_CHECKED;
 bool deform_active_is_visited(const struct deform *deform, struct deform_block block);
 /* Ends an interval. `flags`: a word for each block of the list: where soil still moves in it. */

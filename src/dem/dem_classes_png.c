@@ -56,7 +56,7 @@ static int64_t big_endian(const unsigned char bytes[4])
 	return (int64_t)bytes[0] << 24 | bytes[1] << 16 | bytes[2] << 8 | bytes[3];
 }
 
-/* Of the header: what the heightmaps' reader would take, and classes are not. */
+/* Checks the PNG's header. It refuses pictures that the reader of heightmaps takes, but that cannot hold classes of soil. */
 static enum status png_check(const char *path)
 {
 	unsigned char header[26];

@@ -413,7 +413,7 @@ enum status render_map_raster_spread(const struct render_map_raster *raster, dou
 		if ((double)above > beyond)
 			break;
 	}
-	/* The largest value of the class. */
+	/* The largest float in that bin of the histogram. */
 	uint32_t bits = (class << 15) | 0x7fff;
 	float most;
 	memcpy(&most, &bits, sizeof most);

@@ -1,12 +1,12 @@
 /*
  * Hillshade: slopes by Horn's 3 x 3 posts, and how light ground of a slope is.
  *
- * Slopes are metres a metre, whatever the level. Where one neighbour is nodata, the slope of the post's other side is used. So a
- * plane has its own slope up to its last post. Where both neighbours are nodata, the ground is taken to be level. A corner is
- * computed from its two neighbours.
+ * Slopes are metres a metre, whatever the level. Where one neighbour is nodata, the slope of the post's other side is used. So
+ * evenly inclined ground has the same slope up to its edge. Where both neighbours are nodata, the ground is taken to be level. If a
+ * corner of the 3 x 3 posts is nodata, its height is extrapolated from the two posts beside it.
  *
- * The light is that of a sun. Two more suns, lower and at its sides, and the sky soften it. So slopes along the sun's light differ,
- * too. Flat ground is well below white, and slopes that face away are not black.
+ * The light is that of a sun. Two more suns, lower and at its sides, and the sky soften it. So slopes that are parallel to the sun's
+ * direction get different brightness, too. Flat ground is well below white, and slopes that face away are not black.
  */
 #include <math.h>
 

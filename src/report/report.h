@@ -54,7 +54,7 @@ const struct world_rows *report_rows_sink(const struct report_rows *rows);
 /*
  * What a run will make and run, found before it begins. Needs no GL, makes no thread, and changes nothing, not even the store.
  *
- * Amounts that depend on the way (windows, tiles, commits) are in the plan by unit. Fixed numbers are in this struct. A run of
+ * Amounts that depend on the distance travelled (windows, tiles, commits) are in the plan by unit. Fixed numbers are in this struct. A run of
  * the same scene over the same store makes exactly what the plan says, times the counts of its units.
  */
 struct report_plan {

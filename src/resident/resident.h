@@ -264,8 +264,8 @@ void resident_pages_io(struct pages *pages, struct resident_pages_io *io);
 /*
  * --- coarser levels ---
  *
- * Updates resident coarser tiles on the GPU when the working level changes. The changes of a step are collected as one
- * rectangle for each tile. Each rectangle is decimated once, before a coarser tile is read or a changed tile leaves its slot.
+ * Updates resident coarser tiles on the GPU when posts of the working level change. That is the level which bodies deform. The
+ * changes of a step are collected as one rectangle for each tile. Each rectangle is decimated once, before a coarser tile is read or a changed tile leaves its slot.
  */
 struct pyramid;
 

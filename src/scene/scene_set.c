@@ -9,6 +9,7 @@
 #include "scene/scene_error.h"
 
 #define SEGMENTS_MAX 8 /* deeper than any key of a scene */
+#define KEY_MAX 160    /* bytes of a key with its dots; a message that quotes it has room for the advice */
 
 static enum status refuse(const struct scene_tree *tree, const struct scene_setting *setting,
 			  const char *segment, const char *why)
@@ -96,10 +97,14 @@ static void replace(struct scene_node *node, struct scene_node *value)
 enum status scene_set(struct scene_tree *tree, const struct scene_setting *setting)
 {
 	struct scene_node *value = NULL, *at = tree->root;
-	char *key = mem_strdup(setting->key);
+	size_t length = strlen(setting->key);
 	enum status status;
 	int segments = 0;
 
+	if (length > KEY_MAX)
+		return fail_with(STATUS_INPUT, "%s: --set %s: the key has %zu bytes; allowed: at most %d", tree->file,
+				 scene_quote(setting->key).text, length, KEY_MAX);
+	char *key = mem_strdup(setting->key);
 	if (key == NULL)
 		return fail_memory("setting a key of the scene");
 	status = scene_tree_parse(tree->file, setting->key, setting->value, strlen(setting->value),

@@ -52,7 +52,8 @@ static inline bool terrain_find(const struct extent *extent, const struct terrai
 	return true;
 }
 
-/* Returns true if the tile is divided. Selecting and fitting both use this expression, so their results agree to the last bit. */
+/* Returns true if the tile is divided. The selection uses this expression, and so does the search for the radius that the budget
+ * allows (fit.c). So they agree to the last bit. */
 static inline bool terrain_near(const struct terrain_view *view, struct tile tile, double ratio)
 {
 	return tile.level > view->finest && ratio < view->radius;

@@ -57,6 +57,9 @@ static void a_later_setting_wins(void **state)
 	scene_destroy(scene);
 }
 
+#define TEN "abcdefghij"
+#define LONG_KEY TEN TEN TEN TEN TEN TEN TEN TEN TEN TEN TEN TEN TEN TEN TEN TEN "k"
+
 static void a_wrong_setting_is_told_as_one(void **state)
 {
 	static const struct {
@@ -76,6 +79,7 @@ static void a_wrong_setting_is_told_as_one(void **state)
 		{{"cache.", "1"}, "is no key"},
 		{{".", "1"}, "is no key"},
 		{{"a.b.c.d.e.f.g.h.i", "1"}, "is too deep"},
+		{{LONG_KEY, "1"}, "the key has 161 bytes; allowed: at most 160"},
 		{{"end_time", ""}, "--set end_time: nothing is written here"},
 		{{"end_time", "[1"}, "--set end_time: not YAML"},
 		{{"end_time", "*a"}, "--set end_time: an alias"},
