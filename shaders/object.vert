@@ -6,8 +6,8 @@
 #include "lib/haze.glsl"
 #endif
 
-// xyz: place of a corner along the object's own axes, metres, as float bits. w: three components of its normal, 10 bits each, and its
-// material, 2 bits
+// The corners of the object's triangles. xyz: bits of three floats: the place in the object's own axes, metres. w: the normal's three
+// components, 10 bits each; above them the material, 2 bits.
 layout(std430, binding = 0) readonly buffer corners {
 	uvec4 corner[];
 };

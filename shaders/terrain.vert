@@ -38,7 +38,7 @@ out vec2 broad; // slope of the ground without offsets
 #endif
 #ifdef TEXTURE
 out vec4 squares; // place in the ground's near texture (xy) and far one (zw)
-out vec2 country; // x: noise of kilometres; y: 0 at the lowest ground, up to 1 at the highest if it is a mountain
+out vec2 country; // x: noise with wavelengths of kilometres; y: how high the ground is: 0 at the lowest, up to 1 on high mountains
 #endif
 #ifdef FOG
 out vec2 air;

@@ -2,8 +2,8 @@
 // integers. Each facet has its own post, near it. Places are in 2^-16 posts from that post. Heights are in fixed-point units from the
 // window's zero. Times are in 2^-28 of the motion, counted back from its end.
 //
-// Some numbers change from post to post as a linear function. They are called affine. Four integers hold one. x and y are the low
-// and the high half of its 64-bit value at the facet's own post. z is its change for one post to the east, w for one to the north.
+// Affine numbers change by the same amount from each post to the next. Four integers hold such a number. x and y: the low and the
+// high half of its 64-bit value at the facet's own post. z: its change for one post to the east. w: for one post to the north.
 
 #include "lib/int64.glsl"
 

@@ -96,8 +96,8 @@ ground_surface ground_at(vec2 post, vec4 squares, float log_pixel, float region,
 	// The near texture is read from one level, chosen at random between two, which is cheaper than blending them. The far
 	// texture is read from a coarse level, since large texture reads fill the cache.
 	float level = log_pixel + dither();
-	// Far away many repeats of the far texture would be seen. There it is drawn 16 times as wide. Where one changes to the other, both
-	// fade out, so that no border is seen.
+	// The far texture repeats, and from far away a viewer would see the pattern. So beyond a distance it is drawn 16 times as wide. Near
+	// that distance its contrast falls to 0, so that no border is seen.
 	float beyond = log_pixel > GROUND_BEYOND ? 1.0 : 0.0, strong = clamp(0.7 * abs(log_pixel - GROUND_BEYOND), 0.0, 1.0);
 	vec4 wide = textureLod(ground_map, vec3(squares.zw * (1.0 - 0.9375 * beyond), GROUND_WIDE), log_pixel + GROUND_FAR_LEVEL - 4.0 * beyond);
 	wide = 0.5 + strong * (wide - 0.5);

@@ -25,7 +25,7 @@ layout(std140, binding = 0) uniform picture {
 	// 1 for every other tile, as on a chessboard.
 	vec4 layer;
 #ifdef REACHES
-	vec4 reaches[3];  // reach of the strides 2^0, 2^1, ..., m; none is less than the one before
+	vec4 reaches[3];  // for the strides 2^0, 2^1, ...: from which distance from the eye, m, each is fine enough; they never fall
 #endif
 };
 

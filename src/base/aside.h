@@ -15,7 +15,7 @@
 
 struct aside {
 	const char *path; /* PATH, the final path; owned by the caller */
-	char *part;       /* PATH.part; owned by this struct */
+	char *part;       /* the name "PATH.part" of the unfinished file; this struct owns the string */
 	FILE *file;       /* open for writing; NULL: before aside_begin and after aside_whole */
 	bool begun;       /* PATH.part was made for this struct, so aside_finish may remove it */
 };

@@ -28,7 +28,7 @@ enum plan_kind {
 /* The unit of a line: what its amount is multiplied by. A drive counts all units except PLAN_ONCE, which is 1. */
 enum plan_unit {
 	PLAN_ONCE,
-	/* units of memory; counted as the largest number that existed at once */
+	/* Units of memory. A drive counts how many of them existed at the same time, at most. */
 	PLAN_BASE_SLOT,    /* base slots into which a tile was loaded at least once */
 	PLAN_CLASS_SLOT,   /* base slots that also have soil classes */
 	PLAN_DEFORM_SLOT,  /* deform slots with the drawn planes */

@@ -73,34 +73,34 @@ static void a_shadow_lies_beside_its_object_away_from_the_sun(void **state)
 	}
 }
 
+/* Without the object's shadow the picture is the same. */
+static void assert_no_shadow(const struct render_camera *camera, const struct render_object *object)
+{
+	uint8_t *pixels[2];
+	for (int k = 0; k < 2; k++) {
+		render->objects->casts = k > 0;
+		pixels[k] = draw(camera, object, 1);
+	}
+	assert_memory_equal(pixels[0], pixels[1], 4 * WIDTH * HEIGHT);
+	test_free(pixels[0]);
+	test_free(pixels[1]);
+}
+
 /* The sky, and what is far behind or before the volume, is left alone. */
 static void a_shadow_is_on_the_ground_alone(void **state)
 {
 	need_gpu();
-	uint8_t *pixels[2];
 	begin(OBJECTS | SHADOW, NULL, &ball, 1);
 	struct render_camera camera = camera_at((double[3]){8, 4, 1}, (double[3]){8, 8, 0.5});
 	struct render_object object = posed(0, 8, 8, 0.6);
-	for (int k = 0; k < 2; k++) {
-		render->objects->casts = k > 0;
-		pixels[k] = draw(&camera, &object, 1);
-	}
-	assert_memory_equal(pixels[0], pixels[1], 4 * WIDTH * HEIGHT);
+	assert_no_shadow(&camera, &object);
 	end();
-	test_free(pixels[0]);
-	test_free(pixels[1]);
 	/* High above the ground its shadow has faded. */
 	begin(OBJECTS | SHADOW, flat, &ball, 1);
 	object = posed(0, 8, 8, 9);
 	camera = camera_at((double[3]){8, 7.9, 14}, (double[3]){8, 8, 0});
-	for (int k = 0; k < 2; k++) {
-		render->objects->casts = k > 0;
-		pixels[k] = draw(&camera, &object, 1);
-	}
-	assert_memory_equal(pixels[0], pixels[1], 4 * WIDTH * HEIGHT);
+	assert_no_shadow(&camera, &object);
 	end();
-	test_free(pixels[0]);
-	test_free(pixels[1]);
 }
 
 static void with_samples_a_shadow_lies_there_too(void **state)
