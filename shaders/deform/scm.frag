@@ -5,6 +5,7 @@
 
 #include "lib/soil.glsl"
 #include "lib/tally.glsl"
+#include "lib/scm_post.glsl"
 #if defined(PATCH) || defined(LOAD)
 #include "lib/found.glsl"
 #endif
@@ -43,8 +44,6 @@ layout(std430, binding = 3) restrict buffer standings {
 };
 #endif
 
-const int CARRIED_MOST = 1 << 23;
-
 void main()
 {
 	int y = row_of_pass();
@@ -81,55 +80,30 @@ void main()
 		ivec3 post = ivec3(x, y, zero.z);
 		east = ground_at(x + 1, y);
 		object o = object_at(x, y, raised);
-		vec3 n = normal_of(west, g, east, ground_at(x, y - 1), ground_at(x, y + 1));
 		soil s = soil_at(x, y);
-		int sinkage = imageLoad(sinkages, post).r, offset = imageLoad(offsets, post).r;
-		int thickness = imageLoad(heaps, post).r;
-		uint shear = imageLoad(shears, post).r;
-		answer a = answer_of(s, by_width, n.z, g, o, sinkage);
-		bool touched = a.touched && may_touch(g, o);
-		bool held = a.held && touched;
-
-		float before = float(sinkage) * UNIT_METRES;
-		float was_plastic = plastic_part(s, before, yield_stress(s, by_width, before));
-		int released = int(round(min(a.plastic / n.z * 1048576.0, 1.9e9)));
-		int had = int(round(min(was_plastic / n.z * 1048576.0, 1.9e9)));
-		int sunk = held ? g.height - o.rests : released;
-		bool refused = touched && (g.far || sunk > OFFSET_LIMIT || abs(thickness - sunk) > OFFSET_LIMIT);
-		over += uint(refused);
-		touched = touched && !refused;
-		held = held && !refused;
-		int carried = touched ? int(min(spin.w * float(max(released - had, 0)), float(CARRIED_MOST))) : 0;
-		int lower = touched ? thickness - sunk : offset;
-		total_add(lost, offset - lower - carried);
-
-		vec3 at = from_centre(x, y, o, raised), surface = way_of_surface(at);
-		vec3 along = surface - dot(surface, n) * n;
-		float slid = length(along);
-		uint sheared = held ? min(shear + uint(round(min(slid, 1.0) * 65536.0)), 65535u) : shear;
-		if (touched) {
-			imageStore(offsets, post, ivec4(lower));
-			imageStore(sinkages, post, ivec4(a.most));
-			imageStore(shears, post, uvec4(sheared));
-			imageStore(contacts, post, uvec4(LOWERED | (held ? HELD : 0u)));
-			imageStore(carries, post, ivec4(carried));
+		post_state before = {imageLoad(offsets, post).r, imageLoad(heaps, post).r, imageLoad(sinkages, post).r, imageLoad(shears, post).r};
+		vec3 at = from_centre(x, y, o, raised);
+		bearing b = bearing_of(s, by_width, normal_of(west, g, east, ground_at(x, y - 1), ground_at(x, y + 1)), g, o, at, before);
+		over += uint(b.refused);
+		total_add(lost, before.offset - b.after.offset - b.carried);
+		if (b.touched) {
+			imageStore(offsets, post, ivec4(b.after.offset));
+			imageStore(sinkages, post, ivec4(b.after.sinkage));
+			imageStore(shears, post, uvec4(b.after.shear));
+			imageStore(contacts, post, uvec4(LOWERED | (b.held ? HELD : 0u)));
+			imageStore(carries, post, ivec4(b.carried));
 		}
 #ifdef FORCES
-		float normal = a.stress + damped(s, at, n);
-		float mobilised = 1.0 - exp2(-min(float(sheared) * s.b.z * (1.442695 / 65536.0), 100.0));
-		float tangent = (s.b.x + normal * s.b.y) * mobilised;
-		vec3 f = (normal * n - (slid > 1e-9 ? tangent / slid : 0.0) * along) * scale.z;
+		vec3 f = b.held ? b.stress * scale.z : vec3(0.0);
 		vec3 m = cross(at * place.z, f);
-		f = held ? f : vec3(0.0);
-		m = held ? m : vec3(0.0);
 		vec3 large = max(abs(f), abs(m));
 		saturated += int(max(large.x, max(large.y, large.z)) > MOST);
 		for (int i = 0; i < 3; i++) {
 			total_add(force[i], int(round(clamp(f[i], -MOST, MOST))));
 			total_add(moment[i], int(round(clamp(m[i], -MOST, MOST))));
 		}
-		posts += int(held);
-		deepest = max(deepest, held ? sunk : 0);
+		posts += int(b.held);
+		deepest = max(deepest, b.held ? b.sunk : 0);
 #endif
 	}
 #if defined(FORCES) && defined(LOAD)

@@ -6,6 +6,7 @@
 
 #include "lib/soil.glsl"
 #include "lib/found.glsl"
+#include "lib/scm_post.glsl"
 
 layout(binding = 3, r32i) uniform readonly restrict iimage2DArray sinkages;
 
@@ -71,12 +72,10 @@ void find(int y, int first, int last)
 		ground g = ground_at(x, y);
 		object o = object_at(x, y, a.at);
 		vec3 n = normal_of(ground_at(x - 1, y), g, ground_at(x + 1, y), ground_at(x, y - 1), ground_at(x, y + 1));
-		soil s = soil_at(x, y);
-		answer w = answer_of(s, by_width, n.z, g, o, imageLoad(sinkages, ivec3(x, y, zero.z)).r);
-		bool bears = w.held && may_touch(g, o) && !g.far;
-		float stress = w.stress + damped(s, from_centre(x, y, o, a.at), n);
-		total_add(force, bears ? int(round(min(stress * n.z * unit, 1e9))) : 0);
-		total_add(stiff, bears ? int(round(min(w.stiff * n.z * n.z * UNIT_METRES * unit, 1e9))) : 0);
+		post_state before = {0, 0, imageLoad(sinkages, ivec3(x, y, zero.z)).r, 0u};
+		bearing w = bearing_of(soil_at(x, y), by_width, n, g, o, from_centre(x, y, o, a.at), before);
+		total_add(force, w.held ? int(round(min(w.normal * n.z * unit, 1e9))) : 0);
+		total_add(stiff, w.held ? int(round(min(w.stiff * UNIT_METRES * unit, 1e9))) : 0);
 	}
 	if (a.done == 0u) {
 		add_to(k, false, total_words(force));
