@@ -34,6 +34,8 @@ class Lane:
     start: tuple | None = None            # m; chosen where it is not given
     grousers: int = 0
     grouser_height: float = 0.0
+    yaw: float = 0.0                      # degrees from the way to the wheel's plane; needs `height`
+    height: float | None = None           # m of the axle, instead of load and sink
 
     def end(self):
         a = math.radians(self.direction)
@@ -88,7 +90,17 @@ def placed(lanes, spacing):
     return lanes
 
 
-def scene_text(lanes, spacing, soil, redistribute):
+def path_text(lane, folder):
+    """The path: two points, or a file where it has a height or an attitude."""
+    if lane.height is None:
+        return f"{{points: [[{lane.start[0]!r}, {lane.start[1]!r}], [{lane.end()[0]!r}, {lane.end()[1]!r}]], speed: {lane.speed!r}}}"
+    with open(os.path.join(folder, f"{lane.name}.csv"), "w") as file:
+        for t, at in ((0, lane.start), (lane.length / lane.speed, lane.end())):
+            file.write(f"{t!r},{at[0]!r},{at[1]!r},{lane.height!r},{lane.direction + lane.yaw!r},0,0\n")
+    return f"{{file: {lane.name}.csv}}"
+
+
+def scene_text(lanes, spacing, soil, redistribute, folder):
     end = max(lane.length / lane.speed for lane in lanes)
     rate = max(lane.speed for lane in lanes) / spacing
     step = min(3600.0, spacing / max(lane.speed for lane in lanes))
@@ -96,9 +108,9 @@ def scene_text(lanes, spacing, soil, redistribute):
             f"redistribute: {{model: scm{redistribute}}}\nobjects:"]
     for lane in lanes:
         bars = f", grousers: {lane.grousers}, grouser_height: {lane.grouser_height!r}" if lane.grousers else ""
-        carried = f"load: {lane.load!r}" if lane.load is not None else f"sink: {lane.sink!r}"
-        text.append(f"  - {{name: {lane.name}, shape: {{wheel: {{radius: {lane.radius!r}, width: {lane.width!r}{bars}}}}}, {carried}, slip: {lane.slip!r}, "
-                    f"path: {{points: [[{lane.start[0]!r}, {lane.start[1]!r}], [{lane.end()[0]!r}, {lane.end()[1]!r}]], speed: {lane.speed!r}}}}}")
+        carried = "" if lane.height is not None else f"load: {lane.load!r}, " if lane.load is not None else f"sink: {lane.sink!r}, "
+        text.append(f"  - {{name: {lane.name}, shape: {{wheel: {{radius: {lane.radius!r}, width: {lane.width!r}{bars}}}}}, {carried}slip: {lane.slip!r}, "
+                    f"path: {path_text(lane, folder)}}}")
     text.append(f"output: {{forces: {rate!r}, delay: 0}}\n")
     return "\n".join(text)
 
@@ -118,7 +130,7 @@ def drive(furrow, store, folder, lanes, spacing, soil, redistribute=""):
         if os.path.exists(name):
             os.remove(name)
     with open(scene, "w") as file:
-        file.write(scene_text(lanes, spacing, soil, redistribute))
+        file.write(scene_text(lanes, spacing, soil, redistribute, folder))
     run(furrow, "drive", scene, "--store", store, "--overlay", overlay, "-o", out)
     rows = {lane.name: [] for lane in lanes}
     with open(os.path.join(out, "objects.csv")) as file:
@@ -129,12 +141,12 @@ def drive(furrow, store, folder, lanes, spacing, soil, redistribute=""):
 
 
 def measures(lane, row):
-    """One row in the wheel's own axes. The surface is taken to be level at height 0, or the slope that `rise` tells."""
-    a = math.radians(lane.direction)
+    """One row in the wheel's own axes. Sinkage is for level ground at height 0."""
+    way, a = math.radians(lane.direction), math.radians(lane.direction + lane.yaw)
     fx, fy, fz, tx, ty = (float(row[key]) for key in ("fx", "fy", "fz", "tx", "ty"))
     return {"sinkage": lane.radius - float(row["z"]), "drawbar": fx * math.cos(a) + fy * math.sin(a),
             "side": fy * math.cos(a) - fx * math.sin(a), "fz": fz, "torque": tx * math.sin(a) - ty * math.cos(a),
-            "along": (float(row["x"]) - lane.start[0]) * math.cos(a) + (float(row["y"]) - lane.start[1]) * math.sin(a)}
+            "along": (float(row["x"]) - lane.start[0]) * math.cos(way) + (float(row["y"]) - lane.start[1]) * math.sin(way)}
 
 
 def steady(lane, driven, low, high):
