@@ -89,6 +89,12 @@ def loads_text(rows):
     return table(["fz of the load; sinkage (closed form)", *(f"{load:g} N" for load in bounds)], lines)
 
 
+def crests_text(rows):
+    return table(["model", "shape", "spacing", "off the lattice by", "least, mm", "most, mm", "east, mm", "north-east, mm"],
+                 [[row["model"], row["shape"], millimetres(row["spacing"]), f"{row['shift']:g} posts"] +
+                  [f"{row[key] * 1e3:.1f}" for key in ("least", "most", "east", "northeast")] for row in rows])
+
+
 def plain_text(keys):
     def text(rows):
         def cell(value):
@@ -97,12 +103,12 @@ def plain_text(keys):
     return text
 
 
-TEXTS = {"steady": steady_text, "vertical": vertical_text, "fixed": fixed_text, "heavy": heavy_text, "passes": passes_text, "loads": loads_text,
+TEXTS = {"steady": steady_text, "vertical": vertical_text, "fixed": fixed_text, "heavy": heavy_text, "passes": passes_text, "loads": loads_text, "crests": crests_text,
          "slopes": plain_text(("soil", "degrees", "lane", "load", "fz", "drawbar", "side", "torque", "contact_area", "sinkage_told", "state", "residual")),
          "speeds": plain_text(("soil", "speed", "lane", "load", "sinkage", "drawbar", "torque"))}
 HEADS = {"steady": "Steady rolling at slip 0.2", "vertical": "Beside vertical normals", "fixed": "Chrono's soft soil at a fixed sinkage, no rim",
          "heavy": "Heavy wheels with a rim", "passes": "Passes in one rut, dry_sand, 800 N", "loads": "Loads from 1 N to 50 kN at 2 cm",
-         "slopes": "Loads on slopes at 2 cm", "speeds": "Speeds at 2 cm"}
+         "slopes": "Loads on slopes at 2 cm", "speeds": "Speeds at 2 cm", "crests": "Rims by direction"}
 
 
 def page(rows):

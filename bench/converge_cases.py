@@ -4,6 +4,7 @@ import math
 
 import lanes
 import soil_forms
+from converge_crests import crests
 
 SOILS = {"dry_sand": 1000.0, "lunar": 1000.0, "lete_sand": 1000.0, "snow_us": 400.0, "sandy_loam_15": 1000.0}  # N
 DIRECTIONS = (0.0, 22.5, 45.0)
@@ -169,4 +170,4 @@ def speeds(bench, quick):
                        **lanes.steady(lane, driven, 1.0, 1.6)}
 
 
-CASES = {case.__name__: case for case in (steady, vertical, fixed, heavy, passes, loads, slopes, speeds)}
+CASES = {case.__name__: case for case in (steady, vertical, fixed, heavy, passes, loads, slopes, speeds, crests)}

@@ -238,6 +238,14 @@ def speed_does_not_matter(rows):
     return "speeds: the slowest's sinkage within 0.5 %", abs(most) <= 0.005, f"{percent(most)}, {where}"
 
 
+@gate("crests")
+def crests_are_round(rows):
+    furthest = max(rows, key=lambda row: row["most"] / max(row["least"], 1e-5))
+    off = furthest["most"] / max(furthest["least"], 1e-5) - 1
+    return "rims of sphere and box: the crest differs by less than 10 % with the direction", off < 0.1, \
+        f"{furthest['least'] * 1e3:.0f} .. {furthest['most'] * 1e3:.0f} mm, {furthest['model']} {furthest['shape']} at {millimetres(furthest['spacing'])}"
+
+
 def judged(rows):
     """[(case, text, met, figure)] for the cases that were driven."""
     found = []

@@ -199,19 +199,19 @@ def png_rows(data):
         before = line
 
 
-def heights(furrow, driven, folder, coarsest, spacing, window):
-    """Posts (x, y, height) of a window, to 10 micrometres."""
+def heights(furrow, driven, folder, coarsest, spacing, window, unit=UNIT):
+    """Posts (x, y, height) of a window, to half a unit; heights may be 32767 units from 0."""
     picture = os.path.join(folder, "window.png")
     west, south, east, north = (round(v / spacing) for v in window)
     level = -round(math.log2(coarsest / spacing))
     run(furrow, "export", driven.overlay, "-o", picture, "--layer", "surface", "--level", str(level),
         "--window", ",".join(repr(v * spacing) for v in (west, south, east, north)),
-        "--height-range", f"{-32768 * UNIT!r},{32767 * UNIT!r}")
+        "--height-range", f"{-32768 * unit!r},{32767 * unit!r}")
     with open(picture, "rb") as file:
         rows = list(png_rows(file.read()))
     for k, row in enumerate(rows):
         for i, value in enumerate(row):
-            yield (west + i) * spacing, (south + len(rows) - 1 - k) * spacing, (value - 32768) * UNIT
+            yield (west + i) * spacing, (south + len(rows) - 1 - k) * spacing, (value - 32768) * unit
 
 
 def rim(furrow, driven, folder, coarsest, spacing, lane, low, high, reach=0.8):
