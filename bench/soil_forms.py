@@ -145,17 +145,17 @@ def by_angle(soil, wheel, sinkage, slip, law=Law()):
     def displacement(theta):
         return arc_displacement(wheel, law, slip, entry, theta)
 
-    def pressed(theta):
+    def sunk(theta):
         depth = r * (math.cos(theta) - math.cos(entry))
         return depth + law.kappa * soil.janosi * math.expm1(-abs(displacement(theta)) / soil.janosi) if law.kappa else depth
 
-    lowest = peak(pressed, -entry / 2, entry) if law.kappa else 0.0
-    deepest = pressed(lowest)
+    lowest = peak(sunk, -entry / 2, entry) if law.kappa else 0.0
+    deepest = sunk(lowest)
     most = soil.yields(deepest, b)
     stays = deepest - most / soil.stiffness
 
     def stress(theta):
-        p = pressed(theta)
+        p = sunk(theta)
         return soil.yields(p, b) if theta >= lowest else max(0.0, min(soil.stiffness * (p - stays), most))
 
     def shares(theta):
@@ -167,13 +167,13 @@ def by_angle(soil, wheel, sinkage, slip, law=Law()):
         return sigma * c, tau * c, (tau * r * c + sigma * r * s) * c
 
     cuts = {-entry, lowest, entry}
-    cuts.update(roots(lambda t: pressed(t) - stays, -entry, lowest))
+    cuts.update(roots(lambda t: sunk(t) - stays, -entry, lowest))
     cuts.update(roots(displacement, -entry, entry - 1e-6))
     if soil.n < 1:
         capped = ((soil.kc / b + soil.kphi) / soil.stiffness) ** (1 / (1 - soil.n))
-        cuts.update(roots(lambda t: pressed(t) - capped, lowest, entry))
+        cuts.update(roots(lambda t: sunk(t) - capped, lowest, entry))
     if law.kappa:
-        cuts.update(roots(lambda t: pressed(t) if t > lowest else 1.0, lowest, entry))
+        cuts.update(roots(lambda t: sunk(t) if t > lowest else 1.0, lowest, entry))
     cuts = sorted(cuts)
     sums = [sum(parts) for parts in zip(*(tanh_sinh(shares, low, high) for low, high in zip(cuts, cuts[1:])))]
     return Answer(sinkage, *(r * b * s for s in sums))
