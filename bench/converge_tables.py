@@ -27,9 +27,13 @@ def mean(rows, key):
     return sum(row[key] for row in rows) / len(rows)
 
 
+TOLD = 2e-3          # a smaller error is not told from the average over a way of whole posts
+
+
 def order(errors):
-    """The slope of log error against log spacing, by least squares. errors: {spacing: error}. Errors below 0.01 % count as that."""
-    points = [(math.log(d), math.log(max(abs(e), 1e-4))) for d, e in errors.items()]
+    """The slope of log error against log spacing, by least squares over errors that are not too small to tell; None: fewer than three are.
+    errors: {spacing: error}."""
+    points = [(math.log(d), math.log(abs(e))) for d, e in errors.items() if abs(e) >= TOLD]
     if len(points) < 3:
         return None
     x, y = (sum(p[k] for p in points) / len(points) for k in (0, 1))
@@ -75,7 +79,7 @@ def convergence(rows, title, closed_key="closed", keys=PARTS):
         unit = {"sinkage": "mm", "torque": "N m", "rim": "l/m"}.get(key, "N")
         name = {"side": "side force, of the load", "fz": "fz, of the load"}.get(key, key)
         shown = f"{scaled(key, reference):.4g}" if key != "rim" else "(finest)"
-        lines.append([f"{name}, {unit}", shown if key != "side" else "0", *cells, "" if slope is None or key in ("fz", "side") else f"{slope:.2f}"])
+        lines.append([f"{name}, {unit}", shown if key != "side" else "0", *cells, "" if key in ("fz", "side") else "too small" if slope is None else f"{slope:.2f}"])
     return f"{title}\n\n" + table(["", "closed form", *(millimetres(d) for d in spacings), "order"], lines)
 
 
@@ -120,9 +124,12 @@ def order_gate(key):
         slopes = {}
         for (soil,), of in grouped([row for row in rows if row["rim_of"] == "none"], "soil").items():
             errors = {d: worst(at(of, d), key, lambda row: row["closed"][key]) for d in {row["spacing"] for row in of}}
-            slopes[soil] = order(errors) or 0.0
-        soil = min(slopes, key=slopes.get)
-        return f"without a rim: {key} of order 1 or more", slopes[soil] >= 1, f"{slopes[soil]:.2f}, {soil}"
+            slope = order(errors)
+            slopes[soil] = (math.inf if slope is None else slope), max(map(abs, errors.values()))
+        soil = min(slopes, key=lambda soil: slopes[soil][0])
+        least, most = slopes[soil]
+        figure = f"{least:.2f}, {soil}" if least < math.inf else f"at most {most * 100:.2f} % at every spacing"
+        return f"without a rim: {key} of order 1 or more", least >= 1, figure
     return found
 
 

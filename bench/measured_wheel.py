@@ -37,7 +37,7 @@ def trials_of(path):
         slip = trial["slip"]
         trial["rim"] = max(trial["way_mm_s"] * (1 + slip if slip < 0 else 1 / (1 - slip)), 0.0)
         same = [other["slip"] for other in found if other["rim_mm_s"] == trial["rim_mm_s"] and other["slip_angle_deg"] == trial["slip_angle_deg"]]
-        trial["setting"] = round(sum(same) / len(same), 2)
+        trial["setting"] = round(sum(same) / len(same), 2) + 0.0
     return found
 
 
