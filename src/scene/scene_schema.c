@@ -247,7 +247,7 @@ static const struct scene_limit limits[] = {
 	{"objects[].path.speed", 0, 10000, true, NULL, "m/s", NAN, NULL},
 	{"objects[].sink", 0, 1000, false, NULL, "m", 0, NULL},
 	{"objects[].load", 0, 1e9, true, NULL, "N", NAN, "none: sink"},
-	{"objects[].slip", -0.99, 0.99, false, NULL, NULL, 0, NULL},
+	{"objects[].slip", -1000, 0.99, false, NULL, NULL, 0, NULL},
 	{"output.forces", 0, 1e6, false, NULL, "1/s", 0, NULL},
 	{"output.delay", 0, 64, false, NULL, "steps", 2, NULL},
 	{"view.size[]", 1, 8192, false, NULL, "pixels", NAN, "1280, 720"},
