@@ -84,6 +84,7 @@ class SoilRasters(FurrowTest):
         halves_of = {"bekker_kc": (500, 4000), "bekker_kphi": (900000, 3000000), "bekker_n": (1, 2), "friction_angle": (20, 35),
                      "janosi_shear": (1, 3), "elastic_stiffness": (2 * 10 ** 4, 6 * 10 ** 4)}
         numbers = ("fx", "fz", "tx", "z")
+        _, plain, _ = self.driven("{name: dry_sand}", "--set", "end_time=1")
         for key, (west, east) in halves_of.items():
             if max(west, east) > 65535:
                 if not has_gdal():
@@ -97,6 +98,7 @@ class SoilRasters(FurrowTest):
             for name, number in (("west", west), ("east", east)):
                 _, alone, _ = self.driven(own(**{key: number}), "--set", "end_time=1")
                 self.assertGreater(len(found[name]), 5)
+                self.assertNotEqual(alone[name], plain[name], key)
                 for row, expected in zip(found[name], alone[name]):
                     # The tangent of an angle is the driver's.
                     for column in numbers:
