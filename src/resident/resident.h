@@ -143,8 +143,8 @@ enum status resident_soil_map_at(struct soil_map *map, int level, int64_t x, int
 /*
  * --- rasters of soil numbers ---
  *
- * Rasters whose values are numbers of the soil: cohesion, friction angle. A number is kept at each post as a byte for each raster:
- * 0 where the raster has no value, otherwise a level from 1 to 255, from the raster's least value to its greatest.
+ * Rasters whose values are numbers of the soil: cohesion, friction angle. A post keeps a byte for each raster. 0: the raster has
+ * no value there. 1 to 255: levels from the raster's least value to its greatest.
  */
 struct soil_rasters;
 

@@ -17,26 +17,27 @@ static struct scene_parameter parameter_of(enum deform_number number)
 	return parameter;
 }
 
-/* Checks that the soils carry the objects, also where rasters have their least numbers. */
-static enum status check_bearings(const struct world *world)
+/* Sets the numbers on which bearing depends to the least that a post of this soil may have. */
+static void take_least(const struct world *world, struct deform_soil *soil)
 {
-	const struct scene *scene = world->scene;
 	struct deform_raster rasters[DEFORM_RASTERS];
 	int count = world_rasters(world, rasters);
-	for (int i = 0; i < scene->soil_count; i++) {
-		struct deform_soil soil = scene->soils[i];
-		for (int k = 0; k < count; k++) {
-			double *number = deform_number_in(&soil, rasters[k].number);
-			bool bears = rasters[k].number == DEFORM_BEKKER_KC || rasters[k].number == DEFORM_BEKKER_KPHI;
-			*number = bears ? fmin(*number, rasters[k].low) : *number;
-		}
-		for (size_t k = 0; k < scene->object_count; k++) {
-			double width, modulus = scene_soil_modulus(&soil, &scene->objects[k].shape, &width);
-			if (!(modulus > 0))
-				return fail_with(STATUS_INPUT, "soil.rasters: bekker_kc / b + bekker_kphi is as low as %.4g under %s; it must be "
-							       "above 0; raise the least values of the rasters",
-						 modulus, scene->objects[k].name);
-		}
+	for (int i = 0; i < count; i++) {
+		double *number = deform_number_in(soil, rasters[i].number);
+		if (rasters[i].number == DEFORM_BEKKER_KC || rasters[i].number == DEFORM_BEKKER_KPHI)
+			*number = fmin(*number, rasters[i].low);
+	}
+}
+
+enum status world_check_bearing(const struct world *world, const char *name, const struct deform_shape *shape)
+{
+	for (int i = 0; world->soil_rasters != NULL && i < world->scene->soil_count; i++) {
+		struct deform_soil soil = world->scene->soils[i];
+		take_least(world, &soil);
+		double width, modulus = scene_soil_modulus(&soil, shape, &width);
+		if (!(modulus > 0))
+			return fail_with(STATUS_INPUT, "soil.rasters: bekker_kc / b + bekker_kphi is as low as %.4g under %s; it must be above "
+						       "0; raise the least values of the rasters", modulus, name);
 	}
 	return STATUS_OK;
 }
@@ -64,7 +65,9 @@ enum status world_open_rasters(struct world *world)
 		};
 	}
 	enum status status = resident_soil_rasters_open(&params, &world->soil_rasters);
-	return status == STATUS_OK ? check_bearings(world) : status;
+	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++)
+		status = world_check_bearing(world, scene->objects[i].name, &scene->objects[i].shape);
+	return status;
 }
 
 int world_rasters(const struct world *world, struct deform_raster *rasters)
