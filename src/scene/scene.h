@@ -195,8 +195,8 @@ struct scene_setting {
 enum scene_reader { SCENE_COMMAND, SCENE_HOST };
 
 /* Reads a scene from a file of at most 1 MiB. Applies the settings in their order. Values of settings are YAML; the value
- * `null` removes a key. Then reads the files that the scene names: poses (at most 256 MiB each), meshes, the map and the rasters of
- * the soil (at most 1 GiB each). STATUS_INPUT: the message tells what is wrong, and where. */
+ * `null` removes a key. Then reads the files that the scene names: poses (at most 256 MiB each) and meshes. A map and
+ * rasters of the soil (at most 1 GiB each) are hashed. STATUS_INPUT: the message tells what is wrong, and where. */
 enum status scene_load(const char *path, const struct scene_setting *settings, size_t count,
 		       struct scene **out) FURROW_CHECKED;
 enum status scene_load_file(const char *path, const struct scene_setting *settings, size_t count,
