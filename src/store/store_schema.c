@@ -3,7 +3,7 @@
  * never run.
  *
  * A store of version 3 has the same tables. Its `shear` is a length that only grew; now it is a vector that ends with the contact. So
- * all of it counts as none: a reader sees an empty table in its place, and a writer empties it and makes the store one of version 4.
+ * all of it counts as none. A reader sees an empty table in its place. A writer empties it, and makes the store one of version 4.
  */
 #include "store/internal.h"
 
