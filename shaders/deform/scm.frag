@@ -12,7 +12,7 @@
 
 layout(binding = 3, r32i) uniform restrict iimage2DArray offsets;
 layout(binding = 4, r32i) uniform restrict iimage2DArray sinkages;
-layout(binding = 5, r16ui) uniform restrict uimage2DArray shears;
+layout(binding = 5, r32i) uniform restrict iimage2DArray shears;
 layout(binding = 6, r8ui) uniform writeonly restrict uimage2DArray contacts;
 layout(binding = 7, r32i) uniform writeonly restrict iimage2DArray carries;
 
@@ -44,6 +44,15 @@ layout(std430, binding = 3) restrict buffer standings {
 };
 #endif
 
+// Tells whether the object was at most two posts' spacing above the surface. So it may have been in contact before, or comes next:
+// then shear that is left there from another contact ends. Otherwise it is that of another object, below this one.
+bool is_near(int x, int y, ground g, object o)
+{
+	ivec3 post = ivec3(x, y, zero.z);
+	int surface = g.height - imageLoad(heaps, post).r + imageLoad(offsets, post).r;
+	return o.lowest != UNDER_NONE && g.base != BASE_NODATA && o.lowest - surface < int(min(scale.y * 2097152.0, 1e9));
+}
+
 void main()
 {
 	int y = row_of_pass();
@@ -65,7 +74,9 @@ void main()
 			imageStore(contacts, ivec3(x, y, zero.z), uvec4(HOLE));
 	int first = shadow.z, last = shadow.x;
 	for (int x = shadow.x; x < shadow.z && y >= shadow.y && y < shadow.w; x++) {
-		bool touches = may_touch(ground_at(x, y), object_at(x, y, raised));
+		ground g = ground_at(x, y);
+		object o = object_at(x, y, raised);
+		bool touches = may_touch(g, o) || imageLoad(shears, ivec3(x, y, zero.z)).r != 0 && is_near(x, y, g, o);
 		first = touches ? min(first, x) : first;
 		last = touches ? x + 1 : last;
 	}
@@ -86,10 +97,11 @@ void main()
 		bearing b = bearing_of(s, by_width, normal_of(west, g, east, ground_at(x, y - 1), ground_at(x, y + 1)), g, o, at, before);
 		over += uint(b.refused);
 		total_add(lost, before.offset - b.after.offset - b.carried);
+		if (b.after.shear != before.shear && (b.held || is_near(x, y, g, o)))
+			imageStore(shears, post, ivec4(b.after.shear));
 		if (b.touched) {
 			imageStore(offsets, post, ivec4(b.after.offset));
 			imageStore(sinkages, post, ivec4(b.after.sinkage));
-			imageStore(shears, post, uvec4(b.after.shear));
 			imageStore(contacts, post, uvec4(LOWERED | (b.held ? HELD : 0u)));
 			imageStore(carries, post, ivec4(b.carried));
 		}

@@ -6,7 +6,7 @@ const int CARRIED_MOST = 1 << 23;
 // What a post remembers, in the units of its planes.
 struct post_state {
 	int offset, heap, sinkage;
-	uint shear;
+	int shear; // mobilised shear: two halves of 16 bits, 2^-15, to the east and (high) to the north
 };
 
 struct bearing {
@@ -19,6 +19,38 @@ struct bearing {
 	vec3 stress;        // of the soil on the object, Pa: times the post's area it is a force
 	float stiff;        // how its vertical part grows with the sinkage, Pa/m
 };
+
+vec2 shear_of(int post)
+{
+	return vec2(bitfieldExtract(post, 0, 16), bitfieldExtract(post, 16, 16)) * exp2(-15.0);
+}
+
+int shear_post(vec2 shear)
+{
+	ivec2 whole = ivec2(round(clamp(shear * 32768.0, -32767.0, 32767.0)));
+	return (whole.x & 0xffff) | whole.y << 16;
+}
+
+// Vectors along a surface, as they are kept: turned into the level by the shortest way, so that none changes its length when the
+// surface turns under a wheel.
+vec2 levelled(vec3 along, vec3 n)
+{
+	return along.xy - n.xy * (along.z / (1.0 + n.z));
+}
+
+vec3 tilted(vec2 level, vec3 n)
+{
+	float down = dot(n.xy, level);
+	return vec3(level - n.xy * (down / (1.0 + n.z)), -down);
+}
+
+// Mobilised shear e, after the surface above slid along it by `along`, in units of the shear modulus: de = d(along) - e |d(along)|.
+// From rest that is Janosi's 1 - exp(-j / K). It is exact on a straight way, however that is cut into contacts.
+vec2 sheared(vec2 before, vec2 along)
+{
+	float way = length(along), stays = exp2(-1.442695 * min(way, 100.0));
+	return before * stays + along * ((1.0 - stays) / max(way, 1e-30));
+}
 
 // n: normal of the ground; at: the post under the object, from its centre, m.
 bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, vec3 at, post_state before)
@@ -40,16 +72,13 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, vec3 at, 
 
 	vec3 surface = way_of_surface(at);
 	vec3 along = surface - dot(surface, n) * n;
-	float slid = length(along);
 	if (b.touched) {
 		b.after.offset = before.heap - b.sunk;
 		b.after.sinkage = a.most;
-		b.after.shear = b.held ? min(before.shear + uint(round(min(slid, 1.0) * 65536.0)), 65535u) : before.shear;
 	}
+	b.after.shear = b.held ? shear_post(sheared(shear_of(before.shear), levelled(along, n) * s.b.z)) : 0;
 	b.normal = a.stress + damped(s, at, n);
-	float mobilised = 1.0 - exp2(-min(float(b.after.shear) * s.b.z * (1.442695 / 65536.0), 100.0));
-	float tangent = (s.b.x + b.normal * s.b.y) * mobilised;
-	b.stress = b.normal * n - (slid > 1e-9 ? tangent / slid : 0.0) * along;
+	b.stress = b.normal * n - (s.b.x + b.normal * s.b.y) * tilted(shear_of(b.after.shear), n);
 	b.stiff = a.stiff * n.z * n.z;
 	return b;
 }

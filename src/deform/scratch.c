@@ -43,7 +43,7 @@ static void add(struct rows *rows, bool wanted, struct row row)
 
 static enum gpu_format format_of(enum plane plane)
 {
-	return plane_bytes(plane) == 1 ? GPU_R8UI : plane_bytes(plane) == 2 ? GPU_R16UI : GPU_R32I;
+	return plane_bytes(plane) == 1 ? GPU_R8UI : GPU_R32I;
 }
 
 /* The only list of the textures: deform_need_layers makes them, and deform_scratch_plan plans them. */

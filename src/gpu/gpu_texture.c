@@ -19,7 +19,6 @@ struct format {
 
 static const struct format formats[] = {
 	[GPU_R32I] = {GL_R32I, GL_RED_INTEGER, GL_INT, 4},
-	[GPU_R16UI] = {GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT, 2},
 	[GPU_R8UI] = {GL_R8UI, GL_RED_INTEGER, GL_UNSIGNED_BYTE, 1},
 	[GPU_R8] = {GL_R8, GL_RED, GL_UNSIGNED_BYTE, 1},
 	[GPU_R16] = {GL_R16, GL_RED, GL_UNSIGNED_SHORT, 2},

@@ -8,7 +8,7 @@
 
 #include "base/json.h"
 
-#define VERSION 2
+#define VERSION 3
 #define SUM_MOST (INT64_MAX / 4) /* so that sums and differences are still numbers */
 
 size_t world_record_bytes(size_t objects)

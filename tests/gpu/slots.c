@@ -174,7 +174,7 @@ static void state_planes_are_those_of_the_working_level(void **state)
 	assert_ok(staged_upload_planes(test_gpu, slots, CELLS, 0, (const void *const *)tile.planes));
 	gpu_slots_bytes(slots, &bytes);
 	assert_int_equal(bytes.planes[PLANE_PLASTIC_SINKAGE], TILE * 4);
-	assert_int_equal(bytes.planes[PLANE_SHEAR], TILE * 2);
+	assert_int_equal(bytes.planes[PLANE_SHEAR], TILE * 4);
 
 	/* A coarser tile that takes over such a deform slot shows nothing of it. */
 	gpu_slots_undeform(slots, 0);

@@ -158,11 +158,9 @@ static void change_page(struct rig *rig, uint32_t slot, uint32_t x, uint32_t y)
 		for (int i = 0; i < POSTS; i++) {
 			int px = i % (CELLS + 1), py = i / (CELLS + 1);
 			bool inside = px > 0 && py > 0 && px < CELLS && py < CELLS;
-			uint32_t value = inside ? random_word() & 0x7fffffff : 0;
+			uint32_t value = inside ? random_word() & (plane == PLANE_SHEAR ? 0x7fff7fff : 0x7fffffff) : 0;
 			if (plane_bytes((enum plane)plane) == 1)
 				((uint8_t *)truth[y][x][plane])[i] = (uint8_t)value;
-			else if (plane_bytes((enum plane)plane) == 2)
-				((uint16_t *)truth[y][x][plane])[i] = (uint16_t)value;
 			else
 				truth[y][x][plane][i] = (int32_t)value;
 		}
@@ -176,9 +174,7 @@ static int32_t truth_at(enum plane plane, int64_t x, int64_t y)
 	const uint32_t tx = (uint32_t)(x / CELLS < SIDE ? x / CELLS : SIDE - 1), ty = (uint32_t)(y / CELLS < SIDE ? y / CELLS : SIDE - 1);
 	const int64_t i = (y - ty * CELLS) * (CELLS + 1) + x - tx * CELLS;
 	const int32_t *posts = truth[ty][tx][plane];
-	return plane_bytes(plane) == 1   ? ((const uint8_t *)posts)[i]
-	       : plane_bytes(plane) == 2 ? ((const uint16_t *)posts)[i]
-					 : posts[i];
+	return plane_bytes(plane) == 1 ? ((const uint8_t *)posts)[i] : posts[i];
 }
 
 static double posts[257 * 257], base[257 * 257];
@@ -195,7 +191,9 @@ static void check_posts(struct newest *newest, struct post_rect rect, enum store
 		if (finer > 0 && (x % 2 != 0 || y % 2 != 0))
 			continue;
 		int32_t post = finer > 0 ? truth_at(plane, x / 2, y / 2) : truth_at(plane, x << -finer, y << -finer);
-		double value = layer == STORE_UNITS ? post : plane_value(plane, post);
+		double value = layer == STORE_UNITS    ? post
+			       : plane == PLANE_SHEAR ? ldexp(plane_shear(post, store_shear_part(layer)), -PLANE_SHEAR_BITS)
+						      : plane_value(plane, post);
 		assert_true(posts[i] == (surface ? base[i] + value : value));
 	}
 }
@@ -211,10 +209,12 @@ static void check_newest(struct newest *newest)
 	check_posts(newest, all, STORE_DEPOSITED, PLANE_DEPOSITED, 0);
 	check_posts(newest, some, STORE_PLASTIC_SINKAGE, PLANE_PLASTIC_SINKAGE, 0);
 	check_posts(newest, all, STORE_SHEAR, PLANE_SHEAR, 0);
+	check_posts(newest, some, STORE_SHEAR_EAST, PLANE_SHEAR, 0);
+	check_posts(newest, all, STORE_SHEAR_NORTH, PLANE_SHEAR, 0);
 	check_posts(newest, half, STORE_SURFACE, PLANE_OFFSET, -1);
 	check_posts(newest, half, STORE_SOIL, PLANE_DISTURBANCE, -1);
 	check_posts(newest, some, STORE_SURFACE, PLANE_OFFSET, 1);
-	check_posts(newest, some, STORE_SHEAR, PLANE_SHEAR, 1);
+	check_posts(newest, some, STORE_SHEAR_NORTH, PLANE_SHEAR, 1);
 	assert_int_equal(resident_read_posts(newest, STORE_SHEAR, LEVEL + 1, half, posts), STATUS_INPUT);
 	/* Outside there is nothing. */
 	must(resident_read_posts(newest, STORE_OFFSET, LEVEL, (struct post_rect){-3, 255, 0, 259}, posts));

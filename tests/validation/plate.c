@@ -127,8 +127,8 @@ static void a_dragged_plate_is_held_back_by_that_shear(void **state)
 		fresh += reference_janosi(&soil, PRESSURE, way) * spacing;
 		if (step == 2 || step == 8) {
 			double wanted = (fresh + reference_janosi(&soil, PRESSURE, way) * (length - way)) / length;
-			/* Half a step of it is lost at most, each time; and of the load what it is found to. */
-			double off = step * kind->shear_quantum / 2 / way + kind->stress + kind->quantum * soil.bekker_n / lower;
+			/* Half a unit of shear is lost at most, each time; and of the load what it is found to. */
+			double off = step * kind->shear_quantum / 2 / (1 - exp(-way / soil.janosi_shear)) + kind->stress + kind->quantum * soil.bekker_n / lower;
 			char what[64];
 			snprintf(what, sizeof what, "shear per area after %g m, Pa", way);
 			bed_near(what, -forces.force[0] / forces.area, wanted, 5e-5 + off);

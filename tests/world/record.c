@@ -121,7 +121,7 @@ static void steps_and_times_that_are_none_are_refused(void **state)
 static void any_value_that_is_not_what_it_must_be_is_refused(void **state)
 {
 	static const struct { const char *from, *to; } changes[] = {
-		{"\"version\":2", "\"version\":1"}, {"\"version\":2", "\"version\":\"2\""}, {"\"version\":2,", ""},
+		{"\"version\":3", "\"version\":2"}, {"\"version\":3", "\"version\":\"3\""}, {"\"version\":3,", ""},
 		{"\"level\":\"-3\"", "\"level\":-3"}, {"\"-3\"", "\"-15\""}, {"\"-3\"", "\"29\""}, {"\"-3\"", "\"\""},
 		{"\"-3\"", "\"-\""}, {"\"-3\"", "\" -3\""}, {"\"-3\"", "\"-3x\""}, {"\"-3\"", "null"},
 		{"\"ended\":true", "\"ended\":1"}, {"\"ended\":true", "\"ended\":\"true\""}, {"\"ended\"", "\"Ended\""},
@@ -155,7 +155,7 @@ static void any_value_that_is_not_what_it_must_be_is_refused(void **state)
 			 at + strlen(changes[i].from));
 		refused(changed, 1, 1, &scene);
 	}
-	for (const char *other[] = {"", "null", "[]", "{}", "1", "{\"version\":2}", NULL}, **at = other; *at != NULL; at++)
+	for (const char *other[] = {"", "null", "[]", "{}", "1", "{\"version\":3}", NULL}, **at = other; *at != NULL; at++)
 		refused(*at, 1, 1, &scene);
 	mem_free(text);
 }

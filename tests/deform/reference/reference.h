@@ -39,7 +39,8 @@ struct reference_ground {
 	struct post_rect written; /* posts of the field: spreading and sliding stay within */
 	double *base, *offset;    /* surface: base + offset */
 	double *heaped;           /* scm: undisturbed surface: base + heaped */
-	double *pressed, *shear;  /* scm: largest sinkage along the normal, shear displacement; so far */
+	double *pressed;          /* scm: largest sinkage along the normal, so far */
+	double *shear[2];         /* scm: mobilised shear to the east and to the north, shares of the soil's strength */
 	double *carried;          /* what the last press has lifted and not yet laid down, of height */
 	uint8_t *contact;         /* of the last press */
 	bool *hole;

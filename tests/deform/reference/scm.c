@@ -140,21 +140,50 @@ double reference_scm_normal(const struct reference_ground *ground, const struct 
 	return sum;
 }
 
-/* The stresses of one post, on the object; and the shear that the contact added. */
+/* A vector turned about a level axis by the angle that turns the first of two unit vectors, the vertical or a normal, to the other:
+ * Rodrigues's formula. */
+static struct vector turned_with(struct vector v, struct vector from, struct vector to)
+{
+	struct vector axis = cross(from, to);
+	double sine = sqrt(dot(axis, axis)), cosine = dot(from, to);
+	if (sine < 1e-15)
+		return v;
+	axis = (struct vector){axis.x / sine, axis.y / sine, axis.z / sine};
+	struct vector beside = cross(axis, v);
+	double along = dot(axis, v) * (1 - cosine);
+	return (struct vector){v.x * cosine + beside.x * sine + axis.x * along, v.y * cosine + beside.y * sine + axis.y * along,
+			       v.z * cosine + beside.z * sine + axis.z * along};
+}
+
+/* The object's surface moved by `along` over the post. Soil sheared by e, in units of K, gives way: de = dj - e |dj|. So e nears the
+ * direction of the way, and what it lacks of that falls by a factor of exp for each K. */
+static struct vector shear_further(struct reference_ground *ground, int at, struct vector normal, struct vector along, double modulus)
+{
+	const struct vector up = {0, 0, 1};
+	double way = sqrt(dot(along, along)), lacks = exp(-way / modulus);
+	struct vector e = turned_with((struct vector){ground->shear[0][at], ground->shear[1][at], 0}, up, normal);
+	if (way > 0)
+		e = (struct vector){along.x / way + (e.x - along.x / way) * lacks, along.y / way + (e.y - along.y / way) * lacks,
+				    along.z / way + (e.z - along.z / way) * lacks};
+	struct vector level = turned_with(e, normal, up);
+	ground->shear[0][at] = level.x;
+	ground->shear[1][at] = level.y;
+	return e;
+}
+
+/* The stresses of one post, on the object; and how the contact sheared it. */
 static void add_forces(struct reference_ground *ground, const struct deform_soil *soil, const struct deform_contact *sweep,
 		       int at, double rest, const struct post *post, struct reference_forces *forces)
 {
 	struct vector arm = from_centre(ground, sweep, at, rest), way = way_at(sweep, sweep->turned, arm);
 	double into = dot(way, post->normal), area = ground->spacing * ground->spacing;
 	struct vector along = {way.x - into * post->normal.x, way.y - into * post->normal.y, way.z - into * post->normal.z};
-	double moved = sqrt(dot(along, along));
-	ground->shear[at] += moved;
-	double stress = post->stress + post->damping;
-	double shear = moved > 0 ? reference_janosi(soil, stress, ground->shear[at]) / moved : 0;
+	struct vector sheared = shear_further(ground, at, post->normal, along, soil->janosi_shear);
+	double stress = post->stress + post->damping, shear = reference_janosi(soil, stress, INFINITY);
 	struct vector force = {
-		(stress * post->normal.x - shear * along.x) * area,
-		(stress * post->normal.y - shear * along.y) * area,
-		(stress * post->normal.z - shear * along.z) * area,
+		(stress * post->normal.x - shear * sheared.x) * area,
+		(stress * post->normal.y - shear * sheared.y) * area,
+		(stress * post->normal.z - shear * sheared.z) * area,
 	};
 	struct vector moment = cross(arm, force);
 	forces->force[0] += force.x;
@@ -168,6 +197,19 @@ static void add_forces(struct reference_ground *ground, const struct deform_soil
 	forces->sinkage = fmax(forces->sinkage, post->sinkage);
 }
 
+/* Where the object was, but no longer is in contact, the shear ends. What is two posts' spacing below it has to do with another. */
+static void end_shear(struct reference_ground *ground, const struct deform_soil *soil, double stiffness, const struct deform_contact *sweep,
+		      const double *under, const double *rest, double lower)
+{
+	for (int i = 0; i < ground->width * ground->height; i++) {
+		double lowest = fmin(under[i], rest[i]) - lower;
+		if (ground->hole[i] || !(lowest - ground->base[i] - ground->offset[i] < 2 * ground->spacing))
+			continue;
+		if (!post_of(ground, soil, stiffness, sweep, i, under[i], rest[i], lower).held)
+			ground->shear[0][i] = ground->shear[1][i] = 0;
+	}
+}
+
 void reference_scm(struct reference_ground *ground, const struct deform_soil *soil, double bulldozing,
 		   const struct deform_contact *sweep, const double *under, const double *rest, double lower,
 		   struct reference_forces *forces)
@@ -175,6 +217,7 @@ void reference_scm(struct reference_ground *ground, const struct deform_soil *so
 	double stiffness = reference_stiffness(soil, breadth(ground, sweep->shape, rest, lower));
 	double n = soil->bekker_n, area = ground->spacing * ground->spacing;
 	*forces = (struct reference_forces){0};
+	end_shear(ground, soil, stiffness, sweep, under, rest, lower);
 	for (int i = 0; i < ground->width * ground->height; i++) {
 		ground->contact[i] = 0;
 		ground->carried[i] = 0;
