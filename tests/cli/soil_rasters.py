@@ -159,6 +159,19 @@ class SoilRasters(FurrowTest):
         self.assertEqual(told, [{"number": "cohesion", "file": str(self.folder / "c.png"), "unit": "Pa", "range": [200, 5280], "step": 20}])
         self.assertEqual(self.json("explain", scene)["rasters"], [])  # over no store
 
+    def test_a_raster_in_a_wrong_unit_is_told(self):
+        self.png("one.png", 0, 1)
+        self.png("right.png", 20, 200)
+        for rasters_of, notes in (({"friction_angle": "one.png"}, "soil.rasters.friction_angle: {} has at most 1 degrees, which is less than soils have, "
+                                                                  "and probably in radians; give degrees"),
+                                  ({"cohesion": "one.png"}, "soil.rasters.cohesion: {} has at most 1 Pa, which is less than soils have, and probably "
+                                                            "in kPa; give Pa"),
+                                  ({"cohesion": "right.png", "bekker_n": "right_n.png"}, None)):
+            write_png16(self.folder / "right_n.png", POSTS, POSTS, lambda x, y: 1)
+            scene = self.scene(SCENE.format(model="scm", soil=beside(**rasters_of)))
+            told = [note for note in self.json("explain", scene, "--store", "hills.furrow")["notes"] if note.startswith("soil.rasters")]
+            self.assertEqual(told, [notes.format(self.folder / "one.png")] if notes else [])
+
     def test_a_changed_raster_is_another_scene(self):
         self.png("c.png", 100, 2000)
         scene = self.scene(SCENE.format(model="scm", soil=beside(cohesion="c.png")))
