@@ -4,6 +4,7 @@
 #include <assert.h>
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "deform/internal.h"
 
@@ -25,8 +26,8 @@ static void define(struct deform_request *out, const char *name, bool wanted)
 
 static void define_number(struct deform_request *out, const char *name, int number)
 {
-	int length = snprintf(out->own, sizeof out->own, "%s %d", name, number);
-	assert(length > 0 && (size_t)length < sizeof out->own);
+	assert(strlen(name) + sizeof " 2147483647" <= sizeof out->own);
+	snprintf(out->own, sizeof out->own, "%s %d", name, number);
 	define(out, out->own, true);
 }
 
