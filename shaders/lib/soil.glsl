@@ -4,7 +4,8 @@
 // Heights are fixed-point units (2^-20 m) from the object's centre as prescribed; stress is Pa.
 // Defines:
 // - SOIL_MAP: posts differ in their soil
-// - SOIL_RASTERS: some numbers differ from post to post
+// - SOIL_RASTERS: some numbers differ from post to post. Its value says which, three bits for each byte of a post: 0: none;
+//   otherwise 1 + the number as in enum deform_number
 
 #include "lib/window.glsl"
 
@@ -33,7 +34,7 @@ layout(std140, binding = 0) uniform params {
 	vec4 load;     // N; how deep the object may sink below its first contact, fixed-point units; number of the loaded body, from 1; 0: none
 	soil soils[SOILS];
 #ifdef SOIL_RASTERS
-	vec4 rasters[4]; // of the bytes in `numbers`: least and greatest value, step between levels; which number, -1: none
+	vec4 rasters[4]; // of the bytes in `numbers`: least and greatest value, step between levels; SI, angles in radians
 #endif
 };
 
@@ -91,7 +92,7 @@ vec3 normal_of(ground west, ground at, ground east, ground south, ground north)
 }
 
 #ifdef SOIL_RASTERS
-// Replaces a number of a soil. `number`: as enum deform_number of the library. SI, angles in radians.
+// Replaces a number of a soil. `number` is known when the program is compiled, so the other cases cost nothing.
 void soil_set(inout soil s, int number, float value)
 {
 	if (number == 0)
@@ -109,6 +110,12 @@ void soil_set(inout soil s, int number, float value)
 	else if (number == 6)
 		s.a.w = 1.0 / value;
 }
+
+void soil_take(inout soil s, int number, uint level, vec4 raster)
+{
+	if (level != 0u)
+		soil_set(s, number, level == 255u ? raster.y : raster.x + raster.z * float(level - 1u));
+}
 #endif
 
 soil soil_at(int x, int y)
@@ -120,11 +127,10 @@ soil soil_at(int x, int y)
 #endif
 #ifdef SOIL_RASTERS
 	uvec4 levels = texelFetch(numbers, ivec3(x, y, zero.z), 0);
-	for (int i = 0; i < 4; i++) {
-		uint level = levels[i];
-		if (level != 0u)
-			soil_set(s, int(rasters[i].w), level == 255u ? rasters[i].y : rasters[i].x + rasters[i].z * float(level - 1u));
-	}
+	soil_take(s, (SOIL_RASTERS & 7) - 1, levels.x, rasters[0]);
+	soil_take(s, (SOIL_RASTERS >> 3 & 7) - 1, levels.y, rasters[1]);
+	soil_take(s, (SOIL_RASTERS >> 6 & 7) - 1, levels.z, rasters[2]);
+	soil_take(s, (SOIL_RASTERS >> 9 & 7) - 1, levels.w, rasters[3]);
 #endif
 	return s;
 }

@@ -78,7 +78,6 @@ static void fill_rasters(const struct deform_params *params, float rasters[DEFOR
 		rasters[i][0] = used ? (float)raster->low : 0;
 		rasters[i][1] = used ? (float)raster->high : 0;
 		rasters[i][2] = used ? (float)((raster->high - raster->low) / (DEFORM_LEVELS - 1)) : 0;
-		rasters[i][3] = used ? (float)raster->number : -1;
 	}
 }
 
