@@ -68,7 +68,7 @@ void main()
 		ground g = ground_at(x, y);
 		object o = object_at(x, y, raised);
 #ifdef FORCES
-		bool touches = may_touch(g, o) || may_bear(g, o, cell_at(x, y, o));
+		bool touches = may_touch(g, o) || may_bear(x, y, g, o);
 #else
 		bool touches = may_touch(g, o);
 #endif

@@ -77,56 +77,55 @@ bool covers(ivec2 post)
 	return all(greaterThanEqual(post, drawn.xy)) && all(lessThan(post, drawn.zw)) && imageLoad(rests, ivec3(post, zero.z)).r != UNDER_NONE;
 }
 
-// Returns what a post bears of a strip, in posts from it. at: its place across the strip; step: how far the next
-// post is.
-vec2 part_of(ivec2 post, ivec2 aside, float at, float size, float step)
+// Returns what a post bears of a strip, in posts from it. at: its place across the strip; step: how far the next post is. A post on the
+// strip's border counts as covered, as in the lower envelope.
+vec2 part_of(float at, float size, float step)
 {
-	bool below = covers(post - aside) || abs(at - step) < size - 1e-4 * step;
-	bool above = covers(post + aside) || abs(at + step) < size - 1e-4 * step;
-	return vec2(below ? -0.5 : max((-size - at) / step, -1.0), above ? 0.5 : min((size - at) / step, 1.0));
+	float covered = size + 1e-6 * size + 1e-7;
+	return vec2(abs(at - step) <= covered ? -0.5 : max((-size - at) / step, -1.0), abs(at + step) <= covered ? 0.5 : min((size - at) / step, 1.0));
+}
+
+// A wheel may pass between two posts. The nearer one bears it.
+bool between_posts()
+{
+	return heading.w == 0.0 && body.w > 0.0 && 2.0 * body.w < heading.z * scale.y;
 }
 
 cell cell_at(int x, int y, object o)
 {
-	ivec2 post = ivec2(x, y);
 	bool over = o.rests != UNDER_NONE, northward = abs(heading.y) > abs(heading.x);
 	vec2 side = vec2(-heading.y, heading.x);
-	ivec2 ahead = northward ? ivec2(0, heading.y < 0.0 ? -1 : 1) : ivec2(heading.x < 0.0 ? -1 : 1, 0);
-	ivec2 aside = northward ? ivec2(side.x < 0.0 ? -1 : 1, 0) : ivec2(0, side.y < 0.0 ? -1 : 1);
 	float step = heading.z * scale.y;
 	cell c = cell(place.xy + scale.y * vec2(x, y), vec2(0.0), over ? 1.0 : 0.0, vec2(0.0));
 	if (body.w > 0.0) {
 		float at = dot(c.at, side);
-		vec2 part = part_of(post, aside, at, body.w, step);
-		// A wheel may pass between two posts. The nearer one bears it.
-		bool between = !over && heading.w == 0.0 && 2.0 * body.w < step && abs(at - 1e-4 * step) <= 0.5 * step;
-		part = between ? vec2(-body.w - at, body.w - at) / step : over ? part : vec2(0.0);
+		vec2 part = part_of(at, body.w, step);
+		part = over ? part : between_posts() && abs(at - 1e-4 * step) <= 0.5 * step ? vec2(-body.w - at, body.w - at) / step : vec2(0.0);
 		c.share = max(part.y - part.x, 0.0);
-		c.middle = 0.5 * (part.x + part.y) * scale.y * vec2(aside);
+		c.middle = 0.5 * (part.x + part.y) * scale.y * (northward ? vec2(sign(side.x), 0.0) : vec2(0.0, sign(side.y)));
 	}
 	if (body.w > 0.0 && heading.w > 0.0) {
-		vec2 part = part_of(post, ahead, dot(c.at, heading.xy), heading.w, step);
+		vec2 part = part_of(dot(c.at, heading.xy), heading.w, step);
 		c.share *= max(part.y - part.x, 0.0);
-		c.middle += 0.5 * (part.x + part.y) * scale.y * vec2(ahead);
+		c.middle += 0.5 * (part.x + part.y) * scale.y * (northward ? vec2(0.0, sign(heading.y)) : vec2(sign(heading.x), 0.0));
 	}
 	if (body.x == POSTS_ONLY && over)
 		for (int k = 0; k < 2; k++) {
 			ivec2 next = k == 0 ? ivec2(1, 0) : ivec2(0, 1);
-			bool low = covers(post - next), high = covers(post + next);
-			int from = imageLoad(rests, ivec3(low ? post - next : post, zero.z)).r;
-			int to = imageLoad(rests, ivec3(high ? post + next : post, zero.z)).r;
+			bool low = covers(ivec2(x, y) - next), high = covers(ivec2(x, y) + next);
+			int from = imageLoad(rests, ivec3(ivec2(x, y) - (low ? next : ivec2(0)), zero.z)).r;
+			int to = imageLoad(rests, ivec3(ivec2(x, y) + (high ? next : ivec2(0)), zero.z)).r;
 			c.own[k] = float(to - from) * scale.x * (low && high ? 0.5 : 1.0);
 		}
 	return c;
 }
 
 // Returns false if the object surely does not touch a post's cell.
-bool may_bear(ground g, object o, cell c)
+bool may_bear(int x, int y, ground g, object o)
 {
-	bool over = o.rests != UNDER_NONE;
-	face f = face_at(c.at, vec2(0.0));
-	float depth = over ? float(g.height - o.rests) : float(g.height - o.raised) - f.height * 1048576.0;
+	face f = face_at(place.xy + scale.y * vec2(x, y), vec2(0.0));
+	float depth = o.rests != UNDER_NONE ? float(g.height - o.rests) : between_posts() ? float(g.height - o.raised) - f.height * 1048576.0 : -1e9;
 	// Over half a post the ground and the underside rise by at most about this.
 	float rise = body.x == POSTS_ONLY ? 0.0 : (1.25 * length(f.slope) + 0.6) * 0.75 / scale.x;
-	return g.base != BASE_NODATA && c.share > 0.0 && depth + rise > 0.0;
+	return g.base != BASE_NODATA && depth + rise > 0.0;
 }

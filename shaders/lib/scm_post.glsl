@@ -121,7 +121,7 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 		b.after.shear = b.held ? sheared(before.shear, slides * max(share, 0.0)) : before.shear;
 	}
 
-	// The part of the cell that bears: along a line on which the depth changes most. A post's own memory holds for its whole cell.
+	// The part of the cell that bears: along a line on which the depth changes most.
 	vec2 hill = -n.xy / n.z, grows = hill - post.slope;
 	bool wheel = body.x == ROUND && body.z == 0.0;
 	vec2 line = wheel || dot(grows, grows) < 1e-8 ? heading.xy : normalize(grows);
@@ -131,12 +131,15 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	float middle_depth = depth + dot(hill, c.middle) - middle_height + post.height;
 	float lowered = over && body.x != ROUND ? float(o.rests - o.lowest) * UNIT_METRES : 0.0;
 	float back = over ? moves.x + half_way : 1e3;
+	// What a post remembers holds for its cell: as a flat rut if the object has passed over it, and below one that hardly moves as an
+	// impression of its underside.
+	float stamped = before.sinkage > 0 ? max(1.0 - length(way.xy) / half_way, 0.0) : 0.0, rut = was / n.z - stamped * depth;
 	vec3 depths, mosts;
 	for (int k = 0; k < 3; k++) {
 		float at = float(k - 1) * half_way;
 		vec2 there = middle + at * line;
 		depths[k] = middle_depth + at * hill_rise - face_at(there, c.own).height + middle_height;
-		mosts[k] = max(was / n.z, depths[k] + lowered + lowered_at(there, back));
+		mosts[k] = max(rut + stamped * depths[k], depths[k] + lowered + lowered_at(there, back));
 	}
 	float most = max(mosts.x, max(mosts.y, mosts.z)) * n.z;
 	float stays = plastic_part(s, most, yield_stress(s, by_width, most)) / n.z;
@@ -150,7 +153,7 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 		vec2 there = middle + at * line;
 		face f = face_at(there, c.own);
 		float deep = middle_depth + at * hill_rise - f.height + middle_height;
-		float largest = max(was / n.z, deep + lowered + lowered_at(there, back));
+		float largest = max(rut + stamped * deep, deep + lowered + lowered_at(there, back));
 		pressure p = pressure_of(s, by_width, n.z * deep, n.z * largest);
 		vec3 normal = normal_at(n, f), arm = vec3(there, f.height + above);
 		float upright = load.w > 0.0 ? 1.0 : normal.z, weight = 0.5 * part / upright;

@@ -71,6 +71,7 @@ enum status reference_sweep(struct reference_ground *ground, const struct deform
 	double *under = mem_alloc(count, sizeof *under), *rest = mem_alloc(count, sizeof *rest), moved;
 	enum status status = STATUS_OK;
 	*forces = (struct reference_forces){0};
+	ground->ground_normals = params->ground_normals;
 	*lower = 0;
 	if (under == NULL || rest == NULL) {
 		status = fail_memory("reference");
