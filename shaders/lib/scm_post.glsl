@@ -86,6 +86,56 @@ vec2 between_roots(float half_way, vec3 depths, vec2 stays)
 	return vec2(low, max(low, high));
 }
 
+// A line across a cell, on which the depth of the underside changes most.
+struct across {
+	vec2 middle, line; // from the object's centre, m; a unit vector
+	float half_way;    // m
+	float ground;      // height of the ground at the middle, as the underside's heights; and its rise a metre of the line
+	float rise;
+};
+
+// depth: of the underside below the ground at the post, m, vertically.
+across line_across(vec3 n, cell c, face post, float depth)
+{
+	vec2 hill = -n.xy / n.z, grows = hill - post.slope;
+	bool wheel = body.x == ROUND && body.z == 0.0;
+	across l;
+	l.line = wheel || dot(grows, grows) < 1e-8 ? heading.xy : normalize(grows);
+	l.half_way = 0.5 * scale.y / (wheel ? heading.z : 1.0);
+	l.middle = c.at + c.middle;
+	l.ground = depth + post.height + dot(hill, c.middle);
+	l.rise = dot(hill, l.line);
+	return l;
+}
+
+vec2 place_on(across l, float at)
+{
+	return l.middle + at * l.line;
+}
+
+float depth_on(across l, float at, face f)
+{
+	return l.ground + at * l.rise - f.height;
+}
+
+float depth_at_post(ground g, object o, face post)
+{
+	return (o.rests != UNDER_NONE ? float(g.height - o.rests) : float(g.height - o.raised) - post.height * 1048576.0) * UNIT_METRES;
+}
+
+// Returns how deep the deepest place of a cell is, m, vertically; a little more.
+float deepest_in(vec3 n, ground g, object o, cell c)
+{
+	face post = face_at(c.at, c.own);
+	across l = line_across(n, c, post, depth_at_post(g, o, post));
+	float deepest = -1e9;
+	for (int k = -4; k <= 4; k++) {
+		float at = 0.25 * float(k) * l.half_way;
+		deepest = max(deepest, depth_on(l, at, face_at(place_on(l, at), c.own)));
+	}
+	return c.share > 0.0 ? deepest + 0.01 * scale.y : -1e9;
+}
+
 // n: normal of the ground.
 bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, post_state before)
 {
@@ -107,7 +157,7 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	// How far the surface slides over the post in the whole contact, and for how much of that it has been in contact.
 	bool over = o.rests != UNDER_NONE;
 	face post = face_at(c.at, c.own);
-	float depth = (over ? float(g.height - o.rests) : float(g.height - o.raised) - post.height * 1048576.0) * UNIT_METRES;
+	float depth = depth_at_post(g, o, post);
 	float above = over ? float(o.rests - o.raised) * UNIT_METRES - post.height : 0.0;
 	// Where no post remembers, the object is taken to have come as it moves now.
 	float share = contact_share(c.at, depth, was_plastic / n.z, post, over ? 1.0 : 1e3);
@@ -121,44 +171,39 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 		b.after.shear = b.held ? sheared(before.shear, slides * max(share, 0.0)) : before.shear;
 	}
 
-	// The part of the cell that bears: along a line on which the depth changes most.
-	vec2 hill = -n.xy / n.z, grows = hill - post.slope;
-	bool wheel = body.x == ROUND && body.z == 0.0;
-	vec2 line = wheel || dot(grows, grows) < 1e-8 ? heading.xy : normalize(grows);
-	float half_way = 0.5 * scale.y / (wheel ? heading.z : 1.0);
-	vec2 middle = c.at + c.middle;
-	float middle_height = face_at(middle, c.own).height, hill_rise = dot(hill, line);
-	float middle_depth = depth + dot(hill, c.middle) - middle_height + post.height;
+	// The part of the cell that bears.
+	across l = line_across(n, c, post, depth);
 	float lowered = over && body.x != ROUND ? float(o.rests - o.lowest) * UNIT_METRES : 0.0;
-	float back = over ? moves.x + half_way : 1e3;
+	float back = over ? moves.x + l.half_way : 1e3;
 	// What a post remembers holds for its cell: as a flat rut if the object has passed over it, and below one that hardly moves as an
 	// impression of its underside.
-	float stamped = before.sinkage > 0 ? max(1.0 - length(way.xy) / half_way, 0.0) : 0.0, rut = was / n.z - stamped * depth;
+	float stamped = before.sinkage > 0 ? max(1.0 - length(way.xy) / l.half_way, 0.0) : 0.0, rut = was / n.z - stamped * depth;
 	vec3 depths, mosts;
 	for (int k = 0; k < 3; k++) {
-		float at = float(k - 1) * half_way;
-		vec2 there = middle + at * line;
-		depths[k] = middle_depth + at * hill_rise - face_at(there, c.own).height + middle_height;
+		vec2 there = place_on(l, float(k - 1) * l.half_way);
+		depths[k] = depth_on(l, float(k - 1) * l.half_way, face_at(there, c.own));
 		mosts[k] = max(rut + stamped * depths[k], depths[k] + lowered + lowered_at(there, back));
 	}
 	float most = max(mosts.x, max(mosts.y, mosts.z)) * n.z;
 	float stays = plastic_part(s, most, yield_stress(s, by_width, most)) / n.z;
-	vec2 ends = between_roots(half_way, depths, vec2(mosts.x > max(depths.x, 0.0) + LEAST ? stays : 0.0,
+	vec2 ends = between_roots(l.half_way, depths, vec2(mosts.x > max(depths.x, 0.0) + LEAST ? stays : 0.0,
 							mosts.z > max(depths.z, 0.0) + LEAST ? stays : 0.0));
-	float part = b.refused || g.far ? 0.0 : c.share * (ends.y - ends.x) / (2.0 * half_way);
+	float part = b.refused || g.far ? 0.0 : c.share * (ends.y - ends.x) / (2.0 * l.half_way);
 	b.stress = b.moment = vec3(0.0);
 	b.normal = b.stiff = b.area = 0.0;
+	// Places ahead came into contact later. Of a post that has been in contact all the time, only its shear tells.
+	float lasts = over && share >= 1.0 ? clamp(float(before.shear) / 65536.0 / max(slides, 1e-9), 0.0, 1.0) : 1.0;
 	for (int k = 0; k < 2 && part > 0.0; k++) {
 		float at = 0.5 * (ends.x + ends.y) + (float(k) - 0.5) * 0.57735027 * (ends.y - ends.x);
-		vec2 there = middle + at * line;
+		vec2 there = place_on(l, at);
 		face f = face_at(there, c.own);
-		float deep = middle_depth + at * hill_rise - f.height + middle_height;
+		float deep = depth_on(l, at, f);
 		float largest = max(rut + stamped * deep, deep + lowered + lowered_at(there, back));
 		pressure p = pressure_of(s, by_width, n.z * deep, n.z * largest);
 		vec3 normal = normal_at(n, f), arm = vec3(there, f.height + above);
 		float upright = load.w > 0.0 ? 1.0 : normal.z, weight = 0.5 * part / upright;
 		slip slides_here = slip_at(arm, normal);
-		float later = dot(there - c.at, way.xy) / max(dot(way.xy, way.xy), 1e-12);
+		float later = dot(there - c.at, way.xy) / max(dot(way.xy, way.xy), 1e-12) * lasts;
 		float slid = float(before.shear) / 65536.0 + slides * max(share - later, 0.0);
 		float stress = p.stress + damped(s, arm, normal) * p.share * min(n.z * largest * s.b.z, 1.0);
 		float mobilised = 1.0 - exp2(-min(slid * s.b.z * 1.442695, 100.0));

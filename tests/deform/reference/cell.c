@@ -33,7 +33,7 @@ static struct vector axis_of(const struct deform_pose *pose, int k)
 {
 	double cy = cos(pose->yaw), sy = sin(pose->yaw), cp = cos(pose->pitch), sp = sin(pose->pitch);
 	double cr = cos(pose->roll), sr = sin(pose->roll);
-	struct vector v = k == 0 ? (struct vector){1, 0, 0} : k == 1 ? (struct vector){0, cr, -sr} : (struct vector){0, sr, cr};
+	struct vector v = k == 0 ? (struct vector){1, 0, 0} : k == 1 ? (struct vector){0, cr, sr} : (struct vector){0, -sr, cr};
 	v = (struct vector){cp * v.x - sp * v.z, v.y, sp * v.x + cp * v.z};
 	return (struct vector){cy * v.x - sy * v.y, sy * v.x + cy * v.y, v.z};
 }
@@ -231,6 +231,7 @@ struct cell {
 	struct vector normal;    /* of the ground */
 	double share, slides;    /* of the contact; how far the surface slides in all of it */
 	double sheared;          /* before */
+	bool over;               /* the object is above the post */
 	double above;            /* how much higher the underside is than the form's */
 	double lowered, back;
 	double depth, stamped;   /* of the post; how much what it remembers has the shape of the underside */
@@ -286,6 +287,9 @@ static void add_place(const struct cell *cell, const double at[2], double deep, 
 	const double *way = cell->form->way;
 	double squares = way[0] * way[0] + way[1] * way[1];
 	double later = squares > 0 ? ((at[0] - cell->at[0]) * way[0] + (at[1] - cell->at[1]) * way[1]) / squares : 0;
+	/* Places ahead came into contact later. Of a post that has been in contact all the time, only its shear tells. */
+	if (cell->over && cell->share >= 1)
+		later *= fmin(1, cell->sheared / fmax(cell->slides, 1e-9));
 	struct vector along = sliding(cell, arm, normal);
 	double moved = sqrt(dot(along, along)), slid = cell->sheared + cell->slides * fmax(cell->share - later, 0);
 	double on = cell->ground->ground_normals ? area : area / normal.z; /* of the surface that the stresses act on */
@@ -306,7 +310,7 @@ struct cell_force reference_cell(const struct reference_ground *ground, const st
 	bool over = rests[at] < INFINITY;
 	double rest = rests[at], spacing = ground->spacing, centre = lattice_offset_metres(sweep->to.z) - lower;
 	struct cell cell = {
-		.ground = ground, .soil = soil, .sweep = sweep, .form = &form, .stiffness = stiffness, .was = ground->pressed[at], .sheared = ground->shear[at],
+		.ground = ground, .soil = soil, .sweep = sweep, .form = &form, .stiffness = stiffness, .was = ground->pressed[at], .sheared = ground->shear[at], .over = over,
 		.at = {(double)(ground->left + at % ground->width) * spacing - lattice_offset_metres(sweep->to.x),
 		       (double)(ground->bottom + at / ground->width) * spacing - lattice_offset_metres(sweep->to.y)},
 		.normal = reference_normal_at(ground, at),

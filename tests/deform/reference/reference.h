@@ -76,8 +76,8 @@ void reference_slippage(struct reference_ground *ground, const double *under, co
 void reference_scm(struct reference_ground *ground, const struct deform_soil *soil, double bulldozing,
 		   const struct deform_contact *sweep, const double *under, const double *rest, double lower,
 		   struct reference_forces *forces);
-/* The vertical part of the normal stress without damping: what carries a load. Nothing is changed. */
-double reference_scm_normal(const struct reference_ground *ground, const struct deform_soil *soil,
+/* The vertical force of the soil, of normal stress and shear: what carries a load. Nothing is changed. */
+double reference_scm_vertical(const struct reference_ground *ground, const struct deform_soil *soil,
 			    const struct deform_contact *sweep, const double *under, const double *rest, double lower);
 
 /* Lays down what is carried. */

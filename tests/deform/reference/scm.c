@@ -93,13 +93,13 @@ static struct post post_of(const struct reference_ground *ground, const struct d
 	return post;
 }
 
-double reference_scm_normal(const struct reference_ground *ground, const struct deform_soil *soil,
+double reference_scm_vertical(const struct reference_ground *ground, const struct deform_soil *soil,
 			    const struct deform_contact *sweep, const double *under, const double *rest, double lower)
 {
 	double stiffness = reference_stiffness(soil, breadth(ground, sweep->shape, rest, lower)), sum = 0;
 	for (int i = 0; i < ground->width * ground->height; i++)
 		if (!ground->hole[i])
-			sum += reference_cell(ground, soil, stiffness, sweep, i, under, rest, lower).normal;
+			sum += reference_cell(ground, soil, stiffness, sweep, i, under, rest, lower).force.z;
 	return sum;
 }
 
