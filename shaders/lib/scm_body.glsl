@@ -44,12 +44,12 @@ float lowered_at(vec2 at, float back)
 }
 
 // Returns for how much of the contact, counted back from its end, the object has been deeper than `stays` below the surface. It is
-// below 0 if it is not so deep at the end. most: the longest that counts, in contacts.
-float contact_share(vec2 at, float depth, float stays, face now, float most)
+// below 0 if it is not so deep at the end. Above 1: it was so before the contact too, if it moved then as it does now.
+float contact_share(vec2 at, float depth, float stays, face now)
 {
 	float forward = dot(at, heading.xy), squares = body.y * body.y - body.z * (dot(at, at) - forward * forward);
 	float change = way.z - face_at(at + way.xy, now.slope).height + now.height;
-	float share = change < 0.0 ? (depth - stays) / -change : most;
+	float share = change < 0.0 ? (depth - stays) / -change : 1e3;
 	if (body.x == ROUND && moves.x > 0.0) {
 		float up = max(-now.height - depth + stays, body.y * 0.05);
 		float first = sqrt(max(squares - up * up, 0.0)) - forward;
@@ -61,7 +61,7 @@ float contact_share(vec2 at, float depth, float stays, face now, float most)
 	for (int k = 0; k < 2; k++)
 		if (sides[k] > 0.0 && abs(speed[k]) > 1e-9)
 			share = min(share, max(sides[k] - place[k] * sign(speed[k]), 0.0) / abs(speed[k]));
-	return clamp(share, -4.0, most);
+	return clamp(share, -4.0, 1e3);
 }
 
 // What a post bears of the object: the part of its cell below it, and what lies beyond the last post that it covers.

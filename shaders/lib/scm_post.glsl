@@ -160,7 +160,7 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	float depth = depth_at_post(g, o, post);
 	float above = over ? float(o.rests - o.raised) * UNIT_METRES - post.height : 0.0;
 	// Where no post remembers, the object is taken to have come as it moves now.
-	float share = contact_share(c.at, depth, was_plastic / n.z, post, over ? 1.0 : 1e3);
+	float since = contact_share(c.at, depth, was_plastic / n.z, post), share = over ? min(since, 1.0) : since;
 	vec2 half_back = c.at + 0.5 * max(share, 0.0) * way.xy;
 	face then = face_at(half_back, c.own);
 	vec3 normal_then = normal_at(n, then);
@@ -191,8 +191,8 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	float part = b.refused || g.far ? 0.0 : c.share * (ends.y - ends.x) / (2.0 * l.half_way);
 	b.stress = b.moment = vec3(0.0);
 	b.normal = b.stiff = b.area = 0.0;
-	// Places ahead came into contact later. Of a post that has been in contact all the time, only its shear tells.
-	float lasts = over && share >= 1.0 ? clamp(float(before.shear) / 65536.0 / max(slides, 1e-9), 0.0, 1.0) : 1.0;
+	// Places ahead came into contact later. A post that has slid less than since then was below the object when that began to move.
+	float lasts = over && since > 1.0 ? clamp(float(before.shear) / 65536.0 / max(slides * (since - 1.0), 1e-9), 0.0, 1.0) : 1.0;
 	for (int k = 0; k < 2 && part > 0.0; k++) {
 		float at = 0.5 * (ends.x + ends.y) + (float(k) - 0.5) * 0.57735027 * (ends.y - ends.x);
 		vec2 there = place_on(l, at);

@@ -133,10 +133,11 @@ static double was_lower(const struct form *form, const double at[2], double back
 	return fmax(0, sqrt(fmax(squares - x * x, 0)) + rise * (x - place[0]) - sqrt(fmax(squares - place[0] * place[0], 0)));
 }
 
-/* For how much of the contact, back from its end, the object has been deeper than `stays`. Below 0: it is not at the end. */
-static double in_contact(const struct form *form, const double at[2], const double own[2], double depth, double stays, double most)
+/* For how much of the contact, back from its end, the object has been deeper than `stays`. Below 0: it is not at the end. Above 1: it was
+ * before, too, if it moved as now. */
+static double in_contact(const struct form *form, const double at[2], const double own[2], double depth, double stays)
 {
-	double place[2], speed[2], share = most, before[2] = {at[0] + form->way[0], at[1] + form->way[1]};
+	double place[2], speed[2], share = 1e3, before[2] = {at[0] + form->way[0], at[1] + form->way[1]};
 	struct underside now = underside_at(form, at, own);
 	double change = form->way[2] - underside_at(form, before, own).z + now.z;
 	seen(form, at, place);
@@ -153,7 +154,7 @@ static double in_contact(const struct form *form, const double at[2], const doub
 	for (int k = 0; k < 2; k++)
 		if (form->half[k] > 0 && fabs(speed[k]) > 1e-9)
 			share = fmin(share, fmax(form->half[k] - copysign(1, speed[k]) * place[k], 0) / fabs(speed[k]));
-	return fmin(fmax(share, -4), most);
+	return fmin(fmax(share, -4), 1e3);
 }
 
 struct part {
@@ -230,7 +231,7 @@ struct cell {
 	double stiffness, was;   /* of Bekker's curve; the largest sinkage before */
 	struct vector normal;    /* of the ground */
 	double share, slides;    /* of the contact; how far the surface slides in all of it */
-	double sheared;          /* before */
+	double sheared, since;   /* before; contacts since it was first in contact, if the object always moved as now */
 	bool over;               /* the object is above the post */
 	double above;            /* how much higher the underside is than the form's */
 	double lowered, back;
@@ -287,9 +288,9 @@ static void add_place(const struct cell *cell, const double at[2], double deep, 
 	const double *way = cell->form->way;
 	double squares = way[0] * way[0] + way[1] * way[1];
 	double later = squares > 0 ? ((at[0] - cell->at[0]) * way[0] + (at[1] - cell->at[1]) * way[1]) / squares : 0;
-	/* Places ahead came into contact later. Of a post that has been in contact all the time, only its shear tells. */
-	if (cell->over && cell->share >= 1)
-		later *= fmin(1, cell->sheared / fmax(cell->slides, 1e-9));
+	/* Places ahead came into contact later. A post that has slid less than since then was below the object when it began to move. */
+	if (cell->over && cell->since > 1)
+		later *= fmin(1, cell->sheared / fmax(cell->slides * (cell->since - 1), 1e-9));
 	struct vector along = sliding(cell, arm, normal);
 	double moved = sqrt(dot(along, along)), slid = cell->sheared + cell->slides * fmax(cell->share - later, 0);
 	double on = cell->ground->ground_normals ? area : area / normal.z; /* of the surface that the stresses act on */
@@ -325,7 +326,8 @@ struct cell_force reference_cell(const struct reference_ground *ground, const st
 	double ca = cell.normal.z, hill[2] = {-cell.normal.x / ca, -cell.normal.y / ca};
 	cell.above = over ? rest - lower - centre - post.z : 0;
 	cell.lowered = over && !is_round(&form) ? rest - fmin(under[at], rest) : 0;
-	cell.share = in_contact(&form, cell.at, cell.own, depth, reference_stays(soil, stiffness, cell.was) / ca, over ? 1 : 1e3);
+	cell.since = in_contact(&form, cell.at, cell.own, depth, reference_stays(soil, stiffness, cell.was) / ca);
+	cell.share = over ? fmin(cell.since, 1) : cell.since;
 
 	/* Half way of what it slid. */
 	double halfway[2] = {cell.at[0] + fmax(cell.share, 0) / 2 * form.way[0], cell.at[1] + fmax(cell.share, 0) / 2 * form.way[1]};
