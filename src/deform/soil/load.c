@@ -37,7 +37,7 @@ static void run(struct deform *deform, struct gpu_program *program, const struct
 		.viewport = deform_rows(now.shadow),
 		.textures = {deform->under, deform->classes, deform->numbers},
 		.images = {deform->bases, deform->planes_of[1][PLANE_DEPOSITED], deform->rest,
-			   deform->planes_of[0][PLANE_PLASTIC_SINKAGE]},
+			   deform->planes_of[0][PLANE_PLASTIC_SINKAGE], deform->planes_of[0][PLANE_SHEAR]},
 		.storage = {[2] = deform->tries},
 		.params = &now,
 		.params_bytes = sizeof now,

@@ -39,6 +39,14 @@ static double arm_of(const struct deform_shape *shape, const double extent[2])
 	return exp2(ceil(log2(hypot(hypot(extent[0], extent[1]), deform_shape_reach(shape, 0, 0)))));
 }
 
+double deform_area_units(const struct deform *deform, const struct deform_contact *contact)
+{
+	/* A post bears the area of four at most. */
+	const struct post_rect shadow = deform_shadow(deform, contact);
+	double posts = 4.0 * (double)(shadow.x1 - shadow.x0) * (double)(shadow.y1 - shadow.y0);
+	return exp2(fmin(floor(log2(0x1p32 / posts)) - 1, 20));
+}
+
 static void fill_motion(const struct deform_contact *contact, struct scm_params *params)
 {
 	if (deform_is_contact_only(contact))
@@ -116,6 +124,8 @@ static struct scm_params params_of(const struct deform *deform, const struct def
 			params.shadow[i] = (int32_t)sides[i];
 	}
 	fill_motion(contact, &params);
+	deform_underside(deform, contact, window, &params);
+	params.faces[0][3] = (float)deform_area_units(deform, contact);
 	fill_soils(&deform->params, params.soils);
 	fill_rasters(&deform->params, params.rasters);
 	return params;
