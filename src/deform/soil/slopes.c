@@ -1,0 +1,96 @@
+/*
+ * How high slopes are. A cohesive soil is stable up to Culmann's height, and that is the height of a whole slope, not of the step
+ * between two posts. Over blocks, passes find for each post how far its slope rises above it and falls below it (slope.frag).
+ *
+ * A slope is followed by hops of 8, 4, 2 and 1 posts in eight directions. Each hop leads to a post that is higher (or lower) by
+ * more than the angle of friction gives. So a slope is followed over any distance of 1 .. 15 posts. The extents are those before
+ * the first iteration. They depend only on heights of near posts, so they are the same in whatever block they are computed.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "deform/internal.h"
+#include "deform/soil/stability.h"
+
+/* Heights of slopes are whole units of 2^-9 m. Limits are known for eight heights in each octave, from 2^4 units on. */
+#define EXTENT_BITS 9
+#define OCTAVE 8
+#define FIRST_OCTAVE 4
+
+/* std140 twin of slope.frag's block. */
+struct slope_params {
+	int32_t region[4], place[4];
+	int32_t rise[DEFORM_SOILS][4];
+};
+
+/* Returns a height for which limits are known, metres. */
+static double known_height(int i)
+{
+	return ldexp(1 + (double)(i % OCTAVE) / OCTAVE, FIRST_OCTAVE + i / OCTAVE - EXTENT_BITS);
+}
+
+/* A limit as high as the next height lets nothing slide in such a slope. So nothing above it is needed. */
+void deform_slopes_prepare(const struct deform *deform, const struct deform_soil *soil, struct slide_soil *to)
+{
+	for (int i = 0; i < SLOPE_HEIGHTS; i++) {
+		double limit = deform->spacing * deform_critical_tangent(soil, known_height(i));
+		to->slope[i] = (int32_t)floor(ldexp(fmin(limit, known_height(i + 1)), OFFSET_BITS));
+	}
+	for (int k = 0; k < 2; k++)
+		to->rise[k] = deform_critical_difference(soil->friction_angle, k == 0 ? deform->spacing : deform->spacing * M_SQRT2);
+}
+
+static struct gpu_texture *extents(const struct deform *deform, int hop)
+{
+	return hop % 2 == 0 ? deform->deposits : deform->under;
+}
+
+struct gpu_texture *deform_slopes_found(const struct deform *deform)
+{
+	return extents(deform, DEFORM_SLOPE_HOPS - 1);
+}
+
+static int32_t at_most(int64_t units)
+{
+	return (int32_t)(units < 1 << 30 ? units : 1 << 30);
+}
+
+static enum status hop(struct deform *deform, const struct slide_place *place, int number)
+{
+	struct deform_request request;
+	deform_programs_slope(&deform->params, number == 0, &request);
+	enum status status = deform_program(deform, &request, &deform->slope[number > 0]);
+	if (status != STATUS_OK)
+		return status;
+	/* Later hops read that many posts around. */
+	int64_t way = 1 << (DEFORM_SLOPE_HOPS - 1 - number), later = way - 1;
+	struct slope_params params = {
+		.region = {(int32_t)place->side, (int32_t)place->columns,
+			   (int32_t)(deform_slide_rim(deform) - deform_slide_step(deform) * deform->params.iterations - later),
+			   (int32_t)place->first},
+		.place = {(int32_t)place->layer, (int32_t)way},
+	};
+	for (int i = 0; i < deform->params.soil_count; i++)
+		for (int k = 0; k < 2; k++)
+			params.rise[i][k] = at_most(way * deform->soils[i].rise[k]);
+	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
+		.stage = GPU_SETTLE,
+		.program = deform->slope[number > 0],
+		.target = deform->scratch[place->layer].to[number == 0 ? TO_SLOPES_FIRST : number % 2 == 0 ? TO_SLOPES_1 : TO_SLOPES_0],
+		.viewport = place->all,
+		.instances = place->blocks,
+		.images = {number == 0 ? deform->bases : deform->carried,
+			   number == 0 ? deform->planes_of[1][PLANE_OFFSET] : extents(deform, number - 1), deform->classes},
+		.params = &params,
+		.params_bytes = (size_t)((char *)params.rise[deform_soil_slots(&deform->params)] - (char *)&params),
+	});
+	return STATUS_OK;
+}
+
+enum status deform_slopes_run(struct deform *deform, const struct slide_place *place)
+{
+	enum status status = STATUS_OK;
+	for (int number = 0; number < DEFORM_SLOPE_HOPS && status == STATUS_OK; number++)
+		status = hop(deform, place, number);
+	return status;
+}
