@@ -21,10 +21,7 @@ layout(binding = 1, r32i) readonly uniform iimage2DArray floors;
 layout(binding = 2, r8ui) readonly uniform uimage2DArray classes;
 #endif
 #ifdef SLOPES
-layout(binding = 6, r32i) readonly uniform iimage2DArray extents; // slope.frag's
-#define LIMITS 28 /* 1 + SLOPE_HEIGHTS / 4 */
-#else
-#define LIMITS 1
+layout(binding = 6, r32i) readonly uniform iimage2DArray slopes; // the axial critical difference in the slope of a post: slope.frag
 #endif
 
 layout(std140, binding = 0) uniform params {
@@ -32,8 +29,7 @@ layout(std140, binding = 0) uniform params {
 	ivec4 place;  // the layer; a post this near a block's side concerns the neighbour too
 	ivec4 edge;   // over a window: posts whose neighbours were all computed: first, one behind the last
 	// Of each soil: critical difference of heights, axial, diagonal; tolerance; difference that is steeper than the friction angle.
-	// With SLOPES also axial critical differences by the height of a slope.
-	ivec4 limits[SOILS * LIMITS];
+	ivec4 limits[SOILS];
 };
 
 #include "lib/slid.glsl"
@@ -42,27 +38,12 @@ layout(std140, binding = 0) uniform params {
 int soil_at(ivec3 at)
 {
 #if SOILS > 1
-	return min(int(imageLoad(classes, at).r), SOILS - 1) * LIMITS;
+	return min(int(imageLoad(classes, at).r), SOILS - 1);
 #else
 	return 0;
 #endif
 }
 
-#ifdef SLOPES
-int known(int soil, int i)
-{
-	return limits[soil + 1 + (i >> 2)][i & 3];
-}
-
-// Returns the axial critical difference in a slope of this height, in 2^-9 m: between the two nearest heights of slopes.c.
-int in_slope(int soil, int height)
-{
-	height = clamp(height, 16, 0x1ffff);
-	int octave = findMSB(height), digits = height << (17 - octave);
-	int i = (octave - 4) * 8 + ((digits >> 14) & 7), low = known(soil, i);
-	return low + ((known(soil, i + 1) - low) >> 8) * ((digits >> 6) & 255);
-}
-#endif
 
 void main()
 {
@@ -76,7 +57,7 @@ void main()
 	int base = imageLoad(grounds, at).r;
 #endif
 #ifdef SLOPES
-	uint extent = uint(imageLoad(extents, at).r);
+	int slope = imageLoad(slopes, at).r;
 #endif
 	int change = 0, moves = 0;
 	bool steep = false;
@@ -92,12 +73,9 @@ void main()
 #endif
 		int critical = k < 4 ? limits[soil].x : limits[soil].y;
 #ifdef SLOPES
-		// The upper post's part above it, the step, and the lower post's part below it.
-		uint beyond = uint(imageLoad(extents, there).r);
-		int height = int((gives ? extent : beyond) & 0xffffu) + (high >> 11) + int((gives ? beyond : extent) >> 16);
-		int slope = in_slope(soil, height);
-		// The square root of 2, to a ten thousandth.
-		critical = min(critical, k < 4 ? slope : slope + (slope >> 2) + (slope >> 3) + (slope >> 5) + (slope >> 7));
+		// The slope is that of the post that gives. Diagonally the square root of 2, to a ten thousandth.
+		int most = gives ? slope : imageLoad(slopes, there).r;
+		critical = min(critical, k < 4 ? most : most + (most >> 2) + (most >> 3) + (most >> 5) + (most >> 7));
 #endif
 		int over = high - critical;
 		int amount = min(min((over + 7) >> 3, high >> 3), SLIDE_MOST);

@@ -3,6 +3,7 @@
 // leads to a post that is higher, or lower, by more than the angle of friction gives. One fragment for each post.
 // Defines:
 // - FIRST: the first hop, which computes the heights too
+// - LAST: the last hop, which writes the critical difference in the slope
 // - SOILS: number of soil classes in the parameters
 
 #include "lib/slide.glsl"
@@ -22,9 +23,13 @@ layout(std140, binding = 0) uniform params {
 	ivec4 region;       // as in regions.vert
 	ivec4 place;        // the layer; posts of this hop
 	ivec4 rises[SOILS]; // a hop rises or falls by more: axial, diagonal; fixed-point units
+#ifdef LAST
+	ivec4 limits[27 * SOILS]; // critical differences by the height of a slope: SLOPE_HEIGHTS of slopes.c for each soil
+#endif
 };
 
-layout(location = 0) out int extent_out; // in 2^-9 m: low 16 bits above the post, high 16 bits below it
+// In 2^-9 m: low 16 bits above the post, high 16 bits below it. LAST: the axial critical difference, fixed-point units.
+layout(location = 0) out int extent_out;
 #ifdef FIRST
 layout(location = 1) out int surface_out; // 4 base + offset
 #endif
@@ -49,14 +54,31 @@ ivec2 extent_at(ivec3 at)
 #endif
 }
 
+#ifdef LAST
+int known(int soil, int i)
+{
+	return limits[27 * soil + (i >> 2)][i & 3];
+}
+
+// Returns the axial critical difference in a slope of this height, in 2^-9 m: between the two nearest heights of slopes.c.
+int in_slope(int soil, int height)
+{
+	height = clamp(height, 16, 0x1ffff);
+	int octave = findMSB(height), digits = height << (17 - octave);
+	int i = (octave - 4) * 8 + ((digits >> 14) & 7), low = known(soil, i);
+	return low + ((known(soil, i + 1) - low) >> 8) * ((digits >> 6) & 255);
+}
+#endif
+
 void main()
 {
 	ivec3 at = ivec3(ivec2(gl_FragCoord.xy), place.x);
 #if SOILS > 1
-	ivec2 rise = rises[min(int(imageLoad(classes, at).r), SOILS - 1)].xy;
+	int soil = min(int(imageLoad(classes, at).r), SOILS - 1);
 #else
-	ivec2 rise = rises[0].xy;
+	int soil = 0;
 #endif
+	ivec2 rise = rises[soil].xy;
 	int surface = surface_at(at);
 	ivec2 most = extent_at(at);
 	for (int k = 0; k < 8; k++) {
@@ -68,7 +90,11 @@ void main()
 		most.y = open && -difference > least ? max(most.y, on.y) : most.y;
 	}
 	most = min(most, ivec2(0xffff));
+#ifdef LAST
+	extent_out = in_slope(soil, most.x + most.y);
+#else
 	extent_out = int(uint(most.x) | uint(most.y) << 16);
+#endif
 #ifdef FIRST
 	surface_out = surface;
 #endif

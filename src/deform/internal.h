@@ -102,7 +102,7 @@ struct deform {
 	struct facets *facets;                 /* triangles of meshes and grousers; made when first needed */
 	struct gpu_program *slide_begin[2][2]; /* indices: 1 over blocks, 0 over a window; 1 if the object carries a load */
 	struct gpu_program *slide[2][2], *shed[2]; /* indices: 1 over blocks, 0 over a window; 1 in the last iteration */
-	struct gpu_program *slope[2];          /* index: 0 in the first pass */
+	struct gpu_program *slope[SLOPE_HOPS];  /* index: enum slope_what */
 	struct slide_soil soils[DEFORM_SOILS];
 	bool contacts_flag;                    /* the flags that a contact writes show all blocks where soil moves after it */
 	struct gpu_program *scm[8], *find[4];  /* the index has one bit for each define of the program */
@@ -255,7 +255,7 @@ struct slide_place {
 	uint32_t first;               /* index of the first block in the list, and of its word in the flags */
 };
 enum status deform_slide_run(struct deform *deform, const struct slide_place *place) FURROW_CHECKED;
-/* soil/slopes.c: finds how far the slope at each post extends up and down, in blocks. deform_slopes_found: returns the result. */
+/* soil/slopes.c: finds the critical difference in the slope at each post, in blocks. deform_slopes_found: returns the result. */
 #define DEFORM_SLOPE_HOPS 4
 #define DEFORM_SLOPE_REACH ((1 << DEFORM_SLOPE_HOPS) - 1) /* in posts */
 enum status deform_slopes_run(struct deform *deform, const struct slide_place *place) FURROW_CHECKED;

@@ -19,7 +19,7 @@ struct slide_params {
 };
 struct excess_params {
 	struct slide_params slide;
-	int32_t limits[DEFORM_SOILS * (1 + SLOPE_HEIGHTS / 4)][4]; /* of each soil; over a window without the heights of slopes */
+	int32_t limits[DEFORM_SOILS][4];
 };
 struct shed_params {
 	struct slide_params slide;
@@ -172,8 +172,10 @@ static enum status begin(struct deform *deform, const struct slide_place *place)
 	if (status != STATUS_OK)
 		return status;
 	struct gpu_rect written = place->written;
+	/* Iterations need no heights where only the extents of slopes are found. */
+	int32_t trim = blocks && deform_has_slopes(&deform->params) ? DEFORM_SLOPE_REACH : 0;
 	const struct slide_params params = {
-		.region = {(int32_t)place->side, (int32_t)place->columns, 0, (int32_t)place->first},
+		.region = {(int32_t)place->side, (int32_t)place->columns, trim, (int32_t)place->first},
 		.place = {(int32_t)place->layer, deform_is_bounded(&deform->params) ? loose_depth(deform) : 0},
 		.edge = {(int32_t)written.x, (int32_t)written.y, (int32_t)(written.x + written.width),
 			 (int32_t)(written.y + written.height)},
@@ -221,21 +223,18 @@ static enum status excess(struct deform *deform, const struct slide_place *place
 		return status;
 	int64_t rim = deform_slide_rim(deform), left = deform->params.iterations - 1 - iteration;
 	bool slopes = place->blocks > 0 && deform_has_slopes(&deform->params);
-	int each = slopes ? 1 + SLOPE_HEIGHTS / 4 : 1;
 	struct excess_params params = {.slide = slide_params(place, rim - left, rim)};
 	for (int i = 0; i < deform->params.soil_count; i++) {
 		const struct slide_soil *soil = &deform->soils[i];
 		const int32_t limits[4] = {soil->critical[0], soil->critical[1], tolerance_of(deform), soil->rise[0]};
-		memcpy(params.limits[i * each], limits, sizeof limits);
-		if (slopes)
-			memcpy(params.limits[i * each + 1], soil->slope, sizeof soil->slope);
+		memcpy(params.limits[i], limits, sizeof limits);
 	}
 	run(deform, place, iteration, &(struct gpu_pass){
 		.program = *program,
 		.images = {NULL, deform->floors, deform->classes, [6] = slopes ? deform_slopes_found(deform) : NULL,
 			   [7] = stood ? deform->bases : NULL},
 		.params = &params,
-		.params_bytes = (size_t)((char *)params.limits[each * deform_soil_slots(&deform->params)] - (char *)&params),
+		.params_bytes = (size_t)((char *)params.limits[deform_soil_slots(&deform->params)] - (char *)&params),
 	});
 	return STATUS_OK;
 }

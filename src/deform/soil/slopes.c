@@ -3,8 +3,9 @@
  * between two posts. Over blocks, passes find for each post how far its slope rises above it and falls below it (slope.frag).
  *
  * A slope is followed by hops of 8, 4, 2 and 1 posts in eight directions. Each hop leads to a post that is higher (or lower) by
- * more than the angle of friction gives. So a slope is followed over any distance of 1 .. 15 posts. The extents are those before
- * the first iteration. They depend only on heights of near posts, so they are the same in whatever block they are computed.
+ * more than the angle of friction gives. So a slope is followed over any distance of 1 .. 15 posts. The last hop turns the height
+ * of a post's slope into the critical difference there. All this is of the heights before the first iteration, and of near posts
+ * only. So it is the same in whatever block it is computed.
  */
 #include <math.h>
 #include <string.h>
@@ -20,7 +21,7 @@
 /* std140 twin of slope.frag's block. */
 struct slope_params {
 	int32_t region[4], place[4];
-	int32_t rise[DEFORM_SOILS][4];
+	int32_t soils[DEFORM_SOILS * (1 + SLOPE_HEIGHTS / 4)][4]; /* rises of all soils, then limits of all soils */
 };
 
 /* Returns a height for which limits are known, metres. */
@@ -29,12 +30,14 @@ static double known_height(int i)
 	return ldexp(1 + (double)(i % OCTAVE) / OCTAVE, FIRST_OCTAVE + i / OCTAVE - EXTENT_BITS);
 }
 
-/* A limit as high as the next height lets nothing slide in such a slope. So nothing above it is needed. */
+/* A step that is higher than the friction angle gives belongs to the slope. So a limit as high as the next height, and above the
+ * friction angle, lets nothing slide in such a slope, and no greater one is needed. */
 void deform_slopes_prepare(const struct deform *deform, const struct deform_soil *soil, struct slide_soil *to)
 {
 	for (int i = 0; i < SLOPE_HEIGHTS; i++) {
 		double limit = deform->spacing * deform_critical_tangent(soil, known_height(i));
-		to->slope[i] = (int32_t)floor(ldexp(fmin(limit, known_height(i + 1)), OFFSET_BITS));
+		double enough = fmax(known_height(i + 1), 1.001 * deform->spacing * tan(soil->friction_angle));
+		to->slope[i] = (int32_t)floor(ldexp(fmin(fmin(limit, enough), 1500), OFFSET_BITS));
 	}
 	for (int k = 0; k < 2; k++)
 		to->rise[k] = deform_critical_difference(soil->friction_angle, k == 0 ? deform->spacing : deform->spacing * M_SQRT2);
@@ -58,8 +61,10 @@ static int32_t at_most(int64_t units)
 static enum status hop(struct deform *deform, const struct slide_place *place, int number)
 {
 	struct deform_request request;
-	deform_programs_slope(&deform->params, number == 0, &request);
-	enum status status = deform_program(deform, &request, &deform->slope[number > 0]);
+	bool last = number == DEFORM_SLOPE_HOPS - 1;
+	struct gpu_program **program = &deform->slope[number == 0 ? SLOPE_FIRST : last ? SLOPE_LAST : SLOPE_NEXT];
+	deform_programs_slope(&deform->params, number == 0 ? SLOPE_FIRST : last ? SLOPE_LAST : SLOPE_NEXT, &request);
+	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
 		return status;
 	/* Later hops read that many posts around. */
@@ -70,19 +75,22 @@ static enum status hop(struct deform *deform, const struct slide_place *place, i
 			   (int32_t)place->first},
 		.place = {(int32_t)place->layer, (int32_t)way},
 	};
-	for (int i = 0; i < deform->params.soil_count; i++)
+	int slots = deform_soil_slots(&deform->params);
+	for (int i = 0; i < deform->params.soil_count; i++) {
 		for (int k = 0; k < 2; k++)
-			params.rise[i][k] = at_most(way * deform->soils[i].rise[k]);
+			params.soils[i][k] = at_most(way * deform->soils[i].rise[k]);
+		memcpy(params.soils[slots + i * (SLOPE_HEIGHTS / 4)], deform->soils[i].slope, sizeof deform->soils[i].slope);
+	}
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
 		.stage = GPU_SETTLE,
-		.program = deform->slope[number > 0],
+		.program = *program,
 		.target = deform->scratch[place->layer].to[number == 0 ? TO_SLOPES_FIRST : number % 2 == 0 ? TO_SLOPES_1 : TO_SLOPES_0],
 		.viewport = place->all,
 		.instances = place->blocks,
 		.images = {number == 0 ? deform->bases : deform->carried,
 			   number == 0 ? deform->planes_of[1][PLANE_OFFSET] : extents(deform, number - 1), deform->classes},
 		.params = &params,
-		.params_bytes = (size_t)((char *)params.rise[deform_soil_slots(&deform->params)] - (char *)&params),
+		.params_bytes = (size_t)((char *)params.soils[last ? slots * (1 + SLOPE_HEIGHTS / 4) : slots] - (char *)&params),
 	});
 	return STATUS_OK;
 }
