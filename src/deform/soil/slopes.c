@@ -30,8 +30,8 @@ static double known_height(int i)
 	return ldexp(1 + (double)(i % OCTAVE) / OCTAVE, FIRST_OCTAVE + i / OCTAVE - EXTENT_BITS);
 }
 
-/* A step that is higher than the friction angle gives belongs to the slope. So a limit as high as the next height, and above the
- * friction angle, lets nothing slide in such a slope, and no greater one is needed. */
+/* A step above the friction angle belongs to the slope. So nothing slides in a slope if the limit is above its height and above the
+ * friction angle. No limit need be greater. */
 void deform_slopes_prepare(const struct deform *deform, const struct deform_soil *soil, struct slide_soil *to)
 {
 	for (int i = 0; i < SLOPE_HEIGHTS; i++) {
