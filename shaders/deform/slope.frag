@@ -3,7 +3,6 @@
 // leads to a post that is higher, or lower, by more than the angle of friction gives. One fragment for each post.
 // Defines:
 // - FIRST: the first hop, which computes the heights too
-// - LAST: the last hop, which writes the critical difference in the slope
 // - SOILS: number of soil classes in the parameters
 
 #include "lib/slide.glsl"
@@ -21,14 +20,14 @@ layout(binding = 2, r8ui) readonly uniform uimage2DArray classes;
 
 layout(std140, binding = 0) uniform params {
 	ivec4 region;       // as in regions.vert
-	ivec4 place;        // the layer; posts of this hop
+	ivec4 place;        // the layer; posts of this hop; 1: the last hop, which writes the critical difference
 	ivec4 rises[SOILS]; // a hop rises or falls by more: axial, diagonal; fixed-point units
-#ifdef LAST
+#ifndef FIRST
 	ivec4 limits[27 * SOILS]; // critical differences by the height of a slope: SLOPE_HEIGHTS of slopes.c for each soil
 #endif
 };
 
-// In 2^-9 m: low 16 bits above the post, high 16 bits below it. LAST: the axial critical difference, fixed-point units.
+// In 2^-9 m: low 16 bits above the post, high 16 bits below it. The last hop: the axial critical difference in the slope.
 layout(location = 0) out int extent_out;
 #ifdef FIRST
 layout(location = 1) out int surface_out; // 4 base + offset
@@ -54,7 +53,7 @@ ivec2 extent_at(ivec3 at)
 #endif
 }
 
-#ifdef LAST
+#ifndef FIRST
 int known(int soil, int i)
 {
 	return limits[27 * soil + (i >> 2)][i & 3];
@@ -90,12 +89,11 @@ void main()
 		most.y = open && -difference > least ? max(most.y, on.y) : most.y;
 	}
 	most = min(most, ivec2(0xffff));
-#ifdef LAST
-	extent_out = in_slope(soil, most.x + most.y);
-#else
 	extent_out = int(uint(most.x) | uint(most.y) << 16);
-#endif
 #ifdef FIRST
 	surface_out = surface;
+#else
+	if (place.z != 0)
+		extent_out = in_slope(soil, most.x + most.y);
 #endif
 }

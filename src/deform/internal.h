@@ -102,7 +102,7 @@ struct deform {
 	struct facets *facets;                 /* triangles of meshes and grousers; made when first needed */
 	struct gpu_program *slide_begin[2][2]; /* indices: 1 over blocks, 0 over a window; 1 if the object carries a load */
 	struct gpu_program *slide[2][2], *shed[2]; /* indices: 1 over blocks, 0 over a window; 1 in the last iteration */
-	struct gpu_program *slope[SLOPE_HOPS];  /* index: enum slope_what */
+	struct gpu_program *slope[2];          /* index: 1: the first hop */
 	struct slide_soil soils[DEFORM_SOILS];
 	bool contacts_flag;                    /* the flags that a contact writes show all blocks where soil moves after it */
 	struct gpu_program *scm[8], *find[4];  /* the index has one bit for each define of the program */

@@ -123,11 +123,10 @@ void deform_programs_slide(const struct deform_params *params, enum slide_what w
 	}
 }
 
-void deform_programs_slope(const struct deform_params *params, enum slope_what what, struct deform_request *out)
+void deform_programs_slope(const struct deform_params *params, bool first, struct deform_request *out)
 {
 	begin_over(out, true, "deform/slope.frag");
-	define(out, "FIRST", what == SLOPE_FIRST);
-	define(out, "LAST", what == SLOPE_LAST);
+	define(out, "FIRST", first);
 	define_number(out, "SOILS", deform_soil_slots(params));
 }
 
@@ -227,8 +226,8 @@ static void each_slide(struct each *each, bool blocks, bool loaded)
 	const int last_pass = slide->pass_count - 1;
 	deform_programs_begin(params, blocks, loaded, &each->request);
 	add(each, !blocks && loaded ? "load" : effect);
-	for (int hop = 0; hop < SLOPE_HOPS && blocks && deform_has_slopes(params); hop++) {
-		deform_programs_slope(params, (enum slope_what)hop, &each->request);
+	for (int first = 0; first < 2 && blocks && deform_has_slopes(params); first++) {
+		deform_programs_slope(params, first, &each->request);
 		add(each, effect);
 	}
 	for (int pass = 0; pass < last_pass; pass++) {

@@ -23,9 +23,6 @@ enum find_what { FIND_GAP, FIND_COUNT, FIND_BEARS };
 /* Passes of an iteration of sliding: EXCESS alone, or SHED and TAKE. */
 enum slide_what { SLIDE_EXCESS, SLIDE_SHED, SLIDE_TAKE };
 
-/* Hops along slopes, over blocks: the first one, those between, the last one. */
-enum slope_what { SLOPE_FIRST, SLOPE_NEXT, SLOPE_LAST, SLOPE_HOPS };
-
 /* Each fills `out` completely. Pure. */
 void deform_programs_envelope(const struct deform_params *params, enum deform_shape_kind kind, bool sideways,
 			struct deform_request *out);
@@ -38,7 +35,7 @@ void deform_programs_spread(struct deform_request *out);
 void deform_programs_begin(const struct deform_params *params, bool blocks, bool loaded, struct deform_request *out);
 void deform_programs_slide(const struct deform_params *params, enum slide_what what, bool blocks, bool last,
 		    struct deform_request *out);
-void deform_programs_slope(const struct deform_params *params, enum slope_what what, struct deform_request *out);
+void deform_programs_slope(const struct deform_params *params, bool first, struct deform_request *out); /* a hop along slopes */
 void deform_programs_held(bool loaded, struct deform_request *out);
 void deform_programs_disturbance(struct deform_request *out);
 

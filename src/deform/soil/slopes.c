@@ -61,9 +61,9 @@ static int32_t at_most(int64_t units)
 static enum status hop(struct deform *deform, const struct slide_place *place, int number)
 {
 	struct deform_request request;
-	bool last = number == DEFORM_SLOPE_HOPS - 1;
-	struct gpu_program **program = &deform->slope[number == 0 ? SLOPE_FIRST : last ? SLOPE_LAST : SLOPE_NEXT];
-	deform_programs_slope(&deform->params, number == 0 ? SLOPE_FIRST : last ? SLOPE_LAST : SLOPE_NEXT, &request);
+	bool first = number == 0;
+	struct gpu_program **program = &deform->slope[first];
+	deform_programs_slope(&deform->params, first, &request);
 	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
 		return status;
@@ -73,7 +73,7 @@ static enum status hop(struct deform *deform, const struct slide_place *place, i
 		.region = {(int32_t)place->side, (int32_t)place->columns,
 			   (int32_t)(deform_slide_rim(deform) - deform_slide_step(deform) * deform->params.iterations - later),
 			   (int32_t)place->first},
-		.place = {(int32_t)place->layer, (int32_t)way},
+		.place = {(int32_t)place->layer, (int32_t)way, number == DEFORM_SLOPE_HOPS - 1},
 	};
 	int slots = deform_soil_slots(&deform->params);
 	for (int i = 0; i < deform->params.soil_count; i++) {
@@ -84,13 +84,13 @@ static enum status hop(struct deform *deform, const struct slide_place *place, i
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
 		.stage = GPU_SETTLE,
 		.program = *program,
-		.target = deform->scratch[place->layer].to[number == 0 ? TO_SLOPES_FIRST : number % 2 == 0 ? TO_SLOPES_1 : TO_SLOPES_0],
+		.target = deform->scratch[place->layer].to[first ? TO_SLOPES_FIRST : number % 2 == 0 ? TO_SLOPES_1 : TO_SLOPES_0],
 		.viewport = place->all,
 		.instances = place->blocks,
-		.images = {number == 0 ? deform->bases : deform->carried,
-			   number == 0 ? deform->planes_of[1][PLANE_OFFSET] : extents(deform, number - 1), deform->classes},
+		.images = {first ? deform->bases : deform->carried,
+			   first ? deform->planes_of[1][PLANE_OFFSET] : extents(deform, number - 1), deform->classes},
 		.params = &params,
-		.params_bytes = (size_t)((char *)params.soils[last ? slots * (1 + SLOPE_HEIGHTS / 4) : slots] - (char *)&params),
+		.params_bytes = (size_t)((char *)params.soils[first ? slots : slots * (1 + SLOPE_HEIGHTS / 4)] - (char *)&params),
 	});
 	return STATUS_OK;
 }
