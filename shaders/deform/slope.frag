@@ -20,10 +20,10 @@ layout(binding = 2, r8ui) readonly uniform uimage2DArray classes;
 
 layout(std140, binding = 0) uniform params {
 	ivec4 region;       // as in regions.vert
-	ivec4 place;        // the layer; posts of this hop; 1: the last hop, which writes the critical difference
+	ivec4 place;        // the layer; posts of this hop; the last hop: from post to post, 2^-20 m with the digits of cotangents
 	ivec4 rises[SOILS]; // a hop rises or falls by more: axial, diagonal; fixed-point units
 #ifndef FIRST
-	ivec4 limits[27 * SOILS]; // critical differences by the height of a slope: SLOPE_HEIGHTS of slopes.c for each soil
+	ivec4 cotangents[27 * SOILS]; // of the steepest angles by the height of a slope: SLOPE_HEIGHTS of slopes.c for each soil
 #endif
 };
 
@@ -56,16 +56,18 @@ ivec2 extent_at(ivec3 at)
 #ifndef FIRST
 int known(int soil, int i)
 {
-	return limits[27 * soil + (i >> 2)][i & 3];
+	return cotangents[27 * soil + (i >> 2)][i & 3];
 }
 
-// Returns the axial critical difference in a slope of this height, in 2^-9 m: between the two nearest heights of slopes.c.
+// Returns the axial critical difference in a slope of this height, in 2^-9 m. The cotangent lies between those of the two nearest
+// heights of slopes.c.
 int in_slope(int soil, int height)
 {
 	height = clamp(height, 16, 0x1ffff);
 	int octave = findMSB(height), digits = height << (17 - octave);
 	int i = (octave - 4) * 8 + ((digits >> 14) & 7), low = known(soil, i);
-	return low + ((known(soil, i + 1) - low) >> 8) * ((digits >> 6) & 255);
+	int cotangent = low + ((known(soil, i + 1) - low) * ((digits >> 6) & 255) >> 8);
+	return cotangent > 0 ? min(place.z / cotangent, 1 << 30) : 1 << 30;
 }
 #endif
 

@@ -123,9 +123,9 @@ struct soil_model {
 	/* Computes the largest height difference, fixed-point units, at which two posts of a soil are stable. `apart`: their
 	 * distance, metres. Used if soil slides by excess (deform_slide_excess). */
 	int32_t (*critical)(const struct deform_soil *soil, double apart);
-	/* Returns the tangent of the steepest angle at which a slope of `height` metres is stable; NULL: it does not depend on the
+	/* Returns the cotangent of the steepest angle at which a slope of `height` metres is stable; NULL: it does not depend on the
 	 * height. */
-	double (*tangent)(const struct deform_soil *soil, double height);
+	double (*cotangent)(const struct deform_soil *soil, double height);
 };
 
 /* Returns the struct that describes a model. It is constant. */

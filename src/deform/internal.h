@@ -67,7 +67,7 @@ struct slide_soil {
 	int32_t stop[2];   /* sumner: a post sheds no soil if no difference to a neighbour exceeds this */
 	/* sumner: the share of the differences that moves, in 2^-32. Index: number of lower neighbours, 1 .. 8, minus 1 */
 	uint32_t share[8];
-	/* Only if the height of a slope counts. `slope`: critical differences along x or y, for rising heights of slopes. `rise`: two
+	/* Only if the height of a slope counts. `slope`: cotangents of the steepest angles, for rising heights of slopes. `rise`: two
 	 * posts belong to the same slope if they differ by more. */
 	int32_t slope[SLOPE_HEIGHTS], rise[2];
 };

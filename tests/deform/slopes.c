@@ -57,21 +57,20 @@ static void the_angle_of_a_height_is_the_one_whose_height_it_is(void **state)
 	(void)state;
 	for (int i = 0; i < 3; i++) {
 		struct deform_soil soil = soil_of(i);
-		double upright = reference_culmann(&soil, M_PI / 2);
-		assert_true(isinf(deform_critical_tangent(&soil, 0.999 * upright)));
-		double before = INFINITY;
+		double upright = reference_culmann(&soil, M_PI / 2), before = 0;
+		assert_true(deform_critical_cotangent(&soil, 0.999 * upright) < 0);
 		for (double height = 1.001 * upright; height < 200 * upright; height *= 1.3) {
-			double tangent = deform_critical_tangent(&soil, height);
-			assert_true(fabs(reference_culmann(&soil, atan(tangent)) / height - 1) < 1e-9);
-			assert_true(tangent < before && tangent > tan(soil.friction_angle));
-			before = tangent;
+			double cotangent = deform_critical_cotangent(&soil, height);
+			assert_true(fabs(reference_culmann(&soil, atan(1 / cotangent)) / height - 1) < 1e-9);
+			assert_true(cotangent > before && cotangent * tan(soil.friction_angle) < 1);
+			before = cotangent;
 		}
 		soil.cohesion = 0;
-		assert_true(fabs(deform_critical_tangent(&soil, 1) - tan(soil.friction_angle)) < 1e-12);
+		assert_true(fabs(deform_critical_cotangent(&soil, 1) * tan(soil.friction_angle) - 1) < 1e-12);
 	}
 	struct deform_soil clay = {.cohesion = 5000, .unit_weight = 16000};
 	double height = 4 * clay.cohesion * sin(1) / (clay.unit_weight * (1 - cos(1)));
-	assert_true(fabs(atan(deform_critical_tangent(&clay, height)) - 1) < 1e-12);
+	assert_true(fabs(atan(1 / deform_critical_cotangent(&clay, height)) - 1) < 1e-12);
 }
 
 static void a_bank_falls_above_culmanns_height_and_stands_below_at_every_spacing(void **state)
@@ -123,7 +122,7 @@ static void a_bank_comes_to_rest_at_culmanns_angle(void **state)
 	for (int s = 0; s < 2; s++)
 		for (double spacing = 0.5; spacing >= 0.25; spacing /= 2) {
 			struct deform_soil soil = soil_of(s);
-			double height = 1.4 * reference_culmann(&soil, steep), angle = atan(deform_critical_tangent(&soil, height));
+			double height = 1.4 * reference_culmann(&soil, steep), angle = atan(1 / deform_critical_cotangent(&soil, height));
 			struct ground ground;
 			size_t blocks = 1;
 			make(&ground, &soil, spacing, height, 0, 0.37);
@@ -170,9 +169,11 @@ static int64_t *follow(const struct field *field, const struct slide_soil *soil,
 	return far;
 }
 
-/* The critical difference in a slope: between those known for two heights. */
-static int32_t limit_of(const struct slide_soil *soil, int64_t height)
+/* The critical difference in a slope: of a cotangent between those known for two heights. */
+static int64_t limit_of(const struct ground *ground, int64_t height)
 {
+	const int32_t *slope = ground->deform->soils[0].slope;
+	const int digits = ground->params.spacing >= 0.25 ? 12 : 13;
 	int i = 0;
 	double known[2] = {0, 0};
 	height = height < 16 ? 16 : height > 131071 ? 131071 : height;
@@ -182,8 +183,23 @@ static int32_t limit_of(const struct slide_soil *soil, int64_t height)
 		if ((double)height < known[1])
 			break;
 	}
-	int64_t part = (int64_t)floor(256 * 8 * ((double)height - known[0]) / ldexp(1, 4 + i / 8));
-	return (int32_t)(soil->slope[i] + ((soil->slope[i + 1] - soil->slope[i]) >> 8) * (part % 256));
+	double part = floor(256 * ((double)height - known[0]) / (known[1] - known[0])) / 256;
+	int64_t cotangent = (int64_t)floor(slope[i] + (slope[i + 1] - slope[i]) * part);
+	return cotangent > 0 ? (int64_t)ldexp(ground->params.spacing, 20 + digits) / cotangent : 1 << 30;
+}
+
+/* The table is the formula's. */
+static void assert_known(const struct ground *ground, const struct deform_soil *soil)
+{
+	int64_t apart = (int64_t)ldexp(ground->params.spacing, 20);
+	for (double height = 0.1; height < 100; height *= 1.17) {
+		double exact = ground->params.spacing / deform_critical_cotangent(soil, height);
+		int64_t limit = limit_of(ground, (int64_t)(height * 512));
+		if (exact > 0 && exact < 8 * ground->params.spacing)
+			assert_true(fabs(ldexp((double)limit, -20) / exact - 1) < 0.02 && limit >= (int64_t)(0.998 * tan(soil->friction_angle) * (double)apart));
+		else
+			assert_true(limit > 4 * apart);
+	}
 }
 
 /* One interval of one iteration over all of a ground. */
@@ -195,7 +211,7 @@ static void obvious(struct field *field, const struct ground *ground)
 	for (int64_t at = 0; at < count; at++)
 		for (int k = 0; k < 8; k++) {
 			int64_t to = beside(field, at, k, 1), drop = to < 0 || field->hole[at] ? 0 : field->height[at] - field->height[to];
-			int64_t slope = limit_of(soil, up[at] + down[at]), critical = soil->critical[k >= 4];
+			int64_t slope = limit_of(ground, up[at] + down[at]), critical = soil->critical[k >= 4];
 			slope += k < 4 ? 0 : (slope >> 2) + (slope >> 3) + (slope >> 5) + (slope >> 7);
 			critical = slope < critical ? slope : critical;
 			if (drop <= critical || drop <= 0)
@@ -235,6 +251,7 @@ static void an_interval_is_the_obvious_one_bit_for_bit(void **state)
 		struct ground ground;
 		start_broken(&ground, round == 1 ? 16 : 64, 1, round == 2 ? 0.125 : 0.25, round == 1 ? 0 : 100);
 		assert_ok(deform_wake(ground.deform, all_of(&ground)));
+		assert_known(&ground, &ground.deform->params.soils[0]);
 		int64_t count = ground.posts * ground.posts;
 		bool *hole = ground_room(count, sizeof *hole);
 		struct field field = {.side = ground.posts, .height = ground_room(count, sizeof *field.height), .hole = hole};

@@ -61,7 +61,7 @@ bool deform_has_slopes(const struct deform_params *params)
 	bool cohesive = false;
 	for (int i = 0; i < params->soil_count; i++)
 		cohesive = cohesive || params->soils[i].cohesion > 0;
-	return cohesive && deform_model_row(params->model)->tangent != NULL;
+	return cohesive && deform_model_row(params->model)->cotangent != NULL;
 }
 
 /* The pass that begins, those that find slopes, and those of the iterations. */

@@ -13,7 +13,7 @@
 #include "deform/internal.h"
 #include "deform/soil/stability.h"
 
-/* Heights of slopes are whole units of 2^-9 m. Limits are known for eight heights in each octave, from 2^4 units on. */
+/* Heights of slopes are whole units of 2^-9 m. The steepest angles are known for eight heights in each octave, from 2^4 units on. */
 #define EXTENT_BITS 9
 #define OCTAVE 8
 #define FIRST_OCTAVE 4
@@ -21,23 +21,28 @@
 /* std140 twin of slope.frag's block. */
 struct slope_params {
 	int32_t region[4], place[4];
-	int32_t soils[DEFORM_SOILS * (1 + SLOPE_HEIGHTS / 4)][4]; /* rises of all soils, then limits of all soils */
+	int32_t soils[DEFORM_SOILS * (1 + SLOPE_HEIGHTS / 4)][4]; /* rises of all soils, then cotangents of all soils */
 };
 
-/* Returns a height for which limits are known, metres. */
+/* Returns a height for which the steepest angle is known, metres. */
 static double known_height(int i)
 {
 	return ldexp(1 + (double)(i % OCTAVE) / OCTAVE, FIRST_OCTAVE + i / OCTAVE - EXTENT_BITS);
 }
 
-/* A step above the friction angle belongs to the slope. So nothing slides in a slope if the limit is above its height and above the
- * friction angle. No limit need be greater. */
+/* Returns the binary digits of cotangents behind the point. A post's distance with as many digits fits 31 bits. */
+static int digits_of(const struct deform *deform)
+{
+	int exponent;
+	frexp(deform->spacing, &exponent);
+	return exponent < -6 ? 17 : 11 - exponent;
+}
+
 void deform_slopes_prepare(const struct deform *deform, const struct deform_soil *soil, struct slide_soil *to)
 {
 	for (int i = 0; i < SLOPE_HEIGHTS; i++) {
-		double limit = deform->spacing * deform_critical_tangent(soil, known_height(i));
-		double enough = fmax(known_height(i + 1), 1.001 * deform->spacing * tan(soil->friction_angle));
-		to->slope[i] = (int32_t)floor(ldexp(fmin(fmin(limit, enough), 1500), OFFSET_BITS));
+		double cotangent = ldexp(deform_model_row(deform->params.model)->cotangent(soil, known_height(i)), digits_of(deform));
+		to->slope[i] = (int32_t)floor(fmax(-(1 << 19), fmin(cotangent, 1 << 22)));
 	}
 	for (int k = 0; k < 2; k++)
 		to->rise[k] = deform_critical_difference(soil->friction_angle, k == 0 ? deform->spacing : deform->spacing * M_SQRT2);
@@ -69,11 +74,12 @@ static enum status hop(struct deform *deform, const struct slide_place *place, i
 		return status;
 	/* Later hops read that many posts around. */
 	int64_t way = 1 << (DEFORM_SLOPE_HOPS - 1 - number), later = way - 1;
+	const int32_t apart = (int32_t)floor(ldexp(deform->spacing, OFFSET_BITS + digits_of(deform)));
 	struct slope_params params = {
 		.region = {(int32_t)place->side, (int32_t)place->columns,
 			   (int32_t)(deform_slide_rim(deform) - deform_slide_step(deform) * deform->params.iterations - later),
 			   (int32_t)place->first},
-		.place = {(int32_t)place->layer, (int32_t)way, number == DEFORM_SLOPE_HOPS - 1},
+		.place = {(int32_t)place->layer, (int32_t)way, number == DEFORM_SLOPE_HOPS - 1 ? apart : 0},
 	};
 	int slots = deform_soil_slots(&deform->params);
 	for (int i = 0; i < deform->params.soil_count; i++) {
