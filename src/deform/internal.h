@@ -267,8 +267,8 @@ struct slide_place {
 };
 enum status deform_slide_run(struct deform *deform, const struct slide_place *place) FURROW_CHECKED;
 /* soil/slopes.c: finds the critical difference in the slope at each post, in blocks. deform_slopes_found: returns the result. */
-#define DEFORM_SLOPE_HOPS 4
-#define DEFORM_SLOPE_REACH ((1 << DEFORM_SLOPE_HOPS) - 1) /* in posts */
+int deform_slope_hops(const struct deform_params *params);   /* its passes; 0 if the height of slopes does not count */
+int64_t deform_slope_reach(const struct deform_params *params); /* returns over how many posts a slope is followed each way */
 enum status deform_slopes_run(struct deform *deform, const struct slide_place *place) FURROW_CHECKED;
 struct gpu_texture *deform_slopes_found(const struct deform *deform);
 void deform_slopes_prepare(const struct deform *deform, const struct deform_soil *soil, struct slide_soil *to);
