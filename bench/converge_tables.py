@@ -31,10 +31,14 @@ TOLD = 2e-3          # a smaller error is not told from the average over a way o
 
 
 def order(errors):
-    """The slope of log error against log spacing, by least squares over errors that are not too small to tell; None: fewer than three are.
-    errors: {spacing: error}."""
-    points = [(math.log(d), math.log(abs(e))) for d, e in errors.items() if abs(e) >= TOLD]
-    if len(points) < 3:
+    """The slope of log error against log spacing, by least squares, down to the first spacing whose error is too small to tell (it counts as
+    that small, so that the order is at least this). None: the coarsest is so small already. errors: {spacing: error}."""
+    points = []
+    for spacing, error in sorted(errors.items(), reverse=True):
+        points.append((math.log(spacing), math.log(max(abs(error), TOLD))))
+        if abs(error) < TOLD:
+            break
+    if len(points) < 2:
         return None
     x, y = (sum(p[k] for p in points) / len(points) for k in (0, 1))
     return sum((a - x) * (b - y) for a, b in points) / sum((a - x) ** 2 for a, _ in points)
