@@ -31,10 +31,14 @@ TOLD = 2e-3          # a smaller error is not told from the average over a way o
 
 
 def order(errors):
-    """The slope of log error against log spacing, by least squares over errors that are not too small to tell; None: fewer than three are.
-    errors: {spacing: error}."""
-    points = [(math.log(d), math.log(abs(e))) for d, e in errors.items() if abs(e) >= TOLD]
-    if len(points) < 3:
+    """The slope of log error against log spacing, by least squares, down to the first spacing whose error is too small to tell (it counts as
+    that small, so that the order is at least this). None: the coarsest is so small already. errors: {spacing: error}."""
+    points = []
+    for spacing, error in sorted(errors.items(), reverse=True):
+        points.append((math.log(spacing), math.log(max(abs(error), TOLD))))
+        if abs(error) < TOLD:
+            break
+    if len(points) < 2:
         return None
     x, y = (sum(p[k] for p in points) / len(points) for k in (0, 1))
     return sum((a - x) * (b - y) for a, b in points) / sum((a - x) ** 2 for a, _ in points)
@@ -122,17 +126,21 @@ def forces_gate(rim, key):
     return found
 
 
+SMALL = 5e-3         # an error below it from 4 cm on needs no order
+
+
 def order_gate(key):
     def found(rows):
         slopes = {}
         for (soil,), of in grouped([row for row in rows if row["rim_of"] == "none"], "soil").items():
             errors = {d: worst(at(of, d), key, lambda row: row["closed"][key]) for d in {row["spacing"] for row in of}}
-            slope = order(errors)
-            slopes[soil] = (math.inf if slope is None else slope), max(map(abs, errors.values()))
+            slope, fine = order(errors), max(abs(error) for d, error in errors.items() if d <= 0.04)
+            slopes[soil] = (math.inf if slope is None or fine < SMALL else slope), fine
         soil = min(slopes, key=lambda soil: slopes[soil][0])
-        least, most = slopes[soil]
-        figure = f"{least:.2f}, {soil}" if least < math.inf else f"at most {most * 100:.2f} % at every spacing"
-        return f"without a rim: {key} of order 1 or more", least >= 1, figure
+        least, _ = slopes[soil]
+        most = max(fine for _, fine in slopes.values())
+        figure = f"{least:.2f}, {soil}" if least < math.inf else f"at most {most * 100:.2f} % from 4 cm on"
+        return f"without a rim: {key} of order 1 or more, or below {SMALL * 100:g} % from 4 cm on", least >= 1, figure
     return found
 
 
