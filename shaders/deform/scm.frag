@@ -1,6 +1,7 @@
 #version 450 core
-// The contact pass of scm: the soil's answer to the object. One invocation for each row (soil.glsl). Images change in place: of
-// its neighbours a post reads only the base and the deposited thickness, which this pass does not write.
+// The contact pass of scm: the soil's answer to the object. One invocation for each row of the window's written posts, which loops
+// over the posts. So sums stay in registers, and posts that nothing touches are skipped. Images change in place: of its neighbours
+// a post reads only the base and the deposited thickness, which this pass does not write.
 // Defines: FORCES: sums forces and moments; PATCH: b follows from the counted posts; LOAD: the equilibrium height was found.
 
 #include "lib/soil.glsl"
@@ -19,7 +20,7 @@ layout(binding = 7, r32i) uniform writeonly restrict iimage2DArray carries;
 #ifdef FORCES
 // 16 words for each contact with a tag: force and moment, 64 bits for each component; then four counts:
 // - posts in contact
-// - the deepest sinkage, fixed-point units
+// - the deepest sinkage below the base, fixed-point units
 // - the equilibrium height above the prescribed one, fixed-point units
 // - posts whose share was too large to count
 layout(std430, binding = 1) restrict buffer records {
@@ -27,7 +28,7 @@ layout(std430, binding = 1) restrict buffer records {
 };
 
 const int POSTS = 12, DEEPEST = 13, RAISED = 14, SATURATED = 15;
-const int SUNK = int(0x80000000u); // a bit beside the number of saturated posts: the soil does not carry the load
+const int STATE_BIT = 30; // the two highest bits beside the number of saturated posts: the state of a loaded object
 const float MOST = 2147483000.0;
 
 void record_add(int at, total t)
@@ -44,6 +45,15 @@ layout(std430, binding = 3) restrict buffer standings {
 };
 #endif
 
+const int COLUMNS = 4; // rows side by side in the viewport, so that its blocks of pixels are full
+
+// Returns the row of this invocation. If it is written.w or more, there is none.
+int row_of_pass()
+{
+	ivec2 at = ivec2(gl_FragCoord.xy);
+	return written.y + at.x + COLUMNS * at.y;
+}
+
 void main()
 {
 	int y = row_of_pass();
@@ -52,13 +62,12 @@ void main()
 	int raised = 0;
 	float by_width = scale.w;
 #ifdef LOAD
-	attempt found = found_next(zero.w >> 16, int(load.y));
-	raised = found.at;
+	raised = found_raised;
 	if (y == written.y && load.z > 0.0)
 		standing[int(load.z) - 1] = raised;
 #endif
 #ifdef PATCH
-	by_width = found_by_width(tries[zero.w >> 16].posts, place.w);
+	by_width = found_by_width(found_posts, place.w);
 #endif
 	for (int x = written.x; x < written.z; x++)
 		if (imageLoad(bases, ivec3(x, y, zero.z)).r == BASE_NODATA)
@@ -103,14 +112,13 @@ void main()
 			total_add(moment[i], int(round(clamp(m[i], -MOST, MOST))));
 		}
 		posts += int(b.held);
-		deepest = max(deepest, b.held ? b.sunk : 0);
+		deepest = max(deepest, b.held ? b.sunk - before.heap : 0);
 #endif
 	}
 #if defined(FORCES) && defined(LOAD)
 	if (y == written.y) {
-		record[(zero.w & 0xffff) * 16 + RAISED] = raised;
-		if (found.top > -2000000000 && raised <= found.top - int(load.y) + 1)
-			atomicOr(record[(zero.w & 0xffff) * 16 + SATURATED], SUNK);
+		record[zero.w * 16 + RAISED] = raised;
+		atomicOr(record[zero.w * 16 + SATURATED], int(found_state << STATE_BIT));
 	}
 #endif
 	if (last <= first)
@@ -119,7 +127,7 @@ void main()
 	if (over > 0u)
 		tally_add(REFUSED, over);
 #ifdef FORCES
-	int to = (zero.w & 0xffff) * 16;
+	int to = zero.w * 16;
 	for (int i = 0; i < 3; i++) {
 		record_add(to + 2 * i, force[i]);
 		record_add(to + 6 + 2 * i, moment[i]);

@@ -1,6 +1,4 @@
-// Shared by the passes of scm: the ground and the object at a post, and the soil's answer (SOIL.md). A pass has one
-// invocation for each row of the window's written posts, which loops over the posts. So sums stay in registers, and posts that
-// nothing touches are skipped.
+// Shared by the passes of scm: the ground and the object at a post, and the soil's answer (SOIL.md).
 // Heights are fixed-point units (2^-20 m) from the object's centre as prescribed; stress is Pa.
 // Defines: SOIL_MAP: posts differ in their soil.
 
@@ -12,7 +10,6 @@ const int FAR_UNITS = (1 << 30) - (1 << 20);
 const float STEEPEST = 19.974984;      // slope at which the normal's z is 0.05; steeper slopes are taken as this one
 const float STRESS_MOST = 1e20;        // Pa: a limit that keeps all numbers finite
 const int SOILS = 16;
-const int COLUMNS = 4;                 // rows side by side in the pass's viewport, so that its blocks of pixels are full
 
 struct soil {
 	vec4 a; // k_c, k_phi, n, 1 / K_e
@@ -20,7 +17,7 @@ struct soil {
 };
 
 layout(std140, binding = 0) uniform params {
-	ivec4 zero;    // the centre, 2^-18 m from the store's reference, and 0 .. 3 fixed-point units; the layer; the record, or the try
+	ivec4 zero;    // the centre, 2^-18 m from the store's reference, and 0 .. 3 fixed-point units; the layer; the record
 	ivec4 written; // the posts this window writes: first, one behind the last
 	ivec4 shadow;  // of those, the posts that the object can be above
 	vec4 scale;    // slope of a fixed-point unit between posts; metres between posts; units of force a pascal; 1 / b
@@ -39,13 +36,6 @@ layout(binding = 0) uniform isampler2DArray unders;
 #ifdef SOIL_MAP
 layout(binding = 1) uniform usampler2DArray classes;
 #endif
-
-// Returns the row of this invocation. If it is written.w or more, there is none.
-int row_of_pass()
-{
-	ivec2 at = ivec2(gl_FragCoord.xy);
-	return written.y + at.x + COLUMNS * at.y;
-}
 
 // The undisturbed surface: base and deposited thickness.
 struct ground {

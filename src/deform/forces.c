@@ -19,9 +19,9 @@ struct record {
 	int64_t force[3], moment[3];
 	uint32_t posts;
 	int32_t deepest, raised;
-	uint32_t saturated; /* and RECORD_SUNK */
+	uint32_t saturated; /* and in its two highest bits the state, as lib/found.glsl has it */
 };
-#define RECORD_SUNK 0x80000000u
+#define STATE_BIT 30
 
 struct asked {
 	uint64_t tag;
@@ -85,9 +85,11 @@ static struct deform_forces told(const struct deform *deform, const struct asked
 		.sinkage = lattice_offset_metres(record->deepest),
 		.area = record->posts * post,
 		.z = asked->z + record->raised,
-		.saturated = record->saturated & ~RECORD_SUNK,
-		.sunk = (record->saturated & RECORD_SUNK) != 0,
+		.saturated = record->saturated & ((1u << STATE_BIT) - 1),
+		.state = (enum deform_state)(record->saturated >> STATE_BIT),
 	};
+	if (record->posts == 0 && forces.state != DEFORM_SUNK)
+		forces.state = DEFORM_AIR;
 	for (int i = 0; i < 3; i++) {
 		forces.force[i] = (double)record->force[i] * unit;
 		forces.moment[i] = (double)record->moment[i] * unit * asked->arm;

@@ -156,9 +156,6 @@ enum status world_contact(struct world *world, const struct event *event, bool l
 {
 	struct body *body = world_body_at(world, event->body);
 	struct deform_contact contact = contact_of(world, body, event);
-	/* Its earlier height is not known here and is not needed: it acts on the ground at its height now. */
-	if (contact.load > 0)
-		contact.from.z = contact.to.z;
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	size_t count = 0;
 	enum status status = deform_windows(world->deform, &contact, windows, &count);

@@ -34,11 +34,12 @@ struct forces; /* forces.c */
 struct record; /* record.c */
 struct world;
 
-/* The force of the soil on a body, when it was last computed. All zero: no force. */
+/* The force of the soil on a body, when it was last computed. world_no_force: no force. */
 struct world_force {
 	double force[3], moment[3]; /* N, N m */
-	double sinkage, area;       /* m, m2 */
+	double sinkage, area;       /* m below the base; m2 */
 	int64_t z;                  /* 2^-20 m */
+	enum deform_state state;
 };
 
 /* A part of the record that is committed next. It is as the last whole step left it, or as the resumed run had it. */
@@ -100,6 +101,9 @@ struct world_row {
 	/* index of the soil at the post nearest to the origin, in the scene's soils; -1: outside the terrain */
 	int soil;
 	struct world_force force;
+	/* N: the part of its weight and the soil's force together that points along the steepest descent of the base under it. The load
+	 * is its weight; without a load, the soil's vertical force. */
+	double residual;
 };
 /* Receives the rows in their order. `flush` is called after some rows. */
 struct world_rows {
@@ -340,7 +344,6 @@ void world_range_waits(const struct world *world, struct stalls *waits);
 
 struct world_forces_figures {
 	uint64_t saturated; /* posts whose pressure was too large to count */
-	uint64_t sunk;      /* contacts in which the soil could not carry the load */
 };
 void world_forces_figures(const struct forces *forces, struct world_forces_figures *figures); /* `forces` must not be NULL */
 /* Waits for all forces in flight and applies them, also to the record. */

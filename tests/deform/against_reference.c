@@ -342,9 +342,9 @@ static void compare_load(const struct deform_contact *sweep, const struct deform
 	begin_reference();
 	assert_int_equal(reference_load(&match.reference, soil, sweep, match.under, match.rest, &wanted), STATUS_OK);
 	shift_rest(-within);
-	double deeper = reference_scm_normal(&match.reference, soil, sweep, match.under, match.rest, lower + within);
+	double deeper = reference_scm_vertical(&match.reference, soil, sweep, match.under, match.rest, lower + within);
 	shift_rest(2 * within);
-	double higher = reference_scm_normal(&match.reference, soil, sweep, match.under, match.rest, lower - within);
+	double higher = reference_scm_vertical(&match.reference, soil, sweep, match.under, match.rest, lower - within);
 	shift_rest(-within);
 	/* Heights are whole quanta, and sinkages along the normal. Of a post's own half a quantum is rounded: K_e quanta of stress. */
 	double error = 2e-5 * sweep->load + got->area * (soil->elastic_stiffness * QUANTUM / 2 + brush());
@@ -378,7 +378,7 @@ static void run(const struct deform_contact *sweep)
 	mem_free(contacts);
 	share_undersides(sweep);
 	double lower = lattice_offset_metres(sweep->to.z - forces.z), slant = scm ? aslant() : 1;
-	if (sweep->load > 0 && !forces.sunk && forces.area > 0)
+	if (sweep->load > 0 && forces.state != DEFORM_SUNK && forces.area > 0)
 		compare_load(sweep, &forces, slant);
 	int ties = compare_contacts(lower, sweep, slant);
 	struct reference_forces wanted = press(lower, sweep);

@@ -5,7 +5,7 @@ static void the_same_request_is_the_same_program(void **state)
 {
 	struct gpu_program *first, *second, *variant, *other;
 	struct gpu_stats before, after;
-	struct gpu_program_request request = {"full.vert", "decimate.frag", {NULL}};
+	struct gpu_program_request request = {.vertex = "full.vert", .fragment = "decimate.frag"};
 	(void)state;
 	need_gpu();
 	gpu_stats(test_gpu, &before);
@@ -33,7 +33,7 @@ static const char *error_of(const char *fragment, const char *include, const cha
 		{NULL, NULL},
 	};
 	struct gpu_program *program;
-	struct gpu_program_request request = {"plain.vert", "bad.frag", {define}};
+	struct gpu_program_request request = {.vertex = "plain.vert", .fragment = "bad.frag", .defines = {define}};
 	assert_int_equal(gpu_program_get_from(test_gpu, table, &request, &program), STATUS_FAILED);
 	assert_ok(gpu_check(test_gpu, "a bad shader")); /* the gpu itself is well */
 	return failure_message();
@@ -85,7 +85,7 @@ static void a_missing_file_is_told_with_its_place(void **state)
 	assert_says(message, "shader bad.frag:3: there is no file \"lib/absent.glsl\"");
 	message = error_of("void main() {}\n", "", NULL);
 	assert_says(message, "shader bad.frag:1: ");
-	assert_int_equal(gpu_program_get(test_gpu, &(struct gpu_program_request){"full.vert", "absent.frag", {NULL}}, &program),
+	assert_int_equal(gpu_program_get(test_gpu, &(struct gpu_program_request){.vertex = "full.vert", .fragment = "absent.frag"}, &program),
 			 STATUS_FAILED);
 	assert_says(failure_message(), "absent.frag");
 }
@@ -152,7 +152,7 @@ static void an_include_is_joined_once_and_lines_stay_right(void **state)
 static void a_failed_allocation_is_told(void **state)
 {
 	struct gpu_program *program;
-	struct gpu_program_request request = {"full.vert", "decimate.frag", {"UNUSED"}};
+	struct gpu_program_request request = {.vertex = "full.vert", .fragment = "decimate.frag", .defines = {"UNUSED"}};
 	(void)state;
 	need_gpu();
 	uint64_t nth = 1;

@@ -44,7 +44,7 @@ static char *printed(void)
 	record->active_count = 2;
 	record->active[0] = (struct deform_block){3, 4};
 	record->active[1] = (struct deform_block){INT64_C(1) << 33, 0};
-	char *text = world_record_print(record, &scene, &(struct pages_sums){-SUM_MOST, SUM_MOST, SUM_MOST - 1});
+	char *text = world_record_print(record, &scene, &(struct pages_sums){-SUM_MOST, SUM_MOST, SUM_MOST - 1, 5, SUM_MOST});
 	assert_non_null(text);
 	free(record);
 	return text;
@@ -68,7 +68,7 @@ static void it_comes_back_to_the_bit(void **state)
 	assert_int_equal(parse(text, 7, 0.1, &scene, record), STATUS_OK);
 	assert_true(record->step == 7 && same_real(record->time, 0.1) && record->level == -3 && record->ended);
 	assert_true(record->sums.below == -SUM_MOST && record->sums.above == SUM_MOST &&
-		    record->sums.compacted == SUM_MOST - 1);
+		    record->sums.compacted == SUM_MOST - 1 && record->sums.sunk == 5 && record->sums.slid == SUM_MOST);
 	assert_true(record->active_count == 2 && record->active[0].x == 3 && record->active[0].y == 4);
 	assert_true(record->active[1].x == INT64_C(1) << 33 && record->active[1].y == 0);
 	for (int i = 0; i < 2; i++) {
@@ -121,7 +121,7 @@ static void steps_and_times_that_are_none_are_refused(void **state)
 static void any_value_that_is_not_what_it_must_be_is_refused(void **state)
 {
 	static const struct { const char *from, *to; } changes[] = {
-		{"\"version\":2", "\"version\":1"}, {"\"version\":2", "\"version\":\"2\""}, {"\"version\":2,", ""},
+		{"\"version\":3", "\"version\":1"}, {"\"version\":3", "\"version\":\"2\""}, {"\"version\":3,", ""},
 		{"\"level\":\"-3\"", "\"level\":-3"}, {"\"-3\"", "\"-15\""}, {"\"-3\"", "\"29\""}, {"\"-3\"", "\"\""},
 		{"\"-3\"", "\"-\""}, {"\"-3\"", "\" -3\""}, {"\"-3\"", "\"-3x\""}, {"\"-3\"", "null"},
 		{"\"ended\":true", "\"ended\":1"}, {"\"ended\":true", "\"ended\":\"true\""}, {"\"ended\"", "\"Ended\""},
@@ -131,6 +131,8 @@ static void any_value_that_is_not_what_it_must_be_is_refused(void **state)
 		{"\"above\":\"2", "\"above\":\"-3"}, {"\"below\":\"-2305843009213693951\"", "\"below\":\"-2305843009213693952\""},
 		{"\"below\":\"-2", "\"below\":\"3"}, {"\"compacted\":\"2", "\"compacted\":\"3"},
 		{"\"compacted\":\"2", "\"compacted\":\"-3"}, {"\"compacted\"", "\"compact\""},
+		{"\"sunk\":\"5\"", "\"sunk\":\"-1\""}, {"\"sunk\":\"5\"", "\"sunk\":5"}, {"\"slid\"", "\"slides\""}, {"\"slid\":\"2", "\"slid\":\"3"},
+		{"\"state\":\"0\"", "\"state\":\"4\""}, {"\"state\":\"0\"", "\"state\":\"-1\""}, {"\"state\"", "\"stated\""},
 		{"\"awake\"", "\"asleep\""}, {"\"3,4;", "\"3,4"}, {"\"3,4;", "\"3;4,"}, {"\"3,4;", "\"-3,4;"}, {"\"3,4;", "\"3,;"},
 		{"\"3,4;", "\"3,4;;"}, {"\"3,4;", "\"9223372036854775808,4;"}, {"\"awake\":\"", "\"awake\":[\"\"],\"a\":\""},
 		{"\"objects\":[", "\"objects\":[{},"}, {"\"objects\":[{", "\"objects\":[[],{"}, {"\"objects\"", "\"things\""},
@@ -155,7 +157,7 @@ static void any_value_that_is_not_what_it_must_be_is_refused(void **state)
 			 at + strlen(changes[i].from));
 		refused(changed, 1, 1, &scene);
 	}
-	for (const char *other[] = {"", "null", "[]", "{}", "1", "{\"version\":2}", NULL}, **at = other; *at != NULL; at++)
+	for (const char *other[] = {"", "null", "[]", "{}", "1", "{\"version\":3}", NULL}, **at = other; *at != NULL; at++)
 		refused(*at, 1, 1, &scene);
 	mem_free(text);
 }
@@ -177,7 +179,7 @@ static void as_many_blocks_as_may_be_awake_and_no_more(void **state)
 	for (int64_t i = 0; i < DEFORM_BLOCKS_MAX; i++)
 		record->active[i] = (struct deform_block){i, INT64_MAX - i};
 	memcpy(record->objects, objects, sizeof objects);
-	char *text = world_record_print(record, &scene, &(struct pages_sums){0, 0, 0}), *more, *at;
+	char *text = world_record_print(record, &scene, &(struct pages_sums){0, 0, 0, 0, 0}), *more, *at;
 	struct record *read = room();
 	assert_int_equal(parse(text, 1, 1, &scene, read), STATUS_OK);
 	assert_int_equal(read->active_count, DEFORM_BLOCKS_MAX);

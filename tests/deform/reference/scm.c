@@ -84,8 +84,7 @@ static struct vector way_at(const struct deform_contact *sweep, double turned, s
 	struct vector way = cross(axis, from_centre);
 	way.x += lattice_offset_metres(sweep->to.x - sweep->from.x);
 	way.y += lattice_offset_metres(sweep->to.y - sweep->from.y);
-	if (sweep->load == 0) /* else the height is not a motion but what is looked for */
-		way.z += lattice_offset_metres(sweep->to.z - sweep->from.z);
+	way.z += lattice_offset_metres(sweep->to.z - sweep->from.z);
 	return way;
 }
 
@@ -118,7 +117,7 @@ static struct post post_of(const struct reference_ground *ground, const struct d
 	post.stress = stiffness * pow(post.largest, soil->bekker_n);
 	if (post.sinkage < post.largest)
 		post.stress *= (post.sinkage - post.plastic) / (post.largest - post.plastic);
-	if (sweep->seconds > 0) {
+	if (sweep->seconds > 0 && sweep->load == 0) { /* what carries a load does not depend on its speed */
 		/* As a wheel rolls that does not slip: how fast soil is pressed does not depend on how fast it spins. */
 		struct vector way = way_at(sweep, 0, (struct vector){0, 0, 0});
 		double rolls = sweep->shape->kind == DEFORM_WHEEL ? (way.x * cos(sweep->to.yaw) + way.y * sin(sweep->to.yaw)) / sweep->shape->radius : 0;
@@ -128,14 +127,32 @@ static struct post post_of(const struct reference_ground *ground, const struct d
 	return post;
 }
 
-double reference_scm_normal(const struct reference_ground *ground, const struct deform_soil *soil,
-			    const struct deform_contact *sweep, const double *under, const double *rest, double lower)
+/* The soil's force on the object at one post, N; and how far the object's surface slid over it. */
+static struct vector force_of(const struct reference_ground *ground, const struct deform_soil *soil,
+			      const struct deform_contact *sweep, int at, double rest, const struct post *post, double *moved)
+{
+	struct vector way = way_at(sweep, sweep->turned, from_centre(ground, sweep, at, rest));
+	double into = dot(way, post->normal), area = ground->spacing * ground->spacing, stress = post->stress + post->damping;
+	struct vector along = {way.x - into * post->normal.x, way.y - into * post->normal.y, way.z - into * post->normal.z};
+	*moved = sqrt(dot(along, along));
+	double shear = *moved > 0 ? reference_janosi(soil, stress, ground->shear[at] + *moved) / *moved : 0;
+	return (struct vector){
+		(stress * post->normal.x - shear * along.x) * area,
+		(stress * post->normal.y - shear * along.y) * area,
+		(stress * post->normal.z - shear * along.z) * area,
+	};
+}
+
+double reference_scm_vertical(const struct reference_ground *ground, const struct deform_soil *soil,
+			      const struct deform_contact *sweep, const double *under, const double *rest, double lower)
 {
 	double stiffness = reference_stiffness(soil, breadth(ground, sweep->shape, rest, lower)), sum = 0;
 	for (int i = 0; i < ground->width * ground->height; i++)
 		if (!ground->hole[i] && rest[i] < INFINITY) {
 			struct post post = post_of(ground, soil, stiffness, sweep, i, under[i], rest[i], lower);
-			sum += (post.stress + post.damping) * post.normal.z * ground->spacing * ground->spacing;
+			double moved;
+			if (post.held)
+				sum += force_of(ground, soil, sweep, i, rest[i], &post, &moved).z;
 		}
 	return sum;
 }
@@ -144,19 +161,10 @@ double reference_scm_normal(const struct reference_ground *ground, const struct 
 static void add_forces(struct reference_ground *ground, const struct deform_soil *soil, const struct deform_contact *sweep,
 		       int at, double rest, const struct post *post, struct reference_forces *forces)
 {
-	struct vector arm = from_centre(ground, sweep, at, rest), way = way_at(sweep, sweep->turned, arm);
-	double into = dot(way, post->normal), area = ground->spacing * ground->spacing;
-	struct vector along = {way.x - into * post->normal.x, way.y - into * post->normal.y, way.z - into * post->normal.z};
-	double moved = sqrt(dot(along, along));
+	double moved, area = ground->spacing * ground->spacing;
+	struct vector force = force_of(ground, soil, sweep, at, rest, post, &moved);
+	struct vector moment = cross(from_centre(ground, sweep, at, rest), force);
 	ground->shear[at] += moved;
-	double stress = post->stress + post->damping;
-	double shear = moved > 0 ? reference_janosi(soil, stress, ground->shear[at]) / moved : 0;
-	struct vector force = {
-		(stress * post->normal.x - shear * along.x) * area,
-		(stress * post->normal.y - shear * along.y) * area,
-		(stress * post->normal.z - shear * along.z) * area,
-	};
-	struct vector moment = cross(arm, force);
 	forces->force[0] += force.x;
 	forces->force[1] += force.y;
 	forces->force[2] += force.z;

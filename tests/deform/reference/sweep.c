@@ -21,10 +21,10 @@ enum status reference_load(const struct reference_ground *ground, const struct d
 					 sweep->load);
 		high += step;
 		step *= 2;
-	} while (reference_scm_normal(ground, soil, sweep, under, rest, high) < sweep->load);
+	} while (reference_scm_vertical(ground, soil, sweep, under, rest, high) < sweep->load);
 	for (int i = 0; i < 60; i++) {
 		double middle = (low + high) / 2;
-		if (reference_scm_normal(ground, soil, sweep, under, rest, middle) < sweep->load)
+		if (reference_scm_vertical(ground, soil, sweep, under, rest, middle) < sweep->load)
 			low = middle;
 		else
 			high = middle;
@@ -75,10 +75,7 @@ enum status reference_sweep(struct reference_ground *ground, const struct deform
 	if (under == NULL || rest == NULL) {
 		status = fail_memory("reference");
 	} else {
-		struct deform_contact level = *sweep;
-		if (sweep->load > 0) /* what is looked for is the height of all of it */
-			level.from.z = level.to.z;
-		reference_undersides(ground, &level, under, rest);
+		reference_undersides(ground, sweep, under, rest);
 		status = press(ground, params, sweep, under, rest, forces, lower);
 	}
 	mem_free(under);

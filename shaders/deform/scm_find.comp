@@ -1,0 +1,208 @@
+#version 450 core
+// The search before a contact of scm, by one work group: for the size of the contact patch (PATCH), for the equilibrium height
+// (LOAD), or for both. Each try sums over the posts that the object can be above. All sums are whole numbers, so their order does
+// not matter. Heights are fixed-point units above the prescribed one.
+// The equilibrium height is a height at which the soil's whole vertical force, normal stress and shear, is the load.
+
+layout(local_size_x = 16, local_size_y = 8) in;
+
+#include "lib/soil.glsl"
+#include "lib/found.glsl"
+#include "lib/scm_post.glsl"
+#include "lib/tally.glsl"
+
+layout(binding = 4, r32i) uniform readonly restrict iimage2DArray sinkages;
+layout(binding = 5, r16ui) uniform readonly restrict uimage2DArray shears;
+
+const int NOWHERE = -2000000000;
+const int LANES = int(gl_WorkGroupSize.x * gl_WorkGroupSize.y);
+const int WORDS = 8;
+const int TRIES = 64;             // a bracket of 2^28 units is halved to one unit in less
+const float SHARE = 67108864.0;   // forces are counted in 2^-26 of the load
+const float COUNTED_MOST = 1e9;   // of one post, in these units
+
+shared int words[WORDS][LANES];   // what each invocation summed
+shared int sums[WORDS];
+
+// Sums the first `count` words of all invocations. Then all of them may read the sums until the next call.
+void sum_up(int count)
+{
+	int lane = int(gl_LocalInvocationIndex);
+	barrier();
+	if (lane < count) {
+		int sum = 0;
+		for (int i = 0; i < LANES; i++)
+			sum += words[lane][i];
+		sums[lane] = sum;
+	}
+	barrier();
+}
+
+void give(int word, int value)
+{
+	words[word][gl_LocalInvocationIndex] = value;
+}
+
+// Of a window's at most 2^16 posts neither word of a total can overflow. So two words of 32 bits hold an exact sum of 64 bits.
+void give_total(int word, total t)
+{
+	give(word, t.high);
+	give(word + 1, int(t.low));
+}
+
+float real_of(int word)
+{
+	return float(sums[word]) * 65536.0 + float(uint(sums[word + 1]));
+}
+
+bool carries(ground g, object o)
+{
+	return g.base != BASE_NODATA && o.rests < g.height;
+}
+
+// Returns the height of the first contact. NOWHERE: there is no ground below the object.
+int first_contact()
+{
+	int highest = NOWHERE;
+	for (int y = shadow.y + int(gl_LocalInvocationID.y); y < shadow.w; y += int(gl_WorkGroupSize.y))
+		for (int x = shadow.x + int(gl_LocalInvocationID.x); x < shadow.z; x += int(gl_WorkGroupSize.x)) {
+			ground g = ground_at(x, y);
+			object o = object_at(x, y, 0);
+			bool above = g.base != BASE_NODATA && !g.far && o.rests != UNDER_NONE;
+			highest = max(highest, above ? g.height - min(o.rests, FAR_UNITS) : NOWHERE);
+		}
+	if (gl_LocalInvocationIndex == 0u)
+		sums[0] = NOWHERE;
+	barrier();
+	if (highest > NOWHERE)
+		atomicMax(sums[0], highest);
+	barrier();
+	int top = sums[0];
+	barrier();
+	return top;
+}
+
+// Returns how many posts the object touches at a height.
+uint posts_at(int at)
+{
+	int posts = 0;
+	for (int y = shadow.y + int(gl_LocalInvocationID.y); y < shadow.w; y += int(gl_WorkGroupSize.y))
+		for (int x = shadow.x + int(gl_LocalInvocationID.x); x < shadow.z; x += int(gl_WorkGroupSize.x))
+			posts += int(carries(ground_at(x, y), object_at(x, y, at)));
+	give(0, posts);
+	sum_up(1);
+	return uint(sums[0]);
+}
+
+vec3 normal_at(int x, int y, ground g)
+{
+	return normal_of(ground_at(x - 1, y), g, ground_at(x + 1, y), ground_at(x, y - 1), ground_at(x, y + 1));
+}
+
+// Returns the share of the load that the soil carries at a height; and how it grows for each unit of sinkage.
+vec2 share_at(int at, float by_width)
+{
+	total force = total(0, 0u), stiff = total(0, 0u);
+	float unit = SHARE * place.w / load.x;
+	for (int y = shadow.y + int(gl_LocalInvocationID.y); y < shadow.w; y += int(gl_WorkGroupSize.y))
+		for (int x = shadow.x + int(gl_LocalInvocationID.x); x < shadow.z; x += int(gl_WorkGroupSize.x)) {
+			ground g = ground_at(x, y);
+			object o = object_at(x, y, at);
+			if (!carries(g, o))
+				continue;
+			ivec3 post = ivec3(x, y, zero.z);
+			post_state before = {0, imageLoad(heaps, post).r, imageLoad(sinkages, post).r, imageLoad(shears, post).r};
+			bearing b = bearing_of(soil_at(x, y), by_width, normal_at(x, y, g), g, o, from_centre(x, y, o, at), before);
+			if (b.held) {
+				total_add(force, int(round(clamp(b.stress.z * unit, -COUNTED_MOST, COUNTED_MOST))));
+				total_add(stiff, int(round(min(b.stiff * UNIT_METRES * unit, COUNTED_MOST))));
+			}
+		}
+	give_total(0, force);
+	give_total(2, stiff);
+	sum_up(4);
+	return vec2(real_of(0), real_of(2)) / SHARE;
+}
+
+// True if the slope is steeper than the soil can hold this load on: W sin a > c A + W cos a tan phi. Over the posts that it touches.
+bool slides_at(int at)
+{
+	const float fine = 4096.0;
+	total held = total(0, 0u);
+	ivec4 sum = ivec4(0); // of the normals' x and y and of tan phi, in 1 / 4096; of posts
+	for (int y = shadow.y + int(gl_LocalInvocationID.y); y < shadow.w; y += int(gl_WorkGroupSize.y))
+		for (int x = shadow.x + int(gl_LocalInvocationID.x); x < shadow.z; x += int(gl_WorkGroupSize.x)) {
+			ground g = ground_at(x, y);
+			if (!carries(g, object_at(x, y, at)))
+				continue;
+			vec3 n = normal_at(x, y, g);
+			soil s = soil_at(x, y);
+			sum += ivec4(ivec3(round(vec3(n.xy, min(s.b.y, 4.0)) * fine)), 1);
+			total_add(held, int(round(min(s.b.x * place.w / load.x * SHARE, COUNTED_MOST))));
+		}
+	for (int i = 0; i < 4; i++)
+		give(i, sum[i]);
+	give_total(4, held);
+	sum_up(6);
+	vec3 mean = vec3(sums[0], sums[1], sums[2]) / (fine * max(float(sums[3]), 1.0));
+	float sine = min(length(mean.xy), 1.0);
+	return sine > real_of(4) / SHARE + sqrt(1.0 - sine * sine) * mean.z;
+}
+
+// Newton's step: force is about a power of depth, so it is made between the logarithms.
+int stepped(int top, int at, float share, float grows)
+{
+	float depth = load.y, z = float(top - at), power = clamp(z * grows / max(share, 1e-6), 0.1, 1e6);
+	float step = z * exp2(clamp(-log2(max(share, 1e-6)) / power, -20.0, 20.0));
+	return top - int(round(min(step, depth)));
+}
+
+void main()
+{
+	int at = 0;
+	uint posts = 0u, state = CARRIED, tries = 0u;
+	float by_width = scale.w;
+#ifdef LOAD
+	// The soil carries the load at `low`, or the object may not sink deeper. It does not carry the load at `high`.
+	int top = first_contact(), low = top - int(load.y), high = top;
+	state = top == NOWHERE ? AIR : SUNK;
+	bool done = top == NOWHERE;
+	at = done ? 0 : clamp(0, low + 1, high - 1);
+	for (int k = 0; k < TRIES && !done; k++) {
+#ifdef PATCH
+		posts = posts_at(at);
+		by_width = found_by_width(posts, place.w);
+#endif
+		vec2 share = share_at(at, by_width);
+		tries++;
+		bool bears = share.x >= 1.0;
+		state = bears ? CARRIED : state;
+		low = bears ? at : low;
+		high = bears ? high : at;
+		int width = high - low;
+		// The height is found if Newton's step is less than half a unit, or if the bracket leaves one.
+		bool there = abs(share.x - 1.0) <= 0.5 * share.y;
+		state = there ? CARRIED : state;
+		done = there || width <= 1;
+		int next = stepped(top, at, share.x, share.y);
+		bool lags = width > (int(load.y) >> clamp(k - 5, 0, 31)) || share.x <= 1e-6;
+		next = clamp(lags ? low + width / 2 : next, low + 1, max(high - 1, low + 1));
+		at = there ? at : done ? low : next;
+	}
+	if (state == CARRIED && slides_at(at))
+		state = SLIDES;
+#endif
+#ifdef PATCH
+	posts = posts_at(at);
+#endif
+	if (gl_LocalInvocationIndex == 0u) {
+		found_raised = at;
+		found_posts = posts;
+		found_state = state;
+		found_tries = tries;
+#ifdef LOAD
+		if (state == SLIDES || state == SUNK)
+			tally_add(state == SLIDES ? SLID : CARRIED_NOWHERE, 1u);
+#endif
+	}
+}
