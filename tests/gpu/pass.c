@@ -10,7 +10,7 @@ static struct gpu_target *target_over(struct gpu_texture *colour, struct gpu_tex
 
 static struct gpu_program *program_of(const char *vertex, const char *fragment)
 {
-	static struct shader_text tables[8][3]; /* a place is part of a request: each has its own */
+	static struct shader_text tables[12][3]; /* a place is part of a request: each has its own */
 	static size_t used;
 	struct gpu_program *program;
 	assert_true(used < sizeof tables / sizeof tables[0]);
