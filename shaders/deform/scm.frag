@@ -60,8 +60,9 @@ void main()
 	if (y >= written.w)
 		return;
 	int raised = 0;
-	float by_width = scale.w;
+	float by_width = scale.w, unit = scale.z;
 #ifdef LOAD
+	unit /= found_share;
 	raised = found_raised;
 	if (y == written.y && load.z > 0.0)
 		standing[int(load.z) - 1] = raised;
@@ -103,7 +104,7 @@ void main()
 			imageStore(carries, post, ivec4(b.carried));
 		}
 #ifdef FORCES
-		vec3 f = b.held ? b.stress * scale.z : vec3(0.0);
+		vec3 f = b.held ? b.stress * unit : vec3(0.0);
 		vec3 m = cross(at * place.z, f);
 		vec3 large = max(abs(f), abs(m));
 		saturated += int(max(large.x, max(large.y, large.z)) > MOST);

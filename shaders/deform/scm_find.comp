@@ -18,7 +18,8 @@ const int NOWHERE = -2000000000;
 const int LANES = int(gl_WorkGroupSize.x * gl_WorkGroupSize.y);
 const int WORDS = 8;
 const int TRIES = 64;             // a bracket of 2^28 units is halved to one unit in less
-const float SHARE = 67108864.0;   // forces are counted in 2^-26 of the load
+const float SHARE = 4194304.0;    // forces are counted in 2^-22 of the load
+const float GROWTH = 4294967296.0; // and what they grow by in 2^-32 of it
 const float COUNTED_MOST = 1e9;   // of one post, in these units
 
 shared int words[WORDS][LANES];   // what each invocation summed
@@ -103,7 +104,7 @@ vec3 normal_at(int x, int y, ground g)
 vec2 share_at(int at, float by_width)
 {
 	total force = total(0, 0u), stiff = total(0, 0u);
-	float unit = SHARE * place.w / load.x;
+	float unit = SHARE * place.w / load.x, growth = UNIT_METRES * GROWTH * place.w / load.x;
 	for (int y = shadow.y + int(gl_LocalInvocationID.y); y < shadow.w; y += int(gl_WorkGroupSize.y))
 		for (int x = shadow.x + int(gl_LocalInvocationID.x); x < shadow.z; x += int(gl_WorkGroupSize.x)) {
 			ground g = ground_at(x, y);
@@ -115,13 +116,15 @@ vec2 share_at(int at, float by_width)
 			bearing b = bearing_of(soil_at(x, y), by_width, normal_at(x, y, g), g, o, from_centre(x, y, o, at), before);
 			if (b.held) {
 				total_add(force, int(round(clamp(b.stress.z * unit, -COUNTED_MOST, COUNTED_MOST))));
-				total_add(stiff, int(round(min(b.stiff * UNIT_METRES * unit, COUNTED_MOST))));
+				// Friction grows with the normal stress, so the whole force grows about as that.
+				float whole = clamp(b.stress.z / max(b.normal, 1e-9), 0.0, 4.0);
+				total_add(stiff, int(round(min(b.stiff * whole * growth, COUNTED_MOST))));
 			}
 		}
 	give_total(0, force);
 	give_total(2, stiff);
 	sum_up(4);
-	return vec2(real_of(0), real_of(2)) / SHARE;
+	return vec2(real_of(0) / SHARE, real_of(2) / GROWTH);
 }
 
 // True if the slope is steeper than the soil can hold this load on: W sin a > c A + W cos a tan phi. Over the posts that it touches.
@@ -157,15 +160,24 @@ int stepped(int top, int at, float share, float grows)
 	return top - int(round(min(step, depth)));
 }
 
+// Returns a height between two depths below the first contact: their geometric mean where they differ much.
+int middle(int shallow, int deep, int top)
+{
+	int mean = shallow + (deep - shallow) / 2;
+	return top - (deep > 8 * max(shallow, 8) ? int(sqrt(float(max(shallow, 8)) * float(deep))) : mean);
+}
+
 void main()
 {
 	int at = 0;
 	uint posts = 0u, state = CARRIED, tries = 0u;
-	float by_width = scale.w;
+	float by_width = scale.w, carried = 1.0;
 #ifdef LOAD
 	// The soil carries the load at `low`, or the object may not sink deeper. It does not carry the load at `high`.
 	int top = first_contact(), low = top - int(load.y), high = top;
 	state = top == NOWHERE ? AIR : SUNK;
+	int last = 2 * int(load.y), stalls = 0;
+	vec2 at_low = vec2(1e30, 0.0), at_high = vec2(0.0); // the shares there, and how they grow
 	bool done = top == NOWHERE;
 	at = done ? 0 : clamp(0, low + 1, high - 1);
 	for (int k = 0; k < TRIES && !done; k++) {
@@ -177,16 +189,27 @@ void main()
 		tries++;
 		bool bears = share.x >= 1.0;
 		state = bears ? CARRIED : state;
+		carried = bears ? share.x : carried;
 		low = bears ? at : low;
 		high = bears ? high : at;
+		at_low = bears ? share : at_low;
+		at_high = bears ? at_high : share;
 		int width = high - low;
 		// The height is found if Newton's step is less than half a unit, or if the bracket leaves one.
 		bool there = abs(share.x - 1.0) <= 0.5 * share.y;
 		state = there ? CARRIED : state;
+		carried = there ? share.x : carried;
 		done = there || width <= 1;
-		int next = stepped(top, at, share.x, share.y);
-		bool lags = width > (int(load.y) >> clamp(k - 5, 0, 31)) || share.x <= 1e-6;
-		next = clamp(lags ? low + width / 2 : next, low + 1, max(high - 1, low + 1));
+		// The step begins at the end of the bracket where the force is nearer to the load.
+		bool from_low = at_low.x * max(at_high.x, 1e-9) < 1.0;
+		vec2 begin = from_low ? at_low : at_high;
+		int next = stepped(top, from_low ? low : high, begin.x, begin.y);
+		// Where two steps do not halve the bracket, it is halved: the depth of the first contact's logarithm, if that is known.
+		stalls = 2 * width > last ? stalls + 1 : 0;
+		bool lags = stalls >= 2 || begin.x <= 1e-6 || ((next <= low || next >= high) && at_low.x < 1e30);
+		stalls = lags ? 0 : stalls;
+		last = width;
+		next = clamp(lags ? middle(top - high, top - low, top) : next, low + 1, max(high - 1, low + 1));
 		at = there ? at : done ? low : next;
 	}
 	if (state == CARRIED && slides_at(at))
@@ -200,6 +223,7 @@ void main()
 		found_posts = posts;
 		found_state = state;
 		found_tries = tries;
+		found_share = carried;
 #ifdef LOAD
 		if (state == SLIDES || state == SUNK)
 			tally_add(state == SLIDES ? SLID : CARRIED_NOWHERE, 1u);
