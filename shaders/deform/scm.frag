@@ -18,16 +18,18 @@ layout(binding = 6, r8ui) uniform writeonly restrict uimage2DArray contacts;
 layout(binding = 7, r32i) uniform writeonly restrict iimage2DArray carries;
 
 #ifdef FORCES
-// 16 words for each contact with a tag: force and moment, 64 bits for each component; then four counts:
+// 18 words for each contact with a tag: force and moment, 64 bits for each component; then these:
 // - posts in contact
 // - the deepest sinkage below the base, fixed-point units
 // - the equilibrium height above the prescribed one, fixed-point units
 // - posts whose share was too large to count
+// - the sums of the normals' x and y over the posts in contact, in 1 / 4096
 layout(std430, binding = 1) restrict buffer records {
 	int record[];
 };
 
-const int POSTS = 12, DEEPEST = 13, RAISED = 14, SATURATED = 15;
+const int POSTS = 12, DEEPEST = 13, RAISED = 14, SATURATED = 15, SLOPE = 16, WORDS = 18;
+const float FINE = 4096.0;
 const int STATE_BIT = 30; // the two highest bits beside the number of saturated posts: the state of a loaded object
 const float MOST = 2147483000.0;
 
@@ -84,6 +86,7 @@ void main()
 #ifdef FORCES
 	total force[3] = total[3](lost, lost, lost), moment[3] = total[3](lost, lost, lost);
 	int deepest = 0, posts = 0, saturated = 0;
+	ivec2 slope = ivec2(0);
 #endif
 	ground west = ground_at(first - 1, y), g = ground_at(first, y), east;
 	for (int x = first; x < last; x++, west = g, g = east) {
@@ -93,7 +96,8 @@ void main()
 		soil s = soil_at(x, y);
 		post_state before = {imageLoad(offsets, post).r, imageLoad(heaps, post).r, imageLoad(sinkages, post).r, imageLoad(shears, post).r};
 		vec3 at = from_centre(x, y, o, raised);
-		bearing b = bearing_of(s, by_width, normal_of(west, g, east, ground_at(x, y - 1), ground_at(x, y + 1)), g, o, at, before);
+		vec3 n = normal_of(west, g, east, ground_at(x, y - 1), ground_at(x, y + 1));
+		bearing b = bearing_of(s, by_width, n, g, o, at, before);
 		over += uint(b.refused);
 		total_add(lost, before.offset - b.after.offset - b.carried);
 		if (b.touched) {
@@ -113,13 +117,14 @@ void main()
 			total_add(moment[i], int(round(clamp(m[i], -MOST, MOST))));
 		}
 		posts += int(b.held);
+		slope += b.held ? ivec2(round(n.xy * FINE)) : ivec2(0);
 		deepest = max(deepest, b.held ? b.sunk - before.heap : 0);
 #endif
 	}
 #if defined(FORCES) && defined(LOAD)
 	if (y == written.y) {
-		record[zero.w * 16 + RAISED] = raised;
-		atomicOr(record[zero.w * 16 + SATURATED], int(found_state << STATE_BIT));
+		record[zero.w * WORDS + RAISED] = raised;
+		atomicOr(record[zero.w * WORDS + SATURATED], int(found_state << STATE_BIT));
 	}
 #endif
 	if (last <= first)
@@ -128,7 +133,7 @@ void main()
 	if (over > 0u)
 		tally_add(REFUSED, over);
 #ifdef FORCES
-	int to = zero.w * 16;
+	int to = zero.w * WORDS;
 	for (int i = 0; i < 3; i++) {
 		record_add(to + 2 * i, force[i]);
 		record_add(to + 6 + 2 * i, moment[i]);
@@ -136,5 +141,7 @@ void main()
 	atomicAdd(record[to + POSTS], posts);
 	atomicMax(record[to + DEEPEST], deepest);
 	atomicAdd(record[to + SATURATED], saturated);
+	atomicAdd(record[to + SLOPE], slope.x);
+	atomicAdd(record[to + SLOPE + 1], slope.y);
 #endif
 }

@@ -7,6 +7,7 @@
  * Each batch has its own staging buffer, and so its own fence. When no record or no batch is free, the oldest batch is waited
  * for. Its forces are kept until they are taken.
  */
+#include <math.h>
 #include <string.h>
 
 #include "deform/internal.h"
@@ -20,13 +21,16 @@ struct record {
 	uint32_t posts;
 	int32_t deepest, raised;
 	uint32_t saturated; /* and in its two highest bits the state, as lib/found.glsl has it */
+	int32_t slope[2];   /* the sum over the posts of the normals' x and y, in 1 / SLOPE_FINE */
 };
 #define STATE_BIT 30
+#define SLOPE_FINE 4096
 
 struct asked {
 	uint64_t tag;
 	int64_t z;       /* prescribed, or guessed */
 	double arm;      /* of moments, m */
+	double load;     /* N; 0: none */
 };
 
 struct batch {
@@ -77,6 +81,14 @@ void deform_forces_destroy(struct deform *deform)
 	deform->forces = NULL;
 }
 
+/* Returns what the soil's force leaves of the weight along the steepest descent. `normal`: x and y of the ground's unit normal. */
+static double residual_of(const double force[3], const double normal[2], double load)
+{
+	const double sine = hypot(normal[0], normal[1]), weight = load > 0 ? load : force[2];
+	const double level = sine > 0 ? (force[0] * normal[0] + force[1] * normal[1]) / sine : 0;
+	return level * sqrt(fmax(1 - sine * sine, 0)) - (force[2] - weight) * sine;
+}
+
 static struct deform_forces told(const struct deform *deform, const struct asked *asked, const struct record *record)
 {
 	double post = deform->spacing * deform->spacing, unit = post / DEFORM_UNITS_A_PASCAL;
@@ -90,10 +102,13 @@ static struct deform_forces told(const struct deform *deform, const struct asked
 	};
 	if (record->posts == 0 && forces.state != DEFORM_SUNK)
 		forces.state = DEFORM_AIR;
+	for (int i = 0; i < 2 && record->posts > 0; i++)
+		forces.normal[i] = (double)record->slope[i] / SLOPE_FINE / record->posts;
 	for (int i = 0; i < 3; i++) {
 		forces.force[i] = (double)record->force[i] * unit;
 		forces.moment[i] = (double)record->moment[i] * unit * asked->arm;
 	}
+	forces.residual = residual_of(forces.force, forces.normal, asked->load);
 	return forces;
 }
 
@@ -188,7 +203,7 @@ enum status deform_forces_record(struct deform *deform, const struct deform_cont
 			status = land_oldest(deform);
 		if (status != STATUS_OK)
 			return status;
-		forces->asked[forces->next++ % RECORDS] = (struct asked){contact->tag, contact->to.z, arm};
+		forces->asked[forces->next++ % RECORDS] = (struct asked){contact->tag, contact->to.z, arm, contact->load};
 	}
 	*records = forces->records;
 	*record = (uint32_t)((forces->next - 1) % RECORDS);

@@ -37,7 +37,7 @@ static enum status write_row(void *user, const struct world_row *row)
 	int printed = fprintf(rows->file, "%.9g,%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%s,%s,%s,%.9g\n", row->time, object->name,
 			      row->position[0], row->position[1], row->position[2], force->sinkage, force->force[0], force->force[1],
 			      force->force[2], force->moment[0], force->moment[1], force->moment[2], object->slip, force->area, load, soil,
-			      states[force->state], row->residual);
+			      states[force->state], force->residual);
 	return printed > 0 ? STATUS_OK : failed(rows);
 }
 

@@ -211,7 +211,7 @@ void world_forces_absent(struct forces *forces, size_t object, const struct even
 
 static void arrived(struct forces *forces, const struct deform_forces *from)
 {
-	struct world_force force = {.sinkage = from->sinkage, .area = from->area, .z = from->z, .state = from->state};
+	struct world_force force = {.sinkage = from->sinkage, .area = from->area, .z = from->z, .state = from->state, .residual = from->residual};
 	memcpy(force.force, from->force, sizeof force.force);
 	memcpy(force.moment, from->moment, sizeof force.moment);
 	forces->saturated += from->saturated;
@@ -228,21 +228,6 @@ static void arrived(struct forces *forces, const struct deform_forces *from)
 		}
 }
 
-/* Computes what the soil's force leaves of the body's weight along the base's steepest descent. */
-static enum status residual_of(const struct forces *forces, const struct world_row *row, double *residual)
-{
-	const double load = forces->world->scene->objects[row->body].load, *force = row->force.force;
-	double normal[3];
-	*residual = 0;
-	if (row->force.state == DEFORM_AIR)
-		return STATUS_OK;
-	enum status status = world_normal_at(forces->world, row->position, normal);
-	const double sine = hypot(normal[0], normal[1]), weight = load > 0 ? load : force[2];
-	if (status == STATUS_OK && sine > 1e-9) /* false too where it cannot be found */
-		*residual = (force[0] * normal[0] + force[1] * normal[1]) / sine * normal[2] - (force[2] - weight) * sine;
-	return status;
-}
-
 static enum status give_row(const struct forces *forces, const struct entry *entry)
 {
 	const struct world_rows *rows = forces->world->rows;
@@ -254,8 +239,6 @@ static enum status give_row(const struct forces *forces, const struct entry *ent
 		.force = entry->force,
 	};
 	enum status status = world_soil_at(forces->world, row.position[0], row.position[1], &row.soil);
-	if (status == STATUS_OK)
-		status = residual_of(forces, &row, &row.residual);
 	return status == STATUS_OK ? rows->row(rows->user, &row) : status;
 }
 

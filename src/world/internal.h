@@ -157,8 +157,6 @@ bool world_asks_forces(const struct world *world);
 /* told.c: the force on a body at this height that touches nothing. */
 struct world_force world_no_force(int64_t z);
 enum world_contact_state world_contact_state_of(enum deform_state state);
-/* told.c: finds the normal of the base at a place. NaN: it cannot be found. */
-enum status world_normal_at(const struct world *world, const double place[3], double normal[3]) FURROW_CHECKED;
 /* Copies the state of the forces, for a checkpoint. No forces may be in flight. If `forces` is NULL, *out is NULL. */
 struct forces_saved;
 enum status world_forces_save(const struct forces *forces, struct forces_saved **out) FURROW_CHECKED;

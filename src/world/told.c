@@ -27,7 +27,8 @@ struct world_contact world_contact_unknown(void)
 	};
 }
 
-enum status world_normal_at(const struct world *world, const double place[3], double normal[3])
+/* Finds the normal of the undisturbed surface. NaN: it cannot be found. */
+static enum status normal_at(const struct world *world, const double place[3], double normal[3])
 {
 	const double step = NORMAL_POSTS * world->spacing;
 	double height[4];
@@ -87,7 +88,7 @@ static enum status fill(struct world *world, const struct scene_object *object, 
 	contact->state = touches;
 	contact->sinkage = touches == WORLD_AIR ? 0 : force->sinkage;
 	contact->slip = slip_of(object, state);
-	enum status status = world_normal_at(world, state->pose.position, contact->normal);
+	enum status status = normal_at(world, state->pose.position, contact->normal);
 	if (status != STATUS_OK || !world_feels(world))
 		return status;
 	memcpy(contact->force, force->force, sizeof contact->force);

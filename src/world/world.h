@@ -38,6 +38,7 @@ struct world;
 struct world_force {
 	double force[3], moment[3]; /* N, N m */
 	double sinkage, area;       /* m below the base; m2 */
+	double residual;            /* N: struct deform_forces */
 	int64_t z;                  /* 2^-20 m */
 	enum deform_state state;
 };
@@ -101,9 +102,6 @@ struct world_row {
 	/* index of the soil at the post nearest to the origin, in the scene's soils; -1: outside the terrain */
 	int soil;
 	struct world_force force;
-	/* N: the part of its weight and the soil's force together that points along the steepest descent of the base under it. The load
-	 * is its weight; without a load, the soil's vertical force. */
-	double residual;
 };
 /* Receives the rows in their order. `flush` is called after some rows. */
 struct world_rows {
