@@ -376,8 +376,8 @@ struct deform_forces {
 	double sinkage;       /* m: its greatest depth below the base, where the soil bears it; 0 if it is above the base */
 	double area;          /* m2: area of the posts that carry it */
 	double normal[2];     /* x and y of the undisturbed surface's unit normal, the mean over these posts */
-	/* N: the part of its weight and the soil's force together that points along the steepest descent under it. The load is its
-	 * weight; without a load, the soil's vertical force. */
+	/* N: the force along its heading, along the ground, that its path gives it: what its weight needs and the soil does not give.
+	 * Below 0 its path holds it back. The load is its weight; without a load, the soil's vertical force. */
 	double residual;
 	int64_t z;            /* 2^-20 m: height of its centre; with a load, the equilibrium height */
 	uint32_t saturated;   /* posts whose share exceeded 2^31 sixteenths of a pascal, and was cut to that */

@@ -31,6 +31,7 @@ struct asked {
 	int64_t z;       /* prescribed, or guessed */
 	double arm;      /* of moments, m */
 	double load;     /* N; 0: none */
+	double yaw;
 };
 
 struct batch {
@@ -81,12 +82,14 @@ void deform_forces_destroy(struct deform *deform)
 	deform->forces = NULL;
 }
 
-/* Returns what the soil's force leaves of the weight along the steepest descent. `normal`: x and y of the ground's unit normal. */
-static double residual_of(const double force[3], const double normal[2], double load)
+/* Returns the force that the body's path gives it along its heading, along the ground: what its weight needs and the soil does not
+ * give. `normal`: x and y of the ground's unit normal. */
+static double residual_of(const double force[3], const double normal[2], const struct asked *asked)
 {
-	const double sine = hypot(normal[0], normal[1]), weight = load > 0 ? load : force[2];
-	const double level = sine > 0 ? (force[0] * normal[0] + force[1] * normal[1]) / sine : 0;
-	return level * sqrt(fmax(1 - sine * sine, 0)) - (force[2] - weight) * sine;
+	const double ahead[2] = {cos(asked->yaw), sin(asked->yaw)};
+	const double up = sqrt(fmax(1 - normal[0] * normal[0] - normal[1] * normal[1], 1e-9));
+	const double rise = -(normal[0] * ahead[0] + normal[1] * ahead[1]) / up, weight = asked->load > 0 ? asked->load : force[2];
+	return -(force[0] * ahead[0] + force[1] * ahead[1] + (force[2] - weight) * rise) / hypot(1, rise);
 }
 
 static struct deform_forces told(const struct deform *deform, const struct asked *asked, const struct record *record)
@@ -108,7 +111,7 @@ static struct deform_forces told(const struct deform *deform, const struct asked
 		forces.force[i] = (double)record->force[i] * unit;
 		forces.moment[i] = (double)record->moment[i] * unit * asked->arm;
 	}
-	forces.residual = residual_of(forces.force, forces.normal, asked->load);
+	forces.residual = residual_of(forces.force, forces.normal, asked);
 	return forces;
 }
 
@@ -203,7 +206,7 @@ enum status deform_forces_record(struct deform *deform, const struct deform_cont
 			status = land_oldest(deform);
 		if (status != STATUS_OK)
 			return status;
-		forces->asked[forces->next++ % RECORDS] = (struct asked){contact->tag, contact->to.z, arm, contact->load};
+		forces->asked[forces->next++ % RECORDS] = (struct asked){contact->tag, contact->to.z, arm, contact->load, contact->to.yaw};
 	}
 	*records = forces->records;
 	*record = (uint32_t)((forces->next - 1) % RECORDS);
