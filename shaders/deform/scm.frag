@@ -23,7 +23,7 @@ layout(binding = 7, r32i) uniform writeonly restrict iimage2DArray carries;
 // - the deepest sinkage below the base, fixed-point units
 // - the equilibrium height above the prescribed one, fixed-point units
 // - posts whose share was too large to count
-// - the sums of the normals' x and y over the posts in contact, in 1 / 4096
+// - the sums of the x and y of the base's normals over the posts in contact, in 1 / 4096
 layout(std430, binding = 1) restrict buffer records {
 	int record[];
 };
@@ -117,7 +117,7 @@ void main()
 			total_add(moment[i], int(round(clamp(m[i], -MOST, MOST))));
 		}
 		posts += int(b.held);
-		slope += b.held ? ivec2(round(n.xy * FINE)) : ivec2(0);
+		slope += b.held ? ivec2(round(bare_normal(x, y).xy * FINE)) : ivec2(0);
 		deepest = max(deepest, b.held ? b.sunk - before.heap : 0);
 #endif
 	}

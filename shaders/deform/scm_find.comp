@@ -138,7 +138,7 @@ bool slides_at(int at)
 			ground g = ground_at(x, y);
 			if (!carries(g, object_at(x, y, at)))
 				continue;
-			vec3 n = normal_at(x, y, g);
+			vec3 n = bare_normal(x, y);
 			soil s = soil_at(x, y);
 			sum += ivec4(ivec3(round(vec3(n.xy, min(s.b.y, 4.0)) * fine)), 1);
 			total_add(held, int(round(min(s.b.x * place.w / load.x * SHARE, COUNTED_MOST))));

@@ -56,6 +56,16 @@ ground ground_at(int x, int y)
 	return g;
 }
 
+// The base alone. Only differences of these heights are of use.
+ground bare_at(int x, int y, int from)
+{
+	ground g;
+	g.base = imageLoad(bases, ivec3(x, y, zero.z)).r;
+	g.far = false;
+	g.height = 4 * clamp(g.base - from, -FAR, FAR);
+	return g;
+}
+
 float rise_between(ground low, ground at, ground high)
 {
 	bool no_low = low.base == BASE_NODATA, no_high = high.base == BASE_NODATA;
@@ -70,6 +80,13 @@ vec3 normal_of(ground west, ground at, ground east, ground south, ground north)
 	slope *= min(1.0, STEEPEST * inversesqrt(max(steep, 1.0)));
 	float ca = inversesqrt(1.0 + dot(slope, slope));
 	return vec3(-slope * ca, ca);
+}
+
+// Returns the normal of the base: the ground as it was before all drives.
+vec3 bare_normal(int x, int y)
+{
+	int from = imageLoad(bases, ivec3(x, y, zero.z)).r;
+	return normal_of(bare_at(x - 1, y, from), bare_at(x, y, from), bare_at(x + 1, y, from), bare_at(x, y - 1, from), bare_at(x, y + 1, from));
 }
 
 soil soil_at(int x, int y)

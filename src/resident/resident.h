@@ -152,8 +152,8 @@ enum status resident_soil_map_at(struct soil_map *map, int level, int64_t x, int
 struct pages;
 
 /* Size of the snapshot (the "tally") that is committed with the pages. Little-endian: the soil compacted since the drive's
- * beginning, in fixed-point units (int64); the numbers of posts refused and confined, and of loaded contacts sunk and slid (uint64
- * each). */
+ * beginning, in fixed-point units (int64); the numbers of posts refused and confined (uint64 each). Then the numbers of loaded
+ * contacts that sank and that slide (uint64 each). */
 #define PAGES_TALLY_BYTES 40
 
 /* How much a drive changed the sums of negative and of positive offsets, and how much soil it compacted. In fixed-point units. Then
