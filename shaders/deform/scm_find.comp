@@ -1,6 +1,6 @@
 #version 450 core
-// The search before a contact of scm, by one work group: for the size of the contact patch (PATCH), for the equilibrium height
-// (LOAD), or for both. Each try sums over the posts that the object can be above. All sums are whole numbers, so their order does
+// The search before a contact of scm, by one work group. PATCH: for the size of the contact patch. LOAD: for the equilibrium
+// height. Each try sums over the posts that the object can be above. All sums are whole numbers, so their order does
 // not matter. Heights are fixed-point units above the prescribed one.
 // The equilibrium height is a height at which the soil's whole vertical force, normal stress and shear, is the load.
 

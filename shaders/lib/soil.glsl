@@ -165,7 +165,7 @@ answer answer_of(soil s, float by_width, float ca, ground g, object o, int most)
 	a.held = a.sunk > 0 && (a.sunk == a.most || sunk > a.plastic);
 	bool flows = a.sunk == a.most;
 	a.stress = !a.held ? 0.0 : flows ? a.yields : a.yields * clamp((sunk - a.plastic) / elastic, 0.0, 1.0);
-	// Where this contact itself presses the post deepest, on its way or at its end, the soil yields as the object is lowered.
+	// If this contact reaches the largest sinkage, on its way or at its end, the soil yields as the object is lowered.
 	a.stiff = !a.held ? 0.0 : deepest == a.most ? a.yields * s.a.z / max(z, UNIT_METRES) : a.yields / elastic;
 	return a;
 }
