@@ -23,13 +23,12 @@ layout(binding = 7, r32i) uniform writeonly restrict iimage2DArray carries;
 // - the deepest sinkage below the base, fixed-point units
 // - the equilibrium height above the prescribed one, fixed-point units
 // - posts whose share was too large to count
-// - the sums of the x and y of the base's normals over the posts in contact, in 1 / 4096
+// - the mean slope of the base under the object, east and north, in 2^-16
 layout(std430, binding = 1) restrict buffer records {
 	int record[];
 };
 
 const int POSTS = 12, DEEPEST = 13, RAISED = 14, SATURATED = 15, SLOPE = 16, WORDS = 18;
-const float FINE = 4096.0;
 const int STATE_BIT = 30; // the two highest bits beside the number of saturated posts: the state of a loaded object
 const float MOST = 2147483000.0;
 
@@ -86,7 +85,6 @@ void main()
 #ifdef FORCES
 	total force[3] = total[3](lost, lost, lost), moment[3] = total[3](lost, lost, lost);
 	int deepest = 0, posts = 0, saturated = 0;
-	ivec2 slope = ivec2(0);
 #endif
 	ground west = ground_at(first - 1, y), g = ground_at(first, y), east;
 	for (int x = first; x < last; x++, west = g, g = east) {
@@ -117,10 +115,16 @@ void main()
 			total_add(moment[i], int(round(clamp(m[i], -MOST, MOST))));
 		}
 		posts += int(b.held);
-		slope += b.held ? ivec2(round(bare_normal(x, y).xy * FINE)) : ivec2(0);
 		deepest = max(deepest, b.held ? b.sunk - before.heap : 0);
 #endif
 	}
+#ifdef FORCES
+	if (y == written.y && zero.z == 0) {
+		vec2 slope = clamp(slope_under(), -1e4, 1e4) * 65536.0;
+		record[zero.w * WORDS + SLOPE] = int(round(slope.x));
+		record[zero.w * WORDS + SLOPE + 1] = int(round(slope.y));
+	}
+#endif
 #if defined(FORCES) && defined(LOAD)
 	if (y == written.y) {
 		record[zero.w * WORDS + RAISED] = raised;
@@ -141,7 +145,5 @@ void main()
 	atomicAdd(record[to + POSTS], posts);
 	atomicMax(record[to + DEEPEST], deepest);
 	atomicAdd(record[to + SATURATED], saturated);
-	atomicAdd(record[to + SLOPE], slope.x);
-	atomicAdd(record[to + SLOPE + 1], slope.y);
 #endif
 }

@@ -13,10 +13,17 @@ layout(local_size_x = 16, local_size_y = 8) in;
 
 layout(binding = 4, r32i) uniform readonly restrict iimage2DArray sinkages;
 layout(binding = 5, r16ui) uniform readonly restrict uimage2DArray shears;
+layout(binding = 7, r32i) uniform restrict iimage2DArray gaps; // cleared before the contact pass, which uses it for another purpose
+
+#ifdef LOAD
+layout(std430, binding = 3) restrict readonly buffer standings {
+	int standing[]; // scm.frag writes it
+};
+#endif
 
 const int NOWHERE = -2000000000;
 const int LANES = int(gl_WorkGroupSize.x * gl_WorkGroupSize.y);
-const int WORDS = 8;
+const int WORDS = 5;
 const int TRIES = 64;             // a bracket of 2^28 units is halved to one unit in less
 const float SHARE = 4194304.0;    // forces are counted in 2^-22 of the load
 const float GROWTH = 4294967296.0; // and what they grow by in 2^-32 of it
@@ -56,21 +63,23 @@ float real_of(int word)
 	return float(sums[word]) * 65536.0 + float(uint(sums[word + 1]));
 }
 
-bool carries(ground g, object o)
+// A post's gap is the height below which the object touches it. Each invocation reads only gaps that it wrote itself.
+int gap_at(int x, int y)
 {
-	return g.base != BASE_NODATA && o.rests < g.height;
+	return imageLoad(gaps, ivec3(x, y, zero.z)).r;
 }
 
-// Returns the height of the first contact. NOWHERE: there is no ground below the object.
+// Writes all gaps. Returns the height of the first contact. NOWHERE: there is no ground below the object.
 int first_contact()
 {
 	int highest = NOWHERE;
 	for (int y = shadow.y + int(gl_LocalInvocationID.y); y < shadow.w; y += int(gl_WorkGroupSize.y))
 		for (int x = shadow.x + int(gl_LocalInvocationID.x); x < shadow.z; x += int(gl_WorkGroupSize.x)) {
 			ground g = ground_at(x, y);
-			object o = object_at(x, y, 0);
-			bool above = g.base != BASE_NODATA && !g.far && o.rests != UNDER_NONE;
-			highest = max(highest, above ? g.height - min(o.rests, FAR_UNITS) : NOWHERE);
+			int rests = object_at(x, y, 0).rests;
+			int gap = g.base != BASE_NODATA && rests != UNDER_NONE ? g.height - min(rests, FAR_UNITS) : NOWHERE;
+			imageStore(gaps, ivec3(x, y, zero.z), ivec4(gap));
+			highest = max(highest, g.far ? NOWHERE : gap);
 		}
 	if (gl_LocalInvocationIndex == 0u)
 		sums[0] = NOWHERE;
@@ -89,7 +98,7 @@ uint posts_at(int at)
 	int posts = 0;
 	for (int y = shadow.y + int(gl_LocalInvocationID.y); y < shadow.w; y += int(gl_WorkGroupSize.y))
 		for (int x = shadow.x + int(gl_LocalInvocationID.x); x < shadow.z; x += int(gl_WorkGroupSize.x))
-			posts += int(carries(ground_at(x, y), object_at(x, y, at)));
+			posts += int(at < gap_at(x, y));
 	give(0, posts);
 	sum_up(1);
 	return uint(sums[0]);
@@ -100,21 +109,23 @@ vec3 normal_at(int x, int y, ground g)
 	return normal_of(ground_at(x - 1, y), g, ground_at(x + 1, y), ground_at(x, y - 1), ground_at(x, y + 1));
 }
 
-// Returns the share of the load that the soil carries at a height; and how it grows for each unit of sinkage.
-vec2 share_at(int at, float by_width)
+// Returns the share of the load that the soil carries at a height; how it grows for each unit of sinkage; posts that carry it.
+vec3 share_at(int at, float by_width)
 {
 	total force = total(0, 0u), stiff = total(0, 0u);
+	int held = 0;
 	float unit = SHARE * place.w / load.x, growth = UNIT_METRES * GROWTH * place.w / load.x;
 	for (int y = shadow.y + int(gl_LocalInvocationID.y); y < shadow.w; y += int(gl_WorkGroupSize.y))
 		for (int x = shadow.x + int(gl_LocalInvocationID.x); x < shadow.z; x += int(gl_WorkGroupSize.x)) {
+			if (at >= gap_at(x, y))
+				continue;
 			ground g = ground_at(x, y);
 			object o = object_at(x, y, at);
-			if (!carries(g, o))
-				continue;
 			ivec3 post = ivec3(x, y, zero.z);
 			post_state before = {0, imageLoad(heaps, post).r, imageLoad(sinkages, post).r, imageLoad(shears, post).r};
 			bearing b = bearing_of(soil_at(x, y), by_width, normal_at(x, y, g), g, o, from_centre(x, y, o, at), before);
 			if (b.held) {
+				held++;
 				total_add(force, int(round(clamp(b.stress.z * unit, -COUNTED_MOST, COUNTED_MOST))));
 				// Friction grows with the normal stress, so the whole force grows about as that.
 				float whole = clamp(b.stress.z / max(b.normal, 1e-9), 0.0, 4.0);
@@ -123,33 +134,18 @@ vec2 share_at(int at, float by_width)
 		}
 	give_total(0, force);
 	give_total(2, stiff);
-	sum_up(4);
-	return vec2(real_of(0) / SHARE, real_of(2) / GROWTH);
+	give(4, held);
+	sum_up(5);
+	return vec3(real_of(0) / SHARE, real_of(2) / GROWTH, float(sums[4]));
 }
 
-// True if the slope is steeper than the soil can hold this load on: W sin a > c A + W cos a tan phi. Over the posts that it touches.
-bool slides_at(int at)
+// True if the slope is steeper than the soil can hold this load on: W sin a > c A + W cos a tan phi. The soil is that in the middle.
+bool slides(float posts)
 {
-	const float fine = 4096.0;
-	total held = total(0, 0u);
-	ivec4 sum = ivec4(0); // of the normals' x and y and of tan phi, in 1 / 4096; of posts
-	for (int y = shadow.y + int(gl_LocalInvocationID.y); y < shadow.w; y += int(gl_WorkGroupSize.y))
-		for (int x = shadow.x + int(gl_LocalInvocationID.x); x < shadow.z; x += int(gl_WorkGroupSize.x)) {
-			ground g = ground_at(x, y);
-			if (!carries(g, object_at(x, y, at)))
-				continue;
-			vec3 n = bare_normal(x, y);
-			soil s = soil_at(x, y);
-			sum += ivec4(ivec3(round(vec3(n.xy, min(s.b.y, 4.0)) * fine)), 1);
-			total_add(held, int(round(min(s.b.x * place.w / load.x * SHARE, COUNTED_MOST))));
-		}
-	for (int i = 0; i < 4; i++)
-		give(i, sum[i]);
-	give_total(4, held);
-	sum_up(6);
-	vec3 mean = vec3(sums[0], sums[1], sums[2]) / (fine * max(float(sums[3]), 1.0));
-	float sine = min(length(mean.xy), 1.0);
-	return sine > real_of(4) / SHARE + sqrt(1.0 - sine * sine) * mean.z;
+	vec2 slope = slope_under();
+	float sine = length(slope) * inversesqrt(1.0 + dot(slope, slope));
+	soil s = soil_at((shadow.x + shadow.z) / 2, (shadow.y + shadow.w) / 2);
+	return sine > s.b.x * posts * place.w / load.x + sqrt(1.0 - sine * sine) * s.b.y;
 }
 
 // Newton's step: force is about a power of depth, so it is made between the logarithms.
@@ -171,7 +167,7 @@ void main()
 {
 	int at = 0;
 	uint posts = 0u, state = CARRIED, tries = 0u;
-	float by_width = scale.w, carried = 1.0;
+	float by_width = scale.w, carried = 1.0, held = 0.0;
 #ifdef LOAD
 	// The soil carries the load at `low`, or the object may not sink deeper. It does not carry the load at `high`.
 	int top = first_contact(), low = top - int(load.y), high = top;
@@ -179,21 +175,23 @@ void main()
 	int last = 2 * int(load.y), stalls = 0;
 	vec2 at_low = vec2(1e30, 0.0), at_high = vec2(0.0); // the shares there, and how they grow
 	bool done = top == NOWHERE;
-	at = done ? 0 : clamp(0, low + 1, high - 1);
+	// It begins at the height of the object's last contact, which followed the ground as this one does.
+	at = done ? 0 : clamp(load.z > 0.0 ? standing[int(load.z) - 1] : 0, low + 1, high - 1);
 	for (int k = 0; k < TRIES && !done; k++) {
 #ifdef PATCH
 		posts = posts_at(at);
 		by_width = found_by_width(posts, place.w);
 #endif
-		vec2 share = share_at(at, by_width);
+		vec3 share = share_at(at, by_width);
 		tries++;
+		held = share.z;
 		bool bears = share.x >= 1.0;
 		state = bears ? CARRIED : state;
 		carried = bears ? share.x : carried;
 		low = bears ? at : low;
 		high = bears ? high : at;
-		at_low = bears ? share : at_low;
-		at_high = bears ? at_high : share;
+		at_low = bears ? share.xy : at_low;
+		at_high = bears ? at_high : share.xy;
 		int width = high - low;
 		// The height is found if Newton's step is less than half a unit, or if the bracket leaves one.
 		bool there = abs(share.x - 1.0) <= 0.5 * share.y;
@@ -212,10 +210,13 @@ void main()
 		next = clamp(lags ? middle(top - high, top - low, top) : next, low + 1, max(high - 1, low + 1));
 		at = there ? at : done ? low : next;
 	}
-	if (state == CARRIED && slides_at(at))
+	if (state == CARRIED && slides(held))
 		state = SLIDES;
 #endif
 #ifdef PATCH
+#ifndef LOAD
+	first_contact();
+#endif
 	posts = posts_at(at);
 #endif
 	if (gl_LocalInvocationIndex == 0u) {

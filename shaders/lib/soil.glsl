@@ -56,16 +56,6 @@ ground ground_at(int x, int y)
 	return g;
 }
 
-// The base alone. Only differences of these heights are of use.
-ground bare_at(int x, int y, int from)
-{
-	ground g;
-	g.base = imageLoad(bases, ivec3(x, y, zero.z)).r;
-	g.far = false;
-	g.height = 4 * clamp(g.base - from, -FAR, FAR);
-	return g;
-}
-
 float rise_between(ground low, ground at, ground high)
 {
 	bool no_low = low.base == BASE_NODATA, no_high = high.base == BASE_NODATA;
@@ -82,11 +72,27 @@ vec3 normal_of(ground west, ground at, ground east, ground south, ground north)
 	return vec3(-slope * ca, ca);
 }
 
-// Returns the normal of the base: the ground as it was before all drives.
-vec3 bare_normal(int x, int y)
+// Returns the mean slope of the base between two posts that lie along one axis. Without data at an end, the middle is used.
+float slope_between(ivec2 low, ivec2 high)
 {
-	int from = imageLoad(bases, ivec3(x, y, zero.z)).r;
-	return normal_of(bare_at(x - 1, y, from), bare_at(x, y, from), bare_at(x + 1, y, from), bare_at(x, y - 1, from), bare_at(x, y + 1, from));
+	ivec2 middle = (low + high) / 2;
+	int first = imageLoad(bases, ivec3(low, zero.z)).r, last = imageLoad(bases, ivec3(high, zero.z)).r;
+	int between = imageLoad(bases, ivec3(middle, zero.z)).r;
+	low = first == BASE_NODATA ? middle : low;
+	high = last == BASE_NODATA ? middle : high;
+	first = first == BASE_NODATA ? between : first;
+	last = last == BASE_NODATA ? between : last;
+	int posts = high.x - low.x + high.y - low.y;
+	bool known = first != BASE_NODATA && last != BASE_NODATA && posts > 0;
+	return known ? 4.0 * (float(last) - float(first)) * scale.x / float(posts) : 0.0;
+}
+
+// Returns the mean slope under the object of the base, the ground as it was before all drives.
+vec2 slope_under()
+{
+	ivec2 low = shadow.xy, high = shadow.zw - 1, middle = (low + high) / 2;
+	return vec2(slope_between(ivec2(low.x, middle.y), ivec2(high.x, middle.y)),
+		    slope_between(ivec2(middle.x, low.y), ivec2(middle.x, high.y)));
 }
 
 soil soil_at(int x, int y)

@@ -375,7 +375,7 @@ struct deform_forces {
 	double moment[3];     /* N m about its centre */
 	double sinkage;       /* m: its greatest depth below the base, where the soil bears it; 0 if it is above the base */
 	double area;          /* m2: area of the posts that carry it */
-	double normal[2];     /* x and y of the base's unit normal, the mean over these posts */
+	double slope[2];      /* of the base under it, a mean: its rise a metre to the east and to the north */
 	/* N: the force along its heading, along the ground, that its path gives it: what its weight needs and the soil does not give.
 	 * Below 0 its path holds it back. The load is its weight; without a load, the soil's vertical force. */
 	double residual;

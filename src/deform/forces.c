@@ -21,10 +21,9 @@ struct record {
 	uint32_t posts;
 	int32_t deepest, raised;
 	uint32_t saturated; /* and in its two highest bits the state, as lib/found.glsl has it */
-	int32_t slope[2];   /* the sum over the posts of the normals' x and y, in 1 / SLOPE_FINE */
+	int32_t slope[2];   /* the mean slope of the base under it, east and north, in 2^-16 */
 };
 #define STATE_BIT 30
-#define SLOPE_FINE 4096
 
 struct asked {
 	uint64_t tag;
@@ -83,12 +82,11 @@ void deform_forces_destroy(struct deform *deform)
 }
 
 /* Returns the force that the body's path gives it along its heading, along the ground: what its weight needs and the soil does not
- * give. `normal`: x and y of the ground's unit normal. */
-static double residual_of(const double force[3], const double normal[2], const struct asked *asked)
+ * give. */
+static double residual_of(const double force[3], const double slope[2], const struct asked *asked)
 {
 	const double ahead[2] = {cos(asked->yaw), sin(asked->yaw)};
-	const double up = sqrt(fmax(1 - normal[0] * normal[0] - normal[1] * normal[1], 1e-9));
-	const double rise = -(normal[0] * ahead[0] + normal[1] * ahead[1]) / up, weight = asked->load > 0 ? asked->load : force[2];
+	const double rise = slope[0] * ahead[0] + slope[1] * ahead[1], weight = asked->load > 0 ? asked->load : force[2];
 	return -(force[0] * ahead[0] + force[1] * ahead[1] + (force[2] - weight) * rise) / hypot(1, rise);
 }
 
@@ -105,13 +103,13 @@ static struct deform_forces told(const struct deform *deform, const struct asked
 	};
 	if (record->posts == 0 && forces.state != DEFORM_SUNK)
 		forces.state = DEFORM_AIR;
-	for (int i = 0; i < 2 && record->posts > 0; i++)
-		forces.normal[i] = (double)record->slope[i] / SLOPE_FINE / record->posts;
+	for (int i = 0; i < 2; i++)
+		forces.slope[i] = ldexp(record->slope[i], -16);
 	for (int i = 0; i < 3; i++) {
 		forces.force[i] = (double)record->force[i] * unit;
 		forces.moment[i] = (double)record->moment[i] * unit * asked->arm;
 	}
-	forces.residual = residual_of(forces.force, forces.normal, asked);
+	forces.residual = residual_of(forces.force, forces.slope, asked);
 	return forces;
 }
 
