@@ -25,8 +25,7 @@ static const struct dem_synth ground = {
 };
 
 struct soil {
-	int32_t offset[POSTS], heaped[POSTS], pressed[POSTS];
-	uint16_t shear[POSTS];
+	int32_t offset[POSTS], heaped[POSTS], pressed[POSTS], shear[POSTS];
 };
 
 static void fill(struct soil *soil, struct store_page *page, int number, int round)
@@ -39,7 +38,7 @@ static void fill(struct soil *soil, struct store_page *page, int number, int rou
 		soil->offset[i] = (int32_t)lround(ldexp(heap - depth, 20));
 		soil->heaped[i] = (int32_t)lround(ldexp(heap, 20));
 		soil->pressed[i] = (int32_t)lround(ldexp(depth, 20));
-		soil->shear[i] = (uint16_t)lround(ldexp(depth * 0.4, 16));
+		soil->shear[i] = (int32_t)lround(ldexp(depth * 4, 15)); /* as under a wheel that is 12 m long */
 	}
 	*page = (struct store_page){.tile = {LEVEL, (uint32_t)number % 10, (uint32_t)number / 10}};
 	page->planes[PLANE_OFFSET] = soil->offset;

@@ -9,7 +9,8 @@
 
 static const struct command_option options[] = {
 	{"o", "OUT", "what to write: .tif (GeoTIFF) or .png"},
-	{"layer", "LAYER", "surface (default), base, offset, deposited, plastic_sinkage, shear (metres), fixed_point (Int32, 2^-20 m) or hillshade"},
+	{"layer", "LAYER", "surface (default), base, offset, deposited, plastic_sinkage (metres), shear, shear_x, shear_y (shares of the soil's strength), "
+			   "fixed_point (Int32, 2^-20 m) or hillshade"},
 	{"level", "L", "0: the source's spacing; -k: 2^k times finer; k: coarser (0; offset to fixed_point: the deformed level)"},
 	{"window", "X0,Y0,X1,Y1", "metres east and north of the south-west post"},
 	{"height-range", "MIN,MAX", "metres that a PNG's 0 and full scale mean (one metre a unit); of a map, its ramp's ends"},
@@ -18,8 +19,8 @@ static const struct command_option options[] = {
 	{NULL, NULL, NULL},
 };
 
-static const char *const layer_names[] = {"surface", "base",        "offset",    "deposited", "plastic_sinkage",
-					  "shear",   "fixed_point", "hillshade", NULL};
+static const char *const layer_names[] = {"surface", "base",        "offset",    "deposited", "plastic_sinkage", "shear",
+					  "shear_x", "shear_y",     "fixed_point", "hillshade", NULL};
 
 const char *export_layer_name(int layer)
 {
@@ -29,7 +30,7 @@ const char *export_layer_name(int layer)
 enum store_layer export_store_layer(int layer)
 {
 	static const enum store_layer layers[] = {STORE_SURFACE, STORE_BASE,  STORE_OFFSET, STORE_DEPOSITED,
-						  STORE_PLASTIC_SINKAGE, STORE_SHEAR, STORE_UNITS, STORE_SURFACE};
+						  STORE_PLASTIC_SINKAGE, STORE_SHEAR, STORE_SHEAR_EAST, STORE_SHEAR_NORTH, STORE_UNITS, STORE_SURFACE};
 	return layers[layer];
 }
 
@@ -278,12 +279,12 @@ static enum status run(const struct arguments *arguments)
 
 const struct command command_export = {
 	.name = "export",
-	.usage = "export STORE -o OUT.tif|OUT.png [--layer surface|base|offset|deposited|plastic_sinkage|shear|fixed_point|hillshade] "
+	.usage = "export STORE -o OUT.tif|OUT.png [--layer surface|base|offset|deposited|plastic_sinkage|shear|shear_x|shear_y|fixed_point|hillshade] "
 		 "[--level L] [--window X0,Y0,X1,Y1] [--height-range MIN,MAX] [--sun AZIMUTH,ALTITUDE] [--exaggerate TIMES]",
 	.summary = "posts of a store as a GeoTIFF or a PNG",
 	.details = "Rasters are north up, one pixel a post, and carry the store's reference system. Levels finer than\n"
 		   "what is stored are interpolated. Nodata of a hillshade is 0.\n"
-		   "A .png of offset, deposited, plastic_sinkage or shear is a map: false colours over the hillshade, with a legend, a scale bar\n"
+		   "A .png of offset, deposited, plastic_sinkage or of shear is a map: false colours over the hillshade, with a legend, a scale bar\n"
 		   "and north. Its pixels are posts, small maps enlarged by a whole factor; more than 4096 on a side are drawn at a\n"
 		   "coarser level, each pixel with the largest value of the posts within it, so that narrow ruts are seen.\n",
 	.options = options,

@@ -10,7 +10,8 @@
 enum status export_check_picture(const struct export_request *request)
 {
 	const double *range = request->range;
-	bool has_sign = request->layer == LAYER_OFFSET || request->layer == LAYER_HEAPED;
+	bool has_sign = request->layer == LAYER_OFFSET || request->layer == LAYER_HEAPED || request->layer == LAYER_SHEAR_X ||
+			request->layer == LAYER_SHEAR_Y;
 	if (request->layer == LAYER_QUANTA)
 		return fail_with(STATUS_USAGE, "export: a PNG holds no fixed_point units; write them as .tif, or --layer offset as a map");
 	if (request->has_range && has_sign && !(range[0] < 0 && range[1] > 0))
@@ -58,6 +59,7 @@ static enum status draw(const struct export_request *request, const struct rende
 		.title = title,
 		.subtitle = subtitle,
 		.layer = layer,
+		.share = request->layer >= LAYER_SHEAR && request->layer <= LAYER_SHEAR_Y,
 		.ramp = ramp_of(request->layer),
 		.range = {request->range[0], request->range[1]},
 		.side = SIDE,

@@ -104,11 +104,13 @@ static enum status ask_point(struct asking *asking, double x, double y)
 		enum plane plane;
 		double value;
 	} state[] = {
-		{PLANE_DEPOSITED, sample.deposited}, {PLANE_PLASTIC_SINKAGE, sample.plastic_sinkage}, {PLANE_SHEAR, sample.shear},
+		{PLANE_DEPOSITED, sample.deposited}, {PLANE_PLASTIC_SINKAGE, sample.plastic_sinkage},
 	};
 	for (size_t i = 0; i < sizeof state / sizeof *state; i++)
 		if (sample.planes & PLANE_BIT(state[i].plane))
 			json_number(soil, plane_name(state[i].plane), state[i].value);
+	if (sample.planes & PLANE_BIT(PLANE_SHEAR))
+		add_numbers(soil, plane_name(PLANE_SHEAR), sample.shear, 2);
 	cJSON_AddItemToArray(asking->points, point);
 	asking->only = point;
 	return STATUS_OK;

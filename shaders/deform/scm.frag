@@ -13,13 +13,13 @@
 
 layout(binding = 3, r32i) uniform restrict iimage2DArray offsets;
 layout(binding = 4, r32i) uniform restrict iimage2DArray sinkages;
-layout(binding = 5, r16ui) uniform restrict uimage2DArray shears;
+layout(binding = 5, r32i) uniform restrict iimage2DArray shears;
 layout(binding = 6, r8ui) uniform writeonly restrict uimage2DArray contacts;
 layout(binding = 7, r32i) uniform writeonly restrict iimage2DArray carries;
 
 #ifdef FORCES
 // 18 words for each contact with a tag: force and moment, 64 bits for each component; then these:
-// - posts in contact
+// - area that bears, faces[0].w a post
 // - the deepest sinkage below the base, fixed-point units
 // - the equilibrium height above the prescribed one, fixed-point units
 // - posts whose share was too large to count
@@ -28,7 +28,7 @@ layout(std430, binding = 1) restrict buffer records {
 	int record[];
 };
 
-const int POSTS = 12, DEEPEST = 13, RAISED = 14, SATURATED = 15, SLOPE = 16, WORDS = 18;
+const int AREA = 12, DEEPEST = 13, RAISED = 14, SATURATED = 15, SLOPE = 16, WORDS = 18;
 const int STATE_BIT = 30; // the two highest bits beside the number of saturated posts: the state of a loaded object
 const float MOST = 2147483000.0;
 
@@ -55,6 +55,15 @@ int row_of_pass()
 	return written.y + at.x + COLUMNS * at.y;
 }
 
+// Tells whether the object was at most two posts' spacing above the surface. So it may have been in contact before, or comes next:
+// then shear that is left there from another contact ends. Otherwise it is that of another object, below this one.
+bool is_near(int x, int y, ground g, object o)
+{
+	ivec3 post = ivec3(x, y, zero.z);
+	int surface = g.height - imageLoad(heaps, post).r + imageLoad(offsets, post).r;
+	return o.lowest != UNDER_NONE && g.base != BASE_NODATA && o.lowest - surface < int(min(scale.y * 2097152.0, 1e9));
+}
+
 void main()
 {
 	int y = row_of_pass();
@@ -76,7 +85,12 @@ void main()
 			imageStore(contacts, ivec3(x, y, zero.z), uvec4(HOLE));
 	int first = shadow.z, last = shadow.x;
 	for (int x = shadow.x; x < shadow.z && y >= shadow.y && y < shadow.w; x++) {
-		bool touches = may_touch(ground_at(x, y), object_at(x, y, raised));
+		ground g = ground_at(x, y);
+		object o = object_at(x, y, raised);
+		bool touches = may_touch(g, o) || imageLoad(shears, ivec3(x, y, zero.z)).r != 0 && is_near(x, y, g, o);
+#ifdef FORCES
+		touches = touches || may_bear(x, y, g, o);
+#endif
 		first = touches ? min(first, x) : first;
 		last = touches ? x + 1 : last;
 	}
@@ -84,7 +98,7 @@ void main()
 	uint over = 0u;
 #ifdef FORCES
 	total force[3] = total[3](lost, lost, lost), moment[3] = total[3](lost, lost, lost);
-	int deepest = 0, posts = 0, saturated = 0;
+	int deepest = 0, area = 0, saturated = 0;
 #endif
 	ground west = ground_at(first - 1, y), g = ground_at(first, y), east;
 	for (int x = first; x < last; x++, west = g, g = east) {
@@ -93,28 +107,30 @@ void main()
 		object o = object_at(x, y, raised);
 		soil s = soil_at(x, y);
 		post_state before = {imageLoad(offsets, post).r, imageLoad(heaps, post).r, imageLoad(sinkages, post).r, imageLoad(shears, post).r};
-		vec3 at = from_centre(x, y, o, raised);
 		vec3 n = normal_of(west, g, east, ground_at(x, y - 1), ground_at(x, y + 1));
-		bearing b = bearing_of(s, by_width, n, g, o, at, before);
+		bearing b = bearing_of(s, by_width, n, g, o, cell_at(x, y, o), before);
 		over += uint(b.refused);
 		total_add(lost, before.offset - b.after.offset - b.carried);
+		if (b.after.shear != before.shear && (b.held || is_near(x, y, g, o)))
+			imageStore(shears, post, ivec4(b.after.shear));
 		if (b.touched) {
 			imageStore(offsets, post, ivec4(b.after.offset));
 			imageStore(sinkages, post, ivec4(b.after.sinkage));
-			imageStore(shears, post, uvec4(b.after.shear));
 			imageStore(contacts, post, uvec4(LOWERED | (b.held ? HELD : 0u)));
 			imageStore(carries, post, ivec4(b.carried));
 		}
 #ifdef FORCES
-		vec3 f = b.held ? b.stress * unit : vec3(0.0);
-		vec3 m = cross(at * place.z, f);
+		vec3 f = b.stress * unit, m = b.moment * unit * place.z;
+		bool bears = g.base != BASE_NODATA && b.area > 0.0;
+		f = bears ? f : vec3(0.0);
+		m = bears ? m : vec3(0.0);
 		vec3 large = max(abs(f), abs(m));
 		saturated += int(max(large.x, max(large.y, large.z)) > MOST);
 		for (int i = 0; i < 3; i++) {
 			total_add(force[i], int(round(clamp(f[i], -MOST, MOST))));
 			total_add(moment[i], int(round(clamp(m[i], -MOST, MOST))));
 		}
-		posts += int(b.held);
+		area += bears ? int(round(b.area * faces[0].w)) : 0;
 		deepest = max(deepest, b.held ? b.sunk - before.heap : 0);
 #endif
 	}
@@ -142,7 +158,7 @@ void main()
 		record_add(to + 2 * i, force[i]);
 		record_add(to + 6 + 2 * i, moment[i]);
 	}
-	atomicAdd(record[to + POSTS], posts);
+	atomicAdd(record[to + AREA], area);
 	atomicMax(record[to + DEEPEST], deepest);
 	atomicAdd(record[to + SATURATED], saturated);
 #endif

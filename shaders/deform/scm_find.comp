@@ -12,7 +12,7 @@ layout(local_size_x = 16, local_size_y = 8) in;
 #include "lib/tally.glsl"
 
 layout(binding = 4, r32i) uniform readonly restrict iimage2DArray sinkages;
-layout(binding = 5, r16ui) uniform readonly restrict uimage2DArray shears;
+layout(binding = 5, r32i) uniform readonly restrict iimage2DArray shears;
 layout(binding = 7, r32i) uniform restrict iimage2DArray gaps; // cleared before the contact pass, which uses it for another purpose
 
 #ifdef LOAD
@@ -63,10 +63,15 @@ float real_of(int word)
 	return float(sums[word]) * 65536.0 + float(uint(sums[word + 1]));
 }
 
-// A post's gap is the height below which the object touches it. Each invocation reads only gaps that it wrote itself.
+// A post's gap is a height at and above which the object does not touch its cell. Each invocation reads only gaps that it wrote itself.
 int gap_at(int x, int y)
 {
 	return imageLoad(gaps, ivec3(x, y, zero.z)).r;
+}
+
+vec3 ground_normal(int x, int y, ground g)
+{
+	return normal_of(ground_at(x - 1, y), g, ground_at(x + 1, y), ground_at(x, y - 1), ground_at(x, y + 1));
 }
 
 // Writes all gaps. Returns the height of the first contact. NOWHERE: there is no ground below the object.
@@ -76,10 +81,10 @@ int first_contact()
 	for (int y = shadow.y + int(gl_LocalInvocationID.y); y < shadow.w; y += int(gl_WorkGroupSize.y))
 		for (int x = shadow.x + int(gl_LocalInvocationID.x); x < shadow.z; x += int(gl_WorkGroupSize.x)) {
 			ground g = ground_at(x, y);
-			int rests = object_at(x, y, 0).rests;
-			int gap = g.base != BASE_NODATA && rests != UNDER_NONE ? g.height - min(rests, FAR_UNITS) : NOWHERE;
-			imageStore(gaps, ivec3(x, y, zero.z), ivec4(gap));
-			highest = max(highest, g.far ? NOWHERE : gap);
+			object o = object_at(x, y, 0);
+			imageStore(gaps, ivec3(x, y, zero.z), ivec4(touch_room(x, y, g, o)));
+			float deepest = deepest_in(ground_normal(x, y, g), g, o, cell_at(x, y, o)) * 1048576.0;
+			highest = max(highest, g.base != BASE_NODATA && !g.far && deepest > -1e9 ? int(deepest) : NOWHERE);
 		}
 	if (gl_LocalInvocationIndex == 0u)
 		sums[0] = NOWHERE;
@@ -98,22 +103,21 @@ uint posts_at(int at)
 	int posts = 0;
 	for (int y = shadow.y + int(gl_LocalInvocationID.y); y < shadow.w; y += int(gl_WorkGroupSize.y))
 		for (int x = shadow.x + int(gl_LocalInvocationID.x); x < shadow.z; x += int(gl_WorkGroupSize.x))
-			posts += int(at < gap_at(x, y));
+			if (at < gap_at(x, y)) {
+				ground g = ground_at(x, y);
+				posts += int(g.base != BASE_NODATA && object_at(x, y, at).rests < g.height);
+			}
 	give(0, posts);
 	sum_up(1);
 	return uint(sums[0]);
 }
 
-vec3 normal_at(int x, int y, ground g)
-{
-	return normal_of(ground_at(x - 1, y), g, ground_at(x + 1, y), ground_at(x, y - 1), ground_at(x, y + 1));
-}
-
-// Returns the share of the load that the soil carries at a height; how it grows for each unit of sinkage; posts that carry it.
+// Returns the share of the load that the soil carries at a height; how it grows for each unit of sinkage; the area that
+// carries it, in posts.
 vec3 share_at(int at, float by_width)
 {
 	total force = total(0, 0u), stiff = total(0, 0u);
-	int held = 0;
+	int area = 0;
 	float unit = SHARE * place.w / load.x, growth = UNIT_METRES * GROWTH * place.w / load.x;
 	for (int y = shadow.y + int(gl_LocalInvocationID.y); y < shadow.w; y += int(gl_WorkGroupSize.y))
 		for (int x = shadow.x + int(gl_LocalInvocationID.x); x < shadow.z; x += int(gl_WorkGroupSize.x)) {
@@ -123,9 +127,9 @@ vec3 share_at(int at, float by_width)
 			object o = object_at(x, y, at);
 			ivec3 post = ivec3(x, y, zero.z);
 			post_state before = {0, imageLoad(heaps, post).r, imageLoad(sinkages, post).r, imageLoad(shears, post).r};
-			bearing b = bearing_of(soil_at(x, y), by_width, normal_at(x, y, g), g, o, from_centre(x, y, o, at), before);
-			if (b.held) {
-				held++;
+			bearing b = bearing_of(soil_at(x, y), by_width, ground_normal(x, y, g), g, o, cell_at(x, y, o), before);
+			if (g.base != BASE_NODATA && b.area > 0.0) {
+				area += int(round(b.area * faces[0].w));
 				total_add(force, int(round(clamp(b.stress.z * unit, -COUNTED_MOST, COUNTED_MOST))));
 				// Friction grows with the normal stress, so the whole force grows about as that.
 				float whole = clamp(b.stress.z / max(b.normal, 1e-9), 0.0, 4.0);
@@ -134,9 +138,9 @@ vec3 share_at(int at, float by_width)
 		}
 	give_total(0, force);
 	give_total(2, stiff);
-	give(4, held);
+	give(4, area);
 	sum_up(5);
-	return vec3(real_of(0) / SHARE, real_of(2) / GROWTH, float(sums[4]));
+	return vec3(real_of(0) / SHARE, real_of(2) / GROWTH, float(uint(sums[4])) / faces[0].w);
 }
 
 // True if the slope is steeper than the soil can hold this load on: W sin a > c A + W cos a tan phi. The soil is that in the middle.

@@ -294,15 +294,15 @@ struct furrow_hit {
 FURROW_API furrow_status furrow_rays(struct furrow_world *world, size_t count, const double (*origin)[3],
 				     const double (*direction)[3], struct furrow_hit *hits);
 
-/* Metres, but for DISTURBANCE: 0 to 1. */
+/* Metres, but for SHEAR: -1 to 1, and DISTURBANCE: 0 to 1. */
 enum furrow_layer {
 	FURROW_SURFACE,     /* base + offset */
 	FURROW_BASE,        /* as imported */
 	FURROW_OFFSET,      /* what deformation added */
 	FURROW_DEPOSITED,   /* deposited thickness: soil that was moved there */
 	FURROW_SINKAGE,     /* plastic sinkage */
-	FURROW_SHEAR_X,     /* shear displacement, to the east */
-	FURROW_SHEAR_Y,     /* and to the north */
+	FURROW_SHEAR_X,     /* mobilised shear to the east, a share of the soil's strength: how far it is sheared under a contact */
+	FURROW_SHEAR_Y,     /* and to the north; both are 0 where nothing is in contact */
 	FURROW_DISTURBANCE
 };
 

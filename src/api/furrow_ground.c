@@ -126,12 +126,11 @@ furrow_status furrow_rays(struct furrow_world *world, size_t count, const double
 
 #define DISTURBANCE_MOST 255.0
 
-/* STORE_LAYERS: this version does not keep it. */
 static enum store_layer layer_of(enum furrow_layer layer)
 {
 	switch (layer) {
 	case FURROW_SURFACE:
-		return STORE_SURFACE;
+		break;
 	case FURROW_BASE:
 		return STORE_BASE;
 	case FURROW_OFFSET:
@@ -142,11 +141,12 @@ static enum store_layer layer_of(enum furrow_layer layer)
 		return STORE_PLASTIC_SINKAGE;
 	case FURROW_DISTURBANCE:
 		return STORE_SOIL;
-	case FURROW_SHEAR_X: /* only the amount of shear is kept, not its direction */
+	case FURROW_SHEAR_X:
+		return STORE_SHEAR_EAST;
 	case FURROW_SHEAR_Y:
-		break;
+		return STORE_SHEAR_NORTH;
 	}
-	return STORE_LAYERS;
+	return STORE_SURFACE;
 }
 
 static enum status check_read(const struct furrow_world *world, enum furrow_layer layer, int level, uint32_t columns, const double *posts,
@@ -208,13 +208,13 @@ furrow_status furrow_read(struct furrow_world *world, enum furrow_layer layer, i
 	const enum store_layer kept = layer_of(layer);
 	const struct extent *extent = &world->world.meta->extent;
 	const struct post_rect all = {0, 0, extent_posts(extent->width, level), extent_posts(extent->height, level)};
-	const bool soil = kept == STORE_DEPOSITED || kept == STORE_PLASTIC_SINKAGE || kept == STORE_LAYERS;
+	const bool soil = kept >= STORE_DEPOSITED;
 	struct post_rect rect = {column, row, column, row};
 	/* Posts beyond the terrain do not exist. So a sum that would overflow is never needed. */
 	if (column < all.x1 && row < all.y1 && column > -(int64_t)columns && row > -(int64_t)rows)
 		rect = post_rect_intersect((struct post_rect){column, row, column + columns, row + rows}, all);
 	fill_nan(posts, columns, rows, row_stride);
-	if (!post_rect_empty(rect) && kept != STORE_LAYERS && !(soil && level != world->world.level))
+	if (!post_rect_empty(rect) && !(soil && level != world->world.level))
 		status = read_rows(world, kept, level, rect, posts + (size_t)(rect.y0 - row) * row_stride + (size_t)(rect.x0 - column),
 				   row_stride);
 	return api_library_leave(&call, status);

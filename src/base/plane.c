@@ -10,7 +10,7 @@ static const struct {
 	size_t bytes;
 } planes[PLANES] = {
 	[PLANE_OFFSET] = {"offset", 4},	  [PLANE_DISTURBANCE] = {"dirt", 1},	[PLANE_DEPOSITED] = {"heaped", 4},
-	[PLANE_PLASTIC_SINKAGE] = {"pressed", 4}, [PLANE_SHEAR] = {"shear", 2},
+	[PLANE_PLASTIC_SINKAGE] = {"pressed", 4}, [PLANE_SHEAR] = {"shear", 4},
 };
 
 size_t plane_bytes(enum plane plane)
@@ -27,5 +27,14 @@ const char *plane_name(enum plane plane)
 
 double plane_value(enum plane plane, int32_t post)
 {
-	return plane == PLANE_DISTURBANCE ? post : plane == PLANE_SHEAR ? ldexp(post, -16) : lattice_offset_metres(post);
+	if (plane == PLANE_SHEAR)
+		return ldexp(hypot(plane_shear(post, PLANE_SHEAR_EAST), plane_shear(post, PLANE_SHEAR_NORTH)), -PLANE_SHEAR_BITS);
+	return plane == PLANE_DISTURBANCE ? post : lattice_offset_metres(post);
+}
+
+int32_t plane_shear(int32_t post, enum plane_shear_part part)
+{
+	const uint32_t bits = (uint32_t)post;
+	const int32_t east = (int32_t)((bits & 0xffff) ^ 0x8000) - 0x8000, north = (int32_t)((bits >> 16) ^ 0x8000) - 0x8000;
+	return part == PLANE_SHEAR_EAST ? east : part == PLANE_SHEAR_NORTH ? north : (int32_t)lround(hypot(east, north));
 }

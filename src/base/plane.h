@@ -15,15 +15,26 @@ enum plane {
 	PLANE_DISTURBANCE,     /* uint8: disturbance, how much the soil was compressed */
 	PLANE_DEPOSITED,       /* int32, 2^-20 m: deposited thickness of relaxing soil on the base; negative where soil slid away */
 	PLANE_PLASTIC_SINKAGE, /* int32, 2^-20 m: plastic sinkage, the largest sinkage so far along the surface's normal */
-	PLANE_SHEAR,           /* uint16, 2^-16 m: shear displacement under contact so far; 65535: this much or more */
+	PLANE_SHEAR,           /* two int16, 2^-15: mobilised shear, to the east in the low half, to the north in the high half */
 	PLANES
 };
 
 /* Return the bytes of a post, and the name: "offset", "dirt", ... Pure. */
 size_t plane_bytes(enum plane plane);
 const char *plane_name(enum plane plane);
-/* Returns the value of a post in metres; for disturbance the stored number. Pure. */
+/* Returns the value of a post in metres; for disturbance the stored number; for shear its amount, as a share of the soil's strength.
+ * Pure. */
 double plane_value(enum plane plane, int32_t post);
+
+/*
+ * Mobilised shear: by what share of its strength the soil of a post is sheared, as a vector of at most 1. It is the elastic part of
+ * the shear displacement, in units of the soil's shear modulus K. A post without contact has none.
+ */
+#define PLANE_SHEAR_BITS 15
+#define PLANE_SHEAR_MOST 32767 /* of either half of a post */
+enum plane_shear_part { PLANE_SHEAR_EAST, PLANE_SHEAR_NORTH, PLANE_SHEAR_AMOUNT };
+/* Returns a part of a post of PLANE_SHEAR, 2^-15. Pure. */
+int32_t plane_shear(int32_t post, enum plane_shear_part part);
 
 #define PLANE_BIT(plane) (1u << (plane))
 

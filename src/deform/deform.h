@@ -116,6 +116,7 @@ struct soil_model {
 	unsigned planes;         /* planes that the model stores apart from the offset: a mask of PLANE_BIT */
 	bool blind;              /* the model does not need to know which posts were touched */
 	bool in_place;           /* the contact writes the planes that it reads. So it may look only at posts below the object */
+	bool rasters;            /* the contact reads the numbers of `enum deform_number`, and these may come from rasters */
 	bool contact_soils;      /* the contact's shader reads the soils' numbers, so it is compiled with the define SOILS */
 	bool smooths;            /* the model smooths the track of a moving object, by the keys `radius` and `repetitions` */
 	/* how soil slides; NULL: it does not slide, and displaced soil is lost. With sliding, only compacted soil is lost */
@@ -157,6 +158,30 @@ struct deform_soil {
 };
 #define DEFORM_SOILS 16
 
+/* Numbers of a soil that may differ from post to post. lib/soil.glsl has the same order. */
+#define DEFORM_NUMBERS_EACH(NUMBER) \
+	NUMBER(DEFORM_BEKKER_KC, bekker_kc) \
+	NUMBER(DEFORM_BEKKER_KPHI, bekker_kphi) \
+	NUMBER(DEFORM_BEKKER_N, bekker_n) \
+	NUMBER(DEFORM_COHESION, cohesion) \
+	NUMBER(DEFORM_FRICTION_ANGLE, friction_angle) \
+	NUMBER(DEFORM_JANOSI_SHEAR, janosi_shear) \
+	NUMBER(DEFORM_ELASTIC_STIFFNESS, elastic_stiffness)
+#define DEFORM_NUMBER(number, key) number,
+enum deform_number { DEFORM_NUMBERS_EACH(DEFORM_NUMBER) DEFORM_NUMBERS };
+#undef DEFORM_NUMBER
+const char *deform_number_key(enum deform_number number);
+double *deform_number_in(struct deform_soil *soil, enum deform_number number);
+/* How a number is kept at each post: a byte. 0: the number is that of the post's soil; 1 to 255: levels from `low` to `high`, which
+ * are equally far apart. SI. */
+struct deform_raster {
+	enum deform_number number;
+	double low, high;
+};
+#define DEFORM_RASTERS 4 /* the bytes of a post */
+#define DEFORM_LEVELS 255
+double deform_raster_value(const struct deform_raster *raster, uint8_t level); /* `level`: not 0 */
+
 /* Sets every number to NAN. */
 void deform_soil_clear(struct deform_soil *soil);
 /* Returns the name of a predefined soil by its index, 0, 1, ...; NULL beyond the last. */
@@ -177,6 +202,8 @@ struct deform_params {
 	/* For models that conserve soil: */
 	struct deform_soil soils[DEFORM_SOILS];
 	int soil_count;      /* number of soils: 1, or one for each class in the slots' class planes */
+	struct deform_raster rasters[DEFORM_RASTERS]; /* of the bytes in the slots' numbers, in their order */
+	int raster_count;    /* 0: the slots have no numbers */
 	int iterations;      /* relaxation iterations of a contact and of an interval; 1 .. 8 */
 	double relief;       /* metres between the world's lowest and highest post; INFINITY: not known */
 	double depth;        /* metres of soil below the base that can relax; INFINITY: no bottom */
@@ -186,6 +213,7 @@ struct deform_params {
 	 * sunk. Otherwise the caller must have activated all steep ground */
 	bool undisturbed_stable;
 	double bulldozing;   /* scm: share of the plastic flow that is deposited on the ring, 0 .. 1 */
+	bool ground_normals; /* scm: stresses act along the normal of the ground; false: along that of the object's underside */
 	bool touched;        /* the caller will ask deform_is_touched. Needs `undisturbed_stable` and a model that conserves soil */
 	uint32_t loaded_bodies;   /* scm: number of objects that carry a load and rest on the ground between contacts */
 	bool disturbance;    /* keep the disturbance plane */
@@ -374,7 +402,7 @@ struct deform_forces {
 	double force[3];      /* N on the object: east, north, up */
 	double moment[3];     /* N m about its centre */
 	double sinkage;       /* m: its greatest depth below the base, where the soil bears it; 0 if it is above the base */
-	double area;          /* m2: area of the posts that carry it */
+	double area;          /* m2: area of the ground that carries it */
 	double slope[2];      /* of the base under it, a mean: its rise a metre to the east and to the north */
 	/* N: the force along its heading, along the ground, that its path gives it: what its weight needs and the soil does not give.
 	 * Below 0 its path holds it back. The load is its weight; without a load, the soil's vertical force. */

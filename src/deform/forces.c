@@ -18,7 +18,7 @@
 /* A record of scm.frag. */
 struct record {
 	int64_t force[3], moment[3];
-	uint32_t posts;
+	uint32_t area; /* in deform_area_units */
 	int32_t deepest, raised;
 	uint32_t saturated; /* and in its two highest bits the state, as lib/found.glsl has it */
 	int32_t slope[2];   /* the mean slope of the base under it, east and north, in 2^-16 */
@@ -29,6 +29,7 @@ struct asked {
 	uint64_t tag;
 	int64_t z;       /* prescribed, or guessed */
 	double arm;      /* of moments, m */
+	double area;     /* units of area a post */
 	double load;     /* N; 0: none */
 	double yaw;
 };
@@ -96,12 +97,12 @@ static struct deform_forces told(const struct deform *deform, const struct asked
 	struct deform_forces forces = {
 		.tag = asked->tag,
 		.sinkage = lattice_offset_metres(record->deepest),
-		.area = record->posts * post,
+		.area = record->area / asked->area * post,
 		.z = asked->z + record->raised,
 		.saturated = record->saturated & ((1u << STATE_BIT) - 1),
 		.state = (enum deform_state)(record->saturated >> STATE_BIT),
 	};
-	if (record->posts == 0 && forces.state != DEFORM_SUNK)
+	if (record->area == 0 && forces.state != DEFORM_SUNK)
 		forces.state = DEFORM_AIR;
 	for (int i = 0; i < 2; i++)
 		forces.slope[i] = ldexp(record->slope[i], -16);
@@ -204,7 +205,7 @@ enum status deform_forces_record(struct deform *deform, const struct deform_cont
 			status = land_oldest(deform);
 		if (status != STATUS_OK)
 			return status;
-		forces->asked[forces->next++ % RECORDS] = (struct asked){contact->tag, contact->to.z, arm, contact->load, contact->to.yaw};
+		forces->asked[forces->next++ % RECORDS] = (struct asked){contact->tag, contact->to.z, arm, deform_area_units(deform, contact), contact->load, contact->to.yaw};
 	}
 	*records = forces->records;
 	*record = (uint32_t)((forces->next - 1) % RECORDS);

@@ -81,6 +81,7 @@ struct deform {
 	/* used only while soil slides. floors is NULL if the relaxing soil has no bottom */
 	struct gpu_texture *heights[2], *stills, *floors;
 	struct gpu_texture *classes;           /* the class of soil of each post; NULL if there is only one soil */
+	struct gpu_texture *numbers;           /* the levels of each post's rasters; NULL: there is no raster */
 	/* two textures for each plane, since a pass reads one and writes the other. deform_gathers_into tells which one a gather
 	 * writes */
 	struct gpu_texture *planes_of[2][PLANES];
@@ -120,6 +121,7 @@ void deform_scratch_plan(const struct deform_params *params, struct plan *plan);
 /* Each returns a property of the deform that depends on its parameters only. */
 bool deform_needs_contacts(const struct deform_params *params); /* scratch.c */
 bool deform_has_classes(const struct deform_params *params);
+bool deform_has_rasters(const struct deform_params *params);
 int deform_soil_slots(const struct deform_params *params); /* soil/slide.c: classes of soil that a shader's parameters have room for */
 bool deform_is_bounded(const struct deform_params *params); /* the layer of soil that can relax has a bottom */
 /* the height difference of two posts may not fit 32 bits: the relief exceeds STEEP_RELIEF */
@@ -195,8 +197,10 @@ struct scm_soil {
 };
 struct scm_params {
 	int32_t zero[4], written[4], shadow[4];
-	float scale[4], way[4], spin[4], rolls[4], place[4], load[4];
+	float scale[4], way[4], spin[4], rolls[4], place[4], load[4], body[4], heading[4], moves[4], faces[3][4];
+	int32_t drawn[4];
 	struct scm_soil soils[DEFORM_SOILS];
+	float rasters[DEFORM_RASTERS][4]; /* read only with SOIL_RASTERS */
 };
 /* Returns the viewport of a pass with one invocation for each row of `posts`. The rows lie DEFORM_ROWS_ABREAST side by side. */
 #define DEFORM_ROWS_ABREAST 4
@@ -205,10 +209,17 @@ struct gpu_rect deform_rows(const int32_t posts[4]);
 /* soil/load.c: finds the size of the contact patch, the equilibrium height, or both, in one pass. `what`: bits of enum
  * deform_find_what. The results are in the buffer `found`. `tally` counts loads that are not carried. */
 enum status deform_find(struct deform *deform, const struct scm_params *params, unsigned what, struct gpu_buffer *tally) FURROW_CHECKED;
+/* soil/underside.c: fills what the shaders need to compute the object's underside between posts (lib/scm_body.glsl). Needs `way`
+ * and `spin`. */
+void deform_underside(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
+		      struct scm_params *params);
+
 void deform_find_plan(const char *effect, struct plan *plan);
 
 /* Forces are whole numbers of (Pa / 16) times a post's area. Moments are forces times `arm`. */
 #define DEFORM_UNITS_A_PASCAL 16
+/* soil/scm.c: returns how many units of area a post counts as, so that the sum over all posts fits 32 bits. */
+double deform_area_units(const struct deform *deform, const struct deform_contact *contact);
 /* forces.c: finds the record, a place in a buffer, to which this contact's windows add their forces. May wait for the GPU. */
 enum status deform_forces_record(struct deform *deform, const struct deform_contact *contact, bool first_window, double arm,
 				 struct gpu_buffer **records, uint32_t *record) FURROW_CHECKED;

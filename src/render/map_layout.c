@@ -152,12 +152,12 @@ static void title(const struct render_canvas *canvas, int x, int y, int unit, co
 	text(canvas, x, y, unit, cut, ink);
 }
 
-/* Returns the unit that a range is given in. */
-static const char *unit_for(const struct render_range *range, double *metres)
+/* Returns the unit that a range is given in. *of: of metres, or of 1 if values are shares. */
+static const char *unit_for(const struct render_range *range, bool share, double *of)
 {
 	double size = fmax(-range->low, range->high);
-	*metres = size < 0.00999 ? 0.001 : size < 0.999 ? 0.01 : 1;
-	return size < 0.00999 ? "mm" : size < 0.999 ? "cm" : "m";
+	*of = share ? 0.01 : size < 0.00999 ? 0.001 : size < 0.999 ? 0.01 : 1;
+	return share ? "%" : size < 0.00999 ? "mm" : size < 0.999 ? "cm" : "m";
 }
 
 /* Ticks at both ends, at 0, and halfway. */
@@ -186,7 +186,7 @@ static void draw_legend(const struct render_map_layout *layout, const struct ren
 		text(canvas, left, top, unit, line, ink);
 		return;
 	}
-	snprintf(line, sizeof line, "%s, %s", layout->layer, unit_for(range, &metres));
+	snprintf(line, sizeof line, "%s, %s", layout->layer, unit_for(range, layout->share, &metres));
 	text(canvas, left, top, unit, line, ink);
 	render_canvas_box(canvas, left - unit, low - unit, left + LEGEND * unit + unit, low + BAR * unit + unit, ink);
 	for (int x = 0; x < LEGEND * unit; x++) {

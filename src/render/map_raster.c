@@ -123,15 +123,15 @@ static enum status find_tiles(struct rasterizing *s, struct key_list *list)
 	return status;
 }
 
-static float metres_of(enum plane plane, const void *posts, size_t i)
+static float value_of(enum store_layer layer, int32_t post)
 {
-	if (plane == PLANE_SHEAR)
-		return (float)ldexp(((const uint16_t *)posts)[i], -16);
-	return (float)lattice_offset_metres(((const int32_t *)posts)[i]);
+	if (layer == STORE_SHEAR || layer == STORE_SHEAR_EAST || layer == STORE_SHEAR_NORTH)
+		return (float)ldexp(plane_shear(post, store_shear_part(layer)), -PLANE_SHEAR_BITS);
+	return (float)lattice_offset_metres(post);
 }
 
 /* Adds the tile's posts to the pixels that they are in. */
-static void splat(const struct rasterizing *s, struct tile tile, enum plane plane, const void *posts, float *into)
+static void splat(const struct rasterizing *s, struct tile tile, enum store_layer layer, const int32_t *posts, float *into)
 {
 	const struct render_map_raster *raster = s->raster;
 	int shift = s->params->level - tile.level;
@@ -143,7 +143,7 @@ static void splat(const struct rasterizing *s, struct tile tile, enum plane plan
 		int64_t py = ((y + half) >> shift) - raster->rect.y0;
 		float *row = into + (py < last_y ? py : last_y) * raster->width;
 		for (int64_t x = part.x0; x < part.x1; x++) {
-			float value = metres_of(plane, posts, (size_t)((y - own.y0) * side + x - own.x0));
+			float value = value_of(layer, posts[(y - own.y0) * side + x - own.x0]);
 			int64_t px = ((x + half) >> shift) - raster->rect.x0;
 			float *pixel = row + (px < last_x ? px : last_x);
 			if (fabsf(value) > fabsf(*pixel))
@@ -152,11 +152,12 @@ static void splat(const struct rasterizing *s, struct tile tile, enum plane plan
 	}
 }
 
-static enum status read_tiles(struct rasterizing *s, enum plane plane, float *into)
+static enum status read_tiles(struct rasterizing *s, enum store_layer layer, enum plane plane, float *into)
 {
 	struct key_list list = {NULL, 0, 0};
 	size_t side = tile_posts(s->extent);
-	void *posts = mem_alloc(side * side, sizeof(int32_t)), *planes[PLANES] = {NULL};
+	int32_t *posts = mem_alloc(side * side, sizeof *posts);
+	void *planes[PLANES] = {NULL};
 	planes[plane] = posts;
 	enum status status = posts != NULL ? STATUS_OK : fail_memory("a tile");
 	if (status == STATUS_OK && plane == PLANE_OFFSET)
@@ -169,7 +170,7 @@ static enum status read_tiles(struct rasterizing *s, enum plane plane, float *in
 		unsigned present;
 		status = store_read_deformed(s->params->reader, tile, PLANE_BIT(plane), planes, &present);
 		if (status == STATUS_OK && present != 0)
-			splat(s, tile, plane, posts, into);
+			splat(s, tile, layer, posts, into);
 		if (status == STATUS_OK)
 			status = tell(s, 1);
 	}
@@ -201,8 +202,8 @@ static enum status read_layer(struct rasterizing *s, enum store_layer layer, flo
 {
 	static const enum plane planes[STORE_LAYERS] = {
 		[STORE_OFFSET] = PLANE_OFFSET, [STORE_DEPOSITED] = PLANE_DEPOSITED, [STORE_PLASTIC_SINKAGE] = PLANE_PLASTIC_SINKAGE,
-		[STORE_SHEAR] = PLANE_SHEAR};
-	return s->params->level < s->working ? read_posts(s, layer, into) : read_tiles(s, planes[layer], into);
+		[STORE_SHEAR] = PLANE_SHEAR, [STORE_SHEAR_EAST] = PLANE_SHEAR, [STORE_SHEAR_NORTH] = PLANE_SHEAR};
+	return s->params->level < s->working ? read_posts(s, layer, into) : read_tiles(s, layer, planes[layer], into);
 }
 
 /* --- the ground --- */

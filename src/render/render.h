@@ -185,7 +185,7 @@ struct render_map_raster_params {
 	const struct store_meta *meta;
 	bool deformed;         /* the store has a working level, `working` */
 	int working;
-	enum store_layer layer; /* STORE_OFFSET, STORE_DEPOSITED, STORE_PLASTIC_SINKAGE or STORE_SHEAR */
+	enum store_layer layer; /* STORE_OFFSET, STORE_DEPOSITED, STORE_PLASTIC_SINKAGE or one of STORE_SHEAR's */
 	int level;             /* level of the pixels, TILE_LEVEL_MIN to the coarsest */
 	struct post_rect rect; /* not empty, within the terrain; held whole in memory, 8 to 12 bytes a pixel */
 	struct render_sun sun;
@@ -213,6 +213,7 @@ struct render_map_layout {
 	const struct render_map_raster *raster;
 	const char *title, *subtitle; /* above the map: left, and right if there is room */
 	const char *layer;            /* the legend's title */
+	bool share;                   /* values are shares of 1, not metres */
 	enum render_ramp ramp;
 	struct render_range range; /* both 0: chosen so that 99.9 % of the values are within it */
 	/* pixels: a map whose longer side is shorter than this is enlarged to about this size, by a whole factor */

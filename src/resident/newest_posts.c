@@ -19,16 +19,18 @@ struct patch {
 static const enum plane planes[STORE_LAYERS] = {
 	[STORE_SURFACE] = PLANE_OFFSET, [STORE_OFFSET] = PLANE_OFFSET,   [STORE_UNITS] = PLANE_OFFSET, [STORE_SOIL] = PLANE_DISTURBANCE,
 	[STORE_DEPOSITED] = PLANE_DEPOSITED,  [STORE_PLASTIC_SINKAGE] = PLANE_PLASTIC_SINKAGE, [STORE_SHEAR] = PLANE_SHEAR,
+	[STORE_SHEAR_EAST] = PLANE_SHEAR, [STORE_SHEAR_NORTH] = PLANE_SHEAR,
 };
 
-/* Widens planes of fewer bytes in the same memory. It goes from the end, so that no value is overwritten before it is read. */
-static void widen(enum plane plane, size_t count, void *posts)
+/* Turns a plane's posts into those that the layer shows, in the same memory. It goes from the end, so that no value is overwritten
+ * before it is read. */
+static void widen(enum store_layer layer, size_t count, void *posts)
 {
 	int32_t *wide = posts;
-	for (size_t i = count; plane_bytes(plane) == 1 && i-- > 0;)
+	for (size_t i = count; plane_bytes(planes[layer]) == 1 && i-- > 0;)
 		wide[i] = ((const uint8_t *)posts)[i];
-	for (size_t i = count; plane_bytes(plane) == 2 && i-- > 0;)
-		wide[i] = ((const uint16_t *)posts)[i];
+	for (size_t i = 0; i < count && planes[layer] == PLANE_SHEAR; i++)
+		wide[i] = plane_shear(wide[i], store_shear_part(layer));
 }
 
 /* Returns post (x, y) of the requested level, which the tile has. */
@@ -44,6 +46,8 @@ static int32_t post_at(const struct patch *patch, struct post_rect own, int64_t 
 
 static double value_of(enum store_layer layer, int32_t post)
 {
+	if (planes[layer] == PLANE_SHEAR)
+		return ldexp(post, -PLANE_SHEAR_BITS);
 	return layer == STORE_UNITS ? post : plane_value(planes[layer], post);
 }
 
@@ -84,7 +88,7 @@ static enum status take_changed(struct patch *patch, struct tile tile)
 		status = resident_newest_plane(newest, tile, planes[patch->layer], patch->posts);
 	if (status != STATUS_OK)
 		return status;
-	widen(planes[patch->layer], side * side, patch->posts);
+	widen(patch->layer, side * side, patch->posts);
 	for (int64_t y = part.y0; y < part.y1; y++)
 		for (int64_t x = part.x0; x < part.x1; x++) {
 			const size_t at = (size_t)((y - patch->rect.y0) * width + x - patch->rect.x0);

@@ -13,7 +13,8 @@
 #include "store/store.h"
 
 #define STORE_APPLICATION_ID 0x46757277 /* "Furw" */
-#define STORE_VERSION 3
+#define STORE_VERSION 4
+#define STORE_VERSION_OLDEST 3 /* it is read too: its shear, a length without direction, counts as none */
 #define STORE_BUSY_MS 5000
 
 /* In store_commit.c: returns STATUS_INTERRUPTED if run->given_up tells to give up the commit. */
@@ -109,7 +110,8 @@ uint64_t store_rows_hash(enum row_table table, const struct row *row);
 
 /* Returns a post in metres; for disturbance the stored number. */
 double store_rows_metres(enum row_table table, int32_t post, double step);
-/* Computes the range of a tile's own posts, in metres (for disturbance, the stored numbers). Both NaN if all are nodata. */
+/* Computes the range of a tile's own posts, in metres (for disturbance, the stored numbers; for shear, shares, of both parts of the
+ * posts together). Both NaN if all are nodata. */
 void store_rows_range(enum row_table table, const int32_t *posts, size_t count, double step, double *low,
 		double *high);
 bool store_rows_all_zero(const int32_t *posts, size_t count);
@@ -246,8 +248,13 @@ enum status store_wal_begin(struct store *store) FURROW_CHECKED;
 /* --- store_schema.c --- */
 
 enum status store_schema_create(sqlite3 *db, const char *path) FURROW_CHECKED;
-/* STATUS_INPUT unless application_id, user_version and all objects of the schema are as this program makes them. */
-enum status store_schema_check(sqlite3 *db, const char *path) FURROW_CHECKED;
+/* STATUS_INPUT unless application_id, user_version and all objects of the schema are as this program makes them. *older: it has
+ * STORE_VERSION_OLDEST. Then call one of the other two before its rows are read. */
+enum status store_schema_check(sqlite3 *db, const char *path, bool *older) FURROW_CHECKED;
+/* Hides the shear of an older store from this connection. The file stays as it is. */
+enum status store_schema_hide(sqlite3 *db, const char *path) FURROW_CHECKED;
+/* Makes an older store one of this version, in one transaction. Its shear is dropped. */
+enum status store_schema_raise(sqlite3 *db, const char *path) FURROW_CHECKED;
 
 /* --- store_meta.c --- */
 

@@ -268,13 +268,17 @@ enum store_layer {
 	STORE_OFFSET,
 	STORE_UNITS,
 	STORE_SOIL, /* disturbance */
-	STORE_DEPOSITED,
+	STORE_DEPOSITED, /* from here on: the soil's state */
 	STORE_PLASTIC_SINKAGE,
-	STORE_SHEAR,
+	STORE_SHEAR, /* its amount, a share of the soil's strength; and its parts to the east and to the north */
+	STORE_SHEAR_EAST,
+	STORE_SHEAR_NORTH,
 	STORE_LAYERS
 };
-/* Reads the posts of `rect`, in metres. Row 0 is the south row. Fixed-point offsets and disturbance are given as stored. NaN:
- * nodata, or outside the terrain.
+/* Returns the part of a post's shear that a layer of shear shows. Pure. */
+enum plane_shear_part store_shear_part(enum store_layer layer);
+/* Reads the posts of `rect`, in metres; shear as a share of 1. Row 0 is the south row. Fixed-point offsets and disturbance are given
+ * as stored. NaN: nodata, or outside the terrain.
  *
  * Base heights at level >= 0 are the stored ones. At finer levels (below 0) the base is interpolated as on the lattice. At
  * levels finer than the working level, offsets and other planes are interpolated too. STATUS_INPUT: the soil's state (deposited
@@ -289,7 +293,8 @@ struct store_sample {
 	bool nodata, outside;
 	unsigned disturbance;
 	unsigned planes; /* the planes that the tile at this point has, a mask of PLANE_BIT */
-	double deposited, plastic_sinkage, shear; /* metres, at the nearest post */
+	/* at the nearest post: metres; and the mobilised shear to the east and to the north, shares of the soil's strength */
+	double deposited, plastic_sinkage, shear[2];
 };
 enum status store_sample(struct store_reader *reader, double x, double y, struct store_sample *sample)
 	FURROW_CHECKED;

@@ -154,9 +154,11 @@ static enum status resume_part(struct store *store, bool *resumed)
 		store->db = NULL;
 		return STATUS_OK;
 	}
-	bool same = false;
+	bool same = false, older = false;
 	if (status == STATUS_OK)
-		status = store_schema_check(store->db, store->path);
+		status = store_schema_check(store->db, store->path, &older);
+	if (status == STATUS_OK && older)
+		status = store_schema_raise(store->db, store->path);
 	if (status == STATUS_OK)
 		status = store_meta_same_request(store, &same);
 	*resumed = status == STATUS_OK;

@@ -64,6 +64,19 @@ static enum status check_length(struct store *store)
 	return status;
 }
 
+/* What a store of an earlier version needs. Tells once what of it is lost. */
+static enum status adapt(struct store *store, bool writing, bool as_base)
+{
+	int64_t any;
+	enum status status = store_sql_integer(store->db, store->path, "SELECT EXISTS (SELECT 1 FROM shear)", &any);
+	if (status == STATUS_OK)
+		status = writing ? store_schema_raise(store->db, store->path) : store_schema_hide(store->db, store->path);
+	if (status == STATUS_OK && any != 0 && !as_base)
+		note("%s: an older furrow drove there; its ruts stay, its shear counts as none%s", store->path,
+		     writing ? ", and older furrows cannot read the store any more" : "");
+	return status;
+}
+
 static enum status connect_writer(struct store *store)
 {
 	if (access(store->real_path, W_OK) != 0)
@@ -81,6 +94,7 @@ enum status store_open_as(const char *path, const struct store_options *options,
 	struct store *store = mem_calloc(1, sizeof *store);
 	if (store == NULL)
 		return fail_memory("a store");
+	bool older = false;
 	store->lock = -1;
 	store->base = &store->rows;
 	store_changes_begin(&store->changes);
@@ -92,7 +106,7 @@ enum status store_open_as(const char *path, const struct store_options *options,
 	else if (status == STATUS_OK)
 		status = store_connect_reader(store->real_path, store->path, &store->immutable, &store->db);
 	if (status == STATUS_OK)
-		status = store_schema_check(store->db, store->path);
+		status = store_schema_check(store->db, store->path, &older);
 	if (status == STATUS_OK)
 		status = check_length(store);
 	if (status == STATUS_OK)
@@ -101,6 +115,8 @@ enum status store_open_as(const char *path, const struct store_options *options,
 		status = as_base ? fail_with(STATUS_INPUT, "%s: it is an overlay itself; name the store that it is over",
 					     store->path)
 				 : store_overlay_connect(store);
+	if (status == STATUS_OK && older)
+		status = adapt(store, options->mode == STORE_WRITE, as_base);
 	if (status == STATUS_OK && options->mode == STORE_WRITE)
 		status = store_wal_begin(store);
 	if (status == STATUS_OK) {

@@ -16,6 +16,7 @@
 
 struct reading {
 	struct store_reader *reader;
+	enum store_layer layer;
 	int level;
 	struct post_rect rect; /* asked for: the shape of `values` */
 	double *values;
@@ -47,7 +48,12 @@ static double add_as_is(const struct reading *reading, double was, int32_t post)
 
 static double add_shear(const struct reading *reading, double was, int32_t post)
 {
-	return was + store_rows_metres(ROW_SHEAR, post, 0);
+	return was + ldexp(post, -PLANE_SHEAR_BITS);
+}
+
+enum plane_shear_part store_shear_part(enum store_layer layer)
+{
+	return layer == STORE_SHEAR_EAST ? PLANE_SHEAR_EAST : layer == STORE_SHEAR_NORTH ? PLANE_SHEAR_NORTH : PLANE_SHEAR_AMOUNT;
 }
 
 /* The tables of each layer: the plane that is added to the base, or read alone. */
@@ -58,7 +64,7 @@ static const struct {
 	[STORE_SURFACE] = {ROW_OFFSET, add_metres}, [STORE_OFFSET] = {ROW_OFFSET, add_metres},
 	[STORE_UNITS] = {ROW_OFFSET, add_as_is},   [STORE_SOIL] = {ROW_DISTURBANCE, add_as_is},
 	[STORE_DEPOSITED] = {ROW_DEPOSITED, add_metres},  [STORE_PLASTIC_SINKAGE] = {ROW_PLASTIC_SINKAGE, add_metres},
-	[STORE_SHEAR] = {ROW_SHEAR, add_shear},
+	[STORE_SHEAR] = {ROW_SHEAR, add_shear}, [STORE_SHEAR_EAST] = {ROW_SHEAR, add_shear}, [STORE_SHEAR_NORTH] = {ROW_SHEAR, add_shear},
 };
 
 /* Returns the part of `rect` that this tile provides. The tile is `shift` levels coarser than the posts of `rect`. Neighbouring
@@ -94,14 +100,18 @@ static void take_tile(const struct reading *reading, struct tile tile, int shift
 static enum status load_tile(struct reading *reading, enum row_table table, struct tile tile, bool *found)
 {
 	struct rows *rows = &reading->reader->rows;
+	const size_t side = tile_posts(rows->extent);
 	struct row row;
-	if (table != ROW_BASE)
-		return store_rows_read(rows, table, tile, reading->posts, &row, found);
+	if (table != ROW_BASE) {
+		enum status read = store_rows_read(rows, table, tile, reading->posts, &row, found);
+		for (size_t i = 0; i < side * side && table == ROW_SHEAR && *found; i++)
+			reading->posts[i] = plane_shear(reading->posts[i], store_shear_part(reading->layer));
+		return read;
+	}
 	*found = true;
 	enum status status = store_read_base(reading->reader, tile, reading->posts, NULL);
 	if (status != STATUS_OK || reading->level >= 0)
 		return status;
-	size_t side = tile_posts(rows->extent);
 	const struct store_meta *meta = &reading->reader->store->meta;
 	for (size_t i = 0; i < side * side; i++)
 		reading->posts[i] = lattice_base_relative(height_code_metres(reading->posts[i], meta->step),
@@ -188,6 +198,7 @@ enum status store_read_posts(struct store_reader *reader, enum store_layer layer
 		values[i] = (double)NAN;
 	struct reading reading = {
 		.reader = reader,
+		.layer = layer,
 		.level = level,
 		.rect = rect,
 		.values = values,
@@ -293,7 +304,8 @@ static enum status sample_inside(struct store_reader *reader, double x, double y
 	} state[] = {
 		{PLANE_DEPOSITED, STORE_DEPOSITED, &sample->deposited},
 		{PLANE_PLASTIC_SINKAGE, STORE_PLASTIC_SINKAGE, &sample->plastic_sinkage},
-		{PLANE_SHEAR, STORE_SHEAR, &sample->shear},
+		{PLANE_SHEAR, STORE_SHEAR_EAST, &sample->shear[0]},
+		{PLANE_SHEAR, STORE_SHEAR_NORTH, &sample->shear[1]},
 	};
 	for (size_t i = 0; i < sizeof state / sizeof *state && status == STATUS_OK; i++)
 		if (sample->planes & PLANE_BIT(state[i].plane))

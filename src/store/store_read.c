@@ -9,11 +9,14 @@
 static enum status connect_rows(struct store *store, sqlite3 **db, struct rows *rows)
 {
 	bool immutable = store->immutable;
+	bool older = false;
 	uint64_t hash = 0;
 	enum status status = store_connect_reader(store->real_path, store->path, &immutable, db);
 	/* The name may meanwhile be another file's. */
 	if (status == STATUS_OK)
-		status = store_schema_check(*db, store->path);
+		status = store_schema_check(*db, store->path, &older);
+	if (status == STATUS_OK && older)
+		status = store_schema_hide(*db, store->path);
 	if (status == STATUS_OK)
 		status = store_meta_base_hash(*db, store->path, &hash);
 	if (status == STATUS_OK && hash != store->base_hash)
@@ -119,18 +122,9 @@ enum status store_read_base_range(struct store_reader *reader, struct tile tile,
 /* Converts the codec's int32 posts to the plane's own type. */
 static void narrow(enum plane plane, const int32_t *wide, size_t count, void *texels)
 {
-	switch (plane_bytes(plane)) {
-	case sizeof(uint8_t):
-		for (size_t i = 0; i < count; i++)
-			((uint8_t *)texels)[i] = (uint8_t)wide[i];
-		break;
-	case sizeof(uint16_t):
-		for (size_t i = 0; i < count; i++)
-			((uint16_t *)texels)[i] = (uint16_t)wide[i];
-		break;
-	default:
-		assert(wide == texels);
-	}
+	assert(plane_bytes(plane) == sizeof(uint8_t) || wide == texels);
+	for (size_t i = 0; i < count && plane_bytes(plane) == sizeof(uint8_t); i++)
+		((uint8_t *)texels)[i] = (uint8_t)wide[i];
 }
 
 static enum status read_plane(struct store_reader *reader, struct tile tile, enum plane plane, size_t count,

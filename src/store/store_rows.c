@@ -181,9 +181,11 @@ enum status store_rows_head(struct rows *rows, enum row_table table, struct tile
 static bool all_fit(enum row_table table, const int32_t *posts, size_t count)
 {
 	static const int32_t most[ROW_TABLES] = {
-		[ROW_DISTURBANCE] = UINT8_MAX, [ROW_PLASTIC_SINKAGE] = INT32_MAX, [ROW_SHEAR] = UINT16_MAX,
+		[ROW_DISTURBANCE] = UINT8_MAX, [ROW_PLASTIC_SINKAGE] = INT32_MAX,
 	};
 	bool fits = true;
+	for (size_t i = 0; i < count && table == ROW_SHEAR; i++)
+		fits &= plane_shear(posts[i], PLANE_SHEAR_EAST) >= -PLANE_SHEAR_MOST && plane_shear(posts[i], PLANE_SHEAR_NORTH) >= -PLANE_SHEAR_MOST;
 	for (size_t i = 0; i < count && most[table] != 0; i++)
 		fits &= posts[i] >= 0 && posts[i] <= most[table];
 	return fits;
@@ -334,12 +336,22 @@ void store_rows_range(enum row_table table, const int32_t *posts, size_t count, 
 	for (size_t i = 0; i < count; i++) {
 		if (table == ROW_BASE && posts[i] == HEIGHT_CODE_NODATA)
 			continue;
-		least = posts[i] < least ? posts[i] : least;
-		most = posts[i] > most ? posts[i] : most;
+		const bool parts = table == ROW_SHEAR;
+		const int32_t east = parts ? plane_shear(posts[i], PLANE_SHEAR_EAST) : posts[i];
+		const int32_t north = parts ? plane_shear(posts[i], PLANE_SHEAR_NORTH) : posts[i];
+		least = least < east ? least : east;
+		least = least < north ? least : north;
+		most = most > east ? most : east;
+		most = most > north ? most : north;
 	}
 	*low = *high = (double)NAN;
 	if (least > most)
 		return;
+	if (table == ROW_SHEAR) {
+		*low = ldexp(least, -PLANE_SHEAR_BITS);
+		*high = ldexp(most, -PLANE_SHEAR_BITS);
+		return;
+	}
 	/* Codes keep the order of heights. */
 	*low = store_rows_metres(table, least, step);
 	*high = store_rows_metres(table, most, step);

@@ -1,6 +1,9 @@
 /*
  * Defines the tables of a store, and checks that a file has exactly these. So a view, trigger or index in an untrusted file is
  * never run.
+ *
+ * A store of version 3 has the same tables. Its `shear` is a length that only grew; now it is a vector that ends with the contact. So
+ * all of it counts as none. A reader sees an empty table in its place. A writer empties it, and makes the store one of version 4.
  */
 #include "store/internal.h"
 
@@ -80,7 +83,7 @@ static enum status check_objects(sqlite3 *db, const char *path)
 	return status;
 }
 
-enum status store_schema_check(sqlite3 *db, const char *path)
+enum status store_schema_check(sqlite3 *db, const char *path, bool *older)
 {
 	int64_t id, version;
 	enum status status = store_sql_integer(db, path, "PRAGMA application_id", &id);
@@ -91,8 +94,27 @@ enum status store_schema_check(sqlite3 *db, const char *path)
 	if (id != STORE_APPLICATION_ID)
 		return fail_with(STATUS_INPUT, "%s: not a Furrow store (application id %llx); make one with "
 				 "furrow import", path, (unsigned long long)id & 0xffffffffu);
-	if (version != STORE_VERSION)
-		return fail_with(STATUS_INPUT, "%s: a store of version %lld, this program knows version %d; use "
-				 "the furrow that made it, or import it again", path, (long long)version, STORE_VERSION);
+	if (version < STORE_VERSION_OLDEST || version > STORE_VERSION)
+		return fail_with(STATUS_INPUT, "%s: a store of version %lld, this program knows versions %d to %d; use "
+				 "the furrow that made it, or import it again", path, (long long)version, STORE_VERSION_OLDEST, STORE_VERSION);
+	*older = version < STORE_VERSION;
 	return check_objects(db, path);
+}
+
+enum status store_schema_hide(sqlite3 *db, const char *path)
+{
+	/* A name without its schema means the temporary table first. */
+	return store_sql_exec(db, path, "opening it", "PRAGMA temp_store=MEMORY; CREATE TEMP TABLE shear AS SELECT * FROM main.shear LIMIT 0");
+}
+
+enum status store_schema_raise(sqlite3 *db, const char *path)
+{
+	char raise[96];
+	snprintf(raise, sizeof raise, "DELETE FROM shear; PRAGMA user_version=%d; COMMIT", STORE_VERSION);
+	enum status status = store_sql_begin(db, path, "making it a store of this version");
+	if (status == STATUS_OK)
+		status = store_sql_exec(db, path, "making it a store of this version", raise);
+	if (status != STATUS_OK)
+		store_sql_undo(db);
+	return status;
 }

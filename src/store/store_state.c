@@ -60,11 +60,7 @@ static enum status put_page(struct state *state, const struct store_page *page)
 	enum plane plane = row_plane(state->table);
 	size_t side = tile_posts(state->store->rows.extent), count = side * side;
 	const void *texels = page->planes[plane];
-	if (plane_bytes(plane) == sizeof(int32_t))
-		memcpy(state->posts, texels, count * sizeof *state->posts);
-	else
-		for (size_t i = 0; i < count; i++)
-			state->posts[i] = ((const uint16_t *)texels)[i];
+	memcpy(state->posts, texels, count * sizeof *state->posts);
 	return put_posts(state, page->tile);
 }
 

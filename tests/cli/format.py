@@ -211,13 +211,14 @@ class Deformed(FormatTest):
     def deformation_rows(self, store):
         """What the page says of rows of offsets and soil beside their posts, from the posts."""
         side = store.cells + 1
-        for table, unit in (("offset", 2**-20), ("dirt", 1), ("heaped", 2**-20), ("pressed", 2**-20), ("shear", 2**-16)):
+        for table, unit in (("offset", 2**-20), ("dirt", 1), ("heaped", 2**-20), ("pressed", 2**-20), ("shear", 2**-15)):
             rows = store.rows[table]
             for row in rows.values():
                 if table not in ("offset", "dirt"):
                     self.assertEqual(row.level, store.working)
                     self.assertTrue(any(row.posts))
-                    self.assertEqual((row.low, row.high), (min(row.posts) * unit, max(row.posts) * unit))
+                    parts = row.posts if table != "shear" else [store_reader.signed(post >> half, 16) for post in row.posts for half in (0, 16)]
+                    self.assertEqual((row.low, row.high), (min(parts) * unit, max(parts) * unit))
                     self.assertTrue(1 <= row.revision <= store.run[0]["epoch"])
                     continue
                 finer = self.covered(rows, row)
@@ -310,11 +311,12 @@ class Deformed(FormatTest):
                 db.execute('INSERT INTO "offset" VALUES (:key, :low, :high, :below, :above, :codec, :revision, :hash, :blob)',
                            record)
             # What is kept of the soil's state, of the working level alone.
-            for table, unit, value in (("heaped", 2**-20, -3), ("pressed", 2**-20, 2**19 + 1), ("shear", 2**-16, 65535)):
+            for table, unit, value in (("heaped", 2**-20, -3), ("pressed", 2**-20, 2**19 + 1), ("shear", 2**-15, 0x30003)):
                 for tile in store.rows["base"].values():
                     if tile.level > 0:
                         continue
-                    record = {"key": tile.key, "low": value * unit, "high": value * unit, "codec": 0, "revision": 1,
+                    range_of = (value & 0xffff if table == "shear" else value) * unit
+                    record = {"key": tile.key, "low": range_of, "high": range_of, "codec": 0, "revision": 1,
                               "blob": struct.pack("<i", value)}
                     record["hash"] = store_reader.Row(record, 17, table).expected_hash()
                     db.execute(f"INSERT INTO {table} VALUES (:key, :low, :high, :codec, :revision, :hash, :blob)", record)
@@ -330,7 +332,7 @@ class Deformed(FormatTest):
         self.same_posts(path, store, "quanta", -1)
         self.same_posts(path, store, "surface", 0)
         point, info = self.json("query", path, "20", "30.5"), self.json("info", path)
-        self.assertEqual(point["soil"], {"dirt": 0, "heaped": -3 / 2**20, "pressed": 0.5 + 2**-20, "shear": 65535 / 65536})
+        self.assertEqual(point["soil"], {"dirt": 0, "heaped": -3 / 2**20, "pressed": 0.5 + 2**-20, "shear": [3 / 2**15, 3 / 2**15]})
         self.assertEqual(info["compacted"], -5)
         self.assertEqual({name: found["tiles"] for name, found in info["soil"].items()},
                          {"dirt": 0, "heaped": 16, "pressed": 16, "shear": 16})

@@ -43,7 +43,7 @@ static void read_planes(void)
 			assert_ok(staged_read_planes(test_gpu, ground->slots, CELLS, k, into));
 			for (uint32_t i = 0; i < (CELLS + 1) * (CELLS + 1); i++) {
 				uint32_t x = k % TILES * CELLS + i % (CELLS + 1), y = k / TILES * CELLS + i / (CELLS + 1);
-				match.plane[plane][y * POSTS + x] = plane == PLANE_SHEAR ? ((const uint16_t *)words)[i] : words[i];
+				match.plane[plane][y * POSTS + x] = words[i];
 			}
 		}
 }
@@ -56,7 +56,8 @@ static void begin_reference(void)
 		reference->offset[i] = lattice_offset_metres(match.plane[PLANE_OFFSET][i]);
 		reference->heaped[i] = lattice_offset_metres(match.plane[PLANE_DEPOSITED][i]);
 		reference->pressed[i] = lattice_offset_metres(match.plane[PLANE_PLASTIC_SINKAGE][i]);
-		reference->shear[i] = ldexp(match.plane[PLANE_SHEAR][i], -16);
+		for (int part = PLANE_SHEAR_EAST; part <= PLANE_SHEAR_NORTH; part++)
+			reference->shear[part][i] = ldexp(plane_shear(match.plane[PLANE_SHEAR][i], part), -PLANE_SHEAR_BITS);
 	}
 	reference->compacted = reference->confined = 0;
 	reference->written = match.ground.windows[0].write;
@@ -302,10 +303,12 @@ static void compare_posts(double error, double pressed)
 			continue;
 		near_enough("heaped", i, lattice_offset_metres(match.plane[PLANE_DEPOSITED][i]), match.reference.heaped[i], error);
 		near_enough("pressed", i, lattice_offset_metres(match.plane[PLANE_PLASTIC_SINKAGE][i]), match.reference.pressed[i], pressed);
-		/* To steps of 2^-16 m, from single precision of a way of up to a metre. */
-		double shear = ldexp(match.plane[PLANE_SHEAR][i], -16), wanted = fmin(match.reference.shear[i], ldexp(65535, -16));
-		if (!(fabs(shear - wanted) <= 0x1p-17 + 3e-7))
-			fail_msg("shear at post %d, %d: %.9g m, by the reference %.9g", i % POSTS, i / POSTS, shear, wanted);
+		/* To steps of 2^-15; from single precision of a way of up to a metre; and a quantum of height moves the place of first touch. */
+		for (int part = PLANE_SHEAR_EAST; part <= PLANE_SHEAR_NORTH; part++) {
+			double shear = ldexp(plane_shear(match.plane[PLANE_SHEAR][i], part), -PLANE_SHEAR_BITS), wanted = match.reference.shear[part][i];
+			if (!(fabs(shear - wanted) <= 0x1p-15 + 2e-4 / match.params.soils[0].janosi_shear))
+				fail_msg("shear at post %d, %d: %.9g, by the reference %.9g", i % POSTS, i / POSTS, shear, wanted);
+		}
 	}
 }
 
@@ -322,7 +325,8 @@ static void compare_forces(const struct deform_forces *got, const struct referen
 	double post = match.reference.spacing * match.reference.spacing, arm = deform_shape_bound(shape) * 1.5, size = 0;
 	for (int k = 0; k < 3; k++)
 		size = hypot(size, wanted->force[k]);
-	assert_true(fabs(got->area - wanted->area) <= (ties + 1e-6) * post);
+	/* A tie moves a part's border by a post each way. Each part is rounded. */
+	assert_true(fabs(got->area - wanted->area) <= (2.25 * ties + 1e-3) * post + 1e-4 * wanted->area);
 	/* A quantum of sinkage is K_e quanta of stress, or near the surface what the soil bears there. What is in contact or not brings
 	 * cohesion and damping besides. */
 	double error = 1e-3 * size + wanted->area * (soil->elastic_stiffness * QUANTUM + brush()) + 0x1p-10;

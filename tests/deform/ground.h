@@ -30,6 +30,7 @@ struct ground_params {
 	bool stands;                     /* undisturbed ground does */
 	bool touched;                    /* deform_is_touched is asked */
 	double bulldozing;
+	bool ground_normals;             /* scm */
 	uint32_t loaded_bodies;
 };
 
@@ -100,6 +101,7 @@ static inline void ground_init(struct ground *ground, const struct ground_params
 		.undisturbed_stable = params->stands,
 		.touched = params->touched,
 		.bulldozing = params->bulldozing,
+		.ground_normals = params->ground_normals,
 		.loaded_bodies = params->loaded_bodies,
 	};
 	assert_ok(deform_soil_named("dry_sand", &deform.soils[0]));
@@ -255,9 +257,7 @@ static inline int32_t *ground_plane(struct ground *ground, enum plane plane)
 		assert_ok(staged_read_planes(test_gpu, ground->slots, ground->params.cells, k, planes));
 		for (int64_t i = 0; i < side * side; i++) {
 			int64_t at = (k / ground->params.tiles * cells + i / side) * ground->posts + k % ground->params.tiles * cells + i % side;
-			int32_t value = plane_bytes(plane) == 4   ? ((int32_t *)posts)[i]
-					: plane_bytes(plane) == 2 ? ((uint16_t *)posts)[i]
-								  : ((uint8_t *)posts)[i];
+			int32_t value = plane_bytes(plane) == 4 ? ((int32_t *)posts)[i] : ((uint8_t *)posts)[i];
 			assert_true(!known[at] || all[at] == value);
 			known[at] = true;
 			all[at] = value;

@@ -116,7 +116,7 @@ static void read_samples(struct store_reader *reader, const struct extent *exten
 			continue;
 		fuzz_check(sample.disturbance <= UINT8_MAX);
 		fuzz_check(sample.nodata || (isfinite(sample.height) && isfinite(sample.base)));
-		fuzz_check(isfinite(sample.deposited) && sample.plastic_sinkage >= 0 && sample.shear >= 0 && sample.shear < 1);
+		fuzz_check(isfinite(sample.deposited) && sample.plastic_sinkage >= 0 && fabs(sample.shear[0]) < 1 && fabs(sample.shear[1]) < 1);
 	}
 }
 
@@ -249,7 +249,7 @@ static bool commit(struct store *store, bool clean, uint64_t hash)
 			((uint8_t *)planes.of[PLANE_DISTURBANCE])[i] = (uint8_t)(hash >> i % 48);
 			((int32_t *)planes.of[PLANE_DEPOSITED])[i] = (int32_t)(hash >> i % 31);
 			((int32_t *)planes.of[PLANE_PLASTIC_SINKAGE])[i] = (int32_t)(hash >> i % 30 & INT32_MAX);
-			((uint16_t *)planes.of[PLANE_SHEAR])[i] = (uint16_t)(hash >> i % 45);
+			((int32_t *)planes.of[PLANE_SHEAR])[i] = (int32_t)(hash >> i % 32 & 0x7fff7fff);
 		}
 	if (good) {
 		struct store_page page = {.tile = tile};

@@ -9,7 +9,6 @@ static uint32_t format_bytes(enum gpu_format format)
 	case GPU_R8UI:
 	case GPU_R8:
 		return 1;
-	case GPU_R16UI:
 	case GPU_R16:
 	case GPU_R16F:
 		return 2;

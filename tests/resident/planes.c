@@ -55,6 +55,19 @@ static enum status classes_of(void *user, unsigned loader, struct tile tile, uin
 	return STATUS_OK;
 }
 
+static uint8_t number_of(struct tile tile, int byte)
+{
+	return (uint8_t)(tile.x * 11 + tile.y * 13 + (unsigned)byte * 7);
+}
+
+static enum status numbers_of(void *user, unsigned loader, struct tile tile, uint8_t *numbers)
+{
+	assert_int_equal(tile.level, LEVEL);
+	for (int i = 0; i < PAGES_NUMBER_BYTES * POSTS; i++)
+		numbers[i] = number_of(tile, i);
+	return STATUS_OK;
+}
+
 static void rig_open(struct rig *rig, const char *path, unsigned planes, bool soil)
 {
 	*rig = (struct rig){.commit_log = tmpfile(), .record = calloc(1, world_record_bytes(0))};
@@ -85,6 +98,7 @@ static void rig_open(struct rig *rig, const char *path, unsigned planes, bool so
 		.before_read_back = before_read_back,
 		.snapshot = soil ? snapshot : NULL,
 		.classes = soil ? classes_of : NULL,
+		.numbers = soil ? numbers_of : NULL,
 		.user = rig,
 	};
 	must(resident_pages_create(&params, &rig->pages));
@@ -116,9 +130,13 @@ static void check_page(struct rig *rig, uint32_t slot, uint32_t x, uint32_t y, u
 			assert_memory_equal(texels[plane], truth[y][x][plane], POSTS * plane_bytes((enum plane)plane));
 	if (!soil) {
 		assert_null(gpu_slots_get(rig->slots, slot)->classes);
+		assert_null(gpu_slots_get(rig->slots, slot)->numbers);
 		return;
 	}
-	uint8_t classes[POSTS];
+	uint8_t classes[POSTS], numbers[PAGES_NUMBER_BYTES * POSTS];
+	gpu_texture_read(gpu_slots_get(rig->slots, slot)->numbers, 0, (struct gpu_rect){0, 0, CELLS + 1, CELLS + 1}, numbers);
+	for (int i = 0; i < PAGES_NUMBER_BYTES * POSTS; i++)
+		assert_int_equal(numbers[i], number_of((struct tile){LEVEL, x, y}, i));
 	gpu_texture_read(gpu_slots_get(rig->slots, slot)->classes, 0, (struct gpu_rect){0, 0, CELLS + 1, CELLS + 1}, classes);
 	for (int i = 0; i < POSTS; i++)
 		assert_int_equal(classes[i], class_of((struct tile){LEVEL, x, y}, i));
@@ -140,11 +158,9 @@ static void change_page(struct rig *rig, uint32_t slot, uint32_t x, uint32_t y)
 		for (int i = 0; i < POSTS; i++) {
 			int px = i % (CELLS + 1), py = i / (CELLS + 1);
 			bool inside = px > 0 && py > 0 && px < CELLS && py < CELLS;
-			uint32_t value = inside ? random_word() & 0x7fffffff : 0;
+			uint32_t value = inside ? random_word() & (plane == PLANE_SHEAR ? 0x7fff7fff : 0x7fffffff) : 0;
 			if (plane_bytes((enum plane)plane) == 1)
 				((uint8_t *)truth[y][x][plane])[i] = (uint8_t)value;
-			else if (plane_bytes((enum plane)plane) == 2)
-				((uint16_t *)truth[y][x][plane])[i] = (uint16_t)value;
 			else
 				truth[y][x][plane][i] = (int32_t)value;
 		}
@@ -158,9 +174,7 @@ static int32_t truth_at(enum plane plane, int64_t x, int64_t y)
 	const uint32_t tx = (uint32_t)(x / CELLS < SIDE ? x / CELLS : SIDE - 1), ty = (uint32_t)(y / CELLS < SIDE ? y / CELLS : SIDE - 1);
 	const int64_t i = (y - ty * CELLS) * (CELLS + 1) + x - tx * CELLS;
 	const int32_t *posts = truth[ty][tx][plane];
-	return plane_bytes(plane) == 1   ? ((const uint8_t *)posts)[i]
-	       : plane_bytes(plane) == 2 ? ((const uint16_t *)posts)[i]
-					 : posts[i];
+	return plane_bytes(plane) == 1 ? ((const uint8_t *)posts)[i] : posts[i];
 }
 
 static double posts[257 * 257], base[257 * 257];
@@ -177,7 +191,9 @@ static void check_posts(struct newest *newest, struct post_rect rect, enum store
 		if (finer > 0 && (x % 2 != 0 || y % 2 != 0))
 			continue;
 		int32_t post = finer > 0 ? truth_at(plane, x / 2, y / 2) : truth_at(plane, x << -finer, y << -finer);
-		double value = layer == STORE_UNITS ? post : plane_value(plane, post);
+		double value = layer == STORE_UNITS    ? post
+			       : plane == PLANE_SHEAR ? ldexp(plane_shear(post, store_shear_part(layer)), -PLANE_SHEAR_BITS)
+						      : plane_value(plane, post);
 		assert_true(posts[i] == (surface ? base[i] + value : value));
 	}
 }
@@ -193,10 +209,12 @@ static void check_newest(struct newest *newest)
 	check_posts(newest, all, STORE_DEPOSITED, PLANE_DEPOSITED, 0);
 	check_posts(newest, some, STORE_PLASTIC_SINKAGE, PLANE_PLASTIC_SINKAGE, 0);
 	check_posts(newest, all, STORE_SHEAR, PLANE_SHEAR, 0);
+	check_posts(newest, some, STORE_SHEAR_EAST, PLANE_SHEAR, 0);
+	check_posts(newest, all, STORE_SHEAR_NORTH, PLANE_SHEAR, 0);
 	check_posts(newest, half, STORE_SURFACE, PLANE_OFFSET, -1);
 	check_posts(newest, half, STORE_SOIL, PLANE_DISTURBANCE, -1);
 	check_posts(newest, some, STORE_SURFACE, PLANE_OFFSET, 1);
-	check_posts(newest, some, STORE_SHEAR, PLANE_SHEAR, 1);
+	check_posts(newest, some, STORE_SHEAR_NORTH, PLANE_SHEAR, 1);
 	assert_int_equal(resident_read_posts(newest, STORE_SHEAR, LEVEL + 1, half, posts), STATUS_INPUT);
 	/* Outside there is nothing. */
 	must(resident_read_posts(newest, STORE_OFFSET, LEVEL, (struct post_rect){-3, 255, 0, 259}, posts));
@@ -277,10 +295,10 @@ static void state_comes_back_the_same_bits(void **state)
 	const struct resident_pages_budget most = rig.most;
 	struct gpu_slots_bytes bytes;
 	gpu_slots_bytes(rig.slots, &bytes);
-	uint64_t taken = bytes.base + bytes.classes;
+	uint64_t taken = bytes.base + bytes.classes + bytes.numbers;
 	for (int plane = 0; plane < PLANES; plane++)
 		taken += bytes.planes[plane];
-	assert_true(taken <= most.slots && most.slots <= (uint64_t)SLOTS * (POSTS * 24));
+	assert_true(taken <= most.slots && most.slots <= (uint64_t)SLOTS * (POSTS * 28));
 	rig_close(&rig);
 	check_store(path, ALL, ALL, true);
 	/* Who needs no state reads none and makes no room for it. */

@@ -45,7 +45,7 @@ static void another_version_or_schema_is_refused(void **state)
 		const char *sql, *why;
 	} edits[] = {
 		{"PRAGMA user_version=2", "version 2"},
-		{"PRAGMA user_version=4", "version 4"},
+		{"PRAGMA user_version=5", "version 5"},
 		{"PRAGMA application_id=7", "application id 7"},
 		{"CREATE VIEW v AS SELECT 1", "tables"},
 		{"CREATE INDEX aaa ON base(low)", "tables"},
@@ -133,7 +133,7 @@ static void planes_beyond_their_range_are_refused(void **state)
 		int32_t beyond;
 	} cases[] = {
 		{PLANE_DISTURBANCE, STORE_SOIL, 256},        {PLANE_DISTURBANCE, STORE_SOIL, -1},    {PLANE_DISTURBANCE, STORE_SOIL, INT32_MIN},
-		{PLANE_PLASTIC_SINKAGE, STORE_PLASTIC_SINKAGE, -1},   {PLANE_SHEAR, STORE_SHEAR, -1},  {PLANE_SHEAR, STORE_SHEAR, 65536},
+		{PLANE_PLASTIC_SINKAGE, STORE_PLASTIC_SINKAGE, -1},   {PLANE_SHEAR, STORE_SHEAR, 32768},  {PLANE_SHEAR, STORE_SHEAR_NORTH, INT32_MIN + 1},
 		{PLANE_PLASTIC_SINKAGE, STORE_PLASTIC_SINKAGE, INT32_MIN},
 	};
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

@@ -15,21 +15,30 @@ static int32_t field_post(const struct field *field, enum plane plane, int64_t x
 		return 0;
 	int64_t i = y * field->width + x;
 	return plane == PLANE_DISTURBANCE    ? field->dirt[i]
-	       : plane == PLANE_SHEAR ? ((uint16_t *)field->planes[plane])[i]
 				      : ((int32_t *)field->planes[plane])[i];
 }
 
+/* What a layer shows of a post. Shear is two halves of 16 bits; what is between posts is between what is shown of them. */
+static int32_t shown_post(const struct field *field, enum store_layer layer, enum plane plane, int64_t x, int64_t y)
+{
+	int32_t post = field_post(field, plane, x, y);
+	if (plane != PLANE_SHEAR)
+		return post;
+	int16_t east = (int16_t)(post & 0xffff), north = (int16_t)(post >> 16);
+	return layer == STORE_SHEAR_EAST ? east : layer == STORE_SHEAR_NORTH ? north : (int32_t)lround(sqrt((double)east * east + (double)north * north));
+}
+
 /* A post of `level` from what deformation left, by the definition. */
-static int32_t deformed_post(const struct field *field, enum plane plane, int level, int64_t x, int64_t y)
+static int32_t deformed_post(const struct field *field, enum store_layer layer, enum plane plane, int level, int64_t x, int64_t y)
 {
 	if (level >= field->level) {
 		int up = level - field->level;
-		return field_post(field, plane, x << up, y << up);
+		return shown_post(field, layer, plane, x << up, y << up);
 	}
 	int shift = field->level - level;
 	int64_t cx = x >> shift, cy = y >> shift, mask = ((int64_t)1 << shift) - 1;
-	return lattice_interpolate(field_post(field, plane, cx, cy), field_post(field, plane, cx + 1, cy),
-				   field_post(field, plane, cx, cy + 1), field_post(field, plane, cx + 1, cy + 1),
+	return lattice_interpolate(shown_post(field, layer, plane, cx, cy), shown_post(field, layer, plane, cx + 1, cy),
+				   shown_post(field, layer, plane, cx, cy + 1), shown_post(field, layer, plane, cx + 1, cy + 1),
 				   (uint32_t)(x & mask), (uint32_t)(y & mask), shift);
 }
 
@@ -52,11 +61,12 @@ static double post_of(const struct field *field, enum store_layer layer, int lev
 	if (isnan(base) || layer == STORE_BASE)
 		return base;
 	static const enum plane planes[STORE_LAYERS] = {[STORE_SOIL] = PLANE_DISTURBANCE, [STORE_DEPOSITED] = PLANE_DEPOSITED,
-							[STORE_PLASTIC_SINKAGE] = PLANE_PLASTIC_SINKAGE, [STORE_SHEAR] = PLANE_SHEAR};
-	int32_t value = deformed_post(field, planes[layer], level, x, y);
+							[STORE_PLASTIC_SINKAGE] = PLANE_PLASTIC_SINKAGE, [STORE_SHEAR] = PLANE_SHEAR, [STORE_SHEAR_EAST] = PLANE_SHEAR,
+							[STORE_SHEAR_NORTH] = PLANE_SHEAR};
+	int32_t value = deformed_post(field, layer, planes[layer], level, x, y);
 	return layer == STORE_SURFACE				      ? base + lattice_offset_metres(value)
 	       : layer == STORE_UNITS || planes[layer] == PLANE_DISTURBANCE ? value
-	       : planes[layer] == PLANE_SHEAR			      ? value / 65536.0
+	       : planes[layer] == PLANE_SHEAR			      ? value / 32768.0
 								      : lattice_offset_metres(value);
 }
 
@@ -211,9 +221,10 @@ static void a_point_lies_between_the_finest_posts_stored_there(void **state)
 	assert_int_equal(sample.planes, (1u << PLANES) - 1);
 	assert_true(sample.deposited == lattice_offset_metres(field_post(&field, PLANE_DEPOSITED, 100, 80)) && sample.deposited != 0);
 	assert_true(sample.plastic_sinkage == lattice_offset_metres(field_post(&field, PLANE_PLASTIC_SINKAGE, 100, 80)) && sample.plastic_sinkage > 0);
-	assert_true(sample.shear == field_post(&field, PLANE_SHEAR, 100, 80) / 65536.0 && sample.shear > 0);
+	assert_true(sample.shear[0] == shown_post(&field, STORE_SHEAR_EAST, PLANE_SHEAR, 100, 80) / 32768.0 && sample.shear[0] != 0);
+	assert_true(sample.shear[1] == shown_post(&field, STORE_SHEAR_NORTH, PLANE_SHEAR, 100, 80) / 32768.0 && sample.shear[1] != 0);
 	assert_ok(store_sample(reader, 5, 5, &sample));
-	assert_true(sample.planes == 0 && sample.deposited == 0 && sample.plastic_sinkage == 0 && sample.shear == 0);
+	assert_true(sample.planes == 0 && sample.deposited == 0 && sample.plastic_sinkage == 0 && sample.shear[0] == 0 && sample.shear[1] == 0);
 	static const double outside[][2] = {{-0.001, 5}, {148.001, 5}, {5, -1}, {5, 98.001}, {NAN, 5}};
 	for (size_t i = 0; i < 5; i++) {
 		assert_ok(store_sample(reader, outside[i][0], outside[i][1], &sample));

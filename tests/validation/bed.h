@@ -17,7 +17,7 @@ struct bed_params {
 };
 
 struct bed_kind {
-	/* What it is kept in, m: heights and sinkages, shear displacements; 0: nothing is rounded. A share by which
+	/* What it is kept in: heights and sinkages in m, mobilised shear as a share; 0: nothing is rounded. A share by which
 	 * stresses are. */
 	double quantum, shear_quantum, stress;
 	void *(*make)(const struct bed_params *params);

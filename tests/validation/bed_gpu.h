@@ -142,7 +142,7 @@ static double bed_gpu_surface(void *user, int x, int y)
 
 /* Stress: exp2 and log2 in single precision. */
 static const struct bed_kind bed_gpu = {
-	0x1p-20, 0x1p-16, 1e-5, bed_gpu_make, bed_gpu_destroy, bed_gpu_sweep,
+	0x1p-20, 0x1p-15, 1e-5, bed_gpu_make, bed_gpu_destroy, bed_gpu_sweep,
 	bed_gpu_settle, bed_gpu_surface, bed_gpu_volume,
 };
 

@@ -121,7 +121,7 @@ static void steps_and_times_that_are_none_are_refused(void **state)
 static void any_value_that_is_not_what_it_must_be_is_refused(void **state)
 {
 	static const struct { const char *from, *to; } changes[] = {
-		{"\"version\":3", "\"version\":1"}, {"\"version\":3", "\"version\":\"2\""}, {"\"version\":3,", ""},
+		{"\"version\":3", "\"version\":2"}, {"\"version\":3", "\"version\":\"3\""}, {"\"version\":3,", ""},
 		{"\"level\":\"-3\"", "\"level\":-3"}, {"\"-3\"", "\"-15\""}, {"\"-3\"", "\"29\""}, {"\"-3\"", "\"\""},
 		{"\"-3\"", "\"-\""}, {"\"-3\"", "\" -3\""}, {"\"-3\"", "\"-3x\""}, {"\"-3\"", "null"},
 		{"\"ended\":true", "\"ended\":1"}, {"\"ended\":true", "\"ended\":\"true\""}, {"\"ended\"", "\"Ended\""},

@@ -39,6 +39,14 @@ static double arm_of(const struct deform_shape *shape, const double extent[2])
 	return exp2(ceil(log2(hypot(hypot(extent[0], extent[1]), deform_shape_reach(shape, 0, 0)))));
 }
 
+double deform_area_units(const struct deform *deform, const struct deform_contact *contact)
+{
+	/* A post bears the area of four at most. */
+	const struct post_rect shadow = deform_shadow(deform, contact);
+	double posts = 4.0 * (double)(shadow.x1 - shadow.x0) * (double)(shadow.y1 - shadow.y0);
+	return exp2(fmin(floor(log2(0x1p32 / posts)) - 1, 20));
+}
+
 static void fill_motion(const struct deform_contact *contact, struct scm_params *params)
 {
 	if (deform_is_contact_only(contact))
@@ -68,6 +76,17 @@ static void fill_soils(const struct deform_params *params, struct scm_soil *soil
 			.a = {(float)s->bekker_kc, (float)s->bekker_kphi, (float)s->bekker_n, inverse(s->elastic_stiffness)},
 			.b = {(float)s->cohesion, (float)tan(s->friction_angle), inverse(s->janosi_shear), (float)s->damping},
 		};
+	}
+}
+
+static void fill_rasters(const struct deform_params *params, float rasters[DEFORM_RASTERS][4])
+{
+	for (int i = 0; i < DEFORM_RASTERS; i++) {
+		const struct deform_raster *raster = &params->rasters[i];
+		bool used = i < params->raster_count;
+		rasters[i][0] = used ? (float)raster->low : 0;
+		rasters[i][1] = used ? (float)raster->high : 0;
+		rasters[i][2] = used ? (float)((raster->high - raster->low) / (DEFORM_LEVELS - 1)) : 0;
 	}
 }
 
@@ -106,7 +125,10 @@ static struct scm_params params_of(const struct deform *deform, const struct def
 			params.shadow[i] = (int32_t)sides[i];
 	}
 	fill_motion(contact, &params);
+	deform_underside(deform, contact, window, &params);
+	params.faces[0][3] = (float)deform_area_units(deform, contact);
 	fill_soils(&deform->params, params.soils);
+	fill_rasters(&deform->params, params.rasters);
 	return params;
 }
 
@@ -140,7 +162,7 @@ static enum status run_contact(struct deform *deform, const struct deform_contac
 		.program = deform->scm[with],
 		.target = deform->scratch[layer].to[TO_BARE],
 		.viewport = deform_rows(params.written),
-		.textures = {deform->under, deform->classes},
+		.textures = {deform->under, deform->classes, deform->numbers},
 		.images = {deform->bases, deform->planes_of[1][PLANE_DEPOSITED], deform->rest, deform->planes_of[1][PLANE_OFFSET],
 			   deform->planes_of[0][PLANE_PLASTIC_SINKAGE], deform->planes_of[0][PLANE_SHEAR], deform->contacts,
 			   deform->carried},
@@ -189,6 +211,7 @@ const struct soil_model deform_model_scm = {
 	.shader = "deform/scm.frag",
 	.planes = PLANE_BIT(PLANE_DEPOSITED) | PLANE_BIT(PLANE_PLASTIC_SINKAGE) | PLANE_BIT(PLANE_SHEAR),
 	.in_place = true,
+	.rasters = true,
 	.slide = &deform_slide_excess,
 	.critical = critical,
 };

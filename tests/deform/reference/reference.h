@@ -39,10 +39,12 @@ struct reference_ground {
 	struct post_rect written; /* posts of the field: spreading and sliding stay within */
 	double *base, *offset;    /* surface: base + offset */
 	double *heaped;           /* scm: undisturbed surface: base + heaped */
-	double *pressed, *shear;  /* scm: largest sinkage along the normal, shear displacement; so far */
+	double *pressed;          /* scm: largest sinkage along the normal, so far */
+	double *shear[2];         /* scm: mobilised shear to the east and to the north, shares of the soil's strength */
 	double *carried;          /* what the last press has lifted and not yet laid down, of height */
 	uint8_t *contact;         /* of the last press */
 	bool *hole;
+	bool ground_normals;      /* scm: as in struct deform_params */
 	double compacted;         /* m3, gone for good */
 	double confined;          /* m3 of it: had no free post to go to */
 };
@@ -61,7 +63,7 @@ void reference_undersides(const struct reference_ground *ground, const struct de
 struct reference_forces {
 	double force[3], moment[3]; /* N, N m: east, north, up */
 	double normal; /* N: the vertical part of the normal stress without damping */
-	double area;   /* m2 of posts that it rests on */
+	double area;   /* m2 of the ground that bears it */
 	double sinkage; /* m, the deepest of those */
 	double work;   /* J that the soil's yielding took over the contact */
 };

@@ -1,0 +1,139 @@
+/* A store of version 3, whose shear was a length: its ruts are read and driven over, its shear counts as none. */
+#include "fixture.h"
+
+static char told[512];
+static int notes;
+
+static void take_note(const char *text)
+{
+	snprintf(told, sizeof told, "%s", text);
+	notes++;
+}
+
+/* What the version before made: the same tables, and in `shear` numbers that are none now. */
+static void make_older(const char *path, struct field *field, bool driven)
+{
+	struct store_commit_result result;
+	make_store(path);
+	struct store *store = open_store(path, STORE_WRITE);
+	*field = field_make(-1);
+	if (driven) {
+		assert_ok(store_set_working_level(store, -1));
+		field_dig(field, 64, 48, 20, 1);
+		assert_ok(field_commit(field, field_all(field), store, 1, &result));
+		int32_t posts[POSTS];
+		for (int i = 0; i < POSTS; i++)
+			posts[i] = 0x8000 + i;
+		struct row row = {.tile = {-1, 4, 3}, .low = 0.5, .high = 0.51, .revision = 1};
+		store_rows_encode(&store->rows, ROW_SHEAR, posts, &row);
+		assert_ok(store_rows_put(&store->rows, ROW_SHEAR, &row));
+	}
+	store_close(store);
+	raw_sql(path, "PRAGMA user_version=3");
+	memset(field->planes[PLANE_SHEAR], 0, (size_t)(field->width * field->height) * plane_bytes(PLANE_SHEAR));
+}
+
+static int64_t version_of(const char *path)
+{
+	sqlite3 *db;
+	int64_t version;
+	assert_int_equal(sqlite3_open_v2(path, &db, SQLITE_OPEN_READONLY, NULL), SQLITE_OK);
+	assert_ok(store_sql_integer(db, path, "PRAGMA user_version", &version));
+	sqlite3_close(db);
+	return version;
+}
+
+/* Every post of every plane is the field's. */
+static void assert_posts(struct store *store, const struct field *field)
+{
+	struct store_reader *reader;
+	struct store_numbers numbers;
+	assert_ok(store_reader_create(store, &reader));
+	for (uint32_t y = 0; y < extent_tiles_y(&extent, -1); y++)
+		for (uint32_t x = 0; x < extent_tiles_x(&extent, -1); x++) {
+			int32_t got[PLANES][POSTS], want[POSTS];
+			void *planes[PLANES];
+			unsigned present;
+			for (int plane = 0; plane < PLANES; plane++)
+				planes[plane] = got[plane];
+			assert_ok(store_read_deformed(reader, (struct tile){-1, x, y}, (1u << PLANES) - 1, planes, &present));
+			for (int plane = 0; plane < PLANES; plane++) {
+				field_tile_plane(field, (struct tile){-1, x, y}, (enum plane)plane, want);
+				assert_memory_equal(got[plane], want, POSTS * plane_bytes((enum plane)plane));
+			}
+		}
+	assert_ok(store_count(store, &numbers));
+	assert_int_equal(numbers.plane_tiles[PLANE_SHEAR], 0);
+	assert_true(numbers.plane_tiles[PLANE_PLASTIC_SINKAGE] > 0);
+	store_reader_destroy(reader);
+}
+
+static void ruts_of_the_version_before_are_read_without_their_shear(void **state)
+{
+	const char *path = in_folder("ruts.furrow");
+	struct field field;
+	struct store_check check;
+	(void)state;
+	make_older(path, &field, true);
+	notes = 0;
+	struct store *store = open_store(path, STORE_READ);
+	assert_int_equal(notes, 1);
+	assert_non_null(strstr(told, "its shear counts as none"));
+	assert_posts(store, &field);
+	assert_ok(store_verify(store, NULL, NULL, NULL, &check));
+	assert_int_equal(check.problems, 0);
+	store_close(store);
+	assert_int_equal(version_of(path), 3); /* who reads changes nothing */
+	field_free(&field);
+}
+
+static void who_writes_makes_it_one_of_this_version(void **state)
+{
+	const char *path = in_folder("write.furrow");
+	struct field field;
+	struct store_commit_result result;
+	(void)state;
+	make_older(path, &field, true);
+	notes = 0;
+	struct store *store = open_store(path, STORE_WRITE);
+	assert_int_equal(notes, 1);
+	assert_non_null(strstr(told, "older furrows cannot read"));
+	assert_posts(store, &field);
+	store_close(store);
+	assert_int_equal(version_of(path), 4);
+	store = open_store(path, STORE_WRITE);
+	assert_int_equal(notes, 1);
+	field_dig(&field, 40, 40, 9, 2);
+	assert_ok(field_commit(&field, field_all(&field), store, 2, &result));
+	verified(store);
+	store_close(store);
+	field_free(&field);
+}
+
+static void an_import_of_the_version_before_is_read_in_silence(void **state)
+{
+	const char *path = in_folder("base.furrow");
+	struct field field;
+	(void)state;
+	make_older(path, &field, false);
+	notes = 0;
+	for (int mode = 0; mode < 2; mode++) {
+		struct store *store = open_store(path, mode == 0 ? STORE_READ : STORE_WRITE);
+		assert_false(store_has_working_level(store, NULL));
+		store_close(store);
+	}
+	assert_int_equal(notes, 0);
+	assert_int_equal(version_of(path), 4);
+	field_free(&field);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(ruts_of_the_version_before_are_read_without_their_shear),
+		cmocka_unit_test(who_writes_makes_it_one_of_this_version),
+		cmocka_unit_test(an_import_of_the_version_before_is_read_in_silence),
+	};
+	note_to(take_note);
+	return cmocka_run_group_tests(tests, folder_make, folder_remove);
+}
