@@ -131,7 +131,7 @@ void main()
 			total_add(moment[i], int(round(clamp(m[i], -MOST, MOST))));
 		}
 		area += bears ? int(round(b.area * faces[0].w)) : 0;
-		deepest = max(deepest, b.held ? b.sunk - before.heap : 0);
+		deepest = max(deepest, b.held && bears ? b.sunk - before.heap : 0);
 #endif
 	}
 #ifdef FORCES

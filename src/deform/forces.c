@@ -110,7 +110,8 @@ static struct deform_forces told(const struct deform *deform, const struct asked
 		forces.force[i] = (double)record->force[i] * unit;
 		forces.moment[i] = (double)record->moment[i] * unit * asked->arm;
 	}
-	forces.residual = residual_of(forces.force, forces.slope, asked);
+	if (record->area > 0)
+		forces.residual = residual_of(forces.force, forces.slope, asked);
 	return forces;
 }
 
