@@ -1,6 +1,7 @@
 #version 450 core
-// The contact pass of scm: the soil's answer to the object. One invocation for each row (soil.glsl). Images change in place: of
-// its neighbours a post reads only the base and the deposited thickness, which this pass does not write.
+// The contact pass of scm: the soil's answer to the object. One invocation for each row of the window's written posts, which loops
+// over the posts. So sums stay in registers, and posts that nothing touches are skipped. Images change in place: of its neighbours
+// a post reads only the base and the deposited thickness, which this pass does not write.
 // Defines: FORCES: sums forces and moments; PATCH: b follows from the counted posts; LOAD: the equilibrium height was found.
 
 #include "lib/soil.glsl"
@@ -17,17 +18,18 @@ layout(binding = 6, r8ui) uniform writeonly restrict uimage2DArray contacts;
 layout(binding = 7, r32i) uniform writeonly restrict iimage2DArray carries;
 
 #ifdef FORCES
-// 16 words for each contact with a tag: force and moment, 64 bits for each component; then four counts:
+// 18 words for each contact with a tag: force and moment, 64 bits for each component; then these:
 // - area that bears, faces[0].w a post
-// - the deepest sinkage, fixed-point units
+// - the deepest sinkage below the base, fixed-point units
 // - the equilibrium height above the prescribed one, fixed-point units
 // - posts whose share was too large to count
+// - the mean slope of the base under the object, east and north, in 2^-16
 layout(std430, binding = 1) restrict buffer records {
 	int record[];
 };
 
-const int AREA = 12, DEEPEST = 13, RAISED = 14, SATURATED = 15;
-const int SUNK = int(0x80000000u); // a bit beside the number of saturated posts: the soil does not carry the load
+const int AREA = 12, DEEPEST = 13, RAISED = 14, SATURATED = 15, SLOPE = 16, WORDS = 18;
+const int STATE_BIT = 30; // the two highest bits beside the number of saturated posts: the state of a loaded object
 const float MOST = 2147483000.0;
 
 void record_add(int at, total t)
@@ -44,6 +46,15 @@ layout(std430, binding = 3) restrict buffer standings {
 };
 #endif
 
+const int COLUMNS = 4; // rows side by side in the viewport, so that its blocks of pixels are full
+
+// Returns the row of this invocation. If it is written.w or more, there is none.
+int row_of_pass()
+{
+	ivec2 at = ivec2(gl_FragCoord.xy);
+	return written.y + at.x + COLUMNS * at.y;
+}
+
 // Tells whether the object was at most two posts' spacing above the surface. So it may have been in contact before, or comes next:
 // then shear that is left there from another contact ends. Otherwise it is that of another object, below this one.
 bool is_near(int x, int y, ground g, object o)
@@ -59,15 +70,15 @@ void main()
 	if (y >= written.w)
 		return;
 	int raised = 0;
-	float by_width = scale.w;
+	float by_width = scale.w, unit = scale.z;
 #ifdef LOAD
-	attempt found = found_next(zero.w >> 16, int(load.y));
-	raised = found.at;
+	unit /= found_share;
+	raised = found_raised;
 	if (y == written.y && load.z > 0.0)
 		standing[int(load.z) - 1] = raised;
 #endif
 #ifdef PATCH
-	by_width = found_by_width(tries[zero.w >> 16].posts, place.w);
+	by_width = found_by_width(found_posts, place.w);
 #endif
 	for (int x = written.x; x < written.z; x++)
 		if (imageLoad(bases, ivec3(x, y, zero.z)).r == BASE_NODATA)
@@ -109,7 +120,7 @@ void main()
 			imageStore(carries, post, ivec4(b.carried));
 		}
 #ifdef FORCES
-		vec3 f = b.stress * scale.z, m = b.moment * scale.z * place.z;
+		vec3 f = b.stress * unit, m = b.moment * unit * place.z;
 		bool bears = g.base != BASE_NODATA && b.area > 0.0;
 		f = bears ? f : vec3(0.0);
 		m = bears ? m : vec3(0.0);
@@ -120,14 +131,20 @@ void main()
 			total_add(moment[i], int(round(clamp(m[i], -MOST, MOST))));
 		}
 		area += bears ? int(round(b.area * faces[0].w)) : 0;
-		deepest = max(deepest, b.held ? b.sunk : 0);
+		deepest = max(deepest, b.held && bears ? b.sunk - before.heap : 0);
 #endif
 	}
+#ifdef FORCES
+	if (y == written.y && zero.z == 0) {
+		vec2 slope = clamp(slope_under(), -1e4, 1e4) * 65536.0;
+		record[zero.w * WORDS + SLOPE] = int(round(slope.x));
+		record[zero.w * WORDS + SLOPE + 1] = int(round(slope.y));
+	}
+#endif
 #if defined(FORCES) && defined(LOAD)
 	if (y == written.y) {
-		record[(zero.w & 0xffff) * 16 + RAISED] = raised;
-		if (found.top > -2000000000 && raised <= found.top - int(load.y) + 1)
-			atomicOr(record[(zero.w & 0xffff) * 16 + SATURATED], SUNK);
+		record[zero.w * WORDS + RAISED] = raised;
+		atomicOr(record[zero.w * WORDS + SATURATED], int(found_state << STATE_BIT));
 	}
 #endif
 	if (last <= first)
@@ -136,7 +153,7 @@ void main()
 	if (over > 0u)
 		tally_add(REFUSED, over);
 #ifdef FORCES
-	int to = (zero.w & 0xffff) * 16;
+	int to = zero.w * WORDS;
 	for (int i = 0; i < 3; i++) {
 		record_add(to + 2 * i, force[i]);
 		record_add(to + 6 + 2 * i, moment[i]);

@@ -49,7 +49,7 @@ void deform_destroy(struct deform *deform)
 	deform_facets_destroy(deform->facets);
 	gpu_buffer_destroy(deform->tally);
 	gpu_buffer_destroy(deform->felt);
-	gpu_buffer_destroy(deform->tries);
+	gpu_buffer_destroy(deform->found);
 	gpu_buffer_destroy(deform->standing);
 	deform_forces_destroy(deform);
 	mem_free(deform);

@@ -77,14 +77,13 @@ void deform_programs_contact(const struct deform_params *params, unsigned with, 
 		define_number(out, "SOILS", deform_soil_slots(params));
 }
 
-void deform_programs_find(const struct deform_params *params, enum find_what what, bool patch, struct deform_request *out)
+void deform_programs_find(const struct deform_params *params, unsigned what, struct deform_request *out)
 {
-	begin(out, "full.vert", "deform/scm_find.frag");
-	define(out, "GAP", what == FIND_GAP);
-	define(out, "COUNT", what == FIND_COUNT);
-	define(out, "PATCH", what == FIND_BEARS && patch);
-	define(out, "SOIL_MAP", what == FIND_BEARS && deform_has_classes(params));
-	if (what == FIND_BEARS)
+	*out = (struct deform_request){.gl = {.compute = "deform/scm_find.comp"}};
+	define(out, "PATCH", what & FIND_PATCH);
+	define(out, "LOAD", what & FIND_LOAD);
+	define(out, "SOIL_MAP", (what & FIND_LOAD) && deform_has_classes(params));
+	if (what & FIND_LOAD)
 		define_rasters(params, out);
 }
 
@@ -208,16 +207,10 @@ static void each_envelope(struct each *each, const struct deform_planned *object
 
 static void each_find(struct each *each, bool patch, bool load)
 {
-	if (load) {
-		deform_programs_find(each->params, FIND_GAP, false, &each->request);
-		add(each, "load");
-		deform_programs_find(each->params, FIND_BEARS, patch, &each->request);
-		add(each, "load");
-	}
-	if (patch) {
-		deform_programs_find(each->params, FIND_COUNT, false, &each->request);
-		add(each, deform_displace_effect(each->params->model));
-	}
+	if (!patch && !load)
+		return;
+	deform_programs_find(each->params, (patch ? FIND_PATCH : 0) | (load ? FIND_LOAD : 0), &each->request);
+	add(each, load ? "load" : deform_displace_effect(each->params->model));
 }
 
 /* The contact passes of a model that tells forces. */

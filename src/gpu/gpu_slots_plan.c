@@ -1,10 +1,10 @@
 /* What slots will make and run; the programs that their passes run with. */
 #include "gpu/internal.h"
 
-static const struct gpu_program_request subdivide = {"full.vert", "subdivide.frag", {NULL}};
+static const struct gpu_program_request subdivide = {.vertex = "full.vert", .fragment = "subdivide.frag"};
 static const struct gpu_program_request decimate[2] = {
-	{"full.vert", "decimate.frag", {NULL}},
-	{"full.vert", "decimate.frag", {"DISTURBANCE"}},
+	{.vertex = "full.vert", .fragment = "decimate.frag"},
+	{.vertex = "full.vert", .fragment = "decimate.frag", .defines = {"DISTURBANCE"}},
 };
 
 const struct gpu_program_request *gpu_slots_subdivide_request(void)

@@ -52,7 +52,7 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		"at most 128 grousers, as high as the wheel's radius",
 		"finds the lower envelope of a wheel's grousers"},
 	[EFFECT_LOAD] = {
-		"load", "objects.load", "", LIST("deform/scm_find.frag"), STATE, "height", 1, LIST("objects[].load"),
+		"load", "objects.load", "", LIST("deform/scm_find.comp"), STATE, "height", 1, LIST("objects[].load"),
 		"the object fits one window, and sinks no deeper than it is high",
 		"finds how deep the soil carries a load"},
 	[EFFECT_FORCES] = {

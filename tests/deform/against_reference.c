@@ -338,6 +338,14 @@ static void compare_forces(const struct deform_forces *got, const struct referen
 	}
 }
 
+static void scale(struct reference_forces *forces, double by)
+{
+	for (int k = 0; k < 3; k++) {
+		forces->force[k] *= by;
+		forces->moment[k] *= by;
+	}
+}
+
 /* At the height found the reference carries the load, and a little above it does not. */
 static void compare_load(const struct deform_contact *sweep, const struct deform_forces *got, double slant)
 {
@@ -382,12 +390,15 @@ static void run(const struct deform_contact *sweep)
 	mem_free(contacts);
 	share_undersides(sweep);
 	double lower = lattice_offset_metres(sweep->to.z - forces.z), slant = scm ? aslant() : 1;
-	if (sweep->load > 0 && !forces.sunk && forces.area > 0)
+	if (sweep->load > 0 && forces.state != DEFORM_SUNK && forces.area > 0)
 		compare_load(sweep, &forces, slant);
 	int ties = compare_contacts(lower, sweep, slant);
 	struct reference_forces wanted = press(lower, sweep);
 	for (int i = 0; i < COUNT; i++)
 		match.reference.contact[i] = match.contacts[i] & 3;
+	/* Within the unit of height that carries the load, forces are scaled to it. */
+	if (sweep->load > 0 && forces.state != DEFORM_SUNK && forces.area > 0)
+		scale(&wanted, sweep->load / wanted.force[2]);
 	if (scm)
 		compare_forces(&forces, &wanted, ties, sweep->shape);
 	/* A sinkage is whole quanta, half a one off; what stays of it, upright, is rounded again; single precision of its

@@ -54,7 +54,8 @@ static void fill_motion(const struct deform_contact *contact, struct scm_params 
 	params->way[0] = (float)lattice_offset_metres(contact->to.x - contact->from.x);
 	params->way[1] = (float)lattice_offset_metres(contact->to.y - contact->from.y);
 	params->way[2] = (float)lattice_offset_metres(contact->to.z - contact->from.z);
-	params->way[3] = contact->seconds > 0 ? (float)(1 / contact->seconds) : 0;
+	/* What carries a load does not depend on its speed. */
+	params->way[3] = contact->seconds > 0 && contact->load == 0 ? (float)(1 / contact->seconds) : 0;
 	/* The rotation about the wheel's own y axis, which is level. */
 	params->spin[0] = (float)(-sin(contact->to.yaw) * contact->turned);
 	params->spin[1] = (float)(cos(contact->to.yaw) * contact->turned);
@@ -144,17 +145,16 @@ static enum status run_contact(struct deform *deform, const struct deform_contac
 			(contact->load > 0 ? WITH_LOAD : 0);
 	struct gpu_buffer *records = NULL;
 	uint32_t record = 0;
-	int last = 0;
 	struct deform_request request;
 	deform_programs_contact(&deform->params, with, &request);
 	enum status status = deform_program(deform, &request, &deform->scm[with]);
 	if (status == STATUS_OK && (with & (WITH_PATCH | WITH_LOAD)))
-		status = deform_find(deform, &params, layer, with / WITH_PATCH, &last);
+		status = deform_find(deform, &params, with / WITH_PATCH, tally);
 	if (status == STATUS_OK && (with & WITH_FORCES))
 		status = deform_forces_record(deform, contact, layer == 0, arm_of(contact->shape, extent), &records, &record);
 	if (status != STATUS_OK)
 		return status;
-	params.zero[3] = (int32_t)record | last << 16;
+	params.zero[3] = (int32_t)record;
 	gpu_texture_clear(deform->contacts, layer, deform_written(window), 0);
 	gpu_texture_clear(deform->carried, layer, deform_written(window), 0);
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
@@ -166,7 +166,7 @@ static enum status run_contact(struct deform *deform, const struct deform_contac
 		.images = {deform->bases, deform->planes_of[1][PLANE_DEPOSITED], deform->rest, deform->planes_of[1][PLANE_OFFSET],
 			   deform->planes_of[0][PLANE_PLASTIC_SINKAGE], deform->planes_of[0][PLANE_SHEAR], deform->contacts,
 			   deform->carried},
-		.storage = {tally, records, deform->tries, deform->standing},
+		.storage = {tally, records, deform->found, deform->standing},
 		.params = &params,
 		.params_bytes = sizeof params,
 	});

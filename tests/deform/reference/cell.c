@@ -254,7 +254,7 @@ static struct vector sliding(const struct cell *cell, struct vector arm, struct 
 static double pushed(const struct cell *cell, struct vector arm, struct vector normal)
 {
 	const struct deform_contact *sweep = cell->sweep;
-	if (!(sweep->seconds > 0))
+	if (!(sweep->seconds > 0) || sweep->load > 0) /* what carries a load does not depend on its speed */
 		return 0;
 	struct vector way = reference_way_at(sweep, 0, (struct vector){0, 0, 0});
 	double ahead = way.x * cos(sweep->to.yaw) + way.y * sin(sweep->to.yaw);

@@ -72,8 +72,7 @@ struct vector reference_way_at(const struct deform_contact *sweep, double turned
 	struct vector way = cross(axis, from_centre);
 	way.x += lattice_offset_metres(sweep->to.x - sweep->from.x);
 	way.y += lattice_offset_metres(sweep->to.y - sweep->from.y);
-	if (sweep->load == 0) /* else the height is not a motion but what is looked for */
-		way.z += lattice_offset_metres(sweep->to.z - sweep->from.z);
+	way.z += lattice_offset_metres(sweep->to.z - sweep->from.z);
 	return way;
 }
 
