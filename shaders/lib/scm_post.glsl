@@ -31,8 +31,8 @@ int shear_post(vec2 shear)
 	return (whole.x & 0xffff) | whole.y << 16;
 }
 
-// Vectors along a surface, as they are kept: turned into the level by the shortest way, so that none changes its length when the
-// surface turns under a wheel.
+// Vectors along a surface, as they are kept: turned into the level by the shortest way. So they keep their length when the surface
+// turns under a wheel.
 vec2 levelled(vec3 along, vec3 n)
 {
 	return along.xy - n.xy * (along.z / (1.0 + n.z));

@@ -31,7 +31,7 @@ static void define_number(struct deform_request *out, const char *name, int numb
 
 static bool has_thickness(const struct deform_params *params)
 {
-	return (deform_planes(params->model, params->disturbance) & PLANE_BIT(PLANE_DEPOSITED)) != 0;
+	return (deform_planes(params->model, params->disturbance, params->slip_sinkage > 0) & PLANE_BIT(PLANE_DEPOSITED)) != 0;
 }
 
 void deform_programs_envelope(const struct deform_params *params, enum deform_shape_kind kind, bool sideways,

@@ -34,7 +34,7 @@ static struct {
 static void read_planes(void)
 {
 	struct ground *ground = &match.ground;
-	unsigned planes = deform_planes(ground->params.model, false);
+	unsigned planes = deform_planes(ground->params.model, false, ground->params.slip_sinkage > 0);
 	int32_t words[(CELLS + 1) * (CELLS + 1)];
 	for (int plane = 0; plane < PLANES; plane++)
 		for (uint32_t k = 0; k < ground->tile_count && (planes & PLANE_BIT(plane)); k++) {

@@ -32,6 +32,7 @@ static const struct pair pairs[] = {
 	{EFFECT_SPREAD, HEAD SPHERE, HEAD SPHERE SCM, false},
 	{EFFECT_SHED, HEAD SPHERE, HEAD SPHERE SOIL "redistribute: {model: sumner}\n", false},
 	{EFFECT_SLIDE, HEAD SPHERE, HEAD SPHERE SCM, false},
+	{EFFECT_SLIP, HEAD SPHERE STILL_SCM, HEAD SPHERE SCM, false},
 	{EFFECT_SOIL_MAP, HEAD SPHERE SCM, HEAD SPHERE MAP, true},
 	{EFFECT_MESH, HEAD SPHERE, HEAD OBJECT("mesh: {file: block.obj}"), false},
 	{EFFECT_GROUSERS, HEAD OBJECT(WHEEL "}"), HEAD OBJECT(WHEEL ", lugs: 12}"), false},

@@ -181,7 +181,7 @@ const struct soil_model deform_model_scm = {
 			    "soil.friction_angle", "soil.janosi_shear", "soil.elastic_stiffness", "soil.damping", "objects[].slip"),
 		"a stress is at most 1e20 Pa; a slope counts as at most 87 degrees; integer sums, but floating point by driver",
 		"sinks and springs back by the soil's pressure"},
-	.keys = EFFECT_LIST("iterations", "interval", "depth", "undisturbed", "tolerance", "bulldozing"),
+	.keys = EFFECT_LIST("iterations", "interval", "depth", "undisturbed", "tolerance", "bulldozing", "slip_sinkage"),
 	.numbers = EFFECT_LIST("bekker_kc", "bekker_kphi", "bekker_n", "cohesion", "friction_angle", "janosi_shear",
 			       "elastic_stiffness", "damping", "repose"),
 	.contact = contact,
