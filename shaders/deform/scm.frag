@@ -1,7 +1,8 @@
 #version 450 core
 // The contact pass of scm: the soil's answer to the object. One invocation for each row (soil.glsl). Images change in place: of
-// its neighbours a post reads only the base and the deposited thickness, which this pass does not write.
-// Defines: FORCES: sums forces and moments; PATCH: b follows from the counted posts; LOAD: the equilibrium height was found.
+// its neighbours a post reads only the base, which this pass does not write.
+// Defines: FORCES: sums forces and moments; PATCH: b follows from the counted posts; LOAD: the equilibrium height was found;
+// SLIP: slip digs.
 
 #include "lib/soil.glsl"
 #include "lib/tally.glsl"
@@ -92,15 +93,27 @@ void main()
 		east = ground_at(x + 1, y);
 		object o = object_at(x, y, raised);
 		soil s = soil_at(x, y);
-		post_state before = {imageLoad(offsets, post).r, imageLoad(heaps, post).r, imageLoad(sinkages, post).r, imageLoad(shears, post).r};
+		post_state before = {imageLoad(offsets, post).r, imageLoad(heaps, post).r, imageLoad(sinkages, post).r, 0, imageLoad(shears, post).r};
+#ifdef SLIP
+		before.dug = imageLoad(dugs, post).r;
+#endif
 		vec3 at = from_centre(x, y, o, raised);
 		bearing b = bearing_of(s, by_width, normal_of(west, g, east, ground_at(x, y - 1), ground_at(x, y + 1)), g, o, at, before);
 		over += uint(b.refused);
 		total_add(lost, before.offset - b.after.offset - b.carried);
-		if (b.after.shear != before.shear && (b.held || is_near(x, y, g, o)))
-			imageStore(shears, post, ivec4(b.after.shear));
+		if (b.held || is_near(x, y, g, o)) {
+			if (b.after.shear != before.shear)
+				imageStore(shears, post, ivec4(b.after.shear));
+#ifdef SLIP
+			if (b.after.dug != before.dug)
+				imageStore(dugs, post, ivec4(b.after.dug));
+#endif
+		}
 		if (b.touched) {
 			imageStore(offsets, post, ivec4(b.after.offset));
+#ifdef SLIP
+			imageStore(heaps, post, ivec4(b.after.heap));
+#endif
 			imageStore(sinkages, post, ivec4(b.after.sinkage));
 			imageStore(contacts, post, uvec4(LOWERED | (b.held ? HELD : 0u)));
 			imageStore(carries, post, ivec4(b.carried));

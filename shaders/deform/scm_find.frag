@@ -72,7 +72,10 @@ void find(int y, int first, int last)
 		ground g = ground_at(x, y);
 		object o = object_at(x, y, a.at);
 		vec3 n = normal_of(ground_at(x - 1, y), g, ground_at(x + 1, y), ground_at(x, y - 1), ground_at(x, y + 1));
-		post_state before = {0, 0, imageLoad(sinkages, ivec3(x, y, zero.z)).r, 0};
+		post_state before = {0, 0, imageLoad(sinkages, ivec3(x, y, zero.z)).r, 0, 0};
+#ifdef SLIP
+		before.dug = imageLoad(dugs, ivec3(x, y, zero.z)).r;
+#endif
 		bearing w = bearing_of(soil_at(x, y), by_width, n, g, o, from_centre(x, y, o, a.at), before);
 		total_add(force, w.held ? int(round(min(w.normal * n.z * unit, 1e9))) : 0);
 		total_add(stiff, w.held ? int(round(min(w.stiff * UNIT_METRES * unit, 1e9))) : 0);

@@ -2,7 +2,7 @@
 // invocation for each row of the window's written posts, which loops over the posts. So sums stay in registers, and posts that
 // nothing touches are skipped.
 // Heights are fixed-point units (2^-20 m) from the object's centre as prescribed; stress is Pa.
-// Defines: SOIL_MAP: posts differ in their soil.
+// Defines: SOIL_MAP: posts differ in their soil. SLIP: slip digs.
 
 #include "lib/window.glsl"
 
@@ -29,13 +29,17 @@ layout(std140, binding = 0) uniform params {
 	vec4 rolls;    // the rotation of a wheel without slip, rad
 	vec4 place;    // post (0, 0) from the centre, m; 1 / unit of length in moments; square metres a post
 	vec4 load;     // N; how deep the object may sink below its first contact, fixed-point units; number of the loaded body, from 1; 0: none
+	vec4 digs;     // how far the body slips over the ground during the contact, m; how deep that digs at most, in units of K
 	soil soils[SOILS];
 };
 
 layout(binding = 0, r32i) uniform readonly restrict iimage2DArray bases;
-layout(binding = 1, r32i) uniform readonly restrict iimage2DArray heaps;
-layout(binding = 2, r32i) uniform readonly restrict iimage2DArray rests;
+layout(binding = 1, r32i) uniform restrict iimage2DArray heaps;
+#ifdef SLIP
+layout(binding = 2, r32i) uniform restrict iimage2DArray dugs;
+#endif
 layout(binding = 0) uniform isampler2DArray unders;
+layout(binding = 2) uniform isampler2DArray rests;
 #ifdef SOIL_MAP
 layout(binding = 1) uniform usampler2DArray classes;
 #endif
@@ -121,7 +125,7 @@ struct object {
 object object_at(int x, int y, int raised)
 {
 	object o;
-	int rest = imageLoad(rests, ivec3(x, y, zero.z)).r;
+	int rest = texelFetch(rests, ivec3(x, y, zero.z), 0).r;
 	int lowest = min(rest, texelFetch(unders, ivec3(x, y, zero.z), 0).r);
 	o.rests = rest == UNDER_NONE ? UNDER_NONE : max(rest, -FAR_UNITS) + raised;
 	o.lowest = lowest == UNDER_NONE ? UNDER_NONE : max(lowest, -FAR_UNITS) + raised;

@@ -194,7 +194,7 @@ struct scm_soil {
 };
 struct scm_params {
 	int32_t zero[4], written[4], shadow[4];
-	float scale[4], way[4], spin[4], rolls[4], place[4], load[4];
+	float scale[4], way[4], spin[4], rolls[4], place[4], load[4], digs[4];
 	struct scm_soil soils[DEFORM_SOILS];
 };
 /* Returns the viewport of a pass with one invocation for each row of `posts`. The rows lie DEFORM_ROWS_ABREAST side by side. */

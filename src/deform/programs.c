@@ -58,6 +58,7 @@ void deform_programs_contact(const struct deform_params *params, unsigned with, 
 	define(out, "PATCH", with & WITH_PATCH);
 	define(out, "LOAD", with & WITH_LOAD);
 	define(out, "SOIL_MAP", model->in_place && deform_has_classes(params));
+	define(out, "SLIP", model->in_place && params->slip_sinkage > 0);
 	define(out, "CONTACT", !model->in_place && deform_needs_contacts(params));
 	if (model->contact_soils)
 		define_number(out, "SOILS", deform_soil_slots(params));
@@ -70,6 +71,7 @@ void deform_programs_find(const struct deform_params *params, enum find_what wha
 	define(out, "COUNT", what == FIND_COUNT);
 	define(out, "PATCH", what == FIND_BEARS && patch);
 	define(out, "SOIL_MAP", what == FIND_BEARS && deform_has_classes(params));
+	define(out, "SLIP", what == FIND_BEARS && params->slip_sinkage > 0);
 }
 
 void deform_programs_box(const struct deform_params *params, struct deform_request *out)

@@ -39,6 +39,17 @@ static double arm_of(const struct deform_shape *shape, const double extent[2])
 	return exp2(ceil(log2(hypot(hypot(extent[0], extent[1]), deform_shape_reach(shape, 0, 0)))));
 }
 
+/* Returns how far the object slips over the ground during the contact, metres: the way of a point on it, less that of a wheel which
+ * rolls. `rolled`: the angle of that. */
+static double slip_of(const struct deform_contact *contact, double rolled)
+{
+	const double east = lattice_offset_metres(contact->to.x - contact->from.x), north = lattice_offset_metres(contact->to.y - contact->from.y);
+	const double ahead[2] = {cos(contact->to.yaw), sin(contact->to.yaw)};
+	if (contact->shape->kind != DEFORM_WHEEL)
+		return hypot(east, north);
+	return hypot((rolled - contact->turned) * contact->shape->radius, north * ahead[0] - east * ahead[1]);
+}
+
 static void fill_motion(const struct deform_contact *contact, struct scm_params *params)
 {
 	if (deform_is_contact_only(contact))
@@ -57,6 +68,7 @@ static void fill_motion(const struct deform_contact *contact, struct scm_params 
 							   : 0;
 	params->rolls[0] = (float)(-sin(contact->to.yaw) * turned);
 	params->rolls[1] = (float)(cos(contact->to.yaw) * turned);
+	params->digs[0] = (float)slip_of(contact, turned);
 }
 
 static void fill_soils(const struct deform_params *params, struct scm_soil *soils)
@@ -96,6 +108,7 @@ static struct scm_params params_of(const struct deform *deform, const struct def
 			  (float)-deform_body_from_post(contact->to.y, window->read.y0, spacing), (float)(1 / arm_of(contact->shape, extent)),
 			  (float)(spacing * spacing)},
 		.load = {(float)fmax(contact->load, 1e-6), (float)fmin(ldexp(deepest(contact), OFFSET_BITS), 0x1p28), (float)contact->loaded_body},
+		.digs = {[1] = (float)deform->params.slip_sinkage},
 	};
 	struct post_rect shadow = post_rect_intersect(deform_shadow(deform, contact), window->write);
 	if (!post_rect_empty(shadow)) {
@@ -140,8 +153,8 @@ static enum status run_contact(struct deform *deform, const struct deform_contac
 		.program = deform->scm[with],
 		.target = deform->scratch[layer].to[TO_BARE],
 		.viewport = deform_rows(params.written),
-		.textures = {deform->under, deform->classes},
-		.images = {deform->bases, deform->planes_of[1][PLANE_DEPOSITED], deform->rest, deform->planes_of[1][PLANE_OFFSET],
+		.textures = {deform->under, deform->classes, deform->rest},
+		.images = {deform->bases, deform->planes_of[1][PLANE_DEPOSITED], deform->planes_of[0][PLANE_DUG], deform->planes_of[1][PLANE_OFFSET],
 			   deform->planes_of[0][PLANE_PLASTIC_SINKAGE], deform->planes_of[0][PLANE_SHEAR], deform->contacts,
 			   deform->carried},
 		.storage = {tally, records, deform->tries, deform->standing},

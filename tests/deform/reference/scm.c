@@ -21,6 +21,7 @@ struct post {
 	double plastic;       /* what of that stays */
 	double stress;        /* along the normal */
 	double damping;       /* besides: what comes of the speed */
+	double dug;           /* what slip has dug here at the contact's end */
 	bool touched, held;
 };
 
@@ -99,11 +100,29 @@ static struct vector from_centre(const struct reference_ground *ground, const st
 	};
 }
 
-static struct post post_of(const struct reference_ground *ground, const struct deform_soil *soil, double stiffness,
-			   const struct deform_contact *sweep, int at, double under, double rest, double lower)
+/* How far the object's lowest surface slips over the ground: for a wheel, beyond rolling. */
+static double slips_by(const struct deform_contact *sweep)
+{
+	struct vector way = way_at(sweep, 0, (struct vector){0, 0, 0});
+	double ahead = cos(sweep->to.yaw), aside = sin(sweep->to.yaw), forward = way.x * ahead + way.y * aside;
+	if (sweep->shape->kind == DEFORM_WHEEL)
+		forward -= sweep->turned * sweep->shape->radius;
+	return hypot(forward, way.y * ahead - way.x * aside);
+}
+
+/* Slip digs: a depth that nears slip_sinkage x K, and lacks a factor of exp less of it for each K of slip. */
+static double dug_after(const struct reference_ground *ground, const struct deform_soil *soil, const struct deform_contact *sweep, double before)
+{
+	double most = ground->slip_sinkage * soil->janosi_shear;
+	return before < most ? most - (most - before) * exp(-slips_by(sweep) / soil->janosi_shear) : before;
+}
+
+/* As if the undisturbed surface were `dug` lower. */
+static struct post post_dug(const struct reference_ground *ground, const struct deform_soil *soil, double stiffness,
+			    const struct deform_contact *sweep, int at, double under, double rest, double lower, double dug)
 {
 	struct post post = {.normal = normal_at(ground, at), .sinkage = -INFINITY, .deepest = -INFINITY};
-	double undisturbed_here = ground->base[at] + ground->heaped[at];
+	double undisturbed_here = ground->base[at] + ground->heaped[at] - dug;
 	if (rest < INFINITY)
 		post.sinkage = post.normal.z * (undisturbed_here - (rest - lower));
 	if (fmin(under, rest) < INFINITY)
@@ -125,6 +144,20 @@ static struct post post_of(const struct reference_ground *ground, const struct d
 		double inwards = -dot(way_at(sweep, rolls, from_centre(ground, sweep, at, rest)), post.normal) / sweep->seconds;
 		post.damping = soil->damping * fmax(0, inwards);
 	}
+	return post;
+}
+
+/* Where the soil bears the object still when slip has dug, it has; where it does not, the object has dug itself free. */
+static struct post post_of(const struct reference_ground *ground, const struct deform_soil *soil, double stiffness,
+			   const struct deform_contact *sweep, int at, double under, double rest, double lower)
+{
+	double dug = dug_after(ground, soil, sweep, ground->dug[at]);
+	struct post post = post_dug(ground, soil, stiffness, sweep, at, under, rest, lower, dug - ground->dug[at]);
+	if (!post.held) {
+		post = post_dug(ground, soil, stiffness, sweep, at, under, rest, lower, 0);
+		post.held = post.held && dug == ground->dug[at];
+	}
+	post.dug = post.held ? dug : 0;
 	return post;
 }
 
@@ -206,7 +239,7 @@ static void end_shear(struct reference_ground *ground, const struct deform_soil 
 		if (ground->hole[i] || !(lowest - ground->base[i] - ground->offset[i] < 2 * ground->spacing))
 			continue;
 		if (!post_of(ground, soil, stiffness, sweep, i, under[i], rest[i], lower).held)
-			ground->shear[0][i] = ground->shear[1][i] = 0;
+			ground->dug[i] = ground->shear[0][i] = ground->shear[1][i] = 0;
 	}
 }
 
@@ -227,6 +260,9 @@ void reference_scm(struct reference_ground *ground, const struct deform_soil *so
 		double before = plastic_of(soil, stiffness, ground->pressed[i]), was = ground->offset[i];
 		if (!post.touched)
 			continue;
+		double dug = post.held ? post.dug - ground->dug[i] : 0;
+		ground->heaped[i] -= dug;
+		ground->dug[i] += dug;
 		if (post.held)
 			ground->offset[i] = rest[i] - lower - ground->base[i];
 		else
@@ -234,7 +270,7 @@ void reference_scm(struct reference_ground *ground, const struct deform_soil *so
 		ground->contact[i] |= REFERENCE_SWEPT;
 		if (post.held)
 			ground->contact[i] |= REFERENCE_HELD;
-		ground->carried[i] = bulldozing * (post.plastic - before) / post.normal.z;
+		ground->carried[i] = bulldozing * (post.plastic - before) / post.normal.z + dug;
 		ground->compacted += (was - ground->offset[i] - ground->carried[i]) * area;
 		forces->work += stiffness * (pow(post.largest, n + 1) - pow(ground->pressed[i], n + 1)) / (n + 1) * area;
 		ground->pressed[i] = post.largest;
