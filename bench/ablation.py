@@ -65,6 +65,7 @@ PAIRS = [
     ("slippage", scene(WHEEL), scene(WHEEL, "slippage", **SAND)),
     ("scm", scene(WHEEL), SCM),
     ("soil_map", SCM, MAPPED),
+    ("soil_rasters", SCM, SCM | {"soil": SAND["soil"] | {"rasters": {"cohesion": "classes.png"}}}),
     ("mesh", scene(BRICK), scene({"mesh": {"file": "brick.obj"}})),
     ("lugs", scene(WHEEL), scene({"wheel": WHEEL["wheel"] | {"lugs": 18}})),
     ("load", SCM, loaded(copy.deepcopy(SCM))),

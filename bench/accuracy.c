@@ -34,7 +34,7 @@ enum { LAPS = 100 };
 
 static void spacing(struct study *study)
 {
-	static const enum deform_model models[] = {DEFORM_NONE, DEFORM_BOX_FILTER, DEFORM_SLIPPAGE, DEFORM_SCM};
+	static const enum deform_model models[] = {DEFORM_NONE, DEFORM_BOX_FILTER, DEFORM_SUMNER, DEFORM_SLIPPAGE, DEFORM_SCM};
 	enum { EACH = 7 };
 	for (size_t m = 0; m < sizeof models / sizeof models[0]; m++)
 		for (int k = 0; k < EACH; k++) {

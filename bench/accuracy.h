@@ -48,7 +48,7 @@ const char *accuracy_model_name(enum deform_model model);
 /* Posts of the field, of that spacing: what is compared lies a margin within. */
 extern const struct post_rect accuracy_field;
 struct accuracy_truth {
-	double *surfaces[DEFORM_MODELS]; /* of the field; NULL: sumner's */
+	double *surfaces[DEFORM_MODELS]; /* of the field */
 };
 /* From the file if that has it, else made, and written there if `path` is not NULL. */
 void accuracy_truth_open(struct accuracy_truth *truth, const char *path);

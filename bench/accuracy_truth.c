@@ -36,7 +36,7 @@
 
 const struct post_rect accuracy_field = {800, 688, 1121, 1009}; /* 12.5 .. 17.5, 10.75 .. 15.75 m */
 
-static const enum deform_model models[] = {DEFORM_NONE, DEFORM_BOX_FILTER, DEFORM_SLIPPAGE, DEFORM_SCM};
+static const enum deform_model models[] = {DEFORM_NONE, DEFORM_BOX_FILTER, DEFORM_SUMNER, DEFORM_SLIPPAGE, DEFORM_SCM};
 #define MODELS (sizeof models / sizeof models[0])
 
 static int64_t columns(void)
@@ -166,6 +166,9 @@ static void press(struct reference_ground *ground, const struct deform_params *p
 	case DEFORM_BOX_FILTER:
 		box(ground, sweep);
 		return;
+	case DEFORM_SUMNER:
+		reference_sumner(ground, &params->soils[0], sweep->under, sweep->rest);
+		break;
 	case DEFORM_SLIPPAGE:
 		reference_slippage(ground, sweep->under, sweep->rest);
 		break;
@@ -262,7 +265,7 @@ static const char *header(void)
 {
 	static char text[1600];
 	snprintf(text, sizeof text, KIND " 1: %lld .. %lld x %lld .. %lld at 1/64 m; %d iterations a sweep within %g m, "
-				    "%d at the end, until %g m; models none box slippage scm; %s\n",
+				    "%d at the end, until %g m; models none box sumner slippage scm; %s\n",
 		 (long long)accuracy_field.x0, (long long)accuracy_field.x1, (long long)accuracy_field.y0, (long long)accuracy_field.y1,
 		 SWEEP_MOST, ROUND, REST_MOST, TOLERANCE, accuracy_described());
 	return text;

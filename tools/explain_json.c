@@ -135,6 +135,21 @@ static void add_memory(cJSON *root, const struct report_plan *plan)
 	json_integer(most, "total", (int64_t)(plan->most.slots + plan->most.loads + plan->most.queue + plan->most.ground));
 }
 
+static void add_rasters(cJSON *root, const struct report_plan *plan)
+{
+	cJSON *rasters = cJSON_AddArrayToObject(root, "rasters");
+	for (int i = 0; i < plan->raster_count; i++) {
+		const struct world_raster *told = &plan->rasters[i];
+		cJSON *raster = cJSON_CreateObject();
+		cJSON_AddItemToArray(rasters, raster);
+		cJSON_AddStringToObject(raster, "number", told->key);
+		cJSON_AddStringToObject(raster, "file", told->path);
+		add_text(raster, "unit", told->unit);
+		json_pair(raster, "range", told->low, told->high);
+		json_number(raster, "step", told->step);
+	}
+}
+
 enum status explain_json(const struct scene *scene, const struct report_plan *plan)
 {
 	cJSON *root = cJSON_CreateObject();
@@ -153,6 +168,7 @@ enum status explain_json(const struct scene *scene, const struct report_plan *pl
 	for (size_t i = 0; i < scene->object_count; i++)
 		json_integer(samples, scene->objects[i].name, (int64_t)plan->samples[i]);
 	add_effects(root, scene, plan);
+	add_rasters(root, plan);
 	add_lines(root, "planes", scene, plan, PLAN_PLANE);
 	add_lines(root, "programs", scene, plan, PLAN_PROGRAM);
 	add_lines(root, "passes", scene, plan, PLAN_PASS);

@@ -62,6 +62,19 @@ static void print_effects(const struct scene *scene, const struct report_plan *p
 	}
 }
 
+static void print_rasters(const struct report_plan *plan)
+{
+	if (plan->raster_count > 0)
+		puts("\nnumbers of the soil at each post");
+	for (int i = 0; i < plan->raster_count; i++) {
+		const struct world_raster *raster = &plan->rasters[i];
+		char what[160];
+		snprintf(what, sizeof what, "  %-17s %.6g to %.6g%s%s in steps of %.4g", raster->key, raster->low, raster->high,
+			 raster->unit != NULL ? " " : "", raster->unit != NULL ? raster->unit : "", raster->step);
+		layout_row(what, raster->path);
+	}
+}
+
 /* --- what is made --- */
 
 static void print_planes(const struct scene *scene, const struct report_plan *plan)
@@ -140,6 +153,7 @@ static const char *each_of(enum plan_unit unit)
 		[PLAN_ONCE] = "once",
 		[PLAN_BASE_SLOT] = "a tile in a slot",
 		[PLAN_CLASS_SLOT] = "a tile in a slot, with classes",
+		[PLAN_NUMBER_SLOT] = "a tile in a slot, with numbers of the soil",
 		[PLAN_DEFORM_SLOT] = "a deformed tile in a slot",
 		[PLAN_STATE_SLOT] = "a deformed tile of the working level",
 		[PLAN_PATCH] = "a base interpolated at once",
@@ -355,6 +369,7 @@ void explain_text(const struct scene *scene, const struct report_plan *plan)
 {
 	print_head(scene, plan);
 	print_effects(scene, plan);
+	print_rasters(plan);
 	print_planes(scene, plan);
 	print_programs(scene, &plan->plan);
 	print_passes(scene, plan);

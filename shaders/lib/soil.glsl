@@ -2,7 +2,10 @@
 // invocation for each row of the window's written posts, which loops over the posts. So sums stay in registers, and posts that
 // nothing touches are skipped.
 // Heights are fixed-point units (2^-20 m) from the object's centre as prescribed; stress is Pa.
-// Defines: SOIL_MAP: posts differ in their soil. SLIP: slip digs.
+// Defines:
+// - SOIL_MAP: posts differ in their soil
+// - SOIL_RASTERS: some numbers differ from post to post
+// - SLIP: slip digs
 
 #include "lib/window.glsl"
 
@@ -31,6 +34,9 @@ layout(std140, binding = 0) uniform params {
 	vec4 load;     // N; how deep the object may sink below its first contact, fixed-point units; number of the loaded body, from 1; 0: none
 	vec4 digs;     // how far the body slips over the ground during the contact, m; how deep that digs at most, in units of K
 	soil soils[SOILS];
+#ifdef SOIL_RASTERS
+	vec4 rasters[4]; // of the bytes in `numbers`: least and greatest value, step between levels; which number, -1: none
+#endif
 };
 
 layout(binding = 0, r32i) uniform readonly restrict iimage2DArray bases;
@@ -39,9 +45,12 @@ layout(binding = 1, r32i) uniform restrict iimage2DArray heaps;
 layout(binding = 2, r32i) uniform restrict iimage2DArray dugs;
 #endif
 layout(binding = 0) uniform isampler2DArray unders;
-layout(binding = 2) uniform isampler2DArray rests;
+layout(binding = 3) uniform isampler2DArray rests;
 #ifdef SOIL_MAP
 layout(binding = 1) uniform usampler2DArray classes;
+#endif
+#ifdef SOIL_RASTERS
+layout(binding = 2) uniform usampler2DArray numbers; // a level for each raster: 0: the soil's own number; 1 .. 255
 #endif
 
 // Returns the row of this invocation. If it is written.w or more, there is none.
@@ -87,13 +96,43 @@ vec3 normal_of(ground west, ground at, ground east, ground south, ground north)
 	return vec3(-slope * ca, ca);
 }
 
+#ifdef SOIL_RASTERS
+// Replaces a number of a soil. `number`: as enum deform_number of the library. SI, angles in radians.
+void soil_set(inout soil s, int number, float value)
+{
+	if (number == 0)
+		s.a.x = value;
+	else if (number == 1)
+		s.a.y = value;
+	else if (number == 2)
+		s.a.z = value;
+	else if (number == 3)
+		s.b.x = value;
+	else if (number == 4)
+		s.b.y = tan(value);
+	else if (number == 5)
+		s.b.z = 1.0 / value;
+	else if (number == 6)
+		s.a.w = 1.0 / value;
+}
+#endif
+
 soil soil_at(int x, int y)
 {
 #ifdef SOIL_MAP
-	return soils[min(int(texelFetch(classes, ivec3(x, y, zero.z), 0).r), SOILS - 1)];
+	soil s = soils[min(int(texelFetch(classes, ivec3(x, y, zero.z), 0).r), SOILS - 1)];
 #else
-	return soils[0];
+	soil s = soils[0];
 #endif
+#ifdef SOIL_RASTERS
+	uvec4 levels = texelFetch(numbers, ivec3(x, y, zero.z), 0);
+	for (int i = 0; i < 4; i++) {
+		uint level = levels[i];
+		if (level != 0u)
+			soil_set(s, int(rasters[i].w), level == 255u ? rasters[i].y : rasters[i].x + rasters[i].z * float(level - 1u));
+	}
+#endif
+	return s;
 }
 
 // Returns the stress that the soil bears at sinkage z, m, when it yields; Pa.

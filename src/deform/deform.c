@@ -108,6 +108,11 @@ void deform_gather(struct deform *deform, struct post_rect read, uint32_t layer,
 			gpu_texture_copy(slot->classes, 0, from.x, from.y, deform->classes, layer, to);
 		else if (deform->classes != NULL)
 			gpu_texture_clear(deform->classes, layer, to, 0);
+		/* Only contacts read numbers. */
+		if (deform->numbers != NULL && !atlas && slot->numbers != NULL)
+			gpu_texture_copy(slot->numbers, 0, from.x, from.y, deform->numbers, layer, to);
+		else if (deform->numbers != NULL && !atlas)
+			gpu_texture_clear(deform->numbers, layer, to, 0);
 		for (int plane = 0; plane < PLANES; plane++) {
 			if (!(planes & PLANE_BIT(plane)))
 				continue;

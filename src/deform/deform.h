@@ -116,6 +116,7 @@ struct soil_model {
 	unsigned planes;         /* planes that the model stores apart from the offset: a mask of PLANE_BIT */
 	bool blind;              /* the model does not need to know which posts were touched */
 	bool in_place;           /* the contact writes the planes that it reads. So it may look only at posts below the object */
+	bool rasters;            /* the contact reads the numbers of `enum deform_number`, and these may come from rasters */
 	bool contact_soils;      /* the contact's shader reads the soils' numbers, so it is compiled with the define SOILS */
 	bool smooths;            /* the model smooths the track of a moving object, by the keys `radius` and `repetitions` */
 	/* how soil slides; NULL: it does not slide, and displaced soil is lost. With sliding, only compacted soil is lost */
@@ -159,6 +160,30 @@ struct deform_soil {
 };
 #define DEFORM_SOILS 16
 
+/* Numbers of a soil that may differ from post to post. lib/soil.glsl has the same order. */
+#define DEFORM_NUMBERS_EACH(NUMBER) \
+	NUMBER(DEFORM_BEKKER_KC, bekker_kc) \
+	NUMBER(DEFORM_BEKKER_KPHI, bekker_kphi) \
+	NUMBER(DEFORM_BEKKER_N, bekker_n) \
+	NUMBER(DEFORM_COHESION, cohesion) \
+	NUMBER(DEFORM_FRICTION_ANGLE, friction_angle) \
+	NUMBER(DEFORM_JANOSI_SHEAR, janosi_shear) \
+	NUMBER(DEFORM_ELASTIC_STIFFNESS, elastic_stiffness)
+#define DEFORM_NUMBER(number, key) number,
+enum deform_number { DEFORM_NUMBERS_EACH(DEFORM_NUMBER) DEFORM_NUMBERS };
+#undef DEFORM_NUMBER
+const char *deform_number_key(enum deform_number number);
+double *deform_number_in(struct deform_soil *soil, enum deform_number number);
+/* How a number is kept at each post: a byte. 0: the number is that of the post's soil; 1 to 255: levels from `low` to `high`, which
+ * are equally far apart. SI. */
+struct deform_raster {
+	enum deform_number number;
+	double low, high;
+};
+#define DEFORM_RASTERS 4 /* the bytes of a post */
+#define DEFORM_LEVELS 255
+double deform_raster_value(const struct deform_raster *raster, uint8_t level); /* `level`: not 0 */
+
 /* Sets every number to NAN. */
 void deform_soil_clear(struct deform_soil *soil);
 /* Returns the name of a predefined soil by its index, 0, 1, ...; NULL beyond the last. */
@@ -179,6 +204,8 @@ struct deform_params {
 	/* For models that conserve soil: */
 	struct deform_soil soils[DEFORM_SOILS];
 	int soil_count;      /* number of soils: 1, or one for each class in the slots' class planes */
+	struct deform_raster rasters[DEFORM_RASTERS]; /* of the bytes in the slots' numbers, in their order */
+	int raster_count;    /* 0: the slots have no numbers */
 	int iterations;      /* relaxation iterations of a contact and of an interval; 1 .. 8 */
 	double relief;       /* metres between the world's lowest and highest post; INFINITY: not known */
 	double depth;        /* metres of soil below the base that can relax; INFINITY: no bottom */

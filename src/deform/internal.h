@@ -81,6 +81,7 @@ struct deform {
 	/* used only while soil slides. floors is NULL if the relaxing soil has no bottom */
 	struct gpu_texture *heights[2], *stills, *floors;
 	struct gpu_texture *classes;           /* the class of soil of each post; NULL if there is only one soil */
+	struct gpu_texture *numbers;           /* the levels of each post's rasters; NULL: there is no raster */
 	/* two textures for each plane, since a pass reads one and writes the other. deform_gathers_into tells which one a gather
 	 * writes */
 	struct gpu_texture *planes_of[2][PLANES];
@@ -119,6 +120,7 @@ void deform_scratch_plan(const struct deform_params *params, struct plan *plan);
 /* Each returns a property of the deform that depends on its parameters only. */
 bool deform_needs_contacts(const struct deform_params *params); /* scratch.c */
 bool deform_has_classes(const struct deform_params *params);
+bool deform_has_rasters(const struct deform_params *params);
 int deform_soil_slots(const struct deform_params *params); /* soil/slide.c: classes of soil that a shader's parameters have room for */
 bool deform_is_bounded(const struct deform_params *params); /* the layer of soil that can relax has a bottom */
 /* the height difference of two posts may not fit 32 bits: the relief exceeds STEEP_RELIEF */
@@ -196,6 +198,7 @@ struct scm_params {
 	int32_t zero[4], written[4], shadow[4];
 	float scale[4], way[4], spin[4], rolls[4], place[4], load[4], digs[4];
 	struct scm_soil soils[DEFORM_SOILS];
+	float rasters[DEFORM_RASTERS][4]; /* read only with SOIL_RASTERS */
 };
 /* Returns the viewport of a pass with one invocation for each row of `posts`. The rows lie DEFORM_ROWS_ABREAST side by side. */
 #define DEFORM_ROWS_ABREAST 4

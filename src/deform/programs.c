@@ -59,6 +59,7 @@ void deform_programs_contact(const struct deform_params *params, unsigned with, 
 	define(out, "LOAD", with & WITH_LOAD);
 	define(out, "SOIL_MAP", model->in_place && deform_has_classes(params));
 	define(out, "SLIP", model->in_place && params->slip_sinkage > 0);
+	define(out, "SOIL_RASTERS", deform_has_rasters(params));
 	define(out, "CONTACT", !model->in_place && deform_needs_contacts(params));
 	if (model->contact_soils)
 		define_number(out, "SOILS", deform_soil_slots(params));
@@ -72,6 +73,7 @@ void deform_programs_find(const struct deform_params *params, enum find_what wha
 	define(out, "PATCH", what == FIND_BEARS && patch);
 	define(out, "SOIL_MAP", what == FIND_BEARS && deform_has_classes(params));
 	define(out, "SLIP", what == FIND_BEARS && params->slip_sinkage > 0);
+	define(out, "SOIL_RASTERS", what == FIND_BEARS && deform_has_rasters(params));
 }
 
 void deform_programs_box(const struct deform_params *params, struct deform_request *out)

@@ -14,7 +14,7 @@ struct row {
 	size_t place; /* offset of its pointer in struct deform */
 };
 struct rows {
-	struct row list[11 + 2 * PLANES];
+	struct row list[12 + 2 * PLANES];
 	size_t count;
 };
 
@@ -28,6 +28,11 @@ bool deform_needs_contacts(const struct deform_params *params)
 bool deform_has_classes(const struct deform_params *params)
 {
 	return deform_conserves(params->model) && params->soil_count > 1;
+}
+
+bool deform_has_rasters(const struct deform_params *params)
+{
+	return deform_model_row(params->model)->rasters && params->raster_count > 0;
 }
 
 static void add(struct rows *rows, bool wanted, struct row row)
@@ -60,6 +65,7 @@ static void rows_of(const struct deform_params *params, struct rows *rows)
 	add(rows, conserves, (struct row){"stills", slide, GPU_R8UI, PLACE(stills)});
 	add(rows, conserves && deform_is_bounded(params), (struct row){"floors", slide, GPU_R32I, PLACE(floors)});
 	add(rows, deform_has_classes(params), (struct row){"window's classes", "soil_map", GPU_R8UI, PLACE(classes)});
+	add(rows, deform_has_rasters(params), (struct row){"window's numbers", "soil_rasters", GPU_RGBA8UI, PLACE(numbers)});
 	for (int plane = 0; plane < PLANES; plane++)
 		for (int i = 0; i < 2; i++)
 			add(rows, (planes & PLANE_BIT(plane)) != 0,

@@ -131,7 +131,7 @@ void dem_writer_destroy(struct dem_writer *writer);                      /* remo
 
 /*
  * A raster of classes, whole numbers from 0 to 255, that lies over a store's terrain. It gives the class of each post of any
- * level. One thread at a time uses a handle, so each reading thread opens its own. A handle takes 10 MB, and for a PNG also a
+ * level. One thread at a time uses a handle, so each reading thread opens its own. A handle takes 13 MB, and for a PNG also a
  * temporary file of two bytes for each pixel. The file is untrusted input.
  */
 struct dem_classes_params {
@@ -153,6 +153,28 @@ void dem_classes_close(struct dem_classes *classes); /* classes may be NULL */
  */
 enum status dem_classes_read(struct dem_classes *classes, int level, struct post_rect rect,
 			     const uint8_t table[256], uint8_t absent, uint8_t *out) FURROW_CHECKED;
+
+/*
+ * A raster of numbers that lies over a store's terrain in the same way. Its pixels may be any real numbers; GDAL's scale and offset
+ * are applied. A handle takes 3 MB, and for a PNG also a temporary file.
+ */
+struct dem_numbers;
+enum status dem_numbers_open(const struct dem_classes_params *params, struct dem_numbers **out) FURROW_CHECKED;
+void dem_numbers_close(struct dem_numbers *numbers); /* numbers may be NULL */
+/* Reads all pixels, and finds the least and the greatest value. STATUS_INPUT: a value is out of `range`; no pixel has a value; the
+ * raster cannot be read. */
+struct dem_numbers_range {
+	const char *name, *unit; /* for messages; unit NULL: none */
+	double low, high;        /* allowed values */
+	bool above;              /* `low` itself is not allowed */
+};
+enum status dem_numbers_extremes(struct dem_numbers *numbers, const struct dem_numbers_range *range, double *low, double *high)
+	FURROW_CHECKED;
+/*
+ * Fills `out` for each post of `rect` of `level`, the south row first. A row has at most 2^16 posts. `rect` may extend beyond the
+ * world. A number is bilinear between the four pixels around the post. NaN: the nearest pixel has no value, or there is none.
+ */
+enum status dem_numbers_read(struct dem_numbers *numbers, int level, struct post_rect rect, double *out) FURROW_CHECKED;
 
 /* Converts coordinates in place, from `from_srs` (any form that GDAL accepts) to the SRS `to_wkt`. Without GDAL: STATUS_FAILED. */
 enum status dem_transform(const char *from_srs, const char *to_wkt, size_t count, double *x, double *y)

@@ -1,5 +1,5 @@
 /* Replaces the functions that need GDAL in a build without it. */
-#include "dem_classes.h"
+#include "dem_placed.h"
 
 enum status dem_gdal_open(const struct dem_params *params, const struct dem_list *list,
 			  struct dem_grid **out)
@@ -34,11 +34,13 @@ enum status dem_transform(const char *from_srs, const char *to_wkt, size_t count
 			 "knows no SRS; give local coordinates, or build with GDAL", from_srs);
 }
 
-enum status dem_classes_gdal_open(const struct dem_classes_params *params, struct dem_raster_of_classes **out)
+enum status dem_placed_gdal_open(const struct dem_classes_params *params, enum dem_placed_kind kind, int64_t most,
+				 struct dem_placed **out)
 {
+	(void)most;
 	(void)out;
-	return fail_with(STATUS_INPUT, "%s: this furrow was built without GDAL and reads classes only from PNG; convert it, "
-			 "or build with GDAL", params->path);
+	return fail_with(STATUS_INPUT, "%s: this furrow was built without GDAL and reads %s only from PNG; convert it, "
+			 "or build with GDAL", params->path, kind == DEM_PLACED_CLASSES ? "classes" : "a soil's numbers");
 }
 
 void dem_quiet_process(void)

@@ -110,7 +110,7 @@ void gpu_finish(struct gpu *gpu); /* waits until the GPU has finished; for bench
 /* R8 and R16 are normalised; R16F and R32F are float. A bench keeps heights in these formats, to compare them with integer
  * heights. */
 enum gpu_format {
-	GPU_R32I, GPU_R8UI, GPU_R8, GPU_R16, GPU_R16F, GPU_R32F, GPU_RGBA32I, GPU_RGBA8, GPU_SRGB8_ALPHA8, GPU_DEPTH32F
+	GPU_R32I, GPU_R8UI, GPU_R8, GPU_R16, GPU_R16F, GPU_R32F, GPU_RGBA32I, GPU_RGBA8UI, GPU_RGBA8, GPU_SRGB8_ALPHA8, GPU_DEPTH32F
 };
 
 size_t gpu_format_bytes(enum gpu_format format); /* bytes of a texel */
@@ -268,7 +268,7 @@ void gpu_counter_take(struct gpu_counter *counter, uint64_t *samples, uint64_t *
  * then reused, and freed at the end.
  *
  * A base slot holds base heights: a (cells + 1)^2 R32I texture in 2^-18 m relative to the store's reference, with an FBO. It
- * also holds soil classes (R8UI) if they were loaded. A deform slot holds planes (base/plane.h), each a texture of its own
+ * also holds soil classes (R8UI) and numbers (RGBA8UI) if they were loaded. A deform slot holds planes (base/plane.h), each a texture of its own
  * format. A base slot has a deform slot only while its tile is deformed.
  *
  * Offset and disturbance are drawn. So every deformed tile has them, also coarser tiles. The other planes are the soil's state
@@ -278,6 +278,7 @@ void gpu_counter_take(struct gpu_counter *counter, uint64_t *samples, uint64_t *
 struct gpu_slot {
 	struct gpu_texture *base;           /* NULL: no tile was ever loaded into this slot */
 	struct gpu_texture *classes;        /* NULL: no soil classes were ever loaded into this slot */
+	struct gpu_texture *numbers;        /* NULL: no numbers of the soil were ever loaded into this slot */
 	struct gpu_texture *planes[PLANES]; /* NULL: the tile is not deformed, or the slots lack this plane; it counts as zeros */
 	struct gpu_target *target;          /* FBO with offset and disturbance as colours 0 and 1; NULL: the tile is not deformed */
 };
@@ -290,19 +291,19 @@ void gpu_slots_destroy(struct gpu_slots *slots);
 const struct gpu_slot *gpu_slots_get(const struct gpu_slots *slots, uint32_t slot);
 /* Gives the bytes of all slots, including free deform slots. Scratch textures do not count. */
 struct gpu_slots_bytes {
-	uint64_t base, classes, planes[PLANES];
+	uint64_t base, classes, numbers, planes[PLANES];
 };
 void gpu_slots_bytes(const struct gpu_slots *slots, struct gpu_slots_bytes *bytes);
 /* How many slots were allocated so far (they stay until the end), and what was computed in them. */
 struct gpu_slots_figures {
-	uint64_t base_slots, class_slots, deform_slots, state_slots, patches;
+	uint64_t base_slots, class_slots, number_slots, deform_slots, state_slots, patches;
 	uint64_t subdivided, decimated; /* base tiles interpolated; decimations of a deformed tile */
 };
 void gpu_slots_figures(const struct gpu_slots *slots, struct gpu_slots_figures *figures);
-/* Adds to `plan` the lines of slots with these planes (0: nothing is deformed), and of the ring of pass parameters. `classes`:
- * there are soil classes. `divides`: the working level is below 0. `decimates`: coarser levels are used. `effect`: the effect
+/* Adds to `plan` the lines of slots with these planes (0: nothing is deformed), and of the ring of pass parameters. `classes`,
+ * `numbers`: there are soil classes, and rasters of numbers. `divides`: the working level is below 0. `decimates`: coarser levels are used. `effect`: the effect
  * that needs the planes other than disturbance. Pure. */
-void gpu_slots_plan(uint32_t cells, unsigned planes, bool classes, bool divides, bool decimates, const char *effect,
+void gpu_slots_plan(uint32_t cells, unsigned planes, bool classes, bool numbers, bool divides, bool decimates, const char *effect,
 		    struct plan *plan);
 /* Links all programs that these slots can run. */
 enum status gpu_slots_warm(struct gpu_slots *slots, bool divides, bool decimates) FURROW_CHECKED;
@@ -318,6 +319,9 @@ enum status gpu_slots_subdivide_base(struct gpu_slots *slots, uint32_t slot, str
 /* Fills the soil class of every post, uint8. The classes stay until the next upload. */
 enum status gpu_slots_upload_classes(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
 				     size_t classes) FURROW_CHECKED;
+/* Fills the numbers of every post, four bytes: a level of each raster of the soil. They stay until the next upload. */
+enum status gpu_slots_upload_numbers(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
+				     size_t numbers) FURROW_CHECKED;
 /* Makes the slot deformed: gives it a deform slot with all planes that may be used. New planes are zeros. */
 enum status gpu_slots_deform(struct gpu_slots *slots, uint32_t slot) FURROW_CHECKED;
 /* Takes the deform slot away, before another tile is loaded into this slot. */

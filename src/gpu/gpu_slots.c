@@ -108,6 +108,7 @@ void gpu_slots_destroy(struct gpu_slots *slots)
 		gpu_target_destroy(slots->entries[i].base_target);
 		gpu_texture_destroy(slots->entries[i].slot.base);
 		gpu_texture_destroy(slots->entries[i].slot.classes);
+		gpu_texture_destroy(slots->entries[i].slot.numbers);
 	}
 	for (uint32_t i = 0; i < SCRATCH_COUNT; i++)
 		gpu_texture_destroy(slots->scratch[i]);
@@ -131,6 +132,7 @@ void gpu_slots_bytes(const struct gpu_slots *slots, struct gpu_slots_bytes *byte
 	for (uint32_t i = 0; i < slots->count; i++) {
 		bytes->base += bytes_of(slots->entries[i].slot.base);
 		bytes->classes += bytes_of(slots->entries[i].slot.classes);
+		bytes->numbers += bytes_of(slots->entries[i].slot.numbers);
 	}
 	for (const struct deform_slot *home = slots->all; home != NULL; home = home->next)
 		for (int plane = 0; plane < PLANES; plane++)
@@ -151,6 +153,7 @@ void gpu_slots_figures(const struct gpu_slots *slots, struct gpu_slots_figures *
 	for (uint32_t i = 0; i < slots->count; i++) {
 		figures->base_slots += slots->entries[i].slot.base != NULL;
 		figures->class_slots += slots->entries[i].slot.classes != NULL;
+		figures->number_slots += slots->entries[i].slot.numbers != NULL;
 	}
 	for (const struct deform_slot *home = slots->all; home != NULL; home = home->next) {
 		figures->deform_slots++;
@@ -229,18 +232,29 @@ enum status gpu_slots_subdivide_base(struct gpu_slots *slots, uint32_t slot, str
 	return gpu_check(slots->gpu, "subdivision of a tile");
 }
 
+/* Uploads a whole texture of a slot. Makes it if it is not there yet. */
+static enum status upload_whole(struct gpu_slots *slots, enum gpu_format format, struct gpu_texture **texture,
+				struct gpu_staging *staging, size_t place, const char *what)
+{
+	uint32_t posts = slots->cells + 1;
+	enum status status = STATUS_OK;
+	if (*texture == NULL)
+		status = gpu_texture_create(slots->gpu, format, posts, posts, 0, texture);
+	if (status != STATUS_OK)
+		return status;
+	gpu_texture_upload_from(*texture, 0, whole(slots), staging, place);
+	return gpu_check(slots->gpu, what);
+}
+
 enum status gpu_slots_upload_classes(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
 				     size_t classes)
 {
-	struct entry *entry = entry_of(slots, slot);
-	uint32_t posts = slots->cells + 1;
-	enum status status = STATUS_OK;
-	if (entry->slot.classes == NULL)
-		status = gpu_texture_create(slots->gpu, GPU_R8UI, posts, posts, 0, &entry->slot.classes);
-	if (status != STATUS_OK)
-		return status;
-	gpu_texture_upload_from(entry->slot.classes, 0, whole(slots), staging, classes);
-	return gpu_check(slots->gpu, "upload of classes");
+	return upload_whole(slots, GPU_R8UI, &entry_of(slots, slot)->slot.classes, staging, classes, "upload of classes");
+}
+
+enum status gpu_slots_upload_numbers(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging, size_t numbers)
+{
+	return upload_whole(slots, GPU_RGBA8UI, &entry_of(slots, slot)->slot.numbers, staging, numbers, "upload of numbers");
 }
 
 /* --- deform slots --- */

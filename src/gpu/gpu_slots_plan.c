@@ -36,7 +36,7 @@ static void add_texture(struct plan *plan, const char *effect, enum plan_unit un
 					   .bytes = bytes}, name);
 }
 
-void gpu_slots_plan(uint32_t cells, unsigned planes, bool classes, bool divides, bool decimates, const char *effect,
+void gpu_slots_plan(uint32_t cells, unsigned planes, bool classes, bool numbers, bool divides, bool decimates, const char *effect,
 		    struct plan *plan)
 {
 	uint64_t posts = (uint64_t)(cells + 1) * (cells + 1);
@@ -47,6 +47,11 @@ void gpu_slots_plan(uint32_t cells, unsigned planes, bool classes, bool divides,
 		plan_add(plan, &(struct plan_line){.kind = PLAN_PLANE, .effect = "soil_map", .object = -1, .amount = 1, .bytes = 1},
 			 "classes");
 		add_texture(plan, "soil_map", PLAN_CLASS_SLOT, posts, "classes");
+	}
+	if (numbers) {
+		plan_add(plan, &(struct plan_line){.kind = PLAN_PLANE, .effect = "soil_rasters", .object = -1, .amount = 1, .bytes = 4},
+			 "numbers");
+		add_texture(plan, "soil_rasters", PLAN_NUMBER_SLOT, 4 * posts, "numbers");
 	}
 	for (int plane = 0; plane < PLANES; plane++)
 		if (planes & PLANE_BIT(plane))

@@ -35,11 +35,12 @@ static enum status plan_lines(const struct world *world, struct plan *plan)
 	uint32_t cells = world->meta->extent.cells;
 	unsigned planes = world_planes(scene, world->was_deformed);
 	bool classes = world_needs_soil_map(scene);
+	bool numbers = world_needs_rasters(scene);
 	bool decimates = planes != 0 && scene->view.present;
 	enum status status = world_plan_deform(world, plan);
 	/* Its planes come first: the effect that needs the offset is the one that deforms tiles. */
 	const char *effect = plan->count > 0 ? plan->lines[0].effect : NULL;
-	gpu_slots_plan(cells, planes, classes, world->level < 0, decimates, effect, plan);
+	gpu_slots_plan(cells, planes, classes, numbers, world->level < 0, decimates, effect, plan);
 	if (scene->view.present) {
 		struct render_params render;
 		render_view_params(world, &render);
@@ -79,6 +80,8 @@ static enum status describe(struct world *world, struct report_plan *out)
 		return fail_memory("the plan");
 	for (size_t i = 0; i < scene->object_count; i++)
 		out->samples[i] = world_samples_until(world->bodies[i].track, scene->end_time);
+	for (int i = 0; world->soil_rasters != NULL && i < scene->raster_count; i++)
+		out->rasters[out->raster_count++] = world_raster(world, i);
 	world_advise(world, keep_note, &notes);
 	status = plan_lines(world, &out->plan);
 	return status == STATUS_OK && notes.failed ? fail_memory("the plan") : status;

@@ -106,6 +106,8 @@ static void add_memory(cJSON *root, const struct report *report, const struct gp
 	json_integer(bytes, "base", (int64_t)planes.base);
 	if (planes.classes > 0)
 		json_integer(bytes, "classes", (int64_t)planes.classes);
+	if (planes.numbers > 0)
+		json_integer(bytes, "numbers", (int64_t)planes.numbers);
 	for (int plane = 0; plane < PLANES; plane++)
 		if (gpu_slots_planes(report->world->slots) & PLANE_BIT(plane))
 			json_integer(bytes, plane_name(plane), (int64_t)planes.planes[plane]);
@@ -177,6 +179,23 @@ static void add_soils(cJSON *root, const struct report *report)
 		for (size_t n = 0; scene_soil_number(&scene->soils[i], n, &key, &value); n++)
 			if (!isnan(value))
 				json_number(soil, key, value);
+	}
+}
+
+/* How finely numbers from rasters are kept, in the scene's units. */
+static void add_rasters(cJSON *root, const struct report *report)
+{
+	const struct world *world = report->world;
+	if (world->soil_rasters == NULL)
+		return;
+	cJSON *rasters = cJSON_AddObjectToObject(root, "rasters");
+	for (int i = 0; i < world->scene->raster_count; i++) {
+		const struct world_raster told = world_raster(world, i);
+		cJSON *raster = cJSON_AddObjectToObject(rasters, told.key);
+		cJSON_AddStringToObject(raster, "file", told.path);
+		json_number(raster, "low", told.low);
+		json_number(raster, "high", told.high);
+		json_number(raster, "step", told.step);
 	}
 }
 
@@ -282,6 +301,7 @@ char *report_json(const struct report *report, const char *ended)
 	add_volume(root, report, &io);
 	add_objects(root, report);
 	add_soils(root, report);
+	add_rasters(root, report);
 	if (report->world->pages != NULL)
 		add_process(root, report, &io);
 	char *printed = cJSON_Print(root), *json = NULL;

@@ -74,6 +74,8 @@ struct report_plan {
 	int64_t steps, pictures; /* until end_time; `pictures`: pictures drawn, which are those that are written */
 	int64_t picture_steps; /* steps from one written picture to the next; 0: none is written */
 	uint64_t *samples;   /* path samples of each object, until end_time */
+	struct world_raster rasters[DEFORM_RASTERS]; /* as the store's posts get them. Paths are the scene's */
+	int raster_count;     /* 0: there is none, or no store */
 	char **notes;         /* texts of scene_advise, and those about the store: "KEY: WHY; WHAT TO DO" */
 	size_t note_count;
 };

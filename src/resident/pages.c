@@ -12,7 +12,7 @@ size_t resident_pages_plane_room(const struct pages_layout *layout, enum plane p
 	return (layout->posts * plane_bytes(plane) + ALIGN - 1) / ALIGN * ALIGN;
 }
 
-struct pages_layout resident_pages_layout_of(uint32_t cells, unsigned planes, bool classes)
+struct pages_layout resident_pages_layout_of(uint32_t cells, unsigned planes, bool classes, bool numbers)
 {
 	struct pages_layout layout = {.cells = cells, .posts = (size_t)(cells + 1) * (cells + 1)};
 	for (int plane = 0; plane < PLANES; plane++) {
@@ -22,7 +22,8 @@ struct pages_layout resident_pages_layout_of(uint32_t cells, unsigned planes, bo
 	}
 	layout.base = sizeof(struct pages_head);
 	layout.planes = layout.base + layout.posts * sizeof(int32_t);
-	layout.classes = layout.planes + layout.changed;
+	layout.numbers = layout.planes + layout.changed;
+	layout.classes = layout.numbers + (numbers ? PAGES_NUMBER_BYTES * layout.posts : 0);
 	layout.loaded = layout.classes + (classes ? layout.posts : 0);
 	return layout;
 }
@@ -68,7 +69,8 @@ enum status resident_pages_create(const struct pages_params *params, struct page
 	pages->io.sums = params->before;
 	mutex_init(&pages->mutex);
 	pages->planes = params->planes;
-	pages->layout = resident_pages_layout_of(store_meta(params->store)->extent.cells, pages->planes, params->classes != NULL);
+	pages->layout = resident_pages_layout_of(store_meta(params->store)->extent.cells, pages->planes, params->classes != NULL,
+						 params->numbers != NULL);
 	enum status status = STATUS_OK;
 	for (uint32_t i = 0; i < reader_count(params) && status == STATUS_OK; i++)
 		status = resident_ground_create(params->store, GROUND_TILES, &pages->grounds[i]);
@@ -126,11 +128,11 @@ void resident_pages_io(struct pages *pages, struct resident_pages_io *io)
 
 void resident_pages_budget(const struct pages_params *params, uint32_t cells, struct resident_pages_budget *budget)
 {
-	const struct pages_layout layout = resident_pages_layout_of(cells, params->planes, params->classes != NULL);
+	const struct pages_layout layout = resident_pages_layout_of(cells, params->planes, params->classes != NULL, params->numbers != NULL);
 	struct page_params cache = cache_params(params, &layout);
 	uint64_t plane = layout.posts * sizeof(int32_t);
 	*budget = (struct resident_pages_budget){
-		.slots = params->count * (plane + layout.changed + (params->classes != NULL ? layout.posts : 0)),
+		.slots = params->count * (plane + layout.loaded - layout.planes),
 		.loads = page_load_images(params->loaders) * (uint64_t)layout.loaded,
 		.queue = cache.queue_most * (uint64_t)layout.changed,
 		.queue_few = PAGE_QUEUE_MOST(cache.queue_soft, 0) * (uint64_t)layout.changed,

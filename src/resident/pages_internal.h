@@ -9,7 +9,7 @@
 
 #include "resident/resident.h"
 
-/* Head of a loaded image. After it come base posts or a patch, the planes, and the classes if there are any. A changed image
+/* Head of a loaded image. After it come base posts or a patch, the planes, and numbers and classes if there are any. A changed image
  * has only the planes; a snapshot has the tally. page_image.flags: the planes that are filled; 0: the tile is not deformed. */
 struct pages_head {
 	int shift; /* 0: the base is posts; otherwise it is a patch, and the tile is this many levels below 0 */
@@ -19,14 +19,14 @@ struct pages_head {
 struct pages_layout {
 	uint32_t cells;
 	size_t posts;                /* number of posts of a tile */
-	/* base, planes, classes: where they begin, in bytes; loaded: size of a loaded image */
-	size_t base, planes, classes, loaded;
+	/* base, planes, numbers, classes: where they begin, in bytes; loaded: size of a loaded image */
+	size_t base, planes, numbers, classes, loaded;
 	size_t places[PLANES];       /* where each plane begins, in bytes after the first plane */
 	size_t changed;              /* size of all planes together, in bytes */
 };
 
 /* In pages.c. `planes`: as params.planes. */
-struct pages_layout resident_pages_layout_of(uint32_t cells, unsigned planes, bool classes);
+struct pages_layout resident_pages_layout_of(uint32_t cells, unsigned planes, bool classes, bool numbers);
 size_t resident_pages_plane_room(const struct pages_layout *layout, enum plane plane); /* bytes that the plane takes in an image */
 
 struct pages {
@@ -74,6 +74,12 @@ static inline void *pages_plane(const struct pages *pages, void *planes, enum pl
 static inline bool pages_have_classes(const struct pages *pages, struct tile tile)
 {
 	return pages->params.classes != NULL && (tile.level == pages->params.level || pages->params.classes_drawn);
+}
+
+/* Contacts alone read numbers, so tiles of the working level alone have them. */
+static inline bool pages_have_numbers(const struct pages *pages, struct tile tile)
+{
+	return pages->params.numbers != NULL && tile.level == pages->params.level;
 }
 
 struct page_io resident_pages_io_of(struct pages *pages);             /* pages_io.c */

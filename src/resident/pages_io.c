@@ -57,6 +57,8 @@ static enum status load(void *user, unsigned loader, struct page_image *image, c
 	if (status == STATUS_OK && pages_have_classes(pages, tile))
 		status = pages->params.classes(pages->params.user, loader, tile,
 					       (uint8_t *)image->bytes + pages->layout.classes);
+	if (status == STATUS_OK && pages_have_numbers(pages, tile))
+		status = pages->params.numbers(pages->params.user, loader, tile, (uint8_t *)image->bytes + pages->layout.numbers);
 	mutex_lock(&pages->mutex);
 	if (status == STATUS_OK) {
 		pages->io.tiles_read++;

@@ -44,6 +44,8 @@ static void add_images(const struct pages_planned *planned, const struct pages_l
 		}
 	if (layout->loaded > layout->classes)
 		add_staging(plan, PLAN_ONCE, planned->classes_effect, loads, layout->loaded - layout->classes, "loads", "classes");
+	if (layout->classes > layout->numbers)
+		add_staging(plan, PLAN_ONCE, planned->numbers_effect, loads, layout->classes - layout->numbers, "loads", "numbers");
 	if (planned->deforms)
 		add_staging(plan, PLAN_ONCE, effects[PLANE_OFFSET], 1, PAGES_TALLY_BYTES, "changes", "tally");
 }
@@ -52,7 +54,7 @@ void resident_pages_plan(const struct pages_planned *planned, struct plan *plan)
 {
 	const unsigned planes = planned->planes;
 	const char *effects[PLANES];
-	struct pages_layout layout = resident_pages_layout_of(planned->cells, planes, planned->classes);
+	struct pages_layout layout = resident_pages_layout_of(planned->cells, planes, planned->classes, planned->numbers);
 	for (int plane = 0; plane < PLANES; plane++)
 		effects[plane] = effect_of(plan, (enum plane)plane);
 	add_threads(planned, plan);

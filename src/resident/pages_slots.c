@@ -105,6 +105,8 @@ static enum status upload(void *user, uint32_t slot, struct page_image *image)
 		return status;
 	if (pages_have_classes(pages, overlay.tile))
 		status = gpu_slots_upload_classes(slots, slot, staging, layout->classes);
+	if (status == STATUS_OK && pages_have_numbers(pages, overlay.tile))
+		status = gpu_slots_upload_numbers(slots, slot, staging, layout->numbers);
 	if (status != STATUS_OK)
 		return status;
 	size_t places[PLANES];

@@ -141,6 +141,42 @@ enum status resident_soil_map_read(struct soil_map *map, unsigned loader, struct
 enum status resident_soil_map_at(struct soil_map *map, int level, int64_t x, int64_t y, uint8_t *soil) FURROW_CHECKED;
 
 /*
+ * --- rasters of soil numbers ---
+ *
+ * Rasters whose values are numbers of the soil: cohesion, friction angle. A post keeps a byte for each raster. 0: the raster has
+ * no value there. 1 to 255: levels from the raster's least value to its greatest.
+ */
+struct soil_rasters;
+
+struct soil_raster_params {
+	const char *path;
+	const char *name, *unit; /* of the number, for messages; unit NULL: none */
+	double low, high;        /* allowed values of the raster's pixels */
+	bool above;              /* `low` itself is not allowed */
+};
+
+struct soil_rasters_params {
+	struct soil_raster_params rasters[4];
+	int count;
+	unsigned loaders;              /* number of loader threads; 0: only the owner reads */
+	bool places;                   /* resident_soil_rasters_at will be called */
+	const struct store_meta *meta; /* gives the place of the terrain */
+};
+
+/* Opens the rasters, and reads each whole to find its range. `meta` must stay valid while they are open. STATUS_INPUT: a raster
+ * cannot be read, or has a value that is not allowed. */
+enum status resident_soil_rasters_open(const struct soil_rasters_params *params, struct soil_rasters **out) FURROW_CHECKED;
+void resident_soil_rasters_close(struct soil_rasters *rasters); /* takes NULL */
+/* Gives the least and the greatest value of a raster, in its own unit. */
+void resident_soil_rasters_range(const struct soil_rasters *rasters, int raster, double *low, double *high);
+#define PAGES_NUMBER_BYTES 4 /* of a post: a level of each raster */
+/* Reads PAGES_NUMBER_BYTES for each of the tile's (cells + 1)^2 posts. Call it on the thread of loader `loader`. */
+enum status resident_soil_rasters_read(struct soil_rasters *rasters, unsigned loader, struct tile tile, uint8_t *numbers)
+	FURROW_CHECKED;
+/* Reads PAGES_NUMBER_BYTES of one post of a level. Only if params.places is set, and on the owner's thread. */
+enum status resident_soil_rasters_at(struct soil_rasters *rasters, int level, int64_t x, int64_t y, uint8_t *numbers) FURROW_CHECKED;
+
+/*
  * --- pages ---
  *
  * Connects store, page cache and GPU, and defines the layout of a page's bytes.
@@ -193,6 +229,8 @@ struct pages_params {
 	/* Fills the soil class of each post of a tile. Called on loader thread `loader`. NULL: there are no classes, and no
 	 * memory is reserved for them. */
 	enum status (*classes)(void *user, unsigned loader, struct tile tile, uint8_t *classes);
+	/* Fills PAGES_NUMBER_BYTES for each post of a tile of the working level. On loader thread `loader`. NULL: there are none. */
+	enum status (*numbers)(void *user, unsigned loader, struct tile tile, uint8_t *numbers);
 	/* true: classes are loaded for tiles of the working level and all coarser ones; false: only for the working level */
 	bool classes_drawn;
 	/* On the GPU's thread, before a commit takes the record; may be NULL. */
@@ -238,8 +276,9 @@ struct pages_planned {
 	bool deforms;        /* there are bodies */
 	bool lowers;         /* there are bodies, and they only lower the ground */
 	bool classes;        /* there is a map of soils */
+	bool numbers;        /* there are rasters of soil numbers */
 	bool picture;        /* pictures are drawn */
-	const char *loaders_effect, *classes_effect, *picture_effect;
+	const char *loaders_effect, *classes_effect, *numbers_effect, *picture_effect;
 };
 /* Adds the plan's lines of a drive's pages: threads, staging and statements. This includes lines of the ground and the view
  * with the same counts. Call it after deform_plan, which notes the effect that needs each plane. Pure. */

@@ -42,6 +42,10 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		"soil_map", "soil.map", "SOIL_MAP", LIST("lib/soil.glsl"), "class", "class", 0, LIST("soil.map", "soil.classes", "soil.default"),
 		"at most 16 soils, the default among them; the raster's file at most 1 GiB",
 		"reads which soil each post is of"},
+	[EFFECT_SOIL_RASTERS] = {
+		"soil_rasters", "soil.rasters", "SOIL_RASTERS", LIST("lib/soil.glsl"), "numbers", "numbers", 0, LIST("soil.rasters"),
+		"at most 4 rasters of 1 GiB each, with 255 levels between a raster's least and greatest value; slides go by the class",
+		"reads numbers of the soil at each post"},
 	[EFFECT_MESH] = {
 		"mesh", "objects.shape.mesh", "", LIST("deform/facet.vert", "deform/facet.frag"), "", "underside", 0,
 		LIST("objects[].shape.mesh.file", "objects[].shape.mesh.scale"),
@@ -168,6 +172,8 @@ static uint64_t object_effects(const struct scene *scene)
 		effects |= EFFECT_BIT(EFFECT_SOIL_MAP);
 	if (scene->slip_sinkage > 0)
 		effects |= EFFECT_BIT(EFFECT_SLIP);
+	if (scene->raster_count > 0)
+		effects |= EFFECT_BIT(EFFECT_SOIL_RASTERS);
 	if (scene->forces > 0)
 		effects |= EFFECT_BIT(EFFECT_FORCES);
 	if (scene->prefetch > 0)

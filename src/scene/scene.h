@@ -31,6 +31,7 @@ enum scene_effect {
 	EFFECT_SLIDE,
 	EFFECT_SLIP,
 	EFFECT_SOIL_MAP,
+	EFFECT_SOIL_RASTERS,
 	EFFECT_MESH,
 	EFFECT_GROUSERS,
 	EFFECT_LOAD,
@@ -133,6 +134,13 @@ struct scene_view {
 	struct scene_light light;
 };
 
+/* A raster that gives a number of the soil at each post. Where it has no value, the number is that of the post's soil. */
+struct scene_raster {
+	enum deform_number number;
+	char *path;       /* resolved relative to the scene's file */
+	uint64_t hash[2]; /* of the file's bytes */
+};
+
 struct scene {
 	char *file;   /* path as the caller gave it; "scene text" if the scene was read from a text */
 	char *folder; /* folder where the files named in the scene are looked for: "" or ends in '/'; absolute if hosted */
@@ -160,6 +168,8 @@ struct scene {
 	char *soil_map;          /* path of a raster, resolved relative to the scene's file; NULL: soils[0] everywhere */
 	uint8_t soil_class[256]; /* index of the soil for each value of the map */
 	uint64_t soil_map_hash[2]; /* hash of the raster's bytes */
+	struct scene_raster rasters[DEFORM_RASTERS]; /* in the order of their numbers */
+	int raster_count;        /* 0: every number is that of a post's soil */
 	bool disturbance;
 	enum scene_outside outside;
 	struct scene_object *objects;
@@ -187,8 +197,8 @@ struct scene_setting {
 enum scene_reader { SCENE_COMMAND, SCENE_HOST };
 
 /* Reads a scene from a file of at most 1 MiB. Applies the settings in their order. Values of settings are YAML; the value
- * `null` removes a key. Then reads the files that the scene names: poses (at most 256 MiB each), meshes, the map of soils (at
- * most 1 GiB). STATUS_INPUT: the message tells what is wrong, and where. */
+ * `null` removes a key. Then reads the files that the scene names: poses (at most 256 MiB each) and meshes. A map and
+ * rasters of the soil (at most 1 GiB each) are hashed. STATUS_INPUT: the message tells what is wrong, and where. */
 enum status scene_load(const char *path, const struct scene_setting *settings, size_t count,
 		       struct scene **out) FURROW_CHECKED;
 enum status scene_load_file(const char *path, const struct scene_setting *settings, size_t count,
@@ -206,6 +216,11 @@ void scene_destroy(struct scene *scene);
  * if `index` is beyond the last number.
  */
 bool scene_soil_number(const struct deform_soil *soil, size_t index, const char **key, double *value);
+/* Returns the SI value of 1 in the unit that a scene and a raster use for the number. */
+double scene_raster_unit(enum deform_number number);
+/* Returns k_c / b + k_phi of a soil under an object. *width: b, metres; 0: it depends on the contact. Then the larger of k_c and
+ * k_phi is returned. Above 0: the soil bears the object. */
+double scene_soil_modulus(const struct deform_soil *soil, const struct deform_shape *shape, double *width);
 /* Returns the value of the map of soils that means soils[soil]. Returns -1 for the default soil, or if there is no map. */
 int scene_soil_value(const struct scene *scene, int soil);
 

@@ -151,12 +151,17 @@ static void add_soils(XXH3_state_t *state, const struct scene *scene)
 		add_part(state, 't', 0);
 		add_number(state, scene->tolerance);
 	}
-	if (scene->soil_map == NULL)
-		return;
-	add_part(state, 'c', 0);
-	add_whole(state, scene->soil_map_hash[0]);
-	add_whole(state, scene->soil_map_hash[1]);
-	XXH3_128bits_update(state, scene->soil_class, sizeof scene->soil_class);
+	if (scene->soil_map != NULL) {
+		add_part(state, 'c', 0);
+		add_whole(state, scene->soil_map_hash[0]);
+		add_whole(state, scene->soil_map_hash[1]);
+		XXH3_128bits_update(state, scene->soil_class, sizeof scene->soil_class);
+	}
+	for (int i = 0; i < scene->raster_count; i++) {
+		add_part(state, 'n', (size_t)scene->rasters[i].number);
+		add_whole(state, scene->rasters[i].hash[0]);
+		add_whole(state, scene->rasters[i].hash[1]);
+	}
 }
 
 enum status scene_hash(struct scene *scene)

@@ -127,6 +127,8 @@ void scene_destroy(struct scene *scene)
 	mem_free(scene->folder);
 	mem_free(scene->store);
 	mem_free(scene->soil_map);
+	for (int i = 0; i < scene->raster_count; i++)
+		mem_free(scene->rasters[i].path);
 	mem_free(scene->srs);
 	mem_free(scene);
 }

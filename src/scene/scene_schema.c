@@ -97,12 +97,23 @@ static const cyaml_schema_field_t elsewhere_fields[] = {
 };
 static const cyaml_schema_value_t class_entry = {
 	CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct raw_class, class_fields)};
+static const cyaml_schema_field_t raster_fields[] = {
+	CYAML_FIELD_STRING_PTR("bekker_kc", OPTIONAL, struct raw_rasters, bekker_kc, 1, 4096),
+	CYAML_FIELD_STRING_PTR("bekker_kphi", OPTIONAL, struct raw_rasters, bekker_kphi, 1, 4096),
+	CYAML_FIELD_STRING_PTR("bekker_n", OPTIONAL, struct raw_rasters, bekker_n, 1, 4096),
+	CYAML_FIELD_STRING_PTR("cohesion", OPTIONAL, struct raw_rasters, cohesion, 1, 4096),
+	CYAML_FIELD_STRING_PTR("friction_angle", OPTIONAL, struct raw_rasters, friction_angle, 1, 4096),
+	CYAML_FIELD_STRING_PTR("janosi_shear", OPTIONAL, struct raw_rasters, janosi_shear, 1, 4096),
+	CYAML_FIELD_STRING_PTR("elastic_stiffness", OPTIONAL, struct raw_rasters, elastic_stiffness, 1, 4096),
+	CYAML_FIELD_END,
+};
 static const cyaml_schema_field_t soil_fields[] = {
 	SOIL_FIELDS(struct raw_soil, all.),
 	CYAML_FIELD_STRING_PTR("map", OPTIONAL, struct raw_soil, map, 1, 4096),
 	CYAML_FIELD_SEQUENCE("classes", OPTIONAL_POINTER, struct raw_soil, classes, &class_entry, 1,
 			     DEFORM_SOILS - 1),
 	CYAML_FIELD_MAPPING_PTR("default", OPTIONAL, struct raw_soil, elsewhere, elsewhere_fields),
+	CYAML_FIELD_MAPPING_PTR("rasters", OPTIONAL, struct raw_soil, rasters, raster_fields),
 	CYAML_FIELD_END,
 };
 
@@ -249,7 +260,7 @@ static const struct scene_limit limits[] = {
 	{"objects[].path.speed", 0, 10000, true, NULL, "m/s", NAN, NULL},
 	{"objects[].sink", 0, 1000, false, NULL, "m", 0, NULL},
 	{"objects[].load", 0, 1e9, true, NULL, "N", NAN, "none: sink"},
-	{"objects[].slip", -0.99, 0.99, false, NULL, NULL, 0, NULL},
+	{"objects[].slip", -1000, 0.99, false, NULL, NULL, 0, NULL},
 	{"output.forces", 0, 1e6, false, NULL, "1/s", 0, NULL},
 	{"output.delay", 0, 64, false, NULL, "steps", 2, NULL},
 	{"view.size[]", 1, 8192, false, NULL, "pixels", NAN, "1280, 720"},

@@ -55,12 +55,17 @@ struct raw_class {
 	double *elastic_stiffness, *damping, *unit_weight, *repose;
 	double *theta_in, *theta_out, *theta_stop, *roughness, *compression;
 };
+/* Paths of rasters. */
+struct raw_rasters {
+	char *bekker_kc, *bekker_kphi, *bekker_n, *cohesion, *friction_angle, *janosi_shear, *elastic_stiffness;
+};
 struct raw_soil {
 	struct raw_class all; /* if the scene has one soil, it is this one */
 	char *map;
 	struct raw_class *classes;
 	uint32_t classes_count;
 	struct raw_class *elsewhere;
+	struct raw_rasters *rasters;
 };
 struct raw_redistribute {
 	int model; /* enum deform_model */

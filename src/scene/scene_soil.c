@@ -12,8 +12,6 @@
 #include "scene/scene_error.h"
 #include "scene/scene_file.h"
 
-#define MAP_BYTES ((uint64_t)1 << 30)
-
 #define PARAMETER(name, unit, optional) \
 	{#name, offsetof(struct raw_class, name), offsetof(struct deform_soil, name), unit, optional}
 #define DEGREE (3.14159265358979323846 / 180)
@@ -223,7 +221,7 @@ static enum status check_map(const struct scene_tree *tree, const struct raw_soi
 		alone = alone && given(&raw->all, &parameters[i]) == NULL;
 	if (!alone)
 		return scene_error(tree->file, node, "does not go with a soil beside it; allowed: map, classes, "
-				   "default");
+				   "default, rasters");
 	if (raw->classes == NULL || raw->elsewhere == NULL)
 		return scene_error(tree->file, node, "has no %s; allowed: map with classes, {1: dry_sand, ...}, and "
 				   "default, a soil", raw->classes == NULL ? "classes" : "default");
@@ -232,7 +230,7 @@ static enum status check_map(const struct scene_tree *tree, const struct raw_soi
 	scene->soil_map = scene_file_beside(tree->folder, raw->map);
 	if (scene->soil_map == NULL)
 		return fail_memory("reading the map of soils");
-	return scene_file_hash(scene->soil_map, scene_told(tree->file, node, raw->map).text, MAP_BYTES,
+	return scene_file_hash(scene->soil_map, scene_told(tree->file, node, raw->map).text, SCENE_RASTER_BYTES,
 			       scene->soil_map_hash);
 }
 
@@ -297,15 +295,26 @@ enum status scene_check_soil(const struct scene_tree *tree, const struct raw_sce
 		status = check_classes(tree, soil, scene);
 	if (status == STATUS_OK && deform_model_reads(scene->model, "bekker_kc"))
 		status = check_bearings(tree, scene, mapped);
+	if (status == STATUS_OK)
+		status = scene_check_rasters(tree, soil->rasters, scene);
 	if (read || status != STATUS_OK)
 		return status;
 	memset(scene->soils, 0, sizeof scene->soils);
+	if (drawn && soil->rasters != NULL)
+		return scene_tell_unused(scene, "soil.rasters: model %s does not depend on them; take them away, or name model scm",
+					 deform_model_row(scene->model)->name);
 	if (drawn)
 		return STATUS_OK;
 	memset(scene->soil_class, 0, sizeof scene->soil_class);
 	scene->soil_count = 0;
 	return scene_tell_unused(scene, "soil: model %s does not depend on it; take it away, or name a model that moves soil",
 				 deform_model_row(scene->model)->name);
+}
+
+double scene_soil_modulus(const struct deform_soil *soil, const struct deform_shape *shape, double *width)
+{
+	*width = contact_width(shape);
+	return *width > 0 ? modulus_under(soil, *width) : fmax(soil->bekker_kc, soil->bekker_kphi);
 }
 
 bool scene_soil_number(const struct deform_soil *soil, size_t index, const char **key, double *value)

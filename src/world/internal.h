@@ -76,6 +76,17 @@ void world_checkpoint_free(struct checkpoint *saved); /* saved may be NULL */
 enum status world_settle_level(struct world *world) FURROW_CHECKED;
 /* Opens the map of soils, if the scene needs it. */
 enum status world_open_soil_map(struct world *world) FURROW_CHECKED;
+/* --- numbers.c --- */
+/* Opens the rasters of soil numbers, if the scene needs them, and checks what they hold. */
+enum status world_open_rasters(struct world *world) FURROW_CHECKED;
+/* STATUS_INPUT: with the least numbers of the rasters some soil does not bear this shape. */
+enum status world_check_bearing(const struct world *world, const char *name, const struct deform_shape *shape) FURROW_CHECKED;
+/* Fills the rasters as deform takes them. Returns their number. Ranges are 0 while the rasters are not open. */
+int world_rasters(const struct world *world, struct deform_raster *rasters);
+/* Gives the numbers of the soil at the nearest post, as contacts read them there. *found false: outside of the terrain. */
+enum status world_soil_numbers_at(struct world *world, double x, double y, struct deform_soil *soil, bool *found) FURROW_CHECKED;
+
+/* --- plan.c --- */
 uint32_t world_ground_tiles(const struct world *world);
 /* Fills the parameters of deform, except gpu, slots and reference. */
 void world_deform_params(const struct world *world, struct deform_params *params);

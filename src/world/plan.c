@@ -99,6 +99,7 @@ void world_deform_params(const struct world *world, struct deform_params *params
 		.disturbance = scene->disturbance,
 	};
 	memcpy(params->soils, scene->soils, sizeof params->soils);
+	params->raster_count = world_rasters(world, params->rasters);
 	for (size_t i = 0; i < scene->object_count; i++)
 		params->loaded_bodies += world->bodies[i].loaded_body > 0;
 }
@@ -224,9 +225,11 @@ void world_plan_pages(const struct world *world, struct plan *plan)
 		.deforms = deforms,
 		.lowers = deforms && !deform_conserves(scene->model),
 		.classes = world_needs_soil_map(scene),
+		.numbers = world_needs_rasters(scene),
 		.picture = scene->view.present,
 		.loaders_effect = scene_effect_row(EFFECT_LOADERS)->name,
 		.classes_effect = scene_effect_row(EFFECT_SOIL_MAP)->name,
+		.numbers_effect = scene_effect_row(EFFECT_SOIL_RASTERS)->name,
 		.picture_effect = scene_effect_row(EFFECT_PICTURE)->name,
 	};
 	resident_pages_plan(&planned, plan);
@@ -262,8 +265,10 @@ static enum status over_store(struct world *world, const char *path)
 		return status;
 	world->meta = store_meta(world->store);
 	status = world_settle_level(world);
-	/* A drive refuses a map of soils that cannot be read, so this does too. */
-	return status == STATUS_OK ? world_open_soil_map(world) : status;
+	/* A drive refuses a map or a raster of the soil that cannot be read, so this does too. */
+	if (status == STATUS_OK)
+		status = world_open_soil_map(world);
+	return status == STATUS_OK ? world_open_rasters(world) : status;
 }
 
 static enum status over_nothing(struct world *world, struct store_meta *assumed)

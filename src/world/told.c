@@ -89,12 +89,12 @@ static enum status fill(struct world *world, const struct scene_object *object, 
 	contact->normal_force = 0;
 	for (int i = 0; i < 3; i++)
 		contact->normal_force += contact->force[i] * contact->normal[i];
-	int at;
-	status = world_soil_at(world, state->pose.position[0], state->pose.position[1], &at);
-	if (status != STATUS_OK || at < 0)
+	struct deform_soil soil;
+	bool found;
+	status = world_soil_numbers_at(world, state->pose.position[0], state->pose.position[1], &soil, &found);
+	if (status != STATUS_OK || !found)
 		return status;
-	const struct deform_soil *soil = &world->scene->soils[at];
-	contact->shear_limit = soil->cohesion * force->area + fmax(contact->normal_force, 0) * tan(soil->friction_angle);
+	contact->shear_limit = soil.cohesion * force->area + fmax(contact->normal_force, 0) * tan(soil.friction_angle);
 	return STATUS_OK;
 }
 

@@ -28,6 +28,8 @@ enum status world_prepare(struct world *world, const struct world_params *params
 	if (status == STATUS_OK)
 		status = world_open_soil_map(world);
 	if (status == STATUS_OK)
+		status = world_open_rasters(world);
+	if (status == STATUS_OK)
 		status = world_make_bodies(world);
 	if (status == STATUS_OK)
 		status = world_tell_ruts(world);
@@ -161,6 +163,12 @@ static enum status soil_classes(void *user, unsigned loader, struct tile tile, u
 	return resident_soil_map_read(world->soil_map, loader, tile, classes);
 }
 
+static enum status soil_numbers(void *user, unsigned loader, struct tile tile, uint8_t *numbers)
+{
+	const struct world *world = user;
+	return resident_soil_rasters_read(world->soil_rasters, loader, tile, numbers);
+}
+
 void world_pages_params(const struct world *world, struct pages_params *params)
 {
 	const struct scene *scene = world->scene;
@@ -177,6 +185,7 @@ void world_pages_params(const struct world *world, struct pages_params *params)
 		.before_commit = before_commit,
 		.snapshot = world_deforms(world) ? tally_snapshot : NULL,
 		.classes = world_needs_soil_map(scene) ? soil_classes : NULL,
+		.numbers = world_needs_rasters(scene) ? soil_numbers : NULL,
 		.classes_drawn = scene_draws_classes(scene),
 	};
 }
@@ -286,6 +295,7 @@ void world_finish(struct world *world, enum status status)
 	resident_pages_destroy(world->pages);
 	motion_look_ahead_destroy(world->ahead);
 	resident_soil_map_close(world->soil_map);
+	resident_soil_rasters_close(world->soil_rasters);
 	page_trace_destroy(world->trace);
 	world_forces_destroy(world->forces);
 	resident_pyramid_destroy(world->pyramid);

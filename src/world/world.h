@@ -233,6 +233,7 @@ struct world {
 	struct ground *ground;
 	uint32_t ground_tiles; /* most tiles that `ground` keeps */
 	struct soil_map *soil_map; /* NULL: one soil */
+	struct soil_rasters *soil_rasters; /* NULL: every number is that of a post's soil */
 	struct pages *pages;
 	struct page_cache *cache;
 	struct page_trace *trace; /* NULL: no trace was asked for */
@@ -423,6 +424,13 @@ enum status world_soil_at(struct world *world, double x, double y, int *soil) FU
  * asks for it. Without bodies: the drawn planes if the store `was_deformed`, otherwise none. */
 unsigned world_planes(const struct scene *scene, bool was_deformed);
 bool world_needs_soil_map(const struct scene *scene); /* true if there is a map of soils and something uses it */
+bool world_needs_rasters(const struct scene *scene);  /* true if there are rasters of soil numbers and something uses them */
+/* One of the scene's rasters, in the unit of its key. Only if world->soil_rasters is not NULL. `step`: from one level to the next. */
+struct world_raster {
+	const char *key, *unit, *path; /* unit NULL: none */
+	double low, high, step;
+};
+struct world_raster world_raster(const struct world *world, int raster);
 /* Opens the store for reading and makes the bodies; only for plans. If `store` is NULL, it assumes a terrain and describes it
  * in `assumed`. End with world_finish. */
 enum status world_prepare_plan(struct world *world, const struct scene *scene, const char *store, struct store_meta *assumed)

@@ -99,6 +99,56 @@ static void a_ball_leaves_a_rut_that_every_question_sees(void **state)
 	done(furrow_world_close(world));
 }
 
+/* A PNG of a pixel a post: one value in the west half, another in the east. */
+static const char *halves_of(const char *name, double west, double east)
+{
+	static char path[400];
+	struct dem_raster raster = {.path = support_path(name), .width = 129, .height = 129, .type = DEM_UINT16, .spacing = 1};
+	struct dem_writer *writer;
+	double row[129];
+	snprintf(path, sizeof path, "%s", support_path(name));
+	raster.path = path;
+	for (int x = 0; x < 129; x++)
+		row[x] = x < 64 ? west : east;
+	must(dem_writer_create(&raster, &writer));
+	for (int y = 0; y < 129; y++)
+		must(dem_writer_rows(writer, 1, row));
+	must(dem_writer_publish(writer));
+	dem_writer_destroy(writer);
+	return path;
+}
+
+static void a_shear_limit_is_of_the_rasters_number(void **state)
+{
+	static const double cohesions[] = {100, 6000};
+	char scene[600];
+	snprintf(scene, sizeof scene, "{\"scene\": 1, \"spacing\": 0.125, \"soil\": {\"name\": \"dry_sand\", \"rasters\": {\"cohesion\": \"%s\"}}, "
+				      "\"redistribute\": {\"model\": \"scm\"}}", halves_of("cohesion.png", cohesions[0], cohesions[1]));
+	struct furrow_world *world = hosted_world_over("rasters.furrow", scene, hosted_flat);
+	for (int i = 0; i < 2; i++) {
+		furrow_body ball = hosted_ball(world, 8 + 16 * i, 16);
+		hosted_move(world, ball, 8 + 16 * i, 16, 100.45);
+		const struct furrow_contact contact = contact_of(world, ball);
+		assert_true(contact.area > 0.01 && contact.normal_force > 0);
+		double cohesion = (contact.shear_limit - contact.normal_force * tan(28 * M_PI / 180)) / contact.area;
+		assert_float_equal(cohesion, cohesions[i], 0.01);
+	}
+	done(furrow_world_close(world));
+}
+
+static void a_body_that_rasters_do_not_bear_is_refused(void **state)
+{
+	char scene[600];
+	snprintf(scene, sizeof scene, "{\"scene\": 1, \"spacing\": 0.125, \"soil\": {\"name\": \"dry_sand\", \"bekker_kc\": -10, \"rasters\": "
+				      "{\"bekker_kphi\": \"%s\"}}, \"redistribute\": {\"model\": \"scm\"}}", halves_of("kphi.png", 20, 60000));
+	struct furrow_world *world = hosted_world_over("weak.furrow", scene, hosted_flat);
+	furrow_body body = -1;
+	refused(FURROW_INPUT, furrow_body_add(world, "{name: thin, shape: {wheel: {radius: 0.5, width: 0.25}}}", &body));
+	assert_non_null(strstr(furrow_last_error(), "soil.rasters: bekker_kc / b + bekker_kphi is as low as -20 under thin"));
+	done(furrow_body_add(world, "{name: wide, shape: {wheel: {radius: 0.5, width: 1}}}", &body));
+	done(furrow_world_close(world));
+}
+
 static void states_are_as_they_were_set(void **state)
 {
 	struct furrow_world *world = hosted_world("states.furrow");
@@ -290,6 +340,8 @@ int main(void)
 		cmocka_unit_test(steps_end_at_multiples_of_the_time_step),
 		cmocka_unit_test(the_world_says_what_it_is),
 		cmocka_unit_test(a_ball_leaves_a_rut_that_every_question_sees),
+		cmocka_unit_test(a_shear_limit_is_of_the_rasters_number),
+		cmocka_unit_test(a_body_that_rasters_do_not_bear_is_refused),
 		cmocka_unit_test(states_are_as_they_were_set),
 		cmocka_unit_test(a_probe_does_not_know_yet),
 		cmocka_unit_test(a_picture_has_depths_in_metres),

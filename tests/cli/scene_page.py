@@ -47,9 +47,11 @@ SAMPLES = [
     scene(wheel(shape={"wheel": {"radius": 0.5, "width": 0.4, "grousers": 12}}, sink=0.1), wheel(name="b"),
           view=view({"overhead": {"over": "b", "height": 9}})),
     scene(wheel(shape={"wheel": {"radius": 0.5, "width": 0.4, "grousers": 9, "grouser_height": 0.1, "grouser_thickness": 0.02}}, load=500, slip=0.1),
-          soil=NUMBERED, redistribute={"model": "scm", "depth": 1, "bulldozing": 0.4, "slip_sinkage": 1.2, "iterations": 2, "interval": 0.1, "tolerance": 0.1,
+          soil={**NUMBERED, "rasters": {key: "classes.png" for key in ("bekker_kc", "bekker_kphi", "bekker_n", "cohesion")}},
+          redistribute={"model": "scm", "depth": 1, "bulldozing": 0.4, "slip_sinkage": 1.2, "iterations": 2, "interval": 0.1, "tolerance": 0.1,
                                        "undisturbed": "stable"}, output={"forces": 5, "delay": 1}),
-    scene(WHEEL, soil={"name": "lunar"}, redistribute={"model": "scm"}, output={"forces": 5}),
+    scene(WHEEL, soil={"name": "lunar", "rasters": {key: "classes.png" for key in ("friction_angle", "janosi_shear", "elastic_stiffness")}},
+          redistribute={"model": "scm"}, output={"forces": 5}),
     scene(wheel(shape={"sphere": {"radius": 1}}, path={"points": [[20, 20], [30, 20]], "speed": 5, "loop": True}),
           soil={"name": "mud"}, redistribute={"model": "sumner"}),
     scene(wheel(shape={"box": {"size": [1, 1, 1]}}, path={"file": "poses.csv"}), redistribute={"model": "slippage"},
@@ -183,7 +185,8 @@ class ScenePage(FurrowTest):
         super().setUp()
         shutil.copy(ROOT / "tools" / "scenes" / "foot.obj", self.folder)
         (self.folder / "poses.csv").write_text(re.search(r"```csv\n(.*?)```", PAGE.read_text(), re.S).group(1))
-        write_png16(self.folder / "classes.png", 4, 4, lambda x, y: 1)
+        for name in ("classes.png", "cohesion.png", "friction.png"):
+            write_png16(self.folder / name, 4, 4, lambda x, y: 1)
 
     def needs_meshes(self, result):
         return "this build reads no meshes" in result.stderr
@@ -193,7 +196,7 @@ class ScenePage(FurrowTest):
         taken = checker.crawl()
         soil = [key.removeprefix("soil.") for key in taken if re.fullmatch(r"soil\.\w+", key)]
         for place in ("soil.default", "soil.classes[]"):
-            self.assertEqual(checker.soils[place] + ["map", "classes", "default"], soil)
+            self.assertEqual(checker.soils[place] + ["map", "classes", "default", "rasters"], soil)
             self.assertEqual(range_of(checker.allowed(place + ".cohesion", -1)), range_of(self.rows["soil.cohesion"]["range"]))
         self.assertEqual(set(self.rows), set(taken))
         self.assertGreater(len(taken), 80)

@@ -39,6 +39,7 @@ const char *const fuzz_words[] = {
 	"shape: {mesh: {file: foot.obj, scale: 2}}", "lugs: 12, lug_height: 0.02, lug_thickness: 0.01",
 	"output: {forces: 50, delay: 0}\n", "soil: {map: poses.csv, classes: {1: lunar, 2: {name: clayey_38}}, default: snow_us}\n",
 	"soil: {cohesion: 0, friction_angle: 30, unit_weight: 16000, repose: 30}\n",
+	"soil: {name: lunar, rasters: {cohesion: poses.csv, friction_angle: poses.csv}}\n", "rasters: {bekker_n: poses.csv}",
 	"soil: {theta_in: 40, theta_out: 25, theta_stop: 40, roughness: 0.2, compression: 0.3}\n",
 	"soil: {bekker_kc: -1, bekker_kphi: 100, bekker_n: 1}\n", "soil.classes.3=lunar\n", "objects.a.load=10\n",
 	"view.camera={over: a, height: 3}\n", "objects=null\n", NULL,
@@ -136,6 +137,9 @@ static void check_soils(const struct scene *scene)
 	fuzz_check(scene->model < DEFORM_MODELS && scene->soil_count <= DEFORM_SOILS);
 	fuzz_check((scene->soil_count > 0) == moves && (scene->iterations > 0) == moves);
 	fuzz_check(!moves || (scene->interval > 0 && scene->depth >= 0));
+	fuzz_check(scene->raster_count >= 0 && scene->raster_count <= DEFORM_RASTERS && (scene->raster_count == 0 || moves));
+	for (int i = 0; i < scene->raster_count; i++)
+		fuzz_check(scene->rasters[i].path != NULL && (i == 0 || scene->rasters[i].number > scene->rasters[i - 1].number));
 	for (int i = 0; i < 256; i++)
 		fuzz_check(scene->soil_class[i] == 0 || (scene->soil_map != NULL && scene->soil_class[i] < scene->soil_count));
 	for (int i = 0; i < scene->soil_count; i++) {

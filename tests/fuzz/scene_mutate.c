@@ -124,7 +124,7 @@ size_t fuzz_seed(size_t index, uint8_t *data, size_t room)
 		SCENE_POSES "0,1,2\n1,2,3\n"
 		SCENE_SET "view.camera={eye: [1, 2, 3], target: [0, 0, 0]}\n",
 		"scene: 1\nend_time: 1\nsoil:\n  map: poses.csv\n  classes:\n    1: dry_sand\n"
-		"    2: {name: lete_sand, cohesion: 500}\n  default: lunar\n"
+		"    2: {name: lete_sand, cohesion: 500}\n  default: lunar\n  rasters: {cohesion: poses.csv, friction_angle: poses.csv}\n"
 		"redistribute: {model: scm, iterations: 4, interval: 0.02, depth: 0.5, bulldozing: 0.3}\nobjects:\n"
 		"  - name: a\n    shape: {wheel: {radius: 0.5, width: 0.4, lugs: 12, lug_height: 0.02, lug_thickness: 0.03}}\n"
 		"    path: {points: [[1, 2]], speed: 3}\n    load: 4000\n    slip: 0.2\n"

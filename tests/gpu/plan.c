@@ -9,7 +9,7 @@ enum { CELLS = 16, COUNT = 9, POSTS = (CELLS + 1) * (CELLS + 1) };
 
 struct asked {
 	unsigned planes;
-	bool classes, divides, decimates;
+	bool classes, numbers, divides, decimates;
 };
 
 static int32_t zeros[POSTS];
@@ -21,10 +21,11 @@ static void use_base(struct gpu_slots *slots, uint32_t slot, const struct asked 
 		assert_ok(staged_subdivide_base(test_gpu, slots, CELLS, slot, zeros, 1, 0, 0));
 	else
 		assert_ok(staged_upload_base(test_gpu, slots, CELLS, slot, zeros));
-	if (!asked->classes)
-		return;
-	assert_ok(staged_from(test_gpu, zeros, POSTS, &staging));
-	assert_ok(gpu_slots_upload_classes(slots, slot, staging, STAGED_AT));
+	assert_ok(staged_from(test_gpu, zeros, sizeof zeros, &staging));
+	if (asked->classes)
+		assert_ok(gpu_slots_upload_classes(slots, slot, staging, STAGED_AT));
+	if (asked->numbers)
+		assert_ok(gpu_slots_upload_numbers(slots, slot, staging, STAGED_AT));
 	gpu_staging_destroy(staging);
 }
 
@@ -54,6 +55,8 @@ static uint64_t units_of(const struct gpu_slots *slots, enum plan_unit unit)
 		return figures.base_slots;
 	case PLAN_CLASS_SLOT:
 		return figures.class_slots;
+	case PLAN_NUMBER_SLOT:
+		return figures.number_slots;
 	case PLAN_DEFORM_SLOT:
 		return figures.deform_slots;
 	case PLAN_STATE_SLOT:
@@ -127,11 +130,12 @@ static void check(const struct gpu_slots *slots, const struct plan *plan, bool u
 static void slots_make_and_run_what_is_planned(void **state)
 {
 	static const struct asked cases[] = {
-		{PLANE_BIT(PLANE_OFFSET), false, false, false},
-		{PLANE_BIT(PLANE_DISTURBANCE), false, false, true},
-		{PLANE_BIT(PLANE_OFFSET), false, true, true},
-		{STATE_PLANES, true, false, false},
-		{STATE_PLANES | PLANE_BIT(PLANE_DISTURBANCE), true, true, true},
+		{PLANE_BIT(PLANE_OFFSET), false, false, false, false},
+		{PLANE_BIT(PLANE_DISTURBANCE), false, false, false, true},
+		{PLANE_BIT(PLANE_OFFSET), false, false, true, true},
+		{STATE_PLANES, true, false, false, false},
+		{STATE_PLANES, false, true, false, false},
+		{STATE_PLANES | PLANE_BIT(PLANE_DISTURBANCE), true, true, true, true},
 	};
 	(void)state;
 	need_gpu();
@@ -141,7 +145,7 @@ static void slots_make_and_run_what_is_planned(void **state)
 		struct gpu_slots *slots;
 		close_gpu(NULL);
 		assert_int_equal(open_gpu(NULL), 0); /* of no programs */
-		gpu_slots_plan(CELLS, asked->planes, asked->classes, asked->divides, asked->decimates, "displace", &plan);
+		gpu_slots_plan(CELLS, asked->planes, asked->classes, asked->numbers, asked->divides, asked->decimates, "displace", &plan);
 		assert_ok(plan_status(&plan));
 		assert_ok(gpu_slots_create(test_gpu, CELLS, COUNT, asked->planes, &slots));
 		assert_ok(gpu_slots_warm(slots, asked->divides, asked->decimates));

@@ -34,6 +34,7 @@ static const struct pair pairs[] = {
 	{EFFECT_SLIDE, HEAD SPHERE, HEAD SPHERE SCM, false},
 	{EFFECT_SLIP, HEAD SPHERE STILL_SCM, HEAD SPHERE SCM, false},
 	{EFFECT_SOIL_MAP, HEAD SPHERE SCM, HEAD SPHERE MAP, true},
+	{EFFECT_SOIL_RASTERS, HEAD SPHERE SCM, HEAD SPHERE RASTERS, true},
 	{EFFECT_MESH, HEAD SPHERE, HEAD OBJECT("mesh: {file: block.obj}"), false},
 	{EFFECT_GROUSERS, HEAD OBJECT(WHEEL "}"), HEAD OBJECT(WHEEL ", lugs: 12}"), false},
 	{EFFECT_LOAD, HEAD SPHERE SCM, HEAD LOADED, false},
@@ -164,8 +165,9 @@ static int check_units(const cJSON *a, const cJSON *b)
 	int problems = 0;
 	for (const cJSON *unit = counts_get(a, "units")->child; unit != NULL; unit = unit->next) {
 		const cJSON *other = counts_get(counts_get(b, "units"), unit->string);
-		/* Slots of classes are the map's own, and counted for it; so are draws of objects. */
+		/* Slots of classes are the map's own, and counted for it; so are those of numbers, and draws of objects. */
 		if (goes_by_the_clock(unit->string) || strcmp(unit->string, plan_unit_name(PLAN_CLASS_SLOT)) == 0 ||
+		    strcmp(unit->string, plan_unit_name(PLAN_NUMBER_SLOT)) == 0 ||
 		    strcmp(unit->string, plan_unit_name(PLAN_LEFT)) == 0 || strcmp(unit->string, plan_unit_name(PLAN_OBJECTS)) == 0 ||
 		    strcmp(unit->string, plan_unit_name(PLAN_SHADOWED)) == 0)
 			continue;

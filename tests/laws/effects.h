@@ -33,6 +33,8 @@ static inline double gentle(int64_t x, int64_t y)
 
 #define MAP "soil: {map: classes.png, classes: {1: dry_sand}, default: dry_sand}\nredistribute: {model: scm}\n"
 
+#define RASTERS "soil: {name: dry_sand, rasters: {cohesion: classes.png}}\nredistribute: {model: scm}\n"
+
 /* Neither objects nor a view: no file may say that. */
 #define NOTHING ""
 

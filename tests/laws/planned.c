@@ -106,6 +106,19 @@ static void a_map_that_is_drawn_is_read_for_every_tile(void **state)
 	}
 }
 
+/* Numbers of the soil are read for tiles of the working level alone, also with a map that is drawn. */
+static void rasters_are_read_for_contacts_alone(void **state)
+{
+	static const char both[] = HEAD SPHERE "soil: {map: classes.png, classes: {1: dry_sand}, default: dry_sand, rasters: {cohesion: "
+					       "classes.png, friction_angle: classes.png}}\nredistribute: {model: scm}\n" VIEW("texture, splat");
+	write_files();
+	struct outcome outcome = drive(both);
+	const cJSON *units = counts_get(outcome.counts, "units");
+	int64_t numbers = counts_integer(units, plan_unit_name(PLAN_NUMBER_SLOT)), classes = counts_integer(units, plan_unit_name(PLAN_CLASS_SLOT));
+	assert_true(numbers > 0 && numbers < classes);
+	finish(&outcome);
+}
+
 /* What an earlier drive left is looked at where it matters, and the plan says so. */
 static void a_deformed_store_is_planned_as_it_is(void **state)
 {
@@ -197,6 +210,7 @@ int main(void)
 		cmocka_unit_test(every_drive_counts_what_was_planned),
 		cmocka_unit_test(only_pictures_that_are_written_are_drawn),
 		cmocka_unit_test(a_map_that_is_drawn_is_read_for_every_tile),
+		cmocka_unit_test(rasters_are_read_for_contacts_alone),
 		cmocka_unit_test(a_deformed_store_is_planned_as_it_is),
 		cmocka_unit_test(few_programs_do_for_all_scenes),
 		cmocka_unit_test(a_resting_object_runs_no_pass),

@@ -55,6 +55,19 @@ static enum status classes_of(void *user, unsigned loader, struct tile tile, uin
 	return STATUS_OK;
 }
 
+static uint8_t number_of(struct tile tile, int byte)
+{
+	return (uint8_t)(tile.x * 11 + tile.y * 13 + (unsigned)byte * 7);
+}
+
+static enum status numbers_of(void *user, unsigned loader, struct tile tile, uint8_t *numbers)
+{
+	assert_int_equal(tile.level, LEVEL);
+	for (int i = 0; i < PAGES_NUMBER_BYTES * POSTS; i++)
+		numbers[i] = number_of(tile, i);
+	return STATUS_OK;
+}
+
 static void rig_open(struct rig *rig, const char *path, unsigned planes, bool soil)
 {
 	*rig = (struct rig){.commit_log = tmpfile(), .record = calloc(1, world_record_bytes(0))};
@@ -85,6 +98,7 @@ static void rig_open(struct rig *rig, const char *path, unsigned planes, bool so
 		.before_read_back = before_read_back,
 		.snapshot = soil ? snapshot : NULL,
 		.classes = soil ? classes_of : NULL,
+		.numbers = soil ? numbers_of : NULL,
 		.user = rig,
 	};
 	must(resident_pages_create(&params, &rig->pages));
@@ -116,9 +130,13 @@ static void check_page(struct rig *rig, uint32_t slot, uint32_t x, uint32_t y, u
 			assert_memory_equal(texels[plane], truth[y][x][plane], POSTS * plane_bytes((enum plane)plane));
 	if (!soil) {
 		assert_null(gpu_slots_get(rig->slots, slot)->classes);
+		assert_null(gpu_slots_get(rig->slots, slot)->numbers);
 		return;
 	}
-	uint8_t classes[POSTS];
+	uint8_t classes[POSTS], numbers[PAGES_NUMBER_BYTES * POSTS];
+	gpu_texture_read(gpu_slots_get(rig->slots, slot)->numbers, 0, (struct gpu_rect){0, 0, CELLS + 1, CELLS + 1}, numbers);
+	for (int i = 0; i < PAGES_NUMBER_BYTES * POSTS; i++)
+		assert_int_equal(numbers[i], number_of((struct tile){LEVEL, x, y}, i));
 	gpu_texture_read(gpu_slots_get(rig->slots, slot)->classes, 0, (struct gpu_rect){0, 0, CELLS + 1, CELLS + 1}, classes);
 	for (int i = 0; i < POSTS; i++)
 		assert_int_equal(classes[i], class_of((struct tile){LEVEL, x, y}, i));
@@ -277,10 +295,10 @@ static void state_comes_back_the_same_bits(void **state)
 	const struct resident_pages_budget most = rig.most;
 	struct gpu_slots_bytes bytes;
 	gpu_slots_bytes(rig.slots, &bytes);
-	uint64_t taken = bytes.base + bytes.classes;
+	uint64_t taken = bytes.base + bytes.classes + bytes.numbers;
 	for (int plane = 0; plane < PLANES; plane++)
 		taken += bytes.planes[plane];
-	assert_true(taken <= most.slots && most.slots <= (uint64_t)SLOTS * (POSTS * 24));
+	assert_true(taken <= most.slots && most.slots <= (uint64_t)SLOTS * (POSTS * 28));
 	rig_close(&rig);
 	check_store(path, ALL, ALL, true);
 	/* Who needs no state reads none and makes no room for it. */

@@ -108,7 +108,7 @@ static void limits_are_taken_and_what_is_beyond_is_not(void **state)
 		{"0.4}", "0.4, grousers: 4, grouser_height: %s}", {"1e-3", "0.5"}, {"0", "0.51"}, "allowed: above 0 to "},
 		{"0.4}", "0.4, grousers: 4, grouser_thickness: %s}", {"1e-3", "1000"}, {"0", "1001"}, "allowed: above 0 to 1000"},
 		{"3}\n", "3}\n    load: %s\n", {"1e-3", "1e9"}, {"0", "-1", "1.1e9"}, "allowed: above 0 to 1000000000"},
-		{"3}\n", "3}\n    slip: %s\n", {"-0.99", "0.99"}, {"-1", "1", "nan"}, "objects[0].slip: "},
+		{"3}\n", "3}\n    slip: %s\n", {"-1000", "0.99"}, {"-1001", "1", "nan"}, "objects[0].slip: "},
 		{"3}\n", "3}\noutput: {forces: %s}\n", {"0", "0.1", "1e6"}, {"-1", "1.1e6"}, "allowed: 0 to 1000000"},
 		{"3}\n", "3}\noutput: {forces: 1, delay: %s}\n", {"0", "64"}, {"-1", "65"}, "allowed: 0 to 64"},
 		{"wheel: {radius: 0.5, width: 0.4}", "mesh: {file: a.obj, scale: %s}", {NULL}, {"0", "1001"},
@@ -247,6 +247,92 @@ static void what_is_wrong_with_a_map_is_told(void **state)
 	unlink(in_folder("m.png"));
 }
 
+static const char rasters[] = "{name: dry_sand, rasters: {friction_angle: phi.png, cohesion: c.png}}";
+
+static void rasters_are_in_the_order_of_their_numbers_and_their_bytes_count(void **state)
+{
+	struct scene *plain = load_edited(base, "{name: dry_sand}", "{name: dry_sand}");
+	char hash[33];
+	write_text("c.png", "any bytes");
+	write_text("phi.png", "some bytes");
+	struct scene *scene = load_edited(base, "{name: dry_sand}", rasters);
+	assert_int_equal(plain->raster_count, 0);
+	assert_int_equal(scene->raster_count, 2);
+	assert_true(scene->rasters[0].number == DEFORM_COHESION && scene->rasters[1].number == DEFORM_FRICTION_ANGLE);
+	assert_string_equal(scene->rasters[0].path, in_folder("c.png"));
+	assert_string_equal(scene->rasters[1].path, in_folder("phi.png"));
+	assert_memory_equal(&scene->soils[0], &plain->soils[0], sizeof scene->soils[0]);
+	assert_int_equal(scene_effects(scene, 0) ^ scene_effects(plain, 0), EFFECT_BIT(EFFECT_SOIL_RASTERS));
+	assert_string_not_equal(scene->hash, plain->hash);
+	strcpy(hash, scene->hash);
+	scene_destroy(scene);
+	/* In any order, by any name; but each for its own number, and with its own bytes. */
+	write_text("a.png", "any bytes");
+	write_text("b.png", "some bytes");
+	static const struct {
+		const char *soil;
+		bool same;
+	} others[] = {
+		{"{name: dry_sand, rasters: {cohesion: c.png, friction_angle: phi.png}}", true},
+		{"{name: dry_sand, rasters: {cohesion: a.png, friction_angle: b.png}}", true},
+		{"{name: dry_sand, rasters: {cohesion: b.png, friction_angle: a.png}}", false},
+		{"{name: dry_sand, rasters: {cohesion: a.png, janosi_shear: b.png}}", false},
+		{"{name: dry_sand, rasters: {cohesion: a.png}}", false},
+		{"{map: a.png, classes: {1: lunar}, default: dry_sand, rasters: {cohesion: a.png, friction_angle: b.png}}", false},
+	};
+	for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
+		scene = load_edited(base, "{name: dry_sand}", others[i].soil);
+		assert_int_equal(strcmp(scene->hash, hash) == 0, others[i].same);
+		scene_destroy(scene);
+	}
+	write_text("c.png", "other bytes");
+	scene = load_edited(base, "{name: dry_sand}", rasters);
+	assert_string_not_equal(scene->hash, hash);
+	scene_destroy(scene);
+	/* None of them are given: the hash is that of ever. */
+	scene = load_edited(base, "{name: dry_sand}", "{name: dry_sand, rasters: {}}");
+	assert_string_equal(scene->hash, plain->hash);
+	scene_destroy(scene);
+	scene_destroy(plain);
+	static const char *const files[] = {"a.png", "b.png", "c.png", "phi.png"};
+	for (size_t i = 0; i < 4; i++)
+		unlink(in_folder(files[i]));
+}
+
+static void what_is_wrong_with_rasters_is_told(void **state)
+{
+	static const struct {
+		const char *soil, *says;
+	} cases[] = {
+		{"{name: dry_sand, rasters: c.png}", ":3: soil.rasters: is a single value; allowed: a mapping of bekker_kc, bekker_kphi, "},
+		{"{name: dry_sand, rasters: {repose: c.png}}", ":3: soil.rasters.repose: unknown key; allowed: bekker_kc, bekker_kphi, bekker_n, "
+							       "cohesion, friction_angle, janosi_shear, elastic_stiffness"},
+		{"{name: dry_sand, rasters: {cohesion: [1]}}", ":3: soil.rasters.cohesion: is a list; allowed: text"},
+		{"{name: dry_sand, rasters: {cohesion: absent.png}}", ":3: soil.rasters.cohesion: \"absent.png\": No such file"},
+		{"{name: dry_sand, rasters: {cohesion: /dev/zero}}", ":3: soil.rasters.cohesion: \"/dev/zero\": not a file; "},
+		{"{name: dry_sand, rasters: {bekker_kc: c.png, bekker_kphi: c.png, bekker_n: c.png, cohesion: c.png, friction_angle: c.png}}",
+		 ":3: soil.rasters.friction_angle: is one raster too many; allowed: at most 4"},
+		{"{rasters: {cohesion: c.png}}", ":3: soil: model scm needs bekker_kc, "},
+		{"{name: mud, rasters: {cohesion: c.png}}", ":3: soil.name: mud has no "},
+		{"{name: lunar, map: c.png, classes: {1: lunar}, default: lunar, rasters: {cohesion: c.png}}",
+		 ":3: soil.map: does not go with a soil beside it; allowed: map, classes, default, rasters"},
+	};
+	write_text("c.png", "c");
+	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
+		refuse("{name: dry_sand}", cases[i].soil, cases[i].says);
+	refuse("{name: dry_sand}\nredistribute: {model: scm", "{name: dry_sand, rasters: {cohesion: c.png}}\nredistribute: {model: slippage",
+	       ":3: soil.rasters: model slippage reads a soil's numbers by class alone; allowed with: scm; or give soil.map");
+	refuse("{name: dry_sand}\nredistribute: {model: scm", "{name: dry_sand, rasters: {cohesion: c.png}}\nredistribute: {model: sumner",
+	       ":3: soil.rasters: model sumner reads ");
+	/* What reads no soil does not look for its rasters. */
+	struct scene *scene = load_edited(base, "{name: dry_sand}\nredistribute: {model: scm",
+					  "{name: dry_sand, rasters: {cohesion: absent.png}}\nredistribute: {model: box");
+	assert_int_equal(scene->raster_count, 0);
+	assert_int_equal(scene->unused_count, 1);
+	scene_destroy(scene);
+	unlink(in_folder("c.png"));
+}
+
 static void a_soil_that_no_model_reads_is_checked_and_costs_nothing(void **state)
 {
 	static const char *const models[] = {"none", "box"};
@@ -279,6 +365,14 @@ static void memory_that_runs_out_is_told_at_every_allocation(void **state)
 	write_text("soils.png", "any bytes");
 	assert_memory_is_told(settings, 2, false);
 	unlink(in_folder("soils.png"));
+	free(text);
+	text = edited(base, "{name: dry_sand}", rasters);
+	write_text("scene.yaml", text);
+	write_text("c.png", "any bytes");
+	write_text("phi.png", "some bytes");
+	assert_memory_is_told(settings + 1, 1, false);
+	unlink(in_folder("c.png"));
+	unlink(in_folder("phi.png"));
 	unlink(in_folder("scene.yaml"));
 	free(text);
 }
@@ -293,6 +387,8 @@ int main(void)
 		cmocka_unit_test(what_no_soil_can_be_is_refused),
 		cmocka_unit_test(a_map_gives_each_value_its_soil),
 		cmocka_unit_test(what_is_wrong_with_a_map_is_told),
+		cmocka_unit_test(rasters_are_in_the_order_of_their_numbers_and_their_bytes_count),
+		cmocka_unit_test(what_is_wrong_with_rasters_is_told),
 		cmocka_unit_test(a_soil_that_no_model_reads_is_checked_and_costs_nothing),
 		cmocka_unit_test(memory_that_runs_out_is_told_at_every_allocation),
 	};

@@ -35,7 +35,7 @@ static void run(struct deform *deform, struct gpu_program *program, const struct
 		.program = program,
 		.target = deform->scratch[layer].to[TO_BARE],
 		.viewport = deform_rows(now.shadow),
-		.textures = {deform->under, deform->classes, deform->rest},
+		.textures = {deform->under, deform->classes, deform->numbers, deform->rest},
 		.images = {deform->bases, deform->planes_of[1][PLANE_DEPOSITED], deform->planes_of[0][PLANE_DUG],
 			   deform->planes_of[0][PLANE_PLASTIC_SINKAGE]},
 		.storage = {[2] = deform->tries},

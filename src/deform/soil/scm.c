@@ -82,6 +82,18 @@ static void fill_soils(const struct deform_params *params, struct scm_soil *soil
 	}
 }
 
+static void fill_rasters(const struct deform_params *params, float rasters[DEFORM_RASTERS][4])
+{
+	for (int i = 0; i < DEFORM_RASTERS; i++) {
+		const struct deform_raster *raster = &params->rasters[i];
+		bool used = i < params->raster_count;
+		rasters[i][0] = used ? (float)raster->low : 0;
+		rasters[i][1] = used ? (float)raster->high : 0;
+		rasters[i][2] = used ? (float)((raster->high - raster->low) / (DEFORM_LEVELS - 1)) : 0;
+		rasters[i][3] = used ? (float)raster->number : -1;
+	}
+}
+
 /* Returns the largest sinkage of a loaded object, metres: its height. A mesh's centre may lie anywhere in the mesh. */
 static double deepest(const struct deform_contact *contact)
 {
@@ -119,6 +131,7 @@ static struct scm_params params_of(const struct deform *deform, const struct def
 	}
 	fill_motion(contact, &params);
 	fill_soils(&deform->params, params.soils);
+	fill_rasters(&deform->params, params.rasters);
 	return params;
 }
 
@@ -153,7 +166,7 @@ static enum status run_contact(struct deform *deform, const struct deform_contac
 		.program = deform->scm[with],
 		.target = deform->scratch[layer].to[TO_BARE],
 		.viewport = deform_rows(params.written),
-		.textures = {deform->under, deform->classes, deform->rest},
+		.textures = {deform->under, deform->classes, deform->numbers, deform->rest},
 		.images = {deform->bases, deform->planes_of[1][PLANE_DEPOSITED], deform->planes_of[0][PLANE_DUG], deform->planes_of[1][PLANE_OFFSET],
 			   deform->planes_of[0][PLANE_PLASTIC_SINKAGE], deform->planes_of[0][PLANE_SHEAR], deform->contacts,
 			   deform->carried},
@@ -202,6 +215,7 @@ const struct soil_model deform_model_scm = {
 	.shader = "deform/scm.frag",
 	.planes = PLANE_BIT(PLANE_DEPOSITED) | PLANE_BIT(PLANE_PLASTIC_SINKAGE) | PLANE_BIT(PLANE_SHEAR),
 	.in_place = true,
+	.rasters = true,
 	.slide = &deform_slide_excess,
 	.critical = critical,
 };

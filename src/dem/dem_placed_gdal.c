@@ -1,27 +1,35 @@
 /*
- * Classes of a GeoTIFF in any SRS. Each post is transformed in a call of its own. GDAL may choose a transformation by the area
- * that all points of one call cover. But the class of a post must not depend on its neighbours.
+ * A GeoTIFF in any SRS that lies over the terrain. Each post is transformed in a call of its own. GDAL may choose a transformation
+ * by the area that all points of one call cover. But what a post gets must not depend on its neighbours.
  */
 #include <math.h>
 
-#include "dem_classes.h"
+#include "dem_placed.h"
 #include "dem_gdal.h"
 
-struct gdal_of_classes {
-	struct dem_raster_of_classes raster;
+struct gdal_of_values {
+	struct dem_placed raster;
 	const struct dem_classes_params *params;
 	GDALDatasetH dataset;
 	GDALRasterBandH band;
 	GDALRasterBandH mask; /* NULL: all pixels are valid */
 	unsigned char *masked;
+	enum dem_placed_kind kind;
+	int64_t most;         /* pixels of a window */
+	double scale, offset; /* of a pixel's stored value; classes are as they are stored */
 	double pixels[6]; /* the geotransform's inverse */
 	OGRCoordinateTransformationH move; /* NULL: none is needed */
 	double turn; /* the raster's unit in a full circle of longitude; 0: x is none */
 };
 
-static void gdal_destroy(struct dem_raster_of_classes *raster)
+static const char *const names[] = {
+	[DEM_PLACED_CLASSES] = "a map of classes",
+	[DEM_PLACED_NUMBERS] = "a raster of soil numbers",
+};
+
+static void gdal_destroy(struct dem_placed *raster)
 {
-	struct gdal_of_classes *gdal = (struct gdal_of_classes *)raster;
+	struct gdal_of_values *gdal = (struct gdal_of_values *)raster;
 	if (gdal->move != NULL)
 		OCTDestroyCoordinateTransformation(gdal->move);
 	if (gdal->dataset != NULL)
@@ -30,7 +38,7 @@ static void gdal_destroy(struct dem_raster_of_classes *raster)
 	mem_free(gdal);
 }
 
-static bool lies_in(const struct gdal_of_classes *gdal, double x, double y, double pixel[2])
+static bool lies_in(const struct gdal_of_values *gdal, double x, double y, double pixel[2])
 {
 	const double *p = gdal->pixels;
 	pixel[0] = p[0] + p[1] * x + p[2] * y;
@@ -40,7 +48,7 @@ static bool lies_in(const struct gdal_of_classes *gdal, double x, double y, doub
 }
 
 /* Longitudes may be counted from elsewhere: 190 in the raster is -170 here. */
-static void place_pixel(const struct gdal_of_classes *gdal, double *x, double *y)
+static void place_pixel(const struct gdal_of_values *gdal, double *x, double *y)
 {
 	double plain[2], around[2];
 	bool in = lies_in(gdal, *x, *y, plain);
@@ -53,9 +61,9 @@ static void place_pixel(const struct gdal_of_classes *gdal, double *x, double *y
 	*y = plain[1];
 }
 
-static void gdal_locate(struct dem_raster_of_classes *raster, size_t count, double *x, double *y)
+static void gdal_locate(struct dem_placed *raster, size_t count, double *x, double *y)
 {
-	const struct gdal_of_classes *gdal = (const struct gdal_of_classes *)raster;
+	const struct gdal_of_values *gdal = (const struct gdal_of_values *)raster;
 	const struct dem_classes_params *params = gdal->params;
 	for (size_t i = 0; i < count; i++) {
 		x[i] = params->origin[0] + x[i] * params->extent->spacing;
@@ -67,45 +75,55 @@ static void gdal_locate(struct dem_raster_of_classes *raster, size_t count, doub
 	}
 }
 
-static enum status gdal_window(struct dem_raster_of_classes *raster, struct post_rect pixels, int32_t *values)
+static enum status gdal_window(struct dem_placed *raster, struct post_rect pixels, double *values)
 {
-	struct gdal_of_classes *gdal = (struct gdal_of_classes *)raster;
+	struct gdal_of_values *gdal = (struct gdal_of_values *)raster;
 	int x = (int)pixels.x0, y = (int)pixels.y0, width = (int)(pixels.x1 - pixels.x0),
 	    height = (int)(pixels.y1 - pixels.y0);
 	CPLErrorReset();
 	CPLErr problem =
-		GDALRasterIO(gdal->band, GF_Read, x, y, width, height, values, width, height, GDT_Int32, 0, 0);
+		GDALRasterIO(gdal->band, GF_Read, x, y, width, height, values, width, height, GDT_Float64, 0, 0);
 	if (problem == CE_None && gdal->mask != NULL)
 		problem = GDALRasterIO(gdal->mask, GF_Read, x, y, width, height, gdal->masked, width, height, GDT_Byte,
 				       0, 0);
 	if (problem != CE_None)
 		return fail_with(STATUS_INPUT, "%s: reading it failed at column %d, row %d: %s; fetch or make that file "
 				 "again", gdal->params->path, x, y, dem_gdal_message());
-	for (int64_t i = 0; gdal->mask != NULL && i < (int64_t)width * height; i++)
-		if (gdal->masked[i] == 0)
-			values[i] = DEM_CLASS_NONE;
+	for (int64_t i = 0; i < (int64_t)width * height; i++)
+		values[i] = gdal->mask != NULL && gdal->masked[i] == 0 ? (double)NAN : values[i] * gdal->scale + gdal->offset;
 	return STATUS_OK;
 }
 
-static enum status take_band(struct gdal_of_classes *gdal)
+static enum status take_band(struct gdal_of_values *gdal)
 {
 	const char *path = gdal->params->path;
 	int bands = GDALGetRasterCount(gdal->dataset);
 	bool alone = bands == 1 || (bands == 2 && GDALGetRasterColorInterpretation(GDALGetRasterBand(gdal->dataset, 2)) ==
 						  GCI_AlphaBand);
 	if (!alone)
-		return fail_with(STATUS_INPUT, "%s: has %d bands, and a map of classes is one; take one out with "
-				 "gdal_translate -b", path, bands);
+		return fail_with(STATUS_INPUT, "%s: has %d bands, and %s is one; take one out with gdal_translate -b", path, bands,
+				 names[gdal->kind]);
 	gdal->band = GDALGetRasterBand(gdal->dataset, 1);
 	GDALDataType type = GDALGetRasterDataType(gdal->band);
-	if (!GDALDataTypeIsInteger(type) || GDALDataTypeIsComplex(type))
+	if (gdal->kind == DEM_PLACED_NUMBERS && GDALDataTypeIsComplex(type))
+		return fail_with(STATUS_INPUT, "%s: holds %s, and numbers are real; make them so with gdal_translate -ot Float32", path,
+				 GDALGetDataTypeName(type));
+	if (gdal->kind == DEM_PLACED_CLASSES && (!GDALDataTypeIsInteger(type) || GDALDataTypeIsComplex(type)))
 		return fail_with(STATUS_INPUT, "%s: holds %s, and classes are whole numbers from 0 to 255; make it "
 				 "bytes with gdal_translate -ot Byte", path, GDALGetDataTypeName(type));
 	gdal->raster.width = GDALGetRasterXSize(gdal->dataset);
 	gdal->raster.height = GDALGetRasterYSize(gdal->dataset);
+	gdal->scale = 1;
+	if (gdal->kind == DEM_PLACED_NUMBERS) {
+		int given;
+		double scale = GDALGetRasterScale(gdal->band, &given);
+		gdal->scale = given ? scale : 1;
+		double offset = GDALGetRasterOffset(gdal->band, &given);
+		gdal->offset = given ? offset : 0;
+	}
 	if ((GDALGetMaskFlags(gdal->band) & GMF_ALL_VALID) == 0) {
 		gdal->mask = GDALGetMaskBand(gdal->band);
-		gdal->masked = mem_alloc(DEM_CLASSES_WINDOW, 1);
+		gdal->masked = mem_alloc((size_t)gdal->most, 1);
 		if (gdal->masked == NULL)
 			return fail_memory(path);
 	}
@@ -113,11 +131,11 @@ static enum status take_band(struct gdal_of_classes *gdal)
 }
 
 /* Makes the transform from the store's SRS to the raster's SRS, unless they are the same. */
-static enum status take_way(struct gdal_of_classes *gdal, OGRSpatialReferenceH srs)
+static enum status take_way(struct gdal_of_values *gdal, OGRSpatialReferenceH srs)
 {
 	const struct dem_classes_params *params = gdal->params;
 	if (params->srs[0] == '\0')
-		return fail_with(STATUS_INPUT, "%s: lies on a planet, and the store is local metres; give a map without "
+		return fail_with(STATUS_INPUT, "%s: lies on a planet, and the store is local metres; give one without "
 				 "an SRS, in metres from the south-west post, or a PNG", params->path);
 	OGRSpatialReferenceH store = dem_srs_parse(params->srs);
 	if (store == NULL)
@@ -135,7 +153,7 @@ static enum status take_way(struct gdal_of_classes *gdal, OGRSpatialReferenceH s
 	return status;
 }
 
-static enum status take_place(struct gdal_of_classes *gdal)
+static enum status take_place(struct gdal_of_values *gdal)
 {
 	const char *path = gdal->params->path;
 	double place[6];
@@ -154,25 +172,28 @@ static enum status take_place(struct gdal_of_classes *gdal)
 	return take_way(gdal, srs);
 }
 
-enum status dem_classes_gdal_open(const struct dem_classes_params *params, struct dem_raster_of_classes **out)
+enum status dem_placed_gdal_open(const struct dem_classes_params *params, enum dem_placed_kind kind, int64_t most,
+				 struct dem_placed **out)
 {
 	/* A scene is a stranger's: no format that names further files, or places on the net. */
 	static const char *const drivers[] = {"GTiff", NULL};
 	enum status status = dem_gdal_init(params->path);
 	if (status != STATUS_OK)
 		return status;
-	struct gdal_of_classes *gdal = mem_calloc(1, sizeof *gdal);
+	struct gdal_of_values *gdal = mem_calloc(1, sizeof *gdal);
 	if (gdal == NULL)
 		return fail_memory(params->path);
 	gdal->params = params;
+	gdal->kind = kind;
+	gdal->most = most;
 	gdal->raster.locate = gdal_locate;
 	gdal->raster.window = gdal_window;
 	gdal->raster.destroy = gdal_destroy;
 	gdal->dataset = GDALOpenEx(params->path, GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, drivers,
 				   NULL, NULL);
 	if (gdal->dataset == NULL)
-		status = fail_with(STATUS_INPUT, "%s: cannot be opened as a map of classes: %s; give a whole GeoTIFF or "
-				   "a grey PNG", params->path, dem_gdal_message());
+		status = fail_with(STATUS_INPUT, "%s: cannot be opened as %s: %s; give a whole GeoTIFF or a grey PNG",
+				   params->path, names[kind], dem_gdal_message());
 	if (status == STATUS_OK)
 		status = take_band(gdal);
 	if (status == STATUS_OK)

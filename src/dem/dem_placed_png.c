@@ -1,33 +1,31 @@
 /*
- * Reads the soil class of each post from a grey PNG. A PNG has no coordinates: each pixel is one post of level 0, and the first
- * pixel is the north-west post. The value of a pixel is the class.
+ * Reads a grey PNG that lies over the terrain. A PNG has no coordinates: each pixel is one post of level 0, and the first pixel is
+ * the north-west post. Values are as they are stored, 0 to 255 or 0 to 65535.
  */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "dem_classes.h"
+#include "dem_placed.h"
 
 #define PNG_PIXELS ((int64_t)1 << 30) /* two bytes each in a temporary file */
 
-struct png_of_classes {
-	struct dem_raster_of_classes raster;
+struct png_of_values {
+	struct dem_placed raster;
 	const struct dem_classes_params *params;
 	struct dem_grid *grid;
-	double *row;
 };
 
-static void png_destroy(struct dem_raster_of_classes *raster)
+static void png_destroy(struct dem_placed *raster)
 {
-	struct png_of_classes *png = (struct png_of_classes *)raster;
+	struct png_of_values *png = (struct png_of_values *)raster;
 	dem_grid_destroy(png->grid);
-	mem_free(png->row);
 	mem_free(png);
 }
 
-static void png_locate(struct dem_raster_of_classes *raster, size_t count, double *x, double *y)
+static void png_locate(struct dem_placed *raster, size_t count, double *x, double *y)
 {
-	const struct png_of_classes *png = (const struct png_of_classes *)raster;
+	const struct png_of_values *png = (const struct png_of_values *)raster;
 	double north = (double)(png->params->extent->height - 1);
 	for (size_t i = 0; i < count; i++) {
 		x[i] = x[i] + 0.5;
@@ -35,18 +33,16 @@ static void png_locate(struct dem_raster_of_classes *raster, size_t count, doubl
 	}
 }
 
-static enum status png_window(struct dem_raster_of_classes *raster, struct post_rect pixels, int32_t *values)
+static enum status png_window(struct dem_placed *raster, struct post_rect pixels, double *values)
 {
-	struct png_of_classes *png = (struct png_of_classes *)raster;
+	struct png_of_values *png = (struct png_of_values *)raster;
 	int64_t width = pixels.x1 - pixels.x0;
 	for (int64_t row = pixels.y0; row < pixels.y1; row++, values += width) {
 		int64_t y = raster->height - 1 - row; /* the grid's are from the south */
 		enum status status =
-			png->grid->read(png->grid, (struct post_rect){pixels.x0, y, pixels.x1, y + 1}, png->row);
+			png->grid->read(png->grid, (struct post_rect){pixels.x0, y, pixels.x1, y + 1}, values);
 		if (status != STATUS_OK)
 			return status;
-		for (int64_t x = 0; x < width; x++)
-			values[x] = (int32_t)png->row[x];
 	}
 	return STATUS_OK;
 }
@@ -56,8 +52,8 @@ static int64_t big_endian(const unsigned char bytes[4])
 	return (int64_t)bytes[0] << 24 | bytes[1] << 16 | bytes[2] << 8 | bytes[3];
 }
 
-/* Checks the PNG's header. It refuses pictures that the reader of heightmaps takes, but that cannot hold classes of soil. */
-static enum status png_check(const char *path)
+/* Checks the PNG's header. It refuses pictures that the reader of heightmaps takes, but that hold no numbers. */
+static enum status png_check(const char *path, enum dem_placed_kind kind)
 {
 	unsigned char header[26];
 	FILE *file = fopen(path, "rb");
@@ -70,8 +66,8 @@ static enum status png_check(const char *path)
 		return fail_with(STATUS_INPUT, "%s: is not a PNG; give a grey PNG or a GeoTIFF", path);
 	int bits = header[24], colour = header[25];
 	if ((colour & 3) != 0)
-		return fail_with(STATUS_INPUT, "%s: is in colour, and classes are numbers; give a grey PNG or a GeoTIFF",
-				 path);
+		return fail_with(STATUS_INPUT, "%s: is in colour, and %s numbers; give a grey PNG or a GeoTIFF", path,
+				 kind == DEM_PLACED_CLASSES ? "classes are" : "here it holds");
 	if (bits != 8 && bits != 16)
 		return fail_with(STATUS_INPUT, "%s: has %d bits a pixel; give one of 8 or 16", path, bits);
 	int64_t width = big_endian(header + 16), height = big_endian(header + 20);
@@ -81,28 +77,23 @@ static enum status png_check(const char *path)
 	return STATUS_OK;
 }
 
-enum status dem_classes_png_open(const struct dem_classes_params *params, struct dem_raster_of_classes **out)
+enum status dem_placed_png_open(const struct dem_classes_params *params, enum dem_placed_kind kind,
+				struct dem_placed **out)
 {
 	const struct dem_params plain = {.source_count = 1};
-	enum status status = png_check(params->path);
+	enum status status = png_check(params->path, kind);
 	if (status != STATUS_OK)
 		return status;
-	struct png_of_classes *png = mem_calloc(1, sizeof *png);
+	struct png_of_values *png = mem_calloc(1, sizeof *png);
 	if (png == NULL)
 		return fail_memory(params->path);
 	png->params = params;
 	status = dem_png_open(&plain, params->path, &png->grid);
-	if (status == STATUS_OK) {
-		int64_t width = png->grid->width < DEM_CLASSES_WINDOW ? png->grid->width : DEM_CLASSES_WINDOW;
-		png->row = mem_alloc((size_t)width, sizeof *png->row);
-		if (png->row == NULL)
-			status = fail_memory(params->path);
-	}
 	if (status != STATUS_OK) {
 		png_destroy(&png->raster);
 		return status;
 	}
-	png->raster = (struct dem_raster_of_classes){
+	png->raster = (struct dem_placed){
 		.locate = png_locate,
 		.window = png_window,
 		.destroy = png_destroy,

@@ -1,0 +1,179 @@
+#!/usr/bin/env python3
+"""Whether scm's numbers converge: the command drives wheels at several spacings, directions and places, and each number stands beside its
+closed form. Gates are told as met or MISSED.
+
+    python3 bench/converge.py rel/tools/furrow -o bench-out          # about ten minutes; --quick: about one
+    python3 bench/converge.py rel/tools/furrow --only steady --only fixed
+    python3 bench/converge.py bench-out/converge.jsonl               # tables of an earlier run
+"""
+import argparse
+import json
+import pathlib
+import sys
+import tempfile
+import time
+
+import converge_cases
+import lanes
+from converge_tables import PARTS, at, convergence, gates_table, grouped, mean, millimetres, percent, worst
+from pages import table
+from validation import COLOURS, Plot
+
+
+def steady_text(rows):
+    found = []
+    for (soil, rim), of in grouped(rows, "soil", "rim_of").items():
+        title = f"**{soil}**, {of[0]['load']:g} N, {'the default rim' if rim == 'default' else 'no rim'}:"
+        found.append(convergence(of, title))
+    return "\n".join(found)
+
+
+def vertical_text(rows):
+    return "\n".join(convergence(of, f"**{soil}**, no rim, no damping, against vertical normals:") for (soil,), of in grouped(rows, "soil").items())
+
+
+def fixed_text(rows):
+    lines = []
+    for (normals, spacing, sink, slip), of in grouped(rows, "normals", "spacing", "sink", "slip").items():
+        cells = []
+        for key in ("fz", "drawbar", "torque"):
+            for form in ("closed_rim", "closed_ground"):
+                reference = of[0][form][key]
+                cells.append(f"{reference:.1f} ({percent(worst(of, key, lambda _: reference))})")
+            cells.insert(-2, f"{mean(of, key):.1f}")
+        lines.append([normals, millimetres(spacing), f"{sink:g}", f"{slip:g}", *cells])
+    head = ["normals", "spacing", "sink, m", "slip"]
+    for name in ("Fz, N", "Fx, N", "My, N m"):
+        head += [name, "closed, j of the rim", "closed, j of the ground"]
+    return table(head, lines)
+
+
+def heavy_text(rows):
+    spacings = sorted({row["spacing"] for row in rows}, reverse=True)
+    lines = []
+    for (soil, load, bulldozing), of in grouped(rows, "soil", "load", "bulldozing").items():
+        for key in PARTS:
+            reference = of[0]["closed"][key] if of[0]["closed"] else None
+            cells = []
+            for d in spacings:
+                here = at(of, d)
+                scale = 1e3 if key == "sinkage" else 1
+                cells.append(f"{min(row[key] for row in here) * scale:.4g} .. {max(row[key] for row in here) * scale:.4g}")
+            ranges = f"{max(row['sinkage_range'] for row in at(of, spacings[-1])) * 1e3:.3g}" if key == "sinkage" else ""
+            lines.append([soil, f"{load:g}", f"{bulldozing:g}", key, f"{reference * (1e3 if key == 'sinkage' else 1):.4g}" if reference else "-", *cells, ranges])
+    return table(["soil", "load, N", "bulldozing", "mm, N, N m", "closed form, no rim", *(millimetres(d) for d in spacings), "range along the way, mm, finest"],
+                 lines)
+
+
+def passes_text(rows):
+    ways = list(grouped(rows, "direction", "spacing"))
+    head = ["pass"] + [f"{what}, {millimetres(d)}, {a:g} degrees" for a, d in ways for what in ("sinkage mm", "drawbar N")]
+    lines = []
+    for (number,), of in grouped(rows, "pass").items():
+        by = {(row["direction"], row["spacing"]): row for row in of}
+        lines.append([str(number)] + [f"{by[way][key] * scale:.2f}" for way in ways for key, scale in (("sinkage", 1e3), ("drawbar", 1))])
+    return table(head, lines)
+
+
+def loads_text(rows):
+    bounds = sorted({row["load"] for row in rows})
+    lines = []
+    for (soil,), of in grouped(rows, "soil").items():
+        by = {row["load"]: row for row in of}
+        cells = []
+        for load in bounds:
+            row = by[load]
+            closed = f"{row['closed']['sinkage'] * 1e3:.4g}" if row["closed"] else "none bears it"
+            cells.append(f"{percent(row['fz'] / load - 1)}; {row['sinkage'] * 1e3:.4g} mm ({closed}) {row['state']}".strip())
+        lines.append([soil, *cells])
+    return table(["fz of the load; sinkage (closed form)", *(f"{load:g} N" for load in bounds)], lines)
+
+
+def crests_text(rows):
+    return table(["model", "shape", "spacing", "off the lattice by", "least, mm", "most, mm", "east, mm", "north-east, mm"],
+                 [[row["model"], row["shape"], millimetres(row["spacing"]), f"{row['shift']:g} posts"] +
+                  [f"{row[key] * 1e3:.1f}" for key in ("least", "most", "east", "northeast")] for row in rows])
+
+
+def plain_text(keys):
+    def text(rows):
+        def cell(value):
+            return f"{value:.4g}" if isinstance(value, float) else str(value)
+        return table([*keys, "fz of the load"], [[cell(row.get(key, "")) for key in keys] + [percent(row["fz"] / row["load"] - 1)] for row in rows])
+    return text
+
+
+TEXTS = {"steady": steady_text, "vertical": vertical_text, "fixed": fixed_text, "heavy": heavy_text, "passes": passes_text, "loads": loads_text, "crests": crests_text,
+         "slopes": plain_text(("soil", "degrees", "lane", "load", "fz", "drawbar", "side", "torque", "contact_area", "sinkage_told", "state", "residual")),
+         "speeds": plain_text(("soil", "speed", "lane", "load", "sinkage", "drawbar", "torque"))}
+HEADS = {"steady": "Steady rolling at slip 0.2", "vertical": "Beside vertical normals", "fixed": "Chrono's soft soil at a fixed sinkage, no rim",
+         "heavy": "Heavy wheels with a rim", "passes": "Passes in one rut, dry_sand, 800 N", "loads": "Loads from 1 N to 50 kN at 2 cm",
+         "slopes": "Loads on slopes at 2 cm", "speeds": "Speeds at 2 cm", "crests": "Rims by direction"}
+
+
+def page(rows):
+    parts = ["In brackets: the lane that is furthest from the closed form (rim: from the finest; fz and side force: of the load), over directions of 0, "
+             "22.5 and 45 degrees on the lattice and off it.\n"]
+    for case, text in TEXTS.items():
+        of = [row for row in rows if row["case"] == case]
+        if of:
+            parts.append(f"## {HEADS[case]}\n\n{text(of)}")
+    return "\n".join(parts) + "\n## Gates\n\n" + gates_table(rows)
+
+
+def draw(rows, before, folder):
+    """Errors of the worst lane against the spacing, dashed for an earlier run."""
+    for key in PARTS:
+        plot = Plot(f"{key}: how far the worst lane is from the closed form, no rim{' (dashed: before)' if before else ''}",
+                    ("spacing, cm", 0.4, 10, (0.5, 1, 2, 4, 8)), ("error, %", 0.01, 200, (0.01, 0.03, 0.1, 0.3, 1, 3, 10, 30, 100)), log=True)
+        for source, dash in ((rows, ""), (before, "6 3")):
+            lines = grouped([row for row in source if row["case"] == "steady" and row["rim_of"] == "none"], "soil")
+            for i, ((soil,), of) in enumerate(lines.items()):
+                errors = [(d * 100, max(abs(worst(at(of, d), key, lambda row: row["closed"][key])) * 100, 0.0101))
+                          for d in sorted({row["spacing"] for row in of})]
+                plot.line(soil if not dash else "", errors, COLOURS[i], dash)
+                if not dash:
+                    plot.dots("", errors, COLOURS[i])
+        plot.write(folder / f"converge-{key}.svg")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("furrow", help="the command; or a file of JSON lines of an earlier run")
+    parser.add_argument("-o", "--out", type=pathlib.Path, help="a folder for converge.jsonl, converge.md and plots")
+    parser.add_argument("--quick", action="store_true", help="fewer soils, spacings and cases")
+    parser.add_argument("--only", action="append", choices=list(converge_cases.CASES), help="one case; may be given again")
+    parser.add_argument("--redistribute", default="", help="keys for every scene, as in 'slip_sinkage: 0'")
+    parser.add_argument("--soil", default="", help="keys for every soil, as in 'damping: 0'")
+    parser.add_argument("--kappa", type=float, default=0.0, help="slip sinkage of the closed forms")
+    parser.add_argument("--before", type=pathlib.Path, help="JSON lines of an earlier run, for the plots")
+    options = parser.parse_args()
+    if options.furrow.endswith(".jsonl"):
+        rows = [json.loads(line) for line in pathlib.Path(options.furrow).read_text().splitlines()]
+    else:
+        rows = []
+        with tempfile.TemporaryDirectory() as folder:
+            bench = converge_cases.Bench(options.furrow, folder, ", " * bool(options.redistribute) + options.redistribute,
+                                         ", " * bool(options.soil) + options.soil, options.kappa)
+            for name in options.only or converge_cases.CASES:
+                begun = time.monotonic()
+                try:
+                    for row in converge_cases.CASES[name](bench, options.quick):
+                        rows.append(row)
+                except lanes.Failed as error:
+                    print(f"{name}: {error}", file=sys.stderr)
+                print(f"{name}: {time.monotonic() - begun:.0f} s", file=sys.stderr, flush=True)
+    text = page(rows)
+    print(text)
+    if options.out:
+        options.out.mkdir(parents=True, exist_ok=True)
+        (options.out / "converge.jsonl").write_text("".join(json.dumps(row) + "\n" for row in rows))
+        (options.out / "converge.md").write_text(text)
+        before = [json.loads(line) for line in options.before.read_text().splitlines()] if options.before else []
+        if any(row["case"] == "steady" for row in rows):
+            draw(rows, before, options.out)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,311 @@
+#!/usr/bin/env python3
+"""Closed forms of a rigid wheel on soft soil, for benches to hold the command to. Plain Python, SI units.
+
+Each form is integrated twice. `by_angle` goes along the wheel's arc, with formulas in theta. `by_way` goes along the ground, with
+vectors, and gets the shear displacement by summing the velocity of the rim over time. Neither uses a function of the other. Run
+this file to see how far they are apart:
+
+    python3 bench/soil_forms.py
+"""
+import dataclasses
+import math
+
+NAMED = {  # k_c, k_phi, n, cohesion, friction angle in degrees, K: docs/SOILS.md
+    "dry_sand": (990, 1528430, 1.1, 1040, 28, 0.02),
+    "sandy_loam_15": (5270, 1515040, 0.7, 1720, 29, 0.02),
+    "sandy_loam_22": (2560, 43120, 0.2, 1380, 38, 0.02),
+    "clayey_38": (13190, 692150, 0.5, 4140, 13, 0.02),
+    "heavy_clay_25": (12700, 1555950, 0.13, 68950, 34, 0.006),
+    "heavy_clay_40": (1840, 103270, 0.11, 20690, 6, 0.03),
+    "lean_clay_22": (16430, 1724690, 0.2, 68950, 20, 0.006),
+    "lete_sand": (102000, 5301000, 0.79, 1300, 31.1, 0.012),
+    "upland_loam_51": (74600, 2080000, 1.1, 3300, 33.7, 0.02),
+    "snow_us": (4370, 196720, 1.6, 1030, 19.7, 0.03),
+    "snow_sweden": (10550, 66080, 1.44, 6000, 20.7, 0.03),
+    "lunar": (1400, 820000, 1.0, 170, 35, 0.018),
+    "chrono_soft": (0, 200000, 1.1, 0, 30, 0.01),
+}
+STIFFNESS = 4e7  # Pa/m, K_e of every named soil
+
+
+@dataclasses.dataclass(frozen=True)
+class Soil:
+    kc: float
+    kphi: float
+    n: float
+    cohesion: float
+    friction: float  # degrees
+    janosi: float
+    stiffness: float = STIFFNESS
+
+    def yields(self, depth, width):
+        """Pa at which soil yields at a sinkage: Bekker's pressure, and never more than K_e z."""
+        return min((self.kc / width + self.kphi) * depth ** self.n, self.stiffness * depth) if depth > 0 else 0.0
+
+    def shear(self, normal, j):
+        """Pa, signed as j."""
+        most = self.cohesion + normal * math.tan(math.radians(self.friction))
+        return math.copysign(most * -math.expm1(-abs(j) / self.janosi), j) if normal > 0 else 0.0
+
+
+def named(name):
+    return Soil(*NAMED[name])
+
+
+@dataclasses.dataclass(frozen=True)
+class Wheel:
+    radius: float
+    width: float
+
+
+@dataclasses.dataclass(frozen=True)
+class Law:
+    """stress: `surface`, as Wong and Reece have it: normal and shear lie along the wheel's surface, per area of that surface. `ground`, as
+    Project Chrono has it: normal stress is vertical and shear level, per area of ground.
+    j: `rim`, the slip of one point of the rim since it entered the soil (Wong and Reece). `ground`, the slip that one point of the ground
+    has had (a post's). They differ by the factor 1 / (1 - slip) at the bottom.
+    kappa: slip sinkage; the soil is dug by kappa K (1 - exp(-j / K)) and bears as if it lay that much deeper."""
+    stress: str = "surface"
+    j: str = "rim"
+    kappa: float = 0.0
+
+
+@dataclasses.dataclass(frozen=True)
+class Answer:
+    sinkage: float  # m
+    fz: float       # N, up
+    fx: float       # N, forward: drawbar pull
+    my: float       # N m: what drives the wheel
+
+    def apart(self, other):
+        """The greatest difference, as a share of the force."""
+        return max(abs(self.fz - other.fz), abs(self.fx - other.fx), abs(self.my - other.my)) / max(abs(self.fz), 1e-12)
+
+
+# --- along the arc ---
+
+def tanh_sinh(function, low, high, levels=6):
+    """Integrates a vector of three over [low, high]; the ends may be singular."""
+    if high <= low:
+        return (0.0, 0.0, 0.0)
+    half, middle, step = (high - low) / 2, (high + low) / 2, 0.5 ** (levels - 1)
+    sums = [0.0, 0.0, 0.0]
+    for k in range(-int(3.3 / step), int(3.3 / step) + 1):
+        t = k * step
+        u = math.pi / 2 * math.sinh(t)
+        weight = math.pi / 2 * math.cosh(t) / math.cosh(u) ** 2
+        value = function(middle + half * math.tanh(u))
+        for i in range(3):
+            sums[i] += weight * value[i]
+    return tuple(s * step * half for s in sums)
+
+
+def arc_displacement(wheel, law, slip, entry, theta):
+    """j at theta, from its formula. Ahead theta is above 0."""
+    r = wheel.radius
+    if law.stress == "surface" and law.j == "rim":
+        return r * ((entry - theta) - (1 - slip) * (math.sin(entry) - math.sin(theta)))
+    if law.stress == "surface":
+        return r * ((math.sin(entry) - math.sin(theta)) / (1 - slip) -
+                    ((entry - theta) + (math.sin(2 * entry) - math.sin(2 * theta)) / 2) / 2)
+    if law.j == "rim":
+        return r * ((math.sin(entry) - math.sin(theta)) - (1 - slip) * (entry - theta))
+    return r * (((entry - theta) + (math.sin(2 * entry) - math.sin(2 * theta)) / 2) / 2 / (1 - slip) - (math.sin(entry) - math.sin(theta)))
+
+
+def roots(function, low, high, steps=400):
+    """Where it changes its sign between low and high."""
+    found, before = [], function(low)
+    for i in range(1, steps + 1):
+        a, b = low + (high - low) * (i - 1) / steps, low + (high - low) * i / steps
+        after = function(b)
+        if before * after < 0:
+            for _ in range(60):
+                m = (a + b) / 2
+                a, b = (m, b) if function(m) * before > 0 else (a, m)
+            found.append((a + b) / 2)
+        before = after
+    return found
+
+
+def peak(function, low, high):
+    """Where a function with one peak is greatest."""
+    ratio = (math.sqrt(5) - 1) / 2
+    for _ in range(80):
+        a, b = high - ratio * (high - low), low + ratio * (high - low)
+        low, high = (a, high) if function(a) < function(b) else (low, b)
+    return (low + high) / 2
+
+
+def by_angle(soil, wheel, sinkage, slip, law=Law()):
+    """Forces at a sinkage, by a quadrature over theta."""
+    r, b = wheel.radius, wheel.width
+    entry = math.acos(1 - sinkage / r)
+
+    def displacement(theta):
+        return arc_displacement(wheel, law, slip, entry, theta)
+
+    def sunk(theta):
+        depth = r * (math.cos(theta) - math.cos(entry))
+        return depth + law.kappa * soil.janosi * math.expm1(-abs(displacement(theta)) / soil.janosi) if law.kappa else depth
+
+    lowest = peak(sunk, -entry / 2, entry) if law.kappa else 0.0
+    deepest = sunk(lowest)
+    most = soil.yields(deepest, b)
+    stays = deepest - most / soil.stiffness
+
+    def stress(theta):
+        p = sunk(theta)
+        return soil.yields(p, b) if theta >= lowest else max(0.0, min(soil.stiffness * (p - stays), most))
+
+    def shares(theta):
+        sigma = stress(theta)
+        tau = soil.shear(sigma, displacement(theta))
+        c, s = math.cos(theta), math.sin(theta)
+        if law.stress == "surface":
+            return sigma * c + tau * s, tau * c - sigma * s, r * tau
+        return sigma * c, tau * c, (tau * r * c + sigma * r * s) * c
+
+    cuts = {-entry, lowest, entry}
+    cuts.update(roots(lambda t: sunk(t) - stays, -entry, lowest))
+    cuts.update(roots(displacement, -entry, entry - 1e-6))
+    if soil.n < 1:
+        capped = ((soil.kc / b + soil.kphi) / soil.stiffness) ** (1 / (1 - soil.n))
+        cuts.update(roots(lambda t: sunk(t) - capped, lowest, entry))
+    if law.kappa:
+        cuts.update(roots(lambda t: sunk(t) if t > lowest else 1.0, lowest, entry))
+    cuts = sorted(cuts)
+    sums = [sum(parts) for parts in zip(*(tanh_sinh(shares, low, high) for low, high in zip(cuts, cuts[1:])))]
+    return Answer(sinkage, *(r * b * s for s in sums))
+
+
+# --- along the ground ---
+
+GAUSS = [(-0.9602898564975363, 0.1012285362903763), (-0.7966664774136267, 0.2223810344533745),
+         (-0.5255324099163290, 0.3137066458778873), (-0.1834346424956498, 0.3626837833783620)]
+GAUSS += [(-x, w) for x, w in reversed(GAUSS)]
+
+
+def by_way(soil, wheel, sinkage, slip, law=Law(), panels=300):
+    """The same at a sinkage by another way: small steps along the ground from the front to the rear, with the wheel rolling at 1 m/s.
+    Force and moment are vectors at places. A step in which the soil's answer has a kink is halved until the kink is alone."""
+    radius, ground = wheel.radius, wheel.radius - sinkage     # the surface is `ground` below the axle
+    turns = 1 / (1 - slip) / radius                           # rad/s
+    front = math.sqrt(radius ** 2 - ground ** 2)
+    total_up = total_ahead = total_moment = slipped = greatest = 0.0
+
+    def rates_of(ahead, behind):
+        rates = []
+        for place, weight in GAUSS:
+            x = (ahead + behind) / 2 - place * (ahead - behind) / 2
+            down = math.sqrt(radius ** 2 - x * x)
+            # The rim's velocity over the ground: the axle's 1 m/s and the turning. Backwards is what shears.
+            back, fall = turns * down - 1, turns * x
+            speed = (back * down + fall * x) / radius if law.stress == "surface" else back
+            # The wheel passes a point of the ground at 1 m/s. A point of the rim moves with the turning.
+            rates.append((x, down, speed if law.j == "ground" else speed / (turns * down)))
+        return rates
+
+    def answer(x, down, here, greatest):
+        """Normal and shear stress, the greatest sinkage, and which branch of the law it is."""
+        p = down - ground - law.kappa * soil.janosi * (1 - math.exp(-abs(here) / soil.janosi))
+        bekker = (soil.kc / wheel.width + soil.kphi) * max(p, 0.0) ** soil.n < soil.stiffness * p
+        if p >= greatest:
+            normal, branch = soil.yields(p, wheel.width), ("yields", p > 0, bekker, here > 0)
+            return normal, soil.shear(normal, here), p, branch
+        bears = soil.yields(greatest, wheel.width)
+        normal = min(max(soil.stiffness * (p - greatest) + bears, 0.0), bears)
+        return normal, soil.shear(normal, here), greatest, ("elastic", normal > 0, here > 0)
+
+    # Steps are short at the front and at the rear.
+    edges = [front * math.cos(math.pi * k / panels) for k in range(panels + 1)]
+    todo = [(ahead, behind) for ahead, behind in reversed(list(zip(edges, edges[1:])))]
+    while todo:
+        ahead, behind = todo.pop()
+        length, rates = ahead - behind, rates_of(ahead, behind)
+        all_of_it = sum(rate * weight / 2 for (_, _, rate), (_, weight) in zip(rates, GAUSS)) * length
+        inside = ahead - 1e-9 * length
+        first = answer(inside, math.sqrt(radius ** 2 - inside ** 2), slipped, greatest)
+        parts, branches, sunk = [], {first[3]}, first[2]
+        for i, (x, down, _) in enumerate(rates):
+            normal, tangent, sunk, branch = answer(x, down, slipped + partial(rates, i) * length, sunk)
+            branches.add(branch)
+            parts.append((x, down, normal, tangent))
+        last = answer(behind, math.sqrt(radius ** 2 - behind ** 2), slipped + all_of_it, sunk)
+        if len(branches | {last[3]}) > 1 and length > 1e-9 * front:
+            middle = (ahead + behind) / 2
+            todo += [(middle, behind), (ahead, middle)]
+            continue
+        for (x, down, normal, tangent), (_, weight) in zip(parts, GAUSS):
+            if law.stress == "surface":                       # per area of the rim, which is longer than its shadow
+                level, up = (tangent * down - normal * x) / down, (normal * down + tangent * x) / down
+            else:
+                level, up = tangent, normal
+            total_ahead += level * weight / 2 * length
+            total_up += up * weight / 2 * length
+            total_moment += (level * down + up * x) * weight / 2 * length
+        slipped, greatest = slipped + all_of_it, last[2]
+    return Answer(sinkage, total_up * wheel.width, total_ahead * wheel.width, total_moment * wheel.width)
+
+
+def lagrange_integrals():
+    """W[i][k]: the integral from -1 to node i of the polynomial that is 1 at node k and 0 at the others."""
+    nodes = [x for x, _ in GAUSS]
+
+    def base(k, t):
+        return math.prod((t - x) / (nodes[k] - x) for i, x in enumerate(nodes) if i != k)
+
+    return [[sum(w * base(k, -1 + (end + 1) * (x + 1) / 2) for x, w in GAUSS) * (end + 1) / 2 for k in range(len(nodes))] for end in nodes]
+
+
+PARTIAL = lagrange_integrals()
+
+
+def partial(rates, i):
+    return sum(share * rate / 2 for share, (_, _, rate) in zip(PARTIAL[i], rates))
+
+
+# --- a load ---
+
+def under_load(soil, wheel, load, slip, law=Law(), forces=by_angle):
+    """The least sinkage at which the soil bears the load, and the forces there. None: nothing bears it to the axle."""
+    low, high = 0.0, wheel.radius * 0.999
+    step = wheel.radius / 64
+    while step <= high and forces(soil, wheel, step, slip, law).fz < load:
+        low, step = step, step * 1.25
+    if step > high:
+        return None
+    high = step
+    for _ in range(60):
+        middle = (low + high) / 2
+        if forces(soil, wheel, middle, slip, law).fz < load:
+            low = middle
+        else:
+            high = middle
+        if high - low < 1e-10:
+            break
+    return forces(soil, wheel, high, slip, law)
+
+
+def main():
+    wheel, worst = Wheel(0.32, 0.24), 0.0
+    print("| soil | load N or sinkage mm | slip | stresses | j | sinkage mm | Fz N | Fx N | My N m | two quadratures apart |")
+    print("|" + " --- |" * 10)
+    cases = [("dry_sand", wheel, 1000, None, 0.2, Law()), ("dry_sand", wheel, 1000, None, 0.2, Law("ground", "rim")),
+             ("dry_sand", wheel, 1000, None, 0.2, Law("ground", "ground")), ("dry_sand", wheel, 1000, None, 0.2, Law("surface", "ground"))]
+    cases += [("chrono_soft", Wheel(0.5, 0.4), None, z, s, Law("ground", j)) for z in (0.1, 0.05) for s in (0, 0.2, 0.5) for j in ("rim", "ground")]
+    cases += [(name, wheel, 1000, None, s, Law()) for name in ("lunar", "lete_sand", "snow_us", "sandy_loam_15") for s in (0.2, -0.2)]
+    cases += [("dry_sand", wheel, 1000, None, 0.2, Law(kappa=1.0))]
+    for name, wheel, load, depth, slip, law in cases:
+        soil = named(name)
+        got = under_load(soil, wheel, load, slip, law) if load else by_angle(soil, wheel, depth, slip, law)
+        apart = got.apart(by_way(soil, wheel, got.sinkage, slip, law))
+        worst = max(worst, apart)
+        print(f"| {name} | {load or depth * 1e3:g} | {slip:g} | {law.stress} | {law.j}{f', kappa {law.kappa:g}' if law.kappa else ''} | {got.sinkage * 1e3:.3f} | {got.fz:.2f} | "
+              f"{got.fx:.2f} | {got.my:.2f} | {apart:.1e} |", flush=True)
+    print(f"\nThe two quadratures differ by {worst:.1e} of the load at most; {'met' if worst < 1e-6 else 'MISSED'}: 1e-6.")
+    return worst >= 1e-6
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

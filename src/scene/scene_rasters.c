@@ -1,0 +1,67 @@
+/* Checks soil.rasters: numbers of the soil that differ from post to post. What the rasters hold is checked when a world opens them. */
+#include <string.h>
+
+#include "scene/scene_check.h"
+#include "scene/scene_error.h"
+#include "scene/scene_file.h"
+
+static const char *path_of(const struct raw_rasters *raw, enum deform_number number)
+{
+	const char *const paths[DEFORM_NUMBERS] = {
+		[DEFORM_BEKKER_KC] = raw->bekker_kc,
+		[DEFORM_BEKKER_KPHI] = raw->bekker_kphi,
+		[DEFORM_BEKKER_N] = raw->bekker_n,
+		[DEFORM_COHESION] = raw->cohesion,
+		[DEFORM_FRICTION_ANGLE] = raw->friction_angle,
+		[DEFORM_JANOSI_SHEAR] = raw->janosi_shear,
+		[DEFORM_ELASTIC_STIFFNESS] = raw->elastic_stiffness,
+	};
+	return paths[number];
+}
+
+static struct scene_list models_with_rasters(void)
+{
+	struct scene_list models = {.length = 0};
+	for (int model = 0; model < DEFORM_MODELS; model++)
+		if (deform_model_row((enum deform_model)model)->rasters)
+			scene_list_add(&models, deform_model_row((enum deform_model)model)->name);
+	return models;
+}
+
+static enum status take(const struct scene_tree *tree, const char *path, enum deform_number number, struct scene *scene)
+{
+	const char *key = deform_number_key(number);
+	const struct scene_node *node = scene_tree_find(tree, "soil.rasters.%s", key);
+	if (scene->raster_count == DEFORM_RASTERS)
+		return scene_error(tree->file, node, "is one raster too many; allowed: at most %d", DEFORM_RASTERS);
+	struct scene_raster *raster = &scene->rasters[scene->raster_count];
+	raster->number = number;
+	raster->path = scene_file_beside(tree->folder, path);
+	if (raster->path == NULL)
+		return fail_memory("reading a raster of the soil");
+	scene->raster_count++;
+	return scene_file_hash(raster->path, scene_told(tree->file, node, path).text, SCENE_RASTER_BYTES, raster->hash);
+}
+
+enum status scene_check_rasters(const struct scene_tree *tree, const struct raw_rasters *raw, struct scene *scene)
+{
+	const struct soil_model *model = deform_model_row(scene->model);
+	enum status status = STATUS_OK;
+	if (raw == NULL)
+		return STATUS_OK;
+	if (!model->rasters && model->numbers != NULL)
+		return scene_error(tree->file, scene_tree_find(tree, "soil.rasters"),
+				   "model %s reads a soil's numbers by class alone; allowed with: %s; or give soil.map", model->name,
+				   models_with_rasters().text);
+	for (int number = 0; model->rasters && number < DEFORM_NUMBERS && status == STATUS_OK; number++) {
+		const char *path = path_of(raw, (enum deform_number)number);
+		if (path != NULL)
+			status = take(tree, path, (enum deform_number)number, scene);
+	}
+	return status;
+}
+
+double scene_raster_unit(enum deform_number number)
+{
+	return number == DEFORM_FRICTION_ANGLE ? 3.14159265358979323846 / 180 : 1;
+}

@@ -1,0 +1,113 @@
+/* Numbers of the soil from rasters: opened, checked, told. */
+#include <math.h>
+
+#include "world/internal.h"
+
+bool world_needs_rasters(const struct scene *scene)
+{
+	return scene->raster_count > 0 && (scene->object_count > 0 || scene->hosted);
+}
+
+static struct scene_parameter parameter_of(enum deform_number number)
+{
+	char key[64];
+	struct scene_parameter parameter = {.low = -INFINITY, .high = INFINITY};
+	snprintf(key, sizeof key, "soil.%s", deform_number_key(number));
+	scene_parameter(key, &parameter);
+	return parameter;
+}
+
+/* Sets the numbers on which bearing depends to the least that a post of this soil may have. */
+static void take_least(const struct world *world, struct deform_soil *soil)
+{
+	struct deform_raster rasters[DEFORM_RASTERS];
+	int count = world_rasters(world, rasters);
+	for (int i = 0; i < count; i++) {
+		double *number = deform_number_in(soil, rasters[i].number);
+		if (rasters[i].number == DEFORM_BEKKER_KC || rasters[i].number == DEFORM_BEKKER_KPHI)
+			*number = fmin(*number, rasters[i].low);
+	}
+}
+
+enum status world_check_bearing(const struct world *world, const char *name, const struct deform_shape *shape)
+{
+	for (int i = 0; world->soil_rasters != NULL && i < world->scene->soil_count; i++) {
+		struct deform_soil soil = world->scene->soils[i];
+		take_least(world, &soil);
+		double width, modulus = scene_soil_modulus(&soil, shape, &width);
+		if (!(modulus > 0))
+			return fail_with(STATUS_INPUT, "soil.rasters: bekker_kc / b + bekker_kphi is as low as %.4g under %s; it must be above "
+						       "0; raise the least values of the rasters", modulus, name);
+	}
+	return STATUS_OK;
+}
+
+enum status world_open_rasters(struct world *world)
+{
+	const struct scene *scene = world->scene;
+	struct soil_rasters_params params = {
+		.count = scene->raster_count,
+		.loaders = scene->loaders,
+		.places = scene->hosted,
+		.meta = world->meta,
+	};
+	if (!world_needs_rasters(scene))
+		return STATUS_OK;
+	for (int i = 0; i < scene->raster_count; i++) {
+		const struct scene_parameter parameter = parameter_of(scene->rasters[i].number);
+		params.rasters[i] = (struct soil_raster_params){
+			.path = scene->rasters[i].path,
+			.name = deform_number_key(scene->rasters[i].number),
+			.unit = parameter.unit,
+			.low = parameter.low,
+			.high = parameter.high,
+			.above = parameter.above,
+		};
+	}
+	enum status status = resident_soil_rasters_open(&params, &world->soil_rasters);
+	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++)
+		status = world_check_bearing(world, scene->objects[i].name, &scene->objects[i].shape);
+	return status;
+}
+
+int world_rasters(const struct world *world, struct deform_raster *rasters)
+{
+	const struct scene *scene = world->scene;
+	for (int i = 0; i < scene->raster_count; i++) {
+		double low = 0, high = 0, unit = scene_raster_unit(scene->rasters[i].number);
+		if (world->soil_rasters != NULL)
+			resident_soil_rasters_range(world->soil_rasters, i, &low, &high);
+		rasters[i] = (struct deform_raster){scene->rasters[i].number, low * unit, high * unit};
+	}
+	return scene->raster_count;
+}
+
+struct world_raster world_raster(const struct world *world, int raster)
+{
+	const struct scene_raster *of = &world->scene->rasters[raster];
+	struct world_raster told = {.key = deform_number_key(of->number), .unit = parameter_of(of->number).unit, .path = of->path};
+	resident_soil_rasters_range(world->soil_rasters, raster, &told.low, &told.high);
+	told.step = (told.high - told.low) / (DEFORM_LEVELS - 1);
+	return told;
+}
+
+enum status world_soil_numbers_at(struct world *world, double x, double y, struct deform_soil *soil, bool *found)
+{
+	int index;
+	uint8_t levels[PAGES_NUMBER_BYTES];
+	struct deform_raster rasters[DEFORM_RASTERS];
+	enum status status = world_soil_at(world, x, y, &index);
+	*found = status == STATUS_OK && index >= 0;
+	if (!*found)
+		return status;
+	*soil = world->scene->soils[index];
+	if (world->soil_rasters == NULL)
+		return STATUS_OK;
+	int count = world_rasters(world, rasters);
+	status = resident_soil_rasters_at(world->soil_rasters, world->level, (int64_t)floor(x / world->spacing + 0.5),
+					  (int64_t)floor(y / world->spacing + 0.5), levels);
+	for (int i = 0; i < count && status == STATUS_OK; i++)
+		if (levels[i] != 0)
+			*deform_number_in(soil, rasters[i].number) = deform_raster_value(&rasters[i], levels[i]);
+	return status;
+}
