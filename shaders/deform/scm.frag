@@ -54,6 +54,16 @@ bool is_near(int x, int y, ground g, object o)
 	return o.lowest != UNDER_NONE && g.base != BASE_NODATA && o.lowest - surface < int(min(scale.y * 2097152.0, 1e9));
 }
 
+// Tells whether the post has what ends with the contact.
+bool remembers(int x, int y)
+{
+	bool some = imageLoad(shears, ivec3(x, y, zero.z)).r != 0;
+#ifdef SLIP
+	some = some || imageLoad(dugs, ivec3(x, y, zero.z)).r != 0;
+#endif
+	return some;
+}
+
 void main()
 {
 	int y = row_of_pass();
@@ -77,7 +87,7 @@ void main()
 	for (int x = shadow.x; x < shadow.z && y >= shadow.y && y < shadow.w; x++) {
 		ground g = ground_at(x, y);
 		object o = object_at(x, y, raised);
-		bool touches = may_touch(g, o) || imageLoad(shears, ivec3(x, y, zero.z)).r != 0 && is_near(x, y, g, o);
+		bool touches = may_touch(g, o) || remembers(x, y) && is_near(x, y, g, o);
 		first = touches ? min(first, x) : first;
 		last = touches ? x + 1 : last;
 	}

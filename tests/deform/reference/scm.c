@@ -155,7 +155,10 @@ static struct post post_of(const struct reference_ground *ground, const struct d
 	struct post post = post_dug(ground, soil, stiffness, sweep, at, under, rest, lower, dug - ground->dug[at]);
 	if (!post.held) {
 		post = post_dug(ground, soil, stiffness, sweep, at, under, rest, lower, 0);
-		post.held = post.held && dug == ground->dug[at];
+		if (dug != ground->dug[at]) {
+			post.held = false;
+			post.stress = post.damping = 0;
+		}
 	}
 	post.dug = post.held ? dug : 0;
 	return post;
