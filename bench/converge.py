@@ -16,20 +16,20 @@ import time
 import converge_cases
 import lanes
 from converge_tables import PARTS, at, convergence, gates_table, grouped, mean, millimetres, percent, worst
-from pages import table
+from pages import publish, table
 from validation import COLOURS, Plot
 
 
 def steady_text(rows):
     found = []
-    for (soil, rim), of in grouped(rows, "soil", "rim_of").items():
-        title = f"**{soil}**, {of[0]['load']:g} N, {'the default rim' if rim == 'default' else 'no rim'}:"
-        found.append(convergence(of, title))
+    for rim in ("default", "none"):
+        of = [row for row in rows if row["rim_of"] == rim]
+        found.append(f"{'The default rim' if rim == 'default' else 'No rim'}:\n\n" + convergence({soil: own for (soil,), own in grouped(of, "soil").items()}))
     return "\n".join(found)
 
 
 def vertical_text(rows):
-    return "\n".join(convergence(of, f"**{soil}**, no rim, no damping, against vertical normals:") for (soil,), of in grouped(rows, "soil").items())
+    return convergence({soil: own for (soil,), own in grouped(rows, "soil").items()})
 
 
 def fixed_text(rows):
@@ -95,30 +95,38 @@ def crests_text(rows):
                   [f"{row[key] * 1e3:.1f}" for key in ("least", "most", "east", "northeast")] for row in rows])
 
 
-def plain_text(keys):
-    def text(rows):
-        def cell(value):
-            return f"{value:.4g}" if isinstance(value, float) else str(value)
-        return table([*keys, "fz of the load"], [[cell(row.get(key, "")) for key in keys] + [percent(row["fz"] / row["load"] - 1)] for row in rows])
-    return text
+def slopes_text(rows):
+    lines = []
+    for row in rows:
+        cells = [f"{row[key]:.4g}" for key in ("fz", "drawbar", "side", "torque", "contact_area")]
+        lines.append([row["soil"], f"{row['degrees']:g}", row["lane"], f"{row['load']:g}", *cells, row["state"], row["residual"], percent(row["fz"] / row["load"] - 1)])
+    return table(["soil", "degrees", "heading, degrees", "load, N", "fz, N", "drawbar, N", "side force, N", "torque, N m", "area, m2", "state", "residual, N",
+                  "fz of the load"], lines)
 
 
-TEXTS = {"steady": steady_text, "vertical": vertical_text, "fixed": fixed_text, "heavy": heavy_text, "passes": passes_text, "loads": loads_text, "crests": crests_text,
-         "slopes": plain_text(("soil", "degrees", "lane", "load", "fz", "drawbar", "side", "torque", "contact_area", "sinkage_told", "state", "residual")),
-         "speeds": plain_text(("soil", "speed", "lane", "load", "sinkage", "drawbar", "torque"))}
-HEADS = {"steady": "Steady rolling at slip 0.2", "vertical": "Beside vertical normals", "fixed": "Chrono's soft soil at a fixed sinkage, no rim",
+def speeds_text(rows):
+    lines = []
+    for (soil, speed), of in grouped(rows, "soil", "speed").items():
+        lines.append([soil, f"{speed:g}"] + [f"{min(row[key] for row in of) * scale:.4g} .. {max(row[key] for row in of) * scale:.4g}" for key, scale in
+                                             (("sinkage", 1e3), ("drawbar", 1), ("torque", 1))] + [percent(worst(of, "fz", lambda row: row["load"]))])
+    return table(["soil", "speed, m/s", "sinkage, mm", "drawbar, N", "torque, N m", "fz of the load"], lines)
+
+
+TEXTS = {"steady": steady_text, "vertical": vertical_text, "fixed": fixed_text, "heavy": heavy_text, "passes": passes_text, "loads": loads_text,
+         "slopes": slopes_text, "speeds": speeds_text, "crests": crests_text}
+HEADS = {"steady": "Steady rolling at slip 0.2", "vertical": "No rim, no damping, beside vertical normals", "fixed": "Chrono's soft soil at a fixed sinkage, no rim",
          "heavy": "Heavy wheels with a rim", "passes": "Passes in one rut, dry_sand, 800 N", "loads": "Loads from 1 N to 50 kN at 2 cm",
          "slopes": "Loads on slopes at 2 cm", "speeds": "Speeds at 2 cm", "crests": "Rims by direction"}
 
 
-def page(rows):
+def page(rows, before=()):
     parts = ["In brackets: the lane that is furthest from the closed form (rim: from the finest; fz and side force: of the load), over directions of 0, "
              "22.5 and 45 degrees on the lattice and off it.\n"]
     for case, text in TEXTS.items():
         of = [row for row in rows if row["case"] == case]
         if of:
-            parts.append(f"## {HEADS[case]}\n\n{text(of)}")
-    return "\n".join(parts) + "\n## Gates\n\n" + gates_table(rows)
+            parts.append(f"### {HEADS[case]}\n\n{text(of)}")
+    return f"### Gates\n\n{gates_table(rows, before)}\n" + "\n".join(parts)
 
 
 def draw(rows, before, folder):
@@ -146,7 +154,9 @@ def main():
     parser.add_argument("--redistribute", default="", help="keys for every scene, as in 'slip_sinkage: 0'")
     parser.add_argument("--soil", default="", help="keys for every soil, as in 'damping: 0'")
     parser.add_argument("--kappa", type=float, default=0.0, help="slip sinkage of the closed forms")
-    parser.add_argument("--before", type=pathlib.Path, help="JSON lines of an earlier run, for the plots")
+    parser.add_argument("--before", type=pathlib.Path, help="JSON lines of an earlier run: its gates and plots beside")
+    parser.add_argument("--publish", type=pathlib.Path, help="a page; the tables go between its markers")
+    parser.add_argument("--block", default="converge", help="which markers of the page")
     options = parser.parse_args()
     if options.furrow.endswith(".jsonl"):
         rows = [json.loads(line) for line in pathlib.Path(options.furrow).read_text().splitlines()]
@@ -163,13 +173,15 @@ def main():
                 except lanes.Failed as error:
                     print(f"{name}: {error}", file=sys.stderr)
                 print(f"{name}: {time.monotonic() - begun:.0f} s", file=sys.stderr, flush=True)
-    text = page(rows)
+    before = [json.loads(line) for line in options.before.read_text().splitlines()] if options.before else []
+    text = page(rows, before)
     print(text)
+    if options.publish:
+        publish(options.publish, options.block, text)
     if options.out:
         options.out.mkdir(parents=True, exist_ok=True)
         (options.out / "converge.jsonl").write_text("".join(json.dumps(row) + "\n" for row in rows))
         (options.out / "converge.md").write_text(text)
-        before = [json.loads(line) for line in options.before.read_text().splitlines()] if options.before else []
         if any(row["case"] == "steady" for row in rows):
             draw(rows, before, options.out)
     return 0

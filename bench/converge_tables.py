@@ -58,29 +58,32 @@ def scaled(key, value):
     return value * 1e3 if key in ("sinkage", "crest") else value
 
 
-def convergence(rows, title, closed_key="closed", keys=PARTS):
-    """One table: quantities down, spacings across. A cell: the mean of the lanes, and the lane furthest from the reference."""
-    spacings = sorted({row["spacing"] for row in rows}, reverse=True)
+def convergence(groups, closed_key="closed", keys=PARTS):
+    """One table of several soils: quantities down, spacings across. A cell: the mean of the lanes, and the lane furthest from the
+    reference. groups: {soil: rows}."""
+    spacings = sorted({row["spacing"] for rows in groups.values() for row in rows}, reverse=True)
     lines = []
-    for key in (*keys, "fz", "side", "rim"):
-        if key not in rows[0]:
-            continue
-        has_form = key in keys or key == "fz"
-        reference = rows[0]["load"] if key in ("fz", "side") and "load" in rows[0] else rows[0][closed_key][key] if has_form else finest_of(rows, key)
-        cells, errors = [], {}
-        for spacing in spacings:
-            at = [row for row in rows if row["spacing"] == spacing]
-            off = max((row[key] / reference for row in at), key=abs) if key == "side" else worst(at, key, lambda _: reference) if reference else 0.0
-            errors[spacing] = off
-            cells.append(f"{scaled(key, mean(at, key)):.4g} ({percent(off)})")
-        if key == "rim":
-            errors.pop(spacings[-1])
-        slope = order(errors)
-        unit = {"sinkage": "mm", "torque": "N m", "rim": "l/m"}.get(key, "N")
-        name = {"side": "side force, of the load", "fz": "fz, of the load"}.get(key, key)
-        shown = f"{scaled(key, reference):.4g}" if key != "rim" else "(finest)"
-        lines.append([f"{name}, {unit}", shown if key != "side" else "0", *cells, "" if key in ("fz", "side") else "too small" if slope is None else f"{slope:.2f}"])
-    return f"{title}\n\n" + table(["", "closed form", *(millimetres(d) for d in spacings), "order"], lines)
+    for soil, rows in groups.items():
+        load = rows[0]["load"]
+        for key in (*keys, "fz", "side", "rim"):
+            if key not in rows[0] or (key == "rim" and rows[0]["rim_of"] == "none"):
+                continue
+            reference = load if key in ("fz", "side") else finest_of(rows, key) if key == "rim" else rows[0][closed_key][key]
+            cells, errors = [], {}
+            for spacing in spacings:
+                here = at(rows, spacing)
+                shares = [row[key] / reference - (key != "side") for row in here]
+                errors[spacing] = max(shares, key=abs)
+                cells.append(f"{scaled(key, mean(here, key)):.4g} ({percent(errors[spacing])})")
+            if key == "rim":
+                errors.pop(spacings[-1])
+            slope = order(errors)
+            unit = {"sinkage": "mm", "torque": "N m", "rim": "l/m"}.get(key, "N")
+            form = "(finest)" if key == "rim" else "0" if key == "side" else f"{scaled(key, reference):.4g}"
+            name = {"side": "side force", "fz": "fz"}.get(key, key)
+            lines.append([f"{soil}, {load:g} N" if key == keys[0] else "", f"{name}, {unit}", form, *cells,
+                          "" if key in ("fz", "side") else "too small" if slope is None else f"{slope:.2f}"])
+    return table(["soil", "", "closed form", *(millimetres(d) for d in spacings), "order"], lines)
 
 
 def at(rows, spacing):
@@ -266,5 +269,13 @@ def judged(rows):
     return found
 
 
-def gates_table(rows):
-    return table(["case", "gate", "", "worst"], [[case, text, "met" if met else "MISSED", figure] for case, text, met, figure in judged(rows)])
+def gates_table(rows, before=()):
+    """With the rows of an earlier run its figures stand beside."""
+    earlier = {text: (met, figure) for _, text, met, figure in judged(before)}
+    head, lines = ["case", "gate", "", "worst"], []
+    for case, text, met, figure in judged(rows):
+        lines.append([case, text, "met" if met else "MISSED", figure])
+        if before:
+            was, old = earlier.get(text, (None, "-"))
+            lines[-1].append(("met: " if was else "") + old)
+    return table(head + ["before"] * bool(before), lines)

@@ -1,8 +1,7 @@
 #version 450 core
 // The contact pass of scm: the soil's answer to the object. One invocation for each row (soil.glsl). Images change in place: of
-// its neighbours a post reads only the base, which this pass does not write.
-// Defines: FORCES: sums forces and moments; PATCH: b follows from the counted posts; LOAD: the equilibrium height was found;
-// SLIP: slip digs.
+// its neighbours a post reads only the base and the deposited thickness, which this pass does not write.
+// Defines: FORCES: sums forces and moments; PATCH: b follows from the counted posts; LOAD: the equilibrium height was found.
 
 #include "lib/soil.glsl"
 #include "lib/tally.glsl"
@@ -19,7 +18,7 @@ layout(binding = 7, r32i) uniform writeonly restrict iimage2DArray carries;
 
 #ifdef FORCES
 // 16 words for each contact with a tag: force and moment, 64 bits for each component; then four counts:
-// - posts in contact
+// - area that bears, faces[0].w a post
 // - the deepest sinkage, fixed-point units
 // - the equilibrium height above the prescribed one, fixed-point units
 // - posts whose share was too large to count
@@ -27,7 +26,7 @@ layout(std430, binding = 1) restrict buffer records {
 	int record[];
 };
 
-const int POSTS = 12, DEEPEST = 13, RAISED = 14, SATURATED = 15;
+const int AREA = 12, DEEPEST = 13, RAISED = 14, SATURATED = 15;
 const int SUNK = int(0x80000000u); // a bit beside the number of saturated posts: the soil does not carry the load
 const float MOST = 2147483000.0;
 
@@ -81,13 +80,16 @@ void main()
 	by_width = found_by_width(tries[zero.w >> 16].posts, place.w);
 #endif
 	for (int x = written.x; x < written.z; x++)
-		if (imageLoad(bases, ivec3(x, y, zero.z)).r == BASE_NODATA)
+		if (texelFetch(bases, ivec3(x, y, zero.z), 0).r == BASE_NODATA)
 			imageStore(contacts, ivec3(x, y, zero.z), uvec4(HOLE));
 	int first = shadow.z, last = shadow.x;
 	for (int x = shadow.x; x < shadow.z && y >= shadow.y && y < shadow.w; x++) {
 		ground g = ground_at(x, y);
 		object o = object_at(x, y, raised);
 		bool touches = may_touch(g, o) || remembers(x, y) && is_near(x, y, g, o);
+#ifdef FORCES
+		touches = touches || may_bear(x, y, g, o);
+#endif
 		first = touches ? min(first, x) : first;
 		last = touches ? x + 1 : last;
 	}
@@ -95,7 +97,7 @@ void main()
 	uint over = 0u;
 #ifdef FORCES
 	total force[3] = total[3](lost, lost, lost), moment[3] = total[3](lost, lost, lost);
-	int deepest = 0, posts = 0, saturated = 0;
+	int deepest = 0, area = 0, saturated = 0;
 #endif
 	ground west = ground_at(first - 1, y), g = ground_at(first, y), east;
 	for (int x = first; x < last; x++, west = g, g = east) {
@@ -107,8 +109,8 @@ void main()
 #ifdef SLIP
 		before.dug = imageLoad(dugs, post).r;
 #endif
-		vec3 at = from_centre(x, y, o, raised);
-		bearing b = bearing_of(s, by_width, normal_of(west, g, east, ground_at(x, y - 1), ground_at(x, y + 1)), g, o, at, before);
+		vec3 n = normal_of(west, g, east, ground_at(x, y - 1), ground_at(x, y + 1));
+		bearing b = bearing_of(s, by_width, n, g, o, cell_at(x, y, o), before);
 		over += uint(b.refused);
 		total_add(lost, before.offset - b.after.offset - b.carried);
 		if (b.held || is_near(x, y, g, o)) {
@@ -129,15 +131,17 @@ void main()
 			imageStore(carries, post, ivec4(b.carried));
 		}
 #ifdef FORCES
-		vec3 f = b.held ? b.stress * scale.z : vec3(0.0);
-		vec3 m = cross(at * place.z, f);
+		vec3 f = b.stress * scale.z, m = b.moment * scale.z * place.z;
+		bool bears = g.base != BASE_NODATA && b.area > 0.0;
+		f = bears ? f : vec3(0.0);
+		m = bears ? m : vec3(0.0);
 		vec3 large = max(abs(f), abs(m));
 		saturated += int(max(large.x, max(large.y, large.z)) > MOST);
 		for (int i = 0; i < 3; i++) {
 			total_add(force[i], int(round(clamp(f[i], -MOST, MOST))));
 			total_add(moment[i], int(round(clamp(m[i], -MOST, MOST))));
 		}
-		posts += int(b.held);
+		area += bears ? int(round(b.area * faces[0].w)) : 0;
 		deepest = max(deepest, b.held ? b.sunk : 0);
 #endif
 	}
@@ -159,7 +163,7 @@ void main()
 		record_add(to + 2 * i, force[i]);
 		record_add(to + 6 + 2 * i, moment[i]);
 	}
-	atomicAdd(record[to + POSTS], posts);
+	atomicAdd(record[to + AREA], area);
 	atomicMax(record[to + DEEPEST], deepest);
 	atomicAdd(record[to + SATURATED], saturated);
 #endif

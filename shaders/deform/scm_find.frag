@@ -9,6 +9,7 @@
 #include "lib/scm_post.glsl"
 
 layout(binding = 3, r32i) uniform readonly restrict iimage2DArray sinkages;
+layout(binding = 4, r32i) uniform readonly restrict iimage2DArray shears;
 
 const int NOWHERE = -2000000000;
 
@@ -19,8 +20,9 @@ void find(int y, int first, int last)
 	for (int x = first; x < last; x++) {
 		ground g = ground_at(x, y);
 		object o = object_at(x, y, 0);
-		bool above = g.base != BASE_NODATA && !g.far && o.rests != UNDER_NONE;
-		highest = max(highest, above ? g.height - min(o.rests, FAR_UNITS) : NOWHERE);
+		vec3 n = normal_of(ground_at(x - 1, y), g, ground_at(x + 1, y), ground_at(x, y - 1), ground_at(x, y + 1));
+		float deepest = deepest_in(n, g, o, cell_at(x, y, o)) * 1048576.0;
+		highest = max(highest, g.base != BASE_NODATA && !g.far && deepest > -1e9 ? int(deepest) : NOWHERE);
 	}
 	if (highest > NOWHERE)
 		atomicMax(tries[0].gap, uint(highest) ^ 0x80000000u);
@@ -72,13 +74,15 @@ void find(int y, int first, int last)
 		ground g = ground_at(x, y);
 		object o = object_at(x, y, a.at);
 		vec3 n = normal_of(ground_at(x - 1, y), g, ground_at(x + 1, y), ground_at(x, y - 1), ground_at(x, y + 1));
-		post_state before = {0, 0, imageLoad(sinkages, ivec3(x, y, zero.z)).r, 0, 0};
+		ivec3 post = ivec3(x, y, zero.z);
+		post_state before = {0, 0, imageLoad(sinkages, post).r, 0, imageLoad(shears, post).r};
 #ifdef SLIP
-		before.dug = imageLoad(dugs, ivec3(x, y, zero.z)).r;
+		before.dug = imageLoad(dugs, post).r;
 #endif
-		bearing w = bearing_of(soil_at(x, y), by_width, n, g, o, from_centre(x, y, o, a.at), before);
-		total_add(force, w.held ? int(round(min(w.normal * n.z * unit, 1e9))) : 0);
-		total_add(stiff, w.held ? int(round(min(w.stiff * UNIT_METRES * unit, 1e9))) : 0);
+		bearing w = bearing_of(soil_at(x, y), by_width, n, g, o, cell_at(x, y, o), before);
+		bool bears = g.base != BASE_NODATA && w.area > 0.0;
+		total_add(force, bears ? int(round(clamp(w.stress.z * unit, -1e9, 1e9))) : 0);
+		total_add(stiff, bears ? int(round(min(w.stiff * UNIT_METRES * unit, 1e9))) : 0);
 	}
 	if (a.done == 0u) {
 		add_to(k, false, total_words(force));

@@ -19,7 +19,7 @@ layout(std430, binding = 2) restrict buffer attempts {
 
 float found_real(uint low, uint high)
 {
-	return float(high) * 4294967296.0 + float(low);
+	return float(int(high)) * 4294967296.0 + float(low);
 }
 
 // Try `k`, computed from the one before it. Try 0 is at the prescribed height.

@@ -1,7 +1,10 @@
-// What a contact of scm does at one post: its new state, and the stress of the soil on the object there. The contact pass and the search
+// What a contact of scm does at one post: its new state, and what the post bears of the object. The contact pass and the search
 // for the equilibrium height share it, so that both find the same force.
 
+#include "lib/scm_body.glsl"
+
 const int CARRIED_MOST = 1 << 23;
+const float LEAST = 6e-7; // m: the stored sinkage is rounded to whole fixed-point units
 
 // What a post remembers, in the units of its planes.
 struct post_state {
@@ -16,9 +19,12 @@ struct bearing {
 	bool refused;       // the change is too large for its planes, and was not made
 	int carried;        // what is deposited around, fixed-point units
 	int sunk;           // how far the end pose is below the undisturbed surface, fixed-point units
-	float normal;       // stress along the normal of the ground, Pa
-	vec3 stress;        // of the soil on the object, Pa: times the post's area it is a force
-	float stiff;        // how its vertical part grows with the sinkage, Pa/m
+	// All of these over the post's area:
+	vec3 stress;        // of the soil on the object, Pa
+	vec3 moment;        // of that about its centre, Pa m
+	float normal;       // vertical part of the normal stress, Pa
+	float stiff;        // how that grows with the sinkage, Pa/m
+	float area;         // the share that bears
 };
 
 vec2 shear_of(int post)
@@ -32,8 +38,8 @@ int shear_post(vec2 shear)
 	return (whole.x & 0xffff) | whole.y << 16;
 }
 
-// Vectors along a surface, as they are kept: turned into the level by the shortest way. So they keep their length when the surface
-// turns under a wheel.
+// Vectors along a surface, as they are kept: turned into the level by the shortest way, so that none changes its length when the
+// surface turns under a wheel.
 vec2 levelled(vec3 along, vec3 n)
 {
 	return along.xy - n.xy * (along.z / (1.0 + n.z));
@@ -53,62 +59,220 @@ vec2 sheared(vec2 before, vec2 along)
 	return before * stays + along * ((1.0 - stays) / max(way, 1e-30));
 }
 
-#ifdef SLIP
-// What slip has dug at the end of the contact: kappa K (1 - exp(-j / K)), j the slip since the contact with the post began.
-int dug_after(soil s, int before)
+// Returns the way that mobilises so much shear from rest, in units of the shear modulus; of nearly all of it, a long one.
+float displacement_of(vec2 shear)
 {
-	float most = min(digs.y / s.b.z * 1048576.0, 1e8), lacks = exp2(-1.442695 * min(digs.x * s.b.z, 100.0));
-	return before + int(round(max(most - float(before), 0.0) * (1.0 - lacks)));
+	float mobilised = length(shear);
+	return mobilised > 0.9999 ? 1e3 : -0.6931472 * log2(1.0 - mobilised);
+}
+
+// The stress along the normal at a sinkage, and how it grows with that.
+struct pressure {
+	float stress, stiff;
+	float share; // of the yield stress
+};
+
+// z: the sinkage; most: the largest so far; both along the normal of the ground, m.
+pressure pressure_of(soil s, float by_width, float z, float most)
+{
+	float yields = yield_stress(s, by_width, most), plastic = plastic_part(s, most, yields);
+	float elastic = max(most - plastic, 1e-9);
+	bool flows = z >= most - LEAST;
+	float share = z <= 0.0 ? 0.0 : flows ? 1.0 : clamp((z - plastic) / elastic, 0.0, 1.0);
+	pressure p;
+	p.stress = yields * share;
+	p.share = share;
+	p.stiff = share <= 0.0 ? 0.0 : flows ? yield_growth(s, yields, most) : yields / elastic;
+	return p;
+}
+
+// The way of the object's surface along the ground or along itself, m.
+struct slip {
+	vec3 along;
+	float size;
+};
+
+slip slip_at(vec3 at, vec3 normal)
+{
+	vec3 surface = way_of_surface(at);
+	slip s;
+	s.along = surface - dot(surface, normal) * normal;
+	s.size = length(s.along);
+	return s;
+}
+
+vec3 normal_at(vec3 n, face f)
+{
+	return load.w > 0.0 ? n : normal_of_face(f.slope);
+}
+
+// Along a line across a cell, D(t) is the vertical depth of the underside, as a parabola through the line's ends and its middle. Returns
+// between which places it exceeds `stays`: below for the first end, above for the second.
+vec2 between_roots(float half_way, vec3 depths, vec2 stays)
+{
+	float bends = (depths.x + depths.z - 2.0 * depths.y) / (2.0 * half_way * half_way), rises = (depths.z - depths.x) / (2.0 * half_way);
+	vec2 over = depths.yy - stays, root = rises * rises - 4.0 * bends * over;
+	vec2 by = sqrt(max(root, 0.0)) + vec2(rises, -rises);
+	vec2 at = vec2(-2.0, 2.0) * over / max(by, 1e-12);
+	bvec2 never = bvec2(root.x < 0.0 || by.x <= 0.0, root.y < 0.0 || by.y <= 0.0);
+	float low = depths.x > stays.x ? -half_way : never.x ? half_way : clamp(at.x, -half_way, half_way);
+	float high = depths.z > stays.y ? half_way : never.y ? -half_way : clamp(at.y, -half_way, half_way);
+	return vec2(low, max(low, high));
+}
+
+// A line across a cell, on which the depth of the underside changes most.
+struct across {
+	vec2 middle, line; // from the object's centre, m; a unit vector
+	float half_way;    // m
+	float ground;      // height of the ground at the middle, as the underside's heights; and its rise a metre of the line
+	float rise;
+};
+
+// depth: of the underside below the ground at the post, m, vertically.
+across line_across(vec3 n, cell c, face post, float depth)
+{
+	vec2 hill = -n.xy / n.z, grows = hill - post.slope;
+	bool wheel = body.x == ROUND && body.z == 0.0;
+	across l;
+	l.line = wheel || dot(grows, grows) < 1e-8 ? heading.xy : normalize(grows);
+	l.half_way = 0.5 * scale.y / (wheel ? heading.z : 1.0);
+	l.middle = c.at + c.middle;
+	l.ground = depth + post.height + dot(hill, c.middle);
+	l.rise = dot(hill, l.line);
+	return l;
+}
+
+vec2 place_on(across l, float at)
+{
+	return l.middle + at * l.line;
+}
+
+float depth_on(across l, float at, face f)
+{
+	return l.ground + at * l.rise - f.height;
+}
+
+float depth_at_post(ground g, object o, face post)
+{
+	return (o.rests != UNDER_NONE ? float(g.height - o.rests) : float(g.height - o.raised) - post.height * 1048576.0) * UNIT_METRES;
+}
+
+// Returns how deep the deepest place of a cell is, m, vertically; a little more.
+float deepest_in(vec3 n, ground g, object o, cell c)
+{
+	face post = face_at(c.at, c.own);
+	across l = line_across(n, c, post, depth_at_post(g, o, post));
+	float deepest = -1e9;
+	for (int k = -4; k <= 4; k++) {
+		float at = 0.25 * float(k) * l.half_way;
+		deepest = max(deepest, depth_on(l, at, face_at(place_on(l, at), c.own)));
+	}
+	return c.share > 0.0 ? deepest + 0.01 * scale.y : -1e9;
+}
+
+#ifdef SLIP
+// What slip digs more in this contact: the whole is kappa K (1 - exp(-j / K)), j the slip since the contact with the post began.
+// share: for how much of the contact the post has been in it.
+int digs_more(soil s, int before, float share)
+{
+	float most = min(digs.y / s.b.z * 1048576.0, 1e8), lacks = exp2(-1.442695 * min(digs.x * share * s.b.z, 100.0));
+	return int(round(max(most - float(before), 0.0) * (1.0 - lacks)));
 }
 #endif
 
-// n: normal of the ground; at: the post under the object, from its centre, m.
-bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, vec3 at, post_state before)
+// n: normal of the ground.
+bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, post_state before)
 {
 	bearing b;
 	b.after = before;
-#ifdef SLIP
-	// Where the soil still bears when it is dug, it is; where it does not, the object has dug itself free.
-	int dug = dug_after(s, before.dug), more = dug - before.dug;
-	ground lower = g;
-	lower.height -= more;
-	answer a = answer_of(s, by_width, n.z, lower, o, before.sinkage);
-	bool held = a.held && a.touched && may_touch(lower, o);
-	if (held) {
-		g = lower;
-	} else {
-		a = answer_of(s, by_width, n.z, g, o, before.sinkage);
-		dug = more = 0;
-	}
-	b.touched = a.touched && may_touch(g, o);
-	b.held = held;
-#else
-	const int dug = 0, more = 0;
 	answer a = answer_of(s, by_width, n.z, g, o, before.sinkage);
 	b.touched = a.touched && may_touch(g, o);
 	b.held = a.held && b.touched;
-#endif
 	float was = float(before.sinkage) * UNIT_METRES;
 	float was_plastic = plastic_part(s, was, yield_stress(s, by_width, was));
+	int more = 0;
+#ifdef SLIP
+	// The soil under the object is dug from below it: so much more it must sink to be borne as before.
+	if (b.held && !g.far) {
+		face below = face_at(c.at, c.own);
+		more = digs_more(s, before.dug, clamp(contact_share(c.at, depth_at_post(g, o, below), was_plastic / n.z, below), 0.0, 1.0));
+		g.height -= more;
+		a = answer_of(s, by_width, n.z, g, o, before.sinkage);
+		b.held = a.held && may_touch(g, o);
+	}
+#endif
 	int released = int(round(min(a.plastic / n.z * 1048576.0, 1.9e9)));
 	int had = int(round(min(was_plastic / n.z * 1048576.0, 1.9e9)));
 	b.sunk = b.held ? g.height - o.rests : released;
 	b.refused = b.touched && (g.far || b.sunk > OFFSET_LIMIT || abs(before.heap - more - b.sunk) > OFFSET_LIMIT);
 	b.touched = b.touched && !b.refused;
 	b.held = b.held && !b.refused;
-	b.carried = b.touched ? int(min(spin.w * float(max(released - had, 0)), float(CARRIED_MOST - more))) + more : 0;
+	b.carried = b.touched ? int(min(spin.w * float(max(released - had, 0)), float(max(CARRIED_MOST - more, 0)))) + min(more, CARRIED_MOST) : 0;
 
-	vec3 surface = way_of_surface(at);
-	vec3 along = surface - dot(surface, n) * n;
+	// How far the surface slides over the post in the whole contact, and for how much of that it has been in contact.
+	bool over = o.rests != UNDER_NONE;
+	face post = face_at(c.at, c.own);
+	float depth = depth_at_post(g, o, post);
+	float above = over ? float(o.rests - o.raised) * UNIT_METRES - post.height : 0.0;
+	// Where no post remembers, the object is taken to have come as it moves now.
+	float since = contact_share(c.at, depth, was_plastic / n.z, post), share = over ? min(since, 1.0) : since;
+	vec2 half_back = c.at + 0.5 * max(share, 0.0) * way.xy;
+	face then = face_at(half_back, c.own);
+	vec3 normal_then = normal_at(n, then);
+	vec3 slid = slip_at(vec3(half_back, then.height + above), normal_then).along * (moves.w > 0.0 ? moves.w / normal_then.z : 1.0);
+	float slides = length(slid);
+	vec2 shear = shear_of(before.shear);
 	if (b.touched) {
 		b.after.heap = before.heap - more;
 		b.after.offset = b.after.heap - b.sunk;
 		b.after.sinkage = a.most;
 	}
-	b.after.dug = b.held ? dug : 0;
-	b.after.shear = b.held ? shear_post(sheared(shear_of(before.shear), levelled(along, n) * s.b.z)) : 0;
-	b.normal = a.stress + damped(s, at, n);
-	b.stress = b.normal * n - (s.b.x + b.normal * s.b.y) * tilted(shear_of(b.after.shear), n);
-	b.stiff = a.stiff * n.z * n.z;
+	b.after.dug = b.held ? before.dug + more : 0;
+	b.after.shear = b.held ? shear_post(sheared(shear, levelled(slid * max(share, 0.0), normal_then) * s.b.z)) : 0;
+
+	// The part of the cell that bears.
+	across l = line_across(n, c, post, depth);
+	float lowered = over && body.x != ROUND ? float(o.rests - o.lowest) * UNIT_METRES : 0.0;
+	float back = over ? moves.x + l.half_way : 1e3;
+	// What a post remembers holds for its cell: as a flat rut if the object has passed over it, and below one that hardly moves as an
+	// impression of its underside.
+	float stamped = before.sinkage > 0 ? max(1.0 - length(way.xy) / l.half_way, 0.0) : 0.0, rut = was / n.z - stamped * depth;
+	vec3 depths, mosts;
+	for (int k = 0; k < 3; k++) {
+		vec2 there = place_on(l, float(k - 1) * l.half_way);
+		depths[k] = depth_on(l, float(k - 1) * l.half_way, face_at(there, c.own));
+		mosts[k] = max(rut + stamped * depths[k], depths[k] + lowered + lowered_at(there, back));
+	}
+	float most = max(mosts.x, max(mosts.y, mosts.z)) * n.z;
+	float stays = plastic_part(s, most, yield_stress(s, by_width, most)) / n.z;
+	vec2 ends = between_roots(l.half_way, depths, vec2(mosts.x > max(depths.x, 0.0) + LEAST ? stays : 0.0,
+							mosts.z > max(depths.z, 0.0) + LEAST ? stays : 0.0));
+	float part = b.refused || g.far ? 0.0 : c.share * (ends.y - ends.x) / (2.0 * l.half_way);
+	b.stress = b.moment = vec3(0.0);
+	b.normal = b.stiff = b.area = 0.0;
+	// Places ahead came into contact later. A post that has slid less than since then was below the object when that began to move.
+	float lasts = over && since > 1.0 ? clamp(displacement_of(shear) / s.b.z / max(slides * (since - 1.0), 1e-9), 0.0, 1.0) : 1.0;
+	for (int k = 0; k < 2 && part > 0.0; k++) {
+		float at = 0.5 * (ends.x + ends.y) + (float(k) - 0.5) * 0.57735027 * (ends.y - ends.x);
+		vec2 there = place_on(l, at);
+		face f = face_at(there, c.own);
+		float deep = depth_on(l, at, f);
+		float largest = max(rut + stamped * deep, deep + lowered + lowered_at(there, back));
+		pressure p = pressure_of(s, by_width, n.z * deep, n.z * largest);
+		vec3 normal = normal_at(n, f), arm = vec3(there, f.height + above);
+		float upright = load.w > 0.0 ? 1.0 : normal.z, weight = 0.5 * part / upright;
+		slip slides_here = slip_at(arm, normal);
+		float later = dot(there - c.at, way.xy) / max(dot(way.xy, way.xy), 1e-12) * lasts;
+		vec3 since_first = slides_here.along * (slides * max(share - later, 0.0) / max(slides_here.size, 1e-9));
+		float stress = p.stress + damped(s, arm, normal) * p.share * min(n.z * largest * s.b.z, 1.0);
+		vec2 mobilised = sheared(shear, levelled(since_first, normal) * s.b.z);
+		float strength = p.share > 0.0 ? s.b.x + stress * s.b.y : 0.0;
+		vec3 sum = stress * normal - strength * tilted(mobilised, normal);
+		b.stress += weight * sum;
+		b.moment += weight * cross(arm, sum);
+		b.normal += weight * p.stress * normal.z;
+		b.stiff += weight * p.stiff * n.z * normal.z;
+		b.area += p.share > 0.0 ? 0.5 * part : 0.0;
+	}
 	return b;
 }

@@ -4,7 +4,8 @@
 // Heights are fixed-point units (2^-20 m) from the object's centre as prescribed; stress is Pa.
 // Defines:
 // - SOIL_MAP: posts differ in their soil
-// - SOIL_RASTERS: some numbers differ from post to post
+// - SOIL_RASTERS: some numbers differ from post to post. Its value says which, three bits for each byte of a post: 0: none;
+//   otherwise 1 + the number as in enum deform_number
 // - SLIP: slip digs
 
 #include "lib/window.glsl"
@@ -15,6 +16,7 @@ const int FAR_UNITS = (1 << 30) - (1 << 20);
 const float STEEPEST = 19.974984;      // slope at which the normal's z is 0.05; steeper slopes are taken as this one
 const float STRESS_MOST = 1e20;        // Pa: a limit that keeps all numbers finite
 const int SOILS = 16;
+const float POSTS_ONLY = 0.0, ROUND = 1.0, FLAT = 2.0; // what an underside is
 const int COLUMNS = 4;                 // rows side by side in the pass's viewport, so that its blocks of pixels are full
 
 struct soil {
@@ -31,21 +33,27 @@ layout(std140, binding = 0) uniform params {
 	vec4 spin;     // its rotation about its centre, rad; share of the plastic flow that is deposited around
 	vec4 rolls;    // the rotation of a wheel without slip, rad
 	vec4 place;    // post (0, 0) from the centre, m; 1 / unit of length in moments; square metres a post
-	vec4 load;     // N; how deep the object may sink below its first contact, fixed-point units; number of the loaded body, from 1; 0: none
-	vec4 digs;     // how far the body slips over the ground during the contact, m; how deep that digs at most, in units of K
+	vec4 load;     // N; how deep the object may sink below its first contact, fixed-point units; number of the loaded body, from 1; 0: none;
+	               // 1: stresses act along the normal of the ground, not of the object's underside
+	vec4 body;     // what its underside is (ROUND ..); radius, m; 1: a sphere; half its breadth, m; 0: whole posts
+	vec4 heading;  // forwards, in plan; the larger of that vector's parts; half the length of a box, m
+	vec4 moves;    // a round object: metres forwards; rise a metre; sine of that; how long a wheel's rim takes, of the soil's time; 0: 1
+	vec4 faces[3]; // box: height at its centre, m, and slope of its lower faces; of the first: units of area a post
+	ivec4 drawn;   // the posts over which `rests` was computed
+	vec4 digs;     // how far the object slips over the ground during the contact, m; how deep that digs at most, in units of K
 	soil soils[SOILS];
 #ifdef SOIL_RASTERS
-	vec4 rasters[4]; // of the bytes in `numbers`: least and greatest value, step between levels; which number, -1: none
+	vec4 rasters[4]; // of the bytes in `numbers`: least and greatest value, step between levels; SI, angles in radians
 #endif
 };
 
-layout(binding = 0, r32i) uniform readonly restrict iimage2DArray bases;
-layout(binding = 1, r32i) uniform restrict iimage2DArray heaps;
+layout(binding = 3) uniform isampler2DArray bases;
 #ifdef SLIP
-layout(binding = 2, r32i) uniform restrict iimage2DArray dugs;
+layout(binding = 0, r32i) uniform restrict iimage2DArray dugs;
 #endif
+layout(binding = 1, r32i) uniform restrict iimage2DArray heaps;
+layout(binding = 2, r32i) uniform readonly restrict iimage2DArray rests;
 layout(binding = 0) uniform isampler2DArray unders;
-layout(binding = 3) uniform isampler2DArray rests;
 #ifdef SOIL_MAP
 layout(binding = 1) uniform usampler2DArray classes;
 #endif
@@ -60,9 +68,9 @@ int row_of_pass()
 	return written.y + at.x + COLUMNS * at.y;
 }
 
-// The undisturbed surface: base and deposited thickness.
+// The undisturbed surface: base and deposited thickness. `bare`: without that.
 struct ground {
-	int base, height;
+	int base, height, bare;
 	bool far; // it is out of reach, and `height` is clamped
 };
 
@@ -70,23 +78,24 @@ ground ground_at(int x, int y)
 {
 	ivec3 post = ivec3(x, y, zero.z);
 	ground g;
-	g.base = imageLoad(bases, post).r;
+	g.base = texelFetch(bases, post, 0).r;
 	int d = g.base - zero.x;
 	bool wraps = ((g.base ^ zero.x) & (g.base ^ d)) < 0;
 	d = wraps ? (g.base < 0 ? -FAR : FAR) : d;
 	g.far = abs(d) >= FAR;
-	g.height = clamp(4 * clamp(d, -FAR, FAR) - zero.y + imageLoad(heaps, post).r, -FAR_UNITS, FAR_UNITS);
+	g.bare = 4 * clamp(d, -FAR, FAR) - zero.y;
+	g.height = clamp(g.bare + imageLoad(heaps, post).r, -FAR_UNITS, FAR_UNITS);
 	return g;
 }
 
 float rise_between(ground low, ground at, ground high)
 {
 	bool no_low = low.base == BASE_NODATA, no_high = high.base == BASE_NODATA;
-	float rise = float((no_high ? at.base : high.base) - (no_low ? at.base : low.base)) * (4.0 * scale.x);
+	float rise = float((no_high ? at.bare : high.bare) - (no_low ? at.bare : low.bare)) * scale.x;
 	return no_low || no_high ? rise : 0.5 * rise;
 }
 
-// The normal of the base: soil that heaps up beside a post does not turn the frame in which its sinkage is measured.
+// Deposited soil does not turn the frame in which contact is judged: neighbours that rise would lift a post out of contact.
 vec3 normal_of(ground west, ground at, ground east, ground south, ground north)
 {
 	vec2 slope = vec2(rise_between(west, at, east), rise_between(south, at, north));
@@ -97,7 +106,7 @@ vec3 normal_of(ground west, ground at, ground east, ground south, ground north)
 }
 
 #ifdef SOIL_RASTERS
-// Replaces a number of a soil. `number`: as enum deform_number of the library. SI, angles in radians.
+// Replaces a number of a soil. `number` is known when the program is compiled, so the other cases cost nothing.
 void soil_set(inout soil s, int number, float value)
 {
 	if (number == 0)
@@ -115,6 +124,12 @@ void soil_set(inout soil s, int number, float value)
 	else if (number == 6)
 		s.a.w = 1.0 / value;
 }
+
+void soil_take(inout soil s, int number, uint level, vec4 raster)
+{
+	if (level != 0u)
+		soil_set(s, number, level == 255u ? raster.y : raster.x + raster.z * float(level - 1u));
+}
 #endif
 
 soil soil_at(int x, int y)
@@ -126,11 +141,10 @@ soil soil_at(int x, int y)
 #endif
 #ifdef SOIL_RASTERS
 	uvec4 levels = texelFetch(numbers, ivec3(x, y, zero.z), 0);
-	for (int i = 0; i < 4; i++) {
-		uint level = levels[i];
-		if (level != 0u)
-			soil_set(s, int(rasters[i].w), level == 255u ? rasters[i].y : rasters[i].x + rasters[i].z * float(level - 1u));
-	}
+	soil_take(s, (SOIL_RASTERS & 7) - 1, levels.x, rasters[0]);
+	soil_take(s, (SOIL_RASTERS >> 3 & 7) - 1, levels.y, rasters[1]);
+	soil_take(s, (SOIL_RASTERS >> 6 & 7) - 1, levels.z, rasters[2]);
+	soil_take(s, (SOIL_RASTERS >> 9 & 7) - 1, levels.w, rasters[3]);
 #endif
 	return s;
 }
@@ -139,7 +153,15 @@ soil soil_at(int x, int y)
 float yield_stress(soil s, float by_width, float z)
 {
 	float k = max(s.a.x * by_width + s.a.y, 0.0); // k_c may be negative, and a patch small
-	return z > 0.0 ? min(k * exp2(s.a.z * log2(max(z, UNIT_METRES))), STRESS_MOST) : 0.0;
+	float bekker = k * exp2(s.a.z * log2(max(z, UNIT_METRES)));
+	return z > 0.0 ? min(min(bekker, z / s.a.w), STRESS_MOST) : 0.0;
+}
+
+// Returns how the yield stress grows with the sinkage, Pa/m.
+float yield_growth(soil s, float yields, float z)
+{
+	float elastic = 1.0 / s.a.w;
+	return yields >= 0.9999999 * elastic * z ? elastic : yields * s.a.z / max(z, UNIT_METRES);
 }
 
 // Returns the plastic part of sinkage z, m: what stays after unloading.
@@ -158,13 +180,14 @@ int sinkage_of(float ca, ground g, int height)
 // The object's lowest height during the contact, and its height in the end pose, `raised` above the prescribed one. UNDER_NONE: it
 // is not above the post.
 struct object {
-	int lowest, rests;
+	int lowest, rests, raised;
 };
 
 object object_at(int x, int y, int raised)
 {
 	object o;
-	int rest = texelFetch(rests, ivec3(x, y, zero.z), 0).r;
+	o.raised = raised;
+	int rest = imageLoad(rests, ivec3(x, y, zero.z)).r;
 	int lowest = min(rest, texelFetch(unders, ivec3(x, y, zero.z), 0).r);
 	o.rests = rest == UNDER_NONE ? UNDER_NONE : max(rest, -FAR_UNITS) + raised;
 	o.lowest = lowest == UNDER_NONE ? UNDER_NONE : max(lowest, -FAR_UNITS) + raised;
@@ -176,15 +199,11 @@ bool may_touch(ground g, object o)
 	return g.base != BASE_NODATA && o.lowest < g.height;
 }
 
-// The new state of a post, and how it bears the object.
+// The new state of a post.
 struct answer {
 	int most;      // the largest sinkage so far, fixed-point units
 	float plastic; // its plastic part, m
-	float yields;  // yield stress at the largest sinkage, Pa
-	int sunk;      // sinkage under the end pose, fixed-point units
 	bool touched, held;
-	float stress;  // Pa
-	float stiff;   // how the stress grows with the sinkage, Pa/m
 };
 
 answer answer_of(soil s, float by_width, float ca, ground g, object o, int most)
@@ -192,23 +211,12 @@ answer answer_of(soil s, float by_width, float ca, ground g, object o, int most)
 	answer a;
 	int deepest = sinkage_of(ca, g, o.lowest);
 	a.most = max(most, deepest);
-	a.sunk = o.rests != UNDER_NONE ? sinkage_of(ca, g, o.rests) : 0;
+	int sunk = o.rests != UNDER_NONE ? sinkage_of(ca, g, o.rests) : 0;
 	float z = float(a.most) * UNIT_METRES;
-	a.yields = yield_stress(s, by_width, z);
-	a.plastic = plastic_part(s, z, a.yields);
-	// The stress grows linearly, from 0 at the plastic sinkage to the yield stress at the largest one.
-	float elastic = max(z - a.plastic, 1e-9), sunk = float(a.sunk) * UNIT_METRES;
+	a.plastic = plastic_part(s, z, yield_stress(s, by_width, z));
 	a.touched = deepest > 0 && (deepest == a.most || float(deepest) * UNIT_METRES > a.plastic);
-	a.held = a.sunk > 0 && (a.sunk == a.most || sunk > a.plastic);
-	bool flows = a.sunk == a.most;
-	a.stress = !a.held ? 0.0 : flows ? a.yields : a.yields * clamp((sunk - a.plastic) / elastic, 0.0, 1.0);
-	a.stiff = !a.held ? 0.0 : flows ? a.yields * s.a.z / max(z, UNIT_METRES) : a.yields / elastic;
+	a.held = sunk > 0 && (sunk == a.most || float(sunk) * UNIT_METRES > a.plastic);
 	return a;
-}
-
-vec3 from_centre(int x, int y, object o, int raised)
-{
-	return vec3(place.xy + scale.y * vec2(x, y), float(o.rests - raised) * UNIT_METRES);
 }
 
 // Returns the motion of the object's surface relative to the ground during the contact, m. `at`: place from the centre.

@@ -216,6 +216,7 @@ struct deform_params {
 	bool undisturbed_stable;
 	double bulldozing;   /* scm: share of the plastic flow that is deposited on the ring, 0 .. 1 */
 	double slip_sinkage; /* scm: how deep slip digs, in units of the soil's shear modulus; 0: not */
+	bool ground_normals; /* scm: stresses act along the normal of the ground; false: along that of the object's underside */
 	bool touched;        /* the caller will ask deform_is_touched. Needs `undisturbed_stable` and a model that conserves soil */
 	uint32_t loaded_bodies;   /* scm: number of objects that carry a load and rest on the ground between contacts */
 	bool disturbance;    /* keep the disturbance plane */
@@ -392,7 +393,7 @@ struct deform_forces {
 	double force[3];      /* N on the object: east, north, up */
 	double moment[3];     /* N m about its centre */
 	double sinkage;       /* m: its greatest depth below the undisturbed surface */
-	double area;          /* m2: area of the posts that carry it */
+	double area;          /* m2: area of the ground that carries it */
 	int64_t z;            /* 2^-20 m: height of its centre; with a load, the equilibrium height */
 	uint32_t saturated;   /* posts whose share exceeded 2^31 sixteenths of a pascal, and was cut to that */
 	bool sunk;            /* the soil does not carry the load: it sank as deep as its height (a mesh: as its size) */

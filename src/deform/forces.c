@@ -17,7 +17,7 @@
 /* A record of scm.frag. */
 struct record {
 	int64_t force[3], moment[3];
-	uint32_t posts;
+	uint32_t area; /* in deform_area_units */
 	int32_t deepest, raised;
 	uint32_t saturated; /* and RECORD_SUNK */
 };
@@ -27,6 +27,7 @@ struct asked {
 	uint64_t tag;
 	int64_t z;       /* prescribed, or guessed */
 	double arm;      /* of moments, m */
+	double area;     /* units of area a post */
 };
 
 struct batch {
@@ -83,7 +84,7 @@ static struct deform_forces told(const struct deform *deform, const struct asked
 	struct deform_forces forces = {
 		.tag = asked->tag,
 		.sinkage = lattice_offset_metres(record->deepest),
-		.area = record->posts * post,
+		.area = record->area / asked->area * post,
 		.z = asked->z + record->raised,
 		.saturated = record->saturated & ~RECORD_SUNK,
 		.sunk = (record->saturated & RECORD_SUNK) != 0,
@@ -186,7 +187,7 @@ enum status deform_forces_record(struct deform *deform, const struct deform_cont
 			status = land_oldest(deform);
 		if (status != STATUS_OK)
 			return status;
-		forces->asked[forces->next++ % RECORDS] = (struct asked){contact->tag, contact->to.z, arm};
+		forces->asked[forces->next++ % RECORDS] = (struct asked){contact->tag, contact->to.z, arm, deform_area_units(deform, contact)};
 	}
 	*records = forces->records;
 	*record = (uint32_t)((forces->next - 1) % RECORDS);

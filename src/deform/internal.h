@@ -196,13 +196,20 @@ struct scm_soil {
 };
 struct scm_params {
 	int32_t zero[4], written[4], shadow[4];
-	float scale[4], way[4], spin[4], rolls[4], place[4], load[4], digs[4];
+	float scale[4], way[4], spin[4], rolls[4], place[4], load[4], body[4], heading[4], moves[4], faces[3][4];
+	int32_t drawn[4];
+	float digs[4];
 	struct scm_soil soils[DEFORM_SOILS];
 	float rasters[DEFORM_RASTERS][4]; /* read only with SOIL_RASTERS */
 };
 /* Returns the viewport of a pass with one invocation for each row of `posts`. The rows lie DEFORM_ROWS_ABREAST side by side. */
 #define DEFORM_ROWS_ABREAST 4
 struct gpu_rect deform_rows(const int32_t posts[4]);
+
+/* soil/underside.c: fills what the shaders need to compute the object's underside between posts (lib/scm_body.glsl). Needs `way`
+ * and `spin`. */
+void deform_underside(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
+		      struct scm_params *params);
 
 /* soil/load.c: finds the size of the contact patch, the equilibrium height, or both. `what`: bits of enum deform_find. The results
  * are in the buffer `tries`. *last: index of the result that the contact pass uses. */
@@ -214,6 +221,8 @@ void deform_find_plan(const char *effect, struct plan *plan);
 
 /* Forces are whole numbers of (Pa / 16) times a post's area. Moments are forces times `arm`. */
 #define DEFORM_UNITS_A_PASCAL 16
+/* soil/scm.c: returns how many units of area a post counts as, so that the sum over all posts fits 32 bits. */
+double deform_area_units(const struct deform *deform, const struct deform_contact *contact);
 /* forces.c: finds the record, a place in a buffer, to which this contact's windows add their forces. May wait for the GPU. */
 enum status deform_forces_record(struct deform *deform, const struct deform_contact *contact, bool first_window, double arm,
 				 struct gpu_buffer **records, uint32_t *record) FURROW_CHECKED;

@@ -4,6 +4,7 @@
 #include <assert.h>
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "deform/internal.h"
 
@@ -25,8 +26,20 @@ static void define(struct deform_request *out, const char *name, bool wanted)
 
 static void define_number(struct deform_request *out, const char *name, int number)
 {
+	assert(strlen(name) + sizeof " 2147483647" <= sizeof out->own);
 	snprintf(out->own, sizeof out->own, "%s %d", name, number);
 	define(out, out->own, true);
+}
+
+/* Which numbers of the soil come from rasters: lib/soil.glsl. */
+static void define_rasters(const struct deform_params *params, struct deform_request *out)
+{
+	int which = 0;
+	if (!deform_has_rasters(params))
+		return;
+	for (int i = 0; i < params->raster_count; i++)
+		which |= (1 + (int)params->rasters[i].number) << 3 * i;
+	define_number(out, "SOIL_RASTERS", which);
 }
 
 static bool has_thickness(const struct deform_params *params)
@@ -59,7 +72,7 @@ void deform_programs_contact(const struct deform_params *params, unsigned with, 
 	define(out, "LOAD", with & WITH_LOAD);
 	define(out, "SOIL_MAP", model->in_place && deform_has_classes(params));
 	define(out, "SLIP", model->in_place && params->slip_sinkage > 0);
-	define(out, "SOIL_RASTERS", deform_has_rasters(params));
+	define_rasters(params, out);
 	define(out, "CONTACT", !model->in_place && deform_needs_contacts(params));
 	if (model->contact_soils)
 		define_number(out, "SOILS", deform_soil_slots(params));
@@ -73,7 +86,8 @@ void deform_programs_find(const struct deform_params *params, enum find_what wha
 	define(out, "PATCH", what == FIND_BEARS && patch);
 	define(out, "SOIL_MAP", what == FIND_BEARS && deform_has_classes(params));
 	define(out, "SLIP", what == FIND_BEARS && params->slip_sinkage > 0);
-	define(out, "SOIL_RASTERS", what == FIND_BEARS && deform_has_rasters(params));
+	if (what == FIND_BEARS)
+		define_rasters(params, out);
 }
 
 void deform_programs_box(const struct deform_params *params, struct deform_request *out)

@@ -10,7 +10,7 @@
 /* Points into itself: do not copy it. */
 struct deform_request {
 	struct gpu_program_request gl;
-	char own[16]; /* text of a define with a number */
+	char own[24]; /* text of a define with a number */
 };
 
 /* Variants of the contact pass of a model that computes forces, as bits: it sums forces; counts the contact patch; the object

@@ -131,7 +131,7 @@ void dem_writer_destroy(struct dem_writer *writer);                      /* remo
 
 /*
  * A raster of classes, whole numbers from 0 to 255, that lies over a store's terrain. It gives the class of each post of any
- * level. One thread at a time uses a handle, so each reading thread opens its own. A handle takes 13 MB, and for a PNG also a
+ * level. One thread at a time uses a handle, so each reading thread opens its own. A handle takes 9 MB, and for a PNG also a
  * temporary file of two bytes for each pixel. The file is untrusted input.
  */
 struct dem_classes_params {

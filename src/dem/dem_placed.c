@@ -25,7 +25,7 @@ enum status dem_pixels_open(struct dem_pixels *pixels, const struct dem_classes_
 	};
 	/* A loader has one map of classes, but up to four rasters of numbers. */
 	pixels->most_posts = classes ? 1 << 18 : 1 << 16;
-	pixels->most_pixels = classes ? 1 << 20 : 1 << 18;
+	pixels->most_pixels = classes ? 1 << 19 : 1 << 18;
 	pixels->beside = classes ? 0 : 1;
 	pixels->x = mem_alloc((size_t)pixels->most_posts, sizeof *pixels->x);
 	pixels->y = mem_alloc((size_t)pixels->most_posts, sizeof *pixels->y);

@@ -216,6 +216,9 @@ void scene_destroy(struct scene *scene);
  * if `index` is beyond the last number.
  */
 bool scene_soil_number(const struct deform_soil *soil, size_t index, const char **key, double *value);
+/* Soils have more than these. A smaller number is probably in a wrong unit. */
+#define SCENE_LEAST_ANGLE 1.6     /* degrees: friction of less is none; pi / 2 is less, too */
+#define SCENE_LEAST_COHESION 50.0 /* Pa: of the soils in the tables the least has 170 */
 /* Returns the SI value of 1 in the unit that a scene and a raster use for the number. */
 double scene_raster_unit(enum deform_number number);
 /* Returns k_c / b + k_phi of a soil under an object. *width: b, metres; 0: it depends on the contact. Then the larger of k_c and

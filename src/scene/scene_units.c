@@ -9,8 +9,8 @@
 #include "scene/scene_check.h"
 
 #define DEGREES (180 / M_PI)
-#define LEAST_ANGLE 1.6     /* degrees: friction of less is none; pi / 2 is less, too */
-#define LEAST_COHESION 50.0 /* Pa: of the soils in the tables the least has 170 */
+#define LEAST_ANGLE SCENE_LEAST_ANGLE
+#define LEAST_COHESION SCENE_LEAST_COHESION
 #define LEAST_LOAD 10.0     /* N */
 #define LARGE_WHEEL 0.5     /* metres across: its own weight is more than LEAST_LOAD */
 #define LEAST_SUN 10.0      /* degrees */

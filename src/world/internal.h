@@ -81,6 +81,8 @@ enum status world_open_soil_map(struct world *world) FURROW_CHECKED;
 enum status world_open_rasters(struct world *world) FURROW_CHECKED;
 /* STATUS_INPUT: with the least numbers of the rasters some soil does not bear this shape. */
 enum status world_check_bearing(const struct world *world, const char *name, const struct deform_shape *shape) FURROW_CHECKED;
+/* Tells the rasters whose values seem to be in a wrong unit. */
+void world_advise_rasters(const struct world *world, scene_advice_fn tell, void *user);
 /* Fills the rasters as deform takes them. Returns their number. Ranges are 0 while the rasters are not open. */
 int world_rasters(const struct world *world, struct deform_raster *rasters);
 /* Gives the numbers of the soil at the nearest post, as contacts read them there. *found false: outside of the terrain. */

@@ -91,6 +91,22 @@ struct world_raster world_raster(const struct world *world, int raster)
 	return told;
 }
 
+void world_advise_rasters(const struct world *world, scene_advice_fn tell, void *user)
+{
+	for (int i = 0; world->soil_rasters != NULL && i < world->scene->raster_count; i++) {
+		const struct world_raster told = world_raster(world, i);
+		bool angle = world->scene->rasters[i].number == DEFORM_FRICTION_ANGLE;
+		bool cohesion = world->scene->rasters[i].number == DEFORM_COHESION;
+		double least = angle ? SCENE_LEAST_ANGLE : cohesion ? SCENE_LEAST_COHESION : 0;
+		char text[400];
+		if (told.high <= 0 || told.high >= least)
+			continue;
+		snprintf(text, sizeof text, "soil.rasters.%s: %.200s has at most %g %s, which is less than soils have, and probably in %s; give %s",
+			 told.key, told.path, told.high, told.unit, angle ? "radians" : "kPa", told.unit);
+		tell(user, text);
+	}
+}
+
 enum status world_soil_numbers_at(struct world *world, double x, double y, struct deform_soil *soil, bool *found)
 {
 	int index;

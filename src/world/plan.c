@@ -182,6 +182,7 @@ void world_advise(const struct world *world, scene_advice_fn tell, void *user)
 	scene_parameter("cache.slots", &slots); /* the default was not asked for */
 	bool known = world->store != NULL || scene->spacing > 0;
 	scene_advise(scene, known ? world->spacing : 0, tell, user);
+	world_advise_rasters(world, tell, user);
 	if (world->store != NULL) {
 		advise_spacing(world, tell, user);
 		advise_leaving(world, tell, user);

@@ -105,6 +105,19 @@ class SoilRasters(FurrowTest):
                         a, b = float(row[column]), float(expected[column])
                         self.assertLessEqual(abs(a - b), 1e-4 * max(abs(b), 1), (key, name, column))
 
+    def test_four_rasters_are_each_for_its_number(self):
+        halves_of = {"bekker_kc": (500, 4000), "cohesion": (200, 5000), "friction_angle": (20, 35), "janosi_shear": (1, 3)}
+        soil = beside(**{key: self.png(key + ".png", west, east) for key, (west, east) in halves_of.items()})
+        _, found, report = self.driven(soil, "--set", "end_time=1")
+        self.assertEqual(list(report["rasters"]), list(halves_of))
+        for half, name in enumerate(("west", "east")):
+            _, alone, _ = self.driven(own(**{key: values[half] for key, values in halves_of.items()}), "--set", "end_time=1")
+            self.assertGreater(len(found[name]), 5)
+            for row, expected in zip(found[name], alone[name]):
+                for column in ("fx", "fz", "tx", "z"):
+                    a, b = float(row[column]), float(expected[column])
+                    self.assertLessEqual(abs(a - b), 1e-4 * max(abs(b), 1), (name, column))
+
     def test_tiles_slots_and_loaders_change_no_bit(self):
         write_png16(self.folder / "c.png", POSTS, POSTS, lambda x, y: (x * 37 + y * 101) % 4000)
         write_png16(self.folder / "phi.png", POSTS, POSTS, lambda x, y: 20 + (x + y) % 15)
@@ -158,6 +171,19 @@ class SoilRasters(FurrowTest):
         told = self.json("explain", scene, "--store", "hills.furrow")["rasters"]
         self.assertEqual(told, [{"number": "cohesion", "file": str(self.folder / "c.png"), "unit": "Pa", "range": [200, 5280], "step": 20}])
         self.assertEqual(self.json("explain", scene)["rasters"], [])  # over no store
+
+    def test_a_raster_in_a_wrong_unit_is_told(self):
+        self.png("one.png", 0, 1)
+        self.png("right.png", 20, 200)
+        for rasters_of, notes in (({"friction_angle": "one.png"}, "soil.rasters.friction_angle: {} has at most 1 degrees, which is less than soils have, "
+                                                                  "and probably in radians; give degrees"),
+                                  ({"cohesion": "one.png"}, "soil.rasters.cohesion: {} has at most 1 Pa, which is less than soils have, and probably "
+                                                            "in kPa; give Pa"),
+                                  ({"cohesion": "right.png", "bekker_n": "right_n.png"}, None)):
+            write_png16(self.folder / "right_n.png", POSTS, POSTS, lambda x, y: 1)
+            scene = self.scene(SCENE.format(model="scm", soil=beside(**rasters_of)))
+            told = [note for note in self.json("explain", scene, "--store", "hills.furrow")["notes"] if note.startswith("soil.rasters")]
+            self.assertEqual(told, [notes.format(self.folder / "one.png")] if notes else [])
 
     def test_a_changed_raster_is_another_scene(self):
         self.png("c.png", 100, 2000)

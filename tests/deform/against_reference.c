@@ -188,7 +188,8 @@ static double aslant(void)
 			int x = i % POSTS + (k - 1) % 2, y = i / POSTS + (k - 2) % 2, j = y * POSTS + x;
 			if (x < 0 || y < 0 || x >= POSTS || y >= POSTS || match.reference.hole[j])
 				continue;
-			double rise = match.reference.base[i] - match.reference.base[j];
+			double rise = match.reference.base[i] + lattice_offset_metres(match.plane[PLANE_DEPOSITED][i]) -
+				      match.reference.base[j] - lattice_offset_metres(match.plane[PLANE_DEPOSITED][j]);
 			steepest = fmax(steepest, fabs(rise) / match.reference.spacing);
 		}
 	return fmin(20, sqrt(1 + 2 * steepest * steepest));
@@ -305,10 +306,10 @@ static void compare_posts(double error, double pressed)
 		near_enough("heaped", i, lattice_offset_metres(match.plane[PLANE_DEPOSITED][i]), match.reference.heaped[i], error);
 		near_enough("pressed", i, lattice_offset_metres(match.plane[PLANE_PLASTIC_SINKAGE][i]), match.reference.pressed[i], pressed);
 		near_enough("dug", i, lattice_offset_metres(match.plane[PLANE_DUG][i]), match.reference.dug[i], 4 * QUANTUM);
-		/* To steps of 2^-15, the last of which is left out; from single precision of a way of up to a metre. */
+		/* To steps of 2^-15; from single precision of a way of up to a metre; and a quantum of height moves the place of first touch. */
 		for (int part = PLANE_SHEAR_EAST; part <= PLANE_SHEAR_NORTH; part++) {
 			double shear = ldexp(plane_shear(match.plane[PLANE_SHEAR][i], part), -PLANE_SHEAR_BITS), wanted = match.reference.shear[part][i];
-			if (!(fabs(shear - wanted) <= 0x1p-15 + 3e-7 / match.params.soils[0].janosi_shear))
+			if (!(fabs(shear - wanted) <= 0x1p-15 + 2e-4 / match.params.soils[0].janosi_shear))
 				fail_msg("shear at post %d, %d: %.9g, by the reference %.9g", i % POSTS, i / POSTS, shear, wanted);
 		}
 	}
@@ -327,7 +328,8 @@ static void compare_forces(const struct deform_forces *got, const struct referen
 	double post = match.reference.spacing * match.reference.spacing, arm = deform_shape_bound(shape) * 1.5, size = 0;
 	for (int k = 0; k < 3; k++)
 		size = hypot(size, wanted->force[k]);
-	assert_true(fabs(got->area - wanted->area) <= (ties + 1e-6) * post);
+	/* A tie moves a part's border by a post each way. Each part is rounded. */
+	assert_true(fabs(got->area - wanted->area) <= (2.25 * ties + 1e-3) * post + 1e-4 * wanted->area);
 	/* A quantum of sinkage is K_e quanta of stress, or near the surface what the soil bears there. What is in contact or not brings
 	 * cohesion and damping besides. */
 	double error = 1e-3 * size + wanted->area * (soil->elastic_stiffness * QUANTUM + brush()) + 0x1p-10;
@@ -347,9 +349,9 @@ static void compare_load(const struct deform_contact *sweep, const struct deform
 	begin_reference();
 	assert_int_equal(reference_load(&match.reference, soil, sweep, match.under, match.rest, &wanted), STATUS_OK);
 	shift_rest(-within);
-	double deeper = reference_scm_normal(&match.reference, soil, sweep, match.under, match.rest, lower + within);
+	double deeper = reference_scm_vertical(&match.reference, soil, sweep, match.under, match.rest, lower + within);
 	shift_rest(2 * within);
-	double higher = reference_scm_normal(&match.reference, soil, sweep, match.under, match.rest, lower - within);
+	double higher = reference_scm_vertical(&match.reference, soil, sweep, match.under, match.rest, lower - within);
 	shift_rest(-within);
 	/* Heights are whole quanta, and sinkages along the normal. Of a post's own half a quantum is rounded: K_e quanta of stress. */
 	double error = 2e-5 * sweep->load + got->area * (soil->elastic_stiffness * QUANTUM / 2 + brush());

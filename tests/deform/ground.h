@@ -30,6 +30,7 @@ struct ground_params {
 	bool stands;                     /* undisturbed ground does */
 	bool touched;                    /* deform_is_touched is asked */
 	double bulldozing, slip_sinkage;
+	bool ground_normals;             /* scm */
 	uint32_t loaded_bodies;
 };
 
@@ -101,6 +102,7 @@ static inline void ground_init(struct ground *ground, const struct ground_params
 		.touched = params->touched,
 		.bulldozing = params->bulldozing,
 		.slip_sinkage = params->slip_sinkage,
+		.ground_normals = params->ground_normals,
 		.loaded_bodies = params->loaded_bodies,
 	};
 	assert_ok(deform_soil_named("dry_sand", &deform.soils[0]));

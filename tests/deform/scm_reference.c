@@ -7,6 +7,9 @@
 #include "ground.h"
 
 #define METRES 3e-6 /* a wheel a metre high, in floats */
+/* m: where an arc of 0.9 m hardly touches, a height's quantum moves the place of its first touch by sqrt(2 r q). Of that the slip
+ * slides a part. */
+#define SHEAR 5e-3 /* of its strength: a fixed-point unit of height moves the place of first touch */
 #define MOUND 0.25  /* m of heaped soil at most */
 
 static int32_t uneven(int64_t x, int64_t y)
@@ -99,7 +102,7 @@ static void compare(const struct ground *ground, const struct state *before, con
 		assert_near(where, lattice_offset_metres(after->offset[i]), reference->offset[i], METRES);
 		assert_near(where, lattice_offset_metres(after->pressed[i]), reference->pressed[i], METRES);
 		for (int part = PLANE_SHEAR_EAST; part <= PLANE_SHEAR_NORTH; part++)
-			assert_near(where, ldexp(plane_shear(after->shear[i], part), -PLANE_SHEAR_BITS), reference->shear[part][i], 0x1p-14);
+			assert_near(where, ldexp(plane_shear(after->shear[i], part), -PLANE_SHEAR_BITS), reference->shear[part][i], SHEAR);
 		assert_int_equal(after->heaped[i], before->heaped[i]);
 		bool touched = after->offset[i] != before->offset[i];
 		seen->pressed += touched;
@@ -150,7 +153,7 @@ static void every_sweep_is_that_of_the_reference(void **state)
 				assert_near("force", got.force[i], forces.force[i], 1e-3 * most + 1);
 				assert_near("moment", got.moment[i], forces.moment[i], 1e-3 * most + 1);
 			}
-			assert_near("area", got.area, forces.area, 0.0157); /* a post */
+			assert_near("area", got.area, forces.area, 1e-4 * forces.area + 1e-5);
 			state_free(&before);
 			state_free(&after);
 		}

@@ -255,7 +255,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 	char *set = whole ? text + size : find_line(text, SCENE_SET);
 	char *poses = whole ? text + size : find_line(text, SCENE_POSES);
 	char *end = poses < set ? poses : set;
-	const char *path = fuzz_path("scene.yaml"), *beside = fuzz_path("poses.csv");
+	/* Copies: opening files asks for paths too, and only the last few are kept. */
+	char path[128], beside[128];
+	snprintf(path, sizeof path, "%s", fuzz_path("scene.yaml"));
+	snprintf(beside, sizeof beside, "%s", fuzz_path("poses.csv"));
 	fuzz_write(path, text, (size_t)(end - text));
 	unlink(beside);
 	if (poses < set)

@@ -84,6 +84,7 @@ static void a_wheel_on_posts_sinks_as_a_towed_one(void **state)
 		const struct towed *wheel = &wheels[rolls[i].wheel];
 		struct deform_soil soil = bed_soil(wheel->soil);
 		soil.elastic_stiffness = 1e12;
+		soil.cohesion = soil.friction_angle = 0; /* Bekker's wheel has no shear */
 		double arc = reference_arc(&soil, wheel->load, wheel->width, wheel->diameter / 2, false);
 		double error = allowed(wheel, &soil, rolls[i].spacing);
 		print_message("%s, posts of %g m\n", wheel->soil, rolls[i].spacing);
@@ -108,6 +109,7 @@ static void a_wheel_on_elastic_soil_sinks_less(void **state)
 	for (size_t i = 0; i < sizeof rolls / sizeof *rolls; i++) {
 		const struct towed *wheel = &wheels[rolls[i].wheel];
 		struct deform_soil soil = bed_soil(wheel->soil);
+		soil.cohesion = soil.friction_angle = 0;
 		double arc = reference_arc(&soil, wheel->load, wheel->width, wheel->diameter / 2, true);
 		print_message("%s, posts of %g m\n", wheel->soil, rolls[i].spacing);
 		assert_true(arc < 0.95 * reference_towed(&soil, wheel->load, wheel->width, wheel->diameter));

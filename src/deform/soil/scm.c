@@ -39,6 +39,14 @@ static double arm_of(const struct deform_shape *shape, const double extent[2])
 	return exp2(ceil(log2(hypot(hypot(extent[0], extent[1]), deform_shape_reach(shape, 0, 0)))));
 }
 
+double deform_area_units(const struct deform *deform, const struct deform_contact *contact)
+{
+	/* A post bears the area of four at most. */
+	const struct post_rect shadow = deform_shadow(deform, contact);
+	double posts = 4.0 * (double)(shadow.x1 - shadow.x0) * (double)(shadow.y1 - shadow.y0);
+	return exp2(fmin(floor(log2(0x1p32 / posts)) - 1, 20));
+}
+
 /* Returns how far the object slips over the ground during the contact, metres: the way of a point on it, less that of a wheel which
  * rolls. `rolled`: the angle of that. */
 static double slip_of(const struct deform_contact *contact, double rolled)
@@ -90,7 +98,6 @@ static void fill_rasters(const struct deform_params *params, float rasters[DEFOR
 		rasters[i][0] = used ? (float)raster->low : 0;
 		rasters[i][1] = used ? (float)raster->high : 0;
 		rasters[i][2] = used ? (float)((raster->high - raster->low) / (DEFORM_LEVELS - 1)) : 0;
-		rasters[i][3] = used ? (float)raster->number : -1;
 	}
 }
 
@@ -120,7 +127,6 @@ static struct scm_params params_of(const struct deform *deform, const struct def
 			  (float)-deform_body_from_post(contact->to.y, window->read.y0, spacing), (float)(1 / arm_of(contact->shape, extent)),
 			  (float)(spacing * spacing)},
 		.load = {(float)fmax(contact->load, 1e-6), (float)fmin(ldexp(deepest(contact), OFFSET_BITS), 0x1p28), (float)contact->loaded_body},
-		.digs = {[1] = (float)deform->params.slip_sinkage},
 	};
 	struct post_rect shadow = post_rect_intersect(deform_shadow(deform, contact), window->write);
 	if (!post_rect_empty(shadow)) {
@@ -129,7 +135,10 @@ static struct scm_params params_of(const struct deform *deform, const struct def
 		for (int i = 0; i < 4; i++)
 			params.shadow[i] = (int32_t)sides[i];
 	}
+	params.digs[1] = (float)deform->params.slip_sinkage;
 	fill_motion(contact, &params);
+	deform_underside(deform, contact, window, &params);
+	params.faces[0][3] = (float)deform_area_units(deform, contact);
 	fill_soils(&deform->params, params.soils);
 	fill_rasters(&deform->params, params.rasters);
 	return params;
@@ -166,8 +175,8 @@ static enum status run_contact(struct deform *deform, const struct deform_contac
 		.program = deform->scm[with],
 		.target = deform->scratch[layer].to[TO_BARE],
 		.viewport = deform_rows(params.written),
-		.textures = {deform->under, deform->classes, deform->numbers, deform->rest},
-		.images = {deform->bases, deform->planes_of[1][PLANE_DEPOSITED], deform->planes_of[0][PLANE_DUG], deform->planes_of[1][PLANE_OFFSET],
+		.textures = {deform->under, deform->classes, deform->numbers, deform->bases},
+		.images = {deform->planes_of[0][PLANE_DUG], deform->planes_of[1][PLANE_DEPOSITED], deform->rest, deform->planes_of[1][PLANE_OFFSET],
 			   deform->planes_of[0][PLANE_PLASTIC_SINKAGE], deform->planes_of[0][PLANE_SHEAR], deform->contacts,
 			   deform->carried},
 		.storage = {tally, records, deform->tries, deform->standing},

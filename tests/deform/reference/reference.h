@@ -46,6 +46,7 @@ struct reference_ground {
 	double *carried;          /* what the last press has lifted and not yet laid down, of height */
 	uint8_t *contact;         /* of the last press */
 	bool *hole;
+	bool ground_normals;      /* scm: as in struct deform_params */
 	double compacted;         /* m3, gone for good */
 	double confined;          /* m3 of it: had no free post to go to */
 };
@@ -64,7 +65,7 @@ void reference_undersides(const struct reference_ground *ground, const struct de
 struct reference_forces {
 	double force[3], moment[3]; /* N, N m: east, north, up */
 	double normal; /* N: the vertical part of the normal stress without damping */
-	double area;   /* m2 of posts that it rests on */
+	double area;   /* m2 of the ground that bears it */
 	double sinkage; /* m, the deepest of those */
 	double work;   /* J that the soil's yielding took over the contact */
 };
@@ -78,8 +79,8 @@ void reference_slippage(struct reference_ground *ground, const double *under, co
 void reference_scm(struct reference_ground *ground, const struct deform_soil *soil, double bulldozing,
 		   const struct deform_contact *sweep, const double *under, const double *rest, double lower,
 		   struct reference_forces *forces);
-/* The vertical part of the normal stress with damping: what carries a load. Nothing is changed. */
-double reference_scm_normal(const struct reference_ground *ground, const struct deform_soil *soil,
+/* The vertical force of the soil, of normal stress and shear: what carries a load. Nothing is changed. */
+double reference_scm_vertical(const struct reference_ground *ground, const struct deform_soil *soil,
 			    const struct deform_contact *sweep, const double *under, const double *rest, double lower);
 
 /* Lays down what is carried. */

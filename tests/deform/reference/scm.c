@@ -4,44 +4,32 @@
  */
 #include <math.h>
 
-#include "deform/reference/reference.h"
+#include "deform/reference/scm.h"
 
 #define STEEPEST 19.974984 /* the normal's z is 0.05 */
 
-struct vector {
-	double x, y, z;
-};
-
 /* What one post has of the object. */
 struct post {
-	struct vector normal; /* of the base */
+	struct vector normal; /* of the undisturbed surface */
 	double sinkage;       /* p: at the contact's end, along the normal; -INFINITY: not under it */
 	double deepest;       /* P: over the contact */
 	double largest;       /* z_max' */
 	double plastic;       /* what of that stays */
-	double stress;        /* along the normal */
-	double damping;       /* besides: what comes of the speed */
-	double dug;           /* what slip has dug here at the contact's end */
 	bool touched, held;
 };
 
-static double dot(struct vector a, struct vector b)
+/* Bekker's curve, but no steeper than elastic unloading. */
+static double yield_of(const struct deform_soil *soil, double stiffness, double sinkage)
 {
-	return a.x * b.x + a.y * b.y + a.z * b.z;
+	return fmin(stiffness * pow(sinkage, soil->bekker_n), soil->elastic_stiffness * sinkage);
 }
 
-static struct vector cross(struct vector a, struct vector b)
+double reference_stays(const struct deform_soil *soil, double stiffness, double largest)
 {
-	return (struct vector){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+	return fmax(0, largest - yield_of(soil, stiffness, largest) / soil->elastic_stiffness);
 }
 
-/* What remains of a sinkage when the load is gone. */
-static double plastic_of(const struct deform_soil *soil, double stiffness, double largest)
-{
-	return fmax(0, largest - stiffness * pow(largest, soil->bekker_n) / soil->elastic_stiffness);
-}
-
-/* How steep the base is along x or y: between the neighbours that there are. What heaped up on it does not count. */
+/* How steep the ground is along x or y, without what is heaped on it: between the neighbours that there are. */
 static double slope(const struct reference_ground *ground, int at, int dx, int dy)
 {
 	int x = at % ground->width, y = at / ground->width, low = at, high = at;
@@ -53,7 +41,7 @@ static double slope(const struct reference_ground *ground, int at, int dx, int d
 	return low == at || high == at ? rise / ground->spacing : rise / (2 * ground->spacing);
 }
 
-static struct vector normal_at(const struct reference_ground *ground, int at)
+struct vector reference_normal_at(const struct reference_ground *ground, int at)
 {
 	double east = slope(ground, at, 1, 0), north = slope(ground, at, 0, 1), steep = hypot(east, north);
 	/* A wall has no sinkage along its normal: what is steeper than this is taken as this steep. */
@@ -77,8 +65,7 @@ static double breadth(const struct reference_ground *ground, const struct deform
 	return sqrt(fmax(area, ground->spacing * ground->spacing) / M_PI);
 }
 
-/* How the object's surface at a place moved over the contact. */
-static struct vector way_at(const struct deform_contact *sweep, double turned, struct vector from_centre)
+struct vector reference_way_at(const struct deform_contact *sweep, double turned, struct vector from_centre)
 {
 	/* A wheel's axis is its own y, level; forwards, its lowest point turns backwards. */
 	struct vector axis = {-sin(sweep->to.yaw) * turned, cos(sweep->to.yaw) * turned, 0};
@@ -90,88 +77,56 @@ static struct vector way_at(const struct deform_contact *sweep, double turned, s
 	return way;
 }
 
-static struct vector from_centre(const struct reference_ground *ground, const struct deform_contact *sweep, int at,
-				 double rest)
+static struct post post_of(const struct reference_ground *ground, const struct deform_soil *soil, double stiffness, int at, double under,
+			   double rest, double lower)
 {
-	return (struct vector){
-		(double)(ground->left + at % ground->width) * ground->spacing - lattice_offset_metres(sweep->to.x),
-		(double)(ground->bottom + at / ground->width) * ground->spacing - lattice_offset_metres(sweep->to.y),
-		rest - lattice_offset_metres(sweep->to.z),
-	};
+	struct post post = {.normal = reference_normal_at(ground, at), .sinkage = -INFINITY, .deepest = -INFINITY};
+	double undisturbed_here = ground->base[at] + ground->heaped[at];
+	if (rest < INFINITY)
+		post.sinkage = post.normal.z * (undisturbed_here - (rest - lower));
+	if (fmin(under, rest) < INFINITY)
+		post.deepest = post.normal.z * (undisturbed_here - (fmin(under, rest) - lower));
+	post.largest = fmax(ground->pressed[at], post.deepest);
+	post.plastic = reference_stays(soil, stiffness, post.largest);
+	post.touched = post.deepest > post.plastic;
+	post.held = post.sinkage > post.plastic;
+	return post;
 }
 
 /* How far the object's lowest surface slips over the ground: for a wheel, beyond rolling. */
 static double slips_by(const struct deform_contact *sweep)
 {
-	struct vector way = way_at(sweep, 0, (struct vector){0, 0, 0});
+	struct vector way = reference_way_at(sweep, 0, (struct vector){0, 0, 0});
 	double ahead = cos(sweep->to.yaw), aside = sin(sweep->to.yaw), forward = way.x * ahead + way.y * aside;
 	if (sweep->shape->kind == DEFORM_WHEEL)
 		forward -= sweep->turned * sweep->shape->radius;
 	return hypot(forward, way.y * ahead - way.x * aside);
 }
 
-/* Slip digs: a depth that nears slip_sinkage x K, and lacks a factor of exp less of it for each K of slip. */
-static double dug_after(const struct reference_ground *ground, const struct deform_soil *soil, const struct deform_contact *sweep, double before)
+/* How much slip digs from below the object: what is dug nears slip_sinkage x K, and lacks a factor of exp less of it for each K of slip
+ * while the post is in contact. */
+static double digs(const struct reference_ground *ground, const struct deform_soil *soil, double stiffness, const struct deform_contact *sweep,
+		   int at, const double *under, const double *rest, double lower)
 {
-	double most = ground->slip_sinkage * soil->janosi_shear;
-	return before < most ? most - (most - before) * exp(-slips_by(sweep) / soil->janosi_shear) : before;
+	double lacks = ground->slip_sinkage * soil->janosi_shear - ground->dug[at];
+	struct post post = post_of(ground, soil, stiffness, at, under[at], rest[at], lower);
+	if (lacks <= 0 || !post.held)
+		return 0;
+	double share = reference_cell(ground, soil, stiffness, sweep, at, under, rest, lower).share;
+	return lacks * (1 - exp(-slips_by(sweep) * share / soil->janosi_shear));
 }
 
-/* As if the undisturbed surface were `dug` lower. */
-static struct post post_dug(const struct reference_ground *ground, const struct deform_soil *soil, double stiffness,
-			    const struct deform_contact *sweep, int at, double under, double rest, double lower, double dug)
-{
-	struct post post = {.normal = normal_at(ground, at), .sinkage = -INFINITY, .deepest = -INFINITY};
-	double undisturbed_here = ground->base[at] + ground->heaped[at] - dug;
-	if (rest < INFINITY)
-		post.sinkage = post.normal.z * (undisturbed_here - (rest - lower));
-	if (fmin(under, rest) < INFINITY)
-		post.deepest = post.normal.z * (undisturbed_here - (fmin(under, rest) - lower));
-	post.largest = fmax(ground->pressed[at], post.deepest);
-	post.plastic = plastic_of(soil, stiffness, post.largest);
-	post.touched = post.deepest > post.plastic;
-	post.held = post.sinkage > post.plastic;
-	if (!post.held)
-		return post;
-	/* Where it yields, that; below, in proportion: K_e, or what is steeper where all of the sinkage is elastic. */
-	post.stress = stiffness * pow(post.largest, soil->bekker_n);
-	if (post.sinkage < post.largest)
-		post.stress *= (post.sinkage - post.plastic) / (post.largest - post.plastic);
-	if (sweep->seconds > 0) {
-		/* As a wheel rolls that does not slip: how fast soil is pressed does not depend on how fast it spins. */
-		struct vector way = way_at(sweep, 0, (struct vector){0, 0, 0});
-		double rolls = sweep->shape->kind == DEFORM_WHEEL ? (way.x * cos(sweep->to.yaw) + way.y * sin(sweep->to.yaw)) / sweep->shape->radius : 0;
-		double inwards = -dot(way_at(sweep, rolls, from_centre(ground, sweep, at, rest)), post.normal) / sweep->seconds;
-		post.damping = soil->damping * fmax(0, inwards);
-	}
-	return post;
-}
-
-/* Where the soil bears the object still when slip has dug, it has; where it does not, the object has dug itself free. */
-static struct post post_of(const struct reference_ground *ground, const struct deform_soil *soil, double stiffness,
-			   const struct deform_contact *sweep, int at, double under, double rest, double lower)
-{
-	double dug = dug_after(ground, soil, sweep, ground->dug[at]);
-	struct post post = post_dug(ground, soil, stiffness, sweep, at, under, rest, lower, dug - ground->dug[at]);
-	if (!post.held) {
-		post = post_dug(ground, soil, stiffness, sweep, at, under, rest, lower, 0);
-		if (dug != ground->dug[at]) {
-			post.held = false;
-			post.stress = post.damping = 0;
-		}
-	}
-	post.dug = post.held ? dug : 0;
-	return post;
-}
-
-double reference_scm_normal(const struct reference_ground *ground, const struct deform_soil *soil,
+double reference_scm_vertical(const struct reference_ground *ground, const struct deform_soil *soil,
 			    const struct deform_contact *sweep, const double *under, const double *rest, double lower)
 {
 	double stiffness = reference_stiffness(soil, breadth(ground, sweep->shape, rest, lower)), sum = 0;
 	for (int i = 0; i < ground->width * ground->height; i++)
-		if (!ground->hole[i] && rest[i] < INFINITY) {
-			struct post post = post_of(ground, soil, stiffness, sweep, i, under[i], rest[i], lower);
-			sum += (post.stress + post.damping) * post.normal.z * ground->spacing * ground->spacing;
+		if (!ground->hole[i]) {
+			/* For a moment. */
+			double heaped = ground->heaped[i];
+			ground->heaped[i] -= digs(ground, soil, stiffness, sweep, i, under, rest, lower);
+			sum += reference_cell(ground, soil, stiffness, sweep, i, under, rest, lower).force.z;
+			ground->heaped[i] = heaped;
 		}
 	return sum;
 }
@@ -193,57 +148,45 @@ static struct vector turned_with(struct vector v, struct vector from, struct vec
 
 /* The object's surface moved by `along` over the post. Soil sheared by e, in units of K, gives way: de = dj - e |dj|. So e nears the
  * direction of the way, and what it lacks of that falls by a factor of exp for each K. */
-static struct vector shear_further(struct reference_ground *ground, int at, struct vector normal, struct vector along, double modulus)
+struct vector reference_shear(const double before[2], struct vector normal, struct vector along, double modulus, double after[2])
 {
 	const struct vector up = {0, 0, 1};
 	double way = sqrt(dot(along, along)), lacks = exp(-way / modulus);
-	struct vector e = turned_with((struct vector){ground->shear[0][at], ground->shear[1][at], 0}, up, normal);
+	struct vector e = turned_with((struct vector){before[0], before[1], 0}, up, normal);
 	if (way > 0)
 		e = (struct vector){along.x / way + (e.x - along.x / way) * lacks, along.y / way + (e.y - along.y / way) * lacks,
 				    along.z / way + (e.z - along.z / way) * lacks};
 	struct vector level = turned_with(e, normal, up);
-	ground->shear[0][at] = level.x;
-	ground->shear[1][at] = level.y;
+	after[0] = level.x;
+	after[1] = level.y;
 	return e;
 }
 
-/* The stresses of one post, on the object; and how the contact sheared it. */
-static void add_forces(struct reference_ground *ground, const struct deform_soil *soil, const struct deform_contact *sweep,
-		       int at, double rest, const struct post *post, struct reference_forces *forces)
+static void add_forces(const struct cell_force *cell, struct reference_forces *forces)
 {
-	struct vector arm = from_centre(ground, sweep, at, rest), way = way_at(sweep, sweep->turned, arm);
-	double into = dot(way, post->normal), area = ground->spacing * ground->spacing;
-	struct vector along = {way.x - into * post->normal.x, way.y - into * post->normal.y, way.z - into * post->normal.z};
-	struct vector sheared = shear_further(ground, at, post->normal, along, soil->janosi_shear);
-	double stress = post->stress + post->damping, shear = reference_janosi(soil, stress, INFINITY);
-	struct vector force = {
-		(stress * post->normal.x - shear * sheared.x) * area,
-		(stress * post->normal.y - shear * sheared.y) * area,
-		(stress * post->normal.z - shear * sheared.z) * area,
-	};
-	struct vector moment = cross(arm, force);
-	forces->force[0] += force.x;
-	forces->force[1] += force.y;
-	forces->force[2] += force.z;
-	forces->moment[0] += moment.x;
-	forces->moment[1] += moment.y;
-	forces->moment[2] += moment.z;
-	forces->normal += post->stress * post->normal.z * area;
-	forces->area += area;
-	forces->sinkage = fmax(forces->sinkage, post->sinkage);
+	const double force[3] = {cell->force.x, cell->force.y, cell->force.z};
+	const double moment[3] = {cell->moment.x, cell->moment.y, cell->moment.z};
+	for (int k = 0; k < 3; k++) {
+		forces->force[k] += force[k];
+		forces->moment[k] += moment[k];
+	}
+	forces->normal += cell->normal;
+	forces->area += cell->area;
+}
+
+/* What Bekker's curve takes to be pressed from one sinkage to another, J/m2. */
+static double work_of(const struct deform_soil *soil, double stiffness, double from, double to)
+{
+	struct deform_soil same = *soil;
+	same.bekker_kc = 0;
+	same.bekker_kphi = stiffness;
+	return reference_yield_work(&same, 1, to) - reference_yield_work(&same, 1, from);
 }
 
 /* Where the object was, but no longer is in contact, the shear ends. What is two posts' spacing below it has to do with another. */
-static void end_shear(struct reference_ground *ground, const struct deform_soil *soil, double stiffness, const struct deform_contact *sweep,
-		      const double *under, const double *rest, double lower)
+static bool is_near(const struct reference_ground *ground, int at, double lowest)
 {
-	for (int i = 0; i < ground->width * ground->height; i++) {
-		double lowest = fmin(under[i], rest[i]) - lower;
-		if (ground->hole[i] || !(lowest - ground->base[i] - ground->offset[i] < 2 * ground->spacing))
-			continue;
-		if (!post_of(ground, soil, stiffness, sweep, i, under[i], rest[i], lower).held)
-			ground->dug[i] = ground->shear[0][i] = ground->shear[1][i] = 0;
-	}
+	return lowest - ground->base[at] - ground->offset[at] < 2 * ground->spacing;
 }
 
 void reference_scm(struct reference_ground *ground, const struct deform_soil *soil, double bulldozing,
@@ -251,21 +194,31 @@ void reference_scm(struct reference_ground *ground, const struct deform_soil *so
 		   struct reference_forces *forces)
 {
 	double stiffness = reference_stiffness(soil, breadth(ground, sweep->shape, rest, lower));
-	double n = soil->bekker_n, area = ground->spacing * ground->spacing;
+	double area = ground->spacing * ground->spacing;
 	*forces = (struct reference_forces){0};
-	end_shear(ground, soil, stiffness, sweep, under, rest, lower);
 	for (int i = 0; i < ground->width * ground->height; i++) {
 		ground->contact[i] = 0;
 		ground->carried[i] = 0;
 		if (ground->hole[i])
 			continue;
-		struct post post = post_of(ground, soil, stiffness, sweep, i, under[i], rest[i], lower);
-		double before = plastic_of(soil, stiffness, ground->pressed[i]), was = ground->offset[i];
-		if (!post.touched)
-			continue;
-		double dug = post.held ? post.dug - ground->dug[i] : 0;
+		bool touched = post_of(ground, soil, stiffness, i, under[i], rest[i], lower).touched;
+		double dug = digs(ground, soil, stiffness, sweep, i, under, rest, lower);
 		ground->heaped[i] -= dug;
-		ground->dug[i] += dug;
+		struct post post = post_of(ground, soil, stiffness, i, under[i], rest[i], lower);
+		double before = reference_stays(soil, stiffness, ground->pressed[i]), was = ground->offset[i];
+		/* A cell may bear whose middle does not. */
+		struct cell_force cell = reference_cell(ground, soil, stiffness, sweep, i, under, rest, lower);
+		add_forces(&cell, forces);
+		double sheared[2] = {0, 0};
+		if (post.held)
+			reference_shear((const double[2]){ground->shear[0][i], ground->shear[1][i]}, cell.normal_then, cell.slid, soil->janosi_shear, sheared);
+		if (post.held || is_near(ground, i, fmin(under[i], rest[i]) - lower))
+			for (int part = 0; part < 2; part++)
+				ground->shear[part][i] = sheared[part];
+		if (post.held || is_near(ground, i, fmin(under[i], rest[i]) - lower))
+			ground->dug[i] = post.held ? ground->dug[i] + dug : 0;
+		if (!touched)
+			continue;
 		if (post.held)
 			ground->offset[i] = rest[i] - lower - ground->base[i];
 		else
@@ -275,9 +228,9 @@ void reference_scm(struct reference_ground *ground, const struct deform_soil *so
 			ground->contact[i] |= REFERENCE_HELD;
 		ground->carried[i] = bulldozing * (post.plastic - before) / post.normal.z + dug;
 		ground->compacted += (was - ground->offset[i] - ground->carried[i]) * area;
-		forces->work += stiffness * (pow(post.largest, n + 1) - pow(ground->pressed[i], n + 1)) / (n + 1) * area;
+		forces->work += work_of(soil, stiffness, ground->pressed[i], post.largest) * area;
 		ground->pressed[i] = post.largest;
 		if (post.held)
-			add_forces(ground, soil, sweep, i, rest[i], &post, forces);
+			forces->sinkage = fmax(forces->sinkage, post.sinkage);
 	}
 }

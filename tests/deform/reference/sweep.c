@@ -14,17 +14,18 @@ enum status reference_load(const struct reference_ground *ground, const struct d
 	for (int i = 0; i < ground->width * ground->height; i++)
 		if (rest[i] < INFINITY && !ground->hole[i])
 			low = fmin(low, fmin(under[i], rest[i]) - ground->base[i] - ground->heaped[i]);
+	low -= ground->spacing; /* between posts it may be lower */
 	double high = low;
 	do {
-		if (low == INFINITY || step > DEEPEST)
+		if (!(low < INFINITY) || step > DEEPEST)
 			return fail_with(STATUS_INPUT, "load: no ground under the object carries %g N; set it on the ground",
 					 sweep->load);
 		high += step;
 		step *= 2;
-	} while (reference_scm_normal(ground, soil, sweep, under, rest, high) < sweep->load);
+	} while (reference_scm_vertical(ground, soil, sweep, under, rest, high) < sweep->load);
 	for (int i = 0; i < 60; i++) {
 		double middle = (low + high) / 2;
-		if (reference_scm_normal(ground, soil, sweep, under, rest, middle) < sweep->load)
+		if (reference_scm_vertical(ground, soil, sweep, under, rest, middle) < sweep->load)
 			low = middle;
 		else
 			high = middle;
@@ -71,6 +72,7 @@ enum status reference_sweep(struct reference_ground *ground, const struct deform
 	double *under = mem_alloc(count, sizeof *under), *rest = mem_alloc(count, sizeof *rest), moved;
 	enum status status = STATUS_OK;
 	*forces = (struct reference_forces){0};
+	ground->ground_normals = params->ground_normals;
 	*lower = 0;
 	if (under == NULL || rest == NULL) {
 		status = fail_memory("reference");

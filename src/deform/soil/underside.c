@@ -1,0 +1,103 @@
+/*
+ * The underside of an object between posts, for scm: what lib/scm_body.glsl computes it from. The lower envelope over posts stays that
+ * of shape/envelope.c, in whole numbers. These numbers are only for stresses.
+ */
+#include <math.h>
+
+#include "deform/shape/body.h"
+#include "deform/internal.h"
+
+enum { POSTS_ONLY, ROUND, FLAT }; /* lib/soil.glsl */
+
+static void put_heading(struct scm_params *params, double x, double y)
+{
+	params->heading[0] = (float)x;
+	params->heading[1] = (float)y;
+	params->heading[2] = (float)fmax(fabs(x), fabs(y));
+}
+
+/* A shear displacement adds up over the time in which the wheel's rim passes over the soil. This is that time, as a share of the time
+ * in which the soil passes below the rim: 1 without slip. A wheel that slides sideways has no such time. */
+static double time_of_rim(const struct deform_contact *contact, double forward, double way)
+{
+	double turned = fabs(contact->shape->radius * contact->turned), aligned = way > 0 ? forward * forward / (way * way) : 0;
+	double share = turned > 0.1 * way ? fmax(way / turned, 0.1) : 10;
+	return 1 + (share - 1) * aligned;
+}
+
+static void wheel(const struct deform *deform, const struct deform_contact *contact, struct scm_params *params)
+{
+	double yaw = contact->to.yaw, x = cos(yaw), y = sin(yaw);
+	double forward = params->way[0] * x + params->way[1] * y;
+	/* A wheel has no front. So it moves forwards. */
+	double sign = forward < 0 ? -1 : 1, slope = forward != 0 ? params->way[2] / fabs(forward) : 0;
+	params->body[0] = ROUND;
+	params->body[1] = (float)contact->shape->radius;
+	params->body[3] = (float)(contact->shape->width / 2);
+	put_heading(params, sign * x, sign * y);
+	params->moves[0] = (float)fabs(forward);
+	params->moves[1] = (float)slope;
+	params->moves[2] = (float)(slope / hypot(1, slope));
+	if (!deform->params.ground_normals)
+		params->moves[3] = (float)time_of_rim(contact, forward, hypot(params->way[0], params->way[1]));
+}
+
+static void sphere(const struct deform_contact *contact, struct scm_params *params)
+{
+	double way = hypot(params->way[0], params->way[1]), slope = way > 0 ? params->way[2] / way : 0;
+	params->body[0] = ROUND;
+	params->body[1] = (float)contact->shape->radius;
+	params->body[2] = 1;
+	put_heading(params, way > 0 ? params->way[0] / way : 1, way > 0 ? params->way[1] / way : 0);
+	params->moves[0] = (float)way;
+	params->moves[1] = (float)slope;
+	params->moves[2] = (float)(slope / hypot(1, slope));
+}
+
+static void box(const struct deform_contact *contact, struct scm_params *params)
+{
+	const struct deform_pose *to = &contact->to;
+	double half[3][3];
+	deform_body_axes(contact->shape->size, to->yaw, to->pitch, to->roll, half);
+	params->body[0] = FLAT;
+	put_heading(params, cos(to->yaw), sin(to->yaw));
+	for (int k = 0; k < 3; k++) {
+		const double *axis = half[k];
+		double squares = axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2];
+		bool upright = fabs(axis[2]) < 1e-6 * sqrt(squares);
+		params->faces[k][0] = upright ? -1e9f : (float)(-squares / fabs(axis[2]));
+		params->faces[k][1] = upright ? 0 : (float)(-axis[0] / axis[2]);
+		params->faces[k][2] = upright ? 0 : (float)(-axis[1] / axis[2]);
+	}
+	/* A box that is turned about both its axes has six sides in plan. Then it bears by whole posts. */
+	if (to->pitch != 0 && to->roll != 0)
+		return;
+	params->heading[3] = (float)(fabs(cos(to->pitch)) * contact->shape->size[0] / 2 + fabs(sin(to->pitch)) * contact->shape->size[2] / 2);
+	params->body[3] = (float)(fabs(cos(to->roll)) * contact->shape->size[1] / 2 + fabs(sin(to->roll)) * contact->shape->size[2] / 2);
+}
+
+void deform_underside(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
+		      struct scm_params *params)
+{
+	const struct post_rect read = window->read, drawn = post_rect_intersect(deform_shadow(deform, contact), read);
+	params->load[3] = deform->params.ground_normals;
+	params->drawn[0] = (int32_t)(drawn.x0 - read.x0);
+	params->drawn[1] = (int32_t)(drawn.y0 - read.y0);
+	params->drawn[2] = (int32_t)(drawn.x1 - read.x0);
+	params->drawn[3] = (int32_t)(drawn.y1 - read.y0);
+	put_heading(params, 1, 0);
+	switch (contact->shape->kind) {
+	case DEFORM_WHEEL:
+		wheel(deform, contact, params);
+		break;
+	case DEFORM_SPHERE:
+		sphere(contact, params);
+		break;
+	case DEFORM_BOX:
+		box(contact, params);
+		break;
+	case DEFORM_MESH:
+	case DEFORM_SHAPES:
+		break; /* only its posts tell */
+	}
+}

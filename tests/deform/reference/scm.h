@@ -1,0 +1,49 @@
+/* What the files of the reference of scm share. */
+#ifndef FURROW_DEFORM_REFERENCE_SCM_H
+#define FURROW_DEFORM_REFERENCE_SCM_H
+
+#include "deform/reference/reference.h"
+
+struct vector {
+	double x, y, z;
+};
+
+static inline double dot(struct vector a, struct vector b)
+{
+	return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static inline struct vector cross(struct vector a, struct vector b)
+{
+	return (struct vector){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+static inline struct vector plus(struct vector a, double times, struct vector b)
+{
+	return (struct vector){a.x + times * b.x, a.y + times * b.y, a.z + times * b.z};
+}
+
+/* scm.c. The normal of the ground without what is heaped on it. */
+struct vector reference_normal_at(const struct reference_ground *ground, int at);
+/* How the object's surface at a place from its centre moved over the contact. */
+struct vector reference_way_at(const struct deform_contact *sweep, double turned, struct vector from_centre);
+/* What remains of a sinkage when the load is gone. */
+double reference_stays(const struct deform_soil *soil, double stiffness, double largest);
+
+/* Shear at a surface, as shares of the soil's strength to the east and to the north when it is turned level, after the object's
+ * surface moved along it. Returns it as a vector along the surface. */
+struct vector reference_shear(const double before[2], struct vector normal, struct vector along, double modulus, double after[2]);
+
+/* cell.c. What the soil of one post's cell does to the object. */
+struct cell_force {
+	struct vector force, moment; /* N, N m about the object's centre at the contact's end */
+	double normal;               /* N, the vertical part of the normal stress */
+	double area;                 /* m2 that bear */
+	double share;                /* 0 .. 1: for how much of the contact the post was in it */
+	struct vector slid, normal_then; /* m: how the underside slid along itself over the post, in contact; its normal half way */
+};
+struct cell_force reference_cell(const struct reference_ground *ground, const struct deform_soil *soil, double stiffness,
+				 const struct deform_contact *sweep, int at, const double *under, const double *rests,
+				 double lower);
+
+#endif
