@@ -154,6 +154,7 @@ def main():
     parser.add_argument("--redistribute", default="", help="keys for every scene, as in 'slip_sinkage: 0'")
     parser.add_argument("--soil", default="", help="keys for every soil, as in 'damping: 0'")
     parser.add_argument("--kappa", type=float, default=0.0, help="slip sinkage of the closed forms")
+    parser.add_argument("--normals", choices=("surface", "ground"), help="what a scene of this build means that says nothing of normals")
     parser.add_argument("--before", type=pathlib.Path, help="JSON lines of an earlier run: its gates and plots beside")
     parser.add_argument("--publish", type=pathlib.Path, help="a page; the tables go between its markers")
     parser.add_argument("--block", default="converge", help="which markers of the page")
@@ -164,7 +165,7 @@ def main():
         rows = []
         with tempfile.TemporaryDirectory() as folder:
             bench = converge_cases.Bench(options.furrow, folder, ", " * bool(options.redistribute) + options.redistribute,
-                                         ", " * bool(options.soil) + options.soil, options.kappa)
+                                         ", " * bool(options.soil) + options.soil, options.kappa, options.normals)
             for name in options.only or converge_cases.CASES:
                 begun = time.monotonic()
                 try:

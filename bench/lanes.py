@@ -150,13 +150,18 @@ def measures(lane, row):
 
 
 def steady(lane, driven, low, high):
-    """Means over the stations between two places along the way, and how far sinkage and drawbar range there."""
-    found = {round(m["along"], 5): m for m in (measures(lane, row) for row in driven.rows[lane.name])}
-    found = [m for m in found.values() if low <= m["along"] <= high]
+    """Means over the path samples between two places along the way, and how far sinkage and drawbar range there. Rows of a wheel that has
+    come to its end are left out: it stands."""
+    found = {}
+    for row in driven.rows[lane.name]:
+        m = measures(lane, row)
+        if low <= m["along"] <= high:
+            found.setdefault(round(m["along"], 5), m)
+    found = list(found.values())
     if not found:
         return None
     mean = {key: sum(m[key] for m in found) / len(found) for key in found[0]}
-    mean["stations"] = len(found)
+    mean["samples"] = len(found)
     mean["sinkage_range"] = max(m["sinkage"] for m in found) - min(m["sinkage"] for m in found)
     mean["drawbar_range"] = max(m["drawbar"] for m in found) - min(m["drawbar"] for m in found)
     mean["side_most"] = max((m["side"] for m in found), key=abs)

@@ -14,7 +14,7 @@ import sys
 import tempfile
 
 import lanes
-from pages import table
+from pages import publish, table
 
 RADIUS, WIDTH, SPEED, LENGTH = 0.058, 0.05, 0.01, 0.5
 SPACING, COARSEST = 0.004, 0.064
@@ -223,6 +223,7 @@ def main():
     parser.add_argument("--redistribute", default="", help="keys for every scene, as in 'bulldozing: 0'")
     parser.add_argument("--quick", action="store_true", help="the smooth wheel alone")
     parser.add_argument("-o", "--out", type=pathlib.Path, help="a folder for measured_wheel.md and .jsonl")
+    parser.add_argument("--publish", type=pathlib.Path, help="a page; the tables go between its markers `measured`")
     options = parser.parse_args()
     missing = [name for name in ("wheel_smooth.csv", "wheel_grouser.csv") if not (options.rig / name).is_file()]
     if missing:
@@ -230,6 +231,8 @@ def main():
         return 0
     with tempfile.TemporaryDirectory() as folder:
         told = report(Rig(options.furrow, folder, ", " * bool(options.redistribute) + options.redistribute), options.rig, options.quick)
+    if options.publish:
+        publish(options.publish, "measured", "\n".join(part["text"] for part in told))
     if options.out:
         options.out.mkdir(parents=True, exist_ok=True)
         (options.out / "measured_wheel.md").write_text("\n".join(part["text"] for part in told) + "\n")

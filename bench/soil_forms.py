@@ -64,7 +64,8 @@ class Law:
     Project Chrono has it: normal stress is vertical and shear level, per area of ground.
     j: `rim`, the slip of one point of the rim since it entered the soil (Wong and Reece). `ground`, the slip that one point of the ground
     has had (a post's). They differ by the factor 1 / (1 - slip) at the bottom.
-    kappa: slip sinkage; the soil is dug by kappa K (1 - exp(-j / K)) and bears as if it lay that much deeper."""
+    kappa: slip sinkage. The soil is dug by D, which grows by (kappa K - D) / K of the way that the rim slips over the ground beyond rolling, from
+    the first contact, and bears as if it lay D deeper. A rim never digs itself free: D is at most the wheel's depth there."""
     stress: str = "surface"
     j: str = "rim"
     kappa: float = 0.0
@@ -137,19 +138,47 @@ def peak(function, low, high):
     return (low + high) / 2
 
 
+def dug_by_angle(soil, wheel, law, slip, entry):
+    """The depth that slip has dug, as a function of theta. At first the rim may dig faster than it comes down; there it bears nothing."""
+    r, most, rate = wheel.radius, law.kappa * soil.janosi, abs(slip) / (1 - slip)
+
+    def lacks(theta):
+        """How much faster the rim would dig than it comes down, were D its depth."""
+        depth = r * (math.cos(theta) - math.cos(entry))
+        return (most - depth) / soil.janosi * rate * math.cos(theta) - math.sin(theta)
+
+    parts = 4000
+    begins, left = entry, entry
+    if lacks(entry) > 0:
+        begins = next((entry * (1 - k / parts) for k in range(1, parts) if lacks(entry * (1 - k / parts)) <= 0), 0.0)
+        low, high = begins, begins + entry / parts
+        for _ in range(60):
+            middle = (low + high) / 2
+            low, high = (middle, high) if lacks(middle) <= 0 else (low, middle)
+        begins = left = low
+    had = r * (math.cos(begins) - math.cos(entry))
+
+    def dug(theta):
+        if theta > begins:
+            return r * (math.cos(theta) - math.cos(entry))
+        return most - (most - had) * math.exp(-rate * r * (math.sin(begins) - math.sin(theta)) / soil.janosi)
+
+    return dug, left
+
+
 def by_angle(soil, wheel, sinkage, slip, law=Law()):
     """Forces at a sinkage, by a quadrature over theta."""
     r, b = wheel.radius, wheel.width
     entry = math.acos(1 - sinkage / r)
+    dug, bears_from = dug_by_angle(soil, wheel, law, slip, entry) if law.kappa and slip else (lambda theta: 0.0, entry)
 
     def displacement(theta):
         return arc_displacement(wheel, law, slip, entry, theta)
 
     def sunk(theta):
-        depth = r * (math.cos(theta) - math.cos(entry))
-        return depth + law.kappa * soil.janosi * math.expm1(-abs(displacement(theta)) / soil.janosi) if law.kappa else depth
+        return r * (math.cos(theta) - math.cos(entry)) - dug(theta)
 
-    lowest = peak(sunk, -entry / 2, entry) if law.kappa else 0.0
+    lowest = peak(sunk, -entry / 2, bears_from) if law.kappa else 0.0
     deepest = sunk(lowest)
     most = soil.yields(deepest, b)
     stays = deepest - most / soil.stiffness
@@ -166,14 +195,12 @@ def by_angle(soil, wheel, sinkage, slip, law=Law()):
             return sigma * c + tau * s, tau * c - sigma * s, r * tau
         return sigma * c, tau * c, (tau * r * c + sigma * r * s) * c
 
-    cuts = {-entry, lowest, entry}
+    cuts = {-entry, lowest, entry, bears_from}
     cuts.update(roots(lambda t: sunk(t) - stays, -entry, lowest))
     cuts.update(roots(displacement, -entry, entry - 1e-6))
     if soil.n < 1:
         capped = ((soil.kc / b + soil.kphi) / soil.stiffness) ** (1 / (1 - soil.n))
         cuts.update(roots(lambda t: sunk(t) - capped, lowest, entry))
-    if law.kappa:
-        cuts.update(roots(lambda t: sunk(t) if t > lowest else 1.0, lowest, entry))
     cuts = sorted(cuts)
     sums = [sum(parts) for parts in zip(*(tanh_sinh(shares, low, high) for low, high in zip(cuts, cuts[1:])))]
     return Answer(sinkage, *(r * b * s for s in sums))
@@ -192,7 +219,8 @@ def by_way(soil, wheel, sinkage, slip, law=Law(), panels=300):
     radius, ground = wheel.radius, wheel.radius - sinkage     # the surface is `ground` below the axle
     turns = 1 / (1 - slip) / radius                           # rad/s
     front = math.sqrt(radius ** 2 - ground ** 2)
-    total_up = total_ahead = total_moment = slipped = greatest = 0.0
+    total_up = total_ahead = total_moment = slipped = greatest = dug = 0.0
+    most, slips = law.kappa * soil.janosi, abs(turns * radius - 1)   # the deepest that slip digs; its speed beyond rolling
 
     def rates_of(ahead, behind):
         rates = []
@@ -206,16 +234,17 @@ def by_way(soil, wheel, sinkage, slip, law=Law(), panels=300):
             rates.append((x, down, speed if law.j == "ground" else speed / (turns * down)))
         return rates
 
-    def answer(x, down, here, greatest):
-        """Normal and shear stress, the greatest sinkage, and which branch of the law it is."""
-        p = down - ground - law.kappa * soil.janosi * (1 - math.exp(-abs(here) / soil.janosi))
+    def answer(x, down, here, greatest, ahead, had):
+        """Normal and shear stress, the greatest sinkage, and which branch of the law it is. had: what was dug when the rim was at `ahead`."""
+        p = down - ground - (most - (most - had) * math.exp(-slips * (ahead - x) / soil.janosi))
         bekker = (soil.kc / wheel.width + soil.kphi) * max(p, 0.0) ** soil.n < soil.stiffness * p
+        free = greatest < 1e-12 and (most - (down - ground)) * slips > soil.janosi * x / down   # it digs faster than it comes down
         if p >= greatest:
-            normal, branch = soil.yields(p, wheel.width), ("yields", p > 0, bekker, here > 0)
+            normal, branch = soil.yields(p, wheel.width), ("yields", p > 1e-12, bekker, here > 0, free)
             return normal, soil.shear(normal, here), p, branch
         bears = soil.yields(greatest, wheel.width)
         normal = min(max(soil.stiffness * (p - greatest) + bears, 0.0), bears)
-        return normal, soil.shear(normal, here), greatest, ("elastic", normal > 0, here > 0)
+        return normal, soil.shear(normal, here), greatest, ("elastic", normal > 0, here > 0, free)
 
     # Steps are short at the front and at the rear.
     edges = [front * math.cos(math.pi * k / panels) for k in range(panels + 1)]
@@ -225,13 +254,13 @@ def by_way(soil, wheel, sinkage, slip, law=Law(), panels=300):
         length, rates = ahead - behind, rates_of(ahead, behind)
         all_of_it = sum(rate * weight / 2 for (_, _, rate), (_, weight) in zip(rates, GAUSS)) * length
         inside = ahead - 1e-9 * length
-        first = answer(inside, math.sqrt(radius ** 2 - inside ** 2), slipped, greatest)
+        first = answer(inside, math.sqrt(radius ** 2 - inside ** 2), slipped, greatest, ahead, dug)
         parts, branches, sunk = [], {first[3]}, first[2]
         for i, (x, down, _) in enumerate(rates):
-            normal, tangent, sunk, branch = answer(x, down, slipped + partial(rates, i) * length, sunk)
+            normal, tangent, sunk, branch = answer(x, down, slipped + partial(rates, i) * length, sunk, ahead, dug)
             branches.add(branch)
             parts.append((x, down, normal, tangent))
-        last = answer(behind, math.sqrt(radius ** 2 - behind ** 2), slipped + all_of_it, sunk)
+        last = answer(behind, math.sqrt(radius ** 2 - behind ** 2), slipped + all_of_it, sunk, ahead, dug)
         if len(branches | {last[3]}) > 1 and length > 1e-9 * front:
             middle = (ahead + behind) / 2
             todo += [(middle, behind), (ahead, middle)]
@@ -245,6 +274,8 @@ def by_way(soil, wheel, sinkage, slip, law=Law(), panels=300):
             total_up += up * weight / 2 * length
             total_moment += (level * down + up * x) * weight / 2 * length
         slipped, greatest = slipped + all_of_it, last[2]
+        dug = min(most - (most - dug) * math.exp(-slips * length / soil.janosi), math.sqrt(radius ** 2 - behind ** 2) - ground) if behind > 0 else \
+            most - (most - dug) * math.exp(-slips * length / soil.janosi)
     return Answer(sinkage, total_up * wheel.width, total_ahead * wheel.width, total_moment * wheel.width)
 
 
@@ -295,7 +326,7 @@ def main():
              ("dry_sand", wheel, 1000, None, 0.2, Law("ground", "ground")), ("dry_sand", wheel, 1000, None, 0.2, Law("surface", "ground"))]
     cases += [("chrono_soft", Wheel(0.5, 0.4), None, z, s, Law("ground", j)) for z in (0.1, 0.05) for s in (0, 0.2, 0.5) for j in ("rim", "ground")]
     cases += [(name, wheel, 1000, None, s, Law()) for name in ("lunar", "lete_sand", "snow_us", "sandy_loam_15") for s in (0.2, -0.2)]
-    cases += [("dry_sand", wheel, 1000, None, 0.2, Law(kappa=1.0))]
+    cases += [(name, wheel, 1000, None, s, Law(kappa=1.1)) for name in ("dry_sand", "lete_sand") for s in (0.2, 0.6)]
     for name, wheel, load, depth, slip, law in cases:
         soil = named(name)
         got = under_load(soil, wheel, load, slip, law) if load else by_angle(soil, wheel, depth, slip, law)

@@ -53,8 +53,8 @@ void main()
 	heap = imageLoad(heaps, at).r;
 #endif
 	bool ours = all(greaterThanEqual(post, written.xy)) && all(lessThan(post, written.zw));
-	bool still = !ours || base == BASE_NODATA;
 	uint contact = imageLoad(contacts, at).r;
+	bool still = !ours || base == BASE_NODATA || (contact & CLOSED) != 0u;
 #ifdef LOAD
 	const uint is_held = IS_HELD | MAY_BE_FREED;
 #else

@@ -8,6 +8,8 @@
 // - LAST: the last iteration, which writes offsets
 // - THICKNESS: with LAST: writes the deposited thickness too
 // - FLAGS: over blocks
+// - SLOPES: the critical difference depends on the height of the slope, over blocks
+// - WAKES: as in slid.glsl
 
 #include "lib/slide.glsl"
 
@@ -18,48 +20,64 @@ layout(binding = 1, r32i) readonly uniform iimage2DArray floors;
 #if SOILS > 1
 layout(binding = 2, r8ui) readonly uniform uimage2DArray classes;
 #endif
+#ifdef SLOPES
+layout(binding = 6, r32i) readonly uniform iimage2DArray slopes; // the axial critical difference in the slope of a post: slope.frag
+#endif
 
 layout(std140, binding = 0) uniform params {
 	ivec4 region; // over blocks: as in regions.vert; over a window: its first post from its first block; blocks in a row; first word
 	ivec4 place;  // the layer; a post this near a block's side concerns the neighbour too
 	ivec4 edge;   // over a window: posts whose neighbours were all computed: first, one behind the last
-	ivec4 critical[SOILS]; // critical difference of heights: axial, diagonal; tolerance
+	// Of each soil: critical difference of heights, axial, diagonal; tolerance; difference that is steeper than the friction angle.
+	ivec4 limits[SOILS];
 };
 
 #include "lib/slid.glsl"
 
-ivec2 critical_at(ivec3 at)
+// Returns the place of a post's soil in the limits.
+int soil_at(ivec3 at)
 {
 #if SOILS > 1
-	return critical[min(int(imageLoad(classes, at).r), SOILS - 1)].xy;
+	return min(int(imageLoad(classes, at).r), SOILS - 1);
 #else
-	return critical[0].xy;
+	return 0;
 #endif
 }
+
 
 void main()
 {
 	ivec3 at = ivec3(ivec2(gl_FragCoord.xy), place.x);
 	int height = imageLoad(heights, at).r;
-	ivec2 own = critical_at(at);
+	int own = soil_at(at);
 #ifdef BOUNDED
 	int loose = max(0, height - imageLoad(floors, at).r) >> 3;
 #endif
 #ifdef STOOD
 	int base = imageLoad(grounds, at).r;
 #endif
+#ifdef SLOPES
+	int slope = imageLoad(slopes, at).r;
+#endif
 	int change = 0, moves = 0;
+	bool steep = false;
 	for (int k = 0; k < 8; k++) {
 		ivec3 there = at + ivec3(SLIDE_NEAR[k], 0);
 		int other = imageLoad(heights, there).r;
 		int difference = height - other, high = abs(difference);
 		bool gives = difference > 0;
 #if SOILS > 1
-		ivec2 both = gives ? own : critical_at(there);
+		int soil = gives ? own : soil_at(there);
 #else
-		ivec2 both = own;
+		int soil = own;
 #endif
-		int over = high - (k < 4 ? both.x : both.y);
+		int critical = k < 4 ? limits[soil].x : limits[soil].y;
+#ifdef SLOPES
+		// The slope is that of the post that gives. Diagonally the square root of 2, to a ten thousandth.
+		int most = gives ? slope : imageLoad(slopes, there).r;
+		critical = min(critical, k < 4 ? most : most + (most >> 2) + (most >> 3) + (most >> 5) + (most >> 7));
+#endif
+		int over = high - critical;
 		int amount = min(min((over + 7) >> 3, high >> 3), SLIDE_MOST);
 #ifdef BOUNDED
 		amount = min(amount, gives ? loose : max(0, other - imageLoad(floors, there).r) >> 3);
@@ -69,9 +87,12 @@ void main()
 		amount = min(amount, more);
 		over = min(over, more);
 #endif
-		amount = other == STILL || over <= critical[0].z ? 0 : max(amount, 0);
+		amount = other == STILL || over <= limits[0].z ? 0 : max(amount, 0);
+#ifdef WAKES
+		steep = steep || (other != STILL && high > limits[soil].w);
+#endif
 		change += gives ? -amount : amount;
 		moves |= amount;
 	}
-	slid(at, height, change, moves != 0);
+	slid(at, height, change, moves != 0, steep);
 }

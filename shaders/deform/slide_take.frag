@@ -35,5 +35,5 @@ void main()
 	// A share that rounds to 0 counts as motion: beside another object fewer posts may share it, and then it is more than 0.
 	moves = nothing != 0;
 #endif
-	slid(at, imageLoad(heights, at).r, change + come, moves);
+	slid(at, imageLoad(heights, at).r, change + come, moves, false);
 }

@@ -5,6 +5,7 @@
 // - THICKNESS: the deposited thickness is written too
 // - FLAGS: the pass computes active blocks; otherwise it computes a window
 // - TOUCHED: flags also tell which parts of a block changed
+// - WAKES: the height of a slope counts, so a change may set near posts in motion
 
 #ifdef LAST
 layout(binding = 3, r32i) readonly uniform iimage2DArray bases;
@@ -24,8 +25,8 @@ layout(location = 0) out int height_out;
 #endif
 
 // Writes the result. height: before this iteration. change: soil that the post got, less what it gave. moves: the post got or gave
-// soil, even if both are equal.
-void slid(ivec3 at, int height, int change, bool moves)
+// soil, even if both are equal. steep: in a high slope the post might give or get soil.
+void slid(ivec3 at, int height, int change, bool moves, bool steep)
 {
 	if (height == STILL)
 		change = 0;
@@ -42,6 +43,10 @@ void slid(ivec3 at, int height, int change, bool moves)
 	// An object that rested on this post may not rest on it any more.
 	moves = moves || (marks & MAY_BE_FREED) != 0u || ((marks & IS_HELD) != 0u && offset != before);
 #ifdef FLAGS
+#ifdef WAKES
+	// The extents of slopes were those before the first iteration.
+	moves = moves || offset != before;
+#endif
 	if (moves)
 		flag_post(at.xy - block.xy, block.z, place.y);
 #ifdef TOUCHED
@@ -52,6 +57,10 @@ void slid(ivec3 at, int height, int change, bool moves)
 	// This window did not compute the posts beyond its rim. So a change on the rim may make soil move there, and flags the block.
 	bool rim = any(lessThan(at.xy, edge.xy)) || any(greaterThanEqual(at.xy, edge.zw));
 	bool changed = (marks & IS_DISTURBED) != 0u || offset != before;
+#ifdef WAKES
+	// A contact does not look at slopes. So an interval must, wherever something changed or is steep.
+	moves = moves || changed || (steep && height != STILL);
+#endif
 	ivec2 from_first = at.xy + region.xy;
 	ivec2 its_block = from_first >> 5;
 	int word = region.w + its_block.y * region.z + its_block.x;

@@ -82,8 +82,8 @@ static int which(const struct deform *deform, int plane, bool atlas)
 	return atlas ? 1 : deform_gathers_into(deform, plane);
 }
 
-void deform_gather(struct deform *deform, struct post_rect read, uint32_t layer, uint32_t x, uint32_t y, bool atlas,
-		   unsigned planes, const struct deform_tile *tiles, size_t count)
+/* Beyond the world there is no data. */
+static void clear_beyond(struct deform *deform, struct post_rect read, uint32_t layer, uint32_t x, uint32_t y, bool atlas, unsigned planes)
 {
 	struct gpu_rect all = {x, y, (uint32_t)(read.x1 - read.x0), (uint32_t)(read.y1 - read.y0)};
 	const struct post_rect extent = {0, 0, extent_tiles_x(deform->params.extent, deform->params.level) *
@@ -96,6 +96,18 @@ void deform_gather(struct deform *deform, struct post_rect read, uint32_t layer,
 			gpu_texture_clear(deform->planes_of[which(deform, plane, atlas)][plane], layer, all, 0);
 	if (beyond)
 		gpu_texture_clear(deform->bases, layer, all, BASE_NODATA);
+}
+
+void deform_gather(struct deform *deform, struct post_rect read, uint32_t layer, uint32_t x, uint32_t y, bool atlas,
+		   unsigned planes, const struct deform_tile *tiles, size_t count)
+{
+	clear_beyond(deform, read, layer, x, y, atlas, planes);
+	deform_gather_more(deform, read, layer, x, y, atlas, planes, tiles, count);
+}
+
+void deform_gather_more(struct deform *deform, struct post_rect read, uint32_t layer, uint32_t x, uint32_t y, bool atlas,
+			unsigned planes, const struct deform_tile *tiles, size_t count)
+{
 	for (size_t i = 0; i < count; i++) {
 		struct gpu_rect from, to;
 		if (!shared(deform, tiles[i].tile, read, read, &from, &to))

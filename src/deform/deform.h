@@ -124,6 +124,9 @@ struct soil_model {
 	/* Computes the largest height difference, fixed-point units, at which two posts of a soil are stable. `apart`: their
 	 * distance, metres. Used if soil slides by excess (deform_slide_excess). */
 	int32_t (*critical)(const struct deform_soil *soil, double apart);
+	/* Returns the cotangent of the steepest angle at which a slope of `height` metres is stable; NULL: it does not depend on the
+	 * height. */
+	double (*cotangent)(const struct deform_soil *soil, double height);
 };
 
 /* Returns the struct that describes a model. It is constant. */
@@ -344,9 +347,12 @@ enum status deform_interval_begin(struct deform *deform, const struct deform_res
 				  size_t *count) FURROW_CHECKED;
 struct post_rect deform_interval_reads(const struct deform *deform, size_t block);
 struct post_rect deform_interval_writes(const struct deform *deform, size_t block);
-/* `tiles`: all tiles that hold a post that this block reads or writes. Call with block 0, 1, ... in turn. */
+/* `tiles`: tiles that hold posts that this block reads: all, but for those given to deform_interval_gather_part before. Call with
+ * block 0, 1, ... in turn. So not all tiles need a slot at the same time. */
+void deform_interval_gather_part(struct deform *deform, size_t block, const struct deform_tile *tiles, size_t count);
 enum status deform_interval_gather(struct deform *deform, size_t block, const struct deform_tile *tiles,
 				   size_t count) FURROW_CHECKED;
+/* `tiles`: all tiles that hold a post that this block writes. */
 enum status deform_interval_scatter(struct deform *deform, size_t block, const struct deform_tile *tiles,
 				    size_t count) FURROW_CHECKED;
 enum status deform_interval_end(struct deform *deform) FURROW_CHECKED;

@@ -17,6 +17,8 @@ enum scratch_target {
 	TO_BEGUN,   /* the start of sliding: offset plane 0, heights, and the other textures that sliding starts with */
 	TO_HEIGHTS_0, TO_HEIGHTS_1,
 	TO_SHED,    /* sumner: the soil that each post sheds, in the texture `carried` */
+	/* slopes, in the atlas: heights in `carried` and extents in `deposits`; only extents, in `under`; only extents, in `deposits` */
+	TO_SLOPES_FIRST, TO_SLOPES_0, TO_SLOPES_1,
 	TO_SLID,    /* offset plane 1, and deposited thickness plane 1 */
 	TO_DISTURBANCE, /* disturbance plane 1 */
 	TO_HELD,    /* only the texture `contacts` */
@@ -38,6 +40,8 @@ struct deform;
 
 struct slide_soil;
 struct slide_place;
+
+#define SLOPE_HEIGHTS 108 /* number of heights of slopes for which limits are known; a multiple of 4 */
 
 /* A rule by which soil slides (soil/slide.c). The row of a model that conserves soil points to one. */
 struct soil_slide {
@@ -63,6 +67,9 @@ struct slide_soil {
 	int32_t stop[2];   /* sumner: a post sheds no soil if no difference to a neighbour exceeds this */
 	/* sumner: the share of the differences that moves, in 2^-32. Index: number of lower neighbours, 1 .. 8, minus 1 */
 	uint32_t share[8];
+	/* Only if the height of a slope counts. `slope`: cotangents of the steepest angles, for rising heights of slopes. `rise`: two
+	 * posts belong to the same slope if they differ by more. */
+	int32_t slope[SLOPE_HEIGHTS], rise[2];
 };
 
 struct deform {
@@ -96,6 +103,7 @@ struct deform {
 	struct facets *facets;                 /* triangles of meshes and grousers; made when first needed */
 	struct gpu_program *slide_begin[2][2]; /* indices: 1 over blocks, 0 over a window; 1 if the object carries a load */
 	struct gpu_program *slide[2][2], *shed[2]; /* indices: 1 over blocks, 0 over a window; 1 in the last iteration */
+	struct gpu_program *slope[2];          /* index: 1: the first hop */
 	struct slide_soil soils[DEFORM_SOILS];
 	bool contacts_flag;                    /* the flags that a contact writes show all blocks where soil moves after it */
 	struct gpu_program *scm[8], *find[4];  /* the index has one bit for each define of the program */
@@ -125,8 +133,9 @@ int deform_soil_slots(const struct deform_params *params); /* soil/slide.c: clas
 bool deform_is_bounded(const struct deform_params *params); /* the layer of soil that can relax has a bottom */
 /* the height difference of two posts may not fit 32 bits: the relief exceeds STEEP_RELIEF */
 bool deform_is_steep(const struct deform_params *params);
+bool deform_has_slopes(const struct deform_params *params); /* a soil's limit depends on the height of the slope */
 bool deform_asks_what_stood(const struct deform_params *params); /* sliding must compare with the undisturbed ground */
-int deform_slide_passes(const struct deform_params *params);
+int deform_slide_passes(const struct deform_params *params, bool blocks); /* over blocks, or over a window */
 int64_t deform_reach(const struct deform_params *params);  /* windows.c: struct deform's reach and border */
 int64_t deform_border(const struct deform_params *params);
 int64_t deform_core(const struct deform_params *params);   /* the most posts that a window writes along one side */
@@ -258,6 +267,12 @@ struct slide_place {
 	uint32_t first;               /* index of the first block in the list, and of its word in the flags */
 };
 enum status deform_slide_run(struct deform *deform, const struct slide_place *place) FURROW_CHECKED;
+/* soil/slopes.c: finds the critical difference in the slope at each post, in blocks. deform_slopes_found: returns the result. */
+#define DEFORM_SLOPE_HOPS 4
+#define DEFORM_SLOPE_REACH ((1 << DEFORM_SLOPE_HOPS) - 1) /* in posts */
+enum status deform_slopes_run(struct deform *deform, const struct slide_place *place) FURROW_CHECKED;
+struct gpu_texture *deform_slopes_found(const struct deform *deform);
+void deform_slopes_prepare(const struct deform *deform, const struct deform_soil *soil, struct slide_soil *to);
 /* Returns how many posts around a block an interval reads. */
 int64_t deform_slide_rim(const struct deform *deform);
 /* Returns how many posts around a changed post the next iteration may change. */
@@ -270,6 +285,9 @@ void deform_slide_prepare(struct deform *deform);
  * planes_of[1]. deform_scatter_from copies planes back to tiles. */
 void deform_gather(struct deform *deform, struct post_rect read, uint32_t layer, uint32_t x, uint32_t y, bool atlas,
 		   unsigned planes, const struct deform_tile *tiles, size_t count);
+/* As deform_gather, of further tiles of a rectangle that it was called for. */
+void deform_gather_more(struct deform *deform, struct post_rect read, uint32_t layer, uint32_t x, uint32_t y, bool atlas,
+			unsigned planes, const struct deform_tile *tiles, size_t count);
 struct scatter_from {
 	struct gpu_texture *planes[PLANES]; /* NULL: the tiles keep this plane */
 	uint32_t layer, x, y;

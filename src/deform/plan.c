@@ -58,7 +58,7 @@ static void plan_windows(const struct deform_params *params, const struct deform
 		add_passes(plan, deform_model_row(params->model)->effect.name, number, PLAN_MOVED, GPU_SMOOTH, params->box_repetitions);
 	if (deform_conserves(params->model)) {
 		add_passes(plan, "spread", number, PLAN_WINDOW, GPU_SPREAD, 1);
-		add_passes(plan, slide, number, PLAN_WINDOW, GPU_SLIDE, deform_slide_passes(params));
+		add_passes(plan, slide, number, PLAN_WINDOW, GPU_SLIDE, deform_slide_passes(params, false));
 	}
 	if (params->disturbance)
 		add_passes(plan, "dirt", number, PLAN_WINDOW, GPU_DISTURBANCE, 1);
@@ -86,7 +86,7 @@ static void look(const struct deform_params *params, const struct deform_planned
 static void plan_intervals(const struct deform_params *params, const struct any *any, struct plan *plan)
 {
 	const char *effect = deform_slide_effect(params->model);
-	add_passes(plan, effect, -1, PLAN_ATLAS, GPU_SETTLE, deform_slide_passes(params));
+	add_passes(plan, effect, -1, PLAN_ATLAS, GPU_SETTLE, deform_slide_passes(params, true));
 	add_passes(plan, effect, -1, PLAN_HELD, GPU_HOLD, 1);
 	if (any->closed)
 		add_passes(plan, effect, -1, PLAN_RESTING, GPU_ENVELOPE, 1);

@@ -131,12 +131,21 @@ void deform_programs_slide(const struct deform_params *params, enum slide_what w
 		define(out, "BOUNDED", what == SLIDE_EXCESS && deform_is_bounded(params));
 		define(out, "STOOD", deform_asks_what_stood(params));
 	}
+	define(out, "SLOPES", what == SLIDE_EXCESS && blocks && deform_has_slopes(params));
 	if (what != SLIDE_SHED && last) {
 		define(out, "LAST", true);
+		define(out, "WAKES", what == SLIDE_EXCESS && deform_has_slopes(params));
 		define(out, "THICKNESS", has_thickness(params));
 		define(out, "FLAGS", blocks);
 		define(out, "TOUCHED", params->touched);
 	}
+}
+
+void deform_programs_slope(const struct deform_params *params, bool first, struct deform_request *out)
+{
+	begin_over(out, true, "deform/slope.frag");
+	define(out, "FIRST", first);
+	define_number(out, "SOILS", deform_soil_slots(params));
 }
 
 void deform_programs_held(bool loaded, struct deform_request *out)
@@ -235,6 +244,10 @@ static void each_slide(struct each *each, bool blocks, bool loaded)
 	const int last_pass = slide->pass_count - 1;
 	deform_programs_begin(params, blocks, loaded, &each->request);
 	add(each, !blocks && loaded ? "load" : effect);
+	for (int first = 0; first < 2 && blocks && deform_has_slopes(params); first++) {
+		deform_programs_slope(params, first, &each->request);
+		add(each, effect);
+	}
 	for (int pass = 0; pass < last_pass; pass++) {
 		deform_programs_slide(params, slide->passes[pass], blocks, false, &each->request);
 		add(each, effect);

@@ -142,7 +142,7 @@ static void attach(struct attachments *to, struct gpu_texture *texture, uint32_t
 		to->list[to->count++] = (struct gpu_attachment){texture, layer};
 }
 
-static enum status make_targets(struct deform *deform, uint32_t number)
+static enum status make_targets(struct deform *deform, uint32_t number, bool atlas)
 {
 	struct gpu *gpu = deform->params.gpu;
 	struct attachments of[SCRATCH_TARGETS] = {{.count = 0}};
@@ -165,6 +165,12 @@ static enum status make_targets(struct deform *deform, uint32_t number)
 		attach(&of[TO_HEIGHTS_1], deform->heights[1], number);
 		if (deform_model_row(deform->params.model)->slide->pass_count > 1)
 			attach(&of[TO_SHED], deform->carried, number);
+		if (atlas && deform_has_slopes(&deform->params)) {
+			attach(&of[TO_SLOPES_FIRST], deform->deposits, number);
+			attach(&of[TO_SLOPES_FIRST], deform->carried, number);
+			attach(&of[TO_SLOPES_0], deform->under, number);
+			attach(&of[TO_SLOPES_1], deform->deposits, number);
+		}
 		attach(&of[TO_SLID], deform->planes_of[1][PLANE_OFFSET], number);
 		attach(&of[TO_SLID], deform->planes_of[1][PLANE_DEPOSITED], number);
 	}
@@ -188,7 +194,7 @@ enum status deform_need_layers(struct deform *deform, uint32_t layers)
 	uint32_t all = layers + beside_windows(&deform->params);
 	enum status status = make_textures(deform, all);
 	for (uint32_t i = 0; i < all && status == STATUS_OK; i++)
-		status = make_targets(deform, i);
+		status = make_targets(deform, i, i == layers);
 	if (status == STATUS_OK)
 		deform->layers = layers;
 	else

@@ -43,13 +43,12 @@ static size_t window_tiles(const struct world *world, const struct deform_params
 	       tiles_across(at_most(all.y1 - all.y0), extent->cells, extent_tiles_y(extent, world->level));
 }
 
-/* Of a block's square. */
-static size_t block_tiles(const struct world *world, const struct deform_params *params)
+/* Of a block that is written. It is read four tiles at a time, and that is no more. */
+static size_t block_tiles(const struct world *world)
 {
 	const struct extent *extent = &world->meta->extent;
-	int64_t side = deform_interval_side(params);
-	return tiles_across(side, extent->cells, extent_tiles_x(extent, world->level)) *
-	       tiles_across(side, extent->cells, extent_tiles_y(extent, world->level));
+	return tiles_across(DEFORM_BLOCK, extent->cells, extent_tiles_x(extent, world->level)) *
+	       tiles_across(DEFORM_BLOCK, extent->cells, extent_tiles_y(extent, world->level));
 }
 
 /* Checks that undisturbed ground that relaxes fits into the active blocks. */
@@ -92,7 +91,7 @@ enum status world_budget_check(struct world *world)
 	if (status != STATUS_OK)
 		return status;
 	world_deform_params(world, &params);
-	size_t block = world_deforms(world) && deform_conserves(scene->model) ? block_tiles(world, &params) : 0;
+	size_t block = world_deforms(world) && deform_conserves(scene->model) ? block_tiles(world) : 0;
 	if (block > WORLD_TILES_MOST || block > scene->slots)
 		return fail_with(STATUS_INPUT, "cache.slots: a block of ground that slides touches up to %zu tiles of %u cells at "
 					       "once, and there are %u slots (at most %d are used); give more, or import with "

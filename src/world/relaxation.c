@@ -42,16 +42,37 @@ static size_t rests_of(const struct world *world)
 	return count + world_host_rests(world, world->relaxation.rests + count);
 }
 
+/* Gathers a block from tiles that are pinned four at a time, however many it reads. */
+static enum status gather(struct world *world, size_t block)
+{
+	const struct extent *extent = &world->meta->extent;
+	const struct post_rect reads = deform_interval_reads(world->deform, block);
+	const int64_t cells = extent->cells;
+	struct held_tiles held = {.count = 0};
+	struct tile first, last;
+	enum status status = STATUS_OK;
+	bool any = tile_range_of(extent, world->level, reads, &first, &last);
+	for (uint32_t y = first.y; any && y <= last.y; y += 2)
+		for (uint32_t x = first.x; x <= last.x && status == STATUS_OK; x += 2) {
+			/* Tiles x, x + 1 and y, y + 1, without the posts that they share with others. */
+			struct post_rect part = post_rect_intersect(reads, (struct post_rect){x * cells + (x > first.x), y * cells + (y > first.y),
+											  (x + 2) * cells, (y + 2) * cells});
+			if (post_rect_empty(part))
+				continue;
+			status = world_hold(world, part, &held);
+			if (status == STATUS_OK)
+				deform_interval_gather_part(world->deform, block, held.tiles, held.count);
+			world_release(world, &held);
+		}
+	return status == STATUS_OK ? deform_interval_gather(world->deform, block, NULL, 0) : status;
+}
+
 static enum status one_interval(struct world *world, size_t *blocks)
 {
 	struct held_tiles held = {.count = 0};
 	enum status status = deform_interval_begin(world->deform, world->relaxation.rests, rests_of(world), blocks);
-	for (size_t i = 0; i < *blocks && status == STATUS_OK; i++) {
-		status = world_hold(world, deform_interval_reads(world->deform, i), &held);
-		if (status == STATUS_OK)
-			status = deform_interval_gather(world->deform, i, held.tiles, held.count);
-		world_release(world, &held);
-	}
+	for (size_t i = 0; i < *blocks && status == STATUS_OK; i++)
+		status = gather(world, i);
 	for (size_t i = 0; i < *blocks && status == STATUS_OK; i++) {
 		struct post_rect writes = deform_interval_writes(world->deform, i);
 		status = world_hold(world, writes, &held);

@@ -97,8 +97,9 @@ static void forces_are_numbers(struct ground *ground, const struct deform_contac
 	assert_ok(deform_forces_take(ground->deform, true, &forces, &taken));
 	if (!taken)
 		return;
-	/* No share of a post is beyond 2^31 sixteenths of a pascal. */
-	double most = forces.area * 0x1p27 * 1.001, reach = deform_shape_reach(sweep->shape, 0, 0), spacing = ground->params.spacing;
+	/* No post below the object bears more than 2^31 sixteenths of a pascal, however small the part of its cell is. */
+	double reach = deform_shape_reach(sweep->shape, 0, 0), spacing = ground->params.spacing;
+	double across = 2 * deform_shape_bound(sweep->shape) + 2 * spacing, most = across * across * 0x1p27;
 	for (int k = 0; k < 3; k++) {
 		if (!(fabs(forces.force[k]) <= most) || !(fabs(forces.moment[k]) <= most * 4 * (deform_shape_bound(sweep->shape) + spacing)))
 			fail_msg("force %d of %g m2: %g N, %g N m", k, forces.area, forces.force[k], forces.moment[k]);

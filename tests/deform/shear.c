@@ -130,10 +130,12 @@ static void shear_turns_with_the_way(void **state)
 	read_shear(&ground, shear);
 	assert_true(fabs(shear[0] - (1 - exp(-2)) * exp(-1)) < 4 * UNIT && fabs(shear[1] - (1 - exp(-1))) < 4 * UNIT);
 	assert_true(forces.force[0] < 0 && forces.force[1] < forces.force[0]);
-	/* Nothing moves: it holds. */
+	/* Nothing moves: it holds. What moved told places between posts apart, a post remembers for all of its cell. */
 	go(&contact, 0, 0, 0);
 	struct deform_forces held = ground_forces(&ground, &contact);
-	assert_true(held.force[0] == forces.force[0] && held.force[1] == forces.force[1]);
+	for (int k = 0; k < 2; k++)
+		if (!(fabs(held.force[k] - forces.force[k]) < 0.02 * hypot(forces.force[0], forces.force[1])))
+			fail_msg("force %d: %g N, and %g N when it stands", k, forces.force[k], held.force[k]);
 	ground_finish(&ground);
 }
 

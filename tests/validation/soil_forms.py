@@ -23,7 +23,11 @@ class ClosedForms(unittest.TestCase):
             wheel = Wheel(chance.uniform(0.05, 1), chance.uniform(0.05, 0.6))
             law = Law(chance.choice(("surface", "ground")), chance.choice(("rim", "ground")), chance.choice((0.0, 0.0, 0.8)))
             case = soil, wheel, wheel.radius * chance.uniform(0.002, 0.5), chance.choice((-0.5, -0.2, 0.0, 0.2, 0.6, 0.9)), law
-            self.assertLess(by_angle(*case).apart(by_way(*case)), 1e-6, case)
+            one, two = by_angle(*case), by_way(*case)
+            # Slip digs a wheel that is hardly sunk almost free, so that its force alone is no measure.
+            most = max(one.fz, 0.01 * soil.yields(case[2], wheel.width) * wheel.width * wheel.radius)
+            for a, b in ((one.fz, two.fz), (one.fx, two.fx), (one.my, two.my)):
+                self.assertLess(abs(a - b) / most, 1e-6, case)
 
     def test_the_numbers_of_the_issue(self):
         """Sinkage in mm, drawbar in N, torque in N m: a wheel of 0.32 m by 0.24 m, 1 kN, slip 0.2, dry_sand."""

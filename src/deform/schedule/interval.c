@@ -9,6 +9,7 @@
 
 #include "deform/internal.h"
 
+#define CONTACT_CLOSED 8 /* lib/window.glsl */
 #define RESULT_COLUMNS (SIDE / DEFORM_BLOCK)
 #define RESULTS (RESULT_COLUMNS * RESULT_COLUMNS) /* blocks a layer */
 
@@ -17,6 +18,7 @@ struct interval {
 	size_t count;
 	const struct deform_rest *objects;
 	size_t object_count;
+	size_t begun;                  /* number of blocks of which a part was gathered */
 	uint32_t side, columns, batch; /* posts along a square; squares in a row; squares in the atlas */
 	struct gpu_texture *results[PLANES];
 	struct gpu_buffer *flags;      /* one word for each block */
@@ -122,6 +124,7 @@ enum status deform_interval_begin(struct deform *deform, const struct deform_res
 	*count = 0;
 	if (interval == NULL)
 		return STATUS_OK;
+	interval->begun = 0;
 	enum status status = deform_active_visit(deform, &interval->blocks, &interval->count);
 	if (status != STATUS_OK || interval->count == 0)
 		return status;
@@ -230,6 +233,24 @@ static enum status hold_all(struct deform *deform, const struct deform_rest *obj
 	return status;
 }
 
+/* Marks the posts of neighbouring blocks that are not visited, so that they exchange no soil with this one. An earlier drive may
+ * have left them steep. Then one post of a pair would change and the other would not. */
+static void close_sides(struct deform *deform, size_t block)
+{
+	const struct deform_block *own = &deform->interval->blocks[block];
+	const uint32_t rim = (uint32_t)deform_slide_rim(deform);
+	const uint32_t from[3] = {0, rim, rim + DEFORM_BLOCK}, length[3] = {rim, DEFORM_BLOCK, rim};
+	uint32_t x, y;
+	place_of(deform->interval, block, &x, &y);
+	for (int k = 0; k < 9; k++) {
+		int i = k % 3, j = k / 3;
+		if (k == 4 || deform_active_is_visited(deform, (struct deform_block){own->x + i - 1, own->y + j - 1}))
+			continue;
+		const struct gpu_rect side = {x + from[i], y + from[j], length[i], length[j]};
+		gpu_texture_clear(deform->contacts, deform->layers, side, CONTACT_CLOSED);
+	}
+}
+
 /* Computes the blocks in the atlas: it is full, or `last` is the last block. Copies them into `results`. */
 static enum status compute(struct deform *deform, size_t first, size_t last)
 {
@@ -240,6 +261,8 @@ static enum status compute(struct deform *deform, size_t first, size_t last)
 	gpu_texture_clear(deform->contacts, deform->layers, atlas, 0);
 	for (size_t i = 0; i < interval->object_count && status == STATUS_OK; i++)
 		status = hold_all(deform, &interval->objects[i], first, last);
+	for (size_t block = first; block <= last; block++)
+		close_sides(deform, block);
 	const struct slide_place place = {
 		.layer = deform->layers,
 		.all = atlas,
@@ -266,31 +289,25 @@ static enum status compute(struct deform *deform, size_t first, size_t last)
 	return status == STATUS_OK ? gpu_check(deform->params.gpu, "sliding") : status;
 }
 
-/* Makes holes of neighbouring blocks that are not visited, so that they exchange no soil with this one. An earlier drive may
- * have left them steep. Then one post of a pair would change and the other would not. */
-static void close_sides(struct deform *deform, size_t block, uint32_t x, uint32_t y)
+void deform_interval_gather_part(struct deform *deform, size_t block, const struct deform_tile *tiles, size_t count)
 {
-	const struct deform_block *own = &deform->interval->blocks[block];
-	const uint32_t rim = (uint32_t)deform_slide_rim(deform);
-	const uint32_t from[3] = {0, rim, rim + DEFORM_BLOCK}, length[3] = {rim, DEFORM_BLOCK, rim};
-	for (int k = 0; k < 9; k++) {
-		int i = k % 3, j = k / 3;
-		if (k == 4 || deform_active_is_visited(deform, (struct deform_block){own->x + i - 1, own->y + j - 1}))
-			continue;
-		const struct gpu_rect side = {x + from[i], y + from[j], length[i], length[j]};
-		gpu_texture_clear(deform->bases, deform->layers, side, BASE_NODATA);
-	}
+	struct interval *interval = deform->interval;
+	const struct post_rect reads = deform_interval_reads(deform, block);
+	unsigned planes = sliding_planes(&deform->params);
+	uint32_t x, y;
+	assert(block < interval->count);
+	place_of(interval, block, &x, &y);
+	if (interval->begun == block + 1)
+		deform_gather_more(deform, reads, deform->layers, x, y, true, planes, tiles, count);
+	else
+		deform_gather(deform, reads, deform->layers, x, y, true, planes, tiles, count);
+	interval->begun = block + 1;
 }
 
 enum status deform_interval_gather(struct deform *deform, size_t block, const struct deform_tile *tiles, size_t count)
 {
-	struct interval *interval = deform->interval;
-	uint32_t x, y;
-	assert(block < interval->count);
-	place_of(interval, block, &x, &y);
-	deform_gather(deform, deform_interval_reads(deform, block), deform->layers, x, y, true, sliding_planes(&deform->params),
-		      tiles, count);
-	close_sides(deform, block, x, y);
+	const struct interval *interval = deform->interval;
+	deform_interval_gather_part(deform, block, tiles, count);
 	if (block % interval->batch != interval->batch - 1 && block != interval->count - 1)
 		return STATUS_OK;
 	return compute(deform, block - block % interval->batch, block);
@@ -303,6 +320,7 @@ enum status deform_interval_warm(struct deform *deform, const struct deform_shap
 	const struct deform_rest object = {.shape = shape, .loaded_body = loaded_body};
 	interval->blocks = &beyond;
 	interval->count = 1;
+	interval->begun = 0;
 	interval->object_count = 0;
 	enum status status = deform_interval_gather(deform, 0, NULL, 0);
 	if (status == STATUS_OK)

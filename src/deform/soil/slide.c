@@ -19,7 +19,7 @@ struct slide_params {
 };
 struct excess_params {
 	struct slide_params slide;
-	int32_t critical[DEFORM_SOILS][4];
+	int32_t limits[DEFORM_SOILS][4];
 };
 struct shed_params {
 	struct slide_params slide;
@@ -56,10 +56,19 @@ bool deform_is_steep(const struct deform_params *params)
 	return !(params->relief < STEEP_RELIEF);
 }
 
-/* The pass that begins, and those of the iterations. */
-int deform_slide_passes(const struct deform_params *params)
+bool deform_has_slopes(const struct deform_params *params)
 {
-	return 1 + params->iterations * slide_of(params)->pass_count;
+	bool cohesive = false;
+	for (int i = 0; i < params->soil_count; i++)
+		cohesive = cohesive || params->soils[i].cohesion > 0;
+	return cohesive && deform_model_row(params->model)->cotangent != NULL;
+}
+
+/* The pass that begins, those that find slopes, and those of the iterations. */
+int deform_slide_passes(const struct deform_params *params, bool blocks)
+{
+	int slopes = blocks && deform_has_slopes(params) ? DEFORM_SLOPE_HOPS : 0;
+	return 1 + slopes + params->iterations * slide_of(params)->pass_count;
 }
 
 /* A pass of an iteration depends on the posts beside a post. */
@@ -72,7 +81,8 @@ int64_t deform_slide_step(const struct deform *deform)
 /* The result at a post is right if all posts within the rim were read. */
 int64_t deform_slide_rim(const struct deform *deform)
 {
-	return deform_slide_step(deform) * deform->params.iterations + deform_is_steep(&deform->params);
+	int64_t slope = deform_has_slopes(&deform->params) ? DEFORM_SLOPE_REACH : 0;
+	return deform_slide_step(deform) * deform->params.iterations + deform_is_steep(&deform->params) + slope;
 }
 
 static int32_t loose_depth(const struct deform *deform)
@@ -98,6 +108,8 @@ static void prepare_excess(const struct deform *deform, const struct deform_soil
 	for (int k = 0; k < 2; k++)
 		to->critical[k] = deform_model_row(deform->params.model)
 					->critical(soil, k == 0 ? deform->spacing : deform->spacing * M_SQRT2);
+	if (deform_has_slopes(&deform->params))
+		deform_slopes_prepare(deform, soil, to);
 }
 
 static void prepare_shed(const struct deform *deform, const struct deform_soil *soil, struct slide_soil *to)
@@ -160,8 +172,10 @@ static enum status begin(struct deform *deform, const struct slide_place *place)
 	if (status != STATUS_OK)
 		return status;
 	struct gpu_rect written = place->written;
+	/* Iterations need no heights where only the extents of slopes are found. */
+	int32_t trim = blocks && deform_has_slopes(&deform->params) ? DEFORM_SLOPE_REACH : 0;
 	const struct slide_params params = {
-		.region = {(int32_t)place->side, (int32_t)place->columns, 0, (int32_t)place->first},
+		.region = {(int32_t)place->side, (int32_t)place->columns, trim, (int32_t)place->first},
 		.place = {(int32_t)place->layer, deform_is_bounded(&deform->params) ? loose_depth(deform) : 0},
 		.edge = {(int32_t)written.x, (int32_t)written.y, (int32_t)(written.x + written.width),
 			 (int32_t)(written.y + written.height)},
@@ -192,7 +206,8 @@ static void run(struct deform *deform, const struct slide_place *place, int iter
 	pass->images[3] = last ? deform->bases : NULL;
 	pass->images[4] = last ? deform->planes_of[0][PLANE_OFFSET] : NULL;
 	pass->images[5] = last ? deform->stills : NULL;
-	pass->images[6] = last ? deform->planes_of[0][PLANE_DEPOSITED] : NULL;
+	if (last && deform->planes_of[0][PLANE_DEPOSITED] != NULL)
+		pass->images[6] = deform->planes_of[0][PLANE_DEPOSITED];
 	pass->storage[1] = last ? place->flags.words : NULL;
 	gpu_pass_run(deform->params.gpu, pass);
 }
@@ -207,17 +222,19 @@ static enum status excess(struct deform *deform, const struct slide_place *place
 	if (status != STATUS_OK)
 		return status;
 	int64_t rim = deform_slide_rim(deform), left = deform->params.iterations - 1 - iteration;
+	bool slopes = place->blocks > 0 && deform_has_slopes(&deform->params);
 	struct excess_params params = {.slide = slide_params(place, rim - left, rim)};
 	for (int i = 0; i < deform->params.soil_count; i++) {
-		for (int k = 0; k < 2; k++)
-			params.critical[i][k] = deform->soils[i].critical[k];
-		params.critical[i][2] = tolerance_of(deform);
+		const struct slide_soil *soil = &deform->soils[i];
+		const int32_t limits[4] = {soil->critical[0], soil->critical[1], tolerance_of(deform), soil->rise[0]};
+		memcpy(params.limits[i], limits, sizeof limits);
 	}
 	run(deform, place, iteration, &(struct gpu_pass){
 		.program = *program,
-		.images = {NULL, deform->floors, deform->classes, [7] = stood ? deform->bases : NULL},
+		.images = {NULL, deform->floors, deform->classes, [6] = slopes ? deform_slopes_found(deform) : NULL,
+			   [7] = stood ? deform->bases : NULL},
 		.params = &params,
-		.params_bytes = (size_t)((char *)params.critical[deform_soil_slots(&deform->params)] - (char *)&params),
+		.params_bytes = (size_t)((char *)params.limits[deform_soil_slots(&deform->params)] - (char *)&params),
 	});
 	return STATUS_OK;
 }
@@ -301,6 +318,8 @@ const struct soil_slide deform_slide_shed = {
 enum status deform_slide_run(struct deform *deform, const struct slide_place *place)
 {
 	enum status status = begin(deform, place);
+	if (status == STATUS_OK && place->blocks > 0 && deform_has_slopes(&deform->params))
+		status = deform_slopes_run(deform, place);
 	for (int i = 0; i < deform->params.iterations && status == STATUS_OK; i++)
 		status = slide_of(&deform->params)->iterate(deform, place, i);
 	return status;

@@ -30,4 +30,5 @@ const struct soil_model deform_model_slippage = {
 	.shader = "deform/slippage.frag",
 	.slide = &deform_slide_excess,
 	.critical = deform_critical_difference_cohesive,
+	.cotangent = deform_critical_cotangent,
 };

@@ -49,3 +49,17 @@ int32_t deform_critical_difference_cohesive(const struct deform_soil *soil, doub
 	}
 	return critical;
 }
+
+/*
+ * With k = 4 c cos phi / gamma, m = sin phi + k / H and x = cot b, Culmann's equation is sqrt(1 + x^2) = x cos phi + m. Its
+ * square is a quadratic equation in x. Written as below its root is exact for phi = 0 too, and below 0 for a slope that would
+ * overhang.
+ */
+double deform_critical_cotangent(const struct deform_soil *soil, double height)
+{
+	if (!(soil->friction_angle < UPRIGHT))
+		return 0;
+	double sine = sin(soil->friction_angle), cosine = cos(soil->friction_angle);
+	double m = sine + fmin(fmax(0, 4 * soil->cohesion * cosine / (soil->unit_weight * height)), 1e6);
+	return (1 - m) * (1 + m) / (m * cosine + sqrt(m * m - sine * sine));
+}

@@ -1,0 +1,101 @@
+#version 450 core
+// One hop along the slope at each post of a block: how far the slope rises above the post and falls below it (slopes.c). A hop
+// leads to a post that is higher, or lower, by more than the angle of friction gives. One fragment for each post.
+// Defines:
+// - FIRST: the first hop, which computes the heights too
+// - SOILS: number of soil classes in the parameters
+
+#include "lib/slide.glsl"
+
+#ifdef FIRST
+layout(binding = 0, r32i) readonly uniform iimage2DArray bases;
+layout(binding = 1, r32i) readonly uniform iimage2DArray offsets;
+#else
+layout(binding = 0, r32i) readonly uniform iimage2DArray surfaces;
+layout(binding = 1, r32i) readonly uniform iimage2DArray extents; // after the hops before
+#endif
+#if SOILS > 1
+layout(binding = 2, r8ui) readonly uniform uimage2DArray classes;
+#endif
+
+layout(std140, binding = 0) uniform params {
+	ivec4 region;       // as in regions.vert
+	ivec4 place;        // the layer; posts of this hop; the last hop: from post to post, 2^-20 m with the digits of cotangents
+	ivec4 rises[SOILS]; // a hop rises or falls by more: axial, diagonal; fixed-point units
+#ifndef FIRST
+	ivec4 cotangents[27 * SOILS]; // of the steepest angles by the height of a slope: SLOPE_HEIGHTS of slopes.c for each soil
+#endif
+};
+
+// In 2^-9 m: low 16 bits above the post, high 16 bits below it. The last hop: the axial critical difference in the slope.
+layout(location = 0) out int extent_out;
+#ifdef FIRST
+layout(location = 1) out int surface_out; // 4 base + offset
+#endif
+
+int surface_at(ivec3 at)
+{
+#ifdef FIRST
+	int base = imageLoad(bases, at).r;
+	return base == BASE_NODATA ? STILL : int(uint(base) * 4u + uint(imageLoad(offsets, at).r));
+#else
+	return imageLoad(surfaces, at).r;
+#endif
+}
+
+ivec2 extent_at(ivec3 at)
+{
+#ifdef FIRST
+	return ivec2(0);
+#else
+	uint extent = uint(imageLoad(extents, at).r);
+	return ivec2(extent & 0xffffu, extent >> 16);
+#endif
+}
+
+#ifndef FIRST
+int known(int soil, int i)
+{
+	return cotangents[27 * soil + (i >> 2)][i & 3];
+}
+
+// Returns the axial critical difference in a slope of this height, in 2^-9 m. The cotangent lies between those of the two nearest
+// heights of slopes.c.
+int in_slope(int soil, int height)
+{
+	height = clamp(height, 16, 0x1ffff);
+	int octave = findMSB(height), digits = height << (17 - octave);
+	int i = (octave - 4) * 8 + ((digits >> 14) & 7), low = known(soil, i);
+	int cotangent = low + ((known(soil, i + 1) - low) * ((digits >> 6) & 255) >> 8);
+	return cotangent > 0 ? min(place.z / cotangent, 1 << 30) : 1 << 30;
+}
+#endif
+
+void main()
+{
+	ivec3 at = ivec3(ivec2(gl_FragCoord.xy), place.x);
+#if SOILS > 1
+	int soil = min(int(imageLoad(classes, at).r), SOILS - 1);
+#else
+	int soil = 0;
+#endif
+	ivec2 rise = rises[soil].xy;
+	int surface = surface_at(at);
+	ivec2 most = extent_at(at);
+	for (int k = 0; k < 8; k++) {
+		ivec3 there = at + ivec3(SLIDE_NEAR[k] * place.y, 0);
+		int other = surface_at(there), difference = other - surface, least = k < 4 ? rise.x : rise.y;
+		ivec2 on = extent_at(there) + (abs(difference) >> 11);
+		bool open = surface != STILL && other != STILL;
+		most.x = open && difference > least ? max(most.x, on.x) : most.x;
+		most.y = open && -difference > least ? max(most.y, on.y) : most.y;
+	}
+	most = min(most, ivec2(0xffff));
+	extent_out = int(uint(most.x) | uint(most.y) << 16);
+#ifdef FIRST
+	surface_out = surface;
+#else
+	if (place.z != 0)
+		extent_out = in_slope(soil, most.x + most.y);
+#endif
+}

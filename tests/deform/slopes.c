@@ -1,0 +1,328 @@
+/* High slopes of cohesive soil: they fall above Culmann's height and stand below it, however near the posts lie. */
+#include "late.h"
+#include "sliding.h"
+#include "deform/soil/stability.h"
+
+static const double steep = M_PI / 3;
+
+/* A straight bank through the middle of the ground. */
+static struct bank {
+	double spacing, middle, height, direction, shift; /* m; rad; posts across the bank */
+} bank;
+
+static int32_t bank_post(int64_t x, int64_t y)
+{
+	double east = (double)x * bank.spacing - bank.middle, north = (double)y * bank.spacing - bank.middle;
+	double across = east * cos(bank.direction) + north * sin(bank.direction) + bank.shift * bank.spacing;
+	double height = 10 - fmax(0, fmin(bank.height, across * tan(steep) + bank.height / 2));
+	return (int32_t)lrint(ldexp(height, BASE_BITS));
+}
+
+static void make(struct ground *ground, const struct deform_soil *soil, double spacing, double height, double direction, double shift)
+{
+	uint32_t tiles = spacing < 0.2 ? 3 : 2;
+	bank = (struct bank){spacing, tiles * 32 * spacing, height, direction, shift};
+	ground_init(ground, &(struct ground_params){.cells = 64, .tiles = tiles, .spacing = spacing, .model = DEFORM_SLIPPAGE,
+						    .iterations = 4, .soils = soil, .soil_count = 1, .height = bank_post, .relief = 100});
+	assert_ok(deform_wake(ground->deform, all_of(ground)));
+}
+
+static const char *const cohesive[] = {"dry_sand", "clayey_38", "upland_loam_51"};
+
+static struct deform_soil soil_of(int i)
+{
+	struct deform_soil soil;
+	assert_ok(deform_soil_named(cohesive[i], &soil));
+	return soil;
+}
+
+__extension__ typedef __int128 wide;
+
+/* Twice the potential energy but for a factor. */
+static wide energy_of(struct ground *ground, int64_t *sum)
+{
+	wide energy = 0;
+	ground_read(ground);
+	*sum = 0;
+	for (int64_t i = 0; i < ground->posts * ground->posts; i++) {
+		int64_t height = 4 * (int64_t)ground->base[i] + ground->offset[i];
+		energy += (wide)height * height;
+		*sum += ground->offset[i];
+	}
+	return energy;
+}
+
+static void the_angle_of_a_height_is_the_one_whose_height_it_is(void **state)
+{
+	(void)state;
+	for (int i = 0; i < 3; i++) {
+		struct deform_soil soil = soil_of(i);
+		double upright = reference_culmann(&soil, M_PI / 2), before = 0;
+		assert_true(deform_critical_cotangent(&soil, 0.999 * upright) < 0);
+		for (double height = 1.001 * upright; height < 200 * upright; height *= 1.3) {
+			double cotangent = deform_critical_cotangent(&soil, height);
+			assert_true(fabs(reference_culmann(&soil, atan(1 / cotangent)) / height - 1) < 1e-9);
+			assert_true(cotangent > before && cotangent * tan(soil.friction_angle) < 1);
+			before = cotangent;
+		}
+		soil.cohesion = 0;
+		assert_true(fabs(deform_critical_cotangent(&soil, 1) * tan(soil.friction_angle) - 1) < 1e-12);
+	}
+	struct deform_soil clay = {.cohesion = 5000, .unit_weight = 16000};
+	double height = 4 * clay.cohesion * sin(1) / (clay.unit_weight * (1 - cos(1)));
+	assert_true(fabs(atan(1 / deform_critical_cotangent(&clay, height)) - 1) < 1e-12);
+}
+
+static void a_bank_falls_above_culmanns_height_and_stands_below_at_every_spacing(void **state)
+{
+	(void)state;
+	need_gpu();
+	for (int s = 0; s < 3; s++)
+		/* The slope of dry_sand is low enough to be followed at finer posts too. */
+		for (int k = 0; k < (s == 0 ? 6 : 4) * 3; k++) {
+			struct deform_soil soil = soil_of(s);
+			double spacing = ldexp(1, -(k / 3)), critical = reference_culmann(&soil, steep);
+			for (int over = 0; over < 2; over++) {
+				/* At 1 m the bank must be wider than a post to be as steep. */
+				double height = over ? fmax(3, 1.2 * critical) : 0.8 * critical;
+				struct ground ground;
+				int64_t sum;
+				make(&ground, &soil, spacing, height, k % 3 * M_PI / 8, 0.37 * (k % 2));
+				wide before = energy_of(&ground, &sum), energy = before, was = before;
+				for (int n = 0; n < 4; n++) {
+					interval(&ground, NULL, 0);
+					energy = energy_of(&ground, &sum);
+					assert_true(energy <= was && sum == 0);
+					was = energy;
+				}
+				if ((energy < before) != over)
+					fail_msg("%s, %g m apart, %g m high, %g degrees round: %s", cohesive[s], spacing, height, k % 3 * 22.5,
+						 over ? "stands" : "falls");
+				ground_finish(&ground);
+			}
+		}
+}
+
+/* The steepest step in the middle row. */
+static double steepest(struct ground *ground)
+{
+	double most = 0;
+	int64_t row = ground->posts / 2 * ground->posts;
+	ground_read(ground);
+	for (int64_t i = row + 1; i < row + ground->posts; i++)
+		most = fmax(most, ldexp(4.0 * (ground->base[i - 1] - ground->base[i]) + ground->offset[i - 1] - ground->offset[i], -OFFSET_BITS));
+	return atan(most / ground->params.spacing);
+}
+
+/* What fell lies as steep as its height allows. */
+static void a_bank_comes_to_rest_at_culmanns_angle(void **state)
+{
+	(void)state;
+	need_gpu();
+	for (int s = 0; s < 2; s++)
+		for (double spacing = 0.5; spacing >= 0.25; spacing /= 2) {
+			struct deform_soil soil = soil_of(s);
+			double height = 1.4 * reference_culmann(&soil, steep), angle = atan(1 / deform_critical_cotangent(&soil, height));
+			struct ground ground;
+			size_t blocks = 1;
+			make(&ground, &soil, spacing, height, 0, 0.37);
+			for (int n = 0; n < 600 && blocks > 0; n++)
+				blocks = interval(&ground, NULL, 0);
+			assert_int_equal(blocks, 0);
+			assert_true(fabs(steepest(&ground) - angle) < 2.5 * M_PI / 180);
+			ground_finish(&ground);
+		}
+}
+
+/* --- the same, obviously --- */
+
+struct field {
+	int64_t side, *height;
+	const bool *hole;
+	int32_t *limit;
+};
+
+static int64_t beside(const struct field *field, int64_t at, int k, int64_t way)
+{
+	static const int ways[8][2] = {{0, -1}, {-1, 0}, {1, 0}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
+	int64_t x = at % field->side + ways[k][0] * way, y = at / field->side + ways[k][1] * way;
+	bool inside = x >= 0 && y >= 0 && x < field->side && y < field->side;
+	return inside && !field->hole[y * field->side + x] ? y * field->side + x : -1;
+}
+
+/* How far a slope goes up (sign 1) or down (-1) from each post. */
+static int64_t *follow(const struct field *field, const struct slide_soil *soil, int sign)
+{
+	int64_t count = field->side * field->side, *far = ground_room(count, sizeof *far), *next = ground_room(count, sizeof *next);
+	for (int64_t way = 8; way >= 1; way /= 2) {
+		for (int64_t at = 0; at < count; at++) {
+			next[at] = far[at];
+			for (int k = 0; k < 8; k++) {
+				int64_t to = beside(field, at, k, way), rise = to < 0 ? 0 : sign * (field->height[to] - field->height[at]);
+				if (to >= 0 && !field->hole[at] && rise > way * soil->rise[k >= 4] && (rise >> 11) + far[to] > next[at])
+					next[at] = (rise >> 11) + far[to];
+			}
+		}
+		memcpy(far, next, (size_t)count * sizeof *far);
+	}
+	mem_free(next);
+	return far;
+}
+
+/* The critical difference in a slope: of a cotangent between those known for two heights. */
+static int64_t limit_of(const struct ground *ground, int64_t height)
+{
+	const int32_t *slope = ground->deform->soils[0].slope;
+	const int digits = ground->params.spacing >= 0.25 ? 12 : 13;
+	int i = 0;
+	double known[2] = {0, 0};
+	height = height < 16 ? 16 : height > 131071 ? 131071 : height;
+	for (;; i++) {
+		for (int k = 0; k < 2; k++)
+			known[k] = ldexp(8 + (i + k) % 8, 1 + (i + k) / 8);
+		if ((double)height < known[1])
+			break;
+	}
+	double part = floor(256 * ((double)height - known[0]) / (known[1] - known[0])) / 256;
+	int64_t cotangent = (int64_t)floor(slope[i] + (slope[i + 1] - slope[i]) * part);
+	return cotangent > 0 ? (int64_t)ldexp(ground->params.spacing, 20 + digits) / cotangent : 1 << 30;
+}
+
+/* The table is the formula's. */
+static void assert_known(const struct ground *ground, const struct deform_soil *soil)
+{
+	int64_t apart = (int64_t)ldexp(ground->params.spacing, 20);
+	for (double height = 0.1; height < 100; height *= 1.17) {
+		double exact = ground->params.spacing / deform_critical_cotangent(soil, height);
+		int64_t limit = limit_of(ground, (int64_t)(height * 512));
+		if (exact > 0 && exact < 8 * ground->params.spacing)
+			assert_true(fabs(ldexp((double)limit, -20) / exact - 1) < 0.02 && limit >= (int64_t)(0.998 * tan(soil->friction_angle) * (double)apart));
+		else
+			assert_true(limit > 4 * apart);
+	}
+}
+
+/* One interval of one iteration over all of a ground. */
+static void obvious(struct field *field, const struct ground *ground)
+{
+	const struct slide_soil *soil = &ground->deform->soils[0];
+	int64_t count = field->side * field->side, *up = follow(field, soil, 1), *down = follow(field, soil, -1);
+	int64_t *change = ground_room(count, sizeof *change);
+	for (int64_t at = 0; at < count; at++)
+		for (int k = 0; k < 8; k++) {
+			int64_t to = beside(field, at, k, 1), drop = to < 0 || field->hole[at] ? 0 : field->height[at] - field->height[to];
+			int64_t slope = limit_of(ground, up[at] + down[at]), critical = soil->critical[k >= 4];
+			slope += k < 4 ? 0 : (slope >> 2) + (slope >> 3) + (slope >> 5) + (slope >> 7);
+			critical = slope < critical ? slope : critical;
+			if (drop <= critical || drop <= 0)
+				continue;
+			int64_t amount = (drop - critical + 7) / 8 < drop / 8 ? (drop - critical + 7) / 8 : drop / 8;
+			amount = amount < 4 << 20 ? amount : 4 << 20;
+			change[at] -= amount;
+			change[to] += amount;
+		}
+	for (int64_t at = 0; at < count; at++)
+		field->height[at] += change[at];
+	mem_free(up);
+	mem_free(down);
+	mem_free(change);
+}
+
+/* Cliffs, terraces and hollows across blocks and tiles, with holes. */
+static int32_t broken(int64_t x, int64_t y)
+{
+	double height = 0.4 * sin((double)x * 0.11 + 1) * cos((double)y * 0.07) + (x + 2 * y > 150 ? 0.6 : 0);
+	height += fmax(0, fmin(1.5, 0.6 * (12 - hypot((double)x - 40, (double)y - 60))));
+	return x % 37 == 5 && y % 29 < 3 ? BASE_NODATA : (int32_t)lrint(ldexp(height, BASE_BITS)) + conserve_rough(x, y) / 16;
+}
+
+static void start_broken(struct ground *ground, uint32_t cells, int iterations, double spacing, double relief)
+{
+	struct deform_soil soil = soil_of(0);
+	ground_init(ground, &(struct ground_params){.cells = cells, .tiles = 128 / cells, .spacing = spacing, .model = DEFORM_SLIPPAGE,
+						    .iterations = iterations, .soils = &soil, .soil_count = 1, .height = broken, .relief = relief});
+}
+
+static void an_interval_is_the_obvious_one_bit_for_bit(void **state)
+{
+	(void)state;
+	need_gpu();
+	for (int round = 0; round < 3; round++) {
+		struct ground ground;
+		start_broken(&ground, round == 1 ? 16 : 64, 1, round == 2 ? 0.125 : 0.25, round == 1 ? 0 : 100);
+		assert_ok(deform_wake(ground.deform, all_of(&ground)));
+		assert_known(&ground, &ground.deform->params.soils[0]);
+		int64_t count = ground.posts * ground.posts;
+		bool *hole = ground_room(count, sizeof *hole);
+		struct field field = {.side = ground.posts, .height = ground_room(count, sizeof *field.height), .hole = hole};
+		for (int64_t i = 0; i < count; i++) {
+			hole[i] = ground.base[i] == BASE_NODATA;
+			field.height[i] = 4 * (int64_t)ground.base[i];
+		}
+		for (int n = 0; n < 8; n++) {
+			assert_true(interval(&ground, NULL, 0) > 0);
+			obvious(&field, &ground);
+			ground_read(&ground);
+			for (int64_t i = 0; i < count; i++)
+				if (!hole[i] && 4 * (int64_t)ground.base[i] + ground.offset[i] != field.height[i])
+					fail_msg("round %d, interval %d, post %lld, %lld", round, n, (long long)(i % ground.posts), (long long)(i / ground.posts));
+		}
+		mem_free(field.height);
+		mem_free(hole);
+		ground_finish(&ground);
+	}
+}
+
+/* --- which blocks are awake, and how tiles are cut, changes nothing --- */
+
+static void few_blocks_do_what_all_would(void **state)
+{
+	(void)state;
+	need_gpu();
+	for (int round = 0; round < 3; round++) {
+		const int iterations = round == 0 ? 1 : round == 1 ? 3 : 8;
+		struct ground few, all, late;
+		start_broken(&few, 64, iterations, 0.25, 100);
+		start_broken(&all, 16, iterations, 0.25, 0);
+		start_broken(&late, 32, iterations, 0.25, 100);
+		struct ground *grounds[] = {&few, &all, &late};
+		size_t visited = 0, possible = 0;
+		int n = 0, still = 0;
+		for (int k = 0; k < 3; k++)
+			assert_ok(deform_wake(grounds[k]->deform, all_of(grounds[k])));
+		for (; n < 1500 && still < 2; n++) {
+			/* Dug at the foot of what stood, near corners of blocks. */
+			if (n % 60 == 0 && n < 240)
+				for (int k = 0; k < 3; k++)
+					disturb(grounds[k], n == 0 ? 64 : n == 60 ? 33 : 90, n == 0 ? 60 : n == 60 ? 62 : 30 + n / 8, 1.4);
+			size_t blocks = interval(&few, NULL, 0);
+			visited += blocks;
+			still += blocks == 0 && n > 240;
+			assert_ok(deform_wake(all.deform, all_of(&all)));
+			possible += interval(&all, NULL, 0);
+			late_by = n % 7 == 0 ? 3 : 2;
+			interval(&late, NULL, 0);
+			late_by = 0;
+			late_pass();
+			if (n % 50 == 0 || still > 0) {
+				assert_same(&few, &all, n);
+				assert_same(&late, &all, n);
+			}
+		}
+		assert_true(still == 2 && visited > 0 && visited < possible / 2);
+		for (int k = 0; k < 3; k++)
+			ground_finish(grounds[k]);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(the_angle_of_a_height_is_the_one_whose_height_it_is),
+		cmocka_unit_test(a_bank_falls_above_culmanns_height_and_stands_below_at_every_spacing),
+		cmocka_unit_test(a_bank_comes_to_rest_at_culmanns_angle),
+		cmocka_unit_test(an_interval_is_the_obvious_one_bit_for_bit),
+		cmocka_unit_test(few_blocks_do_what_all_would),
+	};
+	return cmocka_run_group_tests_name("deform/slopes", tests, open_gpu, close_gpu);
+}
