@@ -64,6 +64,16 @@ bool is_near(int x, int y, ground g, object o)
 	return o.lowest != UNDER_NONE && g.base != BASE_NODATA && o.lowest - surface < int(min(scale.y * 2097152.0, 1e9));
 }
 
+// Tells whether the post has what ends with the contact.
+bool remembers(int x, int y)
+{
+	bool some = imageLoad(shears, ivec3(x, y, zero.z)).r != 0;
+#ifdef SLIP
+	some = some || imageLoad(dugs, ivec3(x, y, zero.z)).r != 0;
+#endif
+	return some;
+}
+
 void main()
 {
 	int y = row_of_pass();
@@ -81,13 +91,13 @@ void main()
 	by_width = found_by_width(found_posts, place.w);
 #endif
 	for (int x = written.x; x < written.z; x++)
-		if (imageLoad(bases, ivec3(x, y, zero.z)).r == BASE_NODATA)
+		if (texelFetch(bases, ivec3(x, y, zero.z), 0).r == BASE_NODATA)
 			imageStore(contacts, ivec3(x, y, zero.z), uvec4(HOLE));
 	int first = shadow.z, last = shadow.x;
 	for (int x = shadow.x; x < shadow.z && y >= shadow.y && y < shadow.w; x++) {
 		ground g = ground_at(x, y);
 		object o = object_at(x, y, raised);
-		bool touches = may_touch(g, o) || imageLoad(shears, ivec3(x, y, zero.z)).r != 0 && is_near(x, y, g, o);
+		bool touches = may_touch(g, o) || remembers(x, y) && is_near(x, y, g, o);
 #ifdef FORCES
 		touches = touches || may_bear(x, y, g, o);
 #endif
@@ -106,15 +116,27 @@ void main()
 		east = ground_at(x + 1, y);
 		object o = object_at(x, y, raised);
 		soil s = soil_at(x, y);
-		post_state before = {imageLoad(offsets, post).r, imageLoad(heaps, post).r, imageLoad(sinkages, post).r, imageLoad(shears, post).r};
+		post_state before = {imageLoad(offsets, post).r, imageLoad(heaps, post).r, imageLoad(sinkages, post).r, 0, imageLoad(shears, post).r};
+#ifdef SLIP
+		before.dug = imageLoad(dugs, post).r;
+#endif
 		vec3 n = normal_of(west, g, east, ground_at(x, y - 1), ground_at(x, y + 1));
 		bearing b = bearing_of(s, by_width, n, g, o, cell_at(x, y, o), before);
 		over += uint(b.refused);
 		total_add(lost, before.offset - b.after.offset - b.carried);
-		if (b.after.shear != before.shear && (b.held || is_near(x, y, g, o)))
-			imageStore(shears, post, ivec4(b.after.shear));
+		if (b.held || is_near(x, y, g, o)) {
+			if (b.after.shear != before.shear)
+				imageStore(shears, post, ivec4(b.after.shear));
+#ifdef SLIP
+			if (b.after.dug != before.dug)
+				imageStore(dugs, post, ivec4(b.after.dug));
+#endif
+		}
 		if (b.touched) {
 			imageStore(offsets, post, ivec4(b.after.offset));
+#ifdef SLIP
+			imageStore(heaps, post, ivec4(b.after.heap));
+#endif
 			imageStore(sinkages, post, ivec4(b.after.sinkage));
 			imageStore(contacts, post, uvec4(LOWERED | (b.held ? HELD : 0u)));
 			imageStore(carries, post, ivec4(b.carried));

@@ -126,7 +126,10 @@ vec3 share_at(int at, float by_width)
 			ground g = ground_at(x, y);
 			object o = object_at(x, y, at);
 			ivec3 post = ivec3(x, y, zero.z);
-			post_state before = {0, imageLoad(heaps, post).r, imageLoad(sinkages, post).r, imageLoad(shears, post).r};
+			post_state before = {0, imageLoad(heaps, post).r, imageLoad(sinkages, post).r, 0, imageLoad(shears, post).r};
+#ifdef SLIP
+			before.dug = imageLoad(dugs, post).r;
+#endif
 			bearing b = bearing_of(soil_at(x, y), by_width, ground_normal(x, y, g), g, o, cell_at(x, y, o), before);
 			if (g.base != BASE_NODATA && b.area > 0.0) {
 				area += int(round(b.area * faces[0].w));

@@ -4,6 +4,7 @@
 // - SOIL_MAP: posts differ in their soil
 // - SOIL_RASTERS: some numbers differ from post to post. Its value says which, three bits for each byte of a post: 0: none;
 //   otherwise 1 + the number as in enum deform_number
+// - SLIP: slip digs
 
 #include "lib/window.glsl"
 
@@ -36,14 +37,18 @@ layout(std140, binding = 0) uniform params {
 	vec4 moves;    // a round object: metres forwards; rise a metre; sine of that; how long a wheel's rim takes, of the soil's time; 0: 1
 	vec4 faces[3]; // box: height at its centre, m, and slope of its lower faces; of the first: units of area a post
 	ivec4 drawn;   // the posts over which `rests` was computed
+	vec4 digs;     // how far the object slips over the ground during the contact, m; how deep that digs at most, in units of K
 	soil soils[SOILS];
 #ifdef SOIL_RASTERS
 	vec4 rasters[4]; // of the bytes in `numbers`: least and greatest value, step between levels; SI, angles in radians
 #endif
 };
 
-layout(binding = 0, r32i) uniform readonly restrict iimage2DArray bases;
-layout(binding = 1, r32i) uniform readonly restrict iimage2DArray heaps;
+layout(binding = 3) uniform isampler2DArray bases;
+#ifdef SLIP
+layout(binding = 0, r32i) uniform restrict iimage2DArray dugs;
+#endif
+layout(binding = 1, r32i) uniform restrict iimage2DArray heaps;
 layout(binding = 2, r32i) uniform readonly restrict iimage2DArray rests;
 layout(binding = 0) uniform isampler2DArray unders;
 #ifdef SOIL_MAP
@@ -63,7 +68,7 @@ ground ground_at(int x, int y)
 {
 	ivec3 post = ivec3(x, y, zero.z);
 	ground g;
-	g.base = imageLoad(bases, post).r;
+	g.base = texelFetch(bases, post, 0).r;
 	int d = g.base - zero.x;
 	bool wraps = ((g.base ^ zero.x) & (g.base ^ d)) < 0;
 	d = wraps ? (g.base < 0 ? -FAR : FAR) : d;

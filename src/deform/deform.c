@@ -16,7 +16,7 @@ enum status deform_create(const struct deform_params *params, struct deform **ou
 	if (deform == NULL)
 		return fail_memory("deformation");
 	deform->params = *params;
-	deform->planes = deform_planes(params->model, params->disturbance);
+	deform->planes = deform_planes(params->model, params->disturbance, params->slip_sinkage > 0);
 	deform->spacing = extent_spacing(params->extent, params->level);
 	deform->reach = deform_reach(params);
 	deform->border = deform_border(params);

@@ -144,6 +144,8 @@ bool deform_tells_forces(enum deform_model model);
  * computes contacts. deform_slide_effect: the effect that lets soil slide; NULL: soil does not slide. deform_contact_effect: the
  * effect of the textures that tell what an object touched. */
 const char *deform_displace_effect(enum deform_model model);
+/* Returns the effect that needs a plane. */
+const char *deform_plane_effect(enum deform_model model, enum plane plane);
 const char *deform_slide_effect(enum deform_model model);
 const char *deform_contact_effect(enum deform_model model);
 
@@ -216,14 +218,15 @@ struct deform_params {
 	 * sunk. Otherwise the caller must have activated all steep ground */
 	bool undisturbed_stable;
 	double bulldozing;   /* scm: share of the plastic flow that is deposited on the ring, 0 .. 1 */
+	double slip_sinkage; /* scm: how deep slip digs, in units of the soil's shear modulus; 0: not */
 	bool ground_normals; /* scm: stresses act along the normal of the ground; false: along that of the object's underside */
 	bool touched;        /* the caller will ask deform_is_touched. Needs `undisturbed_stable` and a model that conserves soil */
 	uint32_t loaded_bodies;   /* scm: number of objects that carry a load and rest on the ground between contacts */
 	bool disturbance;    /* keep the disturbance plane */
 };
 
-/* Returns the planes that a model keeps, a mask of PLANE_BIT. */
-unsigned deform_planes(enum deform_model model, bool disturbance);
+/* Returns the planes that a model keeps, a mask of PLANE_BIT. `digs`: slip digs. */
+unsigned deform_planes(enum deform_model model, bool disturbance, bool digs);
 
 struct deform;
 

@@ -208,6 +208,7 @@ struct scm_params {
 	int32_t zero[4], written[4], shadow[4];
 	float scale[4], way[4], spin[4], rolls[4], place[4], load[4], body[4], heading[4], moves[4], faces[3][4];
 	int32_t drawn[4];
+	float digs[4];
 	struct scm_soil soils[DEFORM_SOILS];
 	float rasters[DEFORM_RASTERS][4]; /* read only with SOIL_RASTERS */
 };

@@ -27,11 +27,10 @@ void deform_plan_buffer(struct plan *plan, const char *effect, int64_t amount, u
 
 static void plan_planes(const struct deform_params *params, struct plan *plan)
 {
-	unsigned planes = deform_planes(params->model, params->disturbance);
-	const char *displace = deform_displace_effect(params->model);
+	unsigned planes = deform_planes(params->model, params->disturbance, params->slip_sinkage > 0);
 	for (int plane = 0; plane < PLANES; plane++)
 		if (planes & PLANE_BIT(plane))
-			plan_add(plan, &(struct plan_line){.kind = PLAN_PLANE, .effect = plane == PLANE_DISTURBANCE ? "dirt" : displace, .object = -1,
+			plan_add(plan, &(struct plan_line){.kind = PLAN_PLANE, .effect = deform_plane_effect(params->model, (enum plane)plane), .object = -1,
 							   .amount = 1, .bytes = plane_bytes((enum plane)plane)},
 				 plane_name((enum plane)plane));
 }

@@ -44,7 +44,7 @@ static void define_rasters(const struct deform_params *params, struct deform_req
 
 static bool has_thickness(const struct deform_params *params)
 {
-	return (deform_planes(params->model, params->disturbance) & PLANE_BIT(PLANE_DEPOSITED)) != 0;
+	return (deform_planes(params->model, params->disturbance, params->slip_sinkage > 0) & PLANE_BIT(PLANE_DEPOSITED)) != 0;
 }
 
 void deform_programs_envelope(const struct deform_params *params, enum deform_shape_kind kind, bool sideways,
@@ -71,6 +71,7 @@ void deform_programs_contact(const struct deform_params *params, unsigned with, 
 	define(out, "PATCH", with & WITH_PATCH);
 	define(out, "LOAD", with & WITH_LOAD);
 	define(out, "SOIL_MAP", model->in_place && deform_has_classes(params));
+	define(out, "SLIP", model->in_place && params->slip_sinkage > 0);
 	define_rasters(params, out);
 	define(out, "CONTACT", !model->in_place && deform_needs_contacts(params));
 	if (model->contact_soils)
@@ -83,6 +84,7 @@ void deform_programs_find(const struct deform_params *params, unsigned what, str
 	define(out, "PATCH", what & FIND_PATCH);
 	define(out, "LOAD", what & FIND_LOAD);
 	define(out, "SOIL_MAP", (what & FIND_LOAD) && deform_has_classes(params));
+	define(out, "SLIP", (what & FIND_LOAD) && params->slip_sinkage > 0);
 	if (what & FIND_LOAD)
 		define_rasters(params, out);
 }

@@ -330,6 +330,7 @@ struct cell_force reference_cell(const struct reference_ground *ground, const st
 	cell.lowered = over && !is_round(&form) ? rest - fmin(under[at], rest) : 0;
 	cell.since = in_contact(&form, cell.at, cell.own, depth, reference_stays(soil, stiffness, cell.was) / ca);
 	cell.share = over ? fmin(cell.since, 1) : cell.since;
+	out.share = fmin(fmax(cell.share, 0), 1);
 
 	/* Half way of what it slid. */
 	double halfway[2] = {cell.at[0] + fmax(cell.share, 0) / 2 * form.way[0], cell.at[1] + fmax(cell.share, 0) / 2 * form.way[1]};
