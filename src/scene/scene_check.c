@@ -38,7 +38,7 @@ static enum status check_parameters(const struct scene_tree *tree, const struct 
 	} parameters[] = {
 		{"radius", raw->radius},	   {"repetitions", raw->repetitions}, {"iterations", raw->iterations},
 		{"interval", raw->interval},	   {"depth", raw->depth},	      {"undisturbed", raw->undisturbed},
-		{"tolerance", raw->tolerance}, {"bulldozing", raw->bulldozing},
+		{"tolerance", raw->tolerance}, {"bulldozing", raw->bulldozing}, {"normals", raw->normals},
 	};
 	for (size_t i = 0; i < sizeof parameters / sizeof parameters[0]; i++) {
 		struct scene_list models = {.length = 0};
@@ -71,6 +71,7 @@ static enum status check_redistribute(const struct scene_tree *tree,
 	}
 	if (deform_model_takes(scene->model, "bulldozing"))
 		scene->bulldozing = number(raw->bulldozing, "redistribute.bulldozing");
+	scene->normals = raw->normals != NULL ? (enum scene_normals)*raw->normals : SCENE_BODY;
 	return check_parameters(tree, raw);
 }
 

@@ -94,6 +94,7 @@ void world_deform_params(const struct world *world, struct deform_params *params
 		.undisturbed_stable = scene->undisturbed == SCENE_STABLE,
 		.tolerance = scene->tolerance,
 		.bulldozing = scene->bulldozing,
+		.ground_normals = scene->normals == SCENE_GROUND,
 		.touched = world_asks_touched(world),
 		.disturbance = scene->disturbance,
 	};

@@ -47,7 +47,7 @@ SAMPLES = [
     scene(wheel(shape={"wheel": {"radius": 0.5, "width": 0.4, "grousers": 12}}, sink=0.1), wheel(name="b"),
           view=view({"overhead": {"over": "b", "height": 9}})),
     scene(wheel(shape={"wheel": {"radius": 0.5, "width": 0.4, "grousers": 9, "grouser_height": 0.1, "grouser_thickness": 0.02}}, load=500, slip=0.1),
-          soil=NUMBERED, redistribute={"model": "scm", "depth": 1, "bulldozing": 0.4, "iterations": 2, "interval": 0.1, "tolerance": 0.1,
+          soil=NUMBERED, redistribute={"model": "scm", "depth": 1, "bulldozing": 0.4, "iterations": 2, "interval": 0.1, "tolerance": 0.1, "normals": "ground",
                                        "undisturbed": "stable"}, output={"forces": 5, "delay": 1}),
     scene(WHEEL, soil={"name": "lunar"}, redistribute={"model": "scm"}, output={"forces": 5}),
     scene(wheel(shape={"sphere": {"radius": 1}}, path={"points": [[20, 20], [30, 20]], "speed": 5, "loop": True}),

@@ -187,11 +187,11 @@ const struct soil_model deform_model_scm = {
 	.effect = {
 		"scm", "redistribute.model", "", EFFECT_LIST("deform/scm.frag"), "base, offset, heaped, pressed, shear",
 		"offset, heaped, pressed, shear", 1,
-		EFFECT_LIST("redistribute.bulldozing", "soil.bekker_kc", "soil.bekker_kphi", "soil.bekker_n", "soil.cohesion",
+		EFFECT_LIST("redistribute.bulldozing", "redistribute.normals", "soil.bekker_kc", "soil.bekker_kphi", "soil.bekker_n", "soil.cohesion",
 			    "soil.friction_angle", "soil.janosi_shear", "soil.elastic_stiffness", "soil.damping", "objects[].slip"),
 		"a stress is at most 1e20 Pa; a slope counts as at most 87 degrees; integer sums, but floating point by driver",
 		"sinks and springs back by the soil's pressure"},
-	.keys = EFFECT_LIST("iterations", "interval", "depth", "undisturbed", "tolerance", "bulldozing"),
+	.keys = EFFECT_LIST("iterations", "interval", "depth", "undisturbed", "tolerance", "bulldozing", "normals"),
 	.numbers = EFFECT_LIST("bekker_kc", "bekker_kphi", "bekker_n", "cohesion", "friction_angle", "janosi_shear",
 			       "elastic_stiffness", "damping", "repose"),
 	.contact = contact,
