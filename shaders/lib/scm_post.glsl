@@ -98,10 +98,14 @@ struct across {
 across line_across(vec3 n, cell c, face post, float depth)
 {
 	vec2 hill = -n.xy / n.z, grows = hill - post.slope;
-	bool wheel = body.x == ROUND && body.z == 0.0;
 	across l;
-	l.line = wheel || dot(grows, grows) < 1e-8 ? heading.xy : normalize(grows);
-	l.half_way = 0.5 * scale.y / (wheel ? heading.z : 1.0);
+#ifdef SHAPE_WHEEL
+	l.line = heading.xy;
+	l.half_way = 0.5 * scale.y / heading.z;
+#else
+	l.line = dot(grows, grows) < 1e-8 ? heading.xy : normalize(grows);
+	l.half_way = 0.5 * scale.y;
+#endif
 	l.middle = c.at + c.middle;
 	l.ground = depth + post.height + dot(hill, c.middle);
 	l.rise = dot(hill, l.line);
@@ -173,7 +177,7 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 
 	// The part of the cell that bears.
 	across l = line_across(n, c, post, depth);
-	float lowered = over && body.x != ROUND ? float(o.rests - o.lowest) * UNIT_METRES : 0.0;
+	float lowered = over ? float(o.rests - o.lowest) * UNIT_METRES : 0.0;
 	float back = over ? moves.x + l.half_way : 1e3;
 	// What a post remembers holds for its cell: as a flat rut if the object has passed over it, and below one that hardly moves as an
 	// impression of its underside.
@@ -181,8 +185,9 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	vec3 depths, mosts;
 	for (int k = 0; k < 3; k++) {
 		vec2 there = place_on(l, float(k - 1) * l.half_way);
-		depths[k] = depth_on(l, float(k - 1) * l.half_way, face_at(there, c.own));
-		mosts[k] = max(rut + stamped * depths[k], depths[k] + lowered + lowered_at(there, back));
+		face f = face_at(there, c.own);
+		depths[k] = depth_on(l, float(k - 1) * l.half_way, f);
+		mosts[k] = max(rut + stamped * depths[k], depths[k] + lowered_at(there, back, lowered, f));
 	}
 	float most = max(mosts.x, max(mosts.y, mosts.z)) * n.z;
 	float stays = plastic_part(s, most, yield_stress(s, by_width, most)) / n.z;
@@ -198,7 +203,7 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 		vec2 there = place_on(l, at);
 		face f = face_at(there, c.own);
 		float deep = depth_on(l, at, f);
-		float largest = max(rut + stamped * deep, deep + lowered + lowered_at(there, back));
+		float largest = max(rut + stamped * deep, deep + lowered_at(there, back, lowered, f));
 		pressure p = pressure_of(s, by_width, n.z * deep, n.z * largest);
 		vec3 normal = normal_at(n, f), arm = vec3(there, f.height + above);
 		float upright = load.w > 0.0 ? 1.0 : normal.z, weight = 0.5 * part / upright;

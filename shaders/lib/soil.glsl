@@ -12,7 +12,6 @@ const int FAR_UNITS = (1 << 30) - (1 << 20);
 const float STEEPEST = 19.974984;      // slope at which the normal's z is 0.05; steeper slopes are taken as this one
 const float STRESS_MOST = 1e20;        // Pa: a limit that keeps all numbers finite
 const int SOILS = 16;
-const float POSTS_ONLY = 0.0, ROUND = 1.0, FLAT = 2.0; // what an underside is
 const int COLUMNS = 4;                 // rows side by side in the pass's viewport, so that its blocks of pixels are full
 
 struct soil {
@@ -31,7 +30,7 @@ layout(std140, binding = 0) uniform params {
 	vec4 place;    // post (0, 0) from the centre, m; 1 / unit of length in moments; square metres a post
 	vec4 load;     // N; how deep the object may sink below its first contact, fixed-point units; number of the loaded body, from 1; 0: none;
 	               // 1: stresses act along the normal of the ground, not of the object's underside
-	vec4 body;     // what its underside is (ROUND ..); radius, m; 1: a sphere; half its breadth, m; 0: whole posts
+	vec4 body;     // radius, m; half its breadth, m, 0: whole posts
 	vec4 heading;  // forwards, in plan; the larger of that vector's parts; half the length of a box, m
 	vec4 moves;    // a round object: metres forwards; rise a metre; sine of that; how long a wheel's rim takes, of the soil's time; 0: 1
 	vec4 faces[3]; // box: height at its centre, m, and slope of its lower faces; of the first: units of area a post

@@ -97,7 +97,7 @@ struct deform {
 	struct gpu_program *slide[2][2], *shed[2]; /* indices: 1 over blocks, 0 over a window; 1 in the last iteration */
 	struct slide_soil soils[DEFORM_SOILS];
 	bool contacts_flag;                    /* the flags that a contact writes show all blocks where soil moves after it */
-	struct gpu_program *scm[8], *find[4];  /* the index has one bit for each define of the program */
+	struct gpu_program *scm[WITH_ALL], *find[4 * DEFORM_SHAPES]; /* of each variant */
 	struct forces *forces;                 /* NULL until a contact has a tag */
 	struct gpu_buffer *tries;              /* the search of soil/load.c; NULL until a contact needs it */
 	struct gpu_buffer *standing;           /* int32 for each loaded body: equilibrium height above its pose, fixed-point units;
@@ -211,7 +211,7 @@ void deform_underside(const struct deform *deform, const struct deform_contact *
  * are in the buffer `tries`. *last: index of the result that the contact pass uses. */
 enum deform_find { DEFORM_FIND_PATCH = 1, DEFORM_FIND_LOAD = 2 };
 enum status deform_find(struct deform *deform, const struct scm_params *params, uint32_t layer, unsigned what,
-			int *last) FURROW_CHECKED;
+			enum deform_shape_kind kind, int *last) FURROW_CHECKED;
 int deform_find_passes(bool patch, bool load);
 void deform_find_plan(const char *effect, struct plan *plan);
 

@@ -29,6 +29,8 @@ static void define_number(struct deform_request *out, const char *name, int numb
 	define(out, out->own, true);
 }
 
+static const char *const shapes[DEFORM_SHAPES] = {"SHAPE_WHEEL", "SHAPE_SPHERE", "SHAPE_BOX"};
+
 static bool has_thickness(const struct deform_params *params)
 {
 	return (deform_planes(params->model, params->disturbance) & PLANE_BIT(PLANE_DEPOSITED)) != 0;
@@ -37,7 +39,6 @@ static bool has_thickness(const struct deform_params *params)
 void deform_programs_envelope(const struct deform_params *params, enum deform_shape_kind kind, bool sideways,
 			struct deform_request *out)
 {
-	static const char *const shapes[DEFORM_SHAPES] = {"SHAPE_WHEEL", "SHAPE_SPHERE", "SHAPE_BOX"};
 	begin(out, "full.vert", "deform/under.frag");
 	define(out, shapes[kind], true);
 	define(out, "REST", deform_needs_contacts(params));
@@ -57,18 +58,22 @@ void deform_programs_contact(const struct deform_params *params, unsigned with, 
 	define(out, "FORCES", with & WITH_FORCES);
 	define(out, "PATCH", with & WITH_PATCH);
 	define(out, "LOAD", with & WITH_LOAD);
+	if (model->in_place)
+		define(out, shapes[with / WITH_SHAPE], shapes[with / WITH_SHAPE] != NULL);
 	define(out, "SOIL_MAP", model->in_place && deform_has_classes(params));
 	define(out, "CONTACT", !model->in_place && deform_needs_contacts(params));
 	if (model->contact_soils)
 		define_number(out, "SOILS", deform_soil_slots(params));
 }
 
-void deform_programs_find(const struct deform_params *params, enum find_what what, bool patch, struct deform_request *out)
+void deform_programs_find(const struct deform_params *params, enum find_what what, bool patch, enum deform_shape_kind kind,
+			  struct deform_request *out)
 {
 	begin(out, "full.vert", "deform/scm_find.frag");
 	define(out, "GAP", what == FIND_GAP);
 	define(out, "COUNT", what == FIND_COUNT);
 	define(out, "PATCH", what == FIND_BEARS && patch);
+	define(out, shapes[kind], what != FIND_COUNT && shapes[kind] != NULL);
 	define(out, "SOIL_MAP", what == FIND_BEARS && deform_has_classes(params));
 }
 
@@ -181,16 +186,16 @@ static void each_envelope(struct each *each, const struct deform_planned *object
 	}
 }
 
-static void each_find(struct each *each, bool patch, bool load)
+static void each_find(struct each *each, bool patch, bool load, enum deform_shape_kind kind)
 {
 	if (load) {
-		deform_programs_find(each->params, FIND_GAP, false, &each->request);
+		deform_programs_find(each->params, FIND_GAP, false, kind, &each->request);
 		add(each, "load");
-		deform_programs_find(each->params, FIND_BEARS, patch, &each->request);
+		deform_programs_find(each->params, FIND_BEARS, patch, kind, &each->request);
 		add(each, "load");
 	}
 	if (patch) {
-		deform_programs_find(each->params, FIND_COUNT, false, &each->request);
+		deform_programs_find(each->params, FIND_COUNT, false, kind, &each->request);
 		add(each, deform_displace_effect(each->params->model));
 	}
 }
@@ -199,8 +204,9 @@ static void each_find(struct each *each, bool patch, bool load)
 static void each_felt(struct each *each, const struct deform_planned *object, bool forces)
 {
 	bool load = object->load > 0, patch = deform_is_counted(each->params, object->shape, load);
-	unsigned with = (patch ? WITH_PATCH : 0) | (load ? WITH_LOAD : 0);
-	each_find(each, patch, load);
+	unsigned with = (patch ? WITH_PATCH : 0) | (load ? WITH_LOAD : 0) |
+			WITH_SHAPE * (unsigned)object->shape->kind;
+	each_find(each, patch, load, object->shape->kind);
 	deform_programs_contact(each->params, with, &each->request);
 	add(each, load ? "load" : deform_displace_effect(each->params->model));
 	if (forces || load) {

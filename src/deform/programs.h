@@ -14,8 +14,8 @@ struct deform_request {
 };
 
 /* Variants of the contact pass of a model that computes forces, as bits: it sums forces; counts the contact patch; the object
- * carries a load. */
-enum { WITH_FORCES = 1, WITH_PATCH = 2, WITH_LOAD = 4 };
+ * carries a load. Then the object's shape (enum deform_shape_kind), whose underside the pass computes between posts. */
+enum { WITH_FORCES = 1, WITH_PATCH = 2, WITH_LOAD = 4, WITH_SHAPE = 8, WITH_ALL = WITH_SHAPE * DEFORM_SHAPES };
 
 /* Passes of scm's search: the height of the first contact; the number of touched posts; the load that the soil bears. */
 enum find_what { FIND_GAP, FIND_COUNT, FIND_BEARS };
@@ -28,7 +28,8 @@ void deform_programs_envelope(const struct deform_params *params, enum deform_sh
 			struct deform_request *out);
 void deform_programs_facet(const struct deform_params *params, struct deform_request *out);
 void deform_programs_contact(const struct deform_params *params, unsigned with, struct deform_request *out);
-void deform_programs_find(const struct deform_params *params, enum find_what what, bool patch, struct deform_request *out);
+void deform_programs_find(const struct deform_params *params, enum find_what what, bool patch, enum deform_shape_kind kind,
+			  struct deform_request *out);
 void deform_programs_box(const struct deform_params *params, struct deform_request *out);
 void deform_programs_spread(struct deform_request *out);
 /* Over blocks, or over a window (`loaded`: of an object with a load). */

@@ -98,7 +98,7 @@ static void forces_are_numbers(struct ground *ground, const struct deform_contac
 	if (!taken)
 		return;
 	/* No share of a post is beyond 2^31 sixteenths of a pascal. */
-	double most = forces.area * 0x1p27 * 1.001, reach = deform_shape_reach(sweep->shape, 0, 0), spacing = ground->params.spacing;
+	double most = (forces.area * 1.001 + 0.01 * ground->params.spacing * ground->params.spacing) * 0x1p27, reach = deform_shape_reach(sweep->shape, 0, 0), spacing = ground->params.spacing;
 	for (int k = 0; k < 3; k++) {
 		if (!(fabs(forces.force[k]) <= most) || !(fabs(forces.moment[k]) <= most * 4 * (deform_shape_bound(sweep->shape) + spacing)))
 			fail_msg("force %d of %g m2: %g N, %g N m", k, forces.area, forces.force[k], forces.moment[k]);

@@ -16,11 +16,12 @@ struct attempt {
 	uint32_t words[12]; /* lib/found.glsl */
 };
 
-static enum status find_program(struct deform *deform, enum find_what what, bool patch, struct gpu_program **program)
+static enum status find_program(struct deform *deform, enum find_what what, bool patch, enum deform_shape_kind kind,
+				struct gpu_program **program)
 {
-	struct gpu_program **place = &deform->find[(int)what + (what == FIND_BEARS && patch)];
+	struct gpu_program **place = &deform->find[4 * (int)kind + (int)what + (what == FIND_BEARS && patch)];
 	struct deform_request request;
-	deform_programs_find(&deform->params, what, patch, &request);
+	deform_programs_find(&deform->params, what, patch, kind, &request);
 	enum status status = deform_program(deform, &request, place);
 	*program = *place;
 	return status;
@@ -44,7 +45,8 @@ static void run(struct deform *deform, struct gpu_program *program, const struct
 	});
 }
 
-enum status deform_find(struct deform *deform, const struct scm_params *params, uint32_t layer, unsigned what, int *last)
+enum status deform_find(struct deform *deform, const struct scm_params *params, uint32_t layer, unsigned what,
+			enum deform_shape_kind kind, int *last)
 {
 	bool patch = what & DEFORM_FIND_PATCH, load = what & DEFORM_FIND_LOAD;
 	struct gpu_program *gap = NULL, *count = NULL, *bears = NULL;
@@ -53,11 +55,11 @@ enum status deform_find(struct deform *deform, const struct scm_params *params, 
 	if (deform->tries == NULL)
 		status = gpu_buffer_create(deform->params.gpu, GPU_STORAGE, TRIES * sizeof(struct attempt), NULL, &deform->tries);
 	if (status == STATUS_OK && load)
-		status = find_program(deform, FIND_GAP, false, &gap);
+		status = find_program(deform, FIND_GAP, false, kind, &gap);
 	if (status == STATUS_OK && load)
-		status = find_program(deform, FIND_BEARS, patch, &bears);
+		status = find_program(deform, FIND_BEARS, patch, kind, &bears);
 	if (status == STATUS_OK && patch)
-		status = find_program(deform, FIND_COUNT, false, &count);
+		status = find_program(deform, FIND_COUNT, false, kind, &count);
 	if (status != STATUS_OK)
 		return status;
 	gpu_buffer_clear(deform->tries, 0, TRIES * sizeof(struct attempt));

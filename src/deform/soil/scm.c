@@ -129,7 +129,7 @@ static enum status run_contact(struct deform *deform, const struct deform_contac
 		       deform_fits_window(deform, deform_reached(deform, contact));
 	params.scale[3] = (float)by_width(contact->shape, extent, counted);
 	unsigned with = (contact->tag != 0 ? WITH_FORCES : 0) | (params.scale[3] == 0 ? WITH_PATCH : 0) |
-			(contact->load > 0 ? WITH_LOAD : 0);
+			(contact->load > 0 ? WITH_LOAD : 0) | WITH_SHAPE * (unsigned)contact->shape->kind;
 	struct gpu_buffer *records = NULL;
 	uint32_t record = 0;
 	int last = 0;
@@ -137,7 +137,7 @@ static enum status run_contact(struct deform *deform, const struct deform_contac
 	deform_programs_contact(&deform->params, with, &request);
 	enum status status = deform_program(deform, &request, &deform->scm[with]);
 	if (status == STATUS_OK && (with & (WITH_PATCH | WITH_LOAD)))
-		status = deform_find(deform, &params, layer, with / WITH_PATCH, &last);
+		status = deform_find(deform, &params, layer, with / WITH_PATCH % 4, contact->shape->kind, &last);
 	if (status == STATUS_OK && (with & WITH_FORCES))
 		status = deform_forces_record(deform, contact, layer == 0, arm_of(contact->shape, extent), &records, &record);
 	if (status != STATUS_OK)
