@@ -198,7 +198,7 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	b.normal = b.stiff = b.area = 0.0;
 	// Places ahead came into contact later. A post that has slid less than since then was below the object when that began to move.
 	float lasts = over && since > 1.0 ? clamp(float(before.shear) / 65536.0 / max(slides * (since - 1.0), 1e-9), 0.0, 1.0) : 1.0;
-	for (int k = 0; k < 2 && part > 0.0; k++) {
+	for (int k = 0; k < 2; k++) {
 		float at = 0.5 * (ends.x + ends.y) + (float(k) - 0.5) * 0.57735027 * (ends.y - ends.x);
 		vec2 there = place_on(l, at);
 		face f = face_at(there, c.own);
