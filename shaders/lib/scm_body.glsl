@@ -72,7 +72,7 @@ float lowered_at(vec2 at, float back, float lowered, face now)
 
 // Returns for how much of the contact, counted back from its end, the object has been deeper than `stays` below the surface. It is
 // below 0 if it is not so deep at the end. Above 1: it was so before the contact too, if it moved then as it does now.
-float contact_share(vec2 at, float depth, float stays, face now)
+float contact_share(vec2 at, float depth, float stays, face now, bool over)
 {
 	float forward = dot(at, heading.xy);
 	float change = way.z - face_at(at + way.xy, now.slope).height + now.height;
@@ -86,7 +86,7 @@ float contact_share(vec2 at, float depth, float stays, face now)
 	vec2 sides = vec2(heading.w, body.y), place = vec2(forward, heading.x * at.y - heading.y * at.x);
 	vec2 speed = vec2(dot(way.xy, heading.xy), heading.x * way.y - heading.y * way.x);
 	for (int k = 0; k < 2; k++)
-		if (sides[k] > 0.0 && abs(speed[k]) > 1e-9)
+		if (over && sides[k] > 0.0 && abs(speed[k]) > 1e-9)
 			share = min(share, max(sides[k] - place[k] * sign(speed[k]), 0.0) / abs(speed[k]));
 	return clamp(share, -4.0, 1e3);
 }
@@ -112,10 +112,22 @@ vec2 part_of(float at, float size, float step)
 	return vec2(abs(at - step) <= covered ? -0.5 : max((-size - at) / step, -1.0), abs(at + step) <= covered ? 0.5 : min((size - at) / step, 1.0));
 }
 
-// A wheel may pass between two posts. The nearer one bears it.
-bool between_posts()
+// A wheel that is narrower than the posts may pass between two of them. The nearer one bears it. And where a wheel has sunk nearly to its
+// axle, it reaches into the cells of posts before it. Places are from the centre, forwards and to the left.
+bool bears_beside(vec2 at)
 {
-	return heading.w == 0.0 && body.y > 0.0 && 2.0 * body.y < heading.z * scale.y;
+#ifdef SHAPE_WHEEL
+	float step = heading.z * scale.y;
+	bool between = 2.0 * body.y < step && abs(at.y - 1e-4 * step) <= 0.5 * step;
+	return abs(at.x) < body.x + 0.5 * scale.y / heading.z && (between || abs(at.x) > body.x && abs(at.y) <= body.y);
+#else
+	return false;
+#endif
+}
+
+vec2 along_and_aside(vec2 at)
+{
+	return vec2(dot(at, heading.xy), heading.x * at.y - heading.y * at.x);
 }
 
 cell cell_at(int x, int y, object o)
@@ -125,9 +137,9 @@ cell cell_at(int x, int y, object o)
 	float step = heading.z * scale.y;
 	cell c = cell(place.xy + scale.y * vec2(x, y), vec2(0.0), over ? 1.0 : 0.0, vec2(0.0));
 	if (body.y > 0.0) {
-		float at = dot(c.at, side);
-		vec2 part = part_of(at, body.y, step);
-		part = over ? part : between_posts() && abs(at - 1e-4 * step) <= 0.5 * step ? vec2(-body.y - at, body.y - at) / step : vec2(0.0);
+		vec2 at = along_and_aside(c.at), part = part_of(at.y, body.y, step);
+		bool narrow = 2.0 * body.y < step;
+		part = over ? part : !bears_beside(at) ? vec2(0.0) : narrow ? vec2(-body.y - at.y, body.y - at.y) / step : part;
 		c.share = max(part.y - part.x, 0.0);
 		c.middle = 0.5 * (part.x + part.y) * scale.y * (northward ? vec2(sign(side.x), 0.0) : vec2(0.0, sign(side.y)));
 	}
@@ -153,7 +165,8 @@ cell cell_at(int x, int y, object o)
 bool may_bear(int x, int y, ground g, object o)
 {
 	face f = face_at(place.xy + scale.y * vec2(x, y), vec2(0.0));
-	float depth = o.rests != UNDER_NONE ? float(g.height - o.rests) : between_posts() ? float(g.height - o.raised) - f.height * 1048576.0 : -1e9;
+	bool beside = bears_beside(along_and_aside(place.xy + scale.y * vec2(x, y)));
+	float depth = o.rests != UNDER_NONE ? float(g.height - o.rests) : beside ? float(g.height - o.raised) - f.height * 1048576.0 : -1e9;
 	// Over half a post the ground and the underside rise by at most about this.
 	float rise = (1.25 * length(f.slope) + 0.6) * 0.75 / scale.x;
 	return g.base != BASE_NODATA && depth + rise > 0.0;

@@ -164,7 +164,7 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	float depth = depth_at_post(g, o, post);
 	float above = over ? float(o.rests - o.raised) * UNIT_METRES - post.height : 0.0;
 	// Where no post remembers, the object is taken to have come as it moves now.
-	float since = contact_share(c.at, depth, was_plastic / n.z, post), share = over ? min(since, 1.0) : since;
+	float since = contact_share(c.at, depth, was_plastic / n.z, post, over), share = over ? min(since, 1.0) : since;
 	vec2 half_back = c.at + 0.5 * max(share, 0.0) * way.xy;
 	face then = face_at(half_back, c.own);
 	vec3 normal_then = normal_at(n, then);
@@ -193,7 +193,9 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	float stays = plastic_part(s, most, yield_stress(s, by_width, most)) / n.z;
 	vec2 ends = between_roots(l.half_way, depths, vec2(mosts.x > max(depths.x, 0.0) + LEAST ? stays : 0.0,
 							mosts.z > max(depths.z, 0.0) + LEAST ? stays : 0.0));
-	float part = b.refused || g.far ? 0.0 : c.share * (ends.y - ends.x) / (2.0 * l.half_way);
+	// Before its rim a wheel that has sunk to its axle bears on nothing.
+	bool nothing = !over && abs(dot(c.at, heading.xy)) > body.x && depth > 0.0;
+	float part = b.refused || g.far || nothing ? 0.0 : c.share * (ends.y - ends.x) / (2.0 * l.half_way);
 	b.stress = b.moment = vec3(0.0);
 	b.normal = b.stiff = b.area = 0.0;
 	// Places ahead came into contact later. A post that has slid less than since then was below the object when that began to move.
