@@ -62,8 +62,8 @@ vec3 normal_of_face(vec2 slope)
 float lowered_at(vec2 at, float back, float lowered, face now)
 {
 #ifdef ROUND
-	float forward = dot(at, heading.xy), squares = ring_squares(at);
-	float x = min(max(sqrt(squares) * moves.z, forward), forward + back);
+	float forward = dot(at, heading.xy), squares = ring_squares(at), ring = sqrt(squares);
+	float x = clamp(min(max(ring * moves.z, forward), forward + back), -ring, ring);
 	return moves.x > 0.0 ? max(sqrt(max(squares - x * x, 0.0)) + moves.y * (x - forward) + now.height, 0.0) : 0.0;
 #else
 	return lowered;
