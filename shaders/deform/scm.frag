@@ -147,10 +147,11 @@ void main()
 		f = bears ? f : vec3(0.0);
 		m = bears ? m : vec3(0.0);
 		vec3 large = max(abs(f), abs(m));
-		saturated += int(max(large.x, max(large.y, large.z)) > MOST);
+		float most = bears ? MOST * min(b.area, 1.0) : 0.0;
+		saturated += int(max(large.x, max(large.y, large.z)) > most);
 		for (int i = 0; i < 3; i++) {
-			total_add(force[i], int(round(clamp(f[i], -MOST, MOST))));
-			total_add(moment[i], int(round(clamp(m[i], -MOST, MOST))));
+			total_add(force[i], int(round(clamp(f[i], -most, most))));
+			total_add(moment[i], int(round(clamp(m[i], -most, most))));
 		}
 		area += bears ? int(round(b.area * faces[0].w)) : 0;
 		deepest = max(deepest, b.held && bears ? b.sunk - before.heap : 0);

@@ -1,29 +1,54 @@
 // The underside of an object between posts, in its end pose, and the part of a post's cell that it covers (SOIL.md). Places are in
 // metres from the object's centre, in plan.
+// Defines: SHAPE_WHEEL, SHAPE_SPHERE, SHAPE_BOX; none of them: only its posts tell.
 
 struct face {
 	float height; // of the underside above the centre, m
 	vec2 slope;   // its rise a metre
 };
 
+#if defined(SHAPE_WHEEL) || defined(SHAPE_SPHERE)
+#define ROUND
+// The part of a place that counts for the height of the underside.
+vec2 part_of_place(vec2 at)
+{
+#ifdef SHAPE_WHEEL
+	return dot(at, heading.xy) * heading.xy;
+#else
+	return at;
+#endif
+}
+
+// The square of the radius of the circle along the motion, in which a place lies.
+float ring_squares(vec2 at)
+{
+#ifdef SHAPE_WHEEL
+	return body.x * body.x;
+#else
+	float aside = heading.x * at.y - heading.y * at.x;
+	return max(body.x * body.x - aside * aside, 0.0);
+#endif
+}
+#endif
+
 // own: slope of an underside that only the posts tell.
 face face_at(vec2 at, vec2 own)
 {
-	face f = face(dot(own, at), own);
-	if (body.x == ROUND) {
-		vec2 part = mix(dot(at, heading.xy) * heading.xy, at, body.z);
-		float up = sqrt(max(body.y * body.y - dot(part, part), 0.0));
-		f = face(-up, part / max(up, body.y / STEEPEST));
-	}
-	if (body.x == FLAT) {
-		f = face(-1e9, vec2(0.0));
-		for (int k = 0; k < 3; k++) {
-			float height = faces[k].x + dot(faces[k].yz, at);
-			f.slope = height > f.height ? faces[k].yz : f.slope;
-			f.height = max(f.height, height);
-		}
+#ifdef ROUND
+	vec2 part = part_of_place(at);
+	float up = sqrt(max(body.x * body.x - dot(part, part), 0.0));
+	return face(-up, part / max(up, body.x / STEEPEST));
+#elif defined(SHAPE_BOX)
+	face f = face(-1e9, vec2(0.0));
+	for (int k = 0; k < 3; k++) {
+		float height = faces[k].x + dot(faces[k].yz, at);
+		f.slope = height > f.height ? faces[k].yz : f.slope;
+		f.height = max(f.height, height);
 	}
 	return f;
+#else
+	return face(dot(own, at), own);
+#endif
 }
 
 vec3 normal_of_face(vec2 slope)
@@ -33,33 +58,35 @@ vec3 normal_of_face(vec2 slope)
 	return vec3(-slope * up, up);
 }
 
-// Returns how much lower a round object has been above a place than it is now, on its last `back` metres; m.
-float lowered_at(vec2 at, float back)
+// Returns how much lower the object has been above a place than it is now, on its last `back` metres; m. lowered: at the post.
+float lowered_at(vec2 at, float back, float lowered, face now)
 {
-	float forward = dot(at, heading.xy);
-	float squares = max(body.y * body.y - body.z * (dot(at, at) - forward * forward), 0.0), ring = sqrt(squares);
+#ifdef ROUND
+	float forward = dot(at, heading.xy), squares = ring_squares(at), ring = sqrt(squares);
 	float x = clamp(min(max(ring * moves.z, forward), forward + back), -ring, ring);
-	float rose = sqrt(squares - x * x) + moves.y * (x - forward) - sqrt(max(squares - forward * forward, 0.0));
-	return body.x == ROUND && moves.x > 0.0 ? max(rose, 0.0) : 0.0;
+	return moves.x > 0.0 ? max(sqrt(max(squares - x * x, 0.0)) + moves.y * (x - forward) + now.height, 0.0) : 0.0;
+#else
+	return lowered;
+#endif
 }
 
 // Returns for how much of the contact, counted back from its end, the object has been deeper than `stays` below the surface. It is
 // below 0 if it is not so deep at the end. Above 1: it was so before the contact too, if it moved then as it does now.
-float contact_share(vec2 at, float depth, float stays, face now)
+float contact_share(vec2 at, float depth, float stays, face now, bool over)
 {
-	float forward = dot(at, heading.xy), squares = body.y * body.y - body.z * (dot(at, at) - forward * forward);
+	float forward = dot(at, heading.xy);
 	float change = way.z - face_at(at + way.xy, now.slope).height + now.height;
 	float share = change < 0.0 ? (depth - stays) / -change : 1e3;
-	if (body.x == ROUND && moves.x > 0.0) {
-		float up = max(-now.height - depth + stays, body.y * 0.05);
-		float first = sqrt(max(squares - up * up, 0.0)) - forward;
-		first -= moves.y * first / min(moves.y - (forward + first) / up, -0.05);
-		share = first / moves.x;
-	}
-	vec2 sides = vec2(heading.w, body.w), place = vec2(forward, heading.x * at.y - heading.y * at.x);
+#ifdef ROUND
+	float up = max(-now.height - depth + stays, body.x * 0.05);
+	float first = sqrt(max(ring_squares(at) - up * up, 0.0)) - forward;
+	first -= moves.y * first / min(moves.y - (forward + first) / up, -0.05);
+	share = moves.x > 0.0 ? first / moves.x : share;
+#endif
+	vec2 sides = vec2(heading.w, body.y), place = vec2(forward, heading.x * at.y - heading.y * at.x);
 	vec2 speed = vec2(dot(way.xy, heading.xy), heading.x * way.y - heading.y * way.x);
 	for (int k = 0; k < 2; k++)
-		if (sides[k] > 0.0 && abs(speed[k]) > 1e-9)
+		if (over && sides[k] > 0.0 && abs(speed[k]) > 1e-9)
 			share = min(share, max(sides[k] - place[k] * sign(speed[k]), 0.0) / abs(speed[k]));
 	return clamp(share, -4.0, 1e3);
 }
@@ -85,10 +112,22 @@ vec2 part_of(float at, float size, float step)
 	return vec2(abs(at - step) <= covered ? -0.5 : max((-size - at) / step, -1.0), abs(at + step) <= covered ? 0.5 : min((size - at) / step, 1.0));
 }
 
-// A wheel may pass between two posts. The nearer one bears it.
-bool between_posts()
+// A wheel that is narrower than the posts may pass between two of them. The nearer one bears it. And where a wheel has sunk nearly to its
+// axle, it reaches into the cells of posts before it. Places are from the centre, forwards and to the left.
+bool bears_beside(vec2 at)
 {
-	return heading.w == 0.0 && body.w > 0.0 && 2.0 * body.w < heading.z * scale.y;
+#ifdef SHAPE_WHEEL
+	float step = heading.z * scale.y;
+	bool between = 2.0 * body.y < step && abs(at.y - 1e-4 * step) <= 0.5 * step;
+	return abs(at.x) < body.x + 0.5 * scale.y / heading.z && (between || abs(at.x) > body.x && abs(at.y) <= body.y);
+#else
+	return false;
+#endif
+}
+
+vec2 along_and_aside(vec2 at)
+{
+	return vec2(dot(at, heading.xy), heading.x * at.y - heading.y * at.x);
 }
 
 cell cell_at(int x, int y, object o)
@@ -97,19 +136,20 @@ cell cell_at(int x, int y, object o)
 	vec2 side = vec2(-heading.y, heading.x);
 	float step = heading.z * scale.y;
 	cell c = cell(place.xy + scale.y * vec2(x, y), vec2(0.0), over ? 1.0 : 0.0, vec2(0.0));
-	if (body.w > 0.0) {
-		float at = dot(c.at, side);
-		vec2 part = part_of(at, body.w, step);
-		part = over ? part : between_posts() && abs(at - 1e-4 * step) <= 0.5 * step ? vec2(-body.w - at, body.w - at) / step : vec2(0.0);
+	if (body.y > 0.0) {
+		vec2 at = along_and_aside(c.at), part = part_of(at.y, body.y, step);
+		bool narrow = 2.0 * body.y < step;
+		part = over ? part : !bears_beside(at) ? vec2(0.0) : narrow ? vec2(-body.y - at.y, body.y - at.y) / step : part;
 		c.share = max(part.y - part.x, 0.0);
 		c.middle = 0.5 * (part.x + part.y) * scale.y * (northward ? vec2(sign(side.x), 0.0) : vec2(0.0, sign(side.y)));
 	}
-	if (body.w > 0.0 && heading.w > 0.0) {
+	if (body.y > 0.0 && heading.w > 0.0) {
 		vec2 part = part_of(dot(c.at, heading.xy), heading.w, step);
 		c.share *= max(part.y - part.x, 0.0);
 		c.middle += 0.5 * (part.x + part.y) * scale.y * (northward ? vec2(0.0, sign(heading.y)) : vec2(sign(heading.x), 0.0));
 	}
-	if (body.x == POSTS_ONLY && over)
+#if !defined(ROUND) && !defined(SHAPE_BOX)
+	if (over)
 		for (int k = 0; k < 2; k++) {
 			ivec2 next = k == 0 ? ivec2(1, 0) : ivec2(0, 1);
 			bool low = covers(ivec2(x, y) - next), high = covers(ivec2(x, y) + next);
@@ -117,6 +157,7 @@ cell cell_at(int x, int y, object o)
 			int to = imageLoad(rests, ivec3(ivec2(x, y) + (high ? next : ivec2(0)), zero.z)).r;
 			c.own[k] = float(to - from) * scale.x * (low && high ? 0.5 : 1.0);
 		}
+#endif
 	return c;
 }
 
@@ -125,9 +166,10 @@ cell cell_at(int x, int y, object o)
 int touch_room(int x, int y, ground g, object o)
 {
 	face f = face_at(place.xy + scale.y * vec2(x, y), vec2(0.0));
-	float depth = o.rests != UNDER_NONE ? float(g.height - o.rests) : between_posts() ? float(g.height - o.raised) - f.height * 1048576.0 : -1e9;
+	bool beside = bears_beside(along_and_aside(place.xy + scale.y * vec2(x, y)));
+	float depth = o.rests != UNDER_NONE ? float(g.height - o.rests) : beside ? float(g.height - o.raised) - f.height * 1048576.0 : -1e9;
 	// Over half a post the ground and the underside rise by at most about this.
-	float rise = body.x == POSTS_ONLY ? 0.0 : (1.25 * length(f.slope) + 0.6) * 0.75 / scale.x;
+	float rise = (1.25 * length(f.slope) + 0.6) * 0.75 / scale.x;
 	return g.base != BASE_NODATA ? int(clamp(ceil(depth + rise), -2e9, 2e9)) : -2000000000;
 }
 

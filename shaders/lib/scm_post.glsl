@@ -132,10 +132,14 @@ struct across {
 across line_across(vec3 n, cell c, face post, float depth)
 {
 	vec2 hill = -n.xy / n.z, grows = hill - post.slope;
-	bool wheel = body.x == ROUND && body.z == 0.0;
 	across l;
-	l.line = wheel || dot(grows, grows) < 1e-8 ? heading.xy : normalize(grows);
-	l.half_way = 0.5 * scale.y / (wheel ? heading.z : 1.0);
+#ifdef SHAPE_WHEEL
+	l.line = heading.xy;
+	l.half_way = 0.5 * scale.y / heading.z;
+#else
+	l.line = dot(grows, grows) < 1e-8 ? heading.xy : normalize(grows);
+	l.half_way = 0.5 * scale.y;
+#endif
 	l.middle = c.at + c.middle;
 	l.ground = depth + post.height + dot(hill, c.middle);
 	l.rise = dot(hill, l.line);
@@ -215,7 +219,7 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	float depth = depth_at_post(g, o, post);
 	float above = over ? float(o.rests - o.raised) * UNIT_METRES - post.height : 0.0;
 	// Where no post remembers, the object is taken to have come as it moves now.
-	float since = contact_share(c.at, depth, was_plastic / n.z, post), share = over ? min(since, 1.0) : since;
+	float since = contact_share(c.at, depth, was_plastic / n.z, post, over), share = over ? min(since, 1.0) : since;
 	vec2 half_back = c.at + 0.5 * max(share, 0.0) * way.xy;
 	face then = face_at(half_back, c.own);
 	vec3 normal_then = normal_at(n, then);
@@ -232,7 +236,7 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 
 	// The part of the cell that bears.
 	across l = line_across(n, c, post, depth);
-	float lowered = over && body.x != ROUND ? float(o.rests - o.lowest) * UNIT_METRES : 0.0;
+	float lowered = over ? float(o.rests - o.lowest) * UNIT_METRES : 0.0;
 	float back = over ? moves.x + l.half_way : 1e3;
 	// What a post remembers holds for its cell: as a flat rut if the object has passed over it, and below one that hardly moves as an
 	// impression of its underside.
@@ -240,24 +244,27 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	vec3 depths, mosts;
 	for (int k = 0; k < 3; k++) {
 		vec2 there = place_on(l, float(k - 1) * l.half_way);
-		depths[k] = depth_on(l, float(k - 1) * l.half_way, face_at(there, c.own));
-		mosts[k] = max(rut + stamped * depths[k], depths[k] + lowered + lowered_at(there, back));
+		face f = face_at(there, c.own);
+		depths[k] = depth_on(l, float(k - 1) * l.half_way, f);
+		mosts[k] = max(rut + stamped * depths[k], depths[k] + lowered_at(there, back, lowered, f));
 	}
 	float most = max(mosts.x, max(mosts.y, mosts.z)) * n.z;
 	float stays = plastic_part(s, most, yield_stress(s, by_width, most)) / n.z;
 	vec2 ends = between_roots(l.half_way, depths, vec2(mosts.x > max(depths.x, 0.0) + LEAST ? stays : 0.0,
 							mosts.z > max(depths.z, 0.0) + LEAST ? stays : 0.0));
-	float part = b.refused || g.far ? 0.0 : c.share * (ends.y - ends.x) / (2.0 * l.half_way);
+	// Before its rim a wheel that has sunk to its axle bears on nothing.
+	bool nothing = !over && abs(dot(c.at, heading.xy)) > body.x && depth > 0.0;
+	float part = b.refused || g.far || nothing ? 0.0 : c.share * (ends.y - ends.x) / (2.0 * l.half_way);
 	b.stress = b.moment = vec3(0.0);
 	b.normal = b.stiff = b.area = 0.0;
 	// Places ahead came into contact later. A post that has slid less than since then was below the object when that began to move.
 	float lasts = over && since > 1.0 ? clamp(displacement_of(shear) / s.b.z / max(slides * (since - 1.0), 1e-9), 0.0, 1.0) : 1.0;
-	for (int k = 0; k < 2 && part > 0.0; k++) {
+	for (int k = 0; k < 2; k++) {
 		float at = 0.5 * (ends.x + ends.y) + (float(k) - 0.5) * 0.57735027 * (ends.y - ends.x);
 		vec2 there = place_on(l, at);
 		face f = face_at(there, c.own);
 		float deep = depth_on(l, at, f);
-		float largest = max(rut + stamped * deep, deep + lowered + lowered_at(there, back));
+		float largest = max(rut + stamped * deep, deep + lowered_at(there, back, lowered, f));
 		pressure p = pressure_of(s, by_width, n.z * deep, n.z * largest);
 		vec3 normal = normal_at(n, f), arm = vec3(there, f.height + above);
 		float upright = load.w > 0.0 ? 1.0 : normal.z, weight = 0.5 * part / upright;

@@ -14,7 +14,6 @@ const int FAR_UNITS = (1 << 30) - (1 << 20);
 const float STEEPEST = 19.974984;      // slope at which the normal's z is 0.05; steeper slopes are taken as this one
 const float STRESS_MOST = 1e20;        // Pa: a limit that keeps all numbers finite
 const int SOILS = 16;
-const float POSTS_ONLY = 0.0, ROUND = 1.0, FLAT = 2.0; // what an underside is
 
 struct soil {
 	vec4 a; // k_c, k_phi, n, 1 / K_e
@@ -32,7 +31,7 @@ layout(std140, binding = 0) uniform params {
 	vec4 place;    // post (0, 0) from the centre, m; 1 / unit of length in moments; square metres a post
 	vec4 load;     // N; how deep the object may sink below its first contact, fixed-point units; number of the loaded body, from 1; 0: none;
 	               // 1: stresses act along the normal of the ground, not of the object's underside
-	vec4 body;     // what its underside is (ROUND ..); radius, m; 1: a sphere; half its breadth, m; 0: whole posts
+	vec4 body;     // radius, m; half its breadth, m, 0: whole posts
 	vec4 heading;  // forwards, in plan; the larger of that vector's parts; half the length of a box, m
 	vec4 moves;    // a round object: metres forwards; rise a metre; sine of that; how long a wheel's rim takes, of the soil's time; 0: 1
 	vec4 faces[3]; // box: height at its centre, m, and slope of its lower faces; of the first: units of area a post
@@ -99,8 +98,8 @@ vec3 normal_of(ground west, ground at, ground east, ground south, ground north)
 float slope_between(ivec2 low, ivec2 high)
 {
 	ivec2 middle = (low + high) / 2;
-	int first = imageLoad(bases, ivec3(low, zero.z)).r, last = imageLoad(bases, ivec3(high, zero.z)).r;
-	int between = imageLoad(bases, ivec3(middle, zero.z)).r;
+	int first = texelFetch(bases, ivec3(low, zero.z), 0).r, last = texelFetch(bases, ivec3(high, zero.z), 0).r;
+	int between = texelFetch(bases, ivec3(middle, zero.z), 0).r;
 	low = first == BASE_NODATA ? middle : low;
 	high = last == BASE_NODATA ? middle : high;
 	first = first == BASE_NODATA ? between : first;

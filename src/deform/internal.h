@@ -106,8 +106,8 @@ struct deform {
 	struct gpu_program *slope[2];          /* index: 1: the first hop */
 	struct slide_soil soils[DEFORM_SOILS];
 	bool contacts_flag;                    /* the flags that a contact writes show all blocks where soil moves after it */
-	struct gpu_program *scm[8];            /* the index has one bit for each define of the program */
-	struct gpu_program *find[4];           /* the index has the bits of enum deform_find_what */
+	struct gpu_program *scm[WITH_ALL];     /* of each variant */
+	struct gpu_program *find[FIND_ALL];    /* of each variant */
 	struct forces *forces;                 /* NULL until a contact has a tag */
 	struct gpu_buffer *found;              /* what soil/load.c found; NULL until a contact needs it */
 	struct gpu_buffer *standing;           /* int32 for each loaded body: equilibrium height above its pose, fixed-point units;
@@ -218,7 +218,8 @@ struct gpu_rect deform_rows(const int32_t posts[4]);
 
 /* soil/load.c: finds the size of the contact patch, the equilibrium height, or both, in one pass. `what`: bits of enum
  * deform_find_what. The results are in the buffer `found`. `tally` counts loads that are not carried. */
-enum status deform_find(struct deform *deform, const struct scm_params *params, unsigned what, struct gpu_buffer *tally) FURROW_CHECKED;
+enum status deform_find(struct deform *deform, const struct scm_params *params, unsigned what, enum deform_shape_kind kind,
+			struct gpu_buffer *tally) FURROW_CHECKED;
 /* soil/underside.c: fills what the shaders need to compute the object's underside between posts (lib/scm_body.glsl). Needs `way`
  * and `spin`. */
 void deform_underside(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,

@@ -41,6 +41,7 @@ static void define_rasters(const struct deform_params *params, struct deform_req
 		which |= (1 + (int)params->rasters[i].number) << 3 * i;
 	define_number(out, "SOIL_RASTERS", which);
 }
+static const char *const shapes[DEFORM_SHAPES] = {"SHAPE_WHEEL", "SHAPE_SPHERE", "SHAPE_BOX"};
 
 static bool has_thickness(const struct deform_params *params)
 {
@@ -50,7 +51,6 @@ static bool has_thickness(const struct deform_params *params)
 void deform_programs_envelope(const struct deform_params *params, enum deform_shape_kind kind, bool sideways,
 			struct deform_request *out)
 {
-	static const char *const shapes[DEFORM_SHAPES] = {"SHAPE_WHEEL", "SHAPE_SPHERE", "SHAPE_BOX"};
 	begin(out, "full.vert", "deform/under.frag");
 	define(out, shapes[kind], true);
 	define(out, "REST", deform_needs_contacts(params));
@@ -70,6 +70,8 @@ void deform_programs_contact(const struct deform_params *params, unsigned with, 
 	define(out, "FORCES", with & WITH_FORCES);
 	define(out, "PATCH", with & WITH_PATCH);
 	define(out, "LOAD", with & WITH_LOAD);
+	if (model->in_place)
+		define(out, shapes[with / WITH_SHAPE], shapes[with / WITH_SHAPE] != NULL);
 	define(out, "SOIL_MAP", model->in_place && deform_has_classes(params));
 	define(out, "SLIP", model->in_place && params->slip_sinkage > 0);
 	define_rasters(params, out);
@@ -78,11 +80,12 @@ void deform_programs_contact(const struct deform_params *params, unsigned with, 
 		define_number(out, "SOILS", deform_soil_slots(params));
 }
 
-void deform_programs_find(const struct deform_params *params, unsigned what, struct deform_request *out)
+void deform_programs_find(const struct deform_params *params, unsigned what, enum deform_shape_kind kind, struct deform_request *out)
 {
 	*out = (struct deform_request){.gl = {.compute = "deform/scm_find.comp"}};
 	define(out, "PATCH", what & FIND_PATCH);
 	define(out, "LOAD", what & FIND_LOAD);
+	define(out, shapes[kind], shapes[kind] != NULL);
 	define(out, "SOIL_MAP", (what & FIND_LOAD) && deform_has_classes(params));
 	define(out, "SLIP", (what & FIND_LOAD) && params->slip_sinkage > 0);
 	if (what & FIND_LOAD)
@@ -207,11 +210,11 @@ static void each_envelope(struct each *each, const struct deform_planned *object
 	}
 }
 
-static void each_find(struct each *each, bool patch, bool load)
+static void each_find(struct each *each, bool patch, bool load, enum deform_shape_kind kind)
 {
 	if (!patch && !load)
 		return;
-	deform_programs_find(each->params, (patch ? FIND_PATCH : 0) | (load ? FIND_LOAD : 0), &each->request);
+	deform_programs_find(each->params, (patch ? FIND_PATCH : 0) | (load ? FIND_LOAD : 0), kind, &each->request);
 	add(each, load ? "load" : deform_displace_effect(each->params->model));
 }
 
@@ -219,8 +222,9 @@ static void each_find(struct each *each, bool patch, bool load)
 static void each_felt(struct each *each, const struct deform_planned *object, bool forces)
 {
 	bool load = object->load > 0, patch = deform_is_counted(each->params, object->shape, load);
-	unsigned with = (patch ? WITH_PATCH : 0) | (load ? WITH_LOAD : 0);
-	each_find(each, patch, load);
+	unsigned with = (patch ? WITH_PATCH : 0) | (load ? WITH_LOAD : 0) |
+			WITH_SHAPE * (unsigned)object->shape->kind;
+	each_find(each, patch, load, object->shape->kind);
 	deform_programs_contact(each->params, with, &each->request);
 	add(each, load ? "load" : deform_displace_effect(each->params->model));
 	if (forces || load) {

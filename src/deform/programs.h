@@ -14,12 +14,12 @@ struct deform_request {
 };
 
 /* Variants of the contact pass of a model that computes forces, as bits: it sums forces; counts the contact patch; the object
- * carries a load. */
-enum { WITH_FORCES = 1, WITH_PATCH = 2, WITH_LOAD = 4 };
+ * carries a load. Then the object's shape (enum deform_shape_kind), whose underside the pass computes between posts. */
+enum { WITH_FORCES = 1, WITH_PATCH = 2, WITH_LOAD = 4, WITH_SHAPE = 8, WITH_ALL = WITH_SHAPE * DEFORM_SHAPES };
 
 /* What scm's search finds, as bits: the size of the contact patch, the equilibrium height. The same as WITH_PATCH and WITH_LOAD,
- * halved. */
-enum deform_find_what { FIND_PATCH = 1, FIND_LOAD = 2 };
+ * halved. Then the object's shape. */
+enum deform_find_what { FIND_PATCH = 1, FIND_LOAD = 2, FIND_SHAPE = 4, FIND_ALL = FIND_SHAPE * DEFORM_SHAPES };
 
 /* Passes of an iteration of sliding: EXCESS alone, or SHED and TAKE. */
 enum slide_what { SLIDE_EXCESS, SLIDE_SHED, SLIDE_TAKE };
@@ -29,7 +29,7 @@ void deform_programs_envelope(const struct deform_params *params, enum deform_sh
 			struct deform_request *out);
 void deform_programs_facet(const struct deform_params *params, struct deform_request *out);
 void deform_programs_contact(const struct deform_params *params, unsigned with, struct deform_request *out);
-void deform_programs_find(const struct deform_params *params, unsigned what, struct deform_request *out);
+void deform_programs_find(const struct deform_params *params, unsigned what, enum deform_shape_kind kind, struct deform_request *out);
 void deform_programs_box(const struct deform_params *params, struct deform_request *out);
 void deform_programs_spread(struct deform_request *out);
 /* Over blocks, or over a window (`loaded`: of an object with a load). */

@@ -19,6 +19,7 @@
 enum scene_coordinates { SCENE_LOCAL, SCENE_STORE, SCENE_SRS };
 enum scene_outside { SCENE_STOP, SCENE_SKIP };
 enum scene_undisturbed { SCENE_STABLE, SCENE_SLIDES };
+enum scene_normals { SCENE_BODY, SCENE_GROUND };
 enum scene_body { SCENE_EARTH, SCENE_MARS, SCENE_MOON };
 enum scene_camera_kind { SCENE_CHASE, SCENE_OVERHEAD, SCENE_FIXED };
 
@@ -160,6 +161,7 @@ struct scene {
 	double tolerance;  /* metres by which a height difference may exceed the critical one without sliding */
 	double bulldozing; /* share of the displaced soil, 0 to 1 */
 	double slip_sinkage; /* how deep slip digs, in units of the soil's shear modulus; 0: not */
+	enum scene_normals normals; /* along which stresses act: those of a body's underside, or of the ground */
 	enum scene_undisturbed undisturbed; /* what undisturbed ground does where it is steeper than the soil's critical slope */
 	struct deform_soil soils[DEFORM_SOILS]; /* with a map, soils[0] is used where the map names no other soil */
 	int soil_count;

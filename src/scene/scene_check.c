@@ -40,6 +40,7 @@ static enum status check_parameters(const struct scene_tree *tree, const struct 
 		{"interval", raw->interval},	   {"depth", raw->depth},	      {"undisturbed", raw->undisturbed},
 		{"tolerance", raw->tolerance}, {"bulldozing", raw->bulldozing},
 		{"slip_sinkage", raw->slip_sinkage},
+		{"normals", raw->normals},
 	};
 	for (size_t i = 0; i < sizeof parameters / sizeof parameters[0]; i++) {
 		struct scene_list models = {.length = 0};
@@ -74,6 +75,7 @@ static enum status check_redistribute(const struct scene_tree *tree,
 		scene->bulldozing = number(raw->bulldozing, "redistribute.bulldozing");
 	if (deform_model_takes(scene->model, "slip_sinkage"))
 		scene->slip_sinkage = number(raw->slip_sinkage, "redistribute.slip_sinkage");
+	scene->normals = raw->normals != NULL ? (enum scene_normals)*raw->normals : SCENE_BODY;
 	return check_parameters(tree, raw);
 }
 

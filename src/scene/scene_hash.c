@@ -147,6 +147,8 @@ static void add_soils(XXH3_state_t *state, const struct scene *scene)
 		fill_soil(scene->soil_names[i], &soil);
 		add_soil(state, &soil);
 	}
+	if (scene->normals != SCENE_BODY)
+		add_part(state, 'n', (uint64_t)scene->normals);
 	if (scene->tolerance != 0) {
 		add_part(state, 't', 0);
 		add_number(state, scene->tolerance);

@@ -120,6 +120,7 @@ static const cyaml_schema_field_t soil_fields[] = {
 #define MODEL_WORD(number, word) {#word, number},
 static const cyaml_strval_t model_words[] = {DEFORM_MODELS_EACH(MODEL_WORD)};
 static const cyaml_strval_t undisturbed_words[] = {{"stable", SCENE_STABLE}, {"slides", SCENE_SLIDES}};
+static const cyaml_strval_t normals_words[] = {{"body", SCENE_BODY}, {"ground", SCENE_GROUND}};
 static const cyaml_strval_t body_words[] = {{"earth", SCENE_EARTH}, {"mars", SCENE_MARS}, {"moon", SCENE_MOON}};
 static const cyaml_strval_t outside_words[] = {{"stop", SCENE_STOP}, {"skip", SCENE_SKIP}};
 
@@ -136,6 +137,7 @@ static const cyaml_schema_field_t redistribute_fields[] = {
 	CYAML_FIELD_FLOAT_PTR("slip_sinkage", OPTIONAL, struct raw_redistribute, slip_sinkage),
 	CYAML_FIELD_ENUM_PTR("undisturbed", OPTIONAL, struct raw_redistribute, undisturbed,
 			     undisturbed_words, 2),
+	CYAML_FIELD_ENUM_PTR("normals", OPTIONAL, struct raw_redistribute, normals, normals_words, 2),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t output_fields[] = {

@@ -72,6 +72,7 @@ struct raw_redistribute {
 	int64_t *radius, *repetitions, *iterations;
 	double *interval, *depth, *tolerance, *bulldozing, *slip_sinkage;
 	int *undisturbed; /* enum scene_undisturbed */
+	int *normals;     /* enum scene_normals */
 };
 struct raw_output {
 	double *forces;

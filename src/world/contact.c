@@ -77,11 +77,11 @@ static enum status scatter(struct world *world, const struct deform_window *wind
 	return status == STATUS_OK ? deform_wake_swept(world->deform, window, layer) : status;
 }
 
-/* Computes how far a wheel turned between two path samples. With slip s it is way / (r (1 - s)). */
+/* Computes how far a wheel turned between two path samples. With slip s it is way / (r (1 - s)). The contact has no duration:
+ * nothing damps a body that follows a path. */
 static void roll(const struct body *body, const struct event *event, struct deform_contact *contact)
 {
 	const struct scene_object *object = body->object;
-	contact->seconds = event->seconds;
 	if (object->shape.kind != DEFORM_WHEEL)
 		return;
 	double along = lattice_offset_metres(contact->to.x - contact->from.x) * cos(contact->to.yaw) +

@@ -95,6 +95,7 @@ void world_deform_params(const struct world *world, struct deform_params *params
 		.tolerance = scene->tolerance,
 		.bulldozing = scene->bulldozing,
 		.slip_sinkage = scene->slip_sinkage,
+		.ground_normals = scene->normals == SCENE_GROUND,
 		.touched = world_asks_touched(world),
 		.disturbance = scene->disturbance,
 	};

@@ -21,6 +21,10 @@ static void a_model_has_its_own_parameters_with_their_defaults(void **state)
 	struct scene *scene = load_edited(base, "model: scm", "model: scm, iterations: 5, interval: 0.5, depth: 1.5, bulldozing: 0.25, slip_sinkage: 0.5, tolerance: 0.01");
 	assert_int_equal(scene->iterations, 5);
 	assert_true(scene->interval == 0.5 && scene->depth == 1.5 && scene->bulldozing == 0.25 && scene->slip_sinkage == 0.5 && scene->tolerance == 0.01);
+	assert_int_equal(scene->normals, SCENE_BODY);
+	scene_destroy(scene);
+	scene = load_edited(base, "model: scm", "model: scm, normals: ground");
+	assert_int_equal(scene->normals, SCENE_GROUND);
 	scene_destroy(scene);
 	refuse("model: scm", "model: scm, radius: 2", ":4: redistribute.radius: is no parameter of model scm; allowed with: box");
 	refuse("model: scm", "model: none, repetitions: 2", "repetitions: is no parameter of model none; allowed with: box");
@@ -31,6 +35,8 @@ static void a_model_has_its_own_parameters_with_their_defaults(void **state)
 	refuse("model: scm", "model: sumner, bulldozing: 1", "is no parameter of model sumner; allowed with: scm");
 	refuse("model: scm", "model: slippage, bulldozing: 0", "is no parameter of model slippage; allowed with: scm");
 	refuse("model: scm", "model: slippage, slip_sinkage: 1", "is no parameter of model slippage; allowed with: scm");
+	refuse("model: scm", "model: slippage, normals: ground", "normals: is no parameter of model slippage; allowed with: scm");
+	refuse("model: scm", "model: scm, normals: up", "\"up\" is unknown; allowed: body, ground");
 	refuse("model: scm", "model: mud", ":4: redistribute.model: \"mud\" is unknown; allowed: none, box, sumner, slippage, scm");
 }
 
@@ -185,6 +191,8 @@ static void the_hash_is_of_all_that_decides_how_the_ground_gives_way(void **stat
 		{"model: scm", "model: scm, tolerance: 0.002", false},
 		{"model: scm", "model: scm, bulldozing: 0.6", false},
 		{"model: scm", "model: scm, slip_sinkage: 0", false},
+		{"model: scm", "model: scm, normals: body", true},
+		{"model: scm", "model: scm, normals: ground", false},
 		{"3}\n", "3}\n    load: 5\n", false},
 		{"3}\n", "3}\n    slip: 0.1\n", false},
 		{"0.4}", "0.4, grousers: 3}", false},

@@ -9,11 +9,12 @@
 
 #define FOUND_BYTES 20 /* lib/found.glsl */
 
-enum status deform_find(struct deform *deform, const struct scm_params *params, unsigned what, struct gpu_buffer *tally)
+enum status deform_find(struct deform *deform, const struct scm_params *params, unsigned what, enum deform_shape_kind kind,
+			struct gpu_buffer *tally)
 {
-	struct gpu_program **program = &deform->find[what];
+	struct gpu_program **program = &deform->find[FIND_SHAPE * kind + what];
 	struct deform_request request;
-	deform_programs_find(&deform->params, what, &request);
+	deform_programs_find(&deform->params, what, kind, &request);
 	enum status status = deform_program(deform, &request, program);
 	if (status == STATUS_OK && deform->found == NULL)
 		status = gpu_buffer_create(deform->params.gpu, GPU_STORAGE, FOUND_BYTES, NULL, &deform->found);

@@ -155,14 +155,14 @@ static enum status run_contact(struct deform *deform, const struct deform_contac
 		       deform_fits_window(deform, deform_reached(deform, contact));
 	params.scale[3] = (float)by_width(contact->shape, extent, counted);
 	unsigned with = (contact->tag != 0 ? WITH_FORCES : 0) | (params.scale[3] == 0 ? WITH_PATCH : 0) |
-			(contact->load > 0 ? WITH_LOAD : 0);
+			(contact->load > 0 ? WITH_LOAD : 0) | WITH_SHAPE * (unsigned)contact->shape->kind;
 	struct gpu_buffer *records = NULL;
 	uint32_t record = 0;
 	struct deform_request request;
 	deform_programs_contact(&deform->params, with, &request);
 	enum status status = deform_program(deform, &request, &deform->scm[with]);
 	if (status == STATUS_OK && (with & (WITH_PATCH | WITH_LOAD)))
-		status = deform_find(deform, &params, with / WITH_PATCH, tally);
+		status = deform_find(deform, &params, with / WITH_PATCH % FIND_SHAPE, contact->shape->kind, tally);
 	if (status == STATUS_OK && (with & WITH_FORCES))
 		status = deform_forces_record(deform, contact, layer == 0, arm_of(contact->shape, extent), &records, &record);
 	if (status != STATUS_OK)
@@ -212,11 +212,11 @@ const struct soil_model deform_model_scm = {
 	.effect = {
 		"scm", "redistribute.model", "", EFFECT_LIST("deform/scm.frag"), "base, offset, heaped, pressed, shear",
 		"offset, heaped, pressed, shear", 1,
-		EFFECT_LIST("redistribute.bulldozing", "soil.bekker_kc", "soil.bekker_kphi", "soil.bekker_n", "soil.cohesion",
+		EFFECT_LIST("redistribute.bulldozing", "redistribute.normals", "soil.bekker_kc", "soil.bekker_kphi", "soil.bekker_n", "soil.cohesion",
 			    "soil.friction_angle", "soil.janosi_shear", "soil.elastic_stiffness", "soil.damping", "objects[].slip"),
 		"a stress is at most 1e20 Pa; a slope counts as at most 87 degrees; integer sums, but floating point by driver",
 		"sinks and springs back by the soil's pressure"},
-	.keys = EFFECT_LIST("iterations", "interval", "depth", "undisturbed", "tolerance", "bulldozing", "slip_sinkage"),
+	.keys = EFFECT_LIST("iterations", "interval", "depth", "undisturbed", "tolerance", "bulldozing", "slip_sinkage", "normals"),
 	.numbers = EFFECT_LIST("bekker_kc", "bekker_kphi", "bekker_n", "cohesion", "friction_angle", "janosi_shear",
 			       "elastic_stiffness", "damping", "repose"),
 	.contact = contact,

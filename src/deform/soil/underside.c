@@ -7,8 +7,6 @@
 #include "deform/shape/body.h"
 #include "deform/internal.h"
 
-enum { POSTS_ONLY, ROUND, FLAT }; /* lib/soil.glsl */
-
 static void put_heading(struct scm_params *params, double x, double y)
 {
 	params->heading[0] = (float)x;
@@ -31,9 +29,8 @@ static void wheel(const struct deform *deform, const struct deform_contact *cont
 	double forward = params->way[0] * x + params->way[1] * y;
 	/* A wheel has no front. So it moves forwards. */
 	double sign = forward < 0 ? -1 : 1, slope = forward != 0 ? params->way[2] / fabs(forward) : 0;
-	params->body[0] = ROUND;
-	params->body[1] = (float)contact->shape->radius;
-	params->body[3] = (float)(contact->shape->width / 2);
+	params->body[0] = (float)contact->shape->radius;
+	params->body[1] = (float)(contact->shape->width / 2);
 	put_heading(params, sign * x, sign * y);
 	params->moves[0] = (float)fabs(forward);
 	params->moves[1] = (float)slope;
@@ -45,9 +42,7 @@ static void wheel(const struct deform *deform, const struct deform_contact *cont
 static void sphere(const struct deform_contact *contact, struct scm_params *params)
 {
 	double way = hypot(params->way[0], params->way[1]), slope = way > 0 ? params->way[2] / way : 0;
-	params->body[0] = ROUND;
-	params->body[1] = (float)contact->shape->radius;
-	params->body[2] = 1;
+	params->body[0] = (float)contact->shape->radius;
 	put_heading(params, way > 0 ? params->way[0] / way : 1, way > 0 ? params->way[1] / way : 0);
 	params->moves[0] = (float)way;
 	params->moves[1] = (float)slope;
@@ -59,7 +54,6 @@ static void box(const struct deform_contact *contact, struct scm_params *params)
 	const struct deform_pose *to = &contact->to;
 	double half[3][3];
 	deform_body_axes(contact->shape->size, to->yaw, to->pitch, to->roll, half);
-	params->body[0] = FLAT;
 	put_heading(params, cos(to->yaw), sin(to->yaw));
 	for (int k = 0; k < 3; k++) {
 		const double *axis = half[k];
@@ -73,7 +67,7 @@ static void box(const struct deform_contact *contact, struct scm_params *params)
 	if (to->pitch != 0 && to->roll != 0)
 		return;
 	params->heading[3] = (float)(fabs(cos(to->pitch)) * contact->shape->size[0] / 2 + fabs(sin(to->pitch)) * contact->shape->size[2] / 2);
-	params->body[3] = (float)(fabs(cos(to->roll)) * contact->shape->size[1] / 2 + fabs(sin(to->roll)) * contact->shape->size[2] / 2);
+	params->body[1] = (float)(fabs(cos(to->roll)) * contact->shape->size[1] / 2 + fabs(sin(to->roll)) * contact->shape->size[2] / 2);
 }
 
 void deform_underside(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,

@@ -135,7 +135,7 @@ static double was_lower(const struct form *form, const double at[2], double back
 
 /* For how much of the contact, back from its end, the object has been deeper than `stays`. Below 0: it is not at the end. Above 1: it was
  * before, too, if it moved as now. */
-static double in_contact(const struct form *form, const double at[2], const double own[2], double depth, double stays)
+static double in_contact(const struct form *form, const double at[2], const double own[2], double depth, double stays, bool over)
 {
 	double place[2], speed[2], share = 1e3, before[2] = {at[0] + form->way[0], at[1] + form->way[1]};
 	struct underside now = underside_at(form, at, own);
@@ -152,7 +152,7 @@ static double in_contact(const struct form *form, const double at[2], const doub
 		share = (depth - stays) / -change;
 	}
 	for (int k = 0; k < 2; k++)
-		if (form->half[k] > 0 && fabs(speed[k]) > 1e-9)
+		if (over && form->half[k] > 0 && fabs(speed[k]) > 1e-9)
 			share = fmin(share, fmax(form->half[k] - copysign(1, speed[k]) * place[k], 0) / fabs(speed[k]));
 	return fmin(fmax(share, -4), 1e3);
 }
@@ -162,15 +162,20 @@ struct part {
 };
 
 /* Adds what of one direction a post bears: half way to the next post that is covered too, or to the side of the object. */
-static void bear_side(const struct form *form, int side, double at, double step, double spacing, bool over, struct part *part)
+static void bear_side(const struct form *form, int side, const double place[2], double step, double spacing, bool over, struct part *part)
 {
+	double at = place[side];
 	double size = form->half[side], covered = size * (1 + 1e-6) + 1e-7;
 	double low = fabs(at - step) <= covered ? -0.5 : fmax((-size - at) / step, -1), high = fabs(at + step) <= covered ? 0.5 : fmin((size - at) / step, 1);
 	const double left[2] = {-form->forward[1], form->forward[0]}, *to = side == 0 ? form->forward : left;
-	bool wheel_between = form->half[0] == 0 && 2 * size < step && fabs(at - 1e-4 * step) <= 0.5 * step;
-	if (!over) {
-		low = wheel_between ? (-size - at) / step : 0;
-		high = wheel_between ? (size - at) / step : 0;
+	/* A wheel passes between two posts. Or it has sunk so deep that its rim reaches to a post before it. */
+	bool wheel = form->shape->kind == DEFORM_WHEEL, narrow = 2 * size < step;
+	bool near = wheel && fabs(place[0]) < form->shape->radius + 0.5 * spacing * spacing / step;
+	bool between = near && narrow && fabs(at - 1e-4 * step) <= 0.5 * step;
+	bool before = near && fabs(place[0]) > form->shape->radius && fabs(at) <= size;
+	if (!over && !(before && !narrow)) {
+		low = between || before ? (-size - at) / step : 0;
+		high = between || before ? (size - at) / step : 0;
 	}
 	part->share *= fmax(high - low, 0);
 	int axis = fabs(to[0]) >= fabs(to[1]) ? 0 : 1;
@@ -185,7 +190,7 @@ static struct part part_of(const struct form *form, const double at[2], double s
 	for (int side = 1; side >= 0; side--)
 		if (form->half[side] > 0) {
 			part.share = side == 1 ? 1 : part.share;
-			bear_side(form, side, place[side], step, spacing, over, &part);
+			bear_side(form, side, place, step, spacing, over, &part);
 		}
 	return part;
 }
@@ -326,9 +331,13 @@ struct cell_force reference_cell(const struct reference_ground *ground, const st
 	struct underside post = underside_at(&form, cell.at, cell.own);
 	double depth = ground->base[at] + ground->heaped[at] - (over ? rest - lower : centre + post.z);
 	double ca = cell.normal.z, hill[2] = {-cell.normal.x / ca, -cell.normal.y / ca};
+	double seen_at[2];
+	seen(&form, cell.at, seen_at);
+	if (!over && fabs(seen_at[0]) > sweep->shape->radius && depth > 0)
+		return out; /* before the rim of a wheel that has sunk to its axle */
 	cell.above = over ? rest - lower - centre - post.z : 0;
 	cell.lowered = over && !is_round(&form) ? rest - fmin(under[at], rest) : 0;
-	cell.since = in_contact(&form, cell.at, cell.own, depth, reference_stays(soil, stiffness, cell.was) / ca);
+	cell.since = in_contact(&form, cell.at, cell.own, depth, reference_stays(soil, stiffness, cell.was) / ca, over);
 	cell.share = over ? fmin(cell.since, 1) : cell.since;
 	out.share = fmin(fmax(cell.share, 0), 1);
 
