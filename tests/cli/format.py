@@ -191,7 +191,7 @@ class Bases(FormatTest):
         words = " ".join(page.split())
         with contextlib.closing(sqlite3.connect(self.folder / "world.furrow")) as db:
             tables = db.execute("SELECT sql FROM sqlite_schema WHERE name NOT LIKE 'sqlite_%'").fetchall()
-        self.assertEqual(len(tables), 8)
+        self.assertEqual(len(tables), 9)
         for sql, in tables:
             self.assertTrue("`" + sql.removeprefix("CREATE TABLE ") + "`" in words, sql)
 
@@ -335,7 +335,7 @@ class Deformed(FormatTest):
         self.assertEqual(point["soil"], {"dirt": 0, "heaped": -3 / 2**20, "pressed": 0.5 + 2**-20, "shear": [3 / 2**15, 3 / 2**15]})
         self.assertEqual(info["compacted"], -5)
         self.assertEqual({name: found["tiles"] for name, found in info["soil"].items()},
-                         {"dirt": 0, "heaped": 16, "pressed": 16, "shear": 16})
+                         {"dirt": 0, "heaped": 16, "pressed": 16, "shear": 16, "dug": 0})
         self.assertEqual((info["tiles"]["soil"], info["bytes"]["soil"]), (48, 48 * 4))
         if has_gdal():
             self.assertIn("2 m apart", self.ok("export", path, "-o", "heaped.tif", "--layer", "heaped"))

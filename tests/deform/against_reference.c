@@ -369,6 +369,19 @@ static void compare_load(const struct deform_contact *sweep, const struct deform
 	seen.loads++;
 }
 
+/* What a load is borne by may jump: a cell bears as a whole, or not. Where the load lies between, a quantum decides. */
+static int at_a_jump(double lower, const struct deform_contact *sweep, double slant)
+{
+	const struct deform_soil *soil = &match.params.soils[0];
+	double within = (1 + slant) * QUANTUM;
+	shift_rest(-within);
+	struct reference_forces deeper = press(lower + within, sweep);
+	shift_rest(2 * within);
+	struct reference_forces higher = press(lower - within, sweep);
+	shift_rest(-within);
+	return deeper.force[2] - higher.force[2] > 0.01 * sweep->load + deeper.area * soil->elastic_stiffness * 4 * within;
+}
+
 static void run(const struct deform_contact *sweep)
 {
 	struct ground *ground = &match.ground;
@@ -395,7 +408,7 @@ static void run(const struct deform_contact *sweep)
 	double lower = lattice_offset_metres(sweep->to.z - forces.z), slant = scm ? aslant() : 1;
 	if (sweep->load > 0 && forces.state != DEFORM_SUNK && forces.area > 0)
 		compare_load(sweep, &forces, slant);
-	int ties = compare_contacts(lower, sweep, slant);
+	int ties = compare_contacts(lower, sweep, slant) + (sweep->load > 0 ? at_a_jump(lower, sweep, slant) : 0);
 	struct reference_forces wanted = press(lower, sweep);
 	for (int i = 0; i < COUNT; i++)
 		match.reference.contact[i] = match.contacts[i] & 3;

@@ -132,22 +132,22 @@ static double rut(double spacing, double rim, double slip_sinkage)
 
 static void the_more_it_slips_the_deeper_it_digs_at_any_spacing(void **state)
 {
-	static const double rims[] = {0, 0.5, 1, 1.25, 2, 4};
-	double depths[6][3];
+	static const double rims[] = {0, 0.5, 1, 1.25, 2};
+	double depths[5][3];
 	(void)state;
 	need_gpu();
-	for (int r = 0; r < 6; r++)
+	for (int r = 0; r < 5; r++)
 		for (int s = 0; s < 3; s++)
 			depths[r][s] = rut(0.008 / (1 << s), rims[r], KAPPA);
-	for (int r = 0; r < 6; r++)
+	for (int r = 0; r < 5; r++)
 		print_message("rim %.2f of the axle: %.2f, %.2f, %.2f mm at 8, 4, 2 mm\n", rims[r], depths[r][0] * 1e3, depths[r][1] * 1e3,
 			      depths[r][2] * 1e3);
 	for (int s = 0; s < 3; s++) {
 		assert_true(depths[0][s] > 1.2 * depths[2][s] && depths[0][s] > depths[1][s] && depths[1][s] > depths[2][s]);
-		for (int r = 3; r < 6; r++)
+		for (int r = 3; r < 5; r++)
 			assert_true(depths[r][s] > depths[r - 1][s]);
 	}
-	for (int r = 0; r < 6; r++)
+	for (int r = 0; r < 5; r++)
 		assert_true(fabs(depths[r][1] / depths[r][2] - 1) < 0.12);
 	assert_true(fabs(rut(0.004, 1, 0) / depths[2][1] - 1) < 1e-6);
 }

@@ -47,8 +47,8 @@ double deform_area_units(const struct deform *deform, const struct deform_contac
 	return exp2(fmin(floor(log2(0x1p32 / posts)) - 1, 20));
 }
 
-/* Returns how far the object slips over the ground during the contact, metres: the way of a point on it, less that of a wheel which
- * rolls. `rolled`: the angle of that. */
+/* Returns how far the object slips over the ground during the contact, metres. A wheel slips by what it does not roll.
+ * `rolled`: the angle by which it would turn if it rolled. */
 static double slip_of(const struct deform_contact *contact, double rolled)
 {
 	const double east = lattice_offset_metres(contact->to.x - contact->from.x), north = lattice_offset_metres(contact->to.y - contact->from.y);
