@@ -154,7 +154,7 @@ static int64_t beside(const struct field *field, int64_t at, int k, int64_t way)
 static int64_t *follow(const struct field *field, const struct slide_soil *soil, double spacing, int sign)
 {
 	int64_t count = field->side * field->side, *far = ground_room(count, sizeof *far), *next = ground_room(count, sizeof *next);
-	for (int64_t way = spacing < 0.06 ? 15 : 8; way >= 1; way = way == 15 ? 8 : way / 2) {
+	for (int64_t way = spacing < 0.03 ? 15 : 8; way >= 1; way = way == 15 ? 8 : way / 2) {
 		for (int64_t at = 0; at < count; at++) {
 			next[at] = far[at];
 			for (int k = 0; k < 8; k++) {
@@ -173,7 +173,7 @@ static int64_t *follow(const struct field *field, const struct slide_soil *soil,
 static int64_t limit_of(const struct ground *ground, int64_t height)
 {
 	const int32_t *slope = ground->deform->soils[0].slope;
-	const int digits = ground->params.spacing >= 0.25 ? 12 : ground->params.spacing >= 0.125 ? 13 : 15;
+	const int digits = ground->params.spacing >= 0.25 ? 12 : ground->params.spacing >= 0.125 ? 13 : 16;
 	int i = 0;
 	double known[2] = {0, 0};
 	height = height < 16 ? 16 : height > 131071 ? 131071 : height;
@@ -254,7 +254,7 @@ static void an_interval_is_the_obvious_one_bit_for_bit(void **state)
 	need_gpu();
 	for (int round = 0; round < 4; round++) {
 		struct ground ground;
-		start_broken(&ground, round == 1 ? 16 : 64, 1, round == 3 ? 1.0 / 32 : round == 2 ? 0.125 : 0.25, round == 1 ? 0 : 100);
+		start_broken(&ground, round == 1 ? 16 : 64, 1, round == 3 ? 1.0 / 64 : round == 2 ? 0.125 : 0.25, round == 1 ? 0 : 100);
 		assert_ok(deform_wake(ground.deform, all_of(&ground)));
 		assert_known(&ground, &ground.deform->params.soils[0]);
 		int64_t count = ground.posts * ground.posts;
@@ -287,7 +287,7 @@ static void few_blocks_do_what_all_would(void **state)
 	for (int round = 0; round < 3; round++) {
 		const int iterations = round == 0 ? 1 : round == 1 ? 3 : 8;
 		struct ground few, all, late;
-		const double spacing = round == 1 ? 1.0 / 32 : 0.25;
+		const double spacing = round == 1 ? 1.0 / 64 : 0.25;
 		start_broken(&few, 64, iterations, spacing, 100);
 		start_broken(&all, 16, iterations, spacing, 0);
 		start_broken(&late, 32, iterations, spacing, 100);

@@ -20,7 +20,7 @@
 
 #define SHORT_HOPS 4 /* 8, 4, 2, 1 */
 #define SHORT_REACH ((1 << SHORT_HOPS) - 1)
-#define NEAR 0.06 /* m: posts nearer than this have a longer hop too */
+#define NEAR 0.03 /* m: posts nearer than this have a longer hop too */
 
 /* std140 twin of slope.frag's block. */
 struct slope_params {
