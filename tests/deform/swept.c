@@ -36,7 +36,7 @@ static struct walker any_walker(const struct ground *ground, int kind)
 	walker.shape.width = 7 * d;
 	for (int i = 0; i < 3; i++)
 		walker.shape.size[i] = (6 + 8 * fabs(any_share())) * d;
-	walker.load = ground->params.model == DEFORM_SCM && kind == 2 ? 4e5 * d * d : 0;
+	walker.load = ground->params.model == DEFORM_SCM && kind == 2 ? 3e5 * d * d : 0;
 	return walker;
 }
 
