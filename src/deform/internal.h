@@ -202,9 +202,9 @@ struct scm_params {
 #define DEFORM_ROWS_ABREAST 4
 struct gpu_rect deform_rows(const int32_t posts[4]);
 
-/* soil/underside.c: fills what the shaders need to compute the object's underside between posts (lib/scm_body.glsl). Needs `way`
+/* soil/between.c: fills what the shaders need to compute the lower envelope between posts (lib/scm_body.glsl). Needs `way`
  * and `spin`. */
-void deform_underside(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
+void deform_between_posts(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 		      struct scm_params *params);
 
 /* soil/load.c: finds the size of the contact patch, the equilibrium height, or both. `what`: bits of enum deform_find. The results
