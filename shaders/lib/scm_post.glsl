@@ -22,8 +22,7 @@ struct bearing {
 	// All of these over the post's area:
 	vec3 stress;        // of the soil on the object, Pa
 	vec3 moment;        // of that about its centre, Pa m
-	float normal;       // vertical part of the normal stress, Pa
-	float stiff;        // how that grows with the sinkage, Pa/m
+	float stiff;        // how the vertical part of the normal stress grows with the sinkage, Pa/m
 	float area;         // the share that bears
 };
 
@@ -199,7 +198,7 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	// The soil under the object is dug from below it: so much more it must sink to be borne as before.
 	if (b.held && !g.far) {
 		face below = face_at(c.at, c.own);
-		more = digs_more(s, before.dug, clamp(contact_share(c.at, depth_at_post(g, o, below), was_plastic / n.z, below), 0.0, 1.0));
+		more = digs_more(s, before.dug, clamp(contact_share(c.at, depth_at_post(g, o, below), was_plastic / n.z, below, true), 0.0, 1.0));
 		g.height -= more;
 		a = answer_of(s, by_width, n.z, g, o, before.sinkage);
 		b.held = a.held && may_touch(g, o);
@@ -256,7 +255,7 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	bool nothing = !over && abs(dot(c.at, heading.xy)) > body.x && depth > 0.0;
 	float part = b.refused || g.far || nothing ? 0.0 : c.share * (ends.y - ends.x) / (2.0 * l.half_way);
 	b.stress = b.moment = vec3(0.0);
-	b.normal = b.stiff = b.area = 0.0;
+	b.stiff = b.area = 0.0;
 	// Places ahead came into contact later. A post that has slid less than since then was below the object when that began to move.
 	float lasts = over && since > 1.0 ? clamp(displacement_of(shear) / s.b.z / max(slides * (since - 1.0), 1e-9), 0.0, 1.0) : 1.0;
 	for (int k = 0; k < 2; k++) {
@@ -277,7 +276,6 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 		vec3 sum = stress * normal - strength * tilted(mobilised, normal);
 		b.stress += weight * sum;
 		b.moment += weight * cross(arm, sum);
-		b.normal += weight * p.stress * normal.z;
 		b.stiff += weight * p.stiff * n.z * normal.z;
 		b.area += p.share > 0.0 ? 0.5 * part : 0.0;
 	}

@@ -219,7 +219,7 @@ struct deform_params {
 	bool undisturbed_stable;
 	double bulldozing;   /* scm: share of the plastic flow that is deposited on the ring, 0 .. 1 */
 	double slip_sinkage; /* scm: how deep slip digs, in units of the soil's shear modulus; 0: not */
-	bool ground_normals; /* scm: stresses act along the normal of the ground; false: along that of the object's underside */
+	bool ground_normals; /* scm: stresses act along the normal of the ground; false: along that of the object's lower envelope */
 	bool touched;        /* the caller will ask deform_is_touched. Needs `undisturbed_stable` and a model that conserves soil */
 	uint32_t loaded_bodies;   /* scm: number of objects that carry a load and rest on the ground between contacts */
 	bool disturbance;    /* keep the disturbance plane */

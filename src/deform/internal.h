@@ -220,9 +220,9 @@ struct gpu_rect deform_rows(const int32_t posts[4]);
  * deform_find_what. The results are in the buffer `found`. `tally` counts loads that are not carried. */
 enum status deform_find(struct deform *deform, const struct scm_params *params, unsigned what, enum deform_shape_kind kind,
 			struct gpu_buffer *tally) FURROW_CHECKED;
-/* soil/underside.c: fills what the shaders need to compute the object's underside between posts (lib/scm_body.glsl). Needs `way`
+/* soil/between.c: fills what the shaders need to compute the lower envelope between posts (lib/scm_body.glsl). Needs `way`
  * and `spin`. */
-void deform_underside(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
+void deform_between_posts(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 		      struct scm_params *params);
 
 void deform_find_plan(const char *effect, struct plan *plan);

@@ -14,7 +14,7 @@ struct deform_request {
 };
 
 /* Variants of the contact pass of a model that computes forces, as bits: it sums forces; counts the contact patch; the object
- * carries a load. Then the object's shape (enum deform_shape_kind), whose underside the pass computes between posts. */
+ * carries a load. Then the object's shape (enum deform_shape_kind), whose lower envelope the pass computes between posts. */
 enum { WITH_FORCES = 1, WITH_PATCH = 2, WITH_LOAD = 4, WITH_SHAPE = 8, WITH_ALL = WITH_SHAPE * DEFORM_SHAPES };
 
 /* What scm's search finds, as bits: the size of the contact patch, the equilibrium height. The same as WITH_PATCH and WITH_LOAD,

@@ -161,7 +161,7 @@ struct scene {
 	double tolerance;  /* metres by which a height difference may exceed the critical one without sliding */
 	double bulldozing; /* share of the displaced soil, 0 to 1 */
 	double slip_sinkage; /* how deep slip digs, in units of the soil's shear modulus; 0: not */
-	enum scene_normals normals; /* along which stresses act: those of a body's underside, or of the ground */
+	enum scene_normals normals; /* along which stresses act: those of a body itself, or of the ground */
 	enum scene_undisturbed undisturbed; /* what undisturbed ground does where it is steeper than the soil's critical slope */
 	struct deform_soil soils[DEFORM_SOILS]; /* with a map, soils[0] is used where the map names no other soil */
 	int soil_count;

@@ -1,6 +1,6 @@
 /*
- * The underside of an object between posts, for scm: what lib/scm_body.glsl computes it from. The lower envelope over posts stays that
- * of shape/envelope.c, in whole numbers. These numbers are only for stresses.
+ * The lower envelope of an object between posts, for the stresses of scm: what lib/scm_body.glsl computes it from. On posts it stays that
+ * of shape/envelope.c, in whole numbers.
  */
 #include <math.h>
 
@@ -70,7 +70,7 @@ static void box(const struct deform_contact *contact, struct scm_params *params)
 	params->body[1] = (float)(fabs(cos(to->roll)) * contact->shape->size[1] / 2 + fabs(sin(to->roll)) * contact->shape->size[2] / 2);
 }
 
-void deform_underside(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
+void deform_between_posts(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 		      struct scm_params *params)
 {
 	const struct post_rect read = window->read, drawn = post_rect_intersect(deform_shadow(deform, contact), read);
