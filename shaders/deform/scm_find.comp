@@ -163,6 +163,13 @@ int stepped(int top, int at, float share, float grows)
 	return top - int(round(min(step, depth)));
 }
 
+// Returns where a power of depth through both ends of the bracket has the load.
+int between(int top, int low, int high, float at_low, float at_high)
+{
+	float shallow = float(max(top - high, 1)), deep = float(max(top - low, 1)), part = -log2(at_high) / max(log2(at_low / at_high), 1e-9);
+	return top - int(round(shallow * exp2(log2(deep / shallow) * clamp(part, 0.0, 1.0))));
+}
+
 // Returns a height between two depths below the first contact: their geometric mean where they differ much.
 int middle(int shallow, int deep, int top)
 {
@@ -201,14 +208,16 @@ void main()
 		at_high = bears ? at_high : share.xy;
 		int width = high - low;
 		// The height is found if Newton's step is less than half a unit, or if the bracket leaves one.
-		bool there = abs(share.x - 1.0) <= 0.5 * share.y;
+		bool both = at_low.x < 1e30 && at_high.x > 1e-6;
+		float grows = both ? min(share.y, (at_low.x - at_high.x) / float(max(width, 1))) : share.y;
+		bool there = abs(share.x - 1.0) <= 0.5 * grows;
 		state = there ? CARRIED : state;
 		carried = there ? share.x : carried;
 		done = there || width <= 1;
 		// The step begins at the end of the bracket where the force is nearer to the load.
 		bool from_low = at_low.x * max(at_high.x, 1e-9) < 1.0;
 		vec2 begin = from_low ? at_low : at_high;
-		int next = stepped(top, from_low ? low : high, begin.x, begin.y);
+		int next = both ? between(top, low, high, at_low.x, at_high.x) : stepped(top, from_low ? low : high, begin.x, begin.y);
 		// Where two steps do not halve the bracket, it is halved: the depth of the first contact's logarithm, if that is known.
 		stalls = 2 * width > last ? stalls + 1 : 0;
 		bool lags = stalls >= 2 || begin.x <= 1e-6 || ((next <= low || next >= high) && at_low.x < 1e30);
