@@ -163,11 +163,12 @@ int stepped(int top, int at, float share, float grows)
 	return top - int(round(min(step, depth)));
 }
 
-// Returns where a power of depth through both ends of the bracket has the load.
-int between(int top, int low, int high, float at_low, float at_high)
+// Returns where a power of depth through two tries has the load.
+int between(int top, int first, int second, float at_first, float at_second)
 {
-	float shallow = float(max(top - high, 1)), deep = float(max(top - low, 1)), part = -log2(at_high) / max(log2(at_low / at_high), 1e-9);
-	return top - int(round(shallow * exp2(log2(deep / shallow) * clamp(part, 0.0, 1.0))));
+	float near = float(max(top - first, 1)), far = float(max(top - second, 1)), rise = log2(at_second / at_first);
+	float part = abs(rise) > 1e-9 ? -log2(at_first) / rise : 0.5;
+	return top - int(round(min(near * exp2(log2(far / near) * clamp(part, -20.0, 20.0)), 1e9)));
 }
 
 // Returns a height between two depths below the first contact: their geometric mean where they differ much.
@@ -187,7 +188,9 @@ void main()
 	int top = first_contact(), low = top - int(load.y), high = top;
 	state = top == NOWHERE ? AIR : SUNK;
 	int last = 2 * int(load.y), stalls = 0;
-	vec2 at_low = vec2(1e30, 0.0), at_high = vec2(0.0); // the shares there, and how they grow
+	float at_low = 1e30, at_high = 0.0; // the shares there
+	int before = 0;                     // height of the try before
+	float at_before = 0.0;
 	bool done = top == NOWHERE;
 	// It begins at the height of the object's last contact, which followed the ground as this one does.
 	at = done ? 0 : clamp(load.z > 0.0 ? standing[int(load.z) - 1] : 0, low + 1, high - 1);
@@ -204,25 +207,28 @@ void main()
 		carried = bears ? share.x : carried;
 		low = bears ? at : low;
 		high = bears ? high : at;
-		at_low = bears ? share.xy : at_low;
-		at_high = bears ? at_high : share.xy;
+		at_low = bears ? share.x : at_low;
+		at_high = bears ? at_high : share.x;
 		int width = high - low;
-		// The height is found if Newton's step is less than half a unit, or if the bracket leaves one.
-		bool both = at_low.x < 1e30 && at_high.x > 1e-6;
-		float grows = both ? min(share.y, (at_low.x - at_high.x) / float(max(width, 1))) : share.y;
+		bool both = at_low < 1e30 && at_high > 1e-6;
+		// The height is found if a step is less than half a unit, or if the bracket leaves one.
+		float chord = k > 0 ? abs((share.x - at_before) / float(max(abs(at - before), 1))) : share.y, grows = min(share.y, chord);
 		bool there = abs(share.x - 1.0) <= 0.5 * grows;
 		state = there ? CARRIED : state;
 		carried = there ? share.x : carried;
 		done = there || width <= 1;
-		// The step begins at the end of the bracket where the force is nearer to the load.
-		bool from_low = at_low.x * max(at_high.x, 1e-9) < 1.0;
-		vec2 begin = from_low ? at_low : at_high;
-		int next = both ? between(top, low, high, at_low.x, at_high.x) : stepped(top, from_low ? low : high, begin.x, begin.y);
-		// Where two steps do not halve the bracket, it is halved: the depth of the first contact's logarithm, if that is known.
+		// The step goes through this try and the one before it; the first is Newton's.
+		bool known = k > 0 && min(share.x, at_before) > 1e-6 && at != before;
+		int next = known ? between(top, before, at, at_before, share.x) : stepped(top, at, share.x, share.y);
+		bool out_of = next <= low || next >= high;
+		next = out_of && both ? between(top, high, low, at_high, at_low) : next;
+		// Where three steps do not halve the bracket, it is halved: the depth of the first contact's logarithm, if that is known.
 		stalls = 2 * width > last ? stalls + 1 : 0;
-		bool lags = stalls >= 2 || begin.x <= 1e-6 || ((next <= low || next >= high) && at_low.x < 1e30);
+		bool lags = stalls >= 3 || share.x <= 1e-6 || (out_of && !both && at_low < 1e30);
 		stalls = lags ? 0 : stalls;
 		last = width;
+		before = at;
+		at_before = share.x;
 		next = clamp(lags ? middle(top - high, top - low, top) : next, low + 1, max(high - 1, low + 1));
 		at = there ? at : done ? low : next;
 	}

@@ -22,6 +22,7 @@ struct bearing {
 	// All of these over the post's area:
 	vec3 stress;        // of the soil on the object, Pa
 	vec3 moment;        // of that about its centre, Pa m
+	float normal;       // vertical part of the normal stress, Pa
 	float stiff;        // how the vertical part of the normal stress grows with the sinkage, Pa/m
 	float area;         // the share that bears
 };
@@ -71,8 +72,8 @@ struct pressure {
 	float share; // of the yield stress
 };
 
-// z: the sinkage; most: the largest so far; both along the normal of the ground, m.
-pressure pressure_of(soil s, float by_width, float z, float most)
+// z: the sinkage; most: the largest so far; both along the normal of the ground, m. grows: `most` is of this contact, and grows with z.
+pressure pressure_of(soil s, float by_width, float z, float most, bool grows)
 {
 	float yields = yield_stress(s, by_width, most), plastic = plastic_part(s, most, yields);
 	float elastic = max(most - plastic, 1e-9);
@@ -81,7 +82,7 @@ pressure pressure_of(soil s, float by_width, float z, float most)
 	pressure p;
 	p.stress = yields * share;
 	p.share = share;
-	p.stiff = share <= 0.0 ? 0.0 : flows ? yield_growth(s, yields, most) : yields / elastic;
+	p.stiff = share <= 0.0 ? 0.0 : flows || grows ? yield_growth(s, yields, most) : yields / elastic;
 	return p;
 }
 
@@ -255,7 +256,7 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	bool nothing = !over && abs(dot(c.at, heading.xy)) > body.x && depth > 0.0;
 	float part = b.refused || g.far || nothing ? 0.0 : c.share * (ends.y - ends.x) / (2.0 * l.half_way);
 	b.stress = b.moment = vec3(0.0);
-	b.stiff = b.area = 0.0;
+	b.normal = b.stiff = b.area = 0.0;
 	// Places ahead came into contact later. A post that has slid less than since then was below the object when that began to move.
 	float lasts = over && since > 1.0 ? clamp(displacement_of(shear) / s.b.z / max(slides * (since - 1.0), 1e-9), 0.0, 1.0) : 1.0;
 	for (int k = 0; k < 2; k++) {
@@ -263,8 +264,8 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 		vec2 there = place_on(l, at);
 		face f = face_at(there, c.own);
 		float deep = depth_on(l, at, f);
-		float largest = max(rut + stamped * deep, deep + lowered_at(there, back, lowered, f));
-		pressure p = pressure_of(s, by_width, n.z * deep, n.z * largest);
+		float remembered = rut + stamped * deep, largest = max(remembered, deep + lowered_at(there, back, lowered, f));
+		pressure p = pressure_of(s, by_width, n.z * deep, n.z * largest, largest > remembered);
 		vec3 normal = normal_at(n, f), arm = vec3(there, f.height + above);
 		float upright = load.w > 0.0 ? 1.0 : normal.z, weight = 0.5 * part / upright;
 		slip slides_here = slip_at(arm, normal);
@@ -276,6 +277,7 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 		vec3 sum = stress * normal - strength * tilted(mobilised, normal);
 		b.stress += weight * sum;
 		b.moment += weight * cross(arm, sum);
+		b.normal += weight * p.stress * normal.z;
 		b.stiff += weight * p.stiff * n.z * normal.z;
 		b.area += p.share > 0.0 ? 0.5 * part : 0.0;
 	}
