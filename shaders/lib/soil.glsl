@@ -69,10 +69,11 @@ ground ground_at(int x, int y)
 float rise_between(ground low, ground at, ground high)
 {
 	bool no_low = low.base == BASE_NODATA, no_high = high.base == BASE_NODATA;
-	float rise = float((no_high ? at.height : high.height) - (no_low ? at.height : low.height)) * scale.x;
+	float rise = float((no_high ? at.base : high.base) - (no_low ? at.base : low.base)) * (4.0 * scale.x);
 	return no_low || no_high ? rise : 0.5 * rise;
 }
 
+// The normal of the base: soil that heaps up beside a post does not turn the frame in which its sinkage is measured.
 vec3 normal_of(ground west, ground at, ground east, ground south, ground north)
 {
 	vec2 slope = vec2(rise_between(west, at, east), rise_between(south, at, north));

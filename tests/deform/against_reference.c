@@ -185,8 +185,7 @@ static double aslant(void)
 			int x = i % POSTS + (k - 1) % 2, y = i / POSTS + (k - 2) % 2, j = y * POSTS + x;
 			if (x < 0 || y < 0 || x >= POSTS || y >= POSTS || match.reference.hole[j])
 				continue;
-			double rise = match.reference.base[i] + lattice_offset_metres(match.plane[PLANE_DEPOSITED][i]) -
-				      match.reference.base[j] - lattice_offset_metres(match.plane[PLANE_DEPOSITED][j]);
+			double rise = match.reference.base[i] - match.reference.base[j];
 			steepest = fmax(steepest, fabs(rise) / match.reference.spacing);
 		}
 	return fmin(20, sqrt(1 + 2 * steepest * steepest));

@@ -14,7 +14,7 @@ struct vector {
 
 /* What one post has of the object. */
 struct post {
-	struct vector normal; /* of the undisturbed surface */
+	struct vector normal; /* of the base */
 	double sinkage;       /* p: at the contact's end, along the normal; -INFINITY: not under it */
 	double deepest;       /* P: over the contact */
 	double largest;       /* z_max' */
@@ -40,7 +40,7 @@ static double plastic_of(const struct deform_soil *soil, double stiffness, doubl
 	return fmax(0, largest - stiffness * pow(largest, soil->bekker_n) / soil->elastic_stiffness);
 }
 
-/* How steep the undisturbed surface is along x or y: between the neighbours that there are. */
+/* How steep the base is along x or y: between the neighbours that there are. What heaped up on it does not count. */
 static double slope(const struct reference_ground *ground, int at, int dx, int dy)
 {
 	int x = at % ground->width, y = at / ground->width, low = at, high = at;
@@ -48,7 +48,7 @@ static double slope(const struct reference_ground *ground, int at, int dx, int d
 		low = at - dy * ground->width - dx;
 	if (x + dx < ground->width && y + dy < ground->height && !ground->hole[at + dy * ground->width + dx])
 		high = at + dy * ground->width + dx;
-	double rise = ground->base[high] + ground->heaped[high] - ground->base[low] - ground->heaped[low];
+	double rise = ground->base[high] - ground->base[low];
 	return low == at || high == at ? rise / ground->spacing : rise / (2 * ground->spacing);
 }
 
