@@ -28,6 +28,8 @@ enum status deform_create(const struct deform_params *params, struct deform **ou
 	if (status == STATUS_OK && params->loaded_bodies > 0)
 		status = gpu_buffer_create(params->gpu, GPU_STORAGE, params->loaded_bodies * sizeof(int32_t), NULL, &deform->standing);
 	if (status == STATUS_OK && deform_conserves(params->model))
+		status = deform_spread_create(deform);
+	if (status == STATUS_OK && deform_conserves(params->model))
 		status = deform_active_create(deform);
 	if (status == STATUS_OK && deform_conserves(params->model))
 		status = deform_interval_create(deform);
@@ -47,6 +49,7 @@ void deform_destroy(struct deform *deform)
 	deform_active_destroy(deform->active);
 	deform_drop_layers(deform);
 	deform_facets_destroy(deform->facets);
+	gpu_buffer_destroy(deform->laying);
 	gpu_buffer_destroy(deform->tally);
 	gpu_buffer_destroy(deform->felt);
 	gpu_buffer_destroy(deform->tries);

@@ -82,6 +82,7 @@ enum deform_model { DEFORM_MODELS_EACH(DEFORM_MODEL_NUMBER) DEFORM_MODELS };
 #define DEFORM_MODEL_DEFAULT ((enum deform_model)0) /* of a scene without `redistribute` */
 
 struct deform;
+struct deform_params;
 struct deform_soil;
 struct deform_window;
 struct soil_slide; /* how soil slides: src/deform/internal.h */
@@ -123,6 +124,9 @@ struct soil_model {
 	/* Computes the largest height difference, fixed-point units, at which two posts of a soil are stable. `apart`: their
 	 * distance, metres. Used if soil slides by excess (deform_slide_excess). */
 	int32_t (*critical)(const struct deform_soil *soil, double apart);
+	/* For a model that conserves soil: the angle at which displaced soil is laid, rad, and its share of the displaced soil. */
+	double (*laid_at)(const struct deform_soil *soil);
+	double (*laid_share)(const struct deform_params *params, const struct deform_soil *soil);
 };
 
 /* Returns the struct that describes a model. It is constant. */

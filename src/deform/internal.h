@@ -89,7 +89,7 @@ struct deform {
 	struct active *active;                 /* active blocks; NULL: the model does not conserve soil */
 	struct interval *interval;
 	struct gpu_program *under_program[2 * DEFORM_SHAPES]; /* every program is linked when it is first needed */
-	struct gpu_program *box, *contact, *disturbance, *spread;
+	struct gpu_program *box, *contact, *disturbance, *spread[SPREAD_PASSES];
 	struct gpu_program *held[2];           /* index: 1 if the object carries a load */
 	struct gpu_program *facet;
 	struct facets *facets;                 /* triangles of meshes and grousers; made when first needed */
@@ -102,6 +102,7 @@ struct deform {
 	struct gpu_buffer *tries;              /* the search of soil/load.c; NULL until a contact needs it */
 	struct gpu_buffer *standing;           /* int32 for each loaded body: equilibrium height above its pose, fixed-point units;
 						* NULL: there are no loaded bodies */
+	struct gpu_buffer *laying;             /* soil/spread.c: what its passes hand on; NULL: the model does not conserve soil */
 	struct gpu_buffer *tally;              /* counts on the GPU: a struct deform_tally */
 	struct gpu_buffer *felt;               /* a tally for deform_feel, which must not change `tally`; NULL until it is called */
 	struct deform_figures figures;         /* its window_layers is unused: see `layers` */
@@ -186,7 +187,8 @@ enum status deform_run_contact(struct deform *deform, const void *params, size_t
 enum status deform_contact_plainly(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 				   uint32_t layer) FURROW_CHECKED;
 /* soil/slide.c: runs the passes after a contact that displaced soil: first the soil is spread, then it slides. */
-enum status deform_spread_and_slide(struct deform *deform, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
+enum status deform_spread_and_slide(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
+				    uint32_t layer) FURROW_CHECKED;
 
 /* std140 twin of lib/soil.glsl's block. */
 struct scm_soil {
@@ -223,9 +225,13 @@ struct post_rect deform_shadow(const struct deform *deform, const struct deform_
 struct post_rect deform_reached(const struct deform *deform, const struct deform_contact *contact);
 bool deform_fits_window(const struct deform *deform, struct post_rect reached);
 
-/* soil/spread.c: moves the soil in `carried` to the nearest free posts, in `deposits`. A contact pass wrote `carried`: at most
- * 2^23 fixed-point units a post. */
-enum status deform_spread(struct deform *deform, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
+/* soil/spread.c: lays the soil in `carried` down around the object, in `deposits`. A contact pass wrote `carried`: at most
+ * 2^23 fixed-point units a post. deform_spread_reach: how many posts along x and y around the shadow it may change. */
+enum status deform_spread(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
+			  uint32_t layer) FURROW_CHECKED;
+void deform_spread_reach(const struct deform *deform, const struct deform_contact *contact, int64_t reach[2]);
+enum status deform_spread_create(struct deform *deform) FURROW_CHECKED;
+void deform_spread_plan(struct plan *plan);
 
 /* soil/slide.c: adds the deposits to the ground. Then applies the model's relaxation rule `iterations` times to the window's
  * written posts. Reads offsets and deposited thickness from planes_of[1], and leaves them there. */

@@ -17,7 +17,7 @@
 /* Without the models' own: those are in the models' rows. */
 static const struct effect_row rows[EFFECT_COUNT] = {
 	[EFFECT_SPREAD] = {
-		"spread", "redistribute.model", "", LIST("deform/spread.frag"), "offset", "offset", DEFORM_WINDOW_POSTS, NONE,
+		"spread", "redistribute.model", "", LIST("deform/spread_measure.frag", "deform/spread_weigh.frag", "deform/spread_lay.frag"), "offset", "offset", DEFORM_WINDOW_POSTS, NONE,
 		"along the rows and columns of one window; soil that finds no free post there is compacted, and counted",
 		"lays moved soil on the nearest free posts"},
 	[EFFECT_SHED] = {

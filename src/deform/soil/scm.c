@@ -162,12 +162,23 @@ static enum status contact(struct deform *deform, const struct deform_contact *c
 {
 	deform->scratch[layer].now[PLANE_OFFSET] = deform->scratch[layer].now[PLANE_DEPOSITED] = 1;
 	enum status status = run_contact(deform, contact, window, layer, deform->tally);
-	return status == STATUS_OK ? deform_spread_and_slide(deform, window, layer) : status;
+	return status == STATUS_OK ? deform_spread_and_slide(deform, contact, window, layer) : status;
 }
 
 static int32_t critical(const struct deform_soil *soil, double apart)
 {
 	return deform_critical_difference(soil->repose, apart);
+}
+
+static double laid_at(const struct deform_soil *soil)
+{
+	return soil->repose;
+}
+
+static double laid_share(const struct deform_params *params, const struct deform_soil *soil)
+{
+	(void)soil;
+	return params->bulldozing;
 }
 
 const struct soil_model deform_model_scm = {
@@ -191,4 +202,6 @@ const struct soil_model deform_model_scm = {
 	.in_place = true,
 	.slide = &deform_slide_excess,
 	.critical = critical,
+	.laid_at = laid_at,
+	.laid_share = laid_share,
 };

@@ -1,0 +1,108 @@
+#version 450 core
+// The second pass that lays down carried soil: the weights of the posts that take it, and how much soil each unit of weight gets.
+
+#include "lib/spread.glsl"
+
+layout(binding = 0, r8ui) readonly restrict uniform uimage2DArray contacts;
+layout(binding = 1, r32i) readonly restrict uniform iimage2DArray ways;
+layout(binding = 2, r32i) writeonly restrict uniform iimage2DArray weighed; // in the atlas of deposits: weight, face << 16
+
+const int AMOUNT_MOST = 1 << 29; // of a post, fixed-point units
+
+// Returns the distance from the nearest touched post, less half a post.
+int from_patch(int x, int y)
+{
+	int least = 1 << 20, far = (width >> 6) + 1;
+	for (int by = 0; by <= far && by * by < least; by++)
+		for (int side = 0; side < 2; side++) {
+			int row = side == 0 ? y + by : y - by;
+			int way = row >= written.y && row < written.w ? imageLoad(ways, ivec3(x, row, place.x)).r : 1023;
+			least = min(least, way * way + by * by);
+		}
+	least = min(least, 1 << 18);
+	int root = int(sqrt(float(least << 12)));
+	root -= int(root * root > least << 12);
+	root += int((root + 1) * (root + 1) <= least << 12);
+	return least == 0 ? 0 : root - 32;
+}
+
+// Returns the weight of a post. `face`: the face that it lies beside.
+int weight_of(int x, int y, out int face)
+{
+	face = 0;
+	if (place.y != 0)
+		return profile(from_patch(x, y));
+	ivec2 at = frame_of(x, y);
+	int along = max(at.x - sides[0], sides[1] - at.x), aside = max(at.y - sides[2], sides[3] - at.y);
+	bool beside = along <= 0;
+	face = beside ? (at.y > 0 ? 2 : 3) : (at.x > 0 ? 0 : 1);
+	return along > 0 && aside > 0 || shares[face] == 0 ? 0 : profile(max(along, aside) >> 10);
+}
+
+// Returns a / b rounded down; 0 <= a < 2^63, 0 < b < 2^31.
+i64 quotient(i64 a, uint b)
+{
+	uint rest = 0u;
+	i64 result = i64(0, 0u);
+	for (int bit = 62; bit >= 0; bit--) {
+		rest = 2u * rest + (i64_sar(a, bit).lo & 1u);
+		bool fits = rest >= b;
+		rest -= fits ? b : 0u;
+		result = i64_add(i64_shl(result, 1), i64_from(int(fits)));
+	}
+	return result;
+}
+
+void find_rates()
+{
+	i64 all = words(carried[0], carried[1]), rest = all, part[FACES];
+	int most = -1;
+	for (int face = 0; face < FACES; face++) {
+		bool takes = weights[face] > 0u;
+		part[face] = takes ? i64_sar(i64_mul_int(all, shares[face]), 16) : i64(0, 0u);
+		rest = i64_sub(rest, part[face]);
+		most = takes && (most < 0 || shares[face] > shares[most]) ? face : most;
+	}
+	if (most < 0) {
+		tally_sum(COMPACTED, uvec2(all.lo, uint(all.hi)));
+		tally_add(CONFINED, posts);
+		return;
+	}
+	part[most] = i64_add(part[most], rest);
+	for (int face = 0; face < FACES; face++) {
+		if (weights[face] == 0u)
+			continue;
+		i64 rate = quotient(i64_shl(part[face], RATE_BITS), weights[face]);
+		i64 limit = quotient(i64_shl(i64_from(AMOUNT_MOST), RATE_BITS), heaviest[face] >> 20);
+		rate = i64_min(rate, limit);
+		parts[2 * face] = part[face].lo;
+		parts[2 * face + 1] = uint(part[face].hi);
+		rates[2 * face] = rate.lo;
+		rates[2 * face + 1] = uint(rate.hi);
+	}
+}
+
+void main()
+{
+	int y = row_of_pass();
+	if (y >= written.w || (carried[0] | carried[1]) == 0u)
+		return;
+	uvec4 sum = uvec4(0u), best = uvec4(0u);
+	for (int x = written.x; x < written.z; x++) {
+		int face, weight = weight_of(x, y, face);
+		bool takes = weight > 0 && imageLoad(contacts, ivec3(x, y, place.x)).r == 0u;
+		if (!takes)
+			continue;
+		imageStore(weighed, ivec3(x, y, place.x), ivec4(face << 16 | weight));
+		uvec4 here = uvec4(equal(ivec4(face), ivec4(0, 1, 2, 3)));
+		sum += here * uint(weight);
+		best = max(best, here * (uint(weight) << 20 | uint(y) << 10 | uint(x)));
+	}
+	for (int face = 0; face < FACES; face++)
+		if (sum[face] > 0u) {
+			atomicAdd(weights[face], sum[face]);
+			atomicMax(heaviest[face], best[face]);
+		}
+	if (is_last(1))
+		find_rates();
+}
