@@ -31,7 +31,8 @@ void main()
 	if (y >= written.w || (carried[0] | carried[1]) == 0u)
 		return;
 	uvec4 sum = uvec4(0u);
-	for (int x = written.x; x < written.z; x++) {
+	ivec2 posts = posts_of_row(y);
+	for (int x = posts.x; x < posts.y; x++) {
 		ivec3 post = ivec3(x, y, place.x);
 		int weighed = imageLoad(deposits, post).r, face = weighed >> 16;
 		if (weighed == 0)

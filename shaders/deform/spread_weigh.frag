@@ -36,7 +36,8 @@ int weight_of(int x, int y, out int face)
 	int along = max(at.x - sides[0], sides[1] - at.x), aside = max(at.y - sides[2], sides[3] - at.y);
 	bool beside = along <= 0;
 	face = beside ? (at.y > 0 ? 2 : 3) : (at.x > 0 ? 0 : 1);
-	return along > 0 && aside > 0 || shares[face] == 0 ? 0 : profile(max(along, aside) >> 10);
+	bool far = beside ? abs(at.x) > axis.w : aside > 0;
+	return far || shares[face] == 0 ? 0 : profile((beside ? aside : along) >> 10);
 }
 
 // Returns a / b rounded down; 0 <= a < 2^63, 0 < b < 2^31.
@@ -65,7 +66,7 @@ void find_rates()
 	}
 	if (most < 0) {
 		tally_sum(COMPACTED, uvec2(all.lo, uint(all.hi)));
-		tally_add(CONFINED, posts);
+		tally_add(CONFINED, carriers);
 		return;
 	}
 	part[most] = i64_add(part[most], rest);
@@ -88,7 +89,8 @@ void main()
 	if (y >= written.w || (carried[0] | carried[1]) == 0u)
 		return;
 	uvec4 sum = uvec4(0u), best = uvec4(0u);
-	for (int x = written.x; x < written.z; x++) {
+	ivec2 posts = posts_of_row(y);
+	for (int x = posts.x; x < posts.y; x++) {
 		int face, weight = weight_of(x, y, face);
 		bool takes = weight > 0 && imageLoad(contacts, ivec3(x, y, place.x)).r == 0u;
 		if (!takes)

@@ -16,13 +16,13 @@ layout(std140, binding = 0) uniform params {
 	ivec4 written; // the posts this window writes: first, one behind the last
 	ivec4 shadow;  // of those, the posts that the object can be above
 	ivec4 origin;  // post (0, 0) in the frame; half the width of a wheel, 0: of the patch; share of the patch's length in the width
-	ivec4 axis;    // x axis of the frame, 2^-16; square of a band's width over depth and patch, 2^-24
+	ivec4 axis;    // x axis of the frame, 2^-16; square of a band's width over depth and patch, 2^-24; the most |x| beside the patch
 	ivec4 shares;  // of the faces, 2^-16; their sum is 1
 };
 
 layout(std430, binding = 1) coherent restrict buffer laying {
 	uint carried[2];       // lo, hi: fixed-point units
-	uint posts;            // that carry soil
+	uint carriers;         // posts that carry soil
 	uint deep;             // of the hollow, fixed-point units
 	uint ends[FACES];      // of the patch: BIAS + x, BIAS - x, BIAS + y, BIAS - y; 0: there is no patch
 	uint ended[3];         // invocations that ended each pass
@@ -51,6 +51,25 @@ bool is_last(int pass)
 ivec2 frame_of(int x, int y)
 {
 	return origin.xy + ivec2(x * axis.x + y * axis.y, y * axis.x - x * axis.y);
+}
+
+float least_of(float centre, float reach, int slope)
+{
+	return slope == 0 ? -1e9 : (centre - sign(float(slope)) * reach) / float(slope);
+}
+
+// Returns the posts of a row that may lie in a band: first, one behind the last.
+ivec2 posts_of_row(int y)
+{
+	if (place.y != 0)
+		return ivec2(written.x, written.z);
+	// Posts whose x and y in the frame are within the rectangle and a band around it, and a post to spare.
+	float band = float(width << 10) + 65536.0;
+	vec2 middle = 0.5 * vec2(sides[0] + sides[1], sides[2] + sides[3]) - vec2(origin.xy + y * ivec2(axis.y, axis.x));
+	vec2 reach = 0.5 * vec2(sides[0] - sides[1], sides[2] - sides[3]) + band;
+	float first = max(least_of(middle.x, reach.x, axis.x), least_of(middle.y, reach.y, -axis.y));
+	float last = min(-least_of(-middle.x, reach.x, axis.x), -least_of(-middle.y, reach.y, -axis.y));
+	return ivec2(max(int(floor(first)), written.x), min(int(ceil(last)) + 1, written.z));
 }
 
 i64 words(uint lo, uint hi)

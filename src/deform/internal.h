@@ -226,10 +226,10 @@ struct post_rect deform_reached(const struct deform *deform, const struct deform
 bool deform_fits_window(const struct deform *deform, struct post_rect reached);
 
 /* soil/spread.c: lays the soil in `carried` down around the object, in `deposits`. A contact pass wrote `carried`: at most
- * 2^23 fixed-point units a post. deform_spread_reach: how many posts along x and y around the shadow it may change. */
+ * 2^23 fixed-point units a post. deform_spread_posts: the shadow, and all posts on which soil may be laid. */
 enum status deform_spread(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 			  uint32_t layer) FURROW_CHECKED;
-void deform_spread_reach(const struct deform *deform, const struct deform_contact *contact, int64_t reach[2]);
+struct post_rect deform_spread_posts(const struct deform *deform, const struct deform_contact *contact, struct post_rect shadow);
 enum status deform_spread_create(struct deform *deform) FURROW_CHECKED;
 void deform_spread_plan(struct plan *plan);
 

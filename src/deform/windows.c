@@ -125,13 +125,10 @@ struct post_rect deform_reached(const struct deform *deform, const struct deform
 {
 	const struct post_rect extent = {0, 0, extent_posts(deform->params.extent->width, deform->params.level),
 					extent_posts(deform->params.extent->height, deform->params.level)};
-	struct post_rect rect = grown(deform_shadow(deform, contact), deform->reach);
-	if (deform_conserves(deform->params.model)) {
-		int64_t reach[2];
-		deform_spread_reach(deform, contact, reach);
-		rect = (struct post_rect){rect.x0 - reach[0], rect.y0 - reach[1], rect.x1 + reach[0], rect.y1 + reach[1]};
-	}
-	return post_rect_intersect(rect, extent);
+	struct post_rect rect = deform_shadow(deform, contact);
+	if (deform_conserves(deform->params.model))
+		rect = deform_spread_posts(deform, contact, rect);
+	return post_rect_intersect(grown(rect, deform->reach), extent);
 }
 
 bool deform_covers(const struct deform *deform, const struct deform_contact *contact, const struct deform_pose *rest)

@@ -66,7 +66,7 @@ static struct laying laying_of(const struct deform_contact *contact)
 	return laying;
 }
 
-/* Returns the widest band of an object, metres: half its width. */
+/* Returns the widest band of an object, metres. */
 static double widest(const struct deform_shape *shape)
 {
 	double x = shape->size[0], y = shape->size[1], z = shape->size[2];
@@ -74,7 +74,7 @@ static double widest(const struct deform_shape *shape)
 	case DEFORM_WHEEL:
 		return shape->width / 2;
 	case DEFORM_BOX: /* the middle one of its sizes: a plate may lie or stand */
-		return fmax(fmin(x, y), fmin(fmax(x, y), z)) / 2;
+		return fmax(fmin(x, y), fmin(fmax(x, y), z));
 	case DEFORM_MESH:
 		return deform_shape_bound(shape) / 2;
 	case DEFORM_SPHERE:
@@ -89,21 +89,37 @@ static double band_posts(const struct deform *deform, const struct deform_shape 
 	return fmin(fmax(widest(shape) / deform->spacing, 2), BAND_POSTS);
 }
 
-void deform_spread_reach(const struct deform *deform, const struct deform_contact *contact, int64_t reach[2])
+/* Returns how far ahead and behind a wheel's axle soil is laid beside it, metres: no farther than it touches soil as a rule. */
+static double beside(const struct deform_shape *shape)
+{
+	return shape->radius / 2;
+}
+
+struct post_rect deform_spread_posts(const struct deform *deform, const struct deform_contact *contact, struct post_rect shadow)
 {
 	const struct laying laying = laying_of(contact);
-	double band = band_posts(deform, contact->shape), along = fabs(cos(laying.heading)), across = fabs(sin(laying.heading));
-	double x = laying.around ? 1 : 0, y = x;
-	if (!laying.around && laying.shares[LEFT] + laying.shares[RIGHT] > 0) {
-		x = fmax(x, across);
-		y = fmax(y, along);
+	const struct deform_shape *shape = contact->shape;
+	double spacing = deform->spacing, band = band_posts(deform, shape) * spacing, half[2] = {0, 0};
+	double ahead[2] = {fabs(cos(laying.heading)), fabs(sin(laying.heading))}, reach[2] = {band, band};
+	bool faces[2] = {laying.shares[AHEAD] + laying.shares[BEHIND] > 0, laying.shares[LEFT] + laying.shares[RIGHT] > 0};
+	/* Around a rectangle that turns with the object. Of a wheel the rectangle is known. */
+	double along = shape->kind == DEFORM_WHEEL ? deform_body_wheel_radius(shape) : 0;
+	double across = shape->kind == DEFORM_WHEEL ? shape->width / 2 : 0;
+	for (int k = 0; k < 2 && !laying.around; k++) {
+		double x = ahead[k], y = ahead[1 - k];
+		half[k] = faces[0] ? (along + band) * x + across * y : 0;
+		half[k] = faces[1] ? fmax(half[k], fmin(along, beside(shape)) * x + (across + band) * y) : half[k];
 	}
-	if (!laying.around && laying.shares[AHEAD] + laying.shares[BEHIND] > 0) {
-		x = fmax(x, along);
-		y = fmax(y, across);
+	if (shape->kind != DEFORM_WHEEL) {
+		for (int k = 0; k < 2; k++)
+			reach[k] = laying.around ? band : half[k];
+		return (struct post_rect){shadow.x0 - (int64_t)ceil(reach[0] / spacing), shadow.y0 - (int64_t)ceil(reach[1] / spacing),
+					  shadow.x1 + (int64_t)ceil(reach[0] / spacing), shadow.y1 + (int64_t)ceil(reach[1] / spacing)};
 	}
-	reach[0] = (int64_t)ceil(x * band);
-	reach[1] = (int64_t)ceil(y * band);
+	const double x = lattice_offset_metres(contact->to.x), y = lattice_offset_metres(contact->to.y);
+	const struct post_rect bands = {(int64_t)floor((x - half[0]) / spacing), (int64_t)floor((y - half[1]) / spacing),
+					(int64_t)ceil((x + half[0]) / spacing) + 1, (int64_t)ceil((y + half[1]) / spacing) + 1};
+	return post_rect_around(shadow, bands);
 }
 
 /* Returns the least tangent of the angle at which one of the soils is laid. */
@@ -148,7 +164,8 @@ static struct spread_params params_of(const struct deform *deform, const struct 
 			   shape->kind == DEFORM_WHEEL ? fixed(shape->width / 2 / deform->spacing) : 0, fixed(laying.along)},
 		/* A band's cross-section is 2/9 of its width squared, times the tangent of its sides. */
 		.axis = {fixed(ahead[0]), fixed(ahead[1]),
-			 (int32_t)fmin(fmax(lround(4.5 * 64 * 16 / (least_tangent(&deform->params) * deform->spacing)), 1), 1 << 24)},
+			 (int32_t)fmin(fmax(lround(4.5 * 64 * 16 / (least_tangent(&deform->params) * deform->spacing)), 1), 1 << 24),
+			 shape->kind == DEFORM_WHEEL ? fixed(fmax(beside(shape) / deform->spacing, 1)) : INT32_MAX},
 	};
 	for (int face = 0; face < FACES; face++)
 		params.shares[face] = laying.around ? (face == AHEAD) * (int32_t)ONE : (int32_t)(laying.shares[face] * ONE);
