@@ -217,11 +217,15 @@ enum status deform_create(const struct deform_params *params, struct deform **ou
 void deform_destroy(struct deform *deform);
 
 /* A window: the posts that a contact changes (`write`), and the posts that it reads to compute them (`read`). `read` has at most
- * DEFORM_WINDOW_POSTS on each side. A larger contact has several windows, whose `write` parts meet at fixed global posts. */
+ * DEFORM_WINDOW_POSTS on each side. A larger contact has several windows, whose `write` parts meet. Under a model that conserves
+ * soil they are parts of one window, which is computed when its last part was gathered. */
 #define DEFORM_WINDOW_POSTS 256
 #define DEFORM_WINDOWS_MAX 16
+#define DEFORM_WHOLE_POSTS 1024 /* the most posts on a side of a window in parts */
 struct deform_window {
 	struct post_rect read, write;
+	struct post_rect whole; /* all posts that the parts write */
+	uint32_t part, parts;   /* its number; how many there are, 0: the window is computed alone */
 };
 /* Returns true if the contact has no motion. Then only its end pose acts on the ground. */
 bool deform_is_contact_only(const struct deform_contact *contact);

@@ -72,6 +72,7 @@ struct deform {
 	int64_t reach;  /* how many posts around the footprint a contact can change */
 	int64_t border; /* how many more posts around these a contact reads */
 	uint32_t layers; /* number of layers in the textures; each holds one window */
+	uint32_t side;   /* posts along a side of these textures: SIDE, or more for a window in parts */
 	struct gpu_texture *bases;
 	/* lower envelopes: `under` of the whole motion, `rest` of the end pose. rest is NULL if the model does not need it */
 	struct gpu_texture *under, *rest;
@@ -112,8 +113,9 @@ struct deform {
 /* deform.c: returns which of planes_of[0 .. 1] a gather writes this plane to. */
 int deform_gathers_into(const struct deform *deform, int plane);
 
-/* scratch.c: makes textures and render targets for at least `layers` windows. */
-enum status deform_need_layers(struct deform *deform, uint32_t layers) FURROW_CHECKED;
+/* scratch.c: makes textures and render targets for at least `layers` windows, of at least `side` posts on a side. */
+enum status deform_need_layers(struct deform *deform, uint32_t layers, uint32_t side) FURROW_CHECKED;
+uint64_t deform_scratch_layers(const struct deform *deform); /* how many layers of SIDE posts hold as many posts, less the atlas */
 void deform_drop_layers(struct deform *deform);
 void deform_scratch_plan(const struct deform_params *params, struct plan *plan);
 
@@ -221,9 +223,11 @@ void deform_forces_plan(const char *effect, struct plan *plan);
 
 /* windows.c: returns the shadow of a contact: all posts that the object can be above while it moves. */
 struct post_rect deform_shadow(const struct deform *deform, const struct deform_contact *contact);
-/* deform_reached: returns the posts that a contact can change. deform_fits_window: returns true if they fit one window. */
+/* deform_reached: returns the posts that a contact can change. deform_fits_window: returns true if the posts below the object, and
+ * those beside it, fit one window. deform_whole: returns the window of which this one is a part. */
 struct post_rect deform_reached(const struct deform *deform, const struct deform_contact *contact);
-bool deform_fits_window(const struct deform *deform, struct post_rect reached);
+bool deform_fits_window(const struct deform *deform, const struct deform_contact *contact);
+struct deform_window deform_whole(const struct deform *deform, const struct deform_window *window);
 
 /* soil/spread.c: lays the soil in `carried` down around the object, in `deposits`. A contact pass wrote `carried`: at most
  * 2^23 fixed-point units a post. deform_spread_posts: the shadow, and all posts on which soil may be laid. */

@@ -128,5 +128,5 @@ void deform_plan(const struct deform_params *params, const struct deform_planned
 void deform_figures(const struct deform *deform, struct deform_figures *figures)
 {
 	*figures = deform->figures;
-	figures->window_layers = deform->layers;
+	figures->window_layers = deform_scratch_layers(deform);
 }

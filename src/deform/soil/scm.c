@@ -116,7 +116,7 @@ static enum status run_contact(struct deform *deform, const struct deform_contac
 	deform_body_extent(contact->shape, &contact->to, extent);
 	struct scm_params params = params_of(deform, contact, window, layer, extent);
 	bool counted = deform_is_counted(&deform->params, contact->shape, contact->load > 0) &&
-		       deform_fits_window(deform, deform_reached(deform, contact));
+		       deform_fits_window(deform, contact);
 	params.scale[3] = (float)by_width(contact->shape, extent, counted);
 	unsigned with = (contact->tag != 0 ? WITH_FORCES : 0) | (params.scale[3] == 0 ? WITH_PATCH : 0) |
 			(contact->load > 0 ? WITH_LOAD : 0);
