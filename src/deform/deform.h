@@ -227,6 +227,8 @@ struct deform_window {
 	struct post_rect whole; /* all posts that the parts write */
 	uint32_t part, parts;   /* its number; how many there are, 0: the window is computed alone */
 };
+/* Returns how many windows are computed: all of them, or one if they are parts of one. */
+size_t deform_windows_computed(const struct deform_window *windows, size_t count);
 /* Returns true if the contact has no motion. Then only its end pose acts on the ground. */
 bool deform_is_contact_only(const struct deform_contact *contact);
 /* Finds the windows of a contact. *count 0: it lies outside the world. STATUS_INPUT: it needs more than DEFORM_WINDOWS_MAX, or

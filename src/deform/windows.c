@@ -251,6 +251,11 @@ enum status deform_windows(struct deform *deform, const struct deform_contact *c
 	return deform_need_layers(deform, 1, side);
 }
 
+size_t deform_windows_computed(const struct deform_window *windows, size_t count)
+{
+	return count > 0 && windows[0].parts > 0 ? 1 : count;
+}
+
 struct deform_window deform_whole(const struct deform *deform, const struct deform_window *window)
 {
 	struct deform_window whole = *window;
