@@ -147,26 +147,40 @@ static int32_t fixed(double value)
 	return (int32_t)lround(value * ONE);
 }
 
+/* Finds where the window's first post lies in the frame. It is counted from the post south-west of the object, so that it does not
+ * depend on the window how places are rounded. */
+static void place_frame(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
+			const double ahead[2], struct spread_params *params)
+{
+	double spacing = deform->spacing;
+	int64_t x = (int64_t)floorl(deform_body_from_post(contact->to.x, 0, spacing) / spacing);
+	int64_t y = (int64_t)floorl(deform_body_from_post(contact->to.y, 0, spacing) / spacing);
+	double east = -(double)deform_body_from_post(contact->to.x, x, spacing) / spacing;
+	double north = -(double)deform_body_from_post(contact->to.y, y, spacing) / spacing;
+	int64_t by_x = x - window->read.x0, by_y = y - window->read.y0;
+	params->axis[0] = fixed(ahead[0]);
+	params->axis[1] = fixed(ahead[1]);
+	params->origin[0] = (int32_t)(fixed(east * ahead[0] + north * ahead[1]) - by_x * params->axis[0] - by_y * params->axis[1]);
+	params->origin[1] = (int32_t)(fixed(north * ahead[0] - east * ahead[1]) - by_y * params->axis[0] + by_x * params->axis[1]);
+}
+
 static struct spread_params params_of(const struct deform *deform, const struct deform_contact *contact,
 				      const struct deform_window *window, uint32_t layer)
 {
 	const struct laying laying = laying_of(contact);
 	const struct gpu_rect written = deform_written(window);
 	const struct deform_shape *shape = contact->shape;
-	double x = -(double)deform_body_from_post(contact->to.x, window->read.x0, deform->spacing) / deform->spacing;
-	double y = -(double)deform_body_from_post(contact->to.y, window->read.y0, deform->spacing) / deform->spacing;
-	double ahead[2] = {cos(laying.heading), sin(laying.heading)};
+	const double ahead[2] = {cos(laying.heading), sin(laying.heading)};
 	struct spread_params params = {
 		.place = {(int32_t)layer, laying.around, fixed(most_laid(&deform->params)), (int32_t)ceil(64 * band_posts(deform, shape))},
 		.written = {(int32_t)written.x, (int32_t)written.y, (int32_t)(written.x + written.width),
 			    (int32_t)(written.y + written.height)},
-		.origin = {fixed(x * ahead[0] + y * ahead[1]), fixed(y * ahead[0] - x * ahead[1]),
-			   shape->kind == DEFORM_WHEEL ? fixed(shape->width / 2 / deform->spacing) : 0, fixed(laying.along)},
+		.origin = {0, 0, shape->kind == DEFORM_WHEEL ? fixed(shape->width / 2 / deform->spacing) : 0, fixed(laying.along)},
 		/* A band's cross-section is 2/9 of its width squared, times the tangent of its sides. */
-		.axis = {fixed(ahead[0]), fixed(ahead[1]),
-			 (int32_t)fmin(fmax(lround(4.5 * 64 * 16 / (least_tangent(&deform->params) * deform->spacing)), 1), 1 << 24),
+		.axis = {0, 0, (int32_t)fmin(fmax(lround(4.5 * 64 * 16 / (least_tangent(&deform->params) * deform->spacing)), 1), 1 << 24),
 			 shape->kind == DEFORM_WHEEL ? fixed(fmax(beside(shape) / deform->spacing, 1)) : INT32_MAX},
 	};
+	place_frame(deform, contact, window, ahead, &params);
 	for (int face = 0; face < FACES; face++)
 		params.shares[face] = laying.around ? (face == AHEAD) * (int32_t)ONE : (int32_t)(laying.shares[face] * ONE);
 	struct post_rect shadow = post_rect_intersect(deform_shadow(deform, contact), window->write);
