@@ -7,7 +7,6 @@
 #include "deform/shape/body.h"
 #include "deform/internal.h"
 
-#define BAND_POSTS 95           /* the widest band; weights stay below 2^11 */
 #define LAYING_BYTES (48 * 4)   /* lib/spread.glsl */
 #define STEEPEST_TAN 1.0        /* steeper soil is laid as if it stood at 45 degrees */
 #define ONE 65536.0
@@ -86,7 +85,7 @@ static double widest(const struct deform_shape *shape)
 
 static double band_posts(const struct deform *deform, const struct deform_shape *shape)
 {
-	return fmin(fmax(widest(shape) / deform->spacing, 2), BAND_POSTS);
+	return fmin(fmax(widest(shape) / deform->spacing, 2), DEFORM_BAND_POSTS);
 }
 
 /* Returns how far ahead and behind a wheel's axle soil is laid beside it, metres: no farther than it touches soil as a rule. */
