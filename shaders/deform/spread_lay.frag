@@ -8,9 +8,9 @@ layout(binding = 0, r32i) coherent restrict uniform iimage2DArray deposits; // i
 
 const int REST_MOST = 1 << 20;
 
-i64 amount(int face, uint weight)
+i64 amount(i64 rate, uint weight)
 {
-	return i64_sar(i64_mul_int(words(rates[2 * face], rates[2 * face + 1]), int(weight)), RATE_BITS);
+	return i64_sar(i64_mul_int(rate, int(weight)), RATE_BITS);
 }
 
 void lay_rest(int face)
@@ -30,7 +30,11 @@ void main()
 	int y = row_of_pass();
 	if (y >= written.w || (carried[0] | carried[1]) == 0u)
 		return;
+	i64 rate[FACES];
+	for (int face = 0; face < FACES; face++)
+		rate[face] = words(rates[2 * face], rates[2 * face + 1]);
 	uvec4 sum = uvec4(0u);
+	read_band();
 	ivec2 posts = posts_of_row(y);
 	for (int x = posts.x; x < posts.y; x++) {
 		ivec3 post = ivec3(x, y, place.x);
@@ -38,13 +42,16 @@ void main()
 		if (weighed == 0)
 			continue;
 		uvec4 here = uvec4(equal(ivec4(face), ivec4(0, 1, 2, 3)));
-		uint before = face == 0 ? sum.x : face == 1 ? sum.y : face == 2 ? sum.z : sum.w, after = before + uint(weighed & 0xffff);
-		imageStore(deposits, post, ivec4(i64_to_int(i64_sub(amount(face, after), amount(face, before)))));
+		bvec2 second = bvec2((face & 1) != 0, (face & 2) != 0);
+		uvec2 sums = second.y ? sum.zw : sum.xy;
+		uint before = second.x ? sums.y : sums.x, after = before + uint(weighed & 0xffff);
+		i64 own = face == 0 ? rate[0] : face == 1 ? rate[1] : face == 2 ? rate[2] : rate[3];
+		imageStore(deposits, post, ivec4(i64_to_int(i64_sub(amount(own, after), amount(own, before)))));
 		sum += here * uint(weighed & 0xffff);
 	}
 	for (int face = 0; face < FACES; face++)
 		if (sum[face] > 0u) {
-			i64 all = amount(face, sum[face]);
+			i64 all = amount(rate[face], sum[face]);
 			uint before = atomicAdd(laid[2 * face], all.lo);
 			atomicAdd(laid[2 * face + 1], uint(all.hi) + uint(before + all.lo < before));
 		}

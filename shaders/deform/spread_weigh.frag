@@ -9,10 +9,10 @@ layout(binding = 2, r32i) writeonly restrict uniform iimage2DArray weighed; // i
 
 const int AMOUNT_MOST = 1 << 29; // of a post, fixed-point units
 
-// Returns the distance from the nearest touched post, less half a post.
+// Returns the weight of a post around the patch, by the distance to the nearest touched post, less half a post.
 int from_patch(int x, int y)
 {
-	int least = 1 << 20, far = (width >> 6) + 1;
+	int least = 1 << 20, far = (band >> 6) + 1;
 	for (int by = 0; by <= far && by * by < least; by++)
 		for (int side = 0; side < 2; side++) {
 			int row = side == 0 ? y + by : y - by;
@@ -23,17 +23,14 @@ int from_patch(int x, int y)
 	int root = int(sqrt(float(least << 12)));
 	root -= int(root * root > least << 12);
 	root += int((root + 1) * (root + 1) <= least << 12);
-	return least == 0 ? 0 : root - 32;
+	return least == 0 ? 0 : profile(root - 32);
 }
 
-// Returns the weight of a post. `face`: the face that it lies beside.
-int weight_of(int x, int y, out int face)
+// Returns the weight of a post beside a face of the rectangle.
+int beside_face(int x, int y, out int face)
 {
-	face = 0;
-	if (place.y != 0)
-		return profile(from_patch(x, y));
 	ivec2 at = frame_of(x, y);
-	int along = max(at.x - sides[0], sides[1] - at.x), aside = max(at.y - sides[2], sides[3] - at.y);
+	int along = max(at.x - rectangle.x, rectangle.y - at.x), aside = max(at.y - rectangle.z, rectangle.w - at.y);
 	bool beside = along <= 0;
 	face = beside ? (at.y > 0 ? 2 : 3) : (at.x > 0 ? 0 : 1);
 	bool far = beside ? abs(at.x) > axis.w : aside > 0;
@@ -83,22 +80,31 @@ void find_rates()
 	}
 }
 
+uvec4 sum = uvec4(0u), best = uvec4(0u); // of this row, by face
+
+void weigh(int x, int y, int face, int weight)
+{
+	if (weight <= 0 || imageLoad(contacts, ivec3(x, y, place.x)).r != 0u)
+		return;
+	imageStore(weighed, ivec3(x, y, place.x), ivec4(face << 16 | weight));
+	uvec4 here = uvec4(equal(ivec4(face), ivec4(0, 1, 2, 3)));
+	sum += here * uint(weight);
+	best = max(best, here * (uint(weight) << 20 | uint(y) << 10 | uint(x)));
+}
+
 void main()
 {
 	int y = row_of_pass();
 	if (y >= written.w || (carried[0] | carried[1]) == 0u)
 		return;
-	uvec4 sum = uvec4(0u), best = uvec4(0u);
-	ivec2 posts = posts_of_row(y);
-	for (int x = posts.x; x < posts.y; x++) {
-		int face, weight = weight_of(x, y, face);
-		bool takes = weight > 0 && imageLoad(contacts, ivec3(x, y, place.x)).r == 0u;
-		if (!takes)
-			continue;
-		imageStore(weighed, ivec3(x, y, place.x), ivec4(face << 16 | weight));
-		uvec4 here = uvec4(equal(ivec4(face), ivec4(0, 1, 2, 3)));
-		sum += here * uint(weight);
-		best = max(best, here * (uint(weight) << 20 | uint(y) << 10 | uint(x)));
+	// Two loops: a driver may compute both sides of a branch, but it leaves a loop.
+	read_band();
+	ivec2 row = posts_of_row(y);
+	for (int x = row.x; x < row.y && place.y != 0; x++)
+		weigh(x, y, 0, from_patch(x, y));
+	for (int x = row.x; x < row.y && place.y == 0; x++) {
+		int face, weight = beside_face(x, y, face);
+		weigh(x, y, face, weight);
 	}
 	for (int face = 0; face < FACES; face++)
 		if (sum[face] > 0u) {

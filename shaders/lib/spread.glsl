@@ -53,9 +53,19 @@ ivec2 frame_of(int x, int y)
 	return origin.xy + ivec2(x * axis.x + y * axis.y, y * axis.x - x * axis.y);
 }
 
+// What the passes read of the buffer over and over, read once.
+ivec4 rectangle;
+int band;
+
+void read_band()
+{
+	rectangle = ivec4(sides[0], sides[1], sides[2], sides[3]);
+	band = width;
+}
+
 float least_of(float centre, float reach, int slope)
 {
-	return slope == 0 ? -1e9 : (centre - sign(float(slope)) * reach) / float(slope);
+	return slope == 0 ? (abs(centre) > reach ? 1e9 : -1e9) : (centre - sign(float(slope)) * reach) / float(slope);
 }
 
 // Returns the posts of a row that may lie in a band: first, one behind the last.
@@ -63,13 +73,18 @@ ivec2 posts_of_row(int y)
 {
 	if (place.y != 0)
 		return ivec2(written.x, written.z);
-	// Posts whose x and y in the frame are within the rectangle and a band around it, and a post to spare.
-	float band = float(width << 10) + 65536.0;
-	vec2 middle = 0.5 * vec2(sides[0] + sides[1], sides[2] + sides[3]) - vec2(origin.xy + y * ivec2(axis.y, axis.x));
-	vec2 reach = 0.5 * vec2(sides[0] - sides[1], sides[2] - sides[3]) + band;
+	// Posts whose x and y in the frame are within the rectangle and the bands beside it, and a post to spare.
+	bool ends = shares[0] + shares[1] > 0;
+	vec2 half_size = 0.5 * vec2(rectangle.xz - rectangle.yw), wide = vec2(float(band << 10));
+	vec2 middle = 0.5 * vec2(rectangle.xz + rectangle.yw) - vec2(origin.xy + y * ivec2(axis.y, axis.x));
+	vec2 reach = half_size + 65536.0 + (ends ? wide : vec2(0.0, wide.y));
 	float first = max(least_of(middle.x, reach.x, axis.x), least_of(middle.y, reach.y, -axis.y));
 	float last = min(-least_of(-middle.x, reach.x, axis.x), -least_of(-middle.y, reach.y, -axis.y));
-	return ivec2(max(int(floor(first)), written.x), min(int(ceil(last)) + 1, written.z));
+	ivec2 posts = ivec2(max(int(floor(clamp(first, -1e6, 1e6))), written.x), min(int(ceil(clamp(last, -1e6, 1e6))) + 1, written.z));
+	// A row that lies between the bands beside the patch.
+	int low = frame_of(posts.x, y).y, high = frame_of(posts.y, y).y;
+	bool between = !ends && max(low, high) < rectangle.z && min(low, high) > rectangle.w;
+	return between ? ivec2(0) : posts;
 }
 
 i64 words(uint lo, uint hi)
@@ -80,5 +95,5 @@ i64 words(uint lo, uint hi)
 // The profile of a band: it rises from both edges, and is level in the middle third.
 int profile(int from_edge)
 {
-	return min(min(from_edge, width - from_edge), width / 3);
+	return min(min(from_edge, band - from_edge), band / 3);
 }
