@@ -77,7 +77,7 @@ void main()
 	if (reach.x > -BIAS) {
 		uint before = atomicAdd(carried[0], lo);
 		atomicAdd(carried[1], hi + uint(before + lo < before));
-		atomicAdd(carriers, count);
+		atomicAdd(givers, count);
 		atomicMax(deep, uint(deepest));
 		for (int face = 0; face < FACES; face++)
 			atomicMax(ends[face], uint(BIAS + reach[face]));

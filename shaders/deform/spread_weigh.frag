@@ -63,7 +63,7 @@ void find_rates()
 	}
 	if (most < 0) {
 		tally_sum(COMPACTED, uvec2(all.lo, uint(all.hi)));
-		tally_add(CONFINED, carriers);
+		tally_add(CONFINED, givers);
 		return;
 	}
 	part[most] = i64_add(part[most], rest);

@@ -22,7 +22,7 @@ layout(std140, binding = 0) uniform params {
 
 layout(std430, binding = 1) coherent restrict buffer laying {
 	uint carried[2];       // lo, hi: fixed-point units
-	uint carriers;         // posts that carry soil
+	uint givers;         // posts that carry soil
 	uint deep;             // of the hollow, fixed-point units
 	uint ends[FACES];      // of the patch: BIAS + x, BIAS - x, BIAS + y, BIAS - y; 0: there is no patch
 	uint ended[3];         // invocations that ended each pass

@@ -192,7 +192,7 @@ static double aslant(void)
 }
 
 /* Posts that soil is carried from. */
-static int carriers(void)
+static int givers(void)
 {
 	int count = 0;
 	for (int i = 0; i < COUNT; i++)
@@ -388,7 +388,7 @@ static void run(const struct deform_contact *sweep)
 		 * post, and places are rounded too: a tie is one of them off, and a width off by one shifts a whole side of a band. What
 		 * is left of rounding, less than a quantum a row, is on one post. */
 		struct reference_laying laying;
-		double lost = carriers() * (QUANTUM + 2 * released);
+		double lost = givers() * (QUANTUM + 2 * released);
 		assert_int_equal(reference_spread(&match.reference, &match.params, sweep, &laying), STATUS_OK);
 		undecided = laying.undecided;
 		error += laying.rate * (2 * match.reference.spacing / 64 + 0.005 * laying.width / 3) + lost * laying.share * laying.width / 3;

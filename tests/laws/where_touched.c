@@ -41,7 +41,7 @@ static void what_walks_is_aloft_between_its_prints(void **state)
 		bool back;
 		const char *more;
 	} walks[] = {
-		{0.2, 0.6, 0.97, false, ""}, {0.2, 0.6, 0.97, false, "cache: {slots: 4}\n"}, {0.07, 0.2, 1.01, false, ""},
+		{0.2, 0.8, 0.97, false, ""}, {0.2, 0.8, 0.97, false, "cache: {slots: 4}\n"}, {0.07, 0.2, 1.01, false, ""},
 		{0.15, 0.25, 1.01, true, ""},
 	};
 	for (int m = 2; m < MODELS; m++)

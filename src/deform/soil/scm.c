@@ -134,7 +134,6 @@ static enum status run_contact(struct deform *deform, const struct deform_contac
 		return status;
 	params.zero[3] = (int32_t)record | last << 16;
 	gpu_texture_clear(deform->contacts, layer, deform_written(window), 0);
-	gpu_texture_clear(deform->carried, layer, deform_written(window), 0);
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
 		.stage = GPU_CONTACT,
 		.program = deform->scm[with],
