@@ -189,7 +189,7 @@ struct deform_params {
 	/* undisturbed ground is stable: soil slides only from a post that has risen above its neighbour, or to one that has
 	 * sunk. Otherwise the caller must have activated all steep ground */
 	bool undisturbed_stable;
-	double bulldozing;   /* scm: share of the plastic flow that is deposited on the ring, 0 .. 1 */
+	double bulldozing;   /* scm: share of the plastic flow that is laid around the object, 0 .. 1 */
 	bool touched;        /* the caller will ask deform_is_touched. Needs `undisturbed_stable` and a model that conserves soil */
 	uint32_t loaded_bodies;   /* scm: number of objects that carry a load and rest on the ground between contacts */
 	bool disturbance;    /* keep the disturbance plane */

@@ -46,8 +46,8 @@ static void what_walks_is_aloft_between_its_prints(void **state)
 	};
 	for (int m = 2; m < MODELS; m++)
 		for (size_t i = 0; i < sizeof walks / sizeof *walks; i++) {
-			write_steps("left.csv", 10.03, 12.01, 0.9, walks[i].lift, walks[i].back);
-			write_steps("right.csv", 9.55, 12.01 + walks[i].apart, 0.9, walks[i].lift, walks[i].back);
+			write_steps("left.csv", 10.03, 12.01, 1.2, walks[i].lift, walks[i].back);
+			write_steps("right.csv", 9.55, 12.01 + walks[i].apart, 1.2, walks[i].lift, walks[i].back);
 			const char *scene = walk(m, walks[i].more);
 			the_same_either_way(lawn, flat, scene, NULL, (struct least){0.2, walks[i].most});
 			/* Again, where it walked: all of those tiles count as touched. */
