@@ -266,6 +266,33 @@ static void a_loaded_wheel_sinks_as_deep_with_finer_posts(void **state)
 	}
 }
 
+/* Ten passes in one rut: each sinks a little deeper, more and more slowly, and none gallops. */
+static void ten_passes_deepen_a_rut_steadily(void **state)
+{
+	const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.32, .width = 0.24};
+	struct deform_soil soil;
+	double sinkage[2][10];
+	(void)state;
+	need_gpu();
+	assert_ok(deform_soil_named("dry_sand", &soil));
+	for (int k = 0; k < 2; k++) {
+		struct ground ground;
+		struct ground_params params = soil_of(DEFORM_SCM, 0.016 / (1 << k), (uint32_t)(2 << k), &soil);
+		params.bulldozing = 0.5;
+		ground_init(&ground, &params);
+		const struct way way = {.shape = &wheel, .x = 1.003, .y = 1.001, .length = 0.5, .load = 1000, .slip = -0.25};
+		for (int pass = 0; pass < 10; pass++) {
+			sinkage[k][pass] = wheel.radius - drive(&ground, &way);
+			assert_true(pass == 0 || sinkage[k][pass] > 0.99 * sinkage[k][pass - 1]);
+			assert_true(pass < 2 || sinkage[k][pass] - sinkage[k][pass - 1] <
+							 1.2 * (sinkage[k][1] - sinkage[k][0]));
+		}
+		print_message("%g m: %.4g, %.4g, ... %.4g m\n", ground.params.spacing, sinkage[k][0], sinkage[k][1], sinkage[k][9]);
+		ground_finish(&ground);
+	}
+	assert_true(fabs(sinkage[0][9] - sinkage[1][9]) < 0.06 * sinkage[1][9]);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -274,6 +301,7 @@ int main(void)
 		cmocka_unit_test(crests_are_as_high_all_around),
 		cmocka_unit_test(parts_of_a_window_leave_no_trace),
 		cmocka_unit_test(a_loaded_wheel_sinks_as_deep_with_finer_posts),
+		cmocka_unit_test(ten_passes_deepen_a_rut_steadily),
 	};
 	return cmocka_run_group_tests_name("deform/bands", tests, open_gpu, close_gpu);
 }
