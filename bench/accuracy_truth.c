@@ -158,6 +158,7 @@ static struct deform_params params_of(enum deform_model model)
 static void press(struct reference_ground *ground, const struct deform_params *params, const struct sweep *sweep)
 {
 	struct reference_forces forces;
+	struct reference_laying laying;
 	double moved;
 	switch (params->model) {
 	case DEFORM_NONE:
@@ -176,7 +177,7 @@ static void press(struct reference_ground *ground, const struct deform_params *p
 		reference_scm(ground, &params->soils[0], params->bulldozing, &sweep->sweep, sweep->under, sweep->rest, 0, &forces);
 		break;
 	}
-	reference_spread(ground);
+	bench_must(reference_spread(ground, params, &sweep->sweep, &laying));
 	bench_must(reference_slide(ground, params, SWEEP_MOST, TOLERANCE, &moved));
 }
 

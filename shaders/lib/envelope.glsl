@@ -2,6 +2,7 @@
 // Distances are in 2^-fine m, heights in fixed-point units (2^-20 m) from the window's own zero.
 
 #include "lib/int64.glsl"
+#include "lib/root.glsl"
 
 const int ONE = 1 << 28;   // 1 as a fraction: of the motion, of a sine
 const int REACH = (1 << 30) - 1;
@@ -20,27 +21,6 @@ int functional_int(ivec4 at_di, ivec4 dj_shift, ivec2 post)
 	i64 sum = i64_add(at, i64_add(i64_mul_int(di, post.x), i64_mul_int(dj, post.y)));
 	i64 v = i64_sar(sum, dj_shift.z);
 	return i64_to_int(i64_clamp(v, i64_from(-REACH), i64_from(REACH)));
-}
-
-// floor(sqrt(d)), 0 <= d < 2^62: a guess in float, one correction, and steps of 1 to the exact root.
-int square_root(i64 d)
-{
-	int q = int(sqrt(i64_to_float(d)));
-	if (q > 0)
-		q += int(floor(i64_to_float(i64_sub(d, i64_mul(q, q))) / (2.0 * float(q))));
-	// rest is d - q * q. If q is the root, 0 <= rest <= 2 q.
-	i64 rest = i64_sub(d, i64_mul(q, q));
-	for (int k = 0; k < 3; k++) {
-		bool over = rest.hi < 0;
-		rest = i64_add(rest, i64_from_u(over ? 2u * uint(q) - 1u : 0u));
-		q -= int(over);
-	}
-	for (int k = 0; k < 3; k++) {
-		bool more = rest.hi > 0 || rest.lo > 2u * uint(q);
-		rest = i64_sub(rest, i64_from_u(more ? 2u * uint(q) + 1u : 0u));
-		q += int(more);
-	}
-	return q;
 }
 
 // (a * b) >> n, rounded to nearest; 1 <= n <= 62.

@@ -24,9 +24,11 @@ enum status deform_create(const struct deform_params *params, struct deform **ou
 		deform_slide_prepare(deform);
 	enum status status = gpu_buffer_create(params->gpu, GPU_STORAGE, sizeof(struct deform_tally), NULL, &deform->tally);
 	if (status == STATUS_OK)
-		status = deform_need_layers(deform, 1);
+		status = deform_need_layers(deform, 1, SIDE);
 	if (status == STATUS_OK && params->loaded_bodies > 0)
 		status = gpu_buffer_create(params->gpu, GPU_STORAGE, params->loaded_bodies * sizeof(int32_t), NULL, &deform->standing);
+	if (status == STATUS_OK && deform_conserves(params->model))
+		status = deform_spread_create(deform);
 	if (status == STATUS_OK && deform_conserves(params->model))
 		status = deform_active_create(deform);
 	if (status == STATUS_OK && deform_conserves(params->model))
@@ -47,6 +49,7 @@ void deform_destroy(struct deform *deform)
 	deform_active_destroy(deform->active);
 	deform_drop_layers(deform);
 	deform_facets_destroy(deform->facets);
+	gpu_buffer_destroy(deform->laying);
 	gpu_buffer_destroy(deform->tally);
 	gpu_buffer_destroy(deform->felt);
 	gpu_buffer_destroy(deform->found);
@@ -137,28 +140,45 @@ void deform_gather_more(struct deform *deform, struct post_rect read, uint32_t l
 	}
 }
 
+/* Gathers a window. Of a window in parts it gathers one part. Returns true if all parts are there. */
+static bool gather(struct deform *deform, const struct deform_window *window, uint32_t layer, const struct deform_tile *tiles,
+		   size_t count)
+{
+	const struct post_rect read = window->read, whole = deform_whole(deform, window).read;
+	assert(whole.x1 - whole.x0 <= deform->side && whole.y1 - whole.y0 <= deform->side);
+	assert(layer < deform->layers);
+	deform_gather(deform, read, layer, (uint32_t)(read.x0 - whole.x0), (uint32_t)(read.y0 - whole.y0), false, deform->planes, tiles,
+		      count);
+	return window->part + 1 >= window->parts;
+}
+
+static uint32_t layer_of(const struct deform_window *window, uint32_t layer)
+{
+	return window->parts > 0 ? 0 : layer;
+}
+
 enum status deform_compute(struct deform *deform, const struct deform_contact *contact,
 			   const struct deform_window *window, uint32_t layer, const struct deform_tile *tiles,
 			   size_t count)
 {
-	assert(window->read.x1 - window->read.x0 <= SIDE && window->read.y1 - window->read.y0 <= SIDE);
-	assert(layer < deform->layers);
-	deform_gather(deform, window->read, layer, 0, 0, false, deform->planes, tiles, count);
-	enum status status = deform_run_stages(deform, contact, window, layer);
+	if (!gather(deform, window, layer_of(window, layer), tiles, count))
+		return STATUS_OK;
+	const struct deform_window whole = deform_whole(deform, window);
+	enum status status = deform_run_stages(deform, contact, &whole, layer_of(window, layer));
 	return status == STATUS_OK ? gpu_check(deform->params.gpu, "deformation") : status;
 }
 
 enum status deform_feel(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer,
 			const struct deform_tile *tiles, size_t count)
 {
-	assert(deform_tells_forces(deform->params.model) && contact->tag != 0 && layer < deform->layers);
+	assert(deform_tells_forces(deform->params.model) && contact->tag != 0);
 	enum status status = STATUS_OK;
 	if (deform->felt == NULL)
 		status = gpu_buffer_create(deform->params.gpu, GPU_STORAGE, sizeof(struct deform_tally), NULL, &deform->felt);
-	if (status != STATUS_OK)
+	if (status != STATUS_OK || !gather(deform, window, layer_of(window, layer), tiles, count))
 		return status;
-	deform_gather(deform, window->read, layer, 0, 0, false, deform->planes, tiles, count);
-	status = deform_run_feel(deform, contact, window, layer);
+	const struct deform_window whole = deform_whole(deform, window);
+	status = deform_run_feel(deform, contact, &whole, layer_of(window, layer));
 	return status == STATUS_OK ? gpu_check(deform->params.gpu, "forces") : status;
 }
 
@@ -184,10 +204,11 @@ enum status deform_scatter_from(struct deform *deform, struct post_rect write, c
 enum status deform_scatter(struct deform *deform, const struct deform_window *window, uint32_t layer,
 			   const struct deform_tile *tiles, size_t count)
 {
-	struct gpu_rect written = deform_written(window);
-	struct scatter_from from = {.layer = layer, .x = written.x, .y = written.y};
+	const struct post_rect read = deform_whole(deform, window).read;
+	struct scatter_from from = {.layer = layer_of(window, layer), .x = (uint32_t)(window->write.x0 - read.x0),
+				    .y = (uint32_t)(window->write.y0 - read.y0)};
 	for (int plane = 0; plane < PLANES; plane++)
-		from.planes[plane] = deform->planes_of[deform->scratch[layer].now[plane]][plane];
+		from.planes[plane] = deform->planes_of[deform->scratch[from.layer].now[plane]][plane];
 	return deform_scatter_from(deform, window->write, &from, tiles, count);
 }
 

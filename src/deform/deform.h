@@ -82,6 +82,7 @@ enum deform_model { DEFORM_MODELS_EACH(DEFORM_MODEL_NUMBER) DEFORM_MODELS };
 #define DEFORM_MODEL_DEFAULT ((enum deform_model)0) /* of a scene without `redistribute` */
 
 struct deform;
+struct deform_params;
 struct deform_soil;
 struct deform_window;
 struct soil_slide; /* how soil slides: src/deform/internal.h */
@@ -127,6 +128,9 @@ struct soil_model {
 	/* Returns the cotangent of the steepest angle at which a slope of `height` metres is stable; NULL: it does not depend on the
 	 * height. */
 	double (*cotangent)(const struct deform_soil *soil, double height);
+	/* For a model that conserves soil: the angle at which displaced soil is laid, rad, and its share of the displaced soil. */
+	double (*laid_at)(const struct deform_soil *soil);
+	double (*laid_share)(const struct deform_params *params, const struct deform_soil *soil);
 };
 
 /* Returns the struct that describes a model. It is constant. */
@@ -217,7 +221,7 @@ struct deform_params {
 	/* undisturbed ground is stable: soil slides only from a post that has risen above its neighbour, or to one that has
 	 * sunk. Otherwise the caller must have activated all steep ground */
 	bool undisturbed_stable;
-	double bulldozing;   /* scm: share of the plastic flow that is deposited on the ring, 0 .. 1 */
+	double bulldozing;   /* scm: share of the plastic flow that is laid around the object, 0 .. 1 */
 	double slip_sinkage; /* scm: how deep slip digs, in units of the soil's shear modulus; 0: not */
 	bool ground_normals; /* scm: stresses act along the normal of the ground; false: along that of the object's lower envelope */
 	bool touched;        /* the caller will ask deform_is_touched. Needs `undisturbed_stable` and a model that conserves soil */
@@ -247,12 +251,19 @@ enum status deform_create(const struct deform_params *params, struct deform **ou
 void deform_destroy(struct deform *deform);
 
 /* A window: the posts that a contact changes (`write`), and the posts that it reads to compute them (`read`). `read` has at most
- * DEFORM_WINDOW_POSTS on each side. A larger contact has several windows, whose `write` parts meet at fixed global posts. */
+ * DEFORM_WINDOW_POSTS on each side. A larger contact has several windows, whose `write` parts meet. Under a model that conserves
+ * soil they are parts of one window, which is computed when its last part was gathered. */
 #define DEFORM_WINDOW_POSTS 256
 #define DEFORM_WINDOWS_MAX 16
+#define DEFORM_BAND_POSTS 95    /* the widest band of laid soil */
+#define DEFORM_WHOLE_POSTS 1024 /* the most posts on a side of a window in parts */
 struct deform_window {
 	struct post_rect read, write;
+	struct post_rect whole; /* all posts that the parts write */
+	uint32_t part, parts;   /* its number; how many there are, 0: the window is computed alone */
 };
+/* Returns how many windows are computed: all of them, or one if they are parts of one. */
+size_t deform_windows_computed(const struct deform_window *windows, size_t count);
 /* Returns true if the contact has no motion. Then only its end pose acts on the ground. */
 bool deform_is_contact_only(const struct deform_contact *contact);
 /* Finds the windows of a contact. *count 0: it lies outside the world. STATUS_INPUT: it needs more than DEFORM_WINDOWS_MAX, or

@@ -79,6 +79,7 @@ struct deform {
 	int64_t reach;  /* how many posts around the footprint a contact can change */
 	int64_t border; /* how many more posts around these a contact reads */
 	uint32_t layers; /* number of layers in the textures; each holds one window */
+	uint32_t side;   /* posts along a side of these textures: SIDE, or more for a window in parts */
 	struct gpu_texture *bases;
 	/* lower envelopes: `under` of the whole motion, `rest` of the end pose. rest is NULL if the model does not need it */
 	struct gpu_texture *under, *rest;
@@ -97,7 +98,7 @@ struct deform {
 	struct active *active;                 /* active blocks; NULL: the model does not conserve soil */
 	struct interval *interval;
 	struct gpu_program *under_program[2 * DEFORM_SHAPES]; /* every program is linked when it is first needed */
-	struct gpu_program *box, *contact, *disturbance, *spread;
+	struct gpu_program *box, *contact, *disturbance, *spread[SPREAD_PASSES];
 	struct gpu_program *held[2];           /* index: 1 if the object carries a load */
 	struct gpu_program *facet;
 	struct facets *facets;                 /* triangles of meshes and grousers; made when first needed */
@@ -112,6 +113,7 @@ struct deform {
 	struct gpu_buffer *found;              /* what soil/load.c found; NULL until a contact needs it */
 	struct gpu_buffer *standing;           /* int32 for each loaded body: equilibrium height above its pose, fixed-point units;
 						* NULL: there are no loaded bodies */
+	struct gpu_buffer *laying;             /* soil/spread.c: what its passes hand on; NULL: the model does not conserve soil */
 	struct gpu_buffer *tally;              /* counts on the GPU: a struct deform_tally */
 	struct gpu_buffer *felt;               /* a tally for deform_feel, which must not change `tally`; NULL until it is called */
 	struct deform_figures figures;         /* its window_layers is unused: see `layers` */
@@ -121,8 +123,9 @@ struct deform {
 /* deform.c: returns which of planes_of[0 .. 1] a gather writes this plane to. */
 int deform_gathers_into(const struct deform *deform, int plane);
 
-/* scratch.c: makes textures and render targets for at least `layers` windows. */
-enum status deform_need_layers(struct deform *deform, uint32_t layers) FURROW_CHECKED;
+/* scratch.c: makes textures and render targets for at least `layers` windows, of at least `side` posts on a side. */
+enum status deform_need_layers(struct deform *deform, uint32_t layers, uint32_t side) FURROW_CHECKED;
+uint64_t deform_scratch_layers(const struct deform *deform); /* how many layers of SIDE posts hold as many posts, less the atlas */
 void deform_drop_layers(struct deform *deform);
 void deform_scratch_plan(const struct deform_params *params, struct plan *plan);
 
@@ -198,7 +201,8 @@ enum status deform_run_contact(struct deform *deform, const void *params, size_t
 enum status deform_contact_plainly(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 				   uint32_t layer) FURROW_CHECKED;
 /* soil/slide.c: runs the passes after a contact that displaced soil: first the soil is spread, then it slides. */
-enum status deform_spread_and_slide(struct deform *deform, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
+enum status deform_spread_and_slide(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
+				    uint32_t layer) FURROW_CHECKED;
 
 /* std140 twin of lib/soil.glsl's block. */
 struct scm_soil {
@@ -239,13 +243,19 @@ void deform_forces_plan(const char *effect, struct plan *plan);
 
 /* windows.c: returns the shadow of a contact: all posts that the object can be above while it moves. */
 struct post_rect deform_shadow(const struct deform *deform, const struct deform_contact *contact);
-/* deform_reached: returns the posts that a contact can change. deform_fits_window: returns true if they fit one window. */
+/* deform_reached: returns the posts that a contact can change. deform_fits_window: returns true if the posts below the object, and
+ * those beside it, fit one window. deform_whole: returns the window of which this one is a part. */
 struct post_rect deform_reached(const struct deform *deform, const struct deform_contact *contact);
-bool deform_fits_window(const struct deform *deform, struct post_rect reached);
+bool deform_fits_window(const struct deform *deform, const struct deform_contact *contact);
+struct deform_window deform_whole(const struct deform *deform, const struct deform_window *window);
 
-/* soil/spread.c: moves the soil in `carried` to the nearest free posts, in `deposits`. A contact pass wrote `carried`: at most
- * 2^23 fixed-point units a post. */
-enum status deform_spread(struct deform *deform, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
+/* soil/spread.c: lays the soil in `carried` down around the object, in `deposits`. A contact pass wrote `carried`: at most
+ * 2^23 fixed-point units a post. deform_spread_posts: the shadow, and all posts on which soil may be laid. */
+enum status deform_spread(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
+			  uint32_t layer) FURROW_CHECKED;
+struct post_rect deform_spread_posts(const struct deform *deform, const struct deform_contact *contact, struct post_rect shadow);
+enum status deform_spread_create(struct deform *deform) FURROW_CHECKED;
+void deform_spread_plan(struct plan *plan);
 
 /* soil/slide.c: adds the deposits to the ground. Then applies the model's relaxation rule `iterations` times to the window's
  * written posts. Reads offsets and deposited thickness from planes_of[1], and leaves them there. */

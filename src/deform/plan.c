@@ -58,7 +58,7 @@ static void plan_windows(const struct deform_params *params, const struct deform
 	if (deform_model_row(params->model)->smooths && object->moves)
 		add_passes(plan, deform_model_row(params->model)->effect.name, number, PLAN_MOVED, GPU_SMOOTH, params->box_repetitions);
 	if (deform_conserves(params->model)) {
-		add_passes(plan, "spread", number, PLAN_WINDOW, GPU_SPREAD, 1);
+		add_passes(plan, "spread", number, PLAN_WINDOW, GPU_SPREAD, SPREAD_PASSES);
 		add_passes(plan, slide, number, PLAN_WINDOW, GPU_SLIDE, deform_slide_passes(params, false));
 	}
 	if (params->disturbance)
@@ -119,12 +119,14 @@ void deform_plan(const struct deform_params *params, const struct deform_planned
 		deform_find_plan(any.found, plan);
 	if (any.forces != NULL)
 		deform_forces_plan(any.forces, plan);
-	if (deform_conserves(params->model))
+	if (deform_conserves(params->model)) {
+		deform_spread_plan(plan);
 		plan_intervals(params, &any, plan);
+	}
 }
 
 void deform_figures(const struct deform *deform, struct deform_figures *figures)
 {
 	*figures = deform->figures;
-	figures->window_layers = deform->layers;
+	figures->window_layers = deform_scratch_layers(deform);
 }

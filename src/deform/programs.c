@@ -98,9 +98,14 @@ void deform_programs_box(const struct deform_params *params, struct deform_reque
 	define_number(out, "RADIUS", params->box_radius);
 }
 
-void deform_programs_spread(struct deform_request *out)
+void deform_programs_spread(enum spread_pass pass, struct deform_request *out)
 {
-	begin(out, "full.vert", "deform/spread.frag");
+	static const char *const files[SPREAD_PASSES] = {
+		[SPREAD_MEASURE] = "deform/spread_measure.frag",
+		[SPREAD_WEIGH] = "deform/spread_weigh.frag",
+		[SPREAD_LAY] = "deform/spread_lay.frag",
+	};
+	begin(out, "full.vert", files[pass]);
 }
 
 static void begin_over(struct deform_request *out, bool blocks, const char *fragment)
@@ -272,8 +277,10 @@ void deform_programs_each(const struct deform_params *params, const struct defor
 		add(&each, deform_model_row(params->model)->effect.name);
 	}
 	if (deform_conserves(params->model)) {
-		deform_programs_spread(&each.request);
-		add(&each, "spread");
+		for (int pass = 0; pass < SPREAD_PASSES; pass++) {
+			deform_programs_spread((enum spread_pass)pass, &each.request);
+			add(&each, "spread");
+		}
 		each_slide(&each, false, loaded);
 		each_slide(&each, true, false);
 		deform_programs_held(loaded && params->loaded_bodies > 0, &each.request);

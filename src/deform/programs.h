@@ -24,6 +24,9 @@ enum deform_find_what { FIND_PATCH = 1, FIND_LOAD = 2, FIND_SHAPE = 4, FIND_ALL 
 /* Passes of an iteration of sliding: EXCESS alone, or SHED and TAKE. */
 enum slide_what { SLIDE_EXCESS, SLIDE_SHED, SLIDE_TAKE };
 
+/* Passes that lay down carried soil. */
+enum spread_pass { SPREAD_MEASURE, SPREAD_WEIGH, SPREAD_LAY, SPREAD_PASSES };
+
 /* Each fills `out` completely. Pure. */
 void deform_programs_envelope(const struct deform_params *params, enum deform_shape_kind kind, bool sideways,
 			struct deform_request *out);
@@ -31,7 +34,7 @@ void deform_programs_facet(const struct deform_params *params, struct deform_req
 void deform_programs_contact(const struct deform_params *params, unsigned with, struct deform_request *out);
 void deform_programs_find(const struct deform_params *params, unsigned what, enum deform_shape_kind kind, struct deform_request *out);
 void deform_programs_box(const struct deform_params *params, struct deform_request *out);
-void deform_programs_spread(struct deform_request *out);
+void deform_programs_spread(enum spread_pass pass, struct deform_request *out);
 /* Over blocks, or over a window (`loaded`: of an object with a load). */
 void deform_programs_begin(const struct deform_params *params, bool blocks, bool loaded, struct deform_request *out);
 void deform_programs_slide(const struct deform_params *params, enum slide_what what, bool blocks, bool last,

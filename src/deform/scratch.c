@@ -125,7 +125,7 @@ static enum status make_textures(struct deform *deform, uint32_t layers)
 	enum status status = STATUS_OK;
 	rows_of(&deform->params, &rows);
 	for (size_t i = 0; i < rows.count && status == STATUS_OK; i++)
-		status = gpu_texture_create(deform->params.gpu, rows.list[i].format, SIDE, SIDE, layers,
+		status = gpu_texture_create(deform->params.gpu, rows.list[i].format, deform->side, deform->side, layers,
 					    place_of(deform, &rows.list[i]));
 	return status;
 }
@@ -181,17 +181,19 @@ static enum status make_targets(struct deform *deform, uint32_t number, bool atl
 			status = gpu_target_create(gpu, of[k].list, of[k].count, (struct gpu_attachment){NULL, 0},
 						   &deform->scratch[number].to[k]);
 	if (status == STATUS_OK)
-		status = gpu_target_create_bare(gpu, SIDE, SIDE, &deform->scratch[number].to[TO_BARE]);
+		status = gpu_target_create_bare(gpu, deform->side, deform->side, &deform->scratch[number].to[TO_BARE]);
 	return status;
 }
 
-enum status deform_need_layers(struct deform *deform, uint32_t layers)
+enum status deform_need_layers(struct deform *deform, uint32_t layers, uint32_t side)
 {
-	if (layers <= deform->layers)
+	if (layers <= deform->layers && side <= deform->side)
 		return STATUS_OK;
 	/* Growing loses the content of the layers. So a contact grows them before its first window. */
+	layers = layers > deform->layers ? layers : deform->layers;
 	deform_drop_layers(deform);
 	uint32_t all = layers + beside_windows(&deform->params);
+	deform->side = side > deform->side ? side : deform->side;
 	enum status status = make_textures(deform, all);
 	for (uint32_t i = 0; i < all && status == STATUS_OK; i++)
 		status = make_targets(deform, i, i == layers);
@@ -200,4 +202,10 @@ enum status deform_need_layers(struct deform *deform, uint32_t layers)
 	else
 		deform_drop_layers(deform);
 	return status;
+}
+
+uint64_t deform_scratch_layers(const struct deform *deform)
+{
+	uint32_t beside = beside_windows(&deform->params), times = deform->side / SIDE;
+	return (uint64_t)(deform->layers + beside) * times * times - beside;
 }

@@ -95,7 +95,7 @@ static void begin_layer(struct deform *deform, const struct deform_contact *cont
 	struct layer *scratch = &deform->scratch[layer];
 	const struct post_rect all = deform_reached(deform, contact), write = window->write;
 	memset(scratch->now, 0, sizeof scratch->now);
-	scratch->alone = all.x0 == write.x0 && all.y0 == write.y0 && all.x1 == write.x1 && all.y1 == write.y1;
+	scratch->alone = window->parts == 0 && all.x0 == write.x0 && all.y0 == write.y0 && all.x1 == write.x1 && all.y1 == write.y1;
 	scratch->above = contact->above;
 	scratch->loaded = deform_tells_forces(deform->params.model) && contact->load > 0;
 }

@@ -34,7 +34,7 @@ static enum status drop_forces(struct deform *deform)
 static enum status contact_all(struct deform *deform, const struct deform_planned *object, bool tags)
 {
 	const struct post_rect beyond = {-64, -64, -48, -48};
-	const struct deform_window window = {beyond, beyond};
+	const struct deform_window window = {.read = beyond, .write = beyond};
 	const struct deform_pose middle = {.x = lattice_offset(-56 * deform->spacing), .y = lattice_offset(-56 * deform->spacing)};
 	int ways = !object->moves ? 1 : object->shape->kind == DEFORM_WHEEL ? 3 : 2;
 	enum status status = STATUS_OK;

@@ -121,19 +121,30 @@ struct post_rect deform_shadow(const struct deform *deform, const struct deform_
 	return shadow;
 }
 
+static struct post_rect world_of(const struct deform *deform)
+{
+	return (struct post_rect){0, 0, extent_posts(deform->params.extent->width, deform->params.level),
+				  extent_posts(deform->params.extent->height, deform->params.level)};
+}
+
+/* Returns the posts below the object, and those around them that soil beside it may slide to. */
+static struct post_rect below(const struct deform *deform, const struct deform_contact *contact)
+{
+	return post_rect_intersect(grown(deform_shadow(deform, contact), deform->reach), world_of(deform));
+}
+
 struct post_rect deform_reached(const struct deform *deform, const struct deform_contact *contact)
 {
-	const struct post_rect extent = {0, 0, extent_posts(deform->params.extent->width, deform->params.level),
-					extent_posts(deform->params.extent->height, deform->params.level)};
-	return post_rect_intersect(grown(deform_shadow(deform, contact), deform->reach), extent);
+	struct post_rect rect = deform_shadow(deform, contact);
+	if (deform_conserves(deform->params.model))
+		rect = deform_spread_posts(deform, contact, rect);
+	return post_rect_intersect(grown(rect, deform->reach), world_of(deform));
 }
 
 bool deform_covers(const struct deform *deform, const struct deform_contact *contact, const struct deform_pose *rest)
 {
 	const struct deform_contact standing = {.shape = contact->shape, .from = *rest, .to = *rest};
-	const struct post_rect extent = {0, 0, extent_posts(deform->params.extent->width, deform->params.level),
-					extent_posts(deform->params.extent->height, deform->params.level)};
-	struct post_rect held = post_rect_intersect(grown(deform_shadow(deform, &standing), deform_slide_step(deform)), extent);
+	struct post_rect held = post_rect_intersect(grown(deform_shadow(deform, &standing), deform_slide_step(deform)), world_of(deform));
 	struct post_rect all = deform_reached(deform, contact);
 	return post_rect_empty(held) || (held.x0 >= all.x0 && held.y0 >= all.y0 && held.x1 <= all.x1 && held.y1 <= all.y1);
 }
@@ -158,11 +169,26 @@ int64_t deform_core(const struct deform_params *params)
 	return DEFORM_WINDOW_POSTS - 2 * deform_border(params);
 }
 
-bool deform_fits_window(const struct deform *deform, struct post_rect reached)
+static bool fits(struct post_rect rect, int64_t most)
 {
-	return reached.x1 - reached.x0 <= deform_core(&deform->params) && reached.y1 - reached.y0 <= deform_core(&deform->params);
+	return rect.x1 - rect.x0 <= most && rect.y1 - rect.y0 <= most;
 }
 
+bool deform_fits_window(const struct deform *deform, const struct deform_contact *contact)
+{
+	return fits(below(deform, contact), deform_core(&deform->params));
+}
+
+static enum status too_large(struct post_rect write)
+{
+	return fail_with(STATUS_INPUT, "shape: its footprint of %lld x %lld posts needs more than %d windows; make it smaller or the "
+				       "spacing coarser",
+			 (long long)(write.x1 - write.x0), (long long)(write.y1 - write.y0), DEFORM_WINDOWS_MAX);
+}
+
+/* Soil goes from post to post over the whole contact. So the parts of a model that conserves soil are computed as one, and where
+ * they are cut does not matter. Windows of other models are computed alone. They are cut at multiples of the core. So cuts depend
+ * on the terrain alone, not on the object or the tiles. */
 static enum status cut(const struct deform *deform, const struct deform_contact *contact, struct deform_window *windows,
 		       size_t *count)
 {
@@ -170,28 +196,31 @@ static enum status cut(const struct deform *deform, const struct deform_contact 
 	if (contact->shape->kind == DEFORM_WHEEL && contact->to.roll != 0)
 		return fail_with(STATUS_INPUT, "wheel: its axis lies level, and its pose has it rolled by %g rad; give roll 0",
 				 contact->to.roll);
-	struct post_rect write = deform_reached(deform, contact);
+	struct post_rect write = deform_reached(deform, contact), under = below(deform, contact);
 	if (post_rect_empty(write))
 		return STATUS_OK;
-	/* Cuts are at multiples of the core. So they depend on the terrain alone, not on the object or the tiles. */
 	int64_t core = deform_core(&deform->params);
-	bool one = deform_fits_window(deform, write);
-	if (!one && contact->load > 0)
+	if (contact->load > 0 && !fits(under, core))
 		return fail_with(STATUS_INPUT, "load: an object of %lld x %lld posts is too large for one; give sink instead, or a "
 					       "coarser spacing than %g m",
-				 (long long)(write.x1 - write.x0), (long long)(write.y1 - write.y0), deform->spacing);
-	int64_t x0 = one ? write.x0 : floor_to(write.x0, core), y0 = one ? write.y0 : floor_to(write.y0, core);
+				 (long long)(under.x1 - under.x0), (long long)(under.y1 - under.y0), deform->spacing);
+	bool one = fits(write, core), whole = deform_conserves(deform->params.model);
+	if (whole && !fits(grown(write, deform->border), DEFORM_WHOLE_POSTS))
+		return too_large(write);
+	int64_t x0 = one || whole ? write.x0 : floor_to(write.x0, core), y0 = one || whole ? write.y0 : floor_to(write.y0, core);
 	for (int64_t y = y0; y < write.y1; y += core)
 		for (int64_t x = x0; x < write.x1; x += core) {
 			if (*count == DEFORM_WINDOWS_MAX)
-				return fail_with(STATUS_INPUT, "shape: its footprint of %lld x %lld posts needs more than %d windows; "
-							       "make it smaller or the spacing coarser",
-						 (long long)(write.x1 - write.x0), (long long)(write.y1 - write.y0),
-						 DEFORM_WINDOWS_MAX);
-			struct deform_window *window = &windows[(*count)++];
+				return too_large(write);
+			struct deform_window *window = &windows[*count];
+			*window = (struct deform_window){.part = (uint32_t)(*count)++};
 			window->write = post_rect_intersect(write, (struct post_rect){x, y, x + core, y + core});
 			window->read = grown(window->write, deform->border);
 		}
+	for (size_t i = 0; whole && *count > 1 && i < *count; i++) {
+		windows[i].whole = write;
+		windows[i].parts = (uint32_t)*count;
+	}
 	return STATUS_OK;
 }
 
@@ -211,5 +240,28 @@ enum status deform_windows(struct deform *deform, const struct deform_contact *c
 			   struct deform_window *windows, size_t *count)
 {
 	enum status status = cut(deform, contact, windows, count);
-	return status == STATUS_OK && *count > 0 ? deform_need_layers(deform, (uint32_t)*count) : status;
+	if (status != STATUS_OK || *count == 0)
+		return status;
+	if (windows[0].parts == 0)
+		return deform_need_layers(deform, (uint32_t)*count, SIDE);
+	struct post_rect read = deform_whole(deform, &windows[0]).read;
+	uint32_t side = SIDE;
+	while (!fits(read, side))
+		side *= 2;
+	return deform_need_layers(deform, 1, side);
+}
+
+size_t deform_windows_computed(const struct deform_window *windows, size_t count)
+{
+	return count > 0 && windows[0].parts > 0 ? 1 : count;
+}
+
+struct deform_window deform_whole(const struct deform *deform, const struct deform_window *window)
+{
+	struct deform_window whole = *window;
+	if (window->parts > 0) {
+		whole.write = window->whole;
+		whole.read = grown(window->whole, deform->border);
+	}
+	return whole;
 }

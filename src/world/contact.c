@@ -176,21 +176,22 @@ enum status world_contact(struct world *world, const struct event *event, bool l
 	 * it active. */
 	if (status == STATUS_OK && body->in_contact && !deform_covers(world->deform, &contact, &body->last))
 		status = world_let_go(world, body);
-	world->windows.due += count;
+	const size_t due = deform_windows_computed(windows, count), computed = aloft ? 0 : due;
+	world->windows.due += due;
+	world->windows.computed += computed;
 	count = aloft ? 0 : count;
-	world->windows.computed += count;
 	if (status == STATUS_OK && world->watcher != NULL && count > 0)
 		status = tell_watcher(world, event, &contact, windows, count);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 		status = world_hold(world, windows[i].read, &held);
 		if (status == STATUS_OK)
 			status = deform_compute(world->deform, &contact, &windows[i], (uint32_t)i, held.tiles, held.count);
-		body->windows += status == STATUS_OK;
-		body->windows_moved += status == STATUS_OK && !deform_is_contact_only(&contact);
 		if (status == STATUS_OK && count == 1)
 			status = scatter(world, &windows[0], 0, &held);
 		world_release(world, &held);
 	}
+	body->windows += status == STATUS_OK ? computed : 0;
+	body->windows_moved += status == STATUS_OK && !deform_is_contact_only(&contact) ? computed : 0;
 	/* Several windows read the ground as it was before any of them changed it. */
 	for (size_t i = 0; count > 1 && i < count && status == STATUS_OK; i++) {
 		status = world_hold(world, windows[i].write, &held);

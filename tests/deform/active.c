@@ -7,7 +7,7 @@ static void whole(struct ground *ground)
 {
 	struct deform *deform = ground->deform;
 	struct post_rect all = all_of(ground);
-	struct deform_window window = {{-1, -1, all.x1 + 1, all.y1 + 1}, all};
+	struct deform_window window = {.read = {-1, -1, all.x1 + 1, all.y1 + 1}, .write = all};
 	struct gpu_rect rect = rect_of(0, 0, (uint32_t)all.x1 + 2, (uint32_t)all.y1 + 2);
 	deform_gather(deform, window.read, 0, 0, 0, true, PLANE_BIT(PLANE_OFFSET), ground->tiles, ground->tile_count);
 	gpu_texture_clear(deform->contacts, 0, rect, 0);
@@ -127,7 +127,7 @@ static void what_an_object_rests_on_is_held(void **state)
 		start(&all, &setup);
 		struct ground *grounds[] = {&few, &all};
 		struct deform_shape box = {.kind = DEFORM_BOX, .size = {1.4, 0.9, 4}}, ball = {.kind = DEFORM_SPHERE, .radius = 0.5};
-		struct deform_contact sweep = {.shape = &box, .from = ground_pose(&few, 64.3, 63.8, 1.4)};
+		struct deform_contact sweep = {.shape = &box, .from = ground_pose(&few, 64.3, 63.8, 0.7)};
 		sweep.from.yaw = 0.5;
 		sweep.to = sweep.from;
 		struct deform_rest rests[] = {{.shape = &ball, .pose = ground_pose(&few, 150, 20, 0.4)}, {.shape = &box, .pose = sweep.to}};

@@ -76,8 +76,9 @@ static void sweep(struct drive *drive, size_t object, double x, double y, double
 	if (asks)
 		sweep.tag = ++drive->tag;
 	ground_sweep(&drive->ground, &sweep);
-	drive->windows[object] += drive->ground.window_count;
-	drive->moved[object] += dx != 0 || dy != 0 ? drive->ground.window_count : 0;
+	const size_t computed = deform_windows_computed(drive->ground.windows, drive->ground.window_count);
+	drive->windows[object] += computed;
+	drive->moved[object] += dx != 0 || dy != 0 ? computed : 0;
 	for (size_t i = 0; i < drive->ground.window_count; i++)
 		assert_ok(deform_wake_swept(drive->ground.deform, &drive->ground.windows[i], (uint32_t)i));
 }

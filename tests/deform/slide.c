@@ -52,7 +52,7 @@ static void slide_on_gpu(struct ground *ground)
 	struct deform *deform = ground->deform;
 	const uint32_t rim = 2;
 	struct gpu_rect rect = rect_of(rim, rim, N, N), around = rect_of(0, 0, N + 2 * rim, N + 2 * rim);
-	struct deform_window window = {{0, 0, N + 2 * rim, N + 2 * rim}, {rim, rim, N + rim, N + rim}};
+	struct deform_window window = {.read = {0, 0, N + 2 * rim, N + 2 * rim}, .write = {rim, rim, N + rim, N + rim}};
 	gpu_texture_clear(deform->bases, 0, around, 40 << 18);
 	gpu_texture_clear(deform->planes_of[1][PLANE_OFFSET], 0, around, 1 << 20);
 	gpu_texture_clear(deform->contacts, 0, around, 0);

@@ -31,7 +31,7 @@ static inline void start(struct ground *ground, const struct setup *setup)
 						    .bulldozing = 0.5});
 }
 
-/* A mound and a pit across the corners of tiles and blocks, and the ground awake there. */
+/* A mound and a pit across the corners of tiles and blocks, and the ground awake there. The ball that made them is gone at once. */
 static inline struct post_rect disturb(struct ground *ground, int64_t x, int64_t y, double height)
 {
 	struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 6 * ground->params.spacing};
@@ -39,8 +39,10 @@ static inline struct post_rect disturb(struct ground *ground, int64_t x, int64_t
 	struct deform_contact sweep = {.shape = &ball, .from = ground_pose(ground, (double)x, (double)y, z)};
 	sweep.to = sweep.from;
 	ground_sweep(ground, &sweep);
-	for (size_t i = 0; i < ground->window_count; i++)
+	for (size_t i = 0; i < ground->window_count; i++) {
 		assert_ok(deform_wake_swept(ground->deform, &ground->windows[i], (uint32_t)i));
+		assert_ok(deform_wake(ground->deform, ground->windows[i].write));
+	}
 	return ground->windows[0].write;
 }
 

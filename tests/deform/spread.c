@@ -1,104 +1,141 @@
-/* Where pressed soil goes: the nearest free posts of its row and column, every quantum of it. */
+/* Where carried soil goes: to free posts of the bands beside the patch alone, every quantum of it, wherever the window lies. */
 #include "ground.h"
 
-#define N 24 /* posts a side of what is written */
+#define N 40 /* posts a side of what is written */
+#define AT 3 /* the first of them, in a window that is read farther */
+#define MIDDLE 300 /* post of the world that the middle of what is written is */
 
 struct field {
-	int32_t carried[N * N], deposits[N * N];
+	int32_t carried[N * N], deposits[N * N], offsets[N * N];
 	uint8_t contacts[N * N];
-	int64_t compacted, confined;
+	int64_t compacted, confined, refused;
 };
+static struct field field, again;
 
-static bool is_free(const struct field *field, int x, int y)
+static bool is_free(const struct field *of, int i)
 {
-	return field->contacts[y * N + x] == 0;
+	return of->contacts[i] == 0;
 }
 
-/* As SOIL.md says it, one post at a time. */
-static void spread(struct field *field)
+static int64_t sum(const int32_t *amounts)
 {
-	static const int ways[4][2] = {{0, -1}, {-1, 0}, {1, 0}, {0, 1}};
-	memset(field->deposits, 0, sizeof field->deposits);
-	field->compacted = field->confined = 0;
-	for (int y = 0; y < N; y++)
-		for (int x = 0; x < N; x++) {
-			int32_t amount = field->carried[y * N + x];
-			int to[4], count = 0;
-			for (int far = 1; far < N && count == 0 && amount > 0; far++)
-				for (int way = 0; way < 4; way++) {
-					int px = x + far * ways[way][0], py = y + far * ways[way][1];
-					if (px >= 0 && py >= 0 && px < N && py < N && is_free(field, px, py))
-						to[count++] = py * N + px;
-				}
-			for (int i = 0; i < count; i++)
-				field->deposits[to[i]] = (int32_t)((uint32_t)field->deposits[to[i]] + (uint32_t)(amount / count) +
-								   (i == 0 ? (uint32_t)(amount % count) : 0));
-			if (count == 0 && amount > 0) {
-				field->compacted += amount;
-				field->confined++;
-			}
-		}
+	int64_t all = 0;
+	for (int i = 0; i < N * N; i++)
+		all += amounts[i];
+	return all;
 }
 
-/* Of the window at `at` in the scratch. */
-static void spread_on_gpu(struct ground *ground, struct field *field, uint32_t at)
+/* The window begins `at` posts before what is written. */
+static void spread_on_gpu(struct ground *ground, const struct deform_contact *sweep, struct field *of, uint32_t at)
 {
 	struct deform *deform = ground->deform;
 	struct deform_tally before, after;
 	struct gpu_rect rect = rect_of(at, at, N, N), around = rect_of(0, 0, N + 2 * at, N + 2 * at);
-	struct deform_window window = {{0, 0, N + 2 * at, N + 2 * at}, {at, at, at + N, at + N}};
+	int64_t first = MIDDLE - N / 2;
+	struct deform_window window = {.write = {first, first, first + N, first + N}};
+	window.read = (struct post_rect){first - at, first - at, first + N + at, first + N + at};
 	/* Around it all is free, and carries: another window's. */
 	gpu_texture_clear(deform->contacts, 0, around, 0);
 	gpu_texture_clear(deform->carried, 0, around, 1000);
 	gpu_texture_clear(deform->deposits, 0, around, -7);
-	gpu_texture_upload(deform->contacts, 0, rect, field->contacts);
-	gpu_texture_upload(deform->carried, 0, rect, field->carried);
+	gpu_texture_upload(deform->contacts, 0, rect, of->contacts);
+	gpu_texture_upload(deform->carried, 0, rect, of->carried);
+	gpu_texture_upload(deform->planes_of[1][PLANE_OFFSET], 0, rect, of->offsets);
 	assert_ok(deform_tally(deform, &before));
-	assert_ok(deform_spread(deform, &window, 0));
-	gpu_texture_read(deform->deposits, 0, rect, field->deposits);
+	assert_ok(deform_spread(deform, sweep, &window, 0));
+	gpu_texture_read(deform->deposits, 0, rect, of->deposits);
 	assert_ok(deform_tally(deform, &after));
-	field->compacted = after.compacted - before.compacted;
-	field->confined = (int64_t)(after.confined - before.confined);
-	assert_int_equal(after.refused, before.refused);
+	of->compacted = after.compacted - before.compacted;
+	of->confined = (int64_t)(after.confined - before.confined);
+	of->refused = (int64_t)(after.refused - before.refused);
 }
 
-static void every_quantum_goes_where_it_must(void **state)
+static void open_ground(struct ground *ground)
 {
-	static struct field field, expected;
+	ground_init(ground, &(struct ground_params){.cells = 64, .tiles = 10, .spacing = 0.125, .model = DEFORM_SLIPPAGE});
+}
+
+static struct deform_contact any_sweep(const struct ground *ground, const struct deform_shape *shape)
+{
+	struct deform_contact sweep = {.shape = shape, .from = ground_pose(ground, MIDDLE + any_share(), MIDDLE + any_share(), 0)};
+	sweep.to = ground_pose(ground, MIDDLE + any_share(), MIDDLE + any_share(), 0);
+	sweep.to.yaw = 4 * any_share();
+	sweep.turned = 0.125 * any_share() / shape->radius;
+	if (any_word() % 3 == 0)
+		sweep.from = sweep.to;
+	return sweep;
+}
+
+static void every_quantum_goes_where_it_may(void **state)
+{
 	struct ground ground;
-	int64_t confined = 0;
+	int64_t confined = 0, laid = 0;
 	(void)state;
 	need_gpu();
-	ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 1, .spacing = 0.125, .model = DEFORM_SLIPPAGE});
-	for (int round = 0; round < 60; round++) {
+	open_ground(&ground);
+	for (int round = 0; round < 90; round++) {
+		const struct deform_shape shapes[] = {{.kind = DEFORM_WHEEL, .radius = 1.2 + fabs(any_share()), .width = 2.4},
+						      {.kind = DEFORM_SPHERE, .radius = 1.2},
+						      {.kind = DEFORM_BOX, .radius = 1, .size = {2.2, 2.4, 0.7}}};
+		struct deform_contact sweep = any_sweep(&ground, &shapes[round % 3]);
 		/* From few free posts to many; holes; up to what a press may carry. */
-		uint32_t blocked = (uint32_t)round * 4294967295u / 60;
+		uint32_t blocked = (uint32_t)(round / 3) * 4294967295u / 30;
+		memset(&field, 0, sizeof field);
 		for (int i = 0; i < N * N; i++) {
-			bool hole = any_word() % 16 == 0;
-			field.contacts[i] = hole ? 4 : any_word() >= blocked ? 1 + any_word() % 3 : 0;
-			if (round == 7)
-				field.contacts[i] = i % N != 0; /* all towards one side */
-			field.carried[i] = field.contacts[i] % 4 == 0 ? 0
-					   : round % 3 == 0 ? 1 << 23 : (int32_t)(any_word() % (1u << (round % 24)));
-			if (i % 2)
-				field.carried[i] -= field.carried[i] % 3; /* three have the same then, and nothing is left */
+			bool under = abs(i % N - N / 2) < 6 && abs(i / N - N / 2) < 5, hole = any_word() % 16 == 0;
+			field.contacts[i] = hole ? 4 : under ? 1 + any_word() % 3 : round % 10 == 9 || any_word() < blocked ? 4 : 0;
+			field.carried[i] = field.contacts[i] % 2 == 0 ? 0
+					   : round % 5 == 0 ? 1 << 23 : (int32_t)(any_word() % (1u << (round % 24)));
+			field.offsets[i] = -(int32_t)(any_word() % (1u << (round % 24)));
 		}
-		expected = field;
-		spread(&expected);
-		spread_on_gpu(&ground, &field, round % 2 ? 3 : 0);
-		confined += expected.confined;
-		assert_memory_equal(field.deposits, expected.deposits, sizeof field.deposits);
-		assert_int_equal(field.compacted, expected.compacted);
-		assert_int_equal(field.confined, expected.confined);
+		again = field;
+		spread_on_gpu(&ground, &sweep, &field, 0);
+		for (int i = 0; i < N * N; i++)
+			assert_true(is_free(&field, i) ? field.deposits[i] >= 0 : field.deposits[i] == 0);
+		assert_true(field.confined == 0 || (sum(field.deposits) == 0 && field.compacted == sum(field.carried)));
+		assert_true(sum(field.deposits) + field.compacted == sum(field.carried));
+		/* The window's own place does not matter. */
+		spread_on_gpu(&ground, &sweep, &again, AT);
+		assert_memory_equal(field.deposits, again.deposits, sizeof field.deposits);
+		assert_true(field.compacted == again.compacted && field.confined == again.confined);
+		confined += field.confined;
+		laid += sum(field.deposits) > 0;
 	}
-	assert_true(confined > 100);
+	assert_true(confined > 100 && laid > 40);
+	ground_finish(&ground);
+}
+
+/* A post that would get more than 512 m gets less; what it does not get is compacted, and told. */
+static void a_post_gets_no_more_than_it_can_hold(void **state)
+{
+	struct ground ground;
+	const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 1};
+	(void)state;
+	need_gpu();
+	open_ground(&ground);
+	struct deform_contact sweep = {.shape = &ball, .from = ground_pose(&ground, MIDDLE, MIDDLE, 0)};
+	sweep.to = sweep.from;
+	for (int free = 1; free < 30; free += 28) {
+		memset(&field, 0, sizeof field);
+		for (int i = 0; i < N * N; i++) {
+			bool under = abs(i % N - N / 2) < 5 && abs(i / N - N / 2) < 5;
+			field.contacts[i] = under ? 1 : abs(i % N - N / 2) < free && i / N == N / 2 + 6 ? 0 : 4;
+			field.carried[i] = under ? 1 << 23 : 0;
+		}
+		spread_on_gpu(&ground, &sweep, &field, AT);
+		assert_true(sum(field.deposits) + field.compacted == sum(field.carried));
+		assert_true((field.refused == 1) == (free == 1) && (field.compacted == 0) == (free > 1));
+		for (int i = 0; i < N * N; i++)
+			assert_true(field.deposits[i] <= 1 << 29);
+	}
 	ground_finish(&ground);
 }
 
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(every_quantum_goes_where_it_must),
+		cmocka_unit_test(every_quantum_goes_where_it_may),
+		cmocka_unit_test(a_post_gets_no_more_than_it_can_hold),
 	};
 	return cmocka_run_group_tests_name("deform/spread", tests, open_gpu, close_gpu);
 }

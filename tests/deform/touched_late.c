@@ -96,7 +96,7 @@ static void any_station(struct ground *ground, bool above, bool large, double at
 	double d = ground->params.spacing, radius = (5 + 7 * fabs(any_share())) * d, length = large ? 180 * d : 2 * radius;
 	bool box = above || large, jumps = large || any_word() % 6 == 0;
 	const struct deform_shape shape = {.kind = box ? DEFORM_BOX : DEFORM_SPHERE, .radius = radius,
-					   .size = {length, large ? length : radius, 2 * d}};
+					   .size = {length, large ? length / 3 : radius, 2 * d}};
 	struct deform_contact sweep = {.shape = &shape, .seconds = 0.05, .above = above};
 	sweep.from = ground_pose(ground, at[0], at[1], 0);
 	for (int i = 0; i < 2; i++)
@@ -158,10 +158,10 @@ static void what_comes_takes_back_the_guess(void **state)
 		struct ground ground;
 		begin(&ground, &(struct trip){DEFORM_SLIPPAGE, 64, 3, 0.0625, 4, NULL, false, 0});
 		double d = ground.params.spacing;
-		const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 30 * d};
+		const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 24 * d};
 		struct deform_contact sweep = {.shape = &ball, .above = above};
 		assert_ok(deform_touch(ground.deform, (struct post_rect){96, 96, 97, 97}));
-		sweep.from = sweep.to = ground_pose(&ground, 96, 96, (above ? 30.1 : 29.9) * d);
+		sweep.from = sweep.to = ground_pose(&ground, 96, 96, (above ? 24.1 : 23.9) * d);
 		late_by = LATE_UNTIL_WAITED;
 		sweep_and_wake(&ground, &sweep);
 		struct post_rect write = ground.windows[0].write;

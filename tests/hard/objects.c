@@ -77,10 +77,10 @@ static void an_object_smaller_than_a_post_presses_one_at_most(void **state)
 		assert_int_equal(one.lowered, 1);
 		assert_true(one.under.x0 == 80 && one.under.y0 == 80 && one.low < -0.009 && one.low > -0.011);
 		assert_true(model->conserves || one.raised == 0);
-		/* Another at each step of its way. Smoothing, or what was pressed aside, reaches one post farther. */
+		/* Another at each step of its way. Smoothing reaches one post farther; what was pressed aside two, a band's least width. */
 		struct changes three = changes_of(store, 0, (struct post_rect){30, 30, 50, 50});
 		assert_true(is_box(model) ? three.lowered >= 3 : three.lowered == 3);
-		assert_true(lies_in(three.under, way, is_box(model)) && lies_in(three.all, way, !is_box(model) && !model->conserves ? 0 : 1));
+		assert_true(lies_in(three.under, way, is_box(model)) && lies_in(three.all, way, model->conserves ? 2 : is_box(model)));
 		assert_true(model->conserves || three.raised == 0);
 		/* Between posts nothing is under it. */
 		struct changes none = changes_of(store, 0, (struct post_rect){56, 56, 66, 66});
@@ -102,7 +102,8 @@ static long long windows_of(const struct hard_model *model, const char *store, c
 	return due;
 }
 
-/* A small object is worked on in one window for each post of its path. */
+/* A small object is worked on in one window for each post of its path. So is a large one where soil goes from post to post: its window
+ * is gathered in parts. */
 static void an_object_larger_than_a_window_is_worked_on_in_several(void **state)
 {
 	static const struct {
@@ -118,7 +119,7 @@ static void an_object_larger_than_a_window_is_worked_on_in_several(void **state)
 			long long small = windows_of(model, store, "sphere: {radius: 0.6}", large[i].path);
 			store = hard_store("huge.furrow");
 			long long all = windows_of(model, store, large[i].shape, large[i].path);
-			assert_true(small >= 3 && all % small == 0 && all / small >= 4);
+			assert_true(small >= 3 && (model->conserves ? all == small : all % small == 0 && all / small >= 4));
 			/* A plate presses more posts from west to east than a window has. */
 			struct post_rect under = changes_of(store, -3, world).under;
 			assert_true(i == 0 || (under.x1 - under.x0 > 256 && under.y1 - under.y0 > 256));
@@ -245,7 +246,8 @@ static void starting_deep_inside_the_ground_is_a_hole_and_no_more(void **state)
 		assert_true(lies_in(shaft.all, buried, model->conserves ? 24 : 0));
 		if (!is_sumner(model)) {
 			assert_int_equal(shaft.lowered, 9 * 9);
-			assert_true(lies_in(rut.under, mole, 1) && lies_in(shaft.under, buried, 0));
+			/* Behind the wheel nothing is laid: the wall of 5 m there slides in. */
+			assert_true(lies_in(rut.under, mole, model->conserves ? 2 : 1) && lies_in(shaft.under, buried, 0));
 		}
 		assert_true(model->conserves || (rut.raised == 0 && shaft.raised == 0));
 		mem_free(json);

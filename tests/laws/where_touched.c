@@ -41,13 +41,13 @@ static void what_walks_is_aloft_between_its_prints(void **state)
 		bool back;
 		const char *more;
 	} walks[] = {
-		{0.2, 0.6, 0.97, false, ""}, {0.2, 0.6, 0.97, false, "cache: {slots: 4}\n"}, {0.07, 0.2, 1.01, false, ""},
+		{0.2, 0.8, 0.97, false, ""}, {0.2, 0.8, 0.97, false, "cache: {slots: 4}\n"}, {0.07, 0.2, 1.01, false, ""},
 		{0.15, 0.25, 1.01, true, ""},
 	};
 	for (int m = 2; m < MODELS; m++)
 		for (size_t i = 0; i < sizeof walks / sizeof *walks; i++) {
-			write_steps("left.csv", 10.03, 12.01, 0.9, walks[i].lift, walks[i].back);
-			write_steps("right.csv", 9.55, 12.01 + walks[i].apart, 0.9, walks[i].lift, walks[i].back);
+			write_steps("left.csv", 10.03, 12.01, 1.2, walks[i].lift, walks[i].back);
+			write_steps("right.csv", 9.55, 12.01 + walks[i].apart, 1.2, walks[i].lift, walks[i].back);
 			const char *scene = walk(m, walks[i].more);
 			the_same_either_way(lawn, flat, scene, NULL, (struct least){0.2, walks[i].most});
 			/* Again, where it walked: all of those tiles count as touched. */

@@ -9,7 +9,7 @@
 #define VISITS 3 /* the most visits whose flags are not read yet; before one more visit, the oldest flags are waited for */
 /* flag words for all contacts of one period; if too few are left, a contact activates all blocks that its window lies on */
 #define CONTACT_WORDS 8192
-#define WINDOW_BLOCKS ((SIDE / DEFORM_BLOCK + 1) * (SIDE / DEFORM_BLOCK + 1)) /* most blocks that a window lies on */
+#define WINDOW_BLOCKS ((DEFORM_WHOLE_POSTS / DEFORM_BLOCK + 1) * (DEFORM_WHOLE_POSTS / DEFORM_BLOCK + 1)) /* most blocks that a window lies on */
 
 #define CONTACT_BYTES ((CONTACT_WORDS + WINDOW_BLOCKS) * sizeof(uint32_t))
 #define PERIOD_BYTES (CONTACT_WORDS * sizeof(uint32_t))

@@ -152,7 +152,7 @@ static enum status run_contact(struct deform *deform, const struct deform_contac
 	deform_body_extent(contact->shape, &contact->to, extent);
 	struct scm_params params = params_of(deform, contact, window, layer, extent);
 	bool counted = deform_is_counted(&deform->params, contact->shape, contact->load > 0) &&
-		       deform_fits_window(deform, deform_reached(deform, contact));
+		       deform_fits_window(deform, contact);
 	params.scale[3] = (float)by_width(contact->shape, extent, counted);
 	unsigned with = (contact->tag != 0 ? WITH_FORCES : 0) | (params.scale[3] == 0 ? WITH_PATCH : 0) |
 			(contact->load > 0 ? WITH_LOAD : 0) | WITH_SHAPE * (unsigned)contact->shape->kind;
@@ -169,7 +169,6 @@ static enum status run_contact(struct deform *deform, const struct deform_contac
 		return status;
 	params.zero[3] = (int32_t)record;
 	gpu_texture_clear(deform->contacts, layer, deform_written(window), 0);
-	gpu_texture_clear(deform->carried, layer, deform_written(window), 0);
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
 		.stage = GPU_CONTACT,
 		.program = deform->scm[with],
@@ -197,12 +196,23 @@ static enum status contact(struct deform *deform, const struct deform_contact *c
 {
 	deform->scratch[layer].now[PLANE_OFFSET] = deform->scratch[layer].now[PLANE_DEPOSITED] = 1;
 	enum status status = run_contact(deform, contact, window, layer, deform->tally);
-	return status == STATUS_OK ? deform_spread_and_slide(deform, window, layer) : status;
+	return status == STATUS_OK ? deform_spread_and_slide(deform, contact, window, layer) : status;
 }
 
 static int32_t critical(const struct deform_soil *soil, double apart)
 {
 	return deform_critical_difference(soil->repose, apart);
+}
+
+static double laid_at(const struct deform_soil *soil)
+{
+	return soil->repose;
+}
+
+static double laid_share(const struct deform_params *params, const struct deform_soil *soil)
+{
+	(void)soil;
+	return params->bulldozing;
 }
 
 const struct soil_model deform_model_scm = {
@@ -227,4 +237,6 @@ const struct soil_model deform_model_scm = {
 	.rasters = true,
 	.slide = &deform_slide_excess,
 	.critical = critical,
+	.laid_at = laid_at,
+	.laid_share = laid_share,
 };

@@ -11,7 +11,19 @@ static enum status contact(struct deform *deform, const struct deform_contact *c
 			   uint32_t layer)
 {
 	enum status status = deform_contact_plainly(deform, contact, window, layer);
-	return status == STATUS_OK ? deform_spread_and_slide(deform, window, layer) : status;
+	return status == STATUS_OK ? deform_spread_and_slide(deform, contact, window, layer) : status;
+}
+
+static double laid_at(const struct deform_soil *soil)
+{
+	return soil->friction_angle;
+}
+
+static double laid_share(const struct deform_params *params, const struct deform_soil *soil)
+{
+	(void)params;
+	(void)soil;
+	return 1;
 }
 
 const struct soil_model deform_model_slippage = {
@@ -31,4 +43,6 @@ const struct soil_model deform_model_slippage = {
 	.slide = &deform_slide_excess,
 	.critical = deform_critical_difference_cohesive,
 	.cotangent = deform_critical_cotangent,
+	.laid_at = laid_at,
+	.laid_share = laid_share,
 };

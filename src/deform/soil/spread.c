@@ -1,33 +1,235 @@
-/* Moves the soil that the object displaces to the nearest free posts: from `carried` into `deposits`. */
+/*
+ * Lays down the soil that an object displaces: from `carried` into `deposits`, in bands beside the patch that the object touches
+ * (SOIL.md, "Laying"). All lengths are metres: they come from the object, its motion and the depth, not from the posts.
+ */
+#include <math.h>
+
+#include "deform/shape/body.h"
 #include "deform/internal.h"
 
+#define LAYING_BYTES (48 * 4)   /* lib/spread.glsl */
+#define STEEPEST_TAN 1.0        /* steeper soil is laid as if it stood at 45 degrees */
+#define ONE 65536.0
+
+enum { AHEAD, BEHIND, LEFT, RIGHT, FACES };
+
 struct spread_params {
-	int32_t place[4], written[4];
+	int32_t place[4], written[4], shadow[4], origin[4], axis[4], shares[4];
 };
 
-enum status deform_spread(struct deform *deform, const struct deform_window *window, uint32_t layer)
+/* How an object lays soil: all around its patch, or beside the faces of a rectangle around its patch. */
+struct laying {
+	bool around;
+	double heading;       /* rad: of the rectangle */
+	double shares[FACES]; /* of the soil */
+	double along;         /* share of the patch's length, beside its width, in the width of a band */
+};
+
+/* Computes by how much of its way an object pushes soil ahead of itself: forwards and to the left, each -1 .. 1. A wheel that rolls
+ * pushes none ahead, a locked one as a sledge does. */
+static void push_of(const struct deform_contact *contact, double way, double forward, double aside, double push[2])
 {
-	struct deform_request request;
-	deform_programs_spread(&request);
-	enum status status = deform_program(deform, &request, &deform->spread);
-	if (status != STATUS_OK)
-		return status;
-	struct gpu_rect written = deform_written(window);
+	push[0] = push[1] = 0;
+	if (way == 0)
+		return;
+	double turned = contact->turned * contact->shape->radius;
+	bool braked = forward * turned >= 0 && fabs(turned) < fabs(forward);
+	push[0] = braked ? (forward - turned) / way : 0;
+	push[1] = aside / way;
+}
+
+/* Half of what is pushed goes ahead. So a heap ahead grows until half of it goes aside: about as high as the cut is deep. */
+static struct laying laying_of(const struct deform_contact *contact)
+{
+	double dx = lattice_offset_metres(contact->to.x - contact->from.x), dy = lattice_offset_metres(contact->to.y - contact->from.y);
+	double dz = lattice_offset_metres(contact->to.z - contact->from.z), way = hypot(dx, dy), push[2] = {1, 0};
+	struct laying laying = {.heading = contact->to.yaw};
+	if (deform_is_contact_only(contact))
+		way = 0;
+	if (contact->shape->kind == DEFORM_WHEEL) {
+		double ahead[2] = {cos(laying.heading), sin(laying.heading)};
+		push_of(contact, way, dx * ahead[0] + dy * ahead[1], dy * ahead[0] - dx * ahead[1], push);
+	} else if (way > fabs(dz)) {
+		laying.heading = atan2(dy, dx);
+	} else {
+		laying.around = true;
+		laying.heading = 0;
+		push[0] = 0;
+	}
+	double along = push[0] * push[0], across = push[1] * push[1], rolls = fmax(0, 1 - along - across);
+	laying.along = across;
+	for (int face = 0; face < FACES; face++)
+		laying.shares[face] = face < LEFT ? across / 4 : rolls / 2 + along / 4;
+	laying.shares[push[0] > 0 ? AHEAD : BEHIND] += along / 2;
+	laying.shares[push[1] > 0 ? LEFT : RIGHT] += across / 2;
+	return laying;
+}
+
+/* Returns the widest band of an object, metres. */
+static double widest(const struct deform_shape *shape)
+{
+	double x = shape->size[0], y = shape->size[1], z = shape->size[2];
+	switch (shape->kind) {
+	case DEFORM_WHEEL:
+		return shape->width / 2;
+	case DEFORM_BOX: /* the middle one of its sizes: a plate may lie or stand */
+		return fmax(fmin(x, y), fmin(fmax(x, y), z));
+	case DEFORM_MESH:
+		return deform_shape_bound(shape) / 2;
+	case DEFORM_SPHERE:
+	case DEFORM_SHAPES:
+		break;
+	}
+	return shape->radius;
+}
+
+static double band_posts(const struct deform *deform, const struct deform_shape *shape)
+{
+	return fmin(fmax(widest(shape) / deform->spacing, 2), DEFORM_BAND_POSTS);
+}
+
+/* Returns how far ahead and behind a wheel's axle soil is laid beside it, metres: no farther than it touches soil as a rule. */
+static double beside(const struct deform_shape *shape)
+{
+	return shape->radius / 2;
+}
+
+struct post_rect deform_spread_posts(const struct deform *deform, const struct deform_contact *contact, struct post_rect shadow)
+{
+	const struct laying laying = laying_of(contact);
+	const struct deform_shape *shape = contact->shape;
+	double spacing = deform->spacing, band = band_posts(deform, shape) * spacing, half[2] = {0, 0};
+	double ahead[2] = {fabs(cos(laying.heading)), fabs(sin(laying.heading))}, reach[2] = {band, band};
+	bool faces[2] = {laying.shares[AHEAD] + laying.shares[BEHIND] > 0, laying.shares[LEFT] + laying.shares[RIGHT] > 0};
+	/* Around a rectangle that turns with the object. Of a wheel the rectangle is known. */
+	double along = shape->kind == DEFORM_WHEEL ? deform_body_wheel_radius(shape) : 0;
+	double across = shape->kind == DEFORM_WHEEL ? shape->width / 2 : 0;
+	for (int k = 0; k < 2 && !laying.around; k++) {
+		double x = ahead[k], y = ahead[1 - k];
+		half[k] = faces[0] ? (along + band) * x + across * y : 0;
+		half[k] = faces[1] ? fmax(half[k], fmin(along, beside(shape)) * x + (across + band) * y) : half[k];
+	}
+	if (shape->kind != DEFORM_WHEEL) {
+		for (int k = 0; k < 2; k++)
+			reach[k] = laying.around ? band : half[k];
+		return (struct post_rect){shadow.x0 - (int64_t)ceil(reach[0] / spacing), shadow.y0 - (int64_t)ceil(reach[1] / spacing),
+					  shadow.x1 + (int64_t)ceil(reach[0] / spacing), shadow.y1 + (int64_t)ceil(reach[1] / spacing)};
+	}
+	const double x = lattice_offset_metres(contact->to.x), y = lattice_offset_metres(contact->to.y);
+	const struct post_rect bands = {(int64_t)floor((x - half[0]) / spacing), (int64_t)floor((y - half[1]) / spacing),
+					(int64_t)ceil((x + half[0]) / spacing) + 1, (int64_t)ceil((y + half[1]) / spacing) + 1};
+	return post_rect_around(shadow, bands);
+}
+
+/* Returns the least tangent of the angle at which one of the soils is laid. */
+static double least_tangent(const struct deform_params *params)
+{
+	double least = STEEPEST_TAN;
+	for (int i = 0; i < params->soil_count; i++) {
+		double angle = deform_model_row(params->model)->laid_at(&params->soils[i]);
+		least = fmin(least, angle < M_PI / 4 ? tan(angle) : STEEPEST_TAN);
+	}
+	return fmax(least, 0.01);
+}
+
+/* Returns the largest share of the displaced soil that is laid. */
+static double most_laid(const struct deform_params *params)
+{
+	double most = 0;
+	for (int i = 0; i < params->soil_count; i++)
+		most = fmax(most, deform_model_row(params->model)->laid_share(params, &params->soils[i]));
+	return most;
+}
+
+static int32_t fixed(double value)
+{
+	return (int32_t)lround(value * ONE);
+}
+
+/* Finds where the window's first post lies in the frame. It is counted from the post south-west of the object, so that it does not
+ * depend on the window how places are rounded. */
+static void place_frame(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
+			const double ahead[2], struct spread_params *params)
+{
+	double spacing = deform->spacing;
+	int64_t x = (int64_t)floorl(deform_body_from_post(contact->to.x, 0, spacing) / spacing);
+	int64_t y = (int64_t)floorl(deform_body_from_post(contact->to.y, 0, spacing) / spacing);
+	double east = -(double)deform_body_from_post(contact->to.x, x, spacing) / spacing;
+	double north = -(double)deform_body_from_post(contact->to.y, y, spacing) / spacing;
+	int64_t by_x = x - window->read.x0, by_y = y - window->read.y0;
+	params->axis[0] = fixed(ahead[0]);
+	params->axis[1] = fixed(ahead[1]);
+	params->origin[0] = (int32_t)(fixed(east * ahead[0] + north * ahead[1]) - by_x * params->axis[0] - by_y * params->axis[1]);
+	params->origin[1] = (int32_t)(fixed(north * ahead[0] - east * ahead[1]) - by_y * params->axis[0] + by_x * params->axis[1]);
+}
+
+static struct spread_params params_of(const struct deform *deform, const struct deform_contact *contact,
+				      const struct deform_window *window, uint32_t layer)
+{
+	const struct laying laying = laying_of(contact);
+	const struct gpu_rect written = deform_written(window);
+	const struct deform_shape *shape = contact->shape;
+	const double ahead[2] = {cos(laying.heading), sin(laying.heading)};
 	struct spread_params params = {
-		.place = {(int32_t)layer},
+		.place = {(int32_t)layer, laying.around, fixed(most_laid(&deform->params)), (int32_t)ceil(64 * band_posts(deform, shape))},
 		.written = {(int32_t)written.x, (int32_t)written.y, (int32_t)(written.x + written.width),
 			    (int32_t)(written.y + written.height)},
+		.origin = {0, 0, shape->kind == DEFORM_WHEEL ? fixed(shape->width / 2 / deform->spacing) : 0, fixed(laying.along)},
+		/* A band's cross-section is 2/9 of its width squared, times the tangent of its sides. */
+		.axis = {0, 0, (int32_t)fmin(fmax(lround(4.5 * 64 * 16 / (least_tangent(&deform->params) * deform->spacing)), 1), 1 << 24),
+			 shape->kind == DEFORM_WHEEL ? fixed(fmax(beside(shape) / deform->spacing, 1)) : INT32_MAX},
 	};
-	gpu_texture_clear(deform->deposits, layer, written, 0);
-	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
-		.stage = GPU_SPREAD,
-		.program = deform->spread,
-		.target = deform->scratch[layer].to[TO_BARE],
-		.viewport = written,
-		.images = {deform->contacts, deform->carried, deform->deposits},
-		.storage = {deform->tally},
-		.params = &params,
-		.params_bytes = sizeof params,
-	});
+	place_frame(deform, contact, window, ahead, &params);
+	for (int face = 0; face < FACES; face++)
+		params.shares[face] = laying.around ? (face == AHEAD) * (int32_t)ONE : (int32_t)(laying.shares[face] * ONE);
+	struct post_rect shadow = post_rect_intersect(deform_shadow(deform, contact), window->write);
+	if (!post_rect_empty(shadow)) {
+		params.shadow[0] = (int32_t)(shadow.x0 - window->read.x0);
+		params.shadow[1] = (int32_t)(shadow.y0 - window->read.y0);
+		params.shadow[2] = (int32_t)(shadow.x1 - window->read.x0);
+		params.shadow[3] = (int32_t)(shadow.y1 - window->read.y0);
+	}
+	return params;
+}
+
+enum status deform_spread(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
+			  uint32_t layer)
+{
+	const struct spread_params params = params_of(deform, contact, window, layer);
+	/* The heights are not used before soil slides. */
+	struct gpu_texture *const images[SPREAD_PASSES][4] = {
+		[SPREAD_MEASURE] = {deform->contacts, deform->carried, deform->planes_of[1][PLANE_OFFSET], deform->heights[0]},
+		[SPREAD_WEIGH] = {deform->contacts, deform->heights[0], deform->deposits},
+		[SPREAD_LAY] = {deform->deposits},
+	};
+	gpu_texture_clear(deform->deposits, layer, deform_written(window), 0);
+	gpu_buffer_clear(deform->laying, 0, LAYING_BYTES);
+	for (int pass = 0; pass < SPREAD_PASSES; pass++) {
+		struct deform_request request;
+		deform_programs_spread((enum spread_pass)pass, &request);
+		enum status status = deform_program(deform, &request, &deform->spread[pass]);
+		if (status != STATUS_OK)
+			return status;
+		gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
+			.stage = GPU_SPREAD,
+			.program = deform->spread[pass],
+			.target = deform->scratch[layer].to[TO_BARE],
+			.viewport = deform_rows(params.written),
+			.images = {images[pass][0], images[pass][1], images[pass][2], images[pass][3]},
+			.storage = {deform->tally, deform->laying},
+			.params = &params,
+			.params_bytes = sizeof params,
+		});
+	}
 	return STATUS_OK;
+}
+
+enum status deform_spread_create(struct deform *deform)
+{
+	return gpu_buffer_create(deform->params.gpu, GPU_STORAGE, LAYING_BYTES, NULL, &deform->laying);
+}
+
+void deform_spread_plan(struct plan *plan)
+{
+	deform_plan_buffer(plan, "spread", 1, LAYING_BYTES, "laying");
 }

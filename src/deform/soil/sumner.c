@@ -18,7 +18,18 @@ static enum status contact(struct deform *deform, const struct deform_contact *c
 	for (int i = 0; i < deform->params.soil_count; i++)
 		params.kept[i][0] = (uint32_t)floor(ldexp(1 - deform->params.soils[i].compression, 31));
 	enum status status = deform_run_contact(deform, &params, sizeof params, window, layer);
-	return status == STATUS_OK ? deform_spread_and_slide(deform, window, layer) : status;
+	return status == STATUS_OK ? deform_spread_and_slide(deform, contact, window, layer) : status;
+}
+
+static double laid_at(const struct deform_soil *soil)
+{
+	return fmin(soil->theta_out, soil->theta_stop);
+}
+
+static double laid_share(const struct deform_params *params, const struct deform_soil *soil)
+{
+	(void)params;
+	return 1 - soil->compression;
 }
 
 const struct soil_model deform_model_sumner = {
@@ -37,4 +48,6 @@ const struct soil_model deform_model_sumner = {
 	.shader = "deform/sumner.frag",
 	.contact_soils = true,
 	.slide = &deform_slide_shed,
+	.laid_at = laid_at,
+	.laid_share = laid_share,
 };

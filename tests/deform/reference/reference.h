@@ -83,8 +83,16 @@ void reference_scm(struct reference_ground *ground, const struct deform_soil *so
 double reference_scm_vertical(const struct reference_ground *ground, const struct deform_soil *soil,
 			    const struct deform_contact *sweep, const double *under, const double *rest, double lower);
 
+/* How carried soil was laid down. */
+struct reference_laying {
+	double rate;      /* the most soil of height for each metre of weight */
+	double share;     /* of the carried soil for each metre of weight, the most */
+	double width;     /* of the bands, m; a weight is at most a third of it */
+	bool undecided;   /* a post lies where it may count or not */
+};
 /* Lays down what is carried. */
-void reference_spread(struct reference_ground *ground);
+enum status reference_spread(struct reference_ground *ground, const struct deform_params *params, const struct deform_contact *sweep,
+			     struct reference_laying *laying) FURROW_CHECKED;
 
 /* Slides `iterations` times, or fewer once nothing moves more than `tolerance` metres; how far the last moved
  * any post is *moved. DEFORM_SUMNER, DEFORM_SLIPPAGE, DEFORM_SCM. */

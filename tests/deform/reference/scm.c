@@ -10,7 +10,7 @@
 
 /* What one post has of the object. */
 struct post {
-	struct vector normal; /* of the undisturbed surface */
+	struct vector normal; /* of the base */
 	double sinkage;       /* p: at the contact's end, along the normal; -INFINITY: not under it */
 	double deepest;       /* P: over the contact */
 	double largest;       /* z_max' */

@@ -84,6 +84,7 @@ enum status reference_sweep(struct reference_ground *ground, const struct deform
 	mem_free(rest);
 	if (status != STATUS_OK || params->model == DEFORM_NONE)
 		return status;
-	reference_spread(ground);
-	return reference_slide(ground, params, params->iterations, 0, &moved);
+	struct reference_laying laying;
+	status = reference_spread(ground, params, sweep, &laying);
+	return status == STATUS_OK ? reference_slide(ground, params, params->iterations, 0, &moved) : status;
 }

@@ -1,0 +1,62 @@
+#version 450 core
+// The third pass that lays down carried soil: each post of a band gets soil by its weight. What is left of rounding goes to the
+// heaviest post of the face, so the sum is exact.
+
+#include "lib/spread.glsl"
+
+layout(binding = 0, r32i) coherent restrict uniform iimage2DArray deposits; // in: weight, face << 16; out: fixed-point units
+
+const int REST_MOST = 1 << 20;
+
+i64 amount(i64 rate, uint weight)
+{
+	return i64_sar(i64_mul_int(rate, int(weight)), RATE_BITS);
+}
+
+void lay_rest(int face)
+{
+	i64 rest = i64_sub(words(parts[2 * face], parts[2 * face + 1]), words(laid[2 * face], laid[2 * face + 1]));
+	if (i64_less(rest, i64_from(REST_MOST))) {
+		uint at = heaviest[face];
+		imageAtomicAdd(deposits, ivec3(int(at & 1023u), int(at >> 10 & 1023u), place.x), i64_to_int(rest));
+	} else {
+		tally_sum(COMPACTED, uvec2(rest.lo, uint(rest.hi)));
+		tally_add(REFUSED, 1u);
+	}
+}
+
+void main()
+{
+	int y = row_of_pass();
+	if (y >= written.w || (carried[0] | carried[1]) == 0u)
+		return;
+	i64 rate[FACES];
+	for (int face = 0; face < FACES; face++)
+		rate[face] = words(rates[2 * face], rates[2 * face + 1]);
+	uvec4 sum = uvec4(0u);
+	read_band();
+	ivec2 posts = posts_of_row(y);
+	for (int x = posts.x; x < posts.y; x++) {
+		ivec3 post = ivec3(x, y, place.x);
+		int weighed = imageLoad(deposits, post).r, face = weighed >> 16;
+		if (weighed == 0)
+			continue;
+		uvec4 here = uvec4(equal(ivec4(face), ivec4(0, 1, 2, 3)));
+		bvec2 second = bvec2((face & 1) != 0, (face & 2) != 0);
+		uvec2 sums = second.y ? sum.zw : sum.xy;
+		uint before = second.x ? sums.y : sums.x, after = before + uint(weighed & 0xffff);
+		i64 own = face == 0 ? rate[0] : face == 1 ? rate[1] : face == 2 ? rate[2] : rate[3];
+		imageStore(deposits, post, ivec4(i64_to_int(i64_sub(amount(own, after), amount(own, before)))));
+		sum += here * uint(weighed & 0xffff);
+	}
+	for (int face = 0; face < FACES; face++)
+		if (sum[face] > 0u) {
+			i64 all = amount(rate[face], sum[face]);
+			uint before = atomicAdd(laid[2 * face], all.lo);
+			atomicAdd(laid[2 * face + 1], uint(all.hi) + uint(before + all.lo < before));
+		}
+	if (is_last(2))
+		for (int face = 0; face < FACES; face++)
+			if (weights[face] > 0u)
+				lay_rest(face);
+}

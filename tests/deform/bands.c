@@ -1,0 +1,307 @@
+/*
+ * Bands of laid soil: how large, how round and where they are depends neither on the spacing of posts nor on the axes nor on windows.
+ * Directions are 0, 22.5 and 45 degrees, spacings are halved twice.
+ */
+#include "ground.h"
+
+static const double headings[] = {0, M_PI / 8, M_PI / 4};
+
+static struct ground_params soil_of(enum deform_model model, double spacing, uint32_t tiles, const struct deform_soil *soil)
+{
+	return (struct ground_params){.cells = 64, .tiles = tiles, .spacing = spacing, .model = model, .soils = soil, .soil_count = 1,
+				      .iterations = 1, .bulldozing = model == DEFORM_SCM ? 1 : 0, .stands = true};
+}
+
+static struct deform_soil loose(enum deform_model model)
+{
+	struct deform_soil soil;
+	assert_ok(deform_soil_named(model == DEFORM_SUMNER ? "sand" : "dry_sand", &soil));
+	soil.cohesion = 0;
+	return soil;
+}
+
+/* A post of the block from a place on a line, in metres along it and to its left. */
+static void place_of(const struct ground *ground, int64_t at, double x, double y, double heading, double place[2])
+{
+	double east = (double)(at % ground->posts) * ground->params.spacing - x, north = (double)(at / ground->posts) * ground->params.spacing - y;
+	place[0] = east * cos(heading) + north * sin(heading);
+	place[1] = north * cos(heading) - east * sin(heading);
+}
+
+struct way {
+	const struct deform_shape *shape;
+	double x, y, heading, length, sink, load; /* from its middle, m; N */
+	double slip; /* 1: locked */
+};
+
+/* A body along a straight way, a post from sample to sample. The mean height of its centre over the second half of the way. */
+static double drive(struct ground *ground, const struct way *way)
+{
+	double d = ground->params.spacing, sum = 0;
+	int samples = (int)lround(way->length / d), counted = 0;
+	struct deform_contact sweep = {.shape = way->shape, .load = way->load, .seconds = way->load > 0 ? d : 0, .tag = way->load > 0};
+	for (int i = 0; i <= samples; i++) {
+		double along = i * d - way->length / 2;
+		struct deform_pose pose = ground_pose(ground, (way->x + along * cos(way->heading)) / d, (way->y + along * sin(way->heading)) / d,
+						      deform_shape_reach(way->shape, 0, 0) - way->sink);
+		pose.yaw = way->heading;
+		sweep.from = i == 0 ? pose : sweep.to;
+		sweep.to = pose;
+		sweep.turned = i == 0 ? 0 : (1 - way->slip) * d / way->shape->radius;
+		ground_sweep(ground, &sweep);
+		if (way->load == 0)
+			continue;
+		struct deform_forces forces;
+		bool taken = false;
+		assert_ok(deform_forces_begin(ground->deform));
+		assert_ok(deform_forces_take(ground->deform, true, &forces, &taken));
+		assert_true(taken);
+		if (i > samples / 2 && i < samples - 4) {
+			sum += lattice_offset_metres(forces.z);
+			counted++;
+		}
+	}
+	ground_read(ground);
+	return counted > 0 ? sum / counted : 0;
+}
+
+struct berm {
+	double left, right, widest, crest, corridor, hollow; /* m2: sections; m; m2 raised in the corridor; m2 lowered */
+};
+
+static struct berm berm_of(const struct ground *ground, const struct way *way, double half_width, double from, double to)
+{
+	struct berm berm = {0};
+	double area = ground->params.spacing * ground->params.spacing;
+	for (int64_t i = 0; i < ground->posts * ground->posts; i++) {
+		double place[2], height = lattice_offset_metres(ground->offset[i]);
+		place_of(ground, i, way->x, way->y, way->heading, place);
+		if (place[0] < from || place[0] >= to || height == 0)
+			continue;
+		double section = height * area / (to - from);
+		if (height < 0)
+			berm.hollow -= section;
+		else if (fabs(place[1]) <= half_width)
+			berm.corridor += section;
+		else if (place[1] > 0)
+			berm.left += section;
+		else
+			berm.right += section;
+		if (height > 0.0005)
+			berm.widest = fmax(berm.widest, fabs(place[1]) - half_width);
+		berm.crest = fmax(berm.crest, height);
+	}
+	return berm;
+}
+
+/* All that a rolling wheel displaces lies beside its way: half on each side, in a band as wide as the rule says. */
+static void a_rolling_wheel_lays_the_same_berm_at_every_spacing(void **state)
+{
+	const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.5};
+	const struct deform_soil soil = loose(DEFORM_SLIPPAGE);
+	double sink = 0.02, half = wheel.width / 2, width = sqrt(4.5 * sink * half / tan(soil.friction_angle));
+	(void)state;
+	need_gpu();
+	for (int k = 0; k < 9; k++) {
+		double d = 0.04 / (1 << k / 3);
+		struct ground ground;
+		const struct ground_params params = soil_of(DEFORM_SLIPPAGE, d, (uint32_t)(1 << k / 3), &soil);
+		ground_init(&ground, &params);
+		const struct way way = {.shape = &wheel, .x = 1.283, .y = 1.271, .heading = headings[k % 3], .length = 1, .sink = sink};
+		drive(&ground, &way);
+		struct berm berm = berm_of(&ground, &way, half, -0.25, 0.25);
+		double wanted = sink * wheel.width / 2;
+		print_message("%g m, %g degrees: %.5g and %.5g m2 of %.5g; %.3g m wide of %.3g, %.4g m high\n", d, way.heading * 180 / M_PI,
+			      berm.left, berm.right, wanted, berm.widest, width, berm.crest);
+		assert_true(fabs(berm.left + berm.right - berm.hollow) < 0.03 * berm.hollow);
+		assert_true(fabs(berm.left - berm.right) < 0.06 * berm.left && fabs(berm.hollow - 2 * wanted) < (0.03 + 1.2 * d) * 2 * wanted);
+		assert_true(fabs(berm.widest - width) < 0.05 * width + d);
+		/* Its section is two thirds of its width times its height. */
+		assert_true(fabs(berm.crest - 1.5 * wanted / width) < (0.12 + 3 * d) * 1.5 * wanted / width);
+		assert_true(berm.corridor == 0);
+		ground_finish(&ground);
+	}
+}
+
+/* A locked wheel is a sledge: half of what it displaces lies ahead, until as much goes aside as it cuts. The heap stops growing. */
+static void the_heap_ahead_of_a_sledge_is_bounded(void **state)
+{
+	const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.5};
+	const struct deform_soil soil = loose(DEFORM_SLIPPAGE);
+	double highest[2][2];
+	(void)state;
+	need_gpu();
+	for (int k = 0; k < 4; k++) {
+		struct ground ground;
+		const struct ground_params params = soil_of(DEFORM_SLIPPAGE, k / 2 == 0 ? 0.04 : 0.02, k / 2 == 0 ? 2 : 4, &soil);
+		ground_init(&ground, &params);
+		const struct way way = {.shape = &wheel, .x = 1.8 + 0.25 * (k % 2), .y = 2.5, .length = 1 + 0.5 * (k % 2), .sink = 0.02,
+					.slip = 1, .heading = 0};
+		drive(&ground, &way);
+		highest[k / 2][k % 2] = 0;
+		for (int64_t i = 0; i < ground.posts * ground.posts; i++) {
+			double place[2];
+			place_of(&ground, i, way.x, way.y, 0, place);
+			if (fabs(place[1]) < 0.2 && place[0] > way.length / 2)
+				highest[k / 2][k % 2] = fmax(highest[k / 2][k % 2], lattice_offset_metres(ground.offset[i]));
+		}
+		ground_finish(&ground);
+	}
+	print_message("ahead %.4g and %.4g m high after 1 and 1.5 m; at half the spacing %.4g and %.4g\n", highest[0][0], highest[0][1],
+		      highest[1][0], highest[1][1]);
+	for (int k = 0; k < 2; k++)
+		assert_true(highest[k][0] > 0.008 && highest[k][1] < 1.1 * highest[k][0] && highest[k][1] < 0.04);
+	assert_true(fabs(highest[0][1] - highest[1][1]) < 0.2 * highest[1][1]);
+}
+
+/* The greatest height along rays from the middle. */
+static void crests(const struct ground *ground, double x, double y, double *least, double *most)
+{
+	double d = ground->params.spacing;
+	*least = INFINITY;
+	*most = 0;
+	for (int ray = 0; ray < 48; ray++) {
+		double crest = 0, u = cos(ray * M_PI / 24), v = sin(ray * M_PI / 24);
+		for (double far = 0; far < 1.6; far += d / 4) {
+			double i = (x + far * u) / d, j = (y + far * v) / d, p = i - floor(i), q = j - floor(j);
+			const int32_t *at = ground->offset + (int64_t)j * ground->posts + (int64_t)i;
+			double height = (1 - q) * ((1 - p) * at[0] + p * at[1]) + q * ((1 - p) * at[ground->posts] + p * at[ground->posts + 1]);
+			crest = fmax(crest, ldexp(height, -OFFSET_BITS));
+		}
+		*least = fmin(*least, crest);
+		*most = fmax(*most, crest);
+	}
+}
+
+static void crests_are_as_high_all_around(void **state)
+{
+	static const enum deform_model models[] = {DEFORM_SLIPPAGE, DEFORM_SUMNER, DEFORM_SCM};
+	const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 0.6}, box = {.kind = DEFORM_BOX, .size = {1.2, 0.8, 0.6}};
+	(void)state;
+	need_gpu();
+	for (int m = 0; m < 3; m++)
+		for (int k = 0; k < 12; k++) {
+			const struct deform_shape *shape = k % 4 == 3 ? &ball : &box;
+			double d = 0.125 / (1 << k / 4), least, most, x = 4.013, y = 3.987;
+			const struct deform_soil soil = loose(models[m]);
+			const struct ground_params params = soil_of(models[m], d, (uint32_t)(1 << k / 4), &soil);
+			struct ground ground;
+			ground_init(&ground, &params);
+			struct deform_contact sweep = {.shape = shape,
+						       .from = ground_pose(&ground, x / d, y / d, deform_shape_reach(shape, 0, 0) - 0.3)};
+			sweep.from.yaw = k % 4 == 3 ? 0 : headings[k % 4];
+			sweep.to = sweep.from;
+			ground_sweep(&ground, &sweep);
+			ground_read(&ground);
+			crests(&ground, x, y, &least, &most);
+			if (!(most - least < 0.1 * most) || !(least > 0.03))
+				fail_msg("%s, %g m, case %d: crests from %.4g to %.4g m", deform_model_row(models[m])->name, d, k % 4, least, most);
+			ground_finish(&ground);
+		}
+}
+
+/* A plate of 5 m over posts 1/64 m apart needs parts of a window. Wherever it stands it leaves the same, to the unit. */
+static void parts_of_a_window_leave_no_trace(void **state)
+{
+	static const enum deform_model models[] = {DEFORM_SLIPPAGE, DEFORM_SUMNER, DEFORM_SCM};
+	static const int64_t moved[][2] = {{144, 0}, {0, 64}, {-37, 11}};
+	const struct deform_shape plate = {.kind = DEFORM_BOX, .size = {5, 5, 1}};
+	(void)state;
+	need_gpu();
+	for (int m = 0; m < 3; m++) {
+		const struct deform_soil soil = loose(models[m]);
+		struct ground_params params = soil_of(models[m], 0x1p-6, 4, &soil);
+		struct ground first, other;
+		params.cells = 256;
+		ground_init(&first, &params);
+		for (int k = -1; k < 3; k++) {
+			struct ground *ground = k < 0 ? &first : &other;
+			int64_t x = k < 0 ? 0 : moved[k][0], y = k < 0 ? 0 : moved[k][1], differ = 0, raised = 0;
+			if (k >= 0)
+				ground_init(&other, &params);
+			struct deform_contact sweep = {.shape = &plate, .from = ground_pose(ground, 500.3 + (double)x, 512.6 + (double)y, 0.2)};
+			sweep.to = sweep.from;
+			ground_sweep(ground, &sweep);
+			sweep.to.x += lattice_offset(0x1p-6);
+			ground_sweep(ground, &sweep);
+			assert_true(ground->window_count > 1);
+			ground_read(ground);
+			for (int64_t i = 0; i < first.posts * first.posts && k >= 0; i++) {
+				int64_t to_x = i % first.posts + x, to_y = i / first.posts + y;
+				bool inside = to_x >= 0 && to_y >= 0 && to_x < first.posts && to_y < first.posts;
+				differ += first.offset[i] != (inside ? other.offset[to_y * first.posts + to_x] : 0);
+				raised += first.offset[i] > 0;
+			}
+			assert_true(differ == 0 && (k < 0 || raised > 50000));
+			if (k >= 0)
+				ground_finish(&other);
+		}
+		ground_finish(&first);
+	}
+}
+
+/* The default wheel of 800 N on dry sand: what is laid does not push it back, and it sinks no deeper with finer posts. */
+static void a_loaded_wheel_sinks_as_deep_with_finer_posts(void **state)
+{
+	const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.32, .width = 0.24};
+	struct deform_soil soil;
+	(void)state;
+	need_gpu();
+	assert_ok(deform_soil_named("dry_sand", &soil));
+	for (int k = 0; k < 3; k++) {
+		double finest = 0;
+		for (int step = 2; step >= 0; step--) {
+			double d = 0.02 / (1 << step);
+			struct ground ground;
+			struct ground_params params = soil_of(DEFORM_SCM, d, (uint32_t)(1 << step), &soil);
+			params.bulldozing = 0.5;
+			ground_init(&ground, &params);
+			const struct way way = {.shape = &wheel, .x = 0.643, .y = 0.641, .heading = headings[k], .length = 0.5, .load = 800};
+			double sinkage = wheel.radius - drive(&ground, &way);
+			finest = step == 2 ? sinkage : finest;
+			print_message("%g degrees, %g m: %.5g m\n", way.heading * 180 / M_PI, d, sinkage);
+			assert_true(fabs(sinkage - finest) < (step == 1 ? 0.015 : 0.03) * finest);
+			ground_finish(&ground);
+		}
+	}
+}
+
+/* Ten passes in one rut: each sinks a little deeper, more and more slowly, and none gallops. */
+static void ten_passes_deepen_a_rut_steadily(void **state)
+{
+	const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.32, .width = 0.24};
+	struct deform_soil soil;
+	double sinkage[2][10];
+	(void)state;
+	need_gpu();
+	assert_ok(deform_soil_named("dry_sand", &soil));
+	for (int k = 0; k < 2; k++) {
+		struct ground ground;
+		struct ground_params params = soil_of(DEFORM_SCM, 0.016 / (1 << k), (uint32_t)(2 << k), &soil);
+		params.bulldozing = 0.5;
+		ground_init(&ground, &params);
+		const struct way way = {.shape = &wheel, .x = 1.003, .y = 1.001, .length = 0.5, .load = 1000, .slip = -0.25};
+		for (int pass = 0; pass < 10; pass++) {
+			sinkage[k][pass] = wheel.radius - drive(&ground, &way);
+			assert_true(pass == 0 || sinkage[k][pass] > 0.99 * sinkage[k][pass - 1]);
+			assert_true(pass < 2 || sinkage[k][pass] - sinkage[k][pass - 1] <
+							 1.2 * (sinkage[k][1] - sinkage[k][0]));
+		}
+		print_message("%g m: %.4g, %.4g, ... %.4g m\n", ground.params.spacing, sinkage[k][0], sinkage[k][1], sinkage[k][9]);
+		ground_finish(&ground);
+	}
+	assert_true(fabs(sinkage[0][9] - sinkage[1][9]) < 0.06 * sinkage[1][9]);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_rolling_wheel_lays_the_same_berm_at_every_spacing),
+		cmocka_unit_test(the_heap_ahead_of_a_sledge_is_bounded),
+		cmocka_unit_test(crests_are_as_high_all_around),
+		cmocka_unit_test(parts_of_a_window_leave_no_trace),
+		cmocka_unit_test(a_loaded_wheel_sinks_as_deep_with_finer_posts),
+		cmocka_unit_test(ten_passes_deepen_a_rut_steadily),
+	};
+	return cmocka_run_group_tests_name("deform/bands", tests, open_gpu, close_gpu);
+}
