@@ -157,7 +157,7 @@ static void make_tiles(struct rig *rig)
 			rig->tiles[rig->tile_count] = (struct deform_tile){{0, x, y}, (uint32_t)rig->tile_count};
 			rig->tile_count++;
 		}
-	bench_must(gpu_slots_create(rig->gpu, rig->extent->cells, (uint32_t)rig->tile_count, deform_planes(rig->of->model, false),
+	bench_must(gpu_slots_create(rig->gpu, rig->extent->cells, (uint32_t)rig->tile_count, deform_planes(rig->of->model, false, false),
 				    &rig->slots));
 	bench_must(gpu_staging_create(rig->gpu, bytes, &staging));
 	for (size_t i = 0; i < rig->tile_count; i++) {

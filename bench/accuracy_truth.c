@@ -119,8 +119,8 @@ static void find_undersides(struct sweep *sweep)
 /* A reference ground of that rectangle; its posts brought from the field, or back to it. */
 static void bring(const struct reference_ground *field, const struct reference_ground *part, struct post_rect rect, bool back)
 {
-	double *const whole[] = {field->base, field->offset, field->heaped, field->pressed, field->shear[0], field->shear[1]};
-	double *const cut[] = {part->base, part->offset, part->heaped, part->pressed, part->shear[0], part->shear[1]};
+	double *const whole[] = {field->base, field->offset, field->heaped, field->pressed, field->dug, field->shear[0], field->shear[1]};
+	double *const cut[] = {part->base, part->offset, part->heaped, part->pressed, part->dug, part->shear[0], part->shear[1]};
 	size_t width = (size_t)(rect.x1 - rect.x0);
 	for (size_t k = 0; k < sizeof whole / sizeof whole[0]; k++)
 		for (int64_t y = rect.y0; y < rect.y1; y++) {

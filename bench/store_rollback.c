@@ -25,7 +25,7 @@ static const struct dem_synth ground = {
 };
 
 struct soil {
-	int32_t offset[POSTS], heaped[POSTS], pressed[POSTS], shear[POSTS];
+	int32_t offset[POSTS], heaped[POSTS], pressed[POSTS], shear[POSTS], dug[POSTS];
 };
 
 static void fill(struct soil *soil, struct store_page *page, int number, int round)
@@ -38,6 +38,7 @@ static void fill(struct soil *soil, struct store_page *page, int number, int rou
 		soil->offset[i] = (int32_t)lround(ldexp(heap - depth, 20));
 		soil->heaped[i] = (int32_t)lround(ldexp(heap, 20));
 		soil->pressed[i] = (int32_t)lround(ldexp(depth, 20));
+		soil->dug[i] = soil->pressed[i] / 8;
 		soil->shear[i] = (int32_t)lround(ldexp(depth * 4, 15)); /* as under a wheel that is 12 m long */
 	}
 	*page = (struct store_page){.tile = {LEVEL, (uint32_t)number % 10, (uint32_t)number / 10}};
@@ -45,6 +46,7 @@ static void fill(struct soil *soil, struct store_page *page, int number, int rou
 	page->planes[PLANE_DEPOSITED] = soil->heaped;
 	page->planes[PLANE_PLASTIC_SINKAGE] = soil->pressed;
 	page->planes[PLANE_SHEAR] = soil->shear;
+	page->planes[PLANE_DUG] = soil->dug;
 }
 
 /* Milliseconds. */

@@ -49,7 +49,7 @@ static void work_program(struct rig *rig)
 	for (const struct shader_text *file = gpu_shader_table; file->path != NULL; file++)
 		if (strcmp(file->path, "full.vert") == 0)
 			table[1] = *file;
-	bench_must(gpu_program_get_from(rig->gpu, table, &(struct gpu_program_request){"full.vert", "work.frag", {NULL}},
+	bench_must(gpu_program_get_from(rig->gpu, table, &(struct gpu_program_request){.vertex = "full.vert", .fragment = "work.frag"},
 					&rig->program));
 }
 

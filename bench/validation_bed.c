@@ -44,7 +44,7 @@ static void make_tiles(struct bed *bed, uint32_t side)
 	bed->tiles = mem_calloc(bed->tile_count, sizeof *bed->tiles);
 	if (bed->tiles == NULL)
 		bench_must(fail_memory("bench"));
-	bench_must(gpu_slots_create(bed_gpu, CELLS, side * side, deform_planes(DEFORM_SCM, false), &bed->slots));
+	bench_must(gpu_slots_create(bed_gpu, CELLS, side * side, deform_planes(DEFORM_SCM, false, false), &bed->slots));
 	bench_must(gpu_staging_create(bed_gpu, bytes, &flat));
 	memset(gpu_staging_bytes(flat), 0, bytes);
 	for (uint32_t k = 0; k < side * side; k++) {

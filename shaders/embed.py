@@ -9,7 +9,7 @@ with open(out, "w", encoding="ascii") as c:
     c.write('#pragma GCC diagnostic ignored "-Woverlength-strings"\n\n')
     c.write("extern const struct shader_text %s[];\n" % table)
     c.write("const struct shader_text %s[] = {\n" % table)
-    for path in sorted(p for p in folder.rglob("*") if p.suffix in (".glsl", ".vert", ".frag")):
+    for path in sorted(p for p in folder.rglob("*") if p.suffix in (".glsl", ".vert", ".frag", ".comp")):
         c.write('\t{"%s",\n' % path.relative_to(folder).as_posix())
         for line in path.read_text(encoding="ascii").splitlines():
             c.write('\t "%s\\n"\n' % line.replace("\\", "\\\\").replace('"', '\\"'))

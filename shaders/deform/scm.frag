@@ -1,6 +1,7 @@
 #version 450 core
-// The contact pass of scm: the soil's answer to the object. One invocation for each row (soil.glsl). Images change in place: of
-// its neighbours a post reads only the base and the deposited thickness, which this pass does not write.
+// The contact pass of scm: the soil's answer to the object. One invocation for each row of the window's written posts, which loops
+// over the posts. So sums stay in registers, and posts that nothing touches are skipped. Images change in place: of its neighbours
+// a post reads only the base and the deposited thickness, which this pass does not write.
 // Defines: FORCES: sums forces and moments; PATCH: b follows from the counted posts; LOAD: the equilibrium height was found.
 
 #include "lib/soil.glsl"
@@ -17,17 +18,18 @@ layout(binding = 6, r8ui) uniform writeonly restrict uimage2DArray contacts;
 layout(binding = 7, r32i) uniform writeonly restrict iimage2DArray carries;
 
 #ifdef FORCES
-// 16 words for each contact with a tag: force and moment, 64 bits for each component; then four counts:
+// 18 words for each contact with a tag: force and moment, 64 bits for each component; then these:
 // - area that bears, faces[0].w a post
-// - the deepest sinkage, fixed-point units
+// - the deepest sinkage below the base, fixed-point units
 // - the equilibrium height above the prescribed one, fixed-point units
 // - posts whose share was too large to count
+// - the mean slope of the base under the object, east and north, in 2^-16
 layout(std430, binding = 1) restrict buffer records {
 	int record[];
 };
 
-const int AREA = 12, DEEPEST = 13, RAISED = 14, SATURATED = 15;
-const int SUNK = int(0x80000000u); // a bit beside the number of saturated posts: the soil does not carry the load
+const int AREA = 12, DEEPEST = 13, RAISED = 14, SATURATED = 15, SLOPE = 16, WORDS = 18;
+const int STATE_BIT = 30; // the two highest bits beside the number of saturated posts: the state of a loaded object
 const float MOST = 2147483000.0;
 
 void record_add(int at, total t)
@@ -44,6 +46,15 @@ layout(std430, binding = 3) restrict buffer standings {
 };
 #endif
 
+const int COLUMNS = 4; // rows side by side in the viewport, so that its blocks of pixels are full
+
+// Returns the row of this invocation. If it is written.w or more, there is none.
+int row_of_pass()
+{
+	ivec2 at = ivec2(gl_FragCoord.xy);
+	return written.y + at.x + COLUMNS * at.y;
+}
+
 // Tells whether the object was at most two posts' spacing above the surface. So it may have been in contact before, or comes next:
 // then shear that is left there from another contact ends. Otherwise it is that of another object, below this one.
 bool is_near(int x, int y, ground g, object o)
@@ -53,30 +64,40 @@ bool is_near(int x, int y, ground g, object o)
 	return o.lowest != UNDER_NONE && g.base != BASE_NODATA && o.lowest - surface < int(min(scale.y * 2097152.0, 1e9));
 }
 
+// Tells whether the post has what ends with the contact.
+bool remembers(int x, int y)
+{
+	bool some = imageLoad(shears, ivec3(x, y, zero.z)).r != 0;
+#ifdef SLIP
+	some = some || imageLoad(dugs, ivec3(x, y, zero.z)).r != 0;
+#endif
+	return some;
+}
+
 void main()
 {
 	int y = row_of_pass();
 	if (y >= written.w)
 		return;
 	int raised = 0;
-	float by_width = scale.w;
+	float by_width = scale.w, unit = scale.z;
 #ifdef LOAD
-	attempt found = found_next(zero.w >> 16, int(load.y));
-	raised = found.at;
+	unit /= found_share;
+	raised = found_raised;
 	if (y == written.y && load.z > 0.0)
 		standing[int(load.z) - 1] = raised;
 #endif
 #ifdef PATCH
-	by_width = found_by_width(tries[zero.w >> 16].posts, place.w);
+	by_width = found_by_width(found_posts, place.w);
 #endif
 	for (int x = written.x; x < written.z; x++)
-		if (imageLoad(bases, ivec3(x, y, zero.z)).r == BASE_NODATA)
+		if (texelFetch(bases, ivec3(x, y, zero.z), 0).r == BASE_NODATA)
 			imageStore(contacts, ivec3(x, y, zero.z), uvec4(HOLE));
 	int first = shadow.z, last = shadow.x;
 	for (int x = shadow.x; x < shadow.z && y >= shadow.y && y < shadow.w; x++) {
 		ground g = ground_at(x, y);
 		object o = object_at(x, y, raised);
-		bool touches = may_touch(g, o) || imageLoad(shears, ivec3(x, y, zero.z)).r != 0 && is_near(x, y, g, o);
+		bool touches = may_touch(g, o) || remembers(x, y) && is_near(x, y, g, o);
 #ifdef FORCES
 		touches = touches || may_bear(x, y, g, o);
 #endif
@@ -95,21 +116,33 @@ void main()
 		east = ground_at(x + 1, y);
 		object o = object_at(x, y, raised);
 		soil s = soil_at(x, y);
-		post_state before = {imageLoad(offsets, post).r, imageLoad(heaps, post).r, imageLoad(sinkages, post).r, imageLoad(shears, post).r};
+		post_state before = {imageLoad(offsets, post).r, imageLoad(heaps, post).r, imageLoad(sinkages, post).r, 0, imageLoad(shears, post).r};
+#ifdef SLIP
+		before.dug = imageLoad(dugs, post).r;
+#endif
 		vec3 n = normal_of(west, g, east, ground_at(x, y - 1), ground_at(x, y + 1));
 		bearing b = bearing_of(s, by_width, n, g, o, cell_at(x, y, o), before);
 		over += uint(b.refused);
 		total_add(lost, before.offset - b.after.offset - b.carried);
-		if (b.after.shear != before.shear && (b.held || is_near(x, y, g, o)))
-			imageStore(shears, post, ivec4(b.after.shear));
+		if (b.held || is_near(x, y, g, o)) {
+			if (b.after.shear != before.shear)
+				imageStore(shears, post, ivec4(b.after.shear));
+#ifdef SLIP
+			if (b.after.dug != before.dug)
+				imageStore(dugs, post, ivec4(b.after.dug));
+#endif
+		}
 		if (b.touched) {
 			imageStore(offsets, post, ivec4(b.after.offset));
+#ifdef SLIP
+			imageStore(heaps, post, ivec4(b.after.heap));
+#endif
 			imageStore(sinkages, post, ivec4(b.after.sinkage));
 			imageStore(contacts, post, uvec4(LOWERED | (b.held ? HELD : 0u)));
 			imageStore(carries, post, ivec4(b.carried));
 		}
 #ifdef FORCES
-		vec3 f = b.stress * scale.z, m = b.moment * scale.z * place.z;
+		vec3 f = b.stress * unit, m = b.moment * unit * place.z;
 		bool bears = g.base != BASE_NODATA && b.area > 0.0;
 		f = bears ? f : vec3(0.0);
 		m = bears ? m : vec3(0.0);
@@ -120,14 +153,20 @@ void main()
 			total_add(moment[i], int(round(clamp(m[i], -MOST, MOST))));
 		}
 		area += bears ? int(round(b.area * faces[0].w)) : 0;
-		deepest = max(deepest, b.held ? b.sunk : 0);
+		deepest = max(deepest, b.held && bears ? b.sunk - before.heap : 0);
 #endif
 	}
+#ifdef FORCES
+	if (y == written.y && zero.z == 0) {
+		vec2 slope = clamp(slope_under(), -1e4, 1e4) * 65536.0;
+		record[zero.w * WORDS + SLOPE] = int(round(slope.x));
+		record[zero.w * WORDS + SLOPE + 1] = int(round(slope.y));
+	}
+#endif
 #if defined(FORCES) && defined(LOAD)
 	if (y == written.y) {
-		record[(zero.w & 0xffff) * 16 + RAISED] = raised;
-		if (found.top > -2000000000 && raised <= found.top - int(load.y) + 1)
-			atomicOr(record[(zero.w & 0xffff) * 16 + SATURATED], SUNK);
+		record[zero.w * WORDS + RAISED] = raised;
+		atomicOr(record[zero.w * WORDS + SATURATED], int(found_state << STATE_BIT));
 	}
 #endif
 	if (last <= first)
@@ -136,7 +175,7 @@ void main()
 	if (over > 0u)
 		tally_add(REFUSED, over);
 #ifdef FORCES
-	int to = (zero.w & 0xffff) * 16;
+	int to = zero.w * WORDS;
 	for (int i = 0; i < 3; i++) {
 		record_add(to + 2 * i, force[i]);
 		record_add(to + 6 + 2 * i, moment[i]);

@@ -89,7 +89,11 @@ void main()
 #endif
 		amount = other == STILL || over <= limits[0].z ? 0 : max(amount, 0);
 #ifdef WAKES
-		steep = steep || (other != STILL && high > limits[soil].w);
+		int beyond = high - limits[soil].w;
+#ifdef STOOD
+		beyond = min(beyond, more);
+#endif
+		steep = steep || (other != STILL && beyond > 0);
 #endif
 		change += gives ? -amount : amount;
 		moves |= amount;

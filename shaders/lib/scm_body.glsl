@@ -120,12 +120,18 @@ cell cell_at(int x, int y, object o)
 	return c;
 }
 
-// Returns false if the object surely does not touch a post's cell.
-bool may_bear(int x, int y, ground g, object o)
+// Returns how much higher the object can be raised and still touch a post's cell, fixed-point units; a little more. At or below 0 it
+// surely does not touch it.
+int touch_room(int x, int y, ground g, object o)
 {
 	face f = face_at(place.xy + scale.y * vec2(x, y), vec2(0.0));
 	float depth = o.rests != UNDER_NONE ? float(g.height - o.rests) : between_posts() ? float(g.height - o.raised) - f.height * 1048576.0 : -1e9;
 	// Over half a post the ground and the underside rise by at most about this.
 	float rise = body.x == POSTS_ONLY ? 0.0 : (1.25 * length(f.slope) + 0.6) * 0.75 / scale.x;
-	return g.base != BASE_NODATA && depth + rise > 0.0;
+	return g.base != BASE_NODATA ? int(clamp(ceil(depth + rise), -2e9, 2e9)) : -2000000000;
+}
+
+bool may_bear(int x, int y, ground g, object o)
+{
+	return touch_room(x, y, g, o) > 0;
 }

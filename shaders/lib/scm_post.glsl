@@ -9,6 +9,7 @@ const float LEAST = 6e-7; // m: the stored sinkage is rounded to whole fixed-poi
 // What a post remembers, in the units of its planes.
 struct post_state {
 	int offset, heap, sinkage;
+	int dug;   // what slip has dug since the contact with the post began
 	int shear; // mobilised shear: two halves of 16 bits, 2^-15, to the east and (high) to the north
 };
 
@@ -169,6 +170,16 @@ float deepest_in(vec3 n, ground g, object o, cell c)
 	return c.share > 0.0 ? deepest + 0.01 * scale.y : -1e9;
 }
 
+#ifdef SLIP
+// What slip digs more in this contact: the whole is kappa K (1 - exp(-j / K)), j the slip since the contact with the post began.
+// share: for how much of the contact the post has been in it.
+int digs_more(soil s, int before, float share)
+{
+	float most = min(digs.y / s.b.z * 1048576.0, 1e8), lacks = exp2(-1.442695 * min(digs.x * share * s.b.z, 100.0));
+	return int(round(max(most - float(before), 0.0) * (1.0 - lacks)));
+}
+#endif
+
 // n: normal of the ground.
 bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, post_state before)
 {
@@ -179,13 +190,24 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	b.held = a.held && b.touched;
 	float was = float(before.sinkage) * UNIT_METRES;
 	float was_plastic = plastic_part(s, was, yield_stress(s, by_width, was));
+	int more = 0;
+#ifdef SLIP
+	// The soil under the object is dug from below it: so much more it must sink to be borne as before.
+	if (b.held && !g.far) {
+		face below = face_at(c.at, c.own);
+		more = digs_more(s, before.dug, clamp(contact_share(c.at, depth_at_post(g, o, below), was_plastic / n.z, below), 0.0, 1.0));
+		g.height -= more;
+		a = answer_of(s, by_width, n.z, g, o, before.sinkage);
+		b.held = a.held && may_touch(g, o);
+	}
+#endif
 	int released = int(round(min(a.plastic / n.z * 1048576.0, 1.9e9)));
 	int had = int(round(min(was_plastic / n.z * 1048576.0, 1.9e9)));
 	b.sunk = b.held ? g.height - o.rests : released;
-	b.refused = b.touched && (g.far || b.sunk > OFFSET_LIMIT || abs(before.heap - b.sunk) > OFFSET_LIMIT);
+	b.refused = b.touched && (g.far || b.sunk > OFFSET_LIMIT || abs(before.heap - more - b.sunk) > OFFSET_LIMIT);
 	b.touched = b.touched && !b.refused;
 	b.held = b.held && !b.refused;
-	b.carried = b.touched ? int(min(spin.w * float(max(released - had, 0)), float(CARRIED_MOST))) : 0;
+	b.carried = b.touched ? int(min(spin.w * float(max(released - had, 0)), float(max(CARRIED_MOST - more, 0)))) + min(more, CARRIED_MOST) : 0;
 
 	// How far the surface slides over the post in the whole contact, and for how much of that it has been in contact.
 	bool over = o.rests != UNDER_NONE;
@@ -201,9 +223,11 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	float slides = length(slid);
 	vec2 shear = shear_of(before.shear);
 	if (b.touched) {
-		b.after.offset = before.heap - b.sunk;
+		b.after.heap = before.heap - more;
+		b.after.offset = b.after.heap - b.sunk;
 		b.after.sinkage = a.most;
 	}
+	b.after.dug = b.held ? before.dug + more : 0;
 	b.after.shear = b.held ? shear_post(sheared(shear, levelled(slid * max(share, 0.0), normal_then) * s.b.z)) : 0;
 
 	// The part of the cell that bears.

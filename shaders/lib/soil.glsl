@@ -1,11 +1,10 @@
-// Shared by the passes of scm: the ground and the object at a post, and the soil's answer (SOIL.md). A pass has one
-// invocation for each row of the window's written posts, which loops over the posts. So sums stay in registers, and posts that
-// nothing touches are skipped.
+// Shared by the passes of scm: the ground and the object at a post, and the soil's answer (SOIL.md).
 // Heights are fixed-point units (2^-20 m) from the object's centre as prescribed; stress is Pa.
 // Defines:
 // - SOIL_MAP: posts differ in their soil
 // - SOIL_RASTERS: some numbers differ from post to post. Its value says which, three bits for each byte of a post: 0: none;
 //   otherwise 1 + the number as in enum deform_number
+// - SLIP: slip digs
 
 #include "lib/window.glsl"
 
@@ -16,7 +15,6 @@ const float STEEPEST = 19.974984;      // slope at which the normal's z is 0.05;
 const float STRESS_MOST = 1e20;        // Pa: a limit that keeps all numbers finite
 const int SOILS = 16;
 const float POSTS_ONLY = 0.0, ROUND = 1.0, FLAT = 2.0; // what an underside is
-const int COLUMNS = 4;                 // rows side by side in the pass's viewport, so that its blocks of pixels are full
 
 struct soil {
 	vec4 a; // k_c, k_phi, n, 1 / K_e
@@ -24,7 +22,7 @@ struct soil {
 };
 
 layout(std140, binding = 0) uniform params {
-	ivec4 zero;    // the centre, 2^-18 m from the store's reference, and 0 .. 3 fixed-point units; the layer; the record, or the try
+	ivec4 zero;    // the centre, 2^-18 m from the store's reference, and 0 .. 3 fixed-point units; the layer; the record
 	ivec4 written; // the posts this window writes: first, one behind the last
 	ivec4 shadow;  // of those, the posts that the object can be above
 	vec4 scale;    // slope of a fixed-point unit between posts; metres between posts; units of force a pascal; 1 / b
@@ -39,14 +37,18 @@ layout(std140, binding = 0) uniform params {
 	vec4 moves;    // a round object: metres forwards; rise a metre; sine of that; how long a wheel's rim takes, of the soil's time; 0: 1
 	vec4 faces[3]; // box: height at its centre, m, and slope of its lower faces; of the first: units of area a post
 	ivec4 drawn;   // the posts over which `rests` was computed
+	vec4 digs;     // how far the object slips over the ground during the contact, m; how deep that digs at most, in units of K
 	soil soils[SOILS];
 #ifdef SOIL_RASTERS
 	vec4 rasters[4]; // of the bytes in `numbers`: least and greatest value, step between levels; SI, angles in radians
 #endif
 };
 
-layout(binding = 0, r32i) uniform readonly restrict iimage2DArray bases;
-layout(binding = 1, r32i) uniform readonly restrict iimage2DArray heaps;
+layout(binding = 3) uniform isampler2DArray bases;
+#ifdef SLIP
+layout(binding = 0, r32i) uniform restrict iimage2DArray dugs;
+#endif
+layout(binding = 1, r32i) uniform restrict iimage2DArray heaps;
 layout(binding = 2, r32i) uniform readonly restrict iimage2DArray rests;
 layout(binding = 0) uniform isampler2DArray unders;
 #ifdef SOIL_MAP
@@ -55,13 +57,6 @@ layout(binding = 1) uniform usampler2DArray classes;
 #ifdef SOIL_RASTERS
 layout(binding = 2) uniform usampler2DArray numbers; // a level for each raster: 0: the soil's own number; 1 .. 255
 #endif
-
-// Returns the row of this invocation. If it is written.w or more, there is none.
-int row_of_pass()
-{
-	ivec2 at = ivec2(gl_FragCoord.xy);
-	return written.y + at.x + COLUMNS * at.y;
-}
 
 // The undisturbed surface: base and deposited thickness. `bare`: without that.
 struct ground {
@@ -73,7 +68,7 @@ ground ground_at(int x, int y)
 {
 	ivec3 post = ivec3(x, y, zero.z);
 	ground g;
-	g.base = imageLoad(bases, post).r;
+	g.base = texelFetch(bases, post, 0).r;
 	int d = g.base - zero.x;
 	bool wraps = ((g.base ^ zero.x) & (g.base ^ d)) < 0;
 	d = wraps ? (g.base < 0 ? -FAR : FAR) : d;
@@ -98,6 +93,29 @@ vec3 normal_of(ground west, ground at, ground east, ground south, ground north)
 	slope *= min(1.0, STEEPEST * inversesqrt(max(steep, 1.0)));
 	float ca = inversesqrt(1.0 + dot(slope, slope));
 	return vec3(-slope * ca, ca);
+}
+
+// Returns the mean slope of the base between two posts that lie along one axis. Without data at an end, the middle is used.
+float slope_between(ivec2 low, ivec2 high)
+{
+	ivec2 middle = (low + high) / 2;
+	int first = imageLoad(bases, ivec3(low, zero.z)).r, last = imageLoad(bases, ivec3(high, zero.z)).r;
+	int between = imageLoad(bases, ivec3(middle, zero.z)).r;
+	low = first == BASE_NODATA ? middle : low;
+	high = last == BASE_NODATA ? middle : high;
+	first = first == BASE_NODATA ? between : first;
+	last = last == BASE_NODATA ? between : last;
+	int posts = high.x - low.x + high.y - low.y;
+	bool known = first != BASE_NODATA && last != BASE_NODATA && posts > 0;
+	return known ? 4.0 * (float(last) - float(first)) * scale.x / float(posts) : 0.0;
+}
+
+// Returns the mean slope under the object of the base, the ground as it was before all drives.
+vec2 slope_under()
+{
+	ivec2 low = shadow.xy, high = shadow.zw - 1, middle = (low + high) / 2;
+	return vec2(slope_between(ivec2(low.x, middle.y), ivec2(high.x, middle.y)),
+		    slope_between(ivec2(middle.x, low.y), ivec2(middle.x, high.y)));
 }
 
 #ifdef SOIL_RASTERS

@@ -1,10 +1,10 @@
 // Counts since the start, 64 bits each: struct deform_tally in src/deform/deform.h.
 
 layout(std430, binding = 0) buffer tally {
-	uint tally_words[6]; // compacted, refused, confined: lo, hi
+	uint tally_words[10]; // compacted, refused, confined, sunk, slid: lo, hi
 };
 
-const int COMPACTED = 0, REFUSED = 2, CONFINED = 4;
+const int COMPACTED = 0, REFUSED = 2, CONFINED = 4, CARRIED_NOWHERE = 6, SLID = 8;
 
 void tally_add(int what, uint amount)
 {

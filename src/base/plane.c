@@ -11,6 +11,7 @@ static const struct {
 } planes[PLANES] = {
 	[PLANE_OFFSET] = {"offset", 4},	  [PLANE_DISTURBANCE] = {"dirt", 1},	[PLANE_DEPOSITED] = {"heaped", 4},
 	[PLANE_PLASTIC_SINKAGE] = {"pressed", 4}, [PLANE_SHEAR] = {"shear", 4},
+	[PLANE_DUG] = {"dug", 4},
 };
 
 size_t plane_bytes(enum plane plane)

@@ -16,7 +16,7 @@ enum status deform_create(const struct deform_params *params, struct deform **ou
 	if (deform == NULL)
 		return fail_memory("deformation");
 	deform->params = *params;
-	deform->planes = deform_planes(params->model, params->disturbance);
+	deform->planes = deform_planes(params->model, params->disturbance, params->slip_sinkage > 0);
 	deform->spacing = extent_spacing(params->extent, params->level);
 	deform->reach = deform_reach(params);
 	deform->border = deform_border(params);
@@ -49,7 +49,7 @@ void deform_destroy(struct deform *deform)
 	deform_facets_destroy(deform->facets);
 	gpu_buffer_destroy(deform->tally);
 	gpu_buffer_destroy(deform->felt);
-	gpu_buffer_destroy(deform->tries);
+	gpu_buffer_destroy(deform->found);
 	gpu_buffer_destroy(deform->standing);
 	deform_forces_destroy(deform);
 	mem_free(deform);

@@ -144,6 +144,8 @@ bool deform_tells_forces(enum deform_model model);
  * computes contacts. deform_slide_effect: the effect that lets soil slide; NULL: soil does not slide. deform_contact_effect: the
  * effect of the textures that tell what an object touched. */
 const char *deform_displace_effect(enum deform_model model);
+/* Returns the effect that needs a plane. */
+const char *deform_plane_effect(enum deform_model model, enum plane plane);
 const char *deform_slide_effect(enum deform_model model);
 const char *deform_contact_effect(enum deform_model model);
 
@@ -216,14 +218,15 @@ struct deform_params {
 	 * sunk. Otherwise the caller must have activated all steep ground */
 	bool undisturbed_stable;
 	double bulldozing;   /* scm: share of the plastic flow that is deposited on the ring, 0 .. 1 */
+	double slip_sinkage; /* scm: how deep slip digs, in units of the soil's shear modulus; 0: not */
 	bool ground_normals; /* scm: stresses act along the normal of the ground; false: along that of the object's underside */
 	bool touched;        /* the caller will ask deform_is_touched. Needs `undisturbed_stable` and a model that conserves soil */
 	uint32_t loaded_bodies;   /* scm: number of objects that carry a load and rest on the ground between contacts */
 	bool disturbance;    /* keep the disturbance plane */
 };
 
-/* Returns the planes that a model keeps, a mask of PLANE_BIT. */
-unsigned deform_planes(enum deform_model model, bool disturbance);
+/* Returns the planes that a model keeps, a mask of PLANE_BIT. `digs`: slip digs. */
+unsigned deform_planes(enum deform_model model, bool disturbance, bool digs);
 
 struct deform;
 
@@ -381,6 +384,8 @@ struct deform_tally {
 	int64_t compacted; /* soil that conserving models compacted: 2^-20 m, summed over posts */
 	uint64_t refused;  /* posts where the change would have left the range of an offset */
 	uint64_t confined; /* posts whose soil found no free post around, and was compacted */
+	uint64_t sunk;     /* contacts of loaded objects that the soil did not carry */
+	uint64_t slid;     /* contacts of loaded objects that the soil carried, on a slope too steep to hold them */
 };
 /* Reads the tally. Waits for the GPU. For the end of a drive. */
 enum status deform_tally(struct deform *deform, struct deform_tally *tally) FURROW_CHECKED;
@@ -389,17 +394,31 @@ enum status deform_restore(struct deform *deform, const struct deform_tally *tal
 /* Begins to read the tally as bytes, as gpu_buffer_read_into does: sizeof(struct deform_tally). Does not wait. */
 void deform_tally_read_into(struct deform *deform, struct gpu_staging *staging, size_t offset);
 
+/* How the soil bears an object. */
+enum deform_state {
+	DEFORM_TOUCHING,
+	/* Loaded, and on a slope where W sin a > c A + W cos a tan phi. Without the vertical guide of its path it would slide. */
+	DEFORM_SLIDES,
+	DEFORM_SUNK,     /* loaded, and the soil does not carry it: it sank as deep as its height (a mesh: as its size) */
+	DEFORM_AIR,      /* no post bears it */
+	DEFORM_STATES
+};
+
 /* The forces of the soil on an object in one contact with a tag. They are sums of whole numbers over the posts that carry the
  * object at the end of the contact. The share of each post is rounded to 1/16 Pa times the post's area. */
 struct deform_forces {
 	uint64_t tag;
 	double force[3];      /* N on the object: east, north, up */
 	double moment[3];     /* N m about its centre */
-	double sinkage;       /* m: its greatest depth below the undisturbed surface */
+	double sinkage;       /* m: its greatest depth below the base, where the soil bears it; 0 if it is above the base */
 	double area;          /* m2: area of the ground that carries it */
+	double slope[2];      /* of the base under it, a mean: its rise a metre to the east and to the north */
+	/* N: the force along its heading, along the ground, that its path gives it: what its weight needs and the soil does not give.
+	 * Below 0 its path holds it back. The load is its weight; without a load, the soil's vertical force. */
+	double residual;
 	int64_t z;            /* 2^-20 m: height of its centre; with a load, the equilibrium height */
 	uint32_t saturated;   /* posts whose share exceeded 2^31 sixteenths of a pascal, and was cut to that */
-	bool sunk;            /* the soil does not carry the load: it sank as deep as its height (a mesh: as its size) */
+	enum deform_state state;
 };
 /* Begins to read the forces of all contacts since the last call. Does not wait. */
 enum status deform_forces_begin(struct deform *deform) FURROW_CHECKED;

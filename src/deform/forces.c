@@ -7,6 +7,7 @@
  * Each batch has its own staging buffer, and so its own fence. When no record or no batch is free, the oldest batch is waited
  * for. Its forces are kept until they are taken.
  */
+#include <math.h>
 #include <string.h>
 
 #include "deform/internal.h"
@@ -19,15 +20,18 @@ struct record {
 	int64_t force[3], moment[3];
 	uint32_t area; /* in deform_area_units */
 	int32_t deepest, raised;
-	uint32_t saturated; /* and RECORD_SUNK */
+	uint32_t saturated; /* and in its two highest bits the state, as lib/found.glsl has it */
+	int32_t slope[2];   /* the mean slope of the base under it, east and north, in 2^-16 */
 };
-#define RECORD_SUNK 0x80000000u
+#define STATE_BIT 30
 
 struct asked {
 	uint64_t tag;
 	int64_t z;       /* prescribed, or guessed */
 	double arm;      /* of moments, m */
 	double area;     /* units of area a post */
+	double load;     /* N; 0: none */
+	double yaw;
 };
 
 struct batch {
@@ -78,6 +82,15 @@ void deform_forces_destroy(struct deform *deform)
 	deform->forces = NULL;
 }
 
+/* Returns the force that the body's path gives it along its heading, along the ground: what its weight needs and the soil does not
+ * give. */
+static double residual_of(const double force[3], const double slope[2], const struct asked *asked)
+{
+	const double ahead[2] = {cos(asked->yaw), sin(asked->yaw)};
+	const double rise = slope[0] * ahead[0] + slope[1] * ahead[1], weight = asked->load > 0 ? asked->load : force[2];
+	return -(force[0] * ahead[0] + force[1] * ahead[1] + (force[2] - weight) * rise) / hypot(1, rise);
+}
+
 static struct deform_forces told(const struct deform *deform, const struct asked *asked, const struct record *record)
 {
 	double post = deform->spacing * deform->spacing, unit = post / DEFORM_UNITS_A_PASCAL;
@@ -86,13 +99,19 @@ static struct deform_forces told(const struct deform *deform, const struct asked
 		.sinkage = lattice_offset_metres(record->deepest),
 		.area = record->area / asked->area * post,
 		.z = asked->z + record->raised,
-		.saturated = record->saturated & ~RECORD_SUNK,
-		.sunk = (record->saturated & RECORD_SUNK) != 0,
+		.saturated = record->saturated & ((1u << STATE_BIT) - 1),
+		.state = (enum deform_state)(record->saturated >> STATE_BIT),
 	};
+	if (record->area == 0 && forces.state != DEFORM_SUNK)
+		forces.state = DEFORM_AIR;
+	for (int i = 0; i < 2; i++)
+		forces.slope[i] = ldexp(record->slope[i], -16);
 	for (int i = 0; i < 3; i++) {
 		forces.force[i] = (double)record->force[i] * unit;
 		forces.moment[i] = (double)record->moment[i] * unit * asked->arm;
 	}
+	if (record->area > 0)
+		forces.residual = residual_of(forces.force, forces.slope, asked);
 	return forces;
 }
 
@@ -187,7 +206,7 @@ enum status deform_forces_record(struct deform *deform, const struct deform_cont
 			status = land_oldest(deform);
 		if (status != STATUS_OK)
 			return status;
-		forces->asked[forces->next++ % RECORDS] = (struct asked){contact->tag, contact->to.z, arm, deform_area_units(deform, contact)};
+		forces->asked[forces->next++ % RECORDS] = (struct asked){contact->tag, contact->to.z, arm, deform_area_units(deform, contact), contact->load, contact->to.yaw};
 	}
 	*records = forces->records;
 	*record = (uint32_t)((forces->next - 1) % RECORDS);

@@ -106,9 +106,10 @@ struct deform {
 	struct gpu_program *slope[2];          /* index: 1: the first hop */
 	struct slide_soil soils[DEFORM_SOILS];
 	bool contacts_flag;                    /* the flags that a contact writes show all blocks where soil moves after it */
-	struct gpu_program *scm[8], *find[4];  /* the index has one bit for each define of the program */
+	struct gpu_program *scm[8];            /* the index has one bit for each define of the program */
+	struct gpu_program *find[4];           /* the index has the bits of enum deform_find_what */
 	struct forces *forces;                 /* NULL until a contact has a tag */
-	struct gpu_buffer *tries;              /* the search of soil/load.c; NULL until a contact needs it */
+	struct gpu_buffer *found;              /* what soil/load.c found; NULL until a contact needs it */
 	struct gpu_buffer *standing;           /* int32 for each loaded body: equilibrium height above its pose, fixed-point units;
 						* NULL: there are no loaded bodies */
 	struct gpu_buffer *tally;              /* counts on the GPU: a struct deform_tally */
@@ -207,6 +208,7 @@ struct scm_params {
 	int32_t zero[4], written[4], shadow[4];
 	float scale[4], way[4], spin[4], rolls[4], place[4], load[4], body[4], heading[4], moves[4], faces[3][4];
 	int32_t drawn[4];
+	float digs[4];
 	struct scm_soil soils[DEFORM_SOILS];
 	float rasters[DEFORM_RASTERS][4]; /* read only with SOIL_RASTERS */
 };
@@ -214,17 +216,14 @@ struct scm_params {
 #define DEFORM_ROWS_ABREAST 4
 struct gpu_rect deform_rows(const int32_t posts[4]);
 
+/* soil/load.c: finds the size of the contact patch, the equilibrium height, or both, in one pass. `what`: bits of enum
+ * deform_find_what. The results are in the buffer `found`. `tally` counts loads that are not carried. */
+enum status deform_find(struct deform *deform, const struct scm_params *params, unsigned what, struct gpu_buffer *tally) FURROW_CHECKED;
 /* soil/underside.c: fills what the shaders need to compute the object's underside between posts (lib/scm_body.glsl). Needs `way`
  * and `spin`. */
 void deform_underside(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 		      struct scm_params *params);
 
-/* soil/load.c: finds the size of the contact patch, the equilibrium height, or both. `what`: bits of enum deform_find. The results
- * are in the buffer `tries`. *last: index of the result that the contact pass uses. */
-enum deform_find { DEFORM_FIND_PATCH = 1, DEFORM_FIND_LOAD = 2 };
-enum status deform_find(struct deform *deform, const struct scm_params *params, uint32_t layer, unsigned what,
-			int *last) FURROW_CHECKED;
-int deform_find_passes(bool patch, bool load);
 void deform_find_plan(const char *effect, struct plan *plan);
 
 /* Forces are whole numbers of (Pa / 16) times a post's area. Moments are forces times `arm`. */
@@ -267,8 +266,8 @@ struct slide_place {
 };
 enum status deform_slide_run(struct deform *deform, const struct slide_place *place) FURROW_CHECKED;
 /* soil/slopes.c: finds the critical difference in the slope at each post, in blocks. deform_slopes_found: returns the result. */
-#define DEFORM_SLOPE_HOPS 4
-#define DEFORM_SLOPE_REACH ((1 << DEFORM_SLOPE_HOPS) - 1) /* in posts */
+int deform_slope_hops(const struct deform_params *params);   /* its passes; 0 if the height of slopes does not count */
+int64_t deform_slope_reach(const struct deform_params *params); /* returns over how many posts a slope is followed each way */
 enum status deform_slopes_run(struct deform *deform, const struct slide_place *place) FURROW_CHECKED;
 struct gpu_texture *deform_slopes_found(const struct deform *deform);
 void deform_slopes_prepare(const struct deform *deform, const struct deform_soil *soil, struct slide_soil *to);

@@ -27,11 +27,10 @@ void deform_plan_buffer(struct plan *plan, const char *effect, int64_t amount, u
 
 static void plan_planes(const struct deform_params *params, struct plan *plan)
 {
-	unsigned planes = deform_planes(params->model, params->disturbance);
-	const char *displace = deform_displace_effect(params->model);
+	unsigned planes = deform_planes(params->model, params->disturbance, params->slip_sinkage > 0);
 	for (int plane = 0; plane < PLANES; plane++)
 		if (planes & PLANE_BIT(plane))
-			plan_add(plan, &(struct plan_line){.kind = PLAN_PLANE, .effect = plane == PLANE_DISTURBANCE ? "dirt" : displace, .object = -1,
+			plan_add(plan, &(struct plan_line){.kind = PLAN_PLANE, .effect = deform_plane_effect(params->model, (enum plane)plane), .object = -1,
 							   .amount = 1, .bytes = plane_bytes((enum plane)plane)},
 				 plane_name((enum plane)plane));
 }
@@ -41,10 +40,11 @@ static bool is_loaded(const struct deform_params *params, const struct deform_pl
 	return deform_tells_forces(params->model) && object->load > 0;
 }
 
-static int find_passes(const struct deform_params *params, const struct deform_planned *object)
+/* True if a search runs before the object's contacts. */
+static bool is_searched(const struct deform_params *params, const struct deform_planned *object)
 {
 	bool load = is_loaded(params, object);
-	return deform_find_passes(deform_is_counted(params, object->shape, load), load);
+	return load || deform_is_counted(params, object->shape, load);
 }
 
 /* Over one window of one object. */
@@ -53,7 +53,7 @@ static void plan_windows(const struct deform_params *params, const struct deform
 {
 	const char *displace = deform_displace_effect(params->model), *slide = deform_slide_effect(params->model);
 	add_passes(plan, displace, number, PLAN_WINDOW, GPU_ENVELOPE, object->shape->kind != DEFORM_MESH);
-	add_passes(plan, is_loaded(params, object) ? "load" : displace, number, PLAN_WINDOW, GPU_LOAD, find_passes(params, object));
+	add_passes(plan, is_loaded(params, object) ? "load" : displace, number, PLAN_WINDOW, GPU_LOAD, is_searched(params, object));
 	add_passes(plan, displace, number, PLAN_WINDOW, GPU_CONTACT, 1);
 	if (deform_model_row(params->model)->smooths && object->moves)
 		add_passes(plan, deform_model_row(params->model)->effect.name, number, PLAN_MOVED, GPU_SMOOTH, params->box_repetitions);
@@ -67,7 +67,7 @@ static void plan_windows(const struct deform_params *params, const struct deform
 
 /* What some of the objects call for, once. */
 struct any {
-	const char *facets, *tries, *forces; /* the effect that does; NULL: none */
+	const char *facets, *found, *forces; /* the effect that does; NULL: none */
 	bool closed;                         /* some are closed forms */
 };
 
@@ -78,8 +78,8 @@ static void look(const struct deform_params *params, const struct deform_planned
 	any->closed = any->closed || shape->kind != DEFORM_MESH;
 	if (any->facets == NULL && (shape->kind == DEFORM_MESH || shape->grousers > 0))
 		any->facets = shape->kind == DEFORM_MESH ? "mesh" : "lugs";
-	if (any->tries == NULL && (load || deform_is_counted(params, shape, false)))
-		any->tries = load ? "load" : deform_displace_effect(params->model);
+	if (any->found == NULL && (load || deform_is_counted(params, shape, false)))
+		any->found = load ? "load" : deform_displace_effect(params->model);
 	if (any->forces == NULL && deform_tells_forces(params->model) && (load || forces))
 		any->forces = forces ? "forces" : "load";
 }
@@ -115,8 +115,8 @@ void deform_plan(const struct deform_params *params, const struct deform_planned
 		add_passes(plan, any.facets, -1, PLAN_FACETS, GPU_FACETS, 1);
 		deform_facets_plan(any.facets, plan);
 	}
-	if (any.tries != NULL)
-		deform_find_plan(any.tries, plan);
+	if (any.found != NULL)
+		deform_find_plan(any.found, plan);
 	if (any.forces != NULL)
 		deform_forces_plan(any.forces, plan);
 	if (deform_conserves(params->model))

@@ -44,7 +44,7 @@ static void define_rasters(const struct deform_params *params, struct deform_req
 
 static bool has_thickness(const struct deform_params *params)
 {
-	return (deform_planes(params->model, params->disturbance) & PLANE_BIT(PLANE_DEPOSITED)) != 0;
+	return (deform_planes(params->model, params->disturbance, params->slip_sinkage > 0) & PLANE_BIT(PLANE_DEPOSITED)) != 0;
 }
 
 void deform_programs_envelope(const struct deform_params *params, enum deform_shape_kind kind, bool sideways,
@@ -71,20 +71,21 @@ void deform_programs_contact(const struct deform_params *params, unsigned with, 
 	define(out, "PATCH", with & WITH_PATCH);
 	define(out, "LOAD", with & WITH_LOAD);
 	define(out, "SOIL_MAP", model->in_place && deform_has_classes(params));
+	define(out, "SLIP", model->in_place && params->slip_sinkage > 0);
 	define_rasters(params, out);
 	define(out, "CONTACT", !model->in_place && deform_needs_contacts(params));
 	if (model->contact_soils)
 		define_number(out, "SOILS", deform_soil_slots(params));
 }
 
-void deform_programs_find(const struct deform_params *params, enum find_what what, bool patch, struct deform_request *out)
+void deform_programs_find(const struct deform_params *params, unsigned what, struct deform_request *out)
 {
-	begin(out, "full.vert", "deform/scm_find.frag");
-	define(out, "GAP", what == FIND_GAP);
-	define(out, "COUNT", what == FIND_COUNT);
-	define(out, "PATCH", what == FIND_BEARS && patch);
-	define(out, "SOIL_MAP", what == FIND_BEARS && deform_has_classes(params));
-	if (what == FIND_BEARS)
+	*out = (struct deform_request){.gl = {.compute = "deform/scm_find.comp"}};
+	define(out, "PATCH", what & FIND_PATCH);
+	define(out, "LOAD", what & FIND_LOAD);
+	define(out, "SOIL_MAP", (what & FIND_LOAD) && deform_has_classes(params));
+	define(out, "SLIP", (what & FIND_LOAD) && params->slip_sinkage > 0);
+	if (what & FIND_LOAD)
 		define_rasters(params, out);
 }
 
@@ -208,16 +209,10 @@ static void each_envelope(struct each *each, const struct deform_planned *object
 
 static void each_find(struct each *each, bool patch, bool load)
 {
-	if (load) {
-		deform_programs_find(each->params, FIND_GAP, false, &each->request);
-		add(each, "load");
-		deform_programs_find(each->params, FIND_BEARS, patch, &each->request);
-		add(each, "load");
-	}
-	if (patch) {
-		deform_programs_find(each->params, FIND_COUNT, false, &each->request);
-		add(each, deform_displace_effect(each->params->model));
-	}
+	if (!patch && !load)
+		return;
+	deform_programs_find(each->params, (patch ? FIND_PATCH : 0) | (load ? FIND_LOAD : 0), &each->request);
+	add(each, load ? "load" : deform_displace_effect(each->params->model));
 }
 
 /* The contact passes of a model that tells forces. */

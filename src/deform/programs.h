@@ -17,8 +17,9 @@ struct deform_request {
  * carries a load. */
 enum { WITH_FORCES = 1, WITH_PATCH = 2, WITH_LOAD = 4 };
 
-/* Passes of scm's search: the height of the first contact; the number of touched posts; the load that the soil bears. */
-enum find_what { FIND_GAP, FIND_COUNT, FIND_BEARS };
+/* What scm's search finds, as bits: the size of the contact patch, the equilibrium height. The same as WITH_PATCH and WITH_LOAD,
+ * halved. */
+enum deform_find_what { FIND_PATCH = 1, FIND_LOAD = 2 };
 
 /* Passes of an iteration of sliding: EXCESS alone, or SHED and TAKE. */
 enum slide_what { SLIDE_EXCESS, SLIDE_SHED, SLIDE_TAKE };
@@ -28,7 +29,7 @@ void deform_programs_envelope(const struct deform_params *params, enum deform_sh
 			struct deform_request *out);
 void deform_programs_facet(const struct deform_params *params, struct deform_request *out);
 void deform_programs_contact(const struct deform_params *params, unsigned with, struct deform_request *out);
-void deform_programs_find(const struct deform_params *params, enum find_what what, bool patch, struct deform_request *out);
+void deform_programs_find(const struct deform_params *params, unsigned what, struct deform_request *out);
 void deform_programs_box(const struct deform_params *params, struct deform_request *out);
 void deform_programs_spread(struct deform_request *out);
 /* Over blocks, or over a window (`loaded`: of an object with a load). */

@@ -187,17 +187,18 @@ void gpu_target_clear(struct gpu_target *target, const float rgba[4]);
 void gpu_target_resolve(struct gpu_target *from, struct gpu_target *to);
 
 /* --- programs: gpu_program.c --- */
-/* Shaders are files of shaders/ ("deform/none.frag"), which the build embeds in the program. `#include "lib/x.glsl"` is
- * resolved. Each define is "NAME" or "NAME value" and makes a variant. The same request returns the same program. The gpu owns
+/* Shaders are files of shaders/ ("deform/none.frag"), which the build embeds in the program. A program has a vertex and a fragment
+ * shader, or a compute shader alone. `#include "lib/x.glsl"` is resolved. Each define is "NAME" or "NAME value" and makes a variant. The same request returns the same program. The gpu owns
  * all programs. An error message has file:line and the driver's text. */
 #define GPU_DEFINES_MAX 16
 struct gpu_program_request {
 	const char *vertex, *fragment;
 	const char *defines[GPU_DEFINES_MAX]; /* ends with NULL unless all entries are used */
+	const char *compute; /* if not NULL, vertex and fragment are NULL */
 };
 enum status gpu_program_get(struct gpu *gpu, const struct gpu_program_request *request,
 			    struct gpu_program **out) FURROW_CHECKED;
-/* Writes the program's name for plans and listings: "VERTEX FRAGMENT DEFINE ...", cut to `size`. Pure. */
+/* Writes the program's name for plans and listings: "VERTEX FRAGMENT DEFINE ..." or "COMPUTE DEFINE ...", cut to `size`. Pure. */
 #define GPU_PROGRAM_NAME 256
 void gpu_program_name(const struct gpu_program_request *request, char *name, size_t size);
 /* Calls `each` with every linked program, the last linked first, and with the number of passes that used it so far. */
@@ -227,6 +228,9 @@ void gpu_buffer_clear(struct gpu_buffer *buffer, size_t offset, size_t bytes);
 struct gpu_pass {
 	enum gpu_stage stage; /* the pass is counted under this stage */
 	struct gpu_program *program;
+	/* A compute program: the number of its work groups. It has no target, no viewport and no geometry. It writes storage and images
+	 * only. OpenGL 4.5 promises 1024 invocations a group, 32 KiB of shared memory, and all the bindings below. */
+	uint32_t groups;
 	struct gpu_target *target;
 	struct gpu_rect viewport; /* within the target; nothing outside it is written */
 	struct gpu_texture *textures[GPU_PASS_TEXTURES]; /* layout(binding = i); NULL: none */

@@ -1,5 +1,5 @@
 /*
- * One pass: state, parameters, draw. Only what differs from the pass before is set; the cache is
+ * One pass: state, parameters, draw or dispatch. Only what differs from the pass before is set; the cache is
  * the gpu's and knows of every bind, since nothing else binds.
  */
 #include "gpu/internal.h"
@@ -62,26 +62,11 @@ static void draw(struct gpu *gpu, const struct gpu_pass *pass)
 				(const void *)(pass->first_index * bytes), (GLsizei)pass->instances);
 }
 
-void gpu_pass_run(struct gpu *gpu, const struct gpu_pass *pass)
+/* The fixed-function state that a draw needs. */
+static void set_drawing(struct gpu *gpu, const struct gpu_pass *pass)
 {
 	const struct gpu_rect *view = &pass->viewport;
-	const struct gpu_target *target = pass->target;
-	if (!gpu_usable(gpu) || view->width == 0 || view->height == 0)
-		return;
-	if (pass->params != NULL && gpu_ring_bind(gpu, pass->params, pass->params_bytes) != STATUS_OK)
-		return;
-	assert(target->gpu == gpu && pass->stage < GPU_STAGES);
-	assert(view->x <= target->width && view->width <= target->width - view->x);
-	assert(view->y <= target->height && view->height <= target->height - view->y);
-	gpu_timer_begin(gpu, pass->stage);
-	if (!(gpu->only_read && pass->only_reads))
-		gpu_written_barrier(gpu);
-	gpu->only_read = pass->only_reads;
-	gpu_target_bind(gpu, target);
-	if (gpu->program != pass->program)
-		glUseProgram(pass->program->name);
-	gpu->program = pass->program;
-	bind_inputs(gpu, pass);
+	gpu_target_bind(gpu, pass->target);
 	set_flag(GL_DEPTH_TEST, &gpu->depth_test, pass->depth_test);
 	assert(!(pass->cull_back && pass->cull_front));
 	set_flag(GL_CULL_FACE, &gpu->culls, pass->cull_back || pass->cull_front);
@@ -90,7 +75,44 @@ void gpu_pass_run(struct gpu *gpu, const struct gpu_pass *pass)
 	gpu->culls_front = gpu->culls ? pass->cull_front : gpu->culls_front;
 	set_flag(GL_BLEND, &gpu->blends, pass->multiply);
 	glViewport((GLint)view->x, (GLint)view->y, (GLsizei)view->width, (GLsizei)view->height);
-	draw(gpu, pass);
+}
+
+/* Asserts that the pass is described as its program needs it. Returns false if there is nothing to run. */
+static bool is_described(const struct gpu *gpu, const struct gpu_pass *pass)
+{
+	const struct gpu_rect *view = &pass->viewport;
+	const struct gpu_target *target = pass->target;
+	assert(pass->stage < GPU_STAGES && pass->program->computes == (target == NULL));
+	if (target == NULL) {
+		assert(pass->indices == NULL && pass->instances == 0 && view->width == 0);
+		return pass->groups > 0;
+	}
+	assert(pass->groups == 0 && target->gpu == gpu);
+	assert(view->x <= target->width && view->width <= target->width - view->x);
+	assert(view->y <= target->height && view->height <= target->height - view->y);
+	return view->width > 0 && view->height > 0;
+}
+
+void gpu_pass_run(struct gpu *gpu, const struct gpu_pass *pass)
+{
+	if (!gpu_usable(gpu) || !is_described(gpu, pass))
+		return;
+	if (pass->params != NULL && gpu_ring_bind(gpu, pass->params, pass->params_bytes) != STATUS_OK)
+		return;
+	gpu_timer_begin(gpu, pass->stage);
+	if (!(gpu->only_read && pass->only_reads))
+		gpu_written_barrier(gpu);
+	gpu->only_read = pass->only_reads;
+	if (gpu->program != pass->program)
+		glUseProgram(pass->program->name);
+	gpu->program = pass->program;
+	bind_inputs(gpu, pass);
+	if (pass->target != NULL) {
+		set_drawing(gpu, pass);
+		draw(gpu, pass);
+	} else {
+		glDispatchCompute(pass->groups, 1, 1);
+	}
 	gpu_timer_end(gpu, pass->stage);
 	gpu->stats.passes[pass->stage]++;
 	pass->program->passes++;

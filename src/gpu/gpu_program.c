@@ -1,6 +1,6 @@
 /*
  * Programs, linked when first asked for and kept until the gpu ends. The key of a request is its
- * vertex and fragment file and its defines in their order.
+ * files and its defines in their order.
  */
 #include <stdio.h>
 #include <string.h>
@@ -19,8 +19,11 @@ static size_t append(char *text, size_t size, size_t used, const char *word, cha
 /* Each part and `behind` it. */
 static size_t write_request(const struct gpu_program_request *request, char behind, char *text, size_t size)
 {
-	size_t used = append(text, size, 0, request->vertex, behind);
-	used = append(text, size, used, request->fragment, behind);
+	const char *const files[] = {request->vertex, request->fragment, request->compute};
+	size_t used = 0;
+	for (int i = 0; i < 3; i++)
+		if (files[i] != NULL)
+			used = append(text, size, used, files[i], behind);
 	for (size_t i = 0; i < GPU_DEFINES_MAX && request->defines[i] != NULL; i++)
 		used = append(text, size, used, request->defines[i], behind);
 	return used;
@@ -91,33 +94,43 @@ done:
 static enum status link_program(struct gpu *gpu, const struct shader_text *table,
 				const struct gpu_program_request *request, GLuint *out)
 {
-	GLuint vertex = 0, fragment = 0, name = 0;
+	const struct {
+		GLenum kind;
+		const char *path;
+	} parts[] = {
+		{GL_VERTEX_SHADER, request->vertex}, {GL_FRAGMENT_SHADER, request->fragment}, {GL_COMPUTE_SHADER, request->compute},
+	};
+	enum { PARTS = sizeof parts / sizeof *parts };
+	const char *last = request->compute != NULL ? request->compute : request->fragment;
+	GLuint shaders[PARTS] = {0}, name = 0;
 	GLint ok = GL_FALSE;
-	enum status status = compile(gpu, table, GL_VERTEX_SHADER, request->vertex, request, &vertex);
-	if (status == STATUS_OK)
-		status = compile(gpu, table, GL_FRAGMENT_SHADER, request->fragment, request, &fragment);
+	enum status status = STATUS_OK;
+	for (int i = 0; i < PARTS && status == STATUS_OK; i++)
+		if (parts[i].path != NULL)
+			status = compile(gpu, table, parts[i].kind, parts[i].path, request, &shaders[i]);
 	if (status != STATUS_OK)
 		goto done;
 	name = glCreateProgram();
-	glAttachShader(name, vertex);
-	glAttachShader(name, fragment);
+	for (int i = 0; i < PARTS; i++)
+		if (shaders[i] != 0)
+			glAttachShader(name, shaders[i]);
 	glLinkProgram(name);
 	glGetProgramiv(name, GL_LINK_STATUS, &ok);
 	if (!ok) {
 		char log[LOG_BYTES] = "";
-		struct gpu_shader none = {.files = {request->fragment}, .file_count = 1};
+		struct gpu_shader none = {.files = {last}, .file_count = 1};
 		glGetProgramInfoLog(name, sizeof log, NULL, log);
 		status = fail_compile(gpu, &none, log, request);
 	} else {
-		status = gpu_check(gpu, request->fragment);
+		status = gpu_check(gpu, last);
 	}
 	if (status != STATUS_OK)
 		glDeleteProgram(name);
 	else
 		*out = name;
 done:
-	glDeleteShader(vertex); /* 0 is ignored; an attached one lives on in the program */
-	glDeleteShader(fragment);
+	for (int i = 0; i < PARTS; i++)
+		glDeleteShader(shaders[i]); /* 0 is ignored; an attached one lives on in the program */
 	return status;
 }
 
@@ -149,6 +162,8 @@ void gpu_programs_each(const struct gpu *gpu, void (*each)(void *user, const cha
 enum status gpu_program_get_from(struct gpu *gpu, const struct shader_text *table,
 				 const struct gpu_program_request *request, struct gpu_program **out)
 {
+	assert((request->compute == NULL) == (request->vertex != NULL && request->fragment != NULL));
+	assert(request->compute == NULL || (request->vertex == NULL && request->fragment == NULL));
 	if (!gpu_usable(gpu))
 		return failure_restore(&gpu->failure);
 	char *key = request_key(request);
@@ -169,6 +184,7 @@ enum status gpu_program_get_from(struct gpu *gpu, const struct shader_text *tabl
 		return status;
 	}
 	program->key = key;
+	program->computes = request->compute != NULL;
 	program->table = table;
 	program->next = gpu->programs;
 	gpu->programs = program;

@@ -263,7 +263,7 @@ static enum status plane_create(struct gpu_slots *slots, struct deform_slot *hom
 {
 	static const enum gpu_format formats[PLANES] = {
 		[PLANE_OFFSET] = GPU_R32I,  [PLANE_DISTURBANCE] = GPU_R8UI,   [PLANE_DEPOSITED] = GPU_R32I,
-		[PLANE_PLASTIC_SINKAGE] = GPU_R32I, [PLANE_SHEAR] = GPU_R32I,
+		[PLANE_PLASTIC_SINKAGE] = GPU_R32I, [PLANE_SHEAR] = GPU_R32I,   [PLANE_DUG] = GPU_R32I,
 	};
 	uint32_t posts = slots->cells + 1;
 	return gpu_texture_create(slots->gpu, formats[plane], posts, posts, 0, &home->planes[plane]);

@@ -1,10 +1,10 @@
 /* What slots will make and run; the programs that their passes run with. */
 #include "gpu/internal.h"
 
-static const struct gpu_program_request subdivide = {"full.vert", "subdivide.frag", {NULL}};
+static const struct gpu_program_request subdivide = {.vertex = "full.vert", .fragment = "subdivide.frag"};
 static const struct gpu_program_request decimate[2] = {
-	{"full.vert", "decimate.frag", {NULL}},
-	{"full.vert", "decimate.frag", {"DISTURBANCE"}},
+	{.vertex = "full.vert", .fragment = "decimate.frag"},
+	{.vertex = "full.vert", .fragment = "decimate.frag", .defines = {"DISTURBANCE"}},
 };
 
 const struct gpu_program_request *gpu_slots_subdivide_request(void)
@@ -55,7 +55,7 @@ void gpu_slots_plan(uint32_t cells, unsigned planes, bool classes, bool numbers,
 	}
 	for (int plane = 0; plane < PLANES; plane++)
 		if (planes & PLANE_BIT(plane))
-			add_texture(plan, plane == PLANE_DISTURBANCE && effect != NULL ? "dirt" : effect,
+			add_texture(plan, effect == NULL ? NULL : plane == PLANE_DISTURBANCE ? "dirt" : plane == PLANE_DUG ? "slip" : effect,
 				    GPU_DRAWN_PLANES & PLANE_BIT(plane) ? PLAN_DEFORM_SLOT : PLAN_STATE_SLOT,
 				    posts * plane_bytes((enum plane)plane), plane_name((enum plane)plane));
 	if (divides) {

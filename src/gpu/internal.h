@@ -140,7 +140,8 @@ struct gpu_program {
 	GLuint name;
 	const struct shader_text *table;
 	uint64_t passes; /* passes that used this program */
-	char *key; /* vertex, fragment and defines, each on a line */
+	bool computes;   /* it has a compute shader */
+	char *key; /* its files and defines, each on a line */
 };
 
 /* Makes `target` the target of drawing. */

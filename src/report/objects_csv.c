@@ -7,7 +7,7 @@
 
 #include "report/report.h"
 
-static const char header[] = "t,name,x,y,z,sinkage,fx,fy,fz,tx,ty,tz,slip,contact_area,load,soil\n";
+static const char header[] = "t,name,x,y,z,sinkage,fx,fy,fz,tx,ty,tz,slip,contact_area,load,soil,state,residual\n";
 
 struct report_rows {
 	const struct world *world;
@@ -27,13 +27,17 @@ static enum status write_row(void *user, const struct world_row *row)
 	const struct report_rows *rows = user;
 	const struct scene_object *object = rows->world->bodies[row->body].object;
 	const struct world_force *force = &row->force;
+	static const char *const states[DEFORM_STATES] = {
+		[DEFORM_TOUCHING] = "touching", [DEFORM_SLIDES] = "slides", [DEFORM_SUNK] = "sunk", [DEFORM_AIR] = "air",
+	};
 	const char *soil = row->soil >= 0 ? rows->world->scene->soil_names[row->soil] : "";
 	char load[32] = "";
 	if (object->load > 0)
 		snprintf(load, sizeof load, "%.9g", object->load);
-	int printed = fprintf(rows->file, "%.9g,%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%s,%s\n", row->time, object->name,
+	int printed = fprintf(rows->file, "%.9g,%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%s,%s,%s,%.9g\n", row->time, object->name,
 			      row->position[0], row->position[1], row->position[2], force->sinkage, force->force[0], force->force[1],
-			      force->force[2], force->moment[0], force->moment[1], force->moment[2], object->slip, force->area, load, soil);
+			      force->force[2], force->moment[0], force->moment[1], force->moment[2], object->slip, force->area, load, soil,
+			      states[force->state], force->residual);
 	return printed > 0 ? STATUS_OK : failed(rows);
 }
 

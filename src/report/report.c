@@ -209,16 +209,22 @@ static void add_slide(cJSON *root, const struct report *report)
 	json_integer(slide, "possible", (int64_t)report->world->relaxation.possible);
 }
 
-static void add_forces(cJSON *root, const struct report *report)
+/* `sums`: of the whole drive, also before it was resumed. */
+static void add_forces(cJSON *root, const struct report *report, const struct pages_sums *sums)
 {
 	struct world_forces_figures figures;
 	world_forces_figures(report->world->forces, &figures);
-	if (figures.sunk > 0)
-		note("%llu times the soil did not carry an object's load: it sank as deep as it is high", (unsigned long long)figures.sunk);
+	if (sums->sunk > 0)
+		note("%lld times the soil did not carry an object's load: it sank as deep as it is high (state sunk of objects.csv)",
+		     (long long)sums->sunk);
+	if (sums->slid > 0)
+		note("%lld times a loaded object stood on a slope where the soil cannot hold it: only its path did (state slides of objects.csv)",
+		     (long long)sums->slid);
 	if (figures.saturated > 0)
 		note("%llu times a post bore more than can be summed (134 MPa): it counts as that", (unsigned long long)figures.saturated);
 	cJSON *forces = cJSON_AddObjectToObject(root, "forces");
-	json_integer(forces, "sunk", (int64_t)figures.sunk);
+	json_integer(forces, "sunk", sums->sunk);
+	json_integer(forces, "slides", sums->slid);
 	json_integer(forces, "saturated", (int64_t)figures.saturated);
 }
 
@@ -275,7 +281,7 @@ static void add_process(cJSON *root, const struct report *report, const struct r
 	if (deform_conserves(report->world->scene->model))
 		add_slide(root, report);
 	if (report->world->forces != NULL)
-		add_forces(root, report);
+		add_forces(root, report, &io->sums);
 	if (report->view != NULL)
 		add_view(root, report);
 	report_counts(root, report, &gpu, io);

@@ -37,12 +37,12 @@ struct pages {
 	struct ground *grounds[16];      /* one for each loader */
 	struct store_page *commit_pages; /* used by the writer thread */
 	size_t commit_room;
-	int64_t tallied;                 /* used by the writer thread: soil compacted at the last commit, by the tally */
+	struct pages_sums tallied;       /* used by the writer thread: what the tally gave at the last commit; below and above are 0 */
 	struct pages_marked {            /* pages_rollback.c */
 		bool is;
 		struct store_reader *reader; /* used by the owner; NULL before the first mark */
-		int64_t revision, tallied;
-		struct pages_sums sums;
+		int64_t revision;
+		struct pages_sums tallied, sums;
 	} marked;
 	double readback_ms;              /* readback_ms and the next two are used by the GPU's thread */
 	uint64_t host_bytes, changed_images;

@@ -75,7 +75,7 @@ static enum status load(void *user, unsigned loader, struct page_image *image, c
 struct describing {
 	struct pages *pages;
 	const void *record;
-	int64_t compacted; /* in this commit */
+	struct pages_sums more; /* in this commit; without below and above */
 	char *state;
 };
 
@@ -87,7 +87,9 @@ static const char *describe(void *user, const struct store_commit_result *result
 	const struct pages_sums sums = {
 		.below = before->below + result->below,
 		.above = before->above + result->above,
-		.compacted = before->compacted + describing->compacted,
+		.compacted = before->compacted + describing->more.compacted,
+		.sunk = before->sunk + describing->more.sunk,
+		.slid = before->slid + describing->more.slid,
 	};
 	describing->state = record->print(record->user, describing->record, &sums);
 	return describing->state;
@@ -109,13 +111,21 @@ static enum status acknowledge(struct pages *pages, int64_t commit, int64_t step
 	return STATUS_OK;
 }
 
-/* Returns the compacted soil that the tally gives; 0 if there is no tally. */
-static int64_t tally_compacted(const struct page_image *snapshot)
+/* Returns a number of the tally; 0 if there is no tally. */
+static int64_t tally_number(const struct page_image *snapshot, int index)
 {
 	uint64_t value = 0;
 	for (int i = 0; i < 8 && snapshot != NULL; i++)
-		value |= (uint64_t)((const uint8_t *)snapshot->bytes)[i] << (8 * i);
+		value |= (uint64_t)((const uint8_t *)snapshot->bytes)[8 * index + i] << (8 * i);
 	return (int64_t)value;
+}
+
+/* Returns what the tally gives. */
+static struct pages_sums tally_of(const struct page_image *snapshot)
+{
+	return (struct pages_sums){
+		.compacted = tally_number(snapshot, 0), .sunk = tally_number(snapshot, 3), .slid = tally_number(snapshot, 4),
+	};
 }
 
 static struct store_page store_page_of(const struct pages *pages, const struct page_image *image)
@@ -156,11 +166,15 @@ static enum status commit(void *user, const struct page_image *const *images, si
 	}
 	for (size_t i = 0; i < count; i++)
 		pages->commit_pages[i] = store_page_of(pages, images[i]);
-	int64_t tally = tally_compacted(snapshot);
-	struct describing describing = {pages, record, tally - pages->tallied, NULL};
+	const struct pages_sums tally = tally_of(snapshot), *last = &pages->tallied;
+	struct describing describing = {
+		.pages = pages,
+		.record = record,
+		.more = {.compacted = tally.compacted - last->compacted, .sunk = tally.sunk - last->sunk, .slid = tally.slid - last->slid},
+	};
 	struct store_run run = {
 		.scene_hash = pages->params.record.scene_hash,
-		.compacted = tally - pages->tallied,
+		.compacted = describing.more.compacted,
 		.describe = describe,
 		.given_up = given_up,
 		.user = &describing,
@@ -182,6 +196,8 @@ static enum status commit(void *user, const struct page_image *const *images, si
 	pages->io.sums.below += result.below;
 	pages->io.sums.above += result.above;
 	pages->io.sums.compacted += run.compacted;
+	pages->io.sums.sunk += describing.more.sunk;
+	pages->io.sums.slid += describing.more.slid;
 	count_commit_locked(pages, count, &result);
 	pages->io.writeback_ms += (clock_seconds() - started) * 1e3;
 	mutex_unlock(&pages->mutex);

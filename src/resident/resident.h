@@ -188,12 +188,15 @@ enum status resident_soil_rasters_at(struct soil_rasters *rasters, int level, in
 struct pages;
 
 /* Size of the snapshot (the "tally") that is committed with the pages. Little-endian: the soil compacted since the drive's
- * beginning, in fixed-point units (int64); the numbers of posts refused and confined (uint64 each). */
-#define PAGES_TALLY_BYTES 24
+ * beginning, in fixed-point units (int64); the numbers of posts refused and confined (uint64 each). Then the numbers of loaded
+ * contacts that sank and that slide (uint64 each). */
+#define PAGES_TALLY_BYTES 40
 
-/* How much a drive changed the sums of negative and of positive offsets, and how much soil it compacted. In fixed-point units. */
+/* How much a drive changed the sums of negative and of positive offsets, and how much soil it compacted. In fixed-point units. Then
+ * in how many contacts the soil did not carry a load, or not hold it on its slope. */
 struct pages_sums {
 	int64_t below, above, compacted;
+	int64_t sunk, slid;
 };
 
 /* How the record is written that is committed with the pages, so that a drive can be resumed. The record itself is copied as

@@ -33,6 +33,11 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		LIST(SLIDING, "redistribute.depth", "soil.repose", "soil.cohesion", "soil.friction_angle", "soil.unit_weight"),
 		"at most an eighth of a difference, and 4 m, an iteration; at most 16,384 blocks of 32 x 32 posts awake at once",
 		"slides soil down what is too steep to stand"},
+	[EFFECT_SLIP] = {
+		"slip", "redistribute.slip_sinkage", "SLIP", LIST("deform/scm.frag"), "heaped, dug", "heaped, dug", 0,
+		LIST("redistribute.slip_sinkage", "soil.janosi_shear", "objects[].slip"),
+		"at most slip_sinkage x janosi_shear in one contact with a post; nothing without slip",
+		"digs where a body slips, and lays that around"},
 	[EFFECT_SOIL_MAP] = {
 		"soil_map", "soil.map", "SOIL_MAP", LIST("lib/soil.glsl"), "class", "class", 0, LIST("soil.map", "soil.classes", "soil.default"),
 		"at most 16 soils, the default among them; the raster's file at most 1 GiB",
@@ -52,7 +57,7 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		"at most 128 grousers, as high as the wheel's radius",
 		"finds the lower envelope of a wheel's grousers"},
 	[EFFECT_LOAD] = {
-		"load", "objects.load", "", LIST("deform/scm_find.frag"), STATE, "height", 1, LIST("objects[].load"),
+		"load", "objects.load", "", LIST("deform/scm_find.comp"), STATE, "height", 1, LIST("objects[].load"),
 		"the object fits one window, and sinks no deeper than it is high",
 		"finds how deep the soil carries a load"},
 	[EFFECT_FORCES] = {
@@ -165,6 +170,8 @@ static uint64_t object_effects(const struct scene *scene)
 		effects |= EFFECT_BIT(EFFECT_DISTURBANCE);
 	if (scene->soil_map != NULL)
 		effects |= EFFECT_BIT(EFFECT_SOIL_MAP);
+	if (scene->slip_sinkage > 0)
+		effects |= EFFECT_BIT(EFFECT_SLIP);
 	if (scene->raster_count > 0)
 		effects |= EFFECT_BIT(EFFECT_SOIL_RASTERS);
 	if (scene->forces > 0)
@@ -244,6 +251,8 @@ void scene_effect_reason(const struct scene *scene, enum scene_effect effect, ch
 		snprintf(text, size, "%s.%s", key, scene_name_now(row->name));
 	else if (effect == EFFECT_FORCES)
 		snprintf(text, size, "%s: %g", key, scene->forces);
+	else if (effect == EFFECT_SLIP)
+		snprintf(text, size, "%s: %g", key, scene->slip_sinkage);
 	else if (effect == EFFECT_PREFETCH)
 		snprintf(text, size, "%s: %g", key, scene->prefetch);
 	else if (effect == EFFECT_LOADERS)

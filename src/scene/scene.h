@@ -29,6 +29,7 @@ enum scene_effect {
 	EFFECT_SPREAD = EFFECT_MODEL + DEFORM_MODELS,
 	EFFECT_SHED,
 	EFFECT_SLIDE,
+	EFFECT_SLIP,
 	EFFECT_SOIL_MAP,
 	EFFECT_SOIL_RASTERS,
 	EFFECT_MESH,
@@ -158,6 +159,7 @@ struct scene {
 	double depth;      /* metres of soil below the base that can relax; INFINITY: no bottom */
 	double tolerance;  /* metres by which a height difference may exceed the critical one without sliding */
 	double bulldozing; /* share of the displaced soil, 0 to 1 */
+	double slip_sinkage; /* how deep slip digs, in units of the soil's shear modulus; 0: not */
 	enum scene_undisturbed undisturbed; /* what undisturbed ground does where it is steeper than the soil's critical slope */
 	struct deform_soil soils[DEFORM_SOILS]; /* with a map, soils[0] is used where the map names no other soil */
 	int soil_count;

@@ -39,6 +39,7 @@ static enum status check_parameters(const struct scene_tree *tree, const struct 
 		{"radius", raw->radius},	   {"repetitions", raw->repetitions}, {"iterations", raw->iterations},
 		{"interval", raw->interval},	   {"depth", raw->depth},	      {"undisturbed", raw->undisturbed},
 		{"tolerance", raw->tolerance}, {"bulldozing", raw->bulldozing},
+		{"slip_sinkage", raw->slip_sinkage},
 	};
 	for (size_t i = 0; i < sizeof parameters / sizeof parameters[0]; i++) {
 		struct scene_list models = {.length = 0};
@@ -71,6 +72,8 @@ static enum status check_redistribute(const struct scene_tree *tree,
 	}
 	if (deform_model_takes(scene->model, "bulldozing"))
 		scene->bulldozing = number(raw->bulldozing, "redistribute.bulldozing");
+	if (deform_model_takes(scene->model, "slip_sinkage"))
+		scene->slip_sinkage = number(raw->slip_sinkage, "redistribute.slip_sinkage");
 	return check_parameters(tree, raw);
 }
 

@@ -70,7 +70,7 @@ struct raw_soil {
 struct raw_redistribute {
 	int model; /* enum deform_model */
 	int64_t *radius, *repetitions, *iterations;
-	double *interval, *depth, *tolerance, *bulldozing;
+	double *interval, *depth, *tolerance, *bulldozing, *slip_sinkage;
 	int *undisturbed; /* enum scene_undisturbed */
 };
 struct raw_output {

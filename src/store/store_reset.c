@@ -11,7 +11,7 @@ enum status store_reset(struct store *store)
 		return status;
 	status = store_sql_exec(store->db, store->path, "resetting it",
 			  "DELETE FROM \"offset\"; DELETE FROM dirt; DELETE FROM heaped; DELETE FROM pressed; "
-			  "DELETE FROM shear; DELETE FROM run; "
+			  "DELETE FROM shear; DELETE FROM dug; DELETE FROM run; "
 			  "DELETE FROM meta WHERE key IN ('working', 'compacted'); COMMIT");
 	if (status != STATUS_OK) {
 		store_sql_undo(store->db);

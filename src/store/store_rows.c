@@ -45,6 +45,7 @@ static const struct table tables[ROW_TABLES] = {
 	PLANE_TABLE("heaped"),
 	PLANE_TABLE("pressed"),
 	PLANE_TABLE("shear"),
+	PLANE_TABLE("dug"),
 };
 
 enum status store_rows_init(struct rows *rows, sqlite3 *db, const char *path, const struct extent *extent,
@@ -181,7 +182,7 @@ enum status store_rows_head(struct rows *rows, enum row_table table, struct tile
 static bool all_fit(enum row_table table, const int32_t *posts, size_t count)
 {
 	static const int32_t most[ROW_TABLES] = {
-		[ROW_DISTURBANCE] = UINT8_MAX, [ROW_PLASTIC_SINKAGE] = INT32_MAX,
+		[ROW_DISTURBANCE] = UINT8_MAX, [ROW_PLASTIC_SINKAGE] = INT32_MAX, [ROW_DUG] = INT32_MAX,
 	};
 	bool fits = true;
 	for (size_t i = 0; i < count && table == ROW_SHEAR; i++)

@@ -2,7 +2,7 @@
  * Defines the tables of a store, and checks that a file has exactly these. So a view, trigger or index in an untrusted file is
  * never run.
  *
- * A store of version 3 has the same tables. Its `shear` is a length that only grew; now it is a vector that ends with the contact. So
+ * A store of version 3 has all tables but `dug`. Its `shear` is a length that only grew; now it is a vector that ends with the contact. So
  * all of it counts as none. A reader sees an empty table in its place. A writer empties it, and makes the store one of version 4.
  */
 #include "store/internal.h"
@@ -25,6 +25,7 @@ static const struct object objects[] = {
 	 "CREATE TABLE base(key INTEGER PRIMARY KEY, low REAL, high REAL, error REAL NOT NULL, "
 	 "codec INTEGER NOT NULL, revision INTEGER NOT NULL, hash INTEGER NOT NULL, blob BLOB NOT NULL)"},
 	{"dirt", PLANE_TABLE("dirt")},
+	{"dug", PLANE_TABLE("dug")},
 	{"heaped", PLANE_TABLE("heaped")},
 	{"meta", "CREATE TABLE meta(key TEXT PRIMARY KEY, value) WITHOUT ROWID"},
 	{"offset",
@@ -38,6 +39,7 @@ static const struct object objects[] = {
 	{"shear", PLANE_TABLE("shear")},
 };
 #define OBJECTS (sizeof objects / sizeof *objects)
+#define DUG 2 /* its index: an older store has no such table */
 
 enum status store_schema_create(sqlite3 *db, const char *path)
 {
@@ -59,7 +61,7 @@ static bool object_is(sqlite3_stmt *statement, const struct object *object)
 	       strcmp(name, object->name) == 0 && strcmp(sql, object->sql) == 0;
 }
 
-static enum status check_objects(sqlite3 *db, const char *path)
+static enum status check_objects(sqlite3 *db, const char *path, bool older)
 {
 	sqlite3_stmt *statement = NULL;
 	/* meta's own index is a WITHOUT ROWID table's: it has no sql and no row here. */
@@ -71,6 +73,7 @@ static enum status check_objects(sqlite3 *db, const char *path)
 	bool same = true;
 	int code;
 	while ((code = sqlite3_step(statement)) == SQLITE_ROW && same) {
+		seen += older && seen == DUG;
 		same = seen < OBJECTS && object_is(statement, &objects[seen]);
 		seen++;
 	}
@@ -78,7 +81,7 @@ static enum status check_objects(sqlite3 *db, const char *path)
 		status = store_sql_fail(db, code, path, "reading its schema");
 	else if (!same || seen != OBJECTS)
 		status = fail_with(STATUS_INPUT, "%s: its tables are not those of a Furrow store of version %d; "
-				   "import it again", path, STORE_VERSION);
+				   "import it again", path, older ? STORE_VERSION_OLDEST : STORE_VERSION);
 	sqlite3_finalize(statement);
 	return status;
 }
@@ -98,13 +101,14 @@ enum status store_schema_check(sqlite3 *db, const char *path, bool *older)
 		return fail_with(STATUS_INPUT, "%s: a store of version %lld, this program knows versions %d to %d; use "
 				 "the furrow that made it, or import it again", path, (long long)version, STORE_VERSION_OLDEST, STORE_VERSION);
 	*older = version < STORE_VERSION;
-	return check_objects(db, path);
+	return check_objects(db, path, *older);
 }
 
 enum status store_schema_hide(sqlite3 *db, const char *path)
 {
 	/* A name without its schema means the temporary table first. */
-	return store_sql_exec(db, path, "opening it", "PRAGMA temp_store=MEMORY; CREATE TEMP TABLE shear AS SELECT * FROM main.shear LIMIT 0");
+	return store_sql_exec(db, path, "opening it", "PRAGMA temp_store=MEMORY; CREATE TEMP TABLE shear AS SELECT * FROM main.shear LIMIT 0; "
+						       "CREATE TEMP TABLE dug AS SELECT * FROM main.shear LIMIT 0");
 }
 
 enum status store_schema_raise(sqlite3 *db, const char *path)
@@ -112,6 +116,8 @@ enum status store_schema_raise(sqlite3 *db, const char *path)
 	char raise[96];
 	snprintf(raise, sizeof raise, "DELETE FROM shear; PRAGMA user_version=%d; COMMIT", STORE_VERSION);
 	enum status status = store_sql_begin(db, path, "making it a store of this version");
+	if (status == STATUS_OK)
+		status = store_sql_exec(db, path, "making it a store of this version", objects[DUG].sql);
 	if (status == STATUS_OK)
 		status = store_sql_exec(db, path, "making it a store of this version", raise);
 	if (status != STATUS_OK)

@@ -1,5 +1,5 @@
 /*
- * The soil's state in a commit: deposited thickness, plastic sinkage, shear. It has rows at the working level only, without coarser
+ * The soil's state in a commit: deposited thickness, plastic sinkage, shear, what slip dug. It has rows at the working level only, without coarser
  * levels, since nothing draws it.
  *
  * If a page lacks a plane of the state, a model changed it that does not keep this plane. The plane's row describes ground that no

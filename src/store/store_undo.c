@@ -64,7 +64,7 @@ static enum status empty(struct undo *undo)
 	if (status == STATUS_OK)
 		status = store_sql_exec(undo->rows.db, name, "emptying it",
 				      "DELETE FROM \"offset\"; DELETE FROM dirt; DELETE FROM heaped; "
-				      "DELETE FROM pressed; DELETE FROM shear; COMMIT");
+				      "DELETE FROM pressed; DELETE FROM shear; DELETE FROM dug; COMMIT");
 	if (status == STATUS_OK)
 		undo->kept = 0;
 	else

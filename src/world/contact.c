@@ -77,7 +77,7 @@ static enum status scatter(struct world *world, const struct deform_window *wind
 	return status == STATUS_OK ? deform_wake_swept(world->deform, window, layer) : status;
 }
 
-/* Computes how far a wheel turned between two path samples. With slip s it is distance / (r (1 - s)). */
+/* Computes how far a wheel turned between two path samples. With slip s it is way / (r (1 - s)). */
 static void roll(const struct body *body, const struct event *event, struct deform_contact *contact)
 {
 	const struct scene_object *object = body->object;
@@ -86,6 +86,11 @@ static void roll(const struct body *body, const struct event *event, struct defo
 		return;
 	double along = lattice_offset_metres(contact->to.x - contact->from.x) * cos(contact->to.yaw) +
 		       lattice_offset_metres(contact->to.y - contact->from.y) * sin(contact->to.yaw);
+	/* A wheel that follows the ground rolls on the slope, whose way is longer. Other heights of a path need not be a slope. */
+	const double level = hypot(lattice_offset_metres(contact->to.x - contact->from.x), lattice_offset_metres(contact->to.y - contact->from.y));
+	const double rise = !object->path.has_z || object->load > 0 ? lattice_offset_metres(contact->to.z - contact->from.z) : 0;
+	if (level > 0)
+		along *= hypot(level, rise) / level;
 	contact->turned = along / (object->shape.radius * (1 - object->slip));
 	contact->to.turn = remainder(contact->from.turn + contact->turned, 2 * M_PI);
 }
@@ -156,9 +161,6 @@ enum status world_contact(struct world *world, const struct event *event, bool l
 {
 	struct body *body = world_body_at(world, event->body);
 	struct deform_contact contact = contact_of(world, body, event);
-	/* Its earlier height is not known here and is not needed: it acts on the ground at its height now. */
-	if (contact.load > 0)
-		contact.from.z = contact.to.z;
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	size_t count = 0;
 	enum status status = deform_windows(world->deform, &contact, windows, &count);

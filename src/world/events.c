@@ -51,9 +51,11 @@ enum status world_set_down(struct world *world, struct body *body, int64_t sampl
 	if (!event->contact)
 		return STATUS_OK;
 	double reach = deform_shape_reach(&body->object->shape, point.pitch, point.roll);
-	if (body->object->path.has_z)
+	const bool carried = body->object->load > 0 && (world_feels(world) || !body->object->path.has_z);
+	/* A body that the soil carries follows the ground from sample to sample. Contacts add the equilibrium height to both poses. */
+	if (body->object->path.has_z && !carried)
 		event->pose.z = lattice_offset(point.z);
-	else if (body->object->load > 0)
+	else if (carried)
 		event->pose.z = ground + lattice_offset(reach - deform_sinkage_guess(&body->object->shape, &world->scene->soils[0],
 										     body->object->load));
 	else

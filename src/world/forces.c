@@ -48,7 +48,7 @@ struct forces {
 	uint64_t *known_tag;
 	struct entry *entries;      /* [first, count) wait, in order; [kept, first) were used before `delay` steps had passed */
 	size_t kept, first, count, room;
-	uint64_t saturated, sunk;   /* posts; contacts */
+	uint64_t saturated;         /* posts */
 };
 
 bool world_feels(const struct world *world)
@@ -143,7 +143,7 @@ static enum status add_entry(struct forces *forces, const struct entry *entry)
 	if (added->ready && entry->at.tag != 0)
 		added->force = forces->known[i];
 	else if (added->ready)
-		added->force = (struct world_force){.z = entry->at.pose.z};
+		added->force = world_no_force(entry->at.pose.z);
 	return STATUS_OK;
 }
 
@@ -203,7 +203,7 @@ void world_forces_absent(struct forces *forces, size_t object, const struct even
 	if (!event->contact)
 		pose.z = standing->pose.z; /* there is no ground */
 	else /* in the air above it; the record has the same */
-		forces->known[object] = (struct world_force){.z = pose.z};
+		forces->known[object] = world_no_force(pose.z);
 	*standing = (struct standing){0, pose, true};
 }
 
@@ -211,11 +211,10 @@ void world_forces_absent(struct forces *forces, size_t object, const struct even
 
 static void arrived(struct forces *forces, const struct deform_forces *from)
 {
-	struct world_force force = {.sinkage = from->sinkage, .area = from->area, .z = from->z};
+	struct world_force force = {.sinkage = from->sinkage, .area = from->area, .z = from->z, .state = from->state, .residual = from->residual};
 	memcpy(force.force, from->force, sizeof force.force);
 	memcpy(force.moment, from->moment, sizeof force.moment);
 	forces->saturated += from->saturated;
-	forces->sunk += from->sunk;
 	for (size_t i = 0; i < forces->world->scene->object_count; i++)
 		if (forces->standing[i].tag == from->tag) {
 			forces->known[i] = force;
@@ -330,7 +329,7 @@ bool world_forces_known(const struct forces *forces, size_t body, struct world_f
 	if (forces == NULL || !forces->standing[body].placed)
 		return false;
 	if (forces->standing[body].tag == 0) { /* it touches nothing */
-		*force = (struct world_force){.z = 0};
+		*force = world_no_force(0);
 		return true;
 	}
 	*force = forces->known[body];
@@ -342,7 +341,7 @@ struct forces_saved {
 	struct standing *standing;
 	struct world_force *known;
 	uint64_t *known_tag;
-	uint64_t saturated, sunk;
+	uint64_t saturated;
 };
 
 void world_forces_saved_free(struct forces_saved *saved)
@@ -371,7 +370,6 @@ enum status world_forces_save(const struct forces *forces, struct forces_saved *
 		.known = mem_alloc(count + 1, sizeof *saved->known),
 		.known_tag = mem_alloc(count + 1, sizeof *saved->known_tag),
 		.saturated = forces->saturated,
-		.sunk = forces->sunk,
 	};
 	if (saved->standing == NULL || saved->known == NULL || saved->known_tag == NULL) {
 		world_forces_saved_free(saved);
@@ -392,7 +390,6 @@ void world_forces_restore(struct forces *forces, const struct forces_saved *save
 	const size_t count = forces->world->scene->object_count;
 	forces->row = saved->row;
 	forces->saturated = saved->saturated;
-	forces->sunk = saved->sunk;
 	forces->first = forces->count = 0;
 	forces->tag_before = forces->tag;
 	memcpy(forces->standing, saved->standing, count * sizeof *saved->standing);
@@ -402,7 +399,7 @@ void world_forces_restore(struct forces *forces, const struct forces_saved *save
 
 void world_forces_figures(const struct forces *forces, struct world_forces_figures *figures)
 {
-	*figures = (struct world_forces_figures){forces->saturated, forces->sunk};
+	*figures = (struct world_forces_figures){forces->saturated};
 }
 
 enum status world_settle_forces(struct world *world)

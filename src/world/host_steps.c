@@ -237,7 +237,7 @@ void world_host_absent(struct world *world, size_t index)
 	struct host_body *host = body_of(world, index);
 	host->tag = 0;
 	host->state = WORLD_AIR;
-	host->force = (struct world_force){.z = 0};
+	host->force = world_no_force(0);
 	host->told = world->hosts.until;
 }
 
@@ -250,7 +250,7 @@ void world_host_arrived(struct world *world, uint64_t tag, const struct world_fo
 		host->tag = 0;
 		host->force = *force;
 		host->told = host->asked;
-		host->state = force->area > 0 ? WORLD_TOUCHING : WORLD_AIR;
+		host->state = world_contact_state_of(force->state);
 		return;
 	}
 }

@@ -288,7 +288,7 @@ static enum status lift(struct world *world, struct host_body *host)
 	host->fresh = true;
 	host->since = host->turned = 0;
 	host->tag = 0;
-	host->force = (struct world_force){.z = 0};
+	host->force = world_no_force(0);
 	host->state = WORLD_AIR;
 	host->told = world->time;
 	return status;

@@ -167,6 +167,9 @@ uint64_t world_forces_ask(struct forces *forces, size_t body, const struct event
 bool world_feels(const struct world *world);
 /* Returns true if forces may be needed for the contacts of every body. */
 bool world_asks_forces(const struct world *world);
+/* told.c: the force on a body at this height that touches nothing. */
+struct world_force world_no_force(int64_t z);
+enum world_contact_state world_contact_state_of(enum deform_state state);
 /* Copies the state of the forces, for a checkpoint. No forces may be in flight. If `forces` is NULL, *out is NULL. */
 struct forces_saved;
 enum status world_forces_save(const struct forces *forces, struct forces_saved **out) FURROW_CHECKED;

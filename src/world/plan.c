@@ -44,7 +44,7 @@ enum status world_settle_level(struct world *world)
 
 unsigned world_planes(const struct scene *scene, bool was_deformed)
 {
-	unsigned planes = deform_planes(scene->model, scene->disturbance);
+	unsigned planes = deform_planes(scene->model, scene->disturbance, scene->slip_sinkage > 0);
 	if (scene->object_count > 0 || scene->hosted)
 		return planes;
 	return was_deformed && scene->view.present ? planes & GPU_DRAWN_PLANES : 0;
@@ -94,6 +94,7 @@ void world_deform_params(const struct world *world, struct deform_params *params
 		.undisturbed_stable = scene->undisturbed == SCENE_STABLE,
 		.tolerance = scene->tolerance,
 		.bulldozing = scene->bulldozing,
+		.slip_sinkage = scene->slip_sinkage,
 		.touched = world_asks_touched(world),
 		.disturbance = scene->disturbance,
 	};

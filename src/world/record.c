@@ -37,7 +37,7 @@ static bool put_force(cJSON *object, const struct world_force *force)
 	static const char *const names[] = {"fx", "fy", "fz", "tx", "ty", "tz"};
 	cJSON *to = cJSON_AddObjectToObject(object, "force");
 	bool whole = to != NULL && put_real(to, "sinkage", force->sinkage) && put_real(to, "area", force->area) &&
-		     put_whole(to, "z", force->z);
+		     put_whole(to, "z", force->z) && put_whole(to, "state", force->state) && put_real(to, "residual", force->residual);
 	for (int i = 0; i < 6 && whole; i++)
 		whole = put_real(to, names[i], i < 3 ? force->force[i] : force->moment[i - 3]);
 	return whole;
@@ -82,7 +82,8 @@ char *world_record_print(const struct record *record, const struct scene *scene,
 		     put_whole(root, "level", record->level) &&
 		     cJSON_AddBoolToObject(root, "ended", record->ended) != NULL &&
 		     put_whole(root, "below", sums->below) && put_whole(root, "above", sums->above) &&
-		     put_whole(root, "compacted", sums->compacted) && put_active(root, record) && (objects = cJSON_AddArrayToObject(root, "objects")) != NULL;
+		     put_whole(root, "compacted", sums->compacted) && put_whole(root, "sunk", sums->sunk) &&
+		     put_whole(root, "slid", sums->slid) && put_active(root, record) && (objects = cJSON_AddArrayToObject(root, "objects")) != NULL;
 	for (size_t i = 0; i < scene->object_count && whole; i++)
 		whole = put_object(objects, &record->objects[i], scene->objects[i].name);
 	char *printed = whole ? cJSON_PrintUnformatted(root) : NULL, *text = NULL;
@@ -149,8 +150,11 @@ static bool get_force(const cJSON *object, struct world_force *force)
 {
 	static const char *const names[] = {"fx", "fy", "fz", "tx", "ty", "tz"};
 	const cJSON *from = cJSON_GetObjectItemCaseSensitive(object, "force");
+	int64_t state;
 	bool whole = get_real(from, "sinkage", &force->sinkage) && get_real(from, "area", &force->area) &&
-		     get_whole(from, "z", INT64_MIN, &force->z);
+		     get_whole(from, "z", INT64_MIN, &force->z) && get_whole(from, "state", 0, &state) && state < DEFORM_STATES &&
+		     get_real(from, "residual", &force->residual);
+	force->state = whole ? (enum deform_state)state : DEFORM_AIR;
 	for (int i = 0; i < 6 && whole; i++)
 		whole = get_real(from, names[i], i < 3 ? &force->force[i] : &force->moment[i - 3]);
 	return whole;
@@ -237,7 +241,9 @@ static enum status parse_root(const cJSON *root, const char *store, struct recor
 	struct pages_sums *sums = &record->sums;
 	if (!get_whole(root, "below", -SUM_MOST, &sums->below) || sums->below > SUM_MOST ||
 	    !get_whole(root, "above", -SUM_MOST, &sums->above) || sums->above > SUM_MOST ||
-	    !get_whole(root, "compacted", -SUM_MOST, &sums->compacted) || sums->compacted > SUM_MOST)
+	    !get_whole(root, "compacted", -SUM_MOST, &sums->compacted) || sums->compacted > SUM_MOST ||
+	    !get_whole(root, "sunk", 0, &sums->sunk) || sums->sunk > SUM_MOST ||
+	    !get_whole(root, "slid", 0, &sums->slid) || sums->slid > SUM_MOST)
 		return world_record_damaged(store, "its sums");
 	if (!get_active(root, record))
 		return world_record_damaged(store, "what was awake");

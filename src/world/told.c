@@ -6,6 +6,19 @@
 
 #define NORMAL_POSTS 2 /* working posts to each side over which the base's slope is measured */
 
+struct world_force world_no_force(int64_t z)
+{
+	return (struct world_force){.z = z, .state = DEFORM_AIR};
+}
+
+enum world_contact_state world_contact_state_of(enum deform_state state)
+{
+	static const enum world_contact_state states[DEFORM_STATES] = {
+		[DEFORM_TOUCHING] = WORLD_TOUCHING, [DEFORM_SLIDES] = WORLD_SLIDES, [DEFORM_SUNK] = WORLD_SUNK, [DEFORM_AIR] = WORLD_AIR,
+	};
+	return states[state];
+}
+
 struct world_contact world_contact_unknown(void)
 {
 	return (struct world_contact){
@@ -113,11 +126,11 @@ enum status world_body_contact(struct world *world, int32_t number, struct world
 	const struct body *body = &world->bodies[number];
 	if (body->next == 0)
 		return STATUS_OK;
-	struct world_force force = {.z = 0};
+	struct world_force force = world_no_force(0);
 	bool known = world_forces_known(world->forces, (size_t)number, &force);
 	enum world_contact_state touches = !body->in_contact ? WORLD_AIR : WORLD_TOUCHING;
 	if (known)
-		touches = force.area > 0 ? WORLD_TOUCHING : WORLD_AIR;
+		touches = world_contact_state_of(force.state);
 	else
 		force.sinkage = body->sinkage;
 	return fill(world, body->object, &state, &force, world->time, touches, contact);

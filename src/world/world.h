@@ -34,11 +34,13 @@ struct forces; /* forces.c */
 struct record; /* record.c */
 struct world;
 
-/* The force of the soil on a body, when it was last computed. All zero: no force. */
+/* The force of the soil on a body, when it was last computed. world_no_force: no force. */
 struct world_force {
 	double force[3], moment[3]; /* N, N m */
-	double sinkage, area;       /* m, m2 */
+	double sinkage, area;       /* m below the base; m2 */
+	double residual;            /* N: struct deform_forces */
 	int64_t z;                  /* 2^-20 m */
+	enum deform_state state;
 };
 
 /* A part of the record that is committed next. It is as the last whole step left it, or as the resumed run had it. */
@@ -341,7 +343,6 @@ void world_range_waits(const struct world *world, struct stalls *waits);
 
 struct world_forces_figures {
 	uint64_t saturated; /* posts whose pressure was too large to count */
-	uint64_t sunk;      /* contacts in which the soil could not carry the load */
 };
 void world_forces_figures(const struct forces *forces, struct world_forces_figures *figures); /* `forces` must not be NULL */
 /* Waits for all forces in flight and applies them, also to the record. */

@@ -35,6 +35,7 @@ class Resume(FurrowTest):
             "SELECT key, low, high, codec, hash, blob FROM heaped ORDER BY key",
             "SELECT key, low, high, codec, hash, blob FROM pressed ORDER BY key",
             "SELECT key, low, high, codec, hash, blob FROM shear ORDER BY key",
+            "SELECT key, low, high, codec, hash, blob FROM dug ORDER BY key",
             "SELECT value FROM meta WHERE key = 'compacted'")]
         db.close()
         self.assertGreater(len(found[0]), 1)

@@ -211,7 +211,7 @@ class Deformed(FormatTest):
     def deformation_rows(self, store):
         """What the page says of rows of offsets and soil beside their posts, from the posts."""
         side = store.cells + 1
-        for table, unit in (("offset", 2**-20), ("dirt", 1), ("heaped", 2**-20), ("pressed", 2**-20), ("shear", 2**-15)):
+        for table, unit in (("offset", 2**-20), ("dirt", 1), ("heaped", 2**-20), ("pressed", 2**-20), ("shear", 2**-15), ("dug", 2**-20)):
             rows = store.rows[table]
             for row in rows.values():
                 if table not in ("offset", "dirt"):

@@ -48,7 +48,7 @@ SAMPLES = [
           view=view({"overhead": {"over": "b", "height": 9}})),
     scene(wheel(shape={"wheel": {"radius": 0.5, "width": 0.4, "grousers": 9, "grouser_height": 0.1, "grouser_thickness": 0.02}}, load=500, slip=0.1),
           soil={**NUMBERED, "rasters": {key: "classes.png" for key in ("bekker_kc", "bekker_kphi", "bekker_n", "cohesion")}},
-          redistribute={"model": "scm", "depth": 1, "bulldozing": 0.4, "iterations": 2, "interval": 0.1, "tolerance": 0.1,
+          redistribute={"model": "scm", "depth": 1, "bulldozing": 0.4, "slip_sinkage": 1.2, "iterations": 2, "interval": 0.1, "tolerance": 0.1,
                                        "undisturbed": "stable"}, output={"forces": 5, "delay": 1}),
     scene(WHEEL, soil={"name": "lunar", "rasters": {key: "classes.png" for key in ("friction_angle", "janosi_shear", "elastic_stiffness")}},
           redistribute={"model": "scm"}, output={"forces": 5}),

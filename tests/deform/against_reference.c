@@ -34,8 +34,9 @@ static struct {
 static void read_planes(void)
 {
 	struct ground *ground = &match.ground;
-	unsigned planes = deform_planes(ground->params.model, false);
+	unsigned planes = deform_planes(ground->params.model, false, ground->params.slip_sinkage > 0);
 	int32_t words[(CELLS + 1) * (CELLS + 1)];
+	memset(match.plane[PLANE_DUG], 0, sizeof match.plane[PLANE_DUG]); /* where slip does not dig, it is not kept */
 	for (int plane = 0; plane < PLANES; plane++)
 		for (uint32_t k = 0; k < ground->tile_count && (planes & PLANE_BIT(plane)); k++) {
 			void *into[PLANES] = {NULL};
@@ -56,6 +57,7 @@ static void begin_reference(void)
 		reference->offset[i] = lattice_offset_metres(match.plane[PLANE_OFFSET][i]);
 		reference->heaped[i] = lattice_offset_metres(match.plane[PLANE_DEPOSITED][i]);
 		reference->pressed[i] = lattice_offset_metres(match.plane[PLANE_PLASTIC_SINKAGE][i]);
+		reference->dug[i] = lattice_offset_metres(match.plane[PLANE_DUG][i]);
 		for (int part = PLANE_SHEAR_EAST; part <= PLANE_SHEAR_NORTH; part++)
 			reference->shear[part][i] = ldexp(plane_shear(match.plane[PLANE_SHEAR][i], part), -PLANE_SHEAR_BITS);
 	}
@@ -303,6 +305,7 @@ static void compare_posts(double error, double pressed)
 			continue;
 		near_enough("heaped", i, lattice_offset_metres(match.plane[PLANE_DEPOSITED][i]), match.reference.heaped[i], error);
 		near_enough("pressed", i, lattice_offset_metres(match.plane[PLANE_PLASTIC_SINKAGE][i]), match.reference.pressed[i], pressed);
+		near_enough("dug", i, lattice_offset_metres(match.plane[PLANE_DUG][i]), match.reference.dug[i], 4 * QUANTUM);
 		/* To steps of 2^-15; from single precision of a way of up to a metre; and a quantum of height moves the place of first touch. */
 		for (int part = PLANE_SHEAR_EAST; part <= PLANE_SHEAR_NORTH; part++) {
 			double shear = ldexp(plane_shear(match.plane[PLANE_SHEAR][i], part), -PLANE_SHEAR_BITS), wanted = match.reference.shear[part][i];
@@ -335,6 +338,14 @@ static void compare_forces(const struct deform_forces *got, const struct referen
 			fail_msg("force %d: %.9g N, %.9g N m, by the reference %.9g, %.9g; allowed %.3g N", k, got->force[k], got->moment[k],
 				 wanted->force[k], wanted->moment[k], error);
 		seen.force = fmax(seen.force, fabs(got->force[k] - wanted->force[k]) / error);
+	}
+}
+
+static void scale(struct reference_forces *forces, double by)
+{
+	for (int k = 0; k < 3; k++) {
+		forces->force[k] *= by;
+		forces->moment[k] *= by;
 	}
 }
 
@@ -382,12 +393,15 @@ static void run(const struct deform_contact *sweep)
 	mem_free(contacts);
 	share_undersides(sweep);
 	double lower = lattice_offset_metres(sweep->to.z - forces.z), slant = scm ? aslant() : 1;
-	if (sweep->load > 0 && !forces.sunk && forces.area > 0)
+	if (sweep->load > 0 && forces.state != DEFORM_SUNK && forces.area > 0)
 		compare_load(sweep, &forces, slant);
 	int ties = compare_contacts(lower, sweep, slant);
 	struct reference_forces wanted = press(lower, sweep);
 	for (int i = 0; i < COUNT; i++)
 		match.reference.contact[i] = match.contacts[i] & 3;
+	/* Within the unit of height that carries the load, forces are scaled to it. */
+	if (sweep->load > 0 && forces.state != DEFORM_SUNK && forces.area > 0)
+		scale(&wanted, sweep->load / wanted.force[2]);
 	if (scm)
 		compare_forces(&forces, &wanted, ties, sweep->shape);
 	/* A sinkage is whole quanta, half a one off; what stays of it, upright, is rounded again; single precision of its
@@ -495,12 +509,13 @@ static void rounds(enum deform_model model, int count)
 			.cells = CELLS, .tiles = TILES, .spacing = spacing, .height = any_ground, .model = model, .soils = &soil, .soil_count = 1,
 			.iterations = model == DEFORM_SUMNER ? 1 + round % 2 : 1 + round % 8,
 			.depth = round % 3 == 1 ? 0.03 : 0, .relief = round % 2 ? 100 : 0,
-			.bulldozing = model == DEFORM_SCM ? 0.4 * (round % 3) : 0, .dirt = model == DEFORM_NONE, /* for its contacts */
+			.bulldozing = model == DEFORM_SCM ? 0.4 * (round % 3) : 0, .slip_sinkage = model == DEFORM_SCM ? 0.8 * (round % 2) : 0, .dirt = model == DEFORM_NONE, /* for its contacts */
 		};
 		test_seed = 1000u * (uint32_t)model + (uint32_t)round;
 		ground_init(&match.ground, &params);
 		match.params = match.ground.deform->params;
 		assert_int_equal(reference_ground_init(&match.reference, POSTS, POSTS, spacing), STATUS_OK);
+		match.reference.slip_sinkage = params.slip_sinkage;
 		for (int i = 0; i < COUNT; i++) {
 			match.reference.hole[i] = match.ground.base[i] == BASE_NODATA;
 			match.reference.base[i] = match.reference.hole[i] ? 0 : lattice_base_metres(match.ground.base[i]);

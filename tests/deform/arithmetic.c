@@ -24,7 +24,7 @@ static void compute(const char *expression, const void *params, size_t bytes)
 	struct gpu_attachment colour = {out, 0};
 	assert_ok(gpu_target_create(test_gpu, &colour, 1, (struct gpu_attachment){NULL, 0}, &pass.target));
 	assert_ok(gpu_program_get_from(test_gpu, shaders_with(table, "test.frag", shader),
-		&(struct gpu_program_request){"full.vert", "test.frag", {expression}}, &pass.program));
+		&(struct gpu_program_request){.vertex = "full.vert", .fragment = "test.frag", .defines = {expression}}, &pass.program));
 	gpu_pass_run(test_gpu, &pass);
 	gpu_texture_read(out, 0, rect_of(0, 0, EDGE, EDGE), results);
 	assert_ok(gpu_check(test_gpu, "arithmetic"));

@@ -29,7 +29,7 @@ struct ground_params {
 	double tolerance;                /* m */
 	bool stands;                     /* undisturbed ground does */
 	bool touched;                    /* deform_is_touched is asked */
-	double bulldozing;
+	double bulldozing, slip_sinkage;
 	bool ground_normals;             /* scm */
 	uint32_t loaded_bodies;
 };
@@ -72,7 +72,7 @@ static inline void ground_init(struct ground *ground, const struct ground_params
 	for (int64_t i = 0; i < ground->posts * ground->posts && params->height != NULL; i++)
 		ground->base[i] = params->height(i % ground->posts, i / ground->posts);
 	assert_ok(gpu_slots_create(test_gpu, params->cells, (uint32_t)ground->tile_count,
-				   deform_planes(params->model, params->dirt), &ground->slots));
+				   deform_planes(params->model, params->dirt, params->slip_sinkage > 0), &ground->slots));
 	int32_t *posts = ground_room((cells + 1) * (cells + 1), sizeof *posts);
 	for (uint32_t k = 0; k < ground->tile_count; k++) {
 		uint32_t tx = k % params->tiles, ty = k / params->tiles;
@@ -101,6 +101,7 @@ static inline void ground_init(struct ground *ground, const struct ground_params
 		.undisturbed_stable = params->stands,
 		.touched = params->touched,
 		.bulldozing = params->bulldozing,
+		.slip_sinkage = params->slip_sinkage,
 		.ground_normals = params->ground_normals,
 		.loaded_bodies = params->loaded_bodies,
 	};

@@ -60,7 +60,7 @@ static void try_shape(const struct deform_shape *shape, double spacing)
 			double low = force_at(&bed, &soil, sinkage - 1.5 * quantum);
 			double high = force_at(&bed, &soil, sinkage + 1.5 * quantum);
 			bool carried = force_at(&bed, &soil, 2 * reach) > load;
-			assert_true(forces.sunk == !carried);
+			assert_true((forces.state == DEFORM_SUNK) == !carried);
 			if (carried && (low > load * (1 + 1e-5) || high < load * (1 - 1e-5)))
 				fail_msg("%s, %g N: sunk %.9g m, which bears %.9g to %.9g N", soils[k], load, sinkage, low, high);
 			assert_true(carried || fabs(sinkage - 2 * reach) < 1e-3); /* of its first post */
@@ -142,7 +142,7 @@ static void an_object_over_nothing_stays_where_it_is(void **state)
 	struct deform_pose pose = ground_pose(&ground, -17, 64, 0.45);
 	struct deform_contact sweep = {.shape = &wheel, .from = pose, .to = pose, .load = 3000};
 	struct deform_forces forces = ground_forces(&ground, &sweep);
-	assert_true(forces.z == pose.z && forces.force[2] == 0 && forces.area == 0 && !forces.sunk);
+	assert_true(forces.z == pose.z && forces.force[2] == 0 && forces.area == 0 && forces.state == DEFORM_AIR);
 	assert_ok(deform_tally(ground.deform, &tally));
 	assert_int_equal(tally.compacted, 0);
 	ground_finish(&ground);

@@ -113,7 +113,7 @@ static void forces_are_numbers(struct ground *ground, const struct deform_contac
 /* Every plane in its range, holes as they were; the sum of offsets. */
 static int64_t look(struct ground *ground)
 {
-	unsigned planes = deform_planes(ground->params.model, false);
+	unsigned planes = deform_planes(ground->params.model, false, ground->params.slip_sinkage > 0);
 	int64_t sum = 0;
 	ground_read(ground);
 	for (int64_t i = 0; i < ground->posts * ground->posts; i++) {
@@ -152,7 +152,7 @@ static void at_its_limits(enum deform_model model, int rounds)
 		struct ground_params params = {
 			.cells = CELLS, .tiles = TILES, .spacing = spacing, .height = rough, .model = model, .soils = &soil, .soil_count = 1,
 			.iterations = 1 + (int)(any_word() % 8), .depth = any_word() % 2 ? 0 : any_of(0, 1024, false),
-			.bulldozing = any_of(0, 1, true),
+			.bulldozing = any_of(0, 1, true), .slip_sinkage = model == DEFORM_SCM && any_word() % 2 ? any_of(0, 10, true) : 0,
 		};
 		ground_init(&ground, &params);
 		/* Not all of it stands: any of it may slide. */

@@ -23,7 +23,7 @@ struct scenario {
 	enum deform_model model;
 	bool dirt, forces;
 	int iterations, soils;
-	double depth, relief;
+	double depth, relief, slip_sinkage;
 	uint32_t tiles; /* 0: 3 */
 	size_t count;
 	struct deform_planned objects[OBJECTS_MAX];
@@ -254,7 +254,7 @@ static void hold_to_plan(const struct scenario *scenario)
 	ground_init(&drive.ground, &(struct ground_params){
 		.cells = 32, .tiles = scenario->tiles != 0 ? scenario->tiles : 3, .spacing = 0.125, .height = conserve_rough,
 		.model = scenario->model, .dirt = scenario->dirt, .repetitions = 3, .iterations = scenario->iterations, .soils = soils,
-		.soil_count = scenario->soils, .depth = scenario->depth, .relief = scenario->relief, .loaded_bodies = loaded_bodies, .bulldozing = 0.5,
+		.soil_count = scenario->soils, .depth = scenario->depth, .relief = scenario->relief, .loaded_bodies = loaded_bodies, .bulldozing = 0.5, .slip_sinkage = scenario->slip_sinkage,
 	});
 	struct deform_params params = drive.ground.deform->params;
 	params.gpu = NULL;
@@ -264,7 +264,7 @@ static void hold_to_plan(const struct scenario *scenario)
 	for (size_t i = 0; i < scenario->count; i++)
 		assert_ok(deform_warm(drive.ground.deform, &scenario->objects[i], scenario->forces));
 	check_programs(&drive, &plan);
-	gpu_slots_plan(32, deform_planes(scenario->model, scenario->dirt), false, false, false, false, "displace", &plan);
+	gpu_slots_plan(32, deform_planes(scenario->model, scenario->dirt, scenario->slip_sinkage > 0), false, false, false, false, "displace", &plan);
 	assert_ok(plan_status(&plan));
 	check_memory(&drive, &plan);
 	deform_figures(drive.ground.deform, &figures);

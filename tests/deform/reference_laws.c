@@ -350,9 +350,8 @@ static void a_load_is_carried_wherever_there_is_ground(void **state)
 		struct reference_ground fresh = made(20, 20, 0.05);
 		memcpy(fresh.base, ground.base, 400 * sizeof *fresh.base);
 		sweep.to = sweep.from = at(&ground, 9.3, 9.7, heights[i]);
-		sweep.from.z += 1 << 20;
 		assert_int_equal(reference_sweep(&fresh, &params, &sweep, &forces, &lower), STATUS_OK);
-		assert_true(fabs(forces.normal - 40) < 1e-6);
+		assert_true(fabs(forces.force[2] - 40) < 1e-6);
 		stands[i] = heights[i] - lower;
 		assert_true(fabs(stands[i] - stands[0]) < 3e-6);
 		reference_ground_finish(&fresh);

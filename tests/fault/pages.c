@@ -168,7 +168,7 @@ static int64_t compacted_by(int64_t step)
 static enum status take_tally(void *user, struct gpu_staging *staging)
 {
 	const struct rig *rig = user;
-	int64_t tally[3] = {compacted_by(rig->steps)};
+	int64_t tally[5] = {compacted_by(rig->steps), 0, 0, rig->steps, 3 * rig->steps};
 	_Static_assert(sizeof tally == PAGES_TALLY_BYTES, "the tally");
 	memcpy(staging, tally, sizeof tally);
 	return STATUS_OK;
@@ -352,6 +352,7 @@ static void look(const char *path, int least, int most)
 		assert_non_null(record);
 		expect(world_record_parse(&numbers.last_run, "trial", &scene, record) == STATUS_OK);
 		expect(record->sums.compacted == compacted + COMPACTED_BEFORE);
+		expect(record->sums.sunk == numbers.last_run.step && record->sums.slid == 3 * numbers.last_run.step);
 		free(record);
 	}
 	field_free(&field);

@@ -35,7 +35,7 @@ const char *const fuzz_words[] = {
 	"|\n", ">\n", "---\n", "...\n", "%YAML 1.1\n", "? ", "<<: ", "\\x2f", "\xef\xbb\xbf", "\xc3", "\xf4\x8f\xbf\xbf",
 	"t,x,y,z,yaw,pitch,roll\n", "0,1,2\n", SCENE_POSES, SCENE_SET, "cache.slots=8\n", "objects.a.sink=1\n",
 	"redistribute: {model: sumner, iterations: 2, interval: 0.1, depth: 1}\n", "redistribute: {model: slippage}\n",
-	"redistribute: {model: scm, depth: 0.1, bulldozing: 0.4}\n", "scm", "load: 4000", "slip: 0.2",
+	"redistribute: {model: scm, depth: 0.1, bulldozing: 0.4, slip_sinkage: 0.7}\n", "scm", "load: 4000", "slip: 0.2",
 	"shape: {mesh: {file: foot.obj, scale: 2}}", "lugs: 12, lug_height: 0.02, lug_thickness: 0.01",
 	"output: {forces: 50, delay: 0}\n", "soil: {map: poses.csv, classes: {1: lunar, 2: {name: clayey_38}}, default: snow_us}\n",
 	"soil: {cohesion: 0, friction_angle: 30, unit_weight: 16000, repose: 30}\n",

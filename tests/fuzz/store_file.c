@@ -249,6 +249,7 @@ static bool commit(struct store *store, bool clean, uint64_t hash)
 			((uint8_t *)planes.of[PLANE_DISTURBANCE])[i] = (uint8_t)(hash >> i % 48);
 			((int32_t *)planes.of[PLANE_DEPOSITED])[i] = (int32_t)(hash >> i % 31);
 			((int32_t *)planes.of[PLANE_PLASTIC_SINKAGE])[i] = (int32_t)(hash >> i % 30 & INT32_MAX);
+			((int32_t *)planes.of[PLANE_DUG])[i] = (int32_t)(hash >> i % 29 & INT32_MAX);
 			((int32_t *)planes.of[PLANE_SHEAR])[i] = (int32_t)(hash >> i % 32 & 0x7fff7fff);
 		}
 	if (good) {

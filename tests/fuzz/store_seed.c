@@ -76,7 +76,7 @@ static void deform(const struct kind *kind, const char *path)
 {
 	static int32_t offset[17 * 17];
 	static uint8_t dirt[17 * 17];
-	static int32_t heaped[17 * 17], pressed[17 * 17], shear[17 * 17];
+	static int32_t heaped[17 * 17], pressed[17 * 17], shear[17 * 17], dug[17 * 17];
 	uint32_t side = tile_posts(&kind->extent);
 	struct store *store;
 	fuzz_check(store_open(path, &(struct store_options){.mode = STORE_WRITE}, &store) == STATUS_OK);
@@ -89,9 +89,10 @@ static void deform(const struct kind *kind, const char *path)
 			dirt[y * side + x] = (uint8_t)(x * 30);
 			heaped[y * side + x] = (int32_t)fuzz_below(&any, 1 << 16) - (1 << 15);
 			pressed[y * side + x] = -offset[y * side + x];
+			dug[y * side + x] = (int32_t)fuzz_below(&any, 1 << 14);
 			shear[y * side + x] = (int32_t)fuzz_below(&any, 1 << 15) | (int32_t)fuzz_below(&any, 1 << 15) << 16;
 		}
-	struct store_page page = {{kind->working, 0, 0}, {offset, dirt, heaped, pressed, shear}};
+	struct store_page page = {{kind->working, 0, 0}, {offset, dirt, heaped, pressed, shear, dug}};
 	struct store_run run = {.scene_hash = "0123abcd", .step = 12, .time = 0.25, .compacted = 12345,
 				.state = "{\"poses\":[],\"ended\":false}"};
 	struct store_commit_result result;

@@ -77,7 +77,7 @@ static void a_gl_error_is_told_and_stays(void **state)
 	assert_int_equal(gpu_check(test_gpu, "later"), STATUS_FAILED);
 	assert_non_null(strstr(failure_message(), "the test: GL says invalid enum"));
 	assert_int_equal(gpu_buffer_create(test_gpu, GPU_INDICES, 6, NULL, &buffer), STATUS_FAILED);
-	assert_int_equal(gpu_program_get(test_gpu, &(struct gpu_program_request){"full.vert", "decimate.frag", {NULL}}, &program),
+	assert_int_equal(gpu_program_get(test_gpu, &(struct gpu_program_request){.vertex = "full.vert", .fragment = "decimate.frag"}, &program),
 			 STATUS_FAILED);
 	gpu_texture_upload(texture, 0, rect_of(0, 0, 1, 1), &texel);
 	gpu_texture_read(texture, 0, rect_of(0, 0, 1, 1), &texel);

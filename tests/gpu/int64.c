@@ -106,7 +106,7 @@ static void compute(const char *expression, const char *also)
 	struct gpu_attachment colours[2] = {{out[0], 0}, {out[1], 0}};
 	assert_ok(gpu_target_create(own, colours, 2, (struct gpu_attachment){NULL, 0}, &pass.target));
 	assert_ok(gpu_program_get_from(own, shaders_with(table, "test.frag", shader),
-		&(struct gpu_program_request){"full.vert", "test.frag", {expression, also}}, &pass.program));
+		&(struct gpu_program_request){.vertex = "full.vert", .fragment = "test.frag", .defines = {expression, also}}, &pass.program));
 	gpu_pass_run(own, &pass);
 	for (int k = 0; k < 2; k++)
 		gpu_texture_read(out[k], 0, rect_of(0, 0, SIDE, SIDE), results[k]);

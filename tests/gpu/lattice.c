@@ -40,7 +40,7 @@ static void interpolation_in_glsl_is_interpolation_in_c(void **state)
 	out = ints_texture(NULL, SIDE, SIDE);
 	assert_ok(gpu_target_create(test_gpu, &(struct gpu_attachment){out, 0}, 1, (struct gpu_attachment){NULL, 0}, &target));
 	assert_ok(gpu_program_get_from(test_gpu, shaders_with(table, "test.frag", shader),
-		&(struct gpu_program_request){"full.vert", "test.frag", {NULL}}, &program));
+		&(struct gpu_program_request){.vertex = "full.vert", .fragment = "test.frag"}, &program));
 	pass.program = program;
 	pass.target = target;
 	gpu_pass_run(test_gpu, &pass);

@@ -194,7 +194,7 @@ static void keep_first(void *user, const char *name, uint64_t passes)
 
 static void programs_are_listed_by_their_names(void **state)
 {
-	const struct gpu_program_request request = {"full.vert", "decimate.frag", {"DISTURBANCE", "DEPTH 3"}};
+	const struct gpu_program_request request = {.vertex = "full.vert", .fragment = "decimate.frag", .defines = {"DISTURBANCE", "DEPTH 3"}};
 	struct gpu_program *program;
 	struct last last = {.count = 0};
 	char name[GPU_PROGRAM_NAME], small[12];
@@ -213,7 +213,7 @@ static void programs_are_listed_by_their_names(void **state)
 
 static void a_program_linked_behind_the_seal_is_counted(void **state)
 {
-	struct gpu_program_request request = {"full.vert", "decimate.frag", {"DISTURBANCE", "DEPTH 4"}};
+	struct gpu_program_request request = {.vertex = "full.vert", .fragment = "decimate.frag", .defines = {"DISTURBANCE", "DEPTH 4"}};
 	struct gpu_program *program;
 	struct gpu_stats stats;
 	(void)state;

@@ -5,7 +5,7 @@ static void the_same_request_is_the_same_program(void **state)
 {
 	struct gpu_program *first, *second, *variant, *other;
 	struct gpu_stats before, after;
-	struct gpu_program_request request = {"full.vert", "decimate.frag", {NULL}};
+	struct gpu_program_request request = {.vertex = "full.vert", .fragment = "decimate.frag"};
 	(void)state;
 	need_gpu();
 	gpu_stats(test_gpu, &before);
@@ -33,7 +33,7 @@ static const char *error_of(const char *fragment, const char *include, const cha
 		{NULL, NULL},
 	};
 	struct gpu_program *program;
-	struct gpu_program_request request = {"plain.vert", "bad.frag", {define}};
+	struct gpu_program_request request = {.vertex = "plain.vert", .fragment = "bad.frag", .defines = {define}};
 	assert_int_equal(gpu_program_get_from(test_gpu, table, &request, &program), STATUS_FAILED);
 	assert_ok(gpu_check(test_gpu, "a bad shader")); /* the gpu itself is well */
 	return failure_message();
@@ -44,6 +44,20 @@ static const char *error_of(const char *fragment, const char *include, const cha
 		if (strstr(message, part) == NULL)                                                 \
 			fail_msg("\"%s\" does not say \"%s\"", message, part);                     \
 	} while (0)
+
+static void a_compute_shader_s_error_names_its_file(void **state)
+{
+	const struct shader_text table[] = {{"bad.comp", "#version 450 core\nvoid main() { undeclared_name = 1; }\n"}, {NULL, NULL}};
+	const struct gpu_program_request request = {.compute = "bad.comp", .defines = {"SOME 1"}};
+	struct gpu_program *program;
+	char name[GPU_PROGRAM_NAME];
+	(void)state;
+	need_gpu();
+	assert_int_equal(gpu_program_get_from(test_gpu, table, &request, &program), STATUS_FAILED);
+	assert_says(failure_message(), "shader bad.comp:2 with SOME 1: ");
+	gpu_program_name(&request, name, sizeof name);
+	assert_string_equal(name, "bad.comp SOME 1");
+}
 
 static void a_compile_error_names_the_file_and_the_line(void **state)
 {
@@ -85,7 +99,7 @@ static void a_missing_file_is_told_with_its_place(void **state)
 	assert_says(message, "shader bad.frag:3: there is no file \"lib/absent.glsl\"");
 	message = error_of("void main() {}\n", "", NULL);
 	assert_says(message, "shader bad.frag:1: ");
-	assert_int_equal(gpu_program_get(test_gpu, &(struct gpu_program_request){"full.vert", "absent.frag", {NULL}}, &program),
+	assert_int_equal(gpu_program_get(test_gpu, &(struct gpu_program_request){.vertex = "full.vert", .fragment = "absent.frag"}, &program),
 			 STATUS_FAILED);
 	assert_says(failure_message(), "absent.frag");
 }
@@ -152,7 +166,7 @@ static void an_include_is_joined_once_and_lines_stay_right(void **state)
 static void a_failed_allocation_is_told(void **state)
 {
 	struct gpu_program *program;
-	struct gpu_program_request request = {"full.vert", "decimate.frag", {"UNUSED"}};
+	struct gpu_program_request request = {.vertex = "full.vert", .fragment = "decimate.frag", .defines = {"UNUSED"}};
 	(void)state;
 	need_gpu();
 	uint64_t nth = 1;
@@ -171,6 +185,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_same_request_is_the_same_program),
+		cmocka_unit_test(a_compute_shader_s_error_names_its_file),
 		cmocka_unit_test(a_compile_error_names_the_file_and_the_line),
 		cmocka_unit_test(an_error_in_an_included_file_names_that_file),
 		cmocka_unit_test(a_missing_file_is_told_with_its_place),

@@ -115,7 +115,7 @@ static void find(const char *vertices)
 		out[i] = (struct gpu_attachment){floats_texture(NULL), 0};
 	assert_ok(gpu_target_create(test_gpu, out, OUTPUTS, (struct gpu_attachment){NULL, 0}, &target));
 	assert_ok(gpu_program_get_from(test_gpu, shaders_with(table, "test.frag", shader),
-		&(struct gpu_program_request){"full.vert", "test.frag", {"CELLS 24", vertices}}, &program));
+		&(struct gpu_program_request){.vertex = "full.vert", .fragment = "test.frag", .defines = {"CELLS 24", vertices}}, &program));
 	pass.program = program;
 	pass.target = target;
 	gpu_pass_run(test_gpu, &pass);

@@ -113,7 +113,7 @@ static void one_staging_carries_several_planes_at_once(void **state)
 /* A pass that makes `to` the texture's every post. */
 static void draw_over(struct gpu_texture *from, struct gpu_texture *to)
 {
-	static const struct gpu_program_request request = {"full.vert", "decimate.frag", {NULL}};
+	static const struct gpu_program_request request = {.vertex = "full.vert", .fragment = "decimate.frag"};
 	struct {
 		int32_t from[2], to[2], steps, unused[3];
 	} params = {.steps = 0};

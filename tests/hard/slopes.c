@@ -120,6 +120,38 @@ static void a_cut_with_cohesion_stands_to_the_edge_of_failure_and_slips_above(vo
 	}
 }
 
+/* A bank of 3 m at 60 degrees, askew. No two neighbours differ by as much as stands between two posts. */
+static double bank(int64_t x, int64_t y)
+{
+	return 20 + fmax(0, fmin(3, ((double)x * 0.8 + (double)y * 0.6 - 90) * 0.25 * tan(M_PI / 3)));
+}
+
+static void a_bank_falls_alike_in_tiles_of_8_and_64_cells(void **state)
+{
+	static const struct hard_model sand = {
+		"slippage", "redistribute: {model: slippage, undisturbed: slides, iterations: 2}\nsoil: {name: dry_sand}\n", true};
+	static const char *const slots[] = {"cache.slots=36", NULL};
+	const struct post_rect posts = {0, 0, 129, 129};
+	double *quanta[2];
+	for (int k = 0; k < 2; k++) {
+		const char *store = support_path("bank.furrow");
+		support_store(store, (struct extent){129, 129, 0.25, k == 0 ? 8 : 64}, bank);
+		char *json = hard_drive(&sand, "time_step: 0.1\nend_time: 4\nobjects:\n"
+					"  - {name: foot, shape: {box: {size: [1.5, 1, 1]}}, sink: 0.4, path: {points: [[12, 12], [20, 4]], speed: 4}}\n",
+					store, k == 0 ? slots : all);
+		mem_free(json);
+		quanta[k] = support_quanta(store, 0, posts);
+	}
+	double low = 0;
+	for (int i = 0; i < 129 * 129; i++) {
+		assert_true(quanta[0][i] == quanta[1][i]);
+		low = i / 129 > 90 ? fmin(low, ldexp(quanta[0][i], -OFFSET_BITS)) : low; /* far from the object */
+	}
+	assert_true(low < -0.1);
+	free(quanta[0]);
+	free(quanta[1]);
+}
+
 static double flat(int64_t x, int64_t y)
 {
 	(void)x, (void)y;
@@ -234,6 +266,7 @@ int main(void)
 		cmocka_unit_test(a_spike_and_a_cliff_of_1000_m_are_driven_over_through_four_slots),
 		cmocka_unit_test(a_cliff_of_1000_m_comes_to_rest_at_the_angle_of_repose),
 		cmocka_unit_test(a_cut_with_cohesion_stands_to_the_edge_of_failure_and_slips_above),
+		cmocka_unit_test(a_bank_falls_alike_in_tiles_of_8_and_64_cells),
 		cmocka_unit_test(what_is_refused_is_counted_once_however_many_windows_see_it),
 		cmocka_unit_test(what_is_half_within_an_offsets_range_is_half_refused),
 		cmocka_unit_test(ground_that_is_too_steep_by_itself_loses_nothing),

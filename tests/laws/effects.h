@@ -23,6 +23,7 @@ static inline double gentle(int64_t x, int64_t y)
 #define WHEEL "wheel: {radius: 1.5, width: 1"
 #define SOIL "soil: {name: dry_sand}\n"
 #define SCM SOIL "redistribute: {model: scm}\n"
+#define STILL_SCM SOIL "redistribute: {model: scm, slip_sinkage: 0}\n" /* slip does not dig */
 
 #define CAMERA "size: [160, 90], camera: {fixed: {eye: [20, 10, 120], target: [50, 45, 100]}}, images: 2"
 #define VIEW(effects) "view: {" CAMERA ", effects: [" effects "]}\n"

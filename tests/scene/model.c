@@ -6,21 +6,21 @@ static void a_model_has_its_own_parameters_with_their_defaults(void **state)
 	static const struct {
 		const char *model;
 		enum deform_model is;
-		double depth, bulldozing;
-	} models[] = {{"sumner", DEFORM_SUMNER, (double)INFINITY, 0},
-		      {"slippage", DEFORM_SLIPPAGE, (double)INFINITY, 0},
-		      {"scm", DEFORM_SCM, 0, 0.5}};
+		double depth, bulldozing, slip_sinkage;
+	} models[] = {{"sumner", DEFORM_SUMNER, (double)INFINITY, 0, 0},
+		      {"slippage", DEFORM_SLIPPAGE, (double)INFINITY, 0, 0},
+		      {"scm", DEFORM_SCM, 0, 0.5, 1.1}};
 	for (size_t i = 0; i < 3; i++) {
 		struct scene *scene = load_edited(base, "scm", models[i].model);
 		assert_int_equal(scene->model, models[i].is);
 		assert_int_equal(scene->iterations, 1);
 		assert_true(scene->interval == 0.05 && scene->depth == models[i].depth);
-		assert_true(scene->bulldozing == models[i].bulldozing && scene->tolerance == 0);
+		assert_true(scene->bulldozing == models[i].bulldozing && scene->slip_sinkage == models[i].slip_sinkage && scene->tolerance == 0);
 		scene_destroy(scene);
 	}
-	struct scene *scene = load_edited(base, "model: scm", "model: scm, iterations: 5, interval: 0.5, depth: 1.5, bulldozing: 0.25, tolerance: 0.01");
+	struct scene *scene = load_edited(base, "model: scm", "model: scm, iterations: 5, interval: 0.5, depth: 1.5, bulldozing: 0.25, slip_sinkage: 0.5, tolerance: 0.01");
 	assert_int_equal(scene->iterations, 5);
-	assert_true(scene->interval == 0.5 && scene->depth == 1.5 && scene->bulldozing == 0.25 && scene->tolerance == 0.01);
+	assert_true(scene->interval == 0.5 && scene->depth == 1.5 && scene->bulldozing == 0.25 && scene->slip_sinkage == 0.5 && scene->tolerance == 0.01);
 	scene_destroy(scene);
 	refuse("model: scm", "model: scm, radius: 2", ":4: redistribute.radius: is no parameter of model scm; allowed with: box");
 	refuse("model: scm", "model: none, repetitions: 2", "repetitions: is no parameter of model none; allowed with: box");
@@ -30,6 +30,7 @@ static void a_model_has_its_own_parameters_with_their_defaults(void **state)
 	refuse("model: scm", "model: box, depth: 2", "depth: is no parameter of model box");
 	refuse("model: scm", "model: sumner, bulldozing: 1", "is no parameter of model sumner; allowed with: scm");
 	refuse("model: scm", "model: slippage, bulldozing: 0", "is no parameter of model slippage; allowed with: scm");
+	refuse("model: scm", "model: slippage, slip_sinkage: 1", "is no parameter of model slippage; allowed with: scm");
 	refuse("model: scm", "model: mud", ":4: redistribute.model: \"mud\" is unknown; allowed: none, box, sumner, slippage, scm");
 }
 
@@ -38,7 +39,7 @@ static void a_load_takes_the_place_of_a_sinkage(void **state)
 	struct scene *scene = load_edited(base, "3}\n", "3}\n    load: 4000\n    slip: -0.25\n");
 	assert_true(scene->objects[0].load == 4000 && scene->objects[0].sink == 0 && scene->objects[0].slip == -0.25);
 	assert_int_equal(scene_effects(scene, 0), EFFECT_BIT(EFFECT_OF(DEFORM_SCM)) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SLIDE) |
-							 EFFECT_BIT(EFFECT_LOAD) | CACHE_EFFECTS);
+							 EFFECT_BIT(EFFECT_SLIP) | EFFECT_BIT(EFFECT_LOAD) | CACHE_EFFECTS);
 	scene_destroy(scene);
 	refuse("3}\n", "3}\n    load: 1\n    sink: 0\n", ":9: objects[0].load: sink is given too; allowed: one of sink, load");
 	refuse("scm}\nobjects:\n  - name: a\n", "box}\nobjects:\n  - name: a\n    load: 4\n", ":7: objects[0].load: model box computes no "
@@ -153,7 +154,7 @@ static void each_model_calls_for_its_own_effects(void **state)
 		{"box", EFFECT_BIT(EFFECT_OF(DEFORM_NONE)) | EFFECT_BIT(EFFECT_OF(DEFORM_BOX_FILTER))},
 		{"sumner", EFFECT_BIT(EFFECT_OF(DEFORM_SUMNER)) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SHED)},
 		{"slippage", EFFECT_BIT(EFFECT_OF(DEFORM_SLIPPAGE)) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SLIDE)},
-		{"scm", EFFECT_BIT(EFFECT_OF(DEFORM_SCM)) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SLIDE)},
+		{"scm", EFFECT_BIT(EFFECT_OF(DEFORM_SCM)) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SLIDE) | EFFECT_BIT(EFFECT_SLIP)},
 	};
 	for (size_t i = 0; i < sizeof models / sizeof models[0]; i++) {
 		struct scene *scene = load_edited(base, "scm", models[i].model);
@@ -170,7 +171,7 @@ static void the_hash_is_of_all_that_decides_how_the_ground_gives_way(void **stat
 	} edits[] = {
 		{"3}\n", "3}\noutput: {forces: 50, delay: 4}\n", true},
 		{"dry_sand", "dry_sand, bekker_n: 1.1", true}, /* as the name says */
-		{"model: scm", "model: scm, iterations: 1, interval: 0.05, depth: 0, bulldozing: 0.5, tolerance: 0", true},
+		{"model: scm", "model: scm, iterations: 1, interval: 0.05, depth: 0, bulldozing: 0.5, slip_sinkage: 1.1, tolerance: 0", true},
 		{"0.4}", "0.4, grousers: 0}", true},
 		{"dry_sand", "lunar", false},
 		{"dry_sand", "dry_sand, bekker_kc: 1", false},
@@ -183,6 +184,7 @@ static void the_hash_is_of_all_that_decides_how_the_ground_gives_way(void **stat
 		{"model: scm", "model: scm, tolerance: 0.001", false},
 		{"model: scm", "model: scm, tolerance: 0.002", false},
 		{"model: scm", "model: scm, bulldozing: 0.6", false},
+		{"model: scm", "model: scm, slip_sinkage: 0", false},
 		{"3}\n", "3}\n    load: 5\n", false},
 		{"3}\n", "3}\n    slip: 0.1\n", false},
 		{"0.4}", "0.4, grousers: 3}", false},

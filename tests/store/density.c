@@ -73,6 +73,7 @@ static bool fill(struct tile tile, int32_t *planes[PLANES], int64_t *deformed)
 		((uint8_t *)planes[PLANE_DISTURBANCE])[i] = (uint8_t)soil.dirt;
 		planes[PLANE_DEPOSITED][i] = (int32_t)lround(ldexp(soil.heaped, 20));
 		planes[PLANE_PLASTIC_SINKAGE][i] = (int32_t)lround(ldexp(soil.pressed, 20));
+		planes[PLANE_DUG][i] = soil.shear > 0 ? (int32_t)lround(ldexp(0.01 * soil.shear, 20)) : 0;
 		planes[PLANE_SHEAR][i] = (int32_t)lround(ldexp(soil.shear, 15)) | (int32_t)lround(ldexp(soil.shear / 9, 15)) << 16;
 		*deformed += planes[PLANE_OFFSET][i] != 0 || planes[PLANE_PLASTIC_SINKAGE][i] != 0;
 	}
@@ -123,7 +124,7 @@ static void a_plane_of_one_value_takes_4_bytes(void **state)
 	struct store_numbers numbers;
 	int32_t *posts = malloc(TILE_POSTS * sizeof *posts);
 	memset(posts, 7, TILE_POSTS * sizeof *posts);
-	struct store_page page = {{LEVEL, 3, 3}, {posts, posts, posts, posts, posts}};
+	struct store_page page = {{LEVEL, 3, 3}, {posts, posts, posts, posts, posts, posts}};
 	assert_ok(store_commit(store, &page, 1, &run, &result));
 	assert_ok(store_count(store, &numbers));
 	for (int plane = PLANE_DEPOSITED; plane < PLANES; plane++) {

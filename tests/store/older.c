@@ -29,8 +29,9 @@ static void make_older(const char *path, struct field *field, bool driven)
 		assert_ok(store_rows_put(&store->rows, ROW_SHEAR, &row));
 	}
 	store_close(store);
-	raw_sql(path, "PRAGMA user_version=3");
-	memset(field->planes[PLANE_SHEAR], 0, (size_t)(field->width * field->height) * plane_bytes(PLANE_SHEAR));
+	raw_sql(path, "DROP TABLE dug; PRAGMA user_version=3");
+	for (int plane = PLANE_SHEAR; plane <= PLANE_DUG; plane++)
+		memset(field->planes[plane], 0, (size_t)(field->width * field->height) * plane_bytes((enum plane)plane));
 }
 
 static int64_t version_of(const char *path)

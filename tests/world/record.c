@@ -22,7 +22,7 @@ static const struct record_object objects[] = {
 	{.next = INT64_MAX, .in_contact = true,
 	 .last = {INT64_MIN, INT64_MAX, -1, 0.1, -DBL_MIN / 4, 1 / 3.0, -2 / 3.0},
 	 .distance = DBL_MAX, .sinkage = -0.0, .skipped = INT64_MAX,
-	 .force = {{0.1, -0.0, DBL_MIN / 4}, {DBL_MAX, -1 / 3.0, 3}, 1e-300, 2 / 3.0, INT64_MIN}},
+	 .force = {{0.1, -0.0, DBL_MIN / 4}, {DBL_MAX, -1 / 3.0, 3}, 1e-300, 2 / 3.0, 1 / 7.0, INT64_MIN, DEFORM_TOUCHING}},
 	{.next = (INT64_C(1) << 53) + 1, .in_contact = false,
 	 .last = {(INT64_C(1) << 53) + 1, -(INT64_C(1) << 53) - 1, 0, -M_PI, 4.9406564584124654e-324, 1e300, DBL_EPSILON},
 	 .distance = 1 + DBL_EPSILON, .sinkage = -1e-17, .skipped = 3},
@@ -44,7 +44,7 @@ static char *printed(void)
 	record->active_count = 2;
 	record->active[0] = (struct deform_block){3, 4};
 	record->active[1] = (struct deform_block){INT64_C(1) << 33, 0};
-	char *text = world_record_print(record, &scene, &(struct pages_sums){-SUM_MOST, SUM_MOST, SUM_MOST - 1});
+	char *text = world_record_print(record, &scene, &(struct pages_sums){-SUM_MOST, SUM_MOST, SUM_MOST - 1, 5, SUM_MOST});
 	assert_non_null(text);
 	free(record);
 	return text;
@@ -68,7 +68,7 @@ static void it_comes_back_to_the_bit(void **state)
 	assert_int_equal(parse(text, 7, 0.1, &scene, record), STATUS_OK);
 	assert_true(record->step == 7 && same_real(record->time, 0.1) && record->level == -3 && record->ended);
 	assert_true(record->sums.below == -SUM_MOST && record->sums.above == SUM_MOST &&
-		    record->sums.compacted == SUM_MOST - 1);
+		    record->sums.compacted == SUM_MOST - 1 && record->sums.sunk == 5 && record->sums.slid == SUM_MOST);
 	assert_true(record->active_count == 2 && record->active[0].x == 3 && record->active[0].y == 4);
 	assert_true(record->active[1].x == INT64_C(1) << 33 && record->active[1].y == 0);
 	for (int i = 0; i < 2; i++) {
@@ -131,6 +131,8 @@ static void any_value_that_is_not_what_it_must_be_is_refused(void **state)
 		{"\"above\":\"2", "\"above\":\"-3"}, {"\"below\":\"-2305843009213693951\"", "\"below\":\"-2305843009213693952\""},
 		{"\"below\":\"-2", "\"below\":\"3"}, {"\"compacted\":\"2", "\"compacted\":\"3"},
 		{"\"compacted\":\"2", "\"compacted\":\"-3"}, {"\"compacted\"", "\"compact\""},
+		{"\"sunk\":\"5\"", "\"sunk\":\"-1\""}, {"\"sunk\":\"5\"", "\"sunk\":5"}, {"\"slid\"", "\"slides\""}, {"\"slid\":\"2", "\"slid\":\"3"},
+		{"\"state\":\"0\"", "\"state\":\"4\""}, {"\"state\":\"0\"", "\"state\":\"-1\""}, {"\"state\"", "\"stated\""},
 		{"\"awake\"", "\"asleep\""}, {"\"3,4;", "\"3,4"}, {"\"3,4;", "\"3;4,"}, {"\"3,4;", "\"-3,4;"}, {"\"3,4;", "\"3,;"},
 		{"\"3,4;", "\"3,4;;"}, {"\"3,4;", "\"9223372036854775808,4;"}, {"\"awake\":\"", "\"awake\":[\"\"],\"a\":\""},
 		{"\"objects\":[", "\"objects\":[{},"}, {"\"objects\":[{", "\"objects\":[[],{"}, {"\"objects\"", "\"things\""},
@@ -177,7 +179,7 @@ static void as_many_blocks_as_may_be_awake_and_no_more(void **state)
 	for (int64_t i = 0; i < DEFORM_BLOCKS_MAX; i++)
 		record->active[i] = (struct deform_block){i, INT64_MAX - i};
 	memcpy(record->objects, objects, sizeof objects);
-	char *text = world_record_print(record, &scene, &(struct pages_sums){0, 0, 0}), *more, *at;
+	char *text = world_record_print(record, &scene, &(struct pages_sums){0, 0, 0, 0, 0}), *more, *at;
 	struct record *read = room();
 	assert_int_equal(parse(text, 1, 1, &scene, read), STATUS_OK);
 	assert_int_equal(read->active_count, DEFORM_BLOCKS_MAX);

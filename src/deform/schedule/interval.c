@@ -49,7 +49,7 @@ static void drop_results(struct deform *deform)
 /* Returns the planes that sliding changes, a mask of PLANE_BIT. */
 static unsigned sliding_planes(const struct deform_params *params)
 {
-	return deform_planes(params->model, params->disturbance) & (PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DEPOSITED));
+	return deform_planes(params->model, params->disturbance, params->slip_sinkage > 0) & (PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DEPOSITED));
 }
 
 static enum status need_results(struct deform *deform, size_t blocks)

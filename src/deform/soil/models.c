@@ -62,9 +62,14 @@ bool deform_tells_forces(enum deform_model model)
 	return rows[model]->feel != NULL;
 }
 
-unsigned deform_planes(enum deform_model model, bool disturbance)
+unsigned deform_planes(enum deform_model model, bool disturbance, bool digs)
 {
-	return PLANE_BIT(PLANE_OFFSET) | (disturbance ? PLANE_BIT(PLANE_DISTURBANCE) : 0) | rows[model]->planes;
+	return PLANE_BIT(PLANE_OFFSET) | (disturbance ? PLANE_BIT(PLANE_DISTURBANCE) : 0) | (digs ? PLANE_BIT(PLANE_DUG) : 0) | rows[model]->planes;
+}
+
+const char *deform_plane_effect(enum deform_model model, enum plane plane)
+{
+	return plane == PLANE_DISTURBANCE ? "dirt" : plane == PLANE_DUG ? "slip" : deform_displace_effect(model);
 }
 
 const char *deform_displace_effect(enum deform_model model)

@@ -47,6 +47,17 @@ double deform_area_units(const struct deform *deform, const struct deform_contac
 	return exp2(fmin(floor(log2(0x1p32 / posts)) - 1, 20));
 }
 
+/* Returns how far the object slips over the ground during the contact, metres: the way of a point on it, less that of a wheel which
+ * rolls. `rolled`: the angle of that. */
+static double slip_of(const struct deform_contact *contact, double rolled)
+{
+	const double east = lattice_offset_metres(contact->to.x - contact->from.x), north = lattice_offset_metres(contact->to.y - contact->from.y);
+	const double ahead[2] = {cos(contact->to.yaw), sin(contact->to.yaw)};
+	if (contact->shape->kind != DEFORM_WHEEL)
+		return hypot(east, north);
+	return hypot((rolled - contact->turned) * contact->shape->radius, north * ahead[0] - east * ahead[1]);
+}
+
 static void fill_motion(const struct deform_contact *contact, struct scm_params *params)
 {
 	if (deform_is_contact_only(contact))
@@ -54,7 +65,8 @@ static void fill_motion(const struct deform_contact *contact, struct scm_params 
 	params->way[0] = (float)lattice_offset_metres(contact->to.x - contact->from.x);
 	params->way[1] = (float)lattice_offset_metres(contact->to.y - contact->from.y);
 	params->way[2] = (float)lattice_offset_metres(contact->to.z - contact->from.z);
-	params->way[3] = contact->seconds > 0 ? (float)(1 / contact->seconds) : 0;
+	/* What carries a load does not depend on its speed. */
+	params->way[3] = contact->seconds > 0 && contact->load == 0 ? (float)(1 / contact->seconds) : 0;
 	/* The rotation about the wheel's own y axis, which is level. */
 	params->spin[0] = (float)(-sin(contact->to.yaw) * contact->turned);
 	params->spin[1] = (float)(cos(contact->to.yaw) * contact->turned);
@@ -65,6 +77,7 @@ static void fill_motion(const struct deform_contact *contact, struct scm_params 
 							   : 0;
 	params->rolls[0] = (float)(-sin(contact->to.yaw) * turned);
 	params->rolls[1] = (float)(cos(contact->to.yaw) * turned);
+	params->digs[0] = (float)slip_of(contact, turned);
 }
 
 static void fill_soils(const struct deform_params *params, struct scm_soil *soils)
@@ -123,6 +136,7 @@ static struct scm_params params_of(const struct deform *deform, const struct def
 		for (int i = 0; i < 4; i++)
 			params.shadow[i] = (int32_t)sides[i];
 	}
+	params.digs[1] = (float)deform->params.slip_sinkage;
 	fill_motion(contact, &params);
 	deform_underside(deform, contact, window, &params);
 	params.faces[0][3] = (float)deform_area_units(deform, contact);
@@ -144,17 +158,16 @@ static enum status run_contact(struct deform *deform, const struct deform_contac
 			(contact->load > 0 ? WITH_LOAD : 0);
 	struct gpu_buffer *records = NULL;
 	uint32_t record = 0;
-	int last = 0;
 	struct deform_request request;
 	deform_programs_contact(&deform->params, with, &request);
 	enum status status = deform_program(deform, &request, &deform->scm[with]);
 	if (status == STATUS_OK && (with & (WITH_PATCH | WITH_LOAD)))
-		status = deform_find(deform, &params, layer, with / WITH_PATCH, &last);
+		status = deform_find(deform, &params, with / WITH_PATCH, tally);
 	if (status == STATUS_OK && (with & WITH_FORCES))
 		status = deform_forces_record(deform, contact, layer == 0, arm_of(contact->shape, extent), &records, &record);
 	if (status != STATUS_OK)
 		return status;
-	params.zero[3] = (int32_t)record | last << 16;
+	params.zero[3] = (int32_t)record;
 	gpu_texture_clear(deform->contacts, layer, deform_written(window), 0);
 	gpu_texture_clear(deform->carried, layer, deform_written(window), 0);
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
@@ -162,11 +175,11 @@ static enum status run_contact(struct deform *deform, const struct deform_contac
 		.program = deform->scm[with],
 		.target = deform->scratch[layer].to[TO_BARE],
 		.viewport = deform_rows(params.written),
-		.textures = {deform->under, deform->classes, deform->numbers},
-		.images = {deform->bases, deform->planes_of[1][PLANE_DEPOSITED], deform->rest, deform->planes_of[1][PLANE_OFFSET],
+		.textures = {deform->under, deform->classes, deform->numbers, deform->bases},
+		.images = {deform->planes_of[0][PLANE_DUG], deform->planes_of[1][PLANE_DEPOSITED], deform->rest, deform->planes_of[1][PLANE_OFFSET],
 			   deform->planes_of[0][PLANE_PLASTIC_SINKAGE], deform->planes_of[0][PLANE_SHEAR], deform->contacts,
 			   deform->carried},
-		.storage = {tally, records, deform->tries, deform->standing},
+		.storage = {tally, records, deform->found, deform->standing},
 		.params = &params,
 		.params_bytes = sizeof params,
 	});
@@ -203,7 +216,7 @@ const struct soil_model deform_model_scm = {
 			    "soil.friction_angle", "soil.janosi_shear", "soil.elastic_stiffness", "soil.damping", "objects[].slip"),
 		"a stress is at most 1e20 Pa; a slope counts as at most 87 degrees; integer sums, but floating point by driver",
 		"sinks and springs back by the soil's pressure"},
-	.keys = EFFECT_LIST("iterations", "interval", "depth", "undisturbed", "tolerance", "bulldozing"),
+	.keys = EFFECT_LIST("iterations", "interval", "depth", "undisturbed", "tolerance", "bulldozing", "slip_sinkage"),
 	.numbers = EFFECT_LIST("bekker_kc", "bekker_kphi", "bekker_n", "cohesion", "friction_angle", "janosi_shear",
 			       "elastic_stiffness", "damping", "repose"),
 	.contact = contact,

@@ -67,8 +67,7 @@ bool deform_has_slopes(const struct deform_params *params)
 /* The pass that begins, those that find slopes, and those of the iterations. */
 int deform_slide_passes(const struct deform_params *params, bool blocks)
 {
-	int slopes = blocks && deform_has_slopes(params) ? DEFORM_SLOPE_HOPS : 0;
-	return 1 + slopes + params->iterations * slide_of(params)->pass_count;
+	return 1 + (blocks ? deform_slope_hops(params) : 0) + params->iterations * slide_of(params)->pass_count;
 }
 
 /* A pass of an iteration depends on the posts beside a post. */
@@ -81,8 +80,7 @@ int64_t deform_slide_step(const struct deform *deform)
 /* The result at a post is right if all posts within the rim were read. */
 int64_t deform_slide_rim(const struct deform *deform)
 {
-	int64_t slope = deform_has_slopes(&deform->params) ? DEFORM_SLOPE_REACH : 0;
-	return deform_slide_step(deform) * deform->params.iterations + deform_is_steep(&deform->params) + slope;
+	return deform_slide_step(deform) * deform->params.iterations + deform_is_steep(&deform->params) + deform_slope_reach(&deform->params);
 }
 
 static int32_t loose_depth(const struct deform *deform)
@@ -173,7 +171,7 @@ static enum status begin(struct deform *deform, const struct slide_place *place)
 		return status;
 	struct gpu_rect written = place->written;
 	/* Iterations need no heights where only the extents of slopes are found. */
-	int32_t trim = blocks && deform_has_slopes(&deform->params) ? DEFORM_SLOPE_REACH : 0;
+	int32_t trim = blocks ? (int32_t)deform_slope_reach(&deform->params) : 0;
 	const struct slide_params params = {
 		.region = {(int32_t)place->side, (int32_t)place->columns, trim, (int32_t)place->first},
 		.place = {(int32_t)place->layer, deform_is_bounded(&deform->params) ? loose_depth(deform) : 0},

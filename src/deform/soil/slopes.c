@@ -3,9 +3,9 @@
  * between two posts. Over blocks, passes find for each post how far its slope rises above it and falls below it (slope.frag).
  *
  * A slope is followed by hops of 8, 4, 2 and 1 posts in eight directions. Each hop leads to a post that is higher (or lower) by
- * more than the angle of friction gives. So a slope is followed over any distance of 1 .. 15 posts. The last hop turns the height
- * of a post's slope into the critical difference there. All this is of the heights before the first iteration, and of near posts
- * only. So it is the same in whatever block it is computed.
+ * more than the angle of friction gives. So a slope is followed over any distance of 1 .. 15 posts. Where posts are near, a longer
+ * hop comes first. The last hop turns the height of a post's slope into the critical difference there. All this is of the heights
+ * before the first iteration, and of near posts only. So it is the same in whatever block it is computed.
  */
 #include <math.h>
 #include <string.h>
@@ -18,11 +18,37 @@
 #define OCTAVE 8
 #define FIRST_OCTAVE 4
 
+#define SHORT_HOPS 4 /* 8, 4, 2, 1 */
+#define SHORT_REACH ((1 << SHORT_HOPS) - 1)
+#define NEAR 0.06 /* m: posts nearer than this have a longer hop too */
+
 /* std140 twin of slope.frag's block. */
 struct slope_params {
 	int32_t region[4], place[4];
 	int32_t soils[DEFORM_SOILS * (1 + SLOPE_HEIGHTS / 4)][4]; /* rises of all soils, then cotangents of all soils */
 };
+
+int deform_slope_hops(const struct deform_params *params)
+{
+	if (!deform_has_slopes(params))
+		return 0;
+	return params->extent != NULL && extent_spacing(params->extent, params->level) < NEAR ? SHORT_HOPS + 1 : SHORT_HOPS;
+}
+
+/* Returns the posts of a hop. All that an interval reads around a block must lie in the blocks beside it. */
+static int64_t way_of(const struct deform_params *params, int number)
+{
+	int shorter = deform_slope_hops(params) - 1 - number;
+	return shorter < SHORT_HOPS ? 1 << shorter : DEFORM_BLOCK - SHORT_REACH - params->iterations - 1;
+}
+
+int64_t deform_slope_reach(const struct deform_params *params)
+{
+	int64_t reach = 0;
+	for (int number = 0; number < deform_slope_hops(params); number++)
+		reach += way_of(params, number);
+	return reach;
+}
 
 /* Returns a height for which the steepest angle is known, metres. */
 static double known_height(int i)
@@ -55,7 +81,7 @@ static struct gpu_texture *extents(const struct deform *deform, int hop)
 
 struct gpu_texture *deform_slopes_found(const struct deform *deform)
 {
-	return extents(deform, DEFORM_SLOPE_HOPS - 1);
+	return extents(deform, deform_slope_hops(&deform->params) - 1);
 }
 
 static int32_t at_most(int64_t units)
@@ -72,14 +98,16 @@ static enum status hop(struct deform *deform, const struct slide_place *place, i
 	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
 		return status;
-	/* Later hops read that many posts around. */
-	int64_t way = 1 << (DEFORM_SLOPE_HOPS - 1 - number), later = way - 1;
+	int hops = deform_slope_hops(&deform->params);
+	int64_t way = way_of(&deform->params, number), later = 0; /* posts around that later hops read */
+	for (int after = number + 1; after < hops; after++)
+		later += way_of(&deform->params, after);
 	const int32_t apart = (int32_t)floor(ldexp(deform->spacing, OFFSET_BITS + digits_of(deform)));
 	struct slope_params params = {
 		.region = {(int32_t)place->side, (int32_t)place->columns,
 			   (int32_t)(deform_slide_rim(deform) - deform_slide_step(deform) * deform->params.iterations - later),
 			   (int32_t)place->first},
-		.place = {(int32_t)place->layer, (int32_t)way, number == DEFORM_SLOPE_HOPS - 1 ? apart : 0},
+		.place = {(int32_t)place->layer, (int32_t)way, number == hops - 1 ? apart : 0},
 	};
 	int slots = deform_soil_slots(&deform->params);
 	for (int i = 0; i < deform->params.soil_count; i++) {
@@ -104,7 +132,7 @@ static enum status hop(struct deform *deform, const struct slide_place *place, i
 enum status deform_slopes_run(struct deform *deform, const struct slide_place *place)
 {
 	enum status status = STATUS_OK;
-	for (int number = 0; number < DEFORM_SLOPE_HOPS && status == STATUS_OK; number++)
+	for (int number = 0; number < deform_slope_hops(&deform->params) && status == STATUS_OK; number++)
 		status = hop(deform, place, number);
 	return status;
 }

@@ -254,7 +254,7 @@ static struct vector sliding(const struct cell *cell, struct vector arm, struct 
 static double pushed(const struct cell *cell, struct vector arm, struct vector normal)
 {
 	const struct deform_contact *sweep = cell->sweep;
-	if (!(sweep->seconds > 0))
+	if (!(sweep->seconds > 0) || sweep->load > 0) /* what carries a load does not depend on its speed */
 		return 0;
 	struct vector way = reference_way_at(sweep, 0, (struct vector){0, 0, 0});
 	double ahead = way.x * cos(sweep->to.yaw) + way.y * sin(sweep->to.yaw);
@@ -330,6 +330,7 @@ struct cell_force reference_cell(const struct reference_ground *ground, const st
 	cell.lowered = over && !is_round(&form) ? rest - fmin(under[at], rest) : 0;
 	cell.since = in_contact(&form, cell.at, cell.own, depth, reference_stays(soil, stiffness, cell.was) / ca);
 	cell.share = over ? fmin(cell.since, 1) : cell.since;
+	out.share = fmin(fmax(cell.share, 0), 1);
 
 	/* Half way of what it slid. */
 	double halfway[2] = {cell.at[0] + fmax(cell.share, 0) / 2 * form.way[0], cell.at[1] + fmax(cell.share, 0) / 2 * form.way[1]};

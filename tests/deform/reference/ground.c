@@ -15,13 +15,14 @@ enum status reference_ground_init(struct reference_ground *ground, int width, in
 		.offset = mem_calloc(count, sizeof(double)),
 		.heaped = mem_calloc(count, sizeof(double)),
 		.pressed = mem_calloc(count, sizeof(double)),
+		.dug = mem_calloc(count, sizeof(double)),
 		.shear = {mem_calloc(count, sizeof(double)), mem_calloc(count, sizeof(double))},
 		.carried = mem_calloc(count, sizeof(double)),
 		.contact = mem_calloc(count, sizeof(uint8_t)),
 		.hole = mem_calloc(count, sizeof(bool)),
 	};
 	if (ground->base != NULL && ground->offset != NULL && ground->heaped != NULL && ground->pressed != NULL &&
-	    ground->shear[0] != NULL && ground->shear[1] != NULL && ground->carried != NULL && ground->contact != NULL && ground->hole != NULL)
+	    ground->dug != NULL && ground->shear[0] != NULL && ground->shear[1] != NULL && ground->carried != NULL && ground->contact != NULL && ground->hole != NULL)
 		return STATUS_OK;
 	reference_ground_finish(ground);
 	return fail_memory("reference");
@@ -33,6 +34,7 @@ void reference_ground_finish(struct reference_ground *ground)
 	mem_free(ground->offset);
 	mem_free(ground->heaped);
 	mem_free(ground->pressed);
+	mem_free(ground->dug);
 	mem_free(ground->shear[0]);
 	mem_free(ground->shear[1]);
 	mem_free(ground->carried);

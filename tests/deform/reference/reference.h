@@ -40,6 +40,8 @@ struct reference_ground {
 	double *base, *offset;    /* surface: base + offset */
 	double *heaped;           /* scm: undisturbed surface: base + heaped */
 	double *pressed;          /* scm: largest sinkage along the normal, so far */
+	double slip_sinkage;      /* scm: how deep slip digs, in units of the soil's shear modulus; 0: not */
+	double *dug;              /* scm: what slip has dug in the contact that lasts */
 	double *shear[2];         /* scm: mobilised shear to the east and to the north, shares of the soil's strength */
 	double *carried;          /* what the last press has lifted and not yet laid down, of height */
 	uint8_t *contact;         /* of the last press */
@@ -91,12 +93,12 @@ enum status reference_slide(struct reference_ground *ground, const struct deform
 /* The difference of height that stands between two posts `distance` metres apart. */
 double reference_stands(const struct deform_params *params, double distance);
 
-/* By how much the whole sweep, which is level, must be lowered for the soil to carry sweep->load; metres. STATUS_INPUT:
+/* By how much the whole sweep must be lowered for the soil to carry sweep->load; metres. STATUS_INPUT:
  * nothing under the object carries it. */
 enum status reference_load(const struct reference_ground *ground, const struct deform_soil *soil,
 			   const struct deform_contact *sweep, const double *under, const double *rest,
 			   double *lower) FURROW_CHECKED;
-/* One contact: press, spread, slide; with a load, level at to.z before it is lowered. Of the parameters only those of the model count, and the first soil;
+/* One contact: press, spread, slide; with a load, all of it is lowered. Of the parameters only those of the model count, and the first soil;
  * DEFORM_BOX_FILTER has reference_box. A load needs DEFORM_SCM; *lower is what reference_load says, else 0.
  * Forces are 0 but for DEFORM_SCM. */
 enum status reference_sweep(struct reference_ground *ground, const struct deform_params *params,

@@ -72,8 +72,7 @@ struct vector reference_way_at(const struct deform_contact *sweep, double turned
 	struct vector way = cross(axis, from_centre);
 	way.x += lattice_offset_metres(sweep->to.x - sweep->from.x);
 	way.y += lattice_offset_metres(sweep->to.y - sweep->from.y);
-	if (sweep->load == 0) /* else the height is not a motion but what is looked for */
-		way.z += lattice_offset_metres(sweep->to.z - sweep->from.z);
+	way.z += lattice_offset_metres(sweep->to.z - sweep->from.z);
 	return way;
 }
 
@@ -93,13 +92,41 @@ static struct post post_of(const struct reference_ground *ground, const struct d
 	return post;
 }
 
+/* How far the object's lowest surface slips over the ground: for a wheel, beyond rolling. */
+static double slips_by(const struct deform_contact *sweep)
+{
+	struct vector way = reference_way_at(sweep, 0, (struct vector){0, 0, 0});
+	double ahead = cos(sweep->to.yaw), aside = sin(sweep->to.yaw), forward = way.x * ahead + way.y * aside;
+	if (sweep->shape->kind == DEFORM_WHEEL)
+		forward -= sweep->turned * sweep->shape->radius;
+	return hypot(forward, way.y * ahead - way.x * aside);
+}
+
+/* How much slip digs from below the object: what is dug nears slip_sinkage x K, and lacks a factor of exp less of it for each K of slip
+ * while the post is in contact. */
+static double digs(const struct reference_ground *ground, const struct deform_soil *soil, double stiffness, const struct deform_contact *sweep,
+		   int at, const double *under, const double *rest, double lower)
+{
+	double lacks = ground->slip_sinkage * soil->janosi_shear - ground->dug[at];
+	struct post post = post_of(ground, soil, stiffness, at, under[at], rest[at], lower);
+	if (lacks <= 0 || !post.held)
+		return 0;
+	double share = reference_cell(ground, soil, stiffness, sweep, at, under, rest, lower).share;
+	return lacks * (1 - exp(-slips_by(sweep) * share / soil->janosi_shear));
+}
+
 double reference_scm_vertical(const struct reference_ground *ground, const struct deform_soil *soil,
 			    const struct deform_contact *sweep, const double *under, const double *rest, double lower)
 {
 	double stiffness = reference_stiffness(soil, breadth(ground, sweep->shape, rest, lower)), sum = 0;
 	for (int i = 0; i < ground->width * ground->height; i++)
-		if (!ground->hole[i])
+		if (!ground->hole[i]) {
+			/* For a moment. */
+			double heaped = ground->heaped[i];
+			ground->heaped[i] -= digs(ground, soil, stiffness, sweep, i, under, rest, lower);
 			sum += reference_cell(ground, soil, stiffness, sweep, i, under, rest, lower).force.z;
+			ground->heaped[i] = heaped;
+		}
 	return sum;
 }
 
@@ -173,6 +200,9 @@ void reference_scm(struct reference_ground *ground, const struct deform_soil *so
 		ground->carried[i] = 0;
 		if (ground->hole[i])
 			continue;
+		bool touched = post_of(ground, soil, stiffness, i, under[i], rest[i], lower).touched;
+		double dug = digs(ground, soil, stiffness, sweep, i, under, rest, lower);
+		ground->heaped[i] -= dug;
 		struct post post = post_of(ground, soil, stiffness, i, under[i], rest[i], lower);
 		double before = reference_stays(soil, stiffness, ground->pressed[i]), was = ground->offset[i];
 		/* A cell may bear whose middle does not. */
@@ -184,7 +214,9 @@ void reference_scm(struct reference_ground *ground, const struct deform_soil *so
 		if (post.held || is_near(ground, i, fmin(under[i], rest[i]) - lower))
 			for (int part = 0; part < 2; part++)
 				ground->shear[part][i] = sheared[part];
-		if (!post.touched)
+		if (post.held || is_near(ground, i, fmin(under[i], rest[i]) - lower))
+			ground->dug[i] = post.held ? ground->dug[i] + dug : 0;
+		if (!touched)
 			continue;
 		if (post.held)
 			ground->offset[i] = rest[i] - lower - ground->base[i];
@@ -193,7 +225,7 @@ void reference_scm(struct reference_ground *ground, const struct deform_soil *so
 		ground->contact[i] |= REFERENCE_SWEPT;
 		if (post.held)
 			ground->contact[i] |= REFERENCE_HELD;
-		ground->carried[i] = bulldozing * (post.plastic - before) / post.normal.z;
+		ground->carried[i] = bulldozing * (post.plastic - before) / post.normal.z + dug;
 		ground->compacted += (was - ground->offset[i] - ground->carried[i]) * area;
 		forces->work += work_of(soil, stiffness, ground->pressed[i], post.largest) * area;
 		ground->pressed[i] = post.largest;

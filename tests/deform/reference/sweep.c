@@ -77,10 +77,7 @@ enum status reference_sweep(struct reference_ground *ground, const struct deform
 	if (under == NULL || rest == NULL) {
 		status = fail_memory("reference");
 	} else {
-		struct deform_contact level = *sweep;
-		if (sweep->load > 0) /* what is looked for is the height of all of it */
-			level.from.z = level.to.z;
-		reference_undersides(ground, &level, under, rest);
+		reference_undersides(ground, sweep, under, rest);
 		status = press(ground, params, sweep, under, rest, forces, lower);
 	}
 	mem_free(under);

@@ -1,0 +1,240 @@
+#version 450 core
+// The search before a contact of scm, by one work group. PATCH: for the size of the contact patch. LOAD: for the equilibrium
+// height. Each try sums over the posts that the object can be above. All sums are whole numbers, so their order does
+// not matter. Heights are fixed-point units above the prescribed one.
+// The equilibrium height is a height at which the soil's whole vertical force, normal stress and shear, is the load.
+
+layout(local_size_x = 16, local_size_y = 8) in;
+
+#include "lib/soil.glsl"
+#include "lib/found.glsl"
+#include "lib/scm_post.glsl"
+#include "lib/tally.glsl"
+
+layout(binding = 4, r32i) uniform readonly restrict iimage2DArray sinkages;
+layout(binding = 5, r32i) uniform readonly restrict iimage2DArray shears;
+layout(binding = 7, r32i) uniform restrict iimage2DArray gaps; // cleared before the contact pass, which uses it for another purpose
+
+#ifdef LOAD
+layout(std430, binding = 3) restrict readonly buffer standings {
+	int standing[]; // scm.frag writes it
+};
+#endif
+
+const int NOWHERE = -2000000000;
+const int LANES = int(gl_WorkGroupSize.x * gl_WorkGroupSize.y);
+const int WORDS = 5;
+const int TRIES = 64;             // a bracket of 2^28 units is halved to one unit in less
+const float SHARE = 4194304.0;    // forces are counted in 2^-22 of the load
+const float GROWTH = 4294967296.0; // and what they grow by in 2^-32 of it
+const float COUNTED_MOST = 1e9;   // of one post, in these units
+
+shared int words[WORDS][LANES];   // what each invocation summed
+shared int sums[WORDS];
+
+// Sums the first `count` words of all invocations. Then all of them may read the sums until the next call.
+void sum_up(int count)
+{
+	int lane = int(gl_LocalInvocationIndex);
+	barrier();
+	if (lane < count) {
+		int sum = 0;
+		for (int i = 0; i < LANES; i++)
+			sum += words[lane][i];
+		sums[lane] = sum;
+	}
+	barrier();
+}
+
+void give(int word, int value)
+{
+	words[word][gl_LocalInvocationIndex] = value;
+}
+
+// Of a window's at most 2^16 posts neither word of a total can overflow. So two words of 32 bits hold an exact sum of 64 bits.
+void give_total(int word, total t)
+{
+	give(word, t.high);
+	give(word + 1, int(t.low));
+}
+
+float real_of(int word)
+{
+	return float(sums[word]) * 65536.0 + float(uint(sums[word + 1]));
+}
+
+// A post's gap is a height at and above which the object does not touch its cell. Each invocation reads only gaps that it wrote itself.
+int gap_at(int x, int y)
+{
+	return imageLoad(gaps, ivec3(x, y, zero.z)).r;
+}
+
+vec3 ground_normal(int x, int y, ground g)
+{
+	return normal_of(ground_at(x - 1, y), g, ground_at(x + 1, y), ground_at(x, y - 1), ground_at(x, y + 1));
+}
+
+// Writes all gaps. Returns the height of the first contact. NOWHERE: there is no ground below the object.
+int first_contact()
+{
+	int highest = NOWHERE;
+	for (int y = shadow.y + int(gl_LocalInvocationID.y); y < shadow.w; y += int(gl_WorkGroupSize.y))
+		for (int x = shadow.x + int(gl_LocalInvocationID.x); x < shadow.z; x += int(gl_WorkGroupSize.x)) {
+			ground g = ground_at(x, y);
+			object o = object_at(x, y, 0);
+			imageStore(gaps, ivec3(x, y, zero.z), ivec4(touch_room(x, y, g, o)));
+			float deepest = deepest_in(ground_normal(x, y, g), g, o, cell_at(x, y, o)) * 1048576.0;
+			highest = max(highest, g.base != BASE_NODATA && !g.far && deepest > -1e9 ? int(deepest) : NOWHERE);
+		}
+	if (gl_LocalInvocationIndex == 0u)
+		sums[0] = NOWHERE;
+	barrier();
+	if (highest > NOWHERE)
+		atomicMax(sums[0], highest);
+	barrier();
+	int top = sums[0];
+	barrier();
+	return top;
+}
+
+// Returns how many posts the object touches at a height.
+uint posts_at(int at)
+{
+	int posts = 0;
+	for (int y = shadow.y + int(gl_LocalInvocationID.y); y < shadow.w; y += int(gl_WorkGroupSize.y))
+		for (int x = shadow.x + int(gl_LocalInvocationID.x); x < shadow.z; x += int(gl_WorkGroupSize.x))
+			if (at < gap_at(x, y)) {
+				ground g = ground_at(x, y);
+				posts += int(g.base != BASE_NODATA && object_at(x, y, at).rests < g.height);
+			}
+	give(0, posts);
+	sum_up(1);
+	return uint(sums[0]);
+}
+
+// Returns the share of the load that the soil carries at a height; how it grows for each unit of sinkage; the area that
+// carries it, in posts.
+vec3 share_at(int at, float by_width)
+{
+	total force = total(0, 0u), stiff = total(0, 0u);
+	int area = 0;
+	float unit = SHARE * place.w / load.x, growth = UNIT_METRES * GROWTH * place.w / load.x;
+	for (int y = shadow.y + int(gl_LocalInvocationID.y); y < shadow.w; y += int(gl_WorkGroupSize.y))
+		for (int x = shadow.x + int(gl_LocalInvocationID.x); x < shadow.z; x += int(gl_WorkGroupSize.x)) {
+			if (at >= gap_at(x, y))
+				continue;
+			ground g = ground_at(x, y);
+			object o = object_at(x, y, at);
+			ivec3 post = ivec3(x, y, zero.z);
+			post_state before = {0, imageLoad(heaps, post).r, imageLoad(sinkages, post).r, 0, imageLoad(shears, post).r};
+#ifdef SLIP
+			before.dug = imageLoad(dugs, post).r;
+#endif
+			bearing b = bearing_of(soil_at(x, y), by_width, ground_normal(x, y, g), g, o, cell_at(x, y, o), before);
+			if (g.base != BASE_NODATA && b.area > 0.0) {
+				area += int(round(b.area * faces[0].w));
+				total_add(force, int(round(clamp(b.stress.z * unit, -COUNTED_MOST, COUNTED_MOST))));
+				// Friction grows with the normal stress, so the whole force grows about as that.
+				float whole = clamp(b.stress.z / max(b.normal, 1e-9), 0.0, 4.0);
+				total_add(stiff, int(round(min(b.stiff * whole * growth, COUNTED_MOST))));
+			}
+		}
+	give_total(0, force);
+	give_total(2, stiff);
+	give(4, area);
+	sum_up(5);
+	return vec3(real_of(0) / SHARE, real_of(2) / GROWTH, float(uint(sums[4])) / faces[0].w);
+}
+
+// True if the slope is steeper than the soil can hold this load on: W sin a > c A + W cos a tan phi. The soil is that in the middle.
+bool slides(float posts)
+{
+	vec2 slope = slope_under();
+	float sine = length(slope) * inversesqrt(1.0 + dot(slope, slope));
+	soil s = soil_at((shadow.x + shadow.z) / 2, (shadow.y + shadow.w) / 2);
+	return sine > s.b.x * posts * place.w / load.x + sqrt(1.0 - sine * sine) * s.b.y;
+}
+
+// Newton's step: force is about a power of depth, so it is made between the logarithms.
+int stepped(int top, int at, float share, float grows)
+{
+	float depth = load.y, z = float(top - at), power = clamp(z * grows / max(share, 1e-6), 0.1, 1e6);
+	float step = z * exp2(clamp(-log2(max(share, 1e-6)) / power, -20.0, 20.0));
+	return top - int(round(min(step, depth)));
+}
+
+// Returns a height between two depths below the first contact: their geometric mean where they differ much.
+int middle(int shallow, int deep, int top)
+{
+	int mean = shallow + (deep - shallow) / 2;
+	return top - (deep > 8 * max(shallow, 8) ? int(sqrt(float(max(shallow, 8)) * float(deep))) : mean);
+}
+
+void main()
+{
+	int at = 0;
+	uint posts = 0u, state = CARRIED, tries = 0u;
+	float by_width = scale.w, carried = 1.0, held = 0.0;
+#ifdef LOAD
+	// The soil carries the load at `low`, or the object may not sink deeper. It does not carry the load at `high`.
+	int top = first_contact(), low = top - int(load.y), high = top;
+	state = top == NOWHERE ? AIR : SUNK;
+	int last = 2 * int(load.y), stalls = 0;
+	vec2 at_low = vec2(1e30, 0.0), at_high = vec2(0.0); // the shares there, and how they grow
+	bool done = top == NOWHERE;
+	// It begins at the height of the object's last contact, which followed the ground as this one does.
+	at = done ? 0 : clamp(load.z > 0.0 ? standing[int(load.z) - 1] : 0, low + 1, high - 1);
+	for (int k = 0; k < TRIES && !done; k++) {
+#ifdef PATCH
+		posts = posts_at(at);
+		by_width = found_by_width(posts, place.w);
+#endif
+		vec3 share = share_at(at, by_width);
+		tries++;
+		held = share.z;
+		bool bears = share.x >= 1.0;
+		state = bears ? CARRIED : state;
+		carried = bears ? share.x : carried;
+		low = bears ? at : low;
+		high = bears ? high : at;
+		at_low = bears ? share.xy : at_low;
+		at_high = bears ? at_high : share.xy;
+		int width = high - low;
+		// The height is found if Newton's step is less than half a unit, or if the bracket leaves one.
+		bool there = abs(share.x - 1.0) <= 0.5 * share.y;
+		state = there ? CARRIED : state;
+		carried = there ? share.x : carried;
+		done = there || width <= 1;
+		// The step begins at the end of the bracket where the force is nearer to the load.
+		bool from_low = at_low.x * max(at_high.x, 1e-9) < 1.0;
+		vec2 begin = from_low ? at_low : at_high;
+		int next = stepped(top, from_low ? low : high, begin.x, begin.y);
+		// Where two steps do not halve the bracket, it is halved: the depth of the first contact's logarithm, if that is known.
+		stalls = 2 * width > last ? stalls + 1 : 0;
+		bool lags = stalls >= 2 || begin.x <= 1e-6 || ((next <= low || next >= high) && at_low.x < 1e30);
+		stalls = lags ? 0 : stalls;
+		last = width;
+		next = clamp(lags ? middle(top - high, top - low, top) : next, low + 1, max(high - 1, low + 1));
+		at = there ? at : done ? low : next;
+	}
+	if (state == CARRIED && slides(held))
+		state = SLIDES;
+#endif
+#ifdef PATCH
+#ifndef LOAD
+	first_contact();
+#endif
+	posts = posts_at(at);
+#endif
+	if (gl_LocalInvocationIndex == 0u) {
+		found_raised = at;
+		found_posts = posts;
+		found_state = state;
+		found_tries = tries;
+		found_share = carried;
+#ifdef LOAD
+		if (state == SLIDES || state == SUNK)
+			tally_add(state == SLIDES ? SLID : CARRIED_NOWHERE, 1u);
+#endif
+	}
+}

@@ -1,0 +1,195 @@
+/* Slip sinkage of scm: a body that slips digs, what it digs is laid around, and one that rolls or stands digs nothing. */
+#include "conserve.h"
+
+#define KAPPA 1.1
+
+static const struct deform_shape plate = {.kind = DEFORM_BOX, .size = {0.5, 0.5, 0.5}};
+static const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.058, .width = 0.05};
+
+static struct deform_soil sand(void)
+{
+	struct deform_soil soil;
+	assert_ok(deform_soil_named("dry_sand", &soil));
+	soil.damping = 0;
+	return soil;
+}
+
+static void init(struct ground *ground, const struct deform_soil *soil, double spacing, double slip_sinkage, double bulldozing)
+{
+	ground_init(ground, &(struct ground_params){.cells = 128, .tiles = spacing < 0.003 ? 3 : 1, .first = 2, .spacing = spacing, .model = DEFORM_SCM,
+						    .soils = soil, .bulldozing = bulldozing, .slip_sinkage = slip_sinkage, .iterations = 1});
+}
+
+static struct deform_contact stand(const struct ground *ground, const struct deform_shape *shape, double x, double y, double z)
+{
+	struct deform_pose pose = ground_pose(ground, x, y, z);
+	return (struct deform_contact){.shape = shape, .from = pose, .to = pose};
+}
+
+/* turned: the wheel's rim goes so much faster than its axle. */
+static void go(struct deform_contact *contact, double east, double rim)
+{
+	contact->from = contact->to;
+	contact->to.x += lattice_offset(east);
+	if (contact->shape->kind == DEFORM_WHEEL)
+		contact->turned = lattice_offset_metres(contact->to.x - contact->from.x) * rim / contact->shape->radius;
+}
+
+static int64_t sum_of(struct ground *ground, enum plane plane)
+{
+	int32_t *all = ground_plane(ground, plane);
+	int64_t sum = 0;
+	for (int64_t i = 0; i < ground->posts * ground->posts; i++)
+		sum += all[i];
+	mem_free(all);
+	return sum;
+}
+
+/* A plate under a load slips by less than a post, so that the same posts bear it: it sinks by kappa K (1 - exp(-j / K)). */
+static void a_plate_that_slips_sinks_by_the_formula(void **state)
+{
+	struct deform_soil soil = sand();
+	struct ground ground;
+	(void)state;
+	need_gpu();
+	soil.janosi_shear = 0.004;
+	for (int pieces = 1; pieces <= 8; pieces *= 8) {
+		init(&ground, &soil, 0.015625, KAPPA, 0);
+		struct deform_contact contact = stand(&ground, &plate, 64.1, 64.5, 0.25);
+		contact.load = 5000;
+		double stood = lattice_offset_metres(ground_forces(&ground, &contact).z), way = 0;
+		for (int i = 0; i < pieces; i++) {
+			go(&contact, 0.008 / pieces, 0);
+			struct deform_forces forces = ground_forces(&ground, &contact);
+			way += lattice_offset_metres(contact.to.x - contact.from.x);
+			const double wanted = KAPPA * soil.janosi_shear * (1 - exp(-way / soil.janosi_shear));
+			if (!(fabs(stood - lattice_offset_metres(forces.z) - wanted) < 1e-5))
+				fail_msg("%d pieces, %g m: it sank by %.7g m, not %.7g", pieces, way, stood - lattice_offset_metres(forces.z), wanted);
+		}
+		ground_finish(&ground);
+	}
+}
+
+/* A wheel that rolls leaves the ground as it does where slip cannot dig, to the bit. */
+static void what_rolls_digs_nothing(void **state)
+{
+	static const enum plane planes[] = {PLANE_OFFSET, PLANE_DEPOSITED, PLANE_PLASTIC_SINKAGE, PLANE_SHEAR};
+	const struct deform_soil soil = sand();
+	int32_t *seen[2][4];
+	(void)state;
+	need_gpu();
+	for (int digs = 0; digs < 2; digs++) {
+		struct ground ground;
+		init(&ground, &soil, 0.004, digs * KAPPA, 0.5);
+		struct deform_contact contact = stand(&ground, &wheel, 30.3, 64.4, 0.058);
+		contact.load = 20;
+		for (int pass = 0; pass < 2; pass++) {
+			ground_sweep(&ground, &contact);
+			for (int i = 0; i < 60; i++) {
+				go(&contact, pass == 0 ? 0.004 : -0.004, 1);
+				ground_sweep(&ground, &contact);
+			}
+		}
+		for (int i = 0; i < 4; i++)
+			seen[digs][i] = ground_plane(&ground, planes[i]);
+		if (digs)
+			assert_int_equal(sum_of(&ground, PLANE_DUG), 0);
+		for (int i = 0; i < 4 && digs; i++)
+			assert_memory_equal(seen[0][i], seen[1][i], (size_t)(ground.posts * ground.posts) * 4);
+		ground_finish(&ground);
+	}
+	for (int i = 0; i < 8; i++)
+		mem_free(seen[i / 4][i % 4]);
+}
+
+/* Returns how deep the wheel is after 0.2 m, m. */
+static double rut(double spacing, double rim, double slip_sinkage)
+{
+	const struct deform_soil soil = sand();
+	const double way = 0.2;
+	struct deform_forces forces = {0};
+	struct ground ground;
+	init(&ground, &soil, spacing, slip_sinkage, 0);
+	struct deform_contact contact = stand(&ground, &wheel, 0.12 / spacing + 0.3, (double)ground.posts / 2 + 0.2, 0.058);
+	contact.load = 20;
+	ground_sweep(&ground, &contact);
+	for (int i = 0; i < (int)lround(way / spacing); i++) {
+		go(&contact, spacing, rim);
+		forces = ground_forces(&ground, &contact);
+	}
+	/* What is in contact alone is remembered. */
+	int32_t *dug = ground_plane(&ground, PLANE_DUG);
+	int64_t count = 0;
+	for (int64_t i = 0; i < ground.posts * ground.posts; i++)
+		count += dug[i] != 0;
+	const double under = 2 * sqrt(2 * wheel.radius * (wheel.radius - lattice_offset_metres(forces.z))) * wheel.width;
+	if (!((double)count * spacing * spacing < 1.2 * under))
+		fail_msg("%lld posts %g m apart remember what was dug, of %g m2 under the wheel", (long long)count, spacing, under);
+	mem_free(dug);
+	ground_finish(&ground);
+	return 0.058 - lattice_offset_metres(forces.z);
+}
+
+static void the_more_it_slips_the_deeper_it_digs_at_any_spacing(void **state)
+{
+	static const double rims[] = {0, 0.5, 1, 1.25, 2, 4};
+	double depths[6][3];
+	(void)state;
+	need_gpu();
+	for (int r = 0; r < 6; r++)
+		for (int s = 0; s < 3; s++)
+			depths[r][s] = rut(0.008 / (1 << s), rims[r], KAPPA);
+	for (int r = 0; r < 6; r++)
+		print_message("rim %.2f of the axle: %.2f, %.2f, %.2f mm at 8, 4, 2 mm\n", rims[r], depths[r][0] * 1e3, depths[r][1] * 1e3,
+			      depths[r][2] * 1e3);
+	for (int s = 0; s < 3; s++) {
+		assert_true(depths[0][s] > 1.2 * depths[2][s] && depths[0][s] > depths[1][s] && depths[1][s] > depths[2][s]);
+		for (int r = 3; r < 6; r++)
+			assert_true(depths[r][s] > depths[r - 1][s]);
+	}
+	for (int r = 0; r < 6; r++)
+		assert_true(fabs(depths[r][1] / depths[r][2] - 1) < 0.12);
+	assert_true(fabs(rut(0.004, 1, 0) / depths[2][1] - 1) < 1e-6);
+}
+
+/* What is dug is laid somewhere: without bulldozing too. */
+static void every_unit_that_is_dug_is_laid(void **state)
+{
+	struct deform_soil soil = sand();
+	(void)state;
+	need_gpu();
+	for (int round = 0; round < 6; round++) {
+		struct ground ground;
+		int64_t sum = 0, compacted = 0, dug = 0;
+		init(&ground, &soil, 0.004, round < 3 ? KAPPA : 5, 0.5 * (round % 3));
+		for (int k = 0; k < 3; k++) {
+			struct deform_contact contact = stand(&ground, &wheel, 40 + 9 * k, 60 + 3 * k, 0.058 - 0.015);
+			contact.load = k % 2 ? 25 : 0;
+			for (int i = 0; i < 20; i++) {
+				struct deform_tally tally;
+				contact.to.yaw = contact.from.yaw = 0.4 * k;
+				ground_sweep(&ground, &contact);
+				assert_ok(deform_tally(ground.deform, &tally));
+				int64_t now = conserve_sum(&ground);
+				assert_true(now - sum == compacted - tally.compacted);
+				sum = now;
+				compacted = tally.compacted;
+				dug += sum_of(&ground, PLANE_DUG) > 0;
+				go(&contact, 0.004, 3);
+			}
+		}
+		assert_true(dug > 10);
+		ground_finish(&ground);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_plate_that_slips_sinks_by_the_formula),
+		cmocka_unit_test(what_rolls_digs_nothing),
+		cmocka_unit_test(the_more_it_slips_the_deeper_it_digs_at_any_spacing),
+		cmocka_unit_test(every_unit_that_is_dug_is_laid),
+	};
+	return cmocka_run_group_tests_name("deform/slip", tests, open_gpu, close_gpu);
+}
