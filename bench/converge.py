@@ -24,7 +24,8 @@ def steady_text(rows):
     found = []
     for rim in ("default", "none"):
         of = [row for row in rows if row["rim_of"] == rim]
-        found.append(f"{'The default rim' if rim == 'default' else 'No rim'}:\n\n" + convergence({soil: own for (soil,), own in grouped(of, "soil").items()}))
+        if of:
+            found.append(f"{'The default rim' if rim == 'default' else 'No rim'}:\n\n" + convergence({soil: own for (soil,), own in grouped(of, "soil").items()}))
     return "\n".join(found)
 
 

@@ -19,13 +19,13 @@ from pages import publish, table
 RADIUS, WIDTH, SPEED, LENGTH = 0.058, 0.05, 0.01, 0.5
 SPACING, COARSEST = 0.004, 0.064
 GROUSERS = 16                 # the rig's page tells their height, 5 mm, and not how many there are
-KAPPAS = (0.0, 0.4, 0.8, 1.2, 1.6, 2.0)
+KAPPAS = (0.0, 0.4, 0.6, 0.8, 1.0, 1.2, 1.5, 2.0)
 DRAGGED_MOST = -1000.0        # the slip that stands for a locked wheel
 
 
 def soil_text(slip):
     return (f"bekker_kc: 0, bekker_kphi: 8e6, bekker_n: {1.46 + 0.01 * slip!r}, cohesion: 1000, friction_angle: 29, janosi_shear: 0.021, "
-            "elastic_stiffness: 4e7, damping: 0, unit_weight: 13030, repose: 29")
+            "elastic_stiffness: 4e7, damping: 0, repose: 29")
 
 
 def trials_of(path):
@@ -229,8 +229,12 @@ def main():
     if missing:
         print(f"{options.rig}: has no {' and no '.join(missing)}; give the folder of the rig's numbers by --rig. Nothing was compared.")
         return 0
-    with tempfile.TemporaryDirectory() as folder:
-        told = report(Rig(options.furrow, folder, ", " * bool(options.redistribute) + options.redistribute), options.rig, options.quick)
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            told = report(Rig(options.furrow, folder, ", " * bool(options.redistribute) + options.redistribute), options.rig, options.quick)
+    except lanes.Failed as error:
+        print(f"measured_wheel.py: {error}", file=sys.stderr)
+        return 1
     if options.publish:
         publish(options.publish, "measured", "\n".join(part["text"] for part in told))
     if options.out:
