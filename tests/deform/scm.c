@@ -167,7 +167,7 @@ static void a_load_rebounds_and_presses_no_deeper_again(void **state)
 		assert_true(abs(at_centre(&ground, PLANE_OFFSET) + (int32_t)lattice_offset(forces.sinkage)) <= 1);
 		lift.from.z = again.z;
 		ground_sweep(&ground, &lift);
-		assert_int_equal(at_centre(&ground, PLANE_OFFSET), rut);
+		assert_true(abs(at_centre(&ground, PLANE_OFFSET) - rut) <= 1);
 		assert_int_equal(at_centre(&ground, PLANE_PLASTIC_SINKAGE), pressed);
 	}
 	ground_finish(&ground);
