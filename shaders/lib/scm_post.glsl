@@ -196,12 +196,16 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	float was_plastic = plastic_part(s, was, yield_stress(s, by_width, was));
 	int more = 0;
 #ifdef SLIP
-	// The soil under the object is dug from below it: so much more it must sink to be borne as before.
+	// The soil under the object is dug from below it: so much more it must sink to be borne as before. What was pressed stays where it
+	// is, so it lies less deep below the lowered ground.
 	if (b.held && !g.far) {
 		face below = face_at(c.at, c.own);
 		more = digs_more(s, before.dug, clamp(contact_share(c.at, depth_at_post(g, o, below), was_plastic / n.z, below, true), 0.0, 1.0));
 		g.height -= more;
-		a = answer_of(s, by_width, n.z, g, o, before.sinkage);
+		int pressed = max(before.sinkage - int(round(n.z * float(more))), 0);
+		was = float(pressed) * UNIT_METRES;
+		was_plastic = plastic_part(s, was, yield_stress(s, by_width, was));
+		a = answer_of(s, by_width, n.z, g, o, pressed);
 		b.held = a.held && may_touch(g, o);
 	}
 #endif
@@ -240,7 +244,7 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	float back = over ? moves.x + l.half_way : 1e3;
 	// What a post remembers holds for its cell: as a flat rut if the object has passed over it, and below one that hardly moves as an
 	// impression of its underside.
-	float stamped = before.sinkage > 0 ? max(1.0 - length(way.xy) / l.half_way, 0.0) : 0.0, rut = was / n.z - stamped * depth;
+	float stamped = was > 0.0 ? max(1.0 - length(way.xy) / l.half_way, 0.0) : 0.0, rut = was / n.z - stamped * depth;
 	vec3 depths, mosts;
 	for (int k = 0; k < 3; k++) {
 		vec2 there = place_on(l, float(k - 1) * l.half_way);

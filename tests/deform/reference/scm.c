@@ -115,6 +115,13 @@ static double digs(const struct reference_ground *ground, const struct deform_so
 	return lacks * (1 - exp(-slips_by(sweep) * share / soil->janosi_shear));
 }
 
+/* What was pressed stays where it is: so it is less deep below ground that was dug. */
+static void lower_ground(const struct reference_ground *ground, int at, double dug)
+{
+	ground->heaped[at] -= dug;
+	ground->pressed[at] = fmax(0, ground->pressed[at] - reference_normal_at(ground, at).z * dug);
+}
+
 double reference_scm_vertical(const struct reference_ground *ground, const struct deform_soil *soil,
 			    const struct deform_contact *sweep, const double *under, const double *rest, double lower)
 {
@@ -122,10 +129,11 @@ double reference_scm_vertical(const struct reference_ground *ground, const struc
 	for (int i = 0; i < ground->width * ground->height; i++)
 		if (!ground->hole[i]) {
 			/* For a moment. */
-			double heaped = ground->heaped[i];
-			ground->heaped[i] -= digs(ground, soil, stiffness, sweep, i, under, rest, lower);
+			double heaped = ground->heaped[i], pressed = ground->pressed[i];
+			lower_ground(ground, i, digs(ground, soil, stiffness, sweep, i, under, rest, lower));
 			sum += reference_cell(ground, soil, stiffness, sweep, i, under, rest, lower).force.z;
 			ground->heaped[i] = heaped;
+			ground->pressed[i] = pressed;
 		}
 	return sum;
 }
@@ -202,7 +210,7 @@ void reference_scm(struct reference_ground *ground, const struct deform_soil *so
 			continue;
 		bool touched = post_of(ground, soil, stiffness, i, under[i], rest[i], lower).touched;
 		double dug = digs(ground, soil, stiffness, sweep, i, under, rest, lower);
-		ground->heaped[i] -= dug;
+		lower_ground(ground, i, dug);
 		struct post post = post_of(ground, soil, stiffness, i, under[i], rest[i], lower);
 		double before = reference_stays(soil, stiffness, ground->pressed[i]), was = ground->offset[i];
 		/* A cell may bear whose middle does not. */
