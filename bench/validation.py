@@ -175,7 +175,7 @@ def plate_table(lines):
 
 def draw(lines, folder):
     rig = [line for line in lines if line["what"] == "rig"]
-    plot = Plot("MIT single-wheel rig, smooth wheel, 24.5 N (bands: 22 to 27 N): sinkage against slip", ("slip", -0.6, 1, (-0.6, -0.4, -0.2, 0, 0.2, 0.4, 0.6, 0.8, 1)),
+    plot = Plot("Single-wheel rig of CMU, smooth wheel, 24.5 N (bands: 22 to 27 N): sinkage against slip", ("slip", -0.6, 1, (-0.6, -0.4, -0.2, 0, 0.2, 0.4, 0.6, 0.8, 1)),
                 ("sinkage, mm", 0, 40, range(0, 41, 5)))
     for i, (key, name) in enumerate((("scm_mm", "scm, closed form"), ("wong_reece_loose_mm", "Wong-Reece, loose sand"),
                                      ("wong_reece_compact_mm", "Wong-Reece, compact sand"))):
