@@ -112,7 +112,7 @@ uint posts_at(int at)
 	return uint(sums[0]);
 }
 
-// Returns the share of the load that the soil carries at a height; how it grows for each unit of sinkage; the area that
+// Returns the share of the load that the soil carries at a height, and how it grows for each unit of sinkage. Third: the area that
 // carries it, in posts.
 vec3 share_at(int at, float by_width)
 {

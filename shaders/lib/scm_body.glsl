@@ -1,15 +1,15 @@
-// The underside of an object between posts, in its end pose, and the part of a post's cell that it covers (SOIL.md). Places are in
+// The lower envelope of an object between posts, in its end pose, and the part of a post's cell that it covers (SOIL.md). Places are in
 // metres from the object's centre, in plan.
 // Defines: SHAPE_WHEEL, SHAPE_SPHERE, SHAPE_BOX; none of them: only its posts tell.
 
 struct face {
-	float height; // of the underside above the centre, m
+	float height; // of the lower envelope above the centre, m
 	vec2 slope;   // its rise a metre
 };
 
 #if defined(SHAPE_WHEEL) || defined(SHAPE_SPHERE)
 #define ROUND
-// The part of a place that counts for the height of the underside.
+// The part of a place that counts for the height of the lower envelope.
 vec2 part_of_place(vec2 at)
 {
 #ifdef SHAPE_WHEEL
@@ -31,7 +31,7 @@ float ring_squares(vec2 at)
 }
 #endif
 
-// own: slope of an underside that only the posts tell.
+// own: slope of an lower envelope that only the posts tell.
 face face_at(vec2 at, vec2 own)
 {
 #ifdef ROUND
@@ -96,7 +96,7 @@ struct cell {
 	vec2 at;     // the post
 	vec2 middle; // of the part, from the post, m
 	float share; // area of the part, in posts
-	vec2 own;    // slope of an underside that only the posts tell
+	vec2 own;    // slope of an lower envelope that only the posts tell
 };
 
 bool covers(ivec2 post)
@@ -168,7 +168,7 @@ int touch_room(int x, int y, ground g, object o)
 	face f = face_at(place.xy + scale.y * vec2(x, y), vec2(0.0));
 	bool beside = bears_beside(along_and_aside(place.xy + scale.y * vec2(x, y)));
 	float depth = o.rests != UNDER_NONE ? float(g.height - o.rests) : beside ? float(g.height - o.raised) - f.height * 1048576.0 : -1e9;
-	// Over half a post the ground and the underside rise by at most about this.
+	// Over half a post the ground and the lower envelope rise by at most about this.
 	float rise = (1.25 * length(f.slope) + 0.6) * 0.75 / scale.x;
 	return g.base != BASE_NODATA ? int(clamp(ceil(depth + rise), -2e9, 2e9)) : -2000000000;
 }

@@ -38,8 +38,8 @@ int shear_post(vec2 shear)
 	return (whole.x & 0xffff) | whole.y << 16;
 }
 
-// Vectors along a surface, as they are kept: turned into the level by the shortest way, so that none changes its length when the
-// surface turns under a wheel.
+// Vectors along a surface are kept turned into the level by the shortest way. So none changes its length when the surface turns
+// under a wheel.
 vec2 levelled(vec3 along, vec3 n)
 {
 	return along.xy - n.xy * (along.z / (1.0 + n.z));
@@ -106,7 +106,7 @@ vec3 normal_at(vec3 n, face f)
 	return load.w > 0.0 ? n : normal_of_face(f.slope);
 }
 
-// Along a line across a cell, D(t) is the vertical depth of the underside, as a parabola through the line's ends and its middle. Returns
+// Along a line across a cell, D(t) is the vertical depth of the lower envelope, as a parabola through the line's ends and its middle. Returns
 // between which places it exceeds `stays`: below for the first end, above for the second.
 vec2 between_roots(float half_way, vec3 depths, vec2 stays)
 {
@@ -120,15 +120,15 @@ vec2 between_roots(float half_way, vec3 depths, vec2 stays)
 	return vec2(low, max(low, high));
 }
 
-// A line across a cell, on which the depth of the underside changes most.
+// A line across a cell, on which the depth of the lower envelope changes most.
 struct across {
 	vec2 middle, line; // from the object's centre, m; a unit vector
 	float half_way;    // m
-	float ground;      // height of the ground at the middle, as the underside's heights; and its rise a metre of the line
+	float ground;      // height of the ground at the middle, as the lower envelope's heights; and its rise a metre of the line
 	float rise;
 };
 
-// depth: of the underside below the ground at the post, m, vertically.
+// depth: of the lower envelope below the ground at the post, m, vertically.
 across line_across(vec3 n, cell c, face post, float depth)
 {
 	vec2 hill = -n.xy / n.z, grows = hill - post.slope;
@@ -196,16 +196,16 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	float was_plastic = plastic_part(s, was, yield_stress(s, by_width, was));
 	int more = 0;
 #ifdef SLIP
-	// The soil under the object is dug from below it: so much more it must sink to be borne as before. What was pressed stays where it
-	// is, so it lies less deep below the lowered ground.
+	// The soil under the object is dug from below it: so much more it must sink to be borne as before. Soil that was compacted stays
+	// where it is, so it lies less deep below the lowered ground.
 	if (b.held && !g.far) {
 		face below = face_at(c.at, c.own);
 		more = digs_more(s, before.dug, clamp(contact_share(c.at, depth_at_post(g, o, below), was_plastic / n.z, below, true), 0.0, 1.0));
 		g.height -= more;
-		int pressed = max(before.sinkage - int(round(n.z * float(more))), 0);
-		was = float(pressed) * UNIT_METRES;
+		int remains = max(before.sinkage - int(round(n.z * float(more))), 0);
+		was = float(remains) * UNIT_METRES;
 		was_plastic = plastic_part(s, was, yield_stress(s, by_width, was));
-		a = answer_of(s, by_width, n.z, g, o, pressed);
+		a = answer_of(s, by_width, n.z, g, o, remains);
 		b.held = a.held && may_touch(g, o);
 	}
 #endif
@@ -242,8 +242,8 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	across l = line_across(n, c, post, depth);
 	float lowered = over ? float(o.rests - o.lowest) * UNIT_METRES : 0.0;
 	float back = over ? moves.x + l.half_way : 1e3;
-	// What a post remembers holds for its cell: as a flat rut if the object has passed over it, and below one that hardly moves as an
-	// impression of its underside.
+	// What a post remembers holds for its whole cell. If the object passed over it, that is a flat rut. Below an object that hardly
+	// moves it is an impression of its lower envelope.
 	float stamped = was > 0.0 ? max(1.0 - length(way.xy) / l.half_way, 0.0) : 0.0, rut = was / n.z - stamped * depth;
 	vec3 depths, mosts;
 	for (int k = 0; k < 3; k++) {

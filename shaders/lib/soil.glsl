@@ -30,7 +30,7 @@ layout(std140, binding = 0) uniform params {
 	vec4 rolls;    // the rotation of a wheel without slip, rad
 	vec4 place;    // post (0, 0) from the centre, m; 1 / unit of length in moments; square metres a post
 	vec4 load;     // N; how deep the object may sink below its first contact, fixed-point units; number of the loaded body, from 1; 0: none;
-	               // 1: stresses act along the normal of the ground, not of the object's underside
+	               // 1: stresses act along the normal of the ground, not of the object's lower envelope
 	vec4 body;     // radius, m; half its breadth, m, 0: whole posts
 	vec4 heading;  // forwards, in plan; the larger of that vector's parts; half the length of a box, m
 	vec4 moves;    // a round object: metres forwards; rise a metre; sine of that; how long a wheel's rim takes, of the soil's time; 0: 1
