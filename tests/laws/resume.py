@@ -58,7 +58,7 @@ SCENES = {
     "holes": (HEAD.format(step=0.03, end=240, model="box") + ASTRAY + "cache: {slots: 9}\n", "holes.furrow", []),
     "overlay": (HEAD.format(step=0.11, end=120, model="none") + "attributes: [dirt]\n" + WHEELS + "cache: {slots: 12}\n",
                 "hills.furrow", ["--overlay"]),
-    "sliding": (HEAD.format(step=0.07, end=60, model="slippage, interval: 0.05") + "soil: {name: clayey_38}\n" +
+    "sliding": (HEAD.format(step=0.07, end=20, model="slippage, interval: 0.05") + "soil: {name: clayey_38}\n" +
                 WHEELS + "cache: {slots: 40}\n", "hills.furrow", []),
     "eroding": (HEAD.format(step=0.07, end=8, model="sumner, interval: 0.05") + MAP.format("sand", "mud", "snow") +
                 WHEELS + "cache: {slots: 40}\n", "gentle.furrow", []),
