@@ -112,7 +112,9 @@ static double digs(const struct reference_ground *ground, const struct deform_so
 	if (lacks <= 0 || !post.held)
 		return 0;
 	double share = reference_cell(ground, soil, stiffness, sweep, at, under, rest, lower).share;
-	return lacks * (1 - exp(-slips_by(sweep) * share / soil->janosi_shear));
+	/* It never digs itself free. */
+	double room = ground->base[at] + ground->heaped[at] - (rest[at] - lower) - 0x1p-19;
+	return fmax(0, fmin(lacks * (1 - exp(-slips_by(sweep) * share / soil->janosi_shear)), room));
 }
 
 /* What was pressed stays where it is: so it is less deep below ground that was dug. */
