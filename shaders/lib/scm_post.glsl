@@ -113,8 +113,12 @@ vec2 between_roots(float half_way, vec3 depths, vec2 stays)
 	float bends = (depths.x + depths.z - 2.0 * depths.y) / (2.0 * half_way * half_way), rises = (depths.z - depths.x) / (2.0 * half_way);
 	vec2 over = depths.yy - stays, root = rises * rises - 4.0 * bends * over;
 	vec2 by = sqrt(max(root, 0.0)) + vec2(rises, -rises);
-	vec2 at = vec2(-2.0, 2.0) * over / max(by, 1e-12);
-	bvec2 never = bvec2(root.x < 0.0 || by.x <= 0.0, root.y < 0.0 || by.y <= 0.0);
+	// A parabola whose top misses `stays` by rounding alone has one root, at its top.
+	bool top = bends < 0.0;
+	bvec2 touches = bvec2(top && root.x <= 0.0, top && root.y <= 0.0);
+	vec2 at = mix(vec2(-2.0, 2.0) * over / max(by, 1e-12), vec2(-0.5 * rises / min(bends, -1e-12)), touches);
+	vec2 least = touches.x || touches.y ? vec2(4.0 * bends * LEAST) : vec2(0.0);
+	bvec2 never = bvec2(root.x < least.x || (by.x <= 0.0 && !touches.x), root.y < least.y || (by.y <= 0.0 && !touches.y));
 	float low = depths.x > stays.x ? -half_way : never.x ? half_way : clamp(at.x, -half_way, half_way);
 	float high = depths.z > stays.y ? half_way : never.y ? -half_way : clamp(at.y, -half_way, half_way);
 	return vec2(low, max(low, high));

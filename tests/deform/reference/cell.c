@@ -222,6 +222,11 @@ static void deep_between(const double depths[3], const double stays[2], double h
 		if (depths[2 * end] > stays[end])
 			continue;
 		double by = sqrt(fmax(inside, 0)) - sign * b;
+		/* Its top misses by rounding alone. */
+		if (a < 0 && inside <= 0 && inside >= 4 * a * LEAST) {
+			ends[end] = fmin(fmax(-b / (2 * a), -half), half);
+			continue;
+		}
 		ends[end] = inside < 0 || by <= 0 ? -sign * half : fmin(fmax(sign * 2 * c / by, -half), half);
 	}
 	ends[1] = fmax(ends[0], ends[1]);
