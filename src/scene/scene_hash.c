@@ -140,7 +140,8 @@ static void add_soils(XXH3_state_t *state, const struct scene *scene)
 	add_whole(state, (uint64_t)scene->undisturbed);
 	add_number(state, scene->depth);
 	add_number(state, scene->bulldozing);
-	add_number(state, scene->slip_sinkage);
+	if (scene->slip_sinkage > 0)
+		add_number(state, scene->slip_sinkage);
 	add_whole(state, (uint64_t)scene->soil_count);
 	for (int i = 0; i < scene->soil_count; i++) {
 		struct deform_soil soil = scene->soils[i];

@@ -14,10 +14,11 @@ POSTS = 129  # a metre apart
 BORDER = 64  # metres: class 1 west of it, class 2 east
 CELLS = 64   # 16 m a tile at 0.25 m
 AWAY = 12    # metres on either side of the border: what happens there may have come from beyond it
-SOILS = {  # two that differ under each model
+# Two that differ under each model, but not in the angle at which soil is laid: bands are as wide as the flattest soil of a map needs.
+SOILS = {
     "sumner": ("sand", "mud"),
-    "slippage": ("{name: dry_sand, cohesion: 0}", "clayey_38"),
-    "scm": ("dry_sand", "sandy_loam_15"),
+    "slippage": ("{name: dry_sand, cohesion: 0}", "{name: clayey_38, friction_angle: 28}"),
+    "scm": ("dry_sand", "{name: sandy_loam_15, repose: 28}"),
 }
 SCENE = """scene: 1
 time_step: 0.05

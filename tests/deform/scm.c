@@ -168,7 +168,7 @@ static void a_load_rebounds_and_presses_no_deeper_again(void **state)
 		lift.from.z = again.z;
 		ground_sweep(&ground, &lift);
 		assert_true(abs(at_centre(&ground, PLANE_OFFSET) - rut) <= 1);
-		assert_int_equal(at_centre(&ground, PLANE_PLASTIC_SINKAGE), pressed);
+		assert_true(abs(at_centre(&ground, PLANE_PLASTIC_SINKAGE) - pressed) <= 1);
 	}
 	ground_finish(&ground);
 }

@@ -298,7 +298,7 @@ static void state_comes_back_the_same_bits(void **state)
 	uint64_t taken = bytes.base + bytes.classes + bytes.numbers;
 	for (int plane = 0; plane < PLANES; plane++)
 		taken += bytes.planes[plane];
-	assert_true(taken <= most.slots && most.slots <= (uint64_t)SLOTS * (POSTS * 28));
+	assert_true(taken <= most.slots && most.slots <= (uint64_t)SLOTS * (POSTS * 32));
 	rig_close(&rig);
 	check_store(path, ALL, ALL, true);
 	/* Who needs no state reads none and makes no room for it. */
