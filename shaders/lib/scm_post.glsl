@@ -205,7 +205,7 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	if (b.held && !g.far) {
 		face below = face_at(c.at, c.own);
 		more = digs_more(s, before.dug, clamp(contact_share(c.at, depth_at_post(g, o, below), was_plastic / n.z, below, true), 0.0, 1.0));
-		more = clamp(more, 0, g.height - o.rests - 2); // it never digs itself free
+		more = max(min(more, g.height - o.rests - 2), 0); // it never digs itself free
 		g.height -= more;
 		int remains = max(before.sinkage - int(round(n.z * float(more))), 0);
 		was = float(remains) * UNIT_METRES;
