@@ -246,8 +246,10 @@ static void starting_deep_inside_the_ground_is_a_hole_and_no_more(void **state)
 		assert_true(lies_in(shaft.all, buried, model->conserves ? 24 : 0));
 		if (!is_sumner(model)) {
 			assert_int_equal(shaft.lowered, 9 * 9);
-			/* Behind the wheel nothing is laid: the wall of 5 m there slides in. */
-			assert_true(lies_in(rut.under, mole, model->conserves ? 2 : 1) && lies_in(shaft.under, buried, 0));
+			/* Behind the wheel nothing is laid: the wall of 5 m there slides in. Under slippage all walls do: they are higher than the
+			 * soil can hold. */
+			int walls = strcmp(model->name, "slippage") == 0 ? 8 : 0;
+			assert_true(lies_in(rut.under, mole, (model->conserves ? 2 : 1) + walls) && lies_in(shaft.under, buried, walls));
 		}
 		assert_true(model->conserves || (rut.raised == 0 && shaft.raised == 0));
 		mem_free(json);
