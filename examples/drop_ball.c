@@ -23,7 +23,7 @@
 static const char scene[] =
 	"scene: 1\n"
 	"spacing: 0.03125\n"
-	"soil: {name: dry_sand, damping: 3e5} # Pa s/m: moist sand, so that the ball does not bounce for long\n"
+	"soil: {name: dry_sand, damping: 6e5} # Pa s/m: moist sand, so that the ball does not bounce for long\n"
 	"redistribute: {model: scm}\n";
 
 /* Says why a call failed, and ends the program. */

@@ -294,7 +294,7 @@ static void add_place(const struct cell *cell, const double at[2], double deep, 
 	if (share <= 0)
 		return;
 	double stress = yields * share;
-	double damped = stress + soil->damping * pushed(cell, arm, normal) * share * fmin(most / soil->janosi_shear, 1);
+	double damped = stress + soil->damping * pushed(cell, arm, normal) * fmin(4 * share, 1) * fmin(4 * most / soil->janosi_shear, 1);
 	const double *way = cell->form->way;
 	double squares = way[0] * way[0] + way[1] * way[1];
 	double later = squares > 0 ? ((at[0] - cell->at[0]) * way[0] + (at[1] - cell->at[1]) * way[1]) / squares : 0;
