@@ -42,10 +42,15 @@ class Soil:
         """Pa at which soil yields at a sinkage: Bekker's pressure, and never more than K_e z."""
         return min((self.kc / width + self.kphi) * depth ** self.n, self.stiffness * depth) if depth > 0 else 0.0
 
-    def shear(self, normal, j):
+    def strengths(self, normal, wheel):
+        """Pa: the most shear within the soil, and the most along the wheel's rim."""
+        adhesion = self.cohesion if wheel.adhesion is None else wheel.adhesion
+        friction = self.friction if wheel.friction is None else wheel.friction
+        return self.cohesion + normal * math.tan(math.radians(self.friction)), adhesion + normal * math.tan(math.radians(friction))
+
+    def shear(self, normal, j, wheel):
         """Pa, signed as j."""
-        most = self.cohesion + normal * math.tan(math.radians(self.friction))
-        return math.copysign(most * -math.expm1(-abs(j) / self.janosi), j) if normal > 0 else 0.0
+        return math.copysign(min(self.strengths(normal, wheel)) * -math.expm1(-abs(j) / self.janosi), j) if normal > 0 else 0.0
 
 
 def named(name):
@@ -56,6 +61,8 @@ def named(name):
 class Wheel:
     radius: float
     width: float
+    friction: float | None = None  # degrees, of the rim on the soil; None: the soil's own
+    adhesion: float | None = None  # Pa, the same
 
 
 @dataclasses.dataclass(frozen=True)
@@ -189,7 +196,7 @@ def by_angle(soil, wheel, sinkage, slip, law=Law()):
 
     def shares(theta):
         sigma = stress(theta)
-        tau = soil.shear(sigma, displacement(theta))
+        tau = soil.shear(sigma, displacement(theta), wheel)
         c, s = math.cos(theta), math.sin(theta)
         if law.stress == "surface":
             return sigma * c + tau * s, tau * c - sigma * s, r * tau
@@ -198,6 +205,11 @@ def by_angle(soil, wheel, sinkage, slip, law=Law()):
     cuts = {-entry, lowest, entry, bears_from}
     cuts.update(roots(lambda t: sunk(t) - stays, -entry, lowest))
     cuts.update(roots(displacement, -entry, entry - 1e-6))
+    if wheel.friction is not None or wheel.adhesion is not None:  # where the rim becomes weaker than the soil, or stronger
+        def weaker(theta):
+            own, rim = soil.strengths(stress(theta), wheel)
+            return own - rim
+        cuts.update(roots(weaker, -entry, lowest) + roots(weaker, lowest, entry))
     if soil.n < 1:
         capped = ((soil.kc / b + soil.kphi) / soil.stiffness) ** (1 / (1 - soil.n))
         cuts.update(roots(lambda t: sunk(t) - capped, lowest, entry))
@@ -238,13 +250,17 @@ def by_way(soil, wheel, sinkage, slip, law=Law(), panels=300):
         """Normal and shear stress, the greatest sinkage, and which branch of the law it is. had: what was dug when the rim was at `ahead`."""
         p = down - ground - (most - (most - had) * math.exp(-slips * (ahead - x) / soil.janosi))
         bekker = (soil.kc / wheel.width + soil.kphi) * max(p, 0.0) ** soil.n < soil.stiffness * p
+        def weaker(normal):
+            own, rim = soil.strengths(normal, wheel)
+            return rim < own
+
         free = greatest < 1e-12 and (most - (down - ground)) * slips > soil.janosi * x / down   # it digs faster than it comes down
         if p >= greatest:
-            normal, branch = soil.yields(p, wheel.width), ("yields", p > 1e-12, bekker, here > 0, free)
-            return normal, soil.shear(normal, here), p, branch
+            normal = soil.yields(p, wheel.width)
+            return normal, soil.shear(normal, here, wheel), p, ("yields", p > 1e-12, bekker, here > 0, free, weaker(normal))
         bears = soil.yields(greatest, wheel.width)
         normal = min(max(soil.stiffness * (p - greatest) + bears, 0.0), bears)
-        return normal, soil.shear(normal, here), greatest, ("elastic", normal > 0, here > 0, free)
+        return normal, soil.shear(normal, here, wheel), greatest, ("elastic", normal > 0, here > 0, free, weaker(normal))
 
     # Steps are short at the front and at the rear.
     edges = [front * math.cos(math.pi * k / panels) for k in range(panels + 1)]

@@ -146,13 +146,13 @@ vec3 share_at(int at, float by_width)
 	return vec3(real_of(0) / SHARE, real_of(2) / GROWTH, float(uint(sums[4])) / faces[0].w);
 }
 
-// True if the slope is steeper than the soil can hold this load on: W sin a > c A + W cos a tan phi. The soil is that in the middle.
+// True if the slope is steeper than the soil, or the object's surface, can hold this load on: W sin a > c A + W cos a tan phi. The soil is that in the middle.
 bool slides(float posts)
 {
 	vec2 slope = slope_under();
 	float sine = length(slope) * inversesqrt(1.0 + dot(slope, slope));
 	soil s = soil_at((shadow.x + shadow.z) / 2, (shadow.y + shadow.w) / 2);
-	return sine > s.b.x * posts * place.w / load.x + sqrt(1.0 - sine * sine) * s.b.y;
+	return sine > holds(s, posts * place.w / load.x, sqrt(1.0 - sine * sine));
 }
 
 // Newton's step: force is about a power of depth, so it is made between the logarithms.
