@@ -419,8 +419,8 @@ void deform_tally_read_into(struct deform *deform, struct gpu_staging *staging, 
 /* How the soil bears an object. */
 enum deform_state {
 	DEFORM_TOUCHING,
-	/* Loaded, and on a slope where W sin a > c A + W cos a tan phi: c and phi of the soil, or of its surface if that holds less.
-	 * Without the vertical guide of its path it would slide. */
+	/* Loaded, and on a slope where W sin a > c A + W cos a tan phi, of the soil or of its surface. Without the vertical guide of
+	 * its path it would slide. */
 	DEFORM_SLIDES,
 	DEFORM_SUNK,     /* loaded, and the soil does not carry it: it sank as deep as its height (a mesh: as its size) */
 	DEFORM_AIR,      /* no post bears it */
