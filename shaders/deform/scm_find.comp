@@ -146,8 +146,8 @@ vec3 share_at(int at, float by_width)
 	return vec3(real_of(0) / SHARE, real_of(2) / GROWTH, float(uint(sums[4])) / faces[0].w);
 }
 
-// Returns true if the slope is too steep for this load: W sin a > c A + W cos a tan phi, of the soil below the object's middle or of the
-// object's surface.
+// Returns true if the slope is too steep to hold this load: W sin a > c A + W cos a tan phi. The numbers are those of the soil below the
+// object's middle, or of the object's surface.
 bool slides(float posts)
 {
 	vec2 slope = slope_under();
