@@ -10,7 +10,6 @@ layout(std430, binding = 2) restrict buffer finds {
 	int found_raised;  // the equilibrium height above the prescribed one, fixed-point units
 	uint found_posts;  // posts that the object touches at that height
 	uint found_state;
-	uint found_tries;  // tries that the search took
 	// The share of the load that the soil carries at that height. It is not 1, since heights are whole units. The true height lies
 	// within the unit; there all stresses are about this share smaller.
 	float found_share;
