@@ -382,6 +382,18 @@ static struct deform_contact any_sweep(const struct deform_shape *shape, int k, 
 	return sweep;
 }
 
+#define DEGREES (M_PI / 180)
+
+/* The soil's own strength; and surfaces that are smooth, sticky, both, and no weaker than any soil. */
+static const struct deform_interface interfaces[] = {
+	{.has_friction = false},
+	{.has_friction = true, .friction_angle = 10 * DEGREES},
+	{.has_adhesion = true, .adhesion = 300},
+	{true, true, 16 * DEGREES, 100},
+	{true, true, 5 * DEGREES, 2000},
+	{true, true, 45 * DEGREES, 1e5},
+};
+
 static const char *const soils[] = {"dry_sand", "sandy_loam_15", "lete_sand", "clayey_38", "upland_loam_51", "snow_us", "lunar"};
 
 static void rounds(enum deform_model model, int count)
@@ -419,6 +431,7 @@ static void rounds(enum deform_model model, int count)
 			struct deform_contact sweep = any_sweep(&shape, k, x + 3 * any_share(), y + 3 * any_share());
 			if (model == DEFORM_SCM) {
 				sweep.tag = 1;
+				sweep.interface = interfaces[(round + k) % 6];
 				sweep.load = k % 2 == 1 ? exp2(any_between(2, 12)) : 0;
 				if (sweep.load > 0)
 					sweep.from.z = sweep.to.z;
