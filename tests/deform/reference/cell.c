@@ -308,7 +308,7 @@ static void add_place(const struct cell *cell, const double at[2], double deep, 
 	struct vector sheared = reference_shear(cell->sheared, normal, plus((struct vector){0, 0, 0}, slid, along), soil->janosi_shear, after);
 	double on = cell->ground->ground_normals ? area : area / normal.z; /* of the surface that the stresses act on */
 	struct vector force = plus((struct vector){0, 0, 0}, damped * on, normal);
-	force = plus(force, -reference_janosi(soil, damped, INFINITY) * on, sheared);
+	force = plus(force, -reference_strength(soil, &cell->sweep->interface, damped) * on, sheared);
 	out->force = plus(out->force, 1, force);
 	out->moment = plus(out->moment, 1, cross(arm, force));
 	out->normal += stress * normal.z * on;
