@@ -151,15 +151,15 @@ static void objects_that_the_posts_do_not_see(void **state)
 	advised(sound, 0.5, "objects.a.path.loop", "true", NULL);
 	advised(soil, 0.5, "objects.a.slip", "0.1", NULL);
 	advised(soil, 0.5, "objects.a.interface.friction_angle", "20", "objects.a.interface: it changes forces alone, and none is computed; ");
-	advised(soil, 0.5, "objects.a.interface.friction_angle&objects.a.load", "20&900", NULL);
+	advised(soil, 0.01, "objects.a.interface.friction_angle&objects.a.load", "20&900", NULL);
 	advised(soil, 0.5, "objects.a.interface.adhesion&output.forces", "200&1", NULL);
-	advised(soil, 0.5, "objects.a.interface&objects.a.load", "{friction_angle: 28, adhesion: 1040}&900",
+	advised(soil, 0.01, "objects.a.interface&objects.a.load", "{friction_angle: 28, adhesion: 1040}&900",
 		"objects.a.interface: its surface is no weaker than the soil, which shears within itself: it changes nothing; ");
-	advised(soil, 0.5, "objects.a.interface&objects.a.load", "{friction_angle: 28, adhesion: 1039}&900", NULL);
-	advised(soil, 0.5, "objects.a.interface&objects.a.load", "{friction_angle: 27.9, adhesion: 1040}&900", NULL);
-	advised(soil, 0.5, "objects.a.interface&objects.a.load", "{friction_angle: 30}&900", "objects.a.interface: its surface is no weaker ");
+	advised(soil, 0.01, "objects.a.interface&objects.a.load", "{friction_angle: 28, adhesion: 1039}&900", NULL);
+	advised(soil, 0.01, "objects.a.interface&objects.a.load", "{friction_angle: 27.9, adhesion: 1040}&900", NULL);
+	advised(soil, 0.01, "objects.a.interface&objects.a.load", "{friction_angle: 30}&900", "objects.a.interface: its surface is no weaker ");
 	write_text("soils.png", "any bytes");
-	advised(soil, 0.5, "soil&objects.a.interface&objects.a.load",
+	advised(soil, 0.01, "soil&objects.a.interface&objects.a.load",
 		"{map: soils.png, classes: {1: lunar}, default: dry_sand}&{friction_angle: 30}&900", NULL);
 	unlink(in_folder("soils.png"));
 	advised(soil, 0.5, "objects.a.slip&objects.a.path.points", "0.1&[[1, 2], [1, 2]]", "objects.a.slip: a wheel that stands does not turn; ");
