@@ -213,6 +213,7 @@ struct scm_params {
 	float scale[4], way[4], spin[4], rolls[4], place[4], load[4], body[4], heading[4], moves[4], faces[3][4];
 	int32_t drawn[4];
 	float digs[4];
+	int32_t frame[4], frame_axis[4];
 	struct scm_soil soils[DEFORM_SOILS];
 	float rasters[DEFORM_RASTERS][4]; /* read only with SOIL_RASTERS */
 };
@@ -249,8 +250,12 @@ struct post_rect deform_reached(const struct deform *deform, const struct deform
 bool deform_fits_window(const struct deform *deform, const struct deform_contact *contact);
 struct deform_window deform_whole(const struct deform *deform, const struct deform_window *window);
 
-/* soil/spread.c: lays the soil in `carried` down around the object, in `deposits`. A contact pass wrote `carried`: at most
- * 2^23 fixed-point units a post. deform_spread_posts: the shadow, and all posts on which soil may be laid. */
+/* soil/spread.c: lays displaced soil down around the object, in `deposits`. The contact pass wrote `carried`, at most 2^23 fixed-point
+ * units a post. If the model measures, its contact pass added to `laying` instead; deform_spread_begin came before that pass, and
+ * deform_spread_frame fills what it needs. deform_spread_posts: the shadow, and all posts on which soil may be laid. */
+void deform_spread_begin(struct deform *deform, const struct deform_window *window, uint32_t layer);
+void deform_spread_frame(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
+			 int32_t frame[4], int32_t axis[4]);
 enum status deform_spread(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 			  uint32_t layer) FURROW_CHECKED;
 struct post_rect deform_spread_posts(const struct deform *deform, const struct deform_contact *contact, struct post_rect shadow);

@@ -98,6 +98,11 @@ void deform_programs_box(const struct deform_params *params, struct deform_reque
 	define_number(out, "RADIUS", params->box_radius);
 }
 
+enum spread_pass deform_spread_first(enum deform_model model)
+{
+	return deform_model_row(model)->measures ? SPREAD_WEIGH : SPREAD_MEASURE;
+}
+
 void deform_programs_spread(enum spread_pass pass, struct deform_request *out)
 {
 	static const char *const files[SPREAD_PASSES] = {
@@ -277,7 +282,7 @@ void deform_programs_each(const struct deform_params *params, const struct defor
 		add(&each, deform_model_row(params->model)->effect.name);
 	}
 	if (deform_conserves(params->model)) {
-		for (int pass = 0; pass < SPREAD_PASSES; pass++) {
+		for (int pass = deform_spread_first(params->model); pass < SPREAD_PASSES; pass++) {
 			deform_programs_spread((enum spread_pass)pass, &each.request);
 			add(&each, "spread");
 		}
