@@ -169,7 +169,10 @@ struct gpu_rect deform_written(const struct deform_window *window);
 /* Returns all posts of the window, in its layer. */
 struct gpu_rect deform_window_rect(const struct deform_window *window);
 
-/* shape/envelope.c: draws the object's lower envelope over the window into `under` and `rest`. */
+/* shape/envelope.c: draws the object's lower envelope over the window into `under` and `rest`. deform_envelope_is_brief: returns
+ * true if the parameters are few enough for passed.vert. */
+#define DEFORM_BRIEF_BYTES 224
+bool deform_envelope_is_brief(enum deform_shape_kind kind, bool sideways);
 enum status deform_envelope(struct deform *deform, const struct deform_contact *contact,
 			     const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
 

@@ -51,7 +51,10 @@ static bool has_thickness(const struct deform_params *params)
 void deform_programs_envelope(const struct deform_params *params, enum deform_shape_kind kind, bool sideways,
 			struct deform_request *out)
 {
-	begin(out, "full.vert", "deform/under.frag");
+	bool brief = deform_envelope_is_brief(kind, sideways);
+	begin(out, brief ? "passed.vert" : "full.vert", "deform/under.frag");
+	if (brief)
+		define_number(out, "PASSED", DEFORM_BRIEF_BYTES / 16);
 	define(out, shapes[kind], true);
 	define(out, "REST", deform_needs_contacts(params));
 	define(out, "SIDEWAYS", sideways);
