@@ -148,14 +148,14 @@ vec3 share_at(int at, float by_width)
 	return vec3(real_of(0) / SHARE, real_of(2) / GROWTH, float(uint(sums[4])) / faces[0].w);
 }
 
-// Returns true if the slope is too steep for the soil to hold this load: W sin a > c A + W cos a tan phi. The soil is that below the
-// object's middle.
+// Returns true if the slope is too steep to hold this load: W sin a > c A + W cos a tan phi. The numbers are those of the soil below the
+// object's middle, or of the object's surface.
 bool slides(float posts)
 {
 	vec2 slope = slope_under();
 	float sine = length(slope) * inversesqrt(1.0 + dot(slope, slope));
 	soil s = soil_at((shadow.x + shadow.z) / 2, (shadow.y + shadow.w) / 2);
-	return sine > s.b.x * posts * place.w / load.x + sqrt(1.0 - sine * sine) * s.b.y;
+	return sine > holds(s, posts * place.w / load.x, sqrt(1.0 - sine * sine));
 }
 
 // Returns the height after a step of Newton's method. Force is about a power of depth, so the step uses the logarithms of both.

@@ -213,12 +213,16 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	float was = float(before.sinkage) * UNIT_METRES;
 	float was_plastic = plastic_part(s, was, yield_stress(s, by_width, was));
 	int more = 0;
+	// share: of the contact, in which the object touches the post. It counts from the ground before slip digs. A post beside the object
+	// stores no shear. There the object counts as having moved before as it moves now.
+	bool over = o.rests != UNDER_NONE;
+	face post = face_at(c.at, c.own);
+	float since = contact_share(c.at, depth_at_post(g, o, post), was_plastic / n.z, post, over), share = over ? min(since, 1.0) : since;
 #ifdef SLIP
 	// Slip digs soil from below the object, so the object must sink by that much more to be borne as before. Compacted soil stays
 	// where it is, so it lies less deep below the lowered ground.
 	if (b.held && !g.far) {
-		face below = face_at(c.at, c.own);
-		more = digs_more(s, before.dug, clamp(contact_share(c.at, depth_at_post(g, o, below), was_plastic / n.z, below, true), 0.0, 1.0));
+		more = digs_more(s, before.dug, clamp(share, 0.0, 1.0));
 		more = max(min(more, g.height - o.rests - 2), 0); // it never digs itself free
 		g.height -= more;
 		int remains = max(before.sinkage - int(round(n.z * float(more))), 0);
@@ -236,13 +240,9 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	b.held = b.held && !b.refused;
 	b.carried = b.touched ? int(min(spin.w * float(max(released - had, 0)), float(max(CARRIED_MOST - more, 0)))) + min(more, CARRIED_MOST) : 0;
 
-	// slid: how far the object's surface slides over the post in the whole contact. share: of the contact, in which it touches the post.
-	bool over = o.rests != UNDER_NONE;
-	face post = face_at(c.at, c.own);
+	// slid: how far the object's surface slides over the post in the whole contact.
 	float depth = depth_at_post(g, o, post);
 	float above = over ? float(o.rests - o.raised) * UNIT_METRES - post.height : 0.0;
-	// A post beside the object stores no shear. There the object counts as having moved before as it moves now.
-	float since = contact_share(c.at, depth, was_plastic / n.z, post, over), share = over ? min(since, 1.0) : since;
 	vec2 half_back = c.at + 0.5 * max(share, 0.0) * way.xy;
 	face then = face_at(half_back, c.own);
 	vec3 normal_then = normal_at(n, then);
@@ -295,7 +295,7 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 		float later = dot(there - c.at, way.xy) / max(dot(way.xy, way.xy), 1e-12) * lasts;
 		float stress = p.stress + damped(s, arm, normal) * min(4.0 * p.share, 1.0) * min(4.0 * n.z * largest * s.b.z, 1.0);
 		vec2 mobilised = sheared(shear, slip_at(arm, normal).direction, slides * max(share - later, 0.0) * s.b.z);
-		float strength = p.share > 0.0 ? s.b.x + stress * s.b.y : 0.0;
+		float strength = p.share > 0.0 ? holds(s, 1.0, stress) : 0.0;
 		vec3 sum = stress * normal - strength * tilted(mobilised, normal);
 		b.stress += weight * sum;
 		b.moment += weight * cross(arm, sum);

@@ -37,6 +37,7 @@ layout(std140, binding = 0) uniform params {
 	vec4 faces[3]; // box: height at its centre, m, and slope of its lower faces; of the first: units of area a post
 	ivec4 drawn;   // the posts over which `rests` was computed
 	vec4 digs;     // how far the object slips over the ground during the contact, m; how deep that digs at most, in units of K
+	vec4 surface;  // the object's: adhesion, Pa, and tangent of its friction angle; then 1 for each that is the soil's own instead: c, tan phi
 	ivec4 frame;   // of laying: post (0, 0), 2^-16 post; 1: the soil goes around the patch; share of the depth that is laid, 2^-16
 	ivec4 frame_axis; // x, y: its x axis, 2^-16
 	soil soils[SOILS];
@@ -48,7 +49,7 @@ layout(std140, binding = 0) uniform params {
 // A software rasteriser fetches a parameter anew for each invocation and wherever it is named. So all are fetched once, before the loops.
 ivec4 zero = given.zero, written = given.written, shadow = given.shadow, drawn = given.drawn, frame = given.frame, frame_axis = given.frame_axis;
 vec4 scale = given.scale, way = given.way, spin = given.spin, rolls = given.rolls, place = given.place, load = given.load;
-vec4 body = given.body, heading = given.heading, moves = given.moves, faces[3] = given.faces, digs = given.digs;
+vec4 body = given.body, heading = given.heading, moves = given.moves, faces[3] = given.faces, digs = given.digs, surface = given.surface;
 #ifndef SOIL_MAP
 soil the_soil = given.soils[0];
 #endif
@@ -191,6 +192,13 @@ float yield_growth(soil s, float yields, float z)
 float plastic_part(soil s, float z, float yields)
 {
 	return max(0.0, z - yields * s.a.w);
+}
+
+// Returns the largest shear force on an area: of the soil, or along the object's surface if that is less. normal: force across it.
+float holds(soil s, float area, float normal)
+{
+	vec2 along = surface.xy + surface.zw * s.b.xy;
+	return min(s.b.x * area + s.b.y * normal, along.x * area + along.y * normal);
 }
 
 // Returns the sinkage of a height below the surface, along the normal, fixed-point units. It is whole, so that the stored number

@@ -216,6 +216,7 @@ struct scm_params {
 	float scale[4], way[4], spin[4], rolls[4], place[4], load[4], body[4], heading[4], moves[4], faces[3][4];
 	int32_t drawn[4];
 	float digs[4];
+	float surface[4];
 	int32_t frame[4], frame_axis[4];
 	struct scm_soil soils[DEFORM_SOILS];
 	float rasters[DEFORM_RASTERS][4]; /* read only with SOIL_RASTERS */

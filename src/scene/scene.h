@@ -105,6 +105,7 @@ struct scene_object {
 	double load; /* N that the soil carries; given instead of `sink`, for models that compute forces. 0: no load */
 	/* of a wheel, for models that compute forces: 1 - distance / (radius x angle turned); below 0 if the wheel is dragged */
 	double slip;
+	struct deform_interface interface; /* for models that compute forces */
 };
 
 /* The light of pictures. */

@@ -114,6 +114,7 @@ static struct deform_contact contact_of(const struct world *world, const struct 
 {
 	struct deform_contact contact = {
 		.shape = &body->object->shape,
+		.interface = body->object->interface,
 		.from = body->in_contact ? body->last : event->pose,
 		.to = event->pose,
 		.load = body->object->load,

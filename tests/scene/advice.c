@@ -35,11 +35,11 @@ static void hear(void *user, const char *text)
 	assert_null(strchr(text, '\n'));
 }
 
-/* One key, or two, over a scene; `says`: the one line that begins with it; NULL: none. */
+/* Up to three keys over a scene; `says`: the one line that begins with it; NULL: none. */
 static void advised(const char *text, double spacing, const char *key, const char *value, const char *says)
 {
-	char keys[2][64], values[2][128];
-	struct scene_setting settings[2];
+	char keys[3][64], values[3][128];
+	struct scene_setting settings[3];
 	size_t count = 0;
 	while (key != NULL && *key != '\0') {
 		int k = (int)strcspn(key, "&"), v = (int)strcspn(value, "&");
@@ -148,6 +148,18 @@ static void objects_that_the_posts_do_not_see(void **state)
 	advised(resting, 0.5, "objects.a.path.loop", "true", "objects.a.path.loop: its points are one place: ");
 	advised(sound, 0.5, "objects.a.path.loop", "true", NULL);
 	advised(soil, 0.5, "objects.a.slip", "0.1", NULL);
+	advised(soil, 0.5, "objects.a.interface.friction_angle", "20", "objects.a.interface: it changes forces alone, and none is computed; ");
+	advised(soil, 0.5, "objects.a.interface.friction_angle&objects.a.load", "20&900", NULL);
+	advised(soil, 0.5, "objects.a.interface.adhesion&output.forces", "200&1", NULL);
+	advised(soil, 0.5, "objects.a.interface&objects.a.load", "{friction_angle: 28, adhesion: 1040}&900",
+		"objects.a.interface: its surface is no weaker than the soil, which shears within itself: it changes nothing; ");
+	advised(soil, 0.5, "objects.a.interface&objects.a.load", "{friction_angle: 28, adhesion: 1039}&900", NULL);
+	advised(soil, 0.5, "objects.a.interface&objects.a.load", "{friction_angle: 27.9, adhesion: 1040}&900", NULL);
+	advised(soil, 0.5, "objects.a.interface&objects.a.load", "{friction_angle: 30}&900", "objects.a.interface: its surface is no weaker ");
+	write_text("soils.png", "any bytes");
+	advised(soil, 0.5, "soil&objects.a.interface&objects.a.load",
+		"{map: soils.png, classes: {1: lunar}, default: dry_sand}&{friction_angle: 30}&900", NULL);
+	unlink(in_folder("soils.png"));
 	advised(soil, 0.5, "objects.a.slip&objects.a.path.points", "0.1&[[1, 2], [1, 2]]", "objects.a.slip: a wheel that stands does not turn; ");
 }
 

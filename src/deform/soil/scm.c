@@ -80,6 +80,21 @@ static void fill_motion(const struct deform_contact *contact, struct scm_params 
 	params->digs[0] = (float)slip_of(contact, turned);
 }
 
+static void fill_surface(const struct deform_interface *interface, float surface[4])
+{
+	surface[0] = interface->has_adhesion ? (float)interface->adhesion : 0;
+	surface[1] = interface->has_friction ? (float)tan(interface->friction_angle) : 0;
+	surface[2] = interface->has_adhesion ? 0 : 1;
+	surface[3] = interface->has_friction ? 0 : 1;
+}
+
+double deform_shear_limit(const struct deform_soil *soil, const struct deform_interface *interface, double area, double normal)
+{
+	double adhesion = interface->has_adhesion ? interface->adhesion : soil->cohesion;
+	double angle = interface->has_friction ? interface->friction_angle : soil->friction_angle;
+	return fmin(soil->cohesion * area + normal * tan(soil->friction_angle), adhesion * area + normal * tan(angle));
+}
+
 static void fill_soils(const struct deform_params *params, struct scm_soil *soils)
 {
 	for (int i = 0; i < params->soil_count; i++) {
@@ -138,6 +153,7 @@ static struct scm_params params_of(const struct deform *deform, const struct def
 	}
 	params.digs[1] = (float)deform->params.slip_sinkage;
 	fill_motion(contact, &params);
+	fill_surface(&contact->interface, params.surface);
 	deform_between_posts(deform, contact, window, &params);
 	deform_spread_frame(deform, contact, window, params.frame, params.frame_axis);
 	params.faces[0][3] = (float)deform_area_units(deform, contact);
@@ -225,7 +241,8 @@ const struct soil_model deform_model_scm = {
 		"scm", "redistribute.model", "", EFFECT_LIST("deform/scm.frag"), "base, offset, heaped, pressed, shear",
 		"offset, heaped, pressed, shear", 1,
 		EFFECT_LIST("redistribute.bulldozing", "redistribute.normals", "soil.bekker_kc", "soil.bekker_kphi", "soil.bekker_n", "soil.cohesion",
-			    "soil.friction_angle", "soil.janosi_shear", "soil.elastic_stiffness", "soil.damping", "objects[].slip"),
+			    "soil.friction_angle", "soil.janosi_shear", "soil.elastic_stiffness", "soil.damping", "objects[].slip",
+			    "objects[].interface.friction_angle", "objects[].interface.adhesion"),
 		"a stress is at most 1e20 Pa; a slope counts as at most 87 degrees; integer sums, but floating point by driver",
 		"sinks and springs back by the soil's pressure"},
 	.keys = EFFECT_LIST("iterations", "interval", "depth", "undisturbed", "tolerance", "bulldozing", "slip_sinkage", "normals"),

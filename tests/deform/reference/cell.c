@@ -308,7 +308,7 @@ static void add_place(const struct cell *cell, const double at[2], double deep, 
 	struct vector sheared = reference_shear(cell->sheared, normal, plus((struct vector){0, 0, 0}, slid, along), soil->janosi_shear, after);
 	double on = cell->ground->ground_normals ? area : area / normal.z; /* of the surface that the stresses act on */
 	struct vector force = plus((struct vector){0, 0, 0}, damped * on, normal);
-	force = plus(force, -reference_janosi(soil, damped, INFINITY) * on, sheared);
+	force = plus(force, -reference_strength(soil, &cell->sweep->interface, damped) * on, sheared);
 	out->force = plus(out->force, 1, force);
 	out->moment = plus(out->moment, 1, cross(arm, force));
 	out->normal += stress * normal.z * on;
@@ -316,7 +316,7 @@ static void add_place(const struct cell *cell, const double at[2], double deep, 
 }
 
 struct cell_force reference_cell(const struct reference_ground *ground, const struct deform_soil *soil, double stiffness,
-				 const struct deform_contact *sweep, int at, const double *under, const double *rests, double lower)
+				 const struct deform_contact *sweep, int at, const double *under, const double *rests, double lower, double since)
 {
 	struct cell_force out = {.normal = 0};
 	struct form form = form_of(ground, sweep);
@@ -342,9 +342,9 @@ struct cell_force reference_cell(const struct reference_ground *ground, const st
 		return out; /* before the rim of a wheel that has sunk to its axle */
 	cell.above = over ? rest - lower - centre - post.z : 0;
 	cell.lowered = over && !is_round(&form) ? rest - fmin(under[at], rest) : 0;
-	cell.since = in_contact(&form, cell.at, cell.own, depth, reference_stays(soil, stiffness, cell.was) / ca, over);
+	cell.since = !isnan(since) ? since : in_contact(&form, cell.at, cell.own, depth, reference_stays(soil, stiffness, cell.was) / ca, over);
 	cell.share = over ? fmin(cell.since, 1) : cell.since;
-	out.share = fmin(fmax(cell.share, 0), 1);
+	out.since = cell.since;
 
 	/* Half way of what it slid. */
 	double halfway[2] = {cell.at[0] + fmax(cell.share, 0) / 2 * form.way[0], cell.at[1] + fmax(cell.share, 0) / 2 * form.way[1]};
