@@ -1,7 +1,5 @@
 #version 450 core
-// As full.vert. It also passes the parameters on to the fragments. A software rasteriser fetches a parameter anew for every pixel, but
-// what the whole triangle has in common only once.
-// Define: PASSED: how many parameters there are, of 16 bytes each; at most 15.
+// As full.vert. It also passes the parameters on to the fragments (lib/passed.glsl). Define: PASSED: how many.
 
 layout(std140, binding = 0) uniform params {
 	ivec4 parameters[PASSED];

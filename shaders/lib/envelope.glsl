@@ -46,7 +46,7 @@ struct body {
 
 // Two: of the contact, of its end pose.
 #ifdef PASSED
-flat in ivec4 passed[PASSED];
+#include "lib/passed.glsl"
 
 body body_from(int first)
 {
