@@ -1,16 +1,22 @@
 #version 450 core
 // One instance for each block: its square of posts in the atlas, without the border that later passes do not need.
 
+#ifndef PASSED
+#define PASSED 1
+#endif
 layout(std140, binding = 0) uniform regions {
-	ivec4 squares; // posts along a square's side; squares in a row; posts cut off along each side; the first block
+	ivec4 parameters[PASSED]; // the first: posts along a square's side; squares in a row; posts cut off along each side; the first block
 };
 
 #define ATLAS_POSTS 256.0 /* DEFORM_WINDOW_POSTS */
 
 flat out ivec3 block; // x, y: the first post that is drawn; z: number of the block
+flat out ivec4 passed[PASSED]; // passed.vert
 
 void main()
 {
+	ivec4 squares = parameters[0];
+	passed = parameters;
 	ivec2 square = ivec2(gl_InstanceID % squares.y, gl_InstanceID / squares.y);
 	ivec2 first = square * squares.x + squares.z, corner = ivec2(gl_VertexID & 1, gl_VertexID >> 1);
 	block = ivec3(first, squares.w + gl_InstanceID);

@@ -5,6 +5,7 @@
 // Defines: FORCES: sums forces and moments; PATCH: b follows from the counted posts; LOAD: the equilibrium height was found.
 
 #include "lib/soil.glsl"
+#include "lib/laying.glsl"
 #include "lib/tally.glsl"
 #include "lib/scm_post.glsl"
 #if defined(PATCH) || defined(LOAD)
@@ -14,8 +15,8 @@
 layout(binding = 3, r32i) uniform restrict iimage2DArray offsets;
 layout(binding = 4, r32i) uniform restrict iimage2DArray sinkages;
 layout(binding = 5, r32i) uniform restrict iimage2DArray shears;
-layout(binding = 6, r8ui) uniform writeonly restrict uimage2DArray contacts;
-layout(binding = 7, r32i) uniform writeonly restrict iimage2DArray carries;
+layout(binding = 6, r8ui) uniform restrict uimage2DArray contacts;
+#include "lib/ways.glsl"
 
 #ifdef FORCES
 // 18 words for each contact with a tag: force and moment, 64 bits for each component; then these:
@@ -57,11 +58,16 @@ int row_of_pass()
 
 // Tells whether the object was less than two spacings above the surface. Then it has just left the post, or comes next, and the shear
 // that the post stores ends. Below a higher object that shear may belong to a second object, so it stays.
-bool is_near(int x, int y, ground g, object o)
+bool is_near(ground g, object o, int offset)
 {
-	ivec3 post = ivec3(x, y, zero.z);
-	int surface = g.height - imageLoad(heaps, post).r + imageLoad(offsets, post).r;
+	int surface = g.height - g.heap + offset;
 	return o.lowest != UNDER_NONE && g.base != BASE_NODATA && o.lowest - surface < int(min(scale.y * 2097152.0, 1e9));
+}
+
+// Returns the place of a post in the frame of laying.
+ivec2 frame_of(int x, int y)
+{
+	return frame.xy + ivec2(x * frame_axis.x + y * frame_axis.y, y * frame_axis.x - x * frame_axis.y);
 }
 
 // Tells whether the post stores shear or dug soil, which end with a contact.
@@ -79,7 +85,7 @@ bool concerns(int x, int y, int raised)
 {
 	ground g = ground_at(x, y);
 	object o = object_at(x, y, raised);
-	bool some = may_touch(g, o) || remembers(x, y) && is_near(x, y, g, o);
+	bool some = may_touch(g, o) || remembers(x, y) && is_near(g, o, imageLoad(offsets, ivec3(x, y, zero.z)).r);
 #ifdef FORCES
 	some = some || may_bear(x, y, g, o);
 #endif
@@ -109,8 +115,9 @@ void main()
 		first++;
 	while (first < last && !concerns(last - 1, y, raised))
 		last--;
-	total lost = total(0, 0u);
-	uint over = 0u;
+	total lost = total(0, 0u), moved = lost;
+	uint over = 0u, moving = 0u;
+	int hollow = 0, first_touched = last, last_touched = first;
 #ifdef FORCES
 	total force[3] = total[3](lost, lost, lost), moment[3] = total[3](lost, lost, lost);
 	int deepest = 0, area = 0, saturated = 0;
@@ -121,7 +128,7 @@ void main()
 		east = ground_at(x + 1, y);
 		object o = object_at(x, y, raised);
 		soil s = soil_at(x, y);
-		post_state before = {imageLoad(offsets, post).r, imageLoad(heaps, post).r, imageLoad(sinkages, post).r, 0, imageLoad(shears, post).r};
+		post_state before = {imageLoad(offsets, post).r, g.heap, imageLoad(sinkages, post).r, 0, imageLoad(shears, post).r};
 #ifdef SLIP
 		before.dug = imageLoad(dugs, post).r;
 #endif
@@ -129,7 +136,7 @@ void main()
 		bearing b = bearing_of(s, by_width, n, g, o, cell_at(x, y, o), before);
 		over += uint(b.refused);
 		total_add(lost, before.offset - b.after.offset - b.carried);
-		if (b.held || is_near(x, y, g, o)) {
+		if (b.held || is_near(g, o, before.offset)) {
 			if (b.after.shear != before.shear)
 				imageStore(shears, post, ivec4(b.after.shear));
 #ifdef SLIP
@@ -144,8 +151,12 @@ void main()
 #endif
 			imageStore(sinkages, post, ivec4(b.after.sinkage));
 			imageStore(contacts, post, uvec4(LOWERED | (b.held ? HELD : 0u)));
-			imageStore(carries, post, ivec4(b.carried));
 		}
+		total_add(moved, b.carried);
+		moving += uint(b.carried > 0);
+		hollow = max(hollow, b.touched ? depth_of(b.carried, b.after.offset, frame.w) : 0);
+		first_touched = b.touched ? min(first_touched, x) : first_touched;
+		last_touched = b.touched ? x : last_touched;
 #ifdef FORCES
 		vec3 f = b.stress * unit, m = b.moment * unit * place.z;
 		bool bears = g.base != BASE_NODATA && b.area > 0.0;
@@ -175,8 +186,12 @@ void main()
 		atomicOr(record[zero.w * WORDS + SATURATED], int(found_state << STATE_BIT));
 	}
 #endif
+	if (frame.z != 0)
+		store_ways(y, zero.z, written.x, written.z);
 	if (last <= first)
 		return;
+	if (first_touched < last)
+		measured(total_words(moved), moving, hollow, ivec2[2](frame_of(first_touched, y), frame_of(last_touched, y)));
 	tally_sum(COMPACTED, total_words(lost));
 	if (over > 0u)
 		tally_add(REFUSED, over);

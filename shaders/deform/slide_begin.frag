@@ -23,11 +23,10 @@ layout(binding = 3, r32i) readonly uniform iimage2DArray deposits;
 layout(binding = 4, r32i) readonly uniform iimage2DArray heaps;
 #endif
 
-layout(std140, binding = 0) uniform params {
-	ivec4 region;  // of the window, as in regions.vert
-	ivec4 place;   // x: layer of the images; y: depth of relaxing soil below the base, fixed-point units
-	ivec4 written; // posts that exchange soil: the first (x, y), one behind the last (z, w)
-};
+#define PARAMETERS 3 // the first: of the window, as in regions.vert
+#include "lib/passed.glsl"
+ivec4 place = passed[1];   // x: layer of the images; y: depth of relaxing soil below the base, fixed-point units
+ivec4 written = passed[2]; // posts that exchange soil: the first (x, y), one behind the last (z, w)
 
 layout(location = 0) out int offset_out;
 layout(location = 1) out int height_out;

@@ -24,13 +24,17 @@ layout(binding = 2, r8ui) readonly uniform uimage2DArray classes;
 layout(binding = 6, r32i) readonly uniform iimage2DArray slopes; // by slope.frag: the axial critical difference in each post's slope
 #endif
 
-layout(std140, binding = 0) uniform params {
-	ivec4 region; // over blocks: as in regions.vert; over a window: its first post from its first block; blocks in a row; first word
-	ivec4 place;  // the layer; a post this near a block's side concerns the neighbour too
-	ivec4 edge;   // over a window: posts whose neighbours were all computed: first, one behind the last
-	// Of each soil: critical difference of heights, axial, diagonal; tolerance; difference that is steeper than the friction angle.
-	ivec4 limits[SOILS];
-};
+#define PARAMETERS (3 + SOILS)
+#include "lib/passed.glsl"
+ivec4 region = passed[0]; // over blocks: as in regions.vert; over a window: its first post from its first block; blocks in a row; first word
+ivec4 place = passed[1];  // the layer; a post this near a block's side concerns the neighbour too
+ivec4 edge = passed[2];   // over a window: posts whose neighbours were all computed: first, one behind the last
+
+// Of a soil: critical difference of heights, axial, diagonal; tolerance; difference that is steeper than the friction angle.
+ivec4 limits_of(int soil)
+{
+	return passed[3 + soil];
+}
 
 #include "lib/slid.glsl"
 
@@ -71,7 +75,7 @@ void main()
 #else
 		int soil = own;
 #endif
-		int critical = k < 4 ? limits[soil].x : limits[soil].y;
+		int critical = k < 4 ? limits_of(soil).x : limits_of(soil).y;
 #ifdef SLOPES
 		// The slope is that of the post that gives. The sum for diagonal neighbours multiplies by sqrt(2), to a ten thousandth.
 		int most = gives ? slope : imageLoad(slopes, there).r;
@@ -87,9 +91,9 @@ void main()
 		amount = min(amount, more);
 		over = min(over, more);
 #endif
-		amount = other == STILL || over <= limits[0].z ? 0 : max(amount, 0);
+		amount = other == STILL || over <= limits_of(0).z ? 0 : max(amount, 0);
 #ifdef WAKES
-		int beyond = high - limits[soil].w;
+		int beyond = high - limits_of(soil).w;
 #ifdef STOOD
 		beyond = min(beyond, more);
 #endif

@@ -27,14 +27,14 @@ void lay_rest(int face)
 
 void main()
 {
-	int y = row_of_pass();
+	int y = row_of_pass(written.y);
 	if (y >= written.w || (carried[0] | carried[1]) == 0u)
 		return;
 	i64 rate[FACES];
 	for (int face = 0; face < FACES; face++)
 		rate[face] = words(rates[2 * face], rates[2 * face + 1]);
 	uvec4 sum = uvec4(0u);
-	read_band();
+	find_band();
 	ivec2 posts = posts_of_row(y);
 	for (int x = posts.x; x < posts.y; x++) {
 		ivec3 post = ivec3(x, y, place.x);
@@ -55,7 +55,7 @@ void main()
 			uint before = atomicAdd(laid[2 * face], all.lo);
 			atomicAdd(laid[2 * face + 1], uint(all.hi) + uint(before + all.lo < before));
 		}
-	if (is_last(2))
+	if (is_last(1))
 		for (int face = 0; face < FACES; face++)
 			if (weights[face] > 0u)
 				lay_rest(face);

@@ -18,7 +18,7 @@ int from_patch(int x, int y)
 	for (int by = 0; by <= far && by * by < least; by++)
 		for (int side = 0; side < 2; side++) {
 			int row = side == 0 ? y + by : y - by;
-			int way = row >= written.y && row < written.w ? imageLoad(ways, ivec3(x, row, place.x)).r : 1023;
+			int way = row >= shadow.y && row < shadow.w ? imageLoad(ways, ivec3(x, row, place.x)).r : NO_WAY;
 			least = min(least, way * way + by * by);
 		}
 	least = min(least, 1 << 18);
@@ -97,11 +97,11 @@ void weigh(int x, int y, int face, int weight)
 
 void main()
 {
-	int y = row_of_pass();
+	int y = row_of_pass(written.y);
 	if (y >= written.w || (carried[0] | carried[1]) == 0u)
 		return;
 	// Two loops, not one loop with a branch: a driver may compute both sides of a branch for every post.
-	read_band();
+	find_band();
 	ivec2 row = posts_of_row(y);
 	for (int x = row.x; x < row.y && place.y != 0; x++)
 		weigh(x, y, 0, from_patch(x, y));
@@ -114,6 +114,6 @@ void main()
 			atomicAdd(weights[face], sum[face]);
 			atomicMax(heaviest[face], best[face]);
 		}
-	if (is_last(1))
+	if (is_last(0))
 		find_rates();
 }

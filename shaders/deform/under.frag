@@ -1,6 +1,7 @@
 #version 450 core
 // The lower envelope of a swept object above each post of the window: fixed-point units from the window's zero height.
-// Defines: SHAPE_WHEEL, SHAPE_SPHERE or SHAPE_BOX; REST: also of its end pose.
+// Defines: SHAPE_WHEEL, SHAPE_SPHERE or SHAPE_BOX; REST: also of its end pose; SIDEWAYS: the wheel moves sideways; PASSED: the
+// parameters come from passed.vert.
 
 #include "lib/envelope.glsl"
 #include "lib/window.glsl"

@@ -30,17 +30,36 @@ int scaled(int a, int b, int n)
 	return i64_to_int(i64_sar(i64_add(i64_mul(a, b), half_unit), n));
 }
 
+#ifdef PASSED
+const int FUNCTIONALS = 2; // a straight wheel and a sphere need no more
+#else
+const int FUNCTIONALS = 10;
+#endif
+
 struct body {
-	functional f[10];
+	functional f[FUNCTIONALS];
 	ivec4 a; // wheel, sphere: radius, half the width, length of the motion, sine of its slope (of ONE)
 	ivec4 b; // height of the centre, rise of the motion, rise per length, its shift
 	ivec4 c; // x, w: from 2^-fine m to fixed-point units, factor and shift; y, z: wheel: moves sideways; box:
 	         // number of planes, of slabs
 };
 
+// Two: of the contact, of its end pose.
+#ifdef PASSED
+#include "lib/passed.glsl"
+
+body body_from(int first)
+{
+	functional f[FUNCTIONALS] = functional[FUNCTIONALS](functional(passed[first], passed[first + 1]), functional(passed[first + 2], passed[first + 3]));
+	return body(f, passed[first + 4], passed[first + 5], passed[first + 6]);
+}
+
+body bodies[2] = body[2](body_from(0), body_from(PASSED / 2));
+#else
 layout(std140, binding = 0) uniform params {
-	body bodies[2]; // the contact; its end pose
+	body bodies[2];
 };
+#endif
 
 #define AT(which, k, post) functional_int(bodies[which].f[k].at_di, bodies[which].f[k].dj_shift, post)
 

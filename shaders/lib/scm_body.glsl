@@ -5,6 +5,7 @@
 struct face {
 	float height; // of the lower envelope above the centre, m
 	vec2 slope;   // its rise for each metre east and north
+	vec3 normal;  // upwards
 };
 
 #if defined(SHAPE_WHEEL) || defined(SHAPE_SPHERE)
@@ -31,31 +32,33 @@ float ring_squares(vec2 at)
 }
 #endif
 
+vec3 normal_of_slope(vec2 slope)
+{
+	slope *= min(1.0, STEEPEST * inversesqrt(max(dot(slope, slope), 1.0)));
+	float up = inversesqrt(1.0 + dot(slope, slope));
+	return vec3(-slope * up, up);
+}
+
 // own: slope of a lower envelope that is known only at posts.
 face face_at(vec2 at, vec2 own)
 {
 #ifdef ROUND
 	vec2 part = part_of_place(at);
 	float up = sqrt(max(body.x * body.x - dot(part, part), 0.0));
-	return face(-up, part / max(up, body.x / STEEPEST));
+	vec3 inwards = vec3(-part, max(up, body.x * (1.0 / STEEPEST)));
+	return face(-up, part / inwards.z, inwards * inversesqrt(dot(inwards, inwards)));
 #elif defined(SHAPE_BOX)
-	face f = face(-1e9, vec2(0.0));
+	face f = face(-1e9, vec2(0.0), vec3(0.0));
 	for (int k = 0; k < 3; k++) {
 		float height = faces[k].x + dot(faces[k].yz, at);
 		f.slope = height > f.height ? faces[k].yz : f.slope;
 		f.height = max(f.height, height);
 	}
+	f.normal = normal_of_slope(f.slope);
 	return f;
 #else
-	return face(dot(own, at), own);
+	return face(dot(own, at), own, normal_of_slope(own));
 #endif
-}
-
-vec3 normal_of_face(vec2 slope)
-{
-	slope *= min(1.0, STEEPEST * inversesqrt(max(dot(slope, slope), 1.0)));
-	float up = inversesqrt(1.0 + dot(slope, slope));
-	return vec3(-slope * up, up);
 }
 
 // Returns how much lower than now the object was above a place during its last `back` metres of motion, m. lowered: the same at the
@@ -71,24 +74,35 @@ float lowered_at(vec2 at, float back, float lowered, face now)
 #endif
 }
 
+// Returns the time, in contacts, until a place at `at` leaves a strip. size: half the strip's width, m; speed: of the place, m a contact.
+float until_beyond(float at, float size, float speed)
+{
+	return size > 0.0 && abs(speed) > 1e-9 ? max(size - at * sign(speed), 0.0) / abs(speed) : 1e3;
+}
+
 // Returns the last share of the contact during which the object was deeper than `stays` below the surface. Below 0: it is not so deep
 // at the end. Above 1: it was so deep before the contact too, if it moved then as it moves now.
 float contact_share(vec2 at, float depth, float stays, face now, bool over)
 {
-	float forward = dot(at, heading.xy);
-	float change = way.z - face_at(at + way.xy, now.slope).height + now.height;
-	float share = change < 0.0 ? (depth - stays) / -change : 1e3;
+	float forward = dot(at, heading.xy), gains = depth - stays;
 #ifdef ROUND
-	float up = max(-now.height - depth + stays, body.x * 0.05);
-	float first = sqrt(max(ring_squares(at) - up * up, 0.0)) - forward;
-	first -= moves.y * first / min(moves.y - (forward + first) / up, -0.05);
-	share = moves.x > 0.0 ? first / moves.x : share;
+	// Where the circle along the motion first reached the place, and from there by the rise of the motion.
+	float up = max(-now.height - gains, body.x * 0.05), ring = sqrt(max(ring_squares(at) - up * up, 0.0));
+	float first = (ring - forward) * (1.0 - moves.y * up / min(moves.y * up - ring, -0.05 * up));
+	bool goes = moves.x > 0.0;
+	gains = goes ? first : gains;
+	float speed = goes ? moves.x : -way.z;
+#else
+	float speed = face_at(at + way.xy, now.slope).height - now.height - way.z;
 #endif
-	vec2 sides = vec2(heading.w, body.y), place = vec2(forward, heading.x * at.y - heading.y * at.x);
-	vec2 speed = vec2(dot(way.xy, heading.xy), heading.x * way.y - heading.y * way.x);
-	for (int k = 0; k < 2; k++)
-		if (over && sides[k] > 0.0 && abs(speed[k]) > 1e-9)
-			share = min(share, max(sides[k] - place[k] * sign(speed[k]), 0.0) / abs(speed[k]));
+	float share = speed > 0.0 ? gains / speed : 1e3;
+#ifdef SHAPE_BOX
+	share = over ? min(share, until_beyond(forward, heading.w, dot(way.xy, heading.xy))) : share;
+#endif
+#if defined(SHAPE_BOX) || defined(SHAPE_WHEEL)
+	float aside = heading.x * at.y - heading.y * at.x;
+	share = over ? min(share, until_beyond(aside, body.y, heading.x * way.y - heading.y * way.x)) : share;
+#endif
 	return clamp(share, -4.0, 1e3);
 }
 
@@ -139,6 +153,7 @@ cell cell_at(int x, int y, object o)
 	vec2 side = vec2(-heading.y, heading.x);
 	float step = heading.z * scale.y;
 	cell c = cell(place.xy + scale.y * vec2(x, y), vec2(0.0), over ? 1.0 : 0.0, vec2(0.0));
+#if defined(SHAPE_WHEEL) || defined(SHAPE_BOX)
 	if (body.y > 0.0) {
 		vec2 at = along_and_aside(c.at), part = part_of(at.y, body.y, step);
 		bool narrow = 2.0 * body.y < step;
@@ -146,11 +161,14 @@ cell cell_at(int x, int y, object o)
 		c.share = max(part.y - part.x, 0.0);
 		c.middle = 0.5 * (part.x + part.y) * scale.y * (northward ? vec2(sign(side.x), 0.0) : vec2(0.0, sign(side.y)));
 	}
+#endif
+#ifdef SHAPE_BOX
 	if (body.y > 0.0 && heading.w > 0.0) {
 		vec2 part = part_of(dot(c.at, heading.xy), heading.w, step);
 		c.share *= max(part.y - part.x, 0.0);
 		c.middle += 0.5 * (part.x + part.y) * scale.y * (northward ? vec2(0.0, sign(heading.y)) : vec2(sign(heading.x), 0.0));
 	}
+#endif
 #if !defined(ROUND) && !defined(SHAPE_BOX)
 	if (over)
 		for (int k = 0; k < 2; k++) {

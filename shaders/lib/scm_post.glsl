@@ -51,13 +51,13 @@ vec3 tilted(vec2 level, vec3 n)
 	return vec3(level - n.xy * (down / (1.0 + n.z)), -down);
 }
 
-// Returns the mobilised shear e after the object's surface slid by `along`, in units of the shear modulus K:
-// de = d(along) - e |d(along)|. From rest this is Janosi's 1 - exp(-j / K). On a straight way it is exact, however many contacts
-// the way is cut into.
-vec2 sheared(vec2 before, vec2 along)
+// Returns the mobilised shear e after the object's surface slid a way in one direction. way: in units of the shear modulus K. The law is
+// de = direction d(way) - e d(way). From rest this is Janosi's 1 - exp(-j / K). It is exact, however many contacts the way is
+// cut into.
+vec2 sheared(vec2 before, vec2 direction, float way)
 {
-	float way = length(along), stays = exp2(-1.442695 * min(way, 100.0));
-	return before * stays + along * ((1.0 - stays) / max(way, 1e-30));
+	float stays = exp2(-1.442695 * min(way, 100.0));
+	return before * stays + direction * (1.0 - stays);
 }
 
 // Returns the slip displacement that mobilises this shear from rest, in units of the shear modulus K. For nearly full shear it
@@ -89,50 +89,61 @@ pressure pressure_of(soil s, float by_width, float z, float most, bool grows)
 	return p;
 }
 
-// How far the object's surface slides during the contact, along the plane of a normal; m.
+// How the object's surface slides during the contact, along the plane of a normal.
 struct slip {
-	vec3 along;
-	float size;
+	vec2 direction; // as a level vector
+	float size;     // m
 };
 
 slip slip_at(vec3 at, vec3 normal)
 {
-	vec3 surface = way_of_surface(at);
+	vec3 surface = way_of_surface(at), along = surface - dot(surface, normal) * normal;
 	slip s;
-	s.along = surface - dot(surface, normal) * normal;
-	s.size = length(s.along);
+	s.size = length(along);
+	s.direction = levelled(along, normal) / max(s.size, 1e-9);
 	return s;
 }
 
 vec3 normal_at(vec3 n, face f)
 {
-	return load.w > 0.0 ? n : normal_of_face(f.slope);
+	return load.w > 0.0 ? n : f.normal;
 }
 
-// The depth of the lower envelope along a line across a cell is taken as a parabola through the line's ends and its middle. Returns the
-// two places on the line between which the depth exceeds `stays`. stays.x is the limit for the first place, stays.y for the second.
-vec2 between_roots(float half_way, vec3 depths, vec2 stays)
+// The depth of the lower envelope along a line across a cell is taken as a parabola through three places. These are the line's ends, at
+// -1 and 1, and its middle, at 0. Returns the two places on the line between which the depth exceeds `stays`. stays.x is the limit for the first place, stays.y for
+// the second.
+vec2 between_roots(vec3 depths, vec2 stays)
 {
-	float bends = (depths.x + depths.z - 2.0 * depths.y) / (2.0 * half_way * half_way), rises = (depths.z - depths.x) / (2.0 * half_way);
+	float bends = 0.5 * (depths.x + depths.z) - depths.y, rises = 0.5 * (depths.z - depths.x);
 	vec2 over = depths.yy - stays, root = rises * rises - 4.0 * bends * over;
 	vec2 by = sqrt(max(root, 0.0)) + vec2(rises, -rises);
 	// A parabola whose top misses `stays` by rounding alone has one root, at its top.
 	bool top = bends < 0.0;
 	bvec2 touches = bvec2(top && root.x <= 0.0, top && root.y <= 0.0);
-	vec2 at = mix(vec2(-2.0, 2.0) * over / max(by, 1e-12), vec2(-0.5 * rises / min(bends, -1e-12)), touches);
+	vec2 at = mix(vec2(-2.0, 2.0) * over / max(by, 1e-15), vec2(-0.5 * rises / min(bends, -1e-18)), touches);
 	vec2 least = touches.x || touches.y ? vec2(4.0 * bends * LEAST) : vec2(0.0);
 	bvec2 never = bvec2(root.x < least.x || (by.x <= 0.0 && !touches.x), root.y < least.y || (by.y <= 0.0 && !touches.y));
-	float low = depths.x > stays.x ? -half_way : never.x ? half_way : clamp(at.x, -half_way, half_way);
-	float high = depths.z > stays.y ? half_way : never.y ? -half_way : clamp(at.y, -half_way, half_way);
+	float low = depths.x > stays.x ? -1.0 : never.x ? 1.0 : clamp(at.x, -1.0, 1.0);
+	float high = depths.z > stays.y ? 1.0 : never.y ? -1.0 : clamp(at.y, -1.0, 1.0);
 	return vec2(low, max(low, high));
+}
+
+// Returns half the length of a line across a cell, m.
+float half_across()
+{
+#ifdef SHAPE_WHEEL
+	return 0.5 * scale.y / heading.z;
+#else
+	return 0.5 * scale.y;
+#endif
 }
 
 // A line across a cell, in the direction in which the depth of the lower envelope changes most.
 struct across {
-	vec2 middle, line; // from the object's centre, m; a unit vector
-	float half_way;    // m
-	float ground;      // height of the ground at the middle above the object's centre, m
-	float rise;        // of the ground for each metre of the line
+	vec2 middle;  // from the object's centre, m
+	vec2 end;     // from the middle, m
+	float ground; // height of the ground at the middle above the object's centre, m
+	float rise;   // of the ground from the middle to that end, m
 };
 
 // depth: of the lower envelope below the ground at the post, m, vertically.
@@ -141,21 +152,20 @@ across line_across(vec3 n, cell c, face post, float depth)
 	vec2 hill = -n.xy / n.z, grows = hill - post.slope;
 	across l;
 #ifdef SHAPE_WHEEL
-	l.line = heading.xy;
-	l.half_way = 0.5 * scale.y / heading.z;
+	l.end = heading.xy * half_across();
 #else
-	l.line = dot(grows, grows) < 1e-8 ? heading.xy : normalize(grows);
-	l.half_way = 0.5 * scale.y;
+	l.end = (dot(grows, grows) < 1e-8 ? heading.xy : normalize(grows)) * half_across();
 #endif
 	l.middle = c.at + c.middle;
 	l.ground = depth + post.height + dot(hill, c.middle);
-	l.rise = dot(hill, l.line);
+	l.rise = dot(hill, l.end);
 	return l;
 }
 
+// at: -1 .. 1
 vec2 place_on(across l, float at)
 {
-	return l.middle + at * l.line;
+	return l.middle + at * l.end;
 }
 
 float depth_on(across l, float at, face f)
@@ -175,7 +185,7 @@ float deepest_in(vec3 n, ground g, object o, cell c)
 	across l = line_across(n, c, post, depth_at_post(g, o, post));
 	float deepest = -1e9;
 	for (int k = -4; k <= 4; k++) {
-		float at = 0.25 * float(k) * l.half_way;
+		float at = 0.25 * float(k);
 		deepest = max(deepest, depth_on(l, at, face_at(place_on(l, at), c.own)));
 	}
 	return c.share > 0.0 ? deepest + 0.01 * scale.y : -1e9;
@@ -236,8 +246,8 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	vec2 half_back = c.at + 0.5 * max(share, 0.0) * way.xy;
 	face then = face_at(half_back, c.own);
 	vec3 normal_then = normal_at(n, then);
-	vec3 slid = slip_at(vec3(half_back, then.height + above), normal_then).along * (moves.w > 0.0 ? moves.w / normal_then.z : 1.0);
-	float slides = length(slid);
+	slip slid = slip_at(vec3(half_back, then.height + above), normal_then);
+	float slides = slid.size * (moves.w > 0.0 ? moves.w / normal_then.z : 1.0);
 	vec2 shear = shear_of(before.shear);
 	if (b.touched) {
 		b.after.heap = before.heap - more;
@@ -245,34 +255,34 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 		b.after.sinkage = a.most;
 	}
 	b.after.dug = b.held ? before.dug + more : 0;
-	b.after.shear = b.held ? shear_post(sheared(shear, levelled(slid * max(share, 0.0), normal_then) * s.b.z)) : 0;
+	b.after.shear = b.held ? shear_post(sheared(shear, slid.direction, slides * max(share, 0.0) * s.b.z)) : 0;
 
 	// The part of the cell that bears.
 	across l = line_across(n, c, post, depth);
 	float lowered = over ? float(o.rests - o.lowest) * UNIT_METRES : 0.0;
-	float back = over ? moves.x + l.half_way : 1e3;
+	float back = over ? moves.x + half_across() : 1e3;
 	// The stored sinkage counts for the post's whole cell. It is taken as a flat rut if the object passed over the cell. If the object
 	// hardly moved, it is taken as an impression of the lower envelope.
-	float stamped = was > 0.0 ? max(1.0 - length(way.xy) / l.half_way, 0.0) : 0.0, rut = was / n.z - stamped * depth;
+	float stamped = was > 0.0 ? max(1.0 - length(way.xy) / half_across(), 0.0) : 0.0, rut = was / n.z - stamped * depth;
 	vec3 depths, mosts;
 	for (int k = 0; k < 3; k++) {
-		vec2 there = place_on(l, float(k - 1) * l.half_way);
+		vec2 there = place_on(l, float(k - 1));
 		face f = face_at(there, c.own);
-		depths[k] = depth_on(l, float(k - 1) * l.half_way, f);
+		depths[k] = depth_on(l, float(k - 1), f);
 		mosts[k] = max(rut + stamped * depths[k], depths[k] + lowered_at(there, back, lowered, f));
 	}
 	float most = max(mosts.x, max(mosts.y, mosts.z)) * n.z;
 	float stays = plastic_part(s, most, yield_stress(s, by_width, most)) / n.z;
-	vec2 ends = between_roots(l.half_way, depths, vec2(mosts.x > max(depths.x, 0.0) + LEAST ? stays : 0.0,
+	vec2 ends = between_roots(depths, vec2(mosts.x > max(depths.x, 0.0) + LEAST ? stays : 0.0,
 							mosts.z > max(depths.z, 0.0) + LEAST ? stays : 0.0));
 	// A wheel that has sunk to its axle does not bear on the soil in front of its rim.
 	bool nothing = !over && abs(dot(c.at, heading.xy)) > body.x && depth > 0.0;
-	float part = b.refused || g.far || nothing ? 0.0 : c.share * (ends.y - ends.x) / (2.0 * l.half_way);
+	float part = b.refused || g.far || nothing ? 0.0 : 0.5 * c.share * (ends.y - ends.x);
 	b.stress = b.moment = vec3(0.0);
 	b.normal = b.stiff = b.area = 0.0;
 	// Of the places in a cell, those farther ahead came into contact later, so they slid less. But if the post stores less shear than
 	// the motion since the first touch gives, the object stood on it before it moved. Then the places differ less.
-	float lasts = over && since > 1.0 ? clamp(displacement_of(shear) / s.b.z / max(slides * (since - 1.0), 1e-9), 0.0, 1.0) : 1.0;
+	float lasts = over && since > 1.0 ? clamp(displacement_of(shear) / max(slides * (since - 1.0) * s.b.z, 1e-9), 0.0, 1.0) : 1.0;
 	for (int k = 0; k < 2; k++) {
 		float at = 0.5 * (ends.x + ends.y) + (float(k) - 0.5) * 0.57735027 * (ends.y - ends.x);
 		vec2 there = place_on(l, at);
@@ -282,11 +292,9 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 		pressure p = pressure_of(s, by_width, n.z * deep, n.z * largest, largest > remembered);
 		vec3 normal = normal_at(n, f), arm = vec3(there, f.height + above);
 		float upright = load.w > 0.0 ? 1.0 : normal.z, weight = 0.5 * part / upright;
-		slip slides_here = slip_at(arm, normal);
 		float later = dot(there - c.at, way.xy) / max(dot(way.xy, way.xy), 1e-12) * lasts;
-		vec3 since_first = slides_here.along * (slides * max(share - later, 0.0) / max(slides_here.size, 1e-9));
 		float stress = p.stress + damped(s, arm, normal) * min(4.0 * p.share, 1.0) * min(4.0 * n.z * largest * s.b.z, 1.0);
-		vec2 mobilised = sheared(shear, levelled(since_first, normal) * s.b.z);
+		vec2 mobilised = sheared(shear, slip_at(arm, normal).direction, slides * max(share - later, 0.0) * s.b.z);
 		float strength = p.share > 0.0 ? holds(s, 1.0, stress) : 0.0;
 		vec3 sum = stress * normal - strength * tilted(mobilised, normal);
 		b.stress += weight * sum;

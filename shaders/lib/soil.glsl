@@ -38,11 +38,21 @@ layout(std140, binding = 0) uniform params {
 	ivec4 drawn;   // the posts over which `rests` was computed
 	vec4 digs;     // how far the object slips over the ground during the contact, m; how deep that digs at most, in units of K
 	vec4 surface;  // the object's: adhesion, Pa, and tangent of its friction angle; then 1 for each that is the soil's own instead: c, tan phi
+	ivec4 frame;   // of laying: post (0, 0), 2^-16 post; 1: the soil goes around the patch; share of the depth that is laid, 2^-16
+	ivec4 frame_axis; // x, y: its x axis, 2^-16
 	soil soils[SOILS];
 #ifdef SOIL_RASTERS
 	vec4 rasters[4]; // of the bytes in `numbers`: least and greatest value, step between levels; SI, angles in radians
 #endif
-};
+} given;
+
+// A software rasteriser fetches a parameter anew for each invocation and wherever it is named. So all are fetched once, before the loops.
+ivec4 zero = given.zero, written = given.written, shadow = given.shadow, drawn = given.drawn, frame = given.frame, frame_axis = given.frame_axis;
+vec4 scale = given.scale, way = given.way, spin = given.spin, rolls = given.rolls, place = given.place, load = given.load;
+vec4 body = given.body, heading = given.heading, moves = given.moves, faces[3] = given.faces, digs = given.digs, surface = given.surface;
+#ifndef SOIL_MAP
+soil the_soil = given.soils[0];
+#endif
 
 layout(binding = 3) uniform isampler2DArray bases;
 #ifdef SLIP
@@ -60,7 +70,7 @@ layout(binding = 2) uniform usampler2DArray numbers; // a level for each raster:
 
 // The undisturbed surface: base and deposited thickness. `bare`: without that.
 struct ground {
-	int base, height, bare;
+	int base, height, bare, heap;
 	bool far; // it is out of reach, and `height` is clamped
 };
 
@@ -74,7 +84,8 @@ ground ground_at(int x, int y)
 	d = wraps ? (g.base < 0 ? -FAR : FAR) : d;
 	g.far = abs(d) >= FAR;
 	g.bare = 4 * clamp(d, -FAR, FAR) - zero.y;
-	g.height = clamp(g.bare + imageLoad(heaps, post).r, -FAR_UNITS, FAR_UNITS);
+	g.heap = imageLoad(heaps, post).r;
+	g.height = clamp(g.bare + g.heap, -FAR_UNITS, FAR_UNITS);
 	return g;
 }
 
@@ -148,16 +159,16 @@ void soil_take(inout soil s, int number, uint level, vec4 raster)
 soil soil_at(int x, int y)
 {
 #ifdef SOIL_MAP
-	soil s = soils[min(int(texelFetch(classes, ivec3(x, y, zero.z), 0).r), SOILS - 1)];
+	soil s = given.soils[min(int(texelFetch(classes, ivec3(x, y, zero.z), 0).r), SOILS - 1)];
 #else
-	soil s = soils[0];
+	soil s = the_soil;
 #endif
 #ifdef SOIL_RASTERS
 	uvec4 levels = texelFetch(numbers, ivec3(x, y, zero.z), 0);
-	soil_take(s, (SOIL_RASTERS & 7) - 1, levels.x, rasters[0]);
-	soil_take(s, (SOIL_RASTERS >> 3 & 7) - 1, levels.y, rasters[1]);
-	soil_take(s, (SOIL_RASTERS >> 6 & 7) - 1, levels.z, rasters[2]);
-	soil_take(s, (SOIL_RASTERS >> 9 & 7) - 1, levels.w, rasters[3]);
+	soil_take(s, (SOIL_RASTERS & 7) - 1, levels.x, given.rasters[0]);
+	soil_take(s, (SOIL_RASTERS >> 3 & 7) - 1, levels.y, given.rasters[1]);
+	soil_take(s, (SOIL_RASTERS >> 6 & 7) - 1, levels.z, given.rasters[2]);
+	soil_take(s, (SOIL_RASTERS >> 9 & 7) - 1, levels.w, given.rasters[3]);
 #endif
 	return s;
 }

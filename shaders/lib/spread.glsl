@@ -1,15 +1,17 @@
-// Shared by the three passes that lay down carried soil (SOIL.md, "Laying"). Each has one invocation for each row of the window's
+// Shared by the passes that lay down carried soil (SOIL.md, "Laying"). The last two have one invocation for each row of the window's
 // written posts. The invocation that ends last computes what the next pass needs. All numbers are whole.
 // Lengths are in 2^-6 post. Places in the body's frame are in 2^-16 post; x points where the body heads, y to its left.
 
 #include "lib/int64.glsl"
+#include "lib/laying.glsl"
+#include "lib/root.glsl"
 #include "lib/tally.glsl"
 #include "lib/window.glsl"
 
-const int FACES = 4; // of the patch's rectangle: ahead, behind, left, right
-const int BIAS = 1 << 30;
 const int COLUMNS = 4; // rows side by side in the pass's viewport, so that its blocks of pixels are full
 const int RATE_BITS = 20;
+const int HALF_POST = 1 << 15;
+const int NARROWEST = 128; // two posts, so that there is a post in it
 
 layout(std140, binding = 0) uniform params {
 	// the layer; 1: the soil goes around the patch, 0: to its faces; share of the depth that is laid, 2^-16; the widest band
@@ -19,34 +21,23 @@ layout(std140, binding = 0) uniform params {
 	// x, y: post (0, 0) in the frame. z: half the width of a wheel; 0: the width of the patch is used. w: how much the patch's length
 	// counts beside its width for the width of a band, 2^-16.
 	ivec4 origin;
-	// x, y: x axis of the frame, 2^-16. z: a factor in the square of a band's width, 2^-24 (spread_measure.frag). w: beside the patch
+	// x, y: x axis of the frame, 2^-16. z: a factor in the square of a band's width, 2^-24 (find_band). w: beside the patch
 	// soil is laid up to this |x|.
 	ivec4 axis;
 	ivec4 shares;  // of the soil for each face, 2^-16; their sum is 1
-};
+} given;
 
-layout(std430, binding = 1) coherent restrict buffer laying {
-	uint carried[2];       // lo, hi: fixed-point units
-	uint givers;         // posts that carry soil
-	uint deep;             // depth of the hollow, fixed-point units
-	uint ends[FACES];      // of the patch: BIAS + x, BIAS - x, BIAS + y, BIAS - y; 0: there is no patch
-	uint ended[3];         // invocations that ended each pass
-	int width;             // of a band
-	int sides[FACES];      // of the patch's rectangle: most and least x, most and least y
-	uint weights[FACES];   // sums
-	uint heaviest[FACES];  // weight << 20 | y << 10 | x of the heaviest post
-	uint parts[2 * FACES]; // lo, hi: soil of each face, fixed-point units
-	uint rates[2 * FACES]; // lo, hi: soil for each unit of weight, 2^-RATE_BITS fixed-point units
-	uint laid[2 * FACES];  // lo, hi
-};
+// Each is fetched once, before the loops (lib/soil.glsl).
+ivec4 place = given.place, written = given.written, shadow = given.shadow, origin = given.origin, axis = given.axis, shares = given.shares;
 
-// Returns the row of this invocation. If it is written.w or more, there is none.
-int row_of_pass()
+// Returns the row of this invocation. It may lie beyond the last one.
+int row_of_pass(int first)
 {
 	ivec2 at = ivec2(gl_FragCoord.xy);
-	return written.y + at.x + COLUMNS * at.y;
+	return first + at.x + COLUMNS * at.y;
 }
 
+// Tells whether this invocation is the last that ends one of the last two passes.
 bool is_last(int pass)
 {
 	memoryBarrier();
@@ -58,14 +49,21 @@ ivec2 frame_of(int x, int y)
 	return origin.xy + ivec2(x * axis.x + y * axis.y, y * axis.x - x * axis.y);
 }
 
-// Copies of what the passes read from the buffer for every post.
-ivec4 rectangle;
-int band;
+ivec4 rectangle; // around the patch: most and least x, most and least y
+int band;        // its width
 
-void read_band()
+// Finds both from what was measured.
+void find_band()
 {
-	rectangle = ivec4(sides[0], sides[1], sides[2], sides[3]);
-	band = width;
+	bool wheel = origin.z > 0;
+	rectangle.xy = ivec2(int(ends[0]) - BIAS + HALF_POST, BIAS - int(ends[1]) - HALF_POST);
+	rectangle.zw = wheel ? ivec2(origin.z, -origin.z) : ivec2(int(ends[2]) - BIAS + HALF_POST, BIAS - int(ends[3]) - HALF_POST);
+	uint along = uint(rectangle.x - rectangle.y) >> 10, across = uint(rectangle.z - rectangle.w) >> 10;
+	// The cross-section of the soil beside a metre of the patch's contour is this length times the depth.
+	uint half_width = ((across * uint(65536 - origin.w)) >> 17) + ((along * uint(origin.w)) >> 17);
+	int reaches = int(place.y != 0 ? (along >> 1) * across / (along + across) : half_width);
+	i64 square = i64_mul_int(i64_mul(min(int(deep), HOLLOW_MOST), reaches), axis.z);
+	band = min(max(square_root(i64_sar(square, 24)), max(reaches / 4, NARROWEST)), place.w);
 }
 
 float least_of(float centre, float reach, int slope)

@@ -170,7 +170,10 @@ struct gpu_rect deform_written(const struct deform_window *window);
 /* Returns all posts of the window, in its layer. */
 struct gpu_rect deform_window_rect(const struct deform_window *window);
 
-/* shape/envelope.c: draws the object's lower envelope over the window into `under` and `rest`. */
+/* shape/envelope.c: draws the object's lower envelope over the window into `under` and `rest`. deform_envelope_is_brief: returns
+ * true if the parameters are few enough for passed.vert. */
+#define DEFORM_BRIEF_BYTES 224
+bool deform_envelope_is_brief(enum deform_shape_kind kind, bool sideways);
 enum status deform_envelope(struct deform *deform, const struct deform_contact *contact,
 			     const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
 
@@ -215,6 +218,7 @@ struct scm_params {
 	int32_t drawn[4];
 	float digs[4];
 	float surface[4];
+	int32_t frame[4], frame_axis[4];
 	struct scm_soil soils[DEFORM_SOILS];
 	float rasters[DEFORM_RASTERS][4]; /* read only with SOIL_RASTERS */
 };
@@ -251,8 +255,12 @@ struct post_rect deform_reached(const struct deform *deform, const struct deform
 bool deform_fits_window(const struct deform *deform, const struct deform_contact *contact);
 struct deform_window deform_whole(const struct deform *deform, const struct deform_window *window);
 
-/* soil/spread.c: lays the soil in `carried` down around the object, in `deposits`. A contact pass wrote `carried`: at most
- * 2^23 fixed-point units a post. deform_spread_posts: the shadow, and all posts on which soil may be laid. */
+/* soil/spread.c: lays displaced soil down around the object, in `deposits`. The contact pass wrote `carried`, at most 2^23 fixed-point
+ * units a post. If the model measures, its contact pass added to `laying` instead; deform_spread_begin came before that pass, and
+ * deform_spread_frame fills what it needs. deform_spread_posts: the shadow, and all posts on which soil may be laid. */
+void deform_spread_begin(struct deform *deform, const struct deform_window *window, uint32_t layer);
+void deform_spread_frame(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
+			 int32_t frame[4], int32_t axis[4]);
 enum status deform_spread(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 			  uint32_t layer) FURROW_CHECKED;
 struct post_rect deform_spread_posts(const struct deform *deform, const struct deform_contact *contact, struct post_rect shadow);

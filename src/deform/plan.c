@@ -58,7 +58,7 @@ static void plan_windows(const struct deform_params *params, const struct deform
 	if (deform_model_row(params->model)->smooths && object->moves)
 		add_passes(plan, deform_model_row(params->model)->effect.name, number, PLAN_MOVED, GPU_SMOOTH, params->box_repetitions);
 	if (deform_conserves(params->model)) {
-		add_passes(plan, "spread", number, PLAN_WINDOW, GPU_SPREAD, SPREAD_PASSES);
+		add_passes(plan, "spread", number, PLAN_WINDOW, GPU_SPREAD, SPREAD_PASSES - (int)deform_spread_first(params->model));
 		add_passes(plan, slide, number, PLAN_WINDOW, GPU_SLIDE, deform_slide_passes(params, false));
 	}
 	if (params->disturbance)

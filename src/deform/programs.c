@@ -51,7 +51,9 @@ static bool has_thickness(const struct deform_params *params)
 void deform_programs_envelope(const struct deform_params *params, enum deform_shape_kind kind, bool sideways,
 			struct deform_request *out)
 {
-	begin(out, "full.vert", "deform/under.frag");
+	bool brief = deform_envelope_is_brief(kind, sideways);
+	begin(out, brief ? "passed.vert" : "full.vert", "deform/under.frag");
+	define(out, "PASSED 14", brief);
 	define(out, shapes[kind], true);
 	define(out, "REST", deform_needs_contacts(params));
 	define(out, "SIDEWAYS", sideways);
@@ -98,6 +100,11 @@ void deform_programs_box(const struct deform_params *params, struct deform_reque
 	define_number(out, "RADIUS", params->box_radius);
 }
 
+enum spread_pass deform_spread_first(enum deform_model model)
+{
+	return deform_model_row(model)->measures ? SPREAD_WEIGH : SPREAD_MEASURE;
+}
+
 void deform_programs_spread(enum spread_pass pass, struct deform_request *out)
 {
 	static const char *const files[SPREAD_PASSES] = {
@@ -113,9 +120,16 @@ static void begin_over(struct deform_request *out, bool blocks, const char *frag
 	begin(out, blocks ? "deform/regions.vert" : "full.vert", fragment);
 }
 
+/* The same, with parameters passed on by the vertex shader. `passed`: the define that says how many. */
+static void begin_passed(struct deform_request *out, bool blocks, const char *passed, const char *fragment)
+{
+	begin(out, blocks ? "deform/regions.vert" : "passed.vert", fragment);
+	define(out, passed, true);
+}
+
 void deform_programs_begin(const struct deform_params *params, bool blocks, bool loaded, struct deform_request *out)
 {
-	begin_over(out, blocks, "deform/slide_begin.frag");
+	begin_passed(out, blocks, "PASSED 3", "deform/slide_begin.frag");
 	define(out, "DEPOSITS", !blocks);
 	define(out, "LOAD", !blocks && loaded);
 	define(out, "THICKNESS", has_thickness(params));
@@ -132,7 +146,10 @@ void deform_programs_slide(const struct deform_params *params, enum slide_what w
 		[SLIDE_SHED] = "deform/slide_shed.frag",
 		[SLIDE_TAKE] = "deform/slide_take.frag",
 	};
-	begin_over(out, blocks, files[what]);
+	if (what == SLIDE_EXCESS && !deform_has_classes(params))
+		begin_passed(out, blocks, "PASSED 4", files[what]);
+	else
+		begin_over(out, blocks, files[what]);
 	if (what != SLIDE_TAKE) {
 		define_number(out, "SOILS", deform_soil_slots(params));
 		define(out, "BOUNDED", what == SLIDE_EXCESS && deform_is_bounded(params));
@@ -277,7 +294,7 @@ void deform_programs_each(const struct deform_params *params, const struct defor
 		add(&each, deform_model_row(params->model)->effect.name);
 	}
 	if (deform_conserves(params->model)) {
-		for (int pass = 0; pass < SPREAD_PASSES; pass++) {
+		for (int pass = deform_spread_first(params->model); pass < SPREAD_PASSES; pass++) {
 			deform_programs_spread((enum spread_pass)pass, &each.request);
 			add(&each, "spread");
 		}

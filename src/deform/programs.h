@@ -24,8 +24,9 @@ enum deform_find_what { FIND_PATCH = 1, FIND_LOAD = 2, FIND_SHAPE = 4, FIND_ALL 
 /* Passes of an iteration of sliding: EXCESS alone, or SHED and TAKE. */
 enum slide_what { SLIDE_EXCESS, SLIDE_SHED, SLIDE_TAKE };
 
-/* Passes that lay down carried soil. */
+/* Passes that lay down carried soil. deform_spread_first: returns the first that runs; the contact of a model may measure. */
 enum spread_pass { SPREAD_MEASURE, SPREAD_WEIGH, SPREAD_LAY, SPREAD_PASSES };
+enum spread_pass deform_spread_first(enum deform_model model);
 
 /* Each fills `out` completely. Pure. */
 void deform_programs_envelope(const struct deform_params *params, enum deform_shape_kind kind, bool sideways,

@@ -223,7 +223,7 @@ void gpu_buffer_clear(struct gpu_buffer *buffer, size_t offset, size_t bytes);
 
 /* --- passes: gpu_pass.c --- */
 #define GPU_PASS_TEXTURES 8
-#define GPU_PASS_BUFFERS 4
+#define GPU_PASS_BUFFERS 5
 #define GPU_PASS_IMAGES 8
 struct gpu_pass {
 	enum gpu_stage stage; /* the pass is counted under this stage */

@@ -2,6 +2,8 @@
  * The first stage over a window: the object's lower envelope above each post. The soil model decides what the ground does
  * then. So shapes and models do not depend on each other.
  */
+#include <string.h>
+
 #include "deform/shape/body.h"
 #include "deform/internal.h"
 
@@ -9,6 +11,31 @@
 struct under_params {
 	struct body motion, end;
 };
+
+/* The same for a body that needs few functions of a post's position. */
+struct brief_body {
+	struct functional f[2];
+	int32_t a[4], b[4], c[4];
+};
+struct brief_params {
+	struct brief_body motion, end;
+};
+_Static_assert(sizeof(struct brief_params) == DEFORM_BRIEF_BYTES, "lib/envelope.glsl");
+
+bool deform_envelope_is_brief(enum deform_shape_kind kind, bool sideways)
+{
+	return kind == DEFORM_SPHERE || (kind == DEFORM_WHEEL && !sideways);
+}
+
+static struct brief_body brief(const struct body *body)
+{
+	struct brief_body out;
+	memcpy(out.f, body->f, sizeof out.f);
+	memcpy(out.a, body->a, sizeof out.a);
+	memcpy(out.b, body->b, sizeof out.b);
+	memcpy(out.c, body->c, sizeof out.c);
+	return out;
+}
 
 /* Returns the posts of the window that the object can be above; one post if there are none. A window always runs the same
  * number of passes. */
@@ -40,6 +67,8 @@ enum status deform_envelope(struct deform *deform, const struct deform_contact *
 	deform_body_of(contact->shape, &contact->to, &contact->to, &frame, &params.end);
 	/* Only a wheel that moves sideways needs the times at which its sides pass over a post. */
 	bool sideways = kind == DEFORM_WHEEL && (params.motion.c[1] != 0 || params.end.c[1] != 0);
+	const struct brief_params few = {brief(&params.motion), brief(&params.end)};
+	bool is_brief = deform_envelope_is_brief(kind, sideways);
 	struct deform_request request;
 	deform_programs_envelope(&deform->params, kind, sideways, &request);
 	struct gpu_program **program = &deform->under_program[kind + (sideways ? DEFORM_SHAPES : 0)];
@@ -53,8 +82,8 @@ enum status deform_envelope(struct deform *deform, const struct deform_contact *
 		.program = *program,
 		.target = deform->scratch[layer].to[TO_UNDER],
 		.viewport = deform_model_row(deform->params.model)->in_place ? shadow_of(deform, contact, read) : all,
-		.params = &params,
-		.params_bytes = sizeof params,
+		.params = is_brief ? (const void *)&few : &params,
+		.params_bytes = is_brief ? sizeof few : sizeof params,
 	});
 	return kind == DEFORM_WHEEL && contact->shape->grousers > 0 ? deform_grousers(deform, contact, window, layer) : STATUS_OK;
 }

@@ -155,6 +155,7 @@ static struct scm_params params_of(const struct deform *deform, const struct def
 	fill_motion(contact, &params);
 	fill_surface(&contact->interface, params.surface);
 	deform_between_posts(deform, contact, window, &params);
+	deform_spread_frame(deform, contact, window, params.frame, params.frame_axis);
 	params.faces[0][3] = (float)deform_area_units(deform, contact);
 	fill_soils(&deform->params, params.soils);
 	fill_rasters(&deform->params, params.rasters);
@@ -193,8 +194,8 @@ static enum status run_contact(struct deform *deform, const struct deform_contac
 		.textures = {deform->under, deform->classes, deform->numbers, deform->bases},
 		.images = {deform->planes_of[0][PLANE_DUG], deform->planes_of[1][PLANE_DEPOSITED], deform->rest, deform->planes_of[1][PLANE_OFFSET],
 			   deform->planes_of[0][PLANE_PLASTIC_SINKAGE], deform->planes_of[0][PLANE_SHEAR], deform->contacts,
-			   deform->carried},
-		.storage = {tally, records, deform->found, deform->standing},
+			   deform->heights[0]}, /* the heights are not used before soil slides */
+		.storage = {tally, records, deform->found, deform->standing, deform->laying},
 		.params = &params,
 		.params_bytes = sizeof params,
 	});
@@ -211,6 +212,7 @@ static enum status contact(struct deform *deform, const struct deform_contact *c
 			   uint32_t layer)
 {
 	deform->scratch[layer].now[PLANE_OFFSET] = deform->scratch[layer].now[PLANE_DEPOSITED] = 1;
+	deform_spread_begin(deform, window, layer);
 	enum status status = run_contact(deform, contact, window, layer, deform->tally);
 	return status == STATUS_OK ? deform_spread_and_slide(deform, contact, window, layer) : status;
 }
@@ -250,6 +252,7 @@ const struct soil_model deform_model_scm = {
 	.feel = feel,
 	.shader = "deform/scm.frag",
 	.planes = PLANE_BIT(PLANE_DEPOSITED) | PLANE_BIT(PLANE_PLASTIC_SINKAGE) | PLANE_BIT(PLANE_SHEAR),
+	.measures = true,
 	.in_place = true,
 	.rasters = true,
 	.slide = &deform_slide_excess,

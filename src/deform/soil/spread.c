@@ -3,11 +3,12 @@
  * (SOIL.md, "Laying"). All lengths are metres: they come from the object, its motion and the depth, not from the posts.
  */
 #include <math.h>
+#include <string.h>
 
 #include "deform/shape/body.h"
 #include "deform/internal.h"
 
-#define LAYING_BYTES (48 * 4)   /* lib/spread.glsl */
+#define LAYING_BYTES (42 * 4)   /* lib/laying.glsl */
 #define STEEPEST_TAN 1.0        /* steeper soil is laid as if it stood at 45 degrees */
 #define ONE 65536.0
 
@@ -192,19 +193,35 @@ static struct spread_params params_of(const struct deform *deform, const struct 
 	return params;
 }
 
+void deform_spread_frame(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
+			 int32_t frame[4], int32_t axis[4])
+{
+	const struct spread_params params = params_of(deform, contact, window, 0);
+	const int32_t filled[4] = {params.origin[0], params.origin[1], params.place[1], params.place[2]};
+	memcpy(frame, filled, sizeof filled);
+	memcpy(axis, params.axis, 2 * sizeof axis[0]);
+}
+
+void deform_spread_begin(struct deform *deform, const struct deform_window *window, uint32_t layer)
+{
+	gpu_texture_clear(deform->deposits, layer, deform_written(window), 0);
+	gpu_buffer_clear(deform->laying, 0, LAYING_BYTES);
+}
+
 enum status deform_spread(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 			  uint32_t layer)
 {
 	const struct spread_params params = params_of(deform, contact, window, layer);
 	/* The heights are not used before soil slides. */
-	struct gpu_texture *const images[SPREAD_PASSES][4] = {
-		[SPREAD_MEASURE] = {deform->contacts, deform->carried, deform->planes_of[1][PLANE_OFFSET], deform->heights[0]},
+	struct gpu_texture *const images[SPREAD_PASSES][3] = {
+		[SPREAD_MEASURE] = {deform->contacts, deform->carried, deform->planes_of[1][PLANE_OFFSET]},
 		[SPREAD_WEIGH] = {deform->contacts, deform->heights[0], deform->deposits},
 		[SPREAD_LAY] = {deform->deposits},
 	};
-	gpu_texture_clear(deform->deposits, layer, deform_written(window), 0);
-	gpu_buffer_clear(deform->laying, 0, LAYING_BYTES);
-	for (int pass = 0; pass < SPREAD_PASSES; pass++) {
+	const enum spread_pass first = deform_spread_first(deform->params.model);
+	if (first == SPREAD_MEASURE)
+		deform_spread_begin(deform, window, layer);
+	for (int pass = first; pass < SPREAD_PASSES; pass++) {
 		struct deform_request request;
 		deform_programs_spread((enum spread_pass)pass, &request);
 		enum status status = deform_program(deform, &request, &deform->spread[pass]);
@@ -214,10 +231,10 @@ enum status deform_spread(struct deform *deform, const struct deform_contact *co
 			.stage = GPU_SPREAD,
 			.program = deform->spread[pass],
 			.target = deform->scratch[layer].to[TO_BARE],
-			.viewport = deform_rows(params.written),
+			.viewport = deform_rows(pass == SPREAD_MEASURE ? params.shadow : params.written),
 			.textures = {[3] = pass == SPREAD_WEIGH ? deform->bases : NULL},
-			.images = {images[pass][0], images[pass][1], images[pass][2], images[pass][3]},
-			.storage = {deform->tally, deform->laying},
+			.images = {images[pass][0], images[pass][1], images[pass][2], [7] = pass == SPREAD_MEASURE ? deform->heights[0] : NULL},
+			.storage = {deform->tally, [4] = deform->laying},
 			.params = &params,
 			.params_bytes = sizeof params,
 		});

@@ -1,0 +1,43 @@
+// What the passes that lay down carried soil hand on (SOIL.md, "Laying"), and how a contact's soil is measured for them. Either the
+// contact pass does that or spread_measure.frag. All numbers are whole. Places in the body's frame are in 2^-16 post; x points where
+// the body heads, y to its left.
+
+const int FACES = 4; // of the patch's rectangle: ahead, behind, left, right
+const int BIAS = 1 << 30;
+const int HOLLOW_MOST = 1 << 23;
+const int NO_WAY = 1023;
+
+layout(std430, binding = 4) coherent restrict buffer laying {
+	uint carried[2];       // lo, hi: fixed-point units
+	uint givers;           // posts that carry soil
+	uint deep;             // depth of the hollow, fixed-point units
+	uint ends[FACES];      // of the patch: BIAS + x, BIAS - x, BIAS + y, BIAS - y; 0: there is no patch
+	uint ended[2];         // invocations that ended each of the last two passes
+	uint weights[FACES];   // sums
+	uint heaviest[FACES];  // weight << 20 | y << 10 | x of the heaviest post
+	uint parts[2 * FACES]; // lo, hi: soil of each face, fixed-point units
+	uint rates[2 * FACES]; // lo, hi: soil for each unit of weight, 2^-RATE_BITS fixed-point units
+	uint laid[2 * FACES];  // lo, hi
+};
+
+// Returns how deep the hollow counts at a post. carries: soil that the post carries; offset: after the contact; both fixed-point units.
+// share: of the depth that is laid, 2^-16.
+int depth_of(int carries, int offset, int share)
+{
+	int depth = clamp(-offset, 0, HOLLOW_MOST);
+	return max(carries, int((uint(depth >> 8) * uint(share)) >> 8));
+}
+
+// Adds the touched posts of a row. soil: lo, hi; at: places of the first and the last of them in the frame.
+void measured(uvec2 soil, uint count, int deepest, ivec2 at[2])
+{
+	uint before = atomicAdd(carried[0], soil.x);
+	atomicAdd(carried[1], soil.y + uint(before + soil.x < before));
+	atomicAdd(givers, count);
+	atomicMax(deep, uint(deepest));
+	ivec2 least = min(at[0], at[1]), most = max(at[0], at[1]);
+	atomicMax(ends[0], uint(BIAS + most.x));
+	atomicMax(ends[1], uint(BIAS - least.x));
+	atomicMax(ends[2], uint(BIAS + most.y));
+	atomicMax(ends[3], uint(BIAS - least.y));
+}
