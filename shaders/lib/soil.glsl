@@ -121,7 +121,7 @@ float slope_between(ivec2 low, ivec2 high)
 	return known ? 4.0 * (float(last) - float(first)) * scale.x / float(posts) : 0.0;
 }
 
-// Returns the mean slope under the object of the base, the ground as it was before all drives.
+// Returns the mean slope of the base under the object. The base is the ground as it was before all drives.
 vec2 slope_under()
 {
 	ivec2 low = shadow.xy, high = shadow.zw - 1, middle = (low + high) / 2;

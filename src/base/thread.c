@@ -112,7 +112,7 @@ unsigned thread_running(void)
 
 void thread_background(void)
 {
-	/* A thread's own on Linux, and upon what the process has: it may be a polite one already. */
+	/* On Linux each thread has a priority of its own. The step is relative, since the process may already run at a low priority. */
 	id_t self = (id_t)gettid();
 	setpriority(PRIO_PROCESS, self, getpriority(PRIO_PROCESS, self) + 10);
 }

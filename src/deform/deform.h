@@ -436,7 +436,7 @@ struct deform_forces {
 	double moment[3];     /* N m about its centre */
 	double sinkage;       /* m: its greatest depth below the base, where the soil bears it; 0 if it is above the base */
 	double area;          /* m2: area of the ground that carries it */
-	double slope[2];      /* of the base under it, a mean: its rise a metre to the east and to the north */
+	double slope[2];      /* mean slope of the base under it: its rise for each metre to the east, and to the north */
 	/* N, along the heading and the ground: the force that the path must add to the soil's, so that the body keeps its motion. Below
 	 * 0 the path holds it back. Its weight is the load, or without a load the soil's vertical force. */
 	double residual;

@@ -256,7 +256,7 @@ enum status dem_fill_create(struct dem_grid *grid, struct dem_grid **out)
 		dem_grid_destroy(grid);
 		return fail_memory("filling holes");
 	}
-	/* What is known of the source is known of this; the texts change hands. */
+	/* The result has the source's properties. It takes over the source's texts and frees them. */
 	fill->grid = *grid;
 	fill->grid.read = fill_read;
 	fill->grid.destroy = fill_destroy;

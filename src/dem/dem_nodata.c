@@ -10,7 +10,8 @@
 /* Holes where values are `nodata`: without branches, so that it becomes vector code. */
 FURROW_WIDE static void punch(const double *values, int64_t count, double nodata, bool single, double *metres)
 {
-	/* No ground is that high: -3.4e38 means the lowest float, with all the digits it lacks. */
+	/* No ground is as high as such a tag. -3.4e38 means the lowest float, whose other digits were left out, so values near the
+	 * tag are nodata too. */
 	double near = !isinf(nodata) && fabs(nodata) > 1e30 ? 1e-3 * fabs(nodata) : -1;
 	/* A tag is decimal text, often with fewer digits than the float it means. */
 	bool rounds = single && !isinf(nodata);

@@ -68,7 +68,7 @@ static void sides(const struct deform_shape *shape, double far[2], double lift[2
 {
 	lift[0] = lift[1] = 0;
 	switch (shape->kind) {
-	case DEFORM_WHEEL: /* round only along its way; 0.6 and 0.8: a point of the unit circle */
+	case DEFORM_WHEEL: /* a wheel is round only along its motion. (0.6, 0.8) is a point of the unit circle */
 	case DEFORM_SPHERE:
 		far[0] = 0.6 * shape->radius;
 		lift[0] = shape->radius - 0.8 * shape->radius;

@@ -2,8 +2,9 @@
  * Defines the tables of a store, and checks that a file has exactly these. So a view, trigger or index in an untrusted file is
  * never run.
  *
- * A store of version 3 has all tables but `dug`. Its `shear` is a length that only grew; now it is a vector that ends with the contact. So
- * all of it counts as none. A reader sees an empty table in its place. A writer empties it, and makes the store one of version 4.
+ * A store of version 3 has no table `dug`, and its `shear` has another meaning: a length that only grew. In version 4 shear is a
+ * vector that ends with the contact. So the old shear counts as none. A reader sees an empty table in its place. A writer empties
+ * the table, and makes the store one of version 4.
  */
 #include "store/internal.h"
 

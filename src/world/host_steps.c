@@ -31,7 +31,7 @@ static struct event event_of(const struct world *world, int32_t number, const st
 	return (struct event){.body = index_of(world, number), .time = time, .contact = true, .next_time = INFINITY, .pose = *pose};
 }
 
-/* Sets what follows from the base under it. */
+/* Sets what depends on the base below the body: whether there is a contact, and how deep the body is below the base. */
 static enum status over_ground(struct world *world, struct event *event, const struct deform_shape *shape)
 {
 	int64_t ground;

@@ -1,6 +1,6 @@
 /*
- * Bands of laid soil: how large, how round and where they are depends neither on the spacing of posts nor on the axes nor on windows.
- * Directions are 0, 22.5 and 45 degrees, spacings are halved twice.
+ * Bands of laid soil: their size, shape and place do not depend on the spacing, on the axes or on windows. The tests use directions of
+ * 0, 22.5 and 45 degrees, and halve the spacing twice.
  */
 #include "ground.h"
 
@@ -20,7 +20,7 @@ static struct deform_soil loose(enum deform_model model)
 	return soil;
 }
 
-/* A post of the block from a place on a line, in metres along it and to its left. */
+/* Computes where a post of the block lies from a line's start: metres along the line and to its left. */
 static void place_of(const struct ground *ground, int64_t at, double x, double y, double heading, double place[2])
 {
 	double east = (double)(at % ground->posts) * ground->params.spacing - x, north = (double)(at / ground->posts) * ground->params.spacing - y;
@@ -34,7 +34,7 @@ struct way {
 	double slip; /* 1: locked */
 };
 
-/* A body along a straight way, a post from sample to sample. The mean height of its centre over the second half of the way. */
+/* Drives a body along a straight way, with one spacing between samples. Returns the mean height of its centre over the second half. */
 static double drive(struct ground *ground, const struct way *way)
 {
 	double d = ground->params.spacing, sum = 0;
@@ -123,7 +123,7 @@ static void a_rolling_wheel_lays_the_same_berm_at_every_spacing(void **state)
 	}
 }
 
-/* A locked wheel is a sledge: half of what it displaces lies ahead, until as much goes aside as it cuts. The heap stops growing. */
+/* A locked wheel is a sledge: half of what it displaces goes ahead. The heap stops growing when as much goes aside as is cut. */
 static void the_heap_ahead_of_a_sledge_is_bounded(void **state)
 {
 	const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.5};
@@ -154,7 +154,7 @@ static void the_heap_ahead_of_a_sledge_is_bounded(void **state)
 	assert_true(fabs(highest[0][1] - highest[1][1]) < 0.2 * highest[1][1]);
 }
 
-/* The greatest height along rays from the middle. */
+/* Finds the crest on each of 48 rays from the middle. Returns the lowest and the highest crest. */
 static void crests(const struct ground *ground, double x, double y, double *least, double *most)
 {
 	double d = ground->params.spacing;
@@ -266,7 +266,7 @@ static void a_loaded_wheel_sinks_as_deep_with_finer_posts(void **state)
 	}
 }
 
-/* Ten passes in one rut: each sinks a little deeper, more and more slowly, and none gallops. */
+/* Ten passes in one rut: each sinks a little deeper, by less than the first passes, and no pass jumps. */
 static void ten_passes_deepen_a_rut_steadily(void **state)
 {
 	const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.32, .width = 0.24};

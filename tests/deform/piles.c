@@ -1,6 +1,14 @@
 /* Piles, cliffs, pits and cuts slide to rest at the angle that their soil has, and within the range of an offset. */
 #include "slab.h"
 
+static struct deform_soil loose_sand(void)
+{
+	struct deform_soil soil;
+	assert_ok(deform_soil_named("dry_sand", &soil));
+	soil.cohesion = 0;
+	return soil;
+}
+
 static int run_until_still(struct ground *ground, int most)
 {
 	wide sum = sum_of(&slab), energy = energy_of(&slab);
@@ -16,7 +24,7 @@ static int run_until_still(struct ground *ground, int most)
 	return most;
 }
 
-/* How much steeper than what stands the steepest pair is, quanta. */
+/* Returns by how much the steepest pair of posts exceeds its critical difference, fixed-point units. */
 static int64_t steepest_over(const struct ground *ground)
 {
 	int64_t over = INT64_MIN;
@@ -37,9 +45,7 @@ static void a_spike_and_a_cliff_of_1000_m_come_to_the_angle_of_repose(void **sta
 	need_gpu();
 	for (int cliff = 0; cliff < 2; cliff++) {
 		struct ground ground;
-		struct deform_soil soil;
-		assert_ok(deform_soil_named("dry_sand", &soil));
-		soil.cohesion = 0;
+		struct deform_soil soil = loose_sand();
 		start(&ground, DEFORM_SLIPPAGE, 32, 8, 0, &soil, 1);
 		flat_slab();
 		for (int i = 0; i < N * N; i++)
@@ -47,7 +53,7 @@ static void a_spike_and_a_cliff_of_1000_m_come_to_the_angle_of_repose(void **sta
 		for (int i = 0; i < N * N && cliff == 0; i++) /* from 1,000 m: part of it in the base */
 			slab.base[i] = i == N / 2 * N + N / 2 ? (40 + 240) << 18 : 40 << 18;
 		run_until_still(&ground, 4000);
-		/* Both ways: it stands, and no flatter than it must. A pair gives at least a quantum while it is too steep. */
+		/* It is stable, and no flatter than it must be. A pair gives at least a fixed-point unit while it is too steep. */
 		int64_t over = steepest_over(&ground);
 		assert_true(over <= 0);
 		assert_true(over >= -ground.deform->soils[0].critical[0] / 100);
@@ -57,15 +63,13 @@ static void a_spike_and_a_cliff_of_1000_m_come_to_the_angle_of_repose(void **sta
 	}
 }
 
-/* From a slope too steep for it a pile of sand becomes a cone at its angle. */
+/* A pile of sand that is too steep becomes a cone at its angle of repose. */
 static void a_pile_of_sand_stands_at_its_angle(void **state)
 {
 	struct ground ground;
-	struct deform_soil soil;
+	struct deform_soil soil = loose_sand();
 	(void)state;
 	need_gpu();
-	assert_ok(deform_soil_named("dry_sand", &soil));
-	soil.cohesion = 0;
 	soil.friction_angle = 30 * M_PI / 180;
 	start(&ground, DEFORM_SLIPPAGE, 0.05, 8, 0, &soil, 1);
 	flat_slab();
@@ -87,11 +91,9 @@ static void a_pile_of_sand_stands_at_its_angle(void **state)
 
 static void what_is_tolerated_stays_to_the_last_quantum(void **state)
 {
-	struct deform_soil soil;
+	struct deform_soil soil = loose_sand();
 	(void)state;
 	need_gpu();
-	assert_ok(deform_soil_named("dry_sand", &soil));
-	soil.cohesion = 0;
 	soil.theta_stop = soil.theta_out;
 	tolerance = 0.01;
 	/* On level ground, and (the last two) on an undisturbed step that is steeper than soil stands. */
@@ -116,15 +118,13 @@ static void what_is_tolerated_stays_to_the_last_quantum(void **state)
 	stands = false;
 }
 
-/* Every pair is within the tolerance of what stands; it is made use of, and ends the slide sooner. */
+/* Every pair is within the tolerance of a stable one. Some pairs use it, and the slide ends sooner. */
 static void a_pile_stops_within_the_tolerance_beyond_its_angle(void **state)
 {
 	static const double tolerances[] = {0, 0.0001, 0.001, 0.01};
-	struct deform_soil soil;
+	struct deform_soil soil = loose_sand();
 	(void)state;
 	need_gpu();
-	assert_ok(deform_soil_named("dry_sand", &soil));
-	soil.cohesion = 0;
 	soil.friction_angle = 30 * M_PI / 180;
 	soil.theta_stop = soil.theta_out; /* or a slope between the two would stand anyway */
 	for (int m = 0; m < 2; m++) {
@@ -158,9 +158,7 @@ static void a_pit_is_filled_and_does_not_overflow(void **state)
 	need_gpu();
 	for (int m = 0; m < 2; m++) {
 		struct ground ground;
-		struct deform_soil soil;
-		assert_ok(deform_soil_named("dry_sand", &soil));
-		soil.cohesion = 0;
+		struct deform_soil soil = loose_sand();
 		start(&ground, models[m], 0.0625, 1, 0, &soil, 1);
 		flat_slab();
 		int pit = N / 2 * N + N / 2;

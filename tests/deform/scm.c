@@ -3,7 +3,7 @@
 
 static const struct deform_shape plate = {.kind = DEFORM_BOX, .size = {0.4, 0.1, 0.5}};
 
-/* soil-models.md 4.1. The rounding of the numbers there, in Pa, is what 5e-6 m of sinkage bear. */
+/* soil-models.md 4.1. The numbers there are rounded to 0.01 mm, so a sinkage may be off by 5e-6 m. */
 static void plates_sink_as_bekker_says(void **state)
 {
 	static const struct {
@@ -27,7 +27,7 @@ static void plates_sink_as_bekker_says(void **state)
 	}
 }
 
-/* The mean shear below the plate after a straight way of (x, y) metres: a place has slid since the plate came over it. */
+/* Returns the mean shear below the plate after a straight way of (x, y) metres. At each place the plate has slid since it came over it. */
 static double mean_shear(const struct deform_soil *soil, double pressure, double x, double y)
 {
 	enum { PIECES = 400 };
@@ -68,7 +68,7 @@ static void plates_shear_as_janosi_says(void **state)
 	ground_finish(&ground);
 }
 
-/* R v more where it goes down, nothing where it comes up; without a time there is no rate. */
+/* Damping adds R v to the pressure where the body moves down, and nothing where it moves up or has no time of motion. */
 static void soil_that_is_pressed_fast_bears_more(void **state)
 {
 	struct deform_soil soil = soft();
@@ -149,7 +149,7 @@ static void a_second_pass_sinks_no_deeper(void **state)
 	struct planes second = planes_of(&ground);
 	for (int i = 0; i < 3; i++)
 		assert_memory_equal(first.all[i], second.all[i], (size_t)(ground.posts * ground.posts) * 4);
-	/* The rut's bottom alone is in contact now, so it is sheared less. Of a pass over another in that rut nothing is left. */
+	/* In the second pass only the rut's bottom is in contact, so it is sheared less. The third pass changes nothing at all. */
 	assert_memory_not_equal(first.all[3], second.all[3], (size_t)(ground.posts * ground.posts) * 4);
 	for (size_t i = 0; i < KEPT; i++)
 		mem_free(first.all[i]);
@@ -166,7 +166,7 @@ static void left_and_right_are_the_same(void **state)
 	struct ground ground;
 	(void)state;
 	need_gpu();
-	/* What is carried away leaves its remainder to the south first. */
+	/* Without bulldozing: the remainder of laid soil would go to the south first. */
 	init(&ground, &soil, 0.03125, 0);
 	struct deform_contact start = ground_stand(&ground, &wheel, 40, 64, 0.3 - 0.06);
 	start.seconds = 0.01;

@@ -35,7 +35,7 @@ static void read_shear(struct ground *ground, double shear[2])
 		shear[part] = plane_shear(post, (enum plane_shear_part)part) * UNIT;
 }
 
-/* For K from 1 mm to 10 cm, in four directions: 1 - exp(-j / K), in however many contacts the way is gone. */
+/* For K from 1 mm to 10 cm, in four directions: the shear is 1 - exp(-j / K), whatever number of contacts the way is cut into. */
 static void a_way_shears_the_same_however_it_is_cut(void **state)
 {
 	static const double moduli[] = {0.001, 0.02, 0.1}, ways[] = {0.25, 1, 4};
@@ -72,7 +72,7 @@ static void a_way_shears_the_same_however_it_is_cut(void **state)
 	}
 }
 
-/* Back again the force falls from the first step on, is gone after K ln 2, and all but its limit after 3 K. */
+/* On the way back the force falls from the first step on. It is 0 after K ln 2, and near its limit after 3 K. */
 static void on_the_way_back_the_shear_turns_over_about_3_k(void **state)
 {
 	const double modulus = 0.02;
@@ -96,7 +96,8 @@ static void on_the_way_back_the_shear_turns_over_about_3_k(void **state)
 		const double back = step * lattice_offset_metres(lattice_offset(modulus / 10)) / modulus;
 		read_shear(&ground, shear);
 		assert_true(fabs(shear[0] - (-1 + (2 - exp(-5)) * exp(-back))) < 16 * UNIT && shear[1] == 0);
-		/* No jump: of twice the strength a tenth of K turns less than a tenth, and the plate's 32 columns of posts come and go. */
+		/* There is no jump. From one limit to the other is twice the strength, and a step of K / 10 changes the force by less than a
+		 * tenth of it. One of the plate's 32 columns of posts may come or go besides. */
 		assert_true(forces.force[0] - last > -2.0 / 32 * most && forces.force[0] - last < (0.2 + 2.0 / 32) * most);
 		last = forces.force[0];
 	}
@@ -104,7 +105,7 @@ static void on_the_way_back_the_shear_turns_over_about_3_k(void **state)
 	ground_finish(&ground);
 }
 
-/* Sideways: what it was sheared before falls with exp, and the new way takes its place. */
+/* After a turn the old shear decays exponentially, and shear in the new direction replaces it. */
 static void shear_turns_with_the_way(void **state)
 {
 	const double modulus = 0.02;
@@ -123,7 +124,8 @@ static void shear_turns_with_the_way(void **state)
 	read_shear(&ground, shear);
 	assert_true(fabs(shear[0] - (1 - exp(-2)) * exp(-1)) < 4 * UNIT && fabs(shear[1] - (1 - exp(-1))) < 4 * UNIT);
 	assert_true(forces.force[0] < 0 && forces.force[1] < forces.force[0]);
-	/* Nothing moves: it holds. What moved told places between posts apart, a post remembers for all of its cell. */
+	/* Without motion the shear holds. The force may differ a little: a moving contact computes shear at places between posts, and what
+	 * is stored at a post counts for its whole cell. */
 	go(&contact, 0, 0, 0);
 	struct deform_forces held = ground_forces(&ground, &contact);
 	for (int k = 0; k < 2; k++)
@@ -162,7 +164,7 @@ static void shear_ends_with_the_contact(void **state)
 		assert_int_equal(sheared(&ground, 50 + i - 15, &count), 0);
 		assert_int_equal(count, 32 * 32);
 	}
-	/* Let up a little, it is out of contact already, though not above the ground as it was. */
+	/* Raised a little, the plate is out of contact, though it is still below the undisturbed ground. */
 	go(&contact, 0, 0, lattice_offset(0.005));
 	ground_sweep(&ground, &contact);
 	sheared(&ground, 0, &count);
@@ -170,7 +172,7 @@ static void shear_ends_with_the_contact(void **state)
 	ground_finish(&ground);
 }
 
-/* A wheel in the rut of others, at one height: each pass pulls as the one before, wherever those ended. */
+/* Passes of a wheel at one height in one rut: each has the same pull, wherever the passes before ended. */
 static void passes_at_one_height_pull_the_same(void **state)
 {
 	static const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.3, .width = 0.2};
@@ -184,7 +186,7 @@ static void passes_at_one_height_pull_the_same(void **state)
 		struct deform_contact contact = ground_stand(&ground, &wheel, 35.3, 64, 0.3 - 0.05);
 		contact.turned = 0.015625 / 0.3 / 0.8;
 		ground_sweep(&ground, &contact);
-		for (int i = 0; i < 40 - 9 * pass; i++) { /* each ends before the one before, and leaves it no place to hide */
+		for (int i = 0; i < 40 - 9 * pass; i++) { /* each pass is shorter than the one before it */
 			go(&contact, lattice_offset(0.015625), 0, 0);
 			pulls[pass][i] = ground_forces(&ground, &contact).force[0];
 		}

@@ -20,7 +20,7 @@ static void init(struct ground *ground, const struct deform_soil *soil, double s
 						    .soils = soil, .bulldozing = bulldozing, .slip_sinkage = slip_sinkage, .iterations = 1});
 }
 
-/* turned: the wheel's rim goes so much faster than its axle. */
+/* rim: speed of the wheel's rim / speed of its axle. */
 static void go(struct deform_contact *contact, double east, double rim)
 {
 	contact->from = contact->to;
@@ -29,7 +29,7 @@ static void go(struct deform_contact *contact, double east, double rim)
 		contact->turned = lattice_offset_metres(contact->to.x - contact->from.x) * rim / contact->shape->radius;
 }
 
-/* A plate under a load slips by less than a post, so that the same posts bear it: it sinks by kappa K (1 - exp(-j / K)). */
+/* A loaded plate slips by less than a post, so that the same posts bear it. It sinks by kappa K (1 - exp(-j / K)). */
 static void a_plate_that_slips_sinks_by_the_formula(void **state)
 {
 	struct deform_soil soil = sand();
@@ -54,7 +54,7 @@ static void a_plate_that_slips_sinks_by_the_formula(void **state)
 	}
 }
 
-/* A wheel that rolls leaves the ground as it does where slip cannot dig, to the bit. */
+/* A wheel that rolls without slip leaves the same bits with slip sinkage as without it. */
 static void what_rolls_digs_nothing(void **state)
 {
 	static const enum plane planes[] = {PLANE_OFFSET, PLANE_DEPOSITED, PLANE_PLASTIC_SINKAGE, PLANE_SHEAR};
@@ -105,7 +105,7 @@ static struct rut rut(double spacing, double rim, double slip_sinkage)
 		go(&contact, spacing, rim);
 		forces = ground_forces(&ground, &contact);
 	}
-	/* What is in contact alone is remembered. */
+	/* Only posts in contact store what was dug. */
 	int32_t *dug = ground_plane(&ground, PLANE_DUG);
 	int64_t count = 0;
 	for (int64_t i = 0; i < ground.posts * ground.posts; i++)
@@ -121,7 +121,7 @@ static struct rut rut(double spacing, double rim, double slip_sinkage)
 static void the_more_it_slips_the_deeper_it_digs_at_any_spacing(void **state)
 {
 	static const double rims[] = {0, 0.5, 1, 1.25, 2};
-	/* Closed forms of the last two, which lay nothing ahead of themselves: bench/soil_forms.py, Law(kappa=1.1). */
+	/* The last two lay nothing ahead of themselves, so there are closed forms: bench/soil_forms.py, Law(kappa=1.1). */
 	static const struct rut forms[] = {{0.0191280, -0.8658}, {0.0291226, 1.8840}};
 	double depths[5][3], drawbars[5][3];
 	(void)state;
@@ -151,7 +151,7 @@ static void the_more_it_slips_the_deeper_it_digs_at_any_spacing(void **state)
 	assert_true(fabs(rut(0.004, 1, 0).depth / depths[2][1] - 1) < 1e-6);
 }
 
-/* What is dug is laid somewhere: without bulldozing too. */
+/* All dug soil is laid somewhere, also without bulldozing. */
 static void every_unit_that_is_dug_is_laid(void **state)
 {
 	struct deform_soil soil = sand();

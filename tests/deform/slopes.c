@@ -1,4 +1,4 @@
-/* High slopes of cohesive soil: they fall above Culmann's height and stand below it, however near the posts lie. */
+/* High slopes of cohesive soil: at any spacing they fall above Culmann's height, and are stable below it. */
 #include "late.h"
 #include "sliding.h"
 #include "deform/soil/stability.h"
@@ -38,7 +38,7 @@ static struct deform_soil soil_of(int i)
 
 __extension__ typedef __int128 wide;
 
-/* Twice the potential energy but for a factor. */
+/* Returns a multiple of the potential energy. */
 static wide energy_of(struct ground *ground, int64_t *sum)
 {
 	wide energy = 0;
@@ -78,12 +78,12 @@ static void a_bank_falls_above_culmanns_height_and_stands_below_at_every_spacing
 	(void)state;
 	need_gpu();
 	for (int s = 0; s < 3; s++)
-		/* The slope of dry_sand is low enough to be followed at finer posts too. */
+		/* Only the bank of dry_sand is low enough for the hops to follow it at a small spacing too. */
 		for (int k = 0; k < (s == 0 ? 7 : 4) * 3; k++) {
 			struct deform_soil soil = soil_of(s);
 			double spacing = ldexp(1, -(k / 3)), critical = reference_culmann(&soil, steep);
 			for (int over = 0; over < 2; over++) {
-				/* At 1 m the bank must be wider than a post to be as steep. */
+				/* At a spacing of 1 m a lower bank would be narrower than a post, and so less steep than 60 degrees. */
 				double height = over ? fmax(3, 1.2 * critical) : 0.8 * critical;
 				struct ground ground;
 				int64_t sum;
@@ -114,7 +114,7 @@ static double steepest(struct ground *ground)
 	return atan(most / ground->params.spacing);
 }
 
-/* What fell lies as steep as its height allows. */
+/* A bank that falls comes to rest at the angle at which a slope of its height is just stable. */
 static void a_bank_comes_to_rest_at_culmanns_angle(void **state)
 {
 	(void)state;
@@ -150,7 +150,7 @@ static int64_t beside(const struct field *field, int64_t at, int k, int64_t way)
 	return inside && !field->hole[y * field->side + x] ? y * field->side + x : -1;
 }
 
-/* How far a slope goes up (sign 1) or down (-1) from each post. */
+/* Returns for each post how far its slope rises above it (sign 1) or falls below it (-1), 2^-9 m. */
 static int64_t *follow(const struct field *field, const struct slide_soil *soil, double spacing, int sign)
 {
 	int64_t count = field->side * field->side, *far = ground_room(count, sizeof *far), *next = ground_room(count, sizeof *next);
@@ -169,7 +169,7 @@ static int64_t *follow(const struct field *field, const struct slide_soil *soil,
 	return far;
 }
 
-/* The critical difference in a slope: of a cotangent between those known for two heights. */
+/* Returns the critical difference in a slope of this height. The cotangent is interpolated between two known heights. */
 static int64_t limit_of(const struct ground *ground, int64_t height)
 {
 	const int32_t *slope = ground->deform->soils[0].slope;
@@ -188,7 +188,7 @@ static int64_t limit_of(const struct ground *ground, int64_t height)
 	return cotangent > 0 ? (int64_t)ldexp(ground->params.spacing, 20 + digits) / cotangent : 1 << 30;
 }
 
-/* The table is the formula's. */
+/* The table of known cotangents gives what the formula gives. */
 static void assert_known(const struct ground *ground, const struct deform_soil *soil)
 {
 	int64_t apart = (int64_t)ldexp(ground->params.spacing, 20);
@@ -229,7 +229,7 @@ static void obvious(struct field *field, const struct ground *ground)
 	mem_free(change);
 }
 
-/* Cliffs, terraces and hollows across blocks and tiles, with holes. Nearer posts are lower, and their soil is weaker. */
+/* Cliffs, terraces and hollows across blocks and tiles, with holes. Heights and cohesion shrink with the spacing. */
 static double broken_scale;
 
 static int32_t broken(int64_t x, int64_t y)
@@ -278,7 +278,7 @@ static void an_interval_is_the_obvious_one_bit_for_bit(void **state)
 	}
 }
 
-/* --- which blocks are awake, and how tiles are cut, changes nothing --- */
+/* --- active blocks and the size of tiles change nothing --- */
 
 static void few_blocks_do_what_all_would(void **state)
 {

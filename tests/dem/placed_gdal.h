@@ -3,10 +3,9 @@
 #define FURROW_TESTS_DEM_PLACED_GDAL_H
 
 #include <cpl_conv.h>
-#include <gdal.h>
-#include <ogr_srs_api.h>
 
 #include "placed.h"
+#include "tif.h"
 
 static const struct extent extent = {257, 129, 10, 64};
 #define WEST 500000.0
@@ -32,19 +31,8 @@ static inline struct tif utm(const char *name)
 
 static inline void make(const struct tif *tif)
 {
-	GDALAllRegister();
-	GDALDatasetH dataset = GDALCreate(GDALGetDriverByName("GTiff"), in_folder(tif->name), tif->width, tif->height, tif->bands,
-					  tif->type, NULL);
-	assert_non_null(dataset);
-	if (tif->place[1] != 0 || tif->place[2] != 0)
-		assert_int_equal(GDALSetGeoTransform(dataset, (double *)tif->place), CE_None);
-	if (tif->srs != NULL) {
-		OGRSpatialReferenceH srs = OSRNewSpatialReference(NULL);
-		assert_int_equal(OSRSetFromUserInput(srs, tif->srs), OGRERR_NONE);
-		OSRSetAxisMappingStrategy(srs, OAMS_TRADITIONAL_GIS_ORDER);
-		assert_int_equal(GDALSetSpatialRef(dataset, srs), CE_None);
-		OSRDestroySpatialReference(srs);
-	}
+	bool placed = tif->place[1] != 0 || tif->place[2] != 0;
+	GDALDatasetH dataset = tif_create(tif->name, tif->width, tif->height, tif->bands, tif->type, placed ? tif->place : NULL, tif->srs);
 	GDALRasterBandH band = GDALGetRasterBand(dataset, 1);
 	if (tif->tag)
 		GDALSetRasterNoDataValue(band, tif->nodata);

@@ -2,10 +2,7 @@
 #ifndef FURROW_TESTS_DEM_RASTER_H
 #define FURROW_TESTS_DEM_RASTER_H
 
-#include <gdal.h>
-#include <ogr_srs_api.h>
-
-#include "files.h"
+#include "tif.h"
 
 struct made {
 	const char *name, *srs; /* in the folder; anything GDAL takes, NULL for none */
@@ -25,20 +22,8 @@ static inline double ramp(int x, int y)
 
 static inline void make(const struct made *made)
 {
-	GDALAllRegister();
-	GDALDatasetH dataset = GDALCreate(GDALGetDriverByName("GTiff"), in_folder(made->name), made->width,
-					  made->height, 1, made->type, NULL);
-	assert_non_null(dataset);
-	double place[6] = {made->west, made->dx, 0, made->north, 0, -made->dy};
-	if (made->dx != 0)
-		assert_int_equal(GDALSetGeoTransform(dataset, place), CE_None);
-	if (made->srs != NULL) {
-		OGRSpatialReferenceH srs = OSRNewSpatialReference(NULL);
-		assert_int_equal(OSRSetFromUserInput(srs, made->srs), OGRERR_NONE);
-		OSRSetAxisMappingStrategy(srs, OAMS_TRADITIONAL_GIS_ORDER);
-		assert_int_equal(GDALSetSpatialRef(dataset, srs), CE_None);
-		OSRDestroySpatialReference(srs);
-	}
+	const double place[6] = {made->west, made->dx, 0, made->north, 0, -made->dy};
+	GDALDatasetH dataset = tif_create(made->name, made->width, made->height, 1, made->type, made->dx != 0 ? place : NULL, made->srs);
 	GDALRasterBandH band = GDALGetRasterBand(dataset, 1);
 	if (made->tag)
 		GDALSetRasterNoDataValue(band, made->nodata);

@@ -89,7 +89,8 @@ static double band_posts(const struct deform *deform, const struct deform_shape 
 	return fmin(fmax(widest(shape) / deform->spacing, 2), DEFORM_BAND_POSTS);
 }
 
-/* Returns how far ahead and behind a wheel's axle soil is laid beside it, metres: no farther than it touches soil as a rule. */
+/* Returns how far ahead of a wheel's axle, and behind it, soil is laid beside the wheel, metres. The wheel seldom touches soil farther
+ * from its axle. */
 static double beside(const struct deform_shape *shape)
 {
 	return shape->radius / 2;
