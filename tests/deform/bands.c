@@ -266,6 +266,33 @@ static void a_loaded_wheel_sinks_as_deep_with_finer_posts(void **state)
 	}
 }
 
+/* Chrono's soft soil, 10 kN: a rut of 0.32 m. Its wheel does not climb what it lays beside itself, even where it lays all of it. */
+static void a_heavy_wheel_does_not_climb_what_it_lays(void **state)
+{
+	const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4};
+	struct deform_soil soil;
+	double sinkage[2];
+	(void)state;
+	need_gpu();
+	assert_ok(deform_soil_named("dry_sand", &soil));
+	soil.bekker_kc = soil.cohesion = soil.damping = 0;
+	soil.bekker_kphi = 2e5;
+	soil.friction_angle = M_PI / 6;
+	soil.janosi_shear = 0.01;
+	for (int lays = 0; lays < 2; lays++) {
+		struct ground ground;
+		struct ground_params params = soil_of(DEFORM_SCM, 0.04, 2, &soil);
+		params.bulldozing = lays;
+		params.slip_sinkage = 0.55;
+		ground_init(&ground, &params);
+		const struct way way = {.shape = &wheel, .x = 2.51, .y = 2.53, .heading = headings[1], .length = 3.2, .load = 10000, .slip = -0.25};
+		sinkage[lays] = wheel.radius - drive(&ground, &way);
+		ground_finish(&ground);
+	}
+	print_message("%.6g m, without a rim %.6g m\n", sinkage[1], sinkage[0]);
+	assert_true(sinkage[0] > 0.25 && fabs(sinkage[1] - sinkage[0]) < 0.001 * sinkage[0]);
+}
+
 /* Ten passes in one rut: each sinks a little deeper, by less than the first passes, and no pass jumps. */
 static void ten_passes_deepen_a_rut_steadily(void **state)
 {
@@ -301,6 +328,7 @@ int main(void)
 		cmocka_unit_test(crests_are_as_high_all_around),
 		cmocka_unit_test(parts_of_a_window_leave_no_trace),
 		cmocka_unit_test(a_loaded_wheel_sinks_as_deep_with_finer_posts),
+		cmocka_unit_test(a_heavy_wheel_does_not_climb_what_it_lays),
 		cmocka_unit_test(ten_passes_deepen_a_rut_steadily),
 	};
 	return cmocka_run_group_tests_name("deform/bands", tests, open_gpu, close_gpu);
