@@ -51,7 +51,7 @@ vec3 tilted(vec2 level, vec3 n)
 	return vec3(level - n.xy * (down / (1.0 + n.z)), -down);
 }
 
-// Returns the mobilised shear e after the object's surface slid on `way` in one direction, in units of the shear modulus K:
+// Returns the mobilised shear e after the object's surface slid a way in one direction. way: in units of the shear modulus K. The law is
 // de = direction d(way) - e d(way). From rest this is Janosi's 1 - exp(-j / K). It is exact, however many contacts the way is
 // cut into.
 vec2 sheared(vec2 before, vec2 direction, float way)
@@ -109,8 +109,8 @@ vec3 normal_at(vec3 n, face f)
 	return load.w > 0.0 ? n : f.normal;
 }
 
-// The depth of the lower envelope along a line across a cell is taken as a parabola through the line's ends, at -1 and 1, and its middle.
-// Returns the two places on the line between which the depth exceeds `stays`. stays.x is the limit for the first place, stays.y for
+// The depth of the lower envelope along a line across a cell is taken as a parabola through three places. These are the line's ends, at
+// -1 and 1, and its middle, at 0. Returns the two places on the line between which the depth exceeds `stays`. stays.x is the limit for the first place, stays.y for
 // the second.
 vec2 between_roots(vec3 depths, vec2 stays)
 {

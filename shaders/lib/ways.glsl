@@ -1,4 +1,4 @@
-// If carried soil goes around the patch, each of the patch's rows has the distance of its posts to the nearest touched one in the row.
+// Distances along a row to the nearest touched post in it. They are used if carried soil goes around the patch.
 // Include it after the image `contacts`.
 
 layout(binding = 7, r32i) restrict uniform iimage2DArray ways; // posts
