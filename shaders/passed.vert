@@ -1,5 +1,7 @@
 #version 450 core
-// As full.vert. It also passes the parameters on to the fragments (lib/passed.glsl). Define: PASSED: how many.
+// As full.vert. It also passes the first parameters on to the fragments. A software rasteriser fetches a parameter anew for every pixel,
+// but what a triangle's corners have in common only once.
+// Define: PASSED: how many parameters, of 16 bytes each; at most 14.
 
 layout(std140, binding = 0) uniform params {
 	ivec4 parameters[PASSED];

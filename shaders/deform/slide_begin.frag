@@ -23,8 +23,7 @@ layout(binding = 3, r32i) readonly uniform iimage2DArray deposits;
 layout(binding = 4, r32i) readonly uniform iimage2DArray heaps;
 #endif
 
-#define PARAMETERS 3 // the first: of the window, as in regions.vert
-#include "lib/passed.glsl"
+flat in ivec4 passed[PASSED]; // passed.vert; the first: as in regions.vert
 ivec4 place = passed[1];   // x: layer of the images; y: depth of relaxing soil below the base, fixed-point units
 ivec4 written = passed[2]; // posts that exchange soil: the first (x, y), one behind the last (z, w)
 

@@ -24,17 +24,28 @@ layout(binding = 2, r8ui) readonly uniform uimage2DArray classes;
 layout(binding = 6, r32i) readonly uniform iimage2DArray slopes; // by slope.frag: the axial critical difference in each post's slope
 #endif
 
-#define PARAMETERS (3 + SOILS)
-#include "lib/passed.glsl"
+flat in ivec4 passed[PASSED]; // passed.vert
 ivec4 region = passed[0]; // over blocks: as in regions.vert; over a window: its first post from its first block; blocks in a row; first word
 ivec4 place = passed[1];  // the layer; a post this near a block's side concerns the neighbour too
 ivec4 edge = passed[2];   // over a window: posts whose neighbours were all computed: first, one behind the last
 
 // Of a soil: critical difference of heights, axial, diagonal; tolerance; difference that is steeper than the friction angle.
+#if SOILS > 1
+layout(std140, binding = 0) uniform slopes_of_soils {
+	ivec4 others[3];
+	ivec4 limits[SOILS];
+};
+
 ivec4 limits_of(int soil)
 {
-	return passed[3 + soil];
+	return limits[soil];
 }
+#else
+ivec4 limits_of(int soil)
+{
+	return passed[3];
+}
+#endif
 
 #include "lib/slid.glsl"
 

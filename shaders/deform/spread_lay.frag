@@ -33,7 +33,8 @@ void main()
 	i64 rate[FACES];
 	for (int face = 0; face < FACES; face++)
 		rate[face] = words(rates[2 * face], rates[2 * face + 1]);
-	uvec4 sum = uvec4(0u);
+	uvec4 sum = uvec4(0u); // of the row's weights so far, by face
+	ivec4 sent = ivec4(0); // the soil that these weights get; differences fit 32 bits
 	find_band();
 	ivec2 posts = posts_of_row(y);
 	for (int x = posts.x; x < posts.y; x++) {
@@ -41,13 +42,13 @@ void main()
 		int weighed = imageLoad(deposits, post).r, face = weighed >> 16;
 		if (weighed == 0)
 			continue;
-		uvec4 here = uvec4(equal(ivec4(face), ivec4(0, 1, 2, 3)));
-		bvec2 second = bvec2((face & 1) != 0, (face & 2) != 0);
-		uvec2 sums = second.y ? sum.zw : sum.xy;
-		uint before = second.x ? sums.y : sums.x, after = before + uint(weighed & 0xffff);
-		i64 own = face == 0 ? rate[0] : face == 1 ? rate[1] : face == 2 ? rate[2] : rate[3];
-		imageStore(deposits, post, ivec4(i64_to_int(i64_sub(amount(own, after), amount(own, before)))));
-		sum += here * uint(weighed & 0xffff);
+		bvec4 here = equal(ivec4(face), ivec4(0, 1, 2, 3));
+		sum += uvec4(here) * uint(weighed & 0xffff);
+		uint weight = here.x ? sum.x : here.y ? sum.y : here.z ? sum.z : sum.w;
+		i64 own = here.x ? rate[0] : here.y ? rate[1] : here.z ? rate[2] : rate[3];
+		int sends = i64_to_int(amount(own, weight)), before = here.x ? sent.x : here.y ? sent.y : here.z ? sent.z : sent.w;
+		imageStore(deposits, post, ivec4(sends - before));
+		sent = mix(sent, ivec4(sends), here);
 	}
 	for (int face = 0; face < FACES; face++)
 		if (sum[face] > 0u) {

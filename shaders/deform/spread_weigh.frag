@@ -28,10 +28,9 @@ int from_patch(int x, int y)
 	return least == 0 ? 0 : profile(root - 32);
 }
 
-// Returns the weight of a post beside a face of the rectangle.
-int beside_face(int x, int y, out int face)
+// Returns the weight of a post beside a face of the rectangle. at: in the frame
+int beside_face(ivec2 at, out int face)
 {
-	ivec2 at = frame_of(x, y);
 	int along = max(at.x - rectangle.x, rectangle.y - at.x), aside = max(at.y - rectangle.z, rectangle.w - at.y);
 	bool beside = along <= 0;
 	face = beside ? (at.y > 0 ? 2 : 3) : (at.x > 0 ? 0 : 1);
@@ -105,8 +104,9 @@ void main()
 	ivec2 row = posts_of_row(y);
 	for (int x = row.x; x < row.y && place.y != 0; x++)
 		weigh(x, y, 0, from_patch(x, y));
-	for (int x = row.x; x < row.y && place.y == 0; x++) {
-		int face, weight = beside_face(x, y, face);
+	ivec2 at = frame_of(row.x, y), step = frame_of(1, 0) - frame_of(0, 0);
+	for (int x = row.x; x < row.y && place.y == 0; x++, at += step) {
+		int face, weight = beside_face(at, face);
 		weigh(x, y, face, weight);
 	}
 	for (int face = 0; face < FACES; face++)

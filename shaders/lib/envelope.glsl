@@ -46,7 +46,7 @@ struct body {
 
 // Two: of the contact, of its end pose.
 #ifdef PASSED
-#include "lib/passed.glsl"
+flat in ivec4 passed[PASSED]; // passed.vert
 
 body body_from(int first)
 {

@@ -116,7 +116,7 @@ struct cell {
 
 bool covers(ivec2 post)
 {
-	return all(greaterThanEqual(post, drawn.xy)) && all(lessThan(post, drawn.zw)) && imageLoad(rests, ivec3(post, zero.z)).r != UNDER_NONE;
+	return all(greaterThanEqual(post, drawn.xy)) && all(lessThan(post, drawn.zw)) && rest_at(ivec3(post, zero.z)) != UNDER_NONE;
 }
 
 // Returns the part of a strip that a post bears: from, to, in posts from this post. at: the post's place across the strip, m. size:
@@ -174,8 +174,8 @@ cell cell_at(int x, int y, object o)
 		for (int k = 0; k < 2; k++) {
 			ivec2 next = k == 0 ? ivec2(1, 0) : ivec2(0, 1);
 			bool low = covers(ivec2(x, y) - next), high = covers(ivec2(x, y) + next);
-			int from = imageLoad(rests, ivec3(ivec2(x, y) - (low ? next : ivec2(0)), zero.z)).r;
-			int to = imageLoad(rests, ivec3(ivec2(x, y) + (high ? next : ivec2(0)), zero.z)).r;
+			int from = rest_at(ivec3(ivec2(x, y) - (low ? next : ivec2(0)), zero.z));
+			int to = rest_at(ivec3(ivec2(x, y) + (high ? next : ivec2(0)), zero.z));
 			c.own[k] = float(to - from) * scale.x * (low && high ? 0.5 : 1.0);
 		}
 #endif

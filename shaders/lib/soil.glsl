@@ -54,18 +54,42 @@ vec4 body = given.body, heading = given.heading, moves = given.moves, faces[3] =
 soil the_soil = given.soils[0];
 #endif
 
-layout(binding = 3) uniform isampler2DArray bases;
+// There are only eight images, and a software rasteriser reads a texture more slowly. So the more often read of two planes is the image.
+layout(binding = 2, r32i) uniform readonly restrict iimage2DArray often;
+layout(binding = 3) uniform isampler2DArray seldom;
 #ifdef SLIP
 layout(binding = 0, r32i) uniform restrict iimage2DArray dugs;
 #endif
 layout(binding = 1, r32i) uniform restrict iimage2DArray heaps;
-layout(binding = 2, r32i) uniform readonly restrict iimage2DArray rests;
 layout(binding = 0) uniform isampler2DArray unders;
 #ifdef SOIL_MAP
 layout(binding = 1) uniform usampler2DArray classes;
 #endif
 #ifdef SOIL_RASTERS
 layout(binding = 2) uniform usampler2DArray numbers; // a level for each raster: 0: the soil's own number; 1 .. 255
+#endif
+
+#if defined(SHAPE_WHEEL) || defined(SHAPE_SPHERE) || defined(SHAPE_BOX)
+int base_at(ivec3 post)
+{
+	return imageLoad(often, post).r;
+}
+
+int rest_at(ivec3 post)
+{
+	return texelFetch(seldom, post, 0).r;
+}
+#else
+// Here the lower envelope is known only at posts, so that of several posts is read.
+int base_at(ivec3 post)
+{
+	return texelFetch(seldom, post, 0).r;
+}
+
+int rest_at(ivec3 post)
+{
+	return imageLoad(often, post).r;
+}
 #endif
 
 // The undisturbed surface: base and deposited thickness. `bare`: without that.
@@ -78,7 +102,7 @@ ground ground_at(int x, int y)
 {
 	ivec3 post = ivec3(x, y, zero.z);
 	ground g;
-	g.base = texelFetch(bases, post, 0).r;
+	g.base = base_at(post);
 	int d = g.base - zero.x;
 	bool wraps = ((g.base ^ zero.x) & (g.base ^ d)) < 0;
 	d = wraps ? (g.base < 0 ? -FAR : FAR) : d;
@@ -110,8 +134,8 @@ vec3 normal_of(ground west, ground at, ground east, ground south, ground north)
 float slope_between(ivec2 low, ivec2 high)
 {
 	ivec2 middle = (low + high) / 2;
-	int first = texelFetch(bases, ivec3(low, zero.z), 0).r, last = texelFetch(bases, ivec3(high, zero.z), 0).r;
-	int between = texelFetch(bases, ivec3(middle, zero.z), 0).r;
+	int first = base_at(ivec3(low, zero.z)), last = base_at(ivec3(high, zero.z));
+	int between = base_at(ivec3(middle, zero.z));
 	low = first == BASE_NODATA ? middle : low;
 	high = last == BASE_NODATA ? middle : high;
 	first = first == BASE_NODATA ? between : first;
@@ -218,7 +242,7 @@ object object_at(int x, int y, int raised)
 {
 	object o;
 	o.raised = raised;
-	int rest = imageLoad(rests, ivec3(x, y, zero.z)).r;
+	int rest = rest_at(ivec3(x, y, zero.z));
 	int lowest = min(rest, texelFetch(unders, ivec3(x, y, zero.z), 0).r);
 	o.rests = rest == UNDER_NONE ? UNDER_NONE : max(rest, -FAR_UNITS) + raised;
 	o.lowest = lowest == UNDER_NONE ? UNDER_NONE : max(lowest, -FAR_UNITS) + raised;

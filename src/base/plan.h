@@ -72,7 +72,7 @@ struct plan_line {
 	int object;         /* index of the scene's object whose units count; -1: all */
 	int64_t amount;
 	uint64_t bytes;
-	char name[96];
+	char name[128];
 };
 
 /* Lines in the order in which they were added. If memory ran out, plan_status returns the failure. */

@@ -146,7 +146,7 @@ void deform_programs_slide(const struct deform_params *params, enum slide_what w
 		[SLIDE_SHED] = "deform/slide_shed.frag",
 		[SLIDE_TAKE] = "deform/slide_take.frag",
 	};
-	if (what == SLIDE_EXCESS && !deform_has_classes(params))
+	if (what == SLIDE_EXCESS)
 		begin_passed(out, blocks, "PASSED 4", files[what]);
 	else
 		begin_over(out, blocks, files[what]);

@@ -20,12 +20,13 @@ enum status deform_find(struct deform *deform, const struct scm_params *params, 
 		status = gpu_buffer_create(deform->params.gpu, GPU_STORAGE, FOUND_BYTES, NULL, &deform->found);
 	if (status != STATUS_OK)
 		return status;
+	bool posts_only = kind == DEFORM_MESH; /* lib/soil.glsl */
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
 		.stage = GPU_LOAD,
 		.program = *program,
 		.groups = 1,
-		.textures = {deform->under, deform->classes, deform->numbers, deform->bases},
-		.images = {deform->planes_of[0][PLANE_DUG], deform->planes_of[1][PLANE_DEPOSITED], deform->rest, NULL,
+		.textures = {deform->under, deform->classes, deform->numbers, posts_only ? deform->bases : deform->rest},
+		.images = {deform->planes_of[0][PLANE_DUG], deform->planes_of[1][PLANE_DEPOSITED], posts_only ? deform->rest : deform->bases, NULL,
 			   deform->planes_of[0][PLANE_PLASTIC_SINKAGE], deform->planes_of[0][PLANE_SHEAR], NULL, deform->carried},
 		.storage = {tally, NULL, deform->found, deform->standing},
 		.params = params,

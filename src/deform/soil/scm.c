@@ -186,13 +186,14 @@ static enum status run_contact(struct deform *deform, const struct deform_contac
 		return status;
 	params.zero[3] = (int32_t)record;
 	gpu_texture_clear(deform->contacts, layer, deform_written(window), 0);
+	bool posts_only = contact->shape->kind == DEFORM_MESH; /* lib/soil.glsl */
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
 		.stage = GPU_CONTACT,
 		.program = deform->scm[with],
 		.target = deform->scratch[layer].to[TO_BARE],
 		.viewport = deform_rows(params.shadow),
-		.textures = {deform->under, deform->classes, deform->numbers, deform->bases},
-		.images = {deform->planes_of[0][PLANE_DUG], deform->planes_of[1][PLANE_DEPOSITED], deform->rest, deform->planes_of[1][PLANE_OFFSET],
+		.textures = {deform->under, deform->classes, deform->numbers, posts_only ? deform->bases : deform->rest},
+		.images = {deform->planes_of[0][PLANE_DUG], deform->planes_of[1][PLANE_DEPOSITED], posts_only ? deform->rest : deform->bases, deform->planes_of[1][PLANE_OFFSET],
 			   deform->planes_of[0][PLANE_PLASTIC_SINKAGE], deform->planes_of[0][PLANE_SHEAR], deform->contacts,
 			   deform->heights[0]}, /* the heights are not used before soil slides */
 		.storage = {tally, records, deform->found, deform->standing, deform->laying},
