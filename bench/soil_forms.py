@@ -7,8 +7,10 @@ this file to see how far they are apart:
 
     python3 bench/soil_forms.py
 """
+import bisect
 import dataclasses
 import math
+import operator
 
 NAMED = {  # k_c, k_phi, n, cohesion, friction angle in degrees, K: docs/SOILS.md
     "dry_sand": (990, 1528430, 1.1, 1040, 28, 0.02),
@@ -64,8 +66,8 @@ class Law:
     Project Chrono has it: normal stress is vertical and shear level, per area of ground.
     j: `rim`, the slip of one point of the rim since it entered the soil (Wong and Reece). `ground`, the slip that one point of the ground
     has had (a post's). They differ by the factor 1 / (1 - slip) at the bottom.
-    kappa: slip sinkage. The soil is dug by D, which grows by (kappa K - D) / K of the way that the rim slips over the ground beyond rolling, from
-    the first contact, and bears as if it lay D deeper. A rim never digs itself free: D is at most the wheel's depth there."""
+    kappa: slip sinkage. The soil is dug by D and bears as if it lay D deeper. From the first contact D grows by |e| (kappa K - D) / K of the growth of j
+    beyond that of a wheel that rolls, e being 1 - exp(-|j| / K). A rim never digs itself free: D is at most the wheel's depth there."""
     stress: str = "surface"
     j: str = "rim"
     kappa: float = 0.0
@@ -81,6 +83,12 @@ class Answer:
     def apart(self, other):
         """The greatest difference, as a share of the force."""
         return max(abs(self.fz - other.fz), abs(self.fx - other.fx), abs(self.my - other.my)) / max(abs(self.fz), 1e-12)
+
+
+# Places and weights of Gauss's rule on -1 .. 1.
+GAUSS = [(-0.9602898564975363, 0.1012285362903763), (-0.7966664774136267, 0.2223810344533745),
+         (-0.5255324099163290, 0.3137066458778873), (-0.1834346424956498, 0.3626837833783620)]
+GAUSS += [(-x, w) for x, w in reversed(GAUSS)]
 
 
 # --- along the arc ---
@@ -129,48 +137,67 @@ def roots(function, low, high, steps=400):
     return found
 
 
-def peak(function, low, high):
-    """Where a function with one peak is greatest."""
-    ratio = (math.sqrt(5) - 1) / 2
-    for _ in range(80):
-        a, b = high - ratio * (high - low), low + ratio * (high - low)
-        low, high = (a, high) if function(a) < function(b) else (low, b)
-    return (low + high) / 2
+class Dug:
+    """The depth that slip has dug, by theta. Where it would dig faster than the rim comes down, the rim stands free: D is the wheel's depth there."""
+    PANELS = 100
 
+    def __init__(self, soil, wheel, law, slip, entry):
+        self.wheel, self.entry, self.modulus = wheel, entry, soil.janosi
+        self.most, self.rate = law.kappa * soil.janosi, abs(slip) if law.j == "rim" else abs(slip) / (1 - slip)
+        self.mobilised = lambda theta: 1 - math.exp(-abs(arc_displacement(wheel, law, slip, entry, theta)) / soil.janosi)
+        turns = roots(lambda theta: arc_displacement(wheel, law, slip, entry, theta), -entry, entry - 1e-6)
+        self.edges = sorted([entry - 2 * entry * k / self.PANELS for k in range(self.PANELS + 1)] + turns + [0.0], reverse=True)
+        self.marks = [-edge for edge in self.edges]
+        self.ways = [0.0]   # to each edge: the integral of |e| over the way of the ground
+        for high, low in zip(self.edges, self.edges[1:]):
+            self.ways.append(self.ways[-1] + self.between(high, low))
+        self.parts = [(entry, 0.0, False)]   # theta where it begins, D there, whether the rim stands free
+        self.find_parts()
 
-def dug_by_angle(soil, wheel, law, slip, entry):
-    """The depth that slip has dug, as a function of theta. At first the rim may dig faster than it comes down; there it bears nothing."""
-    r, most, rate = wheel.radius, law.kappa * soil.janosi, abs(slip) / (1 - slip)
+    def between(self, high, low):
+        nodes = ((high + low + (high - low) * x) / 2 for x, _ in GAUSS)
+        return (high - low) / 2 * self.wheel.radius * sum(w * self.mobilised(t) * math.cos(t) for t, (_, w) in zip(nodes, GAUSS))
 
-    def lacks(theta):
+    def way(self, theta):
+        panel = max(bisect.bisect_left(self.marks, -theta) - 1, 0)
+        return self.ways[panel] + self.between(self.edges[panel], theta)
+
+    def depth(self, theta):
+        return self.wheel.radius * (math.cos(theta) - math.cos(self.entry))
+
+    def lacks(self, theta):
         """How much faster the rim would dig than it comes down, were D its depth."""
-        depth = r * (math.cos(theta) - math.cos(entry))
-        return (most - depth) / soil.janosi * rate * math.cos(theta) - math.sin(theta)
+        return (self.most - self.depth(theta)) / self.modulus * self.rate * self.mobilised(theta) * math.cos(theta) - math.sin(theta)
 
-    parts = 4000
-    begins, left = entry, entry
-    if lacks(entry) > 0:
-        begins = next((entry * (1 - k / parts) for k in range(1, parts) if lacks(entry * (1 - k / parts)) <= 0), 0.0)
-        low, high = begins, begins + entry / parts
-        for _ in range(60):
-            middle = (low + high) / 2
-            low, high = (middle, high) if lacks(middle) <= 0 else (low, middle)
-        begins = left = low
-    had = r * (math.cos(begins) - math.cos(entry))
+    def bound(self, theta, part):
+        begins, had, free = part
+        if free:
+            return self.depth(theta)
+        return self.most - (self.most - had) * math.exp(-self.rate * (self.way(theta) - self.way(begins)) / self.modulus)
 
-    def dug(theta):
-        if theta > begins:
-            return r * (math.cos(theta) - math.cos(entry))
-        return most - (most - had) * math.exp(-rate * r * (math.sin(begins) - math.sin(theta)) / soil.janosi)
+    def find_parts(self):
+        for high, low in zip(self.edges, self.edges[1:]):
+            if low < 0:
+                break
+            part = self.parts[-1]
+            ended = (lambda theta: self.lacks(theta) <= 0) if part[2] else (lambda theta: self.bound(theta, part) > self.depth(theta))
+            if ended(low):
+                for _ in range(60):
+                    middle = (low + high) / 2
+                    low, high = (middle, high) if ended(middle) else (low, middle)
+                self.parts.append((low, self.depth(low), not part[2]))
+        if self.parts[-1][2]:
+            self.parts.append((0.0, self.depth(0.0), False))
 
-    return dug, left
+    def __call__(self, theta):
+        return self.bound(theta, next(part for part in reversed(self.parts) if theta <= part[0] or part is self.parts[0]))
 
 
 def by_angle(soil, wheel, sinkage, slip, law=Law()):
     """Forces at a sinkage, by a quadrature over theta."""
     r, b = wheel.radius, wheel.width
     entry = math.acos(1 - sinkage / r)
-    dug, bears_from = dug_by_angle(soil, wheel, law, slip, entry) if law.kappa and slip else (lambda theta: 0.0, entry)
+    dug = Dug(soil, wheel, law, slip, entry) if law.kappa and slip else (lambda theta: 0.0)
 
     def displacement(theta):
         return arc_displacement(wheel, law, slip, entry, theta)
@@ -178,14 +205,15 @@ def by_angle(soil, wheel, sinkage, slip, law=Law()):
     def sunk(theta):
         return r * (math.cos(theta) - math.cos(entry)) - dug(theta)
 
-    lowest = peak(sunk, -entry / 2, bears_from) if law.kappa else 0.0
-    deepest = sunk(lowest)
-    most = soil.yields(deepest, b)
-    stays = deepest - most / soil.stiffness
+    at_bottom = soil.yields(sinkage - dug(0.0), b)
+
+    def rises(theta):
+        """Behind the axle, Pa, below 0 where nothing bears. What was pressed stays where it is: below ground that is dug it is less deep."""
+        falls = soil.stiffness * r * (1 - math.cos(theta))
+        return (soil.yields(sinkage - dug(theta), b) if falls < at_bottom else at_bottom) - falls
 
     def stress(theta):
-        p = sunk(theta)
-        return soil.yields(p, b) if theta >= lowest else max(0.0, min(soil.stiffness * (p - stays), most))
+        return soil.yields(sunk(theta), b) if theta >= 0 else max(0.0, rises(theta))
 
     def shares(theta):
         sigma = stress(theta)
@@ -195,23 +223,20 @@ def by_angle(soil, wheel, sinkage, slip, law=Law()):
             return sigma * c + tau * s, tau * c - sigma * s, r * tau
         return sigma * c, tau * c, (tau * r * c + sigma * r * s) * c
 
-    cuts = {-entry, lowest, entry, bears_from}
-    cuts.update(roots(lambda t: sunk(t) - stays, -entry, lowest))
+    cuts = {-entry, 0.0, entry}
+    if law.kappa and slip:
+        cuts.update(begins for begins, _, _ in dug.parts)
+    cuts.update(roots(rises, -entry, 0.0))
     cuts.update(roots(displacement, -entry, entry - 1e-6))
     if soil.n < 1:
         capped = ((soil.kc / b + soil.kphi) / soil.stiffness) ** (1 / (1 - soil.n))
-        cuts.update(roots(lambda t: sunk(t) - capped, lowest, entry))
+        cuts.update(roots(lambda t: sunk(t) - capped, 0.0, entry))
     cuts = sorted(cuts)
     sums = [sum(parts) for parts in zip(*(tanh_sinh(shares, low, high) for low, high in zip(cuts, cuts[1:])))]
     return Answer(sinkage, *(r * b * s for s in sums))
 
 
 # --- along the ground ---
-
-GAUSS = [(-0.9602898564975363, 0.1012285362903763), (-0.7966664774136267, 0.2223810344533745),
-         (-0.5255324099163290, 0.3137066458778873), (-0.1834346424956498, 0.3626837833783620)]
-GAUSS += [(-x, w) for x, w in reversed(GAUSS)]
-
 
 def by_way(soil, wheel, sinkage, slip, law=Law(), panels=300):
     """The same at a sinkage by another way: small steps along the ground from the front to the rear, with the wheel rolling at 1 m/s.
@@ -220,7 +245,8 @@ def by_way(soil, wheel, sinkage, slip, law=Law(), panels=300):
     turns = 1 / (1 - slip) / radius                           # rad/s
     front = math.sqrt(radius ** 2 - ground ** 2)
     total_up = total_ahead = total_moment = slipped = greatest = dug = 0.0
-    most, slips = law.kappa * soil.janosi, abs(turns * radius - 1)   # the deepest that slip digs; its speed beyond rolling
+    most = law.kappa * soil.janosi                            # the deepest that slip digs
+    slips = abs(turns * radius - 1) / (turns * radius if law.j == "rim" else 1)   # how much j grows beyond rolling, for each metre of the way
 
     def rates_of(ahead, behind):
         rates = []
@@ -234,17 +260,26 @@ def by_way(soil, wheel, sinkage, slip, law=Law(), panels=300):
             rates.append((x, down, speed if law.j == "ground" else speed / (turns * down)))
         return rates
 
-    def answer(x, down, here, greatest, ahead, had):
-        """Normal and shear stress, the greatest sinkage, and which branch of the law it is. had: what was dug when the rim was at `ahead`."""
-        p = down - ground - (most - (most - had) * math.exp(-slips * (ahead - x) / soil.janosi))
-        bekker = (soil.kc / wheel.width + soil.kphi) * max(p, 0.0) ** soil.n < soil.stiffness * p
-        free = greatest < 1e-12 and (most - (down - ground)) * slips > soil.janosi * x / down   # it digs faster than it comes down
-        if p >= greatest:
-            normal, branch = soil.yields(p, wheel.width), ("yields", p > 1e-12, bekker, here > 0, free)
+    def dig(had, mobilised_way):
+        return most - (most - had) * math.exp(-slips * mobilised_way / soil.janosi)
+
+    def mobilised(here):
+        return 1 - math.exp(-abs(here) / soil.janosi)
+
+    def answer(x, down, here, greatest, dug, had):
+        """Normal and shear stress, the greatest sinkage, and which branch of the law it is. had: what was dug at the step's beginning, where
+        `greatest` is of."""
+        p = down - ground - dug
+        free = most > 0 and (most - (down - ground)) * slips * mobilised(here) > soil.janosi * x / down   # it would dig faster than it comes down
+        if x >= 0:
+            p = max(p, 0.0)
+            bekker = (soil.kc / wheel.width + soil.kphi) * p ** soil.n < soil.stiffness * p
+            normal, branch = soil.yields(p, wheel.width), ("yields", p > 1e-12, bekker, here > 0, free and p < 1e-12)
             return normal, soil.shear(normal, here), p, branch
+        greatest = max(greatest - (dug - had), 0.0)           # what was pressed stays where it is
         bears = soil.yields(greatest, wheel.width)
         normal = min(max(soil.stiffness * (p - greatest) + bears, 0.0), bears)
-        return normal, soil.shear(normal, here), greatest, ("elastic", normal > 0, here > 0, free)
+        return normal, soil.shear(normal, here), greatest, ("elastic", normal > 0, here > 0)
 
     # Steps are short at the front and at the rear.
     edges = [front * math.cos(math.pi * k / panels) for k in range(panels + 1)]
@@ -254,13 +289,17 @@ def by_way(soil, wheel, sinkage, slip, law=Law(), panels=300):
         length, rates = ahead - behind, rates_of(ahead, behind)
         all_of_it = sum(rate * weight / 2 for (_, _, rate), (_, weight) in zip(rates, GAUSS)) * length
         inside = ahead - 1e-9 * length
-        first = answer(inside, math.sqrt(radius ** 2 - inside ** 2), slipped, greatest, ahead, dug)
-        parts, branches, sunk = [], {first[3]}, first[2]
+        speeds = [rate for _, _, rate in rates]
+        slip_there = [slipped + partial(speeds, i) * length for i in range(len(rates))]
+        mobilised_there = [mobilised(here) if most > 0 else 0.0 for here in slip_there]
+        first = answer(inside, math.sqrt(radius ** 2 - inside ** 2), slipped, greatest, dug, dug)
+        parts, branches = [], {first[3]}
         for i, (x, down, _) in enumerate(rates):
-            normal, tangent, sunk, branch = answer(x, down, slipped + partial(rates, i) * length, sunk, ahead, dug)
+            normal, tangent, _, branch = answer(x, down, slip_there[i], greatest, dig(dug, partial(mobilised_there, i) * length) if most > 0 else 0.0, dug)
             branches.add(branch)
             parts.append((x, down, normal, tangent))
-        last = answer(behind, math.sqrt(radius ** 2 - behind ** 2), slipped + all_of_it, sunk, ahead, dug)
+        digs = dig(dug, sum(m * weight / 2 for m, (_, weight) in zip(mobilised_there, GAUSS)) * length)
+        last = answer(behind, math.sqrt(radius ** 2 - behind ** 2), slipped + all_of_it, greatest, digs, dug)
         if len(branches | {last[3]}) > 1 and length > 1e-9 * front:
             middle = (ahead + behind) / 2
             todo += [(middle, behind), (ahead, middle)]
@@ -274,26 +313,26 @@ def by_way(soil, wheel, sinkage, slip, law=Law(), panels=300):
             total_up += up * weight / 2 * length
             total_moment += (level * down + up * x) * weight / 2 * length
         slipped, greatest = slipped + all_of_it, last[2]
-        dug = min(most - (most - dug) * math.exp(-slips * length / soil.janosi), math.sqrt(radius ** 2 - behind ** 2) - ground) if behind > 0 else \
-            most - (most - dug) * math.exp(-slips * length / soil.janosi)
+        dug = min(digs, math.sqrt(radius ** 2 - behind ** 2) - ground) if behind > 0 else digs
     return Answer(sinkage, total_up * wheel.width, total_ahead * wheel.width, total_moment * wheel.width)
 
 
 def lagrange_integrals():
-    """W[i][k]: the integral from -1 to node i of the polynomial that is 1 at node k and 0 at the others."""
+    """W[i][k]: half of the integral from -1 to node i of the polynomial that is 1 at node k and 0 at the others."""
     nodes = [x for x, _ in GAUSS]
 
     def base(k, t):
         return math.prod((t - x) / (nodes[k] - x) for i, x in enumerate(nodes) if i != k)
 
-    return [[sum(w * base(k, -1 + (end + 1) * (x + 1) / 2) for x, w in GAUSS) * (end + 1) / 2 for k in range(len(nodes))] for end in nodes]
+    return [[sum(w * base(k, -1 + (end + 1) * (x + 1) / 2) for x, w in GAUSS) * (end + 1) / 4 for k in range(len(nodes))] for end in nodes]
 
 
 PARTIAL = lagrange_integrals()
 
 
-def partial(rates, i):
-    return sum(share * rate / 2 for share, (_, _, rate) in zip(PARTIAL[i], rates))
+def partial(values, i):
+    """The integral of what has these values at the nodes, from a step's beginning to node i, as a share of the step's length."""
+    return sum(map(operator.mul, PARTIAL[i], values))
 
 
 # --- a load ---

@@ -178,13 +178,31 @@ float deepest_in(vec3 n, ground g, object o, cell c)
 	return c.share > 0.0 ? deepest + 0.01 * scale.y : -1e9;
 }
 
-#ifdef SLIP
-// What slip digs more in this contact: the whole is kappa K (1 - exp(-j / K)), j the slip since the contact with the post began.
-// share: for how much of the contact the post has been in it.
-int digs_more(soil s, int before, float share)
+// How the object's surface slides over a post: its normal there, and its way along itself in the whole contact.
+struct sliding {
+	vec3 normal, along;
+};
+
+// above: how much higher the lower envelope of the post is than that of its place. share: for how much of the contact the post has been in it.
+sliding slides_over(vec3 n, cell c, float above, float share)
 {
-	float most = min(digs.y / s.b.z * 1048576.0, 1e8), lacks = exp2(-1.442695 * min(digs.x * share * s.b.z, 100.0));
-	return int(round(max(most - float(before), 0.0) * (1.0 - lacks)));
+	vec2 half_back = c.at + 0.5 * max(share, 0.0) * way.xy;
+	face then = face_at(half_back, c.own);
+	sliding s;
+	s.normal = normal_at(n, then);
+	s.along = slip_at(vec3(half_back, then.height + above), s.normal).along * (moves.w > 0.0 ? moves.w / s.normal.z : 1.0);
+	return s;
+}
+
+#ifdef SLIP
+// What slip digs more in this contact, fixed-point units. With D, what has been dug since the contact with the post began, dD is
+// |e| (kappa K - D) / K for each way that the object slips. The mean of |e| is by Simpson's rule.
+int digs_more(soil s, post_state before, sliding over, float share)
+{
+	vec2 along = levelled(over.along * share, over.normal) * s.b.z, shear = shear_of(before.shear);
+	float mobilised = (length(shear) + 4.0 * length(sheared(shear, 0.5 * along)) + length(sheared(shear, along))) / 6.0;
+	float most = min(digs.y / s.b.z * 1048576.0, 1e8), stays = exp2(-1.442695 * min(digs.x * share * s.b.z * mobilised, 100.0));
+	return int(round(max(most - float(before.dug), 0.0) * (1.0 - stays)));
 }
 #endif
 
@@ -199,12 +217,15 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	float was = float(before.sinkage) * UNIT_METRES;
 	float was_plastic = plastic_part(s, was, yield_stress(s, by_width, was));
 	int more = 0;
+	bool over = o.rests != UNDER_NONE;
+	face post = face_at(c.at, c.own);
+	float above = over ? float(o.rests - o.raised) * UNIT_METRES - post.height : 0.0;
 #ifdef SLIP
 	// The soil under the object is dug from below it: so much more it must sink to be borne as before. Soil that was compacted stays
 	// where it is, so it lies less deep below the lowered ground.
-	if (b.held && !g.far) {
-		face below = face_at(c.at, c.own);
-		more = digs_more(s, before.dug, clamp(contact_share(c.at, depth_at_post(g, o, below), was_plastic / n.z, below, true), 0.0, 1.0));
+	if (b.held && !g.far && digs.x > 0.0) {
+		float share = clamp(contact_share(c.at, depth_at_post(g, o, post), was_plastic / n.z, post, true), 0.0, 1.0);
+		more = digs_more(s, before, slides_over(n, c, above, share), share);
 		more = max(min(more, g.height - o.rests - 2), 0); // it never digs itself free
 		g.height -= more;
 		int remains = max(before.sinkage - int(round(n.z * float(more))), 0);
@@ -223,17 +244,11 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	b.carried = b.touched ? int(min(spin.w * float(max(released - had, 0)), float(max(CARRIED_MOST - more, 0)))) + min(more, CARRIED_MOST) : 0;
 
 	// How far the surface slides over the post in the whole contact, and for how much of that it has been in contact.
-	bool over = o.rests != UNDER_NONE;
-	face post = face_at(c.at, c.own);
 	float depth = depth_at_post(g, o, post);
-	float above = over ? float(o.rests - o.raised) * UNIT_METRES - post.height : 0.0;
 	// Where no post remembers, the object is taken to have come as it moves now.
 	float since = contact_share(c.at, depth, was_plastic / n.z, post, over), share = over ? min(since, 1.0) : since;
-	vec2 half_back = c.at + 0.5 * max(share, 0.0) * way.xy;
-	face then = face_at(half_back, c.own);
-	vec3 normal_then = normal_at(n, then);
-	vec3 slid = slip_at(vec3(half_back, then.height + above), normal_then).along * (moves.w > 0.0 ? moves.w / normal_then.z : 1.0);
-	float slides = length(slid);
+	sliding passed = slides_over(n, c, above, share);
+	float slides = length(passed.along);
 	vec2 shear = shear_of(before.shear);
 	if (b.touched) {
 		b.after.heap = before.heap - more;
@@ -241,7 +256,7 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 		b.after.sinkage = a.most;
 	}
 	b.after.dug = b.held ? before.dug + more : 0;
-	b.after.shear = b.held ? shear_post(sheared(shear, levelled(slid * max(share, 0.0), normal_then) * s.b.z)) : 0;
+	b.after.shear = b.held ? shear_post(sheared(shear, levelled(passed.along * max(share, 0.0), passed.normal) * s.b.z)) : 0;
 
 	// The part of the cell that bears.
 	across l = line_across(n, c, post, depth);

@@ -139,6 +139,8 @@ static struct scm_params params_of(const struct deform *deform, const struct def
 	params.digs[1] = (float)deform->params.slip_sinkage;
 	fill_motion(contact, &params);
 	deform_between_posts(deform, contact, window, &params);
+	if (params.moves[3] > 0)
+		params.digs[0] *= params.moves[3];
 	params.faces[0][3] = (float)deform_area_units(deform, contact);
 	fill_soils(&deform->params, params.soils);
 	fill_rasters(&deform->params, params.rasters);

@@ -102,8 +102,19 @@ static double slips_by(const struct deform_contact *sweep)
 	return hypot(forward, way.y * ahead - way.x * aside);
 }
 
-/* How much slip digs from below the object: what is dug nears slip_sinkage x K, and lacks a factor of exp less of it for each K of slip
- * while the post is in contact. */
+/* The mean of the mobilised shear at a post during the contact, 0 .. 1, by Simpson's rule. */
+static double mobilised(const struct reference_ground *ground, const struct deform_soil *soil, int at, const struct cell_force *cell)
+{
+	const double before[2] = {ground->shear[0][at], ground->shear[1][at]};
+	const struct vector half = {cell->slid.x / 2, cell->slid.y / 2, cell->slid.z / 2};
+	double middle[2], after[2];
+	reference_shear(before, cell->normal_then, half, soil->janosi_shear, middle);
+	reference_shear(before, cell->normal_then, cell->slid, soil->janosi_shear, after);
+	return (hypot(before[0], before[1]) + 4 * hypot(middle[0], middle[1]) + hypot(after[0], after[1])) / 6;
+}
+
+/* How much slip digs from below the object: of what it lacks of slip_sinkage x K, a share of |e| / K for each way that it slips while the
+ * post is in contact. */
 static double digs(const struct reference_ground *ground, const struct deform_soil *soil, double stiffness, const struct deform_contact *sweep,
 		   int at, const double *under, const double *rest, double lower)
 {
@@ -111,10 +122,13 @@ static double digs(const struct reference_ground *ground, const struct deform_so
 	struct post post = post_of(ground, soil, stiffness, at, under[at], rest[at], lower);
 	if (lacks <= 0 || !post.held)
 		return 0;
-	double share = reference_cell(ground, soil, stiffness, sweep, at, under, rest, lower).share;
+	struct cell_force cell = reference_cell(ground, soil, stiffness, sweep, at, under, rest, lower);
+	if (cell.share <= 0)
+		return 0;
+	double slips = slips_by(sweep) * cell.rim * cell.share * mobilised(ground, soil, at, &cell);
 	/* It never digs itself free. */
 	double room = ground->base[at] + ground->heaped[at] - (rest[at] - lower) - 0x1p-19;
-	return fmax(0, fmin(lacks * (1 - exp(-slips_by(sweep) * share / soil->janosi_shear)), room));
+	return fmax(0, fmin(lacks * (1 - exp(-slips / soil->janosi_shear)), room));
 }
 
 /* What was pressed stays where it is: so it is less deep below ground that was dug. */
