@@ -3,11 +3,11 @@
  * 0.1 m deep, at 2 m/s over flat ground, one station a step (a post of travel), with the ground's
  * intervals every 0.05 s, forces read back each step under scm, and every tile resident.
  *
- * Wall clock around a finish. step_ms is the mean over all steps, intervals included; p50 and p95 of
- * single steps beside it; of several runs in turn the median. posts_per_s: posts of the windows that
- * were written. copy_fraction: the bytes of the planes of those posts, once read and once written, a
- * second, over what memcpy moves in the same process. "draws": with the raster threads a process that
- * draws keeps. "quick": fewer runs. A model's name: it alone; "fine": at the finest spacing only.
+ * Wall clock around a finish. step_ms is the mean over all steps, intervals included; p50 and p95 of single steps beside it; of
+ * several runs in turn the median. ms_a_metre: step_ms for a metre of travel. posts_per_s: posts of the windows that were written.
+ * copy_fraction: the bytes of the planes of those posts, once read and once written, a second, over what memcpy moves in the same
+ * process. "draws": with the raster threads a process that draws keeps. "quick": fewer runs. A model's name: it alone; "fine": at the
+ * finest spacing only.
  */
 #include <math.h>
 #include <stdio.h>
@@ -248,10 +248,10 @@ static void measure(const struct bench_case *of, bool draws, int runs, double ra
 	}
 	double ms = bench_median(mean, (size_t)runs), posts_per_s = each[0].posts / ms * 1e3;
 	printf("{\"bench\": \"deform\", \"model\": \"%s\", \"posts_m\": %g, \"wheels\": %d, \"dirt\": %s, \"draws\": %s, "
-	       "\"step_ms\": %.3f, \"p50\": %.3f, \"p95\": %.3f, \"posts\": %.0f, \"posts_per_s\": %.3g, \"passes\": %.1f, "
+	       "\"step_ms\": %.3f, \"ms_a_metre\": %.1f, \"p50\": %.3f, \"p95\": %.3f, \"posts\": %.0f, \"posts_per_s\": %.3g, \"passes\": %.1f, "
 	       "\"post_bytes\": %zu, \"copy_fraction\": %.4f, \"gl\": \"%s\"}\n",
 	       deform_model_row(of->model)->name, of->spacing, of->wheels, of->dirt ? "true" : "false", draws ? "true" : "false", ms,
-	       bench_median(p50, (size_t)runs), bench_median(p95, (size_t)runs), each[0].posts, posts_per_s, each[0].passes,
+	       ms / of->spacing, bench_median(p50, (size_t)runs), bench_median(p95, (size_t)runs), each[0].posts, posts_per_s, each[0].passes,
 	       post_bytes(of), posts_per_s * (double)post_bytes(of) * 2 / rate, gpu_info(ground.gpu)->renderer);
 	fflush(stdout);
 	close_ground(&ground);
@@ -267,8 +267,8 @@ static bool says(int argc, char **argv, const char *word)
 
 int main(int argc, char **argv)
 {
-	enum { COUNT = 4 };
-	static const double spacings[COUNT] = {0.25, 0.125, 0.03125, 0.01};
+	enum { COUNT = 6 };
+	static const double spacings[COUNT] = {0.25, 0.125, 0.04, 0.03125, 0.02, 0.01};
 	/* A process settles llvmpipe's threads once: draws or not is an argument. */
 	bool draws = says(argc, argv, "draws"), quick = says(argc, argv, "quick");
 	double rate = copy_rate();

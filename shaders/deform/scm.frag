@@ -19,7 +19,7 @@ layout(binding = 7, r32i) uniform writeonly restrict iimage2DArray carries;
 
 #ifdef FORCES
 // 18 words for each contact with a tag: force and moment, 64 bits for each component; then these:
-// - area that bears, faces[0].w a post
+// - area that bears, in units of which a post has faces[0].w
 // - the deepest sinkage below the base, fixed-point units
 // - the equilibrium height above the prescribed one, fixed-point units
 // - posts whose share was too large to count
@@ -29,7 +29,7 @@ layout(std430, binding = 1) restrict buffer records {
 };
 
 const int AREA = 12, DEEPEST = 13, RAISED = 14, SATURATED = 15, SLOPE = 16, WORDS = 18;
-const int STATE_BIT = 30; // the two highest bits beside the number of saturated posts: the state of a loaded object
+const int STATE_BIT = 30; // the state of a loaded object: the two highest bits of the word SATURATED
 const float MOST = 2147483000.0;
 
 void record_add(int at, total t)
@@ -55,8 +55,8 @@ int row_of_pass()
 	return written.y + at.x + COLUMNS * at.y;
 }
 
-// Tells whether the object was at most two posts' spacing above the surface. So it may have been in contact before, or comes next:
-// then shear that is left there from another contact ends. Otherwise it is that of another object, below this one.
+// Tells whether the object was less than two spacings above the surface. Then it has just left the post, or comes next, and the shear
+// that the post stores ends. Below a higher object that shear may belong to a second object, so it stays.
 bool is_near(int x, int y, ground g, object o)
 {
 	ivec3 post = ivec3(x, y, zero.z);
@@ -64,7 +64,7 @@ bool is_near(int x, int y, ground g, object o)
 	return o.lowest != UNDER_NONE && g.base != BASE_NODATA && o.lowest - surface < int(min(scale.y * 2097152.0, 1e9));
 }
 
-// Tells whether the post has what ends with the contact.
+// Tells whether the post stores shear or dug soil, which end with a contact.
 bool remembers(int x, int y)
 {
 	bool some = imageLoad(shears, ivec3(x, y, zero.z)).r != 0;

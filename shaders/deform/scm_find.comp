@@ -1,8 +1,8 @@
 #version 450 core
-// The search before a contact of scm, by one work group. PATCH: for the size of the contact patch. LOAD: for the equilibrium
-// height. Each try sums over the posts that the object can be above. All sums are whole numbers, so their order does
-// not matter. Heights are fixed-point units above the prescribed one.
-// The equilibrium height is a height at which the soil's whole vertical force, normal stress and shear, is the load.
+// The search before a contact of scm, by one work group. PATCH: it finds the size of the contact patch. LOAD: it finds the equilibrium
+// height, at which the soil's whole vertical force, by normal stress and shear, is the load. Each try sums over the posts that the
+// object can be above. All sums are whole numbers, so their order does not matter. Heights are fixed-point units above the prescribed
+// one.
 
 layout(local_size_x = 16, local_size_y = 8) in;
 
@@ -26,8 +26,8 @@ const int LANES = int(gl_WorkGroupSize.x * gl_WorkGroupSize.y);
 const int WORDS = 5;
 const int TRIES = 64;             // a bracket of 2^28 units is halved to one unit in less
 const float SHARE = 4194304.0;    // forces are counted in 2^-22 of the load
-const float GROWTH = 4294967296.0; // and what they grow by in 2^-32 of it
-const float COUNTED_MOST = 1e9;   // of one post, in these units
+const float GROWTH = 4294967296.0; // and their growth for each unit of sinkage in 2^-32 of it
+const float COUNTED_MOST = 1e9;   // the most that one post may add, in these units
 
 shared int words[WORDS][LANES];   // what each invocation summed
 shared int sums[WORDS];
@@ -51,7 +51,7 @@ void give(int word, int value)
 	words[word][gl_LocalInvocationIndex] = value;
 }
 
-// Of a window's at most 2^16 posts neither word of a total can overflow. So two words of 32 bits hold an exact sum of 64 bits.
+// A window has at most 2^16 posts, so neither word of a total can overflow. Two words of 32 bits hold an exact sum of 64 bits.
 void give_total(int word, total t)
 {
 	give(word, t.high);
@@ -112,7 +112,7 @@ uint posts_at(int at)
 	return uint(sums[0]);
 }
 
-// Returns the share of the load that the soil carries at a height, and how it grows for each unit of sinkage. Third: the area that
+// Returns what the soil carries at a height: x: the share of the load. y: its growth for each unit of sinkage. z: the area that
 // carries it, in posts.
 vec3 share_at(int at, float by_width)
 {
@@ -134,7 +134,7 @@ vec3 share_at(int at, float by_width)
 			if (g.base != BASE_NODATA && b.area > 0.0) {
 				area += int(round(b.area * faces[0].w));
 				total_add(force, int(round(clamp(b.stress.z * unit, -COUNTED_MOST, COUNTED_MOST))));
-				// Friction grows with the normal stress, so the whole force grows about as that.
+				// Friction grows with the normal stress, so the whole force grows about as the normal stress does.
 				float whole = clamp(b.stress.z / max(b.normal, 1e-9), 0.0, 4.0);
 				total_add(stiff, int(round(min(b.stiff * whole * growth, COUNTED_MOST))));
 			}
@@ -146,7 +146,8 @@ vec3 share_at(int at, float by_width)
 	return vec3(real_of(0) / SHARE, real_of(2) / GROWTH, float(uint(sums[4])) / faces[0].w);
 }
 
-// True if the slope is steeper than the soil can hold this load on: W sin a > c A + W cos a tan phi. The soil is that in the middle.
+// Returns true if the slope is too steep for the soil to hold this load: W sin a > c A + W cos a tan phi. The soil is that below the
+// object's middle.
 bool slides(float posts)
 {
 	vec2 slope = slope_under();
@@ -155,7 +156,7 @@ bool slides(float posts)
 	return sine > s.b.x * posts * place.w / load.x + sqrt(1.0 - sine * sine) * s.b.y;
 }
 
-// Newton's step: force is about a power of depth, so it is made between the logarithms.
+// Returns the height after a step of Newton's method. Force is about a power of depth, so the step uses the logarithms of both.
 int stepped(int top, int at, float share, float grows)
 {
 	float depth = load.y, z = float(top - at), power = clamp(z * grows / max(share, 1e-6), 0.1, 1e6);
@@ -163,7 +164,7 @@ int stepped(int top, int at, float share, float grows)
 	return top - int(round(min(step, depth)));
 }
 
-// Returns where a power of depth through two tries has the load.
+// Takes force as a power of depth that passes through two tries. Returns the height at which this force is the load.
 int between(int top, int first, int second, float at_first, float at_second)
 {
 	float near = float(max(top - first, 1)), far = float(max(top - second, 1)), rise = log2(at_second / at_first);
@@ -171,7 +172,7 @@ int between(int top, int first, int second, float at_first, float at_second)
 	return top - int(round(min(near * exp2(log2(far / near) * clamp(part, -20.0, 20.0)), 1e9)));
 }
 
-// Returns a height between two depths below the first contact: their geometric mean where they differ much.
+// Returns a height between two depths below the first contact: at the geometric mean if the depths differ much, else at the mean.
 int middle(int shallow, int deep, int top)
 {
 	int mean = shallow + (deep - shallow) / 2;
@@ -192,7 +193,7 @@ void main()
 	int before = 0;                     // height of the try before
 	float at_before = 0.0;
 	bool done = top == NOWHERE;
-	// It begins at the height of the object's last contact, which followed the ground as this one does.
+	// The first try is at the height that this object's last contact found. Both heights are above a path that follows the ground.
 	at = done ? 0 : clamp(load.z > 0.0 ? standing[int(load.z) - 1] : 0, low + 1, high - 1);
 	for (int k = 0; k < TRIES && !done; k++) {
 #ifdef PATCH
@@ -211,18 +212,18 @@ void main()
 		at_high = bears ? at_high : share.x;
 		int width = high - low;
 		bool both = at_low < 1e30 && at_high > 1e-6;
-		// The height is found if a step is less than half a unit, or if the bracket leaves one.
+		// The height is found if the next step is shorter than half a unit, or if the bracket is one unit wide.
 		float chord = k > 0 ? abs((share.x - at_before) / float(max(abs(at - before), 1))) : share.y, grows = min(share.y, chord);
 		bool there = abs(share.x - 1.0) <= 0.5 * grows;
 		state = there ? CARRIED : state;
 		carried = there ? share.x : carried;
 		done = there || width <= 1;
-		// The step goes through this try and the one before it; the first is Newton's.
+		// The step uses this try and the one before it. The first step is one of Newton's method.
 		bool known = k > 0 && min(share.x, at_before) > 1e-6 && at != before;
 		int next = known ? between(top, before, at, at_before, share.x) : stepped(top, at, share.x, share.y);
 		bool out_of = next <= low || next >= high;
 		next = out_of && both ? between(top, high, low, at_high, at_low) : next;
-		// Where three steps do not halve the bracket, it is halved: the depth of the first contact's logarithm, if that is known.
+		// If three steps in a row do not halve the bracket, the next try is in its middle.
 		stalls = 2 * width > last ? stalls + 1 : 0;
 		bool lags = stalls >= 3 || share.x <= 1e-6 || (out_of && !both && at_low < 1e30);
 		stalls = lags ? 0 : stalls;

@@ -21,7 +21,7 @@ layout(binding = 1, r32i) readonly uniform iimage2DArray floors;
 layout(binding = 2, r8ui) readonly uniform uimage2DArray classes;
 #endif
 #ifdef SLOPES
-layout(binding = 6, r32i) readonly uniform iimage2DArray slopes; // the axial critical difference in the slope of a post: slope.frag
+layout(binding = 6, r32i) readonly uniform iimage2DArray slopes; // by slope.frag: the axial critical difference in each post's slope
 #endif
 
 layout(std140, binding = 0) uniform params {
@@ -73,7 +73,7 @@ void main()
 #endif
 		int critical = k < 4 ? limits[soil].x : limits[soil].y;
 #ifdef SLOPES
-		// The slope is that of the post that gives. Diagonally the square root of 2, to a ten thousandth.
+		// The slope is that of the post that gives. The sum for diagonal neighbours multiplies by sqrt(2), to a ten thousandth.
 		int most = gives ? slope : imageLoad(slopes, there).r;
 		critical = min(critical, k < 4 ? most : most + (most >> 2) + (most >> 3) + (most >> 5) + (most >> 7));
 #endif

@@ -1,6 +1,6 @@
 #version 450 core
-// One hop along the slope at each post of a block: how far the slope rises above the post and falls below it (slopes.c). A hop
-// leads to a post that is higher, or lower, by more than the angle of friction gives. One fragment for each post.
+// Computes for each post of a block how far its slope rises above it and falls below it (slopes.c). Each pass follows slopes by one
+// hop: to a post that is higher, or lower, by more than the angle of friction gives. One fragment for each post.
 // Defines:
 // - FIRST: the first hop, which computes the heights too
 // - SOILS: number of soil classes in the parameters
@@ -20,14 +20,16 @@ layout(binding = 2, r8ui) readonly uniform uimage2DArray classes;
 
 layout(std140, binding = 0) uniform params {
 	ivec4 region;       // as in regions.vert
-	ivec4 place;        // the layer; posts of this hop; the last hop: from post to post, 2^-20 m with the digits of cotangents
-	ivec4 rises[SOILS]; // a hop rises or falls by more: axial, diagonal; fixed-point units
+	// the layer; posts of this hop; the last hop: the spacing, 2^-20 m, with as many binary digits as the cotangents; else 0
+	ivec4 place;
+	ivec4 rises[SOILS]; // a hop must rise or fall by more than this: axial, diagonal; fixed-point units
 #ifndef FIRST
-	ivec4 cotangents[27 * SOILS]; // of the steepest angles by the height of a slope: SLOPE_HEIGHTS of slopes.c for each soil
+	ivec4 cotangents[27 * SOILS]; // of the steepest stable angle of each soil, for SLOPE_HEIGHTS rising heights of slopes (slopes.c)
 #endif
 };
 
-// In 2^-9 m: low 16 bits above the post, high 16 bits below it. The last hop: the axial critical difference in the slope.
+// Extents in 2^-9 m: how far the slope rises above the post (low 16 bits) and falls below it (high 16 bits). After the last hop: the
+// axial critical difference in this slope, fixed-point units.
 layout(location = 0) out int extent_out;
 #ifdef FIRST
 layout(location = 1) out int surface_out; // 4 base + offset
@@ -59,8 +61,8 @@ int known(int soil, int i)
 	return cotangents[27 * soil + (i >> 2)][i & 3];
 }
 
-// Returns the axial critical difference in a slope of this height, in 2^-9 m. The cotangent lies between those of the two nearest
-// heights of slopes.c.
+// Returns the axial critical difference in a slope, fixed-point units. height: of the slope, 2^-9 m. The cotangent is interpolated
+// between the two nearest known heights.
 int in_slope(int soil, int height)
 {
 	height = clamp(height, 16, 0x1ffff);

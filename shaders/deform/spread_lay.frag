@@ -1,6 +1,6 @@
 #version 450 core
-// The third pass that lays down carried soil: each post of a band gets soil by its weight. What is left of rounding goes to the
-// heaviest post of the face, so the sum is exact.
+// The third pass that lays down carried soil: each post of a band gets soil by its weight. The remainder of rounding goes to the
+// post of the face with the largest weight, so the sum is exact.
 
 #include "lib/spread.glsl"
 

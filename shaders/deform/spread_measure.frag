@@ -1,6 +1,6 @@
 #version 450 core
-// The first pass that lays down carried soil: how much there is, how large the patch that the body touches is, and how deep.
-// If the soil goes around the patch, also the distance of each post to the patch along its row.
+// The first pass that lays down carried soil. It measures how much soil there is, and how large and deep the patch is that the body
+// touches. If the soil goes around the patch, it also measures each post's distance to the patch along its row.
 
 #include "lib/spread.glsl"
 #include "lib/root.glsl"

@@ -1,5 +1,6 @@
 #version 450 core
-// The second pass that lays down carried soil: the weights of the posts that take it, and how much soil each unit of weight gets.
+// The second pass that lays down carried soil. It computes the weights of the posts that take soil, and the soil for each unit of
+// weight.
 
 #include "lib/spread.glsl"
 
@@ -7,9 +8,9 @@ layout(binding = 0, r8ui) readonly restrict uniform uimage2DArray contacts;
 layout(binding = 1, r32i) readonly restrict uniform iimage2DArray ways;
 layout(binding = 2, r32i) writeonly restrict uniform iimage2DArray weighed; // in the atlas of deposits: weight, face << 16
 
-const int AMOUNT_MOST = 1 << 29; // of a post, fixed-point units
+const int AMOUNT_MOST = 1 << 29; // the most soil that a post gets, fixed-point units
 
-// Returns the weight of a post around the patch, by the distance to the nearest touched post, less half a post.
+// Returns the weight of a post around the patch. It follows from the distance to the nearest touched post, less half a post.
 int from_patch(int x, int y)
 {
 	int least = 1 << 20, far = (band >> 6) + 1;
@@ -97,7 +98,7 @@ void main()
 	int y = row_of_pass();
 	if (y >= written.w || (carried[0] | carried[1]) == 0u)
 		return;
-	// Two loops: a driver may compute both sides of a branch, but it leaves a loop.
+	// Two loops, not one loop with a branch: a driver may compute both sides of a branch for every post.
 	read_band();
 	ivec2 row = posts_of_row(y);
 	for (int x = row.x; x < row.y && place.y != 0; x++)

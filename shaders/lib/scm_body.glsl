@@ -1,15 +1,15 @@
 // The lower envelope of an object between posts, in its end pose, and the part of a post's cell that it covers (SOIL.md). Places are in
 // metres from the object's centre, in plan.
-// Defines: SHAPE_WHEEL, SHAPE_SPHERE, SHAPE_BOX; none of them: only its posts tell.
+// Defines: SHAPE_WHEEL, SHAPE_SPHERE, SHAPE_BOX. Without these the lower envelope is known only at posts.
 
 struct face {
 	float height; // of the lower envelope above the centre, m
-	vec2 slope;   // its rise a metre
+	vec2 slope;   // its rise for each metre east and north
 };
 
 #if defined(SHAPE_WHEEL) || defined(SHAPE_SPHERE)
 #define ROUND
-// The part of a place that counts for the height of the lower envelope.
+// Returns the part of a place that decides how high the lower envelope is there.
 vec2 part_of_place(vec2 at)
 {
 #ifdef SHAPE_WHEEL
@@ -19,7 +19,7 @@ vec2 part_of_place(vec2 at)
 #endif
 }
 
-// The square of the radius of the circle along the motion, in which a place lies.
+// A plane through a place, along the motion, cuts the object in a circle. Returns the square of this circle's radius, m2.
 float ring_squares(vec2 at)
 {
 #ifdef SHAPE_WHEEL
@@ -31,7 +31,7 @@ float ring_squares(vec2 at)
 }
 #endif
 
-// own: slope of an lower envelope that only the posts tell.
+// own: slope of a lower envelope that is known only at posts.
 face face_at(vec2 at, vec2 own)
 {
 #ifdef ROUND
@@ -58,7 +58,8 @@ vec3 normal_of_face(vec2 slope)
 	return vec3(-slope * up, up);
 }
 
-// Returns how much lower the object has been above a place than it is now, on its last `back` metres; m. lowered: at the post.
+// Returns how much lower than now the object was above a place during its last `back` metres of motion, m. lowered: the same at the
+// post.
 float lowered_at(vec2 at, float back, float lowered, face now)
 {
 #ifdef ROUND
@@ -70,8 +71,8 @@ float lowered_at(vec2 at, float back, float lowered, face now)
 #endif
 }
 
-// Returns for how much of the contact, counted back from its end, the object has been deeper than `stays` below the surface. It is
-// below 0 if it is not so deep at the end. Above 1: it was so before the contact too, if it moved then as it does now.
+// Returns the last share of the contact during which the object was deeper than `stays` below the surface. Below 0: it is not so deep
+// at the end. Above 1: it was so deep before the contact too, if it moved then as it moves now.
 float contact_share(vec2 at, float depth, float stays, face now, bool over)
 {
 	float forward = dot(at, heading.xy);
@@ -91,12 +92,12 @@ float contact_share(vec2 at, float depth, float stays, face now, bool over)
 	return clamp(share, -4.0, 1e3);
 }
 
-// What a post bears of the object: the part of its cell below it, and what lies beyond the last post that it covers.
+// The part of the object that a post bears: what covers the post's cell. The last covered post also bears what lies beyond its cell.
 struct cell {
-	vec2 at;     // the post
+	vec2 at;     // the post, from the object's centre, m
 	vec2 middle; // of the part, from the post, m
 	float share; // area of the part, in posts
-	vec2 own;    // slope of an lower envelope that only the posts tell
+	vec2 own;    // slope of a lower envelope that is known only at posts
 };
 
 bool covers(ivec2 post)
@@ -104,16 +105,18 @@ bool covers(ivec2 post)
 	return all(greaterThanEqual(post, drawn.xy)) && all(lessThan(post, drawn.zw)) && imageLoad(rests, ivec3(post, zero.z)).r != UNDER_NONE;
 }
 
-// Returns what a post bears of a strip, in posts from it. at: its place across the strip; step: how far the next post is. A post on the
-// strip's border counts as covered, as in the lower envelope.
+// Returns the part of a strip that a post bears: from, to, in posts from this post. at: the post's place across the strip, m. size:
+// half the strip's width, m. step: the next post is this much farther across, m. A post on the strip's border counts as covered, as
+// it does in the lower envelope.
 vec2 part_of(float at, float size, float step)
 {
 	float covered = size + 1e-6 * size + 1e-7;
 	return vec2(abs(at - step) <= covered ? -0.5 : max((-size - at) / step, -1.0), abs(at + step) <= covered ? 0.5 : min((size - at) / step, 1.0));
 }
 
-// A wheel that is narrower than the posts may pass between two of them. The nearer one bears it. And where a wheel has sunk nearly to its
-// axle, it reaches into the cells of posts before it. Places are from the centre, forwards and to the left.
+// Tells whether a post beside a wheel bears it. A wheel that is narrower than the spacing may pass between two posts: the nearer one
+// bears it. A wheel that has sunk nearly to its axle reaches into the cells of posts in front of it. at: the post from the wheel's
+// centre, forwards and to the left, m.
 bool bears_beside(vec2 at)
 {
 #ifdef SHAPE_WHEEL
@@ -161,8 +164,8 @@ cell cell_at(int x, int y, object o)
 	return c;
 }
 
-// Returns how much higher the object can be raised and still touch a post's cell, fixed-point units; a little more. At or below 0 it
-// surely does not touch it.
+// Returns by how much the object can be raised and still touch a post's cell, and a little more; fixed-point units. 0 or less: it does
+// not touch the cell.
 int touch_room(int x, int y, ground g, object o)
 {
 	face f = face_at(place.xy + scale.y * vec2(x, y), vec2(0.0));

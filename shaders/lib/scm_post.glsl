@@ -1,10 +1,10 @@
-// What a contact of scm does at one post: its new state, and what the post bears of the object. The contact pass and the search
-// for the equilibrium height share it, so that both find the same force.
+// Computes a contact of scm at one post: the post's new state, and the soil's force and moment on the object there. The contact pass
+// and the search for the equilibrium height share it, so that both compute the same force.
 
 #include "lib/scm_body.glsl"
 
 const int CARRIED_MOST = 1 << 23;
-const float LEAST = 6e-7; // m: the stored sinkage is rounded to whole fixed-point units
+const float LEAST = 6e-7; // m: a little more than half a fixed-point unit, by which a stored sinkage may be rounded
 
 // What a post remembers, in the units of its planes.
 struct post_state {
@@ -19,12 +19,12 @@ struct bearing {
 	bool refused;       // the change is too large for its planes, and was not made
 	int carried;        // what is deposited around, fixed-point units
 	int sunk;           // how far the end pose is below the undisturbed surface, fixed-point units
-	// All of these over the post's area:
+	// Means over the post's area:
 	vec3 stress;        // of the soil on the object, Pa
-	vec3 moment;        // of that about its centre, Pa m
+	vec3 moment;        // of this stress about the object's centre, Pa m
 	float normal;       // vertical part of the normal stress, Pa
-	float stiff;        // how the vertical part of the normal stress grows with the sinkage, Pa/m
-	float area;         // the share that bears
+	float stiff;        // growth of that vertical part with the sinkage, Pa/m
+	float area;         // the share of the area that bears
 };
 
 vec2 shear_of(int post)
@@ -38,8 +38,8 @@ int shear_post(vec2 shear)
 	return (whole.x & 0xffff) | whole.y << 16;
 }
 
-// Vectors along a surface are kept turned into the level by the shortest way. So none changes its length when the surface turns
-// under a wheel.
+// A vector along a surface is stored as a level vector: the shortest rotation that makes the surface level turns it. So it keeps its
+// length when the surface under a wheel turns.
 vec2 levelled(vec3 along, vec3 n)
 {
 	return along.xy - n.xy * (along.z / (1.0 + n.z));
@@ -51,28 +51,31 @@ vec3 tilted(vec2 level, vec3 n)
 	return vec3(level - n.xy * (down / (1.0 + n.z)), -down);
 }
 
-// Mobilised shear e, after the surface above slid along it by `along`, in units of the shear modulus: de = d(along) - e |d(along)|.
-// From rest that is Janosi's 1 - exp(-j / K). It is exact on a straight way, however that is cut into contacts.
+// Returns the mobilised shear e after the object's surface slid by `along`, in units of the shear modulus K:
+// de = d(along) - e |d(along)|. From rest this is Janosi's 1 - exp(-j / K). On a straight way it is exact, however many contacts
+// the way is cut into.
 vec2 sheared(vec2 before, vec2 along)
 {
 	float way = length(along), stays = exp2(-1.442695 * min(way, 100.0));
 	return before * stays + along * ((1.0 - stays) / max(way, 1e-30));
 }
 
-// Returns the way that mobilises so much shear from rest, in units of the shear modulus; of nearly all of it, a long one.
+// Returns the slip displacement that mobilises this shear from rest, in units of the shear modulus K. For nearly full shear it
+// returns 1000.
 float displacement_of(vec2 shear)
 {
 	float mobilised = length(shear);
 	return mobilised > 0.9999 ? 1e3 : -0.6931472 * log2(1.0 - mobilised);
 }
 
-// The stress along the normal at a sinkage, and how it grows with that.
+// The stress along the normal at a sinkage, Pa, and its growth with the sinkage, Pa/m.
 struct pressure {
 	float stress, stiff;
-	float share; // of the yield stress
+	float share; // stress / yield stress
 };
 
-// z: the sinkage; most: the largest so far; both along the normal of the ground, m. grows: `most` is of this contact, and grows with z.
+// z: the sinkage; most: the largest so far; both along the normal of the ground, m. grows: this contact reached `most`, so `most`
+// grows with z.
 pressure pressure_of(soil s, float by_width, float z, float most, bool grows)
 {
 	float yields = yield_stress(s, by_width, most), plastic = plastic_part(s, most, yields);
@@ -86,7 +89,7 @@ pressure pressure_of(soil s, float by_width, float z, float most, bool grows)
 	return p;
 }
 
-// The way of the object's surface along the ground or along itself, m.
+// How far the object's surface slides during the contact, along the plane of a normal; m.
 struct slip {
 	vec3 along;
 	float size;
@@ -106,8 +109,8 @@ vec3 normal_at(vec3 n, face f)
 	return load.w > 0.0 ? n : normal_of_face(f.slope);
 }
 
-// Along a line across a cell, D(t) is the vertical depth of the lower envelope, as a parabola through the line's ends and its middle. Returns
-// between which places it exceeds `stays`: below for the first end, above for the second.
+// The depth of the lower envelope along a line across a cell is taken as a parabola through the line's ends and its middle. Returns the
+// two places on the line between which the depth exceeds `stays`. stays.x is the limit for the first place, stays.y for the second.
 vec2 between_roots(float half_way, vec3 depths, vec2 stays)
 {
 	float bends = (depths.x + depths.z - 2.0 * depths.y) / (2.0 * half_way * half_way), rises = (depths.z - depths.x) / (2.0 * half_way);
@@ -124,12 +127,12 @@ vec2 between_roots(float half_way, vec3 depths, vec2 stays)
 	return vec2(low, max(low, high));
 }
 
-// A line across a cell, on which the depth of the lower envelope changes most.
+// A line across a cell, in the direction in which the depth of the lower envelope changes most.
 struct across {
 	vec2 middle, line; // from the object's centre, m; a unit vector
 	float half_way;    // m
-	float ground;      // height of the ground at the middle, as the lower envelope's heights; and its rise a metre of the line
-	float rise;
+	float ground;      // height of the ground at the middle above the object's centre, m
+	float rise;        // of the ground for each metre of the line
 };
 
 // depth: of the lower envelope below the ground at the post, m, vertically.
@@ -165,7 +168,7 @@ float depth_at_post(ground g, object o, face post)
 	return (o.rests != UNDER_NONE ? float(g.height - o.rests) : float(g.height - o.raised) - post.height * 1048576.0) * UNIT_METRES;
 }
 
-// Returns how deep the deepest place of a cell is, m, vertically; a little more.
+// Returns the vertical depth of the deepest place of a cell and a little more, m.
 float deepest_in(vec3 n, ground g, object o, cell c)
 {
 	face post = face_at(c.at, c.own);
@@ -217,15 +220,18 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	float was = float(before.sinkage) * UNIT_METRES;
 	float was_plastic = plastic_part(s, was, yield_stress(s, by_width, was));
 	int more = 0;
+	// share: of the contact, in which the object touches the post. It counts from the ground before slip digs. A post beside the object
+	// stores no shear. There the object counts as having moved before as it moves now.
 	bool over = o.rests != UNDER_NONE;
 	face post = face_at(c.at, c.own);
+	float since = contact_share(c.at, depth_at_post(g, o, post), was_plastic / n.z, post, over), share = over ? min(since, 1.0) : since;
 	float above = over ? float(o.rests - o.raised) * UNIT_METRES - post.height : 0.0;
+	sliding passed = slides_over(n, c, above, share);
 #ifdef SLIP
-	// The soil under the object is dug from below it: so much more it must sink to be borne as before. Soil that was compacted stays
+	// Slip digs soil from below the object, so the object must sink by that much more to be borne as before. Compacted soil stays
 	// where it is, so it lies less deep below the lowered ground.
 	if (b.held && !g.far && digs.x > 0.0) {
-		float share = clamp(contact_share(c.at, depth_at_post(g, o, post), was_plastic / n.z, post, true), 0.0, 1.0);
-		more = digs_more(s, before, slides_over(n, c, above, share), share);
+		more = digs_more(s, before, passed, clamp(share, 0.0, 1.0));
 		more = max(min(more, g.height - o.rests - 2), 0); // it never digs itself free
 		g.height -= more;
 		int remains = max(before.sinkage - int(round(n.z * float(more))), 0);
@@ -243,12 +249,7 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	b.held = b.held && !b.refused;
 	b.carried = b.touched ? int(min(spin.w * float(max(released - had, 0)), float(max(CARRIED_MOST - more, 0)))) + min(more, CARRIED_MOST) : 0;
 
-	// How far the surface slides over the post in the whole contact, and for how much of that it has been in contact.
-	float depth = depth_at_post(g, o, post);
-	// Where no post remembers, the object is taken to have come as it moves now.
-	float since = contact_share(c.at, depth, was_plastic / n.z, post, over), share = over ? min(since, 1.0) : since;
-	sliding passed = slides_over(n, c, above, share);
-	float slides = length(passed.along);
+	float depth = depth_at_post(g, o, post), slides = length(passed.along);
 	vec2 shear = shear_of(before.shear);
 	if (b.touched) {
 		b.after.heap = before.heap - more;
@@ -262,8 +263,8 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	across l = line_across(n, c, post, depth);
 	float lowered = over ? float(o.rests - o.lowest) * UNIT_METRES : 0.0;
 	float back = over ? moves.x + l.half_way : 1e3;
-	// What a post remembers holds for its whole cell. If the object passed over it, that is a flat rut. Below an object that hardly
-	// moves it is an impression of its lower envelope.
+	// The stored sinkage counts for the post's whole cell. It is taken as a flat rut if the object passed over the cell. If the object
+	// hardly moved, it is taken as an impression of the lower envelope.
 	float stamped = was > 0.0 ? max(1.0 - length(way.xy) / l.half_way, 0.0) : 0.0, rut = was / n.z - stamped * depth;
 	vec3 depths, mosts;
 	for (int k = 0; k < 3; k++) {
@@ -276,12 +277,13 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	float stays = plastic_part(s, most, yield_stress(s, by_width, most)) / n.z;
 	vec2 ends = between_roots(l.half_way, depths, vec2(mosts.x > max(depths.x, 0.0) + LEAST ? stays : 0.0,
 							mosts.z > max(depths.z, 0.0) + LEAST ? stays : 0.0));
-	// Before its rim a wheel that has sunk to its axle bears on nothing.
+	// A wheel that has sunk to its axle does not bear on the soil in front of its rim.
 	bool nothing = !over && abs(dot(c.at, heading.xy)) > body.x && depth > 0.0;
 	float part = b.refused || g.far || nothing ? 0.0 : c.share * (ends.y - ends.x) / (2.0 * l.half_way);
 	b.stress = b.moment = vec3(0.0);
 	b.normal = b.stiff = b.area = 0.0;
-	// Places ahead came into contact later. A post that has slid less than since then was below the object when that began to move.
+	// Of the places in a cell, those farther ahead came into contact later, so they slid less. But if the post stores less shear than
+	// the motion since the first touch gives, the object stood on it before it moved. Then the places differ less.
 	float lasts = over && since > 1.0 ? clamp(displacement_of(shear) / s.b.z / max(slides * (since - 1.0), 1e-9), 0.0, 1.0) : 1.0;
 	for (int k = 0; k < 2; k++) {
 		float at = 0.5 * (ends.x + ends.y) + (float(k) - 0.5) * 0.57735027 * (ends.y - ends.x);

@@ -25,7 +25,7 @@ layout(location = 0) out int height_out;
 #endif
 
 // Writes the result. height: before this iteration. change: soil that the post got, less what it gave. moves: the post got or gave
-// soil, even if both are equal. steep: in a high slope the post might give or get soil.
+// soil, even if both are equal. steep: if the slope is high enough, the post gives or gets soil.
 void slid(ivec3 at, int height, int change, bool moves, bool steep)
 {
 	if (height == STILL)
@@ -44,7 +44,7 @@ void slid(ivec3 at, int height, int change, bool moves, bool steep)
 	moves = moves || (marks & MAY_BE_FREED) != 0u || ((marks & IS_HELD) != 0u && offset != before);
 #ifdef FLAGS
 #ifdef WAKES
-	// The extents of slopes were those before the first iteration.
+	// This interval measured slopes before its first iteration. The next one must measure them again.
 	moves = moves || offset != before;
 #endif
 	if (moves)
@@ -58,7 +58,7 @@ void slid(ivec3 at, int height, int change, bool moves, bool steep)
 	bool rim = any(lessThan(at.xy, edge.xy)) || any(greaterThanEqual(at.xy, edge.zw));
 	bool changed = (marks & IS_DISTURBED) != 0u || offset != before;
 #ifdef WAKES
-	// A contact does not look at slopes. So an interval must, wherever something changed or is steep.
+	// A contact does not measure slopes. So an interval must do it wherever the ground changed or is steep.
 	moves = moves || changed || (steep && height != STILL);
 #endif
 	ivec2 from_first = at.xy + region.xy;

@@ -2,8 +2,8 @@
 // Heights are fixed-point units (2^-20 m) from the object's centre as prescribed; stress is Pa.
 // Defines:
 // - SOIL_MAP: posts differ in their soil
-// - SOIL_RASTERS: some numbers differ from post to post. Its value says which, three bits for each byte of a post: 0: none;
-//   otherwise 1 + the number as in enum deform_number
+// - SOIL_RASTERS: rasters give some numbers of the soil at each post. A post has a byte for each raster. Three bits of the define's
+//   value belong to each byte: 0: there is no raster; otherwise 1 + the number as in enum deform_number
 // - SLIP: slip digs
 
 #include "lib/window.glsl"

@@ -1,6 +1,6 @@
 // Shared by the three passes that lay down carried soil (SOIL.md, "Laying"). Each has one invocation for each row of the window's
-// written posts. The last invocation that ends a pass computes what the next pass needs. All numbers are whole.
-// Lengths are 2^-6 post, places in the body's frame 2^-16 post: x is where the body heads, y to its left.
+// written posts. The invocation that ends last computes what the next pass needs. All numbers are whole.
+// Lengths are in 2^-6 post. Places in the body's frame are in 2^-16 post; x points where the body heads, y to its left.
 
 #include "lib/int64.glsl"
 #include "lib/tally.glsl"
@@ -12,18 +12,23 @@ const int COLUMNS = 4; // rows side by side in the pass's viewport, so that its 
 const int RATE_BITS = 20;
 
 layout(std140, binding = 0) uniform params {
-	ivec4 place;   // the layer; 1: the soil goes around the patch, else to its faces; share of the depth, 2^-16; the widest band
+	// the layer; 1: the soil goes around the patch, 0: to its faces; share of the depth that is laid, 2^-16; the widest band
+	ivec4 place;
 	ivec4 written; // the posts this window writes: first, one behind the last
 	ivec4 shadow;  // of those, the posts that the object can be above
-	ivec4 origin;  // post (0, 0) in the frame; half the width of a wheel, 0: of the patch; share of the patch's length in the width
-	ivec4 axis;    // x axis of the frame, 2^-16; square of a band's width over depth and patch, 2^-24; the most |x| beside the patch
-	ivec4 shares;  // of the faces, 2^-16; their sum is 1
+	// x, y: post (0, 0) in the frame. z: half the width of a wheel; 0: the width of the patch is used. w: how much the patch's length
+	// counts beside its width for the width of a band, 2^-16.
+	ivec4 origin;
+	// x, y: x axis of the frame, 2^-16. z: a factor in the square of a band's width, 2^-24 (spread_measure.frag). w: beside the patch
+	// soil is laid up to this |x|.
+	ivec4 axis;
+	ivec4 shares;  // of the soil for each face, 2^-16; their sum is 1
 };
 
 layout(std430, binding = 1) coherent restrict buffer laying {
 	uint carried[2];       // lo, hi: fixed-point units
 	uint givers;         // posts that carry soil
-	uint deep;             // of the hollow, fixed-point units
+	uint deep;             // depth of the hollow, fixed-point units
 	uint ends[FACES];      // of the patch: BIAS + x, BIAS - x, BIAS + y, BIAS - y; 0: there is no patch
 	uint ended[3];         // invocations that ended each pass
 	int width;             // of a band
@@ -53,7 +58,7 @@ ivec2 frame_of(int x, int y)
 	return origin.xy + ivec2(x * axis.x + y * axis.y, y * axis.x - x * axis.y);
 }
 
-// What the passes read of the buffer over and over, read once.
+// Copies of what the passes read from the buffer for every post.
 ivec4 rectangle;
 int band;
 
@@ -73,7 +78,7 @@ ivec2 posts_of_row(int y)
 {
 	if (place.y != 0)
 		return ivec2(written.x, written.z);
-	// Posts whose x and y in the frame are within the rectangle and the bands beside it, and a post to spare.
+	// Posts whose x and y in the frame lie within the rectangle and its bands, or at most one post outside.
 	bool ends = shares[0] + shares[1] > 0;
 	vec2 half_size = 0.5 * vec2(rectangle.xz - rectangle.yw), wide = vec2(float(band << 10));
 	vec2 middle = 0.5 * vec2(rectangle.xz + rectangle.yw) - vec2(origin.xy + y * ivec2(axis.y, axis.x));
@@ -81,7 +86,7 @@ ivec2 posts_of_row(int y)
 	float first = max(least_of(middle.x, reach.x, axis.x), least_of(middle.y, reach.y, -axis.y));
 	float last = min(-least_of(-middle.x, reach.x, axis.x), -least_of(-middle.y, reach.y, -axis.y));
 	ivec2 posts = ivec2(max(int(floor(clamp(first, -1e6, 1e6))), written.x), min(int(ceil(clamp(last, -1e6, 1e6))) + 1, written.z));
-	// A row that lies between the bands beside the patch.
+	// A row that lies whole between the two bands has no such posts.
 	int low = frame_of(posts.x, y).y, high = frame_of(posts.y, y).y;
 	bool between = !ends && max(low, high) < rectangle.z && min(low, high) > rectangle.w;
 	return between ? ivec2(0) : posts;
