@@ -144,7 +144,7 @@ def roots(function, low, high, steps=400):
 
 class Dug:
     """The depth that slip has dug, by theta. Where it would dig faster than the rim comes down, the rim stands free: D is the wheel's depth there."""
-    PANELS = 100
+    PANELS = 400
 
     def __init__(self, soil, wheel, law, slip, entry, mobilised, turns):
         """mobilised: e by theta; turns: where it has a kink."""
@@ -154,19 +154,26 @@ class Dug:
         kinks = turns + roots(mobilised, -entry, entry * (1 - 1e-6)) + [0.0]
         self.edges = sorted([entry - 2 * entry * k / self.PANELS for k in range(self.PANELS + 1)] + kinks, reverse=True)
         self.marks = [-edge for edge in self.edges]
+        self.rates = [self.rate_at(edge) for edge in self.edges]
         self.ways = [0.0]   # to each edge: the integral of |e| over the way of the ground
         for high, low in zip(self.edges, self.edges[1:]):
-            self.ways.append(self.ways[-1] + self.between(high, low))
-        self.parts = [(entry, 0.0, False)]   # theta where it begins, D there, whether the rim stands free
+            nodes = ((high + low + (high - low) * x) / 2 for x, _ in GAUSS)
+            self.ways.append(self.ways[-1] + (high - low) / 2 * sum(w * self.rate_at(t) for t, (_, w) in zip(nodes, GAUSS)))
+        self.parts = [(entry, 0.0, False, 0.0)]   # theta where it begins, D there, whether the rim stands free, the integral there
         self.find_parts()
 
-    def between(self, high, low):
-        nodes = ((high + low + (high - low) * x) / 2 for x, _ in GAUSS)
-        return (high - low) / 2 * self.wheel.radius * sum(w * self.mobilised(t) * math.cos(t) for t, (_, w) in zip(nodes, GAUSS))
+    def rate_at(self, theta):
+        return self.wheel.radius * self.mobilised(theta) * math.cos(theta)
 
     def way(self, theta):
-        panel = max(bisect.bisect_left(self.marks, -theta) - 1, 0)
-        return self.ways[panel] + self.between(self.edges[panel], theta)
+        """The integral at theta: between edges a cubic with its slopes at both."""
+        panel = min(max(bisect.bisect_left(self.marks, -theta) - 1, 0), len(self.edges) - 2)
+        length = self.edges[panel] - self.edges[panel + 1]
+        if length <= 0:
+            return self.ways[panel]
+        t, grows = (self.edges[panel] - theta) / length, self.ways[panel + 1] - self.ways[panel]
+        before, after = self.rates[panel] * length, self.rates[panel + 1] * length
+        return self.ways[panel] + t * (before + t * (3 * grows - 2 * before - after + t * (before + after - 2 * grows)))
 
     def depth(self, theta):
         return self.wheel.radius * (math.cos(theta) - math.cos(self.entry))
@@ -176,10 +183,10 @@ class Dug:
         return (self.most - self.depth(theta)) / self.modulus * self.rate * self.mobilised(theta) * math.cos(theta) - math.sin(theta)
 
     def bound(self, theta, part):
-        begins, had, free = part
+        _, had, free, way = part
         if free:
             return self.depth(theta)
-        return self.most - (self.most - had) * math.exp(-self.rate * (self.way(theta) - self.way(begins)) / self.modulus)
+        return self.most - (self.most - had) * math.exp(-self.rate * (self.way(theta) - way) / self.modulus)
 
     def find_parts(self):
         for high, low in zip(self.edges, self.edges[1:]):
@@ -191,9 +198,9 @@ class Dug:
                 for _ in range(60):
                     middle = (low + high) / 2
                     low, high = (middle, high) if ended(middle) else (low, middle)
-                self.parts.append((low, self.depth(low), not part[2]))
+                self.parts.append((low, self.depth(low), not part[2], self.way(low)))
         if self.parts[-1][2]:
-            self.parts.append((0.0, self.depth(0.0), False))
+            self.parts.append((0.0, self.depth(0.0), False, self.way(0.0)))
 
     def __call__(self, theta):
         return self.bound(theta, next(part for part in reversed(self.parts) if theta <= part[0] or part is self.parts[0]))
@@ -242,8 +249,8 @@ def by_angle(soil, wheel, sinkage, slip, law=Law()):
     cuts = {-entry, 0.0, entry, *turns}
     cuts.update(roots(rebounds, -entry, 0.0))
     if law.kappa and slip:
-        cuts.update(begins for begins, _, _ in dug.parts)
-        cuts.update(roots(largest, -entry, 0.0))     # slip has dug all of it away
+        cuts.update(part[0] for part in dug.parts)
+        cuts.update(roots(largest, -entry, 0.0, 100))     # slip has dug all of it away
     if soil.n < 1:
         capped = ((soil.kc / b + soil.kphi) / soil.stiffness) ** (1 / (1 - soil.n))
         cuts.update(roots(lambda t: largest(t) - capped, -entry, entry))
@@ -284,7 +291,7 @@ def by_way(soil, wheel, sinkage, slip, law=Law(), panels=300):
         below = down - ground
         presses = below >= greatest
         greatest = max(below, greatest)
-        pressed = greatest - digs
+        pressed = greatest - digs if greatest - digs > 1e-12 else 0.0      # rounding, where the rim stands free
         bekker = (soil.kc / wheel.width + soil.kphi) * max(pressed, 0.0) ** soil.n < soil.stiffness * pressed
         free = presses and pressed < 1e-12 and (most - below) * slips * abs(here) > soil.janosi * x / down   # it digs faster than it comes down
         normal = max(soil.yields(pressed, wheel.width) - soil.stiffness * (greatest - below), 0.0)

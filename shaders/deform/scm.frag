@@ -64,14 +64,10 @@ bool is_near(int x, int y, ground g, object o)
 	return o.lowest != UNDER_NONE && g.base != BASE_NODATA && o.lowest - surface < int(min(scale.y * 2097152.0, 1e9));
 }
 
-// Tells whether the post stores shear or dug soil, which end with a contact.
+// Tells whether the post stores shear, which ends with a contact.
 bool remembers(int x, int y)
 {
-	bool some = imageLoad(shears, ivec3(x, y, zero.z)).r != 0;
-#ifdef SLIP
-	some = some || imageLoad(dugs, ivec3(x, y, zero.z)).r != 0;
-#endif
-	return some;
+	return imageLoad(shears, ivec3(x, y, zero.z)).r != 0;
 }
 
 void main()
@@ -124,18 +120,13 @@ void main()
 		bearing b = bearing_of(s, by_width, n, g, o, cell_at(x, y, o), before);
 		over += uint(b.refused);
 		total_add(lost, before.offset - b.after.offset - b.carried);
-		if (b.held || is_near(x, y, g, o)) {
-			if (b.after.shear != before.shear)
-				imageStore(shears, post, ivec4(b.after.shear));
-#ifdef SLIP
-			if (b.after.dug != before.dug)
-				imageStore(dugs, post, ivec4(b.after.dug));
-#endif
-		}
+		if ((b.held || is_near(x, y, g, o)) && b.after.shear != before.shear)
+			imageStore(shears, post, ivec4(b.after.shear));
 		if (b.touched) {
 			imageStore(offsets, post, ivec4(b.after.offset));
 #ifdef SLIP
 			imageStore(heaps, post, ivec4(b.after.heap));
+			imageStore(dugs, post, ivec4(b.after.dug));
 #endif
 			imageStore(sinkages, post, ivec4(b.after.sinkage));
 			imageStore(contacts, post, uvec4(LOWERED | (b.held ? HELD : 0u)));

@@ -9,7 +9,7 @@ const float LEAST = 6e-7; // m: a little more than half a fixed-point unit, by w
 // What a post remembers, in the units of its planes.
 struct post_state {
 	int offset, heap, sinkage;
-	int dug;   // what slip has dug since the contact with the post began
+	int dug;   // what slip has dug in all contacts
 	int shear; // mobilised shear: two halves of 16 bits, 2^-15, to the east and (high) to the north
 };
 
@@ -198,8 +198,8 @@ sliding slides_over(vec3 n, cell c, float above, float share)
 }
 
 #ifdef SLIP
-// What slip digs more in this contact, fixed-point units. With D, what has been dug since the contact with the post began, dD is
-// |e| (kappa K - D) / K for each way that the object slips. The mean of |e| is by Simpson's rule.
+// What slip digs more in this contact, fixed-point units. With D, what it has dug in all contacts, dD is |e| (kappa K - D) / K for each way
+// that the object slips. The mean of |e| is by Simpson's rule.
 int digs_more(soil s, post_state before, sliding over, float share)
 {
 	vec2 along = levelled(over.along * share, over.normal) * s.b.z, shear = shear_of(before.shear);
@@ -255,8 +255,8 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 		b.after.heap = before.heap - more;
 		b.after.offset = b.after.heap - b.sunk;
 		b.after.sinkage = a.most;
+		b.after.dug = before.dug + more;
 	}
-	b.after.dug = b.held ? before.dug + more : 0;
 	b.after.shear = b.held ? shear_post(sheared(shear, levelled(passed.along * max(share, 0.0), passed.normal) * s.b.z)) : 0;
 
 	// The part of the cell that bears.

@@ -71,7 +71,7 @@ static double widest(const struct deform_shape *shape)
 	double x = shape->size[0], y = shape->size[1], z = shape->size[2];
 	switch (shape->kind) {
 	case DEFORM_WHEEL:
-		return shape->width / 2;
+		return shape->width;
 	case DEFORM_BOX: /* the middle one of its sizes: a plate may lie or stand */
 		return fmax(fmin(x, y), fmin(fmax(x, y), z));
 	case DEFORM_MESH:

@@ -237,10 +237,9 @@ void reference_scm(struct reference_ground *ground, const struct deform_soil *so
 		if (post.held || is_near(ground, i, fmin(under[i], rest[i]) - lower))
 			for (int part = 0; part < 2; part++)
 				ground->shear[part][i] = sheared[part];
-		if (post.held || is_near(ground, i, fmin(under[i], rest[i]) - lower))
-			ground->dug[i] = post.held ? ground->dug[i] + dug : 0;
 		if (!touched)
 			continue;
+		ground->dug[i] += dug;
 		if (post.held)
 			ground->offset[i] = rest[i] - lower - ground->base[i];
 		else
