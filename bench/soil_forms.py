@@ -45,13 +45,24 @@ class Soil:
         """Pa at which soil yields at a sinkage: Bekker's pressure, and never more than K_e z."""
         return min((self.kc / width + self.kphi) * depth ** self.n, self.stiffness * depth) if depth > 0 else 0.0
 
-    def shear(self, normal, mobilised):
+    def strengths(self, normal, wheel):
+        """Pa: the most shear within the soil, and the most along the wheel's rim."""
+        adhesion = self.cohesion if wheel.adhesion is None else wheel.adhesion
+        friction = self.friction if wheel.friction is None else wheel.friction
+        return self.cohesion + normal * math.tan(math.radians(self.friction)), adhesion + normal * math.tan(math.radians(friction))
+
+    def shear(self, normal, mobilised, wheel):
         """Pa. mobilised: what share of its strength, signed."""
-        return (self.cohesion + normal * math.tan(math.radians(self.friction))) * mobilised if normal > 0 else 0.0
+        return min(self.strengths(normal, wheel)) * mobilised if normal > 0 else 0.0
 
     def mobilised(self, before, j):
         """The share of its strength that a displacement j one way mobilises: 1 - exp(-j / K) from rest; j against it takes it back."""
         return math.copysign(1.0, j) + (before - math.copysign(1.0, j)) * math.exp(-abs(j) / self.janosi)
+
+    def slips_on(self, normal, wheel):
+        """True where the rim is weaker than the soil."""
+        own, rim = self.strengths(normal, wheel)
+        return rim < own
 
 
 def named(name):
@@ -62,6 +73,8 @@ def named(name):
 class Wheel:
     radius: float
     width: float
+    friction: float | None = None  # degrees, of the rim on the soil; None: the soil's own
+    adhesion: float | None = None  # Pa, the same
 
 
 @dataclasses.dataclass(frozen=True)
@@ -240,7 +253,7 @@ def by_angle(soil, wheel, sinkage, slip, law=Law()):
 
     def shares(theta):
         sigma = stress(theta)
-        tau = soil.shear(sigma, mobilised(theta))
+        tau = soil.shear(sigma, mobilised(theta), wheel)
         c, s = math.cos(theta), math.sin(theta)
         if law.stress == "surface":
             return sigma * c + tau * s, tau * c - sigma * s, r * tau
@@ -251,6 +264,11 @@ def by_angle(soil, wheel, sinkage, slip, law=Law()):
     if law.kappa and slip:
         cuts.update(part[0] for part in dug.parts)
         cuts.update(roots(largest, -entry, 0.0, 100))     # slip has dug all of it away
+    if wheel.friction is not None or wheel.adhesion is not None:  # where the rim becomes weaker than the soil, or stronger
+        def weaker(theta):
+            own, rim = soil.strengths(stress(theta), wheel)
+            return own - rim
+        cuts.update(roots(weaker, -entry, 0.0) + roots(weaker, 0.0, entry))
     if soil.n < 1:
         capped = ((soil.kc / b + soil.kphi) / soil.stiffness) ** (1 / (1 - soil.n))
         cuts.update(roots(lambda t: largest(t) - capped, -entry, entry))
@@ -295,7 +313,7 @@ def by_way(soil, wheel, sinkage, slip, law=Law(), panels=300):
         bekker = (soil.kc / wheel.width + soil.kphi) * max(pressed, 0.0) ** soil.n < soil.stiffness * pressed
         free = presses and pressed < 1e-12 and (most - below) * slips * abs(here) > soil.janosi * x / down   # it digs faster than it comes down
         normal = max(soil.yields(pressed, wheel.width) - soil.stiffness * (greatest - below), 0.0)
-        return normal, soil.shear(normal, here), greatest, (presses, normal > 0, bekker, backwards, here > 0, free)
+        return normal, soil.shear(normal, here, wheel), greatest, (presses, normal > 0, bekker, backwards, here > 0, free, soil.slips_on(normal, wheel))
 
     # Steps are short at the front and at the rear.
     edges = [front * math.cos(math.pi * k / panels) for k in range(panels + 1)]
@@ -380,7 +398,7 @@ def by_posts(soil, wheel, sinkage, slip, law=Law(), posts=20000):
         normal = max(soil.stiffness * (sunk - plastic), 0.0) if sunk < largest else soil.yields(sunk, wheel.width)
         if normal <= 0 and x < 0:
             break                                        # the contact ends
-        tangent = soil.shear(normal, mobilised)
+        tangent = soil.shear(normal, mobilised, wheel)
         slope = x / down if law.stress == "surface" else 0.0
         fz, fx = normal + tangent * slope, tangent - normal * slope
         up, forward, moment = up + fz, forward + fx, moment + fz * x + fx * down

@@ -299,7 +299,7 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 		vec3 since_first = slides_here.along * (slides * max(share - later, 0.0) / max(slides_here.size, 1e-9));
 		float stress = p.stress + damped(s, arm, normal) * min(4.0 * p.share, 1.0) * min(4.0 * n.z * largest * s.b.z, 1.0);
 		vec2 mobilised = sheared(shear, levelled(since_first, normal) * s.b.z);
-		float strength = p.share > 0.0 ? s.b.x + stress * s.b.y : 0.0;
+		float strength = p.share > 0.0 ? holds(s, 1.0, stress) : 0.0;
 		vec3 sum = stress * normal - strength * tilted(mobilised, normal);
 		b.stress += weight * sum;
 		b.moment += weight * cross(arm, sum);

@@ -37,6 +37,7 @@ layout(std140, binding = 0) uniform params {
 	vec4 faces[3]; // box: height at its centre, m, and slope of its lower faces; of the first: units of area a post
 	ivec4 drawn;   // the posts over which `rests` was computed
 	vec4 digs;     // how far the object slips over the ground during the contact, m; how deep that digs at most, in units of K
+	vec4 surface;  // the object's: adhesion, Pa, and tangent of its friction angle; then 1 for each that is the soil's own instead: c, tan phi
 	soil soils[SOILS];
 #ifdef SOIL_RASTERS
 	vec4 rasters[4]; // of the bytes in `numbers`: least and greatest value, step between levels; SI, angles in radians
@@ -180,6 +181,13 @@ float yield_growth(soil s, float yields, float z)
 float plastic_part(soil s, float z, float yields)
 {
 	return max(0.0, z - yields * s.a.w);
+}
+
+// Returns the largest shear force on an area: of the soil, or along the object's surface if that is less. normal: force across it.
+float holds(soil s, float area, float normal)
+{
+	vec2 along = surface.xy + surface.zw * s.b.xy;
+	return min(s.b.x * area + s.b.y * normal, along.x * area + along.y * normal);
 }
 
 // Returns the sinkage of a height below the surface, along the normal, fixed-point units. It is whole, so that the stored number

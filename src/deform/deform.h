@@ -45,9 +45,16 @@ struct deform_pose {
 	double yaw, pitch, roll, turn;
 };
 
+/* Shear along an object's surface. Where that is weaker than the soil, the soil slides along it. */
+struct deform_interface {
+	bool has_friction, has_adhesion; /* false: in its place counts the soil's own friction_angle, cohesion */
+	double friction_angle, adhesion; /* rad, Pa */
+};
+
 /* A contact: the object moves straight from `from` to `to` with the attitude of `to`. A first contact has from == to. */
 struct deform_contact {
 	const struct deform_shape *shape;
+	struct deform_interface interface; /* for models that compute forces */
 	struct deform_pose from, to;
 	double seconds; /* duration of the motion, s; 0: models ignore speeds */
 	double turned;  /* wheel: radians turned about its axis during the motion (slip 0: distance / radius) */
@@ -243,6 +250,10 @@ void deform_axes(double yaw, double pitch, double roll, double turn, double axes
 /* Returns the height of the centre above the object's lowest point in this attitude, metres, positive. */
 double deform_shape_reach(const struct deform_shape *shape, double pitch, double roll);
 
+/* Returns the largest shear force on an area, N: of the soil, or along the object's surface if that is less. `area`: m2; `normal`:
+ * force across it, N. */
+double deform_shear_limit(const struct deform_soil *soil, const struct deform_interface *interface, double area, double normal);
+
 /* Returns about how deep the object sinks under a load, m, as the start of a search. A wheel: Bekker's formula for a towed
  * wheel. Other shapes: as plates. */
 double deform_sinkage_guess(const struct deform_shape *shape, const struct deform_soil *soil, double load);
@@ -408,7 +419,8 @@ void deform_tally_read_into(struct deform *deform, struct gpu_staging *staging, 
 /* How the soil bears an object. */
 enum deform_state {
 	DEFORM_TOUCHING,
-	/* Loaded, and on a slope where W sin a > c A + W cos a tan phi. Without the vertical guide of its path it would slide. */
+	/* Loaded, and on a slope where W sin a > c A + W cos a tan phi, of the soil or of its surface. Without the vertical guide of
+	 * its path it would slide. */
 	DEFORM_SLIDES,
 	DEFORM_SUNK,     /* loaded, and the soil does not carry it: it sank as deep as its height (a mesh: as its size) */
 	DEFORM_AIR,      /* no post bears it */
@@ -424,8 +436,8 @@ struct deform_forces {
 	double sinkage;       /* m: its greatest depth below the base, where the soil bears it; 0 if it is above the base */
 	double area;          /* m2: area of the ground that carries it */
 	double slope[2];      /* of the base under it, a mean: its rise a metre to the east and to the north */
-	/* N: the force along its heading, along the ground, that its path gives it: what its weight needs and the soil does not give.
-	 * Below 0 its path holds it back. The load is its weight; without a load, the soil's vertical force. */
+	/* N, along the heading and the ground: the force that the path must add to the soil's, so that the body keeps its motion. Below
+	 * 0 the path holds it back. Its weight is the load, or without a load the soil's vertical force. */
 	double residual;
 	int64_t z;            /* 2^-20 m: height of its centre; with a load, the equilibrium height */
 	uint32_t saturated;   /* posts whose share exceeded 2^31 sixteenths of a pascal, and was cut to that */

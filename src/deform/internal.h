@@ -17,7 +17,8 @@ enum scratch_target {
 	TO_BEGUN,   /* the start of sliding: offset plane 0, heights, and the other textures that sliding starts with */
 	TO_HEIGHTS_0, TO_HEIGHTS_1,
 	TO_SHED,    /* sumner: the soil that each post sheds, in the texture `carried` */
-	/* slopes, in the atlas: heights in `carried` and extents in `deposits`; only extents, in `under`; only extents, in `deposits` */
+	/* Hops along slopes, in the atlas. The first writes heights to `carried` and extents to `deposits`. Later hops write extents in
+	 * turn to `under` and to `deposits`. */
 	TO_SLOPES_FIRST, TO_SLOPES_0, TO_SLOPES_1,
 	TO_SLID,    /* offset plane 1, and deposited thickness plane 1 */
 	TO_DISTURBANCE, /* disturbance plane 1 */
@@ -83,7 +84,7 @@ struct deform {
 	struct gpu_texture *bases;
 	/* lower envelopes: `under` of the whole motion, `rest` of the end pose. rest is NULL if the model does not need it */
 	struct gpu_texture *under, *rest;
-	/* what a contact did to each post: the bits LOWERED, HELD, HOLE. NULL if no pass needs them */
+	/* what a contact did to each post: the bits LOWERED, HELD. NULL if no pass needs them */
 	struct gpu_texture *contacts;
 	struct gpu_texture *carried, *deposits; /* conserving models: soil before and after deform_spread, fixed-point units */
 	/* used only while soil slides. floors is NULL if the relaxing soil has no bottom */
@@ -213,6 +214,7 @@ struct scm_params {
 	float scale[4], way[4], spin[4], rolls[4], place[4], load[4], body[4], heading[4], moves[4], faces[3][4];
 	int32_t drawn[4];
 	float digs[4];
+	float surface[4];
 	struct scm_soil soils[DEFORM_SOILS];
 	float rasters[DEFORM_RASTERS][4]; /* read only with SOIL_RASTERS */
 };

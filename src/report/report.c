@@ -142,6 +142,16 @@ static void add_volume(cJSON *root, const struct report *report, const struct re
 	json_integer(units, "compacted", io->sums.compacted);
 }
 
+/* Adds an interface in the scene's units. null: the soil's own number. Adds nothing if both numbers are the soil's own. */
+static void add_interface(cJSON *object, const struct deform_interface *interface)
+{
+	if (!interface->has_friction && !interface->has_adhesion)
+		return;
+	cJSON *told = cJSON_AddObjectToObject(object, "interface");
+	json_number(told, "friction_angle", interface->has_friction ? interface->friction_angle * 180 / M_PI : (double)NAN);
+	json_number(told, "adhesion", interface->has_adhesion ? interface->adhesion : (double)NAN);
+}
+
 static void add_objects(cJSON *root, const struct report *report)
 {
 	cJSON *objects = cJSON_AddObjectToObject(root, "objects");
@@ -152,6 +162,7 @@ static void add_objects(cJSON *root, const struct report *report)
 		json_number(object, "sinkage", body->sinkage);
 		json_number(object, "load", body->object->load > 0 ? body->object->load : (double)NAN);
 		json_number(object, "slip", body->object->slip);
+		add_interface(object, &body->object->interface);
 		if (body->object->load > 0 && body->in_contact)
 			json_number(object, "z", lattice_offset_metres(body->equilibrium));
 		json_integer(object, "skipped", body->skipped);

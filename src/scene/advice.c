@@ -293,6 +293,33 @@ static void advise_path(const struct adviser *adviser, const struct scene_object
 		advise(adviser, "objects.%s.slip: a wheel that stands does not turn; give it a way, or take it away", object->name);
 }
 
+/* Returns true if the surface is nowhere weaker than the soil. */
+static bool is_no_weaker(const struct scene *scene, const struct deform_interface *interface)
+{
+	bool weaker = scene->raster_count > 0; /* not known here */
+	for (int i = 0; i < scene->soil_count; i++) {
+		const struct deform_soil *soil = &scene->soils[i];
+		weaker = weaker || (interface->has_friction && interface->friction_angle < soil->friction_angle) ||
+			 (interface->has_adhesion && interface->adhesion < soil->cohesion);
+	}
+	return !weaker;
+}
+
+static void advise_interface(const struct adviser *adviser, const struct scene_object *object)
+{
+	const struct scene *scene = adviser->scene;
+	if (!object->interface.has_friction && !object->interface.has_adhesion)
+		return;
+	if (is_no_weaker(scene, &object->interface))
+		advise(adviser, "objects.%s.interface: its surface is no weaker than the soil, which shears within itself: it changes nothing; "
+				"give less, or take it away",
+		       object->name);
+	else if (object->load == 0 && scene->forces == 0 && !scene->hosted)
+		advise(adviser, "objects.%s.interface: it changes forces alone, and none is computed; give a load or output.forces, or take it "
+				"away",
+		       object->name);
+}
+
 static void advise_forces(const struct adviser *adviser)
 {
 	const struct scene *scene = adviser->scene;
@@ -370,7 +397,9 @@ void scene_advise(const struct scene *scene, double spacing, scene_advice_fn tel
 	for (size_t i = 0; i < scene->object_count; i++) {
 		advise_shape(&adviser, &scene->objects[i]);
 		advise_path(&adviser, &scene->objects[i]);
+		advise_interface(&adviser, &scene->objects[i]);
 	}
+	scene_advise_posts(scene, spacing, tell, user);
 	advise_forces(&adviser);
 	advise_view(&adviser);
 	advise_cache(&adviser);

@@ -97,6 +97,14 @@ static void add_object_more(XXH3_state_t *state, size_t index, const struct scen
 		add_part(state, 's', index);
 		add_number(state, object->slip);
 	}
+	if (object->interface.has_friction) {
+		add_part(state, 'f', index);
+		add_number(state, object->interface.friction_angle);
+	}
+	if (object->interface.has_adhesion) {
+		add_part(state, 'a', index);
+		add_number(state, object->interface.adhesion);
+	}
 	if (object->mesh != NULL)
 		add_mesh(state, index, object->mesh);
 }

@@ -1,4 +1,5 @@
 /* Checks the objects of a scene and fills their values: names, paths, and the loads that they carry. */
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -100,6 +101,7 @@ static enum status check_forces(const struct scene_tree *tree, const struct raw_
 	const bool forces = deform_tells_forces(kind);
 	const struct scene_node *load = scene_tree_find(tree, "objects[%zu].load", index);
 	const struct scene_node *slip = scene_tree_find(tree, "objects[%zu].slip", index);
+	const struct scene_node *interface = scene_tree_find(tree, "objects[%zu].interface", index);
 	if (raw->load != NULL && raw->sink != NULL)
 		return scene_error(tree->file, load, "sink is given too; allowed: one of sink, load");
 	if (raw->load != NULL && !forces)
@@ -111,6 +113,9 @@ static enum status check_forces(const struct scene_tree *tree, const struct raw_
 		return scene_error(tree->file, slip, "only a wheel slips; allowed with: wheel");
 	if (raw->slip != NULL && !forces)
 		return scene_error(tree->file, slip, "model %s does not depend on it; allowed with: redistribute: "
+				   "{model: %s}", model, scene_models_with_forces().text);
+	if (raw->interface != NULL && !forces)
+		return scene_error(tree->file, interface, "model %s does not depend on it; allowed with: redistribute: "
 				   "{model: %s}", model, scene_models_with_forces().text);
 	return STATUS_OK;
 }
@@ -125,12 +130,25 @@ static enum status check_hosted(const struct scene_tree *tree, const struct raw_
 			   "is for an object with a path, and the host moves this one; allowed with: path");
 }
 
+static struct deform_interface interface_of(const struct raw_interface *raw)
+{
+	struct deform_interface interface = {.has_friction = false};
+	if (raw == NULL)
+		return interface;
+	interface.has_friction = raw->friction_angle != NULL;
+	interface.has_adhesion = raw->adhesion != NULL;
+	interface.friction_angle = interface.has_friction ? *raw->friction_angle * M_PI / 180 : 0;
+	interface.adhesion = interface.has_adhesion ? *raw->adhesion : 0;
+	return interface;
+}
+
 enum status scene_check_object(const struct scene_tree *tree, const struct raw_object *raw, size_t index,
 			       const struct scene *scene, struct scene_object *object)
 {
 	object->sink = raw->sink != NULL ? *raw->sink : 0;
 	object->load = raw->load != NULL ? *raw->load : 0;
 	object->slip = raw->slip != NULL ? *raw->slip : 0;
+	object->interface = interface_of(raw->interface);
 	enum status status = raw->name != NULL ? take_name(tree, scene, index, raw->name, object) : STATUS_OK;
 	if (status == STATUS_OK)
 		status = scene_check_shape(tree, &raw->shape, index, object);

@@ -55,6 +55,11 @@ static const cyaml_schema_field_t path_fields[] = {
 	CYAML_FIELD_STRING_PTR("file", OPTIONAL, struct raw_path, file, 1, 4096),
 	CYAML_FIELD_END,
 };
+static const cyaml_schema_field_t interface_fields[] = {
+	CYAML_FIELD_FLOAT_PTR("friction_angle", OPTIONAL, struct raw_interface, friction_angle),
+	CYAML_FIELD_FLOAT_PTR("adhesion", OPTIONAL, struct raw_interface, adhesion),
+	CYAML_FIELD_END,
+};
 static const cyaml_schema_field_t object_fields[] = {
 	CYAML_FIELD_STRING_PTR("name", OPTIONAL, struct raw_object, name, 1, 64),
 	CYAML_FIELD_MAPPING("shape", NEEDED, struct raw_object, shape, shape_fields),
@@ -62,6 +67,7 @@ static const cyaml_schema_field_t object_fields[] = {
 	CYAML_FIELD_FLOAT_PTR("sink", OPTIONAL, struct raw_object, sink),
 	CYAML_FIELD_FLOAT_PTR("load", OPTIONAL, struct raw_object, load),
 	CYAML_FIELD_FLOAT_PTR("slip", OPTIONAL, struct raw_object, slip),
+	CYAML_FIELD_MAPPING_PTR("interface", OPTIONAL, struct raw_object, interface, interface_fields),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_value_t object_entry = {
@@ -263,6 +269,8 @@ static const struct scene_limit limits[] = {
 	{"objects[].sink", 0, 1000, false, NULL, "m", 0, NULL},
 	{"objects[].load", 0, 1e9, true, NULL, "N", NAN, "none: sink"},
 	{"objects[].slip", -1000, 0.99, false, NULL, NULL, 0, NULL},
+	{"objects[].interface.friction_angle", 0, 89, false, NULL, "degrees", NAN, "the soil's"},
+	{"objects[].interface.adhesion", 0, 1e9, false, NULL, "Pa", NAN, "the soil's cohesion"},
 	{"output.forces", 0, 1e6, false, NULL, "1/s", 0, NULL},
 	{"output.delay", 0, 64, false, NULL, "steps", 2, NULL},
 	{"view.size[]", 1, 8192, false, NULL, "pixels", NAN, "1280, 720"},

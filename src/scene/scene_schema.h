@@ -41,11 +41,15 @@ struct raw_path {
 	bool *loop;
 	char *file;
 };
+struct raw_interface {
+	double *friction_angle, *adhesion; /* degrees, Pa */
+};
 struct raw_object {
 	char *name;
 	struct raw_shape shape;
 	struct raw_path *path;
 	double *sink, *load, *slip;
+	struct raw_interface *interface;
 };
 /* One class of soil. Angles are in degrees. */
 struct raw_class {

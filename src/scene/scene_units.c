@@ -40,7 +40,7 @@ static enum status doubt(const struct units *units, const struct scene_node *nod
 	return doubts[scene->doubt_count++] != NULL ? STATUS_OK : fail_memory("reading the scene");
 }
 
-/* Doubts the angle of the soil at `where`. 0 means no friction in any unit. */
+/* Doubts the angle of the soil, or of an object's surface, at `where`. 0 means no friction in any unit. */
 static enum status doubt_angle(const struct units *units, const char *where, const char *key, const double *angle)
 {
 	char why[200];
@@ -51,18 +51,39 @@ static enum status doubt_angle(const struct units *units, const char *where, con
 	return doubt(units, scene_tree_find(units->tree, "%s.%s", where, key), why);
 }
 
-static enum status doubt_class(const struct units *units, const char *where, const struct raw_class *class)
+/* The same of cohesion or adhesion. */
+static enum status doubt_cohesion(const struct units *units, const char *where, const char *key, const double *cohesion)
 {
 	char why[200];
-	enum status status = STATUS_OK;
-	if (class->cohesion != NULL && *class->cohesion > 0 && *class->cohesion < LEAST_COHESION) {
-		snprintf(why, sizeof why, "%g Pa is less than soils have, and probably in kPa; the unit is Pa: give %.6g, or 0 for none",
-			 *class->cohesion, *class->cohesion * 1e3);
-		status = doubt(units, scene_tree_find(units->tree, "%s.cohesion", where), why);
-	}
+	if (cohesion == NULL || *cohesion == 0 || *cohesion >= LEAST_COHESION)
+		return STATUS_OK;
+	snprintf(why, sizeof why, "%g Pa is less than soils have, and probably in kPa; the unit is Pa: give %.6g, or 0 for none", *cohesion,
+		 *cohesion * 1e3);
+	return doubt(units, scene_tree_find(units->tree, "%s.%s", where, key), why);
+}
+
+static enum status doubt_class(const struct units *units, const char *where, const struct raw_class *class)
+{
+	enum status status = doubt_cohesion(units, where, "cohesion", class->cohesion);
 	if (status == STATUS_OK)
 		status = doubt_angle(units, where, "friction_angle", class->friction_angle);
 	return status == STATUS_OK ? doubt_angle(units, where, "repose", class->repose) : status;
+}
+
+static enum status doubt_interfaces(const struct units *units)
+{
+	enum status status = STATUS_OK;
+	for (uint32_t i = 0; i < units->raw->objects_count && status == STATUS_OK; i++) {
+		const struct raw_interface *interface = units->raw->objects[i].interface;
+		char where[48];
+		if (interface == NULL)
+			continue;
+		snprintf(where, sizeof where, "objects[%u].interface", i);
+		status = doubt_angle(units, where, "friction_angle", interface->friction_angle);
+		if (status == STATUS_OK)
+			status = doubt_cohesion(units, where, "adhesion", interface->adhesion);
+	}
+	return status;
 }
 
 /* Soils of models that read these keys. */
@@ -143,6 +164,8 @@ enum status scene_check_units(const struct scene_tree *tree, const struct raw_sc
 {
 	const struct units units = {tree, raw, scene};
 	enum status status = doubt_soils(&units);
+	if (status == STATUS_OK)
+		status = doubt_interfaces(&units);
 	if (status == STATUS_OK)
 		status = doubt_loads(&units);
 	return status == STATUS_OK ? doubt_sun(&units) : status;

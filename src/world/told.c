@@ -107,7 +107,7 @@ static enum status fill(struct world *world, const struct scene_object *object, 
 	status = world_soil_numbers_at(world, state->pose.position[0], state->pose.position[1], &soil, &found);
 	if (status != STATUS_OK || !found)
 		return status;
-	contact->shear_limit = soil.cohesion * force->area + fmax(contact->normal_force, 0) * tan(soil.friction_angle);
+	contact->shear_limit = deform_shear_limit(&soil, &object->interface, force->area, fmax(contact->normal_force, 0));
 	return STATUS_OK;
 }
 

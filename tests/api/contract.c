@@ -136,6 +136,37 @@ static void a_shear_limit_is_of_the_rasters_number(void **state)
 	done(furrow_world_close(world));
 }
 
+/* A ball that is drawn along. */
+static void a_shear_limit_is_of_the_body_s_surface(void **state)
+{
+	static const struct {
+		const char *surface;
+		double adhesion, angle;
+	} rows[] = {{"", 1040, 28}, {", interface: {friction_angle: 10}", 1040, 10}, {", interface: {adhesion: 100, friction_angle: 20}", 100, 20},
+		    {", interface: {adhesion: 5000}", 1040, 28}};
+	struct furrow_world *world = hosted_world("surface.furrow");
+	double pull[4];
+	for (int i = 0; i < 4; i++) {
+		char object[120];
+		furrow_body ball = -1;
+		const double y = 6 + 6 * i;
+		snprintf(object, sizeof object, "{shape: {sphere: {radius: 0.5}}%s}", rows[i].surface);
+		done(furrow_body_add(world, object, &ball));
+		const struct furrow_pose pose = hosted_pose(8, y, 100.45);
+		done(furrow_place(world, ball, &pose));
+		for (int step = 1; step <= 20; step++)
+			hosted_move(world, ball, 8 + 0.025 * step, y, 100.45);
+		const struct furrow_contact contact = contact_of(world, ball);
+		double limit = rows[i].adhesion * contact.area + contact.normal_force * tan(rows[i].angle * M_PI / 180);
+		assert_float_equal(contact.shear_limit, limit, 1e-6 * limit);
+		pull[i] = contact.force[0];
+	}
+	/* Weaker surfaces hold it back less, and a stronger one as the soil itself. */
+	assert_true(pull[0] < pull[2] && pull[2] < 0 && pull[0] < pull[1] && pull[1] < 0);
+	assert_true(pull[3] == pull[0]);
+	done(furrow_world_close(world));
+}
+
 static void a_body_that_rasters_do_not_bear_is_refused(void **state)
 {
 	char scene[600];
@@ -341,6 +372,7 @@ int main(void)
 		cmocka_unit_test(the_world_says_what_it_is),
 		cmocka_unit_test(a_ball_leaves_a_rut_that_every_question_sees),
 		cmocka_unit_test(a_shear_limit_is_of_the_rasters_number),
+		cmocka_unit_test(a_shear_limit_is_of_the_body_s_surface),
 		cmocka_unit_test(a_body_that_rasters_do_not_bear_is_refused),
 		cmocka_unit_test(states_are_as_they_were_set),
 		cmocka_unit_test(a_probe_does_not_know_yet),

@@ -20,12 +20,6 @@ static void init(struct ground *ground, const struct deform_soil *soil, double s
 						    .soils = soil, .bulldozing = bulldozing, .slip_sinkage = slip_sinkage, .iterations = 1});
 }
 
-static struct deform_contact stand(const struct ground *ground, const struct deform_shape *shape, double x, double y, double z)
-{
-	struct deform_pose pose = ground_pose(ground, x, y, z);
-	return (struct deform_contact){.shape = shape, .from = pose, .to = pose};
-}
-
 /* turned: the wheel's rim goes so much faster than its axle. */
 static void go(struct deform_contact *contact, double east, double rim)
 {
@@ -33,16 +27,6 @@ static void go(struct deform_contact *contact, double east, double rim)
 	contact->to.x += lattice_offset(east);
 	if (contact->shape->kind == DEFORM_WHEEL)
 		contact->turned = lattice_offset_metres(contact->to.x - contact->from.x) * rim / contact->shape->radius;
-}
-
-static int64_t sum_of(struct ground *ground, enum plane plane)
-{
-	int32_t *all = ground_plane(ground, plane);
-	int64_t sum = 0;
-	for (int64_t i = 0; i < ground->posts * ground->posts; i++)
-		sum += all[i];
-	mem_free(all);
-	return sum;
 }
 
 /* A plate under a load slips by less than a post, so that the same posts bear it. With u = j / K its shear mobilises e = 1 - exp(-u), of which the
@@ -56,7 +40,7 @@ static void a_plate_that_slips_sinks_by_the_formula(void **state)
 	soil.janosi_shear = 0.004;
 	for (int pieces = 1; pieces <= 8; pieces *= 8) {
 		init(&ground, &soil, 0.015625, KAPPA, 0);
-		struct deform_contact contact = stand(&ground, &plate, 64.1, 64.5, 0.25);
+		struct deform_contact contact = ground_stand(&ground, &plate, 64.1, 64.5, 0.25);
 		contact.load = 5000;
 		double stood = lattice_offset_metres(ground_forces(&ground, &contact).z), way = 0;
 		for (int i = 0; i < pieces; i++) {
@@ -82,7 +66,7 @@ static void what_rolls_digs_nothing(void **state)
 	for (int digs = 0; digs < 2; digs++) {
 		struct ground ground;
 		init(&ground, &soil, 0.004, digs * KAPPA, 0.5);
-		struct deform_contact contact = stand(&ground, &wheel, 30.3, 64.4, 0.058);
+		struct deform_contact contact = ground_stand(&ground, &wheel, 30.3, 64.4, 0.058);
 		contact.load = 20;
 		for (int pass = 0; pass < 2; pass++) {
 			ground_sweep(&ground, &contact);
@@ -94,7 +78,7 @@ static void what_rolls_digs_nothing(void **state)
 		for (int i = 0; i < 4; i++)
 			seen[digs][i] = ground_plane(&ground, planes[i]);
 		if (digs)
-			assert_int_equal(sum_of(&ground, PLANE_DUG), 0);
+			assert_int_equal(ground_sum(&ground, PLANE_DUG), 0);
 		for (int i = 0; i < 4 && digs; i++)
 			assert_memory_equal(seen[0][i], seen[1][i], (size_t)(ground.posts * ground.posts) * 4);
 		ground_finish(&ground);
@@ -115,7 +99,7 @@ static struct rut rut(double spacing, double rim, double slip_sinkage)
 	struct deform_forces forces = {0};
 	struct ground ground;
 	init(&ground, &soil, spacing, slip_sinkage, 0);
-	struct deform_contact contact = stand(&ground, &wheel, 0.12 / spacing + 0.3, (double)ground.posts / 2 + 0.2, 0.058);
+	struct deform_contact contact = ground_stand(&ground, &wheel, 0.12 / spacing + 0.3, (double)ground.posts / 2 + 0.2, 0.058);
 	contact.load = 20;
 	ground_sweep(&ground, &contact);
 	for (int i = 0; i < (int)lround(way / spacing); i++) {
@@ -179,7 +163,7 @@ static void each_pass_digs_less(void **state)
 	need_gpu();
 	init(&ground, &soil, 0.004, KAPPA, 0.5);
 	for (int pass = 0; pass < 5; pass++) {
-		struct deform_contact contact = stand(&ground, &wheel, 30.3, 64.4, 0.058);
+		struct deform_contact contact = ground_stand(&ground, &wheel, 30.3, 64.4, 0.058);
 		contact.load = 20;
 		ground_sweep(&ground, &contact);
 		for (int i = 0; i < 60; i++) {
@@ -206,7 +190,7 @@ static void every_unit_that_is_dug_is_laid(void **state)
 		int64_t sum = 0, compacted = 0, dug = 0;
 		init(&ground, &soil, 0.004, round < 3 ? KAPPA : 5, 0.5 * (round % 3));
 		for (int k = 0; k < 3; k++) {
-			struct deform_contact contact = stand(&ground, &wheel, 40 + 9 * k, 60 + 3 * k, 0.058 - 0.015);
+			struct deform_contact contact = ground_stand(&ground, &wheel, 40 + 9 * k, 60 + 3 * k, 0.058 - 0.015);
 			contact.load = k % 2 ? 25 : 0;
 			for (int i = 0; i < 20; i++) {
 				struct deform_tally tally;
@@ -217,7 +201,7 @@ static void every_unit_that_is_dug_is_laid(void **state)
 				assert_true(now - sum == compacted - tally.compacted);
 				sum = now;
 				compacted = tally.compacted;
-				dug += sum_of(&ground, PLANE_DUG) > 0;
+				dug += ground_sum(&ground, PLANE_DUG) > 0;
 				go(&contact, 0.004, 3);
 			}
 		}

@@ -35,7 +35,7 @@ const char *const fuzz_words[] = {
 	"|\n", ">\n", "---\n", "...\n", "%YAML 1.1\n", "? ", "<<: ", "\\x2f", "\xef\xbb\xbf", "\xc3", "\xf4\x8f\xbf\xbf",
 	"t,x,y,z,yaw,pitch,roll\n", "0,1,2\n", SCENE_POSES, SCENE_SET, "cache.slots=8\n", "objects.a.sink=1\n",
 	"redistribute: {model: sumner, iterations: 2, interval: 0.1, depth: 1}\n", "redistribute: {model: slippage}\n",
-	"redistribute: {model: scm, depth: 0.1, bulldozing: 0.4, slip_sinkage: 0.7}\n", "scm", "load: 4000", "slip: 0.2",
+	"redistribute: {model: scm, depth: 0.1, bulldozing: 0.4, slip_sinkage: 0.7}\n", "scm", "load: 4000", "slip: 0.2", "interface: {friction_angle: 20, adhesion: 300}", "interface",
 	"shape: {mesh: {file: foot.obj, scale: 2}}", "lugs: 12, lug_height: 0.02, lug_thickness: 0.01",
 	"output: {forces: 50, delay: 0}\n", "soil: {map: poses.csv, classes: {1: lunar, 2: {name: clayey_38}}, default: snow_us}\n",
 	"soil: {cohesion: 0, friction_angle: 30, unit_weight: 16000, repose: 30}\n",
@@ -126,8 +126,11 @@ static void check_object(const struct scene *scene, const struct scene_object *o
 		fuzz_check(shape->radius > 0 && isfinite(shape->radius));
 	fuzz_check(shape->grousers >= 0 && shape->grousers <= 128 && (shape->grousers == 0) == (shape->grouser_height == 0));
 	fuzz_check(shape->grouser_height <= shape->radius && (shape->grousers == 0) == (shape->grouser_thickness == 0));
-	fuzz_check(object->load >= 0 && object->load <= 1e9 && fabs(object->slip) < 1);
+	fuzz_check(object->load >= 0 && object->load <= 1e9 && object->slip >= -1000 && object->slip < 1);
 	fuzz_check((object->load == 0 && object->slip == 0) || scene->model == DEFORM_SCM);
+	const struct deform_interface *interface = &object->interface;
+	fuzz_check(interface->friction_angle >= 0 && interface->friction_angle < 1.6 && interface->adhesion >= 0 && interface->adhesion <= 1e9);
+	fuzz_check((!interface->has_friction && !interface->has_adhesion) || scene->model == DEFORM_SCM);
 	fuzz_check(object->load == 0 || (object->sink == 0 && !path->has_z));
 }
 

@@ -127,7 +127,7 @@ size_t fuzz_seed(size_t index, uint8_t *data, size_t room)
 		"    2: {name: lete_sand, cohesion: 500}\n  default: lunar\n  rasters: {cohesion: poses.csv, friction_angle: poses.csv}\n"
 		"redistribute: {model: scm, iterations: 4, interval: 0.02, depth: 0.5, bulldozing: 0.3}\nobjects:\n"
 		"  - name: a\n    shape: {wheel: {radius: 0.5, width: 0.4, lugs: 12, lug_height: 0.02, lug_thickness: 0.03}}\n"
-		"    path: {points: [[1, 2]], speed: 3}\n    load: 4000\n    slip: 0.2\n"
+		"    path: {points: [[1, 2]], speed: 3}\n    load: 4000\n    slip: 0.2\n    interface: {friction_angle: 20, adhesion: 300}\n"
 		"  - {name: b, shape: {mesh: {file: foot.obj, scale: 2}}, path: {points: [[1, 2]], speed: 3}}\n"
 		"output: {forces: 50, delay: 2}\n" SCENE_POSES "any bytes\n" SCENE_SET "soil.classes.3=clayey_38\n",
 		"scene: 1\nend_time: 1\nsoil:\n  bekker_kc: 1e3\n  bekker_kphi: 1.5e6\n  bekker_n: 1.1\n  cohesion: 1040\n"

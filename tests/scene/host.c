@@ -199,6 +199,7 @@ static void an_object_is_checked_as_one_of_the_scene(void **state)
 		{scm, "{shape: {sphere: {radius: 1}}, path: {points: [[1, 1]]}}", "objects[0].path: has no speed"},
 		{scm, "{shape: {sphere: {radius: 1}}, path: {file: none.csv}}", "objects[0].path.file: \"none.csv\": No such file"},
 		{box, "{shape: {sphere: {radius: 1}}, load: 1, path: {points: [[1, 1]], speed: 1}}", "objects[0].load: model box computes no force"},
+		{box, "{shape: {sphere: {radius: 1}}, interface: {friction_angle: 9}}", "objects[0].interface: model box does not depend on it"},
 		{box, "{shape: {wheel: {radius: 1, width: 1}}, slip: 0.1, path: {points: [[1, 1]], speed: 1}}", "model box does not depend on it"},
 	};
 	write_text("z.csv", "0,1,2,3\n");
@@ -215,7 +216,8 @@ static void an_object_is_checked_as_one_of_the_scene(void **state)
 
 static void an_object_becomes_what_the_scene_would_make_of_it(void **state)
 {
-	static const char entry[] = "{name: w, shape: {wheel: {radius: 0.25, width: 0.2, grousers: 12}}, path: {points: [[1, 2], [3, 4]], speed: 2}, load: 9}";
+	static const char entry[] = "{name: w, shape: {wheel: {radius: 0.25, width: 0.2, grousers: 12}}, path: {points: [[1, 2], [3, 4]], speed: 2}, load: 9, "
+				    "interface: {adhesion: 40}}";
 	char whole[400];
 	snprintf(whole, sizeof whole, "{soil: {name: lunar}, redistribute: {model: scm}, objects: [%s]}", entry);
 	struct scene *with = hosted(whole), *without = hosted("{soil: {name: lunar}, redistribute: {model: scm}}");
@@ -228,6 +230,7 @@ static void an_object_becomes_what_the_scene_would_make_of_it(void **state)
 	assert_int_equal(scene_object_effects(&object), EFFECT_BIT(EFFECT_GROUSERS) | EFFECT_BIT(EFFECT_LOAD));
 	assert_int_equal(scene_object_parse(with, "{\"shape\": {\"sphere\": {\"radius\": 5e-1}}}", &body), STATUS_OK);
 	assert_string_equal(body.name, "body-1");
+	assert_true(object.interface.has_adhesion && object.interface.adhesion == 40 && !object.interface.has_friction && !body.interface.has_adhesion);
 	assert_true(body.path.count == 0 && body.path.points == NULL && body.shape.radius == 0.5);
 	assert_int_equal(scene_object_effects(&body), 0);
 	scene_destroy(with);

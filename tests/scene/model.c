@@ -40,6 +40,33 @@ static void a_model_has_its_own_parameters_with_their_defaults(void **state)
 	refuse("model: scm", "model: mud", ":4: redistribute.model: \"mud\" is unknown; allowed: none, box, sumner, slippage, scm");
 }
 
+static void a_surface_has_friction_and_adhesion_each_alone(void **state)
+{
+	static const struct {
+		const char *text;
+		struct deform_interface wanted;
+	} cases[] = {
+		{"", {.has_friction = false}},
+		{"    interface: {}\n", {.has_friction = false}},
+		{"    interface: {friction_angle: 18}\n", {.has_friction = true, .friction_angle = 18 * M_PI / 180}},
+		{"    interface: {adhesion: 250}\n", {.has_adhesion = true, .adhesion = 250}},
+		{"    interface: {adhesion: 0, friction_angle: 0}\n", {true, true, 0, 0}},
+	};
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		char with[120];
+		snprintf(with, sizeof with, "3}\n%s", cases[i].text);
+		struct scene *scene = load_edited(base, "3}\n", with);
+		const struct deform_interface *got = &scene->objects[0].interface;
+		assert_true(got->has_friction == cases[i].wanted.has_friction && got->has_adhesion == cases[i].wanted.has_adhesion);
+		assert_true(fabs(got->friction_angle - cases[i].wanted.friction_angle) < 1e-15 && got->adhesion == cases[i].wanted.adhesion);
+		scene_destroy(scene);
+	}
+	refuse("scm}\nobjects:\n  - name: a\n", "slippage}\nobjects:\n  - name: a\n    interface: {adhesion: 1}\n",
+	       ":7: objects[0].interface: model slippage does not depend on it; allowed with: redistribute: {model: scm}");
+	refuse("3}\n", "3}\n    interface: {friction: 1}\n", ":9: objects[0].interface.friction: unknown key; allowed: friction_angle, adhesion");
+	refuse("3}\n", "3}\n    interface: 20\n", ":9: objects[0].interface: is a single value; allowed: a mapping of friction_angle, adhesion");
+}
+
 static void a_load_takes_the_place_of_a_sinkage(void **state)
 {
 	struct scene *scene = load_edited(base, "3}\n", "3}\n    load: 4000\n    slip: -0.25\n");
@@ -195,6 +222,11 @@ static void the_hash_is_of_all_that_decides_how_the_ground_gives_way(void **stat
 		{"model: scm", "model: scm, normals: ground", false},
 		{"3}\n", "3}\n    load: 5\n", false},
 		{"3}\n", "3}\n    slip: 0.1\n", false},
+		{"3}\n", "3}\n    interface: {}\n", true},
+		{"3}\n", "3}\n    interface: {friction_angle: 1}\n", false},
+		{"3}\n", "3}\n    interface: {adhesion: 0}\n", false},
+		{"3}\n", "3}\n    interface: {friction_angle: 0}\n", false},
+		{"3}\n", "3}\n    interface: {friction_angle: 0, adhesion: 0}\n", false},
 		{"0.4}", "0.4, grousers: 3}", false},
 		{"0.4}", "0.4, grousers: 3, grouser_height: 0.1}", false},
 		{"0.4}", "0.4, grousers: 3, grouser_thickness: 0.1}", false},
@@ -222,6 +254,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_model_has_its_own_parameters_with_their_defaults),
+		cmocka_unit_test(a_surface_has_friction_and_adhesion_each_alone),
 		cmocka_unit_test(a_load_takes_the_place_of_a_sinkage),
 		cmocka_unit_test(lugs_have_a_height_and_a_thickness),
 		cmocka_unit_test(a_mesh_is_read_beside_the_scene_and_counts_by_its_triangles),

@@ -108,6 +108,8 @@ static void limits_are_taken_and_what_is_beyond_is_not(void **state)
 		{"0.4}", "0.4, grousers: 4, grouser_height: %s}", {"1e-3", "0.5"}, {"0", "0.51"}, "allowed: above 0 to "},
 		{"0.4}", "0.4, grousers: 4, grouser_thickness: %s}", {"1e-3", "1000"}, {"0", "1001"}, "allowed: above 0 to 1000"},
 		{"3}\n", "3}\n    load: %s\n", {"1e-3", "1e9"}, {"0", "-1", "1.1e9"}, "allowed: above 0 to 1000000000"},
+		{"3}\n", "3}\n    interface: {friction_angle: %s}\n", {"0", "89"}, {"-0.1", "89.1", "nan"}, "objects[0].interface.friction_angle: "},
+		{"3}\n", "3}\n    interface: {adhesion: %s}\n", {"0", "1e9"}, {"-1", "1.1e9", ".inf"}, "objects[0].interface.adhesion: "},
 		{"3}\n", "3}\n    slip: %s\n", {"-1000", "0.99"}, {"-1001", "1", "nan"}, "objects[0].slip: "},
 		{"3}\n", "3}\noutput: {forces: %s}\n", {"0", "0.1", "1e6"}, {"-1", "1.1e6"}, "allowed: 0 to 1000000"},
 		{"3}\n", "3}\noutput: {forces: 1, delay: %s}\n", {"0", "64"}, {"-1", "65"}, "allowed: 0 to 64"},

@@ -70,6 +70,18 @@ static void cohesion_in_kilopascals(void **state)
 	noted("soil.cohesion", "0", NULL);
 }
 
+static void surfaces_are_doubted_as_soils_are(void **state)
+{
+	noted("objects.a.interface.friction_angle", "0.35", "--set objects.a.interface.friction_angle: objects[0].interface.friction_angle: 0.35 degrees is "
+							     "less than soils have, and probably in radians; the unit is degrees: give 20.05");
+	noted("objects.a.interface.friction_angle", "1.6", NULL);
+	noted("objects.b.interface", "{friction_angle: 0}", NULL);
+	noted("objects.b.interface.adhesion", "0.4", "objects[1].interface.adhesion: 0.4 Pa is less than soils have, and probably in kPa; the unit is Pa: "
+						      "give 400, or 0 for none");
+	noted("objects.a.interface.adhesion", "50", NULL);
+	noted("objects.a.interface", "{adhesion: 0}", NULL);
+}
+
 static void loads_in_kilonewtons_or_kilograms(void **state)
 {
 	noted("objects.a.load", "4", "objects[0].load: 4 N on a wheel of 0.5 m radius is less than the wheel's own weight; the unit is N: if it "
@@ -170,10 +182,11 @@ static void shipped_scenes_get_none(void **state)
 
 static void memory_that_runs_out_is_told(void **state)
 {
-	const struct scene_setting settings[] = {{"soil.cohesion", "1"}, {"objects.a.load", "4"}, {"view.sun.height", "1"}};
+	const struct scene_setting settings[] = {{"soil.cohesion", "1"}, {"objects.a.load", "4"}, {"view.sun.height", "1"},
+						   {"objects.b.interface.friction_angle", "1"}};
 	write_text("scene.yaml", scm);
-	assert_memory_is_told(settings, 3, false);
-	assert_memory_is_told(settings, 3, true);
+	assert_memory_is_told(settings, 4, false);
+	assert_memory_is_told(settings, 4, true);
 	unlink(in_folder("scene.yaml"));
 }
 
@@ -182,6 +195,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(angles_in_radians),
 		cmocka_unit_test(cohesion_in_kilopascals),
+		cmocka_unit_test(surfaces_are_doubted_as_soils_are),
 		cmocka_unit_test(loads_in_kilonewtons_or_kilograms),
 		cmocka_unit_test(a_sun_that_leaves_the_picture_black),
 		cmocka_unit_test(what_the_model_does_not_read_gets_no_such_note),

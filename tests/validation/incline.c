@@ -22,6 +22,7 @@ struct drive {
 	struct deform_soil soil;
 	double load, slope, up, yaw, seconds, slip, spacing; /* up: the slope's direction, rad */
 	double bulldozing;
+	struct deform_interface interface;
 };
 
 /* Rolls on along its yaw; the forces of its last station. */
@@ -33,7 +34,7 @@ static struct deform_forces drive(const struct drive *of, struct ground *ground)
 	rise_y = tan(of->slope) * sin(of->up) * of->spacing;
 	ground_init(ground, &(struct ground_params){.cells = POSTS / 2, .tiles = 2, .first = 0, .spacing = of->spacing, .model = DEFORM_SCM,
 						    .height = plane_height, .soils = &of->soil, .bulldozing = of->bulldozing});
-	struct deform_contact sweep = {.shape = of->shape, .load = of->load, .seconds = of->seconds};
+	struct deform_contact sweep = {.shape = of->shape, .interface = of->interface, .load = of->load, .seconds = of->seconds};
 	for (int i = 0; i < STATIONS; i++) {
 		double x = POSTS / 2 + 0.3 + i * cos(of->yaw), y = POSTS / 2 + 0.4 + i * sin(of->yaw);
 		double z = (x - POSTS / 2) * rise_x + (y - POSTS / 2) * rise_y + reach;
@@ -91,6 +92,39 @@ static void the_soil_s_vertical_force_is_the_load(void **state)
 	assert_true(carried > 180);
 }
 
+/* Surfaces half as strong as the soil. */
+static void the_load_is_balanced_by_weak_surfaces_too(void **state)
+{
+	int slid = 0;
+	(void)state;
+	need_gpu();
+	for (int s = 0; s < SOILS; s++)
+		for (int k = 0; k < 3; k++) {
+			struct drive of = {
+				.shape = &bodies[k], .soil = bed_soil(soils[s]), .load = k == 1 ? 3000 : 1000, .up = (s + k) % 8 * 45 * RADIANS,
+				.yaw = (s + k) % 5 * 22.5 * RADIANS, .slip = 0.3 * (s % 3 - 1), .spacing = 0.02, .bulldozing = k == 0 ? 0.5 : 0,
+			};
+			of.slope = fmax(of.soil.friction_angle - 5 * RADIANS, 0) * (k + s % 2) / 3;
+			of.interface = (struct deform_interface){true, s % 3 > 0, of.soil.friction_angle / 2, of.soil.cohesion / 2};
+			struct ground ground;
+			struct deform_forces forces = drive(&of, &ground);
+			ground_finish(&ground);
+			if (forces.state == DEFORM_SUNK)
+				continue;
+			if (!(fabs(forces.force[2] / of.load - 1) <= 0.005))
+				fail_msg("%s, body %d on %.1f degrees: %.9g N", soils[s], k, of.slope / RADIANS, forces.force[2]);
+			double adhesion = forces.area * (s % 3 > 0 ? 0.5 : 1) * of.soil.cohesion, friction = tan(of.interface.friction_angle);
+			double holds = adhesion + of.load * cos(of.slope) * friction, along = of.load * sin(of.slope);
+			slid += forces.state == DEFORM_SLIDES;
+			if (fabs(along / holds - 1) > 0.02)
+				assert_int_equal(forces.state, along > holds ? DEFORM_SLIDES : DEFORM_TOUCHING);
+			/* The box's underside is level: all that is level is shear. */
+			if (k == 1)
+				assert_true(hypot(forces.force[0], forces.force[1]) <= 1.001 * (adhesion + of.load * friction));
+		}
+	assert_true(slid > 5);
+}
+
 /* Soil without cohesion holds a body up to its angle of friction. */
 static void the_state_says_where_the_soil_cannot_hold_it(void **state)
 {
@@ -117,9 +151,39 @@ static void the_state_says_where_the_soil_cannot_hold_it(void **state)
 		}
 }
 
+/* Of the soil and the surface the weaker one decides: friction alone; and cohesive soil that does not stick. */
+static void the_state_is_of_the_surface_where_that_is_weaker(void **state)
+{
+	static const double beyond[] = {-4, -1, 1, 4}, other[] = {-8, 10}; /* degrees */
+	(void)state;
+	need_gpu();
+	for (int s = 0; s < SOILS; s++)
+		for (int i = 0; i < 4 * 3; i++) {
+			struct drive of = {.shape = &bodies[i % 2], .soil = bed_soil(soils[s]), .load = 3000, .spacing = 0.02, .up = 22.5 * RADIANS * i};
+			double friction = of.soil.friction_angle;
+			if (i < 8) {
+				of.soil.cohesion = 0;
+				of.interface = (struct deform_interface){.has_friction = true, .friction_angle = friction + other[i / 4] * RADIANS};
+				friction = fmin(friction, of.interface.friction_angle);
+			} else {
+				of.interface.has_adhesion = true;
+			}
+			of.slope = friction + beyond[i % 4] * RADIANS;
+			if (of.slope < 0 || friction < 0)
+				continue;
+			struct ground ground;
+			struct deform_forces forces = drive(&of, &ground);
+			ground_finish(&ground);
+			if (forces.state != DEFORM_SUNK)
+				assert_int_equal(forces.state, beyond[i % 4] > 0 ? DEFORM_SLIDES : DEFORM_TOUCHING);
+		}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(the_load_is_balanced_by_weak_surfaces_too),
+		cmocka_unit_test(the_state_is_of_the_surface_where_that_is_weaker),
 		cmocka_unit_test(the_soil_s_vertical_force_is_the_load),
 		cmocka_unit_test(the_state_says_where_the_soil_cannot_hold_it),
 	};

@@ -26,7 +26,7 @@ static struct told roll(const struct deform_soil *soil, const struct reference_r
 						     .model = DEFORM_SCM, .soils = soil, .iterations = 1,
 						     .ground_normals = wheel->normals == REFERENCE_NORMALS_GROUND});
 	struct deform_shape shape = {.kind = DEFORM_WHEEL, .radius = r, .width = wheel->width};
-	struct deform_contact sweep = {.shape = &shape, .load = how->load};
+	struct deform_contact sweep = {.shape = &shape, .interface = wheel->interface, .load = how->load};
 	struct deform_forces forces = {.z = 0};
 	for (int i = 0; i <= stations; i++) {
 		sweep.from = sweep.to;
@@ -113,6 +113,38 @@ static void a_loaded_wheel_sinks_as_deep(void **state)
 	assert_true(off.drawbar < 0.02 && off.moment < 0.02);
 }
 
+/* Smooth rims, sticky ones, and both: the soil slides along them, or shears within itself, whichever takes less. */
+static void a_rim_weaker_than_the_soil_pulls_as_the_closed_form_does(void **state)
+{
+	static const struct {
+		const char *soil;
+		struct deform_interface rim;
+	} rows[] = {
+		{"dry_sand", {.has_friction = true, .friction_angle = 15 * RADIANS}},
+		{"dry_sand", {.has_adhesion = true, .adhesion = 0}},
+		{"lete_sand", {true, true, 20 * RADIANS, 300}},
+		/* Adhesion holds more than cohesion, friction less: near the ground's surface soil shears within itself, below it slides. */
+		{"sandy_loam_15", {true, true, 10 * RADIANS, 6000}},
+	};
+	(void)state;
+	need_gpu();
+	for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
+		struct deform_soil soil = bed_soil(rows[k].soil);
+		struct reference_rolling wheel = driven;
+		double drawbar = reference_rolling(&soil, &wheel, reference_rolling_sinkage(&soil, &wheel, 1000)).drawbar;
+		wheel.interface = rows[k].rim;
+		double sinkage = reference_rolling_sinkage(&soil, &wheel, 1000);
+		struct reference_rolling_force wanted = reference_rolling(&soil, &wheel, sinkage);
+		print_message("%s, %.2f mm, %.1f N, of a rough rim %.1f N\n", rows[k].soil, sinkage * 1e3, wanted.drawbar, drawbar);
+		assert_true(wanted.drawbar < drawbar - 20);
+		struct off coarse = worst(&soil, &wheel, sinkage, 0.04, 1000), middle = worst(&soil, &wheel, sinkage, 0.02, 1000);
+		struct off fine = worst(&soil, &wheel, sinkage, 0.01, 1000);
+		assert_true(coarse.drawbar < 0.05 && coarse.moment < 0.05);
+		assert_true(middle.drawbar < 0.02 && middle.moment < 0.02);
+		assert_true(fine.drawbar < 0.01 && fine.moment < 0.01);
+	}
+}
+
 /* A wheel of 25 mm over posts of 31 mm: also where it goes between them. */
 static void a_wheel_narrower_than_the_posts_is_carried_everywhere(void **state)
 {
@@ -165,6 +197,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_wheel_tells_what_the_closed_form_does),
 		cmocka_unit_test(a_loaded_wheel_sinks_as_deep),
+		cmocka_unit_test(a_rim_weaker_than_the_soil_pulls_as_the_closed_form_does),
 		cmocka_unit_test(a_wheel_narrower_than_the_posts_is_carried_everywhere),
 		cmocka_unit_test(normals_of_the_ground_are_chronos),
 	};

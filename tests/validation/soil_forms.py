@@ -20,7 +20,7 @@ class ClosedForms(unittest.TestCase):
         chance = random.Random(16)
         for _ in range(60):
             soil = named(chance.choice(list(soil_forms.NAMED)))
-            wheel = Wheel(chance.uniform(0.05, 1), chance.uniform(0.05, 0.6))
+            wheel = Wheel(chance.uniform(0.05, 1), chance.uniform(0.05, 0.6), chance.choice((None, None, 12, 25)), chance.choice((None, None, 0, 900)))
             law = Law(chance.choice(("surface", "ground")), chance.choice(("rim", "ground")), chance.choice((0.0, 0.0, 0.8)))
             case = soil, wheel, wheel.radius * chance.uniform(0.002, 0.5), chance.choice((-0.5, -0.2, 0.0, 0.2, 0.6, 0.9)), law
             one, two = by_angle(*case), by_way(*case)
@@ -44,6 +44,15 @@ class ClosedForms(unittest.TestCase):
             got = under_load(named("dry_sand"), Wheel(0.32, 0.24), 1000, 0.2, law)
             for value, number in zip((got.sinkage * 1e3, got.fx, got.my), wanted):
                 self.assertAlmostEqual(value, number, delta=0.06, msg=law)
+
+    def test_a_smooth_rim_pulls_less(self):
+        """tests/validation/rolling.c has the same numbers from the reference in C."""
+        for soil, rim, wanted in (("dry_sand", (None, None), (33.40, 233.5)), ("dry_sand", (15, None), (33.81, 63.7)),
+                                  ("dry_sand", (None, 0), (33.47, 209.8)), ("lete_sand", (20, 300), (3.91, 159.6)),
+                                  ("sandy_loam_15", (10, 6000), (8.76, 73.0)), ("dry_sand", (40, 1e5), (33.40, 233.5))):
+            got = under_load(named(soil), Wheel(0.32, 0.24, *rim), 1000, 0.2)
+            self.assertAlmostEqual(got.sinkage * 1e3, wanted[0], delta=0.006)
+            self.assertAlmostEqual(got.fx, wanted[1], delta=0.06)
 
     def test_chrono_s_soft_soil(self):
         """Both integrals that are known: they differ in j alone."""

@@ -143,6 +143,33 @@ static void rows_do_not_depend_on_delay_or_time_step(void **state)
 	free(coarser);
 }
 
+/* A smooth rim pulls less, whatever it carries. Other objects' rows stay as they are. */
+static void a_surface_changes_the_forces_of_its_object_alone(void **state)
+{
+	static const char *const smooth[][2] = {{"objects.driven.interface.friction_angle", "12"}, {NULL, NULL}};
+	struct row rough_rows[64], smooth_rows[64];
+	(void)state;
+	char *without = rows("out", NULL), *with = rows("out", smooth);
+	assert_int_equal(parse(without, rough_rows), 13 * 3);
+	assert_int_equal(parse(with, smooth_rows), 13 * 3);
+	for (int i = 0; i < 13 * 3; i++) {
+		const struct row *a = &rough_rows[i], *b = &smooth_rows[i];
+		if (i % 3 != 0) {
+			assert_memory_equal(a, b, sizeof *a);
+			continue;
+		}
+		assert_true(fabs(b->force[2] - 3000) < 0.4);
+		/* Shear helps to carry it. */
+		assert_true(i < 9 || (b->sinkage > a->sinkage && b->force[0] < a->force[0] - 200 && b->moment[1] > a->moment[1] + 50));
+	}
+	free(without);
+	free(with);
+	char *json = drive(support_path("world.furrow"), support_path("told"), false, 4, smooth).json;
+	assert_non_null(strstr(json, "\"interface\":"));
+	assert_int_equal(support_figure(json, "\"interface\"", "friction_angle"), 12);
+	mem_free(json);
+}
+
 /* Lunar west of 6.875 m, which is half-way between two pixels: the first object drives across. */
 static const char *const on_a_map[][2] = {{"soil", "{map: soils.png, classes: {7: lunar}, default: dry_sand}"},
 					  {"output.delay", "1"}, {NULL, NULL}};
@@ -281,6 +308,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(each_object_has_its_row_at_each_time),
 		cmocka_unit_test(rows_do_not_depend_on_delay_or_time_step),
+		cmocka_unit_test(a_surface_changes_the_forces_of_its_object_alone),
 		cmocka_unit_test(on_a_map_each_row_says_the_soil_under_its_object),
 		cmocka_unit_test(a_drive_that_is_cut_goes_on_with_the_same_rows),
 		cmocka_unit_test(without_rows_there_is_no_file_and_a_load_is_still_told),

@@ -47,7 +47,7 @@ double deform_area_units(const struct deform *deform, const struct deform_contac
 	return exp2(fmin(floor(log2(0x1p32 / posts)) - 1, 20));
 }
 
-/* Returns how far the object slips over the ground during the contact, metres. A wheel slips by what it does not roll.
+/* Returns how far the object slips over the ground during the contact, metres. A wheel slips by its way beyond rolling.
  * `rolled`: the angle by which it would turn if it rolled. */
 static double slip_of(const struct deform_contact *contact, double rolled)
 {
@@ -65,7 +65,7 @@ static void fill_motion(const struct deform_contact *contact, struct scm_params 
 	params->way[0] = (float)lattice_offset_metres(contact->to.x - contact->from.x);
 	params->way[1] = (float)lattice_offset_metres(contact->to.y - contact->from.y);
 	params->way[2] = (float)lattice_offset_metres(contact->to.z - contact->from.z);
-	/* What carries a load does not depend on its speed. */
+	/* How the soil carries a load does not depend on speed. */
 	params->way[3] = contact->seconds > 0 && contact->load == 0 ? (float)(1 / contact->seconds) : 0;
 	/* The rotation about the wheel's own y axis, which is level. */
 	params->spin[0] = (float)(-sin(contact->to.yaw) * contact->turned);
@@ -78,6 +78,21 @@ static void fill_motion(const struct deform_contact *contact, struct scm_params 
 	params->rolls[0] = (float)(-sin(contact->to.yaw) * turned);
 	params->rolls[1] = (float)(cos(contact->to.yaw) * turned);
 	params->digs[0] = (float)slip_of(contact, turned);
+}
+
+static void fill_surface(const struct deform_interface *interface, float surface[4])
+{
+	surface[0] = interface->has_adhesion ? (float)interface->adhesion : 0;
+	surface[1] = interface->has_friction ? (float)tan(interface->friction_angle) : 0;
+	surface[2] = interface->has_adhesion ? 0 : 1;
+	surface[3] = interface->has_friction ? 0 : 1;
+}
+
+double deform_shear_limit(const struct deform_soil *soil, const struct deform_interface *interface, double area, double normal)
+{
+	double adhesion = interface->has_adhesion ? interface->adhesion : soil->cohesion;
+	double angle = interface->has_friction ? interface->friction_angle : soil->friction_angle;
+	return fmin(soil->cohesion * area + normal * tan(soil->friction_angle), adhesion * area + normal * tan(angle));
 }
 
 static void fill_soils(const struct deform_params *params, struct scm_soil *soils)
@@ -138,6 +153,7 @@ static struct scm_params params_of(const struct deform *deform, const struct def
 	}
 	params.digs[1] = (float)deform->params.slip_sinkage;
 	fill_motion(contact, &params);
+	fill_surface(&contact->interface, params.surface);
 	deform_between_posts(deform, contact, window, &params);
 	if (params.moves[3] > 0)
 		params.digs[0] *= params.moves[3];
@@ -175,7 +191,7 @@ static enum status run_contact(struct deform *deform, const struct deform_contac
 		.stage = GPU_CONTACT,
 		.program = deform->scm[with],
 		.target = deform->scratch[layer].to[TO_BARE],
-		.viewport = deform_rows(params.written),
+		.viewport = deform_rows(params.shadow),
 		.textures = {deform->under, deform->classes, deform->numbers, deform->bases},
 		.images = {deform->planes_of[0][PLANE_DUG], deform->planes_of[1][PLANE_DEPOSITED], deform->rest, deform->planes_of[1][PLANE_OFFSET],
 			   deform->planes_of[0][PLANE_PLASTIC_SINKAGE], deform->planes_of[0][PLANE_SHEAR], deform->contacts,
@@ -225,7 +241,8 @@ const struct soil_model deform_model_scm = {
 		"scm", "redistribute.model", "", EFFECT_LIST("deform/scm.frag"), "base, offset, heaped, pressed, shear",
 		"offset, heaped, pressed, shear", 1,
 		EFFECT_LIST("redistribute.bulldozing", "redistribute.normals", "soil.bekker_kc", "soil.bekker_kphi", "soil.bekker_n", "soil.cohesion",
-			    "soil.friction_angle", "soil.janosi_shear", "soil.elastic_stiffness", "soil.damping", "objects[].slip"),
+			    "soil.friction_angle", "soil.janosi_shear", "soil.elastic_stiffness", "soil.damping", "objects[].slip",
+			    "objects[].interface.friction_angle", "objects[].interface.adhesion"),
 		"a stress is at most 1e20 Pa; a slope counts as at most 87 degrees; integer sums, but floating point by driver",
 		"sinks and springs back by the soil's pressure"},
 	.keys = EFFECT_LIST("iterations", "interval", "depth", "undisturbed", "tolerance", "bulldozing", "slip_sinkage", "normals"),

@@ -118,6 +118,8 @@ double reference_stiffness(const struct deform_soil *soil, double width);       
 double reference_bekker(const struct deform_soil *soil, double width, double sinkage);       /* Pa */
 double reference_plate(const struct deform_soil *soil, double width, double pressure);       /* sinkage, m */
 double reference_janosi(const struct deform_soil *soil, double pressure, double displacement); /* Pa */
+/* The most shear stress at an object's surface, Pa: the soil shears within itself or slides along the surface. */
+double reference_strength(const struct deform_soil *soil, const struct deform_interface *interface, double pressure);
 /* Bekker's towed rigid wheel, m; and the resistance that compaction makes at a sinkage, N. */
 double reference_towed(const struct deform_soil *soil, double load, double width, double diameter);
 double reference_resistance(const struct deform_soil *soil, double width, double sinkage);
@@ -188,7 +190,8 @@ struct reference_rest reference_rest_level(const struct deform_soil *soil, doubl
 /*
  * Closed forms: wheel_forms.c. A rigid wheel rolls straight over level, undisturbed scm soil at a constant slip, without grousers.
  * The soil yields at p(z), z vertical, in front of the lowest point, and springs back with K_e behind it.
- * Shear is Janosi's and Hanamoto's, tau = (c + p tan phi)(1 - exp(-j / K)), against the sign of the slip displacement j.
+ * Shear is Janosi's and Hanamoto's, tau = (c + p tan phi)(1 - exp(-j / K)), against the sign of the slip displacement j. The strength
+ * in the first brackets is that of the rim's surface if that is less.
  */
 enum reference_normals {
 	REFERENCE_NORMALS_GROUND,  /* p is vertical and tau horizontal, both per area of ground: Project Chrono's SCM */
@@ -205,6 +208,7 @@ struct reference_rolling {
 	enum reference_normals normals;
 	enum reference_follows follows;
 	bool rebound;         /* false: contact ends at the lowest point */
+	struct deform_interface interface; /* its rim's */
 };
 /* On the wheel, at its axle. */
 struct reference_rolling_force {

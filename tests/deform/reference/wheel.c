@@ -23,6 +23,13 @@ double reference_plate(const struct deform_soil *soil, double width, double pres
 	return pow(pressure / reference_stiffness(soil, width), 1 / soil->bekker_n);
 }
 
+double reference_strength(const struct deform_soil *soil, const struct deform_interface *interface, double pressure)
+{
+	double own = soil->cohesion + pressure * tan(soil->friction_angle);
+	double rubs = pressure * tan(interface->has_friction ? interface->friction_angle : soil->friction_angle);
+	return fmin(own, rubs + (interface->has_adhesion ? interface->adhesion : soil->cohesion));
+}
+
 double reference_janosi(const struct deform_soil *soil, double pressure, double displacement)
 {
 	return (soil->cohesion + pressure * tan(soil->friction_angle)) * (1 - exp(-displacement / soil->janosi_shear));

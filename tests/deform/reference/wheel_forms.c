@@ -74,7 +74,8 @@ static void stresses(const void *user, double t, double *values)
 {
 	const struct arc *arc = user;
 	double r = arc->wheel->radius, normal = pressure(arc, t), slid = displacement(arc, t);
-	double shear = copysign(reference_janosi(arc->soil, normal, fabs(slid)), slid);
+	double strength = reference_strength(arc->soil, &arc->wheel->interface, normal);
+	double shear = copysign(strength * (1 - exp(-fabs(slid) / arc->soil->janosi_shear)), slid);
 	double area = r * arc->wheel->width; /* of a radian of rim */
 	for (int i = 0; i < QUADRATURE_MOST; i++)
 		values[i] = 0;
