@@ -8,8 +8,10 @@ this file to see how far they are apart:
 
     python3 bench/soil_forms.py
 """
+import bisect
 import dataclasses
 import math
+import operator
 
 NAMED = {  # k_c, k_phi, n, cohesion, friction angle in degrees, K: docs/SOILS.md
     "dry_sand": (990, 1528430, 1.1, 1040, 28, 0.02),
@@ -81,8 +83,8 @@ class Law:
     Project Chrono has it: normal stress is vertical and shear level, per area of ground.
     j: `rim`, the slip of one point of the rim since it entered the soil (Wong and Reece). `ground`, the slip that one point of the ground
     has had (a post's). They differ by the factor 1 / (1 - slip) at the bottom.
-    kappa: slip sinkage. The soil is dug by D, which grows by (kappa K - D) / K of the way that the rim slips over the ground beyond rolling, from
-    the first contact. It bears as if its surface lay D deeper; what was pressed stays where it is. So it yields for as long as the rim comes
+    kappa: slip sinkage. The soil is dug by D. From the first contact D grows by |e| (kappa K - D) / K of the growth of j beyond that of a wheel which
+    rolls, e being the share of the strength that is mobilised. It bears as if its surface lay D deeper; what was pressed stays where it is. So it yields for as long as the rim comes
     down, and its deepest sinkage is the rim's deepest place less D. A rim never digs itself free: D is at most the wheel's depth there."""
     stress: str = "surface"
     j: str = "rim"
@@ -99,6 +101,12 @@ class Answer:
     def apart(self, other):
         """The greatest difference, as a share of the force."""
         return max(abs(self.fz - other.fz), abs(self.fx - other.fx), abs(self.my - other.my)) / max(abs(self.fz), 1e-12)
+
+
+# Places and weights of Gauss's rule on -1 .. 1.
+GAUSS = [(-0.9602898564975363, 0.1012285362903763), (-0.7966664774136267, 0.2223810344533745),
+         (-0.5255324099163290, 0.3137066458778873), (-0.1834346424956498, 0.3626837833783620)]
+GAUSS += [(-x, w) for x, w in reversed(GAUSS)]
 
 
 # --- along the arc ---
@@ -147,39 +155,74 @@ def roots(function, low, high, steps=400):
     return found
 
 
-def dug_by_angle(soil, wheel, law, slip, entry):
-    """The depth that slip has dug, as a function of theta. At first the rim may dig faster than it comes down; there it bears nothing."""
-    r, most, rate = wheel.radius, law.kappa * soil.janosi, abs(slip) / (1 - slip)
+class Dug:
+    """The depth that slip has dug, by theta. Where it would dig faster than the rim comes down, the rim stands free: D is the wheel's depth there."""
+    PANELS = 400
 
-    def lacks(theta):
+    def __init__(self, soil, wheel, law, slip, entry, mobilised, turns):
+        """mobilised: e by theta; turns: where it has a kink."""
+        self.wheel, self.entry, self.modulus = wheel, entry, soil.janosi
+        self.most, self.rate = law.kappa * soil.janosi, abs(slip) if law.j == "rim" else abs(slip) / (1 - slip)
+        self.mobilised = lambda theta: abs(mobilised(theta))
+        kinks = turns + roots(mobilised, -entry, entry * (1 - 1e-6)) + [0.0]
+        self.edges = sorted([entry - 2 * entry * k / self.PANELS for k in range(self.PANELS + 1)] + kinks, reverse=True)
+        self.marks = [-edge for edge in self.edges]
+        self.rates = [self.rate_at(edge) for edge in self.edges]
+        self.ways = [0.0]   # to each edge: the integral of |e| over the way of the ground
+        for high, low in zip(self.edges, self.edges[1:]):
+            nodes = ((high + low + (high - low) * x) / 2 for x, _ in GAUSS)
+            self.ways.append(self.ways[-1] + (high - low) / 2 * sum(w * self.rate_at(t) for t, (_, w) in zip(nodes, GAUSS)))
+        self.parts = [(entry, 0.0, False, 0.0)]   # theta where it begins, D there, whether the rim stands free, the integral there
+        self.find_parts()
+
+    def rate_at(self, theta):
+        return self.wheel.radius * self.mobilised(theta) * math.cos(theta)
+
+    def way(self, theta):
+        """The integral at theta: between edges a cubic with its slopes at both."""
+        panel = min(max(bisect.bisect_left(self.marks, -theta) - 1, 0), len(self.edges) - 2)
+        length = self.edges[panel] - self.edges[panel + 1]
+        if length <= 0:
+            return self.ways[panel]
+        t, grows = (self.edges[panel] - theta) / length, self.ways[panel + 1] - self.ways[panel]
+        before, after = self.rates[panel] * length, self.rates[panel + 1] * length
+        return self.ways[panel] + t * (before + t * (3 * grows - 2 * before - after + t * (before + after - 2 * grows)))
+
+    def depth(self, theta):
+        return self.wheel.radius * (math.cos(theta) - math.cos(self.entry))
+
+    def lacks(self, theta):
         """How much faster the rim would dig than it comes down, were D its depth."""
-        depth = r * (math.cos(theta) - math.cos(entry))
-        return (most - depth) / soil.janosi * rate * math.cos(theta) - math.sin(theta)
+        return (self.most - self.depth(theta)) / self.modulus * self.rate * self.mobilised(theta) * math.cos(theta) - math.sin(theta)
 
-    parts = 4000
-    begins, left = entry, entry
-    if lacks(entry) > 0:
-        begins = next((entry * (1 - k / parts) for k in range(1, parts) if lacks(entry * (1 - k / parts)) <= 0), 0.0)
-        low, high = begins, begins + entry / parts
-        for _ in range(60):
-            middle = (low + high) / 2
-            low, high = (middle, high) if lacks(middle) <= 0 else (low, middle)
-        begins = left = low
-    had = r * (math.cos(begins) - math.cos(entry))
+    def bound(self, theta, part):
+        _, had, free, way = part
+        if free:
+            return self.depth(theta)
+        return self.most - (self.most - had) * math.exp(-self.rate * (self.way(theta) - way) / self.modulus)
 
-    def dug(theta):
-        if theta > begins:
-            return r * (math.cos(theta) - math.cos(entry))
-        return most - (most - had) * math.exp(-rate * r * (math.sin(begins) - math.sin(theta)) / soil.janosi)
+    def find_parts(self):
+        for high, low in zip(self.edges, self.edges[1:]):
+            if low < 0:
+                break
+            part = self.parts[-1]
+            ended = (lambda theta: self.lacks(theta) <= 0) if part[2] else (lambda theta: self.bound(theta, part) > self.depth(theta))
+            if ended(low):
+                for _ in range(60):
+                    middle = (low + high) / 2
+                    low, high = (middle, high) if ended(middle) else (low, middle)
+                self.parts.append((low, self.depth(low), not part[2], self.way(low)))
+        if self.parts[-1][2]:
+            self.parts.append((0.0, self.depth(0.0), False, self.way(0.0)))
 
-    return dug, left
+    def __call__(self, theta):
+        return self.bound(theta, next(part for part in reversed(self.parts) if theta <= part[0] or part is self.parts[0]))
 
 
 def by_angle(soil, wheel, sinkage, slip, law=Law()):
     """Forces at a sinkage, by a quadrature over theta."""
     r, b = wheel.radius, wheel.width
     entry = math.acos(1 - sinkage / r)
-    dug, bears_from = dug_by_angle(soil, wheel, law, slip, entry) if law.kappa and slip else (lambda theta: 0.0, entry)
 
     # Where the rim slips the other way: ahead of and behind the axle, if at all.
     turns = math.acos(min(1 - slip, 1 / (1 - slip))) if (slip < 0) == (law.stress == "surface") else entry
@@ -192,13 +235,18 @@ def by_angle(soil, wheel, sinkage, slip, law=Law()):
     for theta in turns:
         came.append((theta, arc_displacement(wheel, law, slip, entry, theta), mobilised(theta)))
 
+    dug = Dug(soil, wheel, law, slip, entry, mobilised, turns) if law.kappa and slip else (lambda theta: 0.0)
+
     def largest(theta):
         """The soil's largest sinkage so far, from the surface that is left."""
         return r * (math.cos(max(theta, 0.0)) - math.cos(entry)) - dug(theta)
 
+    at_bottom = soil.yields(largest(0.0), b)
+
     def rebounds(theta):
         """The stress behind the axle; below 0 the rim has left the soil."""
-        return soil.yields(largest(theta), b) - soil.stiffness * r * (1 - math.cos(theta))
+        falls = soil.stiffness * r * (1 - math.cos(theta))
+        return (soil.yields(largest(theta), b) if falls < at_bottom else 0.0) - falls
 
     def stress(theta):
         return soil.yields(largest(theta), b) if theta >= 0 else max(0.0, rebounds(theta))
@@ -211,10 +259,11 @@ def by_angle(soil, wheel, sinkage, slip, law=Law()):
             return sigma * c + tau * s, tau * c - sigma * s, r * tau
         return sigma * c, tau * c, (tau * r * c + sigma * r * s) * c
 
-    cuts = {-entry, 0.0, entry, bears_from, *turns}
+    cuts = {-entry, 0.0, entry, *turns}
     cuts.update(roots(rebounds, -entry, 0.0))
-    if law.kappa:
-        cuts.update(roots(largest, -entry, bears_from * (1 - 1e-6)))     # slip has dug all of it away
+    if law.kappa and slip:
+        cuts.update(part[0] for part in dug.parts)
+        cuts.update(roots(largest, -entry, 0.0, 100))     # slip has dug all of it away
     if wheel.friction is not None or wheel.adhesion is not None:  # where the rim becomes weaker than the soil, or stronger
         def weaker(theta):
             own, rim = soil.strengths(stress(theta), wheel)
@@ -230,11 +279,6 @@ def by_angle(soil, wheel, sinkage, slip, law=Law()):
 
 # --- along the ground ---
 
-GAUSS = [(-0.9602898564975363, 0.1012285362903763), (-0.7966664774136267, 0.2223810344533745),
-         (-0.5255324099163290, 0.3137066458778873), (-0.1834346424956498, 0.3626837833783620)]
-GAUSS += [(-x, w) for x, w in reversed(GAUSS)]
-
-
 def by_way(soil, wheel, sinkage, slip, law=Law(), panels=300):
     """The same at a sinkage by another way: small steps along the ground from the front to the rear, with the wheel rolling at 1 m/s.
     Force and moment are vectors at places. A step in which the soil's answer has a kink is halved until the kink is alone."""
@@ -242,7 +286,8 @@ def by_way(soil, wheel, sinkage, slip, law=Law(), panels=300):
     turns = 1 / (1 - slip) / radius                           # rad/s
     front = math.sqrt(radius ** 2 - ground ** 2)
     total_up = total_ahead = total_moment = held = greatest = dug = 0.0   # held: the share of the strength that is mobilised
-    most, slips = law.kappa * soil.janosi, abs(turns * radius - 1)   # the deepest that slip digs; its speed beyond rolling
+    most = law.kappa * soil.janosi                            # the deepest that slip digs
+    slips = abs(turns * radius - 1) / (turns * radius if law.j == "rim" else 1)   # how much j grows beyond rolling, for each metre of the way
 
     def rates_of(ahead, behind):
         rates = []
@@ -256,18 +301,19 @@ def by_way(soil, wheel, sinkage, slip, law=Law(), panels=300):
             rates.append((x, down, speed if law.j == "ground" else speed / (turns * down)))
         return rates
 
-    def answer(x, down, here, backwards, greatest, ahead, had):
-        """Normal and shear stress, how deep the rim was at most, and which branch of the law it is. had: what was dug when the rim was at
-        `ahead`."""
+    def dig(had, mobilised_way):
+        return most - (most - had) * math.exp(-slips * mobilised_way / soil.janosi)
+
+    def answer(x, down, here, backwards, greatest, digs):
+        """Normal and shear stress, how deep the rim was at most, and which branch of the law it is."""
         below = down - ground
-        digs = most - (most - had) * math.exp(-slips * (ahead - x) / soil.janosi)
         presses = below >= greatest
         greatest = max(below, greatest)
-        pressed = greatest - digs
+        pressed = greatest - digs if greatest - digs > 1e-12 else 0.0      # rounding, where the rim stands free
         bekker = (soil.kc / wheel.width + soil.kphi) * max(pressed, 0.0) ** soil.n < soil.stiffness * pressed
-        free = presses and pressed < 1e-12 and (most - below) * slips > soil.janosi * x / down   # it digs faster than it comes down
+        free = presses and pressed < 1e-12 and (most - below) * slips * abs(here) > soil.janosi * x / down   # it digs faster than it comes down
         normal = max(soil.yields(pressed, wheel.width) - soil.stiffness * (greatest - below), 0.0)
-        return normal, soil.shear(normal, here, wheel), greatest, (presses, normal > 0, bekker, backwards, free, soil.slips_on(normal, wheel))
+        return normal, soil.shear(normal, here, wheel), greatest, (presses, normal > 0, bekker, backwards, here > 0, free, soil.slips_on(normal, wheel))
 
     # Steps are short at the front and at the rear.
     edges = [front * math.cos(math.pi * k / panels) for k in range(panels + 1)]
@@ -275,16 +321,20 @@ def by_way(soil, wheel, sinkage, slip, law=Law(), panels=300):
     while todo:
         ahead, behind = todo.pop()
         length, rates = ahead - behind, rates_of(ahead, behind)
-        all_of_it = sum(rate * weight / 2 for (_, _, rate), (_, weight) in zip(rates, GAUSS)) * length
+        speeds = [rate for _, _, rate in rates]
+        all_of_it = sum(rate * weight / 2 for rate, (_, weight) in zip(speeds, GAUSS)) * length
         inside = ahead - 1e-9 * length
-        first = answer(inside, math.sqrt(radius ** 2 - inside ** 2), held, rates[0][2] > 0, greatest, ahead, dug)
+        first = answer(inside, math.sqrt(radius ** 2 - inside ** 2), held, speeds[0] > 0, greatest, dug)
+        here = [soil.mobilised(held, partial(speeds, i) * length) for i in range(len(rates))]
+        sizes = [abs(e) for e in here]
         parts, branches, sunk = [], {first[3]}, first[2]
         for i, (x, down, rate) in enumerate(rates):
-            normal, tangent, sunk, branch = answer(x, down, soil.mobilised(held, partial(rates, i) * length), rate > 0, sunk, ahead, dug)
+            normal, tangent, sunk, branch = answer(x, down, here[i], rate > 0, sunk, dig(dug, partial(sizes, i) * length) if most > 0 else 0.0)
             branches.add(branch)
             parts.append((x, down, normal, tangent))
         after = soil.mobilised(held, all_of_it)
-        last = answer(behind, math.sqrt(radius ** 2 - behind ** 2), after, rates[-1][2] > 0, sunk, ahead, dug)
+        digs = dig(dug, sum(size * weight / 2 for size, (_, weight) in zip(sizes, GAUSS)) * length)
+        last = answer(behind, math.sqrt(radius ** 2 - behind ** 2), after, speeds[-1] > 0, sunk, digs)
         if len(branches | {last[3]}) > 1 and length > 1e-9 * front:
             middle = (ahead + behind) / 2
             todo += [(middle, behind), (ahead, middle)]
@@ -298,26 +348,26 @@ def by_way(soil, wheel, sinkage, slip, law=Law(), panels=300):
             total_up += up * weight / 2 * length
             total_moment += (level * down + up * x) * weight / 2 * length
         held, greatest = after, last[2]
-        dug = min(most - (most - dug) * math.exp(-slips * length / soil.janosi), math.sqrt(radius ** 2 - behind ** 2) - ground) if behind > 0 else \
-            most - (most - dug) * math.exp(-slips * length / soil.janosi)
+        dug = min(digs, math.sqrt(radius ** 2 - behind ** 2) - ground) if behind > 0 else digs
     return Answer(sinkage, total_up * wheel.width, total_ahead * wheel.width, total_moment * wheel.width)
 
 
 def lagrange_integrals():
-    """W[i][k]: the integral from -1 to node i of the polynomial that is 1 at node k and 0 at the others."""
+    """W[i][k]: half of the integral from -1 to node i of the polynomial that is 1 at node k and 0 at the others."""
     nodes = [x for x, _ in GAUSS]
 
     def base(k, t):
         return math.prod((t - x) / (nodes[k] - x) for i, x in enumerate(nodes) if i != k)
 
-    return [[sum(w * base(k, -1 + (end + 1) * (x + 1) / 2) for x, w in GAUSS) * (end + 1) / 2 for k in range(len(nodes))] for end in nodes]
+    return [[sum(w * base(k, -1 + (end + 1) * (x + 1) / 2) for x, w in GAUSS) * (end + 1) / 4 for k in range(len(nodes))] for end in nodes]
 
 
 PARTIAL = lagrange_integrals()
 
 
-def partial(rates, i):
-    return sum(share * rate / 2 for share, (_, _, rate) in zip(PARTIAL[i], rates))
+def partial(values, i):
+    """The integral of what has these values at the nodes, from a step's beginning to node i, as a share of the step's length."""
+    return sum(map(operator.mul, PARTIAL[i], values))
 
 
 # --- through time ---
@@ -334,7 +384,12 @@ def by_posts(soil, wheel, sinkage, slip, law=Law(), posts=20000):
         x = ahead - (k + 0.5) * step
         down = math.sqrt(wheel.radius ** 2 - x * x)
         rest = wheel.radius - sinkage - down
-        more = (law.kappa * soil.janosi - dug) * -math.expm1(-abs(turned * wheel.radius - step) / soil.janosi)
+        # The rim's way over the post, along its own surface or the ground, in the time that a point of it takes.
+        way = (turned * wheel.radius - step * down / wheel.radius) if law.stress == "surface" else turned * down - step
+        way *= step / (turned * down) if law.j == "rim" else 1.0
+        before, mobilised = mobilised, soil.mobilised(mobilised, way)
+        slips = abs(turned * wheel.radius - step) * (step / (turned * wheel.radius) if law.j == "rim" else 1.0)
+        more = (law.kappa * soil.janosi - dug) * -math.expm1(-slips * (abs(before) + abs(mobilised)) / 2 / soil.janosi)
         more = min(more, surface - rest)                 # it never digs itself free
         surface, largest, dug = surface - more, max(largest - more, 0.0), dug + more
         sunk = surface - rest
@@ -343,10 +398,6 @@ def by_posts(soil, wheel, sinkage, slip, law=Law(), posts=20000):
         normal = max(soil.stiffness * (sunk - plastic), 0.0) if sunk < largest else soil.yields(sunk, wheel.width)
         if normal <= 0 and x < 0:
             break                                        # the contact ends
-        # The rim's way over the post, along its own surface or the ground, in the time that a point of it takes.
-        way = (turned * wheel.radius - step * down / wheel.radius) if law.stress == "surface" else turned * down - step
-        way *= step / (turned * down) if law.j == "rim" else 1.0
-        mobilised = soil.mobilised(mobilised, way)
         tangent = soil.shear(normal, mobilised, wheel)
         slope = x / down if law.stress == "surface" else 0.0
         fz, fx = normal + tangent * slope, tangent - normal * slope
@@ -385,7 +436,7 @@ def main():
              ("dry_sand", wheel, 1000, None, 0.2, Law("ground", "ground")), ("dry_sand", wheel, 1000, None, 0.2, Law("surface", "ground"))]
     cases += [("chrono_soft", Wheel(0.5, 0.4), None, z, s, Law("ground", j)) for z in (0.1, 0.05) for s in (0, 0.2, 0.5) for j in ("rim", "ground")]
     cases += [(name, wheel, 1000, None, s, Law()) for name in ("lunar", "lete_sand", "snow_us", "sandy_loam_15") for s in (0.2, -0.2)]
-    cases += [(name, wheel, 1000, None, 0.2, Law(kappa=0.55)) for name in ("dry_sand", "lunar", "lete_sand", "snow_us", "sandy_loam_15")]
+    cases += [(name, wheel, 1000, None, 0.2, Law(kappa=1.35)) for name in ("dry_sand", "lunar", "lete_sand", "snow_us", "sandy_loam_15")]
     cases += [(name, wheel, 1000, None, s, Law(kappa=1.1)) for name in ("dry_sand", "lete_sand") for s in (-0.5, 0.6)]
     for name, wheel, load, depth, slip, law in cases:
         soil = named(name)

@@ -70,14 +70,10 @@ ivec2 frame_of(int x, int y)
 	return frame.xy + ivec2(x * frame_axis.x + y * frame_axis.y, y * frame_axis.x - x * frame_axis.y);
 }
 
-// Tells whether the post stores shear or dug soil, which end with a contact.
+// Tells whether the post stores shear, which ends with a contact.
 bool remembers(int x, int y)
 {
-	bool some = imageLoad(shears, ivec3(x, y, zero.z)).r != 0;
-#ifdef SLIP
-	some = some || imageLoad(dugs, ivec3(x, y, zero.z)).r != 0;
-#endif
-	return some;
+	return imageLoad(shears, ivec3(x, y, zero.z)).r != 0;
 }
 
 // Tells whether the object may touch the post, may bear on its cell, or leaves it.
@@ -136,18 +132,13 @@ void main()
 		bearing b = bearing_of(s, by_width, n, g, o, cell_at(x, y, o), before);
 		over += uint(b.refused);
 		total_add(lost, before.offset - b.after.offset - b.carried);
-		if (b.held || is_near(g, o, before.offset)) {
-			if (b.after.shear != before.shear)
-				imageStore(shears, post, ivec4(b.after.shear));
-#ifdef SLIP
-			if (b.after.dug != before.dug)
-				imageStore(dugs, post, ivec4(b.after.dug));
-#endif
-		}
+		if ((b.held || is_near(g, o, before.offset)) && b.after.shear != before.shear)
+			imageStore(shears, post, ivec4(b.after.shear));
 		if (b.touched) {
 			imageStore(offsets, post, ivec4(b.after.offset));
 #ifdef SLIP
 			imageStore(heaps, post, ivec4(b.after.heap));
+			imageStore(dugs, post, ivec4(b.after.dug));
 #endif
 			imageStore(sinkages, post, ivec4(b.after.sinkage));
 			imageStore(contacts, post, uvec4(LOWERED | (b.held ? HELD : 0u)));

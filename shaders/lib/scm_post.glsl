@@ -9,7 +9,7 @@ const float LEAST = 6e-7; // m: a little more than half a fixed-point unit, by w
 // What a post remembers, in the units of its planes.
 struct post_state {
 	int offset, heap, sinkage;
-	int dug;   // what slip has dug since the contact with the post began
+	int dug;   // what slip has dug in all contacts
 	int shear; // mobilised shear: two halves of 16 bits, 2^-15, to the east and (high) to the north
 };
 
@@ -191,14 +191,29 @@ float deepest_in(vec3 n, ground g, object o, cell c)
 	return c.share > 0.0 ? deepest + 0.01 * scale.y : -1e9;
 }
 
-#ifdef SLIP
-// Returns how much slip digs in this contact, fixed-point units. From the first touch of the post on, all of it is
-// kappa K (1 - exp(-j / K)), where j is the slip since then. before: what was dug before; share: of the contact, in which the object
-// touches the post.
-int digs_more(soil s, int before, float share)
+// Returns how the object's surface slides over a post in the whole contact. above: how much higher the lower envelope of the post is than
+// that of its place. share: for how much of the contact the object touches the post.
+slip slides_over(vec3 n, cell c, float above, float share)
 {
-	float most = min(digs.y / s.b.z * 1048576.0, 1e8), lacks = exp2(-1.442695 * min(digs.x * share * s.b.z, 100.0));
-	return int(round(max(most - float(before), 0.0) * (1.0 - lacks)));
+	vec2 half_back = c.at + 0.5 * max(share, 0.0) * way.xy;
+	face then = face_at(half_back, c.own);
+	vec3 normal = normal_at(n, then);
+	slip s = slip_at(vec3(half_back, then.height + above), normal);
+	s.size *= moves.w > 0.0 ? moves.w / normal.z : 1.0;
+	return s;
+}
+
+#ifdef SLIP
+// What slip digs more in this contact, fixed-point units. With D, what it has dug in all contacts, dD is |e| (kappa K - D) / K for each way
+// that the object slips. The mean of |e| is by Simpson's rule.
+int digs_more(soil s, post_state before, slip over, float share)
+{
+	float along = over.size * share * s.b.z;
+	vec2 shear = shear_of(before.shear);
+	float halfway = length(sheared(shear, over.direction, 0.5 * along)), end = length(sheared(shear, over.direction, along));
+	float mobilised = (length(shear) + 4.0 * halfway + end) / 6.0;
+	float most = min(digs.y / s.b.z * 1048576.0, 1e8), stays = exp2(-1.442695 * min(digs.x * share * s.b.z * mobilised, 100.0));
+	return int(round(max(most - float(before.dug), 0.0) * (1.0 - stays)));
 }
 #endif
 
@@ -218,11 +233,13 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	bool over = o.rests != UNDER_NONE;
 	face post = face_at(c.at, c.own);
 	float since = contact_share(c.at, depth_at_post(g, o, post), was_plastic / n.z, post, over), share = over ? min(since, 1.0) : since;
+	float above = over ? float(o.rests - o.raised) * UNIT_METRES - post.height : 0.0;
+	sliding passed = slides_over(n, c, above, share);
 #ifdef SLIP
 	// Slip digs soil from below the object, so the object must sink by that much more to be borne as before. Compacted soil stays
 	// where it is, so it lies less deep below the lowered ground.
-	if (b.held && !g.far) {
-		more = digs_more(s, before.dug, clamp(share, 0.0, 1.0));
+	if (b.held && !g.far && digs.x > 0.0) {
+		more = digs_more(s, before, passed, clamp(share, 0.0, 1.0));
 		more = max(min(more, g.height - o.rests - 2), 0); // it never digs itself free
 		g.height -= more;
 		int remains = max(before.sinkage - int(round(n.z * float(more))), 0);
@@ -240,22 +257,15 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	b.held = b.held && !b.refused;
 	b.carried = b.touched ? int(min(spin.w * float(max(released - had, 0)), float(max(CARRIED_MOST - more, 0)))) + min(more, CARRIED_MOST) : 0;
 
-	// slid: how far the object's surface slides over the post in the whole contact.
-	float depth = depth_at_post(g, o, post);
-	float above = over ? float(o.rests - o.raised) * UNIT_METRES - post.height : 0.0;
-	vec2 half_back = c.at + 0.5 * max(share, 0.0) * way.xy;
-	face then = face_at(half_back, c.own);
-	vec3 normal_then = normal_at(n, then);
-	slip slid = slip_at(vec3(half_back, then.height + above), normal_then);
-	float slides = slid.size * (moves.w > 0.0 ? moves.w / normal_then.z : 1.0);
+	float depth = depth_at_post(g, o, post), slides = passed.size;
 	vec2 shear = shear_of(before.shear);
 	if (b.touched) {
 		b.after.heap = before.heap - more;
 		b.after.offset = b.after.heap - b.sunk;
 		b.after.sinkage = a.most;
+		b.after.dug = before.dug + more;
 	}
-	b.after.dug = b.held ? before.dug + more : 0;
-	b.after.shear = b.held ? shear_post(sheared(shear, slid.direction, slides * max(share, 0.0) * s.b.z)) : 0;
+	b.after.shear = b.held ? shear_post(sheared(shear, passed.direction, slides * max(share, 0.0) * s.b.z)) : 0;
 
 	// The part of the cell that bears.
 	across l = line_across(n, c, post, depth);

@@ -36,7 +36,7 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 	[EFFECT_SLIP] = {
 		"slip", "redistribute.slip_sinkage", "SLIP", LIST("deform/scm.frag"), "heaped, dug", "heaped, dug", 0,
 		LIST("redistribute.slip_sinkage", "soil.janosi_shear", "objects[].slip"),
-		"at most slip_sinkage x janosi_shear in one contact with a post; nothing without slip",
+		"at most slip_sinkage x janosi_shear in all contacts with a post; nothing without slip",
 		"digs where a body slips, and lays that around"},
 	[EFFECT_SOIL_MAP] = {
 		"soil_map", "soil.map", "SOIL_MAP", LIST("lib/soil.glsl"), "class", "class", 0, LIST("soil.map", "soil.classes", "soil.default"),

@@ -255,7 +255,7 @@ static const struct scene_limit limits[] = {
 	{"redistribute.depth", 0, 1024, false, NULL, "m", NAN, "no bottom; 0 with scm"},
 	{"redistribute.tolerance", 0, 1, false, NULL, "m", 0, NULL},
 	{"redistribute.bulldozing", 0, 1, false, NULL, NULL, 0.5, NULL},
-	{"redistribute.slip_sinkage", 0, 10, false, NULL, NULL, 0.55, NULL},
+	{"redistribute.slip_sinkage", 0, 10, false, NULL, NULL, 1.35, NULL},
 	{"objects[].shape.wheel.radius", 0.001, 1000, false, NULL, "m", NAN, NULL},
 	{"objects[].shape.wheel.width", 0.001, 1000, false, NULL, "m", NAN, NULL},
 	{"objects[].shape.wheel.grousers", 0, 128, false, NULL, NULL, 0, NULL},

@@ -9,7 +9,7 @@ static void a_model_has_its_own_parameters_with_their_defaults(void **state)
 		double depth, bulldozing, slip_sinkage;
 	} models[] = {{"sumner", DEFORM_SUMNER, (double)INFINITY, 0, 0},
 		      {"slippage", DEFORM_SLIPPAGE, (double)INFINITY, 0, 0},
-		      {"scm", DEFORM_SCM, 0, 0.5, 0.55}};
+		      {"scm", DEFORM_SCM, 0, 0.5, 1.35}};
 	for (size_t i = 0; i < 3; i++) {
 		struct scene *scene = load_edited(base, "scm", models[i].model);
 		assert_int_equal(scene->model, models[i].is);
@@ -204,7 +204,7 @@ static void the_hash_is_of_all_that_decides_how_the_ground_gives_way(void **stat
 	} edits[] = {
 		{"3}\n", "3}\noutput: {forces: 50, delay: 4}\n", true},
 		{"dry_sand", "dry_sand, bekker_n: 1.1", true}, /* as the name says */
-		{"model: scm", "model: scm, iterations: 1, interval: 0.05, depth: 0, bulldozing: 0.5, slip_sinkage: 0.55, tolerance: 0", true},
+		{"model: scm", "model: scm, iterations: 1, interval: 0.05, depth: 0, bulldozing: 0.5, slip_sinkage: 1.35, tolerance: 0", true},
 		{"0.4}", "0.4, grousers: 0}", true},
 		{"dry_sand", "lunar", false},
 		{"dry_sand", "dry_sand, bekker_kc: 1", false},

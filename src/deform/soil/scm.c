@@ -155,6 +155,8 @@ static struct scm_params params_of(const struct deform *deform, const struct def
 	fill_motion(contact, &params);
 	fill_surface(&contact->interface, params.surface);
 	deform_between_posts(deform, contact, window, &params);
+	if (params.moves[3] > 0)
+		params.digs[0] *= params.moves[3];
 	deform_spread_frame(deform, contact, window, params.frame, params.frame_axis);
 	params.faces[0][3] = (float)deform_area_units(deform, contact);
 	fill_soils(&deform->params, params.soils);

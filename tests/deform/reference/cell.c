@@ -362,6 +362,7 @@ struct cell_force reference_cell(const struct reference_ground *ground, const st
 	struct underside then = underside_at(&form, halfway, cell.own);
 	struct vector normal = normal_here(&cell, &then), along = sliding(&cell, (struct vector){halfway[0], halfway[1], then.z + cell.above}, normal);
 	double rim = form.rim > 0 ? form.rim / normal.z : 1;
+	out.rim = form.rim > 0 ? form.rim : 1;
 	cell.slides = sqrt(dot(along, along)) * rim;
 	out.slid = plus((struct vector){0, 0, 0}, rim * fmax(cell.share, 0), along);
 	out.normal_then = normal;

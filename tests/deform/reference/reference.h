@@ -41,7 +41,7 @@ struct reference_ground {
 	double *heaped;           /* scm: undisturbed surface: base + heaped */
 	double *pressed;          /* scm: largest sinkage along the normal, so far */
 	double slip_sinkage;      /* scm: how deep slip digs, in units of the soil's shear modulus; 0: not */
-	double *dug;              /* scm: what slip has dug in the contact that lasts */
+	double *dug;              /* scm: what slip has dug in all contacts */
 	double *shear[2];         /* scm: mobilised shear to the east and to the north, shares of the soil's strength */
 	double *carried;          /* what the last press has lifted and not yet laid down, of height */
 	uint8_t *contact;         /* of the last press */

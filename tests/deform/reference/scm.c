@@ -104,20 +104,32 @@ static double slips_by(const struct deform_contact *sweep)
 	return hypot(forward, way.y * ahead - way.x * aside);
 }
 
-/* How much slip digs from below the object: what is dug nears slip_sinkage x K, and lacks a factor of exp less of it for each K of slip
- * while the post is in contact. That began at the surface that is dug. Tells since when, in contacts. */
+/* The mean of the mobilised shear at a post during the contact, 0 .. 1, by Simpson's rule. */
+static double mobilised(const struct reference_ground *ground, const struct deform_soil *soil, int at, const struct cell_force *cell)
+{
+	const double before[2] = {ground->shear[0][at], ground->shear[1][at]};
+	const struct vector half = {cell->slid.x / 2, cell->slid.y / 2, cell->slid.z / 2};
+	double middle[2], after[2];
+	reference_shear(before, cell->normal_then, half, soil->janosi_shear, middle);
+	reference_shear(before, cell->normal_then, cell->slid, soil->janosi_shear, after);
+	return (hypot(before[0], before[1]) + 4 * hypot(middle[0], middle[1]) + hypot(after[0], after[1])) / 6;
+}
+
+/* How much slip digs from below the object: of what it lacks of slip_sinkage x K, a share of |e| / K for each way that it slips while the
+ * post is in contact. That began at the surface that is dug. Tells since when, in contacts. */
 static double digs(const struct reference_ground *ground, const struct deform_soil *soil, double stiffness, const struct deform_contact *sweep,
 		   int at, const double *under, const double *rest, double lower, double *since)
 {
-	*since = reference_cell(ground, soil, stiffness, sweep, at, under, rest, lower, NAN).since;
+	struct cell_force cell = reference_cell(ground, soil, stiffness, sweep, at, under, rest, lower, NAN);
+	*since = cell.since;
 	double lacks = ground->slip_sinkage * soil->janosi_shear - ground->dug[at];
 	struct post post = post_of(ground, soil, stiffness, at, under[at], rest[at], lower);
 	if (lacks <= 0 || !post.held)
 		return 0;
-	double share = fmin(fmax(*since, 0), 1);
+	double slips = slips_by(sweep) * cell.rim * fmin(fmax(*since, 0), 1) * mobilised(ground, soil, at, &cell);
 	/* It never digs itself free. */
 	double room = ground->base[at] + ground->heaped[at] - (rest[at] - lower) - 0x1p-19;
-	return fmax(0, fmin(lacks * (1 - exp(-slips_by(sweep) * share / soil->janosi_shear)), room));
+	return fmax(0, fmin(lacks * (1 - exp(-slips / soil->janosi_shear)), room));
 }
 
 /* What was pressed stays where it is: so it is less deep below ground that was dug. */
@@ -229,10 +241,9 @@ void reference_scm(struct reference_ground *ground, const struct deform_soil *so
 		if (post.held || is_near(ground, i, fmin(under[i], rest[i]) - lower))
 			for (int part = 0; part < 2; part++)
 				ground->shear[part][i] = sheared[part];
-		if (post.held || is_near(ground, i, fmin(under[i], rest[i]) - lower))
-			ground->dug[i] = post.held ? ground->dug[i] + dug : 0;
 		if (!touched)
 			continue;
+		ground->dug[i] += dug;
 		if (post.held)
 			ground->offset[i] = rest[i] - lower - ground->base[i];
 		else

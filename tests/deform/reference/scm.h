@@ -40,6 +40,7 @@ struct cell_force {
 	double normal;               /* N, the vertical part of the normal stress */
 	double area;                 /* m2 that bear */
 	double since;                /* contacts since the post was first in contact, if the object always moved as now */
+	double rim;                  /* the time of a wheel's rim, as a share of the soil's time; of others 1 */
 	struct vector slid, normal_then; /* m: how the underside slid along itself over the post, in contact; its normal half way */
 };
 struct cell_force reference_cell(const struct reference_ground *ground, const struct deform_soil *soil, double stiffness,

@@ -117,7 +117,7 @@ static double width_of(const struct reference_ground *ground, const struct defor
 	/* The area beside a metre of contour. */
 	double pushed = patch->shares[AHEAD] + patch->shares[BEHIND] - fabs(patch->shares[AHEAD] - patch->shares[BEHIND]);
 	double beside = patch->around ? along * across / (2 * (along + across)) : (across * (1 - 2 * pushed) + along * 2 * pushed) / 2;
-	double widest = shape->kind == DEFORM_WHEEL ? shape->width / 2 : shape->radius;
+	double widest = shape->kind == DEFORM_WHEEL ? shape->width : shape->radius;
 	if (shape->kind == DEFORM_MESH)
 		widest = deform_shape_bound(shape) / 2;
 	if (shape->kind == DEFORM_BOX) { /* neither the least nor the largest of its sizes */
