@@ -99,7 +99,7 @@ void main()
 		object o = object_at(x, y, raised);
 		bool touches = may_touch(g, o) || remembers(x, y) && is_near(x, y, g, o);
 #ifdef FORCES
-		touches = touches || may_bear(x, y, g, o);
+		touches = touches || touch_room(ground_normal(x, y, g), g, o, cell_at(x, y, o)) > 0;
 #endif
 		first = touches ? min(first, x) : first;
 		last = touches ? x + 1 : last;
