@@ -154,7 +154,7 @@ def main():
     parser.add_argument("--only", action="append", choices=list(converge_cases.CASES), help="one case; may be given again")
     parser.add_argument("--redistribute", default="", help="keys for every scene, as in 'slip_sinkage: 0'")
     parser.add_argument("--soil", default="", help="keys for every soil, as in 'damping: 0'")
-    parser.add_argument("--kappa", type=float, default=0.0, help="slip sinkage of the closed forms")
+    parser.add_argument("--kappa", type=float, default=0.55, help="slip sinkage of the closed forms; 0.55, a scene's default, unless --redistribute gives another")
     parser.add_argument("--normals", choices=("surface", "ground"), help="what a scene of this build means that says nothing of normals")
     parser.add_argument("--before", type=pathlib.Path, help="JSON lines of an earlier run: its gates and plots beside")
     parser.add_argument("--publish", type=pathlib.Path, help="a page; the tables go between its markers")

@@ -31,6 +31,8 @@ class Bench:
         self.furrow, self.folder, self.extra, self.soil_extra, self.kappa = furrow, folder, extra, soil_extra, kappa
         self.has_normals = lanes.accepts(furrow, folder, "normals", "ground")
         self.normals = normals or ("surface" if self.has_normals else "ground")   # of a scene that says nothing of them
+        # Chrono's law: no slip sinkage.
+        self.chrono = ", normals: ground" * self.has_normals + ", slip_sinkage: 0" * lanes.accepts(furrow, folder, "slip_sinkage", "0")
 
     def drive(self, case_lanes, spacing, soil, redistribute="", coarsest=COARSEST, degrees=0.0):
         store = lanes.ground(self.furrow, self.folder, coarsest, degrees)
@@ -64,24 +66,25 @@ def steady(bench, quick):
 
 
 def vertical(bench, quick):
-    """The same without a rim, against the closed form of vertical normals, with the j of a point of the ground, as Project Chrono has it. A
-    build without `normals` has these alone."""
-    extra = ", bulldozing: 0" + ", normals: ground" * bench.has_normals
+    """The same without a rim and slip sinkage, against the closed form of vertical normals, with the j of a point of the ground, as Project
+    Chrono has it. A build without `normals` has these alone."""
+    extra = ", bulldozing: 0" + bench.chrono
     for soil in list(SOILS)[:1 if quick else 2]:
         for spacing in (0.02, 0.01) if quick else (0.08, 0.04, 0.02, 0.01, 0.005):
             way = fan(load=SOILS[soil])
             driven = bench.drive(way, spacing, f"name: {soil}, damping: 0", extra)
             for lane in way:
-                answer = closed(soil, WHEEL, lane.load, 0.2, soil_forms.Law("ground", "ground", bench.kappa))
+                answer = closed(soil, WHEEL, lane.load, 0.2, soil_forms.Law("ground", "ground"))
                 yield {"case": "vertical", "soil": soil, "rim_of": "none", "spacing": spacing, "lane": lane.name, "load": lane.load,
                        "closed": wanted(answer), **lanes.steady(lane, driven, 1.0, 1.6)}
 
 
 def fixed(bench, quick):
-    """Chrono's soft soil at a fixed sinkage, no rim, no damping: the axle at four places between posts, three slips."""
+    """Chrono's soft soil at a fixed sinkage, no rim, no damping: the axle at four places between posts, three slips. Vertical normals without
+    slip sinkage, as Chrono has it; those of the surface with it."""
     places = [(p, q) for p, q in ((0, 0), (0.25, 0.4), (0.5, 0.5), (0.75, 0.1))]
     for normals in ("surface", "ground") if bench.has_normals else (bench.normals,):
-        extra = ", bulldozing: 0" + (f", normals: {normals}" if bench.has_normals and normals == "ground" else "")
+        extra, kappa = ", bulldozing: 0" + bench.chrono * (normals == "ground"), bench.kappa * (normals == "surface")
         for spacing in (0.02,) if quick else (0.04, 0.02, 0.01):
             for sink in (0.1, 0.05):
                 for slip in (0.0, 0.2, 0.5):
@@ -91,7 +94,7 @@ def fixed(bench, quick):
                         row = {"case": "fixed", "normals": normals, "spacing": spacing, "sink": sink, "slip": slip, "lane": lane.name,
                                **lanes.steady(lane, driven, 1.0, 1.6)}
                         for j in ("rim", "ground"):
-                            row[f"closed_{j}"] = wanted(closed_at("chrono_soft", CHRONO_WHEEL, sink, slip, soil_forms.Law(normals, j)))
+                            row[f"closed_{j}"] = wanted(closed_at("chrono_soft", CHRONO_WHEEL, sink, slip, soil_forms.Law(normals, j, kappa)))
                         yield row
 
 

@@ -1,6 +1,6 @@
 #version 450 core
-// The contact pass of scm: the soil's answer to the object. One invocation for each row of the window's written posts, which loops
-// over the posts. So sums stay in registers, and posts that nothing touches are skipped. Images change in place: of its neighbours
+// The contact pass of scm: the soil's answer to the object. One invocation for each row of posts that the object can be above, which
+// loops over the posts. So sums stay in registers, and posts that nothing touches are skipped. Images change in place: of its neighbours
 // a post reads only the base and the deposited thickness, which this pass does not write.
 // Defines: FORCES: sums forces and moments; PATCH: b follows from the counted posts; LOAD: the equilibrium height was found.
 
@@ -48,11 +48,11 @@ layout(std430, binding = 3) restrict buffer standings {
 
 const int COLUMNS = 4; // rows side by side in the viewport, so that its blocks of pixels are full
 
-// Returns the row of this invocation. If it is written.w or more, there is none.
+// Returns the row of this invocation.
 int row_of_pass()
 {
 	ivec2 at = ivec2(gl_FragCoord.xy);
-	return written.y + at.x + COLUMNS * at.y;
+	return shadow.y + at.x + COLUMNS * at.y;
 }
 
 // Tells whether the object was less than two spacings above the surface. Then it has just left the post, or comes next, and the shear
@@ -74,36 +74,41 @@ bool remembers(int x, int y)
 	return some;
 }
 
+// Tells whether the object may touch the post, may bear on its cell, or leaves it.
+bool concerns(int x, int y, int raised)
+{
+	ground g = ground_at(x, y);
+	object o = object_at(x, y, raised);
+	bool some = may_touch(g, o) || remembers(x, y) && is_near(x, y, g, o);
+#ifdef FORCES
+	some = some || touch_room(ground_normal(x, y, g), g, o, cell_at(x, y, o)) > 0;
+#endif
+	return some;
+}
+
 void main()
 {
 	int y = row_of_pass();
-	if (y >= written.w)
+	bool begins = y == shadow.y; // one invocation tells what all have in common, also where the object is above no post
+	if (!begins && y >= shadow.w)
 		return;
 	int raised = 0;
 	float by_width = scale.w, unit = scale.z;
 #ifdef LOAD
 	unit /= found_share;
 	raised = found_raised;
-	if (y == written.y && load.z > 0.0)
+	if (begins && load.z > 0.0)
 		standing[int(load.z) - 1] = raised;
 #endif
 #ifdef PATCH
 	by_width = found_by_width(found_posts, place.w);
 #endif
-	for (int x = written.x; x < written.z; x++)
-		if (texelFetch(bases, ivec3(x, y, zero.z), 0).r == BASE_NODATA)
-			imageStore(contacts, ivec3(x, y, zero.z), uvec4(HOLE));
-	int first = shadow.z, last = shadow.x;
-	for (int x = shadow.x; x < shadow.z && y >= shadow.y && y < shadow.w; x++) {
-		ground g = ground_at(x, y);
-		object o = object_at(x, y, raised);
-		bool touches = may_touch(g, o) || remembers(x, y) && is_near(x, y, g, o);
-#ifdef FORCES
-		touches = touches || touch_room(ground_normal(x, y, g), g, o, cell_at(x, y, o)) > 0;
-#endif
-		first = touches ? min(first, x) : first;
-		last = touches ? x + 1 : last;
-	}
+	// The posts of this row, without those at its ends that the object does not concern.
+	int first = shadow.x, last = shadow.z;
+	while (first < last && !concerns(first, y, raised))
+		first++;
+	while (first < last && !concerns(last - 1, y, raised))
+		last--;
 	total lost = total(0, 0u);
 	uint over = 0u;
 #ifdef FORCES
@@ -158,14 +163,14 @@ void main()
 #endif
 	}
 #ifdef FORCES
-	if (y == written.y && zero.z == 0) {
+	if (begins && zero.z == 0) {
 		vec2 slope = clamp(slope_under(), -1e4, 1e4) * 65536.0;
 		record[zero.w * WORDS + SLOPE] = int(round(slope.x));
 		record[zero.w * WORDS + SLOPE + 1] = int(round(slope.y));
 	}
 #endif
 #if defined(FORCES) && defined(LOAD)
-	if (y == written.y) {
+	if (begins) {
 		record[zero.w * WORDS + RAISED] = raised;
 		atomicOr(record[zero.w * WORDS + SATURATED], int(found_state << STATE_BIT));
 	}

@@ -13,7 +13,7 @@ layout(local_size_x = 16, local_size_y = 8) in;
 
 layout(binding = 4, r32i) uniform readonly restrict iimage2DArray sinkages;
 layout(binding = 5, r32i) uniform readonly restrict iimage2DArray shears;
-layout(binding = 7, r32i) uniform restrict iimage2DArray gaps; // cleared before the contact pass, which uses it for another purpose
+layout(binding = 7, r32i) uniform restrict iimage2DArray gaps; // only for this pass: later passes write the image before they read it
 
 #ifdef LOAD
 layout(std430, binding = 3) restrict readonly buffer standings {
@@ -24,7 +24,9 @@ layout(std430, binding = 3) restrict readonly buffer standings {
 const int NOWHERE = -2000000000;
 const int LANES = int(gl_WorkGroupSize.x * gl_WorkGroupSize.y);
 const int WORDS = 5;
-const int TRIES = 64;             // a bracket of 2^28 units is halved to one unit in less
+// A bracket begins with at most 2^28 units. At most 5 times it is parted by a geometric mean, and 28 times by the arithmetic one.
+// Before each of these come at most 3 tries that part it worse. So the search always ends, as a rule after a few tries.
+const int TRIES = 4 * (5 + 28);
 const float SHARE = 4194304.0;    // forces are counted in 2^-22 of the load
 const float GROWTH = 4294967296.0; // and their growth for each unit of sinkage in 2^-32 of it
 const float COUNTED_MOST = 1e9;   // the most that one post may add, in these units
@@ -177,7 +179,7 @@ int middle(int shallow, int deep, int top)
 void main()
 {
 	int at = 0;
-	uint posts = 0u, state = CARRIED, tries = 0u;
+	uint posts = 0u, state = CARRIED;
 	float by_width = scale.w, carried = 1.0, held = 0.0;
 #ifdef LOAD
 	// The soil carries the load at `low`, or the object may not sink deeper. It does not carry the load at `high`.
@@ -196,8 +198,6 @@ void main()
 		by_width = found_by_width(posts, place.w);
 #endif
 		vec3 share = share_at(at, by_width);
-		tries++;
-		held = share.z;
 		bool bears = share.x >= 1.0;
 		state = bears ? CARRIED : state;
 		carried = bears ? share.x : carried;
@@ -212,6 +212,7 @@ void main()
 		bool there = abs(share.x - 1.0) <= 0.5 * grows;
 		state = there ? CARRIED : state;
 		carried = there ? share.x : carried;
+		held = bears || there ? share.z : held;
 		done = there || width <= 1;
 		// The step uses this try and the one before it. The first step is one of Newton's method.
 		bool known = k > 0 && min(share.x, at_before) > 1e-6 && at != before;
@@ -228,6 +229,7 @@ void main()
 		next = clamp(lags ? middle(top - high, top - low, top) : next, low + 1, max(high - 1, low + 1));
 		at = there ? at : done ? low : next;
 	}
+	at = done ? at : low; // the last height that was tried and carries
 	if (state == CARRIED && slides(held))
 		state = SLIDES;
 #endif
@@ -241,7 +243,6 @@ void main()
 		found_raised = at;
 		found_posts = posts;
 		found_state = state;
-		found_tries = tries;
 		found_share = carried;
 #ifdef LOAD
 		if (state == SLIDES || state == SUNK)

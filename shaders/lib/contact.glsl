@@ -38,7 +38,7 @@ contact_result contact_at(ivec2 post)
 	int offset = texelFetch(offsets, at, 0).r;
 	int under = texelFetch(unders, at, 0).r;
 	p.written = all(greaterThanEqual(post, written.xy)) && all(lessThan(post, written.zw));
-	p.contact = base == BASE_NODATA ? HOLE : 0u;
+	p.contact = 0u;
 	p.fell = 0u;
 	// The lower envelope as an offset: from the base, in 64 bits, since it may be far away.
 	i64 ground = i64_sub(i64_shl(i64_from(base), 2), i64(zero.y, uint(zero.x)));

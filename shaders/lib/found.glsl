@@ -10,7 +10,6 @@ layout(std430, binding = 2) restrict buffer finds {
 	int found_raised;  // the equilibrium height above the prescribed one, fixed-point units
 	uint found_posts;  // posts that the object touches at that height
 	uint found_state;
-	uint found_tries;  // tries that the search took
 	// The share of the load that the soil carries at that height. It is not quite 1, since heights are whole units. At the exact
 	// height, a fraction of a unit away, all stresses are smaller by about this factor.
 	float found_share;

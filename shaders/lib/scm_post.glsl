@@ -190,12 +190,16 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	float was = float(before.sinkage) * UNIT_METRES;
 	float was_plastic = plastic_part(s, was, yield_stress(s, by_width, was));
 	int more = 0;
+	// share: of the contact, in which the object touches the post. It counts from the ground before slip digs. A post beside the object
+	// stores no shear. There the object counts as having moved before as it moves now.
+	bool over = o.rests != UNDER_NONE;
+	face post = face_at(c.at, c.own);
+	float since = contact_share(c.at, depth_at_post(g, o, post), was_plastic / n.z, post, over), share = over ? min(since, 1.0) : since;
 #ifdef SLIP
 	// Slip digs soil from below the object, so the object must sink by that much more to be borne as before. Compacted soil stays
 	// where it is, so it lies less deep below the lowered ground.
 	if (b.held && !g.far) {
-		face below = face_at(c.at, c.own);
-		more = digs_more(s, before.dug, clamp(contact_share(c.at, depth_at_post(g, o, below), was_plastic / n.z, below, true), 0.0, 1.0));
+		more = digs_more(s, before.dug, clamp(share, 0.0, 1.0));
 		more = max(min(more, g.height - o.rests - 2), 0); // it never digs itself free
 		g.height -= more;
 		int remains = max(before.sinkage - int(round(n.z * float(more))), 0);
@@ -213,13 +217,9 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	b.held = b.held && !b.refused;
 	b.carried = b.touched ? int(min(spin.w * float(max(released - had, 0)), float(max(CARRIED_MOST - more, 0)))) + min(more, CARRIED_MOST) : 0;
 
-	// slid: how far the object's surface slides over the post in the whole contact. share: of the contact, in which it touches the post.
-	bool over = o.rests != UNDER_NONE;
-	face post = face_at(c.at, c.own);
+	// slid: how far the object's surface slides over the post in the whole contact.
 	float depth = depth_at_post(g, o, post);
 	float above = over ? float(o.rests - o.raised) * UNIT_METRES - post.height : 0.0;
-	// A post beside the object stores no shear. There the object counts as having moved before as it moves now.
-	float since = contact_share(c.at, depth, was_plastic / n.z, post, over), share = over ? min(since, 1.0) : since;
 	vec2 half_back = c.at + 0.5 * max(share, 0.0) * way.xy;
 	face then = face_at(half_back, c.own);
 	vec3 normal_then = normal_at(n, then);

@@ -83,7 +83,7 @@ struct deform {
 	struct gpu_texture *bases;
 	/* lower envelopes: `under` of the whole motion, `rest` of the end pose. rest is NULL if the model does not need it */
 	struct gpu_texture *under, *rest;
-	/* what a contact did to each post: the bits LOWERED, HELD, HOLE. NULL if no pass needs them */
+	/* what a contact did to each post: the bits LOWERED, HELD. NULL if no pass needs them */
 	struct gpu_texture *contacts;
 	struct gpu_texture *carried, *deposits; /* conserving models: soil before and after deform_spread, fixed-point units */
 	/* used only while soil slides. floors is NULL if the relaxing soil has no bottom */

@@ -130,11 +130,15 @@ enum status dem_writer_publish(struct dem_writer *writer) FURROW_CHECKED; /* ren
 void dem_writer_destroy(struct dem_writer *writer);                      /* removes the file if it was not published */
 
 /*
- * A raster of classes, whole numbers from 0 to 255, that lies over a store's terrain. It gives the class of each post of any
- * level. One thread at a time uses a handle, so each reading thread opens its own. A handle takes 9 MB, and for a PNG also a
+ * A raster that lies over a store's terrain and gives a class or a number for each post of any level. One thread at a time uses a
+ * handle, so each reading thread opens its own. A handle takes 9 MB for classes, 3 MB for numbers. For a PNG it also takes a
  * temporary file of two bytes for each pixel. The file is untrusted input.
  */
-struct dem_classes_params {
+enum dem_placed_kind {
+	DEM_PLACED_CLASSES, /* pixels are whole numbers from 0 to 255 */
+	DEM_PLACED_NUMBERS, /* pixels are any real numbers; GDAL's scale and offset are applied */
+};
+struct dem_placed_params {
 	/* A grey PNG of 8 or 16 bits: one pixel for each post of level 0, beginning at the store's north-west post, north up.
 	 * With GDAL also a GeoTIFF in any SRS. A GeoTIFF without an SRS is in the store's coordinates. */
 	const char *path;
@@ -142,39 +146,32 @@ struct dem_classes_params {
 	const char *srs;  /* the store's WKT; "" for local metres */
 	double origin[2]; /* the store's south-west post in `srs` */
 };
-struct dem_classes;
+struct dem_pixels;
 /* Opens a raster and copies the parameters. STATUS_INPUT: the file is not such a raster; the message says why. */
-enum status dem_classes_open(const struct dem_classes_params *params, struct dem_classes **out) FURROW_CHECKED;
-void dem_classes_close(struct dem_classes *classes); /* classes may be NULL */
+enum status dem_pixels_open(const struct dem_placed_params *params, enum dem_placed_kind kind, struct dem_pixels **out) FURROW_CHECKED;
+void dem_pixels_close(struct dem_pixels *pixels); /* pixels may be NULL */
 /*
- * Fills `out` for each post of `rect` of `level` with table[value of the nearest pixel]. The south row comes first. A row has
- * at most 2^18 posts. `rect` may extend beyond the world. `absent` is used where the raster has no value: beyond its edge, and
+ * Classes. Fills `out` for each post of `rect` of `level` with table[value of the nearest pixel]. The south row comes first. A row
+ * has at most 2^18 posts. `rect` may extend beyond the world. `absent` is used where the raster has no value: beyond its edge, and
  * for nodata. STATUS_INPUT: the raster cannot be read, or a value is not a class.
  */
-enum status dem_classes_read(struct dem_classes *classes, int level, struct post_rect rect,
+enum status dem_classes_read(struct dem_pixels *pixels, int level, struct post_rect rect,
 			     const uint8_t table[256], uint8_t absent, uint8_t *out) FURROW_CHECKED;
-
-/*
- * A raster of numbers that lies over a store's terrain in the same way. Its pixels may be any real numbers; GDAL's scale and offset
- * are applied. A handle takes 3 MB, and for a PNG also a temporary file.
- */
-struct dem_numbers;
-enum status dem_numbers_open(const struct dem_classes_params *params, struct dem_numbers **out) FURROW_CHECKED;
-void dem_numbers_close(struct dem_numbers *numbers); /* numbers may be NULL */
-/* Reads all pixels, and finds the least and the greatest value. STATUS_INPUT: a value is out of `range`; no pixel has a value; the
- * raster cannot be read. */
+/* Numbers. Reads all pixels, and finds the least and the greatest value. STATUS_INPUT: a value is out of `range`; no pixel has a
+ * value; the raster cannot be read. */
 struct dem_numbers_range {
 	const char *name, *unit; /* for messages; unit NULL: none */
 	double low, high;        /* allowed values */
 	bool above;              /* `low` itself is not allowed */
 };
-enum status dem_numbers_extremes(struct dem_numbers *numbers, const struct dem_numbers_range *range, double *low, double *high)
+enum status dem_numbers_extremes(struct dem_pixels *pixels, const struct dem_numbers_range *range, double *low, double *high)
 	FURROW_CHECKED;
 /*
- * Fills `out` for each post of `rect` of `level`, the south row first. A row has at most 2^16 posts. `rect` may extend beyond the
- * world. A number is bilinear between the four pixels around the post. NaN: the nearest pixel has no value, or there is none.
+ * Numbers. Fills `out` for each post of `rect` of `level`, the south row first. A row has at most 2^16 posts. `rect` may extend
+ * beyond the world. A number is bilinear between the four pixels around the post. NaN: the nearest pixel has no value, or there is
+ * none.
  */
-enum status dem_numbers_read(struct dem_numbers *numbers, int level, struct post_rect rect, double *out) FURROW_CHECKED;
+enum status dem_numbers_read(struct dem_pixels *pixels, int level, struct post_rect rect, double *out) FURROW_CHECKED;
 
 /* Converts coordinates in place, from `from_srs` (any form that GDAL accepts) to the SRS `to_wkt`. Without GDAL: STATUS_FAILED. */
 enum status dem_transform(const char *from_srs, const char *to_wkt, size_t count, double *x, double *y)

@@ -1,34 +1,7 @@
-/* Tells the soil class of each post: the value of the nearest pixel of the class raster. */
+/* Reads the soil class of each post: the value of the nearest pixel of the class raster. */
 #include <math.h>
 
 #include "dem_placed.h"
-
-struct dem_classes {
-	struct dem_pixels pixels;
-};
-
-enum status dem_classes_open(const struct dem_classes_params *params, struct dem_classes **out)
-{
-	*out = NULL;
-	struct dem_classes *classes = mem_calloc(1, sizeof *classes);
-	if (classes == NULL)
-		return fail_memory("opening a map of classes");
-	enum status status = dem_pixels_open(&classes->pixels, params, DEM_PLACED_CLASSES);
-	if (status != STATUS_OK) {
-		dem_classes_close(classes);
-		return status;
-	}
-	*out = classes;
-	return STATUS_OK;
-}
-
-void dem_classes_close(struct dem_classes *classes)
-{
-	if (classes == NULL)
-		return;
-	dem_pixels_close(&classes->pixels);
-	mem_free(classes);
-}
 
 struct reading {
 	const uint8_t *table;
@@ -60,9 +33,9 @@ static enum status fill(void *user, const struct dem_pixels_part *part)
 	return STATUS_OK;
 }
 
-enum status dem_classes_read(struct dem_classes *classes, int level, struct post_rect rect,
+enum status dem_classes_read(struct dem_pixels *pixels, int level, struct post_rect rect,
 			     const uint8_t table[256], uint8_t absent, uint8_t *out)
 {
 	struct reading reading = {table, absent, out};
-	return dem_pixels_read(&classes->pixels, level, rect, fill, &reading);
+	return dem_pixels_read(pixels, DEM_PLACED_CLASSES, level, rect, fill, &reading);
 }

@@ -34,7 +34,7 @@ enum status dem_transform(const char *from_srs, const char *to_wkt, size_t count
 			 "knows no SRS; give local coordinates, or build with GDAL", from_srs);
 }
 
-enum status dem_placed_gdal_open(const struct dem_classes_params *params, enum dem_placed_kind kind, int64_t most,
+enum status dem_placed_gdal_open(const struct dem_placed_params *params, enum dem_placed_kind kind, int64_t most,
 				 struct dem_placed **out)
 {
 	(void)most;

@@ -1,40 +1,12 @@
 /*
- * Tells a number of the soil at each post: interpolated between the pixels of a raster.
+ * Reads a number of the soil at each post, from a raster.
  *
- * A post has a number where its nearest pixel has a value. It is the bilinear mean of the four pixels around the post. Pixels
- * without a value are left out of it, and beyond the rim the rim's pixels count.
+ * A post has a number if its nearest pixel has a value. The number is the bilinear mean of the four pixels around the post. Pixels
+ * without a value are left out of the mean. Beyond the raster's edge its outermost pixels are used.
  */
 #include <math.h>
-#include <stdio.h>
 
 #include "dem_placed.h"
-
-struct dem_numbers {
-	struct dem_pixels pixels;
-};
-
-enum status dem_numbers_open(const struct dem_classes_params *params, struct dem_numbers **out)
-{
-	*out = NULL;
-	struct dem_numbers *numbers = mem_calloc(1, sizeof *numbers);
-	if (numbers == NULL)
-		return fail_memory("opening a raster of soil numbers");
-	enum status status = dem_pixels_open(&numbers->pixels, params, DEM_PLACED_NUMBERS);
-	if (status != STATUS_OK) {
-		dem_numbers_close(numbers);
-		return status;
-	}
-	*out = numbers;
-	return STATUS_OK;
-}
-
-void dem_numbers_close(struct dem_numbers *numbers)
-{
-	if (numbers == NULL)
-		return;
-	dem_pixels_close(&numbers->pixels);
-	mem_free(numbers);
-}
 
 static int64_t within(double pixel, int64_t pixels)
 {
@@ -73,23 +45,23 @@ static enum status fill(void *user, const struct dem_pixels_part *part)
 	return STATUS_OK;
 }
 
-enum status dem_numbers_read(struct dem_numbers *numbers, int level, struct post_rect rect, double *out)
+enum status dem_numbers_read(struct dem_pixels *pixels, int level, struct post_rect rect, double *out)
 {
-	return dem_pixels_read(&numbers->pixels, level, rect, fill, out);
+	return dem_pixels_read(pixels, DEM_PLACED_NUMBERS, level, rect, fill, out);
 }
 
-static enum status refuse(const struct dem_numbers *numbers, const struct dem_numbers_range *range, int64_t column, int64_t row,
+static enum status refuse(const struct dem_pixels *pixels, const struct dem_numbers_range *range, int64_t column, int64_t row,
 			  double value)
 {
 	return fail_with(STATUS_INPUT, "%s: column %lld, row %lld: %s %g%s%s is out of range; allowed: %s%.10g to %.10g, and nodata",
-			 numbers->pixels.path, (long long)column, (long long)row, range->name, value, range->unit != NULL ? " " : "",
+			 pixels->path, (long long)column, (long long)row, range->name, value, range->unit != NULL ? " " : "",
 			 range->unit != NULL ? range->unit : "", range->above ? "above " : "", range->low, range->high);
 }
 
-enum status dem_numbers_extremes(struct dem_numbers *numbers, const struct dem_numbers_range *range, double *low, double *high)
+enum status dem_numbers_extremes(struct dem_pixels *pixels, const struct dem_numbers_range *range, double *low, double *high)
 {
-	struct dem_placed *raster = numbers->pixels.raster;
-	int64_t most = numbers->pixels.most_pixels;
+	struct dem_placed *raster = pixels->raster;
+	int64_t most = pixels->most_pixels;
 	int64_t columns = raster->width < most ? raster->width : most, rows = most / columns;
 	*low = INFINITY;
 	*high = -INFINITY;
@@ -98,18 +70,18 @@ enum status dem_numbers_extremes(struct dem_numbers *numbers, const struct dem_n
 			struct post_rect window = {x, y, x + columns < raster->width ? x + columns : raster->width,
 						   y + rows < raster->height ? y + rows : raster->height};
 			int64_t width = window.x1 - window.x0;
-			enum status status = raster->window(raster, window, numbers->pixels.values);
+			enum status status = raster->window(raster, window, pixels->values);
 			if (status != STATUS_OK)
 				return status;
 			for (int64_t i = 0; i < width * (window.y1 - window.y0); i++) {
-				double value = numbers->pixels.values[i];
+				double value = pixels->values[i];
 				if (value < range->low || value > range->high || (range->above && value == range->low))
-					return refuse(numbers, range, x + i % width, y + i / width, value);
+					return refuse(pixels, range, x + i % width, y + i / width, value);
 				*low = value < *low ? value : *low;
 				*high = value > *high ? value : *high;
 			}
 		}
 	if (*low > *high)
-		return fail_with(STATUS_INPUT, "%s: has no value, all is nodata; give numbers, or take it away", numbers->pixels.path);
+		return fail_with(STATUS_INPUT, "%s: has no value, all is nodata; give numbers, or take it away", pixels->path);
 	return STATUS_OK;
 }

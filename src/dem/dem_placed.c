@@ -9,15 +9,20 @@
 #include <assert.h>
 #include <math.h>
 
-#define EDGE 1e-6 /* of a pixel: a post on the raster's rim is in it, whatever was rounded */
+#define EDGE 1e-6 /* pixels: a post on the raster's edge is in it, also after rounding */
 
-enum status dem_pixels_open(struct dem_pixels *pixels, const struct dem_classes_params *params, enum dem_placed_kind kind)
+static const char *const opening[] = {
+	[DEM_PLACED_CLASSES] = "opening a map of classes",
+	[DEM_PLACED_NUMBERS] = "opening a raster of soil numbers",
+};
+
+static enum status open(struct dem_pixels *pixels, const struct dem_placed_params *params)
 {
-	bool classes = kind == DEM_PLACED_CLASSES;
+	bool classes = pixels->kind == DEM_PLACED_CLASSES;
 	pixels->path = mem_strdup(params->path);
 	pixels->srs = mem_strdup(params->srs);
 	pixels->extent = *params->extent;
-	pixels->params = (struct dem_classes_params){
+	pixels->params = (struct dem_placed_params){
 		.path = pixels->path,
 		.extent = &pixels->extent,
 		.srs = pixels->srs,
@@ -31,14 +36,32 @@ enum status dem_pixels_open(struct dem_pixels *pixels, const struct dem_classes_
 	pixels->y = mem_alloc((size_t)pixels->most_posts, sizeof *pixels->y);
 	pixels->values = mem_alloc((size_t)pixels->most_pixels, sizeof *pixels->values);
 	if (pixels->path == NULL || pixels->srs == NULL || pixels->x == NULL || pixels->y == NULL || pixels->values == NULL)
-		return fail_memory(classes ? "opening a map of classes" : "opening a raster of soil numbers");
+		return fail_memory(opening[pixels->kind]);
 	if (dem_path_ends(pixels->path, ".png"))
-		return dem_placed_png_open(&pixels->params, kind, &pixels->raster);
-	return dem_placed_gdal_open(&pixels->params, kind, pixels->most_pixels, &pixels->raster);
+		return dem_placed_png_open(&pixels->params, pixels->kind, &pixels->raster);
+	return dem_placed_gdal_open(&pixels->params, pixels->kind, pixels->most_pixels, &pixels->raster);
+}
+
+enum status dem_pixels_open(const struct dem_placed_params *params, enum dem_placed_kind kind, struct dem_pixels **out)
+{
+	*out = NULL;
+	struct dem_pixels *pixels = mem_calloc(1, sizeof *pixels);
+	if (pixels == NULL)
+		return fail_memory(opening[kind]);
+	pixels->kind = kind;
+	enum status status = open(pixels, params);
+	if (status != STATUS_OK) {
+		dem_pixels_close(pixels);
+		return status;
+	}
+	*out = pixels;
+	return STATUS_OK;
 }
 
 void dem_pixels_close(struct dem_pixels *pixels)
 {
+	if (pixels == NULL)
+		return;
 	if (pixels->raster != NULL)
 		pixels->raster->destroy(pixels->raster);
 	mem_free(pixels->x);
@@ -46,6 +69,7 @@ void dem_pixels_close(struct dem_pixels *pixels)
 	mem_free(pixels->values);
 	mem_free(pixels->srs);
 	mem_free(pixels->path);
+	mem_free(pixels);
 }
 
 int64_t dem_pixel_of(double place, int64_t pixels)
@@ -100,7 +124,7 @@ static struct post_rect window_of(const struct dem_pixels_part *part)
 	return window;
 }
 
-/* Posts of a part, in halves while their pixels are too many: at last one post needs few pixels. */
+/* Fills the posts of a part. Halves the part while its posts need too many pixels; a single post needs few. */
 static enum status fill_halved(struct dem_pixels *pixels, struct dem_pixels_part part, dem_pixels_fn fill, void *user)
 {
 	struct dem_pixels_part first = part, second = part;
@@ -121,8 +145,10 @@ static enum status fill_halved(struct dem_pixels *pixels, struct dem_pixels_part
 	return status == STATUS_OK ? fill_halved(pixels, second, fill, user) : status;
 }
 
-enum status dem_pixels_read(struct dem_pixels *pixels, int level, struct post_rect rect, dem_pixels_fn fill, void *user)
+enum status dem_pixels_read(struct dem_pixels *pixels, enum dem_placed_kind kind, int level, struct post_rect rect, dem_pixels_fn fill,
+			    void *user)
 {
+	assert(pixels->kind == kind);
 	int64_t width = rect.x1 - rect.x0;
 	enum status status = STATUS_OK;
 	assert(width <= pixels->most_posts);

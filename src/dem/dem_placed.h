@@ -8,8 +8,6 @@
 
 #include "dem_internal.h"
 
-enum dem_placed_kind { DEM_PLACED_CLASSES, DEM_PLACED_NUMBERS }; /* what its values are */
-
 struct dem_placed {
 	/* Converts positions in place. In: posts of level 0, counted from the south-west post. Out: columns and rows of the
 	 * raster, counted from its north-west corner. The middle of the first pixel is (0.5, 0.5). NaN: outside of the raster. */
@@ -21,17 +19,18 @@ struct dem_placed {
 };
 
 /* `params` must stay valid longer than the raster. `most`: pixels that are read at once. */
-enum status dem_placed_png_open(const struct dem_classes_params *params, enum dem_placed_kind kind, struct dem_placed **out)
+enum status dem_placed_png_open(const struct dem_placed_params *params, enum dem_placed_kind kind, struct dem_placed **out)
 	FURROW_CHECKED;
-enum status dem_placed_gdal_open(const struct dem_classes_params *params, enum dem_placed_kind kind, int64_t most,
+enum status dem_placed_gdal_open(const struct dem_placed_params *params, enum dem_placed_kind kind, int64_t most,
 				 struct dem_placed **out) FURROW_CHECKED;
 
 /* --- dem_placed.c: reads the pixels around posts --- */
 
 struct dem_pixels {
+	enum dem_placed_kind kind;
 	char *srs, *path;
 	struct extent extent;
-	struct dem_classes_params params; /* of the above */
+	struct dem_placed_params params; /* of the above */
 	struct dem_placed *raster;
 	int64_t most_posts, most_pixels; /* of a part; of a window */
 	int beside;     /* how many pixels beside its own a post may need */
@@ -48,13 +47,9 @@ struct dem_pixels_part {
 };
 typedef enum status (*dem_pixels_fn)(void *user, const struct dem_pixels_part *part);
 
-/* Opens the raster and copies the parameters. On failure the caller closes `pixels`, which is zero before the call. */
-enum status dem_pixels_open(struct dem_pixels *pixels, const struct dem_classes_params *params, enum dem_placed_kind kind)
-	FURROW_CHECKED;
-void dem_pixels_close(struct dem_pixels *pixels);
-/* Calls `fill` until each post of `rect` was in one part. A row has at most most_posts. */
-enum status dem_pixels_read(struct dem_pixels *pixels, int level, struct post_rect rect, dem_pixels_fn fill, void *user)
-	FURROW_CHECKED;
+/* Calls `fill` until each post of `rect` was in one part. A row has at most most_posts. kind: that of the handle. */
+enum status dem_pixels_read(struct dem_pixels *pixels, enum dem_placed_kind kind, int level, struct post_rect rect, dem_pixels_fn fill,
+			    void *user) FURROW_CHECKED;
 /* Returns the pixel that contains a position of the raster, also on its edges. */
 int64_t dem_pixel_of(double place, int64_t pixels);
 /* Returns a pixel's value; NaN: nodata. The pixel lies in the part's window. */

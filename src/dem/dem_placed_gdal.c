@@ -9,7 +9,7 @@
 
 struct gdal_of_values {
 	struct dem_placed raster;
-	const struct dem_classes_params *params;
+	const struct dem_placed_params *params;
 	GDALDatasetH dataset;
 	GDALRasterBandH band;
 	GDALRasterBandH mask; /* NULL: all pixels are valid */
@@ -64,7 +64,7 @@ static void place_pixel(const struct gdal_of_values *gdal, double *x, double *y)
 static void gdal_locate(struct dem_placed *raster, size_t count, double *x, double *y)
 {
 	const struct gdal_of_values *gdal = (const struct gdal_of_values *)raster;
-	const struct dem_classes_params *params = gdal->params;
+	const struct dem_placed_params *params = gdal->params;
 	for (size_t i = 0; i < count; i++) {
 		x[i] = params->origin[0] + x[i] * params->extent->spacing;
 		y[i] = params->origin[1] + y[i] * params->extent->spacing;
@@ -133,7 +133,7 @@ static enum status take_band(struct gdal_of_values *gdal)
 /* Makes the transform from the store's SRS to the raster's SRS, unless they are the same. */
 static enum status take_way(struct gdal_of_values *gdal, OGRSpatialReferenceH srs)
 {
-	const struct dem_classes_params *params = gdal->params;
+	const struct dem_placed_params *params = gdal->params;
 	if (params->srs[0] == '\0')
 		return fail_with(STATUS_INPUT, "%s: lies on a planet, and the store is local metres; give one without "
 				 "an SRS, in metres from the south-west post, or a PNG", params->path);
@@ -172,7 +172,7 @@ static enum status take_place(struct gdal_of_values *gdal)
 	return take_way(gdal, srs);
 }
 
-enum status dem_placed_gdal_open(const struct dem_classes_params *params, enum dem_placed_kind kind, int64_t most,
+enum status dem_placed_gdal_open(const struct dem_placed_params *params, enum dem_placed_kind kind, int64_t most,
 				 struct dem_placed **out)
 {
 	/* A scene is a stranger's: no format that names further files, or places on the net. */

@@ -12,7 +12,7 @@
 
 struct png_of_values {
 	struct dem_placed raster;
-	const struct dem_classes_params *params;
+	const struct dem_placed_params *params;
 	struct dem_grid *grid;
 };
 
@@ -77,7 +77,7 @@ static enum status png_check(const char *path, enum dem_placed_kind kind)
 	return STATUS_OK;
 }
 
-enum status dem_placed_png_open(const struct dem_classes_params *params, enum dem_placed_kind kind,
+enum status dem_placed_png_open(const struct dem_placed_params *params, enum dem_placed_kind kind,
 				struct dem_placed **out)
 {
 	const struct dem_params plain = {.source_count = 1};

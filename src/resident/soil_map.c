@@ -7,8 +7,8 @@
 struct soil_map {
 	struct soil_map_params params;
 	unsigned count;
-	struct dem_classes *at;        /* for resident_soil_map_at; NULL: nobody asks */
-	struct dem_classes *rasters[]; /* one a loader */
+	struct dem_pixels *at;        /* for resident_soil_map_at; NULL: nobody asks */
+	struct dem_pixels *rasters[]; /* one a loader */
 };
 
 enum status resident_soil_map_open(const struct soil_map_params *params, struct soil_map **out)
@@ -19,7 +19,7 @@ enum status resident_soil_map_open(const struct soil_map_params *params, struct 
 	if (map == NULL)
 		return fail_memory("the map of soils");
 	map->params = *params;
-	const struct dem_classes_params raster = {
+	const struct dem_placed_params raster = {
 		.path = params->path,
 		.extent = &meta->extent,
 		.srs = meta->srs,
@@ -27,9 +27,9 @@ enum status resident_soil_map_open(const struct soil_map_params *params, struct 
 	};
 	enum status status = STATUS_OK;
 	for (; map->count < count && status == STATUS_OK; map->count += status == STATUS_OK)
-		status = dem_classes_open(&raster, &map->rasters[map->count]);
+		status = dem_pixels_open(&raster, DEM_PLACED_CLASSES, &map->rasters[map->count]);
 	if (status == STATUS_OK && params->places)
-		status = dem_classes_open(&raster, &map->at);
+		status = dem_pixels_open(&raster, DEM_PLACED_CLASSES, &map->at);
 	if (status != STATUS_OK) {
 		resident_soil_map_close(map);
 		return status;
@@ -43,8 +43,8 @@ void resident_soil_map_close(struct soil_map *map)
 	if (map == NULL)
 		return;
 	for (unsigned i = 0; i < map->count; i++)
-		dem_classes_close(map->rasters[i]);
-	dem_classes_close(map->at);
+		dem_pixels_close(map->rasters[i]);
+	dem_pixels_close(map->at);
 	mem_free(map);
 }
 

@@ -16,7 +16,7 @@ struct soil_rasters {
 	} rasters[4];
 	unsigned readers; /* one for each loader, and one for resident_soil_rasters_at */
 	struct reader {
-		struct dem_numbers *rasters[4];
+		struct dem_pixels *rasters[4];
 		double *values; /* of a strip */
 	} list[];
 };
@@ -35,11 +35,11 @@ static enum status open_reader(struct soil_rasters *rasters, struct reader *read
 	if (reader->values == NULL)
 		return fail_memory("the rasters of the soil");
 	for (int i = 0; i < rasters->params.count && status == STATUS_OK; i++)
-		status = dem_numbers_open(&(struct dem_classes_params){.path = rasters->params.rasters[i].path,
-								       .extent = &meta->extent,
-								       .srs = meta->srs,
-								       .origin = {meta->origin[0], meta->origin[1]}},
-					  &reader->rasters[i]);
+		status = dem_pixels_open(&(struct dem_placed_params){.path = rasters->params.rasters[i].path,
+								     .extent = &meta->extent,
+								     .srs = meta->srs,
+								     .origin = {meta->origin[0], meta->origin[1]}},
+					 DEM_PLACED_NUMBERS, &reader->rasters[i]);
 	return status;
 }
 
@@ -83,7 +83,7 @@ void resident_soil_rasters_close(struct soil_rasters *rasters)
 		return;
 	for (unsigned i = 0; i < rasters->readers; i++) {
 		for (int k = 0; k < rasters->params.count; k++)
-			dem_numbers_close(rasters->list[i].rasters[k]);
+			dem_pixels_close(rasters->list[i].rasters[k]);
 		mem_free(rasters->list[i].values);
 	}
 	mem_free(rasters);

@@ -36,7 +36,7 @@ objects:
 
 
 def rough(x, y):
-    """Centimetres: ground that stands."""
+    """Returns a height in centimetres. No slope is steep enough to slide."""
     return 10000 + (x * 7 + y * 3) % 11
 
 

@@ -269,6 +269,24 @@ static inline int32_t *ground_plane(struct ground *ground, enum plane plane)
 	return all;
 }
 
+/* One post of a plane; x and y counted from the block's first post. */
+static inline int32_t ground_post(struct ground *ground, enum plane plane, int64_t x, int64_t y)
+{
+	int32_t *all = ground_plane(ground, plane), post = all[y * ground->posts + x];
+	mem_free(all);
+	return post;
+}
+
+static inline int64_t ground_sum(struct ground *ground, enum plane plane)
+{
+	int32_t *all = ground_plane(ground, plane);
+	int64_t sum = 0;
+	for (int64_t i = 0; i < ground->posts * ground->posts; i++)
+		sum += all[i];
+	mem_free(all);
+	return sum;
+}
+
 /* Metres from a place on the lattice to a post of the block. */
 static inline long double ground_from(const struct ground *ground, int64_t post, int64_t place)
 {
@@ -281,7 +299,7 @@ static inline double any_share(void)
 	return (double)any_word() / 2147483648.0 - 1;
 }
 
-/* The lattice place of a block's post, and then some: x and y in posts, z in metres. */
+/* A place of the block on the lattice. x, y: in posts from the block's first post; z: metres. */
 static inline struct deform_pose ground_pose(const struct ground *ground, double x, double y, double z)
 {
 	return (struct deform_pose){
@@ -289,6 +307,13 @@ static inline struct deform_pose ground_pose(const struct ground *ground, double
 		.y = lattice_offset(((double)ground->x0 + y) * ground->params.spacing),
 		.z = lattice_offset(z),
 	};
+}
+
+/* An object that is set down there and does not move. */
+static inline struct deform_contact ground_stand(const struct ground *ground, const struct deform_shape *shape, double x, double y, double z)
+{
+	struct deform_pose pose = ground_pose(ground, x, y, z);
+	return (struct deform_contact){.shape = shape, .from = pose, .to = pose};
 }
 
 #endif

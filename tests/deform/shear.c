@@ -19,12 +19,6 @@ static void init(struct ground *ground, const struct deform_soil *soil)
 	ground_init(ground, &(struct ground_params){.cells = 64, .tiles = 2, .first = 2, .spacing = 0.015625, .model = DEFORM_SCM, .soils = soil});
 }
 
-static struct deform_contact stand(const struct ground *ground, const struct deform_shape *shape, double x, double y, double z)
-{
-	struct deform_pose pose = ground_pose(ground, x, y, z);
-	return (struct deform_contact){.shape = shape, .from = pose, .to = pose};
-}
-
 static void go(struct deform_contact *contact, int64_t east, int64_t north, int64_t up)
 {
 	contact->from = contact->to;
@@ -36,10 +30,9 @@ static void go(struct deform_contact *contact, int64_t east, int64_t north, int6
 /* At the block's middle. */
 static void read_shear(struct ground *ground, double shear[2])
 {
-	int32_t *all = ground_plane(ground, PLANE_SHEAR), post = all[64 * ground->posts + 64];
+	int32_t post = ground_post(ground, PLANE_SHEAR, 64, 64);
 	for (int part = 0; part < 2; part++)
 		shear[part] = plane_shear(post, (enum plane_shear_part)part) * UNIT;
-	mem_free(all);
 }
 
 /* For K from 1 mm to 10 cm, in four directions: 1 - exp(-j / K), in however many contacts the way is gone. */
@@ -58,7 +51,7 @@ static void a_way_shears_the_same_however_it_is_cut(void **state)
 			double shear[2];
 			ground_reset(&ground);
 			/* The plate is over the post from the beginning to the end. */
-			struct deform_contact contact = stand(&ground, &plate, 64.3 - 32 * way * cos(angle), 64.2 - 32 * way * sin(angle), 0.25 - 0.02);
+			struct deform_contact contact = ground_stand(&ground, &plate, 64.3 - 32 * way * cos(angle), 64.2 - 32 * way * sin(angle), 0.25 - 0.02);
 			ground_sweep(&ground, &contact);
 			const int64_t east = lattice_offset(way * cos(angle) / pieces), north = lattice_offset(way * sin(angle) / pieces);
 			for (int i = 0; i < pieces; i++) {
@@ -89,7 +82,7 @@ static void on_the_way_back_the_shear_turns_over_about_3_k(void **state)
 	(void)state;
 	need_gpu();
 	init(&ground, &soil);
-	struct deform_contact contact = stand(&ground, &plate, 60, 64, 0.25 - 0.02);
+	struct deform_contact contact = ground_stand(&ground, &plate, 60, 64, 0.25 - 0.02);
 	ground_sweep(&ground, &contact);
 	go(&contact, lattice_offset(5 * modulus), 0, 0);
 	struct deform_forces before = ground_forces(&ground, &contact);
@@ -121,7 +114,7 @@ static void shear_turns_with_the_way(void **state)
 	(void)state;
 	need_gpu();
 	init(&ground, &soil);
-	struct deform_contact contact = stand(&ground, &plate, 64, 64, 0.25 - 0.02);
+	struct deform_contact contact = ground_stand(&ground, &plate, 64, 64, 0.25 - 0.02);
 	ground_sweep(&ground, &contact);
 	go(&contact, lattice_offset(2 * modulus), 0, 0);
 	ground_sweep(&ground, &contact);
@@ -161,7 +154,7 @@ static void shear_ends_with_the_contact(void **state)
 	need_gpu();
 	init(&ground, &soil);
 	/* The plate is 32 posts long. What it leaves is behind its west side. */
-	struct deform_contact contact = stand(&ground, &plate, 50.5, 64.5, 0.25 - 0.02);
+	struct deform_contact contact = ground_stand(&ground, &plate, 50.5, 64.5, 0.25 - 0.02);
 	ground_sweep(&ground, &contact);
 	for (int i = 1; i <= 20; i++) {
 		go(&contact, lattice_offset(0.015625), 0, 0);
@@ -188,7 +181,7 @@ static void passes_at_one_height_pull_the_same(void **state)
 	need_gpu();
 	init(&ground, &soil);
 	for (int pass = 0; pass < 4; pass++) {
-		struct deform_contact contact = stand(&ground, &wheel, 35.3, 64, 0.3 - 0.05);
+		struct deform_contact contact = ground_stand(&ground, &wheel, 35.3, 64, 0.3 - 0.05);
 		contact.turned = 0.015625 / 0.3 / 0.8;
 		ground_sweep(&ground, &contact);
 		for (int i = 0; i < 40 - 9 * pass; i++) { /* each ends before the one before, and leaves it no place to hide */

@@ -11,27 +11,17 @@
 static const struct extent extent = {9, 7, 2, 8};
 
 /* Of pixels, rows from the north. */
-static int value_of(int column, int row)
+static double value_of(int column, int row)
 {
 	return column + 16 * row;
 }
 
-static void write_png(const char *name, enum dem_raster_type type, int width, int height, int more)
+static double too_large(int column, int row)
 {
-	struct dem_raster raster = {.path = in_folder(name), .width = width, .height = height, .type = type, .spacing = 1};
-	struct dem_writer *writer;
-	assert_int_equal(dem_writer_create(&raster, &writer), STATUS_OK);
-	double row[64];
-	for (int y = height - 1; y >= 0; y--) {
-		for (int x = 0; x < width; x++)
-			row[x] = value_of(x, y) + more;
-		assert_int_equal(dem_writer_rows(writer, 1, row), STATUS_OK);
-	}
-	assert_int_equal(dem_writer_publish(writer), STATUS_OK);
-	dem_writer_destroy(writer);
+	return value_of(column, row) + 200;
 }
 
-static void check(struct dem_classes *classes, int level, struct post_rect rect, int width, int height)
+static void check(struct dem_pixels *classes, int level, struct post_rect rect, int width, int height)
 {
 	uint8_t *values = read_classes(classes, level, rect);
 	for (int64_t y = rect.y0; y < rect.y1; y++)
@@ -41,7 +31,7 @@ static void check(struct dem_classes *classes, int level, struct post_rect rect,
 			column -= column == width && ldexp((double)x, level) == width - 0.5;
 			row -= row == height && 6 - ldexp((double)y, level) == height - 0.5;
 			bool in = column >= 0 && column < width && row >= 0 && row < height;
-			int expected = in ? value_of((int)column, (int)row) : ABSENT;
+			int expected = in ? (int)value_of((int)column, (int)row) : ABSENT;
 			assert_int_equal(values[(y - rect.y0) * (rect.x1 - rect.x0) + x - rect.x0], expected);
 		}
 	free(values);
@@ -53,9 +43,9 @@ static void a_png_is_a_pixel_a_post_from_the_north_west(void **state)
 	const int sizes[][2] = {{9, 7}, {4, 3}, {20, 11}, {1, 1}};
 	for (size_t i = 0; i < 8; i++) {
 		int width = sizes[i / 2][0], height = sizes[i / 2][1];
-		write_png("map.png", types[i % 2], width, height, 0);
-		struct dem_classes_params params = classes_of("map.png", &extent, "", 1000, -5);
-		struct dem_classes *classes = open_classes(&params);
+		write_placed_png("map.png", types[i % 2], width, height, value_of);
+		struct dem_placed_params params = placed("map.png", &extent, "", 1000, -5);
+		struct dem_pixels *classes = open_placed(&params, DEM_PLACED_CLASSES);
 		check(classes, 0, (struct post_rect){0, 0, 9, 7}, width, height);
 		check(classes, 0, (struct post_rect){-30, -30, 40, 40}, width, height);
 		check(classes, 0, (struct post_rect){3, 2, 4, 3}, width, height);
@@ -64,77 +54,66 @@ static void a_png_is_a_pixel_a_post_from_the_north_west(void **state)
 		check(classes, 3, (struct post_rect){0, 0, 9, 9}, width, height);
 		check(classes, -1, (struct post_rect){-4, -4, 30, 30}, width, height);
 		check(classes, -5, (struct post_rect){-40, 100, 217, 357}, width, height);
-		dem_classes_close(classes);
+		dem_pixels_close(classes);
 	}
 }
 
 static void the_table_says_what_a_value_becomes(void **state)
 {
-	write_png("map.png", DEM_UINT8, 9, 7, 0);
-	struct dem_classes_params params = classes_of("map.png", &extent, "", 0, 0);
-	struct dem_classes *classes = open_classes(&params);
+	write_placed_png("map.png", DEM_UINT8, 9, 7, value_of);
+	struct dem_placed_params params = placed("map.png", &extent, "", 0, 0);
+	struct dem_pixels *classes = open_placed(&params, DEM_PLACED_CLASSES);
 	uint8_t table[256] = {[0] = 3, [1] = 4}, values[3];
 	assert_int_equal(dem_classes_read(classes, 0, (struct post_rect){-1, 6, 2, 7}, table, 9, values), STATUS_OK);
 	assert_true(values[0] == 9 && values[1] == 3 && values[2] == 4);
-	dem_classes_close(classes);
-	dem_classes_close(NULL);
+	dem_pixels_close(classes);
+	dem_pixels_close(NULL);
 }
 
 static void what_is_no_png_of_classes_is_refused(void **state)
 {
 	uint8_t bytes[33] = "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\2\0\0\0\2\x08\2";
-	struct dem_classes_params params = classes_of("bad.png", &extent, "", 0, 0);
-	assert_open_refused(&params, "No such file");
+	struct dem_placed_params params = placed("bad.png", &extent, "", 0, 0);
+	assert_placed_refused(&params, DEM_PLACED_CLASSES, "No such file");
 	write_file("bad.png", bytes, sizeof bytes);
-	assert_open_refused(&params, "is in colour, and classes are numbers");
+	assert_placed_refused(&params, DEM_PLACED_CLASSES, "is in colour, and classes are numbers");
 	bytes[25] = 3;
 	write_file("bad.png", bytes, sizeof bytes);
-	assert_open_refused(&params, "is in colour");
+	assert_placed_refused(&params, DEM_PLACED_CLASSES, "is in colour");
 	bytes[24] = 4, bytes[25] = 0;
 	write_file("bad.png", bytes, sizeof bytes);
-	assert_open_refused(&params, "has 4 bits a pixel; give one of 8 or 16");
+	assert_placed_refused(&params, DEM_PLACED_CLASSES, "has 4 bits a pixel; give one of 8 or 16");
 	bytes[24] = 8, bytes[16] = 1, bytes[20] = 1;
 	write_file("bad.png", bytes, sizeof bytes);
-	assert_open_refused(&params, "16777218 x 16777218 pixels are too many in a PNG");
+	assert_placed_refused(&params, DEM_PLACED_CLASSES, "16777218 x 16777218 pixels are too many in a PNG");
 	bytes[16] = bytes[20] = 0;
 	write_file("bad.png", bytes, sizeof bytes);
-	assert_open_refused(&params, "cannot be read as a PNG");
+	assert_placed_refused(&params, DEM_PLACED_CLASSES, "cannot be read as a PNG");
 	write_file("bad.png", bytes, 20);
-	assert_open_refused(&params, "is not a PNG");
+	assert_placed_refused(&params, DEM_PLACED_CLASSES, "is not a PNG");
 	write_file("bad.png", "P5 2 2 255 abcd and some more of that", 37);
-	assert_open_refused(&params, "is not a PNG");
-	write_png("whole.png", DEM_UINT8, 60, 4, 0);
+	assert_placed_refused(&params, DEM_PLACED_CLASSES, "is not a PNG");
+	write_placed_png("whole.png", DEM_UINT8, 60, 4, value_of);
 	char whole[400];
 	snprintf(whole, sizeof whole, "%s", in_folder("whole.png"));
 	assert_int_equal(truncate(whole, 50), 0);
 	params.path = whole;
-	assert_open_refused(&params, "cannot be read as a PNG");
-	write_png("large.png", DEM_UINT16, 9, 7, 200);
+	assert_placed_refused(&params, DEM_PLACED_CLASSES, "cannot be read as a PNG");
+	write_placed_png("large.png", DEM_UINT16, 9, 7, too_large);
 	params.path = in_folder("large.png");
 	assert_read_refused(&params, (struct post_rect){0, 0, 9, 7}, "column 0, row 6: its value 296 is no class; allowed: 0 to 255");
-	struct dem_classes *classes = open_classes(&params);
+	struct dem_pixels *classes = open_placed(&params, DEM_PLACED_CLASSES);
 	uint8_t *values = read_classes(classes, 0, (struct post_rect){0, 6, 9, 7});
 	assert_int_equal(values[8], 208); /* where it is one */
 	free(values);
-	dem_classes_close(classes);
+	dem_pixels_close(classes);
 }
 
 static void memory_that_runs_out_is_told(void **state)
 {
-	write_png("map.png", DEM_UINT8, 9, 7, 0);
-	struct dem_classes_params params = classes_of("map.png", &extent, "", 0, 0);
-	struct dem_classes *classes;
-	enum status status;
-	uint64_t nth = 0;
-	do {
-		mem_fail_nth(++nth, 0);
-		status = dem_classes_open(&params, &classes);
-		mem_fail_nth(0, 0);
-		assert_true(status == STATUS_OK || classes == NULL);
-		assert_true(status == STATUS_OK || strstr(failure_message(), "memory") != NULL);
-	} while (status != STATUS_OK && nth < 100);
-	assert_true(status == STATUS_OK && nth > 6);
-	dem_classes_close(classes);
+	write_placed_png("map.png", DEM_UINT8, 9, 7, value_of);
+	struct dem_placed_params params = placed("map.png", &extent, "", 0, 0);
+	assert_placed_tells_memory(&params, DEM_PLACED_CLASSES);
 }
 
 int main(void)

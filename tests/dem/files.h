@@ -77,16 +77,21 @@ static inline double height_at(struct dem *dem, int64_t x, int64_t y)
 	return row[x];
 }
 
-/* One line, naming the file, with something to do. */
+/* The last failure is one line. It says this, names the file (NULL: any), and tells what to do. */
+static inline void assert_told(const char *says, const char *path)
+{
+	if (strstr(failure_message(), says) == NULL || (path != NULL && strstr(failure_message(), path) == NULL))
+		fail_msg("\"%s\" does not say \"%s\"", failure_message(), says);
+	assert_null(strchr(failure_message(), '\n'));
+	assert_non_null(strchr(failure_message(), ';'));
+}
+
 static inline void assert_refused(const struct dem_params *params, enum status status, const char *names)
 {
 	struct dem *dem = NULL;
 	assert_int_equal(dem_open(params, &dem), status);
 	assert_null(dem);
-	if (strstr(failure_message(), names) == NULL)
-		fail_msg("\"%s\" does not say \"%s\"", failure_message(), names);
-	assert_null(strchr(failure_message(), '\n'));
-	assert_non_null(strchr(failure_message(), ';'));
+	assert_told(names, NULL);
 }
 
 #endif

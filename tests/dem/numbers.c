@@ -16,19 +16,9 @@ static double value_of(int column, int row)
 	return (column * 977 + row * 353) % 4001;
 }
 
-static void write_png(const char *name, enum dem_raster_type type, int width, int height)
+static double byte_of(int column, int row)
 {
-	struct dem_raster raster = {.path = in_folder(name), .width = width, .height = height, .type = type, .spacing = 1};
-	struct dem_writer *writer;
-	assert_int_equal(dem_writer_create(&raster, &writer), STATUS_OK);
-	double row[1200];
-	for (int y = height - 1; y >= 0; y--) {
-		for (int x = 0; x < width; x++)
-			row[x] = type == DEM_UINT8 ? fmod(value_of(x, y), 256) : value_of(x, y);
-		assert_int_equal(dem_writer_rows(writer, 1, row), STATUS_OK);
-	}
-	assert_int_equal(dem_writer_publish(writer), STATUS_OK);
-	dem_writer_destroy(writer);
+	return fmod(value_of(column, row), 256);
 }
 
 /* The bilinear value at a place, in posts of level 0: pixels of a PNG are posts from the north-west. */
@@ -50,9 +40,9 @@ static void a_png_is_bilinear_between_posts(void **state)
 	static const int sizes[][2] = {{9, 7}, {4, 3}, {20, 11}, {1, 1}, {1, 7}};
 	for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
 		int width = sizes[i][0], height = sizes[i][1];
-		write_png("n.png", DEM_UINT16, width, height);
-		struct dem_classes_params params = classes_of("n.png", &extent, "", 1000, -5);
-		struct dem_numbers *numbers = open_numbers(&params);
+		write_placed_png("n.png", DEM_UINT16, width, height, value_of);
+		struct dem_placed_params params = placed("n.png", &extent, "", 1000, -5);
+		struct dem_pixels *numbers = open_placed(&params, DEM_PLACED_NUMBERS);
 		for (int level = -4; level <= 2; level++) {
 			struct post_rect rect = {-20, -20, 180, 140};
 			double *values = read_numbers(numbers, level, rect);
@@ -62,25 +52,25 @@ static void a_png_is_bilinear_between_posts(void **state)
 						      expected(ldexp((double)x, level), ldexp((double)y, level), width, height));
 			free(values);
 		}
-		dem_numbers_close(numbers);
+		dem_pixels_close(numbers);
 	}
-	write_png("bytes.png", DEM_UINT8, 9, 7);
-	struct dem_classes_params params = classes_of("bytes.png", &extent, "", 0, 0);
-	struct dem_numbers *numbers = open_numbers(&params);
+	write_placed_png("bytes.png", DEM_UINT8, 9, 7, byte_of);
+	struct dem_placed_params params = placed("bytes.png", &extent, "", 0, 0);
+	struct dem_pixels *numbers = open_placed(&params, DEM_PLACED_NUMBERS);
 	double *values = read_numbers(numbers, 0, (struct post_rect){8, 6, 9, 7});
-	assert_true(values[0] == fmod(value_of(8, 0), 256));
+	assert_true(values[0] == byte_of(8, 0));
 	free(values);
-	dem_numbers_close(numbers);
-	dem_numbers_close(NULL);
+	dem_pixels_close(numbers);
+	dem_pixels_close(NULL);
 }
 
 /* Bit by bit: alone, in a row, in a large rectangle. Coarse levels need more pixels than fit one window. */
 static void a_posts_number_depends_on_this_post_alone(void **state)
 {
 	static const struct extent wide = {1200, 900, 1, 64};
-	write_png("n.png", DEM_UINT16, 1200, 900);
-	struct dem_classes_params params = classes_of("n.png", &wide, "", 0, 0);
-	struct dem_numbers *numbers = open_numbers(&params);
+	write_placed_png("n.png", DEM_UINT16, 1200, 900, value_of);
+	struct dem_placed_params params = placed("n.png", &wide, "", 0, 0);
+	struct dem_pixels *numbers = open_placed(&params, DEM_PLACED_NUMBERS);
 	static const int levels[] = {-3, 0, 4};
 	for (size_t i = 0; i < 3; i++) {
 		struct post_rect all = {-3, -3, 197, 157};
@@ -97,20 +87,20 @@ static void a_posts_number_depends_on_this_post_alone(void **state)
 			}
 		free(values);
 	}
-	dem_numbers_close(numbers);
+	dem_pixels_close(numbers);
 }
 
 static void the_least_and_the_greatest_value_are_found(void **state)
 {
 	double low, high, least = INFINITY, most = -INFINITY;
-	write_png("n.png", DEM_UINT16, 1200, 900);
+	write_placed_png("n.png", DEM_UINT16, 1200, 900, value_of);
 	for (int y = 0; y < 900; y++)
 		for (int x = 0; x < 1200; x++) {
 			least = fmin(least, value_of(x, y));
 			most = fmax(most, value_of(x, y));
 		}
-	struct dem_classes_params params = classes_of("n.png", &extent, "", 0, 0);
-	struct dem_numbers *numbers = open_numbers(&params);
+	struct dem_placed_params params = placed("n.png", &extent, "", 0, 0);
+	struct dem_pixels *numbers = open_placed(&params, DEM_PLACED_NUMBERS);
 	struct dem_numbers_range range = {"cohesion", "Pa", least, most, false};
 	assert_int_equal(dem_numbers_extremes(numbers, &range, &low, &high), STATUS_OK);
 	assert_true(low == least && high == most);
@@ -124,39 +114,28 @@ static void the_least_and_the_greatest_value_are_found(void **state)
 	char says[120];
 	snprintf(says, sizeof says, "column %d, row %d: bekker_n 4000 is out of range; allowed: -10 to 3999", first % 1200, first / 1200);
 	assert_extremes_refused(numbers, &range, says);
-	dem_numbers_close(numbers);
+	dem_pixels_close(numbers);
 }
 
 static void what_is_no_png_of_numbers_is_refused(void **state)
 {
 	uint8_t bytes[33] = "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\2\0\0\0\2\x08\2";
-	struct dem_classes_params params = classes_of("bad.png", &extent, "", 0, 0);
-	assert_numbers_refused(&params, "No such file");
+	struct dem_placed_params params = placed("bad.png", &extent, "", 0, 0);
+	assert_placed_refused(&params, DEM_PLACED_NUMBERS, "No such file");
 	write_file("bad.png", bytes, sizeof bytes);
-	assert_numbers_refused(&params, "is in colour, and here it holds numbers");
+	assert_placed_refused(&params, DEM_PLACED_NUMBERS, "is in colour, and here it holds numbers");
 	bytes[24] = 4, bytes[25] = 0;
 	write_file("bad.png", bytes, sizeof bytes);
-	assert_numbers_refused(&params, "has 4 bits a pixel; give one of 8 or 16");
+	assert_placed_refused(&params, DEM_PLACED_NUMBERS, "has 4 bits a pixel; give one of 8 or 16");
 	write_file("bad.png", bytes, 20);
-	assert_numbers_refused(&params, "is not a PNG");
+	assert_placed_refused(&params, DEM_PLACED_NUMBERS, "is not a PNG");
 }
 
 static void memory_that_runs_out_is_told(void **state)
 {
-	write_png("n.png", DEM_UINT16, 9, 7);
-	struct dem_classes_params params = classes_of("n.png", &extent, "", 0, 0);
-	struct dem_numbers *numbers;
-	enum status status;
-	uint64_t nth = 0;
-	do {
-		mem_fail_nth(++nth, 0);
-		status = dem_numbers_open(&params, &numbers);
-		mem_fail_nth(0, 0);
-		assert_true(status == STATUS_OK || numbers == NULL);
-		assert_true(status == STATUS_OK || strstr(failure_message(), "memory") != NULL);
-	} while (status != STATUS_OK && nth < 100);
-	assert_true(status == STATUS_OK && nth > 6);
-	dem_numbers_close(numbers);
+	write_placed_png("n.png", DEM_UINT16, 9, 7, value_of);
+	struct dem_placed_params params = placed("n.png", &extent, "", 0, 0);
+	assert_placed_tells_memory(&params, DEM_PLACED_NUMBERS);
 }
 
 int main(void)

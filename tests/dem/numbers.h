@@ -1,19 +1,11 @@
-/* Rasters of numbers: opening them over a world, reading them whole and in parts. */
+/* Rasters of numbers: reading them. */
 #ifndef FURROW_TESTS_DEM_NUMBERS_H
 #define FURROW_TESTS_DEM_NUMBERS_H
 
-#include "classes.h"
-
-static inline struct dem_numbers *open_numbers(const struct dem_classes_params *params)
-{
-	struct dem_numbers *numbers;
-	if (dem_numbers_open(params, &numbers) != STATUS_OK)
-		fail_msg("%s", failure_message());
-	return numbers;
-}
+#include "placed.h"
 
 /* Whoever asks frees them. */
-static inline double *read_numbers(struct dem_numbers *numbers, int level, struct post_rect rect)
+static inline double *read_numbers(struct dem_pixels *numbers, int level, struct post_rect rect)
 {
 	size_t count = (size_t)((rect.x1 - rect.x0) * (rect.y1 - rect.y0));
 	double *values = malloc((count + 1) * sizeof *values);
@@ -31,28 +23,11 @@ static inline void assert_number(double is, double should_be)
 		fail_msg("%.12g is not %.12g", is, should_be);
 }
 
-static inline void assert_told(const char *says)
-{
-	if (strstr(failure_message(), says) == NULL)
-		fail_msg("\"%s\" does not say \"%s\"", failure_message(), says);
-	assert_null(strchr(failure_message(), '\n'));
-	assert_non_null(strchr(failure_message(), ';'));
-}
-
-static inline void assert_numbers_refused(const struct dem_classes_params *params, const char *says)
-{
-	struct dem_numbers *numbers;
-	assert_int_equal(dem_numbers_open(params, &numbers), STATUS_INPUT);
-	assert_null(numbers);
-	assert_non_null(strstr(failure_message(), params->path));
-	assert_told(says);
-}
-
-static inline void assert_extremes_refused(struct dem_numbers *numbers, const struct dem_numbers_range *range, const char *says)
+static inline void assert_extremes_refused(struct dem_pixels *numbers, const struct dem_numbers_range *range, const char *says)
 {
 	double low, high;
 	assert_int_equal(dem_numbers_extremes(numbers, range, &low, &high), STATUS_INPUT);
-	assert_told(says);
+	assert_told(says, NULL);
 }
 
 #endif

@@ -10,7 +10,7 @@ static void take_note(const char *text)
 	notes++;
 }
 
-/* What the version before made: the same tables, and in `shear` numbers that are none now. */
+/* Makes what the older version made: the same tables, with numbers in `shear` that mean nothing to this version. */
 static void make_older(const char *path, struct field *field, bool driven)
 {
 	struct store_commit_result result;
@@ -44,6 +44,17 @@ static int64_t version_of(const char *path)
 	return version;
 }
 
+/* Makes an older store with ruts and opens it. One note says so. */
+static struct store *open_older(const char *path, struct field *field, enum store_mode mode, const char *says)
+{
+	make_older(path, field, true);
+	notes = 0;
+	struct store *store = open_store(path, mode);
+	assert_int_equal(notes, 1);
+	assert_non_null(strstr(told, says));
+	return store;
+}
+
 /* Every post of every plane is the field's. */
 static void assert_posts(struct store *store, const struct field *field)
 {
@@ -75,11 +86,7 @@ static void ruts_of_the_version_before_are_read_without_their_shear(void **state
 	struct field field;
 	struct store_check check;
 	(void)state;
-	make_older(path, &field, true);
-	notes = 0;
-	struct store *store = open_store(path, STORE_READ);
-	assert_int_equal(notes, 1);
-	assert_non_null(strstr(told, "its shear counts as none"));
+	struct store *store = open_older(path, &field, STORE_READ, "its shear counts as none");
 	assert_posts(store, &field);
 	assert_ok(store_verify(store, NULL, NULL, NULL, &check));
 	assert_int_equal(check.problems, 0);
@@ -94,11 +101,7 @@ static void who_writes_makes_it_one_of_this_version(void **state)
 	struct field field;
 	struct store_commit_result result;
 	(void)state;
-	make_older(path, &field, true);
-	notes = 0;
-	struct store *store = open_store(path, STORE_WRITE);
-	assert_int_equal(notes, 1);
-	assert_non_null(strstr(told, "older furrows cannot read"));
+	struct store *store = open_older(path, &field, STORE_WRITE, "older furrows cannot read");
 	assert_posts(store, &field);
 	store_close(store);
 	assert_int_equal(version_of(path), 4);

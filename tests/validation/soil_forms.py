@@ -11,7 +11,7 @@ sys.path.insert(0, str(pathlib.Path(os.environ["SOURCES"]).parent / "bench"))
 import converge_tables
 import lanes
 import soil_forms
-from soil_forms import Law, Wheel, by_angle, by_way, named, under_load
+from soil_forms import Law, Wheel, by_angle, by_posts, by_way, named, under_load
 
 
 class ClosedForms(unittest.TestCase):
@@ -28,6 +28,15 @@ class ClosedForms(unittest.TestCase):
             most = max(one.fz, 0.01 * soil.yields(case[2], wheel.width) * wheel.width * wheel.radius)
             for a, b in ((one.fz, two.fz), (one.fx, two.fx), (one.my, two.my)):
                 self.assertLess(abs(a - b) / most, 1e-6, case)
+
+    def test_a_row_of_posts_agrees(self):
+        """Through time, with what a post remembers: digging, reversal of shear, rebound. Its error halves with the distance of posts."""
+        for name, load, slip, kappa in (("dry_sand", 1000, 0.2, 0.55), ("lete_sand", 1000, 0.2, 0.55), ("snow_us", 1000, -0.2, 0.55), ("dry_sand", 1000, -0.5, 1.1)):
+            soil, wheel, law = named(name), Wheel(0.32, 0.24), Law(kappa=kappa)
+            form = under_load(soil, wheel, load, slip, law)
+            coarse, fine = (by_posts(soil, wheel, form.sinkage, slip, law, posts).apart(form) for posts in (1000, 8000))
+            self.assertLess(fine, 5e-4, name)
+            self.assertLess(fine, coarse / 3, name)
 
     def test_the_numbers_of_the_issue(self):
         """Sinkage in mm, drawbar in N, torque in N m: a wheel of 0.32 m by 0.24 m, 1 kN, slip 0.2, dry_sand."""

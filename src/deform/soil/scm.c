@@ -189,7 +189,7 @@ static enum status run_contact(struct deform *deform, const struct deform_contac
 		.stage = GPU_CONTACT,
 		.program = deform->scm[with],
 		.target = deform->scratch[layer].to[TO_BARE],
-		.viewport = deform_rows(params.written),
+		.viewport = deform_rows(params.shadow),
 		.textures = {deform->under, deform->classes, deform->numbers, deform->bases},
 		.images = {deform->planes_of[0][PLANE_DUG], deform->planes_of[1][PLANE_DEPOSITED], deform->rest, deform->planes_of[1][PLANE_OFFSET],
 			   deform->planes_of[0][PLANE_PLASTIC_SINKAGE], deform->planes_of[0][PLANE_SHEAR], deform->contacts,

@@ -215,6 +215,7 @@ enum status deform_spread(struct deform *deform, const struct deform_contact *co
 			.program = deform->spread[pass],
 			.target = deform->scratch[layer].to[TO_BARE],
 			.viewport = deform_rows(params.written),
+			.textures = {[3] = pass == SPREAD_WEIGH ? deform->bases : NULL},
 			.images = {images[pass][0], images[pass][1], images[pass][2], images[pass][3]},
 			.storage = {deform->tally, deform->laying},
 			.params = &params,

@@ -316,7 +316,7 @@ static void add_place(const struct cell *cell, const double at[2], double deep, 
 }
 
 struct cell_force reference_cell(const struct reference_ground *ground, const struct deform_soil *soil, double stiffness,
-				 const struct deform_contact *sweep, int at, const double *under, const double *rests, double lower)
+				 const struct deform_contact *sweep, int at, const double *under, const double *rests, double lower, double since)
 {
 	struct cell_force out = {.normal = 0};
 	struct form form = form_of(ground, sweep);
@@ -342,9 +342,9 @@ struct cell_force reference_cell(const struct reference_ground *ground, const st
 		return out; /* before the rim of a wheel that has sunk to its axle */
 	cell.above = over ? rest - lower - centre - post.z : 0;
 	cell.lowered = over && !is_round(&form) ? rest - fmin(under[at], rest) : 0;
-	cell.since = in_contact(&form, cell.at, cell.own, depth, reference_stays(soil, stiffness, cell.was) / ca, over);
+	cell.since = !isnan(since) ? since : in_contact(&form, cell.at, cell.own, depth, reference_stays(soil, stiffness, cell.was) / ca, over);
 	cell.share = over ? fmin(cell.since, 1) : cell.since;
-	out.share = fmin(fmax(cell.share, 0), 1);
+	out.since = cell.since;
 
 	/* Half way of what it slid. */
 	double halfway[2] = {cell.at[0] + fmax(cell.share, 0) / 2 * form.way[0], cell.at[1] + fmax(cell.share, 0) / 2 * form.way[1]};

@@ -103,15 +103,16 @@ static double slips_by(const struct deform_contact *sweep)
 }
 
 /* How much slip digs from below the object: what is dug nears slip_sinkage x K, and lacks a factor of exp less of it for each K of slip
- * while the post is in contact. */
+ * while the post is in contact. That began at the surface that is dug. Tells since when, in contacts. */
 static double digs(const struct reference_ground *ground, const struct deform_soil *soil, double stiffness, const struct deform_contact *sweep,
-		   int at, const double *under, const double *rest, double lower)
+		   int at, const double *under, const double *rest, double lower, double *since)
 {
+	*since = reference_cell(ground, soil, stiffness, sweep, at, under, rest, lower, NAN).since;
 	double lacks = ground->slip_sinkage * soil->janosi_shear - ground->dug[at];
 	struct post post = post_of(ground, soil, stiffness, at, under[at], rest[at], lower);
 	if (lacks <= 0 || !post.held)
 		return 0;
-	double share = reference_cell(ground, soil, stiffness, sweep, at, under, rest, lower).share;
+	double share = fmin(fmax(*since, 0), 1);
 	/* It never digs itself free. */
 	double room = ground->base[at] + ground->heaped[at] - (rest[at] - lower) - 0x1p-19;
 	return fmax(0, fmin(lacks * (1 - exp(-slips_by(sweep) * share / soil->janosi_shear)), room));
@@ -131,9 +132,9 @@ double reference_scm_vertical(const struct reference_ground *ground, const struc
 	for (int i = 0; i < ground->width * ground->height; i++)
 		if (!ground->hole[i]) {
 			/* For a moment. */
-			double heaped = ground->heaped[i], pressed = ground->pressed[i];
-			lower_ground(ground, i, digs(ground, soil, stiffness, sweep, i, under, rest, lower));
-			sum += reference_cell(ground, soil, stiffness, sweep, i, under, rest, lower).force.z;
+			double heaped = ground->heaped[i], pressed = ground->pressed[i], since;
+			lower_ground(ground, i, digs(ground, soil, stiffness, sweep, i, under, rest, lower, &since));
+			sum += reference_cell(ground, soil, stiffness, sweep, i, under, rest, lower, since).force.z;
 			ground->heaped[i] = heaped;
 			ground->pressed[i] = pressed;
 		}
@@ -211,12 +212,12 @@ void reference_scm(struct reference_ground *ground, const struct deform_soil *so
 		if (ground->hole[i])
 			continue;
 		bool touched = post_of(ground, soil, stiffness, i, under[i], rest[i], lower).touched;
-		double dug = digs(ground, soil, stiffness, sweep, i, under, rest, lower);
+		double since, dug = digs(ground, soil, stiffness, sweep, i, under, rest, lower, &since);
 		lower_ground(ground, i, dug);
 		struct post post = post_of(ground, soil, stiffness, i, under[i], rest[i], lower);
 		double before = reference_stays(soil, stiffness, ground->pressed[i]), was = ground->offset[i];
 		/* A cell may bear whose middle does not. */
-		struct cell_force cell = reference_cell(ground, soil, stiffness, sweep, i, under, rest, lower);
+		struct cell_force cell = reference_cell(ground, soil, stiffness, sweep, i, under, rest, lower, since);
 		add_forces(&cell, forces);
 		double sheared[2] = {0, 0};
 		if (post.held)

@@ -34,16 +34,16 @@ double reference_stays(const struct deform_soil *soil, double stiffness, double 
  * surface moved along it. Returns it as a vector along the surface. */
 struct vector reference_shear(const double before[2], struct vector normal, struct vector along, double modulus, double after[2]);
 
-/* cell.c. What the soil of one post's cell does to the object. */
+/* cell.c. What the soil of one post's cell does to the object. `since`: what a call before slip dug told; NAN: of the ground as it is. */
 struct cell_force {
 	struct vector force, moment; /* N, N m about the object's centre at the contact's end */
 	double normal;               /* N, the vertical part of the normal stress */
 	double area;                 /* m2 that bear */
-	double share;                /* 0 .. 1: for how much of the contact the post was in it */
+	double since;                /* contacts since the post was first in contact, if the object always moved as now */
 	struct vector slid, normal_then; /* m: how the underside slid along itself over the post, in contact; its normal half way */
 };
 struct cell_force reference_cell(const struct reference_ground *ground, const struct deform_soil *soil, double stiffness,
 				 const struct deform_contact *sweep, int at, const double *under, const double *rests,
-				 double lower);
+				 double lower, double since);
 
 #endif
