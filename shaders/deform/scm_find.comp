@@ -27,7 +27,7 @@ const int WORDS = 5;
 // A bracket begins with at most 2^28 units. At most 5 times it is parted by a geometric mean, and 28 times by the arithmetic one.
 // Before each of these come at most 3 tries that part it worse. So the search always ends, as a rule after a few tries.
 const int TRIES = 4 * (5 + 28);
-const float SHARE = 4194304.0;    // forces are counted in 2^-22 of the load
+const float SHARE = 67108864.0;   // forces are counted in 2^-26 of the load
 const float GROWTH = 4294967296.0; // and their growth for each unit of sinkage in 2^-32 of it
 const float COUNTED_MOST = 1e9;   // the most that one post may add, in these units
 
