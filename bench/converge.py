@@ -15,7 +15,7 @@ import time
 
 import converge_cases
 import lanes
-from converge_tables import PARTS, at, convergence, gates_table, grouped, mean, millimetres, percent, worst
+from converge_tables import PARTS, at, convergence, furthest, gates_table, grouped, mean, millimetres, percent, posts_errors, worst
 from pages import publish, table
 from validation import COLOURS, Plot
 
@@ -113,11 +113,32 @@ def speeds_text(rows):
     return table(["soil", "speed, m/s", "sinkage, mm", "drawbar, N", "torque, N m", "fz of the load"], lines)
 
 
+def posts_text(rows):
+    lines = [[f"{posts:g}", f"{wheel} %", f"{other} %"] for posts, wheel, other in posts_errors(rows)]
+    text = table(["posts, at least", "wheels", "other bodies"], lines) + "\nThe worst lane of each; other bodies are held to their mean at 0.5 cm:\n\n"
+    of = grouped(rows, "body", "soil", "load", "posts", "spacing")
+    return text + table(["body", "soil", "load, N", "spacing", "posts", "error"],
+                        [[body, soil, f"{load:.0f}", millimetres(spacing), f"{posts:.2g}", f"{max(map(furthest, lanes)) * 100:.1f} %"]
+                         for (body, soil, load, posts, spacing), lanes in of.items()])
+
+
+def posts_header(rows):
+    """src/scene/scene_posts.h"""
+    lines = [f"\t{{{posts:g}, {wheel}, {other}}}," for posts, wheel, other in posts_errors(rows)]
+    return ("/*\n * How far forces are off, in percent, where so many posts lie below an object: the table \"Few posts below a body\" of\n"
+            " * bench/CONVERGE.md. Its bench writes this file, too: python3 bench/converge.py bench-out/converge.jsonl --posts > src/scene/scene_posts.h\n */\n"
+            "#ifndef FURROW_SCENE_POSTS_H\n#define FURROW_SCENE_POSTS_H\n\n"
+            f"#define SCENE_POSTS_ROWS {len(lines)}\n"
+            "/* `posts` or more: no error was larger, of wheels and of other objects. */\n"
+            "static const struct {\n\tdouble posts;\n\tint wheel, other;\n} scene_posts[SCENE_POSTS_ROWS] = {\n" + "\n".join(lines) + "\n};\n\n#endif\n")
+
+
 TEXTS = {"steady": steady_text, "vertical": vertical_text, "fixed": fixed_text, "heavy": heavy_text, "passes": passes_text, "loads": loads_text,
-         "slopes": slopes_text, "speeds": speeds_text, "crests": crests_text}
+         "slopes": slopes_text, "speeds": speeds_text, "crests": crests_text, "posts": posts_text}
 HEADS = {"steady": "Steady rolling at slip 0.2", "vertical": "No rim, no damping, beside vertical normals", "fixed": "Chrono's soft soil at a fixed sinkage, no rim",
          "heavy": "Heavy wheels with a rim", "passes": "Passes in one rut, dry_sand, 800 N", "loads": "Loads from 1 N to 50 kN at 2 cm",
-         "slopes": "Loads on slopes at 2 cm", "speeds": "Speeds at 2 cm", "crests": "Rims by direction"}
+         "slopes": "Loads on slopes at 2 cm", "speeds": "Speeds at 2 cm", "crests": "Rims by direction",
+         "posts": "Few posts below a body"}
 
 
 def page(rows, before=()):
@@ -158,6 +179,7 @@ def main():
     parser.add_argument("--normals", choices=("surface", "ground"), help="what a scene of this build means that says nothing of normals")
     parser.add_argument("--before", type=pathlib.Path, help="JSON lines of an earlier run: its gates and plots beside")
     parser.add_argument("--publish", type=pathlib.Path, help="a page; the tables go between its markers")
+    parser.add_argument("--posts", action="store_true", help="print src/scene/scene_posts.h of the rows, and nothing else")
     parser.add_argument("--block", default="converge", help="which markers of the page")
     options = parser.parse_args()
     if options.furrow.endswith(".jsonl"):
@@ -175,6 +197,9 @@ def main():
                 except lanes.Failed as error:
                     print(f"{name}: {error}", file=sys.stderr)
                 print(f"{name}: {time.monotonic() - begun:.0f} s", file=sys.stderr, flush=True)
+    if options.posts:
+        print(posts_header(rows), end="")
+        return 0
     before = [json.loads(line) for line in options.before.read_text().splitlines()] if options.before else []
     text = page(rows, before)
     print(text)

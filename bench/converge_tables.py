@@ -231,6 +231,27 @@ def passes_converge(rows):
     return "passes in one rut: the same within 5 % at both spacings", most < 0.05, f"{most * 100:.1f} %, {where}"
 
 
+POSTS = (0.5, 0.75, 1, 1.5, 2, 3, 4, 6, 8, 12, 16)
+
+
+def furthest(row):
+    """The largest error of a lane's own rows of objects.csv: of its sinkage, of its drawbar as a share of the load, and of a wheel's mean torque."""
+    closed, off = row["closed"], []
+    for key, of in (("sinkage", row["closed"]["sinkage"]), ("drawbar", row["load"])):
+        off.append((abs(row[key] - closed[key]) + row[f"{key}_range"] / 2) / of)
+    return max(*off, abs(row["torque"] / closed["torque"] - 1) if row["body"] == "wheel" else 0.0)
+
+
+def posts_errors(rows):
+    """[(posts, percent of wheels, percent of other bodies)]: what no lane exceeds that has at least so many posts, rounded up."""
+    def most(of, posts):
+        return math.ceil(max(furthest(row) for row in of if row["posts"] >= posts * (1 - 1e-9)) * 100)
+    of = [row for row in rows if row["case"] == "posts"]
+    kinds = [row for row in of if row["body"] == "wheel"], [row for row in of if row["body"] != "wheel"]
+    return [(posts, *(most(kind, posts) for kind in kinds)) for posts in POSTS
+            if all(any(row["posts"] >= posts * (1 - 1e-9) for row in kind) for kind in kinds)]
+
+
 def load_gate(text):
     def found(rows):
         of = [row for row in rows if row.get("carried", True)]

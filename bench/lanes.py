@@ -36,6 +36,7 @@ class Lane:
     grouser_height: float = 0.0
     yaw: float = 0.0                      # degrees from the way to the wheel's plane; needs `height`
     height: float | None = None           # m of the axle, instead of load and sink
+    shape: str = ""                       # of another body; `radius` is how far its centre is above its lowest point, and it does not slip
 
     def end(self):
         a = math.radians(self.direction)
@@ -109,8 +110,9 @@ def scene_text(lanes, spacing, soil, redistribute, folder):
     for lane in lanes:
         bars = f", grousers: {lane.grousers}, grouser_height: {lane.grouser_height!r}" if lane.grousers else ""
         carried = "" if lane.height is not None else f"load: {lane.load!r}, " if lane.load is not None else f"sink: {lane.sink!r}, "
-        text.append(f"  - {{name: {lane.name}, shape: {{wheel: {{radius: {lane.radius!r}, width: {lane.width!r}{bars}}}}}, {carried}slip: {lane.slip!r}, "
-                    f"path: {path_text(lane, folder)}}}")
+        shape = lane.shape or f"wheel: {{radius: {lane.radius!r}, width: {lane.width!r}{bars}}}"
+        slips = "" if lane.shape else f"slip: {lane.slip!r}, "
+        text.append(f"  - {{name: {lane.name}, shape: {{{shape}}}, {carried}{slips}path: {path_text(lane, folder)}}}")
     text.append(f"output: {{forces: {rate!r}, delay: 0}}\n")
     return "\n".join(text)
 

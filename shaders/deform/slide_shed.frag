@@ -17,7 +17,7 @@ struct sumner {
 };
 
 layout(std140, binding = 0) uniform params {
-	ivec4 region; // regions.vert's
+	ivec4 region; // as in regions.vert
 	ivec4 place;  // the layer
 	ivec4 edge;
 	sumner soils[SOILS];

@@ -16,7 +16,7 @@ enum plane {
 	PLANE_DEPOSITED,       /* int32, 2^-20 m: deposited thickness of relaxing soil on the base; negative where soil slid away */
 	PLANE_PLASTIC_SINKAGE, /* int32, 2^-20 m: plastic sinkage, the largest sinkage so far along the surface's normal */
 	PLANE_SHEAR,           /* two int16, 2^-15: mobilised shear, to the east in the low half, to the north in the high half */
-	PLANE_DUG,             /* int32, 2^-20 m: what slip has dug in the contact that lasts; 0 without contact */
+	PLANE_DUG,             /* int32, 2^-20 m: what slip has dug since the contact with the post began; 0 without contact */
 	PLANES
 };
 

@@ -436,8 +436,8 @@ struct deform_forces {
 	double sinkage;       /* m: its greatest depth below the base, where the soil bears it; 0 if it is above the base */
 	double area;          /* m2: area of the ground that carries it */
 	double slope[2];      /* of the base under it, a mean: its rise a metre to the east and to the north */
-	/* N: the force along its heading, along the ground, that its path gives it: what its weight needs and the soil does not give.
-	 * Below 0 its path holds it back. The load is its weight; without a load, the soil's vertical force. */
+	/* N, along the heading and the ground: the force that the path must add to the soil's, so that the body keeps its motion. Below
+	 * 0 the path holds it back. Its weight is the load, or without a load the soil's vertical force. */
 	double residual;
 	int64_t z;            /* 2^-20 m: height of its centre; with a load, the equilibrium height */
 	uint32_t saturated;   /* posts whose share exceeded 2^31 sixteenths of a pascal, and was cut to that */

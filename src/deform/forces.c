@@ -82,8 +82,7 @@ void deform_forces_destroy(struct deform *deform)
 	deform->forces = NULL;
 }
 
-/* Returns the force that the body's path gives it along its heading, along the ground: what its weight needs and the soil does not
- * give. */
+/* Returns the residual of struct deform_forces. */
 static double residual_of(const double force[3], const double slope[2], const struct asked *asked)
 {
 	const double ahead[2] = {cos(asked->yaw), sin(asked->yaw)};

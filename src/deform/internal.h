@@ -17,7 +17,8 @@ enum scratch_target {
 	TO_BEGUN,   /* the start of sliding: offset plane 0, heights, and the other textures that sliding starts with */
 	TO_HEIGHTS_0, TO_HEIGHTS_1,
 	TO_SHED,    /* sumner: the soil that each post sheds, in the texture `carried` */
-	/* slopes, in the atlas: heights in `carried` and extents in `deposits`; only extents, in `under`; only extents, in `deposits` */
+	/* Hops along slopes, in the atlas. The first writes heights to `carried` and extents to `deposits`. Later hops write extents in
+	 * turn to `under` and to `deposits`. */
 	TO_SLOPES_FIRST, TO_SLOPES_0, TO_SLOPES_1,
 	TO_SLID,    /* offset plane 1, and deposited thickness plane 1 */
 	TO_DISTURBANCE, /* disturbance plane 1 */

@@ -24,7 +24,7 @@ enum status dem_scratch_open(struct dem_scratch *scratch, const char *doing)
 	if (scratch->file < 0)
 		return fail_with(STATUS_FAILED, "%s: no temporary file in %s: %s; set TMPDIR to a folder with room", doing,
 				 folder(), strerror(errno));
-	(void)unlink(name); /* it lives as long as it is open */
+	(void)unlink(name); /* without a name the file exists only as long as it is open */
 	return STATUS_OK;
 }
 

@@ -62,11 +62,12 @@ enum status gpu_staging_create(struct gpu *gpu, size_t bytes, struct gpu_staging
 	return STATUS_OK;
 }
 
-/* True if it is over. The bit sees to it that it will be, whatever is queued before. */
+/* Returns true if the transfer's fence has passed, or never will. The flush bit makes sure that the GPU reaches the fence. */
 static bool pass_fence(struct gpu_staging *staging, GLuint64 patience)
 {
 	GLenum result = glClientWaitSync(staging->fence, GL_SYNC_FLUSH_COMMANDS_BIT, patience);
-	/* A wait that failed is a GL error; after a reset fences pass. Neither is a transfer done. */
+	/* A failed wait is a GL error, and after a reset of the GPU every wait ends at once. In both cases the fence is gone, but the
+	 * transfer is not done. */
 	if (gpu_check(staging->gpu, "transfer of a tile") == STATUS_OK && result == GL_TIMEOUT_EXPIRED)
 		return false;
 	glDeleteSync(staging->fence);

@@ -4,8 +4,8 @@
  *     idle -> (page_queue_begin_commit_locked, all read-backs settled) -> io.commit -> idle
  *
  * While a commit is in flight, only the writer reads its images, their array, the record and the snapshot. Nobody writes them.
- * A failed commit is sticky: its images wait again. So do those of a commit that was
- * given up for a rollback, which drops them.
+ * After a failed commit its images wait in the queue again. The images of a commit that was given up for a rollback do so too, and
+ * the rollback drops them.
  */
 #include "page/page_internal.h"
 

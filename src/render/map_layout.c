@@ -141,7 +141,7 @@ static bool has_holes(const struct render_map_raster *raster)
 	return i < pixels;
 }
 
-/* Cut to so many letters. */
+/* Draws a line of text, cut to a width in pixels. */
 static void title(const struct render_canvas *canvas, int x, int y, int unit, const char *line, int width)
 {
 	char cut[256];

@@ -142,7 +142,7 @@ static void add_volume(cJSON *root, const struct report *report, const struct re
 	json_integer(units, "compacted", io->sums.compacted);
 }
 
-/* In the scene's units. null: the soil's own number. Nothing, if both are. */
+/* Adds an interface in the scene's units. null: the soil's own number. Adds nothing if both numbers are the soil's own. */
 static void add_interface(cJSON *object, const struct deform_interface *interface)
 {
 	if (!interface->has_friction && !interface->has_adhesion)

@@ -146,6 +146,7 @@ enum status resident_soil_map_at(struct soil_map *map, int level, int64_t x, int
  * Rasters whose values are numbers of the soil: cohesion, friction angle. A post keeps a byte for each raster. 0: the raster has
  * no value there. 1 to 255: levels from the raster's least value to its greatest.
  */
+#define PAGES_NUMBER_BYTES 4 /* of a post: a level of each raster */
 struct soil_rasters;
 
 struct soil_raster_params {
@@ -156,7 +157,7 @@ struct soil_raster_params {
 };
 
 struct soil_rasters_params {
-	struct soil_raster_params rasters[4];
+	struct soil_raster_params rasters[PAGES_NUMBER_BYTES];
 	int count;
 	unsigned loaders;              /* number of loader threads; 0: only the owner reads */
 	bool places;                   /* resident_soil_rasters_at will be called */
@@ -169,7 +170,6 @@ enum status resident_soil_rasters_open(const struct soil_rasters_params *params,
 void resident_soil_rasters_close(struct soil_rasters *rasters); /* takes NULL */
 /* Gives the least and the greatest value of a raster, in its own unit. */
 void resident_soil_rasters_range(const struct soil_rasters *rasters, int raster, double *low, double *high);
-#define PAGES_NUMBER_BYTES 4 /* of a post: a level of each raster */
 /* Reads PAGES_NUMBER_BYTES for each of the tile's (cells + 1)^2 posts. Call it on the thread of loader `loader`. */
 enum status resident_soil_rasters_read(struct soil_rasters *rasters, unsigned loader, struct tile tile, uint8_t *numbers)
 	FURROW_CHECKED;

@@ -7,16 +7,16 @@
 #include "dem/dem.h"
 
 #define LEVELS 255
-#define STRIP 4096 /* posts that are read at once, about */
+#define STRIP 4096 /* posts that are read at once, or one row of a tile if that is more */
 
 struct soil_rasters {
 	struct soil_rasters_params params;
 	struct raster {
 		double low, high;
-	} rasters[4];
+	} rasters[PAGES_NUMBER_BYTES];
 	unsigned readers; /* one for each loader, and one for resident_soil_rasters_at */
 	struct reader {
-		struct dem_pixels *rasters[4];
+		struct dem_pixels *rasters[PAGES_NUMBER_BYTES];
 		double *values; /* of a strip */
 	} list[];
 };

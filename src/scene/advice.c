@@ -399,6 +399,7 @@ void scene_advise(const struct scene *scene, double spacing, scene_advice_fn tel
 		advise_path(&adviser, &scene->objects[i]);
 		advise_interface(&adviser, &scene->objects[i]);
 	}
+	scene_advise_posts(scene, spacing, tell, user);
 	advise_forces(&adviser);
 	advise_view(&adviser);
 	advise_cache(&adviser);

@@ -220,7 +220,7 @@ void scene_destroy(struct scene *scene);
  */
 bool scene_soil_number(const struct deform_soil *soil, size_t index, const char **key, double *value);
 /* Soils have more than these. A smaller number is probably in a wrong unit. */
-#define SCENE_LEAST_ANGLE 1.6     /* degrees: friction of less is none; pi / 2 is less, too */
+#define SCENE_LEAST_ANGLE 1.6     /* degrees. The largest angle in radians, pi / 2, is less, so it is noticed */
 #define SCENE_LEAST_COHESION 50.0 /* Pa: of the soils in the tables the least has 170 */
 /* Returns the SI value of 1 in the unit that a scene and a raster use for the number. */
 double scene_raster_unit(enum deform_number number);

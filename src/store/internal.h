@@ -150,7 +150,7 @@ enum status store_run_put_back(struct store *store, const struct store_run_copy 
  * few MB in a file that it has already unlinked. So the store's file gets no extra tables, and nothing remains if the process
  * is killed. */
 struct undo {
-	struct rows rows; /* of the database of kept rows; it has no codec */
+	struct rows rows; /* access to the separate database; without a codec */
 	int64_t kept;     /* number of kept rows */
 	/* The store as it was at the mark: */
 	int64_t commit; /* its number then, or that of the last rollback to the mark */

@@ -64,7 +64,7 @@ static enum status check_length(struct store *store)
 	return status;
 }
 
-/* What a store of an earlier version needs. Tells once what of it is lost. */
+/* Makes a store of an earlier version usable. Tells once what this loses. */
 static enum status adapt(struct store *store, bool writing, bool as_base)
 {
 	int64_t any;

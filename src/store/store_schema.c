@@ -106,7 +106,7 @@ enum status store_schema_check(sqlite3 *db, const char *path, bool *older)
 
 enum status store_schema_hide(sqlite3 *db, const char *path)
 {
-	/* A name without its schema means the temporary table first. */
+	/* SQLite reads a name without a schema as the temporary table, if there is one. */
 	return store_sql_exec(db, path, "opening it", "PRAGMA temp_store=MEMORY; CREATE TEMP TABLE shear AS SELECT * FROM main.shear LIMIT 0; "
 						       "CREATE TEMP TABLE dug AS SELECT * FROM main.shear LIMIT 0");
 }

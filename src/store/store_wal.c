@@ -71,7 +71,7 @@ enum status store_bound_wal(struct store *store)
 	sqlite3_busy_timeout(store->db, WAIT_MS);
 	status = checkpoint(store, SQLITE_CHECKPOINT_TRUNCATE, &whole);
 	sqlite3_busy_timeout(store->db, STORE_BUSY_MS);
-	/* A reader that stays is not waited for at every commit. */
+	/* If a reader is in the way, the next commits do not wait for it again. */
 	store->wal_patience = whole ? PATIENCE : store->wal_bytes + WAL_BYTES;
 	return status;
 }

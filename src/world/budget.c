@@ -43,7 +43,7 @@ static size_t window_tiles(const struct world *world, const struct deform_params
 	       tiles_across(at_most(all.y1 - all.y0), extent->cells, extent_tiles_y(extent, world->level));
 }
 
-/* Of a block that is written. It is read four tiles at a time, and that is no more. */
+/* Returns how many tiles a block may write at once. It reads at most four at a time, so reading needs no more slots. */
 static size_t block_tiles(const struct world *world)
 {
 	const struct extent *extent = &world->meta->extent;

@@ -86,7 +86,8 @@ static void roll(const struct body *body, const struct event *event, struct defo
 		return;
 	double along = lattice_offset_metres(contact->to.x - contact->from.x) * cos(contact->to.yaw) +
 		       lattice_offset_metres(contact->to.y - contact->from.y) * sin(contact->to.yaw);
-	/* A wheel that follows the ground rolls on the slope, whose way is longer. Other heights of a path need not be a slope. */
+	/* A wheel that follows the ground rolls along its slope, which is longer than the way in plan. If the path gives the heights
+	 * instead, a change of height need not be a slope. */
 	const double level = hypot(lattice_offset_metres(contact->to.x - contact->from.x), lattice_offset_metres(contact->to.y - contact->from.y));
 	const double rise = !object->path.has_z || object->load > 0 ? lattice_offset_metres(contact->to.z - contact->from.z) : 0;
 	if (level > 0)

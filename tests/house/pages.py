@@ -59,6 +59,11 @@ def wrong_tests(text):
     return wrong
 
 
+def numbers(text, row):
+    """The numbers of each line that is such a row."""
+    return [tuple(map(float, found)) for found in re.findall(row, text, re.MULTILINE)]
+
+
 class Pages(unittest.TestCase):
     def each(self, wrong):
         found = {str(page.relative_to(ROOT)): wrong(page, page.read_text(encoding="utf-8")) for page in PAGES}
@@ -83,6 +88,15 @@ class Pages(unittest.TestCase):
         text, wrong = script.picture(ROOT)
         self.assertEqual(wrong, [])
         self.assertEqual((ROOT / "docs" / "includes.svg").read_text(encoding="utf-8"), text, "run docs/includes.py")
+
+    def test_the_errors_that_notes_tell_are_those_of_the_bench_s_page(self):
+        page = (ROOT / "bench" / "CONVERGE.md").read_text(encoding="utf-8").partition("### Few posts below a body")[2]
+        header = (ROOT / "src" / "scene" / "scene_posts.h").read_text(encoding="utf-8")
+        told = numbers(header, r"^\t\{([\d.]+), (\d+), (\d+)\},$")
+        self.assertGreater(len(told), 5)
+        self.assertEqual(told, numbers(page, r"^\| ([\d.]+) \| (\d+) % \| (\d+) % \|$"), "bench/README.md says how to write both again")
+        for fewer, more in zip(told, told[1:]):
+            self.assertTrue(fewer[0] < more[0] and fewer[1] >= more[1] and fewer[2] >= more[2], (fewer, more))
 
     def test_what_is_wrong_is_seen(self):
         self.assertEqual(wrong_links(DESIGN, "[a](nowhere.md) [b](#none) [c](../README.md) [d](https://example.org)\n# Here\n[e](#here)"),

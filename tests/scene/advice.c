@@ -1,4 +1,6 @@
 /* Advice: each rule is told of a scene that asks for it, alone, and not of one beside it. */
+#include <math.h>
+
 #include "fixture.h"
 
 /* Nothing is to be said of it. */
@@ -149,15 +151,15 @@ static void objects_that_the_posts_do_not_see(void **state)
 	advised(sound, 0.5, "objects.a.path.loop", "true", NULL);
 	advised(soil, 0.5, "objects.a.slip", "0.1", NULL);
 	advised(soil, 0.5, "objects.a.interface.friction_angle", "20", "objects.a.interface: it changes forces alone, and none is computed; ");
-	advised(soil, 0.5, "objects.a.interface.friction_angle&objects.a.load", "20&900", NULL);
+	advised(soil, 0.01, "objects.a.interface.friction_angle&objects.a.load", "20&900", NULL);
 	advised(soil, 0.5, "objects.a.interface.adhesion&output.forces", "200&1", NULL);
-	advised(soil, 0.5, "objects.a.interface&objects.a.load", "{friction_angle: 28, adhesion: 1040}&900",
+	advised(soil, 0.01, "objects.a.interface&objects.a.load", "{friction_angle: 28, adhesion: 1040}&900",
 		"objects.a.interface: its surface is no weaker than the soil, which shears within itself: it changes nothing; ");
-	advised(soil, 0.5, "objects.a.interface&objects.a.load", "{friction_angle: 28, adhesion: 1039}&900", NULL);
-	advised(soil, 0.5, "objects.a.interface&objects.a.load", "{friction_angle: 27.9, adhesion: 1040}&900", NULL);
-	advised(soil, 0.5, "objects.a.interface&objects.a.load", "{friction_angle: 30}&900", "objects.a.interface: its surface is no weaker ");
+	advised(soil, 0.01, "objects.a.interface&objects.a.load", "{friction_angle: 28, adhesion: 1039}&900", NULL);
+	advised(soil, 0.01, "objects.a.interface&objects.a.load", "{friction_angle: 27.9, adhesion: 1040}&900", NULL);
+	advised(soil, 0.01, "objects.a.interface&objects.a.load", "{friction_angle: 30}&900", "objects.a.interface: its surface is no weaker ");
 	write_text("soils.png", "any bytes");
-	advised(soil, 0.5, "soil&objects.a.interface&objects.a.load",
+	advised(soil, 0.01, "soil&objects.a.interface&objects.a.load",
 		"{map: soils.png, classes: {1: lunar}, default: dry_sand}&{friction_angle: 30}&900", NULL);
 	unlink(in_folder("soils.png"));
 	advised(soil, 0.5, "objects.a.slip&objects.a.path.points", "0.1&[[1, 2], [1, 2]]", "objects.a.slip: a wheel that stands does not turn; ");
@@ -177,6 +179,83 @@ static void objects_that_are_alike_are_told_of_once(void **state)
 				  "  - {name: a, shape: {sphere: {radius: 1}}, path: {points: [[5, 5]], speed: 3}}\n"
 				  "  - {name: b, shape: {wheel: {radius: 1, width: 2}}, path: {points: [[5, 5]], speed: 3}}\n";
 	advised(two, 2.5, NULL, NULL, "objects.a.shape: is 2 m across, as of 1 other, and posts are 2.5 m apart: ");
+}
+
+static void keep(void *user, const char *text)
+{
+	struct told *told = user;
+	if (strstr(text, ": forces within about ") == NULL)
+		return;
+	told->count++;
+	snprintf(told->text, sizeof told->text, "%s", text);
+}
+
+struct few_posts {
+	double over, posts, finer;
+	int here, there; /* percent; `here` 0: nothing was told */
+};
+
+/* What is told of forces under scm, of one object at most. */
+static struct few_posts forces_told(const char *object, const char *more, double spacing)
+{
+	struct few_posts found = {.over = 0};
+	struct told told = {.count = 0};
+	struct scene *scene;
+	char text[1024], apart[48];
+	snprintf(text, sizeof text, "scene: 1\nend_time: 10\ntime_step: 0.1\nsoil: {name: dry_sand}\nredistribute: {model: scm}\n%sobjects:\n"
+				    "  - {name: a, path: {points: [[0, 0], [30, 0]], speed: 3}, %s}\n",
+		 more, object);
+	if (load_text(text, NULL, 0, &scene) != STATUS_OK)
+		fail_msg("%s", failure_message());
+	scene_advise(scene, spacing, keep, &told);
+	scene_destroy(scene);
+	assert_in_range(told.count, 0, 1);
+	if (told.count == 0)
+		return found;
+	if (sscanf(told.text, "objects.a.shape: the soil bears it over about %lf m, %lf posts: forces within about %d %% here; %lf m: %d %%", &found.over,
+		   &found.posts, &found.here, &found.finer, &found.there) != 5 &&
+	    sscanf(told.text, "objects.a.shape: the soil bears it over about %lf m, %lf posts: forces within about %d %% here%47[^;]; %lf m: %d %%", &found.over,
+		   &found.posts, &found.here, apart, &found.finer, &found.there) != 6)
+		fail_msg("%s", told.text);
+	return found;
+}
+
+static void forces_where_few_posts_lie_below_an_object(void **state)
+{
+	static const char *const bodies[] = {"shape: {wheel: {radius: 0.32, width: 0.24}}, load: 1000", "shape: {sphere: {radius: 0.2}}, load: 300",
+					     "shape: {box: {size: [0.4, 0.3, 0.3]}}, load: 300"};
+	static const double overs[] = {0.1418, 0.0878, 0.3};
+	for (int i = 0; i < 3; i++) {
+		int before = 1000, told = 0;
+		for (double spacing = 0.64; spacing > 0.0005; spacing /= 2) {
+			const struct few_posts found = forces_told(bodies[i], "", spacing);
+			assert_true(found.here == 0 || found.here > 2);
+			assert_true(found.here <= before);
+			before = found.here;
+			if (found.here == 0)
+				continue;
+			told++;
+			assert_true(fabs(found.over / overs[i] - 1) < 0.02 && fabs(found.posts * spacing / found.over - 1) < 0.06);
+			assert_true(found.there < found.here && found.finer < spacing);
+			assert_true(fabs(log2(spacing / found.finer) - round(log2(spacing / found.finer))) < 1e-9);
+			/* The finer spacing's own figure is that which was promised. */
+			const struct few_posts there = forces_told(bodies[i], "", found.finer);
+			assert_true(there.here == (there.here > 0 ? found.there : 0));
+		}
+		assert_int_equal(before, 0); /* nothing is told of fine posts */
+		assert_true(told >= 2);
+	}
+	/* Where posts are, how the object touches the soil, or the forces are not known. */
+	assert_int_equal(forces_told(bodies[0], "", 0).here, 0);
+	assert_int_equal(forces_told("shape: {wheel: {radius: 0.32, width: 0.24}}", "output: {forces: 1}\n", 0.1).here, 0);
+	assert_int_equal(forces_told("shape: {wheel: {radius: 0.32, width: 0.24}}, sink: 0.04", "", 0.1).here, 0);
+	/* Its sink says as much as its load. The narrower of two wheels is further off, and so is one that sinks less. */
+	const struct few_posts sunk = forces_told("shape: {wheel: {radius: 0.32, width: 0.24}}, sink: 0.04", "output: {forces: 1}\n", 0.1);
+	assert_true(sunk.here > 2 && fabs(sunk.over - 0.08 * 0.28 / sqrt(0.04 * 0.6)) < 0.006);
+	assert_true(forces_told("shape: {wheel: {radius: 0.32, width: 0.05}}, load: 200", "", 0.1).here > sunk.here);
+	assert_true(fabs(forces_told("shape: {wheel: {radius: 0.32, width: 0.05}}, load: 200", "", 0.1).over - 0.05) < 1e-9);
+	assert_true(forces_told("shape: {wheel: {radius: 0.32, width: 0.24}}, load: 50", "", 0.1).over < 0.5 * sunk.over);
+	advised(soil, 0.5, "redistribute.model&objects.a.sink", "slippage&0.1", NULL); /* no model of forces */
 }
 
 static void rows_that_repeat(void **state)
@@ -230,7 +309,9 @@ static void the_examples_are_told_what_they_mean(void **state)
 		const char *name, *says;
 	} examples[] = {
 		{"bare", NULL},   {"convoy", NULL}, {"demo", NULL},  {"foot", NULL},
-		{"rover", NULL},  {"shapes", NULL}, {"tracks", NULL},
+		{"shapes", NULL},
+		{"rover", "objects.front_left.shape: the soil bears it over about 0.061 m, as 5 others, 2 posts: forces within about "},
+		{"tracks", "objects.left.shape: the soil bears it over about 0.4 m, as 1 other, 6.4 posts: forces within about "},
 		{"table2", "view: no picture is written, so a drive draws none; "},
 	};
 	const char *scenes = getenv("SCENES");
@@ -262,6 +343,7 @@ int main(void)
 		cmocka_unit_test(what_the_ground_makes_nothing_of),
 		cmocka_unit_test(objects_that_the_posts_do_not_see),
 		cmocka_unit_test(objects_that_are_alike_are_told_of_once),
+		cmocka_unit_test(forces_where_few_posts_lie_below_an_object),
 		cmocka_unit_test(rows_that_repeat),
 		cmocka_unit_test(pictures_that_nobody_sees),
 		cmocka_unit_test(a_cache_that_reads_nothing_ahead),

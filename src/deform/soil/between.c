@@ -1,6 +1,6 @@
 /*
- * The lower envelope of an object between posts, for the stresses of scm: what lib/scm_body.glsl computes it from. On posts it stays that
- * of shape/envelope.c, in whole numbers.
+ * Fills the parameters from which lib/scm_body.glsl computes the lower envelope of an object between posts, for the stresses of scm.
+ * At posts the lower envelope still comes from shape/envelope.c, in whole numbers.
  */
 #include <math.h>
 
@@ -14,8 +14,8 @@ static void put_heading(struct scm_params *params, double x, double y)
 	params->heading[2] = (float)fmax(fabs(x), fabs(y));
 }
 
-/* A shear displacement adds up over the time in which the wheel's rim passes over the soil. This is that time, as a share of the time
- * in which the soil passes below the rim: 1 without slip. A wheel that slides sideways has no such time. */
+/* Shear displacement adds up over the time in which the wheel's rim passes over the soil. Returns this time as a share of the time in
+ * which the soil passes below the wheel. It is 1 without slip, and for a wheel that slides sideways. */
 static double time_of_rim(const struct deform_contact *contact, double forward, double way)
 {
 	double turned = fabs(contact->shape->radius * contact->turned), aligned = way > 0 ? forward * forward / (way * way) : 0;
@@ -27,7 +27,7 @@ static void wheel(const struct deform *deform, const struct deform_contact *cont
 {
 	double yaw = contact->to.yaw, x = cos(yaw), y = sin(yaw);
 	double forward = params->way[0] * x + params->way[1] * y;
-	/* A wheel has no front. So it moves forwards. */
+	/* A wheel looks the same from both sides. So forwards is where it moves. */
 	double sign = forward < 0 ? -1 : 1, slope = forward != 0 ? params->way[2] / fabs(forward) : 0;
 	params->body[0] = (float)contact->shape->radius;
 	params->body[1] = (float)(contact->shape->width / 2);
@@ -63,7 +63,7 @@ static void box(const struct deform_contact *contact, struct scm_params *params)
 		params->faces[k][1] = upright ? 0 : (float)(-axis[0] / axis[2]);
 		params->faces[k][2] = upright ? 0 : (float)(-axis[1] / axis[2]);
 	}
-	/* A box that is turned about both its axes has six sides in plan. Then it bears by whole posts. */
+	/* A box with pitch and roll has six sides in plan. Its edges are not computed: each post that it covers bears for its whole cell. */
 	if (to->pitch != 0 && to->roll != 0)
 		return;
 	params->heading[3] = (float)(fabs(cos(to->pitch)) * contact->shape->size[0] / 2 + fabs(sin(to->pitch)) * contact->shape->size[2] / 2);

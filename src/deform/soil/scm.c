@@ -47,7 +47,7 @@ double deform_area_units(const struct deform *deform, const struct deform_contac
 	return exp2(fmin(floor(log2(0x1p32 / posts)) - 1, 20));
 }
 
-/* Returns how far the object slips over the ground during the contact, metres. A wheel slips by what it does not roll.
+/* Returns how far the object slips over the ground during the contact, metres. A wheel slips by its way beyond rolling.
  * `rolled`: the angle by which it would turn if it rolled. */
 static double slip_of(const struct deform_contact *contact, double rolled)
 {
@@ -65,7 +65,7 @@ static void fill_motion(const struct deform_contact *contact, struct scm_params 
 	params->way[0] = (float)lattice_offset_metres(contact->to.x - contact->from.x);
 	params->way[1] = (float)lattice_offset_metres(contact->to.y - contact->from.y);
 	params->way[2] = (float)lattice_offset_metres(contact->to.z - contact->from.z);
-	/* What carries a load does not depend on its speed. */
+	/* How the soil carries a load does not depend on speed. */
 	params->way[3] = contact->seconds > 0 && contact->load == 0 ? (float)(1 / contact->seconds) : 0;
 	/* The rotation about the wheel's own y axis, which is level. */
 	params->spin[0] = (float)(-sin(contact->to.yaw) * contact->turned);

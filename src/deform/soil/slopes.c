@@ -1,11 +1,13 @@
 /*
- * How high slopes are. A cohesive soil is stable up to Culmann's height, and that is the height of a whole slope, not of the step
- * between two posts. Over blocks, passes find for each post how far its slope rises above it and falls below it (slope.frag).
+ * Finds how high slopes are. A cohesive soil is stable up to Culmann's height. This is the height of a whole slope, not of the step
+ * between two posts. Passes over blocks find for each post how far its slope rises above it and falls below it (slope.frag).
  *
  * A slope is followed by hops of 8, 4, 2 and 1 posts in eight directions. Each hop leads to a post that is higher (or lower) by
- * more than the angle of friction gives. So a slope is followed over any distance of 1 .. 15 posts. Where posts are near, a longer
- * hop comes first. The last hop turns the height of a post's slope into the critical difference there. All this is of the heights
- * before the first iteration, and of near posts only. So it is the same in whatever block it is computed.
+ * more than the angle of friction gives. So a slope is followed over any distance of 1 .. 15 posts. With a small spacing a longer
+ * hop comes first. The last hop turns the height of a post's slope into the critical difference there.
+ *
+ * The result at a post depends only on the heights before the first iteration, and on posts within a fixed distance. So it is the
+ * same in every block that computes the post.
  */
 #include <math.h>
 #include <string.h>
@@ -20,7 +22,7 @@
 
 #define SHORT_HOPS 4 /* 8, 4, 2, 1 */
 #define SHORT_REACH ((1 << SHORT_HOPS) - 1)
-#define NEAR 0.03 /* m: posts nearer than this have a longer hop too */
+#define NEAR 0.03 /* m: with a smaller spacing there is a longer hop too */
 
 /* std140 twin of slope.frag's block. */
 struct slope_params {
@@ -35,7 +37,8 @@ int deform_slope_hops(const struct deform_params *params)
 	return params->extent != NULL && extent_spacing(params->extent, params->level) < NEAR ? SHORT_HOPS + 1 : SHORT_HOPS;
 }
 
-/* Returns the posts of a hop. All that an interval reads around a block must lie in the blocks beside it. */
+/* Returns the length of a hop, in posts. The longest hop is as long as it can be: what an interval reads around a block must lie in
+ * the blocks beside it. */
 static int64_t way_of(const struct deform_params *params, int number)
 {
 	int shorter = deform_slope_hops(params) - 1 - number;

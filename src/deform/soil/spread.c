@@ -38,7 +38,7 @@ static void push_of(const struct deform_contact *contact, double way, double for
 	push[1] = aside / way;
 }
 
-/* Half of what is pushed goes ahead. So a heap ahead grows until half of it goes aside: about as high as the cut is deep. */
+/* Half of the pushed soil goes ahead, half aside. So a heap ahead stops growing at about the height that the cut is deep. */
 static struct laying laying_of(const struct deform_contact *contact)
 {
 	double dx = lattice_offset_metres(contact->to.x - contact->from.x), dy = lattice_offset_metres(contact->to.y - contact->from.y);
@@ -146,8 +146,8 @@ static int32_t fixed(double value)
 	return (int32_t)lround(value * ONE);
 }
 
-/* Finds where the window's first post lies in the frame. It is counted from the post south-west of the object, so that it does not
- * depend on the window how places are rounded. */
+/* Finds where the window's first post lies in the frame. Places are rounded at the post south-west of the object's centre. So the
+ * rounding does not depend on the window. */
 static void place_frame(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 			const double ahead[2], struct spread_params *params)
 {

@@ -14,8 +14,8 @@
 int32_t deform_critical_difference(double angle, double apart);
 /* The same for a soil with cohesion, by Culmann's wedge. Without cohesion the angle of repose is friction_angle. */
 int32_t deform_critical_difference_cohesive(const struct deform_soil *soil, double apart);
-/* Returns the cotangent of the steepest angle at which a slope of `height` metres is stable, by Culmann's wedge. 0 or less: an
- * upright slope is, and even one that overhangs. */
+/* Returns the cotangent of the steepest angle at which a slope of `height` metres is stable, by Culmann's wedge. 0 or
+ * less: an upright slope is stable too, or even an overhang. */
 double deform_critical_cotangent(const struct deform_soil *soil, double height);
 
 #endif

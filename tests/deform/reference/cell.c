@@ -315,12 +315,23 @@ static void add_place(const struct cell *cell, const double at[2], double deep, 
 	out->area += area;
 }
 
+/* Returns whether a post that the object is not above may bear it: only a wheel, and only near it. */
+static bool may_bear_beside(const struct reference_ground *ground, const struct deform_contact *sweep, int at)
+{
+	const double far = sweep->shape->radius + sweep->shape->width + 2 * ground->spacing;
+	double east = (double)(ground->left + at % ground->width) * ground->spacing - lattice_offset_metres(sweep->to.x);
+	double north = (double)(ground->bottom + at / ground->width) * ground->spacing - lattice_offset_metres(sweep->to.y);
+	return sweep->shape->kind == DEFORM_WHEEL && fabs(east) < far && fabs(north) < far;
+}
+
 struct cell_force reference_cell(const struct reference_ground *ground, const struct deform_soil *soil, double stiffness,
 				 const struct deform_contact *sweep, int at, const double *under, const double *rests, double lower, double since)
 {
 	struct cell_force out = {.normal = 0};
-	struct form form = form_of(ground, sweep);
 	bool over = rests[at] < INFINITY;
+	if (!over && !may_bear_beside(ground, sweep, at))
+		return out;
+	struct form form = form_of(ground, sweep);
 	double rest = rests[at], spacing = ground->spacing, centre = lattice_offset_metres(sweep->to.z) - lower;
 	struct cell cell = {
 		.ground = ground, .soil = soil, .sweep = sweep, .form = &form, .stiffness = stiffness, .was = ground->pressed[at], .sheared = {ground->shear[0][at], ground->shear[1][at]}, .over = over,

@@ -10,7 +10,7 @@
 
 /* What one post has of the object. */
 struct post {
-	struct vector normal; /* of the base */
+	struct vector normal; /* of the base, where the object was above it */
 	double sinkage;       /* p: at the contact's end, along the normal; -INFINITY: not under it */
 	double deepest;       /* P: over the contact */
 	double largest;       /* z_max' */
@@ -79,7 +79,9 @@ struct vector reference_way_at(const struct deform_contact *sweep, double turned
 static struct post post_of(const struct reference_ground *ground, const struct deform_soil *soil, double stiffness, int at, double under,
 			   double rest, double lower)
 {
-	struct post post = {.normal = reference_normal_at(ground, at), .sinkage = -INFINITY, .deepest = -INFINITY};
+	struct post post = {.sinkage = -INFINITY, .deepest = -INFINITY};
+	if (fmin(under, rest) < INFINITY)
+		post.normal = reference_normal_at(ground, at);
 	double undisturbed_here = ground->base[at] + ground->heaped[at];
 	if (rest < INFINITY)
 		post.sinkage = post.normal.z * (undisturbed_here - (rest - lower));
@@ -121,6 +123,8 @@ static double digs(const struct reference_ground *ground, const struct deform_so
 /* What was pressed stays where it is: so it is less deep below ground that was dug. */
 static void lower_ground(const struct reference_ground *ground, int at, double dug)
 {
+	if (dug == 0)
+		return;
 	ground->heaped[at] -= dug;
 	ground->pressed[at] = fmax(0, ground->pressed[at] - reference_normal_at(ground, at).z * dug);
 }

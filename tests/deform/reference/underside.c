@@ -129,8 +129,26 @@ static long double edge(const struct way *way, long double in, long double out)
 	return in;
 }
 
+/* Returns whether the point is too far from the whole way for the object ever to be above it. */
+static bool is_far(const struct way *way)
+{
+	const struct deform_shape *shape = way->sweep->shape;
+	long double reach = shape->kind == DEFORM_BOX ? hypotl(hypotl(shape->size[0], shape->size[1]), shape->size[2]) / 2
+						      : hypotl(shape->radius, shape->kind == DEFORM_WHEEL ? shape->width / 2 : 0);
+	reach += 1e-3L;
+	return way->x < fminl(way->dx, 0) - reach || way->x > fmaxl(way->dx, 0) + reach || way->y < fminl(way->dy, 0) - reach ||
+	       way->y > fmaxl(way->dy, 0) + reach;
+}
+
 static bool smooth(const struct way *way, long double *z)
 {
+	if (is_far(way))
+		return false;
+	if (way->dx == 0 && way->dy == 0 && way->dz == 0) {
+		struct sight sight = see(way, 0);
+		*z = sight.z;
+		return sight.outside <= 0;
+	}
 	long double above = least(way, 0, 1, false);
 	for (int end = 0; end < 2; end++)
 		if (see(way, end).outside < see(way, above).outside)

@@ -1,0 +1,81 @@
+/*
+ * Tells how far off forces may be where few posts lie below an object, and which spacing makes them better. The errors were
+ * measured by bench/converge.py (scene_posts.h). Nothing is told where the scene does not say how an object touches the soil. Such
+ * an object has neither load nor sink, or it is a box or a mesh whose attitude changes.
+ */
+#include <math.h>
+#include <stdio.h>
+
+#include "scene/scene_check.h"
+#include "scene/scene_posts.h"
+
+#define TOLD_ABOVE 2 /* percent: smaller errors are not told */
+
+/* Returns over how many metres the soil bears the object. That is its width or, if less, twice the sinkage of a round object
+ * over the slope of its rim where it enters the soil. A wheel that hardly sinks enters it so far ahead of its axle. 0: not known. */
+static double bears_over(const struct scene *scene, const struct scene_object *object)
+{
+	const struct deform_shape *shape = &object->shape;
+	if ((object->load <= 0 && object->sink <= 0) || (object->path.has_attitude && shape->kind != DEFORM_WHEEL && shape->kind != DEFORM_SPHERE))
+		return 0;
+	if (shape->kind == DEFORM_BOX)
+		return fmin(shape->size[0], shape->size[1]);
+	if (shape->kind == DEFORM_MESH)
+		return fmin(shape->mesh->high[0] - shape->mesh->low[0], shape->mesh->high[1] - shape->mesh->low[1]);
+	double least = shape->kind == DEFORM_WHEEL ? shape->width : 2 * shape->radius;
+	for (int i = 0; i < scene->soil_count; i++) {
+		double sinkage = object->load > 0 ? deform_sinkage_guess(shape, &scene->soils[i], object->load) : object->sink;
+		sinkage = fmin(sinkage, 0.9 * shape->radius);
+		least = fmin(least, 2 * sinkage * (shape->radius - sinkage) / sqrt(sinkage * (2 * shape->radius - sinkage)));
+	}
+	return least;
+}
+
+/* Returns the error in percent that no body of the bench exceeded that had at least so many posts below it. */
+static int error_of(const struct deform_shape *shape, double posts)
+{
+	int error = -1;
+	for (size_t i = 0; i < SCENE_POSTS_ROWS; i++)
+		if (i == 0 || posts >= scene_posts[i].posts)
+			error = shape->kind == DEFORM_WHEEL ? scene_posts[i].wheel : scene_posts[i].other;
+	return error;
+}
+
+/* Returns whether no object before it is told the same. `others`: how many objects behind it are. */
+static bool is_first_told(const struct scene *scene, const struct scene_object *object, size_t *others)
+{
+	bool wheel = object->shape.kind == DEFORM_WHEEL;
+	*others = 0;
+	for (const struct scene_object *other = scene->objects; other < scene->objects + scene->object_count; other++) {
+		if (bears_over(scene, other) != bears_over(scene, object) || (other->shape.kind == DEFORM_WHEEL) != wheel)
+			continue;
+		if (other < object)
+			return false;
+		*others += other > object;
+	}
+	return true;
+}
+
+void scene_advise_posts(const struct scene *scene, double spacing, scene_advice_fn tell, void *user)
+{
+	if (!deform_tells_forces(scene->model) || !(spacing > 0))
+		return;
+	for (const struct scene_object *object = scene->objects; object < scene->objects + scene->object_count; object++) {
+		char text[400], alike[48] = "";
+		double over = bears_over(scene, object), finer = spacing;
+		int error = error_of(&object->shape, over / spacing), best = error_of(&object->shape, INFINITY);
+		size_t others;
+		if (!(over > 0) || (object->load <= 0 && scene->forces <= 0) || error <= TOLD_ABOVE || best >= error ||
+		    !is_first_told(scene, object, &others))
+			continue;
+		/* The first halving that halves the error; if none does, the first with the least error that the bench knows. */
+		while (2 * error_of(&object->shape, over / finer) > error && error_of(&object->shape, over / finer) > best)
+			finer /= 2;
+		if (others > 0)
+			snprintf(alike, sizeof alike, ", as %zu other%s", others, others > 1 ? "s" : "");
+		const char *apart = object->shape.kind == DEFORM_WHEEL ? "" : ", without the heaps that it pushes";
+		snprintf(text, sizeof text, "objects.%s.shape: the soil bears it over about %.2g m%s, %.2g posts: forces within about %d %% here%s; %g m: %d %%",
+			 object->name, over, alike, over / spacing, error, apart, finer, error_of(&object->shape, over / finer));
+		tell(user, text);
+	}
+}
