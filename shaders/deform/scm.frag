@@ -83,7 +83,7 @@ bool concerns(int x, int y, int raised)
 	object o = object_at(x, y, raised);
 	bool some = may_touch(g, o) || remembers(x, y) && is_near(g, o, imageLoad(offsets, ivec3(x, y, zero.z)).r);
 #ifdef FORCES
-	some = some || may_bear(x, y, g, o);
+	some = some || touch_room(ground_normal(x, y, g), g, o, cell_at(x, y, o)) > 0;
 #endif
 	return some;
 }

@@ -27,7 +27,7 @@ const int WORDS = 5;
 // A bracket begins with at most 2^28 units. At most 5 times it is parted by a geometric mean, and 28 times by the arithmetic one.
 // Before each of these come at most 3 tries that part it worse. So the search always ends, as a rule after a few tries.
 const int TRIES = 4 * (5 + 28);
-const float SHARE = 4194304.0;    // forces are counted in 2^-22 of the load
+const float SHARE = 67108864.0;   // forces are counted in 2^-26 of the load
 const float GROWTH = 4294967296.0; // and their growth for each unit of sinkage in 2^-32 of it
 const float COUNTED_MOST = 1e9;   // the most that one post may add, in these units
 
@@ -71,11 +71,6 @@ int gap_at(int x, int y)
 	return imageLoad(gaps, ivec3(x, y, zero.z)).r;
 }
 
-vec3 ground_normal(int x, int y, ground g)
-{
-	return normal_of(ground_at(x - 1, y), g, ground_at(x + 1, y), ground_at(x, y - 1), ground_at(x, y + 1));
-}
-
 // Writes all gaps. Returns the height of the first contact. NOWHERE: there is no ground below the object.
 int first_contact()
 {
@@ -84,9 +79,9 @@ int first_contact()
 		for (int x = shadow.x + int(gl_LocalInvocationID.x); x < shadow.z; x += int(gl_WorkGroupSize.x)) {
 			ground g = ground_at(x, y);
 			object o = object_at(x, y, 0);
-			imageStore(gaps, ivec3(x, y, zero.z), ivec4(touch_room(x, y, g, o)));
-			float deepest = deepest_in(ground_normal(x, y, g), g, o, cell_at(x, y, o)) * 1048576.0;
-			highest = max(highest, g.base != BASE_NODATA && !g.far && deepest > -1e9 ? int(deepest) : NOWHERE);
+			int room = touch_room(ground_normal(x, y, g), g, o, cell_at(x, y, o));
+			imageStore(gaps, ivec3(x, y, zero.z), ivec4(room));
+			highest = max(highest, g.far ? NOWHERE : room);
 		}
 	if (gl_LocalInvocationIndex == 0u)
 		sums[0] = NOWHERE;

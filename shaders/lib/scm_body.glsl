@@ -68,7 +68,9 @@ float lowered_at(vec2 at, float back, float lowered, face now)
 #ifdef ROUND
 	float forward = dot(at, heading.xy), squares = ring_squares(at), ring = sqrt(squares);
 	float x = clamp(min(max(ring * moves.z, forward), forward + back), -ring, ring);
-	return moves.x > 0.0 ? max(sqrt(max(squares - x * x, 0.0)) + moves.y * (x - forward) + now.height, 0.0) : 0.0;
+	// How much higher the circle is at `forward` than at x, without the cancellation of two roots: near its ends these are inexact.
+	float inside = clamp(forward, -ring, ring), rises = (inside - x) * (inside + x) / max(sqrt(max(squares - x * x, 0.0)) - now.height, 1e-9);
+	return moves.x > 0.0 ? max(rises + moves.y * (x - forward), 0.0) : 0.0;
 #else
 	return lowered;
 #endif
@@ -182,19 +184,36 @@ cell cell_at(int x, int y, object o)
 	return c;
 }
 
-// Returns by how much the object can be raised and still touch a post's cell, and a little more; fixed-point units. 0 or less: it does
-// not touch the cell.
-int touch_room(int x, int y, ground g, object o)
+// Returns a height that the lower envelope is nowhere below, at places up to `reach` from a place, m above the centre.
+float lowest_near(vec2 at, float reach, vec2 own)
 {
-	face f = face_at(place.xy + scale.y * vec2(x, y), vec2(0.0));
-	bool beside = bears_beside(along_and_aside(place.xy + scale.y * vec2(x, y)));
-	float depth = o.rests != UNDER_NONE ? float(g.height - o.rests) : beside ? float(g.height - o.raised) - f.height * 1048576.0 : -1e9;
-	// Over half a post the ground and the lower envelope rise by at most about this.
-	float rise = (1.25 * length(f.slope) + 0.6) * 0.75 / scale.x;
-	return g.base != BASE_NODATA ? int(clamp(ceil(depth + rise), -2e9, 2e9)) : -2000000000;
+#ifdef ROUND
+	float near = max(length(part_of_place(at)) - reach, 0.0);
+	return -sqrt(max(body.x * body.x - near * near, 0.0));
+#elif defined(SHAPE_BOX)
+	float lowest = -1e9;
+	for (int k = 0; k < 3; k++)
+		lowest = max(lowest, faces[k].x + dot(faces[k].yz, at) - reach * length(faces[k].yz));
+	return lowest;
+#else
+	return dot(own, at) - reach * length(own);
+#endif
 }
 
-bool may_bear(int x, int y, ground g, object o)
+// Returns by how much the object can be raised and still touch a post's cell, and a little more; fixed-point units. 0 or less: it does
+// not touch the cell. n: normal of the ground, which may be as steep as STEEPEST.
+int touch_room(vec3 n, ground g, object o, cell c)
 {
-	return touch_room(x, y, g, o) > 0;
+	bool over = o.rests != UNDER_NONE;
+	vec2 hill = -n.xy / n.z, at = c.at + c.middle;
+#ifdef SHAPE_WHEEL
+	float reach = 0.5 * scale.y / heading.z, steep = abs(dot(hill, heading.xy));
+#else
+	float reach = 0.5 * scale.y, steep = length(hill);
+#endif
+	float above = dot(hill, c.middle) + steep * reach - lowest_near(at, reach, c.own);
+	float post = face_at(c.at, c.own).height, depth = over ? float(g.height - o.rests) : float(g.height - o.raised) - post * 1048576.0;
+	float room = depth + max(above + post, 0.0) * 1048576.0;
+	room += 1e-3 / scale.x + 2.4e-7 * abs(depth);
+	return g.base != BASE_NODATA && (over || c.share > 0.0) ? int(clamp(ceil(room), -2e9, 2e9)) : -2000000000;
 }

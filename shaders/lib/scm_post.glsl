@@ -4,7 +4,7 @@
 #include "lib/scm_body.glsl"
 
 const int CARRIED_MOST = 1 << 23;
-const float LEAST = 6e-7; // m: a little more than half a fixed-point unit, by which a stored sinkage may be rounded
+const float LEAST = 1.2e-6; // m: a little more than a fixed-point unit: a stored sinkage and a height are each rounded by up to half of one
 
 // What a post remembers, in the units of its planes.
 struct post_state {
@@ -176,19 +176,6 @@ float depth_on(across l, float at, face f)
 float depth_at_post(ground g, object o, face post)
 {
 	return (o.rests != UNDER_NONE ? float(g.height - o.rests) : float(g.height - o.raised) - post.height * 1048576.0) * UNIT_METRES;
-}
-
-// Returns the vertical depth of the deepest place of a cell and a little more, m.
-float deepest_in(vec3 n, ground g, object o, cell c)
-{
-	face post = face_at(c.at, c.own);
-	across l = line_across(n, c, post, depth_at_post(g, o, post));
-	float deepest = -1e9;
-	for (int k = -4; k <= 4; k++) {
-		float at = 0.25 * float(k);
-		deepest = max(deepest, depth_on(l, at, face_at(place_on(l, at), c.own)));
-	}
-	return c.share > 0.0 ? deepest + 0.01 * scale.y : -1e9;
 }
 
 // Returns how the object's surface slides over a post in the whole contact. above: how much higher the lower envelope of the post is than

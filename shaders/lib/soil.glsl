@@ -130,6 +130,11 @@ vec3 normal_of(ground west, ground at, ground east, ground south, ground north)
 	return vec3(-slope * ca, ca);
 }
 
+vec3 ground_normal(int x, int y, ground g)
+{
+	return normal_of(ground_at(x - 1, y), g, ground_at(x + 1, y), ground_at(x, y - 1), ground_at(x, y + 1));
+}
+
 // Returns the mean slope of the base between two posts that lie along one axis. Without data at an end, the middle is used.
 float slope_between(ivec2 low, ivec2 high)
 {

@@ -7,7 +7,7 @@
 #include "deform/reference/scm.h"
 
 #define STEEPEST 19.974984
-#define LEAST 6e-7 /* m: what rounding to 2^-20 m may do to a sinkage */
+#define LEAST 1.2e-6 /* m: what rounding to 2^-20 m may do to a sinkage, and to a height */
 
 /* The object in its end pose, seen from above. Places are from its centre. */
 struct form {
