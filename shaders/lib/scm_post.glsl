@@ -221,7 +221,7 @@ bearing bearing_of(soil s, float by_width, vec3 n, ground g, object o, cell c, p
 	face post = face_at(c.at, c.own);
 	float since = contact_share(c.at, depth_at_post(g, o, post), was_plastic / n.z, post, over), share = over ? min(since, 1.0) : since;
 	float above = over ? float(o.rests - o.raised) * UNIT_METRES - post.height : 0.0;
-	sliding passed = slides_over(n, c, above, share);
+	slip passed = slides_over(n, c, above, share);
 #ifdef SLIP
 	// Slip digs soil from below the object, so the object must sink by that much more to be borne as before. Compacted soil stays
 	// where it is, so it lies less deep below the lowered ground.
