@@ -44,8 +44,9 @@ face face_at(vec2 at, vec2 own)
 {
 #ifdef ROUND
 	vec2 part = part_of_place(at);
-	float up = sqrt(max(body.x * body.x - dot(part, part), 0.0));
-	vec3 inwards = vec3(-part, max(up, body.x * (1.0 / STEEPEST)));
+	float squares = dot(part, part), up = sqrt(max(body.x * body.x - squares, 0.0));
+	// A place may lie beyond the rim.
+	vec3 inwards = vec3(-part, max(up, sqrt(max(body.x * body.x, squares)) * (1.0 / STEEPEST)));
 	return face(-up, part / inwards.z, inwards * inversesqrt(dot(inwards, inwards)));
 #elif defined(SHAPE_BOX)
 	face f = face(-1e9, vec2(0.0), vec3(0.0));
