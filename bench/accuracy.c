@@ -46,9 +46,9 @@ static void spacing(struct study *study)
 			row->drive.spacing = apart_m;
 		}
 	rows_measure(study);
-	/* Not slippage: soil slides a post an iteration, so with as many iterations it comes less far. See `settled`. */
+	/* Not sumner: soil slides a post an iteration, so with as many iterations it comes less far. */
 	for (size_t m = 0; m < sizeof models / sizeof models[0]; m++)
-		if (models[m] != DEFORM_SLIPPAGE)
+		if (models[m] != DEFORM_SUMNER)
 			judge_finest(study, m * EACH, EACH);
 	judge_volume(study);
 }

@@ -194,6 +194,7 @@ void rig_open(const struct accuracy_variant *of, const struct scene *scene, stru
 		.iterations = scene->iterations,
 		.relief = meta->high - meta->low,
 		.depth = scene->depth,
+		.along_lines = true,
 		.undisturbed_stable = scene->undisturbed == SCENE_STABLE,
 		.bulldozing = scene->bulldozing,
 	};

@@ -9,8 +9,10 @@ const uint IS_STILL = 1u, IS_HELD = 2u;
 const uint MAY_BE_FREED = 4u; // held, but at its equilibrium height the object may not hold it
 const uint IS_DISTURBED = 8u; // a contact changed the post before sliding
 const int SLIDE_MOST = 1 << 22;     // most soil that two posts exchange in an iteration, fixed-point units
-// Posts with offsets beyond these do not slide. So eight iterations with eight neighbours cannot exceed an offset's range.
-const int SLIDE_LOW = -OFFSET_LIMIT + (1 << 28), SLIDE_HIGH = OFFSET_LIMIT - (1 << 28);
+const int POOLED_MOST = 1 << 22;    // the same along a line
+// Posts with offsets beyond these do not slide. So eight iterations with eight neighbours, and eight walks along lines, cannot exceed
+// an offset's range.
+const int SLIDE_LOW = -OFFSET_LIMIT + (9 << 25), SLIDE_HIGH = OFFSET_LIMIT - (9 << 25);
 
 // Largest difference between neighbours, 2^-18 m (1536 m). So eight iterations cannot exceed 32 bits.
 const int SLIDE_APART = 3 << 27;

@@ -222,6 +222,7 @@ struct deform_params {
 	struct deform_raster rasters[DEFORM_RASTERS]; /* of the bytes in the slots' numbers, in their order */
 	int raster_count;    /* 0: the slots have no numbers */
 	int iterations;      /* relaxation iterations of a contact and of an interval; 1 .. 8 */
+	bool along_lines;    /* in a contact soil also slides along lines (soil/lines.c); false: from post to post only */
 	double relief;       /* metres between the world's lowest and highest post; INFINITY: not known */
 	double depth;        /* metres of soil below the base that can relax; INFINITY: no bottom */
 	/* metres, 0 .. 1: soil slides between two posts only if their difference exceeds the critical one by more than this */

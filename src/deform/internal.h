@@ -52,6 +52,7 @@ struct soil_slide {
 	enum slide_what passes[2];
 	bool bounded;       /* the layer of soil that can relax may have a bottom */
 	bool held_still;    /* soil below an object does not slide */
+	bool lines;         /* soil can slide along lines */
 	/* Computes the limits in `to` from the numbers of a soil. */
 	void (*prepare)(const struct deform *deform, const struct deform_soil *soil, struct slide_soil *to);
 	enum status (*iterate)(struct deform *deform, const struct slide_place *place, int iteration);
@@ -105,6 +106,7 @@ struct deform {
 	struct facets *facets;                 /* triangles of meshes and grousers; made when first needed */
 	struct gpu_program *slide_begin[2][2]; /* indices: 1 over blocks, 0 over a window; 1 if the object carries a load */
 	struct gpu_program *slide[2][2], *shed[2]; /* indices: 1 over blocks, 0 over a window; 1 in the last iteration */
+	struct gpu_program *lines[2];          /* index: 1: diagonal ones */
 	struct gpu_program *slope[2];          /* index: 1: the first hop */
 	struct slide_soil soils[DEFORM_SOILS];
 	bool contacts_flag;                    /* the flags that a contact writes show all blocks where soil moves after it */
@@ -273,6 +275,7 @@ enum status deform_slide(struct deform *deform, const struct deform_window *wind
 struct slide_place {
 	uint32_t layer;
 	struct gpu_rect all, written; /* posts that are computed; posts that exchange soil */
+	int turn;                     /* only over a window: which direction comes first when soil slides along lines */
 	struct place_flags {
 		struct gpu_buffer *words;
 		/* Only over a window: */
@@ -286,12 +289,19 @@ struct slide_place {
 	uint32_t first;               /* index of the first block in the list, and of its word in the flags */
 };
 enum status deform_slide_run(struct deform *deform, const struct slide_place *place) FURROW_CHECKED;
+/* soil/lines.c: soil slides along the lines of a window, before the last iteration. `heights`: index of the heights. */
+#define DEFORM_DIRECTIONS 4
+bool deform_has_lines(const struct deform_params *params);
+enum status deform_lines_run(struct deform *deform, const struct slide_place *place, int heights) FURROW_CHECKED;
 /* soil/slopes.c: finds the critical difference in the slope at each post, in blocks. deform_slopes_found: returns the result. */
 int deform_slope_hops(const struct deform_params *params);   /* its passes; 0 if the height of slopes does not count */
 int64_t deform_slope_reach(const struct deform_params *params); /* returns over how many posts a slope is followed each way */
 enum status deform_slopes_run(struct deform *deform, const struct slide_place *place) FURROW_CHECKED;
 struct gpu_texture *deform_slopes_found(const struct deform *deform);
 void deform_slopes_prepare(const struct deform *deform, const struct deform_soil *soil, struct slide_soil *to);
+/* Returns by how much a difference may exceed the critical one without sliding; that added to a difference; fixed-point units. */
+int32_t deform_tolerance(const struct deform *deform);
+int32_t deform_with_tolerance(const struct deform *deform, int32_t critical);
 /* Returns how many posts around a block an interval reads. */
 int64_t deform_slide_rim(const struct deform *deform);
 /* Returns how many posts around a changed post the next iteration may change. */

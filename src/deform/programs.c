@@ -165,6 +165,15 @@ void deform_programs_slide(const struct deform_params *params, enum slide_what w
 	}
 }
 
+void deform_programs_lines(const struct deform_params *params, bool diagonal, struct deform_request *out)
+{
+	begin(out, "full.vert", "deform/slide_lines.frag");
+	define(out, "DIAGONAL", diagonal);
+	define_number(out, "SOILS", deform_soil_slots(params));
+	define(out, "BOUNDED", deform_is_bounded(params));
+	define(out, "STOOD", deform_asks_what_stood(params));
+}
+
 void deform_programs_slope(const struct deform_params *params, bool first, struct deform_request *out)
 {
 	begin_over(out, true, "deform/slope.frag");
@@ -265,6 +274,10 @@ static void each_slide(struct each *each, bool blocks, bool loaded)
 	add(each, !blocks && loaded ? "load" : effect);
 	for (int first = 0; first < 2 && blocks && deform_has_slopes(params); first++) {
 		deform_programs_slope(params, first, &each->request);
+		add(each, effect);
+	}
+	for (int diagonal = 0; diagonal < 2 && !blocks && deform_has_lines(params); diagonal++) {
+		deform_programs_lines(params, diagonal, &each->request);
 		add(each, effect);
 	}
 	for (int pass = 0; pass < last_pass; pass++) {

@@ -40,6 +40,8 @@ void deform_programs_spread(enum spread_pass pass, struct deform_request *out);
 void deform_programs_begin(const struct deform_params *params, bool blocks, bool loaded, struct deform_request *out);
 void deform_programs_slide(const struct deform_params *params, enum slide_what what, bool blocks, bool last,
 		    struct deform_request *out);
+/* Along lines of a window. `diagonal`: these cross the window's sides. */
+void deform_programs_lines(const struct deform_params *params, bool diagonal, struct deform_request *out);
 void deform_programs_slope(const struct deform_params *params, bool first, struct deform_request *out); /* a hop along slopes */
 void deform_programs_held(bool loaded, struct deform_request *out);
 void deform_programs_disturbance(struct deform_request *out);

@@ -89,6 +89,7 @@ void world_deform_params(const struct world *world, struct deform_params *params
 		.box_repetitions = scene->box_repetitions,
 		.soil_count = scene->soil_count,
 		.iterations = scene->iterations,
+		.along_lines = true,
 		.relief = isnan(world->meta->low) ? 0 : world->meta->high - world->meta->low,
 		.depth = scene->depth,
 		.undisturbed_stable = scene->undisturbed == SCENE_STABLE,

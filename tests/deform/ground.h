@@ -24,6 +24,7 @@ struct ground_params {
 	const struct deform_soil *soils; /* NULL: dry_sand */
 	int soil_count;                  /* 0: 1 */
 	int iterations;                  /* 0: 4 */
+	bool lines;                      /* soil slides along lines too */
 	double depth;                    /* m; 0: no bottom, of scm none below what is heaped */
 	double relief;                   /* m; 0: not known */
 	double tolerance;                /* m */
@@ -95,6 +96,7 @@ static inline void ground_init(struct ground *ground, const struct ground_params
 		.disturbance = params->dirt,
 		.soil_count = params->soil_count + (params->soil_count == 0),
 		.iterations = params->iterations != 0 ? params->iterations : 4,
+		.along_lines = params->lines,
 		.relief = params->relief != 0 ? params->relief : (double)INFINITY,
 		.depth = params->depth != 0 ? params->depth : params->model == DEFORM_SCM ? 0 : (double)INFINITY,
 		.tolerance = params->tolerance,

@@ -6,7 +6,7 @@
 static bool still_at(const struct slab *of, int x, int y, bool held_too)
 {
 	int i = y * N + x;
-	if (of->base[i] == BASE_NODATA || (held_too && (of->contacts[i] & HELD)) || abs(of->offset[i]) > 768 << 20)
+	if (of->base[i] == BASE_NODATA || (held_too && (of->contacts[i] & HELD)) || abs(of->offset[i]) > 736 << 20)
 		return true;
 	for (int k = 0; k < 9; k++) { /* 1536 m from any of them: around the slab lie 40 m */
 		int px = x + k % 3 - 1, py = y + k / 3 - 1;
@@ -74,7 +74,7 @@ static void slide(const struct ground *ground, struct slab *of)
 	static struct flow flows[N * N];
 	bool is_sumner = ground->params.model == DEFORM_SUMNER;
 	for (int i = 0; i < N * N; i++) {
-		int64_t room = (768 << 20) - (int64_t)of->offset[i];
+		int64_t room = (736 << 20) - (int64_t)of->offset[i];
 		of->offset[i] += (int32_t)least(of->deposit[i], room > 0 ? room : 0);
 	}
 	memset(of->deposit, 0, sizeof of->deposit);
@@ -119,7 +119,7 @@ static void any_ground(struct ground *ground, int round)
 		} else if (round % 5 == 4 && round != 154 && any_word() % 16 == 0) {
 			slab.base[i] += (int32_t)(any_word() % 3 * 900 - 900) * (1 << 18); /* cliffs of more than 1536 m too */
 		} else if (round % 5 == 3 && any_word() % 16 == 0) {
-			slab.offset[i] = (int32_t)(any_share() * (1 << 30)); /* beyond 768 m */
+			slab.offset[i] = (int32_t)(any_share() * (1 << 30)); /* beyond 736 m */
 		}
 	}
 }

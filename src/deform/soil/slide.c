@@ -64,10 +64,11 @@ bool deform_has_slopes(const struct deform_params *params)
 	return cohesive && deform_model_row(params->model)->cotangent != NULL;
 }
 
-/* The pass that begins, those that find slopes, and those of the iterations. */
+/* The pass that begins, those that find slopes or slide along lines, and those of the iterations. */
 int deform_slide_passes(const struct deform_params *params, bool blocks)
 {
-	return 1 + (blocks ? deform_slope_hops(params) : 0) + params->iterations * slide_of(params)->pass_count;
+	int more = blocks ? deform_slope_hops(params) : deform_has_lines(params) ? DEFORM_DIRECTIONS : 0;
+	return 1 + more + params->iterations * slide_of(params)->pass_count;
 }
 
 /* A pass of an iteration depends on the posts beside a post. */
@@ -89,15 +90,14 @@ static int32_t loose_depth(const struct deform *deform)
 	return (int32_t)(units < most ? units : most);
 }
 
-/* Returns by how much a difference may exceed the critical one without sliding, fixed-point units. */
-static int32_t tolerance_of(const struct deform *deform)
+int32_t deform_tolerance(const struct deform *deform)
 {
 	return (int32_t)floor(ldexp(deform->params.tolerance, OFFSET_BITS));
 }
 
-static int32_t with_tolerance(const struct deform *deform, int32_t critical)
+int32_t deform_with_tolerance(const struct deform *deform, int32_t critical)
 {
-	int32_t tolerance = tolerance_of(deform);
+	int32_t tolerance = deform_tolerance(deform);
 	return critical < INT32_MAX - tolerance ? critical + tolerance : INT32_MAX;
 }
 
@@ -114,9 +114,9 @@ static void prepare_shed(const struct deform *deform, const struct deform_soil *
 {
 	for (int k = 0; k < 2; k++) {
 		double apart = k == 0 ? deform->spacing : deform->spacing * M_SQRT2;
-		to->critical[k] = with_tolerance(deform, deform_critical_difference(soil->theta_out, apart));
-		to->held[k] = with_tolerance(deform, deform_critical_difference(soil->theta_in, apart));
-		to->stop[k] = with_tolerance(deform, deform_critical_difference(soil->theta_stop, apart));
+		to->critical[k] = deform_with_tolerance(deform, deform_critical_difference(soil->theta_out, apart));
+		to->held[k] = deform_with_tolerance(deform, deform_critical_difference(soil->theta_in, apart));
+		to->stop[k] = deform_with_tolerance(deform, deform_critical_difference(soil->theta_stop, apart));
 	}
 	for (int n = 1; n <= 8; n++)
 		to->share[n - 1] = (uint32_t)floor(ldexp(soil->roughness, 32) / (n * n));
@@ -224,7 +224,7 @@ static enum status excess(struct deform *deform, const struct slide_place *place
 	struct excess_params params = {.slide = slide_params(place, rim - left, rim)};
 	for (int i = 0; i < deform->params.soil_count; i++) {
 		const struct slide_soil *soil = &deform->soils[i];
-		const int32_t limits[4] = {soil->critical[0], soil->critical[1], tolerance_of(deform), soil->rise[0]};
+		const int32_t limits[4] = {soil->critical[0], soil->critical[1], deform_tolerance(deform), soil->rise[0]};
 		memcpy(params.limits[i], limits, sizeof limits);
 	}
 	run(deform, place, iteration, &(struct gpu_pass){
@@ -255,7 +255,7 @@ static enum status shed(struct deform *deform, const struct slide_place *place, 
 			params.soils[i].out_in[2 + k] = soil->held[k];
 			params.soils[i].stop[k] = soil->stop[k];
 		}
-		params.soils[i].stop[2] = tolerance_of(deform);
+		params.soils[i].stop[2] = deform_tolerance(deform);
 		for (int n = 0; n < 8; n++)
 			params.soils[i].share[n] = soil->share[n];
 	}
@@ -302,6 +302,7 @@ const struct soil_slide deform_slide_excess = {
 	.passes = {SLIDE_EXCESS},
 	.bounded = true,
 	.held_still = true,
+	.lines = true,
 	.prepare = prepare_excess,
 	.iterate = excess,
 };
@@ -318,8 +319,12 @@ enum status deform_slide_run(struct deform *deform, const struct slide_place *pl
 	enum status status = begin(deform, place);
 	if (status == STATUS_OK && place->blocks > 0 && deform_has_slopes(&deform->params))
 		status = deform_slopes_run(deform, place);
-	for (int i = 0; i < deform->params.iterations && status == STATUS_OK; i++)
-		status = slide_of(&deform->params)->iterate(deform, place, i);
+	for (int i = 0; i < deform->params.iterations && status == STATUS_OK; i++) {
+		if (i == deform->params.iterations - 1 && place->blocks == 0 && deform_has_lines(&deform->params))
+			status = deform_lines_run(deform, place, i % 2);
+		if (status == STATUS_OK)
+			status = slide_of(&deform->params)->iterate(deform, place, i);
+	}
 	return status;
 }
 
@@ -329,6 +334,7 @@ enum status deform_slide(struct deform *deform, const struct deform_window *wind
 		.layer = layer,
 		.all = deform_window_rect(window),
 		.written = deform_written(window),
+		.turn = (int)((window->write.x0 + 2 * window->write.y0) & 7),
 		.flags = deform_active_flags(deform, window, layer),
 	};
 	assert(deform->scratch[layer].now[PLANE_OFFSET] == 1);

@@ -1,0 +1,77 @@
+/*
+ * Sliding along lines. In one iteration soil slides from a post to the posts beside it, so on finer posts it comes less far. In a
+ * contact each line of posts also comes to rest at once, as far as it can by itself. Lines are rows, columns, and diagonals both
+ * ways. Each of these directions is one pass (slide_lines.frag). SOIL.md, "Along lines", has the rule.
+ *
+ * Invariants: (1) Each post lies on one line of a direction, and a line is computed by one invocation. So the order of
+ * invocations does not matter. (2) Soil goes from higher to lower posts in whole units: the sum stays, and the potential energy never
+ * rises. (3) Where the rule from post to post moves nothing, neither does this one.
+ */
+#include <string.h>
+
+#include "deform/internal.h"
+
+/* Pass by pass the directions, as slide_lines.frag counts them. The order changes from path sample to path sample, so that in the
+ * end no direction comes first. */
+static const int orders[8][DEFORM_DIRECTIONS] = {{0, 1, 2, 3}, {0, 2, 1, 3}, {2, 3, 0, 1}, {3, 1, 2, 0},
+						 {1, 0, 3, 2}, {1, 3, 0, 2}, {3, 2, 1, 0}, {2, 0, 3, 1}};
+
+/* std140 twin of slide_lines.frag's block. */
+struct lines_params {
+	int32_t place[4], written[4];
+	int32_t limits[DEFORM_SOILS][4];
+};
+
+bool deform_has_lines(const struct deform_params *params)
+{
+	const struct soil_slide *slide = deform_model_row(params->model)->slide;
+	return params->along_lines && slide != NULL && slide->lines;
+}
+
+/* Returns the least difference of heights that may slide, less one unit. */
+static int32_t least(const struct deform *deform, bool diagonal)
+{
+	int32_t critical = INT32_MAX;
+	for (int i = 0; i < deform->params.soil_count; i++)
+		if (deform->soils[i].critical[diagonal] < critical)
+			critical = deform->soils[i].critical[diagonal];
+	return deform_with_tolerance(deform, critical);
+}
+
+static enum status run(struct deform *deform, const struct slide_place *place, int heights, int direction)
+{
+	bool diagonal = direction > 1, stood = deform_asks_what_stood(&deform->params);
+	struct deform_request request;
+	deform_programs_lines(&deform->params, diagonal, &request);
+	enum status status = deform_program(deform, &request, &deform->lines[diagonal]);
+	if (status != STATUS_OK)
+		return status;
+	/* Longer lines would take more turns of a loop than drivers allow. The pass still runs, and its invocations do nothing. */
+	bool large = place->all.width > SIDE || place->all.height > SIDE;
+	const struct gpu_rect w = large ? (struct gpu_rect){0, 0, 0, 0} : place->written;
+	struct lines_params params = {
+		.place = {(int32_t)place->layer, direction, deform_tolerance(deform), least(deform, diagonal)},
+		.written = {(int32_t)w.x, (int32_t)w.y, (int32_t)(w.x + w.width), (int32_t)(w.y + w.height)},
+	};
+	for (int i = 0; i < deform->params.soil_count; i++)
+		params.limits[i][0] = deform->soils[i].critical[diagonal];
+	const int32_t rows[4] = {0, 0, 0, (int32_t)(direction == 1 ? w.width : w.height)};
+	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
+		.stage = GPU_SLIDE,
+		.program = deform->lines[diagonal],
+		.target = deform->scratch[place->layer].to[TO_BARE],
+		.viewport = deform_rows(rows),
+		.images = {deform->heights[heights], deform->floors, deform->classes, [7] = stood ? deform->bases : NULL},
+		.params = &params,
+		.params_bytes = (size_t)((char *)params.limits[deform_soil_slots(&deform->params)] - (char *)&params),
+	});
+	return STATUS_OK;
+}
+
+enum status deform_lines_run(struct deform *deform, const struct slide_place *place, int heights)
+{
+	enum status status = STATUS_OK;
+	for (int i = 0; i < DEFORM_DIRECTIONS && status == STATUS_OK; i++)
+		status = run(deform, place, heights, orders[place->turn][i]);
+	return status;
+}

@@ -1,0 +1,311 @@
+/* Sliding along lines: bit for bit what the plain rule gives, and the laws that sliding keeps. */
+#include "ground.h"
+#include "deform/soil/stability.h"
+
+#define N 40 /* posts a side of what is written */
+#define RIM 2
+#define HELD 2
+#define MOST (1 << 22) /* levels of a pool differ by less */
+
+__extension__ typedef __int128 wide;
+
+struct slab {
+	int32_t base[N * N], offset[N * N];
+	uint8_t contacts[N * N], classes[N * N];
+};
+
+static struct slab slab, before;
+
+static int64_t height_of(const struct slab *of, int i)
+{
+	return 4 * (int64_t)of->base[i] + of->offset[i];
+}
+
+static bool is_still(const struct slab *of, int i)
+{
+	return of->base[i] == BASE_NODATA || (of->contacts[i] & HELD) != 0;
+}
+
+static int64_t sum_of(const struct slab *of)
+{
+	int64_t sum = 0;
+	for (int i = 0; i < N * N; i++)
+		sum += of->offset[i];
+	return sum;
+}
+
+/* Twice the potential energy but for a factor, exactly. */
+static wide energy_of(const struct slab *of)
+{
+	wide sum = 0;
+	for (int i = 0; i < N * N; i++)
+		if (of->base[i] != BASE_NODATA)
+			sum += (wide)height_of(of, i) * height_of(of, i);
+	return sum;
+}
+
+static int64_t most(int64_t a, int64_t b)
+{
+	return a > b ? a : b;
+}
+
+static int64_t limit_of(const struct ground *ground, const struct slab *of, int high, int low, bool diagonal)
+{
+	int64_t critical = ground->deform->soils[of->classes[high]].critical[diagonal];
+	return ground->params.stands ? most(critical, 4 * ((int64_t)of->base[high] - of->base[low])) : critical;
+}
+
+/* --- the plain rule, where relaxing soil has no bottom --- */
+
+static int64_t below(int64_t a, int64_t b)
+{
+	return a / b - (a % b < 0);
+}
+
+static int64_t sum_levels(const int64_t *levels, int first, int last)
+{
+	int64_t sum = 0;
+	for (int k = first; k <= last; k++)
+		sum += levels[k];
+	return sum;
+}
+
+static bool is_narrow(const int64_t *levels, int first, int last)
+{
+	int64_t low = levels[first], high = levels[first];
+	for (int k = first; k <= last; k++) {
+		low = levels[k] < low ? levels[k] : low;
+		high = most(high, levels[k]);
+	}
+	return high - low < MOST;
+}
+
+/* One way along posts of which none is still. */
+static void walk_plainly(int64_t *levels, int count, int64_t tolerance)
+{
+	for (int k = 0; k + 1 < count; k++) {
+		int first = k, last = k;
+		for (bool grows = true, back = false; grows;) {
+			int64_t posts = last - first + 1, sum = sum_levels(levels, first, last), low = below(sum, posts);
+			int64_t end = low + (sum > low * posts);
+			bool takes = back ? first > 0 && levels[first - 1] - low > tolerance && is_narrow(levels, first - 1, last)
+					  : last + 1 < count && end - levels[last + 1] > tolerance && is_narrow(levels, first, last + 1);
+			first -= takes && back;
+			last += takes && !back;
+			grows = takes || back;
+			back = takes;
+		}
+		int64_t posts = last - first + 1, sum = sum_levels(levels, first, last), low = below(sum, posts);
+		for (int i = first; i <= last; i++)
+			levels[i] = low + (i > last - (sum - low * posts));
+		k = last;
+	}
+}
+
+static void walk(const struct ground *ground, struct slab *of, const int *posts, int count, bool diagonal)
+{
+	int64_t levels[N], falls[N] = {0};
+	for (int k = 0; k < count; k++) {
+		falls[k] = k > 0 ? falls[k - 1] + limit_of(ground, of, posts[k - 1], posts[k], diagonal) : 0;
+		levels[k] = height_of(of, posts[k]) + falls[k];
+	}
+	walk_plainly(levels, count, (int64_t)ldexp(ground->params.tolerance, OFFSET_BITS));
+	for (int k = 0; k < count; k++)
+		of->offset[posts[k]] = (int32_t)(levels[k] - falls[k] - 4 * (int64_t)of->base[posts[k]]);
+}
+
+/* All pieces of lines that begin beside a post that is still, or at the side. */
+static void all_lines(const struct ground *ground, struct slab *of, int dx, int dy)
+{
+	for (int i = 0; i < N * N; i++) {
+		int x = i % N, y = i / N, posts[N], count = 0;
+		bool inside = x - dx >= 0 && x - dx < N && y - dy >= 0 && y - dy < N;
+		if (inside && !is_still(of, i - dx - dy * N))
+			continue;
+		for (; x >= 0 && x < N && y >= 0 && y < N && !is_still(of, y * N + x); x += dx, y += dy)
+			posts[count++] = y * N + x;
+		if (count > 0)
+			walk(ground, of, posts, count, dx != 0 && dy != 0);
+	}
+}
+
+/* The window's first written post is (RIM, RIM): its directions come in this order. */
+static void lines_plainly(const struct ground *ground, struct slab *of)
+{
+	static const int directions[4][2] = {{1, 0}, {0, 1}, {1, 1}, {1, -1}}, orders[8][4] = {[6] = {3, 2, 1, 0}};
+	const int *order = orders[(RIM + 2 * RIM) & 7];
+	for (int k = 0; k < 4; k++)
+		for (int sense = 1; sense >= -1; sense -= 2)
+			all_lines(ground, of, sense * directions[order[k]][0], sense * directions[order[k]][1]);
+}
+
+/* --- on the GPU --- */
+
+/* lines_alone: the heights before the last iteration. */
+static void slide_on_gpu(struct ground *ground, bool lines_alone)
+{
+	struct deform *deform = ground->deform;
+	struct gpu_rect rect = rect_of(RIM, RIM, N, N), around = rect_of(0, 0, N + 2 * RIM, N + 2 * RIM);
+	struct deform_window window = {.read = {0, 0, N + 2 * RIM, N + 2 * RIM}, .write = {RIM, RIM, N + RIM, N + RIM}};
+	gpu_texture_clear(deform->bases, 0, around, 40 << 18);
+	gpu_texture_clear(deform->planes_of[1][PLANE_OFFSET], 0, around, 1 << 20);
+	gpu_texture_clear(deform->contacts, 0, around, 0);
+	gpu_texture_clear(deform->deposits, 0, around, 0);
+	gpu_texture_upload(deform->bases, 0, rect, slab.base);
+	gpu_texture_upload(deform->planes_of[1][PLANE_OFFSET], 0, rect, slab.offset);
+	gpu_texture_upload(deform->contacts, 0, rect, slab.contacts);
+	if (deform->classes != NULL)
+		gpu_texture_upload(deform->classes, 0, rect, slab.classes);
+	deform->scratch[0].now[PLANE_OFFSET] = 1;
+	assert_ok(deform_slide(deform, &window, 0));
+	assert_ok(gpu_check(test_gpu, "sliding"));
+	gpu_texture_read(lines_alone ? deform->heights[0] : deform->planes_of[1][PLANE_OFFSET], 0, rect, slab.offset);
+	for (int i = 0; i < N * N && lines_alone; i++)
+		slab.offset[i] = is_still(&slab, i) ? before.offset[i] : (int32_t)((uint32_t)slab.offset[i] - 4u * (uint32_t)slab.base[i]);
+}
+
+static void start(struct ground *ground, int round)
+{
+	static struct deform_soil soils[2];
+	assert_ok(deform_soil_named("dry_sand", &soils[0]));
+	assert_ok(deform_soil_named("snow_us", &soils[1]));
+	soils[0].cohesion = 0;
+	soils[1].unit_weight = 3000;
+	soils[1].friction_angle = round % 7 == 6 ? 0 : soils[1].friction_angle;
+	ground_init(ground, &(struct ground_params){.cells = 32, .tiles = 1, .spacing = round % 2 ? 0.0625 : 0.5, .model = DEFORM_SLIPPAGE,
+						    .soils = soils, .soil_count = 1 + (round % 3 == 2), .iterations = 1, .lines = true,
+						    .stands = round % 4 > 1, .tolerance = round % 5 == 4 ? 0.01 : 0,
+						    .depth = round >= 40 ? 0.2 : 0});
+	for (int i = 0; i < N * N; i++) {
+		int rough = 1 << (4 + round % 17); /* to 4 m */
+		bool hole = any_word() % 32 == 0;
+		slab.base[i] = hole ? BASE_NODATA : (40 << 18) + (int32_t)(any_share() * rough);
+		slab.offset[i] = hole ? 0 : (int32_t)(any_share() * rough);
+		slab.contacts[i] = any_word() % 16 == 0 ? HELD : 0;
+		slab.classes[i] = (uint8_t)(any_word() % (uint32_t)(1 + (round % 3 == 2)));
+	}
+	before = slab;
+}
+
+static void lines_are_the_plain_rule_bit_for_bit(void **state)
+{
+	int64_t moved = 0;
+	(void)state;
+	need_gpu();
+	for (int round = 0; round < 40; round++) {
+		struct ground ground;
+		start(&ground, round);
+		struct slab plain = slab;
+		lines_plainly(&ground, &plain);
+		slide_on_gpu(&ground, true);
+		for (int i = 0; i < N * N; i++) {
+			if (slab.offset[i] != plain.offset[i])
+				fail_msg("round %d, post %d, %d: %d, not %d", round, i % N, i / N, slab.offset[i], plain.offset[i]);
+			moved += slab.offset[i] != before.offset[i];
+		}
+		ground_finish(&ground);
+	}
+	assert_true(moved > 10000);
+}
+
+/* Where relaxing soil has a bottom too (from round 40 on): nothing slides from below it. */
+static void the_sum_stays_and_the_potential_energy_never_rises(void **state)
+{
+	int64_t moved = 0;
+	(void)state;
+	need_gpu();
+	for (int round = 0; round < 80; round++) {
+		struct ground ground;
+		start(&ground, round);
+		int64_t sum = sum_of(&slab);
+		int32_t least = round >= 40 ? -(int32_t)(0.2 * (1 << 20)) : INT32_MIN;
+		wide energy = energy_of(&slab);
+		for (int n = 0; n < 6; n++) {
+			before = slab;
+			slide_on_gpu(&ground, n % 2 == 0);
+			assert_true(sum_of(&slab) == sum);
+			assert_true(energy_of(&slab) <= energy);
+			energy = energy_of(&slab);
+			for (int i = 0; i < N * N; i++) {
+				moved += slab.offset[i] != before.offset[i];
+				assert_true(slab.offset[i] >= before.offset[i] || slab.offset[i] >= least);
+			}
+		}
+		ground_finish(&ground);
+	}
+	assert_true(moved > 10000);
+}
+
+/* A column of soil: how many calls until no difference is more than 1 mm too high. */
+static int calls_to_rest(double spacing, bool lines)
+{
+	struct ground ground;
+	struct deform_soil soil;
+	assert_ok(deform_soil_named("dry_sand", &soil));
+	soil.cohesion = 0;
+	ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 1, .spacing = spacing, .model = DEFORM_SLIPPAGE, .soils = &soil,
+						     .iterations = 1, .lines = lines});
+	int wide_posts = (int)lrint(0.4 / spacing), calls = 0;
+	int64_t critical[2] = {ground.deform->soils[0].critical[0], ground.deform->soils[0].critical[1]}, over = INT64_MAX;
+	memset(&slab, 0, sizeof slab);
+	for (int i = 0; i < N * N; i++)
+		if (abs(i % N - N / 2) <= wide_posts / 2 && abs(i / N - N / 2) <= wide_posts / 2)
+			slab.offset[i] = (int32_t)(0.3 * (1 << 20));
+	for (; over > 1 << 10 && calls < 2000; calls++) {
+		slide_on_gpu(&ground, false);
+		over = 0;
+		for (int i = N + 1; i < N * (N - 1) - 1; i++)
+			for (int k = 0; k < 9; k++)
+				if (k != 4)
+					over = most(over, height_of(&slab, i) - height_of(&slab, i + k % 3 - 1 + (k / 3 - 1) * N) - critical[k % 2 == 0]);
+	}
+	ground_finish(&ground);
+	return calls;
+}
+
+static void finer_posts_come_to_rest_in_few_more_calls(void **state)
+{
+	int calls[3], by_posts[3];
+	(void)state;
+	need_gpu();
+	for (int k = 0; k < 3; k++) {
+		calls[k] = calls_to_rest(ldexp(1, -3 - k), true);
+		by_posts[k] = calls_to_rest(ldexp(1, -3 - k), false);
+		print_message("posts 1/%d m: %d calls, %d from post to post\n", 8 << k, calls[k], by_posts[k]);
+	}
+	/* From post to post the calls grow with the square. */
+	assert_true(by_posts[2] > 2 * by_posts[1] && calls[2] - calls[1] < 10 && calls[2] < by_posts[2] / 4);
+}
+
+static void ground_at_rest_stays(void **state)
+{
+	struct ground ground;
+	(void)state;
+	need_gpu();
+	for (int round = 0; round < 12; round++) {
+		int calls = 0;
+		start(&ground, round);
+		/* First it comes to rest by the rule from post to post alone. */
+		ground.deform->params.along_lines = false;
+		do {
+			before = slab;
+			slide_on_gpu(&ground, false);
+		} while (memcmp(&before, &slab, sizeof slab) != 0 && ++calls < 6000);
+		ground.deform->params.along_lines = true;
+		slide_on_gpu(&ground, false);
+		if (calls < 6000 && memcmp(&before, &slab, sizeof slab) != 0)
+			fail_msg("round %d: it was at rest after %d calls, and moves", round, calls);
+		ground_finish(&ground);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(lines_are_the_plain_rule_bit_for_bit),
+		cmocka_unit_test(the_sum_stays_and_the_potential_energy_never_rises),
+		cmocka_unit_test(finer_posts_come_to_rest_in_few_more_calls),
+		cmocka_unit_test(ground_at_rest_stays),
+	};
+	return cmocka_run_group_tests(tests, open_gpu, close_gpu);
+}
