@@ -155,6 +155,8 @@ static void open_ground(const struct bench_case *of, bool draws, struct ground *
 		.iterations = 1,
 		.depth = deform_model_row(of->model)->depth,
 		.bulldozing = 0.5,
+		.slip_sinkage = 1.35,
+		.along_lines = true,
 		.disturbance = of->dirt,
 	};
 	bench_must(deform_soil_named("dry_sand", &params.soils[0]));
