@@ -73,6 +73,7 @@ static size_t parse(const char *text, struct row *out)
 	for (; *text != '\0'; text = strchr(text, '\n') + 1, count++) {
 		struct row *r = &out[count];
 		int at = 0;
+		memset(r, 0, sizeof *r); /* rows are compared whole */
 		assert_int_equal(sscanf(text, "%lf,%15[^,],%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%n", &r->t, r->name, &r->x,
 					&r->y, &r->z, &r->sinkage, &r->force[0], &r->force[1], &r->force[2], &r->moment[0],
 					&r->moment[1], &r->moment[2], &r->slip, &r->area, &at), 14);
