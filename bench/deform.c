@@ -136,7 +136,7 @@ static void open_ground(const struct bench_case *of, bool draws, struct ground *
 {
 	*ground = (struct ground){.of = *of, .extent = {SIDE * CELLS + 1, SIDE * CELLS + 1, of->spacing, CELLS}};
 	bench_must(gpu_create(&(struct gpu_params){.draws = draws}, &ground->gpu));
-	bench_must(gpu_slots_create(ground->gpu, CELLS, SIDE * SIDE, deform_planes(of->model, of->dirt, false), &ground->slots));
+	bench_must(gpu_slots_create(ground->gpu, CELLS, SIDE * SIDE, deform_planes(of->model, of->dirt, of->model == DEFORM_SCM), &ground->slots));
 	size_t flat_bytes = (size_t)(CELLS + 1) * (CELLS + 1) * sizeof(int32_t);
 	struct gpu_staging *flat;
 	bench_must(gpu_staging_create(ground->gpu, flat_bytes, &flat));
@@ -155,7 +155,7 @@ static void open_ground(const struct bench_case *of, bool draws, struct ground *
 		.iterations = 1,
 		.depth = deform_model_row(of->model)->depth,
 		.bulldozing = 0.5,
-		.slip_sinkage = 1.35,
+		.slip_sinkage = of->model == DEFORM_SCM ? 1.35 : 0,
 		.along_lines = true,
 		.disturbance = of->dirt,
 	};
@@ -230,7 +230,7 @@ static size_t post_bytes(const struct bench_case *of)
 {
 	size_t bytes = sizeof(int32_t); /* base */
 	for (int plane = 0; plane < PLANES; plane++)
-		if (deform_planes(of->model, of->dirt, false) & PLANE_BIT(plane))
+		if (deform_planes(of->model, of->dirt, of->model == DEFORM_SCM) & PLANE_BIT(plane))
 			bytes += plane_bytes((enum plane)plane);
 	return bytes;
 }
