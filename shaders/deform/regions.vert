@@ -11,7 +11,7 @@ layout(std140, binding = 0) uniform regions {
 #define ATLAS_POSTS 256.0 /* DEFORM_WINDOW_POSTS */
 
 flat out ivec3 block; // x, y: the first post that is drawn; z: number of the block
-flat out ivec4 passed[PASSED]; // passed.vert
+flat out ivec4 passed[PASSED]; // the parameters, for the fragment shader: passed.vert says why
 
 void main()
 {

@@ -24,7 +24,7 @@ layout(binding = 2, r8ui) readonly uniform uimage2DArray classes;
 layout(binding = 6, r32i) readonly uniform iimage2DArray slopes; // by slope.frag: the axial critical difference in each post's slope
 #endif
 
-flat in ivec4 passed[PASSED]; // passed.vert
+flat in ivec4 passed[PASSED]; // the parameters, from the vertex shader: passed.vert says why
 ivec4 region = passed[0]; // over blocks: as in regions.vert; over a window: its first post from its first block; blocks in a row; first word
 ivec4 place = passed[1];  // the layer; a post this near a block's side concerns the neighbour too
 ivec4 edge = passed[2];   // over a window: posts whose neighbours were all computed: first, one behind the last

@@ -28,8 +28,8 @@ layout(std140, binding = 0) uniform params {
 #endif
 };
 
-// Extents in 2^-9 m: how far the slope rises above the post (low 16 bits) and falls below it (high 16 bits). After the last hop: the
-// axial critical difference in this slope, fixed-point units.
+// Extents in 2^-9 m: how far the slope rises above the post (low 16 bits) and falls below it (high 16 bits). The last hop
+// writes instead how much two axial neighbours in this slope may differ in height, fixed-point units.
 layout(location = 0) out int extent_out;
 #ifdef FIRST
 layout(location = 1) out int surface_out; // 4 base + offset

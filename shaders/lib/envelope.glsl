@@ -46,7 +46,7 @@ struct body {
 
 // Two: of the contact, of its end pose.
 #ifdef PASSED
-flat in ivec4 passed[PASSED]; // passed.vert
+flat in ivec4 passed[PASSED]; // the parameters, from the vertex shader: passed.vert says why
 
 body body_from(int first)
 {

@@ -6,7 +6,7 @@ int square_root(i64 d)
 	int q = int(sqrt(i64_to_float(d)));
 	if (q > 0)
 		q += int(floor(i64_to_float(i64_sub(d, i64_mul(q, q))) / (2.0 * float(q))));
-	// If q is the root, 0 <= rest <= 2 q.
+	// q is now off by at most one. It is the root, rounded down, if the rest is from 0 to 2 q.
 	i64 rest = i64_sub(d, i64_mul(q, q));
 	bool over = rest.hi < 0, under = rest.hi > 0 || rest.lo > 2u * uint(q);
 	return q + (over ? -1 : under ? 1 : 0);

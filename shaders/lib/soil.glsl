@@ -38,7 +38,7 @@ layout(std140, binding = 0) uniform params {
 	ivec4 drawn;   // the posts over which `rests` was computed
 	vec4 digs;     // how far the object slips over the ground during the contact, m; how deep that digs at most, in units of K
 	vec4 surface;  // the object's: adhesion, Pa, and tangent of its friction angle; then 1 for each that is the soil's own instead: c, tan phi
-	ivec4 frame;   // of laying: post (0, 0), 2^-16 post; 1: the soil goes around the patch; share of the depth that is laid, 2^-16
+	ivec4 frame;   // of laying. x, y: post (0, 0), 2^-16 post. z: 1 if soil is laid all around the patch. w: share of the depth that is laid, 2^-16
 	ivec4 frame_axis; // x, y: its x axis, 2^-16
 	soil soils[SOILS];
 #ifdef SOIL_RASTERS

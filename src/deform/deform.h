@@ -123,7 +123,7 @@ struct soil_model {
 	const char *shader;      /* file of the shader that computes the contact */
 	unsigned planes;         /* planes that the model stores apart from the offset: a mask of PLANE_BIT */
 	bool blind;              /* the model does not need to know which posts were touched */
-	bool measures;           /* the contact measures the soil that it displaces, so that no pass of its own has to */
+	bool measures;           /* its contact pass sums the soil that it displaces; false: a further pass does */
 	bool in_place;           /* the contact writes the planes that it reads. So it may look only at posts below the object */
 	bool rasters;            /* the contact reads the numbers of `enum deform_number`, and these may come from rasters */
 	bool contact_soils;      /* the contact's shader reads the soils' numbers, so it is compiled with the define SOILS */

@@ -148,8 +148,8 @@ static int32_t fixed(double value)
 	return (int32_t)lround(value * ONE);
 }
 
-/* Finds where the window's first post lies in the frame. Places are rounded at the post south-west of the object's centre. So the
- * rounding does not depend on the window. */
+/* Finds where the window's first post lies in the frame. It computes from the post south-west of the object's centre, in
+ * whole steps of a post. So the result is the same in any window. */
 static void place_frame(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 			const double ahead[2], struct spread_params *params)
 {
