@@ -3,6 +3,7 @@
  * the soil rebounds elastically. Displaced soil is deposited around the object and slides to its angle of repose.
  */
 #include <math.h>
+#include <string.h>
 
 #include "deform/shape/body.h"
 #include "deform/internal.h"
@@ -125,18 +126,25 @@ static double deepest(const struct deform_contact *contact)
 					       : deform_shape_reach(shape, contact->to.pitch, contact->to.roll));
 }
 
-static struct scm_params params_of(const struct deform *deform, const struct deform_contact *contact,
+/* Copies what the contact pass needs to measure for the passes that lay soil. */
+static void fill_laying(const struct spread_params *spread, struct scm_params *params)
+{
+	const int32_t frame[4] = {spread->origin[0], spread->origin[1], spread->place[1], spread->place[2]};
+	memcpy(params->written, spread->written, sizeof params->written);
+	memcpy(params->shadow, spread->shadow, sizeof params->shadow);
+	memcpy(params->frame, frame, sizeof frame);
+	memcpy(params->frame_axis, spread->axis, 2 * sizeof spread->axis[0]);
+}
+
+static struct scm_params params_of(const struct deform *deform, const struct deform_contact *contact, const struct spread_params *spread,
 				   const struct deform_window *window, uint32_t layer, const double extent[2])
 {
-	const struct gpu_rect written = deform_written(window);
 	int64_t zero = contact->to.z - (int64_t)deform->params.reference * (1 << OFFSET_BITS);
 	int64_t base = zero >> (OFFSET_BITS - BASE_BITS);
 	base = base < INT32_MIN + 1 ? INT32_MIN + 1 : base > INT32_MAX ? INT32_MAX : base;
 	double spacing = deform->spacing;
 	struct scm_params params = {
 		.zero = {(int32_t)base, (int32_t)(zero & 3), (int32_t)layer},
-		.written = {(int32_t)written.x, (int32_t)written.y, (int32_t)(written.x + written.width),
-			    (int32_t)(written.y + written.height)},
 		.scale = {(float)(ldexp(1, -OFFSET_BITS) / spacing), (float)spacing, DEFORM_UNITS_A_PASCAL},
 		.spin = {[3] = (float)deform->params.bulldozing},
 		.place = {(float)-deform_body_from_post(contact->to.x, window->read.x0, spacing),
@@ -144,32 +152,25 @@ static struct scm_params params_of(const struct deform *deform, const struct def
 			  (float)(spacing * spacing)},
 		.load = {(float)fmax(contact->load, 1e-6), (float)fmin(ldexp(deepest(contact), OFFSET_BITS), 0x1p28), (float)contact->loaded_body},
 	};
-	struct post_rect shadow = post_rect_intersect(deform_shadow(deform, contact), window->write);
-	if (!post_rect_empty(shadow)) {
-		const int64_t sides[4] = {shadow.x0 - window->read.x0, shadow.y0 - window->read.y0, shadow.x1 - window->read.x0,
-					  shadow.y1 - window->read.y0};
-		for (int i = 0; i < 4; i++)
-			params.shadow[i] = (int32_t)sides[i];
-	}
 	params.digs[1] = (float)deform->params.slip_sinkage;
 	fill_motion(contact, &params);
 	fill_surface(&contact->interface, params.surface);
 	deform_between_posts(deform, contact, window, &params);
 	if (params.moves[3] > 0)
 		params.digs[0] *= params.moves[3];
-	deform_spread_frame(deform, contact, window, params.frame, params.frame_axis);
+	fill_laying(spread, &params);
 	params.faces[0][3] = (float)deform_area_units(deform, contact);
 	fill_soils(&deform->params, params.soils);
 	fill_rasters(&deform->params, params.rasters);
 	return params;
 }
 
-static enum status run_contact(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
-			 uint32_t layer, struct gpu_buffer *tally)
+static enum status run_contact(struct deform *deform, const struct deform_contact *contact, const struct spread_params *spread,
+			       const struct deform_window *window, uint32_t layer, struct gpu_buffer *tally)
 {
 	double extent[2];
 	deform_body_extent(contact->shape, &contact->to, extent);
-	struct scm_params params = params_of(deform, contact, window, layer, extent);
+	struct scm_params params = params_of(deform, contact, spread, window, layer, extent);
 	bool counted = deform_is_counted(&deform->params, contact->shape, contact->load > 0) &&
 		       deform_fits_window(deform, contact);
 	params.scale[3] = (float)by_width(contact->shape, extent, counted);
@@ -208,16 +209,18 @@ static enum status run_contact(struct deform *deform, const struct deform_contac
 static enum status feel(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer)
 {
 	deform->scratch[layer].now[PLANE_OFFSET] = deform->scratch[layer].now[PLANE_DEPOSITED] = 1;
-	return run_contact(deform, contact, window, layer, deform->felt);
+	const struct spread_params spread = deform_spread_params(deform, contact, window, layer);
+	return run_contact(deform, contact, &spread, window, layer, deform->felt);
 }
 
 static enum status contact(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 			   uint32_t layer)
 {
 	deform->scratch[layer].now[PLANE_OFFSET] = deform->scratch[layer].now[PLANE_DEPOSITED] = 1;
+	const struct spread_params spread = deform_spread_params(deform, contact, window, layer);
 	deform_spread_begin(deform, window, layer);
-	enum status status = run_contact(deform, contact, window, layer, deform->tally);
-	return status == STATUS_OK ? deform_spread_and_slide(deform, contact, window, layer) : status;
+	enum status status = run_contact(deform, contact, &spread, window, layer, deform->tally);
+	return status == STATUS_OK ? deform_spread_and_slide(deform, &spread, window, layer) : status;
 }
 
 static int32_t critical(const struct deform_soil *soil, double apart)
