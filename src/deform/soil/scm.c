@@ -48,15 +48,20 @@ double deform_area_units(const struct deform *deform, const struct deform_contac
 	return exp2(fmin(floor(log2(0x1p32 / posts)) - 1, 20));
 }
 
-/* Returns how far the object slips over the ground during the contact, metres. A wheel slips by its way beyond rolling.
- * `rolled`: the angle by which it would turn if it rolled. */
-static double slip_of(const struct deform_contact *contact, double rolled)
+/* Returns the angle by which a wheel would turn if it rolled, rad. way: its motion, m. */
+static double rolled(const struct deform_contact *contact, const float way[2])
+{
+	return (way[0] * cos(contact->to.yaw) + way[1] * sin(contact->to.yaw)) / contact->shape->radius;
+}
+
+/* Returns how far the object slips over the ground during the contact, metres. A wheel slips by its way beyond rolling. */
+static double slip_of(const struct deform_contact *contact, const float way[2])
 {
 	const double east = lattice_offset_metres(contact->to.x - contact->from.x), north = lattice_offset_metres(contact->to.y - contact->from.y);
 	const double ahead[2] = {cos(contact->to.yaw), sin(contact->to.yaw)};
 	if (contact->shape->kind != DEFORM_WHEEL)
 		return hypot(east, north);
-	return hypot((rolled - contact->turned) * contact->shape->radius, north * ahead[0] - east * ahead[1]);
+	return hypot((rolled(contact, way) - contact->turned) * contact->shape->radius, north * ahead[0] - east * ahead[1]);
 }
 
 static void fill_motion(const struct deform_contact *contact, struct scm_params *params)
@@ -73,12 +78,19 @@ static void fill_motion(const struct deform_contact *contact, struct scm_params 
 	params->spin[1] = (float)(cos(contact->to.yaw) * contact->turned);
 	/* Damping depends on how fast soil is pushed down. A smooth wheel that spins does not push it down faster. So its slip is left
 	 * out here. */
-	double turned = contact->shape->kind == DEFORM_WHEEL ? (params->way[0] * cos(contact->to.yaw) + params->way[1] * sin(contact->to.yaw)) /
-								     contact->shape->radius
-							   : 0;
+	double turned = contact->shape->kind == DEFORM_WHEEL ? rolled(contact, params->way) : 0;
 	params->rolls[0] = (float)(-sin(contact->to.yaw) * turned);
 	params->rolls[1] = (float)(cos(contact->to.yaw) * turned);
-	params->digs[0] = (float)slip_of(contact, turned);
+}
+
+/* Needs `way` and `moves`: a wheel's slip digs for as long as its rim passes over the soil. */
+static void fill_digging(const struct deform *deform, const struct deform_contact *contact, struct scm_params *params)
+{
+	params->digs[1] = (float)deform->params.slip_sinkage;
+	if (deform_is_contact_only(contact))
+		return;
+	float slip = (float)slip_of(contact, params->way);
+	params->digs[0] = params->moves[3] > 0 ? slip * params->moves[3] : slip;
 }
 
 static void fill_surface(const struct deform_interface *interface, float surface[4])
@@ -152,12 +164,10 @@ static struct scm_params params_of(const struct deform *deform, const struct def
 			  (float)(spacing * spacing)},
 		.load = {(float)fmax(contact->load, 1e-6), (float)fmin(ldexp(deepest(contact), OFFSET_BITS), 0x1p28), (float)contact->loaded_body},
 	};
-	params.digs[1] = (float)deform->params.slip_sinkage;
 	fill_motion(contact, &params);
 	fill_surface(&contact->interface, params.surface);
 	deform_between_posts(deform, contact, window, &params);
-	if (params.moves[3] > 0)
-		params.digs[0] *= params.moves[3];
+	fill_digging(deform, contact, &params);
 	fill_laying(spread, &params);
 	params.faces[0][3] = (float)deform_area_units(deform, contact);
 	fill_soils(&deform->params, params.soils);
