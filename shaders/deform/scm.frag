@@ -47,27 +47,12 @@ layout(std430, binding = 3) restrict buffer standings {
 };
 #endif
 
-const int COLUMNS = 4; // rows side by side in the viewport, so that its blocks of pixels are full
-
-// Returns the row of this invocation.
-int row_of_pass()
-{
-	ivec2 at = ivec2(gl_FragCoord.xy);
-	return shadow.y + at.x + COLUMNS * at.y;
-}
-
 // Tells whether the object was less than two spacings above the surface. Then it has just left the post, or comes next, and the shear
 // that the post stores ends. Below a higher object that shear may belong to a second object, so it stays.
 bool is_near(ground g, object o, int offset)
 {
 	int surface = g.height - g.heap + offset;
 	return o.lowest != UNDER_NONE && g.base != BASE_NODATA && o.lowest - surface < int(min(scale.y * 2097152.0, 1e9));
-}
-
-// Returns the place of a post in the frame of laying.
-ivec2 frame_of(int x, int y)
-{
-	return frame.xy + ivec2(x * frame_axis.x + y * frame_axis.y, y * frame_axis.x - x * frame_axis.y);
 }
 
 // Tells whether the post stores shear, which ends with a contact.
@@ -94,7 +79,7 @@ int concerns(int x, int y, int raised, int fell)
 
 void main()
 {
-	int y = row_of_pass();
+	int y = row_of_pass(shadow.y);
 	bool begins = y == shadow.y; // one invocation tells what all have in common, also where the object is above no post
 	if (!begins && y >= shadow.w)
 		return;
@@ -193,7 +178,8 @@ void main()
 	if (last <= first)
 		return;
 	if (first_touched < last)
-		measured(total_words(moved), moving, hollow, ivec2[2](frame_of(first_touched, y), frame_of(last_touched, y)));
+		measured(total_words(moved), moving, hollow,
+			 ivec2[2](frame_of(frame.xy, frame_axis.xy, first_touched, y), frame_of(frame.xy, frame_axis.xy, last_touched, y)));
 	tally_sum(COMPACTED, total_words(lost));
 	if (over > 0u)
 		tally_add(REFUSED, over);

@@ -37,5 +37,6 @@ void main()
 		store_ways(y, place.x, written.x, written.z);
 	reach(y, reaches.x, reaches.y);
 	if (first <= last)
-		measured(uvec2(lo, hi), count, deepest, ivec2[2](frame_of(first, y), frame_of(last, y)));
+		measured(uvec2(lo, hi), count, deepest,
+			 ivec2[2](frame_of(origin.xy, axis.xy, first, y), frame_of(origin.xy, axis.xy, last, y)));
 }

@@ -104,7 +104,7 @@ void main()
 	ivec2 row = posts_of_row(y);
 	for (int x = row.x; x < row.y && place.y != 0; x++)
 		weigh(x, y, 0, from_patch(x, y));
-	ivec2 at = frame_of(row.x, y), step = frame_of(1, 0) - frame_of(0, 0);
+	ivec2 at = frame_of(origin.xy, axis.xy, row.x, y), step = ivec2(axis.x, -axis.y);
 	for (int x = row.x; x < row.y && place.y == 0; x++, at += step) {
 		int face, weight = beside_face(at, face);
 		weigh(x, y, face, weight);

@@ -206,9 +206,6 @@ enum status deform_run_contact(struct deform *deform, const void *params, size_t
 /* stages.c: runs the contact pass of a model whose parameters are only struct contact_params. */
 enum status deform_contact_plainly(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 				   uint32_t layer) FURROW_CHECKED;
-/* soil/slide.c: runs the passes after a contact that displaced soil: first the soil is spread, then it slides. */
-enum status deform_spread_and_slide(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
-				    uint32_t layer) FURROW_CHECKED;
 
 /* std140 twin of lib/soil.glsl's block. */
 struct scm_soil {
@@ -261,12 +258,16 @@ bool deform_fits_window(const struct deform *deform, const struct deform_contact
 struct deform_window deform_whole(const struct deform *deform, const struct deform_window *window);
 
 /* soil/spread.c: lays displaced soil down around the object, in `deposits`. The contact pass wrote `carried`, at most 2^23 fixed-point
- * units a post. If the model measures, its contact pass added to `laying` instead; deform_spread_begin came before that pass, and
- * deform_spread_frame fills what it needs. deform_spread_posts: the shadow, and all posts on which soil may be laid. */
+ * units a post. If the model measures, its contact pass added to `laying` instead; deform_spread_begin came before that pass.
+ * deform_spread_params: computes how the soil of a contact is laid. deform_spread_posts: the shadow, and all posts on which soil may be
+ * laid. */
+struct spread_params { /* std140 twin of lib/spread.glsl's block */
+	int32_t place[4], written[4], shadow[4], origin[4], axis[4], shares[4];
+};
+struct spread_params deform_spread_params(const struct deform *deform, const struct deform_contact *contact,
+					  const struct deform_window *window, uint32_t layer);
 void deform_spread_begin(struct deform *deform, const struct deform_window *window, uint32_t layer);
-void deform_spread_frame(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
-			 int32_t frame[4], int32_t axis[4]);
-enum status deform_spread(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
+enum status deform_spread(struct deform *deform, const struct spread_params *params, const struct deform_window *window,
 			  uint32_t layer) FURROW_CHECKED;
 struct post_rect deform_spread_posts(const struct deform *deform, const struct deform_contact *contact, struct post_rect shadow);
 enum status deform_spread_create(struct deform *deform) FURROW_CHECKED;
@@ -275,6 +276,9 @@ void deform_spread_plan(struct plan *plan);
 /* soil/slide.c: adds the deposits to the ground. Then applies the model's relaxation rule `iterations` times to the window's
  * written posts. Reads offsets and deposited thickness from planes_of[1], and leaves them there. */
 enum status deform_slide(struct deform *deform, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
+/* soil/slide.c: runs the passes after a contact that displaced soil: first the soil is spread, then it slides. */
+enum status deform_spread_and_slide(struct deform *deform, const struct spread_params *spread, const struct deform_window *window,
+				    uint32_t layer) FURROW_CHECKED;
 struct slide_place {
 	uint32_t layer;
 	struct gpu_rect all, written; /* posts that are computed; posts that exchange soil */

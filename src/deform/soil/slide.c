@@ -364,9 +364,9 @@ enum status deform_slide(struct deform *deform, const struct deform_window *wind
 	return deform_slide_run(deform, &place);
 }
 
-enum status deform_spread_and_slide(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
+enum status deform_spread_and_slide(struct deform *deform, const struct spread_params *spread, const struct deform_window *window,
 				    uint32_t layer)
 {
-	enum status status = deform_spread(deform, contact, window, layer);
+	enum status status = deform_spread(deform, spread, window, layer);
 	return status == STATUS_OK ? deform_slide(deform, window, layer) : status;
 }
