@@ -61,16 +61,20 @@ bool remembers(int x, int y)
 	return imageLoad(shears, ivec3(x, y, zero.z)).r != 0;
 }
 
-// Tells whether the object may touch the post, may bear on its cell, or leaves it.
-bool concerns(int x, int y, int raised)
+const int NOTHING = 0, REACHED = 1, CONCERNED = 2;
+
+// Tells whether the object was near the post, and whether it may touch it, may bear on its cell, or ends its shear. fell: how much
+// lower the object was before the contact than it is now, fixed-point units.
+int concerns(int x, int y, int raised, int fell)
 {
 	ground g = ground_at(x, y);
 	object o = object_at(x, y, raised);
-	bool some = may_touch(g, o) || remembers(x, y) && is_near(g, o, imageLoad(offsets, ivec3(x, y, zero.z)).r);
+	int offset = imageLoad(offsets, ivec3(x, y, zero.z)).r;
+	bool some = may_touch(g, o) || remembers(x, y) && is_near(g, o, offset);
 #ifdef FORCES
 	some = some || touch_room(ground_normal(x, y, g), g, o, cell_at(x, y, o)) > 0;
 #endif
-	return some;
+	return some ? CONCERNED : is_near(g, o, offset + fell) ? REACHED : NOTHING;
 }
 
 void main()
@@ -79,23 +83,30 @@ void main()
 	bool begins = y == shadow.y; // one invocation tells what all have in common, also where the object is above no post
 	if (!begins && y >= shadow.w)
 		return;
-	int raised = 0;
+	int raised = 0, fell = 0;
 	float by_width = scale.w, unit = scale.z;
 #ifdef LOAD
 	unit /= found_share;
 	raised = found_raised;
+	fell = max(raised - found_before, 0);
 	if (begins && load.z > 0.0)
 		standing[int(load.z) - 1] = raised;
 #endif
 #ifdef PATCH
 	by_width = found_by_width(found_posts, place.w);
 #endif
-	// The posts of this row, without those at its ends that the object does not concern.
-	int first = shadow.x, last = shadow.z;
-	while (first < last && !concerns(first, y, raised))
+	// The posts of this row, without those at its ends that the object does not concern. It may have left some of these.
+	int first = shadow.x, last = shadow.z, what = NOTHING;
+	ivec2 reaches = ivec2(last, first);
+	while (first < last && (what = concerns(first, y, raised, fell)) != CONCERNED) {
+		reaches = what == REACHED ? ivec2(min(reaches.x, first), first + 1) : reaches;
 		first++;
-	while (first < last && !concerns(last - 1, y, raised))
+	}
+	while (first < last && (what = concerns(last - 1, y, raised, fell)) != CONCERNED) {
+		reaches.y = what == REACHED ? max(reaches.y, last) : reaches.y;
 		last--;
+	}
+	reach(y, min(reaches.x, first < last ? first : reaches.x), max(reaches.y, first < last ? last : reaches.y));
 	total lost = total(0, 0u), moved = lost;
 	uint over = 0u, moving = 0u, of_classes = 0u;
 	int hollow = 0, first_touched = last, last_touched = first;

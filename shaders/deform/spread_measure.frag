@@ -22,9 +22,12 @@ void main()
 		return;
 	uint lo = 0u, hi = 0u, count = 0u, of_classes = 0u;
 	int deepest = 0, first = shadow.z, last = shadow.x;
+	ivec2 reaches = shadow.zx;
 	for (int x = shadow.x; x < shadow.z; x++) {
 		ivec3 post = ivec3(x, y, place.x);
-		if (imageLoad(contacts, post).r == 0u)
+		uint contact = imageLoad(contacts, post).r;
+		reaches = contact != 0u ? ivec2(min(reaches.x, x), x + 1) : reaches;
+		if ((contact & TOUCHED_POST) == 0u)
 			continue;
 #if SOILS > 1
 		int soil = min(int(texelFetch(classes, post, 0).r), SOILS - 1), share = given.soils[soil].y;
@@ -43,6 +46,7 @@ void main()
 	}
 	if (place.y != 0)
 		store_ways(y, place.x, written.x, written.z);
+	reach(y, reaches.x, reaches.y);
 	if (first <= last)
 		measured(uvec2(lo, hi), count, of_classes, deepest,
 			 ivec2[2](frame_of(origin.xy, axis.xy, first, y), frame_of(origin.xy, axis.xy, last, y)));

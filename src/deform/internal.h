@@ -14,13 +14,12 @@ enum scratch_target {
 	TO_CONTACT, /* the textures that the model's contact pass writes */
 	TO_FIRST,   /* box: offset plane 0 */
 	TO_SECOND,  /* box: offset plane 1 */
-	TO_BEGUN,   /* the start of sliding: offset plane 0, heights, and the other textures that sliding starts with */
+	TO_BEGUN,   /* the start of sliding: heights, and the other textures that sliding starts with */
 	TO_HEIGHTS_0, TO_HEIGHTS_1,
 	TO_SHED,    /* sumner: the soil that each post sheds, in the texture `carried` */
 	/* Hops along slopes, in the atlas. The first writes heights to `carried` and extents to `deposits`. Later hops write extents in
 	 * turn to `under` and to `deposits`. */
 	TO_SLOPES_FIRST, TO_SLOPES_0, TO_SLOPES_1,
-	TO_SLID,    /* offset plane 1, and deposited thickness plane 1 */
 	TO_DISTURBANCE, /* disturbance plane 1 */
 	TO_HELD,    /* only the texture `contacts` */
 	TO_BARE,    /* no attachment: the pass writes images and buffers */
@@ -31,6 +30,7 @@ enum scratch_target {
 struct layer {
 	struct gpu_target *to[SCRATCH_TARGETS];
 	int now[PLANES]; /* for each plane: 0 or 1, the one of planes_of[0 .. 1] that holds the newest result */
+	bool near;       /* soil slides only near what the contact reached */
 	bool alone;      /* the contact has only this window */
 	bool loaded;     /* the object carries a load, so its equilibrium height is still unknown */
 	bool above;      /* as `above` in struct deform_contact: the object is above all ground */
@@ -251,6 +251,9 @@ struct post_rect deform_shadow(const struct deform *deform, const struct deform_
 /* deform_reached: returns the posts that a contact can change. deform_fits_window: returns true if the posts below the object, and
  * those beside it, fit one window. deform_whole: returns the window of which this one is a part. */
 struct post_rect deform_reached(const struct deform *deform, const struct deform_contact *contact);
+/* Returns true if during the contact the object was less than two spacings above, or beside, each post on which it lay before: it did not
+ * jump, and its attitude hardly changed. */
+bool deform_is_swept(const struct deform *deform, const struct deform_contact *contact);
 bool deform_fits_window(const struct deform *deform, const struct deform_contact *contact);
 struct deform_window deform_whole(const struct deform *deform, const struct deform_window *window);
 
@@ -279,13 +282,14 @@ enum status deform_spread_and_slide(struct deform *deform, const struct spread_p
 struct slide_place {
 	uint32_t layer;
 	struct gpu_rect all, written; /* posts that are computed; posts that exchange soil */
+	int32_t around;               /* only over a window: soil slides this many posts around what the contact reached; -1: in all */
 	int turn;                     /* only over a window: which direction comes first when soil slides along lines */
 	struct place_flags {
 		struct gpu_buffer *words;
 		/* Only over a window: */
 		uint32_t first, columns;  /* its first word; its blocks in a row */
 		int32_t from[2];          /* its first post, counted from the first post of its first block */
-		int32_t looked[4];        /* posts whose neighbours were all computed: first, one behind the last */
+		int32_t step, sides[4];   /* posts beside a border, and beside each side of the window, that were not looked at */
 		bool loaded;              /* as in struct layer */
 	} flags;
 	/* Only over blocks: their number, 0 over a window; posts along a block's square in the atlas; squares in a row. */

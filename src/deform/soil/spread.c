@@ -7,7 +7,7 @@
 #include "deform/shape/body.h"
 #include "deform/internal.h"
 
-#define LAYING_BYTES (43 * 4)   /* lib/laying.glsl */
+#define LAYING_BYTES (47 * 4)   /* lib/laying.glsl */
 #define STEEPEST_TAN 1.0        /* steeper soil is laid as if it stood at 45 degrees */
 #define ONE 65536.0
 
