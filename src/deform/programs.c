@@ -270,7 +270,7 @@ static void each_slide(struct each *each, bool blocks, bool loaded)
 		deform_programs_slope(params, first, &each->request);
 		add(each, effect);
 	}
-	for (int diagonal = 0; diagonal < 2 && !blocks && deform_has_lines(params); diagonal++) {
+	for (int diagonal = 0; diagonal < 2 && !blocks && deform_line_passes(params) > 0; diagonal++) {
 		deform_programs_lines(params, diagonal, &each->request);
 		add(each, effect);
 	}

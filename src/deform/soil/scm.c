@@ -273,6 +273,7 @@ const struct soil_model deform_model_scm = {
 	.in_place = true,
 	.rasters = true,
 	.slide = &deform_slide_excess,
+	.directions = 2,
 	.critical = critical,
 	.laid_at = laid_at,
 	.laid_share = laid_share,
