@@ -168,6 +168,8 @@ struct window_params deform_window_params(struct post_rect read, uint32_t layer)
 
 /* Returns the written posts, in the window's layer. */
 struct gpu_rect deform_written(const struct deform_window *window);
+/* Fills where posts lie in a window, counted from its first post: the first of them, one behind the last. */
+void deform_posts_in(const struct deform_window *window, struct post_rect posts, int32_t in[4]);
 /* Returns all posts of the window, in its layer. */
 struct gpu_rect deform_window_rect(const struct deform_window *window);
 
