@@ -261,7 +261,7 @@ struct deform_window deform_whole(const struct deform *deform, const struct defo
  * deform_spread_params: computes how the soil of a contact is laid. deform_spread_posts: the shadow, and all posts on which soil may be
  * laid. */
 struct spread_params { /* std140 twin of lib/spread.glsl's block */
-	int32_t place[4], written[4], shadow[4], origin[4], axis[4], shares[4];
+	int32_t place[4], written[4], shadow[4], origin[4], axis[4], shares[4], soils[DEFORM_SOILS][4];
 };
 struct spread_params deform_spread_params(const struct deform *deform, const struct deform_contact *contact,
 					  const struct deform_window *window, uint32_t layer);

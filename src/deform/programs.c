@@ -105,7 +105,7 @@ enum spread_pass deform_spread_first(enum deform_model model)
 	return deform_model_row(model)->measures ? SPREAD_WEIGH : SPREAD_MEASURE;
 }
 
-void deform_programs_spread(enum spread_pass pass, struct deform_request *out)
+void deform_programs_spread(const struct deform_params *params, enum spread_pass pass, struct deform_request *out)
 {
 	static const char *const files[SPREAD_PASSES] = {
 		[SPREAD_MEASURE] = "deform/spread_measure.frag",
@@ -113,6 +113,7 @@ void deform_programs_spread(enum spread_pass pass, struct deform_request *out)
 		[SPREAD_LAY] = "deform/spread_lay.frag",
 	};
 	begin(out, "full.vert", files[pass]);
+	define_number(out, "SOILS", deform_soil_slots(params));
 }
 
 /* A pass of sliding. The vertex shader passes parameters on. `passed`: the define that says how many. Over a window all passes but the
@@ -301,7 +302,7 @@ void deform_programs_each(const struct deform_params *params, const struct defor
 	}
 	if (deform_conserves(params->model)) {
 		for (int pass = deform_spread_first(params->model); pass < SPREAD_PASSES; pass++) {
-			deform_programs_spread((enum spread_pass)pass, &each.request);
+			deform_programs_spread(params, (enum spread_pass)pass, &each.request);
 			add(&each, "spread");
 		}
 		each_slide(&each, false, loaded);
