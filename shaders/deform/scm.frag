@@ -70,22 +70,21 @@ ivec2 frame_of(int x, int y)
 	return frame.xy + ivec2(x * frame_axis.x + y * frame_axis.y, y * frame_axis.x - x * frame_axis.y);
 }
 
-// Tells whether the post stores shear, which ends with a contact.
-bool remembers(int x, int y)
-{
-	return imageLoad(shears, ivec3(x, y, zero.z)).r != 0;
-}
-
-// Tells whether the object may touch the post, may bear on its cell, or leaves it.
+// Tells whether the object may touch the post, may bear on its cell, or may end the shear that the post stores.
 bool concerns(int x, int y, int raised)
 {
 	ground g = ground_at(x, y);
+	bool sheared = imageLoad(shears, ivec3(x, y, zero.z)).r != 0;
+#ifdef SHAPE_WHEEL
+	return sheared || g.base != BASE_NODATA && may_bear(x, y, incline_at(x, y, g), g, raised);
+#else
 	object o = object_at(x, y, raised);
-	bool some = may_touch(g, o) || remembers(x, y) && is_near(g, o, imageLoad(offsets, ivec3(x, y, zero.z)).r);
 #ifdef FORCES
-	some = some || touch_room(ground_normal(x, y, g), g, o, cell_at(x, y, o)) > 0;
+	return sheared || may_touch(g, o) || touch_room(incline_at(x, y, g), g, o, cell_at(x, y, o)) > 0;
+#else
+	return sheared || may_touch(g, o);
 #endif
-	return some;
+#endif
 }
 
 void main()
@@ -121,17 +120,17 @@ void main()
 	ground west = ground_at(first - 1, y), g = ground_at(first, y), east;
 	for (int x = first; x < last; x++, west = g, g = east) {
 		ivec3 post = ivec3(x, y, zero.z);
-		east = ground_at(x + 1, y);
 		object o = object_at(x, y, raised);
+		east = ground_at(x + 1, y);
 		soil s = soil_at(x, y);
 		post_state before = {imageLoad(offsets, post).r, g.heap, imageLoad(sinkages, post).r, 0, imageLoad(shears, post).r};
 #ifdef SLIP
 		before.dug = imageLoad(dugs, post).r;
 #endif
-		vec3 n = normal_of(west, g, east, ground_at(x, y - 1), ground_at(x, y + 1));
-		bearing b = bearing_of(s, by_width, n, g, o, cell_at(x, y, o), before);
+		incline i = incline_of(west, g, east, ground_at(x, y - 1), ground_at(x, y + 1));
+		bearing b = bearing_of(s, by_width, i, g, o, cell_at(x, y, o), before);
 		over += uint(b.refused);
-		total_add(lost, before.offset - b.after.offset - b.carried);
+		total_add(lost, b.touched ? before.offset - b.after.offset - b.carried : 0);
 		if ((b.held || is_near(g, o, before.offset)) && b.after.shear != before.shear)
 			imageStore(shears, post, ivec4(b.after.shear));
 		if (b.touched) {
@@ -156,9 +155,9 @@ void main()
 		vec3 large = max(abs(f), abs(m));
 		float most = bears ? MOST * min(b.area, 1.0) : 0.0;
 		saturated += int(max(large.x, max(large.y, large.z)) > most);
-		for (int i = 0; i < 3; i++) {
-			total_add(force[i], int(round(clamp(f[i], -most, most))));
-			total_add(moment[i], int(round(clamp(m[i], -most, most))));
+		for (int k = 0; k < 3; k++) {
+			total_add(force[k], int(round(clamp(f[k], -most, most))));
+			total_add(moment[k], int(round(clamp(m[k], -most, most))));
 		}
 		area += bears ? int(round(b.area * faces[0].w)) : 0;
 		deepest = max(deepest, b.held && bears ? b.sunk - before.heap : 0);

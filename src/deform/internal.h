@@ -212,7 +212,7 @@ enum status deform_spread_and_slide(struct deform *deform, const struct deform_c
 
 /* std140 twin of lib/soil.glsl's block. */
 struct scm_soil {
-	float a[4], b[4];
+	float a[4], b[4], c[4];
 };
 struct scm_params {
 	int32_t zero[4], written[4], shadow[4];
@@ -232,8 +232,8 @@ struct gpu_rect deform_rows(const int32_t posts[4]);
  * deform_find_what. The results are in the buffer `found`. `tally` counts loads that are not carried. */
 enum status deform_find(struct deform *deform, const struct scm_params *params, unsigned what, enum deform_shape_kind kind,
 			struct gpu_buffer *tally) FURROW_CHECKED;
-/* soil/between.c: fills what the shaders need to compute the lower envelope between posts (lib/scm_body.glsl). Needs `way`
- * and `spin`. */
+/* soil/between.c: fills what the shaders need to compute the lower envelope between posts (lib/scm_body.glsl). Turns `way`, `spin`
+ * and `rolls` into the object's frame. */
 void deform_between_posts(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 		      struct scm_params *params);
 

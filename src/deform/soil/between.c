@@ -23,6 +23,14 @@ static double time_of_rim(const struct deform_contact *contact, double forward, 
 	return 1 + (share - 1) * aligned;
 }
 
+/* Turns the level part of a vector into the object's frame. */
+static void turn_into_frame(const double heading[2], float v[2])
+{
+	double east = v[0], north = v[1];
+	v[0] = (float)(heading[0] * east + heading[1] * north);
+	v[1] = (float)(heading[0] * north - heading[1] * east);
+}
+
 static void wheel(const struct deform *deform, const struct deform_contact *contact, struct scm_params *params)
 {
 	double yaw = contact->to.yaw, x = cos(yaw), y = sin(yaw);
@@ -74,7 +82,6 @@ void deform_between_posts(const struct deform *deform, const struct deform_conta
 		      struct scm_params *params)
 {
 	const struct post_rect read = window->read, drawn = post_rect_intersect(deform_shadow(deform, contact), read);
-	params->load[3] = deform->params.ground_normals;
 	params->drawn[0] = (int32_t)(drawn.x0 - read.x0);
 	params->drawn[1] = (int32_t)(drawn.y0 - read.y0);
 	params->drawn[2] = (int32_t)(drawn.x1 - read.x0);
@@ -94,4 +101,10 @@ void deform_between_posts(const struct deform *deform, const struct deform_conta
 	case DEFORM_SHAPES:
 		break; /* only its posts tell */
 	}
+	const double heading[2] = {params->heading[0], params->heading[1]};
+	turn_into_frame(heading, params->way);
+	turn_into_frame(heading, params->spin);
+	turn_into_frame(heading, params->rolls);
+	for (int k = 0; k < 3; k++)
+		turn_into_frame(heading, &params->faces[k][1]);
 }

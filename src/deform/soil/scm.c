@@ -102,6 +102,7 @@ static void fill_soils(const struct deform_params *params, struct scm_soil *soil
 		soils[i] = (struct scm_soil){
 			.a = {(float)s->bekker_kc, (float)s->bekker_kphi, (float)s->bekker_n, inverse(s->elastic_stiffness)},
 			.b = {(float)s->cohesion, (float)tan(s->friction_angle), inverse(s->janosi_shear), (float)s->damping},
+			.c = {(float)fmin(s->elastic_stiffness, 1e30), (float)fmin(s->janosi_shear, 1e30)},
 		};
 	}
 }
