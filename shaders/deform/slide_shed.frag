@@ -16,10 +16,10 @@ struct sumner {
 	uvec4 few, many;  // in 2^-32: share of the sum of differences that each of 1 .. 8 neighbours gets
 };
 
-layout(std140, binding = 0) uniform params {
-	ivec4 region; // as in regions.vert
-	ivec4 place;  // the layer
-	ivec4 edge;
+#include "lib/slide_params.glsl"
+
+layout(std140, binding = 0) uniform soils_of_posts {
+	ivec4 others[PASSED];
 	sumner soils[SOILS];
 };
 

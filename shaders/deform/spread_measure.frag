@@ -17,9 +17,12 @@ void main()
 		return;
 	uint lo = 0u, hi = 0u, count = 0u;
 	int deepest = 0, first = shadow.z, last = shadow.x;
+	ivec2 reaches = shadow.zx;
 	for (int x = shadow.x; x < shadow.z; x++) {
 		ivec3 post = ivec3(x, y, place.x);
-		if (imageLoad(contacts, post).r == 0u)
+		uint contact = imageLoad(contacts, post).r;
+		reaches = contact != 0u ? ivec2(min(reaches.x, x), x + 1) : reaches;
+		if ((contact & TOUCHED_POST) == 0u)
 			continue;
 		int amount = imageLoad(carries, post).r;
 		uint carry;
@@ -32,6 +35,8 @@ void main()
 	}
 	if (place.y != 0)
 		store_ways(y, place.x, written.x, written.z);
+	reach(y, reaches.x, reaches.y);
 	if (first <= last)
-		measured(uvec2(lo, hi), count, deepest, ivec2[2](frame_of(first, y), frame_of(last, y)));
+		measured(uvec2(lo, hi), count, deepest,
+			 ivec2[2](frame_of(origin.xy, axis.xy, first, y), frame_of(origin.xy, axis.xy, last, y)));
 }

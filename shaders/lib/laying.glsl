@@ -1,13 +1,16 @@
 // What the passes that lay down carried soil hand on (SOIL.md, "Laying"), and how a contact's soil is measured for them. Either the
-// contact pass does that or spread_measure.frag. All numbers are whole. Places in the body's frame are in 2^-16 post; x points where
-// the body heads, y to its left.
+// contact pass does that or spread_measure.frag. Each of these passes has one invocation for each row of posts. All numbers are whole.
+// Places in the body's frame are in 2^-16 post; x points where the body heads, y to its left.
+
+#include "lib/bias.glsl"
 
 const int FACES = 4; // of the patch's rectangle: ahead, behind, left, right
-const int BIAS = 1 << 30;
 const int HOLLOW_MOST = 1 << 23;
 const int NO_WAY = 1023;
+const int COLUMNS = 4; // rows side by side in a pass's viewport, so that its blocks of pixels are full
 
 layout(std430, binding = 4) coherent restrict buffer laying {
+	uint reached[4];       // lib/reached.glsl
 	uint carried[2];       // lo, hi: fixed-point units
 	uint givers;           // posts that carry soil
 	uint deep;             // depth of the hollow, fixed-point units
@@ -19,6 +22,30 @@ layout(std430, binding = 4) coherent restrict buffer laying {
 	uint rates[2 * FACES]; // lo, hi: soil for each unit of weight, 2^-RATE_BITS fixed-point units
 	uint laid[2 * FACES];  // lo, hi
 };
+
+// Adds posts of a row to those that the contact reached: from the first to before the last.
+void reach(int y, int first, int last)
+{
+	if (first >= last)
+		return;
+	atomicMax(reached[0], uint(BIAS + last - 1));
+	atomicMax(reached[1], uint(BIAS - first));
+	atomicMax(reached[2], uint(BIAS + y));
+	atomicMax(reached[3], uint(BIAS - y));
+}
+
+// Returns the row of this invocation. It may lie beyond the last one. first: row of the pass
+int row_of_pass(int first)
+{
+	ivec2 at = ivec2(gl_FragCoord.xy);
+	return first + at.x + COLUMNS * at.y;
+}
+
+// Returns the place of a post in the body's frame. frame: place of post (0, 0); axis: the x axis, 2^-16
+ivec2 frame_of(ivec2 frame, ivec2 axis, int x, int y)
+{
+	return frame + ivec2(x * axis.x + y * axis.y, y * axis.x - x * axis.y);
+}
 
 // Returns how deep the hollow counts at a post. carries: soil that the post carries; offset: after the contact; both fixed-point units.
 // share: of the depth that is laid, 2^-16.

@@ -233,20 +233,22 @@ int touch_room(incline i, ground g, object o, cell c)
 }
 
 #ifdef SHAPE_WHEEL
-// The farthest place of a post's part of its cell from the post, along the wheel's way. The middle of a part is at most half a post away.
+// How far the part of a cell that a post bears reaches from the post, along the wheel's way. Its middle is at most half a post away.
 float cell_reach = half_across + 0.5 * scale.y;
 // The posts that bear lie at most this far to the side.
 float bears_aside = max(body.y, 2.0 * body.y < step_aside ? 0.5 * step_aside : 0.0) + abs(way.y) + 1e-3 * step_aside;
 
-// Tells whether the wheel may bear on a post's cell, or touched the post during the contact. It says yes wherever touch_room is more than
-// 0, or the wheel's lower envelope is below the ground, but costs less.
-bool may_bear(int x, int y, incline i, ground g, int raised)
+// Returns at least how much higher than at the post the ground is in that part.
+float most_rise(incline i)
 {
-	vec2 at = place_of(x, y);
-	float near = max(max(at.x, -at.x - way.x) - cell_reach, 0.0);
-	// The highest ground of the cell, above the wheel's centre where that is lowest.
-	float highest = float(g.height - raised) * UNIT_METRES + max(way.z, 0.0) + (abs(i.rise.x) + abs(i.rise.y)) * cell_reach +
-			1e-3 * scale.y + 2e-6 * body.x;
-	return (highest >= 0.0 || near * near + highest * highest <= body.x * body.x) && abs(at.y) <= bears_aside;
+	return (abs(i.rise.x) + abs(i.rise.y)) * cell_reach;
+}
+
+// Tells whether the wheel, during the contact, was lower than a height above its centre somewhere within `reach` along its way. It says
+// yes also where the wheel was a little higher, and for some posts beside it. It reads no lower envelope, which costs more.
+bool was_below(vec2 at, float height, float reach)
+{
+	float away = max(max(at.x, -at.x - way.x) - reach, 0.0), highest = height + max(way.z, 0.0) + 1e-3 * scale.y + 2e-6 * body.x;
+	return abs(at.y) <= bears_aside && (highest >= 0.0 || away * away + highest * highest <= body.x * body.x);
 }
 #endif

@@ -8,7 +8,6 @@
 #include "lib/tally.glsl"
 #include "lib/window.glsl"
 
-const int COLUMNS = 4; // rows side by side in the pass's viewport, so that its blocks of pixels are full
 const int RATE_BITS = 20;
 const int HALF_POST = 1 << 15;
 const int NARROWEST = 128; // two posts, so that there is a post in it
@@ -30,23 +29,11 @@ layout(std140, binding = 0) uniform params {
 // Each is fetched once, before the loops (lib/soil.glsl).
 ivec4 place = given.place, written = given.written, shadow = given.shadow, origin = given.origin, axis = given.axis, shares = given.shares;
 
-// Returns the row of this invocation. It may lie beyond the last one.
-int row_of_pass(int first)
-{
-	ivec2 at = ivec2(gl_FragCoord.xy);
-	return first + at.x + COLUMNS * at.y;
-}
-
 // Tells whether this invocation is the last that ends one of the last two passes.
 bool is_last(int pass)
 {
 	memoryBarrier();
 	return atomicAdd(ended[pass], 1u) == uint(written.w - written.y - 1);
-}
-
-ivec2 frame_of(int x, int y)
-{
-	return origin.xy + ivec2(x * axis.x + y * axis.y, y * axis.x - x * axis.y);
 }
 
 ivec4 rectangle; // around the patch: most and least x, most and least y
@@ -85,7 +72,7 @@ ivec2 posts_of_row(int y)
 	float last = min(-least_of(-middle.x, reach.x, axis.x), -least_of(-middle.y, reach.y, -axis.y));
 	ivec2 posts = ivec2(max(int(floor(clamp(first, -1e6, 1e6))), written.x), min(int(ceil(clamp(last, -1e6, 1e6))) + 1, written.z));
 	// A row that lies whole between the two bands has no such posts.
-	int low = frame_of(posts.x, y).y, high = frame_of(posts.y, y).y;
+	int low = frame_of(origin.xy, axis.xy, posts.x, y).y, high = frame_of(origin.xy, axis.xy, posts.y, y).y;
 	bool between = !ends && max(low, high) < rectangle.z && min(low, high) > rectangle.w;
 	return between ? ivec2(0) : posts;
 }

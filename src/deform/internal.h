@@ -14,13 +14,12 @@ enum scratch_target {
 	TO_CONTACT, /* the textures that the model's contact pass writes */
 	TO_FIRST,   /* box: offset plane 0 */
 	TO_SECOND,  /* box: offset plane 1 */
-	TO_BEGUN,   /* the start of sliding: offset plane 0, heights, and the other textures that sliding starts with */
+	TO_BEGUN,   /* the start of sliding: heights, and the other textures that sliding starts with */
 	TO_HEIGHTS_0, TO_HEIGHTS_1,
 	TO_SHED,    /* sumner: the soil that each post sheds, in the texture `carried` */
 	/* Hops along slopes, in the atlas. The first writes heights to `carried` and extents to `deposits`. Later hops write extents in
 	 * turn to `under` and to `deposits`. */
 	TO_SLOPES_FIRST, TO_SLOPES_0, TO_SLOPES_1,
-	TO_SLID,    /* offset plane 1, and deposited thickness plane 1 */
 	TO_DISTURBANCE, /* disturbance plane 1 */
 	TO_HELD,    /* only the texture `contacts` */
 	TO_BARE,    /* no attachment: the pass writes images and buffers */
@@ -31,6 +30,7 @@ enum scratch_target {
 struct layer {
 	struct gpu_target *to[SCRATCH_TARGETS];
 	int now[PLANES]; /* for each plane: 0 or 1, the one of planes_of[0 .. 1] that holds the newest result */
+	bool near;       /* soil slides only near what the contact reached */
 	bool alone;      /* the contact has only this window */
 	bool loaded;     /* the object carries a load, so its equilibrium height is still unknown */
 	bool above;      /* as `above` in struct deform_contact: the object is above all ground */
@@ -206,9 +206,6 @@ enum status deform_run_contact(struct deform *deform, const void *params, size_t
 /* stages.c: runs the contact pass of a model whose parameters are only struct contact_params. */
 enum status deform_contact_plainly(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 				   uint32_t layer) FURROW_CHECKED;
-/* soil/slide.c: runs the passes after a contact that displaced soil: first the soil is spread, then it slides. */
-enum status deform_spread_and_slide(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
-				    uint32_t layer) FURROW_CHECKED;
 
 /* std140 twin of lib/soil.glsl's block. */
 struct scm_soil {
@@ -232,10 +229,11 @@ struct gpu_rect deform_rows(const int32_t posts[4]);
  * deform_find_what. The results are in the buffer `found`. `tally` counts loads that are not carried. */
 enum status deform_find(struct deform *deform, const struct scm_params *params, unsigned what, enum deform_shape_kind kind,
 			struct gpu_buffer *tally) FURROW_CHECKED;
-/* soil/between.c: fills what the shaders need to compute the lower envelope between posts (lib/scm_body.glsl). Turns `way`, `spin`
- * and `rolls` into the object's frame. */
+/* soil/between.c: fills what the shaders need to compute the lower envelope between posts (lib/scm_body.glsl). Needs `way`
+ * and `spin`. deform_turn_into_frame: then turns these, `rolls` and the slopes of a box into the object's frame. */
 void deform_between_posts(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 		      struct scm_params *params);
+void deform_turn_into_frame(struct scm_params *params);
 
 void deform_find_plan(const char *effect, struct plan *plan);
 
@@ -254,16 +252,23 @@ struct post_rect deform_shadow(const struct deform *deform, const struct deform_
 /* deform_reached: returns the posts that a contact can change. deform_fits_window: returns true if the posts below the object, and
  * those beside it, fit one window. deform_whole: returns the window of which this one is a part. */
 struct post_rect deform_reached(const struct deform *deform, const struct deform_contact *contact);
+/* Returns true if during the contact the object was less than two spacings above, or beside, each post on which it lay before: it did not
+ * jump, and its attitude hardly changed. */
+bool deform_is_swept(const struct deform *deform, const struct deform_contact *contact);
 bool deform_fits_window(const struct deform *deform, const struct deform_contact *contact);
 struct deform_window deform_whole(const struct deform *deform, const struct deform_window *window);
 
 /* soil/spread.c: lays displaced soil down around the object, in `deposits`. The contact pass wrote `carried`, at most 2^23 fixed-point
- * units a post. If the model measures, its contact pass added to `laying` instead; deform_spread_begin came before that pass, and
- * deform_spread_frame fills what it needs. deform_spread_posts: the shadow, and all posts on which soil may be laid. */
+ * units a post. If the model measures, its contact pass added to `laying` instead; deform_spread_begin came before that pass.
+ * deform_spread_params: computes how the soil of a contact is laid. deform_spread_posts: the shadow, and all posts on which soil may be
+ * laid. */
+struct spread_params { /* std140 twin of lib/spread.glsl's block */
+	int32_t place[4], written[4], shadow[4], origin[4], axis[4], shares[4];
+};
+struct spread_params deform_spread_params(const struct deform *deform, const struct deform_contact *contact,
+					  const struct deform_window *window, uint32_t layer);
 void deform_spread_begin(struct deform *deform, const struct deform_window *window, uint32_t layer);
-void deform_spread_frame(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
-			 int32_t frame[4], int32_t axis[4]);
-enum status deform_spread(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
+enum status deform_spread(struct deform *deform, const struct spread_params *params, const struct deform_window *window,
 			  uint32_t layer) FURROW_CHECKED;
 struct post_rect deform_spread_posts(const struct deform *deform, const struct deform_contact *contact, struct post_rect shadow);
 enum status deform_spread_create(struct deform *deform) FURROW_CHECKED;
@@ -272,16 +277,20 @@ void deform_spread_plan(struct plan *plan);
 /* soil/slide.c: adds the deposits to the ground. Then applies the model's relaxation rule `iterations` times to the window's
  * written posts. Reads offsets and deposited thickness from planes_of[1], and leaves them there. */
 enum status deform_slide(struct deform *deform, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
+/* soil/slide.c: runs the passes after a contact that displaced soil: first the soil is spread, then it slides. */
+enum status deform_spread_and_slide(struct deform *deform, const struct spread_params *spread, const struct deform_window *window,
+				    uint32_t layer) FURROW_CHECKED;
 struct slide_place {
 	uint32_t layer;
 	struct gpu_rect all, written; /* posts that are computed; posts that exchange soil */
+	int32_t around;               /* only over a window: soil slides this many posts around what the contact reached; -1: in all */
 	int turn;                     /* only over a window: which direction comes first when soil slides along lines */
 	struct place_flags {
 		struct gpu_buffer *words;
 		/* Only over a window: */
 		uint32_t first, columns;  /* its first word; its blocks in a row */
 		int32_t from[2];          /* its first post, counted from the first post of its first block */
-		int32_t looked[4];        /* posts whose neighbours were all computed: first, one behind the last */
+		int32_t step, sides[4];   /* posts beside a border, and beside each side of the window, that were not looked at */
 		bool loaded;              /* as in struct layer */
 	} flags;
 	/* Only over blocks: their number, 0 over a window; posts along a block's square in the atlas; squares in a row. */

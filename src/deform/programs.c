@@ -117,22 +117,19 @@ void deform_programs_spread(enum spread_pass pass, struct deform_request *out)
 	begin(out, "full.vert", files[pass]);
 }
 
-static void begin_over(struct deform_request *out, bool blocks, const char *fragment)
+/* A pass of sliding. The vertex shader passes parameters on. `passed`: the define that says how many. Over a window all passes but the
+ * last also compute the still posts around, since the next pass reads them. */
+static void begin_passed(struct deform_request *out, bool blocks, bool last, const char *passed, const char *fragment)
 {
-	begin(out, blocks ? "deform/regions.vert" : "full.vert", fragment);
-}
-
-/* The same, with parameters passed on by the vertex shader. `passed`: the define that says how many. */
-static void begin_passed(struct deform_request *out, bool blocks, const char *passed, const char *fragment)
-{
-	begin(out, blocks ? "deform/regions.vert" : "passed.vert", fragment);
+	begin(out, blocks ? "deform/regions.vert" : "deform/reached.vert", fragment);
 	define(out, passed, true);
+	define(out, "WINDOW", !blocks);
+	define(out, last ? "BESIDE 0" : "BESIDE 1", !blocks);
 }
 
 void deform_programs_begin(const struct deform_params *params, bool blocks, bool loaded, struct deform_request *out)
 {
-	begin_passed(out, blocks, "PASSED 3", "deform/slide_begin.frag");
-	define(out, "DEPOSITS", !blocks);
+	begin_passed(out, blocks, false, "PASSED 5", "deform/slide_begin.frag");
 	define(out, "LOAD", !blocks && loaded);
 	define(out, "THICKNESS", has_thickness(params));
 	define(out, "BOUNDED", deform_is_bounded(params));
@@ -148,10 +145,7 @@ void deform_programs_slide(const struct deform_params *params, enum slide_what w
 		[SLIDE_SHED] = "deform/slide_shed.frag",
 		[SLIDE_TAKE] = "deform/slide_take.frag",
 	};
-	if (what == SLIDE_EXCESS)
-		begin_passed(out, blocks, "PASSED 4", files[what]);
-	else
-		begin_over(out, blocks, files[what]);
+	begin_passed(out, blocks, last, what == SLIDE_EXCESS ? "PASSED 6" : "PASSED 5", files[what]);
 	if (what != SLIDE_TAKE) {
 		define_number(out, "SOILS", deform_soil_slots(params));
 		define(out, "BOUNDED", what == SLIDE_EXCESS && deform_is_bounded(params));
@@ -162,7 +156,6 @@ void deform_programs_slide(const struct deform_params *params, enum slide_what w
 		define(out, "LAST", true);
 		define(out, "WAKES", what == SLIDE_EXCESS && deform_has_slopes(params));
 		define(out, "THICKNESS", has_thickness(params));
-		define(out, "FLAGS", blocks);
 		define(out, "TOUCHED", params->touched);
 	}
 }
@@ -178,7 +171,7 @@ void deform_programs_lines(const struct deform_params *params, bool diagonal, st
 
 void deform_programs_slope(const struct deform_params *params, bool first, struct deform_request *out)
 {
-	begin_over(out, true, "deform/slope.frag");
+	begin(out, "deform/regions.vert", "deform/slope.frag");
 	define(out, "FIRST", first);
 	define_number(out, "SOILS", deform_soil_slots(params));
 }

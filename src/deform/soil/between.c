@@ -23,8 +23,8 @@ static double time_of_rim(const struct deform_contact *contact, double forward, 
 	return 1 + (share - 1) * aligned;
 }
 
-/* Turns the level part of a vector into the object's frame. */
-static void turn_into_frame(const double heading[2], float v[2])
+/* Turns the level part of a vector so that it is along the axes of a frame. heading: its x axis. */
+static void turn(const float heading[2], float v[2])
 {
 	double east = v[0], north = v[1];
 	v[0] = (float)(heading[0] * east + heading[1] * north);
@@ -101,10 +101,13 @@ void deform_between_posts(const struct deform *deform, const struct deform_conta
 	case DEFORM_SHAPES:
 		break; /* only its posts tell */
 	}
-	const double heading[2] = {params->heading[0], params->heading[1]};
-	turn_into_frame(heading, params->way);
-	turn_into_frame(heading, params->spin);
-	turn_into_frame(heading, params->rolls);
+}
+
+void deform_turn_into_frame(struct scm_params *params)
+{
+	turn(params->heading, params->way);
+	turn(params->heading, params->spin);
+	turn(params->heading, params->rolls);
 	for (int k = 0; k < 3; k++)
-		turn_into_frame(heading, &params->faces[k][1]);
+		turn(params->heading, &params->faces[k][1]);
 }

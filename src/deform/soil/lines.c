@@ -18,7 +18,7 @@ static const int orders[8][DEFORM_DIRECTIONS] = {{0, 1, 2, 3}, {0, 2, 1, 3}, {2,
 
 /* std140 twin of slide_lines.frag's block. */
 struct lines_params {
-	int32_t place[4], written[4];
+	int32_t place[4], window[4], around[4];
 	int32_t limits[DEFORM_SOILS][4];
 };
 
@@ -51,7 +51,8 @@ static enum status run(struct deform *deform, const struct slide_place *place, i
 	const struct gpu_rect w = large ? (struct gpu_rect){0, 0, 0, 0} : place->written;
 	struct lines_params params = {
 		.place = {(int32_t)place->layer, direction, deform_tolerance(deform), least(deform, diagonal)},
-		.written = {(int32_t)w.x, (int32_t)w.y, (int32_t)(w.x + w.width), (int32_t)(w.y + w.height)},
+		.window = {(int32_t)w.x, (int32_t)w.y, (int32_t)(w.x + w.width), (int32_t)(w.y + w.height)},
+		.around = {place->around},
 	};
 	for (int i = 0; i < deform->params.soil_count; i++)
 		params.limits[i][0] = deform->soils[i].critical[diagonal];
@@ -62,6 +63,7 @@ static enum status run(struct deform *deform, const struct slide_place *place, i
 		.target = deform->scratch[place->layer].to[TO_BARE],
 		.viewport = deform_rows(rows),
 		.images = {deform->heights[heights], deform->floors, deform->classes, [7] = stood ? deform->bases : NULL},
+		.block = deform->laying,
 		.params = &params,
 		.params_bytes = (size_t)((char *)params.limits[deform_soil_slots(&deform->params)] - (char *)&params),
 	});

@@ -13,9 +13,9 @@
 #include "deform/internal.h"
 #include "deform/soil/stability.h"
 
-/* std140 twins of the uniform blocks of slide_begin.frag and slide_take.frag, slide_excess.frag, and slide_shed.frag. */
+/* std140 twins of the parameters of slide_begin.frag and slide_take.frag, slide_excess.frag, and slide_shed.frag. */
 struct slide_params {
-	int32_t region[4], place[4], edge[4];
+	int32_t region[4], place[4], written[4], sides[4], view[4];
 };
 struct excess_params {
 	struct slide_params slide;
@@ -135,6 +135,16 @@ void deform_slide_prepare(struct deform *deform)
 				deform->contacts_flag = false;
 }
 
+static void fill_window(const struct slide_place *place, struct slide_params *params)
+{
+	const struct gpu_rect written = place->written;
+	const int32_t posts[4] = {(int32_t)written.x, (int32_t)written.y, (int32_t)(written.x + written.width), (int32_t)(written.y + written.height)};
+	const int32_t view[4] = {(int32_t)place->all.width, (int32_t)place->all.height, place->around, place->flags.step};
+	memcpy(params->written, posts, sizeof posts);
+	memcpy(params->sides, place->flags.sides, sizeof params->sides);
+	memcpy(params->view, view, sizeof view);
+}
+
 /* Returns the parameters of an iteration. `trim`: posts along each side of a block's square that later iterations do not need. */
 static struct slide_params slide_params(const struct slide_place *place, int64_t trim, int64_t rim)
 {
@@ -149,7 +159,7 @@ static struct slide_params slide_params(const struct slide_place *place, int64_t
 	params.region[1] = flags->from[1];
 	params.region[2] = (int32_t)flags->columns;
 	params.region[3] = (int32_t)flags->first;
-	memcpy(params.edge, flags->looked, sizeof params.edge);
+	fill_window(place, &params);
 	return params;
 }
 
@@ -159,7 +169,13 @@ static enum gpu_stage stage_of(const struct slide_place *place)
 	return place->blocks > 0 ? GPU_SETTLE : GPU_SLIDE;
 }
 
-/* Runs the first pass: reads planes_of[1]; writes planes_of[0] and the heights. */
+/* A pass over a window draws the rectangle that reached.vert finds, as a strip of four vertices. */
+static uint32_t strips(const struct slide_place *place)
+{
+	return place->blocks > 0 ? place->blocks : 1;
+}
+
+/* Runs the first pass: reads planes_of[1]; writes the heights. */
 static enum status begin(struct deform *deform, const struct slide_place *place)
 {
 	bool blocks = place->blocks > 0, loaded = place->flags.loaded;
@@ -169,24 +185,23 @@ static enum status begin(struct deform *deform, const struct slide_place *place)
 	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
 		return status;
-	struct gpu_rect written = place->written;
 	/* Iterations need no heights where only the extents of slopes are found. */
 	int32_t trim = blocks ? (int32_t)deform_slope_reach(&deform->params) : 0;
-	const struct slide_params params = {
+	struct slide_params params = {
 		.region = {(int32_t)place->side, (int32_t)place->columns, trim, (int32_t)place->first},
 		.place = {(int32_t)place->layer, deform_is_bounded(&deform->params) ? loose_depth(deform) : 0},
-		.edge = {(int32_t)written.x, (int32_t)written.y, (int32_t)(written.x + written.width),
-			 (int32_t)(written.y + written.height)},
 	};
+	fill_window(place, &params);
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
 		.stage = stage_of(place),
 		.program = *program,
 		.target = deform->scratch[place->layer].to[TO_BEGUN],
 		.viewport = place->all,
-		.instances = place->blocks,
-		.images = {deform->bases, deform->planes_of[1][PLANE_OFFSET], deform->contacts,
-			   blocks ? NULL : deform->deposits, deform->planes_of[1][PLANE_DEPOSITED]},
+		.instances = strips(place),
+		.images = {deform->bases, deform->planes_of[1][PLANE_OFFSET], deform->contacts, blocks ? NULL : deform->deposits,
+			   deform->planes_of[1][PLANE_DEPOSITED]},
 		.storage = {deform->tally},
+		.block = blocks ? NULL : deform->laying,
 		.params = &params,
 		.params_bytes = sizeof params,
 	});
@@ -195,18 +210,23 @@ static enum status begin(struct deform *deform, const struct slide_place *place)
 
 static void run(struct deform *deform, const struct slide_place *place, int iteration, struct gpu_pass *pass)
 {
-	bool last = iteration == deform->params.iterations - 1;
+	bool last = iteration == deform->params.iterations - 1, blocks = place->blocks > 0;
+	const enum scratch_target heights = iteration % 2 == 0 ? TO_HEIGHTS_1 : TO_HEIGHTS_0;
+	struct gpu_texture *const *planes = deform->planes_of[1];
 	pass->stage = stage_of(place);
-	pass->target = deform->scratch[place->layer].to[last ? TO_SLID : iteration % 2 == 0 ? TO_HEIGHTS_1 : TO_HEIGHTS_0];
+	pass->target = deform->scratch[place->layer].to[last ? TO_BARE : heights];
 	pass->viewport = place->all;
-	pass->instances = place->blocks;
+	pass->instances = strips(place);
 	pass->images[0] = deform->heights[iteration % 2];
-	pass->images[3] = last ? deform->bases : NULL;
-	pass->images[4] = last ? deform->planes_of[0][PLANE_OFFSET] : NULL;
-	pass->images[5] = last ? deform->stills : NULL;
-	if (last && deform->planes_of[0][PLANE_DEPOSITED] != NULL)
-		pass->images[6] = deform->planes_of[0][PLANE_DEPOSITED];
 	pass->storage[1] = last ? place->flags.words : NULL;
+	pass->block = blocks ? NULL : deform->laying;
+	if (last) {
+		pass->images[3] = blocks ? NULL : deform->deposits;
+		pass->images[4] = planes[PLANE_OFFSET];
+		pass->images[5] = deform->stills;
+		pass->images[6] = planes[PLANE_DEPOSITED] != NULL ? planes[PLANE_DEPOSITED] : pass->images[6];
+		pass->images[7] = deform->bases;
+	}
 	gpu_pass_run(deform->params.gpu, pass);
 }
 
@@ -264,9 +284,10 @@ static enum status shed(struct deform *deform, const struct slide_place *place, 
 		.program = *program,
 		.target = deform->scratch[place->layer].to[TO_SHED],
 		.viewport = place->all,
-		.instances = place->blocks,
+		.instances = strips(place),
 		.images = {deform->heights[iteration % 2], deform->contacts, deform->classes,
 			   [7] = stood ? deform->bases : NULL},
+		.block = place->blocks > 0 ? NULL : deform->laying,
 		.params = &params,
 		.params_bytes = (size_t)((char *)&params.soils[deform_soil_slots(&deform->params)] - (char *)&params),
 	});
@@ -334,6 +355,7 @@ enum status deform_slide(struct deform *deform, const struct deform_window *wind
 		.layer = layer,
 		.all = deform_window_rect(window),
 		.written = deform_written(window),
+		.around = deform->scratch[layer].near ? (int32_t)deform->reach : -1,
 		.turn = (int)((window->write.x0 + 2 * window->write.y0) & 7),
 		.flags = deform_active_flags(deform, window, layer),
 	};
@@ -342,9 +364,9 @@ enum status deform_slide(struct deform *deform, const struct deform_window *wind
 	return deform_slide_run(deform, &place);
 }
 
-enum status deform_spread_and_slide(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
+enum status deform_spread_and_slide(struct deform *deform, const struct spread_params *spread, const struct deform_window *window,
 				    uint32_t layer)
 {
-	enum status status = deform_spread(deform, contact, window, layer);
+	enum status status = deform_spread(deform, spread, window, layer);
 	return status == STATUS_OK ? deform_slide(deform, window, layer) : status;
 }

@@ -3,20 +3,15 @@
  * (SOIL.md, "Laying"). All lengths are metres: they come from the object, its motion and the depth, not from the posts.
  */
 #include <math.h>
-#include <string.h>
 
 #include "deform/shape/body.h"
 #include "deform/internal.h"
 
-#define LAYING_BYTES (42 * 4)   /* lib/laying.glsl */
+#define LAYING_BYTES (46 * 4)   /* lib/laying.glsl */
 #define STEEPEST_TAN 1.0        /* steeper soil is laid as if it stood at 45 degrees */
 #define ONE 65536.0
 
 enum { AHEAD, BEHIND, LEFT, RIGHT, FACES };
-
-struct spread_params {
-	int32_t place[4], written[4], shadow[4], origin[4], axis[4], shares[4];
-};
 
 /* How an object lays soil: all around its patch, or beside the faces of a rectangle around its patch. */
 struct laying {
@@ -165,8 +160,8 @@ static void place_frame(const struct deform *deform, const struct deform_contact
 	params->origin[1] = (int32_t)(fixed(north * ahead[0] - east * ahead[1]) - by_y * params->axis[0] + by_x * params->axis[1]);
 }
 
-static struct spread_params params_of(const struct deform *deform, const struct deform_contact *contact,
-				      const struct deform_window *window, uint32_t layer)
+struct spread_params deform_spread_params(const struct deform *deform, const struct deform_contact *contact,
+					  const struct deform_window *window, uint32_t layer)
 {
 	const struct laying laying = laying_of(contact);
 	const struct gpu_rect written = deform_written(window);
@@ -194,25 +189,14 @@ static struct spread_params params_of(const struct deform *deform, const struct 
 	return params;
 }
 
-void deform_spread_frame(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
-			 int32_t frame[4], int32_t axis[4])
-{
-	const struct spread_params params = params_of(deform, contact, window, 0);
-	const int32_t filled[4] = {params.origin[0], params.origin[1], params.place[1], params.place[2]};
-	memcpy(frame, filled, sizeof filled);
-	memcpy(axis, params.axis, 2 * sizeof axis[0]);
-}
-
 void deform_spread_begin(struct deform *deform, const struct deform_window *window, uint32_t layer)
 {
 	gpu_texture_clear(deform->deposits, layer, deform_written(window), 0);
 	gpu_buffer_clear(deform->laying, 0, LAYING_BYTES);
 }
 
-enum status deform_spread(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
-			  uint32_t layer)
+enum status deform_spread(struct deform *deform, const struct spread_params *params, const struct deform_window *window, uint32_t layer)
 {
-	const struct spread_params params = params_of(deform, contact, window, layer);
 	/* The heights are not used before soil slides. */
 	struct gpu_texture *const images[SPREAD_PASSES][3] = {
 		[SPREAD_MEASURE] = {deform->contacts, deform->carried, deform->planes_of[1][PLANE_OFFSET]},
@@ -232,12 +216,12 @@ enum status deform_spread(struct deform *deform, const struct deform_contact *co
 			.stage = GPU_SPREAD,
 			.program = deform->spread[pass],
 			.target = deform->scratch[layer].to[TO_BARE],
-			.viewport = deform_rows(pass == SPREAD_MEASURE ? params.shadow : params.written),
+			.viewport = deform_rows(pass == SPREAD_MEASURE ? params->shadow : params->written),
 			.textures = {[3] = pass == SPREAD_WEIGH ? deform->bases : NULL},
 			.images = {images[pass][0], images[pass][1], images[pass][2], [7] = pass == SPREAD_MEASURE ? deform->heights[0] : NULL},
 			.storage = {deform->tally, [4] = deform->laying},
-			.params = &params,
-			.params_bytes = sizeof params,
+			.params = params,
+			.params_bytes = sizeof *params,
 		});
 	}
 	return STATUS_OK;
