@@ -238,12 +238,6 @@ float cell_reach = half_across + 0.5 * scale.y;
 // The posts that bear lie at most this far to the side.
 float bears_aside = max(body.y, 2.0 * body.y < step_aside ? 0.5 * step_aside : 0.0) + abs(way.y) + 1e-3 * step_aside;
 
-// Returns at least how much higher than at the post the ground is in that part.
-float most_rise(incline i)
-{
-	return (abs(i.rise.x) + abs(i.rise.y)) * cell_reach;
-}
-
 // Tells whether the wheel, during the contact, was lower than a height above its centre somewhere within `reach` along its way. It says
 // yes also where the wheel was a little higher, and for some posts beside it. It reads no lower envelope, which costs more.
 bool was_below(vec2 at, float height, float reach)

@@ -253,7 +253,7 @@ bearing bearing_of(soil s, float by_width, incline i, ground g, object o, cell c
 	// Slip digs soil from below the object, so the object must sink by that much more to be borne as before. Compacted soil stays
 	// where it is, so it lies less deep below the lowered ground. The mean of |e| is by Simpson's rule.
 	if (b.held && !g.far && digs.x > 0.0) {
-		float mean = (mobilised + 4.0 * length(sheared(shear, passed.direction, halfway)) + length(sheared_after)) / 6.0;
+		float mean = (mobilised + 4.0 * length(sheared(shear, passed.direction, halfway)) + length(sheared_after)) * (1.0 / 6.0);
 		more = max(min(digs_more(s, before.dug, touching, mean), g.height - o.rests - 2), 0); // it never digs itself free
 		g.height -= more;
 		remains = max(remains - int(round(i.up * float(more))), 0);
