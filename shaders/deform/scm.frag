@@ -122,7 +122,7 @@ void main()
 	}
 	reach(y, min(reaches.x, first < last ? first : reaches.x), max(reaches.y, first < last ? last : reaches.y));
 	total lost = total(0, 0u), moved = lost;
-	uint over = 0u, moving = 0u;
+	uint over = 0u, moving = 0u, of_classes = 0u;
 	int hollow = 0, first_touched = last, last_touched = first;
 #ifdef FORCES
 	total force[3] = total[3](lost, lost, lost), moment[3] = total[3](lost, lost, lost);
@@ -154,6 +154,7 @@ void main()
 		}
 		total_add(moved, b.carried);
 		moving += uint(b.carried > 0);
+		of_classes |= b.carried > 0 ? 1u << class_at(x, y) : 0u;
 		hollow = max(hollow, b.touched ? depth_of(b.carried, b.after.offset, frame.w) : 0);
 		first_touched = b.touched ? min(first_touched, x) : first_touched;
 		last_touched = b.touched ? x : last_touched;
@@ -189,7 +190,7 @@ void main()
 	if (last <= first)
 		return;
 	if (first_touched < last)
-		measured(total_words(moved), moving, hollow,
+		measured(total_words(moved), moving, of_classes, hollow,
 			 ivec2[2](frame_of(frame.xy, frame_axis.xy, first_touched, y), frame_of(frame.xy, frame_axis.xy, last_touched, y)));
 	tally_sum(COMPACTED, total_words(lost));
 	if (over > 0u)

@@ -34,7 +34,7 @@ int beside_face(ivec2 at, out int face)
 	int along = max(at.x - rectangle.x, rectangle.y - at.x), aside = max(at.y - rectangle.z, rectangle.w - at.y);
 	bool beside = along <= 0;
 	face = beside ? (at.y > 0 ? 2 : 3) : (at.x > 0 ? 0 : 1);
-	bool far = beside ? abs(at.x) > axis.w : aside > 0;
+	bool far = beside ? abs(at.x) > axis.z : aside > 0;
 	return far || shares[face] == 0 ? 0 : profile((beside ? aside : along) >> 10);
 }
 

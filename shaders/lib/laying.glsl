@@ -14,6 +14,7 @@ layout(std430, binding = 4) coherent restrict buffer laying {
 	uint carried[2];       // lo, hi: fixed-point units
 	uint givers;           // posts that carry soil
 	uint deep;             // depth of the hollow, fixed-point units
+	uint given_soils;      // of the posts that carry soil: a bit for each class
 	uint ends[FACES];      // of the patch: BIAS + x, BIAS - x, BIAS + y, BIAS - y; 0: there is no patch
 	uint ended[2];         // invocations that ended each of the last two passes
 	uint weights[FACES];   // sums
@@ -55,12 +56,14 @@ int depth_of(int carries, int offset, int share)
 	return max(carries, int((uint(depth >> 8) * uint(share)) >> 8));
 }
 
-// Adds the touched posts of a row. soil: lo, hi; at: places of the first and the last of them in the frame.
-void measured(uvec2 soil, uint count, int deepest, ivec2 at[2])
+// Adds the touched posts of a row. soil: lo, hi; at: places of the first and the last of them in the frame. of_classes: of the posts that
+// carry soil: a bit for each class.
+void measured(uvec2 soil, uint count, uint of_classes, int deepest, ivec2 at[2])
 {
 	uint before = atomicAdd(carried[0], soil.x);
 	atomicAdd(carried[1], soil.y + uint(before + soil.x < before));
 	atomicAdd(givers, count);
+	atomicOr(given_soils, of_classes);
 	atomicMax(deep, uint(deepest));
 	ivec2 least = min(at[0], at[1]), most = max(at[0], at[1]);
 	atomicMax(ends[0], uint(BIAS + most.x));

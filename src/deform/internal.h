@@ -52,7 +52,6 @@ struct soil_slide {
 	enum slide_what passes[2];
 	bool bounded;       /* the layer of soil that can relax may have a bottom */
 	bool held_still;    /* soil below an object does not slide */
-	bool lines;         /* soil can slide along lines */
 	/* Computes the limits in `to` from the numbers of a soil. */
 	void (*prepare)(const struct deform *deform, const struct deform_soil *soil, struct slide_soil *to);
 	enum status (*iterate)(struct deform *deform, const struct slide_place *place, int iteration);
@@ -263,7 +262,7 @@ struct deform_window deform_whole(const struct deform *deform, const struct defo
  * deform_spread_params: computes how the soil of a contact is laid. deform_spread_posts: the shadow, and all posts on which soil may be
  * laid. */
 struct spread_params { /* std140 twin of lib/spread.glsl's block */
-	int32_t place[4], written[4], shadow[4], origin[4], axis[4], shares[4];
+	int32_t place[4], written[4], shadow[4], origin[4], axis[4], shares[4], soils[DEFORM_SOILS][4];
 };
 struct spread_params deform_spread_params(const struct deform *deform, const struct deform_contact *contact,
 					  const struct deform_window *window, uint32_t layer);
@@ -298,9 +297,9 @@ struct slide_place {
 	uint32_t first;               /* index of the first block in the list, and of its word in the flags */
 };
 enum status deform_slide_run(struct deform *deform, const struct slide_place *place) FURROW_CHECKED;
-/* soil/lines.c: soil slides along the lines of a window, before the last iteration. `heights`: index of the heights. */
-#define DEFORM_DIRECTIONS 4
-bool deform_has_lines(const struct deform_params *params);
+/* soil/lines.c: soil slides along the lines of a window, before the last iteration. `heights`: index of the heights.
+ * deform_line_passes: returns in how many directions, a pass each. */
+int deform_line_passes(const struct deform_params *params);
 enum status deform_lines_run(struct deform *deform, const struct slide_place *place, int heights) FURROW_CHECKED;
 /* soil/slopes.c: finds the critical difference in the slope at each post, in blocks. deform_slopes_found: returns the result. */
 int deform_slope_hops(const struct deform_params *params);   /* its passes; 0 if the height of slopes does not count */

@@ -107,7 +107,7 @@ enum spread_pass deform_spread_first(enum deform_model model)
 	return deform_model_row(model)->measures ? SPREAD_WEIGH : SPREAD_MEASURE;
 }
 
-void deform_programs_spread(enum spread_pass pass, struct deform_request *out)
+void deform_programs_spread(const struct deform_params *params, enum spread_pass pass, struct deform_request *out)
 {
 	static const char *const files[SPREAD_PASSES] = {
 		[SPREAD_MEASURE] = "deform/spread_measure.frag",
@@ -115,6 +115,7 @@ void deform_programs_spread(enum spread_pass pass, struct deform_request *out)
 		[SPREAD_LAY] = "deform/spread_lay.frag",
 	};
 	begin(out, "full.vert", files[pass]);
+	define_number(out, "SOILS", deform_soil_slots(params));
 }
 
 /* A pass of sliding. The vertex shader passes parameters on. `passed`: the define that says how many. Over a window all passes but the
@@ -271,7 +272,7 @@ static void each_slide(struct each *each, bool blocks, bool loaded)
 		deform_programs_slope(params, first, &each->request);
 		add(each, effect);
 	}
-	for (int diagonal = 0; diagonal < 2 && !blocks && deform_has_lines(params); diagonal++) {
+	for (int diagonal = 0; diagonal < 2 && !blocks && deform_line_passes(params) > 0; diagonal++) {
 		deform_programs_lines(params, diagonal, &each->request);
 		add(each, effect);
 	}
@@ -303,7 +304,7 @@ void deform_programs_each(const struct deform_params *params, const struct defor
 	}
 	if (deform_conserves(params->model)) {
 		for (int pass = deform_spread_first(params->model); pass < SPREAD_PASSES; pass++) {
-			deform_programs_spread((enum spread_pass)pass, &each.request);
+			deform_programs_spread(params, (enum spread_pass)pass, &each.request);
 			add(&each, "spread");
 		}
 		each_slide(&each, false, loaded);

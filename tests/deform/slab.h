@@ -68,6 +68,7 @@ static inline void slide_in_scratch(struct ground *ground)
 	if (deform->classes != NULL)
 		gpu_texture_upload(deform->classes, 0, rect, slab.classes);
 	deform->scratch[0].now[PLANE_OFFSET] = 1;
+	deform->scratch[0].near = false;
 	assert_ok(deform_slide(deform, &window, 0));
 	assert_ok(gpu_check(test_gpu, "sliding"));
 }

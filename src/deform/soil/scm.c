@@ -142,7 +142,8 @@ static double deepest(const struct deform_contact *contact)
 /* Copies what the contact pass needs to measure for the passes that lay soil. */
 static void fill_laying(const struct spread_params *spread, struct scm_params *params)
 {
-	const int32_t frame[4] = {spread->origin[0], spread->origin[1], spread->place[1], spread->place[2]};
+	/* Of all soils the same share of the depth is laid. */
+	const int32_t frame[4] = {spread->origin[0], spread->origin[1], spread->place[1], spread->soils[0][1]};
 	memcpy(params->written, spread->written, sizeof params->written);
 	memcpy(params->shadow, spread->shadow, sizeof params->shadow);
 	memcpy(params->frame, frame, sizeof frame);
@@ -274,6 +275,7 @@ const struct soil_model deform_model_scm = {
 	.in_place = true,
 	.rasters = true,
 	.slide = &deform_slide_excess,
+	.directions = 2,
 	.critical = critical,
 	.laid_at = laid_at,
 	.laid_share = laid_share,

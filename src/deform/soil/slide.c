@@ -67,7 +67,7 @@ bool deform_has_slopes(const struct deform_params *params)
 /* The pass that begins, those that find slopes or slide along lines, and those of the iterations. */
 int deform_slide_passes(const struct deform_params *params, bool blocks)
 {
-	int more = blocks ? deform_slope_hops(params) : deform_has_lines(params) ? DEFORM_DIRECTIONS : 0;
+	int more = blocks ? deform_slope_hops(params) : deform_line_passes(params);
 	return 1 + more + params->iterations * slide_of(params)->pass_count;
 }
 
@@ -323,7 +323,6 @@ const struct soil_slide deform_slide_excess = {
 	.passes = {SLIDE_EXCESS},
 	.bounded = true,
 	.held_still = true,
-	.lines = true,
 	.prepare = prepare_excess,
 	.iterate = excess,
 };
@@ -341,7 +340,7 @@ enum status deform_slide_run(struct deform *deform, const struct slide_place *pl
 	if (status == STATUS_OK && place->blocks > 0 && deform_has_slopes(&deform->params))
 		status = deform_slopes_run(deform, place);
 	for (int i = 0; i < deform->params.iterations && status == STATUS_OK; i++) {
-		if (i == deform->params.iterations - 1 && place->blocks == 0 && deform_has_lines(&deform->params))
+		if (i == deform->params.iterations - 1 && place->blocks == 0)
 			status = deform_lines_run(deform, place, i % 2);
 		if (status == STATUS_OK)
 			status = slide_of(&deform->params)->iterate(deform, place, i);

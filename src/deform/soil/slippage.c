@@ -42,6 +42,7 @@ const struct soil_model deform_model_slippage = {
 	.contact = contact,
 	.shader = "deform/slippage.frag",
 	.slide = &deform_slide_excess,
+	.directions = 4,
 	.critical = deform_critical_difference_cohesive,
 	.cotangent = deform_critical_cotangent,
 	.laid_at = laid_at,
