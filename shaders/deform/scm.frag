@@ -55,26 +55,32 @@ bool is_near(ground g, object o, int offset)
 	return o.lowest != UNDER_NONE && g.base != BASE_NODATA && o.lowest - surface < int(min(scale.y * 2097152.0, 1e9));
 }
 
-// Tells whether the post stores shear, which ends with a contact.
-bool remembers(int x, int y)
-{
-	return imageLoad(shears, ivec3(x, y, zero.z)).r != 0;
-}
-
 const int NOTHING = 0, REACHED = 1, CONCERNED = 2;
 
-// Tells whether the object was near the post, and whether it may touch it, may bear on its cell, or ends its shear. fell: how much
-// lower the object was before the contact than it is now, fixed-point units.
-int concerns(int x, int y, int raised, int fell)
+// Tells whether the object was near the post, and whether it may touch it, may bear on its cell, or ends its shear. It may say so too where
+// the object does not quite. fell: how much lower the object was before the contact than it is now, fixed-point units.
+int concerns(int x, int y, ground west, ground g, ground east, float by_width, int raised, int fell)
 {
-	ground g = ground_at(x, y);
+	ivec3 post = ivec3(x, y, zero.z);
+	bool sheared = imageLoad(shears, post).r != 0;
+	ground south = ground_at(x, y - 1), north = ground_at(x, y + 1);
+#ifdef SHAPE_WHEEL
+	vec2 at = place_of(x, y);
+	float height = float(g.height - raised) * UNIT_METRES;
+	bool known = g.base != BASE_NODATA, near = known && was_below(at, height + 2.0 * scale.y + float(fell) * UNIT_METRES, 0.0);
+	// Under a wheel that goes on, nothing bears above the plastic part of what the post was pressed before.
+	float gone = stamps > 0.0 ? 0.0 : max(plastic_of(soil_at(x, y), by_width, imageLoad(sinkages, post).r) - LEAST, 0.0);
+	float rises = (abs(rise_between(west, g, east)) + abs(rise_between(south, g, north))) * cell_reach;
+	bool some = near && sheared || known && was_below(at, height - gone + rises, cell_reach);
+#else
 	object o = object_at(x, y, raised);
-	int offset = imageLoad(offsets, ivec3(x, y, zero.z)).r;
-	bool some = may_touch(g, o) || remembers(x, y) && is_near(g, o, offset);
+	int offset = imageLoad(offsets, post).r;
+	bool near = is_near(g, o, offset + fell), some = may_touch(g, o) || sheared && is_near(g, o, offset);
 #ifdef FORCES
-	some = some || touch_room(ground_normal(x, y, g), g, o, cell_at(x, y, o)) > 0;
+	some = some || touch_room(incline_of(west, g, east, south, north), g, o, cell_at(x, y, o)) > 0;
 #endif
-	return some ? CONCERNED : is_near(g, o, offset + fell) ? REACHED : NOTHING;
+#endif
+	return some ? CONCERNED : near ? REACHED : NOTHING;
 }
 
 void main()
@@ -96,15 +102,23 @@ void main()
 	by_width = found_by_width(found_posts, place.w);
 #endif
 	// The posts of this row, without those at its ends that the object does not concern. It may have left some of these.
-	int first = shadow.x, last = shadow.z, what = NOTHING;
+	int first = shadow.x, last = shadow.z;
 	ivec2 reaches = ivec2(last, first);
-	while (first < last && (what = concerns(first, y, raised, fell)) != CONCERNED) {
+	ground west = ground_at(first - 1, y), g = ground_at(first, y), east;
+	for (; first < last; first++, west = g, g = east) {
+		east = ground_at(first + 1, y);
+		int what = concerns(first, y, west, g, east, by_width, raised, fell);
+		if (what == CONCERNED)
+			break;
 		reaches = what == REACHED ? ivec2(min(reaches.x, first), first + 1) : reaches;
-		first++;
 	}
-	while (first < last && (what = concerns(last - 1, y, raised, fell)) != CONCERNED) {
+	ground before_last = ground_at(last - 1, y), at_last = ground_at(last, y);
+	for (ground next; first < last; last--, at_last = before_last, before_last = next) {
+		next = ground_at(last - 2, y);
+		int what = concerns(last - 1, y, next, before_last, at_last, by_width, raised, fell);
+		if (what == CONCERNED)
+			break;
 		reaches.y = what == REACHED ? max(reaches.y, last) : reaches.y;
-		last--;
 	}
 	reach(y, min(reaches.x, first < last ? first : reaches.x), max(reaches.y, first < last ? last : reaches.y));
 	total lost = total(0, 0u), moved = lost;
@@ -114,20 +128,19 @@ void main()
 	total force[3] = total[3](lost, lost, lost), moment[3] = total[3](lost, lost, lost);
 	int deepest = 0, area = 0, saturated = 0;
 #endif
-	ground west = ground_at(first - 1, y), g = ground_at(first, y), east;
 	for (int x = first; x < last; x++, west = g, g = east) {
 		ivec3 post = ivec3(x, y, zero.z);
-		east = ground_at(x + 1, y);
 		object o = object_at(x, y, raised);
+		east = ground_at(x + 1, y);
 		soil s = soil_at(x, y);
 		post_state before = {imageLoad(offsets, post).r, g.heap, imageLoad(sinkages, post).r, 0, imageLoad(shears, post).r};
 #ifdef SLIP
 		before.dug = imageLoad(dugs, post).r;
 #endif
-		vec3 n = normal_of(west, g, east, ground_at(x, y - 1), ground_at(x, y + 1));
-		bearing b = bearing_of(s, by_width, n, g, o, cell_at(x, y, o), before);
+		incline i = incline_of(west, g, east, ground_at(x, y - 1), ground_at(x, y + 1));
+		bearing b = bearing_of(s, by_width, i, g, o, cell_at(x, y, o), before);
 		over += uint(b.refused);
-		total_add(lost, before.offset - b.after.offset - b.carried);
+		total_add(lost, b.touched ? before.offset - b.after.offset - b.carried : 0);
 		if ((b.held || is_near(g, o, before.offset)) && b.after.shear != before.shear)
 			imageStore(shears, post, ivec4(b.after.shear));
 		if (b.touched) {
@@ -148,14 +161,12 @@ void main()
 #ifdef FORCES
 		vec3 f = b.stress * unit, m = b.moment * unit * place.z;
 		bool bears = g.base != BASE_NODATA && b.area > 0.0;
-		f = bears ? f : vec3(0.0);
-		m = bears ? m : vec3(0.0);
 		vec3 large = max(abs(f), abs(m));
 		float most = bears ? MOST * min(b.area, 1.0) : 0.0;
-		saturated += int(max(large.x, max(large.y, large.z)) > most);
-		for (int i = 0; i < 3; i++) {
-			total_add(force[i], int(round(clamp(f[i], -most, most))));
-			total_add(moment[i], int(round(clamp(m[i], -most, most))));
+		saturated += int(bears && max(large.x, max(large.y, large.z)) > most);
+		for (int k = 0; k < 3; k++) {
+			total_add(force[k], int(round(clamp(f[k], -most, most))));
+			total_add(moment[k], int(round(clamp(m[k], -most, most))));
 		}
 		area += bears ? int(round(b.area * faces[0].w)) : 0;
 		deepest = max(deepest, b.held && bears ? b.sunk - before.heap : 0);

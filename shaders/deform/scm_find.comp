@@ -79,7 +79,7 @@ int first_contact()
 		for (int x = shadow.x + int(gl_LocalInvocationID.x); x < shadow.z; x += int(gl_WorkGroupSize.x)) {
 			ground g = ground_at(x, y);
 			object o = object_at(x, y, 0);
-			int room = touch_room(ground_normal(x, y, g), g, o, cell_at(x, y, o));
+			int room = touch_room(incline_at(x, y, g), g, o, cell_at(x, y, o));
 			imageStore(gaps, ivec3(x, y, zero.z), ivec4(room));
 			highest = max(highest, g.far ? NOWHERE : room);
 		}
@@ -127,7 +127,7 @@ vec3 share_at(int at, float by_width)
 #ifdef SLIP
 			before.dug = imageLoad(dugs, post).r;
 #endif
-			bearing b = bearing_of(soil_at(x, y), by_width, ground_normal(x, y, g), g, o, cell_at(x, y, o), before);
+			bearing b = bearing_of(soil_at(x, y), by_width, incline_at(x, y, g), g, o, cell_at(x, y, o), before);
 			if (g.base != BASE_NODATA && b.area > 0.0) {
 				area += int(round(b.area * faces[0].w));
 				total_add(force, int(round(clamp(b.stress.z * unit, -COUNTED_MOST, COUNTED_MOST))));

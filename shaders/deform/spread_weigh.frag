@@ -7,7 +7,7 @@
 layout(binding = 0, r8ui) readonly restrict uniform uimage2DArray contacts;
 layout(binding = 1, r32i) readonly restrict uniform iimage2DArray ways;
 layout(binding = 2, r32i) writeonly restrict uniform iimage2DArray weighed; // in the atlas of deposits: weight, face << 16
-layout(binding = 3) uniform isampler2DArray bases;
+layout(binding = 3, r32i) readonly restrict uniform iimage2DArray bases;
 
 const int AMOUNT_MOST = 1 << 29; // the most soil that a post gets, fixed-point units
 
@@ -86,7 +86,7 @@ uvec4 sum = uvec4(0u), best = uvec4(0u); // of this row, by face
 void weigh(int x, int y, int face, int weight)
 {
 	ivec3 post = ivec3(x, y, place.x);
-	if (weight <= 0 || (imageLoad(contacts, post).r & TOUCHED_POST) != 0u || texelFetch(bases, post, 0).r == BASE_NODATA)
+	if (weight <= 0 || (imageLoad(contacts, post).r & TOUCHED_POST) != 0u || imageLoad(bases, post).r == BASE_NODATA)
 		return;
 	imageStore(weighed, post, ivec4(face << 16 | weight));
 	uvec4 here = uvec4(equal(ivec4(face), ivec4(0, 1, 2, 3)));

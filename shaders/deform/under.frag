@@ -17,6 +17,10 @@ void main()
 	int height;
 	under_out = envelope(0, post, height) ? height : UNDER_NONE;
 #ifdef REST
+#ifdef AT_REST
+	rest_out = envelope_at_rest(1, post, height) ? height : UNDER_NONE;
+#else
 	rest_out = envelope(1, post, height) ? height : UNDER_NONE;
+#endif
 #endif
 }

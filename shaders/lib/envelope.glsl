@@ -94,6 +94,19 @@ bool envelope(int which, ivec2 post, out int height)
 	height = b.x + rise - scaled(up, c.x, c.w);
 	return covered;
 }
+
+#ifndef SIDEWAYS
+// The same for a motion of no length.
+bool envelope_at_rest(int which, ivec2 post, out int height)
+{
+	ivec4 a = bodies[which].a, b = bodies[which].b, c = bodies[which].c;
+	int r = a.x, u = AT(which, 0, post), x = clamp(u, -r, r);
+	int up = square_root(i64_sub(i64_mul(r, r), i64_mul(x, x)));
+	height = b.x + min(b.y, 0) - scaled(up, c.x, c.w);
+	return u == x && abs(AT(which, 1, post)) <= a.y;
+}
+#define AT_REST
+#endif
 #endif
 
 #ifdef SHAPE_SPHERE

@@ -1,10 +1,10 @@
 // The lower envelope of an object between posts, in its end pose, and the part of a post's cell that it covers (SOIL.md). Places are in
-// metres from the object's centre, in plan.
+// metres, in plan, in the object's frame (into_frame).
 // Defines: SHAPE_WHEEL, SHAPE_SPHERE, SHAPE_BOX. Without these the lower envelope is known only at posts.
 
 struct face {
 	float height; // of the lower envelope above the centre, m
-	vec2 slope;   // its rise for each metre east and north
+	vec2 slope;   // its rise for each metre along the axes of the frame
 	vec3 normal;  // upwards
 };
 
@@ -14,23 +14,39 @@ struct face {
 vec2 part_of_place(vec2 at)
 {
 #ifdef SHAPE_WHEEL
-	return dot(at, heading.xy) * heading.xy;
+	return vec2(at.x, 0.0);
 #else
 	return at;
 #endif
 }
 
-// A plane through a place, along the motion, cuts the object in a circle. Returns the square of this circle's radius, m2.
-float ring_squares(vec2 at)
+// A plane through a place, along the motion, cuts the object in a circle. Returns this circle's radius, m.
+float ring_at(vec2 at)
 {
 #ifdef SHAPE_WHEEL
-	return body.x * body.x;
+	return body.x;
 #else
-	float aside = heading.x * at.y - heading.y * at.x;
-	return max(body.x * body.x - aside * aside, 0.0);
+	return sqrt(max(body.x * body.x - at.y * at.y, 0.0));
 #endif
 }
 #endif
+
+// What is the same for all posts is computed once.
+#ifdef SHAPE_WHEEL
+const float STEEPEST_PART = 0.99874922; // of a unit normal: what lies in plan where its z is UPRIGHT_LEAST
+float half_across = 0.5 * scale.y / heading.z;
+#else
+float half_across = 0.5 * scale.y; // half the length of a line across a cell, m
+#endif
+float by_radius = 1.0 / body.x, step_aside = heading.z * scale.y, by_step = 1.0 / step_aside;
+vec2 by_speed = mix(1.0 / max(abs(way.xy), vec2(1e-9)), vec2(0.0), lessThan(abs(way.xy), vec2(1e-9))); // contacts a metre; 0: never
+float by_sinking = way.z < 0.0 ? -1.0 / way.z : 0.0, by_moving = moves.x > 0.0 ? 1.0 / moves.x : by_sinking;
+vec2 by_way = way.xy / max(dot(way.xy, way.xy), 1e-12);               // contacts a metre along the way
+float stamps = max(1.0 - length(way.xy) * (1.0 / half_across), 0.0); // 1: the object stood still; 0: it moved over a cell
+// Parts of cells are cut off along the lattice's axis that is nearest to the frame's.
+bool northward = abs(heading.y) > abs(heading.x);
+vec2 cut_ahead = scale.y * into_frame(northward ? vec2(0.0, sign(heading.y)) : vec2(sign(heading.x), 0.0));
+vec2 cut_aside = scale.y * into_frame(northward ? vec2(sign(-heading.y), 0.0) : vec2(0.0, sign(heading.x)));
 
 vec3 normal_of_slope(vec2 slope)
 {
@@ -42,12 +58,15 @@ vec3 normal_of_slope(vec2 slope)
 // own: slope of a lower envelope that is known only at posts.
 face face_at(vec2 at, vec2 own)
 {
-#ifdef ROUND
-	vec2 part = part_of_place(at);
-	float squares = dot(part, part), up = sqrt(max(body.x * body.x - squares, 0.0));
+#ifdef SHAPE_WHEEL
+	float up = sqrt(max(body.x * body.x - at.x * at.x, 0.0));
 	// A place may lie beyond the rim.
-	vec3 inwards = vec3(-part, max(up, sqrt(max(body.x * body.x, squares)) * (1.0 / STEEPEST)));
-	return face(-up, part / inwards.z, inwards * inversesqrt(dot(inwards, inwards)));
+	float ahead = clamp(at.x * by_radius, -STEEPEST_PART, STEEPEST_PART);
+	return face(-up, vec2(0.0), vec3(-ahead, 0.0, max(up * by_radius, UPRIGHT_LEAST)));
+#elif defined(SHAPE_SPHERE)
+	float squares = dot(at, at), up = sqrt(max(body.x * body.x - squares, 0.0));
+	vec3 inwards = vec3(-at, max(up, sqrt(max(body.x * body.x, squares)) * (1.0 / STEEPEST)));
+	return face(-up, at / inwards.z, inwards * inversesqrt(dot(inwards, inwards)));
 #elif defined(SHAPE_BOX)
 	face f = face(-1e9, vec2(0.0), vec3(0.0));
 	for (int k = 0; k < 3; k++) {
@@ -67,55 +86,58 @@ face face_at(vec2 at, vec2 own)
 float lowered_at(vec2 at, float back, float lowered, face now)
 {
 #ifdef ROUND
-	float forward = dot(at, heading.xy), squares = ring_squares(at), ring = sqrt(squares);
+	float forward = at.x, ring = ring_at(at);
 	float x = clamp(min(max(ring * moves.z, forward), forward + back), -ring, ring);
 	// How much higher the circle is at `forward` than at x, without the cancellation of two roots: near its ends these are inexact.
-	float inside = clamp(forward, -ring, ring), rises = (inside - x) * (inside + x) / max(sqrt(max(squares - x * x, 0.0)) - now.height, 1e-9);
+	float inside = clamp(forward, -ring, ring), rises = (inside - x) * (inside + x) / max(sqrt(max(ring * ring - x * x, 0.0)) - now.height, 1e-9);
 	return moves.x > 0.0 ? max(rises + moves.y * (x - forward), 0.0) : 0.0;
 #else
 	return lowered;
 #endif
 }
 
-// Returns the time, in contacts, until a place at `at` leaves a strip. size: half the strip's width, m; speed: of the place, m a contact.
-float until_beyond(float at, float size, float speed)
+// Returns the time, in contacts, until a place at `at` leaves a strip. size: half the strip's width, m; speed: of the place, m a contact;
+// by: contacts a metre.
+float until_beyond(float at, float size, float speed, float by)
 {
-	return size > 0.0 && abs(speed) > 1e-9 ? max(size - at * sign(speed), 0.0) / abs(speed) : 1e3;
+	return size > 0.0 && by > 0.0 ? max(size - at * sign(speed), 0.0) * by : 1e3;
 }
 
 // Returns the last share of the contact during which the object was deeper than `stays` below the surface. Below 0: it is not so deep
 // at the end. Above 1: it was so deep before the contact too, if it moved then as it moves now.
 float contact_share(vec2 at, float depth, float stays, face now, bool over)
 {
-	float forward = dot(at, heading.xy), gains = depth - stays;
+	float gains = depth - stays;
 #ifdef ROUND
 	// Where the circle along the motion first reached the place, and from there by the rise of the motion.
-	float up = max(-now.height - gains, body.x * 0.05), ring = sqrt(max(ring_squares(at) - up * up, 0.0));
-	float first = (ring - forward) * (1.0 - moves.y * up / min(moves.y * up - ring, -0.05 * up));
-	bool goes = moves.x > 0.0;
-	gains = goes ? first : gains;
-	float speed = goes ? moves.x : -way.z;
+	float all = ring_at(at), up = max(-now.height - gains, body.x * 0.05), ring = sqrt(max(all * all - up * up, 0.0));
+	float first = (ring - at.x) * (1.0 - moves.y * up / min(moves.y * up - ring, -0.05 * up));
+	float share = by_moving > 0.0 ? (moves.x > 0.0 ? first : gains) * by_moving : 1e3;
 #else
 	float speed = face_at(at + way.xy, now.slope).height - now.height - way.z;
-#endif
 	float share = speed > 0.0 ? gains / speed : 1e3;
+#endif
 #ifdef SHAPE_BOX
-	share = over ? min(share, until_beyond(forward, heading.w, dot(way.xy, heading.xy))) : share;
+	share = over ? min(share, until_beyond(at.x, heading.w, way.x, by_speed.x)) : share;
 #endif
 #if defined(SHAPE_BOX) || defined(SHAPE_WHEEL)
-	float aside = heading.x * at.y - heading.y * at.x;
-	share = over ? min(share, until_beyond(aside, body.y, heading.x * way.y - heading.y * way.x)) : share;
+	share = over ? min(share, until_beyond(at.y, body.y, way.y, by_speed.y)) : share;
 #endif
 	return clamp(share, -4.0, 1e3);
 }
 
 // The part of the object that a post bears: what covers the post's cell. The last covered post also bears what lies beyond its cell.
 struct cell {
-	vec2 at;     // the post, from the object's centre, m
+	vec2 at;     // the post
 	vec2 middle; // of the part, from the post, m
 	float share; // area of the part, in posts
 	vec2 own;    // slope of a lower envelope that is known only at posts
 };
+
+vec2 place_of(int x, int y)
+{
+	return into_frame(place.xy + scale.y * vec2(x, y));
+}
 
 bool covers(ivec2 post)
 {
@@ -123,53 +145,44 @@ bool covers(ivec2 post)
 }
 
 // Returns the part of a strip that a post bears: from, to, in posts from this post. at: the post's place across the strip, m. size:
-// half the strip's width, m. step: the next post is this much farther across, m. A post on the strip's border counts as covered, as
-// it does in the lower envelope.
-vec2 part_of(float at, float size, float step)
+// half the strip's width, m. A post on the strip's border counts as covered, as it does in the lower envelope.
+vec2 part_of(float at, float size)
 {
 	float covered = size + 1e-6 * size + 1e-7;
-	return vec2(abs(at - step) <= covered ? -0.5 : max((-size - at) / step, -1.0), abs(at + step) <= covered ? 0.5 : min((size - at) / step, 1.0));
+	return vec2(abs(at - step_aside) <= covered ? -0.5 : max((-size - at) * by_step, -1.0),
+		    abs(at + step_aside) <= covered ? 0.5 : min((size - at) * by_step, 1.0));
 }
 
 // Tells whether a post beside a wheel bears it. A wheel that is narrower than the spacing may pass between two posts: the nearer one
-// bears it. A wheel that has sunk nearly to its axle reaches into the cells of posts in front of it. at: the post from the wheel's
-// centre, forwards and to the left, m.
+// bears it. A wheel that has sunk nearly to its axle reaches into the cells of posts in front of it.
 bool bears_beside(vec2 at)
 {
 #ifdef SHAPE_WHEEL
-	float step = heading.z * scale.y;
-	bool between = 2.0 * body.y < step && abs(at.y - 1e-4 * step) <= 0.5 * step;
-	return abs(at.x) < body.x + 0.5 * scale.y / heading.z && (between || abs(at.x) > body.x && abs(at.y) <= body.y);
+	bool between = 2.0 * body.y < step_aside && abs(at.y - 1e-4 * step_aside) <= 0.5 * step_aside;
+	return abs(at.x) < body.x + half_across && (between || abs(at.x) > body.x && abs(at.y) <= body.y);
 #else
 	return false;
 #endif
 }
 
-vec2 along_and_aside(vec2 at)
-{
-	return vec2(dot(at, heading.xy), heading.x * at.y - heading.y * at.x);
-}
-
 cell cell_at(int x, int y, object o)
 {
-	bool over = o.rests != UNDER_NONE, northward = abs(heading.y) > abs(heading.x);
-	vec2 side = vec2(-heading.y, heading.x);
-	float step = heading.z * scale.y;
-	cell c = cell(place.xy + scale.y * vec2(x, y), vec2(0.0), over ? 1.0 : 0.0, vec2(0.0));
+	bool over = o.rests != UNDER_NONE;
+	cell c = cell(place_of(x, y), vec2(0.0), over ? 1.0 : 0.0, vec2(0.0));
 #if defined(SHAPE_WHEEL) || defined(SHAPE_BOX)
 	if (body.y > 0.0) {
-		vec2 at = along_and_aside(c.at), part = part_of(at.y, body.y, step);
-		bool narrow = 2.0 * body.y < step;
-		part = over ? part : !bears_beside(at) ? vec2(0.0) : narrow ? vec2(-body.y - at.y, body.y - at.y) / step : part;
+		vec2 part = part_of(c.at.y, body.y);
+		bool narrow = 2.0 * body.y < step_aside;
+		part = over ? part : !bears_beside(c.at) ? vec2(0.0) : narrow ? vec2(-body.y - c.at.y, body.y - c.at.y) * by_step : part;
 		c.share = max(part.y - part.x, 0.0);
-		c.middle = 0.5 * (part.x + part.y) * scale.y * (northward ? vec2(sign(side.x), 0.0) : vec2(0.0, sign(side.y)));
+		c.middle = 0.5 * (part.x + part.y) * cut_aside;
 	}
 #endif
 #ifdef SHAPE_BOX
 	if (body.y > 0.0 && heading.w > 0.0) {
-		vec2 part = part_of(dot(c.at, heading.xy), heading.w, step);
+		vec2 part = part_of(c.at.x, heading.w);
 		c.share *= max(part.y - part.x, 0.0);
-		c.middle += 0.5 * (part.x + part.y) * scale.y * (northward ? vec2(0.0, sign(heading.y)) : vec2(sign(heading.x), 0.0));
+		c.middle += 0.5 * (part.x + part.y) * cut_ahead;
 	}
 #endif
 #if !defined(ROUND) && !defined(SHAPE_BOX)
@@ -202,19 +215,34 @@ float lowest_near(vec2 at, float reach, vec2 own)
 }
 
 // Returns by how much the object can be raised and still touch a post's cell, and a little more; fixed-point units. 0 or less: it does
-// not touch the cell. n: normal of the ground, which may be as steep as STEEPEST.
-int touch_room(vec3 n, ground g, object o, cell c)
+// not touch the cell.
+int touch_room(incline i, ground g, object o, cell c)
 {
 	bool over = o.rests != UNDER_NONE;
-	vec2 hill = -n.xy / n.z, at = c.at + c.middle;
+	vec2 at = c.at + c.middle;
 #ifdef SHAPE_WHEEL
-	float reach = 0.5 * scale.y / heading.z, steep = abs(dot(hill, heading.xy));
+	float steep = abs(i.rise.x);
 #else
-	float reach = 0.5 * scale.y, steep = length(hill);
+	float steep = length(i.rise);
 #endif
-	float above = dot(hill, c.middle) + steep * reach - lowest_near(at, reach, c.own);
+	float above = dot(i.rise, c.middle) + steep * half_across - lowest_near(at, half_across, c.own);
 	float post = face_at(c.at, c.own).height, depth = over ? float(g.height - o.rests) : float(g.height - o.raised) - post * 1048576.0;
 	float room = depth + max(above + post, 0.0) * 1048576.0;
 	room += 1e-3 / scale.x + 2.4e-7 * abs(depth);
 	return g.base != BASE_NODATA && (over || c.share > 0.0) ? int(clamp(ceil(room), -2e9, 2e9)) : -2000000000;
 }
+
+#ifdef SHAPE_WHEEL
+// How far the part of a cell that a post bears reaches from the post, along the wheel's way. Its middle is at most half a post away.
+float cell_reach = half_across + 0.5 * scale.y;
+// The posts that bear lie at most this far to the side.
+float bears_aside = max(body.y, 2.0 * body.y < step_aside ? 0.5 * step_aside : 0.0) + abs(way.y) + 1e-3 * step_aside;
+
+// Tells whether the wheel, during the contact, was lower than a height above its centre somewhere within `reach` along its way. It says
+// yes also where the wheel was a little higher, and for some posts beside it. It reads no lower envelope, which costs more.
+bool was_below(vec2 at, float height, float reach)
+{
+	float away = max(max(at.x, -at.x - way.x) - reach, 0.0), highest = height + max(way.z, 0.0) + 1e-3 * scale.y + 2e-6 * body.x;
+	return abs(at.y) <= bears_aside && (highest >= 0.0 || away * away + highest * highest <= body.x * body.x);
+}
+#endif

@@ -11,13 +11,15 @@
 const float UNIT_METRES = 1.0 / 1048576.0;
 const int FAR = (1 << 28) - (1 << 18); // 2^-18 m: ground and object farther apart do not touch
 const int FAR_UNITS = (1 << 30) - (1 << 20);
-const float STEEPEST = 19.974984;      // slope at which the normal's z is 0.05; steeper slopes are taken as this one
+const float UPRIGHT_LEAST = 0.05;      // z of a unit normal; steeper slopes are taken as the one with this z
+const float STEEPEST = 19.974984;      // that slope
 const float STRESS_MOST = 1e20;        // Pa: a limit that keeps all numbers finite
 const int SOILS = 16;
 
 struct soil {
 	vec4 a; // k_c, k_phi, n, 1 / K_e
 	vec4 b; // c, tan phi, 1 / K, damping
+	vec4 c; // K_e, K
 };
 
 layout(std140, binding = 0) uniform params {
@@ -25,16 +27,15 @@ layout(std140, binding = 0) uniform params {
 	ivec4 written; // the posts this window writes: first, one behind the last
 	ivec4 shadow;  // of those, the posts that the object can be above
 	vec4 scale;    // slope of a fixed-point unit between posts; metres between posts; units of force a pascal; 1 / b
-	vec4 way;      // motion of the object, m; 1 / its time, 1/s
-	vec4 spin;     // its rotation about its centre, rad; share of the plastic flow that is deposited around
-	vec4 rolls;    // the rotation of a wheel without slip, rad
+	vec4 way;      // motion of the object in its frame, m; 1 / its time, 1/s
+	vec4 spin;     // its rotation about its centre, rad, in its frame; share of the plastic flow that is deposited around
+	vec4 rolls;    // the rotation of a wheel without slip, rad, in its frame
 	vec4 place;    // post (0, 0) from the centre, m; 1 / unit of length in moments; square metres a post
-	vec4 load;     // N; how deep the object may sink below its first contact, fixed-point units; number of the loaded body, from 1; 0: none;
-	               // 1: stresses act along the normal of the ground, not of the object's lower envelope
+	vec4 load;     // N; how deep the object may sink below its first contact, fixed-point units; number of the loaded body, from 1; 0: none
 	vec4 body;     // radius, m; half its breadth, m, 0: whole posts
-	vec4 heading;  // forwards, in plan; the larger of that vector's parts; half the length of a box, m
+	vec4 heading;  // x axis of the object's frame, in plan; the larger of that vector's parts; half the length of a box, m
 	vec4 moves;    // a round object: metres forwards; rise a metre; sine of that; how long a wheel's rim takes, of the soil's time; 0: 1
-	vec4 faces[3]; // box: height at its centre, m, and slope of its lower faces; of the first: units of area a post
+	vec4 faces[3]; // box: height at its centre, m, and slope of its lower faces in its frame; of the first: units of area a post
 	ivec4 drawn;   // the posts over which `rests` was computed
 	vec4 digs;     // how far the object slips over the ground during the contact, m; how deep that digs at most, in units of K
 	vec4 surface;  // the object's: adhesion, Pa, and tangent of its friction angle; then 1 for each that is the soil's own instead: c, tan phi
@@ -120,19 +121,36 @@ float rise_between(ground low, ground at, ground high)
 	return no_low || no_high ? rise : 0.5 * rise;
 }
 
-// Deposited soil does not turn the frame in which contact is judged: neighbours that rise would lift a post out of contact.
-vec3 normal_of(ground west, ground at, ground east, ground south, ground north)
+// The object's frame: x forwards, y to its left, from its centre.
+vec2 into_frame(vec2 v)
 {
-	vec2 slope = vec2(rise_between(west, at, east), rise_between(south, at, north));
-	float steep = dot(slope, slope);
-	slope *= min(1.0, STEEPEST * inversesqrt(max(steep, 1.0)));
-	float ca = inversesqrt(1.0 + dot(slope, slope));
-	return vec3(-slope * ca, ca);
+	return vec2(dot(v, heading.xy), heading.x * v.y - heading.y * v.x);
 }
 
-vec3 ground_normal(int x, int y, ground g)
+vec2 out_of_frame(vec2 v)
 {
-	return normal_of(ground_at(x - 1, y), g, ground_at(x + 1, y), ground_at(x, y - 1), ground_at(x, y + 1));
+	return v.x * heading.xy + v.y * vec2(-heading.y, heading.x);
+}
+
+// How the ground lies at a post.
+struct incline {
+	vec2 rise;       // for each metre along the axes of the object's frame
+	float up, by_up; // z of its unit normal, and 1 / z
+};
+
+// Deposited soil does not turn the frame in which contact is judged: neighbours that rise would lift a post out of contact.
+incline incline_of(ground west, ground at, ground east, ground south, ground north)
+{
+	vec2 rise = vec2(rise_between(west, at, east), rise_between(south, at, north));
+	float by_up = sqrt(1.0 + dot(rise, rise)), up = 1.0 / by_up, squares = up * up;
+	// STEEPEST / length(rise), by a series that is exact to 1e-8 where it is less than 1.
+	float limit = STEEPEST * up * (1.0 + squares * (0.5 + 0.375 * squares));
+	return incline(into_frame(rise * min(1.0, limit)), max(up, UPRIGHT_LEAST), min(by_up, 1.0 / UPRIGHT_LEAST));
+}
+
+incline incline_at(int x, int y, ground g)
+{
+	return incline_of(ground_at(x - 1, y), g, ground_at(x + 1, y), ground_at(x, y - 1), ground_at(x, y + 1));
 }
 
 // Returns the mean slope of the base between two posts that lie along one axis. Without data at an end, the middle is used.
@@ -173,9 +191,9 @@ void soil_set(inout soil s, int number, float value)
 	else if (number == 4)
 		s.b.y = tan(value);
 	else if (number == 5)
-		s.b.z = 1.0 / value;
+		s.b.z = 1.0 / (s.c.y = value);
 	else if (number == 6)
-		s.a.w = 1.0 / value;
+		s.a.w = 1.0 / (s.c.x = value);
 }
 
 void soil_take(inout soil s, int number, uint level, vec4 raster)
@@ -217,14 +235,13 @@ float yield_stress(soil s, float by_width, float z)
 {
 	float k = max(s.a.x * by_width + s.a.y, 0.0); // k_c may be negative, and a patch small
 	float bekker = k * exp2(s.a.z * log2(max(z, UNIT_METRES)));
-	return z > 0.0 ? min(min(bekker, z / s.a.w), STRESS_MOST) : 0.0;
+	return z > 0.0 ? min(min(bekker, z * s.c.x), STRESS_MOST) : 0.0;
 }
 
 // Returns how the yield stress grows with the sinkage, Pa/m.
 float yield_growth(soil s, float yields, float z)
 {
-	float elastic = 1.0 / s.a.w;
-	return yields >= 0.9999999 * elastic * z ? elastic : yields * s.a.z / max(z, UNIT_METRES);
+	return yields >= 0.9999999 * s.c.x * z ? s.c.x : yields * s.a.z / max(z, UNIT_METRES);
 }
 
 // Returns the plastic part of sinkage z, m: what stays after unloading.
@@ -269,36 +286,26 @@ bool may_touch(ground g, object o)
 	return g.base != BASE_NODATA && o.lowest < g.height;
 }
 
-// The new state of a post.
-struct answer {
-	int most;      // the largest sinkage so far, fixed-point units
-	float plastic; // its plastic part, m
-	bool touched, held;
-};
-
-answer answer_of(soil s, float by_width, float ca, ground g, object o, int most)
+// A wheel turns about its own axle.
+vec3 turns_by(vec4 rotation)
 {
-	answer a;
-	int deepest = sinkage_of(ca, g, o.lowest);
-	a.most = max(most, deepest);
-	int sunk = o.rests != UNDER_NONE ? sinkage_of(ca, g, o.rests) : 0;
-	float z = float(a.most) * UNIT_METRES;
-	a.plastic = plastic_part(s, z, yield_stress(s, by_width, z));
-	a.touched = deepest > 0 && (deepest == a.most || float(deepest) * UNIT_METRES > a.plastic);
-	a.held = sunk > 0 && (sunk == a.most || float(sunk) * UNIT_METRES > a.plastic);
-	return a;
+#ifdef SHAPE_WHEEL
+	return vec3(0.0, rotation.y, 0.0);
+#else
+	return rotation.xyz;
+#endif
 }
 
-// Returns the motion of the object's surface relative to the ground during the contact, m. `at`: place from the centre.
+// Returns the motion of the object's surface relative to the ground during the contact, m, in the object's frame. `at`: place there.
 vec3 way_of_surface(vec3 at)
 {
-	return way.xyz + cross(spin.xyz, at);
+	return way.xyz + cross(turns_by(spin), at);
 }
 
 // Returns the additional stress of damping: soil that is pushed down fast; Pa.
 float damped(soil s, vec3 at, vec3 normal)
 {
-	return s.b.w * max(0.0, -dot(way.xyz + cross(rolls.xyz, at), normal)) * way.w;
+	return s.b.w * max(0.0, -dot(way.xyz + cross(turns_by(rolls), at), normal)) * way.w;
 }
 
 // An exact sum of at most 2^15 whole numbers. It needs no carries.

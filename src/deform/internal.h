@@ -210,7 +210,7 @@ enum status deform_contact_plainly(struct deform *deform, const struct deform_co
 
 /* std140 twin of lib/soil.glsl's block. */
 struct scm_soil {
-	float a[4], b[4];
+	float a[4], b[4], c[4];
 };
 struct scm_params {
 	int32_t zero[4], written[4], shadow[4];
@@ -231,9 +231,10 @@ struct gpu_rect deform_rows(const int32_t posts[4]);
 enum status deform_find(struct deform *deform, const struct scm_params *params, unsigned what, enum deform_shape_kind kind,
 			struct gpu_buffer *tally) FURROW_CHECKED;
 /* soil/between.c: fills what the shaders need to compute the lower envelope between posts (lib/scm_body.glsl). Needs `way`
- * and `spin`. */
+ * and `spin`. deform_turn_into_frame: then turns these, `rolls` and the slopes of a box into the object's frame. */
 void deform_between_posts(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 		      struct scm_params *params);
+void deform_turn_into_frame(struct scm_params *params);
 
 void deform_find_plan(const char *effect, struct plan *plan);
 

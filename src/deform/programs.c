@@ -76,6 +76,7 @@ void deform_programs_contact(const struct deform_params *params, unsigned with, 
 		define(out, shapes[with / WITH_SHAPE], shapes[with / WITH_SHAPE] != NULL);
 	define(out, "SOIL_MAP", model->in_place && deform_has_classes(params));
 	define(out, "SLIP", model->in_place && params->slip_sinkage > 0);
+	define(out, "GROUND_NORMALS", model->in_place && params->ground_normals);
 	define_rasters(params, out);
 	define(out, "CONTACT", !model->in_place && deform_needs_contacts(params));
 	if (model->contact_soils)
@@ -90,6 +91,7 @@ void deform_programs_find(const struct deform_params *params, unsigned what, enu
 	define(out, shapes[kind], shapes[kind] != NULL);
 	define(out, "SOIL_MAP", (what & FIND_LOAD) && deform_has_classes(params));
 	define(out, "SLIP", (what & FIND_LOAD) && params->slip_sinkage > 0);
+	define(out, "GROUND_NORMALS", (what & FIND_LOAD) && params->ground_normals);
 	if (what & FIND_LOAD)
 		define_rasters(params, out);
 }

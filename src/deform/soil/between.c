@@ -23,6 +23,14 @@ static double time_of_rim(const struct deform_contact *contact, double forward, 
 	return 1 + (share - 1) * aligned;
 }
 
+/* Turns the level part of a vector so that it is along the axes of a frame. heading: its x axis. */
+static void turn(const float heading[2], float v[2])
+{
+	double east = v[0], north = v[1];
+	v[0] = (float)(heading[0] * east + heading[1] * north);
+	v[1] = (float)(heading[0] * north - heading[1] * east);
+}
+
 static void wheel(const struct deform *deform, const struct deform_contact *contact, struct scm_params *params)
 {
 	double yaw = contact->to.yaw, x = cos(yaw), y = sin(yaw);
@@ -73,7 +81,6 @@ static void box(const struct deform_contact *contact, struct scm_params *params)
 void deform_between_posts(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 		      struct scm_params *params)
 {
-	params->load[3] = deform->params.ground_normals;
 	deform_posts_in(window, post_rect_intersect(deform_shadow(deform, contact), window->read), params->drawn);
 	put_heading(params, 1, 0);
 	switch (contact->shape->kind) {
@@ -90,4 +97,13 @@ void deform_between_posts(const struct deform *deform, const struct deform_conta
 	case DEFORM_SHAPES:
 		break; /* only its posts tell */
 	}
+}
+
+void deform_turn_into_frame(struct scm_params *params)
+{
+	turn(params->heading, params->way);
+	turn(params->heading, params->spin);
+	turn(params->heading, params->rolls);
+	for (int k = 0; k < 3; k++)
+		turn(params->heading, &params->faces[k][1]);
 }

@@ -115,6 +115,7 @@ static void fill_soils(const struct deform_params *params, struct scm_soil *soil
 		soils[i] = (struct scm_soil){
 			.a = {(float)s->bekker_kc, (float)s->bekker_kphi, (float)s->bekker_n, inverse(s->elastic_stiffness)},
 			.b = {(float)s->cohesion, (float)tan(s->friction_angle), inverse(s->janosi_shear), (float)s->damping},
+			.c = {(float)fmin(s->elastic_stiffness, 1e30), (float)fmin(s->janosi_shear, 1e30)},
 		};
 	}
 }
@@ -169,6 +170,7 @@ static struct scm_params params_of(const struct deform *deform, const struct def
 	fill_surface(&contact->interface, params.surface);
 	deform_between_posts(deform, contact, window, &params);
 	fill_digging(deform, contact, &params);
+	deform_turn_into_frame(&params);
 	fill_laying(spread, &params);
 	params.faces[0][3] = (float)deform_area_units(deform, contact);
 	fill_soils(&deform->params, params.soils);
