@@ -105,22 +105,22 @@ static void sweep(struct ground *ground, int step, int number)
 static void interval(struct ground *ground)
 {
 	struct deform_tile tiles[SIDE * SIDE];
-	size_t count;
+	struct deform_interval size;
 	gpu_finish(ground->gpu);
 	double began = clock_seconds();
-	bench_must(deform_interval_begin(ground->deform, ground->rests, (size_t)ground->of.wheels, &count));
-	for (size_t i = 0; i < count; i++)
+	bench_must(deform_interval_begin(ground->deform, ground->rests, (size_t)ground->of.wheels, &size));
+	for (size_t i = 0; i < size.regions; i++)
 		bench_must(deform_interval_gather(ground->deform, i, tiles,
 						  tiles_of(ground, deform_interval_reads(ground->deform, i), tiles)));
-	for (size_t i = 0; i < count; i++)
+	for (size_t i = 0; i < size.runs; i++)
 		bench_must(deform_interval_scatter(ground->deform, i, tiles,
 						   tiles_of(ground, deform_interval_writes(ground->deform, i), tiles)));
-	if (count > 0)
+	if (size.blocks > 0)
 		bench_must(deform_interval_end(ground->deform));
 	gpu_finish(ground->gpu);
 	ground->interval_s += clock_seconds() - began;
 	ground->intervals++;
-	ground->blocks += (double)count;
+	ground->blocks += (double)size.blocks;
 }
 
 static void take_forces(struct ground *ground)

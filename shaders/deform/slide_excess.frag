@@ -12,6 +12,7 @@
 // - WAKES: as in slid.glsl
 
 #include "lib/slide.glsl"
+#include "lib/squares.glsl"
 
 layout(binding = 0, r32i) readonly uniform iimage2DArray heights;
 #ifdef BOUNDED
@@ -25,13 +26,14 @@ layout(binding = 6, r32i) readonly uniform iimage2DArray slopes; // by slope.fra
 #endif
 
 flat in ivec4 passed[PASSED]; // the parameters, from the vertex shader: passed.vert says why
-ivec4 region = passed[0]; // over blocks: as in regions.vert; over a window: its first post from its first block; blocks in a row; first word
+ivec4 region = passed[0]; // over blocks: z: the least critical difference in a slope; over a window: its first post from its first block; blocks in a row; first word
 ivec4 place = passed[1];  // the layer; a post this near a block's side concerns the neighbour too
 ivec4 edge = passed[2];   // over a window: posts whose neighbours were all computed: first, one behind the last
 
 // Of a soil: critical difference of heights, axial, diagonal; tolerance; difference that is steeper than the friction angle.
 #if SOILS > 1
 layout(std140, binding = 0) uniform slopes_of_soils {
+	SQUARES_FIRST
 	ivec4 others[3];
 	ivec4 limits[SOILS];
 };
@@ -89,7 +91,7 @@ void main()
 		int critical = k < 4 ? limits_of(soil).x : limits_of(soil).y;
 #ifdef SLOPES
 		// The slope is that of the post that gives. The sum for diagonal neighbours multiplies by sqrt(2), to a ten thousandth.
-		int most = gives ? slope : imageLoad(slopes, there).r;
+		int most = max(gives ? slope : imageLoad(slopes, there).r, region.z);
 		critical = min(critical, k < 4 ? most : most + (most >> 2) + (most >> 3) + (most >> 5) + (most >> 7));
 #endif
 		int over = high - critical;

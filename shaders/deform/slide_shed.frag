@@ -3,6 +3,7 @@
 // Defines: SOILS: number of soil classes in the parameters; STOOD: undisturbed ground is stable, however steep.
 
 #include "lib/slide.glsl"
+#include "lib/squares.glsl"
 
 layout(binding = 0, r32i) readonly uniform iimage2DArray heights;
 layout(binding = 1, r8ui) readonly uniform uimage2DArray contacts;
@@ -17,7 +18,8 @@ struct sumner {
 };
 
 layout(std140, binding = 0) uniform params {
-	ivec4 region; // as in regions.vert
+	SQUARES_FIRST
+	ivec4 region; // not read
 	ivec4 place;  // the layer
 	ivec4 edge;
 	sumner soils[SOILS];

@@ -5,12 +5,14 @@
 // - FLAGS: the pass computes active blocks instead of a window, and writes for each where soil still moves
 
 #include "lib/slide.glsl"
+#include "lib/squares.glsl"
 
 layout(binding = 0, r32i) readonly uniform iimage2DArray heights;
 layout(binding = 1, r32i) readonly uniform iimage2DArray sheds;
 
 layout(std140, binding = 0) uniform params {
-	ivec4 region; // over blocks: as in regions.vert; over a window: its first post from its first block; blocks in a row; first word
+	SQUARES_FIRST
+	ivec4 region; // over a window: its first post from its first block; blocks in a row; first word
 	ivec4 place;  // the layer; a post this near a block's side concerns the neighbour too
 	ivec4 edge;   // over a window: posts whose neighbours were all computed: first, one behind the last
 };
